@@ -1,0 +1,46 @@
+# Fails when the firmware uses a heap or floating point, or includes more than the contract.
+# usage: cmake -D FIRMWARE_DIR=... -P firmware_lint.cmake
+cmake_minimum_required(VERSION 3.25)
+
+# What a C11 compiler without an operating system brings, plus memcpy() and its kin.
+set(system_headers stdint stdbool stddef stdatomic stdalign stdnoreturn limits inttypes string)
+set(forbidden_words float double malloc calloc realloc free)
+
+set(findings "")
+file(GLOB_RECURSE files ${FIRMWARE_DIR}/*.c ${FIRMWARE_DIR}/*.h)
+foreach(file IN LISTS files)
+    cmake_path(RELATIVE_PATH file BASE_DIRECTORY ${FIRMWARE_DIR} OUTPUT_VARIABLE name)
+    cmake_path(GET file PARENT_PATH folder)
+    file(READ ${file} code)
+    # CMake takes ; and [ ] for list syntax when it walks over matches.
+    string(REGEX REPLACE "[][;]" " " code "${code}")
+    string(REGEX REPLACE "/\\*([^*]|\\*+[^*/])*\\*+/|//[^\n]*" "" code "${code}")
+
+    string(REGEX MATCHALL "#[ \t]*include[ \t]*[<\"][^>\"\n]*" includes "${code}")
+    foreach(include IN LISTS includes)
+        string(REGEX REPLACE "#[ \t]*include[ \t]*" "" include "${include}")
+        if(include MATCHES "^<(.*)\\.h$")
+            if(NOT CMAKE_MATCH_1 IN_LIST system_headers)
+                list(APPEND findings "${name}: <${CMAKE_MATCH_1}.h> is not for the firmware")
+            endif()
+        elseif(include MATCHES "^\"(.*)$" AND NOT CMAKE_MATCH_1 STREQUAL "hal/hal.h"
+               AND NOT EXISTS ${FIRMWARE_DIR}/include/${CMAKE_MATCH_1}
+               AND NOT EXISTS ${folder}/${CMAKE_MATCH_1})
+            list(APPEND findings "${name}: \"${CMAKE_MATCH_1}\" is neither firmware nor hal/hal.h")
+        endif()
+    endforeach()
+
+    string(REGEX REPLACE "\"([^\"\\\n]|\\\\.)*\"" "\"\"" code "${code}")
+    foreach(word IN LISTS forbidden_words)
+        if(code MATCHES "(^|[^A-Za-z0-9_])${word}([^A-Za-z0-9_]|$)")
+            list(APPEND findings "${name}: '${word}' is not for the firmware")
+        endif()
+    endforeach()
+endforeach()
+
+if(findings)
+    list(JOIN findings "\n  " findings)
+    message(FATAL_ERROR "Firmware lint:\n  ${findings}")
+endif()
+list(LENGTH files n_files)
+message(STATUS "Firmware lint: ${n_files} files clean")
