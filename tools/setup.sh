@@ -1,0 +1,136 @@
+# shellcheck shell=bash
+# SPDX-License-Identifier: Apache-2.0
+# Sourced by tools/run and tools/test: brings a fresh machine to where the project works.
+# All of it lands in build/, progress goes to stderr, and what is there already costs nothing.
+
+camturn_root=$(cd -P "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.." && pwd)
+mkdir -p "$camturn_root/build"
+
+camturn_say() { printf 'camturn: %s\n' "$*" >&2; }
+
+# What proves that a Debian package is not needed: its command or library, wherever it came from.
+camturn_has() {
+    case $1 in
+    ninja-build) command -v ninja ;;
+    xz-utils) command -v xz ;;
+    libc6-dev) gcc -E -x c - <<<'#include <stdio.h>' ;;
+    libcjson-dev) pkg-config --exists libcjson ;;
+    libinih-dev) pkg-config --exists inih ;;
+    python3-venv) "$(camturn_python)" -c 'import ensurepip, venv' ;;
+    *) command -v "$1" ;;
+    esac >/dev/null 2>&1
+}
+
+# camturn_apt PKG...: install those Debian packages that are missing, or say which they are.
+camturn_apt() {
+    local package sudo=() missing=()
+    for package in "$@"; do
+        camturn_has "$package" || missing+=("$package")
+    done
+    ((${#missing[@]})) || return 0
+
+    if [[ $EUID -ne 0 ]]; then
+        sudo=(sudo -n)
+    fi
+    if ! command -v apt-get >/dev/null || ! "${sudo[@]}" true 2>/dev/null; then
+        camturn_say "please install (names of Debian packages): ${missing[*]}"
+        exit 2
+    fi
+    camturn_say "installing ${missing[*]}"
+    local apt=("${sudo[@]}" env "DEBIAN_FRONTEND=noninteractive" apt-get -qq -o "DPkg::Lock::Timeout=300")
+    if ! { "${apt[@]}" update && "${apt[@]}" install -y --no-install-recommends "${missing[@]}"; } \
+        </dev/null >"$camturn_root/build/apt.log" 2>&1; then
+        tail -n 5 "$camturn_root/build/apt.log" >&2
+        camturn_say "apt-get could not install: ${missing[*]} (all of it in build/apt.log)"
+        exit 2
+    fi
+}
+
+# The first Python on the path that is new enough.
+camturn_python() {
+    local python
+    for python in python3 python3.14 python3.13 python3.12 python3.11; do
+        if "$python" -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null; then
+            command -v "$python"
+            return
+        fi
+    done
+    return 1
+}
+
+# camturn_venv LIST...: build/venv with the packages of tools/LIST.lock; exports CAMTURN_PYTHON.
+camturn_venv() {
+    export CAMTURN_PYTHON=$camturn_root/build/venv/bin/python
+    (
+        flock 9
+        for list in "$@"; do
+            camturn_venv_list "$list"
+        done
+    ) 9>"$camturn_root/build/venv.lock"
+}
+
+camturn_venv_list() {
+    local venv=$camturn_root/build/venv lock=$camturn_root/tools/$1.lock
+    local want stamp=$camturn_root/build/venv/$1.stamp unfinished=$camturn_root/build/venv/unfinished
+
+    want="$(sha256sum <"$lock") $("$CAMTURN_PYTHON" -V 2>/dev/null || true)"
+    if [[ ! -e $unfinished && -f $stamp && $(<"$stamp") == "$want" ]]; then
+        return 0
+    fi
+    # A stamp that differs or an interrupted installation: start over, since pip does not repair.
+    if [[ -e $unfinished || -f $stamp || ! -x $CAMTURN_PYTHON ]]; then
+        camturn_apt python3
+        camturn_python >/dev/null || {
+            camturn_say "please install Python 3.11 or newer"
+            exit 2
+        }
+        camturn_apt python3-venv
+        camturn_say "creating build/venv"
+        rm -rf "$venv"
+        mkdir "$venv"
+        touch "$unfinished"
+        "$(camturn_python)" -m venv "$venv"
+    fi
+    camturn_say "installing the Python packages of tools/$1.lock"
+    touch "$unfinished"
+    if ! "$CAMTURN_PYTHON" -m pip install -q --disable-pip-version-check --no-input \
+        --require-hashes --only-binary :all: -r "$lock" </dev/null >&2; then
+        camturn_say "pip could not install tools/$1.lock; when the network is back, just start again"
+        exit 2
+    fi
+    printf '%s %s' "$(sha256sum <"$lock")" "$("$CAMTURN_PYTHON" -V)" >"$stamp"
+    rm "$unfinished"
+}
+
+# camturn_build PRESET: configure when needed, and build.
+camturn_build() {
+    local log=$camturn_root/build/$1.log
+    (
+        flock 9
+        if ! camturn_cmake "$1" 3>&2 >"$log" 2>&1; then
+            cat "$log" >&2
+            camturn_say "build/$1 failed (see above, or build/$1.log)"
+            exit 1
+        fi
+    ) 9>"$camturn_root/build/$1.lock"
+}
+
+camturn_cmake() {
+    local dir=$camturn_root/build/$1
+    cd "$camturn_root" || return
+    # A build folder that was left half-configured, or that moved with its clone, starts afresh.
+    if [[ ! -f $dir/build.ninja ]] ||
+        ! grep -sqxF "CMAKE_HOME_DIRECTORY:INTERNAL=$camturn_root" "$dir/CMakeCache.txt"; then
+        camturn_say "configuring and building build/$1" 2>&3
+        cmake --preset "$1" --fresh || return
+    fi
+    cmake --build --preset "$1" -j "$(nproc)"
+}
+
+# camturn_setup LIST...: what every command of ours needs, with the Python packages of the lists.
+camturn_setup() {
+    camturn_apt gcc libc6-dev cmake ninja-build git pkg-config xz-utils libcjson-dev libinih-dev
+    camturn_venv "$@"
+    export PYTHONPATH=$camturn_root/tools${PYTHONPATH:+:$PYTHONPATH}
+    export CAMTURN_BUILD=$camturn_root/build/host
+}

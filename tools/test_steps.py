@@ -1,0 +1,167 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The steps of tools/test: run each, go on after a failure, add everything up.
+
+A gate (a build, a formatter, a linter) counts as one test; ctest and pytest tell their own
+numbers in JUnit files.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from pathlib import Path
+from xml.etree import ElementTree
+
+ROOT = Path(__file__).resolve().parent.parent
+BUILD = ROOT / "build"
+PYTHON = sys.executable
+PYPROJECT = "tools/pyproject.toml"
+C_FOLDERS = ("firmware", "hal", "host_sim", "tests")
+N_JOBS = "2"
+MIN_LINE_PERCENT = "95"
+MIN_BRANCH_PERCENT = "90"
+
+
+@dataclass
+class Tally:
+    """Counts over all runners, and the names of the steps that failed."""
+
+    passed: int = 0
+    failed: int = 0
+    skipped: int = 0
+    failed_steps: list[str] = field(default_factory=list)
+
+    def summary(self) -> str:
+        """Return the last line that tools/test prints."""
+        line = f"{self.passed} passed, {self.failed} failed"
+        return line + f", {self.skipped} skipped" if self.skipped else line
+
+    def fail(self, step: str, count: int = 1) -> None:
+        """Count failures of one step."""
+        self.failed += count
+        self.failed_steps.append(step)
+
+    def add_junit(self, step: str, report: Path, status: int) -> None:
+        """Add the counts of a JUnit file; a runner that broke down counts as one failure."""
+        try:
+            suites = list(ElementTree.parse(report).getroot().iter("testsuite"))
+        except (OSError, ElementTree.ParseError):
+            self.fail(step)
+            return
+
+        def total(*names: str) -> int:
+            return sum(int(suite.get(name, "0")) for suite in suites for name in names)
+
+        failed, skipped = total("failures", "errors"), total("skipped", "disabled")
+        self.passed += total("tests") - failed - skipped
+        self.skipped += skipped
+        if failed or status:
+            self.fail(step, max(failed, 1))
+
+
+def run(step: str, command: Iterable[str | Path]) -> int:
+    """Run one step from the root of the repository; its output passes through."""
+    print(f"--- {step}", flush=True)
+    start_s = time.monotonic()
+    try:
+        status = subprocess.run([str(word) for word in command], cwd=ROOT, check=False).returncode
+    except OSError as err:
+        print(err)
+        status = 127
+    verdict = "ok" if status == 0 else f"FAILED (exit status {status})"
+    print(f"--- {step}: {verdict}, {time.monotonic() - start_s:.1f} s\n", flush=True)
+    return status
+
+
+def gate(tally: Tally, step: str, *command: str | Path) -> bool:
+    """Run a step that counts as one test; tell whether it passed."""
+    if run(step, command) == 0:
+        tally.passed += 1
+        return True
+    tally.fail(step)
+    return False
+
+
+def build(tally: Tally, preset: str) -> bool:
+    """Build a preset by the function that tools/run uses too."""
+    script = 'set -euo pipefail; source "$1/tools/setup.sh"; camturn_build "$2"'
+    return gate(tally, f"build {preset}", "bash", "-c", script, "bash", ROOT, preset)
+
+
+def build_and_ctest(tally: Tally, preset: str) -> bool:
+    """Build a preset and run its C tests; tell whether the build passed."""
+    if not build(tally, preset):
+        return False
+    report = BUILD / preset / "ctest.xml"
+    report.unlink(missing_ok=True)
+    step = f"ctest {preset}"
+    status = run(step, ["ctest", "--preset", preset, "-j", N_JOBS, "--output-junit", report])
+    tally.add_junit(step, report, status)
+    return True
+
+
+def pytest(tally: Tally) -> None:
+    """Run the tests of the tools, and the scenarios that are written in Python."""
+    folders = [f for f in ("tests/tools", "tests/scenarios") if list(ROOT.glob(f + "/**/test_*.py"))]
+    report = BUILD / "pytest.xml"
+    report.unlink(missing_ok=True)
+    command = [PYTHON, "-m", "pytest", "-c", PYPROJECT, f"--rootdir={ROOT}", "-q", *folders]
+    tally.add_junit("pytest", report, run("pytest", [*command, f"--junitxml={report}"]))
+
+
+def source_checks(tally: Tally) -> None:
+    """Check formatting, lint and types: what needs no build."""
+    sources = sorted(p for f in C_FOLDERS for p in (ROOT / f).rglob("*.[ch]"))
+    gate(tally, "clang-format", "clang-format-14", "--dry-run", "--Werror", *sources)
+    ruff = (PYTHON, "-m", "ruff")
+    gate(tally, "ruff format", *ruff, "format", "--check", "--config", PYPROJECT, "tools", "tests")
+    gate(tally, "ruff check", *ruff, "check", "--config", PYPROJECT, "tools", "tests")
+    gate(tally, "mypy", PYTHON, "-m", "mypy", "--config-file", PYPROJECT, "tools")
+
+
+def coverage(tally: Tally) -> None:
+    """Run the C tests with counters, and hold the firmware to its coverage."""
+    for counters in (BUILD / "host-cov").rglob("*.gcda"):
+        counters.unlink()  # of earlier runs
+    if build_and_ctest(tally, "host-cov"):
+        gcovr = (PYTHON, "-m", "gcovr", "--root", ROOT, "--filter", f"{ROOT}/firmware/")
+        limits = ("--fail-under-line", MIN_LINE_PERCENT, "--fail-under-branch", MIN_BRANCH_PERCENT)
+        gate(tally, "coverage of firmware", *gcovr, *limits, "--print-summary", BUILD / "host-cov")
+
+
+def clang_tidy(tally: Tally) -> None:
+    """Analyse the firmware, with the compile commands of the clang build."""
+    tidy = ("run-clang-tidy-14", "-quiet", "-j", N_JOBS, "-p", BUILD / "host-clang")
+    gate(tally, "clang-tidy", *tidy, r"/firmware/[^/]*\.c$")
+
+
+def main() -> int:
+    """Run all steps, or with --fast the quick ones; return the exit status."""
+    tally = Tally()
+    start_s = time.monotonic()
+    os.environ.setdefault("CTEST_OUTPUT_ON_FAILURE", "1")
+    fast = "--fast" in sys.argv[1:]
+
+    if not fast:
+        source_checks(tally)
+    build_and_ctest(tally, "host")
+    pytest(tally)
+    if not fast:
+        if build_and_ctest(tally, "host-clang"):
+            clang_tidy(tally)
+        build_and_ctest(tally, "host-asan")
+        coverage(tally)
+
+    for step in tally.failed_steps:
+        print(f"failed: {step}")
+    print(f"{time.monotonic() - start_s:.0f} s", file=sys.stderr)
+    print(tally.summary(), flush=True)
+    return 1 if tally.failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
