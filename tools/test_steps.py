@@ -21,6 +21,7 @@ BUILD = ROOT / "build"
 PYTHON = sys.executable
 PYPROJECT = "tools/pyproject.toml"
 C_FOLDERS = ("firmware", "hal", "host_sim", "tests")
+PYTEST_FOLDERS = ("tests/tools", "tests/scenarios")
 N_JOBS = "2"
 MIN_LINE_PERCENT = "95"
 MIN_BRANCH_PERCENT = "90"
@@ -68,7 +69,10 @@ def run(step: str, command: Iterable[str | Path]) -> int:
     print(f"--- {step}", flush=True)
     start_s = time.monotonic()
     try:
-        status = subprocess.run([str(word) for word in command], cwd=ROOT, check=False).returncode
+        # One stream, so that messages stand where they belong.
+        status = subprocess.run(
+            [str(word) for word in command], cwd=ROOT, stderr=subprocess.STDOUT, check=False
+        ).returncode
     except OSError as err:
         print(err)
         status = 127
@@ -106,7 +110,7 @@ def build_and_ctest(tally: Tally, preset: str) -> bool:
 
 def pytest(tally: Tally) -> None:
     """Run the tests of the tools, and the scenarios that are written in Python."""
-    folders = [f for f in ("tests/tools", "tests/scenarios") if list(ROOT.glob(f + "/**/test_*.py"))]
+    folders = [f for f in PYTEST_FOLDERS if any((ROOT / f).rglob("test_*.py"))]
     report = BUILD / "pytest.xml"
     report.unlink(missing_ok=True)
     command = [PYTHON, "-m", "pytest", "-c", PYPROJECT, f"--rootdir={ROOT}", "-q", *folders]
@@ -158,7 +162,7 @@ def main() -> int:
 
     for step in tally.failed_steps:
         print(f"failed: {step}")
-    print(f"{time.monotonic() - start_s:.0f} s", file=sys.stderr)
+    print(f"{time.monotonic() - start_s:.0f} s")
     print(tally.summary(), flush=True)
     return 1 if tally.failed else 0
 
