@@ -1,0 +1,71 @@
+"""Errors a user can meet: one line, naming the place, the value and the remedy.
+
+>>> str(InputError("part.toml", "process.feed_mm", 0, "must be above 0", "give mm per turn"))
+'part.toml: process.feed_mm = 0: must be above 0; give mm per turn'
+"""
+
+from __future__ import annotations
+
+import re
+
+_MAX_VALUE_CHARS = 60
+_NOT_SHOWABLE = re.compile(r"[^\x20-\x7e]")
+
+
+def shown(value: object) -> str:
+    """Return a value as one short printable ASCII line."""
+    try:
+        text = ascii(value)
+    except (ValueError, RecursionError):  # integers of more than 4300 digits have no decimal form
+        text = f"<{type(value).__name__}>"
+    return text if len(text) <= _MAX_VALUE_CHARS else text[: _MAX_VALUE_CHARS - 3] + "..."
+
+
+def one_line(text: str) -> str:
+    """Return text with every character that could break a terminal line replaced by '?'."""
+    return _NOT_SHOWABLE.sub("?", text)
+
+
+class CamtoolsError(Exception):
+    """Base of all errors that are the input's fault; `lines` holds one message per line."""
+
+    def __init__(self, lines: list[str]) -> None:
+        self.lines = [one_line(line) for line in lines]
+        super().__init__("\n".join(self.lines))
+
+
+class InputError(CamtoolsError):
+    """One field of one file is wrong.
+
+    Parameters
+    ----------
+    file : str
+        File as the user named it.
+    field : str
+        Dotted path of the field, or "" for the file itself.
+    value : object
+        What was found there, or None when there is nothing to show.
+    problem, remedy : str
+        What is wrong, and what to do about it.
+    """
+
+    def __init__(self, file: str, field: str, value: object, problem: str, remedy: str) -> None:
+        found = "" if value is None else f" = {shown(value)}"
+        place = f"{field}{found}: " if field else ""
+        super().__init__([f"{file}: {place}{problem}; {remedy}"])
+
+
+class GeometryError(CamtoolsError):
+    """The numbers are each valid, but the shape they make is not.
+
+    Parameters
+    ----------
+    field : str
+        Dotted path of the field to change.
+    problem, remedy : str
+        What is wrong, and what to do about it.
+    """
+
+    def __init__(self, field: str, problem: str, remedy: str) -> None:
+        self.field = field
+        super().__init__([f"{field}: {problem}; {remedy}"])

@@ -1,0 +1,122 @@
+"""From a part to its table, checked against the exact geometry and the machine's limits.
+
+>>> from camtools.part import example_part
+>>> result = generate(example_part(), tolerance_nm=1.0)
+>>> result.accuracy_u.value_nm < 1.0, result.accuracy_x.value_nm < 1.0
+(True, True)
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import ceil, floor
+
+from camtools.accuracy import Accuracy
+from camtools.errors import CamtoolsError
+from camtools.evaluate import knot_interval, raw_bounds
+from camtools.feasibility import HighestSpeed, check_feasible, peaks_of
+from camtools.geometry import NM_PER_MM, Geometry, make_geometry
+from camtools.image import Bounds, Channel, Limits, Table
+from camtools.part import Part
+from camtools.quantise import with_bounds
+from camtools.search import choose_u, choose_x
+
+DEFAULT_TOLERANCE_NM = 1.0
+MAX_TOLERANCE_NM = 1_000_000.0
+
+
+@dataclass(frozen=True, eq=False)
+class Generated:
+    """A table and everything that is known about it."""
+
+    part: Part
+    geometry: Geometry
+    tolerance_nm: float
+    table: Table
+    accuracy_u: Accuracy
+    accuracy_x: Accuracy
+    highest_speed: HighestSpeed
+
+
+def u_bounds(channel: Channel, error_nm: float) -> Bounds:
+    """Return true bounds of u, one LSB of rounding in the firmware included."""
+    raw, h, lsb = raw_bounds(channel), knot_interval(channel), channel.lsb_nm
+    return Bounds(
+        u_min_nm=floor(channel.offset_nm + (raw.low - 1) * lsb),
+        u_max_nm=ceil(channel.offset_nm + (raw.high + 1) * lsb),
+        u1_peak_nm_per_rad=ceil((raw.first + 1) * lsb / h),
+        u2_peak_nm_per_rad2=ceil((raw.second + 2) * lsb / h**2),
+        error_pm=ceil(error_nm * 1000),
+    )
+
+
+def image_limits(part: Part) -> Limits:
+    """Return the machine's limits in the image's units, rounded down."""
+    limits = part.machine.limits
+    return Limits(
+        u_stroke_nm=_units(limits.u_stroke_mm, NM_PER_MM),
+        u_speed_um_s=_units(limits.u_speed_mm_s, 1000),
+        u_acceleration_mm_s2=_units(limits.u_acceleration_mm_s2, 1),
+        spindle_mrpm=_units(limits.spindle_rpm, 1000),
+    )
+
+
+def _units(value: float, per_unit: int) -> int:
+    """Return value * per_unit rounded down, forgiving the last digit of a decimal fraction."""
+    return floor(value * per_unit * (1 + 1e-12))
+
+
+def make_table(part: Part, u: Channel, x: Channel, error_nm: float) -> Table:
+    """Return the table of a part with its channels, bounds filled in."""
+    process = part.process
+    return Table(
+        part.part.name,
+        u.z_first_nm,
+        u.z_last_nm,
+        process.direction,
+        round(process.spindle_rpm * 1000),
+        round(process.feed_mm * NM_PER_MM),
+        round(process.depth_mm * NM_PER_MM),
+        image_limits(part),
+        u_bounds(u, error_nm),
+        (with_bounds(u), with_bounds(x)),
+    )
+
+
+def check_tolerance(tolerance_nm: float) -> None:
+    """Refuse a tolerance that is not a length.
+
+    Raises
+    ------
+    CamtoolsError
+        Not above 0, not at most MAX_TOLERANCE_NM, or not a number.
+    """
+    if not 0 < tolerance_nm <= MAX_TOLERANCE_NM:
+        problem = f"must be above 0 and at most {MAX_TOLERANCE_NM:g}"
+        raise CamtoolsError([f"tolerance_nm = {tolerance_nm:g}: {problem}; give nanometres"])
+
+
+def generate(part: Part, tolerance_nm: float = DEFAULT_TOLERANCE_NM) -> Generated:
+    """Return the smallest table of a part that keeps the tolerance.
+
+    Parameters
+    ----------
+    part : Part
+        A validated part.
+    tolerance_nm : float
+        Largest error of u and of x anywhere on the skirt [nm], the firmware's rounding included.
+
+    Raises
+    ------
+    CamtoolsError
+        The shape is impossible, the tolerance is out of reach, or the machine is too weak.
+    """
+    check_tolerance(tolerance_nm)
+    geometry = make_geometry(part)
+    u, accuracy_u = choose_u(geometry, tolerance_nm)
+    x, accuracy_x = choose_x(geometry, tolerance_nm)
+    table = make_table(part, u, x, max(accuracy_u.value_nm, accuracy_x.value_nm))
+    best = check_feasible(peaks_of(table.bounds), part.machine.limits, part.process.spindle_rpm)
+    return Generated(part, geometry, tolerance_nm, table, accuracy_u, accuracy_x, best)
+
+

@@ -1,0 +1,101 @@
+"""Command line of the table generator.
+
+>>> sorted(products(generate(example_part()), with_plots=False))
+['example.camtab', 'example.json', 'example_table.c', 'example_table.h']
+"""
+
+from __future__ import annotations
+
+import argparse
+import signal
+import sys
+from pathlib import Path
+from types import FrameType
+from typing import NoReturn
+
+from camtools.csource import emit_header, emit_source
+from camtools.errors import CamtoolsError, one_line
+from camtools.generate import DEFAULT_TOLERANCE_NM, Generated, check_tolerance, generate
+from camtools.image import pack
+from camtools.output import write_all
+from camtools.part import example_part, load_part
+from camtools.summary import emit_json, emit_text, make_summary
+
+__all__ = ["example_part", "main", "products"]
+
+_BAD_INPUT = 2
+
+
+class _Parser(argparse.ArgumentParser):
+    def error(self, message: str) -> NoReturn:
+        self.exit(_BAD_INPUT, f"mktables: {one_line(message)}; see mktables --help\n")
+
+
+def _arguments(argv: list[str] | None) -> argparse.Namespace:
+    parser = _Parser(prog="mktables", description="Make the cam table of a part.")
+    parser.add_argument("part", type=Path, metavar="PART.toml", help="part file")
+    parser.add_argument("-o", "--output", type=Path, required=True, metavar="DIR", help="folder")
+    parser.add_argument(
+        "--tolerance-nm",
+        type=float,
+        default=DEFAULT_TOLERANCE_NM,
+        metavar="T",
+        help="largest error of u and x, default %(default)s",
+    )
+    parser.add_argument("--plot", action="store_true", help="draw PNG plots too")
+    return parser.parse_args(argv)
+
+
+def products(result: Generated, *, with_plots: bool) -> dict[str, bytes]:
+    """Return the content of every file that mktables writes, by file name."""
+    name, image = result.table.part_name, pack(result.table)
+    files = {
+        f"{name}.camtab": image,
+        f"{name}_table.h": emit_header(name, len(image)).encode("ascii"),
+        f"{name}_table.c": emit_source(name, image).encode("ascii"),
+        f"{name}.json": emit_json(make_summary(result)).encode("ascii"),
+    }
+    if with_plots:
+        from camtools.plots import draw_all  # matplotlib takes longer to load than all the rest
+
+        files |= {f"{name}_{topic}.png": png for topic, png in draw_all(result).items()}
+    return files
+
+
+def _run(arguments: argparse.Namespace) -> None:
+    check_tolerance(arguments.tolerance_nm)
+    part = load_part(arguments.part)
+    try:
+        result = generate(part, arguments.tolerance_nm)
+    except CamtoolsError as error:
+        raise CamtoolsError([f"{arguments.part}: {line}" for line in error.lines]) from error
+    write_all(arguments.output, products(result, with_plots=arguments.plot))
+    sys.stdout.write(emit_text(make_summary(result)))
+
+
+class _Interrupted(BaseException):
+    """A signal asks us to stop; unwinding removes the temporary files."""
+
+
+def _interrupt(number: int, _frame: FrameType | None) -> None:
+    raise _Interrupted(number)
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Run the command; return its exit status: 0 done, 2 bad input, 128 + n on signal n."""
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, _interrupt)
+    try:
+        _run(_arguments(argv))
+    except CamtoolsError as error:
+        for line in error.lines:
+            sys.stderr.write(f"mktables: {line}\n")
+        return _BAD_INPUT
+    except _Interrupted as stop:
+        sys.stderr.write("mktables: interrupted; nothing was written\n")
+        return 128 + int(stop.args[0])
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,101 @@
+"""Files appear complete or not at all.
+
+>>> import tempfile
+>>> with tempfile.TemporaryDirectory() as name:
+...     write_all(Path(name), {"a.txt": b"1", "b.txt": b"2"})
+...     sorted(path.name for path in Path(name).iterdir())
+['a.txt', 'b.txt']
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import tempfile
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from camtools.errors import CamtoolsError
+
+_SIGNALS = {signal.SIGINT, signal.SIGTERM, signal.SIGHUP}
+
+
+def _write_temporary(folder: Path, name: str, data: bytes, made: list[Path]) -> Path:
+    handle, path = tempfile.mkstemp(prefix=f".{name}.", suffix=".tmp", dir=folder)
+    made.append(Path(path))
+    with os.fdopen(handle, "wb") as stream:
+        os.fchmod(handle, 0o666 & ~_umask())
+        stream.write(data)
+        stream.flush()
+        os.fsync(handle)
+    return Path(path)
+
+
+def _umask() -> int:
+    mask = os.umask(0o022)
+    os.umask(mask)
+    return mask
+
+
+@contextmanager
+def _signals_held() -> Iterator[None]:
+    """Hold interrupts back while the finished files get their names."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, _SIGNALS)
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def _rename_all(folder: Path, temporaries: Mapping[str, Path]) -> None:
+    for name in temporaries:
+        if (folder / name).is_dir():
+            raise IsADirectoryError(21, os.strerror(21), name)
+    with _signals_held():
+        for name, path in temporaries.items():
+            path.replace(folder / name)
+
+
+def _make_folder(folder: Path) -> list[Path]:
+    """Make a folder; return what was missing, innermost first."""
+    missing = [path for path in (folder, *folder.parents) if not path.exists()]
+    folder.mkdir(parents=True, exist_ok=True)
+    return missing
+
+
+def write_all(folder: Path, files: Mapping[str, bytes]) -> None:
+    """Write files into a folder so that either all get their names or none does.
+
+    Everything is written to temporary files and synchronised first; only then are they
+    renamed, with interrupts held back.
+
+    Raises
+    ------
+    CamtoolsError
+        The system refuses; nothing new is left behind, older files are as they were.
+    """
+    made: list[Path] = []
+    folders: list[Path] = []
+    done = False
+    try:
+        folders = _make_folder(folder)
+        finals = {name: _write_temporary(folder, name, data, made) for name, data in files.items()}
+        _rename_all(folder, finals)
+        done = True
+    except OSError as error:
+        remedy = "give a folder that can be written and has room"
+        reason = error.strerror or str(error)
+        raise CamtoolsError([f"{folder}: cannot write: {reason}; {remedy}"]) from error
+    finally:
+        if not done:
+            _remove(made, folders)
+
+
+def _remove(files: list[Path], folders: list[Path]) -> None:
+    for path in files:
+        with suppress(OSError):
+            path.unlink()
+    for path in folders:
+        with suppress(OSError):
+            path.rmdir()

@@ -1,0 +1,191 @@
+"""The fewest bytes that keep the tolerance.
+
+Candidates are ordered by size, sieved by cheap estimates of the error in height (curvature
+of u over a slice, and kinks of a linear ovality between slices) and in angle, and the first
+one whose measured error is small enough wins.
+
+>>> from camtools.geometry import make_geometry
+>>> from camtools.part import example_part
+>>> channel, accuracy = choose_u(make_geometry(example_part()), tolerance_nm=1.0)
+>>> channel.n_slices, channel.log2_knots
+(32, 3)
+"""
+
+from __future__ import annotations
+
+from math import ceil, floor, inf
+from typing import NamedTuple
+
+import numpy as np
+
+from camtools.accuracy import Accuracy, measure_u, measure_x
+from camtools.errors import CamtoolsError
+from camtools.geometry import NM_PER_MM, Geometry
+from camtools.image import (
+    KNOT_SIZE,
+    MAX_LOG2_KNOTS,
+    MAX_SLICES,
+    MAX_SPACING_NM,
+    MIN_LOG2_KNOTS,
+    MIN_SPACING_NM,
+    Channel,
+    Ints,
+)
+from camtools.quantise import TooLargeError, height_range_nm, u_channel, x_channel
+from camtools.sections import Floats
+
+DERIVATIVE_SHARE = 1e-3
+MAX_CHANNEL_BYTES = 1 << 20
+_MAX_MEASURES = 400
+_ESTIMATE_ANGLES = 17
+_ESTIMATE_PIECES = 24
+_AT_FLOOR_LSB = 2.5
+
+
+class UnreachableError(CamtoolsError):
+    """No table within the format's and the generator's limits keeps the tolerance."""
+
+    def __init__(self, channel: str, tolerance_nm: float, best_nm: float) -> None:
+        self.best_nm = best_nm
+        best = f"best achievable is {best_nm:.3g} nm" if best_nm < inf else "nothing fits at all"
+        remedy = f"ask for at least {best_nm * 1.05:.2g} nm" if best_nm < inf else "magnify less"
+        more = "put linear ovality nodes on a common grid, or use interpolation = \"spline\""
+        super().__init__(
+            [f"tolerance_nm = {tolerance_nm:g}: unreachable for {channel}, {best}; {remedy}, {more}"]
+        )
+
+
+class HeightError(NamedTuple):
+    """What blending does to u between slices, from the exact geometry."""
+
+    curvature_nm: float  # largest |d2u/dz2| inside a piece, nm per nm^2
+    kinks_nm: Floats  # heights of kinks above the first slice, shape (n,)
+    bends: Floats  # largest |jump of du/dz| there, shape (n,)
+    span_nm: float
+
+    def estimate_nm(self, n_slices: Ints) -> Floats:
+        """Return the larger of both kinds of error for each number of slices."""
+        spacing = self.span_nm / (n_slices - 1)
+        worst = self.curvature_nm * spacing**2 / 8
+        for kink_nm, bend in zip(self.kinks_nm, self.bends, strict=True):
+            w = np.mod(kink_nm / spacing, 1.0)
+            worst = np.maximum(worst, bend * w * (1 - w) * spacing)
+        return np.asarray(worst, dtype=np.float64)
+
+
+def height_error(geometry: Geometry) -> HeightError:
+    """Return curvature and kinks of u over height, the worst over the angle."""
+    breaks = geometry.breaks_mm()
+    phi = np.linspace(0, np.pi, _ESTIMATE_ANGLES)
+    share = np.arange(_ESTIMATE_PIECES + 1) / _ESTIMATE_PIECES
+    step = np.diff(breaks) / _ESTIMATE_PIECES
+    z = breaks[:-1, None] + np.diff(breaks)[:, None] * share
+    u = geometry.delta(phi, z[..., None]).delta
+    slopes = np.diff(u, axis=1) / step[:, None, None]
+    curves = np.diff(slopes, axis=1) / step[:, None, None]
+    # slopes at the breaks themselves, second order from inside the pieces
+    upper = slopes[:, -1] + curves[:, -1] * step[:, None] / 2
+    lower = slopes[:, 0] - curves[:, 0] * step[:, None] / 2
+    bends = np.abs(lower[1:] - upper[:-1]).max(axis=1, initial=0)
+    first, last = height_range_nm(geometry)
+    kinks_nm = breaks[1:-1] * NM_PER_MM - first
+    return HeightError(float(np.abs(curves).max()) / NM_PER_MM, kinks_nm, bends, last - first)
+
+
+def slice_counts(geometry: Geometry) -> Ints:
+    """Return all numbers of slices whose spacing the format allows, rising."""
+    first, last = height_range_nm(geometry)
+    fewest = max(2, ceil((last - first) / MAX_SPACING_NM) + 1)
+    most = min(MAX_SLICES, floor((last - first) / MIN_SPACING_NM) + 1)
+    return np.arange(fewest, most + 1)
+
+
+def angle_error(geometry: Geometry, log2_knots: int) -> Accuracy:
+    """Return the error of u at slices alone: interpolation in angle and quantisation."""
+    n_slices = int(slice_counts(geometry)[0])
+    first, last = height_range_nm(geometry)
+    channel = u_channel(geometry, log2_knots, n_slices)
+    return measure_u(geometry, channel, np.linspace(first, last, n_slices))
+
+
+class Candidate(NamedTuple):
+    """A size of the u channel and what its error might be."""
+
+    size: int
+    log2_knots: int
+    n_slices: int
+    estimate_nm: float
+
+
+def u_candidates(geometry: Geometry) -> list[Candidate]:
+    """Return all sizes that can satisfy the derivatives, smallest first."""
+    counts = slice_counts(geometry)
+    in_height = height_error(geometry).estimate_nm(counts)
+    found: list[Candidate] = []
+    for log2_knots in range(MIN_LOG2_KNOTS, MAX_LOG2_KNOTS + 1):
+        fits = (counts << log2_knots) * KNOT_SIZE <= MAX_CHANNEL_BYTES
+        if not fits.any():
+            break
+        try:
+            in_angle = angle_error(geometry, log2_knots)
+        except TooLargeError:
+            continue
+        if max(in_angle.first_share, in_angle.second_share) > DERIVATIVE_SHARE:
+            continue
+        estimates = np.maximum(in_height, in_angle.value_nm)[fits]
+        sizes = (counts[fits] << log2_knots) * KNOT_SIZE
+        found += [
+            Candidate(int(size), log2_knots, int(n), float(estimate))
+            for size, n, estimate in zip(sizes, counts[fits], estimates, strict=True)
+        ]
+        if in_angle.value_nm <= _AT_FLOOR_LSB * in_angle.lsb_nm:
+            break  # more knots cannot help any more
+    return sorted(found)
+
+
+def _passes(accuracy: Accuracy, tolerance_nm: float) -> bool:
+    shares = max(accuracy.first_share, accuracy.second_share)
+    return accuracy.value_nm <= tolerance_nm and shares <= DERIVATIVE_SHARE
+
+
+def choose_u(geometry: Geometry, tolerance_nm: float) -> tuple[Channel, Accuracy]:
+    """Return the smallest u channel within the tolerance, and its measured error.
+
+    Raises
+    ------
+    UnreachableError
+        With the best error that was found.
+    """
+    candidates = u_candidates(geometry)
+    hopeful = [one for one in candidates if one.estimate_nm <= tolerance_nm]
+    # the very best comes last, so that a failed search still measures it
+    hopeful = hopeful[:_MAX_MEASURES] + sorted(candidates, key=lambda one: one.estimate_nm)[:1]
+    best_nm = inf
+    for candidate in hopeful:
+        channel = u_channel(geometry, candidate.log2_knots, candidate.n_slices)
+        accuracy = measure_u(geometry, channel)
+        if _passes(accuracy, tolerance_nm):
+            return channel, accuracy
+        best_nm = min(best_nm, accuracy.value_nm)
+    raise UnreachableError("u", tolerance_nm, best_nm)
+
+
+def choose_x(geometry: Geometry, tolerance_nm: float) -> tuple[Channel, Accuracy]:
+    """Return the smallest x channel within the tolerance, and its measured error.
+
+    Raises
+    ------
+    UnreachableError
+        With the best error that was found.
+    """
+    best_nm = inf
+    for n_knots in slice_counts(geometry):
+        try:
+            channel = x_channel(geometry, int(n_knots))
+        except TooLargeError:
+            continue
+        accuracy = measure_x(geometry, channel)
+        if accuracy.value_nm <= tolerance_nm:
+            return channel, accuracy
+        best_nm = min(best_nm, accuracy.value_nm)
+    raise UnreachableError("x", tolerance_nm, best_nm)

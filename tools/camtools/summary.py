@@ -1,0 +1,172 @@
+"""What is known about a table, as JSON for programs and as a few lines for people.
+
+>>> from camtools.generate import generate
+>>> from camtools.part import example_part
+>>> sorted(make_summary(generate(example_part())))[:4]
+['continuity', 'design', 'error', 'feasibility']
+"""
+
+from __future__ import annotations
+
+import json
+import struct
+from typing import Any
+
+import numpy as np
+from scipy.interpolate import PPoly
+
+from camtools.accuracy import Accuracy
+from camtools.evaluate import Continuity, jumps, knot_interval
+from camtools.feasibility import peaks_of
+from camtools.generate import Generated
+from camtools.geometry import NM_PER_MM, Geometry, dense_heights_mm, omega_rad_s
+from camtools.image import CRC_OFFSET, KIND_U, KIND_X, Channel, pack
+
+_PEAK_ANGLES = 1440
+_PEAK_HEIGHTS_PER_PIECE = 16
+
+Json = dict[str, Any]
+
+
+def _piecewise(spline: PPoly) -> Json:
+    return {"breaks_mm": spline.x.tolist(), "coefficients": spline.c.T.tolist()}
+
+
+def design_of(result: Generated) -> Json:
+    """Return the exact geometry, independent of the table: what a gauge compares with."""
+    section = result.part.piston.section
+    return {
+        "shape": section.shape,
+        "beta": float(section.beta),
+        "radius_mm": _piecewise(result.geometry.radius),
+        "ovality_mm": _piecewise(result.geometry.ovality),
+    }
+
+
+def motion_peaks(geometry: Geometry, spindle_rpm: float, feed_mm: float) -> Json:
+    """Return the peaks of U of the exact geometry at a spindle speed."""
+    z_mm = dense_heights_mm(geometry, _PEAK_HEIGHTS_PER_PIECE)
+    phi_rad = 2 * np.pi * np.arange(_PEAK_ANGLES) / _PEAK_ANGLES
+    u, omega = geometry.delta(phi_rad, z_mm[:, None]), omega_rad_s(spindle_rpm)
+    rise = np.diff(u.delta, axis=0) / np.diff(z_mm)[:, None]
+    return {
+        "stroke_mm": float(np.ptp(u.delta)),
+        "velocity_mm_s": float(np.abs(u.d1).max()) * omega,
+        "acceleration_mm_s2": float(np.abs(u.d2).max()) * omega**2,
+        "jerk_mm_s3": float(np.abs(u.d3).max()) * omega**3,
+        "velocity_from_feed_mm_s": float(np.abs(rise).max()) * feed_mm * spindle_rpm / 60,
+    }
+
+
+def _channel(channel: Channel) -> Json:
+    interval = knot_interval(channel)
+    return {
+        "bytes": channel.size,
+        "n_slices": channel.n_slices,
+        "knots_per_pattern": int(channel.knots.shape[1]),
+        "patterns_per_turn": 1 << channel.log2_repeat,
+        "frac_bits": channel.frac_bits,
+        "lsb_nm": channel.lsb_nm,
+        "knot_interval": interval / NM_PER_MM if channel.kind == KIND_X else np.degrees(interval),
+        "knot_interval_unit": "mm" if channel.kind == KIND_X else "degrees",
+        "spacing_mm": (channel.z_last_nm - channel.z_first_nm) / (channel.n_slices - 1) / NM_PER_MM,
+        "bounds": {
+            **{"p_min": channel.p_min, "p_max": channel.p_max},
+            **{"v_max": channel.v_max, "a_max": channel.a_max},
+        },
+    }
+
+
+def _error(accuracy: Accuracy, per: str) -> Json:
+    return {
+        "value_nm": accuracy.value_nm,
+        f"first_nm_per_{per}": accuracy.first,
+        f"second_nm_per_{per}2": accuracy.second,
+        "first_share_of_peak": accuracy.first_share,
+        "second_share_of_peak": accuracy.second_share,
+    }
+
+
+def _jumps(channel: Channel) -> Json:
+    names = Continuity._fields
+    knots, wrap = jumps(channel)
+    return {
+        "at_knots": dict(zip(names, knots, strict=True)),
+        "at_wrap": dict(zip(names, wrap, strict=True)),
+    }
+
+
+def _process(result: Generated) -> Json:
+    process, magnify = result.part.process, result.part.magnify
+    return {
+        "spindle_rpm": float(process.spindle_rpm),
+        "feed_mm": float(process.feed_mm),
+        "depth_mm": float(process.depth_mm),
+        "direction": process.direction,
+        "magnify": float(magnify.factor) if magnify else 1.0,
+    }
+
+
+def _feasibility(result: Generated) -> Json:
+    limits, peaks = result.part.machine.limits, peaks_of(result.table.bounds)
+    omega = omega_rad_s(result.part.process.spindle_rpm)
+    return {
+        "limits": {name: float(value) for name, value in limits.model_dump().items()},
+        "needed": {
+            "u_stroke_mm": peaks.u_stroke_mm,
+            "u_speed_mm_s": peaks.u1_mm * omega,
+            "u_acceleration_mm_s2": peaks.u2_mm * omega**2,
+            "spindle_rpm": float(result.part.process.spindle_rpm),
+        },
+        "highest_spindle_rpm": result.highest_speed.rpm,
+        "decided_by": result.highest_speed.decides,
+    }
+
+
+def make_summary(result: Generated) -> Json:
+    """Return everything that is known about a table, ready for JSON; no dates, no paths."""
+    table, image = result.table, pack(result.table)
+    u, x = table.channel(KIND_U), table.channel(KIND_X)
+    process = result.part.process
+    return {
+        "part": {"name": table.part_name, "source": result.part.part.source},
+        "process": _process(result),
+        "table_bytes": len(image),
+        "table_crc32": struct.unpack_from("<I", image, CRC_OFFSET)[0],
+        "tolerance_nm": float(result.tolerance_nm),
+        "height_range_mm": [table.z_first_nm / NM_PER_MM, table.z_last_nm / NM_PER_MM],
+        "channels": {"u": _channel(u), "x": _channel(x)},
+        "error": {"u": _error(result.accuracy_u, "rad"), "x": _error(result.accuracy_x, "mm")},
+        "continuity": {"u": _jumps(u), "x": _jumps(x)},
+        "guaranteed": vars(table.bounds),
+        "motion": motion_peaks(result.geometry, process.spindle_rpm, process.feed_mm),
+        "feasibility": _feasibility(result),
+        "design": design_of(result),
+    }
+
+
+def emit_json(summary: Json) -> str:
+    """Return a summary as JSON text: sorted keys, full double precision, deterministic."""
+    return json.dumps(summary, indent=1, sort_keys=True, allow_nan=False) + "\n"
+
+
+def emit_text(summary: Json) -> str:
+    """Return a summary as a few lines for people."""
+    u, x, error = summary["channels"]["u"], summary["channels"]["x"], summary["error"]
+    motion, feasible = summary["motion"], summary["feasibility"]
+    knots = u["knots_per_pattern"] * u["patterns_per_turn"]
+    error_u, error_x = error["u"], error["x"]
+    return (
+        f"{summary['part']['name']}: table of {summary['table_bytes']} bytes\n"
+        f"  u {u['n_slices']} slices, {knots} knots per turn ({u['knots_per_pattern']} stored), "
+        f"{u['frac_bits']} fraction bits; x {x['n_slices']} knots\n"
+        f"  error u {error_u['value_nm']:.3f} nm, x {error_x['value_nm']:.3f} nm "
+        f"(tolerance {summary['tolerance_nm']:g} nm), "
+        f"u' {error_u['first_share_of_peak']:.1e}, u'' {error_u['second_share_of_peak']:.1e}"
+        " of their peaks\n"
+        f"  U at {summary['process']['spindle_rpm']:g} r/min: stroke {motion['stroke_mm']:.4f} mm, "
+        f"{motion['velocity_mm_s']:.3f} mm/s, {motion['acceleration_mm_s2']:.1f} mm/s2, "
+        f"{motion['jerk_mm_s3']:.4g} mm/s3\n"
+        f"  highest speed {feasible['highest_spindle_rpm']:.1f} r/min, "
+        f"decided by {feasible['decided_by']}\n"
+    )
