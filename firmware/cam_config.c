@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cam/cam_config.h"
+#include "cam/cam_angle.h" // CAM_TURN_Q32
+#include "cam/cam_fix.h"   // cam_sat_i32
+
+/// 2 pi * 2^24, for gains of the observer.
+#define TWO_PI_Q24 INT64_C(105414357)
+
+/// Set-point checks allow 1/16 over the limits for encoder noise, and the rounding of three
+/// nanometres.
+#define CHECK_MARGIN_Q10 (3 * 1024)
+
+/// Gentle approach: a quarter of each limit.
+enum { approach_share = 4 };
+
+/// Homing waits this many times longer for the spindle to turn than the cut does.
+enum { homing_patience = 100 };
+
+/// @return a * b / c rounded to nearest; a * b must fit 62 bits; a, b >= 0, c > 0
+static int64_t scale(int64_t a, int64_t b, int64_t c)
+{
+    return (a * b + c / 2) / c;
+}
+
+/// @return [turn / 2^32] of micro-degrees
+static int32_t turn_of_udeg(int32_t udeg)
+{
+    const int64_t magnitude = scale(cam_abs_i64(udeg), CAM_TURN_Q32, 360000000);
+    return (int32_t)(uint32_t)(uint64_t)(udeg < 0 ? -magnitude : magnitude); // +180 deg is -2^31
+}
+
+/// @return [ticks / 2^16] of nanoseconds, saturated
+static int32_t ticks_of_ns(int32_t ns, uint32_t tick_hz)
+{
+    return cam_sat_i32(scale(ns, (int64_t)tick_hz * 65536, 1000000000));
+}
+
+/// @return [ticks^2 / 2^16] of square microseconds that check_fit() accepted; 2^16 / 10^12 is
+/// reduced
+static int32_t ticks2_of_us2(int32_t us2, uint32_t tick_hz)
+{
+    return cam_sat_i32(scale((int64_t)us2 * tick_hz, (int64_t)tick_hz * 16, 244140625));
+}
+
+int32_t cam_config_speed_q32(uint32_t speed_mrpm, uint32_t tick_hz)
+{
+    return cam_sat_i32(scale(speed_mrpm, CAM_TURN_Q32 / 4, (int64_t)tick_hz * 15000));
+}
+
+/// Speeds and accelerations beyond 2^30 per tick are limited: slower than allowed is safe.
+static cam_move_limits_t limits(int32_t speed_um_per_s, int32_t acceleration_mm_per_s2,
+                                uint32_t tick_hz)
+{
+    const int64_t most = INT64_C(1) << 30;
+    const int64_t vel = scale(speed_um_per_s, 1024000, tick_hz);
+    const int64_t acc = scale(acceleration_mm_per_s2, 1024000000, (int64_t)tick_hz * tick_hz);
+    return (cam_move_limits_t){
+        .speed_q10 = (int32_t)cam_clamp_i64(vel, 1, most),
+        .acceleration_q10 = (int32_t)cam_clamp_i64(acc, 1, most),
+    };
+}
+
+/// Double pole at w = 2 pi f: kp = 2 w T, ki = (w T)^2.
+static void build_observer(cam_spindle_config_t *c, const cam_params_t *p, uint32_t tick_hz)
+{
+    const int64_t wt_q24 = scale(TWO_PI_Q24, p->observer_bandwidth_mHz, (int64_t)tick_hz * 1000);
+    c->kp_q31 = cam_sat_i32(wt_q24 * 256);
+    c->ki_q31 = cam_sat_i32((wt_q24 * wt_q24) >> 17);
+}
+
+static void build_spindle(cam_spindle_config_t *c, const cam_params_t *p, const cam_table_t *table,
+                          uint32_t tick_hz)
+{
+    const int32_t sense = table != NULL ? table->direction : 1;
+    const int32_t turn = p->counts_per_turn;
+    c->sign_mask = sense == p->encoder_sign ? 0u : ~0u;
+    c->counts_per_turn = turn;
+    c->turn_per_count_q56 = (UINT64_C(1) << 56) / (uint32_t)turn;
+    c->offset_q32 = (uint32_t)turn_of_udeg(p->index_offset_udeg);
+    c->index_tolerance = p->index_tolerance_counts;
+    c->index_overdue = turn + turn / 8;
+    c->jump_window = p->jump_window_counts;
+    c->max_counts = turn / 4;
+    build_observer(c, p, tick_hz);
+}
+
+/// Feed in turns rounded down by less than 2^-32; heights are rounded, so the last one is reached.
+static void build_feed(cam_play_config_t *c, const cam_params_t *p, const cam_table_t *table)
+{
+    const int64_t span_nm = (int64_t)table->z_last_nm - table->z_first_nm;
+    c->feed_nm = p->feed_nm > 0 ? p->feed_nm : (int32_t)table->feed_nm;
+    c->feed_q32 =
+        span_nm / c->feed_nm * CAM_TURN_Q32 + span_nm % c->feed_nm * CAM_TURN_Q32 / c->feed_nm;
+    c->z_first_nm = table->z_first_nm;
+    c->z_low_nm = cam_sat_i32((int64_t)table->z_first_nm - p->z_margin_nm);
+    c->z_high_nm = cam_sat_i32((int64_t)table->z_last_nm + p->z_margin_nm);
+    const uint32_t speed_mrpm =
+        p->spindle_mrpm > 0 ? (uint32_t)p->spindle_mrpm : table->spindle_mrpm;
+    c->spindle_mrpm = (int32_t)speed_mrpm * table->direction;
+    c->knots_shift = table->u.log2_knots + table->u.log2_repeat;
+}
+
+static void build_play(cam_play_config_t *c, const cam_params_t *p, uint32_t tick_hz)
+{
+    c->lead_q16 = ticks_of_ns(p->lead_ns, tick_hz);
+    c->xz_lag_q16 = ticks_of_ns(p->xz_lag_ns, tick_hz);
+    c->phase_q32 = turn_of_udeg(p->phase_udeg);
+    c->phase_step_q32 = (int32_t)(turn_of_udeg(p->phase_rate_udeg_per_s) / (int64_t)tick_hz) + 1;
+    c->amplitude_q30 = (int32_t)scale(p->amplitude_ppm, INT64_C(1) << 30, 1000000);
+    c->amplitude_step_q30 =
+        (int32_t)scale(p->amplitude_rate_ppm_per_s, INT64_C(1) << 30, (int64_t)tick_hz * 1000000) +
+        1;
+    c->engage_q32 = p->engage_turns * CAM_TURN_Q32;
+    c->disengage_q32 = p->disengage_turns * CAM_TURN_Q32;
+    c->per_engage_q31 = (uint32_t)((UINT32_C(1) << 31) / (uint32_t)p->engage_turns);
+    c->per_disengage_q31 = (uint32_t)((UINT32_C(1) << 31) / (uint32_t)p->disengage_turns);
+    c->is_z_measured = p->z_is_measured != 0;
+    c->u_retract_q10 = (int64_t)p->u_retract_nm * 1024;
+    c->x_clearance_q10 = (int64_t)p->x_clearance_nm * 1024;
+}
+
+static void build_limits(cam_config_t *c, const cam_params_t *p, uint32_t tick_hz)
+{
+    cam_move_limits_t *full = c->guard.limits;
+    full[hal_axis_u] = limits(p->u_speed_um_per_s, p->u_acceleration_mm_per_s2, tick_hz);
+    full[hal_axis_x] = limits(p->x_speed_um_per_s, p->x_acceleration_mm_per_s2, tick_hz);
+    full[hal_axis_z] = limits(p->z_speed_um_per_s, p->z_acceleration_mm_per_s2, tick_hz);
+    for (uint32_t i = 0; i < hal_n_axes; i++) {
+        c->play.approach[i] = (cam_move_limits_t){
+            .speed_q10 = full[i].speed_q10 / approach_share + 1,
+            .acceleration_q10 = full[i].acceleration_q10 / approach_share + 1,
+        };
+    }
+}
+
+static void build_guard(cam_guard_config_t *c, const cam_params_t *p, uint32_t speed_limit_mrpm,
+                        uint32_t tick_hz, uint32_t clock_hz)
+{
+    const cam_move_limits_t *u = &c->limits[hal_axis_u];
+    c->late_clocks = (uint32_t)scale(clock_hz, 100 + p->late_percent, (int64_t)tick_hz * 100);
+    c->overspeed_q32 = cam_config_speed_q32(speed_limit_mrpm, tick_hz);
+    c->stopped_q32 = cam_config_speed_q32((uint32_t)p->stopped_mrpm, tick_hz);
+    c->stopped_ticks = (uint32_t)scale(p->stopped_ms, tick_hz, 1000);
+    c->homing_ticks = c->stopped_ticks * homing_patience;
+    c->following_q6 = (int64_t)p->following_limit_nm * 64;
+    c->u_vel_q10 = u->speed_q10 + u->speed_q10 / 16 + CHECK_MARGIN_Q10;
+    c->u_acc_q10 = u->acceleration_q10 + u->acceleration_q10 / 16 + CHECK_MARGIN_Q10;
+    c->u_low_q10 = (int64_t)p->u_stroke_nm * -512;
+    c->u_high_q10 = (int64_t)p->u_stroke_nm * 512;
+    c->u_retract_q10 = (int64_t)p->u_retract_nm * 1024;
+    c->x_clearance_q10 = (int64_t)p->x_clearance_nm * 1024;
+}
+
+/// What the interrupt can count on: history reaches back over the lead, the observer is slower than
+/// the tick, feed-forward gains fit 15 integer bits.
+static cam_err_t check_fit(const cam_params_t *p, uint32_t tick_hz)
+{
+    const int64_t lead_q16 = scale(p->lead_ns, (int64_t)tick_hz * 65536, 1000000000);
+    const int64_t k2_ticks2 = (int64_t)p->k2_us2 * tick_hz / 1000000 * tick_hz / 1000000;
+    const int64_t k1_ticks = (int64_t)p->k1_ns * tick_hz / 1000000000;
+    const bool is_slow = (int64_t)p->observer_bandwidth_mHz * 20 <= (int64_t)tick_hz * 1000;
+    const bool is_short = lead_q16 < (int64_t)(cam_play_history - 2) * 65536;
+    return is_slow && is_short && k1_ticks < 32767 && k2_ticks2 < 32767 ? cam_ok
+                                                                        : cam_err_param_tick;
+}
+
+cam_err_t cam_config_build(cam_config_t *config, const cam_params_t *params,
+                           const cam_table_t *table, uint32_t speed_limit_mrpm, uint32_t tick_hz,
+                           uint32_t clock_hz)
+{
+    const cam_err_t err = check_fit(params, tick_hz);
+    if (err != cam_ok) {
+        return err;
+    }
+    *config = (cam_config_t){.generation = config->generation};
+    build_spindle(&config->spindle, params, table, tick_hz);
+    build_play(&config->play, params, tick_hz);
+    if (table != NULL) {
+        config->table = *table;
+        config->play.table = &config->table;
+        build_feed(&config->play, params, table);
+    }
+    build_limits(config, params, tick_hz);
+    build_guard(&config->guard, params, speed_limit_mrpm, tick_hz, clock_hz);
+    config->um_per_s_q24 = (int32_t)scale(tick_hz, INT64_C(1) << 24, 1024000);
+    config->mm_per_s2_q24 =
+        (int32_t)scale((int64_t)tick_hz * tick_hz, INT64_C(1) << 24, 1024000000);
+    config->k1_q16 = ticks_of_ns(params->k1_ns, tick_hz);
+    config->k2_q16 = ticks2_of_us2(params->k2_us2, tick_hz);
+    config->is_traced = params->trace_on != 0;
+    return cam_ok;
+}
+
+cam_config_t *cam_config_free_half(cam_config_bank_t *bank)
+{
+    const uint32_t offered = atomic_load_explicit(&bank->offered, memory_order_relaxed);
+    const uint32_t in_use = atomic_load_explicit(&bank->in_use, memory_order_acquire);
+    return offered == in_use ? &bank->half[1u - offered] : NULL;
+}
+
+void cam_config_offer(cam_config_bank_t *bank)
+{
+    const uint32_t offered = atomic_load_explicit(&bank->offered, memory_order_relaxed);
+    atomic_store_explicit(&bank->offered, 1u - offered, memory_order_release);
+}
+
+const cam_config_t *cam_config_take_isr(cam_config_bank_t *bank)
+{
+    const uint32_t offered = atomic_load_explicit(&bank->offered, memory_order_acquire);
+    atomic_store_explicit(&bank->in_use, offered, memory_order_release);
+    return &bank->half[offered];
+}

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cam/cam_feasible.h"
+#include <stdbool.h> // bool
+
+/// The ISR's arithmetic holds up to 16 knots per tick; half of that leaves room for overspeed.
+enum { max_knots_per_tick = 8 };
+/// A quarter turn per tick is the observer's limit; an eighth leaves room.
+enum { min_ticks_per_turn = 8 };
+
+/// Both sides of a limit at a speed, scaled alike.
+typedef struct {
+    cam_err_t err;
+    int64_t limit;
+    int64_t needed;
+    uint32_t highest_mrpm;
+} demand_t;
+
+static int64_t smaller(int64_t a, int64_t b)
+{
+    return a < b ? a : b;
+}
+
+/// @return floor of the square root
+static uint64_t root(uint64_t v)
+{
+    uint64_t r = 0;
+    for (uint64_t bit = UINT64_C(1) << 31; bit != 0u; bit >>= 1) {
+        r = (r + bit) * (r + bit) <= v ? r + bit : r;
+    }
+    return r;
+}
+
+/// [urad/s] of [r/min / 1000]: 2 pi / 60 * 1000, rounded up.
+static uint64_t angular_urad_s(uint64_t mrpm)
+{
+    return (mrpm * 104719756u + 999999u) / 1000000u;
+}
+
+/// A speed that was told as the highest must pass when it is asked for: 1/2048 below the bound.
+static uint32_t told_speed(uint64_t mrpm)
+{
+    const uint64_t told = mrpm - mrpm / 2048u;
+    return told < UINT32_MAX ? (uint32_t)told : UINT32_MAX;
+}
+
+/// [r/min / 1000] of [urad/s], rounded down; saturates far beyond any spindle.
+static uint64_t mrpm_of(uint64_t omega_urad_s)
+{
+    const uint64_t most = UINT64_C(10000000000000);
+    return (omega_urad_s < most ? omega_urad_s : most) * 954929u / 100000000u;
+}
+
+static demand_t spindle_demand(const cam_table_t *t, const cam_params_t *p, uint32_t mrpm)
+{
+    const int64_t limit = smaller(p->spindle_limit_mrpm, t->limit_spindle_mrpm);
+    return (demand_t){cam_err_spindle_speed, limit, mrpm, (uint32_t)limit};
+}
+
+static demand_t stroke_demand(const cam_table_t *t, const cam_params_t *p)
+{
+    const int64_t half_nm = smaller(p->u_stroke_nm, t->limit_u_stroke_nm) / 2;
+    const int64_t high_nm = ((int64_t)t->u_max_nm * p->amplitude_ppm + 999999) / 1000000;
+    const int64_t low_nm =
+        -smaller((int64_t)t->u_min_nm * p->amplitude_ppm / 1000000, p->u_retract_nm);
+    const int64_t needed = low_nm > high_nm ? low_nm : high_nm;
+    return (demand_t){cam_err_u_stroke, half_nm, needed, needed <= half_nm ? UINT32_MAX : 0u};
+}
+
+/// u' omega in um/s; u' at amplitude, at least 1 nm/rad so that the highest speed is finite.
+static demand_t u_speed_demand(const cam_table_t *t, const cam_params_t *p, uint32_t mrpm)
+{
+    const uint64_t u1 =
+        ((uint64_t)t->u1_peak_nm_per_rad * (uint32_t)p->amplitude_ppm + 999999u) / 1000000u + 1u;
+    const int64_t limit = smaller(p->u_speed_um_per_s, t->limit_u_speed_um_s);
+    const uint64_t omega_mrad_s = (angular_urad_s(mrpm) + 999u) / 1000u;
+    const uint64_t needed = (u1 * omega_mrad_s + 999999u) / 1000000u;
+    const uint64_t omega_max_urad_s = (uint64_t)limit * 1000000u / u1 * 1000u;
+    return (demand_t){cam_err_u_speed, limit, (int64_t)needed,
+                      told_speed(mrpm_of(omega_max_urad_s))};
+}
+
+/// u'' omega^2 in mm/s2.
+static demand_t u_acceleration_demand(const cam_table_t *t, const cam_params_t *p, uint32_t mrpm)
+{
+    const uint64_t u2 =
+        ((uint64_t)t->u2_peak_nm_per_rad2 * (uint32_t)p->amplitude_ppm + 999999u) / 1000000u + 1u;
+    const int64_t limit = smaller(p->u_acceleration_mm_per_s2, t->limit_u_acceleration_mm_s2);
+    const uint64_t omega_mrad_s = (angular_urad_s(mrpm) + 999u) / 1000u;
+    const uint64_t omega2_rad2_s2 = (omega_mrad_s * omega_mrad_s + 999999u) / 1000000u;
+    const uint64_t needed = (u2 * omega2_rad2_s2 + 999999u) / 1000000u;
+    const uint64_t omega_max_mrad_s = root((uint64_t)limit * 1000000000u / u2 * 1000u);
+    return (demand_t){cam_err_u_acceleration, limit, (int64_t)needed,
+                      told_speed(mrpm_of(omega_max_mrad_s * 1000u))};
+}
+
+static demand_t z_demand(const cam_table_t *t, const cam_params_t *p, uint32_t mrpm)
+{
+    const uint64_t feed_nm = p->feed_nm > 0 ? (uint64_t)p->feed_nm : t->feed_nm;
+    const uint64_t limit = p->z_is_measured != 0 ? INT32_MAX : (uint64_t)p->z_speed_um_per_s;
+    const uint64_t needed = (feed_nm * mrpm + 59999999u) / 60000000u;
+    return (demand_t){cam_err_z_speed, (int64_t)limit, (int64_t)needed,
+                      told_speed(limit * 60000000u / feed_nm)};
+}
+
+static demand_t tick_demand(const cam_table_t *t, uint32_t mrpm, uint32_t tick_hz)
+{
+    const uint64_t knots = UINT64_C(1) << (t->u.log2_knots + t->u.log2_repeat);
+    const uint64_t by_knots = (uint64_t)tick_hz * max_knots_per_tick * 60000u / knots;
+    const uint64_t by_turn = (uint64_t)tick_hz * 60000u / min_ticks_per_turn;
+    const uint64_t most = by_knots < by_turn ? by_knots : by_turn;
+    return (demand_t){cam_err_tick_rate, (int64_t)most, mrpm, told_speed(most)};
+}
+
+cam_feasibility_t cam_feasible(const cam_table_t *table, const cam_params_t *params,
+                               uint32_t speed_mrpm, uint32_t tick_hz)
+{
+    const demand_t demands[] = {
+        spindle_demand(table, params, speed_mrpm), stroke_demand(table, params),
+        u_speed_demand(table, params, speed_mrpm), u_acceleration_demand(table, params, speed_mrpm),
+        z_demand(table, params, speed_mrpm),       tick_demand(table, speed_mrpm, tick_hz),
+    };
+    cam_feasibility_t result = {.speed_mrpm = speed_mrpm, .highest_mrpm = UINT32_MAX};
+    for (size_t i = 0; i < sizeof demands / sizeof demands[0]; i++) {
+        const demand_t *d = &demands[i];
+        result.highest_mrpm =
+            d->highest_mrpm < result.highest_mrpm ? d->highest_mrpm : result.highest_mrpm;
+        if (result.err == cam_ok && d->needed > d->limit) {
+            result.err = d->err;
+            result.needed = d->needed;
+            result.limit = d->limit;
+        }
+    }
+    return result;
+}

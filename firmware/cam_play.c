@@ -1,0 +1,277 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cam/cam_play.h"
+#include "cam/cam_angle.h" // cam_angle_next_turn
+#include "cam/cam_eval.h"  // cam_eval_surface
+#include "cam/cam_fix.h"   // cam_clamp_i32
+
+/// Disengage position while nobody asked for one.
+#define NEVER_Q32 (INT64_MAX / 2)
+
+/// Knots per tick that keep the derivatives within 64 bits; start refuses speeds beyond.
+#define MAX_RATE_Q24 (INT32_C(16) << 24)
+
+int32_t cam_play_smooth_q30(int32_t s_q31)
+{
+    const int32_t s2_q31 = cam_mul_shift(s_q31, s_q31, 31);
+    const int32_t s3_q31 = cam_mul_shift(s2_q31, s_q31, 31);
+    const int32_t inner_q27 = 10 * (INT32_C(1) << 27) - 15 * (s_q31 >> 4) + 6 * (s2_q31 >> 4);
+    return cam_mul_shift(s3_q31, inner_q27, 28);
+}
+
+/// @return [1 / 2^30] smooth step over `length` from position `at`
+static int32_t rise_q30(int64_t pos_q32, int64_t at_q32, int64_t length_q32,
+                        uint32_t per_length_q31)
+{
+    const int64_t done_q24 = cam_clamp_i64(pos_q32 - at_q32, 0, length_q32) >> 8;
+    const int64_t s_q31 = (done_q24 * per_length_q31) >> 24;
+    return cam_play_smooth_q30((int32_t)cam_clamp_i64(s_q31, 0, INT32_MAX));
+}
+
+/// @return [1 / 2^30] 0 out of the work, 2^30 at full depth and amplitude
+static int32_t envelope_q30(const cam_play_t *p, const cam_play_config_t *cfg, int64_t pos_q32)
+{
+    const int32_t up = rise_q30(pos_q32, p->engage_at_q32, cfg->engage_q32, cfg->per_engage_q31);
+    const int32_t down =
+        rise_q30(pos_q32, p->disengage_at_q32, cfg->disengage_q32, cfg->per_disengage_q31);
+    return cam_mul_shift(up, (INT32_C(1) << 30) - down, 30);
+}
+
+static int64_t ahead(const cam_angle_t *angle, int32_t ticks_q16)
+{
+    return angle->pos_q32 + (((int64_t)angle->speed_q32 * ticks_q16) >> 16);
+}
+
+/// @return [nm] height at a master position; stands at the last height and where disengaging starts
+static int32_t height_nm(const cam_play_t *p, const cam_play_config_t *cfg, int64_t pos_q32)
+{
+    const int64_t to_stop_q32 =
+        cam_clamp_i64(p->disengage_at_q32 - p->feed_at_q32, 0, cfg->feed_q32);
+    const int64_t fed_q32 = cam_clamp_i64(pos_q32 - p->feed_at_q32, 0, to_stop_q32);
+    return cfg->z_first_nm + (int32_t)((fed_q32 * cfg->feed_nm + (INT64_C(1) << 31)) >> 32);
+}
+
+static int64_t profile_q10(const cam_play_config_t *cfg, int32_t z_nm)
+{
+    const cam_channel_t *x = &cfg->table->x;
+    return (((int64_t)cam_eval_profile(x, z_nm).y * 1024) >> x->frac_bits) +
+           (int64_t)x->offset_nm * 1024;
+}
+
+/// U with its velocity and acceleration: derivatives per knot times knots per tick. The slow change
+/// of envelope and amplitude adds nothing worth naming to them.
+static cam_move_t surface(const cam_play_t *p, const cam_play_config_t *cfg,
+                          const cam_angle_t *angle, int64_t pos_q32, int32_t z_nm)
+{
+    const cam_channel_t *u = &cfg->table->u;
+    const uint32_t theta_q32 = cam_angle_of_pos(pos_q32) - (uint32_t)p->phase_q32;
+    const cam_value_t value = cam_eval_surface(u, theta_q32, z_nm);
+    const int32_t amp_q30 = cam_mul_shift(envelope_q30(p, cfg, pos_q32), p->amplitude_q30, 30);
+    const int64_t knots_q24 = ((int64_t)angle->speed_q32 << cfg->knots_shift) >> 8;
+    const int64_t rate_q24 = cam_clamp_i64(knots_q24, -MAX_RATE_Q24, MAX_RATE_Q24);
+    const int64_t vel_q10 = (value.d1 * rate_q24) >> (14u + u->frac_bits);
+    const int64_t acc_q10 = (value.d2 * ((rate_q24 * rate_q24) >> 24)) >> (14u + u->frac_bits);
+    const int64_t offset_q10 = ((int64_t)u->offset_nm * amp_q30) >> 20;
+    return (cam_move_t){
+        .pos_q10 = (((int64_t)value.y * amp_q30) >> (20u + u->frac_bits)) + offset_q10,
+        .vel_q10 = (int32_t)((cam_sat_i32(vel_q10) * (int64_t)amp_q30) >> 30),
+        .acc_q10 = (int32_t)((cam_sat_i32(acc_q10) * (int64_t)amp_q30) >> 30),
+    };
+}
+
+static void ramp(cam_play_t *p, const cam_play_config_t *cfg)
+{
+    const int32_t phase_left = cam_angle_diff_q32((uint32_t)cfg->phase_q32, (uint32_t)p->phase_q32);
+    p->phase_q32 =
+        (int32_t)((uint32_t)p->phase_q32 +
+                  (uint32_t)cam_clamp_i32(phase_left, -cfg->phase_step_q32, cfg->phase_step_q32));
+    const int32_t amplitude_left = cfg->amplitude_q30 - p->amplitude_q30;
+    p->amplitude_q30 +=
+        cam_clamp_i32(amplitude_left, -cfg->amplitude_step_q30, cfg->amplitude_step_q30);
+}
+
+static cam_state_t state_at(const cam_play_t *p, const cam_play_config_t *cfg, int64_t pos_q32)
+{
+    if (pos_q32 >= p->disengage_at_q32) {
+        return pos_q32 < p->disengage_at_q32 + cfg->disengage_q32 ? cam_state_disengaging
+                                                                  : cam_state_ready;
+    }
+    return pos_q32 < p->feed_at_q32 ? cam_state_engaging : cam_state_cutting;
+}
+
+/// All axes from the angle. @return height played [nm]
+static int32_t play_table(cam_play_t *p, const cam_play_config_t *cfg, const cam_sense_t *in,
+                          const cam_angle_t *angle)
+{
+    const int64_t u_pos_q32 = ahead(angle, cfg->lead_q16);
+    const int64_t xz_pos_q32 = ahead(angle, cfg->xz_lag_q16);
+    const int32_t measured_nm = in->actual_nm[hal_axis_z];
+    const int32_t u_z_nm = cfg->is_z_measured ? measured_nm : height_nm(p, cfg, u_pos_q32);
+    const int32_t xz_z_nm = cfg->is_z_measured ? measured_nm : height_nm(p, cfg, xz_pos_q32);
+    const int32_t out_q30 = (INT32_C(1) << 30) - envelope_q30(p, cfg, xz_pos_q32);
+    ramp(p, cfg);
+    p->axis[hal_axis_u] = surface(p, cfg, angle, u_pos_q32, u_z_nm);
+    p->axis[hal_axis_x].pos_q10 =
+        profile_q10(cfg, xz_z_nm) + ((cfg->x_clearance_q10 >> 10) * out_q30 >> 20);
+    p->axis[hal_axis_z].pos_q10 = (int64_t)xz_z_nm * 1024;
+    p->state = state_at(p, cfg, angle->pos_q32);
+    return u_z_nm;
+}
+
+static bool go(cam_play_t *p, const cam_play_config_t *cfg, hal_axis_t axis, int64_t target_q10)
+{
+    return cam_move_to_isr(&p->axis[axis], &cfg->approach[axis], target_q10);
+}
+
+static bool stand(cam_play_t *p, const cam_play_config_t *cfg, hal_axis_t axis)
+{
+    return cam_move_stop_isr(&p->axis[axis], &cfg->approach[axis]);
+}
+
+/// Tool out of the work, feed axes at rest. @return true when all of them rest
+static bool wait_retracted(cam_play_t *p, const cam_play_config_t *cfg)
+{
+    const bool is_u_there = go(p, cfg, hal_axis_u, cfg->u_retract_q10);
+    const bool is_x_there = stand(p, cfg, hal_axis_x);
+    const bool is_z_there = stand(p, cfg, hal_axis_z);
+    return is_u_there && is_x_there && is_z_there;
+}
+
+/// Axes to the start of the cut; then the cut is laid onto whole turns of the master.
+static void approach(cam_play_t *p, const cam_play_config_t *cfg, const cam_sense_t *in,
+                     const cam_angle_t *angle)
+{
+    const int32_t z_nm = cfg->is_z_measured ? in->actual_nm[hal_axis_z] : cfg->z_first_nm;
+    const bool is_u_there = go(p, cfg, hal_axis_u, 0);
+    const bool is_x_there = go(p, cfg, hal_axis_x, profile_q10(cfg, z_nm) + cfg->x_clearance_q10);
+    const bool is_z_there = go(p, cfg, hal_axis_z, (int64_t)z_nm * 1024);
+    if (is_u_there && is_x_there && (is_z_there || cfg->is_z_measured)) {
+        const int64_t last_q32 =
+            ahead(angle, cfg->lead_q16 > cfg->xz_lag_q16 ? cfg->lead_q16 : cfg->xz_lag_q16);
+        p->engage_at_q32 = cam_angle_next_turn(last_q32);
+        p->feed_at_q32 = p->engage_at_q32 + cfg->engage_q32;
+        p->disengage_at_q32 = cfg->is_z_measured ? NEVER_Q32 : p->feed_at_q32 + cfg->feed_q32;
+        p->phase_q32 = cfg->phase_q32;
+        p->amplitude_q30 = cfg->amplitude_q30;
+        p->is_approaching = false;
+    }
+}
+
+static void follow_axes(cam_play_t *p, const cam_sense_t *in)
+{
+    for (uint32_t i = 0; i < hal_n_axes; i++) {
+        p->axis[i] = (cam_move_t){.pos_q10 = (int64_t)in->actual_nm[i] * 1024};
+    }
+}
+
+/// Stop lays the end of the cut onto the next whole turn that no axis has been told of yet.
+static void stop(cam_play_t *p, const cam_play_config_t *cfg, const cam_angle_t *angle)
+{
+    if (p->is_approaching) {
+        p->state = cam_state_ready;
+        return;
+    }
+    const int32_t furthest_q16 = cfg->lead_q16 > cfg->xz_lag_q16 ? cfg->lead_q16 : cfg->xz_lag_q16;
+    const int64_t at_q32 = cam_angle_next_turn(ahead(angle, furthest_q16));
+    p->disengage_at_q32 = at_q32 < p->disengage_at_q32 ? at_q32 : p->disengage_at_q32;
+}
+
+static bool is_in_work(cam_state_t state)
+{
+    return state == cam_state_engaging || state == cam_state_cutting ||
+           state == cam_state_disengaging;
+}
+
+/// Carry out a new request if it fits the state. @return faults that the request reports
+static uint32_t obey(cam_play_t *p, const cam_play_config_t *cfg, const cam_sense_t *in,
+                     const cam_angle_t *angle)
+{
+    if (in->request >> 8 == p->request) {
+        return 0;
+    }
+    p->request = in->request >> 8;
+    switch ((cam_request_t)(in->request & 0xFFu)) {
+    case cam_request_enable:
+        p->state = p->state == cam_state_off && cfg->table != NULL ? cam_state_homing : p->state;
+        break;
+    case cam_request_disable:
+        p->state = is_in_work(p->state) || p->state == cam_state_fault ? p->state : cam_state_off;
+        break;
+    case cam_request_start:
+        if (p->state == cam_state_ready) {
+            p->state = cam_state_engaging;
+            p->is_approaching = true;
+        }
+        break;
+    case cam_request_stop:
+        if (p->state == cam_state_engaging || p->state == cam_state_cutting) {
+            stop(p, cfg, angle);
+        }
+        break;
+    case cam_request_reset:
+        p->state = p->state == cam_state_fault && p->is_retracted ? cam_state_off : p->state;
+        break;
+    case cam_request_table_fault:
+        return CAM_FAULT_BIT(table);
+    case cam_request_none:
+        break;
+    }
+    return 0;
+}
+
+/// U set-point of lead ticks ago, between two of them: that is where the drive should be now.
+static int32_t due_q6(const cam_play_t *p, const cam_play_config_t *cfg)
+{
+    const uint32_t newer = p->n_history - 1u - ((uint32_t)cfg->lead_q16 >> 16);
+    const int32_t a_q6 = p->history_q6[newer % cam_play_history];
+    const int32_t b_q6 = p->history_q6[(newer - 1u) % cam_play_history];
+    return a_q6 + (int32_t)(((int64_t)(b_q6 - a_q6) * (cfg->lead_q16 & 0xFFFF)) >> 16);
+}
+
+static void remember(cam_play_t *p)
+{
+    p->history_q6[p->n_history % cam_play_history] = (int32_t)(p->axis[hal_axis_u].pos_q10 >> 4);
+    p->n_history++;
+}
+
+static uint32_t range_fault(const cam_play_config_t *cfg, int32_t z_nm)
+{
+    return z_nm < cfg->z_low_nm || z_nm > cfg->z_high_nm ? CAM_FAULT_BIT(z_range) : 0u;
+}
+
+cam_want_t cam_play_step_isr(cam_play_t *p, const cam_play_config_t *cfg, const cam_sense_t *in,
+                             const cam_angle_t *angle)
+{
+    int32_t z_nm = in->actual_nm[hal_axis_z];
+    uint32_t faults = obey(p, cfg, in, angle);
+    if (is_in_work(p->state) && !p->is_approaching) {
+        z_nm = play_table(p, cfg, in, angle);
+        faults |= range_fault(cfg, in->actual_nm[hal_axis_z]);
+    } else if (is_in_work(p->state)) {
+        approach(p, cfg, in, angle);
+    } else if (p->state == cam_state_off) {
+        follow_axes(p, in);
+    } else if (p->state != cam_state_fault) {
+        const bool is_out = wait_retracted(p, cfg);
+        p->state =
+            p->state == cam_state_homing && angle->is_synced && is_out ? cam_state_ready : p->state;
+    }
+    remember(p);
+    cam_want_t want = {
+        .state = p->state, .z_nm = z_nm, .u_due_q6 = due_q6(p, cfg), .faults = faults};
+    for (uint32_t i = 0; i < hal_n_axes; i++) {
+        want.axis[i] = p->axis[i];
+    }
+    want.spindle_mrpm =
+        p->state == cam_state_off || p->state == cam_state_fault ? 0 : cfg->spindle_mrpm;
+    return want;
+}
+
+void cam_play_settle_isr(cam_play_t *p, cam_state_t state, const cam_move_t axis[hal_n_axes],
+                         bool is_retracted)
+{
+    p->state = state;
+    p->is_retracted = is_retracted;
+    for (uint32_t i = 0; i < hal_n_axes; i++) {
+        p->axis[i] = axis[i];
+    }
+}

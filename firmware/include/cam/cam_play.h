@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+/// cam_play: from master position to set-points of all axes, and the sequence of a cut.
+///
+/// While engaging, cutting and disengaging every axis is a function of the spindle angle:
+///     U = amplitude * envelope * u(angle + lead - phase, Z)
+///     Z = first height + feed * turns since feed start   (or measured)
+///     X = x(Z) + (1 - envelope) * clearance
+/// U is read at the angle that the spindle will have when the drive's dead time has passed; X and Z
+/// are read ahead by the lag of their drives. The envelope rises and falls by the quintic smooth
+/// step, so depth and amplitude start and end without a jump in speed or acceleration. In all other
+/// states the axes move to places within their limits (cam_move.h). Context: ISR unless noted.
+#ifndef CAM_PLAY_H
+#define CAM_PLAY_H
+
+#include "cam/cam_move.h"    // cam_move_t
+#include "cam/cam_spindle.h" // cam_angle_t
+#include "cam/cam_state.h"   // cam_sense_t, cam_state_t
+#include "cam/cam_table.h"   // cam_table_t
+#include <stdbool.h>         // bool
+#include <stdint.h>          // int32_t, int64_t
+
+enum { cam_play_history = 64 }; ///< ticks of U kept to know what is due; a power of two
+
+/// Configuration, made by cam_config_build().
+typedef struct {
+    const cam_table_t *table;          ///< NULL: none, enable is refused
+    uint32_t knots_shift;              ///< log2 of u knots per turn
+    int32_t lead_q16;                  ///< [ticks] dead time of U, below cam_play_history - 2
+    int32_t xz_lag_q16;                ///< [ticks] lag of X and Z
+    int32_t phase_q32, phase_step_q32; ///< [turn / 2^32], per tick
+    int32_t amplitude_q30, amplitude_step_q30;  ///< [1], per tick
+    int64_t engage_q32, disengage_q32;          ///< [turn] lengths
+    uint32_t per_engage_q31, per_disengage_q31; ///< [1/turn] their reciprocals
+    int64_t feed_q32;                           ///< [turn] from first to last height
+    int32_t feed_nm;                            ///< [nm] per turn
+    int32_t z_first_nm;                         ///< [nm] where the feed starts
+    int32_t z_low_nm, z_high_nm;                ///< [nm] range accepted from a measured Z
+    bool is_z_measured;
+    int64_t u_retract_q10;                  ///< [nm / 1024]
+    int64_t x_clearance_q10;                ///< [nm / 1024]
+    cam_move_limits_t approach[hal_n_axes]; ///< gentle limits outside the cut
+    int32_t spindle_mrpm;                   ///< set-point, positive in the sense of rising counts
+} cam_play_config_t;
+
+/// State; zero-initialised is off.
+typedef struct {
+    cam_state_t state;
+    uint32_t request;                 ///< serial number of the last one carried out
+    bool is_approaching;              ///< engaging, but not yet at the start
+    bool is_retracted;                ///< in state fault: the guard's retract has ended
+    int64_t engage_at_q32;            ///< [turn] master position where the envelope starts to rise
+    int64_t feed_at_q32;              ///< ... where Z starts
+    int64_t disengage_at_q32;         ///< ... where the envelope starts to fall
+    int32_t phase_q32, amplitude_q30; ///< ramped values
+    cam_move_t axis[hal_n_axes];      ///< set-points of this tick
+    int32_t history_q6[cam_play_history]; ///< [nm / 64] U set-points
+    uint32_t n_history;
+} cam_play_t;
+
+/// What play wants of the machine.
+typedef struct {
+    cam_state_t state;
+    cam_move_t axis[hal_n_axes];
+    int32_t z_nm;     ///< [nm] height played
+    int32_t u_due_q6; ///< [nm / 64] where U should be now
+    int32_t spindle_mrpm;
+    uint32_t faults; ///< z_range, table
+} cam_want_t;
+
+/// One tick of the sequence.
+/// @param cfg    configuration with a table, unless the state is off or fault
+/// @param in     what this tick sensed, with the request of the slow side
+/// @param angle  the spindle
+/// Constant time in each state; states that play the table are the longest.
+cam_want_t cam_play_step_isr(cam_play_t *p, const cam_play_config_t *cfg, const cam_sense_t *in,
+                             const cam_angle_t *angle);
+
+/// Take over what the guard made of it: state and set-points that were really written.
+void cam_play_settle_isr(cam_play_t *p, cam_state_t state, const cam_move_t axis[hal_n_axes],
+                         bool is_retracted);
+
+/// Quintic smooth step 10 s^3 - 15 s^4 + 6 s^5.
+/// @param s_q31  [1 / 2^31] 0 .. 2^31 - 1
+/// @return       [1 / 2^30] 0 .. 2^30, error below 2^-27
+int32_t cam_play_smooth_q30(int32_t s_q31);
+
+#endif

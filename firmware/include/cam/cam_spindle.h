@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+/// cam_spindle: from encoder counts and index to master position and speed.
+///
+/// Counts are carried to a binary angle exactly (any counts per turn, no drift), half a count is
+/// added to centre the quantisation, and a second-order tracking observer turns the stairs into
+/// angle and speed between counts. Speed and position are positive in the sense of cutting.
+///
+/// Errors of the observer with bandwidth f_o (double pole at w_o = 2 pi f_o):
+///   constant speed           mean 0; quantisation ripple below half a count
+///   constant acceleration    angle lags by acceleration / w_o^2
+///   speed ripple at f        the part f^2 / (f^2 + f_o^2) of the angle ripple is missed
+/// Context: ISR unless noted.
+#ifndef CAM_SPINDLE_H
+#define CAM_SPINDLE_H
+
+#include "cam/cam_state.h" // cam_sense_t
+#include <stdbool.h>       // bool
+#include <stdint.h>        // int32_t, int64_t
+
+/// Configuration, made by cam_config_build().
+typedef struct {
+    uint32_t sign_mask;          ///< 0, or ~0 when counts fall while cutting
+    int32_t counts_per_turn;     ///< 64 .. 2^24
+    uint64_t turn_per_count_q56; ///< floor(2^56 / counts_per_turn)
+    uint32_t offset_q32;         ///< [turn / 2^32] added to the angle from the index
+    int32_t kp_q31, ki_q31;      ///< observer gains per tick
+    int32_t index_tolerance;     ///< [counts]
+    int32_t index_overdue;       ///< [counts] travel without an index edge that is too far
+    int32_t jump_window;         ///< [counts]
+    int32_t max_counts;          ///< [counts / tick] a quarter turn
+} cam_spindle_config_t;
+
+/// State. Zero-initialised is: not started.
+typedef struct {
+    bool is_started, is_synced;
+    uint32_t counts;       ///< [counts] of the last tick, in the sense of cutting
+    uint32_t n_index;      ///< of the last tick
+    uint32_t index_counts; ///< [counts] of the last edge, in the sense of cutting
+    int32_t index_error;   ///< [counts] sum of deviations since the first edge
+    int32_t since_index;   ///< [counts] travel since the last edge, limited
+    int32_t in_turn;       ///< [counts] 0 .. counts_per_turn - 1 since the index
+    int64_t pos_q32;       ///< [turn, Q32.32] observer
+    int64_t speed_q48;     ///< [turn / 2^48 per tick] observer
+} cam_spindle_t;
+
+/// What the room knows of the spindle after this step.
+typedef struct {
+    int64_t pos_q32;   ///< [turn, Q32.32] master position at the instant of sensing
+    int32_t speed_q32; ///< [turn / 2^32 per tick]
+    bool is_synced;    ///< the angle is known
+    uint32_t faults;   ///< encoder_jump, lost_counts, index_missing as they appear in this tick
+} cam_angle_t;
+
+/// Take one reading.
+/// @param s    state
+/// @param cfg  configuration; after a change of it the angle must be forgotten
+/// @param in   what this tick sensed
+/// Constant time.
+cam_angle_t cam_spindle_step_isr(cam_spindle_t *s, const cam_spindle_config_t *cfg,
+                                 const cam_sense_t *in);
+
+/// Forget the index; counts, angle observer and speed go on.
+void cam_spindle_forget_isr(cam_spindle_t *s);
+
+#endif

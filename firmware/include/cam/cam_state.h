@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+/// cam_state: the words that every room uses: states, requests, faults and what a tick senses.
+#ifndef CAM_STATE_H
+#define CAM_STATE_H
+
+#include "hal/hal.h" // hal_encoder_t, hal_n_axes
+#include <stdint.h>  // int32_t, uint32_t
+
+/// States of the machine. The interrupt owns the state; the slow side asks for changes.
+///
+///     off --enable--> homing --index--> ready --start--> engaging --> cutting --> disengaging -->
+///     ready any --disable--> off (from engaging .. disengaging: not accepted, stop first) any but
+///     off --fault--> fault --reset--> off
+typedef enum {
+    cam_state_off,         ///< drives without enable, set-points follow the axes
+    cam_state_homing,      ///< enabled, U retracts, spindle turns, waiting for the index
+    cam_state_ready,       ///< angle known, tool out of the work
+    cam_state_engaging,    ///< axes approach, then depth and amplitude rise
+    cam_state_cutting,     ///< full amplitude, Z feeds
+    cam_state_disengaging, ///< depth and amplitude fall, Z stands
+    cam_state_fault,       ///< retracting or retracted, latched until reset
+    cam_n_states
+} cam_state_t;
+
+/// What the slow side asks of the interrupt.
+typedef enum {
+    cam_request_none,
+    cam_request_enable,
+    cam_request_disable,
+    cam_request_start,
+    cam_request_stop,
+    cam_request_reset,
+    cam_request_table_fault, ///< the background check found the table damaged
+} cam_request_t;
+
+/// Faults, in the order of their bits. The table of detection times and reactions is FAULTS.md.
+#define CAM_FAULTS(X)                                                                              \
+    X(estop, "emergency stop")                                                                     \
+    X(drive, "a drive is not ready")                                                               \
+    X(late_tick, "the tick came late")                                                             \
+    X(encoder_jump, "encoder counts jumped")                                                       \
+    X(lost_counts, "encoder counts lost or gained between two index edges")                        \
+    X(index_missing, "no index edge where one was due")                                            \
+    X(reverse, "spindle turns against the sense of cutting")                                       \
+    X(spindle_stopped, "spindle stopped in the cut")                                               \
+    X(overspeed, "spindle faster than this table allows")                                          \
+    X(following_error, "U does not follow")                                                        \
+    X(setpoint_speed, "U set-point moves faster than U can")                                       \
+    X(setpoint_acceleration, "U set-point accelerates more than U can")                            \
+    X(setpoint_range, "U set-point leaves the stroke")                                             \
+    X(z_range, "Z left the table")                                                                 \
+    X(table, "table damaged")
+
+typedef enum {
+#define CAM_FAULT_ID(name, what) cam_fault_##name,
+    CAM_FAULTS(CAM_FAULT_ID)
+#undef CAM_FAULT_ID
+        cam_n_faults
+} cam_fault_t;
+
+_Static_assert(cam_n_faults <= 32, "a fault mask is one word");
+
+/// Bit of a fault in a fault mask.
+#define CAM_FAULT_BIT(name) (UINT32_C(1) << cam_fault_##name)
+
+/// @return a state's name, lower case, static
+const char *cam_state_name(cam_state_t state);
+
+/// @return a fault's short name as in the list, static; "?" for a foreign value
+const char *cam_fault_name(cam_fault_t fault);
+
+/// @return a fault's meaning, one clause, static; "?" for a foreign value
+const char *cam_fault_text(cam_fault_t fault);
+
+/// Everything that a tick learns from outside. Steps behind sense see only this and their state, so
+/// a recorded tick replays bit for bit.
+typedef struct {
+    uint32_t clock;                ///< [1 / hal_clock_hz()] at the start of the tick
+    hal_encoder_t encoder;         ///< spindle
+    int32_t actual_nm[hal_n_axes]; ///< [nm] measured axes
+    uint32_t inputs;               ///< hal_in_*
+    uint32_t request;              ///< serial number << 8 | cam_request_t
+} cam_sense_t;
+
+#endif

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+/// main: start-up and background loop of an image for a machine. The simulator has its own.
+#include "cam/cam_machine.h"
+#include "hal/hal.h"
+
+int main(void)
+{
+    cam_machine_t machine;
+    if (hal_init() != 0) {
+        hal_halt("main: the port cannot be used");
+    }
+    cam_machine_init(&machine, &g_cam, hal_tick_hz(), hal_clock_hz());
+    hal_tick_start();
+    for (;;) {
+        cam_machine_poll(&machine);
+        hal_idle();
+    }
+}

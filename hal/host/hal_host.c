@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hal_host.h"
+#include <stdio.h>  // fprintf
+#include <stdlib.h> // abort
+
+hal_host_t hal_host;
+
+enum { default_tick_hz = 20000 };
+
+void hal_host_reset(uint32_t tick_hz)
+{
+    hal_host = (hal_host_t){.tick_hz = tick_hz, .in.inputs = hal_in_drive_ready};
+}
+
+int hal_init(void)
+{
+    hal_host_reset(hal_host.tick_hz != 0u ? hal_host.tick_hz : default_tick_hz);
+    return 0;
+}
+
+uint32_t hal_tick_hz(void)
+{
+    return hal_host.tick_hz;
+}
+
+uint32_t hal_clock_hz(void)
+{
+    return hal_host_clock_hz;
+}
+
+void hal_tick_start(void) {}
+
+void hal_idle(void)
+{
+    hal_host_tick();
+}
+
+void hal_halt(const char *why)
+{
+    (void)fprintf(stderr, "firmware halted: %s\n", why);
+    abort();
+}
+
+void hal_host_tick(void)
+{
+    hal_host.clock += hal_host_clock_hz / hal_host.tick_hz + hal_host.late_clocks;
+    hal_host.late_clocks = 0;
+    hal_host.n_ticks++;
+    cam_isr();
+}
+
+uint32_t hal_clock_isr(void)
+{
+    return hal_host.clock;
+}
+
+hal_encoder_t hal_encoder_read_isr(void)
+{
+    hal_encoder_t reading = hal_host.in.encoder;
+    reading.counts = hal_host.fault.is_encoder_stuck ? hal_host.fault.stuck_counts
+                                                     : reading.counts + hal_host.fault.count_offset;
+    // The index latch copies the counter, with its faults.
+    reading.index_counts = hal_host.fault.is_encoder_stuck
+                               ? hal_host.fault.stuck_counts
+                               : reading.index_counts + hal_host.fault.count_offset;
+    if (hal_host.fault.is_index_dead) {
+        reading.index_counts = hal_host.fault.last_index.index_counts;
+        reading.n_index = hal_host.fault.last_index.n_index;
+    }
+    return reading;
+}
+
+int32_t hal_axis_read_nm_isr(hal_axis_t axis)
+{
+    return hal_host.in.axis_nm[axis];
+}
+
+uint32_t hal_inputs_read_isr(void)
+{
+    return hal_host.in.inputs;
+}
+
+void hal_axis_write_isr(hal_axis_t axis, hal_setpoint_t setpoint)
+{
+    hal_host.out.axis[axis] = setpoint;
+    hal_host.out.n_writes++;
+}
+
+void hal_spindle_write_isr(int32_t speed_mrpm)
+{
+    hal_host.out.spindle_mrpm = speed_mrpm;
+}
+
+void hal_outputs_write_isr(uint32_t bits)
+{
+    hal_host.out.outputs = bits;
+}
+
+void hal_host_fault_counts(int32_t counts)
+{
+    hal_host.fault.count_offset += (uint32_t)counts;
+}
+
+void hal_host_fault_encoder_stuck(bool is_stuck)
+{
+    hal_host.fault.stuck_counts = hal_encoder_read_isr().counts;
+    hal_host.fault.is_encoder_stuck = is_stuck;
+}
+
+void hal_host_fault_index_dead(bool is_dead)
+{
+    hal_host.fault.last_index = hal_encoder_read_isr();
+    hal_host.fault.is_index_dead = is_dead;
+}
+
+void hal_host_fault_late(uint32_t percent)
+{
+    hal_host.late_clocks =
+        (uint32_t)((uint64_t)hal_host_clock_hz * percent / 100u / hal_host.tick_hz);
+}
+
+static void set_input(uint32_t bit, bool is_set)
+{
+    hal_host.in.inputs = is_set ? hal_host.in.inputs | bit : hal_host.in.inputs & ~bit;
+}
+
+void hal_host_fault_estop(bool is_pressed)
+{
+    set_input(hal_in_estop, is_pressed);
+}
+
+void hal_host_fault_drive(bool is_failed)
+{
+    set_input(hal_in_drive_ready, !is_failed);
+}

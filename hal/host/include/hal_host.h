@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+/// hal_host: the simulator's port. What the firmware senses is set here, what it writes is read
+/// here, and every fault that a machine can meet can be caused here.
+///
+/// Time is virtual: hal_host_tick() advances it by one period and calls cam_isr(). A machine model
+/// sets `in` before and reads `out` after. Single-threaded.
+#ifndef HAL_HOST_H
+#define HAL_HOST_H
+
+#include "hal/hal.h" // hal_encoder_t, hal_setpoint_t
+#include <stdbool.h> // bool
+#include <stdint.h>  // uint32_t
+
+enum { hal_host_clock_hz = 200000000 }; ///< [Hz] virtual time stamp: 5 ns
+
+/// The machine's side of the port.
+typedef struct {
+    struct {
+        hal_encoder_t encoder;       ///< true readings, before faults
+        int32_t axis_nm[hal_n_axes]; ///< [nm] measured positions
+        uint32_t inputs;             ///< hal_in_*
+    } in;
+    struct {
+        hal_setpoint_t axis[hal_n_axes];
+        int32_t spindle_mrpm; ///< [r/min / 1000] signed
+        uint32_t outputs;     ///< hal_out_*
+        uint32_t n_writes;    ///< axis writes since init
+    } out;
+    struct {                   ///< distortions, applied to every reading
+        uint32_t count_offset; ///< [counts] added to the counter and what latches it
+        bool is_encoder_stuck; ///< the counter keeps stuck_counts
+        uint32_t stuck_counts;
+        bool is_index_dead;       ///< no index edge arrives any more
+        hal_encoder_t last_index; ///< last reading before the index died
+    } fault;
+    uint32_t tick_hz;     ///< [Hz] set before hal_init(), 20 000 when 0
+    uint32_t clock;       ///< virtual time stamp
+    uint32_t late_clocks; ///< next tick comes later by this much
+    uint64_t n_ticks;
+} hal_host_t;
+
+/// The one machine of this process.
+extern hal_host_t hal_host;
+
+/// Forget everything, take a tick rate.
+/// @param tick_hz  [Hz] 500 .. 100 000
+void hal_host_reset(uint32_t tick_hz);
+
+/// Advance virtual time by one period and call cam_isr().
+void hal_host_tick(void);
+
+/// The counter gains (or loses, negative) counts once.
+void hal_host_fault_counts(int32_t counts);
+
+/// The counter stands still from now on (cable cut), or moves again.
+void hal_host_fault_encoder_stuck(bool is_stuck);
+
+/// No further index edges are reported, or again.
+void hal_host_fault_index_dead(bool is_dead);
+
+/// The next tick comes late.
+/// @param percent  of a period
+void hal_host_fault_late(uint32_t percent);
+
+/// Emergency stop pressed or released; drives ready or not.
+void hal_host_fault_estop(bool is_pressed);
+void hal_host_fault_drive(bool is_failed);
+
+#endif

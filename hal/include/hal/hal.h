@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+/// hal: everything that the firmware asks of a machine, and the one thing that a machine asks of
+/// it.
+///
+/// A port is a folder hal/<name> that implements "port provides"; it is chosen at link time
+/// and calls cam_isr() at a constant rate. Functions with the suffix `_isr` are called from the
+/// interrupt only: they never block and never fail; their longest time is given for a 480 MHz
+/// Cortex-M7. The others belong to the slow side and are called from main() only.
+/// hal/template tells a porter function by function what to guarantee.
+#ifndef HAL_HAL_H
+#define HAL_HAL_H
+
+#include <stdint.h> // int32_t, uint32_t
+
+/// Axes with a position set-point. Positions are signed nanometres:
+/// U rises towards the spindle axis (0: tool tip on the long axis), X is the radius that the tool
+/// tip would turn at U = 0 and rises away from the axis, Z is the skirt height of the drawing.
+typedef enum { hal_axis_u, hal_axis_x, hal_axis_z, hal_n_axes } hal_axis_t;
+
+/// Bits of hal_inputs_read_isr().
+enum {
+    hal_in_estop = 1u << 0,       ///< 1: the emergency-stop chain is open
+    hal_in_drive_ready = 1u << 1, ///< 1: all drives are able to follow
+};
+
+/// Bits of hal_outputs_write_isr().
+enum {
+    hal_out_enable = 1u << 0, ///< 1: the drives hold their axes
+    hal_out_fault = 1u << 1,  ///< 1: a fault is latched
+    hal_out_in_cut = 1u << 2, ///< 1: the tool cuts at full amplitude
+};
+
+/// One reading of the spindle encoder, all members of the same instant.
+typedef struct {
+    uint32_t counts;       ///< [counts] free-running, four edges per line, wraps by design
+    uint32_t index_counts; ///< [counts] position of the last index edge: the same edge, hence the
+                           ///< same number (modulo a turn), for both senses of rotation
+    uint32_t n_index;      ///< index edges seen since start, wraps
+} hal_encoder_t;
+
+/// Set-point of one axis. Drives that take a position only ignore the rest.
+typedef struct {
+    int32_t pos_nm;        ///< [nm] with the feed-forward added
+    int32_t vel_um_per_s;  ///< [um/s] velocity of the wanted motion (CiA 402: 60B1h)
+    int32_t acc_mm_per_s2; ///< [mm/s2] its acceleration (CiA 402: 60B2h)
+} hal_setpoint_t;
+
+// Port provides: slow side
+
+/// Bring up clocks, pins and peripherals with all outputs safe (enable low); the tick does not run.
+/// @return 0, or a negative number of the port's own when the machine cannot be used
+/// Context: main(), once, may block up to a second. Simulator: resets its state.
+int hal_init(void);
+
+/// @return [Hz] rate at which cam_isr() is called, 500 .. 100 000, constant after hal_init()
+uint32_t hal_tick_hz(void);
+
+/// @return [Hz] rate of hal_clock_isr(), at least ten times hal_tick_hz()
+uint32_t hal_clock_hz(void);
+
+/// Start calling cam_isr() at hal_tick_hz(). Simulator: nothing; the caller of the host port ticks.
+void hal_tick_start(void);
+
+/// Let time pass: sleep until any interrupt. Simulator: one tick of virtual time.
+void hal_idle(void);
+
+/// A broken invariant: make the outputs safe, keep `why` for after the restart, restart.
+/// @param why  string with static lifetime
+/// Context: any; does not return. Simulator: prints and aborts.
+_Noreturn void hal_halt(const char *why);
+
+// Port provides: interrupt, reads (only at the start of a tick)
+
+/// @return [1 / hal_clock_hz()] free-running time stamp, wraps; <= 10 cycles. Simulator: virtual
+/// time.
+uint32_t hal_clock_isr(void);
+
+/// @return consistent encoder reading; <= 40 cycles. Simulator: what hal_host_t holds, with its
+/// faults.
+hal_encoder_t hal_encoder_read_isr(void);
+
+/// @return [nm] measured position of an axis; <= 30 cycles. A port without a measurement returns
+/// the last set-point and says so in its README: following error is then not watched.
+int32_t hal_axis_read_nm_isr(hal_axis_t axis);
+
+/// @return bits hal_in_*, debounced where the wiring needs it; <= 20 cycles
+uint32_t hal_inputs_read_isr(void);
+
+// Port provides: interrupt, writes (only at the end of a tick)
+
+/// Give an axis its set-point for the next period; <= 60 cycles. While enable is low the port may
+/// ignore it. Simulator: kept for the machine models.
+void hal_axis_write_isr(hal_axis_t axis, hal_setpoint_t setpoint);
+
+/// Give the spindle its speed set-point; <= 30 cycles.
+/// @param speed_mrpm  [r/min / 1000] signed: positive in the sense of rising encoder counts
+void hal_spindle_write_isr(int32_t speed_mrpm);
+
+/// Write bits hal_out_*; <= 20 cycles. Enable low takes effect at once.
+void hal_outputs_write_isr(uint32_t bits);
+
+// Firmware provides
+
+/// One tick. The port calls it at hal_tick_hz() from its highest-priority interrupt, never nested.
+void cam_isr(void);
+
+#endif

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+/// hal_template: a port with every function and nothing behind it. Copy the folder, give each
+/// function what its comment asks for. The contract with times and contexts is hal/hal.h.
+#include "hal/hal.h"
+
+/// Outputs safe first: enable low, spindle set-point 0. Then clocks, counters, lines, drives.
+/// Return a negative number when something is missing; the firmware then halts with safe outputs.
+int hal_init(void)
+{
+    return 0;
+}
+
+/// The rate of the timer that calls cam_isr().
+uint32_t hal_tick_hz(void)
+{
+    return 20000;
+}
+
+/// The rate of the free-running counter that hal_clock_isr() reads.
+uint32_t hal_clock_hz(void)
+{
+    return 1000000;
+}
+
+/// Let the timer run. Its interrupt must have the highest priority and must not nest.
+void hal_tick_start(void) {}
+
+/// Wait for an interrupt, feed the watchdog.
+void hal_idle(void) {}
+
+/// Enable low by hardware if possible, keep `why` where a reset does not clear it, reset.
+void hal_halt(const char *why)
+{
+    (void)why;
+    for (;;) {
+    }
+}
+
+/// A free-running 32-bit counter; must not stop or jump while the tick runs.
+uint32_t hal_clock_isr(void)
+{
+    return 0;
+}
+
+/// Counter, index latch and number of index edges of the same instant. The latch holds the counter
+/// at the edge of the index pulse that is passed first in the positive sense, for both senses.
+hal_encoder_t hal_encoder_read_isr(void)
+{
+    return (hal_encoder_t){0};
+}
+
+/// Newest measured position of an axis.
+int32_t hal_axis_read_nm_isr(hal_axis_t axis)
+{
+    (void)axis;
+    return 0;
+}
+
+/// Emergency-stop chain and drive-ready line; a cut wire must read as "stop" and "not ready".
+uint32_t hal_inputs_read_isr(void)
+{
+    return hal_in_estop;
+}
+
+/// Must reach the drive before the next tick, always after the same delay: the parameter lead_ns.
+void hal_axis_write_isr(hal_axis_t axis, hal_setpoint_t setpoint)
+{
+    (void)axis;
+    (void)setpoint;
+}
+
+/// Speed set-point of the spindle, signed.
+void hal_spindle_write_isr(int32_t speed_mrpm)
+{
+    (void)speed_mrpm;
+}
+
+/// Enable, fault lamp, in cut. Enable low must stop the drives without the firmware's help.
+void hal_outputs_write_isr(uint32_t bits)
+{
+    (void)bits;
+}
