@@ -12,7 +12,7 @@
 // clang-format off
 #define CAM_PARAMS(X) \
     X(counts_per_turn,               64,      10000,   16777216, "encoder counts per turn, four per line") \
-    X(encoder_sign,                  -1,          1,          1, "-1 when counts fall in the machine's positive sense; 0 is refused") \
+    X(encoder_sign,                  -1,          1,          1, "-1 when counts fall while the spindle turns in its positive sense; 0 is refused") \
     X(index_offset_udeg,     -180000000,          0,  180000000, "angle of the index, seen from the long axis, in the sense of cutting") \
     X(index_tolerance_counts,         0,          0,    1000000, "accepted deviation of the index from its place; jitter of the encoder") \
     X(jump_window_counts,             1,          8,    1000000, "accepted deviation of one tick's counts from what the speed predicts") \

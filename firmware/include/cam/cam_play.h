@@ -39,7 +39,7 @@ typedef struct {
     int64_t u_retract_q10;                  ///< [nm / 1024]
     int64_t x_clearance_q10;                ///< [nm / 1024]
     cam_move_limits_t approach[hal_n_axes]; ///< gentle limits outside the cut
-    int32_t spindle_mrpm;                   ///< set-point, positive in the sense of rising counts
+    int32_t spindle_mrpm;                   ///< set-point, signed by the table's direction
 } cam_play_config_t;
 
 /// State; zero-initialised is off.

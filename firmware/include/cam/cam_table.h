@@ -48,7 +48,7 @@ typedef struct {
     cam_channel_t x;                     ///< long half axis
     char name[cam_table_name_size];      ///< printable ASCII, zero-terminated
     int32_t z_first_nm, z_last_nm;       ///< [nm] served range of heights
-    int32_t direction;                   ///< +1 or -1: sense of rising counts while cutting
+    int32_t direction;                   ///< +1 or -1: spindle sense while cutting, +1 is M3
     uint32_t spindle_mrpm;               ///< [r/min / 1000] of the part
     uint32_t feed_nm;                    ///< [nm] per turn
     uint32_t depth_nm;                   ///< [nm] at the long axis

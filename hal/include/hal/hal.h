@@ -93,7 +93,7 @@ uint32_t hal_inputs_read_isr(void);
 void hal_axis_write_isr(hal_axis_t axis, hal_setpoint_t setpoint);
 
 /// Give the spindle its speed set-point; <= 30 cycles.
-/// @param speed_mrpm  [r/min / 1000] signed: positive in the sense of rising encoder counts
+/// @param speed_mrpm  [r/min / 1000] signed: positive in the spindle's own positive sense (M3)
 void hal_spindle_write_isr(int32_t speed_mrpm);
 
 /// Write bits hal_out_*; <= 20 cycles. Enable low takes effect at once.
