@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sim_cut.h"
+#include "cam/cam_tick.h" // g_cam
+#include "hal_host.h"     // hal_host_clock_hz
+#include "sim_units.h"    // sim_fraction
+#include <math.h>         // sqrt
+#include <stdatomic.h>    // atomic_load_explicit
+#include <stdlib.h>       // free
+
+/// A real main loop does its background work whenever the interrupt leaves time; here rarely, since
+/// a kilobyte of CRC costs as much as 10 ticks. A damaged table of 16 KB is found within 0.8 s at
+/// 20 kHz.
+enum { background_polls = 64 };
+
+const cam_status_t *sim_cut_status(void)
+{
+    const uint32_t n = atomic_load_explicit(&g_cam.n_published, memory_order_relaxed);
+    return &g_cam.status[n & 1u];
+}
+
+double sim_cut_planned_turns(const sim_cut_t *cut)
+{
+    const double feed_nm =
+        cut->params.feed_nm > 0 ? cut->params.feed_nm : (double)cut->table.feed_nm;
+    return ((double)cut->table.z_last_nm - cut->table.z_first_nm) / feed_nm;
+}
+
+double sim_cut_following_rms_um(const sim_cut_t *cut)
+{
+    return cut->work.n > 0u ? sqrt(cut->following_sum_um2 / (double)cut->work.n) : 0.0;
+}
+
+/// The tool tip against the exact surface at its true place.
+static void gauge(sim_cut_t *cut)
+{
+    const sim_machine_t *m = &cut->machine;
+    const double turn = cut->table.direction > 0 ? m->spindle.turn : -m->spindle.turn;
+    cut->part_turn = sim_fraction(turn - cut->phase_turn);
+    cut->z_mm = sim_machine_z_mm(m);
+    cut->radius_mm = sim_machine_radius_mm(m);
+    cut->exact_mm = sim_design_radius_mm(&cut->design, cut->part_turn, cut->z_mm);
+    sim_work_touch(&cut->work, cut->part_turn, cut->z_mm, cut->radius_mm, cut->exact_mm,
+                   cut->state == cam_state_cutting);
+}
+
+static void count_cutting(sim_cut_t *cut, const cam_status_t *status)
+{
+    if (cut->cut_at_s < 0.0) {
+        cut->cut_at_s = cut->machine.time_s;
+        cut->cut_at_turn = cut->machine.spindle.turn;
+    }
+    cut->cut_s = cut->machine.time_s - cut->cut_at_s;
+    cut->cut_turns = sim_abs(cut->machine.spindle.turn - cut->cut_at_turn);
+    const double off_um = sim_abs(status->following_nm * 1e-3);
+    cut->following_max_um = off_um > cut->following_max_um ? off_um : cut->following_max_um;
+    cut->following_sum_um2 += off_um * off_um;
+}
+
+static void note_fault(sim_cut_t *cut)
+{
+    cut->fault_s = cut->machine.time_s;
+    cut->fault_turn = cut->part_turn;
+    cut->fault_z_mm = cut->z_mm;
+    cut->fault_state = cut->state; // of the tick before
+}
+
+static void observe(sim_cut_t *cut)
+{
+    const cam_status_t *status = sim_cut_status();
+    if (status->state == cam_state_fault && cut->fault_s < 0.0) {
+        note_fault(cut);
+    }
+    cut->state = status->state;
+    gauge(cut);
+    if (status->state == cam_state_cutting) {
+        count_cutting(cut, status);
+    }
+}
+
+static void operator_stop(sim_cut_t *cut)
+{
+    cut->is_stopped = cam_machine_stop(&cut->controller) == cam_ok || cut->is_stopped;
+}
+
+static void inject(sim_cut_t *cut, sim_inject_t *what)
+{
+    const double zero_s = what->is_absolute ? 0.0 : cut->cut_at_s;
+    if (what->is_done || zero_s < 0.0 || cut->machine.time_s < zero_s + what->at_s) {
+        return;
+    }
+    what->is_done = true;
+    cut->n_waiting--;
+    if (what->kind == sim_inject_table_flip) {
+        cut->image[(size_t)what->value] ^= 1u;
+    } else if (what->kind == sim_inject_stop) {
+        operator_stop(cut);
+    }
+    sim_inject_apply(what, &cut->machine, cut->table.direction);
+}
+
+/// Z led by others: at the first height until the cut, then by the feed, and stop at the last
+/// height.
+static void lead_z(sim_cut_t *cut)
+{
+    sim_drive_t *z = &cut->machine.axis[hal_axis_z];
+    const double share = cut->cut_turns / sim_cut_planned_turns(cut);
+    const double span_nm = (double)cut->table.z_last_nm - cut->table.z_first_nm;
+    z->pos_nm = cut->table.z_first_nm + span_nm * sim_clamp(share, 0.0, 1.0);
+    z->vel_nm_per_s = 0.0;
+    if (share >= 1.0 && cut->state == cam_state_cutting) {
+        operator_stop(cut);
+    }
+}
+
+static void refuse(sim_cut_t *cut, cam_err_t err)
+{
+    if (err != cam_ok && err != cam_err_busy) {
+        cut->refusal = err;
+        cut->end = sim_cut_refused;
+    }
+}
+
+/// What an operator does: enable, start, wait.
+static void operate(sim_cut_t *cut)
+{
+    const cam_status_t status = cam_machine_status(&cut->controller);
+    if (cut->n_polls++ % background_polls == 0u) {
+        cam_machine_poll(&cut->controller);
+    }
+    if (status.state == cam_state_fault) {
+        cut->end = status.is_retracted ? sim_cut_fault : cut->end;
+    } else if (status.state == cam_state_off) {
+        refuse(cut, cam_machine_enable(&cut->controller));
+    } else if (status.state == cam_state_ready && !cut->is_started) {
+        const cam_err_t err = cam_machine_start(&cut->controller);
+        cut->is_started = err == cam_ok;
+        refuse(cut, err);
+    } else if (status.state == cam_state_ready && (cut->cut_at_s >= 0.0 || cut->is_stopped)) {
+        cut->end = sim_cut_done;
+    }
+    if (cut->options.max_turns > 0.0 && cut->cut_turns >= cut->options.max_turns &&
+        !cut->is_stopped) {
+        operator_stop(cut);
+    }
+}
+
+void sim_cut_tick(sim_cut_t *cut)
+{
+    sim_machine_sense(&cut->machine);
+    observe(cut);
+    if (cut->n_waiting > 0u) {
+        for (uint32_t i = 0; i < cut->options.n_injects; i++) {
+            inject(cut, &cut->options.inject[i]);
+        }
+    }
+    sim_machine_advance(&cut->machine);
+    if (cut->params.z_is_measured != 0) {
+        lead_z(cut);
+    }
+    cut->n_ticks++;
+    if (--cut->until_poll == 0u) {
+        cut->until_poll = sim_cut_poll_ticks;
+        operate(cut);
+        if (cut->end == sim_cut_running && cut->machine.time_s > cut->max_s) {
+            cut->end = sim_cut_timeout;
+        }
+    }
+}
+
+void sim_cut_close(sim_cut_t *cut)
+{
+    sim_design_free(&cut->design);
+    free(cut->image);
+    cut->image = NULL;
+}

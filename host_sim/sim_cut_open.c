@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cam/cam_tick.h" // g_cam
+#include "hal_host.h"     // hal_host_clock_hz
+#include "sim_cut.h"
+#include "sim_units.h" // SIM_NM_PER_MM
+#include <stdio.h>     // snprintf
+#include <stdlib.h>    // aligned_alloc
+#include <string.h>    // memcpy
+
+/// What a user can do about an image that is refused.
+#define REMEDY "make it again with tools/mktables"
+
+static bool take_image(sim_cut_t *cut, const void *image, size_t size, const char *name,
+                       sim_error_t *e)
+{
+    cut->image = aligned_alloc(32, (size + 31u) / 32u * 32u + 32u);
+    if (cut->image == NULL) {
+        return sim_error(e, "%s: not enough memory for %zu bytes; use a smaller table", name, size);
+    }
+    memcpy(cut->image, image, size);
+    const cam_err_t err = cam_table_check(cut->image, size, &cut->table);
+    if (err != cam_ok) {
+        return sim_error(e, "%s: table refused: %s; " REMEDY, name, cam_err_text(err));
+    }
+    return true;
+}
+
+static void wish(sim_wishes_t *w, cam_param_id_t id, double value)
+{
+    w->value[id] = (int32_t)(value + 0.5);
+    w->is_given[id] = true;
+}
+
+/// The machine file's wishes, overruled by the command line's.
+static sim_wishes_t all_wishes(const sim_cut_options_t *o)
+{
+    sim_wishes_t w = o->config.controller;
+    for (int id = 0; id < cam_n_params; id++) {
+        if (o->wishes.is_given[id]) {
+            wish(&w, (cam_param_id_t)id, 0.0);
+            w.value[id] = o->wishes.value[id];
+        }
+    }
+    if (o->rpm > 0.0) {
+        wish(&w, cam_param_spindle_mrpm, o->rpm * 1e3);
+    }
+    if (o->feed_mm > 0.0) {
+        wish(&w, cam_param_feed_nm, o->feed_mm * SIM_NM_PER_MM);
+    }
+    if (o->is_without_feed_forward) {
+        wish(&w, cam_param_k1_ns, 0.0);
+        wish(&w, cam_param_k2_us2, 0.0);
+    }
+    if (o->is_without_lead) {
+        wish(&w, cam_param_lead_ns, 0.0);
+    }
+    wish(&w, cam_param_trace_on, o->is_traced ? 1.0 : 0.0);
+    return w;
+}
+
+static bool load_design(sim_cut_t *cut, sim_error_t *e)
+{
+    if (cut->options.design_path != NULL) {
+        return sim_design_load(&cut->design, cut->options.design_path, &cut->table, e);
+    }
+    sim_design_from_table(&cut->design, &cut->table);
+    return true;
+}
+
+static void place_machine(sim_cut_t *cut)
+{
+    const sim_machine_config_t *config = &cut->options.config.machine;
+    const double blank_mm = cut->design.largest_mm + cut->table.depth_nm / SIM_NM_PER_MM;
+    const double x_nm = (blank_mm + config->x_start_mm) * SIM_NM_PER_MM;
+    const double z_nm = cut->table.z_first_nm - config->z_start_mm * SIM_NM_PER_MM;
+    sim_work_init(&cut->work, blank_mm, cut->design.z_first_mm, cut->design.z_last_mm);
+    sim_machine_init(&cut->machine, config, x_nm, z_nm, cut->options.seed);
+}
+
+static void idle_tick(sim_cut_t *cut)
+{
+    sim_machine_sense(&cut->machine);
+    sim_machine_advance(&cut->machine);
+    cut->n_ticks++;
+}
+
+/// Set what differs; each change is taken by the next tick, so the next finds a free half.
+static bool apply_params(sim_cut_t *cut, sim_error_t *e)
+{
+    for (uint32_t i = 0; i < cam_n_params; i++) {
+        const cam_param_id_t id = (cam_param_id_t)i;
+        const int32_t value = cam_param_get(&cut->params, id);
+        if (cam_param_get(&cut->controller.params, id) == value) {
+            continue;
+        }
+        const cam_err_t err = cam_machine_set_param(&cut->controller, id, value);
+        idle_tick(cut);
+        if (err != cam_ok) {
+            return sim_error(e, "parameter %s = %d: refused: %s; change the machine file or --set",
+                             cam_param_info(id)->name, (int)value, cam_err_text(err));
+        }
+    }
+    return true;
+}
+
+static const char *unit_of(cam_err_t err, double *per_unit)
+{
+    *per_unit = 1.0;
+    switch (err) {
+    case cam_err_spindle_speed:
+        *per_unit = 1e-3;
+        return "r/min";
+    case cam_err_u_speed:
+    case cam_err_z_speed:
+        *per_unit = 1e-3;
+        return "mm/s";
+    case cam_err_u_stroke:
+        *per_unit = 1e-6;
+        return "mm";
+    case cam_err_u_acceleration:
+        return "mm/s2";
+    default:
+        return "";
+    }
+}
+
+/// Asked, needed, limit, and what would do.
+static bool infeasible(const cam_feasibility_t *f, sim_error_t *e)
+{
+    double scale;
+    const char *unit = unit_of(f->err, &scale);
+    char remedy[80] = "no speed helps: use another machine or part";
+    if (f->highest_mrpm > 0u) {
+        (void)snprintf(remedy, sizeof remedy, "give at most --rpm %.3f", f->highest_mrpm * 1e-3);
+    }
+    return sim_error(e, "--rpm %.12g: infeasible: %s: needs %.12g %s, limit %.12g %s; %s",
+                     f->speed_mrpm * 1e-3, cam_err_text(f->err), (double)f->needed * scale, unit,
+                     (double)f->limit * scale, unit, remedy);
+}
+
+static bool select_table(sim_cut_t *cut, const char *name, size_t size, sim_error_t *e)
+{
+    const cam_err_t err = cam_machine_select_table(&cut->controller, cut->image, size);
+    idle_tick(cut);
+    return err == cam_ok || sim_error(e, "%s: refused: %s; " REMEDY, name, cam_err_text(err));
+}
+
+static bool check_feasible(sim_cut_t *cut, sim_error_t *e)
+{
+    cut->feasibility = cam_machine_feasibility(&cut->controller, 0);
+    return cut->feasibility.err == cam_ok || infeasible(&cut->feasibility, e);
+}
+
+static bool check_injects(const sim_cut_t *cut, size_t size, sim_error_t *e)
+{
+    for (uint32_t i = 0; i < cut->options.n_injects; i++) {
+        const sim_inject_t *what = &cut->options.inject[i];
+        if (what->kind == sim_inject_table_flip && what->value >= (double)size) {
+            return sim_error(e,
+                             "--inject table-flip: byte %.0f lies outside the table; give 0 .. %zu",
+                             what->value, size - 1u);
+        }
+    }
+    return true;
+}
+
+static void plan(sim_cut_t *cut)
+{
+    const double turns = sim_cut_planned_turns(cut);
+    const double planned_s = turns * 60e3 / cut->feasibility.speed_mrpm;
+    cut->max_s = cut->options.max_s > 0.0 ? cut->options.max_s : 2.0 * planned_s + 60.0;
+    cut->phase_turn = cut->params.phase_udeg / SIM_UDEG_PER_TURN;
+    cut->until_poll = sim_cut_poll_ticks;
+    cut->n_waiting = cut->options.n_injects;
+    cut->state = cam_state_off;
+}
+
+static bool prepare(sim_cut_t *cut, const void *image, size_t size, const char *name,
+                    sim_error_t *e)
+{
+    const sim_wishes_t wishes = all_wishes(&cut->options);
+    if (!take_image(cut, image, size, name, e) || !check_injects(cut, size, e) ||
+        !load_design(cut, e) ||
+        !sim_controller_params(&cut->params, &cut->options.config.machine, &cut->table, &wishes,
+                               e)) {
+        return false;
+    }
+    place_machine(cut);
+    cam_machine_init(&cut->controller, &g_cam, hal_tick_hz(), hal_clock_hz());
+    return apply_params(cut, e) && select_table(cut, name, size, e) && check_feasible(cut, e);
+}
+
+bool sim_cut_open(sim_cut_t *cut, const sim_cut_options_t *options, const void *image, size_t size,
+                  const char *name, sim_error_t *e)
+{
+    memset(cut, 0, sizeof *cut);
+    cut->options = *options;
+    cut->cut_at_s = -1.0;
+    cut->fault_s = -1.0;
+    if (!prepare(cut, image, size, name, e)) {
+        sim_cut_close(cut);
+        return false;
+    }
+    plan(cut);
+    return true;
+}

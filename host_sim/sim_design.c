@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sim_design.h"
+#include "sim_design_table.h" // sim_design_table_radius_mm
+#include "sim_units.h"        // SIM_TWO_PI, sim_clamp
+#include <math.h>             // sin, sqrt
+#include <stdlib.h>           // free
+
+static double cubics_at(sim_cubics_t *p, double z_mm)
+{
+    const double z = sim_clamp(z_mm, p->break_mm[0], p->break_mm[p->n]);
+    size_t i = p->i_last;
+    while (i > 0u && z < p->break_mm[i]) {
+        i--;
+    }
+    while (i + 1u < p->n && z >= p->break_mm[i + 1u]) {
+        i++;
+    }
+    p->i_last = i;
+    const double s = z - p->break_mm[i];
+    const double *c = p->c[i];
+    return ((c[0] * s + c[1]) * s + c[2]) * s + c[3];
+}
+
+double sim_design_delta_mm(sim_shape_t shape, double beta, double a_mm, double g_mm, double s2)
+{
+    if (shape == sim_shape_cosine) {
+        return 0.5 * g_mm * s2;
+    }
+    if (shape == sim_shape_double_ellipse) { // 1 - cos 2p = 2 s2, 1 - cos 4p = 8 s2 (1 - s2)
+        return 0.5 * g_mm * s2 * (1.0 + beta * 0.16 * (1.0 - s2));
+    }
+    const double b_mm = a_mm - 0.5 * g_mm;
+    const double k = 0.5 * g_mm * (a_mm + b_mm) / (b_mm * b_mm);
+    const double q = sqrt(1.0 + k * s2);
+    return a_mm * k * s2 / (q * (q + 1.0));
+}
+
+static void look_up(sim_design_t *d, double z_mm)
+{
+    if (z_mm != d->at_z_mm) {
+        d->a_mm = cubics_at(&d->radius_mm, z_mm);
+        d->g_mm = cubics_at(&d->ovality_mm, z_mm);
+        d->at_z_mm = z_mm;
+    }
+}
+
+double sim_design_radius_mm(sim_design_t *d, double turn, double z_mm)
+{
+    if (d->shape == sim_shape_table) {
+        return sim_design_table_radius_mm(d->table, turn, z_mm);
+    }
+    look_up(d, z_mm);
+    const double s = sin(SIM_TWO_PI * turn);
+    return d->a_mm - sim_design_delta_mm(d->shape, d->beta, d->a_mm, d->g_mm, s * s);
+}
+
+double sim_design_long_mm(sim_design_t *d, double z_mm)
+{
+    if (d->shape == sim_shape_table) {
+        return sim_design_table_long_mm(d->table, z_mm);
+    }
+    look_up(d, z_mm);
+    return d->a_mm;
+}
+
+double sim_design_find_largest_mm(sim_design_t *d)
+{
+    enum { n_samples = 4096 };
+    double largest_mm = 0.0;
+    for (int i = 0; i <= n_samples; i++) {
+        const double part = (double)i / n_samples;
+        const double z_mm = d->z_first_mm + part * (d->z_last_mm - d->z_first_mm);
+        const double a_mm = sim_design_long_mm(d, z_mm);
+        largest_mm = a_mm > largest_mm ? a_mm : largest_mm;
+    }
+    return largest_mm;
+}
+
+static void free_cubics(sim_cubics_t *p)
+{
+    free(p->break_mm);
+    free(p->c);
+    *p = (sim_cubics_t){0};
+}
+
+void sim_design_free(sim_design_t *d)
+{
+    free_cubics(&d->radius_mm);
+    free_cubics(&d->ovality_mm);
+}

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sim_design.h"
+#include "sim_file.h"  // sim_file_read
+#include "sim_units.h" // SIM_NM_PER_MM
+#include <cjson/cJSON.h>
+#include <math.h>   // isfinite, NAN
+#include <stdlib.h> // calloc, strtoul
+#include <string.h> // strcmp
+
+enum { max_report_bytes = 64 * 1024 * 1024 };
+
+#define REMEDY "make the table again with tools/mktables, or give --design"
+
+static bool number_of(const cJSON *item, double *value)
+{
+    if (!cJSON_IsNumber(item) || !isfinite(item->valuedouble)) {
+        return false;
+    }
+    *value = item->valuedouble;
+    return true;
+}
+
+static bool read_breaks(sim_cubics_t *p, const cJSON *list)
+{
+    const int n = cJSON_GetArraySize(list);
+    if (!cJSON_IsArray(list) || n < 2 || n > sim_design_max_pieces) {
+        return false;
+    }
+    p->n = (size_t)n - 1u;
+    p->break_mm = calloc((size_t)n, sizeof *p->break_mm);
+    size_t i = 0;
+    const cJSON *item;
+    cJSON_ArrayForEach(item, list)
+    {
+        if (p->break_mm == NULL || !number_of(item, &p->break_mm[i]) ||
+            (i > 0u && p->break_mm[i] <= p->break_mm[i - 1u])) {
+            return false;
+        }
+        i++;
+    }
+    return true;
+}
+
+static bool read_piece(double c[4], const cJSON *list)
+{
+    if (!cJSON_IsArray(list) || cJSON_GetArraySize(list) != 4) {
+        return false;
+    }
+    for (int i = 0; i < 4; i++) {
+        if (!number_of(cJSON_GetArrayItem(list, i), &c[i])) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static bool read_pieces(sim_cubics_t *p, const cJSON *list)
+{
+    if (!cJSON_IsArray(list) || (size_t)cJSON_GetArraySize(list) != p->n) {
+        return false;
+    }
+    p->c = calloc(p->n, sizeof *p->c);
+    size_t i = 0;
+    const cJSON *item;
+    cJSON_ArrayForEach(item, list)
+    {
+        if (p->c == NULL || !read_piece(p->c[i++], item)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static bool read_cubics(sim_cubics_t *p, const cJSON *design, const char *name, const char *path,
+                        sim_error_t *e)
+{
+    const cJSON *item = cJSON_GetObjectItemCaseSensitive(design, name);
+    if (!read_breaks(p, cJSON_GetObjectItemCaseSensitive(item, "breaks_mm"))) {
+        return sim_error(e,
+                         "%s: design.%s.breaks_mm: wants rising finite numbers, 2 or more; " REMEDY,
+                         path, name);
+    }
+    if (!read_pieces(p, cJSON_GetObjectItemCaseSensitive(item, "coefficients"))) {
+        return sim_error(e,
+                         "%s: design.%s.coefficients: wants %zu lists of 4 finite numbers; " REMEDY,
+                         path, name, p->n);
+    }
+    return true;
+}
+
+static bool read_shape(sim_design_t *d, const cJSON *design, const char *path, sim_error_t *e)
+{
+    static const char *const name[] = {"ellipse", "cosine", "double-ellipse"};
+    const cJSON *shape = cJSON_GetObjectItemCaseSensitive(design, "shape");
+    const char *text = cJSON_IsString(shape) ? shape->valuestring : "?";
+    for (int i = 0; i < 3; i++) {
+        if (strcmp(text, name[i]) == 0) {
+            d->shape = (sim_shape_t)i;
+            const cJSON *beta = cJSON_GetObjectItemCaseSensitive(design, "beta");
+            if (d->shape == sim_shape_double_ellipse && !number_of(beta, &d->beta)) {
+                return sim_error(e, "%s: design.beta: wants a finite number; " REMEDY, path);
+            }
+            return true;
+        }
+    }
+    return sim_error(
+        e, "%s: design.shape = \"%.40s\": wants ellipse, cosine or double-ellipse; " REMEDY, path,
+        text);
+}
+
+/// The report's CRC-32: a number, or a string in hexadecimal.
+static bool crc_matches(const cJSON *item, uint32_t crc32)
+{
+    if (cJSON_IsString(item)) {
+        char *end = NULL;
+        const unsigned long value = strtoul(item->valuestring, &end, 16);
+        return end != item->valuestring && *end == '\0' && value == crc32;
+    }
+    return cJSON_IsNumber(item) && item->valuedouble == (double)crc32;
+}
+
+static bool check_crc(const cJSON *root, const cam_table_t *table, const char *path, sim_error_t *e)
+{
+    const cJSON *item = cJSON_GetObjectItemCaseSensitive(root, "table_crc32");
+    if (!crc_matches(item, table->crc32)) {
+        return sim_error(
+            e, "%s: table_crc32: belongs to another table than this one (0x%08x); " REMEDY, path,
+            (unsigned)table->crc32);
+    }
+    return true;
+}
+
+static bool read_root(sim_design_t *d, const cJSON *root, const cam_table_t *table,
+                      const char *path, sim_error_t *e)
+{
+    const cJSON *design = cJSON_GetObjectItemCaseSensitive(root, "design");
+    if (!cJSON_IsObject(design)) {
+        return sim_error(e, "%s: design: missing, so there is nothing to gauge against; " REMEDY,
+                         path);
+    }
+    return check_crc(root, table, path, e) && read_shape(d, design, path, e) &&
+           read_cubics(&d->radius_mm, design, "radius_mm", path, e) &&
+           read_cubics(&d->ovality_mm, design, "ovality_mm", path, e);
+}
+
+static void begin(sim_design_t *d, const cam_table_t *table)
+{
+    *d = (sim_design_t){.at_z_mm = NAN, .table = table};
+    d->z_first_mm = table->z_first_nm / SIM_NM_PER_MM;
+    d->z_last_mm = table->z_last_nm / SIM_NM_PER_MM;
+}
+
+bool sim_design_load(sim_design_t *d, const char *path, const cam_table_t *table, sim_error_t *e)
+{
+    begin(d, table);
+    sim_file_t file;
+    if (!sim_file_read(&file, path, max_report_bytes, e)) {
+        return false;
+    }
+    cJSON *root = cJSON_ParseWithLength((const char *)file.bytes, file.size);
+    sim_file_free(&file);
+    const bool is_good = root != NULL ? read_root(d, root, table, path, e)
+                                      : sim_error(e, "%s: is no JSON; " REMEDY, path);
+    cJSON_Delete(root);
+    if (!is_good) {
+        sim_design_free(d);
+        return false;
+    }
+    d->largest_mm = sim_design_find_largest_mm(d);
+    return true;
+}
+
+void sim_design_from_table(sim_design_t *d, const cam_table_t *table)
+{
+    begin(d, table);
+    d->shape = sim_shape_table;
+    d->largest_mm = sim_design_find_largest_mm(d);
+}

@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sim_drive.h"
+#include "sim_units.h" // sim_round, sim_clamp, SIM_TWO_PI
+#include <math.h>      // cos, cosh, exp, sqrt
+
+enum { n_sub_steps = 16 };
+
+sim_drive_config_t sim_drive_u_defaults(void)
+{
+    return (sim_drive_config_t){
+        .bandwidth_hz = 300.0,
+        .damping = 0.7,
+        .delay_us = 75.0,
+        .quantum_nm = 10.0,
+        .speed_mm_per_s = 400.0,
+        .acceleration_mm_per_s2 = 250000.0,
+    };
+}
+
+sim_drive_config_t sim_drive_x_defaults(void)
+{
+    return (sim_drive_config_t){
+        .bandwidth_hz = 50.0,
+        .damping = 1.0,
+        .quantum_nm = 10.0,
+        .speed_mm_per_s = 100.0,
+        .acceleration_mm_per_s2 = 2000.0,
+    };
+}
+
+sim_drive_config_t sim_drive_z_defaults(void)
+{
+    sim_drive_config_t config = sim_drive_x_defaults();
+    config.speed_mm_per_s = 200.0;
+    return config;
+}
+
+/// Even and odd part of e^(r t) about -d w: cos and sin(q t)/q, or cosh and sinh(q t)/q, or 1 and
+/// t.
+static void even_odd(double omega, double damping, double t, double *even, double *odd)
+{
+    const double below = 1.0 - damping * damping;
+    const double q = omega * sqrt(sim_abs(below));
+    if (q * t < 1e-8) {
+        *even = 1.0;
+        *odd = t;
+    } else if (below > 0.0) {
+        *even = cos(q * t);
+        *odd = sin(q * t) / q;
+    } else {
+        *even = cosh(q * t);
+        *odd = sinh(q * t) / q;
+    }
+}
+
+sim_drive_flow_t sim_drive_flow(double omega_rad_per_s, double damping, double time_s)
+{
+    double even;
+    double odd;
+    even_odd(omega_rad_per_s, damping, time_s, &even, &odd);
+    const double decay = exp(-damping * omega_rad_per_s * time_s);
+    const double half = damping * omega_rad_per_s * odd;
+    return (sim_drive_flow_t){
+        .pp = decay * (even + half),
+        .pv = decay * odd,
+        .vp = -decay * omega_rad_per_s * omega_rad_per_s * odd,
+        .vv = decay * (even - half),
+        .time_s = time_s,
+    };
+}
+
+static void set_dead_time(sim_drive_t *d, const sim_drive_config_t *config)
+{
+    const double omega = SIM_TWO_PI * config->bandwidth_hz;
+    const double delay_ticks = config->delay_us * 1e-6 / d->period_s;
+    double part = sim_fraction(delay_ticks);
+    d->n_delay = (uint32_t)sim_floor(delay_ticks);
+    if (part > 1.0 - 1e-9) { // 75 us of 25 us ticks is 2.9999999999999996
+        d->n_delay++;
+        part = 0.0;
+    }
+    d->is_split = part > 1e-9;
+    part = d->is_split ? part : 0.0;
+    d->before = sim_drive_flow(omega, config->damping, part * d->period_s);
+    d->after = sim_drive_flow(omega, config->damping, (1.0 - part) * d->period_s);
+}
+
+static double quantised(const sim_drive_t *d, double nm)
+{
+    return d->quantum_nm > 0.0 ? sim_round(nm * d->per_quantum_nm) * d->quantum_nm : nm;
+}
+
+void sim_drive_init(sim_drive_t *d, const sim_drive_config_t *config, double start_nm,
+                    double period_s)
+{
+    const double omega = SIM_TWO_PI * config->bandwidth_hz;
+    *d = (sim_drive_t){
+        .pos_nm = start_nm,
+        .stiffness_per_s2 = omega * omega,
+        .drag_per_s = 2.0 * config->damping * omega,
+        .speed_nm_per_s = config->speed_mm_per_s * SIM_NM_PER_MM,
+        .acceleration_nm_per_s2 = config->acceleration_mm_per_s2 * SIM_NM_PER_MM,
+        .quantum_nm = config->quantum_nm,
+        .per_quantum_nm = config->quantum_nm > 0.0 ? 1.0 / config->quantum_nm : 0.0,
+        .period_s = period_s,
+    };
+    set_dead_time(d, config);
+    for (uint32_t i = 0; i < sim_drive_ring; i++) {
+        d->command_nm[i] = quantised(d, start_nm);
+    }
+}
+
+static double acceleration(const sim_drive_t *d, double command_nm)
+{
+    return d->stiffness_per_s2 * (command_nm - d->pos_nm) - d->drag_per_s * d->vel_nm_per_s;
+}
+
+/// Constant acceleration for a while, speed kept within its limit.
+static void move(sim_drive_t *d, double acceleration_nm_per_s2, double dt_s)
+{
+    const double wanted = d->vel_nm_per_s + acceleration_nm_per_s2 * dt_s;
+    const double vel = sim_clamp(wanted, -d->speed_nm_per_s, d->speed_nm_per_s);
+    d->pos_nm += 0.5 * (d->vel_nm_per_s + vel) * dt_s;
+    d->vel_nm_per_s = vel;
+}
+
+static double limited_acceleration(const sim_drive_t *d, double pos_nm, double vel,
+                                   double command_nm)
+{
+    const double free = d->stiffness_per_s2 * (command_nm - pos_nm) - d->drag_per_s * vel;
+    return sim_clamp(free, -d->acceleration_nm_per_s2, d->acceleration_nm_per_s2);
+}
+
+static void limited_piece(sim_drive_t *d, double command_nm, double time_s)
+{
+    const double h = time_s / n_sub_steps;
+    for (int i = 0; i < n_sub_steps; i++) { // the acceleration of the middle: second order
+        const double first = limited_acceleration(d, d->pos_nm, d->vel_nm_per_s, command_nm);
+        const double pos_nm = d->pos_nm + 0.5 * h * (d->vel_nm_per_s + 0.25 * h * first);
+        const double vel = d->vel_nm_per_s + 0.5 * h * first;
+        move(d, limited_acceleration(d, pos_nm, vel, command_nm), h);
+    }
+}
+
+static void piece(sim_drive_t *d, double command_nm, const sim_drive_flow_t *flow)
+{
+    const double off_nm = d->pos_nm - command_nm;
+    const double vel = flow->vp * off_nm + flow->vv * d->vel_nm_per_s;
+    if (sim_abs(acceleration(d, command_nm)) > d->acceleration_nm_per_s2 ||
+        sim_abs(vel) > d->speed_nm_per_s) {
+        limited_piece(d, command_nm, flow->time_s);
+        return;
+    }
+    d->pos_nm = command_nm + flow->pp * off_nm + flow->pv * d->vel_nm_per_s;
+    d->vel_nm_per_s = vel;
+}
+
+static void brake(sim_drive_t *d, double dt_s)
+{
+    const double limit = d->acceleration_nm_per_s2;
+    if (d->vel_nm_per_s != 0.0) {
+        move(d, sim_clamp(-d->vel_nm_per_s / dt_s, -limit, limit), dt_s);
+    }
+}
+
+static double delayed(const sim_drive_t *d, uint32_t ticks)
+{
+    return d->command_nm[(d->i_command - ticks) % sim_drive_ring];
+}
+
+void sim_drive_step(sim_drive_t *d, int32_t command_nm, bool is_enabled)
+{
+    d->i_command++;
+    d->command_nm[d->i_command % sim_drive_ring] = quantised(d, command_nm);
+    if (d->is_blocked) {
+        d->vel_nm_per_s = 0.0;
+    } else if (!is_enabled) {
+        brake(d, d->period_s);
+    } else {
+        if (d->is_split) {
+            piece(d, delayed(d, d->n_delay + 1u), &d->before);
+        }
+        piece(d, delayed(d, d->n_delay), &d->after);
+    }
+}
+
+void sim_drive_linger(sim_drive_t *d, double dt_s, bool is_enabled)
+{
+    if (d->is_blocked || dt_s <= 0.0) {
+        return;
+    }
+    if (!is_enabled) {
+        brake(d, dt_s);
+        return;
+    }
+    const double omega = sqrt(d->stiffness_per_s2);
+    const sim_drive_flow_t flow = sim_drive_flow(omega, 0.5 * d->drag_per_s / omega, dt_s);
+    piece(d, delayed(d, d->n_delay), &flow);
+}
+
+int32_t sim_drive_measured_nm(const sim_drive_t *d)
+{
+    return (int32_t)sim_round(sim_clamp(quantised(d, d->pos_nm), INT32_MIN, INT32_MAX));
+}

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sim_spindle.h"
+#include "sim_units.h" // SIM_TWO_PI, sim_clamp, sim_fraction
+#include <math.h>      // exp, sin
+
+sim_spindle_config_t sim_spindle_defaults(void)
+{
+    return (sim_spindle_config_t){
+        .inertia_kgm2 = 0.1,
+        .torque_Nm = 50.0,
+        .bandwidth_rad_per_s = 40.0,
+        .ripple = 0.002,
+        .ripple_per_turn = 2.0,
+        .start_turn = 0.6,
+    };
+}
+
+void sim_spindle_init(sim_spindle_t *s, const sim_spindle_config_t *config)
+{
+    *s = (sim_spindle_t){
+        .turn = config->start_turn,
+        .limit_rad_per_s2 = config->torque_Nm / config->inertia_kgm2,
+        .bandwidth_rad_per_s = config->bandwidth_rad_per_s,
+        .ripple = config->ripple,
+        .ripple_per_turn = config->ripple_per_turn,
+    };
+}
+
+static double speed_after(const sim_spindle_t *s, double set_rad_per_s, double dt_s)
+{
+    const double gap = set_rad_per_s - s->speed_rad_per_s;
+    if (sim_abs(gap) < 1e-9) { // settled: saves the exponential
+        return set_rad_per_s;
+    }
+    const double limit = s->limit_rad_per_s2 * dt_s;
+    const double wanted = gap * (1.0 - exp(-s->bandwidth_rad_per_s * dt_s));
+    return s->speed_rad_per_s + sim_clamp(wanted, -limit, limit);
+}
+
+static double rippled(const sim_spindle_t *s, double turn)
+{
+    const double period = sim_fraction(s->ripple_per_turn * turn);
+    return 1.0 + s->ripple * sin(SIM_TWO_PI * period);
+}
+
+void sim_spindle_step(sim_spindle_t *s, double set_rad_per_s, double dt_s)
+{
+    const double after = speed_after(s, set_rad_per_s, dt_s);
+    const double mean_turns = 0.5 * (s->speed_rad_per_s + after) * dt_s / SIM_TWO_PI;
+    s->speed_rad_per_s = after;
+    s->turn += s->ripple > 0.0 ? mean_turns * rippled(s, s->turn + 0.5 * mean_turns) : mean_turns;
+}
+
+double sim_spindle_true_rad_per_s(const sim_spindle_t *s)
+{
+    return s->speed_rad_per_s * rippled(s, s->turn);
+}

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+/// sim_units: constants and rounding that all models share, inline.
+#ifndef SIM_UNITS_H
+#define SIM_UNITS_H
+
+#include <stdint.h> // int64_t
+
+#define SIM_PI 3.14159265358979323846
+#define SIM_TWO_PI 6.28318530717958647692
+#define SIM_NM_PER_MM 1e6
+#define SIM_UDEG_PER_TURN 360e6
+
+/// Round to the nearest integer, ties to even, without a library call.
+/// @param v  |v| < 2^51
+static inline double sim_round(double v)
+{
+    const double lift = 6755399441055744.0; // 1.5 * 2^52: the integers are the grid up there
+    return (v + lift) - lift;
+}
+
+/// @return the largest integer not above v; |v| < 2^62
+static inline int64_t sim_floor(double v)
+{
+    const int64_t cut = (int64_t)v;
+    return cut - ((double)cut > v ? 1 : 0);
+}
+
+/// @return v - floor(v), 0 <= result < 1 up to the rounding of a tiny negative v to 1
+static inline double sim_fraction(double v)
+{
+    return v - (double)sim_floor(v);
+}
+
+static inline double sim_clamp(double v, double lo, double hi)
+{
+    return v < lo ? lo : v > hi ? hi : v;
+}
+
+static inline double sim_abs(double v)
+{
+    return v < 0.0 ? -v : v;
+}
+
+#endif

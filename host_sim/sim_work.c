@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sim_work.h"
+#include "sim_units.h" // SIM_PI, sim_abs
+#include <math.h>      // sqrt
+#include <string.h>    // memset
+
+void sim_work_init(sim_work_t *w, double blank_mm, double z_first_mm, double z_last_mm)
+{
+    memset(w, 0, sizeof *w);
+    w->blank_mm = blank_mm;
+    w->z_first_mm = z_first_mm;
+    w->z_last_mm = z_last_mm;
+    w->rows_per_mm = sim_work_rows / (z_last_mm - z_first_mm);
+}
+
+static size_t row_of(const sim_work_t *w, double z_mm)
+{
+    const double row = (z_mm - w->z_first_mm) * w->rows_per_mm;
+    return (size_t)sim_clamp(row, 0.0, sim_work_rows - 1);
+}
+
+static void count_row(sim_row_t *row, double error_um)
+{
+    row->min_um = row->n == 0u || error_um < row->min_um ? error_um : row->min_um;
+    row->max_um = row->n == 0u || error_um > row->max_um ? error_um : row->max_um;
+    row->sum_um2 += error_um * error_um;
+    row->n++;
+}
+
+static void count_cell(sim_cell_t *cell, double turn, double z_mm, double radius_mm,
+                       double error_nm)
+{
+    if (cell->n == 0u || sim_abs(error_nm) > sim_abs((double)cell->error_nm)) {
+        cell->turn = (float)turn;
+        cell->z_mm = z_mm;
+        cell->radius_mm = radius_mm;
+        cell->error_nm = (float)error_nm;
+    }
+    cell->n += cell->n < UINT32_MAX ? 1u : 0u;
+}
+
+static void count_error(sim_work_t *w, double turn, double z_mm, double radius_mm, double error_mm)
+{
+    const double error_um = error_mm * 1e3;
+    const size_t i_row = row_of(w, z_mm);
+    const size_t i_column = (size_t)sim_clamp(turn * sim_work_columns, 0.0, sim_work_columns - 1);
+    if (sim_abs(error_um) > w->max_um) {
+        w->max_um = sim_abs(error_um);
+        w->max_turn = turn;
+        w->max_z_mm = z_mm;
+    }
+    w->sum_um2 += error_um * error_um;
+    count_row(&w->row[i_row], error_um);
+    count_cell(&w->cell[i_row][i_column], turn, z_mm, radius_mm, error_mm * SIM_NM_PER_MM);
+}
+
+static void count_chip(sim_work_t *w, double z_mm, double radius_mm)
+{
+    const double depth_mm = w->blank_mm - radius_mm;
+    const bool is_first = w->n == 0u;
+    w->depth_min_mm = is_first || depth_mm < w->depth_min_mm ? depth_mm : w->depth_min_mm;
+    w->depth_max_mm = is_first || depth_mm > w->depth_max_mm ? depth_mm : w->depth_max_mm;
+    const double fed_mm = is_first ? 0.0 : sim_abs(z_mm - w->last_z_mm);
+    w->removed_mm3 += SIM_PI * depth_mm * (w->blank_mm + radius_mm) * fed_mm;
+    w->last_z_mm = z_mm;
+}
+
+void sim_work_touch(sim_work_t *w, double turn, double z_mm, double radius_mm, double exact_mm,
+                    bool is_counted)
+{
+    const double error_mm = radius_mm - exact_mm;
+    if (-error_mm * 1e3 > w->gouge_um && z_mm >= w->z_first_mm && z_mm <= w->z_last_mm) {
+        w->gouge_um = -error_mm * 1e3;
+    }
+    if (is_counted) {
+        count_error(w, turn, z_mm, radius_mm, error_mm);
+        count_chip(w, z_mm, radius_mm);
+        w->n++;
+    }
+}
+
+double sim_work_rms_um(const sim_work_t *w)
+{
+    return w->n > 0u ? sqrt(w->sum_um2 / (double)w->n) : 0.0;
+}
+
+double sim_work_roundness_um(const sim_work_t *w)
+{
+    double worst_um = 0.0;
+    for (size_t i = 0; i < sim_work_rows; i++) {
+        const double here_um = w->row[i].max_um - w->row[i].min_um;
+        worst_um = here_um > worst_um ? here_um : worst_um;
+    }
+    return worst_um;
+}
+
+double sim_work_row_mm(const sim_work_t *w, size_t i_row)
+{
+    return w->z_first_mm + ((double)i_row + 0.5) / w->rows_per_mm;
+}

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+/// sim_work: the blank, the tool tip on it, and a roundness gauge. Bounded memory for any length of
+/// cut.
+///
+///     error = radius of the tool tip - exact radius at the tool's true angle and height
+///     cut depth = blank radius - radius,  removed volume: dV = pi (blank^2 - radius^2) dz
+///
+/// The tip is a point at centre height (a nose of 0.8 mm shifts a piston's contact by 5 um along Z
+/// and 0.02 um across). One turn removes a ring of the feed's width, so every sample stands for the
+/// share dz of it; feed marks between turns are not modelled.
+/// The map keeps, per cell of angle and height, the sample with the largest |error|; each row of
+/// heights keeps the extremes, from which its roundness (largest - smallest error) follows.
+#ifndef SIM_WORK_H
+#define SIM_WORK_H
+
+#include <stdbool.h> // bool
+#include <stddef.h>  // size_t
+#include <stdint.h>  // uint32_t, uint64_t
+
+enum { sim_work_columns = 720, sim_work_rows = 256 };
+
+/// The worst sample of a cell.
+typedef struct {
+    float turn; ///< [turn] from the long axis in the sense of cutting, 0 .. 1
+    float error_nm;
+    double z_mm;
+    double radius_mm;
+    uint32_t n; ///< samples seen; 0: never touched
+} sim_cell_t;
+
+/// One band of heights.
+typedef struct {
+    double min_um, max_um, sum_um2;
+    uint64_t n;
+} sim_row_t;
+
+typedef struct {
+    double blank_mm; ///< radius of the blank
+    double z_first_mm, z_last_mm, rows_per_mm;
+    double max_um, sum_um2;    ///< form error: largest magnitude, sum of squares
+    double max_turn, max_z_mm; ///< where the largest was
+    double depth_min_mm, depth_max_mm;
+    double removed_mm3;
+    double gouge_um;  ///< deepest cut below the exact surface in any state, above 0
+    double last_z_mm; ///< of the last counted sample
+    uint64_t n;       ///< counted samples
+    sim_row_t row[sim_work_rows];
+    sim_cell_t cell[sim_work_rows][sim_work_columns];
+} sim_work_t;
+
+/// @param w         7 MB: allocate it
+/// @param blank_mm  radius of the blank
+void sim_work_init(sim_work_t *w, double blank_mm, double z_first_mm, double z_last_mm);
+
+/// The tool tip is somewhere.
+/// @param turn        [turn] 0 .. 1 from the long axis
+/// @param exact_mm    exact radius there
+/// @param is_counted  the sample belongs to the surface that is judged: full amplitude and depth
+void sim_work_touch(sim_work_t *w, double turn, double z_mm, double radius_mm, double exact_mm,
+                    bool is_counted);
+
+/// @return [um] rms form error, 0 without samples
+double sim_work_rms_um(const sim_work_t *w);
+
+/// @return [um] largest roundness of all rows, 0 without samples
+double sim_work_roundness_um(const sim_work_t *w);
+
+/// @return [mm] middle height of a row
+double sim_work_row_mm(const sim_work_t *w, size_t i_row);
+
+#endif
