@@ -22,9 +22,10 @@ from camtools.quantise import height_range_nm, slice_heights_mm
 from camtools.sections import Floats
 
 ROUNDING_LSB = 1.0  # what the firmware's arithmetic may add to the table's own error
+GRID_MARGIN = 1.01  # the worst place may lie between the points of the grid
 _T = np.array([0.0, 0.03, 0.11, 0.21, 0.31, 0.41, 0.5, 0.62, 0.73, 0.83, 0.93, 0.98])
 _W = np.array([0.0, 0.13, 0.27, 0.5, 0.71, 0.91])
-_W_X = np.array([0.0, 0.07, 0.18, 0.29, 0.4, 0.5, 0.61, 0.72, 0.83, 0.94])
+_W_X = np.arange(32) / 32
 
 
 class Accuracy(NamedTuple):
@@ -52,7 +53,9 @@ def _accuracy(channel: Channel, got: Values, exact: Values) -> Accuracy:
     errors = [float(np.abs(a - b).max()) for a, b in zip(got, exact, strict=True)]
     peaks = [float(np.abs(values).max()) for values in exact]
     lsb_nm = channel.lsb_nm
-    return Accuracy(errors[0] + ROUNDING_LSB * lsb_nm, *errors[1:], *peaks[1:], lsb_nm)
+    value_nm = GRID_MARGIN * errors[0] + ROUNDING_LSB * lsb_nm
+    first, second = GRID_MARGIN * errors[1], GRID_MARGIN * errors[2]
+    return Accuracy(value_nm, first, second, peaks[1], peaks[2], lsb_nm)
 
 
 def _between(geometry: Geometry, n_slices: int, weights: Floats) -> Floats:
@@ -61,7 +64,7 @@ def _between(geometry: Geometry, n_slices: int, weights: Floats) -> Floats:
     slices = slice_heights_mm(range_nm, n_slices) * NM_PER_MM
     inside = slices[:-1, None] + np.diff(slices)[:, None] * weights
     heights = np.concatenate([inside.ravel(), slices[-1:], geometry.breaks_mm() * NM_PER_MM])
-    return np.clip(heights, *range_nm)
+    return np.asarray(np.clip(heights, *range_nm), dtype=np.float64)
 
 
 def measure_u(geometry: Geometry, channel: Channel, z_nm: Floats | None = None) -> Accuracy:

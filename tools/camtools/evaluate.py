@@ -53,9 +53,7 @@ def _power_rows(t: Floats) -> Floats:
 
 def _scaled(channel: Channel, raw: Floats) -> Values:
     h, lsb = knot_interval(channel), channel.lsb_nm
-    return Values(
-        channel.offset_nm + raw[0] * lsb, raw[1] * (lsb / h), raw[2] * (lsb / h**2)
-    )
+    return Values(channel.offset_nm + raw[0] * lsb, raw[1] * (lsb / h), raw[2] * (lsb / h**2))
 
 
 def evaluate_u_grid(channel: Channel, z_nm: Floats, t: Floats) -> Values:
@@ -120,9 +118,7 @@ def _bernstein_rows(degree: int) -> Floats:
         for i in range(n):
             for j in range(i + 1):
                 shift[s, i, j] = comb(i, j) * (s / m) ** (i - j) / m**j
-    control = np.array(
-        [[comb(k, j) / comb(degree, j) for k in range(n)] for j in range(n)]
-    )
+    control = np.array([[comb(k, j) / comb(degree, j) for k in range(n)] for j in range(n)])
     return np.asarray(np.concatenate(list(shift @ control), axis=1), dtype=np.float64)
 
 

@@ -1,4 +1,4 @@
-"""Can this machine move U as this table asks?
+"""Whether a machine can move U as a table asks, and how fast.
 
 >>> peaks = Peaks(u_stroke_mm=0.15, u1_mm=0.15, u2_mm=0.3)
 >>> from camtools.part import Limits
@@ -77,14 +77,12 @@ def check_feasible(peaks: Peaks, limits: Limits, spindle_rpm: float) -> HighestS
         f"{np.floor(best.rpm * 10) / 10:.1f} r/min ({best.decides} decides)"
     )
     at_any_speed = "no speed would do: less ovality, or a longer stroke"
+    acceleration, most_acceleration = peaks.u2_mm * omega**2, limits.u_acceleration_mm_s2
     lines = [
         *_excess("u_stroke_mm", peaks.u_stroke_mm, limits.u_stroke_mm, "mm", at_any_speed),
         *_excess("spindle_rpm", spindle_rpm, limits.spindle_rpm, "r/min", remedy),
         *_excess("u_speed_mm_s", peaks.u1_mm * omega, limits.u_speed_mm_s, "mm/s", remedy),
-        *_excess(
-            *("u_acceleration_mm_s2", peaks.u2_mm * omega**2),
-            *(limits.u_acceleration_mm_s2, "mm/s2", remedy),
-        ),
+        *_excess("u_acceleration_mm_s2", acceleration, most_acceleration, "mm/s2", remedy),
     ]
     if lines:
         raise CamtoolsError(lines)

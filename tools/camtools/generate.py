@@ -118,5 +118,3 @@ def generate(part: Part, tolerance_nm: float = DEFAULT_TOLERANCE_NM) -> Generate
     table = make_table(part, u, x, max(accuracy_u.value_nm, accuracy_x.value_nm))
     best = check_feasible(peaks_of(table.bounds), part.machine.limits, part.process.spindle_rpm)
     return Generated(part, geometry, tolerance_nm, table, accuracy_u, accuracy_x, best)
-
-

@@ -156,28 +156,40 @@ def omega_rad_s(spindle_rpm: float) -> float:
     return 2 * np.pi * spindle_rpm / 60
 
 
+def turning_at(geometry: Geometry, spindle_rpm: float, z_mm: FloatsLike, turns: Floats) -> Motion:
+    """Return the axes of turning at constant speed, at given angles and heights.
+
+    Parameters
+    ----------
+    spindle_rpm : float
+        Speed [r/min].
+    z_mm : float or ndarray, shape (n,)
+        Height(s) [mm].
+    turns : ndarray, shape (n,)
+        Spindle angle from the long axis, in turns.
+
+    Returns
+    -------
+    Motion
+        Velocity, acceleration and jerk of U at fixed height; the feed adds dU/dz feed n/60.
+    """
+    c_rad, omega = 2 * np.pi * turns, omega_rad_s(spindle_rpm)
+    u = geometry.delta(c_rad, z_mm)
+    z_all_mm = np.broadcast_to(np.asarray(z_mm, dtype=np.float64), c_rad.shape)
+    x_mm = geometry.radius_mm(z_all_mm)
+    return Motion(c_rad, z_all_mm, x_mm, u.delta, u.d1 * omega, u.d2 * omega**2, u.d3 * omega**3)
+
+
 def uniform_turning(
     geometry: Geometry, spindle_rpm: float, feed_mm: float, turns: Floats
 ) -> Motion:
-    """Return the axes of uniform four-axis turning (maths.md 3).
+    """Return the axes of uniform four-axis turning from the lowest height up (maths.md 3).
 
     Parameters
     ----------
     spindle_rpm, feed_mm : float
         Speed [r/min] and feed per turn [mm].
-    turns : ndarray
-        Spindle angle since the lowest height, in turns.
-
-    Returns
-    -------
-    Motion
-        Velocity, acceleration and jerk of U at fixed height (the feed's own share of the
-        velocity is dU/dz feed n/60, here below 1e-2 mm/s).
+    turns : ndarray, shape (n,)
+        Spindle angle since the lowest height, in turns; Z follows the angle.
     """
-    c_rad, omega = 2 * np.pi * turns, omega_rad_s(spindle_rpm)
-    z_mm = geometry.z_first_mm + feed_mm * turns
-    u = geometry.delta(c_rad, z_mm)
-    x_mm = geometry.radius_mm(z_mm)
-    return Motion(
-        c_rad, z_mm, x_mm, u.delta, u.d1 * omega, u.d2 * omega**2, u.d3 * omega**3
-    )
+    return turning_at(geometry, spindle_rpm, geometry.z_first_mm + feed_mm * turns, turns)

@@ -10,6 +10,7 @@ import re
 import struct
 import zlib
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -262,13 +263,12 @@ def unpack(image: bytes) -> Table:
     return replace(table, channels=channels)
 
 
-def _unpack_header(fields: tuple[int, ...]) -> Table:
+def _unpack_header(fields: tuple[Any, ...]) -> Table:
     _demand(fields[6] == HEADER_SIZE, "header_size: not 128")
     _demand(1 <= fields[7] <= 8, "n_channels: not 1 .. 8")
-    raw_name = bytes(fields[8])  # type: ignore[arg-type]
-    found = re.fullmatch(rb"([\x20-\x7e]{1,31})\x00+", raw_name)
+    found = re.fullmatch(rb"[\x20-\x7e]{1,31}\x00+", fields[8])
     _demand(found is not None, "part_name: not 1 .. 31 printable ASCII characters")
-    name = raw_name.rstrip(b"\0").decode("ascii")
+    name = fields[8].rstrip(b"\0").decode("ascii")
     _demand(fields[10] > fields[9], "z_last_nm: not above z_first_nm")
     _demand(fields[11] in (1, -1), "direction: not 1 or -1")
     _demand(fields[12] > 0 and fields[13] > 0, "spindle_mrpm, feed_nm: not above 0")
@@ -276,7 +276,8 @@ def _unpack_header(fields: tuple[int, ...]) -> Table:
     _demand(fields[20] >= fields[19], "u_max_nm: below u_min_nm")
     _demand(fields[24] == 0, "reserved: not 0")
     limits, bounds = Limits(*fields[15:19]), Bounds(*fields[19:24])
-    return Table(name, *fields[9:15], limits, bounds, ())
+    z_first, z_last, direction, mrpm, feed, depth = fields[9:15]
+    return Table(name, z_first, z_last, direction, mrpm, feed, depth, limits, bounds, ())
 
 
 def _unpack_channels(image: bytes, table: Table, n_channels: int) -> tuple[Channel, ...]:
@@ -299,7 +300,7 @@ def _unpack_channels(image: bytes, table: Table, n_channels: int) -> tuple[Chann
     return tuple(channels)
 
 
-def _check_entry(entry: tuple[int, ...], table: Table) -> None:
+def _check_entry(entry: tuple[Any, ...], table: Table) -> None:
     kind, _, size, n_slices, log2_knots, log2_repeat, frac_bits, z_first, z_last, q48 = entry[:10]
     _demand(kind in (KIND_U, KIND_X), "kind: unknown")
     _demand(2 <= n_slices <= MAX_SLICES, "n_slices: not 2 .. 4096")
@@ -317,12 +318,10 @@ def _check_entry(entry: tuple[int, ...], table: Table) -> None:
     _demand(entry[15] == 0, "reserved: not 0")
 
 
-def _make_channel(image: bytes, entry: tuple[int, ...]) -> Channel:
+def _make_channel(image: bytes, entry: tuple[Any, ...]) -> Channel:
     knots = np.frombuffer(image, dtype="<i4", count=entry[2] // 4, offset=entry[1])
     shape = (entry[3], 1 << entry[4], 3)
-    return Channel(
-        *(entry[0], knots.astype(np.int32).reshape(shape)), *entry[5:9], *entry[10:15]
-    )
+    return Channel(*(entry[0], knots.astype(np.int32).reshape(shape)), *entry[5:9], *entry[10:15])
 
 
 def _check_knots(channel: Channel) -> None:

@@ -2,7 +2,7 @@
 
 >>> part = example_part()
 >>> part.part.name, part.process.spindle_rpm, part.machine.limits.u_stroke_mm
-('example', 2500, 1.2)
+('example', 2500.0, 1.2)
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ class _Table(BaseModel):
 
 def _wrong(kind: str, problem: str, remedy: str, **context: Any) -> PydanticCustomError:  # noqa: ANN401
     text = problem.replace("{", "(").replace("}", ")")
-    return PydanticCustomError(kind, text, {"remedy": remedy, **context})  # type: ignore[arg-type]
+    return PydanticCustomError(kind, text, {"remedy": remedy, **context})
 
 
 def _rising(height_mm: list[float]) -> list[float]:
@@ -159,6 +159,13 @@ class Process(_Table):
     feed_mm: Annotated[float, Field(ge=0.000_1, le=100)]
     depth_mm: Annotated[float, Field(ge=0, le=100)] = 0.1
     direction: Literal[1, -1] = 1
+
+    @field_validator("direction", mode="before")
+    @classmethod
+    def _check_direction(cls, value: object) -> object:
+        if isinstance(value, bool):  # true equals 1 in Python, but not on a drawing
+            raise _wrong("direction", "must be 1 or -1", "use one of: 1 or -1")
+        return value
 
 
 class Limits(_Table):

@@ -4,7 +4,7 @@
 >>> knots = np.array([[[0.0, 0, 0], [1000.0, 0, 0], [0, 0, 0], [1000.0, 0, 0]]])
 >>> channel = quantise(KIND_U, knots, 1, (0, 1_000_000))
 >>> channel.offset_nm, channel.frac_bits
-(500, 8)
+(500, 6)
 """
 
 from __future__ import annotations
@@ -52,9 +52,7 @@ def _start_bits(kind: int, knots_nm: Floats) -> int:
     return min(MAX_FRAC_BITS, floor(log2(SUM_LIMIT / size)) + 1)
 
 
-def quantise(
-    kind: int, knots_nm: Floats, log2_repeat: int, range_nm: tuple[int, int]
-) -> Channel:
+def quantise(kind: int, knots_nm: Floats, log2_repeat: int, range_nm: tuple[int, int]) -> Channel:
     """Return a channel with as many fraction bits as the format's bound allows.
 
     Parameters
@@ -110,7 +108,7 @@ def u_channel(geometry: Geometry, log2_knots: int, n_slices: int) -> Channel:
     range_nm, repeat = height_range_nm(geometry), geometry.section.log2_repeat
     h = 2 * np.pi / (1 << (log2_knots + repeat))
     z_mm = slice_heights_mm(range_nm, n_slices)[:, None]
-    u = geometry.delta(h * np.arange(1 << log2_knots), z_mm)
+    u = geometry.delta(h * np.arange(1 << log2_knots, dtype=np.float64), z_mm)
     knots_nm = np.stack([u.delta, h * u.d1, h**2 / 2 * u.d2], axis=-1) * NM_PER_MM
     return quantise(KIND_U, knots_nm, repeat, range_nm)
 

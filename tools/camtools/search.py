@@ -47,11 +47,14 @@ class UnreachableError(CamtoolsError):
 
     def __init__(self, channel: str, tolerance_nm: float, best_nm: float) -> None:
         self.best_nm = best_nm
-        best = f"best achievable is {best_nm:.3g} nm" if best_nm < inf else "nothing fits at all"
-        remedy = f"ask for at least {best_nm * 1.05:.2g} nm" if best_nm < inf else "magnify less"
-        more = "put linear ovality nodes on a common grid, or use interpolation = \"spline\""
+        best, remedy = "nothing fits the format", "magnify less"
+        if best_nm < inf:
+            best = f"best achievable is {best_nm:.3g} nm"
+            remedy = f"ask for at least {best_nm * 1.05:.2g} nm"
+        if channel == "u":
+            remedy += ', or put linear ovality nodes on a common grid, or use "spline" ovality'
         super().__init__(
-            [f"tolerance_nm = {tolerance_nm:g}: unreachable for {channel}, {best}; {remedy}, {more}"]
+            [f"tolerance_nm = {tolerance_nm:g}: unreachable for {channel}, {best}; {remedy}"]
         )
 
 

@@ -3,7 +3,7 @@
 >>> from camtools.generate import generate
 >>> from camtools.part import example_part
 >>> sorted(make_summary(generate(example_part())))[:4]
-['continuity', 'design', 'error', 'feasibility']
+['channels', 'continuity', 'design', 'error']
 """
 
 from __future__ import annotations
@@ -70,10 +70,7 @@ def _channel(channel: Channel) -> Json:
         "knot_interval": interval / NM_PER_MM if channel.kind == KIND_X else np.degrees(interval),
         "knot_interval_unit": "mm" if channel.kind == KIND_X else "degrees",
         "spacing_mm": (channel.z_last_nm - channel.z_first_nm) / (channel.n_slices - 1) / NM_PER_MM,
-        "bounds": {
-            **{"p_min": channel.p_min, "p_max": channel.p_max},
-            **{"v_max": channel.v_max, "a_max": channel.a_max},
-        },
+        "bounds": {name: getattr(channel, name) for name in ("p_min", "p_max", "v_max", "a_max")},
     }
 
 
