@@ -1,0 +1,45 @@
+"""What the tests of the table generator share."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from camtools.generate import Generated, generate
+from camtools.geometry import Geometry, make_geometry
+from camtools.part import Part, load_part
+from part_cases import PERKINS, Mktables, environment
+
+
+@pytest.fixture(scope="session")
+def perkins() -> Part:
+    """Load the Perkins 240 skirt of the maths notes, section 2."""
+    return load_part(PERKINS)
+
+
+@pytest.fixture(scope="session")
+def geometry(perkins: Part) -> Geometry:
+    """Make its exact geometry."""
+    return make_geometry(perkins)
+
+
+@pytest.fixture(scope="session")
+def generated(perkins: Part) -> Generated:
+    """Make its table at 1 nm."""
+    return generate(perkins, 1.0)
+
+
+@pytest.fixture(scope="session")
+def mktables() -> Mktables:
+    """Run the command line in a process of its own."""
+
+    def run(*words: str | Path) -> subprocess.CompletedProcess[str]:
+        command = [sys.executable, "-m", "camtools.mktables", *map(str, words)]
+        return subprocess.run(
+            command, env=environment(), capture_output=True, text=True, timeout=60, check=False
+        )
+
+    return run
