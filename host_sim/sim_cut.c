@@ -35,6 +35,8 @@ static void gauge(sim_cut_t *cut)
 {
     const sim_machine_t *m = &cut->machine;
     const double turn = cut->table.direction > 0 ? m->spindle.turn : -m->spindle.turn;
+    cut->sample_s = m->time_s;
+    cut->true_turn = m->spindle.turn;
     cut->part_turn = sim_fraction(turn - cut->phase_turn);
     cut->z_mm = sim_machine_z_mm(m);
     cut->radius_mm = sim_machine_radius_mm(m);
@@ -142,6 +144,14 @@ static void operate(sim_cut_t *cut)
         !cut->is_stopped) {
         operator_stop(cut);
     }
+}
+
+void sim_cut_idle(sim_cut_t *cut)
+{
+    sim_machine_sense(&cut->machine);
+    observe(cut);
+    sim_machine_advance(&cut->machine);
+    cut->n_ticks++;
 }
 
 void sim_cut_tick(sim_cut_t *cut)

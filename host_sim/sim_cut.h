@@ -77,6 +77,7 @@ typedef struct {
     double following_max_um, following_sum_um2;
     // last sample
     cam_state_t state;
+    double sample_s, true_turn; ///< instant, true angle of the spindle
     double part_turn, z_mm, radius_mm, exact_mm;
 } sim_cut_t;
 
@@ -90,6 +91,9 @@ bool sim_cut_open(sim_cut_t *cut, const sim_cut_options_t *options, const void *
 
 /// One tick. Sets cut->end when it was the last.
 void sim_cut_tick(sim_cut_t *cut);
+
+/// One tick without an operator.
+void sim_cut_idle(sim_cut_t *cut);
 
 void sim_cut_close(sim_cut_t *cut);
 

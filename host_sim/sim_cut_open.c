@@ -77,13 +77,6 @@ static void place_machine(sim_cut_t *cut)
     sim_machine_init(&cut->machine, config, x_nm, z_nm, cut->options.seed);
 }
 
-static void idle_tick(sim_cut_t *cut)
-{
-    sim_machine_sense(&cut->machine);
-    sim_machine_advance(&cut->machine);
-    cut->n_ticks++;
-}
-
 /// Set what differs; each change is taken by the next tick, so the next finds a free half.
 static bool apply_params(sim_cut_t *cut, sim_error_t *e)
 {
@@ -94,7 +87,7 @@ static bool apply_params(sim_cut_t *cut, sim_error_t *e)
             continue;
         }
         const cam_err_t err = cam_machine_set_param(&cut->controller, id, value);
-        idle_tick(cut);
+        sim_cut_idle(cut);
         if (err != cam_ok) {
             return sim_error(e, "parameter %s = %d: refused: %s; change the machine file or --set",
                              cam_param_info(id)->name, (int)value, cam_err_text(err));
@@ -141,7 +134,7 @@ static bool infeasible(const cam_feasibility_t *f, sim_error_t *e)
 static bool select_table(sim_cut_t *cut, const char *name, size_t size, sim_error_t *e)
 {
     const cam_err_t err = cam_machine_select_table(&cut->controller, cut->image, size);
-    idle_tick(cut);
+    sim_cut_idle(cut);
     return err == cam_ok || sim_error(e, "%s: refused: %s; " REMEDY, name, cam_err_text(err));
 }
 

@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: Apache-2.0
+#define _GNU_SOURCE // getopt_long
+#include "camsim.h"
+#include <getopt.h> // getopt_long
+#include <stdio.h>  // puts
+#include <string.h> // strrchr
+#include <unistd.h> // access
+
+static const char help[] =
+    "camsim run TABLE [options]\n"
+    "\n"
+    "  --rpm N               spindle speed, r/min (default: the table's)\n"
+    "  --feed MM             feed per turn (default: the table's)\n"
+    "  --machine M.toml      machine file (default: built in, see host_sim/machines/default.toml)\n"
+    "  --set PARAM=VALUE     a parameter of the firmware, by its name in cam_param.h; repeatable\n"
+    "  --design F.json       exact geometry for the gauge (default: NAME.json beside TABLE)\n"
+    "  --tolerance-um T      largest form error accepted (default: 5)\n"
+    "  --trace F.csv         every tick: inputs, set-points, outputs, truth\n"
+    "  --surface F.csv       turn,z_mm,radius_mm,error_nm of the worst sample of each cell\n"
+    "  --summary F.json      results\n"
+    "  --no-feed-forward     k1 = k2 = 0\n"
+    "  --no-lead             no dead-time compensation\n"
+    "  --seed N              of the encoder's noise (default: 1)\n"
+    "  --turns-limit N       operator's stop after N turns of cutting\n"
+    "  --max-seconds S       give up after S of machine time (default: twice the plan and a "
+    "minute)\n"
+    "  --progress            show progress on standard error\n"
+    "  --inject KIND@SECONDS[:VALUE]   repeatable; seconds of cutting, or KIND@tSECONDS since the "
+    "start:\n"
+    "      estop  drive  lost-counts:N  encoder-jump:N  encoder-stuck  index-dead  "
+    "late-tick:PERCENT\n"
+    "      reverse  spindle-speed:RPM  spindle-stop  z-offset:MM  u-block  table-flip:BYTE  stop\n"
+    "\n"
+    "Exit status: 0 done, 1 fault, time-out or out of tolerance, 2 wrong usage or bad input.";
+
+enum {
+    opt_rpm = 256,
+    opt_feed,
+    opt_machine,
+    opt_set,
+    opt_design,
+    opt_tolerance,
+    opt_trace,
+    opt_surface,
+    opt_summary,
+    opt_no_feed_forward,
+    opt_no_lead,
+    opt_seed,
+    opt_turns,
+    opt_max_seconds,
+    opt_progress,
+    opt_inject,
+    opt_help,
+};
+
+static const struct option options[] = {
+    {"rpm", required_argument, NULL, opt_rpm},
+    {"feed", required_argument, NULL, opt_feed},
+    {"machine", required_argument, NULL, opt_machine},
+    {"set", required_argument, NULL, opt_set},
+    {"design", required_argument, NULL, opt_design},
+    {"tolerance-um", required_argument, NULL, opt_tolerance},
+    {"trace", required_argument, NULL, opt_trace},
+    {"surface", required_argument, NULL, opt_surface},
+    {"summary", required_argument, NULL, opt_summary},
+    {"no-feed-forward", no_argument, NULL, opt_no_feed_forward},
+    {"no-lead", no_argument, NULL, opt_no_lead},
+    {"seed", required_argument, NULL, opt_seed},
+    {"turns-limit", required_argument, NULL, opt_turns},
+    {"max-seconds", required_argument, NULL, opt_max_seconds},
+    {"progress", no_argument, NULL, opt_progress},
+    {"inject", required_argument, NULL, opt_inject},
+    {"help", no_argument, NULL, opt_help},
+    {NULL, 0, NULL, 0},
+};
+
+void camsim_options_help(void)
+{
+    (void)puts(help);
+}
+
+/// A number of an option within its range, both ends included.
+static bool take_number(double *value, const char *option, const char *text, double min, double max,
+                        const char *unit, sim_error_t *e)
+{
+    if (!sim_parse_number(text, value)) {
+        return sim_error(e, "--%s %.60s: no finite number; give %s, %.12g .. %.12g", option, text,
+                         unit, min, max);
+    }
+    if (*value < min || *value > max) {
+        return sim_error(e, "--%s %.60s: out of range; give %s, %.12g .. %.12g", option, text, unit,
+                         min, max);
+    }
+    return true;
+}
+
+static bool take_seed(camsim_options_t *o, const char *text, sim_error_t *e)
+{
+    double value;
+    if (!take_number(&value, "seed", text, 0.0, 9007199254740992.0, "a whole number", e)) {
+        return false;
+    }
+    o->cut.seed = (uint64_t)value;
+    return (double)o->cut.seed == value ||
+           sim_error(e, "--seed %.60s: not whole; give a whole number 0 .. 9007199254740992", text);
+}
+
+static bool take_set(camsim_options_t *o, const char *text, sim_error_t *e)
+{
+    char name[80];
+    double value;
+    const char *equals = strchr(text, '=');
+    if (equals == NULL || (size_t)(equals - text) >= sizeof name ||
+        !sim_parse_number(equals + 1, &value)) {
+        return sim_error(e, "--set %.80s: wants PARAM=VALUE with a whole number; see cam_param.h",
+                         text);
+    }
+    memcpy(name, text, (size_t)(equals - text));
+    name[equals - text] = '\0';
+    return sim_wishes_add(&o->cut.wishes, name, value, "--set", e);
+}
+
+static bool take_inject(camsim_options_t *o, const char *text, sim_error_t *e)
+{
+    if (o->cut.n_injects == sim_cut_max_injects) {
+        return sim_error(e, "--inject %.60s: one too many; give at most %d", text,
+                         sim_cut_max_injects);
+    }
+    return sim_inject_parse(&o->cut.inject[o->cut.n_injects++], text, e);
+}
+
+static bool take_switch(camsim_options_t *o, int option)
+{
+    switch (option) {
+    case opt_no_feed_forward:
+        o->cut.is_without_feed_forward = true;
+        return true;
+    case opt_no_lead:
+        o->cut.is_without_lead = true;
+        return true;
+    case opt_progress:
+        o->is_progress_shown = true;
+        return true;
+    case opt_help:
+        o->is_help = true;
+        return true;
+    default:
+        return false;
+    }
+}
+
+static const char **path_of(camsim_options_t *o, int option)
+{
+    switch (option) {
+    case opt_machine:
+        return &o->machine_path;
+    case opt_trace:
+        return &o->trace_path;
+    case opt_surface:
+        return &o->surface_path;
+    case opt_summary:
+        return &o->summary_path;
+    case opt_design:
+        return &o->cut.design_path;
+    default:
+        return NULL;
+    }
+}
+
+static bool take_value(camsim_options_t *o, int option, const char *text, sim_error_t *e)
+{
+    sim_cut_options_t *cut = &o->cut;
+    switch (option) {
+    case opt_rpm:
+        return take_number(&cut->rpm, "rpm", text, 0.001, 60000.0, "r/min", e);
+    case opt_feed:
+        return take_number(&cut->feed_mm, "feed", text, 0.000001, 10.0, "mm per turn", e);
+    case opt_tolerance:
+        return take_number(&o->tolerance_um, "tolerance-um", text, 0.0, 1e6, "um", e);
+    case opt_turns:
+        return take_number(&cut->max_turns, "turns-limit", text, 0.001, 1e9, "turns", e);
+    case opt_max_seconds:
+        return take_number(&cut->max_s, "max-seconds", text, 0.001, 1e7, "seconds", e);
+    case opt_seed:
+        return take_seed(o, text, e);
+    case opt_set:
+        return take_set(o, text, e);
+    default:
+        return take_inject(o, text, e);
+    }
+}
+
+static bool take_option(camsim_options_t *o, int option, char **argv, sim_error_t *e)
+{
+    if (option == '?' || option == ':') {
+        return sim_error(e, "run: %.60s: unknown option or value missing; see camsim run --help",
+                         argv[optind - 1]);
+    }
+    if (take_switch(o, option)) {
+        return true;
+    }
+    const char **path = path_of(o, option);
+    if (path == NULL) {
+        return take_value(o, option, optarg, e);
+    }
+    *path = optarg;
+    return optarg[0] != '\0' ||
+           sim_error(e, "run: %.60s: an empty path; give a file name", argv[optind - 1]);
+}
+
+/// NAME.json beside NAME.camtab, when it is there.
+static bool find_design(camsim_options_t *o, sim_error_t *e)
+{
+    const char *name = strrchr(o->table_path, '/');
+    const char *dot = strrchr(name != NULL ? name : o->table_path, '.');
+    const size_t stem = dot != NULL ? (size_t)(dot - o->table_path) : strlen(o->table_path);
+    if (stem + sizeof ".json" > sizeof o->design_path) {
+        return sim_error(e, "%.60s...: path too long; use a shorter one", o->table_path);
+    }
+    memcpy(o->design_path, o->table_path, stem);
+    memcpy(o->design_path + stem, ".json", sizeof ".json");
+    if (access(o->design_path, F_OK) == 0) {
+        o->cut.design_path = o->design_path;
+    }
+    return true;
+}
+
+static bool check_outputs(const camsim_options_t *o, sim_error_t *e)
+{
+    const char *const path[] = {o->table_path, o->machine_path, o->cut.design_path,
+                                o->trace_path, o->surface_path, o->summary_path};
+    for (int i = 3; i < 6; i++) {
+        for (int k = 0; k < i; k++) {
+            if (path[i] != NULL && path[k] != NULL && strcmp(path[i], path[k]) == 0) {
+                return sim_error(e, "%s: named for two purposes; give every output its own path",
+                                 path[i]);
+            }
+        }
+    }
+    return true;
+}
+
+bool camsim_options_read(camsim_options_t *o, int argc, char **argv, sim_error_t *e)
+{
+    memset(o, 0, sizeof *o);
+    o->tolerance_um = 5.0;
+    o->cut.config = sim_config_defaults();
+    o->cut.seed = 1;
+    opterr = 0;
+    int option;
+    while ((option = getopt_long(argc, argv, ":", options, NULL)) != -1) {
+        if (!take_option(o, option, argv, e)) {
+            return false;
+        }
+        if (o->is_help) {
+            return true;
+        }
+    }
+    if (optind + 1 != argc) {
+        return sim_error(e, "run: wants one TABLE, got %d; see camsim run --help", argc - optind);
+    }
+    o->table_path = argv[optind];
+    o->cut.is_traced = o->trace_path != NULL;
+    if (o->machine_path != NULL && !sim_config_load(&o->cut.config, o->machine_path, e)) {
+        return false;
+    }
+    return (o->cut.design_path != NULL || find_design(o, e)) && check_outputs(o, e);
+}

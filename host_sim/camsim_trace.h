@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+/// camsim_trace: what each tick did, one line each, and the surface that came of it.
+///
+/// Trace columns: for reading first, then everything that the firmware's record holds, so that a
+/// tick can be replayed. `turn` is the master position (whole turns since the index was found),
+/// `faults` the latched faults as a hexadecimal mask in the order of CAM_FAULTS in cam_state.h;
+/// true_turn .. error_nm are the machine's truth at the instant of sensing; the rest is named as in
+/// cam_trace.h with in_ and out_ for what the tick sensed and wrote. Surface columns: turn (0 .. 1
+/// from the long axis in the sense of cutting), z_mm, radius_mm, error_nm.
+#ifndef CAMSIM_TRACE_H
+#define CAMSIM_TRACE_H
+
+#include "camsim_out.h" // camsim_out_t
+#include "sim_cut.h"    // sim_cut_t
+
+void camsim_trace_header(camsim_out_t *o);
+
+/// Write all records that the firmware has made since the last call. After each tick.
+void camsim_trace_drain(camsim_out_t *o, const sim_cut_t *cut);
+
+void camsim_surface(camsim_out_t *o, const sim_work_t *work);
+
+#endif
