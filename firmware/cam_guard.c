@@ -168,7 +168,7 @@ cam_safe_t cam_guard_step_isr(cam_guard_t *g, const cam_guard_config_t *cfg, con
     }
     return (cam_safe_t){
         .state = state,
-        .axis = {g->axis[0], g->axis[1], g->axis[2]},
+        .axis = {g->axis[hal_axis_u], g->axis[hal_axis_x], g->axis[hal_axis_z]},
         .spindle_mrpm = state == cam_state_fault ? 0 : want->spindle_mrpm,
         .outputs = outputs(g, state),
     };

@@ -256,14 +256,15 @@ cam_want_t cam_play_step_isr(cam_play_t *p, const cam_play_config_t *cfg, const 
             p->state == cam_state_homing && angle->is_synced && is_out ? cam_state_ready : p->state;
     }
     remember(p);
-    cam_want_t want = {
-        .state = p->state, .z_nm = z_nm, .u_due_q6 = due_q6(p, cfg), .faults = faults};
-    for (uint32_t i = 0; i < hal_n_axes; i++) {
-        want.axis[i] = p->axis[i];
-    }
-    want.spindle_mrpm =
-        p->state == cam_state_off || p->state == cam_state_fault ? 0 : cfg->spindle_mrpm;
-    return want;
+    const bool is_idle = p->state == cam_state_off || p->state == cam_state_fault;
+    return (cam_want_t){
+        .state = p->state,
+        .axis = {p->axis[hal_axis_u], p->axis[hal_axis_x], p->axis[hal_axis_z]},
+        .z_nm = z_nm,
+        .u_due_q6 = due_q6(p, cfg),
+        .spindle_mrpm = is_idle ? 0 : cfg->spindle_mrpm,
+        .faults = faults,
+    };
 }
 
 void cam_play_settle_isr(cam_play_t *p, cam_state_t state, const cam_move_t axis[hal_n_axes],

@@ -37,11 +37,9 @@ static uint32_t measured_q32(const cam_spindle_t *s, const cam_spindle_config_t 
 
 static void start(cam_spindle_t *s, const cam_spindle_config_t *cfg, const cam_sense_t *in)
 {
-    *s = (cam_spindle_t){
-        .is_started = true,
-        .counts = sensed_counts(cfg, in->encoder.counts),
-        .n_index = in->encoder.n_index,
-    };
+    s->is_started = true;
+    s->counts = sensed_counts(cfg, in->encoder.counts);
+    s->n_index = in->encoder.n_index;
     s->pos_q32 = (int64_t)measured_q32(s, cfg);
 }
 

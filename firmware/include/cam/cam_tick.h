@@ -61,7 +61,7 @@ void cam_tick_isr(cam_t *c);
 
 /// Steps between sense and actuate, without the HAL: what a replay calls.
 /// @param in   what the tick sensed
-/// @param out  what it would write
+/// @param out  what it would write; all but `in`, which may be where `in` points to
 /// Context: ISR (called by cam_tick_isr()) or a replay of a trace.
 void cam_tick_steps_isr(cam_t *c, const cam_sense_t *in, cam_tick_record_t *out);
 

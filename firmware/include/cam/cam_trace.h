@@ -33,13 +33,21 @@ typedef struct {
 
 typedef struct {
     cam_tick_record_t ring[cam_trace_capacity];
+    cam_tick_record_t spare;    ///< takes what has no place
+    bool is_spare;              ///< interrupt only: this tick's record has no place
     _Atomic uint32_t n_written; ///< interrupt writes
     _Atomic uint32_t n_read;    ///< slow side writes
     _Atomic uint32_t n_dropped; ///< interrupt writes
 } cam_trace_t;
 
-/// Append a record, or count it as dropped when the ring is full. Context: ISR, constant time.
-void cam_trace_push_isr(cam_trace_t *trace, const cam_tick_record_t *record);
+/// @return where this tick's record is written: the next free place, or a spare one when the ring
+/// is
+///         full. Context: ISR, constant time.
+cam_tick_record_t *cam_trace_slot_isr(cam_trace_t *trace);
+
+/// The record is complete: hand it to the reader, or count it as dropped when the ring is full.
+/// @param is_kept  false: nobody wants it. Context: ISR, constant time.
+void cam_trace_commit_isr(cam_trace_t *trace, bool is_kept);
 
 /// Take the oldest record.
 /// @return false when the ring is empty. Context: slow side.
