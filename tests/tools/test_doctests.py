@@ -12,6 +12,7 @@ MODULES = [
     "accuracy",
     "csource",
     "errors",
+    "estimate",
     "evaluate",
     "feasibility",
     "generate",

@@ -23,7 +23,7 @@ from camtools.sections import Floats
 
 ROUNDING_LSB = 1.0  # what the firmware's arithmetic may add to the table's own error
 GRID_MARGIN = 1.01  # the worst place may lie between the points of the grid
-_T = np.array([0.0, 0.03, 0.11, 0.21, 0.31, 0.41, 0.5, 0.62, 0.73, 0.83, 0.93, 0.98])
+PLACES = np.array([0.0, 0.03, 0.11, 0.21, 0.31, 0.41, 0.5, 0.62, 0.73, 0.83, 0.93, 0.98])
 _W = np.array([0.0, 0.13, 0.27, 0.5, 0.71, 0.91])
 _W_X = np.arange(32) / 32
 
@@ -81,11 +81,11 @@ def measure_u(geometry: Geometry, channel: Channel, z_nm: Floats | None = None) 
     """
     z_nm = _between(geometry, channel.n_slices, _W) if z_nm is None else z_nm
     n_knots = channel.knots.shape[1]
-    pattern = (np.arange(n_knots)[:, None] + _T).ravel() / n_knots
+    pattern = (np.arange(n_knots)[:, None] + PLACES).ravel() / n_knots
     phi_rad = pattern * (2 * np.pi / (1 << channel.log2_repeat))
     u = geometry.delta(phi_rad, z_nm[:, None] / NM_PER_MM)
     exact = Values(u.delta * NM_PER_MM, u.d1 * NM_PER_MM, u.d2 * NM_PER_MM)
-    return _accuracy(channel, evaluate_u_grid(channel, z_nm, _T), exact)
+    return _accuracy(channel, evaluate_u_grid(channel, z_nm, PLACES), exact)
 
 
 def measure_x(geometry: Geometry, channel: Channel) -> Accuracy:

@@ -42,7 +42,7 @@ def locate(channel: Channel, z_nm: Floats) -> tuple[Ints, Floats]:
     return i_slice, place - i_slice
 
 
-def _power_rows(t: Floats) -> Floats:
+def power_rows(t: Floats) -> Floats:
     """Return weights of c0 .. c5 for value, first and second derivative, shape (3, 6, n)."""
     n, zero = np.arange(6)[:, None], np.zeros_like(t)
     value = t**n
@@ -77,7 +77,7 @@ def evaluate_u_grid(channel: Channel, z_nm: Floats, t: Floats) -> Values:
     w = weight[:, None, None]
     blended = (1 - w) * channel.knots[i_slice] + w * channel.knots[i_slice + 1]
     coefficients = segment_coefficients(blended, periodic=True)  # type: ignore[arg-type]
-    raw = np.einsum("zkc,dct->dzkt", coefficients, _power_rows(t), optimize=True)
+    raw = np.einsum("zkc,dct->dzkt", coefficients, power_rows(t), optimize=True)
     return _scaled(channel, raw.reshape(3, z_nm.size, -1))
 
 
@@ -100,14 +100,14 @@ def evaluate_u(channel: Channel, turn: Floats, z_nm: Floats) -> Values:
     coefficients = channel_coefficients(channel)
     blended = (1 - weight)[:, None] * coefficients[i_slice, i_knot]
     blended += weight[:, None] * coefficients[i_slice + 1, i_knot]
-    return _scaled(channel, np.einsum("nc,dcn->dn", blended, _power_rows(place - i_knot)))
+    return _scaled(channel, np.einsum("nc,dcn->dn", blended, power_rows(place - i_knot)))
 
 
 def evaluate_x(channel: Channel, z_nm: Floats) -> Values:
     """Return the long half axis and its height derivatives at heights of shape (n,)."""
     i_knot, t = locate(channel, z_nm)
     coefficients = channel_coefficients(channel)[i_knot].astype(np.float64)
-    return _scaled(channel, np.einsum("nc,dcn->dn", coefficients, _power_rows(t)))
+    return _scaled(channel, np.einsum("nc,dcn->dn", coefficients, power_rows(t)))
 
 
 def _bernstein_rows(degree: int) -> Floats:

@@ -1,8 +1,7 @@
 """The fewest bytes that keep the tolerance.
 
-Candidates are ordered by size, sieved by cheap estimates of the error in height (curvature
-of u over a slice, and kinks of a linear ovality between slices) and in angle, and the first
-one whose measured error is small enough wins.
+Candidates are ordered by size and sieved by estimates of the error in height and in angle;
+the first one whose measured error is small enough wins.
 
 >>> from camtools.geometry import make_geometry
 >>> from camtools.part import example_part
@@ -13,14 +12,17 @@ one whose measured error is small enough wins.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from itertools import islice
 from math import ceil, floor, inf
 from typing import NamedTuple
 
 import numpy as np
 
-from camtools.accuracy import Accuracy, measure_u, measure_x
+from camtools.accuracy import GRID_MARGIN, Accuracy, measure_u, measure_x
 from camtools.errors import CamtoolsError
-from camtools.geometry import NM_PER_MM, Geometry
+from camtools.estimate import height_error, probe
+from camtools.geometry import Geometry
 from camtools.image import (
     KNOT_SIZE,
     MAX_LOG2_KNOTS,
@@ -32,13 +34,10 @@ from camtools.image import (
     Ints,
 )
 from camtools.quantise import TooLargeError, height_range_nm, u_channel, x_channel
-from camtools.sections import Floats
 
 DERIVATIVE_SHARE = 1e-3
 MAX_CHANNEL_BYTES = 1 << 20
-_MAX_MEASURES = 400
-_ESTIMATE_ANGLES = 17
-_ESTIMATE_PIECES = 24
+_MAX_PROBES, _MAX_MEASURES = 4000, 20
 _AT_FLOOR_LSB = 2.5
 
 
@@ -56,43 +55,6 @@ class UnreachableError(CamtoolsError):
         super().__init__(
             [f"tolerance_nm = {tolerance_nm:g}: unreachable for {channel}, {best}; {remedy}"]
         )
-
-
-class HeightError(NamedTuple):
-    """What blending does to u between slices, from the exact geometry."""
-
-    curvature_nm: float  # largest |d2u/dz2| inside a piece, nm per nm^2
-    kinks_nm: Floats  # heights of kinks above the first slice, shape (n,)
-    bends: Floats  # largest |jump of du/dz| there, shape (n,)
-    span_nm: float
-
-    def estimate_nm(self, n_slices: Ints) -> Floats:
-        """Return the larger of both kinds of error for each number of slices."""
-        spacing = self.span_nm / (n_slices - 1)
-        worst = self.curvature_nm * spacing**2 / 8
-        for kink_nm, bend in zip(self.kinks_nm, self.bends, strict=True):
-            w = np.mod(kink_nm / spacing, 1.0)
-            worst = np.maximum(worst, bend * w * (1 - w) * spacing)
-        return np.asarray(worst, dtype=np.float64)
-
-
-def height_error(geometry: Geometry) -> HeightError:
-    """Return curvature and kinks of u over height, the worst over the angle."""
-    breaks = geometry.breaks_mm()
-    phi = np.linspace(0, np.pi, _ESTIMATE_ANGLES)
-    share = np.arange(_ESTIMATE_PIECES + 1) / _ESTIMATE_PIECES
-    step = np.diff(breaks) / _ESTIMATE_PIECES
-    z = breaks[:-1, None] + np.diff(breaks)[:, None] * share
-    u = geometry.delta(phi, z[..., None]).delta
-    slopes = np.diff(u, axis=1) / step[:, None, None]
-    curves = np.diff(slopes, axis=1) / step[:, None, None]
-    # slopes at the breaks themselves, second order from inside the pieces
-    upper = slopes[:, -1] + curves[:, -1] * step[:, None] / 2
-    lower = slopes[:, 0] - curves[:, 0] * step[:, None] / 2
-    bends = np.abs(lower[1:] - upper[:-1]).max(axis=1, initial=0)
-    first, last = height_range_nm(geometry)
-    kinks_nm = breaks[1:-1] * NM_PER_MM - first
-    return HeightError(float(np.abs(curves).max()) / NM_PER_MM, kinks_nm, bends, last - first)
 
 
 def slice_counts(geometry: Geometry) -> Ints:
@@ -146,6 +108,21 @@ def u_candidates(geometry: Geometry) -> list[Candidate]:
     return sorted(found)
 
 
+def _hopeful(geometry: Geometry, tolerance_nm: float) -> Iterator[Candidate]:
+    """Yield the sizes whose estimates are within the tolerance, smallest first.
+
+    The best estimate of all comes last, so that a failed search still measures it.
+    """
+    candidates, in_height = u_candidates(geometry), height_error(geometry)
+    within = (one for one in candidates if one.estimate_nm <= tolerance_nm)
+    for one in islice(within, _MAX_PROBES):
+        found = probe(geometry, in_height, one.log2_knots, one.n_slices)
+        value_nm, share = GRID_MARGIN * found.value_nm, GRID_MARGIN * found.share
+        if value_nm <= tolerance_nm and share <= DERIVATIVE_SHARE:
+            yield one
+    yield from sorted(candidates, key=lambda one: one.estimate_nm)[:1]
+
+
 def _passes(accuracy: Accuracy, tolerance_nm: float) -> bool:
     shares = max(accuracy.first_share, accuracy.second_share)
     return accuracy.value_nm <= tolerance_nm and shares <= DERIVATIVE_SHARE
@@ -159,12 +136,8 @@ def choose_u(geometry: Geometry, tolerance_nm: float) -> tuple[Channel, Accuracy
     UnreachableError
         With the best error that was found.
     """
-    candidates = u_candidates(geometry)
-    hopeful = [one for one in candidates if one.estimate_nm <= tolerance_nm]
-    # the very best comes last, so that a failed search still measures it
-    hopeful = hopeful[:_MAX_MEASURES] + sorted(candidates, key=lambda one: one.estimate_nm)[:1]
     best_nm = inf
-    for candidate in hopeful:
+    for candidate in islice(_hopeful(geometry, tolerance_nm), _MAX_MEASURES):
         channel = u_channel(geometry, candidate.log2_knots, candidate.n_slices)
         accuracy = measure_u(geometry, channel)
         if _passes(accuracy, tolerance_nm):
