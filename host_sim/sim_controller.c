@@ -21,8 +21,8 @@ bool sim_wishes_add(sim_wishes_t *w, const char *name, double value, const char 
     return true;
 }
 
-/// Above the lag of U in its approach without feed-forward (100 mm/s for 0.74 ms on the default machine),
-/// below the stroke of an oval worth cutting, so that a U that stands still is noticed.
+/// Above the lag of U in its approach without feed-forward (100 mm/s for 0.74 ms on the default
+/// machine), below the stroke of an oval worth cutting, so that a U that stands still is noticed.
 enum { following_limit_um = 100 };
 
 typedef struct {

@@ -5,8 +5,8 @@
 ///     lead = dead time of U + half a tick  the mean age of a held command
 ///     xz_lag = dead time + half a tick + 2 d / w of X and Z, mean of both
 ///
-/// The limits are those of the machine; the following error may reach 0.1 mm (the firmware's default is 0.2);
-/// jitter widens the windows for the index and for jumps by seven times its rms.
+/// The limits are those of the machine; the following error may reach 0.1 mm (the firmware's
+/// default is 0.2); jitter widens the windows for the index and for jumps by seven times its rms.
 ///
 /// A parameter that is given in [controller] of the machine file or by --set overrules the derived
 /// one, so that a mismatch between machine and controller can be studied.

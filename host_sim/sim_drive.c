@@ -110,9 +110,10 @@ void sim_drive_init(sim_drive_t *d, const sim_drive_config_t *config, double sta
     }
 }
 
-static double acceleration(const sim_drive_t *d, double command_nm)
+/// What the free system wants at a place and speed.
+static double acceleration(const sim_drive_t *d, double pos_nm, double vel, double command_nm)
 {
-    return d->stiffness_per_s2 * (command_nm - d->pos_nm) - d->drag_per_s * d->vel_nm_per_s;
+    return d->stiffness_per_s2 * (command_nm - pos_nm) - d->drag_per_s * vel;
 }
 
 /// Constant acceleration for a while, speed kept within its limit.
@@ -127,8 +128,8 @@ static void move(sim_drive_t *d, double acceleration_nm_per_s2, double dt_s)
 static double limited_acceleration(const sim_drive_t *d, double pos_nm, double vel,
                                    double command_nm)
 {
-    const double free = d->stiffness_per_s2 * (command_nm - pos_nm) - d->drag_per_s * vel;
-    return sim_clamp(free, -d->acceleration_nm_per_s2, d->acceleration_nm_per_s2);
+    return sim_clamp(acceleration(d, pos_nm, vel, command_nm), -d->acceleration_nm_per_s2,
+                     d->acceleration_nm_per_s2);
 }
 
 static void limited_piece(sim_drive_t *d, double command_nm, double time_s)
@@ -142,16 +143,24 @@ static void limited_piece(sim_drive_t *d, double command_nm, double time_s)
     }
 }
 
+static bool is_beyond(double value, double limit)
+{
+    return value > limit || value < -limit;
+}
+
 static void piece(sim_drive_t *d, double command_nm, const sim_drive_flow_t *flow)
 {
+    const double limit = d->acceleration_nm_per_s2;
     const double off_nm = d->pos_nm - command_nm;
+    const double pos_nm = command_nm + flow->pp * off_nm + flow->pv * d->vel_nm_per_s;
     const double vel = flow->vp * off_nm + flow->vv * d->vel_nm_per_s;
-    if (sim_abs(acceleration(d, command_nm)) > d->acceleration_nm_per_s2 ||
-        sim_abs(vel) > d->speed_nm_per_s) {
+    if (is_beyond(acceleration(d, d->pos_nm, d->vel_nm_per_s, command_nm), limit) ||
+        is_beyond(acceleration(d, pos_nm, vel, command_nm), limit) ||
+        is_beyond(vel, d->speed_nm_per_s)) {
         limited_piece(d, command_nm, flow->time_s);
         return;
     }
-    d->pos_nm = command_nm + flow->pp * off_nm + flow->pv * d->vel_nm_per_s;
+    d->pos_nm = pos_nm;
     d->vel_nm_per_s = vel;
 }
 

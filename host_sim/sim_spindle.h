@@ -2,14 +2,13 @@
 /// sim_spindle: a driven inertia whose true speed ripples with the angle.
 ///
 ///     J dw/dt = clamp(J b (w_set - w), -M, M)          mean speed w, speed loop of bandwidth b
-///     dturn/dt = w (1 + r sin(2 pi k turn)) / (2 pi)   kinematic ripple: belt, bearings, motor
-///     poles
+///     dturn/dt = w (1 + r sin(2 pi k turn)) / (2 pi)   kinematic ripple: belt, motor poles
 ///
 /// Discretisation: w exactly (an exponential, or a ramp while the torque is at its limit), its
 /// angle by the trapezium: error < b^2 |w_set - w| T^3 / 12 per step, 5e-12 turn in a run-up with
-/// the defaults. The ripple by the midpoint rule: the angle is off by r (2 k w T)^2 / 24 of the
-/// speed, 6e-8 at 2500 r/min and 20 kHz. Both only mean a slightly different spindle: everybody
-/// sees the angle that results.
+/// the defaults. The ripple by the midpoint rule: the speed is off by r (k w T)^2 / 24, 6e-8 of it
+/// at 2500 r/min and 20 kHz. Both only mean a slightly different spindle: everybody sees the angle
+/// that results.
 #ifndef SIM_SPINDLE_H
 #define SIM_SPINDLE_H
 

@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sim_drive.h"
+#include "sim_units.h" // SIM_TWO_PI
+#include "unity.h"
+#include <math.h> // exp, sin
+
+#define PERIOD_S 50e-6
+#define STEP_NM 1000.0
+
+static sim_drive_config_t config;
+static sim_drive_t drive;
+
+void setUp(void)
+{
+    config = sim_drive_u_defaults();
+    config.delay_us = 0.0;
+    config.quantum_nm = 0.0;
+}
+
+void tearDown(void) {}
+
+/// Closed form of the step response, an independent expression for each damping.
+static double step_response(double t_s)
+{
+    const double w = SIM_TWO_PI * config.bandwidth_hz;
+    const double d = config.damping;
+    if (t_s <= 0.0) {
+        return 0.0;
+    }
+    if (d == 1.0) {
+        return 1.0 - exp(-w * t_s) * (1.0 + w * t_s);
+    }
+    if (d < 1.0) {
+        const double q = sqrt(1.0 - d * d);
+        return 1.0 - exp(-d * w * t_s) / q * sin(w * q * t_s + acos(d));
+    }
+    const double q = sqrt(d * d - 1.0);
+    const double slow = w * (d - q);
+    const double fast = w * (d + q);
+    return 1.0 - (fast * exp(-slow * t_s) - slow * exp(-fast * t_s)) / (fast - slow);
+}
+
+static void check_step_response(double delay_us)
+{
+    config.delay_us = delay_us;
+    sim_drive_init(&drive, &config, 0.0, PERIOD_S);
+    for (int i = 1; i <= 400; i++) {
+        sim_drive_step(&drive, (int32_t)STEP_NM, true);
+        const double t_s = i * PERIOD_S - delay_us * 1e-6;
+        TEST_ASSERT_DOUBLE_WITHIN(1e-7, STEP_NM * step_response(t_s), drive.pos_nm);
+    }
+}
+
+static void test_step_response_is_exact_for_every_damping(void)
+{
+    static const double damping[] = {0.1, 0.7, 1.0, 2.5};
+    for (int i = 0; i < 4; i++) {
+        config.damping = damping[i];
+        check_step_response(0.0);
+    }
+}
+
+static void test_step_response_is_exact_for_every_dead_time(void)
+{
+    static const double delay_us[] = {10.0, 50.0, 75.0, 149.99999, 150.0, 1234.5};
+    for (int i = 0; i < 6; i++) {
+        check_step_response(delay_us[i]);
+    }
+}
+
+static void test_dead_time_of_whole_ticks_is_found_in_spite_of_rounding(void)
+{
+    config.delay_us = 75.0;
+    sim_drive_init(&drive, &config, 0.0, 1.0 / 40000.0);
+    TEST_ASSERT_EQUAL_UINT32(3u, drive.n_delay);
+    TEST_ASSERT_FALSE(drive.is_split);
+}
+
+/// What the firmware relies on: c = u + k1 u' + k2 u'' read ahead by dead time and half a tick.
+static void test_inverse_of_the_drive_makes_it_follow(void)
+{
+    config.delay_us = 75.0;
+    sim_drive_init(&drive, &config, 0.0, PERIOD_S);
+    const double w = SIM_TWO_PI * config.bandwidth_hz;
+    const double f = SIM_TWO_PI * 83.333;
+    const double a_nm = 75000.0;
+    double worst_nm = 0.0;
+    for (int i = 0; i < 4000; i++) {
+        const double t_s = i * PERIOD_S;
+        const double off_nm = fabs(drive.pos_nm - a_nm * sin(f * t_s));
+        worst_nm = i > 2000 && off_nm > worst_nm ? off_nm : worst_nm;
+        const double ahead = f * (t_s + 75e-6 + 0.5 * PERIOD_S);
+        const double command = a_nm * ((1.0 - f * f / (w * w)) * sin(ahead) +
+                                       2.0 * config.damping * f / w * cos(ahead));
+        sim_drive_step(&drive, (int32_t)lround(command), true);
+    }
+    TEST_ASSERT_TRUE(worst_nm < 8.0);
+}
+
+static void test_limits_are_kept_and_the_way_is_right(void)
+{
+    config.speed_mm_per_s = 100.0;
+    config.acceleration_mm_per_s2 = 20000.0;
+    sim_drive_init(&drive, &config, 0.0, PERIOD_S);
+    sim_drive_t fine;
+    sim_drive_init(&fine, &config, 0.0, PERIOD_S / 50);
+    double before = 0.0;
+    for (int i = 0; i < 1000; i++) {
+        sim_drive_step(&drive, 2000000, true);
+        for (int k = 0; k < 50; k++) {
+            sim_drive_step(&fine, 2000000, true);
+        }
+        TEST_ASSERT_TRUE(fabs(drive.vel_nm_per_s) <= 100e6);
+        TEST_ASSERT_TRUE(fabs(drive.vel_nm_per_s - before) <= 20e9 * PERIOD_S * (1.0 + 1e-9));
+        TEST_ASSERT_DOUBLE_WITHIN(100.0, fine.pos_nm, drive.pos_nm); // of 2 mm
+        before = drive.vel_nm_per_s;
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(1.0, 2000000.0, drive.pos_nm);
+}
+
+static void test_disabled_drive_brakes_to_rest_and_holds(void)
+{
+    sim_drive_init(&drive, &config, 0.0, PERIOD_S);
+    drive.vel_nm_per_s = 40e6;
+    for (int i = 0; i < 100; i++) {
+        sim_drive_step(&drive, 12345, false);
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.0, drive.vel_nm_per_s);
+    TEST_ASSERT_DOUBLE_WITHIN(160.0, 3200.0, drive.pos_nm); // v^2 / 2a, ends inside a tick
+}
+
+static void test_blocked_drive_stands_still(void)
+{
+    sim_drive_init(&drive, &config, 500.0, PERIOD_S);
+    drive.is_blocked = true;
+    sim_drive_step(&drive, 100000, true);
+    sim_drive_linger(&drive, PERIOD_S, true);
+    TEST_ASSERT_TRUE(drive.pos_nm == 500.0);
+}
+
+static void test_quantum_rounds_command_and_measurement(void)
+{
+    config.quantum_nm = 10.0;
+    sim_drive_init(&drive, &config, 0.0, PERIOD_S);
+    for (int i = 0; i < 2000; i++) {
+        sim_drive_step(&drive, 1234, true);
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 1230.0, drive.pos_nm);
+    drive.pos_nm = 1226.0;
+    TEST_ASSERT_EQUAL_INT32(1230, sim_drive_measured_nm(&drive));
+    drive.pos_nm = -1e12;
+    TEST_ASSERT_EQUAL_INT32(INT32_MIN, sim_drive_measured_nm(&drive));
+}
+
+static void test_linger_goes_on_exactly(void)
+{
+    sim_drive_init(&drive, &config, 0.0, PERIOD_S);
+    sim_drive_step(&drive, (int32_t)STEP_NM, true);
+    sim_drive_linger(&drive, 33e-6, true);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-7, STEP_NM * step_response(PERIOD_S + 33e-6), drive.pos_nm);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_step_response_is_exact_for_every_damping);
+    RUN_TEST(test_step_response_is_exact_for_every_dead_time);
+    RUN_TEST(test_dead_time_of_whole_ticks_is_found_in_spite_of_rounding);
+    RUN_TEST(test_inverse_of_the_drive_makes_it_follow);
+    RUN_TEST(test_limits_are_kept_and_the_way_is_right);
+    RUN_TEST(test_disabled_drive_brakes_to_rest_and_holds);
+    RUN_TEST(test_blocked_drive_stands_still);
+    RUN_TEST(test_quantum_rounds_command_and_measurement);
+    RUN_TEST(test_linger_goes_on_exactly);
+    return UNITY_END();
+}

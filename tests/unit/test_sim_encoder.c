@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sim_encoder.h"
+#include "unity.h"
+#include <math.h> // sqrt
+
+static sim_encoder_config_t config;
+static sim_encoder_t encoder;
+
+void setUp(void)
+{
+    config = sim_encoder_defaults();
+}
+
+void tearDown(void) {}
+
+static void init_at(double turn)
+{
+    sim_encoder_init(&encoder, &config, turn, 1);
+}
+
+/// Go there in steps of a tick at high speed.
+static hal_encoder_t go(double from, double to)
+{
+    const int n = 1 + (int)(fabs(to - from) / 0.003);
+    hal_encoder_t reading = encoder.reading;
+    for (int i = 1; i <= n; i++) {
+        reading = sim_encoder_read(&encoder, from + (to - from) * i / n);
+    }
+    return reading;
+}
+
+static void test_read_counts_rise_with_the_turn_and_wrap(void)
+{
+    init_at(0.0);
+    TEST_ASSERT_EQUAL_UINT32(4294467296u, encoder.reading.counts);
+    TEST_ASSERT_EQUAL_UINT32(4294467296u + 2500u, go(0.0, 0.25).counts);
+    TEST_ASSERT_EQUAL_UINT32(1000u, go(0.25, 50.1).counts); // beyond 2^32
+}
+
+static void test_read_negative_sign_counts_fall(void)
+{
+    config.sign = -1.0;
+    config.start_counts = 100.0;
+    init_at(0.0);
+    TEST_ASSERT_EQUAL_UINT32(100u - 2500u, go(0.0, 0.25).counts);
+}
+
+static void test_index_is_the_same_edge_for_both_senses(void)
+{
+    for (int sign = -1; sign <= 1; sign += 2) {
+        config.sign = sign;
+        init_at(0.0);
+        const hal_encoder_t up = go(0.0, 0.5);
+        const hal_encoder_t down = go(0.5, 0.1);
+        TEST_ASSERT_EQUAL_UINT32(1u, up.n_index);
+        TEST_ASSERT_EQUAL_UINT32(2u, down.n_index);
+        TEST_ASSERT_EQUAL_UINT32(up.index_counts, down.index_counts);
+        TEST_ASSERT_EQUAL_UINT32(4294467296u + (sign > 0 ? 3000u : 0u - 3000u), up.index_counts);
+    }
+}
+
+static void test_index_edges_lie_a_turn_apart(void)
+{
+    init_at(0.0);
+    const uint32_t first = go(0.0, 0.9).index_counts;
+    TEST_ASSERT_EQUAL_UINT32(first + 70000u, go(0.9, 7.9).index_counts);
+    TEST_ASSERT_EQUAL_UINT32(8u, encoder.reading.n_index);
+    TEST_ASSERT_EQUAL_UINT32(first - 20000u, go(7.9, -2.1).index_counts);
+}
+
+static void test_eccentricity_errs_once_per_turn(void)
+{
+    config.eccentricity_counts = 20.0;
+    config.eccentricity_turn = 0.1;
+    init_at(0.0);
+    const uint32_t at = (uint32_t)config.start_counts;
+    TEST_ASSERT_EQUAL_UINT32(at + 3520u, go(0.0, 0.35001).counts);
+    TEST_ASSERT_EQUAL_UINT32(at + 8480u, go(0.35001, 0.85001).counts);
+    TEST_ASSERT_EQUAL_UINT32(at + 11000u, go(0.85001, 1.10001).counts);
+}
+
+static void test_jitter_has_the_rms_and_repeats_with_the_seed(void)
+{
+    enum { n = 20000 };
+    config.jitter_counts = 3.0;
+    config.start_counts = 0.0;
+    sim_encoder_t again;
+    init_at(0.05);
+    sim_encoder_init(&again, &config, 0.05, 1);
+    double sum = 0.0;
+    double sum2 = 0.0;
+    for (int i = 0; i < n; i++) {
+        const double off = (int32_t)sim_encoder_read(&encoder, 0.05).counts + 0.5 - 500.0;
+        TEST_ASSERT_EQUAL_UINT32(encoder.reading.counts, sim_encoder_read(&again, 0.05).counts);
+        sum += off;
+        sum2 += off * off;
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(0.1, 0.0, sum / n);
+    TEST_ASSERT_DOUBLE_WITHIN(0.1, 3.0, sqrt(sum2 / n));
+}
+
+static void test_jitter_differs_with_the_seed(void)
+{
+    sim_random_t a = sim_random_seeded(1);
+    sim_random_t b = sim_random_seeded(2);
+    sim_random_t zero = sim_random_seeded(0);
+    TEST_ASSERT_TRUE(sim_random_next(&a) != sim_random_next(&b));
+    TEST_ASSERT_TRUE(sim_random_next(&zero) != 0u);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_read_counts_rise_with_the_turn_and_wrap);
+    RUN_TEST(test_read_negative_sign_counts_fall);
+    RUN_TEST(test_index_is_the_same_edge_for_both_senses);
+    RUN_TEST(test_index_edges_lie_a_turn_apart);
+    RUN_TEST(test_eccentricity_errs_once_per_turn);
+    RUN_TEST(test_jitter_has_the_rms_and_repeats_with_the_seed);
+    RUN_TEST(test_jitter_differs_with_the_seed);
+    return UNITY_END();
+}

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sim_spindle.h"
+#include "sim_units.h" // SIM_TWO_PI
+#include "unity.h"
+#include <math.h> // sqrt
+
+#define PERIOD_S 50e-6
+
+static sim_spindle_t spindle;
+
+void setUp(void)
+{
+    const sim_spindle_config_t config = sim_spindle_defaults();
+    sim_spindle_init(&spindle, &config);
+}
+
+void tearDown(void) {}
+
+static void run(double set_rad_per_s, int n, double dt_s)
+{
+    for (int i = 0; i < n; i++) {
+        sim_spindle_step(&spindle, set_rad_per_s, dt_s);
+    }
+}
+
+static void test_step_far_from_set_speed_accelerates_by_torque_over_inertia(void)
+{
+    run(250.0, 2000, PERIOD_S);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 50.0, spindle.speed_rad_per_s); // 500 rad/s2 for 0.1 s
+}
+
+static void test_step_near_set_speed_is_an_exponential(void)
+{
+    spindle.speed_rad_per_s = 99.0;
+    run(100.0, 500, PERIOD_S);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 100.0 - exp(-40.0 * 0.025), spindle.speed_rad_per_s);
+}
+
+static void test_step_settles_at_both_senses(void)
+{
+    run(-261.8, 40000, PERIOD_S);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, -261.8, spindle.speed_rad_per_s);
+    TEST_ASSERT_TRUE(spindle.turn < 0.0);
+}
+
+static void test_step_run_up_angle_does_not_depend_on_the_period(void)
+{
+    spindle.ripple = 0.0;
+    run(261.8, 20000, PERIOD_S);
+    const double coarse = spindle.turn;
+    setUp();
+    spindle.ripple = 0.0;
+    run(261.8, 200000, PERIOD_S / 10);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, spindle.turn, coarse);
+}
+
+/// Integral of dturn / (1 + r sin): a whole turn takes 1 / sqrt(1 - r^2) of the time without
+/// ripple.
+static void test_step_with_ripple_keeps_the_time_of_a_turn(void)
+{
+    spindle.ripple = 0.1;
+    spindle.turn = 0.0;
+    spindle.speed_rad_per_s = SIM_TWO_PI * 40.0;
+    run(spindle.speed_rad_per_s, 100000, PERIOD_S); // 5 s
+    TEST_ASSERT_DOUBLE_WITHIN(200.0 * 0.1 * 3e-5, 200.0 * sqrt(1.0 - 0.01), spindle.turn);
+}
+
+static void test_true_speed_ripples_with_its_amplitude_and_period(void)
+{
+    spindle.speed_rad_per_s = 100.0;
+    spindle.turn = 7.125; // a quarter period of two per turn
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 100.2, sim_spindle_true_rad_per_s(&spindle));
+    spindle.turn = 7.375;
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 99.8, sim_spindle_true_rad_per_s(&spindle));
+    spindle.turn = 7.5;
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 100.0, sim_spindle_true_rad_per_s(&spindle));
+}
+
+static void test_step_at_rest_stays_at_rest(void)
+{
+    const double turn = spindle.turn;
+    run(0.0, 1000, PERIOD_S);
+    TEST_ASSERT_TRUE(spindle.turn == turn);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_step_far_from_set_speed_accelerates_by_torque_over_inertia);
+    RUN_TEST(test_step_near_set_speed_is_an_exponential);
+    RUN_TEST(test_step_settles_at_both_senses);
+    RUN_TEST(test_step_run_up_angle_does_not_depend_on_the_period);
+    RUN_TEST(test_step_with_ripple_keeps_the_time_of_a_turn);
+    RUN_TEST(test_true_speed_ripples_with_its_amplitude_and_period);
+    RUN_TEST(test_step_at_rest_stays_at_rest);
+    return UNITY_END();
+}
