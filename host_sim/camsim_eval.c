@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#define _POSIX_C_SOURCE 200809L // getline
+#define _POSIX_C_SOURCE 200809L // NOLINT(bugprone-reserved-identifier): getline
 #include "cam/cam_eval.h"       // cam_eval_surface
 #include "camsim.h"
 #include "sim_units.h" // sim_clamp

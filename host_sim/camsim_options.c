@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#define _GNU_SOURCE // getopt_long
+#define _GNU_SOURCE // NOLINT(bugprone-reserved-identifier): getopt_long
 #include "camsim.h"
 #include <getopt.h> // getopt_long
 #include <stdio.h>  // puts

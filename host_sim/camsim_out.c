@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#define _XOPEN_SOURCE 700 // mkstemp, realpath, sigaction, fsync
+#define _XOPEN_SOURCE 700 // NOLINT(bugprone-reserved-identifier): mkstemp, realpath
 #include "camsim_out.h"
 #include <errno.h>    // errno
 #include <math.h>     // floor

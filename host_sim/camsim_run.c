@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#define _POSIX_C_SOURCE 200809L // clock_gettime
+#define _POSIX_C_SOURCE 200809L // NOLINT(bugprone-reserved-identifier): clock_gettime
 #include "camsim.h"
 #include "camsim_out.h"     // camsim_out_t
 #include "camsim_summary.h" // camsim_summary_json
@@ -123,8 +123,9 @@ static int judge(const run_t *r)
     if (cut->end == sim_cut_fault) {
         explain_fault(cut, table, &e);
     } else if (cut->end == sim_cut_refused) {
-        (void)sim_error(&e, "%s: refused: %s; change the parameters or the machine file", table,
-                        cam_err_text(cut->refusal));
+        (void)sim_error(&e,
+                        "%s: refused: %s; remove the cause (parameters, machine file, --inject)",
+                        table, cam_err_text(cut->refusal));
         return camsim_complain(&e);
     } else if (cut->end == sim_cut_timeout) {
         (void)sim_error(&e, "%s: not at the end after %.6g s in state %s; give more --max-seconds",

@@ -3,7 +3,7 @@
 ///
 /// The firmware alone replays what it sensed while cutting through cam_tick_steps_isr(), from a
 /// copy of its state, and must end where the recorded run ended. Best of several rounds, one core.
-#define _POSIX_C_SOURCE 200809L // clock_gettime
+#define _POSIX_C_SOURCE 200809L // NOLINT(bugprone-reserved-identifier): clock_gettime
 #include "cam/cam_tick.h"       // cam_tick_steps_isr
 #include "sim_cut.h"            // sim_cut_t
 #include "sim_file.h"           // sim_file_read
@@ -133,19 +133,24 @@ static int run(bench_t *b)
 
 int main(int argc, char **argv)
 {
-    sim_error_t e;
-    bench_t *b = calloc(1, sizeof *b);
-    if (argc != 2 || b == NULL) {
+    if (argc != 2) {
         (void)fprintf(stderr, "usage: bench_tick TABLE\n");
         return EXIT_FAILURE;
     }
-    b->name = argv[1];
-    if (!sim_file_read(&b->table, b->name, max_table_bytes, &e)) {
-        (void)fprintf(stderr, "bench_tick: %s\n", e.text);
+    sim_error_t e;
+    int status = EXIT_FAILURE;
+    bench_t *b = calloc(1, sizeof *b);
+    if (b == NULL) {
+        (void)fprintf(stderr, "bench_tick: not enough memory\n");
         return EXIT_FAILURE;
     }
-    const int status = run(b);
-    sim_file_free(&b->table);
+    b->name = argv[1];
+    if (sim_file_read(&b->table, b->name, max_table_bytes, &e)) {
+        status = run(b);
+        sim_file_free(&b->table);
+    } else {
+        (void)fprintf(stderr, "bench_tick: %s\n", e.text);
+    }
     free(b);
     return status;
 }
