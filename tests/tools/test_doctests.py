@@ -27,6 +27,7 @@ MODULES = [
     "search",
     "sections",
     "summary",
+    "trade",
 ]
 
 

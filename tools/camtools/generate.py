@@ -23,6 +23,7 @@ from camtools.search import choose_u, choose_x
 
 DEFAULT_TOLERANCE_NM = 1.0
 MAX_TOLERANCE_NM = 1_000_000.0
+_ROUNDING_LSB = (1, 2, 8)  # the firmware's, of value and derivatives per interval: cam_eval.h
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,13 +40,13 @@ class Generated:
 
 
 def u_bounds(channel: Channel, error_nm: float) -> Bounds:
-    """Return true bounds of u, one LSB of rounding in the firmware included."""
+    """Return true bounds of u, the firmware's rounding included."""
     raw, h, lsb = raw_bounds(channel), knot_interval(channel), channel.lsb_nm
     return Bounds(
-        u_min_nm=floor(channel.offset_nm + (raw.low - 1) * lsb),
-        u_max_nm=ceil(channel.offset_nm + (raw.high + 1) * lsb),
-        u1_peak_nm_per_rad=ceil((raw.first + 1) * lsb / h),
-        u2_peak_nm_per_rad2=ceil((raw.second + 2) * lsb / h**2),
+        u_min_nm=floor(channel.offset_nm + (raw.low - _ROUNDING_LSB[0]) * lsb),
+        u_max_nm=ceil(channel.offset_nm + (raw.high + _ROUNDING_LSB[0]) * lsb),
+        u1_peak_nm_per_rad=ceil((raw.first + _ROUNDING_LSB[1]) * lsb / h),
+        u2_peak_nm_per_rad2=ceil((raw.second + _ROUNDING_LSB[2]) * lsb / h**2),
         error_pm=ceil(error_nm * 1000),
     )
 
