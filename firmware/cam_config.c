@@ -69,7 +69,7 @@ static void build_observer(cam_spindle_config_t *c, const cam_params_t *p, uint3
 }
 
 static void build_spindle(cam_spindle_config_t *c, const cam_params_t *p, const cam_table_t *table,
-                          uint32_t tick_hz)
+                          uint32_t tick_hz, uint32_t clock_hz)
 {
     const int32_t sense = table != NULL ? table->direction : 1;
     const int32_t turn = p->counts_per_turn;
@@ -81,6 +81,7 @@ static void build_spindle(cam_spindle_config_t *c, const cam_params_t *p, const 
     c->index_overdue = turn + turn / 8;
     c->jump_window = p->jump_window_counts;
     c->max_counts = turn / 4;
+    c->ticks_per_clock_q32 = (uint32_t)scale(tick_hz, CAM_TURN_Q32, clock_hz);
     build_observer(c, p, tick_hz);
 }
 
@@ -89,8 +90,12 @@ static void build_feed(cam_play_config_t *c, const cam_params_t *p, const cam_ta
 {
     const int64_t span_nm = (int64_t)table->z_last_nm - table->z_first_nm;
     c->feed_nm = p->feed_nm > 0 ? p->feed_nm : (int32_t)table->feed_nm;
-    c->feed_q32 =
+    const int64_t fed_q32 =
         span_nm / c->feed_nm * CAM_TURN_Q32 + span_nm % c->feed_nm * CAM_TURN_Q32 / c->feed_nm;
+    c->ramp_q32 = cam_clamp_i64(fed_q32, CAM_TURN_Q32 / 2, p->feed_ramp_turns * CAM_TURN_Q32);
+    c->per_ramp_q31 = (uint32_t)(((UINT64_C(1) << 63) - 1u) / (uint64_t)c->ramp_q32);
+    c->feed_q32 = fed_q32 + c->ramp_q32;
+    c->z_margin_nm = p->z_margin_nm;
     c->z_first_nm = table->z_first_nm;
     c->z_low_nm = cam_sat_i32((int64_t)table->z_first_nm - p->z_margin_nm);
     c->z_high_nm = cam_sat_i32((int64_t)table->z_last_nm + p->z_margin_nm);
@@ -117,6 +122,7 @@ static void build_play(cam_play_config_t *c, const cam_params_t *p, uint32_t tic
     c->is_z_measured = p->z_is_measured != 0;
     c->u_retract_q10 = (int64_t)p->u_retract_nm * 1024;
     c->x_clearance_q10 = (int64_t)p->x_clearance_nm * 1024;
+    c->turning_q32 = cam_config_speed_q32((uint32_t)p->stopped_mrpm, tick_hz);
 }
 
 static void build_limits(cam_config_t *c, const cam_params_t *p, uint32_t tick_hz)
@@ -173,7 +179,7 @@ cam_err_t cam_config_build(cam_config_t *config, const cam_params_t *params,
         return err;
     }
     *config = (cam_config_t){.generation = config->generation};
-    build_spindle(&config->spindle, params, table, tick_hz);
+    build_spindle(&config->spindle, params, table, tick_hz, clock_hz);
     build_play(&config->play, params, tick_hz);
     if (table != NULL) {
         config->table = *table;

@@ -60,6 +60,10 @@ const char *cam_err_text(cam_err_t err)
         return "U would have to travel farther than it can";
     case cam_err_z_speed:
         return "feed and speed are beyond the speed of Z";
+    case cam_err_z_acceleration:
+        return "feed, speed and ramp are beyond the acceleration of Z";
+    case cam_err_feed:
+        return "the feed per turn is larger than the part is high";
     case cam_err_tick_rate:
         return "too many knots or counts pass in one tick";
     }

@@ -93,13 +93,39 @@ static demand_t u_acceleration_demand(const cam_table_t *t, const cam_params_t *
                       told_speed(mrpm_of(omega_max_mrad_s * 1000u))};
 }
 
+static uint64_t feed_of(const cam_table_t *t, const cam_params_t *p)
+{
+    return p->feed_nm > 0 ? (uint64_t)p->feed_nm : t->feed_nm;
+}
+
 static demand_t z_demand(const cam_table_t *t, const cam_params_t *p, uint32_t mrpm)
 {
-    const uint64_t feed_nm = p->feed_nm > 0 ? (uint64_t)p->feed_nm : t->feed_nm;
+    const uint64_t feed_nm = feed_of(t, p);
     const uint64_t limit = p->z_is_measured != 0 ? INT32_MAX : (uint64_t)p->z_speed_um_per_s;
     const uint64_t needed = (feed_nm * mrpm + 59999999u) / 60000000u;
     return (demand_t){cam_err_z_speed, (int64_t)limit, (int64_t)needed,
                       told_speed(limit * 60000000u / feed_nm)};
+}
+
+/// feed * (turns per second)^2 / ramp in mm/s2, in whole r/min.
+static demand_t z_acceleration_demand(const cam_table_t *t, const cam_params_t *p, uint32_t mrpm)
+{
+    const uint64_t feed_nm = feed_of(t, p);
+    const uint64_t turns = (uint64_t)p->feed_ramp_turns;
+    const uint64_t limit =
+        p->z_is_measured != 0 ? INT32_MAX : (uint64_t)p->z_acceleration_mm_per_s2;
+    const uint64_t rpm = ((uint64_t)mrpm + 999u) / 1000u;
+    const uint64_t per = UINT64_C(3600000000) * turns;
+    const uint64_t needed = (feed_nm * rpm * rpm + per - 1u) / per;
+    return (demand_t){cam_err_z_acceleration, (int64_t)limit, (int64_t)needed,
+                      told_speed(root(limit * per / feed_nm) * 1000u)};
+}
+
+static demand_t feed_demand(const cam_table_t *t, const cam_params_t *p)
+{
+    const int64_t span_nm = (int64_t)t->z_last_nm - t->z_first_nm;
+    const int64_t feed_nm = p->z_is_measured != 0 ? 0 : (int64_t)feed_of(t, p);
+    return (demand_t){cam_err_feed, span_nm, feed_nm, feed_nm <= span_nm ? UINT32_MAX : 0u};
 }
 
 static demand_t tick_demand(const cam_table_t *t, uint32_t mrpm, uint32_t tick_hz)
@@ -115,9 +141,14 @@ cam_feasibility_t cam_feasible(const cam_table_t *table, const cam_params_t *par
                                uint32_t speed_mrpm, uint32_t tick_hz)
 {
     const demand_t demands[] = {
-        spindle_demand(table, params, speed_mrpm), stroke_demand(table, params),
-        u_speed_demand(table, params, speed_mrpm), u_acceleration_demand(table, params, speed_mrpm),
-        z_demand(table, params, speed_mrpm),       tick_demand(table, speed_mrpm, tick_hz),
+        spindle_demand(table, params, speed_mrpm),
+        stroke_demand(table, params),
+        u_speed_demand(table, params, speed_mrpm),
+        u_acceleration_demand(table, params, speed_mrpm),
+        feed_demand(table, params),
+        z_demand(table, params, speed_mrpm),
+        z_acceleration_demand(table, params, speed_mrpm),
+        tick_demand(table, speed_mrpm, tick_hz),
     };
     cam_feasibility_t result = {.speed_mrpm = speed_mrpm, .highest_mrpm = UINT32_MAX};
     for (size_t i = 0; i < sizeof demands / sizeof demands[0]; i++) {

@@ -17,7 +17,7 @@ uint32_t cam_guard_armed(cam_state_t state)
 {
     switch (state) {
     case cam_state_homing:
-        return ARMED_ENABLED | CAM_FAULT_BIT(spindle_stopped);
+        return ARMED_ENABLED | CAM_FAULT_BIT(spindle_stopped) | CAM_FAULT_BIT(reverse);
     case cam_state_ready:
         return ARMED_SYNCED;
     case cam_state_engaging:

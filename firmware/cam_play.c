@@ -41,12 +41,31 @@ static int64_t ahead(const cam_angle_t *angle, int32_t ticks_q16)
     return angle->pos_q32 + (((int64_t)angle->speed_q32 * ticks_q16) >> 16);
 }
 
-/// @return [nm] height at a master position; stands at the last height and where disengaging starts
+/// @return [turn] the furthest position that any axis is told of in this tick
+static int64_t furthest_q32(const cam_play_config_t *cfg, const cam_angle_t *angle)
+{
+    return ahead(angle, cfg->lead_q16 > cfg->xz_lag_q16 ? cfg->lead_q16 : cfg->xz_lag_q16);
+}
+
+/// @return [turn] fed after `turns` when the feed rises linearly over the ramp r: x^2 / 2r, x - r/2
+static int64_t eased_q32(const cam_play_config_t *cfg, int64_t turns_q32)
+{
+    if (turns_q32 >= cfg->ramp_q32) {
+        return turns_q32 - cfg->ramp_q32 / 2;
+    }
+    const int64_t turns_q24 = turns_q32 >> 8;
+    const int64_t share_q31 = (turns_q24 * cfg->per_ramp_q31) >> 24;
+    return (share_q31 * turns_q24) >> 24;
+}
+
+/// @return [nm] height at a master position; the feed rises at its start and falls towards its end
 static int32_t height_nm(const cam_play_t *p, const cam_play_config_t *cfg, int64_t pos_q32)
 {
-    const int64_t to_stop_q32 =
-        cam_clamp_i64(p->disengage_at_q32 - p->feed_at_q32, 0, cfg->feed_q32);
-    const int64_t fed_q32 = cam_clamp_i64(pos_q32 - p->feed_at_q32, 0, to_stop_q32);
+    const int64_t done_q32 = cam_clamp_i64(pos_q32 - p->feed_at_q32, 0, p->feed_turns_q32);
+    const int64_t left_q32 = p->feed_turns_q32 - done_q32;
+    const int64_t fed_q32 = done_q32 <= left_q32
+                                ? eased_q32(cfg, done_q32)
+                                : p->feed_turns_q32 - cfg->ramp_q32 - eased_q32(cfg, left_q32);
     return cfg->z_first_nm + (int32_t)((fed_q32 * cfg->feed_nm + (INT64_C(1) << 31)) >> 32);
 }
 
@@ -66,7 +85,7 @@ static cam_move_t surface(const cam_play_t *p, const cam_play_config_t *cfg,
     const uint32_t theta_q32 = cam_angle_of_pos(pos_q32) - (uint32_t)p->phase_q32;
     const cam_value_t value = cam_eval_surface(u, theta_q32, z_nm);
     const int32_t amp_q30 = cam_mul_shift(envelope_q30(p, cfg, pos_q32), p->amplitude_q30, 30);
-    const int64_t knots_q24 = ((int64_t)angle->speed_q32 << cfg->knots_shift) >> 8;
+    const int64_t knots_q24 = ((int64_t)angle->speed_q32 * (INT64_C(1) << cfg->knots_shift)) >> 8;
     const int64_t rate_q24 = cam_clamp_i64(knots_q24, -MAX_RATE_Q24, MAX_RATE_Q24);
     const int64_t vel_q10 = (value.d1 * rate_q24) >> (14u + u->frac_bits);
     const int64_t acc_q10 = (value.d2 * ((rate_q24 * rate_q24) >> 24)) >> (14u + u->frac_bits);
@@ -145,10 +164,9 @@ static void approach(cam_play_t *p, const cam_play_config_t *cfg, const cam_sens
     const bool is_x_there = go(p, cfg, hal_axis_x, profile_q10(cfg, z_nm) + cfg->x_clearance_q10);
     const bool is_z_there = go(p, cfg, hal_axis_z, (int64_t)z_nm * 1024);
     if (is_u_there && is_x_there && (is_z_there || cfg->is_z_measured)) {
-        const int64_t last_q32 =
-            ahead(angle, cfg->lead_q16 > cfg->xz_lag_q16 ? cfg->lead_q16 : cfg->xz_lag_q16);
-        p->engage_at_q32 = cam_angle_next_turn(last_q32);
+        p->engage_at_q32 = cam_angle_next_turn(furthest_q32(cfg, angle));
         p->feed_at_q32 = p->engage_at_q32 + cfg->engage_q32;
+        p->feed_turns_q32 = cfg->feed_q32;
         p->disengage_at_q32 = cfg->is_z_measured ? NEVER_Q32 : p->feed_at_q32 + cfg->feed_q32;
         p->phase_q32 = cfg->phase_q32;
         p->amplitude_q30 = cfg->amplitude_q30;
@@ -163,16 +181,27 @@ static void follow_axes(cam_play_t *p, const cam_sense_t *in)
     }
 }
 
-/// Stop lays the end of the cut onto the next whole turn that no axis has been told of yet.
+/// Stop lays the end of the feed, and behind it that of the cut, onto the next whole turn that no
+/// axis has been told of yet. A feed in motion falls over its ramp, one that has not begun does not
+/// begin.
 static void stop(cam_play_t *p, const cam_play_config_t *cfg, const cam_angle_t *angle)
 {
     if (p->is_approaching) {
         p->state = cam_state_ready;
         return;
     }
-    const int32_t furthest_q16 = cfg->lead_q16 > cfg->xz_lag_q16 ? cfg->lead_q16 : cfg->xz_lag_q16;
-    const int64_t at_q32 = cam_angle_next_turn(ahead(angle, furthest_q16));
-    p->disengage_at_q32 = at_q32 < p->disengage_at_q32 ? at_q32 : p->disengage_at_q32;
+    const int64_t at_q32 = cam_angle_next_turn(furthest_q32(cfg, angle));
+    const int64_t fed_q32 = at_q32 - p->feed_at_q32;
+    const int64_t ramp_q32 = cfg->ramp_q32;
+    const bool is_feeding = fed_q32 > 0 && !cfg->is_z_measured;
+    const int64_t turns_q32 = !is_feeding          ? 0
+                              : fed_q32 > ramp_q32 ? fed_q32 + ramp_q32
+                                                   : 2 * ramp_q32;
+    const int64_t end_q32 = is_feeding ? p->feed_at_q32 + turns_q32 : at_q32;
+    if (end_q32 < p->disengage_at_q32) {
+        p->feed_turns_q32 = turns_q32;
+        p->disengage_at_q32 = end_q32;
+    }
 }
 
 static bool is_in_work(cam_state_t state)
@@ -233,9 +262,15 @@ static void remember(cam_play_t *p)
     p->n_history++;
 }
 
-static uint32_t range_fault(const cam_play_config_t *cfg, int32_t z_nm)
+/// Measured Z must lie on the table, a geared one moreover where the angle wants it.
+static uint32_t range_fault(const cam_play_t *p, const cam_play_config_t *cfg,
+                            const cam_sense_t *in, const cam_angle_t *angle)
 {
-    return z_nm < cfg->z_low_nm || z_nm > cfg->z_high_nm ? CAM_FAULT_BIT(z_range) : 0u;
+    const int32_t z_nm = in->actual_nm[hal_axis_z];
+    const int64_t off_nm = (int64_t)z_nm - height_nm(p, cfg, angle->pos_q32);
+    const bool is_off = !cfg->is_z_measured && cam_abs_i64(off_nm) > cfg->z_margin_nm;
+    const bool is_out = z_nm < cfg->z_low_nm || z_nm > cfg->z_high_nm;
+    return is_off || is_out ? CAM_FAULT_BIT(z_range) : 0u;
 }
 
 cam_want_t cam_play_step_isr(cam_play_t *p, const cam_play_config_t *cfg, const cam_sense_t *in,
@@ -245,15 +280,15 @@ cam_want_t cam_play_step_isr(cam_play_t *p, const cam_play_config_t *cfg, const 
     uint32_t faults = obey(p, cfg, in, angle);
     if (is_in_work(p->state) && !p->is_approaching) {
         z_nm = play_table(p, cfg, in, angle);
-        faults |= range_fault(cfg, in->actual_nm[hal_axis_z]);
+        faults |= range_fault(p, cfg, in, angle);
     } else if (is_in_work(p->state)) {
         approach(p, cfg, in, angle);
     } else if (p->state == cam_state_off) {
         follow_axes(p, in);
     } else if (p->state != cam_state_fault) {
         const bool is_out = wait_retracted(p, cfg);
-        p->state =
-            p->state == cam_state_homing && angle->is_synced && is_out ? cam_state_ready : p->state;
+        const bool is_homed = angle->is_synced && angle->speed_q32 >= cfg->turning_q32;
+        p->state = p->state == cam_state_homing && is_homed && is_out ? cam_state_ready : p->state;
     }
     remember(p);
     const bool is_idle = p->state == cam_state_off || p->state == cam_state_fault;

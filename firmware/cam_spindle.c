@@ -3,6 +3,9 @@
 #include "cam/cam_angle.h" // cam_angle_diff_q32
 #include "cam/cam_fix.h"   // cam_clamp_i32
 
+/// One tick in elapsed time.
+#define TICK_Q16 (INT64_C(1) << 16)
+
 /// Counts in the sense of cutting: ~c = -c - 1 mirrors the half-open interval of a count, so that
 /// adding half a count centres it for both senses.
 static uint32_t sensed_counts(const cam_spindle_config_t *cfg, uint32_t counts)
@@ -38,6 +41,7 @@ static uint32_t measured_q32(const cam_spindle_t *s, const cam_spindle_config_t 
 static void start(cam_spindle_t *s, const cam_spindle_config_t *cfg, const cam_sense_t *in)
 {
     s->is_started = true;
+    s->clock = in->clock;
     s->counts = sensed_counts(cfg, in->encoder.counts);
     s->n_index = in->encoder.n_index;
     s->pos_q32 = (int64_t)measured_q32(s, cfg);
@@ -85,27 +89,36 @@ static uint32_t take_index(cam_spindle_t *s, const cam_spindle_config_t *cfg, co
     return faults;
 }
 
-static uint32_t take_counts(cam_spindle_t *s, const cam_spindle_config_t *cfg, uint32_t counts)
+/// Way that the observer expects since the last tick. The time stamp counts only when the tick came
+/// visibly off its time: a coarse clock must not shake the angle of a steady tick.
+static int64_t predicted_q32(cam_spindle_t *s, const cam_spindle_config_t *cfg, uint32_t clock)
+{
+    const uint64_t period_q32 = (uint64_t)(clock - s->clock) * cfg->ticks_per_clock_q32;
+    const int64_t elapsed_q16 = cam_clamp_i64((int64_t)(period_q32 >> 16), 0, 4 * TICK_Q16);
+    const bool is_on_time = cam_abs_i64(elapsed_q16 - TICK_Q16) < TICK_Q16 / 16;
+    s->clock = clock;
+    return ((s->speed_q48 >> 16) * (is_on_time ? TICK_Q16 : elapsed_q16)) >> 16;
+}
+
+static uint32_t take_counts(cam_spindle_t *s, const cam_spindle_config_t *cfg, uint32_t counts,
+                            int64_t way_q32)
 {
     const int32_t moved = cam_wrap_diff(counts, s->counts);
-    const int32_t speed_q32 = cam_sat_i32(s->speed_q48 >> 16);
-    const int32_t expected = (int32_t)(((int64_t)speed_q32 * cfg->counts_per_turn) >> 32);
-    const int64_t off = (int64_t)moved - expected;
-    const bool is_jump = off > cfg->jump_window || off < -cfg->jump_window ||
-                         moved > cfg->max_counts || moved < -cfg->max_counts;
+    const int64_t off = moved - ((way_q32 * cfg->counts_per_turn) >> 32);
     const int32_t limited = cam_clamp_i32(moved, -cfg->max_counts, cfg->max_counts);
+    const bool is_jump = cam_abs_i64(off) > cfg->jump_window || limited != moved;
+    const int32_t overdue = cfg->index_overdue + 1;
     s->counts = counts;
-    s->since_index =
-        cam_clamp_i32(s->since_index + limited, -cfg->index_overdue - 1, cfg->index_overdue + 1);
+    s->since_index = cam_clamp_i32(s->since_index + limited, -overdue, overdue);
     move_in_turn(s, cfg, limited);
     return is_jump ? CAM_FAULT_BIT(encoder_jump) : 0u;
 }
 
 /// Tracking loop: the error is taken the short way round, so turns are counted by the position
 /// itself.
-static void track(cam_spindle_t *s, const cam_spindle_config_t *cfg)
+static void track(cam_spindle_t *s, const cam_spindle_config_t *cfg, int64_t way_q32)
 {
-    s->pos_q32 += s->speed_q48 >> 16;
+    s->pos_q32 += way_q32;
     const int32_t error_q32 =
         cam_angle_diff_q32(measured_q32(s, cfg), cam_angle_of_pos(s->pos_q32));
     s->pos_q32 += ((int64_t)error_q32 * cfg->kp_q31) >> 31;
@@ -117,8 +130,9 @@ cam_angle_t cam_spindle_step_isr(cam_spindle_t *s, const cam_spindle_config_t *c
 {
     uint32_t faults = 0;
     if (s->is_started) {
-        faults = take_counts(s, cfg, sensed_counts(cfg, in->encoder.counts));
-        track(s, cfg);
+        const int64_t way_q32 = predicted_q32(s, cfg, in->clock);
+        faults = take_counts(s, cfg, sensed_counts(cfg, in->encoder.counts), way_q32);
+        track(s, cfg, way_q32);
         faults |= take_index(s, cfg, in);
     } else {
         start(s, cfg, in);

@@ -37,7 +37,9 @@ typedef enum {
     cam_err_u_acceleration = -42, ///< U would have to accelerate more than it can
     cam_err_u_stroke = -43,       ///< U would have to travel farther than it can
     cam_err_z_speed = -44,        ///< feed x speed beyond Z's speed
-    cam_err_tick_rate = -45,      ///< too many knots or encoder counts pass in one tick
+    cam_err_z_acceleration = -45, ///< feed x speed squared / ramp beyond Z's acceleration
+    cam_err_feed = -46,           ///< feed per turn larger than the height of the part
+    cam_err_tick_rate = -47,      ///< too many knots or encoder counts pass in one tick
 } cam_err_t;
 
 #define CAM_MUST_USE __attribute__((warn_unused_result))

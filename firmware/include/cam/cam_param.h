@@ -27,6 +27,7 @@
     X(amplitude_rate_ppm_per_s,    1000,     500000,   10000000, "rate of that ramp") \
     X(engage_turns,                   1,         10,        100, "turns over which amplitude and depth rise") \
     X(disengage_turns,                1,         10,        100, "turns over which they fall") \
+    X(feed_ramp_turns,                1,          2,        100, "turns over which the feed rises and falls, for the acceleration of Z") \
     X(u_stroke_nm,                 1000,    1200000,   30000000, "travel of U peak to peak, centred on U = 0") \
     X(u_speed_um_per_s,             100,     400000,   10000000, "highest speed of U") \
     X(u_acceleration_mm_per_s2,     100,     250000,   10000000, "highest acceleration of U") \
@@ -37,13 +38,13 @@
     X(z_speed_um_per_s,             100,     200000,   10000000, "highest speed of Z") \
     X(z_acceleration_mm_per_s2,      10,       2000,    1000000, "highest acceleration of Z") \
     X(z_is_measured,                  0,          0,          1, "0: Z is geared to the spindle by the feed; 1: Z is led by others and measured") \
-    X(z_margin_nm,                    0,     100000,   10000000, "measured Z may leave the table by this much while cutting") \
+    X(z_margin_nm,                    0,     100000,   10000000, "measured Z may leave the table, or a geared Z its place, by this much") \
     X(spindle_mrpm,                   0,          0,   60000000, "spindle speed in r/min / 1000; 0: the table's") \
     X(feed_nm,                        0,          0,   10000000, "feed per revolution; 0: the table's") \
     X(spindle_limit_mrpm,          1000,    3000000,   60000000, "highest spindle speed in r/min / 1000") \
     X(stopped_mrpm,                   1,       5000,    1000000, "spindle counts as stopped below, in r/min / 1000") \
     X(stopped_ms,                     1,        100,      10000, "and is a fault after this time while cutting") \
-    X(following_limit_nm,           100,     200000,   10000000, "accepted following error of U") \
+    X(following_limit_nm,           100,     100000,   10000000, "accepted following error of U") \
     X(late_percent,                  10,         50,        900, "a tick is late when it comes this much of a period after its time") \
     X(trace_on,                       0,          1,          1, "1: record every tick in the trace ring")
 // clang-format on

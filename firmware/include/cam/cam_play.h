@@ -3,7 +3,7 @@
 ///
 /// While engaging, cutting and disengaging every axis is a function of the spindle angle:
 ///     U = amplitude * envelope * u(angle + lead - phase, Z)
-///     Z = first height + feed * turns since feed start   (or measured)
+///     Z = first height + feed * turns since feed start   eased in and out (or measured)
 ///     X = x(Z) + (1 - envelope) * clearance
 /// U is read at the angle that the spindle will have when the drive's dead time has passed; X and Z
 /// are read ahead by the lag of their drives. The envelope rises and falls by the quintic smooth
@@ -31,10 +31,14 @@ typedef struct {
     int32_t amplitude_q30, amplitude_step_q30;  ///< [1], per tick
     int64_t engage_q32, disengage_q32;          ///< [turn] lengths
     uint32_t per_engage_q31, per_disengage_q31; ///< [1/turn] their reciprocals
-    int64_t feed_q32;                           ///< [turn] from first to last height
-    int32_t feed_nm;                            ///< [nm] per turn
-    int32_t z_first_nm;                         ///< [nm] where the feed starts
-    int32_t z_low_nm, z_high_nm;                ///< [nm] range accepted from a measured Z
+    int64_t feed_q32;            ///< [turn] from first to last height, ramps included
+    int64_t ramp_q32;            ///< [turn] over which the feed rises, and falls
+    uint32_t per_ramp_q31;       ///< [1/turn] its reciprocal
+    int32_t feed_nm;             ///< [nm] per turn
+    int32_t z_first_nm;          ///< [nm] where the feed starts
+    int32_t z_low_nm, z_high_nm; ///< [nm] range accepted from a measured Z
+    int32_t z_margin_nm;         ///< [nm] accepted distance of a geared Z from its place
+    int32_t turning_q32;         ///< [turn / 2^32 per tick] slower does not count as turning
     bool is_z_measured;
     int64_t u_retract_q10;                  ///< [nm / 1024]
     int64_t x_clearance_q10;                ///< [nm / 1024]
@@ -51,6 +55,7 @@ typedef struct {
     int64_t engage_at_q32;            ///< [turn] master position where the envelope starts to rise
     int64_t feed_at_q32;              ///< ... where Z starts
     int64_t disengage_at_q32;         ///< ... where the envelope starts to fall
+    int64_t feed_turns_q32;           ///< [turn] length of the feed, shorter after a stop
     int32_t phase_q32, amplitude_q30; ///< ramped values
     cam_move_t axis[hal_n_axes];      ///< set-points of this tick
     int32_t history_q6[cam_play_history]; ///< [nm / 64] U set-points

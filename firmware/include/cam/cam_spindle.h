@@ -5,6 +5,9 @@
 /// added to centre the quantisation, and a second-order tracking observer turns the stairs into
 /// angle and speed between counts. Speed and position are positive in the sense of cutting.
 ///
+/// A tick that comes off its time by more than a sixteenth of a period is taken at its time stamp,
+/// so a late tick costs no angle.
+///
 /// Errors of the observer with bandwidth f_o (double pole at w_o = 2 pi f_o):
 ///   constant speed           mean 0; quantisation ripple below half a count
 ///   constant acceleration    angle lags by acceleration / w_o^2
@@ -19,20 +22,22 @@
 
 /// Configuration, made by cam_config_build().
 typedef struct {
-    uint32_t sign_mask;          ///< 0, or ~0 when counts fall while cutting
-    int32_t counts_per_turn;     ///< 64 .. 2^24
-    uint64_t turn_per_count_q56; ///< floor(2^56 / counts_per_turn)
-    uint32_t offset_q32;         ///< [turn / 2^32] added to the angle from the index
-    int32_t kp_q31, ki_q31;      ///< observer gains per tick
-    int32_t index_tolerance;     ///< [counts]
-    int32_t index_overdue;       ///< [counts] travel without an index edge that is too far
-    int32_t jump_window;         ///< [counts]
-    int32_t max_counts;          ///< [counts / tick] a quarter turn
+    uint32_t sign_mask;           ///< 0, or ~0 when counts fall while cutting
+    int32_t counts_per_turn;      ///< 64 .. 2^24
+    uint64_t turn_per_count_q56;  ///< floor(2^56 / counts_per_turn)
+    uint32_t offset_q32;          ///< [turn / 2^32] added to the angle from the index
+    int32_t kp_q31, ki_q31;       ///< observer gains per tick
+    int32_t index_tolerance;      ///< [counts]
+    int32_t index_overdue;        ///< [counts] travel without an index edge that is too far
+    int32_t jump_window;          ///< [counts]
+    int32_t max_counts;           ///< [counts / tick] a quarter turn
+    uint32_t ticks_per_clock_q32; ///< [ticks per unit of the time stamp]
 } cam_spindle_config_t;
 
 /// State. Zero-initialised is: not started.
 typedef struct {
     bool is_started, is_synced;
+    uint32_t clock;        ///< time stamp of the last tick
     uint32_t counts;       ///< [counts] of the last tick, in the sense of cutting
     uint32_t n_index;      ///< of the last tick
     uint32_t index_counts; ///< [counts] of the last edge, in the sense of cutting
