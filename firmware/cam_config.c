@@ -144,6 +144,7 @@ static void build_guard(cam_guard_config_t *c, const cam_params_t *p, uint32_t s
 {
     const cam_move_limits_t *u = &c->limits[hal_axis_u];
     c->late_clocks = (uint32_t)scale(clock_hz, 100 + p->late_percent, (int64_t)tick_hz * 100);
+    c->off_time_clocks = (uint32_t)scale(clock_hz, 17, (int64_t)tick_hz * 16);
     c->overspeed_q32 = cam_config_speed_q32(speed_limit_mrpm, tick_hz);
     c->stopped_q32 = cam_config_speed_q32((uint32_t)p->stopped_mrpm, tick_hz);
     c->stopped_ticks = (uint32_t)scale(p->stopped_ms, tick_hz, 1000);

@@ -50,6 +50,8 @@ static uint32_t judge_clock(cam_guard_t *g, const cam_guard_config_t *cfg, uint3
     const bool is_late = g->has_clock && period > cfg->late_clocks;
     g->max_period = g->has_clock && period > g->max_period ? period : g->max_period;
     g->n_late += is_late ? 1u : 0u;
+    g->was_off_time = g->is_off_time;
+    g->is_off_time = g->has_clock && period > cfg->off_time_clocks;
     g->last_clock = clock;
     g->has_clock = true;
     return bit_if(is_late, CAM_FAULT_BIT(late_tick));
@@ -74,12 +76,16 @@ static uint32_t judge_u(cam_guard_t *g, const cam_guard_config_t *cfg, const cam
     const int64_t pos_q10 = want->axis[hal_axis_u].pos_q10;
     const int64_t vel_q10 = pos_q10 - g->axis[hal_axis_u].pos_q10;
     const int64_t acc_q10 = vel_q10 - g->u_step_q10;
+    // A tick off its time moves the set-point by more than a tick's way, the next one by less
+    // again.
+    const int64_t slack_q10 = g->is_off_time || g->was_off_time ? cam_abs_i64(vel_q10) : 0;
     g->u_step_q10 = vel_q10;
     g->following_q6 = cam_sat_i32((int64_t)in->actual_nm[hal_axis_u] * 64 - want->u_due_q6);
     return bit_if(cam_abs_i64(g->following_q6) > cfg->following_q6,
                   CAM_FAULT_BIT(following_error)) |
            bit_if(cam_abs_i64(vel_q10) > cfg->u_vel_q10, CAM_FAULT_BIT(setpoint_speed)) |
-           bit_if(cam_abs_i64(acc_q10) > cfg->u_acc_q10, CAM_FAULT_BIT(setpoint_acceleration)) |
+           bit_if(cam_abs_i64(acc_q10) > cfg->u_acc_q10 + slack_q10,
+                  CAM_FAULT_BIT(setpoint_acceleration)) |
            bit_if(pos_q10 < cfg->u_low_q10 || pos_q10 > cfg->u_high_q10,
                   CAM_FAULT_BIT(setpoint_range));
 }

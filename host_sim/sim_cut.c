@@ -22,7 +22,9 @@ double sim_cut_planned_turns(const sim_cut_t *cut)
 {
     const double feed_nm =
         cut->params.feed_nm > 0 ? cut->params.feed_nm : (double)cut->table.feed_nm;
-    return ((double)cut->table.z_last_nm - cut->table.z_first_nm) / feed_nm;
+    const double fed = ((double)cut->table.z_last_nm - cut->table.z_first_nm) / feed_nm;
+    const double ramp = cut->params.z_is_measured != 0 ? 0.0 : cut->params.feed_ramp_turns;
+    return fed + (ramp < fed ? ramp : fed); // the rising and the falling half
 }
 
 double sim_cut_following_rms_um(const sim_cut_t *cut)

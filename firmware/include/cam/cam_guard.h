@@ -19,6 +19,7 @@
 /// Configuration, made by cam_config_build().
 typedef struct {
     uint32_t late_clocks;                 ///< [1 / clock_hz] distance of two ticks that is too long
+    uint32_t off_time_clocks;             ///< [1 / clock_hz] ... that shows in the set-points
     int32_t overspeed_q32;                ///< [turn / 2^32 per tick]
     int32_t stopped_q32;                  ///< [turn / 2^32 per tick]
     uint32_t stopped_ticks;               ///< [ticks] in the cut
@@ -39,7 +40,8 @@ typedef struct {
     bool is_retracted;
     bool has_clock; ///< last_clock is valid
     uint32_t last_clock;
-    uint32_t max_period; ///< [1 / clock_hz] longest distance of two ticks
+    bool is_off_time, was_off_time; ///< this tick, the last one
+    uint32_t max_period;            ///< [1 / clock_hz] longest distance of two ticks
     uint32_t n_late;
     uint32_t n_stopped;          ///< [ticks] without rotation
     int32_t following_q6;        ///< [nm / 64] measured minus due
