@@ -83,7 +83,7 @@ BAD = [
     (with_line("height_mm", "[]"), f"{PROFILE}.height_mm", "at least 2 entries"),
     (with_line("height_mm", "5"), f"{PROFILE}.height_mm = 5", "give a list"),
     (with_line("height_mm", "[0, 0.5]"), f"{PROFILE}.height_mm", "in mm"),
-    (with_line("height_mm", "[0, 1e9]"), f"{PROFILE}.height_mm.1", "at most 2000"),
+    (with_line("height_mm", "[0, 1e9]"), f"{PROFILE}.height_mm.1", "at most 1000"),
     (with_line("height_mm", "[nan, 1]"), f"{PROFILE}.height_mm.0 = nan", "finite"),
     (with_line("diameter_mm", "[inf, 1]"), f"{PROFILE}.diameter_mm.0 = inf", "finite"),
     (with_line("diameter_mm", '["92", 1]'), f"{PROFILE}.diameter_mm.0 = '92'", "number"),

@@ -31,7 +31,7 @@ MAX_FILE_BYTES = 1_000_000
 MIN_SPAN_MM = 1.0
 MIN_STEP_MM = 0.01
 
-HeightMm = Annotated[float, Field(ge=-2000, le=2000)]
+HeightMm = Annotated[float, Field(ge=-1000, le=1000)]
 DiameterMm = Annotated[float, Field(ge=1, le=4000)]
 OvalityMm = Annotated[float, Field(ge=0, le=4000)]
 SlopeMmPerMm = Annotated[float, Field(ge=-100, le=100)]
@@ -155,8 +155,8 @@ class Piston(_Table):
 class Process(_Table):
     """[process]: how the part is cut."""
 
-    spindle_rpm: Annotated[float, Field(ge=1, le=100_000)]
-    feed_mm: Annotated[float, Field(ge=0.000_1, le=100)]
+    spindle_rpm: Annotated[float, Field(ge=1, le=60_000)]
+    feed_mm: Annotated[float, Field(ge=0.000_1, le=10)]
     depth_mm: Annotated[float, Field(ge=0, le=100)] = 0.1
     direction: Literal[1, -1] = 1
 
@@ -171,10 +171,10 @@ class Process(_Table):
 class Limits(_Table):
     """[machine.limits]: what the machine can do; feasibility is judged against it."""
 
-    u_stroke_mm: Annotated[float, Field(ge=0.001, le=1000)] = 1.2
+    u_stroke_mm: Annotated[float, Field(ge=0.001, le=30)] = 1.2
     u_speed_mm_s: Annotated[float, Field(ge=0.001, le=100_000)] = 400.0
     u_acceleration_mm_s2: Annotated[float, Field(ge=1, le=1_000_000_000)] = 250_000.0
-    spindle_rpm: Annotated[float, Field(ge=1, le=100_000)] = 3000.0
+    spindle_rpm: Annotated[float, Field(ge=1, le=60_000)] = 3000.0
 
 
 class Machine(_Table):
