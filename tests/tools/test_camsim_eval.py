@@ -80,7 +80,7 @@ def test_eval_wraps_and_flags_heights_outside(table: Path) -> None:
 @pytest.mark.parametrize(
     ("points", "place"),
     [
-        ("", "line 1"),
+        ("", "empty"),
         ("z_mm,turn\n0,1\n", "line 1"),
         (f"{HEADER}\n0,20\n0.1\n", "line 3"),
         (f"{HEADER}\n0,20,7\n", "line 2"),
