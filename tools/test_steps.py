@@ -21,7 +21,13 @@ BUILD = ROOT / "build"
 PYTHON = sys.executable
 PYPROJECT = "tools/pyproject.toml"
 C_FOLDERS = ("firmware", "hal", "host_sim", "tests")
-PYTEST_FOLDERS = ("tests/tools", "tests/scenarios")
+PYTEST_PATHS = ("tests/tools", "tests/scenarios")
+# What drives the simulator, once more under the sanitizers.
+SIMULATOR_PATHS = (
+    "tests/scenarios",
+    "tests/tools/test_camsim_run.py",
+    "tests/tools/test_camsim_eval.py",
+)
 N_JOBS = "2"
 MIN_LINE_PERCENT = "95"
 MIN_BRANCH_PERCENT = "90"
@@ -108,13 +114,14 @@ def build_and_ctest(tally: Tally, preset: str) -> bool:
     return True
 
 
-def pytest(tally: Tally) -> None:
-    """Run the tests of the tools, and the scenarios that are written in Python."""
-    folders = [f for f in PYTEST_FOLDERS if any((ROOT / f).rglob("test_*.py"))]
-    report = BUILD / "pytest.xml"
+def pytest(tally: Tally, preset: str, paths: Iterable[str]) -> None:
+    """Run tests in Python against the simulator of a preset."""
+    step = f"pytest {preset}"
+    report = BUILD / preset / "pytest.xml"
     report.unlink(missing_ok=True)
-    command = [PYTHON, "-m", "pytest", "-c", PYPROJECT, f"--rootdir={ROOT}", "-q", *folders]
-    tally.add_junit("pytest", report, run("pytest", [*command, f"--junitxml={report}"]))
+    os.environ["CAMTURN_BUILD"] = str(BUILD / preset)
+    command = [PYTHON, "-m", "pytest", "-c", PYPROJECT, f"--rootdir={ROOT}", "-q", *paths]
+    tally.add_junit(step, report, run(step, [*command, f"--junitxml={report}"]))
 
 
 def source_checks(tally: Tally) -> None:
@@ -155,11 +162,12 @@ def main() -> int:
     if not fast:
         source_checks(tally)
     build_and_ctest(tally, "host")
-    pytest(tally)
+    pytest(tally, "host", PYTEST_PATHS)
     if not fast:
         if build_and_ctest(tally, "host-clang"):
             clang_tidy(tally)
-        build_and_ctest(tally, "host-asan")
+        if build_and_ctest(tally, "host-asan"):
+            pytest(tally, "host-asan", SIMULATOR_PATHS)
         coverage(tally)
 
     for step in tally.failed_steps:
