@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import json
-import subprocess
 import tomllib
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,6 +12,8 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+
+from camsim_cases import camsim
 
 HERE = Path(__file__).parent
 SCENARIOS = sorted(HERE.glob("*.toml"))
@@ -58,7 +59,7 @@ def damaged(table: Path, at: int, folder: Path) -> Path:
     return copy
 
 
-def run(camsim: Path, table: Path, scenario: dict[str, Any], folder: Path) -> Outcome:
+def run(table: Path, scenario: dict[str, Any], folder: Path) -> Outcome:
     """Cut as the scenario says."""
     if "flip_table_byte" in scenario:
         table = damaged(table, scenario["flip_table_byte"], folder)
@@ -66,11 +67,8 @@ def run(camsim: Path, table: Path, scenario: dict[str, Any], folder: Path) -> Ou
     arguments = [
         word.replace("{machines}", str(HERE / "machines")) for word in scenario["arguments"]
     ]
-    outputs = ["--trace", str(trace), "--summary", str(summary)]
-    done = subprocess.run(
-        [str(camsim), "run", str(table), *arguments, *outputs],
-        capture_output=True, text=True, check=False, timeout=120,
-    )  # fmt: skip
+    outputs = ["--trace", trace, "--summary", summary]
+    done = camsim("run", table, *arguments, *outputs)
     if done.returncode == 2:
         assert not trace.exists() and not summary.exists(), "a refused cut leaves no files"
         return Outcome(2, done.stderr, {}, {})
@@ -134,11 +132,11 @@ def states_of(trace: Columns) -> list[str]:
 
 
 @pytest.mark.parametrize("path", SCENARIOS, ids=lambda path: path.stem)
-def test_scenario(path: Path, camsim: Path, table: Path, tmp_path: Path) -> None:
+def test_scenario(path: Path, table: Path, tmp_path: Path) -> None:
     """The scenario happens as its prose tells."""
     scenario = tomllib.loads(path.read_text())
     expect = scenario["expect"]
-    outcome = run(camsim, table, scenario, tmp_path)
+    outcome = run(table, scenario, tmp_path)
     assert outcome.status == expect["exit"], outcome.message
     assert expect.get("message", "") in outcome.message
     if outcome.status == 2:
