@@ -12,12 +12,6 @@ enum { scrub_bytes = 1024 };
 /// Header bytes in front of what the image's CRC covers.
 enum { scrub_from = 24 };
 
-static bool is_in_work(cam_state_t state)
-{
-    return state == cam_state_engaging || state == cam_state_cutting ||
-           state == cam_state_disengaging;
-}
-
 static uint32_t start_speed(const cam_machine_t *m)
 {
     return m->params.spindle_mrpm > 0 ? (uint32_t)m->params.spindle_mrpm : m->table.spindle_mrpm;
@@ -135,7 +129,7 @@ cam_err_t cam_machine_set_param(cam_machine_t *m, cam_param_id_t id, int32_t val
     if (!may_change(id, state)) {
         return cam_err_param_state;
     }
-    if (is_in_work(state)) {
+    if (cam_state_is_in_work(state)) {
         err = judge(&m->table, &params, start_speed(m), m->tick_hz).err;
     }
     if (err == cam_ok) {
@@ -165,6 +159,12 @@ static cam_err_t post(cam_machine_t *m, const cam_status_t *status, cam_request_
     return cam_ok;
 }
 
+static cam_err_t post_if(cam_machine_t *m, const cam_status_t *status, bool is_allowed,
+                         cam_request_t request)
+{
+    return is_allowed ? post(m, status, request) : cam_err_state;
+}
+
 static cam_err_t check_inputs(const cam_status_t *status)
 {
     if ((status->inputs & hal_in_estop) != 0u) {
@@ -189,8 +189,8 @@ cam_err_t cam_machine_enable(cam_machine_t *m)
 cam_err_t cam_machine_disable(cam_machine_t *m)
 {
     const cam_status_t status = cam_machine_status(m);
-    const bool is_allowed = status.state == cam_state_homing || status.state == cam_state_ready;
-    return is_allowed ? post(m, &status, cam_request_disable) : cam_err_state;
+    return post_if(m, &status, status.state == cam_state_homing || status.state == cam_state_ready,
+                   cam_request_disable);
 }
 
 cam_err_t cam_machine_start(cam_machine_t *m)
@@ -206,15 +206,16 @@ cam_err_t cam_machine_start(cam_machine_t *m)
 cam_err_t cam_machine_stop(cam_machine_t *m)
 {
     const cam_status_t status = cam_machine_status(m);
-    const bool is_allowed = status.state == cam_state_engaging || status.state == cam_state_cutting;
-    return is_allowed ? post(m, &status, cam_request_stop) : cam_err_state;
+    return post_if(m, &status,
+                   status.state == cam_state_engaging || status.state == cam_state_cutting,
+                   cam_request_stop);
 }
 
 cam_err_t cam_machine_reset(cam_machine_t *m)
 {
     const cam_status_t status = cam_machine_status(m);
-    const bool is_allowed = status.state == cam_state_fault && status.is_retracted;
-    return is_allowed ? post(m, &status, cam_request_reset) : cam_err_state;
+    return post_if(m, &status, status.state == cam_state_fault && status.is_retracted,
+                   cam_request_reset);
 }
 
 /// A damaged table is no longer there; while enabled the interrupt retracts.

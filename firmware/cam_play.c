@@ -204,12 +204,6 @@ static void stop(cam_play_t *p, const cam_play_config_t *cfg, const cam_angle_t 
     }
 }
 
-static bool is_in_work(cam_state_t state)
-{
-    return state == cam_state_engaging || state == cam_state_cutting ||
-           state == cam_state_disengaging;
-}
-
 /// Carry out a new request if it fits the state. @return faults that the request reports
 static uint32_t obey(cam_play_t *p, const cam_play_config_t *cfg, const cam_sense_t *in,
                      const cam_angle_t *angle)
@@ -223,7 +217,8 @@ static uint32_t obey(cam_play_t *p, const cam_play_config_t *cfg, const cam_sens
         p->state = p->state == cam_state_off && cfg->table != NULL ? cam_state_homing : p->state;
         break;
     case cam_request_disable:
-        p->state = is_in_work(p->state) || p->state == cam_state_fault ? p->state : cam_state_off;
+        p->state = cam_state_is_in_work(p->state) || p->state == cam_state_fault ? p->state
+                                                                                 : cam_state_off;
         break;
     case cam_request_start:
         if (p->state == cam_state_ready) {
@@ -278,10 +273,10 @@ cam_want_t cam_play_step_isr(cam_play_t *p, const cam_play_config_t *cfg, const 
 {
     int32_t z_nm = in->actual_nm[hal_axis_z];
     uint32_t faults = obey(p, cfg, in, angle);
-    if (is_in_work(p->state) && !p->is_approaching) {
+    if (cam_state_is_in_work(p->state) && !p->is_approaching) {
         z_nm = play_table(p, cfg, in, angle);
         faults |= range_fault(p, cfg, in, angle);
-    } else if (is_in_work(p->state)) {
+    } else if (cam_state_is_in_work(p->state)) {
         approach(p, cfg, in, angle);
     } else if (p->state == cam_state_off) {
         follow_axes(p, in);

@@ -67,7 +67,7 @@ def run(table: Path, scenario: dict[str, Any], folder: Path) -> Outcome:
     arguments = [
         word.replace("{machines}", str(HERE / "machines")) for word in scenario["arguments"]
     ]
-    outputs = ["--trace", trace, "--summary", summary]
+    outputs: list[str | Path] = ["--trace", trace, "--summary", summary]
     done = camsim("run", table, *arguments, *outputs)
     if done.returncode == 2:
         assert not trace.exists() and not summary.exists(), "a refused cut leaves no files"

@@ -4,6 +4,7 @@
 #define CAM_STATE_H
 
 #include "hal/hal.h" // hal_encoder_t, hal_n_axes
+#include <stdbool.h> // bool
 #include <stdint.h>  // int32_t, uint32_t
 
 /// States of the machine. The interrupt owns the state; the slow side asks for changes.
@@ -21,6 +22,13 @@ typedef enum {
     cam_state_fault,       ///< retracting or retracted, latched until reset
     cam_n_states
 } cam_state_t;
+
+/// @return true in engaging, cutting and disengaging: the axes follow the spindle
+static inline bool cam_state_is_in_work(cam_state_t state)
+{
+    return state == cam_state_engaging || state == cam_state_cutting ||
+           state == cam_state_disengaging;
+}
 
 /// What the slow side asks of the interrupt.
 typedef enum {
