@@ -17,7 +17,7 @@ uint32_t cam_guard_armed(cam_state_t state)
 {
     switch (state) {
     case cam_state_homing:
-        return ARMED_ENABLED | CAM_FAULT_BIT(spindle_stopped) | CAM_FAULT_BIT(reverse);
+        return ARMED_ENABLED | CAM_FAULT_BIT(spindle_stopped);
     case cam_state_ready:
         return ARMED_SYNCED;
     case cam_state_engaging:
@@ -61,8 +61,11 @@ static uint32_t judge_spindle(cam_guard_t *g, const cam_guard_config_t *cfg,
                               const cam_angle_t *angle, cam_state_t state)
 {
     const int32_t speed_q32 = angle->speed_q32;
-    const bool is_stopped = speed_q32 < cfg->stopped_q32 && speed_q32 > -cfg->stopped_q32;
-    const uint32_t patience = state == cam_state_homing ? cfg->homing_ticks : cfg->stopped_ticks;
+    // While homing, turning backwards is no better than standing.
+    const bool is_homing = state == cam_state_homing;
+    const bool is_stopped =
+        speed_q32 < cfg->stopped_q32 && (is_homing || speed_q32 > -cfg->stopped_q32);
+    const uint32_t patience = is_homing ? cfg->homing_ticks : cfg->stopped_ticks;
     const bool is_watched = (cam_guard_armed(state) & CAM_FAULT_BIT(spindle_stopped)) != 0u;
     g->n_stopped = is_stopped && is_watched ? g->n_stopped + 1u : 0u;
     return bit_if(speed_q32 < -cfg->stopped_q32, CAM_FAULT_BIT(reverse)) |
