@@ -1,0 +1,180 @@
+"""The report of a cut: pictures and one self-contained HTML page.
+
+>>> data_uri(b"abc")
+'data:image/png;base64,YWJj'
+"""
+
+from __future__ import annotations
+
+from base64 import b64encode
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from matplotlib.figure import Figure
+
+from camtools import report_compare, report_motion, report_surface
+from camtools.report_data import CUTTING, FAULT, Json, Outcome
+from camtools.report_style import drawing, png_of
+from camtools.report_text import fault_story, margins_of, rows_of, verdict_of
+
+_TEMPLATE = "report.html.j2"
+
+
+class Picture(NamedTuple):
+    """A picture with its title and what to look for."""
+
+    key: str  # names the file: cut_KEY.png
+    title: str
+    text: str
+    draw: Callable[[], Figure]
+
+
+_TEXTS = {
+    "fault": (
+        "The fault",
+        "U must leave the work first, within a few milliseconds, and the tool tip must never move "
+        "towards the axis (below 0) after the dashed line. X follows more slowly, and the spindle "
+        "runs down by itself.",
+    ),
+    "map": (
+        "Error map of the skirt",
+        "The skirt unrolled: red is metal left standing, blue is cut too deep, each cell shows its "
+        "worst point, grey was not cut. Stripes at fixed angles point to U, its timing or the "
+        "spindle's speed; bands at fixed heights to X or to the engage; an even colour to tool "
+        "setting.",
+    ),
+    "sections": (
+        "Sections",
+        "Above, the cut points must lie on the drawn oval everywhere. Below, the error alone is "
+        "enlarged far more, as on a roundness instrument: the line should stay near the middle "
+        "circle, and a line turned against the axes tells of a wrong dead time.",
+    ),
+    "height": (
+        "Error over height",
+        "The band should be narrow and without steps from bottom to top. A rise with height is "
+        "normal when the ovality rises; a spike at an end comes from the engage or disengage.",
+    ),
+    "motion": (
+        "Motion of U over one turn",
+        "U swings in and out twice per turn; the measured points must lie on the drawn curve in "
+        "position and in velocity. The peaks of velocity and acceleration are what the machine "
+        "limits above are compared with.",
+    ),
+    "following": (
+        "Following error of U",
+        "How far U was from where it should have been at that moment; the band holds every turn of "
+        "the cut. The shape of the velocity curve means a wrong dead time or k1, that of the "
+        "acceleration curve a wrong k2; a thin band means that all turns are alike.",
+    ),
+    "sequence": (
+        "How the cut begins, goes on and ends",
+        "Homing finds the index with U out of the work; engaging brings X to depth and lets the "
+        "swing of U grow smoothly from nothing; disengaging is the reverse. There must be no jump "
+        "in any line, and only the green stretch is the part that is judged.",
+    ),
+    "compare": (
+        "What each part of the controller is worth",
+        "The same cut with parts of the controller switched off; mind the scale, which grows "
+        "tenfold from number to number. Dead-time lead plays the table ahead by the time the drive "
+        "needs to react, feed-forward adds the table's own velocity and acceleration so that U "
+        "need not lag.",
+    ),
+}
+
+
+def _drawers(outcome: Outcome) -> dict[str, Callable[[], Figure]]:
+    """Return what can be drawn of a cut, in the order of the report."""
+    geometry, cut = outcome.generated.geometry, outcome.summary["cut"]
+    surface, trace = outcome.surface, outcome.trace
+    feed_mm, speed_rpm = cut["feed_mm"], cut["spindle_rpm"]
+    drawers: dict[str, Callable[[], Figure]] = {}
+    if (trace.state == FAULT).any():
+        retract_s = outcome.summary.get("fault", {}).get("retract_s", 0.0)
+        drawers["fault"] = lambda: report_motion.draw_fault(trace, retract_s)
+    if surface.turn.size:
+        drawers["map"] = lambda: report_surface.draw_map(surface, geometry, feed_mm)
+        drawers["sections"] = lambda: report_surface.draw_sections(surface, geometry, feed_mm)
+        drawers["height"] = lambda: report_surface.draw_height(surface, geometry)
+    drawers["motion"] = lambda: report_motion.draw_motion(trace, geometry, speed_rpm)
+    if (trace.state == CUTTING).any():
+        drawers["following"] = lambda: report_motion.draw_following(trace)
+    if trace.t_s.size > 1:
+        drawers["sequence"] = lambda: report_motion.draw_sequence(trace)
+    return drawers | _comparison(outcome)
+
+
+def _comparison(outcome: Outcome) -> dict[str, Callable[[], Figure]]:
+    tolerance_um = outcome.summary["form_error_um"]["tolerance"]
+    if len(outcome.variants) < 2:
+        return {}
+    return {"compare": lambda: report_compare.draw_variants(outcome.variants, tolerance_um)}
+
+
+def pictures_of(outcome: Outcome) -> list[Picture]:
+    """Return the pictures of a cut, not drawn yet."""
+    return [Picture(key, *_TEXTS[key], draw) for key, draw in _drawers(outcome).items()]
+
+
+def data_uri(png: bytes) -> str:
+    """Return an image as text that a page can hold."""
+    return "data:image/png;base64," + b64encode(png).decode("ascii")
+
+
+def trace_text(outcome: Outcome) -> str:
+    """Return what the trace holds, in one sentence."""
+    ticks = f"{outcome.trace.t_s.size:,}".replace(",", "\u2009")
+    if outcome.is_trace_complete:
+        return f"trace.csv holds every tick of the run, {ticks} of them."
+    last_s = float(outcome.trace.t_s[-1]) if outcome.trace.t_s.size else 0.0
+    return (
+        "This cut is long, so trace.csv and the pictures made from it (U, following error, "
+        f"sequence) hold the first {last_s:.1f} s only: {ticks} ticks of a run ended there."
+    )
+
+
+def render(outcome: Outcome, pngs: dict[str, bytes]) -> str:
+    """Return the HTML page.
+
+    Parameters
+    ----------
+    pngs : dict
+        Pictures by key, drawn.
+    """
+    environment = Environment(
+        loader=FileSystemLoader(Path(__file__).resolve().parent),
+        undefined=StrictUndefined,
+        autoescape=True,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    shown = [(one, data_uri(pngs[one.key])) for one in pictures_of(outcome) if one.key in pngs]
+    return environment.get_template(_TEMPLATE).render(
+        name=outcome.name,
+        source=outcome.generated.part.part.source,
+        summary=outcome.summary,
+        verdict=verdict_of(outcome),
+        rows=rows_of(outcome),
+        margins=margins_of(outcome),
+        story=fault_story(outcome) if outcome.has_fault else [],
+        shown=shown,
+        trace=trace_text(outcome),
+    )
+
+
+def make_report(outcome: Outcome) -> dict[str, bytes]:
+    """Return the page, its pictures and an overview picture, by file name."""
+    with drawing():
+        pngs = {picture.key: png_of(picture.draw()) for picture in pictures_of(outcome)}
+        files = {f"cut_{key}.png": png for key, png in pngs.items()}
+        if outcome.surface.turn.size:
+            files["cut_overview.png"] = png_of(_overview(outcome))
+    return files | {"report.html": render(outcome, pngs).encode("utf-8")}
+
+
+def _overview(outcome: Outcome) -> Figure:
+    cut: Json = outcome.summary["cut"]
+    title = f"{outcome.name} at {cut['spindle_rpm']:g} r/min on the simulator"
+    geometry = outcome.generated.geometry
+    return report_surface.draw_overview(outcome.surface, geometry, cut["feed_mm"], title)

@@ -1,0 +1,298 @@
+"""Command line of the whole way: table, cut on the host simulator, gauge, report.
+
+>>> main(["--rpm", "0"])
+2
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import signal
+import sys
+import time
+from collections.abc import Sequence
+from math import isfinite
+from pathlib import Path
+from types import FrameType
+from typing import NoReturn
+
+from camtools.errors import CamtoolsError, one_line
+from camtools.generate import Generated, generate
+from camtools.mktables import products
+from camtools.part import load_part
+from camtools.report_data import Json, Outcome, Variant, read_summary, read_surface, read_trace
+from camtools.report_text import terminal_text
+from camtools.run_cut import (
+    SUMMARY,
+    SURFACE,
+    TRACE,
+    WINDOW_TURNS,
+    Simulator,
+    compare,
+    cut,
+    is_long,
+    machine_text,
+)
+from camtools.run_stage import Stage, cannot_write
+
+ROOT = Path(__file__).resolve().parents[2]
+_DEFAULT_PART = ROOT / "tools" / "parts" / "perkins240.toml"
+_BAD_INPUT = 2
+_OURS = ("--rpm", "--feed", "--trace", "--surface", "--summary", "--design", "--progress", "--help")
+_EPILOG = """\
+What follows -- goes to `camsim run`, for example to see how a fault is met:
+  tools/run -o build/run/estop -- --inject estop@5
+Exit status: 0 done, 1 the cut ended in a fault or out of tolerance, 2 wrong usage or bad input."""
+
+
+class _Parser(argparse.ArgumentParser):
+    def error(self, message: str) -> NoReturn:
+        self.exit(_BAD_INPUT, f"run: {one_line(message)}; see tools/run --help\n")
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = _Parser(
+        prog="tools/run",
+        usage="tools/run [PART.toml] [--rpm N] [--feed MM] [-o DIR] [-- CAMSIM-OPTIONS]",
+        description="Make the table of a part, cut it on the host simulator, write a report.",
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+    )
+    parser.add_argument(
+        "part", type=Path, nargs="?", metavar="PART.toml", help="default: the Perkins 240 skirt"
+    )
+    parser.add_argument("--rpm", metavar="N", help="spindle speed, r/min; default: the part's")
+    parser.add_argument("--feed", metavar="MM", help="feed per turn, mm; default: the part's")
+    parser.add_argument(
+        "-o", "--output", metavar="DIR", help="folder of the results; default build/run/NAME"
+    )
+    return parser
+
+
+def _positive(option: str, text: str | None, unit: str) -> float | None:
+    """Return the number of an option, None when it is not given.
+
+    Raises
+    ------
+    CamtoolsError
+        Not a finite number above 0.
+    """
+    if text is None:
+        return None
+    try:
+        value = float(text)
+    except ValueError:
+        value = float("nan")
+    if not (isfinite(value) and value > 0):
+        problem = f"{option} {text}: must be a finite number above 0"
+        raise CamtoolsError([f"{problem}; give {unit}, or leave it out for the part's own"])
+    return value
+
+
+def _for_camsim(words: Sequence[str]) -> list[str]:
+    """Return the user's words for camsim, which works in another folder.
+
+    Raises
+    ------
+    CamtoolsError
+        An option that this command sets itself.
+    """
+    for word in words:
+        if word.split("=")[0] in _OURS:
+            raise CamtoolsError([f"-- {word}: is set by tools/run itself; leave it out"])
+    return [str(Path(word).resolve()) if Path(word).is_file() else word for word in words]
+
+
+class Job:
+    """What was asked for, checked as far as this is possible without the part.
+
+    Parameters
+    ----------
+    argv : list of str
+        Command line without the program's name.
+    """
+
+    def __init__(self, argv: Sequence[str]) -> None:
+        words = list(argv)
+        split = words.index("--") if "--" in words else len(words)
+        arguments = _parser().parse_args(words[:split])
+        self.part_path: Path = arguments.part or _DEFAULT_PART
+        self.rpm = _positive("--rpm", arguments.rpm, "r/min")
+        self.feed_mm = _positive("--feed", arguments.feed, "mm per turn")
+        self.extra = _for_camsim(words[split + 1 :])
+        if arguments.output == "":
+            raise CamtoolsError(["-o: an empty path; give a folder"])
+        self.output: Path | None = Path(arguments.output) if arguments.output else None
+
+    def folder(self, name: str) -> Path:
+        """Return the output folder for a part's name."""
+        return self.output or ROOT / "build" / "run" / name
+
+    def options(self) -> list[str]:
+        """Return speed and feed for camsim, when they are given."""
+        words = [] if self.rpm is None else ["--rpm", repr(self.rpm)]
+        return words + ([] if self.feed_mm is None else ["--feed", repr(self.feed_mm)])
+
+    def is_long(self, generated: Generated) -> bool:
+        """Return whether the cut is too long to trace every tick."""
+        process, geometry = generated.part.process, generated.geometry
+        feed_mm = self.feed_mm or process.feed_mm
+        turns = (geometry.z_last_mm - geometry.z_first_mm) / feed_mm
+        return is_long(turns, self.rpm or process.spindle_rpm)
+
+
+def _say(text: str) -> None:
+    sys.stderr.write(f"run: {text}\n")
+    sys.stderr.flush()
+
+
+def _make_table(path: Path) -> Generated:
+    """Return the table of a part file.
+
+    Raises
+    ------
+    CamtoolsError
+        With the file's name in every line.
+    """
+    part = load_part(path)
+    try:
+        return generate(part)
+    except CamtoolsError as error:
+        raise CamtoolsError([f"{path}: {line}" for line in error.lines]) from error
+
+
+def _write(folder: Path, files: dict[str, bytes]) -> None:
+    try:
+        for name, data in files.items():
+            (folder / name).write_bytes(data)
+    except OSError as error:
+        raise cannot_write(folder.parent, error) from error
+
+
+def _camsim() -> Path:
+    build = os.environ.get("CAMTURN_BUILD") or str(ROOT / "build" / "host")
+    return Path(build).resolve() / "host_sim" / "camsim"
+
+
+def _without_faults(words: Sequence[str]) -> list[str]:
+    """Return camsim's words without --inject and its value."""
+    kept, skips = [], False
+    for word in words:
+        if not skips and not word.startswith("--inject"):
+            kept.append(word)
+        skips = not skips and word == "--inject"
+    return kept
+
+
+def _read(generated: Generated, folder: Path, variants: tuple[Variant, ...], long: bool) -> Outcome:
+    return Outcome(
+        generated,
+        read_summary(folder / SUMMARY),
+        read_surface(folder / SURFACE),
+        read_trace(folder / TRACE),
+        not long,
+        variants,
+    )
+
+
+def _complete_summary(outcome: Outcome, total_s: float) -> Json:
+    """Return camsim's summary with what else is known."""
+    generated = outcome.generated
+    return outcome.summary | {
+        "table_error_nm": {
+            "u": generated.accuracy_u.value_nm,
+            "x": generated.accuracy_x.value_nm,
+            "tolerance": generated.tolerance_nm,
+        },
+        "trace": {
+            "file": TRACE,
+            "ticks": int(outcome.trace.t_s.size),
+            "is_complete": outcome.is_trace_complete,
+            "turns_limit": None if outcome.is_trace_complete else WINDOW_TURNS,
+        },
+        "comparison": [variant._asdict() for variant in outcome.variants],
+        "run_wall_time_s": total_s,
+    }
+
+
+def _cut_and_report(job: Job, generated: Generated, stage: Stage, begin_s: float) -> Outcome | None:
+    """Fill the stage; return nothing when camsim refused and said why."""
+    from camtools.report import make_report  # after the cut: matplotlib is slow to load
+
+    name, long = generated.part.part.name, job.is_long(generated)
+    machine = f"{name}_machine.toml"
+    files = products(generated, with_plots=False)
+    files[machine] = machine_text(generated.part.machine.limits).encode("ascii")
+    _write(stage.folder, files)
+    simulator = Simulator(_camsim(), stage.folder, f"{name}.camtab")
+    words = ["--machine", machine, *job.options(), *job.extra]
+    if cut(simulator, words, is_whole_traced=not long) == _BAD_INPUT:
+        return None
+    variants = compare(simulator, _without_faults(words), is_long=long)
+    _say("drawing the report")
+    outcome = _read(generated, stage.folder, variants, long)
+    _write(stage.folder, make_report(outcome))
+    summary = _complete_summary(outcome, time.monotonic() - begin_s)
+    text = json.dumps(summary, indent=1, allow_nan=False) + "\n"
+    _write(stage.folder, {SUMMARY: text.encode("ascii")})
+    return outcome
+
+
+def _shown(folder: Path) -> str:
+    """Return a folder as the user may type it, relative when it lies below."""
+    try:
+        return str(folder.resolve().relative_to(Path.cwd()))
+    except ValueError:
+        return str(folder)
+
+
+def _run(argv: Sequence[str]) -> int:
+    begin_s = time.monotonic()
+    job = Job(argv)
+    _say(f"making the table of {job.part_path.name}")
+    generated = _make_table(job.part_path)
+    folder = job.folder(generated.part.part.name)
+    with Stage(folder) as stage:
+        _say("cutting on the host simulator")
+        outcome = _cut_and_report(job, generated, stage, begin_s)
+        if outcome is None:
+            return _BAD_INPUT
+        stage.publish()
+    sys.stdout.write(terminal_text(outcome, _shown(folder), time.monotonic() - begin_s))
+    return 0 if outcome.is_good else 1
+
+
+class _Interrupted(BaseException):
+    """A signal asks us to stop; unwinding ends camsim and removes the stage."""
+
+
+def _interrupt(number: int, _frame: FrameType | None) -> None:
+    raise _Interrupted(number)
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command; return its exit status.
+
+    Returns
+    -------
+    int
+        0 done, 1 fault or out of tolerance, 2 wrong usage or bad input, 128 + n on signal n.
+    """
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, _interrupt)
+    try:
+        return _run(sys.argv[1:] if argv is None else argv)
+    except CamtoolsError as error:
+        for line in error.lines:
+            _say(line)
+        return _BAD_INPUT
+    except _Interrupted as stop:
+        _say("interrupted; nothing was written")
+        return 128 + int(stop.args[0])
+
+
+if __name__ == "__main__":
+    sys.exit(main())

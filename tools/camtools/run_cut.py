@@ -1,0 +1,136 @@
+"""The simulator as a process: one cut, its files, its errors.
+
+>>> simulator = Simulator(Path("camsim"), Path(), "a.camtab")
+>>> simulator.command(["--rpm", "600"])
+['camsim', 'run', 'a.camtab', '--rpm', '600']
+"""
+
+from __future__ import annotations
+
+import subprocess
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from camtools.errors import CamtoolsError
+from camtools.part import Limits
+from camtools.report_data import Json, Variant, read_summary
+
+TRACE, SURFACE, SUMMARY = "trace.csv", "surface.csv", "summary.json"
+MAX_TRACED_TICKS = 1_000_000  # about 300 MB of trace
+WINDOW_TURNS = 200  # of a longer cut's trace and comparison
+_TICK_HZ = 20_000  # of the default machine; good enough for an estimate
+_VARIANTS = {
+    "complete controller": [],
+    "without dead-time lead": ["--no-lead"],
+    "without feed-forward": ["--no-feed-forward"],
+    "without both": ["--no-lead", "--no-feed-forward"],
+}
+
+_MACHINE = """\
+# The simulator's default machine with the limits of the part file.
+[machine]
+name = "{name}"
+[spindle]
+limit_rpm = {rpm!r}
+[u]
+speed_mm_per_s = {speed!r}
+acceleration_mm_per_s2 = {acceleration!r}
+stroke_mm = {stroke!r}
+"""
+
+
+def machine_text(limits: Limits) -> str:
+    """Return a machine file with a part's limits, as far as the simulator's ranges go."""
+    return _MACHINE.format(
+        name="default, limits of the part file",
+        rpm=min(limits.spindle_rpm, 60_000.0),
+        speed=min(max(limits.u_speed_mm_s, 0.1), 10_000.0),
+        acceleration=min(max(limits.u_acceleration_mm_s2, 10.0), 1e7),
+        stroke=min(limits.u_stroke_mm, 30.0),
+    )
+
+
+def is_long(turns: float, speed_rpm: float) -> bool:
+    """Return whether a cut is too long to trace every tick of it."""
+    return turns * 60 / speed_rpm * _TICK_HZ > MAX_TRACED_TICKS
+
+
+@dataclass(frozen=True)
+class Simulator:
+    """Where camsim is and where it works.
+
+    Attributes
+    ----------
+    program : Path
+        The executable.
+    folder : Path
+        Working folder: names of tables and results are relative to it.
+    table : str
+        Name of the table.
+    """
+
+    program: Path
+    folder: Path
+    table: str
+
+    def command(self, words: Sequence[str]) -> list[str]:
+        """Return the command line of a cut."""
+        return [str(self.program), "run", self.table, *words]
+
+    def run(self, words: Sequence[str], *, is_quiet: bool = False) -> int:
+        """Cut; return camsim's exit status. Its messages go to our standard error.
+
+        Raises
+        ------
+        CamtoolsError
+            It cannot be started, or a signal ended it.
+        """
+        silent = subprocess.DEVNULL
+        stderr = silent if is_quiet else None
+        try:
+            done = subprocess.run(
+                self.command(words), cwd=self.folder, stdout=silent, stderr=stderr, check=False
+            )
+        except OSError as error:
+            problem = f"{self.program}: cannot be started: {error.strerror}"
+            raise CamtoolsError([f"{problem}; start tools/run, which builds it"]) from error
+        if done.returncode < 0:
+            problem = f"{self.program}: ended by signal {-done.returncode}"
+            raise CamtoolsError([f"{problem}; run it again, and report it when it comes back"])
+        return done.returncode
+
+
+def cut(simulator: Simulator, words: Sequence[str], *, is_whole_traced: bool) -> int:
+    """Cut a part; write surface, summary and trace; return camsim's exit status."""
+    results = ["--surface", SURFACE, "--summary", SUMMARY]
+    if is_whole_traced:
+        return simulator.run([*words, *results, "--trace", TRACE])
+    status = simulator.run([*words, *results, "--progress"])
+    if status != 2:
+        window = ["--turns-limit", str(WINDOW_TURNS), "--trace", TRACE]
+        simulator.run([*words, *window], is_quiet=True)
+    return status
+
+
+def variant_of(name: str, summary: Json) -> Variant | None:
+    """Return what a comparison cut came to, nothing when it cut nothing."""
+    form = summary["form_error_um"]
+    if form["max"] is None:
+        return None
+    ended = "" if summary["end"] in ("done", "stopped") else f" (ended early: {summary['end']})"
+    return Variant(name + ended, form["max"], form["rms"])
+
+
+def compare(simulator: Simulator, words: Sequence[str], *, is_long: bool) -> tuple[Variant, ...]:
+    """Return the same cut with parts of the controller switched off, the complete one first."""
+    if is_long:
+        words = [*words, "--turns-limit", str(WINDOW_TURNS)]
+    found = []
+    for name, switches in _VARIANTS.items():
+        path = simulator.folder / "variant.json"
+        status = simulator.run([*words, *switches, "--summary", path.name], is_quiet=True)
+        if status != 2 and path.exists():
+            found.append(variant_of(name, read_summary(path)))
+            path.unlink()
+    return tuple(variant for variant in found if variant is not None)
