@@ -125,6 +125,7 @@ static void retract(cam_guard_t *g, const cam_guard_config_t *cfg)
 /// difference.
 static void accept(cam_guard_t *g, const cam_want_t *want)
 {
+    g->is_retracted = false;
     for (uint32_t i = 0; i < hal_n_axes; i++) {
         const int64_t moved_q10 = want->axis[i].pos_q10 - g->axis[i].pos_q10;
         g->axis[i] = want->axis[i];

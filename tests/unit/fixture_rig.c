@@ -26,7 +26,9 @@ static void turn_spindle(fixture_rig_t *rig)
     if (!rig->is_spindle_held) {
         rig->rpm += fabs(left) <= rig->ramp_rpm ? left : left > 0 ? rig->ramp_rpm : -rig->ramp_rpm;
     }
-    hal_host.in.encoder = fixture_encoder_move(&rig->encoder, rig->rpm / 60.0 / hal_host.tick_hz);
+    const double late = (double)hal_host.late_clocks / hal_host_clock_hz; // it turns on meanwhile
+    const double period = 1.0 / hal_host.tick_hz + late;
+    hal_host.in.encoder = fixture_encoder_move(&rig->encoder, rig->rpm / 60.0 * period);
 }
 
 static void move_axes(const fixture_rig_t *rig)

@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: Apache-2.0
+// A whole cut tick by tick: what is written, what is published, and that it replays bit for bit.
+#include "fixture_rig.h"
+#include "hal_host.h"
+#include "unity.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { log_capacity = 60000 };
+
+static fixture_rig_t rig;
+static fixture_part_t part;
+static cam_tick_record_t *records;
+static cam_t replayed;
+
+void setUp(void)
+{
+    records = calloc(log_capacity, sizeof *records);
+    TEST_ASSERT_NOT_NULL(records);
+    part = fixture_part_short();
+    fixture_rig_init(&rig, &part, 20000);
+    rig.log = records;
+    rig.log_capacity = log_capacity;
+}
+
+void tearDown(void)
+{
+    free(records);
+}
+
+static void cut_whole(void)
+{
+    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_disengaging));
+    TEST_ASSERT_LESS_THAN_UINT32(20000, fixture_rig_until(&rig, cam_state_ready, 20000));
+    fixture_rig_ticks(&rig, 500);
+    TEST_ASSERT_EQUAL_HEX32(0, fixture_rig_status(&rig).faults);
+    TEST_ASSERT_LESS_THAN_UINT32(log_capacity, rig.n_log);
+}
+
+static void test_tick_writes_every_axis_once_and_outputs(void)
+{
+    const uint32_t before = hal_host.out.n_writes;
+    fixture_rig_tick(&rig);
+    TEST_ASSERT_EQUAL_UINT32(before + hal_n_axes, hal_host.out.n_writes);
+    TEST_ASSERT_EQUAL_UINT32(0, hal_host.out.outputs);
+    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_cutting));
+    TEST_ASSERT_EQUAL_UINT32(hal_out_enable | hal_out_in_cut, hal_host.out.outputs);
+    TEST_ASSERT_EQUAL_INT32(2500000, hal_host.out.spindle_mrpm);
+    TEST_ASSERT_EQUAL_MEMORY(&rig.last.out, &hal_host.out.axis, sizeof rig.last.out);
+}
+
+static void test_tick_status_tells_what_the_record_tells(void)
+{
+    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_cutting));
+    fixture_rig_ticks(&rig, 7);
+    const cam_status_t status = fixture_rig_status(&rig);
+    TEST_ASSERT_EQUAL_UINT32(rig.last.tick, status.tick);
+    TEST_ASSERT_EQUAL_UINT32(rig.last.config, status.config);
+    TEST_ASSERT_EQUAL_INT64(rig.last.pos_q32, status.pos_q32);
+    TEST_ASSERT_EQUAL_INT32(rig.last.speed_q32, status.speed_q32);
+    TEST_ASSERT_EQUAL_INT32(rig.last.z_nm, status.z_nm);
+    TEST_ASSERT_EQUAL_INT32(rig.last.u_set_q6, status.u_set_q6);
+    TEST_ASSERT_EQUAL_INT32(rig.last.in.actual_nm[hal_axis_u], status.u_actual_nm);
+    TEST_ASSERT_EQUAL_INT(rig.last.state, status.state);
+    TEST_ASSERT_TRUE(status.is_synced);
+    TEST_ASSERT_FALSE(status.is_retracted);
+    TEST_ASSERT_EQUAL_UINT32(10000, status.max_period);
+}
+
+static void test_tick_without_trace_records_nothing(void)
+{
+    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_trace_on, 0));
+    const uint32_t n = rig.n_log;
+    fixture_rig_ticks(&rig, 600);
+    TEST_ASSERT_EQUAL_UINT32(n, rig.n_log);
+    TEST_ASSERT_EQUAL_UINT32(0, cam_trace_dropped(&g_cam.trace));
+}
+
+static double step_nm(uint32_t i, hal_axis_t axis)
+{
+    return (double)records[i].out[axis].pos_nm - records[i - 1u].out[axis].pos_nm;
+}
+
+/// Through engage, cut, disengage and retract no set-point moves or accelerates beyond its limits.
+static void test_tick_whole_cut_never_steps_a_setpoint(void)
+{
+    static const double speed[hal_n_axes] = {20000.0, 5000.0, 10000.0};
+    static const double acceleration[hal_n_axes] = {625.0, 5.0, 5.0};
+    cut_whole();
+    for (uint32_t axis = 0; axis < hal_n_axes; axis++) {
+        double last_nm = 0.0;
+        for (uint32_t i = 2; i < rig.n_log; i++) {
+            if (records[i - 2u].state == cam_state_off) {
+                continue;
+            }
+            const double nm = step_nm(i, (hal_axis_t)axis);
+            TEST_ASSERT_TRUE(fabs(nm) <= speed[axis] + 2.0);
+            TEST_ASSERT_TRUE(i == 2u || records[i - 3u].state == cam_state_off ||
+                             fabs(nm - last_nm) <= acceleration[axis] + 4.0);
+            last_nm = nm;
+        }
+    }
+}
+
+static void test_tick_cut_visits_every_height_at_full_amplitude(void)
+{
+    cut_whole();
+    int32_t lowest_nm = INT32_MAX;
+    int32_t highest_nm = INT32_MIN;
+    uint32_t n_cutting = 0;
+    for (uint32_t i = 0; i < rig.n_log; i++) {
+        if (records[i].state == cam_state_cutting) {
+            n_cutting++;
+            lowest_nm = records[i].z_nm < lowest_nm ? records[i].z_nm : lowest_nm;
+            highest_nm = records[i].z_nm > highest_nm ? records[i].z_nm : highest_nm;
+        }
+    }
+    TEST_ASSERT_INT32_WITHIN(200, part.z_first_nm, lowest_nm);
+    TEST_ASSERT_INT32_WITHIN(200, part.z_last_nm, highest_nm);
+    TEST_ASSERT_UINT32_WITHIN(10, 12 * 480, n_cutting); // 10 turns of feed, 2 of ramps
+}
+
+/// Velocity and acceleration that drives may use are those of the set-points.
+static void test_tick_velocity_and_acceleration_match_the_setpoints(void)
+{
+    cut_whole();
+    for (uint32_t i = 1; i + 1u < rig.n_log; i++) {
+        if (records[i - 1u].state != cam_state_cutting ||
+            records[i + 1u].state != cam_state_cutting) {
+            continue;
+        }
+        const double set = records[i].u_set_q6 / 64.0;
+        const double before = records[i - 1u].u_set_q6 / 64.0;
+        const double after = records[i + 1u].u_set_q6 / 64.0;
+        const double vel_um_s = (after - before) / 2.0 * 20000.0 / 1e3;
+        const double acc_mm_s2 = (after - 2.0 * set + before) * 4e8 / 1e6;
+        TEST_ASSERT_DOUBLE_WITHIN(400.0, vel_um_s, records[i].out[hal_axis_u].vel_um_per_s);
+        // differences of the set-points carry the noise of the encoder: 4 nm are 1600 mm/s2
+        TEST_ASSERT_DOUBLE_WITHIN(6000.0, acc_mm_s2, records[i].out[hal_axis_u].acc_mm_per_s2);
+    }
+}
+
+static void test_tick_feed_forward_is_the_inverse_of_the_drive(void)
+{
+    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_k1_ns, 742723));
+    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_k2_us2, 281448));
+    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_following_limit_nm, 10000000));
+    cut_whole();
+    for (uint32_t i = 0; i < rig.n_log; i++) {
+        if (records[i].state == cam_state_cutting) {
+            const hal_setpoint_t *u = &records[i].out[hal_axis_u];
+            const double wanted = records[i].u_set_q6 / 64.0 + 742723e-9 * u->vel_um_per_s * 1e3 +
+                                  281448e-12 * u->acc_mm_per_s2 * 1e6;
+            TEST_ASSERT_DOUBLE_WITHIN(2.0, wanted, u->pos_nm);
+        }
+    }
+}
+
+/// The trace holds all that a tick senses: a fresh controller given the same gives the same.
+static void expect_replay(void)
+{
+    memset(&replayed, 0, sizeof replayed);
+    replayed.config.half[0] = g_cam.config.half[g_cam.config.offered];
+    replayed.config.half[0].play.table = &replayed.config.half[0].table;
+    uint32_t start = 0; // the last configuration is in force from here on
+    while (records[start].config != replayed.config.half[0].generation) {
+        start++;
+    }
+    TEST_ASSERT_TRUE(records[start].state <= cam_state_homing); // the spindle stands still
+    for (uint32_t i = start; i < rig.n_log; i++) {
+        cam_tick_record_t done = {.in = records[i].in};
+        cam_tick_steps_isr(&replayed, &done.in, &done);
+        TEST_ASSERT_EQUAL_INT(records[i].state, done.state);
+        TEST_ASSERT_EQUAL_INT64(records[i].pos_q32, done.pos_q32);
+        TEST_ASSERT_EQUAL_INT32(records[i].speed_q32, done.speed_q32);
+        TEST_ASSERT_EQUAL_INT32(records[i].u_set_q6, done.u_set_q6);
+        TEST_ASSERT_EQUAL_INT32(records[i].u_due_q6, done.u_due_q6);
+        TEST_ASSERT_EQUAL_INT32(records[i].z_nm, done.z_nm);
+        TEST_ASSERT_EQUAL_MEMORY(records[i].out, done.out, sizeof done.out);
+        TEST_ASSERT_EQUAL_INT32(records[i].spindle_mrpm, done.spindle_mrpm);
+        TEST_ASSERT_EQUAL_HEX32(records[i].outputs, done.outputs);
+        TEST_ASSERT_EQUAL_HEX32(records[i].faults, done.faults);
+    }
+}
+
+static void test_tick_steps_recorded_cut_replays_bit_for_bit(void)
+{
+    cut_whole();
+    expect_replay();
+}
+
+static void test_tick_steps_recorded_fault_replays_bit_for_bit(void)
+{
+    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_cutting));
+    fixture_rig_ticks(&rig, 1000);
+    hal_host_fault_counts(200);
+    fixture_rig_ticks(&rig, 3000);
+    TEST_ASSERT_EQUAL_INT(cam_state_fault, rig.last.state);
+    expect_replay();
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_tick_writes_every_axis_once_and_outputs);
+    RUN_TEST(test_tick_status_tells_what_the_record_tells);
+    RUN_TEST(test_tick_without_trace_records_nothing);
+    RUN_TEST(test_tick_whole_cut_never_steps_a_setpoint);
+    RUN_TEST(test_tick_cut_visits_every_height_at_full_amplitude);
+    RUN_TEST(test_tick_velocity_and_acceleration_match_the_setpoints);
+    RUN_TEST(test_tick_feed_forward_is_the_inverse_of_the_drive);
+    RUN_TEST(test_tick_steps_recorded_cut_replays_bit_for_bit);
+    RUN_TEST(test_tick_steps_recorded_fault_replays_bit_for_bit);
+    return UNITY_END();
+}
