@@ -190,7 +190,7 @@ static void test_surface_wildest_accepted_tables_do_not_overflow(void)
     while (with_wild_knots(scale) != cam_ok) {
         scale -= scale / 50;
     }
-    TEST_ASSERT_GREATER_THAN_INT32(50000, scale);
+    TEST_ASSERT_GREATER_THAN_INT32(30000, scale);
     TEST_ASSERT_EQUAL_INT(cam_err_image_knots, with_wild_knots(scale + scale / 10));
     TEST_ASSERT_EQUAL_INT(cam_ok, with_wild_knots(scale - scale / 50));
     for (int i = 0; i < 200000; i++) {
