@@ -14,8 +14,10 @@ int32_t cam_play_smooth_q30(int32_t s_q31)
 {
     const int32_t s2_q31 = cam_mul_shift(s_q31, s_q31, 31);
     const int32_t s3_q31 = cam_mul_shift(s2_q31, s_q31, 31);
-    const int32_t inner_q27 = 10 * (INT32_C(1) << 27) - 15 * (s_q31 >> 4) + 6 * (s2_q31 >> 4);
-    return cam_mul_shift(s3_q31, inner_q27, 28);
+    // Up to 10, but the product with s^3 stays below 1: 62 bits.
+    const int64_t inner_q31 = 10 * (INT64_C(1) << 31) - 15 * (int64_t)s_q31 + 6 * (int64_t)s2_q31;
+    const int64_t y_q30 = (s3_q31 * inner_q31 + (INT64_C(1) << 31)) >> 32;
+    return (int32_t)cam_clamp_i64(y_q30, 0, INT32_C(1) << 30); // rounding near 1 may pass it
 }
 
 /// @return [1 / 2^30] smooth step over `length` from position `at`
