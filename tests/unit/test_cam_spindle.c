@@ -148,8 +148,8 @@ static void test_step_speed_ripple_is_missed_by_the_documented_share(void)
             worst = i > 10000 ? fmax(worst, fabs(error_turn())) : worst;
         }
         const double f2 = ripple_hz[k] * ripple_hz[k];
-        TEST_ASSERT_DOUBLE_WITHIN(0.1 * swing * f2 / (f2 + 4e4) + 3e-6, swing * f2 / (f2 + 4e4),
-                                  worst);
+        const double missed = left * swing * f2 / (f2 + 4e4);
+        TEST_ASSERT_DOUBLE_WITHIN(0.05 * missed + 2e-6, missed, worst);
     }
 }
 
