@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: Apache-2.0
+// Every limit with its numbers, against doubles; what is told as the highest speed passes.
+#include "cam/cam_feasible.h"
+#include "unity.h"
+#include <math.h>
+
+static cam_table_t table;
+static cam_params_t params;
+static const double pi = 3.14159265358979323846;
+
+/// A skirt of 0.3 mm ovality: u' 150 000 nm/rad, u'' 300 000 nm/rad2.
+void setUp(void)
+{
+    params = cam_param_defaults();
+    table = (cam_table_t){
+        .u = {.log2_knots = 3, .log2_repeat = 1},
+        .z_last_nm = 62000000,
+        .direction = 1,
+        .spindle_mrpm = 2500000,
+        .feed_nm = 100000,
+        .limit_u_stroke_nm = 2000000,
+        .limit_u_speed_um_s = 10000000,
+        .limit_u_acceleration_mm_s2 = 10000000,
+        .limit_spindle_mrpm = 60000000,
+        .u_max_nm = 150000,
+        .u1_peak_nm_per_rad = 150000,
+        .u2_peak_nm_per_rad2 = 300000,
+    };
+    params.spindle_limit_mrpm = 60000000;
+    params.z_speed_um_per_s = 10000000;
+    params.z_acceleration_mm_per_s2 = 1000000;
+    params.feed_ramp_turns = 100;
+    params.u_speed_um_per_s = 10000000;
+    params.u_acceleration_mm_per_s2 = 10000000;
+}
+
+void tearDown(void) {}
+
+static cam_feasibility_t judge(uint32_t mrpm)
+{
+    return cam_feasible(&table, &params, mrpm, 20000);
+}
+
+/// Refused at a speed with these numbers, and the told highest speed is right to 0.3 %.
+static void expect_refused(cam_err_t err, uint32_t mrpm, double needed, double limit,
+                           double highest_mrpm)
+{
+    const cam_feasibility_t why = judge(mrpm);
+    TEST_ASSERT_EQUAL_INT(err, why.err);
+    TEST_ASSERT_EQUAL_UINT32(mrpm, why.speed_mrpm);
+    TEST_ASSERT_DOUBLE_WITHIN(0.002 * needed + 1.0, needed, (double)why.needed);
+    TEST_ASSERT_DOUBLE_WITHIN(0.6, limit, (double)why.limit);
+    TEST_ASSERT_DOUBLE_WITHIN(0.003 * highest_mrpm, highest_mrpm, why.highest_mrpm);
+    if (highest_mrpm > 0.0) {
+        TEST_ASSERT_EQUAL_INT(cam_ok, judge(why.highest_mrpm).err);
+        TEST_ASSERT_EQUAL_INT(err, judge((uint32_t)(highest_mrpm * 1.003)).err);
+    }
+}
+
+static double omega(double mrpm)
+{
+    return mrpm * 2.0 * pi / 60000.0;
+}
+
+static void test_feasible_part_within_all_limits_passes(void)
+{
+    const cam_feasibility_t good = judge(2500000);
+    TEST_ASSERT_EQUAL_INT(cam_ok, good.err);
+    TEST_ASSERT_GREATER_THAN_UINT32(2500000, good.highest_mrpm);
+}
+
+static void test_spindle_limit_is_the_smaller_of_machine_and_table(void)
+{
+    params.spindle_limit_mrpm = 3000000;
+    expect_refused(cam_err_spindle_speed, 3500000, 3500000, 3000000, 3000000);
+    table.limit_spindle_mrpm = 2000000;
+    expect_refused(cam_err_spindle_speed, 3500000, 3500000, 2000000, 2000000);
+}
+
+static void test_u_speed_limit_is_the_smaller_of_machine_and_table(void)
+{
+    params.u_speed_um_per_s = 30000;
+    const double most = 30e6 / 150000 * 60000 / (2 * pi);
+    expect_refused(cam_err_u_speed, 2500000, 150e3 * omega(2500e3) / 1e3, 30000, most);
+    table.limit_u_speed_um_s = 15000;
+    expect_refused(cam_err_u_speed, 2500000, 150e3 * omega(2500e3) / 1e3, 15000, most / 2);
+}
+
+static void test_u_acceleration_limit_is_the_smaller_of_machine_and_table(void)
+{
+    params.u_acceleration_mm_per_s2 = 15000;
+    const double needed = 300e3 * omega(2500e3) * omega(2500e3) / 1e6;
+    const double most = sqrt(15e9 / 300e3) * 60000 / (2 * pi);
+    expect_refused(cam_err_u_acceleration, 2500000, needed, 15000, most);
+    table.limit_u_acceleration_mm_s2 = 3750;
+    expect_refused(cam_err_u_acceleration, 2500000, needed, 3750, most / 2);
+}
+
+static void test_amplitude_scales_what_u_needs(void)
+{
+    params.u_speed_um_per_s = 30000;
+    params.amplitude_ppm = 500000;
+    TEST_ASSERT_EQUAL_INT(cam_ok, judge(2500000).err);
+    params.amplitude_ppm = 1250000;
+    expect_refused(cam_err_u_speed, 2500000, 1.25 * 150e3 * omega(2500e3) / 1e3, 30000,
+                   30e6 / 187500 * 60000 / (2 * pi));
+}
+
+static void test_stroke_counts_retract_and_both_ends(void)
+{
+    table.u_max_nm = 700000;
+    expect_refused(cam_err_u_stroke, 1000000, 700000, 600000, 0);
+    table.u_max_nm = 150000;
+    params.u_retract_nm = -700000;
+    expect_refused(cam_err_u_stroke, 1000000, 700000, 600000, 0);
+    params.u_retract_nm = -100000;
+    table.u_min_nm = -650000;
+    expect_refused(cam_err_u_stroke, 1000000, 650000, 600000, 0);
+    table.u_min_nm = 0;
+    table.limit_u_stroke_nm = 200000;
+    expect_refused(cam_err_u_stroke, 1000000, 150000, 100000, 0);
+}
+
+static void test_feed_larger_than_the_part_is_refused(void)
+{
+    table.z_last_nm = 90000;
+    expect_refused(cam_err_feed, 100000, 100000, 90000, 0);
+    params.z_is_measured = 1;
+    TEST_ASSERT_EQUAL_INT(cam_ok, judge(100000).err);
+}
+
+static void test_z_speed_and_acceleration_limit_feed_times_speed(void)
+{
+    params.feed_nm = 1000000;
+    params.z_speed_um_per_s = 20000;
+    expect_refused(cam_err_z_speed, 2500000, 41666.7, 20000, 1200000);
+    params.z_speed_um_per_s = 10000000;
+    params.feed_ramp_turns = 2;
+    params.z_acceleration_mm_per_s2 = 500;
+    expect_refused(cam_err_z_acceleration, 2500000, 868.06, 500, sqrt(1000.0) * 60000);
+    params.z_is_measured = 1;
+    TEST_ASSERT_EQUAL_INT(cam_ok, judge(2500000).err);
+}
+
+static void test_tick_rate_limits_knots_and_counts_per_tick(void)
+{
+    table.u.log2_knots = 12;
+    table.u.log2_repeat = 2;
+    expect_refused(cam_err_tick_rate, 2500000, 2500000, 20000.0 * 8 * 60000 / 16384,
+                   20000.0 * 8 * 60000 / 16384);
+    table.u.log2_knots = 3;
+    const cam_feasibility_t why = cam_feasible(&table, &params, 5000000, 500);
+    TEST_ASSERT_EQUAL_INT(cam_err_tick_rate, why.err);
+    TEST_ASSERT_EQUAL_INT64(500 * 60000 / 8, why.limit);
+}
+
+static void test_flat_table_has_a_finite_highest_speed(void)
+{
+    table.u1_peak_nm_per_rad = 0;
+    table.u2_peak_nm_per_rad2 = 0;
+    table.u_max_nm = 0;
+    const cam_feasibility_t good = judge(2500000);
+    TEST_ASSERT_EQUAL_INT(cam_ok, good.err);
+    TEST_ASSERT_LESS_OR_EQUAL_UINT32(60000000, good.highest_mrpm);
+}
+
+static void test_largest_demands_do_not_overflow(void)
+{
+    table.u1_peak_nm_per_rad = INT32_MAX;
+    table.u2_peak_nm_per_rad2 = INT32_MAX;
+    params.amplitude_ppm = 1250000;
+    table.feed_nm = 10000000;
+    const cam_feasibility_t why = judge(60000000);
+    TEST_ASSERT_EQUAL_INT(cam_err_u_speed, why.err);
+    TEST_ASSERT_DOUBLE_WITHIN(0.01 * 1.25 * 2147483647.0 * 6283.185 / 1e3,
+                              1.25 * 2147483647.0 * 6283.185 / 1e3, (double)why.needed);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_feasible_part_within_all_limits_passes);
+    RUN_TEST(test_spindle_limit_is_the_smaller_of_machine_and_table);
+    RUN_TEST(test_u_speed_limit_is_the_smaller_of_machine_and_table);
+    RUN_TEST(test_u_acceleration_limit_is_the_smaller_of_machine_and_table);
+    RUN_TEST(test_amplitude_scales_what_u_needs);
+    RUN_TEST(test_stroke_counts_retract_and_both_ends);
+    RUN_TEST(test_feed_larger_than_the_part_is_refused);
+    RUN_TEST(test_z_speed_and_acceleration_limit_feed_times_speed);
+    RUN_TEST(test_tick_rate_limits_knots_and_counts_per_tick);
+    RUN_TEST(test_flat_table_has_a_finite_highest_speed);
+    RUN_TEST(test_largest_demands_do_not_overflow);
+    return UNITY_END();
+}
