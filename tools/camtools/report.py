@@ -160,6 +160,7 @@ def render(outcome: Outcome, pngs: dict[str, bytes]) -> str:
         story=fault_story(outcome) if outcome.has_fault else [],
         shown=shown,
         trace=trace_text(outcome),
+        is_trace_complete=outcome.is_trace_complete,
     )
 
 

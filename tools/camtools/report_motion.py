@@ -160,7 +160,7 @@ def windows_s(trace: Trace) -> list[tuple[str, float, float]]:
         return [("whole run", 0.0, last_s)]
     begin_s = min(last_s, float(cutting[0]) + 0.15)
     end_s = max(0.0, float(cutting[-1]) - 0.15)
-    return [("begin", 0.0, begin_s), ("whole cut", 0.0, last_s), ("end", end_s, last_s)]
+    return [("begin", 0.0, begin_s), ("all of it", 0.0, last_s), ("end", end_s, last_s)]
 
 
 def _strip(axes: Axes, spans: list[tuple[float, float, int]], begin_s: float, end_s: float) -> None:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from contextlib import AbstractContextManager
 from io import BytesIO
-from math import ceil, floor, log10
+from math import floor, log10
 from typing import Any
 
 from matplotlib import rc_context
@@ -94,12 +94,3 @@ def angle_axis(axes: Axes) -> None:
     axes.set_xlim(0, 360)
     axes.set_xticks(range(0, 361, 45))
     axes.set_xlabel("spindle angle from the long axis, degrees")
-
-
-def digits(step: float) -> int:
-    """Return decimals needed to write multiples of a step.
-
-    >>> digits(0.05), digits(20)
-    (2, 0)
-    """
-    return max(0, ceil(-log10(step) - 1e-9))

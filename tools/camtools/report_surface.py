@@ -282,5 +282,6 @@ def draw_overview(surface: Surface, geometry: Geometry, feed_mm: float, title: s
     half_g_mm = float(geometry.ovality_mm(z_mm)) / 2
     factor = enlargement(float(geometry.radius_mm(z_mm)), half_g_mm)
     draw_shape(right, near, geometry, z_mm, factor)
-    right.legend(handles=_section_handles(), loc="lower center", frameon=False, fontsize=9)
+    below = {"loc": "upper center", "bbox_to_anchor": (0.5, 0.06), "frameon": False}
+    right.legend(handles=_section_handles(), **below)
     return figure

@@ -87,7 +87,7 @@ def verdict_of(outcome: Outcome) -> Verdict:
             "poor", f"nothing cut ({summary['end']})", "No surface was cut to full depth."
         )
     found = f"largest form error {length_text(form['max'])}"
-    allowed = f"tolerance {length_text(form['tolerance'])}"
+    allowed = f"tolerance of {length_text(form['tolerance'])}"
     if form["max"] > form["tolerance"]:
         return Verdict("poor", "out of tolerance", f"The {found} is above the {allowed}.")
     if summary["end"] != "done":
@@ -178,10 +178,16 @@ def fault_facts(path: Path = _FAULTS) -> dict[str, FaultFacts]:
         raise InputError(path.name, "", None, problem, "restore it from the repository") from error
     rows = {name: rest.split(" | ") for name, rest in _FAULT_ROW.findall(text)}
     return {
-        name: FaultFacts(*(cell.strip().replace("`", "") for cell in cells))
+        name: FaultFacts(*(_spelled_out(cell) for cell in cells))
         for name, cells in rows.items()
         if len(cells) == len(FaultFacts._fields)
     }
+
+
+def _spelled_out(cell: str) -> str:
+    """Return a cell of the manual without its short symbols: T, T_o."""
+    text = cell.strip().replace("`", "").replace("T_o", "the settling time of the speed reading")
+    return re.sub(r"\bT\b", "tick", text)
 
 
 def clear_after_s(outcome: Outcome) -> float | None:
@@ -224,16 +230,17 @@ def _when(fault: Json) -> str:
 
 
 def _reaction(outcome: Outcome) -> str:
-    clear_s = clear_after_s(outcome)
-    clear = (
-        ""
-        if clear_s is None
-        else f" The tool was {_CLEAR_MM} mm clear after {clear_s * 1e3:.1f} ms."
-    )
-    rest_ms = outcome.summary["fault"]["retract_s"] * 1e3
     if "drive" in outcome.summary["first_faults"]:
         return "A drive that is not ready cannot retract: its enable was dropped in the same tick."
+    clear_s = clear_after_s(outcome)
+    if clear_s is None:
+        clear = ""
+    elif clear_s > 0:
+        clear = f" The tool was {_CLEAR_MM} mm clear after {clear_s * 1e3:.1f} ms."
+    else:
+        clear = " The tool was out of the work already."
+    rest_ms = outcome.summary["fault"]["retract_s"] * 1e3
     return (
-        "In the same tick the controller took the axes over: U retracted, X moved off, Z braked, "
-        f"spindle set-point 0.{clear} After {rest_ms:.1f} ms all was at rest and enable dropped."
+        "In the same tick the controller took the axes over: U was told to retract, X to move off, "
+        f"Z to brake, the spindle to stop.{clear} Enable was dropped after {rest_ms:.1f} ms."
     )

@@ -1,7 +1,7 @@
 """Command line of the whole way: table, cut on the host simulator, gauge, report.
 
->>> main(["--rpm", "0"])
-2
+>>> Job(["--rpm", "600"]).options()
+['--rpm', '600.0']
 """
 
 from __future__ import annotations
@@ -28,12 +28,11 @@ from camtools.run_cut import (
     SUMMARY,
     SURFACE,
     TRACE,
-    WINDOW_TURNS,
     Simulator,
     compare,
     cut,
-    is_long,
     machine_text,
+    traced_turns,
 )
 from camtools.run_stage import Stage, cannot_write
 
@@ -136,12 +135,16 @@ class Job:
         words = [] if self.rpm is None else ["--rpm", repr(self.rpm)]
         return words + ([] if self.feed_mm is None else ["--feed", repr(self.feed_mm)])
 
-    def is_long(self, generated: Generated) -> bool:
-        """Return whether the cut is too long to trace every tick."""
-        process, geometry = generated.part.process, generated.geometry
-        feed_mm = self.feed_mm or process.feed_mm
-        turns = (geometry.z_last_mm - geometry.z_first_mm) / feed_mm
-        return is_long(turns, self.rpm or process.spindle_rpm)
+    def turns(self, generated: Generated) -> float:
+        """Return how many turns the cut takes, about."""
+        geometry = generated.geometry
+        feed_mm = self.feed_mm or generated.part.process.feed_mm
+        return (geometry.z_last_mm - geometry.z_first_mm) / feed_mm
+
+    def window_turns(self, generated: Generated) -> float | None:
+        """Return how many turns to trace, nothing when the whole cut can be traced."""
+        speed_rpm = self.rpm or generated.part.process.spindle_rpm
+        return traced_turns(self.turns(generated), speed_rpm)
 
 
 def _say(text: str) -> None:
@@ -187,13 +190,15 @@ def _without_faults(words: Sequence[str]) -> list[str]:
     return kept
 
 
-def _read(generated: Generated, folder: Path, variants: tuple[Variant, ...], long: bool) -> Outcome:
+def _read(
+    generated: Generated, folder: Path, variants: tuple[Variant, ...], window: float | None
+) -> Outcome:
     return Outcome(
         generated,
         read_summary(folder / SUMMARY),
         read_surface(folder / SURFACE),
         read_trace(folder / TRACE),
-        not long,
+        window is None,
         variants,
     )
 
@@ -211,7 +216,6 @@ def _complete_summary(outcome: Outcome, total_s: float) -> Json:
             "file": TRACE,
             "ticks": int(outcome.trace.t_s.size),
             "is_complete": outcome.is_trace_complete,
-            "turns_limit": None if outcome.is_trace_complete else WINDOW_TURNS,
         },
         "comparison": [variant._asdict() for variant in outcome.variants],
         "run_wall_time_s": total_s,
@@ -222,18 +226,18 @@ def _cut_and_report(job: Job, generated: Generated, stage: Stage, begin_s: float
     """Fill the stage; return nothing when camsim refused and said why."""
     from camtools.report import make_report  # after the cut: matplotlib is slow to load
 
-    name, long = generated.part.part.name, job.is_long(generated)
+    name, window = generated.part.part.name, job.window_turns(generated)
     machine = f"{name}_machine.toml"
     files = products(generated, with_plots=False)
     files[machine] = machine_text(generated.part.machine.limits).encode("ascii")
     _write(stage.folder, files)
     simulator = Simulator(_camsim(), stage.folder, f"{name}.camtab")
     words = ["--machine", machine, *job.options(), *job.extra]
-    if cut(simulator, words, is_whole_traced=not long) == _BAD_INPUT:
+    if cut(simulator, words, window) == _BAD_INPUT:
         return None
-    variants = compare(simulator, _without_faults(words), is_long=long)
+    variants = compare(simulator, _without_faults(words), window)
     _say("drawing the report")
-    outcome = _read(generated, stage.folder, variants, long)
+    outcome = _read(generated, stage.folder, variants, window)
     _write(stage.folder, make_report(outcome))
     summary = _complete_summary(outcome, time.monotonic() - begin_s)
     text = json.dumps(summary, indent=1, allow_nan=False) + "\n"
@@ -256,7 +260,7 @@ def _run(argv: Sequence[str]) -> int:
     generated = _make_table(job.part_path)
     folder = job.folder(generated.part.part.name)
     with Stage(folder) as stage:
-        _say("cutting on the host simulator")
+        _say(f"cutting {job.turns(generated):.0f} turns on the host simulator")
         outcome = _cut_and_report(job, generated, stage, begin_s)
         if outcome is None:
             return _BAD_INPUT

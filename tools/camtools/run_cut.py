@@ -8,6 +8,7 @@
 from __future__ import annotations
 
 import subprocess
+import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,8 +18,8 @@ from camtools.part import Limits
 from camtools.report_data import Json, Variant, read_summary
 
 TRACE, SURFACE, SUMMARY = "trace.csv", "surface.csv", "summary.json"
-MAX_TRACED_TICKS = 1_000_000  # about 300 MB of trace
-WINDOW_TURNS = 200  # of a longer cut's trace and comparison
+MAX_TRACED_TICKS = 500_000  # about 150 MB of trace
+_WINDOW_TURNS = 200  # at most of a longer cut, for trace and comparison
 _TICK_HZ = 20_000  # of the default machine; good enough for an estimate
 _VARIANTS = {
     "complete controller": [],
@@ -44,16 +45,23 @@ def machine_text(limits: Limits) -> str:
     """Return a machine file with a part's limits, as far as the simulator's ranges go."""
     return _MACHINE.format(
         name="default, limits of the part file",
-        rpm=min(limits.spindle_rpm, 60_000.0),
+        rpm=limits.spindle_rpm,
         speed=min(max(limits.u_speed_mm_s, 0.1), 10_000.0),
         acceleration=min(max(limits.u_acceleration_mm_s2, 10.0), 1e7),
-        stroke=min(limits.u_stroke_mm, 30.0),
+        stroke=limits.u_stroke_mm,
     )
 
 
-def is_long(turns: float, speed_rpm: float) -> bool:
-    """Return whether a cut is too long to trace every tick of it."""
-    return turns * 60 / speed_rpm * _TICK_HZ > MAX_TRACED_TICKS
+def traced_turns(turns: float, speed_rpm: float) -> float | None:
+    """Return how many turns of a cut too long to trace are traced, nothing when all of it is.
+
+    >>> traced_turns(620, 2500), traced_turns(62000, 2500), traced_turns(620, 60)
+    (None, 200, 12.5)
+    """
+    ticks_per_turn = 60 / speed_rpm * _TICK_HZ
+    if turns * ticks_per_turn <= MAX_TRACED_TICKS:
+        return None
+    return min(_WINDOW_TURNS, MAX_TRACED_TICKS / 2 / ticks_per_turn)
 
 
 @dataclass(frozen=True)
@@ -101,14 +109,23 @@ class Simulator:
         return done.returncode
 
 
-def cut(simulator: Simulator, words: Sequence[str], *, is_whole_traced: bool) -> int:
-    """Cut a part; write surface, summary and trace; return camsim's exit status."""
+def cut(simulator: Simulator, words: Sequence[str], window_turns: float | None) -> int:
+    """Cut a part; write surface, summary and trace; return camsim's exit status.
+
+    Parameters
+    ----------
+    words : list of str
+        Options of camsim.
+    window_turns : float or None
+        The trace is of a second run that ends after so many turns; None: of the cut itself.
+    """
     results = ["--surface", SURFACE, "--summary", SUMMARY]
-    if is_whole_traced:
+    if window_turns is None:
         return simulator.run([*words, *results, "--trace", TRACE])
-    status = simulator.run([*words, *results, "--progress"])
+    progress = ["--progress"] if sys.stderr.isatty() else []
+    status = simulator.run([*words, *results, *progress])
     if status != 2:
-        window = ["--turns-limit", str(WINDOW_TURNS), "--trace", TRACE]
+        window = ["--turns-limit", repr(window_turns), "--trace", TRACE]
         simulator.run([*words, *window], is_quiet=True)
     return status
 
@@ -122,10 +139,12 @@ def variant_of(name: str, summary: Json) -> Variant | None:
     return Variant(name + ended, form["max"], form["rms"])
 
 
-def compare(simulator: Simulator, words: Sequence[str], *, is_long: bool) -> tuple[Variant, ...]:
+def compare(
+    simulator: Simulator, words: Sequence[str], window_turns: float | None
+) -> tuple[Variant, ...]:
     """Return the same cut with parts of the controller switched off, the complete one first."""
-    if is_long:
-        words = [*words, "--turns-limit", str(WINDOW_TURNS)]
+    if window_turns is not None:
+        words = [*words, "--turns-limit", repr(window_turns)]
     found = []
     for name, switches in _VARIANTS.items():
         path = simulator.folder / "variant.json"
