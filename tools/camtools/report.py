@@ -129,8 +129,8 @@ def trace_text(outcome: Outcome) -> str:
         return f"trace.csv holds every tick of the run, {ticks} of them."
     last_s = float(outcome.trace.t_s[-1]) if outcome.trace.t_s.size else 0.0
     return (
-        "This cut is long, so trace.csv and the pictures made from it (U, following error, "
-        f"sequence) hold the first {last_s:.1f} s only: {ticks} ticks of a run ended there."
+        "This cut is long, so trace.csv, the pictures of U, following error and sequence, and the "
+        f"comparison hold the first {last_s:.1f} s only: {ticks} ticks of a run ended there."
     )
 
 

@@ -80,8 +80,7 @@ def verdict_of(outcome: Outcome) -> Verdict:
     form = summary["form_error_um"]
     if outcome.has_fault:
         first = ", ".join(summary["first_faults"])
-        sentence = "The controller ended the cut by itself and took the tool out of the work."
-        return Verdict("fault", f"fault: {first}", sentence)
+        return Verdict("fault", f"fault: {first}", "The controller ended the cut by itself.")
     if form["max"] is None:
         return Verdict(
             "poor", f"nothing cut ({summary['end']})", "No surface was cut to full depth."
