@@ -107,15 +107,19 @@ static demand_t z_demand(const cam_table_t *t, const cam_params_t *p, uint32_t m
                       told_speed(limit * 60000000u / feed_nm)};
 }
 
-/// feed * (turns per second)^2 / ramp in mm/s2, in whole r/min.
+/// feed * (turns per second)^2 / ramp in mm/s2, in whole r/min. A ramp is not longer than the feed.
 static demand_t z_acceleration_demand(const cam_table_t *t, const cam_params_t *p, uint32_t mrpm)
 {
+    if (p->z_is_measured != 0) {
+        return (demand_t){cam_err_z_acceleration, INT32_MAX, 0, UINT32_MAX};
+    }
     const uint64_t feed_nm = feed_of(t, p);
     const uint64_t turns = (uint64_t)p->feed_ramp_turns;
-    const uint64_t limit =
-        p->z_is_measured != 0 ? INT32_MAX : (uint64_t)p->z_acceleration_mm_per_s2;
+    const uint64_t span_nm = (uint64_t)((int64_t)t->z_last_nm - t->z_first_nm);
+    const uint64_t limit = (uint64_t)p->z_acceleration_mm_per_s2;
     const uint64_t rpm = ((uint64_t)mrpm + 999u) / 1000u;
-    const uint64_t per = UINT64_C(3600000000) * turns;
+    const uint64_t per = turns * feed_nm <= span_nm ? UINT64_C(3600000000) * turns
+                                                    : UINT64_C(3600000000) * span_nm / feed_nm;
     const uint64_t needed = (feed_nm * rpm * rpm + per - 1u) / per;
     return (demand_t){cam_err_z_acceleration, (int64_t)limit, (int64_t)needed,
                       told_speed(root(limit * per / feed_nm) * 1000u)};
