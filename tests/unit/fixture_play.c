@@ -3,7 +3,7 @@
 #include "fixture_reference.h" // fixture_reference_surface_at
 #include <string.h>            // memset
 
-enum { clock_hz = 200000000, patience = 200000 };
+enum { clock_hz = 200000000, patience = 1000000 };
 
 void fixture_play_init(fixture_play_t *f, const fixture_part_t *part)
 {
