@@ -250,12 +250,13 @@ static int32_t due_q6(const cam_play_t *p, const cam_play_config_t *cfg)
     const uint32_t newer = p->n_history - 1u - ((uint32_t)cfg->lead_q16 >> 16);
     const int32_t a_q6 = p->history_q6[newer % cam_play_history];
     const int32_t b_q6 = p->history_q6[(newer - 1u) % cam_play_history];
-    return a_q6 + (int32_t)(((int64_t)(b_q6 - a_q6) * (cfg->lead_q16 & 0xFFFF)) >> 16);
+    const int64_t apart_q6 = (int64_t)b_q6 - a_q6; // while off, whatever the axis measures
+    return (int32_t)(a_q6 + ((apart_q6 * (cfg->lead_q16 & 0xFFFF)) >> 16));
 }
 
 static void remember(cam_play_t *p)
 {
-    p->history_q6[p->n_history % cam_play_history] = (int32_t)(p->axis[hal_axis_u].pos_q10 >> 4);
+    p->history_q6[p->n_history % cam_play_history] = cam_sat_i32(p->axis[hal_axis_u].pos_q10 >> 4);
     p->n_history++;
 }
 
