@@ -102,9 +102,12 @@ static void latch(cam_guard_t *g, uint32_t faults)
     g->faults |= faults;
 }
 
-/// From motion to retract without a step: the axes go on from where they were written last.
-static void enter_fault(cam_guard_t *g, const cam_guard_config_t *cfg, uint32_t faults)
+/// From motion to retract without a step: the axes go on from where they were written last, U at
+/// the speed of its last step, which the table's speed is half a tick ahead of.
+static void enter_fault(cam_guard_t *g, const cam_guard_config_t *cfg, uint32_t faults,
+                        int64_t u_step_q10)
 {
+    g->axis[hal_axis_u].vel_q10 = cam_sat_i32(u_step_q10);
     g->first_faults = faults;
     g->is_retracted = false;
     g->x_off_q10 = g->axis[hal_axis_x].pos_q10 + cfg->x_clearance_q10;
@@ -158,6 +161,7 @@ static uint32_t outputs(const cam_guard_t *g, cam_state_t state)
 cam_safe_t cam_guard_step_isr(cam_guard_t *g, const cam_guard_config_t *cfg, const cam_sense_t *in,
                               const cam_angle_t *angle, const cam_want_t *want)
 {
+    const int64_t u_step_q10 = g->u_step_q10; // of the set-point written last
     const uint32_t seen = judge_inputs(in->inputs) | judge_clock(g, cfg, in->clock) |
                           judge_spindle(g, cfg, angle, want->state) | judge_u(g, cfg, in, want) |
                           angle->faults | want->faults;
@@ -165,7 +169,7 @@ cam_safe_t cam_guard_step_isr(cam_guard_t *g, const cam_guard_config_t *cfg, con
     const bool is_entering = faults != 0u && want->state != cam_state_fault;
     latch(g, faults);
     if (is_entering) {
-        enter_fault(g, cfg, faults);
+        enter_fault(g, cfg, faults, u_step_q10);
     }
     const cam_state_t state = is_entering ? cam_state_fault : want->state;
     if (state == cam_state_fault) {

@@ -102,12 +102,12 @@ camturn_venv_list() {
     rm "$unfinished"
 }
 
-# camturn_build PRESET: configure when needed, and build.
+# camturn_build PRESET [TARGET]: configure when needed, and build everything or one target.
 camturn_build() {
     local log=$camturn_root/build/$1.log
     (
         flock 9
-        if ! camturn_cmake "$1" 3>&2 >"$log" 2>&1; then
+        if ! camturn_cmake "$@" 3>&2 >"$log" 2>&1; then
             cat "$log" >&2
             camturn_say "build/$1 failed (see above, or build/$1.log)"
             exit 1
@@ -124,7 +124,7 @@ camturn_cmake() {
         camturn_say "configuring and building build/$1" 2>&3
         cmake --preset "$1" --fresh || return
     fi
-    cmake --build --preset "$1" -j "$(nproc)"
+    cmake --build --preset "$1" -j "$(nproc)" ${2:+--target "$2"}
 }
 
 # camturn_setup LIST...: what every command of ours needs, with the Python packages of the lists.

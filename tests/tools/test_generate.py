@@ -127,7 +127,7 @@ def part_of(**changes: object) -> Part:
     """Return a short skirt with some tables of the part file changed."""
     tree = load_part(PERKINS).model_dump()
     tree["piston"] |= changes
-    tree["machine"]["limits"] |= {"u_stroke_mm": 100.0, "u_speed_mm_s": 1e5}
+    tree["machine"]["limits"] |= {"u_stroke_mm": 30.0, "u_speed_mm_s": 1e5}
     tree["machine"]["limits"] |= {"u_acceleration_mm_s2": 1e9}
     return Part.model_validate(tree)
 
@@ -206,7 +206,7 @@ def limited(**limits: float) -> Part:
 @pytest.mark.parametrize(
     ("limit", "value", "needed"),
     [
-        ("u_stroke_mm", 0.1, 0.150),
+        ("u_stroke_mm", 0.1, 0.300),
         ("u_speed_mm_s", 20.0, 39.27),
         ("u_acceleration_mm_s2", 10_000.0, 20663.0),
         ("spindle_rpm", 2000.0, 2500.0),

@@ -22,7 +22,7 @@ from camtools.part import Limits
 class Peaks(NamedTuple):
     """Guaranteed peaks of U over the table, per radian of the spindle."""
 
-    u_stroke_mm: float
+    u_stroke_mm: float  # travel, centred on u = 0 as the firmware centres it
     u1_mm: float  # mm/rad
     u2_mm: float  # mm/rad^2
 
@@ -37,7 +37,7 @@ class HighestSpeed(NamedTuple):
 def peaks_of(bounds: Bounds) -> Peaks:
     """Return the peaks that an image's header guarantees, in mm."""
     return Peaks(
-        (bounds.u_max_nm - bounds.u_min_nm) * 1e-6,
+        2 * max(bounds.u_max_nm, -bounds.u_min_nm) * 1e-6,
         bounds.u1_peak_nm_per_rad * 1e-6,
         bounds.u2_peak_nm_per_rad2 * 1e-6,
     )

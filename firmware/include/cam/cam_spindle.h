@@ -11,7 +11,7 @@
 /// Errors of the observer with bandwidth f_o (double pole at w_o = 2 pi f_o):
 ///   constant speed           mean 0; quantisation ripple below half a count
 ///   constant acceleration    angle lags by (1 - 2 w_o T) acceleration / w_o^2, T one tick
-///   speed ripple at f        the part (1 - 2 w_o T) f^2 / (f^2 + f_o^2) of the angle ripple is missed
+///   speed ripple at f        (1 - 2 w_o T) f^2 / (f^2 + f_o^2) of the angle ripple is missed
 /// Context: ISR unless noted.
 #ifndef CAM_SPINDLE_H
 #define CAM_SPINDLE_H
