@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: Apache-2.0
+// From power-on: every record of a session with changes of parameters and table replays to the bit.
+#include "fixture_rig.h"
+#include "hal_host.h"
+#include "unity.h"
+#include <stdlib.h>
+#include <string.h>
+
+enum { log_capacity = 60000, max_configs = 32, tick_hz = 20000 };
+
+static fixture_rig_t rig;
+static cam_config_t configs[max_configs]; ///< by generation
+static cam_t replayed;
+static cam_config_t at_start;
+
+void setUp(void)
+{
+    memset(&rig, 0, sizeof rig);
+    memset(configs, 0, sizeof configs);
+    rig.ramp_rpm = 2500.0 * 10.0 / tick_hz;
+    rig.log = calloc(log_capacity, sizeof *rig.log);
+    TEST_ASSERT_NOT_NULL(rig.log);
+    rig.log_capacity = log_capacity;
+    hal_host_reset(tick_hz);
+    hal_host.in.axis_nm[hal_axis_x] = 46500000; // not far from the work
+    cam_machine_init(&rig.machine, &g_cam, tick_hz, hal_clock_hz());
+    fixture_encoder_init(&rig.encoder, rig.machine.params.counts_per_turn, 1, 1000u, 1234);
+    at_start = g_cam.config.half[g_cam.config.offered];
+    configs[at_start.generation] = at_start;
+}
+
+void tearDown(void)
+{
+    free(rig.log);
+}
+
+/// What is offered now is what the next tick takes.
+static void keep_config(void)
+{
+    const cam_config_t *now = &g_cam.config.half[g_cam.config.offered];
+    TEST_ASSERT_LESS_THAN_UINT32(max_configs, now->generation);
+    configs[now->generation] = *now;
+}
+
+static void set(cam_param_id_t id, int32_t value)
+{
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_set_param(&rig.machine, id, value));
+    keep_config();
+    fixture_rig_tick(&rig);
+}
+
+static void select_table(void)
+{
+    const fixture_part_t part = fixture_part_short();
+    fixture_image_make(&rig.image, &part);
+    TEST_ASSERT_EQUAL_INT(cam_ok,
+                          cam_machine_select_table(&rig.machine, rig.image.bytes, rig.image.size));
+    keep_config();
+    fixture_rig_tick(&rig);
+}
+
+static void prepare(void)
+{
+    fixture_rig_ticks(&rig, 3);
+    set(cam_param_lead_ns, 50000);
+    set(cam_param_xz_lag_ns, 400000);
+    set(cam_param_k1_ns, 100000);
+    set(cam_param_k2_us2, 1000);
+    set(cam_param_following_limit_nm, 1000000);
+    select_table();
+}
+
+static void cut_with_changes(void)
+{
+    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_cutting));
+    fixture_rig_ticks(&rig, 700);
+    set(cam_param_phase_udeg, 1000000);
+    fixture_rig_ticks(&rig, 55);
+    set(cam_param_amplitude_ppm, 800000);
+    fixture_rig_ticks(&rig, 333);
+    hal_host_fault_late(30);
+    fixture_rig_ticks(&rig, 333);
+    set(cam_param_amplitude_ppm, 1100000);
+}
+
+/// Same configurations at the same ticks. All fields but `in` must agree; padding is not compared.
+static void expect_replay(void)
+{
+    memset(&replayed, 0, sizeof replayed);
+    TEST_ASSERT_GREATER_THAN_UINT32(1000, rig.n_log);
+    TEST_ASSERT_LESS_THAN_UINT32(log_capacity, rig.n_log);
+    uint32_t n_configs = 0;
+    cam_config_t *half = &replayed.config.half[0];
+    for (uint32_t i = 0; i < rig.n_log; i++) {
+        const cam_tick_record_t *r = &rig.log[i];
+        TEST_ASSERT_EQUAL_UINT32(i, r->tick);
+        if (half->generation != r->config) {
+            *half = configs[r->config];
+            half->play.table = half->play.table != NULL ? &half->table : NULL;
+            n_configs++;
+        }
+        cam_tick_record_t done = {.in = r->in};
+        cam_tick_steps_isr(&replayed, &done.in, &done);
+        TEST_ASSERT_EQUAL_UINT32(r->tick, done.tick);
+        TEST_ASSERT_EQUAL_UINT32(r->config, done.config);
+        TEST_ASSERT_EQUAL_INT64(r->pos_q32, done.pos_q32);
+        TEST_ASSERT_EQUAL_INT32(r->speed_q32, done.speed_q32);
+        TEST_ASSERT_EQUAL_INT32(r->z_nm, done.z_nm);
+        TEST_ASSERT_EQUAL_INT32(r->u_set_q6, done.u_set_q6);
+        TEST_ASSERT_EQUAL_INT32(r->u_due_q6, done.u_due_q6);
+        TEST_ASSERT_EQUAL_MEMORY(r->out, done.out, sizeof done.out);
+        TEST_ASSERT_EQUAL_INT32(r->spindle_mrpm, done.spindle_mrpm);
+        TEST_ASSERT_EQUAL_HEX32(r->outputs, done.outputs);
+        TEST_ASSERT_EQUAL_HEX32(r->faults, done.faults);
+        TEST_ASSERT_EQUAL_INT(r->state, done.state);
+    }
+    TEST_ASSERT_EQUAL_UINT32(rig.machine.generation, n_configs);
+}
+
+static void test_session_with_changes_in_the_cut_replays_bit_for_bit(void)
+{
+    prepare();
+    cut_with_changes();
+    TEST_ASSERT_LESS_THAN_UINT32(20000, fixture_rig_until(&rig, cam_state_ready, 20000));
+    TEST_ASSERT_EQUAL_HEX32(0, fixture_rig_status(&rig).faults);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_disable(&rig.machine));
+    fixture_rig_ticks(&rig, 3000);
+    TEST_ASSERT_EQUAL_INT(cam_state_off, rig.last.state);
+    expect_replay();
+}
+
+static void test_session_with_stop_fault_and_reset_replays_bit_for_bit(void)
+{
+    prepare();
+    cut_with_changes();
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stop(&rig.machine));
+    fixture_rig_ticks(&rig, 1500);
+    hal_host_fault_estop(true);
+    fixture_rig_ticks(&rig, 4000);
+    hal_host_fault_estop(false);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_reset(&rig.machine));
+    fixture_rig_ticks(&rig, 3000);
+    TEST_ASSERT_EQUAL_INT(cam_state_off, rig.last.state);
+    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_engaging)); // homed anew
+    fixture_rig_ticks(&rig, 3000);
+    TEST_ASSERT_EQUAL_HEX32(0, rig.last.faults);
+    expect_replay();
+}
+
+static void test_session_with_other_senses_does_not_replay_alike(void)
+{
+    prepare();
+    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_homing));
+    fixture_rig_ticks(&rig, 1500);
+    memset(&replayed, 0, sizeof replayed);
+    bool is_alike = true;
+    for (uint32_t i = 0; i < rig.n_log; i++) {
+        replayed.config.half[0] = configs[rig.log[i].config];
+        replayed.config.half[0].play.table = &replayed.config.half[0].table;
+        cam_tick_record_t done = {.in = rig.log[i].in};
+        done.in.encoder.counts += i / 200u % 2u; // one count more, now and then
+        cam_tick_steps_isr(&replayed, &done.in, &done);
+        is_alike = is_alike && done.speed_q32 == rig.log[i].speed_q32;
+    }
+    TEST_ASSERT_FALSE(is_alike);
+}
+
+static void test_trace_switched_off_and_on_has_a_gap_and_goes_on(void)
+{
+    prepare();
+    set(cam_param_trace_on, 0);
+    const uint32_t n = rig.n_log;
+    const uint32_t tick = fixture_rig_status(&rig).tick;
+    fixture_rig_ticks(&rig, 1000);
+    TEST_ASSERT_EQUAL_UINT32(n, rig.n_log);
+    set(cam_param_trace_on, 1);
+    TEST_ASSERT_EQUAL_UINT32(n + 1u, rig.n_log);
+    TEST_ASSERT_EQUAL_UINT32(tick + 1001u, rig.last.tick);
+    TEST_ASSERT_EQUAL_UINT32(0, cam_trace_dropped(&g_cam.trace));
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_session_with_changes_in_the_cut_replays_bit_for_bit);
+    RUN_TEST(test_session_with_stop_fault_and_reset_replays_bit_for_bit);
+    RUN_TEST(test_session_with_other_senses_does_not_replay_alike);
+    RUN_TEST(test_trace_switched_off_and_on_has_a_gap_and_goes_on);
+    return UNITY_END();
+}
