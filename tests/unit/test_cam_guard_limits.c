@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: Apache-2.0
+// The guard alone: each fault at its limit and one step beyond, in every state, as FAULTS.md has
+// it.
+#include "cam/cam_config.h"
+#include "unity.h"
+#include <string.h>
+
+enum { period = 10000 };
+
+static cam_config_t config;
+static const cam_guard_config_t *cfg = &config.guard;
+static cam_guard_t guard;
+static cam_sense_t in;
+static cam_angle_t angle;
+static cam_want_t want;
+
+void setUp(void)
+{
+    const cam_params_t params = cam_param_defaults();
+    memset(&config, 0, sizeof config);
+    memset(&guard, 0, sizeof guard);
+    TEST_ASSERT_EQUAL_INT(cam_ok,
+                          cam_config_build(&config, &params, NULL, 3030000, 20000, 200000000));
+    in = (cam_sense_t){.inputs = hal_in_drive_ready};
+    angle = (cam_angle_t){.speed_q32 = 8947849, .is_synced = true};
+    want = (cam_want_t){.spindle_mrpm = 2500000};
+}
+
+void tearDown(void) {}
+
+static cam_safe_t tick(void)
+{
+    in.clock += period;
+    return cam_guard_step_isr(&guard, cfg, &in, &angle, &want);
+}
+
+/// A quiet machine in a state.
+static void begin(cam_state_t state)
+{
+    setUp();
+    want.state = state;
+    for (int i = 0; i < 3; i++) {
+        (void)tick();
+    }
+    TEST_ASSERT_EQUAL_HEX32(0, guard.faults);
+}
+
+/// Make one fault appear in this tick, by `beyond` = 1, or be just not there, by 0.
+static void cause(cam_fault_t fault, int32_t beyond)
+{
+    const uint32_t mask = beyond != 0 ? UINT32_C(1) << fault : 0u;
+    int64_t *u_q10 = &want.axis[hal_axis_u].pos_q10;
+    switch (fault) {
+    case cam_fault_estop:
+        in.inputs |= beyond != 0 ? (uint32_t)hal_in_estop : 0u;
+        break;
+    case cam_fault_drive:
+        in.inputs &= beyond != 0 ? ~(uint32_t)hal_in_drive_ready : UINT32_MAX;
+        break;
+    case cam_fault_late_tick:
+        in.clock += 5000u + (uint32_t)beyond;
+        break;
+    case cam_fault_encoder_jump:
+    case cam_fault_lost_counts:
+    case cam_fault_index_missing:
+        angle.faults = mask;
+        break;
+    case cam_fault_z_range:
+    case cam_fault_table:
+        want.faults = mask;
+        break;
+    case cam_fault_reverse:
+        angle.speed_q32 = -17896 - beyond;
+        break;
+    case cam_fault_spindle_stopped:
+        angle.speed_q32 = 17895;
+        guard.n_stopped =
+            (want.state == cam_state_homing ? 200000u : 2000u) - 1u + (uint32_t)beyond;
+        break;
+    case cam_fault_overspeed:
+        angle.speed_q32 = 10844792 + beyond; // 3030 r/min
+        break;
+    case cam_fault_following_error:
+        in.actual_nm[hal_axis_u] = 100000 + beyond;
+        break;
+    case cam_fault_setpoint_speed: // with the speed of the step before: no acceleration
+        guard.u_step_q10 = cfg->u_vel_q10;
+        *u_q10 = guard.axis[hal_axis_u].pos_q10 + cfg->u_vel_q10 + beyond;
+        break;
+    case cam_fault_setpoint_acceleration:
+        *u_q10 = guard.axis[hal_axis_u].pos_q10 - cfg->u_acc_q10 - beyond;
+        break;
+    case cam_fault_setpoint_range:
+        guard.axis[hal_axis_u].pos_q10 = *u_q10 = cfg->u_high_q10 + beyond;
+        break;
+    case cam_n_faults:
+        break;
+    }
+}
+
+/// The table of FAULTS.md, column "armed in", by hand: o off, h homing, r ready, w in work, f
+/// fault.
+static bool is_armed(cam_fault_t fault, cam_state_t state)
+{
+    static const char *const armed[cam_n_faults] = {
+        [cam_fault_estop] = "hrwf",        [cam_fault_drive] = "hrwf",
+        [cam_fault_late_tick] = "hrw",     [cam_fault_encoder_jump] = "rw",
+        [cam_fault_lost_counts] = "rw",    [cam_fault_index_missing] = "hrw",
+        [cam_fault_reverse] = "w",         [cam_fault_spindle_stopped] = "hw",
+        [cam_fault_overspeed] = "w",       [cam_fault_following_error] = "rw",
+        [cam_fault_setpoint_speed] = "rw", [cam_fault_setpoint_acceleration] = "rw",
+        [cam_fault_setpoint_range] = "rw", [cam_fault_z_range] = "w",
+        [cam_fault_table] = "hrw",
+    };
+    static const char letter[cam_n_states] = "ohrwwwf";
+    return strchr(armed[fault], letter[state]) != NULL;
+}
+
+static void test_fault_beyond_its_limit_is_latched_at_once_where_it_is_armed(void)
+{
+    for (int fault = 0; fault < cam_n_faults; fault++) {
+        for (int state = 0; state < cam_n_states; state++) {
+            begin((cam_state_t)state);
+            cause((cam_fault_t)fault, 1);
+            const cam_safe_t safe = tick();
+            const bool armed = is_armed((cam_fault_t)fault, (cam_state_t)state);
+            const uint32_t wanted = armed ? UINT32_C(1) << fault : 0u;
+            TEST_ASSERT_EQUAL_HEX32_MESSAGE(wanted, guard.faults,
+                                            cam_fault_name((cam_fault_t)fault));
+            TEST_ASSERT_EQUAL_INT(armed ? cam_state_fault : (cam_state_t)state, safe.state);
+            TEST_ASSERT_EQUAL_UINT32(armed ? 1u : 0u, guard.count[fault]);
+            const bool is_entered = armed && state != cam_state_fault;
+            TEST_ASSERT_EQUAL_HEX32(is_entered ? wanted : 0u, guard.first_faults);
+        }
+    }
+}
+
+static void test_fault_at_its_limit_is_none_in_any_state(void)
+{
+    for (int fault = 0; fault < cam_n_faults; fault++) {
+        for (int state = 0; state < cam_n_states; state++) {
+            begin((cam_state_t)state);
+            cause((cam_fault_t)fault, 0);
+            const cam_safe_t safe = tick();
+            TEST_ASSERT_EQUAL_HEX32_MESSAGE(0, guard.faults, cam_fault_name((cam_fault_t)fault));
+            TEST_ASSERT_EQUAL_INT(state, safe.state);
+        }
+    }
+}
+
+static void test_armed_mask_of_every_state_is_the_manuals(void)
+{
+    for (int state = 0; state < cam_n_states; state++) {
+        for (int fault = 0; fault < cam_n_faults; fault++) {
+            const uint32_t bit = cam_guard_armed((cam_state_t)state) >> fault & 1u;
+            TEST_ASSERT_EQUAL_UINT32(is_armed((cam_fault_t)fault, (cam_state_t)state), bit);
+        }
+    }
+}
+
+static void test_limits_of_the_other_sign_are_the_same(void)
+{
+    begin(cam_state_cutting);
+    in.actual_nm[hal_axis_u] = -100001;
+    (void)tick();
+    TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(following_error), guard.faults);
+    begin(cam_state_cutting);
+    want.axis[hal_axis_u].pos_q10 = cfg->u_acc_q10 + 1;
+    (void)tick();
+    TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(setpoint_acceleration), guard.faults);
+    begin(cam_state_cutting);
+    guard.u_step_q10 = -cfg->u_vel_q10;
+    want.axis[hal_axis_u].pos_q10 = -cfg->u_vel_q10 - 1;
+    (void)tick();
+    TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(setpoint_speed), guard.faults);
+    begin(cam_state_cutting);
+    guard.axis[hal_axis_u].pos_q10 = want.axis[hal_axis_u].pos_q10 = cfg->u_low_q10 - 1;
+    (void)tick();
+    TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(setpoint_range), guard.faults);
+}
+
+/// Checked limits: 1/16 above the parameter and three nanometres.
+static void test_limits_are_those_of_the_parameters(void)
+{
+    TEST_ASSERT_INT32_WITHIN(1, 21253 * 1024, cfg->u_vel_q10);      // 400 mm/s at 20 kHz
+    TEST_ASSERT_INT32_WITHIN(100, 667 * 1024 + 64, cfg->u_acc_q10); // 250 m/s2: 664.06 + 3
+    TEST_ASSERT_EQUAL_INT64(600000 * 1024, cfg->u_high_q10);        // half of 1.2 mm
+    TEST_ASSERT_EQUAL_INT64(-600000 * 1024, cfg->u_low_q10);
+}
+
+static void test_fault_with_set_points_far_off_writes_from_the_last_good_place(void)
+{
+    begin(cam_state_cutting);
+    want.axis[hal_axis_u].pos_q10 = INT64_C(1) << 50;
+    want.axis[hal_axis_x].pos_q10 = -(INT64_C(1) << 50);
+    want.axis[hal_axis_z].pos_q10 = INT64_C(1) << 50;
+    const cam_safe_t safe = tick();
+    TEST_ASSERT_EQUAL_INT(cam_state_fault, safe.state);
+    for (uint32_t i = 0; i < hal_n_axes; i++) {
+        TEST_ASSERT_INT64_WITHIN((uint32_t)cfg->limits[i].acceleration_q10, 0,
+                                 safe.axis[i].pos_q10);
+    }
+}
+
+/// At the limit of acceleration the retract starts at the speed that was written, not half a tick
+/// further.
+static void test_retract_goes_on_at_the_speed_of_the_last_step(void)
+{
+    begin(cam_state_cutting);
+    const int64_t a_q10 = cfg->limits[hal_axis_u].acceleration_q10;
+    int64_t at_q10 = 0;
+    for (int64_t n = 1; n <= 5; n++) { // constant acceleration: the end of a step is a/2 faster
+        at_q10 += n * a_q10;
+        want.axis[hal_axis_u] = (cam_move_t){.pos_q10 = at_q10,
+                                             .vel_q10 = (int32_t)(n * a_q10 + a_q10 / 2),
+                                             .acc_q10 = (int32_t)a_q10};
+        want.u_due_q6 = 0;
+        (void)tick();
+        TEST_ASSERT_EQUAL_HEX32(0, guard.faults);
+    }
+    want.axis[hal_axis_u].pos_q10 = at_q10 + 6 * a_q10;
+    in.inputs |= hal_in_estop;
+    const cam_safe_t safe = tick();
+    TEST_ASSERT_EQUAL_INT64(at_q10 + 4 * a_q10, safe.axis[hal_axis_u].pos_q10);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_fault_beyond_its_limit_is_latched_at_once_where_it_is_armed);
+    RUN_TEST(test_fault_at_its_limit_is_none_in_any_state);
+    RUN_TEST(test_armed_mask_of_every_state_is_the_manuals);
+    RUN_TEST(test_limits_of_the_other_sign_are_the_same);
+    RUN_TEST(test_limits_are_those_of_the_parameters);
+    RUN_TEST(test_fault_with_set_points_far_off_writes_from_the_last_good_place);
+    RUN_TEST(test_retract_goes_on_at_the_speed_of_the_last_step);
+    return UNITY_END();
+}
