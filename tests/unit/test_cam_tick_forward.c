@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+// Commands of U against the control law in doubles: u + k1 u' w + k2 u'' w^2, read at lead.
+#include "fixture_reference.h"
+#include "fixture_rig.h"
+#include "hal_host.h"
+#include "unity.h"
+#include <math.h>
+#include <stdlib.h>
+
+enum { log_capacity = 60000, tick_hz = 20000 };
+#define K1_S 742723e-9
+#define K2_S2 281448e-12
+#define LEAD_TICKS 2.5
+
+static fixture_rig_t rig;
+static fixture_part_t part;
+static cam_tick_record_t *records;
+
+void setUp(void)
+{
+    records = calloc(log_capacity, sizeof *records);
+    TEST_ASSERT_NOT_NULL(records);
+    part = fixture_part_short();
+    fixture_rig_init(&rig, &part, tick_hz);
+    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_k1_ns, 742723));
+    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_k2_us2, 281448));
+    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_lead_ns, 125000));
+    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_following_limit_nm, 10000000));
+    rig.log = records;
+    rig.log_capacity = log_capacity;
+}
+
+void tearDown(void)
+{
+    free(records);
+}
+
+/// Value and its derivatives to time [nm, nm/s, nm/s2] at the angle that a record leads to.
+static void expected(const cam_tick_record_t *r, double u[3])
+{
+    const cam_channel_t *ch = &rig.machine.table.u;
+    const double ahead = (double)r->pos_q32 + LEAD_TICKS * r->speed_q32;
+    const uint32_t theta_q32 = (uint32_t)(uint64_t)(int64_t)floor(ahead);
+    const fixture_value_t v = fixture_reference_surface_at(ch, theta_q32, r->z_nm);
+    const double knots_per_s = ldexp(r->speed_q32, (int)ch->log2_knots - 32) * tick_hz;
+    const double nm = ldexp(1.0, -(int)ch->frac_bits);
+    u[0] = (double)v.y * nm + ch->offset_nm;
+    u[1] = (double)v.d1 * nm * knots_per_s;
+    u[2] = (double)v.d2 * nm * knots_per_s * knots_per_s;
+}
+
+static void test_command_in_the_cut_is_the_control_law(void)
+{
+    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_cutting));
+    rig.n_log = 0;
+    fixture_rig_ticks(&rig, 5000);
+    TEST_ASSERT_EQUAL_UINT32(5000, rig.n_log);
+    double largest_nm = 0.0;
+    for (uint32_t i = 10; i < rig.n_log; i++) {
+        double u[3];
+        expected(&records[i], u);
+        const hal_setpoint_t *out = &records[i].out[hal_axis_u];
+        TEST_ASSERT_EQUAL_INT(cam_state_cutting, records[i].state);
+        TEST_ASSERT_DOUBLE_WITHIN(0.05, u[0], records[i].u_set_q6 / 64.0);
+        TEST_ASSERT_DOUBLE_WITHIN(2.0, u[1] * 1e-3, out->vel_um_per_s);  // of 40 000 um/s
+        TEST_ASSERT_DOUBLE_WITHIN(4.0, u[2] * 1e-6, out->acc_mm_per_s2); // of 20 000 mm/s2
+        const double forward_nm = K1_S * u[1] + K2_S2 * u[2];
+        TEST_ASSERT_DOUBLE_WITHIN(1.5, u[0] + forward_nm, out->pos_nm);
+        largest_nm = fabs(forward_nm) > largest_nm ? fabs(forward_nm) : largest_nm;
+    }
+    TEST_ASSERT_TRUE(largest_nm > 20000.0); // it is no small thing
+}
+
+static void test_command_of_x_and_z_is_their_setpoint(void)
+{
+    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_cutting));
+    for (int i = 0; i < 3000; i++) {
+        fixture_rig_tick(&rig);
+        TEST_ASSERT_INT32_WITHIN(1, g_cam.guard.axis[hal_axis_z].pos_q10 / 1024,
+                                 hal_host.out.axis[hal_axis_z].pos_nm);
+        TEST_ASSERT_INT32_WITHIN(1, g_cam.guard.axis[hal_axis_x].pos_q10 / 1024,
+                                 hal_host.out.axis[hal_axis_x].pos_nm);
+    }
+}
+
+/// At rest in ready nothing is added: command and set-point agree.
+static void test_command_at_rest_is_the_place_itself(void)
+{
+    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_ready));
+    fixture_rig_ticks(&rig, 100);
+    TEST_ASSERT_EQUAL_INT32(-500000, hal_host.out.axis[hal_axis_u].pos_nm);
+    TEST_ASSERT_EQUAL_INT32(0, hal_host.out.axis[hal_axis_u].vel_um_per_s);
+    TEST_ASSERT_EQUAL_INT32(0, hal_host.out.axis[hal_axis_u].acc_mm_per_s2);
+}
+
+/// Due is what was wanted two and a half ticks ago.
+static void test_due_in_the_record_is_the_setpoint_of_lead_ago(void)
+{
+    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_cutting));
+    rig.n_log = 0;
+    fixture_rig_ticks(&rig, 2000);
+    for (uint32_t i = 3; i < rig.n_log; i++) {
+        const double due = (records[i - 2].u_set_q6 + records[i - 3].u_set_q6) / 128.0;
+        TEST_ASSERT_DOUBLE_WITHIN(0.05, due, records[i].u_due_q6 / 64.0);
+    }
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_command_in_the_cut_is_the_control_law);
+    RUN_TEST(test_command_of_x_and_z_is_their_setpoint);
+    RUN_TEST(test_command_at_rest_is_the_place_itself);
+    RUN_TEST(test_due_in_the_record_is_the_setpoint_of_lead_ago);
+    return UNITY_END();
+}
