@@ -79,7 +79,8 @@ static int64_t profile_q10(const cam_play_config_t *cfg, int32_t z_nm)
 }
 
 /// U with its velocity and acceleration: derivatives per knot times knots per tick. The slow change
-/// of envelope and amplitude adds nothing worth naming to them.
+/// of envelope, amplitude and height adds nothing worth naming to them (a skirt: 1e-6 of the
+/// speed).
 static cam_move_t surface(const cam_play_t *p, const cam_play_config_t *cfg,
                           const cam_angle_t *angle, int64_t pos_q32, int32_t z_nm)
 {
