@@ -39,7 +39,7 @@ def _umask() -> int:
 
 
 @contextmanager
-def _signals_held() -> Iterator[None]:
+def signals_held() -> Iterator[None]:
     """Hold interrupts back while the finished files get their names."""
     before = signal.pthread_sigmask(signal.SIG_BLOCK, _SIGNALS)
     try:
@@ -52,7 +52,7 @@ def _rename_all(folder: Path, temporaries: Mapping[str, Path]) -> None:
     for name in temporaries:
         if (folder / name).is_dir():
             raise IsADirectoryError(21, os.strerror(21), name)
-    with _signals_held():
+    with signals_held():
         for name, path in temporaries.items():
             path.replace(folder / name)
 

@@ -13,17 +13,14 @@ from __future__ import annotations
 
 import os
 import shutil
-import signal
 import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
 from typing import Self
 
 from camtools.errors import CamtoolsError
-
-_SIGNALS = {signal.SIGINT, signal.SIGTERM, signal.SIGHUP}
+from camtools.output import signals_held
 
 
 def cannot_write(place: Path, error: OSError) -> CamtoolsError:
@@ -31,15 +28,6 @@ def cannot_write(place: Path, error: OSError) -> CamtoolsError:
     reason = error.strerror or str(error)
     remedy = "give a folder that can be written and has room"
     return CamtoolsError([f"{place}: cannot write: {reason}; {remedy}"])
-
-
-@contextmanager
-def _signals_held() -> Iterator[None]:
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, _SIGNALS)
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 class Stage:
@@ -68,7 +56,7 @@ class Stage:
 
     def __enter__(self) -> Self:
         try:
-            with _signals_held():
+            with signals_held():
                 self._made = self._missing()
                 self.output.mkdir(parents=True, exist_ok=True)
                 name = tempfile.mkdtemp(prefix=".run.", suffix=".tmp", dir=self.output)
@@ -87,7 +75,7 @@ class Stage:
         files = sorted(path for path in self.folder.iterdir() if path.is_file())
         try:
             self._check_names(files)
-            with _signals_held():
+            with signals_held():
                 for path in files:
                     path.replace(self.output / path.name)
         except OSError as error:
@@ -107,7 +95,7 @@ class Stage:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        with _signals_held():
+        with signals_held():
             shutil.rmtree(self.folder, ignore_errors=True)
             self._remove_empty()
 
