@@ -8,13 +8,10 @@
 from __future__ import annotations
 
 import tomllib
-from itertools import pairwise
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import (
-    BaseModel,
-    ConfigDict,
     Field,
     StringConstraints,
     ValidationError,
@@ -22,51 +19,22 @@ from pydantic import (
     field_validator,
     model_validator,
 )
-from pydantic_core import PydanticCustomError
 
 from camtools.errors import CamtoolsError, InputError
+from camtools.part_base import HeightMm, Table, as_long, rising, wrong
 from camtools.part_errors import describe_all
+from camtools.part_section import SectionShape
 
 MAX_FILE_BYTES = 1_000_000
-MIN_SPAN_MM = 1.0
-MIN_STEP_MM = 0.01
+DEFAULT_ALPHA_RAD_S2 = 500.0  # 50 Nm on 0.1 kg m2
 
-HeightMm = Annotated[float, Field(ge=-1000, le=1000)]
 DiameterMm = Annotated[float, Field(ge=1, le=4000)]
 OvalityMm = Annotated[float, Field(ge=0, le=4000)]
 SlopeMmPerMm = Annotated[float, Field(ge=-100, le=100)]
 PartName = Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,30}\z")]
 
 
-class _Table(BaseModel):
-    model_config = ConfigDict(strict=True, extra="forbid", frozen=True, allow_inf_nan=False)
-
-
-def _wrong(kind: str, problem: str, remedy: str, **context: Any) -> PydanticCustomError:  # noqa: ANN401
-    text = problem.replace("{", "(").replace("}", ")")
-    return PydanticCustomError(kind, text, {"remedy": remedy, **context})
-
-
-def _rising(height_mm: list[float]) -> list[float]:
-    for lower, upper in pairwise(height_mm):
-        if upper - lower < MIN_STEP_MM:
-            problem = f"heights must increase by at least {MIN_STEP_MM} mm, but {upper} mm "
-            raise _wrong("rising", problem + f"follows {lower} mm", "list the points upwards")
-    if height_mm[-1] - height_mm[0] < MIN_SPAN_MM:
-        problem = f"the height range must be at least {MIN_SPAN_MM} mm"
-        raise _wrong("span", problem, "give heights in mm")
-    return height_mm
-
-
-def _as_long(values: list[float], info: ValidationInfo) -> list[float]:
-    height_mm = info.data.get("height_mm")
-    if height_mm is not None and len(values) != len(height_mm):
-        problem = f"has {len(values)} entries, height_mm has {len(height_mm)}"
-        raise _wrong("length", problem, "give one value for each height")
-    return values
-
-
-class PartInfo(_Table):
+class PartInfo(Table):
     """[part]: which part this is."""
 
     name: PartName
@@ -74,7 +42,7 @@ class PartInfo(_Table):
     source: Annotated[str, StringConstraints(min_length=1, max_length=1000)]
 
 
-class Profile(_Table):
+class Profile(Table):
     """[piston.profile]: long-axis diameter over skirt height."""
 
     height_mm: Annotated[list[HeightMm], Field(min_length=2, max_length=1000)]
@@ -84,8 +52,8 @@ class Profile(_Table):
         None, validate_default=True
     )
 
-    _check_height = field_validator("height_mm")(_rising)
-    _check_length = field_validator("diameter_mm")(_as_long)
+    _check_height = field_validator("height_mm")(rising)
+    _check_length = field_validator("diameter_mm")(as_long)
 
     @field_validator("end_slopes")
     @classmethod
@@ -93,103 +61,151 @@ class Profile(_Table):
         spline = info.data.get("spline")
         if spline == "clamped" and value is None:
             remedy = 'give [lower, upper] slope of the radius in mm/mm, or spline = "not-a-knot"'
-            raise _wrong("slopes_missing", "a clamped spline needs end slopes", remedy)
+            raise wrong("slopes_missing", "a clamped spline needs end slopes", remedy)
         if spline is not None and spline != "clamped" and value is not None:
             problem = f'end slopes have no meaning for spline = "{spline}"'
-            raise _wrong("slopes_extra", problem, 'remove them, or set spline = "clamped"')
+            raise wrong("slopes_extra", problem, 'remove them, or set spline = "clamped"')
         return value
 
 
-class Ovality(_Table):
+class Ovality(Table):
     """[piston.ovality]: diametral ovality G = 2a - 2b over height."""
 
     height_mm: Annotated[list[HeightMm], Field(min_length=2, max_length=1000)]
     ovality_mm: Annotated[list[OvalityMm], Field(min_length=2, max_length=1000)]
     interpolation: Literal["linear", "spline"] = "linear"
 
-    _check_height = field_validator("height_mm")(_rising)
-    _check_length = field_validator("ovality_mm")(_as_long)
+    _check_height = field_validator("height_mm")(rising)
+    _check_length = field_validator("ovality_mm")(as_long)
 
 
-class SectionShape(_Table):
-    """[piston.section]: shape of every cross-section."""
-
-    shape: Literal["ellipse", "cosine", "double-ellipse"] = "ellipse"
-    beta: Annotated[float, Field(ge=-6.25, le=6.25)] = 0.0
-
-    @field_validator("beta")
-    @classmethod
-    def _check_beta(cls, value: float, info: ValidationInfo) -> float:
-        shape = info.data.get("shape", "double-ellipse")
-        if value != 0 and shape != "double-ellipse":
-            problem = f'beta has no meaning for shape = "{shape}"'
-            raise _wrong("beta", problem, 'set it to 0, or shape = "double-ellipse"')
-        return value
-
-
-class Piston(_Table):
+class Piston(Table):
     """[piston]: the skirt."""
 
     profile: Profile
-    ovality: Ovality
     section: SectionShape = Field(default_factory=SectionShape)
+    ovality: Annotated[Ovality | None, Field(validate_default=True)] = None
+
+    @field_validator("ovality")
+    @classmethod
+    def _check_ovality(cls, value: Ovality | None, info: ValidationInfo) -> Ovality | None:
+        section = info.data.get("section")
+        is_measured = section is not None and section.shape == "table"
+        if value is None and section is not None and not is_measured:
+            raise wrong("no_ovality", "is missing", f'add it: shape = "{section.shape}" needs it')
+        if value is not None and is_measured:
+            problem = 'has no meaning for shape = "table": the points tell it'
+            raise wrong("extra_ovality", problem, "remove [piston.ovality]")
+        return value
 
     @model_validator(mode="after")
     def _check_together(self) -> Self:
-        profile, ovality = self.profile, self.ovality
-        first, last = profile.height_mm[0], profile.height_mm[-1]
-        if ovality.height_mm[0] > first or ovality.height_mm[-1] < last:
-            problem = f"must cover the profile's heights {first} .. {last} mm"
-            remedy = "add points of ovality at the ends"
-            context = {"field": "ovality.height_mm", "value": ovality.height_mm}
-            raise _wrong("cover", problem, remedy, **context)
-        smallest = min(profile.diameter_mm)
-        if max(ovality.ovality_mm) >= smallest:
-            problem = f"must be smaller than the smallest diameter, {smallest} mm"
-            remedy = "give long minus short axis in mm"
-            context = {"field": "ovality.ovality_mm", "value": ovality.ovality_mm}
-            raise _wrong("ovality", problem, remedy, **context)
+        if self.ovality is not None:
+            _check_cover(self.profile, self.ovality)
+            _check_size(self.profile, self.ovality)
+            _check_lists(self.section, self.ovality)
         return self
 
 
-class Process(_Table):
+def _check_cover(profile: Profile, ovality: Ovality) -> None:
+    first, last = profile.height_mm[0], profile.height_mm[-1]
+    if ovality.height_mm[0] > first or ovality.height_mm[-1] < last:
+        problem = f"must cover the profile's heights {first} .. {last} mm"
+        remedy = "add points of ovality at the ends"
+        context = {"field": "ovality.height_mm", "value": ovality.height_mm}
+        raise wrong("cover", problem, remedy, **context)
+
+
+def _check_size(profile: Profile, ovality: Ovality) -> None:
+    smallest = min(profile.diameter_mm)
+    if max(ovality.ovality_mm) >= smallest:
+        problem = f"must be smaller than the smallest diameter, {smallest} mm"
+        remedy = "give long minus short axis in mm"
+        context = {"field": "ovality.ovality_mm", "value": ovality.ovality_mm}
+        raise wrong("ovality", problem, remedy, **context)
+
+
+def _check_lists(section: SectionShape, ovality: Ovality) -> None:
+    """Demand that a list of the section goes with the heights of the ovality."""
+    n = len(ovality.height_mm)
+    for key in ("trim_mm", "joint_deg", "eccentricity_mm"):
+        value = getattr(section, key)
+        if isinstance(value, list) and len(value) != n:
+            problem = f"has {len(value)} entries, ovality.height_mm has {n}"
+            context = {"field": f"section.{key}", "value": value}
+            raise wrong("length", problem, "give one number, or one for each height", **context)
+
+
+class Process(Table):
     """[process]: how the part is cut."""
 
     spindle_rpm: Annotated[float, Field(ge=1, le=60_000)]
     feed_mm: Annotated[float, Field(ge=0.000_1, le=10)]
     depth_mm: Annotated[float, Field(ge=0, le=100)] = 0.1
     direction: Literal[1, -1] = 1
+    mode: Literal["uniform", "equal-volume"] = "uniform"
+    parts: Annotated[int, Field(ge=2, le=1000)] = 30
+    form_error_um: Annotated[float, Field(ge=0.01, le=1000)] = 5.0
+
+    @field_validator("mode")
+    @classmethod
+    def _check_mode(cls, value: str, info: ValidationInfo) -> str:
+        if value == "equal-volume" and info.data.get("depth_mm") == 0:
+            problem = "needs a cutting depth: without it the spindle would have to run infinitely"
+            raise wrong("mode", f"{problem} fast at the long axis", "set process.depth_mm above 0")
+        return value
 
     @field_validator("direction", mode="before")
     @classmethod
     def _check_direction(cls, value: object) -> object:
         if isinstance(value, bool):  # true equals 1 in Python, but not on a drawing
-            raise _wrong("direction", "must be 1 or -1", "use one of: 1 or -1")
+            raise wrong("direction", "must be 1 or -1", "use one of: 1 or -1")
         return value
 
 
-class Limits(_Table):
+class Limits(Table):
     """[machine.limits]: what the machine can do; feasibility is judged against it."""
 
     u_stroke_mm: Annotated[float, Field(ge=0.001, le=30)] = 1.2
     u_speed_mm_s: Annotated[float, Field(ge=0.001, le=100_000)] = 400.0
     u_acceleration_mm_s2: Annotated[float, Field(ge=1, le=1_000_000_000)] = 250_000.0
     spindle_rpm: Annotated[float, Field(ge=1, le=60_000)] = 3000.0
+    spindle_torque_nm: Annotated[float, Field(gt=0, le=100_000)] | None = None
+    spindle_inertia_kgm2: Annotated[float, Field(gt=0, le=10_000)] | None = None
+    spindle_acceleration_rad_s2: Annotated[float, Field(ge=1, le=1_000_000)] | None = None
+
+    @model_validator(mode="after")
+    def _check_spindle(self) -> Self:
+        pair = (self.spindle_torque_nm, self.spindle_inertia_kgm2)
+        is_half, is_double = pair.count(None) == 1, self.spindle_acceleration_rad_s2 is not None
+        if is_half or (is_double and None not in pair):
+            context = {"field": "spindle_torque_nm", "value": self.spindle_torque_nm}
+            remedy = "give torque and inertia, or spindle_acceleration_rad_s2 alone"
+            raise wrong("spindle", "does not tell the spindle's acceleration", remedy, **context)
+        return self
+
+    @property
+    def alpha_rad_s2(self) -> float:
+        """Return the spindle's highest acceleration [rad/s2]; 500 where nothing is given."""
+        if self.spindle_torque_nm is not None and self.spindle_inertia_kgm2 is not None:
+            return self.spindle_torque_nm / self.spindle_inertia_kgm2
+        given = self.spindle_acceleration_rad_s2
+        return DEFAULT_ALPHA_RAD_S2 if given is None else given
 
 
-class Machine(_Table):
+class Machine(Table):
     """[machine]: the machine for which the table is made."""
 
     limits: Limits = Field(default_factory=Limits)
 
 
-class Magnify(_Table):
+class Magnify(Table):
     """[magnify]: the papers' demonstration, all deviations enlarged (maths.md 10.8)."""
 
     factor: Annotated[float, Field(ge=1, le=1000)]
 
 
-class Part(_Table):
+class Part(Table):
     """The whole part file."""
 
     part: PartInfo
@@ -199,7 +215,7 @@ class Part(_Table):
     magnify: Magnify | None = None
 
 
-def parse_part(data: bytes, file: str) -> Part:
+def parse_part(data: bytes, file: str, folder: Path = Path()) -> Part:
     """Return the part that the bytes of a TOML file describe.
 
     Parameters
@@ -208,6 +224,8 @@ def parse_part(data: bytes, file: str) -> Part:
         Whole content of the file, UTF-8.
     file : str
         Name for error messages.
+    folder : Path
+        Where files that the part names are looked for.
 
     Raises
     ------
@@ -223,7 +241,7 @@ def parse_part(data: bytes, file: str) -> Part:
         problem = f"not TOML: {error}"
         raise InputError(file, "", None, problem, "correct it; see tools/README.md") from error
     try:
-        return Part.model_validate(tree)
+        return Part.model_validate(tree, context={"folder": folder})
     except ValidationError as error:
         raise CamtoolsError(describe_all(file, error)) from error
 
@@ -246,7 +264,7 @@ def load_part(path: Path) -> Part:
     if len(data) > MAX_FILE_BYTES:
         problem = f"larger than {MAX_FILE_BYTES} bytes"
         raise InputError(str(path), "", None, problem, "give a part file (TOML)")
-    return parse_part(data, str(path))
+    return parse_part(data, str(path), path.parent)
 
 
 def example_part() -> Part:

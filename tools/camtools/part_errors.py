@@ -52,7 +52,8 @@ def describe(file: str, finding: ErrorDetails) -> str:
     """Return one finding as one line."""
     context = finding.get("ctx", {})
     path = [str(step) for step in finding["loc"]] + [context.get("field", "")]
-    field = one_line(".".join(step for step in path if step))
+    shown = (step for step in path if step and not step.startswith("("))  # not a union's member
+    field = one_line(".".join(shown))
     value = None if finding["type"] == "missing" else context.get("value", finding["input"])
     problem = _PROBLEMS.get(finding["type"], finding["msg"])
     return str(InputError(file, field, value, problem, remedy_for(finding["type"], context)))

@@ -108,7 +108,13 @@ def _feasibility(result: Generated) -> Json:
     limits, peaks = result.part.machine.limits, peaks_of(result.table.bounds)
     omega = omega_rad_s(result.part.process.spindle_rpm)
     return {
-        "limits": {name: float(value) for name, value in limits.model_dump().items()},
+        "limits": {
+            "u_stroke_mm": float(limits.u_stroke_mm),
+            "u_speed_mm_s": float(limits.u_speed_mm_s),
+            "u_acceleration_mm_s2": float(limits.u_acceleration_mm_s2),
+            "spindle_rpm": float(limits.spindle_rpm),
+            "spindle_acceleration_rad_s2": float(limits.alpha_rad_s2),
+        },
         "needed": {
             "u_stroke_mm": peaks.u_stroke_mm,
             "u_speed_mm_s": peaks.u1_mm * omega,
