@@ -9,13 +9,13 @@ from scipy.interpolate import CubicSpline
 from camtools.errors import GeometryError
 from camtools.geometry import (
     Geometry,
+    OvalSurface,
     make_geometry,
-    ovality_spline,
-    profile_spline,
     turning_at,
     uniform_turning,
 )
 from camtools.part import Ovality, Part, Profile, load_part
+from camtools.profile import ovality_spline, profile_spline
 from camtools.sections import DoubleEllipse, Ellipse
 from part_cases import PERKINS
 
@@ -150,9 +150,10 @@ def make_flat(g_mm: float) -> dict[str, Geometry]:
     """Return cylinders of a = 46 mm with constant ovality, ellipse and cosine form."""
     radius = profile_spline(Profile(height_mm=[0, 10], diameter_mm=[92, 92]))
     ovality = ovality_spline(Ovality(height_mm=[0, 10], ovality_mm=[g_mm, g_mm]))
+    laws = {"ellipse": Ellipse(), "cosine": DoubleEllipse()}
     return {
-        "ellipse": Geometry(radius, ovality, Ellipse(), 0.0, 10.0),
-        "cosine": Geometry(radius, ovality, DoubleEllipse(), 0.0, 10.0),
+        name: Geometry(radius, ovality, OvalSurface(law, radius, ovality), 0.0, 10.0)
+        for name, law in laws.items()
     }
 
 

@@ -17,7 +17,7 @@ from camtools.accuracy import PLACES
 from camtools.evaluate import power_rows
 from camtools.geometry import NM_PER_MM, Geometry
 from camtools.image import Ints, segment_coefficients
-from camtools.quantise import height_range_nm
+from camtools.quantise import balanced, height_range_nm
 from camtools.sections import Floats
 
 _ANGLES = 33
@@ -38,7 +38,7 @@ class HeightError(NamedTuple):
     def estimate_nm(self, n_slices: Ints) -> Floats:
         """Return the larger of both kinds of error for each number of slices."""
         spacing = self.span_nm / (n_slices - 1)
-        worst = self.curvatures.max() * spacing**2 / 8
+        worst = self.curvatures.max() * spacing**2 / 16
         for kink_nm, bend in zip(self.kinks_nm, self.bends, strict=True):
             w = np.mod(kink_nm / spacing, 1.0)
             worst = np.maximum(worst, bend * w * (1 - w) * spacing)
@@ -96,11 +96,12 @@ def probe(geometry: Geometry, estimate: HeightError, log2_knots: int, n_slices: 
     spacing, first_nm = estimate.span_nm / (n_slices - 1), height_range_nm(geometry)[0]
     i_slice = np.minimum(np.floor(probes_nm / spacing), n_slices - 2)
     weight = (probes_nm / spacing - i_slice)[:, None, None]
-    h = 2 * np.pi / (1 << (log2_knots + geometry.section.log2_repeat))
+    h = 2 * np.pi / (1 << (log2_knots + geometry.surface.log2_repeat))
     knots = np.arange(1 << log2_knots, dtype=np.float64)
     around_mm = (first_nm + (i_slice + np.array([[0], [1]])) * spacing) / NM_PER_MM
-    u = geometry.delta(h * knots, around_mm[..., None])
-    below, above = np.stack([u.delta, h * u.d1, h**2 / 2 * u.d2], axis=-1)
+    u = balanced(geometry, h * knots, around_mm.ravel(), spacing / NM_PER_MM)
+    stored = np.stack([u[0], h * u[1], h**2 / 2 * u[2]], axis=-1)
+    below, above = stored.reshape(*around_mm.shape, *stored.shape[1:])
     blended = segment_coefficients((1 - weight) * below + weight * above, periodic=True)
     phi_rad = (h * (knots[:, None] + PLACES)).ravel()
     exact = geometry.delta(phi_rad, (first_nm + probes_nm[:, None]) / NM_PER_MM)

@@ -12,9 +12,10 @@ from dataclasses import dataclass
 from math import ceil, floor
 
 from camtools.accuracy import Accuracy
-from camtools.errors import CamtoolsError
+from camtools.corner import Corner
+from camtools.errors import CamtoolsError, GeometryError
 from camtools.evaluate import knot_interval, raw_bounds
-from camtools.feasibility import HighestSpeed, check_feasible, peaks_of
+from camtools.feasibility import HighestSpeed, Peaks, check_feasible, peaks_of
 from camtools.geometry import NM_PER_MM, Geometry, make_geometry
 from camtools.image import Bounds, Channel, Limits, Table
 from camtools.part import Part
@@ -22,6 +23,7 @@ from camtools.quantise import with_bounds
 from camtools.search import choose_u, choose_x
 
 DEFAULT_TOLERANCE_NM = 1.0
+REFIT_TOLERANCE_NM = 5.0  # of u, where a spline replaces a corner
 MAX_TOLERANCE_NM = 1_000_000.0
 _ROUNDING_LSB = (1, 2, 8)  # the firmware's, of value and derivatives per interval: cam_eval.h
 
@@ -97,25 +99,66 @@ def check_tolerance(tolerance_nm: float) -> None:
         raise CamtoolsError([f"tolerance_nm = {tolerance_nm:g}: {problem}; give nanometres"])
 
 
-def generate(part: Part, tolerance_nm: float = DEFAULT_TOLERANCE_NM) -> Generated:
+def _refuse_corner(geometry: Geometry) -> None:
+    """Refuse a composite section whose corner nobody smoothed: no axis can follow it."""
+    corner = geometry.corner
+    if corner is None or corner.recipe is not None:
+        return
+    jump = float(corner.joint(corner.worst_mm).corner_mm_rad())
+    angle_deg = float(corner.joint_deg(corner.worst_mm))
+    problem = (
+        f"is missing: the slope jumps by {jump:.4g} mm/rad at {angle_deg:g} degrees (height "
+        f"{corner.worst_mm:.4g} mm), so U would need infinite acceleration"
+    )
+    raise GeometryError("piston.section.refit", problem, "add the table [piston.section.refit]")
+
+
+def default_tolerance_nm(geometry: Geometry) -> float:
+    """Return the tolerance of u that applies when none is asked for [nm]."""
+    return DEFAULT_TOLERANCE_NM if geometry.corner is None else REFIT_TOLERANCE_NM
+
+
+def generate(part: Part, tolerance_nm: float | None = None) -> Generated:
     """Return the smallest table of a part that keeps the tolerance.
 
     Parameters
     ----------
     part : Part
         A validated part.
-    tolerance_nm : float
-        Largest error of u and of x anywhere on the skirt [nm], the firmware's rounding included.
+    tolerance_nm : float, optional
+        Largest error of u and of x anywhere on the skirt [nm], the firmware's rounding included;
+        by default 1 nm, for u of a refitted composite section 5 nm.
 
     Raises
     ------
     CamtoolsError
         The shape is impossible, the tolerance is out of reach, or the machine is too weak.
     """
-    check_tolerance(tolerance_nm)
+    if tolerance_nm is not None:
+        check_tolerance(tolerance_nm)
     geometry = make_geometry(part)
-    u, accuracy_u = choose_u(geometry, tolerance_nm)
-    x, accuracy_x = choose_x(geometry, tolerance_nm)
+    _refuse_corner(geometry)
+    tolerance_u_nm = tolerance_nm or default_tolerance_nm(geometry)
+    u, accuracy_u = choose_u(geometry, tolerance_u_nm)
+    x, accuracy_x = choose_x(geometry, tolerance_nm or DEFAULT_TOLERANCE_NM)
     table = make_table(part, u, x, max(accuracy_u.value_nm, accuracy_x.value_nm))
-    best = check_feasible(peaks_of(table.bounds), part.machine.limits, part.process.spindle_rpm)
-    return Generated(part, geometry, tolerance_nm, table, accuracy_u, accuracy_x, best)
+    best = _judge(part, geometry, peaks_of(table.bounds))
+    return Generated(part, geometry, tolerance_u_nm, table, accuracy_u, accuracy_x, best)
+
+
+def _judge(part: Part, geometry: Geometry, peaks: Peaks) -> HighestSpeed:
+    """Return the highest speed, or refuse; of a corner tell what another refit would need."""
+    try:
+        return check_feasible(peaks, part.machine.limits, part.process.spindle_rpm)
+    except CamtoolsError as error:
+        if geometry.corner is None:
+            raise
+        raise CamtoolsError([*error.lines, _corner_hint(geometry.corner)]) from error
+
+
+def _corner_hint(corner: Corner) -> str:
+    best = min(corner.candidates, key=lambda one: one.acceleration_mm_s2)
+    return (
+        f"piston.section.refit.delete: the corner decides; of all deletions [{best.s1}, {best.s2}] "
+        f"needs least, {best.acceleration_mm_s2:.6g} mm/s2 at this speed; trim less or turn slower"
+    )

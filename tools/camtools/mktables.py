@@ -15,7 +15,7 @@ from typing import NoReturn
 
 from camtools.csource import emit_header, emit_source
 from camtools.errors import CamtoolsError, one_line
-from camtools.generate import DEFAULT_TOLERANCE_NM, Generated, check_tolerance, generate
+from camtools.generate import Generated, check_tolerance, generate
 from camtools.image import pack
 from camtools.output import write_all
 from camtools.part import example_part, load_part
@@ -38,9 +38,8 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument(
         "--tolerance-nm",
         type=float,
-        default=DEFAULT_TOLERANCE_NM,
         metavar="T",
-        help="largest error of u and x, default %(default)s",
+        help="largest error of u and x, default 1 (u of a refitted section 5)",
     )
     parser.add_argument("--plot", action="store_true", help="draw PNG plots too")
     return parser.parse_args(argv)
@@ -63,7 +62,8 @@ def products(result: Generated, *, with_plots: bool) -> dict[str, bytes]:
 
 
 def _run(arguments: argparse.Namespace) -> None:
-    check_tolerance(arguments.tolerance_nm)
+    if arguments.tolerance_nm is not None:
+        check_tolerance(arguments.tolerance_nm)
     part = load_part(arguments.part)
     try:
         result = generate(part, arguments.tolerance_nm)

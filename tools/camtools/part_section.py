@@ -71,7 +71,7 @@ class Refit(Table):
     spline: Literal["cubic", "quintic"] = "quintic"
     delete: Delete = "optimise"
     ends: Literal["mirror", "as-paper"] = "mirror"
-    jerk_limit_mm_s3: Annotated[float, Field(gt=0, le=1e15)] = 1e7
+    jerk_limit_mm_s3: Annotated[float, Field(gt=0, le=1e15)] | None = None
 
 
 class SectionShape(Table):

@@ -69,7 +69,7 @@ def angle_error(geometry: Geometry, log2_knots: int) -> Accuracy:
     """Return the error of u at slices alone: interpolation in angle and quantisation."""
     n_slices = int(slice_counts(geometry)[0])
     first, last = height_range_nm(geometry)
-    channel = u_channel(geometry, log2_knots, n_slices)
+    channel = u_channel(geometry, log2_knots, n_slices, is_balanced=False)
     return measure_u(geometry, channel, np.linspace(first, last, n_slices))
 
 

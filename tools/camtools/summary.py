@@ -16,11 +16,13 @@ import numpy as np
 from scipy.interpolate import PPoly
 
 from camtools.accuracy import Accuracy
+from camtools.corner import Corner
 from camtools.evaluate import Continuity, jumps, knot_interval
 from camtools.feasibility import peaks_of
 from camtools.generate import Generated
 from camtools.geometry import NM_PER_MM, Geometry, dense_heights_mm, omega_rad_s
 from camtools.image import CRC_OFFSET, KIND_U, KIND_X, Channel, pack
+from camtools.poly_surface import PolySurface
 
 _PEAK_ANGLES = 1440
 _PEAK_HEIGHTS_PER_PIECE = 16
@@ -34,7 +36,10 @@ def _piecewise(spline: PPoly) -> Json:
 
 def design_of(result: Generated) -> Json:
     """Return the exact geometry, independent of the table: what a gauge compares with."""
-    section = result.part.piston.section
+    section, surface = result.part.piston.section, result.geometry.surface
+    if isinstance(surface, PolySurface):
+        radius = _piecewise(result.geometry.radius)
+        return {"shape": "surface", "radius_mm": radius, "surface": surface.document()}
     return {
         "shape": section.shape,
         "beta": float(section.beta),
@@ -126,26 +131,49 @@ def _feasibility(result: Generated) -> Json:
     }
 
 
+def _refit(corner: Corner) -> Json:
+    """Return what a refit came to, and what all deletions would come to at the part's speed."""
+    recipe, at = corner.recipe, corner.joint(corner.worst_mm)
+    assert recipe is not None
+    arc = at.arc()
+    return {
+        "recipe": recipe._asdict(),
+        "height_mm": corner.worst_mm,
+        "joint_deg": float(np.degrees(at.joint_rad)),
+        "eccentricity_mm": float(arc.eccentricity_mm),
+        "radius_mm": float(arc.radius_mm),
+        "corner_mm_per_rad": float(at.corner_mm_rad()),
+        "candidates": [one._asdict() for one in corner.candidates],
+    }
+
+
 def make_summary(result: Generated) -> Json:
     """Return everything that is known about a table, ready for JSON; no dates, no paths."""
     table, image = result.table, pack(result.table)
     u, x = table.channel(KIND_U), table.channel(KIND_X)
-    process = result.part.process
-    return {
-        "part": {"name": table.part_name, "source": result.part.part.source},
-        "process": _process(result),
-        "table_bytes": len(image),
-        "table_crc32": struct.unpack_from("<I", image, CRC_OFFSET)[0],
-        "tolerance_nm": float(result.tolerance_nm),
-        "height_range_mm": [table.z_first_nm / NM_PER_MM, table.z_last_nm / NM_PER_MM],
-        "channels": {"u": _channel(u), "x": _channel(x)},
-        "error": {"u": _error(result.accuracy_u, "rad"), "x": _error(result.accuracy_x, "mm")},
-        "continuity": {"u": _jumps(u), "x": _jumps(x)},
-        "guaranteed": vars(table.bounds),
-        "motion": motion_peaks(result.geometry, process.spindle_rpm, process.feed_mm),
-        "feasibility": _feasibility(result),
-        "design": design_of(result),
-    }
+    process, corner = result.part.process, result.geometry.corner
+    refit = {} if corner is None else {"refit": _refit(corner)}
+    off_um = result.geometry.off_points_um
+    scan = {} if off_um is None else {"scan": {"off_points_um": off_um}}
+    return (
+        refit
+        | scan
+        | {
+            "part": {"name": table.part_name, "source": result.part.part.source},
+            "process": _process(result),
+            "table_bytes": len(image),
+            "table_crc32": struct.unpack_from("<I", image, CRC_OFFSET)[0],
+            "tolerance_nm": float(result.tolerance_nm),
+            "height_range_mm": [table.z_first_nm / NM_PER_MM, table.z_last_nm / NM_PER_MM],
+            "channels": {"u": _channel(u), "x": _channel(x)},
+            "error": {"u": _error(result.accuracy_u, "rad"), "x": _error(result.accuracy_x, "mm")},
+            "continuity": {"u": _jumps(u), "x": _jumps(x)},
+            "guaranteed": vars(table.bounds),
+            "motion": motion_peaks(result.geometry, process.spindle_rpm, process.feed_mm),
+            "feasibility": _feasibility(result),
+            "design": design_of(result),
+        }
+    )
 
 
 def emit_json(summary: Json) -> str:
@@ -171,5 +199,40 @@ def emit_text(summary: Json) -> str:
         f"{motion['velocity_mm_s']:.3f} mm/s, {motion['acceleration_mm_s2']:.1f} mm/s2, "
         f"{motion['jerk_mm_s3']:.4g} mm/s3\n"
         f"  highest speed {feasible['highest_spindle_rpm']:.1f} r/min, "
-        f"decided by {feasible['decided_by']}\n"
+        f"decided by {feasible['decided_by']}\n" + _scan_text(summary) + _refit_text(summary)
+    )
+
+
+def _scan_text(summary: Json) -> str:
+    """Return how far a measured part's table is from its points, nothing for other parts."""
+    if "scan" not in summary:
+        return ""
+    return f"  the surface is within {summary['scan']['off_points_um']:.3f} um of all points\n"
+
+
+def _refit_text(summary: Json) -> str:
+    """Return the corner's refit and all candidates, nothing for other sections."""
+    refit = summary.get("refit")
+    if refit is None:
+        return ""
+    recipe = refit["recipe"]
+    lines = [
+        f"  corner at {refit['joint_deg']:g} degrees, height {refit['height_mm']:g} mm: slope "
+        f"jumps by {refit['corner_mm_per_rad']:.4f} mm/rad, eccentricity "
+        f"{refit['eccentricity_mm']:.6f} mm",
+        f"  {recipe['spline']} refit, {recipe['ends']} ends; what deleting s1, s2 points costs, "
+        "* is this table:",
+        "   s1 s2  acceleration mm/s2   at deg  jerk mm/s3  behind corner  deviation um",
+    ]
+    chosen = recipe["s1"], recipe["s2"]
+    lines += [_candidate_text(one, (one["s1"], one["s2"]) == chosen) for one in refit["candidates"]]
+    return "\n".join(lines) + "\n"
+
+
+def _candidate_text(one: Json, is_chosen: bool) -> str:
+    mark = "*" if is_chosen else " "
+    return (
+        f"  {mark}{one['s1']:2d} {one['s2']:2d}  {one['acceleration_mm_s2']:18.1f}  "
+        f"{one['peak_deg']:7.2f}  {one['jerk_mm_s3']:10.3e}  {one['tail_jerk_mm_s3']:13.3e}  "
+        f"{one['deviation_um']:12.2f}"
     )

@@ -2,7 +2,7 @@
 
 >>> from camtools.part import example_part
 >>> row(example_part(), 1.0)
-'| 1 | 3456 | 32 | 16 (8) | 10 | 0.379 | 0.717 |'
+'| 1 | 3456 | 32 | 16 (8) | 10 | 0.378 | 0.717 |'
 """
 
 from __future__ import annotations
