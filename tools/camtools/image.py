@@ -20,7 +20,9 @@ Ints = npt.NDArray[np.int64]
 
 MAGIC = b"CAMTAB\x1a\n"
 BYTE_ORDER = 0x01020304
-KIND_U, KIND_X = 1, 2
+KIND_U, KIND_X, KIND_SPEED = 1, 2, 3
+RATIO_ONE = 1 << 20  # unit of a speed ratio's values, where u and x count nanometres
+MIN_RATIO, MAX_RATIO = RATIO_ONE // 4, RATIO_ONE * 4
 HEADER_SIZE, ENTRY_SIZE, ALIGN, KNOT_SIZE = 128, 64, 32, 12
 CRC_OFFSET, CRC_START = 20, 24
 SUM_LIMIT = 2**25 - 1
@@ -46,13 +48,18 @@ class Limits:
 
 @dataclass(frozen=True)
 class Bounds:
-    """What the generator guarantees of u over the whole table, and the error it achieved."""
+    """What the generator guarantees of u over the whole table, and the error it achieved.
+
+    The peaks are velocity and acceleration of U over mean speed and its square; where the spindle
+    speed is modulated, its ratio r is in them: u' r and u'' r^2 + u' r r'.
+    """
 
     u_min_nm: int
     u_max_nm: int
     u1_peak_nm_per_rad: int
     u2_peak_nm_per_rad2: int
     error_pm: int
+    spindle_peak_ppm: int = 0  # of r r', in 1e-6 per rad; 0 without modulation
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,9 +69,9 @@ class Channel:
     Attributes
     ----------
     kind : int
-        KIND_U or KIND_X.
+        KIND_U, KIND_X or KIND_SPEED.
     knots : ndarray of int32, shape (n_slices, n_knots, 3)
-        (p, v, a) of each knot, LSB 2^-frac_bits nm; n_knots = 1 for x.
+        (p, v, a) of each knot, LSB 2^-frac_bits nm, of speed 2^-frac_bits 2^-20; n_knots = 1 for x.
     log2_repeat : int
         The pattern repeats 2^log2_repeat times per turn; 0 for x.
     frac_bits : int
@@ -134,6 +141,11 @@ class Table:
         """Return the channel of this kind; `unpack` makes sure that u and x exist."""
         return next(channel for channel in self.channels if channel.kind == kind)
 
+    @property
+    def speed(self) -> Channel | None:
+        """Return the speed ratio, when the table modulates the spindle."""
+        return next((one for one in self.channels if one.kind == KIND_SPEED), None)
+
 
 def slices_per_nm_q48(n_slices: int, z_first_nm: int, z_last_nm: int) -> int:
     """Return round((n - 1) 2^48 / (z_last - z_first)), half up, in exact integers."""
@@ -201,7 +213,7 @@ def _pack_header(table: Table, image_size: int, crc32: int) -> bytes:
         *(table.spindle_mrpm, table.feed_nm, table.depth_nm, limits.u_stroke_nm),
         *(limits.u_speed_um_s, limits.u_acceleration_mm_s2, limits.spindle_mrpm),
         *(bounds.u_min_nm, bounds.u_max_nm, bounds.u1_peak_nm_per_rad),
-        *(bounds.u2_peak_nm_per_rad2, bounds.error_pm, 0),
+        *(bounds.u2_peak_nm_per_rad2, bounds.error_pm, bounds.spindle_peak_ppm),
     )
 
 
@@ -274,8 +286,7 @@ def _unpack_header(fields: tuple[Any, ...]) -> Table:
     _demand(fields[12] > 0 and fields[13] > 0, "spindle_mrpm, feed_nm: not above 0")
     _demand(all(limit > 0 for limit in fields[15:19]), "limits: not above 0")
     _demand(fields[20] >= fields[19], "u_max_nm: below u_min_nm")
-    _demand(fields[24] == 0, "reserved: not 0")
-    limits, bounds = Limits(*fields[15:19]), Bounds(*fields[19:24])
+    limits, bounds = Limits(*fields[15:19]), Bounds(*fields[19:25])
     z_first, z_last, direction, mrpm, feed, depth = fields[9:15]
     return Table(name, z_first, z_last, direction, mrpm, feed, depth, limits, bounds, ())
 
@@ -295,6 +306,8 @@ def _unpack_channels(image: bytes, table: Table, n_channels: int) -> tuple[Chann
     kinds = [channel.kind for channel in channels]
     _demand(len(set(kinds)) == len(kinds), "kind: a channel is there twice")
     _demand({KIND_U, KIND_X} <= set(kinds), "kind: u or x is missing")
+    has_speed = KIND_SPEED in kinds
+    _demand(has_speed or table.bounds.spindle_peak_ppm == 0, "spindle_peak_ppm: not 0")
     for channel in channels:
         _check_knots(channel)
     return tuple(channels)
@@ -302,9 +315,9 @@ def _unpack_channels(image: bytes, table: Table, n_channels: int) -> tuple[Chann
 
 def _check_entry(entry: tuple[Any, ...], table: Table) -> None:
     kind, _, size, n_slices, log2_knots, log2_repeat, frac_bits, z_first, z_last, q48 = entry[:10]
-    _demand(kind in (KIND_U, KIND_X), "kind: unknown")
+    _demand(kind in (KIND_U, KIND_X, KIND_SPEED), "kind: unknown")
     _demand(2 <= n_slices <= MAX_SLICES, "n_slices: not 2 .. 4096")
-    if kind == KIND_U:
+    if kind != KIND_X:
         _demand(MIN_LOG2_KNOTS <= log2_knots <= MAX_LOG2_KNOTS, "log2_knots: not 2 .. 12")
         _demand(log2_repeat <= MAX_LOG2_REPEAT, "log2_repeat: not 0 .. 4")
     else:
@@ -316,6 +329,10 @@ def _check_entry(entry: tuple[Any, ...], table: Table) -> None:
     _demand(n * MIN_SPACING_NM <= span_nm <= n * MAX_SPACING_NM, "spacing: not 65537 .. 16777216")
     _demand(q48 == slices_per_nm_q48(n_slices, z_first, z_last), "slices_per_nm_q48: wrong")
     _demand(entry[15] == 0, "reserved: not 0")
+    if kind == KIND_SPEED:
+        low, high = (entry[10] * 2**frac_bits + p for p in entry[11:13])
+        is_ratio = low >= MIN_RATIO << frac_bits and high <= MAX_RATIO << frac_bits
+        _demand(is_ratio, "p_min, p_max: no speed ratio of 1/4 .. 4")
 
 
 def _make_channel(image: bytes, entry: tuple[Any, ...]) -> Channel:
