@@ -130,6 +130,12 @@ class Job:
         """Return the output folder for a part's name."""
         return self.output or ROOT / "build" / "run" / name
 
+    def tolerance(self, generated: Generated) -> list[str]:
+        """Return the part's own form error for camsim, unless another is given."""
+        if any(word.split("=")[0] == "--tolerance-um" for word in self.extra):
+            return []
+        return ["--tolerance-um", repr(generated.part.process.form_error_um)]
+
     def options(self) -> list[str]:
         """Return speed and feed for camsim, when they are given."""
         words = [] if self.rpm is None else ["--rpm", repr(self.rpm)]
@@ -232,7 +238,7 @@ def _cut_and_report(job: Job, generated: Generated, stage: Stage, begin_s: float
     files[machine] = machine_text(generated.part.machine.limits).encode("ascii")
     _write(stage.folder, files)
     simulator = Simulator(_camsim(), stage.folder, f"{name}.camtab")
-    words = ["--machine", machine, *job.options(), *job.extra]
+    words = ["--machine", machine, *job.tolerance(generated), *job.options(), *job.extra]
     if cut(simulator, words, window) == _BAD_INPUT:
         return None
     variants = compare(simulator, _without_faults(words), window)

@@ -21,6 +21,7 @@ TRACE, SURFACE, SUMMARY = "trace.csv", "surface.csv", "summary.json"
 MAX_TRACED_TICKS = 500_000  # about 150 MB of trace
 _WINDOW_TURNS = 200  # at most of a longer cut, for trace and comparison
 _TICK_HZ = 20_000  # of the default machine; good enough for an estimate
+_INERTIA_KGM2 = 0.1  # of the default machine
 _VARIANTS = {
     "complete controller": [],
     "without dead-time lead": ["--no-lead"],
@@ -34,6 +35,8 @@ _MACHINE = """\
 name = "{name}"
 [spindle]
 limit_rpm = {rpm!r}
+torque_Nm = {torque!r}
+inertia_kgm2 = {inertia!r}
 [u]
 speed_mm_per_s = {speed!r}
 acceleration_mm_per_s2 = {acceleration!r}
@@ -43,9 +46,12 @@ stroke_mm = {stroke!r}
 
 def machine_text(limits: Limits) -> str:
     """Return a machine file with a part's limits, as far as the simulator's ranges go."""
+    inertia = limits.spindle_inertia_kgm2 or _INERTIA_KGM2
     return _MACHINE.format(
         name="default, limits of the part file",
         rpm=limits.spindle_rpm,
+        torque=inertia * limits.alpha_rad_s2,
+        inertia=inertia,
         speed=min(max(limits.u_speed_mm_s, 0.1), 10_000.0),
         acceleration=min(max(limits.u_acceleration_mm_s2, 10.0), 1e7),
         stroke=limits.u_stroke_mm,
