@@ -15,7 +15,9 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from matplotlib.figure import Figure
 
 from camtools import report_compare, report_motion, report_surface
+from camtools.report_corner import draw_corner
 from camtools.report_data import CUTTING, FAULT, Json, Outcome
+from camtools.report_skirt import draw_skirt
 from camtools.report_style import drawing, png_of
 from camtools.report_text import fault_story, margins_of, rows_of, verdict_of
 
@@ -50,6 +52,17 @@ _TEXTS = {
         "Above, the cut points must lie on the drawn oval everywhere. Below, the error alone is "
         "enlarged far more, as on a roundness instrument: the line should stay near the middle "
         "circle, and a line turned against the axes tells of a wrong dead time.",
+    ),
+    "corner": (
+        "The corner",
+        "Where ellipse and circle of the drawing meet there is a corner that no axis can follow; "
+        "the spline in its place costs the deviation of the second picture and keeps U's "
+        "acceleration, below, finite. The cut must lie on the refit, not on the drawing.",
+    ),
+    "skirt": (
+        "The skirt in space",
+        "The gauged surface with its deviations from a cylinder enlarged: oval, barrel shape and, "
+        "where there is one, the corner can be seen; steps or waves would stand out.",
     ),
     "height": (
         "Error over height",
@@ -88,6 +101,8 @@ def _drawers(outcome: Outcome) -> dict[str, Callable[[], Figure]]:
     """Return what can be drawn of a cut, in the order of the report."""
     geometry, cut = outcome.generated.geometry, outcome.summary["cut"]
     surface, trace = outcome.surface, outcome.trace
+    magnify = outcome.generated.part.magnify
+    factor = magnify.factor if magnify else 1.0
     feed_mm, speed_rpm = cut["feed_mm"], cut["spindle_rpm"]
     drawers: dict[str, Callable[[], Figure]] = {}
     if (trace.state == FAULT).any():
@@ -96,7 +111,10 @@ def _drawers(outcome: Outcome) -> dict[str, Callable[[], Figure]]:
     if surface.turn.size:
         drawers["map"] = lambda: report_surface.draw_map(surface, geometry, feed_mm)
         drawers["sections"] = lambda: report_surface.draw_sections(surface, geometry, feed_mm)
+        if geometry.corner is not None:
+            drawers["corner"] = lambda: draw_corner(surface, trace, geometry, speed_rpm)
         drawers["height"] = lambda: report_surface.draw_height(surface, geometry)
+        drawers["skirt"] = lambda: draw_skirt(surface, geometry, factor)
     drawers["motion"] = lambda: report_motion.draw_motion(trace, geometry, speed_rpm)
     if (trace.state == CUTTING).any():
         drawers["following"] = lambda: report_motion.draw_following(trace)

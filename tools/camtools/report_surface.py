@@ -210,7 +210,7 @@ def draw_sections(surface: Surface, geometry: Geometry, feed_mm: float) -> Figur
     bands = [section_at(surface, float(z), half_band_mm) for z in heights]
     worst_um = max((float(np.abs(near.error_um).max(initial=0.0)) for near in bands), default=0.0)
     radii = geometry.radius_mm(heights)
-    deepest_mm = float(geometry.ovality_mm(heights).max()) / 2
+    deepest_mm = max(geometry.deepest_mm(float(z_mm)) for z_mm in heights)
     factor = enlargement(float(radii.min()), deepest_mm)
     figure = new_figure(10, 7.4)
     panels = figure.subplots(2, N_SECTIONS)
@@ -279,8 +279,7 @@ def draw_overview(surface: Surface, geometry: Geometry, feed_mm: float, title: s
     low, high = heights_range_mm(geometry)
     z_mm = float(section_heights_mm(geometry)[-1])
     near = section_at(surface, z_mm, 1.5 * (high - low) / map_rows(high - low, feed_mm))
-    half_g_mm = float(geometry.ovality_mm(z_mm)) / 2
-    factor = enlargement(float(geometry.radius_mm(z_mm)), half_g_mm)
+    factor = enlargement(float(geometry.radius_mm(z_mm)), geometry.deepest_mm(z_mm))
     draw_shape(right, near, geometry, z_mm, factor)
     below = {"loc": "upper center", "bbox_to_anchor": (0.5, 0.06), "frameon": False}
     right.legend(handles=_section_handles(), **below)
