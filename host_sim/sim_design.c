@@ -1,25 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_design.h"
 #include "sim_design_table.h" // sim_design_table_radius_mm
-#include "sim_units.h"        // SIM_TWO_PI, sim_clamp
+#include "sim_units.h"        // SIM_TWO_PI
 #include <math.h>             // sin, sqrt
-#include <stdlib.h>           // free
-
-static double cubics_at(sim_cubics_t *p, double z_mm)
-{
-    const double z = sim_clamp(z_mm, p->break_mm[0], p->break_mm[p->n]);
-    size_t i = p->i_last;
-    while (i > 0u && z < p->break_mm[i]) {
-        i--;
-    }
-    while (i + 1u < p->n && z >= p->break_mm[i + 1u]) {
-        i++;
-    }
-    p->i_last = i;
-    const double s = z - p->break_mm[i];
-    const double *c = p->c[i];
-    return ((c[0] * s + c[1]) * s + c[2]) * s + c[3];
-}
 
 double sim_design_delta_mm(sim_shape_t shape, double beta, double a_mm, double g_mm, double s2)
 {
@@ -38,8 +21,8 @@ double sim_design_delta_mm(sim_shape_t shape, double beta, double a_mm, double g
 static void look_up(sim_design_t *d, double z_mm)
 {
     if (z_mm != d->at_z_mm) {
-        d->a_mm = cubics_at(&d->radius_mm, z_mm);
-        d->g_mm = cubics_at(&d->ovality_mm, z_mm);
+        d->a_mm = sim_cubics_at(&d->radius_mm, z_mm);
+        d->g_mm = d->shape == sim_shape_surface ? 0.0 : sim_cubics_at(&d->ovality_mm, z_mm);
         d->at_z_mm = z_mm;
     }
 }
@@ -50,6 +33,9 @@ double sim_design_radius_mm(sim_design_t *d, double turn, double z_mm)
         return sim_design_table_radius_mm(d->table, turn, z_mm);
     }
     look_up(d, z_mm);
+    if (d->shape == sim_shape_surface) {
+        return d->a_mm - sim_surface_delta_mm(&d->surface, turn, z_mm);
+    }
     const double s = sin(SIM_TWO_PI * turn);
     return d->a_mm - sim_design_delta_mm(d->shape, d->beta, d->a_mm, d->g_mm, s * s);
 }
@@ -76,15 +62,9 @@ double sim_design_find_largest_mm(sim_design_t *d)
     return largest_mm;
 }
 
-static void free_cubics(sim_cubics_t *p)
-{
-    free(p->break_mm);
-    free(p->c);
-    *p = (sim_cubics_t){0};
-}
-
 void sim_design_free(sim_design_t *d)
 {
-    free_cubics(&d->radius_mm);
-    free_cubics(&d->ovality_mm);
+    sim_cubics_free(&d->radius_mm);
+    sim_cubics_free(&d->ovality_mm);
+    sim_surface_free(&d->surface);
 }

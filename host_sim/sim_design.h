@@ -2,9 +2,11 @@
 /// sim_design: the exact surface of the part in double, which the gauge measures against.
 ///
 ///     radius(phi, z) = a(z) - delta(phi, z),  phi from the long axis, G(z) = 2a - 2b
-///     ellipse:         k = (a^2 - b^2) / b^2, q = sqrt(1 + k sin^2 phi), delta = a k sin^2 phi /
-///     (q (q + 1)) cosine:          delta = (G / 2) sin^2 phi double-ellipse:  delta = (G / 4) ((1
-///     - cos 2 phi) + (beta / 25) (1 - cos 4 phi))
+///     ellipse          delta = a k sin^2 phi / (q (q + 1)),
+///                      k = (a^2 - b^2) / b^2, q = sqrt(1 + k sin^2 phi)
+///     cosine           delta = (G / 2) sin^2 phi
+///     double-ellipse   delta = (G / 4) ((1 - cos 2 phi) + (beta / 25) (1 - cos 4 phi))
+///     surface          delta from polynomial pieces (sim_surface.h)
 ///
 /// a(z) and G(z) are piecewise cubics, clamped outside. They come from NAME.json, the report that
 /// the generator writes beside NAME.camtab, so the gauge is independent of table and firmware.
@@ -15,31 +17,23 @@
 #define SIM_DESIGN_H
 
 #include "cam/cam_table.h" // cam_table_t
+#include "sim_cubics.h"    // sim_cubics_t
 #include "sim_error.h"     // sim_error_t
-#include <stddef.h>        // size_t
-#include <stdint.h>        // uint32_t
+#include "sim_surface.h"   // sim_surface_t
 
 typedef enum {
     sim_shape_ellipse,
     sim_shape_cosine,
     sim_shape_double_ellipse,
-    sim_shape_table, ///< no report: the table's own quintics
+    sim_shape_surface, ///< refitted and measured sections
+    sim_shape_table,   ///< no report: the table's own quintics
 } sim_shape_t;
-
-enum { sim_design_max_pieces = 100000 };
-
-/// Piecewise cubic: ((c[0] s + c[1]) s + c[2]) s + c[3] with s = z - break[i].
-typedef struct {
-    double *break_mm; ///< n + 1, rising
-    double (*c)[4];   ///< n, highest power first
-    size_t n;
-    size_t i_last; ///< piece of the last look-up: the next one is near
-} sim_cubics_t;
 
 typedef struct {
     sim_shape_t shape;
     double beta;
     sim_cubics_t radius_mm, ovality_mm;
+    sim_surface_t surface;    ///< sim_shape_surface only
     const cam_table_t *table; ///< sim_shape_table only
     double z_first_mm, z_last_mm;
     double largest_mm; ///< largest long half axis
@@ -70,6 +64,7 @@ double sim_design_long_mm(sim_design_t *d, double z_mm);
 /// Find a(z) of the design's range by dense sampling. @return [mm] its largest value
 double sim_design_find_largest_mm(sim_design_t *d);
 
+/// @param shape  ellipse, cosine or double-ellipse
 /// @return [mm] reduction of the radius; s2 = sin^2 phi
 double sim_design_delta_mm(sim_shape_t shape, double beta, double a_mm, double g_mm, double s2);
 

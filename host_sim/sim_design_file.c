@@ -1,111 +1,36 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_design.h"
 #include "sim_file.h"  // sim_file_read
+#include "sim_json.h"  // sim_json_cubics
 #include "sim_units.h" // SIM_NM_PER_MM
 #include <cjson/cJSON.h>
-#include <math.h>   // isfinite, NAN
-#include <stdlib.h> // calloc, strtoul
+#include <math.h>   // NAN
+#include <stdlib.h> // strtoul
 #include <string.h> // strcmp
 
 enum { max_report_bytes = 64 * 1024 * 1024 };
 
-#define REMEDY "make the table again with tools/mktables, or give --design"
-
-static bool number_of(const cJSON *item, double *value)
-{
-    if (!cJSON_IsNumber(item) || !isfinite(item->valuedouble)) {
-        return false;
-    }
-    *value = item->valuedouble;
-    return true;
-}
-
-static bool read_breaks(sim_cubics_t *p, const cJSON *list)
-{
-    const int n = cJSON_GetArraySize(list);
-    if (!cJSON_IsArray(list) || n < 2 || n > sim_design_max_pieces) {
-        return false;
-    }
-    p->n = (size_t)n - 1u;
-    p->break_mm = calloc((size_t)n, sizeof *p->break_mm);
-    size_t i = 0;
-    const cJSON *item;
-    cJSON_ArrayForEach(item, list)
-    {
-        if (p->break_mm == NULL || !number_of(item, &p->break_mm[i]) ||
-            (i > 0u && p->break_mm[i] <= p->break_mm[i - 1u])) {
-            return false;
-        }
-        i++;
-    }
-    return true;
-}
-
-static bool read_piece(double c[4], const cJSON *list)
-{
-    if (!cJSON_IsArray(list) || cJSON_GetArraySize(list) != 4) {
-        return false;
-    }
-    for (int i = 0; i < 4; i++) {
-        if (!number_of(cJSON_GetArrayItem(list, i), &c[i])) {
-            return false;
-        }
-    }
-    return true;
-}
-
-static bool read_pieces(sim_cubics_t *p, const cJSON *list)
-{
-    if (!cJSON_IsArray(list) || (size_t)cJSON_GetArraySize(list) != p->n) {
-        return false;
-    }
-    p->c = calloc(p->n, sizeof *p->c);
-    size_t i = 0;
-    const cJSON *item;
-    cJSON_ArrayForEach(item, list)
-    {
-        if (p->c == NULL || !read_piece(p->c[i++], item)) {
-            return false;
-        }
-    }
-    return true;
-}
-
-static bool read_cubics(sim_cubics_t *p, const cJSON *design, const char *name, const char *path,
-                        sim_error_t *e)
-{
-    const cJSON *item = cJSON_GetObjectItemCaseSensitive(design, name);
-    if (!read_breaks(p, cJSON_GetObjectItemCaseSensitive(item, "breaks_mm"))) {
-        return sim_error(e,
-                         "%s: design.%s.breaks_mm: wants rising finite numbers, 2 or more; " REMEDY,
-                         path, name);
-    }
-    if (!read_pieces(p, cJSON_GetObjectItemCaseSensitive(item, "coefficients"))) {
-        return sim_error(e,
-                         "%s: design.%s.coefficients: wants %zu lists of 4 finite numbers; " REMEDY,
-                         path, name, p->n);
-    }
-    return true;
-}
+#define REMEDY SIM_JSON_REMEDY
 
 static bool read_shape(sim_design_t *d, const cJSON *design, const char *path, sim_error_t *e)
 {
-    static const char *const name[] = {"ellipse", "cosine", "double-ellipse"};
+    static const char *const name[] = {"ellipse", "cosine", "double-ellipse", "surface"};
     const cJSON *shape = cJSON_GetObjectItemCaseSensitive(design, "shape");
     const char *text = cJSON_IsString(shape) ? shape->valuestring : "?";
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 4; i++) {
         if (strcmp(text, name[i]) == 0) {
             d->shape = (sim_shape_t)i;
             const cJSON *beta = cJSON_GetObjectItemCaseSensitive(design, "beta");
-            if (d->shape == sim_shape_double_ellipse && !number_of(beta, &d->beta)) {
+            if (d->shape == sim_shape_double_ellipse && !sim_json_number(beta, &d->beta)) {
                 return sim_error(e, "%s: design.beta: wants a finite number; " REMEDY, path);
             }
             return true;
         }
     }
     return sim_error(
-        e, "%s: design.shape = \"%.40s\": wants ellipse, cosine or double-ellipse; " REMEDY, path,
-        text);
+        e,
+        "%s: design.shape = \"%.40s\": wants ellipse, cosine, double-ellipse or surface; " REMEDY,
+        path, text);
 }
 
 /// The report's CRC-32: a number, or a string in hexadecimal.
@@ -138,9 +63,14 @@ static bool read_root(sim_design_t *d, const cJSON *root, const cam_table_t *tab
         return sim_error(e, "%s: design: missing, so there is nothing to gauge against; " REMEDY,
                          path);
     }
-    return check_crc(root, table, path, e) && read_shape(d, design, path, e) &&
-           read_cubics(&d->radius_mm, design, "radius_mm", path, e) &&
-           read_cubics(&d->ovality_mm, design, "ovality_mm", path, e);
+    if (!check_crc(root, table, path, e) || !read_shape(d, design, path, e) ||
+        !sim_json_cubics(&d->radius_mm, design, "design", "radius_mm", path, e)) {
+        return false;
+    }
+    const cJSON *surface = cJSON_GetObjectItemCaseSensitive(design, "surface");
+    return d->shape == sim_shape_surface
+               ? sim_surface_read(&d->surface, surface, path, e)
+               : sim_json_cubics(&d->ovality_mm, design, "design", "ovality_mm", path, e);
 }
 
 static void begin(sim_design_t *d, const cam_table_t *table)

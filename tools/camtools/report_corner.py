@@ -115,7 +115,7 @@ def draw_corner(cut: Surface, trace: Trace, geometry: Geometry, spindle_rpm: flo
         axes.grid(alpha=0.3)
         axes.axvline(float(corner.joint_deg(z_mm)), color=GREY, lw=1, ls=":")
     panels[0].set_title(f"height {z_mm:.1f} mm, {spindle_rpm:g} r/min; dotted: the joint")
-    panels[0].legend(frameon=False, loc="upper left", ncols=3)
+    panels[0].legend(frameon=False, loc="lower left", ncols=3)
     panels[-1].set_xlabel("spindle angle from the long axis, degrees (all quadrants folded)")
     panels[-1].set_xlim(lines.deg[0], lines.deg[-1])
     figure.align_ylabels(panels)
