@@ -85,8 +85,24 @@ static void build_spindle(cam_spindle_config_t *c, const cam_params_t *p, const 
     build_observer(c, p, tick_hz);
 }
 
+/// Mean speeds beyond 1/64 turn per tick are beyond what any spindle can be modulated at: its
+/// acceleration is limited to that of 1/64.
+static void build_speed(cam_speed_config_t *c, const cam_params_t *p, const cam_table_t *table,
+                        int32_t mean_mrpm, uint32_t tick_hz)
+{
+    const int64_t mean_q32 = cam_config_speed_q32((uint32_t)mean_mrpm, tick_hz);
+    const int64_t limited_q32 = cam_clamp_i64(mean_q32, 0, INT64_C(1) << 26);
+    c->mean_mrpm = mean_mrpm;
+    c->limit_mrpm = p->spindle_limit_mrpm;
+    c->sense = table->direction;
+    c->lag_turns_q24 =
+        cam_sat_i32(scale((int64_t)mean_mrpm * p->spindle_lag_us, INT64_C(1) << 14, 58593750));
+    c->mean2_q48 = (limited_q32 * limited_q32) >> 16;
+}
+
 /// Feed in turns rounded down by less than 2^-32; heights are rounded, so the last one is reached.
-static void build_feed(cam_play_config_t *c, const cam_params_t *p, const cam_table_t *table)
+static void build_feed(cam_play_config_t *c, const cam_params_t *p, const cam_table_t *table,
+                       uint32_t tick_hz)
 {
     const int64_t span_nm = (int64_t)table->z_last_nm - table->z_first_nm;
     c->feed_nm = p->feed_nm > 0 ? p->feed_nm : (int32_t)table->feed_nm;
@@ -102,6 +118,7 @@ static void build_feed(cam_play_config_t *c, const cam_params_t *p, const cam_ta
     const uint32_t speed_mrpm =
         p->spindle_mrpm > 0 ? (uint32_t)p->spindle_mrpm : table->spindle_mrpm;
     c->spindle_mrpm = (int32_t)speed_mrpm * table->direction;
+    build_speed(&c->speed, p, table, (int32_t)speed_mrpm, tick_hz);
     c->knots_shift = table->u.log2_knots + table->u.log2_repeat;
 }
 
@@ -185,7 +202,7 @@ cam_err_t cam_config_build(cam_config_t *config, const cam_params_t *params,
     if (table != NULL) {
         config->table = *table;
         config->play.table = &config->table;
-        build_feed(&config->play, params, table);
+        build_feed(&config->play, params, table, tick_hz);
     }
     build_limits(config, params, tick_hz);
     build_guard(&config->guard, params, speed_limit_mrpm, tick_hz, clock_hz);

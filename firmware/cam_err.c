@@ -39,6 +39,7 @@ static const entry_t entries[] = {
     {cam_err_z_acceleration, "feed, speed and ramp are beyond the acceleration of Z"},
     {cam_err_feed, "the feed per turn is larger than the part is high"},
     {cam_err_tick_rate, "too many knots or counts pass in one tick"},
+    {cam_err_spindle_acceleration, "the spindle would have to accelerate more than it can"},
 };
 
 const char *cam_err_text(cam_err_t err)

@@ -50,6 +50,22 @@ static uint64_t mrpm_of(uint64_t omega_urad_s)
     return (omega_urad_s < most ? omega_urad_s : most) * 954929u / 100000000u;
 }
 
+uint32_t cam_feasible_peak(const cam_table_t *table, uint32_t mean_mrpm)
+{
+    const uint64_t peak = ((uint64_t)mean_mrpm * table->ratio_max_q20 + CAM_TABLE_RATIO_ONE - 1u) /
+                          (uint32_t)CAM_TABLE_RATIO_ONE;
+    return peak < UINT32_MAX ? (uint32_t)peak : UINT32_MAX;
+}
+
+/// @return a demand that was judged at the peak speed, told as mean speed
+static demand_t as_mean(const cam_table_t *t, demand_t d)
+{
+    const uint64_t mean = (uint64_t)d.highest_mrpm * (uint32_t)CAM_TABLE_RATIO_ONE;
+    const bool is_any = d.highest_mrpm == UINT32_MAX;
+    d.highest_mrpm = is_any ? UINT32_MAX : (uint32_t)(mean / t->ratio_max_q20);
+    return d;
+}
+
 static demand_t spindle_demand(const cam_table_t *t, const cam_params_t *p, uint32_t mrpm)
 {
     const int64_t limit = smaller(p->spindle_limit_mrpm, t->limit_spindle_mrpm);
@@ -125,6 +141,22 @@ static demand_t z_acceleration_demand(const cam_table_t *t, const cam_params_t *
                       told_speed(root(limit * per / feed_nm) * 1000u)};
 }
 
+/// r r' omega^2 in mrad/s2; without modulation nothing is needed.
+static demand_t spindle_acceleration_demand(const cam_table_t *t, const cam_params_t *p,
+                                            uint32_t mrpm)
+{
+    const int64_t limit = p->spindle_acceleration_mrad_per_s2;
+    if (t->spindle_peak_ppm == 0u) {
+        return (demand_t){cam_err_spindle_acceleration, limit, 0, UINT32_MAX};
+    }
+    const uint64_t omega_mrad_s = (angular_urad_s(mrpm) + 999u) / 1000u;
+    const uint64_t omega2 = (omega_mrad_s * omega_mrad_s + 999u) / 1000u;
+    const uint64_t needed = (omega2 * t->spindle_peak_ppm + 999999u) / 1000000u;
+    const uint64_t omega_max_mrad_s = root((uint64_t)limit * 1000000000u / t->spindle_peak_ppm);
+    return (demand_t){cam_err_spindle_acceleration, limit, (int64_t)needed,
+                      told_speed(mrpm_of(omega_max_mrad_s * 1000u))};
+}
+
 static demand_t feed_demand(const cam_table_t *t, const cam_params_t *p)
 {
     const int64_t span_nm = (int64_t)t->z_last_nm - t->z_first_nm;
@@ -144,15 +176,17 @@ static demand_t tick_demand(const cam_table_t *t, uint32_t mrpm, uint32_t tick_h
 cam_feasibility_t cam_feasible(const cam_table_t *table, const cam_params_t *params,
                                uint32_t speed_mrpm, uint32_t tick_hz)
 {
+    const uint32_t peak_mrpm = cam_feasible_peak(table, speed_mrpm);
     const demand_t demands[] = {
-        spindle_demand(table, params, speed_mrpm),
+        as_mean(table, spindle_demand(table, params, peak_mrpm)),
         stroke_demand(table, params),
         u_speed_demand(table, params, speed_mrpm),
         u_acceleration_demand(table, params, speed_mrpm),
         feed_demand(table, params),
-        z_demand(table, params, speed_mrpm),
-        z_acceleration_demand(table, params, speed_mrpm),
-        tick_demand(table, speed_mrpm, tick_hz),
+        as_mean(table, z_demand(table, params, peak_mrpm)),
+        as_mean(table, z_acceleration_demand(table, params, peak_mrpm)),
+        as_mean(table, tick_demand(table, peak_mrpm, tick_hz)),
+        spindle_acceleration_demand(table, params, speed_mrpm),
     };
     cam_feasibility_t result = {.speed_mrpm = speed_mrpm, .highest_mrpm = UINT32_MAX};
     for (size_t i = 0; i < sizeof demands / sizeof demands[0]; i++) {

@@ -32,7 +32,9 @@ static cam_err_t hand_over(cam_machine_t *m, const cam_params_t *params, const c
         return cam_err_busy;
     }
     const uint32_t highest_mrpm = judge(table, params, 1, m->tick_hz).highest_mrpm;
-    const uint32_t limit_mrpm = highest_mrpm + highest_mrpm / 100u * overspeed_percent;
+    const uint32_t peak_mrpm =
+        table != NULL ? cam_feasible_peak(table, highest_mrpm) : highest_mrpm;
+    const uint32_t limit_mrpm = peak_mrpm + peak_mrpm / 100u * overspeed_percent;
     const cam_err_t err =
         cam_config_build(half, params, table, limit_mrpm, m->tick_hz, m->clock_hz);
     if (err == cam_ok) {

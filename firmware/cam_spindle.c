@@ -126,11 +126,12 @@ static void track(cam_spindle_t *s, const cam_spindle_config_t *cfg, int64_t way
 }
 
 cam_angle_t cam_spindle_step_isr(cam_spindle_t *s, const cam_spindle_config_t *cfg,
-                                 const cam_sense_t *in)
+                                 const cam_sense_t *in, int64_t alpha_q48)
 {
     uint32_t faults = 0;
     if (s->is_started) {
-        const int64_t way_q32 = predicted_q32(s, cfg, in->clock);
+        const int64_t way_q32 = predicted_q32(s, cfg, in->clock) + (alpha_q48 >> 17);
+        s->speed_q48 += alpha_q48;
         faults = take_counts(s, cfg, sensed_counts(cfg, in->encoder.counts), way_q32);
         track(s, cfg, way_q32);
         faults |= take_index(s, cfg, in);

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam/cam_table.h"
-#include "cam/cam_fix.h" // cam_abs_i64
-#include <stdbool.h>     // bool
-#include <string.h>      // memcpy, memcmp
+#include "cam/cam_fix.h"     // cam_abs_i64
+#include "cam/cam_promise.h" // cam_promise_check
+#include <stdbool.h>         // bool
+#include <string.h>          // memcpy, memcmp
 
 _Static_assert(sizeof(cam_knot_t) == 12, "a knot is three words of the image");
 
@@ -20,7 +21,7 @@ enum {
     data_align = 32,
 };
 
-enum { kind_u = 1, kind_x = 2 };
+enum { kind_u = 1, kind_x = 2, kind_speed = 3 };
 
 /// Header fields from at_z_first on, in the order of the image.
 typedef struct {
@@ -28,7 +29,7 @@ typedef struct {
     uint32_t spindle_mrpm, feed_nm, depth_nm;
     uint32_t limit_u_stroke_nm, limit_u_speed_um_s, limit_u_acceleration_mm_s2, limit_spindle_mrpm;
     int32_t u_min_nm, u_max_nm;
-    uint32_t u1_peak_nm_per_rad, u2_peak_nm_per_rad2, error_pm, reserved;
+    uint32_t u1_peak_nm_per_rad, u2_peak_nm_per_rad2, error_pm, spindle_peak_ppm;
 } header_fields_t;
 _Static_assert(at_z_first + sizeof(header_fields_t) == cam_table_header_size, "as in the format");
 
@@ -49,6 +50,9 @@ enum {
     max_feed_nm = 10000000,       // parameter range of the feed
     max_stroke_nm = 2 * max_u_nm, //
     max_height_nm = 2000000000,   // heights and their differences fit int32
+    max_spindle_ppm = 10000000,   // 10 / rad: |r dr/dturn| stays below 64
+    min_ratio = CAM_TABLE_RATIO_ONE / 4,
+    max_ratio = CAM_TABLE_RATIO_ONE * 4,
 };
 
 uint32_t cam_crc32(uint32_t crc, const void *data, size_t n)
@@ -135,21 +139,32 @@ static cam_err_t check_header(const uint8_t *image, header_fields_t *h)
         is_within(h->u_min_nm, -max_u_nm, max_u_nm) &&
         is_within(h->u_max_nm, h->u_min_nm, max_u_nm) &&
         is_within(h->u1_peak_nm_per_rad, 0, INT32_MAX) &&
-        is_within(h->u2_peak_nm_per_rad2, 0, INT32_MAX) && h->reserved == 0u;
+        is_within(h->u2_peak_nm_per_rad2, 0, INT32_MAX) &&
+        is_within(h->spindle_peak_ppm, 0, max_spindle_ppm);
     return is_sound ? check_name(image + at_name) : cam_err_image_header;
+}
+
+/// Speeds stay within a quarter and four times the mean. frac_bits is at most 16.
+static bool is_ratio(const entry_t *e)
+{
+    const int64_t one = INT64_C(1) << e->frac_bits;
+    return is_within(e->offset_nm * one + e->p_min, min_ratio * one, max_ratio * one) &&
+           is_within(e->offset_nm * one + e->p_max, min_ratio * one, max_ratio * one);
 }
 
 static cam_err_t check_shape(const entry_t *e)
 {
     const bool is_u = e->kind == kind_u;
+    const bool is_turned = e->kind != kind_x;
     const bool is_sound =
-        (is_u || e->kind == kind_x) && is_within(e->n_slices, 2, cam_table_max_slices) &&
-        is_within(e->log2_knots, is_u ? 2 : 0, is_u ? 12 : 0) &&
-        is_within(e->log2_repeat, 0, is_u ? 4 : 0) && e->frac_bits <= 16u && e->reserved == 0u &&
-        is_within(e->p_min, -CAM_TABLE_SUM_MAX, e->p_max) && e->p_max <= CAM_TABLE_SUM_MAX &&
-        e->v_max <= CAM_TABLE_SUM_MAX && e->a_max <= CAM_TABLE_SUM_MAX &&
-        (!is_u || is_within(e->offset_nm, -max_u_nm, max_u_nm)) &&
-        is_within(e->offset_nm, -max_height_nm, max_height_nm);
+        is_within(e->kind, kind_u, kind_speed) && is_within(e->n_slices, 2, cam_table_max_slices) &&
+        is_within(e->log2_knots, is_turned ? 2 : 0, is_turned ? 12 : 0) &&
+        is_within(e->log2_repeat, 0, is_turned ? 4 : 0) && e->frac_bits <= 16u &&
+        e->reserved == 0u && is_within(e->p_min, -CAM_TABLE_SUM_MAX, e->p_max) &&
+        e->p_max <= CAM_TABLE_SUM_MAX && e->v_max <= CAM_TABLE_SUM_MAX &&
+        e->a_max <= CAM_TABLE_SUM_MAX && (!is_u || is_within(e->offset_nm, -max_u_nm, max_u_nm)) &&
+        is_within(e->offset_nm, -max_height_nm, max_height_nm) &&
+        (e->kind != kind_speed || is_ratio(e));
     return is_sound ? cam_ok : cam_err_image_channel;
 }
 
@@ -209,7 +224,8 @@ static cam_err_t check_knot(const entry_t *e, const cam_knot_t *k)
     return !is_bounded_knot ? cam_err_image_knots : is_in_limits ? cam_ok : cam_err_image_limits;
 }
 
-/// u: every knot with its neighbour of the same slice, cyclic; x: every knot with the next height.
+/// u and speed: every knot with its neighbour of the same slice, cyclic; x: every knot with the
+/// next height.
 static cam_err_t check_knots(const entry_t *e, const cam_knot_t *knots)
 {
     const uint32_t n_in_slice = UINT32_C(1) << e->log2_knots;
@@ -223,7 +239,7 @@ static cam_err_t check_knots(const entry_t *e, const cam_knot_t *knots)
         const uint32_t next = e->kind == kind_x
                                   ? (i + 1u < n ? i + 1u : i)
                                   : i - in_slice + ((in_slice + 1u) & (n_in_slice - 1u));
-        const bool has_next = e->kind == kind_u || i + 1u < n;
+        const bool has_next = e->kind != kind_x || i + 1u < n;
         if (has_next && !is_segment_safe(&knots[i], &knots[next])) {
             return cam_err_image_knots;
         }
@@ -238,18 +254,23 @@ static int64_t per_rad(int64_t x, uint32_t turn_shift)
     return (x * 2670176) >> 24 << turn_shift;
 }
 
-/// What the header promises about u must cover the bounds of its knots.
-static cam_err_t check_promise(const entry_t *e, const header_fields_t *h)
+/// The stroke that the header promises must cover the bounds of u's knots.
+static cam_err_t check_stroke(const entry_t *e, const header_fields_t *h)
 {
-    const uint32_t turn_shift = e->log2_knots + e->log2_repeat;
     const int64_t low_nm = e->offset_nm + (e->p_min >> e->frac_bits);
     const int64_t high_nm = e->offset_nm + (e->p_max >> e->frac_bits);
+    return low_nm >= h->u_min_nm && high_nm <= h->u_max_nm ? cam_ok : cam_err_image_limits;
+}
+
+/// At uniform speed the peaks that the header promises must cover the bounds of u's knots.
+static cam_err_t check_peaks(const entry_t *e, const header_fields_t *h)
+{
+    const uint32_t turn_shift = e->log2_knots + e->log2_repeat;
     const int64_t u1 = per_rad(e->v_max, turn_shift) >> e->frac_bits;
     const int64_t u2 =
         per_rad(per_rad(INT64_C(2) * e->a_max, turn_shift), turn_shift) >> e->frac_bits;
-    const bool is_covered = low_nm >= h->u_min_nm && high_nm <= h->u_max_nm &&
-                            u1 <= (int64_t)h->u1_peak_nm_per_rad &&
-                            u2 <= (int64_t)h->u2_peak_nm_per_rad2;
+    const bool is_covered = u1 <= (int64_t)h->u1_peak_nm_per_rad &&
+                            u2 <= (int64_t)h->u2_peak_nm_per_rad2 && h->spindle_peak_ppm == 0u;
     return is_covered ? cam_ok : cam_err_image_limits;
 }
 
@@ -281,7 +302,21 @@ static cam_err_t check_entry(const entry_t *e, const header_fields_t *h, const u
     if (err == cam_ok) {
         err = check_knots(e, (const cam_knot_t *)(const void *)(image + e->offset));
     }
-    return err == cam_ok && e->kind == kind_u ? check_promise(e, h) : err;
+    return err == cam_ok && e->kind == kind_u ? check_stroke(e, h) : err;
+}
+
+static cam_channel_t *channel_of(cam_table_t *table, uint32_t kind)
+{
+    return kind == kind_u ? &table->u : kind == kind_x ? &table->x : &table->speed;
+}
+
+/// What the header promises of the motion, once all channels are known.
+static cam_err_t check_promise(const entry_t *u, const header_fields_t *h, cam_table_t *table)
+{
+    table->u1_peak_nm_per_rad = h->u1_peak_nm_per_rad;
+    table->u2_peak_nm_per_rad2 = h->u2_peak_nm_per_rad2;
+    table->spindle_peak_ppm = h->spindle_peak_ppm;
+    return table->speed.knots == NULL ? check_peaks(u, h) : cam_promise_check(table);
 }
 
 static cam_err_t check_channels(const uint8_t *image, const header_fields_t *h, cam_table_t *table)
@@ -291,6 +326,8 @@ static cam_err_t check_channels(const uint8_t *image, const header_fields_t *h, 
     if (used > word_at(image, at_image_size)) {
         return cam_err_image_layout;
     }
+    entry_t u = {0};
+    table->ratio_max_q20 = CAM_TABLE_RATIO_ONE;
     for (uint32_t i = 0; i < n; i++) {
         entry_t e;
         memcpy(&e, image + cam_table_header_size + (size_t)i * cam_table_entry_size, sizeof e);
@@ -298,13 +335,18 @@ static cam_err_t check_channels(const uint8_t *image, const header_fields_t *h, 
         if (err != cam_ok) {
             return err;
         }
-        cam_channel_t *ch = e.kind == kind_u ? &table->u : &table->x;
+        cam_channel_t *ch = channel_of(table, e.kind);
         if (ch->knots != NULL) {
             return cam_err_image_channel;
         }
         describe(&e, image, ch);
+        u = e.kind == kind_u ? e : u;
+        if (e.kind == kind_speed) {
+            table->ratio_max_q20 = (uint32_t)(e.offset_nm + (e.p_max >> e.frac_bits) + 2);
+        }
     }
-    return table->u.knots != NULL && table->x.knots != NULL ? cam_ok : cam_err_image_channel;
+    const bool is_complete = table->u.knots != NULL && table->x.knots != NULL;
+    return is_complete ? check_promise(&u, h, table) : cam_err_image_channel;
 }
 
 static void fill(const uint8_t *image, const header_fields_t *h, cam_table_t *table)
@@ -322,8 +364,6 @@ static void fill(const uint8_t *image, const header_fields_t *h, cam_table_t *ta
     table->limit_spindle_mrpm = h->limit_spindle_mrpm;
     table->u_min_nm = h->u_min_nm;
     table->u_max_nm = h->u_max_nm;
-    table->u1_peak_nm_per_rad = h->u1_peak_nm_per_rad;
-    table->u2_peak_nm_per_rad2 = h->u2_peak_nm_per_rad2;
     table->error_pm = h->error_pm;
     table->crc32 = word_at(image, at_crc);
     table->image = image;

@@ -22,7 +22,7 @@ static cam_angle_t angle_isr(cam_t *c, const cam_config_t *cfg, const cam_sense_
     if (c->play.state == cam_state_off) {
         cam_spindle_forget_isr(&c->spindle);
     }
-    return cam_spindle_step_isr(&c->spindle, &cfg->spindle, in);
+    return cam_spindle_step_isr(&c->spindle, &cfg->spindle, in, c->play.speed.alpha_q48);
 }
 
 /// Inverse of a second-order drive: what must be commanded for the tool to be at pos.

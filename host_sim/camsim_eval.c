@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #define _POSIX_C_SOURCE 200809L // NOLINT(bugprone-reserved-identifier): getline
 #include "cam/cam_eval.h"       // cam_eval_surface
+#include "cam/cam_speed.h"      // cam_speed_ratio
 #include "camsim.h"
 #include "sim_units.h" // sim_clamp
 #include <errno.h>     // errno
@@ -41,18 +42,26 @@ static double knot_rad(const cam_channel_t *ch)
     return ldexp(SIM_TWO_PI, -(int)(ch->log2_knots + ch->log2_repeat));
 }
 
+static double speed_ratio(const cam_table_t *t, uint32_t theta_q32, int32_t z_nm)
+{
+    return t->speed.knots != NULL
+               ? ldexp(cam_speed_ratio(&t->speed, theta_q32, z_nm).ratio_q28, -28)
+               : 1.0;
+}
+
 static bool print_value(const cam_table_t *t, const char *point, double turn, double z_mm)
 {
     const int32_t z_nm = height_nm(z_mm);
     const cam_value_t u = cam_eval_surface(&t->u, angle_q32(turn), z_nm);
     const cam_value_t x = cam_eval_profile(&t->x, z_nm);
+    const double ratio = speed_ratio(t, angle_q32(turn), z_nm);
     const double h = knot_rad(&t->u);
     const int frac = -(int)t->u.frac_bits;
     const bool is_outside = z_mm * SIM_NM_PER_MM < (double)t->z_first_nm - 0.5 ||
                             z_mm * SIM_NM_PER_MM > (double)t->z_last_nm + 0.5;
-    return printf("%s,%.17g,%.17g,%.17g,%.17g,1,%d\n", point, t->u.offset_nm + ldexp(u.y, frac),
+    return printf("%s,%.17g,%.17g,%.17g,%.17g,%.17g,%d\n", point, t->u.offset_nm + ldexp(u.y, frac),
                   ldexp(u.d1, frac) / h, ldexp(u.d2, frac) / (h * h),
-                  t->x.offset_nm + ldexp(x.y, -(int)t->x.frac_bits),
+                  t->x.offset_nm + ldexp(x.y, -(int)t->x.frac_bits), ratio,
                   is_outside || u.is_clamped || x.is_clamped ? 1 : 0) > 0;
 }
 

@@ -146,7 +146,11 @@ static void add_feasibility(cJSON *root, const sim_cut_t *cut)
                cut->table.u2_peak_nm_per_rad2 * 1e-6 * omega * omega * amplitude,
                p->u_acceleration_mm_per_s2);
     add_margin(object, "u_stroke_mm", 2e-6 * u_nm * amplitude, p->u_stroke_nm * 1e-6);
-    add_margin(object, "spindle_rpm", rpm_of(cut), p->spindle_limit_mrpm * 1e-3);
+    const double peak = (double)cut->table.ratio_max_q20 / CAM_TABLE_RATIO_ONE;
+    add_margin(object, "spindle_rpm", rpm_of(cut) * peak, p->spindle_limit_mrpm * 1e-3);
+    add_margin(object, "spindle_acceleration_rad_s2",
+               cut->table.spindle_peak_ppm * 1e-6 * omega * omega,
+               p->spindle_acceleration_mrad_per_s2 * 1e-3);
 }
 
 static void add_parameters(cJSON *root, const sim_cut_t *cut)

@@ -77,6 +77,14 @@ static void derive_limits(derive_t *d, const sim_machine_config_t *m)
     put(d, cam_param_following_limit_nm, following_limit_um * 1e3);
 }
 
+/// The speed loop is of first order; what is beyond a parameter's range is beyond any use.
+static void derive_spindle(derive_t *d, const sim_spindle_config_t *s)
+{
+    put(d, cam_param_spindle_lag_us, sim_clamp(1e6 / s->bandwidth_rad_per_s, 0.0, 1e6));
+    put(d, cam_param_spindle_acceleration_mrad_per_s2,
+        sim_clamp(s->torque_Nm / s->inertia_kgm2 * 1e3, 1e3, 2e9));
+}
+
 /// Angle of the index from the long axis in the sense of cutting, and what noise of the edges
 /// demands.
 static void derive_encoder(derive_t *d, const sim_machine_config_t *m, const cam_table_t *table)
@@ -100,6 +108,7 @@ bool sim_controller_params(cam_params_t *params, const sim_machine_config_t *mac
     derive_encoder(&d, machine, table);
     derive_feed_forward(&d, machine);
     derive_limits(&d, machine);
+    derive_spindle(&d, &machine->spindle);
     for (uint32_t id = 0; id < cam_n_params; id++) {
         if (wishes->is_given[id]) {
             put(&d, (cam_param_id_t)id, wishes->value[id]);

@@ -107,6 +107,9 @@ static const char *unit_of(cam_err_t err, double *per_unit)
     case cam_err_z_speed:
         *per_unit = 1e-3;
         return "mm/s";
+    case cam_err_spindle_acceleration:
+        *per_unit = 1e-3;
+        return "rad/s2";
     case cam_err_u_stroke:
         *per_unit = 1e-6;
         return "mm";

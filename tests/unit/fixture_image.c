@@ -67,6 +67,22 @@ fixture_part_t fixture_part_short(void)
     };
 }
 
+void fixture_ratio(double theta, double z_nm, double r[3])
+{
+    const double swing = 0.375 - 1e-7 * z_nm;
+    r[0] = 1.05 + swing * cos(2.0 * theta);
+    r[1] = -2.0 * swing * sin(2.0 * theta);
+    r[2] = -4.0 * swing * cos(2.0 * theta);
+}
+
+fixture_part_t fixture_part_modulated(void)
+{
+    fixture_part_t part = fixture_part_short();
+    part.spindle_mrpm = 200000;
+    part.speed = fixture_ratio;
+    return part;
+}
+
 fixture_part_t fixture_part_smallest(void)
 {
     fixture_part_t part = fixture_part_short();
@@ -201,6 +217,67 @@ static void fill_x(cam_knot_t *knots, const fixture_part_t *part)
     }
 }
 
+enum { n_speed_slices = 3, log2_speed_knots = 5, speed_frac_bits = 3 };
+
+static void fill_speed(cam_knot_t *knots, const fixture_part_t *part)
+{
+    const uint32_t n = 1u << log2_speed_knots;
+    const double h = PI / (double)n;
+    for (uint32_t i = 0; i < n_speed_slices * n; i++) {
+        const double z = part->z_first_nm + (double)(i / n) / (n_speed_slices - 1) *
+                                                ((double)part->z_last_nm - part->z_first_nm);
+        double r[3];
+        part->speed((i % n) * h, z, r);
+        for (int k = 0; k < 3; k++) {
+            r[k] *= CAM_TABLE_RATIO_ONE;
+        }
+        knots[i] = quantise(r, CAM_TABLE_RATIO_ONE, h, speed_frac_bits);
+    }
+}
+
+/// What u and speed do together, on a grid finer than the knots.
+static void promise_motion(fixture_image_t *image, const fixture_part_t *part)
+{
+    enum { n_angles = 720, n_heights = 8 };
+    double peak[3] = {0.0, 0.0, 0.0};
+    for (int i = 0; i < n_angles * (n_heights + 1); i++) {
+        const double theta = PI * (i % n_angles) / n_angles;
+        const double z = part->z_first_nm + (double)(i / n_angles) / n_heights *
+                                                ((double)part->z_last_nm - part->z_first_nm);
+        double u[3];
+        double r[3];
+        part->u(theta, z, u);
+        part->speed(theta, z, r);
+        peak[0] = fmax(peak[0], fabs(u[1] * r[0]));
+        peak[1] = fmax(peak[1], fabs(u[2] * r[0] * r[0] + u[1] * r[0] * r[1]));
+        peak[2] = fmax(peak[2], fabs(r[0] * r[1]));
+    }
+    fixture_image_put(image, fixture_at_u1_peak, (uint32_t)ceil(peak[0] * 1.0005));
+    fixture_image_put(image, fixture_at_u2_peak, (uint32_t)ceil(peak[1] * 1.0005));
+    fixture_image_put(image, fixture_at_spindle_peak, (uint32_t)ceil(peak[2] * 1.0005e6));
+}
+
+static uint32_t put_speed(fixture_image_t *image, const fixture_part_t *part, uint32_t offset)
+{
+    const uint64_t span = (uint64_t)((int64_t)part->z_last_nm - part->z_first_nm);
+    const uint32_t words[] = {
+        3u,
+        offset,
+        (uint32_t)n_speed_slices * (1u << log2_speed_knots) * 12u,
+        n_speed_slices,
+        log2_speed_knots,
+        1u,
+        speed_frac_bits,
+        (uint32_t)part->z_first_nm,
+        (uint32_t)part->z_last_nm,
+        (uint32_t)((((uint64_t)(n_speed_slices - 1u) << 48) + span / 2u) / span),
+        (uint32_t)CAM_TABLE_RATIO_ONE,
+    };
+    memcpy(image->bytes + fixture_image_in(fixture_speed, 0), words, sizeof words);
+    fixture_image_put(image, fixture_at_n_channels, 3u);
+    return (offset + words[2] + 31u) & ~31u;
+}
+
 static uint32_t put_entry(fixture_image_t *image, const fixture_part_t *part, uint32_t channel,
                           uint32_t offset)
 {
@@ -254,12 +331,21 @@ void fixture_image_make(fixture_image_t *image, const fixture_part_t *part)
 {
     memset(image, 0, sizeof *image);
     put_header(image, part);
-    const uint32_t x_at = put_entry(image, part, fixture_u, 256u);
+    const uint32_t u_at = part->speed != NULL ? 320u : 256u;
+    const uint32_t x_at = put_entry(image, part, fixture_u, u_at);
     image->size = put_entry(image, part, fixture_x, x_at);
+    if (part->speed != NULL) {
+        image->size = put_speed(image, part, (uint32_t)image->size);
+        fill_speed(fixture_image_knots(image, fixture_speed), part);
+    }
     fixture_image_put(image, fixture_at_image_size, (uint32_t)image->size);
     fill_u(fixture_image_knots(image, fixture_u), part);
     fill_x(fixture_image_knots(image, fixture_x), part);
     fixture_image_remeasure(image, fixture_u);
     fixture_image_remeasure(image, fixture_x);
+    if (part->speed != NULL) {
+        fixture_image_remeasure(image, fixture_speed);
+        promise_motion(image, part);
+    }
     fixture_image_seal(image);
 }

@@ -33,7 +33,7 @@ enum {
     fixture_at_u1_peak = 112,
     fixture_at_u2_peak = 116,
     fixture_at_error = 120,
-    fixture_at_reserved = 124,
+    fixture_at_spindle_peak = 124,
 };
 
 /// Offsets in a channel entry.
@@ -56,7 +56,7 @@ enum {
     fixture_in_reserved = 60,
 };
 
-enum { fixture_u = 0, fixture_x = 1 }; ///< places in the directory
+enum { fixture_u = 0, fixture_x = 1, fixture_speed = 2 }; ///< places in the directory
 
 enum { fixture_image_capacity = 1 << 19 };
 
@@ -80,16 +80,23 @@ typedef struct {
     uint32_t spindle_mrpm, feed_nm;
     fixture_surface_fn *u;
     fixture_profile_fn *x;
+    fixture_surface_fn *speed; ///< NULL: no speed channel; 32 knots, two patterns, 3 slices
 } fixture_part_t;
 
 /// @return 1 mm of a skirt, 10 turns at 0.1 mm, 2500 r/min, cosine oval 0.2 .. 0.3 mm, 4224 bytes
 fixture_part_t fixture_part_short(void);
+
+/// @return the short skirt with a speed channel of fixture_ratio()
+fixture_part_t fixture_part_modulated(void);
 
 /// @return the smallest image that is accepted: 2 slices of 4 knots, 2 knots of x, 384 bytes
 fixture_part_t fixture_part_smallest(void);
 
 /// The ovals of the two parts: G/4 (1 - cos 2 theta), G rising from 0.2 to 0.3 mm in 1 mm.
 void fixture_cosine_oval(double theta, double z_nm, double u[3]);
+/// A speed ratio like that of equal-volume turning: 1.5 at the long axis, 0.75 at the short one,
+/// less with height.
+void fixture_ratio(double theta, double z_nm, double r[3]);
 /// Exact ellipse of maths.md 1.1: a = 46 mm, G = 0.2 mm, at every height.
 void fixture_ellipse(double theta, double z_nm, double u[3]);
 

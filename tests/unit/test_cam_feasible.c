@@ -23,6 +23,7 @@ void setUp(void)
         .limit_u_acceleration_mm_s2 = 10000000,
         .limit_spindle_mrpm = 60000000,
         .u_max_nm = 150000,
+        .ratio_max_q20 = CAM_TABLE_RATIO_ONE,
         .u1_peak_nm_per_rad = 150000,
         .u2_peak_nm_per_rad2 = 300000,
     };
@@ -154,6 +155,25 @@ static void test_tick_rate_limits_knots_and_counts_per_tick(void)
     TEST_ASSERT_EQUAL_INT64(500 * 60000 / 8, why.limit);
 }
 
+/// Equal-volume turning of maths.md 5.4: ratio up to 1.4995, acceleration 1.056 453 557 / rad.
+static void test_modulation_limits_peak_speed_and_spindle_acceleration(void)
+{
+    table.ratio_max_q20 = (uint32_t)(1.499457112 * CAM_TABLE_RATIO_ONE) + 1u;
+    table.spindle_peak_ppm = 1056454u;
+    params.spindle_acceleration_mrad_per_s2 = 2000000000;
+    params.spindle_limit_mrpm = 2500000;
+    TEST_ASSERT_EQUAL_UINT32(2500001, cam_feasible_peak(&table, 1667270));
+    expect_refused(cam_err_spindle_speed, 2000000, 2000000 * 1.499457112, 2500000, 1667270);
+    params.spindle_limit_mrpm = 60000000;
+    params.spindle_acceleration_mrad_per_s2 = 500000;
+    TEST_ASSERT_EQUAL_INT(cam_ok, judge(207000).err);
+    expect_refused(cam_err_spindle_acceleration, 800000, 7414.6e3, 500000, 207745);
+    params.z_speed_um_per_s = 20000;
+    params.feed_nm = 10000000;
+    params.spindle_acceleration_mrad_per_s2 = 2000000000;
+    expect_refused(cam_err_z_speed, 100000, 100.0 / 60 * 1.499457 * 10000, 20000, 80028.98);
+}
+
 static void test_flat_table_has_a_finite_highest_speed(void)
 {
     table.u1_peak_nm_per_rad = 0;
@@ -188,6 +208,7 @@ int main(void)
     RUN_TEST(test_feed_larger_than_the_part_is_refused);
     RUN_TEST(test_z_speed_and_acceleration_limit_feed_times_speed);
     RUN_TEST(test_tick_rate_limits_knots_and_counts_per_tick);
+    RUN_TEST(test_modulation_limits_peak_speed_and_spindle_acceleration);
     RUN_TEST(test_flat_table_has_a_finite_highest_speed);
     RUN_TEST(test_largest_demands_do_not_overflow);
     return UNITY_END();

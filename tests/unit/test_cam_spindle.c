@@ -37,7 +37,7 @@ static void start(int32_t counts_per_turn, int32_t sense, uint32_t base)
     in = (cam_sense_t){.clock = 4294960000u};
     fixture_encoder_init(&encoder, counts_per_turn, sense, base, counts_per_turn / 3);
     in.encoder = encoder.reading;
-    angle = cam_spindle_step_isr(&spindle, &config.spindle, &in);
+    angle = cam_spindle_step_isr(&spindle, &config.spindle, &in, 0);
 }
 
 /// One tick of `share` periods at a speed; faults collect.
@@ -45,7 +45,7 @@ static void step(double turns_per_s, double share)
 {
     in.clock += (uint32_t)(clock_hz / tick_hz * share + 0.5);
     in.encoder = fixture_encoder_move(&encoder, turns_per_s / tick_hz * share);
-    angle = cam_spindle_step_isr(&spindle, &config.spindle, &in);
+    angle = cam_spindle_step_isr(&spindle, &config.spindle, &in, 0);
     faults |= angle.faults;
 }
 
@@ -209,7 +209,7 @@ static void test_step_missing_index_shows_within_an_eighth_turn(void)
         in.encoder = fixture_encoder_move(&encoder, 40.0L / tick_hz);
         in.encoder.n_index = last.n_index;
         in.encoder.index_counts = last.index_counts;
-        faults |= cam_spindle_step_isr(&spindle, &config.spindle, &in).faults;
+        faults |= cam_spindle_step_isr(&spindle, &config.spindle, &in, 0).faults;
     }
     TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(index_missing), faults);
     TEST_ASSERT_LESS_OR_EQUAL_INT(563, n);
@@ -257,6 +257,29 @@ static void test_step_late_tick_with_its_time_stamp_costs_no_angle(void)
     }
 }
 
+static void test_step_known_acceleration_causes_no_lag(void)
+{
+    start(1 << 20, 1, 0);
+    params.jump_window_counts = 1000;
+    run_up(3.0);
+    const double acceleration = 80.0; // turns per s^2
+    const int64_t alpha_q48 = (int64_t)(acceleration / tick_hz / tick_hz * 281474976710656.0);
+    double speed = 3.0;
+    double sum = 0.0;
+    for (int i = 0; i < 6000; i++) {
+        in.clock += clock_hz / tick_hz;
+        const double way = (speed + 0.5 * acceleration / tick_hz) / tick_hz;
+        in.encoder = fixture_encoder_move(&encoder, way);
+        speed += acceleration / tick_hz;
+        angle = cam_spindle_step_isr(&spindle, &config.spindle, &in, alpha_q48);
+        faults |= angle.faults;
+        sum += i >= 2000 ? error_turn() : 0.0;
+    }
+    TEST_ASSERT_EQUAL_HEX32(0, faults);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-7, 0.0, sum / 4000.0); // without it 4e-5
+    TEST_ASSERT_DOUBLE_WITHIN(2e-3 * speed, speed, ldexp(angle.speed_q32, -32) * tick_hz);
+}
+
 static void test_step_first_reading_anywhere_is_no_jump(void)
 {
     start(10000, 1, 0x80000000u);
@@ -296,6 +319,7 @@ int main(void)
     RUN_TEST(test_step_turning_back_over_the_index_is_no_fault);
     RUN_TEST(test_step_standstill_and_creep_are_steady);
     RUN_TEST(test_step_late_tick_with_its_time_stamp_costs_no_angle);
+    RUN_TEST(test_step_known_acceleration_causes_no_lag);
     RUN_TEST(test_step_first_reading_anywhere_is_no_jump);
     RUN_TEST(test_forget_keeps_the_speed_and_needs_a_new_edge);
     return UNITY_END();

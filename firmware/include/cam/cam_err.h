@@ -32,14 +32,15 @@ typedef enum {
     cam_err_estop = -27,       ///< emergency stop is active
     cam_err_drive = -28,       ///< drives are not ready
     // feasibility: table x speed x machine
-    cam_err_spindle_speed = -40,  ///< beyond the spindle's highest speed
-    cam_err_u_speed = -41,        ///< U would have to move faster than it can
-    cam_err_u_acceleration = -42, ///< U would have to accelerate more than it can
-    cam_err_u_stroke = -43,       ///< U would have to travel farther than it can
-    cam_err_z_speed = -44,        ///< feed x speed beyond Z's speed
-    cam_err_z_acceleration = -45, ///< feed x speed squared / ramp beyond Z's acceleration
-    cam_err_feed = -46,           ///< feed per turn larger than the height of the part
-    cam_err_tick_rate = -47,      ///< too many knots or encoder counts pass in one tick
+    cam_err_spindle_speed = -40,        ///< beyond the spindle's highest speed
+    cam_err_u_speed = -41,              ///< U would have to move faster than it can
+    cam_err_u_acceleration = -42,       ///< U would have to accelerate more than it can
+    cam_err_u_stroke = -43,             ///< U would have to travel farther than it can
+    cam_err_z_speed = -44,              ///< feed x speed beyond Z's speed
+    cam_err_z_acceleration = -45,       ///< feed x speed squared / ramp beyond Z's acceleration
+    cam_err_feed = -46,                 ///< feed per turn larger than the height of the part
+    cam_err_tick_rate = -47,            ///< too many knots or encoder counts pass in one tick
+    cam_err_spindle_acceleration = -48, ///< modulation beyond the spindle's acceleration
 } cam_err_t;
 
 #define CAM_MUST_USE __attribute__((warn_unused_result))

@@ -3,6 +3,8 @@
 ///
 /// The limits are the smaller of the machine's parameters and those that the table was made for.
 /// The table guarantees peaks of u, u' and u''; at omega the motion needs u' omega and u'' omega^2.
+/// Speeds are mean speeds: where the table modulates the spindle, its peak speed is larger by the
+/// largest ratio, and the guaranteed peaks contain the modulation.
 #ifndef CAM_FEASIBLE_H
 #define CAM_FEASIBLE_H
 
@@ -27,5 +29,9 @@ typedef struct {
 /// Context: slow side. Source: maths.md section 3.
 cam_feasibility_t cam_feasible(const cam_table_t *table, const cam_params_t *params,
                                uint32_t speed_mrpm, uint32_t tick_hz);
+
+/// @return [r/min / 1000] highest speed within a turn of this mean speed, rounded up, saturated
+/// Context: slow side.
+uint32_t cam_feasible_peak(const cam_table_t *table, uint32_t mean_mrpm);
 
 #endif

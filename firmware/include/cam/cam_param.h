@@ -42,6 +42,8 @@
     X(spindle_mrpm,                   0,          0,   60000000, "spindle speed in r/min / 1000; 0: the table's") \
     X(feed_nm,                        0,          0,   10000000, "feed per revolution; 0: the table's") \
     X(spindle_limit_mrpm,          1000,    3000000,   60000000, "highest spindle speed in r/min / 1000") \
+    X(spindle_lag_us,                 0,          0,    1000000, "time constant of the spindle's speed loop, compensated while the speed is modulated") \
+    X(spindle_acceleration_mrad_per_s2, 1000, 500000, 2000000000, "highest acceleration of the spindle") \
     X(stopped_mrpm,                   1,       5000,    1000000, "spindle counts as stopped below, in r/min / 1000") \
     X(stopped_ms,                     1,        100,      10000, "and is a fault after this time while cutting") \
     X(following_limit_nm,           100,     100000,   10000000, "accepted following error of U") \

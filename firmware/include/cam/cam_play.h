@@ -5,6 +5,8 @@
 ///     U = amplitude * envelope * u(angle + lead - phase, Z)
 ///     Z = first height + feed * turns since feed start   eased in and out (or measured)
 ///     X = x(Z) + (1 - envelope) * clearance
+///     spindle = mean speed, or mean * (1 + envelope * (ratio(angle, Z) - 1)) where the table
+///               modulates it (cam_speed.h)
 /// U is read at the angle that the spindle will have when the drive's dead time has passed; X and Z
 /// are read ahead by the lag of their drives. The envelope rises and falls by the quintic smooth
 /// step, so depth and amplitude start and end without a jump in speed or acceleration. In all other
@@ -13,6 +15,7 @@
 #define CAM_PLAY_H
 
 #include "cam/cam_move.h"    // cam_move_t
+#include "cam/cam_speed.h"   // cam_speed_t
 #include "cam/cam_spindle.h" // cam_angle_t
 #include "cam/cam_state.h"   // cam_sense_t, cam_state_t
 #include "cam/cam_table.h"   // cam_table_t
@@ -43,7 +46,8 @@ typedef struct {
     int64_t u_retract_q10;                  ///< [nm / 1024]
     int64_t x_clearance_q10;                ///< [nm / 1024]
     cam_move_limits_t approach[hal_n_axes]; ///< gentle limits outside the cut
-    int32_t spindle_mrpm;                   ///< set-point, signed by the table's direction
+    int32_t spindle_mrpm;                   ///< mean set-point, signed by the table's direction
+    cam_speed_config_t speed;               ///< modulation, of a table with a speed channel
 } cam_play_config_t;
 
 /// State; zero-initialised is off.
@@ -58,6 +62,7 @@ typedef struct {
     int64_t feed_turns_q32;           ///< [turn] length of the feed, shorter after a stop
     int32_t phase_q32, amplitude_q30; ///< ramped values
     cam_move_t axis[hal_n_axes];      ///< set-points of this tick
+    cam_speed_t speed;                ///< what the spindle is told in this tick
     int32_t history_q6[cam_play_history]; ///< [nm / 64] U set-points
     uint32_t n_history;
 } cam_play_t;

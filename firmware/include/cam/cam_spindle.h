@@ -10,7 +10,8 @@
 ///
 /// Errors of the observer with bandwidth f_o (both poles at w_o = 2 pi f_o):
 ///   constant speed           mean 0; quantisation ripple below half a count
-///   constant acceleration    angle lags by (1 - 2 w_o T) acceleration / w_o^2, T one tick
+///   constant acceleration    angle lags by (1 - 2 w_o T) acceleration / w_o^2, T one tick,
+///                            for the part of it that nobody told
 ///   speed ripple at f        (1 - 2 w_o T) f^2 / (f^2 + f_o^2) of the angle ripple is missed
 /// Context: ISR unless noted.
 #ifndef CAM_SPINDLE_H
@@ -60,9 +61,11 @@ typedef struct {
 /// @param s    state
 /// @param cfg  configuration; after a change of it the angle must be forgotten
 /// @param in   what this tick sensed
+/// @param alpha_q48  [turn / 2^48 per tick^2] acceleration that the spindle was told since the last
+///             tick, 0 at uniform speed: known, it causes no lag
 /// Constant time.
 cam_angle_t cam_spindle_step_isr(cam_spindle_t *s, const cam_spindle_config_t *cfg,
-                                 const cam_sense_t *in);
+                                 const cam_sense_t *in, int64_t alpha_q48);
 
 /// Forget the index; counts, angle observer and speed go on.
 void cam_spindle_forget_isr(cam_spindle_t *s);

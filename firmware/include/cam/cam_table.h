@@ -18,6 +18,9 @@ enum {
     cam_table_max_slices = 4096,
 };
 
+/// One in the unit of a speed ratio.
+#define CAM_TABLE_RATIO_ONE (INT32_C(1) << 20)
+
 /// Bound of the three sums of TABLE_FORMAT.md, in LSB. With four guard bits the evaluation stays
 /// below 2^30: 16 * (2^25 - 1) for a sum, twice that for a difference of slices.
 #define CAM_TABLE_SUM_MAX ((INT32_C(1) << 25) - 1)
@@ -29,12 +32,13 @@ typedef struct {
     int32_t a; ///< second derivative * h^2 / 2
 } cam_knot_t;
 
-/// A channel: a function of angle and height (u), or of height alone (x: one knot per slice).
+/// A channel: a function of angle and height (u, speed), or of height alone (x: one knot per
+/// slice). Values of u and x count nanometres, those of speed 2^-20 of the mean speed.
 typedef struct {
     const cam_knot_t *knots;    ///< [n_slices][1 << log2_knots], inside the image
     uint32_t n_slices;          ///< 2 .. 4096
-    uint32_t log2_knots;        ///< u: 2 .. 12; x: 0
-    uint32_t log2_repeat;       ///< u: patterns per turn, 0 .. 4; x: 0
+    uint32_t log2_knots;        ///< u, speed: 2 .. 12; x: 0
+    uint32_t log2_repeat;       ///< u, speed: patterns per turn, 0 .. 4; x: 0
     uint32_t frac_bits;         ///< LSB = 2^-frac_bits nm, 0 .. 16
     int32_t z_first_nm;         ///< [nm] height of slice 0
     uint32_t span_nm;           ///< [nm] height of the last slice above slice 0
@@ -46,6 +50,7 @@ typedef struct {
 typedef struct {
     cam_channel_t u;                     ///< radius reduction, positive towards the axis
     cam_channel_t x;                     ///< long half axis
+    cam_channel_t speed;                 ///< speed ratio; knots == NULL: the speed is uniform
     char name[cam_table_name_size];      ///< printable ASCII, zero-terminated
     int32_t z_first_nm, z_last_nm;       ///< [nm] served range of heights
     int32_t direction;                   ///< +1 or -1: spindle sense while cutting, +1 is M3
@@ -57,8 +62,10 @@ typedef struct {
     uint32_t limit_u_acceleration_mm_s2; ///< [mm/s2]
     uint32_t limit_spindle_mrpm;         ///< [r/min / 1000]
     int32_t u_min_nm, u_max_nm;          ///< [nm] bounds of u over the whole table
-    uint32_t u1_peak_nm_per_rad;         ///< [nm/rad] bound of |du/dangle|
-    uint32_t u2_peak_nm_per_rad2;        ///< [nm/rad2] bound of |d2u/dangle2|
+    uint32_t u1_peak_nm_per_rad;         ///< [nm/rad] bound of |u' r|: speed of U / mean speed
+    uint32_t u2_peak_nm_per_rad2;        ///< [nm/rad2] bound of |u'' r^2 + u' r r'|
+    uint32_t spindle_peak_ppm;           ///< [1e-6 / rad] bound of |r r'|; 0: uniform
+    uint32_t ratio_max_q20;              ///< [2^-20] bound of r; 2^20: uniform
     uint32_t error_pm;                   ///< [pm] error that the generator measured
     uint32_t crc32;                      ///< of the image
     const void *image;                   ///< start of the image
