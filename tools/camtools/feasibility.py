@@ -23,8 +23,10 @@ class Peaks(NamedTuple):
     """Guaranteed peaks of U over the table, per radian of the spindle."""
 
     u_stroke_mm: float  # travel, centred on u = 0 as the firmware centres it
-    u1_mm: float  # mm/rad
-    u2_mm: float  # mm/rad^2
+    u1_mm: float  # mm/rad, of u' r where the spindle is modulated
+    u2_mm: float  # mm/rad^2, of u'' r^2 + u' r r'
+    ratio: float = 1.0  # largest speed over mean speed
+    spindle_rad2: float = 0.0  # |r r'|
 
 
 class HighestSpeed(NamedTuple):
@@ -34,19 +36,24 @@ class HighestSpeed(NamedTuple):
     decides: str
 
 
-def peaks_of(bounds: Bounds) -> Peaks:
-    """Return the peaks that an image's header guarantees, in mm."""
+def peaks_of(bounds: Bounds, ratio: float = 1.0) -> Peaks:
+    """Return the peaks that an image's header guarantees, in mm, with its largest speed ratio."""
     return Peaks(
         2 * max(bounds.u_max_nm, -bounds.u_min_nm) * 1e-6,
         bounds.u1_peak_nm_per_rad * 1e-6,
         bounds.u2_peak_nm_per_rad2 * 1e-6,
+        ratio,
+        bounds.spindle_peak_ppm * 1e-6,
     )
 
 
 def highest_speed(peaks: Peaks, limits: Limits) -> HighestSpeed:
     """Return the highest spindle speed [r/min] at which U stays within its limits."""
     per_omega = 60 / (2 * np.pi)
-    speeds = {"spindle_rpm": limits.spindle_rpm}
+    speeds = {"spindle_rpm": limits.spindle_rpm / peaks.ratio}
+    if peaks.spindle_rad2 > 0:
+        root = np.sqrt(limits.alpha_rad_s2 / peaks.spindle_rad2)
+        speeds["spindle_acceleration_rad_s2"] = float(per_omega * root)
     if peaks.u1_mm > 0:
         speeds["u_speed_mm_s"] = per_omega * limits.u_speed_mm_s / peaks.u1_mm
     if peaks.u2_mm > 0:
@@ -80,7 +87,14 @@ def check_feasible(peaks: Peaks, limits: Limits, spindle_rpm: float) -> HighestS
     acceleration, most_acceleration = peaks.u2_mm * omega**2, limits.u_acceleration_mm_s2
     lines = [
         *_excess("u_stroke_mm", peaks.u_stroke_mm, limits.u_stroke_mm, "mm", at_any_speed),
-        *_excess("spindle_rpm", spindle_rpm, limits.spindle_rpm, "r/min", remedy),
+        *_excess("spindle_rpm", spindle_rpm * peaks.ratio, limits.spindle_rpm, "r/min", remedy),
+        *_excess(
+            "spindle_acceleration_rad_s2",
+            peaks.spindle_rad2 * omega**2,
+            limits.alpha_rad_s2,
+            "rad/s2",
+            remedy,
+        ),
         *_excess("u_speed_mm_s", peaks.u1_mm * omega, limits.u_speed_mm_s, "mm/s", remedy),
         *_excess("u_acceleration_mm_s2", acceleration, most_acceleration, "mm/s2", remedy),
     ]

@@ -8,7 +8,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import ceil, floor
 
 from camtools.accuracy import Accuracy
@@ -21,6 +21,7 @@ from camtools.image import Bounds, Channel, Limits, Table
 from camtools.part import Part
 from camtools.quantise import with_bounds
 from camtools.search import choose_u, choose_x
+from camtools.speed_table import SpeedTable, make_speed
 
 DEFAULT_TOLERANCE_NM = 1.0
 REFIT_TOLERANCE_NM = 5.0  # of u, where a spline replaces a corner
@@ -39,6 +40,7 @@ class Generated:
     accuracy_u: Accuracy
     accuracy_x: Accuracy
     highest_speed: HighestSpeed
+    speed: SpeedTable | None = None
 
 
 def u_bounds(channel: Channel, error_nm: float) -> Bounds:
@@ -69,9 +71,25 @@ def _units(value: float, per_unit: int) -> int:
     return floor(value * per_unit * (1 + 1e-12))
 
 
-def make_table(part: Part, u: Channel, x: Channel, error_nm: float) -> Table:
+def moving_bounds(uniform: Bounds, speed: SpeedTable) -> Bounds:
+    """Return the bounds of u where the spindle is modulated: TABLE_FORMAT.md, header."""
+    peaks = speed.peaks
+    return replace(
+        uniform,
+        u1_peak_nm_per_rad=ceil(peaks.u1_mm * NM_PER_MM),
+        u2_peak_nm_per_rad2=ceil(peaks.u2_mm * NM_PER_MM),
+        spindle_peak_ppm=ceil(peaks.spindle_rad2 * 1e6),
+    )
+
+
+def make_table(
+    part: Part, u: Channel, x: Channel, error_nm: float, speed: SpeedTable | None = None
+) -> Table:
     """Return the table of a part with its channels, bounds filled in."""
-    process = part.process
+    process, bounds = part.process, u_bounds(u, error_nm)
+    channels: tuple[Channel, ...] = (with_bounds(u), with_bounds(x))
+    if speed is not None:
+        bounds, channels = moving_bounds(bounds, speed), (*channels, speed.channel)
     return Table(
         part.part.name,
         u.z_first_nm,
@@ -81,8 +99,8 @@ def make_table(part: Part, u: Channel, x: Channel, error_nm: float) -> Table:
         round(process.feed_mm * NM_PER_MM),
         round(process.depth_mm * NM_PER_MM),
         image_limits(part),
-        u_bounds(u, error_nm),
-        (with_bounds(u), with_bounds(x)),
+        bounds,
+        channels,
     )
 
 
@@ -141,9 +159,10 @@ def generate(part: Part, tolerance_nm: float | None = None) -> Generated:
     tolerance_u_nm = tolerance_nm or default_tolerance_nm(geometry)
     u, accuracy_u = choose_u(geometry, tolerance_u_nm)
     x, accuracy_x = choose_x(geometry, tolerance_nm or DEFAULT_TOLERANCE_NM)
-    table = make_table(part, u, x, max(accuracy_u.value_nm, accuracy_x.value_nm))
-    best = _judge(part, geometry, peaks_of(table.bounds))
-    return Generated(part, geometry, tolerance_u_nm, table, accuracy_u, accuracy_x, best)
+    speed = make_speed(part, geometry, u) if part.process.mode == "equal-volume" else None
+    table = make_table(part, u, x, max(accuracy_u.value_nm, accuracy_x.value_nm), speed)
+    best = _judge(part, geometry, peaks_of(table.bounds, speed.peaks.ratio if speed else 1.0))
+    return Generated(part, geometry, tolerance_u_nm, table, accuracy_u, accuracy_x, best, speed)
 
 
 def _judge(part: Part, geometry: Geometry, peaks: Peaks) -> HighestSpeed:

@@ -19,7 +19,8 @@ from camtools.generate import Generated, check_tolerance, generate
 from camtools.image import pack
 from camtools.output import write_all
 from camtools.part import example_part, load_part
-from camtools.summary import emit_json, emit_text, make_summary
+from camtools.summary import emit_json, make_summary
+from camtools.summary_text import emit_text
 
 __all__ = ["example_part", "main", "products"]
 

@@ -1,4 +1,4 @@
-"""What is known about a table, as JSON for programs and as a few lines for people.
+"""What is known about a table, as JSON for programs.
 
 >>> from camtools.generate import generate
 >>> from camtools.part import example_part
@@ -23,6 +23,7 @@ from camtools.generate import Generated
 from camtools.geometry import NM_PER_MM, Geometry, dense_heights_mm, omega_rad_s
 from camtools.image import CRC_OFFSET, KIND_U, KIND_X, Channel, pack
 from camtools.poly_surface import PolySurface
+from camtools.speed_table import summary_of
 
 _PEAK_ANGLES = 1440
 _PEAK_HEIGHTS_PER_PIECE = 16
@@ -110,7 +111,8 @@ def _process(result: Generated) -> Json:
 
 
 def _feasibility(result: Generated) -> Json:
-    limits, peaks = result.part.machine.limits, peaks_of(result.table.bounds)
+    limits, ratio = result.part.machine.limits, result.speed.peaks.ratio if result.speed else 1.0
+    peaks = peaks_of(result.table.bounds, ratio)
     omega = omega_rad_s(result.part.process.spindle_rpm)
     return {
         "limits": {
@@ -124,7 +126,8 @@ def _feasibility(result: Generated) -> Json:
             "u_stroke_mm": peaks.u_stroke_mm,
             "u_speed_mm_s": peaks.u1_mm * omega,
             "u_acceleration_mm_s2": peaks.u2_mm * omega**2,
-            "spindle_rpm": float(result.part.process.spindle_rpm),
+            "spindle_rpm": float(result.part.process.spindle_rpm) * peaks.ratio,
+            "spindle_acceleration_rad_s2": peaks.spindle_rad2 * omega**2,
         },
         "highest_spindle_rpm": result.highest_speed.rpm,
         "decided_by": result.highest_speed.decides,
@@ -147,92 +150,40 @@ def _refit(corner: Corner) -> Json:
     }
 
 
+def _extras(result: Generated) -> Json:
+    """Return what only some parts have: a corner, measured points, a modulated spindle."""
+    extras: Json = {}
+    if result.geometry.corner is not None:
+        extras["refit"] = _refit(result.geometry.corner)
+    if result.geometry.off_points_um is not None:
+        extras["scan"] = {"off_points_um": result.geometry.off_points_um}
+    if result.speed is not None:
+        extras["equal_volume"] = summary_of(result.speed, result.part, result.geometry)
+    return extras
+
+
 def make_summary(result: Generated) -> Json:
     """Return everything that is known about a table, ready for JSON; no dates, no paths."""
     table, image = result.table, pack(result.table)
     u, x = table.channel(KIND_U), table.channel(KIND_X)
-    process, corner = result.part.process, result.geometry.corner
-    refit = {} if corner is None else {"refit": _refit(corner)}
-    off_um = result.geometry.off_points_um
-    scan = {} if off_um is None else {"scan": {"off_points_um": off_um}}
-    return (
-        refit
-        | scan
-        | {
-            "part": {"name": table.part_name, "source": result.part.part.source},
-            "process": _process(result),
-            "table_bytes": len(image),
-            "table_crc32": struct.unpack_from("<I", image, CRC_OFFSET)[0],
-            "tolerance_nm": float(result.tolerance_nm),
-            "height_range_mm": [table.z_first_nm / NM_PER_MM, table.z_last_nm / NM_PER_MM],
-            "channels": {"u": _channel(u), "x": _channel(x)},
-            "error": {"u": _error(result.accuracy_u, "rad"), "x": _error(result.accuracy_x, "mm")},
-            "continuity": {"u": _jumps(u), "x": _jumps(x)},
-            "guaranteed": vars(table.bounds),
-            "motion": motion_peaks(result.geometry, process.spindle_rpm, process.feed_mm),
-            "feasibility": _feasibility(result),
-            "design": design_of(result),
-        }
-    )
+    process = result.part.process
+    return _extras(result) | {
+        "part": {"name": table.part_name, "source": result.part.part.source},
+        "process": _process(result),
+        "table_bytes": len(image),
+        "table_crc32": struct.unpack_from("<I", image, CRC_OFFSET)[0],
+        "tolerance_nm": float(result.tolerance_nm),
+        "height_range_mm": [table.z_first_nm / NM_PER_MM, table.z_last_nm / NM_PER_MM],
+        "channels": {"u": _channel(u), "x": _channel(x)},
+        "error": {"u": _error(result.accuracy_u, "rad"), "x": _error(result.accuracy_x, "mm")},
+        "continuity": {"u": _jumps(u), "x": _jumps(x)},
+        "guaranteed": vars(table.bounds),
+        "motion": motion_peaks(result.geometry, process.spindle_rpm, process.feed_mm),
+        "feasibility": _feasibility(result),
+        "design": design_of(result),
+    }
 
 
 def emit_json(summary: Json) -> str:
     """Return a summary as JSON text: sorted keys, full double precision, deterministic."""
     return json.dumps(summary, indent=1, sort_keys=True, allow_nan=False) + "\n"
-
-
-def emit_text(summary: Json) -> str:
-    """Return a summary as a few lines for people."""
-    u, x, error = summary["channels"]["u"], summary["channels"]["x"], summary["error"]
-    motion, feasible = summary["motion"], summary["feasibility"]
-    knots = u["knots_per_pattern"] * u["patterns_per_turn"]
-    error_u, error_x = error["u"], error["x"]
-    return (
-        f"{summary['part']['name']}: table of {summary['table_bytes']} bytes\n"
-        f"  u {u['n_slices']} slices, {knots} knots per turn ({u['knots_per_pattern']} stored), "
-        f"{u['frac_bits']} fraction bits; x {x['n_slices']} knots\n"
-        f"  error u {error_u['value_nm']:.3f} nm, x {error_x['value_nm']:.3f} nm "
-        f"(tolerance {summary['tolerance_nm']:g} nm), "
-        f"u' {error_u['first_share_of_peak']:.1e}, u'' {error_u['second_share_of_peak']:.1e}"
-        " of their peaks\n"
-        f"  U at {summary['process']['spindle_rpm']:g} r/min: stroke {motion['stroke_mm']:.4f} mm, "
-        f"{motion['velocity_mm_s']:.3f} mm/s, {motion['acceleration_mm_s2']:.1f} mm/s2, "
-        f"{motion['jerk_mm_s3']:.4g} mm/s3\n"
-        f"  highest speed {feasible['highest_spindle_rpm']:.1f} r/min, "
-        f"decided by {feasible['decided_by']}\n" + _scan_text(summary) + _refit_text(summary)
-    )
-
-
-def _scan_text(summary: Json) -> str:
-    """Return how far a measured part's table is from its points, nothing for other parts."""
-    if "scan" not in summary:
-        return ""
-    return f"  the surface is within {summary['scan']['off_points_um']:.3f} um of all points\n"
-
-
-def _refit_text(summary: Json) -> str:
-    """Return the corner's refit and all candidates, nothing for other sections."""
-    refit = summary.get("refit")
-    if refit is None:
-        return ""
-    recipe = refit["recipe"]
-    lines = [
-        f"  corner at {refit['joint_deg']:g} degrees, height {refit['height_mm']:g} mm: slope "
-        f"jumps by {refit['corner_mm_per_rad']:.4f} mm/rad, eccentricity "
-        f"{refit['eccentricity_mm']:.6f} mm",
-        f"  {recipe['spline']} refit, {recipe['ends']} ends; what deleting s1, s2 points costs, "
-        "* is this table:",
-        "   s1 s2  acceleration mm/s2   at deg  jerk mm/s3  behind corner  deviation um",
-    ]
-    chosen = recipe["s1"], recipe["s2"]
-    lines += [_candidate_text(one, (one["s1"], one["s2"]) == chosen) for one in refit["candidates"]]
-    return "\n".join(lines) + "\n"
-
-
-def _candidate_text(one: Json, is_chosen: bool) -> str:
-    mark = "*" if is_chosen else " "
-    return (
-        f"  {mark}{one['s1']:2d} {one['s2']:2d}  {one['acceleration_mm_s2']:18.1f}  "
-        f"{one['peak_deg']:7.2f}  {one['jerk_mm_s3']:10.3e}  {one['tail_jerk_mm_s3']:13.3e}  "
-        f"{one['deviation_um']:12.2f}"
-    )
