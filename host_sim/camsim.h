@@ -32,7 +32,7 @@ int camsim_complain(const sim_error_t *e);
 typedef struct {
     const char *table_path;
     const char *machine_path;
-    const char *trace_path, *surface_path, *summary_path; ///< NULL: not wanted
+    const char *trace_path, *surface_path, *summary_path, *removal_path; ///< NULL: not wanted
     char design_path[4096]; ///< of the gauge's reference; "" when there is none
     bool is_progress_shown;
     bool is_help;

@@ -18,6 +18,9 @@ static const char help[] =
     "  --trace F.csv         every tick: inputs, set-points, outputs, truth\n"
     "  --surface F.csv       turn,z_mm,radius_mm,error_nm of the worst sample of each cell\n"
     "  --summary F.json      results\n"
+    "  --removal F.csv       metal removed, power and forces of every time slice\n"
+    "  --slice-us T          length of those slices (default: a 120th of the mean turn)\n"
+    "  --kc-n-mm2 K          specific cutting force (default: 700)\n"
     "  --no-feed-forward     k1 = k2 = 0\n"
     "  --no-lead             no dead-time compensation\n"
     "  --seed N              of the encoder's noise (default: 1)\n"
@@ -43,6 +46,9 @@ enum {
     opt_trace,
     opt_surface,
     opt_summary,
+    opt_removal,
+    opt_slice,
+    opt_kc,
     opt_no_feed_forward,
     opt_no_lead,
     opt_seed,
@@ -63,6 +69,9 @@ static const struct option options[] = {
     {"trace", required_argument, NULL, opt_trace},
     {"surface", required_argument, NULL, opt_surface},
     {"summary", required_argument, NULL, opt_summary},
+    {"removal", required_argument, NULL, opt_removal},
+    {"slice-us", required_argument, NULL, opt_slice},
+    {"kc-n-mm2", required_argument, NULL, opt_kc},
     {"no-feed-forward", no_argument, NULL, opt_no_feed_forward},
     {"no-lead", no_argument, NULL, opt_no_lead},
     {"seed", required_argument, NULL, opt_seed},
@@ -103,6 +112,14 @@ static bool take_seed(camsim_options_t *o, const char *text, sim_error_t *e)
     o->cut.seed = (uint64_t)value;
     return (double)o->cut.seed == value ||
            sim_error(e, "--seed %.60s: not whole; give a whole number 0 .. 9007199254740992", text);
+}
+
+static bool take_slice(camsim_options_t *o, const char *text, sim_error_t *e)
+{
+    double slice_us;
+    const bool is_good = take_number(&slice_us, "slice-us", text, 1.0, 1e9, "microseconds", e);
+    o->cut.slice_s = is_good ? slice_us * 1e-6 : 0.0;
+    return is_good;
 }
 
 static bool take_set(camsim_options_t *o, const char *text, sim_error_t *e)
@@ -160,6 +177,8 @@ static const char **path_of(camsim_options_t *o, int option)
         return &o->surface_path;
     case opt_summary:
         return &o->summary_path;
+    case opt_removal:
+        return &o->removal_path;
     case opt_design:
         return &o->cut.design_path;
     default:
@@ -179,6 +198,10 @@ static bool take_value(camsim_options_t *o, int option, const char *text, sim_er
         return take_number(&o->tolerance_um, "tolerance-um", text, 0.0, 1e6, "um", e);
     case opt_turns:
         return take_number(&cut->max_turns, "turns-limit", text, 0.001, 1e9, "turns", e);
+    case opt_slice:
+        return take_slice(o, text, e);
+    case opt_kc:
+        return take_number(&cut->kc_n_mm2, "kc-n-mm2", text, 0.001, 1e6, "N/mm2", e);
     case opt_max_seconds:
         return take_number(&cut->max_s, "max-seconds", text, 0.001, 1e7, "seconds", e);
     case opt_seed:
@@ -227,9 +250,9 @@ static bool find_design(camsim_options_t *o, sim_error_t *e)
 
 static bool check_outputs(const camsim_options_t *o, sim_error_t *e)
 {
-    const char *const path[] = {o->table_path, o->machine_path, o->cut.design_path,
-                                o->trace_path, o->surface_path, o->summary_path};
-    for (int i = 3; i < 6; i++) {
+    const char *const path[] = {o->table_path,   o->machine_path, o->cut.design_path, o->trace_path,
+                                o->surface_path, o->summary_path, o->removal_path};
+    for (int i = 3; i < 7; i++) {
         for (int k = 0; k < i; k++) {
             if (path[i] != NULL && path[k] != NULL && strcmp(path[i], path[k]) == 0) {
                 return sim_error(e, "%s: named for two purposes; give every output its own path",
@@ -244,6 +267,7 @@ bool camsim_options_read(camsim_options_t *o, int argc, char **argv, sim_error_t
 {
     memset(o, 0, sizeof *o);
     o->tolerance_um = 5.0;
+    o->cut.kc_n_mm2 = 700.0;
     o->cut.config = sim_config_defaults();
     o->cut.seed = 1;
     opterr = 0;

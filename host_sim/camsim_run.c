@@ -14,7 +14,7 @@ enum { progress_ticks = 1 << 17 };
 typedef struct {
     camsim_options_t options;
     sim_cut_t cut;
-    camsim_out_t trace, surface, summary;
+    camsim_out_t trace, surface, summary, removal;
     double wall_s;
 } run_t;
 
@@ -47,7 +47,8 @@ static bool open_outputs(run_t *r, sim_error_t *e)
     camsim_out_watch_signals();
     return camsim_out_open(&r->trace, r->options.trace_path, "--trace", e) &&
            camsim_out_open(&r->surface, r->options.surface_path, "--surface", e) &&
-           camsim_out_open(&r->summary, r->options.summary_path, "--summary", e);
+           camsim_out_open(&r->summary, r->options.summary_path, "--summary", e) &&
+           camsim_out_open(&r->removal, r->options.removal_path, "--removal", e);
 }
 
 static void drop_outputs(run_t *r)
@@ -55,6 +56,7 @@ static void drop_outputs(run_t *r)
     camsim_out_drop(&r->trace);
     camsim_out_drop(&r->surface);
     camsim_out_drop(&r->summary);
+    camsim_out_drop(&r->removal);
 }
 
 static void show_progress(const run_t *r)
@@ -68,10 +70,13 @@ static void cut_to_the_end(run_t *r)
 {
     sim_cut_t *cut = &r->cut;
     const double begin_s = now_s();
-    while (cut->end == sim_cut_running && r->trace.error == 0) {
+    while (cut->end == sim_cut_running && r->trace.error == 0 && r->removal.error == 0) {
         sim_cut_tick(cut);
         if (r->trace.name != NULL) {
             camsim_trace_drain(&r->trace, cut);
+        }
+        if (r->removal.name != NULL && cut->has_slice) {
+            camsim_removal(&r->removal, &cut->removal.slice);
         }
         if (r->options.is_progress_shown && cut->n_ticks % progress_ticks == 0u) {
             show_progress(r);
@@ -94,8 +99,9 @@ static bool write_results(run_t *r, sim_error_t *e)
         return sim_error(e, "%s: not enough memory for the summary; free some", r->summary.name);
     }
     return camsim_out_finish(&r->trace, e) && camsim_out_finish(&r->surface, e) &&
-           camsim_out_finish(&r->summary, e) && camsim_out_publish(&r->trace, e) &&
-           camsim_out_publish(&r->surface, e) && camsim_out_publish(&r->summary, e);
+           camsim_out_finish(&r->removal, e) && camsim_out_finish(&r->summary, e) &&
+           camsim_out_publish(&r->trace, e) && camsim_out_publish(&r->surface, e) &&
+           camsim_out_publish(&r->removal, e) && camsim_out_publish(&r->summary, e);
 }
 
 /// Why the first fault struck; several at once are told by the first in the list.
@@ -164,6 +170,9 @@ static int prepare_and_run(run_t *r, sim_error_t *e)
     if (open_outputs(r, e)) {
         if (r->trace.name != NULL) {
             camsim_trace_header(&r->trace);
+        }
+        if (r->removal.name != NULL) {
+            camsim_removal_header(&r->removal);
         }
         status = run(r, e);
     } else {

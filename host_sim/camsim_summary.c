@@ -153,6 +153,33 @@ static void add_feasibility(cJSON *root, const sim_cut_t *cut)
                p->spindle_acceleration_mrad_per_s2 * 1e-3);
 }
 
+static void add_spread(cJSON *root, const char *key, const sim_spread_t *s)
+{
+    cJSON *object = cJSON_AddObjectToObject(root, key);
+    number(object, "mean", sim_spread_mean(s));
+    number(object, "min", s->min);
+    number(object, "max", s->max);
+}
+
+static void add_removal(cJSON *root, const sim_cut_t *cut)
+{
+    const sim_removal_t *r = &cut->removal;
+    cJSON *object = cJSON_AddObjectToObject(root, "removal");
+    number(object, "slice_s", r->config.slice_s);
+    number(object, "kc_n_mm2", r->config.kc_n_mm2);
+    number(object, "volume_mm3", r->removed_mm3);
+    number(object, "turns", (double)r->rate_ripple.n);
+    if (r->rate_ripple.n == 0u) {
+        return;
+    }
+    add_spread(object, "rate_mm3_s", &r->rate);
+    add_spread(object, "power_w", &r->power);
+    add_spread(object, "rate_force_n", &r->rate_force);
+    add_spread(object, "chip_force_n", &r->chip_force);
+    add_spread(object, "rate_ripple", &r->rate_ripple);
+    add_spread(object, "chip_force_ripple", &r->force_ripple);
+}
+
 static void add_parameters(cJSON *root, const sim_cut_t *cut)
 {
     cJSON *object = cJSON_AddObjectToObject(root, "parameters");
@@ -197,6 +224,7 @@ bool camsim_summary_json(camsim_out_t *o, const camsim_options_t *options, const
     add_errors(root, options, cut);
     add_cut(root, cut);
     add_feasibility(root, cut);
+    add_removal(root, cut);
     add_time(root, cut, wall_s);
     add_injects(root, cut);
     add_parameters(root, cut);

@@ -112,6 +112,24 @@ void camsim_trace_drain(camsim_out_t *o, const sim_cut_t *cut)
     }
 }
 
+void camsim_removal_header(camsim_out_t *o)
+{
+    camsim_out_text(o, "t_s,turn,z_mm,volume_mm3,rate_mm3_s,power_w,rate_force_n,chip_force_n\n");
+}
+
+void camsim_removal(camsim_out_t *o, const sim_slice_t *slice)
+{
+    camsim_out_real(o, slice->t_s, 9);
+    real(o, slice->turn, 9);
+    real(o, slice->z_mm, 6);
+    real(o, slice->volume_mm3, 9);
+    real(o, slice->rate_mm3_s, 6);
+    real(o, slice->power_w, 6);
+    real(o, slice->rate_force_n, 6);
+    real(o, slice->chip_force_n, 6);
+    camsim_out_char(o, '\n');
+}
+
 static void surface_cell(camsim_out_t *o, const sim_cell_t *cell)
 {
     camsim_out_real(o, (double)cell->turn, 8);

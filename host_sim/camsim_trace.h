@@ -18,6 +18,12 @@ void camsim_trace_header(camsim_out_t *o);
 /// Write all records that the firmware has made since the last call. After each tick.
 void camsim_trace_drain(camsim_out_t *o, const sim_cut_t *cut);
 
+void camsim_removal_header(camsim_out_t *o);
+
+/// Write one slice: t_s, turn (spindle angle in the sense of cutting, from the long axis, whole
+/// turns counted), z_mm, volume_mm3, rate_mm3_s, power_w, rate_force_n, chip_force_n.
+void camsim_removal(camsim_out_t *o, const sim_slice_t *slice);
+
 void camsim_surface(camsim_out_t *o, const sim_work_t *work);
 
 #endif

@@ -60,6 +60,17 @@ static void count_cutting(sim_cut_t *cut, const cam_status_t *status)
     cut->following_sum_um2 += off_um * off_um;
 }
 
+/// While cutting; turns in which the feed eases are not judged.
+static void measure_removal(sim_cut_t *cut)
+{
+    const double turn = cut->table.direction > 0 ? cut->true_turn : -cut->true_turn;
+    const double ramp = cut->params.feed_ramp_turns;
+    const bool is_full =
+        cut->cut_turns > ramp && cut->cut_turns < sim_cut_planned_turns(cut) - ramp;
+    cut->has_slice = sim_removal_touch(&cut->removal, cut->sample_s, turn - cut->phase_turn,
+                                       cut->z_mm, cut->radius_mm, is_full && !cut->is_stopped);
+}
+
 static void note_fault(sim_cut_t *cut)
 {
     cut->fault_s = cut->machine.time_s;
@@ -75,9 +86,11 @@ static void observe(sim_cut_t *cut)
         note_fault(cut);
     }
     cut->state = status->state;
+    cut->has_slice = false;
     gauge(cut);
     if (status->state == cam_state_cutting) {
         count_cutting(cut, status);
+        measure_removal(cut);
     }
 }
 

@@ -16,6 +16,7 @@
 #include "sim_design.h"      // sim_design_t
 #include "sim_inject.h"      // sim_inject_t
 #include "sim_machine.h"     // sim_machine_t
+#include "sim_removal.h"     // sim_removal_t
 #include "sim_work.h"        // sim_work_t
 #include <stdbool.h>         // bool
 #include <stdint.h>          // uint64_t
@@ -31,6 +32,8 @@ typedef struct {
     bool is_traced; ///< the firmware records every tick; drain with cam_trace_pop()
     uint64_t seed;
     double max_s;     ///< [s] of machine time; 0: twice the plan and a minute
+    double slice_s;   ///< [s] of the removal measured; 0: a 120th of the mean turn
+    double kc_n_mm2;  ///< specific cutting force
     double max_turns; ///< end the cut (operator's stop) after so many turns of cutting; 0: the
                       ///< whole part
     const char *design_path; ///< NULL: gauge against the table itself
@@ -53,6 +56,8 @@ typedef struct {
     sim_design_t design;
     sim_machine_t machine;
     sim_work_t work;
+    sim_removal_t removal;
+    bool has_slice; ///< the last tick finished a slice of the removal
     cam_machine_t controller;
     cam_params_t params; ///< in force
     cam_feasibility_t feasibility;

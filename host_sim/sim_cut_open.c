@@ -160,10 +160,22 @@ static bool check_injects(const sim_cut_t *cut, size_t size, sim_error_t *e)
     return true;
 }
 
+/// 30 slices in a quarter turn, as the papers.
+enum { slices_per_turn = 120 };
+
 static void plan(sim_cut_t *cut)
 {
     const double turns = sim_cut_planned_turns(cut);
     const double planned_s = turns * 60e3 / cut->feasibility.speed_mrpm;
+    const double turn_s = 60e3 / cut->feasibility.speed_mrpm;
+    const sim_removal_config_t removal = {
+        .blank_mm = cut->work.blank_mm,
+        .feed_mm = (cut->params.feed_nm > 0 ? cut->params.feed_nm : (double)cut->table.feed_nm) /
+                   SIM_NM_PER_MM,
+        .slice_s = cut->options.slice_s > 0.0 ? cut->options.slice_s : turn_s / slices_per_turn,
+        .kc_n_mm2 = cut->options.kc_n_mm2,
+    };
+    sim_removal_init(&cut->removal, &removal);
     cut->max_s = cut->options.max_s > 0.0 ? cut->options.max_s : 2.0 * planned_s + 60.0;
     cut->phase_turn = cut->params.phase_udeg / SIM_UDEG_PER_TURN;
     cut->until_poll = sim_cut_poll_ticks;

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sim_removal.h"
+#include "sim_units.h" // SIM_PI, sim_abs, sim_floor
+
+static void count(sim_spread_t *s, double value)
+{
+    s->min = s->n == 0u || value < s->min ? value : s->min;
+    s->max = s->n == 0u || value > s->max ? value : s->max;
+    s->sum += value;
+    s->n++;
+}
+
+double sim_spread_mean(const sim_spread_t *s)
+{
+    return s->n > 0u ? s->sum / (double)s->n : 0.0;
+}
+
+static double ripple_of(const sim_spread_t *s)
+{
+    const double mean = sim_spread_mean(s);
+    return mean > 0.0 ? (s->max - s->min) / mean : 0.0;
+}
+
+void sim_removal_init(sim_removal_t *r, const sim_removal_config_t *config)
+{
+    *r = (sim_removal_t){.config = *config};
+}
+
+static void begin_slice(sim_removal_t *r, double t_s, double turn)
+{
+    r->begin_s = t_s;
+    r->begin_turn = turn;
+    r->volume_mm3 = 0.0;
+    r->depth_sum_mm = 0.0;
+    r->n = 0;
+    r->is_clean = true;
+}
+
+/// A turn is whole when its first slice followed one of the turn before.
+static void begin_turn(sim_removal_t *r, double whole, bool is_whole)
+{
+    r->turn = whole;
+    r->is_whole = is_whole;
+    r->turn_rate = (sim_spread_t){0};
+    r->turn_force = (sim_spread_t){0};
+}
+
+static void end_turn(sim_removal_t *r)
+{
+    if (r->is_whole && r->turn_rate.n > 0u) {
+        count(&r->rate_ripple, ripple_of(&r->turn_rate));
+        count(&r->force_ripple, ripple_of(&r->turn_force));
+    }
+}
+
+static void judge_slice(sim_removal_t *r)
+{
+    const sim_slice_t *s = &r->slice;
+    const double whole = (double)sim_floor(s->turn);
+    if (whole != r->turn) {
+        end_turn(r);
+        begin_turn(r, whole, whole == r->turn + 1.0);
+    }
+    r->is_whole = r->is_whole && r->is_clean;
+    if (r->is_clean) {
+        count(&r->rate, s->rate_mm3_s);
+        count(&r->power, s->power_w);
+        count(&r->rate_force, s->rate_force_n);
+        count(&r->chip_force, s->chip_force_n);
+        count(&r->turn_rate, s->rate_mm3_s);
+        count(&r->turn_force, s->chip_force_n);
+    }
+}
+
+static void end_slice(sim_removal_t *r, double t_s, double turn, double z_mm)
+{
+    const double kc = r->config.kc_n_mm2;
+    const double dt_s = t_s - r->begin_s;
+    r->slice = (sim_slice_t){
+        .t_s = r->begin_s + 0.5 * dt_s,
+        .turn = 0.5 * (r->begin_turn + turn),
+        .z_mm = z_mm,
+        .volume_mm3 = r->volume_mm3,
+        .rate_mm3_s = r->volume_mm3 / dt_s,
+        .power_w = kc * r->volume_mm3 / dt_s * 1e-3,
+        .rate_force_n = kc * r->volume_mm3 / r->config.feed_mm,
+        .chip_force_n = kc * r->depth_sum_mm / (double)r->n * r->config.feed_mm,
+    };
+    judge_slice(r);
+}
+
+bool sim_removal_touch(sim_removal_t *r, double t_s, double turn, double z_mm, double radius_mm,
+                       bool is_judged)
+{
+    if (!r->is_running) {
+        r->is_running = true;
+        r->last_z_mm = z_mm;
+        begin_turn(r, (double)sim_floor(turn), false);
+        begin_slice(r, t_s, turn);
+        return false;
+    }
+    const double depth_mm = r->config.blank_mm - radius_mm;
+    const double ring_mm2 = SIM_PI * depth_mm * (r->config.blank_mm + radius_mm);
+    const double volume_mm3 = ring_mm2 * sim_abs(z_mm - r->last_z_mm);
+    r->last_z_mm = z_mm;
+    r->removed_mm3 += volume_mm3;
+    r->volume_mm3 += volume_mm3;
+    r->depth_sum_mm += depth_mm;
+    r->n++;
+    r->is_clean = r->is_clean && is_judged;
+    if (t_s - r->begin_s < r->config.slice_s) {
+        return false;
+    }
+    end_slice(r, t_s, turn, z_mm);
+    begin_slice(r, t_s, turn);
+    return true;
+}
