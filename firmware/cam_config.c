@@ -10,6 +10,9 @@
 /// nanometres.
 #define CHECK_MARGIN_Q10 (3 * 1024)
 
+/// With accelerations below 2^42 the product stays below 2^62; a lag of 2048 ticks.
+enum { max_lag2 = 1 << 20 };
+
 /// Gentle approach: a quarter of each limit.
 enum { approach_share = 4 };
 
@@ -126,6 +129,8 @@ static void build_play(cam_play_config_t *c, const cam_params_t *p, uint32_t tic
 {
     c->lead_q16 = ticks_of_ns(p->lead_ns, tick_hz);
     c->xz_lag_q16 = ticks_of_ns(p->xz_lag_ns, tick_hz);
+    const int64_t half2 = ((int64_t)c->xz_lag_q16 * c->xz_lag_q16) >> 34;
+    c->xz_lag2 = (int32_t)cam_clamp_i64(half2, 0, max_lag2);
     c->phase_q32 = turn_of_udeg(p->phase_udeg);
     c->phase_step_q32 = (int32_t)(turn_of_udeg(p->phase_rate_udeg_per_s) / (int64_t)tick_hz) + 1;
     c->amplitude_q30 = (int32_t)scale(p->amplitude_ppm, INT64_C(1) << 30, 1000000);

@@ -153,16 +153,17 @@ static int32_t play_table(cam_play_t *p, const cam_play_config_t *cfg, const cam
 {
     ramp(p, cfg);
     const int64_t u_pos_q32 = ahead(angle, cfg->lead_q16);
-    const int64_t xz_pos_q32 = ahead(angle, cfg->xz_lag_q16);
     const int32_t measured_nm = in->actual_nm[hal_axis_z];
     const cam_place_t at = {
         .theta_q32 = cam_angle_of_pos(u_pos_q32) - (uint32_t)p->phase_q32,
         .z_nm = cfg->is_z_measured ? measured_nm : height_nm(p, cfg, u_pos_q32),
         .envelope_q30 = envelope_q30(p, cfg, u_pos_q32),
     };
+    modulate(p, cfg, &at);
+    const int64_t xz_pos_q32 =
+        ahead(angle, cfg->xz_lag_q16) + ((p->speed.alpha_q48 * cfg->xz_lag2) >> 16);
     const int32_t xz_z_nm = cfg->is_z_measured ? measured_nm : height_nm(p, cfg, xz_pos_q32);
     const int32_t out_q30 = (INT32_C(1) << 30) - envelope_q30(p, cfg, xz_pos_q32);
-    modulate(p, cfg, &at);
     p->axis[hal_axis_u] = surface(p, cfg, angle, &at);
     p->axis[hal_axis_x].pos_q10 =
         profile_q10(cfg, xz_z_nm) + ((cfg->x_clearance_q10 >> 10) * out_q30 >> 20);

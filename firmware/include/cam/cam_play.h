@@ -30,6 +30,8 @@ typedef struct {
     uint32_t knots_shift;              ///< log2 of u knots per turn
     int32_t lead_q16;                  ///< [ticks] dead time of U, below cam_play_history - 2
     int32_t xz_lag_q16;                ///< [ticks] lag of X and Z
+    int32_t xz_lag2;                   ///< [ticks^2] (lag / 2)^2: what two equal poles lag more
+                                       ///< while the spindle accelerates
     int32_t phase_q32, phase_step_q32; ///< [turn / 2^32], per tick
     int32_t amplitude_q30, amplitude_step_q30;  ///< [1], per tick
     int64_t engage_q32, disengage_q32;          ///< [turn] lengths
