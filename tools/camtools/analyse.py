@@ -1,0 +1,139 @@
+"""Command line of the analysis: areas, equal parts, speed law, forces, refit of the corner.
+
+>>> from camtools.part import example_part
+>>> sorted(products(example_part(), Wishes(), with_pictures=False))[:3]
+['analysis.json', 'axes_equal_volume.csv', 'axes_uniform.csv']
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import signal
+import sys
+from pathlib import Path
+from types import FrameType
+from typing import NoReturn
+
+from camtools.analyse_study import Analysis, Wishes, make_analysis
+from camtools.analyse_tables import all_tables
+from camtools.analyse_text import figures, notes, summary
+from camtools.errors import CamtoolsError, one_line
+from camtools.output import write_all
+from camtools.part import Part, load_part
+from camtools.refit_study import candidates_csv, comparison_csv, study
+from camtools.refit_study import notes as refit_notes
+
+_BAD_INPUT = 2
+
+
+class _Parser(argparse.ArgumentParser):
+    def error(self, message: str) -> NoReturn:
+        self.exit(_BAD_INPUT, f"analyse: {one_line(message)}; see analyse --help\n")
+
+
+def _arguments(argv: list[str] | None) -> argparse.Namespace:
+    parser = _Parser(
+        prog="analyse",
+        description="Work out areas, equal parts, speed law and forces of one section of a part; "
+        "of a section with a corner also its refit.",
+        allow_abbrev=False,
+    )
+    add = parser.add_argument
+    add("part", type=Path, metavar="PART.toml", help="part file")
+    add("-o", "--output", type=Path, required=True, metavar="DIR", help="folder")
+    add("--height", type=float, metavar="MM", help="default: that of the largest diameter")
+    add("--step-deg", type=float, default=3.0, metavar="D", help="of Table 1, default 3")
+    add("--parts", type=int, metavar="N", help="equal parts of a quarter turn, default the part's")
+    add("--turns", type=int, default=1, metavar="N", help="of the axis positions, default 1")
+    add("--slice-volume-mm3", type=float, default=0.04, metavar="V", help="largest, default 0.04")
+    add("--cycle-us", type=float, default=50.0, metavar="T", help="controller's, default 50")
+    add("--kc-n-mm2", type=float, default=700.0, metavar="K", help="cutting force, default 700")
+    add("--rpm", type=float, metavar="N", help="mean speed, default the part's")
+    return parser.parse_args(argv)
+
+
+def _wishes(arguments: argparse.Namespace) -> Wishes:
+    return Wishes(
+        height_mm=arguments.height,
+        step_deg=arguments.step_deg,
+        parts=arguments.parts,
+        slice_volume_mm3=arguments.slice_volume_mm3,
+        cycle_us=arguments.cycle_us,
+        kc_n_mm2=arguments.kc_n_mm2,
+        rpm=arguments.rpm,
+        turns=arguments.turns,
+    )
+
+
+def products(part: Part, wishes: Wishes, *, with_pictures: bool = True) -> dict[str, bytes]:
+    """Return the content of every file of an analysis, by file name.
+
+    Raises
+    ------
+    CamtoolsError
+        A wish is out of range, or the part impossible.
+    """
+    return _files(make_analysis(part, wishes), with_pictures=with_pictures)
+
+
+def _files(found: Analysis, *, with_pictures: bool) -> dict[str, bytes]:
+    texts = all_tables(found) | {"notes.md": notes(found)}
+    texts["analysis.json"] = json.dumps(figures(found), indent=1, sort_keys=True) + "\n"
+    pictures: dict[str, bytes] = {}
+    if with_pictures:
+        from camtools.analyse_plots import draw_all  # matplotlib is slow to load
+
+        pictures = draw_all(found)
+    if found.geometry.corner is not None:
+        corner = study(found.geometry.corner, found.height_mm, found.rpm)
+        texts["refit_comparison.csv"] = comparison_csv(corner)
+        texts["refit_candidates.csv"] = candidates_csv(corner)
+        texts["refit_notes.md"] = refit_notes(corner)
+        if with_pictures:
+            from camtools.refit_plots import draw_all as draw_refit
+
+            pictures |= draw_refit(corner)
+    files = {name: text.encode("utf-8") for name, text in texts.items()}
+    return files | {f"{topic}.png": png for topic, png in pictures.items()}
+
+
+def _run(arguments: argparse.Namespace) -> None:
+    part = load_part(arguments.part)
+    try:
+        found = make_analysis(part, _wishes(arguments))
+    except CamtoolsError as error:
+        raise CamtoolsError([f"{arguments.part}: {line}" for line in error.lines]) from error
+    files = _files(found, with_pictures=True)
+    write_all(arguments.output, files)
+    sys.stdout.write(summary(found))
+    if "refit_notes.md" in files:
+        sys.stdout.write("\n" + files["refit_notes.md"].decode("utf-8"))
+
+
+class _Interrupted(BaseException):
+    """A signal asks us to stop; unwinding removes the temporary files."""
+
+
+def _interrupt(number: int, _frame: FrameType | None) -> None:
+    raise _Interrupted(number)
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Run the command; return its exit status: 0 done, 2 bad input, 128 + n on signal n."""
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, _interrupt)
+    try:
+        _run(_arguments(argv))
+    except CamtoolsError as error:
+        for line in error.lines:
+            sys.stderr.write(f"analyse: {line}\n")
+        return _BAD_INPUT
+    except _Interrupted as stop:
+        sys.stderr.write("analyse: interrupted; nothing was written\n")
+        return 128 + int(stop.args[0])
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
