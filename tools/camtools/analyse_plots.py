@@ -117,9 +117,14 @@ def draw_speed(study: Analysis) -> Figure:
     names = ("spindle speed, r/min", "acceleration, rad/s²", "removal rate, mm³/s")
     for axes, name in zip(panels, names, strict=True):
         axes.set_ylabel(name)
-    panels[0].legend(frameon=False, ncols=2, loc="upper right")
+    _legend(figure, panels[0])
     angle_axis(panels[-1])
     return figure
+
+
+def _legend(figure: Figure, axes: Axes) -> None:
+    handles, labels = axes.get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=2, frameon=False)
 
 
 def _both(axes: Axes, uniform: Floats, even: Floats) -> None:
@@ -147,7 +152,7 @@ def draw_motion(study: Analysis) -> Figure:
         axes.plot(uniform_ms, uniform, color=GREY, ls="--", label="uniform")
         axes.plot(even_ms, even, color=BLUE, label="equal volume")
         axes.set_ylabel(name)
-    panels[0].legend(frameon=False, ncols=2, loc="upper right")
+    _legend(figure, panels[0])
     panels[-1].set_xlabel("time from the long axis, ms")
     return figure
 
@@ -167,8 +172,8 @@ def draw_forces(study: Analysis) -> Figure:
     _both(panels[2], power, power * ratio)
     panels[0].set_title("the papers' model: proportional to the area cut in one slice of time")
     panels[1].set_title("physical model: section of the chip, whatever the speed")
-    panels[1].legend(frameon=False, loc="upper right")
-    panels[0].legend(frameon=False, ncols=2, loc="upper right")
+    panels[1].legend(frameon=False, loc="lower right")
+    _legend(figure, panels[0])
     for axes, name in zip(panels, ("force, N", "force, N", "power, W"), strict=True):
         axes.set_ylabel(name)
         axes.set_ylim(bottom=0)
