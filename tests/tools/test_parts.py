@@ -78,7 +78,10 @@ def test_equal_volume_evens_the_removal_rate(modulated: Generated, tmp_path: Pat
     assert next(forces) == pytest.approx(next(forces), rel=0.05)
     volumes = (one["removal"]["volume_mm3"] for one in (even, rough))
     assert next(volumes) == pytest.approx(next(volumes), rel=1e-3)
-    assert max(one["form_error_um"]["max"] for one in (even, rough)) < 0.1
+    # the encoder's half count shows where its edges come in step with the ticks, here at 240 r/min,
+    # which the modulated spindle passes in every turn: the bound is that of uniform turning there
+    in_step = cut(plain, tmp_path, "--rpm", "240")
+    assert even["form_error_um"]["max"] <= in_step["form_error_um"]["max"] < 0.1
     assert even["cut"]["seconds"] == pytest.approx(rough["cut"]["seconds"], rel=2e-3)
 
 

@@ -258,10 +258,11 @@ def test_good_report_has_every_picture(good: Outcome) -> None:
     files = make_report(good)
     assert sorted(files) == [
         *(f"cut_{key}.png" for key in ("compare", "following", "height", "map", "motion")),
-        *("cut_overview.png", "cut_sections.png", "cut_sequence.png", "report.html"),
+        *("cut_overview.png", "cut_sections.png", "cut_sequence.png", "cut_skirt.png"),
+        "report.html",
     ]
     page = files["report.html"].decode()
-    assert page.count('src="data:image/png;base64,') == 7
+    assert page.count('src="data:image/png;base64,') == 8
     assert not re.search(r'(src|href)="(?!data:)|url\(|@import|<script|https?://', page)
     assert "WITHIN TOLERANCE" in page
     assert "Invented" not in page

@@ -36,7 +36,13 @@ SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 WALL_CLOCK = ("wall_time_s", "ticks_per_s", "run_wall_time_s")
 RESULTS = [
     *(f"cut_{key}.png" for key in ("compare", "following", "height", "map", "motion", "overview")),
-    *("cut_sections.png", "cut_sequence.png", "perkins240.camtab", "perkins240.json"),
+    *(
+        "cut_sections.png",
+        "cut_sequence.png",
+        "cut_skirt.png",
+        "perkins240.camtab",
+        "perkins240.json",
+    ),
     *("perkins240_machine.toml", "perkins240_table.c", "perkins240_table.h", "report.html"),
     *("summary.json", "surface.csv", "trace.csv"),
 ]

@@ -17,6 +17,7 @@ from matplotlib.figure import Figure
 from camtools import report_compare, report_motion, report_surface
 from camtools.report_corner import draw_corner
 from camtools.report_data import CUTTING, FAULT, Json, Outcome
+from camtools.report_even import draw_even, draw_ripple
 from camtools.report_skirt import draw_skirt
 from camtools.report_style import drawing, png_of
 from camtools.report_text import fault_story, margins_of, rows_of, verdict_of
@@ -63,6 +64,19 @@ _TEXTS = {
         "The skirt in space",
         "The gauged surface with its deviations from a cylinder enlarged: oval, barrel shape and, "
         "where there is one, the corner can be seen; steps or waves would stand out.",
+    ),
+    "even": (
+        "Equal-volume turning",
+        "The spindle slows down where the chip is deep, so that removal rate and power stay even; "
+        "dashed is the same part at constant speed. The force of the chip stays as it is, since "
+        "neither depth nor feed depend on the speed: the papers' claim of a constant force holds "
+        "only for their model, in which force is proportional to the removal rate.",
+    ),
+    "ripple": (
+        "Ripple of the removal rate",
+        "Largest minus least rate of every turn, over the height, measured on the workpiece. Where "
+        "the spindle's acceleration allows it the rate is constant; where it does not, the table "
+        "holds the law of least ripple, which must lie below the papers' partial modulation.",
     ),
     "height": (
         "Error over height",
@@ -116,6 +130,10 @@ def _drawers(outcome: Outcome) -> dict[str, Callable[[], Figure]]:
         drawers["height"] = lambda: report_surface.draw_height(surface, geometry)
         drawers["skirt"] = lambda: draw_skirt(surface, geometry, factor)
     drawers["motion"] = lambda: report_motion.draw_motion(trace, geometry, speed_rpm)
+    even, speed = outcome.even, outcome.generated.speed
+    if even is not None and speed is not None and even.removal.turn.size:
+        drawers["even"] = lambda: draw_even(even, speed, speed_rpm)
+        drawers["ripple"] = lambda: draw_ripple(even, speed)
     if (trace.state == CUTTING).any():
         drawers["following"] = lambda: report_motion.draw_following(trace)
     if trace.t_s.size > 1:

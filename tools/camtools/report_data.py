@@ -69,6 +69,27 @@ class Trace(NamedTuple):
         return Trace(*(column[rows] for column in self))
 
 
+class Removal(NamedTuple):
+    """Metal removed in time slices, each of shape (n,)."""
+
+    t_s: Floats  # middle of the slice
+    turn: Floats  # spindle angle there; whole turns are at the long axis
+    z_mm: Floats
+    rate_mm3_s: Floats
+    power_w: Floats
+    rate_force_n: Floats  # the papers' model: area cut in the slice
+    chip_force_n: Floats  # physical: section of the chip
+
+
+class Even(NamedTuple):
+    """Equal-volume turning beside uniform turning of the same part at the same mean speed."""
+
+    summary: Json
+    uniform_summary: Json
+    removal: Removal
+    uniform_removal: Removal
+
+
 _SURFACE_COLUMNS = ("turn", "z_mm", "radius_mm", "error_nm")
 _TRACE_COLUMNS = (
     "t_s",
@@ -131,6 +152,11 @@ def read_trace(path: Path) -> Trace:
     return Trace(*columns)
 
 
+def read_removal(path: Path) -> Removal:
+    """Return the slices of a CSV file of camsim."""
+    return Removal(*_columns(path, Removal._fields))
+
+
 def read_summary(path: Path) -> Json:
     """Return a summary of camsim."""
     summary: Json = json.loads(path.read_text(encoding="utf-8"))
@@ -159,6 +185,8 @@ class Outcome:
         The trace holds the whole cut, not its first turns only.
     variants : tuple of Variant
         Comparison cuts, the matched one first; may be empty.
+    even : Even or None
+        Removal rate and forces of a part that is turned with equal volumes.
     """
 
     generated: Generated
@@ -167,6 +195,7 @@ class Outcome:
     trace: Trace
     is_trace_complete: bool = True
     variants: tuple[Variant, ...] = ()
+    even: Even | None = None
 
     @property
     def name(self) -> str:

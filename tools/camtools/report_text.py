@@ -26,6 +26,7 @@ _MARGINS = {
     "u_speed_mm_s": ("U speed", "mm/s", 1.0),
     "u_acceleration_mm_s2": ("U acceleration", "m/s²", 1e-3),
     "u_stroke_mm": ("U stroke", "mm", 1.0),
+    "spindle_acceleration_rad_s2": ("spindle acceleration", "rad/s²", 1.0),
 }
 
 
@@ -116,11 +117,38 @@ def margins_of(outcome: Outcome) -> list[Margin]:
     """Return needed and limit of spindle and U, as the controller judged them."""
     found = []
     for key, (name, unit, scale) in _MARGINS.items():
+        if key == "spindle_acceleration_rad_s2" and outcome.generated.speed is None:
+            continue
         one = outcome.summary["feasibility"][key]
         needed, limit = one["needed"] * scale, one["limit"] * scale
         percent = 100 * needed / limit
         found.append(Margin(name, f"{needed:.4g} {unit}", f"{limit:.4g} {unit}", percent))
     return found
+
+
+def _removal_rows(outcome: Outcome) -> list[Row]:
+    """Return what equal-volume turning brought, nothing for uniform turning."""
+    if outcome.even is None or "rate_ripple" not in outcome.even.summary["removal"]:
+        return []
+    ours, theirs = outcome.even.summary["removal"], outcome.even.uniform_summary["removal"]
+    rate, plain = ours["rate_ripple"], theirs["rate_ripple"]
+    chip, plain_chip = ours["chip_force_ripple"], theirs["chip_force_ripple"]
+    return [
+        Row(
+            "ripple of the removal rate",
+            f"mean {100 * rate['mean']:.1f} %, max {100 * rate['max']:.1f} % of its mean in a turn "
+            f"(uniform turning {100 * plain['mean']:.0f} %, {100 * plain['max']:.0f} %)",
+        ),
+        Row(
+            "ripple of the chip's force",
+            f"mean {100 * chip['mean']:.0f} % (uniform turning {100 * plain_chip['mean']:.0f} %): "
+            "no speed law changes it",
+        ),
+        Row(
+            "form error at uniform speed",
+            _error_pair(outcome.even.uniform_summary["form_error_um"]),
+        ),
+    ]
 
 
 def rows_of(outcome: Outcome) -> list[Row]:
@@ -133,6 +161,7 @@ def rows_of(outcome: Outcome) -> list[Row]:
         Row("cut", what_was_cut(outcome)),
         Row("form error", f"{_error_pair(form)} (tolerance {length_text(form['tolerance'])})"),
         Row("following error of U", _error_pair(summary["following_error_um"])),
+        *_removal_rows(outcome),
         Row("table", f"{summary['table_bytes']} bytes, error at most {worst_nm:.2g} nm"),
         Row("machine time", f"{machine_s:.1f} s"),
         Row("computing time", f"{wall_s:.2f} s for the cut with its trace"),

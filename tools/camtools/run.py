@@ -22,7 +22,15 @@ from camtools.errors import CamtoolsError, one_line
 from camtools.generate import Generated, generate
 from camtools.mktables import products
 from camtools.part import load_part
-from camtools.report_data import Json, Outcome, Variant, read_summary, read_surface, read_trace
+from camtools.report_data import (
+    Even,
+    Json,
+    Outcome,
+    Variant,
+    read_summary,
+    read_surface,
+    read_trace,
+)
 from camtools.report_text import terminal_text
 from camtools.run_cut import (
     SUMMARY,
@@ -34,6 +42,7 @@ from camtools.run_cut import (
     machine_text,
     traced_turns,
 )
+from camtools.run_even import compare_removal
 from camtools.run_stage import Stage, cannot_write
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -197,7 +206,11 @@ def _without_faults(words: Sequence[str]) -> list[str]:
 
 
 def _read(
-    generated: Generated, folder: Path, variants: tuple[Variant, ...], window: float | None
+    generated: Generated,
+    folder: Path,
+    variants: tuple[Variant, ...],
+    window: float | None,
+    even: Even | None,
 ) -> Outcome:
     return Outcome(
         generated,
@@ -206,6 +219,7 @@ def _read(
         read_trace(folder / TRACE),
         window is None,
         variants,
+        even,
     )
 
 
@@ -241,9 +255,11 @@ def _cut_and_report(job: Job, generated: Generated, stage: Stage, begin_s: float
     words = ["--machine", machine, *job.tolerance(generated), *job.options(), *job.extra]
     if cut(simulator, words, window) == _BAD_INPUT:
         return None
-    variants = compare(simulator, _without_faults(words), window)
+    plain = _without_faults(words)
+    variants = compare(simulator, plain, window)
+    even = compare_removal(simulator, generated, plain, job.turns(generated))
     _say("drawing the report")
-    outcome = _read(generated, stage.folder, variants, window)
+    outcome = _read(generated, stage.folder, variants, window, even)
     _write(stage.folder, make_report(outcome))
     summary = _complete_summary(outcome, time.monotonic() - begin_s)
     text = json.dumps(summary, indent=1, allow_nan=False) + "\n"
