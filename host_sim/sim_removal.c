@@ -94,6 +94,7 @@ bool sim_removal_touch(sim_removal_t *r, double t_s, double turn, double z_mm, d
 {
     if (!r->is_running) {
         r->is_running = true;
+        r->due_s = t_s + r->config.slice_s;
         r->last_z_mm = z_mm;
         begin_turn(r, (double)sim_floor(turn), false);
         begin_slice(r, t_s, turn);
@@ -108,9 +109,11 @@ bool sim_removal_touch(sim_removal_t *r, double t_s, double turn, double z_mm, d
     r->depth_sum_mm += depth_mm;
     r->n++;
     r->is_clean = r->is_clean && is_judged;
-    if (t_s - r->begin_s < r->config.slice_s) {
+    if (t_s < r->due_s) {
         return false;
     }
+    const double next_s = r->due_s + r->config.slice_s;
+    r->due_s = next_s > t_s ? next_s : t_s + r->config.slice_s;
     end_slice(r, t_s, turn, z_mm);
     begin_slice(r, t_s, turn);
     return true;

@@ -6,7 +6,8 @@
 ///     rate force = kc V / feed                 the papers' model: area cut in one slice
 ///     chip force = kc mean depth feed          physical: section of the chip, whatever the speed
 ///
-/// A slice ends with the first tick that is dt or more after its begin; its own length counts.
+/// A slice ends with the first tick that is due: slices are dt on average, each counts with the
+/// length that it has.
 /// Ripple is (largest - least) / mean over the slices of one turn; only whole turns of which all
 /// samples were offered with `is_judged` count. Source: maths.md section 6.
 #ifndef SIM_REMOVAL_H
@@ -40,7 +41,7 @@ typedef struct {
     sim_removal_config_t config;
     sim_slice_t slice; ///< the last finished one
     // the slice in the making
-    double begin_s, begin_turn, volume_mm3, depth_sum_mm, last_z_mm;
+    double begin_s, due_s, begin_turn, volume_mm3, depth_sum_mm, last_z_mm;
     uint64_t n; ///< samples in it
     bool is_running, is_clean;
     // the turn in the making

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import resource
 import subprocess
@@ -164,7 +165,36 @@ def test_run_without_a_report_says_what_it_gauges_against(table: Path, tmp_path:
     assert json.loads((tmp_path / "s.json").read_text())["gauge"]["reference"] == "table"
 
 
-@pytest.mark.parametrize("option", ["--trace", "--surface", "--summary"])
+def test_run_measures_what_is_removed(table: Path, tmp_path: Path) -> None:
+    """Slices hold volume, rate, power and both forces; the summary their spread and ripple."""
+    slices, words = tmp_path / "r.csv", ("--rpm", "600", "--feed", "1", "--kc-n-mm2", "800")
+    summary = summary_of(table, tmp_path / "s.json", *words, "--removal", str(slices))
+    with slices.open() as stream:
+        rows = list(csv.DictReader(stream))
+    assert len(rows) == pytest.approx(120 * summary["cut"]["turns"], rel=0.01)
+    total = sum(float(row["volume_mm3"]) for row in rows)
+    assert total == pytest.approx(summary["removal"]["volume_mm3"], rel=1e-3)
+    assert summary["removal"]["slice_s"] == pytest.approx(0.1 / 120)
+    for row in rows[1000:1010]:
+        rate, volume = float(row["rate_mm3_s"]), float(row["volume_mm3"])
+        assert float(row["power_w"]) == pytest.approx(0.8 * rate, abs=1e-5)
+        assert float(row["rate_force_n"]) == pytest.approx(800 * volume, abs=1e-3)
+    ripple = summary["removal"]["rate_ripple"]
+    assert 0.4 < ripple["min"] <= ripple["mean"] <= ripple["max"] < 0.75
+    assert summary["removal"]["turns"] == pytest.approx(58, abs=3)
+
+
+def test_run_takes_other_slices(table: Path, tmp_path: Path) -> None:
+    """Longer slices are fewer; senseless ones are refused."""
+    slices = tmp_path / "r.csv"
+    summary_of(table, tmp_path / "s.json", *CUT, "--slice-us", "2000", "--removal", str(slices))
+    t_s = [float(line.split(",")[0]) for line in slices.read_text().splitlines()[1:]]
+    assert t_s[1] - t_s[0] == pytest.approx(0.002, abs=1e-9)
+    for option in (("--slice-us", "0"), ("--slice-us", "x"), ("--kc-n-mm2", "-1")):
+        assert option[0] in only_error(camsim("run", table, *option))
+
+
+@pytest.mark.parametrize("option", ["--trace", "--surface", "--summary", "--removal"])
 def test_run_refuses_an_unwritable_output_before_the_cut(
     table: Path, tmp_path: Path, option: str
 ) -> None:
