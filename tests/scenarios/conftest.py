@@ -1,19 +1,28 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What all scenarios share: the table of the Perkins skirt."""
+"""What all scenarios share: the tables of the parts that they cut."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from camtools.mktables import main as mktables
-from part_cases import PERKINS
+from part_cases import ROOT
+
+PARTS = ROOT / "tools" / "parts"
 
 
 @pytest.fixture(scope="session")
-def table(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Path of a freshly made table of the Perkins skirt, its design beside it."""
-    folder = tmp_path_factory.mktemp("table")
-    assert mktables([str(PERKINS), "-o", str(folder)]) == 0
-    return folder / "perkins240.camtab"
+def table_of(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
+    """Make the table of a part of the repository once, its design beside it; return its path."""
+    folder = tmp_path_factory.mktemp("tables")
+
+    def make(part: str) -> Path:
+        path = folder / f"{part}.camtab"
+        if not path.exists():
+            assert mktables([str(PARTS / f"{part}.toml"), "-o", str(folder)]) == 0
+        return path
+
+    return make

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 import tomllib
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -132,11 +133,11 @@ def states_of(trace: Columns) -> list[str]:
 
 
 @pytest.mark.parametrize("path", SCENARIOS, ids=lambda path: path.stem)
-def test_scenario(path: Path, table: Path, tmp_path: Path) -> None:
+def test_scenario(path: Path, table_of: Callable[[str], Path], tmp_path: Path) -> None:
     """The scenario happens as its prose tells."""
     scenario = tomllib.loads(path.read_text())
     expect = scenario["expect"]
-    outcome = run(table, scenario, tmp_path)
+    outcome = run(table_of(scenario.get("part", "perkins240")), scenario, tmp_path)
     assert outcome.status == expect["exit"], outcome.message
     assert expect.get("message", "") in outcome.message
     if outcome.status == 2:

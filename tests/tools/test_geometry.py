@@ -16,7 +16,7 @@ from camtools.geometry import (
 )
 from camtools.part import Ovality, Part, Profile, load_part
 from camtools.profile import ovality_spline, profile_spline
-from camtools.sections import DoubleEllipse, Ellipse
+from camtools.sections import DoubleEllipse, Ellipse, Section
 from part_cases import PERKINS
 
 HEIGHTS = [5.0, 15.0, 25.0, 35.0, 45.0, 56.0]
@@ -150,7 +150,7 @@ def make_flat(g_mm: float) -> dict[str, Geometry]:
     """Return cylinders of a = 46 mm with constant ovality, ellipse and cosine form."""
     radius = profile_spline(Profile(height_mm=[0, 10], diameter_mm=[92, 92]))
     ovality = ovality_spline(Ovality(height_mm=[0, 10], ovality_mm=[g_mm, g_mm]))
-    laws = {"ellipse": Ellipse(), "cosine": DoubleEllipse()}
+    laws: dict[str, Section] = {"ellipse": Ellipse(), "cosine": DoubleEllipse()}
     return {
         name: Geometry(radius, ovality, OvalSurface(law, radius, ovality), 0.0, 10.0)
         for name, law in laws.items()

@@ -40,6 +40,7 @@ def test_perkins_file_is_read() -> None:
     """The shipped part has the drawing's numbers and says that they are reconstructed."""
     part = load_part(PERKINS)
     assert part.piston.profile.height_mm == [0, 10, 20, 30, 40, 50, 62]
+    assert part.piston.ovality is not None
     assert part.piston.ovality.ovality_mm == [0.15, 0.20, 0.30]
     assert part.part.source.startswith("Reconstructed")
     assert part.process.direction == 1
@@ -52,6 +53,7 @@ def test_defaults_are_the_documented_ones() -> None:
         short = re.sub(rf"^{key} = .*$", "", short, flags=re.MULTILINE)
     part = parse_part(short.encode(), "p.toml")
     assert part == Part.model_validate(part.model_dump())
+    assert part.piston.ovality is not None
     assert (part.piston.ovality.interpolation, part.piston.section.shape) == ("linear", "ellipse")
     assert (part.process.depth_mm, part.process.direction) == (0.1, 1)
     limits = part.machine.limits

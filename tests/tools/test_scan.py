@@ -52,7 +52,7 @@ def test_smooth_sections_come_back_between_their_points(
     """Waves sampled every 3 degrees are met in between; derivatives agree with differences."""
     angle = np.arange(0.0, 360, 3)
     rows = [0.1 * np.cos(waves * np.radians(angle) + phase) for _ in range(n_heights)]
-    scan = Scan(angle, np.arange(n_heights) * 10.0, np.stack(rows))
+    scan = Scan(angle, 10.0 * np.arange(n_heights, dtype=np.float64), np.stack(rows))
     phi = np.linspace(-1, 9, 400)
     found = scan_surface(scan).delta(phi, 3.3)
     np.testing.assert_allclose(found.delta, 0.1 * np.cos(waves * phi + phase), atol=1e-7)

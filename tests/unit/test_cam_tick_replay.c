@@ -49,10 +49,9 @@ static void set(cam_param_id_t id, int32_t value)
     fixture_rig_tick(&rig);
 }
 
-static void select_table(void)
+static void select_table(const fixture_part_t *part)
 {
-    const fixture_part_t part = fixture_part_short();
-    fixture_image_make(&rig.image, &part);
+    fixture_image_make(&rig.image, part);
     TEST_ASSERT_EQUAL_INT(cam_ok,
                           cam_machine_select_table(&rig.machine, rig.image.bytes, rig.image.size));
     keep_config();
@@ -67,7 +66,8 @@ static void prepare(void)
     set(cam_param_k1_ns, 100000);
     set(cam_param_k2_us2, 1000);
     set(cam_param_following_limit_nm, 1000000);
-    select_table();
+    const fixture_part_t part = fixture_part_short();
+    select_table(&part);
 }
 
 static void cut_with_changes(void)
@@ -147,6 +147,35 @@ static void test_session_with_stop_fault_and_reset_replays_bit_for_bit(void)
     expect_replay();
 }
 
+/// The speed of the spindle goes twice per turn from 0.7 to 1.4 of 2000 r/min.
+static void test_session_with_a_modulated_spindle_replays_bit_for_bit(void)
+{
+    fixture_part_t part = fixture_part_modulated();
+    part.spindle_mrpm = 2000000;
+    rig.ramp_rpm = 50.0;
+    fixture_rig_ticks(&rig, 3);
+    set(cam_param_spindle_acceleration_mrad_per_s2, 2000000000);
+    set(cam_param_spindle_lag_us, 100);
+    set(cam_param_lead_ns, 50000);
+    set(cam_param_xz_lag_ns, 400000);
+    set(cam_param_k2_us2, 1000);
+    set(cam_param_following_limit_nm, 1000000);
+    select_table(&part);
+    cut_with_changes();
+    int32_t least = INT32_MAX;
+    int32_t most = 0;
+    for (int i = 0; i < 600; i++) {
+        fixture_rig_tick(&rig);
+        least = rig.last.spindle_mrpm < least ? rig.last.spindle_mrpm : least;
+        most = rig.last.spindle_mrpm > most ? rig.last.spindle_mrpm : most;
+    }
+    TEST_ASSERT_INT32_WITHIN(60000, 2850000, most);
+    TEST_ASSERT_INT32_WITHIN(60000, 1350000, least);
+    TEST_ASSERT_LESS_THAN_UINT32(20000, fixture_rig_until(&rig, cam_state_ready, 20000));
+    TEST_ASSERT_EQUAL_HEX32(0, fixture_rig_status(&rig).faults);
+    expect_replay();
+}
+
 static void test_session_with_other_senses_does_not_replay_alike(void)
 {
     prepare();
@@ -184,6 +213,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_session_with_changes_in_the_cut_replays_bit_for_bit);
     RUN_TEST(test_session_with_stop_fault_and_reset_replays_bit_for_bit);
+    RUN_TEST(test_session_with_a_modulated_spindle_replays_bit_for_bit);
     RUN_TEST(test_session_with_other_senses_does_not_replay_alike);
     RUN_TEST(test_trace_switched_off_and_on_has_a_gap_and_goes_on);
     return UNITY_END();

@@ -15,7 +15,7 @@ from camtools.accuracy import Accuracy
 from camtools.corner import Corner
 from camtools.errors import CamtoolsError, GeometryError
 from camtools.evaluate import knot_interval, raw_bounds
-from camtools.feasibility import HighestSpeed, Peaks, check_feasible, peaks_of
+from camtools.feasibility import HighestSpeed, Peaks, check_feasible, highest_speed, peaks_of
 from camtools.geometry import NM_PER_MM, Geometry, make_geometry
 from camtools.image import Bounds, Channel, Limits, Table
 from camtools.part import Part
@@ -159,10 +159,19 @@ def generate(part: Part, tolerance_nm: float | None = None) -> Generated:
     tolerance_u_nm = tolerance_nm or default_tolerance_nm(geometry)
     u, accuracy_u = choose_u(geometry, tolerance_u_nm)
     x, accuracy_x = choose_x(geometry, tolerance_nm or DEFAULT_TOLERANCE_NM)
-    speed = make_speed(part, geometry, u) if part.process.mode == "equal-volume" else None
-    table = make_table(part, u, x, max(accuracy_u.value_nm, accuracy_x.value_nm), speed)
+    error_nm = max(accuracy_u.value_nm, accuracy_x.value_nm)
+    speed = _modulation(part, geometry, u, error_nm)
+    table = make_table(part, u, x, error_nm, speed)
     best = _judge(part, geometry, peaks_of(table.bounds, speed.peaks.ratio if speed else 1.0))
     return Generated(part, geometry, tolerance_u_nm, table, accuracy_u, accuracy_x, best, speed)
+
+
+def _modulation(part: Part, geometry: Geometry, u: Channel, error_nm: float) -> SpeedTable | None:
+    """Return the speed channel of a part that is turned with an even removal rate."""
+    if part.process.mode == "uniform":
+        return None
+    uniform = highest_speed(peaks_of(u_bounds(u, error_nm)), part.machine.limits)
+    return make_speed(part, geometry, u, uniform.rpm)
 
 
 def _judge(part: Part, geometry: Geometry, peaks: Peaks) -> HighestSpeed:

@@ -21,7 +21,7 @@ from typing import NoReturn
 from camtools.errors import CamtoolsError, one_line
 from camtools.generate import Generated, generate
 from camtools.mktables import products
-from camtools.part import load_part
+from camtools.part import Part, load_part
 from camtools.report_data import (
     Even,
     Json,
@@ -167,15 +167,23 @@ def _say(text: str) -> None:
     sys.stderr.flush()
 
 
-def _make_table(path: Path) -> Generated:
-    """Return the table of a part file.
+def _at_speed(part: Part, rpm: float | None) -> Part:
+    """Return the part for another mean speed: the law of its modulation depends on it."""
+    if rpm is None or part.process.mode == "uniform":
+        return part
+    process = part.process.model_copy(update={"spindle_rpm": rpm})
+    return part.model_copy(update={"process": process})
+
+
+def _make_table(path: Path, rpm: float | None) -> Generated:
+    """Return the table of a part file; of a modulated part for the speed asked for.
 
     Raises
     ------
     CamtoolsError
         With the file's name in every line.
     """
-    part = load_part(path)
+    part = _at_speed(load_part(path), rpm)
     try:
         return generate(part)
     except CamtoolsError as error:
@@ -279,7 +287,7 @@ def _run(argv: Sequence[str]) -> int:
     begin_s = time.monotonic()
     job = Job(argv)
     _say(f"making the table of {job.part_path.name}")
-    generated = _make_table(job.part_path)
+    generated = _make_table(job.part_path, job.rpm)
     folder = job.folder(generated.part.part.name)
     with Stage(folder) as stage:
         _say(f"cutting {job.turns(generated):.0f} turns on the host simulator")

@@ -55,6 +55,7 @@ class SpeedTable(NamedTuple):
     laws: tuple[Law, ...]  # of each slice
     partial: tuple[Law, ...]  # maths.md 5.4, for comparison
     full_mean_rpm: float  # up to here the rate can be kept constant
+    uniform_rpm: float  # highest speed at which the part can be turned uniformly
     peaks: MotionPeaks
 
 
@@ -113,8 +114,15 @@ def peaks_together(u: Channel, speed: Channel) -> MotionPeaks:
     return MotionPeaks(ratio * margin, spindle * margin, u1 / nm * margin, u2 / nm * margin)
 
 
-def make_speed(part: Part, geometry: Geometry, u: Channel) -> SpeedTable:
+def make_speed(part: Part, geometry: Geometry, u: Channel, uniform_rpm: float) -> SpeedTable:
     """Return the speed channel of least ripple for a part, at its own mean speed.
+
+    Parameters
+    ----------
+    u : Channel
+        Of the part.
+    uniform_rpm : float
+        Highest speed of uniform turning, for comparison [r/min].
 
     Raises
     ------
@@ -135,6 +143,7 @@ def make_speed(part: Part, geometry: Geometry, u: Channel) -> SpeedTable:
         tuple(laws),
         tuple(largest_partial(load, limits, mean) for load in loads),
         min(full_mean_rad_s(load, limits) for load in loads) * 60 / (2 * np.pi),
+        uniform_rpm,
         peaks_together(u, channel),
     )
 
@@ -148,7 +157,7 @@ def summary_of(speed: SpeedTable, part: Part, geometry: Geometry) -> dict[str, o
     """Return what modulation brings, as JSON values."""
     worst = worst_of(speed.laws)
     turns = (geometry.z_last_mm - geometry.z_first_mm) / part.process.feed_mm
-    rpm, highest = part.process.spindle_rpm, part.machine.limits.spindle_rpm
+    rpm = part.process.spindle_rpm
     return {
         "mean_spindle_rpm": float(rpm),
         "ripple_uniform": uniform(speed.laws[worst].load).ripple,
@@ -160,7 +169,8 @@ def summary_of(speed: SpeedTable, part: Part, geometry: Geometry) -> dict[str, o
         "ratio_max": speed.peaks.ratio,
         "spindle_acceleration_rad_s2": speed.peaks.spindle_rad2 * omega_rad_s(rpm) ** 2,
         "time_per_part_s": turns * 60 / rpm,
-        "time_uniform_at_highest_speed_s": turns * 60 / highest,
+        "uniform_highest_rpm": speed.uniform_rpm,
+        "time_uniform_at_highest_speed_s": turns * 60 / speed.uniform_rpm,
         "bytes": speed.channel.size,
         "knot_interval_deg": float(np.degrees(knot_interval(speed.channel))),
     }

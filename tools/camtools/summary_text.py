@@ -49,7 +49,8 @@ def _speed_text(summary: Json) -> str:
         f"  spindle up to {speed['ratio_max']:.4f} of its mean speed, "
         f"{speed['spindle_acceleration_rad_s2']:.1f} rad/s2; a constant rate is possible up to "
         f"{speed['full_modulation_up_to_rpm']:.1f} r/min\n"
-        f"  {speed['time_per_part_s']:.1f} s for the part; uniform at the spindle's highest speed "
+        f"  {speed['time_per_part_s']:.1f} s for the part; uniform turning at its highest speed, "
+        f"{speed['uniform_highest_rpm']:.0f} r/min, "
         f"{speed['time_uniform_at_highest_speed_s']:.1f} s\n"
     )
 
