@@ -102,8 +102,8 @@ static demand_t u_acceleration_demand(const cam_table_t *t, const cam_params_t *
         ((uint64_t)t->u2_peak_nm_per_rad2 * (uint32_t)p->amplitude_ppm + 999999u) / 1000000u + 1u;
     const int64_t limit = smaller(p->u_acceleration_mm_per_s2, t->limit_u_acceleration_mm_s2);
     const uint64_t omega_mrad_s = (angular_urad_s(mrpm) + 999u) / 1000u;
-    const uint64_t omega2_rad2_s2 = (omega_mrad_s * omega_mrad_s + 999999u) / 1000000u;
-    const uint64_t needed = (u2 * omega2_rad2_s2 + 999999u) / 1000000u;
+    const uint64_t omega2_q = (omega_mrad_s * omega_mrad_s + 9999u) / 10000u; // 0.01 rad2/s2
+    const uint64_t needed = (u2 * omega2_q + 99999999u) / 100000000u;
     const uint64_t omega_max_mrad_s = root((uint64_t)limit * 1000000000u / u2 * 1000u);
     return (demand_t){cam_err_u_acceleration, limit, (int64_t)needed,
                       told_speed(mrpm_of(omega_max_mrad_s * 1000u))};

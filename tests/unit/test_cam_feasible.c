@@ -174,6 +174,18 @@ static void test_modulation_limits_peak_speed_and_spindle_acceleration(void)
     expect_refused(cam_err_z_speed, 100000, 100.0 / 60 * 1.499457 * 10000, 20000, 80028.98);
 }
 
+/// What is told as the highest speed passes, at slow speeds and small limits, too.
+static void test_highest_speed_passes_where_numbers_are_small(void)
+{
+    for (int32_t limit = 100; limit < 2000; limit += 7) {
+        params.u_acceleration_mm_per_s2 = limit;
+        const cam_feasibility_t why = judge(60000000);
+        TEST_ASSERT_EQUAL_INT(cam_ok, judge(why.highest_mrpm).err);
+        const double rpm = 60.0 / (2.0 * pi) * sqrt(limit / 0.3) * 1000.0;
+        TEST_ASSERT_DOUBLE_WITHIN(0.003 * rpm, rpm, why.highest_mrpm);
+    }
+}
+
 static void test_flat_table_has_a_finite_highest_speed(void)
 {
     table.u1_peak_nm_per_rad = 0;
@@ -209,6 +221,7 @@ int main(void)
     RUN_TEST(test_z_speed_and_acceleration_limit_feed_times_speed);
     RUN_TEST(test_tick_rate_limits_knots_and_counts_per_tick);
     RUN_TEST(test_modulation_limits_peak_speed_and_spindle_acceleration);
+    RUN_TEST(test_highest_speed_passes_where_numbers_are_small);
     RUN_TEST(test_flat_table_has_a_finite_highest_speed);
     RUN_TEST(test_largest_demands_do_not_overflow);
     return UNITY_END();

@@ -179,7 +179,7 @@ def _judge(part: Part, geometry: Geometry, peaks: Peaks) -> HighestSpeed:
     try:
         return check_feasible(peaks, part.machine.limits, part.process.spindle_rpm)
     except CamtoolsError as error:
-        if geometry.corner is None:
+        if geometry.corner is None or not any("u_acceleration" in line for line in error.lines):
             raise
         raise CamtoolsError([*error.lines, _corner_hint(geometry.corner)]) from error
 
