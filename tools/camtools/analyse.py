@@ -9,31 +9,22 @@ from __future__ import annotations
 
 import argparse
 import json
-import signal
 import sys
 from pathlib import Path
-from types import FrameType
-from typing import NoReturn
 
 from camtools.analyse_study import Analysis, Wishes, make_analysis
 from camtools.analyse_tables import all_tables
 from camtools.analyse_text import figures, notes, summary
-from camtools.errors import CamtoolsError, one_line
+from camtools.command import Parser, run_command
+from camtools.errors import CamtoolsError
 from camtools.output import write_all
 from camtools.part import Part, load_part
 from camtools.refit_study import candidates_csv, comparison_csv, study
 from camtools.refit_study import notes as refit_notes
 
-_BAD_INPUT = 2
-
-
-class _Parser(argparse.ArgumentParser):
-    def error(self, message: str) -> NoReturn:
-        self.exit(_BAD_INPUT, f"analyse: {one_line(message)}; see analyse --help\n")
-
 
 def _arguments(argv: list[str] | None) -> argparse.Namespace:
-    parser = _Parser(
+    parser = Parser(
         prog="analyse",
         description="Work out areas, equal parts, speed law and forces of one section of a part; "
         "of a section with a corner also its refit.",
@@ -98,7 +89,7 @@ def _files(found: Analysis, *, with_pictures: bool) -> dict[str, bytes]:
     return files | {f"{topic}.png": png for topic, png in pictures.items()}
 
 
-def _run(arguments: argparse.Namespace) -> None:
+def _run(arguments: argparse.Namespace) -> int:
     part = load_part(arguments.part)
     try:
         found = make_analysis(part, _wishes(arguments))
@@ -109,30 +100,12 @@ def _run(arguments: argparse.Namespace) -> None:
     sys.stdout.write(summary(found))
     if "refit_notes.md" in files:
         sys.stdout.write("\n" + files["refit_notes.md"].decode("utf-8"))
-
-
-class _Interrupted(BaseException):
-    """A signal asks us to stop; unwinding removes the temporary files."""
-
-
-def _interrupt(number: int, _frame: FrameType | None) -> None:
-    raise _Interrupted(number)
+    return 0
 
 
 def main(argv: list[str] | None = None) -> int:
     """Run the command; return its exit status: 0 done, 2 bad input, 128 + n on signal n."""
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, _interrupt)
-    try:
-        _run(_arguments(argv))
-    except CamtoolsError as error:
-        for line in error.lines:
-            sys.stderr.write(f"analyse: {line}\n")
-        return _BAD_INPUT
-    except _Interrupted as stop:
-        sys.stderr.write("analyse: interrupted; nothing was written\n")
-        return 128 + int(stop.args[0])
-    return 0
+    return run_command("analyse", lambda: _run(_arguments(argv)))
 
 
 if __name__ == "__main__":

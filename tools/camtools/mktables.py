@@ -7,14 +7,12 @@
 from __future__ import annotations
 
 import argparse
-import signal
 import sys
 from pathlib import Path
-from types import FrameType
-from typing import NoReturn
 
+from camtools.command import Parser, run_command
 from camtools.csource import emit_header, emit_source
-from camtools.errors import CamtoolsError, one_line
+from camtools.errors import CamtoolsError
 from camtools.generate import Generated, check_tolerance, generate
 from camtools.image import pack
 from camtools.output import write_all
@@ -24,16 +22,9 @@ from camtools.summary_text import emit_text
 
 __all__ = ["example_part", "main", "products"]
 
-_BAD_INPUT = 2
-
-
-class _Parser(argparse.ArgumentParser):
-    def error(self, message: str) -> NoReturn:
-        self.exit(_BAD_INPUT, f"mktables: {one_line(message)}; see mktables --help\n")
-
 
 def _arguments(argv: list[str] | None) -> argparse.Namespace:
-    parser = _Parser(prog="mktables", description="Make the cam table of a part.")
+    parser = Parser(prog="mktables", description="Make the cam table of a part.")
     parser.add_argument("part", type=Path, metavar="PART.toml", help="part file")
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="DIR", help="folder")
     parser.add_argument(
@@ -62,7 +53,7 @@ def products(result: Generated, *, with_plots: bool) -> dict[str, bytes]:
     return files
 
 
-def _run(arguments: argparse.Namespace) -> None:
+def _run(arguments: argparse.Namespace) -> int:
     if arguments.tolerance_nm is not None:
         check_tolerance(arguments.tolerance_nm)
     part = load_part(arguments.part)
@@ -72,30 +63,12 @@ def _run(arguments: argparse.Namespace) -> None:
         raise CamtoolsError([f"{arguments.part}: {line}" for line in error.lines]) from error
     write_all(arguments.output, products(result, with_plots=arguments.plot))
     sys.stdout.write(emit_text(make_summary(result)))
-
-
-class _Interrupted(BaseException):
-    """A signal asks us to stop; unwinding removes the temporary files."""
-
-
-def _interrupt(number: int, _frame: FrameType | None) -> None:
-    raise _Interrupted(number)
+    return 0
 
 
 def main(argv: list[str] | None = None) -> int:
     """Run the command; return its exit status: 0 done, 2 bad input, 128 + n on signal n."""
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, _interrupt)
-    try:
-        _run(_arguments(argv))
-    except CamtoolsError as error:
-        for line in error.lines:
-            sys.stderr.write(f"mktables: {line}\n")
-        return _BAD_INPUT
-    except _Interrupted as stop:
-        sys.stderr.write("mktables: interrupted; nothing was written\n")
-        return 128 + int(stop.args[0])
-    return 0
+    return run_command("mktables", lambda: _run(_arguments(argv)))
 
 
 if __name__ == "__main__":

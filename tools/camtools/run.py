@@ -9,16 +9,14 @@ from __future__ import annotations
 import argparse
 import json
 import os
-import signal
 import sys
 import time
 from collections.abc import Sequence
 from math import isfinite
 from pathlib import Path
-from types import FrameType
-from typing import NoReturn
 
-from camtools.errors import CamtoolsError, one_line
+from camtools.command import BAD_INPUT, Parser, run_command
+from camtools.errors import CamtoolsError
 from camtools.generate import Generated, generate
 from camtools.mktables import products
 from camtools.part import Part, load_part
@@ -47,7 +45,6 @@ from camtools.run_stage import Stage, cannot_write
 
 ROOT = Path(__file__).resolve().parents[2]
 _DEFAULT_PART = ROOT / "tools" / "parts" / "perkins240.toml"
-_BAD_INPUT = 2
 _OURS = ("--rpm", "--feed", "--trace", "--surface", "--summary", "--design", "--progress", "--help")
 _EPILOG = """\
 What follows -- goes to `camsim run`, for example to see how a fault is met:
@@ -55,13 +52,8 @@ What follows -- goes to `camsim run`, for example to see how a fault is met:
 Exit status: 0 done, 1 the cut ended in a fault or out of tolerance, 2 wrong usage or bad input."""
 
 
-class _Parser(argparse.ArgumentParser):
-    def error(self, message: str) -> NoReturn:
-        self.exit(_BAD_INPUT, f"run: {one_line(message)}; see tools/run --help\n")
-
-
 def _parser() -> argparse.ArgumentParser:
-    parser = _Parser(
+    parser = Parser(
         prog="tools/run",
         usage="tools/run [PART.toml] [--rpm N] [--feed MM] [-o DIR] [-- CAMSIM-OPTIONS]",
         description="Make the table of a part, cut it on the host simulator, write a report.",
@@ -261,7 +253,7 @@ def _cut_and_report(job: Job, generated: Generated, stage: Stage, begin_s: float
     _write(stage.folder, files)
     simulator = Simulator(_camsim(), stage.folder, f"{name}.camtab")
     words = ["--machine", machine, *job.tolerance(generated), *job.options(), *job.extra]
-    if cut(simulator, words, window) == _BAD_INPUT:
+    if cut(simulator, words, window) == BAD_INPUT:
         return None
     plain = _without_faults(words)
     variants = compare(simulator, plain, window)
@@ -293,18 +285,10 @@ def _run(argv: Sequence[str]) -> int:
         _say(f"cutting {job.turns(generated):.0f} turns on the host simulator")
         outcome = _cut_and_report(job, generated, stage, begin_s)
         if outcome is None:
-            return _BAD_INPUT
+            return BAD_INPUT
         stage.publish()
     sys.stdout.write(terminal_text(outcome, _shown(folder), time.monotonic() - begin_s))
     return 0 if outcome.is_good else 1
-
-
-class _Interrupted(BaseException):
-    """A signal asks us to stop; unwinding ends camsim and removes the stage."""
-
-
-def _interrupt(number: int, _frame: FrameType | None) -> None:
-    raise _Interrupted(number)
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -315,17 +299,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     int
         0 done, 1 fault or out of tolerance, 2 wrong usage or bad input, 128 + n on signal n.
     """
-    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-        signal.signal(number, _interrupt)
-    try:
-        return _run(sys.argv[1:] if argv is None else argv)
-    except CamtoolsError as error:
-        for line in error.lines:
-            _say(line)
-        return _BAD_INPUT
-    except _Interrupted as stop:
-        _say("interrupted; nothing was written")
-        return 128 + int(stop.args[0])
+    return run_command("run", lambda: _run(sys.argv[1:] if argv is None else argv))
 
 
 if __name__ == "__main__":
