@@ -14,6 +14,8 @@ camturn_has() {
     ninja-build) command -v ninja ;;
     xz-utils) command -v xz ;;
     libc6-dev) gcc -E -x c - <<<'#include <stdio.h>' ;;
+    gcc-arm-none-eabi) command -v arm-none-eabi-gcc ;;
+    libnewlib-arm-none-eabi) arm-none-eabi-gcc -E -x c - <<<'#include <stdio.h>' ;;
     libcjson-dev) pkg-config --exists libcjson ;;
     libinih-dev) pkg-config --exists inih ;;
     python3-venv) "$(camturn_python)" -c 'import ensurepip, venv' ;;

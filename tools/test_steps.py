@@ -169,6 +169,8 @@ def main() -> int:
         if build_and_ctest(tally, "host-asan"):
             pytest(tally, "host-asan", SIMULATOR_PATHS)
         coverage(tally)
+        for board in ("mcu-qemu", "mcu-qemu-m4"):
+            build_and_ctest(tally, board)
 
     for step in tally.failed_steps:
         print(f"failed: {step}")

@@ -1,0 +1,17 @@
+# SPDX-License-Identifier: Apache-2.0
+# What the MPS2 boards of the emulator share. Before: board_cpu (options of the core), board_machine
+# (the emulator's name of it), board_psram (where the heap lies).
+add_compile_options(${board_cpu} -mthumb -ffunction-sections -fdata-sections)
+add_link_options(${board_cpu} -mthumb -nostartfiles)
+
+add_library(board OBJECT
+    ${CMAKE_CURRENT_LIST_DIR}/mps2_start.c ${CMAKE_CURRENT_LIST_DIR}/mps2_semihost.c
+    ${CMAKE_CURRENT_LIST_DIR}/mps2_libc.c)
+target_include_directories(board PUBLIC ${CMAKE_CURRENT_LIST_DIR})
+target_compile_options(board PRIVATE -Wall -Wextra -Wconversion -Wshadow -Werror)
+target_link_options(board INTERFACE
+    -T${CMAKE_CURRENT_LIST_DIR}/mps2.ld -Wl,--defsym=mps2_psram=${board_psram} -Wl,--gc-sections
+    -Wl,--no-warn-rwx-segments)
+
+set(CMAKE_CROSSCOMPILING_EMULATOR qemu-system-arm -M ${board_machine} -nographic -monitor none
+    -serial none -semihosting-config enable=on,target=native -kernel)
