@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: Apache-2.0
+// Exact instructions of every tick on the emulated core: all states, faults in the cut, both
+// senses, counter wraps, uniform and modulated tables, few and many knots, random parameters.
+#include "budget.h"
+#include "budget_count.h"
+#include "cam/cam_tick.h"
+#include "fixture_random.h"
+#include "fixture_rig.h"
+#include "hal_host.h"
+#include "unity.h"
+#include <stdio.h>  // printf
+#include <string.h> // memset
+
+enum { tick_hz = 20000, least_ticks = 100000 };
+
+typedef struct {
+    uint32_t min, max, n;
+} spread_t;
+
+static fixture_rig_t rig;
+static spread_t ticks[cam_n_states]; ///< of one session, by the state after the tick
+static uint32_t per_reading;         ///< [instructions] what measuring costs
+static uint32_t n_measured;          ///< ticks of all sessions
+
+void setUp(void)
+{
+    memset(ticks, 0, sizeof ticks);
+    budget_count_start();
+    const uint32_t from = budget_count();
+    per_reading = budget_instructions(from, budget_count());
+}
+
+void tearDown(void) {}
+
+void __real_cam_isr(void); // NOLINT(bugprone-reserved-identifier): names of the linker's --wrap
+void __wrap_cam_isr(void); // NOLINT(bugprone-reserved-identifier)
+
+/// The host port calls this instead of cam_isr().
+void __wrap_cam_isr(void) // NOLINT(bugprone-reserved-identifier)
+{
+    const uint32_t from = budget_count();
+    __real_cam_isr();
+    const uint32_t n = budget_instructions(from, budget_count()) - per_reading;
+    spread_t *s = &ticks[g_cam.play.state];
+    s->min = s->n == 0u || n < s->min ? n : s->min;
+    s->max = n > s->max ? n : s->max;
+    s->n++;
+    n_measured++;
+}
+
+static void set(cam_param_id_t id, int32_t value)
+{
+    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, id, value));
+}
+
+static void open_rig(const fixture_part_t *part, bool is_modulated)
+{
+    fixture_rig_init(&rig, part, tick_hz);
+    set(cam_param_following_limit_nm, 10000000);
+    if (is_modulated) {
+        set(cam_param_spindle_acceleration_mrad_per_s2, 2000000000);
+        set(cam_param_spindle_mrpm, 2000000);
+        rig.ramp_rpm = 50.0;
+    }
+}
+
+static void whole_cut(const fixture_part_t *part, bool is_modulated)
+{
+    open_rig(part, is_modulated);
+    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_cutting));
+    TEST_ASSERT_LESS_THAN_UINT32(60000, fixture_rig_until(&rig, cam_state_ready, 60000));
+    TEST_ASSERT_EQUAL_HEX32(0, rig.last.faults);
+}
+
+static void report(const char *session)
+{
+    for (int state = 0; state < cam_n_states; state++) {
+        const spread_t *s = &ticks[state];
+        if (s->n > 0u) {
+            printf("%-10s %-14s %4lu .. %4lu instructions, %lu ticks\n", session,
+                   cam_state_name((cam_state_t)state), (unsigned long)s->min, (unsigned long)s->max,
+                   (unsigned long)s->n);
+        }
+    }
+}
+
+static void expect_budget(const char *session, uint32_t in_work)
+{
+    report(session);
+    for (int state = 0; state < cam_n_states; state++) {
+        const bool is_idle = state == cam_state_off || state == cam_state_homing;
+        TEST_ASSERT_LESS_OR_EQUAL_UINT32(is_idle ? budget_idle : in_work, ticks[state].max);
+    }
+    const spread_t *cutting = &ticks[cam_state_cutting];
+    TEST_ASSERT_GREATER_THAN_UINT32(0, cutting->n);
+    const uint32_t spread = cutting->max - cutting->min;
+    TEST_ASSERT_LESS_OR_EQUAL_UINT32(cutting->max * budget_spread_percent / 100u, spread);
+}
+
+static void test_uniform_cut(void)
+{
+    const fixture_part_t part = fixture_part_short();
+    whole_cut(&part, false);
+    expect_budget("uniform", budget_uniform);
+}
+
+static void test_modulated_cut(void)
+{
+    const fixture_part_t part = fixture_part_modulated();
+    whole_cut(&part, true);
+    expect_budget("modulated", budget_modulated);
+}
+
+/// Against the positive sense, with the counter wrapping in the cut.
+static void test_other_sense_and_wrapping_counter(void)
+{
+    fixture_part_t part = fixture_part_short();
+    part.direction = -1;
+    fixture_rig_init(&rig, &part, tick_hz);
+    fixture_encoder_init(&rig.encoder, 10000, 1, 60000u, 1234);
+    set(cam_param_following_limit_nm, 10000000);
+    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_cutting));
+    TEST_ASSERT_LESS_THAN_UINT32(60000, fixture_rig_until(&rig, cam_state_ready, 60000));
+    expect_budget("reverse", budget_uniform);
+}
+
+/// The smallest table, and one of 512 knots a turn: the interrupt does the same work.
+static void test_size_of_the_table_costs_nothing(void)
+{
+    const fixture_part_t small = fixture_part_smallest();
+    whole_cut(&small, false);
+    expect_budget("4 knots", budget_uniform);
+    const uint32_t few = ticks[cam_state_cutting].max;
+    setUp();
+    fixture_part_t part = fixture_part_short();
+    part.log2_knots = 9;
+    whole_cut(&part, false);
+    expect_budget("512 knots", budget_uniform);
+    TEST_ASSERT_UINT32_WITHIN(few / 10u, few, ticks[cam_state_cutting].max);
+}
+
+static void strike(int fault)
+{
+    switch (fault) {
+    case 0:
+        hal_host_fault_estop(true);
+        break;
+    case 1:
+        hal_host_fault_drive(true);
+        break;
+    case 2:
+        hal_host_fault_counts(500);
+        break;
+    case 3:
+        hal_host_fault_encoder_stuck(true);
+        break;
+    case 4:
+        hal_host_fault_index_dead(true);
+        break;
+    default:
+        hal_host_fault_late(300);
+        break;
+    }
+}
+
+/// Every fault that the port can cause, with the retract behind it.
+static void test_faults_in_the_cut(void)
+{
+    for (int fault = 0; fault < 6; fault++) {
+        const fixture_part_t part = fixture_part_modulated();
+        open_rig(&part, true);
+        TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_cutting));
+        fixture_rig_ticks(&rig, 100);
+        strike(fault);
+        TEST_ASSERT_LESS_THAN_UINT32(20000, fixture_rig_until(&rig, cam_state_fault, 20000));
+        fixture_rig_ticks(&rig, 2000);
+    }
+    expect_budget("faults", budget_modulated);
+}
+
+/// Phase, amplitude, lead, gains and envelope at random, changed in the cut as far as allowed.
+static void test_random_parameters(void)
+{
+    fixture_random_t random = {.state = 11};
+    for (int i = 0; i < 4; i++) {
+        const fixture_part_t part = fixture_part_short();
+        open_rig(&part, false);
+        set(cam_param_lead_ns, (int32_t)fixture_random_range(&random, 0, 2000000));
+        set(cam_param_xz_lag_ns, (int32_t)fixture_random_range(&random, 0, 5000000));
+        set(cam_param_k1_ns, (int32_t)fixture_random_range(&random, 0, 1000000));
+        set(cam_param_k2_us2, (int32_t)fixture_random_range(&random, 0, 1000000));
+        set(cam_param_engage_turns, (int32_t)fixture_random_range(&random, 1, 4));
+        TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_cutting));
+        for (int k = 0; k < 200 && rig.last.state == cam_state_cutting; k++) {
+            set(cam_param_phase_udeg, (int32_t)fixture_random_range(&random, -900000, 900000));
+            set(cam_param_amplitude_ppm, (int32_t)fixture_random_range(&random, 900000, 1000000));
+            fixture_rig_ticks(&rig, 8);
+        }
+    }
+    expect_budget("random", budget_uniform);
+}
+
+static void test_enough_ticks_were_measured(void)
+{
+    TEST_ASSERT_GREATER_THAN_UINT32(least_ticks, n_measured);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_uniform_cut);
+    RUN_TEST(test_modulated_cut);
+    RUN_TEST(test_other_sense_and_wrapping_counter);
+    RUN_TEST(test_size_of_the_table_costs_nothing);
+    RUN_TEST(test_faults_in_the_cut);
+    RUN_TEST(test_random_parameters);
+    RUN_TEST(test_enough_ticks_were_measured);
+    return UNITY_END();
+}
