@@ -93,6 +93,8 @@ def test_part_with_a_corner_gets_its_picture(weichai: Generated) -> None:
     outcome = Outcome(weichai, made_up_summary(), surface, trace)
     files = make_report(outcome)
     assert "cut_corner.png" in files
+    rows = {row.name: row.value for row in rows_of(outcome)}
+    assert "(3, 3) left out: at most 16.3 µm off the drawing" in rows["refit of the corner"]
     assert "The corner" in files["report.html"].decode()
     off = surface._replace(error_um=surface.error_um + 5.0)
     with drawing():
@@ -148,6 +150,7 @@ def test_equal_volume_part_shows_both_ways_of_turning(modulated: Generated) -> N
     files = make_report(outcome)
     assert {"cut_even.png", "cut_ripple.png"} <= files.keys()
     rows = {row.name: row.value for row in rows_of(outcome)}
+    assert "at mean 2500 r/min" in rows["cut"]
     assert "mean 4.0 %, max 4.0 %" in rows["ripple of the removal rate"]
     assert "no speed law changes it" in rows["ripple of the chip's force"]
     assert "spindle acceleration" in {margin.name for margin in margins_of(outcome)}

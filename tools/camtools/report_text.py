@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from camtools.errors import InputError
+from camtools.refit import judge
 from camtools.report_data import FAULT, Json, Outcome
 from camtools.report_style import length_text
 
@@ -101,8 +102,9 @@ def what_was_cut(outcome: Outcome) -> str:
     span_mm = geometry.z_last_mm - geometry.z_first_mm
     magnify = outcome.generated.part.magnify
     enlarged = f", deviations enlarged {magnify.factor:g} times" if magnify else ""
+    mean = "mean " if outcome.generated.speed is not None else ""
     return (
-        f"skirt of {span_mm:g} mm at {cut['spindle_rpm']:g} r/min, feed {cut['feed_mm']:g} mm, "
+        f"skirt of {span_mm:g} mm at {mean}{cut['spindle_rpm']:g} r/min, feed {cut['feed_mm']:g} mm, "
         f"{cut['turns']:.0f} of {cut['planned_turns']:.0f} turns{enlarged}"
     )
 
@@ -124,6 +126,23 @@ def margins_of(outcome: Outcome) -> list[Margin]:
         percent = 100 * needed / limit
         found.append(Margin(name, f"{needed:.4g} {unit}", f"{limit:.4g} {unit}", percent))
     return found
+
+
+def _corner_rows(outcome: Outcome) -> list[Row]:
+    """Return what the refit of a corner costs, nothing for other sections."""
+    corner = outcome.generated.geometry.corner
+    if corner is None or corner.recipe is None:
+        return []
+    joint, recipe = corner.joint(corner.worst_mm), corner.recipe
+    found = judge(joint, recipe, outcome.summary["cut"]["spindle_rpm"])
+    deleted = f"({recipe.s1}, {recipe.s2})"
+    return [
+        Row(
+            "refit of the corner",
+            f"{recipe.spline}, {deleted} left out: at most {length_text(found.deviation_um)} off "
+            "the drawing; form error is against the refit",
+        )
+    ]
 
 
 def _removal_rows(outcome: Outcome) -> list[Row]:
@@ -161,6 +180,7 @@ def rows_of(outcome: Outcome) -> list[Row]:
         Row("cut", what_was_cut(outcome)),
         Row("form error", f"{_error_pair(form)} (tolerance {length_text(form['tolerance'])})"),
         Row("following error of U", _error_pair(summary["following_error_um"])),
+        *_corner_rows(outcome),
         *_removal_rows(outcome),
         Row("table", f"{summary['table_bytes']} bytes, error at most {worst_nm:.2g} nm"),
         Row("machine time", f"{machine_s:.1f} s"),
