@@ -96,6 +96,9 @@ static uint32_t judge_u(cam_guard_t *g, const cam_guard_config_t *cfg, const cam
 static void latch(cam_guard_t *g, uint32_t faults)
 {
     const uint32_t fresh = faults & ~g->faults;
+    if (fresh == 0u) {
+        return;
+    }
     for (uint32_t i = 0; i < cam_n_faults; i++) {
         g->count[i] += (fresh >> i) & 1u;
     }

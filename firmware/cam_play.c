@@ -31,7 +31,11 @@ int32_t cam_play_smooth_q30(int32_t s_q31)
 static int32_t rise_q30(int64_t pos_q32, int64_t at_q32, int64_t length_q32,
                         uint32_t per_length_q31)
 {
-    const int64_t done_q24 = cam_clamp_i64(pos_q32 - at_q32, 0, length_q32) >> 8;
+    const int64_t done_q32 = pos_q32 - at_q32;
+    if (done_q32 <= 0 || done_q32 >= length_q32) { // most of a cut lies outside of both steps
+        return done_q32 <= 0 ? 0 : INT32_C(1) << 30;
+    }
+    const int64_t done_q24 = done_q32 >> 8;
     const int64_t s_q31 = (done_q24 * per_length_q31) >> 24;
     return cam_play_smooth_q30((int32_t)cam_clamp_i64(s_q31, 0, INT32_MAX));
 }

@@ -104,7 +104,8 @@ def what_was_cut(outcome: Outcome) -> str:
     enlarged = f", deviations enlarged {magnify.factor:g} times" if magnify else ""
     mean = "mean " if outcome.generated.speed is not None else ""
     return (
-        f"skirt of {span_mm:g} mm at {mean}{cut['spindle_rpm']:g} r/min, feed {cut['feed_mm']:g} mm, "
+        f"skirt of {span_mm:g} mm at {mean}{cut['spindle_rpm']:g} r/min, "
+        f"feed {cut['feed_mm']:g} mm, "
         f"{cut['turns']:.0f} of {cut['planned_turns']:.0f} turns{enlarged}"
     )
 
