@@ -41,6 +41,54 @@ void hal_halt(const char *why)
     abort();
 }
 
+hal_start_t hal_start(void)
+{
+    const hal_start_t start = hal_host.slow.start;
+    return (hal_start_t){.reset = start.reset, .why = start.why != NULL ? start.why : ""};
+}
+
+hal_image_t hal_table_image(void)
+{
+    return hal_host.slow.table;
+}
+
+hal_load_t hal_load(void)
+{
+    return (hal_load_t){0};
+}
+
+void hal_text(const char *line)
+{
+    (void)fprintf(stderr, "%s\n", line);
+}
+
+bool hal_host_can_receive(const hal_can_frame_t *frame)
+{
+    if (hal_host.slow.n_received - hal_host.slow.n_read == hal_host_can_frames) {
+        return false;
+    }
+    hal_host.slow.received[hal_host.slow.n_received++ % hal_host_can_frames] = *frame;
+    return true;
+}
+
+bool hal_can_read(hal_can_frame_t *frame)
+{
+    if (hal_host.slow.n_received == hal_host.slow.n_read) {
+        return false;
+    }
+    *frame = hal_host.slow.received[hal_host.slow.n_read++ % hal_host_can_frames];
+    return true;
+}
+
+bool hal_can_write(const hal_can_frame_t *frame)
+{
+    if (hal_host.slow.is_bus_off) {
+        return false;
+    }
+    hal_host.slow.sent[hal_host.slow.n_sent++ % hal_host_can_frames] = *frame;
+    return true;
+}
+
 void hal_host_tick(void)
 {
     hal_host.clock += hal_host_clock_hz / hal_host.tick_hz + hal_host.late_clocks;

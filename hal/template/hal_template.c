@@ -2,6 +2,7 @@
 /// hal_template: a port with every function and nothing behind it. Copy the folder, give each
 /// function what its comment asks for. The contract with times and contexts is hal/hal.h.
 #include "hal/hal.h"
+#include <stddef.h> // NULL
 
 /// Outputs safe first: enable low, spindle set-point 0. Then clocks, counters, lines, drives.
 /// Return a negative number when something is missing; the firmware then halts with safe outputs.
@@ -34,6 +35,44 @@ void hal_halt(const char *why)
     (void)why;
     for (;;) {
     }
+}
+
+/// The reset flags of the processor, and what hal_halt() kept. Clear the flags in hal_init().
+hal_start_t hal_start(void)
+{
+    return (hal_start_t){.reset = hal_reset_power_on, .why = ""};
+}
+
+/// A flash sector of its own, so that a new part needs no new firmware.
+hal_image_t hal_table_image(void)
+{
+    return (hal_image_t){.bytes = NULL, .size = 0};
+}
+
+/// Read a cycle counter before and behind cam_isr() in the timer's interrupt.
+hal_load_t hal_load(void)
+{
+    return (hal_load_t){0};
+}
+
+/// A serial line; may wait for room, never longer than the watchdog allows.
+void hal_text(const char *line)
+{
+    (void)line;
+}
+
+/// Frames in the order of their arrival; a full queue drops the newest.
+bool hal_can_read(hal_can_frame_t *frame)
+{
+    (void)frame;
+    return false;
+}
+
+/// Never wait for the bus.
+bool hal_can_write(const hal_can_frame_t *frame)
+{
+    (void)frame;
+    return false;
 }
 
 /// A free-running 32-bit counter; must not stop or jump while the tick runs.

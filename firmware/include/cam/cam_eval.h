@@ -39,15 +39,17 @@ typedef struct {
 /// Context: ISR or slow side, constant time.
 static inline cam_height_t cam_eval_height(const cam_channel_t *ch, int32_t z_nm)
 {
-    const int64_t above_nm = (int64_t)z_nm - ch->z_first_nm;
-    const uint32_t rel_nm = (uint32_t)cam_clamp_i64(above_nm, 0, ch->span_nm);
+    const bool is_below = z_nm < ch->z_first_nm;
+    const uint32_t above_nm = (uint32_t)z_nm - (uint32_t)ch->z_first_nm; // right unless below
+    const bool is_above = !is_below && above_nm > ch->span_nm;
+    const uint32_t rel_nm = is_below ? 0u : is_above ? ch->span_nm : above_nm;
     const uint64_t slice_q48 = (uint64_t)rel_nm * ch->slices_per_nm_q48;
     const uint32_t i = (uint32_t)(slice_q48 >> 48);
     const bool is_last = i >= ch->n_slices - 1u; // the reciprocal is rounded: the end may reach it
     return (cam_height_t){
         .i = is_last ? ch->n_slices - 2u : i,
         .w_q31 = is_last ? INT32_MAX : (int32_t)((slice_q48 >> 17) & 0x7FFFFFFFu),
-        .is_clamped = above_nm != (int64_t)rel_nm,
+        .is_clamped = is_below || is_above,
     };
 }
 

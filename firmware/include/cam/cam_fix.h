@@ -40,7 +40,8 @@ static inline int64_t cam_clamp_i64(int64_t v, int64_t lo, int64_t hi)
 /// @return v limited to the range of int32
 static inline int32_t cam_sat_i32(int64_t v)
 {
-    return (int32_t)cam_clamp_i64(v, INT32_MIN, INT32_MAX);
+    const int32_t low = (int32_t)v; // fits when its sign extension is v again
+    return low == v ? low : v < 0 ? INT32_MIN : INT32_MAX;
 }
 
 /// @return |v|; any v but INT64_MIN

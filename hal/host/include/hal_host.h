@@ -11,6 +11,7 @@
 #include <stdbool.h> // bool
 #include <stdint.h>  // uint32_t
 
+enum { hal_host_can_frames = 16 };      ///< depth of the queues, a power of two
 enum { hal_host_clock_hz = 200000000 }; ///< [Hz] virtual time stamp: 5 ns
 
 /// The machine's side of the port.
@@ -33,6 +34,14 @@ typedef struct {
         bool is_index_dead;       ///< no index edge arrives any more
         hal_encoder_t last_index; ///< last reading before the index died
     } fault;
+    struct {               ///< what the slow side asks for
+        hal_start_t start; ///< .why == NULL reads as ""
+        hal_image_t table;
+        hal_can_frame_t received[hal_host_can_frames]; ///< ring, hal_host_can_receive()
+        hal_can_frame_t sent[hal_host_can_frames];     ///< ring, newest at n_sent - 1
+        uint32_t n_received, n_read, n_sent;
+        bool is_bus_off; ///< nothing can be sent
+    } slow;
     uint32_t tick_hz;     ///< [Hz] set before hal_init(), 20 000 when 0
     uint32_t clock;       ///< virtual time stamp
     uint32_t late_clocks; ///< next tick comes later by this much
@@ -65,5 +74,8 @@ void hal_host_fault_late(uint32_t percent);
 /// Emergency stop pressed or released; drives ready or not.
 void hal_host_fault_estop(bool is_pressed);
 void hal_host_fault_drive(bool is_failed);
+
+/// A frame arrives. @return false when the queue is full and the frame is dropped
+bool hal_host_can_receive(const hal_can_frame_t *frame);
 
 #endif

@@ -10,7 +10,8 @@
 #ifndef HAL_HAL_H
 #define HAL_HAL_H
 
-#include <stdint.h> // int32_t, uint32_t
+#include <stdbool.h> // bool
+#include <stdint.h>  // int32_t, uint32_t
 
 /// Axes with a position set-point. Positions are signed nanometres:
 /// U rises towards the spindle axis (0: tool tip on the long axis), X is the radius that the tool
@@ -45,6 +46,44 @@ typedef struct {
     int32_t acc_mm_per_s2; ///< [mm/s2] its acceleration (CiA 402: 60B2h)
 } hal_setpoint_t;
 
+/// Why the processor started. Of several reasons at once the later one in this list counts.
+typedef enum {
+    hal_reset_power_on,
+    hal_reset_pin,       ///< reset button, debugger
+    hal_reset_software,  ///< asked for, without hal_halt()
+    hal_reset_halt,      ///< hal_halt(): hal_start_t tells why
+    hal_reset_watchdog,  ///< the firmware stood still
+    hal_reset_brown_out, ///< the supply fell
+} hal_reset_t;
+
+/// What the port knows of the start.
+typedef struct {
+    hal_reset_t reset;
+    const char *why; ///< text of the hal_halt() before this start, "" without one; static
+} hal_start_t;
+
+/// Bytes of the place where a table image is kept.
+typedef struct {
+    const void *bytes;
+    uint32_t size; ///< [bytes] that may be read; 0: the port keeps no table
+} hal_image_t;
+
+/// Duration of the interrupt, its entry not counted.
+typedef struct {
+    uint32_t last_cycles;
+    uint32_t max_cycles; ///< since start
+    uint32_t cycles_hz;  ///< [Hz] of the cycles; 0: the port does not measure
+} hal_load_t;
+
+enum { hal_can_max_bytes = 64 };
+
+/// A CAN frame, classic (n <= 8) or FD.
+typedef struct {
+    uint32_t id; ///< 11 bits
+    uint32_t n;  ///< [bytes] 0 .. 8, and for FD 12, 16, 20, 24, 32, 48, 64
+    uint8_t data[hal_can_max_bytes];
+} hal_can_frame_t;
+
 // Port provides: slow side
 
 /// Bring up clocks, pins and peripherals with all outputs safe (enable low); the tick does not run.
@@ -68,6 +107,24 @@ void hal_idle(void);
 /// @param why  string with static lifetime
 /// Context: any; does not return. Simulator: prints and aborts.
 _Noreturn void hal_halt(const char *why);
+
+/// @return reason of the last start, constant after hal_init(). Simulator: as set by the test.
+hal_start_t hal_start(void);
+
+/// @return place of the table image, any content: the caller checks it. Simulator: none unless set.
+hal_image_t hal_table_image(void);
+
+/// @return how long cam_isr() took, in cycles. Simulator: not measured.
+hal_load_t hal_load(void);
+
+/// Write a line for people, without line end, at most 120 characters: a serial line, stderr.
+void hal_text(const char *line);
+
+/// Take the oldest received frame. @return false when there is none
+bool hal_can_read(hal_can_frame_t *frame);
+
+/// Queue a frame. @return false when the queue is full or the bus is off; the frame is dropped
+bool hal_can_write(const hal_can_frame_t *frame);
 
 // Port provides: interrupt, reads (only at the start of a tick)
 
