@@ -13,6 +13,12 @@
 /// With accelerations below 2^42 the product stays below 2^62; a lag of 2048 ticks.
 enum { max_lag2 = 1 << 20 };
 
+/// Knots per tick up to which derivatives are taken: 2^4. Start refuses speeds beyond.
+enum { max_rate_bits = 4 };
+
+/// One turn in 2^22 ticks is slower than any spindle turns.
+enum { most_speed_shift = 20 };
+
 /// Gentle approach: a quarter of each limit.
 enum { approach_share = 4 };
 
@@ -68,7 +74,17 @@ static void build_observer(cam_spindle_config_t *c, const cam_params_t *p, uint3
 {
     const int64_t wt_q24 = scale(TWO_PI_Q24, p->observer_bandwidth_mHz, (int64_t)tick_hz * 1000);
     c->kp_q31 = cam_sat_i32(wt_q24 * 256);
-    c->ki_q31 = cam_sat_i32((wt_q24 * wt_q24) >> 17);
+    c->ki_q32 = cam_sat_i32((wt_q24 * wt_q24) >> 16);
+}
+
+/// On time is within a sixteenth of the period, or within one unit of a coarse clock.
+static void build_clock(cam_spindle_config_t *c, uint32_t tick_hz, uint32_t clock_hz)
+{
+    c->tick_clocks = (uint32_t)scale(clock_hz, 1, tick_hz);
+    c->ticks_per_clock_q32 = (uint32_t)scale(tick_hz, CAM_TURN_Q32, clock_hz);
+    const uint32_t off = 1u + (c->tick_clocks - 1u) / 16u;
+    c->early_clocks = c->tick_clocks - off;
+    c->on_time_clocks = 2u * off + 1u;
 }
 
 static void build_spindle(cam_spindle_config_t *c, const cam_params_t *p, const cam_table_t *table,
@@ -76,15 +92,18 @@ static void build_spindle(cam_spindle_config_t *c, const cam_params_t *p, const 
 {
     const int32_t sense = table != NULL ? table->direction : 1;
     const int32_t turn = p->counts_per_turn;
+    const uint64_t count_q32 = (uint64_t)CAM_TURN_Q32 / (uint32_t)turn;
+    const uint64_t left = (uint64_t)CAM_TURN_Q32 % (uint32_t)turn;
     c->sign_mask = sense == p->encoder_sign ? 0u : ~0u;
     c->counts_per_turn = turn;
-    c->turn_per_count_q56 = (UINT64_C(1) << 56) / (uint32_t)turn;
-    c->offset_q32 = (uint32_t)turn_of_udeg(p->index_offset_udeg);
+    c->turn_per_count_q32 = (uint32_t)count_q32;
+    c->turn_per_count_fraction = (uint32_t)(left * (uint64_t)CAM_TURN_Q32 / (uint32_t)turn);
+    c->centre_q32 = (uint32_t)turn_of_udeg(p->index_offset_udeg) + (uint32_t)(count_q32 / 2u);
     c->index_tolerance = p->index_tolerance_counts;
     c->index_overdue = turn + turn / 8;
     c->jump_window = p->jump_window_counts;
     c->max_counts = turn / 4;
-    c->ticks_per_clock_q32 = (uint32_t)scale(tick_hz, CAM_TURN_Q32, clock_hz);
+    build_clock(c, tick_hz, clock_hz);
     build_observer(c, p, tick_hz);
 }
 
@@ -122,13 +141,46 @@ static void build_feed(cam_play_config_t *c, const cam_params_t *p, const cam_ta
         p->spindle_mrpm > 0 ? (uint32_t)p->spindle_mrpm : table->spindle_mrpm;
     c->spindle_mrpm = (int32_t)speed_mrpm * table->direction;
     build_speed(&c->speed, p, table, (int32_t)speed_mrpm, tick_hz);
-    c->knots_shift = table->u.log2_knots + table->u.log2_repeat;
+}
+
+/// Shifts so that products fill their words: k bits bring the speed to 2^30, R = knots per tick.
+///     y:   value in nm / 2^(4 + f), f <= 2, times scale_q30, to nm / 2^6
+///     d1:  LSB / 2^4 per knot, times R scale = rate 2^(log2 knots - k - 30), to nm / 2^10
+///     d2:  ... times R^2 scale = rate2 2^(2 log2 knots - 2 k - 30)
+/// What does not fit 31 bits of a shift is taken off the derivative before.
+static void build_u_scale(cam_u_scale_t *c, const cam_channel_t *u, int32_t speed_max_q32)
+{
+    const int32_t knots = (int32_t)(u->log2_knots + u->log2_repeat);
+    const int32_t frac = (int32_t)u->frac_bits;
+    const int32_t y_frac = frac < 2 ? frac : 2;
+    const int32_t least_k = knots > max_rate_bits + 2 ? knots - max_rate_bits - 2 : 0;
+    int32_t k = most_speed_shift;
+    while (k > least_k && (int64_t)speed_max_q32 << k >= INT64_C(1) << 30) {
+        k--;
+    }
+    const int32_t v_bits = 24 + frac + k - knots;
+    const int32_t a_bits = 24 + frac + 2 * k - 2 * knots;
+    const int32_t highest_q32 = ((INT32_C(1) << 30) - 1) >> k;
+    c->speed_shift = (uint32_t)k;
+    c->speed_max_q32 = speed_max_q32 < highest_q32 ? speed_max_q32 : highest_q32;
+    c->y_down = (uint32_t)(frac - y_frac);
+    c->y_shift = (uint32_t)(28 + y_frac);
+    c->offset = u->offset_nm * (16 << y_frac);
+    c->v_down = (uint32_t)(v_bits > 31 ? v_bits - 31 : 0);
+    c->v_shift = (uint32_t)v_bits - c->v_down;
+    c->a_down = (uint32_t)(a_bits > 31 ? a_bits - 31 : 0);
+    c->a_shift = (uint32_t)a_bits - c->a_down;
+    const int32_t alpha_bits = 40 - 2 * k + knots + (int32_t)c->a_down;
+    c->alpha_shift = (uint32_t)cam_clamp_i32(alpha_bits, 1, 62);
 }
 
 static void build_play(cam_play_config_t *c, const cam_params_t *p, uint32_t tick_hz)
 {
     c->lead_q16 = ticks_of_ns(p->lead_ns, tick_hz);
     c->xz_lag_q16 = ticks_of_ns(p->xz_lag_ns, tick_hz);
+    c->u_plan_q16 = c->lead_q16 + cam_play_tasks * 65536;
+    c->xz_plan_q16 = c->xz_lag_q16 + cam_play_tasks * 65536;
+    c->u_behind_q16 = c->xz_lag_q16 - c->lead_q16;
     const int64_t half2 = ((int64_t)c->xz_lag_q16 * c->xz_lag_q16) >> 34;
     c->xz_lag2 = (int32_t)cam_clamp_i64(half2, 0, max_lag2);
     c->phase_q32 = turn_of_udeg(p->phase_udeg);
@@ -171,11 +223,10 @@ static void build_guard(cam_guard_config_t *c, const cam_params_t *p, uint32_t s
     c->stopped_q32 = cam_config_speed_q32((uint32_t)p->stopped_mrpm, tick_hz);
     c->stopped_ticks = (uint32_t)scale(p->stopped_ms, tick_hz, 1000);
     c->homing_ticks = c->stopped_ticks * homing_patience;
-    c->following_q6 = (int64_t)p->following_limit_nm * 64;
-    c->u_vel_q10 = u->speed_q10 + u->speed_q10 / 16 + CHECK_MARGIN_Q10;
-    c->u_acc_q10 = u->acceleration_q10 + u->acceleration_q10 / 16 + CHECK_MARGIN_Q10;
-    c->u_low_q10 = (int64_t)p->u_stroke_nm * -512;
-    c->u_high_q10 = (int64_t)p->u_stroke_nm * 512;
+    c->following_nm = p->following_limit_nm;
+    c->u_vel_q6 = (u->speed_q10 + u->speed_q10 / 16 + CHECK_MARGIN_Q10) / 16;
+    c->u_acc_q6 = (u->acceleration_q10 + u->acceleration_q10 / 16 + CHECK_MARGIN_Q10) / 16;
+    c->u_range_q6 = p->u_stroke_nm * 32;
     c->u_retract_q10 = (int64_t)p->u_retract_nm * 1024;
     c->x_clearance_q10 = (int64_t)p->x_clearance_nm * 1024;
 }
@@ -208,12 +259,11 @@ cam_err_t cam_config_build(cam_config_t *config, const cam_params_t *params,
         config->table = *table;
         config->play.table = &config->table;
         build_feed(&config->play, params, table, tick_hz);
+        const int32_t limit_q32 = cam_config_speed_q32(speed_limit_mrpm, tick_hz);
+        build_u_scale(&config->play.u, &table->u, cam_sat_i32(INT64_C(5) * limit_q32 / 4));
     }
     build_limits(config, params, tick_hz);
     build_guard(&config->guard, params, speed_limit_mrpm, tick_hz, clock_hz);
-    config->um_per_s_q24 = (int32_t)scale(tick_hz, INT64_C(1) << 24, 1024000);
-    config->mm_per_s2_q24 =
-        (int32_t)scale((int64_t)tick_hz * tick_hz, INT64_C(1) << 24, 1024000000);
     config->k1_q16 = ticks_of_ns(params->k1_ns, tick_hz);
     config->k2_q16 = ticks2_of_us2(params->k2_us2, tick_hz);
     config->is_traced = params->trace_on != 0;

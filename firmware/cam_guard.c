@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam/cam_guard.h"
-#include "cam/cam_fix.h" // cam_abs_i64, cam_wrap_diff
+#include "cam/cam_fix.h" // cam_is_within, cam_wrap_sub
 
 #define ARMED_ENABLED                                                                              \
     (CAM_FAULT_BIT(estop) | CAM_FAULT_BIT(drive) | CAM_FAULT_BIT(late_tick) |                      \
@@ -13,24 +13,18 @@
     (ARMED_SYNCED | CAM_FAULT_BIT(reverse) | CAM_FAULT_BIT(spindle_stopped) |                      \
      CAM_FAULT_BIT(overspeed) | CAM_FAULT_BIT(z_range))
 
+static const uint32_t armed[cam_n_states] = {
+    [cam_state_homing] = ARMED_ENABLED | CAM_FAULT_BIT(spindle_stopped),
+    [cam_state_ready] = ARMED_SYNCED,
+    [cam_state_engaging] = ARMED_IN_WORK,
+    [cam_state_cutting] = ARMED_IN_WORK,
+    [cam_state_disengaging] = ARMED_IN_WORK,
+    [cam_state_fault] = CAM_FAULT_BIT(estop) | CAM_FAULT_BIT(drive),
+};
+
 uint32_t cam_guard_armed(cam_state_t state)
 {
-    switch (state) {
-    case cam_state_homing:
-        return ARMED_ENABLED | CAM_FAULT_BIT(spindle_stopped);
-    case cam_state_ready:
-        return ARMED_SYNCED;
-    case cam_state_engaging:
-    case cam_state_cutting:
-    case cam_state_disengaging:
-        return ARMED_IN_WORK;
-    case cam_state_fault:
-        return CAM_FAULT_BIT(estop) | CAM_FAULT_BIT(drive);
-    case cam_state_off:
-    case cam_n_states:
-        break;
-    }
-    return 0;
+    return (uint32_t)state < cam_n_states ? armed[state] : 0u;
 }
 
 static uint32_t bit_if(bool is_set, uint32_t bit)
@@ -44,23 +38,23 @@ static uint32_t judge_inputs(uint32_t inputs)
            bit_if((inputs & hal_in_drive_ready) == 0u, CAM_FAULT_BIT(drive));
 }
 
-static uint32_t judge_clock(cam_guard_t *g, const cam_guard_config_t *cfg, uint32_t clock)
+static uint32_t judge_clock(cam_guard_t *g, const cam_guard_config_t *cfg, uint32_t period)
 {
-    const uint32_t period = clock - g->last_clock;
-    const bool is_late = g->has_clock && period > cfg->late_clocks;
-    g->max_period = g->has_clock && period > g->max_period ? period : g->max_period;
+    g->max_period = period > g->max_period ? period : g->max_period;
+    if (period <= cfg->off_time_clocks) {
+        g->n_off_time >>= 1;
+        return 0;
+    }
+    const bool is_late = period > cfg->late_clocks;
+    g->n_off_time = 2; // this tick and the next one
     g->n_late += is_late ? 1u : 0u;
-    g->was_off_time = g->is_off_time;
-    g->is_off_time = g->has_clock && period > cfg->off_time_clocks;
-    g->last_clock = clock;
-    g->has_clock = true;
     return bit_if(is_late, CAM_FAULT_BIT(late_tick));
 }
 
-static uint32_t judge_spindle(cam_guard_t *g, const cam_guard_config_t *cfg,
-                              const cam_angle_t *angle, cam_state_t state)
+/// Slower than stopped or faster than allowed.
+static uint32_t judge_odd_speed(cam_guard_t *g, const cam_guard_config_t *cfg, int32_t speed_q32,
+                                cam_state_t state)
 {
-    const int32_t speed_q32 = angle->speed_q32;
     // While homing, turning backwards is no better than standing.
     const bool is_homing = state == cam_state_homing;
     const bool is_stopped =
@@ -73,119 +67,132 @@ static uint32_t judge_spindle(cam_guard_t *g, const cam_guard_config_t *cfg,
            bit_if(speed_q32 > cfg->overspeed_q32, CAM_FAULT_BIT(overspeed));
 }
 
-static uint32_t judge_u(cam_guard_t *g, const cam_guard_config_t *cfg, const cam_sense_t *in,
-                        const cam_want_t *want)
+static uint32_t judge_spindle(cam_guard_t *g, const cam_guard_config_t *cfg, int32_t speed_q32,
+                              cam_state_t state)
 {
-    const int64_t pos_q10 = want->axis[hal_axis_u].pos_q10;
-    const int64_t vel_q10 = pos_q10 - g->axis[hal_axis_u].pos_q10;
-    const int64_t acc_q10 = vel_q10 - g->u_step_q10;
-    // A tick off its time moves the set-point by more than a tick's way, the next one by less
-    // again.
-    const int64_t slack_q10 = g->is_off_time || g->was_off_time ? cam_abs_i64(vel_q10) : 0;
-    g->u_step_q10 = vel_q10;
-    g->following_q6 = cam_sat_i32((int64_t)in->actual_nm[hal_axis_u] * 64 - want->u_due_q6);
-    return bit_if(cam_abs_i64(g->following_q6) > cfg->following_q6,
-                  CAM_FAULT_BIT(following_error)) |
-           bit_if(cam_abs_i64(vel_q10) > cfg->u_vel_q10, CAM_FAULT_BIT(setpoint_speed)) |
-           bit_if(cam_abs_i64(acc_q10) > cfg->u_acc_q10 + slack_q10,
-                  CAM_FAULT_BIT(setpoint_acceleration)) |
-           bit_if(pos_q10 < cfg->u_low_q10 || pos_q10 > cfg->u_high_q10,
-                  CAM_FAULT_BIT(setpoint_range));
+    if (speed_q32 < cfg->stopped_q32 || speed_q32 > cfg->overspeed_q32) {
+        return judge_odd_speed(g, cfg, speed_q32, state);
+    }
+    g->n_stopped = 0;
+    return 0;
 }
 
+/// A tick off its time moves the set-point by more than a tick's way, the next one by less again.
+static int32_t slack(const cam_guard_t *g, const cam_guard_config_t *cfg, int32_t step_q6)
+{
+    if (g->n_off_time == 0u) {
+        return 0;
+    }
+    const int32_t way_q6 = cam_clamp_i32(step_q6, -cfg->u_vel_q6, cfg->u_vel_q6);
+    return way_q6 < 0 ? -way_q6 : way_q6;
+}
+
+/// Differences wrap only where they are far beyond the limits, and what is left of them is so, too.
+static uint32_t judge_u(const cam_guard_t *g, const cam_guard_config_t *cfg, int32_t actual_nm,
+                        const cam_want_t *want, int32_t step_q6)
+{
+    const int32_t change_q6 = cam_wrap_sub(step_q6, g->u_step_q6);
+    const int32_t off_nm = cam_wrap_sub(actual_nm, want->u_due_q6 >> 6);
+    const int32_t most_q6 = cfg->u_acc_q6 + slack(g, cfg, step_q6);
+    return bit_if(!cam_is_within(off_nm, cfg->following_nm), CAM_FAULT_BIT(following_error)) |
+           bit_if(!cam_is_within(step_q6, cfg->u_vel_q6), CAM_FAULT_BIT(setpoint_speed)) |
+           bit_if(!cam_is_within(change_q6, most_q6), CAM_FAULT_BIT(setpoint_acceleration)) |
+           bit_if(!cam_is_within(want->u_set_q6, cfg->u_range_q6), CAM_FAULT_BIT(setpoint_range));
+}
+
+/// Faults that are armed: what is new is counted.
 static void latch(cam_guard_t *g, uint32_t faults)
 {
     const uint32_t fresh = faults & ~g->faults;
-    if (fresh == 0u) {
-        return;
-    }
     for (uint32_t i = 0; i < cam_n_faults; i++) {
         g->count[i] += (fresh >> i) & 1u;
     }
     g->faults |= faults;
 }
 
-/// From motion to retract without a step: the axes go on from where they were written last, U at
-/// the speed of its last step, which the table's speed is half a tick ahead of.
+/// In the tick of the fault all axes go on as they did, U from where it was written last; the
+/// retract begins with the next one.
 static void enter_fault(cam_guard_t *g, const cam_guard_config_t *cfg, uint32_t faults,
-                        int64_t u_step_q10)
+                        cam_move_t *axis)
 {
-    g->axis[hal_axis_u].vel_q10 = cam_sat_i32(u_step_q10);
     g->first_faults = faults;
     g->is_retracted = false;
-    g->x_off_q10 = g->axis[hal_axis_x].pos_q10 + cfg->x_clearance_q10;
+    g->x_off_q10 = axis[hal_axis_x].pos_q10 + cfg->x_clearance_q10;
+    g->u_set_q6 += g->u_step_q6;
+    axis[hal_axis_u] =
+        (cam_move_t){.pos_q10 = (int64_t)g->u_set_q6 * 16, .vel_q10 = g->u_step_q6 * 16};
 }
 
-static void retract(cam_guard_t *g, const cam_guard_config_t *cfg)
+static void retract(cam_guard_t *g, const cam_guard_config_t *cfg, cam_move_t *axis)
 {
+    const cam_move_limits_t *limits = cfg->limits;
     const bool is_u_out =
-        cam_move_to_isr(&g->axis[hal_axis_u], &cfg->limits[hal_axis_u], cfg->u_retract_q10);
-    const bool is_x_off =
-        cam_move_to_isr(&g->axis[hal_axis_x], &cfg->limits[hal_axis_x], g->x_off_q10);
-    const bool is_z_at_rest = cam_move_stop_isr(&g->axis[hal_axis_z], &cfg->limits[hal_axis_z]);
-    g->u_step_q10 = g->axis[hal_axis_u].vel_q10;
+        cam_move_to_isr(&axis[hal_axis_u], &limits[hal_axis_u], cfg->u_retract_q10);
+    const bool is_x_off = cam_move_to_isr(&axis[hal_axis_x], &limits[hal_axis_x], g->x_off_q10);
+    const bool is_z_at_rest = cam_move_stop_isr(&axis[hal_axis_z], &limits[hal_axis_z]);
+    g->u_set_q6 = cam_sat_i32(axis[hal_axis_u].pos_q10 >> 4);
     g->is_retracted = g->is_retracted || (is_u_out && is_x_off && is_z_at_rest);
-}
-
-/// Take what play wants as the last written set-points; X and Z get their speed from the
-/// difference.
-static void accept(cam_guard_t *g, const cam_want_t *want)
-{
-    g->is_retracted = false;
-    for (uint32_t i = 0; i < hal_n_axes; i++) {
-        const int64_t moved_q10 = want->axis[i].pos_q10 - g->axis[i].pos_q10;
-        g->axis[i] = want->axis[i];
-        if (i != hal_axis_u) {
-            g->axis[i].vel_q10 = cam_sat_i32(moved_q10);
-        }
-    }
-}
-
-/// Off: set-points follow the axes, which is not a motion; and a reset has ended the latch.
-static void rest(cam_guard_t *g)
-{
-    g->faults = 0;
-    g->is_retracted = true;
-    g->u_step_q10 = 0;
-    for (uint32_t i = 0; i < hal_n_axes; i++) {
-        g->axis[i].vel_q10 = 0;
-    }
 }
 
 static uint32_t outputs(const cam_guard_t *g, cam_state_t state)
 {
+    static const uint32_t bits[cam_n_states] = {
+        [cam_state_homing] = hal_out_enable,
+        [cam_state_ready] = hal_out_enable,
+        [cam_state_engaging] = hal_out_enable,
+        [cam_state_cutting] = hal_out_enable | hal_out_in_cut,
+        [cam_state_disengaging] = hal_out_enable,
+        [cam_state_fault] = hal_out_fault,
+    };
     const bool is_drive_lost = (g->faults & CAM_FAULT_BIT(drive)) != 0u;
-    const bool is_held =
-        state == cam_state_fault ? !g->is_retracted && !is_drive_lost : state != cam_state_off;
-    return bit_if(is_held, hal_out_enable) | bit_if(g->faults != 0u, hal_out_fault) |
-           bit_if(state == cam_state_cutting, hal_out_in_cut);
+    const bool is_held = state == cam_state_fault && !g->is_retracted && !is_drive_lost;
+    return bits[state] | bit_if(is_held, hal_out_enable);
+}
+
+/// A fault that is armed makes the state; the first one, too, the set-points.
+static cam_state_t react(cam_guard_t *g, const cam_guard_config_t *cfg, uint32_t faults,
+                         cam_state_t state, cam_move_t *axis)
+{
+    if (faults != 0u) {
+        latch(g, faults);
+    }
+    if (state == cam_state_fault) {
+        retract(g, cfg, axis);
+    } else if (faults != 0u) {
+        enter_fault(g, cfg, faults, axis);
+    }
+    return cam_state_fault;
+}
+
+/// What play wants is written. Off: set-points follow the axes, which is not a motion, and a reset
+/// has ended the latch.
+static void accept(cam_guard_t *g, const cam_want_t *want, int32_t step_q6)
+{
+    const bool is_off = want->state == cam_state_off;
+    g->u_set_q6 = want->u_set_q6;
+    g->u_step_q6 = is_off ? 0 : step_q6;
+    g->is_retracted = is_off;
+    g->faults = 0;
 }
 
 cam_safe_t cam_guard_step_isr(cam_guard_t *g, const cam_guard_config_t *cfg, const cam_sense_t *in,
-                              const cam_angle_t *angle, const cam_want_t *want)
+                              const cam_angle_t *angle, const cam_want_t *want, cam_move_t *axis)
 {
-    const int64_t u_step_q10 = g->u_step_q10; // of the set-point written last
-    const uint32_t seen = judge_inputs(in->inputs) | judge_clock(g, cfg, in->clock) |
-                          judge_spindle(g, cfg, angle, want->state) | judge_u(g, cfg, in, want) |
+    const int32_t step_q6 = cam_wrap_sub(want->u_set_q6, g->u_set_q6);
+    const uint32_t seen = judge_inputs(in->inputs) | judge_clock(g, cfg, angle->period_clocks) |
+                          judge_spindle(g, cfg, angle->speed_q32, want->state) |
+                          judge_u(g, cfg, in->actual_nm[hal_axis_u], want, step_q6) |
                           angle->faults | want->faults;
     const uint32_t faults = seen & cam_guard_armed(want->state);
-    const bool is_entering = faults != 0u && want->state != cam_state_fault;
-    latch(g, faults);
-    if (is_entering) {
-        enter_fault(g, cfg, faults, u_step_q10);
-    }
-    const cam_state_t state = is_entering ? cam_state_fault : want->state;
-    if (state == cam_state_fault) {
-        retract(g, cfg);
+    cam_state_t state = want->state;
+    if (faults != 0u || state == cam_state_fault) {
+        state = react(g, cfg, faults, state, axis);
     } else {
-        accept(g, want);
-    }
-    if (state == cam_state_off) {
-        rest(g);
+        accept(g, want, step_q6);
     }
     return (cam_safe_t){
         .state = state,
-        .axis = {g->axis[hal_axis_u], g->axis[hal_axis_x], g->axis[hal_axis_z]},
+        .u_set_q6 = g->u_set_q6,
         .spindle_mrpm = state == cam_state_fault ? 0 : want->spindle_mrpm,
         .outputs = outputs(g, state),
     };

@@ -64,17 +64,7 @@ void cam_machine_init(cam_machine_t *m, cam_t *core, uint32_t tick_hz, uint32_t 
 
 cam_status_t cam_machine_status(const cam_machine_t *m)
 {
-    cam_t *core = m->core;
-    cam_status_t status;
-    uint32_t before = 0;
-    uint32_t after = atomic_load_explicit(&core->n_published, memory_order_acquire);
-    do { // the half is written again only after the other: a second round is rare
-        before = after;
-        status = core->status[before & 1u];
-        atomic_thread_fence(memory_order_acquire);
-        after = atomic_load_explicit(&core->n_published, memory_order_relaxed);
-    } while (after != before);
-    return status;
+    return cam_tick_status(m->core);
 }
 
 cam_err_t cam_machine_select_table(cam_machine_t *m, const void *image, size_t size)

@@ -7,16 +7,6 @@
 /// Disengage position while nobody asked for one.
 #define NEVER_Q32 (INT64_MAX / 2)
 
-/// Knots per tick that keep the derivatives within 64 bits; start refuses speeds beyond.
-#define MAX_RATE_Q24 (INT32_C(16) << 24)
-
-/// Where U and speed are read from the table.
-typedef struct {
-    uint32_t theta_q32;   ///< [turn / 2^32] from the long axis, phase included
-    int32_t z_nm;         ///< [nm]
-    int32_t envelope_q30; ///< [1 / 2^30]
-} cam_place_t;
-
 int32_t cam_play_smooth_q30(int32_t s_q31)
 {
     const int32_t s2_q31 = cam_mul_shift(s_q31, s_q31, 31);
@@ -49,15 +39,18 @@ static int32_t envelope_q30(const cam_play_t *p, const cam_play_config_t *cfg, i
     return cam_mul_shift(up, (INT32_C(1) << 30) - down, 30);
 }
 
+/// @return [turn] master position after some ticks at this speed
 static int64_t ahead(const cam_angle_t *angle, int32_t ticks_q16)
 {
     return angle->pos_q32 + (((int64_t)angle->speed_q32 * ticks_q16) >> 16);
 }
 
-/// @return [turn] the furthest position that any axis is told of in this tick
+/// @return [turn] the furthest position that any axis is told of before the next plan
 static int64_t furthest_q32(const cam_play_config_t *cfg, const cam_angle_t *angle)
 {
-    return ahead(angle, cfg->lead_q16 > cfg->xz_lag_q16 ? cfg->lead_q16 : cfg->xz_lag_q16);
+    const int32_t most_q16 =
+        cfg->u_plan_q16 > cfg->xz_plan_q16 ? cfg->u_plan_q16 : cfg->xz_plan_q16;
+    return ahead(angle, most_q16 + cam_play_tasks * 65536);
 }
 
 /// @return [turn] fed after `turns` when the feed rises linearly over the ramp r: x^2 / 2r, x - r/2
@@ -89,47 +82,43 @@ static int64_t profile_q10(const cam_play_config_t *cfg, int32_t z_nm)
            (int64_t)x->offset_nm * 1024;
 }
 
-/// Knots of u per tick^2 that the spindle's acceleration means, limited to 1/16: with |d1| < 2^26
-/// products stay below 2^62.
-static int64_t knots_alpha_q40(const cam_play_t *p, const cam_play_config_t *cfg)
-{
-    const int64_t most_q40 = INT64_C(1) << 36;
-    const int64_t knots_q40 = (p->speed.alpha_q48 * (INT64_C(1) << cfg->knots_shift)) >> 8;
-    return cam_clamp_i64(knots_q40, -most_q40, most_q40);
-}
-
 /// U with its velocity and acceleration: derivatives per knot times knots per tick. The slow change
 /// of envelope, amplitude and height adds nothing worth naming to them (a skirt: 1e-6 of the
-/// speed).
-static cam_move_t surface(const cam_play_t *p, const cam_play_config_t *cfg,
-                          const cam_angle_t *angle, const cam_place_t *at)
+/// speed). @return [nm / 64] U
+static int32_t surface(const cam_play_t *p, const cam_play_config_t *cfg, int32_t speed_q32,
+                       uint32_t theta_q32, int32_t z_nm, cam_move_t *u)
 {
-    const cam_channel_t *u = &cfg->table->u;
-    const cam_value_t value = cam_eval_surface(u, at->theta_q32, at->z_nm);
-    const int32_t amp_q30 = cam_mul_shift(at->envelope_q30, p->amplitude_q30, 30);
-    const int64_t knots_q24 = ((int64_t)angle->speed_q32 * (INT64_C(1) << cfg->knots_shift)) >> 8;
-    const int64_t rate_q24 = cam_clamp_i64(knots_q24, -MAX_RATE_Q24, MAX_RATE_Q24);
-    const int64_t vel_q10 = (value.d1 * rate_q24) >> (14u + u->frac_bits);
-    const int64_t curve_q10 = (value.d2 * ((rate_q24 * rate_q24) >> 24)) >> (14u + u->frac_bits);
-    const int64_t acc_q10 =
-        curve_q10 + ((value.d1 * knots_alpha_q40(p, cfg)) >> (30u + u->frac_bits));
-    const int64_t offset_q10 = ((int64_t)u->offset_nm * amp_q30) >> 20;
-    return (cam_move_t){
-        .pos_q10 = (((int64_t)value.y * amp_q30) >> (20u + u->frac_bits)) + offset_q10,
-        .vel_q10 = (int32_t)((cam_sat_i32(vel_q10) * (int64_t)amp_q30) >> 30),
-        .acc_q10 = (int32_t)((cam_sat_i32(acc_q10) * (int64_t)amp_q30) >> 30),
+    const cam_u_scale_t *by = &cfg->u;
+    const cam_channel_t *ch = &cfg->table->u;
+    const cam_fine_t fine = cam_eval_at(ch, theta_q32, cam_eval_height(ch, z_nm));
+    const int32_t y = (fine.y >> by->y_down) + by->offset;
+    const int32_t u_q6 = cam_shift_right((int64_t)y * p->scale_q30, by->y_shift);
+    const int32_t max_q32 = by->speed_max_q32;
+    const int32_t speed = cam_clamp_i32(speed_q32, -max_q32, max_q32) * (1 << by->speed_shift);
+    const int32_t rate = cam_mulhi(speed, p->scale_q30);
+    const int32_t rate2 = cam_mulhi(cam_mulhi(speed, speed), p->scale_q30);
+    const int64_t velocity = (int64_t)(fine.d1 >> by->v_down) * rate;
+    const int64_t acceleration =
+        (int64_t)(fine.d2 >> by->a_down) * rate2 + (int64_t)fine.d1 * p->alpha_u;
+    *u = (cam_move_t){
+        .pos_q10 = (int64_t)u_q6 * 16,
+        .vel_q10 = cam_shift_right(velocity, by->v_shift),
+        .acc_q10 = cam_shift_right(acceleration, by->a_shift),
     };
+    return u_q6;
 }
 
+/// Phase and amplitude on their way to what the operator set, as far as four ticks go.
 static void ramp(cam_play_t *p, const cam_play_config_t *cfg)
 {
-    const int32_t phase_left = cam_angle_diff_q32((uint32_t)cfg->phase_q32, (uint32_t)p->phase_q32);
-    p->phase_q32 =
-        (int32_t)((uint32_t)p->phase_q32 +
-                  (uint32_t)cam_clamp_i32(phase_left, -cfg->phase_step_q32, cfg->phase_step_q32));
-    const int32_t amplitude_left = cfg->amplitude_q30 - p->amplitude_q30;
-    p->amplitude_q30 +=
-        cam_clamp_i32(amplitude_left, -cfg->amplitude_step_q30, cfg->amplitude_step_q30);
+    const int32_t most_q32 = cfg->phase_step_q32;
+    const int32_t left_q32 = cam_angle_diff_q32((uint32_t)cfg->phase_q32, (uint32_t)p->phase_q32);
+    p->phase_way_q32 = cam_clamp_i32(left_q32 / cam_play_tasks, -most_q32, most_q32);
+    if (p->phase_way_q32 == 0) {
+        p->phase_q32 = cfg->phase_q32;
+    }
+    const int32_t most_q30 = cfg->amplitude_step_q30 * cam_play_tasks;
+    p->amplitude_q30 += cam_clamp_i32(cfg->amplitude_q30 - p->amplitude_q30, -most_q30, most_q30);
 }
 
 static cam_state_t state_at(const cam_play_t *p, const cam_play_config_t *cfg, int64_t pos_q32)
@@ -141,83 +130,170 @@ static cam_state_t state_at(const cam_play_t *p, const cam_play_config_t *cfg, i
     return pos_q32 < p->feed_at_q32 ? cam_state_engaging : cam_state_cutting;
 }
 
-/// The spindle from its own angle; a table without a speed channel costs this one question.
-static void modulate(cam_play_t *p, const cam_play_config_t *cfg, const cam_place_t *at)
+/// Task 0: where the axes shall be at the end of the next four ticks.
+static void plan(cam_play_t *p, const cam_play_config_t *cfg, const cam_sense_t *in,
+                 const cam_angle_t *angle)
+{
+    const int64_t spindle_lag_q32 = ((int64_t)p->speed.alpha_q40 * cfg->xz_lag2) >> 8;
+    const int64_t xz_pos_q32 = ahead(angle, cfg->xz_plan_q16) + spindle_lag_q32;
+    const int32_t z_nm = in->actual_nm[hal_axis_z];
+    const int32_t going_on_nm = cam_sat_i32(2 * (int64_t)z_nm - p->measured_z_nm);
+    p->plan_z_nm = cfg->is_z_measured ? going_on_nm : height_nm(p, cfg, xz_pos_q32);
+    p->measured_z_nm = z_nm;
+    p->x_envelope_q30 = envelope_q30(p, cfg, xz_pos_q32);
+    p->u_envelope_q30 = envelope_q30(p, cfg, ahead(angle, cfg->u_plan_q16));
+    p->state = state_at(p, cfg, angle->pos_q32);
+}
+
+/// Equal ways to a target in four ticks; what does not divide is gone at once.
+static void aim(cam_move_t *m, int64_t target_q10)
+{
+    const int64_t left_q10 = target_q10 - m->pos_q10;
+    m->vel_q10 = (int32_t)(left_q10 >> 2);
+    m->acc_q10 = 0;
+    m->pos_q10 += left_q10 & (cam_play_tasks - 1);
+}
+
+/// Task 1: X at the planned height, and the ways of all.
+static void aim_all(cam_play_t *p, const cam_play_config_t *cfg, cam_move_t *axis)
+{
+    const int32_t out_q30 = (INT32_C(1) << 30) - p->x_envelope_q30;
+    const int64_t clear_q10 = ((cfg->x_clearance_q10 >> 10) * out_q30) >> 20;
+    aim(&axis[hal_axis_x], profile_q10(cfg, p->plan_z_nm) + clear_q10);
+    aim(&axis[hal_axis_z], (int64_t)p->plan_z_nm * 1024);
+    ramp(p, cfg);
+    const int32_t scale_q30 = cam_mul_shift(p->u_envelope_q30, p->amplitude_q30, 30);
+    const int32_t left_q30 = scale_q30 - p->scale_q30;
+    p->scale_way_q30 = left_q30 >> 2;
+    p->scale_q30 += left_q30 & (cam_play_tasks - 1);
+    p->z_behind_nm = (int32_t)(((int64_t)axis[hal_axis_z].vel_q10 * cfg->u_behind_q16) >> 26);
+}
+
+/// Task 2: the speed ratio at the middle of the time for which it will be used; a table without a
+/// speed channel costs this one question.
+static void read_ratio(cam_play_t *p, const cam_play_config_t *cfg, int32_t speed_q32,
+                       uint32_t theta_q32)
 {
     const cam_channel_t *speed = &cfg->table->speed;
     if (speed->knots != NULL) {
-        const cam_ratio_t ratio = cam_speed_ratio(speed, at->theta_q32, at->z_nm);
-        p->speed = cam_speed_law(&cfg->speed, ratio, at->envelope_q30);
+        const uint32_t later_q32 = (uint32_t)(speed_q32 >> 1) * 5u;
+        p->ratio = cam_speed_ratio(speed, theta_q32 + later_q32, p->plan_z_nm);
     }
 }
 
-/// All axes from the angle. @return height played [nm]
-static int32_t play_table(cam_play_t *p, const cam_play_config_t *cfg, const cam_sense_t *in,
-                          const cam_angle_t *angle)
+/// Measured Z must lie on the table, a geared one moreover where its set-point was one lag ago.
+static uint32_t range_fault(const cam_play_config_t *cfg, const cam_sense_t *in,
+                            const cam_move_t *z)
 {
-    ramp(p, cfg);
-    const int64_t u_pos_q32 = ahead(angle, cfg->lead_q16);
-    const int32_t measured_nm = in->actual_nm[hal_axis_z];
-    const cam_place_t at = {
-        .theta_q32 = cam_angle_of_pos(u_pos_q32) - (uint32_t)p->phase_q32,
-        .z_nm = cfg->is_z_measured ? measured_nm : height_nm(p, cfg, u_pos_q32),
-        .envelope_q30 = envelope_q30(p, cfg, u_pos_q32),
-    };
-    modulate(p, cfg, &at);
-    const int64_t xz_pos_q32 =
-        ahead(angle, cfg->xz_lag_q16) + ((p->speed.alpha_q48 * cfg->xz_lag2) >> 16);
-    const int32_t xz_z_nm = cfg->is_z_measured ? measured_nm : height_nm(p, cfg, xz_pos_q32);
-    const int32_t out_q30 = (INT32_C(1) << 30) - envelope_q30(p, cfg, xz_pos_q32);
-    p->axis[hal_axis_u] = surface(p, cfg, angle, &at);
-    p->axis[hal_axis_x].pos_q10 =
-        profile_q10(cfg, xz_z_nm) + ((cfg->x_clearance_q10 >> 10) * out_q30 >> 20);
-    p->axis[hal_axis_z].pos_q10 = (int64_t)xz_z_nm * 1024;
-    p->state = state_at(p, cfg, angle->pos_q32);
-    return at.z_nm;
+    const int32_t z_nm = in->actual_nm[hal_axis_z];
+    const int64_t due_q10 = z->pos_q10 - (((int64_t)z->vel_q10 * cfg->xz_lag_q16) >> 16);
+    const int64_t off_nm = z_nm - (due_q10 >> 10);
+    const bool is_off = !cfg->is_z_measured && cam_abs_i64(off_nm) > cfg->z_margin_nm;
+    const bool is_out = z_nm < cfg->z_low_nm || z_nm > cfg->z_high_nm;
+    return is_off || is_out ? CAM_FAULT_BIT(z_range) : 0u;
 }
 
-static bool go(cam_play_t *p, const cam_play_config_t *cfg, hal_axis_t axis, int64_t target_q10)
+/// Task 3: the spindle from its own angle. @return faults of Z
+static uint32_t modulate(cam_play_t *p, const cam_play_config_t *cfg, const cam_sense_t *in,
+                         const cam_move_t *axis)
 {
-    return cam_move_to_isr(&p->axis[axis], &cfg->approach[axis], target_q10);
+    if (cfg->table->speed.knots != NULL) {
+        p->speed = cam_speed_law(&cfg->speed, p->ratio, p->u_envelope_q30);
+        p->alpha_u =
+            cam_sat_i32(((int64_t)p->speed.alpha_q40 * p->scale_q30) >> cfg->u.alpha_shift);
+    }
+    return range_fault(cfg, in, &axis[hal_axis_z]);
 }
 
-static bool stand(cam_play_t *p, const cam_play_config_t *cfg, hal_axis_t axis)
+/// One of the slow tasks. @return faults that it found
+static uint32_t work_ahead(cam_play_t *p, const cam_play_config_t *cfg, const cam_sense_t *in,
+                           const cam_angle_t *angle, cam_move_t *axis, uint32_t theta_q32)
 {
-    return cam_move_stop_isr(&p->axis[axis], &cfg->approach[axis]);
+    switch (p->task++ % cam_play_tasks) {
+    case 0:
+        plan(p, cfg, in, angle);
+        return 0;
+    case 1:
+        aim_all(p, cfg, axis);
+        return 0;
+    case 2:
+        read_ratio(p, cfg, angle->speed_q32, theta_q32);
+        return 0;
+    default:
+        return modulate(p, cfg, in, axis);
+    }
+}
+
+static void advance(cam_move_t *m)
+{
+    m->pos_q10 += m->vel_q10;
+}
+
+/// All axes from the angle: U exactly, X and Z on their way.
+static void play_table(cam_play_t *p, const cam_play_config_t *cfg, const cam_sense_t *in,
+                       const cam_angle_t *angle, cam_move_t *axis, cam_want_t *want)
+{
+    const uint32_t angle_q32 = cam_angle_of_pos(ahead(angle, cfg->lead_q16));
+    const uint32_t theta_q32 = angle_q32 - (uint32_t)p->phase_q32;
+    want->faults |= work_ahead(p, cfg, in, angle, axis, theta_q32);
+    advance(&axis[hal_axis_x]);
+    advance(&axis[hal_axis_z]);
+    p->phase_q32 = cam_wrap_add(p->phase_q32, p->phase_way_q32);
+    p->scale_q30 += p->scale_way_q30;
+    const int32_t set_nm = (int32_t)(axis[hal_axis_z].pos_q10 >> 10);
+    want->z_nm = cfg->is_z_measured ? in->actual_nm[hal_axis_z] : set_nm - p->z_behind_nm;
+    want->u_set_q6 = surface(p, cfg, angle->speed_q32, theta_q32, want->z_nm, &axis[hal_axis_u]);
 }
 
 /// Tool out of the work, feed axes at rest. @return true when all of them rest
-static bool wait_retracted(cam_play_t *p, const cam_play_config_t *cfg)
+static bool wait_retracted(const cam_play_config_t *cfg, cam_move_t *axis)
 {
-    const bool is_u_there = go(p, cfg, hal_axis_u, cfg->u_retract_q10);
-    const bool is_x_there = stand(p, cfg, hal_axis_x);
-    const bool is_z_there = stand(p, cfg, hal_axis_z);
+    const cam_move_limits_t *limits = cfg->approach;
+    const bool is_u_there =
+        cam_move_to_isr(&axis[hal_axis_u], &limits[hal_axis_u], cfg->u_retract_q10);
+    const bool is_x_there = cam_move_stop_isr(&axis[hal_axis_x], &limits[hal_axis_x]);
+    const bool is_z_there = cam_move_stop_isr(&axis[hal_axis_z], &limits[hal_axis_z]);
     return is_u_there && is_x_there && is_z_there;
 }
 
-/// Axes to the start of the cut; then the cut is laid onto whole turns of the master.
-static void approach(cam_play_t *p, const cam_play_config_t *cfg, const cam_sense_t *in,
-                     const cam_angle_t *angle)
+/// The cut is laid onto whole turns of the master; everything is at its start.
+static void lay(cam_play_t *p, const cam_play_config_t *cfg, const cam_angle_t *angle, int32_t z_nm)
 {
+    p->engage_at_q32 = cam_angle_next_turn(furthest_q32(cfg, angle));
+    p->feed_at_q32 = p->engage_at_q32 + cfg->engage_q32;
+    p->feed_turns_q32 = cfg->feed_q32;
+    p->disengage_at_q32 = cfg->is_z_measured ? NEVER_Q32 : p->feed_at_q32 + cfg->feed_q32;
+    p->phase_q32 = cfg->phase_q32;
+    p->phase_way_q32 = 0;
+    p->amplitude_q30 = cfg->amplitude_q30;
+    p->scale_q30 = 0;
+    p->scale_way_q30 = 0;
+    p->measured_z_nm = z_nm;
+    p->z_behind_nm = 0;
+    p->task = 0;
+    p->is_approaching = false;
+}
+
+/// Axes to the start of the cut.
+static void approach(cam_play_t *p, const cam_play_config_t *cfg, const cam_sense_t *in,
+                     const cam_angle_t *angle, cam_move_t *axis)
+{
+    const cam_move_limits_t *limits = cfg->approach;
     const int32_t z_nm = cfg->is_z_measured ? in->actual_nm[hal_axis_z] : cfg->z_first_nm;
-    const bool is_u_there = go(p, cfg, hal_axis_u, 0);
-    const bool is_x_there = go(p, cfg, hal_axis_x, profile_q10(cfg, z_nm) + cfg->x_clearance_q10);
-    const bool is_z_there = go(p, cfg, hal_axis_z, (int64_t)z_nm * 1024);
+    const int64_t x_q10 = profile_q10(cfg, z_nm) + cfg->x_clearance_q10;
+    const bool is_u_there = cam_move_to_isr(&axis[hal_axis_u], &limits[hal_axis_u], 0);
+    const bool is_x_there = cam_move_to_isr(&axis[hal_axis_x], &limits[hal_axis_x], x_q10);
+    const bool is_z_there =
+        cam_move_to_isr(&axis[hal_axis_z], &limits[hal_axis_z], (int64_t)z_nm * 1024);
     if (is_u_there && is_x_there && (is_z_there || cfg->is_z_measured)) {
-        p->engage_at_q32 = cam_angle_next_turn(furthest_q32(cfg, angle));
-        p->feed_at_q32 = p->engage_at_q32 + cfg->engage_q32;
-        p->feed_turns_q32 = cfg->feed_q32;
-        p->disengage_at_q32 = cfg->is_z_measured ? NEVER_Q32 : p->feed_at_q32 + cfg->feed_q32;
-        p->phase_q32 = cfg->phase_q32;
-        p->amplitude_q30 = cfg->amplitude_q30;
-        p->is_approaching = false;
+        lay(p, cfg, angle, z_nm);
     }
 }
 
-static void follow_axes(cam_play_t *p, const cam_sense_t *in)
+static void follow_axes(const cam_sense_t *in, cam_move_t *axis)
 {
     for (uint32_t i = 0; i < hal_n_axes; i++) {
-        p->axis[i] = (cam_move_t){.pos_q10 = (int64_t)in->actual_nm[i] * 1024};
+        axis[i] = (cam_move_t){.pos_q10 = (int64_t)in->actual_nm[i] * 1024};
     }
 }
 
@@ -292,59 +368,43 @@ static int32_t due_q6(const cam_play_t *p, const cam_play_config_t *cfg)
     return (int32_t)(a_q6 + ((apart_q6 * (cfg->lead_q16 & 0xFFFF)) >> 16));
 }
 
-static void remember(cam_play_t *p)
+static void remember(cam_play_t *p, int32_t u_q6)
 {
-    p->history_q6[p->n_history % cam_play_history] = cam_sat_i32(p->axis[hal_axis_u].pos_q10 >> 4);
+    p->history_q6[p->n_history % cam_play_history] = u_q6;
     p->n_history++;
 }
 
-/// Measured Z must lie on the table, a geared one moreover where the angle wants it.
-static uint32_t range_fault(const cam_play_t *p, const cam_play_config_t *cfg,
-                            const cam_sense_t *in, const cam_angle_t *angle)
+/// Everything that is not a cut: the axes move by time. @return [nm / 64] U
+static int32_t move_axes(cam_play_t *p, const cam_play_config_t *cfg, const cam_sense_t *in,
+                         const cam_angle_t *angle, cam_move_t *axis)
 {
-    const int32_t z_nm = in->actual_nm[hal_axis_z];
-    const int64_t off_nm = (int64_t)z_nm - height_nm(p, cfg, angle->pos_q32);
-    const bool is_off = !cfg->is_z_measured && cam_abs_i64(off_nm) > cfg->z_margin_nm;
-    const bool is_out = z_nm < cfg->z_low_nm || z_nm > cfg->z_high_nm;
-    return is_off || is_out ? CAM_FAULT_BIT(z_range) : 0u;
-}
-
-cam_want_t cam_play_step_isr(cam_play_t *p, const cam_play_config_t *cfg, const cam_sense_t *in,
-                             const cam_angle_t *angle)
-{
-    int32_t z_nm = in->actual_nm[hal_axis_z];
-    uint32_t faults = obey(p, cfg, in, angle);
     p->speed = (cam_speed_t){.spindle_mrpm = cfg->spindle_mrpm};
-    if (cam_state_is_in_work(p->state) && !p->is_approaching) {
-        z_nm = play_table(p, cfg, in, angle);
-        faults |= range_fault(p, cfg, in, angle);
-    } else if (cam_state_is_in_work(p->state)) {
-        approach(p, cfg, in, angle);
-    } else if (p->state == cam_state_off) {
-        follow_axes(p, in);
+    p->alpha_u = 0;
+    if (p->state == cam_state_off) {
+        follow_axes(in, axis);
+    } else if (p->state == cam_state_engaging) {
+        approach(p, cfg, in, angle, axis);
     } else if (p->state != cam_state_fault) {
-        const bool is_out = wait_retracted(p, cfg);
+        const bool is_out = wait_retracted(cfg, axis);
         const bool is_homed = angle->is_synced && angle->speed_q32 >= cfg->turning_q32;
         p->state = p->state == cam_state_homing && is_homed && is_out ? cam_state_ready : p->state;
     }
-    remember(p);
-    const bool is_idle = p->state == cam_state_off || p->state == cam_state_fault;
-    return (cam_want_t){
-        .state = p->state,
-        .axis = {p->axis[hal_axis_u], p->axis[hal_axis_x], p->axis[hal_axis_z]},
-        .z_nm = z_nm,
-        .u_due_q6 = due_q6(p, cfg),
-        .spindle_mrpm = is_idle ? 0 : p->speed.spindle_mrpm,
-        .faults = faults,
-    };
+    return cam_sat_i32(axis[hal_axis_u].pos_q10 >> 4);
 }
 
-void cam_play_settle_isr(cam_play_t *p, cam_state_t state, const cam_move_t axis[hal_n_axes],
-                         bool is_retracted)
+cam_want_t cam_play_step_isr(cam_play_t *p, const cam_play_config_t *cfg, const cam_sense_t *in,
+                             const cam_angle_t *angle, cam_move_t *axis)
 {
-    p->state = state;
-    p->is_retracted = is_retracted;
-    for (uint32_t i = 0; i < hal_n_axes; i++) {
-        p->axis[i] = axis[i];
+    cam_want_t want = {.z_nm = in->actual_nm[hal_axis_z], .faults = obey(p, cfg, in, angle)};
+    if (cam_state_is_in_work(p->state) && !p->is_approaching) {
+        play_table(p, cfg, in, angle, axis, &want);
+    } else {
+        want.u_set_q6 = move_axes(p, cfg, in, angle, axis);
     }
+    remember(p, want.u_set_q6);
+    const bool is_idle = p->state == cam_state_off || p->state == cam_state_fault;
+    want.state = p->state;
+    want.u_due_q6 = due_q6(p, cfg);
+    want.spindle_mrpm = is_idle ? 0 : p->speed.spindle_mrpm;
+    return want;
 }

@@ -22,26 +22,22 @@ static uint32_t sensed_edge(const cam_spindle_config_t *cfg, uint32_t counts)
 /// in_turn stays within one turn because a tick moves at most a quarter.
 static void move_in_turn(cam_spindle_t *s, const cam_spindle_config_t *cfg, int32_t moved)
 {
-    s->in_turn += moved;
-    if (s->in_turn >= cfg->counts_per_turn) {
-        s->in_turn -= cfg->counts_per_turn;
-    } else if (s->in_turn < 0) {
-        s->in_turn += cfg->counts_per_turn;
-    }
+    const int32_t in_turn = s->in_turn + moved;
+    const int32_t turn = cfg->counts_per_turn;
+    s->in_turn = in_turn >= turn ? in_turn - turn : in_turn < 0 ? in_turn + turn : in_turn;
 }
 
-/// Product below 2^56, the truncated reciprocal costs less than 2^-32 turn.
+/// Whole and fraction of the reciprocal apart: the truncated fraction costs less than 2^-32 turn.
 static uint32_t measured_q32(const cam_spindle_t *s, const cam_spindle_config_t *cfg)
 {
-    const uint64_t turn_q56 = (uint64_t)(uint32_t)s->in_turn * cfg->turn_per_count_q56;
-    const uint64_t half_q56 = cfg->turn_per_count_q56 >> 1;
-    return (uint32_t)((turn_q56 + half_q56) >> 24) + cfg->offset_q32;
+    const uint32_t in_turn = (uint32_t)s->in_turn;
+    return in_turn * cfg->turn_per_count_q32 +
+           cam_mulhi_u32(in_turn, cfg->turn_per_count_fraction) + cfg->centre_q32;
 }
 
 static void start(cam_spindle_t *s, const cam_spindle_config_t *cfg, const cam_sense_t *in)
 {
     s->is_started = true;
-    s->clock = in->clock;
     s->counts = sensed_counts(cfg, in->encoder.counts);
     s->n_index = in->encoder.n_index;
     s->pos_q32 = (int64_t)measured_q32(s, cfg);
@@ -71,13 +67,9 @@ static uint32_t compare_edges(cam_spindle_t *s, const cam_spindle_config_t *cfg,
     return is_off ? CAM_FAULT_BIT(lost_counts) : 0u;
 }
 
+/// An index edge: compare it with the last one, or let it tell the angle.
 static uint32_t take_index(cam_spindle_t *s, const cam_spindle_config_t *cfg, const cam_sense_t *in)
 {
-    if (in->encoder.n_index == s->n_index) {
-        const bool is_overdue =
-            s->since_index > cfg->index_overdue || s->since_index < -cfg->index_overdue;
-        return is_overdue ? CAM_FAULT_BIT(index_missing) : 0u;
-    }
     const uint32_t edge = sensed_edge(cfg, in->encoder.index_counts);
     const uint32_t faults = s->is_synced ? compare_edges(s, cfg, edge) : 0u;
     s->n_index = in->encoder.n_index;
@@ -89,58 +81,91 @@ static uint32_t take_index(cam_spindle_t *s, const cam_spindle_config_t *cfg, co
     return faults;
 }
 
-/// Way that the observer expects since the last tick. The time stamp counts only when the tick came
-/// visibly off its time: a coarse clock must not shake the angle of a steady tick.
-static int64_t predicted_q32(cam_spindle_t *s, const cam_spindle_config_t *cfg, uint32_t clock)
+/// Most ticks see neither an edge nor too long a way without one.
+static uint32_t watch_index(cam_spindle_t *s, const cam_spindle_config_t *cfg,
+                            const cam_sense_t *in)
 {
-    const uint64_t period_q32 = (uint64_t)(clock - s->clock) * cfg->ticks_per_clock_q32;
-    const int64_t elapsed_q16 = cam_clamp_i64((int64_t)(period_q32 >> 16), 0, 4 * TICK_Q16);
-    const bool is_on_time = cam_abs_i64(elapsed_q16 - TICK_Q16) < TICK_Q16 / 16;
-    s->clock = clock;
-    return ((s->speed_q48 >> 16) * (is_on_time ? TICK_Q16 : elapsed_q16)) >> 16;
+    if (in->encoder.n_index != s->n_index) {
+        return take_index(s, cfg, in);
+    }
+    const int32_t overdue = cfg->index_overdue;
+    if (cam_is_within(s->since_index, overdue)) {
+        return 0;
+    }
+    s->since_index = cam_clamp_i32(s->since_index, -overdue - 1, overdue + 1);
+    return CAM_FAULT_BIT(index_missing);
 }
 
+/// Way in a tick that came off its time, at its time stamp; half a turn at most.
+static int32_t stretched_q32(int32_t way_q32, const cam_spindle_config_t *cfg, uint32_t period)
+{
+    const uint64_t period_q32 = (uint64_t)period * cfg->ticks_per_clock_q32;
+    const int64_t elapsed_q16 = cam_clamp_i64((int64_t)(period_q32 >> 16), 0, 4 * TICK_Q16);
+    return cam_sat_i32((way_q32 * elapsed_q16) >> 16);
+}
+
+/// Way that the observer expects since the last tick. The time stamp counts only when the tick came
+/// visibly off its time: a coarse clock must not shake the angle of a steady tick.
+static int32_t predicted_q32(const cam_spindle_t *s, const cam_spindle_config_t *cfg,
+                             uint32_t period, int32_t alpha_q40)
+{
+    const int32_t way_q32 = cam_wrap_add((int32_t)(s->speed_q64 >> 32), alpha_q40 >> 9);
+    const bool is_on_time = period - cfg->early_clocks < cfg->on_time_clocks;
+    return is_on_time ? way_q32 : stretched_q32(way_q32, cfg, period);
+}
+
+/// Counts of this tick, limited to a quarter turn.
 static uint32_t take_counts(cam_spindle_t *s, const cam_spindle_config_t *cfg, uint32_t counts,
-                            int64_t way_q32)
+                            int32_t way_q32)
 {
     const int32_t moved = cam_wrap_diff(counts, s->counts);
-    const int64_t off = moved - ((way_q32 * cfg->counts_per_turn) >> 32);
-    const int32_t limited = cam_clamp_i32(moved, -cfg->max_counts, cfg->max_counts);
-    const bool is_jump = cam_abs_i64(off) > cfg->jump_window || limited != moved;
-    const int32_t overdue = cfg->index_overdue + 1;
+    const int32_t most = cfg->max_counts;
+    const int32_t expected = cam_mulhi(way_q32, cfg->counts_per_turn);
+    const bool is_possible = cam_is_within(moved, most);
+    const int32_t limited = is_possible ? moved : moved < 0 ? -most : most;
+    const bool is_likely = is_possible && cam_is_within(moved - expected, cfg->jump_window);
     s->counts = counts;
-    s->since_index = cam_clamp_i32(s->since_index + limited, -overdue, overdue);
+    s->since_index += limited;
     move_in_turn(s, cfg, limited);
-    return is_jump ? CAM_FAULT_BIT(encoder_jump) : 0u;
+    return is_likely ? 0u : CAM_FAULT_BIT(encoder_jump);
+}
+
+static int64_t wrap_add_i64(int64_t a, int64_t b)
+{
+    return (int64_t)((uint64_t)a + (uint64_t)b);
 }
 
 /// Tracking loop: the error is taken the short way round, so turns are counted by the position
-/// itself.
-static void track(cam_spindle_t *s, const cam_spindle_config_t *cfg, int64_t way_q32)
+/// itself. A speed beyond half a turn per tick is the same as one below zero: it wraps.
+static void track(cam_spindle_t *s, const cam_spindle_config_t *cfg, int32_t way_q32,
+                  int32_t alpha_q40)
 {
-    s->pos_q32 += way_q32;
-    const int32_t error_q32 =
-        cam_angle_diff_q32(measured_q32(s, cfg), cam_angle_of_pos(s->pos_q32));
-    s->pos_q32 += ((int64_t)error_q32 * cfg->kp_q31) >> 31;
-    s->speed_q48 += ((int64_t)error_q32 * cfg->ki_q31) >> 15;
+    const uint32_t predicted = cam_angle_of_pos(s->pos_q32) + (uint32_t)way_q32;
+    const int32_t error_q32 = cam_angle_diff_q32(measured_q32(s, cfg), predicted);
+    s->pos_q32 += (int64_t)way_q32 + 2 * cam_mulhi(error_q32, cfg->kp_q31);
+    s->speed_q64 = wrap_add_i64(s->speed_q64, (int64_t)error_q32 * cfg->ki_q32);
+    s->speed_q64 = wrap_add_i64(s->speed_q64, alpha_q40 * (INT64_C(1) << 24));
 }
 
 cam_angle_t cam_spindle_step_isr(cam_spindle_t *s, const cam_spindle_config_t *cfg,
-                                 const cam_sense_t *in, int64_t alpha_q48)
+                                 const cam_sense_t *in, int32_t alpha_q40)
 {
     uint32_t faults = 0;
+    uint32_t period = cfg->tick_clocks;
     if (s->is_started) {
-        const int64_t way_q32 = predicted_q32(s, cfg, in->clock) + (alpha_q48 >> 17);
-        s->speed_q48 += alpha_q48;
+        period = in->clock - s->clock;
+        const int32_t way_q32 = predicted_q32(s, cfg, period, alpha_q40);
         faults = take_counts(s, cfg, sensed_counts(cfg, in->encoder.counts), way_q32);
-        track(s, cfg, way_q32);
-        faults |= take_index(s, cfg, in);
+        track(s, cfg, way_q32, alpha_q40);
+        faults |= watch_index(s, cfg, in);
     } else {
         start(s, cfg, in);
     }
+    s->clock = in->clock;
     return (cam_angle_t){
         .pos_q32 = s->pos_q32,
-        .speed_q32 = cam_sat_i32(s->speed_q48 >> 16),
+        .speed_q32 = (int32_t)(s->speed_q64 >> 32),
+        .period_clocks = period,
         .is_synced = s->is_synced,
         .faults = faults,
     };

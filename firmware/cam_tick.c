@@ -2,6 +2,7 @@
 #include "cam/cam_tick.h"
 #include "cam/cam_fix.h" // cam_sat_i32
 #include "hal/hal.h"     // all reads and writes
+#include <stddef.h>      // NULL
 
 cam_t g_cam;
 
@@ -22,58 +23,56 @@ static cam_angle_t angle_isr(cam_t *c, const cam_config_t *cfg, const cam_sense_
     if (c->play.state == cam_state_off) {
         cam_spindle_forget_isr(&c->spindle);
     }
-    return cam_spindle_step_isr(&c->spindle, &cfg->spindle, in, c->play.speed.alpha_q48);
+    return cam_spindle_step_isr(&c->spindle, &cfg->spindle, in, c->play.speed.alpha_q40);
 }
 
-/// Inverse of a second-order drive: what must be commanded for the tool to be at pos.
-static int32_t feed_forward_nm(const cam_config_t *cfg, const cam_move_t *m)
+/// Inverse of a second-order drive: what must be commanded for the tool to be at u_q6.
+static int32_t command_nm(const cam_config_t *cfg, int32_t u_q6, const cam_move_t *u)
 {
-    const int64_t velocity_q10 = ((int64_t)cfg->k1_q16 * m->vel_q10) >> 16;
-    const int64_t acceleration_q10 = ((int64_t)cfg->k2_q16 * m->acc_q10) >> 16;
-    return cam_sat_i32((m->pos_q10 + velocity_q10 + acceleration_q10 + 512) >> 10);
-}
-
-static hal_setpoint_t setpoint(const cam_config_t *cfg, const cam_move_t *m, int32_t pos_nm)
-{
-    return (hal_setpoint_t){
-        .pos_nm = pos_nm,
-        .vel_um_per_s = cam_sat_i32(((int64_t)m->vel_q10 * cfg->um_per_s_q24) >> 24),
-        .acc_mm_per_s2 = cam_sat_i32(((int64_t)m->acc_q10 * cfg->mm_per_s2_q24) >> 24),
-    };
+    const int64_t more_q26 = (int64_t)cfg->k1_q16 * u->vel_q10 + (int64_t)cfg->k2_q16 * u->acc_q10;
+    return cam_sat_i32((u_q6 + (more_q26 >> 20) + 32) >> 6);
 }
 
 static int32_t plain_nm(const cam_move_t *m)
 {
-    return cam_sat_i32((m->pos_q10 + 512) >> 10);
+    return (int32_t)((m->pos_q10 + 512) >> 10);
+}
+
+static hal_setpoint_t setpoint(const cam_move_t *m, int32_t pos_nm)
+{
+    return (hal_setpoint_t){.pos_nm = pos_nm, .vel_q10 = m->vel_q10, .acc_q10 = m->acc_q10};
 }
 
 static void record(const cam_t *c, const cam_config_t *cfg, const cam_angle_t *angle,
                    const cam_want_t *want, const cam_safe_t *safe, cam_tick_record_t *r)
 {
-    const cam_move_t *axis = safe->axis;
+    const cam_move_t *axis = c->axis;
     r->tick = c->tick;
     r->config = cfg->generation;
     r->pos_q32 = angle->pos_q32;
     r->speed_q32 = angle->speed_q32;
     r->z_nm = want->z_nm;
-    r->u_set_q6 = cam_sat_i32(axis[hal_axis_u].pos_q10 >> 4);
+    r->u_set_q6 = safe->u_set_q6;
     r->u_due_q6 = want->u_due_q6;
-    r->out[hal_axis_u] = setpoint(cfg, &axis[hal_axis_u], feed_forward_nm(cfg, &axis[hal_axis_u]));
-    r->out[hal_axis_x] = setpoint(cfg, &axis[hal_axis_x], plain_nm(&axis[hal_axis_x]));
-    r->out[hal_axis_z] = setpoint(cfg, &axis[hal_axis_z], plain_nm(&axis[hal_axis_z]));
+    r->out[hal_axis_u] =
+        setpoint(&axis[hal_axis_u], command_nm(cfg, safe->u_set_q6, &axis[hal_axis_u]));
+    r->out[hal_axis_x] = setpoint(&axis[hal_axis_x], plain_nm(&axis[hal_axis_x]));
+    r->out[hal_axis_z] = setpoint(&axis[hal_axis_z], plain_nm(&axis[hal_axis_z]));
     r->spindle_mrpm = safe->spindle_mrpm;
     r->outputs = safe->outputs;
     r->faults = c->guard.faults;
     r->state = safe->state;
+    r->is_synced = angle->is_synced;
+    r->is_retracted = c->guard.is_retracted;
 }
 
-void cam_tick_steps_isr(cam_t *c, const cam_sense_t *in, cam_tick_record_t *out)
+void cam_tick_steps_isr(cam_t *c, const cam_config_t *cfg, const cam_sense_t *in,
+                        cam_tick_record_t *out)
 {
-    const cam_config_t *cfg = cam_config_take_isr(&c->config);
     const cam_angle_t angle = angle_isr(c, cfg, in);
-    const cam_want_t want = cam_play_step_isr(&c->play, &cfg->play, in, &angle);
-    const cam_safe_t safe = cam_guard_step_isr(&c->guard, &cfg->guard, in, &angle, &want);
-    cam_play_settle_isr(&c->play, safe.state, safe.axis, c->guard.is_retracted);
+    const cam_want_t want = cam_play_step_isr(&c->play, &cfg->play, in, &angle, c->axis);
+    const cam_safe_t safe = cam_guard_step_isr(&c->guard, &cfg->guard, in, &angle, &want, c->axis);
+    cam_play_settle_isr(&c->play, safe.state, c->guard.is_retracted);
     record(c, cfg, &angle, &want, &safe, out);
     c->tick++;
 }
@@ -87,46 +86,20 @@ static void actuate_isr(const cam_tick_record_t *r)
     hal_spindle_write_isr(r->spindle_mrpm);
 }
 
-/// The half that is not the newest is filled, then becomes the newest.
-static void publish_status(cam_t *c, const cam_tick_record_t *r)
-{
-    const uint32_t n = atomic_load_explicit(&c->n_published, memory_order_relaxed);
-    cam_status_t *s = &c->status[(n + 1u) & 1u];
-    s->tick = r->tick;
-    s->config = r->config;
-    s->request = c->play.request;
-    s->state = r->state;
-    s->faults = r->faults;
-    s->first_fault = c->guard.first_faults;
-    s->is_synced = c->spindle.is_synced;
-    s->is_retracted = c->guard.is_retracted;
-    s->inputs = r->in.inputs;
-    s->pos_q32 = r->pos_q32;
-    s->speed_q32 = r->speed_q32;
-    s->z_nm = r->z_nm;
-    s->u_set_q6 = r->u_set_q6;
-    s->u_actual_nm = r->in.actual_nm[hal_axis_u];
-    s->following_nm = c->guard.following_q6 / 64;
-    s->n_late = c->guard.n_late;
-    s->max_period = c->guard.max_period;
-    for (uint32_t i = 0; i < cam_n_faults; i++) {
-        s->fault_count[i] = c->guard.count[i];
-    }
-    atomic_store_explicit(&c->n_published, n + 1u, memory_order_release);
-}
-
+/// The record is the status; its place is written again two ticks later at the earliest.
 static void publish_isr(cam_t *c, const cam_tick_record_t *r)
 {
-    const uint32_t in_use = atomic_load_explicit(&c->config.in_use, memory_order_relaxed);
-    cam_trace_commit_isr(&c->trace, c->config.half[in_use].is_traced);
-    publish_status(c, r);
+    cam_trace_commit_isr(&c->trace);
+    atomic_store_explicit(&c->newest, r, memory_order_release);
+    atomic_store_explicit(&c->n_published, c->tick, memory_order_release);
 }
 
 void cam_tick_isr(cam_t *c)
 {
-    cam_tick_record_t *r = cam_trace_slot_isr(&c->trace);
+    const cam_config_t *cfg = cam_config_take_isr(&c->config);
+    cam_tick_record_t *r = cam_trace_slot_isr(&c->trace, cfg->is_traced);
     sense_isr(c, &r->in);
-    cam_tick_steps_isr(c, &r->in, r); // angle -> play -> guard
+    cam_tick_steps_isr(c, cfg, &r->in, r); // angle -> play -> guard
     actuate_isr(r);
     publish_isr(c, r);
 }
@@ -134,4 +107,42 @@ void cam_tick_isr(cam_t *c)
 void cam_isr(void)
 {
     cam_tick_isr(&g_cam);
+}
+
+cam_status_t cam_tick_status(const cam_t *c)
+{
+    static const cam_tick_record_t nothing = {.state = cam_state_off};
+    cam_tick_record_t r;
+    uint32_t before = 0;
+    uint32_t after = atomic_load_explicit(&c->n_published, memory_order_acquire);
+    do { // a reader that was overtaken reads again
+        before = after;
+        const cam_tick_record_t *newest = atomic_load_explicit(&c->newest, memory_order_acquire);
+        r = newest != NULL ? *newest : nothing;
+        atomic_thread_fence(memory_order_acquire);
+        after = atomic_load_explicit(&c->n_published, memory_order_relaxed);
+    } while (after != before);
+    cam_status_t status = {
+        .tick = r.tick,
+        .config = r.config,
+        .request = r.in.request >> 8,
+        .state = r.state,
+        .faults = r.faults,
+        .first_fault = c->guard.first_faults,
+        .is_synced = r.is_synced,
+        .is_retracted = r.is_retracted,
+        .inputs = r.in.inputs,
+        .pos_q32 = r.pos_q32,
+        .speed_q32 = r.speed_q32,
+        .z_nm = r.z_nm,
+        .u_set_q6 = r.u_set_q6,
+        .u_actual_nm = r.in.actual_nm[hal_axis_u],
+        .following_nm = cam_wrap_sub(r.in.actual_nm[hal_axis_u], r.u_due_q6 >> 6),
+        .n_late = c->guard.n_late,
+        .max_period = c->guard.max_period,
+    };
+    for (uint32_t i = 0; i < cam_n_faults; i++) {
+        status.fault_count[i] = c->guard.count[i];
+    }
+    return status;
 }

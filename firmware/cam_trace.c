@@ -1,27 +1,30 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam/cam_trace.h"
 
-static bool is_full(cam_trace_t *trace, uint32_t written)
+/// A full ring and a trace that nobody wants end up at the same place.
+static cam_tick_record_t *spare(cam_trace_t *trace, bool is_wanted)
 {
-    const uint32_t read = atomic_load_explicit(&trace->n_read, memory_order_acquire);
-    return written - read >= cam_trace_capacity;
+    if (is_wanted) {
+        const uint32_t n = atomic_load_explicit(&trace->n_dropped, memory_order_relaxed);
+        atomic_store_explicit(&trace->n_dropped, n + 1u, memory_order_relaxed);
+    }
+    return &trace->spare[trace->n_spared++ & 1u];
 }
 
-cam_tick_record_t *cam_trace_slot_isr(cam_trace_t *trace)
+cam_tick_record_t *cam_trace_slot_isr(cam_trace_t *trace, bool is_wanted)
 {
     const uint32_t written = atomic_load_explicit(&trace->n_written, memory_order_relaxed);
-    trace->is_spare = is_full(trace, written);
-    return trace->is_spare ? &trace->spare : &trace->ring[written % cam_trace_capacity];
+    const uint32_t read = atomic_load_explicit(&trace->n_read, memory_order_acquire);
+    trace->is_kept = is_wanted && written - read < cam_trace_capacity;
+    return trace->is_kept ? &trace->ring[written % cam_trace_capacity] : spare(trace, is_wanted);
 }
 
-void cam_trace_commit_isr(cam_trace_t *trace, bool is_kept)
+void cam_trace_commit_isr(cam_trace_t *trace)
 {
-    if (!is_kept) {
-        return;
+    if (trace->is_kept) {
+        const uint32_t n = atomic_load_explicit(&trace->n_written, memory_order_relaxed);
+        atomic_store_explicit(&trace->n_written, n + 1u, memory_order_release);
     }
-    _Atomic uint32_t *counter = trace->is_spare ? &trace->n_dropped : &trace->n_written;
-    const uint32_t n = atomic_load_explicit(counter, memory_order_relaxed);
-    atomic_store_explicit(counter, n + 1u, memory_order_release);
 }
 
 bool cam_trace_pop(cam_trace_t *trace, cam_tick_record_t *record)

@@ -9,8 +9,8 @@ static const char trace_header[] =
     "true_turn,true_z_mm,radius_mm,error_nm,"
     "config,pos_q32,speed_q32,z_nm,u_set_q6,u_due_q6,"
     "in_clock,in_counts,in_index_counts,in_n_index,in_u_nm,in_x_nm,in_z_nm,in_inputs,in_request,"
-    "out_u_nm,out_u_um_per_s,out_u_mm_per_s2,out_x_nm,out_x_um_per_s,out_x_mm_per_s2,"
-    "out_z_nm,out_z_um_per_s,out_z_mm_per_s2,out_spindle_mrpm,out_outputs\n";
+    "out_u_nm,out_u_vel_q10,out_u_acc_q10,out_x_nm,out_x_vel_q10,out_x_acc_q10,"
+    "out_z_nm,out_z_vel_q10,out_z_acc_q10,out_spindle_mrpm,out_outputs\n";
 
 void camsim_trace_header(camsim_out_t *o)
 {
@@ -94,8 +94,8 @@ static void written_columns(camsim_out_t *o, const cam_tick_record_t *r)
 {
     for (int i = 0; i < hal_n_axes; i++) {
         integer(o, r->out[i].pos_nm);
-        integer(o, r->out[i].vel_um_per_s);
-        integer(o, r->out[i].acc_mm_per_s2);
+        integer(o, r->out[i].vel_q10);
+        integer(o, r->out[i].acc_q10);
     }
     integer(o, r->spindle_mrpm);
     integer(o, r->outputs);

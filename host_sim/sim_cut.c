@@ -4,7 +4,6 @@
 #include "hal_host.h"     // hal_host_clock_hz
 #include "sim_units.h"    // sim_fraction
 #include <math.h>         // sqrt
-#include <stdatomic.h>    // atomic_load_explicit
 #include <stdlib.h>       // free
 
 /// A real main loop does its background work whenever the interrupt leaves time; here rarely, since
@@ -14,8 +13,9 @@ enum { background_polls = 64 };
 
 const cam_status_t *sim_cut_status(void)
 {
-    const uint32_t n = atomic_load_explicit(&g_cam.n_published, memory_order_relaxed);
-    return &g_cam.status[n & 1u];
+    static cam_status_t status;
+    status = cam_tick_status(&g_cam);
+    return &status;
 }
 
 double sim_cut_planned_turns(const sim_cut_t *cut)

@@ -84,9 +84,10 @@ static bool record_senses(bench_t *b)
 static double replay_ns(bench_t *b, cam_tick_record_t *out)
 {
     memcpy(&b->copy, &b->before, sizeof b->copy);
+    const cam_config_t *cfg = cam_config_take_isr(&b->copy.config);
     const double begin_s = now_s();
     for (int i = 0; i < n_senses; i++) {
-        cam_tick_steps_isr(&b->copy, &b->sense[i], out);
+        cam_tick_steps_isr(&b->copy, cfg, &b->sense[i], out);
     }
     return (now_s() - begin_s) * 1e9 / n_senses;
 }

@@ -34,28 +34,15 @@ void fixture_play_ask(fixture_play_t *f, cam_request_t request)
     f->in.request = ++f->n_asked << 8 | (uint32_t)request;
 }
 
-/// As the guard does it: X and Z get their speed from the difference.
-static void settle(fixture_play_t *f)
-{
-    cam_move_t axis[hal_n_axes];
-    for (uint32_t i = 0; i < hal_n_axes; i++) {
-        axis[i] = f->want.axis[i];
-        if (i != hal_axis_u && f->want.state != cam_state_off) {
-            axis[i].vel_q10 = (int32_t)(axis[i].pos_q10 - f->before.axis[i].pos_q10);
-        }
-    }
-    cam_play_settle_isr(&f->play, f->want.state, axis, false);
-}
-
 void fixture_play_tick(fixture_play_t *f)
 {
     f->angle.pos_q32 += f->angle.speed_q32;
     for (uint32_t i = 0; i < hal_n_axes && !f->is_axes_held; i++) {
-        f->in.actual_nm[i] = (int32_t)(f->want.axis[i].pos_q10 / 1024);
+        f->in.actual_nm[i] = (int32_t)(f->axis[i].pos_q10 / 1024);
     }
-    f->before = f->want;
-    f->want = cam_play_step_isr(&f->play, &f->config.play, &f->in, &f->angle);
-    settle(f);
+    memcpy(f->before, f->axis, sizeof f->before);
+    f->want = cam_play_step_isr(&f->play, &f->config.play, &f->in, &f->angle, f->axis);
+    cam_play_settle_isr(&f->play, f->want.state, false);
 }
 
 void fixture_play_ticks(fixture_play_t *f, uint32_t n)

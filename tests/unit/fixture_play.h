@@ -20,12 +20,13 @@ typedef struct {
     cam_params_t params; ///< lead_ns 0; a change needs fixture_play_configure()
     cam_config_t config;
     cam_play_t play;
-    cam_angle_t angle; ///< pos_q32 moves on by speed_q32 with every tick
-    cam_sense_t in;    ///< axes follow unless held
-    bool is_axes_held; ///< in.actual_nm stays as the test sets it
-    cam_want_t want;   ///< of the last tick
-    cam_want_t before; ///< of the tick before
-    uint32_t n_asked;  ///< serial number of requests
+    cam_angle_t angle;             ///< pos_q32 moves on by speed_q32 with every tick
+    cam_sense_t in;                ///< axes follow unless held
+    bool is_axes_held;             ///< in.actual_nm stays as the test sets it
+    cam_want_t want;               ///< of the last tick
+    cam_move_t axis[hal_n_axes];   ///< set-points of the last tick
+    cam_move_t before[hal_n_axes]; ///< ... of the tick before
+    uint32_t n_asked;              ///< serial number of requests
 } fixture_play_t;
 
 /// State off, table taken, spindle synced and turning.

@@ -57,11 +57,9 @@ static void test_build_times_and_gains_are_ticks(void)
         expect_share(6366198e-9 * tick_hz * 65536.0, config.play.xz_lag_q16);
         expect_share(742723e-9 * tick_hz * 65536.0, config.k1_q16);
         expect_share(281448e-12 * tick_hz * tick_hz * 65536.0, config.k2_q16);
-        expect_share(16777216.0 * tick_hz / 1024e3, config.um_per_s_q24);
-        expect_share(16777216.0 * tick_hz * tick_hz / 1024e6, config.mm_per_s2_q24);
         const double wt = 2.0 * 3.14159265358979 * 0.05;
         expect_share(2.0 * wt * 2147483648.0, config.spindle.kp_q31);
-        expect_share(wt * wt * 2147483648.0, config.spindle.ki_q31);
+        expect_share(wt * wt * 4294967296.0, config.spindle.ki_q32);
     }
 }
 
@@ -72,8 +70,7 @@ static void test_build_limits_are_per_tick(void)
     expect_share(20000.0 * 1024.0, u->speed_q10);
     expect_share(625.0 * 1024.0, u->acceleration_q10);
     expect_share(5000.0 * 1024.0, config.play.approach[hal_axis_u].speed_q10);
-    expect_share(600000.0 * 1024.0, (double)config.guard.u_high_q10);
-    expect_share(-600000.0 * 1024.0, (double)config.guard.u_low_q10);
+    TEST_ASSERT_EQUAL_INT32(600000 * 64, config.guard.u_range_q6);
     TEST_ASSERT_EQUAL_UINT32(15000, config.guard.late_clocks);
     TEST_ASSERT_EQUAL_UINT32(2000, config.guard.stopped_ticks);
 }
@@ -97,7 +94,8 @@ static void test_build_angles_turn_and_wrap(void)
         params.index_offset_udeg = udeg[i];
         build(20000);
         TEST_ASSERT_EQUAL_HEX32(wanted[i], (uint32_t)config.play.phase_q32);
-        TEST_ASSERT_EQUAL_HEX32(wanted[i], config.spindle.offset_q32);
+        const uint32_t half_count = (uint32_t)(turn_q32 / params.counts_per_turn / 2.0);
+        TEST_ASSERT_EQUAL_HEX32(wanted[i] + half_count, config.spindle.centre_q32);
     }
 }
 

@@ -13,16 +13,18 @@ static cam_guard_t guard;
 static cam_sense_t in;
 static cam_angle_t angle;
 static cam_want_t want;
+static cam_move_t axis[hal_n_axes];
 
 void setUp(void)
 {
     const cam_params_t params = cam_param_defaults();
     memset(&config, 0, sizeof config);
     memset(&guard, 0, sizeof guard);
+    memset(axis, 0, sizeof axis);
     TEST_ASSERT_EQUAL_INT(cam_ok,
                           cam_config_build(&config, &params, NULL, 3030000, 20000, 200000000));
     in = (cam_sense_t){.inputs = hal_in_drive_ready};
-    angle = (cam_angle_t){.speed_q32 = 8947849, .is_synced = true};
+    angle = (cam_angle_t){.speed_q32 = 8947849, .is_synced = true, .period_clocks = period};
     want = (cam_want_t){.spindle_mrpm = 2500000};
 }
 
@@ -30,8 +32,7 @@ void tearDown(void) {}
 
 static cam_safe_t tick(void)
 {
-    in.clock += period;
-    return cam_guard_step_isr(&guard, cfg, &in, &angle, &want);
+    return cam_guard_step_isr(&guard, cfg, &in, &angle, &want, axis);
 }
 
 /// A quiet machine in a state.
@@ -49,7 +50,6 @@ static void begin(cam_state_t state)
 static void cause(cam_fault_t fault, int32_t beyond)
 {
     const uint32_t mask = beyond != 0 ? UINT32_C(1) << fault : 0u;
-    int64_t *u_q10 = &want.axis[hal_axis_u].pos_q10;
     switch (fault) {
     case cam_fault_estop:
         in.inputs |= beyond != 0 ? (uint32_t)hal_in_estop : 0u;
@@ -58,7 +58,7 @@ static void cause(cam_fault_t fault, int32_t beyond)
         in.inputs &= beyond != 0 ? ~(uint32_t)hal_in_drive_ready : UINT32_MAX;
         break;
     case cam_fault_late_tick:
-        in.clock += 5000u + (uint32_t)beyond;
+        angle.period_clocks = period + 5000u + (uint32_t)beyond;
         break;
     case cam_fault_encoder_jump:
     case cam_fault_lost_counts:
@@ -84,14 +84,14 @@ static void cause(cam_fault_t fault, int32_t beyond)
         in.actual_nm[hal_axis_u] = 100000 + beyond;
         break;
     case cam_fault_setpoint_speed: // with the speed of the step before: no acceleration
-        guard.u_step_q10 = cfg->u_vel_q10;
-        *u_q10 = guard.axis[hal_axis_u].pos_q10 + cfg->u_vel_q10 + beyond;
+        guard.u_step_q6 = cfg->u_vel_q6;
+        want.u_set_q6 = guard.u_set_q6 + cfg->u_vel_q6 + beyond;
         break;
     case cam_fault_setpoint_acceleration:
-        *u_q10 = guard.axis[hal_axis_u].pos_q10 - cfg->u_acc_q10 - beyond;
+        want.u_set_q6 = guard.u_set_q6 - cfg->u_acc_q6 - beyond;
         break;
     case cam_fault_setpoint_range:
-        guard.axis[hal_axis_u].pos_q10 = *u_q10 = cfg->u_high_q10 + beyond;
+        guard.u_set_q6 = want.u_set_q6 = cfg->u_range_q6 + beyond;
         break;
     case cam_n_faults:
         break;
@@ -165,16 +165,16 @@ static void test_limits_of_the_other_sign_are_the_same(void)
     (void)tick();
     TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(following_error), guard.faults);
     begin(cam_state_cutting);
-    want.axis[hal_axis_u].pos_q10 = cfg->u_acc_q10 + 1;
+    want.u_set_q6 = cfg->u_acc_q6 + 1;
     (void)tick();
     TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(setpoint_acceleration), guard.faults);
     begin(cam_state_cutting);
-    guard.u_step_q10 = -cfg->u_vel_q10;
-    want.axis[hal_axis_u].pos_q10 = -cfg->u_vel_q10 - 1;
+    guard.u_step_q6 = -cfg->u_vel_q6;
+    want.u_set_q6 = -cfg->u_vel_q6 - 1;
     (void)tick();
     TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(setpoint_speed), guard.faults);
     begin(cam_state_cutting);
-    guard.axis[hal_axis_u].pos_q10 = want.axis[hal_axis_u].pos_q10 = cfg->u_low_q10 - 1;
+    guard.u_set_q6 = want.u_set_q6 = -cfg->u_range_q6 - 1;
     (void)tick();
     TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(setpoint_range), guard.faults);
 }
@@ -182,46 +182,47 @@ static void test_limits_of_the_other_sign_are_the_same(void)
 /// Checked limits: 1/16 above the parameter and three nanometres.
 static void test_limits_are_those_of_the_parameters(void)
 {
-    TEST_ASSERT_INT32_WITHIN(1, 21253 * 1024, cfg->u_vel_q10);      // 400 mm/s at 20 kHz
-    TEST_ASSERT_INT32_WITHIN(100, 667 * 1024 + 64, cfg->u_acc_q10); // 250 m/s2: 664.06 + 3
-    TEST_ASSERT_EQUAL_INT64(600000 * 1024, cfg->u_high_q10);        // half of 1.2 mm
-    TEST_ASSERT_EQUAL_INT64(-600000 * 1024, cfg->u_low_q10);
+    TEST_ASSERT_INT32_WITHIN(1, 21253 * 64, cfg->u_vel_q6);   // 400 mm/s at 20 kHz
+    TEST_ASSERT_INT32_WITHIN(7, 667 * 64 + 4, cfg->u_acc_q6); // 250 m/s2: 664.06 + 3
+    TEST_ASSERT_EQUAL_INT32(600000 * 64, cfg->u_range_q6);    // half of 1.2 mm
 }
 
-static void test_fault_with_set_points_far_off_writes_from_the_last_good_place(void)
+static void test_fault_with_a_set_point_far_off_writes_from_the_last_good_place(void)
 {
-    begin(cam_state_cutting);
-    want.axis[hal_axis_u].pos_q10 = INT64_C(1) << 50;
-    want.axis[hal_axis_x].pos_q10 = -(INT64_C(1) << 50);
-    want.axis[hal_axis_z].pos_q10 = INT64_C(1) << 50;
-    const cam_safe_t safe = tick();
-    TEST_ASSERT_EQUAL_INT(cam_state_fault, safe.state);
-    for (uint32_t i = 0; i < hal_n_axes; i++) {
-        TEST_ASSERT_INT64_WITHIN((uint32_t)cfg->limits[i].acceleration_q10, 0,
-                                 safe.axis[i].pos_q10);
+    static const int32_t far_q6[] = {INT32_MAX, INT32_MIN, 1 << 30, -(1 << 30)};
+    for (int i = 0; i < 4; i++) {
+        begin(cam_state_cutting);
+        want.u_set_q6 = far_q6[i];
+        axis[hal_axis_u].pos_q10 = INT64_C(1) << 50;
+        const cam_safe_t safe = tick();
+        TEST_ASSERT_EQUAL_INT(cam_state_fault, safe.state);
+        TEST_ASSERT_BITS_HIGH(CAM_FAULT_BIT(setpoint_speed), guard.faults);
+        TEST_ASSERT_EQUAL_INT32(0, safe.u_set_q6);
+        TEST_ASSERT_EQUAL_INT64(0, axis[hal_axis_u].pos_q10);
     }
 }
 
 /// At the limit of acceleration the retract starts at the speed that was written, not half a tick
-/// further.
+/// further; the tick of the fault itself coasts.
 static void test_retract_goes_on_at_the_speed_of_the_last_step(void)
 {
     begin(cam_state_cutting);
-    const int64_t a_q10 = cfg->limits[hal_axis_u].acceleration_q10;
-    int64_t at_q10 = 0;
-    for (int64_t n = 1; n <= 5; n++) { // constant acceleration: the end of a step is a/2 faster
-        at_q10 += n * a_q10;
-        want.axis[hal_axis_u] = (cam_move_t){.pos_q10 = at_q10,
-                                             .vel_q10 = (int32_t)(n * a_q10 + a_q10 / 2),
-                                             .acc_q10 = (int32_t)a_q10};
-        want.u_due_q6 = 0;
+    const int32_t a_q6 = cfg->limits[hal_axis_u].acceleration_q10 / 16;
+    int32_t at_q6 = 0;
+    for (int32_t n = 1; n <= 5; n++) { // constant acceleration: the end of a step is a/2 faster
+        at_q6 += n * a_q6;
+        want.u_set_q6 = at_q6;
+        axis[hal_axis_u] =
+            (cam_move_t){.pos_q10 = (int64_t)at_q6 * 16, .vel_q10 = (n * a_q6 + a_q6 / 2) * 16};
         (void)tick();
         TEST_ASSERT_EQUAL_HEX32(0, guard.faults);
     }
-    want.axis[hal_axis_u].pos_q10 = at_q10 + 6 * a_q10;
+    want.u_set_q6 = at_q6 + 6 * a_q6;
     in.inputs |= hal_in_estop;
-    const cam_safe_t safe = tick();
-    TEST_ASSERT_EQUAL_INT64(at_q10 + 4 * a_q10, safe.axis[hal_axis_u].pos_q10);
+    TEST_ASSERT_EQUAL_INT32(at_q6 + 5 * a_q6, tick().u_set_q6);
+    want.state = cam_state_fault;
+    TEST_ASSERT_INT32_WITHIN(1, at_q6 + 9 * a_q6, tick().u_set_q6);
+    TEST_ASSERT_INT32_WITHIN(1, at_q6 + 12 * a_q6, tick().u_set_q6);
 }
 
 int main(void)
@@ -232,7 +233,7 @@ int main(void)
     RUN_TEST(test_armed_mask_of_every_state_is_the_manuals);
     RUN_TEST(test_limits_of_the_other_sign_are_the_same);
     RUN_TEST(test_limits_are_those_of_the_parameters);
-    RUN_TEST(test_fault_with_set_points_far_off_writes_from_the_last_good_place);
+    RUN_TEST(test_fault_with_a_set_point_far_off_writes_from_the_last_good_place);
     RUN_TEST(test_retract_goes_on_at_the_speed_of_the_last_step);
     return UNITY_END();
 }

@@ -17,9 +17,9 @@ void setUp(void)
 
 void tearDown(void) {}
 
-static double nm(const cam_want_t *want, hal_axis_t axis)
+static double nm(const cam_move_t *axes, hal_axis_t axis)
 {
-    return (double)want->axis[axis].pos_q10 / 1024.0;
+    return (double)axes[axis].pos_q10 / 1024.0;
 }
 
 /// Cutting at a height that others lead, so that angle and time are the only variables.
@@ -62,7 +62,7 @@ static void test_u_with_lead_is_read_at_the_angle_to_come(void)
             const double ahead = f.angle.speed_q32 * (lead_ns[i] / 50000.0);
             const int64_t at = f.angle.pos_q32 + llround(ahead) - llround(CAM_TURN_Q32 / 12.0);
             const double wanted = 0.75 * fixture_play_u_nm(&f, at, 437000);
-            TEST_ASSERT_DOUBLE_WITHIN(0.02, wanted, nm(&f.want, hal_axis_u));
+            TEST_ASSERT_DOUBLE_WITHIN(0.03, wanted, nm(f.axis, hal_axis_u));
         }
     }
 }
@@ -75,7 +75,7 @@ static void test_u_while_the_speed_differs_is_read_at_that_speed(void)
         f.angle.speed_q32 = speed;
         fixture_play_tick(&f);
         const double wanted = fixture_play_u_nm(&f, f.angle.pos_q32 + 2 * (int64_t)speed, 100000);
-        TEST_ASSERT_DOUBLE_WITHIN(0.02, wanted, nm(&f.want, hal_axis_u));
+        TEST_ASSERT_DOUBLE_WITHIN(0.03, wanted, nm(f.axis, hal_axis_u));
     }
 }
 
@@ -89,8 +89,8 @@ static void test_u_of_a_geared_cut_is_read_at_the_height_of_its_angle(void)
            f.angle.pos_q32 < f.play.disengage_at_q32 - 99999999) {
         fixture_play_tick(&f);
         const int64_t at = f.angle.pos_q32 + (int64_t)f.angle.speed_q32 * 9 / 2;
-        TEST_ASSERT_DOUBLE_WITHIN(0.03, fixture_play_u_nm(&f, at, f.want.z_nm),
-                                  nm(&f.want, hal_axis_u));
+        TEST_ASSERT_DOUBLE_WITHIN(0.04, fixture_play_u_nm(&f, at, f.want.z_nm),
+                                  nm(f.axis, hal_axis_u));
     }
     TEST_ASSERT_INT32_WITHIN(100, part.z_last_nm, f.want.z_nm);
 }
@@ -103,6 +103,14 @@ static double height(double turns)
                        : in < 10.0 ? in - 1.0
                                    : 10.0 - (12.0 - in) * (12.0 - in) / 4.0;
     return 100000.0 * fed;
+}
+
+/// Between two plans the envelope is straight: four ticks of 480 a turn below the smooth step,
+/// whose second derivative is at most 5.774.
+static double sagitta(int32_t turns)
+{
+    const double way = cam_play_tasks / 480.0 / turns;
+    return 5.774 * way * way / 8.0;
 }
 
 static void test_xz_with_lag_are_read_ahead(void)
@@ -120,10 +128,11 @@ static void test_xz_with_lag_are_read_ahead(void)
             const double turns = (at - (double)f.play.feed_at_q32) / 4294967296.0;
             const double envelope = fixture_play_smooth(turns / 10.0 + 1.0) *
                                     (1.0 - fixture_play_smooth((turns - 12.0) / 10.0));
-            const double z_nm = nm(&f.want, hal_axis_z);
+            const double z_nm = nm(f.axis, hal_axis_z);
             TEST_ASSERT_DOUBLE_WITHIN(1.0, height(turns), z_nm);
-            TEST_ASSERT_DOUBLE_WITHIN(0.05, fixture_play_x_nm(&f, z_nm) + 1e6 * (1.0 - envelope),
-                                      nm(&f.want, hal_axis_x));
+            TEST_ASSERT_DOUBLE_WITHIN(0.05 + 1e6 * sagitta(10),
+                                      fixture_play_x_nm(&f, z_nm) + 1e6 * (1.0 - envelope),
+                                      nm(f.axis, hal_axis_x));
         }
     }
 }
@@ -146,7 +155,9 @@ static void test_envelope_while_engaging_and_disengaging_is_the_smooth_step(void
             const double envelope = fixture_play_smooth(since / turns[i]) *
                                     (1.0 - fixture_play_smooth(left / turns[2 - i]));
             const double u_nm = fixture_play_u_nm(&f, f.angle.pos_q32, f.want.z_nm);
-            TEST_ASSERT_DOUBLE_WITHIN(0.03, 0.6 * envelope * u_nm, nm(&f.want, hal_axis_u));
+            const int32_t shortest = turns[i] < turns[2 - i] ? turns[i] : turns[2 - i];
+            TEST_ASSERT_DOUBLE_WITHIN(0.05 + 0.6 * fabs(u_nm) * sagitta(shortest),
+                                      0.6 * envelope * u_nm, nm(f.axis, hal_axis_u));
         }
     }
 }
@@ -164,10 +175,10 @@ static void test_phase_changed_in_the_cut_is_ramped_the_short_way(void)
         const uint32_t before = (uint32_t)f.play.phase_q32;
         fixture_play_tick(&f);
         const int32_t moved = cam_angle_diff_q32((uint32_t)f.play.phase_q32, before);
-        TEST_ASSERT_TRUE(moved > 0 && moved <= step + 1.0);
+        TEST_ASSERT_TRUE(moved >= 0 && moved <= step + 1.0);
         n++;
     }
-    TEST_ASSERT_UINT32_WITHIN(1, 4000, n);
+    TEST_ASSERT_UINT32_WITHIN(2 * cam_play_tasks, 4000, n);
 }
 
 static void test_amplitude_changed_in_the_cut_is_ramped(void)
@@ -183,27 +194,30 @@ static void test_amplitude_changed_in_the_cut_is_ramped(void)
         while (f.play.amplitude_q30 != f.config.play.amplitude_q30 && n < 5000) {
             const int32_t before = f.play.amplitude_q30;
             fixture_play_tick(&f);
-            TEST_ASSERT_INT32_WITHIN(536872, before, f.play.amplitude_q30); // 10 / 20000
+            // 10 / 20 000 per tick
+            TEST_ASSERT_INT32_WITHIN(536872 * cam_play_tasks, before, f.play.amplitude_q30);
             n++;
         }
-        TEST_ASSERT_UINT32_WITHIN(1, (uint32_t)abs(goal_ppm[i] - from_ppm) / 500u, n);
+        TEST_ASSERT_UINT32_WITHIN(2 * cam_play_tasks, (uint32_t)abs(goal_ppm[i] - from_ppm) / 500u,
+                                  n);
+        fixture_play_ticks(&f, cam_play_tasks);
         const double u_nm = fixture_play_u_nm(&f, f.angle.pos_q32, 0);
-        TEST_ASSERT_DOUBLE_WITHIN(0.05, goal_ppm[i] * 1e-6 * u_nm, nm(&f.want, hal_axis_u));
+        TEST_ASSERT_DOUBLE_WITHIN(0.05, goal_ppm[i] * 1e-6 * u_nm, nm(f.axis, hal_axis_u));
     }
 }
 
 static void test_velocity_and_acceleration_of_u_are_those_of_the_setpoints(void)
 {
     cut_at(500000);
-    double a_nm = nm(&f.before, hal_axis_u);
-    double b_nm = nm(&f.want, hal_axis_u);
+    double a_nm = nm(f.before, hal_axis_u);
+    double b_nm = nm(f.axis, hal_axis_u);
     for (int i = 0; i < 2000; i++) {
-        const cam_move_t b = f.want.axis[hal_axis_u];
+        const cam_move_t b = f.axis[hal_axis_u];
         fixture_play_tick(&f);
-        const double c_nm = nm(&f.want, hal_axis_u);
+        const double c_nm = nm(f.axis, hal_axis_u);
         // 1636 nm per tick and 43 nm per tick^2 at most; a difference of thirds is 0.2 of it
         TEST_ASSERT_DOUBLE_WITHIN(0.25, (c_nm - a_nm) / 2.0, b.vel_q10 / 1024.0);
-        TEST_ASSERT_DOUBLE_WITHIN(0.05, c_nm - 2.0 * b_nm + a_nm, b.acc_q10 / 1024.0);
+        TEST_ASSERT_DOUBLE_WITHIN(0.12, c_nm - 2.0 * b_nm + a_nm, b.acc_q10 / 1024.0); // of 1/64 nm
         a_nm = b_nm;
         b_nm = c_nm;
     }
@@ -221,7 +235,7 @@ static void test_due_is_the_setpoint_of_lead_ago(void)
         const int whole = (int)lead;
         for (int k = 0; k < 2000; k++) {
             fixture_play_tick(&f);
-            set_nm[k] = nm(&f.want, hal_axis_u);
+            set_nm[k] = nm(f.axis, hal_axis_u);
             if (k > whole) {
                 const double newer = set_nm[k - whole];
                 const double due = newer + (set_nm[k - whole - 1] - newer) * (lead - whole);

@@ -133,11 +133,11 @@ static void test_tick_velocity_and_acceleration_match_the_setpoints(void)
         const double set = records[i].u_set_q6 / 64.0;
         const double before = records[i - 1u].u_set_q6 / 64.0;
         const double after = records[i + 1u].u_set_q6 / 64.0;
-        const double vel_um_s = (after - before) / 2.0 * 20000.0 / 1e3;
-        const double acc_mm_s2 = (after - 2.0 * set + before) * 4e8 / 1e6;
-        TEST_ASSERT_DOUBLE_WITHIN(400.0, vel_um_s, records[i].out[hal_axis_u].vel_um_per_s);
-        // differences of the set-points carry the noise of the encoder: 4 nm are 1600 mm/s2
-        TEST_ASSERT_DOUBLE_WITHIN(6000.0, acc_mm_s2, records[i].out[hal_axis_u].acc_mm_per_s2);
+        const double vel_nm = (after - before) / 2.0; // per tick
+        const double acc_nm = after - 2.0 * set + before;
+        TEST_ASSERT_DOUBLE_WITHIN(20.0, vel_nm, records[i].out[hal_axis_u].vel_q10 / 1024.0);
+        // differences of the set-points carry the noise of the encoder
+        TEST_ASSERT_DOUBLE_WITHIN(15.0, acc_nm, records[i].out[hal_axis_u].acc_q10 / 1024.0);
     }
 }
 
@@ -150,9 +150,10 @@ static void test_tick_feed_forward_is_the_inverse_of_the_drive(void)
     for (uint32_t i = 0; i < rig.n_log; i++) {
         if (records[i].state == cam_state_cutting) {
             const hal_setpoint_t *u = &records[i].out[hal_axis_u];
-            const double wanted = records[i].u_set_q6 / 64.0 + 742723e-9 * u->vel_um_per_s * 1e3 +
-                                  281448e-12 * u->acc_mm_per_s2 * 1e6;
-            TEST_ASSERT_DOUBLE_WITHIN(2.0, wanted, u->pos_nm);
+            const double wanted = records[i].u_set_q6 / 64.0 +
+                                  742723e-9 * 20000.0 * u->vel_q10 / 1024.0 +
+                                  281448e-12 * 4e8 * u->acc_q10 / 1024.0;
+            TEST_ASSERT_DOUBLE_WITHIN(0.6, wanted, u->pos_nm);
         }
     }
 }
@@ -170,7 +171,7 @@ static void expect_replay(void)
     TEST_ASSERT_TRUE(records[start].state <= cam_state_homing); // the spindle stands still
     for (uint32_t i = start; i < rig.n_log; i++) {
         cam_tick_record_t done = {.in = records[i].in};
-        cam_tick_steps_isr(&replayed, &done.in, &done);
+        cam_tick_steps_isr(&replayed, &replayed.config.half[0], &done.in, &done);
         TEST_ASSERT_EQUAL_INT(records[i].state, done.state);
         TEST_ASSERT_EQUAL_INT64(records[i].pos_q32, done.pos_q32);
         TEST_ASSERT_EQUAL_INT32(records[i].speed_q32, done.speed_q32);

@@ -55,6 +55,8 @@ static void test_command_in_the_cut_is_the_control_law(void)
     rig.n_log = 0;
     fixture_rig_ticks(&rig, 5000);
     TEST_ASSERT_EQUAL_UINT32(5000, rig.n_log);
+    const double um_per_s = tick_hz / 1024e3;
+    const double mm_per_s2 = (double)tick_hz * tick_hz / 1024e6;
     double largest_nm = 0.0;
     for (uint32_t i = 10; i < rig.n_log; i++) {
         double u[3];
@@ -62,8 +64,8 @@ static void test_command_in_the_cut_is_the_control_law(void)
         const hal_setpoint_t *out = &records[i].out[hal_axis_u];
         TEST_ASSERT_EQUAL_INT(cam_state_cutting, records[i].state);
         TEST_ASSERT_DOUBLE_WITHIN(0.05, u[0], records[i].u_set_q6 / 64.0);
-        TEST_ASSERT_DOUBLE_WITHIN(2.0, u[1] * 1e-3, out->vel_um_per_s);  // of 40 000 um/s
-        TEST_ASSERT_DOUBLE_WITHIN(4.0, u[2] * 1e-6, out->acc_mm_per_s2); // of 20 000 mm/s2
+        TEST_ASSERT_DOUBLE_WITHIN(2.0, u[1] * 1e-3, out->vel_q10 * um_per_s);  // of 40 000 um/s
+        TEST_ASSERT_DOUBLE_WITHIN(4.0, u[2] * 1e-6, out->acc_q10 * mm_per_s2); // of 20 000 mm/s2
         const double forward_nm = K1_S * u[1] + K2_S2 * u[2];
         TEST_ASSERT_DOUBLE_WITHIN(1.5, u[0] + forward_nm, out->pos_nm);
         largest_nm = fabs(forward_nm) > largest_nm ? fabs(forward_nm) : largest_nm;
@@ -76,9 +78,9 @@ static void test_command_of_x_and_z_is_their_setpoint(void)
     TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_cutting));
     for (int i = 0; i < 3000; i++) {
         fixture_rig_tick(&rig);
-        TEST_ASSERT_INT32_WITHIN(1, g_cam.guard.axis[hal_axis_z].pos_q10 / 1024,
+        TEST_ASSERT_INT32_WITHIN(1, g_cam.axis[hal_axis_z].pos_q10 / 1024,
                                  hal_host.out.axis[hal_axis_z].pos_nm);
-        TEST_ASSERT_INT32_WITHIN(1, g_cam.guard.axis[hal_axis_x].pos_q10 / 1024,
+        TEST_ASSERT_INT32_WITHIN(1, g_cam.axis[hal_axis_x].pos_q10 / 1024,
                                  hal_host.out.axis[hal_axis_x].pos_nm);
     }
 }
@@ -89,8 +91,8 @@ static void test_command_at_rest_is_the_place_itself(void)
     TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_ready));
     fixture_rig_ticks(&rig, 100);
     TEST_ASSERT_EQUAL_INT32(-500000, hal_host.out.axis[hal_axis_u].pos_nm);
-    TEST_ASSERT_EQUAL_INT32(0, hal_host.out.axis[hal_axis_u].vel_um_per_s);
-    TEST_ASSERT_EQUAL_INT32(0, hal_host.out.axis[hal_axis_u].acc_mm_per_s2);
+    TEST_ASSERT_EQUAL_INT32(0, hal_host.out.axis[hal_axis_u].vel_q10);
+    TEST_ASSERT_EQUAL_INT32(0, hal_host.out.axis[hal_axis_u].acc_q10);
 }
 
 /// Due is what was wanted two and a half ticks ago.

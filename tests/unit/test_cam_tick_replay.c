@@ -100,7 +100,7 @@ static void expect_replay(void)
             n_configs++;
         }
         cam_tick_record_t done = {.in = r->in};
-        cam_tick_steps_isr(&replayed, &done.in, &done);
+        cam_tick_steps_isr(&replayed, &replayed.config.half[0], &done.in, &done);
         TEST_ASSERT_EQUAL_UINT32(r->tick, done.tick);
         TEST_ASSERT_EQUAL_UINT32(r->config, done.config);
         TEST_ASSERT_EQUAL_INT64(r->pos_q32, done.pos_q32);
@@ -188,7 +188,7 @@ static void test_session_with_other_senses_does_not_replay_alike(void)
         replayed.config.half[0].play.table = &replayed.config.half[0].table;
         cam_tick_record_t done = {.in = rig.log[i].in};
         done.in.encoder.counts += i / 200u % 2u; // one count more, now and then
-        cam_tick_steps_isr(&replayed, &done.in, &done);
+        cam_tick_steps_isr(&replayed, &replayed.config.half[0], &done.in, &done);
         is_alike = is_alike && done.speed_q32 == rig.log[i].speed_q32;
     }
     TEST_ASSERT_FALSE(is_alike);

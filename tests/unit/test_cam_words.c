@@ -74,8 +74,8 @@ static cam_trace_t trace;
 
 static void push(uint32_t tick, bool is_kept)
 {
-    cam_trace_slot_isr(&trace)->tick = tick;
-    cam_trace_commit_isr(&trace, is_kept);
+    cam_trace_slot_isr(&trace, is_kept)->tick = tick;
+    cam_trace_commit_isr(&trace);
 }
 
 static void test_trace_keeps_order_and_counts_what_it_drops(void)

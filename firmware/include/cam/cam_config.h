@@ -20,11 +20,9 @@ typedef struct {
     cam_spindle_config_t spindle;
     cam_play_config_t play;
     cam_guard_config_t guard;
-    cam_table_t table;     ///< play.table points here
-    int32_t um_per_s_q24;  ///< [um/s per nm / 1024 per tick]
-    int32_t mm_per_s2_q24; ///< [mm/s2 per nm / 1024 per tick^2]
-    int32_t k1_q16;        ///< [ticks] velocity feed-forward
-    int32_t k2_q16;        ///< [ticks^2] acceleration feed-forward
+    cam_table_t table; ///< play.table points here
+    int32_t k1_q16;    ///< [ticks] velocity feed-forward
+    int32_t k2_q16;    ///< [ticks^2] acceleration feed-forward
     bool is_traced;
     uint32_t generation; ///< rises with every hand-over
 } cam_config_t;

@@ -2,16 +2,18 @@
 /// cam_eval: a channel's value and two derivatives, inline, constant time, cannot fail.
 ///
 /// Two slices are blended knot by knot, then one quintic runs through the two blended knots, all in
-/// the channel's LSB with four guard bits. The bounds that cam_table_check() enforces
-/// (CAM_TABLE_SUM_MAX) keep every intermediate below 2^31; no segment, slice or angle can overflow.
+/// the channel's LSB with four guard bits. The quintic is developed around the middle of its
+/// interval: there the variable is a signed fraction that a rounded multiplication takes as it is.
+/// The bounds that cam_table_check() enforces (CAM_TABLE_SUM_MAX) keep every intermediate below
+/// 2^31; no segment, slice or angle can overflow.
 ///
 /// Error against exact arithmetic on the same knots: below 1 LSB for the value, 2 LSB per knot
 /// interval for the first and 8 LSB per interval^2 for the second derivative
-/// (blending < 1/16 each knot member, Horner steps < 1/16 each, final rounding 1/2).
+/// (blending < 1/16 each knot member, Horner steps < 1/32 each, final rounding 1/2).
 #ifndef CAM_EVAL_H
 #define CAM_EVAL_H
 
-#include "cam/cam_fix.h"   // cam_mulhi
+#include "cam/cam_fix.h"   // cam_mulhi_add
 #include "cam/cam_table.h" // cam_channel_t
 #include <stdbool.h>       // bool
 
@@ -25,6 +27,13 @@ typedef struct {
     int32_t d2;      ///< [LSB / h^2]
     bool is_clamped; ///< height outside the channel: evaluated at its edge
 } cam_value_t;
+
+/// The same before it is rounded.
+typedef struct {
+    int32_t y;  ///< [LSB / 16] below 2^30
+    int32_t d1; ///< [LSB / 16 / h] below 2^30
+    int32_t d2; ///< [LSB / 16 / h^2] below 2^30
+} cam_fine_t;
 
 /// A height between two slices.
 typedef struct {
@@ -56,13 +65,7 @@ static inline cam_height_t cam_eval_height(const cam_channel_t *ch, int32_t z_nm
 /// @return a + (b - a) w, in LSB / 16; |a|, |b| <= CAM_TABLE_SUM_MAX
 static inline int32_t cam_eval_blend(int32_t a, int32_t b, int32_t w_q31)
 {
-    return a * CAM_EVAL_GUARD + cam_mulhi((b - a) * (2 * CAM_EVAL_GUARD), w_q31);
-}
-
-/// @return r t + c: one Horner step, |r| < 2^30
-static inline int32_t cam_eval_step(int32_t r, int32_t t_q31, int32_t c)
-{
-    return c + cam_mulhi(r * 2, t_q31);
+    return cam_mulhi_add(a * CAM_EVAL_GUARD, (b - a) * (2 * CAM_EVAL_GUARD), w_q31);
 }
 
 /// @return r rounded from LSB / 16 to LSB
@@ -71,32 +74,47 @@ static inline int32_t cam_eval_round(int32_t r)
     return (r + CAM_EVAL_GUARD / 2) >> cam_eval_guard_bits;
 }
 
-/// The quintic through two knots.
+/// The quintic through two knots, q(s) = e0 + o1 s + e2 s^2 + o3 s^3 + e4 s^4 + o5 s^5.
+/// With w = v0 + v1 - 2 (p1 - p0): o5 = (a1 - a0) - 3 w, o3 = w - o5 / 2,
+/// o1 = (p1 - p0) - o3 / 4 - o5 / 16; and with dv = v1 - v0: e4 = (a0 + a1 - dv) / 2,
+/// e2 = (dv - e4) / 2, e0 = (p0 + p1) / 2 - e2 / 4 - e4 / 16.
 /// @param k0,k1  knots in LSB / 16, within the bounds of cam_table_check()
-/// @param t_q31  [h / 2^31] 0 .. 2^31 - 1
-/// Source: TABLE_FORMAT.md, "Knots".
-static inline cam_value_t cam_eval_quintic(cam_knot_t k0, cam_knot_t k1, int32_t t_q31)
+/// @param s_q32  [h / 2^32] from the middle of the interval: -2^31 .. 2^31 - 1
+/// Source: TABLE_FORMAT.md, "Knots", developed around t = 1/2.
+static inline cam_fine_t cam_eval_quintic(cam_knot_t k0, cam_knot_t k1, int32_t s_q32)
 {
-    const int32_t dp = k1.p - k0.p - k0.v - k0.a;
-    const int32_t dv = k1.v - k0.v - 2 * k0.a;
-    const int32_t da = k1.a - k0.a;
-    const int32_t c3 = 10 * dp - 4 * dv + da;
-    const int32_t c4 = -15 * dp + 7 * dv - 2 * da;
-    const int32_t c5 = 6 * dp - 3 * dv + da;
-    int32_t y = cam_eval_step(c5, t_q31, c4);
-    y = cam_eval_step(y, t_q31, c3);
-    y = cam_eval_step(y, t_q31, k0.a);
-    y = cam_eval_step(y, t_q31, k0.v);
-    y = cam_eval_step(y, t_q31, k0.p);
-    int32_t d1 = cam_eval_step(5 * c5, t_q31, 4 * c4);
-    d1 = cam_eval_step(d1, t_q31, 3 * c3);
-    d1 = cam_eval_step(d1, t_q31, 2 * k0.a);
-    d1 = cam_eval_step(d1, t_q31, k0.v);
-    int32_t d2 = cam_eval_step(20 * c5, t_q31, 12 * c4);
-    d2 = cam_eval_step(d2, t_q31, 6 * c3);
-    d2 = cam_eval_step(d2, t_q31, 2 * k0.a);
-    return (cam_value_t){
-        .y = cam_eval_round(y), .d1 = cam_eval_round(d1), .d2 = cam_eval_round(d2)};
+    const int32_t dp = k1.p - k0.p;
+    const int32_t dv = k1.v - k0.v;
+    const int32_t w = k0.v + k1.v - 2 * dp;
+    const int32_t o5 = k1.a - k0.a - 3 * w;
+    const int32_t o3 = w - (o5 >> 1);
+    const int32_t o1 = dp - (o3 >> 2) - (o5 >> 4);
+    const int32_t e4 = (k0.a + k1.a - dv) >> 1;
+    const int32_t e2 = (dv - e4) >> 1;
+    const int32_t e0 = ((k0.p + k1.p) >> 1) - (e2 >> 2) - (e4 >> 4);
+    // Three Horner schemes at once: each takes the running value of the one before.
+    int32_t y = cam_mulhi_add(e4, o5, s_q32);
+    int32_t d1 = cam_mulhi_add(y, o5, s_q32);
+    int32_t d2 = cam_mulhi_add(d1, o5, s_q32);
+    y = cam_mulhi_add(o3, y, s_q32);
+    d1 = cam_mulhi_add(y, d1, s_q32);
+    d2 = cam_mulhi_add(d1, d2, s_q32);
+    y = cam_mulhi_add(e2, y, s_q32);
+    d1 = cam_mulhi_add(y, d1, s_q32);
+    d2 = cam_mulhi_add(d1, d2, s_q32);
+    y = cam_mulhi_add(o1, y, s_q32);
+    d1 = cam_mulhi_add(y, d1, s_q32);
+    y = cam_mulhi_add(e0, y, s_q32);
+    return (cam_fine_t){.y = y, .d1 = d1, .d2 = 2 * d2};
+}
+
+/// @return what lies between two knots, rounded
+static inline cam_value_t cam_eval_rounded(cam_fine_t fine, bool is_clamped)
+{
+    return (cam_value_t){.y = cam_eval_round(fine.y),
+                         .d1 = cam_eval_round(fine.d1),
+                         .d2 = cam_eval_round(fine.d2),
+                         .is_clamped = is_clamped};
 }
 
 /// @return both slices' knot at index k blended at a height, in LSB / 16
@@ -116,8 +134,27 @@ static inline cam_knot_t cam_eval_guarded(const cam_knot_t *k)
         .p = k->p * CAM_EVAL_GUARD, .v = k->v * CAM_EVAL_GUARD, .a = k->a * CAM_EVAL_GUARD};
 }
 
+/// Evaluate a channel over angle, at a height that was found before.
+/// @param ch         passed cam_table_check(), kind u or speed
+/// @param theta_q32  [turn / 2^32] any value, 0 = long axis
+/// @param z          of cam_eval_height()
+/// @return           derivatives per knot interval of 2^-(log2_knots + log2_repeat) turn
+/// Context: ISR or slow side, constant time. Source: TABLE_FORMAT.md.
+static inline cam_fine_t cam_eval_at(const cam_channel_t *ch, uint32_t theta_q32, cam_height_t z)
+{
+    const uint32_t pattern_q32 = theta_q32 << ch->log2_repeat;
+    const uint32_t n_knots = 1u << ch->log2_knots;
+    const uint32_t k = pattern_q32 >> (32u - ch->log2_knots);
+    const uint32_t k_next = (k + 1u) & (n_knots - 1u);
+    const int32_t s_q32 = (int32_t)((pattern_q32 << ch->log2_knots) ^ 0x80000000u);
+    const cam_knot_t *low = ch->knots + ((size_t)z.i << ch->log2_knots);
+    const cam_knot_t *high = low + n_knots;
+    return cam_eval_quintic(cam_eval_knot(low + k, high + k, z.w_q31),
+                            cam_eval_knot(low + k_next, high + k_next, z.w_q31), s_q32);
+}
+
 /// Evaluate a channel over angle and height.
-/// @param ch         passed cam_table_check(), kind u
+/// @param ch         passed cam_table_check(), kind u or speed
 /// @param theta_q32  [turn / 2^32] any value, 0 = long axis
 /// @param z_nm       [nm] any value
 /// @return           derivatives per knot interval of 2^-(log2_knots + log2_repeat) turn
@@ -126,18 +163,7 @@ static inline cam_value_t cam_eval_surface(const cam_channel_t *ch, uint32_t the
                                            int32_t z_nm)
 {
     const cam_height_t z = cam_eval_height(ch, z_nm);
-    const uint32_t pattern_q32 = theta_q32 << ch->log2_repeat;
-    const uint32_t n_knots = 1u << ch->log2_knots;
-    const uint32_t k = pattern_q32 >> (32u - ch->log2_knots);
-    const uint32_t k_next = (k + 1u) & (n_knots - 1u);
-    const int32_t t_q31 = (int32_t)((pattern_q32 << ch->log2_knots) >> 1);
-    const cam_knot_t *low = ch->knots + ((size_t)z.i << ch->log2_knots);
-    const cam_knot_t *high = low + n_knots;
-    cam_value_t value =
-        cam_eval_quintic(cam_eval_knot(low + k, high + k, z.w_q31),
-                         cam_eval_knot(low + k_next, high + k_next, z.w_q31), t_q31);
-    value.is_clamped = z.is_clamped;
-    return value;
+    return cam_eval_rounded(cam_eval_at(ch, theta_q32, z), z.is_clamped);
 }
 
 /// Evaluate a channel over height alone.
@@ -149,9 +175,9 @@ static inline cam_value_t cam_eval_profile(const cam_channel_t *ch, int32_t z_nm
 {
     const cam_height_t z = cam_eval_height(ch, z_nm);
     const cam_knot_t *k = ch->knots + z.i;
-    cam_value_t value = cam_eval_quintic(cam_eval_guarded(k), cam_eval_guarded(k + 1), z.w_q31);
-    value.is_clamped = z.is_clamped;
-    return value;
+    const int32_t s_q32 = (int32_t)(((uint32_t)z.w_q31 << 1) ^ 0x80000000u);
+    return cam_eval_rounded(cam_eval_quintic(cam_eval_guarded(k), cam_eval_guarded(k + 1), s_q32),
+                            z.is_clamped);
 }
 
 #endif

@@ -4,25 +4,62 @@
 /// `_q<n>` in a name tells the number of fraction bits. Right shifts of negative numbers are
 /// arithmetic in every compiler that we support (asserted below), so they round towards minus
 /// infinity. Left shifts are written as multiplications: a negative left operand is undefined in
-/// C11.
+/// C11. Where sums wrap by design they are taken in uint32.
 #ifndef CAM_FIX_H
 #define CAM_FIX_H
 
-#include <stdint.h> // int32_t, int64_t
+#include <stdbool.h> // bool
+#include <stdint.h>  // int32_t, int64_t
 
 _Static_assert((-3 >> 1) == -2, "arithmetic right shift");
 
-/// High word of the product: one instruction on Cortex-M4/M7.
-/// @return floor(a * b / 2^32), any arguments
+/// Rounded high word of the product, added to c: one instruction on Cortex-M4/M7.
+/// @return c + floor(a * b / 2^32 + 1/2), any arguments whose result fits int32
+/// Source: ARMv7-M Architecture Reference Manual, A7.7.147 (SMMLAR).
+static inline int32_t cam_mulhi_add(int32_t c, int32_t a, int32_t b)
+{
+#if defined(__ARM_FEATURE_DSP) && __ARM_FEATURE_DSP
+    int32_t sum;
+    __asm("smmlar %0, %1, %2, %3" : "=r"(sum) : "r"(a), "r"(b), "r"(c));
+    return sum;
+#else
+    return c + (int32_t)(((int64_t)a * b + (INT64_C(1) << 31)) >> 32);
+#endif
+}
+
+/// @return floor(a * b / 2^32 + 1/2), any arguments
+/// Source: ARMv7-M Architecture Reference Manual, A7.7.149 (SMMULR).
 static inline int32_t cam_mulhi(int32_t a, int32_t b)
 {
-    return (int32_t)(((int64_t)a * b) >> 32);
+#if defined(__ARM_FEATURE_DSP) && __ARM_FEATURE_DSP
+    int32_t product;
+    __asm("smmulr %0, %1, %2" : "=r"(product) : "r"(a), "r"(b));
+    return product;
+#else
+    return cam_mulhi_add(0, a, b);
+#endif
+}
+
+/// @return floor(a * b / 2^32), any arguments
+static inline uint32_t cam_mulhi_u32(uint32_t a, uint32_t b)
+{
+    return (uint32_t)(((uint64_t)a * b) >> 32);
 }
 
 /// @return a * b / 2^n rounded to nearest, half up; 1 <= n <= 62; the product must fit int32
 static inline int32_t cam_mul_shift(int32_t a, int32_t b, uint32_t n)
 {
     return (int32_t)(((int64_t)a * b + ((int64_t)1 << (n - 1u))) >> n);
+}
+
+/// A 64-bit shift for counts that are known at run time only, of half a word's instructions.
+/// @param n  1 .. 31
+/// @return   floor(v / 2^n), its low 32 bits: the value itself where that fits
+static inline int32_t cam_shift_right(int64_t v, uint32_t n)
+{
+    const uint32_t low = (uint32_t)(uint64_t)v >> n;
+    const uint32_t high = (uint32_t)((uint64_t)v >> 32) << (32u - n);
+    return (int32_t)(low | high);
 }
 
 /// @return v limited to [lo, hi]
@@ -55,6 +92,26 @@ static inline int64_t cam_abs_i64(int64_t v)
 static inline int32_t cam_wrap_diff(uint32_t a, uint32_t b)
 {
     return (int32_t)(a - b);
+}
+
+/// @return a + b modulo 2^32
+static inline int32_t cam_wrap_add(int32_t a, int32_t b)
+{
+    return (int32_t)((uint32_t)a + (uint32_t)b);
+}
+
+/// @return a - b modulo 2^32
+static inline int32_t cam_wrap_sub(int32_t a, int32_t b)
+{
+    return (int32_t)((uint32_t)a - (uint32_t)b);
+}
+
+/// One comparison for both ends.
+/// @param limit  0 .. 2^31 - 1
+/// @return       whether -limit <= v <= limit
+static inline bool cam_is_within(int32_t v, int32_t limit)
+{
+    return (uint32_t)v + (uint32_t)limit <= 2u * (uint32_t)limit;
 }
 
 #endif

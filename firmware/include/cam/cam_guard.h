@@ -2,9 +2,10 @@
 /// cam_guard: nothing wrong reaches the axes.
 ///
 /// Every tick the wanted set-points and the machine's answers are compared with the limits. A fault
-/// that is armed in the present state is latched, and in the same tick the guard takes the axes
-/// over: U retracts within its limits, X moves off by the clearance, Z brakes to rest, the spindle
-/// gets set-point 0, then the enable drops. When a drive is not ready, the enable drops at once.
+/// that is armed in the present state is latched, and the guard takes the axes over: in the same
+/// tick U is written where its last speed leads it, not where the fault wants it, the spindle gets
+/// set-point 0; from the next tick on U retracts within its limits, X moves off by the clearance, Z
+/// brakes to rest; then the enable drops. When a drive is not ready, the enable drops at once.
 /// FAULTS.md tells for each fault how soon it is seen, what happens and how to get out. Context:
 /// ISR unless noted.
 #ifndef CAM_GUARD_H
@@ -24,9 +25,9 @@ typedef struct {
     int32_t stopped_q32;                  ///< [turn / 2^32 per tick]
     uint32_t stopped_ticks;               ///< [ticks] in the cut
     uint32_t homing_ticks;                ///< [ticks] for the spindle to turn while homing
-    int64_t following_q6;                 ///< [nm / 64]
-    int32_t u_vel_q10, u_acc_q10;         ///< [nm / 1024 per tick, per tick^2] of the set-point
-    int64_t u_low_q10, u_high_q10;        ///< [nm / 1024] ends of the stroke
+    int32_t following_nm;                 ///< [nm]
+    int32_t u_vel_q6, u_acc_q6;           ///< [nm / 64 per tick, per tick^2] of the set-point
+    int32_t u_range_q6;                   ///< [nm / 64] half the stroke
     cam_move_limits_t limits[hal_n_axes]; ///< for the retract
     int64_t u_retract_q10;                ///< [nm / 1024] place of U out of the work
     int64_t x_clearance_q10;              ///< [nm / 1024] X moves off by this much
@@ -38,33 +39,31 @@ typedef struct {
     uint32_t first_faults;        ///< those of the tick that entered the fault state
     uint32_t count[cam_n_faults]; ///< times latched
     bool is_retracted;
-    bool has_clock; ///< last_clock is valid
-    uint32_t last_clock;
-    bool is_off_time, was_off_time; ///< this tick, the last one
-    uint32_t max_period;            ///< [1 / clock_hz] longest distance of two ticks
+    uint32_t n_off_time; ///< not 0: this tick or the last one came off its time
+    uint32_t max_period; ///< [1 / clock_hz] longest distance of two ticks
     uint32_t n_late;
-    uint32_t n_stopped;          ///< [ticks] without rotation
-    int32_t following_q6;        ///< [nm / 64] measured minus due
-    int64_t x_off_q10;           ///< target of X in the fault state
-    int64_t u_step_q10;          ///< [nm / 1024 per tick] of the last U set-point
-    cam_move_t axis[hal_n_axes]; ///< written last
+    uint32_t n_stopped; ///< [ticks] without rotation
+    int64_t x_off_q10;  ///< target of X in the fault state
+    int32_t u_set_q6;   ///< [nm / 64] U written last
+    int32_t u_step_q6;  ///< [nm / 64 per tick] its last step
 } cam_guard_t;
 
 /// What is written.
 typedef struct {
     cam_state_t state;
-    cam_move_t axis[hal_n_axes];
+    int32_t u_set_q6; ///< [nm / 64] U at the tool, as written
     int32_t spindle_mrpm;
     uint32_t outputs; ///< hal_out_*
 } cam_safe_t;
 
 /// Judge one tick.
-/// @param angle  spindle with the faults seen there
+/// @param angle  spindle with the faults seen there and the distance to the last tick
 /// @param want   what play wants, with the faults seen there
+/// @param axis   [hal_n_axes] set-points that play wants, made those that may be written
 /// @return       what may be written; state fault from the tick on in which a fault appears
 /// Constant time.
 cam_safe_t cam_guard_step_isr(cam_guard_t *g, const cam_guard_config_t *cfg, const cam_sense_t *in,
-                              const cam_angle_t *angle, const cam_want_t *want);
+                              const cam_angle_t *angle, const cam_want_t *want, cam_move_t *axis);
 
 /// @return mask of the faults that are watched in a state. Context: both sides.
 uint32_t cam_guard_armed(cam_state_t state);

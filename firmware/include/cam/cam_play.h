@@ -7,10 +7,14 @@
 ///     X = x(Z) + (1 - envelope) * clearance
 ///     spindle = mean speed, or mean * (1 + envelope * (ratio(angle, Z) - 1)) where the table
 ///               modulates it (cam_speed.h)
-/// U is read at the angle that the spindle will have when the drive's dead time has passed; X and Z
-/// are read ahead by the lag of their drives. The envelope rises and falls by the quintic smooth
-/// step, so depth and amplitude start and end without a jump in speed or acceleration. In all other
-/// states the axes move to places within their limits (cam_move.h). Context: ISR unless noted.
+/// U is read in every tick, at the angle that the spindle will have when the drive's dead time has
+/// passed. What changes slowly is planned in turns, one of four tasks per tick: position -> height
+/// and envelope; X, and the ways of all to the end of the next four ticks; speed ratio; speed law.
+/// Between two plans envelope, X and Z move linearly, X and Z read ahead by the lag of their
+/// drives. The envelope rises and falls by the quintic smooth step, so depth and amplitude start
+/// and end without a jump in speed; that of the acceleration is below that of four ticks' way along
+/// the step. In all other states the axes move to places within their limits (cam_move.h). Context:
+/// ISR unless noted.
 #ifndef CAM_PLAY_H
 #define CAM_PLAY_H
 
@@ -22,14 +26,30 @@
 #include <stdbool.h>         // bool
 #include <stdint.h>          // int32_t, int64_t
 
-enum { cam_play_history = 64 }; ///< ticks of U kept to know what is due; a power of two
+enum {
+    cam_play_history = 64, ///< ticks of U kept to know what is due; a power of two
+    cam_play_tasks = 4,    ///< ticks from one plan to the next; a power of two
+};
+
+/// Powers of two and limits that bring what the table says of U to nm / 64 and nm / 1024.
+typedef struct {
+    int32_t speed_max_q32; ///< [turn / 2^32 per tick] derivatives are taken at no more than this
+    uint32_t speed_shift;  ///< speed << this is below 2^30
+    int32_t offset;        ///< value at p = 0 in the unit of y >> y_down
+    uint32_t y_down, y_shift;
+    uint32_t v_down, v_shift;
+    uint32_t a_down, a_shift;
+    uint32_t alpha_shift;
+} cam_u_scale_t;
 
 /// Configuration, made by cam_config_build().
 typedef struct {
-    const cam_table_t *table;          ///< NULL: none, enable is refused
-    uint32_t knots_shift;              ///< log2 of u knots per turn
+    const cam_table_t *table; ///< NULL: none, enable is refused
+    cam_u_scale_t u;
     int32_t lead_q16;                  ///< [ticks] dead time of U, below cam_play_history - 2
     int32_t xz_lag_q16;                ///< [ticks] lag of X and Z
+    int32_t u_plan_q16, xz_plan_q16;   ///< [ticks] ... and four more: the end of a plan
+    int32_t u_behind_q16;              ///< [ticks] U is read this much behind X and Z
     int32_t xz_lag2;                   ///< [ticks^2] (lag / 2)^2: what two equal poles lag more
                                        ///< while the spindle accelerates
     int32_t phase_q32, phase_step_q32; ///< [turn / 2^32], per tick
@@ -55,25 +75,33 @@ typedef struct {
 /// State; zero-initialised is off.
 typedef struct {
     cam_state_t state;
-    uint32_t request;                 ///< serial number of the last one carried out
-    bool is_approaching;              ///< engaging, but not yet at the start
-    bool is_retracted;                ///< in state fault: the guard's retract has ended
-    int64_t engage_at_q32;            ///< [turn] master position where the envelope starts to rise
-    int64_t feed_at_q32;              ///< ... where Z starts
-    int64_t disengage_at_q32;         ///< ... where the envelope starts to fall
-    int64_t feed_turns_q32;           ///< [turn] length of the feed, shorter after a stop
-    int32_t phase_q32, amplitude_q30; ///< ramped values
-    cam_move_t axis[hal_n_axes];      ///< set-points of this tick
-    cam_speed_t speed;                ///< what the spindle is told in this tick
-    int32_t history_q6[cam_play_history]; ///< [nm / 64] U set-points
+    uint32_t request;         ///< serial number of the last one carried out
+    bool is_approaching;      ///< engaging, but not yet at the start
+    bool is_retracted;        ///< in state fault: the guard's retract has ended
+    uint32_t task;            ///< of the next tick, modulo cam_play_tasks
+    int64_t engage_at_q32;    ///< [turn] master position where the envelope starts to rise
+    int64_t feed_at_q32;      ///< ... where Z starts
+    int64_t disengage_at_q32; ///< ... where the envelope starts to fall
+    int64_t feed_turns_q32;   ///< [turn] length of the feed, shorter after a stop
+    int32_t plan_z_nm;        ///< [nm] height at the end of the next ways
+    int32_t u_envelope_q30, x_envelope_q30; ///< [1] of U and X there
+    int32_t measured_z_nm;                  ///< [nm] of the last plan
+    int32_t z_behind_nm;                    ///< [nm] U is played this much behind Z's set-point
+    int32_t phase_q32, phase_way_q32;       ///< [turn / 2^32], per tick
+    int32_t amplitude_q30;                  ///< ramped
+    int32_t scale_q30, scale_way_q30;       ///< [1] amplitude * envelope, per tick
+    cam_ratio_t ratio;                      ///< of the last task "ratio"
+    cam_speed_t speed;                      ///< what the spindle is told in this tick
+    int32_t alpha_u;                        ///< its acceleration in the unit of U's
+    int32_t history_q6[cam_play_history];   ///< [nm / 64] U set-points
     uint32_t n_history;
 } cam_play_t;
 
-/// What play wants of the machine.
+/// What play wants of the machine, besides the axes that it moves.
 typedef struct {
     cam_state_t state;
-    cam_move_t axis[hal_n_axes];
     int32_t z_nm;     ///< [nm] height played
+    int32_t u_set_q6; ///< [nm / 64] U at the tool
     int32_t u_due_q6; ///< [nm / 64] where U should be now
     int32_t spindle_mrpm;
     uint32_t faults; ///< z_range, table
@@ -83,13 +111,17 @@ typedef struct {
 /// @param cfg    configuration with a table, unless the state is off or fault
 /// @param in     what this tick sensed, with the request of the slow side
 /// @param angle  the spindle
+/// @param axis   [hal_n_axes] set-points of the last tick, moved to those of this one
 /// Constant time in each state; states that play the table are the longest.
 cam_want_t cam_play_step_isr(cam_play_t *p, const cam_play_config_t *cfg, const cam_sense_t *in,
-                             const cam_angle_t *angle);
+                             const cam_angle_t *angle, cam_move_t *axis);
 
-/// Take over what the guard made of it: state and set-points that were really written.
-void cam_play_settle_isr(cam_play_t *p, cam_state_t state, const cam_move_t axis[hal_n_axes],
-                         bool is_retracted);
+/// Take over what the guard made of it.
+static inline void cam_play_settle_isr(cam_play_t *p, cam_state_t state, bool is_retracted)
+{
+    p->state = state;
+    p->is_retracted = is_retracted;
+}
 
 /// Quintic smooth step 10 s^3 - 15 s^4 + 6 s^5.
 /// @param s_q31  [1 / 2^31] 0 .. 2^31 - 1

@@ -33,7 +33,7 @@ typedef struct {
 /// What the spindle shall do.
 typedef struct {
     int32_t spindle_mrpm; ///< [r/min / 1000] set-point, signed
-    int64_t alpha_q48;    ///< [turn / 2^48 per tick^2] acceleration in the sense of cutting
+    int32_t alpha_q40;    ///< [turn / 2^40 per tick^2] acceleration in the sense of cutting
 } cam_speed_t;
 
 /// One in the ratio's format.
@@ -71,7 +71,7 @@ static inline cam_speed_t cam_speed_law(const cam_speed_config_t *cfg, cam_ratio
     const int64_t mrpm = (told_q28 * cfg->mean_mrpm) >> 28;
     return (cam_speed_t){
         .spindle_mrpm = (int32_t)cam_clamp_i64(mrpm, 0, cfg->limit_mrpm) * cfg->sense,
-        .alpha_q48 = (cfg->mean2_q48 * product_q20) >> 20,
+        .alpha_q40 = cam_sat_i32((cfg->mean2_q48 * product_q20) >> 28),
     };
 }
 

@@ -23,16 +23,21 @@
 
 /// Configuration, made by cam_config_build().
 typedef struct {
-    uint32_t sign_mask;           ///< 0, or ~0 when counts fall while cutting
-    int32_t counts_per_turn;      ///< 64 .. 2^24
-    uint64_t turn_per_count_q56;  ///< floor(2^56 / counts_per_turn)
-    uint32_t offset_q32;          ///< [turn / 2^32] added to the angle from the index
-    int32_t kp_q31, ki_q31;       ///< observer gains per tick
-    int32_t index_tolerance;      ///< [counts]
-    int32_t index_overdue;        ///< [counts] travel without an index edge that is too far
-    int32_t jump_window;          ///< [counts]
-    int32_t max_counts;           ///< [counts / tick] a quarter turn
-    uint32_t ticks_per_clock_q32; ///< [ticks per unit of the time stamp]
+    uint32_t sign_mask;               ///< 0, or ~0 when counts fall while cutting
+    int32_t counts_per_turn;          ///< 64 .. 2^24
+    uint32_t turn_per_count_q32;      ///< [turn / 2^32 per count] whole part of 2^32 / counts
+    uint32_t turn_per_count_fraction; ///< ... and 2^32 times what is left
+    uint32_t centre_q32;              ///< [turn / 2^32] offset of the index and half a count
+    int32_t kp_q31;                   ///< observer gain of the position per tick
+    int32_t ki_q32;                   ///< ... of the speed, below 1/2
+    int32_t index_tolerance;          ///< [counts]
+    int32_t index_overdue;            ///< [counts] travel without an index edge that is too far
+    int32_t jump_window;              ///< [counts]
+    int32_t max_counts;               ///< [counts / tick] a quarter turn
+    uint32_t tick_clocks;             ///< [1 / clock_hz] period
+    uint32_t early_clocks;            ///< [1 / clock_hz] shortest period that counts as on time
+    uint32_t on_time_clocks;          ///< [1 / clock_hz] width of what counts as on time
+    uint32_t ticks_per_clock_q32;     ///< [ticks per unit of the time stamp]
 } cam_spindle_config_t;
 
 /// State. Zero-initialised is: not started.
@@ -43,29 +48,30 @@ typedef struct {
     uint32_t n_index;      ///< of the last tick
     uint32_t index_counts; ///< [counts] of the last edge, in the sense of cutting
     int32_t index_error;   ///< [counts] sum of deviations since the first edge
-    int32_t since_index;   ///< [counts] travel since the last edge, limited
+    int32_t since_index;   ///< [counts] travel since the last edge
     int32_t in_turn;       ///< [counts] 0 .. counts_per_turn - 1 since the index
     int64_t pos_q32;       ///< [turn, Q32.32] observer
-    int64_t speed_q48;     ///< [turn / 2^48 per tick] observer
+    int64_t speed_q64;     ///< [turn / 2^64 per tick] observer
 } cam_spindle_t;
 
 /// What the room knows of the spindle after this step.
 typedef struct {
-    int64_t pos_q32;   ///< [turn, Q32.32] master position at the instant of sensing
-    int32_t speed_q32; ///< [turn / 2^32 per tick]
-    bool is_synced;    ///< the angle is known
-    uint32_t faults;   ///< encoder_jump, lost_counts, index_missing as they appear in this tick
+    int64_t pos_q32;        ///< [turn, Q32.32] master position at the instant of sensing
+    int32_t speed_q32;      ///< [turn / 2^32 per tick]
+    uint32_t period_clocks; ///< [1 / clock_hz] since the last tick
+    bool is_synced;         ///< the angle is known
+    uint32_t faults; ///< encoder_jump, lost_counts, index_missing as they appear in this tick
 } cam_angle_t;
 
 /// Take one reading.
 /// @param s    state
 /// @param cfg  configuration; after a change of it the angle must be forgotten
 /// @param in   what this tick sensed
-/// @param alpha_q48  [turn / 2^48 per tick^2] acceleration that the spindle was told since the last
+/// @param alpha_q40  [turn / 2^40 per tick^2] acceleration that the spindle was told since the last
 ///             tick, 0 at uniform speed: known, it causes no lag
 /// Constant time.
 cam_angle_t cam_spindle_step_isr(cam_spindle_t *s, const cam_spindle_config_t *cfg,
-                                 const cam_sense_t *in, int64_t alpha_q48);
+                                 const cam_sense_t *in, int32_t alpha_q40);
 
 /// Forget the index; counts, angle observer and speed go on.
 void cam_spindle_forget_isr(cam_spindle_t *s);

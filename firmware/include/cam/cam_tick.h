@@ -44,10 +44,11 @@ typedef struct {
     cam_spindle_t spindle;
     cam_play_t play;
     cam_guard_t guard;
+    cam_move_t axis[hal_n_axes]; ///< set-points written last
     uint32_t tick;
-    cam_status_t status[2]; ///< status[n_published & 1] is the newest
-    _Atomic uint32_t n_published;
-    cam_trace_t trace; ///< interrupt writes, slow side reads
+    const cam_tick_record_t *_Atomic newest; ///< NULL before the first tick
+    _Atomic uint32_t n_published;            ///< ticks that are complete
+    cam_trace_t trace;                       ///< interrupt writes, slow side reads
     // interrupt reads
     cam_config_bank_t config; ///< slow side writes the half that is not in use
     _Atomic uint32_t request; ///< serial number << 8 | cam_request_t
@@ -56,13 +57,19 @@ typedef struct {
 /// The controller that cam_isr() ticks.
 extern cam_t g_cam;
 
+/// @return what the newest tick left, consistent; counters of the guard may be a tick newer
+/// Context: slow side.
+cam_status_t cam_tick_status(const cam_t *c);
+
 /// One tick. Context: ISR; constant time, no loop, no division, no lock.
 void cam_tick_isr(cam_t *c);
 
 /// Steps between sense and actuate, without the HAL: what a replay calls.
+/// @param cfg  configuration of the tick
 /// @param in   what the tick sensed
 /// @param out  what it would write; all but `in`, which may be where `in` points to
 /// Context: ISR (called by cam_tick_isr()) or a replay of a trace.
-void cam_tick_steps_isr(cam_t *c, const cam_sense_t *in, cam_tick_record_t *out);
+void cam_tick_steps_isr(cam_t *c, const cam_config_t *cfg, const cam_sense_t *in,
+                        cam_tick_record_t *out);
 
 #endif

@@ -29,25 +29,28 @@ typedef struct {
     uint32_t outputs;               ///< hal_out_*
     uint32_t faults;                ///< latched faults
     cam_state_t state;              ///< after this tick
+    bool is_synced;                 ///< angle known
+    bool is_retracted;              ///< tool at rest out of the work
 } cam_tick_record_t;
 
 typedef struct {
     cam_tick_record_t ring[cam_trace_capacity];
-    cam_tick_record_t spare;    ///< takes what has no place
-    bool is_spare;              ///< interrupt only: this tick's record has no place
+    cam_tick_record_t spare[2]; ///< take in turns what is not kept
+    uint32_t n_spared;          ///< interrupt only
+    bool is_kept;               ///< interrupt only: this tick's record lies in the ring
     _Atomic uint32_t n_written; ///< interrupt writes
     _Atomic uint32_t n_read;    ///< slow side writes
     _Atomic uint32_t n_dropped; ///< interrupt writes
 } cam_trace_t;
 
-/// @return where this tick's record is written: the next free place, or a spare one when the ring
-/// is
-///         full. Context: ISR, constant time.
-cam_tick_record_t *cam_trace_slot_isr(cam_trace_t *trace);
+/// @param is_wanted  false: nobody reads the trace
+/// @return where this tick's record is written: the next free place, or a spare one; never where
+/// the last record lies. Context: ISR, constant time.
+cam_tick_record_t *cam_trace_slot_isr(cam_trace_t *trace, bool is_wanted);
 
-/// The record is complete: hand it to the reader, or count it as dropped when the ring is full.
-/// @param is_kept  false: nobody wants it. Context: ISR, constant time.
-void cam_trace_commit_isr(cam_trace_t *trace, bool is_kept);
+/// The record is complete: hand it to the reader. One that found no place was counted as dropped.
+/// Context: ISR, constant time.
+void cam_trace_commit_isr(cam_trace_t *trace);
 
 /// Take the oldest record.
 /// @return false when the ring is empty. Context: slow side.

@@ -39,11 +39,12 @@ typedef struct {
     uint32_t n_index;      ///< index edges seen since start, wraps
 } hal_encoder_t;
 
-/// Set-point of one axis. Drives that take a position only ignore the rest.
+/// Set-point of one axis, derivatives per tick: a port that needs SI multiplies by hal_tick_hz().
+/// Drives that take a position only ignore the rest.
 typedef struct {
-    int32_t pos_nm;        ///< [nm] with the feed-forward added
-    int32_t vel_um_per_s;  ///< [um/s] velocity of the wanted motion (CiA 402: 60B1h)
-    int32_t acc_mm_per_s2; ///< [mm/s2] its acceleration (CiA 402: 60B2h)
+    int32_t pos_nm;  ///< [nm] with the feed-forward added
+    int32_t vel_q10; ///< [nm / 1024 per tick] velocity of the wanted motion (CiA 402: 60B1h)
+    int32_t acc_q10; ///< [nm / 1024 per tick^2] its acceleration (CiA 402: 60B2h)
 } hal_setpoint_t;
 
 /// Why the processor started. Of several reasons at once the later one in this list counts.
