@@ -52,8 +52,8 @@ static uint32_t judge_clock(cam_guard_t *g, const cam_guard_config_t *cfg, uint3
 }
 
 /// Slower than stopped or faster than allowed.
-static uint32_t judge_odd_speed(cam_guard_t *g, const cam_guard_config_t *cfg, int32_t speed_q32,
-                                cam_state_t state)
+CAM_STAGE static uint32_t judge_odd_speed(cam_guard_t *g, const cam_guard_config_t *cfg,
+                                          int32_t speed_q32, cam_state_t state)
 {
     // While homing, turning backwards is no better than standing.
     const bool is_homing = state == cam_state_homing;
@@ -150,8 +150,8 @@ static uint32_t outputs(const cam_guard_t *g, cam_state_t state)
 }
 
 /// A fault that is armed makes the state; the first one, too, the set-points.
-static cam_state_t react(cam_guard_t *g, const cam_guard_config_t *cfg, uint32_t faults,
-                         cam_state_t state, cam_move_t *axis)
+CAM_STAGE static void react(cam_guard_t *g, const cam_guard_config_t *cfg, uint32_t faults,
+                            cam_state_t state, cam_move_t *axis)
 {
     if (faults != 0u) {
         latch(g, faults);
@@ -161,7 +161,6 @@ static cam_state_t react(cam_guard_t *g, const cam_guard_config_t *cfg, uint32_t
     } else if (faults != 0u) {
         enter_fault(g, cfg, faults, axis);
     }
-    return cam_state_fault;
 }
 
 /// What play wants is written. Off: set-points follow the axes, which is not a motion, and a reset
@@ -175,8 +174,9 @@ static void accept(cam_guard_t *g, const cam_want_t *want, int32_t step_q6)
     g->faults = 0;
 }
 
-cam_safe_t cam_guard_step_isr(cam_guard_t *g, const cam_guard_config_t *cfg, const cam_sense_t *in,
-                              const cam_angle_t *angle, const cam_want_t *want, cam_move_t *axis)
+void cam_guard_step_isr(cam_guard_t *g, const cam_guard_config_t *cfg, const cam_sense_t *in,
+                        const cam_angle_t *angle, const cam_want_t *want, cam_move_t *axis,
+                        cam_safe_t *safe)
 {
     const int32_t step_q6 = cam_wrap_sub(want->u_set_q6, g->u_set_q6);
     const uint32_t seen = judge_inputs(in->inputs) | judge_clock(g, cfg, angle->period_clocks) |
@@ -184,16 +184,17 @@ cam_safe_t cam_guard_step_isr(cam_guard_t *g, const cam_guard_config_t *cfg, con
                           judge_u(g, cfg, in->actual_nm[hal_axis_u], want, step_q6) |
                           angle->faults | want->faults;
     const uint32_t faults = seen & cam_guard_armed(want->state);
-    cam_state_t state = want->state;
-    if (faults != 0u || state == cam_state_fault) {
-        state = react(g, cfg, faults, state, axis);
+    if (faults != 0u || want->state == cam_state_fault) {
+        react(g, cfg, faults, want->state, axis);
+        safe->state = cam_state_fault;
+        safe->spindle_mrpm = 0;
     } else {
         accept(g, want, step_q6);
+        safe->state = want->state;
+        safe->spindle_mrpm = want->spindle_mrpm;
     }
-    return (cam_safe_t){
-        .state = state,
-        .u_set_q6 = g->u_set_q6,
-        .spindle_mrpm = state == cam_state_fault ? 0 : want->spindle_mrpm,
-        .outputs = outputs(g, state),
-    };
+    safe->u_set_q6 = g->u_set_q6;
+    safe->outputs = outputs(g, safe->state);
+    safe->faults = g->faults;
+    safe->is_retracted = g->is_retracted;
 }

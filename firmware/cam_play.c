@@ -85,8 +85,8 @@ static int64_t profile_q10(const cam_play_config_t *cfg, int32_t z_nm)
 /// U with its velocity and acceleration: derivatives per knot times knots per tick. The slow change
 /// of envelope, amplitude and height adds nothing worth naming to them (a skirt: 1e-6 of the
 /// speed). @return [nm / 64] U
-static int32_t surface(const cam_play_t *p, const cam_play_config_t *cfg, int32_t speed_q32,
-                       uint32_t theta_q32, int32_t z_nm, cam_move_t *u)
+CAM_STAGE static int32_t surface(const cam_play_t *p, const cam_play_config_t *cfg,
+                                 int32_t speed_q32, uint32_t theta_q32, int32_t z_nm, cam_move_t *u)
 {
     const cam_u_scale_t *by = &cfg->u;
     const cam_channel_t *ch = &cfg->table->u;
@@ -131,8 +131,8 @@ static cam_state_t state_at(const cam_play_t *p, const cam_play_config_t *cfg, i
 }
 
 /// Task 0: where the axes shall be at the end of the next four ticks.
-static void plan(cam_play_t *p, const cam_play_config_t *cfg, const cam_sense_t *in,
-                 const cam_angle_t *angle)
+CAM_STAGE static void plan(cam_play_t *p, const cam_play_config_t *cfg, const cam_sense_t *in,
+                           const cam_angle_t *angle)
 {
     const int64_t spindle_lag_q32 = ((int64_t)p->speed.alpha_q40 * cfg->xz_lag2) >> 8;
     const int64_t xz_pos_q32 = ahead(angle, cfg->xz_plan_q16) + spindle_lag_q32;
@@ -155,7 +155,7 @@ static void aim(cam_move_t *m, int64_t target_q10)
 }
 
 /// Task 1: X at the planned height, and the ways of all.
-static void aim_all(cam_play_t *p, const cam_play_config_t *cfg, cam_move_t *axis)
+CAM_STAGE static void aim_all(cam_play_t *p, const cam_play_config_t *cfg, cam_move_t *axis)
 {
     const int32_t out_q30 = (INT32_C(1) << 30) - p->x_envelope_q30;
     const int64_t clear_q10 = ((cfg->x_clearance_q10 >> 10) * out_q30) >> 20;
@@ -171,8 +171,8 @@ static void aim_all(cam_play_t *p, const cam_play_config_t *cfg, cam_move_t *axi
 
 /// Task 2: the speed ratio at the middle of the time for which it will be used; a table without a
 /// speed channel costs this one question.
-static void read_ratio(cam_play_t *p, const cam_play_config_t *cfg, int32_t speed_q32,
-                       uint32_t theta_q32)
+CAM_STAGE static void read_ratio(cam_play_t *p, const cam_play_config_t *cfg, int32_t speed_q32,
+                                 uint32_t theta_q32)
 {
     const cam_channel_t *speed = &cfg->table->speed;
     if (speed->knots != NULL) {
@@ -194,8 +194,8 @@ static uint32_t range_fault(const cam_play_config_t *cfg, const cam_sense_t *in,
 }
 
 /// Task 3: the spindle from its own angle. @return faults of Z
-static uint32_t modulate(cam_play_t *p, const cam_play_config_t *cfg, const cam_sense_t *in,
-                         const cam_move_t *axis)
+CAM_STAGE static uint32_t modulate(cam_play_t *p, const cam_play_config_t *cfg,
+                                   const cam_sense_t *in, const cam_move_t *axis)
 {
     if (cfg->table->speed.knots != NULL) {
         p->speed = cam_speed_law(&cfg->speed, p->ratio, p->u_envelope_q30);
@@ -321,14 +321,11 @@ static void stop(cam_play_t *p, const cam_play_config_t *cfg, const cam_angle_t 
 }
 
 /// Carry out a new request if it fits the state. @return faults that the request reports
-static uint32_t obey(cam_play_t *p, const cam_play_config_t *cfg, const cam_sense_t *in,
-                     const cam_angle_t *angle)
+CAM_STAGE static uint32_t obey(cam_play_t *p, const cam_play_config_t *cfg, uint32_t request,
+                               const cam_angle_t *angle)
 {
-    if (in->request >> 8 == p->request) {
-        return 0;
-    }
-    p->request = in->request >> 8;
-    switch ((cam_request_t)(in->request & 0xFFu)) {
+    p->request = request >> 8;
+    switch ((cam_request_t)(request & 0xFFu)) {
     case cam_request_enable:
         p->state = p->state == cam_state_off && cfg->table != NULL ? cam_state_homing : p->state;
         break;
@@ -375,8 +372,9 @@ static void remember(cam_play_t *p, int32_t u_q6)
 }
 
 /// Everything that is not a cut: the axes move by time. @return [nm / 64] U
-static int32_t move_axes(cam_play_t *p, const cam_play_config_t *cfg, const cam_sense_t *in,
-                         const cam_angle_t *angle, cam_move_t *axis)
+CAM_STAGE static int32_t move_axes(cam_play_t *p, const cam_play_config_t *cfg,
+                                   const cam_sense_t *in, const cam_angle_t *angle,
+                                   cam_move_t *axis)
 {
     p->speed = (cam_speed_t){.spindle_mrpm = cfg->spindle_mrpm};
     p->alpha_u = 0;
@@ -392,19 +390,19 @@ static int32_t move_axes(cam_play_t *p, const cam_play_config_t *cfg, const cam_
     return cam_sat_i32(axis[hal_axis_u].pos_q10 >> 4);
 }
 
-cam_want_t cam_play_step_isr(cam_play_t *p, const cam_play_config_t *cfg, const cam_sense_t *in,
-                             const cam_angle_t *angle, cam_move_t *axis)
+void cam_play_step_isr(cam_play_t *p, const cam_play_config_t *cfg, const cam_sense_t *in,
+                       const cam_angle_t *angle, cam_move_t *axis, cam_want_t *want)
 {
-    cam_want_t want = {.z_nm = in->actual_nm[hal_axis_z], .faults = obey(p, cfg, in, angle)};
+    want->faults = in->request >> 8 != p->request ? obey(p, cfg, in->request, angle) : 0u;
     if (cam_state_is_in_work(p->state) && !p->is_approaching) {
-        play_table(p, cfg, in, angle, axis, &want);
+        play_table(p, cfg, in, angle, axis, want);
     } else {
-        want.u_set_q6 = move_axes(p, cfg, in, angle, axis);
+        want->z_nm = in->actual_nm[hal_axis_z];
+        want->u_set_q6 = move_axes(p, cfg, in, angle, axis);
     }
-    remember(p, want.u_set_q6);
+    remember(p, want->u_set_q6);
     const bool is_idle = p->state == cam_state_off || p->state == cam_state_fault;
-    want.state = p->state;
-    want.u_due_q6 = due_q6(p, cfg);
-    want.spindle_mrpm = is_idle ? 0 : p->speed.spindle_mrpm;
-    return want;
+    want->state = p->state;
+    want->u_due_q6 = due_q6(p, cfg);
+    want->spindle_mrpm = is_idle ? 0 : p->speed.spindle_mrpm;
 }

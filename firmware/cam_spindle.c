@@ -35,7 +35,8 @@ static uint32_t measured_q32(const cam_spindle_t *s, const cam_spindle_config_t 
            cam_mulhi_u32(in_turn, cfg->turn_per_count_fraction) + cfg->centre_q32;
 }
 
-static void start(cam_spindle_t *s, const cam_spindle_config_t *cfg, const cam_sense_t *in)
+CAM_STAGE static void start(cam_spindle_t *s, const cam_spindle_config_t *cfg,
+                            const cam_sense_t *in)
 {
     s->is_started = true;
     s->counts = sensed_counts(cfg, in->encoder.counts);
@@ -68,7 +69,8 @@ static uint32_t compare_edges(cam_spindle_t *s, const cam_spindle_config_t *cfg,
 }
 
 /// An index edge: compare it with the last one, or let it tell the angle.
-static uint32_t take_index(cam_spindle_t *s, const cam_spindle_config_t *cfg, const cam_sense_t *in)
+CAM_STAGE static uint32_t take_index(cam_spindle_t *s, const cam_spindle_config_t *cfg,
+                                     const cam_sense_t *in)
 {
     const uint32_t edge = sensed_edge(cfg, in->encoder.index_counts);
     const uint32_t faults = s->is_synced ? compare_edges(s, cfg, edge) : 0u;
@@ -97,7 +99,8 @@ static uint32_t watch_index(cam_spindle_t *s, const cam_spindle_config_t *cfg,
 }
 
 /// Way in a tick that came off its time, at its time stamp; half a turn at most.
-static int32_t stretched_q32(int32_t way_q32, const cam_spindle_config_t *cfg, uint32_t period)
+CAM_STAGE static int32_t stretched_q32(int32_t way_q32, const cam_spindle_config_t *cfg,
+                                       uint32_t period)
 {
     const uint64_t period_q32 = (uint64_t)period * cfg->ticks_per_clock_q32;
     const int64_t elapsed_q16 = cam_clamp_i64((int64_t)(period_q32 >> 16), 0, 4 * TICK_Q16);
@@ -147,8 +150,8 @@ static void track(cam_spindle_t *s, const cam_spindle_config_t *cfg, int32_t way
     s->speed_q64 = wrap_add_i64(s->speed_q64, alpha_q40 * (INT64_C(1) << 24));
 }
 
-cam_angle_t cam_spindle_step_isr(cam_spindle_t *s, const cam_spindle_config_t *cfg,
-                                 const cam_sense_t *in, int32_t alpha_q40)
+void cam_spindle_step_isr(cam_spindle_t *s, const cam_spindle_config_t *cfg, const cam_sense_t *in,
+                          int32_t alpha_q40, cam_angle_t *angle)
 {
     uint32_t faults = 0;
     uint32_t period = cfg->tick_clocks;
@@ -162,13 +165,11 @@ cam_angle_t cam_spindle_step_isr(cam_spindle_t *s, const cam_spindle_config_t *c
         start(s, cfg, in);
     }
     s->clock = in->clock;
-    return (cam_angle_t){
-        .pos_q32 = s->pos_q32,
-        .speed_q32 = (int32_t)(s->speed_q64 >> 32),
-        .period_clocks = period,
-        .is_synced = s->is_synced,
-        .faults = faults,
-    };
+    angle->pos_q32 = s->pos_q32;
+    angle->speed_q32 = (int32_t)(s->speed_q64 >> 32);
+    angle->period_clocks = period;
+    angle->is_synced = s->is_synced;
+    angle->faults = faults;
 }
 
 void cam_spindle_forget_isr(cam_spindle_t *s)

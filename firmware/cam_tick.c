@@ -18,12 +18,12 @@ static void sense_isr(cam_t *c, cam_sense_t *in)
 }
 
 /// While off, nobody relies on the angle: the index is forgotten, so every enable homes anew.
-static cam_angle_t angle_isr(cam_t *c, const cam_config_t *cfg, const cam_sense_t *in)
+static void angle_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
 {
     if (c->play.state == cam_state_off) {
         cam_spindle_forget_isr(&c->spindle);
     }
-    return cam_spindle_step_isr(&c->spindle, &cfg->spindle, in, c->play.speed.alpha_q40);
+    cam_spindle_step_isr(&c->spindle, &cfg->spindle, &r->in, c->play.speed.alpha_q40, &r->angle);
 }
 
 /// Inverse of a second-order drive: what must be commanded for the tool to be at u_q6.
@@ -43,47 +43,34 @@ static hal_setpoint_t setpoint(const cam_move_t *m, int32_t pos_nm)
     return (hal_setpoint_t){.pos_nm = pos_nm, .vel_q10 = m->vel_q10, .acc_q10 = m->acc_q10};
 }
 
-static void record(const cam_t *c, const cam_config_t *cfg, const cam_angle_t *angle,
-                   const cam_want_t *want, const cam_safe_t *safe, cam_tick_record_t *r)
+/// Set-points as the drives want them.
+CAM_STAGE static void command(const cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
 {
     const cam_move_t *axis = c->axis;
-    r->tick = c->tick;
-    r->config = cfg->generation;
-    r->pos_q32 = angle->pos_q32;
-    r->speed_q32 = angle->speed_q32;
-    r->z_nm = want->z_nm;
-    r->u_set_q6 = safe->u_set_q6;
-    r->u_due_q6 = want->u_due_q6;
-    r->out[hal_axis_u] =
-        setpoint(&axis[hal_axis_u], command_nm(cfg, safe->u_set_q6, &axis[hal_axis_u]));
+    const int32_t u_nm = command_nm(cfg, r->safe.u_set_q6, &axis[hal_axis_u]);
+    r->out[hal_axis_u] = setpoint(&axis[hal_axis_u], u_nm);
     r->out[hal_axis_x] = setpoint(&axis[hal_axis_x], plain_nm(&axis[hal_axis_x]));
     r->out[hal_axis_z] = setpoint(&axis[hal_axis_z], plain_nm(&axis[hal_axis_z]));
-    r->spindle_mrpm = safe->spindle_mrpm;
-    r->outputs = safe->outputs;
-    r->faults = c->guard.faults;
-    r->state = safe->state;
-    r->is_synced = angle->is_synced;
-    r->is_retracted = c->guard.is_retracted;
 }
 
-void cam_tick_steps_isr(cam_t *c, const cam_config_t *cfg, const cam_sense_t *in,
-                        cam_tick_record_t *out)
+void cam_tick_steps_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
 {
-    const cam_angle_t angle = angle_isr(c, cfg, in);
-    const cam_want_t want = cam_play_step_isr(&c->play, &cfg->play, in, &angle, c->axis);
-    const cam_safe_t safe = cam_guard_step_isr(&c->guard, &cfg->guard, in, &angle, &want, c->axis);
-    cam_play_settle_isr(&c->play, safe.state, c->guard.is_retracted);
-    record(c, cfg, &angle, &want, &safe, out);
-    c->tick++;
+    r->tick = c->tick++;
+    r->config = cfg->generation;
+    angle_isr(c, cfg, r);
+    cam_play_step_isr(&c->play, &cfg->play, &r->in, &r->angle, c->axis, &r->want);
+    cam_guard_step_isr(&c->guard, &cfg->guard, &r->in, &r->angle, &r->want, c->axis, &r->safe);
+    cam_play_settle_isr(&c->play, r->safe.state, r->safe.is_retracted);
+    command(c, cfg, r);
 }
 
 static void actuate_isr(const cam_tick_record_t *r)
 {
-    hal_outputs_write_isr(r->outputs);
+    hal_outputs_write_isr(r->safe.outputs);
     hal_axis_write_isr(hal_axis_u, r->out[hal_axis_u]);
     hal_axis_write_isr(hal_axis_x, r->out[hal_axis_x]);
     hal_axis_write_isr(hal_axis_z, r->out[hal_axis_z]);
-    hal_spindle_write_isr(r->spindle_mrpm);
+    hal_spindle_write_isr(r->safe.spindle_mrpm);
 }
 
 /// The record is the status; its place is written again two ticks later at the earliest.
@@ -99,7 +86,7 @@ void cam_tick_isr(cam_t *c)
     const cam_config_t *cfg = cam_config_take_isr(&c->config);
     cam_tick_record_t *r = cam_trace_slot_isr(&c->trace, cfg->is_traced);
     sense_isr(c, &r->in);
-    cam_tick_steps_isr(c, cfg, &r->in, r); // angle -> play -> guard
+    cam_tick_steps_isr(c, cfg, r); // angle -> play -> guard
     actuate_isr(r);
     publish_isr(c, r);
 }
@@ -111,7 +98,7 @@ void cam_isr(void)
 
 cam_status_t cam_tick_status(const cam_t *c)
 {
-    static const cam_tick_record_t nothing = {.state = cam_state_off};
+    static const cam_tick_record_t nothing = {.safe.state = cam_state_off};
     cam_tick_record_t r;
     uint32_t before = 0;
     uint32_t after = atomic_load_explicit(&c->n_published, memory_order_acquire);
@@ -126,18 +113,18 @@ cam_status_t cam_tick_status(const cam_t *c)
         .tick = r.tick,
         .config = r.config,
         .request = r.in.request >> 8,
-        .state = r.state,
-        .faults = r.faults,
+        .state = r.safe.state,
+        .faults = r.safe.faults,
         .first_fault = c->guard.first_faults,
-        .is_synced = r.is_synced,
-        .is_retracted = r.is_retracted,
+        .is_synced = r.angle.is_synced,
+        .is_retracted = r.safe.is_retracted,
         .inputs = r.in.inputs,
-        .pos_q32 = r.pos_q32,
-        .speed_q32 = r.speed_q32,
-        .z_nm = r.z_nm,
-        .u_set_q6 = r.u_set_q6,
+        .pos_q32 = r.angle.pos_q32,
+        .speed_q32 = r.angle.speed_q32,
+        .z_nm = r.want.z_nm,
+        .u_set_q6 = r.safe.u_set_q6,
         .u_actual_nm = r.in.actual_nm[hal_axis_u],
-        .following_nm = cam_wrap_sub(r.in.actual_nm[hal_axis_u], r.u_due_q6 >> 6),
+        .following_nm = cam_wrap_sub(r.in.actual_nm[hal_axis_u], r.want.u_due_q6 >> 6),
         .n_late = c->guard.n_late,
         .max_period = c->guard.max_period,
     };

@@ -87,15 +87,17 @@ static double replay_ns(bench_t *b, cam_tick_record_t *out)
     const cam_config_t *cfg = cam_config_take_isr(&b->copy.config);
     const double begin_s = now_s();
     for (int i = 0; i < n_senses; i++) {
-        cam_tick_steps_isr(&b->copy, cfg, &b->sense[i], out);
+        out->in = b->sense[i];
+        cam_tick_steps_isr(&b->copy, cfg, out);
     }
     return (now_s() - begin_s) * 1e9 / n_senses;
 }
 
 static bool is_same(const cam_tick_record_t *a, const cam_tick_record_t *b)
 {
-    return a->pos_q32 == b->pos_q32 && a->speed_q32 == b->speed_q32 && a->u_set_q6 == b->u_set_q6 &&
-           memcmp(a->out, b->out, sizeof a->out) == 0 && a->state == b->state;
+    return a->angle.pos_q32 == b->angle.pos_q32 && a->angle.speed_q32 == b->angle.speed_q32 &&
+           a->safe.u_set_q6 == b->safe.u_set_q6 && memcmp(a->out, b->out, sizeof a->out) == 0 &&
+           a->safe.state == b->safe.state;
 }
 
 static double smaller(double a, double b)

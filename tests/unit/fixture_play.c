@@ -41,7 +41,7 @@ void fixture_play_tick(fixture_play_t *f)
         f->in.actual_nm[i] = (int32_t)(f->axis[i].pos_q10 / 1024);
     }
     memcpy(f->before, f->axis, sizeof f->before);
-    f->want = cam_play_step_isr(&f->play, &f->config.play, &f->in, &f->angle, f->axis);
+    cam_play_step_isr(&f->play, &f->config.play, &f->in, &f->angle, f->axis, &f->want);
     cam_play_settle_isr(&f->play, f->want.state, false);
 }
 

@@ -220,9 +220,10 @@ static uint32_t judge_want(int32_t at_nm, int32_t next_nm)
     cam_want_t want = {.state = cam_state_cutting, .u_set_q6 = at_nm * 64, .u_due_q6 = at_nm * 64};
     cam_move_t axis[hal_n_axes] = {0};
     guard.u_set_q6 = want.u_set_q6;
-    (void)cam_guard_step_isr(&guard, cfg, &in, &angle, &want, axis);
+    cam_safe_t safe;
+    cam_guard_step_isr(&guard, cfg, &in, &angle, &want, axis, &safe);
     want.u_set_q6 = next_nm * 64;
-    const cam_safe_t safe = cam_guard_step_isr(&guard, cfg, &in, &angle, &want, axis);
+    cam_guard_step_isr(&guard, cfg, &in, &angle, &want, axis, &safe);
     if (guard.first_faults != 0u) {
         TEST_ASSERT_EQUAL_INT(cam_state_fault, safe.state);
         TEST_ASSERT_EQUAL_INT32(at_nm * 64, safe.u_set_q6);

@@ -32,7 +32,9 @@ void tearDown(void) {}
 
 static cam_safe_t tick(void)
 {
-    return cam_guard_step_isr(&guard, cfg, &in, &angle, &want, axis);
+    cam_safe_t safe;
+    cam_guard_step_isr(&guard, cfg, &in, &angle, &want, axis, &safe);
+    return safe;
 }
 
 /// A quiet machine in a state.

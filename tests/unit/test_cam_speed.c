@@ -138,7 +138,7 @@ static outcome_t round_of(cam_play_t *play, const cam_sense_t *in, const cam_ang
     for (int back = cam_play_tasks - 1; back >= 0; back--) {
         cam_angle_t angle = *last;
         angle.pos_q32 -= (int64_t)back * angle.speed_q32;
-        o.want = cam_play_step_isr(play, &config.play, in, &angle, o.axis);
+        cam_play_step_isr(play, &config.play, in, &angle, o.axis, &o.want);
     }
     return o;
 }
@@ -175,7 +175,8 @@ static void test_speed_is_the_mean_outside_the_work(void)
     const cam_sense_t in = {0};
     const cam_angle_t angle = angle_at(3.1, 1.0);
     cam_move_t axis[hal_n_axes] = {0};
-    const cam_want_t want = cam_play_step_isr(&play, &config.play, &in, &angle, axis);
+    cam_want_t want;
+    cam_play_step_isr(&play, &config.play, &in, &angle, axis, &want);
     TEST_ASSERT_EQUAL_INT32(200000, want.spindle_mrpm);
     TEST_ASSERT_EQUAL_INT32(0, play.speed.alpha_q40);
 }

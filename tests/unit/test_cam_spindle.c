@@ -37,7 +37,7 @@ static void start(int32_t counts_per_turn, int32_t sense, uint32_t base)
     in = (cam_sense_t){.clock = 4294960000u};
     fixture_encoder_init(&encoder, counts_per_turn, sense, base, counts_per_turn / 3);
     in.encoder = encoder.reading;
-    angle = cam_spindle_step_isr(&spindle, &config.spindle, &in, 0);
+    cam_spindle_step_isr(&spindle, &config.spindle, &in, 0, &angle);
 }
 
 /// One tick of `share` periods at a speed; faults collect.
@@ -45,7 +45,7 @@ static void step(double turns_per_s, double share)
 {
     in.clock += (uint32_t)(clock_hz / tick_hz * share + 0.5);
     in.encoder = fixture_encoder_move(&encoder, turns_per_s / tick_hz * share);
-    angle = cam_spindle_step_isr(&spindle, &config.spindle, &in, 0);
+    cam_spindle_step_isr(&spindle, &config.spindle, &in, 0, &angle);
     faults |= angle.faults;
 }
 
@@ -209,7 +209,8 @@ static void test_step_missing_index_shows_within_an_eighth_turn(void)
         in.encoder = fixture_encoder_move(&encoder, 40.0L / tick_hz);
         in.encoder.n_index = last.n_index;
         in.encoder.index_counts = last.index_counts;
-        faults |= cam_spindle_step_isr(&spindle, &config.spindle, &in, 0).faults;
+        cam_spindle_step_isr(&spindle, &config.spindle, &in, 0, &angle);
+        faults |= angle.faults;
     }
     TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(index_missing), faults);
     TEST_ASSERT_LESS_OR_EQUAL_INT(563, n);
@@ -271,7 +272,7 @@ static void test_step_known_acceleration_causes_no_lag(void)
         const double way = (speed + 0.5 * acceleration / tick_hz) / tick_hz;
         in.encoder = fixture_encoder_move(&encoder, way);
         speed += acceleration / tick_hz;
-        angle = cam_spindle_step_isr(&spindle, &config.spindle, &in, alpha_q40);
+        cam_spindle_step_isr(&spindle, &config.spindle, &in, alpha_q40, &angle);
         faults |= angle.faults;
         sum += i >= 2000 ? error_turn() : 0.0;
     }

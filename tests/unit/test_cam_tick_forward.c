@@ -39,10 +39,10 @@ void tearDown(void)
 static void expected(const cam_tick_record_t *r, double u[3])
 {
     const cam_channel_t *ch = &rig.machine.table.u;
-    const double ahead = (double)r->pos_q32 + LEAD_TICKS * r->speed_q32;
+    const double ahead = (double)r->angle.pos_q32 + LEAD_TICKS * r->angle.speed_q32;
     const uint32_t theta_q32 = (uint32_t)(uint64_t)(int64_t)floor(ahead);
-    const fixture_value_t v = fixture_reference_surface_at(ch, theta_q32, r->z_nm);
-    const double knots_per_s = ldexp(r->speed_q32, (int)ch->log2_knots - 32) * tick_hz;
+    const fixture_value_t v = fixture_reference_surface_at(ch, theta_q32, r->want.z_nm);
+    const double knots_per_s = ldexp(r->angle.speed_q32, (int)ch->log2_knots - 32) * tick_hz;
     const double nm = ldexp(1.0, -(int)ch->frac_bits);
     u[0] = (double)v.y * nm + ch->offset_nm;
     u[1] = (double)v.d1 * nm * knots_per_s;
@@ -62,8 +62,8 @@ static void test_command_in_the_cut_is_the_control_law(void)
         double u[3];
         expected(&records[i], u);
         const hal_setpoint_t *out = &records[i].out[hal_axis_u];
-        TEST_ASSERT_EQUAL_INT(cam_state_cutting, records[i].state);
-        TEST_ASSERT_DOUBLE_WITHIN(0.05, u[0], records[i].u_set_q6 / 64.0);
+        TEST_ASSERT_EQUAL_INT(cam_state_cutting, records[i].safe.state);
+        TEST_ASSERT_DOUBLE_WITHIN(0.05, u[0], records[i].safe.u_set_q6 / 64.0);
         TEST_ASSERT_DOUBLE_WITHIN(2.0, u[1] * 1e-3, out->vel_q10 * um_per_s);  // of 40 000 um/s
         TEST_ASSERT_DOUBLE_WITHIN(4.0, u[2] * 1e-6, out->acc_q10 * mm_per_s2); // of 20 000 mm/s2
         const double forward_nm = K1_S * u[1] + K2_S2 * u[2];
@@ -102,8 +102,8 @@ static void test_due_in_the_record_is_the_setpoint_of_lead_ago(void)
     rig.n_log = 0;
     fixture_rig_ticks(&rig, 2000);
     for (uint32_t i = 3; i < rig.n_log; i++) {
-        const double due = (records[i - 2].u_set_q6 + records[i - 3].u_set_q6) / 128.0;
-        TEST_ASSERT_DOUBLE_WITHIN(0.05, due, records[i].u_due_q6 / 64.0);
+        const double due = (records[i - 2].safe.u_set_q6 + records[i - 3].safe.u_set_q6) / 128.0;
+        TEST_ASSERT_DOUBLE_WITHIN(0.05, due, records[i].want.u_due_q6 / 64.0);
     }
 }
 

@@ -100,19 +100,19 @@ static void expect_replay(void)
             n_configs++;
         }
         cam_tick_record_t done = {.in = r->in};
-        cam_tick_steps_isr(&replayed, &replayed.config.half[0], &done.in, &done);
+        cam_tick_steps_isr(&replayed, &replayed.config.half[0], &done);
         TEST_ASSERT_EQUAL_UINT32(r->tick, done.tick);
         TEST_ASSERT_EQUAL_UINT32(r->config, done.config);
-        TEST_ASSERT_EQUAL_INT64(r->pos_q32, done.pos_q32);
-        TEST_ASSERT_EQUAL_INT32(r->speed_q32, done.speed_q32);
-        TEST_ASSERT_EQUAL_INT32(r->z_nm, done.z_nm);
-        TEST_ASSERT_EQUAL_INT32(r->u_set_q6, done.u_set_q6);
-        TEST_ASSERT_EQUAL_INT32(r->u_due_q6, done.u_due_q6);
+        TEST_ASSERT_EQUAL_INT64(r->angle.pos_q32, done.angle.pos_q32);
+        TEST_ASSERT_EQUAL_INT32(r->angle.speed_q32, done.angle.speed_q32);
+        TEST_ASSERT_EQUAL_INT32(r->want.z_nm, done.want.z_nm);
+        TEST_ASSERT_EQUAL_INT32(r->safe.u_set_q6, done.safe.u_set_q6);
+        TEST_ASSERT_EQUAL_INT32(r->want.u_due_q6, done.want.u_due_q6);
         TEST_ASSERT_EQUAL_MEMORY(r->out, done.out, sizeof done.out);
-        TEST_ASSERT_EQUAL_INT32(r->spindle_mrpm, done.spindle_mrpm);
-        TEST_ASSERT_EQUAL_HEX32(r->outputs, done.outputs);
-        TEST_ASSERT_EQUAL_HEX32(r->faults, done.faults);
-        TEST_ASSERT_EQUAL_INT(r->state, done.state);
+        TEST_ASSERT_EQUAL_INT32(r->safe.spindle_mrpm, done.safe.spindle_mrpm);
+        TEST_ASSERT_EQUAL_HEX32(r->safe.outputs, done.safe.outputs);
+        TEST_ASSERT_EQUAL_HEX32(r->safe.faults, done.safe.faults);
+        TEST_ASSERT_EQUAL_INT(r->safe.state, done.safe.state);
     }
     TEST_ASSERT_EQUAL_UINT32(rig.machine.generation, n_configs);
 }
@@ -125,7 +125,7 @@ static void test_session_with_changes_in_the_cut_replays_bit_for_bit(void)
     TEST_ASSERT_EQUAL_HEX32(0, fixture_rig_status(&rig).faults);
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_disable(&rig.machine));
     fixture_rig_ticks(&rig, 3000);
-    TEST_ASSERT_EQUAL_INT(cam_state_off, rig.last.state);
+    TEST_ASSERT_EQUAL_INT(cam_state_off, rig.last.safe.state);
     expect_replay();
 }
 
@@ -140,10 +140,10 @@ static void test_session_with_stop_fault_and_reset_replays_bit_for_bit(void)
     hal_host_fault_estop(false);
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_reset(&rig.machine));
     fixture_rig_ticks(&rig, 3000);
-    TEST_ASSERT_EQUAL_INT(cam_state_off, rig.last.state);
+    TEST_ASSERT_EQUAL_INT(cam_state_off, rig.last.safe.state);
     TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_engaging)); // homed anew
     fixture_rig_ticks(&rig, 3000);
-    TEST_ASSERT_EQUAL_HEX32(0, rig.last.faults);
+    TEST_ASSERT_EQUAL_HEX32(0, rig.last.safe.faults);
     expect_replay();
 }
 
@@ -166,8 +166,8 @@ static void test_session_with_a_modulated_spindle_replays_bit_for_bit(void)
     int32_t most = 0;
     for (int i = 0; i < 600; i++) {
         fixture_rig_tick(&rig);
-        least = rig.last.spindle_mrpm < least ? rig.last.spindle_mrpm : least;
-        most = rig.last.spindle_mrpm > most ? rig.last.spindle_mrpm : most;
+        least = rig.last.safe.spindle_mrpm < least ? rig.last.safe.spindle_mrpm : least;
+        most = rig.last.safe.spindle_mrpm > most ? rig.last.safe.spindle_mrpm : most;
     }
     TEST_ASSERT_INT32_WITHIN(60000, 2850000, most);
     TEST_ASSERT_INT32_WITHIN(60000, 1350000, least);
@@ -188,8 +188,8 @@ static void test_session_with_other_senses_does_not_replay_alike(void)
         replayed.config.half[0].play.table = &replayed.config.half[0].table;
         cam_tick_record_t done = {.in = rig.log[i].in};
         done.in.encoder.counts += i / 200u % 2u; // one count more, now and then
-        cam_tick_steps_isr(&replayed, &replayed.config.half[0], &done.in, &done);
-        is_alike = is_alike && done.speed_q32 == rig.log[i].speed_q32;
+        cam_tick_steps_isr(&replayed, &replayed.config.half[0], &done);
+        is_alike = is_alike && done.angle.speed_q32 == rig.log[i].angle.speed_q32;
     }
     TEST_ASSERT_FALSE(is_alike);
 }

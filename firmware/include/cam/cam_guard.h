@@ -53,17 +53,20 @@ typedef struct {
     cam_state_t state;
     int32_t u_set_q6; ///< [nm / 64] U at the tool, as written
     int32_t spindle_mrpm;
-    uint32_t outputs; ///< hal_out_*
+    uint32_t outputs;  ///< hal_out_*
+    uint32_t faults;   ///< latched
+    bool is_retracted; ///< tool at rest out of the work
 } cam_safe_t;
 
 /// Judge one tick.
 /// @param angle  spindle with the faults seen there and the distance to the last tick
 /// @param want   what play wants, with the faults seen there
 /// @param axis   [hal_n_axes] set-points that play wants, made those that may be written
-/// @return       what may be written; state fault from the tick on in which a fault appears
+/// @param safe   what may be written; state fault from the tick on in which a fault appears
 /// Constant time.
-cam_safe_t cam_guard_step_isr(cam_guard_t *g, const cam_guard_config_t *cfg, const cam_sense_t *in,
-                              const cam_angle_t *angle, const cam_want_t *want, cam_move_t *axis);
+CAM_STAGE void cam_guard_step_isr(cam_guard_t *g, const cam_guard_config_t *cfg,
+                                  const cam_sense_t *in, const cam_angle_t *angle,
+                                  const cam_want_t *want, cam_move_t *axis, cam_safe_t *safe);
 
 /// @return mask of the faults that are watched in a state. Context: both sides.
 uint32_t cam_guard_armed(cam_state_t state);

@@ -112,9 +112,10 @@ typedef struct {
 /// @param in     what this tick sensed, with the request of the slow side
 /// @param angle  the spindle
 /// @param axis   [hal_n_axes] set-points of the last tick, moved to those of this one
+/// @param want   result
 /// Constant time in each state; states that play the table are the longest.
-cam_want_t cam_play_step_isr(cam_play_t *p, const cam_play_config_t *cfg, const cam_sense_t *in,
-                             const cam_angle_t *angle, cam_move_t *axis);
+CAM_STAGE void cam_play_step_isr(cam_play_t *p, const cam_play_config_t *cfg, const cam_sense_t *in,
+                                 const cam_angle_t *angle, cam_move_t *axis, cam_want_t *want);
 
 /// Take over what the guard made of it.
 static inline void cam_play_settle_isr(cam_play_t *p, cam_state_t state, bool is_retracted)

@@ -69,9 +69,10 @@ typedef struct {
 /// @param in   what this tick sensed
 /// @param alpha_q40  [turn / 2^40 per tick^2] acceleration that the spindle was told since the last
 ///             tick, 0 at uniform speed: known, it causes no lag
+/// @param angle      result
 /// Constant time.
-cam_angle_t cam_spindle_step_isr(cam_spindle_t *s, const cam_spindle_config_t *cfg,
-                                 const cam_sense_t *in, int32_t alpha_q40);
+CAM_STAGE void cam_spindle_step_isr(cam_spindle_t *s, const cam_spindle_config_t *cfg,
+                                    const cam_sense_t *in, int32_t alpha_q40, cam_angle_t *angle);
 
 /// Forget the index; counts, angle observer and speed go on.
 void cam_spindle_forget_isr(cam_spindle_t *s);

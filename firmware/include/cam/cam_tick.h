@@ -66,10 +66,8 @@ void cam_tick_isr(cam_t *c);
 
 /// Steps between sense and actuate, without the HAL: what a replay calls.
 /// @param cfg  configuration of the tick
-/// @param in   what the tick sensed
-/// @param out  what it would write; all but `in`, which may be where `in` points to
+/// @param r    r->in is what the tick sensed; all the rest is written
 /// Context: ISR (called by cam_tick_isr()) or a replay of a trace.
-void cam_tick_steps_isr(cam_t *c, const cam_config_t *cfg, const cam_sense_t *in,
-                        cam_tick_record_t *out);
+CAM_STAGE void cam_tick_steps_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r);
 
 #endif

@@ -6,31 +6,27 @@
 #ifndef CAM_TRACE_H
 #define CAM_TRACE_H
 
-#include "cam/cam_state.h" // cam_sense_t, cam_state_t
-#include <stdatomic.h>     // the two counters
-#include <stdbool.h>       // bool
-#include <stdint.h>        // int32_t, int64_t
+#include "cam/cam_guard.h"   // cam_safe_t
+#include "cam/cam_play.h"    // cam_want_t
+#include "cam/cam_spindle.h" // cam_angle_t
+#include "cam/cam_state.h"   // cam_sense_t
+#include <stdatomic.h>       // the counters
+#include <stdbool.h>         // bool
+#include <stdint.h>          // int32_t, int64_t
 
 enum { cam_trace_capacity = 256 }; // a power of two: 12.8 ms at 20 kHz
 _Static_assert((cam_trace_capacity & (cam_trace_capacity - 1)) == 0, "index by mask");
 
-/// What one tick did: inputs and outputs complete, so that it can be replayed.
+/// What one tick did: inputs and outputs complete, so that it can be replayed. Each stage writes
+/// its result in here, where the next one reads it.
 typedef struct {
     uint32_t tick;                  ///< ticks since start, wraps
     uint32_t config;                ///< generation of the configuration in force
-    cam_sense_t in;                 ///< what it sensed
-    int64_t pos_q32;                ///< [turn, Q32.32] master position (observer)
-    int32_t speed_q32;              ///< [turn / 2^32 per tick]
-    int32_t z_nm;                   ///< [nm] height that was played
-    int32_t u_set_q6;               ///< [nm / 64] U wanted at the tool, before feed-forward
-    int32_t u_due_q6;               ///< [nm / 64] U that the tool should have now
+    cam_sense_t in;                 ///< sense
+    cam_angle_t angle;              ///< angle
+    cam_want_t want;                ///< play
+    cam_safe_t safe;                ///< guard
     hal_setpoint_t out[hal_n_axes]; ///< what was written to the axes
-    int32_t spindle_mrpm;           ///< what was written to the spindle
-    uint32_t outputs;               ///< hal_out_*
-    uint32_t faults;                ///< latched faults
-    cam_state_t state;              ///< after this tick
-    bool is_synced;                 ///< angle known
-    bool is_retracted;              ///< tool at rest out of the work
 } cam_tick_record_t;
 
 typedef struct {
