@@ -13,6 +13,10 @@
 /// With accelerations below 2^42 the product stays below 2^62; a lag of 2048 ticks.
 enum { max_lag2 = 1 << 20 };
 
+/// Ways are made in the fifth tick of a round and last for a round. Their end counted from the
+/// first tick, which plans X and Z, and from the third, which plans U.
+enum { xz_plan_ticks = cam_plan_tasks + 3, u_plan_ticks = cam_plan_tasks + 1 };
+
 /// Knots per tick up to which derivatives are taken: 2^4. Start refuses speeds beyond.
 enum { max_rate_bits = 4 };
 
@@ -78,11 +82,13 @@ static void build_observer(cam_spindle_config_t *c, const cam_params_t *p, uint3
 }
 
 /// On time is within a sixteenth of the period, or within one unit of a coarse clock.
-static void build_clock(cam_spindle_config_t *c, uint32_t tick_hz, uint32_t clock_hz)
+static void build_clock(cam_spindle_config_t *c, int32_t late_percent, uint32_t tick_hz,
+                        uint32_t clock_hz)
 {
     c->tick_clocks = (uint32_t)scale(clock_hz, 1, tick_hz);
     c->ticks_per_clock_q32 = (uint32_t)scale(tick_hz, CAM_TURN_Q32, clock_hz);
     const uint32_t off = 1u + (c->tick_clocks - 1u) / 16u;
+    c->late_clocks = (uint32_t)scale(clock_hz, 100 + late_percent, (int64_t)tick_hz * 100);
     c->early_clocks = c->tick_clocks - off;
     c->on_time_clocks = 2u * off + 1u;
 }
@@ -103,7 +109,7 @@ static void build_spindle(cam_spindle_config_t *c, const cam_params_t *p, const 
     c->index_overdue = turn + turn / 8;
     c->jump_window = p->jump_window_counts;
     c->max_counts = turn / 4;
-    build_clock(c, tick_hz, clock_hz);
+    build_clock(c, p->late_percent, tick_hz, clock_hz);
     build_observer(c, p, tick_hz);
 }
 
@@ -144,30 +150,26 @@ static void build_feed(cam_play_config_t *c, const cam_params_t *p, const cam_ta
 }
 
 /// Shifts so that products fill their words: k bits bring the speed to 2^30, R = knots per tick.
-///     y:   value in nm / 2^(4 + f), f <= 2, times scale_q30, to nm / 2^6
-///     d1:  LSB / 2^4 per knot, times R scale = rate 2^(log2 knots - k - 30), to nm / 2^10
-///     d2:  ... times R^2 scale = rate2 2^(2 log2 knots - 2 k - 30)
-/// What does not fit 31 bits of a shift is taken off the derivative before.
+///     y:   nm / 2^(4 + frac), times scale_q30 / 2^32, to nm / 2^6
+///     d1:  nm / 2^(4 + frac) per knot, times R scale = rate 2^(log2 knots - k - 30), to nm / 2^10
+///     d2:  ... times R^2 scale = rate2 2^(2 log2 knots - 2 k - 30), to nm / 2^10
+/// k is small enough that the high word of d1 rate is never shifted down; frac <= 8 leaves room.
 static void build_u_scale(cam_u_scale_t *c, const cam_channel_t *u, int32_t speed_max_q32)
 {
     const int32_t knots = (int32_t)(u->log2_knots + u->log2_repeat);
     const int32_t frac = (int32_t)u->frac_bits;
-    const int32_t y_frac = frac < 2 ? frac : 2;
     const int32_t least_k = knots > max_rate_bits + 2 ? knots - max_rate_bits - 2 : 0;
-    int32_t k = most_speed_shift;
+    const int32_t v_bits = 8 + knots - frac;
+    int32_t k = cam_clamp_i32(v_bits, least_k, most_speed_shift);
     while (k > least_k && (int64_t)speed_max_q32 << k >= INT64_C(1) << 30) {
         k--;
     }
-    const int32_t v_bits = 24 + frac + k - knots;
     const int32_t a_bits = 24 + frac + 2 * k - 2 * knots;
-    const int32_t highest_q32 = ((INT32_C(1) << 30) - 1) >> k;
     c->speed_shift = (uint32_t)k;
-    c->speed_max_q32 = speed_max_q32 < highest_q32 ? speed_max_q32 : highest_q32;
-    c->y_down = (uint32_t)(frac - y_frac);
-    c->y_shift = (uint32_t)(28 + y_frac);
-    c->offset = u->offset_nm * (16 << y_frac);
-    c->v_down = (uint32_t)(v_bits > 31 ? v_bits - 31 : 0);
-    c->v_shift = (uint32_t)v_bits - c->v_down;
+    c->y_up = (uint32_t)(frac < 4 ? 4 - frac : 0);
+    c->scale_down = (uint32_t)(frac > 4 ? frac - 4 : 0);
+    c->offset = u->offset_nm * (256 >> c->y_up);
+    c->v_up = (uint32_t)(v_bits - k);
     c->a_down = (uint32_t)(a_bits > 31 ? a_bits - 31 : 0);
     c->a_shift = (uint32_t)a_bits - c->a_down;
     const int32_t alpha_bits = 40 - 2 * k + knots + (int32_t)c->a_down;
@@ -178,8 +180,10 @@ static void build_play(cam_play_config_t *c, const cam_params_t *p, uint32_t tic
 {
     c->lead_q16 = ticks_of_ns(p->lead_ns, tick_hz);
     c->xz_lag_q16 = ticks_of_ns(p->xz_lag_ns, tick_hz);
-    c->u_plan_q16 = c->lead_q16 + cam_play_tasks * 65536;
-    c->xz_plan_q16 = c->xz_lag_q16 + cam_play_tasks * 65536;
+    c->lead_ticks = (uint32_t)c->lead_q16 >> 16;
+    c->lead_part_q31 = (c->lead_q16 & 0xFFFF) * 32768;
+    c->u_plan_q16 = c->lead_q16 + u_plan_ticks * 65536;
+    c->xz_plan_q16 = c->xz_lag_q16 + xz_plan_ticks * 65536;
     c->u_behind_q16 = c->xz_lag_q16 - c->lead_q16;
     const int64_t half2 = ((int64_t)c->xz_lag_q16 * c->xz_lag_q16) >> 34;
     c->xz_lag2 = (int32_t)cam_clamp_i64(half2, 0, max_lag2);
@@ -195,7 +199,7 @@ static void build_play(cam_play_config_t *c, const cam_params_t *p, uint32_t tic
     c->per_disengage_q31 = (uint32_t)((UINT32_C(1) << 31) / (uint32_t)p->disengage_turns);
     c->is_z_measured = p->z_is_measured != 0;
     c->u_retract_q10 = (int64_t)p->u_retract_nm * 1024;
-    c->x_clearance_q10 = (int64_t)p->x_clearance_nm * 1024;
+    c->x_clearance_nm = p->x_clearance_nm;
     c->turning_q32 = cam_config_speed_q32((uint32_t)p->stopped_mrpm, tick_hz);
 }
 
@@ -214,11 +218,9 @@ static void build_limits(cam_config_t *c, const cam_params_t *p, uint32_t tick_h
 }
 
 static void build_guard(cam_guard_config_t *c, const cam_params_t *p, uint32_t speed_limit_mrpm,
-                        uint32_t tick_hz, uint32_t clock_hz)
+                        uint32_t tick_hz)
 {
     const cam_move_limits_t *u = &c->limits[hal_axis_u];
-    c->late_clocks = (uint32_t)scale(clock_hz, 100 + p->late_percent, (int64_t)tick_hz * 100);
-    c->off_time_clocks = (uint32_t)scale(clock_hz, 17, (int64_t)tick_hz * 16);
     c->overspeed_q32 = cam_config_speed_q32(speed_limit_mrpm, tick_hz);
     c->stopped_q32 = cam_config_speed_q32((uint32_t)p->stopped_mrpm, tick_hz);
     c->stopped_ticks = (uint32_t)scale(p->stopped_ms, tick_hz, 1000);
@@ -263,29 +265,28 @@ cam_err_t cam_config_build(cam_config_t *config, const cam_params_t *params,
         build_u_scale(&config->play.u, &table->u, cam_sat_i32(INT64_C(5) * limit_q32 / 4));
     }
     build_limits(config, params, tick_hz);
-    build_guard(&config->guard, params, speed_limit_mrpm, tick_hz, clock_hz);
+    build_guard(&config->guard, params, speed_limit_mrpm, tick_hz);
     config->k1_q16 = ticks_of_ns(params->k1_ns, tick_hz);
     config->k2_q16 = ticks2_of_us2(params->k2_us2, tick_hz);
     config->is_traced = params->trace_on != 0;
     return cam_ok;
 }
 
+/// @return the half that is not offered
+static cam_config_t *other_half(cam_config_bank_t *bank, const cam_config_t *offered)
+{
+    return offered == &bank->half[0] ? &bank->half[1] : &bank->half[0];
+}
+
 cam_config_t *cam_config_free_half(cam_config_bank_t *bank)
 {
-    const uint32_t offered = atomic_load_explicit(&bank->offered, memory_order_relaxed);
-    const uint32_t in_use = atomic_load_explicit(&bank->in_use, memory_order_acquire);
-    return offered == in_use ? &bank->half[1u - offered] : NULL;
+    const cam_config_t *offered = atomic_load_explicit(&bank->offered, memory_order_relaxed);
+    const cam_config_t *in_use = atomic_load_explicit(&bank->in_use, memory_order_acquire);
+    return offered == in_use ? other_half(bank, offered) : NULL;
 }
 
 void cam_config_offer(cam_config_bank_t *bank)
 {
-    const uint32_t offered = atomic_load_explicit(&bank->offered, memory_order_relaxed);
-    atomic_store_explicit(&bank->offered, 1u - offered, memory_order_release);
-}
-
-const cam_config_t *cam_config_take_isr(cam_config_bank_t *bank)
-{
-    const uint32_t offered = atomic_load_explicit(&bank->offered, memory_order_acquire);
-    atomic_store_explicit(&bank->in_use, offered, memory_order_release);
-    return &bank->half[offered];
+    const cam_config_t *offered = atomic_load_explicit(&bank->offered, memory_order_relaxed);
+    atomic_store_explicit(&bank->offered, other_half(bank, offered), memory_order_release);
 }

@@ -32,23 +32,12 @@ static uint32_t bit_if(bool is_set, uint32_t bit)
     return is_set ? bit : 0u;
 }
 
+_Static_assert(CAM_FAULT_BIT(estop) == hal_in_estop && CAM_FAULT_BIT(drive) == hal_in_drive_ready,
+               "an input is its own fault");
+
 static uint32_t judge_inputs(uint32_t inputs)
 {
-    return bit_if((inputs & hal_in_estop) != 0u, CAM_FAULT_BIT(estop)) |
-           bit_if((inputs & hal_in_drive_ready) == 0u, CAM_FAULT_BIT(drive));
-}
-
-static uint32_t judge_clock(cam_guard_t *g, const cam_guard_config_t *cfg, uint32_t period)
-{
-    g->max_period = period > g->max_period ? period : g->max_period;
-    if (period <= cfg->off_time_clocks) {
-        g->n_off_time >>= 1;
-        return 0;
-    }
-    const bool is_late = period > cfg->late_clocks;
-    g->n_off_time = 2; // this tick and the next one
-    g->n_late += is_late ? 1u : 0u;
-    return bit_if(is_late, CAM_FAULT_BIT(late_tick));
+    return (inputs ^ hal_in_drive_ready) & (hal_in_estop | hal_in_drive_ready);
 }
 
 /// Slower than stopped or faster than allowed.
@@ -78,36 +67,57 @@ static uint32_t judge_spindle(cam_guard_t *g, const cam_guard_config_t *cfg, int
 }
 
 /// A tick off its time moves the set-point by more than a tick's way, the next one by less again.
-static int32_t slack(const cam_guard_t *g, const cam_guard_config_t *cfg, int32_t step_q6)
+CAM_STAGE static int32_t slack(const cam_guard_config_t *cfg, int32_t step_q6)
 {
-    if (g->n_off_time == 0u) {
-        return 0;
-    }
     const int32_t way_q6 = cam_clamp_i32(step_q6, -cfg->u_vel_q6, cfg->u_vel_q6);
     return way_q6 < 0 ? -way_q6 : way_q6;
 }
 
-/// Differences wrap only where they are far beyond the limits, and what is left of them is so, too.
-static uint32_t judge_u(const cam_guard_t *g, const cam_guard_config_t *cfg, int32_t actual_nm,
-                        const cam_want_t *want, int32_t step_q6)
+/// Everything that a tick may be blamed for. Differences of set-points wrap only where they are far
+/// beyond the limits, and what is left of them is so, too.
+static uint32_t judge(cam_guard_t *g, const cam_guard_config_t *cfg, const cam_sense_t *in,
+                      const cam_angle_t *angle, const cam_want_t *want, int32_t step_q6)
 {
+    uint32_t faults = judge_inputs(in->inputs) | angle->faults | want->faults |
+                      judge_spindle(g, cfg, angle->speed_q32, want->state);
+    const int32_t off_nm = cam_wrap_sub(in->actual_nm[hal_axis_u], want->u_due_q6 >> 6);
+    if (!cam_is_within(off_nm, cfg->following_nm)) {
+        faults |= CAM_FAULT_BIT(following_error);
+    }
+    if (!cam_is_within(want->u_set_q6, cfg->u_range_q6)) {
+        faults |= CAM_FAULT_BIT(setpoint_range);
+    }
+    if (!cam_is_within(step_q6, cfg->u_vel_q6)) {
+        faults |= CAM_FAULT_BIT(setpoint_speed);
+    }
     const int32_t change_q6 = cam_wrap_sub(step_q6, g->u_step_q6);
-    const int32_t off_nm = cam_wrap_sub(actual_nm, want->u_due_q6 >> 6);
-    const int32_t most_q6 = cfg->u_acc_q6 + slack(g, cfg, step_q6);
-    return bit_if(!cam_is_within(off_nm, cfg->following_nm), CAM_FAULT_BIT(following_error)) |
-           bit_if(!cam_is_within(step_q6, cfg->u_vel_q6), CAM_FAULT_BIT(setpoint_speed)) |
-           bit_if(!cam_is_within(change_q6, most_q6), CAM_FAULT_BIT(setpoint_acceleration)) |
-           bit_if(!cam_is_within(want->u_set_q6, cfg->u_range_q6), CAM_FAULT_BIT(setpoint_range));
+    const int32_t more_q6 = angle->is_off_time ? slack(cfg, step_q6) : 0;
+    if (!cam_is_within(change_q6, cfg->u_acc_q6 + more_q6)) {
+        faults |= CAM_FAULT_BIT(setpoint_acceleration);
+    }
+    return faults;
 }
 
-/// Faults that are armed: what is new is counted.
+/// What is new is counted, all faults at once: bit i of the words of `count` is the number of fault
+/// i, and the carry of one word is what the next one counts.
 static void latch(cam_guard_t *g, uint32_t faults)
 {
-    const uint32_t fresh = faults & ~g->faults;
-    for (uint32_t i = 0; i < cam_n_faults; i++) {
-        g->count[i] += (fresh >> i) & 1u;
+    uint32_t carry = faults & ~g->faults;
+    for (uint32_t k = 0; k < cam_guard_count_bits && carry != 0u; k++) {
+        const uint32_t sum = g->count[k] ^ carry;
+        carry &= g->count[k];
+        g->count[k] = sum;
     }
     g->faults |= faults;
+}
+
+uint32_t cam_guard_count(const cam_guard_t *g, cam_fault_t fault)
+{
+    uint32_t n = 0;
+    for (uint32_t k = 0; k < cam_guard_count_bits; k++) {
+        n |= ((g->count[k] >> fault) & 1u) << k;
+    }
+    return n;
 }
 
 /// In the tick of the fault all axes go on as they did, U from where it was written last; the
@@ -151,50 +161,46 @@ static uint32_t outputs(const cam_guard_t *g, cam_state_t state)
 
 /// A fault that is armed makes the state; the first one, too, the set-points.
 CAM_STAGE static void react(cam_guard_t *g, const cam_guard_config_t *cfg, uint32_t faults,
-                            cam_state_t state, cam_move_t *axis)
+                            cam_want_t *want, cam_move_t *axis)
 {
     if (faults != 0u) {
         latch(g, faults);
     }
-    if (state == cam_state_fault) {
+    if (want->state == cam_state_fault) {
         retract(g, cfg, axis);
-    } else if (faults != 0u) {
+    } else {
         enter_fault(g, cfg, faults, axis);
     }
+    want->state = cam_state_fault;
+    want->spindle_mrpm = 0;
+    want->u_set_q6 = g->u_set_q6;
+    want->faults = g->faults;
+    want->is_retracted = g->is_retracted;
 }
 
 /// What play wants is written. Off: set-points follow the axes, which is not a motion, and a reset
 /// has ended the latch.
-static void accept(cam_guard_t *g, const cam_want_t *want, int32_t step_q6)
+static void accept(cam_guard_t *g, cam_want_t *want, int32_t step_q6)
 {
     const bool is_off = want->state == cam_state_off;
     g->u_set_q6 = want->u_set_q6;
     g->u_step_q6 = is_off ? 0 : step_q6;
-    g->is_retracted = is_off;
-    g->faults = 0;
+    if (is_off) {
+        g->faults = 0;
+    }
+    want->faults = 0;
+    want->is_retracted = is_off;
 }
 
 void cam_guard_step_isr(cam_guard_t *g, const cam_guard_config_t *cfg, const cam_sense_t *in,
-                        const cam_angle_t *angle, const cam_want_t *want, cam_move_t *axis,
-                        cam_safe_t *safe)
+                        const cam_angle_t *angle, cam_want_t *want, cam_move_t *axis)
 {
     const int32_t step_q6 = cam_wrap_sub(want->u_set_q6, g->u_set_q6);
-    const uint32_t seen = judge_inputs(in->inputs) | judge_clock(g, cfg, angle->period_clocks) |
-                          judge_spindle(g, cfg, angle->speed_q32, want->state) |
-                          judge_u(g, cfg, in->actual_nm[hal_axis_u], want, step_q6) |
-                          angle->faults | want->faults;
-    const uint32_t faults = seen & cam_guard_armed(want->state);
+    const uint32_t faults = judge(g, cfg, in, angle, want, step_q6) & armed[want->state];
     if (faults != 0u || want->state == cam_state_fault) {
-        react(g, cfg, faults, want->state, axis);
-        safe->state = cam_state_fault;
-        safe->spindle_mrpm = 0;
+        react(g, cfg, faults, want, axis);
     } else {
         accept(g, want, step_q6);
-        safe->state = want->state;
-        safe->spindle_mrpm = want->spindle_mrpm;
     }
-    safe->u_set_q6 = g->u_set_q6;
-    safe->outputs = outputs(g, safe->state);
-    safe->faults = g->faults;
-    safe->is_retracted = g->is_retracted;
+    want->outputs = outputs(g, want->state);
 }

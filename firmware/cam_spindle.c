@@ -39,6 +39,8 @@ CAM_STAGE static void start(cam_spindle_t *s, const cam_spindle_config_t *cfg,
                             const cam_sense_t *in)
 {
     s->is_started = true;
+    s->clock = in->clock;
+    s->max_period = cfg->tick_clocks;
     s->counts = sensed_counts(cfg, in->encoder.counts);
     s->n_index = in->encoder.n_index;
     s->pos_q32 = (int64_t)measured_q32(s, cfg);
@@ -98,23 +100,35 @@ static uint32_t watch_index(cam_spindle_t *s, const cam_spindle_config_t *cfg,
     return CAM_FAULT_BIT(index_missing);
 }
 
-/// Way in a tick that came off its time, at its time stamp; half a turn at most.
-CAM_STAGE static int32_t stretched_q32(int32_t way_q32, const cam_spindle_config_t *cfg,
-                                       uint32_t period)
+/// A tick that came off its time: what it is blamed for, and its way at its time stamp; half a turn
+/// at most.
+CAM_STAGE static int32_t take_off_time(cam_spindle_t *s, const cam_spindle_config_t *cfg,
+                                       uint32_t period, cam_angle_t *angle, int32_t way_q32)
 {
     const uint64_t period_q32 = (uint64_t)period * cfg->ticks_per_clock_q32;
     const int64_t elapsed_q16 = cam_clamp_i64((int64_t)(period_q32 >> 16), 0, 4 * TICK_Q16);
+    const bool is_late = period > cfg->late_clocks;
+    s->is_off_time = true;
+    s->n_late += is_late ? 1u : 0u;
+    s->max_period = period > s->max_period ? period : s->max_period;
+    angle->is_off_time = true;
+    angle->faults = is_late ? CAM_FAULT_BIT(late_tick) : 0u;
     return cam_sat_i32((way_q32 * elapsed_q16) >> 16);
 }
 
 /// Way that the observer expects since the last tick. The time stamp counts only when the tick came
 /// visibly off its time: a coarse clock must not shake the angle of a steady tick.
-static int32_t predicted_q32(const cam_spindle_t *s, const cam_spindle_config_t *cfg,
-                             uint32_t period, int32_t alpha_q40)
+static int32_t take_clock(cam_spindle_t *s, const cam_spindle_config_t *cfg, uint32_t clock,
+                          int32_t alpha_q40, cam_angle_t *angle)
 {
     const int32_t way_q32 = cam_wrap_add((int32_t)(s->speed_q64 >> 32), alpha_q40 >> 9);
+    const uint32_t period = clock - s->clock;
+    s->clock = clock;
+    angle->is_off_time = s->is_off_time;
+    angle->faults = 0;
+    s->is_off_time = false;
     const bool is_on_time = period - cfg->early_clocks < cfg->on_time_clocks;
-    return is_on_time ? way_q32 : stretched_q32(way_q32, cfg, period);
+    return is_on_time ? way_q32 : take_off_time(s, cfg, period, angle, way_q32);
 }
 
 /// Counts of this tick, limited to a quarter turn.
@@ -153,23 +167,18 @@ static void track(cam_spindle_t *s, const cam_spindle_config_t *cfg, int32_t way
 void cam_spindle_step_isr(cam_spindle_t *s, const cam_spindle_config_t *cfg, const cam_sense_t *in,
                           int32_t alpha_q40, cam_angle_t *angle)
 {
-    uint32_t faults = 0;
-    uint32_t period = cfg->tick_clocks;
     if (s->is_started) {
-        period = in->clock - s->clock;
-        const int32_t way_q32 = predicted_q32(s, cfg, period, alpha_q40);
-        faults = take_counts(s, cfg, sensed_counts(cfg, in->encoder.counts), way_q32);
+        const int32_t way_q32 = take_clock(s, cfg, in->clock, alpha_q40, angle);
+        angle->faults |= take_counts(s, cfg, sensed_counts(cfg, in->encoder.counts), way_q32);
         track(s, cfg, way_q32, alpha_q40);
-        faults |= watch_index(s, cfg, in);
+        angle->faults |= watch_index(s, cfg, in);
     } else {
         start(s, cfg, in);
+        *angle = (cam_angle_t){0};
     }
-    s->clock = in->clock;
     angle->pos_q32 = s->pos_q32;
     angle->speed_q32 = (int32_t)(s->speed_q64 >> 32);
-    angle->period_clocks = period;
     angle->is_synced = s->is_synced;
-    angle->faults = faults;
 }
 
 void cam_spindle_forget_isr(cam_spindle_t *s)

@@ -45,12 +45,14 @@ _Static_assert(sizeof(entry_t) == cam_table_entry_size, "as in the format");
 
 /// Limits of the header that the ISR's arithmetic relies on.
 enum {
-    max_u_nm = 1 << 24,           // U set-points in nm / 64 fit int32 with amplitude 1.25
-    max_mrpm = 60000000,          // parameter range of the spindle speed
-    max_feed_nm = 10000000,       // parameter range of the feed
-    max_stroke_nm = 2 * max_u_nm, //
-    max_height_nm = 2000000000,   // heights and their differences fit int32
-    max_spindle_ppm = 10000000,   // 10 / rad: |r dr/dturn| stays below 64
+    max_u_nm = 1 << 24,              // U set-points in nm / 64 fit int32 with amplitude 1.25
+    max_u_offset_nm = (1 << 23) - 1, // in nm / 2^8 it fits int32
+    max_frac_bits = 8,               // of 2^-8 nm: finer helps nobody, and every shift has room
+    max_mrpm = 60000000,             // parameter range of the spindle speed
+    max_feed_nm = 10000000,          // parameter range of the feed
+    max_stroke_nm = 2 * max_u_nm,    //
+    max_height_nm = 2000000000,      // heights and their differences fit int32
+    max_spindle_ppm = 10000000,      // 10 / rad: |r dr/dturn| stays below 64
     min_ratio = CAM_TABLE_RATIO_ONE / 4,
     max_ratio = CAM_TABLE_RATIO_ONE * 4,
 };
@@ -159,10 +161,11 @@ static cam_err_t check_shape(const entry_t *e)
     const bool is_sound =
         is_within(e->kind, kind_u, kind_speed) && is_within(e->n_slices, 2, cam_table_max_slices) &&
         is_within(e->log2_knots, is_turned ? 2 : 0, is_turned ? 12 : 0) &&
-        is_within(e->log2_repeat, 0, is_turned ? 4 : 0) && e->frac_bits <= 16u &&
+        is_within(e->log2_repeat, 0, is_turned ? 4 : 0) && e->frac_bits <= max_frac_bits &&
         e->reserved == 0u && is_within(e->p_min, -CAM_TABLE_SUM_MAX, e->p_max) &&
         e->p_max <= CAM_TABLE_SUM_MAX && e->v_max <= CAM_TABLE_SUM_MAX &&
-        e->a_max <= CAM_TABLE_SUM_MAX && (!is_u || is_within(e->offset_nm, -max_u_nm, max_u_nm)) &&
+        e->a_max <= CAM_TABLE_SUM_MAX &&
+        (!is_u || is_within(e->offset_nm, -max_u_offset_nm, max_u_offset_nm)) &&
         is_within(e->offset_nm, -max_height_nm, max_height_nm) &&
         (e->kind != kind_speed || is_ratio(e));
     return is_sound ? cam_ok : cam_err_image_channel;

@@ -26,11 +26,16 @@ static void angle_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
     cam_spindle_step_isr(&c->spindle, &cfg->spindle, &r->in, c->play.speed.alpha_q40, &r->angle);
 }
 
-/// Inverse of a second-order drive: what must be commanded for the tool to be at u_q6.
+/// Inverse of a second-order drive: what must be commanded for the tool to be at u_q6. A command
+/// beyond 16 mm is none that a drive of this stroke could carry out.
 static int32_t command_nm(const cam_config_t *cfg, int32_t u_q6, const cam_move_t *u)
 {
     const int64_t more_q26 = (int64_t)cfg->k1_q16 * u->vel_q10 + (int64_t)cfg->k2_q16 * u->acc_q10;
-    return cam_sat_i32((u_q6 + (more_q26 >> 20) + 32) >> 6);
+    const int32_t most_high = 1 << 18; // of the high word: 2^50 / 2^32
+    const int32_t high = cam_clamp_i32((int32_t)(more_q26 >> 32), -most_high, most_high - 1);
+    const uint32_t low = (uint32_t)(uint64_t)more_q26;
+    const int32_t more_q6 = (int32_t)((uint32_t)high << 12 | low >> 20);
+    return (u_q6 + more_q6 + 32) >> 6;
 }
 
 static int32_t plain_nm(const cam_move_t *m)
@@ -46,39 +51,47 @@ static hal_setpoint_t setpoint(const cam_move_t *m, int32_t pos_nm)
 /// Set-points as the drives want them.
 CAM_STAGE static void command(const cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
 {
-    const cam_move_t *axis = c->axis;
-    const int32_t u_nm = command_nm(cfg, r->safe.u_set_q6, &axis[hal_axis_u]);
+    const cam_move_t *axis = c->play.axis;
+    const int32_t u_nm = command_nm(cfg, r->want.u_set_q6, &axis[hal_axis_u]);
     r->out[hal_axis_u] = setpoint(&axis[hal_axis_u], u_nm);
     r->out[hal_axis_x] = setpoint(&axis[hal_axis_x], plain_nm(&axis[hal_axis_x]));
     r->out[hal_axis_z] = setpoint(&axis[hal_axis_z], plain_nm(&axis[hal_axis_z]));
 }
 
-void cam_tick_steps_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
+static inline void steps_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
 {
     r->tick = c->tick++;
     r->config = cfg->generation;
     angle_isr(c, cfg, r);
-    cam_play_step_isr(&c->play, &cfg->play, &r->in, &r->angle, c->axis, &r->want);
-    cam_guard_step_isr(&c->guard, &cfg->guard, &r->in, &r->angle, &r->want, c->axis, &r->safe);
-    cam_play_settle_isr(&c->play, r->safe.state, r->safe.is_retracted);
+    cam_play_step_isr(&c->play, &cfg->play, &r->in, &r->angle, &r->want);
+    cam_guard_step_isr(&c->guard, &cfg->guard, &r->in, &r->angle, &r->want, c->play.axis);
+    if (r->want.state == cam_state_fault) {
+        cam_play_settle_isr(&c->play, r->want.is_retracted);
+    }
     command(c, cfg, r);
+}
+
+void cam_tick_steps_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
+{
+    steps_isr(c, cfg, r);
 }
 
 static void actuate_isr(const cam_tick_record_t *r)
 {
-    hal_outputs_write_isr(r->safe.outputs);
+    hal_outputs_write_isr(r->want.outputs);
     hal_axis_write_isr(hal_axis_u, r->out[hal_axis_u]);
     hal_axis_write_isr(hal_axis_x, r->out[hal_axis_x]);
     hal_axis_write_isr(hal_axis_z, r->out[hal_axis_z]);
-    hal_spindle_write_isr(r->safe.spindle_mrpm);
+    hal_spindle_write_isr(r->want.spindle_mrpm);
 }
 
 /// The record is the status; its place is written again two ticks later at the earliest.
 static void publish_isr(cam_t *c, const cam_tick_record_t *r)
 {
+    atomic_thread_fence(memory_order_release); // of the record, for all three that tell of it
     cam_trace_commit_isr(&c->trace);
-    atomic_store_explicit(&c->newest, r, memory_order_release);
-    atomic_store_explicit(&c->n_published, c->tick, memory_order_release);
+    atomic_store_explicit(&c->newest, r, memory_order_relaxed);
+    atomic_store_explicit(&c->n_published, c->tick, memory_order_relaxed);
 }
 
 void cam_tick_isr(cam_t *c)
@@ -86,7 +99,7 @@ void cam_tick_isr(cam_t *c)
     const cam_config_t *cfg = cam_config_take_isr(&c->config);
     cam_tick_record_t *r = cam_trace_slot_isr(&c->trace, cfg->is_traced);
     sense_isr(c, &r->in);
-    cam_tick_steps_isr(c, cfg, r); // angle -> play -> guard
+    steps_isr(c, cfg, r); // angle -> play -> guard
     actuate_isr(r);
     publish_isr(c, r);
 }
@@ -98,7 +111,7 @@ void cam_isr(void)
 
 cam_status_t cam_tick_status(const cam_t *c)
 {
-    static const cam_tick_record_t nothing = {.safe.state = cam_state_off};
+    static const cam_tick_record_t nothing = {.want.state = cam_state_off};
     cam_tick_record_t r;
     uint32_t before = 0;
     uint32_t after = atomic_load_explicit(&c->n_published, memory_order_acquire);
@@ -113,23 +126,23 @@ cam_status_t cam_tick_status(const cam_t *c)
         .tick = r.tick,
         .config = r.config,
         .request = r.in.request >> 8,
-        .state = r.safe.state,
-        .faults = r.safe.faults,
+        .state = r.want.state,
+        .faults = r.want.faults,
         .first_fault = c->guard.first_faults,
         .is_synced = r.angle.is_synced,
-        .is_retracted = r.safe.is_retracted,
+        .is_retracted = r.want.is_retracted,
         .inputs = r.in.inputs,
         .pos_q32 = r.angle.pos_q32,
         .speed_q32 = r.angle.speed_q32,
         .z_nm = r.want.z_nm,
-        .u_set_q6 = r.safe.u_set_q6,
+        .u_set_q6 = r.want.u_set_q6,
         .u_actual_nm = r.in.actual_nm[hal_axis_u],
         .following_nm = cam_wrap_sub(r.in.actual_nm[hal_axis_u], r.want.u_due_q6 >> 6),
-        .n_late = c->guard.n_late,
-        .max_period = c->guard.max_period,
+        .n_late = c->spindle.n_late,
+        .max_period = c->spindle.max_period,
     };
     for (uint32_t i = 0; i < cam_n_faults; i++) {
-        status.fault_count[i] = c->guard.count[i];
+        status.fault_count[i] = cam_guard_count(&c->guard, (cam_fault_t)i);
     }
     return status;
 }

@@ -23,7 +23,7 @@ void cam_trace_commit_isr(cam_trace_t *trace)
 {
     if (trace->is_kept) {
         const uint32_t n = atomic_load_explicit(&trace->n_written, memory_order_relaxed);
-        atomic_store_explicit(&trace->n_written, n + 1u, memory_order_release);
+        atomic_store_explicit(&trace->n_written, n + 1u, memory_order_relaxed);
     }
 }
 

@@ -59,11 +59,11 @@ static void reading_columns(camsim_out_t *o, const cam_tick_record_t *r, const s
     real(o, cut->sample_s - behind * cut->machine.period_s, 9);
     real(o, (double)r->angle.pos_q32 / 4294967296.0, 9);
     decimal(o, r->want.z_nm, 6);
-    q6(o, r->safe.u_set_q6);
+    q6(o, r->want.u_set_q6);
     integer(o, r->in.actual_nm[hal_axis_u]);
     camsim_out_char(o, ',');
-    camsim_out_text(o, cam_state_name(r->safe.state));
-    hexadecimal(o, r->safe.faults);
+    camsim_out_text(o, cam_state_name(r->want.state));
+    hexadecimal(o, r->want.faults);
     q6(o, r->want.u_due_q6);
     real(o, cut->true_turn, 9);
     real(o, cut->z_mm, 9);
@@ -77,7 +77,7 @@ static void sensed_columns(camsim_out_t *o, const cam_tick_record_t *r)
     integer(o, r->angle.pos_q32);
     integer(o, r->angle.speed_q32);
     integer(o, r->want.z_nm);
-    integer(o, r->safe.u_set_q6);
+    integer(o, r->want.u_set_q6);
     integer(o, r->want.u_due_q6);
     integer(o, r->in.clock);
     integer(o, r->in.encoder.counts);
@@ -97,8 +97,8 @@ static void written_columns(camsim_out_t *o, const cam_tick_record_t *r)
         integer(o, r->out[i].vel_q10);
         integer(o, r->out[i].acc_q10);
     }
-    integer(o, r->safe.spindle_mrpm);
-    integer(o, r->safe.outputs);
+    integer(o, r->want.spindle_mrpm);
+    integer(o, r->want.outputs);
 }
 
 void camsim_trace_drain(camsim_out_t *o, const sim_cut_t *cut)

@@ -96,8 +96,8 @@ static double replay_ns(bench_t *b, cam_tick_record_t *out)
 static bool is_same(const cam_tick_record_t *a, const cam_tick_record_t *b)
 {
     return a->angle.pos_q32 == b->angle.pos_q32 && a->angle.speed_q32 == b->angle.speed_q32 &&
-           a->safe.u_set_q6 == b->safe.u_set_q6 && memcmp(a->out, b->out, sizeof a->out) == 0 &&
-           a->safe.state == b->safe.state;
+           a->want.u_set_q6 == b->want.u_set_q6 && memcmp(a->out, b->out, sizeof a->out) == 0 &&
+           a->want.state == b->want.state;
 }
 
 static double smaller(double a, double b)

@@ -69,7 +69,7 @@ static void whole_cut(const fixture_part_t *part, bool is_modulated)
     open_rig(part, is_modulated);
     TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_cutting));
     TEST_ASSERT_LESS_THAN_UINT32(60000, fixture_rig_until(&rig, cam_state_ready, 60000));
-    TEST_ASSERT_EQUAL_HEX32(0, rig.last.safe.faults);
+    TEST_ASSERT_EQUAL_HEX32(0, rig.last.want.faults);
 }
 
 static void report(const char *session)
@@ -191,7 +191,7 @@ static void test_random_parameters(void)
         set(cam_param_k2_us2, (int32_t)fixture_random_range(&random, 0, 1000000));
         set(cam_param_engage_turns, (int32_t)fixture_random_range(&random, 1, 4));
         TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_cutting));
-        for (int k = 0; k < 200 && rig.last.safe.state == cam_state_cutting; k++) {
+        for (int k = 0; k < 200 && rig.last.want.state == cam_state_cutting; k++) {
             set(cam_param_phase_udeg, (int32_t)fixture_random_range(&random, -900000, 900000));
             set(cam_param_amplitude_ppm, (int32_t)fixture_random_range(&random, 900000, 1000000));
             fixture_rig_ticks(&rig, 8);

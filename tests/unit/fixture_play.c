@@ -41,8 +41,11 @@ void fixture_play_tick(fixture_play_t *f)
         f->in.actual_nm[i] = (int32_t)(f->axis[i].pos_q10 / 1024);
     }
     memcpy(f->before, f->axis, sizeof f->before);
-    cam_play_step_isr(&f->play, &f->config.play, &f->in, &f->angle, f->axis, &f->want);
-    cam_play_settle_isr(&f->play, f->want.state, false);
+    cam_play_step_isr(&f->play, &f->config.play, &f->in, &f->angle, &f->want);
+    memcpy(f->axis, f->play.axis, sizeof f->axis);
+    if (cam_state_is_in_work(f->want.state) && !f->play.is_approaching) { // U is the guard's
+        f->axis[hal_axis_u].pos_q10 = (int64_t)f->want.u_set_q6 * 16;
+    }
 }
 
 void fixture_play_ticks(fixture_play_t *f, uint32_t n)

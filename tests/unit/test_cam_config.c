@@ -71,7 +71,7 @@ static void test_build_limits_are_per_tick(void)
     expect_share(625.0 * 1024.0, u->acceleration_q10);
     expect_share(5000.0 * 1024.0, config.play.approach[hal_axis_u].speed_q10);
     TEST_ASSERT_EQUAL_INT32(600000 * 64, config.guard.u_range_q6);
-    TEST_ASSERT_EQUAL_UINT32(15000, config.guard.late_clocks);
+    TEST_ASSERT_EQUAL_UINT32(15000, config.spindle.late_clocks);
     TEST_ASSERT_EQUAL_UINT32(2000, config.guard.stopped_ticks);
 }
 
@@ -153,6 +153,9 @@ static void test_build_what_does_not_fit_the_tick_rate_is_refused(void)
 
 static void test_bank_hands_over_one_configuration_at_a_time(void)
 {
+    TEST_ASSERT_NULL(cam_config_take_isr(&bank)); // nothing was offered ever
+    TEST_ASSERT_EQUAL_PTR(&bank.half[0], cam_config_free_half(&bank));
+    cam_config_offer(&bank);
     TEST_ASSERT_EQUAL_PTR(&bank.half[0], cam_config_take_isr(&bank));
     cam_config_t *half = cam_config_free_half(&bank);
     TEST_ASSERT_EQUAL_PTR(&bank.half[1], half);

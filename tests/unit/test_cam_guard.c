@@ -186,7 +186,7 @@ static void test_guard_z_off_its_place_is_a_fault_while_in_work(void)
     bring(cam_state_cutting);
     rig.is_z_held = true;
     hal_host.in.axis_nm[hal_axis_z] += 150000;
-    expect_within(cam_fault_z_range, cam_play_tasks);
+    expect_within(cam_fault_z_range, cam_plan_tasks);
     setUp();
     bring(cam_state_ready);
     rig.is_z_held = true;
@@ -214,19 +214,19 @@ static uint32_t judge_want(int32_t at_nm, int32_t next_nm)
 {
     cam_guard_t guard;
     memset(&guard, 0, sizeof guard);
-    const cam_guard_config_t *cfg = &g_cam.config.half[g_cam.config.offered].guard;
+    const cam_config_t *config = g_cam.config.offered;
+    const cam_guard_config_t *cfg = &config->guard;
     const cam_sense_t in = {.inputs = hal_in_drive_ready, .actual_nm = {at_nm}};
-    const cam_angle_t angle = {.is_synced = true, .speed_q32 = 8947849, .period_clocks = 10000};
+    const cam_angle_t angle = {.is_synced = true, .speed_q32 = 8947849};
     cam_want_t want = {.state = cam_state_cutting, .u_set_q6 = at_nm * 64, .u_due_q6 = at_nm * 64};
     cam_move_t axis[hal_n_axes] = {0};
     guard.u_set_q6 = want.u_set_q6;
-    cam_safe_t safe;
-    cam_guard_step_isr(&guard, cfg, &in, &angle, &want, axis, &safe);
+    cam_guard_step_isr(&guard, cfg, &in, &angle, &want, axis);
     want.u_set_q6 = next_nm * 64;
-    cam_guard_step_isr(&guard, cfg, &in, &angle, &want, axis, &safe);
+    cam_guard_step_isr(&guard, cfg, &in, &angle, &want, axis);
     if (guard.first_faults != 0u) {
-        TEST_ASSERT_EQUAL_INT(cam_state_fault, safe.state);
-        TEST_ASSERT_EQUAL_INT32(at_nm * 64, safe.u_set_q6);
+        TEST_ASSERT_EQUAL_INT(cam_state_fault, want.state);
+        TEST_ASSERT_EQUAL_INT32(at_nm * 64, want.u_set_q6);
         TEST_ASSERT_EQUAL_INT64((int64_t)at_nm * 1024, axis[hal_axis_u].pos_q10);
     }
     return guard.first_faults;

@@ -39,7 +39,7 @@ static void observe(motion_t *m)
 {
     for (uint32_t i = 0; i < hal_n_axes; i++) {
         const double at =
-            i == hal_axis_u ? rig.last.safe.u_set_q6 / 64.0 : (double)hal_host.out.axis[i].pos_nm;
+            i == hal_axis_u ? rig.last.want.u_set_q6 / 64.0 : (double)hal_host.out.axis[i].pos_nm;
         m->step[i] = at - m->at[i];
         m->at[i] = at;
     }
@@ -75,7 +75,7 @@ static void expect_retract(motion_t *m)
     const motion_t first = *m;
     hal_host_fault_estop(true);
     tick_within_limits(m);
-    TEST_ASSERT_EQUAL_INT(cam_state_fault, rig.last.safe.state);
+    TEST_ASSERT_EQUAL_INT(cam_state_fault, rig.last.want.state);
     TEST_ASSERT_EQUAL_INT32(0, hal_host.out.spindle_mrpm);
     TEST_ASSERT_EQUAL_HEX32(hal_out_enable | hal_out_fault, hal_host.out.outputs);
     uint32_t n = 0;

@@ -253,7 +253,13 @@ static void test_step_late_tick_with_its_time_stamp_costs_no_angle(void)
         run_up(41.0);
         step(41.0, shares[i]);
         TEST_ASSERT_TRUE(fabs(error_turn()) < 0.75 / 10000);
+        TEST_ASSERT_TRUE(angle.is_off_time);
+        TEST_ASSERT_EQUAL_HEX32(shares[i] > 1.5 ? CAM_FAULT_BIT(late_tick) : 0u, faults);
+        faults = 0;
         step(41.0, 1.0);
+        TEST_ASSERT_TRUE(angle.is_off_time); // its way is still unusual
+        step(41.0, 1.0);
+        TEST_ASSERT_FALSE(angle.is_off_time);
         TEST_ASSERT_EQUAL_HEX32(0, faults);
     }
 }

@@ -170,14 +170,14 @@ static void test_check_channel_fields_out_of_range_are_refused(void)
         {fixture_in_log2_knots, 1u},
         {fixture_in_log2_knots, 13u},
         {fixture_in_log2_repeat, 5u},
-        {fixture_in_frac_bits, 17u},
+        {fixture_in_frac_bits, 9u},
         {fixture_in_reserved, 1u},
         {fixture_in_p_min, 0x7FFFFFFFu},
         {fixture_in_p_min, 0x80000000u},
         {fixture_in_p_max, 0x02000000u},
         {fixture_in_v_max, 0x02000000u},
         {fixture_in_a_max, 0x02000000u},
-        {fixture_in_offset_nm, 16777217u},
+        {fixture_in_offset_nm, 8388608u},
         {fixture_in_offset_nm, 0x80000000u},
     };
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {

@@ -60,9 +60,9 @@ static void test_tick_status_tells_what_the_record_tells(void)
     TEST_ASSERT_EQUAL_INT64(rig.last.angle.pos_q32, status.pos_q32);
     TEST_ASSERT_EQUAL_INT32(rig.last.angle.speed_q32, status.speed_q32);
     TEST_ASSERT_EQUAL_INT32(rig.last.want.z_nm, status.z_nm);
-    TEST_ASSERT_EQUAL_INT32(rig.last.safe.u_set_q6, status.u_set_q6);
+    TEST_ASSERT_EQUAL_INT32(rig.last.want.u_set_q6, status.u_set_q6);
     TEST_ASSERT_EQUAL_INT32(rig.last.in.actual_nm[hal_axis_u], status.u_actual_nm);
-    TEST_ASSERT_EQUAL_INT(rig.last.safe.state, status.state);
+    TEST_ASSERT_EQUAL_INT(rig.last.want.state, status.state);
     TEST_ASSERT_TRUE(status.is_synced);
     TEST_ASSERT_FALSE(status.is_retracted);
     TEST_ASSERT_EQUAL_UINT32(10000, status.max_period);
@@ -91,12 +91,12 @@ static void test_tick_whole_cut_never_steps_a_setpoint(void)
     for (uint32_t axis = 0; axis < hal_n_axes; axis++) {
         double last_nm = 0.0;
         for (uint32_t i = 2; i < rig.n_log; i++) {
-            if (records[i - 2u].safe.state == cam_state_off) {
+            if (records[i - 2u].want.state == cam_state_off) {
                 continue;
             }
             const double nm = step_nm(i, (hal_axis_t)axis);
             TEST_ASSERT_TRUE(fabs(nm) <= speed[axis] + 2.0);
-            TEST_ASSERT_TRUE(i == 2u || records[i - 3u].safe.state == cam_state_off ||
+            TEST_ASSERT_TRUE(i == 2u || records[i - 3u].want.state == cam_state_off ||
                              fabs(nm - last_nm) <= acceleration[axis] + 4.0);
             last_nm = nm;
         }
@@ -110,7 +110,7 @@ static void test_tick_cut_visits_every_height_at_full_amplitude(void)
     int32_t highest_nm = INT32_MIN;
     uint32_t n_cutting = 0;
     for (uint32_t i = 0; i < rig.n_log; i++) {
-        if (records[i].safe.state == cam_state_cutting) {
+        if (records[i].want.state == cam_state_cutting) {
             n_cutting++;
             lowest_nm = records[i].want.z_nm < lowest_nm ? records[i].want.z_nm : lowest_nm;
             highest_nm = records[i].want.z_nm > highest_nm ? records[i].want.z_nm : highest_nm;
@@ -126,13 +126,13 @@ static void test_tick_velocity_and_acceleration_match_the_setpoints(void)
 {
     cut_whole();
     for (uint32_t i = 1; i + 1u < rig.n_log; i++) {
-        if (records[i - 1u].safe.state != cam_state_cutting ||
-            records[i + 1u].safe.state != cam_state_cutting) {
+        if (records[i - 1u].want.state != cam_state_cutting ||
+            records[i + 1u].want.state != cam_state_cutting) {
             continue;
         }
-        const double set = records[i].safe.u_set_q6 / 64.0;
-        const double before = records[i - 1u].safe.u_set_q6 / 64.0;
-        const double after = records[i + 1u].safe.u_set_q6 / 64.0;
+        const double set = records[i].want.u_set_q6 / 64.0;
+        const double before = records[i - 1u].want.u_set_q6 / 64.0;
+        const double after = records[i + 1u].want.u_set_q6 / 64.0;
         const double vel_nm = (after - before) / 2.0; // per tick
         const double acc_nm = after - 2.0 * set + before;
         TEST_ASSERT_DOUBLE_WITHIN(20.0, vel_nm, records[i].out[hal_axis_u].vel_q10 / 1024.0);
@@ -148,9 +148,9 @@ static void test_tick_feed_forward_is_the_inverse_of_the_drive(void)
     TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_following_limit_nm, 10000000));
     cut_whole();
     for (uint32_t i = 0; i < rig.n_log; i++) {
-        if (records[i].safe.state == cam_state_cutting) {
+        if (records[i].want.state == cam_state_cutting) {
             const hal_setpoint_t *u = &records[i].out[hal_axis_u];
-            const double wanted = records[i].safe.u_set_q6 / 64.0 +
+            const double wanted = records[i].want.u_set_q6 / 64.0 +
                                   742723e-9 * 20000.0 * u->vel_q10 / 1024.0 +
                                   281448e-12 * 4e8 * u->acc_q10 / 1024.0;
             TEST_ASSERT_DOUBLE_WITHIN(0.6, wanted, u->pos_nm);
@@ -162,26 +162,26 @@ static void test_tick_feed_forward_is_the_inverse_of_the_drive(void)
 static void expect_replay(void)
 {
     memset(&replayed, 0, sizeof replayed);
-    replayed.config.half[0] = g_cam.config.half[g_cam.config.offered];
+    replayed.config.half[0] = *g_cam.config.offered;
     replayed.config.half[0].play.table = &replayed.config.half[0].table;
     uint32_t start = 0; // the last configuration is in force from here on
     while (records[start].config != replayed.config.half[0].generation) {
         start++;
     }
-    TEST_ASSERT_TRUE(records[start].safe.state <= cam_state_homing); // the spindle stands still
+    TEST_ASSERT_TRUE(records[start].want.state <= cam_state_homing); // the spindle stands still
     for (uint32_t i = start; i < rig.n_log; i++) {
         cam_tick_record_t done = {.in = records[i].in};
         cam_tick_steps_isr(&replayed, &replayed.config.half[0], &done);
-        TEST_ASSERT_EQUAL_INT(records[i].safe.state, done.safe.state);
+        TEST_ASSERT_EQUAL_INT(records[i].want.state, done.want.state);
         TEST_ASSERT_EQUAL_INT64(records[i].angle.pos_q32, done.angle.pos_q32);
         TEST_ASSERT_EQUAL_INT32(records[i].angle.speed_q32, done.angle.speed_q32);
-        TEST_ASSERT_EQUAL_INT32(records[i].safe.u_set_q6, done.safe.u_set_q6);
+        TEST_ASSERT_EQUAL_INT32(records[i].want.u_set_q6, done.want.u_set_q6);
         TEST_ASSERT_EQUAL_INT32(records[i].want.u_due_q6, done.want.u_due_q6);
         TEST_ASSERT_EQUAL_INT32(records[i].want.z_nm, done.want.z_nm);
         TEST_ASSERT_EQUAL_MEMORY(records[i].out, done.out, sizeof done.out);
-        TEST_ASSERT_EQUAL_INT32(records[i].safe.spindle_mrpm, done.safe.spindle_mrpm);
-        TEST_ASSERT_EQUAL_HEX32(records[i].safe.outputs, done.safe.outputs);
-        TEST_ASSERT_EQUAL_HEX32(records[i].safe.faults, done.safe.faults);
+        TEST_ASSERT_EQUAL_INT32(records[i].want.spindle_mrpm, done.want.spindle_mrpm);
+        TEST_ASSERT_EQUAL_HEX32(records[i].want.outputs, done.want.outputs);
+        TEST_ASSERT_EQUAL_HEX32(records[i].want.faults, done.want.faults);
     }
 }
 
@@ -197,7 +197,7 @@ static void test_tick_steps_recorded_fault_replays_bit_for_bit(void)
     fixture_rig_ticks(&rig, 1000);
     hal_host_fault_counts(200);
     fixture_rig_ticks(&rig, 3000);
-    TEST_ASSERT_EQUAL_INT(cam_state_fault, rig.last.safe.state);
+    TEST_ASSERT_EQUAL_INT(cam_state_fault, rig.last.want.state);
     expect_replay();
 }
 

@@ -62,8 +62,8 @@ static void test_command_in_the_cut_is_the_control_law(void)
         double u[3];
         expected(&records[i], u);
         const hal_setpoint_t *out = &records[i].out[hal_axis_u];
-        TEST_ASSERT_EQUAL_INT(cam_state_cutting, records[i].safe.state);
-        TEST_ASSERT_DOUBLE_WITHIN(0.05, u[0], records[i].safe.u_set_q6 / 64.0);
+        TEST_ASSERT_EQUAL_INT(cam_state_cutting, records[i].want.state);
+        TEST_ASSERT_DOUBLE_WITHIN(0.05, u[0], records[i].want.u_set_q6 / 64.0);
         TEST_ASSERT_DOUBLE_WITHIN(2.0, u[1] * 1e-3, out->vel_q10 * um_per_s);  // of 40 000 um/s
         TEST_ASSERT_DOUBLE_WITHIN(4.0, u[2] * 1e-6, out->acc_q10 * mm_per_s2); // of 20 000 mm/s2
         const double forward_nm = K1_S * u[1] + K2_S2 * u[2];
@@ -78,9 +78,9 @@ static void test_command_of_x_and_z_is_their_setpoint(void)
     TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_cutting));
     for (int i = 0; i < 3000; i++) {
         fixture_rig_tick(&rig);
-        TEST_ASSERT_INT32_WITHIN(1, g_cam.axis[hal_axis_z].pos_q10 / 1024,
+        TEST_ASSERT_INT32_WITHIN(1, g_cam.play.axis[hal_axis_z].pos_q10 / 1024,
                                  hal_host.out.axis[hal_axis_z].pos_nm);
-        TEST_ASSERT_INT32_WITHIN(1, g_cam.axis[hal_axis_x].pos_q10 / 1024,
+        TEST_ASSERT_INT32_WITHIN(1, g_cam.play.axis[hal_axis_x].pos_q10 / 1024,
                                  hal_host.out.axis[hal_axis_x].pos_nm);
     }
 }
@@ -102,7 +102,7 @@ static void test_due_in_the_record_is_the_setpoint_of_lead_ago(void)
     rig.n_log = 0;
     fixture_rig_ticks(&rig, 2000);
     for (uint32_t i = 3; i < rig.n_log; i++) {
-        const double due = (records[i - 2].safe.u_set_q6 + records[i - 3].safe.u_set_q6) / 128.0;
+        const double due = (records[i - 2].want.u_set_q6 + records[i - 3].want.u_set_q6) / 128.0;
         TEST_ASSERT_DOUBLE_WITHIN(0.05, due, records[i].want.u_due_q6 / 64.0);
     }
 }

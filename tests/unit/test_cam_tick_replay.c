@@ -25,7 +25,7 @@ void setUp(void)
     hal_host.in.axis_nm[hal_axis_x] = 46500000; // not far from the work
     cam_machine_init(&rig.machine, &g_cam, tick_hz, hal_clock_hz());
     fixture_encoder_init(&rig.encoder, rig.machine.params.counts_per_turn, 1, 1000u, 1234);
-    at_start = g_cam.config.half[g_cam.config.offered];
+    at_start = *g_cam.config.offered;
     configs[at_start.generation] = at_start;
 }
 
@@ -37,7 +37,7 @@ void tearDown(void)
 /// What is offered now is what the next tick takes.
 static void keep_config(void)
 {
-    const cam_config_t *now = &g_cam.config.half[g_cam.config.offered];
+    const cam_config_t *now = g_cam.config.offered;
     TEST_ASSERT_LESS_THAN_UINT32(max_configs, now->generation);
     configs[now->generation] = *now;
 }
@@ -106,13 +106,13 @@ static void expect_replay(void)
         TEST_ASSERT_EQUAL_INT64(r->angle.pos_q32, done.angle.pos_q32);
         TEST_ASSERT_EQUAL_INT32(r->angle.speed_q32, done.angle.speed_q32);
         TEST_ASSERT_EQUAL_INT32(r->want.z_nm, done.want.z_nm);
-        TEST_ASSERT_EQUAL_INT32(r->safe.u_set_q6, done.safe.u_set_q6);
+        TEST_ASSERT_EQUAL_INT32(r->want.u_set_q6, done.want.u_set_q6);
         TEST_ASSERT_EQUAL_INT32(r->want.u_due_q6, done.want.u_due_q6);
         TEST_ASSERT_EQUAL_MEMORY(r->out, done.out, sizeof done.out);
-        TEST_ASSERT_EQUAL_INT32(r->safe.spindle_mrpm, done.safe.spindle_mrpm);
-        TEST_ASSERT_EQUAL_HEX32(r->safe.outputs, done.safe.outputs);
-        TEST_ASSERT_EQUAL_HEX32(r->safe.faults, done.safe.faults);
-        TEST_ASSERT_EQUAL_INT(r->safe.state, done.safe.state);
+        TEST_ASSERT_EQUAL_INT32(r->want.spindle_mrpm, done.want.spindle_mrpm);
+        TEST_ASSERT_EQUAL_HEX32(r->want.outputs, done.want.outputs);
+        TEST_ASSERT_EQUAL_HEX32(r->want.faults, done.want.faults);
+        TEST_ASSERT_EQUAL_INT(r->want.state, done.want.state);
     }
     TEST_ASSERT_EQUAL_UINT32(rig.machine.generation, n_configs);
 }
@@ -125,7 +125,7 @@ static void test_session_with_changes_in_the_cut_replays_bit_for_bit(void)
     TEST_ASSERT_EQUAL_HEX32(0, fixture_rig_status(&rig).faults);
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_disable(&rig.machine));
     fixture_rig_ticks(&rig, 3000);
-    TEST_ASSERT_EQUAL_INT(cam_state_off, rig.last.safe.state);
+    TEST_ASSERT_EQUAL_INT(cam_state_off, rig.last.want.state);
     expect_replay();
 }
 
@@ -140,10 +140,10 @@ static void test_session_with_stop_fault_and_reset_replays_bit_for_bit(void)
     hal_host_fault_estop(false);
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_reset(&rig.machine));
     fixture_rig_ticks(&rig, 3000);
-    TEST_ASSERT_EQUAL_INT(cam_state_off, rig.last.safe.state);
+    TEST_ASSERT_EQUAL_INT(cam_state_off, rig.last.want.state);
     TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_engaging)); // homed anew
     fixture_rig_ticks(&rig, 3000);
-    TEST_ASSERT_EQUAL_HEX32(0, rig.last.safe.faults);
+    TEST_ASSERT_EQUAL_HEX32(0, rig.last.want.faults);
     expect_replay();
 }
 
@@ -166,8 +166,8 @@ static void test_session_with_a_modulated_spindle_replays_bit_for_bit(void)
     int32_t most = 0;
     for (int i = 0; i < 600; i++) {
         fixture_rig_tick(&rig);
-        least = rig.last.safe.spindle_mrpm < least ? rig.last.safe.spindle_mrpm : least;
-        most = rig.last.safe.spindle_mrpm > most ? rig.last.safe.spindle_mrpm : most;
+        least = rig.last.want.spindle_mrpm < least ? rig.last.want.spindle_mrpm : least;
+        most = rig.last.want.spindle_mrpm > most ? rig.last.want.spindle_mrpm : most;
     }
     TEST_ASSERT_INT32_WITHIN(60000, 2850000, most);
     TEST_ASSERT_INT32_WITHIN(60000, 1350000, least);

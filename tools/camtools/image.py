@@ -27,7 +27,7 @@ HEADER_SIZE, ENTRY_SIZE, ALIGN, KNOT_SIZE = 128, 64, 32, 12
 CRC_OFFSET, CRC_START = 20, 24
 SUM_LIMIT = 2**25 - 1
 MIN_SPACING_NM, MAX_SPACING_NM = 65_537, 16_777_216
-MAX_SLICES, MAX_LOG2_KNOTS, MIN_LOG2_KNOTS, MAX_LOG2_REPEAT, MAX_FRAC_BITS = 4096, 12, 2, 4, 16
+MAX_SLICES, MAX_LOG2_KNOTS, MIN_LOG2_KNOTS, MAX_LOG2_REPEAT, MAX_FRAC_BITS = 4096, 12, 2, 4, 8
 _HEADER = struct.Struct("<8sIHHIIII32siiiIIIIIIIiiIIII")
 _ENTRY = struct.Struct("<IIIIIIIiiIiiiIII")
 
@@ -323,7 +323,7 @@ def _check_entry(entry: tuple[Any, ...], table: Table) -> None:
     else:
         _demand(log2_knots == 0 and log2_repeat == 0, "log2_knots, log2_repeat: not 0 for x")
     _demand(size == (n_slices << log2_knots) * KNOT_SIZE, "size: not that of the knots")
-    _demand(frac_bits <= MAX_FRAC_BITS, "frac_bits: not 0 .. 16")
+    _demand(frac_bits <= MAX_FRAC_BITS, "frac_bits: not 0 .. 8")
     _demand(z_first <= table.z_first_nm and z_last >= table.z_last_nm, "z: range not covered")
     span_nm, n = z_last - z_first, n_slices - 1
     _demand(n * MIN_SPACING_NM <= span_nm <= n * MAX_SPACING_NM, "spacing: not 65537 .. 16777216")

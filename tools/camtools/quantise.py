@@ -29,7 +29,7 @@ from camtools.sections import Floats
 
 
 class TooLargeError(Exception):
-    """No frac_bits of 0 .. 16 keeps the bound of TABLE_FORMAT.md."""
+    """No frac_bits of 0 .. 8 keeps the bound of TABLE_FORMAT.md."""
 
 
 def _integers(

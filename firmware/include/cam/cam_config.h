@@ -30,8 +30,8 @@ typedef struct {
 /// Two configurations, one in use.
 typedef struct {
     cam_config_t half[2];
-    _Atomic uint32_t offered; ///< slow side writes: half to be taken from the next tick on
-    _Atomic uint32_t in_use;  ///< interrupt writes: half of this tick
+    const cam_config_t *_Atomic offered; ///< slow side writes: to be taken from the next tick on
+    const cam_config_t *_Atomic in_use;  ///< interrupt writes: that of this tick
 } cam_config_bank_t;
 
 /// Derive a configuration.
@@ -54,7 +54,12 @@ cam_config_t *cam_config_free_half(cam_config_bank_t *bank);
 void cam_config_offer(cam_config_bank_t *bank);
 
 /// @return the configuration of this tick. Context: ISR, constant time.
-const cam_config_t *cam_config_take_isr(cam_config_bank_t *bank);
+static inline const cam_config_t *cam_config_take_isr(cam_config_bank_t *bank)
+{
+    const cam_config_t *offered = atomic_load_explicit(&bank->offered, memory_order_acquire);
+    atomic_store_explicit(&bank->in_use, offered, memory_order_release);
+    return offered;
+}
 
 /// @return [turn / 2^32 per tick] of a speed, rounded, saturated. Context: slow side.
 int32_t cam_config_speed_q32(uint32_t speed_mrpm, uint32_t tick_hz);

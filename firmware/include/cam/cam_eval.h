@@ -18,6 +18,9 @@
 #include <stdbool.h>       // bool
 
 enum { cam_eval_guard_bits = 4 };
+/// Results stay in registers.
+#define CAM_EVAL_INLINE static inline __attribute__((always_inline))
+
 #define CAM_EVAL_GUARD (INT32_C(1) << cam_eval_guard_bits)
 
 /// A function's value and derivatives with respect to the knot interval h.
@@ -35,6 +38,12 @@ typedef struct {
     int32_t d2; ///< [LSB / 16 / h^2] below 2^30
 } cam_fine_t;
 
+/// What is left of a surface at a place: two knots, blended, and the way between them.
+typedef struct {
+    cam_knot_t k0, k1; ///< in LSB / 16
+    int32_t s_q32;     ///< [h / 2^32] from the middle of the interval
+} cam_segment_t;
+
 /// A height between two slices.
 typedef struct {
     uint32_t i;    ///< lower slice, 0 .. n_slices - 2
@@ -46,7 +55,7 @@ typedef struct {
 /// @param ch    passed cam_table_check()
 /// @param z_nm  [nm] any value
 /// Context: ISR or slow side, constant time.
-static inline cam_height_t cam_eval_height(const cam_channel_t *ch, int32_t z_nm)
+CAM_EVAL_INLINE cam_height_t cam_eval_height(const cam_channel_t *ch, int32_t z_nm)
 {
     const bool is_below = z_nm < ch->z_first_nm;
     const uint32_t above_nm = (uint32_t)z_nm - (uint32_t)ch->z_first_nm; // right unless below
@@ -78,11 +87,13 @@ static inline int32_t cam_eval_round(int32_t r)
 /// With w = v0 + v1 - 2 (p1 - p0): o5 = (a1 - a0) - 3 w, o3 = w - o5 / 2,
 /// o1 = (p1 - p0) - o3 / 4 - o5 / 16; and with dv = v1 - v0: e4 = (a0 + a1 - dv) / 2,
 /// e2 = (dv - e4) / 2, e0 = (p0 + p1) / 2 - e2 / 4 - e4 / 16.
-/// @param k0,k1  knots in LSB / 16, within the bounds of cam_table_check()
-/// @param s_q32  [h / 2^32] from the middle of the interval: -2^31 .. 2^31 - 1
+/// @param at  knots within the bounds of cam_table_check(), any s_q32
 /// Source: TABLE_FORMAT.md, "Knots", developed around t = 1/2.
-static inline cam_fine_t cam_eval_quintic(cam_knot_t k0, cam_knot_t k1, int32_t s_q32)
+CAM_EVAL_INLINE cam_fine_t cam_eval_quintic(cam_segment_t at)
 {
+    const cam_knot_t k0 = at.k0;
+    const cam_knot_t k1 = at.k1;
+    const int32_t s_q32 = at.s_q32;
     const int32_t dp = k1.p - k0.p;
     const int32_t dv = k1.v - k0.v;
     const int32_t w = k0.v + k1.v - 2 * dp;
@@ -118,7 +129,8 @@ static inline cam_value_t cam_eval_rounded(cam_fine_t fine, bool is_clamped)
 }
 
 /// @return both slices' knot at index k blended at a height, in LSB / 16
-static inline cam_knot_t cam_eval_knot(const cam_knot_t *low, const cam_knot_t *high, int32_t w_q31)
+CAM_EVAL_INLINE cam_knot_t cam_eval_knot(const cam_knot_t *low, const cam_knot_t *high,
+                                         int32_t w_q31)
 {
     return (cam_knot_t){
         .p = cam_eval_blend(low->p, high->p, w_q31),
@@ -134,23 +146,27 @@ static inline cam_knot_t cam_eval_guarded(const cam_knot_t *k)
         .p = k->p * CAM_EVAL_GUARD, .v = k->v * CAM_EVAL_GUARD, .a = k->a * CAM_EVAL_GUARD};
 }
 
-/// Evaluate a channel over angle, at a height that was found before.
+/// Find a place on a channel over angle, at a height that was found before.
 /// @param ch         passed cam_table_check(), kind u or speed
 /// @param theta_q32  [turn / 2^32] any value, 0 = long axis
 /// @param z          of cam_eval_height()
-/// @return           derivatives per knot interval of 2^-(log2_knots + log2_repeat) turn
+/// @return           for cam_eval_quintic(), whose derivatives are then per knot interval of
+///                   2^-(log2_knots + log2_repeat) turn
 /// Context: ISR or slow side, constant time. Source: TABLE_FORMAT.md.
-static inline cam_fine_t cam_eval_at(const cam_channel_t *ch, uint32_t theta_q32, cam_height_t z)
+CAM_EVAL_INLINE cam_segment_t cam_eval_segment(const cam_channel_t *ch, uint32_t theta_q32,
+                                               cam_height_t z)
 {
     const uint32_t pattern_q32 = theta_q32 << ch->log2_repeat;
     const uint32_t n_knots = 1u << ch->log2_knots;
     const uint32_t k = pattern_q32 >> (32u - ch->log2_knots);
     const uint32_t k_next = (k + 1u) & (n_knots - 1u);
-    const int32_t s_q32 = (int32_t)((pattern_q32 << ch->log2_knots) ^ 0x80000000u);
     const cam_knot_t *low = ch->knots + ((size_t)z.i << ch->log2_knots);
     const cam_knot_t *high = low + n_knots;
-    return cam_eval_quintic(cam_eval_knot(low + k, high + k, z.w_q31),
-                            cam_eval_knot(low + k_next, high + k_next, z.w_q31), s_q32);
+    return (cam_segment_t){
+        .k0 = cam_eval_knot(low + k, high + k, z.w_q31),
+        .k1 = cam_eval_knot(low + k_next, high + k_next, z.w_q31),
+        .s_q32 = (int32_t)((pattern_q32 << ch->log2_knots) ^ 0x80000000u),
+    };
 }
 
 /// Evaluate a channel over angle and height.
@@ -163,7 +179,7 @@ static inline cam_value_t cam_eval_surface(const cam_channel_t *ch, uint32_t the
                                            int32_t z_nm)
 {
     const cam_height_t z = cam_eval_height(ch, z_nm);
-    return cam_eval_rounded(cam_eval_at(ch, theta_q32, z), z.is_clamped);
+    return cam_eval_rounded(cam_eval_quintic(cam_eval_segment(ch, theta_q32, z)), z.is_clamped);
 }
 
 /// Evaluate a channel over height alone.
@@ -175,9 +191,12 @@ static inline cam_value_t cam_eval_profile(const cam_channel_t *ch, int32_t z_nm
 {
     const cam_height_t z = cam_eval_height(ch, z_nm);
     const cam_knot_t *k = ch->knots + z.i;
-    const int32_t s_q32 = (int32_t)(((uint32_t)z.w_q31 << 1) ^ 0x80000000u);
-    return cam_eval_rounded(cam_eval_quintic(cam_eval_guarded(k), cam_eval_guarded(k + 1), s_q32),
-                            z.is_clamped);
+    const cam_segment_t at = {
+        .k0 = cam_eval_guarded(k),
+        .k1 = cam_eval_guarded(k + 1),
+        .s_q32 = (int32_t)(((uint32_t)z.w_q31 << 1) ^ 0x80000000u),
+    };
+    return cam_eval_rounded(cam_eval_quintic(at), z.is_clamped);
 }
 
 #endif

@@ -17,10 +17,10 @@
 #include <stdbool.h>       // bool
 #include <stdint.h>        // int32_t, int64_t
 
+enum { cam_guard_count_bits = 8 }; ///< faults are counted modulo 256
+
 /// Configuration, made by cam_config_build().
 typedef struct {
-    uint32_t late_clocks;                 ///< [1 / clock_hz] distance of two ticks that is too long
-    uint32_t off_time_clocks;             ///< [1 / clock_hz] ... that shows in the set-points
     int32_t overspeed_q32;                ///< [turn / 2^32 per tick]
     int32_t stopped_q32;                  ///< [turn / 2^32 per tick]
     uint32_t stopped_ticks;               ///< [ticks] in the cut
@@ -35,38 +35,28 @@ typedef struct {
 
 /// State; zero-initialised is: no faults.
 typedef struct {
-    uint32_t faults;              ///< latched
-    uint32_t first_faults;        ///< those of the tick that entered the fault state
-    uint32_t count[cam_n_faults]; ///< times latched
+    uint32_t faults;                      ///< latched
+    uint32_t first_faults;                ///< those of the tick that entered the fault state
+    uint32_t count[cam_guard_count_bits]; ///< times latched, cam_guard_count()
     bool is_retracted;
-    uint32_t n_off_time; ///< not 0: this tick or the last one came off its time
-    uint32_t max_period; ///< [1 / clock_hz] longest distance of two ticks
-    uint32_t n_late;
     uint32_t n_stopped; ///< [ticks] without rotation
     int64_t x_off_q10;  ///< target of X in the fault state
     int32_t u_set_q6;   ///< [nm / 64] U written last
     int32_t u_step_q6;  ///< [nm / 64 per tick] its last step
 } cam_guard_t;
 
-/// What is written.
-typedef struct {
-    cam_state_t state;
-    int32_t u_set_q6; ///< [nm / 64] U at the tool, as written
-    int32_t spindle_mrpm;
-    uint32_t outputs;  ///< hal_out_*
-    uint32_t faults;   ///< latched
-    bool is_retracted; ///< tool at rest out of the work
-} cam_safe_t;
-
 /// Judge one tick.
 /// @param angle  spindle with the faults seen there and the distance to the last tick
-/// @param want   what play wants, with the faults seen there
+/// @param want   what play wants, with the faults seen there; made what is written: state fault
+///               from the tick on in which a fault appears, latched faults, outputs
 /// @param axis   [hal_n_axes] set-points that play wants, made those that may be written
-/// @param safe   what may be written; state fault from the tick on in which a fault appears
 /// Constant time.
 CAM_STAGE void cam_guard_step_isr(cam_guard_t *g, const cam_guard_config_t *cfg,
-                                  const cam_sense_t *in, const cam_angle_t *angle,
-                                  const cam_want_t *want, cam_move_t *axis, cam_safe_t *safe);
+                                  const cam_sense_t *in, const cam_angle_t *angle, cam_want_t *want,
+                                  cam_move_t *axis);
+
+/// @return times that a fault was latched, modulo 2^cam_guard_count_bits. Context: slow side.
+uint32_t cam_guard_count(const cam_guard_t *g, cam_fault_t fault);
 
 /// @return mask of the faults that are watched in a state. Context: both sides.
 uint32_t cam_guard_armed(cam_state_t state);

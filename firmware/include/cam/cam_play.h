@@ -8,13 +8,10 @@
 ///     spindle = mean speed, or mean * (1 + envelope * (ratio(angle, Z) - 1)) where the table
 ///               modulates it (cam_speed.h)
 /// U is read in every tick, at the angle that the spindle will have when the drive's dead time has
-/// passed. What changes slowly is planned in turns, one of four tasks per tick: position -> height
-/// and envelope; X, and the ways of all to the end of the next four ticks; speed ratio; speed law.
-/// Between two plans envelope, X and Z move linearly, X and Z read ahead by the lag of their
-/// drives. The envelope rises and falls by the quintic smooth step, so depth and amplitude start
-/// and end without a jump in speed; that of the acceleration is below that of four ticks' way along
-/// the step. In all other states the axes move to places within their limits (cam_move.h). Context:
-/// ISR unless noted.
+/// passed. What changes slowly, all the rest, is planned in rounds of ten ticks (cam_plan.h), X
+/// and Z ahead by the lag of their drives. The envelope rises and falls by the quintic smooth step,
+/// so depth and amplitude start and end without a jump in speed. In all other states the axes move
+/// to places within their limits (cam_move.h). Context: ISR unless noted.
 #ifndef CAM_PLAY_H
 #define CAM_PLAY_H
 
@@ -28,17 +25,17 @@
 
 enum {
     cam_play_history = 64, ///< ticks of U kept to know what is due; a power of two
-    cam_play_tasks = 4,    ///< ticks from one plan to the next; a power of two
+    cam_plan_tasks = 10,   ///< ticks of a round of cam_plan.h
 };
 
-/// Powers of two and limits that bring what the table says of U to nm / 64 and nm / 1024.
+/// Powers of two that bring what the table says of U to nm / 64 and nm / 1024.
 typedef struct {
-    int32_t speed_max_q32; ///< [turn / 2^32 per tick] derivatives are taken at no more than this
-    uint32_t speed_shift;  ///< speed << this is below 2^30
-    int32_t offset;        ///< value at p = 0 in the unit of y >> y_down
-    uint32_t y_down, y_shift;
-    uint32_t v_down, v_shift;
-    uint32_t a_down, a_shift;
+    uint32_t speed_shift; ///< speed << this is below 2^30
+    int32_t offset;       ///< value at p = 0 in the unit of y
+    uint32_t scale_down;  ///< scale_q30 >> this makes the factor of y
+    uint32_t y_up, v_up;  ///< shifts of the high words of the products
+    uint32_t a_down;      ///< of d2 before, and
+    uint32_t a_shift;     ///< of the product
     uint32_t alpha_shift;
 } cam_u_scale_t;
 
@@ -47,8 +44,10 @@ typedef struct {
     const cam_table_t *table; ///< NULL: none, enable is refused
     cam_u_scale_t u;
     int32_t lead_q16;                  ///< [ticks] dead time of U, below cam_play_history - 2
+    uint32_t lead_ticks;               ///< [ticks] whole ones of it
+    int32_t lead_part_q31;             ///< [ticks / 2^31] the rest
     int32_t xz_lag_q16;                ///< [ticks] lag of X and Z
-    int32_t u_plan_q16, xz_plan_q16;   ///< [ticks] ... and four more: the end of a plan
+    int32_t u_plan_q16, xz_plan_q16;   ///< [ticks] ... and those to the end of a plan
     int32_t u_behind_q16;              ///< [ticks] U is read this much behind X and Z
     int32_t xz_lag2;                   ///< [ticks^2] (lag / 2)^2: what two equal poles lag more
                                        ///< while the spindle accelerates
@@ -66,7 +65,7 @@ typedef struct {
     int32_t turning_q32;         ///< [turn / 2^32 per tick] slower does not count as turning
     bool is_z_measured;
     int64_t u_retract_q10;                  ///< [nm / 1024]
-    int64_t x_clearance_q10;                ///< [nm / 1024]
+    int32_t x_clearance_nm;                 ///< [nm]
     cam_move_limits_t approach[hal_n_axes]; ///< gentle limits outside the cut
     int32_t spindle_mrpm;                   ///< mean set-point, signed by the table's direction
     cam_speed_config_t speed;               ///< modulation, of a table with a speed channel
@@ -75,58 +74,58 @@ typedef struct {
 /// State; zero-initialised is off.
 typedef struct {
     cam_state_t state;
-    uint32_t request;         ///< serial number of the last one carried out
-    bool is_approaching;      ///< engaging, but not yet at the start
-    bool is_retracted;        ///< in state fault: the guard's retract has ended
-    uint32_t task;            ///< of the next tick, modulo cam_play_tasks
-    int64_t engage_at_q32;    ///< [turn] master position where the envelope starts to rise
-    int64_t feed_at_q32;      ///< ... where Z starts
-    int64_t disengage_at_q32; ///< ... where the envelope starts to fall
-    int64_t feed_turns_q32;   ///< [turn] length of the feed, shorter after a stop
-    int32_t plan_z_nm;        ///< [nm] height at the end of the next ways
+    uint32_t request;            ///< serial number of the last one carried out
+    bool is_approaching;         ///< engaging, but not yet at the start
+    bool is_retracted;           ///< in state fault: the guard's retract has ended
+    cam_move_t axis[hal_n_axes]; ///< set-points written last
+    uint32_t task;               ///< of the next tick
+    int64_t engage_at_q32;       ///< [turn] master position where the envelope starts to rise
+    int64_t feed_at_q32;         ///< ... where Z starts
+    int64_t disengage_at_q32;    ///< ... where the envelope starts to fall
+    int64_t feed_turns_q32;      ///< [turn] length of the feed, shorter after a stop
+    int64_t plan_pos_q32;        ///< [turn] what X and Z are planned for
+    int32_t plan_z_nm;           ///< [nm] height there
+    int64_t plan_x_q10;          ///< [nm / 1024] X there
     int32_t u_envelope_q30, x_envelope_q30; ///< [1] of U and X there
     int32_t measured_z_nm;                  ///< [nm] of the last plan
     int32_t z_behind_nm;                    ///< [nm] U is played this much behind Z's set-point
     int32_t phase_q32, phase_way_q32;       ///< [turn / 2^32], per tick
     int32_t amplitude_q30;                  ///< ramped
     int32_t scale_q30, scale_way_q30;       ///< [1] amplitude * envelope, per tick
-    cam_ratio_t ratio;                      ///< of the last task "ratio"
-    cam_speed_t speed;                      ///< what the spindle is told in this tick
-    int32_t alpha_u;                        ///< its acceleration in the unit of U's
-    int32_t history_q6[cam_play_history];   ///< [nm / 64] U set-points
+    cam_segment_t ratio_at; ///< place on the speed channel, of task "place of the ratio"
+    cam_ratio_t ratio;      ///< of task "ratio"
+    cam_speed_t speed;      ///< what the spindle is told in this tick
+    int32_t alpha_u;        ///< its acceleration in the unit of U's
+    int32_t history_q6[cam_play_history]; ///< [nm / 64] U set-points
     uint32_t n_history;
 } cam_play_t;
 
-/// What play wants of the machine, besides the axes that it moves.
+/// What play wants of the machine, besides the axes; then what the guard made of it.
 typedef struct {
     cam_state_t state;
-    int32_t z_nm;     ///< [nm] height played
-    int32_t u_set_q6; ///< [nm / 64] U at the tool
-    int32_t u_due_q6; ///< [nm / 64] where U should be now
+    bool is_retracted; ///< guard: tool at rest out of the work
+    int32_t z_nm;      ///< [nm] height played
+    int32_t u_set_q6;  ///< [nm / 64] U at the tool
+    int32_t u_due_q6;  ///< [nm / 64] where U should be now
     int32_t spindle_mrpm;
-    uint32_t faults; ///< z_range, table
+    uint32_t faults;  ///< play: z_range, table; guard: latched
+    uint32_t outputs; ///< guard: hal_out_*
 } cam_want_t;
 
 /// One tick of the sequence.
 /// @param cfg    configuration with a table, unless the state is off or fault
 /// @param in     what this tick sensed, with the request of the slow side
 /// @param angle  the spindle
-/// @param axis   [hal_n_axes] set-points of the last tick, moved to those of this one
 /// @param want   result
 /// Constant time in each state; states that play the table are the longest.
 CAM_STAGE void cam_play_step_isr(cam_play_t *p, const cam_play_config_t *cfg, const cam_sense_t *in,
-                                 const cam_angle_t *angle, cam_move_t *axis, cam_want_t *want);
+                                 const cam_angle_t *angle, cam_want_t *want);
 
-/// Take over what the guard made of it.
-static inline void cam_play_settle_isr(cam_play_t *p, cam_state_t state, bool is_retracted)
+/// The guard is in state fault: so is play.
+static inline void cam_play_settle_isr(cam_play_t *p, bool is_retracted)
 {
-    p->state = state;
+    p->state = cam_state_fault;
     p->is_retracted = is_retracted;
 }
-
-/// Quintic smooth step 10 s^3 - 15 s^4 + 6 s^5.
-/// @param s_q31  [1 / 2^31] 0 .. 2^31 - 1
-/// @return       [1 / 2^30] 0 .. 2^30, error below 2^-27
-int32_t cam_play_smooth_q30(int32_t s_q31);
 
 #endif

@@ -39,6 +39,19 @@ typedef struct {
 /// One in the ratio's format.
 #define CAM_RATIO_ONE_Q28 (INT32_C(1) << 28)
 
+/// Ratio and slope in their own units.
+/// @param ch     passed cam_table_check(), kind speed: a ratio of 1/4 .. 4
+/// @param value  of that channel
+static inline cam_ratio_t cam_speed_scaled(const cam_channel_t *ch, cam_value_t value)
+{
+    const uint32_t shift = ch->log2_knots + ch->log2_repeat;
+    const int32_t above_q28 = (int32_t)((uint32_t)value.y << (8u - ch->frac_bits));
+    return (cam_ratio_t){
+        .ratio_q28 = cam_wrap_add(ch->offset_nm * 256, above_q28),
+        .slope_q20 = cam_sat_i32(((int64_t)value.d1 * (INT64_C(1) << shift)) >> ch->frac_bits),
+    };
+}
+
 /// Evaluate a speed channel.
 /// @param ch          passed cam_table_check(), kind speed
 /// @param theta_q32   [turn / 2^32] any value, 0 = long axis
@@ -46,12 +59,7 @@ typedef struct {
 /// Context: ISR or slow side. Error: 2 LSB of the channel, 2 LSB per knot interval of the slope.
 static inline cam_ratio_t cam_speed_ratio(const cam_channel_t *ch, uint32_t theta_q32, int32_t z_nm)
 {
-    const cam_value_t value = cam_eval_surface(ch, theta_q32, z_nm);
-    const uint32_t shift = ch->log2_knots + ch->log2_repeat;
-    return (cam_ratio_t){
-        .ratio_q28 = ch->offset_nm * 256 + (int32_t)(((int64_t)value.y * 256) >> ch->frac_bits),
-        .slope_q20 = cam_sat_i32(((int64_t)value.d1 * (INT64_C(1) << shift)) >> ch->frac_bits),
-    };
+    return cam_speed_scaled(ch, cam_eval_surface(ch, theta_q32, z_nm));
 }
 
 /// From ratio to set-point and acceleration.

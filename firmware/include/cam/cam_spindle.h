@@ -37,6 +37,7 @@ typedef struct {
     uint32_t tick_clocks;             ///< [1 / clock_hz] period
     uint32_t early_clocks;            ///< [1 / clock_hz] shortest period that counts as on time
     uint32_t on_time_clocks;          ///< [1 / clock_hz] width of what counts as on time
+    uint32_t late_clocks;             ///< [1 / clock_hz] a longer period is a fault
     uint32_t ticks_per_clock_q32;     ///< [ticks per unit of the time stamp]
 } cam_spindle_config_t;
 
@@ -50,18 +51,28 @@ typedef struct {
     int32_t index_error;   ///< [counts] sum of deviations since the first edge
     int32_t since_index;   ///< [counts] travel since the last edge
     int32_t in_turn;       ///< [counts] 0 .. counts_per_turn - 1 since the index
+    bool is_off_time;      ///< the last tick came visibly off its time
+    uint32_t max_period;   ///< [1 / clock_hz] longest distance of two ticks
+    uint32_t n_late;       ///< ticks beyond late_clocks
     int64_t pos_q32;       ///< [turn, Q32.32] observer
     int64_t speed_q64;     ///< [turn / 2^64 per tick] observer
 } cam_spindle_t;
 
 /// What the room knows of the spindle after this step.
 typedef struct {
-    int64_t pos_q32;        ///< [turn, Q32.32] master position at the instant of sensing
-    int32_t speed_q32;      ///< [turn / 2^32 per tick]
-    uint32_t period_clocks; ///< [1 / clock_hz] since the last tick
-    bool is_synced;         ///< the angle is known
-    uint32_t faults; ///< encoder_jump, lost_counts, index_missing as they appear in this tick
+    int64_t pos_q32;   ///< [turn, Q32.32] master position at the instant of sensing
+    int32_t speed_q32; ///< [turn / 2^32 per tick]
+    bool is_off_time;  ///< this tick or the last one came visibly off its time
+    bool is_synced;    ///< the angle is known
+    uint32_t faults;   ///< late_tick, encoder_jump, lost_counts, index_missing of this tick
 } cam_angle_t;
+
+/// @param ticks_q16  [ticks / 2^16] 0 .. 2^31 - 1
+/// @return           [turn, Q32.32] master position after some ticks at this speed
+static inline int64_t cam_angle_ahead(const cam_angle_t *angle, int32_t ticks_q16)
+{
+    return angle->pos_q32 + (((int64_t)angle->speed_q32 * ticks_q16) >> 16);
+}
 
 /// Take one reading.
 /// @param s    state

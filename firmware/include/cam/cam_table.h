@@ -39,7 +39,7 @@ typedef struct {
     uint32_t n_slices;          ///< 2 .. 4096
     uint32_t log2_knots;        ///< u, speed: 2 .. 12; x: 0
     uint32_t log2_repeat;       ///< u, speed: patterns per turn, 0 .. 4; x: 0
-    uint32_t frac_bits;         ///< LSB = 2^-frac_bits nm, 0 .. 16
+    uint32_t frac_bits;         ///< LSB = 2^-frac_bits nm, 0 .. 8
     int32_t z_first_nm;         ///< [nm] height of slice 0
     uint32_t span_nm;           ///< [nm] height of the last slice above slice 0
     uint32_t slices_per_nm_q48; ///< [slices/nm] >= 2^24

@@ -44,7 +44,6 @@ typedef struct {
     cam_spindle_t spindle;
     cam_play_t play;
     cam_guard_t guard;
-    cam_move_t axis[hal_n_axes]; ///< set-points written last
     uint32_t tick;
     const cam_tick_record_t *_Atomic newest; ///< NULL before the first tick
     _Atomic uint32_t n_published;            ///< ticks that are complete

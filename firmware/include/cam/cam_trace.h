@@ -6,7 +6,6 @@
 #ifndef CAM_TRACE_H
 #define CAM_TRACE_H
 
-#include "cam/cam_guard.h"   // cam_safe_t
 #include "cam/cam_play.h"    // cam_want_t
 #include "cam/cam_spindle.h" // cam_angle_t
 #include "cam/cam_state.h"   // cam_sense_t
@@ -24,8 +23,7 @@ typedef struct {
     uint32_t config;                ///< generation of the configuration in force
     cam_sense_t in;                 ///< sense
     cam_angle_t angle;              ///< angle
-    cam_want_t want;                ///< play
-    cam_safe_t safe;                ///< guard
+    cam_want_t want;                ///< play, guard
     hal_setpoint_t out[hal_n_axes]; ///< what was written to the axes
 } cam_tick_record_t;
 
@@ -44,8 +42,8 @@ typedef struct {
 /// the last record lies. Context: ISR, constant time.
 cam_tick_record_t *cam_trace_slot_isr(cam_trace_t *trace, bool is_wanted);
 
-/// The record is complete: hand it to the reader. One that found no place was counted as dropped.
-/// Context: ISR, constant time.
+/// The record is complete and a release fence was passed: hand it to the reader. One that found no
+/// place was counted as dropped. Context: ISR, constant time.
 void cam_trace_commit_isr(cam_trace_t *trace);
 
 /// Take the oldest record.

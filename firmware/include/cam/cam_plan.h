@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+/// cam_plan: what changes slowly in a cut, planned ahead by one task per tick.
+///
+/// A round of ten ticks: height; envelope of X; envelope of U; X; the ways of all to the planned
+/// instant; three for the speed of the spindle; state and place of Z; phase and amplitude. The
+/// instant is the end of those ways, so between two rounds envelope, X and Z move linearly and
+/// arrive exactly. In between they are off the true course by at most its second derivative times
+/// (10 ticks)^2 / 8.
+/// Context: ISR.
+#ifndef CAM_PLAN_H
+#define CAM_PLAN_H
+
+#include "cam/cam_play.h"    // cam_play_t, cam_play_config_t
+#include "cam/cam_spindle.h" // cam_angle_t
+#include "cam/cam_state.h"   // cam_sense_t
+#include <stdint.h>          // int32_t, int64_t
+
+/// The task of this tick.
+/// @return fault z_range or none
+/// Constant time in each task.
+CAM_STAGE uint32_t cam_plan_task_isr(cam_play_t *p, const cam_play_config_t *cfg,
+                                     const cam_sense_t *in, const cam_angle_t *angle);
+
+/// @return [nm / 1024] X where the tool tip lies on the long half axis at a height
+CAM_STAGE int64_t cam_plan_profile_q10(const cam_play_config_t *cfg, int32_t z_nm);
+
+/// Quintic smooth step 10 s^3 - 15 s^4 + 6 s^5.
+/// @param s_q31  [1 / 2^31] 0 .. 2^31 - 1
+/// @return       [1 / 2^30] 0 .. 2^30, error below 2^-24
+int32_t cam_plan_smooth_q30(int32_t s_q31);
+
+#endif
