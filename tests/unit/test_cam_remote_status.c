@@ -130,11 +130,13 @@ static void test_status_tells_speed_and_height(void)
 static hal_can_frame_t motion_of(uint32_t tick_hz, int32_t speed_q32, int32_t z_nm)
 {
     begin(tick_hz);
-    cam_status_t *newest = &g_cam.status[g_cam.n_published & 1u];
-    newest->tick += tick_hz;
-    newest->speed_q32 = speed_q32;
-    newest->z_nm = z_nm;
-    newest->n_late = 0x89ABCDEFu;
+    static cam_tick_record_t record;
+    record = *g_cam.newest;
+    record.tick += tick_hz;
+    record.angle.speed_q32 = speed_q32;
+    record.want.z_nm = z_nm;
+    g_cam.newest = &record;
+    g_cam.spindle.n_late = 0x89ABCDEFu;
     cam_remote_poll(&f.remote);
     return fixture_remote_sent(0x280);
 }
