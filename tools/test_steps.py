@@ -132,6 +132,7 @@ def source_checks(tally: Tally) -> None:
     gate(tally, "ruff format", *ruff, "format", "--check", "--config", PYPROJECT, "tools", "tests")
     gate(tally, "ruff check", *ruff, "check", "--config", PYPROJECT, "tools", "tests")
     gate(tally, "mypy", PYTHON, "-m", "mypy", "--config-file", PYPROJECT, "tools", "tests")
+    gate(tally, "misra", ROOT / "tools" / "misra")
 
 
 def coverage(tally: Tally) -> None:

@@ -26,6 +26,7 @@ MODULES = [
     "generate",
     "geometry",
     "image",
+    "misra",
     "mktables",
     "output",
     "part",
