@@ -171,7 +171,9 @@ def main() -> int:
             pytest(tally, "host-asan", SIMULATOR_PATHS)
         coverage(tally)
         for board in ("mcu-qemu", "mcu-qemu-m4"):
-            build_and_ctest(tally, board)
+            if build_and_ctest(tally, board):
+                same = (PYTHON, "-m", "camtools.same_bytes", board, "test_budget")
+                gate(tally, f"same bytes {board}", *same)
 
     for step in tally.failed_steps:
         print(f"failed: {step}")

@@ -33,6 +33,7 @@ MODULES = [
     "part_errors",
     "plots",
     "quantise",
+    "same_bytes",
     "search",
     "sections",
     "summary",

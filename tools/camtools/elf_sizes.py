@@ -1,7 +1,9 @@
 """Sizes of the modules of an image, by source file, against recorded ones.
 
 Code counts for the file it is written in, wherever it was inlined; constants and variables for
-the file that defines them.
+the file that defines them. Not counted is what has no name, as the texts of messages; after
+link-time optimisation the binary utilities find no file for constants and variables either, and
+constants must stand in a section of their own (.rodata), not in .text.
 
 >>> grown = compare({"a.c": Size(code=1200)}, {"a.c": Size(code=1100)})
 >>> [str(one) for one in grown]
