@@ -7,7 +7,6 @@ typedef struct {
     const char *text;
 } err_text_t;
 
-// MISRA D17
 static const err_text_t entries[] = {
     {cam_ok, "done"},
     {cam_err_image_address, "the image is not aligned to 4 bytes"},

@@ -67,6 +67,14 @@ def test_problems_fail(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> No
 
 
 @needs_gcc
+def test_bound_without_loop_is_noted(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """It may be needed on another core, so it is no failure."""
+    link(tmp_path, "void root(void) {}")
+    assert isr(tmp_path, "--loops", str(loops_file(tmp_path, 5))) == 0
+    assert "note: no loop of root is reached" in capsys.readouterr().out
+
+
+@needs_gcc
 def test_bad_input_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """A missing symbol, a missing image, an output without the measured line: status 2."""
     link(tmp_path, LOOP)

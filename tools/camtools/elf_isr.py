@@ -58,6 +58,7 @@ class IsrReport:
     loops: list[LoopReport] = field(default_factory=list)
     problems: list[str] = field(default_factory=list)
     n_frames_compared: int = 0
+    bounds_used: set[str] = field(default_factory=set)
 
     @property
     def instructions(self) -> int:
@@ -128,6 +129,7 @@ class _Walk:
 
     def _rounds(self, flow: Flow, loop: Loop) -> int:
         places = places_of(self.image, loop)
+        self.report.bounds_used |= {place.function for place in places} & self.bounds.keys()
         runs = head_runs(flow, loop, places, self.bounds)
         found = LoopReport(flow.function.name, loop.head, places, runs or 1)
         if runs is None:

@@ -106,6 +106,8 @@ def _check_isr(arguments: argparse.Namespace) -> int:
         print(f"measured maximum {most} instructions")
         if report.instructions < most:
             failures.append(f"the bound {report.instructions} lies below the measured {most}")
+    for name in sorted(bounds.keys() - report.bounds_used):
+        print(f"note: no loop of {name} is reached, its bound is not needed here")
     for failure in failures:
         print(f"FAILED: {failure}")
     return FAILED if failures else 0
