@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """elfcheck follows every way through an interrupt: calls, jumps, tables, loops."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """elfcheck refuses what an interrupt may not reach, and knows its stack."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The MISRA gate: deviations cover what they say and nothing else."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 r"""Control flow of one function of an ARM image: where each instruction may go next.
 
 >>> from camtools.elf_image import parse_code

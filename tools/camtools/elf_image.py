@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 r"""An ARM image as text of the binary utilities, read into functions of instructions.
 
 >>> code = parse_code('''

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Everything that an interrupt can reach in an image: longest path, stack, what is forbidden."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Longest path through a graph whose loops have bounds.
 
 A loop that is entered once and whose head runs at most three times, between 1 and 4:

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """How often the loops of an interrupt run: a table next to the instruction budget.
 
 >>> bounds = parse_bounds("loops.toml", '''

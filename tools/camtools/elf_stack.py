@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 r"""Stack that one function of an ARM image takes, from its instructions and from its call frames.
 
 >>> from camtools.elf_image import parse_code

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Command line of the checks of an ARM image: its interrupt, its sizes.
 
 >>> measured_max("ctest.log", "budget-max 2803")

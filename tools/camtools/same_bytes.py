@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Command line: the same sources, built twice in different folders, give the same image.
 
 >>> difference(b"same bytes", b"same bytes") is None
