@@ -5,9 +5,9 @@
 typedef struct {
     cam_err_t err;
     const char *text;
-} entry_t;
+} err_text_t;
 
-static const entry_t entries[] = {
+static const err_text_t entries[] = {
     {cam_ok, "done"},
     {cam_err_image_address, "the image is not aligned to 4 bytes"},
     {cam_err_image_size, "the image is cut off or has bytes behind its end"},

@@ -38,7 +38,8 @@ static cam_err_t hand_over(cam_machine_t *m, const cam_params_t *params, const c
     const cam_err_t err =
         cam_config_build(half, params, table, limit_mrpm, m->tick_hz, m->clock_hz);
     if (err == cam_ok) {
-        half->generation = ++m->generation;
+        m->generation++;
+        half->generation = m->generation;
         cam_config_offer(&m->core->config);
     }
     return err;
@@ -46,7 +47,7 @@ static cam_err_t hand_over(cam_machine_t *m, const cam_params_t *params, const c
 
 void cam_machine_init(cam_machine_t *m, cam_t *core, uint32_t tick_hz, uint32_t clock_hz)
 {
-    memset(core, 0, sizeof *core);
+    (void)memset(core, 0, sizeof *core);
     *m = (cam_machine_t){
         .core = core, .params = cam_param_defaults(), .tick_hz = tick_hz, .clock_hz = clock_hz};
     // The tick does not run yet, so both halves are free; defaults fit every tick rate from 500 Hz

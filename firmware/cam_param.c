@@ -33,7 +33,7 @@ cam_params_t cam_param_defaults(void)
 int32_t cam_param_get(const cam_params_t *params, cam_param_id_t id)
 {
     int32_t value = 0;
-    memcpy(&value, (const char *)params + offsets[id], sizeof value);
+    (void)memcpy(&value, (const char *)params + offsets[id], sizeof value);
     return value;
 }
 
@@ -47,6 +47,6 @@ cam_err_t cam_param_set(cam_params_t *params, cam_param_id_t id, int32_t value)
     if (value < info->min || value > info->max || is_no_sign) {
         return cam_err_param_range;
     }
-    memcpy((char *)params + offsets[id], &value, sizeof value);
+    (void)memcpy((char *)params + offsets[id], &value, sizeof value);
     return cam_ok;
 }

@@ -66,19 +66,19 @@ uint32_t cam_crc32(uint32_t crc, const void *data, size_t n)
         0x9B64C2B0u, 0x86D3D2D4u, 0xA00AE278u, 0xBDBDF21Cu,
     };
     const uint8_t *bytes = data;
-    crc = ~crc;
+    uint32_t rest = ~crc;
     for (size_t i = 0; i < n; i++) {
-        crc ^= bytes[i];
-        crc = (crc >> 4) ^ nibble[crc & 15u];
-        crc = (crc >> 4) ^ nibble[crc & 15u];
+        rest ^= bytes[i];
+        rest = (rest >> 4) ^ nibble[rest & 15u];
+        rest = (rest >> 4) ^ nibble[rest & 15u];
     }
-    return ~crc;
+    return ~rest;
 }
 
 static uint32_t word_at(const uint8_t *image, size_t at)
 {
     uint32_t word = 0;
-    memcpy(&word, image + at, sizeof word);
+    (void)memcpy(&word, image + at, sizeof word);
     return word;
 }
 
@@ -125,7 +125,7 @@ static bool is_within(int64_t value, int64_t low, int64_t high)
 
 static cam_err_t check_header(const uint8_t *image, header_fields_t *h)
 {
-    memcpy(h, image + at_z_first, sizeof *h);
+    (void)memcpy(h, image + at_z_first, sizeof *h);
     const uint32_t n_channels = word_at(image, at_n_channels);
     const bool is_sound =
         word_at(image, at_header_size) == cam_table_header_size &&
@@ -252,7 +252,7 @@ static cam_err_t check_knots(const entry_t *e, const cam_knot_t *knots)
 
 /// @return at most: a derivative per knot interval as one per rad; |x| < 2^41; 2^24 / 2 pi rounded
 /// down
-static int64_t per_rad(int64_t x, uint32_t turn_shift)
+static int64_t knot_per_rad(int64_t x, uint32_t turn_shift)
 {
     return (x * 2670176) >> 24 << turn_shift;
 }
@@ -269,9 +269,9 @@ static cam_err_t check_stroke(const entry_t *e, const header_fields_t *h)
 static cam_err_t check_peaks(const entry_t *e, const header_fields_t *h)
 {
     const uint32_t turn_shift = e->log2_knots + e->log2_repeat;
-    const int64_t u1 = per_rad(e->v_max, turn_shift) >> e->frac_bits;
+    const int64_t u1 = knot_per_rad(e->v_max, turn_shift) >> e->frac_bits;
     const int64_t u2 =
-        per_rad(per_rad(INT64_C(2) * e->a_max, turn_shift), turn_shift) >> e->frac_bits;
+        knot_per_rad(knot_per_rad(INT64_C(2) * e->a_max, turn_shift), turn_shift) >> e->frac_bits;
     const bool is_covered = u1 <= (int64_t)h->u1_peak_nm_per_rad &&
                             u2 <= (int64_t)h->u2_peak_nm_per_rad2 && h->spindle_peak_ppm == 0u;
     return is_covered ? cam_ok : cam_err_image_limits;
@@ -333,7 +333,8 @@ static cam_err_t check_channels(const uint8_t *image, const header_fields_t *h, 
     table->ratio_max_q20 = CAM_TABLE_RATIO_ONE;
     for (uint32_t i = 0; i < n; i++) {
         entry_t e;
-        memcpy(&e, image + cam_table_header_size + (size_t)i * cam_table_entry_size, sizeof e);
+        (void)memcpy(&e, image + cam_table_header_size + (size_t)i * cam_table_entry_size,
+                     sizeof e);
         const cam_err_t err = check_entry(&e, h, image, &used);
         if (err != cam_ok) {
             return err;
@@ -354,7 +355,7 @@ static cam_err_t check_channels(const uint8_t *image, const header_fields_t *h, 
 
 static void fill(const uint8_t *image, const header_fields_t *h, cam_table_t *table)
 {
-    memcpy(table->name, image + at_name, sizeof table->name);
+    (void)memcpy(table->name, image + at_name, sizeof table->name);
     table->z_first_nm = h->z_first_nm;
     table->z_last_nm = h->z_last_nm;
     table->direction = h->direction;
@@ -378,7 +379,7 @@ cam_err_t cam_table_check(const void *image, size_t size, cam_table_t *table)
     header_fields_t header;
     cam_table_t found = {0};
     *table = found;
-    if (image == NULL || (uintptr_t)image % sizeof(uint32_t) != 0u) {
+    if (image == NULL || (uintptr_t)image % sizeof(uint32_t) != 0u) { // MISRA D18
         return cam_err_image_address;
     }
     cam_err_t err = check_frame(image, size);

@@ -132,6 +132,7 @@ def source_checks(tally: Tally) -> None:
     gate(tally, "ruff format", *ruff, "format", "--check", "--config", PYPROJECT, "tools", "tests")
     gate(tally, "ruff check", *ruff, "check", "--config", PYPROJECT, "tools", "tests")
     gate(tally, "mypy", PYTHON, "-m", "mypy", "--config-file", PYPROJECT, "tools", "tests")
+    gate(tally, "misra", ROOT / "tools" / "misra")
 
 
 def coverage(tally: Tally) -> None:
@@ -170,7 +171,9 @@ def main() -> int:
             pytest(tally, "host-asan", SIMULATOR_PATHS)
         coverage(tally)
         for board in ("mcu-qemu", "mcu-qemu-m4"):
-            build_and_ctest(tally, board)
+            if build_and_ctest(tally, board):
+                same = (PYTHON, "-m", "camtools.same_bytes", board, "test_budget")
+                gate(tally, f"same bytes {board}", *same)
 
     for step in tally.failed_steps:
         print(f"failed: {step}")

@@ -12,6 +12,7 @@ target_compile_options(board PRIVATE -Wall -Wextra -Wconversion -Wshadow -Werror
 target_link_options(board INTERFACE
     -T${CMAKE_CURRENT_LIST_DIR}/mps2.ld -Wl,--defsym=mps2_psram=${board_psram} -Wl,--gc-sections
     -Wl,--no-warn-rwx-segments)
+set_target_properties(board PROPERTIES INTERFACE_LINK_DEPENDS ${CMAKE_CURRENT_LIST_DIR}/mps2.ld)
 
 set(CMAKE_CROSSCOMPILING_EMULATOR qemu-system-arm -M ${board_machine} -nographic -monitor none
     -serial none -semihosting-config enable=on,target=native -kernel)
