@@ -171,6 +171,7 @@ def main() -> int:
         coverage(tally)
         for board in ("mcu-qemu", "mcu-qemu-m4"):
             build_and_ctest(tally, board)
+        gate(tally, "cycles", PYTHON, "-m", "camtools.cycles", BUILD)
 
     for step in tally.failed_steps:
         print(f"failed: {step}")
