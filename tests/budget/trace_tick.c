@@ -3,6 +3,7 @@
 // longest tick by the counter, the second time to stop before it.
 #include "budget_count.h"
 #include "budget_strike.h"
+#include "budget_trace.h"
 #include "cam/cam_tick.h"
 #include "fixture_rig.h"
 #include <stdlib.h> // EXIT_SUCCESS
@@ -20,16 +21,6 @@ static fixture_rig_t rig;
 static search_t search;
 static uint32_t per_reading; ///< [instructions] what measuring costs
 
-/// A debugger stops here: the next call of cam_isr() is the longest tick of a session.
-/// @param n_instructions  that the counter found, the call included
-__attribute__((noipa)) void trace_longest(const char *session, uint32_t n_instructions);
-
-void trace_longest(const char *session, uint32_t n_instructions)
-{
-    (void)session;
-    (void)n_instructions;
-}
-
 void __real_cam_isr(void); // NOLINT(bugprone-reserved-identifier): names of the linker's --wrap
 void __wrap_cam_isr(void); // NOLINT(bugprone-reserved-identifier)
 
@@ -38,7 +29,7 @@ void __wrap_cam_isr(void) // NOLINT(bugprone-reserved-identifier)
 {
     search.n_ticks++;
     if (search.n_ticks == search.longest) {
-        trace_longest(search.session, search.instructions);
+        budget_trace(search.session, search.instructions, __real_cam_isr);
     }
     const uint32_t from = budget_count();
     __real_cam_isr();

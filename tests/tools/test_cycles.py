@@ -15,6 +15,7 @@ from camtools.cycles import (
     Span,
     allowances,
     estimate,
+    evaluation_table,
     fetch_cycles,
     load_percent,
     table,
@@ -106,6 +107,13 @@ def test_straight_line_spells_out_ranges() -> None:
     ]
 
 
+def test_straight_line_has_floating_point_constants() -> None:
+    """Objdump writes the eight bits of their code; any constant takes the same time."""
+    constant = Instruction(0, 4, "vmov.f32", "s11, #8")
+    assert straight_line([constant]) == ["vmov.f32 s11, #1.0"]
+    assert straight_line([Instruction(0, 4, "vmov", "s14, r3")]) == ["vmov s14, r3"]
+
+
 def test_taken_branches_count_calls_and_returns() -> None:
     """Call, return from it, and the return of the interrupt."""
     assert taken_branches(executed()) == 3
@@ -167,6 +175,16 @@ def test_estimate_needs_a_visible_port() -> None:
     """With the port inlined nothing could be said of it."""
     with pytest.raises(CamtoolsError, match="link-time"):
         estimate(Trace("s", 1, (0x106,)), parse_listing(LISTING), {}, STM32H743, {})
+
+
+@needs_mca
+def test_evaluation_is_the_core_alone() -> None:
+    """Neither port nor interrupt is charged to a function."""
+    text = evaluation_table(STM32G474, [Trace("ours", 11, PATH)], parse_listing(LISTING))
+    assert text.splitlines()[0] == "| evaluation, STM32G474 | instructions | cycles |"
+    line = text.splitlines()[2]
+    assert line.startswith("| ours | 11 | ")
+    assert line.endswith(f".. {table_cycles(executed())} |")
 
 
 @needs_mca

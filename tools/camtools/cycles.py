@@ -24,7 +24,7 @@ from camtools.stepper import (
     parse_listing,
     parse_symbols,
     run_tool,
-    trace_ticks,
+    trace_calls,
 )
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -224,7 +224,7 @@ def estimate(
     interrupt = ENTRY_CYCLES + EXIT_CYCLES
     late = machine.entry_late_cycles + (_STATE_CYCLES if uses_fpu else 0)
     return Estimate(
-        session=trace.session,
+        session=trace.name,
         instructions=len(everything),
         port_instructions=len(everything) - len(firmware),
         branches=taken_branches(firmware),
@@ -263,14 +263,41 @@ def _cold_load(e: Estimate, machine: Machine) -> str:
     return f"{load_percent(e.total.high + e.fetch, machine):.1f}"
 
 
-def measure(build: Path, machine: Machine) -> list[Estimate]:
-    """Step through the image of a preset and estimate its ticks."""
-    image = build / machine.preset / "tests" / "budget" / "trace_tick"
+def evaluation_table(
+    machine: Machine, traces: Sequence[Trace], listing: Mapping[int, Instruction]
+) -> str:
+    """Return instructions and cycles of single evaluations as a table in Markdown."""
+    lines = [f"| evaluation, {machine.name} | instructions | cycles |\n", "|---|---|---|\n"]
+    for trace in traces:
+        core = _core_cycles([listing[a] for a in trace.addresses], machine)
+        lines.append(f"| {trace.name} | {len(trace.addresses)} | {core} |\n")
+    return "".join(lines)
+
+
+@dataclass(frozen=True)
+class _Stepped:
+    """An image of a preset, and what was seen of it."""
+
+    symbols: Mapping[str, tuple[int, int]]
+    listing: Mapping[int, Instruction]
+    traces: Sequence[Trace]
+
+
+def _step(build: Path, machine: Machine, name: str) -> _Stepped:
+    image = build / machine.preset / "tests" / "budget" / name
     symbols = parse_symbols(run_tool(["arm-none-eabi-nm", "-S", image]))
     listing = parse_listing(run_tool(["arm-none-eabi-objdump", "-d", image]))
+    return _Stepped(symbols, listing, trace_calls(image, machine.board, symbols))
+
+
+def report(build: Path, machine: Machine) -> str:
+    """Step through the images of a preset; return the tables of ticks and of evaluations."""
     allowed = allowances(HAL_HEADER.read_text(encoding="utf-8"))
-    traces = trace_ticks(image, machine.board, symbols)
-    return [estimate(trace, listing, symbols, machine, allowed) for trace in traces]
+    seen = _step(build, machine, "trace_tick")
+    ticks = [estimate(t, seen.listing, seen.symbols, machine, allowed) for t in seen.traces]
+    evaluations = _step(build, machine, "test_compare")
+    text = evaluation_table(machine, evaluations.traces, evaluations.listing)
+    return f"{table(machine, ticks)}\n{text}\n"
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -292,7 +319,7 @@ def _parser() -> argparse.ArgumentParser:
 
 def _main(build: Path) -> int:
     for machine in (STM32H743, STM32G474):
-        sys.stdout.write(table(machine, measure(build, machine)) + "\n")
+        sys.stdout.write(report(build, machine))
         sys.stdout.flush()
     return 0
 

@@ -77,6 +77,8 @@ def straight_line(executed: Sequence[Instruction]) -> list[str]:
         if _MANY.match(name):
             lines += _one_by_one(Instruction(instruction.address, instruction.size, name, operands))
             continue
+        if name.startswith("vmov.f"):  # objdump shows the code of a constant, not the constant
+            operands = re.sub(r"#.*", "#1.0", operands)
         if name in ("bl", "blx"):
             name = "bx" if "x" in name else "b"
         lines.append(f"{name} {_TARGET.sub('target', operands)}".rstrip())

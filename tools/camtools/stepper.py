@@ -23,7 +23,7 @@ _LINE = re.compile(  # address, code, name, operands without comment
 _TIMEOUT_S = 60.0
 _MAX_STEPS = 100_000
 _CALL = 2  # instructions of a call that the counter may see or not
-_R0, _R1, _LR, _PC = 0, 1, 14, 15
+_R0, _R1, _R2, _LR, _PC = 0, 1, 2, 14, 15
 
 
 @dataclass(frozen=True)
@@ -46,11 +46,11 @@ class Instruction:
 
 @dataclass(frozen=True)
 class Trace:
-    """One tick, instruction by instruction.
+    """One call of a function, instruction by instruction.
 
     Attributes
     ----------
-    session : str
+    name : str
         Name that the image gives it.
     counted : int
         Instructions that the image's own counter found, one or two of the call among them.
@@ -58,7 +58,7 @@ class Trace:
         Of every instruction that was executed, in order.
     """
 
-    session: str
+    name: str
     counted: int
     addresses: tuple[int, ...]
 
@@ -147,7 +147,7 @@ class _Debugger:
                 return
             yield at
             self.ask("s")
-        raise CamtoolsError([f"a tick does not return within {_MAX_STEPS} instructions"])
+        raise CamtoolsError([f"a call does not return within {_MAX_STEPS} instructions"])
 
 
 @contextmanager
@@ -177,13 +177,13 @@ def _emulator(image: Path, machine: str) -> Iterator[_Debugger]:
             process.wait()
 
 
-def trace_ticks(image: Path, machine: str, symbols: Mapping[str, tuple[int, int]]) -> list[Trace]:
-    """Step through the tick behind every call of trace_longest().
+def trace_calls(image: Path, machine: str, symbols: Mapping[str, tuple[int, int]]) -> list[Trace]:
+    """Step through the calls that an image announces by budget_trace().
 
     Parameters
     ----------
     image : Path
-        That of tests/budget/trace_tick.c.
+        One of tests/budget; it must end without an error.
     machine : str
         The emulator's name of the board.
     symbols : mapping
@@ -196,13 +196,13 @@ def trace_ticks(image: Path, machine: str, symbols: Mapping[str, tuple[int, int]
     """
     traces = []
     with _emulator(image, machine) as debugger:
-        while debugger.run_to(symbols["trace_longest"][0]):
-            session = debugger.text(debugger.register(_R0))
+        while debugger.run_to(symbols["budget_trace"][0]):
+            name = debugger.text(debugger.register(_R0))
             counted = debugger.register(_R1)
-            debugger.run_to(symbols["cam_isr"][0])
+            debugger.run_to(debugger.register(_R2) & ~1)
             steps = tuple(debugger.steps_to(debugger.register(_LR) & ~1))
             if abs(len(steps) - counted) > _CALL:
-                msg = f"{session}: {len(steps)} instructions stepped, {counted} counted"
+                msg = f"{name}: {len(steps)} instructions stepped, {counted} counted"
                 raise CamtoolsError([msg])
-            traces.append(Trace(session, counted, steps))
+            traces.append(Trace(name, counted, steps))
     return traces
