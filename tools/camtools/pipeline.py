@@ -116,7 +116,7 @@ def table_cycles(executed: Sequence[Instruction]) -> int:
     Loads and stores two cycles although most pipeline to one, a division 12, three cycles to
     refill after every taken branch.
 
-    Source: Cortex-M4 Technical Reference Manual (100166), 3.3.1 and 7.2.3.
+    Source: Cortex-M4 Technical Reference Manual (100166), 3.3.1, and 7 for floating point.
     """
     return sum(map(_table, executed)) + _REFILL * taken_branches(executed)
 
