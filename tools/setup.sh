@@ -16,6 +16,7 @@ camturn_has() {
     libc6-dev) gcc -E -x c - <<<'#include <stdio.h>' ;;
     gcc-arm-none-eabi) command -v arm-none-eabi-gcc ;;
     libnewlib-arm-none-eabi) arm-none-eabi-gcc -E -x c - <<<'#include <stdio.h>' ;;
+    llvm-14) command -v llvm-mca-14 ;;
     libcjson-dev) pkg-config --exists libcjson ;;
     libinih-dev) pkg-config --exists inih ;;
     python3-venv) "$(camturn_python)" -c 'import ensurepip, venv' ;;

@@ -174,6 +174,7 @@ def main() -> int:
             if build_and_ctest(tally, board):
                 same = (PYTHON, "-m", "camtools.same_bytes", board, "test_budget")
                 gate(tally, f"same bytes {board}", *same)
+        gate(tally, "cycles", PYTHON, "-m", "camtools.cycles", BUILD)
 
     for step in tally.failed_steps:
         print(f"failed: {step}")

@@ -3,6 +3,7 @@
 // senses, counter wraps, uniform and modulated tables, few and many knots, random parameters.
 #include "budget.h"
 #include "budget_count.h"
+#include "budget_strike.h"
 #include "cam/cam_tick.h"
 #include "fixture_random.h"
 #include "fixture_rig.h"
@@ -141,39 +142,15 @@ static void test_size_of_the_table_costs_nothing(void)
     TEST_ASSERT_UINT32_WITHIN(few / 10u, few, ticks[cam_state_cutting].max);
 }
 
-static void strike(int fault)
-{
-    switch (fault) {
-    case 0:
-        hal_host_fault_estop(true);
-        break;
-    case 1:
-        hal_host_fault_drive(true);
-        break;
-    case 2:
-        hal_host_fault_counts(500);
-        break;
-    case 3:
-        hal_host_fault_encoder_stuck(true);
-        break;
-    case 4:
-        hal_host_fault_index_dead(true);
-        break;
-    default:
-        hal_host_fault_late(300);
-        break;
-    }
-}
-
 /// Every fault that the port can cause, with the retract behind it.
 static void test_faults_in_the_cut(void)
 {
-    for (int fault = 0; fault < 6; fault++) {
+    for (int fault = 0; fault < budget_n_strikes; fault++) {
         const fixture_part_t part = fixture_part_modulated();
         open_rig(&part, true);
         TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_cutting));
         fixture_rig_ticks(&rig, 100);
-        strike(fault);
+        budget_strike(fault);
         TEST_ASSERT_LESS_THAN_UINT32(20000, fixture_rig_until(&rig, cam_state_fault, 20000));
         fixture_rig_ticks(&rig, 2000);
     }
