@@ -175,6 +175,7 @@ def main() -> int:
                 same = (PYTHON, "-m", "camtools.same_bytes", board, "test_budget")
                 gate(tally, f"same bytes {board}", *same)
         gate(tally, "cycles", PYTHON, "-m", "camtools.cycles", BUILD)
+        build(tally, "mcu-stm32h743")
 
     for step in tally.failed_steps:
         print(f"failed: {step}")

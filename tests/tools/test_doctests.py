@@ -24,6 +24,7 @@ MODULES = [
     "estimate",
     "evaluate",
     "feasibility",
+    "flash",
     "generate",
     "geometry",
     "image",
