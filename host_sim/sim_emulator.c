@@ -7,7 +7,9 @@
 #include <poll.h>      // poll
 #include <sched.h>     // sched_setaffinity
 #include <signal.h>    // kill
-#include <string.h>    // strerror
+#include <string.h>    // strcspn, strerror
+#include <stdio.h>     // snprintf
+#include <sys/mman.h>  // memfd_create
 #include <sys/prctl.h> // PR_SET_PDEATHSIG
 #include <sys/wait.h>  // waitpid
 #include <unistd.h>    // fork, execvp
@@ -38,15 +40,16 @@ static void unpin(void)
     }
 }
 
-/// Pipes of a start; the last one tells why the emulator cannot be run.
+/// Pipes of a start; `report` tells why the emulator cannot be run, `words` takes what it says.
 typedef struct {
     int request[2], answer[2], report[2];
+    int words;
 } pipes_t;
 
 static void close_all(const pipes_t *p)
 {
-    const int fd[] = {p->request[0], p->request[1], p->answer[0],
-                      p->answer[1],  p->report[0],  p->report[1]};
+    const int fd[] = {p->request[0], p->request[1], p->answer[0], p->answer[1],
+                      p->report[0],  p->report[1],  p->words};
     for (size_t i = 0; i < sizeof fd / sizeof fd[0]; i++) {
         if (fd[i] >= 0) {
             (void)close(fd[i]);
@@ -56,8 +59,8 @@ static void close_all(const pipes_t *p)
 
 static bool open_pipes(pipes_t *p)
 {
-    *p = (pipes_t){{-1, -1}, {-1, -1}, {-1, -1}};
-    if (pipe2(p->request, O_CLOEXEC) == 0 && pipe2(p->answer, O_CLOEXEC) == 0 &&
+    *p = (pipes_t){{-1, -1}, {-1, -1}, {-1, -1}, memfd_create("words", MFD_CLOEXEC)};
+    if (p->words >= 0 && pipe2(p->request, O_CLOEXEC) == 0 && pipe2(p->answer, O_CLOEXEC) == 0 &&
         pipe2(p->report, O_CLOEXEC) == 0) {
         return true;
     }
@@ -67,14 +70,13 @@ static bool open_pipes(pipes_t *p)
     return false;
 }
 
-/// In the child: what it says belongs to the messages, not to the results.
 static _Noreturn void become_emulator(const pipes_t *p, char *const *command, int parent)
 {
     (void)prctl(PR_SET_PDEATHSIG, SIGKILL);
     const int nothing = open("/dev/null", O_RDONLY | O_CLOEXEC);
     if (getppid() == parent && dup2(nothing, STDIN_FILENO) >= 0 &&
-        dup2(STDERR_FILENO, STDOUT_FILENO) >= 0 && dup2(p->request[0], pil_request_fd) >= 0 &&
-        dup2(p->answer[1], pil_answer_fd) >= 0) {
+        dup2(p->words, STDOUT_FILENO) >= 0 && dup2(p->words, STDERR_FILENO) >= 0 &&
+        dup2(p->request[0], pil_request_fd) >= 0 && dup2(p->answer[1], pil_answer_fd) >= 0) {
         (void)execvp(command[0], command);
     }
     const int number = errno;
@@ -124,6 +126,7 @@ bool sim_emulator_start(sim_emulator_t *m, const char *board, const char *image,
     m->request_fd = p.request[1];
     m->spare_fd = p.request[0];
     m->answer_fd = p.answer[0];
+    m->words_fd = p.words;
     return has_started(m, &p, e);
 }
 
@@ -138,20 +141,30 @@ bool sim_emulator_send(sim_emulator_t *m, const void *bytes, size_t n, sim_error
                      written < 0 ? strerror(errno) : "full");
 }
 
+/// The first line that the emulator, or the program on it, has said.
+static void first_words(const sim_emulator_t *m, char *line, size_t size)
+{
+    const ssize_t n = pread(m->words_fd, line, size - 1u, 0);
+    line[n > 0 ? n : 0] = '\0';
+    line[strcspn(line, "\r\n")] = '\0';
+}
+
 /// The end of its pipe is there: how did it end?
 static bool has_ended(sim_emulator_t *m, sim_error_t *e)
 {
+    char words[200];
+    char how[60];
     int status = 0;
     const bool is_reaped = waitpid(m->pid, &status, 0) == m->pid;
     m->pid = -1;
+    first_words(m, words, sizeof words);
     if (is_reaped && WIFSIGNALED(status)) {
-        return sim_error(e, EMULATOR ": killed by signal %d (%s) in the run; run it again",
-                         WTERMSIG(status), strsignal(WTERMSIG(status)));
+        (void)snprintf(how, sizeof how, "killed by signal %d", WTERMSIG(status));
+    } else {
+        (void)snprintf(how, sizeof how, "exit status %d", is_reaped ? WEXITSTATUS(status) : -1);
     }
-    return sim_error(e,
-                     EMULATOR ": ended in the run with exit status %d; hal/mps2/README.md tells "
-                              "what it means",
-                     is_reaped ? WEXITSTATUS(status) : -1);
+    return sim_error(e, EMULATOR ": ended before the cut did: %s%s%s; hal/mps2/README.md lists why",
+                     how, words[0] != '\0' ? ": " : "", words);
 }
 
 bool sim_emulator_receive(sim_emulator_t *m, void *bytes, size_t n, sim_error_t *e)
@@ -184,6 +197,7 @@ void sim_emulator_stop(sim_emulator_t *m)
     (void)close(m->request_fd);
     (void)close(m->spare_fd);
     (void)close(m->answer_fd);
+    (void)close(m->words_fd);
     if (m->pid > 0) {
         (void)kill(m->pid, SIGKILL);
         (void)waitpid(m->pid, NULL, 0);

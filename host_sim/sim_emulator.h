@@ -16,6 +16,7 @@ typedef struct {
     int request_fd; ///< towards the target
     int answer_fd;  ///< from it
     int spare_fd;   ///< the reading end of requests: held, so that writing never raises SIGPIPE
+    int words_fd;   ///< memory with what the emulator says, for the message when it ends
 } sim_emulator_t;
 
 /// @param board  as the emulator calls it
