@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #define _GNU_SOURCE // NOLINT(bugprone-reserved-identifier): getopt_long
 #include "camsim.h"
-#include <getopt.h> // getopt_long
-#include <stdio.h>  // puts
-#include <string.h> // strrchr
-#include <unistd.h> // access
+#include "sim_target.h" // sim_target_find
+#include <getopt.h>     // getopt_long
+#include <stdio.h>      // puts
+#include <string.h>     // strrchr
+#include <unistd.h>     // access
 
 static const char help[] =
     "camsim run TABLE [options]\n"
@@ -28,6 +29,9 @@ static const char help[] =
     "  --max-seconds S       give up after S of machine time (default: twice the plan and a "
     "minute)\n"
     "  --progress            show progress on standard error\n"
+    "  --target T            the firmware runs on an emulated board: mps2-an500 (Cortex-M7) or\n"
+    "                        mps2-an386 (Cortex-M4), one exchange per tick\n"
+    "  --target-image F.elf  image for it (default: that of preset mcu-qemu or mcu-qemu-m4)\n"
     "  --inject KIND@SECONDS[:VALUE]   repeatable; seconds of cutting, or KIND@tSECONDS since the "
     "start:\n"
     "      estop  drive  lost-counts:N  encoder-jump:N  encoder-stuck  index-dead  "
@@ -55,6 +59,8 @@ enum {
     opt_turns,
     opt_max_seconds,
     opt_progress,
+    opt_target,
+    opt_target_image,
     opt_inject,
     opt_help,
 };
@@ -78,6 +84,8 @@ static const struct option options[] = {
     {"turns-limit", required_argument, NULL, opt_turns},
     {"max-seconds", required_argument, NULL, opt_max_seconds},
     {"progress", no_argument, NULL, opt_progress},
+    {"target", required_argument, NULL, opt_target},
+    {"target-image", required_argument, NULL, opt_target_image},
     {"inject", required_argument, NULL, opt_inject},
     {"help", no_argument, NULL, opt_help},
     {NULL, 0, NULL, 0},
@@ -181,6 +189,10 @@ static const char **path_of(camsim_options_t *o, int option)
         return &o->removal_path;
     case opt_design:
         return &o->cut.design_path;
+    case opt_target:
+        return &o->cut.target;
+    case opt_target_image:
+        return &o->cut.target_image;
     default:
         return NULL;
     }
@@ -248,6 +260,22 @@ static bool find_design(camsim_options_t *o, sim_error_t *e)
     return true;
 }
 
+/// The target exists; its image is the user's, or the one beside this program.
+static bool find_target(camsim_options_t *o, sim_error_t *e)
+{
+    if (o->cut.target == NULL) {
+        return o->cut.target_image == NULL ||
+               sim_error(e, "--target-image %.60s: no target for it; give --target",
+                         o->cut.target_image);
+    }
+    const sim_target_t *target = sim_target_find(o->cut.target, e);
+    if (target == NULL || o->cut.target_image != NULL) {
+        return target != NULL;
+    }
+    o->cut.target_image = o->target_image;
+    return sim_target_image(target, o->target_image, sizeof o->target_image, e);
+}
+
 static bool check_outputs(const camsim_options_t *o, sim_error_t *e)
 {
     const char *const path[] = {o->table_path,   o->machine_path, o->cut.design_path, o->trace_path,
@@ -288,5 +316,6 @@ bool camsim_options_read(camsim_options_t *o, int argc, char **argv, sim_error_t
     if (o->machine_path != NULL && !sim_config_load(&o->cut.config, o->machine_path, e)) {
         return false;
     }
-    return (o->cut.design_path != NULL || find_design(o, e)) && check_outputs(o, e);
+    return find_target(o, e) && (o->cut.design_path != NULL || find_design(o, e)) &&
+           check_outputs(o, e);
 }

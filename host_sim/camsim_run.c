@@ -107,7 +107,7 @@ static bool write_results(run_t *r, sim_error_t *e)
 /// Why the first fault struck; several at once are told by the first in the list.
 static void explain_fault(const sim_cut_t *cut, const char *table, sim_error_t *e)
 {
-    const uint32_t first = sim_cut_status()->first_fault;
+    const uint32_t first = sim_cut_status(cut)->first_fault;
     int i = 0;
     while (i + 1 < cam_n_faults && (first >> i & 1u) == 0u) {
         i++;
@@ -150,7 +150,7 @@ static int judge(const run_t *r)
 static int run(run_t *r, sim_error_t *e)
 {
     cut_to_the_end(r);
-    if (!write_results(r, e)) {
+    if (sim_firmware_is_lost(&r->cut.firmware, e) || !write_results(r, e)) {
         return camsim_complain(e);
     }
     camsim_summary_text(&r->options, &r->cut, r->wall_s);

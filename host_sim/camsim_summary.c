@@ -7,7 +7,7 @@
 
 const char *camsim_summary_end(const sim_cut_t *cut)
 {
-    static const char *const name[] = {"running", "done", "fault", "timeout", "refused"};
+    static const char *const name[] = {"running", "done", "fault", "timeout", "refused", "lost"};
     return cut->end == sim_cut_done && cut->is_stopped ? "stopped" : name[cut->end];
 }
 
@@ -68,7 +68,7 @@ static void add_what(cJSON *root, const camsim_options_t *options, const sim_cut
 
 static void add_faults(cJSON *root, const sim_cut_t *cut)
 {
-    const cam_status_t *status = sim_cut_status();
+    const cam_status_t *status = sim_cut_status(cut);
     cJSON *list = cJSON_AddArrayToObject(root, "faults");
     for (int i = 0; i < cam_n_faults; i++) {
         if ((status->faults >> i & 1u) != 0u) {
@@ -219,7 +219,7 @@ bool camsim_summary_json(camsim_out_t *o, const camsim_options_t *options, const
     add_what(root, options, cut);
     (void)cJSON_AddStringToObject(root, "end", camsim_summary_end(cut));
     (void)cJSON_AddBoolToObject(root, "is_good", camsim_summary_is_good(options, cut));
-    (void)cJSON_AddStringToObject(root, "state", cam_state_name(sim_cut_status()->state));
+    (void)cJSON_AddStringToObject(root, "state", cam_state_name(sim_cut_status(cut)->state));
     add_faults(root, cut);
     add_errors(root, options, cut);
     add_cut(root, cut);

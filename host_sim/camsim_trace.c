@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "camsim_trace.h"
-#include "cam/cam_tick.h"  // g_cam
 #include "cam/cam_trace.h" // cam_trace_pop
 #include "sim_units.h"     // SIM_NM_PER_MM
 
@@ -54,7 +53,7 @@ static void hexadecimal(camsim_out_t *o, uint32_t value)
 static void reading_columns(camsim_out_t *o, const cam_tick_record_t *r, const sim_cut_t *cut)
 {
     const double behind =
-        (double)(sim_cut_status()->tick - r->tick); // records made before the first tick
+        (double)(sim_cut_status(cut)->tick - r->tick); // records made before the first tick
     camsim_out_integer(o, r->tick);
     real(o, cut->sample_s - behind * cut->machine.period_s, 9);
     real(o, (double)r->angle.pos_q32 / 4294967296.0, 9);
@@ -101,10 +100,10 @@ static void written_columns(camsim_out_t *o, const cam_tick_record_t *r)
     integer(o, r->want.outputs);
 }
 
-void camsim_trace_drain(camsim_out_t *o, const sim_cut_t *cut)
+void camsim_trace_drain(camsim_out_t *o, sim_cut_t *cut)
 {
     cam_tick_record_t record;
-    while (cam_trace_pop(&g_cam.trace, &record)) {
+    while (cam_trace_pop(sim_firmware_trace(&cut->firmware), &record)) {
         reading_columns(o, &record, cut);
         sensed_columns(o, &record);
         written_columns(o, &record);

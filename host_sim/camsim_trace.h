@@ -16,7 +16,7 @@
 void camsim_trace_header(camsim_out_t *o);
 
 /// Write all records that the firmware has made since the last call. After each tick.
-void camsim_trace_drain(camsim_out_t *o, const sim_cut_t *cut);
+void camsim_trace_drain(camsim_out_t *o, sim_cut_t *cut);
 
 void camsim_removal_header(camsim_out_t *o);
 

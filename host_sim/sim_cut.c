@@ -1,21 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_cut.h"
-#include "cam/cam_tick.h" // g_cam
-#include "hal_host.h"     // hal_host_clock_hz
-#include "sim_units.h"    // sim_fraction
-#include <math.h>         // sqrt
-#include <stdlib.h>       // free
+#include "sim_units.h" // sim_fraction
+#include <math.h>      // sqrt
+#include <stdlib.h>    // free
 
 /// A real main loop does its background work whenever the interrupt leaves time; here rarely, since
 /// a kilobyte of CRC costs as much as 10 ticks. A damaged table of 16 KB is found within 0.8 s at
 /// 20 kHz.
 enum { background_polls = 64 };
 
-const cam_status_t *sim_cut_status(void)
+const cam_status_t *sim_cut_status(const sim_cut_t *cut)
 {
-    static cam_status_t status;
-    status = cam_tick_status(&g_cam);
-    return &status;
+    return &cut->firmware.status;
 }
 
 double sim_cut_planned_turns(const sim_cut_t *cut)
@@ -81,7 +77,7 @@ static void note_fault(sim_cut_t *cut)
 
 static void observe(sim_cut_t *cut)
 {
-    const cam_status_t *status = sim_cut_status();
+    const cam_status_t *status = sim_cut_status(cut);
     if (status->state == cam_state_fault && cut->fault_s < 0.0) {
         note_fault(cut);
     }
@@ -96,7 +92,7 @@ static void observe(sim_cut_t *cut)
 
 static void operator_stop(sim_cut_t *cut)
 {
-    cut->is_stopped = cam_machine_stop(&cut->controller) == cam_ok || cut->is_stopped;
+    cut->is_stopped = sim_firmware_stop(&cut->firmware) == cam_ok || cut->is_stopped;
 }
 
 static void inject(sim_cut_t *cut, sim_inject_t *what)
@@ -108,7 +104,7 @@ static void inject(sim_cut_t *cut, sim_inject_t *what)
     what->is_done = true;
     cut->n_waiting--;
     if (what->kind == sim_inject_table_flip) {
-        cut->image[(size_t)what->value] ^= 1u;
+        sim_firmware_flip(&cut->firmware, cut->image, (size_t)what->value);
     } else if (what->kind == sim_inject_stop) {
         operator_stop(cut);
     }
@@ -140,16 +136,16 @@ static void refuse(sim_cut_t *cut, cam_err_t err)
 /// What an operator does: enable, start, wait.
 static void operate(sim_cut_t *cut)
 {
-    const cam_status_t status = cam_machine_status(&cut->controller);
+    const cam_status_t status = *sim_cut_status(cut);
     if (cut->n_polls++ % background_polls == 0u) {
-        cam_machine_poll(&cut->controller);
+        sim_firmware_poll(&cut->firmware);
     }
     if (status.state == cam_state_fault) {
         cut->end = status.is_retracted ? sim_cut_fault : cut->end;
     } else if (status.state == cam_state_off) {
-        refuse(cut, cam_machine_enable(&cut->controller));
+        refuse(cut, sim_firmware_enable(&cut->firmware));
     } else if (status.state == cam_state_ready && !cut->is_started) {
-        const cam_err_t err = cam_machine_start(&cut->controller);
+        const cam_err_t err = sim_firmware_start(&cut->firmware);
         cut->is_started = err == cam_ok;
         refuse(cut, err);
     } else if (status.state == cam_state_ready && (cut->cut_at_s >= 0.0 || cut->is_stopped)) {
@@ -164,6 +160,7 @@ static void operate(sim_cut_t *cut)
 void sim_cut_idle(sim_cut_t *cut)
 {
     sim_machine_sense(&cut->machine);
+    (void)sim_firmware_tick(&cut->firmware); // a lost target refuses the next call
     observe(cut);
     sim_machine_advance(&cut->machine);
     cut->n_ticks++;
@@ -172,6 +169,10 @@ void sim_cut_idle(sim_cut_t *cut)
 void sim_cut_tick(sim_cut_t *cut)
 {
     sim_machine_sense(&cut->machine);
+    if (!sim_firmware_tick(&cut->firmware)) {
+        cut->end = sim_cut_lost;
+        return;
+    }
     observe(cut);
     if (cut->n_waiting > 0u) {
         for (uint32_t i = 0; i < cut->options.n_injects; i++) {
@@ -194,6 +195,7 @@ void sim_cut_tick(sim_cut_t *cut)
 
 void sim_cut_close(sim_cut_t *cut)
 {
+    sim_firmware_close(&cut->firmware);
     sim_design_free(&cut->design);
     free(cut->image);
     cut->image = NULL;

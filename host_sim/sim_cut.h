@@ -7,19 +7,19 @@
 /// then do what an operator does, by the firmware's own commands: enable, wait for the angle,
 /// start, wait for the end. After a fault they go on until the tool is retracted. One cut at a
 /// time: the controller and the port are one per process. What a tick did can be read between ticks
-/// (g_cam's status and trace, the machine).
+/// (the firmware's status and trace, the machine).
 #ifndef SIM_CUT_H
 #define SIM_CUT_H
 
-#include "cam/cam_machine.h" // cam_machine_t
-#include "sim_config.h"      // sim_config_t
-#include "sim_design.h"      // sim_design_t
-#include "sim_inject.h"      // sim_inject_t
-#include "sim_machine.h"     // sim_machine_t
-#include "sim_removal.h"     // sim_removal_t
-#include "sim_work.h"        // sim_work_t
-#include <stdbool.h>         // bool
-#include <stdint.h>          // uint64_t
+#include "sim_config.h"   // sim_config_t
+#include "sim_design.h"   // sim_design_t
+#include "sim_firmware.h" // sim_firmware_t
+#include "sim_inject.h"   // sim_inject_t
+#include "sim_machine.h"  // sim_machine_t
+#include "sim_removal.h"  // sim_removal_t
+#include "sim_work.h"     // sim_work_t
+#include <stdbool.h>      // bool
+#include <stdint.h>       // uint64_t
 
 enum { sim_cut_max_injects = 32, sim_cut_poll_ticks = 16 };
 
@@ -29,14 +29,16 @@ typedef struct {
     double rpm;          ///< 0: the table's
     double feed_mm;      ///< 0: the table's
     bool is_without_feed_forward, is_without_lead;
-    bool is_traced; ///< the firmware records every tick; drain with cam_trace_pop()
+    bool is_traced; ///< the firmware records every tick; drain sim_firmware_trace()
     uint64_t seed;
     double max_s;     ///< [s] of machine time; 0: twice the plan and a minute
     double slice_s;   ///< [s] of the removal measured; 0: a 120th of the mean turn
     double kc_n_mm2;  ///< specific cutting force
     double max_turns; ///< end the cut (operator's stop) after so many turns of cutting; 0: the
                       ///< whole part
-    const char *design_path; ///< NULL: gauge against the table itself
+    const char *design_path;  ///< NULL: gauge against the table itself
+    const char *target;       ///< of sim_target.h; NULL: the firmware runs in this process
+    const char *target_image; ///< path of its image
     sim_inject_t inject[sim_cut_max_injects];
     uint32_t n_injects;
 } sim_cut_options_t;
@@ -47,6 +49,7 @@ typedef enum {
     sim_cut_fault,   ///< ended in a fault, tool retracted
     sim_cut_timeout, ///< max_s is over
     sim_cut_refused, ///< the controller refused a command; `refusal` tells
+    sim_cut_lost,    ///< the target does not answer any more; sim_firmware_is_lost() tells why
 } sim_cut_end_t;
 
 typedef struct {
@@ -58,7 +61,7 @@ typedef struct {
     sim_work_t work;
     sim_removal_t removal;
     bool has_slice; ///< the last tick finished a slice of the removal
-    cam_machine_t controller;
+    sim_firmware_t firmware;
     cam_params_t params; ///< in force
     cam_feasibility_t feasibility;
     double max_s;
@@ -102,8 +105,8 @@ void sim_cut_idle(sim_cut_t *cut);
 
 void sim_cut_close(sim_cut_t *cut);
 
-/// @return what the controller published in the last tick. Single-threaded, so no copy is needed.
-const cam_status_t *sim_cut_status(void);
+/// @return what the controller published in the last tick
+const cam_status_t *sim_cut_status(const sim_cut_t *cut);
 
 /// @return [turn] length of the cutting state as planned
 double sim_cut_planned_turns(const sim_cut_t *cut);

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam/cam_tick.h" // g_cam
-#include "hal_host.h"     // hal_host_clock_hz
 #include "sim_cut.h"
 #include "sim_units.h" // SIM_NM_PER_MM
 #include <stdio.h>     // snprintf
@@ -83,10 +81,10 @@ static bool apply_params(sim_cut_t *cut, sim_error_t *e)
     for (uint32_t i = 0; i < cam_n_params; i++) {
         const cam_param_id_t id = (cam_param_id_t)i;
         const int32_t value = cam_param_get(&cut->params, id);
-        if (cam_param_get(&cut->controller.params, id) == value) {
+        if (sim_firmware_param(&cut->firmware, id) == value) {
             continue;
         }
-        const cam_err_t err = cam_machine_set_param(&cut->controller, id, value);
+        const cam_err_t err = sim_firmware_set_param(&cut->firmware, id, value);
         sim_cut_idle(cut);
         if (err != cam_ok) {
             return sim_error(e, "parameter %s = %d: refused: %s; change the machine file or --set",
@@ -136,14 +134,14 @@ static bool infeasible(const cam_feasibility_t *f, sim_error_t *e)
 
 static bool select_table(sim_cut_t *cut, const char *name, size_t size, sim_error_t *e)
 {
-    const cam_err_t err = cam_machine_select_table(&cut->controller, cut->image, size);
+    const cam_err_t err = sim_firmware_select_table(&cut->firmware, cut->image, size);
     sim_cut_idle(cut);
     return err == cam_ok || sim_error(e, "%s: refused: %s; " REMEDY, name, cam_err_text(err));
 }
 
 static bool check_feasible(sim_cut_t *cut, sim_error_t *e)
 {
-    cut->feasibility = cam_machine_feasibility(&cut->controller, 0);
+    cut->feasibility = sim_firmware_feasibility(&cut->firmware);
     return cut->feasibility.err == cam_ok || infeasible(&cut->feasibility, e);
 }
 
@@ -194,7 +192,9 @@ static bool prepare(sim_cut_t *cut, const void *image, size_t size, const char *
         return false;
     }
     place_machine(cut);
-    cam_machine_init(&cut->controller, &g_cam, hal_tick_hz(), hal_clock_hz());
+    if (!sim_firmware_open(&cut->firmware, cut->options.target, cut->options.target_image, e)) {
+        return false;
+    }
     return apply_params(cut, e) && select_table(cut, name, size, e) && check_feasible(cut, e);
 }
 
@@ -206,6 +206,7 @@ bool sim_cut_open(sim_cut_t *cut, const sim_cut_options_t *options, const void *
     cut->cut_at_s = -1.0;
     cut->fault_s = -1.0;
     if (!prepare(cut, image, size, name, e)) {
+        (void)sim_firmware_is_lost(&cut->firmware, e); // then that is the reason
         sim_cut_close(cut);
         return false;
     }

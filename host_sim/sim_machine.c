@@ -37,7 +37,6 @@ void sim_machine_sense(sim_machine_t *m)
     hal_host.in.axis_nm[hal_axis_u] = sim_drive_measured_nm(&m->axis[hal_axis_u]);
     hal_host.in.axis_nm[hal_axis_x] = sim_drive_measured_nm(&m->axis[hal_axis_x]);
     hal_host.in.axis_nm[hal_axis_z] = sim_drive_measured_nm(&m->axis[hal_axis_z]) + m->z_offset_nm;
-    hal_host_tick();
 }
 
 static double spindle_set_rad_per_s(const sim_machine_t *m)

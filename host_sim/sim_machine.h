@@ -6,10 +6,9 @@
 /// turn 0 is the long axis, positive turn is the machine's positive sense, into which a positive
 /// spindle set-point turns.
 ///
-///     sense: models -> hal_host.in, hal_host_tick()      advance: hal_host.out -> models, one
-///     period
+///     sense: models -> hal_host.in     tick (sim_firmware.h)     advance: hal_host.out -> models
 ///
-/// Between the two the true state is that of the instant of sensing.
+/// Between the first and the last the true state is that of the instant of sensing.
 #ifndef SIM_MACHINE_H
 #define SIM_MACHINE_H
 
@@ -56,10 +55,10 @@ typedef struct {
 void sim_machine_init(sim_machine_t *m, const sim_machine_config_t *config, double x_nm,
                       double z_nm, uint64_t seed);
 
-/// First half of a tick: let the firmware sense and act.
+/// Before a tick: what the firmware will sense.
 void sim_machine_sense(sim_machine_t *m);
 
-/// Second half: let one period pass.
+/// After it: let one period pass.
 void sim_machine_advance(sim_machine_t *m);
 
 /// The next tick comes late. The models live through the longer time; within it the dead time of

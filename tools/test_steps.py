@@ -22,6 +22,7 @@ PYTHON = sys.executable
 PYPROJECT = "tools/pyproject.toml"
 C_FOLDERS = ("firmware", "hal", "host_sim", "tests")
 PYTEST_PATHS = ("tests/tools", "tests/scenarios")
+PIL_PATHS = ("tests/pil",)
 # What drives the simulator, once more under the sanitizers.
 SIMULATOR_PATHS = (
     "tests/scenarios",
@@ -176,6 +177,7 @@ def main() -> int:
                 gate(tally, f"same bytes {board}", *same)
         gate(tally, "cycles", PYTHON, "-m", "camtools.cycles", BUILD)
         build(tally, "mcu-stm32h743")
+        pytest(tally, "host", PIL_PATHS)  # the simulator of the host, the images of both boards
 
     for step in tally.failed_steps:
         print(f"failed: {step}")

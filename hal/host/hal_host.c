@@ -93,11 +93,16 @@ bool hal_can_write(const hal_can_frame_t *frame)
     return true;
 }
 
-void hal_host_tick(void)
+void hal_host_advance(void)
 {
     hal_host.clock += hal_host_clock_hz / hal_host.tick_hz + hal_host.late_clocks;
     hal_host.late_clocks = 0;
     hal_host.n_ticks++;
+}
+
+void hal_host_tick(void)
+{
+    hal_host_advance();
     cam_isr();
 }
 

@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 # What the MPS2 boards of the emulator share. Before: board_cpu (options of the core), board_machine
 # (the emulator's name of it), board_psram (where the heap lies).
-add_compile_options(${board_cpu} -mthumb -ffunction-sections -fdata-sections)
-add_link_options(${board_cpu} -mthumb -nostartfiles)
+# Enumerations are as wide as the host's, so that structures mean the same on both sides of a wire;
+# newlib's are not, and none of them crosses a call.
+add_compile_options(${board_cpu} -mthumb -ffunction-sections -fdata-sections -fno-short-enums)
+add_link_options(${board_cpu} -mthumb -nostartfiles -Wl,--no-enum-size-warning)
 
 add_library(board OBJECT
     ${CMAKE_CURRENT_LIST_DIR}/mps2_start.c ${CMAKE_CURRENT_LIST_DIR}/mps2_semihost.c

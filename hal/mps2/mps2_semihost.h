@@ -1,16 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
 /// mps2_semihost: what an emulated image asks of the machine that emulates it.
 ///
-/// Source: ARM "Semihosting for AArch32 and AArch64", operations 0x04, 0x05, 0x20.
+/// Source: ARM "Semihosting for AArch32 and AArch64", operations 0x01, 0x05, 0x06, 0x20.
 #ifndef MPS2_SEMIHOST_H
 #define MPS2_SEMIHOST_H
 
-#include <stddef.h> // size_t
+#include <stdbool.h> // bool
+#include <stddef.h>  // size_t
+#include <stdint.h>  // int32_t
 
 /// Write bytes to the emulator's standard output.
 void mps2_write(const char *bytes, size_t n);
 
 /// End the emulation with an exit status.
 _Noreturn void mps2_exit(int status);
+
+/// Open a file of the host, as bytes.
+/// @param is_written  true: for writing, false: for reading
+/// @return            handle, or a negative number when it cannot be opened
+int32_t mps2_file_open(const char *path, bool is_written);
+
+/// Read or write exactly n bytes, blocking; the emulated time stands still meanwhile.
+/// @return false at the end of the file or on an error
+bool mps2_file_read(int32_t file, void *bytes, size_t n);
+bool mps2_file_write(int32_t file, const void *bytes, size_t n);
 
 #endif

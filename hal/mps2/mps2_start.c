@@ -12,7 +12,7 @@ void mps2_reset(void);
 /// Exit status of an image that ran into an exception.
 enum { status_exception = 99 };
 
-enum { n_core_vectors = 16, n_board_vectors = 32 };
+enum { n_core_vectors = 16, n_board_vectors = 32, timer0_vector = n_core_vectors + 8 };
 
 #define CPACR (*(volatile uint32_t *)0xE000ED88u)
 #define CPACR_FPU (0xFu << 20)
@@ -24,6 +24,9 @@ static void on_exception(void)
     mps2_exit(status_exception);
 }
 
+/// Of the port, in images that have it.
+__attribute__((weak, alias("on_exception"))) void mps2_timer0_isr(void);
+
 typedef void (*vector_t)(void);
 
 __attribute__((section(".vectors"), used)) static const struct {
@@ -33,7 +36,9 @@ __attribute__((section(".vectors"), used)) static const struct {
 } vectors = {
     .stack_top = &mps2_stack_top,
     .reset = mps2_reset,
-    .other = {[0 ... n_core_vectors - 3 + n_board_vectors] = on_exception},
+    .other = {[0 ... timer0_vector - 3] = on_exception,
+              [timer0_vector - 2] = mps2_timer0_isr,
+              [timer0_vector - 1 ... n_core_vectors - 3 + n_board_vectors] = on_exception},
 };
 
 void mps2_reset(void)

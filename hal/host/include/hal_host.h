@@ -61,6 +61,9 @@ extern hal_host_t hal_host;
 /// @param tick_hz  [Hz] 500 .. 100 000
 void hal_host_reset(uint32_t tick_hz);
 
+/// Advance virtual time by one period without a tick: the firmware runs elsewhere.
+void hal_host_advance(void);
+
 /// Advance virtual time by one period and call cam_isr().
 void hal_host_tick(void);
 

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+// The port but for its time, which is mps2_timer.c or whoever ticks the image.
+#include "hal/hal.h"
+#include "mps2_machine.h"
+#include "mps2_semihost.h"
+#include <string.h> // strlen
+
+/// Exit status of an image that halted: a machine would restart.
+enum { status_halt = 98 };
+
+mps2_machine_t mps2_machine;
+
+int hal_init(void)
+{
+    for (int i = 0; i < hal_n_axes; i++) {
+        mps2_machine.out.axis[i] = (hal_setpoint_t){0};
+    }
+    mps2_machine.out.spindle_mrpm = 0;
+    mps2_machine.out.outputs = 0;
+    return 0;
+}
+
+void hal_text(const char *line)
+{
+    mps2_write(line, strlen(line));
+    mps2_write("\n", 1);
+}
+
+void hal_halt(const char *why)
+{
+    mps2_machine.out.spindle_mrpm = 0;
+    mps2_machine.out.outputs = 0;
+    mps2_write("firmware halted: ", sizeof "firmware halted: " - 1u);
+    hal_text(why);
+    mps2_exit(status_halt);
+}
+
+hal_start_t hal_start(void)
+{
+    return (hal_start_t){.reset = hal_reset_power_on, .why = ""};
+}
+
+hal_image_t hal_table_image(void)
+{
+    return mps2_machine.slow.table;
+}
+
+bool mps2_machine_can_receive(const hal_can_frame_t *frame)
+{
+    if (mps2_machine.slow.n_received - mps2_machine.slow.n_read == mps2_can_frames) {
+        return false;
+    }
+    mps2_machine.slow.received[mps2_machine.slow.n_received++ % mps2_can_frames] = *frame;
+    return true;
+}
+
+bool hal_can_read(hal_can_frame_t *frame)
+{
+    if (mps2_machine.slow.n_received == mps2_machine.slow.n_read) {
+        return false;
+    }
+    *frame = mps2_machine.slow.received[mps2_machine.slow.n_read++ % mps2_can_frames];
+    return true;
+}
+
+bool hal_can_write(const hal_can_frame_t *frame)
+{
+    mps2_machine.slow.sent[mps2_machine.slow.n_sent++ % mps2_can_frames] = *frame;
+    return true;
+}
+
+hal_encoder_t hal_encoder_read_isr(void)
+{
+    return mps2_machine.in.encoder;
+}
+
+int32_t hal_axis_read_nm_isr(hal_axis_t axis)
+{
+    return mps2_machine.in.axis_nm[axis];
+}
+
+uint32_t hal_inputs_read_isr(void)
+{
+    return mps2_machine.in.inputs;
+}
+
+void hal_axis_write_isr(hal_axis_t axis, hal_setpoint_t setpoint)
+{
+    mps2_machine.out.axis[axis] = setpoint;
+}
+
+void hal_spindle_write_isr(int32_t speed_mrpm)
+{
+    mps2_machine.out.spindle_mrpm = speed_mrpm;
+}
+
+void hal_outputs_write_isr(uint32_t bits)
+{
+    mps2_machine.out.outputs = bits;
+}

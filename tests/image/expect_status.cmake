@@ -1,0 +1,25 @@
+# SPDX-License-Identifier: Apache-2.0
+# Runs a program that must end with a certain exit status and say a certain text.
+# usage: cmake -D STATUS=N -D TEXT=... -P expect_status.cmake -- COMMAND...
+cmake_minimum_required(VERSION 3.25)
+
+set(command "")
+set(is_command FALSE)
+math(EXPR last "${CMAKE_ARGC} - 1")
+foreach(i RANGE ${last})
+    if(is_command)
+        list(APPEND command "${CMAKE_ARGV${i}}")
+    elseif(CMAKE_ARGV${i} STREQUAL "--")
+        set(is_command TRUE)
+    endif()
+endforeach()
+
+execute_process(COMMAND ${command} RESULT_VARIABLE status OUTPUT_VARIABLE output)
+message("${output}")
+if(NOT status STREQUAL STATUS)
+    message(FATAL_ERROR "exit status ${status}, expected ${STATUS}")
+endif()
+string(FIND "${output}" "${TEXT}" place)
+if(place EQUAL -1)
+    message(FATAL_ERROR "\"${TEXT}\" is missing")
+endif()
