@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+/// board_config: what a user of this port adapts to the machine: scales, rates, bits.
+#ifndef BOARD_CONFIG_H
+#define BOARD_CONFIG_H
+
+#include <stdint.h> // INT64_C
+
+/// [Hz] rate of cam_isr(); 240 MHz divided by it is a whole number below 65 536.
+#define BOARD_TICK_HZ 20000u
+
+/// [ns] from the start of a tick to the step of all outputs (/LDAC), the same in every tick: a part
+/// of the parameter lead_ns. Later than the longest interrupt plus BOARD_SEND_NS.
+#define BOARD_UPDATE_NS 30000u
+
+/// [ns] that the four frames to the AD5754R take at 20 MHz, gaps included, rounded up.
+#define BOARD_SEND_NS 7000u
+
+/// Values at +10 V of the four outputs: [nm] and, for the spindle, [r/min / 1000]. At least 65 537.
+#define BOARD_U_FULL_NM 1000000
+#define BOARD_X_FULL_NM 200000000
+#define BOARD_Z_FULL_NM 500000000
+#define BOARD_SPINDLE_FULL_MRPM 5000000
+
+/// [pm] per count (four edges per line) of the linear scales of U and Z. The positions are 0 where
+/// the axes stand when hal_init() runs.
+#define BOARD_U_COUNT_PM 100000
+#define BOARD_Z_COUNT_PM 1000000
+
+/// 0: there is no scale on U; its last set-point is taken for its position, and the following error
+/// is not watched.
+#define BOARD_HAS_U_SCALE 1
+
+/// Codes of a 16-bit converter per unit, in 2^-32: 2^15 codes for the value at +10 V.
+#define BOARD_CODES_Q32(full) ((int32_t)(((INT64_C(1) << 47) + (full) / 2) / (full)))
+
+/// Nanometres per count, in 2^-16.
+#define BOARD_NM_Q16(count_pm) ((int32_t)(((int64_t)(count_pm)*65536 + 500) / 1000))
+
+#endif

@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Port for the NUCLEO-H743ZI2: start, end, axes, lines, watchdog, text.
+#include "board_config.h"
+#include "hal/hal.h"
+#include "stm_can.h"
+#include "stm_clock.h"
+#include "stm_convert.h"
+#include "stm_core.h"
+#include "stm_dac.h"
+#include "stm_keep.h"
+#include "stm_pins.h"
+#include "stm_tick.h"
+#include "stm_timers.h"
+
+/// What hal_init() returns when the machine cannot be used.
+enum { no_revision = -1, no_clock = -2, no_dac = -3, no_can = -4 };
+
+extern const uint8_t stm_table_start[], stm_table_bytes[];
+
+static hal_start_t start;
+static int32_t last_nm[hal_n_axes];
+
+/// Revisions Z and Y run at 400 MHz at most. RM0433 60.5, DBGMCU_IDC.
+static bool is_fast_revision(void)
+{
+    const uint32_t revision = DBGMCU_IDC >> 16;
+    return revision != 0x1001u && revision != 0x1003u;
+}
+
+/// RM0433 48.5: 8 data bits, no parity, one stop bit after reset; kernel clock: APB1.
+static void init_text(void)
+{
+    RCC_APB1LENR |= RCC_APB1LENR_USART3;
+    (void)RCC_APB1LENR;
+    USART3_BRR = (stm_apb_hz + 115200 / 2) / 115200;
+    USART3_CR1 = USART_CR1_FIFOEN | USART_CR1_TE | USART_CR1_UE;
+}
+
+int hal_init(void)
+{
+    start = stm_keep_start();
+    if (!is_fast_revision()) {
+        return no_revision;
+    }
+    const stm_clock_t clock = stm_clock_init();
+    if (clock == stm_clock_fail) {
+        return no_clock;
+    }
+    stm_tick_fault(clock == stm_clock_hsi ? stm_fault_clock : 0u);
+    stm_timers_init(); // before the pins: /LDAC is then high from the first moment
+    stm_pins_init();
+    init_text();
+    stm_tick_init();
+    if (!stm_dac_init()) {
+        return no_dac;
+    }
+    return stm_can_init() ? 0 : no_can;
+}
+
+/// One second: longer than the check of the largest table takes the slow side. It stands still
+/// while a debugger holds the core. RM0433 45.3, 60.5.
+static void start_watchdog(void)
+{
+    DBGMCU_APB4FZ1 |= DBGMCU_APB4FZ1_WDGLSD1;
+    IWDG_KR = IWDG_KR_START;
+    IWDG_KR = IWDG_KR_UNLOCK;
+    IWDG_PR = IWDG_PR_DIV8; // 32 kHz / 8
+    IWDG_RLR = 4000;
+    IWDG_KR = IWDG_KR_RELOAD;
+}
+
+void hal_tick_start(void)
+{
+    start_watchdog();
+    stm_timers_start_tick();
+}
+
+static void tell_new_faults(void)
+{
+    static const char *const texts[] = {
+        "port: no HSE clock, runs from the HSI; drives reported as not ready",
+        "port: a tick overran; drives reported as not ready",
+        "port: set-points came too late for the outputs' step; drives reported as not ready",
+        "port: a transfer to the DAC did not end; drives reported as not ready",
+    };
+    static uint32_t told;
+    const uint32_t new_faults = stm_tick_faults() & ~told;
+    for (uint32_t i = 0; i < sizeof texts / sizeof texts[0]; i++) {
+        if ((new_faults & 1u << i) != 0u) {
+            hal_text(texts[i]);
+        }
+    }
+    told |= new_faults;
+}
+
+void hal_idle(void)
+{
+    static uint32_t last_count;
+    tell_new_faults();
+    const uint32_t count = stm_tick_count();
+    if (count != last_count) {
+        IWDG_KR = IWDG_KR_RELOAD;
+    }
+    last_count = count;
+    __asm volatile("wfi");
+}
+
+void hal_halt(const char *why)
+{
+    __asm volatile("cpsid i" ::: "memory");
+    stm_outputs_safe();
+    stm_keep_text(why);
+    SCB_AIRCR = SCB_AIRCR_SYSRESETREQ;
+    stm_barrier();
+    for (;;) {
+    }
+}
+
+hal_start_t hal_start(void)
+{
+    return start;
+}
+
+hal_image_t hal_table_image(void)
+{
+    return (hal_image_t){.bytes = stm_table_start, .size = (uint32_t)stm_table_bytes};
+}
+
+/// A character takes 87 us; when there is no room for far longer, it is dropped.
+static void put_char(char c)
+{
+    const uint32_t begin = TIM5->CNT;
+    while ((USART3_ISR & USART_ISR_TXFNF) == 0u) {
+        if (TIM5->CNT - begin > stm_timer_hz / 1000) {
+            return;
+        }
+    }
+    USART3_TDR = (uint8_t)c;
+}
+
+void hal_text(const char *line)
+{
+    for (uint32_t i = 0; i < 120u && line[i] != '\0'; i++) {
+        put_char(line[i]);
+    }
+    put_char('\r');
+    put_char('\n');
+}
+
+int32_t hal_axis_read_nm_isr(hal_axis_t axis)
+{
+    if (axis == hal_axis_u && BOARD_HAS_U_SCALE != 0) {
+        return stm_counts_nm(stm_timers_u_counts_isr(), BOARD_NM_Q16(BOARD_U_COUNT_PM));
+    }
+    if (axis == hal_axis_z) {
+        return stm_counts_nm(stm_timers_z_counts_isr(), BOARD_NM_Q16(BOARD_Z_COUNT_PM));
+    }
+    return last_nm[axis];
+}
+
+uint32_t hal_inputs_read_isr(void)
+{
+    const uint32_t pins = GPIOE->IDR;
+    uint32_t bits = (pins & 1u << stm_pin_estop) != 0u ? 0u : hal_in_estop;
+    if ((pins & 1u << stm_pin_ready) != 0u && stm_tick_faults() == 0u) {
+        bits |= hal_in_drive_ready;
+    }
+    return bits;
+}
+
+void hal_axis_write_isr(hal_axis_t axis, hal_setpoint_t setpoint)
+{
+    static const int32_t codes_q32[hal_n_axes] = {
+        [hal_axis_u] = BOARD_CODES_Q32(BOARD_U_FULL_NM),
+        [hal_axis_x] = BOARD_CODES_Q32(BOARD_X_FULL_NM),
+        [hal_axis_z] = BOARD_CODES_Q32(BOARD_Z_FULL_NM),
+    };
+    last_nm[axis] = setpoint.pos_nm;
+    stm_dac_set_isr(axis, stm_code16(setpoint.pos_nm, codes_q32[axis]));
+    if (axis == hal_axis_u) {
+        stm_dac_set_internal_isr(stm_code12(setpoint.pos_nm, codes_q32[axis]));
+    }
+}
+
+void hal_spindle_write_isr(int32_t speed_mrpm)
+{
+    stm_dac_set_isr(stm_dac_spindle,
+                    stm_code16(speed_mrpm, BOARD_CODES_Q32(BOARD_SPINDLE_FULL_MRPM)));
+}
+
+void hal_outputs_write_isr(uint32_t bits)
+{
+    GPIOE->BSRR = STM_BSRR(stm_pin_enable, (bits & hal_out_enable) != 0u) |
+                  STM_BSRR(stm_pin_fault, (bits & hal_out_fault) != 0u) |
+                  STM_BSRR(stm_pin_in_cut, (bits & hal_out_in_cut) != 0u);
+}

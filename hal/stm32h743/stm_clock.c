@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "stm_clock.h"
+#include "stm_reg.h"
+#include <stdbool.h> // bool
+
+/// Polls at the reset's 64 MHz before a flag is given up: about 50 ms.
+enum { max_polls = 400000 };
+
+static bool wait_for(volatile uint32_t *reg, uint32_t mask, uint32_t wanted)
+{
+    for (uint32_t i = 0; i < max_polls; i++) {
+        if ((*reg & mask) == wanted) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/// Core supply by the LDO, then the highest voltage scale: 1, and from there 0 by overdrive.
+static bool raise_supply(void)
+{
+    PWR_CR3 = (PWR_CR3 & ~(PWR_CR3_BYPASS | PWR_CR3_SCUEN)) | PWR_CR3_LDOEN;
+    if (!wait_for(&PWR_CSR1, PWR_CSR1_ACTVOSRDY, PWR_CSR1_ACTVOSRDY)) {
+        return false;
+    }
+    PWR_D3CR |= PWR_D3CR_VOS_SCALE1;
+    if (!wait_for(&PWR_D3CR, PWR_D3CR_VOSRDY, PWR_D3CR_VOSRDY)) {
+        return false;
+    }
+    RCC_APB4ENR |= RCC_APB4ENR_SYSCFG;
+    (void)RCC_APB4ENR;
+    SYSCFG_PWRCR |= SYSCFG_PWRCR_ODEN;
+    return wait_for(&PWR_D3CR, PWR_D3CR_VOSRDY, PWR_D3CR_VOSRDY);
+}
+
+/// The ST-LINK of the board feeds 8 MHz into OSC_IN.
+static bool start_hse(void)
+{
+    RCC_CR |= RCC_CR_HSEBYP;
+    RCC_CR |= RCC_CR_HSEON;
+    return wait_for(&RCC_CR, RCC_CR_HSERDY, RCC_CR_HSERDY);
+}
+
+/// 8 MHz from either source, times 120; VCO at 960 MHz.
+static bool start_pll(bool has_hse)
+{
+    RCC_PLLCKSELR = has_hse ? RCC_PLLCKSELR_HSE | RCC_PLLCKSELR_DIVM1(1)
+                            : RCC_PLLCKSELR_HSI | RCC_PLLCKSELR_DIVM1(8);
+    RCC_PLLCFGR = RCC_PLLCFGR_PLL1RGE_8_16MHZ | RCC_PLLCFGR_DIVP1EN | RCC_PLLCFGR_DIVQ1EN;
+    RCC_PLL1DIVR =
+        RCC_PLL1DIVR_N1(120) | RCC_PLL1DIVR_P1(2) | RCC_PLL1DIVR_Q1(12) | RCC_PLL1DIVR_R1(2);
+    RCC_CR |= RCC_CR_PLL1ON;
+    return wait_for(&RCC_CR, RCC_CR_PLL1RDY, RCC_CR_PLL1RDY);
+}
+
+/// Wait states and dividers before the frequency rises.
+static bool switch_to_pll(void)
+{
+    FLASH_ACR = FLASH_ACR_LATENCY_4WS | FLASH_ACR_WRHIGHFREQ_240MHZ;
+    (void)FLASH_ACR;
+    RCC_D1CFGR = RCC_D1CFGR_HPRE_DIV2 | RCC_D1CFGR_D1PPRE_DIV2;
+    RCC_D2CFGR = RCC_D2CFGR_D2PPRE1_DIV2 | RCC_D2CFGR_D2PPRE2_DIV2;
+    RCC_D3CFGR = RCC_D3CFGR_D3PPRE_DIV2;
+    RCC_CFGR = (RCC_CFGR & ~RCC_CFGR_SW_MASK) | RCC_CFGR_SW_PLL1;
+    return wait_for(&RCC_CFGR, RCC_CFGR_SWS_MASK, RCC_CFGR_SWS_PLL1);
+}
+
+stm_clock_t stm_clock_init(void)
+{
+    if (!raise_supply()) {
+        return stm_clock_fail;
+    }
+    const bool has_hse = start_hse();
+    if (!start_pll(has_hse) || !switch_to_pll()) {
+        return stm_clock_fail;
+    }
+    RCC_D2CCIP1R = (RCC_D2CCIP1R & ~(RCC_D2CCIP1R_SPI123_MASK | RCC_D2CCIP1R_FDCAN_MASK)) |
+                   RCC_D2CCIP1R_SPI123_PLL1Q | RCC_D2CCIP1R_FDCAN_PLL1Q;
+    if (has_hse) {
+        RCC_CR |= RCC_CR_CSSHSEON;
+    }
+    return has_hse ? stm_clock_hse : stm_clock_hsi;
+}

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "stm_dac.h"
+#include "stm_clock.h" // stm_timer_hz
+#include "stm_reg.h"
+
+/// Bits 19 and up of a frame: register; 16 .. 18: channel.
+enum {
+    frame_range_all = 1 << 19 | 4 << 16,
+    frame_power = 2 << 19,
+    frame_control = 3 << 19 | 1 << 16,
+    frame_nothing = 3 << 19,
+    frame_load_all = 3 << 19 | 5 << 16,
+    range_10v = 4,
+    power_all = 0x1F,                  ///< channels A to D and the reference
+    control_protect = 1 << 3 | 1 << 2, ///< thermal shutdown, current clamp
+};
+
+static uint32_t frame[stm_n_dacs];
+
+/// RM0433 50.4: the transfer is configured while SPE is low, the FIFO takes its four frames, and
+/// CSTART lets them go. Off and on again before each transfer, as the manual advises.
+static void send_isr(const uint32_t words[stm_n_dacs])
+{
+    SPI3_IFCR = SPI_IFCR_EOTC | SPI_IFCR_TXTFC;
+    SPI3_CR1 = 0;
+    SPI3_CR1 = SPI_CR1_SPE;
+    for (uint32_t i = 0; i < stm_n_dacs; i++) {
+        SPI3_TXDR = words[i];
+    }
+    SPI3_CR1 = SPI_CR1_SPE | SPI_CR1_CSTART;
+}
+
+static bool wait_for_end(void)
+{
+    for (uint32_t i = 0; i < 100000u; i++) { // some hundred times the length of a transfer
+        if ((SPI3_SR & SPI_SR_EOT) != 0u) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/// 20 MHz; data change on the rising edge, /SYNC is high for four clocks between frames.
+static void init_spi(void)
+{
+    RCC_APB1LENR |= RCC_APB1LENR_SPI3;
+    (void)RCC_APB1LENR;
+    SPI3_CFG1 = SPI_CFG1_DSIZE_24 | SPI_CFG1_MBR_DIV4;
+    SPI3_CFG2 = SPI_CFG2_MSSI(1) | SPI_CFG2_MIDI(4) | SPI_CFG2_COMM_TX_ONLY | SPI_CFG2_MASTER |
+                SPI_CFG2_CPHA | SPI_CFG2_SSOE | SPI_CFG2_SSOM | SPI_CFG2_AFCNTR;
+    SPI3_CR2 = stm_n_dacs;
+}
+
+/// RM0433 26.7, DAC_CR: the output follows TIM4's trigger; buffer on (DAC_MCR after reset).
+static void init_internal(void)
+{
+    RCC_APB1LENR |= RCC_APB1LENR_DAC12;
+    (void)RCC_APB1LENR;
+    stm_dac_set_internal_isr(2048);
+    DAC_CR = DAC_CR_TSEL1_TIM4 | DAC_CR_TEN1;
+    DAC_CR |= DAC_CR_EN1;
+}
+
+/// The reference needs 10 us after its power-up: data sheet, "Power control register".
+static void wait_for_power(void)
+{
+    const uint32_t begin = TIM5->CNT;
+    while (TIM5->CNT - begin < stm_timer_hz / 1000000 * 100) {
+    }
+}
+
+bool stm_dac_init(void)
+{
+    static const uint32_t setup[stm_n_dacs] = {frame_range_all | range_10v, frame_power | power_all,
+                                               frame_control | control_protect, frame_nothing};
+    static const uint32_t load[stm_n_dacs] = {frame_load_all, frame_nothing, frame_nothing,
+                                              frame_nothing};
+    for (uint32_t i = 0; i < stm_n_dacs; i++) {
+        stm_dac_set_isr(i, 0);
+    }
+    init_internal();
+    init_spi();
+    send_isr(setup);
+    bool is_good = wait_for_end();
+    wait_for_power();
+    send_isr(frame);
+    is_good = wait_for_end() && is_good;
+    send_isr(load);
+    return wait_for_end() && is_good;
+}
+
+void stm_dac_set_isr(uint32_t dac, int32_t code)
+{
+    frame[dac] = dac << 16 | ((uint32_t)code & 0xFFFFu);
+}
+
+void stm_dac_set_internal_isr(uint32_t code)
+{
+    DAC_DHR12R1 = code;
+}
+
+bool stm_dac_send_isr(void)
+{
+    const bool is_sent = (SPI3_SR & SPI_SR_EOT) != 0u;
+    send_isr(frame);
+    return is_sent;
+}

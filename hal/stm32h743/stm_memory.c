@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "stm_memory.h"
+#include "stm_core.h"
+#include <stddef.h> // size_t
+
+/// A region of the protection unit.
+typedef struct {
+    uint32_t base;       ///< a multiple of its size
+    uint32_t attributes; ///< of MPU_RASR
+} region_t;
+
+static const region_t regions[] = {
+    {0x60000000u, MPU_RASR_SIZE(29) | MPU_RASR_NO_ACCESS | MPU_RASR_XN},
+    {0x80000000u, MPU_RASR_SIZE(29) | MPU_RASR_NO_ACCESS | MPU_RASR_XN},
+    {0x08000000u, MPU_RASR_SIZE(21) | MPU_RASR_READ_ONLY | MPU_RASR_WRITE_THROUGH},
+    {0x08100000u, MPU_RASR_SIZE(20) | MPU_RASR_READ_ONLY | MPU_RASR_WRITE_THROUGH | MPU_RASR_XN},
+    {0x00000000u, MPU_RASR_SIZE(16) | MPU_RASR_READ_ONLY | MPU_RASR_UNCACHED},
+    {0x00000000u, MPU_RASR_SIZE(8) | MPU_RASR_NO_ACCESS | MPU_RASR_XN},
+    {0x20000000u, MPU_RASR_SIZE(17) | MPU_RASR_READ_WRITE | MPU_RASR_UNCACHED | MPU_RASR_XN},
+    {0x1FFFF000u, MPU_RASR_SIZE(12) | MPU_RASR_NO_ACCESS | MPU_RASR_XN},
+};
+
+static void protect(void)
+{
+    for (size_t i = 0; i < sizeof regions / sizeof regions[0]; i++) {
+        MPU_RBAR = regions[i].base | MPU_RBAR_VALID | (uint32_t)i;
+        MPU_RASR = regions[i].attributes | MPU_RASR_ENABLE;
+    }
+    MPU_CTRL = MPU_CTRL_PRIVDEFENA | MPU_CTRL_ENABLE;
+    stm_barrier();
+}
+
+static void enable_instruction_cache(void)
+{
+    SCB_ICIALLU = 0;
+    stm_barrier();
+    SCB_CCR |= SCB_CCR_IC;
+    stm_barrier();
+}
+
+/// Its content after a reset is random: every line is invalidated by set and way.
+static void enable_data_cache(void)
+{
+    SCB_CSSELR = 0; // level 1, data
+    stm_barrier();
+    const uint32_t geometry = SCB_CCSIDR;
+    const uint32_t last_way = geometry >> 3 & 0x3FFu;
+    const uint32_t last_set = geometry >> 13 & 0x7FFFu;
+    for (uint32_t set = 0; set <= last_set; set++) {
+        for (uint32_t way = 0; way <= last_way; way++) {
+            SCB_DCISW = way << 30 | set << 5; // four ways, lines of 32 bytes
+        }
+    }
+    stm_barrier();
+    SCB_CCR |= SCB_CCR_DC;
+    stm_barrier();
+}
+
+void stm_memory_init(void)
+{
+    protect();
+    enable_instruction_cache();
+    enable_data_cache();
+}

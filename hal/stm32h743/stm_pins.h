@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+/// stm_pins: which pin does what, and the safe state of the outputs.
+///
+/// The table of README.md in code. Source of the alternate functions: datasheet DS12110, tables
+/// "Port x alternate functions".
+#ifndef STM_PINS_H
+#define STM_PINS_H
+
+#include "stm_reg.h" // GPIOE, RCC_AHB4ENR
+
+enum {
+    stm_pin_estop = 10,  ///< PE10 in, 1: the chain is closed
+    stm_pin_ready = 12,  ///< PE12 in, 1: all drives ready
+    stm_pin_enable = 13, ///< PE13 out, 1: the drives hold their axes
+    stm_pin_fault = 14,  ///< PE14 out, 1: fault
+    stm_pin_in_cut = 15, ///< PE15 out, 1: in cut
+};
+
+/// Bits of BSRR that set and reset a pin.
+#define STM_BSRR(pin, is_set) (1u << ((is_set) ? (uint32_t)(pin) : (uint32_t)(pin) + 16u))
+
+/// Enable low, fault high, in cut low. The level is set before the pins become outputs.
+/// Context: any, also before memory is set up: inlined, no constants.
+/// Source: RM0433 11.4, GPIOx_BSRR, GPIOx_MODER; 8.7, RCC_AHB4ENR.
+__attribute__((always_inline)) static inline void stm_outputs_safe(void)
+{
+    RCC_AHB4ENR |= RCC_AHB4ENR_GPIOE;
+    (void)RCC_AHB4ENR; // the clock runs two cycles after the write has arrived
+    GPIOE->BSRR =
+        STM_BSRR(stm_pin_enable, 0) | STM_BSRR(stm_pin_fault, 1) | STM_BSRR(stm_pin_in_cut, 0);
+    GPIOE->MODER = (GPIOE->MODER & ~0xFC000000u) | 0x54000000u; // 13 .. 15: output
+}
+
+/// Give all pins their function. Context: slow side, once.
+void stm_pins_init(void);
+
+#endif

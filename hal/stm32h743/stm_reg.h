@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: Apache-2.0
+/// stm_reg: the registers and bits of the STM32H743 that this port uses, and no others.
+///
+/// Names are those of the reference manual RM0433 (revision 8), whose chapter stands above each
+/// group; addresses: chapter 2, "Memory organization". Core registers: stm_core.h.
+#ifndef STM_REG_H
+#define STM_REG_H
+
+#include <stddef.h> // offsetof
+#include <stdint.h> // uint32_t
+
+#define STM_REG(address) (*(volatile uint32_t *)(address))
+
+// Chapter 4, embedded flash memory
+
+#define FLASH_ACR STM_REG(0x52002000u)
+#define FLASH_ACR_LATENCY_4WS (4u << 0)       // VOS0, AXI clock up to 240 MHz
+#define FLASH_ACR_WRHIGHFREQ_240MHZ (2u << 4) // the same row of the table
+
+// Chapter 6, power control
+
+#define PWR_CSR1 STM_REG(0x58024804u)
+#define PWR_CSR1_ACTVOSRDY (1u << 13)
+#define PWR_CR3 STM_REG(0x5802480Cu)
+#define PWR_CR3_BYPASS (1u << 0)
+#define PWR_CR3_LDOEN (1u << 1)
+#define PWR_CR3_SCUEN (1u << 2)
+#define PWR_D3CR STM_REG(0x58024818u)
+#define PWR_D3CR_VOSRDY (1u << 13)
+#define PWR_D3CR_VOS_SCALE1 (3u << 14)
+
+// Chapter 8, reset and clock control
+
+#define RCC_CR STM_REG(0x58024400u)
+#define RCC_CR_HSEON (1u << 16)
+#define RCC_CR_HSERDY (1u << 17)
+#define RCC_CR_HSEBYP (1u << 18)
+#define RCC_CR_CSSHSEON (1u << 19)
+#define RCC_CR_PLL1ON (1u << 24)
+#define RCC_CR_PLL1RDY (1u << 25)
+#define RCC_CFGR STM_REG(0x58024410u)
+#define RCC_CFGR_SW_PLL1 (3u << 0)
+#define RCC_CFGR_SW_MASK (7u << 0)
+#define RCC_CFGR_SWS_PLL1 (3u << 3)
+#define RCC_CFGR_SWS_MASK (7u << 3)
+#define RCC_D1CFGR STM_REG(0x58024418u)
+#define RCC_D1CFGR_HPRE_DIV2 (8u << 0)
+#define RCC_D1CFGR_D1PPRE_DIV2 (4u << 4)
+#define RCC_D2CFGR STM_REG(0x5802441Cu)
+#define RCC_D2CFGR_D2PPRE1_DIV2 (4u << 4)
+#define RCC_D2CFGR_D2PPRE2_DIV2 (4u << 8)
+#define RCC_D3CFGR STM_REG(0x58024420u)
+#define RCC_D3CFGR_D3PPRE_DIV2 (4u << 4)
+#define RCC_PLLCKSELR STM_REG(0x58024428u)
+#define RCC_PLLCKSELR_HSI (0u << 0)
+#define RCC_PLLCKSELR_HSE (2u << 0)
+#define RCC_PLLCKSELR_DIVM1(m) ((uint32_t)(m) << 4)
+#define RCC_PLLCFGR STM_REG(0x5802442Cu)
+#define RCC_PLLCFGR_PLL1RGE_8_16MHZ (3u << 2)
+#define RCC_PLLCFGR_DIVP1EN (1u << 16)
+#define RCC_PLLCFGR_DIVQ1EN (1u << 17)
+#define RCC_PLL1DIVR STM_REG(0x58024430u)
+#define RCC_PLL1DIVR_N1(n) (((uint32_t)(n)-1u) << 0)
+#define RCC_PLL1DIVR_P1(p) (((uint32_t)(p)-1u) << 9)
+#define RCC_PLL1DIVR_Q1(q) (((uint32_t)(q)-1u) << 16)
+#define RCC_PLL1DIVR_R1(r) (((uint32_t)(r)-1u) << 24)
+#define RCC_D2CCIP1R STM_REG(0x58024450u)
+#define RCC_D2CCIP1R_SPI123_PLL1Q (0u << 12)
+#define RCC_D2CCIP1R_SPI123_MASK (7u << 12)
+#define RCC_D2CCIP1R_FDCAN_PLL1Q (1u << 28)
+#define RCC_D2CCIP1R_FDCAN_MASK (3u << 28)
+#define RCC_CICR STM_REG(0x58024468u)
+#define RCC_CICR_HSECSSC (1u << 10)
+#define RCC_CIFR STM_REG(0x58024464u)
+#define RCC_CIFR_HSECSSF (1u << 10)
+#define RCC_RSR STM_REG(0x580244D0u)
+#define RCC_RSR_RMVF (1u << 16)
+#define RCC_RSR_BORRSTF (1u << 21)
+#define RCC_RSR_PINRSTF (1u << 22)
+#define RCC_RSR_PORRSTF (1u << 23)
+#define RCC_RSR_SFTRSTF (1u << 24)
+#define RCC_RSR_IWDG1RSTF (1u << 26)
+#define RCC_RSR_WWDG1RSTF (1u << 28)
+#define RCC_AHB4ENR STM_REG(0x580244E0u)
+#define RCC_AHB4ENR_GPIOA_TO_E (0x1Fu << 0)
+#define RCC_AHB4ENR_GPIOE (1u << 4)
+#define RCC_APB1LENR STM_REG(0x580244E8u)
+#define RCC_APB1LENR_TIM2 (1u << 0)
+#define RCC_APB1LENR_TIM3 (1u << 1)
+#define RCC_APB1LENR_TIM4 (1u << 2)
+#define RCC_APB1LENR_TIM5 (1u << 3)
+#define RCC_APB1LENR_SPI3 (1u << 15)
+#define RCC_APB1LENR_USART3 (1u << 18)
+#define RCC_APB1LENR_DAC12 (1u << 29)
+#define RCC_APB1HENR STM_REG(0x580244ECu)
+#define RCC_APB1HENR_FDCAN (1u << 8)
+#define RCC_APB2ENR STM_REG(0x580244F0u)
+#define RCC_APB2ENR_TIM1 (1u << 0)
+#define RCC_APB4ENR STM_REG(0x580244F4u)
+#define RCC_APB4ENR_SYSCFG (1u << 1)
+
+// Chapter 11, general-purpose I/Os
+
+typedef struct {
+    volatile uint32_t MODER, OTYPER, OSPEEDR, PUPDR, IDR, ODR, BSRR, LCKR, AFR[2];
+} stm_gpio_t;
+_Static_assert(offsetof(stm_gpio_t, AFR) == 0x20, "as in the manual");
+
+#define GPIOA ((stm_gpio_t *)0x58020000u)
+#define GPIOB ((stm_gpio_t *)0x58020400u)
+#define GPIOC ((stm_gpio_t *)0x58020800u)
+#define GPIOD ((stm_gpio_t *)0x58020C00u)
+#define GPIOE ((stm_gpio_t *)0x58021000u)
+
+// Chapter 12, system configuration controller
+
+#define SYSCFG_PWRCR STM_REG(0x5800042Cu)
+#define SYSCFG_PWRCR_ODEN (1u << 0)
+
+// Chapter 26, digital-to-analog converter
+
+#define DAC_CR STM_REG(0x40007400u)
+#define DAC_CR_EN1 (1u << 0)
+#define DAC_CR_TEN1 (1u << 1)
+#define DAC_CR_TSEL1_TIM4 (3u << 2)
+#define DAC_DHR12R1 STM_REG(0x40007408u)
+
+// Chapters 38 (TIM1) and 39 (TIM2 to TIM5), timers
+
+typedef struct {
+    volatile uint32_t CR1, CR2, SMCR, DIER, SR, EGR, CCMR1, CCMR2, CCER, CNT, PSC, ARR, RCR;
+    volatile uint32_t CCR1, CCR2, CCR3, CCR4, BDTR, DCR, DMAR;
+} stm_tim_t;
+_Static_assert(offsetof(stm_tim_t, CCR4) == 0x40, "as in the manual");
+
+#define TIM1 ((stm_tim_t *)0x40010000u)
+#define TIM2 ((stm_tim_t *)0x40000000u)
+#define TIM3 ((stm_tim_t *)0x40000400u)
+#define TIM4 ((stm_tim_t *)0x40000800u)
+#define TIM5 ((stm_tim_t *)0x40000C00u)
+#define TIM_CR1_CEN (1u << 0)
+#define TIM_CR1_URS (1u << 2)
+#define TIM_CR1_DIR (1u << 4) // 1: the counter falls
+#define TIM_CR2_MMS_OC3REF (6u << 4)
+#define TIM_SMCR_SMS_ENCODER3 (3u << 0)
+#define TIM_DIER_UIE (1u << 0)
+#define TIM_SR_UIF (1u << 0)
+#define TIM_SR_CC3IF (1u << 3)
+#define TIM_SR_CC4IF (1u << 4)
+#define TIM_SR_CC3OF (1u << 11)
+#define TIM_SR_CC4OF (1u << 12)
+#define TIM_EGR_UG (1u << 0)
+#define TIM_CCMR1_IC1_TI1 (1u << 0)
+#define TIM_CCMR1_IC1F_8 (3u << 4) // eight equal samples at the timer's clock: 33 ns
+#define TIM_CCMR1_IC2_TI2 (1u << 8)
+#define TIM_CCMR1_IC2F_8 (3u << 12)
+#define TIM_CCMR2_IC3_TI3 (1u << 0)
+#define TIM_CCMR2_IC3F_8 (3u << 4)
+#define TIM_CCMR2_IC4_TI3 (2u << 8)
+#define TIM_CCMR2_OC3M_PWM2 (7u << 4)
+#define TIM_CCER_CC3E (1u << 8)
+#define TIM_CCER_CC3P (1u << 9)
+#define TIM_CCER_CC4E (1u << 12)
+#define TIM_CCER_CC4P (1u << 13)
+
+enum { stm_irq_tim4 = 30, stm_n_irqs = 150 }; // chapter 19, vector table
+
+// Chapter 45, independent watchdog
+
+#define IWDG_KR STM_REG(0x58004800u)
+#define IWDG_KR_RELOAD 0xAAAAu
+#define IWDG_KR_UNLOCK 0x5555u
+#define IWDG_KR_START 0xCCCCu
+#define IWDG_PR STM_REG(0x58004804u)
+#define IWDG_PR_DIV8 1u
+#define IWDG_RLR STM_REG(0x58004808u)
+
+// Chapter 48, USART
+
+#define USART3_CR1 STM_REG(0x40004800u)
+#define USART_CR1_UE (1u << 0)
+#define USART_CR1_TE (1u << 3)
+#define USART_CR1_FIFOEN (1u << 29)
+#define USART3_BRR STM_REG(0x4000480Cu)
+#define USART3_ISR STM_REG(0x4000481Cu)
+#define USART_ISR_TXFNF (1u << 7)
+#define USART3_TDR STM_REG(0x40004828u)
+
+// Chapter 50, serial peripheral interface
+
+#define SPI3_CR1 STM_REG(0x40003C00u)
+#define SPI_CR1_SPE (1u << 0)
+#define SPI_CR1_CSTART (1u << 9)
+#define SPI3_CR2 STM_REG(0x40003C04u) // number of frames of a transfer
+#define SPI3_CFG1 STM_REG(0x40003C08u)
+#define SPI_CFG1_DSIZE_24 (23u << 0)
+#define SPI_CFG1_MBR_DIV4 (1u << 28)
+#define SPI3_CFG2 STM_REG(0x40003C0Cu)
+#define SPI_CFG2_MSSI(clocks) ((uint32_t)(clocks) << 0)
+#define SPI_CFG2_MIDI(clocks) ((uint32_t)(clocks) << 4)
+#define SPI_CFG2_COMM_TX_ONLY (1u << 17)
+#define SPI_CFG2_MASTER (1u << 22)
+#define SPI_CFG2_CPHA (1u << 24)
+#define SPI_CFG2_SSOE (1u << 29)
+#define SPI_CFG2_SSOM (1u << 30)
+#define SPI_CFG2_AFCNTR (1u << 31)
+#define SPI3_SR STM_REG(0x40003C14u)
+#define SPI_SR_EOT (1u << 3)
+#define SPI3_IFCR STM_REG(0x40003C18u)
+#define SPI_IFCR_EOTC (1u << 3)
+#define SPI_IFCR_TXTFC (1u << 4)
+#define SPI3_TXDR STM_REG(0x40003C20u)
+
+// Chapter 56, FD controller area network
+
+#define FDCAN1_DBTP STM_REG(0x4000A00Cu)
+#define FDCAN_DBTP_TDC (1u << 23)
+#define FDCAN1_CCCR STM_REG(0x4000A018u)
+#define FDCAN_CCCR_INIT (1u << 0)
+#define FDCAN_CCCR_CCE (1u << 1)
+#define FDCAN_CCCR_FDOE (1u << 8)
+#define FDCAN_CCCR_BRSE (1u << 9)
+#define FDCAN1_NBTP STM_REG(0x4000A01Cu)
+#define FDCAN1_PSR STM_REG(0x4000A044u)
+#define FDCAN_PSR_BO (1u << 7)
+#define FDCAN1_TDCR STM_REG(0x4000A048u)
+#define FDCAN1_GFC STM_REG(0x4000A080u)
+#define FDCAN_GFC_RRFE (1u << 0)
+#define FDCAN_GFC_RRFS (1u << 1)
+#define FDCAN_GFC_ANFE_REJECT (2u << 2)
+#define FDCAN_GFC_ANFS_FIFO0 (0u << 4)
+#define FDCAN1_SIDFC STM_REG(0x4000A084u)
+#define FDCAN1_XIDFC STM_REG(0x4000A088u)
+#define FDCAN1_RXF0C STM_REG(0x4000A0A0u)
+#define FDCAN_RXF0C_F0S(elements) ((uint32_t)(elements) << 16)
+#define FDCAN1_RXF0S STM_REG(0x4000A0A4u)
+#define FDCAN_RXF0S_F0FL (0x7Fu << 0)
+#define FDCAN1_RXF0A STM_REG(0x4000A0A8u)
+#define FDCAN1_RXESC STM_REG(0x4000A0BCu)
+#define FDCAN_RXESC_F0DS_64 (7u << 0)
+#define FDCAN1_TXBC STM_REG(0x4000A0C0u)
+#define FDCAN_TXBC_TFQS(elements) ((uint32_t)(elements) << 24)
+#define FDCAN1_TXFQS STM_REG(0x4000A0C4u)
+#define FDCAN_TXFQS_TFQF (1u << 21)
+#define FDCAN1_TXESC STM_REG(0x4000A0C8u)
+#define FDCAN_TXESC_TBDS_64 (7u << 0)
+#define FDCAN1_TXBAR STM_REG(0x4000A0D0u)
+#define FDCAN_RAM ((volatile uint32_t *)0x4000AC00u)
+
+// Chapter 60, debug infrastructure
+
+#define DBGMCU_IDC STM_REG(0x5C001000u)
+#define DBGMCU_APB4FZ1 STM_REG(0x5C001054u)
+#define DBGMCU_APB4FZ1_WDGLSD1 (1u << 18)
+
+#endif

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Start-up: outputs safe, memory filled, vectors; and every exception that nobody expects.
+/// Source: ARMv7-M Architecture Reference Manual B1.5.3 (vector table), B3.2.
+#include "hal/hal.h"
+#include "stm_core.h"
+#include "stm_memory.h" // stm_memory_init
+#include "stm_pins.h"   // stm_outputs_safe
+#include "stm_tick.h"   // stm_tick_isr
+
+extern uint32_t stm_stack_top;
+extern uint32_t stm_itcm_image, stm_itcm_start, stm_itcm_end;
+extern uint32_t stm_data_image, stm_data_start, stm_data_end;
+extern uint32_t stm_bss_start, stm_bss_end;
+int main(void);
+_Noreturn void stm_reset(void);
+
+typedef void (*vector_t)(void);
+
+enum { n_system = 16, n_vectors = n_system + stm_n_irqs };
+
+/// The clock security system calls after it has switched to the HSI. RM0433 8.5, CSS.
+static void on_nmi(void)
+{
+    stm_outputs_safe();
+    if ((RCC_CIFR & RCC_CIFR_HSECSSF) != 0u) {
+        RCC_CICR = RCC_CICR_HSECSSC;
+        hal_halt("clock: the HSE oscillator failed");
+    }
+    hal_halt("exception: NMI");
+}
+
+static void on_hard_fault(void)
+{
+    hal_halt("exception: hard fault");
+}
+
+static void on_memory_fault(void)
+{
+    hal_halt("exception: memory protection");
+}
+
+static void on_bus_fault(void)
+{
+    hal_halt("exception: bus fault");
+}
+
+static void on_usage_fault(void)
+{
+    hal_halt("exception: usage fault");
+}
+
+static void on_unexpected(void)
+{
+    hal_halt("exception: nobody's interrupt");
+}
+
+/// An exception before memory is filled: outputs safe and again from the start.
+__attribute__((section(".boot"), used)) static void on_boot_fault(void)
+{
+    stm_outputs_safe();
+    SCB_AIRCR = SCB_AIRCR_SYSRESETREQ;
+    for (;;) {
+    }
+}
+
+/// What the core reads from flash; the interrupts come on later.
+__attribute__((section(".vectors"), used)) static const struct {
+    uint32_t *stack_top;
+    vector_t system[n_system - 1];
+} flash_vectors = {
+    .stack_top = &stm_stack_top,
+    .system = {stm_reset, on_boot_fault, on_boot_fault, on_boot_fault, on_boot_fault, on_boot_fault,
+               on_boot_fault, on_boot_fault, on_boot_fault, on_boot_fault, on_boot_fault,
+               on_boot_fault, on_boot_fault, on_boot_fault, on_boot_fault},
+};
+
+/// What the core reads while the tick runs, in memory without wait states. The alignment is the
+/// next power of two: B3.2.5.
+__attribute__((section(".ram_vectors"), aligned(1024))) static vector_t ram_vectors[n_vectors];
+
+static void fill_vectors(void)
+{
+    for (uint32_t i = 0; i < n_vectors; i++) {
+        ram_vectors[i] = on_unexpected;
+    }
+    ram_vectors[2] = on_nmi;
+    ram_vectors[3] = on_hard_fault;
+    ram_vectors[4] = on_memory_fault;
+    ram_vectors[5] = on_bus_fault;
+    ram_vectors[6] = on_usage_fault;
+    ram_vectors[n_system + stm_irq_tim4] = stm_tick_isr;
+    SCB_VTOR = (uint32_t)ram_vectors;
+    SCB_SHCSR |= SCB_SHCSR_FAULTS;
+    SCB_CCR |= SCB_CCR_DIV_0_TRP;
+    stm_barrier();
+}
+
+__attribute__((always_inline)) static inline void copy(const uint32_t *from, uint32_t *to,
+                                                       const uint32_t *end)
+{
+    while (to < end) {
+        *to++ = *from++;
+    }
+}
+
+__attribute__((section(".boot"), used)) void stm_reset(void)
+{
+    stm_outputs_safe();
+    copy(&stm_itcm_image, &stm_itcm_start, &stm_itcm_end);
+    copy(&stm_data_image, &stm_data_start, &stm_data_end);
+    for (uint32_t *to = &stm_bss_start; to < &stm_bss_end; to++) {
+        *to = 0;
+    }
+    stm_barrier();
+    fill_vectors();
+    stm_memory_init();
+    (void)main();
+    hal_halt("main returned");
+}

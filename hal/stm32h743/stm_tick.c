@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "stm_tick.h"
+#include "hal/hal.h"
+#include "stm_clock.h"  // stm_cpu_hz
+#include "stm_core.h"   // DWT
+#include "stm_dac.h"    // stm_dac_send_isr
+#include "stm_timers.h" // tick timer
+
+static volatile struct {
+    uint32_t n_ticks;
+    uint32_t faults;
+    uint32_t last_cycles, max_cycles;
+} tick;
+
+static void measure_isr(uint32_t begin)
+{
+    const uint32_t cycles = DWT_CYCCNT - begin;
+    tick.last_cycles = cycles;
+    if (cycles > tick.max_cycles) {
+        tick.max_cycles = cycles;
+    }
+}
+
+void stm_tick_isr(void)
+{
+    const uint32_t begin = DWT_CYCCNT;
+    stm_timers_tick_begin_isr();
+    cam_isr();
+    uint32_t faults = stm_timers_is_late_isr() ? stm_fault_late : 0u;
+    faults |= stm_dac_send_isr() ? 0u : stm_fault_dac;
+    tick.n_ticks++;
+    measure_isr(begin);
+    faults |= stm_timers_is_overrun_isr() ? stm_fault_overrun : 0u;
+    tick.faults |= faults;
+}
+
+void stm_tick_init(void)
+{
+    DCB_DEMCR |= DCB_DEMCR_TRCENA;
+    DWT_LAR = DWT_LAR_KEY;
+    DWT_CYCCNT = 0;
+    DWT_CTRL |= DWT_CTRL_CYCCNTENA;
+}
+
+uint32_t stm_tick_count(void)
+{
+    return tick.n_ticks;
+}
+
+void stm_tick_fault(uint32_t faults)
+{
+    tick.faults |= faults;
+}
+
+uint32_t stm_tick_faults(void)
+{
+    return tick.faults;
+}
+
+hal_load_t hal_load(void)
+{
+    return (hal_load_t){
+        .last_cycles = tick.last_cycles, .max_cycles = tick.max_cycles, .cycles_hz = stm_cpu_hz};
+}

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "stm_timers.h"
+#include "board_config.h"
+#include "hal/hal.h"
+#include "stm_clock.h"   // stm_timer_hz
+#include "stm_convert.h" // stm_extend
+#include "stm_core.h"
+
+enum {
+    tick_counts = stm_timer_hz / BOARD_TICK_HZ,
+    update_counts = stm_timer_hz / 1000000 * BOARD_UPDATE_NS / 1000,
+    send_counts = stm_timer_hz / 1000000 * BOARD_SEND_NS / 1000,
+};
+_Static_assert(stm_timer_hz % BOARD_TICK_HZ == 0, "the tick rate is exact");
+_Static_assert(tick_counts <= 65536, "TIM4 has 16 bits");
+_Static_assert(send_counts < update_counts && update_counts < tick_counts, "in this order");
+
+static struct {
+    int32_t u_counts, z_counts;
+    uint32_t index_counts, n_index;
+} position;
+
+/// Both edges of both tracks count; the filter is the same on all inputs, so it delays all alike.
+static void init_encoder(stm_tim_t *tim, uint32_t top)
+{
+    tim->ARR = top;
+    tim->CCMR1 = TIM_CCMR1_IC1_TI1 | TIM_CCMR1_IC1F_8 | TIM_CCMR1_IC2_TI2 | TIM_CCMR1_IC2F_8;
+    tim->SMCR = TIM_SMCR_SMS_ENCODER3;
+}
+
+/// Two captures of one input: channel 3 at its rising edge, channel 4 at its falling one.
+static void init_index(void)
+{
+    TIM2->CCMR2 = TIM_CCMR2_IC3_TI3 | TIM_CCMR2_IC3F_8 | TIM_CCMR2_IC4_TI3;
+    TIM2->CCER = TIM_CCER_CC3E | TIM_CCER_CC4E | TIM_CCER_CC4P;
+}
+
+/// Channel 3 is active from update_counts to the period's end: /LDAC low, OC3REF high.
+static void init_tick(void)
+{
+    TIM4->CR1 = TIM_CR1_URS; // no update flag from UG
+    TIM4->CR2 = TIM_CR2_MMS_OC3REF;
+    TIM4->ARR = tick_counts - 1;
+    TIM4->CCR3 = update_counts;
+    TIM4->CCMR2 = TIM_CCMR2_OC3M_PWM2;
+    TIM4->CCER = TIM_CCER_CC3E | TIM_CCER_CC3P;
+    TIM4->EGR = TIM_EGR_UG;
+    TIM4->SR = 0;
+    TIM4->DIER = TIM_DIER_UIE;
+}
+
+void stm_timers_init(void)
+{
+    RCC_APB2ENR |= RCC_APB2ENR_TIM1;
+    RCC_APB1LENR |= RCC_APB1LENR_TIM2 | RCC_APB1LENR_TIM3 | RCC_APB1LENR_TIM4 | RCC_APB1LENR_TIM5;
+    (void)RCC_APB1LENR;
+    init_encoder(TIM1, UINT16_MAX);
+    init_encoder(TIM2, UINT32_MAX);
+    init_encoder(TIM3, UINT16_MAX);
+    init_index();
+    init_tick();
+    TIM5->ARR = UINT32_MAX;
+    TIM1->CR1 = TIM_CR1_CEN;
+    TIM2->CR1 = TIM_CR1_CEN;
+    TIM3->CR1 = TIM_CR1_CEN;
+    TIM5->CR1 = TIM_CR1_CEN;
+}
+
+void stm_timers_start_tick(void)
+{
+    NVIC_ISER(stm_irq_tim4) = 1u << stm_irq_tim4 % 32u;
+    TIM4->CR1 |= TIM_CR1_CEN;
+}
+
+void stm_timers_tick_begin_isr(void)
+{
+    TIM4->SR = ~TIM_SR_UIF;
+}
+
+bool stm_timers_is_overrun_isr(void)
+{
+    return (TIM4->SR & TIM_SR_UIF) != 0u;
+}
+
+bool stm_timers_is_late_isr(void)
+{
+    return TIM4->CNT > update_counts - send_counts;
+}
+
+int32_t stm_timers_u_counts_isr(void)
+{
+    position.u_counts = stm_extend(position.u_counts, TIM1->CNT);
+    return position.u_counts;
+}
+
+int32_t stm_timers_z_counts_isr(void)
+{
+    position.z_counts = stm_extend(position.z_counts, TIM3->CNT);
+    return position.z_counts;
+}
+
+uint32_t hal_tick_hz(void)
+{
+    return BOARD_TICK_HZ;
+}
+
+uint32_t hal_clock_hz(void)
+{
+    return stm_timer_hz;
+}
+
+uint32_t hal_clock_isr(void)
+{
+    return TIM5->CNT;
+}
+
+hal_encoder_t hal_encoder_read_isr(void)
+{
+    // Flags before the counter: an index that comes in between is told by the next tick.
+    const uint32_t flags = TIM2->SR;
+    const bool is_falling = (TIM2->CR1 & TIM_CR1_DIR) != 0u;
+    const uint32_t wanted = is_falling ? TIM_SR_CC4IF : TIM_SR_CC3IF;
+    if ((flags & wanted) != 0u) {
+        position.index_counts = is_falling ? TIM2->CCR4 : TIM2->CCR3;
+        position.n_index++;
+    }
+    TIM2->SR = ~(flags & (TIM_SR_CC3IF | TIM_SR_CC4IF | TIM_SR_CC3OF | TIM_SR_CC4OF));
+    return (hal_encoder_t){
+        .counts = TIM2->CNT, .index_counts = position.index_counts, .n_index = position.n_index};
+}
