@@ -31,6 +31,8 @@ static const entry_t entries[] = {
     {cam_err_no_table, "no valid table is selected"},
     {cam_err_estop, "the emergency stop is active"},
     {cam_err_drive, "the drives are not ready"},
+    {cam_err_frame, "the command frame has a wrong length or reserved bytes set"},
+    {cam_err_command, "there is no such command"},
     {cam_err_spindle_speed, "the speed is beyond the spindle's limit"},
     {cam_err_u_speed, "U would have to move faster than it can"},
     {cam_err_u_acceleration, "U would have to accelerate more than it can"},

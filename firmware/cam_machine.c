@@ -77,12 +77,37 @@ cam_status_t cam_machine_status(const cam_machine_t *m)
     return status;
 }
 
+/// @return cam_err_busy while the interrupt has not carried out the last request
+static cam_err_t post(cam_machine_t *m, const cam_status_t *status, cam_request_t request)
+{
+    if (status->request != (m->n_requests & 0xFFFFFFu)) {
+        return cam_err_busy;
+    }
+    m->n_requests++;
+    atomic_store_explicit(&m->core->request, m->n_requests << 8 | (uint32_t)request,
+                          memory_order_release);
+    return cam_ok;
+}
+
+/// A damaged table is no longer there; while enabled the interrupt retracts.
+static void report_damage(cam_machine_t *m)
+{
+    const cam_status_t status = cam_machine_status(m);
+    const bool is_idle = status.state == cam_state_off || status.state == cam_state_fault;
+    if (is_idle || post(m, &status, cam_request_table_fault) == cam_ok) {
+        m->has_table = false;
+    } // else the next round of the check finds it again
+}
+
 cam_err_t cam_machine_select_table(cam_machine_t *m, const void *image, size_t size)
 {
     const cam_state_t state = cam_machine_status(m).state;
     cam_table_t table;
     cam_err_t err = cam_table_check(image, size, &table);
     if (err != cam_ok) {
+        if (m->has_table && image == m->table.image) { // overwritten where it is read
+            report_damage(m);
+        }
         return err;
     }
     // A table for the other sense of rotation changes the angle: only before homing.
@@ -149,18 +174,6 @@ cam_feasibility_t cam_machine_feasibility(const cam_machine_t *m, uint32_t speed
     return judge(m->has_table ? &m->table : NULL, &m->params, speed, m->tick_hz);
 }
 
-/// @return cam_err_busy while the interrupt has not carried out the last request
-static cam_err_t post(cam_machine_t *m, const cam_status_t *status, cam_request_t request)
-{
-    if (status->request != (m->n_requests & 0xFFFFFFu)) {
-        return cam_err_busy;
-    }
-    m->n_requests++;
-    atomic_store_explicit(&m->core->request, m->n_requests << 8 | (uint32_t)request,
-                          memory_order_release);
-    return cam_ok;
-}
-
 static cam_err_t post_if(cam_machine_t *m, const cam_status_t *status, bool is_allowed,
                          cam_request_t request)
 {
@@ -218,16 +231,6 @@ cam_err_t cam_machine_reset(cam_machine_t *m)
     const cam_status_t status = cam_machine_status(m);
     return post_if(m, &status, status.state == cam_state_fault && status.is_retracted,
                    cam_request_reset);
-}
-
-/// A damaged table is no longer there; while enabled the interrupt retracts.
-static void report_damage(cam_machine_t *m)
-{
-    const cam_status_t status = cam_machine_status(m);
-    const bool is_idle = status.state == cam_state_off || status.state == cam_state_fault;
-    if (is_idle || post(m, &status, cam_request_table_fault) == cam_ok) {
-        m->has_table = false;
-    } // else the next round of the check finds it again
 }
 
 void cam_machine_poll(cam_machine_t *m)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hal_host.h"
-#include <stdio.h>  // fprintf
+#include <stdio.h>  // fprintf, snprintf
 #include <stdlib.h> // abort
 
 hal_host_t hal_host;
@@ -9,7 +9,8 @@ enum { default_tick_hz = 20000 };
 
 void hal_host_reset(uint32_t tick_hz)
 {
-    hal_host = (hal_host_t){.tick_hz = tick_hz, .in.inputs = hal_in_drive_ready};
+    hal_host = (hal_host_t){
+        .tick_hz = tick_hz, .in.inputs = hal_in_drive_ready, .slow.n_room = UINT32_MAX};
 }
 
 int hal_init(void)
@@ -54,11 +55,13 @@ hal_image_t hal_table_image(void)
 
 hal_load_t hal_load(void)
 {
-    return (hal_load_t){0};
+    return hal_host.slow.load;
 }
 
 void hal_text(const char *line)
 {
+    char *const kept = hal_host.lines[hal_host.n_lines++ % hal_host_lines];
+    (void)snprintf(kept, hal_host_line_bytes, "%s", line);
     (void)fprintf(stderr, "%s\n", line);
 }
 
@@ -82,9 +85,10 @@ bool hal_can_read(hal_can_frame_t *frame)
 
 bool hal_can_write(const hal_can_frame_t *frame)
 {
-    if (hal_host.slow.is_bus_off) {
+    if (hal_host.slow.is_bus_off || hal_host.slow.n_room == 0u) {
         return false;
     }
+    hal_host.slow.n_room--;
     hal_host.slow.sent[hal_host.slow.n_sent++ % hal_host_can_frames] = *frame;
     return true;
 }

@@ -36,8 +36,8 @@ void cam_machine_init(cam_machine_t *m, cam_t *core, uint32_t tick_hz, uint32_t 
 
 /// Check an image and take it into use.
 /// @return cam_ok, an image error, cam_err_state when not off or ready, cam_err_busy. The old table
-/// stays
-///         in force on error.
+///         stays in force on error, unless it is the image at this very address that is bad: then
+///         it is damaged, as if cam_machine_poll() had found it.
 CAM_MUST_USE cam_err_t cam_machine_select_table(cam_machine_t *m, const void *image, size_t size);
 
 /// Set a parameter. While engaging, cutting or disengaging only phase_udeg and amplitude_ppm may

@@ -12,6 +12,8 @@
 #include <stdint.h>  // uint32_t
 
 enum { hal_host_can_frames = 16 };      ///< depth of the queues, a power of two
+enum { hal_host_lines = 8 };            ///< lines for people that are kept, a power of two
+enum { hal_host_line_bytes = 128 };     ///< more than hal_text() allows, so that a test can see it
 enum { hal_host_clock_hz = 200000000 }; ///< [Hz] virtual time stamp: 5 ns
 
 /// The machine's side of the port.
@@ -37,15 +39,19 @@ typedef struct {
     struct {               ///< what the slow side asks for
         hal_start_t start; ///< .why == NULL reads as ""
         hal_image_t table;
+        hal_load_t load;                               ///< nothing is measured here
         hal_can_frame_t received[hal_host_can_frames]; ///< ring, hal_host_can_receive()
         hal_can_frame_t sent[hal_host_can_frames];     ///< ring, newest at n_sent - 1
         uint32_t n_received, n_read, n_sent;
+        uint32_t n_room; ///< frames that the transmit queue still takes
         bool is_bus_off; ///< nothing can be sent
     } slow;
     uint32_t tick_hz;     ///< [Hz] set before hal_init(), 20 000 when 0
     uint32_t clock;       ///< virtual time stamp
     uint32_t late_clocks; ///< next tick comes later by this much
     uint64_t n_ticks;
+    char lines[hal_host_lines][hal_host_line_bytes]; ///< ring of hal_text(), newest at n_lines - 1
+    uint32_t n_lines;
 } hal_host_t;
 
 /// The one machine of this process.

@@ -114,7 +114,7 @@ hal_start_t hal_start(void);
 /// @return place of the table image, any content: the caller checks it. Simulator: none unless set.
 hal_image_t hal_table_image(void);
 
-/// @return how long cam_isr() took, in cycles. Simulator: not measured.
+/// @return how long cam_isr() took, in cycles. Simulator: as set by the test.
 hal_load_t hal_load(void);
 
 /// Write a line for people, without line end, at most 120 characters: a serial line, stderr.
