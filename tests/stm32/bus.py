@@ -48,6 +48,8 @@ class Reg:
         value after reset
     writable : int
         bits that software may change; a 1 written to any other bit that does not read 1 is an error
+    ignored : int
+        bits that the hardware sets and software may write back
     write : callable or None
         called with the old and the new value instead of storing it; events and interrupts are
         then looked at before the next instruction
@@ -60,6 +62,7 @@ class Reg:
     name: str
     reset: int = 0
     writable: int = WORD
+    ignored: int = 0
     write: Callable[[int, int], None] | None = None
     read: Callable[[], int] | None = None
     sizes: tuple[int, ...] = (4,)
@@ -133,7 +136,7 @@ class Device:
         shift = 8 * (offset & 3)
         mask = ((1 << 8 * size) - 1) << shift
         new = (old & ~mask) | (value << shift & mask)
-        foreign = new & ~reg.writable & ~old
+        foreign = new & ~reg.writable & ~reg.ignored & ~old
         if foreign:
             raise Unmodelled(f"{self.name}.{reg.name}: nobody models bits 0x{foreign:x}")
         new = (new & reg.writable) | (old & ~reg.writable)

@@ -36,7 +36,7 @@ from unicorn.unicorn_py3.unicorn import uclib
 from bus import Bus, Device, InsnClock, Unmodelled
 from core import NMI, Dwt, Exceptions, Nvic
 from fdcan import Fdcan, MessageRam
-from flash_pwr import Flash, Pwr, Syscfg
+from flash_pwr import Dbgmcu, Flash, Pwr, Syscfg
 from gpio import Gpio
 from iwdg import Iwdg
 from rcc import Rcc
@@ -54,6 +54,7 @@ PATTERN = b"\xa5"
 WFI = b"\x30\xbf"
 EXCEPTION_EXIT = 8  # Unicorn's number of a branch to EXC_RETURN
 IRQ_TIM4 = 30
+REVISION_V = 0x2003
 GATES: dict[str, tuple[str, int]] = {
     "tim2": ("apb1lenr", 0),
     "tim3": ("apb1lenr", 1),
@@ -135,6 +136,7 @@ class Chip:
         self.rcc = Rcc(clock, hse_hz)
         self.syscfg, self.flash = Syscfg(clock), Flash(clock)
         self.pwr = Pwr(clock, self.syscfg)
+        self.dbgmcu = Dbgmcu(clock, REVISION_V)
         self.gpio = Gpio(clock)
         bases = {2: 0x40000000, 3: 0x40000400, 4: 0x40000800, 5: 0x40000C00}
         self.tim = {
@@ -155,7 +157,8 @@ class Chip:
         self.rcc.on_css = lambda: self.nvic.pending.add(NMI)
         self.rcc.check_supply = self._check_supply
         self.tim[4].on_trigger = lambda: self.dac1.trigger(Dac1.TIM4_TRGO)
-        devices: list[Device] = [self.rcc, self.syscfg, self.flash, self.pwr, self.spi3, self.dac1]
+        devices: list[Device] = [self.rcc, self.syscfg, self.flash, self.pwr, self.dbgmcu]
+        devices += [self.spi3, self.dac1]
         devices += [self.can_ram, self.fdcan1, self.usart3, self.iwdg1, self.nvic, self.dwt]
         devices += [*self.tim.values(), *self.gpio.ports.values()]
         for device in devices:
@@ -231,7 +234,7 @@ class Chip:
 
     def _require_clock(self, address: int) -> None:
         gate = GATES.get(self.bus.name_at(address))
-        if gate and not self.rcc.is_on(gate):
+        if gate is not None and not self.rcc.is_on(gate):
             raise Unmodelled(f"{self.bus.name_at(address)} used without its clock")
 
     def _fail(self, error: Exception, address: int) -> None:

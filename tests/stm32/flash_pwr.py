@@ -10,13 +10,13 @@ from __future__ import annotations
 from bus import NEVER, Device, InsnClock, Reg, Unmodelled
 
 SETTLE_CYCLES = 3000
-# Highest AXI clock [MHz] by wait states and voltage scale (table "FLASH recommended number of wait
-# states"), and the programming delay WRHIGHFREQ that the last column asks for.
-WAIT_STATES_MHZ = {
-    0: ((70, 0), (140, 1), (185, 1), (210, 2), (225, 2), (240, 2)),
-    1: ((70, 0), (140, 1), (185, 1), (210, 2), (225, 2)),
-    2: ((55, 0), (110, 1), (165, 1), (225, 2)),
-    3: ((45, 0), (90, 1), (135, 1), (180, 2), (225, 2)),
+# Voltage scale -> (highest AXI clock [MHz], wait states, programming delay WRHIGHFREQ), from the
+# table "FLASH recommended number of wait states and programming delay".
+WAIT_STATES = {
+    0: ((70, 0, 0), (140, 1, 1), (185, 2, 1), (210, 2, 2), (225, 3, 2), (240, 4, 2)),
+    1: ((70, 0, 0), (140, 1, 1), (185, 2, 1), (210, 2, 2), (225, 3, 2)),
+    2: ((55, 0, 0), (110, 1, 1), (165, 2, 1), (225, 3, 2)),
+    3: ((45, 0, 0), (90, 1, 1), (135, 2, 1), (180, 3, 2), (225, 4, 2)),
 }
 CORE_MHZ = {0: 480, 1: 400, 2: 300, 3: 200}
 SCALE = {3: 1, 2: 2, 1: 3}  # of the code of VOS
@@ -32,9 +32,9 @@ class Flash(Device):
     def check(self, axi_hz: int, scale: int) -> None:
         """Raise when flash cannot be read at this clock."""
         latency, delay = self.v["acr"] & 15, self.v["acr"] >> 4 & 3
-        for wait_states, (mhz, needed) in enumerate(WAIT_STATES_MHZ[scale]):
+        for mhz, wait_states, needed in WAIT_STATES[scale]:
             if axi_hz <= mhz * 10**6:
-                if latency < min(wait_states, 4) or delay < needed:
+                if latency < wait_states or delay < needed:
                     raise Unmodelled(f"flash.acr 0x{self.v['acr']:x} at {axi_hz} Hz")
                 return
         raise Unmodelled(f"AXI at {axi_hz} Hz with voltage scale {scale}")
@@ -46,6 +46,16 @@ class Syscfg(Device):
     def __init__(self, clock: InsnClock) -> None:
         super().__init__("syscfg", 0x58000400, clock)
         self.define({0x2C: Reg("pwrcr", 0, 1)})
+
+
+class Dbgmcu(Device):
+    """Identity of the chip (RM0433, section 60): revision V; and what stops with the core."""
+
+    def __init__(self, clock: InsnClock, revision: int) -> None:
+        super().__init__("dbgmcu", 0x5C001000, clock)
+        self.define(
+            {0x00: Reg("idc", revision << 16 | 0x450, 0), 0x54: Reg("apb4fz1", 0, 1 << 18)}
+        )
 
 
 class Pwr(Device):
@@ -61,7 +71,14 @@ class Pwr(Device):
                 0x00: Reg("cr1", 0xF000C000, 0x0007C3FF),
                 0x04: Reg("csr1", 0x4000, 0),
                 0x0C: Reg("cr3", 0x00000006, 0x7, write=self._write_cr3),
-                0x18: Reg("d3cr", 0x4000, 0xC000, write=self._write_d3cr, read=self._read_d3cr),
+                0x18: Reg(
+                    "d3cr",
+                    0x4000,
+                    0xC000,
+                    1 << 13,
+                    write=self._write_d3cr,
+                    read=self._read_d3cr,
+                ),
             }
         )
 

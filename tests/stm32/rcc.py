@@ -79,6 +79,7 @@ class Rcc(Device):
         self.on_css: Callable[[], None] = lambda: None
         self.check_supply: Callable[[int, int], None] = lambda core_hz, axi_hz: None
         self._ready_at = NEVER
+        self._core_hz = self._timer_hz = 0  # 0: to be computed
         self.define(
             {
                 0x00: Reg("cr", CR_RESET, 0x010D0019, write=self._write_cr),
@@ -108,7 +109,14 @@ class Rcc(Device):
         flags = self.v["rsr"] if reason != "power_on" else 0
         self.reset()
         self._ready_at = NEVER
+        self._forget()
         self.v["rsr"] = flags | RESET_FLAGS[reason]
+
+    def write(self, offset: int, size: int, value: int) -> None:
+        """Do what a store does; any of them may change a frequency."""
+        self._forget()
+        super().write(offset, size, value)
+        self._forget()
 
     def is_on(self, gate: tuple[str, int]) -> bool:
         """Tell whether a peripheral has its clock; gate: enable register and bit."""
@@ -143,7 +151,9 @@ class Rcc(Device):
 
     def core_hz(self) -> int:
         """Return the frequency of the core."""
-        return self.system_hz() // ahb_divisor(self.v["d1cfgr"] >> 8 & 15)
+        if self._core_hz == 0:
+            self._core_hz = self.system_hz() // ahb_divisor(self.v["d1cfgr"] >> 8 & 15)
+        return self._core_hz
 
     def ahb_hz(self) -> int:
         """Return the frequency of AXI and all AHB."""
@@ -155,11 +165,16 @@ class Rcc(Device):
 
     def timer_hz(self) -> int:
         """Return the frequency of the timers on APB1 and APB2, which must be equal here."""
-        codes = {self.v["d2cfgr"] >> 4 & 7, self.v["d2cfgr"] >> 8 & 7}
-        if len(codes) > 1 or self.v["cfgr"] >> 15 & 1:
-            raise Unmodelled("rcc: APB1 and APB2 with different prescalers, or TIMPRE")
-        divisor = apb_divisor(codes.pop())
-        return self.ahb_hz() // divisor * (1 if divisor == 1 else 2)
+        if self._timer_hz == 0:
+            codes = {self.v["d2cfgr"] >> 4 & 7, self.v["d2cfgr"] >> 8 & 7}
+            if len(codes) > 1 or self.v["cfgr"] >> 15 & 1:
+                raise Unmodelled("rcc: APB1 and APB2 with different prescalers, or TIMPRE")
+            divisor = apb_divisor(codes.pop())
+            self._timer_hz = self.ahb_hz() // divisor * (1 if divisor == 1 else 2)
+        return self._timer_hz
+
+    def _forget(self) -> None:
+        self._core_hz = self._timer_hz = 0
 
     def spi3_hz(self) -> int:
         """Return the kernel clock of SPI1..3."""
@@ -188,6 +203,7 @@ class Rcc(Device):
             tell()
 
     def _check(self) -> None:
+        self._forget()
         if self.system_hz() == 0:
             raise Unmodelled("rcc: the system clock stands still")
         if max(self.apb1_hz(), self.ahb_hz() // apb_divisor(self.v["d2cfgr"] >> 8 & 7)) > 120e6:
@@ -227,6 +243,7 @@ class Rcc(Device):
         if self.clock.now < self._ready_at:
             return
         self._ready_at = NEVER
+        self._forget()
         if self._awaited() & PLL1RDY:
             self._check_pll()
         self.v["cr"] |= self._awaited()
@@ -300,5 +317,6 @@ class Rcc(Device):
             self.v["cr"] &= ~(PLL1ON | PLL1RDY)
         self.v["cfgr"] &= ~0x3F  # HSI
         self.v["cifr"] |= HSECSSF
+        self._forget()
         self.on_css()
         self.clock.wake()

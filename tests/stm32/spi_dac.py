@@ -2,7 +2,7 @@
 """SPI3 as a master (RM0433, section 50), the AD5754R behind it (its data sheet), and DAC1.
 
 The SPI shifts frames of the size set, at the kernel clock divided by MBR, out of a FIFO of 16
-bytes; a frame of more than 16 bits takes four. Modelled: full duplex, one transfer of TSIZE frames
+bytes; a frame of more than 16 bits takes four. Modelled: full duplex or transmit only, one transfer of TSIZE frames
 per CSTART, hardware slave select with or without pulses. Frames come out whole, at their end.
 """
 
@@ -27,6 +27,7 @@ RXP, TXP, DXP, EOT, TXTF, OVR, MODF, SUSP, TXC = (
     1 << 12,
 )
 MASTER, CPHA, CPOL, SSM, SSOE, SSOM = 1 << 22, 1 << 24, 1 << 25, 1 << 26, 1 << 29, 1 << 30
+FULL_DUPLEX, TRANSMIT_ONLY = 0, 1
 FIFO_BYTES = 16
 
 
@@ -54,7 +55,7 @@ class Spi(Device):
                 0x00: Reg("cr1", 0, SPE | MASRX | CSTART | CSUSP | SSI, write=self._write_cr1),
                 0x04: Reg("cr2", 0, 0xFFFF, write=self._write_idle("cr2")),
                 0x08: Reg("cfg1", 0x00070007, 0x701F01FF, write=self._write_off("cfg1")),
-                0x0C: Reg("cfg2", 0, 0xE74000FF, write=self._write_off("cfg2")),
+                0x0C: Reg("cfg2", 0, 0xE74600FF, write=self._write_off("cfg2")),
                 0x10: Reg("ier", 0, 0),
                 0x14: Reg("sr", 0x1002, 0, read=self._read_sr),
                 0x18: Reg("ifcr", 0, 0xFF8, write=self._write_ifcr),
@@ -89,6 +90,9 @@ class Spi(Device):
         midi = self.v["cfg2"] >> 4 & 15
         return bool(self.v["cfg2"] & SSOE and self.v["cfg2"] & SSOM and midi)
 
+    def _comm(self) -> int:
+        return self.v["cfg2"] >> 17 & 3
+
     def _capacity(self) -> int:
         size = 1 if self.bits() <= 8 else 2 if self.bits() <= 16 else 4
         return FIFO_BYTES // size
@@ -106,6 +110,8 @@ class Spi(Device):
         cfg2 = self.v["cfg2"]
         if not cfg2 & MASTER or cfg2 & SSM or not cfg2 & SSOE:
             raise Unmodelled(f"{self.name}: anything but a master with hardware slave select")
+        if self._comm() not in (FULL_DUPLEX, TRANSMIT_ONLY):
+            raise Unmodelled(f"{self.name}: COMM {self._comm()}")
         if new & CSUSP:
             raise Unmodelled(f"{self.name}: suspension")
         if new & CSTART and self._left == 0:
@@ -173,7 +179,9 @@ class Spi(Device):
             return
         self._done_at = NEVER
         back = self.exchange(self._shifting, self.bits())
-        if len(self._rx) < self._capacity():
+        if self._comm() == TRANSMIT_ONLY:
+            pass
+        elif len(self._rx) < self._capacity():
             self._rx.append(back)
         else:
             self._flags |= OVR
@@ -264,18 +272,16 @@ class Ad5754r:
         if address == self.SETTINGS:
             self.settings = data & 15
         elif address == self.CLEAR:
-            self.inputs = [self._clear_code(channel) for channel in range(4)]
+            self.inputs = [self._clear_code()] * 4
             self.words = list(self.inputs)
         elif address == self.LOAD:
             self.words = list(self.inputs)
         elif address != self.NOP:
             raise Unmodelled(f"AD5754R: control function {address}")
 
-    def _clear_code(self, channel: int) -> int:
-        """Return zero scale, or with CLR select the middle (unipolar) or negative full scale."""
-        if not self.settings >> 2 & 1:
-            return 0
-        return 0x8000 if self.ranges[channel] <= 2 else 0
+    def _clear_code(self) -> int:
+        """Return 0 V, or with CLR select the middle (unipolar) or negative full scale."""
+        return 0x8000 if self.settings >> 1 & 1 else 0
 
 
 class Dac1(Device):

@@ -14,7 +14,7 @@ from collections.abc import Callable
 from bus import NEVER, WORD, Device, InsnClock, Reg, Unmodelled
 from rcc import Rcc
 
-CEN, UDIS, URS, ARPE = 1 << 0, 1 << 1, 1 << 2, 1 << 7
+CEN, UDIS, URS, DIR, ARPE = 1 << 0, 1 << 1, 1 << 2, 1 << 4, 1 << 7
 UIF = 1 << 0
 UIE = 1 << 0
 ENCODER_3 = 3
@@ -49,17 +49,18 @@ class Timer(Device):
         self._count = 0
         self._rest = 0  # of the division by the prescaler, in units of 1 / core_hz
         self._psc = self._arr = 0
+        self._event: int | None = None  # None: to be computed
         self._compare = {3: 0, 4: 0}
         self._reference = {3: 0, 4: 0}
         self._outputs = {3: 0, 4: 0}
-        rcc.before_change.append(self._sync)
+        rcc.before_change.append(self._before_change)
         self.define(
             {
-                0x00: Reg("cr1", 0, CEN | UDIS | URS | ARPE, write=self._write_cr1),
+                0x00: Reg("cr1", 0, CEN | UDIS | URS | DIR | ARPE, write=self._write_cr1),
                 0x04: Reg("cr2", 0, 0x70),
                 0x08: Reg("smcr", 0, 0x10007, write=self._write_smcr),
                 0x0C: Reg("dier", 0, UIE, write=self._write_dier),
-                0x10: Reg("sr", 0, 0x1E1F, write=self._write_sr),
+                0x10: Reg("sr", 0, 0x1E1F, WORD, write=self._write_sr),
                 0x14: Reg("egr", 0, 1, write=self._write_egr),
                 0x18: Reg("ccmr1", 0, 0xF3F3),
                 0x1C: Reg("ccmr2", 0, 0x0101FFFF, write=self._write_ccmr2),
@@ -84,6 +85,7 @@ class Timer(Device):
         super().reset()
         self._since, self._count, self._rest = self.clock.now, 0, 0
         self._psc, self._arr = 0, self.top
+        self._event = None
         self._compare = {3: 0, 4: 0}
         self._reference = {3: 0, 4: 0}
         self._outputs = {3: 0, 4: 0}
@@ -91,6 +93,15 @@ class Timer(Device):
     def irq(self) -> bool:
         """Tell whether the interrupt line is raised."""
         return bool(self.v["sr"] & self.v["dier"] & UIF)
+
+    def write(self, offset: int, size: int, value: int) -> None:
+        """Do what a store does."""
+        self._event = None
+        super().write(offset, size, value)
+
+    def _before_change(self) -> None:
+        self._sync()
+        self._event = None
 
     # Counting
 
@@ -126,6 +137,11 @@ class Timer(Device):
 
     def next_event(self) -> int:
         """Return when an output changes or the counter wraps, whoever wants to know."""
+        if self._event is None:
+            self._event = self._find_event()
+        return self._event
+
+    def _find_event(self) -> int:
         wants_update = self.v["dier"] & UIE
         channels = [c for c in (3, 4) if self._output_mode(c) in (PWM_1, PWM_2)]
         if not self._is_counting() or not (wants_update or channels):
@@ -138,6 +154,7 @@ class Timer(Device):
         """Wrap, and move the outputs."""
         if not self._is_counting():
             return
+        self._event = None
         self._sync()
         if self._count > self._arr:
             self._count %= self._arr + 1
@@ -194,9 +211,13 @@ class Timer(Device):
             return
         if self.v["ccmr1"] & 0x0303 != 0x0101:
             raise Unmodelled(f"{self.name}: encoder mode without TI1 and TI2 as inputs")
+        if counts == 0:
+            return
         inverted = (self.v["ccer"] >> 1 ^ self.v["ccer"] >> 5) & 1
         self._sync()
-        moved = self._count + (-counts if inverted else counts)
+        step = -counts if inverted else counts
+        self.v["cr1"] = (self.v["cr1"] & ~DIR) | (DIR if step < 0 else 0)
+        moved = self._count + step
         if not 0 <= moved <= self._arr:
             self.v["sr"] |= UIF
         self._count = moved % (self._arr + 1)
@@ -225,8 +246,10 @@ class Timer(Device):
     # Registers
 
     def _write_cr1(self, old: int, new: int) -> None:
+        if new & DIR:
+            raise Unmodelled(f"{self.name}: counting down")
         self._sync()
-        self.v["cr1"] = new
+        self.v["cr1"] = new | (old & DIR)
 
     def _write_smcr(self, old: int, new: int) -> None:
         if new not in (0, ENCODER_3):

@@ -1,13 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
-"""USART3's transmitter (RM0433, section 48): 8N1, data register and shift register, no FIFO."""
+"""USART3's transmitter (RM0433, section 48): 8N1, a data register or a FIFO of 16 bytes."""
 
 from __future__ import annotations
+
+from collections import deque
 
 from bus import NEVER, Device, InsnClock, Reg, Unmodelled
 from rcc import Rcc
 
-UE, RE, TE = 1 << 0, 1 << 2, 1 << 3
-TC, TXE, TEACK, REACK = 1 << 6, 1 << 7, 1 << 21, 1 << 22
+UE, RE, TE, FIFOEN = 1 << 0, 1 << 2, 1 << 3, 1 << 29
+FIFO_BYTES = 16
+TC, TXE, TEACK, REACK, TXFE = 1 << 6, 1 << 7, 1 << 21, 1 << 22, 1 << 23
 
 
 class Usart(Device):
@@ -23,12 +26,12 @@ class Usart(Device):
         super().__init__("usart3", 0x40004800, clock)
         self.rcc = rcc
         self.sent = bytearray()
-        self._waiting: int | None = None
+        self._waiting: deque[int] = deque()
         self._shifting: int | None = None
         self._done_at = NEVER
         self.define(
             {
-                0x00: Reg("cr1", 0, UE | RE | TE),
+                0x00: Reg("cr1", 0, UE | RE | TE | FIFOEN),
                 0x04: Reg("cr2", 0, 0),
                 0x08: Reg("cr3", 0, 0),
                 0x0C: Reg("brr", 0, 0xFFFF),
@@ -43,7 +46,8 @@ class Usart(Device):
     def reset(self) -> None:
         """Drop what is on its way."""
         super().reset()
-        self._waiting = self._shifting = None
+        self._waiting.clear()
+        self._shifting = None
         self._done_at = NEVER
 
     def baud(self) -> float:
@@ -56,21 +60,25 @@ class Usart(Device):
 
     def _read_isr(self) -> int:
         cr1 = self.v["cr1"]
-        isr = 0 if self._waiting is not None else TXE
-        isr |= TC if self._waiting is None and self._shifting is None else 0
+        isr = TXE if len(self._waiting) < self._room() else 0
+        isr |= TC if not self._waiting and self._shifting is None else 0
+        isr |= TXFE if cr1 & FIFOEN and not self._waiting else 0
         return isr | (TEACK if cr1 & TE else 0) | (REACK if cr1 & RE else 0)
 
     def _write_tdr(self, old: int, new: int) -> None:
         if self.v["cr1"] & (UE | TE) != UE | TE:
             raise Unmodelled("usart3.tdr written while the transmitter is off")
-        if self._waiting is not None:
+        if len(self._waiting) >= self._room():
             raise Unmodelled("usart3.tdr written while it is full: a byte is lost")
-        self._waiting = new
+        self._waiting.append(new)
         self._start()
 
+    def _room(self) -> int:
+        return FIFO_BYTES if self.v["cr1"] & FIFOEN else 1
+
     def _start(self) -> None:
-        if self._shifting is None and self._waiting is not None:
-            self._shifting, self._waiting = self._waiting, None
+        if self._shifting is None and self._waiting:
+            self._shifting = self._waiting.popleft()
             cycles = 10 * self.v["brr"] * self.rcc.core_hz() // self.rcc.usart3_hz()
             self._done_at = self.clock.now + cycles
 
