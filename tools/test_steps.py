@@ -171,6 +171,7 @@ def main() -> int:
         coverage(tally)
         for board in ("mcu-qemu", "mcu-qemu-m4"):
             build_and_ctest(tally, board)
+        build(tally, "mcu-stm32h743")
 
     for step in tally.failed_steps:
         print(f"failed: {step}")

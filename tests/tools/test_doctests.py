@@ -15,6 +15,7 @@ MODULES = [
     "estimate",
     "evaluate",
     "feasibility",
+    "flash",
     "generate",
     "geometry",
     "image",

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+// Conversions of the port for the NUCLEO-H743ZI2: nearest code, clamped, never wrapping.
+#include "board_config.h"
+#include "fixture_random.h"
+#include "stm_convert.h"
+#include "unity.h"
+#include <math.h> // fabsl
+
+static const int32_t full[] = {65537, BOARD_U_FULL_NM, BOARD_X_FULL_NM, BOARD_Z_FULL_NM,
+                               BOARD_SPINDLE_FULL_MRPM};
+enum { n_full = sizeof full / sizeof full[0] };
+
+static fixture_random_t dice;
+
+void setUp(void)
+{
+    dice.state = 743;
+}
+
+void tearDown(void) {}
+
+static int32_t any(void)
+{
+    return (int32_t)fixture_random_u32(&dice);
+}
+
+static void test_code_is_the_nearest_one(void)
+{
+    for (uint32_t i = 0; i < 100000u; i++) {
+        const int32_t at_10v = full[i % n_full];
+        const int32_t value = any() % at_10v;
+        const long double exact = 32768.0L * value / at_10v;
+        const int32_t code = stm_code16(value, BOARD_CODES_Q32(at_10v));
+        // half a code, and what the rounded factor makes of 32 768 codes
+        TEST_ASSERT_TRUE(fabsl(code - exact) <= 0.5L + 0.07L || code == INT16_MAX);
+    }
+}
+
+static void test_code_is_clamped_at_both_ends(void)
+{
+    for (uint32_t i = 0; i < n_full; i++) {
+        const int32_t codes_q32 = BOARD_CODES_Q32(full[i]);
+        TEST_ASSERT_EQUAL_INT32(0, stm_code16(0, codes_q32));
+        TEST_ASSERT_EQUAL_INT32(INT16_MAX, stm_code16(full[i], codes_q32));
+        TEST_ASSERT_EQUAL_INT32(INT16_MIN, stm_code16(-full[i], codes_q32));
+        TEST_ASSERT_EQUAL_INT32(INT16_MAX, stm_code16(INT32_MAX, codes_q32));
+        TEST_ASSERT_EQUAL_INT32(INT16_MIN, stm_code16(INT32_MIN, codes_q32));
+    }
+}
+
+static void test_code_never_falls_where_the_value_rises(void)
+{
+    for (uint32_t i = 0; i < 100000u; i++) {
+        const int32_t codes_q32 = BOARD_CODES_Q32(full[i % n_full]);
+        const int32_t a = any();
+        const int32_t b = any();
+        const int32_t low = a < b ? a : b;
+        const int32_t high = a < b ? b : a;
+        TEST_ASSERT_TRUE(stm_code16(low, codes_q32) <= stm_code16(high, codes_q32));
+    }
+}
+
+static void test_internal_code_has_its_zero_in_the_middle(void)
+{
+    const int32_t codes_q32 = BOARD_CODES_Q32(BOARD_U_FULL_NM);
+    TEST_ASSERT_EQUAL_UINT32(2048, stm_code12(0, codes_q32));
+    TEST_ASSERT_EQUAL_UINT32(3072, stm_code12(BOARD_U_FULL_NM / 2, codes_q32));
+    TEST_ASSERT_EQUAL_UINT32(4095, stm_code12(INT32_MAX, codes_q32));
+    TEST_ASSERT_EQUAL_UINT32(0, stm_code12(INT32_MIN, codes_q32));
+}
+
+static void test_counts_become_nanometres(void)
+{
+    const int32_t nm_q16 = BOARD_NM_Q16(BOARD_U_COUNT_PM);
+    TEST_ASSERT_EQUAL_INT32(0, stm_counts_nm(0, nm_q16));
+    TEST_ASSERT_EQUAL_INT32(100000, stm_counts_nm(1000, nm_q16));
+    TEST_ASSERT_EQUAL_INT32(-100000, stm_counts_nm(-1000, nm_q16));
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, stm_counts_nm(INT32_MAX, nm_q16));
+    TEST_ASSERT_EQUAL_INT32(INT32_MIN, stm_counts_nm(INT32_MIN, nm_q16));
+    TEST_ASSERT_EQUAL_INT32(1235, stm_counts_nm(10, BOARD_NM_Q16(123456)));
+}
+
+static void test_counter_of_16_bits_is_continued(void)
+{
+    int32_t exact = 0;
+    int32_t counts = 0;
+    for (uint32_t i = 0; i < 100000u; i++) {
+        exact += any() % 32767 / (i % 2u == 0u ? 1 : 1000);
+        counts = stm_extend(counts, (uint32_t)exact & 0xFFFFu);
+        TEST_ASSERT_EQUAL_INT32(exact, counts);
+    }
+    TEST_ASSERT_EQUAL_INT32(32767, stm_extend(0, 32767));
+    TEST_ASSERT_EQUAL_INT32(-32768, stm_extend(0, 32768));
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_code_is_the_nearest_one);
+    RUN_TEST(test_code_is_clamped_at_both_ends);
+    RUN_TEST(test_code_never_falls_where_the_value_rises);
+    RUN_TEST(test_internal_code_has_its_zero_in_the_middle);
+    RUN_TEST(test_counts_become_nanometres);
+    RUN_TEST(test_counter_of_16_bits_is_continued);
+    return UNITY_END();
+}
