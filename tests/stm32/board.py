@@ -9,6 +9,7 @@ is low. Signals reach the chip only through pins that are switched to the right 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from bus import Unmodelled
@@ -105,7 +106,7 @@ class Board:
 
     # Signals out of the chip
 
-    def _change_of(self, letter: str):  # type: ignore[no-untyped-def]
+    def _change_of(self, letter: str) -> Callable[[int, int], None]:
         def change(pin: int, level: int) -> None:
             name = f"P{letter}{pin}"
             if name in OUTPUTS:

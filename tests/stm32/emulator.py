@@ -51,6 +51,7 @@ DTCM, DTCM_BYTES = 0x20000000, 0x20000
 NULL_BYTES = 0x100  # of ITCM: where a null pointer leads
 NOWHERE = 0xFFFFFFFE  # no code there: only hooks end a slice
 PATTERN = b"\xa5"
+BRANCH_TO_ITSELF = b"\xfe\xe7"
 WFI = b"\x30\xbf"
 EXCEPTION_EXIT = 8  # Unicorn's number of a branch to EXC_RETURN
 IRQ_TIM4 = 30
@@ -108,7 +109,7 @@ class Chip:
     resets : list of str
         reason of every reset since the object exists
     on_reset : callable
-        told the reason behind a reset, before the first instruction
+        told the reason of a reset before it takes effect
     """
 
     def __init__(self, image: Image, *, hse_hz: int) -> None:
@@ -118,6 +119,7 @@ class Chip:
         self._failure: Exception | None = None
         self._invalid = ""
         self._asked: str | None = None
+        self._stall: tuple[int | None, int] = (None, 0)
         self._intr: int | None = None
         self._is_asleep = False
         self._pc = 0
@@ -215,10 +217,27 @@ class Chip:
         """Change a memory, as a debugger would."""
         self.uc.mem_write(address, content)
 
+    def stall(self, address: int, cycles: int) -> None:
+        """Let the next load from a device's register take so long, as a slow bus would."""
+        self._stall = (address, cycles)
+
+    def hang(self, address: int) -> None:
+        """Replace the instruction at an address by a branch to itself."""
+        self.write_memory(address, BRANCH_TO_ITSELF)
+        self.uc.ctl_flush_tb()
+
+    @property
+    def pc(self) -> int:
+        """Address of the next instruction."""
+        return self._pc & ~1
+
     # Called by Unicorn: an exception must not pass through it
 
     def _load(self, uc: Uc, offset: int, size: int, base: int) -> int:
         try:
+            if base + offset == self._stall[0]:
+                self.clock.now += self._stall[1]
+                self._stall = (None, 0)
             self._require_clock(base + offset)
             return self.bus.read(base + offset, size)
         except Exception as error:
@@ -244,6 +263,10 @@ class Chip:
             self._failure = Unmodelled(where)
             self._failure.__cause__ = error
         self.clock.wake()
+
+    def where(self) -> str:
+        """Return the function that the core is in."""
+        return self.function_at(self._pc)
 
     def function_at(self, address: int) -> str:
         """Return the symbol before an address."""
@@ -281,6 +304,8 @@ class Chip:
         """Reset as for a reason of rcc.RESET_FLAGS, and start at the reset vector."""
         self._asked = None
         self._is_asleep = False
+        self.resets.append(reason)
+        self.on_reset(reason)
         for model in self.bus.models:
             if model is not self.rcc:
                 model.reset()
@@ -294,8 +319,6 @@ class Chip:
         uc.reg_write(arm.UC_ARM_REG_SP, stack)
         uc.reg_write(arm.UC_ARM_REG_LR, 0xFFFFFFFF)
         self._pc = start
-        self.resets.append(reason)
-        self.on_reset(reason)
 
     def _flash_word(self, address: int) -> int:
         return int.from_bytes(self.uc.mem_read(address, 4), "little")

@@ -8,7 +8,7 @@ given, bus-off on request of the bench. Standard identifiers only; no interrupts
 
 from __future__ import annotations
 
-from collections import deque
+from collections import defaultdict, deque
 from dataclasses import dataclass
 
 from bus import NEVER, WORD, Device, InsnClock, Reg, Unmodelled
@@ -61,8 +61,8 @@ class Fdcan(Device):
 
     Attributes
     ----------
-    sent : list of Frame
-        what came out
+    sent : dict of list of Frame
+        what came out, by identifier
     lost : int
         frames that found receive FIFO 0 full
     """
@@ -70,7 +70,7 @@ class Fdcan(Device):
     def __init__(self, clock: InsnClock, rcc: Rcc, ram: MessageRam) -> None:
         super().__init__("fdcan1", 0x4000A000, clock)
         self.rcc, self.ram = rcc, ram
-        self.sent: list[Frame] = []
+        self.sent: defaultdict[int, list[Frame]] = defaultdict(list)
         self.lost = 0
         self._queue: deque[int] = deque()
         self._done_at = NEVER
@@ -283,7 +283,8 @@ class Fdcan(Device):
         """End the frame on the bus, begin the next one."""
         if self.clock.now >= self._done_at:
             self._done_at = NEVER
-            self.sent.append(self._frame(self._queue.popleft()))
+            frame = self._frame(self._queue.popleft())
+            self.sent[frame.id].append(frame)
             self._begin()
 
     def go_bus_off(self) -> None:

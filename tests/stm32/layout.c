@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the image keeps its trace: compiled for the target, read from the object file by trace.py.
+// Where the image keeps its trace: compiled for the target, read from the object file by tick_trace.py.
 #include "cam/cam_tick.h"
 #include <stddef.h> // offsetof
 
 #define IN_RECORD(member) offsetof(cam_tick_record_t, member)
 
-/// In the order of trace.py.
+/// In the order of tick_trace.py.
 const uint32_t layout[] = {
     offsetof(cam_t, trace.ring),
     offsetof(cam_t, trace.n_written),

@@ -53,7 +53,7 @@ class Remote:
 
     def frames(self, identifier: int) -> list[Frame]:
         """Return what came with an identifier, oldest first."""
-        return [frame for frame in self.chip.fdcan1.sent if frame.id == identifier]
+        return self.chip.fdcan1.sent[identifier]
 
     def status(self) -> Status:
         """Return the newest status, waiting for one that is sent from now on."""
@@ -94,6 +94,19 @@ class Remote:
             if result == ERR_BUSY:
                 result, _ = self.command(command, index, value)
         assert result == 0, f"command {command} ({index}, {value}): {result}"
+
+    def started(self) -> Status:
+        """Wait for the first status behind a reset, and return it."""
+        n = len(self.frames(STATE))
+        assert self.chip.run_until(
+            lambda: len(self.frames(STATE)) > n, 200_000_000
+        ), f"no status comes, the image is in {self.chip.where()}"
+        return self.newest()
+
+    def lines(self) -> list[str]:
+        """Return the lines on the serial line, once the last one has ended."""
+        self.chip.run(self.chip.seconds(0.02))
+        return self.chip.usart3.lines()
 
     def set(self, name: str, value: int) -> None:
         """Set a parameter."""
