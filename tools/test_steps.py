@@ -28,6 +28,8 @@ SIMULATOR_PATHS = (
     "tests/tools/test_camsim_run.py",
     "tests/tools/test_camsim_eval.py",
 )
+# The flashable image in an emulator, compared with a program of the host build.
+IMAGE_PATHS = ("tests/stm32",)
 N_JOBS = "2"
 MIN_LINE_PERCENT = "95"
 MIN_BRANCH_PERCENT = "90"
@@ -171,7 +173,8 @@ def main() -> int:
         coverage(tally)
         for board in ("mcu-qemu", "mcu-qemu-m4"):
             build_and_ctest(tally, board)
-        build(tally, "mcu-stm32h743")
+        if build(tally, "mcu-stm32h743"):
+            pytest(tally, "host", IMAGE_PATHS)
 
     for step in tally.failed_steps:
         print(f"failed: {step}")

@@ -12,7 +12,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from bus import Unmodelled
+from bus import UnmodelledError
 from emulator import Chip, Image
 from fdcan import Frame
 from spi_dac import Ad5754r
@@ -128,7 +128,7 @@ class Board:
         for name in ("PC10", "PC12", "PA15"):
             gpio.require(name, 6)
         if spi.mode() not in (1, 2) or not spi.pulses_select() or spi.bit_hz() > 30e6:
-            raise Unmodelled("the AD5754R does not understand this SPI")
+            raise UnmodelledError("the AD5754R does not understand this SPI")
         self._note(f"frame {frame:06x}")
         return self.dac.exchange(frame, bits)
 
@@ -137,7 +137,7 @@ class Board:
         if not self.dac.is_on(channel):
             return 0.0
         if self.dac.ranges[channel] != RANGE_10V:
-            raise Unmodelled(f"AD5754R: range {self.dac.ranges[channel]} of channel {channel}")
+            raise UnmodelledError(f"AD5754R: range {self.dac.ranges[channel]} of channel {channel}")
         return signed16(self.dac.words[channel]) * 10 / 32768
 
     def wanted(self, channel: int) -> float:
@@ -206,7 +206,7 @@ class Board:
         self.chip.gpio.require("PD0", 9)
         self.chip.gpio.require("PD1", 9)
         if round(self.chip.fdcan1.bit_hz()) != 500_000:
-            raise Unmodelled(f"CAN at {self.chip.fdcan1.bit_hz()} bit/s")
+            raise UnmodelledError(f"CAN at {self.chip.fdcan1.bit_hz()} bit/s")
         return self.chip.fdcan1.deliver(frame)
 
     def write_table(self, content: bytes) -> None:

@@ -2,7 +2,7 @@
 """What every device model stands on: registers that are known bit by bit, and the clock.
 
 A model lists its registers; whatever it does not list does not exist, and an access to it ends the
-test (`Unmodelled`). So a port cannot rely on something that nobody has written down here.
+test (`UnmodelledError`). So a port cannot rely on something that nobody has written down here.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ WORD = 0xFFFFFFFF
 NEVER = 2**63
 
 
-class Unmodelled(Exception):
+class UnmodelledError(Exception):
     """The image did what no model knows, or what the reference manual forbids."""
 
 
@@ -118,9 +118,9 @@ class Device:
     def _reg(self, offset: int, size: int) -> Reg:
         reg = self.regs.get(offset & ~3)
         if reg is None:
-            raise Unmodelled(f"{self.name}: no register at offset 0x{offset:x}")
+            raise UnmodelledError(f"{self.name}: no register at offset 0x{offset:x}")
         if size not in reg.sizes or offset % size:
-            raise Unmodelled(f"{self.name}.{reg.name}: access of {size} bytes at 0x{offset:x}")
+            raise UnmodelledError(f"{self.name}.{reg.name}: access of {size} bytes at 0x{offset:x}")
         return reg
 
     def read(self, offset: int, size: int) -> int:
@@ -138,7 +138,7 @@ class Device:
         new = (old & ~mask) | (value << shift & mask)
         foreign = new & ~reg.writable & ~reg.ignored & ~old
         if foreign:
-            raise Unmodelled(f"{self.name}.{reg.name}: nobody models bits 0x{foreign:x}")
+            raise UnmodelledError(f"{self.name}.{reg.name}: nobody models bits 0x{foreign:x}")
         new = (new & reg.writable) | (old & ~reg.writable)
         if reg.write is None:
             self.v[reg.name] = new
@@ -164,7 +164,7 @@ class Bus:
     def _model(self, address: int) -> Model:
         model = self._by_kb.get(address >> 10)
         if model is None:
-            raise Unmodelled(f"no device at 0x{address:08x}")
+            raise UnmodelledError(f"no device at 0x{address:08x}")
         return model
 
     def name_at(self, address: int) -> str:

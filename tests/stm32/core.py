@@ -2,9 +2,9 @@
 """What an Armv7-M core has beside its instructions (Armv7-M Architecture Reference Manual, B1, B3).
 
 Exceptions: priorities, pending, entry with a frame of 8 words, or of 26 when the floating-point
-unit was used (stored at once, not lazily), return by EXC_RETURN. Registers: NVIC, SCB, SysTick, MPU, DWT's cycle
-counter. Caches are always coherent here, the MPU and the process stack are not modelled: the MPU's
-registers are kept, but they allow everything.
+unit was used (stored at once, not lazily), return by EXC_RETURN. Registers: NVIC, SCB, MPU, DWT's
+cycle counter. Caches are always coherent here; the process stack, SysTick and faults raised by the
+core are not modelled, and the MPU's registers are kept but allow everything.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from collections.abc import Callable
 from unicorn import Uc
 from unicorn import arm_const as arm
 
-from bus import WORD, Device, InsnClock, Reg, Unmodelled
+from bus import WORD, Device, InsnClock, Reg, UnmodelledError
 
 NMI, HARD_FAULT, SYSTICK = 2, 3, 15
 FIRST_IRQ = 16
@@ -113,7 +113,9 @@ class Nvic(Device):
             0xD90: ("mpu_type", 0x1000),
         }
         regs = {at: Reg(name, value, 0) for at, (name, value) in fixed.items()}
-        regs[0xD04] = Reg("icsr", 0, 1 << 27 | 1 << 25, write=self._write_icsr, read=self._read_icsr)
+        regs[0xD04] = Reg(
+            "icsr", 0, 1 << 27 | 1 << 25, write=self._write_icsr, read=self._read_icsr
+        )
         regs[0xD08] = Reg("vtor", 0, 0xFFFFFF80, write=self._write_vtor)
         regs[0xD0C] = Reg("aircr", 0xFA050000, write=self._write_aircr)
         regs[0xD10] = Reg("scr", 0, 0)
@@ -157,7 +159,7 @@ class Nvic(Device):
             if name == "iser":
                 foreign = irqs - set(self.lines)
                 if foreign:
-                    raise Unmodelled(f"nvic: no device raises interrupts {sorted(foreign)}")
+                    raise UnmodelledError(f"nvic: no device raises interrupts {sorted(foreign)}")
                 self.enabled |= irqs
             elif name == "icer":
                 self.enabled -= irqs
@@ -165,9 +167,7 @@ class Nvic(Device):
                 self.pending |= {irq + FIRST_IRQ for irq in irqs}
             else:
                 self.pending -= {irq + FIRST_IRQ for irq in irqs}
-            self.v[f"iser{word}"] = sum(
-                1 << irq % 32 for irq in self.enabled if irq // 32 == word
-            )
+            self.v[f"iser{word}"] = sum(1 << irq % 32 for irq in self.enabled if irq // 32 == word)
 
         return write
 
@@ -175,18 +175,20 @@ class Nvic(Device):
         return self.active[-1] if self.active else 0
 
     def _write_icsr(self, old: int, new: int) -> None:
-        raise Unmodelled("scb.icsr: exceptions pended by software")
+        raise UnmodelledError("scb.icsr: exceptions pended by software")
 
     def _write_vtor(self, old: int, new: int) -> None:
         if new & 0x3FF:
-            raise Unmodelled(f"scb.vtor 0x{new:x}: 166 vectors need an address of a multiple of 1024")
+            raise UnmodelledError(
+                f"scb.vtor 0x{new:x}: 166 vectors need an address of a multiple of 1024"
+            )
         self.v["vtor"] = new
 
     def _write_aircr(self, old: int, new: int) -> None:
         if new >> 16 != VECTKEY:
-            raise Unmodelled(f"scb.aircr 0x{new:x} without its key")
+            raise UnmodelledError(f"scb.aircr 0x{new:x} without its key")
         if new & 0xFF & ~SYSRESETREQ:
-            raise Unmodelled(f"scb.aircr 0x{new:x}")
+            raise UnmodelledError(f"scb.aircr 0x{new:x}")
         self.v["aircr"] = 0xFA050000 | (new & 0x700)
         if new & SYSRESETREQ:
             self.on_reset_request()
@@ -246,10 +248,10 @@ class Exceptions:
         uc = self.uc
         control = uc.reg_read(arm.UC_ARM_REG_CONTROL)
         if control & SPSEL:
-            raise Unmodelled("the process stack is in use")
+            raise UnmodelledError("the process stack is in use")
         has_fp = bool(control & FPCA)
         if has_fp and not self.nvic.v["cpacr"]:
-            raise Unmodelled("floating point used before it was enabled in CPACR")
+            raise UnmodelledError("floating point used before it was enabled in CPACR")
         sp = uc.reg_read(arm.UC_ARM_REG_SP) & ~3
         n_words = 26 if has_fp else 8
         base = (sp - 4 * n_words) & ~7
@@ -277,7 +279,7 @@ class Exceptions:
         nested = len(self.nvic.active) > 1
         wanted = (RETURN_HANDLER if nested else RETURN_THREAD) & ~NO_FP_BIT & ~1
         if not self.nvic.active or exc_return & ~NO_FP_BIT & ~1 != wanted:
-            raise Unmodelled(f"exception return with 0x{exc_return:08x}")
+            raise UnmodelledError(f"exception return with 0x{exc_return:08x}")
         self.nvic.active.pop()
         base = uc.reg_read(arm.UC_ARM_REG_SP)
         has_fp = not exc_return & NO_FP_BIT

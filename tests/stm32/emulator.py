@@ -33,7 +33,7 @@ from unicorn import (
 from unicorn import arm_const as arm
 from unicorn.unicorn_py3.unicorn import uclib
 
-from bus import Bus, Device, InsnClock, Unmodelled
+from bus import Bus, Device, InsnClock, UnmodelledError
 from core import NMI, Dwt, Exceptions, Nvic
 from fdcan import Fdcan, MessageRam
 from flash_pwr import Dbgmcu, Flash, Pwr, Syscfg
@@ -202,7 +202,9 @@ class Chip:
         self.write_flash(FLASH, b"\xff" * FLASH_BYTES)
         for address, content in self.image.segments:
             if not FLASH <= address <= FLASH + FLASH_BYTES - len(content):
-                raise Unmodelled(f"a segment of the image loads to 0x{address:08x}, not into flash")
+                raise UnmodelledError(
+                    f"a segment of the image loads to 0x{address:08x}, not into flash"
+                )
             self.write_flash(address, content)
 
     def write_flash(self, address: int, content: bytes) -> None:
@@ -254,13 +256,13 @@ class Chip:
     def _require_clock(self, address: int) -> None:
         gate = GATES.get(self.bus.name_at(address))
         if gate is not None and not self.rcc.is_on(gate):
-            raise Unmodelled(f"{self.bus.name_at(address)} used without its clock")
+            raise UnmodelledError(f"{self.bus.name_at(address)} used without its clock")
 
     def _fail(self, error: Exception, address: int) -> None:
         pc = self.uc.reg_read(arm.UC_ARM_REG_PC)
         where = f"{error} (address 0x{address:08x}, pc 0x{pc:08x}, {self.function_at(pc)})"
         if self._failure is None:
-            self._failure = Unmodelled(where)
+            self._failure = UnmodelledError(where)
             self._failure.__cause__ = error
         self.clock.wake()
 
@@ -280,16 +282,16 @@ class Chip:
     def _on_invalid(
         self, uc: Uc, access: int, address: int, size: int, value: int, user: object
     ) -> bool:
-        self._fail(Unmodelled("no memory there"), address)
+        self._fail(UnmodelledError("no memory there"), address)
         return False
 
     def _on_null(
         self, uc: Uc, access: int, address: int, size: int, value: int, user: object
     ) -> None:
-        self._fail(Unmodelled("null pointer"), address)
+        self._fail(UnmodelledError("null pointer"), address)
 
     def _on_null_code(self, uc: Uc, address: int, size: int, user: object) -> None:
-        self._fail(Unmodelled("call of a null pointer"), address)
+        self._fail(UnmodelledError("call of a null pointer"), address)
 
     # Resets
 
@@ -375,15 +377,15 @@ class Chip:
         try:
             self.uc.emu_start(self._pc | 1, NOWHERE)
         except UcError as error:
-            self._fail(Unmodelled(f"the core stopped: {error}"), self._pc)
+            self._fail(UnmodelledError(f"the core stopped: {error}"), self._pc)
         self._pc = self.uc.reg_read(arm.UC_ARM_REG_PC)
         if self._failure is not None:
             raise self._failure
         if self._intr == EXCEPTION_EXIT:
             self._pc = self.exceptions.leave(self._pc | 1)
         elif self._intr is not None:
-            self._fail(Unmodelled(f"exception {self._intr} of Unicorn"), self._pc)
+            self._fail(UnmodelledError(f"exception {self._intr} of Unicorn"), self._pc)
         elif self.clock.now < self.clock.deadline:
             if self.read_memory(self._pc - 2, 2) != WFI:
-                self._fail(Unmodelled("stopped for no reason"), self._pc)
+                self._fail(UnmodelledError("stopped for no reason"), self._pc)
             self._is_asleep = True

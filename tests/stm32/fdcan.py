@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections import defaultdict, deque
 from dataclasses import dataclass
 
-from bus import NEVER, WORD, Device, InsnClock, Reg, Unmodelled
+from bus import NEVER, WORD, Device, InsnClock, Reg, UnmodelledError
 from rcc import Rcc
 
 RAM_BASE = 0x4000AC00
@@ -46,13 +46,13 @@ class MessageRam(Device):
     def read(self, offset: int, size: int) -> int:
         """Load a word."""
         if size != 4 or offset % 4:
-            raise Unmodelled(f"fdcan message ram: load of {size} bytes at 0x{offset:x}")
+            raise UnmodelledError(f"fdcan message ram: load of {size} bytes at 0x{offset:x}")
         return self.words[offset // 4]
 
     def write(self, offset: int, size: int, value: int) -> None:
         """Store a word."""
         if size != 4 or offset % 4:
-            raise Unmodelled(f"fdcan message ram: store of {size} bytes at 0x{offset:x}")
+            raise UnmodelledError(f"fdcan message ram: store of {size} bytes at 0x{offset:x}")
         self.words[offset // 4] = value & WORD
 
 
@@ -132,7 +132,7 @@ class Fdcan(Device):
         free = ("cccr", "rwd", "ir", "rxf0a", "txbar")
         can_configure = self.v["cccr"] & (INIT | CCE) == INIT | CCE
         if reg.name not in free and not can_configure:
-            raise Unmodelled(f"fdcan1.{reg.name} written without CCE")
+            raise UnmodelledError(f"fdcan1.{reg.name} written without CCE")
         super().write(offset, size, value)
 
     # Timing
@@ -190,7 +190,9 @@ class Fdcan(Device):
 
     def _write_rxf0a(self, old: int, new: int) -> None:
         if not self._rx_fill or new != self._rx_get:
-            raise Unmodelled(f"fdcan1.rxf0a: element {new} acknowledged, {self._rx_get} is due")
+            raise UnmodelledError(
+                f"fdcan1.rxf0a: element {new} acknowledged, {self._rx_get} is due"
+            )
         self._rx_get = (self._rx_get + 1) % self._rx_words()[2]
         self._rx_fill -= 1
 
@@ -206,12 +208,12 @@ class Fdcan(Device):
             }[kind]
             action = word >> 27 & 7
             if hit and action not in (0, 1, 3, 5):
-                raise Unmodelled(f"fdcan1: filter action {action}")
+                raise UnmodelledError(f"fdcan1: filter action {action}")
             if hit and action:
                 return action in (1, 5)
         non_matching = self.v["gfc"] >> 4 & 3
         if non_matching == 1:
-            raise Unmodelled("fdcan1: receive FIFO 1")
+            raise UnmodelledError("fdcan1: receive FIFO 1")
         return non_matching == 0
 
     def deliver(self, frame: Frame) -> bool:
@@ -239,7 +241,7 @@ class Fdcan(Device):
     def _tx_words(self) -> tuple[int, int, int]:
         config = self.v["txbc"]
         if config >> 16 & 0x3F or config >> 30 & 1:
-            raise Unmodelled("fdcan1: dedicated transmit buffers or queue mode")
+            raise UnmodelledError("fdcan1: dedicated transmit buffers or queue mode")
         return (config & 0xFFFC) // 4, 2 + DATA_BYTES[self.v["txesc"] & 7] // 4, config >> 24 & 63
 
     def _read_txfqs(self) -> int:
@@ -256,7 +258,7 @@ class Fdcan(Device):
             return
         _, _, n = self._tx_words()
         if len(self._queue) == n or new != 1 << self._tx_put:
-            raise Unmodelled(f"fdcan1.txbar 0x{new:x}, put index is {self._tx_put}")
+            raise UnmodelledError(f"fdcan1.txbar 0x{new:x}, put index is {self._tx_put}")
         self._queue.append(self._tx_put)
         self._tx_put = (self._tx_put + 1) % n
         self._begin()
@@ -270,7 +272,7 @@ class Fdcan(Device):
         t0, t1, *data = self.ram.words[first + words * element : first + words * (element + 1)]
         is_fd = bool(t1 >> 21 & 1)
         if t0 >> 29 & 3 or (is_fd and not self.v["cccr"] & FDOE):
-            raise Unmodelled(f"fdcan1: transmit element 0x{t0:08x} 0x{t1:08x}")
+            raise UnmodelledError(f"fdcan1: transmit element 0x{t0:08x} 0x{t1:08x}")
         n = min(DLC_BYTES[t1 >> 16 & 15], 64 if is_fd else 8)
         content = b"".join(word.to_bytes(4, "little") for word in data)
         return Frame(t0 >> 18 & 0x7FF, content[:n], is_fd, self.clock.now)

@@ -7,7 +7,7 @@ frequency needs of wait states and voltage is checked whenever a frequency comes
 
 from __future__ import annotations
 
-from bus import NEVER, Device, InsnClock, Reg, Unmodelled
+from bus import NEVER, Device, InsnClock, Reg, UnmodelledError
 
 SETTLE_CYCLES = 3000
 # Voltage scale -> (highest AXI clock [MHz], wait states, programming delay WRHIGHFREQ), from the
@@ -35,9 +35,9 @@ class Flash(Device):
         for mhz, wait_states, needed in WAIT_STATES[scale]:
             if axi_hz <= mhz * 10**6:
                 if latency < wait_states or delay < needed:
-                    raise Unmodelled(f"flash.acr 0x{self.v['acr']:x} at {axi_hz} Hz")
+                    raise UnmodelledError(f"flash.acr 0x{self.v['acr']:x} at {axi_hz} Hz")
                 return
-        raise Unmodelled(f"AXI at {axi_hz} Hz with voltage scale {scale}")
+        raise UnmodelledError(f"AXI at {axi_hz} Hz with voltage scale {scale}")
 
 
 class Syscfg(Device):
@@ -53,9 +53,7 @@ class Dbgmcu(Device):
 
     def __init__(self, clock: InsnClock, revision: int) -> None:
         super().__init__("dbgmcu", 0x5C001000, clock)
-        self.define(
-            {0x00: Reg("idc", revision << 16 | 0x450, 0), 0x54: Reg("apb4fz1", 0, 1 << 18)}
-        )
+        self.define({0x00: Reg("idc", revision << 16 | 0x450, 0), 0x54: Reg("apb4fz1", 0, 1 << 18)})
 
 
 class Pwr(Device):
@@ -105,20 +103,20 @@ class Pwr(Device):
     def check(self, core_hz: int) -> None:
         """Raise when the core is too fast for the voltage."""
         if core_hz > CORE_MHZ[self.scale()] * 10**6:
-            raise Unmodelled(f"pwr: core at {core_hz} Hz with voltage scale {self.scale()}")
+            raise UnmodelledError(f"pwr: core at {core_hz} Hz with voltage scale {self.scale()}")
 
     def _write_cr3(self, old: int, new: int) -> None:
         if self._is_locked and (old ^ new) & 7:
-            raise Unmodelled("pwr.cr3: written a second time since power-on")
+            raise UnmodelledError("pwr.cr3: written a second time since power-on")
         if new & 3 != 2:
-            raise Unmodelled("pwr.cr3: supply other than the LDO")
+            raise UnmodelledError("pwr.cr3: supply other than the LDO")
         self._is_locked = True
         self.v["cr3"] = new
         self._settled_at = min(self._settled_at, self.clock.now + SETTLE_CYCLES)
 
     def _write_d3cr(self, old: int, new: int) -> None:
         if not new >> 14 & 3:
-            raise Unmodelled("pwr.d3cr: reserved value of VOS")
+            raise UnmodelledError("pwr.d3cr: reserved value of VOS")
         self.v["d3cr"] = new
         self._settled_at = self.clock.now + SETTLE_CYCLES
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from bus import WORD, Device, InsnClock, Reg, Unmodelled
+from bus import WORD, Device, InsnClock, Reg, UnmodelledError
 
 INPUT, OUTPUT, ALTERNATE, ANALOGUE = 0, 1, 2, 3
 RESET = {
@@ -114,8 +114,6 @@ class GpioPort(Device):
         return sum(bits)
 
 
-
-
 class Gpio:
     """All ports, and pins by name."""
 
@@ -144,4 +142,4 @@ class Gpio:
     def require(self, name: str, function: int) -> None:
         """Raise unless a pin is switched to an alternate function."""
         if not self.has_function(name, function):
-            raise Unmodelled(f"{name} is not switched to its alternate function {function}")
+            raise UnmodelledError(f"{name} is not switched to its alternate function {function}")

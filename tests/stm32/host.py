@@ -9,9 +9,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-from tick_trace import Record
-
 from board import FULL
+from tick_trace import Record
 
 ROOT = Path(__file__).resolve().parents[2]
 BUILD = ROOT / os.environ.get("CAMTURN_BUILD", "build/host")

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from bus import NEVER, Device, InsnClock, Reg, Unmodelled
+from bus import NEVER, Device, InsnClock, Reg, UnmodelledError
 from rcc import LSI_HZ, Rcc
 
 KEY_START, KEY_RELOAD, KEY_ACCESS = 0xCCCC, 0xAAAA, 0x5555
@@ -42,7 +42,7 @@ class Iwdg(Device):
 
     def _write_kr(self, old: int, new: int) -> None:
         if new not in (KEY_START, KEY_RELOAD, KEY_ACCESS):
-            raise Unmodelled(f"iwdg1.kr: 0x{new:x}")
+            raise UnmodelledError(f"iwdg1.kr: 0x{new:x}")
         self._can_write = new == KEY_ACCESS
         if new == KEY_START or (new == KEY_RELOAD and self.is_running):
             steps = (self.v["rlr"] + 1) * (4 << min(self.v["pr"], 6))
@@ -51,7 +51,7 @@ class Iwdg(Device):
     def _write_locked(self, name: str) -> Callable[[int, int], None]:
         def write(old: int, new: int) -> None:
             if not self._can_write:
-                raise Unmodelled(f"iwdg1.{name} written without its key")
+                raise UnmodelledError(f"iwdg1.{name} written without its key")
             self.v[name] = new
 
         return write

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the image keeps its trace: compiled for the target, read from the object file by tick_trace.py.
+// Where the image keeps its trace: compiled for the target, read from the object file by
+// tick_trace.py.
 #include "cam/cam_tick.h"
 #include <stddef.h> // offsetof
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from bus import NEVER, Device, InsnClock, Reg, Unmodelled
+from bus import NEVER, Device, InsnClock, Reg, UnmodelledError
 
 HSI_HZ = 64_000_000
 CSI_HZ = 4_000_000
@@ -168,7 +168,7 @@ class Rcc(Device):
         if self._timer_hz == 0:
             codes = {self.v["d2cfgr"] >> 4 & 7, self.v["d2cfgr"] >> 8 & 7}
             if len(codes) > 1 or self.v["cfgr"] >> 15 & 1:
-                raise Unmodelled("rcc: APB1 and APB2 with different prescalers, or TIMPRE")
+                raise UnmodelledError("rcc: APB1 and APB2 with different prescalers, or TIMPRE")
             divisor = apb_divisor(codes.pop())
             self._timer_hz = self.ahb_hz() // divisor * (1 if divisor == 1 else 2)
         return self._timer_hz
@@ -179,21 +179,21 @@ class Rcc(Device):
     def spi3_hz(self) -> int:
         """Return the kernel clock of SPI1..3."""
         if self.v["d2ccip1r"] >> 12 & 7:
-            raise Unmodelled("rcc: SPI123SEL other than PLL1Q")
+            raise UnmodelledError("rcc: SPI123SEL other than PLL1Q")
         return self.pll1_hz("q")
 
     def fdcan_hz(self) -> int:
         """Return the kernel clock of the FDCANs."""
         code = self.v["d2ccip1r"] >> 28 & 3
         if code > 1:
-            raise Unmodelled("rcc: FDCANSEL other than HSE and PLL1Q")
+            raise UnmodelledError("rcc: FDCANSEL other than HSE and PLL1Q")
         return self.pll1_hz("q") if code else self.hse_hz
 
     def usart3_hz(self) -> int:
         """Return the kernel clock of USART3."""
         code = self.v["d2ccip2r"] & 7
         if code not in (0, 3):
-            raise Unmodelled("rcc: USART234578SEL other than APB1 and HSI")
+            raise UnmodelledError("rcc: USART234578SEL other than APB1 and HSI")
         return self._hsi_hz() if code else self.apb1_hz()
 
     # Registers
@@ -205,16 +205,16 @@ class Rcc(Device):
     def _check(self) -> None:
         self._forget()
         if self.system_hz() == 0:
-            raise Unmodelled("rcc: the system clock stands still")
+            raise UnmodelledError("rcc: the system clock stands still")
         if max(self.apb1_hz(), self.ahb_hz() // apb_divisor(self.v["d2cfgr"] >> 8 & 7)) > 120e6:
-            raise Unmodelled("rcc: APB1 or APB2 above 120 MHz")
+            raise UnmodelledError("rcc: APB1 or APB2 above 120 MHz")
         self.check_supply(self.core_hz(), self.ahb_hz())
 
     def _write_cr(self, old: int, new: int) -> None:
         if old & CSSON and not new & CSSON:
             new |= CSSON  # set by software only
         if old & HSEON and (old ^ new) & HSEBYP:
-            raise Unmodelled("rcc.cr: HSEBYP changed while the HSE is on")
+            raise UnmodelledError("rcc.cr: HSEBYP changed while the HSE is on")
         if (old ^ new) & HSIDIV and self.v["cfgr"] >> 3 & 7 == SW_HSI:
             self._change()
         for on, ready in ((HSION, HSIRDY), (HSEON, HSERDY), (PLL1ON, PLL1RDY)):
@@ -255,19 +255,19 @@ class Rcc(Device):
         reference_hz = self._source_hz(source) // (self.v["pllckselr"] >> 4 & 63)
         low, high = ((1, 2), (2, 4), (4, 8), (8, 16))[self.v["pllcfgr"] >> 2 & 3]
         if not low * 10**6 <= reference_hz <= high * 10**6:
-            raise Unmodelled(f"rcc: PLL1RGE does not fit a reference of {reference_hz} Hz")
+            raise UnmodelledError(f"rcc: PLL1RGE does not fit a reference of {reference_hz} Hz")
         wide = not self.v["pllcfgr"] >> 1 & 1
         low, high = (192, 960) if wide else (150, 420)
         if not low * 10**6 <= self._vco_hz() <= high * 10**6:
-            raise Unmodelled(f"rcc: PLL1's VCO at {self._vco_hz()} Hz")
+            raise UnmodelledError(f"rcc: PLL1's VCO at {self._vco_hz()} Hz")
         p_code = self.v["pll1divr"] >> 9 & 0x7F
         if p_code and not p_code & 1:
-            raise Unmodelled("rcc: DIVP1 odd")
+            raise UnmodelledError("rcc: DIVP1 odd")
 
     def _write_pll(self, name: str) -> Callable[[int, int], None]:
         def write(old: int, new: int) -> None:
             if self.v["cr"] & PLL1ON and old != new:
-                raise Unmodelled(f"rcc.{name} changed while PLL1 is on")
+                raise UnmodelledError(f"rcc.{name} changed while PLL1 is on")
             self.v[name] = new
 
         return write
@@ -276,7 +276,7 @@ class Rcc(Device):
         code = new & 7
         ready = {SW_HSI: HSIRDY, SW_HSE: HSERDY, SW_PLL1: PLL1RDY}.get(code)
         if ready is None or not self.v["cr"] & ready:
-            raise Unmodelled(f"rcc.cfgr: switch to clock {code}, which is not ready")
+            raise UnmodelledError(f"rcc.cfgr: switch to clock {code}, which is not ready")
         self._change()
         self.v["cfgr"] = (new & ~0x38) | code << 3
         self._check()
@@ -309,7 +309,7 @@ class Rcc(Device):
         if self.v["cr"] & CSSON and was_on:
             self._lose_hse()
         else:
-            raise Unmodelled("rcc: the HSE died and nobody watches it")
+            raise UnmodelledError("rcc: the HSE died and nobody watches it")
 
     def _lose_hse(self) -> None:
         self.v["cr"] &= ~(HSEON | HSERDY)

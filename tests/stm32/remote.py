@@ -58,9 +58,9 @@ class Remote:
     def status(self) -> Status:
         """Return the newest status, waiting for one that is sent from now on."""
         n = len(self.frames(STATE))
-        assert self.chip.run_until(
-            lambda: len(self.frames(STATE)) > n, self.chip.seconds(0.1)
-        ), "no status comes"
+        assert self.chip.run_until(lambda: len(self.frames(STATE)) > n, self.chip.seconds(0.1)), (
+            "no status comes"
+        )
         return self.newest()
 
     def newest(self) -> Status:
@@ -79,9 +79,9 @@ class Remote:
         n = len(self.frames(ANSWER))
         data = bytes([command, index, 0, 0]) + value.to_bytes(4, "little", signed=True)
         assert self.board.send(Frame(COMMAND, data)), "the command was not received"
-        assert self.chip.run_until(
-            lambda: len(self.frames(ANSWER)) > n, self.chip.seconds(0.1)
-        ), "no answer comes"
+        assert self.chip.run_until(lambda: len(self.frames(ANSWER)) > n, self.chip.seconds(0.1)), (
+            "no answer comes"
+        )
         answer = self.frames(ANSWER)[-1].data
         assert answer[:2] == data[:2]
         signed = [int.from_bytes(part, "little", signed=True) for part in (answer[2:4], answer[4:])]
@@ -98,9 +98,9 @@ class Remote:
     def started(self) -> Status:
         """Wait for the first status behind a reset, and return it."""
         n = len(self.frames(STATE))
-        assert self.chip.run_until(
-            lambda: len(self.frames(STATE)) > n, 200_000_000
-        ), f"no status comes, the image is in {self.chip.where()}"
+        assert self.chip.run_until(lambda: len(self.frames(STATE)) > n, 200_000_000), (
+            f"no status comes, the image is in {self.chip.where()}"
+        )
         return self.newest()
 
     def lines(self) -> list[str]:

@@ -73,12 +73,13 @@ static bool request(uint32_t kind)
 
 static bool tick(const char *line)
 {
-    const int n = sscanf(
-        line, "tick %" SCNu32 " %" SCNu32 " %" SCNu32 " %" SCNu32 " %" SCNd32 " %" SCNd32
-              " %" SCNd32 " %" SCNu32,
-        &hal_host.clock, &hal_host.in.encoder.counts, &hal_host.in.encoder.index_counts,
-        &hal_host.in.encoder.n_index, &hal_host.in.axis_nm[hal_axis_u],
-        &hal_host.in.axis_nm[hal_axis_x], &hal_host.in.axis_nm[hal_axis_z], &hal_host.in.inputs);
+    const int n = sscanf(line,
+                         "tick %" SCNu32 " %" SCNu32 " %" SCNu32 " %" SCNu32 " %" SCNd32 " %" SCNd32
+                         " %" SCNd32 " %" SCNu32,
+                         &hal_host.clock, &hal_host.in.encoder.counts,
+                         &hal_host.in.encoder.index_counts, &hal_host.in.encoder.n_index,
+                         &hal_host.in.axis_nm[hal_axis_u], &hal_host.in.axis_nm[hal_axis_x],
+                         &hal_host.in.axis_nm[hal_axis_z], &hal_host.in.inputs);
     if (n != 8) {
         return false;
     }

@@ -3,12 +3,11 @@
 
 from __future__ import annotations
 
-from tick_trace import Record, Trace
-
 from board import Board
 from emulator import Image
 from host import IMAGE
 from remote import ENABLE, PARAMS, Remote
+from tick_trace import Record, Trace
 
 # An ideal machine: one tick of dead time, quick axes, a short way into the work.
 SETTINGS = {

@@ -2,8 +2,9 @@
 """SPI3 as a master (RM0433, section 50), the AD5754R behind it (its data sheet), and DAC1.
 
 The SPI shifts frames of the size set, at the kernel clock divided by MBR, out of a FIFO of 16
-bytes; a frame of more than 16 bits takes four. Modelled: full duplex or transmit only, one transfer of TSIZE frames
-per CSTART, hardware slave select with or without pulses. Frames come out whole, at their end.
+bytes; a frame of more than 16 bits takes four. Modelled: full duplex or transmit only, one transfer
+of TSIZE frames per CSTART, hardware slave select with or without pulses. Frames come out whole, at
+their end.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable
 
-from bus import NEVER, Device, InsnClock, Reg, Unmodelled
+from bus import NEVER, Device, InsnClock, Reg, UnmodelledError
 from rcc import Rcc
 
 SPE, MASRX, CSTART, CSUSP, SSI = 1 << 0, 1 << 8, 1 << 9, 1 << 10, 1 << 12
@@ -109,21 +110,21 @@ class Spi(Device):
             return
         cfg2 = self.v["cfg2"]
         if not cfg2 & MASTER or cfg2 & SSM or not cfg2 & SSOE:
-            raise Unmodelled(f"{self.name}: anything but a master with hardware slave select")
+            raise UnmodelledError(f"{self.name}: anything but a master with hardware slave select")
         if self._comm() not in (FULL_DUPLEX, TRANSMIT_ONLY):
-            raise Unmodelled(f"{self.name}: COMM {self._comm()}")
+            raise UnmodelledError(f"{self.name}: COMM {self._comm()}")
         if new & CSUSP:
-            raise Unmodelled(f"{self.name}: suspension")
+            raise UnmodelledError(f"{self.name}: suspension")
         if new & CSTART and self._left == 0:
             self._left = self.v["cr2"] & 0xFFFF
             if self._left == 0:
-                raise Unmodelled(f"{self.name}: transfer without end (TSIZE 0)")
+                raise UnmodelledError(f"{self.name}: transfer without end (TSIZE 0)")
             self._begin_frame()
 
     def _write_off(self, name: str) -> Callable[[int, int], None]:
         def write(old: int, new: int) -> None:
             if self.v["cr1"] & SPE:
-                raise Unmodelled(f"{self.name}.{name} written while the SPI is on")
+                raise UnmodelledError(f"{self.name}.{name} written while the SPI is on")
             self.v[name] = new
 
         return write
@@ -131,22 +132,24 @@ class Spi(Device):
     def _write_idle(self, name: str) -> Callable[[int, int], None]:
         def write(old: int, new: int) -> None:
             if self.v["cr1"] & SPE and self._left:
-                raise Unmodelled(f"{self.name}.{name} written in a transfer")
+                raise UnmodelledError(f"{self.name}.{name} written in a transfer")
             self.v[name] = new
 
         return write
 
     def _write_txdr(self, old: int, new: int) -> None:
         if not self.v["cr1"] & SPE:
-            raise Unmodelled(f"{self.name}.txdr written while the SPI is off")
+            raise UnmodelledError(f"{self.name}.txdr written while the SPI is off")
         if len(self._tx) >= self._capacity():
-            raise Unmodelled(f"{self.name}.txdr written while the FIFO is full: a frame is lost")
+            raise UnmodelledError(
+                f"{self.name}.txdr written while the FIFO is full: a frame is lost"
+            )
         self._tx.append(new & ((1 << self.bits()) - 1))
         self._begin_frame()
 
     def _read_rxdr(self) -> int:
         if not self._rx:
-            raise Unmodelled(f"{self.name}.rxdr read while it is empty")
+            raise UnmodelledError(f"{self.name}.rxdr read while it is empty")
         return self._rx.popleft()
 
     def _write_ifcr(self, old: int, new: int) -> None:
@@ -234,7 +237,7 @@ class Ad5754r:
     def exchange(self, frame: int, bits: int) -> int:
         """Take a frame between two edges of /SYNC; return what SDO shifted out meanwhile."""
         if bits != 24 or frame >> 22 & 1:
-            raise Unmodelled(f"AD5754R: frame 0x{frame:x} of {bits} bits")
+            raise UnmodelledError(f"AD5754R: frame 0x{frame:x} of {bits} bits")
         self.frames.append(frame)
         answer, self._answer = self._answer, 0
         register, address, data = frame >> 19 & 7, frame >> 16 & 7, frame & 0xFFFF
@@ -266,7 +269,9 @@ class Ad5754r:
         elif register == self.CONTROL:
             self._control(address, data)
         else:
-            raise Unmodelled(f"AD5754R: register {register}, address {address}, data 0x{data:x}")
+            raise UnmodelledError(
+                f"AD5754R: register {register}, address {address}, data 0x{data:x}"
+            )
 
     def _control(self, address: int, data: int) -> None:
         if address == self.SETTINGS:
@@ -277,7 +282,7 @@ class Ad5754r:
         elif address == self.LOAD:
             self.words = list(self.inputs)
         elif address != self.NOP:
-            raise Unmodelled(f"AD5754R: control function {address}")
+            raise UnmodelledError(f"AD5754R: control function {address}")
 
     def _clear_code(self) -> int:
         """Return 0 V, or with CLR select the middle (unipolar) or negative full scale."""

@@ -13,6 +13,7 @@ from board import READY
 from core import HARD_FAULT
 from emulator import DTCM, DTCM_BYTES
 from gpio import OUTPUT
+from host import make_table
 from rcc import RESET_FLAGS
 from remote import ENABLE, RESET, SELECT, START, errors
 from session import Session
@@ -21,6 +22,12 @@ ERR = errors()
 TIM5_CNT = 0x40000C24
 STACK_BYTES = 16 * 1024  # at the bottom of DTCM
 SAFE = (0, 0, 0, 0)
+
+
+@pytest.fixture(scope="module")
+def table(tmp_path_factory: pytest.TempPathFactory) -> bytes:
+    """Return a good table."""
+    return make_table(tmp_path_factory.mktemp("table") / "short.camtab")
 
 
 def with_version(table: bytes, version: int) -> bytes:
@@ -115,7 +122,7 @@ def between_ticks(session: Session) -> int:
 
 
 def expect_safe_halt(session: Session, at: int, why: str) -> None:
-    """Outputs fall first, nothing else goes out, and the reason comes back after the reset."""
+    """Expect outputs to fall first, nothing else to go out, and the reason behind the reset."""
     chip, remote, events = session.chip, session.remote, session.board.events
     assert chip.run_until(lambda: chip.resets[-1] == "software", chip.seconds(0.01))
     behind = outputs_since(session, at)
@@ -224,8 +231,8 @@ def test_cut_wire_reads_as_not_ready(table: bytes) -> None:
     assert session.remote.command(ENABLE)[0] == ERR["drive"]
 
 
-def test_flags_of_several_resets_tell_the_gravest(table: bytes) -> None:
-    """Flags add up when nobody clears them; power-on counts before a brown-out that belongs to it."""
+def test_power_on_is_told_from_brown_out_and_flags_are_cleared(table: bytes) -> None:
+    """Power-on sets the flag of a brown-out too; what is told once is cleared for the next time."""
     assert RESET_FLAGS["power_on"] & RESET_FLAGS["brown_out"] == RESET_FLAGS["brown_out"]
     session = Session(table)
     session.board.power_on()

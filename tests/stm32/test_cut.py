@@ -4,12 +4,11 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from pathlib import Path
 
 import pytest
 
 from board import COUNTS_PER_TURN, INDEX_AT
-from host import internal_word, replay, words
+from host import internal_word, make_table, replay, words
 from remote import DISABLE, START
 from session import Session
 
@@ -19,9 +18,10 @@ IN_CUT, FAULT, ENABLE_BIT = 4, 2, 1
 
 
 @pytest.fixture(scope="module")
-def cut(table_path: Path) -> Session:
+def cut(tmp_path_factory: pytest.TempPathFactory) -> Session:
     """Return a session from power-on through a cut to off."""
-    session = Session(table_path.read_bytes())
+    table_path = tmp_path_factory.mktemp("table") / "short.camtab"
+    session = Session(make_table(table_path))
     session.changes.append(f"table {table_path}")
     session.make_ready()
     session.remote.do(START)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from bus import Unmodelled
+from bus import UnmodelledError
 from emulator import Chip, Image
 from image_build import build_image
 from rcc import RESET_FLAGS
@@ -104,5 +104,5 @@ def test_unknown_addresses_end_the_run(tmp_path: Path, address: int, why: str) -
     """What no model knows fails with the address and the place in the code."""
     chip = chip_of("image_peek", tmp_path)
     chip.write_memory(chip.image.symbols["peek_at"], address.to_bytes(4, "little"))
-    with pytest.raises(Unmodelled, match=f"{why}.*0x{address:08x}.*image_main"):
+    with pytest.raises(UnmodelledError, match=f"{why}.*0x{address:08x}.*image_main"):
         chip.run(2000)

@@ -3,15 +3,15 @@
 
 Modelled: counting up from the internal clock with prescaler and preload, encoder mode 3, input
 capture from the four pins, output compare in PWM modes 1 and 2 on channels 3 and 4, update event,
-update interrupt, OC3REF as trigger output. Not modelled, hence an error: other slave modes, counting
-down, one-pulse mode, DMA, break, input prescalers. The input filter delays nothing here.
+update interrupt, OC3REF as trigger output. Not modelled, hence an error: other slave modes,
+counting down, one-pulse mode, DMA, break, input prescalers. The input filter delays nothing here.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
-from bus import NEVER, WORD, Device, InsnClock, Reg, Unmodelled
+from bus import NEVER, WORD, Device, InsnClock, Reg, UnmodelledError
 from rcc import Rcc
 
 CEN, UDIS, URS, DIR, ARPE = 1 << 0, 1 << 1, 1 << 2, 1 << 4, 1 << 7
@@ -37,7 +37,14 @@ class Timer(Device):
     """
 
     def __init__(
-        self, clock: InsnClock, rcc: Rcc, name: str, base: int, *, bits: int = 16, advanced: bool = False
+        self,
+        clock: InsnClock,
+        rcc: Rcc,
+        name: str,
+        base: int,
+        *,
+        bits: int = 16,
+        advanced: bool = False,
     ) -> None:
         super().__init__(name, base, clock)
         self.rcc, self.top = rcc, (1 << bits) - 1
@@ -182,7 +189,7 @@ class Timer(Device):
         for channel in (3, 4):
             mode = self._output_mode(channel)
             if mode not in (None, 0, PWM_1, PWM_2):
-                raise Unmodelled(f"{self.name}: output mode {mode} on channel {channel}")
+                raise UnmodelledError(f"{self.name}: output mode {mode} on channel {channel}")
             if mode not in (PWM_1, PWM_2):
                 continue
             is_below = self.count() < self._compare[channel]
@@ -210,7 +217,7 @@ class Timer(Device):
         if not self._is_encoder() or not self.v["cr1"] & CEN:
             return
         if self.v["ccmr1"] & 0x0303 != 0x0101:
-            raise Unmodelled(f"{self.name}: encoder mode without TI1 and TI2 as inputs")
+            raise UnmodelledError(f"{self.name}: encoder mode without TI1 and TI2 as inputs")
         if counts == 0:
             return
         inverted = (self.v["ccer"] >> 1 ^ self.v["ccer"] >> 5) & 1
@@ -231,7 +238,7 @@ class Timer(Device):
             if source != pin or not enable & 1:
                 continue
             if word >> 2 & 3:
-                raise Unmodelled(f"{self.name}: input prescaler")
+                raise UnmodelledError(f"{self.name}: input prescaler")
             polarity = (enable >> 1 & 1) | (enable >> 2 & 2)
             if polarity == 3 or polarity == 1 - level:
                 self._capture(channel)
@@ -247,13 +254,13 @@ class Timer(Device):
 
     def _write_cr1(self, old: int, new: int) -> None:
         if new & DIR:
-            raise Unmodelled(f"{self.name}: counting down")
+            raise UnmodelledError(f"{self.name}: counting down")
         self._sync()
         self.v["cr1"] = new | (old & DIR)
 
     def _write_smcr(self, old: int, new: int) -> None:
         if new not in (0, ENCODER_3):
-            raise Unmodelled(f"{self.name}.smcr 0x{new:x}")
+            raise UnmodelledError(f"{self.name}.smcr 0x{new:x}")
         self._sync()
         self.v["smcr"] = new
 

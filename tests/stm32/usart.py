@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections import deque
 
-from bus import NEVER, Device, InsnClock, Reg, Unmodelled
+from bus import NEVER, Device, InsnClock, Reg, UnmodelledError
 from rcc import Rcc
 
 UE, RE, TE, FIFOEN = 1 << 0, 1 << 2, 1 << 3, 1 << 29
@@ -67,9 +67,9 @@ class Usart(Device):
 
     def _write_tdr(self, old: int, new: int) -> None:
         if self.v["cr1"] & (UE | TE) != UE | TE:
-            raise Unmodelled("usart3.tdr written while the transmitter is off")
+            raise UnmodelledError("usart3.tdr written while the transmitter is off")
         if len(self._waiting) >= self._room():
-            raise Unmodelled("usart3.tdr written while it is full: a byte is lost")
+            raise UnmodelledError("usart3.tdr written while it is full: a byte is lost")
         self._waiting.append(new)
         self._start()
 

@@ -35,11 +35,11 @@ static uint32_t sum(uint32_t n)
 void image_main(void)
 {
     const uint32_t wanted = sum(300);
-    RCC(0xE8) = 1u << 2;        // APB1LENR: TIM4
-    TIM4(0x2C) = 97;            // ARR
-    TIM4(0x0C) = 1;             // DIER: UIE
+    RCC(0xE8) = 1u << 2;         // APB1LENR: TIM4
+    TIM4(0x2C) = 97;             // ARR
+    TIM4(0x0C) = 1;              // DIER: UIE
     REG(0xE000E100u) = 1u << 30; // ISER0
-    TIM4(0x00) = 1;             // CR1: CEN
+    TIM4(0x00) = 1;              // CR1: CEN
     for (;;) {
         answer[1] = sum(300);
         answer[4] += answer[1] != wanted ? 1u : 0u;
