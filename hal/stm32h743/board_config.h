@@ -26,6 +26,12 @@
 #define BOARD_U_COUNT_PM 100000
 #define BOARD_Z_COUNT_PM 1000000
 
+/// [counts] added to the index position that is latched in the negative sense. 0 when the index
+/// pulse begins between two counts. Encoders that gate it with A and B begin it where the counter
+/// moves, and the two senses may then differ by one: turn the spindle by hand both ways, and give
+/// the difference.
+#define BOARD_INDEX_FALLING_COUNTS 0
+
 /// 0: there is no scale on U; its last set-point is taken for its position, and the following error
 /// is not watched.
 #define BOARD_HAS_U_SCALE 1

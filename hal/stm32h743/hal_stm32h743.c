@@ -36,6 +36,13 @@ static void init_text(void)
     USART3_CR1 = USART_CR1_FIFOEN | USART_CR1_TE | USART_CR1_UE;
 }
 
+/// Why the port refuses, for people: main() only learns that it does.
+static int refuse(int reason, const char *why)
+{
+    hal_text(why);
+    return reason;
+}
+
 int hal_init(void)
 {
     start = stm_keep_start();
@@ -52,9 +59,9 @@ int hal_init(void)
     init_text();
     stm_tick_init();
     if (!stm_dac_init()) {
-        return no_dac;
+        return refuse(no_dac, "port: SPI3 does not work");
     }
-    return stm_can_init() ? 0 : no_can;
+    return stm_can_init() ? 0 : refuse(no_can, "port: FDCAN1 does not work");
 }
 
 /// One second: longer than the check of the largest table takes the slow side. It stands still

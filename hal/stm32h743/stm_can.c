@@ -14,7 +14,7 @@ enum {
 };
 _Static_assert(used_words <= 2560, "the message RAM has 10 KiB");
 
-/// Header of an element: RM0433 56.4, Rx and Tx buffer elements.
+/// Header of an element: RM0433 chapter 56, Rx and Tx buffer elements.
 enum { at_id = 18, at_length = 16, with_rate = 1 << 20, is_fd = 1 << 21 };
 
 /// Bytes of each length code.

@@ -9,7 +9,7 @@
 #include <stdbool.h> // bool
 
 /// @return false when the peripheral does not leave or enter its configuration state
-/// Context: slow side, once. Source: RM0433 56.4 (operating modes, message RAM), 56.5 (registers).
+/// Context: slow side, once. Source: RM0433 chapter 56 (operating modes, message RAM).
 bool stm_can_init(void);
 
 #endif

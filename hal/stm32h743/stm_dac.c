@@ -51,7 +51,7 @@ static void init_spi(void)
     SPI3_CR2 = stm_n_dacs;
 }
 
-/// RM0433 26.7, DAC_CR: the output follows TIM4's trigger; buffer on (DAC_MCR after reset).
+/// RM0433 chapter 26, DAC_CR: the output follows TIM4's trigger; buffer on (DAC_MCR after reset).
 static void init_internal(void)
 {
     RCC_APB1LENR |= RCC_APB1LENR_DAC12;

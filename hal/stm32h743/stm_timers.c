@@ -121,7 +121,8 @@ hal_encoder_t hal_encoder_read_isr(void)
     const bool is_falling = (TIM2->CR1 & TIM_CR1_DIR) != 0u;
     const uint32_t wanted = is_falling ? TIM_SR_CC4IF : TIM_SR_CC3IF;
     if ((flags & wanted) != 0u) {
-        position.index_counts = is_falling ? TIM2->CCR4 : TIM2->CCR3;
+        position.index_counts =
+            is_falling ? TIM2->CCR4 + (uint32_t)BOARD_INDEX_FALLING_COUNTS : TIM2->CCR3;
         position.n_index++;
     }
     TIM2->SR = ~(flags & (TIM_SR_CC3IF | TIM_SR_CC4IF | TIM_SR_CC3OF | TIM_SR_CC4OF));
