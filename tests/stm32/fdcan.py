@@ -73,7 +73,7 @@ class Fdcan(Device):
         self.sent: defaultdict[int, list[Frame]] = defaultdict(list)
         self.lost = 0
         self._queue: deque[int] = deque()
-        self._done_at = NEVER
+        self._done_at = self._back_at = NEVER
         self._rx_put = self._rx_get = self._rx_fill = self._tx_put = 0
         guarded = 0xFFFFFFFF
         self.define(
@@ -119,6 +119,7 @@ class Fdcan(Device):
     def reset(self) -> None:
         """Leave the bus."""
         super().reset()
+        self._back_at = NEVER
         self._leave()
 
     def _leave(self) -> None:
@@ -166,15 +167,17 @@ class Fdcan(Device):
             new &= ~CCE  # CCE needs INIT to have been read back as set
         if new & INIT:
             self._leave()
-        if old & INIT and not new & INIT:
-            self.v["psr"] &= ~BUS_OFF
+        if old & INIT and not new & INIT and self.v["psr"] & BUS_OFF:
+            idle_bits = 129 * 11
+            cycles = int(idle_bits * self.rcc.core_hz() / self.bit_hz())
+            self._back_at = self.clock.now + cycles
         self.v["cccr"] = new
 
     def _write_ir(self, old: int, new: int) -> None:
         self.v["ir"] = old & ~new
 
     def _is_on_bus(self) -> bool:
-        return not self.v["cccr"] & INIT
+        return not (self.v["cccr"] & INIT or self.v["psr"] & BUS_OFF)
 
     # Reception
 
@@ -278,11 +281,14 @@ class Fdcan(Device):
         return Frame(t0 >> 18 & 0x7FF, content[:n], is_fd, self.clock.now)
 
     def next_event(self) -> int:
-        """Return when the frame on the bus ends."""
-        return self._done_at
+        """Return when the frame on the bus ends, or the silence behind a bus-off."""
+        return min(self._done_at, self._back_at)
 
     def advance(self) -> None:
-        """End the frame on the bus, begin the next one."""
+        """End the frame on the bus, begin the next one; come back from bus-off."""
+        if self.clock.now >= self._back_at:
+            self._back_at = NEVER
+            self.v["psr"] &= ~BUS_OFF
         if self.clock.now >= self._done_at:
             self._done_at = NEVER
             frame = self._frame(self._queue.popleft())
@@ -290,11 +296,11 @@ class Fdcan(Device):
             self._begin()
 
     def go_bus_off(self) -> None:
-        """Let the bus fail until the image clears INIT again."""
+        """Let the bus fail until the image clears INIT again and 129 times 11 bits have passed."""
         self.v["psr"] |= BUS_OFF
         self.v["cccr"] |= INIT
         self._queue.clear()
-        self._done_at = NEVER
+        self._done_at = self._back_at = NEVER
 
 
 def _dlc(data: bytes) -> int:
