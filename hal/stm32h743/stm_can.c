@@ -85,8 +85,19 @@ static void copy_in(hal_can_frame_t *frame, const volatile uint32_t *data)
     }
 }
 
+/// Off the bus the peripheral sets INIT; clearing it begins the wait for 128 idle sequences.
+static bool is_off_bus(void)
+{
+    const bool is_off = (FDCAN1_PSR & FDCAN_PSR_BO) != 0u;
+    if (is_off && (FDCAN1_CCCR & FDCAN_CCCR_INIT) != 0u) {
+        FDCAN1_CCCR &= ~FDCAN_CCCR_INIT;
+    }
+    return is_off;
+}
+
 bool hal_can_read(hal_can_frame_t *frame)
 {
+    (void)is_off_bus(); // the firmware may be waiting for a frame before it sends one
     const uint32_t state = FDCAN1_RXF0S;
     if ((state & FDCAN_RXF0S_F0FL) == 0u) {
         return false;
@@ -125,8 +136,7 @@ static void copy_out(volatile uint32_t *data, const hal_can_frame_t *frame)
 
 bool hal_can_write(const hal_can_frame_t *frame)
 {
-    if ((FDCAN1_PSR & FDCAN_PSR_BO) != 0u) {
-        FDCAN1_CCCR &= ~FDCAN_CCCR_INIT; // begins the wait for 128 idle sequences
+    if (is_off_bus()) {
         return false;
     }
     const uint32_t state = FDCAN1_TXFQS;

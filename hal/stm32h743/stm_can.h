@@ -2,7 +2,8 @@
 /// stm_can: FDCAN1, polled: all frames with 11-bit identifiers into receive FIFO 0.
 ///
 /// 500 kbit/s, sample point 80 %; data of FD frames 2 Mbit/s, 75 %. Frames of more than 8 bytes are
-/// sent as FD frames with the higher rate. After bus-off the next hal_can_write() asks to return.
+/// sent as FD frames with the higher rate. After bus-off the next call of either function asks to
+/// return.
 #ifndef STM_CAN_H
 #define STM_CAN_H
 

@@ -7,7 +7,7 @@
 #include "stm_pins.h"   // stm_outputs_safe
 #include "stm_tick.h"   // stm_tick_isr
 
-extern uint32_t stm_stack_top;
+extern uint32_t stm_stack_bottom, stm_stack_top;
 extern uint32_t stm_itcm_image, stm_itcm_start, stm_itcm_end;
 extern uint32_t stm_data_image, stm_data_start, stm_data_end;
 extern uint32_t stm_bss_start, stm_bss_end;
@@ -16,7 +16,7 @@ _Noreturn void stm_reset(void);
 
 typedef void (*vector_t)(void);
 
-enum { n_system = 16, n_vectors = n_system + stm_n_irqs };
+enum { n_system = 16, n_vectors = n_system + stm_n_irqs, own_frame_words = 64 };
 
 /// The clock security system calls after it has switched to the HSI. RM0433 8.5, CSS.
 static void on_nmi(void)
@@ -103,14 +103,22 @@ __attribute__((always_inline)) static inline void copy(const uint32_t *from, uin
     }
 }
 
+__attribute__((always_inline)) static inline void clear(uint32_t *to, const uint32_t *end)
+{
+    while (to < end) {
+        *to++ = 0;
+    }
+}
+
+/// The stack is cleared too, but for what this function uses: a byte that is written into a word
+/// without valid error correction would be an error. RM0433 chapter 3.
 __attribute__((section(".boot"), used)) void stm_reset(void)
 {
     stm_outputs_safe();
     copy(&stm_itcm_image, &stm_itcm_start, &stm_itcm_end);
     copy(&stm_data_image, &stm_data_start, &stm_data_end);
-    for (uint32_t *to = &stm_bss_start; to < &stm_bss_end; to++) {
-        *to = 0;
-    }
+    clear(&stm_bss_start, &stm_bss_end);
+    clear(&stm_stack_bottom, &stm_stack_top - own_frame_words);
     stm_barrier();
     fill_vectors();
     stm_memory_init();

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Command line that writes firmware and table into the flash memory of a NUCLEO-H743ZI2.
 
 A table goes the way of every table: the firmware's own check judges it before anything is written.
