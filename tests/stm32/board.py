@@ -63,6 +63,8 @@ class Board:
     ----------
     ticks : list of Outputs
         per tick of TIM4, taken at the start of the next
+    tick_at : list of int
+        [cycles] when the tick behind each of them started
     events : list of Event
         levels of the outputs when they change, frames to the AD5754R, resets
     rpm : float
@@ -74,6 +76,7 @@ class Board:
     def __init__(self, image: Image, *, hse_hz: int = HSE_HZ) -> None:
         self.dac = Ad5754r()
         self.ticks: list[Outputs] = []
+        self.tick_at: list[int] = []
         self.events: list[Event] = []
         self.rpm = 0.0
         self.is_held = False
@@ -148,6 +151,7 @@ class Board:
 
     def _tick(self) -> None:
         gpio = self.chip.gpio
+        self.tick_at.append(self.chip.clock.now)
         lines = [gpio.level(name) for name in OUTPUTS]
         self.ticks.append(Outputs(tuple(self.dac.words), self.chip.dac1.v["dor1"], *lines))
         self._turn_spindle(lines[0])
