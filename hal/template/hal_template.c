@@ -26,7 +26,8 @@ uint32_t hal_clock_hz(void)
 /// Let the timer run. Its interrupt must have the highest priority and must not nest.
 void hal_tick_start(void) {}
 
-/// Wait for an interrupt, feed the watchdog.
+/// Wait for an interrupt, feed the watchdog; it must allow for a check of the whole table
+/// (cam_table_check(), tens of instructions per byte) between two calls.
 void hal_idle(void) {}
 
 /// Enable low by hardware if possible, keep `why` where a reset does not clear it, reset.

@@ -135,6 +135,13 @@ static void test_place_that_ends_within_the_image(void)
     }
 }
 
+static void test_place_that_ends_within_the_header_is_not_read_beyond(void)
+{
+    _Alignas(uint32_t) static const uint8_t place[8]; // the sanitizer watches its end
+    hal_host.slow.table = (hal_image_t){.bytes = place, .size = sizeof place};
+    expect_start_without_table(cam_err_image_size);
+}
+
 static void test_size_in_the_header_that_cannot_be(void)
 {
     static const uint32_t sizes[] = {0, 31, 127, fixture_image_capacity + 32, UINT32_MAX};
@@ -260,6 +267,7 @@ int main(void)
     RUN_TEST(test_other_version_and_byte_order);
     RUN_TEST(test_writing_that_stopped_is_refused_wherever_it_stopped);
     RUN_TEST(test_place_that_ends_within_the_image);
+    RUN_TEST(test_place_that_ends_within_the_header_is_not_read_beyond);
     RUN_TEST(test_size_in_the_header_that_cannot_be);
     RUN_TEST(test_misaligned_place);
     RUN_TEST(test_select_takes_a_table_written_after_the_start);

@@ -79,11 +79,13 @@ typedef struct {
 /// Take the table of hal_table_image() into use if it is good, say why the controller started and
 /// what became of the table.
 /// @param machine  initialised, state off; used by cam_remote_poll() too
-/// Context: main(), before hal_tick_start(); lasts as long as cam_table_check().
+/// Context: main(), before hal_tick_start(); lasts as long as cam_table_check(), on a Cortex-M7
+/// about 26 instructions per byte of the image, 65 with a speed channel.
 void cam_remote_init(cam_remote_t *r, cam_machine_t *machine);
 
 /// Carry out one command at most, send status when it is due, say at most one change of state,
-/// fault or table. Lasts as long as cam_table_check() when the command is select.
+/// fault or table. Lasts as long as cam_table_check() when the command is select: a watchdog must
+/// allow for that.
 /// Context: main loop.
 void cam_remote_poll(cam_remote_t *r);
 
