@@ -28,7 +28,4 @@ const uint32_t layout[] = {
     IN_RECORD(out[hal_axis_u].pos_nm),
     IN_RECORD(out[hal_axis_x].pos_nm),
     IN_RECORD(out[hal_axis_z].pos_nm),
-    IN_RECORD(spindle_mrpm),
-    IN_RECORD(outputs),
-    IN_RECORD(faults),
 };

@@ -7,10 +7,11 @@ from itertools import pairwise
 
 import pytest
 
-from board import COUNTS_PER_TURN, INDEX_AT
+from board import COUNTS_PER_TURN, INDEX_AT, Outputs
 from host import internal_word, make_table, replay, words
 from remote import DISABLE, START
 from session import Session
+from tick_trace import Record
 
 TICK_CYCLES = 24_000
 STEP_CYCLES = 14_400  # 30 us
@@ -32,6 +33,11 @@ def cut(tmp_path_factory: pytest.TempPathFactory) -> Session:
     return session
 
 
+def ticks_of(cut: Session) -> list[tuple[Record, Outputs]]:
+    """Return each tick's record and what came of it; the first period has no tick before it."""
+    return list(zip(cut.records, cut.board.ticks[1 : len(cut.records) + 1], strict=True))
+
+
 def test_cut_is_whole(cut: Session) -> None:
     """The part is cut from first to last height at full speed, without fault or lost record."""
     states = [line[6:] for line in cut.remote.lines() if line.startswith("state ")]
@@ -48,8 +54,8 @@ def test_cut_is_whole(cut: Session) -> None:
     assert cut.n_dropped() == 0
     assert len(cut.records) > 10_000
     assert [record["tick"] for record in cut.records] == list(range(len(cut.records)))
-    in_cut = [record for record in cut.records if record["outputs"] & IN_CUT]
-    assert {record["out_spindle_mrpm"] for record in in_cut} == {2_500_000}
+    in_cut = [record for record, seen in ticks_of(cut) if seen.in_cut]
+    assert {seen.words[3] for _, seen in ticks_of(cut) if seen.in_cut} == {0x4000}  # 2500 of 5000
     assert min(record["out_z_nm"] for record in in_cut) < 2000
     assert max(record["out_z_nm"] for record in in_cut) == 1_000_000
 
@@ -72,15 +78,14 @@ def test_senses_are_those_of_the_machine(cut: Session) -> None:
 def test_every_dac_word_is_the_hosts(cut: Session) -> None:
     """Same senses on the host: same set-points, and by the conversion the same words."""
     host = replay(cut.records, cut.changes, n_before=1)
-    outputs = cut.board.ticks[1 : len(cut.records) + 1]  # the first period has no tick before it
-    assert len(host) == len(cut.records) == len(outputs)
-    for record, done, seen in zip(cut.records, host, outputs, strict=True):
-        names = ("out_u_nm", "out_x_nm", "out_z_nm", "out_spindle_mrpm")
-        assert tuple(record[name] for name in names) == done.setpoints
+    assert len(host) == len(cut.records)
+    for (record, seen), done in zip(ticks_of(cut), host, strict=True):
+        axes = tuple(record[name] for name in ("out_u_nm", "out_x_nm", "out_z_nm"))
+        assert axes == done.setpoints[:3]
         assert seen.words == words(done), f"tick {record['tick']}"
         assert seen.internal == internal_word(done.setpoints[0])
         lines = ENABLE_BIT * seen.enable + FAULT * seen.fault + IN_CUT * seen.in_cut
-        assert lines == done.outputs == record["outputs"]
+        assert lines == done.outputs
 
 
 def test_words_move(cut: Session) -> None:
@@ -95,13 +100,12 @@ def test_words_move(cut: Session) -> None:
 
 def test_other_senses_give_other_words(cut: Session) -> None:
     """The host would not agree if the encoder had counted once too often in the cut."""
-    first = next(i for i, record in enumerate(cut.records) if record["outputs"] & IN_CUT) + 200
+    first = next(i for i, (_, seen) in enumerate(ticks_of(cut)) if seen.in_cut) + 200
     spoilt = [dict(record) for record in cut.records[: first + 300]]
     for record in spoilt[first:]:
         record["counts"] += 1
-    n_changes = len(cut.changes)
-    host = replay(spoilt, cut.changes[:n_changes], n_before=1)
-    seen = [tick.words for tick in cut.board.ticks[1:]]
+    host = replay(spoilt, cut.changes, n_before=1)
+    seen = [outputs.words for _, outputs in ticks_of(cut)]
     assert [words(done) for done in host[:first]] == seen[:first]
     assert [words(done) for done in host[first:]] != seen[first : len(host)]
 

@@ -29,11 +29,8 @@ FIELDS = (
     "out_u_nm",
     "out_x_nm",
     "out_z_nm",
-    "out_spindle_mrpm",
-    "outputs",
-    "faults",
 )
-SIGNED = frozenset(name for name in FIELDS if name.endswith(("_nm", "_mrpm")))
+SIGNED = frozenset(name for name in FIELDS if name.endswith("_nm"))
 
 Record = dict[str, int]
 
