@@ -29,6 +29,8 @@ SIMULATOR_PATHS = (
     "tests/tools/test_camsim_run.py",
     "tests/tools/test_camsim_eval.py",
 )
+# The flashable image in an emulator, compared with a program of the host build.
+IMAGE_PATHS = ("tests/stm32",)
 N_JOBS = "2"
 MIN_LINE_PERCENT = "95"
 MIN_BRANCH_PERCENT = "90"
@@ -176,7 +178,8 @@ def main() -> int:
                 same = (PYTHON, "-m", "camtools.same_bytes", board, "test_budget")
                 gate(tally, f"same bytes {board}", *same)
         gate(tally, "cycles", PYTHON, "-m", "camtools.cycles", BUILD)
-        build(tally, "mcu-stm32h743")
+        if build(tally, "mcu-stm32h743"):
+            pytest(tally, "host", IMAGE_PATHS)
         pytest(tally, "host", PIL_PATHS)  # the simulator of the host, the images of both boards
 
     for step in tally.failed_steps:

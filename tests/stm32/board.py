@@ -1,0 +1,218 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The machine around the chip, wired as hal/stm32h743/README.md says.
+
+An ideal machine: the spindle follows the voltage of channel D on a ramp, the axes stand where
+channels A .. C tell them at the start of every tick; everything stands still while the enable line
+is low. Signals reach the chip only through pins that are switched to the right function.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from bus import UnmodelledError
+from emulator import Chip, Image
+from fdcan import Frame
+from spi_dac import Ad5754r
+
+HSE_HZ = 8_000_000
+TABLE = 0x08100000
+COUNTS_PER_TURN = 10_000
+INDEX_AT = 1234  # [counts] the index pulse begins in the middle of this count ..
+INDEX_WIDTH = 3  # .. and ends so many counts later
+RAMP_RPM = 2500 * 10 / 20_000  # change of speed per tick
+OUTPUTS = {"PE13": "enable", "PE14": "fault", "PE15": "in cut"}
+ESTOP, READY = "PE10", "PE12"
+
+# Values at +10 V of channels A .. D and counts of the scales: board_config.h.
+FULL = (1_000_000, 200_000_000, 500_000_000, 5_000_000)
+U_COUNT_NM, Z_COUNT_NM = 100, 1000
+RANGE_10V = 4
+
+
+def signed16(word: int) -> int:
+    """Return the number behind a two's complement word."""
+    return word - 0x10000 if word & 0x8000 else word
+
+
+@dataclass(frozen=True)
+class Outputs:
+    """What a machine sees of the chip during one tick, behind /LDAC."""
+
+    words: tuple[int, ...]
+    internal: int
+    enable: int
+    fault: int
+    in_cut: int
+
+
+@dataclass(frozen=True)
+class Event:
+    """Something that a meter on the board notices."""
+
+    at: int
+    what: str
+
+
+class Board:
+    """Chip, converters, machine, and what happened.
+
+    Attributes
+    ----------
+    ticks : list of Outputs
+        per tick of TIM4, taken at the start of the next
+    tick_at : list of int
+        [cycles] when the tick behind each of them started
+    events : list of Event
+        levels of the outputs when they change, frames to the AD5754R, resets
+    rpm : float
+        of the spindle
+    is_held : bool
+        the spindle keeps its speed whatever it is told
+    """
+
+    def __init__(self, image: Image, *, hse_hz: int = HSE_HZ) -> None:
+        self.dac = Ad5754r()
+        self.ticks: list[Outputs] = []
+        self.tick_at: list[int] = []
+        self.events: list[Event] = []
+        self.rpm = 0.0
+        self.is_held = False
+        self._turns = 0.1  # angle
+        self._u_counts = self._z_counts = 0
+        self.chip = Chip(image, hse_hz=hse_hz)
+        self._wire()
+
+    def _wire(self) -> None:
+        chip = self.chip
+        chip.spi3.exchange = self._exchange
+        chip.tim[4].on_output = self._drive_ldac
+        chip.tim[4].on_update = self._tick
+        chip.on_reset = lambda reason: self._note(f"reset {reason}")
+        for port in chip.gpio.ports.values():
+            port.on_change = self._change_of(port.name[-1].upper())
+        for name, resistor in (("PE13", 0), ("PE14", 0), ("PE15", 0), ("PD14", 1)):
+            port, pin = chip.gpio.pin(name)
+            port.board_pull[pin] = resistor
+        chip.gpio.drive(ESTOP, 1)
+        chip.gpio.drive(READY, 1)
+
+    def _note(self, what: str) -> None:
+        self.events.append(Event(self.chip.clock.now, what))
+
+    def power_on(self) -> None:
+        """Switch on chip and converters."""
+        self.dac.power_on()
+        self.chip.power_on()
+
+    # Signals out of the chip
+
+    def _change_of(self, letter: str) -> Callable[[int, int], None]:
+        def change(pin: int, level: int) -> None:
+            name = f"P{letter}{pin}"
+            if name in OUTPUTS:
+                self._note(f"{OUTPUTS[name]} {level}")
+            elif name == "PD14":
+                self.dac.ldac(level)
+                if level == 0:
+                    self._note("step")
+
+        return change
+
+    def _drive_ldac(self, channel: int, level: int) -> None:
+        if channel == 3 and self.chip.gpio.has_function("PD14", 2):
+            port, pin = self.chip.gpio.pin("PD14")
+            port.drive_alternate(pin, level)
+
+    def _exchange(self, frame: int, bits: int) -> int:
+        spi, gpio = self.chip.spi3, self.chip.gpio
+        for name in ("PC10", "PC12", "PA15"):
+            gpio.require(name, 6)
+        if spi.mode() not in (1, 2) or not spi.pulses_select() or spi.bit_hz() > 30e6:
+            raise UnmodelledError("the AD5754R does not understand this SPI")
+        self._note(f"frame {frame:06x}")
+        return self.dac.exchange(frame, bits)
+
+    def volts(self, channel: int) -> float:
+        """Return the voltage of an output of the AD5754R."""
+        if not self.dac.is_on(channel):
+            return 0.0
+        if self.dac.ranges[channel] != RANGE_10V:
+            raise UnmodelledError(f"AD5754R: range {self.dac.ranges[channel]} of channel {channel}")
+        return signed16(self.dac.words[channel]) * 10 / 32768
+
+    def wanted(self, channel: int) -> float:
+        """Return what a drive makes of its voltage: [nm] or [r/min / 1000]."""
+        return self.volts(channel) / 10 * FULL[channel]
+
+    # The machine
+
+    def _tick(self) -> None:
+        gpio = self.chip.gpio
+        self.tick_at.append(self.chip.clock.now)
+        lines = [gpio.level(name) for name in OUTPUTS]
+        self.ticks.append(Outputs(tuple(self.dac.words), self.chip.dac1.v["dor1"], *lines))
+        self._turn_spindle(lines[0])
+        if lines[0]:
+            self._move_axes()
+
+    def _turn_spindle(self, enable: int) -> None:
+        if not self.is_held:
+            left = (self.wanted(3) / 1000 if enable else 0.0) - self.rpm
+            self.rpm += max(-RAMP_RPM, min(RAMP_RPM, left))
+        self._turn(self.rpm / 60 / 20_000)
+
+    def _turn(self, turns: float) -> None:
+        """Pass counts and index edges in the order of their angles."""
+        begin, self._turns = self._turns, self._turns + turns
+        low, high = sorted((begin, self._turns))
+        edges = []
+        for turn in range(math.floor(low) - 1, math.floor(high) + 2):
+            for offset, level in ((0, 1), (INDEX_WIDTH, 0)):
+                at = turn + (INDEX_AT + offset + 0.5) / COUNTS_PER_TURN
+                if low < at <= high:
+                    edges.append((at, level if turns > 0 else 1 - level))
+        counted = begin
+        for at, level in sorted(edges, reverse=turns < 0):
+            self._count(counted, at)
+            counted = at
+            if self.chip.gpio.has_function("PB10", 1):
+                self.chip.tim[2].input_edge(3, level)
+        self._count(counted, self._turns)
+
+    def _count(self, begin: float, end: float) -> None:
+        gpio = self.chip.gpio
+        if gpio.has_function("PA5", 1) and gpio.has_function("PB3", 1):
+            counts = math.floor(end * COUNTS_PER_TURN) - math.floor(begin * COUNTS_PER_TURN)
+            self.chip.tim[2].move_encoder(counts)
+
+    def _move_axes(self) -> None:
+        gpio, tim = self.chip.gpio, self.chip.tim
+        u_counts = round(self.wanted(0) / U_COUNT_NM)
+        z_counts = round(self.wanted(2) / Z_COUNT_NM)
+        if gpio.has_function("PE9", 1) and gpio.has_function("PE11", 1):
+            tim[1].move_encoder(u_counts - self._u_counts)
+        if gpio.has_function("PC6", 2) and gpio.has_function("PC7", 2):
+            tim[3].move_encoder(z_counts - self._z_counts)
+        self._u_counts, self._z_counts = u_counts, z_counts
+
+    @property
+    def scale_counts(self) -> tuple[int, int, int]:
+        """Where spindle, U and Z stand, in counts since the board exists."""
+        return math.floor(self._turns * COUNTS_PER_TURN), self._u_counts, self._z_counts
+
+    # The bus and the table
+
+    def send(self, frame: Frame) -> bool:
+        """Send a frame to the chip; tell whether it took it."""
+        self.chip.gpio.require("PD0", 9)
+        self.chip.gpio.require("PD1", 9)
+        if round(self.chip.fdcan1.bit_hz()) != 500_000:
+            raise UnmodelledError(f"CAN at {self.chip.fdcan1.bit_hz()} bit/s")
+        return self.chip.fdcan1.deliver(frame)
+
+    def write_table(self, content: bytes) -> None:
+        """Write the table's place, as tools/flash would."""
+        self.chip.write_flash(TABLE, content)

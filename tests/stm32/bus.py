@@ -1,0 +1,182 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What every device model stands on: registers that are known bit by bit, and the clock.
+
+A model lists its registers; whatever it does not list does not exist, and an access to it ends the
+test (`UnmodelledError`). So a port cannot rely on something that nobody has written down here.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+WORD = 0xFFFFFFFF
+NEVER = 2**63
+
+
+class UnmodelledError(Exception):
+    """The image did what no model knows, or what the reference manual forbids."""
+
+
+class InsnClock(ctypes.Structure):
+    """Time in cycles of the core; insn_clock.c counts it, one per instruction."""
+
+    _fields_ = (
+        ("now", ctypes.c_uint64),
+        ("deadline", ctypes.c_uint64),
+        ("stop", ctypes.c_void_p),
+    )
+    now: int
+    deadline: int
+
+    def wake(self) -> None:
+        """Let the run loop look at events and interrupts before the next instruction."""
+        self.deadline = self.now
+
+
+@dataclass(frozen=True)
+class Reg:
+    """One 32-bit register.
+
+    Attributes
+    ----------
+    name : str
+        lower case, as in the manual
+    reset : int
+        value after reset
+    writable : int
+        bits that software may change; a 1 written to any other bit that does not read 1 is an error
+    ignored : int
+        bits that the hardware sets and software may write back
+    write : callable or None
+        called with the old and the new value instead of storing it; events and interrupts are
+        then looked at before the next instruction
+    read : callable or None
+        called instead of returning what is stored
+    sizes : tuple of int
+        [bytes] accepted widths of an access
+    """
+
+    name: str
+    reset: int = 0
+    writable: int = WORD
+    ignored: int = 0
+    write: Callable[[int, int], None] | None = None
+    read: Callable[[], int] | None = None
+    sizes: tuple[int, ...] = (4,)
+
+
+class Model(Protocol):
+    """What the bus asks of a device."""
+
+    name: str
+    base: int
+    size: int
+
+    def read(self, offset: int, size: int) -> int:
+        """Return what a load gives."""
+
+    def write(self, offset: int, size: int, value: int) -> None:
+        """Do what a store does."""
+
+    def reset(self) -> None:
+        """Take the state behind a system reset."""
+
+    def next_event(self) -> int:
+        """Return when [cycles] advance() has something to do, NEVER for not at all."""
+
+    def advance(self) -> None:
+        """Do what is due at the clock's time."""
+
+
+class Device:
+    """A block of registers; subclasses fill `regs` (offset -> Reg) and add behaviour."""
+
+    def __init__(self, name: str, base: int, clock: InsnClock, size: int = 0x400) -> None:
+        self.name, self.base, self.size, self.clock = name, base, size, clock
+        self.regs: dict[int, Reg] = {}
+        self.v: dict[str, int] = {}
+
+    def define(self, regs: dict[int, Reg]) -> None:
+        """Add registers by offset and give them their values after reset."""
+        self.regs |= regs
+        self.v |= {reg.name: reg.reset for reg in regs.values()}
+
+    def reset(self) -> None:
+        """Take the values behind a system reset."""
+        self.v = {reg.name: reg.reset for reg in self.regs.values()}
+
+    def next_event(self) -> int:
+        """Return when [cycles] advance() has something to do."""
+        return NEVER
+
+    def advance(self) -> None:
+        """Do what is due at the clock's time."""
+
+    def _reg(self, offset: int, size: int) -> Reg:
+        reg = self.regs.get(offset & ~3)
+        if reg is None:
+            raise UnmodelledError(f"{self.name}: no register at offset 0x{offset:x}")
+        if size not in reg.sizes or offset % size:
+            raise UnmodelledError(f"{self.name}.{reg.name}: access of {size} bytes at 0x{offset:x}")
+        return reg
+
+    def read(self, offset: int, size: int) -> int:
+        """Return what a load gives."""
+        reg = self._reg(offset, size)
+        value = self.v[reg.name] if reg.read is None else reg.read()
+        return value >> 8 * (offset & 3) & ((1 << 8 * size) - 1)
+
+    def write(self, offset: int, size: int, value: int) -> None:
+        """Do what a store does; a narrow one keeps the other bytes of the register."""
+        reg = self._reg(offset, size)
+        old = self.v[reg.name]
+        shift = 8 * (offset & 3)
+        mask = ((1 << 8 * size) - 1) << shift
+        new = (old & ~mask) | (value << shift & mask)
+        foreign = new & ~reg.writable & ~reg.ignored & ~old
+        if foreign:
+            raise UnmodelledError(f"{self.name}.{reg.name}: nobody models bits 0x{foreign:x}")
+        new = (new & reg.writable) | (old & ~reg.writable)
+        if reg.write is None:
+            self.v[reg.name] = new
+        else:
+            reg.write(old, new)
+            self.clock.wake()
+
+
+class Bus:
+    """Finds the device of an address, at a grain of 1 KB."""
+
+    def __init__(self) -> None:
+        self.models: list[Model] = []
+        self._by_kb: dict[int, Model] = {}
+
+    def add(self, model: Model) -> None:
+        """Place a device; its size is a multiple of 1 KB."""
+        for kb in range(model.base >> 10, (model.base + model.size) >> 10):
+            assert kb not in self._by_kb, f"{model.name} overlaps {self._by_kb[kb].name}"
+            self._by_kb[kb] = model
+        self.models.append(model)
+
+    def _model(self, address: int) -> Model:
+        model = self._by_kb.get(address >> 10)
+        if model is None:
+            raise UnmodelledError(f"no device at 0x{address:08x}")
+        return model
+
+    def name_at(self, address: int) -> str:
+        """Return the name of the device at an address."""
+        return self._model(address).name
+
+    def read(self, address: int, size: int) -> int:
+        """Load from a device."""
+        model = self._model(address)
+        return model.read(address - model.base, size)
+
+    def write(self, address: int, size: int, value: int) -> None:
+        """Store into a device."""
+        model = self._model(address)
+        model.write(address - model.base, size, value)

@@ -1,0 +1,391 @@
+# SPDX-License-Identifier: Apache-2.0
+"""An STM32H743 that executes a real image: Unicorn for the instructions, models for the rest.
+
+The clock counts instructions, one per cycle of the core; sleep lasts until the next event. An
+exception is taken between two instructions. RAM is filled with a pattern at power-on and kept over
+every other reset.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import subprocess
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+
+from elftools.elf.elffile import ELFFile
+from elftools.elf.sections import SymbolTableSection
+from unicorn import (
+    UC_ARCH_ARM,
+    UC_HOOK_CODE,
+    UC_HOOK_INTR,
+    UC_HOOK_MEM_INVALID,
+    UC_HOOK_MEM_READ,
+    UC_HOOK_MEM_WRITE,
+    UC_MODE_MCLASS,
+    UC_MODE_THUMB,
+    UC_PROT_EXEC,
+    UC_PROT_READ,
+    Uc,
+    UcError,
+)
+from unicorn import arm_const as arm
+from unicorn.unicorn_py3.unicorn import uclib
+
+from bus import Bus, Device, InsnClock, UnmodelledError
+from core import NMI, Dwt, Exceptions, Nvic
+from fdcan import Fdcan, MessageRam
+from flash_pwr import Dbgmcu, Flash, Pwr, Syscfg
+from gpio import Gpio
+from iwdg import Iwdg
+from rcc import Rcc
+from spi_dac import Dac1, Spi
+from timers import Timer
+from usart import Usart
+
+HERE = Path(__file__).resolve().parent
+FLASH, FLASH_BYTES = 0x08000000, 0x200000
+ITCM, ITCM_BYTES = 0x00000000, 0x10000
+DTCM, DTCM_BYTES = 0x20000000, 0x20000
+NULL_BYTES = 0x100  # of ITCM: where a null pointer leads
+NOWHERE = 0xFFFFFFFE  # no code there: only hooks end a slice
+PATTERN = b"\xa5"
+BRANCH_TO_ITSELF = b"\xfe\xe7"
+WFI = b"\x30\xbf"
+EXCEPTION_EXIT = 8  # Unicorn's number of a branch to EXC_RETURN
+IRQ_TIM4 = 30
+REVISION_V = 0x2003
+GATES: dict[str, tuple[str, int]] = {
+    "tim2": ("apb1lenr", 0),
+    "tim3": ("apb1lenr", 1),
+    "tim4": ("apb1lenr", 2),
+    "tim5": ("apb1lenr", 3),
+    "spi3": ("apb1lenr", 15),
+    "usart3": ("apb1lenr", 18),
+    "dac1": ("apb1lenr", 29),
+    "fdcan1": ("apb1henr", 8),
+    "fdcan message ram": ("apb1henr", 8),
+    "tim1": ("apb2enr", 0),
+    "syscfg": ("apb4enr", 1),
+    **{f"gpio{chr(ord('a') + i)}": ("ahb4enr", i) for i in range(11)},
+}
+
+
+def build_hook() -> ctypes.CDLL:
+    """Compile insn_clock.c and load it."""
+    with tempfile.TemporaryDirectory() as folder:
+        library = Path(folder) / "insn_clock.so"
+        source = HERE / "insn_clock.c"
+        subprocess.run(
+            ["gcc", "-std=c11", "-O2", "-shared", "-fPIC", "-o", library, source], check=True
+        )
+        return ctypes.CDLL(str(library))
+
+
+class Image:
+    """An .elf: what is in flash, and where its symbols lie."""
+
+    def __init__(self, path: Path) -> None:
+        with path.open("rb") as file:
+            elf = ELFFile(file)
+            self.segments = [
+                (int(s["p_paddr"]), bytes(s.data()))
+                for s in elf.iter_segments("PT_LOAD")
+                if s["p_filesz"]
+            ]
+            table = elf.get_section_by_name(".symtab")
+            assert isinstance(table, SymbolTableSection), f"{path} has no symbols"
+            self.symbols = {s.name: int(s["st_value"]) for s in table.iter_symbols()}
+
+
+class Chip:
+    """The microcontroller.
+
+    Attributes
+    ----------
+    clock : InsnClock
+        time in cycles of the core
+    resets : list of str
+        reason of every reset since the object exists
+    on_reset : callable
+        told the reason of a reset before it takes effect
+    """
+
+    def __init__(self, image: Image, *, hse_hz: int) -> None:
+        self.image = image
+        self.resets: list[str] = []
+        self.on_reset: Callable[[str], None] = lambda reason: None
+        self._failure: Exception | None = None
+        self._invalid = ""
+        self._asked: str | None = None
+        self._stall: tuple[int | None, int] = (None, 0)
+        self._intr: int | None = None
+        self._is_asleep = False
+        self._pc = 0
+        self.uc = Uc(UC_ARCH_ARM, UC_MODE_THUMB | UC_MODE_MCLASS)
+        self.uc.ctl_set_cpu_model(arm.UC_CPU_ARM_CORTEX_M7)
+        stop = ctypes.cast(uclib.uc_emu_stop, ctypes.c_void_p).value
+        self.clock = InsnClock(0, 0, stop)
+        self._add_devices(hse_hz)
+        self._map()
+        self.load_flash()
+
+    # What it is made of
+
+    def _add_devices(self, hse_hz: int) -> None:
+        clock, self.bus = self.clock, Bus()
+        self.rcc = Rcc(clock, hse_hz)
+        self.syscfg, self.flash = Syscfg(clock), Flash(clock)
+        self.pwr = Pwr(clock, self.syscfg)
+        self.dbgmcu = Dbgmcu(clock, REVISION_V)
+        self.gpio = Gpio(clock)
+        bases = {2: 0x40000000, 3: 0x40000400, 4: 0x40000800, 5: 0x40000C00}
+        self.tim = {
+            i: Timer(clock, self.rcc, f"tim{i}", base, bits=32 if i in (2, 5) else 16)
+            for i, base in bases.items()
+        }
+        self.tim[1] = Timer(clock, self.rcc, "tim1", 0x40010000, advanced=True)
+        self.spi3 = Spi(clock, self.rcc, "spi3", 0x40003C00)
+        self.dac1 = Dac1(clock)
+        self.can_ram = MessageRam(clock)
+        self.fdcan1 = Fdcan(clock, self.rcc, self.can_ram)
+        self.usart3 = Usart(clock, self.rcc)
+        self.iwdg1 = Iwdg(clock, self.rcc, lambda: self._ask("watchdog"))
+        self.nvic, self.dwt = Nvic(clock), Dwt(clock)
+        self.exceptions = Exceptions(self.uc, self.nvic)
+        self.nvic.lines[IRQ_TIM4] = self.tim[4].irq
+        self.nvic.on_reset_request = lambda: self._ask("software")
+        self.rcc.on_css = lambda: self.nvic.pending.add(NMI)
+        self.rcc.check_supply = self._check_supply
+        self.tim[4].on_trigger = lambda: self.dac1.trigger(Dac1.TIM4_TRGO)
+        devices: list[Device] = [self.rcc, self.syscfg, self.flash, self.pwr, self.dbgmcu]
+        devices += [self.spi3, self.dac1]
+        devices += [self.can_ram, self.fdcan1, self.usart3, self.iwdg1, self.nvic, self.dwt]
+        devices += [*self.tim.values(), *self.gpio.ports.values()]
+        for device in devices:
+            self.bus.add(device)
+        self._timed = [d for d in devices if type(d).next_event is not Device.next_event]
+
+    def _check_supply(self, core_hz: int, axi_hz: int) -> None:
+        self.pwr.check(core_hz)
+        self.flash.check(axi_hz, self.pwr.scale())
+
+    def _map(self) -> None:
+        uc = self.uc
+        uc.mem_map(ITCM, ITCM_BYTES)
+        uc.mem_map(FLASH, FLASH_BYTES, UC_PROT_READ | UC_PROT_EXEC)
+        uc.mem_map(DTCM, DTCM_BYTES)
+        for base, size in ((0x40000000, 0x20000000), (0xE0000000, 0x00100000)):
+            uc.mmio_map(base, size, self._load, base, self._store, base)
+        hook = build_hook()
+        handle = ctypes.c_size_t()
+        status = uclib.uc_hook_add(
+            uc._uch,
+            ctypes.byref(handle),
+            UC_HOOK_CODE,
+            ctypes.cast(hook.insn_clock_hook, ctypes.c_void_p),
+            ctypes.byref(self.clock),
+            ctypes.c_uint64(1),
+            ctypes.c_uint64(0),
+        )
+        assert status == 0, f"uc_hook_add: {status}"
+        self._hook = hook  # keeps the library loaded
+        uc.hook_add(UC_HOOK_INTR, self._on_intr)
+        uc.hook_add(UC_HOOK_MEM_INVALID, self._on_invalid)
+        null = UC_HOOK_MEM_READ | UC_HOOK_MEM_WRITE
+        uc.hook_add(null, self._on_null, None, ITCM, NULL_BYTES - 1)
+        uc.hook_add(UC_HOOK_CODE, self._on_null_code, None, ITCM, NULL_BYTES - 1)
+
+    def load_flash(self) -> None:
+        """Erase all flash and write the image into it."""
+        self.write_flash(FLASH, b"\xff" * FLASH_BYTES)
+        for address, content in self.image.segments:
+            if not FLASH <= address <= FLASH + FLASH_BYTES - len(content):
+                raise UnmodelledError(
+                    f"a segment of the image loads to 0x{address:08x}, not into flash"
+                )
+            self.write_flash(address, content)
+
+    def write_flash(self, address: int, content: bytes) -> None:
+        """Write flash as a programmer would."""
+        self.uc.mem_write(address, content)
+
+    def read_memory(self, address: int, size: int) -> bytes:
+        """Return bytes of a memory, as a debugger would."""
+        return bytes(self.uc.mem_read(address, size))
+
+    def write_memory(self, address: int, content: bytes) -> None:
+        """Change a memory, as a debugger would."""
+        self.uc.mem_write(address, content)
+
+    def stall(self, address: int, cycles: int) -> None:
+        """Let the next load from a device's register take so long, as a slow bus would."""
+        self._stall = (address, cycles)
+
+    def hang(self, address: int) -> None:
+        """Replace the instruction at an address by a branch to itself."""
+        self.write_memory(address, BRANCH_TO_ITSELF)
+        self.uc.ctl_flush_tb()
+
+    @property
+    def pc(self) -> int:
+        """Address of the next instruction."""
+        return self._pc & ~1
+
+    # Called by Unicorn: an exception must not pass through it
+
+    def _load(self, uc: Uc, offset: int, size: int, base: int) -> int:
+        try:
+            if base + offset == self._stall[0]:
+                self.clock.now += self._stall[1]
+                self._stall = (None, 0)
+            self._require_clock(base + offset)
+            return self.bus.read(base + offset, size)
+        except Exception as error:
+            self._fail(error, base + offset)
+            return 0
+
+    def _store(self, uc: Uc, offset: int, size: int, value: int, base: int) -> None:
+        try:
+            self._require_clock(base + offset)
+            self.bus.write(base + offset, size, value)
+        except Exception as error:
+            self._fail(error, base + offset)
+
+    def _require_clock(self, address: int) -> None:
+        gate = GATES.get(self.bus.name_at(address))
+        if gate is not None and not self.rcc.is_on(gate):
+            raise UnmodelledError(f"{self.bus.name_at(address)} used without its clock")
+
+    def _fail(self, error: Exception, address: int) -> None:
+        pc = self.uc.reg_read(arm.UC_ARM_REG_PC)
+        where = f"{error} (address 0x{address:08x}, pc 0x{pc:08x}, {self.function_at(pc)})"
+        if self._failure is None:
+            self._failure = UnmodelledError(where)
+            self._failure.__cause__ = error
+        self.clock.wake()
+
+    def where(self) -> str:
+        """Return the function that the core is in."""
+        return self.function_at(self._pc)
+
+    def function_at(self, address: int) -> str:
+        """Return the symbol before an address."""
+        below = [(v, n) for n, v in self.image.symbols.items() if v <= address | 1 and n[:1] != "$"]
+        return max(below, default=(0, "?"))[1]
+
+    def _on_intr(self, uc: Uc, number: int, user: object) -> None:
+        self._intr = number
+        uc.emu_stop()
+
+    def _on_invalid(
+        self, uc: Uc, access: int, address: int, size: int, value: int, user: object
+    ) -> bool:
+        self._fail(UnmodelledError("no memory there"), address)
+        return False
+
+    def _on_null(
+        self, uc: Uc, access: int, address: int, size: int, value: int, user: object
+    ) -> None:
+        self._fail(UnmodelledError("null pointer"), address)
+
+    def _on_null_code(self, uc: Uc, address: int, size: int, user: object) -> None:
+        self._fail(UnmodelledError("call of a null pointer"), address)
+
+    # Resets
+
+    def power_on(self) -> None:
+        """Switch the supply on: RAM is lost."""
+        for base, size in ((ITCM, ITCM_BYTES), (DTCM, DTCM_BYTES)):
+            self.uc.mem_write(base, PATTERN * size)
+        self.pwr.power_cycle()
+        self.reset("power_on")
+
+    def reset(self, reason: str) -> None:
+        """Reset as for a reason of rcc.RESET_FLAGS, and start at the reset vector."""
+        self._asked = None
+        self._is_asleep = False
+        self.resets.append(reason)
+        self.on_reset(reason)
+        for model in self.bus.models:
+            if model is not self.rcc:
+                model.reset()
+        self.rcc.restart(reason)
+        self.nvic.v["vtor"] = FLASH
+        uc = self.uc
+        for register in (arm.UC_ARM_REG_PRIMASK, arm.UC_ARM_REG_BASEPRI, arm.UC_ARM_REG_CONTROL):
+            uc.reg_write(register, 0)
+        uc.reg_write(arm.UC_ARM_REG_XPSR, 1 << 24)
+        stack, start = (self._flash_word(FLASH + at) for at in (0, 4))
+        uc.reg_write(arm.UC_ARM_REG_SP, stack)
+        uc.reg_write(arm.UC_ARM_REG_LR, 0xFFFFFFFF)
+        self._pc = start
+
+    def _flash_word(self, address: int) -> int:
+        return int.from_bytes(self.uc.mem_read(address, 4), "little")
+
+    def _ask(self, reason: str) -> None:
+        self._asked = reason
+        self.clock.wake()
+
+    # Time
+
+    def seconds(self, duration_s: float) -> int:
+        """Return cycles of a time at the present clock."""
+        return round(duration_s * self.rcc.core_hz())
+
+    def run(self, cycles: int) -> None:
+        """Let time pass."""
+        self.run_until(lambda: False, cycles)
+
+    def run_until(self, is_done: Callable[[], bool], most_cycles: int) -> bool:
+        """Let time pass until a condition holds; tell whether it did in time."""
+        end = self.clock.now + most_cycles
+        while True:
+            self._settle()
+            if is_done():
+                return True
+            if self.clock.now >= end:
+                return False
+            deadline = min(end, min(device.next_event() for device in self._timed))
+            if self._is_asleep:
+                self.clock.now = max(self.clock.now, deadline)
+            else:
+                self._execute(deadline)
+
+    def _settle(self) -> None:
+        """Do what is due: devices, resets, exceptions."""
+        for device in self._timed:
+            if device.next_event() <= self.clock.now:
+                device.advance()
+        if self._failure is not None:
+            raise self._failure
+        if self._asked is not None:
+            self.reset(self._asked)
+        if self._is_asleep and self.nvic.wakes():
+            self._is_asleep = False
+        if not self._is_asleep:
+            number = self.exceptions.due()
+            if number is not None:
+                self._pc = self.exceptions.enter(number, self._pc)
+
+    def _execute(self, deadline: int) -> None:
+        """Execute instructions until a time, or until something stops them."""
+        self.clock.deadline = deadline
+        self._intr = None
+        try:
+            self.uc.emu_start(self._pc | 1, NOWHERE)
+        except UcError as error:
+            self._fail(UnmodelledError(f"the core stopped: {error}"), self._pc)
+        self._pc = self.uc.reg_read(arm.UC_ARM_REG_PC)
+        if self._failure is not None:
+            raise self._failure
+        if self._intr == EXCEPTION_EXIT:
+            self._pc = self.exceptions.leave(self._pc | 1)
+        elif self._intr is not None:
+            self._fail(UnmodelledError(f"exception {self._intr} of Unicorn"), self._pc)
+        elif self.clock.now < self.clock.deadline:
+            if self.read_memory(self._pc - 2, 2) != WFI:
+                self._fail(UnmodelledError("stopped for no reason"), self._pc)
+            self._is_asleep = True

@@ -1,0 +1,21 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Compiles the little images in images/ that test the emulator itself."""
+
+from __future__ import annotations
+
+import subprocess
+from pathlib import Path
+
+IMAGES = Path(__file__).resolve().parent / "images"
+CORE = ("-mcpu=cortex-m7", "-mthumb", "-mfpu=fpv5-d16", "-mfloat-abi=hard")
+CHECKS = ("-std=gnu11", "-O2", "-ffreestanding", "-Wall", "-Wextra", "-Wconversion", "-Werror")
+
+
+def build_image(name: str, folder: Path) -> Path:
+    """Compile and link images/<name>.c with the start-up; return the .elf."""
+    elf = folder / f"{name}.elf"
+    sources = [IMAGES / f"{name}.c", IMAGES / "image_start.c"]
+    script = f"-T{IMAGES / 'image.ld'}"
+    command = ["arm-none-eabi-gcc", *CORE, *CHECKS, "-nostdlib", script, *sources, "-o", elf]
+    subprocess.run([str(word) for word in command], check=True)
+    return elf

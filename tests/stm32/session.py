@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A board that runs the real image, with everything recorded: what the tests start from."""
+
+from __future__ import annotations
+
+from board import Board
+from emulator import Image
+from host import IMAGE
+from remote import ENABLE, PARAMS, Remote
+from tick_trace import Record, Trace
+
+# An ideal machine: one tick of dead time, quick axes, a short way into the work.
+SETTINGS = {
+    "lead_ns": 50_000,
+    "engage_turns": 2,
+    "disengage_turns": 2,
+    "x_acceleration_mm_per_s2": 20_000,
+}
+
+
+class Session:
+    """One life of a board.
+
+    Attributes
+    ----------
+    records : list of Record
+        what the image says of its ticks
+    changes : list of str
+        new configurations in their order, as replay.c wants them
+    """
+
+    def __init__(self, table: bytes | None, *, hse_hz: int = 8_000_000) -> None:
+        self.board = Board(Image(IMAGE), hse_hz=hse_hz)
+        self.chip = self.board.chip
+        if table is not None:
+            self.board.write_table(table)
+        self.remote = Remote(self.board)
+        self.records: list[Record] = []
+        self.changes: list[str] = []
+        self._trace = Trace(self.chip)
+        self._tick_of_board = self.chip.tim[4].on_update
+        self.chip.tim[4].on_update = self._tick
+
+    def _tick(self) -> None:
+        self._tick_of_board()
+        self.records += self._trace.take()
+
+    def n_dropped(self) -> int:
+        """Return ticks that left no record."""
+        return self._trace.dropped()
+
+    def set_up(self) -> None:
+        """Set the parameters of the ideal machine."""
+        for name, value in SETTINGS.items():
+            self.remote.set(name, value)
+            self.changes.append(f"set {PARAMS.index(name)} {value}")
+
+    def make_ready(self) -> None:
+        """Power on, set up, home, and bring the spindle to its speed."""
+        self.board.power_on()
+        self.remote.started()
+        self.set_up()
+        self.remote.do(ENABLE)
+        self.remote.wait_for("ready", 1.0)
+        self.chip.run(self.chip.seconds(0.12))

@@ -1,0 +1,240 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the image does with a bad table, a late tick, a dead clock, a fall of the supply, a hang."""
+
+from __future__ import annotations
+
+import struct
+import zlib
+from collections.abc import Callable
+
+import pytest
+
+from board import READY
+from core import HARD_FAULT
+from emulator import DTCM, DTCM_BYTES
+from gpio import OUTPUT
+from host import make_table
+from rcc import RESET_FLAGS
+from remote import ENABLE, RESET, SELECT, START, errors
+from session import Session
+
+ERR = errors()
+TIM5_CNT = 0x40000C24
+STACK_BYTES = 16 * 1024  # at the bottom of DTCM
+SAFE = (0, 0, 0, 0)
+
+
+@pytest.fixture(scope="module")
+def table(tmp_path_factory: pytest.TempPathFactory) -> bytes:
+    """Return a good table."""
+    return make_table(tmp_path_factory.mktemp("table") / "short.camtab")
+
+
+def with_version(table: bytes, version: int) -> bytes:
+    """Return the table with another version and a checksum that fits: TABLE_FORMAT.md."""
+    body = bytearray(table)
+    struct.pack_into("<I", body, 12, version)
+    struct.pack_into("<I", body, 20, zlib.crc32(body[24:]))
+    return bytes(body)
+
+
+BAD_TABLES: dict[str, tuple[Callable[[bytes], bytes], str]] = {
+    "erased": (lambda table: b"", "image_magic"),
+    "wrong version": (lambda table: with_version(table, 2), "image_version"),
+    "cut off": (lambda table: table[: len(table) // 2], "image_crc"),
+    "cut off in the header": (lambda table: table[:40], "image_crc"),
+    "one bit": (lambda table: table[:-1] + bytes([table[-1] ^ 1]), "image_crc"),
+}
+
+
+def outputs_since(session: Session, at: int) -> list[str]:
+    """Return what the board noticed behind an instant."""
+    return [event.what for event in session.board.events if event.at > at]
+
+
+@pytest.mark.parametrize("case", BAD_TABLES)
+def test_bad_table_starts_refuses_and_says_why(table: bytes, case: str) -> None:
+    """Status, answer and line name the error; a good table then needs no new start."""
+    spoil, name = BAD_TABLES[case]
+    session = Session(spoil(table))
+    remote = session.remote
+    session.board.power_on()
+    status = remote.started()
+    assert (status.state, status.table) == ("off", ERR[name])
+    assert remote.command(ENABLE) == (ERR[name], 0)
+    session.chip.run(session.chip.seconds(0.05))
+    assert remote.status().state == "off"
+    assert not any(event.what == "enable 1" for event in session.board.events)
+    told = [line for line in remote.lines() if line.startswith("table: ")]
+    assert len(told) == 1
+    assert told[0].endswith("home refused until a table is written")
+
+    session.board.write_table(table)
+    remote.do(SELECT)
+    assert remote.status().table == 0
+    remote.do(ENABLE)
+    remote.wait_for("homing", 0.1)
+
+
+def test_tick_overrun_retracts_and_locks(table: bytes) -> None:
+    """A tick that takes 60 us: fault in the next one, retract, no enable until a reset."""
+    session = Session(table)
+    session.make_ready()
+    remote, chip = session.remote, session.chip
+    remote.do(START)
+    remote.wait_for("cutting", 1.0)
+    chip.stall(TIM5_CNT, chip.seconds(60e-6))
+    at = chip.clock.now
+    chip.run(chip.seconds(200e-6))
+    assert "fault 1" in outputs_since(session, at)
+    remote.wait_for("fault", 0.1)
+    assert "drive" in remote.newest().faults
+    chip.run(chip.seconds(0.3))
+    assert session.board.ticks[-1].enable == 0
+    assert any("a tick overran" in line for line in remote.lines())
+    assert remote.command(RESET)[0] == 0
+    remote.wait_for("off", 0.1)
+    assert remote.command(ENABLE)[0] == ERR["drive"]
+
+    chip.reset("pin")
+    assert remote.started().reset == "pin"
+    assert "start: reset pin" in remote.lines()
+    remote.do(ENABLE)
+
+
+def test_late_set_points_lock_too(table: bytes) -> None:
+    """A tick that ends behind the last moment for the frames, but within its period."""
+    session = Session(table)
+    session.make_ready()
+    session.chip.stall(TIM5_CNT, session.chip.seconds(25e-6))
+    session.remote.wait_for("fault", 0.1)
+    assert any("came too late" in line for line in session.remote.lines())
+
+
+def between_ticks(session: Session) -> int:
+    """Go on until the outputs have just stepped and nothing is on its way; return the time."""
+    events = session.board.events
+    n = len(events)
+    assert session.chip.run_until(
+        lambda: len(events) > n and events[-1].what == "step", session.chip.seconds(1e-3)
+    )
+    return session.chip.clock.now
+
+
+def expect_safe_halt(session: Session, at: int, why: str) -> None:
+    """Expect outputs to fall first, nothing else to go out, and the reason behind the reset."""
+    chip, remote, events = session.chip, session.remote, session.board.events
+    assert chip.run_until(lambda: chip.resets[-1] == "software", chip.seconds(0.01))
+    behind = outputs_since(session, at)
+    assert set(behind[: behind.index("reset software")]) == {"enable 0", "fault 1"}
+    assert next(event.at for event in events if event.at > at) - at < chip.seconds(2e-6)
+    assert remote.started().reset == "halt"
+    assert f"start: halt: {why}" in remote.lines()
+    assert session.board.ticks[-1].words == SAFE
+    assert "enable 1" not in outputs_since(session, at)
+
+
+def test_lost_clock_halts_and_runs_on_without(table: bytes) -> None:
+    """The HSE dies: NMI, safe, reset; then the HSI carries it, and nothing can be enabled."""
+    session = Session(table)
+    session.make_ready()
+    at = between_ticks(session)
+    session.chip.rcc.fail_hse()
+    expect_safe_halt(session, at, "clock: the HSE oscillator failed")
+    assert session.chip.rcc.core_hz() == 480_000_000
+    assert session.remote.command(ENABLE)[0] == ERR["drive"]
+    assert any("no HSE clock" in line for line in session.remote.lines())
+
+
+def test_exception_halts(table: bytes) -> None:
+    """A hard fault: safe, reset, its name told."""
+    session = Session(table)
+    session.make_ready()
+    at = between_ticks(session)
+    session.chip.nvic.pending.add(HARD_FAULT)
+    expect_safe_halt(session, at, "exception: hard fault")
+
+
+@pytest.mark.parametrize(
+    ("reason", "text"),
+    [("brown_out", "brown-out reset"), ("pin", "reset pin"), ("power_on", "power on")],
+)
+def test_reset_in_the_cut_is_safe_and_told(table: bytes, reason: str, text: str) -> None:
+    """The pins let go at once, start-up drives them low before all else, set-points return to 0."""
+    session = Session(table)
+    session.make_ready()
+    remote, chip, board = session.remote, session.chip, session.board
+    remote.do(START)
+    remote.wait_for("engaging", 1.0)
+    at = chip.clock.now
+    chip.usart3.sent.clear()
+    if reason == "power_on":
+        board.power_on()
+    else:
+        chip.reset(reason)
+    assert [chip.gpio.level(name) for name in ("PE13", "PE15")] == [0, 0]
+    port, pin = chip.gpio.pin("PE13")
+    data = (DTCM + STACK_BYTES, DTCM_BYTES - STACK_BYTES)
+    memory = chip.read_memory(*data)
+    assert chip.run_until(lambda: port.mode(pin) == OUTPUT, 200)
+    assert chip.read_memory(*data) == memory
+    status = remote.started()
+    assert (status.state, status.reset, status.faults) == ("off", reason, ())
+    assert remote.lines()[0] == f"start: {text}"
+    assert board.ticks[-1].words == SAFE
+    assert "enable 1" not in outputs_since(session, at)
+
+
+@pytest.mark.parametrize("victim", ["tick", "main loop"])
+def test_watchdog_ends_a_hang(table: bytes, victim: str) -> None:
+    """Whoever hangs, after a second at the latest the outputs let go, and the reason is told."""
+    session = Session(table)
+    session.board.power_on()
+    remote, chip, board = session.remote, session.chip, session.board
+    remote.started()
+    remote.do(ENABLE)
+    remote.wait_for("homing", 0.1)
+    chip.usart3.sent.clear()
+    vectors = chip.nvic.v["vtor"]
+    handler = int.from_bytes(chip.read_memory(vectors + 4 * (16 + 30), 4), "little") & ~1
+    assert chip.run_until(lambda: not chip.nvic.active, chip.seconds(1e-3))
+    chip.hang(handler if victim == "tick" else chip.pc)
+    at = chip.clock.now
+    assert chip.run_until(lambda: chip.resets[-1] == "watchdog", chip.seconds(1.05))
+    assert 0.95 < (chip.clock.now - at) / 480e6 < 1.05
+    assert [chip.gpio.level(name) for name in ("PE13", "PE15")] == [0, 0]
+    assert remote.started().reset == "watchdog"
+    assert remote.lines()[0] == "start: watchdog reset"
+    assert board.ticks[-1].words == SAFE
+
+
+def test_missing_clock_at_start(table: bytes) -> None:
+    """Without the HSE it runs from the HSI at the same frequencies, and enables nothing."""
+    session = Session(table, hse_hz=0)
+    session.board.power_on()
+    assert session.remote.started().state == "off"
+    assert session.chip.rcc.core_hz() == 480_000_000
+    assert session.remote.command(ENABLE)[0] == ERR["drive"]
+
+
+def test_cut_wire_reads_as_not_ready(table: bytes) -> None:
+    """Nobody drives the pins of the chains: their pull-down resistors say no."""
+    session = Session(table)
+    session.board.power_on()
+    for name in (READY, "PE10"):
+        port, pin = session.chip.gpio.pin(name)
+        del port.outside[pin]
+    session.remote.started()
+    assert session.remote.command(ENABLE)[0] == ERR["estop"]
+    session.chip.gpio.drive("PE10", 1)
+    session.chip.run(session.chip.seconds(1e-3))
+    assert session.remote.command(ENABLE)[0] == ERR["drive"]
+
+
+def test_power_on_is_told_from_brown_out_and_flags_are_cleared(table: bytes) -> None:
+    """Power-on sets the flag of a brown-out too; what is told once is cleared for the next time."""
+    assert RESET_FLAGS["power_on"] & RESET_FLAGS["brown_out"] == RESET_FLAGS["brown_out"]
+    session = Session(table)
+    session.board.power_on()
+    assert session.remote.started().reset == "power_on"
+    assert session.chip.rcc.v["rsr"] == 0

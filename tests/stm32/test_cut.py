@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A whole cut by the image, tick by tick compared with the host."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import pytest
+
+from board import COUNTS_PER_TURN, INDEX_AT, Outputs
+from host import internal_word, make_table, replay, words
+from remote import DISABLE, START
+from session import Session
+from tick_trace import Record
+
+TICK_CYCLES = 24_000
+STEP_CYCLES = 14_400  # 30 us
+IN_CUT, FAULT, ENABLE_BIT = 4, 2, 1
+
+
+@pytest.fixture(scope="module")
+def cut(tmp_path_factory: pytest.TempPathFactory) -> Session:
+    """Return a session from power-on through a cut to off."""
+    table_path = tmp_path_factory.mktemp("table") / "short.camtab"
+    session = Session(make_table(table_path))
+    session.changes.append(f"table {table_path}")
+    session.make_ready()
+    session.remote.do(START)
+    session.remote.wait_for("cutting", 2.0)
+    session.remote.wait_for("ready", 2.0)
+    session.remote.do(DISABLE)
+    session.remote.wait_for("off", 0.1)
+    return session
+
+
+def ticks_of(cut: Session) -> list[tuple[Record, Outputs]]:
+    """Return each tick's record and what came of it; the first period has no tick before it."""
+    return list(zip(cut.records, cut.board.ticks[1 : len(cut.records) + 1], strict=True))
+
+
+def test_cut_is_whole(cut: Session) -> None:
+    """The part is cut from first to last height at full speed, without fault or lost record."""
+    states = [line[6:] for line in cut.remote.lines() if line.startswith("state ")]
+    assert states == [
+        "homing",
+        "ready",
+        "engaging",
+        "cutting",
+        "disengaging",
+        "ready",
+        "off",
+    ]
+    assert cut.remote.newest().faults == ()
+    assert cut.n_dropped() == 0
+    assert len(cut.records) > 10_000
+    assert [record["tick"] for record in cut.records] == list(range(len(cut.records)))
+    in_cut = [record for record, seen in ticks_of(cut) if seen.in_cut]
+    assert {seen.words[3] for _, seen in ticks_of(cut) if seen.in_cut} == {0x4000}  # 2500 of 5000
+    assert min(record["out_z_nm"] for record in in_cut) < 2000
+    assert max(record["out_z_nm"] for record in in_cut) == 1_000_000
+
+
+def test_senses_are_those_of_the_machine(cut: Session) -> None:
+    """Clock, encoder, index and scales come through the timers without loss."""
+    for before, after in pairwise(cut.records):
+        assert (after["clock"] - before["clock"]) % 2**32 == pytest.approx(12_000, abs=100)
+    last = cut.records[-1]
+    counts, u_counts, z_counts = cut.board.scale_counts
+    start = int(0.1 * COUNTS_PER_TURN)
+    turn_counts = COUNTS_PER_TURN / 24 / 20  # of one tick, at the highest speed
+    assert abs(last["counts"] - (counts - start)) <= turn_counts
+    assert last["index_counts"] == (last["n_index"] - 1) * COUNTS_PER_TURN + INDEX_AT - start
+    assert last["n_index"] > 20
+    assert last["u_nm"] == 100 * u_counts
+    assert last["z_nm"] == 1000 * z_counts
+
+
+def test_every_dac_word_is_the_hosts(cut: Session) -> None:
+    """Same senses on the host: same set-points, and by the conversion the same words."""
+    host = replay(cut.records, cut.changes, n_before=1)
+    assert len(host) == len(cut.records)
+    for (record, seen), done in zip(ticks_of(cut), host, strict=True):
+        axes = tuple(record[name] for name in ("out_u_nm", "out_x_nm", "out_z_nm"))
+        assert axes == done.setpoints[:3]
+        assert seen.words == words(done), f"tick {record['tick']}"
+        assert seen.internal == internal_word(done.setpoints[0])
+        lines = ENABLE_BIT * seen.enable + FAULT * seen.fault + IN_CUT * seen.in_cut
+        assert lines == done.outputs
+
+
+def test_words_move(cut: Session) -> None:
+    """The comparison above is about something: every channel goes its way through its words."""
+    columns = list(zip(*(seen.words for seen in cut.board.ticks), strict=True))
+    u, x, z, spindle = (len(set(column)) for column in columns)
+    assert u > 2000
+    assert x > 100
+    assert z > 60  # 1 mm of 1000
+    assert spindle >= 2
+
+
+def test_other_senses_give_other_words(cut: Session) -> None:
+    """The host would not agree if the encoder had counted once too often in the cut."""
+    first = next(i for i, (_, seen) in enumerate(ticks_of(cut)) if seen.in_cut) + 200
+    spoilt = [dict(record) for record in cut.records[: first + 300]]
+    for record in spoilt[first:]:
+        record["counts"] += 1
+    host = replay(spoilt, cut.changes, n_before=1)
+    seen = [outputs.words for _, outputs in ticks_of(cut)]
+    assert [words(done) for done in host[:first]] == seen[:first]
+    assert [words(done) for done in host[first:]] != seen[first : len(host)]
+
+
+def test_all_outputs_step_30_us_behind_the_tick(cut: Session) -> None:
+    """Four frames per tick, all in before /LDAC falls, always at the same time."""
+    events, starts = cut.board.events, cut.board.tick_at
+    steps = [event.at for event in events if event.what == "step" and event.at > starts[0]]
+    delays = {step - start for start, step in zip(starts, steps, strict=False)}
+    assert delays <= {STEP_CYCLES, STEP_CYCLES + 1}  # 30 us, and the edge of a counter's clock
+    assert {b - a for a, b in pairwise(starts)} == {TICK_CYCLES}
+    frames = [event.at for event in events if event.what.startswith("frame")]
+    frames = [at for at in frames if starts[0] < at < starts[-1]]
+    assert len(frames) == 4 * (len(starts) - 1)
+    assert max((at - starts[0]) % TICK_CYCLES for at in frames) < STEP_CYCLES
+
+
+def test_analogue_outputs_begin_at_zero(cut: Session) -> None:
+    """Range and power are set before any channel shows anything, and what it shows first is 0 V."""
+    frames = [event.what for event in cut.board.events if event.what.startswith("frame")]
+    assert frames[:2] == ["frame 0c0004", "frame 10001f"]  # +-10 V on all, all and reference on
+    assert cut.board.ticks[0].words == (0, 0, 0, 0)
+    assert cut.board.ticks[0].internal == 2048

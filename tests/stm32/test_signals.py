@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Encoder, bus and lines of the image, where a cut does not lead."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+
+from board import COUNTS_PER_TURN, INDEX_AT
+from fdcan import Frame
+from host import make_table
+from remote import COMMAND, ENABLE, GET, PARAMS, STATE, errors
+from session import Session
+
+ERR = errors()
+
+
+@pytest.fixture(scope="module")
+def session(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Session]:
+    """Return a board in state off."""
+    session = Session(make_table(tmp_path_factory.mktemp("table") / "short.camtab"))
+    session.board.power_on()
+    session.remote.started()
+    session.board.is_held = True
+    yield session
+    session.board.rpm = 0.0
+
+
+def turn(session: Session, rpm: float, turns: float) -> None:
+    """Turn the spindle by hand at a constant speed."""
+    session.board.rpm = rpm
+    session.chip.run(session.chip.seconds(abs(turns * 60 / rpm)))
+    session.board.rpm = 0.0
+    session.chip.run(session.chip.seconds(2e-4))
+
+
+def test_index_lies_at_the_same_place_in_both_senses(session: Session) -> None:
+    """Over several indexes forward and back: the place latched is the same modulo a turn."""
+    start = int(0.1 * COUNTS_PER_TURN)
+    n_before = session.records[-1]["n_index"]
+    turn(session, 1500.0, 3.0)
+    forward = session.records[-1]
+    turn(session, -1500.0, 5.0)
+    backward = session.records[-1]
+    assert forward["n_index"] - n_before == 3
+    assert backward["n_index"] - forward["n_index"] == 5
+    for record in (forward, backward):
+        place = record["index_counts"] - (record["index_counts"] >> 31 << 32)  # signed
+        assert place % COUNTS_PER_TURN == INDEX_AT - start
+    assert backward["counts"] > 2**31, "the counter passed zero downwards"
+    turns = session.board.scale_counts[0]
+    assert backward["counts"] == (turns - start) % 2**32
+
+
+def test_parameters_come_back_over_the_bus(session: Session) -> None:
+    """Every parameter of the list can be read; one beyond its end is refused."""
+    values = [session.remote.command(GET, i) for i in range(len(PARAMS))]
+    assert {result for result, _ in values} == {0}
+    assert dict(zip(PARAMS, values, strict=True))["counts_per_turn"] == (0, COUNTS_PER_TURN)
+    assert session.remote.command(GET, len(PARAMS))[0] == ERR["param_id"]
+
+
+def test_status_comes_every_ten_milliseconds(session: Session) -> None:
+    """The rate of the status holds."""
+    n = len(session.remote.frames(STATE))
+    session.chip.run(session.chip.seconds(0.1))
+    assert len(session.remote.frames(STATE)) - n in (9, 10, 11)
+
+
+def test_foreign_and_broken_frames_do_no_harm(session: Session) -> None:
+    """Other identifiers are ignored, a command of another length is refused."""
+    answers = len(session.remote.frames(0x5C0))
+    for i in range(20):
+        session.board.send(Frame(0x100 + i, bytes(i % 9)))
+    session.chip.run(session.chip.seconds(0.01))
+    assert len(session.remote.frames(0x5C0)) == answers
+    session.board.send(Frame(COMMAND, bytes([ENABLE, 0, 0])))
+    session.chip.run(session.chip.seconds(0.01))
+    answer = session.remote.frames(0x5C0)[-1].data
+    assert int.from_bytes(answer[2:4], "little", signed=True) == ERR["frame"]
+    assert session.chip.fdcan1.lost == 0
+
+
+def test_bus_off_heals(session: Session) -> None:
+    """Behind a bus-off the image joins the bus again by itself."""
+    session.chip.fdcan1.go_bus_off()
+    n = len(session.remote.frames(STATE))
+    session.chip.run(session.chip.seconds(0.05))
+    assert len(session.remote.frames(STATE)) > n + 2
+
+
+def test_rates_are_those_of_the_manual(session: Session) -> None:
+    """Bit rates of the lines and the bus, and where the bus is sampled."""
+    chip = session.chip
+    assert chip.rcc.core_hz() == 480_000_000
+    assert chip.usart3.baud() == pytest.approx(115_200, rel=0.005)
+    assert chip.fdcan1.bit_hz() == 500_000
+    assert chip.fdcan1.data_bit_hz() == 2_000_000
+    assert 0.75 <= chip.fdcan1.sample_point() <= 0.875
+    assert chip.spi3.bit_hz() == 20_000_000

@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The image's own record of every tick, read out of its memory as a debugger would."""
+
+from __future__ import annotations
+
+import subprocess
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+from elftools.elf.elffile import ELFFile
+
+from emulator import Chip
+
+ROOT = Path(__file__).resolve().parents[2]
+PLACES = ("ring", "n_written", "n_read", "n_dropped", "capacity", "size")
+FIELDS = (
+    "tick",
+    "config",
+    "clock",
+    "counts",
+    "index_counts",
+    "n_index",
+    "u_nm",
+    "x_nm",
+    "z_nm",
+    "inputs",
+    "request",
+    "out_u_nm",
+    "out_x_nm",
+    "out_z_nm",
+)
+SIGNED = frozenset(name for name in FIELDS if name.endswith("_nm"))
+
+Record = dict[str, int]
+
+
+def compile_layout() -> list[int]:
+    """Compile layout.c as the image is compiled, and return its numbers."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "layout.o"
+        includes = [f"-I{ROOT / place}" for place in ("firmware/include", "hal/include")]
+        core = ["-mcpu=cortex-m7", "-mthumb", "-mfloat-abi=soft", "-std=c11"]
+        source = Path(__file__).with_name("layout.c")
+        command = ["arm-none-eabi-gcc", *core, *includes, "-c", source, "-o", path]
+        subprocess.run([str(word) for word in command], check=True)
+        with path.open("rb") as file:
+            raw = ELFFile(file).get_section_by_name(".rodata").data()
+    return [int.from_bytes(raw[i : i + 4], "little") for i in range(0, len(raw), 4)]
+
+
+class Trace:
+    """Reads records in order; the image sees a reader that keeps up."""
+
+    def __init__(self, chip: Chip) -> None:
+        numbers = compile_layout()
+        assert len(numbers) == len(PLACES) + len(FIELDS)
+        self._chip = chip
+        self._at = dict(zip(PLACES, numbers, strict=False))
+        self._fields = list(zip(FIELDS, numbers[len(PLACES) :], strict=True))
+        self._base = chip.image.symbols["g_cam"]
+
+    def _word(self, place: str) -> int:
+        return int.from_bytes(self._chip.read_memory(self._base + self._at[place], 4), "little")
+
+    def dropped(self) -> int:
+        """Return the number of records that found no room."""
+        return self._word("n_dropped")
+
+    def take(self) -> Iterator[Record]:
+        """Take all records that are there."""
+        n_read, n_written = self._word("n_read"), self._word("n_written")
+        while n_read != n_written:
+            place = n_read % self._at["capacity"]
+            at = self._base + self._at["ring"] + place * self._at["size"]
+            yield self._decode(self._chip.read_memory(at, self._at["size"]))
+            n_read = (n_read + 1) & 0xFFFFFFFF
+        place = self._base + self._at["n_read"]
+        self._chip.write_memory(place, n_written.to_bytes(4, "little"))
+
+    def _decode(self, raw: bytes) -> Record:
+        return {
+            name: int.from_bytes(raw[at : at + 4], "little", signed=name in SIGNED)
+            for name, at in self._fields
+        }
