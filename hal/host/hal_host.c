@@ -93,8 +93,26 @@ bool hal_can_write(const hal_can_frame_t *frame)
     return true;
 }
 
+/// @return the true reading with the faults of the encoder
+static hal_encoder_t distorted(void)
+{
+    hal_encoder_t reading = hal_host.in.encoder;
+    reading.counts = hal_host.fault.is_encoder_stuck ? hal_host.fault.stuck_counts
+                                                     : reading.counts + hal_host.fault.count_offset;
+    // The index latch copies the counter, with its faults.
+    reading.index_counts = hal_host.fault.is_encoder_stuck
+                               ? hal_host.fault.stuck_counts
+                               : reading.index_counts + hal_host.fault.count_offset;
+    if (hal_host.fault.is_index_dead) {
+        reading.index_counts = hal_host.fault.last_index.index_counts;
+        reading.n_index = hal_host.fault.last_index.n_index;
+    }
+    return reading;
+}
+
 void hal_host_advance(void)
 {
+    hal_host.in.read = distorted();
     hal_host.clock += hal_host_clock_hz / hal_host.tick_hz + hal_host.late_clocks;
     hal_host.late_clocks = 0;
     hal_host.n_ticks++;
@@ -113,18 +131,7 @@ uint32_t hal_clock_isr(void)
 
 hal_encoder_t hal_encoder_read_isr(void)
 {
-    hal_encoder_t reading = hal_host.in.encoder;
-    reading.counts = hal_host.fault.is_encoder_stuck ? hal_host.fault.stuck_counts
-                                                     : reading.counts + hal_host.fault.count_offset;
-    // The index latch copies the counter, with its faults.
-    reading.index_counts = hal_host.fault.is_encoder_stuck
-                               ? hal_host.fault.stuck_counts
-                               : reading.index_counts + hal_host.fault.count_offset;
-    if (hal_host.fault.is_index_dead) {
-        reading.index_counts = hal_host.fault.last_index.index_counts;
-        reading.n_index = hal_host.fault.last_index.n_index;
-    }
-    return reading;
+    return hal_host.in.read;
 }
 
 int32_t hal_axis_read_nm_isr(hal_axis_t axis)
@@ -140,7 +147,6 @@ uint32_t hal_inputs_read_isr(void)
 void hal_axis_write_isr(hal_axis_t axis, hal_setpoint_t setpoint)
 {
     hal_host.out.axis[axis] = setpoint;
-    hal_host.out.n_writes++;
 }
 
 void hal_spindle_write_isr(int32_t speed_mrpm)
@@ -160,13 +166,13 @@ void hal_host_fault_counts(int32_t counts)
 
 void hal_host_fault_encoder_stuck(bool is_stuck)
 {
-    hal_host.fault.stuck_counts = hal_encoder_read_isr().counts;
+    hal_host.fault.stuck_counts = distorted().counts;
     hal_host.fault.is_encoder_stuck = is_stuck;
 }
 
 void hal_host_fault_index_dead(bool is_dead)
 {
-    hal_host.fault.last_index = hal_encoder_read_isr();
+    hal_host.fault.last_index = distorted();
     hal_host.fault.is_index_dead = is_dead;
 }
 

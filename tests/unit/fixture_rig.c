@@ -48,7 +48,12 @@ void fixture_rig_tick(fixture_rig_t *rig)
 {
     turn_spindle(rig);
     move_axes(rig);
-    hal_host_tick();
+    if (rig->isr != NULL) {
+        hal_host_advance();
+        rig->isr();
+    } else {
+        hal_host_tick();
+    }
     while (cam_trace_pop(&g_cam.trace, &rig->last)) {
         if (rig->n_log < rig->log_capacity) {
             rig->log[rig->n_log++] = rig->last;

@@ -16,6 +16,7 @@ typedef struct {
     fixture_image_t image;
     double rpm;             ///< in the raw sense of counts
     double ramp_rpm;        ///< change of rpm per tick
+    void (*isr)(void);      ///< called instead of cam_isr(), when not NULL
     bool is_spindle_held;   ///< rpm stays as the test sets it
     bool is_z_held;         ///< measured Z stays as the test sets it
     int32_t u_error_nm;     ///< added to the measured U

@@ -20,6 +20,7 @@ enum { hal_host_clock_hz = 200000000 }; ///< [Hz] virtual time stamp: 5 ns
 typedef struct {
     struct {
         hal_encoder_t encoder;       ///< true readings, before faults
+        hal_encoder_t read;          ///< what the interrupt reads: as of the last advance
         int32_t axis_nm[hal_n_axes]; ///< [nm] measured positions
         uint32_t inputs;             ///< hal_in_*
     } in;
@@ -27,7 +28,6 @@ typedef struct {
         hal_setpoint_t axis[hal_n_axes];
         int32_t spindle_mrpm; ///< [r/min / 1000] signed
         uint32_t outputs;     ///< hal_out_*
-        uint32_t n_writes;    ///< axis writes since init
     } out;
     struct {                   ///< distortions, applied to every reading
         uint32_t count_offset; ///< [counts] added to the counter and what latches it
