@@ -99,9 +99,12 @@ static void approach(cam_play_t *p, const cam_play_config_t *cfg, const cam_sens
     cam_move_t *axis = p->axis;
     const cam_move_limits_t *limits = cfg->approach;
     const int32_t z_nm = cfg->is_z_measured ? in->actual_nm[hal_axis_z] : cfg->z_first_nm;
-    const int64_t x_q10 = cam_plan_profile_q10(cfg, z_nm) + (int64_t)cfg->x_clearance_nm * 1024;
+    if (p->task == 0u) { // the profile once in a round: Z stands, or others lead it slowly
+        p->plan_x_q10 = cam_plan_profile_q10(cfg, z_nm) + (int64_t)cfg->x_clearance_nm * 1024;
+    }
+    p->task = p->task == 0u ? cam_plan_tasks - 1u : p->task - 1u;
     const bool is_u_there = cam_move_to_isr(&axis[hal_axis_u], &limits[hal_axis_u], 0);
-    const bool is_x_there = cam_move_to_isr(&axis[hal_axis_x], &limits[hal_axis_x], x_q10);
+    const bool is_x_there = cam_move_to_isr(&axis[hal_axis_x], &limits[hal_axis_x], p->plan_x_q10);
     const bool is_z_there =
         cam_move_to_isr(&axis[hal_axis_z], &limits[hal_axis_z], (int64_t)z_nm * 1024);
     if (is_u_there && is_x_there && (is_z_there || cfg->is_z_measured)) {
@@ -156,6 +159,7 @@ CAM_STAGE static uint32_t obey(cam_play_t *p, const cam_play_config_t *cfg, uint
         if (p->state == cam_state_ready) {
             p->state = cam_state_engaging;
             p->is_approaching = true;
+            p->task = 0;
         }
         break;
     case cam_request_stop:
