@@ -107,13 +107,14 @@ static bool cut(void)
 /// moves U by half of that.
 static bool is_cut_right(void)
 {
+    const uint32_t n_periods = image_machine.n_periods; // the interrupt goes on meanwhile
     const cam_status_t status = cam_machine_status(&machine);
     const uint32_t cut_ms = in_cut_periods * 1000u / hal_tick_hz();
     const int32_t stroke_nm = u_high_nm - u_low_nm;
     printf("%lu periods, %lu ms of cutting, U moved %ld nm, tick of at most %lu clocks\n",
-           (unsigned long)image_machine.n_periods, (unsigned long)cut_ms, (long)stroke_nm,
+           (unsigned long)n_periods, (unsigned long)cut_ms, (long)stroke_nm,
            (unsigned long)hal_load().max_cycles);
-    if (status.tick - image_machine.n_periods + 1u > 2u || status.n_late != 0u) {
+    if (status.tick - n_periods + 1u > 2u || status.n_late != 0u) {
         return fails("ticks were lost or late");
     }
     if (cut_ms < 280u || cut_ms > 300u) {
