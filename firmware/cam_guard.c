@@ -75,7 +75,7 @@ CAM_STAGE static int32_t slack(const cam_guard_config_t *cfg, int32_t step_q6)
 
 /// Everything that a tick may be blamed for. Differences of set-points wrap only where they are far
 /// beyond the limits, and what is left of them is so, too.
-static uint32_t judge(cam_guard_t *g, const cam_guard_config_t *cfg, const cam_sense_t *in,
+static uint32_t blame(cam_guard_t *g, const cam_guard_config_t *cfg, const cam_sense_t *in,
                       const cam_angle_t *angle, const cam_want_t *want, int32_t step_q6)
 {
     uint32_t faults = judge_inputs(in->inputs) | angle->faults | want->faults |
@@ -196,7 +196,7 @@ void cam_guard_step_isr(cam_guard_t *g, const cam_guard_config_t *cfg, const cam
                         const cam_angle_t *angle, cam_want_t *want, cam_move_t *axis)
 {
     const int32_t step_q6 = cam_wrap_sub(want->u_set_q6, g->u_set_q6);
-    const uint32_t faults = judge(g, cfg, in, angle, want, step_q6) & armed[want->state];
+    const uint32_t faults = blame(g, cfg, in, angle, want, step_q6) & armed[want->state];
     if (faults != 0u || want->state == cam_state_fault) {
         react(g, cfg, faults, want, axis);
     } else {

@@ -44,8 +44,9 @@ typedef struct {
 
 static void add(line_t *line, const char *text)
 {
-    while (*text != '\0' && line->n < max_line) {
-        line->text[line->n++] = *text++;
+    for (const char *at = text; *at != '\0' && line->n < max_line; at++) {
+        line->text[line->n] = *at;
+        line->n++;
     }
     line->text[line->n] = '\0';
 }
@@ -63,7 +64,7 @@ static void say(const char *first, const char *second, const char *third, const 
 
 static void say_start(const hal_start_t *start)
 {
-    static const char *const reasons[] = {
+    static const char *const reasons[hal_reset_brown_out + 1] = {
         [hal_reset_power_on] = "power on",       [hal_reset_pin] = "reset pin",
         [hal_reset_software] = "software reset", [hal_reset_halt] = "halt",
         [hal_reset_watchdog] = "watchdog reset", [hal_reset_brown_out] = "brown-out reset",
@@ -181,6 +182,11 @@ static outcome_t with_value(const cam_remote_t *r, cam_param_id_t id, cam_err_t 
                        .value = is_there ? cam_param_get(&r->machine->params, id) : 0};
 }
 
+static outcome_t plain(cam_err_t err)
+{
+    return (outcome_t){.err = err};
+}
+
 static outcome_t carry_out(cam_remote_t *r, const uint8_t *data)
 {
     cam_machine_t *m = r->machine;
@@ -189,21 +195,21 @@ static outcome_t carry_out(cam_remote_t *r, const uint8_t *data)
     case cam_remote_enable:
         return explained(r, cam_machine_enable(m));
     case cam_remote_disable:
-        return (outcome_t){.err = cam_machine_disable(m)};
+        return plain(cam_machine_disable(m));
     case cam_remote_start:
         return explained(r, cam_machine_start(m));
     case cam_remote_stop:
-        return (outcome_t){.err = cam_machine_stop(m)};
+        return plain(cam_machine_stop(m));
     case cam_remote_reset:
-        return (outcome_t){.err = cam_machine_reset(m)};
+        return plain(cam_machine_reset(m));
     case cam_remote_set:
         return with_value(r, id, cam_machine_set_param(m, id, (int32_t)get_u32(data + 4)));
     case cam_remote_get:
         return with_value(r, id, cam_ok);
     case cam_remote_select:
-        return (outcome_t){.err = select_and_say(r)};
+        return plain(select_and_say(r));
     default:
-        return (outcome_t){.err = cam_err_command};
+        return plain(cam_err_command);
     }
 }
 
@@ -215,7 +221,7 @@ static bool is_well_formed(const hal_can_frame_t *frame)
 static void answer(cam_remote_t *r, const hal_can_frame_t *command)
 {
     const outcome_t outcome =
-        is_well_formed(command) ? carry_out(r, command->data) : (outcome_t){.err = cam_err_frame};
+        is_well_formed(command) ? carry_out(r, command->data) : plain(cam_err_frame);
     r->answer = (hal_can_frame_t){.id = cam_remote_id_answer, .n = frame_bytes};
     for (uint32_t i = 0; i < 2u && i < command->n; i++) {
         r->answer.data[i] = command->data[i];

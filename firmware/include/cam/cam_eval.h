@@ -40,8 +40,9 @@ typedef struct {
 
 /// What is left of a surface at a place: two knots, blended, and the way between them.
 typedef struct {
-    cam_knot_t k0, k1; ///< in LSB / 16
-    int32_t s_q32;     ///< [h / 2^32] from the middle of the interval
+    cam_knot_t k0; ///< in LSB / 16
+    cam_knot_t k1; ///< in LSB / 16
+    int32_t s_q32; ///< [h / 2^32] from the middle of the interval
 } cam_segment_t;
 
 /// A height between two slices.
