@@ -13,9 +13,13 @@
 /// With accelerations below 2^42 the product stays below 2^62; a lag of 2048 ticks.
 enum { max_lag2 = 1 << 20 };
 
-/// Ways are made in the fifth tick of a round and last for a round. Their end counted from the
-/// first tick, which plans X and Z, and from the third, which plans U.
-enum { xz_plan_ticks = cam_plan_tasks + 3, u_plan_ticks = cam_plan_tasks + 1 };
+/// From the tick of the positions to the end of the ways; from the place of the speed ratio to the
+/// middle of the ticks that use the speed.
+enum {
+    xz_plan_ticks = cam_plan_tasks + cam_plan_task_aim_xz - 1,
+    u_plan_ticks = cam_plan_tasks + cam_plan_task_aim_u - 1,
+    ratio_half_ticks = 2 * (cam_plan_task_speed - cam_plan_task_find_ratio) + cam_plan_tasks - 1,
+};
 
 /// Knots per tick up to which derivatives are taken: 2^4. Start refuses speeds beyond.
 enum { max_rate_bits = 4 };
@@ -184,6 +188,7 @@ static void build_play(cam_play_config_t *c, const cam_params_t *p, uint32_t tic
     c->lead_part_q31 = (c->lead_q16 & 0xFFFF) * 32768;
     c->u_plan_q16 = c->lead_q16 + u_plan_ticks * 65536;
     c->xz_plan_q16 = c->xz_lag_q16 + xz_plan_ticks * 65536;
+    c->ratio_q16 = c->lead_q16 + ratio_half_ticks * 32768;
     c->u_behind_q16 = c->xz_lag_q16 - c->lead_q16;
     const int64_t half2 = ((int64_t)c->xz_lag_q16 * c->xz_lag_q16) >> 34;
     c->xz_lag2 = (int32_t)cam_clamp_i64(half2, 0, max_lag2);

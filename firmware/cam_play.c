@@ -55,9 +55,10 @@ static void play_table(cam_play_t *p, const cam_play_config_t *cfg, const cam_se
     advance(&p->axis[hal_axis_z]);
     p->phase_q32 = cam_wrap_add(p->phase_q32, p->phase_way_q32);
     p->scale_q30 += p->scale_way_q30;
+    p->behind_q4 += p->behind_way_q4;
     const uint32_t angle_q32 = cam_angle_of_pos(cam_angle_ahead(angle, cfg->lead_q16));
     const int32_t set_nm = (int32_t)(p->axis[hal_axis_z].pos_q10 >> 10);
-    want->z_nm = cfg->is_z_measured ? in->actual_nm[hal_axis_z] : set_nm - p->z_behind_nm;
+    want->z_nm = cfg->is_z_measured ? in->actual_nm[hal_axis_z] : set_nm - (p->behind_q4 >> 4);
     want->u_set_q6 =
         surface(p, cfg, angle->speed_q32, angle_q32 - (uint32_t)p->phase_q32, want->z_nm);
 }
@@ -86,8 +87,9 @@ static void lay(cam_play_t *p, const cam_play_config_t *cfg, const cam_angle_t *
     p->amplitude_q30 = cfg->amplitude_q30;
     p->scale_q30 = 0;
     p->scale_way_q30 = 0;
-    p->measured_z_nm = z_nm;
-    p->z_behind_nm = 0;
+    p->plan.measured_nm = z_nm;
+    p->behind_q4 = 0;
+    p->behind_way_q4 = 0;
     p->task = 0;
     p->is_approaching = false;
 }
@@ -100,11 +102,11 @@ static void approach(cam_play_t *p, const cam_play_config_t *cfg, const cam_sens
     const cam_move_limits_t *limits = cfg->approach;
     const int32_t z_nm = cfg->is_z_measured ? in->actual_nm[hal_axis_z] : cfg->z_first_nm;
     if (p->task == 0u) { // the profile once in a round: Z stands, or others lead it slowly
-        p->plan_x_q10 = cam_plan_profile_q10(cfg, z_nm) + (int64_t)cfg->x_clearance_nm * 1024;
+        p->plan.x_q10 = cam_plan_profile_q10(cfg, z_nm) + (int64_t)cfg->x_clearance_nm * 1024;
     }
     p->task = p->task == 0u ? cam_plan_tasks - 1u : p->task - 1u;
     const bool is_u_there = cam_move_to_isr(&axis[hal_axis_u], &limits[hal_axis_u], 0);
-    const bool is_x_there = cam_move_to_isr(&axis[hal_axis_x], &limits[hal_axis_x], p->plan_x_q10);
+    const bool is_x_there = cam_move_to_isr(&axis[hal_axis_x], &limits[hal_axis_x], p->plan.x_q10);
     const bool is_z_there =
         cam_move_to_isr(&axis[hal_axis_z], &limits[hal_axis_z], (int64_t)z_nm * 1024);
     if (is_u_there && is_x_there && (is_z_there || cfg->is_z_measured)) {

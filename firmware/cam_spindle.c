@@ -58,16 +58,16 @@ static void sync(cam_spindle_t *s, const cam_spindle_config_t *cfg)
 }
 
 /// Distance of two edges is 0 (the spindle turned back) or a turn; what is left is lost counts.
+/// Their sum wraps only after it has been a fault all the way.
 static uint32_t compare_edges(cam_spindle_t *s, const cam_spindle_config_t *cfg, uint32_t edge)
 {
     const int32_t turn = cfg->counts_per_turn;
-    const int32_t distance =
-        cam_clamp_i32(cam_wrap_diff(edge, s->index_counts), -2 * turn, 2 * turn);
-    const int32_t whole = distance > turn / 2 ? turn : distance < -turn / 2 ? -turn : 0;
-    s->index_error = cam_clamp_i32(s->index_error + distance - whole, -turn, turn);
-    const bool is_off =
-        s->index_error > cfg->index_tolerance || s->index_error < -cfg->index_tolerance;
-    return is_off ? CAM_FAULT_BIT(lost_counts) : 0u;
+    const int32_t distance = cam_wrap_diff(edge, s->index_counts);
+    const int32_t whole = distance > cfg->max_counts    ? turn
+                          : distance < -cfg->max_counts ? -turn
+                                                        : 0;
+    s->index_error = cam_wrap_add(s->index_error, cam_wrap_sub(distance, whole));
+    return cam_is_within(s->index_error, cfg->index_tolerance) ? 0u : CAM_FAULT_BIT(lost_counts);
 }
 
 /// An index edge: compare it with the last one, or let it tell the angle.
@@ -159,7 +159,7 @@ static void track(cam_spindle_t *s, const cam_spindle_config_t *cfg, int32_t way
 {
     const uint32_t predicted = cam_angle_of_pos(s->pos_q32) + (uint32_t)way_q32;
     const int32_t error_q32 = cam_angle_diff_q32(measured_q32(s, cfg), predicted);
-    s->pos_q32 += (int64_t)way_q32 + 2 * cam_mulhi(error_q32, cfg->kp_q31);
+    s->pos_q32 += (int64_t)way_q32 + INT64_C(2) * cam_mulhi(error_q32, cfg->kp_q31);
     s->speed_q64 = wrap_add_i64(s->speed_q64, (int64_t)error_q32 * cfg->ki_q32);
     s->speed_q64 = wrap_add_i64(s->speed_q64, alpha_q40 * (INT64_C(1) << 24));
 }

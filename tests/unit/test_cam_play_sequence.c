@@ -30,8 +30,8 @@ static double step_nm(hal_axis_t axis)
 static void expect_smooth_until(cam_state_t state)
 {
     static const double speed[hal_n_axes] = {5001.0, 1251.0, 2501.0};
-    static const double acceleration[hal_n_axes] = {157.0, 6.0,
-                                                    3.3}; // ways change every tenth tick
+    static const double acceleration[hal_n_axes] = {
+        170.0, 12.0, 4.8}; // ways change once in a round, with them the height of U
     double before[hal_n_axes];
     for (uint32_t i = 0; i < hal_n_axes; i++) {
         before[i] = step_nm((hal_axis_t)i);
@@ -236,7 +236,7 @@ static double stop_at(double turns)
 
 static void test_stop_before_the_feed_disengages_at_the_next_turn_without_feed(void)
 {
-    static const double turns[] = {-9.7, -5.2, -3.001, -0.1};
+    static const double turns[] = {-9.7, -5.2, -3.001, -0.2};
     static const double ends[] = {-9.0, -5.0, -3.0, 0.0};
     for (int i = 0; i < 4; i++) {
         const double end = stop_at(turns[i]);

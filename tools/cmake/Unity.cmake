@@ -66,6 +66,8 @@ else()
 endif()
 
 add_library(unity STATIC ${unity_dir}/src/unity.c)
-target_compile_options(unity PUBLIC -ffile-prefix-map=${unity_dir}=unity) # wherever it was taken from
+if(CMAKE_CROSSCOMPILING) # images do not tell where it was taken from
+    target_compile_options(unity PUBLIC -ffile-prefix-map=${unity_dir}=unity)
+endif()
 target_include_directories(unity SYSTEM PUBLIC ${unity_dir}/src)
 target_compile_definitions(unity PUBLIC UNITY_INCLUDE_DOUBLE UNITY_SUPPORT_64)

@@ -38,19 +38,27 @@ typedef struct {
     int32_t d2; ///< [LSB / 16 / h^2] below 2^30
 } cam_fine_t;
 
-/// What is left of a surface at a place: two knots, blended, and the way between them.
-typedef struct {
-    cam_knot_t k0; ///< in LSB / 16
-    cam_knot_t k1; ///< in LSB / 16
-    int32_t s_q32; ///< [h / 2^32] from the middle of the interval
-} cam_segment_t;
-
 /// A height between two slices.
 typedef struct {
     uint32_t i;    ///< lower slice, 0 .. n_slices - 2
     int32_t w_q31; ///< weight of slice i + 1, 0 .. 2^31 - 1
     bool is_clamped;
 } cam_height_t;
+
+/// A place on a surface: the knots around it.
+typedef struct {
+    const cam_knot_t *low[2];  ///< of the lower slice: before, behind
+    const cam_knot_t *high[2]; ///< of the upper slice
+    int32_t w_q31;             ///< weight of the upper slice
+    int32_t s_q32;             ///< [h / 2^32] from the middle between the knots
+} cam_place_t;
+
+/// What is left of a surface at a place: two knots, blended, and the way between them.
+typedef struct {
+    cam_knot_t k0; ///< in LSB / 16
+    cam_knot_t k1; ///< in LSB / 16
+    int32_t s_q32; ///< [h / 2^32] from the middle of the interval
+} cam_segment_t;
 
 /// Find a height between slices by one multiplication.
 /// @param ch    passed cam_table_check()
@@ -129,14 +137,15 @@ static inline cam_value_t cam_eval_rounded(cam_fine_t fine, bool is_clamped)
                          .is_clamped = is_clamped};
 }
 
-/// @return both slices' knot at index k blended at a height, in LSB / 16
-CAM_EVAL_INLINE cam_knot_t cam_eval_knot(const cam_knot_t *low, const cam_knot_t *high,
-                                         int32_t w_q31)
+/// @return both slices' knot at an end of the interval, blended, in LSB / 16
+CAM_EVAL_INLINE cam_knot_t cam_eval_knot_at(const cam_place_t *place, uint32_t end)
 {
+    const cam_knot_t *low = place->low[end];
+    const cam_knot_t *high = place->high[end];
     return (cam_knot_t){
-        .p = cam_eval_blend(low->p, high->p, w_q31),
-        .v = cam_eval_blend(low->v, high->v, w_q31),
-        .a = cam_eval_blend(low->a, high->a, w_q31),
+        .p = cam_eval_blend(low->p, high->p, place->w_q31),
+        .v = cam_eval_blend(low->v, high->v, place->w_q31),
+        .a = cam_eval_blend(low->a, high->a, place->w_q31),
     };
 }
 
@@ -151,11 +160,9 @@ static inline cam_knot_t cam_eval_guarded(const cam_knot_t *k)
 /// @param ch         passed cam_table_check(), kind u or speed
 /// @param theta_q32  [turn / 2^32] any value, 0 = long axis
 /// @param z          of cam_eval_height()
-/// @return           for cam_eval_quintic(), whose derivatives are then per knot interval of
-///                   2^-(log2_knots + log2_repeat) turn
 /// Context: ISR or slow side, constant time. Source: TABLE_FORMAT.md.
-CAM_EVAL_INLINE cam_segment_t cam_eval_segment(const cam_channel_t *ch, uint32_t theta_q32,
-                                               cam_height_t z)
+CAM_EVAL_INLINE cam_place_t cam_eval_place(const cam_channel_t *ch, uint32_t theta_q32,
+                                           cam_height_t z)
 {
     const uint32_t pattern_q32 = theta_q32 << ch->log2_repeat;
     const uint32_t n_knots = 1u << ch->log2_knots;
@@ -163,10 +170,24 @@ CAM_EVAL_INLINE cam_segment_t cam_eval_segment(const cam_channel_t *ch, uint32_t
     const uint32_t k_next = (k + 1u) & (n_knots - 1u);
     const cam_knot_t *low = ch->knots + ((size_t)z.i << ch->log2_knots);
     const cam_knot_t *high = low + n_knots;
-    return (cam_segment_t){
-        .k0 = cam_eval_knot(low + k, high + k, z.w_q31),
-        .k1 = cam_eval_knot(low + k_next, high + k_next, z.w_q31),
+    return (cam_place_t){
+        .low = {low + k, low + k_next},
+        .high = {high + k, high + k_next},
+        .w_q31 = z.w_q31,
         .s_q32 = (int32_t)((pattern_q32 << ch->log2_knots) ^ 0x80000000u),
+    };
+}
+
+/// What is left of a place for cam_eval_quintic(), whose derivatives are then per knot interval of
+/// 2^-(log2_knots + log2_repeat) turn. Arguments and context as cam_eval_place().
+CAM_EVAL_INLINE cam_segment_t cam_eval_segment(const cam_channel_t *ch, uint32_t theta_q32,
+                                               cam_height_t z)
+{
+    const cam_place_t place = cam_eval_place(ch, theta_q32, z);
+    return (cam_segment_t){
+        .k0 = cam_eval_knot_at(&place, 0),
+        .k1 = cam_eval_knot_at(&place, 1),
+        .s_q32 = place.s_q32,
     };
 }
 
@@ -183,14 +204,13 @@ static inline cam_value_t cam_eval_surface(const cam_channel_t *ch, uint32_t the
     return cam_eval_rounded(cam_eval_quintic(cam_eval_segment(ch, theta_q32, z)), z.is_clamped);
 }
 
-/// Evaluate a channel over height alone.
-/// @param ch    passed cam_table_check(), kind x
-/// @param z_nm  [nm] any value
-/// @return      derivatives per slice spacing
+/// Evaluate a channel over height alone, at a height that was found before.
+/// @param ch  passed cam_table_check(), kind x
+/// @param z   of cam_eval_height()
+/// @return    derivatives per slice spacing
 /// Context: ISR or slow side, constant time. Source: TABLE_FORMAT.md.
-static inline cam_value_t cam_eval_profile(const cam_channel_t *ch, int32_t z_nm)
+static inline cam_value_t cam_eval_profile_at(const cam_channel_t *ch, cam_height_t z)
 {
-    const cam_height_t z = cam_eval_height(ch, z_nm);
     const cam_knot_t *k = ch->knots + z.i;
     const cam_segment_t at = {
         .k0 = cam_eval_guarded(k),
@@ -198,6 +218,16 @@ static inline cam_value_t cam_eval_profile(const cam_channel_t *ch, int32_t z_nm
         .s_q32 = (int32_t)(((uint32_t)z.w_q31 << 1) ^ 0x80000000u),
     };
     return cam_eval_rounded(cam_eval_quintic(at), z.is_clamped);
+}
+
+/// Evaluate a channel over height alone.
+/// @param ch    passed cam_table_check(), kind x
+/// @param z_nm  [nm] any value
+/// @return      derivatives per slice spacing
+/// Context: ISR or slow side, constant time. Source: TABLE_FORMAT.md.
+static inline cam_value_t cam_eval_profile(const cam_channel_t *ch, int32_t z_nm)
+{
+    return cam_eval_profile_at(ch, cam_eval_height(ch, z_nm));
 }
 
 #endif

@@ -8,13 +8,14 @@
 ///     spindle = mean speed, or mean * (1 + envelope * (ratio(angle, Z) - 1)) where the table
 ///               modulates it (cam_speed.h)
 /// U is read in every tick, at the angle that the spindle will have when the drive's dead time has
-/// passed. What changes slowly, all the rest, is planned in rounds of ten ticks (cam_plan.h), X
+/// passed. What changes slowly, all the rest, is planned in rounds of twenty ticks (cam_plan.h), X
 /// and Z ahead by the lag of their drives. The envelope rises and falls by the quintic smooth step,
 /// so depth and amplitude start and end without a jump in speed. In all other states the axes move
 /// to places within their limits (cam_move.h). Context: ISR unless noted.
 #ifndef CAM_PLAY_H
 #define CAM_PLAY_H
 
+#include "cam/cam_eval.h"    // cam_place_t
 #include "cam/cam_move.h"    // cam_move_t
 #include "cam/cam_speed.h"   // cam_speed_t
 #include "cam/cam_spindle.h" // cam_angle_t
@@ -25,8 +26,51 @@
 
 enum {
     cam_play_history = 64, ///< ticks of U kept to know what is due; a power of two
-    cam_plan_tasks = 10,   ///< ticks of a round of cam_plan.h
 };
+
+/// Tasks of cam_plan.h, one per tick.
+enum {
+    cam_plan_task_positions, ///< where the master will be when the ways of this round end
+    cam_plan_task_feed,
+    cam_plan_task_height,
+    cam_plan_task_x_rise,
+    cam_plan_task_x_envelope,
+    cam_plan_task_u_rise,
+    cam_plan_task_u_envelope,
+    cam_plan_task_find_profile,
+    cam_plan_task_x,
+    cam_plan_task_aim_xz, ///< ways of X and Z
+    cam_plan_task_aim_u,  ///< way of U's amplitude
+    cam_plan_task_find_ratio,
+    cam_plan_task_ratio_knot_0,
+    cam_plan_task_ratio_knot_1,
+    cam_plan_task_ratio,
+    cam_plan_task_pace,
+    cam_plan_task_speed,
+    cam_plan_task_alpha,
+    cam_plan_task_alpha_u,
+    cam_plan_task_state,
+    cam_plan_task_z,
+    cam_plan_task_ramp,
+    cam_plan_tasks ///< ticks of a round
+};
+
+/// What the tasks of a round hand to one another.
+typedef struct {
+    int64_t xz_pos_q32;               ///< [turn] what X and Z are planned for
+    int64_t u_pos_q32;                ///< [turn] what the amplitude of U is planned for
+    int64_t fed_q32;                  ///< [turn] of feed until then
+    int32_t z_nm;                     ///< [nm] height then
+    int32_t measured_nm, going_on_nm; ///< [nm] Z of the last round, and then if it goes on so
+    int32_t risen;                    ///< [1 / 2^30] rising part of an envelope
+    int32_t x_envelope, u_envelope;   ///< [1 / 2^30]
+    cam_height_t x_height;
+    int64_t x_q10; ///< [nm / 1024] X
+    cam_place_t ratio_place;
+    cam_knot_t ratio_knot[2];
+    cam_ratio_t ratio;
+    cam_pace_t pace;
+} cam_plan_t;
 
 /// Powers of two that bring what the table says of U to nm / 64 and nm / 1024.
 typedef struct {
@@ -48,6 +92,7 @@ typedef struct {
     int32_t lead_part_q31;             ///< [ticks / 2^31] the rest
     int32_t xz_lag_q16;                ///< [ticks] lag of X and Z
     int32_t u_plan_q16, xz_plan_q16;   ///< [ticks] ... and those to the end of a plan
+    int32_t ratio_q16;                 ///< [ticks] the speed ratio is read this much ahead
     int32_t u_behind_q16;              ///< [ticks] U is read this much behind X and Z
     int32_t xz_lag2;                   ///< [ticks^2] (lag / 2)^2: what two equal poles lag more
                                        ///< while the spindle accelerates
@@ -83,19 +128,13 @@ typedef struct {
     int64_t feed_at_q32;         ///< ... where Z starts
     int64_t disengage_at_q32;    ///< ... where the envelope starts to fall
     int64_t feed_turns_q32;      ///< [turn] length of the feed, shorter after a stop
-    int64_t plan_pos_q32;        ///< [turn] what X and Z are planned for
-    int32_t plan_z_nm;           ///< [nm] height there
-    int64_t plan_x_q10;          ///< [nm / 1024] X there
-    int32_t u_envelope_q30, x_envelope_q30; ///< [1] of U and X there
-    int32_t measured_z_nm;                  ///< [nm] of the last plan
-    int32_t z_behind_nm;                    ///< [nm] U is played this much behind Z's set-point
-    int32_t phase_q32, phase_way_q32;       ///< [turn / 2^32], per tick
-    int32_t amplitude_q30;                  ///< ramped
-    int32_t scale_q30, scale_way_q30;       ///< [1] amplitude * envelope, per tick
-    cam_segment_t ratio_at; ///< place on the speed channel, of task "place of the ratio"
-    cam_ratio_t ratio;      ///< of task "ratio"
-    cam_speed_t speed;      ///< what the spindle is told in this tick
-    int32_t alpha_u;        ///< its acceleration in the unit of U's
+    cam_plan_t plan;
+    int32_t behind_q4, behind_way_q4;     ///< [nm / 16] U is played this much behind Z, per tick
+    int32_t phase_q32, phase_way_q32;     ///< [turn / 2^32], per tick
+    int32_t amplitude_q30;                ///< ramped
+    int32_t scale_q30, scale_way_q30;     ///< [1] amplitude * envelope, per tick
+    cam_speed_t speed;                    ///< what the spindle is told in this tick
+    int32_t alpha_u;                      ///< its acceleration in the unit of U's
     int32_t history_q6[cam_play_history]; ///< [nm / 64] U set-points
     uint32_t n_history;
 } cam_play_t;

@@ -62,25 +62,38 @@ static inline cam_ratio_t cam_speed_ratio(const cam_channel_t *ch, uint32_t thet
     return cam_speed_scaled(ch, cam_eval_surface(ch, theta_q32, z_nm));
 }
 
-/// From ratio to set-point and acceleration.
+/// What of the ratio is in force at an envelope.
+typedef struct {
+    int32_t r_q28;      ///< [1] 1/4 .. 4
+    int32_t change_q20; ///< [1 / turn] r dr/dturn, limited to 64, which cam_table_check() demands
+} cam_pace_t;
+
 /// @param ratio         of the table
 /// @param envelope_q30  [1 / 2^30] 0 out of the work, 2^30 at full depth
-/// Bounds: |r dr/dturn| is limited to 64, which cam_table_check() demands anyway.
-static inline cam_speed_t cam_speed_law(const cam_speed_config_t *cfg, cam_ratio_t ratio,
-                                        int32_t envelope_q30)
+static inline cam_pace_t cam_speed_pace(cam_ratio_t ratio, int32_t envelope_q30)
 {
     const int64_t most_q20 = INT64_C(64) << 20;
-    const int64_t above_q28 = (int64_t)ratio.ratio_q28 - CAM_RATIO_ONE_Q28;
-    const int64_t r_q28 = CAM_RATIO_ONE_Q28 + ((above_q28 * envelope_q30) >> 30);
-    const int64_t slope_q20 = ((int64_t)ratio.slope_q20 * envelope_q30) >> 30;
-    const int64_t product_q20 = cam_clamp_i64((r_q28 * slope_q20) >> 28, -most_q20, most_q20);
-    const int64_t set_q28 = r_q28 + ((product_q20 * cfg->lag_turns_q24) >> 16);
+    const int32_t above_q28 = ratio.ratio_q28 - CAM_RATIO_ONE_Q28;
+    const int32_t r_q28 = CAM_RATIO_ONE_Q28 + (int32_t)(((int64_t)above_q28 * envelope_q30) >> 30);
+    const int32_t slope_q20 = (int32_t)(((int64_t)ratio.slope_q20 * envelope_q30) >> 30);
+    const int64_t change_q20 = ((int64_t)r_q28 * slope_q20) >> 28;
+    return (cam_pace_t){.r_q28 = r_q28,
+                        .change_q20 = (int32_t)cam_clamp_i64(change_q20, -most_q20, most_q20)};
+}
+
+/// @return [r/min / 1000] set-point, signed
+static inline int32_t cam_speed_mrpm(const cam_speed_config_t *cfg, cam_pace_t pace)
+{
+    const int64_t set_q28 = pace.r_q28 + (((int64_t)pace.change_q20 * cfg->lag_turns_q24) >> 16);
     const int64_t told_q28 = cam_clamp_i64(set_q28, 0, INT64_C(8) * CAM_RATIO_ONE_Q28);
     const int64_t mrpm = (told_q28 * cfg->mean_mrpm) >> 28;
-    return (cam_speed_t){
-        .spindle_mrpm = (int32_t)cam_clamp_i64(mrpm, 0, cfg->limit_mrpm) * cfg->sense,
-        .alpha_q40 = cam_sat_i32((cfg->mean2_q48 * product_q20) >> 28),
-    };
+    return (int32_t)cam_clamp_i64(mrpm, 0, cfg->limit_mrpm) * cfg->sense;
+}
+
+/// @return [turn / 2^40 per tick^2] acceleration in the sense of cutting, saturated
+static inline int32_t cam_speed_alpha_q40(const cam_speed_config_t *cfg, cam_pace_t pace)
+{
+    return cam_sat_i32((cfg->mean2_q48 * pace.change_q20) >> 28);
 }
 
 #endif
