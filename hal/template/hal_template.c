@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// hal_template: a port with every function and nothing behind it. Copy the folder, give each
-/// function what its comment asks for. The contract with times and contexts is hal/hal.h.
+/// function what its comment asks for. The contract with times and contexts is hal/hal.h, the order
+/// of work and the checks are in hal/PORTING.md.
 #include "hal/hal.h"
 #include <stddef.h> // NULL
 
