@@ -110,10 +110,11 @@ static void expect_limits(const char *name, const char *macro,
                           const uint32_t limits[stage_n_marks - 1])
 {
     report(name);
+    TEST_ASSERT_EQUAL_UINT32_MESSAGE(0, session.n_out_of_order, "ticks with marks out of order");
+    TEST_ASSERT_LESS_OR_EQUAL_UINT32_MESSAGE(sum_tolerance, session.most_off,
+                                             "stages and whole tick");
     print_record(macro);
     const int n_grown = count_grown(name, limits);
-    TEST_ASSERT_EQUAL_UINT32(0, session.n_out_of_order);
-    TEST_ASSERT_LESS_OR_EQUAL_UINT32(sum_tolerance, session.most_off);
     TEST_ASSERT_EQUAL_INT_MESSAGE(0, n_grown, "stages beyond their limits, listed above");
 }
 
