@@ -4,6 +4,12 @@
 #include "hal/hal.h"     // all reads and writes
 #include <stddef.h>      // NULL
 
+/// The end of a stage, sense .. actuate. Nothing, unless a test that counts the stages defines it
+/// in front of this file (tests/budget/stage_mark.h).
+#ifndef CAM_TICK_MARK
+#define CAM_TICK_MARK(stage) ((void)0)
+#endif
+
 cam_t g_cam;
 
 static void sense_isr(cam_t *c, cam_sense_t *in)
@@ -63,11 +69,14 @@ static inline void steps_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_
     r->tick = c->tick++;
     r->config = cfg->generation;
     angle_isr(c, cfg, r);
+    CAM_TICK_MARK(angle);
     cam_play_step_isr(&c->play, &cfg->play, &r->in, &r->angle, &r->want);
+    CAM_TICK_MARK(play);
     cam_guard_step_isr(&c->guard, &cfg->guard, &r->in, &r->angle, &r->want, c->play.axis);
     if (r->want.state == cam_state_fault) {
         cam_play_settle_isr(&c->play, r->want.is_retracted);
     }
+    CAM_TICK_MARK(guard);
     command(c, cfg, r);
 }
 
@@ -99,8 +108,10 @@ void cam_tick_isr(cam_t *c)
     const cam_config_t *cfg = cam_config_take_isr(&c->config);
     cam_tick_record_t *r = cam_trace_slot_isr(&c->trace, cfg->is_traced);
     sense_isr(c, &r->in);
+    CAM_TICK_MARK(sense);
     steps_isr(c, cfg, r); // angle -> play -> guard
     actuate_isr(r);
+    CAM_TICK_MARK(actuate);
     publish_isr(c, r);
 }
 

@@ -3,26 +3,21 @@
 // senses, counter wraps, uniform and modulated tables, few and many knots, random parameters.
 #include "budget.h"
 #include "budget_count.h"
-#include "budget_strike.h"
+#include "budget_session.h"
 #include "cam/cam_tick.h"
 #include "fixture_random.h"
 #include "fixture_rig.h"
-#include "hal_host.h"
 #include "unity.h"
 #include <stdio.h>  // printf
 #include <string.h> // memset
 
 enum { tick_hz = 20000, least_ticks = 100000 };
 
-typedef struct {
-    uint32_t min, max, n;
-} spread_t;
-
 static fixture_rig_t rig;
-static spread_t ticks[cam_n_states]; ///< of one session, by the state after the tick
-static uint32_t per_reading;         ///< [instructions] what measuring costs
-static uint32_t n_measured;          ///< ticks of all sessions
-static uint32_t most;                ///< [instructions] of any tick of all sessions
+static budget_spread_t ticks[cam_n_states]; ///< of one session, by the state after the tick
+static uint32_t per_reading;                ///< [instructions] what measuring costs
+static uint32_t n_measured;                 ///< ticks of all sessions
+static uint32_t most;                       ///< [instructions] of any tick of all sessions
 
 void setUp(void)
 {
@@ -43,10 +38,7 @@ static void counted(void)
     const uint32_t from = budget_count();
     interrupt();
     const uint32_t n = budget_instructions(from, budget_count()) - per_reading;
-    spread_t *s = &ticks[g_cam.play.state];
-    s->min = s->n == 0u || n < s->min ? n : s->min;
-    s->max = n > s->max ? n : s->max;
-    s->n++;
+    budget_spread_add(&ticks[g_cam.play.state], n);
     n_measured++;
     most = n > most ? n : most;
 }
@@ -56,46 +48,20 @@ static void set(cam_param_id_t id, int32_t value)
     TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, id, value));
 }
 
-static void open_rig(const fixture_part_t *part, bool is_modulated)
-{
-    fixture_rig_init(&rig, part, tick_hz);
-    rig.isr = counted;
-    set(cam_param_following_limit_nm, 10000000);
-    if (is_modulated) {
-        set(cam_param_spindle_acceleration_mrad_per_s2, 2000000000);
-        set(cam_param_spindle_mrpm, 2000000);
-        rig.ramp_rpm = 50.0;
-    }
-}
-
 static void whole_cut(const fixture_part_t *part, bool is_modulated)
 {
-    open_rig(part, is_modulated);
-    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_cutting));
-    TEST_ASSERT_LESS_THAN_UINT32(60000, fixture_rig_until(&rig, cam_state_ready, 60000));
-    TEST_ASSERT_EQUAL_HEX32(0, rig.last.want.faults);
-}
-
-static void report(const char *session)
-{
-    for (int state = 0; state < cam_n_states; state++) {
-        const spread_t *s = &ticks[state];
-        if (s->n > 0u) {
-            printf("%-10s %-14s %4lu .. %4lu instructions, %lu ticks\n", session,
-                   cam_state_name((cam_state_t)state), (unsigned long)s->min, (unsigned long)s->max,
-                   (unsigned long)s->n);
-        }
-    }
+    TEST_ASSERT_TRUE(budget_session_cut(&rig, counted, part, is_modulated));
 }
 
 static void expect_budget(const char *session, uint32_t in_work)
 {
-    report(session);
+    budget_spread_print(session, ticks);
     for (int state = 0; state < cam_n_states; state++) {
         const bool is_idle = state == cam_state_off || state == cam_state_homing;
-        TEST_ASSERT_LESS_OR_EQUAL_UINT32(is_idle ? budget_idle : in_work, ticks[state].max);
+        TEST_ASSERT_LESS_OR_EQUAL_UINT32_MESSAGE(is_idle ? budget_idle : in_work, ticks[state].max,
+                                                 "budget.test_stages tells which stage grew");
     }
-    const spread_t *cutting = &ticks[cam_state_cutting];
+    const budget_spread_t *cutting = &ticks[cam_state_cutting];
     TEST_ASSERT_GREATER_THAN_UINT32(0, cutting->n);
     const uint32_t spread = cutting->max - cutting->min;
     TEST_ASSERT_LESS_OR_EQUAL_UINT32(cutting->max * budget_spread_percent / 100u, spread);
@@ -147,15 +113,7 @@ static void test_size_of_the_table_costs_nothing(void)
 /// Every fault that the port can cause, with the retract behind it.
 static void test_faults_in_the_cut(void)
 {
-    for (int fault = 0; fault < budget_n_strikes; fault++) {
-        const fixture_part_t part = fixture_part_modulated();
-        open_rig(&part, true);
-        TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_cutting));
-        fixture_rig_ticks(&rig, 100);
-        budget_strike(fault);
-        TEST_ASSERT_LESS_THAN_UINT32(20000, fixture_rig_until(&rig, cam_state_fault, 20000));
-        fixture_rig_ticks(&rig, 2000);
-    }
+    TEST_ASSERT_TRUE(budget_session_faults(&rig, counted));
     expect_budget("faults", budget_modulated);
 }
 
@@ -165,7 +123,7 @@ static void test_random_parameters(void)
     fixture_random_t random = {.state = 11};
     for (int i = 0; i < 4; i++) {
         const fixture_part_t part = fixture_part_short();
-        open_rig(&part, false);
+        TEST_ASSERT_TRUE(budget_session_open(&rig, counted, &part, false));
         set(cam_param_lead_ns, (int32_t)fixture_random_range(&random, 0, 2000000));
         set(cam_param_xz_lag_ns, (int32_t)fixture_random_range(&random, 0, 5000000));
         set(cam_param_k1_ns, (int32_t)fixture_random_range(&random, 0, 1000000));

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "budget_session.h"
+#include "budget_strike.h"
+#include <stdio.h> // printf
+
+enum { tick_hz = 20000, patience = 60000 };
+
+void budget_spread_add(budget_spread_t *s, uint32_t n_instructions)
+{
+    s->min = s->n == 0u || n_instructions < s->min ? n_instructions : s->min;
+    s->max = s->n == 0u || n_instructions > s->max ? n_instructions : s->max;
+    s->n++;
+}
+
+void budget_spread_print(const char *session, const budget_spread_t ticks[cam_n_states])
+{
+    for (int state = 0; state < cam_n_states; state++) {
+        const budget_spread_t *s = &ticks[state];
+        if (s->n > 0u) {
+            printf("%-10s %-14s %4lu .. %4lu instructions, %lu ticks\n", session,
+                   cam_state_name((cam_state_t)state), (unsigned long)s->min, (unsigned long)s->max,
+                   (unsigned long)s->n);
+        }
+    }
+}
+
+static bool set(fixture_rig_t *rig, cam_param_id_t id, int32_t value)
+{
+    return fixture_rig_set(rig, id, value) == cam_ok;
+}
+
+bool budget_session_open(fixture_rig_t *rig, void (*isr)(void), const fixture_part_t *part,
+                         bool is_modulated)
+{
+    fixture_rig_init(rig, part, tick_hz);
+    rig->isr = isr;
+    bool is_set = set(rig, cam_param_following_limit_nm, 10000000);
+    if (is_modulated) {
+        is_set = is_set && set(rig, cam_param_spindle_acceleration_mrad_per_s2, 2000000000) &&
+                 set(rig, cam_param_spindle_mrpm, 2000000);
+        rig->ramp_rpm = 50.0;
+    }
+    return is_set;
+}
+
+bool budget_session_cut(fixture_rig_t *rig, void (*isr)(void), const fixture_part_t *part,
+                        bool is_modulated)
+{
+    return budget_session_open(rig, isr, part, is_modulated) &&
+           fixture_rig_bring(rig, cam_state_cutting) &&
+           fixture_rig_until(rig, cam_state_ready, patience) < patience &&
+           rig->last.want.faults == 0u;
+}
+
+bool budget_session_faults(fixture_rig_t *rig, void (*isr)(void))
+{
+    const fixture_part_t part = fixture_part_modulated();
+    bool is_done = true;
+    for (int fault = 0; fault < budget_n_strikes && is_done; fault++) {
+        is_done =
+            budget_session_open(rig, isr, &part, true) && fixture_rig_bring(rig, cam_state_cutting);
+        fixture_rig_ticks(rig, 100);
+        budget_strike(fault);
+        is_done = is_done && fixture_rig_until(rig, cam_state_fault, 20000) < 20000u;
+        fixture_rig_ticks(rig, 2000);
+    }
+    return is_done;
+}

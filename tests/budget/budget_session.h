@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+/// budget_session: what is counted: cuts and faults in the cut, and the spread of their ticks.
+///
+/// The same calls make the same ticks, whichever program counts them.
+#ifndef BUDGET_SESSION_H
+#define BUDGET_SESSION_H
+
+#include "fixture_rig.h" // fixture_rig_t, fixture_part_t, cam_n_states
+#include <stdbool.h>     // bool
+#include <stdint.h>      // uint32_t
+
+/// Instructions of n ticks; min and max have no meaning while n is 0.
+typedef struct {
+    uint32_t min, max, n;
+} budget_spread_t;
+
+void budget_spread_add(budget_spread_t *s, uint32_t n_instructions);
+
+/// A line per state that has ticks.
+void budget_spread_print(const char *session, const budget_spread_t ticks[cam_n_states]);
+
+/// Set a machine up for a part, off.
+/// @param isr           called instead of cam_isr()
+/// @param is_modulated  the part has a speed channel
+/// @return true when all parameters were taken
+bool budget_session_open(fixture_rig_t *rig, void (*isr)(void), const fixture_part_t *part,
+                         bool is_modulated);
+
+/// From off through the cut to ready. @return true when it ended without a fault
+bool budget_session_cut(fixture_rig_t *rig, void (*isr)(void), const fixture_part_t *part,
+                        bool is_modulated);
+
+/// Every fault that the host port can cause, in modulated cuts, with the retract behind it.
+/// @return true when each led to the fault state
+bool budget_session_faults(fixture_rig_t *rig, void (*isr)(void));
+
+#endif
