@@ -99,25 +99,27 @@ static uint32_t blame(cam_guard_t *g, const cam_guard_config_t *cfg, const cam_s
 }
 
 /// What is new is counted, all faults at once: bit i of the words of `count` is the number of fault
-/// i, and the carry of one word is what the next one counts.
-static void latch(cam_guard_t *g, uint32_t faults)
+/// i, and the carry of one word is what the next one counts. The tick of the fault is busy enough:
+/// those after it count.
+static void count_new(cam_guard_t *g)
 {
-    uint32_t carry = faults & ~g->faults;
+    uint32_t carry = g->faults & ~g->counted;
     for (uint32_t k = 0; k < cam_guard_count_bits && carry != 0u; k++) {
         const uint32_t sum = g->count[k] ^ carry;
         carry &= g->count[k];
         g->count[k] = sum;
     }
-    g->faults |= faults;
+    g->counted = g->faults;
 }
 
 uint32_t cam_guard_count(const cam_guard_t *g, cam_fault_t fault)
 {
-    uint32_t n = 0;
+    const uint32_t n = ((g->faults & ~g->counted) >> fault) & 1u; // still to be counted
+    uint32_t counted = 0;
     for (uint32_t k = 0; k < cam_guard_count_bits; k++) {
-        n |= ((g->count[k] >> fault) & 1u) << k;
+        counted |= ((g->count[k] >> fault) & 1u) << k;
     }
-    return n;
+    return counted + n;
 }
 
 /// In the tick of the fault all axes go on as they did, U from where it was written last; the
@@ -163,10 +165,9 @@ static uint32_t outputs(const cam_guard_t *g, cam_state_t state)
 CAM_STAGE static void react(cam_guard_t *g, const cam_guard_config_t *cfg, uint32_t faults,
                             cam_want_t *want, cam_move_t *axis)
 {
-    if (faults != 0u) {
-        latch(g, faults);
-    }
+    g->faults |= faults;
     if (want->state == cam_state_fault) {
+        count_new(g);
         retract(g, cfg, axis);
     } else {
         enter_fault(g, cfg, faults, axis);
@@ -187,6 +188,7 @@ static void accept(cam_guard_t *g, cam_want_t *want, int32_t step_q6)
     g->u_step_q6 = is_off ? 0 : step_q6;
     if (is_off) {
         g->faults = 0;
+        g->counted = 0;
     }
     want->faults = 0;
     want->is_retracted = is_off;

@@ -94,22 +94,43 @@ static void lay(cam_play_t *p, const cam_play_config_t *cfg, const cam_angle_t *
     p->is_approaching = false;
 }
 
+/// @return [nm / 1024] where X waits for a cut that begins at a height
+CAM_STAGE static int64_t waiting_x_q10(const cam_play_config_t *cfg, int32_t z_nm)
+{
+    return cam_plan_profile_q10(cfg, z_nm) + (int64_t)cfg->x_clearance_nm * 1024;
+}
+
+/// Z to the start of the cut, X standing, then X: the tool nears the work where it will cut.
+/// @return true when both are there
+static bool approach_xz(cam_play_t *p, const cam_play_config_t *cfg)
+{
+    cam_move_t *x = &p->axis[hal_axis_x];
+    cam_move_t *z = &p->axis[hal_axis_z];
+    const int64_t z_q10 = (int64_t)cfg->z_first_nm * 1024;
+    if (z->pos_q10 == z_q10 && z->vel_q10 == 0) {
+        return cam_move_to_isr(x, &cfg->approach[hal_axis_x], p->plan.x_q10);
+    }
+    (void)cam_move_to_isr(z, &cfg->approach[hal_axis_z], z_q10);
+    (void)cam_move_stop_isr(x, &cfg->approach[hal_axis_x]);
+    return false;
+}
+
+/// X over a Z that others lead; its set-point is where it is. @return true when X is there
+static bool approach_x(cam_play_t *p, const cam_play_config_t *cfg, int32_t z_nm)
+{
+    p->axis[hal_axis_z] = (cam_move_t){.pos_q10 = (int64_t)z_nm * 1024};
+    return cam_move_to_isr(&p->axis[hal_axis_x], &cfg->approach[hal_axis_x],
+                           waiting_x_q10(cfg, z_nm));
+}
+
 /// Axes to the start of the cut.
 static void approach(cam_play_t *p, const cam_play_config_t *cfg, const cam_sense_t *in,
                      const cam_angle_t *angle)
 {
-    cam_move_t *axis = p->axis;
-    const cam_move_limits_t *limits = cfg->approach;
     const int32_t z_nm = cfg->is_z_measured ? in->actual_nm[hal_axis_z] : cfg->z_first_nm;
-    if (p->task == 0u) { // the profile once in a round: Z stands, or others lead it slowly
-        p->plan.x_q10 = cam_plan_profile_q10(cfg, z_nm) + (int64_t)cfg->x_clearance_nm * 1024;
-    }
-    p->task = p->task == 0u ? cam_plan_tasks - 1u : p->task - 1u;
-    const bool is_u_there = cam_move_to_isr(&axis[hal_axis_u], &limits[hal_axis_u], 0);
-    const bool is_x_there = cam_move_to_isr(&axis[hal_axis_x], &limits[hal_axis_x], p->plan.x_q10);
-    const bool is_z_there =
-        cam_move_to_isr(&axis[hal_axis_z], &limits[hal_axis_z], (int64_t)z_nm * 1024);
-    if (is_u_there && is_x_there && (is_z_there || cfg->is_z_measured)) {
+    const bool is_u_there = cam_move_to_isr(&p->axis[hal_axis_u], &cfg->approach[hal_axis_u], 0);
+    const bool is_xz_there = cfg->is_z_measured ? approach_x(p, cfg, z_nm) : approach_xz(p, cfg);
+    if (is_u_there && is_xz_there) {
         lay(p, cfg, angle, z_nm);
     }
 }
@@ -161,7 +182,7 @@ CAM_STAGE static uint32_t obey(cam_play_t *p, const cam_play_config_t *cfg, uint
         if (p->state == cam_state_ready) {
             p->state = cam_state_engaging;
             p->is_approaching = true;
-            p->task = 0;
+            p->plan.x_q10 = waiting_x_q10(cfg, cfg->z_first_nm);
         }
         break;
     case cam_request_stop:

@@ -59,30 +59,30 @@ static void sync(cam_spindle_t *s, const cam_spindle_config_t *cfg)
 
 /// Distance of two edges is 0 (the spindle turned back) or a turn; what is left is lost counts.
 /// Their sum wraps only after it has been a fault all the way.
-static uint32_t compare_edges(cam_spindle_t *s, const cam_spindle_config_t *cfg, uint32_t edge)
+static uint32_t compare_edges(cam_spindle_t *s, const cam_spindle_config_t *cfg)
 {
     const int32_t turn = cfg->counts_per_turn;
-    const int32_t distance = cam_wrap_diff(edge, s->index_counts);
+    const int32_t distance = s->edge_distance;
     const int32_t whole = distance > cfg->max_counts    ? turn
                           : distance < -cfg->max_counts ? -turn
                                                         : 0;
     s->index_error = cam_wrap_add(s->index_error, cam_wrap_sub(distance, whole));
+    s->edge_distance = 0;
     return cam_is_within(s->index_error, cfg->index_tolerance) ? 0u : CAM_FAULT_BIT(lost_counts);
 }
 
-/// An index edge: compare it with the last one, or let it tell the angle.
-CAM_STAGE static uint32_t take_index(cam_spindle_t *s, const cam_spindle_config_t *cfg,
-                                     const cam_sense_t *in)
+/// An index edge tells the angle, or how far it is from the last one: judged in the next tick.
+CAM_STAGE static void take_index(cam_spindle_t *s, const cam_spindle_config_t *cfg,
+                                 const cam_sense_t *in)
 {
     const uint32_t edge = sensed_edge(cfg, in->encoder.index_counts);
-    const uint32_t faults = s->is_synced ? compare_edges(s, cfg, edge) : 0u;
+    s->edge_distance = s->is_synced ? cam_wrap_diff(edge, s->index_counts) : 0;
     s->n_index = in->encoder.n_index;
     s->index_counts = edge;
     s->since_index = cam_wrap_diff(s->counts, edge);
     if (!s->is_synced) {
         sync(s, cfg);
     }
-    return faults;
 }
 
 /// Most ticks see neither an edge nor too long a way without one.
@@ -90,7 +90,11 @@ static uint32_t watch_index(cam_spindle_t *s, const cam_spindle_config_t *cfg,
                             const cam_sense_t *in)
 {
     if (in->encoder.n_index != s->n_index) {
-        return take_index(s, cfg, in);
+        take_index(s, cfg, in);
+        return 0;
+    }
+    if (s->edge_distance != 0) {
+        return compare_edges(s, cfg);
     }
     const int32_t overdue = cfg->index_overdue;
     if (cam_is_within(s->since_index, overdue)) {
@@ -185,5 +189,6 @@ void cam_spindle_forget_isr(cam_spindle_t *s)
 {
     s->is_synced = false;
     s->index_error = 0;
+    s->edge_distance = 0;
     s->since_index = 0;
 }

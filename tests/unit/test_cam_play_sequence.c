@@ -31,7 +31,7 @@ static void expect_smooth_until(cam_state_t state)
 {
     static const double speed[hal_n_axes] = {5001.0, 1251.0, 2501.0};
     static const double acceleration[hal_n_axes] = {
-        170.0, 12.0, 4.8}; // ways change once in a round, with them the height of U
+        170.0, 12.0, 5.2}; // ways change once in a round, with them the height of U
     double before[hal_n_axes];
     for (uint32_t i = 0; i < hal_n_axes; i++) {
         before[i] = step_nm((hal_axis_t)i);

@@ -36,6 +36,7 @@ typedef struct {
 /// State; zero-initialised is: no faults.
 typedef struct {
     uint32_t faults;                      ///< latched
+    uint32_t counted;                     ///< of those, what `count` knows
     uint32_t first_faults;                ///< those of the tick that entered the fault state
     uint32_t count[cam_guard_count_bits]; ///< times latched, cam_guard_count()
     bool is_retracted;

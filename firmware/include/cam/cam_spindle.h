@@ -48,6 +48,7 @@ typedef struct {
     uint32_t counts;       ///< [counts] of the last tick, in the sense of cutting
     uint32_t n_index;      ///< of the last tick
     uint32_t index_counts; ///< [counts] of the last edge, in the sense of cutting
+    int32_t edge_distance; ///< [counts] of the last edge to the one before, 0 when judged
     int32_t index_error;   ///< [counts] sum of deviations since the first edge
     int32_t since_index;   ///< [counts] travel since the last edge
     int32_t in_turn;       ///< [counts] 0 .. counts_per_turn - 1 since the index
