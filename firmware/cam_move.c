@@ -5,7 +5,9 @@
 /// Braking by a per tick from v covers v (v - a) / 2a; with the tick at v itself v (v + a) / 2a.
 static bool can_brake(uint32_t vel, uint32_t acceleration, uint32_t distance)
 {
-    return (uint64_t)vel * (vel + acceleration) <= (uint64_t)(2u * acceleration) * distance;
+    const uint32_t sum = vel + acceleration;
+    const uint32_t twice = 2u * acceleration;
+    return (uint64_t)vel * sum <= (uint64_t)twice * distance;
 }
 
 /// Highest of faster, same, slower speed from which the target is not overshot.

@@ -6,13 +6,11 @@
 #ifndef BUDGET_H
 #define BUDGET_H
 
-#ifdef __ARM_ARCH_7EM__
-#if __ARM_FP & 8 // a double-precision unit: Cortex-M7
-enum { budget_uniform = 2450, budget_modulated = 2810, budget_idle = 1540 };
-#else // Cortex-M4
-enum { budget_uniform = 2500, budget_modulated = 2870, budget_idle = 1580 };
-#endif
-#endif
+/// Both cores: the compiler makes nearly the same of the firmware for either.
+enum {
+    budget_tick = 770, ///< every state but the two below, the ticks of a fault and its retract
+    budget_idle = 600, ///< off, homing
+};
 
 /// Largest spread of a tick in the state cutting, per cent of the largest.
 enum { budget_spread_percent = 25 };

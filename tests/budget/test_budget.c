@@ -7,6 +7,7 @@
 #include "cam/cam_tick.h"
 #include "fixture_random.h"
 #include "fixture_rig.h"
+#include "hal_host.h"
 #include "unity.h"
 #include <stdio.h>  // printf
 #include <string.h> // memset
@@ -71,14 +72,14 @@ static void test_uniform_cut(void)
 {
     const fixture_part_t part = fixture_part_short();
     whole_cut(&part, false);
-    expect_budget("uniform", budget_uniform);
+    expect_budget("uniform", budget_tick);
 }
 
 static void test_modulated_cut(void)
 {
     const fixture_part_t part = fixture_part_modulated();
     whole_cut(&part, true);
-    expect_budget("modulated", budget_modulated);
+    expect_budget("modulated", budget_tick);
 }
 
 /// Against the positive sense, with the counter wrapping in the cut.
@@ -92,7 +93,7 @@ static void test_other_sense_and_wrapping_counter(void)
     set(cam_param_following_limit_nm, 10000000);
     TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_cutting));
     TEST_ASSERT_LESS_THAN_UINT32(60000, fixture_rig_until(&rig, cam_state_ready, 60000));
-    expect_budget("reverse", budget_uniform);
+    expect_budget("reverse", budget_tick);
 }
 
 /// The smallest table, and one of 512 knots a turn: the interrupt does the same work.
@@ -100,13 +101,13 @@ static void test_size_of_the_table_costs_nothing(void)
 {
     const fixture_part_t small = fixture_part_smallest();
     whole_cut(&small, false);
-    expect_budget("4 knots", budget_uniform);
+    expect_budget("4 knots", budget_tick);
     const uint32_t few = ticks[cam_state_cutting].max;
     setUp();
     fixture_part_t part = fixture_part_short();
     part.log2_knots = 9;
     whole_cut(&part, false);
-    expect_budget("512 knots", budget_uniform);
+    expect_budget("512 knots", budget_tick);
     TEST_ASSERT_UINT32_WITHIN(few / 10u, few, ticks[cam_state_cutting].max);
 }
 
@@ -114,7 +115,40 @@ static void test_size_of_the_table_costs_nothing(void)
 static void test_faults_in_the_cut(void)
 {
     TEST_ASSERT_TRUE(budget_session_faults(&rig, counted));
-    expect_budget("faults", budget_modulated);
+    expect_budget("faults", budget_tick);
+}
+
+/// The worst that can come together: a late tick, which takes the long way through the angle, and
+/// a fault, in the tick of each of the longest tasks.
+static void test_fault_in_the_longest_tasks(void)
+{
+    static const uint32_t tasks[] = {cam_plan_task_x, cam_plan_task_find_ratio,
+                                     cam_plan_task_ratio};
+    for (int i = 0; i < 3; i++) {
+        const fixture_part_t part = fixture_part_modulated();
+        TEST_ASSERT_TRUE(budget_session_open(&rig, counted, &part, true));
+        TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_cutting));
+        fixture_rig_ticks(&rig, 200);
+        while (g_cam.play.task != tasks[i]) {
+            fixture_rig_tick(&rig);
+        }
+        hal_host_fault_late(300);
+        hal_host_fault_estop(true);
+        fixture_rig_ticks(&rig, 50);
+        TEST_ASSERT_EQUAL_INT(cam_state_fault, rig.last.want.state);
+    }
+    expect_budget("worst", budget_tick);
+}
+
+/// Z led by others: it is read in every tick, and X approaches over it.
+static void test_measured_z(void)
+{
+    const fixture_part_t part = fixture_part_modulated();
+    TEST_ASSERT_TRUE(budget_session_open(&rig, counted, &part, true));
+    set(cam_param_z_is_measured, 1);
+    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_cutting));
+    fixture_rig_ticks(&rig, 5000);
+    expect_budget("measured", budget_tick);
 }
 
 /// Phase, amplitude, lead, gains and envelope at random, changed in the cut as far as allowed.
@@ -136,7 +170,7 @@ static void test_random_parameters(void)
             fixture_rig_ticks(&rig, 8);
         }
     }
-    expect_budget("random", budget_uniform);
+    expect_budget("random", budget_tick);
 }
 
 static void test_enough_ticks_were_measured(void)
@@ -153,6 +187,8 @@ int main(void)
     RUN_TEST(test_other_sense_and_wrapping_counter);
     RUN_TEST(test_size_of_the_table_costs_nothing);
     RUN_TEST(test_faults_in_the_cut);
+    RUN_TEST(test_fault_in_the_longest_tasks);
+    RUN_TEST(test_measured_z);
     RUN_TEST(test_random_parameters);
     RUN_TEST(test_enough_ticks_were_measured);
     return UNITY_END();
