@@ -123,14 +123,24 @@ static bool approach_x(cam_play_t *p, const cam_play_config_t *cfg, int32_t z_nm
                            waiting_x_q10(cfg, z_nm));
 }
 
-/// Axes to the start of the cut.
+enum { step_begin, step_move, step_lay }; ///< of an approach, in p->task
+
+/// Axes to the start of the cut: first it is found out where X waits, at last the cut is laid.
 static void approach(cam_play_t *p, const cam_play_config_t *cfg, const cam_sense_t *in,
                      const cam_angle_t *angle)
 {
     const int32_t z_nm = cfg->is_z_measured ? in->actual_nm[hal_axis_z] : cfg->z_first_nm;
-    const bool is_u_there = cam_move_to_isr(&p->axis[hal_axis_u], &cfg->approach[hal_axis_u], 0);
-    const bool is_xz_there = cfg->is_z_measured ? approach_x(p, cfg, z_nm) : approach_xz(p, cfg);
-    if (is_u_there && is_xz_there) {
+    if (p->task == step_begin) {
+        p->plan.x_q10 = waiting_x_q10(cfg, z_nm);
+        p->task = step_move;
+        (void)wait_retracted(p, cfg);
+    } else if (p->task == step_move) {
+        const bool is_u_there =
+            cam_move_to_isr(&p->axis[hal_axis_u], &cfg->approach[hal_axis_u], 0);
+        const bool is_xz_there =
+            cfg->is_z_measured ? approach_x(p, cfg, z_nm) : approach_xz(p, cfg);
+        p->task = is_u_there && is_xz_there ? step_lay : step_move;
+    } else {
         lay(p, cfg, angle, z_nm);
     }
 }
@@ -182,7 +192,7 @@ CAM_STAGE static uint32_t obey(cam_play_t *p, const cam_play_config_t *cfg, uint
         if (p->state == cam_state_ready) {
             p->state = cam_state_engaging;
             p->is_approaching = true;
-            p->plan.x_q10 = waiting_x_q10(cfg, cfg->z_first_nm);
+            p->task = step_begin;
         }
         break;
     case cam_request_stop:

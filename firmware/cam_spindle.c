@@ -3,9 +3,6 @@
 #include "cam/cam_angle.h" // cam_angle_diff_q32
 #include "cam/cam_fix.h"   // cam_clamp_i32
 
-/// One tick in elapsed time.
-#define TICK_Q16 (INT64_C(1) << 16)
-
 /// Counts in the sense of cutting: ~c = -c - 1 mirrors the half-open interval of a count, so that
 /// adding half a count centres it for both senses.
 static uint32_t sensed_counts(const cam_spindle_config_t *cfg, uint32_t counts)
@@ -109,15 +106,16 @@ static uint32_t watch_index(cam_spindle_t *s, const cam_spindle_config_t *cfg,
 CAM_STAGE static int32_t take_off_time(cam_spindle_t *s, const cam_spindle_config_t *cfg,
                                        uint32_t period, cam_angle_t *angle, int32_t way_q32)
 {
-    const uint64_t period_q32 = (uint64_t)period * cfg->ticks_per_clock_q32;
-    const int64_t elapsed_q16 = cam_clamp_i64((int64_t)(period_q32 >> 16), 0, 4 * TICK_Q16);
+    const uint32_t most = 4u * cfg->tick_clocks; // longer than that is all the same
+    const uint32_t limited = period < most ? period : most;
+    const uint64_t elapsed_q32 = (uint64_t)limited * cfg->ticks_per_clock_q32;
     const bool is_late = period > cfg->late_clocks;
     s->is_off_time = true;
     s->n_late += is_late ? 1u : 0u;
     s->max_period = period > s->max_period ? period : s->max_period;
     angle->is_off_time = true;
     angle->faults = is_late ? CAM_FAULT_BIT(late_tick) : 0u;
-    return cam_sat_i32((way_q32 * elapsed_q16) >> 16);
+    return cam_sat_i32(((int64_t)way_q32 * (int32_t)(elapsed_q32 >> 16)) >> 16);
 }
 
 /// Way that the observer expects since the last tick. The time stamp counts only when the tick came

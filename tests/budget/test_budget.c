@@ -115,7 +115,7 @@ static void test_size_of_the_table_costs_nothing(void)
 static void test_faults_in_the_cut(void)
 {
     TEST_ASSERT_TRUE(budget_session_faults(&rig, counted));
-    expect_budget("faults", budget_tick);
+    expect_budget("faults", budget_fault);
 }
 
 /// The worst that can come together: a late tick, which takes the long way through the angle, and
@@ -137,7 +137,7 @@ static void test_fault_in_the_longest_tasks(void)
         fixture_rig_ticks(&rig, 50);
         TEST_ASSERT_EQUAL_INT(cam_state_fault, rig.last.want.state);
     }
-    expect_budget("worst", budget_tick);
+    expect_budget("worst", budget_fault);
 }
 
 /// Z led by others: it is read in every tick, and X approaches over it.
