@@ -10,8 +10,8 @@
 /// nanometres.
 #define CHECK_MARGIN_Q10 (3 * 1024)
 
-/// With accelerations below 2^42 the product stays below 2^62; a lag of 2048 ticks.
-enum { max_lag2 = 1 << 20 };
+/// Of two lags of 2048 ticks and a plan: products with the acceleration fit 62 bits.
+enum { max_lag2 = 1 << 21 };
 
 /// From the tick of the positions to the end of the ways; from the place of the speed ratio to the
 /// middle of the ticks that use the speed.
@@ -64,17 +64,24 @@ int32_t cam_config_speed_q32(uint32_t speed_mrpm, uint32_t tick_hz)
     return cam_sat_i32(scale(speed_mrpm, CAM_TURN_Q32 / 4, (int64_t)tick_hz * 15000));
 }
 
-/// Speeds and accelerations beyond 2^30 per tick are limited: slower than allowed is safe.
+/// Speeds and accelerations beyond 2^29 per tick are limited: slower than allowed is safe.
 static cam_move_limits_t limits(int32_t speed_um_per_s, int32_t acceleration_mm_per_s2,
                                 uint32_t tick_hz)
 {
-    const int64_t most = INT64_C(1) << 30;
+    const int64_t most = INT64_C(1) << 29; // a speed and an acceleration fit a word together
     const int64_t vel = scale(speed_um_per_s, 1024000, tick_hz);
     const int64_t acc = scale(acceleration_mm_per_s2, 1024000000, (int64_t)tick_hz * tick_hz);
     return (cam_move_limits_t){
         .speed_q10 = (int32_t)cam_clamp_i64(vel, 1, most),
         .acceleration_q10 = (int32_t)cam_clamp_i64(acc, 1, most),
     };
+}
+
+/// @return [nm / 1024] place of U out of the work, inside the stroke whatever was set
+static int64_t retract_q10(const cam_params_t *p)
+{
+    const int32_t half_nm = p->u_stroke_nm / 2;
+    return (int64_t)cam_clamp_i32(p->u_retract_nm, -half_nm, half_nm) * 1024;
 }
 
 /// Double pole at w = 2 pi f: kp = 2 w T, ki = (w T)^2.
@@ -147,8 +154,9 @@ static void build_feed(cam_play_config_t *c, const cam_params_t *p, const cam_ta
     c->z_first_nm = table->z_first_nm;
     c->z_low_nm = cam_sat_i32((int64_t)table->z_first_nm - p->z_margin_nm);
     c->z_high_nm = cam_sat_i32((int64_t)table->z_last_nm + p->z_margin_nm);
-    const uint32_t speed_mrpm =
-        p->spindle_mrpm > 0 ? (uint32_t)p->spindle_mrpm : table->spindle_mrpm;
+    const int64_t wanted_mrpm =
+        p->spindle_mrpm > 0 ? p->spindle_mrpm : (int64_t)table->spindle_mrpm;
+    const uint32_t speed_mrpm = (uint32_t)cam_clamp_i64(wanted_mrpm, 0, p->spindle_limit_mrpm);
     c->spindle_mrpm = (int32_t)speed_mrpm * table->direction;
     build_speed(&c->speed, p, table, (int32_t)speed_mrpm, tick_hz);
 }
@@ -190,8 +198,12 @@ static void build_play(cam_play_config_t *c, const cam_params_t *p, uint32_t tic
     c->xz_plan_q16 = c->xz_lag_q16 + xz_plan_ticks * 65536;
     c->ratio_q16 = c->lead_q16 + ratio_half_ticks * 32768;
     c->u_behind_q16 = c->xz_lag_q16 - c->lead_q16;
-    const int64_t half2 = ((int64_t)c->xz_lag_q16 * c->xz_lag_q16) >> 34;
-    c->xz_lag2 = (int32_t)cam_clamp_i64(half2, 0, max_lag2);
+    // At the end of a plan of n ticks with lag l: n^2 / 2 and n l, and (l / 2)^2, which two equal
+    // poles lag more while the spindle accelerates.
+    const int64_t lag_q8 = c->xz_lag_q16 >> 8;
+    const int64_t lag2 = ((lag_q8 * lag_q8) >> 18) + ((lag_q8 * xz_plan_ticks) >> 8) +
+                         xz_plan_ticks * xz_plan_ticks / 2;
+    c->xz_lag2 = (int32_t)cam_clamp_i64(lag2, 0, max_lag2);
     c->phase_q32 = turn_of_udeg(p->phase_udeg);
     c->phase_step_q32 = (int32_t)(turn_of_udeg(p->phase_rate_udeg_per_s) / (int64_t)tick_hz) + 1;
     c->amplitude_q30 = (int32_t)scale(p->amplitude_ppm, INT64_C(1) << 30, 1000000);
@@ -203,7 +215,7 @@ static void build_play(cam_play_config_t *c, const cam_params_t *p, uint32_t tic
     c->per_engage_q31 = (uint32_t)((UINT32_C(1) << 31) / (uint32_t)p->engage_turns);
     c->per_disengage_q31 = (uint32_t)((UINT32_C(1) << 31) / (uint32_t)p->disengage_turns);
     c->is_z_measured = p->z_is_measured != 0;
-    c->u_retract_q10 = (int64_t)p->u_retract_nm * 1024;
+    c->u_retract_q10 = retract_q10(p);
     c->x_clearance_nm = p->x_clearance_nm;
     c->turning_q32 = cam_config_speed_q32((uint32_t)p->stopped_mrpm, tick_hz);
 }
@@ -234,7 +246,7 @@ static void build_guard(cam_guard_config_t *c, const cam_params_t *p, uint32_t s
     c->u_vel_q6 = (u->speed_q10 + u->speed_q10 / 16 + CHECK_MARGIN_Q10) / 16;
     c->u_acc_q6 = (u->acceleration_q10 + u->acceleration_q10 / 16 + CHECK_MARGIN_Q10) / 16;
     c->u_range_q6 = p->u_stroke_nm * 32;
-    c->u_retract_q10 = (int64_t)p->u_retract_nm * 1024;
+    c->u_retract_q10 = retract_q10(p);
     c->x_clearance_q10 = (int64_t)p->x_clearance_nm * 1024;
 }
 
@@ -266,7 +278,9 @@ cam_err_t cam_config_build(cam_config_t *config, const cam_params_t *params,
         config->table = *table;
         config->play.table = &config->table;
         build_feed(&config->play, params, table, tick_hz);
-        const int32_t limit_q32 = cam_config_speed_q32(speed_limit_mrpm, tick_hz);
+        // From a speed that no change in the work moves: the scale is state of the plan, too.
+        const int32_t limit_q32 =
+            cam_config_speed_q32((uint32_t)params->spindle_limit_mrpm, tick_hz);
         build_u_scale(&config->play.u, &table->u, cam_sat_i32(INT64_C(5) * limit_q32 / 4));
     }
     build_limits(config, params, tick_hz);

@@ -82,6 +82,28 @@ static demand_t stroke_demand(const cam_table_t *t, const cam_params_t *p)
     return (demand_t){cam_err_u_stroke, half_nm, needed, needed <= half_nm ? UINT32_MAX : 0u};
 }
 
+/// u'' with what the envelope adds while engaging, whose smooth step e rises over t turns: the
+/// largest of e u'' + 2 e' u' + e'' u at 0.7, 0.8 and 0.9 of it (between them it is 1 % more at
+/// most), or u'' itself, which is more from about three turns on.
+static uint64_t engaging_nm_per_rad2(const cam_table_t *t, const cam_params_t *p)
+{
+    static const struct {
+        uint32_t e_ppm, e1_ppm, e2_ppm; // e, 2 e' / 2 pi, e'' / (2 pi)^2
+    } at[] = {{836920, 421124, 127665}, {942080, 244462, 145903}, {991440, 77349, 109427}};
+    const uint64_t turns = (uint64_t)smaller(p->engage_turns, p->disengage_turns);
+    const int64_t low_nm = -(int64_t)t->u_min_nm;
+    const uint64_t u = (uint64_t)(low_nm > t->u_max_nm ? low_nm : t->u_max_nm);
+    uint64_t most = t->u2_peak_nm_per_rad2;
+    for (size_t i = 0; i < sizeof at / sizeof at[0]; i++) {
+        const uint64_t sum = ((uint64_t)t->u2_peak_nm_per_rad2 * at[i].e_ppm +
+                              (uint64_t)t->u1_peak_nm_per_rad * at[i].e1_ppm / turns +
+                              u * at[i].e2_ppm / (turns * turns)) /
+                             990000u;
+        most = sum > most && turns < 3u ? sum : most;
+    }
+    return most;
+}
+
 /// u' omega in um/s; u' at amplitude, at least 1 nm/rad so that the highest speed is finite.
 static demand_t u_speed_demand(const cam_table_t *t, const cam_params_t *p, uint32_t mrpm)
 {
@@ -99,7 +121,7 @@ static demand_t u_speed_demand(const cam_table_t *t, const cam_params_t *p, uint
 static demand_t u_acceleration_demand(const cam_table_t *t, const cam_params_t *p, uint32_t mrpm)
 {
     const uint64_t u2 =
-        ((uint64_t)t->u2_peak_nm_per_rad2 * (uint32_t)p->amplitude_ppm + 999999u) / 1000000u + 1u;
+        (engaging_nm_per_rad2(t, p) * (uint32_t)p->amplitude_ppm + 999999u) / 1000000u + 1u;
     const int64_t limit = smaller(p->u_acceleration_mm_per_s2, t->limit_u_acceleration_mm_s2);
     const uint64_t omega_mrad_s = (angular_urad_s(mrpm) + 999u) / 1000u;
     const uint64_t omega2_q = (omega_mrad_s * omega_mrad_s + 9999u) / 10000u; // 0.01 rad2/s2
@@ -107,6 +129,30 @@ static demand_t u_acceleration_demand(const cam_table_t *t, const cam_params_t *
     const uint64_t omega_max_mrad_s = root((uint64_t)limit * 1000000000u / u2 * 1000u);
     return (demand_t){cam_err_u_acceleration, limit, (int64_t)needed,
                       told_speed(mrpm_of(omega_max_mrad_s * 1000u))};
+}
+
+/// X leaves its clearance c by the smooth step over t turns: 15/8 c n / t at n turns per second.
+static demand_t x_speed_demand(const cam_params_t *p, uint32_t mrpm)
+{
+    const uint64_t turns = (uint64_t)smaller(p->engage_turns, p->disengage_turns);
+    const uint64_t way = (uint64_t)p->x_clearance_nm * 15u / 8u + 1u;
+    const uint64_t limit = (uint64_t)p->x_speed_um_per_s;
+    const uint64_t needed = way * mrpm / (turns * 60000000u) + 1u;
+    return (demand_t){cam_err_x_speed, (int64_t)limit, (int64_t)needed,
+                      told_speed((limit - 1u) * turns * 60000000u / way)};
+}
+
+/// ... and 5.774 c (n / t)^2, in whole r/min.
+static demand_t x_acceleration_demand(const cam_params_t *p, uint32_t mrpm)
+{
+    const uint64_t turns = (uint64_t)smaller(p->engage_turns, p->disengage_turns);
+    const uint64_t clear_nm = (uint64_t)p->x_clearance_nm + 1u;
+    const uint64_t limit = (uint64_t)p->x_acceleration_mm_per_s2;
+    const uint64_t rpm = ((uint64_t)mrpm + 999u) / 1000u;
+    const uint64_t needed = (clear_nm * rpm * rpm / (3600u * turns * turns) + 1u) / 173180u + 1u;
+    const uint64_t most = (limit - 1u) * 173180u * 3600u * turns * turns / clear_nm;
+    return (demand_t){cam_err_x_acceleration, (int64_t)limit, (int64_t)needed,
+                      told_speed(root(most) * 1000u)};
 }
 
 static uint64_t feed_of(const cam_table_t *t, const cam_params_t *p)
@@ -187,6 +233,8 @@ cam_feasibility_t cam_feasible(const cam_table_t *table, const cam_params_t *par
         as_mean(table, z_acceleration_demand(table, params, peak_mrpm)),
         as_mean(table, tick_demand(table, peak_mrpm, tick_hz)),
         spindle_acceleration_demand(table, params, speed_mrpm),
+        as_mean(table, x_speed_demand(params, peak_mrpm)),
+        as_mean(table, x_acceleration_demand(params, peak_mrpm)),
     };
     cam_feasibility_t result = {.speed_mrpm = speed_mrpm, .highest_mrpm = UINT32_MAX};
     for (size_t i = 0; i < sizeof demands / sizeof demands[0]; i++) {

@@ -119,7 +119,7 @@ uint32_t cam_guard_count(const cam_guard_t *g, cam_fault_t fault)
     for (uint32_t k = 0; k < cam_guard_count_bits; k++) {
         counted |= ((g->count[k] >> fault) & 1u) << k;
     }
-    return counted + n;
+    return (counted + n) % (1u << cam_guard_count_bits);
 }
 
 /// In the tick of the fault all axes go on as they did, U from where it was written last; the

@@ -12,9 +12,9 @@ enum { scrub_bytes = 1024 };
 /// Header bytes in front of what the image's CRC covers.
 enum { scrub_from = 24 };
 
-static uint32_t start_speed(const cam_machine_t *m)
+static uint32_t start_speed(const cam_params_t *params, const cam_table_t *table)
 {
-    return m->params.spindle_mrpm > 0 ? (uint32_t)m->params.spindle_mrpm : m->table.spindle_mrpm;
+    return params->spindle_mrpm > 0 ? (uint32_t)params->spindle_mrpm : table->spindle_mrpm;
 }
 
 static cam_feasibility_t judge(const cam_table_t *table, const cam_params_t *params,
@@ -68,10 +68,15 @@ cam_status_t cam_machine_status(const cam_machine_t *m)
     return cam_tick_status(m->core);
 }
 
-/// @return cam_err_busy while the interrupt has not carried out the last request
+/// @return whether the interrupt has yet to carry out the last request, which may change the state
+static bool is_pending(const cam_machine_t *m, const cam_status_t *status)
+{
+    return status->request != (m->n_requests & 0xFFFFFFu);
+}
+
 static cam_err_t post(cam_machine_t *m, const cam_status_t *status, cam_request_t request)
 {
-    if (status->request != (m->n_requests & 0xFFFFFFu)) {
+    if (is_pending(m, status)) {
         return cam_err_busy;
     }
     m->n_requests++;
@@ -84,7 +89,8 @@ static cam_err_t post(cam_machine_t *m, const cam_status_t *status, cam_request_
 static void report_damage(cam_machine_t *m)
 {
     const cam_status_t status = cam_machine_status(m);
-    const bool is_idle = status.state == cam_state_off || status.state == cam_state_fault;
+    const bool is_idle = !is_pending(m, &status) &&
+                         (status.state == cam_state_off || status.state == cam_state_fault);
     if (is_idle || post(m, &status, cam_request_table_fault) == cam_ok) {
         m->has_table = false;
     } // else the next round of the check finds it again
@@ -92,7 +98,7 @@ static void report_damage(cam_machine_t *m)
 
 cam_err_t cam_machine_select_table(cam_machine_t *m, const void *image, size_t size)
 {
-    const cam_state_t state = cam_machine_status(m).state;
+    const cam_status_t status = cam_machine_status(m);
     cam_table_t table;
     cam_err_t err = cam_table_check(image, size, &table);
     if (err != cam_ok) {
@@ -103,8 +109,17 @@ cam_err_t cam_machine_select_table(cam_machine_t *m, const void *image, size_t s
     }
     // A table for the other sense of rotation changes the angle: only before homing.
     const bool is_same_sense = m->has_table && table.direction == m->table.direction;
-    if (state != cam_state_off && !(state == cam_state_ready && is_same_sense)) {
+    if (is_pending(m, &status)) {
+        return cam_err_busy;
+    }
+    if (status.state != cam_state_off && !(status.state == cam_state_ready && is_same_sense)) {
         return cam_err_state;
+    }
+    if (status.state == cam_state_ready) { // the spindle turns: it takes the table's speed at once
+        err = judge(&table, &m->params, start_speed(&m->params, &table), m->tick_hz).err;
+        if (err != cam_ok) {
+            return err;
+        }
     }
     err = hand_over(m, &m->params, &table);
     if (err == cam_ok) {
@@ -123,7 +138,8 @@ static bool may_change(cam_param_id_t id, cam_state_t state)
         return true;
     case cam_state_ready:
         return id != cam_param_counts_per_turn && id != cam_param_encoder_sign &&
-               id != cam_param_index_offset_udeg && id != cam_param_observer_bandwidth_mHz;
+               id != cam_param_index_offset_udeg && id != cam_param_observer_bandwidth_mHz &&
+               id != cam_param_z_is_measured && id != cam_param_k1_ns && id != cam_param_k2_us2;
     case cam_state_engaging:
     case cam_state_cutting:
     case cam_state_disengaging:
@@ -138,17 +154,20 @@ static bool may_change(cam_param_id_t id, cam_state_t state)
 
 cam_err_t cam_machine_set_param(cam_machine_t *m, cam_param_id_t id, int32_t value)
 {
-    const cam_state_t state = cam_machine_status(m).state;
+    const cam_status_t status = cam_machine_status(m);
     cam_params_t params = m->params;
     cam_err_t err = cam_param_set(&params, id, value);
     if (err != cam_ok) {
         return err;
     }
-    if (!may_change(id, state)) {
+    if (is_pending(m, &status)) {
+        return cam_err_busy;
+    }
+    if (!may_change(id, status.state)) {
         return cam_err_param_state;
     }
-    if (cam_state_is_in_work(state)) {
-        err = judge(&m->table, &params, start_speed(m), m->tick_hz).err;
+    if (status.state != cam_state_off && m->has_table) {
+        err = judge(&m->table, &params, start_speed(&params, &m->table), m->tick_hz).err;
     }
     if (err == cam_ok) {
         err = hand_over(m, &params, m->has_table ? &m->table : NULL);
@@ -161,7 +180,7 @@ cam_err_t cam_machine_set_param(cam_machine_t *m, cam_param_id_t id, int32_t val
 
 cam_feasibility_t cam_machine_feasibility(const cam_machine_t *m, uint32_t speed_mrpm)
 {
-    const uint32_t speed = speed_mrpm > 0u ? speed_mrpm : start_speed(m);
+    const uint32_t speed = speed_mrpm > 0u ? speed_mrpm : start_speed(&m->params, &m->table);
     return judge(m->has_table ? &m->table : NULL, &m->params, speed, m->tick_hz);
 }
 

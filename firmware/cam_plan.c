@@ -120,11 +120,12 @@ CAM_STAGE static uint32_t plan_x(cam_play_t *p, const cam_play_config_t *cfg)
     return 0;
 }
 
-/// Equal ways to a target; what does not divide is gone at once.
+/// Equal ways to a target; what does not divide is gone at once. Two millimetres per round are the
+/// most: a Z that others move faster is followed later.
 static void aim(cam_move_t *m, int64_t target_q10)
 {
-    const int64_t left_q10 = target_q10 - m->pos_q10;
-    m->vel_q10 = share(cam_sat_i32(left_q10));
+    const int32_t left_q10 = cam_sat_i32(target_q10 - m->pos_q10);
+    m->vel_q10 = share(left_q10);
     m->acc_q10 = 0;
     m->pos_q10 += left_q10 - (int64_t)m->vel_q10 * cam_plan_tasks;
 }

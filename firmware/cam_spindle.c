@@ -73,7 +73,8 @@ CAM_STAGE static void take_index(cam_spindle_t *s, const cam_spindle_config_t *c
                                  const cam_sense_t *in)
 {
     const uint32_t edge = sensed_edge(cfg, in->encoder.index_counts);
-    s->edge_distance = s->is_synced ? cam_wrap_diff(edge, s->index_counts) : 0;
+    const int32_t distance = cam_wrap_diff(edge, s->index_counts);
+    s->edge_distance = s->is_synced ? cam_wrap_add(s->edge_distance, distance) : 0;
     s->n_index = in->encoder.n_index;
     s->index_counts = edge;
     s->since_index = cam_wrap_diff(s->counts, edge);
@@ -106,7 +107,7 @@ static uint32_t watch_index(cam_spindle_t *s, const cam_spindle_config_t *cfg,
 CAM_STAGE static int32_t take_off_time(cam_spindle_t *s, const cam_spindle_config_t *cfg,
                                        uint32_t period, cam_angle_t *angle, int32_t way_q32)
 {
-    const uint32_t most = 4u * cfg->tick_clocks; // longer than that is all the same
+    const uint32_t most = 10u * cfg->tick_clocks; // as late as a parameter can bear
     const uint32_t limited = period < most ? period : most;
     const uint64_t elapsed_q32 = (uint64_t)limited * cfg->ticks_per_clock_q32;
     const bool is_late = period > cfg->late_clocks;

@@ -146,7 +146,7 @@ static cam_err_t check_header(const uint8_t *image, header_fields_t *h)
     return is_sound ? check_name(image + at_name) : cam_err_image_header;
 }
 
-/// Speeds stay within a quarter and four times the mean. frac_bits is at most 16.
+/// Speeds stay within a quarter and four times the mean. frac_bits is at most 8.
 static bool is_ratio(const entry_t *e)
 {
     const int64_t one = INT64_C(1) << e->frac_bits;

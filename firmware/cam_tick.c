@@ -32,16 +32,14 @@ static void angle_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
     cam_spindle_step_isr(&c->spindle, &cfg->spindle, &r->in, c->play.speed.alpha_q40, &r->angle);
 }
 
-/// Inverse of a second-order drive: what must be commanded for the tool to be at u_q6. A command
-/// beyond 16 mm is none that a drive of this stroke could carry out.
+/// Inverse of a second-order drive: what must be commanded for the tool to be at u_q6, inside the
+/// stroke: a gain that asks for more is wrong, and the following error will tell.
 static int32_t command_nm(const cam_config_t *cfg, int32_t u_q6, const cam_move_t *u)
 {
     const int64_t more_q26 = (int64_t)cfg->k1_q16 * u->vel_q10 + (int64_t)cfg->k2_q16 * u->acc_q10;
-    const int32_t most_high = 1 << 18; // of the high word: 2^50 / 2^32
-    const int32_t high = cam_clamp_i32((int32_t)(more_q26 >> 32), -most_high, most_high - 1);
-    const uint32_t low = (uint32_t)(uint64_t)more_q26;
-    const int32_t more_q6 = (int32_t)((uint32_t)high << 12 | low >> 20);
-    return (u_q6 + more_q6 + 32) >> 6;
+    const int64_t command_q6 = u_q6 + (more_q26 >> 20) + 32;
+    const int32_t most_q6 = cfg->guard.u_range_q6;
+    return (int32_t)cam_clamp_i64(command_q6, -most_q6, most_q6) >> 6;
 }
 
 static int32_t plain_nm(const cam_move_t *m)
@@ -124,12 +122,16 @@ cam_status_t cam_tick_status(const cam_t *c)
 {
     static const cam_tick_record_t nothing = {.want.state = cam_state_off};
     cam_tick_record_t r;
+    cam_guard_t guard;
+    cam_spindle_t spindle;
     uint32_t before = 0;
     uint32_t after = atomic_load_explicit(&c->n_published, memory_order_acquire);
     do { // a reader that was overtaken reads again
         before = after;
         const cam_tick_record_t *newest = atomic_load_explicit(&c->newest, memory_order_acquire);
         r = newest != NULL ? *newest : nothing;
+        guard = c->guard;
+        spindle = c->spindle;
         atomic_thread_fence(memory_order_acquire);
         after = atomic_load_explicit(&c->n_published, memory_order_relaxed);
     } while (after != before);
@@ -139,7 +141,7 @@ cam_status_t cam_tick_status(const cam_t *c)
         .request = r.in.request >> 8,
         .state = r.want.state,
         .faults = r.want.faults,
-        .first_fault = c->guard.first_faults,
+        .first_fault = guard.first_faults,
         .is_synced = r.angle.is_synced,
         .is_retracted = r.want.is_retracted,
         .inputs = r.in.inputs,
@@ -149,11 +151,11 @@ cam_status_t cam_tick_status(const cam_t *c)
         .u_set_q6 = r.want.u_set_q6,
         .u_actual_nm = r.in.actual_nm[hal_axis_u],
         .following_nm = cam_wrap_sub(r.in.actual_nm[hal_axis_u], r.want.u_due_q6 >> 6),
-        .n_late = c->spindle.n_late,
-        .max_period = c->spindle.max_period,
+        .n_late = spindle.n_late,
+        .max_period = spindle.max_period,
     };
     for (uint32_t i = 0; i < cam_n_faults; i++) {
-        status.fault_count[i] = cam_guard_count(&c->guard, (cam_fault_t)i);
+        status.fault_count[i] = cam_guard_count(&guard, (cam_fault_t)i);
     }
     return status;
 }

@@ -103,6 +103,7 @@ static const char *unit_of(cam_err_t err, double *per_unit)
         return "r/min";
     case cam_err_u_speed:
     case cam_err_z_speed:
+    case cam_err_x_speed:
         *per_unit = 1e-3;
         return "mm/s";
     case cam_err_spindle_acceleration:
@@ -112,6 +113,8 @@ static const char *unit_of(cam_err_t err, double *per_unit)
         *per_unit = 1e-6;
         return "mm";
     case cam_err_u_acceleration:
+    case cam_err_z_acceleration:
+    case cam_err_x_acceleration:
         return "mm/s2";
     default:
         return "";

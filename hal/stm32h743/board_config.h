@@ -33,7 +33,7 @@
 #define BOARD_INDEX_FALLING_COUNTS 0
 
 /// 0: there is no scale on U; its last set-point is taken for its position, and the following error
-/// is not watched.
+/// is that of the command with its feed-forward: it tells nothing of the drive.
 #define BOARD_HAS_U_SCALE 1
 
 /// Codes of a 16-bit converter per unit, in 2^-32: 2^15 codes for the value at +10 V.

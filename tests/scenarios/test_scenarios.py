@@ -100,9 +100,7 @@ def check_fault_reaction(trace: Columns, first_fault: str) -> None:
     assert np.all(outputs & FAULT_LAMP)
     assert not np.any(trace["out_spindle_mrpm"][start:])
     assert trace["u_set_nm"][-1] == RETRACT_NM
-    assert trace["out_x_nm"][-1] - trace["out_x_nm"][start] == pytest.approx(
-        CLEARANCE_NM, abs=2
-    )
+    assert trace["out_x_nm"][-1] - trace["out_x_nm"][start] == pytest.approx(CLEARANCE_NM, abs=2)
     assert trace["out_z_nm"][-1] == trace["out_z_nm"][-2]
     enabled = (outputs & ENABLE) != 0
     assert not enabled[-1], "enable drops in the end"

@@ -76,10 +76,10 @@ static bool tick(const char *line)
     const int n = sscanf(line,
                          "tick %" SCNu32 " %" SCNu32 " %" SCNu32 " %" SCNu32 " %" SCNd32 " %" SCNd32
                          " %" SCNd32 " %" SCNu32,
-                         &hal_host.clock, &hal_host.in.read.counts,
-                         &hal_host.in.read.index_counts, &hal_host.in.read.n_index,
-                         &hal_host.in.axis_nm[hal_axis_u], &hal_host.in.axis_nm[hal_axis_x],
-                         &hal_host.in.axis_nm[hal_axis_z], &hal_host.in.inputs);
+                         &hal_host.clock, &hal_host.in.read.counts, &hal_host.in.read.index_counts,
+                         &hal_host.in.read.n_index, &hal_host.in.axis_nm[hal_axis_u],
+                         &hal_host.in.axis_nm[hal_axis_x], &hal_host.in.axis_nm[hal_axis_z],
+                         &hal_host.in.inputs);
     if (n != 8) {
         return false;
     }

@@ -81,8 +81,8 @@ static void test_build_limits_too_fast_for_a_slow_tick_are_lowered(void)
     params.u_acceleration_mm_per_s2 = 10000000;
     params.observer_bandwidth_mHz = 25000;
     build(500);
-    TEST_ASSERT_EQUAL_INT32(1 << 30, config.guard.limits[hal_axis_u].speed_q10);
-    TEST_ASSERT_EQUAL_INT32(1 << 30, config.guard.limits[hal_axis_u].acceleration_q10);
+    TEST_ASSERT_EQUAL_INT32(1 << 29, config.guard.limits[hal_axis_u].speed_q10);
+    TEST_ASSERT_EQUAL_INT32(1 << 29, config.guard.limits[hal_axis_u].acceleration_q10);
 }
 
 static void test_build_angles_turn_and_wrap(void)

@@ -208,6 +208,55 @@ static void test_largest_demands_do_not_overflow(void)
                               1.25 * 2147483647.0 * 6283.185 / 1e3, (double)why.needed);
 }
 
+/// Through the clearance by the smooth step: 15/8 c n / t and 5.774 c (n / t)^2.
+static void test_x_leaves_its_clearance_within_its_limits(void)
+{
+    params.x_clearance_nm = 100000000;
+    params.x_speed_um_per_s = 100000;
+    params.x_acceleration_mm_per_s2 = 1000000;
+    const double n = 2500.0 / 60.0;
+    expect_refused(cam_err_x_speed, 2500000, 1.875 * 1e5 * n / 10.0, 100000,
+                   100000.0 / (1.875 * 1e5 / 10.0) * 60000.0);
+    params.x_speed_um_per_s = 10000000;
+    params.x_acceleration_mm_per_s2 = 2000;
+    const double highest = sqrt(2000.0 / (5.7735 * 100.0)) * 10.0 * 60000.0;
+    expect_refused(cam_err_x_acceleration, 2500000, 5.7735 * 100.0 * n * n / 100.0, 2000, highest);
+    params.disengage_turns = 5; // the shorter of both counts
+    expect_refused(cam_err_x_acceleration, 2500000, 5.7735 * 100.0 * n * n / 25.0, 2000,
+                   highest / 2.0);
+}
+
+/// e u'' + 2 e' u' + e'' u of an oval cosine against its smooth step, over a whole turn of
+/// engaging.
+static double engaging_peak(double turns)
+{
+    double most = 0.0;
+    for (int i = 0; i <= 1000; i++) {
+        const double s = i / 1000.0;
+        const double per = 1.0 / (2.0 * pi * turns);
+        const double e = s * s * s * (10.0 + s * (-15.0 + 6.0 * s));
+        const double e1 = 30.0 * s * s * (1.0 - s) * (1.0 - s) * per;
+        const double e2 = 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) * per * per;
+        most = fmax(most, e * 300000.0 + 2.0 * e1 * 150000.0 + fabs(e2) * 150000.0);
+    }
+    return most;
+}
+
+static void test_short_engaging_adds_to_what_u_needs(void)
+{
+    const double w = 2500.0 * 2.0 * pi / 60.0;
+    for (int turns = 1; turns <= 10; turns++) {
+        params.engage_turns = turns;
+        params.u_acceleration_mm_per_s2 = 10000;
+        const double needed = turns < 3 ? engaging_peak(turns) : 300000.0;
+        const cam_feasibility_t why = judge(2500000);
+        TEST_ASSERT_EQUAL_INT(cam_err_u_acceleration, why.err);
+        const double bound = (double)why.needed * 1e6 / w / w;
+        TEST_ASSERT_TRUE(bound >= needed && bound <= 1.03 * needed);
+        TEST_ASSERT_TRUE(engaging_peak(turns) <= bound * 17.0 / 16.0); // the guard's margin
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -224,5 +273,7 @@ int main(void)
     RUN_TEST(test_highest_speed_passes_where_numbers_are_small);
     RUN_TEST(test_flat_table_has_a_finite_highest_speed);
     RUN_TEST(test_largest_demands_do_not_overflow);
+    RUN_TEST(test_x_leaves_its_clearance_within_its_limits);
+    RUN_TEST(test_short_engaging_adds_to_what_u_needs);
     return UNITY_END();
 }

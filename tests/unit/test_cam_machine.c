@@ -137,17 +137,18 @@ static void test_second_change_before_the_first_was_taken_is_busy(void)
 static void test_parameters_change_only_where_they_may(void)
 {
     static const cam_param_id_t ids[] = {cam_param_counts_per_turn, cam_param_k1_ns,
-                                         cam_param_phase_udeg, cam_param_amplitude_ppm};
-    static const bool allowed[cam_n_states][4] = {
-        [cam_state_off] = {true, true, true, true},
-        [cam_state_ready] = {false, true, true, true},
-        [cam_state_engaging] = {false, false, true, true},
-        [cam_state_cutting] = {false, false, true, true},
-        [cam_state_disengaging] = {false, false, true, true},
+                                         cam_param_z_is_measured,   cam_param_lead_ns,
+                                         cam_param_phase_udeg,      cam_param_amplitude_ppm};
+    static const bool allowed[cam_n_states][6] = {
+        [cam_state_off] = {true, true, true, true, true, true},
+        [cam_state_ready] = {false, false, false, true, true, true},
+        [cam_state_engaging] = {false, false, false, false, true, true},
+        [cam_state_cutting] = {false, false, false, false, true, true},
+        [cam_state_disengaging] = {false, false, false, false, true, true},
     };
     for (uint32_t state = 0; state < cam_state_fault; state++) {
         bring((cam_state_t)state);
-        for (uint32_t i = 0; i < 4u; i++) {
+        for (uint32_t i = 0; i < 6u; i++) {
             const int32_t old = cam_param_get(&rig.machine.params, ids[i]);
             const cam_err_t err = cam_machine_set_param(&rig.machine, ids[i], old);
             TEST_ASSERT_EQUAL_INT(allowed[state][i] ? cam_ok : cam_err_param_state, err);
@@ -174,17 +175,52 @@ static void test_parameter_errors_leave_everything_as_it_was(void)
     TEST_ASSERT_EQUAL_UINT32(generation, rig.machine.generation);
 }
 
-static void test_start_beyond_the_limits_is_refused_before_motion(void)
+/// In ready the spindle turns: what it must not do is not even taken.
+static void test_ready_refuses_what_the_spindle_or_u_cannot_do(void)
 {
     bring(cam_state_ready);
+    TEST_ASSERT_EQUAL_INT(cam_err_u_stroke,
+                          fixture_rig_set(&rig, cam_param_u_retract_nm, -15000000));
+    TEST_ASSERT_EQUAL_INT(cam_err_spindle_speed,
+                          fixture_rig_set(&rig, cam_param_spindle_mrpm, 30000000));
+    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_spindle_mrpm, 2600000));
+    TEST_ASSERT_EQUAL_INT(cam_err_spindle_speed,
+                          fixture_rig_set(&rig, cam_param_spindle_limit_mrpm, 2500000));
+    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_spindle_mrpm, 0));
+    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_spindle_limit_mrpm, 2550000));
+    fixture_part_t fast = part;
+    fast.spindle_mrpm = 2600000;
+    static fixture_image_t image;
+    fixture_image_make(&image, &fast);
+    TEST_ASSERT_EQUAL_INT(cam_err_spindle_speed,
+                          cam_machine_select_table(&rig.machine, image.bytes, image.size));
+    fixture_rig_ticks(&rig, 3);
+    TEST_ASSERT_EQUAL_INT32(2500000, hal_host.out.spindle_mrpm);
+}
+
+/// A change between a command and the tick that carries it out would be judged for the wrong state.
+static void test_changes_wait_for_a_pending_command(void)
+{
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_enable(&rig.machine));
+    TEST_ASSERT_EQUAL_INT(cam_err_busy,
+                          cam_machine_set_param(&rig.machine, cam_param_counts_per_turn, 4096));
+    TEST_ASSERT_EQUAL_INT(cam_err_busy,
+                          cam_machine_select_table(&rig.machine, rig.image.bytes, rig.image.size));
+    fixture_rig_tick(&rig);
+    TEST_ASSERT_EQUAL_INT(cam_err_param_state,
+                          cam_machine_set_param(&rig.machine, cam_param_counts_per_turn, 4096));
+}
+
+static void test_start_beyond_the_limits_is_refused_before_motion(void)
+{
     TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_spindle_mrpm, 3500000));
-    TEST_ASSERT_EQUAL_INT(cam_err_spindle_speed, cam_machine_start(&rig.machine));
+    TEST_ASSERT_EQUAL_INT(cam_err_spindle_speed, cam_machine_enable(&rig.machine));
     const cam_feasibility_t why = cam_machine_feasibility(&rig.machine, 0);
     TEST_ASSERT_EQUAL_INT64(3500000, why.needed);
     TEST_ASSERT_EQUAL_INT64(3000000, why.limit);
     TEST_ASSERT_EQUAL_UINT32(3000000, why.highest_mrpm);
     fixture_rig_tick(&rig);
-    TEST_ASSERT_EQUAL_INT(cam_state_ready, fixture_rig_status(&rig).state);
+    TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_status(&rig).state);
 }
 
 static void test_amplitude_that_the_running_speed_forbids_is_refused_in_the_cut(void)
@@ -291,6 +327,8 @@ int main(void)
     RUN_TEST(test_second_change_before_the_first_was_taken_is_busy);
     RUN_TEST(test_parameters_change_only_where_they_may);
     RUN_TEST(test_parameter_errors_leave_everything_as_it_was);
+    RUN_TEST(test_ready_refuses_what_the_spindle_or_u_cannot_do);
+    RUN_TEST(test_changes_wait_for_a_pending_command);
     RUN_TEST(test_start_beyond_the_limits_is_refused_before_motion);
     RUN_TEST(test_amplitude_that_the_running_speed_forbids_is_refused_in_the_cut);
     RUN_TEST(test_without_a_table_nothing_starts);

@@ -165,7 +165,7 @@ static void test_play_gives_the_modulated_speed_and_the_acceleration_of_u(void)
         fixture_ratio(2.0 * PI * turn, 0.0, r);
         cam_play_t play = cutting();
         const cam_angle_t angle = angle_at(4.0 + turn, r[0]);
-        // The law was read for the middle of the twenty ticks, of which this is the fifth.
+        // The law was read for the middle of the 22 ticks that use it.
         const double now = r[0];
         fixture_ratio(2.0 * PI * turn + 5.5 * mean * now, 0.0, r);
         const outcome_t o = round_of(&play, &in, &angle);

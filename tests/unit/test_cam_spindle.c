@@ -169,6 +169,30 @@ static void test_step_lost_or_gained_counts_show_at_the_next_edge(void)
     }
 }
 
+/// An edge that comes twice must not hide what the first one showed.
+static void test_step_doubled_edge_hides_no_lost_counts(void)
+{
+    start(10000, 1, 0);
+    run_up(40.0);
+    encoder.lost = 5;
+    const uint32_t before = in.encoder.n_index;
+    while (in.encoder.n_index == before) {
+        step(40.0, 1.0);
+    }
+    in.clock += clock_hz / tick_hz;
+    in.encoder = fixture_encoder_move(&encoder, 40.0L / tick_hz);
+    in.encoder.n_index++; // the same edge again
+    cam_spindle_step_isr(&spindle, &config.spindle, &in, 0, &angle);
+    faults |= angle.faults;
+    in.clock += clock_hz / tick_hz;
+    const uint32_t n_index = in.encoder.n_index;
+    in.encoder = fixture_encoder_move(&encoder, 40.0L / tick_hz);
+    in.encoder.n_index = n_index;
+    cam_spindle_step_isr(&spindle, &config.spindle, &in, 0, &angle);
+    faults |= angle.faults;
+    TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(lost_counts), faults);
+}
+
 static void test_step_index_tolerance_bears_its_counts_in_sum(void)
 {
     params.index_tolerance_counts = 2;
@@ -320,6 +344,7 @@ int main(void)
     RUN_TEST(test_step_constant_acceleration_lags_by_acceleration_over_bandwidth_squared);
     RUN_TEST(test_step_speed_ripple_is_missed_by_the_documented_share);
     RUN_TEST(test_step_lost_or_gained_counts_show_at_the_next_edge);
+    RUN_TEST(test_step_doubled_edge_hides_no_lost_counts);
     RUN_TEST(test_step_index_tolerance_bears_its_counts_in_sum);
     RUN_TEST(test_step_jump_shows_in_its_tick);
     RUN_TEST(test_step_missing_index_shows_within_an_eighth_turn);

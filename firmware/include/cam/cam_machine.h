@@ -41,7 +41,9 @@ void cam_machine_init(cam_machine_t *m, cam_t *core, uint32_t tick_hz, uint32_t 
 CAM_MUST_USE cam_err_t cam_machine_select_table(cam_machine_t *m, const void *image, size_t size);
 
 /// Set a parameter. While engaging, cutting or disengaging only phase_udeg and amplitude_ppm may
-/// change; both are ramped. In state off everything may; in ready all but the encoder's.
+/// change; both are ramped. In state off everything may; in ready all but the encoder's, the
+/// feed-forward of U and whether Z is measured, and what they lead to must be feasible: the spindle
+/// turns.
 /// @return cam_ok, cam_err_param_id, _range, _state, _tick, cam_err_busy, or a feasibility error
 /// for an
 ///         amplitude that the running speed does not allow
@@ -64,7 +66,8 @@ CAM_MUST_USE cam_err_t cam_machine_disable(cam_machine_t *m);
 /// cam_machine_feasibility())
 CAM_MUST_USE cam_err_t cam_machine_start(cam_machine_t *m);
 
-/// engaging, cutting -> disengaging. @return cam_ok, cam_err_state, cam_err_busy
+/// engaging, cutting -> disengaging, from the approach -> ready. @return cam_ok, cam_err_state,
+/// cam_err_busy
 CAM_MUST_USE cam_err_t cam_machine_stop(cam_machine_t *m);
 
 /// fault -> off, when the retract has ended. @return cam_ok, cam_err_state, cam_err_busy

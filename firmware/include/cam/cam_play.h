@@ -8,7 +8,7 @@
 ///     spindle = mean speed, or mean * (1 + envelope * (ratio(angle, Z) - 1)) where the table
 ///               modulates it (cam_speed.h)
 /// U is read in every tick, at the angle that the spindle will have when the drive's dead time has
-/// passed. What changes slowly, all the rest, is planned in rounds of twenty ticks (cam_plan.h), X
+/// passed. What changes slowly, all the rest, is planned in rounds of 22 ticks (cam_plan.h), X
 /// and Z ahead by the lag of their drives. The envelope rises and falls by the quintic smooth step,
 /// so depth and amplitude start and end without a jump in speed. In all other states the axes move
 /// to places within their limits (cam_move.h). Context: ISR unless noted.
@@ -54,6 +54,7 @@ enum {
     cam_plan_task_ramp,
     cam_plan_tasks ///< ticks of a round
 };
+_Static_assert(cam_plan_tasks == 22, "as the documents say");
 
 /// What the tasks of a round hand to one another.
 typedef struct {
@@ -87,16 +88,15 @@ typedef struct {
 typedef struct {
     const cam_table_t *table; ///< NULL: none, enable is refused
     cam_u_scale_t u;
-    int32_t lead_q16;                  ///< [ticks] dead time of U, below cam_play_history - 2
-    uint32_t lead_ticks;               ///< [ticks] whole ones of it
-    int32_t lead_part_q31;             ///< [ticks / 2^31] the rest
-    int32_t xz_lag_q16;                ///< [ticks] lag of X and Z
-    int32_t u_plan_q16, xz_plan_q16;   ///< [ticks] ... and those to the end of a plan
-    int32_t ratio_q16;                 ///< [ticks] the speed ratio is read this much ahead
-    int32_t u_behind_q16;              ///< [ticks] U is read this much behind X and Z
-    int32_t xz_lag2;                   ///< [ticks^2] (lag / 2)^2: what two equal poles lag more
-                                       ///< while the spindle accelerates
-    int32_t phase_q32, phase_step_q32; ///< [turn / 2^32], per tick
+    int32_t lead_q16;                ///< [ticks] dead time of U, below cam_play_history - 2
+    uint32_t lead_ticks;             ///< [ticks] whole ones of it
+    int32_t lead_part_q31;           ///< [ticks / 2^31] the rest
+    int32_t xz_lag_q16;              ///< [ticks] lag of X and Z
+    int32_t u_plan_q16, xz_plan_q16; ///< [ticks] ... and those to the end of a plan
+    int32_t ratio_q16;               ///< [ticks] the speed ratio is read this much ahead
+    int32_t u_behind_q16;            ///< [ticks] U is read this much behind X and Z
+    int32_t xz_lag2; ///< [ticks^2] what the acceleration of the spindle adds to X and Z until then
+    int32_t phase_q32, phase_step_q32;          ///< [turn / 2^32], per tick
     int32_t amplitude_q30, amplitude_step_q30;  ///< [1], per tick
     int64_t engage_q32, disengage_q32;          ///< [turn] lengths
     uint32_t per_engage_q31, per_disengage_q31; ///< [1/turn] their reciprocals

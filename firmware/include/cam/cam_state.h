@@ -11,11 +11,14 @@
 /// registers and spend a third of their instructions on the stack.
 #define CAM_STAGE __attribute__((noinline))
 
+// clang-format off
 /// States of the machine. The interrupt owns the state; the slow side asks for changes.
 ///
-///     off --enable--> homing --index--> ready --start--> engaging --> cutting --> disengaging -->
-///     ready any --disable--> off (from engaging .. disengaging: not accepted, stop first) any but
-///     off --fault--> fault --reset--> off
+///     off --enable--> homing --index--> ready --start--> engaging --> cutting --> disengaging --> ready
+///     homing, ready --disable--> off
+///     engaging, cutting --stop--> disengaging; while the axes approach: ready
+///     any but off --fault--> fault --reset, after the retract--> off
+// clang-format on
 typedef enum {
     cam_state_off,         ///< drives without enable, set-points follow the axes
     cam_state_homing,      ///< enabled, U retracts, spindle turns, waiting for the index

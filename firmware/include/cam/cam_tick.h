@@ -56,11 +56,11 @@ typedef struct {
 /// The controller that cam_isr() ticks.
 extern cam_t g_cam;
 
-/// @return what the newest tick left, consistent; counters of the guard may be a tick newer
+/// @return what the newest tick left, consistent
 /// Context: slow side.
 cam_status_t cam_tick_status(const cam_t *c);
 
-/// One tick. Context: ISR; constant time, no loop, no division, no lock.
+/// One tick. Context: ISR; constant time, loops of constant bounds, no division, no lock.
 void cam_tick_isr(cam_t *c);
 
 /// Steps between sense and actuate, without the HAL: what a replay calls.

@@ -138,7 +138,8 @@ uint32_t hal_clock_isr(void);
 hal_encoder_t hal_encoder_read_isr(void);
 
 /// @return [nm] measured position of an axis; <= 30 cycles. A port without a measurement returns
-/// the last set-point and says so in its README: following error is then not watched.
+/// the last set-point and says so in its README: the following error is then that of the command,
+/// feed-forward included, and tells nothing of the drive.
 int32_t hal_axis_read_nm_isr(hal_axis_t axis);
 
 /// @return bits hal_in_*, debounced where the wiring needs it; <= 20 cycles
