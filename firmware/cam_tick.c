@@ -37,9 +37,12 @@ static void angle_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
 static int32_t command_nm(const cam_config_t *cfg, int32_t u_q6, const cam_move_t *u)
 {
     const int64_t more_q26 = (int64_t)cfg->k1_q16 * u->vel_q10 + (int64_t)cfg->k2_q16 * u->acc_q10;
-    const int64_t command_q6 = u_q6 + (more_q26 >> 20) + 32;
+    const int32_t most_high = 1 << 18; // of the high word: 2^50 / 2^32, beyond every stroke
+    const int32_t high = cam_clamp_i32((int32_t)(more_q26 >> 32), -most_high, most_high - 1);
+    const uint32_t low = (uint32_t)(uint64_t)more_q26;
+    const int32_t more_q6 = (int32_t)((uint32_t)high << 12 | low >> 20);
     const int32_t most_q6 = cfg->guard.u_range_q6;
-    return (int32_t)cam_clamp_i64(command_q6, -most_q6, most_q6) >> 6;
+    return cam_clamp_i32(u_q6 + more_q6 + 32, -most_q6, most_q6) >> 6;
 }
 
 static int32_t plain_nm(const cam_move_t *m)

@@ -162,7 +162,7 @@ static void test_random_parameters(void)
         set(cam_param_xz_lag_ns, (int32_t)fixture_random_range(&random, 0, 5000000));
         set(cam_param_k1_ns, (int32_t)fixture_random_range(&random, 0, 1000000));
         set(cam_param_k2_us2, (int32_t)fixture_random_range(&random, 0, 1000000));
-        set(cam_param_engage_turns, (int32_t)fixture_random_range(&random, 1, 4));
+        set(cam_param_engage_turns, (int32_t)fixture_random_range(&random, 3, 6));
         TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_cutting));
         for (int k = 0; k < 200 && rig.last.want.state == cam_state_cutting; k++) {
             set(cam_param_phase_udeg, (int32_t)fixture_random_range(&random, -900000, 900000));
