@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam/cam_machine.h"
-#include <stddef.h> // NULL
-#include <string.h> // memset
+#include "cam/cam_fix.h" // cam_is_within
+#include <stddef.h>      // NULL
+#include <string.h>      // memset
 
 /// Overspeed is a fault this far above the highest feasible speed: room for speed ripple.
 enum { overspeed_percent = 1 };
@@ -190,12 +191,16 @@ static cam_err_t post_if(cam_machine_t *m, const cam_status_t *status, bool is_a
     return is_allowed ? post(m, status, request) : cam_err_state;
 }
 
-static cam_err_t check_inputs(const cam_status_t *status)
+/// Inputs, and U: commands stay in its stroke, so that it would jump to the edge from outside.
+static cam_err_t check_drives(const cam_params_t *params, const cam_status_t *status)
 {
     if ((status->inputs & hal_in_estop) != 0u) {
         return cam_err_estop;
     }
-    return (status->inputs & hal_in_drive_ready) != 0u ? cam_ok : cam_err_drive;
+    if ((status->inputs & hal_in_drive_ready) == 0u) {
+        return cam_err_drive;
+    }
+    return cam_is_within(status->u_actual_nm, params->u_stroke_nm / 2) ? cam_ok : cam_err_u_place;
 }
 
 cam_err_t cam_machine_enable(cam_machine_t *m)
@@ -206,7 +211,7 @@ cam_err_t cam_machine_enable(cam_machine_t *m)
         err = cam_machine_feasibility(m, 0).err;
     }
     if (err == cam_ok) {
-        err = check_inputs(&status);
+        err = check_drives(&m->params, &status);
     }
     return err == cam_ok ? post(m, &status, cam_request_enable) : err;
 }

@@ -98,6 +98,27 @@ static void test_fault_is_left_by_reset_after_the_retract_only(void)
     bring(cam_state_cutting); // homes and cuts anew
 }
 
+/// From outside, the first command would be the edge of the stroke: a jump.
+static void test_enable_is_refused_while_u_stands_outside_its_stroke(void)
+{
+    const int32_t half_nm = rig.machine.params.u_stroke_nm / 2;
+    const int32_t sides[] = {1, -1};
+    for (uint32_t i = 0; i < 2u; i++) {
+        hal_host.in.axis_nm[hal_axis_u] = sides[i] * (half_nm + 1);
+        fixture_rig_tick(&rig);
+        const uint32_t n = rig.machine.n_requests;
+        TEST_ASSERT_EQUAL_INT(cam_err_u_place, cam_machine_enable(&rig.machine));
+        TEST_ASSERT_EQUAL_UINT32(n, rig.machine.n_requests);
+        hal_host.in.axis_nm[hal_axis_u] = sides[i] * half_nm;
+        fixture_rig_tick(&rig);
+        TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_enable(&rig.machine));
+        fixture_rig_tick(&rig);
+        TEST_ASSERT_EQUAL_HEX32(0, fixture_rig_status(&rig).faults);
+        TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_disable(&rig.machine));
+        fixture_rig_tick(&rig);
+    }
+}
+
 static void test_command_before_the_last_was_taken_is_busy(void)
 {
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_enable(&rig.machine));
@@ -322,6 +343,7 @@ int main(void)
     RUN_TEST(test_commands_out_of_order_are_refused_and_change_nothing);
     RUN_TEST(test_requests_that_reach_the_interrupt_out_of_order_are_ignored);
     RUN_TEST(test_fault_is_left_by_reset_after_the_retract_only);
+    RUN_TEST(test_enable_is_refused_while_u_stands_outside_its_stroke);
     RUN_TEST(test_command_before_the_last_was_taken_is_busy);
     RUN_TEST(test_request_serial_wraps_without_losing_a_command);
     RUN_TEST(test_second_change_before_the_first_was_taken_is_busy);

@@ -54,8 +54,8 @@ CAM_MUST_USE cam_err_t cam_machine_set_param(cam_machine_t *m, cam_param_id_t id
 /// @return            err = cam_err_no_table when none is selected
 cam_feasibility_t cam_machine_feasibility(const cam_machine_t *m, uint32_t speed_mrpm);
 
-/// off -> homing. @return cam_ok, cam_err_state, _busy, _no_table, _estop, _drive or a feasibility
-/// error
+/// off -> homing. @return cam_ok, cam_err_state, _busy, _no_table, _estop, _drive, _u_place or a
+/// feasibility error
 CAM_MUST_USE cam_err_t cam_machine_enable(cam_machine_t *m);
 
 /// homing, ready -> off. @return cam_ok, cam_err_state, cam_err_busy
