@@ -4,16 +4,7 @@
 cmake_minimum_required(VERSION 3.25)
 
 file(REMOVE ${OUTPUT}) # of an earlier run
-set(command "")
-set(is_command FALSE)
-math(EXPR last "${CMAKE_ARGC} - 1")
-foreach(i RANGE ${last})
-    if(is_command)
-        list(APPEND command "${CMAKE_ARGV${i}}")
-    elseif("${CMAKE_ARGV${i}}" STREQUAL "--")
-        set(is_command TRUE)
-    endif()
-endforeach()
+include(${CMAKE_CURRENT_LIST_DIR}/../after_dashes.cmake)
 
 execute_process(COMMAND ${command}
     OUTPUT_VARIABLE text ERROR_VARIABLE text ECHO_OUTPUT_VARIABLE ECHO_ERROR_VARIABLE

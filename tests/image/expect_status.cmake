@@ -2,17 +2,7 @@
 # Runs a program that must end with a certain exit status and say a certain text.
 # usage: cmake -D STATUS=N -D TEXT=... -P expect_status.cmake -- COMMAND...
 cmake_minimum_required(VERSION 3.25)
-
-set(command "")
-set(is_command FALSE)
-math(EXPR last "${CMAKE_ARGC} - 1")
-foreach(i RANGE ${last})
-    if(is_command)
-        list(APPEND command "${CMAKE_ARGV${i}}")
-    elseif(CMAKE_ARGV${i} STREQUAL "--")
-        set(is_command TRUE)
-    endif()
-endforeach()
+include(${CMAKE_CURRENT_LIST_DIR}/../after_dashes.cmake)
 
 execute_process(COMMAND ${command} RESULT_VARIABLE status OUTPUT_VARIABLE output)
 message("${output}")

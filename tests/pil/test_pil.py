@@ -18,8 +18,6 @@ from typing import Any
 import pytest
 
 from camsim_cases import CAMSIM, camsim, only_error
-from camtools.mktables import main as mktables
-from part_cases import ROOT
 
 BOARDS = {"mps2-an500": "mcu-qemu", "mps2-an386": "mcu-qemu-m4"}
 LEAST_TICKS_PER_S = 10_000
@@ -37,20 +35,6 @@ CASES = {
     "table_flip": ("perkins240", 1, ("--feed", "1", "--inject", "table-flip@0.3:2000")),
     "stop": ("perkins240", 0, ("--feed", "1", "--inject", "stop@0.5")),
 }
-
-
-@pytest.fixture(scope="session")
-def table_of(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
-    """Make the table of a part once, its design beside it; return its path."""
-    folder = tmp_path_factory.mktemp("tables")
-
-    def make(part: str) -> Path:
-        path = folder / f"{part}.camtab"
-        if not path.exists():
-            assert mktables([str(ROOT / f"tools/parts/{part}.toml"), "-o", str(folder)]) == 0
-        return path
-
-    return make
 
 
 @pytest.fixture(scope="session")

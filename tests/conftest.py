@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What all scenarios share: the tables of the parts that they cut."""
+"""What tests that cut parts share: the tables of these parts."""
 
 from __future__ import annotations
 
