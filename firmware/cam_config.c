@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam/cam_config.h"
+#include "cam/cam_trace.h" // cam_trace_capacity
 #include "cam/cam_angle.h" // CAM_TURN_Q32
 #include "cam/cam_fix.h"   // cam_sat_i32
 
@@ -13,12 +14,11 @@
 /// Of two lags of 2048 ticks and a plan: products with the acceleration fit 62 bits.
 enum { max_lag2 = 1 << 21 };
 
-/// From the tick of the positions to the end of the ways; from the place of the speed ratio to the
-/// middle of the ticks that use the speed.
+/// Ticks from the place of the speed ratio to the middle of those that use the speed, twice: it is
+/// planned twice in a round.
 enum {
-    xz_plan_ticks = cam_plan_tasks + cam_plan_task_aim_xz - 1,
-    u_plan_ticks = cam_plan_tasks + cam_plan_task_aim_u - 1,
-    ratio_half_ticks = 2 * (cam_plan_task_speed - cam_plan_task_find_ratio) + cam_plan_tasks - 1,
+    ratio_half_ticks =
+        2 * (cam_plan_task_speed - cam_plan_task_find_slices) + cam_plan_ticks_modulated / 2 - 1,
 };
 
 /// Knots per tick up to which derivatives are taken: 2^4. Start refuses speeds beyond.
@@ -92,12 +92,16 @@ static void build_observer(cam_spindle_config_t *c, const cam_params_t *p, uint3
     c->ki_q32 = cam_sat_i32((wt_q24 * wt_q24) >> 16);
 }
 
+/// As late as a parameter can bear, as a tick after a pause is not.
+enum { most_periods = 10 };
+
 /// On time is within a sixteenth of the period, or within one unit of a coarse clock.
 static void build_clock(cam_spindle_config_t *c, int32_t late_percent, uint32_t tick_hz,
                         uint32_t clock_hz)
 {
     c->tick_clocks = (uint32_t)scale(clock_hz, 1, tick_hz);
-    c->ticks_per_clock_q32 = (uint32_t)scale(tick_hz, CAM_TURN_Q32, clock_hz);
+    c->ticks_per_clock_q27 = (uint32_t)scale(tick_hz, INT64_C(1) << 27, clock_hz);
+    c->most_clocks = most_periods * c->tick_clocks;
     const uint32_t off = 1u + (c->tick_clocks - 1u) / 16u;
     c->late_clocks = (uint32_t)scale(clock_hz, 100 + late_percent, (int64_t)tick_hz * 100);
     c->early_clocks = c->tick_clocks - off;
@@ -188,22 +192,38 @@ static void build_u_scale(cam_u_scale_t *c, const cam_channel_t *u, int32_t spee
     c->alpha_shift = (uint32_t)cam_clamp_i32(alpha_bits, 1, 62);
 }
 
+/// The rounds of cam_plan.h, and how far ahead their ways end, seen from the tick of the positions.
+/// Lead, lag and who leads Z are known.
+static void build_rounds(cam_play_config_t *c, bool is_modulated)
+{
+    const int32_t skipped = is_modulated ? 0 : cam_plan_ratio_tasks;
+    c->after_profile = is_modulated ? cam_plan_task_find_slices : cam_plan_task_read_profile;
+    c->after_ramp = is_modulated ? cam_plan_task_again : cam_plan_task_positions;
+    c->round_ticks = is_modulated ? cam_plan_ticks_modulated : cam_plan_ticks_uniform;
+    c->per_round_q32 = (int32_t)((INT64_C(1) << 32) / c->round_ticks);
+    const int32_t xz_ticks = c->round_ticks + cam_plan_task_aim_z - skipped - 1;
+    const int32_t u_ticks = c->round_ticks + cam_plan_task_aim_u - skipped - 1;
+    c->xz_plan_q16 = c->xz_lag_q16 + xz_ticks * 65536;
+    c->u_plan_q16 = c->lead_q16 + u_ticks * 65536;
+    c->ratio_q16 = c->lead_q16 + ratio_half_ticks * 32768;
+    // A geared Z is planned for the end of its own way, a measured one for the end of a round.
+    const int32_t after_round = (cam_plan_task_aim_z - skipped - 1) * 65536;
+    c->u_behind_q16 = (c->is_z_measured ? -after_round : c->xz_lag_q16) - c->lead_q16;
+    c->u_height_q16 = (cam_plan_task_aim_height - cam_plan_task_aim_z) * 65536 - c->u_behind_q16;
+    // At the end of a plan of n ticks with lag l: n^2 / 2 and n l, and (l / 2)^2, which two equal
+    // poles lag more while the spindle accelerates.
+    const int64_t lag_q8 = c->xz_lag_q16 >> 8;
+    const int64_t lag2 =
+        ((lag_q8 * lag_q8) >> 18) + ((lag_q8 * xz_ticks) >> 8) + xz_ticks * xz_ticks / 2;
+    c->xz_lag2 = (int32_t)cam_clamp_i64(lag2, 0, max_lag2);
+}
+
 static void build_play(cam_play_config_t *c, const cam_params_t *p, uint32_t tick_hz)
 {
     c->lead_q16 = ticks_of_ns(p->lead_ns, tick_hz);
     c->xz_lag_q16 = ticks_of_ns(p->xz_lag_ns, tick_hz);
     c->lead_ticks = (uint32_t)c->lead_q16 >> 16;
     c->lead_part_q31 = (c->lead_q16 & 0xFFFF) * 32768;
-    c->u_plan_q16 = c->lead_q16 + u_plan_ticks * 65536;
-    c->xz_plan_q16 = c->xz_lag_q16 + xz_plan_ticks * 65536;
-    c->ratio_q16 = c->lead_q16 + ratio_half_ticks * 32768;
-    c->u_behind_q16 = c->xz_lag_q16 - c->lead_q16;
-    // At the end of a plan of n ticks with lag l: n^2 / 2 and n l, and (l / 2)^2, which two equal
-    // poles lag more while the spindle accelerates.
-    const int64_t lag_q8 = c->xz_lag_q16 >> 8;
-    const int64_t lag2 = ((lag_q8 * lag_q8) >> 18) + ((lag_q8 * xz_plan_ticks) >> 8) +
-                         xz_plan_ticks * xz_plan_ticks / 2;
-    c->xz_lag2 = (int32_t)cam_clamp_i64(lag2, 0, max_lag2);
     c->phase_q32 = turn_of_udeg(p->phase_udeg);
     c->phase_step_q32 = (int32_t)(turn_of_udeg(p->phase_rate_udeg_per_s) / (int64_t)tick_hz) + 1;
     c->amplitude_q30 = (int32_t)scale(p->amplitude_ppm, INT64_C(1) << 30, 1000000);
@@ -240,11 +260,15 @@ static void build_guard(cam_guard_config_t *c, const cam_params_t *p, uint32_t s
     const cam_move_limits_t *u = &c->limits[hal_axis_u];
     c->overspeed_q32 = cam_config_speed_q32(speed_limit_mrpm, tick_hz);
     c->stopped_q32 = cam_config_speed_q32((uint32_t)p->stopped_mrpm, tick_hz);
+    c->speed_span_q32 = c->overspeed_q32 > c->stopped_q32
+                            ? (uint32_t)c->overspeed_q32 - (uint32_t)c->stopped_q32
+                            : 0u;
     c->stopped_ticks = (uint32_t)scale(p->stopped_ms, tick_hz, 1000);
     c->homing_ticks = c->stopped_ticks * homing_patience;
     c->following_nm = p->following_limit_nm;
     c->u_vel_q6 = (u->speed_q10 + u->speed_q10 / 16 + CHECK_MARGIN_Q10) / 16;
     c->u_acc_q6 = (u->acceleration_q10 + u->acceleration_q10 / 16 + CHECK_MARGIN_Q10) / 16;
+    c->u_acc_off_q6 = c->u_acc_q6 + c->u_vel_q6;
     c->u_range_q6 = p->u_stroke_nm * 32;
     c->u_retract_q10 = retract_q10(p);
     c->x_clearance_q10 = (int64_t)p->x_clearance_nm * 1024;
@@ -274,6 +298,7 @@ cam_err_t cam_config_build(cam_config_t *config, const cam_params_t *params,
     *config = (cam_config_t){.generation = config->generation};
     build_spindle(&config->spindle, params, table, tick_hz, clock_hz);
     build_play(&config->play, params, tick_hz);
+    build_rounds(&config->play, table != NULL && table->speed.knots != NULL);
     if (table != NULL) {
         config->table = *table;
         config->play.table = &config->table;
@@ -287,7 +312,7 @@ cam_err_t cam_config_build(cam_config_t *config, const cam_params_t *params,
     build_guard(&config->guard, params, speed_limit_mrpm, tick_hz);
     config->k1_q16 = ticks_of_ns(params->k1_ns, tick_hz);
     config->k2_q16 = ticks2_of_us2(params->k2_us2, tick_hz);
-    config->is_traced = params->trace_on != 0;
+    config->trace_room = params->trace_on != 0 ? (uint32_t)cam_trace_capacity : 0u;
     return cam_ok;
 }
 

@@ -13,18 +13,25 @@
     (ARMED_SYNCED | CAM_FAULT_BIT(reverse) | CAM_FAULT_BIT(spindle_stopped) |                      \
      CAM_FAULT_BIT(overspeed) | CAM_FAULT_BIT(z_range))
 
+/// Bit of the states in which nothing is accepted, fault or not.
+#define AT_REST (UINT32_C(1) << 31)
+_Static_assert(cam_n_faults < 32, "a bit is left");
+
+#define ARMED_IN_FAULT (CAM_FAULT_BIT(estop) | CAM_FAULT_BIT(drive))
+
 static const uint32_t armed[cam_n_states] = {
+    [cam_state_off] = AT_REST,
     [cam_state_homing] = ARMED_ENABLED | CAM_FAULT_BIT(spindle_stopped),
     [cam_state_ready] = ARMED_SYNCED,
     [cam_state_engaging] = ARMED_IN_WORK,
     [cam_state_cutting] = ARMED_IN_WORK,
     [cam_state_disengaging] = ARMED_IN_WORK,
-    [cam_state_fault] = CAM_FAULT_BIT(estop) | CAM_FAULT_BIT(drive),
+    [cam_state_fault] = ARMED_IN_FAULT | AT_REST,
 };
 
 uint32_t cam_guard_armed(cam_state_t state)
 {
-    return (uint32_t)state < cam_n_states ? armed[state] : 0u;
+    return (uint32_t)state < cam_n_states ? armed[state] & ~AT_REST : 0u;
 }
 
 static uint32_t bit_if(bool is_set, uint32_t bit)
@@ -59,18 +66,11 @@ CAM_STAGE static uint32_t judge_odd_speed(cam_guard_t *g, const cam_guard_config
 static uint32_t judge_spindle(cam_guard_t *g, const cam_guard_config_t *cfg, int32_t speed_q32,
                               cam_state_t state)
 {
-    if (speed_q32 < cfg->stopped_q32 || speed_q32 > cfg->overspeed_q32) {
+    if ((uint32_t)speed_q32 - (uint32_t)cfg->stopped_q32 > cfg->speed_span_q32) {
         return judge_odd_speed(g, cfg, speed_q32, state);
     }
     g->n_stopped = 0;
     return 0;
-}
-
-/// A tick off its time moves the set-point by more than a tick's way, the next one by less again.
-CAM_STAGE static int32_t slack(const cam_guard_config_t *cfg, int32_t step_q6)
-{
-    const int32_t way_q6 = cam_clamp_i32(step_q6, -cfg->u_vel_q6, cfg->u_vel_q6);
-    return way_q6 < 0 ? -way_q6 : way_q6;
 }
 
 /// Everything that a tick may be blamed for. Differences of set-points wrap only where they are far
@@ -91,9 +91,11 @@ static uint32_t blame(cam_guard_t *g, const cam_guard_config_t *cfg, const cam_s
         faults |= CAM_FAULT_BIT(setpoint_speed);
     }
     const int32_t change_q6 = cam_wrap_sub(step_q6, g->u_step_q6);
-    const int32_t more_q6 = angle->is_off_time ? slack(cfg, step_q6) : 0;
-    if (!cam_is_within(change_q6, cfg->u_acc_q6 + more_q6)) {
-        faults |= CAM_FAULT_BIT(setpoint_acceleration);
+    if (!cam_is_within(change_q6, cfg->u_acc_q6)) {
+        const int32_t most_q6 = angle->is_off_time ? cfg->u_acc_off_q6 : cfg->u_acc_q6;
+        if (!cam_is_within(change_q6, most_q6)) {
+            faults |= CAM_FAULT_BIT(setpoint_acceleration);
+        }
     }
     return faults;
 }
@@ -112,6 +114,11 @@ static void count_new(cam_guard_t *g)
     g->counted = g->faults;
 }
 
+uint32_t cam_guard_first(const cam_guard_t *g)
+{
+    return g->counted == 0u && g->faults != 0u ? g->faults : g->first_faults;
+}
+
 uint32_t cam_guard_count(const cam_guard_t *g, cam_fault_t fault)
 {
     const uint32_t n = ((g->faults & ~g->counted) >> fault) & 1u; // still to be counted
@@ -122,17 +129,30 @@ uint32_t cam_guard_count(const cam_guard_t *g, cam_fault_t fault)
     return (counted + n) % (1u << cam_guard_count_bits);
 }
 
-/// In the tick of the fault all axes go on as they did, U from where it was written last; the
-/// retract begins with the next one.
-static void enter_fault(cam_guard_t *g, const cam_guard_config_t *cfg, uint32_t faults,
-                        cam_move_t *axis)
+/// In the tick of the fault all axes go on as they did, U from where it was written last. That tick
+/// is busy enough: all the rest is left to the next one.
+static void enter_fault(cam_guard_t *g, uint32_t faults, cam_want_t *want, cam_play_t *play)
 {
-    g->first_faults = faults;
-    g->is_retracted = false;
-    g->x_off_q10 = axis[hal_axis_x].pos_q10 + cfg->x_clearance_q10;
+    g->faults = faults;
     g->u_set_q6 += g->u_step_q6;
-    axis[hal_axis_u] =
-        (cam_move_t){.pos_q10 = (int64_t)g->u_set_q6 * 16, .vel_q10 = g->u_step_q6 * 16};
+    play->axis[hal_axis_u].vel_q10 = g->u_step_q6 * 16;
+    play->axis[hal_axis_u].acc_q10 = 0;
+    cam_play_settle_isr(play, false);
+    want->state = cam_state_fault;
+    want->spindle_mrpm = 0;
+    want->u_set_q6 = g->u_set_q6;
+    want->faults = faults;
+    want->is_retracted = false;
+    want->outputs =
+        (faults & CAM_FAULT_BIT(drive)) == 0u ? hal_out_fault | hal_out_enable : hal_out_fault;
+}
+
+/// What the tick of the fault had no time for: where the retract begins and X is to go.
+static void begin_retract(cam_guard_t *g, const cam_guard_config_t *cfg, cam_move_t *axis)
+{
+    g->first_faults = g->faults;
+    g->x_off_q10 = axis[hal_axis_x].pos_q10 + cfg->x_clearance_q10;
+    axis[hal_axis_u].pos_q10 = (int64_t)g->u_set_q6 * 16;
 }
 
 static void retract(cam_guard_t *g, const cam_guard_config_t *cfg, cam_move_t *axis)
@@ -146,63 +166,73 @@ static void retract(cam_guard_t *g, const cam_guard_config_t *cfg, cam_move_t *a
     g->is_retracted = g->is_retracted || (is_u_out && is_x_off && is_z_at_rest);
 }
 
-static uint32_t outputs(const cam_guard_t *g, cam_state_t state)
+/// In the ticks after that of the fault.
+static void leave_work(cam_guard_t *g, const cam_guard_config_t *cfg, uint32_t faults,
+                       cam_want_t *want, cam_play_t *play)
 {
-    static const uint32_t bits[cam_n_states] = {
-        [cam_state_homing] = hal_out_enable,
-        [cam_state_ready] = hal_out_enable,
-        [cam_state_engaging] = hal_out_enable,
-        [cam_state_cutting] = hal_out_enable | hal_out_in_cut,
-        [cam_state_disengaging] = hal_out_enable,
-        [cam_state_fault] = hal_out_fault,
-    };
-    const bool is_drive_lost = (g->faults & CAM_FAULT_BIT(drive)) != 0u;
-    const bool is_held = state == cam_state_fault && !g->is_retracted && !is_drive_lost;
-    return bits[state] | bit_if(is_held, hal_out_enable);
-}
-
-/// A fault that is armed makes the state; the first one, too, the set-points.
-CAM_STAGE static void react(cam_guard_t *g, const cam_guard_config_t *cfg, uint32_t faults,
-                            cam_want_t *want, cam_move_t *axis)
-{
-    g->faults |= faults;
-    if (want->state == cam_state_fault) {
-        count_new(g);
-        retract(g, cfg, axis);
-    } else {
-        enter_fault(g, cfg, faults, axis);
+    if (g->counted == 0u) {
+        begin_retract(g, cfg, play->axis);
     }
-    want->state = cam_state_fault;
+    g->faults |= faults;
+    count_new(g);
+    retract(g, cfg, play->axis);
+    play->is_retracted = g->is_retracted;
     want->spindle_mrpm = 0;
     want->u_set_q6 = g->u_set_q6;
     want->faults = g->faults;
     want->is_retracted = g->is_retracted;
+    const bool is_held = !g->is_retracted && (g->faults & CAM_FAULT_BIT(drive)) == 0u;
+    want->outputs = is_held ? hal_out_fault | hal_out_enable : hal_out_fault;
 }
 
-/// What play wants is written. Off: set-points follow the axes, which is not a motion, and a reset
-/// has ended the latch.
+/// Off: set-points follow the axes, which is not a motion, and a reset has ended the latch.
+static void forget(cam_guard_t *g, cam_want_t *want)
+{
+    g->u_set_q6 = want->u_set_q6;
+    g->u_step_q6 = 0;
+    g->faults = 0;
+    g->counted = 0;
+    g->n_stopped = 0;
+    g->is_retracted = false;
+    want->faults = 0;
+    want->is_retracted = true;
+    want->outputs = 0;
+}
+
+CAM_STAGE static void rest(cam_guard_t *g, const cam_guard_config_t *cfg, const cam_sense_t *in,
+                           cam_want_t *want, cam_play_t *play)
+{
+    if (want->state == cam_state_off) {
+        forget(g, want);
+    } else {
+        leave_work(g, cfg, judge_inputs(in->inputs) & ARMED_IN_FAULT, want, play);
+    }
+}
+
+/// What play wants is written.
 static void accept(cam_guard_t *g, cam_want_t *want, int32_t step_q6)
 {
-    const bool is_off = want->state == cam_state_off;
     g->u_set_q6 = want->u_set_q6;
-    g->u_step_q6 = is_off ? 0 : step_q6;
-    if (is_off) {
-        g->faults = 0;
-        g->counted = 0;
-    }
+    g->u_step_q6 = step_q6;
     want->faults = 0;
-    want->is_retracted = is_off;
+    want->is_retracted = false;
+    want->outputs =
+        want->state == cam_state_cutting ? hal_out_enable | hal_out_in_cut : hal_out_enable;
 }
 
 void cam_guard_step_isr(cam_guard_t *g, const cam_guard_config_t *cfg, const cam_sense_t *in,
-                        const cam_angle_t *angle, cam_want_t *want, cam_move_t *axis)
+                        const cam_angle_t *angle, cam_want_t *want, cam_play_t *play)
 {
-    const int32_t step_q6 = cam_wrap_sub(want->u_set_q6, g->u_set_q6);
-    const uint32_t faults = blame(g, cfg, in, angle, want, step_q6) & armed[want->state];
-    if (faults != 0u || want->state == cam_state_fault) {
-        react(g, cfg, faults, want, axis);
-    } else {
-        accept(g, want, step_q6);
+    const uint32_t watched = armed[want->state];
+    if ((watched & AT_REST) != 0u) {
+        rest(g, cfg, in, want, play);
+        return;
     }
-    want->outputs = outputs(g, want->state);
+    const int32_t step_q6 = cam_wrap_sub(want->u_set_q6, g->u_set_q6);
+    const uint32_t faults = blame(g, cfg, in, angle, want, step_q6) & watched;
+    if (faults == 0u) {
+        accept(g, want, step_q6);
+    } else {
+        enter_fault(g, faults, want, play);
+    }
 }

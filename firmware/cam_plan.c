@@ -5,13 +5,16 @@
 #include "cam/cam_play.h"  // cam_play_t
 #include <stddef.h>        // NULL
 
+/// Half a nanometre: what is read in whole ones is then rounded.
+#define HALF_NM_Q10 512
+
 /// [1] in the unit of envelopes.
 #define ONE_Q30 (INT32_C(1) << 30)
 
 /// @return the share of one tick in the way of a round
-static int32_t share(int32_t way)
+static int32_t share(const cam_play_config_t *cfg, int32_t way)
 {
-    return cam_mulhi(way, (int32_t)((INT64_C(1) << 32) / cam_plan_tasks));
+    return cam_mulhi(way, cfg->per_round_q32);
 }
 
 int32_t cam_plan_smooth_q30(int32_t s_q31)
@@ -45,36 +48,30 @@ static int64_t eased_q32(const cam_play_config_t *cfg, int64_t turns_q32)
     return (share_q31 * turns_q24) >> 24;
 }
 
-/// @return [nm / 1024] of what the profile says in its LSB
-static int64_t profile_q10(const cam_channel_t *x, int32_t y)
-{
-    return ((int64_t)y * 1024 >> x->frac_bits) + (int64_t)x->offset_nm * 1024;
-}
-
-int64_t cam_plan_profile_q10(const cam_play_config_t *cfg, int32_t z_nm)
-{
-    const cam_channel_t *x = &cfg->table->x;
-    return profile_q10(x, cam_eval_profile(x, z_nm).y);
-}
-
 /// Where the master will be, seen from each axis, at the end of the ways that this round makes.
 CAM_STAGE static uint32_t plan_positions(cam_play_t *p, const cam_play_config_t *cfg,
                                          const cam_sense_t *in, const cam_angle_t *angle)
 {
     const int64_t spindle_lag_q32 = ((int64_t)p->speed.alpha_q40 * cfg->xz_lag2) >> 8;
     const int32_t z_nm = in->actual_nm[hal_axis_z];
-    p->plan.xz_pos_q32 = cam_angle_ahead(angle, cfg->xz_plan_q16) + spindle_lag_q32;
-    p->plan.u_pos_q32 = cam_angle_ahead(angle, cfg->u_plan_q16);
+    p->plan.xz.pos_q32 = cam_angle_ahead(angle, cfg->xz_plan_q16) + spindle_lag_q32;
+    p->plan.u.pos_q32 = cam_angle_ahead(angle, cfg->u_plan_q16);
     p->plan.going_on_nm = cam_wrap_add(z_nm, cam_wrap_sub(z_nm, p->plan.measured_nm));
     p->plan.measured_nm = z_nm;
+    p->n_put_off = 0;
+    return 0;
+}
+
+CAM_STAGE static uint32_t plan_turns(cam_play_t *p)
+{
+    p->plan.done_q32 = cam_clamp_i64(p->plan.xz.pos_q32 - p->feed_at_q32, 0, p->feed_turns_q32);
     return 0;
 }
 
 /// The feed rises at its start and falls towards its end.
 CAM_STAGE static uint32_t plan_feed(cam_play_t *p, const cam_play_config_t *cfg)
 {
-    const int64_t done_q32 =
-        cam_clamp_i64(p->plan.xz_pos_q32 - p->feed_at_q32, 0, p->feed_turns_q32);
+    const int64_t done_q32 = p->plan.done_q32;
     const int64_t left_q32 = p->feed_turns_q32 - done_q32;
     p->plan.fed_q32 = done_q32 <= left_q32
                           ? eased_q32(cfg, done_q32)
@@ -89,115 +86,186 @@ CAM_STAGE static uint32_t plan_height(cam_play_t *p, const cam_play_config_t *cf
     return 0;
 }
 
-/// @return [1 / 2^30] the rising part of the envelope
-CAM_STAGE static int32_t risen_q30(const cam_play_t *p, const cam_play_config_t *cfg,
-                                   int64_t pos_q32)
+/// The rising part of an envelope.
+CAM_STAGE static uint32_t plan_rise(const cam_play_t *p, const cam_play_config_t *cfg,
+                                    cam_plan_depth_t *at)
 {
-    return rise_q30(pos_q32 - p->engage_at_q32, cfg->engage_q32, cfg->per_engage_q31);
+    at->risen = rise_q30(at->pos_q32 - p->engage_at_q32, cfg->engage_q32, cfg->per_engage_q31);
+    return 0;
 }
 
-/// @return [1 / 2^30] envelope: 0 out of the work, 2^30 at full depth and amplitude
-CAM_STAGE static int32_t envelope_q30(const cam_play_t *p, const cam_play_config_t *cfg,
-                                      int64_t pos_q32, int32_t risen)
+/// The falling part.
+CAM_STAGE static uint32_t plan_fall(const cam_play_t *p, const cam_play_config_t *cfg,
+                                    cam_plan_depth_t *at)
 {
-    const int32_t fallen =
-        rise_q30(pos_q32 - p->disengage_at_q32, cfg->disengage_q32, cfg->per_disengage_q31);
-    return cam_mul_shift(risen, ONE_Q30 - fallen, 30);
+    at->fallen =
+        rise_q30(at->pos_q32 - p->disengage_at_q32, cfg->disengage_q32, cfg->per_disengage_q31);
+    return 0;
+}
+
+static void finish_envelope(cam_plan_depth_t *at)
+{
+    at->envelope = cam_mul_shift(at->risen, ONE_Q30 - at->fallen, 30);
+}
+
+CAM_STAGE static uint32_t plan_envelopes(cam_play_t *p)
+{
+    finish_envelope(&p->plan.xz);
+    finish_envelope(&p->plan.u);
+    return 0;
+}
+
+/// Nobody asks in the work whether a height was clamped.
+static void keep_height(cam_height_t *kept, cam_height_t at)
+{
+    kept->i = at.i;
+    kept->w_q31 = at.w_q31;
 }
 
 CAM_STAGE static uint32_t find_profile(cam_play_t *p, const cam_play_config_t *cfg)
 {
-    p->plan.x_height = cam_eval_height(&cfg->table->x, p->plan.z_nm);
+    p->plan.x_spot = cam_eval_spot(&cfg->table->x, p->plan.z_nm);
+    p->task = cfg->after_profile;
+    return 0;
+}
+
+CAM_STAGE static uint32_t read_profile(cam_play_t *p)
+{
+    p->plan.x_value = cam_eval_profile_at(p->plan.x_spot).y;
     return 0;
 }
 
 CAM_STAGE static uint32_t plan_x(cam_play_t *p, const cam_play_config_t *cfg)
 {
-    const cam_channel_t *x = &cfg->table->x;
-    const cam_value_t value = cam_eval_profile_at(x, p->plan.x_height);
-    const int64_t clear_q10 = ((int64_t)cfg->x_clearance_nm * (ONE_Q30 - p->plan.x_envelope)) >> 20;
-    p->plan.x_q10 = profile_q10(x, value.y) + clear_q10;
+    const int64_t clear_q10 =
+        ((int64_t)cfg->x_clearance_nm * (ONE_Q30 - p->plan.xz.envelope)) >> 20;
+    p->plan.x_q10 = cam_plan_profile_q10(&cfg->table->x, p->plan.x_value) + clear_q10 + HALF_NM_Q10;
     return 0;
 }
 
-/// Equal ways to a target; what does not divide is gone at once. Two millimetres per round are the
-/// most: a Z that others move faster is followed later.
-static void aim(cam_move_t *m, int64_t target_q10)
+/// Equal ways to a target; what does not divide is gone at once. The end of the way has been put
+/// off by as many ticks as the round. Two millimetres per round are the most: a Z that others move
+/// faster is followed later.
+static void aim(cam_move_t *m, const cam_play_config_t *cfg, int32_t put_off, int64_t target_q10)
 {
-    const int32_t left_q10 = cam_sat_i32(target_q10 - m->pos_q10);
-    m->vel_q10 = share(left_q10);
+    const int64_t put_off_q10 = (int64_t)m->vel_q10 * put_off;
+    const int32_t left_q10 = cam_sat_i32(target_q10 + put_off_q10 - m->pos_q10);
+    m->vel_q10 = share(cfg, left_q10);
     m->acc_q10 = 0;
-    m->pos_q10 += left_q10 - (int64_t)m->vel_q10 * cam_plan_tasks;
+    m->pos_q10 += left_q10 - (int64_t)m->vel_q10 * cfg->round_ticks;
 }
 
-CAM_STAGE static uint32_t aim_xz(cam_play_t *p)
+/// X's way ends a tick before Z's, for which it was planned.
+CAM_STAGE static uint32_t aim_x(cam_play_t *p, const cam_play_config_t *cfg)
 {
-    aim(&p->axis[hal_axis_x], p->plan.x_q10);
-    aim(&p->axis[hal_axis_z], (int64_t)p->plan.z_nm * 1024);
+    cam_move_t *x = &p->axis[hal_axis_x];
+    aim(x, cfg, p->n_put_off - 1, p->plan.x_q10);
+    return 0;
+}
+
+CAM_STAGE static uint32_t aim_z(cam_play_t *p, const cam_play_config_t *cfg)
+{
+    aim(&p->axis[hal_axis_z], cfg, p->n_put_off, (int64_t)p->plan.z_nm * 1024);
+    return 0;
+}
+
+/// U's height on the table.
+CAM_STAGE static uint32_t find_height(cam_play_t *p, const cam_play_config_t *cfg)
+{
+    const int64_t ahead_q26 = (int64_t)p->axis[hal_axis_z].vel_q10 * cfg->u_height_q16;
+    const int32_t z_nm = cam_wrap_add(p->plan.z_nm, (int32_t)(ahead_q26 >> 26));
+    keep_height(&p->plan.u_height, cam_eval_height(&cfg->table->u, z_nm));
+    return 0;
+}
+
+/// Eight slices per round are the most: nothing that feeds is as fast.
+CAM_STAGE static uint32_t aim_height(cam_play_t *p, const cam_play_config_t *cfg)
+{
+    const cam_height_t at = p->plan.u_height;
+    const int64_t put_off_q32 = (int64_t)p->height_way_q32 * p->n_put_off;
+    const int64_t target_q32 =
+        (int64_t)((uint64_t)at.i << 32 | (uint32_t)at.w_q31 << 1) + put_off_q32;
+    const int32_t left_q28 = cam_sat_i32((target_q32 - p->height_q32) >> 4);
+    p->height_way_q32 = share(cfg, left_q28) * 16;
+    p->height_q32 = target_q32 - (int64_t)p->height_way_q32 * cfg->round_ticks;
     return 0;
 }
 
 /// U's amplitude, and how far behind Z's set-point U is played.
 CAM_STAGE static uint32_t aim_u(cam_play_t *p, const cam_play_config_t *cfg)
 {
-    const int32_t scale_q30 = cam_mul_shift(p->plan.u_envelope, p->amplitude_q30, 30);
-    p->scale_way_q30 = share(scale_q30 - p->scale_q30);
-    p->scale_q30 = scale_q30 - p->scale_way_q30 * cam_plan_tasks;
+    const int32_t scale_q30 = cam_mul_shift(p->plan.u.envelope, p->amplitude_q30, 30);
+    p->scale_way_q30 = share(cfg, scale_q30 - p->scale_q30);
+    p->scale_q30 = scale_q30 - p->scale_way_q30 * cfg->round_ticks;
     const int64_t behind_q26 = (int64_t)p->axis[hal_axis_z].vel_q10 * cfg->u_behind_q16;
     const int32_t behind_q4 = (int32_t)(behind_q26 >> 22);
-    p->behind_way_q4 = share(behind_q4 - p->behind_q4);
-    p->behind_q4 = behind_q4 - p->behind_way_q4 * cam_plan_tasks;
+    p->behind_way_q4 = share(cfg, behind_q4 - p->behind_q4);
+    p->behind_q4 = behind_q4 - p->behind_way_q4 * cfg->round_ticks;
     return 0;
 }
 
-/// The place of the speed ratio for the middle of the ticks that will use it, seen from this one.
-CAM_STAGE static uint32_t find_ratio(cam_play_t *p, const cam_play_config_t *cfg,
-                                     const cam_angle_t *angle)
+/// The speed ratio is read for the middle of the ticks that will use it, seen from this one.
+CAM_STAGE static uint32_t find_slices(cam_play_t *p, const cam_play_config_t *cfg,
+                                      const cam_angle_t *angle)
 {
-    const cam_channel_t *speed = &cfg->table->speed;
     const uint32_t angle_q32 = cam_angle_of_pos(cam_angle_ahead(angle, cfg->ratio_q16));
-    p->plan.ratio_place = cam_eval_place(speed, angle_q32 - (uint32_t)p->phase_q32,
-                                         cam_eval_height(speed, p->plan.z_nm));
+    p->plan.ratio_angle_q32 = angle_q32 - (uint32_t)p->phase_q32;
+    keep_height(&p->plan.ratio_height, cam_eval_height(&cfg->table->speed, p->plan.z_nm));
     return 0;
 }
 
-CAM_STAGE static uint32_t read_ratio(cam_play_t *p, const cam_play_config_t *cfg)
+CAM_STAGE static uint32_t find_ratio(cam_play_t *p, const cam_play_config_t *cfg)
+{
+    p->plan.ratio_place =
+        cam_eval_place(&cfg->table->speed, p->plan.ratio_angle_q32, p->plan.ratio_height);
+    return 0;
+}
+
+CAM_STAGE static uint32_t read_knot(cam_play_t *p, uint32_t end)
+{
+    p->plan.ratio_knot[end] = cam_eval_knot_at(&p->plan.ratio_place, end);
+    return 0;
+}
+
+CAM_STAGE static uint32_t read_ratio(cam_play_t *p)
 {
     const cam_segment_t at = {.k0 = p->plan.ratio_knot[0],
                               .k1 = p->plan.ratio_knot[1],
                               .s_q32 = p->plan.ratio_place.s_q32};
-    p->plan.ratio =
-        cam_speed_scaled(&cfg->table->speed, cam_eval_rounded(cam_eval_quintic(at), false));
+    const cam_fine_t fine = cam_eval_quintic(at);
+    p->plan.ratio_fine.y = fine.y; // nobody asks for the second derivative
+    p->plan.ratio_fine.d1 = fine.d1;
     return 0;
 }
 
-/// The tasks of a spindle that is modulated.
-static uint32_t modulate(cam_play_t *p, const cam_play_config_t *cfg, const cam_angle_t *angle,
-                         uint32_t task)
+CAM_STAGE static uint32_t scale_ratio(cam_play_t *p, const cam_play_config_t *cfg)
 {
-    switch (task) {
-    case cam_plan_task_find_ratio:
-        return find_ratio(p, cfg, angle);
-    case cam_plan_task_ratio_knot_0:
-        p->plan.ratio_knot[0] = cam_eval_knot_at(&p->plan.ratio_place, 0);
-        break;
-    case cam_plan_task_ratio_knot_1:
-        p->plan.ratio_knot[1] = cam_eval_knot_at(&p->plan.ratio_place, 1);
-        break;
-    case cam_plan_task_ratio:
-        return read_ratio(p, cfg);
-    case cam_plan_task_pace:
-        p->plan.pace = cam_speed_pace(p->plan.ratio, p->plan.u_envelope);
-        break;
-    case cam_plan_task_speed:
-        p->speed.spindle_mrpm = cam_speed_mrpm(&cfg->speed, p->plan.pace);
-        break;
-    case cam_plan_task_alpha:
-        p->speed.alpha_q40 = cam_speed_alpha_q40(&cfg->speed, p->plan.pace);
-        break;
-    default:
-        break;
-    }
+    p->plan.ratio =
+        cam_speed_scaled(&cfg->table->speed, cam_eval_rounded(p->plan.ratio_fine, false));
+    return 0;
+}
+
+CAM_STAGE static uint32_t plan_pace(cam_play_t *p)
+{
+    p->plan.pace = cam_speed_pace(p->plan.ratio, p->plan.u.envelope);
+    return 0;
+}
+
+CAM_STAGE static uint32_t plan_told(cam_play_t *p, const cam_play_config_t *cfg)
+{
+    p->plan.told_q28 = cam_speed_told_q28(&cfg->speed, p->plan.pace);
+    return 0;
+}
+
+CAM_STAGE static uint32_t plan_speed(cam_play_t *p, const cam_play_config_t *cfg)
+{
+    p->speed.spindle_mrpm = cam_speed_mrpm(&cfg->speed, p->plan.told_q28);
+    return 0;
+}
+
+CAM_STAGE static uint32_t plan_alpha(cam_play_t *p, const cam_play_config_t *cfg)
+{
+    p->speed.alpha_q40 = cam_speed_alpha_q40(&cfg->speed, p->plan.pace);
     return 0;
 }
 
@@ -224,6 +292,7 @@ CAM_STAGE static uint32_t look_at_state(cam_play_t *p, const cam_play_config_t *
     p->state = state_at(p, cfg, angle->pos_q32);
     if (p->state == cam_state_ready) { // scale 0: U has come to rest at 0
         p->axis[hal_axis_u] = (cam_move_t){0};
+        p->is_playing = false;
     }
     return 0;
 }
@@ -245,56 +314,99 @@ CAM_STAGE static uint32_t ramp(cam_play_t *p, const cam_play_config_t *cfg)
 {
     const int32_t most_q32 = cfg->phase_step_q32;
     const int32_t left_q32 = cam_angle_diff_q32((uint32_t)cfg->phase_q32, (uint32_t)p->phase_q32);
-    p->phase_way_q32 = cam_clamp_i32(share(left_q32), -most_q32, most_q32);
+    p->phase_way_q32 = cam_clamp_i32(share(cfg, left_q32), -most_q32, most_q32);
     if (p->phase_way_q32 == 0) {
         p->phase_q32 = cfg->phase_q32;
     }
-    const int32_t most_q30 = cfg->amplitude_step_q30 * cam_plan_tasks;
+    const int32_t most_q30 = cfg->amplitude_step_q30 * cfg->round_ticks;
+    p->task = cfg->after_ramp;
     p->amplitude_q30 += cam_clamp_i32(cfg->amplitude_q30 - p->amplitude_q30, -most_q30, most_q30);
     return 0;
 }
+
+/// What the second pass over the speed ratio does in the place of the first.
+#define AGAIN(task) (cam_plan_task_again + (task)-cam_plan_task_find_slices)
 
 uint32_t cam_plan_task_isr(cam_play_t *p, const cam_play_config_t *cfg, const cam_sense_t *in,
                            const cam_angle_t *angle)
 {
     const uint32_t task = p->task;
-    p->task = task == cam_plan_tasks - 1u ? 0u : task + 1u;
+    p->task = task + 1u;
     switch (task) {
     case cam_plan_task_positions:
         return plan_positions(p, cfg, in, angle);
+    case cam_plan_task_turns:
+        return plan_turns(p);
     case cam_plan_task_feed:
         return plan_feed(p, cfg);
     case cam_plan_task_height:
         return plan_height(p, cfg);
     case cam_plan_task_x_rise:
-        p->plan.risen = risen_q30(p, cfg, p->plan.xz_pos_q32);
-        return 0;
-    case cam_plan_task_x_envelope:
-        p->plan.x_envelope = envelope_q30(p, cfg, p->plan.xz_pos_q32, p->plan.risen);
-        return 0;
+        return plan_rise(p, cfg, &p->plan.xz);
+    case cam_plan_task_x_fall:
+        return plan_fall(p, cfg, &p->plan.xz);
     case cam_plan_task_u_rise:
-        p->plan.risen = risen_q30(p, cfg, p->plan.u_pos_q32);
-        return 0;
-    case cam_plan_task_u_envelope:
-        p->plan.u_envelope = envelope_q30(p, cfg, p->plan.u_pos_q32, p->plan.risen);
-        return 0;
+        return plan_rise(p, cfg, &p->plan.u);
+    case cam_plan_task_u_fall:
+        return plan_fall(p, cfg, &p->plan.u);
+    case cam_plan_task_envelopes:
+        return plan_envelopes(p);
     case cam_plan_task_find_profile:
         return find_profile(p, cfg);
+    case cam_plan_task_read_profile:
+        return read_profile(p);
     case cam_plan_task_x:
         return plan_x(p, cfg);
-    case cam_plan_task_aim_xz:
-        return aim_xz(p);
+    case cam_plan_task_aim_x:
+        return aim_x(p, cfg);
+    case cam_plan_task_aim_z:
+        return aim_z(p, cfg);
+    case cam_plan_task_find_height:
+        return find_height(p, cfg);
+    case cam_plan_task_aim_height:
+        return aim_height(p, cfg);
     case cam_plan_task_aim_u:
         return aim_u(p, cfg);
-    case cam_plan_task_alpha_u:
-        return plan_alpha_u(p, cfg);
     case cam_plan_task_state:
         return look_at_state(p, cfg, angle);
     case cam_plan_task_z:
         return look_at_z(cfg, in, &p->axis[hal_axis_z]);
     case cam_plan_task_ramp:
         return ramp(p, cfg);
-    default:
-        return cfg->table->speed.knots != NULL ? modulate(p, cfg, angle, task) : 0u;
+    case cam_plan_task_find_slices:
+    case AGAIN(cam_plan_task_find_slices):
+        return find_slices(p, cfg, angle);
+    case cam_plan_task_find_ratio:
+    case AGAIN(cam_plan_task_find_ratio):
+        return find_ratio(p, cfg);
+    case cam_plan_task_ratio_knot_0:
+    case AGAIN(cam_plan_task_ratio_knot_0):
+        return read_knot(p, 0);
+    case cam_plan_task_ratio_knot_1:
+    case AGAIN(cam_plan_task_ratio_knot_1):
+        return read_knot(p, 1);
+    case cam_plan_task_read_ratio:
+    case AGAIN(cam_plan_task_read_ratio):
+        return read_ratio(p);
+    case cam_plan_task_ratio:
+    case AGAIN(cam_plan_task_ratio):
+        return scale_ratio(p, cfg);
+    case cam_plan_task_pace:
+    case AGAIN(cam_plan_task_pace):
+        return plan_pace(p);
+    case cam_plan_task_told:
+    case AGAIN(cam_plan_task_told):
+        return plan_told(p, cfg);
+    case cam_plan_task_speed:
+    case AGAIN(cam_plan_task_speed):
+        return plan_speed(p, cfg);
+    case cam_plan_task_alpha:
+    case AGAIN(cam_plan_task_alpha):
+        return plan_alpha(p, cfg);
+    case cam_plan_task_alpha_u:
+        return plan_alpha_u(p, cfg);
+    default: // the last one, which leads back to the first
+        p->task = cam_plan_task_positions;
+        return plan_alpha_u(p, cfg);
     }
 }

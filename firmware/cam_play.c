@@ -22,12 +22,14 @@ static int64_t furthest_q32(const cam_play_config_t *cfg, const cam_angle_t *ang
 /// by the guard.
 /// @return [nm / 64] U
 CAM_STAGE static int32_t surface(cam_play_t *p, const cam_play_config_t *cfg, int32_t speed_q32,
-                                 uint32_t theta_q32, int32_t z_nm)
+                                 uint32_t theta_q32)
 {
     const cam_u_scale_t *by = &cfg->u;
     const cam_channel_t *ch = &cfg->table->u;
-    const cam_fine_t fine =
-        cam_eval_quintic(cam_eval_segment(ch, theta_q32, cam_eval_height(ch, z_nm)));
+    const uint64_t height_q32 = (uint64_t)p->height_q32;
+    const cam_height_t z = {.i = (uint32_t)(height_q32 >> 32),
+                            .w_q31 = (int32_t)((uint32_t)height_q32 >> 1)};
+    const cam_fine_t fine = cam_eval_quintic(cam_eval_segment(ch, theta_q32, z));
     const int32_t scale_q30 = p->scale_q30;
     const int32_t speed = (int32_t)((uint32_t)speed_q32 << by->speed_shift);
     const int32_t rate = cam_mulhi(speed, scale_q30);
@@ -46,21 +48,53 @@ static void advance(cam_move_t *m)
     m->pos_q10 += m->vel_q10;
 }
 
-/// All axes from the angle: U exactly, X and Z on their way.
-static void play_table(cam_play_t *p, const cam_play_config_t *cfg, const cam_sense_t *in,
-                       const cam_angle_t *angle, cam_want_t *want)
+/// What moves linearly within a round goes on.
+static void go_on(cam_play_t *p, cam_want_t *want)
 {
-    want->faults |= cam_plan_task_isr(p, cfg, in, angle);
     advance(&p->axis[hal_axis_x]);
     advance(&p->axis[hal_axis_z]);
     p->phase_q32 = cam_wrap_add(p->phase_q32, p->phase_way_q32);
     p->scale_q30 += p->scale_way_q30;
     p->behind_q4 += p->behind_way_q4;
-    const uint32_t angle_q32 = cam_angle_of_pos(cam_angle_ahead(angle, cfg->lead_q16));
+    p->height_q32 += p->height_way_q32;
     const int32_t set_nm = (int32_t)(p->axis[hal_axis_z].pos_q10 >> 10);
-    want->z_nm = cfg->is_z_measured ? in->actual_nm[hal_axis_z] : set_nm - (p->behind_q4 >> 4);
-    want->u_set_q6 =
-        surface(p, cfg, angle->speed_q32, angle_q32 - (uint32_t)p->phase_q32, want->z_nm);
+    want->z_nm = set_nm - (p->behind_q4 >> 4);
+}
+
+static int32_t u_of_angle(cam_play_t *p, const cam_play_config_t *cfg, const cam_angle_t *angle)
+{
+    const uint32_t angle_q32 = cam_angle_of_pos(cam_angle_ahead(angle, cfg->lead_q16));
+    return surface(p, cfg, angle->speed_q32, angle_q32 - (uint32_t)p->phase_q32);
+}
+
+/// A tick that is busy puts its task off. When the angle is at fault the cut ends with this tick,
+/// the guard takes over: U keeps its pace.
+CAM_STAGE static void play_on(cam_play_t *p, const cam_play_config_t *cfg, const cam_angle_t *angle,
+                              cam_want_t *want)
+{
+    p->n_put_off++;
+    go_on(p, want);
+    if (angle->faults == CAM_ANGLE_BUSY) {
+        want->u_set_q6 = u_of_angle(p, cfg, angle);
+    } else {
+        const int32_t last_q6 = p->history_q6[p->n_history % cam_play_history];
+        const int32_t before_q6 = p->history_q6[(p->n_history - 1u) % cam_play_history];
+        want->u_set_q6 = cam_wrap_add(last_q6, cam_wrap_sub(last_q6, before_q6));
+    }
+}
+
+/// All axes from the angle: U exactly, the others on their way. @return faults
+static uint32_t play_table(cam_play_t *p, const cam_play_config_t *cfg, const cam_sense_t *in,
+                           const cam_angle_t *angle, cam_want_t *want)
+{
+    if (angle->faults != 0u) {
+        play_on(p, cfg, angle, want);
+        return 0;
+    }
+    const uint32_t faults = cam_plan_task_isr(p, cfg, in, angle);
+    go_on(p, want);
+    want->u_set_q6 = u_of_angle(p, cfg, angle);
+    return faults;
 }
 
 /// Tool out of the work, feed axes at rest. @return true when all of them rest
@@ -90,14 +124,17 @@ static void lay(cam_play_t *p, const cam_play_config_t *cfg, const cam_angle_t *
     p->plan.measured_nm = z_nm;
     p->behind_q4 = 0;
     p->behind_way_q4 = 0;
+    p->height_q32 = 0; // U is at 0 until the first round has said where it is
+    p->height_way_q32 = 0;
     p->task = 0;
-    p->is_approaching = false;
+    p->is_playing = true;
 }
 
-/// @return [nm / 1024] where X waits for a cut that begins at a height
-CAM_STAGE static int64_t waiting_x_q10(const cam_play_config_t *cfg, int32_t z_nm)
+/// Where X waits for a cut that begins at a height.
+static void place_x(cam_play_t *p, const cam_play_config_t *cfg)
 {
-    return cam_plan_profile_q10(cfg, z_nm) + (int64_t)cfg->x_clearance_nm * 1024;
+    const int64_t profile_q10 = cam_plan_profile_q10(&cfg->table->x, p->plan.x_value);
+    p->plan.x_q10 = profile_q10 + (int64_t)cfg->x_clearance_nm * 1024;
 }
 
 /// Z to the start of the cut, X standing, then X: the tool nears the work where it will cut.
@@ -115,33 +152,58 @@ static bool approach_xz(cam_play_t *p, const cam_play_config_t *cfg)
     return false;
 }
 
-/// X over a Z that others lead; its set-point is where it is. @return true when X is there
-static bool approach_x(cam_play_t *p, const cam_play_config_t *cfg, int32_t z_nm)
+/// X over a Z that others lead; its set-point is where it is. The tool nears the work when U is
+/// ready. @return true when X is there
+static bool approach_x(cam_play_t *p, const cam_play_config_t *cfg, int32_t z_nm, bool is_u_there)
 {
     p->axis[hal_axis_z] = (cam_move_t){.pos_q10 = (int64_t)z_nm * 1024};
-    return cam_move_to_isr(&p->axis[hal_axis_x], &cfg->approach[hal_axis_x],
-                           waiting_x_q10(cfg, z_nm));
+    return is_u_there &&
+           cam_move_to_isr(&p->axis[hal_axis_x], &cfg->approach[hal_axis_x], p->plan.x_q10);
 }
 
-enum { step_begin, step_move, step_lay }; ///< of an approach, in p->task
+/// Of an approach, in p->task. A Z that others lead is found again while the axes move.
+enum { step_find, step_read, step_place, step_move, step_read_again, step_place_again, step_lay };
 
-/// Axes to the start of the cut: first it is found out where X waits, at last the cut is laid.
+/// Find out where X waits, in three ticks. @return the step of the next tick
+CAM_STAGE static uint32_t find_x(cam_play_t *p, const cam_play_config_t *cfg, int32_t z_nm)
+{
+    const uint32_t step = p->task;
+    if (step == step_place || step == step_place_again) {
+        place_x(p, cfg);
+        return step_move;
+    }
+    if (step == step_read || step == step_read_again) {
+        p->plan.x_value = cam_eval_profile_at(p->plan.x_spot).y;
+    } else if (step == step_find || cfg->is_z_measured) {
+        p->plan.x_spot = cam_eval_spot(&cfg->table->x, z_nm);
+    } else {
+        return step_move;
+    }
+    return step + 1u;
+}
+
+/// Axes to the start of the cut; at last the cut is laid.
 static void approach(cam_play_t *p, const cam_play_config_t *cfg, const cam_sense_t *in,
                      const cam_angle_t *angle)
 {
     const int32_t z_nm = cfg->is_z_measured ? in->actual_nm[hal_axis_z] : cfg->z_first_nm;
-    if (p->task == step_begin) {
-        p->plan.x_q10 = waiting_x_q10(cfg, z_nm);
-        p->task = step_move;
-        (void)wait_retracted(p, cfg);
-    } else if (p->task == step_move) {
-        const bool is_u_there =
-            cam_move_to_isr(&p->axis[hal_axis_u], &cfg->approach[hal_axis_u], 0);
-        const bool is_xz_there =
-            cfg->is_z_measured ? approach_x(p, cfg, z_nm) : approach_xz(p, cfg);
-        p->task = is_u_there && is_xz_there ? step_lay : step_move;
-    } else {
+    if (p->task == step_lay) {
         lay(p, cfg, angle, z_nm);
+        return;
+    }
+    const bool is_x_known = p->task >= step_move;
+    if (angle->faults == 0u) { // a busy tick puts it off
+        p->task = find_x(p, cfg, z_nm);
+    }
+    if (!is_x_known) {
+        (void)wait_retracted(p, cfg);
+        return;
+    }
+    const bool is_u_there = cam_move_to_isr(&p->axis[hal_axis_u], &cfg->approach[hal_axis_u], 0);
+    const bool is_xz_there =
+        cfg->is_z_measured ? approach_x(p, cfg, z_nm, is_u_there) : approach_xz(p, cfg);
+    if (is_u_there && is_xz_there) {
+        p->task = step_lay;
     }
 }
 
@@ -157,7 +219,7 @@ static void follow_axes(const cam_sense_t *in, cam_move_t *axis)
 /// begin.
 static void stop(cam_play_t *p, const cam_play_config_t *cfg, const cam_angle_t *angle)
 {
-    if (p->is_approaching) {
+    if (!p->is_playing) {
         p->state = cam_state_ready;
         return;
     }
@@ -191,8 +253,7 @@ CAM_STAGE static uint32_t obey(cam_play_t *p, const cam_play_config_t *cfg, uint
     case cam_request_start:
         if (p->state == cam_state_ready) {
             p->state = cam_state_engaging;
-            p->is_approaching = true;
-            p->task = step_begin;
+            p->task = step_find;
         }
         break;
     case cam_request_stop:
@@ -213,19 +274,19 @@ CAM_STAGE static uint32_t obey(cam_play_t *p, const cam_play_config_t *cfg, uint
 
 /// U set-point of lead ticks ago, between two of them: that is where the drive should be now. What
 /// does not fit 32 bits is only seen while off, where nobody asks.
-static int32_t due_q6(const cam_play_t *p, const cam_play_config_t *cfg)
+static int32_t due_q6(cam_play_t *p, const cam_play_config_t *cfg)
 {
-    const uint32_t newer = p->n_history - 1u - cfg->lead_ticks;
-    const int32_t a_q6 = p->history_q6[newer % cam_play_history];
-    const int32_t b_q6 = p->history_q6[(newer - 1u) % cam_play_history];
+    const int32_t a_q6 = p->history_q6[(p->n_history - cfg->lead_ticks) % cam_play_history];
+    const int32_t b_q6 = p->due_q6;
+    p->due_q6 = a_q6;
     const uint32_t twice_q6 = 2u * ((uint32_t)b_q6 - (uint32_t)a_q6);
     return cam_mulhi_add(a_q6, (int32_t)twice_q6, cfg->lead_part_q31);
 }
 
 static void remember(cam_play_t *p, int32_t u_q6)
 {
-    p->history_q6[p->n_history % cam_play_history] = u_q6;
     p->n_history++;
+    p->history_q6[p->n_history % cam_play_history] = u_q6;
 }
 
 /// Everything that is not a cut: the axes move by time. @return [nm / 64] U
@@ -250,15 +311,16 @@ CAM_STAGE static int32_t move_axes(cam_play_t *p, const cam_play_config_t *cfg,
 void cam_play_step_isr(cam_play_t *p, const cam_play_config_t *cfg, const cam_sense_t *in,
                        const cam_angle_t *angle, cam_want_t *want)
 {
-    want->faults = in->request >> 8 != p->request ? obey(p, cfg, in->request, angle) : 0u;
-    if (cam_state_is_in_work(p->state) && !p->is_approaching) {
-        play_table(p, cfg, in, angle, want);
+    uint32_t faults = in->request >> 8 != p->request ? obey(p, cfg, in->request, angle) : 0u;
+    if (p->is_playing) {
+        faults |= play_table(p, cfg, in, angle, want);
     } else {
         want->z_nm = in->actual_nm[hal_axis_z];
         want->u_set_q6 = move_axes(p, cfg, in, angle);
     }
     remember(p, want->u_set_q6);
     want->u_due_q6 = due_q6(p, cfg);
+    want->faults = faults;
     want->state = p->state;
     want->spindle_mrpm = p->speed.spindle_mrpm;
 }

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam/cam_tick.h"
-#include "cam/cam_fix.h" // cam_sat_i32
-#include "hal/hal.h"     // all reads and writes
-#include <stddef.h>      // NULL
+#include "cam/cam_fence.h" // cam_fence_release_isr
+#include "cam/cam_fix.h"   // cam_sat_i32
+#include "hal/hal.h"       // all reads and writes
+#include <stddef.h>        // NULL
 
 /// The end of a stage, sense .. actuate. Nothing, unless a test that counts the stages defines it
 /// in front of this file (tests/budget/stage_mark.h).
@@ -15,21 +16,13 @@ cam_t g_cam;
 static void sense_isr(cam_t *c, cam_sense_t *in)
 {
     in->clock = hal_clock_isr();
-    in->encoder = hal_encoder_read_isr();
+    hal_encoder_read_isr(&in->encoder);
     in->actual_nm[hal_axis_u] = hal_axis_read_nm_isr(hal_axis_u);
     in->actual_nm[hal_axis_x] = hal_axis_read_nm_isr(hal_axis_x);
     in->actual_nm[hal_axis_z] = hal_axis_read_nm_isr(hal_axis_z);
     in->inputs = hal_inputs_read_isr();
-    in->request = atomic_load_explicit(&c->request, memory_order_acquire);
-}
-
-/// While off, nobody relies on the angle: the index is forgotten, so every enable homes anew.
-static void angle_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
-{
-    if (c->play.state == cam_state_off) {
-        cam_spindle_forget_isr(&c->spindle);
-    }
-    cam_spindle_step_isr(&c->spindle, &cfg->spindle, &r->in, c->play.speed.alpha_q40, &r->angle);
+    in->request = atomic_load_explicit(&c->request, memory_order_relaxed);
+    cam_fence_acquire_isr();
 }
 
 /// Inverse of a second-order drive: what must be commanded for the tool to be at u_q6, inside the
@@ -45,9 +38,10 @@ static int32_t command_nm(const cam_config_t *cfg, int32_t u_q6, const cam_move_
     return cam_clamp_i32(u_q6 + more_q6 + 32, -most_q6, most_q6) >> 6;
 }
 
+/// Rounded down; the plan has added to X what makes that to the nearest.
 static int32_t plain_nm(const cam_move_t *m)
 {
-    return (int32_t)((m->pos_q10 + 512) >> 10);
+    return (int32_t)(m->pos_q10 >> 10);
 }
 
 static hal_setpoint_t setpoint(const cam_move_t *m, int32_t pos_nm)
@@ -67,15 +61,14 @@ CAM_STAGE static void command(const cam_t *c, const cam_config_t *cfg, cam_tick_
 
 static inline void steps_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
 {
-    r->tick = c->tick++;
     r->config = cfg->generation;
-    angle_isr(c, cfg, r);
+    cam_spindle_step_isr(&c->spindle, &cfg->spindle, &r->in, c->play.speed.alpha_q40, &r->angle);
     CAM_TICK_MARK(angle);
     cam_play_step_isr(&c->play, &cfg->play, &r->in, &r->angle, &r->want);
     CAM_TICK_MARK(play);
-    cam_guard_step_isr(&c->guard, &cfg->guard, &r->in, &r->angle, &r->want, c->play.axis);
-    if (r->want.state == cam_state_fault) {
-        cam_play_settle_isr(&c->play, r->want.is_retracted);
+    cam_guard_step_isr(&c->guard, &cfg->guard, &r->in, &r->angle, &r->want, &c->play);
+    if (r->want.state == cam_state_off) { // nobody relies on the angle: every enable homes anew
+        cam_spindle_forget_isr(&c->spindle);
     }
     CAM_TICK_MARK(guard);
     command(c, cfg, r);
@@ -89,31 +82,33 @@ void cam_tick_steps_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
 static void actuate_isr(const cam_tick_record_t *r)
 {
     hal_outputs_write_isr(r->want.outputs);
-    hal_axis_write_isr(hal_axis_u, r->out[hal_axis_u]);
-    hal_axis_write_isr(hal_axis_x, r->out[hal_axis_x]);
-    hal_axis_write_isr(hal_axis_z, r->out[hal_axis_z]);
+    hal_axis_write_isr(hal_axis_u, &r->out[hal_axis_u]);
+    hal_axis_write_isr(hal_axis_x, &r->out[hal_axis_x]);
+    hal_axis_write_isr(hal_axis_z, &r->out[hal_axis_z]);
     hal_spindle_write_isr(r->want.spindle_mrpm);
 }
 
 /// The record is the status; its place is written again two ticks later at the earliest.
-static void publish_isr(cam_t *c, const cam_tick_record_t *r)
+static void publish_isr(cam_t *c, const cam_tick_record_t *r, uint32_t n_ticks)
 {
-    atomic_thread_fence(memory_order_release); // of the record, for all three that tell of it
+    cam_fence_release_isr(); // of the record, for all three that tell of it
     cam_trace_commit_isr(&c->trace);
     atomic_store_explicit(&c->newest, r, memory_order_relaxed);
-    atomic_store_explicit(&c->n_published, c->tick, memory_order_relaxed);
+    atomic_store_explicit(&c->n_ticks, n_ticks, memory_order_relaxed);
 }
 
 void cam_tick_isr(cam_t *c)
 {
     const cam_config_t *cfg = cam_config_take_isr(&c->config);
-    cam_tick_record_t *r = cam_trace_slot_isr(&c->trace, cfg->is_traced);
+    cam_tick_record_t *r = cam_trace_slot_isr(&c->trace, cfg->trace_room);
+    const uint32_t tick = atomic_load_explicit(&c->n_ticks, memory_order_relaxed);
+    r->tick = tick;
     sense_isr(c, &r->in);
     CAM_TICK_MARK(sense);
     steps_isr(c, cfg, r); // angle -> play -> guard
     actuate_isr(r);
     CAM_TICK_MARK(actuate);
-    publish_isr(c, r);
+    publish_isr(c, r, tick + 1u);
 }
 
 void cam_isr(void)
@@ -128,7 +123,7 @@ cam_status_t cam_tick_status(const cam_t *c)
     cam_guard_t guard;
     cam_spindle_t spindle;
     uint32_t before = 0;
-    uint32_t after = atomic_load_explicit(&c->n_published, memory_order_acquire);
+    uint32_t after = atomic_load_explicit(&c->n_ticks, memory_order_acquire);
     do { // a reader that was overtaken reads again
         before = after;
         const cam_tick_record_t *newest = atomic_load_explicit(&c->newest, memory_order_acquire);
@@ -136,7 +131,7 @@ cam_status_t cam_tick_status(const cam_t *c)
         guard = c->guard;
         spindle = c->spindle;
         atomic_thread_fence(memory_order_acquire);
-        after = atomic_load_explicit(&c->n_published, memory_order_relaxed);
+        after = atomic_load_explicit(&c->n_ticks, memory_order_relaxed);
     } while (after != before);
     cam_status_t status = {
         .tick = r.tick,
@@ -144,7 +139,7 @@ cam_status_t cam_tick_status(const cam_t *c)
         .request = r.in.request >> 8,
         .state = r.want.state,
         .faults = r.want.faults,
-        .first_fault = guard.first_faults,
+        .first_fault = cam_guard_first(&guard),
         .is_synced = r.angle.is_synced,
         .is_retracted = r.want.is_retracted,
         .inputs = r.in.inputs,

@@ -80,7 +80,7 @@ void sim_remote_close(sim_remote_t *r)
 static void sense(pil_request_t *request)
 {
     request->clock = hal_clock_isr();
-    request->encoder = hal_encoder_read_isr();
+    hal_encoder_read_isr(&request->encoder);
     request->inputs = hal_inputs_read_isr();
     for (int i = 0; i < hal_n_axes; i++) {
         request->axis_nm[i] = hal_axis_read_nm_isr((hal_axis_t)i);
@@ -90,7 +90,7 @@ static void sense(pil_request_t *request)
 static void actuate(const pil_answer_t *answer)
 {
     for (int i = 0; i < hal_n_axes; i++) {
-        hal_axis_write_isr((hal_axis_t)i, answer->axis[i]);
+        hal_axis_write_isr((hal_axis_t)i, &answer->axis[i]);
     }
     hal_spindle_write_isr(answer->spindle_mrpm);
     hal_outputs_write_isr(answer->outputs);

@@ -129,9 +129,9 @@ uint32_t hal_clock_isr(void)
     return hal_host.clock;
 }
 
-hal_encoder_t hal_encoder_read_isr(void)
+void hal_encoder_read_isr(hal_encoder_t *reading)
 {
-    return hal_host.in.read;
+    *reading = hal_host.in.read;
 }
 
 int32_t hal_axis_read_nm_isr(hal_axis_t axis)
@@ -144,9 +144,9 @@ uint32_t hal_inputs_read_isr(void)
     return hal_host.in.inputs;
 }
 
-void hal_axis_write_isr(hal_axis_t axis, hal_setpoint_t setpoint)
+void hal_axis_write_isr(hal_axis_t axis, const hal_setpoint_t *setpoint)
 {
-    hal_host.out.axis[axis] = setpoint;
+    hal_host.out.axis[axis] = *setpoint;
 }
 
 void hal_spindle_write_isr(int32_t speed_mrpm)

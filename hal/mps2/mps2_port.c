@@ -69,9 +69,9 @@ bool hal_can_write(const hal_can_frame_t *frame)
     return true;
 }
 
-hal_encoder_t hal_encoder_read_isr(void)
+void hal_encoder_read_isr(hal_encoder_t *reading)
 {
-    return mps2_machine.in.encoder;
+    *reading = mps2_machine.in.encoder;
 }
 
 int32_t hal_axis_read_nm_isr(hal_axis_t axis)
@@ -84,9 +84,9 @@ uint32_t hal_inputs_read_isr(void)
     return mps2_machine.in.inputs;
 }
 
-void hal_axis_write_isr(hal_axis_t axis, hal_setpoint_t setpoint)
+void hal_axis_write_isr(hal_axis_t axis, const hal_setpoint_t *setpoint)
 {
-    mps2_machine.out.axis[axis] = setpoint;
+    mps2_machine.out.axis[axis] = *setpoint;
 }
 
 void hal_spindle_write_isr(int32_t speed_mrpm)

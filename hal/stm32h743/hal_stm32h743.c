@@ -175,17 +175,17 @@ uint32_t hal_inputs_read_isr(void)
     return bits;
 }
 
-void hal_axis_write_isr(hal_axis_t axis, hal_setpoint_t setpoint)
+void hal_axis_write_isr(hal_axis_t axis, const hal_setpoint_t *setpoint)
 {
     static const int32_t codes_q32[hal_n_axes] = {
         [hal_axis_u] = BOARD_CODES_Q32(BOARD_U_FULL_NM),
         [hal_axis_x] = BOARD_CODES_Q32(BOARD_X_FULL_NM),
         [hal_axis_z] = BOARD_CODES_Q32(BOARD_Z_FULL_NM),
     };
-    last_nm[axis] = setpoint.pos_nm;
-    stm_dac_set_isr(axis, stm_code16(setpoint.pos_nm, codes_q32[axis]));
+    last_nm[axis] = setpoint->pos_nm;
+    stm_dac_set_isr(axis, stm_code16(setpoint->pos_nm, codes_q32[axis]));
     if (axis == hal_axis_u) {
-        stm_dac_set_internal_isr(stm_code12(setpoint.pos_nm, codes_q32[axis]));
+        stm_dac_set_internal_isr(stm_code12(setpoint->pos_nm, codes_q32[axis]));
     }
 }
 

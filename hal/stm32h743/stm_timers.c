@@ -114,7 +114,7 @@ uint32_t hal_clock_isr(void)
     return TIM5->CNT;
 }
 
-hal_encoder_t hal_encoder_read_isr(void)
+void hal_encoder_read_isr(hal_encoder_t *reading)
 {
     // Flags before the counter: an index that comes in between is told by the next tick.
     const uint32_t flags = TIM2->SR;
@@ -126,6 +126,6 @@ hal_encoder_t hal_encoder_read_isr(void)
         position.n_index++;
     }
     TIM2->SR = ~(flags & (TIM_SR_CC3IF | TIM_SR_CC4IF | TIM_SR_CC3OF | TIM_SR_CC4OF));
-    return (hal_encoder_t){
+    *reading = (hal_encoder_t){
         .counts = TIM2->CNT, .index_counts = position.index_counts, .n_index = position.n_index};
 }

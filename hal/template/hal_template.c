@@ -85,9 +85,9 @@ uint32_t hal_clock_isr(void)
 
 /// Counter, index latch and number of index edges of the same instant. The latch holds the counter
 /// at the edge of the index pulse that is passed first in the positive sense, for both senses.
-hal_encoder_t hal_encoder_read_isr(void)
+void hal_encoder_read_isr(hal_encoder_t *reading)
 {
-    return (hal_encoder_t){0};
+    *reading = (hal_encoder_t){0};
 }
 
 /// Newest measured position of an axis.
@@ -104,7 +104,7 @@ uint32_t hal_inputs_read_isr(void)
 }
 
 /// Must reach the drive before the next tick, always after the same delay: the parameter lead_ns.
-void hal_axis_write_isr(hal_axis_t axis, hal_setpoint_t setpoint)
+void hal_axis_write_isr(hal_axis_t axis, const hal_setpoint_t *setpoint)
 {
     (void)axis;
     (void)setpoint;

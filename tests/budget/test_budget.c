@@ -115,29 +115,124 @@ static void test_size_of_the_table_costs_nothing(void)
 static void test_faults_in_the_cut(void)
 {
     TEST_ASSERT_TRUE(budget_session_faults(&rig, counted));
-    expect_budget("faults", budget_fault);
+    expect_budget("faults", budget_tick);
 }
 
-/// The worst that can come together: a late tick, which takes the long way through the angle, and
-/// a fault, in the tick of each of the longest tasks.
-static void test_fault_in_the_longest_tasks(void)
+/// One tick from where the session stands, then back: a task, a step of an index edge, a cause of
+/// a fault.
+static void try_tick(uint32_t task, uint32_t edge_step, void (*cause)(void))
 {
-    static const uint32_t tasks[] = {cam_plan_task_x, cam_plan_task_find_ratio,
-                                     cam_plan_task_ratio};
-    for (int i = 0; i < 3; i++) {
-        const fixture_part_t part = fixture_part_modulated();
-        TEST_ASSERT_TRUE(budget_session_open(&rig, counted, &part, true));
-        TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_cutting));
-        fixture_rig_ticks(&rig, 200);
-        while (g_cam.play.task != tasks[i]) {
-            fixture_rig_tick(&rig);
-        }
-        hal_host_fault_late(300);
-        hal_host_fault_estop(true);
-        fixture_rig_ticks(&rig, 50);
-        TEST_ASSERT_EQUAL_INT(cam_state_fault, rig.last.want.state);
+    static cam_t controller;
+    static hal_host_t port;
+    controller = g_cam;
+    port = hal_host;
+    const fixture_rig_t before = rig;
+    g_cam.play.task = task;
+    g_cam.spindle.edge_step = (uint8_t)edge_step;
+    cause();
+    fixture_rig_tick(&rig);
+    rig = before;
+    hal_host = port;
+    g_cam = controller;
+}
+
+static void no_fault(void) {}
+
+static void press_estop(void)
+{
+    hal_host_fault_estop(true);
+}
+
+/// All that the guard itself finds wrong: U does not follow, its set-point jumps, the drives fail.
+static void break_u(void)
+{
+    hal_host_fault_drive(true);
+    hal_host.in.axis_nm[hal_axis_u] += 1 << 24;
+    g_cam.guard.u_set_q6 += 1 << 24;
+}
+
+/// The spindle turns the other way.
+static void turn_back(void)
+{
+    g_cam.spindle.speed_q64 = -g_cam.spindle.speed_q64;
+}
+
+static void come_late(void)
+{
+    hal_host_fault_late(300);
+    hal_host_fault_estop(true);
+}
+
+/// No fault, but the long way through the angle.
+static void come_off_time(void)
+{
+    hal_host_fault_late(40);
+}
+
+static void break_u_off_time(void)
+{
+    come_off_time();
+    break_u();
+}
+
+/// The second tick off its time in a row.
+static void come_off_time_again(void)
+{
+    come_off_time();
+    g_cam.spindle.is_off_time = true;
+}
+
+static void break_u_off_time_again(void)
+{
+    break_u_off_time();
+    g_cam.spindle.is_off_time = true;
+}
+
+typedef void (*cause_t)(void);
+
+static void try_every_tick(cam_state_t state, uint32_t ticks_into, const cause_t *causes,
+                           uint32_t n_causes)
+{
+    const fixture_part_t part = fixture_part_modulated();
+    TEST_ASSERT_TRUE(budget_session_open(&rig, counted, &part, true));
+    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, state));
+    while (!g_cam.play.is_playing) {
+        fixture_rig_tick(&rig);
     }
-    expect_budget("worst", budget_fault);
+    fixture_rig_ticks(&rig, ticks_into);
+    TEST_ASSERT_EQUAL_INT(state, rig.last.want.state);
+    for (uint32_t task = 0; task < cam_plan_tasks; task++) {
+        for (uint32_t step = 0; step < cam_edge_steps; step++) {
+            for (uint32_t i = 0; i < n_causes; i++) {
+                try_tick(task, step, causes[i]);
+            }
+        }
+    }
+}
+
+static void try_all(const cause_t *causes, uint32_t n_causes)
+{
+    try_every_tick(cam_state_engaging, 1500, causes, n_causes);
+    try_every_tick(cam_state_cutting, 200, causes, n_causes);
+    try_every_tick(cam_state_disengaging, 300, causes, n_causes);
+}
+
+/// The worst that can come together, by force: every task with every step of an index edge, without
+/// a fault and with those that take the longest ways.
+static void test_every_task_with_every_edge_and_fault(void)
+{
+    static const cause_t causes[] = {no_fault,  press_estop,   break_u,         turn_back,
+                                     come_late, come_off_time, break_u_off_time};
+    try_all(causes, sizeof causes / sizeof causes[0]);
+    expect_budget("forced", budget_tick);
+}
+
+/// A tick off its time puts its task off, but not the next one, too.
+static void test_second_tick_off_its_time(void)
+{
+    static const cause_t causes[] = {come_off_time_again, break_u_off_time_again};
+    try_all(causes, sizeof causes / sizeof causes[0]);
+    expect_budget("again", budget_again);
 }
 
 /// Z led by others: it is read in every tick, and X approaches over it.
@@ -187,7 +282,8 @@ int main(void)
     RUN_TEST(test_other_sense_and_wrapping_counter);
     RUN_TEST(test_size_of_the_table_costs_nothing);
     RUN_TEST(test_faults_in_the_cut);
-    RUN_TEST(test_fault_in_the_longest_tasks);
+    RUN_TEST(test_every_task_with_every_edge_and_fault);
+    RUN_TEST(test_second_tick_off_its_time);
     RUN_TEST(test_measured_z);
     RUN_TEST(test_random_parameters);
     RUN_TEST(test_enough_ticks_were_measured);

@@ -43,7 +43,7 @@ void fixture_play_tick(fixture_play_t *f)
     memcpy(f->before, f->axis, sizeof f->before);
     cam_play_step_isr(&f->play, &f->config.play, &f->in, &f->angle, &f->want);
     memcpy(f->axis, f->play.axis, sizeof f->axis);
-    if (cam_state_is_in_work(f->want.state) && !f->play.is_approaching) { // U is the guard's
+    if (f->play.is_playing) { // U is the guard's
         f->axis[hal_axis_u].pos_q10 = (int64_t)f->want.u_set_q6 * 16;
     }
 }
@@ -88,10 +88,10 @@ bool fixture_play_bring(fixture_play_t *f, cam_state_t state)
 
 bool fixture_play_approach(fixture_play_t *f)
 {
-    for (uint32_t i = 0; i < patience && f->play.is_approaching; i++) {
+    for (uint32_t i = 0; i < patience && !f->play.is_playing; i++) {
         fixture_play_tick(f);
     }
-    return !f->play.is_approaching;
+    return f->play.is_playing;
 }
 
 double fixture_play_u_nm(const fixture_play_t *f, int64_t pos_q32, int32_t z_nm)

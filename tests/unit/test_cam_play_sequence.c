@@ -173,13 +173,13 @@ static void test_engage_begins_at_a_whole_turn_that_no_axis_was_told_of(void)
         TEST_ASSERT_EQUAL_UINT32(0, cam_angle_of_pos(f.play.engage_at_q32));
         TEST_ASSERT_TRUE((double)f.play.engage_at_q32 >= told - 1e3);
         // not before the plan after the next one
-        const double margin = 2.0 * cam_plan_tasks * f.angle.speed_q32;
+        const double margin = 2.0 * cam_plan_ticks_uniform * f.angle.speed_q32;
         TEST_ASSERT_TRUE((double)f.play.engage_at_q32 < told + margin + 4294967296.0);
         TEST_ASSERT_EQUAL_INT64(f.play.engage_at_q32 + 10 * CAM_TURN_Q32, f.play.feed_at_q32);
         expect_smooth_until(cam_state_cutting);
         TEST_ASSERT_TRUE(f.angle.pos_q32 >= f.play.feed_at_q32);
         TEST_ASSERT_TRUE(f.angle.pos_q32 <
-                         f.play.feed_at_q32 + cam_plan_tasks * (int64_t)f.angle.speed_q32);
+                         f.play.feed_at_q32 + cam_plan_ticks_uniform * (int64_t)f.angle.speed_q32);
         expect_smooth_until(cam_state_disengaging);
         expect_smooth_until(cam_state_ready);
         TEST_ASSERT_EQUAL_INT64(f.play.feed_at_q32 + 12 * CAM_TURN_Q32, f.play.disengage_at_q32);
@@ -203,7 +203,7 @@ static void test_stop_while_approaching_goes_back_to_ready(void)
     bring(cam_state_ready);
     fixture_play_do(&f, cam_request_start);
     fixture_play_ticks(&f, 2000);
-    TEST_ASSERT_TRUE(f.play.is_approaching);
+    TEST_ASSERT_FALSE(f.play.is_playing);
     fixture_play_do(&f, cam_request_stop);
     TEST_ASSERT_EQUAL_INT(cam_state_ready, f.want.state);
     fixture_play_ticks(&f, 20000);
@@ -211,7 +211,7 @@ static void test_stop_while_approaching_goes_back_to_ready(void)
     TEST_ASSERT_EQUAL_INT64(-500000 * 1024, f.axis[hal_axis_u].pos_q10);
     fixture_play_do(&f, cam_request_start); // and again
     TEST_ASSERT_EQUAL_INT(cam_state_engaging, f.want.state);
-    TEST_ASSERT_TRUE(f.play.is_approaching);
+    TEST_ASSERT_FALSE(f.play.is_playing);
 }
 
 /// Stop when `turns` are fed. @return [turn] after the start of the feed where it disengages

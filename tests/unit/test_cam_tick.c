@@ -116,7 +116,8 @@ static void test_tick_cut_visits_every_height_at_full_amplitude(void)
     }
     TEST_ASSERT_INT32_WITHIN(200, part.z_first_nm, lowest_nm);
     TEST_ASSERT_INT32_WITHIN(200, part.z_last_nm, highest_nm);
-    TEST_ASSERT_UINT32_WITHIN(cam_plan_tasks, 12 * 480, n_cutting); // 10 turns of feed, 2 of ramps
+    TEST_ASSERT_UINT32_WITHIN(cam_plan_ticks_uniform, 12 * 480,
+                              n_cutting); // 10 turns of feed, 2 of ramps
 }
 
 /// Velocity and acceleration that drives may use are those of the set-points.
@@ -168,7 +169,7 @@ static void expect_replay(void)
     }
     TEST_ASSERT_TRUE(records[start].want.state <= cam_state_homing); // the spindle stands still
     for (uint32_t i = start; i < rig.n_log; i++) {
-        cam_tick_record_t done = {.in = records[i].in};
+        cam_tick_record_t done = {.tick = records[i].tick, .in = records[i].in};
         cam_tick_steps_isr(&replayed, &replayed.config.half[0], &done);
         TEST_ASSERT_EQUAL_INT(records[i].want.state, done.want.state);
         TEST_ASSERT_EQUAL_INT64(records[i].angle.pos_q32, done.angle.pos_q32);

@@ -32,10 +32,10 @@ uint32_t hal_clock_isr(void)
     return now_clocks;
 }
 
-hal_encoder_t hal_encoder_read_isr(void)
+void hal_encoder_read_isr(hal_encoder_t *reading)
 {
     note('e');
-    return encoder;
+    *reading = encoder;
 }
 
 int32_t hal_axis_read_nm_isr(hal_axis_t axis)
@@ -50,10 +50,10 @@ uint32_t hal_inputs_read_isr(void)
     return hal_in_drive_ready;
 }
 
-void hal_axis_write_isr(hal_axis_t axis, hal_setpoint_t setpoint)
+void hal_axis_write_isr(hal_axis_t axis, const hal_setpoint_t *setpoint)
 {
     note((char)('U' + (axis == hal_axis_x ? 3 : axis == hal_axis_z ? 5 : 0)));
-    written[axis] = setpoint;
+    written[axis] = *setpoint;
 }
 
 void hal_spindle_write_isr(int32_t speed_mrpm)

@@ -72,9 +72,9 @@ static void test_param_foreign_ids_and_names_are_refused(void)
 
 static cam_trace_t trace;
 
-static void push(uint32_t tick, bool is_kept)
+static void push(uint32_t tick, uint32_t room)
 {
-    cam_trace_slot_isr(&trace, is_kept)->tick = tick;
+    cam_trace_slot_isr(&trace, room)->tick = tick;
     cam_trace_commit_isr(&trace);
 }
 
@@ -87,7 +87,7 @@ static void test_trace_keeps_order_and_counts_what_it_drops(void)
     cam_tick_record_t record;
     TEST_ASSERT_FALSE(cam_trace_pop(&trace, &record));
     for (uint32_t tick = 0; tick < cam_trace_capacity + 10u; tick++) {
-        push(tick, true);
+        push(tick, cam_trace_capacity);
     }
     TEST_ASSERT_EQUAL_UINT32(10, cam_trace_dropped(&trace));
     for (uint32_t tick = 0; tick < cam_trace_capacity; tick++) {
@@ -101,9 +101,9 @@ static void test_trace_record_that_nobody_wants_is_not_kept(void)
 {
     memset(&trace, 0, sizeof trace);
     cam_tick_record_t record;
-    push(1, false);
+    push(1, 0);
     TEST_ASSERT_FALSE(cam_trace_pop(&trace, &record));
-    push(2, true);
+    push(2, cam_trace_capacity);
     TEST_ASSERT_TRUE(cam_trace_pop(&trace, &record));
     TEST_ASSERT_EQUAL_UINT32(2, record.tick);
     TEST_ASSERT_EQUAL_UINT32(0, cam_trace_dropped(&trace));

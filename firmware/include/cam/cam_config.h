@@ -8,6 +8,7 @@
 #define CAM_CONFIG_H
 
 #include "cam/cam_err.h"     // cam_err_t
+#include "cam/cam_fence.h"   // cam_fence_acquire_isr
 #include "cam/cam_guard.h"   // cam_guard_config_t
 #include "cam/cam_param.h"   // cam_params_t
 #include "cam/cam_play.h"    // cam_play_config_t
@@ -20,18 +21,18 @@ typedef struct {
     cam_spindle_config_t spindle;
     cam_play_config_t play;
     cam_guard_config_t guard;
-    cam_table_t table; ///< play.table points here
-    int32_t k1_q16;    ///< [ticks] velocity feed-forward
-    int32_t k2_q16;    ///< [ticks^2] acceleration feed-forward
-    bool is_traced;
+    cam_table_t table;   ///< play.table points here
+    int32_t k1_q16;      ///< [ticks] velocity feed-forward
+    int32_t k2_q16;      ///< [ticks^2] acceleration feed-forward
+    uint32_t trace_room; ///< [records] of the trace ring that may wait for their reader
     uint32_t generation; ///< rises with every hand-over
 } cam_config_t;
 
 /// Two configurations, one in use.
 typedef struct {
-    cam_config_t half[2];
     const cam_config_t *_Atomic offered; ///< slow side writes: to be taken from the next tick on
     const cam_config_t *_Atomic in_use;  ///< interrupt writes: that of this tick
+    cam_config_t half[2];
 } cam_config_bank_t;
 
 /// Derive a configuration.
@@ -54,10 +55,13 @@ cam_config_t *cam_config_free_half(cam_config_bank_t *bank);
 void cam_config_offer(cam_config_bank_t *bank);
 
 /// @return the configuration of this tick. Context: ISR, constant time.
-static inline const cam_config_t *cam_config_take_isr(cam_config_bank_t *bank)
+static inline __attribute__((always_inline)) const cam_config_t *
+cam_config_take_isr(cam_config_bank_t *bank)
 {
-    const cam_config_t *offered = atomic_load_explicit(&bank->offered, memory_order_acquire);
-    atomic_store_explicit(&bank->in_use, offered, memory_order_release);
+    const cam_config_t *offered = atomic_load_explicit(&bank->offered, memory_order_relaxed);
+    cam_fence_acquire_isr();
+    cam_fence_release_isr(); // what the last tick read of the other half was read before this
+    atomic_store_explicit(&bank->in_use, offered, memory_order_relaxed);
     return offered;
 }
 

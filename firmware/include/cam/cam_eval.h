@@ -53,6 +53,13 @@ typedef struct {
     int32_t s_q32;             ///< [h / 2^32] from the middle between the knots
 } cam_place_t;
 
+/// A place on a channel over height alone.
+typedef struct {
+    const cam_knot_t *knots; ///< the one before, then the one behind
+    int32_t s_q32;           ///< [h / 2^32] from the middle between them
+    bool is_clamped;
+} cam_spot_t;
+
 /// What is left of a surface at a place: two knots, blended, and the way between them.
 typedef struct {
     cam_knot_t k0; ///< in LSB / 16
@@ -204,20 +211,31 @@ static inline cam_value_t cam_eval_surface(const cam_channel_t *ch, uint32_t the
     return cam_eval_rounded(cam_eval_quintic(cam_eval_segment(ch, theta_q32, z)), z.is_clamped);
 }
 
-/// Evaluate a channel over height alone, at a height that was found before.
-/// @param ch  passed cam_table_check(), kind x
-/// @param z   of cam_eval_height()
-/// @return    derivatives per slice spacing
+/// Find a place on a channel over height alone.
+/// @param ch    passed cam_table_check(), kind x
+/// @param z_nm  [nm] any value
 /// Context: ISR or slow side, constant time. Source: TABLE_FORMAT.md.
-static inline cam_value_t cam_eval_profile_at(const cam_channel_t *ch, cam_height_t z)
+CAM_EVAL_INLINE cam_spot_t cam_eval_spot(const cam_channel_t *ch, int32_t z_nm)
 {
-    const cam_knot_t *k = ch->knots + z.i;
-    const cam_segment_t at = {
-        .k0 = cam_eval_guarded(k),
-        .k1 = cam_eval_guarded(k + 1),
+    const cam_height_t z = cam_eval_height(ch, z_nm);
+    return (cam_spot_t){
+        .knots = ch->knots + z.i,
         .s_q32 = (int32_t)(((uint32_t)z.w_q31 << 1) ^ 0x80000000u),
+        .is_clamped = z.is_clamped,
     };
-    return cam_eval_rounded(cam_eval_quintic(at), z.is_clamped);
+}
+
+/// Evaluate a channel over height alone, at a place that was found before.
+/// @return  derivatives per slice spacing
+/// Context: ISR or slow side, constant time. Source: TABLE_FORMAT.md.
+static inline cam_value_t cam_eval_profile_at(cam_spot_t at)
+{
+    const cam_segment_t segment = {
+        .k0 = cam_eval_guarded(at.knots),
+        .k1 = cam_eval_guarded(at.knots + 1),
+        .s_q32 = at.s_q32,
+    };
+    return cam_eval_rounded(cam_eval_quintic(segment), at.is_clamped);
 }
 
 /// Evaluate a channel over height alone.
@@ -227,7 +245,7 @@ static inline cam_value_t cam_eval_profile_at(const cam_channel_t *ch, cam_heigh
 /// Context: ISR or slow side, constant time. Source: TABLE_FORMAT.md.
 static inline cam_value_t cam_eval_profile(const cam_channel_t *ch, int32_t z_nm)
 {
-    return cam_eval_profile_at(ch, cam_eval_height(ch, z_nm));
+    return cam_eval_profile_at(cam_eval_spot(ch, z_nm));
 }
 
 #endif

@@ -21,13 +21,15 @@ enum { cam_guard_count_bits = 8 }; ///< faults are counted modulo 256
 
 /// Configuration, made by cam_config_build().
 typedef struct {
-    int32_t overspeed_q32;                ///< [turn / 2^32 per tick]
-    int32_t stopped_q32;                  ///< [turn / 2^32 per tick]
-    uint32_t stopped_ticks;               ///< [ticks] in the cut
-    uint32_t homing_ticks;                ///< [ticks] for the spindle to turn while homing
-    int32_t following_nm;                 ///< [nm]
-    int32_t u_vel_q6, u_acc_q6;           ///< [nm / 64 per tick, per tick^2] of the set-point
-    int32_t u_range_q6;                   ///< [nm / 64] half the stroke
+    int32_t overspeed_q32;      ///< [turn / 2^32 per tick]
+    int32_t stopped_q32;        ///< [turn / 2^32 per tick]
+    uint32_t speed_span_q32;    ///< [turn / 2^32 per tick] from stopped to overspeed
+    uint32_t stopped_ticks;     ///< [ticks] in the cut
+    uint32_t homing_ticks;      ///< [ticks] for the spindle to turn while homing
+    int32_t following_nm;       ///< [nm]
+    int32_t u_vel_q6, u_acc_q6; ///< [nm / 64 per tick, per tick^2] of the set-point
+    int32_t u_acc_off_q6; ///< [nm / 64 per tick^2] around a tick off its time, whose way is another
+    int32_t u_range_q6;   ///< [nm / 64] half the stroke
     cam_move_limits_t limits[hal_n_axes]; ///< for the retract
     int64_t u_retract_q10;                ///< [nm / 1024] place of U out of the work
     int64_t x_clearance_q10;              ///< [nm / 1024] X moves off by this much
@@ -37,7 +39,7 @@ typedef struct {
 typedef struct {
     uint32_t faults;                      ///< latched
     uint32_t counted;                     ///< of those, what `count` knows
-    uint32_t first_faults;                ///< those of the tick that entered the fault state
+    uint32_t first_faults;                ///< those that entered the fault state, cam_guard_first()
     uint32_t count[cam_guard_count_bits]; ///< times latched, cam_guard_count()
     bool is_retracted;
     uint32_t n_stopped; ///< [ticks] without rotation
@@ -50,11 +52,14 @@ typedef struct {
 /// @param angle  spindle with the faults seen there and the distance to the last tick
 /// @param want   what play wants, with the faults seen there; made what is written: state fault
 ///               from the tick on in which a fault appears, latched faults, outputs
-/// @param axis   [hal_n_axes] set-points that play wants, made those that may be written
+/// @param play   its set-points are made those that may be written; it is told of a fault
 /// Constant time.
 CAM_STAGE void cam_guard_step_isr(cam_guard_t *g, const cam_guard_config_t *cfg,
                                   const cam_sense_t *in, const cam_angle_t *angle, cam_want_t *want,
-                                  cam_move_t *axis);
+                                  cam_play_t *play);
+
+/// @return mask of the faults that entered the fault state last. Context: slow side.
+uint32_t cam_guard_first(const cam_guard_t *g);
 
 /// @return times that a fault was latched, modulo 2^cam_guard_count_bits. Context: slow side.
 uint32_t cam_guard_count(const cam_guard_t *g, cam_fault_t fault);

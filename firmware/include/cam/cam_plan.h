@@ -20,8 +20,12 @@
 CAM_STAGE uint32_t cam_plan_task_isr(cam_play_t *p, const cam_play_config_t *cfg,
                                      const cam_sense_t *in, const cam_angle_t *angle);
 
-/// @return [nm / 1024] X where the tool tip lies on the long half axis at a height
-CAM_STAGE int64_t cam_plan_profile_q10(const cam_play_config_t *cfg, int32_t z_nm);
+/// @param value  [LSB] of the channel x
+/// @return       [nm / 1024] X where the tool tip lies on the long half axis
+static inline int64_t cam_plan_profile_q10(const cam_channel_t *x, int32_t value)
+{
+    return ((int64_t)value * 1024 >> x->frac_bits) + (int64_t)x->offset_nm * 1024;
+}
 
 /// Quintic smooth step 10 s^3 - 15 s^4 + 6 s^5.
 /// @param s_q31  [1 / 2^31] 0 .. 2^31 - 1

@@ -28,49 +28,81 @@ enum {
     cam_play_history = 64, ///< ticks of U kept to know what is due; a power of two
 };
 
-/// Tasks of cam_plan.h, one per tick.
+/// Tasks of cam_plan.h, one per tick, in the order of a round. Where the spindle is not modulated
+/// both blocks of its tasks are left out.
 enum {
     cam_plan_task_positions, ///< where the master will be when the ways of this round end
+    cam_plan_task_turns,     ///< of feed until then
     cam_plan_task_feed,
     cam_plan_task_height,
     cam_plan_task_x_rise,
-    cam_plan_task_x_envelope,
+    cam_plan_task_x_fall,
     cam_plan_task_u_rise,
-    cam_plan_task_u_envelope,
+    cam_plan_task_u_fall,
+    cam_plan_task_envelopes,
     cam_plan_task_find_profile,
-    cam_plan_task_x,
-    cam_plan_task_aim_xz, ///< ways of X and Z
-    cam_plan_task_aim_u,  ///< way of U's amplitude
+    cam_plan_task_find_slices, ///< of the speed ratio
     cam_plan_task_find_ratio,
     cam_plan_task_ratio_knot_0,
     cam_plan_task_ratio_knot_1,
+    cam_plan_task_read_ratio,
     cam_plan_task_ratio,
     cam_plan_task_pace,
+    cam_plan_task_told,
     cam_plan_task_speed,
     cam_plan_task_alpha,
     cam_plan_task_alpha_u,
+    cam_plan_task_read_profile,
+    cam_plan_task_x,
+    cam_plan_task_aim_x, ///< way of X
+    cam_plan_task_aim_z, ///< way of Z
+    cam_plan_task_find_height,
+    cam_plan_task_aim_height, ///< way of U's height on the table
+    cam_plan_task_aim_u,      ///< way of U's amplitude
     cam_plan_task_state,
     cam_plan_task_z,
     cam_plan_task_ramp,
-    cam_plan_tasks ///< ticks of a round
+    cam_plan_task_again, ///< the tasks of the speed ratio, from find_slices on
+    cam_plan_tasks = cam_plan_task_again + cam_plan_task_read_profile - cam_plan_task_find_slices
 };
-_Static_assert(cam_plan_tasks == 22, "as the documents say");
+
+/// Ticks of a round.
+enum {
+    cam_plan_ratio_tasks = cam_plan_tasks - cam_plan_task_again,
+    cam_plan_ticks_modulated = cam_plan_tasks,
+    cam_plan_ticks_uniform = cam_plan_tasks - 2 * cam_plan_ratio_tasks,
+};
+_Static_assert(cam_plan_ticks_uniform == 20 && cam_plan_ticks_modulated == 42,
+               "as the documents say");
+
+/// How far into the work at a planned position.
+typedef struct {
+    int64_t pos_q32;  ///< [turn] master position
+    int32_t risen;    ///< [1 / 2^30] rising part of the envelope
+    int32_t fallen;   ///< [1 / 2^30] falling part
+    int32_t envelope; ///< [1 / 2^30] 0 out of the work, 2^30 at full depth and amplitude
+} cam_plan_depth_t;
 
 /// What the tasks of a round hand to one another.
 typedef struct {
-    int64_t xz_pos_q32;               ///< [turn] what X and Z are planned for
-    int64_t u_pos_q32;                ///< [turn] what the amplitude of U is planned for
+    cam_plan_depth_t xz;              ///< of X and Z
+    cam_plan_depth_t u;               ///< of the amplitude of U
+    int64_t done_q32;                 ///< [turn] since the feed began, 0 .. its length
     int64_t fed_q32;                  ///< [turn] of feed until then
     int32_t z_nm;                     ///< [nm] height then
     int32_t measured_nm, going_on_nm; ///< [nm] Z of the last round, and then if it goes on so
-    int32_t risen;                    ///< [1 / 2^30] rising part of an envelope
-    int32_t x_envelope, u_envelope;   ///< [1 / 2^30]
-    cam_height_t x_height;
-    int64_t x_q10; ///< [nm / 1024] X
+    cam_spot_t x_spot;
+    cam_height_t u_height;
+    int32_t x_value; ///< [LSB] X on the table
+    int64_t x_q10;   ///< [nm / 1024] X
+    cam_height_t ratio_height;
+    uint32_t ratio_angle_q32; ///< [turn / 2^32] where the speed ratio is read
     cam_place_t ratio_place;
     cam_knot_t ratio_knot[2];
+    cam_fine_t ratio_fine;
     cam_ratio_t ratio;
     cam_pace_t pace;
+    uint32_t told_q28; ///< [1] share of the mean speed that the spindle is told
 } cam_plan_t;
 
 /// Powers of two that bring what the table says of U to nm / 64 and nm / 1024.
@@ -88,13 +120,17 @@ typedef struct {
 typedef struct {
     const cam_table_t *table; ///< NULL: none, enable is refused
     cam_u_scale_t u;
-    int32_t lead_q16;                ///< [ticks] dead time of U, below cam_play_history - 2
-    uint32_t lead_ticks;             ///< [ticks] whole ones of it
-    int32_t lead_part_q31;           ///< [ticks / 2^31] the rest
-    int32_t xz_lag_q16;              ///< [ticks] lag of X and Z
-    int32_t u_plan_q16, xz_plan_q16; ///< [ticks] ... and those to the end of a plan
-    int32_t ratio_q16;               ///< [ticks] the speed ratio is read this much ahead
-    int32_t u_behind_q16;            ///< [ticks] U is read this much behind X and Z
+    uint32_t after_profile, after_ramp; ///< the tasks behind find_profile and ramp
+    int32_t round_ticks;                ///< [ticks] length of a round
+    int32_t per_round_q32;              ///< [1 / ticks] its reciprocal
+    int32_t lead_q16;                   ///< [ticks] dead time of U, below cam_play_history - 2
+    uint32_t lead_ticks;                ///< [ticks] whole ones of it
+    int32_t lead_part_q31;              ///< [ticks / 2^31] the rest
+    int32_t xz_lag_q16;                 ///< [ticks] lag of X and Z
+    int32_t u_plan_q16, xz_plan_q16;    ///< [ticks] ... and those to the end of a plan
+    int32_t ratio_q16;                  ///< [ticks] the speed ratio is read this much ahead
+    int32_t u_behind_q16;               ///< [ticks] U is read this much behind X and Z
+    int32_t u_height_q16;               ///< [ticks] from the planned height to that of U's plan
     int32_t xz_lag2; ///< [ticks^2] what the acceleration of the spindle adds to X and Z until then
     int32_t phase_q32, phase_step_q32;          ///< [turn / 2^32], per tick
     int32_t amplitude_q30, amplitude_step_q30;  ///< [1], per tick
@@ -120,15 +156,18 @@ typedef struct {
 typedef struct {
     cam_state_t state;
     uint32_t request;            ///< serial number of the last one carried out
-    bool is_approaching;         ///< engaging, but not yet at the start
+    bool is_playing;             ///< in the work and not approaching it: axes follow the table
     bool is_retracted;           ///< in state fault: the guard's retract has ended
     cam_move_t axis[hal_n_axes]; ///< set-points written last
     uint32_t task;               ///< of the next tick
+    int32_t n_put_off;           ///< [ticks] of this round without a task
     int64_t engage_at_q32;       ///< [turn] master position where the envelope starts to rise
     int64_t feed_at_q32;         ///< ... where Z starts
     int64_t disengage_at_q32;    ///< ... where the envelope starts to fall
     int64_t feed_turns_q32;      ///< [turn] length of the feed, shorter after a stop
     cam_plan_t plan;
+    int64_t height_q32;                   ///< [slices] U's height on the table
+    int32_t height_way_q32;               ///< per tick
     int32_t behind_q4, behind_way_q4;     ///< [nm / 16] U is played this much behind Z, per tick
     int32_t phase_q32, phase_way_q32;     ///< [turn / 2^32], per tick
     int32_t amplitude_q30;                ///< ramped
@@ -137,6 +176,7 @@ typedef struct {
     int32_t alpha_u;                      ///< its acceleration in the unit of U's
     int32_t history_q6[cam_play_history]; ///< [nm / 64] U set-points
     uint32_t n_history;
+    int32_t due_q6; ///< [nm / 64] the one of them that was looked up last
 } cam_play_t;
 
 /// What play wants of the machine, besides the axes; then what the guard made of it.
@@ -164,6 +204,7 @@ CAM_STAGE void cam_play_step_isr(cam_play_t *p, const cam_play_config_t *cfg, co
 static inline void cam_play_settle_isr(cam_play_t *p, bool is_retracted)
 {
     p->state = cam_state_fault;
+    p->is_playing = false;
     p->is_retracted = is_retracted;
 }
 

@@ -81,12 +81,17 @@ static inline cam_pace_t cam_speed_pace(cam_ratio_t ratio, int32_t envelope_q30)
                         .change_q20 = (int32_t)cam_clamp_i64(change_q20, -most_q20, most_q20)};
 }
 
-/// @return [r/min / 1000] set-point, signed
-static inline int32_t cam_speed_mrpm(const cam_speed_config_t *cfg, cam_pace_t pace)
+/// @return [1 / 2^28] 0 .. 8, share of the mean speed that the spindle is told
+static inline uint32_t cam_speed_told_q28(const cam_speed_config_t *cfg, cam_pace_t pace)
 {
     const int64_t set_q28 = pace.r_q28 + (((int64_t)pace.change_q20 * cfg->lag_turns_q24) >> 16);
-    const int64_t told_q28 = cam_clamp_i64(set_q28, 0, INT64_C(8) * CAM_RATIO_ONE_Q28);
-    const int64_t mrpm = (told_q28 * cfg->mean_mrpm) >> 28;
+    return (uint32_t)cam_clamp_i64(set_q28, 0, INT64_C(8) * CAM_RATIO_ONE_Q28);
+}
+
+/// @return [r/min / 1000] set-point, signed
+static inline int32_t cam_speed_mrpm(const cam_speed_config_t *cfg, uint32_t told_q28)
+{
+    const int64_t mrpm = ((int64_t)told_q28 * cfg->mean_mrpm) >> 28;
     return (int32_t)cam_clamp_i64(mrpm, 0, cfg->limit_mrpm) * cfg->sense;
 }
 

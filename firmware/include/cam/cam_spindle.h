@@ -38,26 +38,46 @@ typedef struct {
     uint32_t early_clocks;            ///< [1 / clock_hz] shortest period that counts as on time
     uint32_t on_time_clocks;          ///< [1 / clock_hz] width of what counts as on time
     uint32_t late_clocks;             ///< [1 / clock_hz] a longer period is a fault
-    uint32_t ticks_per_clock_q32;     ///< [ticks per unit of the time stamp]
+    uint32_t most_clocks;             ///< [1 / clock_hz] a longer period counts as this one
+    uint32_t ticks_per_clock_q27;     ///< [ticks per unit of the time stamp]
 } cam_spindle_config_t;
+
+/// What an index edge still waits for: one step in every other tick, in between it rests.
+enum {
+    cam_edge_none,
+    cam_edge_to_take = 1,    ///< the way since
+    cam_edge_to_measure = 3, ///< its distance to the one before; the first edge tells the angle
+    cam_edge_to_add = 5,     ///< that distance
+    cam_edge_to_compare = 7, ///< it with whole turns
+    cam_edge_to_judge = 9,   ///< what is left: lost counts
+    cam_edge_steps
+};
 
 /// State. Zero-initialised is: not started.
 typedef struct {
-    bool is_started, is_synced;
+    bool is_started;
+    bool is_off_time; ///< the last tick came visibly off its time
+    bool is_synced;
     uint32_t clock;        ///< time stamp of the last tick
     uint32_t counts;       ///< [counts] of the last tick, in the sense of cutting
     uint32_t n_index;      ///< of the last tick
     uint32_t index_counts; ///< [counts] of the last edge, in the sense of cutting
-    int32_t edge_distance; ///< [counts] of the last edge to the one before, 0 when judged
+    uint32_t edge;         ///< [counts] the last edge as it was read, then in the sense of cutting
+    uint8_t edge_step;     ///< cam_edge_* of the last edge
+    int32_t edge_distance; ///< [counts] to the one before
     int32_t index_error;   ///< [counts] sum of deviations since the first edge
     int32_t since_index;   ///< [counts] travel since the last edge
     int32_t in_turn;       ///< [counts] 0 .. counts_per_turn - 1 since the index
-    bool is_off_time;      ///< the last tick came visibly off its time
     uint32_t max_period;   ///< [1 / clock_hz] longest distance of two ticks
     uint32_t n_late;       ///< ticks beyond late_clocks
     int64_t pos_q32;       ///< [turn, Q32.32] observer
     int64_t speed_q64;     ///< [turn / 2^64 per tick] observer
 } cam_spindle_t;
+
+/// In cam_angle_t.faults, not a fault: this tick had more to do than usual, so others may wait.
+/// Never in three ticks in a row.
+#define CAM_ANGLE_BUSY (UINT32_C(1) << 30)
+_Static_assert(cam_n_faults <= 30, "a bit is left");
 
 /// What the room knows of the spindle after this step.
 typedef struct {
@@ -65,7 +85,7 @@ typedef struct {
     int32_t speed_q32; ///< [turn / 2^32 per tick]
     bool is_off_time;  ///< this tick or the last one came visibly off its time
     bool is_synced;    ///< the angle is known
-    uint32_t faults;   ///< late_tick, encoder_jump, lost_counts, index_missing of this tick
+    uint32_t faults;   ///< late_tick, encoder_jump, lost_counts, index_missing, or CAM_ANGLE_BUSY
 } cam_angle_t;
 
 /// @param ticks_q16  [ticks / 2^16] 0 .. 2^31 - 1

@@ -44,13 +44,13 @@ typedef struct {
     cam_spindle_t spindle;
     cam_play_t play;
     cam_guard_t guard;
-    uint32_t tick;
     const cam_tick_record_t *_Atomic newest; ///< NULL before the first tick
-    _Atomic uint32_t n_published;            ///< ticks that are complete
-    cam_trace_t trace;                       ///< interrupt writes, slow side reads
+    _Atomic uint32_t n_ticks;                ///< that are complete; wraps
     // interrupt reads
-    cam_config_bank_t config; ///< slow side writes the half that is not in use
     _Atomic uint32_t request; ///< serial number << 8 | cam_request_t
+    cam_config_bank_t config; ///< slow side writes the half that is not in use
+    // interrupt writes, slow side reads; the largest is the last: what lies near is reached soonest
+    cam_trace_t trace;
 } cam_t;
 
 /// The controller that cam_isr() ticks.
@@ -65,7 +65,7 @@ void cam_tick_isr(cam_t *c);
 
 /// Steps between sense and actuate, without the HAL: what a replay calls.
 /// @param cfg  configuration of the tick
-/// @param r    r->in is what the tick sensed; all the rest is written
+/// @param r    its number and what it sensed; all the rest is written
 /// Context: ISR (called by cam_tick_isr()) or a replay of a trace.
 CAM_STAGE void cam_tick_steps_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r);
 

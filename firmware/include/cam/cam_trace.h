@@ -28,19 +28,19 @@ typedef struct {
 } cam_tick_record_t;
 
 typedef struct {
-    cam_tick_record_t ring[cam_trace_capacity];
-    cam_tick_record_t spare[2]; ///< take in turns what is not kept
     uint32_t n_spared;          ///< interrupt only
-    bool is_kept;               ///< interrupt only: this tick's record lies in the ring
+    uint32_t n_next;            ///< interrupt only: n_written after this tick
     _Atomic uint32_t n_written; ///< interrupt writes
     _Atomic uint32_t n_read;    ///< slow side writes
     _Atomic uint32_t n_dropped; ///< interrupt writes
+    cam_tick_record_t spare[2]; ///< take in turns what is not kept
+    cam_tick_record_t ring[cam_trace_capacity];
 } cam_trace_t;
 
-/// @param is_wanted  false: nobody reads the trace
+/// @param room  [records] that may wait in the ring: cam_trace_capacity, 0 when nobody reads
 /// @return where this tick's record is written: the next free place, or a spare one; never where
 /// the last record lies. Context: ISR, constant time.
-cam_tick_record_t *cam_trace_slot_isr(cam_trace_t *trace, bool is_wanted);
+cam_tick_record_t *cam_trace_slot_isr(cam_trace_t *trace, uint32_t room);
 
 /// The record is complete and a release fence was passed: hand it to the reader. One that found no
 /// place was counted as dropped. Context: ISR, constant time.

@@ -133,9 +133,10 @@ bool hal_can_write(const hal_can_frame_t *frame);
 /// time.
 uint32_t hal_clock_isr(void);
 
-/// @return consistent encoder reading; <= 40 cycles. Simulator: what hal_host_t holds, with its
+/// Take a consistent encoder reading; <= 40 cycles. Simulator: what hal_host_t holds, with its
 /// faults.
-hal_encoder_t hal_encoder_read_isr(void);
+/// @param reading  result, all members
+void hal_encoder_read_isr(hal_encoder_t *reading);
 
 /// @return [nm] measured position of an axis; <= 30 cycles. A port without a measurement returns
 /// the last set-point and says so in its README: the following error is then that of the command,
@@ -149,7 +150,7 @@ uint32_t hal_inputs_read_isr(void);
 
 /// Give an axis its set-point for the next period; <= 60 cycles. While enable is low the port may
 /// ignore it. Simulator: kept for the machine models.
-void hal_axis_write_isr(hal_axis_t axis, hal_setpoint_t setpoint);
+void hal_axis_write_isr(hal_axis_t axis, const hal_setpoint_t *setpoint);
 
 /// Give the spindle its speed set-point; <= 30 cycles.
 /// @param speed_mrpm  [r/min / 1000] signed: positive in the spindle's own positive sense (M3)
