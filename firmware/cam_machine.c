@@ -223,6 +223,35 @@ cam_err_t cam_machine_disable(cam_machine_t *m)
                    cam_request_disable);
 }
 
+cam_err_t cam_machine_home(cam_machine_t *m)
+{
+    const cam_status_t status = cam_machine_status(m);
+    if (status.state != cam_state_ready) {
+        return cam_machine_enable(m);
+    }
+    const cam_err_t err = cam_machine_disable(m);
+    m->homes_again = err == cam_ok;
+    return err;
+}
+
+/// Behind the disable of cam_machine_home(). Who interferes, a fault too, ends it.
+static void home_again(cam_machine_t *m)
+{
+    const cam_status_t status = cam_machine_status(m);
+    if (!is_pending(m, &status)) {
+        m->homes_again = status.state == cam_state_off && cam_machine_enable(m) == cam_err_busy;
+    }
+}
+
+cam_err_t cam_machine_may_exchange(const cam_machine_t *m)
+{
+    const cam_status_t status = cam_machine_status(m);
+    if (is_pending(m, &status) || status.config != m->generation || m->homes_again) {
+        return cam_err_busy;
+    }
+    return status.state == cam_state_off ? cam_ok : cam_err_state;
+}
+
 cam_err_t cam_machine_start(cam_machine_t *m)
 {
     const cam_status_t status = cam_machine_status(m);
@@ -250,6 +279,9 @@ cam_err_t cam_machine_reset(cam_machine_t *m)
 
 void cam_machine_poll(cam_machine_t *m)
 {
+    if (m->homes_again) {
+        home_again(m);
+    }
     if (!m->has_table) {
         return;
     }
