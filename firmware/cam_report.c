@@ -6,9 +6,9 @@
 enum { status_hz = 100 };
 
 /// Pages of Detail.
-enum { page_motion, page_load, page_rate, page_table, page_crc, page_name, n_pages = 10 };
+enum { page_motion, page_load, page_rate, page_table, page_crc, page_name, n_pages = 11 };
 
-enum { name_chars = 7 }; ///< of a page
+enum { name_chars = 6 }; ///< of a page: numbers that a double holds
 
 _Static_assert((n_pages - page_name) * name_chars >= cam_table_name_size, "the whole name");
 
@@ -70,7 +70,7 @@ static uint32_t longest_tick_ns(void)
     return ns < UINT32_MAX ? (uint32_t)ns : UINT32_MAX;
 }
 
-/// @return up to seven characters of the name, the first in the lowest byte
+/// @return up to six characters of the name, the first in the lowest byte
 static uint64_t name_part(const char *name, uint32_t part)
 {
     uint64_t chars = 0;
@@ -99,6 +99,7 @@ static void describe_table(struct camturn_detail_t *m, const cam_store_t *store)
     m->table_name_2 = chars;
     m->table_name_3 = chars;
     m->table_name_4 = chars;
+    m->table_name_5 = chars;
 }
 
 static void send_detail(uint32_t page, const cam_store_t *store, const cam_status_t *status)

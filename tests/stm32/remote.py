@@ -169,7 +169,7 @@ class Remote:
             for f in self.frames(DETAIL)
         ]
         words = dict(item for one in said for item in one.items() if "name" in item[0])
-        parts = [int(str(words[f"table_name_{i}"])).to_bytes(7, "little") for i in range(5)]
+        parts = [int(str(words[f"table_name_{i}"])).to_bytes(6, "little") for i in range(6)]
         return b"".join(parts).rstrip(b"\0").decode()
 
     def lines(self) -> list[str]:

@@ -249,10 +249,10 @@ static void test_status_tells_inputs_and_that_the_angle_is_known(void)
 
 static void test_status_tells_the_table(void)
 {
-    char name[36] = "";
-    for (uint8_t i = 0; i < 5u; i++) {
+    char name[37] = "";
+    for (uint8_t i = 0; i < 6u; i++) {
         turn_pages((uint8_t)(5u + i));
-        memcpy(name + 7 * i, fixture_can_detail((uint8_t)(5u + i)).data + 1, 7);
+        memcpy(name + 6 * i, fixture_can_detail((uint8_t)(5u + i)).data + 2, 6);
     }
     TEST_ASSERT_EQUAL_STRING("short skirt", name);
     turn_pages(3);
