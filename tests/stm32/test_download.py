@@ -8,6 +8,7 @@ import zlib
 
 import pytest
 
+from camtools.flash import FIRST_PLACE
 from fdcan import Frame
 from flash_pwr import SECTOR_BYTES
 from host import make_table
@@ -116,6 +117,22 @@ def test_log_is_emptied_while_it_says_nothing(table: bytes) -> None:
     remote.do(SELECT)
     restart(session)
     assert remote.table_name() == "second"
+
+
+def test_programmer_takes_the_place_back(table: bytes) -> None:
+    """After downloads, what tools/flash writes is in use: the table, and its record in the log."""
+    session = started(table)
+    session.remote.download(named(table, "second"))
+    session.remote.do(SELECT)
+    session.board.write_table(named(table, "flashed"))
+    session.chip.write_flash(LOG, b"\xff" * SECTOR_BYTES)
+    session.chip.write_flash(LOG, FIRST_PLACE.read_bytes())
+    restart(session)
+    assert session.remote.table_name() == "flashed"
+    session.remote.download(named(table, "third"))
+    session.remote.do(SELECT)
+    restart(session)
+    assert session.remote.table_name() == "third"
 
 
 def test_tick_goes_on_while_flash_is_busy(table: bytes) -> None:

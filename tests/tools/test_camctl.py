@@ -6,6 +6,7 @@ from __future__ import annotations
 import csv
 import io
 import os
+import signal
 import struct
 import subprocess
 import threading
@@ -304,6 +305,17 @@ def test_files_that_are_no_tables_are_bad_input(
     text.write_text("no table" * 100)
     assert "not a cam table" in refusal(bench, 2, f"table download {text}")
     assert "check the path" in refusal(bench, 2, f"record {tmp_path / 'none' / 'x.csv'}")
+
+
+def test_an_interrupt_ends_a_record_whole(bench: Bench, tmp_path: Path) -> None:
+    """Control-C is how a record without --seconds ends: status 0, all rows written."""
+    file = tmp_path / "cut.csv"
+    stop = threading.Timer(0.5, signal.raise_signal, [signal.SIGINT])
+    stop.start()
+    assert "rows" in bench.do("record", file)
+    lines = file.read_text().splitlines()
+    assert 20 < len(lines) < 80
+    assert all(line.count(",") == len(COLUMNS) - 1 for line in lines)
 
 
 class Terminal(io.StringIO):

@@ -8,6 +8,7 @@ or its configuration files.
 from __future__ import annotations
 
 import argparse
+import contextlib
 import csv
 import fnmatch
 import shutil
@@ -23,7 +24,7 @@ from cantools.database import EncodeError
 from camtools.can_download import CHECK_S, download
 from camtools.can_link import NAMES, NUMBERS, Answer, Link, Refused, Status, value_text
 from camtools.can_watch import COLUMNS, Dashboard, line, report, row, table_report
-from camtools.command import Parser, run_command
+from camtools.command import Interrupted, Parser, run_command
 from camtools.errors import CamtoolsError
 
 REFUSED = 1
@@ -181,13 +182,14 @@ class Control:
             self.say(text)
 
     def _follow(self, seconds: float | None, on_row: Callable[[Status, float], None]) -> None:
-        """Call for every row of status, until time is up."""
+        """Call for every row of status, until time is up or the user interrupts."""
         start_s = time.monotonic()
         self.link.listen()
         self.link.on_row = lambda status: on_row(status, time.monotonic() - start_s)
-        while seconds is None or time.monotonic() - start_s < seconds:
-            if not self.link.next_row(2.0):
-                raise Refused(f"{self.link.where}: the status stopped; is the controller on?")
+        with contextlib.suppress(Interrupted):
+            while seconds is None or time.monotonic() - start_s < seconds:
+                if not self.link.next_row(2.0):
+                    raise Refused(f"{self.link.where}: the status stopped; is the controller on?")
 
     def watch(self, arguments: argparse.Namespace) -> None:
         """Draw the dashboard, or print lines where nobody can draw."""
