@@ -3,8 +3,10 @@
 // are those of camturn.dbc, written out.
 #include "cam/cam_can.h"
 #include "fixture_can.h"
+#include "fixture_random.h"
 #include "hal_host.h"
 #include "unity.h"
+#include <string.h> // memcpy
 
 enum { enable = 1, disable, start, stop, reset, set, get, table_anew, get_minimum, get_maximum };
 enum { set_speed = 11, set_feed, set_amplitude, set_phase, home };
@@ -340,6 +342,54 @@ static void test_an_answer_without_room_is_kept_before_the_next_command(void)
     TEST_ASSERT_EQUAL_UINT32(n_sent + 2u, hal_host.slow.n_sent);
 }
 
+/// A frame that looks like one of ours, more or less.
+static hal_can_frame_t random_frame(fixture_random_t *r)
+{
+    static const uint32_t lengths[] = {8, 8, 8, 8, 0, 1, 3, 7, 12, 64};
+    hal_can_frame_t frame = {.id = (fixture_random_u32(r) & 1u) != 0u ? 0x640 : 0x6C0};
+    frame.n = lengths[fixture_random_u32(r) % 10u];
+    for (uint32_t i = 0; i < frame.n; i++) {
+        frame.data[i] = (uint8_t)fixture_random_u32(r);
+    }
+    if (frame.id == 0x640u) {
+        frame.data[0] %= 20u;
+        frame.data[1] %= 48u;
+        frame.data[2] &= frame.data[2] % 8u == 0u ? 1u : 0u;
+        frame.data[3] = 0;
+        frame.data[6] &= (fixture_random_u32(r) & 1u) != 0u ? 0u : 0xFFu;
+        frame.data[7] = frame.data[6] == 0u ? 0u : frame.data[7];
+    } else {
+        frame.data[0] &= 0x3Fu;
+    }
+    return frame;
+}
+
+static void test_whatever_comes_is_answered_or_passed_over(void)
+{
+    fixture_random_t r = {.state = 20240607};
+    static uint8_t before[sizeof f.rig.image.bytes];
+    memcpy(before, f.rig.image.bytes, sizeof before);
+    for (uint32_t i = 0; i < 30000u; i++) {
+        const hal_can_frame_t frame = random_frame(&r);
+        const uint32_t n_sent = hal_host.slow.n_sent;
+        TEST_ASSERT_TRUE(hal_host_can_receive(&frame));
+        cam_can_poll(&f.can);
+        if (frame.id == 0x640u) {
+            TEST_ASSERT_GREATER_THAN_UINT32(n_sent, hal_host.slow.n_sent);
+        }
+        fixture_rig_tick(&f.rig);
+        for (int k = 0; k < cam_n_params; k++) { // what was set is in its range
+            const cam_param_info_t *info = cam_param_info((cam_param_id_t)k);
+            const int32_t value = cam_param_get(&f.rig.machine.params, (cam_param_id_t)k);
+            TEST_ASSERT_TRUE(value >= info->min && value <= info->max);
+        }
+        TEST_ASSERT_TRUE(f.can.isotp.n <= f.can.isotp.length || !f.can.isotp.is_receiving);
+        TEST_ASSERT_TRUE(f.can.store.received <= f.can.store.size);
+    }
+    TEST_ASSERT_EQUAL_PTR(f.rig.image.bytes, hal_table_image().bytes);
+    TEST_ASSERT_EQUAL_MEMORY(before, f.rig.image.bytes, sizeof before);
+}
+
 static void test_bus_off_stops_nothing_and_ends(void)
 {
     to_ready();
@@ -379,6 +429,7 @@ int main(void)
     RUN_TEST(test_a_flood_of_foreign_ids_does_not_hold_up_a_poll);
     RUN_TEST(test_one_command_per_poll);
     RUN_TEST(test_an_answer_without_room_is_kept_before_the_next_command);
+    RUN_TEST(test_whatever_comes_is_answered_or_passed_over);
     RUN_TEST(test_bus_off_stops_nothing_and_ends);
     return UNITY_END();
 }

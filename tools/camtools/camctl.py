@@ -76,6 +76,10 @@ def _explain(answer: Answer) -> str:
     return f"refused: {what}" + (f"; {remedy}" if remedy else "")
 
 
+def _is_out_of_work(status: Status) -> bool:
+    return status.state not in ("engaging", "cutting", "disengaging")
+
+
 class Control:
     """What the subcommands do, over one link."""
 
@@ -181,13 +185,20 @@ class Control:
         for text in report(self.link.listen()):
             self.say(text)
 
-    def _follow(self, seconds: float | None, on_row: Callable[[Status, float], None]) -> None:
-        """Call for every row of status, until time is up or the user interrupts."""
+    def _follow(
+        self,
+        seconds: float | None,
+        on_row: Callable[[Status, float], None],
+        is_over: Callable[[Status], bool] = lambda status: False,
+    ) -> None:
+        """Call for every row of status, until it is over, time is up or the user interrupts."""
         start_s = time.monotonic()
         self.link.listen()
         self.link.on_row = lambda status: on_row(status, time.monotonic() - start_s)
         with contextlib.suppress(Interrupted):
-            while seconds is None or time.monotonic() - start_s < seconds:
+            while not is_over(self.link.status) and (
+                seconds is None or time.monotonic() - start_s < seconds
+            ):
                 if not self.link.next_row(2.0):
                     raise Refused(f"{self.link.where}: the status stopped; is the controller on?")
 
@@ -225,8 +236,11 @@ class Control:
                 n += 1
                 writer.writerow(row(status, t_s))
 
-            self._follow(arguments.seconds, write)
+            is_over = _is_out_of_work if arguments.cut else lambda status: False
+            self._follow(arguments.seconds, write, is_over)
         self.say(f"{arguments.file}: {n} rows")
+        if arguments.cut and self.link.status.faults:
+            raise Refused(f"the cut ended in a fault: {', '.join(self.link.status.faults)}")
 
     def table(self, arguments: argparse.Namespace) -> None:
         """Tell of the table in use, or download another one."""
@@ -300,6 +314,7 @@ def _parser() -> argparse.ArgumentParser:
     one = commands.add_parser("record", help="write the status into a CSV file, every 10 ms")
     one.add_argument("file", type=Path)
     one.add_argument("--seconds", type=float, help="how long; default: until interrupted")
+    one.add_argument("--cut", action="store_true", help="until the cut that runs is over")
     table = commands.add_parser("table", help="the table in use, download of another")
     actions = table.add_subparsers(dest="table", required=True, metavar="ACTION")
     actions.add_parser("info", help="name, size, CRC-32, generation")
