@@ -45,8 +45,8 @@ bool cam_store_is_of_moment(cam_err_t err);
 
 /// Make room; what was downloaded before is lost.
 /// @param size  [bytes] of the image
-/// @return cam_ok, cam_err_state, cam_err_busy, cam_err_image_size (none), cam_err_download_room,
-///         _store
+/// @return cam_ok, cam_err_state, cam_err_busy, cam_err_image_size (less than a header),
+///         cam_err_download_room (larger than the place, or the place cannot be emptied)
 CAM_MUST_USE cam_err_t cam_store_begin(cam_store_t *s, uint32_t size);
 
 /// Store the next block, or find that it is stored already.
