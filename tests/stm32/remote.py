@@ -122,7 +122,6 @@ class Remote:
 
     def _give(self, data: bytes) -> None:
         assert self.board.send(Frame(TO_CONTROLLER, data)), "a frame of a block was not received"
-        self.chip.run(self.chip.seconds(100e-6))
 
     def _message(self, message: bytes) -> None:
         """Send by ISO 15765-2, with the 32-bit form of the length where it is needed."""
