@@ -22,6 +22,9 @@ typedef enum { hal_axis_u, hal_axis_x, hal_axis_z, hal_n_axes } hal_axis_t;
 enum {
     hal_in_estop = 1u << 0,       ///< 1: the emergency-stop chain is open
     hal_in_drive_ready = 1u << 1, ///< 1: all drives are able to follow
+    hal_in_bus_lost = 1u << 2, ///< 1: a node on a field bus went silent or frames were lost; kept
+                               ///< while hal_out_fault is written. Not ready as well when it
+                               ///< takes a drive along; 0 of a port without a field bus
 };
 
 /// Bits of hal_outputs_write_isr().
