@@ -118,6 +118,20 @@ hal_start_t hal_start(void);
 /// @return place of the table image, any content: the caller checks it. Simulator: none unless set.
 hal_image_t hal_table_image(void);
 
+/// Make room for an image in the bank that is not in force, erased; the one in force stays.
+/// @return false when it is too large. Context: main(); may block.
+bool hal_table_begin(uint32_t size);
+
+/// Write a piece of it. @return false outside of it, or when the medium fails. Context: main().
+bool hal_table_write(uint32_t offset, const void *bytes, uint32_t n);
+
+/// @return what has been written since hal_table_begin(), to be checked; size 0: nothing
+hal_image_t hal_table_staged(void);
+
+/// The written bank becomes the one in force at once: a loss of power leaves the old or the new one.
+/// Never in a cut: the caller sees to it. @return false when the medium fails. Context: main().
+bool hal_table_commit(void);
+
 /// @return how long cam_isr() took, in cycles. Simulator: as set by the test.
 hal_load_t hal_load(void);
 
