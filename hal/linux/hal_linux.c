@@ -297,6 +297,36 @@ hal_start_t hal_start(void)
     return port.start;
 }
 
+hal_image_t hal_table_image(void)
+{
+    return lin_table_image();
+}
+
+bool hal_table_begin(uint32_t size)
+{
+    return lin_table_begin(size);
+}
+
+bool hal_table_write(uint32_t offset, const void *bytes, uint32_t n)
+{
+    return lin_table_write(offset, bytes, n);
+}
+
+hal_image_t hal_table_staged(void)
+{
+    return lin_table_staged();
+}
+
+bool hal_table_commit(void)
+{
+    lin_error_t e;
+    const bool is_stored = lin_table_commit(&e);
+    if (!is_stored) {
+        hal_text(e.text);
+    }
+    return is_stored;
+}
+
 hal_load_t hal_load(void)
 {
     return lin_thread_load();
