@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Port for Linux: the tick, start and end, and the functions of hal.h on top of the modules.
-#define _POSIX_C_SOURCE 200809L // sigaction
 #include "hal/hal.h"
 #include "lin_bus.h"
 #include "lin_can.h"

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#define _POSIX_C_SOURCE 200809L // open
 #include "lin_kept.h"
 #include <fcntl.h>  // open
 #include <stdio.h>  // snprintf

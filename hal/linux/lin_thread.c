@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#define _GNU_SOURCE // sched_setaffinity
 #include "lin_thread.h"
 #include "lin_clock.h"
 #include "lin_period.h" // lin_period_next
@@ -137,6 +136,11 @@ bool lin_thread_start(const lin_thread_config_t *config, lin_thread_tick_t *tick
                 : "warning: thread.priority = 0: any busy program makes ticks late, a late tick "
                   "ends a cut");
         (void)pthread_attr_setinheritsched(&attributes, PTHREAD_INHERIT_SCHED);
+        err = create(&attributes);
+    }
+    if (err == EAGAIN) { // no room for the stack within the limit of locked memory
+        (void)munlockall();
+        warn("warning: memory is not locked: the limit is too low; raise LimitMEMLOCK");
         err = create(&attributes);
     }
     (void)pthread_attr_destroy(&attributes);

@@ -347,6 +347,8 @@ static void test_words_name_the_node_and_its_error(void)
     expect_line((lin_cause_t){.loss = lin_loss_none}, true, "drives: ready");
     expect_line((lin_cause_t){lin_loss_none, 5, 0xFF01}, true,
                 "drives: node 5 (spindle) is not ready: error code FF01h");
+    expect_line((lin_cause_t){lin_loss_pdo, 3, 0}, true,
+                "drives: node 3 (drive x) is not ready: no measured values");
     for (int loss = 0; loss <= lin_loss_spindle; loss++) {
         TEST_ASSERT_GREATER_THAN(5, strlen(lin_loss_text((lin_loss_t)loss)));
     }

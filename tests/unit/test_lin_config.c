@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // The Linux port's configuration file: the example, and everything that is refused.
-#define _POSIX_C_SOURCE 200809L // mkstemp
 #include "lin_config.h"
 #include "unity.h"
 #include <stdio.h>  // fopen

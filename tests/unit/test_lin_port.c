@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // Small parts of the Linux port: due times, places of lines, the way to an end, the table's file.
-#define _POSIX_C_SOURCE 200809L // mkdtemp
 #include "hal/hal.h"
 #include "lin_period.h"
 #include "lin_place.h"

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#define _POSIX_C_SOURCE 200809L // fsync
-#include "hal/hal.h"            // lin_table_*
+#include "hal/hal.h" // lin_table_*
 #include "lin_table.h"
 #include <errno.h>    // errno
 #include <fcntl.h>    // open
