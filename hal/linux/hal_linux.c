@@ -7,6 +7,7 @@
 #include "lin_config.h"
 #include "lin_kept.h"
 #include "lin_lines.h"
+#include "lin_notify.h"
 #include "lin_options.h"
 #include "lin_stop.h"
 #include "lin_table.h"
@@ -217,6 +218,7 @@ void hal_tick_start(void)
         (void)fprintf(stderr, "camturn-linux: %s\n", e.text);
         hal_halt("port: the tick cannot start");
     }
+    lin_notify_ready();
 }
 
 /// A word that changed becomes a line.
@@ -245,12 +247,13 @@ static void tell_lost_line(void)
     }
 }
 
-/// At most once a second: overruns since the last time, an interface that came back.
+/// Alive; once a second overruns since the last time, an interface that came back.
 static void look_after(void)
 {
     static int64_t last_ns;
     static uint32_t told;
     const int64_t now_ns = lin_clock_now();
+    lin_notify_alive(now_ns);
     if (now_ns - last_ns < lin_ns_per_s) {
         return;
     }
