@@ -19,6 +19,7 @@ camturn_has() {
     llvm-14) command -v llvm-mca-14 ;;
     libcjson-dev) pkg-config --exists libcjson ;;
     libinih-dev) pkg-config --exists inih ;;
+    libgpiod-dev) pkg-config --exists libgpiod ;;
     python3-venv) "$(camturn_python)" -c 'import ensurepip, venv' ;;
     *) command -v "$1" ;;
     esac >/dev/null 2>&1
