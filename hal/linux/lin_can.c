@@ -14,6 +14,9 @@
 
 enum { batch = 32, max_batches = 4, control_bytes = 128 };
 
+/// A stamp further away than these is not believed: somebody set the clock.
+enum { oldest_ns = 1000000000, newest_ns = 10000000 };
+
 static bool refuse(lin_can_t *can, const char *what, lin_error_t *e)
 {
     const int err = errno;
@@ -181,6 +184,15 @@ static bool to_frame(const struct canfd_frame *from, hal_can_frame_t *frame)
     return true;
 }
 
+/// @param stamp_ns  CLOCK_REALTIME, 0: none
+/// @return          the same instant in CLOCK_MONOTONIC
+static int64_t arrival(int64_t stamp_ns, int64_t epoch_ns, int64_t now_ns)
+{
+    const int64_t age_ns = now_ns - (stamp_ns - epoch_ns);
+    const bool is_good = stamp_ns != 0 && age_ns < oldest_ns && age_ns > -newest_ns;
+    return is_good ? now_ns - age_ns : now_ns;
+}
+
 void lin_can_receive(lin_can_t *can, lin_can_taker_t *take, void *user)
 {
     static batch_t b; // the tick's only
@@ -194,7 +206,7 @@ void lin_can_receive(lin_can_t *can, lin_can_taker_t *take, void *user)
             if ((b.frames[i].can_id & CAN_ERR_FLAG) != 0u) {
                 take_error(can, &b.frames[i]);
             } else if (to_frame(&b.frames[i], &frame)) {
-                take(user, &frame, stamp_ns != 0 ? stamp_ns - epoch_ns : now_ns);
+                take(user, &frame, arrival(stamp_ns, epoch_ns, now_ns));
             }
         }
     }

@@ -10,6 +10,7 @@
 #include "hal/hal.h"   // hal_can_frame_t
 #include "lin_error.h" // lin_error_t
 #include "lin_node.h"  // lin_loss_t
+#include <stdatomic.h> // is_gone
 #include <stdbool.h>   // bool
 #include <stdint.h>    // int64_t, uint32_t
 
@@ -23,10 +24,10 @@ typedef struct {
 typedef struct {
     int fd; ///< -1: not open
     char interface[16];
-    uint32_t n_overflow; ///< received frames that the kernel threw away, so far
-    lin_loss_t link;     ///< none, bus_off or interface_down; none again when frames flow
-    lin_loss_t event;    ///< overflow or send since lin_can_take_event()
-    bool is_gone;        ///< the interface was removed: lin_can_rebind()
+    uint32_t n_overflow;  ///< received frames that the kernel threw away, so far
+    lin_loss_t link;      ///< none, bus_off or interface_down; none again when frames flow
+    lin_loss_t event;     ///< overflow or send since lin_can_take_event()
+    _Atomic bool is_gone; ///< the interface was removed; main() binds again
     lin_can_filter_t filters[lin_can_max_filters];
     uint32_t n_filters;
 } lin_can_t;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Small parts of the Linux port: due times, places of lines, the way to an end, the table's file.
 #include "hal/hal.h"
+#include "lin_kept.h"
 #include "lin_period.h"
 #include "lin_place.h"
 #include "lin_stop.h"
@@ -222,6 +223,23 @@ static void test_table_that_cannot_be_stored_leaves_the_old_one(void)
     TEST_ASSERT_EQUAL_INT(0, rmdir(fresh));
 }
 
+static void test_reason_of_a_halt_is_told_at_the_next_start_once(void)
+{
+    char longest[2 * lin_kept_bytes];
+    hal_start_t start = lin_kept_start(path);
+    TEST_ASSERT_EQUAL_INT(hal_reset_power_on, start.reset);
+    TEST_ASSERT_EQUAL_STRING("", start.why);
+    lin_kept_halt("broken");
+    start = lin_kept_start(path);
+    TEST_ASSERT_EQUAL_INT(hal_reset_halt, start.reset);
+    TEST_ASSERT_EQUAL_STRING("broken", start.why);
+    TEST_ASSERT_EQUAL_INT(hal_reset_power_on, lin_kept_start(path).reset);
+    memset(longest, 'x', sizeof longest);
+    longest[sizeof longest - 1u] = '\0';
+    lin_kept_halt(longest);
+    TEST_ASSERT_EQUAL_size_t(lin_kept_bytes, strlen(lin_kept_start(path).why));
+}
+
 int main(void)
 {
     if (mkdtemp(folder) == NULL) {
@@ -242,6 +260,7 @@ int main(void)
     RUN_TEST(test_new_table_comes_into_force_by_commit_only);
     RUN_TEST(test_interrupted_download_leaves_the_old_table);
     RUN_TEST(test_table_that_cannot_be_stored_leaves_the_old_one);
+    RUN_TEST(test_reason_of_a_halt_is_told_at_the_next_start_once);
     setUp();
     (void)rmdir(folder);
     return UNITY_END();
