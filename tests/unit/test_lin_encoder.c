@@ -53,6 +53,15 @@ static void test_extrapolation_ends_at_the_greatest_age(void)
     TEST_ASSERT_FALSE(lin_encoder_is_fresh(&e, 0)); // nothing heard is not fresh
 }
 
+static void test_greatest_age_is_three_ticks_unless_given(void)
+{
+    const lin_encoder_config_t config = {.counts_per_turn = 1000};
+    lin_encoder_init(&e, &config, 500);
+    lin_encoder_take(&e, 0, 10 * ms);
+    TEST_ASSERT_TRUE(lin_encoder_is_fresh(&e, 16 * ms));
+    TEST_ASSERT_FALSE(lin_encoder_is_fresh(&e, 16 * ms + 1));
+}
+
 static void test_delay_of_the_frame_is_taken_off(void)
 {
     e.config.delay_ns = 100 * us;
@@ -167,6 +176,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_counts_are_brought_to_the_instant_by_the_last_two_frames);
     RUN_TEST(test_extrapolation_ends_at_the_greatest_age);
+    RUN_TEST(test_greatest_age_is_three_ticks_unless_given);
     RUN_TEST(test_delay_of_the_frame_is_taken_off);
     RUN_TEST(test_frames_close_together_tell_no_speed);
     RUN_TEST(test_position_unwraps_at_its_modulus);

@@ -44,7 +44,8 @@ typedef struct {
     int64_t counts_per_turn;
     uint32_t index; ///< lin_index_t
     int64_t index_counts;
-    int64_t delay_ns, max_age_us;
+    int64_t delay_ns;
+    int64_t max_age_us; ///< 0: three ticks
 } lin_encoder_config_t;
 
 typedef struct {
