@@ -7,6 +7,7 @@ folder RIG_GPIOSIM. Times are those of virtual time; in real time only the order
 
 from __future__ import annotations
 
+import contextlib
 import re
 import signal
 import socket
@@ -306,6 +307,65 @@ def test_signal_ends_it_with_the_drives_let_go(
         assert nodes.drives[node].controls[-2:] == [0x02, 0x00]
         assert nodes.drives[node].status == DISABLED
     assert nodes.drives[U].actual == -500_000
+
+
+def test_second_signal_lets_go_at_once(nodes: Nodes, start: Start) -> None:
+    """Whoever is in a hurry: quick stop without leaving the work first."""
+    controller = start()
+    enable(controller, nodes)
+    assert controller.command(START) == OK
+    assert wait_until(lambda: level(CUT_LINE), 20.0)
+    u_nm = nodes.drives[U].actual
+    controller.process.send_signal(signal.SIGINT)
+    assert controller.end() == 0
+    assert not level(ENABLE_LINE)
+    assert nodes.drives[U].status == DISABLED
+    assert abs(nodes.drives[U].actual - u_nm) < 200_000, "no retract to -500 um"
+
+
+@pytest.mark.parametrize("by", [signal.SIGSEGV, signal.SIGABRT])
+def test_crash_drops_enable_and_stops_the_drives(
+    nodes: Nodes, start: Start, by: signal.Signals
+) -> None:
+    """The handler's last act; the status is still that of the crash."""
+    controller = start()
+    enable(controller, nodes)
+    assert controller.end(by) == -by
+    time.sleep(0.005)
+    assert not level(ENABLE_LINE)
+    for node in (U, X, Z, SPINDLE):
+        assert nodes.drives[node].controls[-1] == 0x02
+
+
+def test_systemd_is_told_ready_and_alive(
+    nodes: Nodes, start: Start, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Ready once, alive four times per watchdog interval, silent while the tick stands still."""
+    manager = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+    manager.bind(str(tmp_path / "notify"))
+    manager.setblocking(False)
+    monkeypatch.setenv("NOTIFY_SOCKET", str(tmp_path / "notify"))
+    monkeypatch.setenv("WATCHDOG_USEC", "400000")
+
+    def heard() -> list[bytes]:
+        words = []
+        with contextlib.suppress(BlockingIOError):
+            while True:
+                words.append(manager.recv(64))
+        return words
+
+    controller = start()
+    time.sleep(1.0)
+    words = heard()
+    assert words[0] == b"READY=1"
+    assert set(words[1:]) == {b"WATCHDOG=1"} and len(words) == pytest.approx(11, abs=2)
+    controller.process.send_signal(signal.SIGSTOP)
+    heard()
+    time.sleep(0.5)
+    assert heard() == []
+    controller.process.send_signal(signal.SIGCONT)
+    assert controller.end() == 0
+    manager.close()
 
 
 def test_fd_carries_a_drive_in_one_frame(nodes: Nodes, start: Start) -> None:
