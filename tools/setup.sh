@@ -13,6 +13,9 @@ camturn_has() {
     case $1 in
     ninja-build) command -v ninja ;;
     xz-utils) command -v xz ;;
+    busybox-static) command -v busybox ;;
+    iproute2) command -v ip || command -v /sbin/ip ;;
+    can-utils) command -v candump ;;
     libc6-dev) gcc -E -x c - <<<'#include <stdio.h>' ;;
     gcc-arm-none-eabi) command -v arm-none-eabi-gcc ;;
     libnewlib-arm-none-eabi) arm-none-eabi-gcc -E -x c - <<<'#include <stdio.h>' ;;
