@@ -34,6 +34,7 @@ static const err_text_t entries[] = {
     {cam_err_frame, "the command frame has a wrong length or reserved bytes set"},
     {cam_err_command, "there is no such command"},
     {cam_err_u_place, "U stands outside of its stroke: move it by hand or check its zero"},
+    {cam_err_bus, "a node on the bus is silent"},
     {cam_err_spindle_speed, "the speed is beyond the spindle's limit"},
     {cam_err_u_speed, "U would have to move faster than it can"},
     {cam_err_u_acceleration, "U would have to accelerate more than it can"},

@@ -3,7 +3,7 @@
 #include "cam/cam_fix.h" // cam_is_within, cam_wrap_sub
 
 #define ARMED_ENABLED                                                                              \
-    (CAM_FAULT_BIT(estop) | CAM_FAULT_BIT(drive) | CAM_FAULT_BIT(late_tick) |                      \
+    (CAM_FAULT_BIT(estop) | CAM_FAULT_BIT(drive) | CAM_FAULT_BIT(bus) | CAM_FAULT_BIT(late_tick) | \
      CAM_FAULT_BIT(index_missing) | CAM_FAULT_BIT(table))
 #define ARMED_SYNCED                                                                               \
     (ARMED_ENABLED | CAM_FAULT_BIT(encoder_jump) | CAM_FAULT_BIT(lost_counts) |                    \
@@ -19,7 +19,7 @@ static const uint32_t armed[cam_n_states] = {
     [cam_state_engaging] = ARMED_IN_WORK,
     [cam_state_cutting] = ARMED_IN_WORK,
     [cam_state_disengaging] = ARMED_IN_WORK,
-    [cam_state_fault] = CAM_FAULT_BIT(estop) | CAM_FAULT_BIT(drive),
+    [cam_state_fault] = CAM_FAULT_BIT(estop) | CAM_FAULT_BIT(drive) | CAM_FAULT_BIT(bus),
 };
 
 uint32_t cam_guard_armed(cam_state_t state)
@@ -32,12 +32,13 @@ static uint32_t bit_if(bool is_set, uint32_t bit)
     return is_set ? bit : 0u;
 }
 
-_Static_assert(CAM_FAULT_BIT(estop) == hal_in_estop && CAM_FAULT_BIT(drive) == hal_in_drive_ready,
+_Static_assert(CAM_FAULT_BIT(estop) == hal_in_estop && CAM_FAULT_BIT(drive) == hal_in_drive_ready &&
+                   CAM_FAULT_BIT(bus) == hal_in_bus_lost,
                "an input is its own fault");
 
 static uint32_t judge_inputs(uint32_t inputs)
 {
-    return (inputs ^ hal_in_drive_ready) & (hal_in_estop | hal_in_drive_ready);
+    return (inputs ^ hal_in_drive_ready) & (hal_in_estop | hal_in_drive_ready | hal_in_bus_lost);
 }
 
 /// Slower than stopped or faster than allowed.

@@ -200,6 +200,9 @@ static cam_err_t check_drives(const cam_params_t *params, const cam_status_t *st
     if ((status->inputs & hal_in_drive_ready) == 0u) {
         return cam_err_drive;
     }
+    if ((status->inputs & hal_in_bus_lost) != 0u) {
+        return cam_err_bus;
+    }
     return cam_is_within(status->u_actual_nm, params->u_stroke_nm / 2) ? cam_ok : cam_err_u_place;
 }
 

@@ -34,9 +34,10 @@ static const char help[] =
     "  --target-image F.elf  image for it (default: that of preset mcu-qemu or mcu-qemu-m4)\n"
     "  --inject KIND@SECONDS[:VALUE]   repeatable; seconds of cutting, or KIND@tSECONDS since the "
     "start:\n"
-    "      estop  drive  lost-counts:N  encoder-jump:N  encoder-stuck  index-dead  "
-    "late-tick:PERCENT\n"
-    "      reverse  spindle-speed:RPM  spindle-stop  z-offset:MM  u-block  table-flip:BYTE  stop\n"
+    "      estop  drive  bus  lost-counts:N  encoder-jump:N  encoder-stuck  index-dead\n"
+    "      late-tick:PERCENT  reverse  spindle-speed:RPM  spindle-stop  z-offset:MM  u-block  "
+    "table-flip:BYTE\n"
+    "      stop\n"
     "\n"
     "Exit status: 0 done, 1 fault, time-out or out of tolerance, 2 wrong usage or bad input.";
 

@@ -16,6 +16,7 @@ typedef struct {
 static const kind_t kinds[sim_n_injects] = {
     [sim_inject_estop] = {.name = "estop"},
     [sim_inject_drive] = {.name = "drive"},
+    [sim_inject_bus] = {.name = "bus"},
     [sim_inject_lost_counts] = {"lost-counts", "counts", 1.0, 1e9, true},
     [sim_inject_encoder_jump] = {"encoder-jump", "counts", -1e9, 1e9, true},
     [sim_inject_encoder_stuck] = {.name = "encoder-stuck"},
@@ -124,6 +125,9 @@ void sim_inject_apply(const sim_inject_t *inject, sim_machine_t *m, int directio
         break;
     case sim_inject_drive:
         hal_host_fault_drive(true);
+        break;
+    case sim_inject_bus:
+        hal_host_fault_bus(true);
         break;
     case sim_inject_lost_counts:
         hal_host_fault_counts(-(int32_t)inject->value);

@@ -8,6 +8,7 @@
 /// |---|---|---|
 /// | estop | | the emergency-stop chain opens |
 /// | drive | | the drives report that they are not ready |
+/// | bus | | a node on the bus goes silent, the drives are still heard |
 /// | lost-counts | counts | the encoder loses that many |
 /// | encoder-jump | counts | the encoder gains that many |
 /// | encoder-stuck | | the counter stands still |
@@ -39,6 +40,7 @@
 typedef enum {
     sim_inject_estop,
     sim_inject_drive,
+    sim_inject_bus,
     sim_inject_lost_counts,
     sim_inject_encoder_jump,
     sim_inject_encoder_stuck,

@@ -196,3 +196,8 @@ void hal_host_fault_drive(bool is_failed)
 {
     set_input(hal_in_drive_ready, !is_failed);
 }
+
+void hal_host_fault_bus(bool is_lost)
+{
+    set_input(hal_in_bus_lost, is_lost);
+}

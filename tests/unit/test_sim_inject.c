@@ -59,7 +59,8 @@ static void test_apply_reaches_the_port(void)
 {
     happen("estop@0");
     happen("drive@0");
-    TEST_ASSERT_EQUAL_HEX32(hal_in_estop, hal_host.in.inputs);
+    happen("bus@0");
+    TEST_ASSERT_EQUAL_HEX32(hal_in_estop | hal_in_bus_lost, hal_host.in.inputs);
     happen("lost-counts@0:7");
     TEST_ASSERT_EQUAL_UINT32((uint32_t)-7, hal_host.fault.count_offset);
     happen("encoder-jump@0:9");

@@ -34,6 +34,7 @@ typedef enum {
     cam_err_frame = -29,       ///< command frame of a wrong length or with reserved bytes set
     cam_err_command = -30,     ///< no such command
     cam_err_u_place = -31,     ///< U stands outside of its stroke
+    cam_err_bus = -32,         ///< a node on the bus is silent
     // feasibility: table x speed x machine
     cam_err_spindle_speed = -40,        ///< beyond the spindle's highest speed
     cam_err_u_speed = -41,              ///< U would have to move faster than it can

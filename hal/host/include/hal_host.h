@@ -80,9 +80,10 @@ void hal_host_fault_index_dead(bool is_dead);
 /// @param percent  of a period
 void hal_host_fault_late(uint32_t percent);
 
-/// Emergency stop pressed or released; drives ready or not.
+/// Emergency stop pressed or released; drives ready or not; a node on the bus silent or heard.
 void hal_host_fault_estop(bool is_pressed);
 void hal_host_fault_drive(bool is_failed);
+void hal_host_fault_bus(bool is_lost);
 
 /// A frame arrives. @return false when the queue is full and the frame is dropped
 bool hal_host_can_receive(const hal_can_frame_t *frame);

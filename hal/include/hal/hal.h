@@ -22,6 +22,9 @@ typedef enum { hal_axis_u, hal_axis_x, hal_axis_z, hal_n_axes } hal_axis_t;
 enum {
     hal_in_estop = 1u << 0,       ///< 1: the emergency-stop chain is open
     hal_in_drive_ready = 1u << 1, ///< 1: all drives are able to follow
+    hal_in_bus_lost = 1u << 2, ///< 1: a node on a field bus went silent or frames were lost; kept
+                               ///< while hal_out_fault is written. Not ready as well when it
+                               ///< takes a drive along; 0 of a port without a field bus
 };
 
 /// Bits of hal_outputs_write_isr().
@@ -114,6 +117,20 @@ hal_start_t hal_start(void);
 
 /// @return place of the table image, any content: the caller checks it. Simulator: none unless set.
 hal_image_t hal_table_image(void);
+
+/// Make room for an image in the bank that is not in force, erased; the one in force stays.
+/// @return false when it is too large. Context: main(); may block.
+bool hal_table_begin(uint32_t size);
+
+/// Write a piece of it. @return false outside of it, or when the medium fails. Context: main().
+bool hal_table_write(uint32_t offset, const void *bytes, uint32_t n);
+
+/// @return what has been written since hal_table_begin(), to be checked; size 0: nothing
+hal_image_t hal_table_staged(void);
+
+/// The written bank becomes the one in force at once: a loss of power leaves the old or the new one.
+/// Never in a cut: the caller sees to it. @return false when the medium fails. Context: main().
+bool hal_table_commit(void);
 
 /// @return how long cam_isr() took, in cycles. Simulator: as set by the test.
 hal_load_t hal_load(void);
