@@ -14,14 +14,17 @@ struct lin_gpio {
     int edge_fd;
 };
 
+/// @return NULL with errno 0: the chip has no such line
 static struct gpiod_line *find(struct gpiod_chip *chip, const lin_place_t *place)
 {
-    errno = 0; // a name that is not there sets none
+    struct gpiod_line *line = NULL;
     if (place->name != NULL) {
-        return gpiod_chip_find_line(chip, place->name);
+        line = gpiod_chip_find_line(chip, place->name);
+    } else if (place->offset < gpiod_chip_num_lines(chip)) {
+        line = gpiod_chip_get_line(chip, place->offset);
     }
-    return place->offset < gpiod_chip_num_lines(chip) ? gpiod_chip_get_line(chip, place->offset)
-                                                      : NULL;
+    errno = 0;
+    return line;
 }
 
 static bool request(lin_gpio_t *g, lin_gpio_way_t way, bool is_active_low)

@@ -13,7 +13,7 @@
 #include <sys/socket.h>      // recvmmsg
 #include <unistd.h>          // close
 
-enum { batch = 32, max_batches = 2, control_bytes = 128 };
+enum { batch = 32, max_batches = 4, control_bytes = 128 };
 
 static bool refuse(lin_can_t *can, const char *what, lin_error_t *e)
 {

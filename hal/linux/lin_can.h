@@ -39,7 +39,7 @@ bool lin_can_open(lin_can_t *can, const char *interface, const lin_can_filter_t 
 /// Who takes the frames of lin_can_receive().
 typedef void lin_can_taker_t(void *user, const hal_can_frame_t *frame, int64_t ns);
 
-/// Take what has arrived, at most 64 frames: the rest waits for the next tick. At most four system
+/// Take what has arrived, at most 128 frames: the rest waits for the next tick. At most six system
 /// calls.
 void lin_can_receive(lin_can_t *can, lin_can_taker_t *take, void *user);
 
