@@ -22,6 +22,9 @@ camturn_has() {
     llvm-14) command -v llvm-mca-14 ;;
     libcjson-dev) pkg-config --exists libcjson ;;
     libinih-dev) pkg-config --exists inih ;;
+    libgpiod-dev) pkg-config --exists libgpiod ;;
+    gpiod) command -v gpioset ;;
+    gpiod) command -v gpioset ;;
     python3-venv) "$(camturn_python)" -c 'import ensurepip, venv' ;;
     *) command -v "$1" ;;
     esac >/dev/null 2>&1
@@ -69,7 +72,8 @@ camturn_venv() {
     export CAMTURN_PYTHON=$camturn_root/build/venv/bin/python
     (
         flock 9
-        for list in "$@"; do
+        # Twice: a list that changed starts over, without what an earlier list had put there.
+        for list in "$@" "$@"; do
             camturn_venv_list "$list"
         done
     ) 9>"$camturn_root/build/venv.lock"

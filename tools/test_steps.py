@@ -31,6 +31,8 @@ SIMULATOR_PATHS = (
 )
 # The flashable image in an emulator, compared with a program of the host build.
 IMAGE_PATHS = ("tests/stm32",)
+# The port for Linux on a real kernel.
+LINUX_PATHS = ("tests/linux/test_linux.py",)
 N_JOBS = "2"
 MIN_LINE_PERCENT = "95"
 MIN_BRANCH_PERCENT = "90"
@@ -180,6 +182,8 @@ def main() -> int:
         gate(tally, "cycles", PYTHON, "-m", "camtools.cycles", BUILD)
         if build(tally, "mcu-stm32h743"):
             pytest(tally, "host", IMAGE_PATHS)
+        if build(tally, "linux"):
+            pytest(tally, "host", LINUX_PATHS)
         pytest(tally, "host", PIL_PATHS)  # the simulator of the host, the images of both boards
 
     for step in tally.failed_steps:

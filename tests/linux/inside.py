@@ -19,7 +19,7 @@ import struct
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -29,6 +29,8 @@ ENABLE, DISABLE, START, STOP, RESET, SET = 1, 2, 3, 4, 5, 6
 STATES = ("off", "homing", "ready", "engaging", "cutting", "disengaging", "fault")
 BUSY = -3
 FRAME = struct.Struct("<IB3x8s")
+# asm-generic/socket.h; Python has no names for them
+SO_RCVBUFFORCE, SO_TIMESTAMPNS = 33, 35
 
 
 class Line:
@@ -58,6 +60,9 @@ class Bus:
         filters = b"".join(struct.pack("=II", i, 0x7FF) for i in ids)
         if ids:
             self.socket.setsockopt(socket.SOL_CAN_RAW, socket.CAN_RAW_FILTER, filters)
+        # Room for ten thousand frames and more; root may take it.
+        self.socket.setsockopt(socket.SOL_SOCKET, SO_RCVBUFFORCE, 1 << 25)
+        self.socket.setsockopt(socket.SOL_SOCKET, SO_TIMESTAMPNS, 1)
         self.socket.bind((interface,))
 
     def send(self, can_id: int, data: bytes) -> None:
@@ -73,6 +78,19 @@ class Bus:
             return None
         return can_id, data[:n]
 
+    def stamps_ns(self) -> list[int]:
+        """Return when the frames since the last call came, in CLOCK_MONOTONIC [ns]."""
+        stamps = []
+        shift_ns = time.monotonic_ns() - time.time_ns()
+        self.socket.settimeout(0)
+        try:
+            while True:
+                _, extra, _, _ = self.socket.recvmsg(16, 64)
+                seconds, ns = struct.unpack("qq", extra[0][2])
+                stamps.append(seconds * 1_000_000_000 + ns + shift_ns)
+        except BlockingIOError:
+            return stamps
+
 
 class Session:
     """The processes and what was seen."""
@@ -81,11 +99,15 @@ class Session:
         self.setup = setup
         self.out = Path(setup["out"])
         self.seen: dict[str, Any] = {"events": []}
-        self.operator = Bus("vcan0", ANSWER)
-        self.listener = Bus("vcan0", STATE)
+        self.listen()
         self.children: list[subprocess.Popen[bytes]] = []
         self.machine: subprocess.Popen[bytes] | None = None
         self.controller: subprocess.Popen[bytes] | None = None
+
+    def listen(self) -> None:
+        """Open the operator's sockets, anew after the interface was down."""
+        self.operator = Bus("vcan0", ANSWER)
+        self.listener = Bus("vcan0", STATE)
 
     # Processes
 
@@ -133,9 +155,9 @@ class Session:
 
     # Operator
 
-    def event(self, what: str, **more: Any) -> None:
+    def event(self, what: str, faults: int | None = None) -> None:
         """Remember that something happened now."""
-        self.seen["events"].append({"at_s": time.monotonic(), "what": what, **more})
+        self.seen["events"].append({"at_s": time.monotonic(), "what": what, "faults": faults})
 
     def command(self, what: int, parameter: int = 0, value: int = 0) -> int:
         """Give a command; return the result of its answer, after waiting out `busy`."""
@@ -166,7 +188,7 @@ class Session:
         while True:
             state, faults = self.state()
             if state in wanted:
-                self.event(f"state {state}", faults=faults)
+                self.event(f"state {state}", faults)
                 return state
             assert state != "fault", f"fault {faults:#x} instead of {wanted}"
             assert time.monotonic() < until_s, f"state {state} instead of {wanted}"
@@ -203,7 +225,7 @@ def session(setup: dict[str, Any]) -> Iterator[Session]:
         (s.out / "result.json").write_text(json.dumps(s.seen, indent=1) + "\n")
 
 
-def main(scenarios: dict[str, Callable[[Session], None]]) -> int:
+def main(scenarios: Mapping[str, Callable[[Session], None]]) -> int:
     """Play the scenario named on the command line; return the exit status."""
     setup = json.loads(Path(sys.argv[2]).read_text())
     with session(setup) as s:

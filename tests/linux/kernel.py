@@ -90,30 +90,19 @@ class Kernel:
         command = [*self.command(out, limit_s, is_virtual), *words]
         return subprocess.run(command, capture_output=True, text=True, cwd=ROOT, check=False)
 
-    def play(
-        self,
-        scenario: str,
-        setup: dict[str, Any],
-        config: str,
-        *,
-        limit_s: int = 120,
-        is_virtual: bool = True,
-    ) -> Result:
+    def play(self, scenario: str, setup: dict[str, Any], *, is_virtual: bool) -> Result:
         """Play a scenario of scenarios.py.
 
         Parameters
         ----------
         scenario : name of its function
         setup : see inside.Session; `out` is the folder for everything
-        config : the controller's configuration file
-        limit_s : give up after this much real time [s]
         is_virtual : virtual time where the kernel can
         """
         out = Path(setup["out"])
         (out / "setup.json").write_text(json.dumps(setup))
-        (out / "camturn.toml").write_text(config)
         words = [sys.executable, str(HERE / "scenarios.py"), scenario, str(out / "setup.json")]
-        done = self.run(out, *words, limit_s=limit_s, is_virtual=is_virtual)
+        done = self.run(out, *words, is_virtual=is_virtual)
         return Result(done.returncode, done.stdout + done.stderr, out)
 
 
@@ -149,8 +138,8 @@ class InProcess:
     def __init__(self, table: Path, folder: Path) -> None:
         self.surface, summary = folder / "surface.csv", folder / "summary.json"
         done = camsim(
-            "run", table, "--rpm", str(SPEED_RPM), "--feed", str(FEED_MM), "--machine", MACHINE_FILE,
-            "--surface", self.surface, "--summary", summary,
+            "run", table, "--rpm", str(SPEED_RPM), "--feed", str(FEED_MM),
+            "--machine", MACHINE_FILE, "--surface", self.surface, "--summary", summary,
         )  # fmt: skip
         assert done.returncode == 0, done.stderr
         self.summary: dict[str, Any] = json.loads(summary.read_text())

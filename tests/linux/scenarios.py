@@ -8,10 +8,12 @@ import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
-from inside import ENABLE, RESET, Bus, Line, Session, main
+from inside import ENABLE, RESET, START, Bus, Line, Session, main
 
 POLL_S = 20e-6
+TICK_NS = 1_000_000
 
 
 def as_fast_as_the_tick() -> None:
@@ -29,12 +31,22 @@ def wait_line(line: Line, is_high: bool, limit_s: float = 5.0) -> float:
 
 
 def whole_cut(s: Session) -> None:
-    """Cut the part from end to end; what is on the bus is recorded."""
-    recorder = s.spawn("candump", "candump", "-L", "vcan0")
+    """Cut the part from end to end."""
     s.bring_to("cutting")
     s.wait_machine()
-    recorder.terminate()
     s.stop_controller()
+
+
+def recorded(s: Session) -> None:
+    """Cut while candump writes down what is on the bus."""
+    s.bring_to("ready", "--stay")
+    recorder = s.spawn("candump", "candump", "-L", "vcan0")
+    time.sleep(0.1)
+    s.command(START)
+    s.wait_state("cutting")
+    time.sleep(0.1)
+    recorder.terminate()
+    recorder.wait()
 
 
 def cut_on(s: Session) -> None:
@@ -72,12 +84,14 @@ def link_down(s: Session) -> None:
     """Take the interface down in the cut; up again; reset; enable."""
     s.bring_to("cutting", "--stay")
     time.sleep(0.1)
-    s.event("link down")
     subprocess.run(["ip", "link", "set", "vcan0", "down"], check=True)
-    s.seen["fault_s"] = wait_line(Line("FAULT"), True) - time.monotonic()
+    at_s = time.monotonic()
+    s.seen["fault_s"] = wait_line(Line("FAULT"), True) - at_s
+    s.seen["enable_low_s"] = wait_line(Line("ENABLE"), False) - at_s
     time.sleep(0.5)
     s.event("link up")
     subprocess.run(["ip", "link", "set", "vcan0", "up"], check=True)
+    s.listen()
     time.sleep(0.5)
     s.seen["after"] = s.state()
     s.seen["refused"] = s.command(ENABLE)
@@ -118,7 +132,8 @@ def two_controllers(s: Session) -> None:
     s.bring_to("cutting", "--stay")
     time.sleep(0.1)
     s.event("second")
-    second = s.spawn("second", s.setup["controller"], "--config", s.setup["second_config"])
+    config = str(s.out / "second.toml")
+    second = s.spawn("second", s.setup["controller"], "--config", config)
     time.sleep(1.0)
     s.seen["second_status"] = second.poll()
     s.seen["state"], s.seen["faults"] = s.state()
@@ -140,21 +155,44 @@ def killed(s: Session) -> None:
     s.wait_machine()
 
 
-def ten_seconds(s: Session) -> None:
-    """Cut for ten seconds of real time and end in good order."""
-    s.bring_to("cutting", "--stay")
+def canopen_drive(s: Session) -> None:
+    """Cut with a U drive that is not ours."""
+    s.spawn("drive", sys.executable, str(Path(__file__).with_name("canopen_drive.py")))
+    time.sleep(0.5)
+    s.bring_to("cutting", "--without", "u")
+    s.wait_machine()
+    s.stop_controller()
+
+
+def real_time(s: Session) -> None:
+    """Let a thousand ticks a second run for ten seconds and note when each SYNC came."""
+    syncs = Bus("vcan0", 0x080)
+    s.start_machine("--stay")
+    s.start_controller()
+    time.sleep(1.0)
+    syncs.stamps_ns()
     time.sleep(10.0)
-    s.seen["state"], s.seen["faults"] = s.state()
+    s.seen["late_ns"] = [t % TICK_NS for t in syncs.stamps_ns()]
     s.stop_controller()
 
 
 SCENARIOS = {
     f.__name__: f
     for f in (
-        whole_cut, cut_on, estop, link_down, flood, lines_busy, two_controllers, terminated,
-        killed, ten_seconds,
+        whole_cut,
+        recorded,
+        cut_on,
+        estop,
+        link_down,
+        flood,
+        lines_busy,
+        two_controllers,
+        terminated,
+        killed,
+        canopen_drive,
+        real_time,
     )
-}  # fmt: skip
+}
 
 if __name__ == "__main__":
     sys.exit(main(SCENARIOS))

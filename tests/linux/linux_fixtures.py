@@ -6,16 +6,26 @@ from __future__ import annotations
 import json
 import os
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 from camsim_cases import CAMSIM
-from kernel import CONTROLLER, MACHINE_FILE, InProcess, Kernel, NoKernelError, Result, find_kernel
+from kernel import (
+    CONTROLLER,
+    FEED_MM,
+    MACHINE_FILE,
+    InProcess,
+    Kernel,
+    NoKernelError,
+    Result,
+    find_kernel,
+)
 
 BUSY = -25  # cam_err_busy
+LINES = ("estop", "ready", "index", "enable", "fault", "in_cut")
+Config = Mapping[str, Mapping[str, str | int | bool]]
 
 
 @pytest.fixture(scope="session")
@@ -38,17 +48,10 @@ def in_process(
     return InProcess(table_of("perkins240"), tmp_path_factory.mktemp("in_process"))
 
 
-def config_text(folder: Path, **values: Any) -> str:
-    """Return a configuration file; values are given as section__key."""
-    settings: dict[str, dict[str, Any]] = {
-        "can": {"interface": "vcan0"},
-        "table": {"file": str(folder / "table.camtab")},
-    }
-    for name, value in values.items():
-        section, key = name.split("__")
-        settings.setdefault(section, {})[key] = value
+def config_text(config: Config) -> str:
+    """Return a configuration file of camturn-linux."""
     lines = []
-    for section, keys in settings.items():
+    for section, keys in config.items():
         lines += [f"[{section}]", *(f"{key} = {json.dumps(value)}" for key, value in keys.items())]
     return "\n".join(lines) + "\n"
 
@@ -60,10 +63,24 @@ def play(
     """Return a function that plays a scenario in a folder of its own."""
     table = table_of("perkins240")
 
-    def run(scenario: str, *machine_words: str, folder: str = "out", **options: Any) -> Result:
+    def run(
+        scenario: str,
+        *machine_words: str,
+        folder: str = "out",
+        feed_mm: float = FEED_MM,
+        config: Config | None = None,
+        parameters: Mapping[str, int] | None = None,
+        is_virtual: bool = True,
+    ) -> Result:
         out = tmp_path / folder
         out.mkdir()
         shutil.copy(table, out / "table.camtab")
+        base: Config = {"can": {"interface": "vcan0"}, "table": {"file": f"{out}/table.camtab"}}
+        alone: Config = {"encoder": {"index": "position"}, "gpio": dict.fromkeys(LINES, "none")}
+        (out / "camturn.toml").write_text(config_text({**base, **(config or {})}))
+        (out / "second.toml").write_text(config_text({**base, **alone}))
+        values = in_process.summary["parameters"] | {"feed_nm": round(feed_mm * 1e6)}
+        values |= parameters or {}
         setup = {
             "out": str(out),
             "camsim": str(CAMSIM),
@@ -71,11 +88,10 @@ def play(
             "table": str(table),
             "machine": str(MACHINE_FILE),
             "machine_words": machine_words,
-            "parameters": list(in_process.summary["parameters"].values()),
+            "parameters": list(values.values()),
             "busy": BUSY,
         }
-        config = config_text(out, **options.pop("config", {}))
-        result = kernel.play(scenario, setup, config, **options)
+        result = kernel.play(scenario, setup, is_virtual=is_virtual)
         assert result.status == 0, result.message + "\n" + (out / "result.json").read_text()
         return result
 
