@@ -24,7 +24,6 @@ camturn_has() {
     libinih-dev) pkg-config --exists inih ;;
     libgpiod-dev) pkg-config --exists libgpiod ;;
     gpiod) command -v gpioset ;;
-    gpiod) command -v gpioset ;;
     python3-venv) "$(camturn_python)" -c 'import ensurepip, venv' ;;
     *) command -v "$1" ;;
     esac >/dev/null 2>&1

@@ -158,6 +158,16 @@ def clang_tidy(tally: Tally) -> None:
     gate(tally, "clang-tidy", *tidy, r"/(firmware|hal|host_sim)/.*\.c$")
 
 
+def linux_port(tally: Tally) -> None:
+    """Build the Linux port with the system's libgpiod and with version 2, and analyse both."""
+    for preset in ("linux", "linux-gpiod2"):
+        if build(tally, preset):
+            # The compile commands are gcc's: clang does not know all of its optimisations.
+            tidy = ("run-clang-tidy-14", "-quiet", "-j", N_JOBS, "-p", BUILD / preset)
+            more = "-extra-arg=-Wno-ignored-optimization-argument"
+            gate(tally, f"clang-tidy {preset}", *tidy, more, r"/hal/linux/.*\.c$")
+
+
 def main() -> int:
     """Run all steps, or with --fast the quick ones; return the exit status."""
     tally = Tally()
@@ -174,6 +184,7 @@ def main() -> int:
             clang_tidy(tally)
         if build_and_ctest(tally, "host-asan"):
             pytest(tally, "host-asan", SIMULATOR_PATHS)
+        linux_port(tally)
         coverage(tally)
         for board in ("mcu-qemu", "mcu-qemu-m4"):
             if build_and_ctest(tally, board):

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 /// The seam with libgpiod 1.6: one request per line.
-#define _POSIX_C_SOURCE 200809L // struct timespec
 #include "lin_gpio.h"
 #include "lin_place.h"
 #include <errno.h>  // errno

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 /// The seam with libgpiod 2: one request per line.
-#define _POSIX_C_SOURCE 200809L // O_NONBLOCK
 #include "lin_gpio.h"
 #include "lin_place.h"
 #include <errno.h>  // errno

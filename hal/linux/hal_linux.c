@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Port for Linux: the tick, start and end, and the functions of hal.h on top of the modules.
-#define _POSIX_C_SOURCE 200809L // sigaction
 #include "hal/hal.h"
 #include "lin_bus.h"
 #include "lin_can.h"
@@ -8,6 +7,7 @@
 #include "lin_config.h"
 #include "lin_kept.h"
 #include "lin_lines.h"
+#include "lin_notify.h"
 #include "lin_options.h"
 #include "lin_stop.h"
 #include "lin_table.h"
@@ -218,6 +218,7 @@ void hal_tick_start(void)
         (void)fprintf(stderr, "camturn-linux: %s\n", e.text);
         hal_halt("port: the tick cannot start");
     }
+    lin_notify_ready();
 }
 
 /// A word that changed becomes a line.
@@ -246,12 +247,13 @@ static void tell_lost_line(void)
     }
 }
 
-/// At most once a second: overruns since the last time, an interface that came back.
+/// Alive; once a second overruns since the last time, an interface that came back.
 static void look_after(void)
 {
     static int64_t last_ns;
     static uint32_t told;
     const int64_t now_ns = lin_clock_now();
+    lin_notify_alive(now_ns);
     if (now_ns - last_ns < lin_ns_per_s) {
         return;
     }
@@ -295,6 +297,36 @@ void hal_halt(const char *why)
 hal_start_t hal_start(void)
 {
     return port.start;
+}
+
+hal_image_t hal_table_image(void)
+{
+    return lin_table_image();
+}
+
+bool hal_table_begin(uint32_t size)
+{
+    return lin_table_begin(size);
+}
+
+bool hal_table_write(uint32_t offset, const void *bytes, uint32_t n)
+{
+    return lin_table_write(offset, bytes, n);
+}
+
+hal_image_t hal_table_staged(void)
+{
+    return lin_table_staged();
+}
+
+bool hal_table_commit(void)
+{
+    lin_error_t e;
+    const bool is_stored = lin_table_commit(&e);
+    if (!is_stored) {
+        hal_text(e.text);
+    }
+    return is_stored;
 }
 
 hal_load_t hal_load(void)

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#define _GNU_SOURCE // recvmmsg, sendmmsg
 #include "lin_can.h"
 #include "lin_clock.h"       // lin_clock_now
 #include <errno.h>           // errno
@@ -15,6 +14,9 @@
 
 enum { batch = 32, max_batches = 4, control_bytes = 128 };
 
+/// A stamp further away than these is not believed: somebody set the clock.
+enum { oldest_ns = 1000000000, newest_ns = 10000000 };
+
 static bool refuse(lin_can_t *can, const char *what, lin_error_t *e)
 {
     const int err = errno;
@@ -25,18 +27,19 @@ static bool refuse(lin_can_t *can, const char *what, lin_error_t *e)
     return lin_error(e, "%s: %s: %s", can->interface, what, strerror(err));
 }
 
-static bool set_filters(int fd, const lin_can_filter_t *filters, uint32_t n)
+static bool set_filters(const lin_can_t *can)
 {
     struct can_filter list[lin_can_max_filters];
-    for (uint32_t i = 0; i < n; i++) {
+    const lin_can_filter_t *filters = can->filters;
+    for (uint32_t i = 0; i < can->n_filters; i++) {
         list[i] = (struct can_filter){.can_id = filters[i].id,
                                       .can_mask = filters[i].mask | CAN_EFF_FLAG | CAN_RTR_FLAG};
     }
     const can_err_mask_t errors =
         CAN_ERR_BUSOFF | CAN_ERR_RESTARTED | CAN_ERR_CRTL | CAN_ERR_TX_TIMEOUT;
-    return setsockopt(fd, SOL_CAN_RAW, CAN_RAW_FILTER, list, (socklen_t)(n * sizeof list[0])) ==
-               0 &&
-           setsockopt(fd, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, &errors, sizeof errors) == 0;
+    return setsockopt(can->fd, SOL_CAN_RAW, CAN_RAW_FILTER, list,
+                      (socklen_t)(can->n_filters * sizeof list[0])) == 0 &&
+           setsockopt(can->fd, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, &errors, sizeof errors) == 0;
 }
 
 static bool set_options(int fd, bool is_fd)
@@ -78,7 +81,9 @@ static bool check_interface(lin_can_t *can, bool is_fd, lin_error_t *e)
 bool lin_can_open(lin_can_t *can, const char *interface, const lin_can_filter_t *filters,
                   uint32_t n, bool is_fd, lin_error_t *e)
 {
-    *can = (lin_can_t){.fd = socket(PF_CAN, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, CAN_RAW)};
+    *can = (lin_can_t){.fd = socket(PF_CAN, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, CAN_RAW),
+                       .n_filters = n};
+    memcpy(can->filters, filters, n * sizeof *filters);
     (void)snprintf(can->interface, sizeof can->interface, "%s", interface);
     if (can->fd < 0) {
         return refuse(can, "no CAN sockets in this kernel; load the modules can and can-raw", e);
@@ -86,7 +91,7 @@ bool lin_can_open(lin_can_t *can, const char *interface, const lin_can_filter_t 
     if (!check_interface(can, is_fd, e)) {
         return false;
     }
-    if (!set_options(can->fd, is_fd) || !set_filters(can->fd, filters, n)) {
+    if (!set_options(can->fd, is_fd) || !set_filters(can)) {
         return refuse(can, "the kernel refuses an option of the socket", e);
     }
     return bind_to(can) || refuse(can, "is no CAN interface; give another one", e);
@@ -179,6 +184,15 @@ static bool to_frame(const struct canfd_frame *from, hal_can_frame_t *frame)
     return true;
 }
 
+/// @param stamp_ns  CLOCK_REALTIME, 0: none
+/// @return          the same instant in CLOCK_MONOTONIC
+static int64_t arrival(int64_t stamp_ns, int64_t epoch_ns, int64_t now_ns)
+{
+    const int64_t age_ns = now_ns - (stamp_ns - epoch_ns);
+    const bool is_good = stamp_ns != 0 && age_ns < oldest_ns && age_ns > -newest_ns;
+    return is_good ? now_ns - age_ns : now_ns;
+}
+
 void lin_can_receive(lin_can_t *can, lin_can_taker_t *take, void *user)
 {
     static batch_t b; // the tick's only
@@ -192,7 +206,7 @@ void lin_can_receive(lin_can_t *can, lin_can_taker_t *take, void *user)
             if ((b.frames[i].can_id & CAN_ERR_FLAG) != 0u) {
                 take_error(can, &b.frames[i]);
             } else if (to_frame(&b.frames[i], &frame)) {
-                take(user, &frame, stamp_ns != 0 ? stamp_ns - epoch_ns : now_ns);
+                take(user, &frame, arrival(stamp_ns, epoch_ns, now_ns));
             }
         }
     }
@@ -249,7 +263,8 @@ lin_loss_t lin_can_take_event(lin_can_t *can)
 
 void lin_can_rebind(lin_can_t *can)
 {
-    if (can->is_gone && bind_to(can)) {
+    // The kernel dropped the filters with the interface.
+    if (can->is_gone && set_filters(can) && bind_to(can)) {
         can->is_gone = false;
     }
 }

@@ -10,24 +10,27 @@
 #include "hal/hal.h"   // hal_can_frame_t
 #include "lin_error.h" // lin_error_t
 #include "lin_node.h"  // lin_loss_t
+#include <stdatomic.h> // is_gone
 #include <stdbool.h>   // bool
 #include <stdint.h>    // int64_t, uint32_t
 
-typedef struct {
-    int fd; ///< -1: not open
-    char interface[16];
-    uint32_t n_overflow; ///< received frames that the kernel threw away, so far
-    lin_loss_t link;     ///< none, bus_off or interface_down; none again when frames flow
-    lin_loss_t event;    ///< overflow or send since lin_can_take_event()
-    bool is_gone;        ///< the interface was removed: lin_can_rebind()
-} lin_can_t;
+enum { lin_can_max_filters = 32 };
 
 /// What a socket shall hear.
 typedef struct {
     uint32_t id, mask; ///< of 11-bit data frames
 } lin_can_filter_t;
 
-enum { lin_can_max_filters = 32 };
+typedef struct {
+    int fd; ///< -1: not open
+    char interface[16];
+    uint32_t n_overflow;  ///< received frames that the kernel threw away, so far
+    lin_loss_t link;      ///< none, bus_off or interface_down; none again when frames flow
+    lin_loss_t event;     ///< overflow or send since lin_can_take_event()
+    _Atomic bool is_gone; ///< the interface was removed; main() binds again
+    lin_can_filter_t filters[lin_can_max_filters];
+    uint32_t n_filters;
+} lin_can_t;
 
 /// @param n       1 .. lin_can_max_filters
 /// @param is_fd   the interface must be able to carry CAN FD

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#define _POSIX_C_SOURCE 200809L // open
 #include "lin_options.h"
 #include <fcntl.h>  // open
 #include <stdio.h>  // snprintf

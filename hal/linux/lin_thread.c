@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-#define _GNU_SOURCE // sched_setaffinity
 #include "lin_thread.h"
 #include "lin_clock.h"
-#include <errno.h>     // errno
-#include <pthread.h>   // pthread_create
-#include <sched.h>     // SCHED_FIFO, CPU_SET
-#include <semaphore.h> // sem_t
-#include <stdarg.h>    // va_list
-#include <stdatomic.h> // the counters
-#include <stdio.h>     // snprintf
-#include <string.h>    // strerror
-#include <sys/mman.h>  // mlockall
+#include "lin_period.h" // lin_period_next
+#include <errno.h>      // errno
+#include <pthread.h>    // pthread_create
+#include <sched.h>      // SCHED_FIFO, CPU_SET
+#include <semaphore.h>  // sem_t
+#include <stdarg.h>     // va_list
+#include <stdatomic.h>  // the counters
+#include <stdio.h>      // snprintf
+#include <string.h>     // strerror
+#include <sys/mman.h>   // mlockall
 
 enum { stack_bytes = 256 * 1024 };
 
@@ -62,17 +62,6 @@ bool lin_thread_prepare(const lin_thread_config_t *config, lin_error_t *e)
     return true;
 }
 
-int64_t lin_thread_next(int64_t now_ns, int64_t tick_hz)
-{
-    const int64_t second_ns = now_ns / lin_ns_per_s * lin_ns_per_s;
-    const int64_t i = (now_ns - second_ns) * tick_hz / lin_ns_per_s;
-    int64_t next_ns = second_ns + i * lin_ns_per_s / tick_hz;
-    for (int64_t k = i; next_ns <= now_ns; k++) {
-        next_ns = second_ns + (k + 1) * lin_ns_per_s / tick_hz;
-    }
-    return next_ns;
-}
-
 static void sleep_until(int64_t ns)
 {
     const struct timespec at = {.tv_sec = ns / lin_ns_per_s, .tv_nsec = ns % lin_ns_per_s};
@@ -101,17 +90,15 @@ static bool tick_once(void)
 static void *run(void *unused)
 {
     (void)unused;
-    int64_t due_ns = lin_thread_next(lin_clock_now(), thread.tick_hz);
+    int64_t due_ns = lin_period_next(lin_clock_now(), thread.tick_hz);
     for (bool goes_on = true; goes_on;) {
         sleep_until(due_ns);
         goes_on = tick_once();
         atomic_store(&thread.is_over, !goes_on);
         (void)sem_post(&thread.ended);
-        const int64_t after_ns = lin_thread_next(due_ns, thread.tick_hz);
-        due_ns = lin_thread_next(lin_clock_now(), thread.tick_hz);
-        const int64_t missed = (due_ns - after_ns) * thread.tick_hz;
-        atomic_fetch_add(&thread.n_overruns,
-                         (uint32_t)((missed + lin_ns_per_s / 2) / lin_ns_per_s));
+        const int64_t last_ns = due_ns;
+        due_ns = lin_period_next(lin_clock_now(), thread.tick_hz);
+        atomic_fetch_add(&thread.n_overruns, lin_period_missed(last_ns, due_ns, thread.tick_hz));
     }
     return NULL;
 }
@@ -149,6 +136,11 @@ bool lin_thread_start(const lin_thread_config_t *config, lin_thread_tick_t *tick
                 : "warning: thread.priority = 0: any busy program makes ticks late, a late tick "
                   "ends a cut");
         (void)pthread_attr_setinheritsched(&attributes, PTHREAD_INHERIT_SCHED);
+        err = create(&attributes);
+    }
+    if (err == EAGAIN) { // no room for the stack within the limit of locked memory
+        (void)munlockall();
+        warn("warning: memory is not locked: the limit is too low; raise LimitMEMLOCK");
         err = create(&attributes);
     }
     (void)pthread_attr_destroy(&attributes);

@@ -34,7 +34,4 @@ hal_load_t lin_thread_load(void);
 /// @return ticks left out since start, wraps. Context: main().
 uint32_t lin_thread_overruns(void);
 
-/// @return [ns] first multiple of the period within its second that is later than now
-int64_t lin_thread_next(int64_t now_ns, int64_t tick_hz);
-
 #endif

@@ -26,6 +26,7 @@ TICK_S = 1e-3
 ENCODER, U, X, Z, SPINDLE, CONTROLLER = 1, 2, 3, 4, 5, 64
 NODES = (ENCODER, U, X, Z, SPINDLE)
 HEARTBEAT_TICKS = 40
+INDEX_LINE = 10
 COUNTS_PER_TURN = 10_000
 
 # Status words of CiA 402 with voltage enabled, quick stop not active.
@@ -34,11 +35,11 @@ DISABLED, READY, SWITCHED_ON, ENABLED, QUICK_STOP, FAULT = 0x250, 0x231, 0x233, 
 Frame = tuple[int, bytes]
 
 
-def raw_socket() -> socket.socket:
+def raw_socket(interface: str = CAN) -> socket.socket:
     """Return a CAN socket that takes classic and FD frames and does not wait."""
     can = socket.socket(socket.AF_CAN, socket.SOCK_RAW, socket.CAN_RAW)
     can.setsockopt(socket.SOL_CAN_RAW, socket.CAN_RAW_FD_FRAMES, 1)
-    can.bind((CAN,))
+    can.bind((interface,))
     can.setblocking(False)
     return can
 
@@ -95,12 +96,13 @@ class Drive:
 class Nodes(threading.Thread):
     """All nodes, half a tick before the controller's ticks."""
 
-    def __init__(self, rpm: float = 300.0) -> None:
+    def __init__(self, interface: str = CAN, rpm: float = 300.0) -> None:
         super().__init__(daemon=True)
-        self.can = raw_socket()
+        self.can = raw_socket(interface)
         self.drives = {node: Drive() for node in (U, X, Z, SPINDLE)}
         self.counts_per_tick = rpm / 60.0 * COUNTS_PER_TURN * TICK_S
         self.position = 0.0
+        self.has_index_line = False
         self.silent: set[int] = set()  # no heartbeat
         self.mute: set[int] = set()  # no process data
         self.seen: list[int] = []  # identifiers of everything that others sent
@@ -130,7 +132,10 @@ class Nodes(threading.Thread):
         has_sync = False
         while (frame := receive(self.can)) is not None:
             has_sync |= self.take(*frame)
+        turns = self.position // COUNTS_PER_TURN
         self.position += self.counts_per_tick
+        if self.has_index_line:
+            pull(INDEX_LINE, self.position // COUNTS_PER_TURN != turns)  # one tick long
         if ENCODER not in self.mute and ENCODER in self.operational:
             self.send(0x180 + ENCODER, struct.pack("<I", int(self.position) % 2**32))
         for node, drive in self.drives.items():
@@ -187,11 +192,11 @@ def wait_until(condition: Callable[[], bool], seconds: float) -> float | None:
 class Controller:
     """The program under test, its configuration and what it says."""
 
-    def __init__(self, program: Path, config: Path) -> None:
+    def __init__(self, program: list[str | Path], config: Path, interface: str = CAN) -> None:
         self.log = config.with_suffix(".log")
         with self.log.open("w") as log:
-            self.process = subprocess.Popen([program, "--config", config], stderr=log)
-        self.can = raw_socket()
+            self.process = subprocess.Popen([*program, "--config", config], stderr=log)
+        self.can = raw_socket(interface)
 
     def says(self, words: str) -> bool:
         """Return whether it has said that."""

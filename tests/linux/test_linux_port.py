@@ -13,6 +13,7 @@ import socket
 import subprocess
 import time
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
@@ -25,6 +26,7 @@ from port_nodes import (
     ENCODER,
     FAULT,
     GPIOSIM,
+    INDEX_LINE,
     READY,
     SPINDLE,
     Controller,
@@ -40,7 +42,7 @@ from port_nodes import (
 )  # fmt: skip
 
 ROOT = Path(__file__).resolve().parents[2]
-ESTOP_LINE, READY_LINE, INDEX_LINE, ENABLE_LINE, FAULT_LINE, CUT_LINE = range(8, 14)
+ESTOP_LINE, READY_LINE, _, ENABLE_LINE, FAULT_LINE, CUT_LINE = range(8, 14)
 ENABLE, DISABLE, START, STOP, RESET, SET = 1, 2, 3, 4, 5, 6
 OK, ERR_ESTOP, ERR_DRIVE, ERR_BUS = 0, -27, -28, -32
 PROGRAMS = [
@@ -84,14 +86,25 @@ def nodes() -> Iterator[Nodes]:
     machine.stop()
 
 
-def _text(table: Path, lines: dict[str, str], fd: bool = False, max_age_us: int = 3000) -> str:
+@dataclass
+class Setup:
+    """What tests change of the configuration, and as whom they start the program."""
+
+    fd: bool = False
+    max_age_us: int = 3000
+    index: str = "position"
+    interface: str = CAN
+    prefix: tuple[str, ...] = ()
+
+
+def _text(table: Path, lines: dict[str, str], setup: Setup) -> str:
     names = ("estop", "ready", "index", "enable", "fault", "in_cut")
     places = {name: f"{CHIP}:{8 + i}" for i, name in enumerate(names)} | lines
     gpio = "".join(f'{name} = "{place}"\n' for name, place in places.items())
     return (
-        f'[can]\ninterface = "{CAN}"\nfd = {str(fd).lower()}\n'
-        f'[encoder]\nindex = "position"\nmax_age_us = {max_age_us}\n[table]\nfile = "{table}"\n'
-        f'[gpio]\nchip = "{CHIP}"\n{gpio}'
+        f'[can]\ninterface = "{setup.interface}"\nfd = {str(setup.fd).lower()}\n'
+        f'[encoder]\nindex = "{setup.index}"\nmax_age_us = {setup.max_age_us}\n'
+        f'[table]\nfile = "{table}"\n[gpio]\nchip = "{CHIP}"\n{gpio}'
     )
 
 
@@ -100,12 +113,13 @@ def start(program: Path, table_of: Callable[[str], Path], tmp_path: Path) -> Ite
     """Start the controller; it is ended with the test."""
     running: list[Controller] = []
 
-    def make(fd: bool = False, max_age_us: int = 3000, **lines: str) -> Controller:
+    def make(setup: Setup | None = None, **lines: str) -> Controller:
+        setup = setup or Setup()
         table = tmp_path / "table.camtab"
         table.write_bytes(table_of("perkins240").read_bytes())
         config = tmp_path / f"machine{len(running)}.toml"
-        config.write_text(_text(table, lines, fd, max_age_us))
-        running.append(Controller(program, config))
+        config.write_text(_text(table, lines, setup))
+        running.append(Controller([*setup.prefix, program], config, setup.interface))
         return running[-1]
 
     yield make
@@ -298,7 +312,7 @@ def test_fd_carries_a_drive_in_one_frame(nodes: Nodes, start: Start) -> None:
     """With fd = true set-points are frames of 12 bytes, without a second one."""
     subprocess.run(["ip", "link", "set", CAN, "down"], check=True)
     subprocess.run(["ip", "link", "set", CAN, "mtu", "72", "up"], check=True)
-    controller = start(fd=True)
+    controller = start(Setup(fd=True))
     enable(controller, nodes)
     assert 12 in nodes.fd_lengths
     assert 0x300 + U not in nodes.seen
@@ -307,7 +321,7 @@ def test_fd_carries_a_drive_in_one_frame(nodes: Nodes, start: Start) -> None:
 
 def test_frames_that_the_kernel_drops_are_noticed(nodes: Nodes, start: Start) -> None:
     """Stopped for a moment under a flood: the receive queue overflows, the bus is lost."""
-    controller = start(max_age_us=50_000)
+    controller = start(Setup(max_age_us=50_000))
     enable(controller, nodes)
     controller.process.send_signal(signal.SIGSTOP)
     flood = raw_socket()
@@ -334,7 +348,7 @@ def test_lines_that_cannot_be_had_are_told(program: Path, tmp_path: Path, nodes:
     config = tmp_path / "machine.toml"
 
     def say(**lines: str) -> str:
-        config.write_text(_text(tmp_path / "none", lines))
+        config.write_text(_text(tmp_path / "none", lines, Setup()))
         return refused(program, config)
 
     assert "gpio.estop: /dev/gpiochip77: no such GPIO chip" in say(estop="gpiochip77:0")
@@ -354,7 +368,7 @@ def test_interfaces_that_cannot_be_had_are_told(
 ) -> None:
     """No such interface, one that is no CAN, one that is down."""
     config = tmp_path / "machine.toml"
-    text = _text(tmp_path / "none", {})
+    text = _text(tmp_path / "none", {}, Setup())
 
     def say(interface: str) -> str:
         config.write_text(text.replace(f'"{CAN}"', f'"{interface}"'))
@@ -367,6 +381,58 @@ def test_interfaces_that_cannot_be_had_are_told(
         assert f"{CAN}: bring it up" in say(CAN)
     finally:
         subprocess.run(["ip", "link", "set", CAN, "up"], check=True)
+
+
+def test_index_line_gives_the_angle(nodes: Nodes, start: Start) -> None:
+    """Edges of the line become an index that stays at one place, turn after turn."""
+    nodes.has_index_line = True
+    controller = start(Setup(index="line"))
+    enable(controller, nodes)
+    time.sleep(1.5)  # seven turns
+    assert not level(FAULT_LINE), controller.log.read_text()
+    nodes.has_index_line = False
+    seconds = wait_until(lambda: level(FAULT_LINE), 0.5)
+    assert seconds is not None and seconds <= 0.2 * 1.125 + 0.003
+    assert controller.tells("fault index_missing")
+
+
+def test_interface_that_was_removed_is_used_again(start: Start) -> None:
+    """Removed and made anew: a fault, and after the reset it goes on."""
+    make = "ip link add dev vcan7 type vcan && ip link set vcan7 up"
+    subprocess.run(make, shell=True, check=True)
+    for line in (ESTOP_LINE, READY_LINE):
+        pull(line, True)
+    nodes = Nodes("vcan7")
+    nodes.start()
+    controller = start(Setup(interface="vcan7"))
+    enable(controller, nodes)
+    subprocess.run(["ip", "link", "del", "vcan7"], check=True)
+    assert wait_until(lambda: level(FAULT_LINE), 0.01)
+    assert controller.tells("bus: the interface is down")
+    nodes.stop()
+    subprocess.run(make, shell=True, check=True)
+    nodes = Nodes("vcan7")
+    nodes.operational = {ENCODER, U, X, Z, SPINDLE}
+    nodes.start()
+    controller.can.close()
+    controller.can = raw_socket("vcan7")
+    time.sleep(1.1)  # looked for once a second
+    assert wait_until(lambda: controller.command(RESET) == OK, 1.0), controller.log.read_text()
+    assert wait_until(lambda: controller.command(ENABLE) == OK, 2.0), controller.log.read_text()
+    assert controller.end() == 0
+    nodes.stop()
+    subprocess.run(["ip", "link", "del", "vcan7"], check=True)
+
+
+def test_without_privileges_it_runs_and_says_what_is_lost(nodes: Nodes, start: Start) -> None:
+    """Without capabilities and limits: no SCHED_FIFO, a warning, and the machine works."""
+    limits = ("prlimit", "--memlock=65536", "--rtprio=0")
+    rights = ("setpriv", "--bounding-set=-all", "--inh-caps=-all")
+    controller = start(Setup(prefix=(*limits, *rights)))
+    enable(controller, nodes)
+    assert controller.says("warning: SCHED_FIFO is not permitted")
+    assert controller.says("warning: memory is not locked")
+    assert controller.end() == 0
 
 
 CONFIGFS = Path("/sys/kernel/config/gpio-sim")

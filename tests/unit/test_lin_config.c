@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // The Linux port's configuration file: the example, and everything that is refused.
-#define _POSIX_C_SOURCE 200809L // mkstemp
 #include "lin_config.h"
 #include "unity.h"
 #include <stdio.h>  // fopen
@@ -71,6 +70,15 @@ static void test_example_file_tells_every_default(void)
     }
     TEST_ASSERT_EQUAL_STRING(defaults.table_file, config.table_file);
     TEST_ASSERT_EQUAL_INT64(defaults.table_max_bytes, config.table_max_bytes);
+}
+
+static void test_desk_file_is_right(void)
+{
+    TEST_ASSERT_TRUE_MESSAGE(lin_config_load(&config, HAL_LINUX_DIR "/desk.toml", &error),
+                             error.text);
+    for (int i = 0; i < lin_n_lines; i++) {
+        TEST_ASSERT_FALSE(lin_line_is_there(&config, (lin_line_t)i));
+    }
 }
 
 static void test_values_of_every_kind_arrive(void)
@@ -157,6 +165,7 @@ int main(void)
     (void)close(mkstemp(path));
     UNITY_BEGIN();
     RUN_TEST(test_example_file_tells_every_default);
+    RUN_TEST(test_desk_file_is_right);
     RUN_TEST(test_values_of_every_kind_arrive);
     RUN_TEST(test_line_field_value_and_remedy_are_named);
     RUN_TEST(test_what_is_wrong_is_refused);

@@ -49,7 +49,9 @@ void lin_words_drives(lin_cause_t cause, const lin_config_t *config, char *line,
     if (cause.node == 0u) {
         (void)snprintf(line, size, "drives: ready");
     } else {
-        (void)snprintf(line, size, "drives: node %u (%s) is not ready%s", cause.node,
-                       role(cause.node, config), code);
+        const bool is_lost = cause.loss != lin_loss_none;
+        (void)snprintf(line, size, "drives: node %u (%s) is not ready%s%s%s", cause.node,
+                       role(cause.node, config), is_lost ? ": " : "",
+                       is_lost ? lin_loss_text(cause.loss) : "", code);
     }
 }

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#define _POSIX_C_SOURCE 200809L // fsync
-#include "hal/hal.h"            // hal_table_*
+#include "hal/hal.h" // lin_table_*
 #include "lin_table.h"
 #include <errno.h>    // errno
 #include <fcntl.h>    // open
@@ -63,6 +62,10 @@ static bool load(int fd, lin_error_t *e)
 
 bool lin_table_open(const char *path, int64_t max_bytes, lin_error_t *e)
 {
+    for (int i = 0; i < 2; i++) { // of an earlier call
+        free(table.banks[i].bytes);
+    }
+    memset(&table, 0, sizeof table);
     table.path = path;
     table.room = (uint32_t)((max_bytes + alignment - 1) / alignment * alignment);
     for (int i = 0; i < 2; i++) {
@@ -82,13 +85,13 @@ bool lin_table_open(const char *path, int64_t max_bytes, lin_error_t *e)
     return is_loaded;
 }
 
-hal_image_t hal_table_image(void)
+hal_image_t lin_table_image(void)
 {
     const bank_t *bank = &table.banks[table.i_active];
     return (hal_image_t){.bytes = bank->bytes, .size = bank->size};
 }
 
-bool hal_table_begin(uint32_t size)
+bool lin_table_begin(uint32_t size)
 {
     if (size == 0u || size > table.room) {
         return false;
@@ -100,7 +103,7 @@ bool hal_table_begin(uint32_t size)
     return true;
 }
 
-bool hal_table_write(uint32_t offset, const void *bytes, uint32_t n)
+bool lin_table_write(uint32_t offset, const void *bytes, uint32_t n)
 {
     const bank_t *bank = other();
     if (!table.is_begun || offset > bank->size || n > bank->size - offset) {
@@ -110,7 +113,7 @@ bool hal_table_write(uint32_t offset, const void *bytes, uint32_t n)
     return true;
 }
 
-hal_image_t hal_table_staged(void)
+hal_image_t lin_table_staged(void)
 {
     return table.is_begun ? (hal_image_t){.bytes = other()->bytes, .size = other()->size}
                           : (hal_image_t){.bytes = NULL, .size = 0};
@@ -151,23 +154,17 @@ static bool sync_folder(void)
     return close(fd) == 0 && is_synced;
 }
 
-bool hal_table_commit(void)
+bool lin_table_commit(lin_error_t *e)
 {
-    if (!table.is_begun) {
-        return false;
-    }
     char fresh[path_bytes];
+    if (!table.is_begun) {
+        return lin_error(e, "no table was begun");
+    }
     (void)snprintf(fresh, sizeof fresh, "%s.new", table.path);
-    if (!store(fresh, other()) || rename(fresh, table.path) != 0) {
-        char line[120];
-        (void)snprintf(line, sizeof line, "table: not stored: %.60s", strerror(errno));
-        hal_text(line);
-        return false;
+    if (!store(fresh, other()) || rename(fresh, table.path) != 0 || !sync_folder()) {
+        return lin_error(e, "%s: not written: %s", table.path, strerror(errno));
     }
     table.is_begun = false;
     table.i_active = 1 - table.i_active;
-    if (!sync_folder()) {
-        hal_text("table: stored, but the folder could not be synchronised");
-    }
     return true;
 }

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#define _POSIX_C_SOURCE 200809L // open
 #include "lin_kept.h"
 #include <fcntl.h>  // open
 #include <stdio.h>  // snprintf
@@ -10,7 +9,7 @@ static char path[256];
 
 hal_start_t lin_kept_start(const char *table_file)
 {
-    static char why[100];
+    static char why[lin_kept_bytes + 1];
     (void)snprintf(path, sizeof path, "%s.halt", table_file);
     const int fd = open(path, O_RDONLY | O_CLOEXEC);
     if (fd < 0) {

@@ -6,6 +6,8 @@
 
 #include "hal/hal.h" // hal_start_t
 
+enum { lin_kept_bytes = 100 }; ///< a longer reason is cut off
+
 /// Read what the last run left, and remove it.
 /// @param table_file  the reason is kept in this path with ".halt" behind it
 hal_start_t lin_kept_start(const char *table_file);
