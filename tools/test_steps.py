@@ -32,7 +32,7 @@ SIMULATOR_PATHS = (
 # The flashable image in an emulator, compared with a program of the host build.
 IMAGE_PATHS = ("tests/stm32",)
 # The port for Linux on a real kernel.
-LINUX_PATHS = ("tests/linux/test_linux.py",)
+LINUX_PATHS = ("tests/linux/test_linux_start.py", "tests/linux/test_linux.py")
 N_JOBS = "2"
 MIN_LINE_PERCENT = "95"
 MIN_BRANCH_PERCENT = "90"
@@ -159,13 +159,14 @@ def clang_tidy(tally: Tally) -> None:
 
 
 def linux_port(tally: Tally) -> None:
-    """Build the Linux port with the system's libgpiod and with version 2, and analyse both."""
+    """Build the Linux port with the system's libgpiod and with version 2, analyse both, run it."""
     for preset in ("linux", "linux-gpiod2"):
         if build(tally, preset):
             # The compile commands are gcc's: clang does not know all of its optimisations.
             tidy = ("run-clang-tidy-14", "-quiet", "-j", N_JOBS, "-p", BUILD / preset)
             more = "-extra-arg=-Wno-ignored-optimization-argument"
             gate(tally, f"clang-tidy {preset}", *tidy, more, r"/hal/linux/.*\.c$")
+    pytest(tally, "host", LINUX_PATHS)
 
 
 def main() -> int:
@@ -193,8 +194,6 @@ def main() -> int:
         gate(tally, "cycles", PYTHON, "-m", "camtools.cycles", BUILD)
         if build(tally, "mcu-stm32h743"):
             pytest(tally, "host", IMAGE_PATHS)
-        if build(tally, "linux"):
-            pytest(tally, "host", LINUX_PATHS)
         pytest(tally, "host", PIL_PATHS)  # the simulator of the host, the images of both boards
 
     for step in tally.failed_steps:

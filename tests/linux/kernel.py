@@ -69,6 +69,14 @@ class Result:
         return next(float(e["at_s"]) for e in self.seen["events"] if e["what"] == what)
 
 
+@dataclass
+class PortTests:
+    """The port's own tests, running inside, and where their report will be."""
+
+    process: subprocess.Popen[str]
+    report: Path
+
+
 class Kernel:
     """A kernel with vcan0, vcan1 and simulated GPIO lines, in which scenarios are played."""
 
@@ -83,12 +91,13 @@ class Kernel:
         time = ["-v"] if is_virtual else []
         return [str(UML), "run", *time, "-t", str(limit_s), "-o", str(out)]
 
-    def run(
+    def start(
         self, out: Path, *words: str, limit_s: int = 120, is_virtual: bool = True
-    ) -> subprocess.CompletedProcess[str]:
-        """Run a command; only files in `out` stay."""
+    ) -> subprocess.Popen[str]:
+        """Start a command; only files in `out` stay."""
         command = [*self.command(out, limit_s, is_virtual), *words]
-        return subprocess.run(command, capture_output=True, text=True, cwd=ROOT, check=False)
+        pipe = subprocess.PIPE
+        return subprocess.Popen(command, stdout=pipe, stderr=subprocess.STDOUT, text=True, cwd=ROOT)
 
     def play(self, scenario: str, setup: dict[str, Any], *, is_virtual: bool) -> Result:
         """Play a scenario of scenarios.py.
@@ -102,8 +111,9 @@ class Kernel:
         out = Path(setup["out"])
         (out / "setup.json").write_text(json.dumps(setup))
         words = [sys.executable, str(HERE / "scenarios.py"), scenario, str(out / "setup.json")]
-        done = self.run(out, *words, is_virtual=is_virtual)
-        return Result(done.returncode, done.stdout + done.stderr, out)
+        process = self.start(out, *words, is_virtual=is_virtual)
+        message, _ = process.communicate()
+        return Result(process.returncode, message, out)
 
 
 def is_direct_possible() -> bool:

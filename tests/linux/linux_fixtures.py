@@ -6,7 +6,8 @@ from __future__ import annotations
 import json
 import os
 import shutil
-from collections.abc import Callable, Mapping
+import sys
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 
 import pytest
@@ -19,12 +20,14 @@ from kernel import (
     InProcess,
     Kernel,
     NoKernelError,
+    PortTests,
     Result,
     find_kernel,
 )
 
 BUSY = -25  # cam_err_busy
 LINES = ("estop", "ready", "index", "enable", "fault", "in_cut")
+PORT_TEST, PORT_LIMIT_S = "test_own_tests_of_the_port", 400
 Config = Mapping[str, Mapping[str, str | int | bool]]
 
 
@@ -38,6 +41,24 @@ def kernel() -> Kernel:
         if os.environ.get("CI"):
             raise
         pytest.skip(f"no kernel with vcan and gpio-sim: {err}")
+
+
+@pytest.fixture(scope="session", autouse=True)
+def port_tests(
+    request: pytest.FixtureRequest, kernel: Kernel, tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[PortTests | None]:
+    """Start the tests of test_linux_port.py inside, where they are wanted, beside all others."""
+    if not kernel.is_own or not any(PORT_TEST in item.name for item in request.session.items):
+        yield None
+        return
+    folder = tmp_path_factory.mktemp("port")
+    report = folder / "port.xml"
+    words = ("-m", "pytest", "-p", "no:cacheprovider", "-c", "tools/pyproject.toml", "-q")
+    what = ("tests/linux/test_linux_port.py", f"--junitxml={report}")
+    process = kernel.start(folder, sys.executable, *words, *what, limit_s=PORT_LIMIT_S)
+    yield PortTests(process, report)
+    process.terminate()
+    process.communicate()
 
 
 @pytest.fixture(scope="session")

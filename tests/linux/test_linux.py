@@ -7,7 +7,6 @@ Times are asserted in virtual time only; figures are printed (tests/linux/run -s
 from __future__ import annotations
 
 import csv
-import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from xml.etree import ElementTree
@@ -17,7 +16,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from kernel import HERE, InProcess, Kernel, Result
+from kernel import HERE, InProcess, Kernel, PortTests, Result
 
 pytest_plugins = ["linux_fixtures"]
 
@@ -261,17 +260,13 @@ def test_what_candump_saw_is_what_the_trace_tells(play: Play) -> None:
         assert contains(traced, targets[2:-2]), axis
 
 
-def test_own_tests_of_the_port_pass_there(kernel: Kernel, tmp_path: Path) -> None:
+def test_own_tests_of_the_port_pass_there(port_tests: PortTests | None) -> None:
     """Those of test_linux_port.py need the lines and interfaces too; none is skipped there."""
-    if not kernel.is_own:
+    if port_tests is None:
         pytest.skip("their times are those of virtual time")
-    words = ("-m", "pytest", "-p", "no:cacheprovider", "-c", "tools/pyproject.toml", "-q")
-    report = tmp_path / "port.xml"
-    done = kernel.run(
-        tmp_path, sys.executable, *words, "tests/linux/test_linux_port.py", f"--junitxml={report}"
-    )
-    suite = next(ElementTree.parse(report).getroot().iter("testsuite"))
-    assert done.returncode == 0, done.stdout
+    said, _ = port_tests.process.communicate()
+    assert port_tests.process.returncode == 0, said
+    suite = next(ElementTree.parse(port_tests.report).getroot().iter("testsuite"))
     assert int(suite.get("tests", "0")) > 0 and suite.get("skipped") == "0"
     print(f"tests of the port: {suite.get('tests')} passed")
 
