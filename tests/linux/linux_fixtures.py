@@ -58,7 +58,7 @@ def port_tests(
     process = kernel.start(folder, sys.executable, *words, *what, limit_s=PORT_LIMIT_S)
     yield PortTests(process, report)
     process.terminate()
-    process.communicate()
+    process.wait()
 
 
 @pytest.fixture(scope="session")
