@@ -25,10 +25,13 @@ from pathlib import Path
 from typing import Any
 
 COMMAND, ANSWER, STATE = 0x640, 0x5C0, 0x1C0
+BLOCK, BLOCK_FLOW = 0x6C0, 0x6C1
 ENABLE, DISABLE, START, STOP, RESET, SET = 1, 2, 3, 4, 5, 6
+BEGIN_DOWNLOAD = 16
 STATES = ("off", "homing", "ready", "engaging", "cutting", "disengaging", "fault")
 BUSY = -3
 FRAME = struct.Struct("<IB3x8s")
+BLOCK_BYTES = 4096
 # asm-generic/socket.h; Python has no names for them
 SO_RCVBUFFORCE, SO_TIMESTAMPNS = 33, 35
 
@@ -162,13 +165,25 @@ class Session:
     def command(self, what: int, parameter: int = 0, value: int = 0) -> int:
         """Give a command; return the result of its answer, after waiting out `busy`."""
         while True:
-            self.operator.send(COMMAND, struct.pack("<BBHi", what, parameter, 0, value))
+            self.operator.send(
+                COMMAND, struct.pack("<BBHI", what, parameter, 0, value & 0xFFFFFFFF)
+            )
             answer = self.operator.receive(1.0)
             assert answer is not None, f"no answer to command {what}"
             result = struct.unpack_from("<h", answer[1], 2)[0]
             if result != self.setup["busy"]:
                 return int(result)
             time.sleep(0.002)
+
+    def begin_download(self, image: bytes, n_blocks: int) -> None:
+        """Begin a download and send some blocks, by the kernel's own ISO-TP."""
+        transport = socket.socket(socket.AF_CAN, socket.SOCK_DGRAM, socket.CAN_ISOTP)
+        transport.bind(("vcan0", BLOCK_FLOW, BLOCK))
+        assert self.command(BEGIN_DOWNLOAD, 0, len(image)) == 0
+        for at in range(0, n_blocks * BLOCK_BYTES, BLOCK_BYTES):
+            transport.send(struct.pack("<I", at) + image[at : at + BLOCK_BYTES])
+            answer = self.operator.receive(1.0)
+            assert answer is not None and answer[1][2:4] == b"\0\0", f"block at {at}: {answer}"
 
     def state(self) -> tuple[str, int]:
         """Return state and faults as of the next status."""

@@ -91,6 +91,7 @@ def play(
         feed_mm: float = FEED_MM,
         config: Config | None = None,
         parameters: Mapping[str, int] | None = None,
+        other_part: str = "perkins240",
         is_virtual: bool = True,
     ) -> Result:
         out = tmp_path / folder
@@ -107,6 +108,7 @@ def play(
             "camsim": str(CAMSIM),
             "controller": str(CONTROLLER),
             "table": str(table),
+            "other_table": str(table_of(other_part)),
             "machine": str(MACHINE_FILE),
             "machine_words": machine_words,
             "parameters": list(values.values()),

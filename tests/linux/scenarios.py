@@ -10,7 +10,7 @@ import sys
 import time
 from pathlib import Path
 
-from inside import ENABLE, RESET, START, Bus, Line, Session, main
+from inside import BLOCK_BYTES, ENABLE, RESET, START, Bus, Line, Session, main
 
 POLL_S = 20e-6
 TICK_NS = 1_000_000
@@ -164,16 +164,40 @@ def canopen_drive(s: Session) -> None:
     s.stop_controller()
 
 
+def download(s: Session) -> None:
+    """Break a download off after every block by a kill; then let camctl bring the table whole."""
+    place = s.out / "table.camtab"
+    before, other = place.read_bytes(), Path(s.setup["other_table"]).read_bytes()
+    s.start_machine("--stay")
+    n_most = -(-len(other) // BLOCK_BYTES)
+    for n_blocks in range(n_most + 1):
+        s.start_controller()
+        s.begin_download(other, n_blocks)
+        s.stop_controller(signal.SIGKILL)
+        assert place.read_bytes() == before, f"after {n_blocks} blocks"
+    s.seen["n_broken_off"] = n_most + 1
+    s.start_controller()
+    camctl = (sys.executable, "-m", "camtools.camctl", "-i", "socketcan", "-c", "vcan0")
+    for words in (("table", "download", s.setup["other_table"]), ("select",), ("table", "info")):
+        s.seen["camctl"] = s.spawn("camctl", *camctl, *words).wait(30)
+        assert s.seen["camctl"] == 0, words
+    assert place.read_bytes() == other
+    s.stop_controller()
+
+
 def real_time(s: Session) -> None:
     """Let a thousand ticks a second run for ten seconds and note when each SYNC came."""
     syncs = Bus("vcan0", 0x080)
     s.start_machine("--stay")
     s.start_controller()
     time.sleep(1.0)
-    syncs.stamps_ns()
+    begin_ns = time.monotonic_ns()
     time.sleep(10.0)
-    s.seen["late_ns"] = [t % TICK_NS for t in syncs.stamps_ns()]
+    end_ns = time.monotonic_ns()
     s.stop_controller()
+    s.close()
+    s.seen["wanted"] = (end_ns - begin_ns) // TICK_NS
+    s.seen["late_ns"] = [t % TICK_NS for t in syncs.stamps_ns() if begin_ns <= t < end_ns]
 
 
 SCENARIOS = {
@@ -190,6 +214,7 @@ SCENARIOS = {
         terminated,
         killed,
         canopen_drive,
+        download,
         real_time,
     )
 }

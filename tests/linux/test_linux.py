@@ -260,6 +260,16 @@ def test_what_candump_saw_is_what_the_trace_tells(play: Play) -> None:
         assert contains(traced, targets[2:-2]), axis
 
 
+def test_download_broken_off_anywhere_leaves_the_old_table(play: Play) -> None:
+    """Killed after each block; then camctl brings the same table whole and selects it."""
+    result = play("download", other_part="perkins240_x30")
+    assert result.seen["n_broken_off"] > 5 and result.seen["camctl"] == 0
+    log = result.log("controller")
+    assert log.count("table: perkins240 in use") == result.seen["n_broken_off"] + 1
+    assert "table: perkins240_x30 in use" in log
+    assert "perkins240_x30" in result.log("camctl")
+
+
 def test_own_tests_of_the_port_pass_there(port_tests: PortTests | None) -> None:
     """Those of test_linux_port.py need the lines and interfaces too; none is skipped there."""
     if port_tests is None:
@@ -277,5 +287,6 @@ def test_ticks_in_real_time(play: Play) -> None:
     late_us = np.array(result.seen["late_ns"]) / 1000
     assert result.seen["controller_status"] == 0 and len(late_us) > 1000
     median, p99, last = np.percentile(late_us, (50, 99, 100))
-    print(f"real time: {len(late_us)} ticks in 10 s, {10_000 - len(late_us)} left out;")
+    left_out = result.seen["wanted"] - len(late_us)
+    print(f"real time: {len(late_us)} ticks in 10 s, {left_out} left out;")
     print(f"  late by {median:.0f} us (median), {p99:.0f} us (99 %), {last:.0f} us (largest)")
