@@ -26,7 +26,7 @@ from typing import Any
 
 COMMAND, ANSWER, STATE = 0x640, 0x5C0, 0x1C0
 BLOCK, BLOCK_FLOW = 0x6C0, 0x6C1
-ENABLE, DISABLE, START, STOP, RESET, SET = 1, 2, 3, 4, 5, 6
+ENABLE, START, RESET, SET = 1, 3, 5, 6
 BEGIN_DOWNLOAD = 16
 STATES = ("off", "homing", "ready", "engaging", "cutting", "disengaging", "fault")
 BUSY = -3

@@ -64,10 +64,6 @@ class Result:
         """Return what a program said."""
         return (self.folder / f"{name}.log").read_text()
 
-    def time_of(self, what: str) -> float:
-        """Return when an event happened first [s]."""
-        return next(float(e["at_s"]) for e in self.seen["events"] if e["what"] == what)
-
 
 @dataclass
 class PortTests:
@@ -82,7 +78,6 @@ class Kernel:
 
     def __init__(self, is_own: bool) -> None:
         self.is_own = is_own
-        self.name = "User-Mode Linux" if is_own else "this computer's kernel"
 
     def command(self, out: Path, limit_s: int, is_virtual: bool) -> list[str]:
         """Return the words in front of a command that is to run there."""
