@@ -3,7 +3,7 @@
 #include "cam/cam_fix.h" // cam_is_within, cam_wrap_sub
 
 #define ARMED_ENABLED                                                                              \
-    (CAM_FAULT_BIT(estop) | CAM_FAULT_BIT(drive) | CAM_FAULT_BIT(late_tick) |                      \
+    (CAM_FAULT_BIT(estop) | CAM_FAULT_BIT(drive) | CAM_FAULT_BIT(bus) | CAM_FAULT_BIT(late_tick) | \
      CAM_FAULT_BIT(index_missing) | CAM_FAULT_BIT(table))
 #define ARMED_SYNCED                                                                               \
     (ARMED_ENABLED | CAM_FAULT_BIT(encoder_jump) | CAM_FAULT_BIT(lost_counts) |                    \
@@ -17,7 +17,7 @@
 #define AT_REST (UINT32_C(1) << 31)
 _Static_assert(cam_n_faults < 32, "a bit is left");
 
-#define ARMED_IN_FAULT (CAM_FAULT_BIT(estop) | CAM_FAULT_BIT(drive))
+#define ARMED_IN_FAULT (CAM_FAULT_BIT(estop) | CAM_FAULT_BIT(drive) | CAM_FAULT_BIT(bus))
 
 static const uint32_t armed[cam_n_states] = {
     [cam_state_off] = AT_REST,
@@ -39,12 +39,13 @@ static uint32_t bit_if(bool is_set, uint32_t bit)
     return is_set ? bit : 0u;
 }
 
-_Static_assert(CAM_FAULT_BIT(estop) == hal_in_estop && CAM_FAULT_BIT(drive) == hal_in_drive_ready,
+_Static_assert(CAM_FAULT_BIT(estop) == hal_in_estop && CAM_FAULT_BIT(drive) == hal_in_drive_ready &&
+                   CAM_FAULT_BIT(bus) == hal_in_bus_lost,
                "an input is its own fault");
 
 static uint32_t judge_inputs(uint32_t inputs)
 {
-    return (inputs ^ hal_in_drive_ready) & (hal_in_estop | hal_in_drive_ready);
+    return (inputs ^ hal_in_drive_ready) & (hal_in_estop | hal_in_drive_ready | hal_in_bus_lost);
 }
 
 /// Slower than stopped or faster than allowed.

@@ -200,6 +200,9 @@ static cam_err_t check_drives(const cam_params_t *params, const cam_status_t *st
     if ((status->inputs & hal_in_drive_ready) == 0u) {
         return cam_err_drive;
     }
+    if ((status->inputs & hal_in_bus_lost) != 0u) {
+        return cam_err_bus;
+    }
     return cam_is_within(status->u_actual_nm, params->u_stroke_nm / 2) ? cam_ok : cam_err_u_place;
 }
 
@@ -221,6 +224,35 @@ cam_err_t cam_machine_disable(cam_machine_t *m)
     const cam_status_t status = cam_machine_status(m);
     return post_if(m, &status, status.state == cam_state_homing || status.state == cam_state_ready,
                    cam_request_disable);
+}
+
+cam_err_t cam_machine_home(cam_machine_t *m)
+{
+    const cam_status_t status = cam_machine_status(m);
+    if (status.state != cam_state_ready) {
+        return cam_machine_enable(m);
+    }
+    const cam_err_t err = cam_machine_disable(m);
+    m->homes_again = err == cam_ok;
+    return err;
+}
+
+/// Behind the disable of cam_machine_home(). Who interferes, a fault too, ends it.
+static void home_again(cam_machine_t *m)
+{
+    const cam_status_t status = cam_machine_status(m);
+    if (!is_pending(m, &status)) {
+        m->homes_again = status.state == cam_state_off && cam_machine_enable(m) == cam_err_busy;
+    }
+}
+
+cam_err_t cam_machine_may_exchange(const cam_machine_t *m)
+{
+    const cam_status_t status = cam_machine_status(m);
+    if (is_pending(m, &status) || status.config != m->generation || m->homes_again) {
+        return cam_err_busy;
+    }
+    return status.state == cam_state_off ? cam_ok : cam_err_state;
 }
 
 cam_err_t cam_machine_start(cam_machine_t *m)
@@ -250,6 +282,9 @@ cam_err_t cam_machine_reset(cam_machine_t *m)
 
 void cam_machine_poll(cam_machine_t *m)
 {
+    if (m->homes_again) {
+        home_again(m);
+    }
     if (!m->has_table) {
         return;
     }

@@ -1,22 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 /// main: start-up and background loop of an image for a machine. The simulator has its own.
 #include "cam/cam_machine.h"
-#include "cam/cam_remote.h"
+#include "cam/cam_can.h"
 #include "hal/hal.h"
 
 int main(void)
 {
     static cam_machine_t machine;
-    static cam_remote_t remote;
+    static cam_can_t remote;
     if (hal_init() != 0) {
         hal_halt("main: the port cannot be used");
     }
     cam_machine_init(&machine, &g_cam, hal_tick_hz(), hal_clock_hz());
-    cam_remote_init(&remote, &machine); // with a bad table too: it tells why
+    cam_can_init(&remote, &machine); // with a bad table too: it tells why
     hal_tick_start();
     for (;;) {
         cam_machine_poll(&machine);
-        cam_remote_poll(&remote);
+        cam_can_poll(&remote);
         hal_idle();
     }
 }

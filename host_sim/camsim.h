@@ -3,6 +3,7 @@
 ///
 ///     camsim eval TABLE < points.csv > values.csv
 ///     camsim run TABLE [options]
+///     camsim bus TABLE --can IFACE [options]
 ///
 /// Exit status: 0 done; 1 the cut ended in a fault, in time-out or out of tolerance; 2 wrong usage
 /// or bad input or output. Errors are one line on stderr: file, field, value, remedy.
@@ -21,15 +22,17 @@
 enum { camsim_done = 0, camsim_not_good = 1, camsim_wrong = 2 };
 enum { camsim_max_table_bytes = 64 * 1024 * 1024 };
 
-/// The two commands; argv[0] is the command's name.
+/// The commands; argv[0] is the command's name.
 int camsim_eval(int argc, char **argv);
 int camsim_run(int argc, char **argv);
+int camsim_bus(int argc, char **argv);
 
 /// Print an error line. @return camsim_wrong
 int camsim_complain(const sim_error_t *e);
 
-/// What `run` was asked for.
+/// What `run`, or `bus` as far as they share it, was asked for.
 typedef struct {
+    const char *command; ///< for messages
     const char *table_path;
     const char *machine_path;
     const char *trace_path, *surface_path, *summary_path, *removal_path; ///< NULL: not wanted
@@ -42,6 +45,7 @@ typedef struct {
 } camsim_options_t;
 
 /// Read the options of `run`.
+/// @param argv  argv[0] is the command
 /// @return false and *e when something is wrong
 bool camsim_options_read(camsim_options_t *o, int argc, char **argv, sim_error_t *e);
 

@@ -34,9 +34,10 @@ static const char help[] =
     "  --target-image F.elf  image for it (default: that of preset mcu-qemu or mcu-qemu-m4)\n"
     "  --inject KIND@SECONDS[:VALUE]   repeatable; seconds of cutting, or KIND@tSECONDS since the "
     "start:\n"
-    "      estop  drive  lost-counts:N  encoder-jump:N  encoder-stuck  index-dead  "
-    "late-tick:PERCENT\n"
-    "      reverse  spindle-speed:RPM  spindle-stop  z-offset:MM  u-block  table-flip:BYTE  stop\n"
+    "      estop  drive  bus  lost-counts:N  encoder-jump:N  encoder-stuck  index-dead\n"
+    "      late-tick:PERCENT  reverse  spindle-speed:RPM  spindle-stop  z-offset:MM  u-block  "
+    "table-flip:BYTE\n"
+    "      stop\n"
     "\n"
     "Exit status: 0 done, 1 fault, time-out or out of tolerance, 2 wrong usage or bad input.";
 
@@ -151,7 +152,9 @@ static bool take_inject(camsim_options_t *o, const char *text, sim_error_t *e)
         return sim_error(e, "--inject %.60s: one too many; give at most %d", text,
                          sim_cut_max_injects);
     }
-    return sim_inject_parse(&o->cut.inject[o->cut.n_injects++], text, e);
+    const bool is_bus = strcmp(o->command, "bus") == 0;
+    return sim_inject_parse(&o->cut.inject[o->cut.n_injects++], text,
+                            is_bus ? sim_inject_on_bus : sim_inject_in_run, e);
 }
 
 static bool take_switch(camsim_options_t *o, int option)
@@ -228,8 +231,8 @@ static bool take_value(camsim_options_t *o, int option, const char *text, sim_er
 static bool take_option(camsim_options_t *o, int option, char **argv, sim_error_t *e)
 {
     if (option == '?' || option == ':') {
-        return sim_error(e, "run: %.60s: unknown option or value missing; see camsim run --help",
-                         argv[optind - 1]);
+        return sim_error(e, "%s: %.60s: unknown option or value missing; see camsim %s --help",
+                         o->command, argv[optind - 1], o->command);
     }
     if (take_switch(o, option)) {
         return true;
@@ -240,7 +243,7 @@ static bool take_option(camsim_options_t *o, int option, char **argv, sim_error_
     }
     *path = optarg;
     return optarg[0] != '\0' ||
-           sim_error(e, "run: %.60s: an empty path; give a file name", argv[optind - 1]);
+           sim_error(e, "%s: %.60s: an empty path; give a file name", o->command, argv[optind - 1]);
 }
 
 /// NAME.json beside NAME.camtab, when it is there.
@@ -294,6 +297,7 @@ static bool check_outputs(const camsim_options_t *o, sim_error_t *e)
 bool camsim_options_read(camsim_options_t *o, int argc, char **argv, sim_error_t *e)
 {
     memset(o, 0, sizeof *o);
+    o->command = argv[0];
     o->tolerance_um = 5.0;
     o->cut.kc_n_mm2 = 700.0;
     o->cut.config = sim_config_defaults();
@@ -309,7 +313,8 @@ bool camsim_options_read(camsim_options_t *o, int argc, char **argv, sim_error_t
         }
     }
     if (optind + 1 != argc) {
-        return sim_error(e, "run: wants one TABLE, got %d; see camsim run --help", argc - optind);
+        return sim_error(e, "%s: wants one TABLE, got %d; see camsim %s --help", o->command,
+                         argc - optind, o->command);
     }
     o->table_path = argv[optind];
     o->cut.is_traced = o->trace_path != NULL;

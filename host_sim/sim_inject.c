@@ -10,23 +10,33 @@ typedef struct {
     const char *value; ///< what the value is, NULL: none
     double min, max;
     bool is_whole;
+    unsigned places; ///< sim_inject_place_t; 0: both
 } kind_t;
 
 static const kind_t kinds[sim_n_injects] = {
     [sim_inject_estop] = {.name = "estop"},
     [sim_inject_drive] = {.name = "drive"},
-    [sim_inject_lost_counts] = {"lost-counts", "counts", 1.0, 1e9, true},
-    [sim_inject_encoder_jump] = {"encoder-jump", "counts", -1e9, 1e9, true},
+    [sim_inject_bus] = {.name = "bus", .places = sim_inject_in_run},
+    [sim_inject_lost_counts] = {"lost-counts", "counts", 1.0, 1e9, true, 0},
+    [sim_inject_encoder_jump] = {"encoder-jump", "counts", -1e9, 1e9, true, 0},
     [sim_inject_encoder_stuck] = {.name = "encoder-stuck"},
     [sim_inject_index_dead] = {.name = "index-dead"},
-    [sim_inject_late_tick] = {"late-tick", "percent", 1.0, 10000.0, true},
+    [sim_inject_late_tick] = {"late-tick", "percent", 1.0, 10000.0, true, sim_inject_in_run},
     [sim_inject_reverse] = {.name = "reverse"},
-    [sim_inject_spindle_speed] = {"spindle-speed", "r/min", 0.0, 60000.0, false},
+    [sim_inject_spindle_speed] = {"spindle-speed", "r/min", 0.0, 60000.0, false, 0},
     [sim_inject_spindle_stop] = {.name = "spindle-stop"},
-    [sim_inject_z_offset] = {"z-offset", "mm", -1000.0, 1000.0, false},
+    [sim_inject_z_offset] = {"z-offset", "mm", -1000.0, 1000.0, false, sim_inject_in_run},
     [sim_inject_u_block] = {.name = "u-block"},
-    [sim_inject_table_flip] = {"table-flip", "byte", 0.0, 4294967295.0, true},
-    [sim_inject_stop] = {.name = "stop"},
+    [sim_inject_table_flip] = {"table-flip", "byte", 0.0, 4294967295.0, true, sim_inject_in_run},
+    [sim_inject_stop] = {.name = "stop", .places = sim_inject_in_run},
+    [sim_inject_encoder_late] = {"encoder-late", "us", 1.0, 1e6, false, sim_inject_on_bus},
+    [sim_inject_encoder_missing] = {"encoder-missing", "frames", 1.0, 1e9, true, sim_inject_on_bus},
+    [sim_inject_encoder_repeated] = {"encoder-repeated", "frames", 1.0, 1e9, true,
+                                     sim_inject_on_bus},
+    [sim_inject_encoder_swapped] = {"encoder-swapped", "pairs", 1.0, 1e9, true, sim_inject_on_bus},
+    [sim_inject_heartbeat_lost] = {"heartbeat-lost", "a node", 1.0, 5.0, true, sim_inject_on_bus},
+    [sim_inject_node_dead] = {"node-dead", "a node", 1.0, 5.0, true, sim_inject_on_bus},
+    [sim_inject_node_fault] = {"node-fault", "a drive", 2.0, 5.0, true, sim_inject_on_bus},
 };
 
 const char *sim_inject_name(sim_inject_kind_t kind)
@@ -61,7 +71,13 @@ static bool parse_value(sim_inject_t *inject, const char *value, const char *tex
     return true;
 }
 
-bool sim_inject_parse(sim_inject_t *inject, const char *text, sim_error_t *e)
+static bool can_happen(sim_inject_kind_t kind, sim_inject_place_t place)
+{
+    return kinds[kind].places == 0u || (kinds[kind].places & (unsigned)place) != 0u;
+}
+
+bool sim_inject_parse(sim_inject_t *inject, const char *text, sim_inject_place_t place,
+                      sim_error_t *e)
 {
     char copy[128];
     *inject = (sim_inject_t){0};
@@ -77,8 +93,14 @@ bool sim_inject_parse(sim_inject_t *inject, const char *text, sim_error_t *e)
     if (value != NULL) {
         *value++ = '\0';
     }
+    const char *command = place == sim_inject_on_bus ? "bus" : "run";
     if (!find_kind(inject, copy)) {
-        return sim_error(e, "--inject %.60s: no such kind; camsim run --help lists them", text);
+        return sim_error(e, "--inject %.60s: no such kind; camsim %s --help lists them", text,
+                         command);
+    }
+    if (!can_happen(inject->kind, place)) {
+        return sim_error(e, "--inject %.60s: cannot happen here; camsim %s --help lists what can",
+                         text, command);
     }
     inject->is_absolute = at[0] == 't';
     if (!sim_parse_number(at + (inject->is_absolute ? 1 : 0), &inject->at_s) ||
@@ -103,6 +125,9 @@ void sim_inject_apply(const sim_inject_t *inject, sim_machine_t *m, int directio
         break;
     case sim_inject_drive:
         hal_host_fault_drive(true);
+        break;
+    case sim_inject_bus:
+        hal_host_fault_bus(true);
         break;
     case sim_inject_lost_counts:
         hal_host_fault_counts(-(int32_t)inject->value);
@@ -134,9 +159,7 @@ void sim_inject_apply(const sim_inject_t *inject, sim_machine_t *m, int directio
     case sim_inject_u_block:
         m->axis[hal_axis_u].is_blocked = true;
         break;
-    case sim_inject_table_flip:
-    case sim_inject_stop:
-    case sim_n_injects:
+    default:
         break;
     }
 }

@@ -8,6 +8,7 @@
 /// |---|---|---|
 /// | estop | | the emergency-stop chain opens |
 /// | drive | | the drives report that they are not ready |
+/// | bus | | a node on the bus goes silent, the drives are still heard |
 /// | lost-counts | counts | the encoder loses that many |
 /// | encoder-jump | counts | the encoder gains that many |
 /// | encoder-stuck | | the counter stands still |
@@ -20,6 +21,15 @@
 /// | u-block | | U stands still |
 /// | table-flip | byte | one bit of that byte of the table image flips in memory |
 /// | stop | | the operator's stop command |
+/// | encoder-late | us | one frame of the encoder comes late by this |
+/// | encoder-missing | frames | that many frames of the encoder are not sent |
+/// | encoder-repeated | frames | that many times the last one is sent instead |
+/// | encoder-swapped | pairs | that many times two frames change places |
+/// | heartbeat-lost | node | no more heartbeats of the node with this number |
+/// | node-dead | node | it neither hears nor speaks |
+/// | node-fault | node | the drive with this number fails, with an emergency message |
+///
+/// Some happen to the machine of camsim run, some to the nodes of camsim bus, most to both.
 #ifndef SIM_INJECT_H
 #define SIM_INJECT_H
 
@@ -30,6 +40,7 @@
 typedef enum {
     sim_inject_estop,
     sim_inject_drive,
+    sim_inject_bus,
     sim_inject_lost_counts,
     sim_inject_encoder_jump,
     sim_inject_encoder_stuck,
@@ -42,8 +53,18 @@ typedef enum {
     sim_inject_u_block,
     sim_inject_table_flip,
     sim_inject_stop,
+    sim_inject_encoder_late,
+    sim_inject_encoder_missing,
+    sim_inject_encoder_repeated,
+    sim_inject_encoder_swapped,
+    sim_inject_heartbeat_lost,
+    sim_inject_node_dead,
+    sim_inject_node_fault,
     sim_n_injects
 } sim_inject_kind_t;
+
+/// Where it can happen.
+typedef enum { sim_inject_in_run = 1, sim_inject_on_bus = 2 } sim_inject_place_t;
 
 typedef struct {
     sim_inject_kind_t kind;
@@ -53,15 +74,17 @@ typedef struct {
     bool is_done;
 } sim_inject_t;
 
-/// @param text  KIND@SECONDS[:VALUE] or KIND@tSECONDS[:VALUE]
-/// @return      false and *e when it is malformed
-bool sim_inject_parse(sim_inject_t *inject, const char *text, sim_error_t *e);
+/// @param text   KIND@SECONDS[:VALUE] or KIND@tSECONDS[:VALUE]
+/// @param place  where it shall happen
+/// @return       false and *e when it is malformed or cannot happen there
+bool sim_inject_parse(sim_inject_t *inject, const char *text, sim_inject_place_t place,
+                      sim_error_t *e);
 
 /// @return the kind's name
 const char *sim_inject_name(sim_inject_kind_t kind);
 
-/// Do to the machine what the kind says. table-flip and stop are not the machine's: nothing
-/// happens. Call between sense and advance.
+/// Do to the machine what the kind says. What is not the machine's (table-flip, stop, the nodes'):
+/// nothing happens. Call between sense and advance.
 /// @param direction  +1 or -1: sense of cutting
 void sim_inject_apply(const sim_inject_t *inject, sim_machine_t *m, int direction);
 

@@ -13,12 +13,17 @@ camturn_has() {
     case $1 in
     ninja-build) command -v ninja ;;
     xz-utils) command -v xz ;;
+    busybox-static) command -v busybox ;;
+    iproute2) command -v ip || command -v /sbin/ip ;;
+    can-utils) command -v candump ;;
     libc6-dev) gcc -E -x c - <<<'#include <stdio.h>' ;;
     gcc-arm-none-eabi) command -v arm-none-eabi-gcc ;;
     libnewlib-arm-none-eabi) arm-none-eabi-gcc -E -x c - <<<'#include <stdio.h>' ;;
     llvm-14) command -v llvm-mca-14 ;;
     libcjson-dev) pkg-config --exists libcjson ;;
     libinih-dev) pkg-config --exists inih ;;
+    libgpiod-dev) pkg-config --exists libgpiod ;;
+    gpiod) command -v gpioset ;;
     python3-venv) "$(camturn_python)" -c 'import ensurepip, venv' ;;
     *) command -v "$1" ;;
     esac >/dev/null 2>&1
@@ -66,7 +71,8 @@ camturn_venv() {
     export CAMTURN_PYTHON=$camturn_root/build/venv/bin/python
     (
         flock 9
-        for list in "$@"; do
+        # Twice: a list that changed starts over, without what an earlier list had put there.
+        for list in "$@" "$@"; do
             camturn_venv_list "$list"
         done
     ) 9>"$camturn_root/build/venv.lock"

@@ -31,6 +31,8 @@ SIMULATOR_PATHS = (
 )
 # The flashable image in an emulator, compared with a program of the host build.
 IMAGE_PATHS = ("tests/stm32",)
+# The port for Linux on a real kernel.
+LINUX_PATHS = ("tests/linux/test_linux_start.py", "tests/linux/test_linux.py")
 N_JOBS = "2"
 MIN_LINE_PERCENT = "95"
 MIN_BRANCH_PERCENT = "90"
@@ -156,6 +158,17 @@ def clang_tidy(tally: Tally) -> None:
     gate(tally, "clang-tidy", *tidy, r"/(firmware|hal|host_sim)/.*\.c$")
 
 
+def linux_port(tally: Tally) -> None:
+    """Build the Linux port with the system's libgpiod and with version 2, analyse both, run it."""
+    for preset in ("linux", "linux-gpiod2"):
+        if build(tally, preset):
+            # The compile commands are gcc's: clang does not know all of its optimisations.
+            tidy = ("run-clang-tidy-14", "-quiet", "-j", N_JOBS, "-p", BUILD / preset)
+            more = "-extra-arg=-Wno-ignored-optimization-argument"
+            gate(tally, f"clang-tidy {preset}", *tidy, more, r"/hal/linux/.*\.c$")
+    pytest(tally, "host", LINUX_PATHS)
+
+
 def main() -> int:
     """Run all steps, or with --fast the quick ones; return the exit status."""
     tally = Tally()
@@ -172,6 +185,7 @@ def main() -> int:
             clang_tidy(tally)
         if build_and_ctest(tally, "host-asan"):
             pytest(tally, "host-asan", SIMULATOR_PATHS)
+        linux_port(tally)
         coverage(tally)
         for board in ("mcu-qemu", "mcu-qemu-m4"):
             if build_and_ctest(tally, board):

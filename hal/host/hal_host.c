@@ -2,6 +2,7 @@
 #include "hal_host.h"
 #include <stdio.h>  // fprintf, snprintf
 #include <stdlib.h> // abort
+#include <string.h> // memcpy, memset
 
 hal_host_t hal_host;
 
@@ -9,8 +10,9 @@ enum { default_tick_hz = 20000 };
 
 void hal_host_reset(uint32_t tick_hz)
 {
-    hal_host = (hal_host_t){
-        .tick_hz = tick_hz, .in.inputs = hal_in_drive_ready, .slow.n_room = UINT32_MAX};
+    hal_host = (hal_host_t){.tick_hz = tick_hz,
+                            .in.inputs = hal_in_drive_ready,
+                            .slow = {.n_room = UINT32_MAX, .n_store = UINT32_MAX}};
 }
 
 int hal_init(void)
@@ -51,6 +53,54 @@ hal_start_t hal_start(void)
 hal_image_t hal_table_image(void)
 {
     return hal_host.slow.table;
+}
+
+/// Where downloads go, in turn.
+_Alignas(hal_table_grain) static uint8_t places[2][hal_host_place_bytes];
+
+/// @return whether the memory behind the tables still works
+static bool stores(void)
+{
+    const bool is_good = hal_host.slow.n_store > 0u;
+    hal_host.slow.n_store -= is_good ? 1u : 0u;
+    return is_good;
+}
+
+bool hal_table_begin(uint32_t size)
+{
+    uint8_t *const place = hal_host.slow.table.bytes == places[0] ? places[1] : places[0];
+    if (size > hal_host_place_bytes || !stores()) {
+        return false;
+    }
+    (void)memset(place, 0xFF, size);
+    hal_host.slow.staged = (hal_image_t){.bytes = place, .size = hal_host_place_bytes};
+    return true;
+}
+
+bool hal_table_write(uint32_t offset, const void *bytes, uint32_t n)
+{
+    uint8_t *const place = hal_host.slow.staged.bytes == places[0] ? places[0] : places[1];
+    const bool is_good = stores() && hal_host.slow.staged.bytes != NULL &&
+                         offset <= hal_host_place_bytes && n <= hal_host_place_bytes - offset;
+    if (is_good) {
+        (void)memcpy(place + offset, bytes, n);
+    }
+    return is_good;
+}
+
+hal_image_t hal_table_staged(void)
+{
+    return hal_host.slow.staged;
+}
+
+bool hal_table_commit(void)
+{
+    if (hal_host.slow.staged.bytes == NULL || !stores()) {
+        return false;
+    }
+    hal_host.slow.table = hal_host.slow.staged;
+    hal_host.slow.staged = (hal_image_t){0};
+    return true;
 }
 
 hal_load_t hal_load(void)
@@ -195,4 +245,9 @@ void hal_host_fault_estop(bool is_pressed)
 void hal_host_fault_drive(bool is_failed)
 {
     set_input(hal_in_drive_ready, !is_failed);
+}
+
+void hal_host_fault_bus(bool is_lost)
+{
+    set_input(hal_in_bus_lost, is_lost);
 }

@@ -3,7 +3,7 @@
 #include "hal/hal.h"
 #include "mps2_machine.h"
 #include "mps2_semihost.h"
-#include <string.h> // strlen
+#include <string.h> // memcpy, memset, strlen
 
 /// Exit status of an image that halted: a machine would restart.
 enum { status_halt = 98 };
@@ -43,6 +43,42 @@ hal_start_t hal_start(void)
 hal_image_t hal_table_image(void)
 {
     return mps2_machine.slow.table;
+}
+
+/// Where downloads go, in turn: RAM, which forgets.
+_Alignas(hal_table_grain) static uint8_t places[2][mps2_place_bytes];
+static uint8_t *staged;
+
+bool hal_table_begin(uint32_t size)
+{
+    if (size > mps2_place_bytes) {
+        return false;
+    }
+    staged = mps2_machine.slow.table.bytes == places[0] ? places[1] : places[0];
+    (void)memset(staged, 0xFF, size);
+    return true;
+}
+
+bool hal_table_write(uint32_t offset, const void *bytes, uint32_t n)
+{
+    if (staged == NULL || offset > mps2_place_bytes || n > mps2_place_bytes - offset) {
+        return false;
+    }
+    (void)memcpy(staged + offset, bytes, n);
+    return true;
+}
+
+hal_image_t hal_table_staged(void)
+{
+    return (hal_image_t){.bytes = staged, .size = staged != NULL ? mps2_place_bytes : 0};
+}
+
+bool hal_table_commit(void)
+{
+    const bool is_begun = staged != NULL;
+    mps2_machine.slow.table = is_begun ? hal_table_staged() : mps2_machine.slow.table;
+    staged = NULL;
+    return is_begun;
 }
 
 bool mps2_machine_can_receive(const hal_can_frame_t *frame)

@@ -9,13 +9,12 @@
 #include "stm_dac.h"
 #include "stm_keep.h"
 #include "stm_pins.h"
+#include "stm_table.h"
 #include "stm_tick.h"
 #include "stm_timers.h"
 
 /// What hal_init() returns when the machine cannot be used.
 enum { no_revision = -1, no_clock = -2, no_dac = -3, no_can = -4 };
-
-extern const uint8_t stm_table_start[], stm_table_bytes[];
 
 static hal_start_t start;
 static int32_t last_nm[hal_n_axes];
@@ -46,6 +45,7 @@ static int refuse(int reason, const char *why)
 int hal_init(void)
 {
     start = stm_keep_start();
+    stm_table_init();
     if (!is_fast_revision()) {
         return no_revision;
     }
@@ -126,11 +126,6 @@ void hal_halt(const char *why)
 hal_start_t hal_start(void)
 {
     return start;
-}
-
-hal_image_t hal_table_image(void)
-{
-    return (hal_image_t){.bytes = stm_table_start, .size = (uint32_t)stm_table_bytes};
 }
 
 /// A character takes 87 us; when there is no room for far longer, it is dropped.

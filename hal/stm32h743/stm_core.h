@@ -14,6 +14,7 @@
 #define SCB_AIRCR_SYSRESETREQ (0x05FA0000u | 1u << 2) // with the key
 #define SCB_CCR STM_REG(0xE000ED14u)
 #define SCB_CCR_DIV_0_TRP (1u << 4)
+#define SCB_CCR_BFHFNMIGN (1u << 8) // data that cannot be read is no fault while FAULTMASK is set
 #define SCB_CCR_DC (1u << 16)
 #define SCB_CCR_IC (1u << 17)
 #define SCB_SHCSR STM_REG(0xE000ED24u)
@@ -33,6 +34,7 @@
 #define MPU_RASR STM_REG(0xE000EDA0u)
 #define MPU_RASR_ENABLE (1u << 0)
 #define MPU_RASR_SIZE(log2_bytes) (((uint32_t)(log2_bytes)-1u) << 1)
+#define MPU_RASR_WITHOUT(eighth) (1u << (8u + (eighth)))
 #define MPU_RASR_WRITE_THROUGH (1u << 17)
 #define MPU_RASR_UNCACHED (1u << 19)
 #define MPU_RASR_NO_ACCESS (0u << 24)

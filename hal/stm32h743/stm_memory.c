@@ -18,7 +18,12 @@ static const region_t regions[] = {
     {0x00000000u, MPU_RASR_SIZE(8) | MPU_RASR_NO_ACCESS | MPU_RASR_XN},
     {0x20000000u, MPU_RASR_SIZE(17) | MPU_RASR_READ_WRITE | MPU_RASR_UNCACHED | MPU_RASR_XN},
     {0x1FFFF000u, MPU_RASR_SIZE(12) | MPU_RASR_NO_ACCESS | MPU_RASR_XN},
+    {0x08000000u, MPU_RASR_SIZE(20) | MPU_RASR_WITHOUT(0) | MPU_RASR_READ_ONLY |
+                      MPU_RASR_WRITE_THROUGH | MPU_RASR_XN},
 };
+
+/// Regions that hold tables.
+enum { bank_2_region = 3, bank_1_region = 8 };
 
 static void protect(void)
 {
@@ -38,8 +43,8 @@ static void enable_instruction_cache(void)
     stm_barrier();
 }
 
-/// Its content after a reset is random: every line is invalidated by set and way.
-static void enable_data_cache(void)
+/// Every line, by set and way: none is newer than its memory.
+static void empty_data_cache(void)
 {
     SCB_CSSELR = 0; // level 1, data
     stm_barrier();
@@ -52,8 +57,32 @@ static void enable_data_cache(void)
         }
     }
     stm_barrier();
+}
+
+/// Its content after a reset is random.
+static void enable_data_cache(void)
+{
+    empty_data_cache();
     SCB_CCR |= SCB_CCR_DC;
     stm_barrier();
+}
+
+static void set_region(uint32_t i, bool is_open)
+{
+    const uint32_t clear = MPU_RASR_WRITE_THROUGH | MPU_RASR_READ_ONLY;
+    const uint32_t open =
+        (regions[i].attributes & ~clear) | MPU_RASR_UNCACHED | MPU_RASR_READ_WRITE;
+    MPU_RBAR = regions[i].base | MPU_RBAR_VALID | i;
+    MPU_RASR = (is_open ? open : regions[i].attributes) | MPU_RASR_ENABLE;
+}
+
+void stm_memory_open_tables(bool is_open)
+{
+    stm_barrier();
+    set_region(bank_2_region, is_open);
+    set_region(bank_1_region, is_open);
+    stm_barrier();
+    empty_data_cache();
 }
 
 void stm_memory_init(void)

@@ -17,6 +17,23 @@
 #define FLASH_ACR_LATENCY_4WS (4u << 0)       // VOS0, AXI clock up to 240 MHz
 #define FLASH_ACR_WRHIGHFREQ_240MHZ (2u << 4) // the same row of the table
 
+/// Registers of a bank, 0 (bank 1) or 1 (bank 2).
+#define FLASH_KEYR(bank) STM_REG(0x52002004u + 0x100u * (bank))
+#define FLASH_KEYR_FIRST 0x45670123u
+#define FLASH_KEYR_SECOND 0xCDEF89ABu
+#define FLASH_CR(bank) STM_REG(0x5200200Cu + 0x100u * (bank))
+#define FLASH_CR_LOCK (1u << 0)
+#define FLASH_CR_PG (1u << 1)
+#define FLASH_CR_SER (1u << 2)
+#define FLASH_CR_PSIZE_64 (3u << 4) // supply above 2.7 V
+#define FLASH_CR_START (1u << 7)
+#define FLASH_CR_SNB(sector) ((uint32_t)(sector) << 8)
+#define FLASH_SR(bank) STM_REG(0x52002010u + 0x100u * (bank))
+#define FLASH_SR_QW (1u << 2)
+#define FLASH_SR_DBECCERR (1u << 26)
+#define FLASH_SR_ERRORS 0x07EE0000u // all flags from WRPERR to DBECCERR
+#define FLASH_CCR(bank) STM_REG(0x52002014u + 0x100u * (bank))
+
 // Chapter 6, power control
 
 #define PWR_CSR1 STM_REG(0x58024804u)

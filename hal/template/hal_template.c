@@ -51,6 +51,35 @@ hal_image_t hal_table_image(void)
     return (hal_image_t){.bytes = NULL, .size = 0};
 }
 
+/// Erase the other sector, feeding the watchdog as long as ticks go on. The table in use must stay
+/// readable, or not be read: no tick does in state off.
+bool hal_table_begin(uint32_t size)
+{
+    (void)size;
+    return false;
+}
+
+/// Program, make the caches forget the place, compare.
+bool hal_table_write(uint32_t offset, const void *bytes, uint32_t n)
+{
+    (void)offset;
+    (void)bytes;
+    (void)n;
+    return false;
+}
+
+/// The other sector.
+hal_image_t hal_table_staged(void)
+{
+    return (hal_image_t){.bytes = NULL, .size = 0};
+}
+
+/// One record, written at once, tells which sector is in use; a torn one must not count, nor fault.
+bool hal_table_commit(void)
+{
+    return false;
+}
+
 /// Read a cycle counter before and behind cam_isr() in the timer's interrupt.
 hal_load_t hal_load(void)
 {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// budget_strike: the faults that the host port can cause, by number.
+/// budget_strike: the faults that the host port can cause, by number. `bus` is judged with `drive`
+/// by the same instructions.
 #ifndef BUDGET_STRIKE_H
 #define BUDGET_STRIKE_H
 

@@ -159,7 +159,7 @@ def test_every_fault_has_a_scenario() -> None:
     shown = {tomllib.loads(p.read_text())["expect"].get("first_fault") for p in SCENARIOS}
     # Set-point faults cannot be caused from outside: tests/unit/test_cam_guard*.c cause them.
     machine_faults = {
-        "estop", "drive", "late_tick", "encoder_jump", "lost_counts", "index_missing", "reverse",
-        "spindle_stopped", "overspeed", "following_error", "z_range", "table",
+        "estop", "drive", "bus", "late_tick", "encoder_jump", "lost_counts", "index_missing",
+        "reverse", "spindle_stopped", "overspeed", "following_error", "z_range", "table",
     }  # fmt: skip
     assert machine_faults <= shown

@@ -25,8 +25,6 @@ from unicorn import (
     UC_HOOK_MEM_WRITE,
     UC_MODE_MCLASS,
     UC_MODE_THUMB,
-    UC_PROT_EXEC,
-    UC_PROT_READ,
     Uc,
     UcError,
 )
@@ -174,7 +172,7 @@ class Chip:
     def _map(self) -> None:
         uc = self.uc
         uc.mem_map(ITCM, ITCM_BYTES)
-        uc.mem_map(FLASH, FLASH_BYTES, UC_PROT_READ | UC_PROT_EXEC)
+        uc.mem_map(FLASH, FLASH_BYTES)
         uc.mem_map(DTCM, DTCM_BYTES)
         for base, size in ((0x40000000, 0x20000000), (0xE0000000, 0x00100000)):
             uc.mmio_map(base, size, self._load, base, self._store, base)
@@ -196,6 +194,9 @@ class Chip:
         null = UC_HOOK_MEM_READ | UC_HOOK_MEM_WRITE
         uc.hook_add(null, self._on_null, None, ITCM, NULL_BYTES - 1)
         uc.hook_add(UC_HOOK_CODE, self._on_null_code, None, ITCM, NULL_BYTES - 1)
+        uc.hook_add(UC_HOOK_MEM_WRITE, self._on_flash, None, FLASH, FLASH + FLASH_BYTES - 1)
+        self.flash.load, self.flash.save = self.read_memory, self.write_flash
+        self.flash.on_cut = lambda: self._ask("power_on")
 
     def load_flash(self) -> None:
         """Erase all flash and write the image into it."""
@@ -284,6 +285,14 @@ class Chip:
     ) -> bool:
         self._fail(UnmodelledError("no memory there"), address)
         return False
+
+    def _on_flash(
+        self, uc: Uc, access: int, address: int, size: int, value: int, user: object
+    ) -> None:
+        try:
+            self.flash.store(address, size)
+        except Exception as error:
+            self._fail(error, address)
 
     def _on_null(
         self, uc: Uc, access: int, address: int, size: int, value: int, user: object

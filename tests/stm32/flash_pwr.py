@@ -1,11 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """Flash interface, supply and system configuration (RM0433, sections 4, 6 and 12).
 
-Flash can be read only. The supply is the LDO; its scale follows the request after a time. What a
-frequency needs of wait states and voltage is checked whenever a frequency comes into force.
+Flash: erase and programming of the sectors that hold no code, quicker than the device (2 ms and
+20 us); what a cut-off operation leaves is half done, but reads without an error. The supply is the
+LDO; its scale follows the request after a time. What a frequency needs of wait states and voltage
+is checked whenever a frequency comes into force.
 """
 
 from __future__ import annotations
+
+from collections.abc import Callable
 
 from bus import NEVER, Device, InsnClock, Reg, UnmodelledError
 
@@ -22,12 +26,121 @@ CORE_MHZ = {0: 480, 1: 400, 2: 300, 3: 200}
 SCALE = {3: 1, 2: 2, 1: 3}  # of the code of VOS
 
 
+FLASH = 0x08000000
+BANK_BYTES, SECTOR_BYTES, WORD_BYTES = 1 << 20, 1 << 17, 32
+KEYS = (0x45670123, 0xCDEF89AB)
+LOCK, PG, SER, START = 1 << 0, 1 << 1, 1 << 2, 1 << 7
+QW = 1 << 2
+ERASE_CYCLES, PROGRAM_CYCLES = 960_000, 9_600
+ERASED = b"\xff"
+
+
 class Flash(Device):
-    """The access control register; nothing is programmed at run time."""
+    """Access control, and two banks that erase sectors and program flash words.
+
+    Attributes
+    ----------
+    load, save : callable
+        how a debugger reads and writes flash
+    left : int or None
+        operations until the supply falls, in the middle of the last
+    on_cut : callable
+        the supply falls
+    """
 
     def __init__(self, clock: InsnClock) -> None:
         super().__init__("flash", 0x52002000, clock)
+        self.load: Callable[[int, int], bytes] = lambda address, size: b""
+        self.save: Callable[[int, bytes], None] = lambda address, content: None
+        self.left: int | None = None
+        self.on_cut: Callable[[], None] = lambda: None
+        self._keys: list[list[int]] = [[], []]
+        self._busy_until = [0, 0]
         self.define({0x00: Reg("acr", 0x37, 0x3F)})
+        for bank in (0, 1):
+            at = 0x100 * bank
+            self.define(
+                {
+                    at + 0x04: Reg(f"keyr{bank}", write=self._write_key(bank)),
+                    at + 0x0C: Reg(f"cr{bank}", LOCK | 3 << 4, write=self._write_cr(bank)),
+                    at + 0x10: Reg(f"sr{bank}", 0, 0, read=self._read_sr(bank)),
+                    at + 0x14: Reg(f"ccr{bank}", 0, 0x07EF0000),
+                }
+            )
+
+    def reset(self) -> None:
+        """Lock both banks."""
+        super().reset()
+        self._keys, self._busy_until = [[], []], [0, 0]
+
+    def _read_sr(self, bank: int) -> Callable[[], int]:
+        return lambda: QW if self.clock.now < self._busy_until[bank] else 0
+
+    def _require_idle(self, bank: int) -> None:
+        if self.clock.now < self._busy_until[bank]:
+            raise UnmodelledError(f"flash: bank {bank + 1} is busy")
+
+    def _write_key(self, bank: int) -> Callable[[int, int], None]:
+        def write(old: int, new: int) -> None:
+            self._keys[bank].append(new)
+            if tuple(self._keys[bank]) == KEYS:
+                self.v[f"cr{bank}"] &= ~LOCK
+            elif self._keys[bank] != [KEYS[0]]:
+                raise UnmodelledError("flash: wrong key, locked until a reset")
+
+        return write
+
+    def _write_cr(self, bank: int) -> Callable[[int, int], None]:
+        def write(old: int, new: int) -> None:
+            if old & LOCK:
+                raise UnmodelledError(f"flash.cr{bank} is locked")
+            self._require_idle(bank)
+            if new & ~(LOCK | PG | SER | 3 << 4 | START | 7 << 8):
+                raise UnmodelledError(f"flash.cr{bank} 0x{new:x}")
+            if new & LOCK:
+                self._keys[bank] = []
+            self.v[f"cr{bank}"] = new & ~START
+            if new & START:
+                self._erase(bank, new)
+
+        return write
+
+    def _is_cut(self) -> bool:
+        if self.left is None:
+            return False
+        self.left -= 1
+        if self.left > 0:
+            return False
+        self.left = None
+        self.on_cut()
+        return True
+
+    def _erase(self, bank: int, control: int) -> None:
+        sector = control >> 8 & 7
+        if not control & SER or control & PG or (bank, sector) == (0, 0):
+            raise UnmodelledError(f"flash: erase with cr{bank} 0x{control:x}")
+        share = 2 if self._is_cut() else 1
+        address = FLASH + bank * BANK_BYTES + sector * SECTOR_BYTES
+        self.save(address, ERASED * (SECTOR_BYTES // share))
+        self._busy_until[bank] = self.clock.now + ERASE_CYCLES
+
+    def store(self, address: int, size: int) -> None:
+        """Let the image store a word into flash, the last of a flash word programs it."""
+        bank, at = divmod(address - FLASH, BANK_BYTES)
+        if self.v[f"cr{bank}"] & (LOCK | PG | SER) != PG or (bank == 0 and at < SECTOR_BYTES):
+            raise UnmodelledError(f"flash: store to 0x{address:08x}")
+        self._require_idle(bank)
+        word, left = address - address % WORD_BYTES, WORD_BYTES - address % WORD_BYTES
+        if size != 4 or self.load(address, left) != ERASED * left:
+            raise UnmodelledError(f"flash: 0x{address:08x} is not erased, or out of order")
+        if left == 4:
+            if self._is_cut():
+                self.save(word + 8, ERASED * 20)
+            self._busy_until[bank] = self.clock.now + PROGRAM_CYCLES
+
+    def next_event(self) -> int:
+        """Return when an operation ends."""
+        return min((at for at in self._busy_until if at > self.clock.now), default=NEVER)
 
     def check(self, axi_hz: int, scale: int) -> None:
         """Raise when flash cannot be read at this clock."""

@@ -1,43 +1,57 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Talks to the image over CAN, by the protocol in cam_remote.h."""
+"""Talks to the image over CAN, by the messages of firmware/can/camturn.dbc."""
 
 from __future__ import annotations
 
-import re
+import zlib
 from dataclasses import dataclass
 from pathlib import Path
+
+from cantools.database.can import Database
 
 from board import Board
 from fdcan import Frame
 
 ROOT = Path(__file__).resolve().parents[2]
-HEADER = ROOT / "firmware" / "include" / "cam"
-ENABLE, DISABLE, START, STOP, RESET, SET, GET, SELECT = range(1, 9)
-COMMAND, ANSWER, STATE, MOTION, LOAD = 0x640, 0x5C0, 0x180, 0x280, 0x380
-STATES = ("off", "homing", "ready", "engaging", "cutting", "disengaging", "fault")
-RESETS = ("power_on", "pin", "software", "halt", "watchdog", "brown_out")
+DATABASE = Database()
+DATABASE.add_dbc_file(ROOT / "firmware" / "can" / "camturn.dbc")
+
+
+def _table(message: str, signal: str) -> dict[int, str]:
+    choices = DATABASE.get_message_by_name(message).get_signal_by_name(signal).choices
+    assert choices is not None
+    return {number: str(name) for number, name in choices.items()}
+
+
+def _id(message: str) -> int:
+    return DATABASE.get_message_by_name(message).frame_id
+
+
+_COMMANDS = {name: number for number, name in _table("Command", "command").items()}
+ENABLE, DISABLE, START, STOP, RESET, SET, GET, SELECT = (
+    _COMMANDS[name]
+    for name in (
+        *("enable", "disable", "start", "stop", "reset"),
+        *("set_parameter", "get_parameter", "select_table"),
+    )
+)
+BEGIN, END, BLOCK = (
+    _COMMANDS[name] for name in ("begin_download", "end_download", "download_block")
+)
+COMMAND, ANSWER, STATE, SPINDLE = _id("Command"), _id("Answer"), _id("State"), _id("Spindle")
+DETAIL, TO_CONTROLLER, FLOW = _id("Detail"), _id("Block"), _id("BlockFlow")
+PARAMS = [name for _, name in sorted(_table("Command", "parameter").items())]
 ERR_BUSY = -25
-
-
-def _names(header: str, macro: str) -> list[str]:
-    text = (HEADER / header).read_text(encoding="utf-8")
-    body = text.split(f"#define {macro}(X)")[1].split("\n\n")[0]
-    return re.findall(r"X\((\w+)", body)
-
-
-PARAMS = _names("cam_param.h", "CAM_PARAMS")
-FAULTS = _names("cam_state.h", "CAM_FAULTS")
 
 
 def errors() -> dict[str, int]:
     """Return the numbers of cam_err_t by name, without their prefix."""
-    text = (HEADER / "cam_err.h").read_text(encoding="utf-8")
-    return {name: int(number) for name, number in re.findall(r"cam_err_(\w+) = (-?\d+)", text)}
+    return {name: number for number, name in _table("Answer", "result").items()}
 
 
 @dataclass(frozen=True)
 class Status:
-    """The newest frame 0x180."""
+    """The newest message State."""
 
     state: str
     reset: str
@@ -66,12 +80,13 @@ class Remote:
     def newest(self) -> Status:
         """Return the newest status that came."""
         data = self.frames(STATE)[-1].data
-        mask = int.from_bytes(data[4:], "little")
+        said = DATABASE.get_message_by_name("State").decode_simple(data)
+        faults = [name for name, bit in said.items() if name.startswith("fault_") and bit]
         return Status(
-            STATES[data[0]],
-            RESETS[data[1]],
+            str(said["state"]),
+            str(said["reset_reason"]),
             int.from_bytes(data[2:4], "little", signed=True),
-            tuple(name for i, name in enumerate(FAULTS) if mask >> i & 1),
+            tuple(name.removeprefix("fault_") for name in faults),
         )
 
     def command(self, command: int, index: int = 0, value: int = 0) -> tuple[int, int]:
@@ -102,6 +117,59 @@ class Remote:
             f"no status comes, the image is in {self.chip.where()}"
         )
         return self.newest()
+
+    # Downloads
+
+    def _give(self, data: bytes) -> None:
+        assert self.board.send(Frame(TO_CONTROLLER, data)), "a frame of a block was not received"
+
+    def _message(self, message: bytes) -> None:
+        """Send by ISO 15765-2, with the 32-bit form of the length where it is needed."""
+        n = len(message)
+        head = n.to_bytes(6, "big") if n > 4095 else n.to_bytes(2, "big")
+        head = bytes([head[0] | 0x10]) + head[1:]
+        self._give(head + message[: 8 - len(head)])
+        rest = message[8 - len(head) :]
+        frames = [rest[i : i + 7] for i in range(0, len(rest), 7)]
+        flows = self.frames(FLOW)
+        for i, part in enumerate(frames):
+            if i % 8 == 0:
+                assert self.chip.run_until(lambda: bool(flows), self.chip.seconds(0.1)), (
+                    "no flow control comes"
+                )
+                assert flows.pop().data[:2] == bytes([0x30, 8])
+            self._give(bytes([0x20 | (i + 1) % 16]) + part)
+
+    def block(self, offset: int, part: bytes) -> int:
+        """Send a block of a table; return the result."""
+        n = len(self.frames(ANSWER))
+        self._message(offset.to_bytes(4, "little") + part)
+        assert self.chip.run_until(lambda: len(self.frames(ANSWER)) > n, self.chip.seconds(0.1)), (
+            "no answer to a block comes"
+        )
+        data = self.frames(ANSWER)[-1].data
+        assert data[0] == BLOCK
+        return int.from_bytes(data[2:4], "little", signed=True)
+
+    def download(self, table: bytes) -> None:
+        """Download a table; all of it must be accepted."""
+        self.do(BEGIN, value=len(table))
+        for at in range(0, len(table), 4096):
+            assert self.block(at, table[at : at + 4096]) == 0
+        crc = zlib.crc32(table)
+        self.do(END, value=crc - (1 << 32) if crc >> 31 else crc)
+
+    def table_name(self) -> str:
+        """Return the name of the table in use, as the status tells it from now on."""
+        self.frames(DETAIL).clear()
+        self.chip.run(self.chip.seconds(0.15))
+        said = [
+            DATABASE.get_message_by_name("Detail").decode_simple(f.data)
+            for f in self.frames(DETAIL)
+        ]
+        words = dict(item for one in said for item in one.items() if "name" in item[0])
+        parts = [int(str(words[f"table_name_{i}"])).to_bytes(6, "little") for i in range(6)]
+        return b"".join(parts).rstrip(b"\0").decode()
 
     def lines(self) -> list[str]:
         """Return the lines on the serial line, once the last one has ended."""

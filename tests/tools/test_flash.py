@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from camsim_cases import camsim, only_error
-from camtools.flash import FIRMWARE, TABLE
+from camtools.flash import FIRMWARE, FIRST_PLACE, LOG, TABLE
 from camtools.generate import Generated
 from camtools.image import pack
 from part_cases import ROOT, environment
@@ -77,16 +77,19 @@ def test_openocd_writes_both_in_one_go(
         *("-f", "board/st_nucleo_h743zi.cfg"),
         *("-c", f"program {{{firmware}}} verify 0x08000000"),
         *("-c", f"program {{{table}}} verify 0x08100000"),
+        *("-c", f"program {{{FIRST_PLACE}}} verify 0x080E0000"),
         *("-c", "reset run", "-c", "shutdown"),
     ]
 
 
 def test_a_new_part_leaves_the_firmware_alone(flash: Flash, tmp_path: Path, table: Path) -> None:
-    """With --table only, one command names one file and one address."""
+    """With --table only, the table and the record that it is in use; then the reset."""
     notes = install(tmp_path, "st-flash")
     assert flash("--table", table).returncode == 0
-    words = ["--connect-under-reset", "--reset", "write", str(table), "0x08100000"]
-    assert notes.read_text().splitlines() == words
+    assert notes.read_text().splitlines() == [
+        *("--connect-under-reset", "write", str(table), "0x08100000"),
+        *("--connect-under-reset", "--reset", "write", str(FIRST_PLACE), "0x080E0000"),
+    ]
 
 
 def test_pyocd_writes_each_file(flash: Flash, tmp_path: Path, firmware: Path, table: Path) -> None:
@@ -95,7 +98,8 @@ def test_pyocd_writes_each_file(flash: Flash, tmp_path: Path, firmware: Path, ta
     assert flash("--firmware", "--table", table).returncode == 0
     common = ["flash", "--target", "stm32h743zitx", "--format", "bin", "--base-address"]
     firmware_words = [*common, "0x08000000", str(firmware)]
-    assert notes.read_text().splitlines() == [*firmware_words, *common, "0x08100000", str(table)]
+    table_words = [*common, "0x08100000", str(table), *common, "0x080E0000", str(FIRST_PLACE)]
+    assert notes.read_text().splitlines() == [*firmware_words, *table_words]
 
 
 @pytest.mark.parametrize("programmer", PROGRAMMERS)
@@ -178,9 +182,9 @@ def test_openocd_cannot_take_braces(flash: Flash, tmp_path: Path, table: Path) -
 
 
 def test_regions_are_those_of_the_linker_script() -> None:
-    """Bank 1 and bank 2 here and in stm32h743.ld."""
+    """Firmware, log and table here and in stm32h743.ld."""
     text = (ROOT / "hal" / "stm32h743" / "stm32h743.ld").read_text()
-    for name, region in (("FLASH", FIRMWARE), ("TABLE", TABLE)):
+    for name, region in (("FLASH", FIRMWARE), ("LOG", LOG), ("TABLE", TABLE)):
         found = re.search(rf"{name}\s*\(\w+\)\s*: ORIGIN = (\w+), LENGTH = (\d+)K", text)
         assert found is not None
         assert (int(found[1], 16), int(found[2]) * 1024) == (region.address, region.size)

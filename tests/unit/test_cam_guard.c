@@ -60,6 +60,10 @@ static void test_guard_inputs_in_every_enabled_state_are_faults_at_once(void)
         bring(states[i]);
         hal_host_fault_drive(true);
         expect_now(cam_fault_drive);
+        setUp();
+        bring(states[i]);
+        hal_host_fault_bus(true);
+        expect_now(cam_fault_bus);
     }
 }
 
@@ -67,6 +71,7 @@ static void test_guard_inputs_while_off_latch_nothing(void)
 {
     hal_host_fault_estop(true);
     hal_host_fault_drive(true);
+    hal_host_fault_bus(true);
     hal_host_fault_late(400);
     expect_none(100);
 }
@@ -247,7 +252,7 @@ static void test_guard_setpoint_beyond_acceleration_speed_or_range_is_not_writte
 
 static void test_guard_armed_masks_are_those_of_the_manual(void)
 {
-    const uint32_t enabled = CAM_FAULT_BIT(estop) | CAM_FAULT_BIT(drive) |
+    const uint32_t enabled = CAM_FAULT_BIT(estop) | CAM_FAULT_BIT(drive) | CAM_FAULT_BIT(bus) |
                              CAM_FAULT_BIT(late_tick) | CAM_FAULT_BIT(index_missing) |
                              CAM_FAULT_BIT(table);
     const uint32_t all = (UINT32_C(1) << cam_n_faults) - 1u;
@@ -261,7 +266,7 @@ static void test_guard_armed_masks_are_those_of_the_manual(void)
     TEST_ASSERT_EQUAL_HEX32(all, cam_guard_armed(cam_state_engaging));
     TEST_ASSERT_EQUAL_HEX32(all, cam_guard_armed(cam_state_cutting));
     TEST_ASSERT_EQUAL_HEX32(all, cam_guard_armed(cam_state_disengaging));
-    TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(estop) | CAM_FAULT_BIT(drive),
+    TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(estop) | CAM_FAULT_BIT(drive) | CAM_FAULT_BIT(bus),
                             cam_guard_armed(cam_state_fault));
 }
 

@@ -57,6 +57,9 @@ static void cause(cam_fault_t fault, int32_t beyond)
     case cam_fault_drive:
         in.inputs &= beyond != 0 ? ~(uint32_t)hal_in_drive_ready : UINT32_MAX;
         break;
+    case cam_fault_bus:
+        in.inputs |= beyond != 0 ? (uint32_t)hal_in_bus_lost : 0u;
+        break;
     case cam_fault_late_tick:
     case cam_fault_encoder_jump:
     case cam_fault_lost_counts:
@@ -101,13 +104,21 @@ static void cause(cam_fault_t fault, int32_t beyond)
 static bool is_armed(cam_fault_t fault, cam_state_t state)
 {
     static const char *const armed[cam_n_faults] = {
-        [cam_fault_estop] = "hrwf",        [cam_fault_drive] = "hrwf",
-        [cam_fault_late_tick] = "hrw",     [cam_fault_encoder_jump] = "rw",
-        [cam_fault_lost_counts] = "rw",    [cam_fault_index_missing] = "hrw",
-        [cam_fault_reverse] = "w",         [cam_fault_spindle_stopped] = "hw",
-        [cam_fault_overspeed] = "w",       [cam_fault_following_error] = "rw",
-        [cam_fault_setpoint_speed] = "rw", [cam_fault_setpoint_acceleration] = "rw",
-        [cam_fault_setpoint_range] = "rw", [cam_fault_z_range] = "w",
+        [cam_fault_estop] = "hrwf",
+        [cam_fault_drive] = "hrwf",
+        [cam_fault_bus] = "hrwf",
+        [cam_fault_late_tick] = "hrw",
+        [cam_fault_encoder_jump] = "rw",
+        [cam_fault_lost_counts] = "rw",
+        [cam_fault_index_missing] = "hrw",
+        [cam_fault_reverse] = "w",
+        [cam_fault_spindle_stopped] = "hw",
+        [cam_fault_overspeed] = "w",
+        [cam_fault_following_error] = "rw",
+        [cam_fault_setpoint_speed] = "rw",
+        [cam_fault_setpoint_acceleration] = "rw",
+        [cam_fault_setpoint_range] = "rw",
+        [cam_fault_z_range] = "w",
         [cam_fault_table] = "hrw",
     };
     static const char letter[cam_n_states] = "ohrwwwf";

@@ -94,6 +94,10 @@ static void test_fault_is_left_by_reset_after_the_retract_only(void)
     fixture_rig_tick(&rig);
     TEST_ASSERT_EQUAL_INT(cam_err_drive, cam_machine_enable(&rig.machine));
     hal_host_fault_drive(false);
+    hal_host_fault_bus(true);
+    fixture_rig_tick(&rig);
+    TEST_ASSERT_EQUAL_INT(cam_err_bus, cam_machine_enable(&rig.machine));
+    hal_host_fault_bus(false);
     fixture_rig_tick(&rig);
     bring(cam_state_cutting); // homes and cuts anew
 }

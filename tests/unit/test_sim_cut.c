@@ -38,8 +38,9 @@ static sim_cut_end_t run(void)
 
 static void inject(const char *text)
 {
-    TEST_ASSERT_TRUE_MESSAGE(sim_inject_parse(&options.inject[options.n_injects++], text, &error),
-                             error.text);
+    TEST_ASSERT_TRUE_MESSAGE(
+        sim_inject_parse(&options.inject[options.n_injects++], text, sim_inject_in_run, &error),
+        error.text);
 }
 
 static void test_matched_machine_cuts_within_a_micrometre(void)

@@ -19,22 +19,23 @@ void tearDown(void) {}
 
 static void refused(const char *text, const char *why)
 {
-    TEST_ASSERT_FALSE_MESSAGE(sim_inject_parse(&inject, text, &error), text);
+    TEST_ASSERT_FALSE_MESSAGE(sim_inject_parse(&inject, text, sim_inject_in_run, &error), text);
     TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, why), error.text);
 }
 
 static void happen(const char *text)
 {
-    TEST_ASSERT_TRUE_MESSAGE(sim_inject_parse(&inject, text, &error), error.text);
+    TEST_ASSERT_TRUE_MESSAGE(sim_inject_parse(&inject, text, sim_inject_in_run, &error),
+                             error.text);
     sim_inject_apply(&inject, &machine, -1);
 }
 
 static void test_parse_takes_kind_time_and_value(void)
 {
-    TEST_ASSERT_TRUE(sim_inject_parse(&inject, "lost-counts@1.5:30", &error));
+    TEST_ASSERT_TRUE(sim_inject_parse(&inject, "lost-counts@1.5:30", sim_inject_in_run, &error));
     TEST_ASSERT_EQUAL_INT(sim_inject_lost_counts, inject.kind);
     TEST_ASSERT_TRUE(inject.at_s == 1.5 && inject.value == 30.0 && !inject.is_absolute);
-    TEST_ASSERT_TRUE(sim_inject_parse(&inject, "estop@t0.25", &error));
+    TEST_ASSERT_TRUE(sim_inject_parse(&inject, "estop@t0.25", sim_inject_in_run, &error));
     TEST_ASSERT_TRUE(inject.at_s == 0.25 && inject.is_absolute);
 }
 
@@ -58,7 +59,8 @@ static void test_apply_reaches_the_port(void)
 {
     happen("estop@0");
     happen("drive@0");
-    TEST_ASSERT_EQUAL_HEX32(hal_in_estop, hal_host.in.inputs);
+    happen("bus@0");
+    TEST_ASSERT_EQUAL_HEX32(hal_in_estop | hal_in_bus_lost, hal_host.in.inputs);
     happen("lost-counts@0:7");
     TEST_ASSERT_EQUAL_UINT32((uint32_t)-7, hal_host.fault.count_offset);
     happen("encoder-jump@0:9");

@@ -28,12 +28,12 @@ class Parser(argparse.ArgumentParser):
         self.exit(BAD_INPUT, f"{name}: {one_line(message)}; see {self.prog} --help\n")
 
 
-class _Interrupted(BaseException):
+class Interrupted(BaseException):
     """A signal asks us to stop; unwinding removes what is unfinished."""
 
 
 def _interrupt(number: int, _frame: FrameType | None) -> None:
-    raise _Interrupted(number)
+    raise Interrupted(number)
 
 
 def run_command(name: str, action: Callable[[], int]) -> int:
@@ -59,6 +59,6 @@ def run_command(name: str, action: Callable[[], int]) -> int:
         for line in error.lines:
             sys.stderr.write(f"{name}: {line}\n")
         return BAD_INPUT
-    except _Interrupted as stop:
+    except Interrupted as stop:
         sys.stderr.write(f"{name}: interrupted; nothing was written\n")
         return 128 + int(stop.args[0])

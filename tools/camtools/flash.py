@@ -41,7 +41,9 @@ class Region:
     size: int
 
 
-FIRMWARE = Region("bank 1", 0x0800_0000, 1 << 20)
+FIRMWARE = Region("the first sector", 0x0800_0000, 1 << 17)
+LOG = Region("the log of places", 0x080E_0000, 1 << 17)
+FIRST_PLACE = ROOT / "hal" / "stm32h743" / "first_place.bin"  # record: TABLE is in use
 TABLE = Region("bank 2", 0x0810_0000, 1 << 20)
 _DTCM = range(0x2000_0000, 0x2002_0001)
 
@@ -77,7 +79,7 @@ def check_firmware(file: Path) -> None:
     Parameters
     ----------
     file : Path
-        Raw image of bank 1.
+        Raw image of its sector.
 
     Raises
     ------
@@ -219,7 +221,7 @@ def _checked(arguments: argparse.Namespace) -> list[Write]:
         writes.append(Write(file, FIRMWARE.address))
     if arguments.table is not None:
         check_table(arguments.table)
-        writes.append(Write(arguments.table, TABLE.address))
+        writes += [Write(arguments.table, TABLE.address), Write(FIRST_PLACE, LOG.address)]
     return writes
 
 

@@ -1,14 +1,15 @@
-# cjson, inih: libraries of the system that the simulator reads and writes its files with.
-find_package(PkgConfig REQUIRED)
+# cam_host_package(TARGET MODULE PACKAGE): a library of the system, by pkg-config.
+include_guard(GLOBAL)
 
 function(cam_host_package target module apt_package)
-    pkg_check_modules(${target} IMPORTED_TARGET ${module})
+    if(TARGET ${target})
+        return()
+    endif()
+    find_package(PkgConfig REQUIRED)
+    pkg_check_modules(${target} IMPORTED_TARGET GLOBAL ${module})
     if(NOT ${target}_FOUND)
         message(FATAL_ERROR "${module} is missing. On Debian or Ubuntu: apt install ${apt_package}")
     endif()
     add_library(${target} INTERFACE)
     target_link_libraries(${target} INTERFACE PkgConfig::${target})
 endfunction()
-
-cam_host_package(cjson libcjson libcjson-dev)
-cam_host_package(inih inih libinih-dev)

@@ -4,6 +4,8 @@ cmake_minimum_required(VERSION 3.25)
 
 # What a C11 compiler without an operating system brings, plus memcpy() and its kin.
 set(system_headers stdint stdbool stddef stdatomic stdalign stdnoreturn limits inttypes string)
+# The contract, and what is made of camturn.dbc.
+set(foreign_headers hal/hal.h camturn.h)
 set(forbidden_words float double malloc calloc realloc free)
 
 set(findings "")
@@ -23,10 +25,10 @@ foreach(file IN LISTS files)
             if(NOT CMAKE_MATCH_1 IN_LIST system_headers)
                 list(APPEND findings "${name}: <${CMAKE_MATCH_1}.h> is not for the firmware")
             endif()
-        elseif(include MATCHES "^\"(.*)$" AND NOT CMAKE_MATCH_1 STREQUAL "hal/hal.h"
+        elseif(include MATCHES "^\"(.*)$" AND NOT CMAKE_MATCH_1 IN_LIST foreign_headers
                AND NOT EXISTS ${FIRMWARE_DIR}/include/${CMAKE_MATCH_1}
                AND NOT EXISTS ${folder}/${CMAKE_MATCH_1})
-            list(APPEND findings "${name}: \"${CMAKE_MATCH_1}\" is neither firmware nor hal/hal.h")
+            list(APPEND findings "${name}: \"${CMAKE_MATCH_1}\" is neither firmware nor one of ${foreign_headers}")
         endif()
     endforeach()
 

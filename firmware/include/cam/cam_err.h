@@ -34,6 +34,13 @@ typedef enum {
     cam_err_frame = -29,       ///< command frame of a wrong length or with reserved bytes set
     cam_err_command = -30,     ///< no such command
     cam_err_u_place = -31,     ///< U stands outside of its stroke
+    cam_err_bus = -37,         ///< a node on the bus is silent
+    // download of a table
+    cam_err_download_room = -32,  ///< larger than the place for it
+    cam_err_download_order = -33, ///< a block that is not the next one, or none was begun
+    cam_err_download_short = -34, ///< ended before its last byte
+    cam_err_download_crc = -35,   ///< other bytes than were meant: CRC-32 differs
+    cam_err_download_store = -36, ///< the port could not keep it
     // feasibility: table x speed x machine
     cam_err_spindle_speed = -40,        ///< beyond the spindle's highest speed
     cam_err_u_speed = -41,              ///< U would have to move faster than it can

@@ -24,6 +24,7 @@ typedef struct {
     uint32_t tick_hz, clock_hz; ///< from the port
     uint32_t generation;        ///< of the configuration
     uint32_t n_requests;        ///< serial number of the last request
+    bool homes_again;           ///< enable as soon as off
     uint32_t scrub_at;          ///< [bytes] progress of the background check
     uint32_t scrub_crc;
 } cam_machine_t;
@@ -57,6 +58,15 @@ cam_feasibility_t cam_machine_feasibility(const cam_machine_t *m, uint32_t speed
 /// off -> homing. @return cam_ok, cam_err_state, _busy, _no_table, _estop, _drive, _u_place or a
 /// feasibility error
 CAM_MUST_USE cam_err_t cam_machine_enable(cam_machine_t *m);
+
+/// off -> homing as cam_machine_enable(); ready -> off -> homing: find the index anew. What refuses
+/// the enable then leaves the machine off.
+/// @return as cam_machine_enable(), cam_machine_disable()
+CAM_MUST_USE cam_err_t cam_machine_home(cam_machine_t *m);
+
+/// @return cam_ok when another table may be written and selected: off, and nothing is on its way to
+///         the interrupt; cam_err_state, cam_err_busy
+CAM_MUST_USE cam_err_t cam_machine_may_exchange(const cam_machine_t *m);
 
 /// homing, ready -> off. @return cam_ok, cam_err_state, cam_err_busy
 CAM_MUST_USE cam_err_t cam_machine_disable(cam_machine_t *m);

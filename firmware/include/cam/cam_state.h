@@ -52,6 +52,7 @@ typedef enum {
 #define CAM_FAULTS(X)                                                                              \
     X(estop, "emergency stop")                                                                     \
     X(drive, "a drive is not ready")                                                               \
+    X(bus, "a node on the bus went silent or frames were lost")                                    \
     X(late_tick, "the tick came late")                                                             \
     X(encoder_jump, "encoder counts jumped")                                                       \
     X(lost_counts, "encoder counts lost or gained between two index edges")                        \

@@ -11,10 +11,11 @@
 #include <stdbool.h> // bool
 #include <stdint.h>  // uint32_t
 
-enum { hal_host_can_frames = 16 };      ///< depth of the queues, a power of two
-enum { hal_host_lines = 8 };            ///< lines for people that are kept, a power of two
-enum { hal_host_line_bytes = 128 };     ///< more than hal_text() allows, so that a test can see it
-enum { hal_host_clock_hz = 200000000 }; ///< [Hz] virtual time stamp: 5 ns
+enum { hal_host_can_frames = 16 };       ///< depth of the queues, a power of two
+enum { hal_host_place_bytes = 1 << 20 }; ///< of a downloaded table
+enum { hal_host_lines = 8 };             ///< lines for people that are kept, a power of two
+enum { hal_host_line_bytes = 128 };      ///< more than hal_text() allows, so that a test can see it
+enum { hal_host_clock_hz = 200000000 };  ///< [Hz] virtual time stamp: 5 ns
 
 /// The machine's side of the port.
 typedef struct {
@@ -43,8 +44,10 @@ typedef struct {
         hal_can_frame_t received[hal_host_can_frames]; ///< ring, hal_host_can_receive()
         hal_can_frame_t sent[hal_host_can_frames];     ///< ring, newest at n_sent - 1
         uint32_t n_received, n_read, n_sent;
-        uint32_t n_room; ///< frames that the transmit queue still takes
-        bool is_bus_off; ///< nothing can be sent
+        hal_image_t staged; ///< place of the download; .bytes == NULL: none was begun
+        uint32_t n_store;   ///< calls of hal_table_begin, _write, _commit that still succeed
+        uint32_t n_room;    ///< frames that the transmit queue still takes
+        bool is_bus_off;    ///< nothing can be sent
     } slow;
     uint32_t tick_hz;     ///< [Hz] set before hal_init(), 20 000 when 0
     uint32_t clock;       ///< virtual time stamp
@@ -80,9 +83,10 @@ void hal_host_fault_index_dead(bool is_dead);
 /// @param percent  of a period
 void hal_host_fault_late(uint32_t percent);
 
-/// Emergency stop pressed or released; drives ready or not.
+/// Emergency stop pressed or released; drives ready or not; a node on the bus silent or heard.
 void hal_host_fault_estop(bool is_pressed);
 void hal_host_fault_drive(bool is_failed);
+void hal_host_fault_bus(bool is_lost);
 
 /// A frame arrives. @return false when the queue is full and the frame is dropped
 bool hal_host_can_receive(const hal_can_frame_t *frame);

@@ -22,6 +22,9 @@ typedef enum { hal_axis_u, hal_axis_x, hal_axis_z, hal_n_axes } hal_axis_t;
 enum {
     hal_in_estop = 1u << 0,       ///< 1: the emergency-stop chain is open
     hal_in_drive_ready = 1u << 1, ///< 1: all drives are able to follow
+    hal_in_bus_lost = 1u << 2, ///< 1: a node on a field bus went silent or frames were lost; kept
+                               ///< while hal_out_fault is written. Not ready as well when it
+                               ///< takes a drive along; 0 of a port without a field bus
 };
 
 /// Bits of hal_outputs_write_isr().
@@ -69,6 +72,8 @@ typedef struct {
     uint32_t size; ///< [bytes] that may be read; 0: the port keeps no table
 } hal_image_t;
 
+enum { hal_table_grain = 32 }; ///< [bytes] that a flash memory programs at once
+
 /// Duration of the interrupt, its entry not counted.
 typedef struct {
     uint32_t last_cycles;
@@ -114,6 +119,31 @@ hal_start_t hal_start(void);
 
 /// @return place of the table image, any content: the caller checks it. Simulator: none unless set.
 hal_image_t hal_table_image(void);
+
+// A second place of the same kind takes a new table while the first is in use. In state off only,
+// when no tick reads a table; a call may block, cam_isr() and what watches over main() go on.
+
+/// Empty the place that is not in use for an image. What was in it is lost, also of an earlier
+/// begin; the place in use stays as it is.
+/// @param size  [bytes] of the image
+/// @return      false: larger than the place, or it cannot be emptied
+/// Context: main(); flash: up to seconds.
+bool hal_table_begin(uint32_t size);
+
+/// Write a piece of the image behind hal_table_begin().
+/// @param offset  [bytes] where the last piece ended, 0 at first: a multiple of hal_table_grain
+/// @param n       [bytes] a multiple of hal_table_grain but for the last piece
+/// @return        false: it does not read as it was written; begin again
+/// Context: main(); flash: about a millisecond per 100 bytes.
+bool hal_table_write(uint32_t offset, const void *bytes, uint32_t n);
+
+/// @return place of what was begun, to be checked; size 0: nothing was begun since the start
+hal_image_t hal_table_staged(void);
+
+/// Make what was begun the place that hal_table_image() gives, from now on and after every restart.
+/// At once: when the supply falls, the next start finds the old or the new one, whole.
+/// @return false: nothing was begun, or it cannot be kept; the old one stays in force
+bool hal_table_commit(void);
 
 /// @return how long cam_isr() took, in cycles. Simulator: as set by the test.
 hal_load_t hal_load(void);

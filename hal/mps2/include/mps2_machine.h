@@ -13,6 +13,8 @@
 
 enum { mps2_can_frames = 16 }; ///< depth of the queues, a power of two
 
+enum { mps2_place_bytes = 1 << 19 }; ///< of a downloaded table
+
 typedef struct {
     struct {
         hal_encoder_t encoder;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The place of the table: none, erased, foreign, of another version, cut off, overwritten. The
 // image starts all the same, refuses to home and says why, until a good table is selected.
-#include "cam/cam_remote.h"
-#include "fixture_remote.h"
+#include "cam/cam_can.h"
+#include "fixture_can.h"
 #include "hal_host.h"
 #include "unity.h"
 #include <stdio.h>  // snprintf
@@ -10,63 +10,63 @@
 
 enum { enable = 1, disable = 2, start = 3, reset = 5, table_anew = 8 };
 
-static fixture_remote_t f;
+static fixture_can_t f;
 static fixture_part_t part;
 static fixture_image_t other;
 
 void setUp(void)
 {
     part = fixture_part_short();
-    fixture_remote_init(&f, &part, 20000);
+    fixture_can_init(&f, &part, 20000);
 }
 
 void tearDown(void) {}
 
 static int32_t send(uint8_t command)
 {
-    return fixture_remote_command(&f, command, 0, 0).result;
+    return fixture_can_command(&f, command, 0, 0).result;
 }
 
 static void expect_line(cam_err_t err, const char *behind)
 {
     char line[200];
     (void)snprintf(line, sizeof line, "table: %s%s", cam_err_text(err), behind);
-    TEST_ASSERT_EQUAL_STRING(line, fixture_remote_line(0));
+    TEST_ASSERT_EQUAL_STRING(line, fixture_can_line(0));
 }
 
 static void expect_table_result(cam_err_t err)
 {
-    fixture_remote_loop(&f, 201);
-    const hal_can_frame_t frame = fixture_remote_sent(0x180);
-    TEST_ASSERT_EQUAL_INT32(err, fixture_remote_i16(&frame, 2));
+    fixture_can_loop(&f, 201);
+    const hal_can_frame_t frame = fixture_can_sent(0x1C0);
+    TEST_ASSERT_EQUAL_INT32(err, fixture_can_i16(&frame, 2));
 }
 
 /// Starts, refuses to home, says why on the line, in the status and in the answer.
 static void expect_start_without_table(cam_err_t err)
 {
-    fixture_remote_start(&f);
+    fixture_can_start(&f);
     expect_line(err, " - home refused until a table is written");
     expect_table_result(err);
-    const fixture_answer_t answer = fixture_remote_command(&f, enable, 0, 0);
+    const fixture_answer_t answer = fixture_can_command(&f, enable, 0, 0);
     TEST_ASSERT_EQUAL_INT32(err, answer.result);
     TEST_ASSERT_EQUAL_INT32(0, answer.value);
     TEST_ASSERT_EQUAL_INT32(err, send(table_anew));
-    fixture_remote_loop(&f, 3);
+    fixture_can_loop(&f, 3);
     TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_status(&f.rig).state);
 }
 
 static void expect_homing(void)
 {
-    fixture_remote_loop(&f, 2);
+    fixture_can_loop(&f, 2);
     TEST_ASSERT_EQUAL_INT32(cam_ok, send(enable));
-    fixture_remote_loop(&f, 2);
+    fixture_can_loop(&f, 2);
     TEST_ASSERT_EQUAL_INT(cam_state_homing, fixture_rig_status(&f.rig).state);
 }
 
 static void test_a_good_table_in_a_larger_sector_is_taken(void)
 {
-    fixture_remote_start(&f);
-    TEST_ASSERT_EQUAL_STRING("table: short skirt in use", fixture_remote_line(0));
+    fixture_can_start(&f);
+    TEST_ASSERT_EQUAL_STRING("table: short skirt in use", fixture_can_line(0));
     TEST_ASSERT_EQUAL_UINT32(f.rig.image.size, f.rig.machine.table.image_size);
     expect_table_result(cam_ok);
     expect_homing();
@@ -75,7 +75,7 @@ static void test_a_good_table_in_a_larger_sector_is_taken(void)
 static void test_a_good_table_that_fills_its_place_is_taken(void)
 {
     hal_host.slow.table.size = (uint32_t)f.rig.image.size;
-    fixture_remote_start(&f);
+    fixture_can_start(&f);
     expect_homing();
 }
 
@@ -115,7 +115,7 @@ static void test_writing_that_stopped_is_refused_wherever_it_stopped(void)
     for (uint32_t n = 0; n < size; n += 16u) { // what flash programs at once
         memset(f.rig.image.bytes, 0xFF, size);
         memcpy(f.rig.image.bytes, good, n);
-        fixture_remote_start(&f);
+        fixture_can_start(&f);
         const cam_err_t err = n == 0u    ? cam_err_image_magic
                               : n == 16u ? cam_err_image_size // which the header does not tell yet
                                          : cam_err_image_crc;
@@ -165,14 +165,14 @@ static void test_select_takes_a_table_written_after_the_start(void)
     expect_start_without_table(cam_err_image_magic);
     fixture_image_make(&f.rig.image, &part);
     TEST_ASSERT_EQUAL_INT32(cam_ok, send(table_anew));
-    TEST_ASSERT_EQUAL_STRING("table: short skirt in use", fixture_remote_line(0));
+    TEST_ASSERT_EQUAL_STRING("table: short skirt in use", fixture_can_line(0));
     expect_table_result(cam_ok);
     expect_homing();
 }
 
 static void test_select_of_a_place_overwritten_with_rubbish_forgets_the_table(void)
 {
-    fixture_remote_start(&f);
+    fixture_can_start(&f);
     fixture_image_put(&f.rig.image, fixture_at_version, 2);
     TEST_ASSERT_EQUAL_INT32(cam_err_image_version, send(table_anew));
     expect_line(cam_err_image_version, " - home refused until a table is written");
@@ -181,7 +181,7 @@ static void test_select_of_a_place_overwritten_with_rubbish_forgets_the_table(vo
 
 static void test_select_of_a_damaged_table_in_ready_is_a_fault(void)
 {
-    fixture_remote_start(&f);
+    fixture_can_start(&f);
     TEST_ASSERT_TRUE(fixture_rig_bring(&f.rig, cam_state_ready));
     f.rig.image.bytes[1000] ^= 1u;
     TEST_ASSERT_EQUAL_INT32(cam_err_image_crc, send(table_anew));
@@ -191,7 +191,7 @@ static void test_select_of_a_damaged_table_in_ready_is_a_fault(void)
 
 static void test_select_of_a_bad_table_elsewhere_keeps_the_one_in_use(void)
 {
-    fixture_remote_start(&f);
+    fixture_can_start(&f);
     memset(other.bytes, 0xFF, sizeof other.bytes);
     hal_host.slow.table.bytes = other.bytes;
     TEST_ASSERT_EQUAL_INT32(cam_err_image_magic, send(table_anew));
@@ -202,13 +202,13 @@ static void test_select_of_a_bad_table_elsewhere_keeps_the_one_in_use(void)
 
 static void test_select_out_of_order_keeps_the_result_of_the_last_check(void)
 {
-    fixture_remote_start(&f);
+    fixture_can_start(&f);
     expect_homing();
     const uint32_t n_lines = hal_host.n_lines;
     TEST_ASSERT_EQUAL_INT32(cam_err_state, send(table_anew));
     TEST_ASSERT_EQUAL_INT32(cam_ok, send(disable));
-    fixture_remote_receive(0x640, 8, 6, cam_param_k1_ns, 5); // a change that no tick has taken yet
-    cam_remote_poll(&f.remote);
+    fixture_can_receive(0x640, 8, 6, cam_param_k1_ns, 5); // a change that no tick has taken yet
+    cam_can_poll(&f.can);
     TEST_ASSERT_EQUAL_INT32(cam_err_busy, send(table_anew));
     expect_table_result(cam_ok);
     TEST_ASSERT_EQUAL_UINT32(n_lines + 1u, hal_host.n_lines); // state off
@@ -216,9 +216,9 @@ static void test_select_out_of_order_keeps_the_result_of_the_last_check(void)
 
 static void test_damage_found_in_the_background_is_told(void)
 {
-    fixture_remote_start(&f);
+    fixture_can_start(&f);
     f.rig.image.bytes[1000] ^= 8u;
-    fixture_remote_loop(&f, 12); // two rounds of the check
+    fixture_can_loop(&f, 12); // two rounds of the check
     expect_line(cam_err_image_crc, " - home refused until a table is written");
     expect_table_result(cam_err_image_crc);
     TEST_ASSERT_EQUAL_INT32(cam_err_image_crc, send(enable));
@@ -229,31 +229,31 @@ static void test_damage_found_in_the_background_is_told(void)
 
 static void test_damage_of_the_table_in_use_after_another_was_refused(void)
 {
-    fixture_remote_start(&f);
+    fixture_can_start(&f);
     memset(other.bytes, 0xFF, sizeof other.bytes);
     hal_host.slow.table.bytes = other.bytes;
     TEST_ASSERT_EQUAL_INT32(cam_err_image_magic, send(table_anew));
     f.rig.image.bytes[1000] ^= 8u;
-    fixture_remote_loop(&f, 12);
+    fixture_can_loop(&f, 12);
     expect_line(cam_err_image_magic, " - home refused until a table is written");
     TEST_ASSERT_EQUAL_INT32(cam_err_image_magic, send(enable));
 }
 
 static void test_damage_while_enabled_is_told_beside_the_fault(void)
 {
-    fixture_remote_start(&f);
+    fixture_can_start(&f);
     TEST_ASSERT_TRUE(fixture_rig_bring(&f.rig, cam_state_ready));
-    fixture_remote_loop(&f, 1);
+    fixture_can_loop(&f, 1);
     const uint32_t n_lines = hal_host.n_lines;
     f.rig.image.bytes[1000] ^= 8u;
-    fixture_remote_loop(&f, 14);
+    fixture_can_loop(&f, 14);
     TEST_ASSERT_EQUAL_UINT32(n_lines + 3u, hal_host.n_lines);
-    TEST_ASSERT_EQUAL_STRING("state fault", fixture_remote_line(1));
-    TEST_ASSERT_EQUAL_STRING("fault table: table damaged", fixture_remote_line(0));
+    TEST_ASSERT_EQUAL_STRING("state fault", fixture_can_line(1));
+    TEST_ASSERT_EQUAL_STRING("fault table: table damaged", fixture_can_line(0));
     TEST_ASSERT_EQUAL_INT32(cam_err_state, send(enable));
-    fixture_remote_loop(&f, 4000);
+    fixture_can_loop(&f, 4000);
     TEST_ASSERT_EQUAL_INT32(cam_ok, send(reset));
-    fixture_remote_loop(&f, 2);
+    fixture_can_loop(&f, 2);
     TEST_ASSERT_EQUAL_INT32(cam_err_image_crc, send(enable));
 }
 

@@ -1,0 +1,393 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Port for Linux: the tick, start and end, and the functions of hal.h on top of the modules.
+#include "hal/hal.h"
+#include "lin_bus.h"
+#include "lin_can.h"
+#include "lin_clock.h"
+#include "lin_config.h"
+#include "lin_kept.h"
+#include "lin_lines.h"
+#include "lin_notify.h"
+#include "lin_options.h"
+#include "lin_stop.h"
+#include "lin_table.h"
+#include "lin_thread.h"
+#include "lin_words.h"
+#include <signal.h>    // sigaction
+#include <stdatomic.h> // what the tick tells main()
+#include <stdio.h>     // fprintf
+#include <stdlib.h>    // exit
+#include <string.h>    // memcpy
+#include <unistd.h>    // _exit
+
+enum { clock_hz = 10000000, clock_ns = 100, remote_node = 64, max_edges = 8 };
+enum { exit_fault = 1, exit_usage = 2 };
+
+/// The port. The tick writes `bus`, `wants`, `now_ns` and `inputs`; main() all the rest.
+static struct {
+    lin_config_t config;
+    hal_start_t start;
+    lin_can_t remote;
+    bool is_up; ///< hal_init() passed: there is something to make safe
+    lin_can_t can;
+    lin_bus_t bus;
+    lin_wants_t wants;
+    lin_stop_t stop;
+    int64_t now_ns;
+    uint32_t inputs;
+    _Atomic uint32_t cause, not_ready; ///< lin_words_pack()
+} port;
+
+static volatile sig_atomic_t n_signals;
+
+static void on_end(int signal)
+{
+    (void)signal;
+    n_signals = n_signals + 1;
+}
+
+/// Enable off, drives to a stop by one frame each, whatever state the program is in.
+static void make_safe(void)
+{
+    static hal_can_frame_t frames[lin_bus_max_frames];
+    static lin_bus_t bus;
+    if (!port.is_up) {
+        return;
+    }
+    lin_lines_safe();
+    bus = port.bus; // the tick may be in the middle of it
+    port.wants.is_stopping = true;
+    const uint32_t n = lin_bus_make(&bus, &port.wants, port.now_ns, frames);
+    (void)lin_can_send(&port.can, frames, n);
+}
+
+static void on_crash(int signal)
+{
+    make_safe();
+    (void)raise(signal); // SA_RESETHAND: ends the program as if it had not been caught
+}
+
+static void catch_signals(void)
+{
+    static const int ends[] = {SIGTERM, SIGINT, SIGHUP};
+    static const int crashes[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
+    struct sigaction action;
+    memset(&action, 0, sizeof action);
+    action.sa_handler = on_end;
+    for (size_t i = 0; i < sizeof ends / sizeof ends[0]; i++) {
+        (void)sigaction(ends[i], &action, NULL);
+    }
+    action.sa_handler = on_crash;
+    action.sa_flags = (int)SA_RESETHAND;
+    for (size_t i = 0; i < sizeof crashes / sizeof crashes[0]; i++) {
+        (void)sigaction(crashes[i], &action, NULL);
+    }
+}
+
+static bool open_bus(lin_error_t *e)
+{
+    uint32_t ids[lin_bus_max_ids];
+    lin_can_filter_t filters[lin_can_max_filters];
+    const uint32_t n = lin_bus_ids(&port.bus, ids);
+    for (uint32_t i = 0; i < n; i++) {
+        filters[i] = (lin_can_filter_t){.id = ids[i], .mask = 0x7FF};
+    }
+    return lin_can_open(&port.can, port.config.can.interface, filters, n, port.config.can.is_fd, e);
+}
+
+/// Commands and the transport of tables; a node's other functions are answers.
+static bool open_remote(lin_error_t *e)
+{
+    const uint32_t node = (uint32_t)port.config.can.node;
+    const lin_can_filter_t filters[] = {{0x600 + node, 0x7FF}, {0x680 + node, 0x7FF}};
+    return lin_can_open(&port.remote, port.config.can.remote, filters, 2, false, e);
+}
+
+static void start_or_end(const lin_options_t *options)
+{
+    if (options->is_help) {
+        (void)fputs(lin_options_usage, stdout);
+        exit(0);
+    }
+    if (options->is_check) {
+        (void)printf("%s: a right configuration\n", options->config);
+        exit(0);
+    }
+}
+
+static bool bring_up(lin_error_t *e)
+{
+    lin_options_t options;
+    port.config = lin_config_defaults();
+    if (!lin_options_read(&options, e) ||
+        (!options.is_help && !lin_config_load(&port.config, options.config, e))) {
+        return false;
+    }
+    start_or_end(&options);
+    port.start = lin_kept_start(port.config.table_file);
+    lin_bus_init(&port.bus, &port.config);
+    return lin_lines_open(&port.config, e) && open_bus(e) && open_remote(e) &&
+           lin_table_open(port.config.table_file, port.config.table_max_bytes, e) &&
+           lin_thread_prepare(&port.config.thread, e);
+}
+
+static void tell_set_up(void)
+{
+    char line[lin_line_bytes];
+    (void)snprintf(line, sizeof line, "port: %d ticks/s, %s%s, libgpiod %s",
+                   (int)port.config.thread.tick_hz, port.config.can.interface,
+                   port.config.can.is_fd ? " (FD)" : "", lin_lines_library());
+    hal_text(line);
+    if (!lin_line_is_there(&port.config, lin_line_estop)) {
+        hal_text("warning: gpio.estop = \"none\": the emergency stop is not seen; for trials only");
+    }
+}
+
+int hal_init(void)
+{
+    lin_error_t e;
+    if (!bring_up(&e)) {
+        (void)fprintf(stderr, "camturn-linux: %s\n", e.text);
+        return -1;
+    }
+    port.is_up = true;
+    tell_set_up();
+    catch_signals();
+    return 0;
+}
+
+static void take_frame(void *user, const hal_can_frame_t *frame, int64_t ns)
+{
+    lin_bus_take(user, frame, ns);
+}
+
+/// Everything that the tick is to know of the world.
+static void sense(int64_t now_ns)
+{
+    int64_t edge_ns;
+    bool is_rising;
+    lin_can_receive(&port.can, take_frame, &port.bus);
+    for (int i = 0; i < max_edges && lin_lines_edge(&edge_ns, &is_rising); i++) {
+        lin_encoder_edge(&port.bus.encoder, edge_ns, is_rising);
+    }
+    lin_bus_link(&port.bus, port.can.link);
+    lin_bus_event(&port.bus, lin_can_take_event(&port.can));
+    lin_bus_judge(&port.bus, now_ns);
+    // Ready: the lines and the bus. Lost: the bus. Emergency stop: the lines.
+    const uint32_t lines = lin_lines_read();
+    port.inputs = (lines & hal_in_estop) | (lines & port.bus.inputs & hal_in_drive_ready) |
+                  (port.bus.inputs & hal_in_bus_lost);
+    port.now_ns = now_ns;
+}
+
+/// @return false: the last tick
+static bool tick(int64_t now_ns)
+{
+    hal_can_frame_t frames[lin_bus_max_frames];
+    sense(now_ns);
+    const lin_stop_phase_t phase = lin_stop_step(
+        &port.stop, (uint32_t)n_signals, port.wants.outputs, lin_bus_is_at_rest(&port.bus), now_ns);
+    port.inputs |= phase == lin_stop_retract ? (uint32_t)hal_in_estop : 0u;
+    if (phase == lin_stop_run || phase == lin_stop_retract) {
+        cam_isr();
+    } else {
+        hal_outputs_write_isr(0);
+        port.wants.is_stopping = true;
+    }
+    const uint32_t n = lin_bus_make(&port.bus, &port.wants, now_ns, frames);
+    (void)lin_can_send(&port.can, frames, n);
+    atomic_store(&port.cause, lin_words_pack(port.bus.cause));
+    atomic_store(&port.not_ready, lin_words_pack(port.bus.not_ready));
+    return phase != lin_stop_over;
+}
+
+uint32_t hal_tick_hz(void)
+{
+    return (uint32_t)port.config.thread.tick_hz;
+}
+
+uint32_t hal_clock_hz(void)
+{
+    return clock_hz;
+}
+
+void hal_tick_start(void)
+{
+    lin_error_t e;
+    if (!lin_thread_start(&port.config.thread, tick, &e)) {
+        (void)fprintf(stderr, "camturn-linux: %s\n", e.text);
+        hal_halt("port: the tick cannot start");
+    }
+    lin_notify_ready();
+}
+
+/// A word that changed becomes a line.
+static void tell_change(uint32_t *told, uint32_t word,
+                        void (*put)(lin_cause_t, const lin_config_t *, char *, size_t))
+{
+    char line[lin_line_bytes];
+    if (word != *told) {
+        *told = word;
+        put(lin_words_unpack(word), &port.config, line, sizeof line);
+        hal_text(line);
+    }
+}
+
+static void tell_lost_line(void)
+{
+    static bool is_told;
+    const lin_line_t lost = lin_lines_lost();
+    if (lost != lin_n_lines && !is_told) {
+        char line[lin_line_bytes];
+        (void)snprintf(line, sizeof line,
+                       "gpio.%s: the line is lost: emergency stop until the program starts anew",
+                       lin_line_name(lost));
+        hal_text(line);
+        is_told = true;
+    }
+}
+
+/// Alive; once a second overruns since the last time, an interface that came back.
+static void look_after(void)
+{
+    static int64_t last_ns;
+    static uint32_t told;
+    const int64_t now_ns = lin_clock_now();
+    lin_notify_alive(now_ns);
+    if (now_ns - last_ns < lin_ns_per_s) {
+        return;
+    }
+    last_ns = now_ns;
+    lin_can_rebind(&port.can);
+    lin_can_rebind(&port.remote);
+    const uint32_t n = lin_thread_overruns();
+    if (n != told) {
+        char line[lin_line_bytes];
+        (void)snprintf(line, sizeof line, "port: %u ticks left out, %u since the start", n - told,
+                       n);
+        hal_text(line);
+        told = n;
+    }
+}
+
+void hal_idle(void)
+{
+    static uint32_t told_cause, told_not_ready;
+    const bool goes_on = lin_thread_wait();
+    tell_change(&told_cause, atomic_load(&port.cause), lin_words_bus);
+    tell_change(&told_not_ready, atomic_load(&port.not_ready), lin_words_drives);
+    tell_lost_line();
+    look_after();
+    if (!goes_on) {
+        hal_text("port: ended by a signal");
+        exit(0);
+    }
+}
+
+void hal_halt(const char *why)
+{
+    make_safe();
+    if (port.is_up) { // else it is told already
+        lin_kept_halt(why);
+        (void)fprintf(stderr, "camturn-linux: halted: %s\n", why);
+    }
+    _exit(port.is_up ? exit_fault : exit_usage);
+}
+
+hal_start_t hal_start(void)
+{
+    return port.start;
+}
+
+hal_image_t hal_table_image(void)
+{
+    return lin_table_image();
+}
+
+bool hal_table_begin(uint32_t size)
+{
+    return lin_table_begin(size);
+}
+
+bool hal_table_write(uint32_t offset, const void *bytes, uint32_t n)
+{
+    return lin_table_write(offset, bytes, n);
+}
+
+hal_image_t hal_table_staged(void)
+{
+    return lin_table_staged();
+}
+
+bool hal_table_commit(void)
+{
+    lin_error_t e;
+    const bool is_stored = lin_table_commit(&e);
+    if (!is_stored) {
+        hal_text(e.text);
+    }
+    return is_stored;
+}
+
+hal_load_t hal_load(void)
+{
+    return lin_thread_load();
+}
+
+void hal_text(const char *line)
+{
+    (void)fprintf(stderr, "%s\n", line);
+}
+
+/// The firmware knows itself as node 64.
+bool hal_can_read(hal_can_frame_t *frame)
+{
+    if (!lin_can_receive_one(&port.remote, frame)) {
+        return false;
+    }
+    frame->id = frame->id - (uint32_t)port.config.can.node + remote_node;
+    return true;
+}
+
+bool hal_can_write(const hal_can_frame_t *frame)
+{
+    hal_can_frame_t own = *frame;
+    own.id = frame->id + (uint32_t)port.config.can.node - remote_node;
+    return lin_can_send(&port.remote, &own, 1) == 1u;
+}
+
+uint32_t hal_clock_isr(void)
+{
+    return (uint32_t)(port.now_ns / clock_ns);
+}
+
+void hal_encoder_read_isr(hal_encoder_t *reading)
+{
+    *reading = lin_encoder_at(&port.bus.encoder, port.now_ns);
+}
+
+int32_t hal_axis_read_nm_isr(hal_axis_t axis)
+{
+    return lin_bus_actual_nm(&port.bus, axis, &port.wants);
+}
+
+uint32_t hal_inputs_read_isr(void)
+{
+    return port.inputs;
+}
+
+void hal_axis_write_isr(hal_axis_t axis, const hal_setpoint_t *setpoint)
+{
+    port.wants.axis[axis] = *setpoint;
+}
+
+void hal_spindle_write_isr(int32_t speed_mrpm)
+{
+    port.wants.spindle_mrpm = speed_mrpm;
+}
+
+void hal_outputs_write_isr(uint32_t bits)
+{
+    port.wants.outputs = bits;
+    lin_lines_write(bits);
+}

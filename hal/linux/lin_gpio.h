@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+/// lin_gpio: one line of a GPIO chip: the seam behind which libgpiod 1 or 2 does the work.
+/// gpio_v1.c or gpio_v2.c is compiled, whichever library is found at configure time.
+///
+/// The line's level is told as active or not: lines that are active low are turned round here.
+#ifndef LIN_GPIO_H
+#define LIN_GPIO_H
+
+#include "lin_error.h" // lin_error_t
+#include <stdbool.h>   // bool
+#include <stdint.h>    // int64_t
+
+typedef enum {
+    lin_gpio_input, ///< read by lin_gpio_read()
+    lin_gpio_edges, ///< edges, read by lin_gpio_edge()
+    lin_gpio_output ///< written by lin_gpio_write(); inactive at first
+} lin_gpio_way_t;
+
+typedef struct lin_gpio lin_gpio_t;
+
+/// Take a line for this program.
+/// @param chip   where a name is looked for: gpiochip0 or a path
+/// @param place  name of the line, or CHIP:OFFSET
+/// @return       NULL and *e: no such chip or line, line in use (by whom), not permitted
+/// Context: main(), before the tick.
+lin_gpio_t *lin_gpio_open(const char *chip, const char *place, lin_gpio_way_t way,
+                          bool is_active_low, lin_error_t *e);
+
+/// @return 1 active, 0 not, -1 the line is lost. Context: tick; one system call, does not wait.
+int lin_gpio_read(lin_gpio_t *line);
+
+/// @return false: the line is lost. Context: any; one system call, does not wait.
+bool lin_gpio_write(lin_gpio_t *line, bool is_active);
+
+/// Take the oldest edge.
+/// @param ns         CLOCK_MONOTONIC, the kernel's stamp of the interrupt
+/// @param is_rising  from inactive to active
+/// @return           1 taken, 0 there is none, -1 the line is lost
+/// Context: tick; one system call, does not wait.
+int lin_gpio_edge(lin_gpio_t *line, int64_t *ns, bool *is_rising);
+
+/// Give the line back.
+void lin_gpio_close(lin_gpio_t *line);
+
+/// @return version of the library, static
+const char *lin_gpio_library(void);
+
+#endif

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lin_lines.h"
+#include "hal/hal.h"   // hal_in_*, hal_out_*
+#include "lin_gpio.h"  // lin_gpio_open
+#include <stdatomic.h> // lost
+#include <stddef.h>    // NULL
+
+static lin_gpio_t *lines[lin_n_lines];
+static _Atomic uint32_t lost = lin_n_lines; // told by the tick, read by main()
+static uint32_t written;
+
+static const lin_gpio_way_t ways[lin_n_lines] = {
+    [lin_line_estop] = lin_gpio_input,  [lin_line_ready] = lin_gpio_input,
+    [lin_line_index] = lin_gpio_edges,  [lin_line_enable] = lin_gpio_output,
+    [lin_line_fault] = lin_gpio_output, [lin_line_in_cut] = lin_gpio_output,
+};
+
+static const uint32_t out_bits[lin_n_lines] = {
+    [lin_line_enable] = hal_out_enable,
+    [lin_line_fault] = hal_out_fault,
+    [lin_line_in_cut] = hal_out_in_cut,
+};
+
+bool lin_lines_open(const lin_config_t *config, lin_error_t *e)
+{
+    for (int i = 0; i < lin_n_lines; i++) {
+        const lin_line_config_t *c = &config->line[i];
+        if (!lin_line_is_there(config, (lin_line_t)i)) {
+            continue;
+        }
+        lin_error_t why;
+        lines[i] = lin_gpio_open(config->chip, c->place, ways[i], c->is_active_low, &why);
+        if (lines[i] == NULL) {
+            return lin_error(e, "gpio.%s: %s", lin_line_name((lin_line_t)i), why.text);
+        }
+    }
+    return true;
+}
+
+static void lose(lin_line_t line)
+{
+    uint32_t none = lin_n_lines;
+    (void)atomic_compare_exchange_strong(&lost, &none, (uint32_t)line);
+}
+
+static bool is_good(lin_line_t line)
+{
+    const int value = lines[line] != NULL ? lin_gpio_read(lines[line]) : 1;
+    if (value < 0) {
+        lose(line);
+    }
+    return value == 1;
+}
+
+uint32_t lin_lines_read(void)
+{
+    const bool is_closed = is_good(lin_line_estop);
+    const bool is_ready = is_good(lin_line_ready);
+    if (lin_lines_lost() != lin_n_lines) {
+        return hal_in_estop;
+    }
+    return (is_closed ? 0u : (uint32_t)hal_in_estop) |
+           (is_ready ? (uint32_t)hal_in_drive_ready : 0u);
+}
+
+bool lin_lines_edge(int64_t *ns, bool *is_rising)
+{
+    if (lines[lin_line_index] == NULL) {
+        return false;
+    }
+    const int got = lin_gpio_edge(lines[lin_line_index], ns, is_rising);
+    if (got < 0) {
+        lose(lin_line_index);
+    }
+    return got > 0;
+}
+
+static void write_lines(uint32_t bits, uint32_t which)
+{
+    for (int i = lin_line_enable; i < lin_n_lines; i++) {
+        const bool is_wanted = lines[i] != NULL && (which & out_bits[i]) != 0u;
+        if (is_wanted && !lin_gpio_write(lines[i], (bits & out_bits[i]) != 0u)) {
+            lose((lin_line_t)i);
+        }
+    }
+}
+
+void lin_lines_write(uint32_t bits)
+{
+    write_lines(bits, bits ^ written);
+    written = bits;
+}
+
+void lin_lines_safe(void)
+{
+    write_lines(hal_out_fault, UINT32_MAX);
+}
+
+lin_line_t lin_lines_lost(void)
+{
+    return (lin_line_t)atomic_load(&lost);
+}
+
+const char *lin_lines_library(void)
+{
+    return lin_gpio_library();
+}

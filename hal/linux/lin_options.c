@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lin_options.h"
+#include <fcntl.h>  // open
+#include <stdio.h>  // snprintf
+#include <stdlib.h> // getenv
+#include <string.h> // strcmp
+#include <unistd.h> // read
+
+const char lin_options_usage[] =
+    "usage: camturn-linux --config FILE [--check]\n"
+    "\n"
+    "The camturn controller with CAN drives and GPIO lines.\n"
+    "\n"
+    "  --config FILE  the machine; else the environment variable CAMTURN_CONFIG names it\n"
+    "  --check        read the configuration, say whether it is right, and end\n"
+    "\n"
+    "Ended by SIGTERM or SIGINT: the tool leaves the work, then the drives are let go; a second\n"
+    "signal lets them go at once.\n"
+    "Exit status: 0 ended by a signal, 1 by a fault of its own, 2 wrong usage, configuration or\n"
+    "machine.\n";
+
+/// Words as they stand in memory, each with its end. @return bytes
+static size_t read_words(char *words, size_t size)
+{
+    const int fd = open("/proc/self/cmdline", O_RDONLY | O_CLOEXEC);
+    const ssize_t n = fd >= 0 ? read(fd, words, size - 1u) : -1;
+    if (fd >= 0) {
+        (void)close(fd);
+    }
+    words[n > 0 ? (size_t)n : 0u] = '\0';
+    return n > 0 ? (size_t)n : 0u;
+}
+
+static bool take_path(lin_options_t *o, const char *path, lin_error_t *e)
+{
+    return (path[0] != '\0' &&
+            (size_t)snprintf(o->config, sizeof o->config, "%s", path) < sizeof o->config) ||
+           lin_error(e, "--config %.40s: no path; write --config FILE", path);
+}
+
+bool lin_options_read(lin_options_t *o, lin_error_t *e)
+{
+    char words[2048];
+    const size_t size = read_words(words, sizeof words);
+    *o = (lin_options_t){.is_help = false};
+    const char *end = words + size;
+    for (const char *word = words + strlen(words) + 1u; word < end; word += strlen(word) + 1u) {
+        if (strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0) {
+            o->is_help = true;
+        } else if (strcmp(word, "--check") == 0) {
+            o->is_check = true;
+        } else if (strcmp(word, "--config") == 0) {
+            word += strlen(word) + 1u;
+            if (!take_path(o, word < end ? word : "", e)) {
+                return false;
+            }
+        } else if (strncmp(word, "--config=", 9) == 0) {
+            if (!take_path(o, word + 9, e)) {
+                return false;
+            }
+        } else {
+            return lin_error(e, "%.60s: no such option; --help lists them", word);
+        }
+    }
+    const char *path = getenv("CAMTURN_CONFIG");
+    if (o->config[0] == '\0' && path != NULL && !take_path(o, path, e)) {
+        return false;
+    }
+    return o->is_help || o->config[0] != '\0' ||
+           lin_error(e, "no configuration; write --config FILE (hal/linux/camturn.toml is an "
+                        "example)");
+}

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "stm_flash.h"
+#include "board_config.h"
+#include "hal/hal.h" // hal_idle
+#include "stm_core.h"
+#include "stm_memory.h"
+#include "stm_reg.h"
+#include <string.h> // memcmp
+
+enum { flash_start = 0x08000000, bank_bytes = 1 << 20 };
+
+/// Far beyond the longest times of the data sheet: 4 s for a sector, 0.5 ms for a flash word.
+enum { most_erase_ticks = 10 * BOARD_TICK_HZ, most_program_loops = 1000000 };
+
+static uint32_t bank_of(uint32_t address)
+{
+    return (address - flash_start) / bank_bytes;
+}
+
+/// @return whether the operation has ended well; its flags are cleared
+static bool ends_well(uint32_t bank)
+{
+    const uint32_t flags = FLASH_SR(bank);
+    FLASH_CCR(bank) = flags & FLASH_SR_ERRORS;
+    return (flags & (FLASH_SR_QW | FLASH_SR_ERRORS)) == 0u;
+}
+
+static void open_bank(uint32_t bank)
+{
+    stm_memory_open_tables(true);
+    FLASH_CCR(bank) = FLASH_SR_ERRORS;
+    FLASH_KEYR(bank) = FLASH_KEYR_FIRST;
+    FLASH_KEYR(bank) = FLASH_KEYR_SECOND;
+}
+
+static void close_bank(uint32_t bank)
+{
+    FLASH_CR(bank) = FLASH_CR_LOCK;
+    stm_memory_open_tables(false);
+}
+
+static bool erase_sector(uint32_t bank, uint32_t sector)
+{
+    const uint32_t what = FLASH_CR_SER | FLASH_CR_PSIZE_64 | FLASH_CR_SNB(sector);
+    FLASH_CR(bank) = what;
+    FLASH_CR(bank) = what | FLASH_CR_START;
+    stm_barrier();
+    for (uint32_t i = 0; i < most_erase_ticks && (FLASH_SR(bank) & FLASH_SR_QW) != 0u; i++) {
+        hal_idle();
+    }
+    return ends_well(bank);
+}
+
+bool stm_flash_erase(uint32_t address, uint32_t bytes)
+{
+    const uint32_t bank = bank_of(address);
+    const uint32_t first = address % bank_bytes / stm_flash_sector_bytes;
+    const uint32_t n = (bytes + stm_flash_sector_bytes - 1u) / stm_flash_sector_bytes;
+    bool is_good = true;
+    open_bank(bank);
+    for (uint32_t i = 0; i < n && is_good; i++) {
+        is_good = erase_sector(bank, first + i);
+    }
+    close_bank(bank);
+    return is_good;
+}
+
+/// @return four bytes from `at` on, FFh behind the end
+static uint32_t word_at(const uint8_t *bytes, uint32_t n, uint32_t at)
+{
+    uint32_t word = UINT32_MAX;
+    for (uint32_t i = 0; i < 4u && at + i < n; i++) {
+        word &= ~(0xFFu << 8u * i) | (uint32_t)bytes[at + i] << 8u * i;
+    }
+    return word;
+}
+
+static bool program_word(uint32_t bank, uint32_t address, const uint8_t *bytes, uint32_t n)
+{
+    volatile uint32_t *to = (volatile uint32_t *)address;
+    for (uint32_t i = 0; i < stm_flash_words; i++) {
+        to[i] = word_at(bytes, n, 4u * i);
+    }
+    stm_barrier();
+    for (uint32_t i = 0; i < most_program_loops && (FLASH_SR(bank) & FLASH_SR_QW) != 0u; i++) {
+    }
+    return ends_well(bank);
+}
+
+bool stm_flash_program(uint32_t address, const uint8_t *bytes, uint32_t n)
+{
+    const uint32_t bank = bank_of(address);
+    bool is_good = true;
+    open_bank(bank);
+    FLASH_CR(bank) = FLASH_CR_PG | FLASH_CR_PSIZE_64;
+    for (uint32_t at = 0; at < n && is_good; at += stm_flash_word_bytes) {
+        is_good = program_word(bank, address + at, bytes + at, n - at);
+    }
+    close_bank(bank);
+    return is_good && memcmp((const void *)address, bytes, n) == 0;
+}
+
+bool stm_flash_peek(uint32_t address, uint32_t *words)
+{
+    const volatile uint32_t *from = (const volatile uint32_t *)address;
+    const uint32_t bank = bank_of(address);
+    FLASH_CCR(bank) = FLASH_SR_ERRORS;
+    __asm volatile("cpsid f" ::: "memory");
+    SCB_CCR |= SCB_CCR_BFHFNMIGN;
+    stm_barrier();
+    for (uint32_t i = 0; i < stm_flash_words; i++) {
+        words[i] = from[i];
+    }
+    stm_barrier();
+    SCB_CCR &= ~SCB_CCR_BFHFNMIGN;
+    __asm volatile("cpsie f" ::: "memory");
+    const bool is_readable = (FLASH_SR(bank) & FLASH_SR_DBECCERR) == 0u;
+    FLASH_CCR(bank) = FLASH_SR_ERRORS;
+    return is_readable;
+}

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Where tables lie, which of them is in use, and how that changes (hal_table_*()).
+///
+/// Two places, in different banks. A log in a sector of its own tells which one is in use: a record
+/// is one flash word, so it is there or not. The last good record counts; an empty log means place
+/// 0, where programmers write. The log is erased only while place 0 is in use: then an empty log
+/// says what it said before.
+#include "hal/hal.h"
+#include "stm_flash.h"
+#include "stm_table.h"
+#include <stddef.h> // NULL
+
+enum { n_places = 2, n_records = 1024 };
+
+extern const uint8_t stm_table_start[], stm_table_bytes[];
+extern const uint8_t stm_other_start[], stm_other_bytes[], stm_log_start[];
+
+typedef struct {
+    uint32_t words[stm_flash_words];
+} record_t;
+_Static_assert(sizeof(record_t) == stm_flash_word_bytes, "written at once");
+_Static_assert(hal_table_grain % stm_flash_word_bytes == 0, "pieces are whole flash words");
+
+static const uint32_t record_magic = 0x4C424154u; // "TABL"
+
+static uint32_t in_use;
+static uint32_t n_written; ///< records, good or torn
+static bool is_begun;
+
+static uint32_t log_address(uint32_t i)
+{
+    return (uint32_t)stm_log_start + i * stm_flash_word_bytes;
+}
+
+static record_t record_of(uint32_t place, uint32_t i)
+{
+    return (record_t){{record_magic, place, i, ~record_magic, ~place, ~i, 0, 0}};
+}
+
+static bool is_record(const record_t *found, uint32_t i)
+{
+    const record_t due = record_of(found->words[1], i);
+    bool is_good = found->words[1] < n_places;
+    for (uint32_t k = 0; k < stm_flash_words; k++) {
+        is_good = is_good && found->words[k] == due.words[k];
+    }
+    return is_good;
+}
+
+static bool is_empty(const record_t *found)
+{
+    uint32_t all = UINT32_MAX;
+    for (uint32_t k = 0; k < stm_flash_words; k++) {
+        all &= found->words[k];
+    }
+    return all == UINT32_MAX;
+}
+
+void stm_table_init(void)
+{
+    for (uint32_t i = 0; i < n_records; i++) {
+        record_t found;
+        const bool is_readable = stm_flash_peek(log_address(i), found.words);
+        if (is_readable && is_record(&found, i)) {
+            in_use = found.words[1];
+        }
+        n_written = is_readable && is_empty(&found) ? n_written : i + 1u;
+    }
+}
+
+static hal_image_t place(uint32_t i)
+{
+    return i == 0u ? (hal_image_t){.bytes = stm_table_start, .size = (uint32_t)stm_table_bytes}
+                   : (hal_image_t){.bytes = stm_other_start, .size = (uint32_t)stm_other_bytes};
+}
+
+hal_image_t hal_table_image(void)
+{
+    return place(in_use);
+}
+
+hal_image_t hal_table_staged(void)
+{
+    return is_begun ? place(1u - in_use) : (hal_image_t){.bytes = NULL, .size = 0};
+}
+
+/// @return whether the log has room for this table and for the next one
+static bool make_room_in_log(void)
+{
+    if (in_use == 0u && n_written > n_records / 2u) {
+        n_written = 0;
+        return stm_flash_erase((uint32_t)stm_log_start, stm_flash_sector_bytes);
+    }
+    return n_written < n_records;
+}
+
+/// The smaller place counts, so that what fits once fits again.
+bool hal_table_begin(uint32_t size)
+{
+    is_begun = false;
+    if (size == 0u || size > (uint32_t)stm_other_bytes || !make_room_in_log()) {
+        return false;
+    }
+    is_begun = stm_flash_erase((uint32_t)place(1u - in_use).bytes, size);
+    return is_begun;
+}
+
+bool hal_table_write(uint32_t offset, const void *bytes, uint32_t n)
+{
+    const hal_image_t to = hal_table_staged();
+    const bool is_inside = offset <= to.size && n <= to.size - offset;
+    return is_begun && is_inside && offset % stm_flash_word_bytes == 0u &&
+           stm_flash_program((uint32_t)to.bytes + offset, (const uint8_t *)bytes, n);
+}
+
+bool hal_table_commit(void)
+{
+    if (!is_begun || n_written == n_records) {
+        return false;
+    }
+    const record_t record = record_of(1u - in_use, n_written);
+    const uint32_t address = log_address(n_written);
+    n_written++;
+    is_begun = false;
+    if (!stm_flash_program(address, (const uint8_t *)record.words, sizeof record)) {
+        return false;
+    }
+    in_use = 1u - in_use;
+    return true;
+}

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+/// sim_disturb: what a bad bus does to the frames of one identifier.
+///
+///     sent      a b c d e f g
+///     missing   a b     e f g    2 at c        the frame is not sent
+///     repeated  a b b b e f g    2 at c        the last one again instead
+///     swapped   a b d c e f g    1 at c        behind its successor
+///     late      a b  c d e f g   at c          once, by a time
+///
+/// One disturbance at a time: a new one replaces what is left of the old.
+#ifndef SIM_DISTURB_H
+#define SIM_DISTURB_H
+
+#include "sim_frame.h" // sim_frames_t
+#include <stdbool.h>   // bool
+#include <stdint.h>    // uint32_t
+
+typedef enum {
+    sim_disturb_none,
+    sim_disturb_missing,
+    sim_disturb_repeated,
+    sim_disturb_swapped,
+    sim_disturb_late
+} sim_disturb_kind_t;
+
+typedef struct {
+    sim_disturb_kind_t kind;
+    uint32_t n_left;  ///< frames still to be disturbed
+    double late_s;    ///< [s] of a late one
+    sim_frame_t last; ///< sent last
+    bool has_last;
+    sim_frame_t held; ///< waits for its time or its successor
+    bool is_held;
+    double held_until_s;
+} sim_disturb_t;
+
+/// From the next frame on.
+/// @param n       frames; swapped: pairs
+/// @param late_s  [s] sim_disturb_late only
+void sim_disturb_begin(sim_disturb_t *d, sim_disturb_kind_t kind, uint32_t n, double late_s);
+
+/// Do it to the one frame in the queue that has the identifier.
+/// @param t_s  [s] now
+void sim_disturb_pass(sim_disturb_t *d, sim_frames_t *queue, uint32_t id, double t_s);
+
+/// Take the late frame when its time comes before another. @return false when there is none
+bool sim_disturb_due(sim_disturb_t *d, double before_s, sim_frame_t *frame, double *at_s);
+
+#endif

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#define _POSIX_C_SOURCE 200809L // clock_nanosleep
+// The firmware with main()'s loop around an ideal machine. CAN frames come on standard input and
+// leave on standard output, 16 bytes each: id, bytes, data. A frame with the id `bench_estop`
+// presses the emergency stop (data 1) or releases it. Virtual time keeps pace with the clock, so
+// that time-outs mean what they say. Ends with its input.
+#include "fixture_can.h"
+#include "hal_host.h"
+#include <errno.h>  // errno
+#include <poll.h>   // poll
+#include <string.h> // memcpy
+#include <time.h>   // nanosleep
+#include <unistd.h> // read, write
+
+enum { tick_hz = 20000, ticks_per_turn = 20, frame_bytes = 16 };
+
+enum { bench_estop = 0x10000 };
+
+static fixture_can_t f;
+static uint32_t n_told; // frames of the port's ring
+
+static bool read_whole(uint8_t *bytes, size_t n)
+{
+    for (size_t at = 0; at < n;) {
+        const ssize_t got = read(STDIN_FILENO, bytes + at, n - at);
+        if (got <= 0 && errno != EINTR) {
+            return false;
+        }
+        at += got > 0 ? (size_t)got : 0u;
+    }
+    return true;
+}
+
+static void take(const uint8_t *bytes)
+{
+    hal_can_frame_t frame = {.n = bytes[4]};
+    memcpy(&frame.id, bytes, sizeof frame.id);
+    memcpy(frame.data, bytes + 8, 8);
+    if (frame.id == bench_estop) {
+        hal_host_fault_estop(frame.data[0] != 0u);
+    } else {
+        (void)hal_host_can_receive(&frame);
+    }
+}
+
+/// What is there, as far as the queue has room. @return false at the end of the input
+static bool listen(void)
+{
+    struct pollfd in = {.fd = STDIN_FILENO, .events = POLLIN};
+    while (hal_host.slow.n_received - hal_host.slow.n_read < hal_host_can_frames &&
+           poll(&in, 1, 0) > 0) {
+        uint8_t bytes[frame_bytes];
+        if (!read_whole(bytes, sizeof bytes)) {
+            return false;
+        }
+        take(bytes);
+    }
+    return true;
+}
+
+static bool speak(void)
+{
+    for (; n_told != hal_host.slow.n_sent; n_told++) {
+        const hal_can_frame_t *frame = &hal_host.slow.sent[n_told % hal_host_can_frames];
+        uint8_t bytes[frame_bytes] = {0};
+        memcpy(bytes, &frame->id, sizeof frame->id);
+        bytes[4] = (uint8_t)frame->n;
+        memcpy(bytes + 8, frame->data, 8);
+        if (write(STDOUT_FILENO, bytes, sizeof bytes) != (ssize_t)sizeof bytes) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static void wait_until(struct timespec *due)
+{
+    due->tv_nsec += 1000000000L / tick_hz * ticks_per_turn;
+    due->tv_sec += due->tv_nsec / 1000000000L;
+    due->tv_nsec %= 1000000000L;
+    (void)clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, due, NULL);
+}
+
+int main(void)
+{
+    const fixture_part_t part = fixture_part_short();
+    fixture_can_init(&f, &part, tick_hz);
+    fixture_can_start(&f);
+    (void)fixture_rig_set(&f.rig, cam_param_lead_ns, 1000000000 / tick_hz);
+    struct timespec due;
+    (void)clock_gettime(CLOCK_MONOTONIC, &due);
+    while (true) {
+        for (uint32_t i = 0; i < ticks_per_turn; i++) {
+            if (!listen()) {
+                return 0;
+            }
+            fixture_can_loop(&f, 1);
+            if (!speak()) {
+                return 0;
+            }
+        }
+        wait_until(&due);
+    }
+}

@@ -1,0 +1,248 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What runs beside the controller inside the kernel: machine, operator, troublemakers.
+
+    inside.py SCENARIO < setup.json
+
+One scenario of scenarios.py is played: the machine (camsim bus) and the controller
+(camturn-linux) are started, an operator gives commands by CAN, something goes wrong. What was seen
+goes into result.json of the folder that the setup names. Standard library only, one process: a
+program start costs a fifth of a second in User-Mode Linux.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import socket
+import struct
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+COMMAND, ANSWER, STATE = 0x640, 0x5C0, 0x1C0
+BLOCK, BLOCK_FLOW = 0x6C0, 0x6C1
+ENABLE, START, RESET, SET = 1, 3, 5, 6
+BEGIN_DOWNLOAD = 16
+STATES = ("off", "homing", "ready", "engaging", "cutting", "disengaging", "fault")
+BUSY = -3
+FRAME = struct.Struct("<IB3x8s")
+BLOCK_BYTES = 4096
+# asm-generic/socket.h; Python has no names for them
+SO_RCVBUFFORCE, SO_TIMESTAMPNS = 33, 35
+
+
+class Line:
+    """A line of the simulated GPIO chip, in the order of tools/linux_kernel/machine."""
+
+    NAMES = ("ESTOP", "READY", "INDEX", "ENABLE", "FAULT", "INCUT")
+
+    def __init__(self, name: str) -> None:
+        folder = Path(os.environ["CAMTURN_GPIOSIM"]) / f"sim_gpio{self.NAMES.index(name)}"
+        self._value = os.open(folder / "value", os.O_RDONLY)
+        self._pull = folder / "pull"
+
+    def is_high(self) -> bool:
+        """Read the level."""
+        return os.pread(self._value, 1, 0) == b"1"
+
+    def pull(self, is_high: bool) -> None:
+        """Move an input of the controller."""
+        self._pull.write_text("pull-up" if is_high else "pull-down")
+
+
+class Bus:
+    """A raw CAN socket."""
+
+    def __init__(self, interface: str, *ids: int) -> None:
+        self.socket = socket.socket(socket.AF_CAN, socket.SOCK_RAW, socket.CAN_RAW)
+        filters = b"".join(struct.pack("=II", i, 0x7FF) for i in ids)
+        if ids:
+            self.socket.setsockopt(socket.SOL_CAN_RAW, socket.CAN_RAW_FILTER, filters)
+        # Room for ten thousand frames and more; root may take it.
+        self.socket.setsockopt(socket.SOL_SOCKET, SO_RCVBUFFORCE, 1 << 25)
+        self.socket.setsockopt(socket.SOL_SOCKET, SO_TIMESTAMPNS, 1)
+        self.socket.bind((interface,))
+
+    def send(self, can_id: int, data: bytes) -> None:
+        """Send a classic frame."""
+        self.socket.send(FRAME.pack(can_id, len(data), data.ljust(8, b"\0")))
+
+    def receive(self, timeout_s: float) -> tuple[int, bytes] | None:
+        """Return identifier and data of the next frame, None when there is none in time."""
+        self.socket.settimeout(max(timeout_s, 1e-6))
+        try:
+            can_id, n, data = FRAME.unpack(self.socket.recv(16))
+        except TimeoutError:
+            return None
+        return can_id, data[:n]
+
+    def stamps_ns(self) -> list[int]:
+        """Return when the frames since the last call came, in CLOCK_MONOTONIC [ns]."""
+        stamps = []
+        shift_ns = time.monotonic_ns() - time.time_ns()
+        self.socket.settimeout(0)
+        try:
+            while True:
+                _, extra, _, _ = self.socket.recvmsg(16, 64)
+                seconds, ns = struct.unpack("qq", extra[0][2])
+                stamps.append(seconds * 1_000_000_000 + ns + shift_ns)
+        except BlockingIOError:
+            return stamps
+
+
+class Session:
+    """The processes and what was seen."""
+
+    def __init__(self, setup: dict[str, Any]) -> None:
+        self.setup = setup
+        self.out = Path(setup["out"])
+        self.seen: dict[str, Any] = {"events": []}
+        self.listen()
+        self.children: list[subprocess.Popen[bytes]] = []
+        self.machine: subprocess.Popen[bytes] | None = None
+        self.controller: subprocess.Popen[bytes] | None = None
+
+    def listen(self) -> None:
+        """Open the operator's sockets, anew after the interface was down."""
+        self.operator = Bus("vcan0", ANSWER)
+        self.listener = Bus("vcan0", STATE)
+
+    # Processes
+
+    def spawn(self, name: str, *words: str) -> subprocess.Popen[bytes]:
+        """Start a program; what it says goes to NAME.log."""
+        log = (self.out / f"{name}.log").open("ab")
+        child = subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=log, stderr=log)
+        self.children.append(child)
+        return child
+
+    def start_machine(self, *words: str) -> None:
+        """Start camsim bus; it leaves surface, summary and trace in the folder."""
+        outputs = [f"--{what}={self.out}/{what}" for what in ("surface", "summary", "trace")]
+        self.machine = self.spawn(
+            "machine", self.setup["camsim"], "bus", self.setup["table"], "--can", "vcan0",
+            "--gpiochip", os.environ["CAMTURN_GPIOCHIP"], "--machine", self.setup["machine"],
+            *outputs, *self.setup["machine_words"], *words,
+        )  # fmt: skip
+        time.sleep(0.1)
+
+    def start_controller(self) -> None:
+        """Start the firmware."""
+        config = str(self.out / "camturn.toml")
+        self.controller = self.spawn("controller", self.setup["controller"], "--config", config)
+        time.sleep(0.2)
+
+    def wait_machine(self, limit_s: float = 60.0) -> None:
+        """Wait for the end of camsim bus."""
+        assert self.machine is not None
+        self.seen["machine_status"] = self.machine.wait(limit_s)
+
+    def stop_controller(self, number: signal.Signals = signal.SIGTERM) -> None:
+        """Send the controller a signal and wait for its end."""
+        assert self.controller is not None
+        self.event(f"signal {number.name}")
+        self.controller.send_signal(number)
+        self.seen["controller_status"] = self.controller.wait(10)
+
+    def close(self) -> None:
+        """End what still runs; the machine writes its results."""
+        for child in self.children:
+            if child.poll() is None:
+                child.terminate()
+                child.wait(20)
+
+    # Operator
+
+    def event(self, what: str, faults: int | None = None) -> None:
+        """Remember that something happened now."""
+        self.seen["events"].append({"at_s": time.monotonic(), "what": what, "faults": faults})
+
+    def command(self, what: int, parameter: int = 0, value: int = 0) -> int:
+        """Give a command; return the result of its answer, after waiting out `busy`."""
+        while True:
+            self.operator.send(
+                COMMAND, struct.pack("<BBHI", what, parameter, 0, value & 0xFFFFFFFF)
+            )
+            answer = self.operator.receive(1.0)
+            assert answer is not None, f"no answer to command {what}"
+            result = struct.unpack_from("<h", answer[1], 2)[0]
+            if result != self.setup["busy"]:
+                return int(result)
+            time.sleep(0.002)
+
+    def begin_download(self, image: bytes, n_blocks: int) -> None:
+        """Begin a download and send some blocks, by the kernel's own ISO-TP."""
+        transport = socket.socket(socket.AF_CAN, socket.SOCK_DGRAM, socket.CAN_ISOTP)
+        transport.bind(("vcan0", BLOCK_FLOW, BLOCK))
+        assert self.command(BEGIN_DOWNLOAD, 0, len(image)) == 0
+        for at in range(0, n_blocks * BLOCK_BYTES, BLOCK_BYTES):
+            transport.send(struct.pack("<I", at) + image[at : at + BLOCK_BYTES])
+            answer = self.operator.receive(1.0)
+            assert answer is not None and answer[1][2:4] == b"\0\0", f"block at {at}: {answer}"
+
+    def state(self) -> tuple[str, int]:
+        """Return state and faults as of the next status."""
+        self.listener.socket.settimeout(0)
+        try:
+            while True:
+                self.listener.socket.recv(16)
+        except BlockingIOError:
+            pass
+        frame = self.listener.receive(1.0)
+        assert frame is not None, "the controller tells no state"
+        return STATES[frame[1][0]], int(struct.unpack_from("<I", frame[1], 4)[0])
+
+    def wait_state(self, *wanted: str, limit_s: float = 20.0) -> str:
+        """Wait until the controller says that it is in one of the states."""
+        until_s = time.monotonic() + limit_s
+        while True:
+            state, faults = self.state()
+            if state in wanted:
+                self.event(f"state {state}", faults)
+                return state
+            assert state != "fault", f"fault {faults:#x} instead of {wanted}"
+            assert time.monotonic() < until_s, f"state {state} instead of {wanted}"
+
+    def set_parameters(self) -> None:
+        """Give the controller the parameters that fit the machine."""
+        for index, value in enumerate(self.setup["parameters"]):
+            result = self.command(SET, index, value)
+            assert result == 0, f"parameter {index} = {value}: refused: {result}"
+
+    def bring_to(self, state: str, *machine_words: str) -> None:
+        """Start everything and go on until the controller is in a state."""
+        self.start_machine(*machine_words)
+        self.start_controller()
+        self.set_parameters()
+        for command, wanted in ((ENABLE, "ready"), (START, "cutting")):
+            result = self.command(command)
+            assert result == 0, f"command {command}: refused: {result}"
+            self.wait_state(wanted)
+            if wanted == state:
+                return
+
+
+@contextmanager
+def session(setup: dict[str, Any]) -> Iterator[Session]:
+    """Run a session; whatever happens, result.json is written and nothing is left running."""
+    s = Session(setup)
+    try:
+        yield s
+    except (AssertionError, OSError, subprocess.SubprocessError) as err:
+        s.seen["error"] = f"{type(err).__name__}: {err}"
+    finally:
+        s.close()
+        (s.out / "result.json").write_text(json.dumps(s.seen, indent=1) + "\n")
+
+
+def main(scenarios: Mapping[str, Callable[[Session], None]]) -> int:
+    """Play the scenario named on the command line; return the exit status."""
+    setup = json.loads(Path(sys.argv[2]).read_text())
+    with session(setup) as s:
+        scenarios[sys.argv[1]](s)
+    return 1 if "error" in s.seen else 0

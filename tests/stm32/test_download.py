@@ -1,0 +1,164 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A table comes over the bus into the other place in flash, and the supply falls on the way."""
+
+from __future__ import annotations
+
+import struct
+import zlib
+
+import pytest
+
+from camtools.flash import FIRST_PLACE
+from fdcan import Frame
+from flash_pwr import SECTOR_BYTES
+from host import make_table
+from remote import BEGIN, COMMAND, ENABLE, SELECT, TO_CONTROLLER
+from session import Session
+
+OTHER, LOG, TABLE = 0x08020000, 0x080E0000, 0x08100000
+RECORD_BYTES = 32
+
+
+@pytest.fixture(scope="module")
+def table(tmp_path_factory: pytest.TempPathFactory) -> bytes:
+    """Return a good table."""
+    return make_table(tmp_path_factory.mktemp("table") / "short.camtab")
+
+
+def named(table: bytes, name: str) -> bytes:
+    """Return the table with another name and a checksum that fits: TABLE_FORMAT.md."""
+    body = bytearray(table)
+    body[32:64] = name.encode().ljust(32, b"\0")
+    struct.pack_into("<I", body, 20, zlib.crc32(body[24:]))
+    return bytes(body)
+
+
+def told(session: Session) -> str:
+    """Return the name of the table that the newest line says is in use."""
+    lines = [line for line in session.remote.lines() if line.startswith("table: ")]
+    return lines[-1].removeprefix("table: ").removesuffix(" in use")
+
+
+def started(table: bytes) -> Session:
+    """Return a session behind its power-on."""
+    session = Session(table)
+    session.board.power_on()
+    session.remote.started()
+    return session
+
+
+def restart(session: Session) -> None:
+    """Switch the supply off and on."""
+    session.board.power_on()
+    session.remote.started()
+
+
+def test_downloads_take_turns_and_are_kept(table: bytes) -> None:
+    """The new table is in use after select, and after a restart; the next one goes to place 0."""
+    session = started(table)
+    remote, chip = session.remote, session.chip
+    old = chip.read_memory(TABLE, len(table))
+    second, third = named(table, "second"), named(table, "third")
+    remote.download(second)
+    assert told(session) == "short skirt"
+    assert chip.read_memory(OTHER, len(second)) == second
+    assert chip.read_memory(LOG, RECORD_BYTES) == b"\xff" * RECORD_BYTES
+    remote.do(SELECT)
+    assert remote.table_name() == "second"
+    assert chip.read_memory(TABLE, len(table)) == old
+    restart(session)
+    assert told(session) == "second"
+    remote.download(third)
+    assert chip.read_memory(TABLE, len(third)) == third
+    remote.do(SELECT)
+    restart(session)
+    assert told(session) == "third"
+    remote.do(ENABLE)
+    remote.wait_for("homing", 0.1)
+
+
+def give_until_dark(session: Session, table: bytes) -> None:
+    """Download and select until the supply falls."""
+    remote, chip = session.remote, session.chip
+    n = len(chip.resets)
+    try:
+        remote.download(table)
+        remote.do(SELECT)
+    except AssertionError:
+        assert len(chip.resets) > n, "the download failed, but not for want of power"
+
+
+@pytest.mark.parametrize("operation", [1, 2, 3, 100, "last", "commit"])
+def test_power_lost_on_the_way_leaves_the_old_table(table: bytes, operation: int | str) -> None:
+    """In the erase, in programming, in the record itself: old table, and the next one works."""
+    n_words = (len(table) + 31) // 32
+    left = {"last": 1 + n_words, "commit": 2 + n_words}.get(str(operation))
+    session = started(table)
+    chip = session.chip
+    chip.flash.left = left if left is not None else int(operation)
+    give_until_dark(session, named(table, "second"))
+    assert chip.resets.count("power_on") == 2
+    session.remote.started()
+    assert told(session) == "short skirt"
+    session.remote.download(named(table, "third"))
+    session.remote.do(SELECT)
+    restart(session)
+    assert told(session) == "third"
+
+
+def test_log_is_emptied_while_it_says_nothing(table: bytes) -> None:
+    """A log that is half full is erased when place 0 is in use, and goes on from its start."""
+    session = started(table)
+    chip, remote = session.chip, session.remote
+    magic = 0x4C424154
+    records = b""
+    for i in range(514):
+        words = (magic, 1 - i % 2, i)
+        records += struct.pack("<8I", *words, *(~word & 0xFFFFFFFF for word in words), 0, 0)
+    chip.write_flash(LOG, records)
+    restart(session)
+    assert told(session) == "short skirt"
+    remote.download(named(table, "second"))
+    assert chip.read_memory(LOG, SECTOR_BYTES) == b"\xff" * SECTOR_BYTES
+    remote.do(SELECT)
+    restart(session)
+    assert told(session) == "second"
+
+
+def test_programmer_takes_the_place_back(table: bytes) -> None:
+    """After downloads, what tools/flash writes is in use: the table, and its record in the log."""
+    session = started(table)
+    session.remote.download(named(table, "second"))
+    session.remote.do(SELECT)
+    session.board.write_table(named(table, "flashed"))
+    session.chip.write_flash(LOG, b"\xff" * SECTOR_BYTES)
+    session.chip.write_flash(LOG, FIRST_PLACE.read_bytes())
+    restart(session)
+    assert told(session) == "flashed"
+    session.remote.download(named(table, "third"))
+    session.remote.do(SELECT)
+    restart(session)
+    assert told(session) == "third"
+
+
+def test_tick_goes_on_while_flash_is_busy(table: bytes) -> None:
+    """No tick is lost or late in a download; commands are answered behind the erase."""
+    session = started(table)
+    chip, board = session.chip, session.board
+    n, at = len(board.ticks), chip.clock.now
+    session.remote.do(BEGIN, value=3 * SECTOR_BYTES)
+    session.remote.block(0, table[:4096])
+    passed = (chip.clock.now - at) * 20_000 // chip.rcc.core_hz()
+    assert passed > 3 * 40
+    assert abs(len(board.ticks) - n - passed) <= 1
+    assert session.remote.status().faults == ()
+
+
+def test_frames_of_a_block_are_no_commands(table: bytes) -> None:
+    """A lost first frame leaves the rest without effect."""
+    session = started(table)
+    for data in (b"\x21" + bytes(7), bytes(8), b"\x30\0\0"):
+        assert session.board.send(Frame(TO_CONTROLLER, data))
+        session.chip.run(session.chip.seconds(1e-3))
+    assert COMMAND != TO_CONTROLLER
+    assert session.remote.command(ENABLE)[0] == 0

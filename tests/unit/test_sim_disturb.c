@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sim_disturb.h"
+#include "unity.h"
+#include <string.h> // memcpy
+
+enum { id_encoder = 0x181, id_other = 0x182 };
+
+static sim_disturb_t disturb;
+static char sent[64]; // letters of the encoder's frames in the order of sending
+static uint32_t n_sent;
+
+void setUp(void)
+{
+    disturb = (sim_disturb_t){0};
+    memset(sent, 0, sizeof sent);
+    n_sent = 0;
+}
+
+void tearDown(void) {}
+
+/// One period: the encoder says a letter, another node speaks too.
+static void say(char letter, double t_s)
+{
+    sim_frames_t queue = {.n = 0};
+    sim_frame_put(sim_frames_add(&queue, id_encoder), (uint32_t)letter, 1);
+    sim_frame_put(sim_frames_add(&queue, id_other), '-', 1);
+    sim_disturb_pass(&disturb, &queue, id_encoder, t_s);
+    uint32_t n_other = 0;
+    for (uint32_t i = 0; i < queue.n; i++) {
+        if (queue.frame[i].id == id_encoder) {
+            sent[n_sent++] = (char)queue.frame[i].data[0];
+        } else {
+            n_other++;
+        }
+    }
+    TEST_ASSERT_EQUAL_UINT32(1, n_other);
+}
+
+static void say_with(sim_disturb_kind_t kind, uint32_t n)
+{
+    for (char c = 'a'; c <= 'h'; c++) {
+        if (c == 'c') {
+            sim_disturb_begin(&disturb, kind, n, 0.0);
+        }
+        say(c, (c - 'a') * 1e-3);
+    }
+}
+
+static void test_nothing_is_changed_without_a_disturbance(void)
+{
+    say_with(sim_disturb_none, 0);
+    TEST_ASSERT_EQUAL_STRING("abcdefgh", sent);
+}
+
+static void test_missing_frames_are_not_sent(void)
+{
+    say_with(sim_disturb_missing, 2);
+    TEST_ASSERT_EQUAL_STRING("abefgh", sent);
+}
+
+static void test_repeated_frames_are_the_last_good_one(void)
+{
+    say_with(sim_disturb_repeated, 2);
+    TEST_ASSERT_EQUAL_STRING("abbbefgh", sent);
+}
+
+static void test_swapped_frames_change_places_in_pairs(void)
+{
+    say_with(sim_disturb_swapped, 2);
+    TEST_ASSERT_EQUAL_STRING("abdcfegh", sent);
+}
+
+static void test_late_frame_comes_at_its_time(void)
+{
+    sim_frame_t late;
+    double at_s;
+    say('a', 0.0);
+    sim_disturb_begin(&disturb, sim_disturb_late, 1, 1.7e-3);
+    say('b', 1e-3);
+    TEST_ASSERT_FALSE(sim_disturb_due(&disturb, 2e-3, &late, &at_s));
+    say('c', 2e-3);
+    TEST_ASSERT_TRUE(sim_disturb_due(&disturb, 3e-3, &late, &at_s));
+    TEST_ASSERT_EQUAL_DOUBLE(2.7e-3, at_s);
+    TEST_ASSERT_EQUAL_UINT8('b', late.data[0]);
+    TEST_ASSERT_FALSE(sim_disturb_due(&disturb, 4e-3, &late, &at_s));
+    TEST_ASSERT_EQUAL_STRING("ac", sent);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_nothing_is_changed_without_a_disturbance);
+    RUN_TEST(test_missing_frames_are_not_sent);
+    RUN_TEST(test_repeated_frames_are_the_last_good_one);
+    RUN_TEST(test_swapped_frames_change_places_in_pairs);
+    RUN_TEST(test_late_frame_comes_at_its_time);
+    return UNITY_END();
+}
