@@ -14,6 +14,9 @@
 /// Of two lags of 2048 ticks and a plan: products with the acceleration fit 62 bits.
 enum { max_lag2 = 1 << 21 };
 
+/// [2^-32 slices] from the last slice: U's height stays between two slices, rounded ways and all.
+enum { height_end = 64 };
+
 /// Ticks from the place of the speed ratio to the middle of those that use the speed, twice: it is
 /// planned twice in a round.
 enum {
@@ -95,6 +98,11 @@ static void build_observer(cam_spindle_config_t *c, const cam_params_t *p, uint3
 /// As late as a parameter can bear, as a tick after a pause is not.
 enum { most_periods = 10 };
 
+/// A timer's interrupt of this rate has no reason to be off its time again and again: its tasks can
+/// wait, and too many of such ticks in a row are a fault. Below it ticks are those of an operating
+/// system.
+enum { timer_hz = 5000, most_off_time = 8 };
+
 /// On time is within a sixteenth of the period, or within one unit of a coarse clock.
 static void build_clock(cam_spindle_config_t *c, int32_t late_percent, uint32_t tick_hz,
                         uint32_t clock_hz)
@@ -106,6 +114,8 @@ static void build_clock(cam_spindle_config_t *c, int32_t late_percent, uint32_t 
     c->late_clocks = (uint32_t)scale(clock_hz, 100 + late_percent, (int64_t)tick_hz * 100);
     c->early_clocks = c->tick_clocks - off;
     c->on_time_clocks = 2u * off + 1u;
+    c->most_off_time = tick_hz >= (uint32_t)timer_hz ? (uint32_t)most_off_time : UINT32_MAX;
+    c->off_time_told = tick_hz >= (uint32_t)timer_hz ? CAM_ANGLE_BUSY : 0u;
 }
 
 static void build_spindle(cam_spindle_config_t *c, const cam_params_t *p, const cam_table_t *table,
@@ -306,6 +316,7 @@ cam_err_t cam_config_build(cam_config_t *config, const cam_params_t *params,
         // From a speed that no change in the work moves: the scale is state of the plan, too.
         const int32_t limit_q32 =
             cam_config_speed_q32((uint32_t)params->spindle_limit_mrpm, tick_hz);
+        config->play.height_max_q32 = ((int64_t)table->u.n_slices - 1) * CAM_TURN_Q32 - height_end;
         build_u_scale(&config->play.u, &table->u, cam_sat_i32(INT64_C(5) * limit_q32 / 4));
     }
     build_limits(config, params, tick_hz);

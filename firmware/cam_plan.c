@@ -8,6 +8,9 @@
 /// Half a nanometre: what is read in whole ones is then rounded.
 #define HALF_NM_Q10 512
 
+/// Ticks by which a round may be prolonged, and more than ever come together.
+enum { most_put_off = 256 };
+
 /// [1] in the unit of envelopes.
 #define ONE_Q30 (INT32_C(1) << 30)
 
@@ -178,16 +181,27 @@ CAM_STAGE static uint32_t find_height(cam_play_t *p, const cam_play_config_t *cf
     return 0;
 }
 
-/// Eight slices per round are the most: nothing that feeds is as fast.
-CAM_STAGE static uint32_t aim_height(cam_play_t *p, const cam_play_config_t *cfg)
+CAM_STAGE static uint32_t hold_height(cam_play_t *p, const cam_play_config_t *cfg)
 {
     const cam_height_t at = p->plan.u_height;
+    const int64_t found_q32 = (int64_t)((uint64_t)at.i << 32 | (uint32_t)at.w_q31 << 1);
     const int64_t put_off_q32 = (int64_t)p->height_way_q32 * p->n_put_off;
-    const int64_t target_q32 =
-        (int64_t)((uint64_t)at.i << 32 | (uint32_t)at.w_q31 << 1) + put_off_q32;
+    p->plan.u_height_q32 = cam_clamp_i64(found_q32 + put_off_q32, 0, cfg->height_max_q32);
+    return 0;
+}
+
+/// Eight slices per round are the most: nothing that feeds is as fast. The way is rounded towards
+/// 0, so that what is gone at once is gone towards the target: U never leaves the table.
+CAM_STAGE static uint32_t aim_height(cam_play_t *p, const cam_play_config_t *cfg)
+{
+    const int64_t target_q32 = p->plan.u_height_q32;
     const int32_t left_q28 = cam_sat_i32((target_q32 - p->height_q32) >> 4);
-    p->height_way_q32 = share(cfg, left_q28) * 16;
-    p->height_q32 = target_q32 - (int64_t)p->height_way_q32 * cfg->round_ticks;
+    const int32_t floor_q28 = (int32_t)(((int64_t)left_q28 * cfg->per_round_q32) >> 32);
+    const int32_t way_q32 = (floor_q28 + (left_q28 < 0 ? 1 : 0)) * 16;
+    const int64_t longest_q32 = target_q32 + (int64_t)way_q32 * most_put_off;
+    p->is_height_free = longest_q32 >= 0 && longest_q32 <= cfg->height_max_q32;
+    p->height_way_q32 = way_q32;
+    p->height_q32 = target_q32 - (int64_t)way_q32 * cfg->round_ticks;
     return 0;
 }
 
@@ -363,6 +377,8 @@ uint32_t cam_plan_task_isr(cam_play_t *p, const cam_play_config_t *cfg, const ca
         return aim_z(p, cfg);
     case cam_plan_task_find_height:
         return find_height(p, cfg);
+    case cam_plan_task_hold_height:
+        return hold_height(p, cfg);
     case cam_plan_task_aim_height:
         return aim_height(p, cfg);
     case cam_plan_task_aim_u:

@@ -5,6 +5,9 @@
 #include "cam/cam_fix.h"   // cam_mulhi
 #include "cam/cam_plan.h"  // cam_plan_task_isr
 
+/// Ticks without a task that a round may have on top.
+enum { put_off_ticks = 8 };
+
 /// Disengage position while nobody asked for one.
 #define NEVER_Q32 (INT64_MAX / 2)
 
@@ -13,7 +16,7 @@ static int64_t furthest_q32(const cam_play_config_t *cfg, const cam_angle_t *ang
 {
     const int32_t most_q16 =
         cfg->u_plan_q16 > cfg->xz_plan_q16 ? cfg->u_plan_q16 : cfg->xz_plan_q16;
-    return cam_angle_ahead(angle, most_q16 + cam_plan_tasks * 65536);
+    return cam_angle_ahead(angle, most_q16 + (cfg->round_ticks + put_off_ticks) * 65536);
 }
 
 /// U with its velocity and acceleration: derivatives per knot times knots per tick. The slow change
@@ -49,7 +52,7 @@ static void advance(cam_move_t *m)
 }
 
 /// What moves linearly within a round goes on.
-static void go_on(cam_play_t *p, cam_want_t *want)
+static void move_on(cam_play_t *p, cam_want_t *want)
 {
     advance(&p->axis[hal_axis_x]);
     advance(&p->axis[hal_axis_z]);
@@ -73,7 +76,10 @@ CAM_STAGE static void play_on(cam_play_t *p, const cam_play_config_t *cfg, const
                               cam_want_t *want)
 {
     p->n_put_off++;
-    go_on(p, want);
+    if (!p->is_height_free) {
+        p->height_q32 -= p->height_way_q32; // near an end of the table it waits
+    }
+    move_on(p, want);
     if (angle->faults == CAM_ANGLE_BUSY) {
         want->u_set_q6 = u_of_angle(p, cfg, angle);
     } else {
@@ -92,7 +98,7 @@ static uint32_t play_table(cam_play_t *p, const cam_play_config_t *cfg, const ca
         return 0;
     }
     const uint32_t faults = cam_plan_task_isr(p, cfg, in, angle);
-    go_on(p, want);
+    move_on(p, want);
     want->u_set_q6 = u_of_angle(p, cfg, angle);
     return faults;
 }
@@ -126,6 +132,7 @@ static void lay(cam_play_t *p, const cam_play_config_t *cfg, const cam_angle_t *
     p->behind_way_q4 = 0;
     p->height_q32 = 0; // U is at 0 until the first round has said where it is
     p->height_way_q32 = 0;
+    p->is_height_free = false;
     p->task = 0;
     p->is_playing = true;
 }

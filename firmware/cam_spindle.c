@@ -152,26 +152,33 @@ static void watch_index(cam_spindle_t *s, const cam_spindle_config_t *cfg, const
     }
 }
 
-CAM_STAGE static uint32_t count_late(cam_spindle_t *s)
+/// @return the period that counts
+CAM_STAGE static uint32_t count_late(cam_spindle_t *s, const cam_spindle_config_t *cfg,
+                                     uint32_t period, cam_angle_t *angle)
 {
     s->n_late++;
-    return CAM_FAULT_BIT(late_tick);
+    angle->faults = CAM_FAULT_BIT(late_tick);
+    return period < cfg->most_clocks ? period : cfg->most_clocks;
 }
 
-/// A tick that came off its time: what it is blamed for, and its way at its time stamp, half a turn
-/// at most.
+/// A tick that came off its time: what it is blamed for, and its way at its time stamp. A way
+/// beyond half a turn wraps: its counts are a jump anyway.
 CAM_STAGE static int32_t take_off_time(cam_spindle_t *s, const cam_spindle_config_t *cfg,
                                        uint32_t period, int32_t way_q32, cam_angle_t *angle)
 {
-    const uint32_t limited = period < cfg->most_clocks ? period : cfg->most_clocks;
-    const int32_t off_q27 = (int32_t)(limited * cfg->ticks_per_clock_q27 - (1u << 27));
-    angle->faults = period > cfg->late_clocks ? count_late(s)
-                    : angle->is_off_time      ? 0u // the last one, too
-                                              : CAM_ANGLE_BUSY;
-    angle->is_off_time = true;
-    s->is_off_time = true;
-    s->max_period = period > s->max_period ? period : s->max_period;
-    return cam_sat_i32((int64_t)way_q32 + INT64_C(32) * cam_mulhi(way_q32, off_q27));
+    const uint32_t n = angle->n_off_time + 1u;
+    uint32_t counted = period;
+    angle->n_off_time = n;
+    s->n_off_time = n;
+    if (period > s->max_period) {
+        s->max_period = period;
+    }
+    angle->faults = cfg->off_time_told;
+    if (period > cfg->late_clocks || n > cfg->most_off_time) {
+        counted = count_late(s, cfg, period, angle);
+    }
+    const int32_t off_q27 = (int32_t)(counted * cfg->ticks_per_clock_q27 - (UINT32_C(1) << 27));
+    return cam_wrap_add(way_q32, (int32_t)((uint32_t)cam_mulhi(way_q32, off_q27) << 5));
 }
 
 /// Counts of this tick, limited to a quarter turn. @return encoder_jump when they are not what the
@@ -215,15 +222,15 @@ static void track(cam_spindle_t *s, const cam_spindle_config_t *cfg, int32_t way
 
 /// The time stamp counts only when the tick came visibly off its time: a coarse clock must not
 /// shake the angle of a steady tick.
-static void follow(cam_spindle_t *s, const cam_spindle_config_t *cfg, const cam_sense_t *in,
-                   int32_t alpha_q40, cam_angle_t *angle)
+static void step(cam_spindle_t *s, const cam_spindle_config_t *cfg, const cam_sense_t *in,
+                 int32_t alpha_q40, cam_angle_t *angle)
 {
     const uint32_t period = in->clock - s->clock;
     int32_t way_q32 = cam_wrap_add((int32_t)(s->speed_q64 >> 32), alpha_q40 >> 9);
     uint32_t faults = 0;
-    angle->is_off_time = s->is_off_time;
+    angle->n_off_time = s->n_off_time;
     angle->is_synced = s->is_synced;
-    s->is_off_time = false;
+    s->n_off_time = 0;
     s->clock = in->clock;
     if (period - cfg->early_clocks >= cfg->on_time_clocks) {
         way_q32 = take_off_time(s, cfg, period, way_q32, angle);
@@ -241,7 +248,7 @@ void cam_spindle_step_isr(cam_spindle_t *s, const cam_spindle_config_t *cfg, con
                           int32_t alpha_q40, cam_angle_t *angle)
 {
     if (s->is_started) {
-        follow(s, cfg, in, alpha_q40, angle);
+        step(s, cfg, in, alpha_q40, angle);
     } else {
         start(s, cfg, in);
         *angle = (cam_angle_t){.pos_q32 = s->pos_q32};

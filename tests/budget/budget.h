@@ -8,9 +8,8 @@
 
 /// Both cores: the compiler makes nearly the same of the firmware for either.
 enum {
-    budget_tick = 600,  ///< every state but that below
-    budget_again = 640, ///< the second of two ticks in a row that come off their time
-    budget_idle = 600,  ///< off, homing
+    budget_tick = 600, ///< every state, every fault
+    budget_idle = 600, ///< off, homing
 };
 
 /// Largest spread of a tick in the state cutting, per cent of the largest.

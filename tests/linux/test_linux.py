@@ -27,7 +27,7 @@ SYNC, RPDO1 = 0x080, 0x200
 COLUMNS, ROWS = 720, 256  # cells of camsim's map
 # Form error of either way away from the ends; thus their surfaces differ by less than twice that.
 BODY_NM, RMS_UM = 150, 0.05
-# X leaves the part at its end; rounds of 22 ticks fall otherwise (firmware/README.md, "Two paces").
+# X leaves the part at its end; rounds of 21 ticks fall otherwise (firmware/README.md, "Two paces").
 END_MM, END_NM = 0.5, 3000
 SAME_CELL_NM = 200
 FOLLOWING, FAULT, DISABLED = 0x27, 0x08, 0x40
@@ -227,7 +227,8 @@ def test_killed_controller_is_outlived_by_the_guard_of_the_drives(play: Play) ->
 
 def test_drive_of_another_make_cuts_the_same_part(play: Play) -> None:
     """The U drive is made with the library canopen, which knows nothing of our code."""
-    ideal = {"k1_ns": 0, "k2_us2": 0, "lead_ns": 0}
+    # Its dead time of a tick is not told, so that U off the work, at 100 mm/s, is 0.1 mm behind.
+    ideal = {"k1_ns": 0, "k2_us2": 0, "lead_ns": 0, "following_limit_nm": 300_000}
     result = play("canopen_drive", feed_mm=10, parameters=ideal)
     assert result.summary["end"] == "done" and result.summary["faults"] == []
     print(f"canopen drive: form error {result.summary['form_error_um']}")

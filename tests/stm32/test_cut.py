@@ -57,8 +57,8 @@ def test_cut_is_whole(cut: Session) -> None:
     in_cut = [record for record, seen in ticks_of(cut) if seen.in_cut]
     assert {seen.words[3] for _, seen in ticks_of(cut) if seen.in_cut} == {0x4000}  # 2500 of 5000
     assert min(record["out_z_nm"] for record in in_cut) < 2000
-    # Rounded down on its way, by a nanometre or not, as the ways happen to lie.
-    assert max(record["out_z_nm"] for record in in_cut) in (999_999, 1_000_000)
+    # Rounded down on its way; a task that was put off lets the last way of Z last a tick longer.
+    assert 999_999 <= max(record["out_z_nm"] for record in in_cut) <= 1_000_010
 
 
 def test_senses_are_those_of_the_machine(cut: Session) -> None:

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 /// cam_plan: what changes slowly in a cut, planned ahead by one task per tick.
 ///
-/// A round of 22 ticks: heights and envelopes, then the ways of all axes to the planned
-/// instant, then the speed of the spindle, the state, and the place of Z. The instant is the end of
-/// those ways, so between two rounds envelope, X and Z move linearly and arrive exactly. In between
-/// they are off the true course by at most its second derivative times (22 ticks)^2 / 8.
-/// Context: ISR.
+/// A round of 21 ticks, 43 where the spindle is modulated: heights and envelopes, then the ways of
+/// all axes to the planned instant, then the speed of the spindle, the state, and the place of Z.
+/// The instant is the end of those ways, so between two rounds envelope, X and Z move linearly and
+/// arrive exactly. In between they are off the true course by at most its second derivative times
+/// (round)^2 / 8. Context: ISR.
 #ifndef CAM_PLAN_H
 #define CAM_PLAN_H
 

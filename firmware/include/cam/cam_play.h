@@ -8,7 +8,7 @@
 ///     spindle = mean speed, or mean * (1 + envelope * (ratio(angle, Z) - 1)) where the table
 ///               modulates it (cam_speed.h)
 /// U is read in every tick, at the angle that the spindle will have when the drive's dead time has
-/// passed. What changes slowly, all the rest, is planned in rounds of 22 ticks (cam_plan.h), X
+/// passed. What changes slowly, all the rest, is planned in rounds of 21 ticks (cam_plan.h), X
 /// and Z ahead by the lag of their drives. The envelope rises and falls by the quintic smooth step,
 /// so depth and amplitude start and end without a jump in speed. In all other states the axes move
 /// to places within their limits (cam_move.h). Context: ISR unless noted.
@@ -57,8 +57,9 @@ enum {
     cam_plan_task_aim_x, ///< way of X
     cam_plan_task_aim_z, ///< way of Z
     cam_plan_task_find_height,
-    cam_plan_task_aim_height, ///< way of U's height on the table
-    cam_plan_task_aim_u,      ///< way of U's amplitude
+    cam_plan_task_hold_height, ///< on the table
+    cam_plan_task_aim_height,  ///< way of U's height on the table
+    cam_plan_task_aim_u,       ///< way of U's amplitude
     cam_plan_task_state,
     cam_plan_task_z,
     cam_plan_task_ramp,
@@ -72,7 +73,7 @@ enum {
     cam_plan_ticks_modulated = cam_plan_tasks,
     cam_plan_ticks_uniform = cam_plan_tasks - 2 * cam_plan_ratio_tasks,
 };
-_Static_assert(cam_plan_ticks_uniform == 20 && cam_plan_ticks_modulated == 42,
+_Static_assert(cam_plan_ticks_uniform == 21 && cam_plan_ticks_modulated == 43,
                "as the documents say");
 
 /// How far into the work at a planned position.
@@ -93,8 +94,9 @@ typedef struct {
     int32_t measured_nm, going_on_nm; ///< [nm] Z of the last round, and then if it goes on so
     cam_spot_t x_spot;
     cam_height_t u_height;
-    int32_t x_value; ///< [LSB] X on the table
-    int64_t x_q10;   ///< [nm / 1024] X
+    int64_t u_height_q32; ///< [slices] the same with the ticks that were put off
+    int32_t x_value;      ///< [LSB] X on the table
+    int64_t x_q10;        ///< [nm / 1024] X
     cam_height_t ratio_height;
     uint32_t ratio_angle_q32; ///< [turn / 2^32] where the speed ratio is read
     cam_place_t ratio_place;
@@ -130,6 +132,7 @@ typedef struct {
     int32_t u_plan_q16, xz_plan_q16;    ///< [ticks] ... and those to the end of a plan
     int32_t ratio_q16;                  ///< [ticks] the speed ratio is read this much ahead
     int32_t u_behind_q16;               ///< [ticks] U is read this much behind X and Z
+    int64_t height_max_q32;             ///< [slices] end of the table for U
     int32_t u_height_q16;               ///< [ticks] from the planned height to that of U's plan
     int32_t xz_lag2; ///< [ticks^2] what the acceleration of the spindle adds to X and Z until then
     int32_t phase_q32, phase_step_q32;          ///< [turn / 2^32], per tick
@@ -168,6 +171,7 @@ typedef struct {
     cam_plan_t plan;
     int64_t height_q32;                   ///< [slices] U's height on the table
     int32_t height_way_q32;               ///< per tick
+    bool is_height_free;                  ///< its way may last longer and stays on the table
     int32_t behind_q4, behind_way_q4;     ///< [nm / 16] U is played this much behind Z, per tick
     int32_t phase_q32, phase_way_q32;     ///< [turn / 2^32], per tick
     int32_t amplitude_q30;                ///< ramped

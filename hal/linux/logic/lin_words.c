@@ -27,7 +27,10 @@ static const char *role(uint32_t node, const lin_config_t *config)
 
 static void put_code(uint16_t code, char *text, size_t size)
 {
-    (void)snprintf(text, size, code != 0u ? ": error code %04Xh" : "", code);
+    text[0] = '\0';
+    if (code != 0u) {
+        (void)snprintf(text, size, ": error code %04Xh", code);
+    }
 }
 
 void lin_words_bus(lin_cause_t cause, const lin_config_t *config, char *line, size_t size)
