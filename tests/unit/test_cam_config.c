@@ -3,6 +3,7 @@
 #include "cam/cam_config.h"
 #include "unity.h"
 #include <math.h>
+#include <string.h> // memset
 
 static cam_params_t params;
 static cam_config_t config;
@@ -21,7 +22,7 @@ void setUp(void)
         .spindle_mrpm = 2500000,
         .feed_nm = 100000,
     };
-    bank = (cam_config_bank_t){0};
+    memset(&bank, 0, sizeof bank);
 }
 
 void tearDown(void) {}
