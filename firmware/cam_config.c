@@ -99,9 +99,8 @@ static void build_observer(cam_spindle_config_t *c, const cam_params_t *p, uint3
 enum { most_periods = 10 };
 
 /// A timer's interrupt of this rate has no reason to be off its time again and again: its tasks can
-/// wait, and too many of such ticks in a row are a fault. Below it ticks are those of an operating
-/// system.
-enum { timer_hz = 5000, most_off_time = 8 };
+/// wait. Below it ticks are those of an operating system, whose tasks cannot.
+enum { timer_hz = 5000 };
 
 /// On time is within a sixteenth of the period, or within one unit of a coarse clock.
 static void build_clock(cam_spindle_config_t *c, int32_t late_percent, uint32_t tick_hz,
@@ -114,7 +113,6 @@ static void build_clock(cam_spindle_config_t *c, int32_t late_percent, uint32_t 
     c->late_clocks = (uint32_t)scale(clock_hz, 100 + late_percent, (int64_t)tick_hz * 100);
     c->early_clocks = c->tick_clocks - off;
     c->on_time_clocks = 2u * off + 1u;
-    c->most_off_time = tick_hz >= (uint32_t)timer_hz ? (uint32_t)most_off_time : UINT32_MAX;
     c->off_time_told = tick_hz >= (uint32_t)timer_hz ? CAM_ANGLE_BUSY : 0u;
 }
 
@@ -211,6 +209,7 @@ static void build_rounds(cam_play_config_t *c, bool is_modulated)
     c->after_ramp = is_modulated ? cam_plan_task_again : cam_plan_task_positions;
     c->round_ticks = is_modulated ? cam_plan_ticks_modulated : cam_plan_ticks_uniform;
     c->per_round_q32 = (int32_t)((INT64_C(1) << 32) / c->round_ticks);
+    c->most_put_off = c->round_ticks + cam_plan_put_off;
     const int32_t xz_ticks = c->round_ticks + cam_plan_task_aim_z - skipped - 1;
     const int32_t u_ticks = c->round_ticks + cam_plan_task_aim_u - skipped - 1;
     c->xz_plan_q16 = c->xz_lag_q16 + xz_ticks * 65536;

@@ -93,7 +93,7 @@ static uint32_t blame(cam_guard_t *g, const cam_guard_config_t *cfg, const cam_s
     }
     const int32_t change_q6 = cam_wrap_sub(step_q6, g->u_step_q6);
     if (!cam_is_within(change_q6, cfg->u_acc_q6)) {
-        const int32_t most_q6 = angle->n_off_time != 0u ? cfg->u_acc_off_q6 : cfg->u_acc_q6;
+        const int32_t most_q6 = angle->is_off_time ? cfg->u_acc_off_q6 : cfg->u_acc_q6;
         if (!cam_is_within(change_q6, most_q6)) {
             faults |= CAM_FAULT_BIT(setpoint_acceleration);
         }

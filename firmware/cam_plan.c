@@ -8,11 +8,18 @@
 /// Half a nanometre: what is read in whole ones is then rounded.
 #define HALF_NM_Q10 512
 
-/// Ticks by which a round may be prolonged, and more than ever come together.
-enum { most_put_off = 256 };
+/// Ticks by which a way may last longer: two rounds of the most that may be put off are fewer.
+enum { most_longer = 256 };
+_Static_assert(most_longer > 2 * (cam_plan_ticks_modulated + cam_plan_put_off), "two rounds");
 
 /// [1] in the unit of envelopes.
 #define ONE_Q30 (INT32_C(1) << 30)
+
+/// @return [ticks] of this round that had no task
+static int32_t put_off(const cam_play_t *p, const cam_play_config_t *cfg)
+{
+    return cfg->most_put_off - p->put_off_left;
+}
 
 /// @return the share of one tick in the way of a round
 static int32_t share(const cam_play_config_t *cfg, int32_t way)
@@ -61,7 +68,7 @@ CAM_STAGE static uint32_t plan_positions(cam_play_t *p, const cam_play_config_t 
     p->plan.u.pos_q32 = cam_angle_ahead(angle, cfg->u_plan_q16);
     p->plan.going_on_nm = cam_wrap_add(z_nm, cam_wrap_sub(z_nm, p->plan.measured_nm));
     p->plan.measured_nm = z_nm;
-    p->n_put_off = 0;
+    p->put_off_left = cfg->most_put_off;
     return 0;
 }
 
@@ -149,9 +156,9 @@ CAM_STAGE static uint32_t plan_x(cam_play_t *p, const cam_play_config_t *cfg)
 /// Equal ways to a target; what does not divide is gone at once. The end of the way has been put
 /// off by as many ticks as the round. Two millimetres per round are the most: a Z that others move
 /// faster is followed later.
-static void aim(cam_move_t *m, const cam_play_config_t *cfg, int32_t put_off, int64_t target_q10)
+static void aim(cam_move_t *m, const cam_play_config_t *cfg, int32_t n_put_off, int64_t target_q10)
 {
-    const int64_t put_off_q10 = (int64_t)m->vel_q10 * put_off;
+    const int64_t put_off_q10 = (int64_t)m->vel_q10 * n_put_off;
     const int32_t left_q10 = cam_sat_i32(target_q10 + put_off_q10 - m->pos_q10);
     m->vel_q10 = share(cfg, left_q10);
     m->acc_q10 = 0;
@@ -162,13 +169,13 @@ static void aim(cam_move_t *m, const cam_play_config_t *cfg, int32_t put_off, in
 CAM_STAGE static uint32_t aim_x(cam_play_t *p, const cam_play_config_t *cfg)
 {
     cam_move_t *x = &p->axis[hal_axis_x];
-    aim(x, cfg, p->n_put_off - 1, p->plan.x_q10);
+    aim(x, cfg, put_off(p, cfg) - 1, p->plan.x_q10);
     return 0;
 }
 
 CAM_STAGE static uint32_t aim_z(cam_play_t *p, const cam_play_config_t *cfg)
 {
-    aim(&p->axis[hal_axis_z], cfg, p->n_put_off, (int64_t)p->plan.z_nm * 1024);
+    aim(&p->axis[hal_axis_z], cfg, put_off(p, cfg), (int64_t)p->plan.z_nm * 1024);
     return 0;
 }
 
@@ -185,7 +192,7 @@ CAM_STAGE static uint32_t hold_height(cam_play_t *p, const cam_play_config_t *cf
 {
     const cam_height_t at = p->plan.u_height;
     const int64_t found_q32 = (int64_t)((uint64_t)at.i << 32 | (uint32_t)at.w_q31 << 1);
-    const int64_t put_off_q32 = (int64_t)p->height_way_q32 * p->n_put_off;
+    const int64_t put_off_q32 = (int64_t)p->height_way_q32 * put_off(p, cfg);
     p->plan.u_height_q32 = cam_clamp_i64(found_q32 + put_off_q32, 0, cfg->height_max_q32);
     return 0;
 }
@@ -198,7 +205,7 @@ CAM_STAGE static uint32_t aim_height(cam_play_t *p, const cam_play_config_t *cfg
     const int32_t left_q28 = cam_sat_i32((target_q32 - p->height_q32) >> 4);
     const int32_t floor_q28 = (int32_t)(((int64_t)left_q28 * cfg->per_round_q32) >> 32);
     const int32_t way_q32 = (floor_q28 + (left_q28 < 0 ? 1 : 0)) * 16;
-    const int64_t longest_q32 = target_q32 + (int64_t)way_q32 * most_put_off;
+    const int64_t longest_q32 = target_q32 + (int64_t)way_q32 * most_longer;
     p->is_height_free = longest_q32 >= 0 && longest_q32 <= cfg->height_max_q32;
     p->height_way_q32 = way_q32;
     p->height_q32 = target_q32 - (int64_t)way_q32 * cfg->round_ticks;

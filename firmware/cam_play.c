@@ -5,9 +5,6 @@
 #include "cam/cam_fix.h"   // cam_mulhi
 #include "cam/cam_plan.h"  // cam_plan_task_isr
 
-/// Ticks without a task that a round may have on top.
-enum { put_off_ticks = 8 };
-
 /// Disengage position while nobody asked for one.
 #define NEVER_Q32 (INT64_MAX / 2)
 
@@ -16,7 +13,7 @@ static int64_t furthest_q32(const cam_play_config_t *cfg, const cam_angle_t *ang
 {
     const int32_t most_q16 =
         cfg->u_plan_q16 > cfg->xz_plan_q16 ? cfg->u_plan_q16 : cfg->xz_plan_q16;
-    return cam_angle_ahead(angle, most_q16 + (cfg->round_ticks + put_off_ticks) * 65536);
+    return cam_angle_ahead(angle, most_q16 + (cfg->round_ticks + cam_plan_put_off) * 65536);
 }
 
 /// U with its velocity and acceleration: derivatives per knot times knots per tick. The slow change
@@ -70,23 +67,26 @@ static int32_t u_of_angle(cam_play_t *p, const cam_play_config_t *cfg, const cam
     return surface(p, cfg, angle->speed_q32, angle_q32 - (uint32_t)p->phase_q32);
 }
 
-/// A tick that is busy puts its task off. When the angle is at fault the cut ends with this tick,
-/// the guard takes over: U keeps its pace.
-CAM_STAGE static void play_on(cam_play_t *p, const cam_play_config_t *cfg, const cam_angle_t *angle,
-                              cam_want_t *want)
+/// A tick that is busy puts its task off. When the angle is at fault, or too many tasks of a round
+/// were put off, the cut ends with this tick and the guard takes over: U keeps its pace.
+/// @return fault late_tick or none
+CAM_STAGE static uint32_t play_on(cam_play_t *p, const cam_play_config_t *cfg,
+                                  const cam_angle_t *angle, cam_want_t *want)
 {
-    p->n_put_off++;
+    const int32_t left = p->put_off_left - 1;
+    p->put_off_left = left;
     if (!p->is_height_free) {
         p->height_q32 -= p->height_way_q32; // near an end of the table it waits
     }
     move_on(p, want);
-    if (angle->faults == CAM_ANGLE_BUSY) {
+    if (left >= 0 && angle->faults == CAM_ANGLE_BUSY) {
         want->u_set_q6 = u_of_angle(p, cfg, angle);
-    } else {
-        const int32_t last_q6 = p->history_q6[p->n_history % cam_play_history];
-        const int32_t before_q6 = p->history_q6[(p->n_history - 1u) % cam_play_history];
-        want->u_set_q6 = cam_wrap_add(last_q6, cam_wrap_sub(last_q6, before_q6));
+        return 0;
     }
+    const int32_t last_q6 = p->history_q6[p->n_history % cam_play_history];
+    const int32_t before_q6 = p->history_q6[(p->n_history - 1u) % cam_play_history];
+    want->u_set_q6 = cam_wrap_add(last_q6, cam_wrap_sub(last_q6, before_q6));
+    return left < 0 ? CAM_FAULT_BIT(late_tick) : 0u;
 }
 
 /// All axes from the angle: U exactly, the others on their way. @return faults
@@ -94,8 +94,7 @@ static uint32_t play_table(cam_play_t *p, const cam_play_config_t *cfg, const ca
                            const cam_angle_t *angle, cam_want_t *want)
 {
     if (angle->faults != 0u) {
-        play_on(p, cfg, angle, want);
-        return 0;
+        return play_on(p, cfg, angle, want);
     }
     const uint32_t faults = cam_plan_task_isr(p, cfg, in, angle);
     move_on(p, want);
@@ -134,6 +133,7 @@ static void lay(cam_play_t *p, const cam_play_config_t *cfg, const cam_angle_t *
     p->height_way_q32 = 0;
     p->is_height_free = false;
     p->task = 0;
+    p->put_off_left = cfg->most_put_off;
     p->is_playing = true;
 }
 
@@ -164,8 +164,11 @@ static bool approach_xz(cam_play_t *p, const cam_play_config_t *cfg)
 static bool approach_x(cam_play_t *p, const cam_play_config_t *cfg, int32_t z_nm, bool is_u_there)
 {
     p->axis[hal_axis_z] = (cam_move_t){.pos_q10 = (int64_t)z_nm * 1024};
-    return is_u_there &&
-           cam_move_to_isr(&p->axis[hal_axis_x], &cfg->approach[hal_axis_x], p->plan.x_q10);
+    if (!is_u_there) {
+        (void)cam_move_stop_isr(&p->axis[hal_axis_x], &cfg->approach[hal_axis_x]);
+        return false;
+    }
+    return cam_move_to_isr(&p->axis[hal_axis_x], &cfg->approach[hal_axis_x], p->plan.x_q10);
 }
 
 /// Of an approach, in p->task. A Z that others lead is found again while the axes move.

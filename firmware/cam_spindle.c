@@ -113,7 +113,7 @@ CAM_STAGE static void follow_edge(cam_spindle_t *s, const cam_spindle_config_t *
     if (angle->faults != 0u) { // busy already
         return;
     }
-    angle->faults |= CAM_ANGLE_BUSY;
+    angle->faults |= cfg->off_time_told;
     switch (s->edge_step) {
     case cam_edge_to_take:
         take_edge(s, cfg);
@@ -166,15 +166,14 @@ CAM_STAGE static uint32_t count_late(cam_spindle_t *s, const cam_spindle_config_
 CAM_STAGE static int32_t take_off_time(cam_spindle_t *s, const cam_spindle_config_t *cfg,
                                        uint32_t period, int32_t way_q32, cam_angle_t *angle)
 {
-    const uint32_t n = angle->n_off_time + 1u;
     uint32_t counted = period;
-    angle->n_off_time = n;
-    s->n_off_time = n;
+    angle->is_off_time = true;
+    s->is_off_time = true;
     if (period > s->max_period) {
         s->max_period = period;
     }
     angle->faults = cfg->off_time_told;
-    if (period > cfg->late_clocks || n > cfg->most_off_time) {
+    if (period > cfg->late_clocks) {
         counted = count_late(s, cfg, period, angle);
     }
     const int32_t off_q27 = (int32_t)(counted * cfg->ticks_per_clock_q27 - (UINT32_C(1) << 27));
@@ -228,9 +227,9 @@ static void step(cam_spindle_t *s, const cam_spindle_config_t *cfg, const cam_se
     const uint32_t period = in->clock - s->clock;
     int32_t way_q32 = cam_wrap_add((int32_t)(s->speed_q64 >> 32), alpha_q40 >> 9);
     uint32_t faults = 0;
-    angle->n_off_time = s->n_off_time;
+    angle->is_off_time = s->is_off_time;
     angle->is_synced = s->is_synced;
-    s->n_off_time = 0;
+    s->is_off_time = false;
     s->clock = in->clock;
     if (period - cfg->early_clocks >= cfg->on_time_clocks) {
         way_q32 = take_off_time(s, cfg, period, way_q32, angle);

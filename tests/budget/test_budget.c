@@ -175,23 +175,17 @@ static void break_u_off_time(void)
     break_u();
 }
 
-/// Off its time in a row, the last time that is no fault, then once more.
-static void come_off_time_again(void)
-{
-    come_off_time();
-    g_cam.spindle.n_off_time = 7;
-}
-
+/// The last task of the round that may be put off, then one more.
 static void break_u_off_time_again(void)
 {
     break_u_off_time();
-    g_cam.spindle.n_off_time = 7;
+    g_cam.play.put_off_left = 1;
 }
 
 static void come_off_time_too_often(void)
 {
     come_off_time();
-    g_cam.spindle.n_off_time = 8;
+    g_cam.play.put_off_left = 0;
 }
 
 typedef void (*cause_t)(void);
@@ -234,7 +228,6 @@ static void test_every_task_with_every_edge_and_fault(void)
                                      come_late,
                                      come_off_time,
                                      break_u_off_time,
-                                     come_off_time_again,
                                      break_u_off_time_again,
                                      come_off_time_too_often};
     try_all(causes, sizeof causes / sizeof causes[0]);

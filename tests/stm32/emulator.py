@@ -226,7 +226,11 @@ class Chip:
 
     def hang(self, address: int) -> None:
         """Replace the instruction at an address by a branch to itself."""
-        self.write_memory(address, BRANCH_TO_ITSELF)
+        self.heal(address, BRANCH_TO_ITSELF)
+
+    def heal(self, address: int, instruction: bytes) -> None:
+        """Put an instruction to its place."""
+        self.write_memory(address, instruction)
         self.uc.ctl_flush_tb()
 
     @property

@@ -186,6 +186,33 @@ static void test_measured_z_is_what_is_played(void)
     TEST_ASSERT_EQUAL_INT(cam_state_cutting, f.want.state);
 }
 
+static void test_round_with_too_many_busy_ticks_is_late(void)
+{
+    fixture_play_init(&f, &part);
+    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_cutting));
+    uint32_t n = 0;
+    while (f.want.faults == 0u && n < 1000u) { // two of three ticks
+        f.angle.faults = n % 3u != 0u ? CAM_ANGLE_BUSY : 0u;
+        fixture_play_tick(&f);
+        n++;
+    }
+    TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(late_tick), f.want.faults);
+    TEST_ASSERT_LESS_THAN_UINT32(4u * cam_plan_ticks_uniform + 1u, n);
+}
+
+static void test_round_with_every_other_tick_busy_in_its_half_goes_on(void)
+{
+    fixture_play_init(&f, &part);
+    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_cutting));
+    const int32_t way_q10 = f.play.axis[hal_axis_z].vel_q10;
+    TEST_ASSERT_GREATER_THAN_INT32(0, way_q10);
+    for (uint32_t n = 0; n < 5000u && f.want.state == cam_state_cutting; n++) {
+        f.angle.faults = n % 3u == 0u ? CAM_ANGLE_BUSY : 0u;
+        fixture_play_tick(&f);
+        TEST_ASSERT_EQUAL_HEX32(0, f.want.faults);
+    }
+}
+
 /// Z is watched by one of the tasks that take turns.
 static uint32_t faults_of_a_round(void)
 {
@@ -238,6 +265,8 @@ int main(void)
     RUN_TEST(test_feed_ramp_shortened_to_the_feed_is_what_feasibility_judges);
     RUN_TEST(test_feed_ramp_of_a_measured_z_limits_no_speed);
     RUN_TEST(test_measured_z_is_what_is_played);
+    RUN_TEST(test_round_with_too_many_busy_ticks_is_late);
+    RUN_TEST(test_round_with_every_other_tick_busy_in_its_half_goes_on);
     RUN_TEST(test_measured_z_beyond_table_and_margin_is_a_fault);
     RUN_TEST(test_geared_z_off_its_place_by_more_than_the_margin_is_a_fault);
     return UNITY_END();

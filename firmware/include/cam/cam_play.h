@@ -67,8 +67,9 @@ enum {
     cam_plan_tasks = cam_plan_task_again + cam_plan_task_read_profile - cam_plan_task_find_slices
 };
 
-/// Ticks of a round.
+/// Ticks of a round; beyond its own length what an index edge and a row of busy ticks take.
 enum {
+    cam_plan_put_off = 8,
     cam_plan_ratio_tasks = cam_plan_tasks - cam_plan_task_again,
     cam_plan_ticks_modulated = cam_plan_tasks,
     cam_plan_ticks_uniform = cam_plan_tasks - 2 * cam_plan_ratio_tasks,
@@ -125,6 +126,7 @@ typedef struct {
     uint32_t after_profile, after_ramp; ///< the tasks behind find_profile and ramp
     int32_t round_ticks;                ///< [ticks] length of a round
     int32_t per_round_q32;              ///< [1 / ticks] its reciprocal
+    int32_t most_put_off;               ///< [ticks] without a task on top; more are a fault
     int32_t lead_q16;                   ///< [ticks] dead time of U, below cam_play_history - 2
     uint32_t lead_ticks;                ///< [ticks] whole ones of it
     int32_t lead_part_q31;              ///< [ticks / 2^31] the rest
@@ -163,7 +165,7 @@ typedef struct {
     bool is_retracted;           ///< in state fault: the guard's retract has ended
     cam_move_t axis[hal_n_axes]; ///< set-points written last
     uint32_t task;               ///< of the next tick
-    int32_t n_put_off;           ///< [ticks] of this round without a task
+    int32_t put_off_left;        ///< [ticks] that this round may still have without a task
     int64_t engage_at_q32;       ///< [turn] master position where the envelope starts to rise
     int64_t feed_at_q32;         ///< ... where Z starts
     int64_t disengage_at_q32;    ///< ... where the envelope starts to fall

@@ -40,7 +40,6 @@ typedef struct {
     uint32_t late_clocks;             ///< [1 / clock_hz] a longer period is a fault
     uint32_t most_clocks;             ///< [1 / clock_hz] a longer period counts as this one
     uint32_t ticks_per_clock_q27;     ///< [ticks per unit of the time stamp]
-    uint32_t most_off_time;           ///< [ticks] off their time in a row; more are a fault
     uint32_t off_time_told;           ///< CAM_ANGLE_BUSY when tasks are put off by such ticks, or 0
 } cam_spindle_config_t;
 
@@ -69,7 +68,7 @@ typedef struct {
     int32_t index_error;   ///< [counts] sum of deviations since the first edge
     int32_t since_index;   ///< [counts] travel since the last edge
     int32_t in_turn;       ///< [counts] 0 .. counts_per_turn - 1 since the index
-    uint32_t n_off_time;   ///< [ticks] in a row off their time, up to the last one
+    bool is_off_time;      ///< the last tick came visibly off its time
     uint32_t max_period;   ///< [1 / clock_hz] longest distance of two ticks
     uint32_t n_late;       ///< ticks beyond late_clocks
     int64_t pos_q32;       ///< [turn, Q32.32] observer
@@ -77,18 +76,17 @@ typedef struct {
 } cam_spindle_t;
 
 /// In cam_angle_t.faults, not a fault: this tick had more to do than usual, so others may wait.
-/// The steps of an index edge rest in between; ticks off their time become a fault when there are
-/// too many in a row.
+/// Only at rates of 5 kHz and more.
 #define CAM_ANGLE_BUSY (UINT32_C(1) << 30)
 _Static_assert(cam_n_faults <= 30, "a bit is left");
 
 /// What the room knows of the spindle after this step.
 typedef struct {
-    int64_t pos_q32;     ///< [turn, Q32.32] master position at the instant of sensing
-    int32_t speed_q32;   ///< [turn / 2^32 per tick]
-    uint32_t n_off_time; ///< [ticks] in a row visibly off their time; behind them once the last
-    bool is_synced;      ///< the angle is known
-    uint32_t faults;     ///< late_tick, encoder_jump, lost_counts, index_missing, or CAM_ANGLE_BUSY
+    int64_t pos_q32;   ///< [turn, Q32.32] master position at the instant of sensing
+    int32_t speed_q32; ///< [turn / 2^32 per tick]
+    bool is_off_time;  ///< this tick or the last one came visibly off its time
+    bool is_synced;    ///< the angle is known
+    uint32_t faults;   ///< late_tick, encoder_jump, lost_counts, index_missing, or CAM_ANGLE_BUSY
 } cam_angle_t;
 
 /// @param ticks_q16  [ticks / 2^16] 0 .. 2^31 - 1
