@@ -100,7 +100,7 @@ static void actuate(const pil_answer_t *answer)
 static void keep_record(sim_remote_t *r)
 {
     if (r->answer.n_records > 0u) {
-        *cam_trace_slot_isr(&r->trace, true) = r->answer.record;
+        *cam_trace_slot_isr(&r->trace, (uint32_t)cam_trace_capacity) = r->answer.record;
         cam_trace_commit_isr(&r->trace);
     }
 }
