@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from camtools.sections import Floats
+from linuxcnc_reader import REFUSED
 from part_cases import ROOT
 
 FOLDER = ROOT / "build" / "linuxcnc"
@@ -68,9 +69,13 @@ class Interpreter:
         """
         found = program.with_suffix(".points")
         done = self._run("/usr/bin/python3", READER, program, found, program.with_suffix(".var"))
-        if done.returncode not in (0, 1):
-            raise AssertionError(done.stderr)
+        if done.returncode not in (0, REFUSED):
+            raise NotHereError(f"its library does not work ({_last(done.stderr)}); {REMEDY}")
         return done.stdout.strip(), np.fromfile(found).reshape(-1, 10)
+
+
+def _last(told: str) -> str:
+    return (told.strip() or "no reason told").splitlines()[-1]
 
 
 def _unpack() -> None:
@@ -82,7 +87,7 @@ def _unpack() -> None:
     command = ["apt-get", "-qq", "-o", "APT::Sandbox::User=root", "download", *PACKAGES]
     done = subprocess.run(command, cwd=debs, capture_output=True, text=True, check=False)
     if done.returncode != 0:
-        told = (done.stderr.strip() or "no reason told").splitlines()[-1]
+        told = _last(done.stderr)
         raise NotHereError(f"its Debian package cannot be downloaded ({told}); {REMEDY}")
     parts = FOLDER / f"root.{os.getpid()}"
     for deb in sorted(debs.glob("*.deb")):
@@ -92,22 +97,22 @@ def _unpack() -> None:
 
 
 def interpreter() -> Interpreter:
-    """Return the interpreter.
+    """Return the interpreter, tried.
 
     Raises
     ------
     NotHereError
-        Neither installed nor to be had.
+        Neither installed nor to be had, or it does not start.
     """
-    installed = Path("/usr/bin/rs274")
-    if installed.exists():
-        return Interpreter(Path("/"))
-    if not (FOLDER / "root").exists():
+    is_installed = Path("/usr/bin/rs274").exists()
+    if not is_installed and not (FOLDER / "root").exists():
         _unpack()
-    found = Interpreter(FOLDER / "root")
+    found = Interpreter(Path("/") if is_installed else FOLDER / "root")
+    FOLDER.mkdir(parents=True, exist_ok=True)
     probe = FOLDER / "probe.ngc"
     probe.write_text("G21\nM2\n")
     done = found.rs274(probe)
-    if done.returncode not in (0, 1) or "error while loading" in done.stderr:
-        raise NotHereError(f"it does not start ({done.stderr.strip()}); {REMEDY}")
+    if done.returncode != 0:
+        raise NotHereError(f"it does not start ({_last(done.stderr)}); {REMEDY}")
+    found.points(probe)
     return found

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 MM_PER_INCH = 25.4
+REFUSED = 3  # exit status
 LINEAR = (0, 1, 2, 6, 7, 8)
 
 
@@ -66,7 +67,7 @@ class Canon:
 
 
 def main() -> int:
-    """Read the program; print the interpreter's error; return 1 when there is one."""
+    """Read the program; print the interpreter's error; return REFUSED when there is one."""
     program, points, variables = sys.argv[1:]
     gcode: Any = importlib.import_module("gcode")
     canon = Canon(variables)
@@ -74,7 +75,7 @@ def main() -> int:
     Path(points).write_bytes(canon.points.tobytes())
     if result > gcode.MIN_ERROR:
         print(f"line {line}: {gcode.strerror(result)}")
-        return 1
+        return REFUSED
     return 0
 
 

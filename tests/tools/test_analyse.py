@@ -103,6 +103,7 @@ def test_pictures_are_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]
     assert main([str(PERKINS), "-o", str(tmp_path / "out")]) == 0
     names = {path.name for path in (tmp_path / "out").iterdir()}
     assert {"area.png", "parts.png", "speed.png", "motion.png", "forces.png"} <= names
+    assert {"paths.csv", "path_unrolled.png", "path_scallop.png"} <= names
     assert "NOT constant: the force of the chip" in capsys.readouterr().out
 
 
@@ -118,6 +119,7 @@ def test_pictures_are_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]
         (["--cycle-us", "x"], "argument --cycle-us"),
         (["--turns", "0"], "--turns 0"),
         (["--slice-volume-mm3", "-1"], "--slice-volume-mm3 -1.0"),
+        (["--nose-mm", "0"], "--nose-mm 0.0: out of range; give 0.01 .. 100"),
     ],
 )
 def test_bad_wishes_are_refused(
@@ -143,11 +145,19 @@ def test_part_without_depth_is_refused(tmp_path: Path, capsys: pytest.CaptureFix
     assert "process.depth_mm: nothing is cut" in capsys.readouterr().err
 
 
+def is_caught(pid: int, number: signal.Signals) -> bool:
+    """Tell whether a process has a handler for a signal."""
+    status = Path(f"/proc/{pid}/status").read_text()
+    caught = next(line for line in status.splitlines() if line.startswith("SigCgt:"))
+    return bool(int(caught.split()[1], 16) >> (number - 1) & 1)
+
+
 def test_interrupted_run_leaves_nothing(tmp_path: Path) -> None:
     """A signal in the middle ends it with 128 + n; the folder stays away."""
     command = [sys.executable, "-m", "camtools.analyse", str(WEICHAI), "-o", str(tmp_path / "out")]
     with subprocess.Popen(command, env=environment(), stderr=subprocess.PIPE) as process:
-        time.sleep(0.9)
+        while not is_caught(process.pid, signal.SIGTERM):
+            time.sleep(0.01)
         os.kill(process.pid, signal.SIGTERM)
         status = process.wait(30)
     assert status in (0, 143)

@@ -37,6 +37,8 @@ MODULES = [
     "part",
     "part_errors",
     "path",
+    "path_plots",
+    "path_study",
     "pipeline",
     "plots",
     "quantise",

@@ -12,6 +12,7 @@ from camtools.errors import CamtoolsError
 from camtools.geometry import Geometry, make_geometry
 from camtools.part import Limits, Part, load_part, parse_part
 from camtools.path import Path, highest_rpm, path_of, ramp_of
+from camtools.path_study import make_study
 from part_cases import PERKINS, ROOT
 
 # turns since the start, height of the ring-helix (0.2 mm), height of a plain helix (0.1 mm)
@@ -141,6 +142,30 @@ def with_process(text: str) -> Part:
     """Return the Perkins part with more lines in [process]."""
     good = PERKINS.read_text()
     return parse_part(good.replace("[process]", f"[process]\n{text}").encode(), "p.toml")
+
+
+def test_comparison_of_paths() -> None:
+    """Turns, times and scallops are those of the formulas; means by integrals over the map."""
+    ring, half, same = make_study(0.0, 62.0, 0.2, 1000.0, 0.8, Limits()).rows
+    assert [one.path.turns for one in (ring, half, same)] == [621, 620, 310]
+    assert [one.time_s for one in (ring, half, same)] == pytest.approx([37.26, 37.2, 18.6])
+    highest = [one.scallop_um.max() for one in (ring, half, same)]
+    assert highest == pytest.approx([6.25, 1.5625, 6.25], rel=1e-3)
+    # The mean over a spacing w is w^2 / (24 nose). The spacings s dZ and (1 - s) dZ hold shares s
+    # and 1 - s of the surface, and over the turn the mean of s^3 + (1 - s)^3 is 1/2; the ramp,
+    # 3 % of the turn, adds a little.
+    assert half.scallop_um.mean() == pytest.approx(0.1**2 / (24 * 0.8) * 1000, rel=0.01)
+    assert ring.scallop_um.mean() == pytest.approx(0.2**2 / (24 * 0.8) / 2 * 1000, rel=0.03)
+    assert ring.z_acceleration_mm_s2 == pytest.approx(2000)
+    assert ring.z_speed_mm_s == pytest.approx(0.2 * 1000 / 60 / (1 - ring.path.ramp))
+
+
+def test_comparison_turns_as_fast_as_z_can() -> None:
+    """Where Z cannot follow a ring-helix it is compared at its highest speed."""
+    ring, half, _ = make_study(0.0, 62.0, 1.0, 2500.0, 0.8, Limits()).rows
+    assert ring.rpm == pytest.approx(highest_rpm(1.0, Limits()))
+    assert half.rpm == 2500
+    assert ring.path.ramp == pytest.approx(0.5, abs=1e-3)
 
 
 def test_path_of_a_part() -> None:

@@ -86,7 +86,7 @@ class Path:
 
         The last turn of a ring-helix ends where it began: passed once.
         """
-        n = ceil(self.turns - angle - _WHOLE)
+        n = max(1, ceil(self.turns - angle - _WHOLE))
         return self.height_mm(angle + np.arange(n, dtype=np.float64))
 
     def scallop_mm(self, angle: float, z_mm: Floats, nose_mm: float) -> Floats:
