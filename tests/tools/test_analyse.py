@@ -103,6 +103,7 @@ def test_pictures_are_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]
     assert main([str(PERKINS), "-o", str(tmp_path / "out")]) == 0
     names = {path.name for path in (tmp_path / "out").iterdir()}
     assert {"area.png", "parts.png", "speed.png", "motion.png", "forces.png"} <= names
+    assert {"paths.csv", "path_unrolled.png", "path_scallop.png"} <= names
     assert "NOT constant: the force of the chip" in capsys.readouterr().out
 
 
@@ -118,6 +119,7 @@ def test_pictures_are_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]
         (["--cycle-us", "x"], "argument --cycle-us"),
         (["--turns", "0"], "--turns 0"),
         (["--slice-volume-mm3", "-1"], "--slice-volume-mm3 -1.0"),
+        (["--nose-mm", "0"], "--nose-mm 0.0: out of range; give 0.01 .. 100"),
     ],
 )
 def test_bad_wishes_are_refused(

@@ -19,6 +19,7 @@ from camtools.command import Parser, run_command
 from camtools.errors import CamtoolsError
 from camtools.output import write_all
 from camtools.part import Part, load_part
+from camtools.path_study import csv, make_study
 from camtools.refit_study import candidates_csv, comparison_csv, study
 from camtools.refit_study import notes as refit_notes
 
@@ -40,6 +41,7 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
     add("--slice-volume-mm3", type=float, default=0.04, metavar="V", help="largest, default 0.04")
     add("--cycle-us", type=float, default=50.0, metavar="T", help="controller's, default 50")
     add("--kc-n-mm2", type=float, default=700.0, metavar="K", help="cutting force, default 700")
+    add("--nose-mm", type=float, default=0.8, metavar="R", help="tool's nose radius, default 0.8")
     add("--rpm", type=float, metavar="N", help="mean speed, default the part's")
     return parser.parse_args(argv)
 
@@ -54,6 +56,7 @@ def _wishes(arguments: argparse.Namespace) -> Wishes:
         kc_n_mm2=arguments.kc_n_mm2,
         rpm=arguments.rpm,
         turns=arguments.turns,
+        nose_mm=arguments.nose_mm,
     )
 
 
@@ -65,17 +68,22 @@ def products(part: Part, wishes: Wishes, *, with_pictures: bool = True) -> dict[
     CamtoolsError
         A wish is out of range, or the part impossible.
     """
-    return _files(make_analysis(part, wishes), with_pictures=with_pictures)
+    return _files(make_analysis(part, wishes), wishes.nose_mm, with_pictures=with_pictures)
 
 
-def _files(found: Analysis, *, with_pictures: bool) -> dict[str, bytes]:
+def _files(found: Analysis, nose_mm: float, *, with_pictures: bool) -> dict[str, bytes]:
     texts = all_tables(found) | {"notes.md": notes(found)}
     texts["analysis.json"] = json.dumps(figures(found), indent=1, sort_keys=True) + "\n"
+    ends = found.geometry.z_first_mm, found.geometry.z_last_mm
+    limits = found.part.machine.limits
+    paths = make_study(*ends, found.feed_mm, found.rpm, nose_mm, limits)
+    texts["paths.csv"] = csv(paths)
     pictures: dict[str, bytes] = {}
     if with_pictures:
         from camtools.analyse_plots import draw_all  # matplotlib is slow to load
+        from camtools.path_plots import draw_all as draw_paths
 
-        pictures = draw_all(found)
+        pictures = draw_all(found) | draw_paths(found.name, paths)
     if found.geometry.corner is not None:
         corner = study(found.geometry.corner, found.height_mm, found.rpm)
         texts["refit_comparison.csv"] = comparison_csv(corner)
@@ -90,12 +98,12 @@ def _files(found: Analysis, *, with_pictures: bool) -> dict[str, bytes]:
 
 
 def _run(arguments: argparse.Namespace) -> int:
-    part = load_part(arguments.part)
+    part, wishes = load_part(arguments.part), _wishes(arguments)
     try:
-        found = make_analysis(part, _wishes(arguments))
+        found = make_analysis(part, wishes)
     except CamtoolsError as error:
         raise CamtoolsError([f"{arguments.part}: {line}" for line in error.lines]) from error
-    files = _files(found, with_pictures=True)
+    files = _files(found, wishes.nose_mm, with_pictures=True)
     write_all(arguments.output, files)
     sys.stdout.write(summary(found))
     if "refit_notes.md" in files:

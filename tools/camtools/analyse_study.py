@@ -50,6 +50,7 @@ class Wishes:
     kc_n_mm2: float = 700.0
     rpm: float | None = None
     turns: int = 1
+    nose_mm: float = 0.8
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,6 +89,7 @@ def _check(wishes: Wishes) -> None:
         "--rpm": (1.0 if wishes.rpm is None else wishes.rpm, 0.001, 60_000.0),
         "--parts": (2 if wishes.parts is None else wishes.parts, 2, MAX_PARTS),
         "--turns": (wishes.turns, 1, MAX_TURNS),
+        "--nose-mm": (wishes.nose_mm, 0.01, 100.0),
     }
     for option, (value, low, high) in numbers.items():
         if not (isfinite(value) and low <= value <= high):

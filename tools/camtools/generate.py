@@ -117,7 +117,7 @@ def check_tolerance(tolerance_nm: float) -> None:
         raise CamtoolsError([f"tolerance_nm = {tolerance_nm:g}: {problem}; give nanometres"])
 
 
-def _refuse_corner(geometry: Geometry) -> None:
+def refuse_corner(geometry: Geometry) -> None:
     """Refuse a composite section whose corner nobody smoothed: no axis can follow it."""
     corner = geometry.corner
     if corner is None or corner.recipe is not None:
@@ -129,6 +129,14 @@ def _refuse_corner(geometry: Geometry) -> None:
         f"{corner.worst_mm:.4g} mm), so U would need infinite acceleration"
     )
     raise GeometryError("piston.section.refit", problem, "add the table [piston.section.refit]")
+
+
+def _refuse_path(part: Part) -> None:
+    """Refuse a path that the controller would not follow."""
+    if part.process.path != "helix":
+        problem = f'"{part.process.path}": the controller feeds Z along a helix only'
+        remedy = 'give path = "helix", or write a program by tools/mkgcode --axes cxzu'
+        raise GeometryError("process.path", problem, remedy)
 
 
 def default_tolerance_nm(geometry: Geometry) -> float:
@@ -154,8 +162,9 @@ def generate(part: Part, tolerance_nm: float | None = None) -> Generated:
     """
     if tolerance_nm is not None:
         check_tolerance(tolerance_nm)
+    _refuse_path(part)
     geometry = make_geometry(part)
-    _refuse_corner(geometry)
+    refuse_corner(geometry)
     tolerance_u_nm = tolerance_nm or default_tolerance_nm(geometry)
     u, accuracy_u = choose_u(geometry, tolerance_u_nm)
     x, accuracy_x = choose_x(geometry, tolerance_nm or DEFAULT_TOLERANCE_NM)

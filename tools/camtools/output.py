@@ -2,7 +2,7 @@
 
 >>> import tempfile
 >>> with tempfile.TemporaryDirectory() as name:
-...     write_all(Path(name), {"a.txt": b"1", "b.txt": b"2"})
+...     write_all(Path(name), {"a.txt": b"1", "b.txt": iter([b"2", b"3"])})
 ...     sorted(path.name for path in Path(name).iterdir())
 ['a.txt', 'b.txt']
 """
@@ -12,7 +12,7 @@ from __future__ import annotations
 import os
 import signal
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -21,12 +21,12 @@ from camtools.errors import CamtoolsError
 _SIGNALS = {signal.SIGINT, signal.SIGTERM, signal.SIGHUP}
 
 
-def _write_temporary(folder: Path, name: str, data: bytes, made: list[Path]) -> Path:
+def _write_temporary(folder: Path, name: str, chunks: Iterable[bytes], made: list[Path]) -> Path:
     handle, path = tempfile.mkstemp(prefix=f".{name}.", suffix=".tmp", dir=folder)
     made.append(Path(path))
     with os.fdopen(handle, "wb") as stream:
         os.fchmod(handle, 0o666 & ~_umask())
-        stream.write(data)
+        stream.writelines(chunks)
         stream.flush()
         os.fsync(handle)
     return Path(path)
@@ -64,11 +64,17 @@ def _make_folder(folder: Path) -> list[Path]:
     return missing
 
 
-def write_all(folder: Path, files: Mapping[str, bytes]) -> None:
+def write_all(folder: Path, files: Mapping[str, bytes | Iterable[bytes]]) -> None:
     """Write files into a folder so that either all get their names or none does.
 
     Everything is written to temporary files and synchronised first; only then are they
     renamed, with interrupts held back.
+
+    Parameters
+    ----------
+    files : Mapping
+        Content by name: whole, or in pieces that are asked for one by one, so that a file may
+        be larger than the memory.
 
     Raises
     ------
@@ -80,7 +86,10 @@ def write_all(folder: Path, files: Mapping[str, bytes]) -> None:
     done = False
     try:
         folders = _make_folder(folder)
-        finals = {name: _write_temporary(folder, name, data, made) for name, data in files.items()}
+        finals = {
+            name: _write_temporary(folder, name, [data] if isinstance(data, bytes) else data, made)
+            for name, data in files.items()
+        }
         _rename_all(folder, finals)
         done = True
     except OSError as error:

@@ -145,6 +145,7 @@ class Process(Table):
     direction: Literal[1, -1] = 1
     mode: Literal["uniform", "equal-volume"] = "uniform"
     parts: Annotated[int, Field(ge=2, le=1000)] = 30
+    path: Literal["helix", "ring-helix"] = "helix"
     form_error_um: Annotated[float, Field(ge=0.01, le=1000)] = 5.0
 
     @field_validator("mode")
@@ -153,6 +154,14 @@ class Process(Table):
         if value == "equal-volume" and info.data.get("depth_mm") == 0:
             problem = "needs a cutting depth: without it the spindle would have to run infinitely"
             raise wrong("mode", f"{problem} fast at the long axis", "set process.depth_mm above 0")
+        return value
+
+    @field_validator("path")
+    @classmethod
+    def _check_path(cls, value: str, info: ValidationInfo) -> str:
+        if value == "ring-helix" and info.data.get("mode") == "equal-volume":
+            problem = "is for a constant spindle speed: Z's ramps are made for one"
+            raise wrong("path", problem, 'set process.mode = "uniform", or path = "helix"')
         return value
 
     @field_validator("direction", mode="before")
@@ -169,6 +178,8 @@ class Limits(Table):
     u_stroke_mm: Annotated[float, Field(ge=0.001, le=30)] = 1.2
     u_speed_mm_s: Annotated[float, Field(ge=0.001, le=100_000)] = 400.0
     u_acceleration_mm_s2: Annotated[float, Field(ge=1, le=1_000_000_000)] = 250_000.0
+    z_speed_mm_s: Annotated[float, Field(ge=0.1, le=10_000)] = 200.0
+    z_acceleration_mm_s2: Annotated[float, Field(ge=10, le=1_000_000)] = 2000.0
     spindle_rpm: Annotated[float, Field(ge=1, le=60_000)] = 3000.0
     spindle_torque_nm: Annotated[float, Field(gt=0, le=100_000)] | None = None
     spindle_inertia_kgm2: Annotated[float, Field(gt=0, le=10_000)] | None = None
