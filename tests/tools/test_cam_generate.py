@@ -142,6 +142,25 @@ def test_lobes_keep_their_phases_and_places(tmp_path: Path) -> None:
             assert np.abs(got["swing_deg"] - np.degrees(exact.gamma)).max() <= 1e-4
 
 
+def test_listed_cam_is_that_of_its_law(tmp_path: Path) -> None:
+    """Points of the disc, a CSV file beside the part, ground with a phase: the disc's solution."""
+    angle_deg = np.arange(0, 360, 5.0)
+    lift = np.maximum(Disc(35, 5).evaluate(np.radians(angle_deg)).lift, 0)
+    rows = "".join(f"{a!r},{h!r}\n" for a, h in zip(angle_deg.tolist(), lift.tolist(), strict=True))
+    (tmp_path / "lift.csv").write_text("angle_deg,lift_mm\n" + rows)
+    law = 'law = "disc"\ndisc_radius_mm = 25\noffset_mm = 5\n'
+    text = DISC_TEXT.replace(law, 'law = "list"\ncsv = "lift.csv"\n')
+    text = text.replace("phase_deg = 0", "phase_deg = 90")
+    (tmp_path / "c.toml").write_text(text)
+    part = load_any(tmp_path / "c.toml")
+    assert isinstance(part, CamPart)
+    turn = np.linspace(0, 1, 361)
+    got = evaluate(tmp_path, generate_cam(part), turn, np.full(361, 1.0))
+    phi = 2 * np.pi * turn - np.pi / 2
+    exact = 5 * np.cos(phi) + np.sqrt(225**2 - 25 * np.sin(phi) ** 2) - 220
+    assert np.abs(got["u_nm"] * NM - exact).max() <= 12e-6  # 1 nm of it is the spline's
+
+
 def test_surface_speed_is_constant_where_the_spindle_can() -> None:
     """With a strong spindle the way per time is that of the base circle all round."""
     touch = contact(Disc(35, 5), 20, 10, 2 * np.pi * np.arange(N_GRID) / N_GRID)
@@ -176,8 +195,7 @@ def test_modulated_table_keeps_the_machines_limits() -> None:
     speed = result.table.channel(KIND_SPEED)
     assert speed.p_max / 2**speed.frac_bits + speed.offset_nm <= 4 * 2**20
     assert result.table.channel(KIND_U).knots.shape[0] == 2
-    times = [row for row in (result.mean_rpm, result.part.process.spindle_rpm) if row > 0]
-    assert times[0] < times[1]  # the flanks are longer than the base circle
+    assert result.mean_rpm < 60  # the flanks are longer than the base circle
 
 
 WEAK = [
