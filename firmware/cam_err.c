@@ -52,6 +52,7 @@ static const err_text_t entries[] = {
     {cam_err_x_speed, "clearance, speed and turns of engaging are beyond the speed of X"},
     {cam_err_x_acceleration,
      "clearance, speed and turns of engaging are beyond the acceleration of X"},
+    {cam_err_swing_axis, "the table swings the tool, for which there is no axis"},
 };
 
 const char *cam_err_text(cam_err_t err)

@@ -210,6 +210,12 @@ static demand_t feed_demand(const cam_table_t *t, const cam_params_t *p)
     return (demand_t){cam_err_feed, span_nm, feed_nm, feed_nm <= span_nm ? UINT32_MAX : 0u};
 }
 
+/// A tool that has to swing and does not would leave another cam: no speed helps.
+static demand_t swing_demand(const cam_table_t *t)
+{
+    return (demand_t){cam_err_swing_axis, 0, t->is_swung ? 1 : 0, t->is_swung ? 0u : UINT32_MAX};
+}
+
 static demand_t tick_demand(const cam_table_t *t, uint32_t mrpm, uint32_t tick_hz)
 {
     const uint64_t knots = UINT64_C(1) << (t->u.log2_knots + t->u.log2_repeat);
@@ -224,6 +230,7 @@ cam_feasibility_t cam_feasible(const cam_table_t *table, const cam_params_t *par
 {
     const uint32_t peak_mrpm = cam_feasible_peak(table, speed_mrpm);
     const demand_t demands[] = {
+        swing_demand(table),
         as_mean(table, spindle_demand(table, params, peak_mrpm)),
         stroke_demand(table, params),
         u_speed_demand(table, params, speed_mrpm),

@@ -3,7 +3,7 @@
 #include "cam/cam_speed.h" // cam_speed_ratio
 #include <stdbool.h>       // bool
 
-/// Curvatures beyond this cannot be promised: r is at least 1/4, the promise below 2^31.
+/// Larger curvatures are refused: no axis follows 28 m/rad2, and the products below fit 64 bits.
 #define MAX_CURVE (INT64_C(1) << 40)
 
 /// @return |x| per rad of x per turn, rounded down; |x| < 2^41; 2^24 / 2 pi

@@ -21,7 +21,7 @@ enum {
     data_align = 32,
 };
 
-enum { kind_u = 1, kind_x = 2, kind_speed = 3 };
+enum { kind_u = 1, kind_x = 2, kind_speed = 3, kind_swing = 4, kind_contact = 5 };
 
 /// Header fields from at_z_first on, in the order of the image.
 typedef struct {
@@ -53,7 +53,7 @@ enum {
     max_stroke_nm = 2 * max_u_nm,    //
     max_height_nm = 2000000000,      // heights and their differences fit int32
     max_spindle_ppm = 10000000,      // 10 / rad: |r dr/dturn| stays below 64
-    min_ratio = CAM_TABLE_RATIO_ONE / 4,
+    min_ratio = CAM_TABLE_RATIO_ONE / 16,
     max_ratio = CAM_TABLE_RATIO_ONE * 4,
 };
 
@@ -146,28 +146,37 @@ static cam_err_t check_header(const uint8_t *image, header_fields_t *h)
     return is_sound ? check_name(image + at_name) : cam_err_image_header;
 }
 
-/// Speeds stay within a quarter and four times the mean. frac_bits is at most 8.
-static bool is_ratio(const entry_t *e)
+/// Do the bounds of a channel stay within a range of its unit? frac_bits is at most 8.
+static bool is_inside(const entry_t *e, int64_t low, int64_t high)
 {
     const int64_t one = INT64_C(1) << e->frac_bits;
-    return is_within(e->offset_nm * one + e->p_min, min_ratio * one, max_ratio * one) &&
-           is_within(e->offset_nm * one + e->p_max, min_ratio * one, max_ratio * one);
+    return is_within(e->offset_nm * one + e->p_min, low * one, high * one) &&
+           is_within(e->offset_nm * one + e->p_max, low * one, high * one);
+}
+
+/// Speeds stay within a sixteenth and four times the mean, angles within a quarter turn.
+static bool is_in_unit(const entry_t *e)
+{
+    if (e->kind == kind_speed) {
+        return is_inside(e, min_ratio, max_ratio);
+    }
+    return e->kind < kind_swing || is_inside(e, -CAM_TABLE_ANGLE_MAX, CAM_TABLE_ANGLE_MAX);
 }
 
 static cam_err_t check_shape(const entry_t *e)
 {
     const bool is_u = e->kind == kind_u;
     const bool is_turned = e->kind != kind_x;
-    const bool is_sound =
-        is_within(e->kind, kind_u, kind_speed) && is_within(e->n_slices, 2, cam_table_max_slices) &&
-        is_within(e->log2_knots, is_turned ? 2 : 0, is_turned ? 12 : 0) &&
-        is_within(e->log2_repeat, 0, is_turned ? 4 : 0) && e->frac_bits <= max_frac_bits &&
-        e->reserved == 0u && is_within(e->p_min, -CAM_TABLE_SUM_MAX, e->p_max) &&
-        e->p_max <= CAM_TABLE_SUM_MAX && e->v_max <= CAM_TABLE_SUM_MAX &&
-        e->a_max <= CAM_TABLE_SUM_MAX &&
-        (!is_u || is_within(e->offset_nm, -max_u_offset_nm, max_u_offset_nm)) &&
-        is_within(e->offset_nm, -max_height_nm, max_height_nm) &&
-        (e->kind != kind_speed || is_ratio(e));
+    const bool is_sound = is_within(e->kind, kind_u, kind_contact) &&
+                          is_within(e->n_slices, 2, cam_table_max_slices) &&
+                          is_within(e->log2_knots, is_turned ? 2 : 0, is_turned ? 12 : 0) &&
+                          is_within(e->log2_repeat, 0, is_turned ? 4 : 0) &&
+                          e->frac_bits <= max_frac_bits && e->reserved == 0u &&
+                          is_within(e->p_min, -CAM_TABLE_SUM_MAX, e->p_max) &&
+                          e->p_max <= CAM_TABLE_SUM_MAX && e->v_max <= CAM_TABLE_SUM_MAX &&
+                          e->a_max <= CAM_TABLE_SUM_MAX &&
+                          (!is_u || is_within(e->offset_nm, -max_u_offset_nm, max_u_offset_nm)) &&
+                          is_within(e->offset_nm, -max_height_nm, max_height_nm) && is_in_unit(e);
     return is_sound ? cam_ok : cam_err_image_channel;
 }
 
@@ -227,7 +236,7 @@ static cam_err_t check_knot(const entry_t *e, const cam_knot_t *k)
     return !is_bounded_knot ? cam_err_image_knots : is_in_limits ? cam_ok : cam_err_image_limits;
 }
 
-/// u and speed: every knot with its neighbour of the same slice, cyclic; x: every knot with the
+/// All but x: every knot with its neighbour of the same slice, cyclic; x: every knot with the
 /// next height.
 static cam_err_t check_knots(const entry_t *e, const cam_knot_t *knots)
 {
@@ -310,7 +319,16 @@ static cam_err_t check_entry(const entry_t *e, const header_fields_t *h, const u
 
 static cam_channel_t *channel_of(cam_table_t *table, uint32_t kind)
 {
-    return kind == kind_u ? &table->u : kind == kind_x ? &table->x : &table->speed;
+    switch (kind) {
+    case kind_u:
+        return &table->u;
+    case kind_x:
+        return &table->x;
+    case kind_speed:
+        return &table->speed;
+    default:
+        return &table->angle;
+    }
 }
 
 /// What the header promises of the motion, once all channels are known.
@@ -345,6 +363,7 @@ static cam_err_t check_channels(const uint8_t *image, const header_fields_t *h, 
         }
         describe(&e, image, ch);
         u = e.kind == kind_u ? e : u;
+        table->is_swung = table->is_swung || e.kind == kind_swing;
         if (e.kind == kind_speed) {
             table->ratio_max_q20 = (uint32_t)(e.offset_nm + (e.p_max >> e.frac_bits) + 2);
         }

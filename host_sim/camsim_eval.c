@@ -19,11 +19,23 @@ static const char help[] =
     "out: turn,z_mm,u_nm,u1_nm_per_rad,u2_nm_per_rad2,x_nm,speed_ratio,clamped\n"
     "     u: radius reduction, with its derivatives by the angle; x: long half axis; tip radius = "
     "x - u;\n"
-    "     speed_ratio: spindle speed / mean speed; clamped: 1 where z lies outside the table";
+    "     speed_ratio: spindle speed / mean speed; clamped: 1 where z lies outside the table\n"
+    "a cam has two columns more, swing_deg,contact_deg:\n"
+    "     u: lift, away from the axis, of the roller's centre (turning) or of the wheel's "
+    "(grinding);\n"
+    "     x: their distance from the axis on the base circle; swing: of the tool, 0 when "
+    "grinding;\n"
+    "     contact: angle from the line of centres to the normal at the contact";
 
 static const char header_in[] = "turn,z_mm";
 static const char header_out[] =
     "turn,z_mm,u_nm,u1_nm_per_rad,u2_nm_per_rad2,x_nm,speed_ratio,clamped";
+static const char header_cam[] = ",swing_deg,contact_deg";
+
+static bool is_cam(const cam_table_t *t)
+{
+    return t->angle.knots != NULL;
+}
 
 /// Angle inside the turn, rounded to 2^-32; a huge number of turns is a whole number.
 static uint32_t angle_q32(double turn)
@@ -49,6 +61,23 @@ static double speed_ratio(const cam_table_t *t, uint32_t theta_q32, int32_t z_nm
                : 1.0;
 }
 
+/// Angle between the line of centres and the normal at the contact.
+static double contact_deg(const cam_table_t *t, uint32_t theta_q32, int32_t z_nm)
+{
+    const cam_value_t angle = cam_eval_surface(&t->angle, theta_q32, z_nm);
+    const double units = t->angle.offset_nm + ldexp(angle.y, -(int)t->angle.frac_bits);
+    return ldexp(units * 90.0, -24); // CAM_TABLE_ANGLE_MAX is a quarter turn
+}
+
+static bool print_cam(const cam_table_t *t, double turn, double z_mm)
+{
+    if (!is_cam(t)) {
+        return putchar('\n') != EOF;
+    }
+    const double deg = contact_deg(t, angle_q32(turn), height_nm(z_mm));
+    return printf(",%.17g,%.17g\n", t->is_swung ? deg : 0.0, deg) > 0;
+}
+
 static bool print_value(const cam_table_t *t, const char *point, double turn, double z_mm)
 {
     const int32_t z_nm = height_nm(z_mm);
@@ -59,10 +88,14 @@ static bool print_value(const cam_table_t *t, const char *point, double turn, do
     const int frac = -(int)t->u.frac_bits;
     const bool is_outside = z_mm * SIM_NM_PER_MM < (double)t->z_first_nm - 0.5 ||
                             z_mm * SIM_NM_PER_MM > (double)t->z_last_nm + 0.5;
-    return printf("%s,%.17g,%.17g,%.17g,%.17g,%.17g,%d\n", point, t->u.offset_nm + ldexp(u.y, frac),
-                  ldexp(u.d1, frac) / h, ldexp(u.d2, frac) / (h * h),
+    const double sense = is_cam(t) ? -1.0 : 1.0; // a lift is a negative reduction
+    return printf("%s,%.17g,%.17g,%.17g,%.17g,%.17g,%d", point,
+                  0.0 + sense * (t->u.offset_nm + ldexp(u.y, frac)),
+                  0.0 + sense * ldexp(u.d1, frac) / h,
+                  0.0 + sense * ldexp(u.d2, frac) / (h * h), // + 0: no "-0"
                   t->x.offset_nm + ldexp(x.y, -(int)t->x.frac_bits), ratio,
-                  is_outside || u.is_clamped || x.is_clamped ? 1 : 0) > 0;
+                  is_outside || u.is_clamped || x.is_clamped ? 1 : 0) > 0 &&
+           print_cam(t, turn, z_mm);
 }
 
 /// Split "turn,z_mm", which stays as it is for the echo.
@@ -92,7 +125,7 @@ static bool take_line(const cam_table_t *t, const char *line, size_t i_line, sim
 {
     if (i_line == 1u) {
         return strcmp(line, header_in) == 0
-                   ? puts(header_out) >= 0
+                   ? printf("%s%s\n", header_out, is_cam(t) ? header_cam : "") > 0
                    : sim_error(e, "standard input: line 1: \"%.60s\": wrong header; write \"%s\"",
                                line, header_in);
     }

@@ -59,6 +59,13 @@ static bool read_root(sim_design_t *d, const cJSON *root, const cam_table_t *tab
                       const char *path, sim_error_t *e)
 {
     const cJSON *design = cJSON_GetObjectItemCaseSensitive(root, "design");
+    if (table->angle.knots != NULL) {
+        return sim_error(
+            e,
+            "%s: belongs to a cam, for which there is no gauge; camsim eval tells what "
+            "its table says",
+            path);
+    }
     if (!cJSON_IsObject(design)) {
         return sim_error(e, "%s: design: missing, so there is nothing to gauge against; " REMEDY,
                          path);

@@ -209,6 +209,14 @@ static void test_largest_demands_do_not_overflow(void)
 }
 
 /// Through the clearance by the smooth step: 15/8 c n / t and 5.774 c (n / t)^2.
+static void test_tool_that_must_swing_is_refused_at_any_speed(void)
+{
+    table.is_swung = true;
+    const cam_feasibility_t found = cam_feasible(&table, &params, 1000, 50000);
+    TEST_ASSERT_EQUAL_INT(cam_err_swing_axis, found.err);
+    TEST_ASSERT_EQUAL_UINT32(0u, found.highest_mrpm);
+}
+
 static void test_x_leaves_its_clearance_within_its_limits(void)
 {
     params.x_clearance_nm = 100000000;
@@ -273,6 +281,7 @@ int main(void)
     RUN_TEST(test_highest_speed_passes_where_numbers_are_small);
     RUN_TEST(test_flat_table_has_a_finite_highest_speed);
     RUN_TEST(test_largest_demands_do_not_overflow);
+    RUN_TEST(test_tool_that_must_swing_is_refused_at_any_speed);
     RUN_TEST(test_x_leaves_its_clearance_within_its_limits);
     RUN_TEST(test_short_engaging_adds_to_what_u_needs);
     return UNITY_END();

@@ -70,9 +70,9 @@ static void test_promises_just_kept_pass_and_lower_ones_fail(void)
     }
 }
 
-static void test_speed_outside_a_quarter_to_four_is_refused(void)
+static void test_speed_outside_a_sixteenth_to_four_is_refused(void)
 {
-    const int32_t offsets[] = {CAM_TABLE_RATIO_ONE / 2, CAM_TABLE_RATIO_ONE * 4};
+    const int32_t offsets[] = {CAM_TABLE_RATIO_ONE / 4, CAM_TABLE_RATIO_ONE * 4};
     for (int i = 0; i < 2; i++) {
         TEST_ASSERT_EQUAL_INT(
             cam_err_image_channel,
@@ -137,7 +137,7 @@ int main(void)
     RUN_TEST(test_modulated_table_is_accepted_and_described);
     RUN_TEST(test_uniform_table_has_ratio_one);
     RUN_TEST(test_promises_just_kept_pass_and_lower_ones_fail);
-    RUN_TEST(test_speed_outside_a_quarter_to_four_is_refused);
+    RUN_TEST(test_speed_outside_a_sixteenth_to_four_is_refused);
     RUN_TEST(test_second_speed_channel_is_refused);
     RUN_TEST(test_layout_and_knots_of_speed_are_checked_as_those_of_u);
     RUN_TEST(test_every_flipped_bit_is_refused);

@@ -164,7 +164,7 @@ static void test_check_channel_fields_out_of_range_are_refused(void)
     static const word_t bad[] = {
         {fixture_in_kind, 0u},
         {fixture_in_kind, 3u},
-        {fixture_in_kind, 4u},
+        {fixture_in_kind, 6u},
         {fixture_in_n_slices, 1u},
         {fixture_in_n_slices, 4097u},
         {fixture_in_log2_knots, 1u},
@@ -201,6 +201,37 @@ static void test_check_twice_or_missing_channel_is_refused(void)
     fixture_image_put(&image, fixture_image_in(fixture_u, fixture_in_kind), 2u);
     fixture_image_seal(&image);
     TEST_ASSERT_EQUAL_INT(cam_err_image_channel, check());
+}
+
+/// A part with an angle channel in the place of its speed channel.
+static void make_cam(uint32_t kind)
+{
+    part = fixture_part_modulated();
+    fixture_image_make(&image, &part);
+    fixture_image_put(&image, fixture_image_in(fixture_speed, fixture_in_kind), kind);
+    fixture_image_put(&image, fixture_at_spindle_peak, 0u);
+    fixture_image_put(&image, fixture_at_u1_peak, 1000000u);
+    fixture_image_put(&image, fixture_at_u2_peak, 1000000u);
+    fixture_image_seal(&image);
+}
+
+static void test_check_cam_has_one_angle_channel_within_a_quarter_turn(void)
+{
+    for (uint32_t kind = 4; kind <= 5; kind++) { // swing, contact
+        make_cam(kind);
+        TEST_ASSERT_EQUAL_INT(cam_ok, check());
+        TEST_ASSERT_NOT_NULL(table.angle.knots);
+        TEST_ASSERT_NULL(table.speed.knots);
+        TEST_ASSERT_EQUAL_INT(kind == 4u, table.is_swung);
+        fixture_image_put(&image, fixture_image_in(fixture_speed, fixture_in_offset_nm),
+                          (uint32_t)CAM_TABLE_ANGLE_MAX);
+        fixture_image_seal(&image);
+        TEST_ASSERT_EQUAL_INT(cam_err_image_channel, check());
+    }
+    make_cam(4);
+    fixture_image_put(&image, fixture_image_in(fixture_u, fixture_in_kind), 5u);
+    fixture_image_seal(&image);
+    TEST_ASSERT_EQUAL_INT_MESSAGE(cam_err_image_channel, check(), "two angles, no u");
 }
 
 static void test_check_layout_misaligned_overlapping_or_outside_is_refused(void)
@@ -340,6 +371,7 @@ int main(void)
     RUN_TEST(test_check_name_must_be_printable_and_padded);
     RUN_TEST(test_check_channel_fields_out_of_range_are_refused);
     RUN_TEST(test_check_twice_or_missing_channel_is_refused);
+    RUN_TEST(test_check_cam_has_one_angle_channel_within_a_quarter_turn);
     RUN_TEST(test_check_layout_misaligned_overlapping_or_outside_is_refused);
     RUN_TEST(test_check_directory_beyond_the_image_is_refused);
     RUN_TEST(test_check_heights_that_do_not_fit_are_refused);

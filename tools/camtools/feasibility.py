@@ -17,6 +17,7 @@ from camtools.errors import CamtoolsError
 from camtools.geometry import omega_rad_s
 from camtools.image import Bounds
 from camtools.part import Limits
+from camtools.part_cam import CamLimits
 
 
 class Peaks(NamedTuple):
@@ -27,6 +28,9 @@ class Peaks(NamedTuple):
     u2_mm: float  # mm/rad^2, of u'' r^2 + u' r r'
     ratio: float = 1.0  # largest speed over mean speed
     spindle_rad2: float = 0.0  # |r r'|
+    swing_deg: float = 0.0  # of a tool that swings
+    swing1_deg: float = 0.0  # degrees/rad
+    swing2_deg: float = 0.0  # degrees/rad^2
 
 
 class HighestSpeed(NamedTuple):
@@ -59,6 +63,10 @@ def highest_speed(peaks: Peaks, limits: Limits) -> HighestSpeed:
     if peaks.u2_mm > 0:
         root = np.sqrt(limits.u_acceleration_mm_s2 / peaks.u2_mm)
         speeds["u_acceleration_mm_s2"] = float(per_omega * root)
+    if isinstance(limits, CamLimits) and peaks.swing1_deg > 0:
+        speeds["swing_speed_deg_s"] = per_omega * limits.swing_speed_deg_s / peaks.swing1_deg
+        root = np.sqrt(limits.swing_acceleration_deg_s2 / peaks.swing2_deg)
+        speeds["swing_acceleration_deg_s2"] = float(per_omega * root)
     decides = min(speeds, key=lambda name: speeds[name])
     return HighestSpeed(speeds[decides], decides)
 
@@ -70,24 +78,52 @@ def _excess(name: str, needed: float, limit: float, unit: str, remedy: str) -> l
     return [f"{place}: the part needs {needed:.9g} {unit}; {remedy}"]
 
 
-def check_feasible(peaks: Peaks, limits: Limits, spindle_rpm: float) -> HighestSpeed:
+def _swing_excess(peaks: Peaks, limits: CamLimits, omega: float, remedy: str) -> list[str]:
+    speed, acceleration = peaks.swing1_deg * omega, peaks.swing2_deg * omega**2
+    most, at_any_speed = limits.swing_acceleration_deg_s2, "no speed would do: less steep a lift"
+    return [
+        *_excess("swing_deg", peaks.swing_deg, limits.swing_deg, "degrees", at_any_speed),
+        *_excess("swing_speed_deg_s", speed, limits.swing_speed_deg_s, "degrees/s", remedy),
+        *_excess("swing_acceleration_deg_s2", acceleration, most, "degrees/s2", remedy),
+    ]
+
+
+def check_feasible(
+    peaks: Peaks,
+    limits: Limits,
+    spindle_rpm: float,
+    best: HighestSpeed | None = None,
+    asked_rpm: float | None = None,
+) -> HighestSpeed:
     """Return the highest speed, or refuse a part that the machine cannot cut.
+
+    Parameters
+    ----------
+    spindle_rpm : float
+        Mean speed.
+    best : HighestSpeed, optional
+        Highest speed asked for that would do, where it is not the highest mean speed.
+    asked_rpm : float, optional
+        Speed of the part file, where it is not the mean speed.
 
     Raises
     ------
     CamtoolsError
         One line for each limit exceeded: needed, limit, highest speed that would do.
     """
-    omega, best = omega_rad_s(spindle_rpm), highest_speed(peaks, limits)
+    omega, best = omega_rad_s(spindle_rpm), best or highest_speed(peaks, limits)
+    asked_rpm = spindle_rpm if asked_rpm is None else asked_rpm
     remedy = (
-        f"with these limits process.spindle_rpm = {spindle_rpm:g} may be at most "
+        f"with these limits process.spindle_rpm = {asked_rpm:g} may be at most "
         f"{np.floor(best.rpm * 10) / 10:.1f} r/min ({best.decides} decides)"
     )
-    at_any_speed = "no speed would do: less ovality, or a longer stroke"
+    is_cam = isinstance(limits, CamLimits)
+    at_any_speed = f"no speed would do: less {'lift' if is_cam else 'ovality'}, or a longer stroke"
+    fastest_rpm = max(asked_rpm, spindle_rpm * peaks.ratio)
     acceleration, most_acceleration = peaks.u2_mm * omega**2, limits.u_acceleration_mm_s2
     lines = [
         *_excess("u_stroke_mm", peaks.u_stroke_mm, limits.u_stroke_mm, "mm", at_any_speed),
-        *_excess("spindle_rpm", spindle_rpm * peaks.ratio, limits.spindle_rpm, "r/min", remedy),
+        *_excess("spindle_rpm", fastest_rpm, limits.spindle_rpm, "r/min", remedy),
         *_excess(
             "spindle_acceleration_rad_s2",
             peaks.spindle_rad2 * omega**2,
@@ -98,6 +134,8 @@ def check_feasible(peaks: Peaks, limits: Limits, spindle_rpm: float) -> HighestS
         *_excess("u_speed_mm_s", peaks.u1_mm * omega, limits.u_speed_mm_s, "mm/s", remedy),
         *_excess("u_acceleration_mm_s2", acceleration, most_acceleration, "mm/s2", remedy),
     ]
+    if isinstance(limits, CamLimits):
+        lines += _swing_excess(peaks, limits, omega, remedy)
     if lines:
         raise CamtoolsError(lines)
     return best

@@ -18,10 +18,12 @@ from camtools.evaluate import knot_interval, raw_bounds
 from camtools.feasibility import HighestSpeed, Peaks, check_feasible, highest_speed, peaks_of
 from camtools.geometry import NM_PER_MM, Geometry, make_geometry
 from camtools.image import Bounds, Channel, Limits, Table
+from camtools.part import Limits as MachineLimits
 from camtools.part import Part
+from camtools.part_cam import CamPart
 from camtools.quantise import with_bounds
 from camtools.search import choose_u, choose_x
-from camtools.speed_table import SpeedTable, make_speed
+from camtools.speed_table import MotionPeaks, SpeedTable, make_speed
 
 DEFAULT_TOLERANCE_NM = 1.0
 REFIT_TOLERANCE_NM = 5.0  # of u, where a spline replaces a corner
@@ -55,9 +57,8 @@ def u_bounds(channel: Channel, error_nm: float) -> Bounds:
     )
 
 
-def image_limits(part: Part) -> Limits:
+def image_limits(limits: MachineLimits) -> Limits:
     """Return the machine's limits in the image's units, rounded down."""
-    limits = part.machine.limits
     return Limits(
         u_stroke_nm=_units(limits.u_stroke_mm, NM_PER_MM),
         u_speed_um_s=_units(limits.u_speed_mm_s, 1000),
@@ -71,9 +72,8 @@ def _units(value: float, per_unit: int) -> int:
     return floor(value * per_unit * (1 + 1e-12))
 
 
-def moving_bounds(uniform: Bounds, speed: SpeedTable) -> Bounds:
+def moving_bounds(uniform: Bounds, peaks: MotionPeaks) -> Bounds:
     """Return the bounds of u where the spindle is modulated: TABLE_FORMAT.md, header."""
-    peaks = speed.peaks
     return replace(
         uniform,
         u1_peak_nm_per_rad=ceil(peaks.u1_mm * NM_PER_MM),
@@ -86,19 +86,27 @@ def make_table(
     part: Part, u: Channel, x: Channel, error_nm: float, speed: SpeedTable | None = None
 ) -> Table:
     """Return the table of a part with its channels, bounds filled in."""
-    process, bounds = part.process, u_bounds(u, error_nm)
+    bounds = u_bounds(u, error_nm)
     channels: tuple[Channel, ...] = (with_bounds(u), with_bounds(x))
     if speed is not None:
-        bounds, channels = moving_bounds(bounds, speed), (*channels, speed.channel)
+        bounds, channels = moving_bounds(bounds, speed.peaks), (*channels, speed.channel)
+    return table_of(part, part.process.spindle_rpm, bounds, channels)
+
+
+def table_of(
+    part: Part | CamPart, spindle_rpm: float, bounds: Bounds, channels: tuple[Channel, ...]
+) -> Table:
+    """Return a table with the header of a part; u comes first, `spindle_rpm` is the mean speed."""
+    process, u = part.process, channels[0]
     return Table(
         part.part.name,
         u.z_first_nm,
         u.z_last_nm,
         process.direction,
-        round(process.spindle_rpm * 1000),
+        round(spindle_rpm * 1000),
         round(process.feed_mm * NM_PER_MM),
         round(process.depth_mm * NM_PER_MM),
-        image_limits(part),
+        image_limits(part.machine.limits),
         bounds,
         channels,
     )

@@ -20,9 +20,10 @@ Ints = npt.NDArray[np.int64]
 
 MAGIC = b"CAMTAB\x1a\n"
 BYTE_ORDER = 0x01020304
-KIND_U, KIND_X, KIND_SPEED = 1, 2, 3
+KIND_U, KIND_X, KIND_SPEED, KIND_SWING, KIND_CONTACT = 1, 2, 3, 4, 5
 RATIO_ONE = 1 << 20  # unit of a speed ratio's values, where u and x count nanometres
-MIN_RATIO, MAX_RATIO = RATIO_ONE // 4, RATIO_ONE * 4
+MIN_RATIO, MAX_RATIO = RATIO_ONE // 16, RATIO_ONE * 4
+ANGLE_TURN, ANGLE_MAX = 1 << 26, 1 << 24  # unit of swing and contact; a quarter turn
 HEADER_SIZE, ENTRY_SIZE, ALIGN, KNOT_SIZE = 128, 64, 32, 12
 CRC_OFFSET, CRC_START = 20, 24
 SUM_LIMIT = 2**25 - 1
@@ -69,9 +70,10 @@ class Channel:
     Attributes
     ----------
     kind : int
-        KIND_U, KIND_X or KIND_SPEED.
+        KIND_U, KIND_X, KIND_SPEED, KIND_SWING or KIND_CONTACT.
     knots : ndarray of int32, shape (n_slices, n_knots, 3)
-        (p, v, a) of each knot, LSB 2^-frac_bits nm, of speed 2^-frac_bits 2^-20; n_knots = 1 for x.
+        (p, v, a) of each knot, LSB 2^-frac_bits nm, of speed 2^-frac_bits 2^-20, of
+        swing and contact 2^-frac_bits 2^-26 turn; n_knots = 1 for x.
     log2_repeat : int
         The pattern repeats 2^log2_repeat times per turn; 0 for x.
     frac_bits : int
@@ -145,6 +147,12 @@ class Table:
     def speed(self) -> Channel | None:
         """Return the speed ratio, when the table modulates the spindle."""
         return next((one for one in self.channels if one.kind == KIND_SPEED), None)
+
+    @property
+    def angle(self) -> Channel | None:
+        """Return the angle of the normal at the contact, when the table is that of a cam."""
+        kinds = (KIND_SWING, KIND_CONTACT)
+        return next((one for one in self.channels if one.kind in kinds), None)
 
 
 def slices_per_nm_q48(n_slices: int, z_first_nm: int, z_last_nm: int) -> int:
@@ -305,6 +313,7 @@ def _unpack_channels(image: bytes, table: Table, n_channels: int) -> tuple[Chann
         channels.append(_make_channel(image, entry))
     kinds = [channel.kind for channel in channels]
     _demand(len(set(kinds)) == len(kinds), "kind: a channel is there twice")
+    _demand(not {KIND_SWING, KIND_CONTACT} <= set(kinds), "kind: swing and contact are there")
     _demand({KIND_U, KIND_X} <= set(kinds), "kind: u or x is missing")
     has_speed = KIND_SPEED in kinds
     _demand(has_speed or table.bounds.spindle_peak_ppm == 0, "spindle_peak_ppm: not 0")
@@ -315,7 +324,7 @@ def _unpack_channels(image: bytes, table: Table, n_channels: int) -> tuple[Chann
 
 def _check_entry(entry: tuple[Any, ...], table: Table) -> None:
     kind, _, size, n_slices, log2_knots, log2_repeat, frac_bits, z_first, z_last, q48 = entry[:10]
-    _demand(kind in (KIND_U, KIND_X, KIND_SPEED), "kind: unknown")
+    _demand(KIND_U <= kind <= KIND_CONTACT, "kind: unknown")
     _demand(2 <= n_slices <= MAX_SLICES, "n_slices: not 2 .. 4096")
     if kind != KIND_X:
         _demand(MIN_LOG2_KNOTS <= log2_knots <= MAX_LOG2_KNOTS, "log2_knots: not 2 .. 12")
@@ -329,10 +338,13 @@ def _check_entry(entry: tuple[Any, ...], table: Table) -> None:
     _demand(n * MIN_SPACING_NM <= span_nm <= n * MAX_SPACING_NM, "spacing: not 65537 .. 16777216")
     _demand(q48 == slices_per_nm_q48(n_slices, z_first, z_last), "slices_per_nm_q48: wrong")
     _demand(entry[15] == 0, "reserved: not 0")
+    low, high = (entry[10] * 2**frac_bits + p for p in entry[11:13])
     if kind == KIND_SPEED:
-        low, high = (entry[10] * 2**frac_bits + p for p in entry[11:13])
         is_ratio = low >= MIN_RATIO << frac_bits and high <= MAX_RATIO << frac_bits
-        _demand(is_ratio, "p_min, p_max: no speed ratio of 1/4 .. 4")
+        _demand(is_ratio, "p_min, p_max: no speed ratio of 1/16 .. 4")
+    if kind in (KIND_SWING, KIND_CONTACT):
+        is_angle = low >= -ANGLE_MAX << frac_bits and high <= ANGLE_MAX << frac_bits
+        _demand(is_angle, "p_min, p_max: beyond a quarter turn")
 
 
 def _make_channel(image: bytes, entry: tuple[Any, ...]) -> Channel:

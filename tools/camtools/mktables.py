@@ -10,14 +10,18 @@ import argparse
 import sys
 from pathlib import Path
 
+from camtools.cam_generate import GeneratedCam, generate_cam
+from camtools.cam_summary import emit_cam_text, make_cam_summary
 from camtools.command import Parser, run_command
 from camtools.csource import emit_header, emit_source
 from camtools.errors import CamtoolsError
 from camtools.generate import Generated, check_tolerance, generate
-from camtools.image import pack
+from camtools.image import Table, pack
 from camtools.output import write_all
-from camtools.part import example_part, load_part
-from camtools.summary import emit_json, make_summary
+from camtools.part import Part, example_part
+from camtools.part_cam import CamPart
+from camtools.part_file import load_any
+from camtools.summary import Json, emit_json, make_summary
 from camtools.summary_text import emit_text
 
 __all__ = ["example_part", "main", "products"]
@@ -31,21 +35,26 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
         "--tolerance-nm",
         type=float,
         metavar="T",
-        help="largest error of u and x, default 1 (u of a refitted section 5)",
+        help="largest error of u and x, default 1 (u of a refitted section 5, of a cam 10)",
     )
     parser.add_argument("--plot", action="store_true", help="draw PNG plots too")
     return parser.parse_args(argv)
 
 
-def products(result: Generated, *, with_plots: bool) -> dict[str, bytes]:
-    """Return the content of every file that mktables writes, by file name."""
-    name, image = result.table.part_name, pack(result.table)
-    files = {
+def _of_table(table: Table, summary: Json) -> dict[str, bytes]:
+    """Return the files that every part has, by name."""
+    name, image = table.part_name, pack(table)
+    return {
         f"{name}.camtab": image,
         f"{name}_table.h": emit_header(name, len(image)).encode("ascii"),
         f"{name}_table.c": emit_source(name, image).encode("ascii"),
-        f"{name}.json": emit_json(make_summary(result)).encode("ascii"),
+        f"{name}.json": emit_json(summary).encode("ascii"),
     }
+
+
+def products(result: Generated, *, with_plots: bool) -> dict[str, bytes]:
+    """Return the content of every file that mktables writes for a piston, by file name."""
+    name, files = result.table.part_name, _of_table(result.table, make_summary(result))
     if with_plots:
         from camtools.plots import draw_all  # matplotlib takes longer to load than all the rest
 
@@ -53,16 +62,36 @@ def products(result: Generated, *, with_plots: bool) -> dict[str, bytes]:
     return files
 
 
+def cam_products(result: GeneratedCam, *, with_plots: bool) -> dict[str, bytes]:
+    """Return the content of every file that mktables writes for a cam, by file name."""
+    name, files = result.table.part_name, _of_table(result.table, make_cam_summary(result))
+    if with_plots:
+        from camtools.cam_plots import draw_cam  # as above
+
+        files |= {f"{name}_{topic}.png": png for topic, png in draw_cam(result).items()}
+    return files
+
+
+def _made(part: Part | CamPart, arguments: argparse.Namespace) -> tuple[dict[str, bytes], str]:
+    """Return files and text of a part of either kind."""
+    if isinstance(part, CamPart):
+        cam = generate_cam(part, arguments.tolerance_nm)
+        files = cam_products(cam, with_plots=arguments.plot)
+        return files, emit_cam_text(make_cam_summary(cam))
+    result = generate(part, arguments.tolerance_nm)
+    return products(result, with_plots=arguments.plot), emit_text(make_summary(result))
+
+
 def _run(arguments: argparse.Namespace) -> int:
     if arguments.tolerance_nm is not None:
         check_tolerance(arguments.tolerance_nm)
-    part = load_part(arguments.part)
+    part = load_any(arguments.part)
     try:
-        result = generate(part, arguments.tolerance_nm)
+        files, text = _made(part, arguments)
     except CamtoolsError as error:
         raise CamtoolsError([f"{arguments.part}: {line}" for line in error.lines]) from error
-    write_all(arguments.output, products(result, with_plots=arguments.plot))
-    sys.stdout.write(emit_text(make_summary(result)))
+    write_all(arguments.output, files)
+    sys.stdout.write(text)
     return 0
 
 

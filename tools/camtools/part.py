@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import tomllib
 from pathlib import Path
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self, TypeVar
 
 from pydantic import (
     Field,
@@ -25,6 +25,8 @@ from camtools.part_base import HeightMm, Table, as_long, rising, wrong
 from camtools.part_errors import describe_all
 from camtools.part_section import SectionShape
 
+Model = TypeVar("Model", bound=Table)
+
 MAX_FILE_BYTES = 1_000_000
 DEFAULT_ALPHA_RAD_S2 = 500.0  # 50 Nm on 0.1 kg m2
 
@@ -38,7 +40,7 @@ class PartInfo(Table):
     """[part]: which part this is."""
 
     name: PartName
-    kind: Literal["piston"]
+    kind: Literal["piston", "cam"]
     source: Annotated[str, StringConstraints(min_length=1, max_length=1000)]
 
 
@@ -226,8 +228,47 @@ class Part(Table):
     magnify: Magnify | None = None
 
 
+def read_tree(data: bytes, file: str) -> dict[str, Any]:
+    """Return the tables of a TOML file.
+
+    Parameters
+    ----------
+    data : bytes
+        Whole content of the file, UTF-8.
+    file : str
+        Name for error messages.
+
+    Raises
+    ------
+    InputError
+        Not UTF-8 or not TOML.
+    """
+    try:
+        return tomllib.loads(data.decode("utf-8"))
+    except UnicodeDecodeError as error:
+        problem = f"not UTF-8 text (byte {error.start} is 0x{data[error.start]:02x})"
+        raise InputError(file, "", None, problem, "save the file as UTF-8") from error
+    except (tomllib.TOMLDecodeError, RecursionError, ValueError) as error:
+        problem = f"not TOML: {error}"
+        raise InputError(file, "", None, problem, "correct it; see tools/README.md") from error
+
+
+def is_cam(tree: dict[str, Any]) -> bool:
+    """Tell whether the tables of a part file say that it is a cam."""
+    part = tree.get("part")
+    return isinstance(part, dict) and part.get("kind") == "cam"
+
+
+def validated(model: type[Model], tree: dict[str, Any], file: str, folder: Path) -> Model:
+    """Return the tables of a part file as a model; see `parse_part`."""
+    try:
+        return model.model_validate(tree, context={"folder": folder})
+    except ValidationError as error:
+        raise CamtoolsError(describe_all(file, error)) from error
+
+
 def parse_part(data: bytes, file: str, folder: Path = Path()) -> Part:
-    """Return the part that the bytes of a TOML file describe.
+    """Return the piston that the bytes of a TOML file describe.
 
     Parameters
     ----------
@@ -241,29 +282,22 @@ def parse_part(data: bytes, file: str, folder: Path = Path()) -> Part:
     Raises
     ------
     CamtoolsError
-        Not UTF-8, not TOML, or fields wrong: one line each, in the file's order of tables.
+        Not UTF-8, not TOML, a cam, or fields wrong: one line each, in the file's order of tables.
     """
-    try:
-        tree = tomllib.loads(data.decode("utf-8"))
-    except UnicodeDecodeError as error:
-        problem = f"not UTF-8 text (byte {error.start} is 0x{data[error.start]:02x})"
-        raise InputError(file, "", None, problem, "save the file as UTF-8") from error
-    except (tomllib.TOMLDecodeError, RecursionError, ValueError) as error:
-        problem = f"not TOML: {error}"
-        raise InputError(file, "", None, problem, "correct it; see tools/README.md") from error
-    try:
-        return Part.model_validate(tree, context={"folder": folder})
-    except ValidationError as error:
-        raise CamtoolsError(describe_all(file, error)) from error
+    tree = read_tree(data, file)
+    if is_cam(tree):
+        problem, remedy = "cams are for tools/mktables only", "give the part file of a piston"
+        raise InputError(file, "part.kind", "cam", problem, remedy)
+    return validated(Part, tree, file, folder)
 
 
-def load_part(path: Path) -> Part:
-    """Return the part described by a TOML file.
+def read_part_file(path: Path) -> bytes:
+    """Return the content of a part file.
 
     Raises
     ------
-    CamtoolsError
-        The file cannot be read, or see `parse_part`.
+    InputError
+        It cannot be read or is too large.
     """
     try:
         with path.open("rb") as stream:
@@ -275,7 +309,18 @@ def load_part(path: Path) -> Part:
     if len(data) > MAX_FILE_BYTES:
         problem = f"larger than {MAX_FILE_BYTES} bytes"
         raise InputError(str(path), "", None, problem, "give a part file (TOML)")
-    return parse_part(data, str(path), path.parent)
+    return data
+
+
+def load_part(path: Path) -> Part:
+    """Return the piston described by a TOML file.
+
+    Raises
+    ------
+    CamtoolsError
+        The file cannot be read, or see `parse_part`.
+    """
+    return parse_part(read_part_file(path), str(path), path.parent)
 
 
 def example_part() -> Part:

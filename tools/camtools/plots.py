@@ -29,14 +29,16 @@ _UM_PER_MM = 1000.0
 _MM_PER_M = 1000.0
 
 
-def _png(figure: Figure) -> bytes:
+def png_of(figure: Figure) -> bytes:
+    """Return a figure as PNG, the same bytes for the same figure."""
     stream = BytesIO()
     FigureCanvasAgg(figure)
     figure.savefig(stream, format="png", metadata={"Software": None})
     return stream.getvalue()
 
 
-def _figure(width_in: float, height_in: float, title: str) -> Figure:
+def new_figure(width_in: float, height_in: float, title: str) -> Figure:
+    """Return an empty figure with a title."""
     figure = Figure(figsize=(width_in, height_in), dpi=_DPI, layout="constrained")
     figure.suptitle(title, fontsize=13)
     return figure
@@ -60,7 +62,7 @@ def _colour(i: int) -> tuple[float, float, float, float]:
 def draw_section(result: Generated) -> bytes:
     """Return a polar picture of sections: radius reduction, hugely magnified."""
     geometry = result.geometry
-    figure = _figure(7.5, 7.5, _title(result, "radius reduction in µm"))
+    figure = new_figure(7.5, 7.5, _title(result, "radius reduction in µm"))
     axes = figure.add_subplot(projection="polar")
     assert isinstance(axes, PolarAxes)
     phi = 2 * np.pi * np.linspace(0, 1, _N_ANGLES)
@@ -73,7 +75,7 @@ def draw_section(result: Generated) -> bytes:
         axes.plot(phi, -u_um, color=_colour(i), label=label, clip_on=False)
     _polar_scale(axes, max(deepest_um, 1.0))
     figure.legend(loc="outside lower center", ncols=2, frameon=False)
-    return _png(figure)
+    return png_of(figure)
 
 
 def _polar_scale(axes: PolarAxes, deepest_um: float) -> None:
@@ -102,7 +104,7 @@ def _motion_curves(panels: list[Axes], result: Generated, z_mm: float, i: int) -
 def draw_motion(result: Generated) -> bytes:
     """Return U, its velocity and acceleration over one turn at the part's speed."""
     speed_rpm = result.part.process.spindle_rpm
-    figure = _figure(8.5, 8.5, _title(result, f"motion of U at {speed_rpm:g} r/min"))
+    figure = new_figure(8.5, 8.5, _title(result, f"motion of U at {speed_rpm:g} r/min"))
     panels: list[Axes] = list(figure.subplots(3, 1, sharex=True))
     for i, z_mm in enumerate(_heights_mm(result.geometry)):
         _motion_curves(panels, result, float(z_mm), i)
@@ -115,7 +117,7 @@ def draw_motion(result: Generated) -> bytes:
     panels[-1].set_xlim(0, 360)
     handles, labels = panels[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=_N_SECTIONS, frameon=False)
-    return _png(figure)
+    return png_of(figure)
 
 
 def _against_height(axes: Axes, z_mm: Floats, curve: Floats, spline: PPoly, scale: float) -> None:
@@ -132,7 +134,7 @@ def _against_height(axes: Axes, z_mm: Floats, curve: Floats, spline: PPoly, scal
 def draw_profile(result: Generated) -> bytes:
     """Return long-axis diameter and ovality over height, with the points of the drawing."""
     geometry = result.geometry
-    figure = _figure(8.5, 6.0, _title(result, "profile and ovality"))
+    figure = new_figure(8.5, 6.0, _title(result, "profile and ovality"))
     left, right = figure.subplots(1, 2, sharey=True)
     z_mm = dense_heights_mm(geometry, 32)
     _against_height(left, z_mm, 2 * geometry.radius_mm(z_mm), geometry.radius, 2)
@@ -140,7 +142,7 @@ def draw_profile(result: Generated) -> bytes:
     left.set_ylabel("skirt height, mm")
     left.set_xlabel("long-axis diameter, mm")
     right.set_xlabel("ovality (long minus short axis), mm")
-    return _png(figure)
+    return png_of(figure)
 
 
 def draw_all(result: Generated) -> dict[str, bytes]:

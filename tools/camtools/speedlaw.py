@@ -26,7 +26,7 @@ from camtools.errors import CamtoolsError
 from camtools.sections import Floats, FloatsLike
 
 N_GRID = 512  # places of a pattern at which limits are watched
-MIN_RATIO, MAX_RATIO = 0.25, 4.0  # what a table holds
+MIN_RATIO, MAX_RATIO = 0.25, 4.0  # slower is no use to a piston; what a table holds
 _MARGIN = 0.996  # of every limit: the places between the grid, and the table's own error
 _N_CONTROL = 32  # control points of a pattern
 _SMOOTHNESS = 1e-4  # weight of the second differences, so that neighbouring heights agree

@@ -64,7 +64,8 @@ def motion_peaks(geometry: Geometry, spindle_rpm: float, feed_mm: float) -> Json
     }
 
 
-def _channel(channel: Channel) -> Json:
+def describe_channel(channel: Channel) -> Json:
+    """Return the size of a channel and the bounds of its knots."""
     interval = knot_interval(channel)
     return {
         "bytes": channel.size,
@@ -174,7 +175,7 @@ def make_summary(result: Generated) -> Json:
         "table_crc32": struct.unpack_from("<I", image, CRC_OFFSET)[0],
         "tolerance_nm": float(result.tolerance_nm),
         "height_range_mm": [table.z_first_nm / NM_PER_MM, table.z_last_nm / NM_PER_MM],
-        "channels": {"u": _channel(u), "x": _channel(x)},
+        "channels": {"u": describe_channel(u), "x": describe_channel(x)},
         "error": {"u": _error(result.accuracy_u, "rad"), "x": _error(result.accuracy_x, "mm")},
         "continuity": {"u": _jumps(u), "x": _jumps(x)},
         "guaranteed": vars(table.bounds),

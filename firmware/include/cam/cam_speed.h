@@ -26,7 +26,7 @@ typedef struct {
 
 /// Ratio at an angle.
 typedef struct {
-    int32_t ratio_q28; ///< [1] 1/4 .. 4
+    int32_t ratio_q28; ///< [1] 1/16 .. 4
     int32_t slope_q20; ///< [1 / turn]
 } cam_ratio_t;
 
@@ -40,7 +40,7 @@ typedef struct {
 #define CAM_RATIO_ONE_Q28 (INT32_C(1) << 28)
 
 /// Ratio and slope in their own units.
-/// @param ch     passed cam_table_check(), kind speed: a ratio of 1/4 .. 4
+/// @param ch     passed cam_table_check(), kind speed: a ratio of 1/16 .. 4
 /// @param value  of that channel
 static inline cam_ratio_t cam_speed_scaled(const cam_channel_t *ch, cam_value_t value)
 {
@@ -64,7 +64,7 @@ static inline cam_ratio_t cam_speed_ratio(const cam_channel_t *ch, uint32_t thet
 
 /// What of the ratio is in force at an envelope.
 typedef struct {
-    int32_t r_q28;      ///< [1] 1/4 .. 4
+    int32_t r_q28;      ///< [1] 1/16 .. 4
     int32_t change_q20; ///< [1 / turn] r dr/dturn, limited to 64, which cam_table_check() demands
 } cam_pace_t;
 

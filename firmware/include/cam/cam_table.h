@@ -7,6 +7,7 @@
 #define CAM_TABLE_H
 
 #include "cam/cam_err.h" // cam_err_t
+#include <stdbool.h>     // bool
 #include <stddef.h>      // size_t
 #include <stdint.h>      // int32_t, uint32_t
 
@@ -21,6 +22,9 @@ enum {
 /// One in the unit of a speed ratio.
 #define CAM_TABLE_RATIO_ONE (INT32_C(1) << 20)
 
+/// A quarter turn in the unit of an angle channel, 2^-26 turn; no angle is larger.
+#define CAM_TABLE_ANGLE_MAX (INT32_C(1) << 24)
+
 /// Bound of the three sums of TABLE_FORMAT.md, in LSB. With four guard bits the evaluation stays
 /// below 2^30: 16 * (2^25 - 1) for a sum, twice that for a difference of slices.
 #define CAM_TABLE_SUM_MAX ((INT32_C(1) << 25) - 1)
@@ -32,13 +36,14 @@ typedef struct {
     int32_t a; ///< second derivative * h^2 / 2
 } cam_knot_t;
 
-/// A channel: a function of angle and height (u, speed), or of height alone (x: one knot per
-/// slice). Values of u and x count nanometres, those of speed 2^-20 of the mean speed.
+/// A channel: a function of angle and height (u, speed, angle), or of height alone (x: one knot per
+/// slice). Values of u and x count nanometres, those of speed 2^-20 of the mean speed, those of
+/// angle 2^-26 turn.
 typedef struct {
     const cam_knot_t *knots;    ///< [n_slices][1 << log2_knots], inside the image
     uint32_t n_slices;          ///< 2 .. 4096
-    uint32_t log2_knots;        ///< u, speed: 2 .. 12; x: 0
-    uint32_t log2_repeat;       ///< u, speed: patterns per turn, 0 .. 4; x: 0
+    uint32_t log2_knots;        ///< u, speed, angle: 2 .. 12; x: 0
+    uint32_t log2_repeat;       ///< patterns per turn, 0 .. 4; x: 0
     uint32_t frac_bits;         ///< LSB = 2^-frac_bits nm, 0 .. 8
     int32_t z_first_nm;         ///< [nm] height of slice 0
     uint32_t span_nm;           ///< [nm] height of the last slice above slice 0
@@ -48,17 +53,19 @@ typedef struct {
 
 /// A checked table. All members are read-only after cam_table_check().
 typedef struct {
-    cam_channel_t u;                     ///< radius reduction, positive towards the axis
-    cam_channel_t x;                     ///< long half axis
-    cam_channel_t speed;                 ///< speed ratio; knots == NULL: the speed is uniform
-    char name[cam_table_name_size];      ///< printable ASCII, zero-terminated
-    int32_t z_first_nm, z_last_nm;       ///< [nm] served range of heights
-    int32_t direction;                   ///< +1 or -1: spindle sense while cutting, +1 is M3
-    uint32_t spindle_mrpm;               ///< [r/min / 1000] of the part
-    uint32_t feed_nm;                    ///< [nm] per turn
-    uint32_t depth_nm;                   ///< [nm] at the long axis
-    uint32_t limit_u_stroke_nm;          ///< [nm] peak to peak, of the machine that it was made for
-    uint32_t limit_u_speed_um_s;         ///< [um/s]
+    cam_channel_t u;                ///< radius reduction, positive towards the axis
+    cam_channel_t x;                ///< long half axis
+    cam_channel_t speed;            ///< speed ratio; knots == NULL: the speed is uniform
+    cam_channel_t angle;            ///< of a cam, normal at the contact; knots == NULL: a skirt
+    bool is_swung;                  ///< the tool must swing by `angle`
+    char name[cam_table_name_size]; ///< printable ASCII, zero-terminated
+    int32_t z_first_nm, z_last_nm;  ///< [nm] served range of heights
+    int32_t direction;              ///< +1 or -1: spindle sense while cutting, +1 is M3
+    uint32_t spindle_mrpm;          ///< [r/min / 1000] of the part
+    uint32_t feed_nm;               ///< [nm] per turn
+    uint32_t depth_nm;              ///< [nm] at the long axis
+    uint32_t limit_u_stroke_nm;     ///< [nm] peak to peak, of the machine that it was made for
+    uint32_t limit_u_speed_um_s;    ///< [um/s]
     uint32_t limit_u_acceleration_mm_s2; ///< [mm/s2]
     uint32_t limit_spindle_mrpm;         ///< [r/min / 1000]
     int32_t u_min_nm, u_max_nm;          ///< [nm] bounds of u over the whole table

@@ -1,0 +1,141 @@
+"""Part files of cams: what is read, and what is refused with field and remedy."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from camtools.cam_lift import make_lift
+from camtools.errors import CamtoolsError, GeometryError
+from camtools.part import parse_part
+from camtools.part_cam import CamPart
+from camtools.part_file import load_any, parse_any
+from part_cases import PERKINS, ROOT
+
+PARTS = ROOT / "tools" / "parts"
+GOOD = (PARTS / "cam-345.toml").read_text()
+DISC = (PARTS / "cam-disc.toml").read_text()
+LOBE = "cam.lobe.0"
+LAW = 'law = "poly345"\nlift_mm = 8\nhalf_angle_deg = 70\n'
+POINTS = "angle_deg = [0, 45, 90, 135, 180, 225, 270, 315]\n"
+LIST = f'law = "list"\n{POINTS}lift_mm = [0, 1, 2, 3, 4, 3, 2, 1]\n'
+
+
+def with_law(text: str) -> str:
+    """Return the good file with another law."""
+    return GOOD.replace(LAW, text)
+
+
+def lines_of(text: str) -> list[str]:
+    """Return the messages that a part file's text is refused with."""
+    with pytest.raises(CamtoolsError) as info:
+        parse_any(text.encode(), "c.toml")
+    return info.value.lines
+
+
+def cam_of(text: str) -> CamPart:
+    """Return the cam of a text."""
+    part = parse_any(text.encode(), "c.toml")
+    assert isinstance(part, CamPart)
+    return part
+
+
+def test_cam_has_its_defaults() -> None:
+    """Turning follows the roller, grinding the wheel; phase, feed and limits have defaults."""
+    short = GOOD[: GOOD.index("[machine")].replace("phase_deg = 0", "")
+    part = cam_of(short)
+    assert (part.cam.lobe[0].phase_deg, part.process.feed_mm, part.process.direction) == (0, 0.1, 1)
+    assert part.follower_radius_mm == 10
+    assert cam_of(DISC).follower_radius_mm == 200
+    assert part.machine.limits.u_stroke_mm == 30
+
+
+def test_pistons_are_read_as_before() -> None:
+    """A part file says itself what it is; what takes pistons only says so of a cam."""
+    assert not isinstance(load_any(PERKINS), CamPart)
+    with pytest.raises(CamtoolsError) as info:
+        parse_part(GOOD.encode(), "c.toml")
+    assert info.value.lines == [
+        "c.toml: part.kind = 'cam': cams are for tools/mktables only; "
+        "give the part file of a piston"
+    ]
+
+
+BAD = [
+    (GOOD.replace('kind = "cam"', 'kind = "gear"'), "part.kind = 'gear'", "'piston' or 'cam'"),
+    (GOOD.replace("base_radius_mm = 20", ""), "cam.base_radius_mm", "add it"),
+    (GOOD.replace("roller_radius_mm = 10", "roller_radius_mm = 0"), "cam.roller_rad", "at least"),
+    (GOOD.replace("z_mm = [0, 12]", "z_mm = [0]"), f"{LOBE}.z_mm", "at least 2 entries"),
+    (GOOD.replace("z_mm = [0, 12]", "z_mm = [12, 0]"), f"{LOBE}.z_mm", "list the points upwards"),
+    (GOOD.replace("phase_deg = 0", "phase_deg = 400"), f"{LOBE}.phase_deg = 400", "at most 360"),
+    (with_law('law = "sine"\n'), f"{LOBE}.law = 'sine'", "'poly345', 'disc' or 'list'"),
+    (with_law('law = "poly345"\nhalf_angle_deg = 70\n'), f"{LOBE}.lift_mm", "add it"),
+    (with_law(LAW.replace("8", "[8]")), f"{LOBE}.lift_mm", "at least 8 entries"),
+    (with_law(LAW.replace("= 8", f"= {[1] * 8}")), f"{LOBE}.lift_mm", "largest lift"),
+    (with_law(LAW.replace("= 8", "= 16")), f"{LOBE}.lift_mm = 16", "at most 15"),
+    (with_law(LAW.replace("= 8", "= nan")), f"{LOBE}.lift_mm = nan", "finite"),
+    (with_law(LAW + "offset_mm = 1\n"), f"{LOBE}.offset_mm = 1", 'law = "disc"'),
+    (with_law(LAW + 'csv = "a"\n'), f"{LOBE}.csv = 'a'", 'law = "list"'),
+    (with_law(LAW + "lft = 1\n"), f"{LOBE}.lft = 1", "spelling"),
+    (with_law('law = "list"\n'), f"{LOBE}.csv", "give one of them"),
+    (with_law(LIST + 'csv = "a"\n'), f"{LOBE}.csv = 'a'", "give one of them"),
+    (with_law(f'law = "list"\n{POINTS}'), f"{LOBE}", "give both"),
+    (with_law(LIST.replace("[0, 1,", "[")), f"{LOBE}.lift_mm", "at least 8 entries"),
+    (with_law(LIST.replace("[0, 1,", "[0, 0, 1,")), f"{LOBE}.lift_mm", "one value for each"),
+    (with_law(LIST.replace("lift_mm = [", "lift_mm = 8 #")), f"{LOBE}.lift_mm = 8", "give a list"),
+    (with_law(LIST.replace("45", "95")), f"{LOBE}.angle_deg", "sort the points"),
+    (with_law(LIST.replace("315", "361")), f"{LOBE}.angle_deg", "list one turn"),
+    (DISC.replace("offset_mm = 5", "offset_mm = 4"), f"{LOBE}.disc_radius_mm = 25", "make them eq"),
+    (DISC.replace("wheel_radius_mm = 200", ""), "cam.wheel_radius_mm", "add it"),
+    (DISC.replace('"grinding"', '"milling"'), "process.operation", "'turning' or 'grinding'"),
+    (DISC.replace('"constant-surface"', '"even"'), "process.speed", "'uniform' or 'constant-sur"),
+    (GOOD.replace("= 60\n\n[machine", "= 0\n\n[machine"), "process.spindle_rpm = 0", "at least 1"),
+    (GOOD.replace("swing_deg = 30", "swing_deg = 90"), "machine.limits.swing_deg", "at most 80"),
+    (GOOD.replace("[[cam.lobe]]", "[cam.lobe]"), "cam.lobe", "give a list"),
+]
+
+
+@pytest.mark.parametrize(("text", "field", "remedy"), BAD)
+def test_bad_field_is_named(text: str, field: str, remedy: str) -> None:
+    """One of the lines names field and remedy."""
+    lines = lines_of(text)
+    first = next((line for line in lines if line.startswith(f"c.toml: {field}")), None)
+    assert first is not None, lines
+    assert remedy in first.split("; ", 1)[1], first
+
+
+def test_lobes_stand_apart() -> None:
+    """Lobes are listed upwards with a gap in which U changes over."""
+    second = GOOD[GOOD.index("[[cam.lobe]]") : GOOD.index("[process]")]
+    text = GOOD.replace("[process]", second.replace("[0, 12]", "[12.1, 20]") + "[process]")
+    assert any("cam.lobe" in line and "apart" in line for line in lines_of(text))
+    assert len(cam_of(text.replace("12.1", "13")).cam.lobe) == 2
+
+
+def test_points_come_from_a_file_too(tmp_path: Path) -> None:
+    """A CSV file beside the part file, read line by line."""
+    path, table = tmp_path / "c.toml", tmp_path / "lift.csv"
+    path.write_text(with_law('law = "list"\ncsv = "lift.csv"\n'))
+    rows = [f"{angle},{angle / 100}\n" for angle in range(0, 360, 30)]
+    table.write_text("angle_deg,lift_mm\n" + "".join(rows))
+    part = load_any(path)
+    assert isinstance(part, CamPart)
+    law = make_lift(part.cam, part.cam.lobe[0], LOBE)
+    assert float(law.evaluate(np.array(np.pi / 6)).lift) == pytest.approx(0.3, abs=1e-12)
+    for text, problem in (
+        ("angle,lift\n", "line 1 = 'angle,lift': wrong header"),
+        ("angle_deg,lift_mm\n0,1\n0,2\n", "line 3 = '0,2': angles must rise"),
+        ("angle_deg,lift_mm\n0,x\n", "line 2 = '0,x': not two numbers"),
+        ("angle_deg,lift_mm\n0,nan\n", "line 2 = '0,nan': angle not"),
+        ("angle_deg,lift_mm\n0,1\n", "has 1 points"),
+    ):
+        table.write_text(text)
+        with pytest.raises(GeometryError) as info:
+            make_lift(part.cam, part.cam.lobe[0], LOBE)
+        assert info.value.lines[0].startswith(f"{LOBE}.csv: lift.csv: ")
+        assert problem in info.value.lines[0]
+    table.unlink()
+    with pytest.raises(GeometryError, match="No such file"):
+        make_lift(part.cam, part.cam.lobe[0], LOBE)
