@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam/cam_plan.h"
-#include "cam/cam_angle.h" // cam_angle_diff_q32
-#include "cam/cam_fix.h"   // cam_clamp_i32
-#include "cam/cam_play.h"  // cam_play_t
-#include <stddef.h>        // NULL
+#include "cam/cam_angle.h"    // cam_angle_diff_q32
+#include "cam/cam_fix.h"      // cam_clamp_i32
+#include "cam/cam_modulate.h" // cam_modulate_find_slices_isr ..
+#include "cam/cam_play.h"     // cam_play_t
 
 /// Half a nanometre: what is read in whole ones is then rounded.
 #define HALF_NM_Q10 512
@@ -125,13 +125,6 @@ CAM_STAGE static uint32_t plan_envelopes(cam_play_t *p)
     return 0;
 }
 
-/// Nobody asks in the work whether a height was clamped.
-static void keep_height(cam_height_t *kept, cam_height_t at)
-{
-    kept->i = at.i;
-    kept->w_q31 = at.w_q31;
-}
-
 CAM_STAGE static uint32_t find_profile(cam_play_t *p, const cam_play_config_t *cfg)
 {
     p->plan.x_spot = cam_eval_spot(&cfg->table->x, p->plan.z_nm);
@@ -184,7 +177,7 @@ CAM_STAGE static uint32_t find_height(cam_play_t *p, const cam_play_config_t *cf
 {
     const int64_t ahead_q26 = (int64_t)p->axis[hal_axis_z].vel_q10 * cfg->u_height_q16;
     const int32_t z_nm = cam_wrap_add(p->plan.z_nm, (int32_t)(ahead_q26 >> 26));
-    keep_height(&p->plan.u_height, cam_eval_height(&cfg->table->u, z_nm));
+    cam_plan_keep_height(&p->plan.u_height, cam_eval_height(&cfg->table->u, z_nm));
     return 0;
 }
 
@@ -222,78 +215,6 @@ CAM_STAGE static uint32_t aim_u(cam_play_t *p, const cam_play_config_t *cfg)
     const int32_t behind_q4 = (int32_t)(behind_q26 >> 22);
     p->behind_way_q4 = share(cfg, behind_q4 - p->behind_q4);
     p->behind_q4 = behind_q4 - p->behind_way_q4 * cfg->round_ticks;
-    return 0;
-}
-
-/// The speed ratio is read for the middle of the ticks that will use it, seen from this one.
-CAM_STAGE static uint32_t find_slices(cam_play_t *p, const cam_play_config_t *cfg,
-                                      const cam_angle_t *angle)
-{
-    const uint32_t angle_q32 = cam_angle_of_pos(cam_angle_ahead(angle, cfg->ratio_q16));
-    p->plan.ratio_angle_q32 = angle_q32 - (uint32_t)p->phase_q32;
-    keep_height(&p->plan.ratio_height, cam_eval_height(&cfg->table->speed, p->plan.z_nm));
-    return 0;
-}
-
-CAM_STAGE static uint32_t find_ratio(cam_play_t *p, const cam_play_config_t *cfg)
-{
-    p->plan.ratio_place =
-        cam_eval_place(&cfg->table->speed, p->plan.ratio_angle_q32, p->plan.ratio_height);
-    return 0;
-}
-
-CAM_STAGE static uint32_t read_knot(cam_play_t *p, uint32_t end)
-{
-    p->plan.ratio_knot[end] = cam_eval_knot_at(&p->plan.ratio_place, end);
-    return 0;
-}
-
-CAM_STAGE static uint32_t read_ratio(cam_play_t *p)
-{
-    const cam_segment_t at = {.k0 = p->plan.ratio_knot[0],
-                              .k1 = p->plan.ratio_knot[1],
-                              .s_q32 = p->plan.ratio_place.s_q32};
-    const cam_fine_t fine = cam_eval_quintic(at);
-    p->plan.ratio_fine.y = fine.y; // nobody asks for the second derivative
-    p->plan.ratio_fine.d1 = fine.d1;
-    return 0;
-}
-
-CAM_STAGE static uint32_t scale_ratio(cam_play_t *p, const cam_play_config_t *cfg)
-{
-    p->plan.ratio =
-        cam_speed_scaled(&cfg->table->speed, cam_eval_rounded(p->plan.ratio_fine, false));
-    return 0;
-}
-
-CAM_STAGE static uint32_t plan_pace(cam_play_t *p)
-{
-    p->plan.pace = cam_speed_pace(p->plan.ratio, p->plan.u.envelope);
-    return 0;
-}
-
-CAM_STAGE static uint32_t plan_told(cam_play_t *p, const cam_play_config_t *cfg)
-{
-    p->plan.told_q28 = cam_speed_told_q28(&cfg->speed, p->plan.pace);
-    return 0;
-}
-
-CAM_STAGE static uint32_t plan_speed(cam_play_t *p, const cam_play_config_t *cfg)
-{
-    p->speed.spindle_mrpm = cam_speed_mrpm(&cfg->speed, p->plan.told_q28);
-    return 0;
-}
-
-CAM_STAGE static uint32_t plan_alpha(cam_play_t *p, const cam_play_config_t *cfg)
-{
-    p->speed.alpha_q40 = cam_speed_alpha_q40(&cfg->speed, p->plan.pace);
-    return 0;
-}
-
-/// U's share of the acceleration that the spindle was told.
-CAM_STAGE static uint32_t plan_alpha_u(cam_play_t *p, const cam_play_config_t *cfg)
-{
-    p->alpha_u = cam_sat_i32(((int64_t)p->speed.alpha_q40 * p->scale_q30) >> cfg->u.alpha_shift);
     return 0;
 }
 
@@ -398,38 +319,38 @@ uint32_t cam_plan_task_isr(cam_play_t *p, const cam_play_config_t *cfg, const ca
         return ramp(p, cfg);
     case cam_plan_task_find_slices:
     case AGAIN(cam_plan_task_find_slices):
-        return find_slices(p, cfg, angle);
+        return cam_modulate_find_slices_isr(p, cfg, angle);
     case cam_plan_task_find_ratio:
     case AGAIN(cam_plan_task_find_ratio):
-        return find_ratio(p, cfg);
+        return cam_modulate_find_ratio_isr(p, cfg);
     case cam_plan_task_ratio_knot_0:
     case AGAIN(cam_plan_task_ratio_knot_0):
-        return read_knot(p, 0);
+        return cam_modulate_read_knot_isr(p, 0);
     case cam_plan_task_ratio_knot_1:
     case AGAIN(cam_plan_task_ratio_knot_1):
-        return read_knot(p, 1);
+        return cam_modulate_read_knot_isr(p, 1);
     case cam_plan_task_read_ratio:
     case AGAIN(cam_plan_task_read_ratio):
-        return read_ratio(p);
+        return cam_modulate_read_ratio_isr(p);
     case cam_plan_task_ratio:
     case AGAIN(cam_plan_task_ratio):
-        return scale_ratio(p, cfg);
+        return cam_modulate_scale_ratio_isr(p, cfg);
     case cam_plan_task_pace:
     case AGAIN(cam_plan_task_pace):
-        return plan_pace(p);
+        return cam_modulate_pace_isr(p);
     case cam_plan_task_told:
     case AGAIN(cam_plan_task_told):
-        return plan_told(p, cfg);
+        return cam_modulate_told_isr(p, cfg);
     case cam_plan_task_speed:
     case AGAIN(cam_plan_task_speed):
-        return plan_speed(p, cfg);
+        return cam_modulate_speed_isr(p, cfg);
     case cam_plan_task_alpha:
     case AGAIN(cam_plan_task_alpha):
-        return plan_alpha(p, cfg);
+        return cam_modulate_alpha_isr(p, cfg);
     case cam_plan_task_alpha_u:
-        return plan_alpha_u(p, cfg);
+        return cam_modulate_alpha_u_isr(p, cfg);
     default: // the last one, which leads back to the first
         p->task = cam_plan_task_positions;
-        return plan_alpha_u(p, cfg);
+        return cam_modulate_alpha_u_isr(p, cfg);
     }
 }

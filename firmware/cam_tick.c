@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam/cam_tick.h"
 #include "cam/cam_fence.h" // cam_fence_release_isr
-#include "cam/cam_fix.h"   // cam_sat_i32
+#include "cam/cam_fix.h"   // cam_clamp_i32
 #include "hal/hal.h"       // all reads and writes
 #include <stddef.h>        // NULL
 

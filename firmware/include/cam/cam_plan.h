@@ -27,6 +27,13 @@ static inline int64_t cam_plan_profile_q10(const cam_channel_t *x, int32_t value
     return ((int64_t)value * 1024 >> x->frac_bits) + (int64_t)x->offset_nm * 1024;
 }
 
+/// Nobody asks in the work whether a height was clamped.
+static inline void cam_plan_keep_height(cam_height_t *kept, cam_height_t at)
+{
+    kept->i = at.i;
+    kept->w_q31 = at.w_q31;
+}
+
 /// Quintic smooth step 10 s^3 - 15 s^4 + 6 s^5.
 /// @param s_q31  [1 / 2^31] 0 .. 2^31 - 1
 /// @return       [1 / 2^30] 0 .. 2^30, error below 2^-24
