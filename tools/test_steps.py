@@ -7,7 +7,9 @@ numbers in JUnit files.
 
 from __future__ import annotations
 
+import contextlib
 import os
+import signal
 import subprocess
 import sys
 import time
@@ -34,6 +36,8 @@ IMAGE_PATHS = ("tests/stm32",)
 # The port for Linux on a real kernel.
 LINUX_PATHS = ("tests/linux/test_linux_start.py", "tests/linux/test_linux.py")
 N_JOBS = "2"
+STEP_LIMIT_S = 900  # ten times what the longest takes; a step that hangs is a failure
+KILL_AFTER_S = 10
 MIN_LINE_PERCENT = "95"
 MIN_BRANCH_PERCENT = "90"
 
@@ -75,15 +79,36 @@ class Tally:
             self.fail(step, max(failed, 1))
 
 
-def run(step: str, command: Iterable[str | Path]) -> int:
+def wait(process: subprocess.Popen[bytes], limit_s: float) -> int:
+    """Return a step's exit status, 124 when it took too long; nothing that it started goes on."""
+    try:
+        return process.wait(limit_s)
+    except subprocess.TimeoutExpired:
+        print(f"not done after {limit_s:g} s: stopped", flush=True)
+        return 124
+    finally:
+        if process.poll() is None:
+            os.killpg(process.pid, signal.SIGTERM)
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                process.wait(KILL_AFTER_S)
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(process.pid, signal.SIGKILL)
+            process.wait()
+
+
+def run(step: str, command: Iterable[str | Path], limit_s: float = STEP_LIMIT_S) -> int:
     """Run one step from the root of the repository; its output passes through."""
     print(f"--- {step}", flush=True)
     start_s = time.monotonic()
     try:
-        # One stream, so that messages stand where they belong.
-        status = subprocess.run(
-            [str(word) for word in command], cwd=ROOT, stderr=subprocess.STDOUT, check=False
-        ).returncode
+        # One stream, so that messages stand where they belong; a group, so that all can be stopped.
+        process = subprocess.Popen(
+            [str(word) for word in command],
+            cwd=ROOT,
+            stderr=subprocess.STDOUT,
+            start_new_session=True,
+        )
+        status = wait(process, limit_s)
     except OSError as err:
         print(err)
         status = 127
@@ -172,6 +197,7 @@ def linux_port(tally: Tally) -> None:
 def main() -> int:
     """Run all steps, or with --fast the quick ones; return the exit status."""
     tally = Tally()
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # stops the step, too
     start_s = time.monotonic()
     os.environ.setdefault("CTEST_OUTPUT_ON_FAILURE", "1")
     fast = "--fast" in sys.argv[1:]

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import subprocess
 from pathlib import Path
@@ -18,6 +19,21 @@ def camsim(*words: str | Path, stdin: str = "") -> subprocess.CompletedProcess[s
     return subprocess.run(
         command, input=stdin, capture_output=True, text=True, timeout=60, check=False
     )
+
+
+def first_difference(path: Path, other: Path) -> str:
+    """Return "" of files that are the same to the byte, else the first line that differs.
+
+    Where CI is set, pytest explains an assertion on the bytes themselves by comparing all lines
+    with all, for hours.
+    """
+    if path.read_bytes() == other.read_bytes():
+        return ""
+    with path.open() as ours, other.open() as theirs:
+        for number, pair in enumerate(itertools.zip_longest(ours, theirs), start=1):
+            if pair[0] != pair[1]:
+                return f"line {number}: {pair[0]!r} and {pair[1]!r}"
+    return "bytes that are no lines"
 
 
 def only_error(done: subprocess.CompletedProcess[str]) -> str:
