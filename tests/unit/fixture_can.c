@@ -105,3 +105,8 @@ const char *fixture_can_line(uint32_t n_ago)
     const bool is_kept = n_ago < hal_host.n_lines && n_ago < hal_host_lines;
     return is_kept ? hal_host.lines[(hal_host.n_lines - 1u - n_ago) % hal_host_lines] : "";
 }
+
+cam_state_t fixture_can_state(const fixture_can_t *f)
+{
+    return fixture_rig_status(&f->rig).state;
+}

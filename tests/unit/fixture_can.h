@@ -35,6 +35,9 @@ void fixture_can_receive(uint32_t id, uint32_t n, uint8_t command, uint8_t index
 fixture_answer_t fixture_can_command(fixture_can_t *f, uint8_t command, uint8_t index,
                                      int32_t value);
 
+/// @return state of the controller after the last tick
+cam_state_t fixture_can_state(const fixture_can_t *f);
+
 /// @return frame sent last with an id; .id is 0 when there is none among those that the port keeps
 hal_can_frame_t fixture_can_sent(uint32_t id);
 

@@ -2,6 +2,7 @@
 // Commands over CAN: every command and refusal, parameters, a queue without room. The bytes
 // are those of camturn.dbc, written out.
 #include "cam/cam_can.h"
+#include "expect_can.h"
 #include "fixture_can.h"
 #include "hal_host.h"
 #include "unity.h"
@@ -23,31 +24,17 @@ void setUp(void)
 
 void tearDown(void) {}
 
-static cam_state_t state(void)
-{
-    return fixture_rig_status(&f.rig).state;
-}
-
-static void expect(cam_err_t result, int32_t value, uint8_t command, uint8_t index, int32_t sent)
-{
-    const fixture_answer_t answer = fixture_can_command(&f, command, index, sent);
-    TEST_ASSERT_EQUAL_UINT32(command, answer.command);
-    TEST_ASSERT_EQUAL_UINT32(index, answer.index);
-    TEST_ASSERT_EQUAL_INT32(result, answer.result);
-    TEST_ASSERT_EQUAL_INT32(value, answer.value);
-}
-
 static void loop_until(cam_state_t wanted)
 {
-    for (uint32_t i = 0; i < 60000u && state() != wanted; i++) {
+    for (uint32_t i = 0; i < 60000u && fixture_can_state(&f) != wanted; i++) {
         fixture_can_loop(&f, 1);
     }
-    TEST_ASSERT_EQUAL_INT(wanted, state());
+    TEST_ASSERT_EQUAL_INT(wanted, fixture_can_state(&f));
 }
 
 static void to_ready(void)
 {
-    expect(cam_ok, 0, enable, 0, 0);
+    expect_answer(&f, cam_ok, 0, enable, 0, 0);
     loop_until(cam_state_ready);
     fixture_can_loop(&f, 2400); // the spindle runs up
 }
@@ -55,11 +42,11 @@ static void to_ready(void)
 static void test_a_part_is_cut_by_commands(void)
 {
     to_ready();
-    expect(cam_ok, 0, start, 0, 0);
+    expect_answer(&f, cam_ok, 0, start, 0, 0);
     loop_until(cam_state_cutting);
-    expect(cam_ok, 0, stop, 0, 0);
+    expect_answer(&f, cam_ok, 0, stop, 0, 0);
     loop_until(cam_state_ready);
-    expect(cam_ok, 0, disable, 0, 0);
+    expect_answer(&f, cam_ok, 0, disable, 0, 0);
     loop_until(cam_state_off);
 }
 
@@ -68,28 +55,28 @@ static void test_a_fault_is_left_by_reset(void)
     to_ready();
     hal_host_fault_estop(true);
     loop_until(cam_state_fault);
-    expect(cam_err_state, 0, enable, 0, 0);
+    expect_answer(&f, cam_err_state, 0, enable, 0, 0);
     fixture_can_loop(&f, 4000);
-    expect(cam_ok, 0, reset, 0, 0);
+    expect_answer(&f, cam_ok, 0, reset, 0, 0);
     loop_until(cam_state_off);
-    expect(cam_err_estop, 0, enable, 0, 0);
+    expect_answer(&f, cam_err_estop, 0, enable, 0, 0);
     hal_host_fault_estop(false);
     hal_host_fault_drive(true);
     fixture_rig_tick(&f.rig);
-    expect(cam_err_drive, 0, enable, 0, 0);
+    expect_answer(&f, cam_err_drive, 0, enable, 0, 0);
 }
 
 static void test_commands_out_of_order_are_refused(void)
 {
     for (uint8_t command = disable; command <= reset; command++) {
-        expect(cam_err_state, 0, command, 0, 0);
+        expect_answer(&f, cam_err_state, 0, command, 0, 0);
     }
     to_ready();
-    expect(cam_err_state, 0, enable, 0, 0);
-    expect(cam_ok, 0, start, 0, 0);
-    expect(cam_err_state, 0, start, 0, 0);
-    expect(cam_err_state, 0, table_anew, 0, 0);
-    TEST_ASSERT_EQUAL_INT(cam_state_engaging, state());
+    expect_answer(&f, cam_err_state, 0, enable, 0, 0);
+    expect_answer(&f, cam_ok, 0, start, 0, 0);
+    expect_answer(&f, cam_err_state, 0, start, 0, 0);
+    expect_answer(&f, cam_err_state, 0, table_anew, 0, 0);
+    TEST_ASSERT_EQUAL_INT(cam_state_engaging, fixture_can_state(&f));
 }
 
 static void test_a_command_before_the_last_was_taken_is_busy(void)
@@ -104,24 +91,24 @@ static void test_a_command_before_the_last_was_taken_is_busy(void)
 
 static void test_an_infeasible_speed_is_refused_with_the_highest(void)
 {
-    expect(cam_ok, 3500000, set, cam_param_spindle_mrpm, 3500000);
-    expect(cam_err_spindle_speed, 3000000, enable, 0, 0);
-    expect(cam_ok, 2500000, set, cam_param_spindle_mrpm, 2500000);
+    expect_answer(&f, cam_ok, 3500000, set, cam_param_spindle_mrpm, 3500000);
+    expect_answer(&f, cam_err_spindle_speed, 3000000, enable, 0, 0);
+    expect_answer(&f, cam_ok, 2500000, set, cam_param_spindle_mrpm, 2500000);
     to_ready();
-    expect(cam_err_spindle_speed, 2500000, set, cam_param_spindle_mrpm, 3500000);
-    TEST_ASSERT_EQUAL_INT(cam_state_ready, state());
+    expect_answer(&f, cam_err_spindle_speed, 2500000, set, cam_param_spindle_mrpm, 3500000);
+    TEST_ASSERT_EQUAL_INT(cam_state_ready, fixture_can_state(&f));
 }
 
 static void test_set_tells_the_value_in_force(void)
 {
-    expect(cam_ok, -5000000, set, cam_param_phase_udeg, -5000000);
-    expect(cam_err_param_range, -5000000, set, cam_param_phase_udeg, INT32_MIN);
-    expect(cam_ok, -5000000, get, cam_param_phase_udeg, 77);
-    expect(cam_err_param_tick, 200000, set, cam_param_observer_bandwidth_mHz, 1000001);
-    expect(cam_err_param_id, 0, set, cam_n_params, 1);
-    expect(cam_err_param_id, 0, get, 255, 1);
-    expect(cam_ok, 0, enable, 0, 0);
-    expect(cam_err_param_state, 0, set, cam_param_k1_ns, 1);
+    expect_answer(&f, cam_ok, -5000000, set, cam_param_phase_udeg, -5000000);
+    expect_answer(&f, cam_err_param_range, -5000000, set, cam_param_phase_udeg, INT32_MIN);
+    expect_answer(&f, cam_ok, -5000000, get, cam_param_phase_udeg, 77);
+    expect_answer(&f, cam_err_param_tick, 200000, set, cam_param_observer_bandwidth_mHz, 1000001);
+    expect_answer(&f, cam_err_param_id, 0, set, cam_n_params, 1);
+    expect_answer(&f, cam_err_param_id, 0, get, 255, 1);
+    expect_answer(&f, cam_ok, 0, enable, 0, 0);
+    expect_answer(&f, cam_err_param_state, 0, set, cam_param_k1_ns, 1);
 }
 
 /// The last answers, oldest first, are a refusal and the range.
@@ -144,16 +131,16 @@ static void expect_range(uint8_t command, uint8_t index, int32_t low, int32_t hi
 
 static void test_a_value_out_of_range_is_answered_with_the_range(void)
 {
-    expect(cam_err_param_range, 0, set, cam_param_phase_udeg, INT32_MIN);
+    expect_answer(&f, cam_err_param_range, 0, set, cam_param_phase_udeg, INT32_MIN);
     expect_range(set, cam_param_phase_udeg, -180000000, 180000000);
-    expect(cam_err_param_range, 1, set, cam_param_encoder_sign, 0);
+    expect_answer(&f, cam_err_param_range, 1, set, cam_param_encoder_sign, 0);
     expect_range(set, cam_param_encoder_sign, -1, 1);
     (void)fixture_can_command(&f, set_speed, 0, -1);
     expect_range(set_speed, cam_param_spindle_mrpm, 0, 60000000);
-    expect(cam_ok, 64, get_minimum, cam_param_counts_per_turn, 5);
-    expect(cam_ok, 16777216, get_maximum, cam_param_counts_per_turn, 5);
-    expect(cam_err_param_id, 0, get_minimum, cam_n_params, 5);
-    expect(cam_err_param_id, 0, get_maximum, 255, 5);
+    expect_answer(&f, cam_ok, 64, get_minimum, cam_param_counts_per_turn, 5);
+    expect_answer(&f, cam_ok, 16777216, get_maximum, cam_param_counts_per_turn, 5);
+    expect_answer(&f, cam_err_param_id, 0, get_minimum, cam_n_params, 5);
+    expect_answer(&f, cam_err_param_id, 0, get_maximum, 255, 5);
 }
 
 static void test_a_range_without_room_is_kept(void)
@@ -175,45 +162,45 @@ static void test_a_range_without_room_is_kept(void)
 
 static void test_quick_commands_set_their_parameters(void)
 {
-    expect(cam_ok, 1200500, set_speed, cam_param_spindle_mrpm, 1200500);
+    expect_answer(&f, cam_ok, 1200500, set_speed, cam_param_spindle_mrpm, 1200500);
     TEST_ASSERT_EQUAL_INT32(1200500, f.rig.machine.params.spindle_mrpm);
-    expect(cam_ok, 150000, set_feed, cam_param_feed_nm, 150000);
+    expect_answer(&f, cam_ok, 150000, set_feed, cam_param_feed_nm, 150000);
     TEST_ASSERT_EQUAL_INT32(150000, f.rig.machine.params.feed_nm);
-    expect(cam_ok, 500000, set_amplitude, cam_param_amplitude_ppm, 500000);
+    expect_answer(&f, cam_ok, 500000, set_amplitude, cam_param_amplitude_ppm, 500000);
     TEST_ASSERT_EQUAL_INT32(500000, f.rig.machine.params.amplitude_ppm);
-    expect(cam_ok, -90000000, set_phase, cam_param_phase_udeg, -90000000);
+    expect_answer(&f, cam_ok, -90000000, set_phase, cam_param_phase_udeg, -90000000);
     TEST_ASSERT_EQUAL_INT32(-90000000, f.rig.machine.params.phase_udeg);
 }
 
 static void test_only_ramped_parameters_change_in_the_cut(void)
 {
     to_ready();
-    expect(cam_ok, 0, start, 0, 0);
+    expect_answer(&f, cam_ok, 0, start, 0, 0);
     loop_until(cam_state_cutting);
     for (int i = 0; i < cam_n_params; i++) {
         const cam_param_id_t id = (cam_param_id_t)i;
         const int32_t value = cam_param_get(&f.rig.machine.params, id);
         const bool may = id == cam_param_phase_udeg || id == cam_param_amplitude_ppm;
-        expect(may ? cam_ok : cam_err_param_state, value, set, (uint8_t)i, value);
+        expect_answer(&f, may ? cam_ok : cam_err_param_state, value, set, (uint8_t)i, value);
         fixture_can_loop(&f, 2);
     }
-    expect(cam_err_param_state, 0, set_speed, cam_param_spindle_mrpm, 1000000);
-    expect(cam_err_param_state, 0, set_feed, cam_param_feed_nm, 100000);
-    expect(cam_ok, 900000, set_amplitude, cam_param_amplitude_ppm, 900000);
+    expect_answer(&f, cam_err_param_state, 0, set_speed, cam_param_spindle_mrpm, 1000000);
+    expect_answer(&f, cam_err_param_state, 0, set_feed, cam_param_feed_nm, 100000);
+    expect_answer(&f, cam_ok, 900000, set_amplitude, cam_param_amplitude_ppm, 900000);
     fixture_can_loop(&f, 2);
-    expect(cam_ok, 1000, set_phase, cam_param_phase_udeg, 1000);
-    expect(cam_err_state, 0, home, 0, 0);
-    TEST_ASSERT_EQUAL_INT(cam_state_cutting, state());
+    expect_answer(&f, cam_ok, 1000, set_phase, cam_param_phase_udeg, 1000);
+    expect_answer(&f, cam_err_state, 0, home, 0, 0);
+    TEST_ASSERT_EQUAL_INT(cam_state_cutting, fixture_can_state(&f));
 }
 
 static void test_home_homes_and_homes_anew(void)
 {
-    expect(cam_ok, 0, home, 0, 0);
+    expect_answer(&f, cam_ok, 0, home, 0, 0);
     loop_until(cam_state_homing);
-    expect(cam_err_state, 0, home, 0, 0);
+    expect_answer(&f, cam_err_state, 0, home, 0, 0);
     loop_until(cam_state_ready);
     fixture_can_loop(&f, 2);
-    expect(cam_ok, 0, home, 0, 0);
+    expect_answer(&f, cam_ok, 0, home, 0, 0);
     loop_until(cam_state_off);
     TEST_ASSERT_EQUAL_HEX32(0, hal_host.out.outputs & hal_out_enable);
     loop_until(cam_state_homing);
@@ -223,13 +210,13 @@ static void test_home_homes_and_homes_anew(void)
 static void test_home_anew_stays_off_when_the_drives_are_not_ready(void)
 {
     to_ready();
-    expect(cam_ok, 0, home, 0, 0);
+    expect_answer(&f, cam_ok, 0, home, 0, 0);
     hal_host_fault_drive(true);
     fixture_rig_tick(&f.rig);
     fixture_can_loop(&f, 10);
     hal_host_fault_drive(false);
     fixture_can_loop(&f, 10);
-    TEST_ASSERT_EQUAL_INT(cam_state_off, state());
+    TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_can_state(&f));
 }
 
 static void test_get_knows_every_parameter(void)
@@ -237,17 +224,17 @@ static void test_get_knows_every_parameter(void)
     for (int i = 0; i < cam_n_params; i++) {
         const int32_t value =
             i == cam_param_lead_ns ? 50000 : cam_param_info((cam_param_id_t)i)->def;
-        expect(cam_ok, value, get, (uint8_t)i, 0);
+        expect_answer(&f, cam_ok, value, get, (uint8_t)i, 0);
     }
 }
 
 static void test_unknown_commands_have_an_error_of_their_own(void)
 {
-    expect(cam_err_command, 0, 0, 3, 1);
-    expect(cam_err_command, 0, 18, 0, 0);
-    expect(cam_err_command, 0, 19, 0, 0);
-    expect(cam_err_command, 0, 255, 255, -1);
-    TEST_ASSERT_EQUAL_INT(cam_state_off, state());
+    expect_answer(&f, cam_err_command, 0, 0, 3, 1);
+    expect_answer(&f, cam_err_command, 0, 18, 0, 0);
+    expect_answer(&f, cam_err_command, 0, 19, 0, 0);
+    expect_answer(&f, cam_err_command, 0, 255, 255, -1);
+    TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_can_state(&f));
 }
 
 static void test_an_answer_without_room_is_kept_before_the_next_command(void)
@@ -275,14 +262,14 @@ static void test_an_answer_without_room_is_kept_before_the_next_command(void)
 static void test_bus_off_stops_nothing_and_ends(void)
 {
     to_ready();
-    expect(cam_ok, 0, start, 0, 0);
+    expect_answer(&f, cam_ok, 0, start, 0, 0);
     loop_until(cam_state_cutting);
     hal_host.slow.is_bus_off = true;
     const uint32_t n_sent = hal_host.slow.n_sent;
     fixture_can_receive(0x640, 8, get, 0, 0);
     fixture_can_loop(&f, 1000);
     TEST_ASSERT_EQUAL_UINT32(n_sent, hal_host.slow.n_sent);
-    TEST_ASSERT_EQUAL_INT(cam_state_cutting, state());
+    TEST_ASSERT_EQUAL_INT(cam_state_cutting, fixture_can_state(&f));
     hal_host.slow.is_bus_off = false;
     fixture_can_loop(&f, 1);
     const hal_can_frame_t frame = fixture_can_sent(0x5C0);

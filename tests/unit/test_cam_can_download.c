@@ -2,6 +2,7 @@
 // Download of a table over CAN: what goes well, and interruptions at and within every block,
 // repetition, order, which must leave the old table in force.
 #include "cam/cam_can.h"
+#include "expect_can.h"
 #include "fixture_download.h"
 #include "hal_host.h"
 #include "unity.h"
@@ -17,42 +18,10 @@ void setUp(void)
 
 void tearDown(void) {}
 
-static void expect_block(cam_err_t err, uint32_t offset, uint32_t n, uint32_t received)
-{
-    const fixture_answer_t answer = fixture_download_block(&d, offset, n);
-    TEST_ASSERT_EQUAL_UINT32(fixture_block, answer.command);
-    TEST_ASSERT_EQUAL_INT32(err, answer.result);
-    TEST_ASSERT_EQUAL_INT32(received, answer.value);
-}
-
-static void give_blocks(uint32_t from, uint32_t to)
-{
-    for (uint32_t i = from; i < to; i++) {
-        expect_block(cam_ok, i * fixture_block_bytes, fixture_download_bytes(&d, i),
-                     i * fixture_block_bytes + fixture_download_bytes(&d, i));
-    }
-}
-
-static void begin_download(void)
-{
-    TEST_ASSERT_EQUAL_INT32(
-        cam_ok, fixture_download_send(&d, fixture_begin, (uint32_t)d.other.size).result);
-}
-
-static void expect_old_in_force(void)
-{
-    TEST_ASSERT_EQUAL_PTR(d.can.rig.image.bytes, hal_table_image().bytes);
-    TEST_ASSERT_EQUAL_INT32(cam_ok, fixture_download_send(&d, fixture_select, 0).result);
-    TEST_ASSERT_EQUAL_STRING("short skirt", d.can.rig.machine.table.name);
-    fixture_can_start(&d.can); // the same after a restart
-    TEST_ASSERT_EQUAL_STRING("short skirt", d.can.rig.machine.table.name);
-    fixture_can_loop(&d.can, 1);
-}
-
 static void expect_download_works(void)
 {
-    begin_download();
-    give_blocks(0, fixture_download_blocks(&d));
+    expect_begin(&d);
+    expect_blocks(&d, 0, fixture_download_blocks(&d));
     TEST_ASSERT_EQUAL_INT32(
         cam_ok, fixture_download_send(&d, fixture_end, fixture_download_crc(&d)).result);
     TEST_ASSERT_EQUAL_STRING("short skirt", d.can.rig.machine.table.name);
@@ -77,9 +46,9 @@ static void test_the_places_take_turns(void)
     const void *first = hal_table_image().bytes;
     fixture_can_loop(&d.can, 2);
     fixture_download_name(&d, "third skirt");
-    begin_download();
+    expect_begin(&d);
     TEST_ASSERT_TRUE(first != hal_table_staged().bytes);
-    give_blocks(0, fixture_download_blocks(&d));
+    expect_blocks(&d, 0, fixture_download_blocks(&d));
     TEST_ASSERT_EQUAL_STRING("other skirt", d.can.rig.machine.table.name);
     TEST_ASSERT_EQUAL_INT32(
         cam_ok, fixture_download_send(&d, fixture_end, fixture_download_crc(&d)).result);
@@ -92,25 +61,25 @@ static void test_the_places_take_turns(void)
 static void test_interrupted_at_every_block(void)
 {
     for (uint32_t n = 0; n < fixture_download_blocks(&d); n++) {
-        begin_download();
-        give_blocks(0, n);
+        expect_begin(&d);
+        expect_blocks(&d, 0, n);
         const fixture_answer_t answer =
             fixture_download_send(&d, fixture_end, fixture_download_crc(&d));
         TEST_ASSERT_EQUAL_INT32(cam_err_download_short, answer.result);
         TEST_ASSERT_EQUAL_INT32(n * fixture_block_bytes, answer.value);
-        expect_old_in_force(); // which restarts
+        expect_old_in_force(&d); // which restarts
         TEST_ASSERT_EQUAL_INT32(
             cam_err_download_order,
             fixture_download_send(&d, fixture_end, fixture_download_crc(&d)).result);
-        expect_block(cam_err_download_order, n * fixture_block_bytes, fixture_download_bytes(&d, n),
-                     0);
+        expect_block(&d, cam_err_download_order, n * fixture_block_bytes,
+                     fixture_download_bytes(&d, n), 0);
     }
     expect_download_works();
 }
 
 static void test_interrupted_within_every_block(void)
 {
-    begin_download();
+    expect_begin(&d);
     for (uint32_t i = 0; i < fixture_download_blocks(&d); i++) {
         uint8_t message[4 + fixture_block_bytes];
         const uint32_t n = fixture_download_make(message, d.other.bytes, i * fixture_block_bytes,
@@ -119,7 +88,7 @@ static void test_interrupted_within_every_block(void)
         fixture_can_loop(&d.can, 20000); // a second and more of silence, then it is answered
         fixture_can_loop(&d.can, 3);
         const uint32_t n_sent = hal_host.slow.n_sent;
-        give_blocks(i, i + 1u); // sent again
+        expect_blocks(&d, i, i + 1u); // sent again
         TEST_ASSERT_TRUE(hal_host.slow.n_sent > n_sent);
     }
     TEST_ASSERT_EQUAL_INT32(
@@ -129,8 +98,8 @@ static void test_interrupted_within_every_block(void)
 
 static void test_a_break_is_answered_with_where_to_go_on(void)
 {
-    begin_download();
-    give_blocks(0, 2);
+    expect_begin(&d);
+    expect_blocks(&d, 0, 2);
     uint8_t message[4 + fixture_block_bytes];
     const uint32_t n =
         fixture_download_make(message, d.other.bytes, 2 * fixture_block_bytes, fixture_block_bytes);
@@ -142,7 +111,7 @@ static void test_a_break_is_answered_with_where_to_go_on(void)
     TEST_ASSERT_EQUAL_UINT32(fixture_block, answer.command);
     TEST_ASSERT_EQUAL_INT32(cam_err_download_order, answer.result);
     TEST_ASSERT_EQUAL_INT32(2 * fixture_block_bytes, answer.value);
-    give_blocks(2, fixture_download_blocks(&d));
+    expect_blocks(&d, 2, fixture_download_blocks(&d));
     TEST_ASSERT_EQUAL_INT32(
         cam_ok, fixture_download_send(&d, fixture_end, fixture_download_crc(&d)).result);
 }
@@ -150,62 +119,62 @@ static void test_a_break_is_answered_with_where_to_go_on(void)
 static void test_a_new_begin_forgets_what_came(void)
 {
     for (uint32_t n = 0; n <= fixture_download_blocks(&d); n++) {
-        begin_download();
-        give_blocks(0, n);
+        expect_begin(&d);
+        expect_blocks(&d, 0, n);
     }
     TEST_ASSERT_EQUAL_INT32(
         cam_ok, fixture_download_send(&d, fixture_end, fixture_download_crc(&d)).result);
-    begin_download(); // also a whole one
-    expect_old_in_force();
+    expect_begin(&d); // also a whole one
+    expect_old_in_force(&d);
 }
 
 static void test_repeated_blocks_are_accepted_once(void)
 {
-    begin_download();
-    give_blocks(0, 3);
-    expect_block(cam_ok, 2 * fixture_block_bytes, fixture_block_bytes, 3 * fixture_block_bytes);
-    expect_block(cam_ok, 0, fixture_block_bytes, 3 * fixture_block_bytes);
-    give_blocks(3, fixture_download_blocks(&d));
-    expect_block(cam_ok, 0, fixture_block_bytes, (uint32_t)d.other.size);
+    expect_begin(&d);
+    expect_blocks(&d, 0, 3);
+    expect_block(&d, cam_ok, 2 * fixture_block_bytes, fixture_block_bytes, 3 * fixture_block_bytes);
+    expect_block(&d, cam_ok, 0, fixture_block_bytes, 3 * fixture_block_bytes);
+    expect_blocks(&d, 3, fixture_download_blocks(&d));
+    expect_block(&d, cam_ok, 0, fixture_block_bytes, (uint32_t)d.other.size);
     TEST_ASSERT_EQUAL_INT32(
         cam_ok, fixture_download_send(&d, fixture_end, fixture_download_crc(&d)).result);
-    expect_block(cam_err_download_order, 0, fixture_block_bytes, (uint32_t)d.other.size);
+    expect_block(&d, cam_err_download_order, 0, fixture_block_bytes, (uint32_t)d.other.size);
     TEST_ASSERT_EQUAL_INT32(cam_ok, fixture_download_send(&d, fixture_select, 0).result);
 }
 
 static void test_a_block_repeated_with_other_content_is_refused(void)
 {
-    begin_download();
-    give_blocks(0, 2);
+    expect_begin(&d);
+    expect_blocks(&d, 0, 2);
     d.other.bytes[fixture_block_bytes + 9] ^= 1u;
-    expect_block(cam_err_download_order, fixture_block_bytes, fixture_block_bytes,
+    expect_block(&d, cam_err_download_order, fixture_block_bytes, fixture_block_bytes,
                  2 * fixture_block_bytes);
     d.other.bytes[fixture_block_bytes + 9] ^= 1u;
-    give_blocks(2, fixture_download_blocks(&d));
+    expect_blocks(&d, 2, fixture_download_blocks(&d));
     TEST_ASSERT_EQUAL_INT32(
         cam_ok, fixture_download_send(&d, fixture_end, fixture_download_crc(&d)).result);
 }
 
 static void test_blocks_out_of_order_are_refused(void)
 {
-    begin_download();
-    expect_block(cam_err_download_order, fixture_block_bytes, fixture_block_bytes, 0);
-    give_blocks(0, 1);
-    expect_block(cam_err_download_order, 2 * fixture_block_bytes, fixture_block_bytes,
+    expect_begin(&d);
+    expect_block(&d, cam_err_download_order, fixture_block_bytes, fixture_block_bytes, 0);
+    expect_blocks(&d, 0, 1);
+    expect_block(&d, cam_err_download_order, 2 * fixture_block_bytes, fixture_block_bytes,
                  fixture_block_bytes);
-    expect_block(cam_err_download_order, fixture_block_bytes - 32, fixture_block_bytes,
+    expect_block(&d, cam_err_download_order, fixture_block_bytes - 32, fixture_block_bytes,
                  fixture_block_bytes); // overlaps
-    expect_block(cam_err_download_order, fixture_block_bytes, 31,
+    expect_block(&d, cam_err_download_order, fixture_block_bytes, 31,
                  fixture_block_bytes); // not whole grains
-    expect_block(cam_err_download_order, 0, 0, fixture_block_bytes);
-    give_blocks(1, fixture_download_blocks(&d));
+    expect_block(&d, cam_err_download_order, 0, 0, fixture_block_bytes);
+    expect_blocks(&d, 1, fixture_download_blocks(&d));
     TEST_ASSERT_EQUAL_INT32(
         cam_ok, fixture_download_send(&d, fixture_end, fixture_download_crc(&d)).result);
 }
 
 static void test_answers_and_flow_control_wait_for_room(void)
 {
-    begin_download();
+    expect_begin(&d);
     fixture_can_loop(&d.can, 1);
     hal_host.slow.n_room = 0;
     uint8_t message[4 + 32];

@@ -2,6 +2,7 @@
 // Frames that no tool should send: malformed, foreign, too many, random. The bytes are those of
 // camturn.dbc, written out.
 #include "cam/cam_can.h"
+#include "expect_can.h"
 #include "fixture_can.h"
 #include "fixture_random.h"
 #include "hal_host.h"
@@ -21,20 +22,6 @@ void setUp(void)
 }
 
 void tearDown(void) {}
-
-static cam_state_t state(void)
-{
-    return fixture_rig_status(&f.rig).state;
-}
-
-static void expect(cam_err_t result, int32_t value, uint8_t command, uint8_t index, int32_t sent)
-{
-    const fixture_answer_t answer = fixture_can_command(&f, command, index, sent);
-    TEST_ASSERT_EQUAL_UINT32(command, answer.command);
-    TEST_ASSERT_EQUAL_UINT32(index, answer.index);
-    TEST_ASSERT_EQUAL_INT32(result, answer.result);
-    TEST_ASSERT_EQUAL_INT32(value, answer.value);
-}
 
 static fixture_answer_t answer_to(const hal_can_frame_t *frame)
 {
@@ -65,7 +52,7 @@ static void test_malformed_frames_are_answered_and_do_nothing(void)
         TEST_ASSERT_EQUAL_INT32(cam_err_frame, answer_to(&frame).result);
     }
     fixture_can_loop(&f, 2);
-    TEST_ASSERT_EQUAL_INT(cam_state_off, state());
+    TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_can_state(&f));
 }
 
 static void test_foreign_ids_are_passed_over(void)
@@ -78,7 +65,7 @@ static void test_foreign_ids_are_passed_over(void)
     cam_can_poll(&f.can);
     TEST_ASSERT_EQUAL_UINT32(n_sent, hal_host.slow.n_sent);
     fixture_can_receive(0x123, 8, enable, 0, 0);
-    expect(cam_ok, 0, enable, 0, 0); // behind a foreign one, in the same poll
+    expect_answer(&f, cam_ok, 0, enable, 0, 0); // behind a foreign one, in the same poll
 }
 
 static void test_a_flood_of_foreign_ids_does_not_hold_up_a_poll(void)

@@ -2,6 +2,7 @@
 // Downloads that are refused: too long, damaged, wrong, in a wrong state, into memory that fails.
 // All leave the old table in force.
 #include "cam/cam_can.h"
+#include "expect_can.h"
 #include "fixture_download.h"
 #include "hal_host.h"
 #include "unity.h"
@@ -17,46 +18,14 @@ void setUp(void)
 
 void tearDown(void) {}
 
-static void expect_block(cam_err_t err, uint32_t offset, uint32_t n, uint32_t received)
-{
-    const fixture_answer_t answer = fixture_download_block(&d, offset, n);
-    TEST_ASSERT_EQUAL_UINT32(fixture_block, answer.command);
-    TEST_ASSERT_EQUAL_INT32(err, answer.result);
-    TEST_ASSERT_EQUAL_INT32(received, answer.value);
-}
-
-static void give_blocks(uint32_t from, uint32_t to)
-{
-    for (uint32_t i = from; i < to; i++) {
-        expect_block(cam_ok, i * fixture_block_bytes, fixture_download_bytes(&d, i),
-                     i * fixture_block_bytes + fixture_download_bytes(&d, i));
-    }
-}
-
-static void begin_download(void)
-{
-    TEST_ASSERT_EQUAL_INT32(
-        cam_ok, fixture_download_send(&d, fixture_begin, (uint32_t)d.other.size).result);
-}
-
-static void expect_old_in_force(void)
-{
-    TEST_ASSERT_EQUAL_PTR(d.can.rig.image.bytes, hal_table_image().bytes);
-    TEST_ASSERT_EQUAL_INT32(cam_ok, fixture_download_send(&d, fixture_select, 0).result);
-    TEST_ASSERT_EQUAL_STRING("short skirt", d.can.rig.machine.table.name);
-    fixture_can_start(&d.can); // the same after a restart
-    TEST_ASSERT_EQUAL_STRING("short skirt", d.can.rig.machine.table.name);
-    fixture_can_loop(&d.can, 1);
-}
-
 static void expect_wrong(cam_err_t err, uint32_t crc)
 {
-    begin_download();
-    give_blocks(0, fixture_download_blocks(&d));
+    expect_begin(&d);
+    expect_blocks(&d, 0, fixture_download_blocks(&d));
     TEST_ASSERT_EQUAL_INT32(err, fixture_download_send(&d, fixture_end, crc).result);
     TEST_ASSERT_EQUAL_INT32(cam_err_download_order,
                             fixture_download_send(&d, fixture_end, crc).result);
-    expect_old_in_force();
+    expect_old_in_force(&d);
 }
 
 static void test_damaged_and_wrong_images_are_refused(void)
@@ -82,30 +51,30 @@ static void test_sizes_that_cannot_be_are_refused(void)
         fixture_download_send(&d, fixture_begin, hal_host_place_bytes + 1).result);
     TEST_ASSERT_EQUAL_INT32(cam_err_download_room,
                             fixture_download_send(&d, fixture_begin, UINT32_MAX).result);
-    expect_block(cam_err_download_order, 0, 512, 0);
-    expect_old_in_force();
+    expect_block(&d, cam_err_download_order, 0, 512, 0);
+    expect_old_in_force(&d);
 }
 
 static void test_blocks_beyond_the_end_are_refused(void)
 {
     TEST_ASSERT_EQUAL_INT32(cam_ok, fixture_download_send(&d, fixture_begin, 1000).result);
-    expect_block(cam_ok, 0, 512, 512);
-    expect_block(cam_err_download_room, 512, 489, 512);
-    expect_block(cam_err_download_room, 1024, 8, 512);
+    expect_block(&d, cam_ok, 0, 512, 512);
+    expect_block(&d, cam_err_download_room, 512, 489, 512);
+    expect_block(&d, cam_err_download_room, 1024, 8, 512);
     uint8_t message[8] = {0xFF, 0xFF, 0xFF, 0xFF, 1};
     fixture_download_message(&d, message, 8, 0);
     const hal_can_frame_t frame = fixture_can_sent(0x5C0);
     TEST_ASSERT_EQUAL_INT32(cam_err_download_room, fixture_can_answer(&frame).result);
-    expect_block(cam_ok, 512, 488, 1000);
+    expect_block(&d, cam_ok, 512, 488, 1000);
     TEST_ASSERT_EQUAL_INT32(
         cam_err_image_size,
         fixture_download_send(&d, fixture_end, cam_crc32(0, d.other.bytes, 1000)).result);
-    expect_old_in_force();
+    expect_old_in_force(&d);
 }
 
 static void test_a_block_too_long_for_the_controller_is_told_by_flow_control(void)
 {
-    begin_download();
+    expect_begin(&d);
     static const uint8_t data[8] = {0x10, 0, 0, 0, 0x10, 0x05}; // 4101
     (void)fixture_download_frame(&d, data, 8);
     const hal_can_frame_t frame = fixture_can_sent(0x6C1);
@@ -121,16 +90,16 @@ static void test_memory_that_fails_leaves_the_old_table(void)
         fixture_download_send(&d, fixture_begin, (uint32_t)d.other.size).result);
     for (uint32_t n = 0; n < fixture_download_blocks(&d); n++) {
         hal_host.slow.n_store = 1u + n;
-        begin_download();
-        give_blocks(0, n);
-        expect_block(cam_err_download_store, n * fixture_block_bytes, fixture_download_bytes(&d, n),
-                     n * fixture_block_bytes);
+        expect_begin(&d);
+        expect_blocks(&d, 0, n);
+        expect_block(&d, cam_err_download_store, n * fixture_block_bytes,
+                     fixture_download_bytes(&d, n), n * fixture_block_bytes);
         hal_host.slow.n_store = UINT32_MAX;
-        expect_block(cam_err_download_order, n * fixture_block_bytes, fixture_download_bytes(&d, n),
-                     n * fixture_block_bytes);
+        expect_block(&d, cam_err_download_order, n * fixture_block_bytes,
+                     fixture_download_bytes(&d, n), n * fixture_block_bytes);
     }
-    begin_download();
-    give_blocks(0, fixture_download_blocks(&d));
+    expect_begin(&d);
+    expect_blocks(&d, 0, fixture_download_blocks(&d));
     TEST_ASSERT_EQUAL_INT32(
         cam_ok, fixture_download_send(&d, fixture_end, fixture_download_crc(&d)).result);
     hal_host.slow.n_store = 0;
@@ -138,15 +107,15 @@ static void test_memory_that_fails_leaves_the_old_table(void)
                             fixture_download_send(&d, fixture_select, 0).result);
     TEST_ASSERT_EQUAL_STRING("short skirt", d.can.rig.machine.table.name);
     hal_host.slow.n_store = UINT32_MAX;
-    expect_old_in_force();
+    expect_old_in_force(&d);
 }
 
 static void test_a_download_goes_on_in_off_only(void)
 {
-    begin_download();
-    give_blocks(0, 2);
+    expect_begin(&d);
+    expect_blocks(&d, 0, 2);
     TEST_ASSERT_TRUE(fixture_rig_bring(&d.can.rig, cam_state_ready));
-    expect_block(cam_err_state, 2 * fixture_block_bytes, fixture_block_bytes,
+    expect_block(&d, cam_err_state, 2 * fixture_block_bytes, fixture_block_bytes,
                  2 * fixture_block_bytes);
     TEST_ASSERT_EQUAL_INT32(
         cam_err_state, fixture_download_send(&d, fixture_begin, (uint32_t)d.other.size).result);
@@ -154,7 +123,7 @@ static void test_a_download_goes_on_in_off_only(void)
         cam_err_state, fixture_download_send(&d, fixture_end, fixture_download_crc(&d)).result);
     TEST_ASSERT_EQUAL_INT32(cam_ok, fixture_download_send(&d, disable, 0).result);
     fixture_can_loop(&d.can, 2);
-    give_blocks(2, fixture_download_blocks(&d));
+    expect_blocks(&d, 2, fixture_download_blocks(&d));
     TEST_ASSERT_EQUAL_INT32(
         cam_ok, fixture_download_send(&d, fixture_end, fixture_download_crc(&d)).result);
     TEST_ASSERT_TRUE(fixture_rig_bring(&d.can.rig, cam_state_ready));
@@ -168,15 +137,15 @@ static void test_a_download_goes_on_in_off_only(void)
 
 static void test_the_cut_refuses_everything(void)
 {
-    begin_download();
-    give_blocks(0, fixture_download_blocks(&d));
+    expect_begin(&d);
+    expect_blocks(&d, 0, fixture_download_blocks(&d));
     TEST_ASSERT_EQUAL_INT32(
         cam_ok, fixture_download_send(&d, fixture_end, fixture_download_crc(&d)).result);
     TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&d.can.rig, cam_param_lead_ns, 50000));
     TEST_ASSERT_TRUE(fixture_rig_bring(&d.can.rig, cam_state_cutting));
     TEST_ASSERT_EQUAL_INT32(
         cam_err_state, fixture_download_send(&d, fixture_begin, (uint32_t)d.other.size).result);
-    expect_block(cam_err_state, 0, fixture_block_bytes, (uint32_t)d.other.size);
+    expect_block(&d, cam_err_state, 0, fixture_block_bytes, (uint32_t)d.other.size);
     TEST_ASSERT_EQUAL_INT32(
         cam_err_state, fixture_download_send(&d, fixture_end, fixture_download_crc(&d)).result);
     TEST_ASSERT_EQUAL_INT32(cam_err_state, fixture_download_send(&d, fixture_select, 0).result);
@@ -195,8 +164,8 @@ static void test_a_command_on_its_way_makes_it_wait(void)
 
 static void test_a_table_in_use_is_not_overwritten_after_a_select_that_failed(void)
 {
-    begin_download();
-    give_blocks(0, fixture_download_blocks(&d));
+    expect_begin(&d);
+    expect_blocks(&d, 0, fixture_download_blocks(&d));
     TEST_ASSERT_EQUAL_INT32(
         cam_ok, fixture_download_send(&d, fixture_end, fixture_download_crc(&d)).result);
     ((uint8_t *)(uintptr_t)hal_table_staged().bytes)[2000] ^= 1u; // the memory forgets
