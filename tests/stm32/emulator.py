@@ -49,7 +49,6 @@ DTCM, DTCM_BYTES = 0x20000000, 0x20000
 NULL_BYTES = 0x100  # of ITCM: where a null pointer leads
 NOWHERE = 0xFFFFFFFE  # no code there: only hooks end a slice
 PATTERN = b"\xa5"
-BRANCH_TO_ITSELF = b"\xfe\xe7"
 WFI = b"\x30\xbf"
 EXCEPTION_EXIT = 8  # Unicorn's number of a branch to EXC_RETURN
 IRQ_TIM4 = 30
@@ -224,12 +223,8 @@ class Chip:
         """Let the next load from a device's register take so long, as a slow bus would."""
         self._stall = (address, cycles)
 
-    def hang(self, address: int) -> None:
-        """Replace the instruction at an address by a branch to itself."""
-        self.heal(address, BRANCH_TO_ITSELF)
-
-    def heal(self, address: int, instruction: bytes) -> None:
-        """Put an instruction to its place."""
+    def put_instruction(self, address: int, instruction: bytes) -> None:
+        """Change what the core executes, as a debugger would."""
         self.write_memory(address, instruction)
         self.uc.ctl_flush_tb()
 

@@ -159,6 +159,11 @@ class Remote:
         crc = zlib.crc32(table)
         self.do(END, value=crc - (1 << 32) if crc >> 31 else crc)
 
+    def use(self, table: bytes) -> None:
+        """Download a table and select it."""
+        self.download(table)
+        self.do(SELECT)
+
     def table_name(self) -> str:
         """Return the name of the table in use, as the status tells it from now on."""
         self.frames(DETAIL).clear()

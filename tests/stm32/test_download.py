@@ -82,8 +82,7 @@ def give_until_dark(session: Session, table: bytes) -> None:
     remote, chip = session.remote, session.chip
     n = len(chip.resets)
     try:
-        remote.download(table)
-        remote.do(SELECT)
+        remote.use(table)
     except AssertionError:
         assert len(chip.resets) > n, "the download failed, but not for want of power"
 
@@ -100,8 +99,7 @@ def test_power_lost_on_the_way_leaves_the_old_table(table: bytes, operation: int
     assert chip.resets.count("power_on") == 2
     session.remote.started()
     assert told(session) == "short skirt"
-    session.remote.download(named(table, "third"))
-    session.remote.do(SELECT)
+    session.remote.use(named(table, "third"))
     restart(session)
     assert told(session) == "third"
 
@@ -128,15 +126,13 @@ def test_log_is_emptied_while_it_says_nothing(table: bytes) -> None:
 def test_programmer_takes_the_place_back(table: bytes) -> None:
     """After downloads, what tools/flash writes is in use: the table, and its record in the log."""
     session = started(table)
-    session.remote.download(named(table, "second"))
-    session.remote.do(SELECT)
+    session.remote.use(named(table, "second"))
     session.board.write_table(named(table, "flashed"))
     session.chip.write_flash(LOG, b"\xff" * SECTOR_BYTES)
     session.chip.write_flash(LOG, FIRST_PLACE.read_bytes())
     restart(session)
     assert told(session) == "flashed"
-    session.remote.download(named(table, "third"))
-    session.remote.do(SELECT)
+    session.remote.use(named(table, "third"))
     restart(session)
     assert told(session) == "third"
 
