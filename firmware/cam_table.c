@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam/cam_table.h"
+#include "cam/cam_barrel.h"  // cam_barrel_measure
 #include "cam/cam_fix.h"     // cam_abs_i64
 #include "cam/cam_promise.h" // cam_promise_check
 #include <stdbool.h>         // bool
@@ -412,6 +413,7 @@ cam_err_t cam_table_check(const void *image, size_t size, cam_table_t *table)
         return err;
     }
     fill(image, &header, &found);
+    cam_barrel_measure(&found);
     *table = found;
     return cam_ok;
 }

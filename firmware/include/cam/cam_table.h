@@ -73,6 +73,8 @@ typedef struct {
     uint32_t u2_peak_nm_per_rad2;        ///< [nm/rad2] bound of |u'' r^2 + u' r r'|
     uint32_t spindle_peak_ppm;           ///< [1e-6 / rad] bound of |r r'|; 0: uniform
     uint32_t ratio_max_q20;              ///< [2^-20] bound of r; 2^20: uniform
+    uint32_t x_slope_ppm;                ///< [1e-6] largest |dX/dZ|, measured by the check
+    uint32_t x_bend_ppm_per_m;           ///< [1e-6 / m] largest |d2X/dZ2|, measured too
     uint32_t error_pm;                   ///< [pm] error that the generator measured
     uint32_t crc32;                      ///< of the image
     const void *image;                   ///< start of the image
