@@ -17,7 +17,7 @@
 #include <stdatomic.h> // what the tick tells main()
 #include <stdio.h>     // fprintf
 #include <stdlib.h>    // exit
-#include <string.h>    // memcpy
+#include <string.h>    // memset, strcmp
 #include <unistd.h>    // _exit
 
 enum { clock_hz = 10000000, clock_ns = 100, remote_node = 64, max_edges = 8 };
@@ -28,6 +28,7 @@ static struct {
     lin_config_t config;
     hal_start_t start;
     lin_can_t remote;
+    bool is_remote_shared; ///< commands and drives on one interface
     bool is_up; ///< hal_init() passed: there is something to make safe
     lin_can_t can;
     lin_bus_t bus;
@@ -36,6 +37,7 @@ static struct {
     int64_t now_ns;
     uint32_t inputs;
     _Atomic uint32_t cause, not_ready; ///< lin_words_pack()
+    _Atomic bool is_mute;              ///< another answers for this node number on the same bus
 } port;
 
 static volatile sig_atomic_t n_signals;
@@ -126,6 +128,8 @@ static bool bring_up(lin_error_t *e)
     start_or_end(&options);
     port.start = lin_kept_start(port.config.table_file);
     lin_bus_init(&port.bus, &port.config);
+    port.is_remote_shared = strcmp(port.config.can.remote, port.config.can.interface) == 0;
+    atomic_store(&port.is_mute, port.is_remote_shared);
     return lin_lines_open(&port.config, e) && open_bus(e) && open_remote(e) &&
            lin_table_open(port.config.table_file, port.config.table_max_bytes, e) &&
            lin_thread_prepare(&port.config.thread, e);
@@ -198,6 +202,7 @@ static bool tick(int64_t now_ns)
     (void)lin_can_send(&port.can, frames, n);
     atomic_store(&port.cause, lin_words_pack(port.bus.cause));
     atomic_store(&port.not_ready, lin_words_pack(port.bus.not_ready));
+    atomic_store(&port.is_mute, port.bus.has_twin && port.is_remote_shared);
     return phase != lin_stop_over;
 }
 
@@ -339,10 +344,10 @@ void hal_text(const char *line)
     (void)fprintf(stderr, "%s\n", line);
 }
 
-/// The firmware knows itself as node 64.
+/// The firmware knows itself as node 64. What comes for a number that is another's is not meant.
 bool hal_can_read(hal_can_frame_t *frame)
 {
-    if (!lin_can_receive_one(&port.remote, frame)) {
+    if (!lin_can_receive_one(&port.remote, frame) || atomic_load(&port.is_mute)) {
         return false;
     }
     frame->id = frame->id - (uint32_t)port.config.can.node + remote_node;
@@ -351,6 +356,9 @@ bool hal_can_read(hal_can_frame_t *frame)
 
 bool hal_can_write(const hal_can_frame_t *frame)
 {
+    if (atomic_load(&port.is_mute)) {
+        return false;
+    }
     hal_can_frame_t own = *frame;
     own.id = frame->id + (uint32_t)port.config.can.node - remote_node;
     return lin_can_send(&port.remote, &own, 1) == 1u;
