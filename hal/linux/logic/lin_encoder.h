@@ -23,6 +23,7 @@ typedef struct {
     uint32_t raw;              ///< position as it came
     int64_t counts, ns;        ///< newest
     int64_t before, before_ns; ///< earlier one, at least least_ns apart; the same at first
+    int64_t mark, mark_ns;     ///< between them: the next `before` once it is least_ns old
     int64_t index_counts;
     uint32_t n_index;
     int64_t edge_ns;
