@@ -3,6 +3,7 @@
 #include "hal/hal.h"
 #include "lin_bus.h"
 #include "lin_can.h"
+#include "lin_check.h"
 #include "lin_clock.h"
 #include "lin_config.h"
 #include "lin_kept.h"
@@ -29,7 +30,7 @@ static struct {
     hal_start_t start;
     lin_can_t remote;
     bool is_remote_shared; ///< commands and drives on one interface
-    bool is_up; ///< hal_init() passed: there is something to make safe
+    bool is_up;            ///< hal_init() passed: there is something to make safe
     lin_can_t can;
     lin_bus_t bus;
     lin_wants_t wants;
@@ -112,6 +113,7 @@ static void start_or_end(const lin_options_t *options)
         exit(0);
     }
     if (options->is_check) {
+        lin_check_warn(&port.config, hal_text);
         (void)printf("%s: a right configuration\n", options->config);
         exit(0);
     }
@@ -142,9 +144,7 @@ static void tell_set_up(void)
                    (int)port.config.thread.tick_hz, port.config.can.interface,
                    port.config.can.is_fd ? " (FD)" : "", lin_lines_library());
     hal_text(line);
-    if (!lin_line_is_there(&port.config, lin_line_estop)) {
-        hal_text("warning: gpio.estop = \"none\": the emergency stop is not seen; for trials only");
-    }
+    lin_check_warn(&port.config, hal_text);
 }
 
 int hal_init(void)

@@ -122,11 +122,11 @@ static bool is_other_there(const lin_bus_t *b, int64_t now_ns)
 static lin_cause_t find_cause(lin_bus_t *b, int64_t now_ns)
 {
     const lin_loss_t encoder = encoder_loss(b, now_ns);
-    const lin_loss_t own = b->link != lin_loss_none        ? b->link
-                           : b->event != lin_loss_none     ? b->event
-                           : is_other_there(b, now_ns)     ? lin_loss_other_controller
-                           : b->is_silent                  ? lin_loss_listening
-                                                           : lin_loss_none;
+    const lin_loss_t own = b->link != lin_loss_none    ? b->link
+                           : b->event != lin_loss_none ? b->event
+                           : is_other_there(b, now_ns) ? lin_loss_other_controller
+                           : b->is_silent              ? lin_loss_listening
+                                                       : lin_loss_none;
     if (own != lin_loss_none) {
         return (lin_cause_t){.loss = own};
     }

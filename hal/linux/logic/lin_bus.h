@@ -47,15 +47,15 @@ typedef struct {
     lin_loss_t link;  ///< lin_bus_link()
     lin_loss_t event; ///< lin_bus_event(), until the next judgement
     bool is_other_heard;
-    int64_t other_ns;      ///< another controller was heard
-    bool is_twin_heard;    ///< with this one's node number
-    bool is_begun;         ///< lin_bus_make() was called,
-    int64_t begin_ns;      ///< at first then
-    bool is_silent;        ///< listens: nothing is sent
-    int64_t silent_ns;     ///< since then, or since another was heard last
-    bool has_twin;         ///< listens, and its node number is another's or not known to be its own:
-                           ///< nothing is to be sent under it
-    lin_cause_t cause;     ///< of the input hal_in_bus_lost; kept with it
+    int64_t other_ns;   ///< another controller was heard
+    bool is_twin_heard; ///< with this one's node number
+    bool is_begun;      ///< lin_bus_make() was called,
+    int64_t begin_ns;   ///< at first then
+    bool is_silent;     ///< listens: nothing is sent
+    int64_t silent_ns;  ///< since then, or since another was heard last
+    bool has_twin;      ///< listens, and its node number is another's or not known to be its own:
+                        ///< nothing is to be sent under it
+    lin_cause_t cause;  ///< of the input hal_in_bus_lost; kept with it
     lin_cause_t not_ready; ///< first drive that is not ready: node, error code
     uint32_t inputs;       ///< hal_in_drive_ready, hal_in_bus_lost
     uint32_t outputs;      ///< last wanted
