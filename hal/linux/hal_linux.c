@@ -328,7 +328,7 @@ bool hal_table_commit(void)
 {
     lin_error_t e;
     const bool is_stored = lin_table_commit(&e);
-    if (!is_stored) {
+    if (e.text[0] != '\0') {
         hal_text(e.text);
     }
     return is_stored;

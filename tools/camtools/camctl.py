@@ -58,6 +58,7 @@ _REMEDIES = {
     "u_place": "move U into its stroke",
     "download_room": "make the table with a larger --tolerance-nm",
     "download_crc": "download again",
+    "download_store": "its memory failed, the old table stays in force; try again",
     "busy": "try again",
 }
 HOME_S, CUT_S = 60.0, 3600.0

@@ -141,17 +141,17 @@ static void put_load(const lin_config_t *c, const lin_load_t *load, lin_error_t 
     if (most_hz < least_tick_hz) {
         (void)snprintf(highest, sizeof highest, "it bears no rate of %d or more", least_tick_hz);
     } else {
-        (void)snprintf(highest, sizeof highest, "the highest rate it bears is %lld",
+        (void)snprintf(highest, sizeof highest, "the highest rate it bears is %lld; lower it",
                        (long long)most_hz);
     }
     (void)lin_error(
         e,
         "thread.tick_hz = %lld: takes up to %lld %% of a bus with can.bitrate = %lld%s: "
-        "%lld us a tick and %lld ms a second for heartbeats and status; %s; lower it, %s",
+        "%lld us a tick and %lld ms a second for heartbeats and status; %s, %s",
         (long long)c->thread.tick_hz, (long long)lin_load_percent(load, c->thread.tick_hz),
         (long long)c->can.bitrate, c->can.is_fd ? " (FD)" : "", (long long)load->tick_ns / 1000,
         (long long)load->second_ns / 1000000, highest,
-        c->can.is_fd ? "or take fewer drives" : "set can.fd, or take fewer drives");
+        c->can.is_fd ? "or take fewer drives" : "set can.fd or take fewer drives");
 }
 
 static bool check_load(const lin_config_t *c, const char *path, lin_error_t *e)
