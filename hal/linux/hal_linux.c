@@ -12,6 +12,7 @@
 #include "lin_options.h"
 #include "lin_stop.h"
 #include "lin_table.h"
+#include "lin_tell.h"
 #include "lin_thread.h"
 #include "lin_words.h"
 #include <signal.h>    // sigaction
@@ -137,16 +138,6 @@ static bool bring_up(lin_error_t *e)
            lin_thread_prepare(&port.config.thread, e);
 }
 
-static void tell_set_up(void)
-{
-    char line[lin_line_bytes];
-    (void)snprintf(line, sizeof line, "port: %d ticks/s, %s%s, libgpiod %s",
-                   (int)port.config.thread.tick_hz, port.config.can.interface,
-                   port.config.can.is_fd ? " (FD)" : "", lin_lines_library());
-    hal_text(line);
-    lin_check_warn(&port.config, hal_text);
-}
-
 int hal_init(void)
 {
     lin_error_t e;
@@ -155,7 +146,7 @@ int hal_init(void)
         return -1;
     }
     port.is_up = true;
-    tell_set_up();
+    lin_tell_set_up(&port.config, port.can.n_room);
     catch_signals();
     return 0;
 }
@@ -226,37 +217,10 @@ void hal_tick_start(void)
     lin_notify_ready();
 }
 
-/// A word that changed becomes a line.
-static void tell_change(uint32_t *told, uint32_t word,
-                        void (*put)(lin_cause_t, const lin_config_t *, char *, size_t))
-{
-    char line[lin_line_bytes];
-    if (word != *told) {
-        *told = word;
-        put(lin_words_unpack(word), &port.config, line, sizeof line);
-        hal_text(line);
-    }
-}
-
-static void tell_lost_line(void)
-{
-    static bool is_told;
-    const lin_line_t lost = lin_lines_lost();
-    if (lost != lin_n_lines && !is_told) {
-        char line[lin_line_bytes];
-        (void)snprintf(line, sizeof line,
-                       "gpio.%s: the line is lost: emergency stop until the program starts anew",
-                       lin_line_name(lost));
-        hal_text(line);
-        is_told = true;
-    }
-}
-
 /// Alive; once a second overruns since the last time, an interface that came back.
 static void look_after(void)
 {
     static int64_t last_ns;
-    static uint32_t told;
     const int64_t now_ns = lin_clock_now();
     lin_notify_alive(now_ns);
     if (now_ns - last_ns < lin_ns_per_s) {
@@ -265,23 +229,16 @@ static void look_after(void)
     last_ns = now_ns;
     lin_can_rebind(&port.can);
     lin_can_rebind(&port.remote);
-    const uint32_t n = lin_thread_overruns();
-    if (n != told) {
-        char line[lin_line_bytes];
-        (void)snprintf(line, sizeof line, "port: %u ticks left out, %u since the start", n - told,
-                       n);
-        hal_text(line);
-        told = n;
-    }
+    lin_tell_overruns(lin_thread_overruns());
 }
 
 void hal_idle(void)
 {
     static uint32_t told_cause, told_not_ready;
     const bool goes_on = lin_thread_wait();
-    tell_change(&told_cause, atomic_load(&port.cause), lin_words_bus);
-    tell_change(&told_not_ready, atomic_load(&port.not_ready), lin_words_drives);
-    tell_lost_line();
+    lin_tell_change(&told_cause, atomic_load(&port.cause), lin_words_bus, &port.config);
+    lin_tell_change(&told_not_ready, atomic_load(&port.not_ready), lin_words_drives, &port.config);
+    lin_tell_lost_line();
     look_after();
     if (!goes_on) {
         hal_text("port: ended by a signal");
