@@ -108,7 +108,7 @@ static void test_a_block_too_long_for_the_controller_is_told_by_flow_control(voi
     begin_download();
     static const uint8_t data[8] = {0x10, 0, 0, 0, 0x10, 0x05}; // 4101
     (void)fixture_download_frame(&d, data, 8);
-    const hal_can_frame_t frame = fixture_can_sent(0x6C1);
+    const hal_can_frame_t frame = fixture_can_sent(0x540);
     TEST_ASSERT_EQUAL_UINT32(3, frame.n);
     TEST_ASSERT_EQUAL_HEX8(0x32, frame.data[0]);
 }
