@@ -46,8 +46,9 @@ static cam_err_t take_downloaded(cam_store_t *s)
     if (err != cam_ok) {
         return err;
     }
-    s->is_checked = false;
-    return hal_table_commit() ? cam_ok : cam_err_download_store;
+    // Else the next select would take the old one without a word.
+    s->is_checked = !hal_table_commit();
+    return s->is_checked ? cam_err_download_store : cam_ok;
 }
 
 bool cam_store_is_of_moment(cam_err_t err)

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// The seam with libgpiod 1.6: one request per line.
 #include "lin_gpio.h"
-#include "lin_place.h"
 #include <errno.h>  // errno
 #include <fcntl.h>  // O_NONBLOCK
 #include <gpiod.h>  // gpiod_line_request
@@ -45,28 +44,22 @@ static bool request(lin_gpio_t *g, lin_gpio_way_t way, bool is_active_low)
     return true;
 }
 
-lin_gpio_t *lin_gpio_open(const char *chip, const char *place, lin_gpio_way_t way,
-                          bool is_active_low, lin_error_t *e)
+lin_gpio_t *lin_gpio_new(void)
 {
-    lin_place_t where;
-    if (!lin_place_parse(&where, chip, place, e)) {
-        return NULL;
-    }
-    lin_gpio_t *g = calloc(1, sizeof *g);
-    if (g == NULL) {
-        (void)lin_error(e, "no memory for a line");
-        return NULL;
-    }
-    g->chip = gpiod_chip_open(where.chip);
-    g->line = g->chip != NULL ? find(g->chip, &where) : NULL;
+    return calloc(1, sizeof(lin_gpio_t));
+}
+
+bool lin_gpio_take(lin_gpio_t *g, const lin_place_t *where, lin_gpio_way_t way, bool is_active_low,
+                   lin_error_t *e)
+{
+    g->chip = gpiod_chip_open(where->chip);
+    g->line = g->chip != NULL ? find(g->chip, where) : NULL;
     if (g->line == NULL || !request(g, way, is_active_low)) {
         const int err = errno;
         const char *who = g->line != NULL ? gpiod_line_consumer(g->line) : NULL;
-        (void)lin_place_refuse(&where, err, who != NULL ? who : "", e);
-        lin_gpio_close(g);
-        return NULL;
+        return lin_place_refuse(where, err, who != NULL ? who : "", e);
     }
-    return g;
+    return true;
 }
 
 int lin_gpio_read(lin_gpio_t *g)

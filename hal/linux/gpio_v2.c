@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// The seam with libgpiod 2: one request per line.
 #include "lin_gpio.h"
-#include "lin_place.h"
 #include <errno.h>  // errno
 #include <fcntl.h>  // O_NONBLOCK
 #include <gpiod.h>  // gpiod_chip_request_lines
@@ -78,20 +77,16 @@ static bool want_edges(lin_gpio_t *g)
            fcntl(gpiod_line_request_get_fd(g->request), F_SETFL, O_NONBLOCK) == 0;
 }
 
-lin_gpio_t *lin_gpio_open(const char *chip, const char *place, lin_gpio_way_t way,
-                          bool is_active_low, lin_error_t *e)
+lin_gpio_t *lin_gpio_new(void)
 {
-    lin_place_t where;
-    if (!lin_place_parse(&where, chip, place, e)) {
-        return NULL;
-    }
-    lin_gpio_t *g = calloc(1, sizeof *g);
-    if (g == NULL) {
-        (void)lin_error(e, "no memory for a line");
-        return NULL;
-    }
-    struct gpiod_chip *from = gpiod_chip_open(where.chip);
-    const bool is_found = from != NULL && find(from, &where, &g->offset);
+    return calloc(1, sizeof(lin_gpio_t));
+}
+
+bool lin_gpio_take(lin_gpio_t *g, const lin_place_t *where, lin_gpio_way_t way, bool is_active_low,
+                   lin_error_t *e)
+{
+    struct gpiod_chip *from = gpiod_chip_open(where->chip);
+    const bool is_found = from != NULL && find(from, where, &g->offset);
     const bool is_ours = is_found && request(g, from, way, is_active_low) &&
                          (way != lin_gpio_edges || want_edges(g));
     if (!is_ours) {
@@ -101,14 +96,12 @@ lin_gpio_t *lin_gpio_open(const char *chip, const char *place, lin_gpio_way_t wa
             find_user(from, g->offset, who);
         }
         // EINVAL: the kernel knows no such offset
-        (void)lin_place_refuse(&where, is_found && err == EINVAL ? 0 : err, who, e);
-        lin_gpio_close(g);
-        g = NULL;
+        (void)lin_place_refuse(where, is_found && err == EINVAL ? 0 : err, who, e);
     }
     if (from != NULL) {
         gpiod_chip_close(from);
     }
-    return g;
+    return is_ours;
 }
 
 int lin_gpio_read(lin_gpio_t *g)

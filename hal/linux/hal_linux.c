@@ -3,6 +3,7 @@
 #include "hal/hal.h"
 #include "lin_bus.h"
 #include "lin_can.h"
+#include "lin_check.h"
 #include "lin_clock.h"
 #include "lin_config.h"
 #include "lin_kept.h"
@@ -11,13 +12,14 @@
 #include "lin_options.h"
 #include "lin_stop.h"
 #include "lin_table.h"
+#include "lin_tell.h"
 #include "lin_thread.h"
 #include "lin_words.h"
 #include <signal.h>    // sigaction
 #include <stdatomic.h> // what the tick tells main()
 #include <stdio.h>     // fprintf
 #include <stdlib.h>    // exit
-#include <string.h>    // memcpy
+#include <string.h>    // memset, strcmp
 #include <unistd.h>    // _exit
 
 enum { clock_hz = 10000000, clock_ns = 100, remote_node = 64, max_edges = 8 };
@@ -28,7 +30,8 @@ static struct {
     lin_config_t config;
     hal_start_t start;
     lin_can_t remote;
-    bool is_up; ///< hal_init() passed: there is something to make safe
+    bool is_remote_shared; ///< commands and drives on one interface
+    bool is_up;            ///< hal_init() passed: there is something to make safe
     lin_can_t can;
     lin_bus_t bus;
     lin_wants_t wants;
@@ -36,6 +39,7 @@ static struct {
     int64_t now_ns;
     uint32_t inputs;
     _Atomic uint32_t cause, not_ready; ///< lin_words_pack()
+    _Atomic bool is_mute;              ///< another answers for this node number on the same bus
 } port;
 
 static volatile sig_atomic_t n_signals;
@@ -110,6 +114,7 @@ static void start_or_end(const lin_options_t *options)
         exit(0);
     }
     if (options->is_check) {
+        lin_check_warn(&port.config, hal_text);
         (void)printf("%s: a right configuration\n", options->config);
         exit(0);
     }
@@ -126,21 +131,11 @@ static bool bring_up(lin_error_t *e)
     start_or_end(&options);
     port.start = lin_kept_start(port.config.table_file);
     lin_bus_init(&port.bus, &port.config);
+    port.is_remote_shared = strcmp(port.config.can.remote, port.config.can.interface) == 0;
+    atomic_store(&port.is_mute, port.is_remote_shared);
     return lin_lines_open(&port.config, e) && open_bus(e) && open_remote(e) &&
            lin_table_open(port.config.table_file, port.config.table_max_bytes, e) &&
            lin_thread_prepare(&port.config.thread, e);
-}
-
-static void tell_set_up(void)
-{
-    char line[lin_line_bytes];
-    (void)snprintf(line, sizeof line, "port: %d ticks/s, %s%s, libgpiod %s",
-                   (int)port.config.thread.tick_hz, port.config.can.interface,
-                   port.config.can.is_fd ? " (FD)" : "", lin_lines_library());
-    hal_text(line);
-    if (!lin_line_is_there(&port.config, lin_line_estop)) {
-        hal_text("warning: gpio.estop = \"none\": the emergency stop is not seen; for trials only");
-    }
 }
 
 int hal_init(void)
@@ -151,7 +146,7 @@ int hal_init(void)
         return -1;
     }
     port.is_up = true;
-    tell_set_up();
+    lin_tell_set_up(&port.config, port.can.n_room);
     catch_signals();
     return 0;
 }
@@ -198,6 +193,7 @@ static bool tick(int64_t now_ns)
     (void)lin_can_send(&port.can, frames, n);
     atomic_store(&port.cause, lin_words_pack(port.bus.cause));
     atomic_store(&port.not_ready, lin_words_pack(port.bus.not_ready));
+    atomic_store(&port.is_mute, port.bus.has_twin && port.is_remote_shared);
     return phase != lin_stop_over;
 }
 
@@ -221,37 +217,10 @@ void hal_tick_start(void)
     lin_notify_ready();
 }
 
-/// A word that changed becomes a line.
-static void tell_change(uint32_t *told, uint32_t word,
-                        void (*put)(lin_cause_t, const lin_config_t *, char *, size_t))
-{
-    char line[lin_line_bytes];
-    if (word != *told) {
-        *told = word;
-        put(lin_words_unpack(word), &port.config, line, sizeof line);
-        hal_text(line);
-    }
-}
-
-static void tell_lost_line(void)
-{
-    static bool is_told;
-    const lin_line_t lost = lin_lines_lost();
-    if (lost != lin_n_lines && !is_told) {
-        char line[lin_line_bytes];
-        (void)snprintf(line, sizeof line,
-                       "gpio.%s: the line is lost: emergency stop until the program starts anew",
-                       lin_line_name(lost));
-        hal_text(line);
-        is_told = true;
-    }
-}
-
 /// Alive; once a second overruns since the last time, an interface that came back.
 static void look_after(void)
 {
     static int64_t last_ns;
-    static uint32_t told;
     const int64_t now_ns = lin_clock_now();
     lin_notify_alive(now_ns);
     if (now_ns - last_ns < lin_ns_per_s) {
@@ -260,23 +229,16 @@ static void look_after(void)
     last_ns = now_ns;
     lin_can_rebind(&port.can);
     lin_can_rebind(&port.remote);
-    const uint32_t n = lin_thread_overruns();
-    if (n != told) {
-        char line[lin_line_bytes];
-        (void)snprintf(line, sizeof line, "port: %u ticks left out, %u since the start", n - told,
-                       n);
-        hal_text(line);
-        told = n;
-    }
+    lin_tell_overruns(lin_thread_overruns());
 }
 
 void hal_idle(void)
 {
     static uint32_t told_cause, told_not_ready;
     const bool goes_on = lin_thread_wait();
-    tell_change(&told_cause, atomic_load(&port.cause), lin_words_bus);
-    tell_change(&told_not_ready, atomic_load(&port.not_ready), lin_words_drives);
-    tell_lost_line();
+    lin_tell_change(&told_cause, atomic_load(&port.cause), lin_words_bus, &port.config);
+    lin_tell_change(&told_not_ready, atomic_load(&port.not_ready), lin_words_drives, &port.config);
+    lin_tell_lost_line();
     look_after();
     if (!goes_on) {
         hal_text("port: ended by a signal");
@@ -323,7 +285,7 @@ bool hal_table_commit(void)
 {
     lin_error_t e;
     const bool is_stored = lin_table_commit(&e);
-    if (!is_stored) {
+    if (e.text[0] != '\0') {
         hal_text(e.text);
     }
     return is_stored;
@@ -339,10 +301,10 @@ void hal_text(const char *line)
     (void)fprintf(stderr, "%s\n", line);
 }
 
-/// The firmware knows itself as node 64.
+/// The firmware knows itself as node 64. What comes for a number that is another's is not meant.
 bool hal_can_read(hal_can_frame_t *frame)
 {
-    if (!lin_can_receive_one(&port.remote, frame)) {
+    if (!lin_can_receive_one(&port.remote, frame) || atomic_load(&port.is_mute)) {
         return false;
     }
     frame->id = frame->id - (uint32_t)port.config.can.node + remote_node;
@@ -351,6 +313,9 @@ bool hal_can_read(hal_can_frame_t *frame)
 
 bool hal_can_write(const hal_can_frame_t *frame)
 {
+    if (atomic_load(&port.is_mute)) {
+        return false;
+    }
     hal_can_frame_t own = *frame;
     own.id = frame->id + (uint32_t)port.config.can.node - remote_node;
     return lin_can_send(&port.remote, &own, 1) == 1u;

@@ -8,7 +8,7 @@
 #include <net/if.h>          // if_nametoindex
 #include <stdio.h>           // snprintf
 #include <string.h>          // memcpy, strerror
-#include <sys/ioctl.h>       // SIOCGIFFLAGS, SIOCGIFMTU
+#include <sys/ioctl.h>       // SIOCGIFFLAGS, SIOCGIFTXQLEN
 #include <sys/socket.h>      // recvmmsg
 #include <unistd.h>          // close
 
@@ -75,6 +75,7 @@ static bool check_interface(lin_can_t *can, bool is_fd, lin_error_t *e)
         errno = EMSGSIZE;
         return refuse(can, "can.fd = true wants `ip link set ... mtu 72` or `... fd on`", e);
     }
+    can->n_room = ioctl(can->fd, SIOCGIFTXQLEN, &request) == 0 ? (uint32_t)request.ifr_qlen : 0u;
     return true;
 }
 
@@ -106,7 +107,7 @@ static void note_errno(lin_can_t *can, int err)
         break;
     case ENODEV:
     case ENXIO:
-        can->is_gone = true;
+        atomic_store(&can->is_gone, true);
         can->link = lin_loss_interface_down;
         break;
     default: // ENETDOWN and what else keeps frames from flowing
@@ -263,8 +264,9 @@ lin_loss_t lin_can_take_event(lin_can_t *can)
 
 void lin_can_rebind(lin_can_t *can)
 {
-    // The kernel dropped the filters with the interface.
-    if (can->is_gone && set_filters(can) && bind_to(can)) {
-        can->is_gone = false;
+    // Taken first: a removal that the tick tells from here on is not forgotten. The kernel dropped
+    // the filters with the interface.
+    if (atomic_exchange(&can->is_gone, false) && !(set_filters(can) && bind_to(can))) {
+        atomic_store(&can->is_gone, true);
     }
 }

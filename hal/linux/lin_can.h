@@ -21,15 +21,19 @@ typedef struct {
     uint32_t id, mask; ///< of 11-bit data frames
 } lin_can_filter_t;
 
+/// A socket. One thread receives and sends, the tick or main(); lin_can_rebind() is main()'s beside
+/// it.
 typedef struct {
-    int fd; ///< -1: not open
+    int fd; ///< -1: not open. From here to n_filters constant after lin_can_open()
     char interface[16];
+    uint32_t n_room; ///< [frames] that the interface's queue takes (txqueuelen); 0: it has none
+    lin_can_filter_t filters[lin_can_max_filters];
+    uint32_t n_filters;
     uint32_t n_overflow;  ///< received frames that the kernel threw away, so far
     lin_loss_t link;      ///< none, bus_off or interface_down; none again when frames flow
     lin_loss_t event;     ///< overflow or send since lin_can_take_event()
-    _Atomic bool is_gone; ///< the interface was removed; main() binds again
-    lin_can_filter_t filters[lin_can_max_filters];
-    uint32_t n_filters;
+    _Atomic bool is_gone; ///< the interface was removed: set by who receives and sends, taken by
+                          ///< lin_can_rebind()
 } lin_can_t;
 
 /// @param n       1 .. lin_can_max_filters
@@ -56,7 +60,8 @@ uint32_t lin_can_send(lin_can_t *can, const hal_can_frame_t *frames, uint32_t n)
 /// @return what happened since the last call: none, overflow or send
 lin_loss_t lin_can_take_event(lin_can_t *can);
 
-/// An interface that was removed is there again: use it. Context: main().
+/// An interface that was removed is there again: use it. Context: main(), the tick may be in any
+/// other function here.
 void lin_can_rebind(lin_can_t *can);
 
 #endif

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 /// lin_gpio: one line of a GPIO chip: the seam behind which libgpiod 1 or 2 does the work.
-/// gpio_v1.c or gpio_v2.c is compiled, whichever library is found at configure time.
+/// gpio_v1.c or gpio_v2.c is compiled, whichever library is found at configure time; what both have
+/// in common is in lin_gpio.c.
 ///
 /// The line's level is told as active or not: lines that are active low are turned round here.
 #ifndef LIN_GPIO_H
 #define LIN_GPIO_H
 
 #include "lin_error.h" // lin_error_t
+#include "lin_place.h" // lin_place_t
 #include <stdbool.h>   // bool
 #include <stdint.h>    // int64_t
 
@@ -44,5 +46,14 @@ void lin_gpio_close(lin_gpio_t *line);
 
 /// @return version of the library, static
 const char *lin_gpio_library(void);
+
+// For lin_gpio_open() only
+
+/// @return room for a line, nothing taken yet; NULL: no memory
+lin_gpio_t *lin_gpio_new(void);
+
+/// Take the line. @return false and *e as lin_gpio_open(); what was got is left to lin_gpio_close()
+bool lin_gpio_take(lin_gpio_t *line, const lin_place_t *where, lin_gpio_way_t way,
+                   bool is_active_low, lin_error_t *e);
 
 #endif

@@ -7,7 +7,7 @@
 
 static lin_gpio_t *lines[lin_n_lines];
 static _Atomic uint32_t lost = lin_n_lines; // told by the tick, read by main()
-static uint32_t written;
+static uint32_t written, unsure;            // hal_out_*; unsure: the last write failed
 
 static const lin_gpio_way_t ways[lin_n_lines] = {
     [lin_line_estop] = lin_gpio_input,  [lin_line_ready] = lin_gpio_input,
@@ -75,25 +75,29 @@ bool lin_lines_edge(int64_t *ns, bool *is_rising)
     return got > 0;
 }
 
-static void write_lines(uint32_t bits, uint32_t which)
+/// @return hal_out_* that were wanted and could not be written
+static uint32_t write_lines(uint32_t bits, uint32_t which)
 {
+    uint32_t failed = 0;
     for (int i = lin_line_enable; i < lin_n_lines; i++) {
         const bool is_wanted = lines[i] != NULL && (which & out_bits[i]) != 0u;
         if (is_wanted && !lin_gpio_write(lines[i], (bits & out_bits[i]) != 0u)) {
             lose((lin_line_t)i);
+            failed |= out_bits[i];
         }
     }
+    return failed;
 }
 
 void lin_lines_write(uint32_t bits)
 {
-    write_lines(bits, bits ^ written);
+    unsure = write_lines(bits, (bits ^ written) | unsure);
     written = bits;
 }
 
 void lin_lines_safe(void)
 {
-    write_lines(hal_out_fault, UINT32_MAX);
+    (void)write_lines(hal_out_fault, UINT32_MAX);
 }
 
 lin_line_t lin_lines_lost(void)

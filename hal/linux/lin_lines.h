@@ -21,7 +21,8 @@ uint32_t lin_lines_read(void);
 /// Take the oldest edge of the index line. @return whether there was one. Context: tick.
 bool lin_lines_edge(int64_t *ns, bool *is_rising);
 
-/// Write hal_out_*; a system call only for what changed. Context: tick.
+/// Write hal_out_*; a system call only for what changed and what could not be written the last
+/// time: enable low is repeated until it is. Context: tick.
 void lin_lines_write(uint32_t bits);
 
 /// Enable off, fault on, whatever was written last. Context: any, a signal handler too.

@@ -25,7 +25,7 @@ from pathlib import Path
 from typing import Any
 
 COMMAND, ANSWER, STATE = 0x640, 0x5C0, 0x1C0
-BLOCK, BLOCK_FLOW = 0x6C0, 0x6C1
+BLOCK, BLOCK_FLOW = 0x6C0, 0x540
 ENABLE, START, RESET, SET = 1, 3, 5, 6
 BEGIN_DOWNLOAD = 16
 STATES = ("off", "homing", "ready", "engaging", "cutting", "disengaging", "fault")

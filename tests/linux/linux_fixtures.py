@@ -97,7 +97,11 @@ def play(
         out = tmp_path / folder
         out.mkdir()
         shutil.copy(table, out / "table.camtab")
-        base: Config = {"can": {"interface": "vcan0"}, "table": {"file": f"{out}/table.camtab"}}
+        base: Config = {
+            "thread": {"tick_hz": 1000},
+            "can": {"interface": "vcan0"},
+            "table": {"file": f"{out}/table.camtab"},
+        }
         alone: Config = {"encoder": {"index": "position"}, "gpio": dict.fromkeys(LINES, "none")}
         (out / "camturn.toml").write_text(config_text({**base, **(config or {})}))
         (out / "second.toml").write_text(config_text({**base, **alone}))

@@ -103,7 +103,7 @@ def _text(table: Path, lines: dict[str, str], setup: Setup) -> str:
     places = {name: f"{CHIP}:{8 + i}" for i, name in enumerate(names)} | lines
     gpio = "".join(f'{name} = "{place}"\n' for name, place in places.items())
     return (
-        f'[can]\ninterface = "{setup.interface}"\nfd = {str(setup.fd).lower()}\n'
+        f'[thread]\ntick_hz = 1000\n[can]\ninterface = "{setup.interface}"\nfd = {str(setup.fd).lower()}\n'
         f'[encoder]\nindex = "{setup.index}"\nmax_age_us = {setup.max_age_us}\n'
         f'[table]\nfile = "{table}"\n[gpio]\nchip = "{CHIP}"\n{gpio}'
     )

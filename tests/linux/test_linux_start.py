@@ -85,3 +85,24 @@ def test_machine_that_is_not_there_is_refused(tmp_path: Path) -> None:
     config.write_text(text.replace("table.camtab", str(tmp_path / "table.camtab")))
     words = refused("--config", config)
     assert "nowhere0: no such CAN interface" in words or "no CAN sockets in this kernel" in words
+
+
+def test_bus_that_cannot_bear_the_ticks_is_refused(tmp_path: Path) -> None:
+    """With the numbers; on a virtual bus, which has no bit rate, it is a warning."""
+    config = tmp_path / "machine.toml"
+    config.write_text("[thread]\ntick_hz = 1000\n")
+    words = refused("--check", "--config", config)
+    assert "takes up to 144 % of a bus" in words and "the highest rate it bears is 682" in words
+    config.write_text('[thread]\ntick_hz = 1000\n[can]\ninterface = "vcan0"\n')
+    done = run("--check", "--config", config)
+    assert done.returncode == 0
+    assert done.stderr.startswith("warning: thread.tick_hz = 1000: takes up to 144 %")
+
+
+def test_doubtful_configuration_is_right_with_warnings() -> None:
+    """The check tells what the start would."""
+    done = run("--check", "--config", PORT / "desk.toml")
+    assert done.returncode == 0
+    for word in ("gpio.estop", "gpio.enable", "thread.tick_hz"):
+        assert f"warning: {word} = " in done.stderr
+    assert run("--check", "--config", PORT / "camturn.toml").stderr == ""

@@ -38,11 +38,13 @@ class Bench:
         of the virtual bus
     drop : callable
         tells of a frame for the controller whether it gets lost
+    node : int
+        number of the controller; the firmware knows itself as 64
     """
 
-    def __init__(self, channel: str) -> None:
+    def __init__(self, channel: str, node: int = 64) -> None:
         assert BENCH.exists(), f"{BENCH} is missing: build the preset host, or let tools/test do it"
-        self.channel = channel
+        self.channel, self.node = channel, node
         self.drop: Callable[[can.Message], bool] = lambda frame: False
         self._bus = can.Bus(interface="virtual", channel=channel)
         self._process = subprocess.Popen(
@@ -62,14 +64,14 @@ class Bench:
         while not self._stopping:
             frame = self._bus.recv(0.05)
             if frame is not None and not self.drop(frame):
-                self._write(frame.arbitration_id, bytes(frame.data))
+                self._write(frame.arbitration_id - self.node + 64, bytes(frame.data))
 
     def _back(self) -> None:
         assert self._process.stdout is not None
         while len(record := self._process.stdout.read(FRAME.size)) == FRAME.size:
             identifier, n, data = FRAME.unpack(record)
-            message = can.Message(arbitration_id=identifier, data=data[:n], is_extended_id=False)
-            self._bus.send(message)
+            own = identifier - 64 + self.node
+            self._bus.send(can.Message(arbitration_id=own, data=data[:n], is_extended_id=False))
 
     def estop(self, is_pressed: bool) -> None:
         """Press or release the emergency stop."""
@@ -89,7 +91,7 @@ class Bench:
     def run(self, *words: str | Path) -> tuple[int, str]:
         """Run camctl; return its status and what it printed."""
         out = io.StringIO()
-        bus = ["--interface", "virtual", "--channel", self.channel]
+        bus = ["--interface", "virtual", "--channel", self.channel, "--node", str(self.node)]
         return main([*bus, *map(str, words)], out), out.getvalue()
 
     def do(self, *words: str | Path) -> str:
@@ -281,6 +283,22 @@ def test_a_table_is_downloaded_and_selected(bench: Bench, other: Path) -> None:
     assert "other part" in bench.do("table", "info")
 
 
+def test_neighbours_on_one_bus_do_not_hear_one_another(bench: Bench, other: Path) -> None:
+    """Each is commanded and gets its table by its own number; the next numbers are the hardest."""
+    after, before = Bench(bench.channel, 65), Bench(bench.channel, 63)
+    try:
+        assert "other part" in bench.do("table", "download", other, "--select")
+        for one in (after, before):
+            assert "short skirt" in one.do("table", "info")
+        assert after.do("home") == "home: ready\n"
+        for one in (bench, before):
+            assert "state             off" in one.do("status")
+        assert "other part" in before.do("table", "download", other, "--select")
+    finally:
+        after.close()
+        before.close()
+
+
 def test_lost_frames_are_repeated(bench: Bench, other: Path) -> None:
     """A first frame and two in the middle of blocks get lost: the download goes on."""
     seen = 0
@@ -333,6 +351,44 @@ def test_an_interrupt_ends_a_record_whole(bench: Bench, tmp_path: Path) -> None:
     lines = file.read_text().splitlines()
     assert len(lines) > 3
     assert all(line.count(",") == len(COLUMNS) - 1 for line in lines)
+
+
+def test_a_record_of_nobody_leaves_the_old_one(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """No controller: status 1, the file of before is there, and nothing beside it."""
+    file = tmp_path / "cut.csv"
+    file.write_text("an older cut\n")
+    assert main(["-i", "virtual", "-c", "nobody", "record", str(file)]) == 1
+    assert "no answer and no status" in capsys.readouterr().err
+    assert file.read_text() == "an older cut\n"
+    assert list(tmp_path.iterdir()) == [file]
+
+
+def test_a_record_replaces_the_old_one_at_its_end(bench: Bench, tmp_path: Path) -> None:
+    """While it goes on the old one is whole."""
+    file, seen = tmp_path / "cut.csv", list[str]()
+    file.write_text("an older cut\n")
+    look = threading.Timer(0.3, lambda: seen.append(file.read_text()))
+    look.start()
+    assert "rows" in bench.do("record", file, "--seconds", "0.6")
+    look.join()
+    assert seen == ["an older cut\n"]
+    assert file.read_text().startswith(",".join(COLUMNS))
+    assert list(tmp_path.iterdir()) == [file]
+
+
+def test_a_record_into_no_file_is_written_at_once(bench: Bench, tmp_path: Path) -> None:
+    """A pipe is no file that could be replaced; a folder is refused."""
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    read: list[str] = []
+    reader = threading.Thread(target=lambda: read.append(pipe.read_text()))
+    reader.start()
+    assert "rows" in bench.do("record", pipe, "--seconds", "0.2")
+    reader.join()
+    assert pipe.is_fifo() and read[0].startswith(",".join(COLUMNS))
+    assert bench.run("record", tmp_path, "--seconds", "0.2")[0] == 2
 
 
 class Terminal(io.StringIO):
@@ -389,7 +445,19 @@ def test_a_bus_that_cannot_be_opened_is_bad_input(
     assert main(["status"]) == 1
 
 
-@pytest.mark.parametrize("words", [[], ["fly"], ["speed"], ["speed", "fast"], ["table"]])
+@pytest.mark.parametrize(
+    "words",
+    [
+        *([], ["fly"], ["speed"], ["speed", "fast"], ["table"]),
+        *(["speed", "nan"], ["speed", "inf"], ["amplitude", "nan"], ["phase", "--", "-inf"]),
+        *(["watch", "--every", "0"], ["watch", "--every", "nan"], ["watch", "--seconds", "-1"]),
+        *(
+            ["record", "x.csv", "--seconds", "0"],
+            ["--node", "0", "status"],
+            ["-n", "128", "status"],
+        ),
+    ],
+)
 def test_wrong_usage_is_status_2(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     """One line that names the help."""
     with pytest.raises(SystemExit) as stop:

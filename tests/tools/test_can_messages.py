@@ -135,7 +135,15 @@ def test_every_message_and_unit_is_told(database: Database) -> None:
     """Messages carry a comment; ids are those of node 64 and collide with no PDO of others."""
     assert all(message.comment for message in database.messages)
     ids = {message.frame_id for message in database.messages}
-    assert ids == {0x640, 0x5C0, 0x1C0, 0x2C0, 0x3C0, 0x4C0, 0x6C0, 0x6C1}
+    assert ids == {0x640, 0x5C0, 0x1C0, 0x2C0, 0x3C0, 0x4C0, 0x540, 0x6C0}
+
+
+def test_nodes_of_every_number_stand_on_one_bus(database: Database) -> None:
+    """No id of one node is another's, nor SYNC, NMT, an emergency message or a heartbeat."""
+    shifts = [message.frame_id - 64 for message in database.messages]
+    taken = [shift + node for node in range(1, 128) for shift in shifts]
+    others = [0, *range(0x80, 0x100), *range(0x700, 0x780)]
+    assert len(set(taken + others)) == len(taken) + len(others)
 
 
 def test_same_dbc_gives_the_same_bytes_without_floating_point() -> None:

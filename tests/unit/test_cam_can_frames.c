@@ -58,7 +58,7 @@ static void test_malformed_frames_are_answered_and_do_nothing(void)
 static void test_foreign_ids_are_passed_over(void)
 {
     const uint32_t n_sent = hal_host.slow.n_sent;
-    static const uint32_t ids[] = {0, 0x63F, 0x641, 0x5C0, 0x1C0, 0x6C1, 0x7FF};
+    static const uint32_t ids[] = {0, 0x63F, 0x641, 0x5C0, 0x1C0, 0x6C1, 0x540, 0x7FF};
     for (uint32_t i = 0; i < sizeof ids / sizeof ids[0]; i++) {
         fixture_can_receive(ids[i], 8, enable, 0, 0);
     }

@@ -15,12 +15,29 @@ static hal_can_frame_t frames[lin_bus_max_frames];
 static uint32_t n_frames;
 static int64_t now;
 
+static void make(void)
+{
+    n_frames = lin_bus_make(&bus, &wants, now, frames);
+    now += ms;
+}
+
+/// It listens for 100 ms, and then sends at least the SYNC.
+static void begin(void)
+{
+    lin_bus_init(&bus, &config);
+    for (int i = 0; i <= 101; i++) {
+        make();
+        TEST_ASSERT_TRUE((n_frames != 0u) == (i == 101));
+    }
+}
+
 void setUp(void)
 {
     config = lin_config_defaults();
-    lin_bus_init(&bus, &config);
+    config.thread.tick_hz = 1000;
     wants = (lin_wants_t){.outputs = 0};
     now = 1000 * ms;
+    begin();
 }
 
 void tearDown(void) {}
@@ -54,12 +71,6 @@ static uint32_t judge(void)
 {
     lin_bus_judge(&bus, now);
     return bus.inputs;
-}
-
-static void make(void)
-{
-    n_frames = lin_bus_make(&bus, &wants, now, frames);
-    now += ms;
 }
 
 static const hal_can_frame_t *find(uint32_t id)
@@ -204,6 +215,67 @@ static void test_what_only_a_controller_sends_is_another_one(void)
     }
 }
 
+/// From the start and as long as another controller is heard; then it begins.
+static void test_whoever_comes_second_is_silent(void)
+{
+    lin_bus_init(&bus, &config);
+    hear_all(0x237);
+    make();
+    TEST_ASSERT_EQUAL_HEX32(hal_in_drive_ready | hal_in_bus_lost, judge());
+    expect_cause(lin_loss_listening, 0);
+    for (int i = 0; i < 500; i++) {
+        hear_all(0x237);
+        hear(0x080, 0, 0, 0);
+        wants.is_stopping = i > 400;
+        TEST_ASSERT_TRUE((judge() & hal_in_bus_lost) != 0u);
+        expect_cause(lin_loss_other_controller, 0);
+        make();
+        TEST_ASSERT_EQUAL_UINT32(0, n_frames);
+        TEST_ASSERT_TRUE(lin_bus_is_at_rest(&bus)); // they are the other's drives
+    }
+    wants.is_stopping = false;
+    for (int i = 0; i < 100; i++) {
+        make();
+        TEST_ASSERT_EQUAL_UINT32(0, n_frames);
+    }
+    make();
+    TEST_ASSERT_NOT_NULL(find(0x080));
+    TEST_ASSERT_NOT_NULL(find(0x000));
+    hear_all(0x250);
+    TEST_ASSERT_EQUAL_HEX32(hal_in_drive_ready, judge());
+}
+
+/// Who has begun leads its drives to rest; then it leaves the bus to the other.
+static void test_whoever_holds_drives_lets_go_before_it_is_silent(void)
+{
+    enable();
+    hear(0x080, 0, 0, 0);
+    make();
+    TEST_ASSERT_NOT_NULL(find(0x080));
+    wants.outputs = hal_out_fault;
+    make();
+    TEST_ASSERT_EQUAL_HEX16(0x02, lin_get_u16(find(0x202)->data));
+    hear_all(0x250);
+    make();
+    TEST_ASSERT_EQUAL_UINT32(0, n_frames);
+}
+
+/// A number is free when no heartbeat came under it for as long as one may stay away.
+static void test_number_is_its_own_only_when_no_other_has_it(void)
+{
+    static const uint32_t ids[] = {0x740, 0x080};
+    for (uint32_t i = 0; i < 2u; i++) {
+        lin_bus_init(&bus, &config);
+        for (int k = 0; k < 300; k++) {
+            TEST_ASSERT_TRUE(bus.has_twin == (k <= 101 || ids[i] == 0x740u));
+            hear(ids[i], ids[i] == 0x740u ? 1 : 0, 5, 0);
+            make();
+        }
+    }
+    setUp();
+    TEST_ASSERT_FALSE(bus.has_twin);
+}
+
 static void test_foreign_frames_change_nothing(void)
 {
     enable();
@@ -239,7 +311,7 @@ static void test_tick_sends_setpoints_then_sync(void)
 static void test_fd_puts_the_velocity_behind_the_position(void)
 {
     config.can.is_fd = true;
-    lin_bus_init(&bus, &config);
+    begin();
     enable();
     wants.axis[hal_axis_x] = (hal_setpoint_t){.pos_nm = 40000000, .vel_q10 = INT32_MAX};
     make();
@@ -252,7 +324,7 @@ static void test_fd_puts_the_velocity_behind_the_position(void)
 
 static void test_start_tells_all_nodes_and_then_beats(void)
 {
-    make();
+    begin();
     TEST_ASSERT_EQUAL_UINT8(0, find(0x740)->data[0]); // boot-up
     TEST_ASSERT_EQUAL_UINT8(1, find(0x000)->data[0]);
     TEST_ASSERT_EQUAL_UINT8(0, find(0x000)->data[1]);
@@ -300,7 +372,7 @@ static void test_axis_without_a_drive_tells_its_setpoint(void)
 {
     config.drive[hal_axis_x].node = 0;
     config.spindle_node = 0;
-    lin_bus_init(&bus, &config);
+    begin();
     for (uint32_t node = 1; node <= 4u; node++) {
         beat(node);
     }
@@ -365,6 +437,9 @@ int main(void)
     RUN_TEST(test_loss_is_kept_while_the_fault_is_latched);
     RUN_TEST(test_link_that_is_down_takes_the_drives_along);
     RUN_TEST(test_what_only_a_controller_sends_is_another_one);
+    RUN_TEST(test_whoever_comes_second_is_silent);
+    RUN_TEST(test_whoever_holds_drives_lets_go_before_it_is_silent);
+    RUN_TEST(test_number_is_its_own_only_when_no_other_has_it);
     RUN_TEST(test_foreign_frames_change_nothing);
     RUN_TEST(test_tick_sends_setpoints_then_sync);
     RUN_TEST(test_fd_puts_the_velocity_behind_the_position);

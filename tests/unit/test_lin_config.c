@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The Linux port's configuration file: the example, and everything that is refused.
+#include "lin_check.h" // lin_check_warn
 #include "lin_config.h"
 #include "unity.h"
 #include <stdio.h>  // fopen
@@ -50,6 +51,8 @@ static void test_example_file_tells_every_default(void)
     TEST_ASSERT_EQUAL_STRING("can0", config.can.remote);
     TEST_ASSERT_EQUAL_INT64(defaults.can.node, config.can.node);
     TEST_ASSERT_TRUE(defaults.can.is_fd == config.can.is_fd);
+    TEST_ASSERT_EQUAL_INT64(defaults.can.bitrate, config.can.bitrate);
+    TEST_ASSERT_EQUAL_INT64(defaults.can.data_bitrate, config.can.data_bitrate);
     TEST_ASSERT_EQUAL_INT64(defaults.can.heartbeat_ms, config.can.heartbeat_ms);
     TEST_ASSERT_EQUAL_INT64(defaults.can.node_timeout_ms, config.can.node_timeout_ms);
     TEST_ASSERT_EQUAL_INT64(defaults.can.pdo_timeout_ms, config.can.pdo_timeout_ms);
@@ -83,7 +86,7 @@ static void test_desk_file_is_right(void)
 
 static void test_values_of_every_kind_arrive(void)
 {
-    TEST_ASSERT_TRUE_MESSAGE(load("[thread]\n  tick_hz = 4000 # fast\n"
+    TEST_ASSERT_TRUE_MESSAGE(load("[thread]\n  tick_hz = 1300 # fast\n"
                                   "[can]\nfd = true\nremote = \"can1\"\n"
                                   "[encoder]\nindex = \"position\"\nindex_counts = 9999\n"
                                   "[drive.z]\nnode = 0\ncounts = 4096\nnm = -5000000\n"
@@ -91,7 +94,7 @@ static void test_values_of_every_kind_arrive(void)
                                   "index = \"none\"\n"
                                   "[table]\nfile = \"a#b.camtab\" # with a hash\n"),
                              error.text);
-    TEST_ASSERT_EQUAL_INT64(4000, config.thread.tick_hz);
+    TEST_ASSERT_EQUAL_INT64(1300, config.thread.tick_hz);
     TEST_ASSERT_TRUE(config.can.is_fd);
     TEST_ASSERT_EQUAL_STRING("can0", config.can.interface);
     TEST_ASSERT_EQUAL_STRING("can1", config.can.remote);
@@ -122,7 +125,7 @@ static void test_what_is_wrong_is_refused(void)
     refused("[thread]\ntick_hz = 99999999999999999999\n", "give a whole number");
     refused("[thread]\ntick_hz = 1000\ntick_hz = 1000\n", ":3: thread.tick_hz = 1000: given twice");
     refused("[thread]\nrate = 1\n", "there is no such key");
-    refused("[threads]\ntick_hz = 1000\n", "there is no such key");
+    refused("[threads]\ntick_hz = 1000\n", "there is no such section");
     refused("tick_hz = 1000\n", "there is no such key");
     refused("[thread]\ntick_hz\n", ":2: neither [section] nor key = value");
     refused("[can]\nfd = 1\n", "give true or false");
@@ -144,6 +147,76 @@ static void test_values_that_do_not_fit_one_another_are_refused(void)
     refused("[gpio]\nindex = \"none\"\n", "take \"position\"");
     refused("[drive.u]\nnm = 0\n", "drive.u.nm = 0");
     TEST_ASSERT_TRUE(load("[drive.x]\nnode = 0\n[drive.z]\nnode = 0\n[spindle]\nnode = 0\n"));
+}
+
+/// Every text was taken once, and the machine could not work or did something else.
+static void test_what_cannot_work_is_refused(void)
+{
+    refused("[gpio]\nestop = \"gpiochip0:x\"\n", "gpio.estop = gpiochip0:x: no number behind");
+    refused("[gpio]\nready = \"gpiochip0:3\"\nfault = \"/dev/gpiochip0:3\"\n",
+            "gpio.fault = \"/dev/gpiochip0:3\": taken by gpio.ready");
+    refused("[gpio]\nin_cut = \"FAULT\"\n", "gpio.in_cut = \"FAULT\": taken by gpio.fault");
+    refused("[encoder]\nmax_age_us = 1\n", "encoder.max_age_us = 1: with delay_ns = 0 every frame");
+    refused("[encoder]\nmax_age_us = 2099\ndelay_ns = 100000\n", "give at least 2100");
+    refused("[encoder]\ndelay_ns = 4000001\n", "encoder.max_age_us = 0: with delay_ns = 4000001");
+    refused("[can]\npdo_timeout_ms = 3\n", "can.pdo_timeout_ms = 3: shorter than two ticks of "
+                                           "thread.tick_hz = 500; give at least 4");
+    refused("[drive.u]\nnode = 0\n", "drive.u.node = 0: give a whole number, 1 .. 127");
+    TEST_ASSERT_TRUE(load("[encoder]\nmax_age_us = 2100\ndelay_ns = 100000\n"));
+    TEST_ASSERT_TRUE(load("[can]\npdo_timeout_ms = 4\n"));
+    TEST_ASSERT_TRUE(load("[gpio]\nready = \"gpiochip0:3\"\nfault = \"gpiochip1:3\"\n"));
+}
+
+static void test_what_is_no_toml_is_refused_with_its_line(void)
+{
+    refused("[thread]\n[canal]\n[can]\n", ":2: [canal]: there is no such section");
+    refused("[can\nnode = 3\n", ":1: [can: no section");
+    refused("[can] node = 3\n", ":1: [can: no section");
+    refused("[can]\nnode: 3\n", ":2: neither [section] nor key = value");
+    refused("[can]\n; node = 3\n", ":2: neither [section] nor key = value");
+    refused("[can]\nnode = 3 ; three\n", ":2: \";\" behind the value; begin comments with #");
+    TEST_ASSERT_TRUE_MESSAGE(
+        load("\r\n  # a comment: so; or so\n[can] # this\n\tnode = 9 # nine;\n"), error.text);
+    TEST_ASSERT_EQUAL_INT64(9, config.can.node);
+}
+
+static void test_bus_that_cannot_bear_the_ticks_is_refused_with_the_rate(void)
+{
+    refused(
+        "[thread]\ntick_hz = 1000\n",
+        "thread.tick_hz = 1000: takes up to 144 % of a bus with can.bitrate = 1000000: 1355 us a "
+        "tick and 75 ms a second for heartbeats and status; the highest rate it bears is 682;");
+    TEST_ASSERT_TRUE(load("[thread]\ntick_hz = 682\n"));
+    refused("[thread]\ntick_hz = 683\n", "takes up to 101 %");
+    refused("[can]\nbitrate = 500000\n", "it bears no rate of 500 or more");
+    refused("[thread]\ntick_hz = 1010\n[can]\nfd = true\n", "(FD): 916 us a tick");
+    TEST_ASSERT_TRUE(load("[thread]\ntick_hz = 1000\n[can]\nfd = true\n"));
+    TEST_ASSERT_TRUE(load("[thread]\ntick_hz = 732\n[can]\nremote = \"can1\"\n")); // no status
+    TEST_ASSERT_TRUE(load("[thread]\ntick_hz = 4000\n[can]\ninterface = \"vcan0\"\n"));
+}
+
+static char told[4][600];
+static uint32_t n_told;
+
+static void tell(const char *line)
+{
+    (void)snprintf(told[n_told++ % 4u], sizeof told[0], "%s", line);
+}
+
+static void test_what_is_doubtful_is_told(void)
+{
+    TEST_ASSERT_TRUE(load(""));
+    lin_check_warn(&config, tell);
+    TEST_ASSERT_EQUAL_UINT32(0, n_told);
+    TEST_ASSERT_TRUE_MESSAGE(load("[thread]\ntick_hz = 1000\n[can]\ninterface = \"vcan0\"\n"
+                                  "[gpio]\nestop = \"none\"\nenable = \"none\"\n"),
+                             error.text);
+    lin_check_warn(&config, tell);
+    TEST_ASSERT_EQUAL_UINT32(3, n_told);
+    TEST_ASSERT_EQUAL_INT(0, strncmp(told[0], "warning: gpio.estop = \"none\"", 28));
+    TEST_ASSERT_EQUAL_INT(0, strncmp(told[1], "warning: gpio.enable = \"none\"", 29));
+    TEST_ASSERT_EQUAL_INT(
+        0, strncmp(told[2], "warning: thread.tick_hz = 1000: takes up to 144 %", 49));
 }
 
 static void test_file_that_is_not_there_or_no_text_is_refused(void)
@@ -170,6 +243,10 @@ int main(void)
     RUN_TEST(test_line_field_value_and_remedy_are_named);
     RUN_TEST(test_what_is_wrong_is_refused);
     RUN_TEST(test_values_that_do_not_fit_one_another_are_refused);
+    RUN_TEST(test_what_cannot_work_is_refused);
+    RUN_TEST(test_what_is_no_toml_is_refused_with_its_line);
+    RUN_TEST(test_bus_that_cannot_bear_the_ticks_is_refused_with_the_rate);
+    RUN_TEST(test_what_is_doubtful_is_told);
     RUN_TEST(test_file_that_is_not_there_or_no_text_is_refused);
     (void)unlink(path);
     return UNITY_END();

@@ -80,6 +80,20 @@ static void test_frames_close_together_tell_no_speed(void)
     TEST_ASSERT_EQUAL_UINT32(221, at(13 * ms + 100 * us)); // 150 counts in 2.1 ms
 }
 
+/// An encoder with a clock of its own sends five frames a tick: the speed is still a new one.
+static void test_speed_of_frames_that_come_often_is_that_of_now(void)
+{
+    uint32_t counts = 0;
+    int64_t ns = 10 * ms;
+    for (uint32_t i = 0; i < 500u; i++, ns += 200 * us) {
+        lin_encoder_take(&e, counts, ns);
+        counts += i / 50u; // ever faster
+        if (i % 50u > 3u) {
+            TEST_ASSERT_EQUAL_UINT32(counts, at(ns + 200 * us));
+        }
+    }
+}
+
 static void test_position_unwraps_at_its_modulus(void)
 {
     begin(4000, lin_index_line);
@@ -179,6 +193,7 @@ int main(void)
     RUN_TEST(test_greatest_age_is_three_ticks_unless_given);
     RUN_TEST(test_delay_of_the_frame_is_taken_off);
     RUN_TEST(test_frames_close_together_tell_no_speed);
+    RUN_TEST(test_speed_of_frames_that_come_often_is_that_of_now);
     RUN_TEST(test_position_unwraps_at_its_modulus);
     RUN_TEST(test_edge_is_brought_to_counts_between_its_frames);
     RUN_TEST(test_edge_is_the_same_for_both_senses);

@@ -1,27 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
-// Small parts of the Linux port: due times, places of lines, the way to an end, the table's file.
+// Small parts of the Linux port: due times, places of lines, the way to an end, the reason of a
+// halt.
 #include "hal/hal.h"
 #include "lin_kept.h"
 #include "lin_period.h"
 #include "lin_place.h"
 #include "lin_stop.h"
-#include "lin_table.h"
 #include "unity.h"
-#include <errno.h>    // EBUSY
-#include <stdio.h>    // fopen
-#include <stdlib.h>   // mkdtemp
-#include <string.h>   // strstr
-#include <sys/stat.h> // mkdir
-#include <unistd.h>   // unlink
+#include <errno.h>  // EBUSY
+#include <stdio.h>  // fopen
+#include <stdlib.h> // mkdtemp
+#include <string.h> // strstr
+#include <unistd.h> // unlink
 
 static lin_error_t error;
 static char folder[] = "/tmp/test_lin_port.XXXXXX";
-static char path[100], fresh[110];
+static char path[100];
 
 void setUp(void)
 {
     (void)unlink(path);
-    (void)unlink(fresh);
 }
 
 void tearDown(void) {}
@@ -128,101 +126,6 @@ static void test_end_does_not_wait_for_ever(void)
     TEST_ASSERT_EQUAL_INT(lin_stop_release, lin_stop_step(&s, 2, hal_out_enable, false, 0));
 }
 
-static void put_file(const char *at, const char *text)
-{
-    FILE *file = fopen(at, "w");
-    TEST_ASSERT_NOT_NULL(file);
-    (void)fputs(text, file);
-    (void)fclose(file);
-}
-
-static void expect_file(const char *text)
-{
-    char read[100] = "";
-    FILE *file = fopen(path, "r");
-    TEST_ASSERT_NOT_NULL(file);
-    TEST_ASSERT_EQUAL_size_t(strlen(text), fread(read, 1, sizeof read - 1u, file));
-    (void)fclose(file);
-    TEST_ASSERT_EQUAL_STRING(text, read);
-}
-
-static void expect_image(const char *text)
-{
-    const hal_image_t image = lin_table_image();
-    TEST_ASSERT_EQUAL_UINT32(strlen(text), image.size);
-    TEST_ASSERT_EQUAL_MEMORY(text, image.bytes, image.size);
-}
-
-static void test_table_is_read_at_the_start(void)
-{
-    TEST_ASSERT_TRUE(lin_table_open(path, 64, &error)); // none: nothing wrong
-    TEST_ASSERT_EQUAL_UINT32(0, lin_table_image().size);
-    put_file(path, "first");
-    TEST_ASSERT_TRUE(lin_table_open(path, 64, &error));
-    expect_image("first");
-    TEST_ASSERT_EQUAL_UINT32(0, (uintptr_t)lin_table_image().bytes % 32u);
-    TEST_ASSERT_EQUAL_UINT32(0, lin_table_staged().size);
-}
-
-static void test_table_that_cannot_be_read_is_told(void)
-{
-    put_file(path, "12345678901234567890123456789012345678901234567890123456789012345");
-    TEST_ASSERT_FALSE(lin_table_open(path, 64, &error));
-    TEST_ASSERT_NOT_NULL(strstr(error.text, "65 bytes; raise table.max_bytes"));
-    TEST_ASSERT_FALSE(lin_table_open(folder, 64, &error));
-    TEST_ASSERT_NOT_NULL(strstr(error.text, "is no file"));
-}
-
-static void test_new_table_comes_into_force_by_commit_only(void)
-{
-    put_file(path, "first");
-    TEST_ASSERT_TRUE(lin_table_open(path, 64, &error));
-    TEST_ASSERT_FALSE(lin_table_begin(0));
-    TEST_ASSERT_FALSE(lin_table_begin(65));
-    TEST_ASSERT_FALSE(lin_table_write(0, "x", 1)); // not begun
-    TEST_ASSERT_FALSE(lin_table_commit(&error));
-    TEST_ASSERT_TRUE(lin_table_begin(6));
-    TEST_ASSERT_TRUE(lin_table_write(0, "sec", 3));
-    TEST_ASSERT_FALSE(lin_table_write(4, "ond", 3)); // one behind the end
-    TEST_ASSERT_FALSE(lin_table_write(UINT32_MAX, "o", 2));
-    TEST_ASSERT_EQUAL_HEX8(0xFF, ((const uint8_t *)lin_table_staged().bytes)[5]);
-    TEST_ASSERT_TRUE(lin_table_write(3, "ond", 3));
-    expect_image("first");
-    expect_file("first");
-    TEST_ASSERT_TRUE(lin_table_commit(&error));
-    expect_image("second");
-    expect_file("second");
-    TEST_ASSERT_FALSE(lin_table_commit(&error));        // once
-    TEST_ASSERT_TRUE(lin_table_open(path, 64, &error)); // the next start
-    expect_image("second");
-}
-
-static void test_interrupted_download_leaves_the_old_table(void)
-{
-    put_file(path, "first");
-    TEST_ASSERT_TRUE(lin_table_open(path, 64, &error));
-    TEST_ASSERT_TRUE(lin_table_begin(6));
-    TEST_ASSERT_TRUE(lin_table_write(0, "sec", 3));
-    put_file(fresh, "torn"); // the supply fell while it was written
-    TEST_ASSERT_TRUE(lin_table_open(path, 64, &error));
-    expect_image("first");
-    TEST_ASSERT_EQUAL_UINT32(0, lin_table_staged().size);
-}
-
-static void test_table_that_cannot_be_stored_leaves_the_old_one(void)
-{
-    put_file(path, "first");
-    TEST_ASSERT_TRUE(lin_table_open(path, 64, &error));
-    TEST_ASSERT_TRUE(lin_table_begin(1));
-    TEST_ASSERT_TRUE(lin_table_write(0, "x", 1));
-    TEST_ASSERT_EQUAL_INT(0, mkdir(fresh, 0700)); // in the way, also of root
-    TEST_ASSERT_FALSE(lin_table_commit(&error));
-    TEST_ASSERT_NOT_NULL(strstr(error.text, "not written"));
-    expect_image("first");
-    expect_file("first");
-    TEST_ASSERT_EQUAL_INT(0, rmdir(fresh));
-}
-
 static void test_reason_of_a_halt_is_told_at_the_next_start_once(void)
 {
     char longest[2 * lin_kept_bytes];
@@ -246,7 +149,6 @@ int main(void)
         return 1;
     }
     (void)snprintf(path, sizeof path, "%s/table", folder);
-    (void)snprintf(fresh, sizeof fresh, "%s.new", path);
     UNITY_BEGIN();
     RUN_TEST(test_due_times_do_not_drift);
     RUN_TEST(test_missed_ticks_are_counted);
@@ -255,11 +157,6 @@ int main(void)
     RUN_TEST(test_end_waits_for_the_retract_and_for_the_drives);
     RUN_TEST(test_end_while_off_tells_the_drives_three_times);
     RUN_TEST(test_end_does_not_wait_for_ever);
-    RUN_TEST(test_table_is_read_at_the_start);
-    RUN_TEST(test_table_that_cannot_be_read_is_told);
-    RUN_TEST(test_new_table_comes_into_force_by_commit_only);
-    RUN_TEST(test_interrupted_download_leaves_the_old_table);
-    RUN_TEST(test_table_that_cannot_be_stored_leaves_the_old_one);
     RUN_TEST(test_reason_of_a_halt_is_told_at_the_next_start_once);
     setUp();
     (void)rmdir(folder);

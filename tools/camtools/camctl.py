@@ -11,6 +11,7 @@ import argparse
 import contextlib
 import csv
 import fnmatch
+import math
 import shutil
 import sys
 import time
@@ -22,10 +23,11 @@ import can
 from cantools.database import EncodeError
 
 from camtools.can_download import CHECK_S, download
-from camtools.can_link import NAMES, NUMBERS, Answer, Link, Refused, Status, value_text
+from camtools.can_link import DBC_NODE, NAMES, NUMBERS, Answer, Link, Refused, Status, value_text
 from camtools.can_watch import COLUMNS, Dashboard, line, report, row, table_report
 from camtools.command import Interrupted, Parser, run_command
 from camtools.errors import CamtoolsError
+from camtools.output import growing
 
 REFUSED = 1
 _PLAIN = ("enable", "disable", "home", "start", "stop", "reset")
@@ -58,6 +60,7 @@ _REMEDIES = {
     "u_place": "move U into its stroke",
     "download_room": "make the table with a larger --tolerance-nm",
     "download_crc": "download again",
+    "download_store": "its memory failed, the old table stays in force; try again",
     "busy": "try again",
 }
 HOME_S, CUT_S = 60.0, 3600.0
@@ -222,23 +225,24 @@ class Control:
 
     def record(self, arguments: argparse.Namespace) -> None:
         """Write the status into a CSV file, a row every 10 ms."""
+        self.link.listen()  # before a file is touched
+        n = 0
+
+        def write(status: Status, t_s: float) -> None:
+            nonlocal n
+            if n == 0:
+                writer.writerow(COLUMNS)
+            n += 1
+            writer.writerow(row(status, t_s))
+
+        is_over = _is_out_of_work if arguments.cut else lambda status: False
         try:
-            file = arguments.file.open("w", newline="", encoding="utf-8")
+            with growing(arguments.file) as file:
+                writer = csv.writer(file, lineterminator="\n")
+                self._follow(arguments.seconds, write, is_over)
         except OSError as error:
             raise CamtoolsError([f"{arguments.file}: {error.strerror}; check the path"]) from error
-        n = 0
-        with file:
-            writer = csv.writer(file, lineterminator="\n")
-            writer.writerow(COLUMNS)
-
-            def write(status: Status, t_s: float) -> None:
-                nonlocal n
-                n += 1
-                writer.writerow(row(status, t_s))
-
-            is_over = _is_out_of_work if arguments.cut else lambda status: False
-            self._follow(arguments.seconds, write, is_over)
-        self.say(f"{arguments.file}: {n} rows")
+        self.say(f"{arguments.file}: {n} rows" if n else f"{arguments.file}: no rows, not written")
         if arguments.cut and self.link.status.faults:
             raise Refused(f"the cut ended in a fault: {', '.join(self.link.status.faults)}")
 
@@ -283,6 +287,27 @@ class Control:
             self.say(text)
 
 
+def _finite(text: str) -> float:
+    value = float(text)
+    if not math.isfinite(value):
+        raise argparse.ArgumentTypeError(f"{text}: give a finite number")
+    return value
+
+
+def _positive(text: str) -> float:
+    value = _finite(text)
+    if value <= 0:
+        raise argparse.ArgumentTypeError(f"{text}: give more than 0")
+    return value
+
+
+def _node(text: str) -> int:
+    value = int(text)
+    if not 1 <= value <= 127:
+        raise argparse.ArgumentTypeError(f"{text}: give 1 .. 127")
+    return value
+
+
 def _parser() -> argparse.ArgumentParser:
     parser = Parser(
         prog="tools/camctl",
@@ -294,13 +319,16 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--interface", "-i", help="of python-can: socketcan, pcan, slcan, ...")
     parser.add_argument("--channel", "-c", help="of that interface, for example can0")
     parser.add_argument("--bitrate", "-b", type=int, help="in bit/s, where the interface sets it")
+    parser.add_argument(
+        "--node", "-n", type=_node, default=DBC_NODE, help="of the controller, 1 .. 127; 64"
+    )
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for name in _PLAIN:
         one = commands.add_parser(name, help=_WHAT[name])
         if name == "start":
             one.add_argument("--wait", action="store_true", help="until the part is cut")
     for name, what in _QUICK.items():
-        commands.add_parser(name, help=what).add_argument("value", type=float)
+        commands.add_parser(name, help=what).add_argument("value", type=_finite)
     commands.add_parser("get", help="print parameters").add_argument("names", nargs="+")
     one = commands.add_parser("set", help="set a parameter")
     one.add_argument("name")
@@ -309,11 +337,11 @@ def _parser() -> argparse.ArgumentParser:
     one.add_argument("pattern", nargs="?", default="*", help="with * and ?")
     commands.add_parser("status", help="print the status once")
     one = commands.add_parser("watch", help="live view: angle, U, following error, faults")
-    one.add_argument("--seconds", type=float, help="how long; default: until interrupted")
-    one.add_argument("--every", type=float, help="seconds between two pictures")
+    one.add_argument("--seconds", type=_positive, help="how long; default: until interrupted")
+    one.add_argument("--every", type=_positive, help="seconds between two pictures")
     one = commands.add_parser("record", help="write the status into a CSV file, every 10 ms")
     one.add_argument("file", type=Path)
-    one.add_argument("--seconds", type=float, help="how long; default: until interrupted")
+    one.add_argument("--seconds", type=_positive, help="how long; default: until interrupted")
     one.add_argument("--cut", action="store_true", help="until the cut that runs is over")
     table = commands.add_parser("table", help="the table in use, download of another")
     actions = table.add_subparsers(dest="table", required=True, metavar="ACTION")
@@ -343,7 +371,7 @@ def _open(arguments: argparse.Namespace) -> tuple[can.BusABC, str]:
 def _run(arguments: argparse.Namespace, out: TextIO) -> int:
     bus, where = _open(arguments)
     try:
-        control = Control(Link(bus, where), out)
+        control = Control(Link(bus, where, arguments.node), out)
         command: str = arguments.command
         group = "plain" if command in _PLAIN else "quick" if command in _QUICK else command
         getattr(control, group)(arguments)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A controller at the other end of a CAN bus: commands and their answers, the newest status.
 
-The messages are those of firmware/can/camturn.dbc.
+The messages are those of firmware/can/camturn.dbc, whose identifiers are those of node 64.
 
 >>> NAMES["state"][4]
 'cutting'
@@ -30,6 +30,7 @@ _STATUS = {
 }
 BLOCK_ID, FLOW_ID = (DATABASE.get_message_by_name(name).frame_id for name in ("Block", "BlockFlow"))
 
+DBC_NODE = 64  # the node whose identifiers the DBC tells
 ANSWER_S = 1.0
 BUSY_TRIES, BUSY_S = 20, 0.01
 PERIOD_S = 0.01  # of the status
@@ -120,6 +121,10 @@ class Status:
         return raw.split(b"\0")[0].decode("ascii", "replace")
 
 
+def _frame(identifier: int, data: bytes) -> can.Message:
+    return can.Message(arbitration_id=identifier, data=data, is_extended_id=False)
+
+
 class Link:
     """A bus with one controller.
 
@@ -129,6 +134,8 @@ class Link:
         open
     where : str
         how the user named the bus, for messages
+    node : int
+        number of the controller, 1 .. 127; identifiers here are those of node 64, as in the DBC
 
     Attributes
     ----------
@@ -138,8 +145,9 @@ class Link:
         called with the status whenever a set of its messages is complete
     """
 
-    def __init__(self, bus: can.BusABC, where: str) -> None:
+    def __init__(self, bus: can.BusABC, where: str, node: int = DBC_NODE) -> None:
         self.bus, self.where = bus, where
+        self._shift = node - DBC_NODE
         self.status = Status()
         self.on_row: Callable[[Status], None] = lambda status: None
         self._answers: deque[can.Message] = deque()
@@ -160,11 +168,12 @@ class Link:
         return True
 
     def _take(self, frame: can.Message) -> None:
-        if frame.arbitration_id == ANSWER.frame_id and len(frame.data) == ANSWER.length:
+        identifier = frame.arbitration_id - self._shift
+        if identifier == ANSWER.frame_id and len(frame.data) == ANSWER.length:
             self._answers.append(frame)
-        elif frame.arbitration_id == FLOW_ID:
-            self.flows.append(frame)
-        elif (message := _STATUS.get(frame.arbitration_id)) and len(frame.data) == message.length:
+        elif identifier == FLOW_ID:
+            self.flows.append(_frame(identifier, frame.data))
+        elif (message := _STATUS.get(identifier)) and len(frame.data) == message.length:
             self._take_status(message, bytes(frame.data))
 
     def _take_status(self, message: Message, data: bytes) -> None:
@@ -177,9 +186,8 @@ class Link:
 
     def send_frame(self, identifier: int, data: bytes) -> None:
         """Send a frame."""
-        frame = can.Message(arbitration_id=identifier, data=data, is_extended_id=False)
         try:
-            self.bus.send(frame, timeout=ANSWER_S)
+            self.bus.send(_frame(identifier + self._shift, data), timeout=ANSWER_S)
         except can.CanError as error:
             raise Refused(
                 f"{self.where}: the frame cannot be sent: {error}; is the bus up, with somebody "
@@ -209,7 +217,7 @@ class Link:
             )
         return Refused(
             f"{self.where}: no answer and no status from a controller; check its power, the "
-            "wiring with both terminators, --interface, --channel and --bitrate"
+            "wiring with both terminators, --interface, --channel, --bitrate and --node"
         )
 
     # Commands

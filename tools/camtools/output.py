@@ -15,6 +15,7 @@ import tempfile
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import TextIO
 
 from camtools.errors import CamtoolsError
 
@@ -99,6 +100,35 @@ def write_all(folder: Path, files: Mapping[str, bytes | Iterable[bytes]]) -> Non
     finally:
         if not done:
             _remove(made, folders)
+
+
+@contextmanager
+def growing(path: Path) -> Iterator[TextIO]:
+    """Write a text file bit by bit; it gets its name at the end, whatever the end is.
+
+    Until then an older file stays; also when nothing was written. What is no ordinary file, such
+    as a pipe, is written directly.
+
+    Raises
+    ------
+    OSError
+        The file cannot be made.
+    """
+    if path.exists() and not path.is_file():
+        with path.open("w", newline="", encoding="utf-8") as stream:
+            yield stream
+        return
+    handle, name = tempfile.mkstemp(prefix=f".{path.name}.", suffix=".tmp", dir=path.parent)
+    try:
+        with os.fdopen(handle, "w", newline="", encoding="utf-8") as stream:
+            os.fchmod(handle, 0o666 & ~_umask())
+            yield stream
+    finally:
+        with signals_held():
+            if Path(name).stat().st_size > 0:
+                Path(name).replace(path)
+            else:
+                Path(name).unlink()
 
 
 def _remove(files: list[Path], folders: list[Path]) -> None:

@@ -34,8 +34,9 @@ typedef struct {
 void cam_store_init(cam_store_t *s, cam_machine_t *machine);
 
 /// Take into use: the downloaded table, if one is complete; else check the one in its place anew.
-/// @return as cam_machine_select_table(), cam_err_no_table, cam_err_download_store; the downloaded
-///         one in state off only
+/// @return as cam_machine_select_table(), cam_err_no_table; the downloaded one in state off only.
+///         cam_err_download_store: the port could not keep it, the old one stays in force; so it is
+///         with every select until one succeeds or a download begins anew
 /// Context: lasts as long as cam_table_check(), on a Cortex-M7 about 26 instructions per byte of
 /// the image, 65 with a speed channel; when a download is taken, once more the port's commit.
 CAM_MUST_USE cam_err_t cam_store_select(cam_store_t *s);

@@ -13,6 +13,8 @@ void lin_bus_init(lin_bus_t *b, const lin_config_t *config)
                      .enable_ns = config->can.enable_ms * ns_per_ms},
         .encoder_node.id = (uint32_t)config->encoder.node,
         .inputs = hal_in_bus_lost,
+        .is_silent = true,
+        .has_twin = true,
     };
     lin_encoder_init(&b->encoder, &config->encoder, config->thread.tick_hz);
     for (int i = 0; i < hal_n_axes; i++) {
@@ -22,10 +24,15 @@ void lin_bus_init(lin_bus_t *b, const lin_config_t *config)
     lin_drive_init(&b->drive[lin_bus_spindle], config->spindle_node, 1, 1);
 }
 
+static uint32_t own_heartbeat(const lin_bus_t *b)
+{
+    return lin_id_heartbeat + (uint32_t)b->config.can.node;
+}
+
 /// What only a controller sends: heard from somebody else, there are two.
 static bool is_controllers(const lin_bus_t *b, uint32_t id)
 {
-    bool is = id == lin_id_sync || id == lin_id_heartbeat + (uint32_t)b->config.can.node;
+    bool is = id == lin_id_sync || id == own_heartbeat(b);
     for (int i = 0; i < lin_bus_n_drives; i++) {
         is = is || (b->drive[i].node.id != 0u && id == lin_id_rpdo1 + b->drive[i].node.id);
     }
@@ -44,7 +51,7 @@ uint32_t lin_bus_ids(const lin_bus_t *b, uint32_t *ids)
 {
     uint32_t n = 0;
     ids[n++] = lin_id_sync;
-    ids[n++] = lin_id_heartbeat + (uint32_t)b->config.can.node;
+    ids[n++] = own_heartbeat(b);
     n += ids_of_node(b->encoder_node.id, &ids[n]);
     for (int i = 0; i < lin_bus_n_drives; i++) {
         const uint32_t node = b->drive[i].node.id;
@@ -59,6 +66,7 @@ void lin_bus_take(lin_bus_t *b, const hal_can_frame_t *frame, int64_t ns)
 {
     if (is_controllers(b, frame->id)) {
         b->is_other_heard = true;
+        b->is_twin_heard = b->is_twin_heard || frame->id == own_heartbeat(b);
         b->other_ns = ns;
         return;
     }
@@ -105,14 +113,19 @@ static lin_loss_t drive_loss(const lin_bus_t *b, int i)
     return d->node.emcy != 0u ? lin_loss_emcy : lin_loss_spindle;
 }
 
+static bool is_other_there(const lin_bus_t *b, int64_t now_ns)
+{
+    return b->is_other_heard && now_ns - b->other_ns <= b->patience.node_ns;
+}
+
 /// Of several causes the first.
 static lin_cause_t find_cause(lin_bus_t *b, int64_t now_ns)
 {
     const lin_loss_t encoder = encoder_loss(b, now_ns);
-    const bool is_other = b->is_other_heard && now_ns - b->other_ns <= b->patience.node_ns;
     const lin_loss_t own = b->link != lin_loss_none    ? b->link
                            : b->event != lin_loss_none ? b->event
-                           : is_other                  ? lin_loss_other_controller
+                           : is_other_there(b, now_ns) ? lin_loss_other_controller
+                           : b->is_silent              ? lin_loss_listening
                                                        : lin_loss_none;
     if (own != lin_loss_none) {
         return (lin_cause_t){.loss = own};
@@ -223,7 +236,7 @@ static uint32_t make_management(lin_bus_t *b, int64_t now_ns, hal_can_frame_t *f
     const int64_t interval_ns = b->config.can.heartbeat_ms * ns_per_ms;
     if (!b->is_started || now_ns - b->heartbeat_ns >= interval_ns) {
         frames[n++] =
-            (hal_can_frame_t){.id = lin_id_heartbeat + (uint32_t)b->config.can.node,
+            (hal_can_frame_t){.id = own_heartbeat(b),
                               .n = 1,
                               .data = {b->is_started ? lin_nmt_operational : lin_nmt_boot_up}};
         b->heartbeat_ns = now_ns;
@@ -241,10 +254,37 @@ static uint32_t make_management(lin_bus_t *b, int64_t now_ns, hal_can_frame_t *f
     return n;
 }
 
+/// Listening begins with the start, and again when another is heard while no drive is in operation;
+/// it ends when nobody was heard for long enough.
+static void listen(lin_bus_t *b, int64_t now_ns)
+{
+    if (!b->is_begun) {
+        b->is_begun = true;
+        b->begin_ns = now_ns;
+        b->silent_ns = now_ns;
+    }
+    const bool is_off = (b->outputs & hal_out_enable) == 0u && lin_bus_is_at_rest(b);
+    if (is_other_there(b, now_ns)) {
+        b->is_silent = b->is_silent || is_off;
+        b->silent_ns = b->other_ns;
+    } else if (b->is_silent && now_ns - b->silent_ns > b->patience.node_ns) {
+        b->is_silent = false;
+        b->is_other_heard = false;
+        b->is_twin_heard = false;
+    }
+    // A heartbeat is due within node_ns: only then is a number known to be free.
+    const bool is_known = now_ns - b->begin_ns > b->patience.node_ns;
+    b->has_twin = b->is_silent && (b->is_twin_heard || !is_known);
+}
+
 uint32_t lin_bus_make(lin_bus_t *b, const lin_wants_t *wants, int64_t now_ns,
                       hal_can_frame_t *frames)
 {
     note_outputs(b, wants, now_ns);
+    listen(b, now_ns);
+    if (b->is_silent) {
+        return 0;
+    }
     uint32_t n = 0;
     for (int i = 0; i < hal_n_axes; i++) {
         if (b->drive[i].node.id != 0u) {
@@ -260,7 +300,7 @@ uint32_t lin_bus_make(lin_bus_t *b, const lin_wants_t *wants, int64_t now_ns,
 
 bool lin_bus_is_at_rest(const lin_bus_t *b)
 {
-    for (int i = 0; i < lin_bus_n_drives; i++) {
+    for (int i = 0; i < lin_bus_n_drives && !b->is_silent; i++) {
         const lin_drive_t *d = &b->drive[i];
         if (d->has_status && d->loss == lin_loss_none &&
             (d->state == cia402_operation_enabled || d->state == cia402_quick_stop_active)) {

@@ -5,6 +5,10 @@
 ///     lin_bus_judge() -> inputs, readings        what cam_isr() senses
 ///     set-points -> lin_bus_make() -> frames     what the tick sends, SYNC behind them
 ///
+/// There is one controller on a bus. A new one first listens for node_timeout_ms and sends nothing;
+/// it begins when nobody else was heard to do a controller's work for that long. One that has begun
+/// and hears another goes on until its drives are let go, then it listens, too.
+///
 /// Pure; the tick's thread only. Times are ns of one clock.
 #ifndef LIN_BUS_H
 #define LIN_BUS_H
@@ -43,8 +47,15 @@ typedef struct {
     lin_loss_t link;  ///< lin_bus_link()
     lin_loss_t event; ///< lin_bus_event(), until the next judgement
     bool is_other_heard;
-    int64_t other_ns;      ///< another controller was heard
-    lin_cause_t cause;     ///< of the input hal_in_bus_lost; kept with it
+    int64_t other_ns;   ///< another controller was heard
+    bool is_twin_heard; ///< with this one's node number
+    bool is_begun;      ///< lin_bus_make() was called,
+    int64_t begin_ns;   ///< at first then
+    bool is_silent;     ///< listens: nothing is sent
+    int64_t silent_ns;  ///< since then, or since another was heard last
+    bool has_twin;      ///< listens, and its node number is another's or not known to be its own:
+                        ///< nothing is to be sent under it
+    lin_cause_t cause;  ///< of the input hal_in_bus_lost; kept with it
     lin_cause_t not_ready; ///< first drive that is not ready: node, error code
     uint32_t inputs;       ///< hal_in_drive_ready, hal_in_bus_lost
     uint32_t outputs;      ///< last wanted
@@ -75,11 +86,11 @@ int32_t lin_bus_actual_nm(const lin_bus_t *b, hal_axis_t axis, const lin_wants_t
 
 /// Frames of this tick, in the order in which they are to be sent.
 /// @param frames  [lin_bus_max_frames]
-/// @return        their number
+/// @return        their number, 0 while it listens
 uint32_t lin_bus_make(lin_bus_t *b, const lin_wants_t *wants, int64_t now_ns,
                       hal_can_frame_t *frames);
 
-/// @return whether no drive is in operation any more: nothing moves by set-points
+/// @return whether no drive of this controller is in operation: nothing moves by its set-points
 bool lin_bus_is_at_rest(const lin_bus_t *b);
 
 #endif

@@ -34,7 +34,9 @@ typedef struct {
     char interface[lin_interface_max + 1];
     char remote[lin_interface_max + 1]; ///< never empty after loading
     int64_t node;
+    int64_t bitrate; ///< [bit/s] what the interface was set to; for the load of the bus only
     bool is_fd;
+    int64_t data_bitrate; ///< [bit/s] likewise, of the data of FD frames
     int64_t heartbeat_ms, node_timeout_ms, pdo_timeout_ms, enable_ms;
 } lin_can_config_t;
 

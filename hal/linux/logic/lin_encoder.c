@@ -4,12 +4,16 @@
 
 enum { default_age_ticks = 3 };
 
+int64_t lin_encoder_age_us(const lin_encoder_config_t *config, int64_t tick_hz)
+{
+    return config->max_age_us != 0 ? config->max_age_us
+                                   : default_age_ticks * INT64_C(1000000) / tick_hz;
+}
+
 void lin_encoder_init(lin_encoder_t *e, const lin_encoder_config_t *config, int64_t tick_hz)
 {
     *e = (lin_encoder_t){.config = *config, .least_ns = INT64_C(1000000000) / tick_hz / 4};
-    if (config->max_age_us == 0) {
-        e->config.max_age_us = default_age_ticks * INT64_C(1000000) / tick_hz;
-    }
+    e->config.max_age_us = lin_encoder_age_us(config, tick_hz);
 }
 
 /// Way from one raw position to the next: the shorter one.
@@ -53,6 +57,22 @@ static void look_for_index(lin_encoder_t *e, int64_t from)
     }
 }
 
+/// The speed is told by the last frame that is least_ns old; where frames come closer together than
+/// that, by one that is not older than twice as long.
+static void choose_base(lin_encoder_t *e, int64_t at_ns)
+{
+    if (at_ns - e->ns >= e->least_ns) {
+        e->mark = e->counts;
+        e->mark_ns = e->ns;
+    }
+    if (at_ns - e->mark_ns >= e->least_ns) {
+        e->before = e->mark;
+        e->before_ns = e->mark_ns;
+        e->mark = e->counts;
+        e->mark_ns = e->ns;
+    }
+}
+
 void lin_encoder_take(lin_encoder_t *e, uint32_t raw, int64_t ns)
 {
     const int64_t at_ns = ns - e->config.delay_ns;
@@ -61,12 +81,11 @@ void lin_encoder_take(lin_encoder_t *e, uint32_t raw, int64_t ns)
         e->counts = raw;
         e->before = raw;
         e->before_ns = at_ns;
+        e->mark = raw;
+        e->mark_ns = at_ns;
     } else {
         const int64_t from = e->counts;
-        if (at_ns - e->ns >= e->least_ns) {
-            e->before = e->counts;
-            e->before_ns = e->ns;
-        }
+        choose_base(e, at_ns);
         e->counts += way(e, raw);
         if (e->config.index == lin_index_position) {
             look_for_index(e, from);

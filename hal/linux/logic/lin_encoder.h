@@ -23,11 +23,15 @@ typedef struct {
     uint32_t raw;              ///< position as it came
     int64_t counts, ns;        ///< newest
     int64_t before, before_ns; ///< earlier one, at least least_ns apart; the same at first
+    int64_t mark, mark_ns;     ///< between them: the next `before` once it is least_ns old
     int64_t index_counts;
     uint32_t n_index;
     int64_t edge_ns;
     bool is_edge_open; ///< waits for the frame behind it
 } lin_encoder_t;
+
+/// @return [us] how old a position may become
+int64_t lin_encoder_age_us(const lin_encoder_config_t *config, int64_t tick_hz);
 
 /// @param tick_hz  rate at which frames are expected, roughly
 void lin_encoder_init(lin_encoder_t *e, const lin_encoder_config_t *config, int64_t tick_hz);

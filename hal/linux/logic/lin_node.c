@@ -13,6 +13,7 @@ const char *lin_loss_text(lin_loss_t loss)
         [lin_loss_overflow] = "received frames were lost",
         [lin_loss_send] = "a frame could not be sent",
         [lin_loss_other_controller] = "another controller sends on this bus",
+        [lin_loss_listening] = "listening for another controller before the first frame",
         [lin_loss_heartbeat] = "no heartbeat",
         [lin_loss_restarted] = "started anew",
         [lin_loss_not_operational] = "not operational",

@@ -29,6 +29,7 @@ typedef enum {
     lin_loss_overflow,         ///< the kernel threw received frames away
     lin_loss_send,             ///< a frame could not be queued
     lin_loss_other_controller, ///< somebody else sends what only the controller may
+    lin_loss_listening,        ///< whether there is another is not known yet
     lin_loss_heartbeat,
     lin_loss_restarted, ///< a node booted
     lin_loss_not_operational,

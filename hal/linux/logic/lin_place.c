@@ -29,6 +29,13 @@ bool lin_place_parse(lin_place_t *p, const char *chip, const char *place, lin_er
     return true;
 }
 
+bool lin_place_is_same(const lin_place_t *a, const lin_place_t *b)
+{
+    const bool is_name = a->name != NULL && b->name != NULL;
+    return strcmp(a->chip, b->chip) == 0 &&
+           (is_name ? strcmp(a->name, b->name) == 0 : a->name == b->name && a->offset == b->offset);
+}
+
 bool lin_place_refuse(const lin_place_t *p, int err, const char *who, lin_error_t *e)
 {
     char line[lin_name_max + 1];

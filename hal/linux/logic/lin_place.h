@@ -18,6 +18,9 @@ typedef struct {
 /// @return       false and *e when the offset is no number
 bool lin_place_parse(lin_place_t *p, const char *chip, const char *place, lin_error_t *e);
 
+/// @return whether two places name the same line; a name and an offset are not compared
+bool lin_place_is_same(const lin_place_t *a, const lin_place_t *b);
+
 /// What to say of a line that cannot be had.
 /// @param err  errno
 /// @param who  its present user, "" when not known

@@ -19,19 +19,63 @@ typedef struct {
     lin_error_t *e;
 } reader_t;
 
+/// @return [characters] of a text before the first of some that is not inside quotes
+static size_t before(const char *text, const char *ends)
+{
+    bool is_quoted = false;
+    size_t n = 0;
+    while (text[n] != '\0' && (is_quoted || strchr(ends, text[n]) == NULL)) {
+        is_quoted = text[n] == '"' ? !is_quoted : is_quoted;
+        n++;
+    }
+    return n;
+}
+
 /// Cut a comment behind the value and the blanks before it; # inside quotes stays.
 static void strip(char *text)
 {
-    bool is_quoted = false;
-    char *c = text;
-    while (*c != '\0' && (is_quoted || *c != '#')) {
-        is_quoted = *c == '"' ? !is_quoted : is_quoted;
-        c++;
-    }
+    char *c = text + before(text, "#");
     while (c > text && isspace((unsigned char)c[-1]) != 0) {
         c--;
     }
     *c = '\0';
+}
+
+static bool check_section(const reader_t *r, const char *line)
+{
+    const size_t n = strcspn(line + 1, "]#\n");
+    const char *rest = line + 1 + n;
+    rest += *rest == ']' ? 1u + strspn(rest + 1, " \t\r") : 0u;
+    if (line[1 + n] != ']' || (*rest != '\0' && *rest != '\n' && *rest != '#')) {
+        return lin_error(r->e, "%s:%d: [%.*s: no section; write [section] alone on its line",
+                         r->path, r->line, (int)n, line + 1);
+    }
+    for (size_t i = 0; i < r->n; i++) {
+        if (strlen(r->list[i].section) == n && strncmp(r->list[i].section, line + 1, n) == 0) {
+            return true;
+        }
+    }
+    return lin_error(r->e, "%s:%d: [%.*s]: there is no such section; correct or remove it", r->path,
+                     r->line, (int)n, line + 1);
+}
+
+/// inih takes more than TOML: ":" for "=", comments behind ";", sections that nothing is in.
+static bool check_line(const reader_t *r, const char *line)
+{
+    if (line[0] == '[') {
+        return check_section(r, line);
+    }
+    if (strchr("#\r\n", line[0]) != NULL) { // the end of the line, too
+        return true;
+    }
+    if (line[strcspn(line, "=:;#")] != '=') {
+        return lin_error(
+            r->e, "%s:%d: neither [section] nor key = value; correct it, comments begin with #",
+            r->path, r->line);
+    }
+    return line[before(line, "#;")] != ';' ||
+           lin_error(r->e, "%s:%d: \";\" behind the value; begin comments with #", r->path,
+                     r->line);
 }
 
 /// inih takes an indented line for more of the value before; TOML does not, so lines come
@@ -52,7 +96,8 @@ static char *read_line(char *line, int size, void *user)
     }
     const size_t n_blanks = strspn(line, " \t");
     memmove(line, line + n_blanks, length - n_blanks + 1u);
-    return line;
+    r->is_wrong = !check_line(r, line);
+    return r->is_wrong ? NULL : line;
 }
 
 static bool refuse(const reader_t *r, const lin_setting_t *s, const char *text, const char *why)

@@ -131,6 +131,15 @@ static bool write_all(int fd, const uint8_t *bytes, size_t size)
     return true;
 }
 
+/// Close; errno stays that of what failed before.
+static bool close_well(int fd, bool is_good)
+{
+    const int err = errno;
+    const bool is_closed = close(fd) == 0;
+    errno = is_good ? errno : err;
+    return is_closed && is_good;
+}
+
 static bool store(const char *path, const bank_t *bank)
 {
     const int fd = open(path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
@@ -138,7 +147,7 @@ static bool store(const char *path, const bank_t *bank)
         return false;
     }
     const bool is_written = write_all(fd, bank->bytes, bank->size) && fsync(fd) == 0;
-    return close(fd) == 0 && is_written;
+    return close_well(fd, is_written);
 }
 
 /// The folder's entry must reach the disk, too.
@@ -150,8 +159,7 @@ static bool sync_folder(void)
     if (fd < 0) {
         return false;
     }
-    const bool is_synced = fsync(fd) == 0;
-    return close(fd) == 0 && is_synced;
+    return close_well(fd, fsync(fd) == 0);
 }
 
 bool lin_table_commit(lin_error_t *e)
@@ -161,10 +169,17 @@ bool lin_table_commit(lin_error_t *e)
         return lin_error(e, "no table was begun");
     }
     (void)snprintf(fresh, sizeof fresh, "%s.new", table.path);
-    if (!store(fresh, other()) || rename(fresh, table.path) != 0 || !sync_folder()) {
-        return lin_error(e, "%s: not written: %s", table.path, strerror(errno));
+    if (!store(fresh, other()) || rename(fresh, table.path) != 0) {
+        (void)lin_error(e, "%s: not written: %s", table.path, strerror(errno));
+        (void)unlink(fresh);
+        return false;
     }
     table.is_begun = false;
     table.i_active = 1 - table.i_active;
+    e->text[0] = '\0';
+    if (!sync_folder()) {
+        (void)lin_error(e, "%s: in force, but a loss of power may bring the old one back: %s",
+                        table.path, strerror(errno));
+    }
     return true;
 }

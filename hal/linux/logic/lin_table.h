@@ -30,8 +30,13 @@ bool lin_table_write(uint32_t offset, const void *bytes, uint32_t n);
 /// @return what was begun; size 0: nothing
 hal_image_t lin_table_staged(void);
 
-/// What was begun becomes the table in force, here and in the file; waits for the disk.
-/// @return false and *e: nothing was begun, or the file cannot be written; the old one stays
+/// What was begun becomes the table in force, here and in the file; waits for the disk. The
+/// renaming decides: before it the old one stays, here and in the file, and what was begun may be
+/// committed again; behind it the new one is in force, also when the disk does not confirm its
+/// folder.
+/// @param e  text "" when all is well
+/// @return   false and *e: nothing was begun, or the file cannot be written; the old one stays.
+///           True and *e: a loss of power may bring the old one back
 bool lin_table_commit(lin_error_t *e);
 
 #endif
