@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_cut.h"
 #include "sim_units.h" // sim_fraction
-#include <math.h>      // sqrt
+#include <math.h>      // ceil, sqrt
 #include <stdlib.h>    // free
 
 /// A real main loop does its background work whenever the interrupt leaves time; here rarely, since
@@ -14,11 +14,20 @@ const cam_status_t *sim_cut_status(const sim_cut_t *cut)
     return &cut->firmware.status;
 }
 
+/// Z is geared along a ring-helix.
+static bool has_rings(const sim_cut_t *cut)
+{
+    return cut->table.is_ring_helix && cut->params.z_is_measured == 0;
+}
+
 double sim_cut_planned_turns(const sim_cut_t *cut)
 {
     const double feed_nm =
         cut->params.feed_nm > 0 ? cut->params.feed_nm : (double)cut->table.feed_nm;
     const double fed = ((double)cut->table.z_last_nm - cut->table.z_first_nm) / feed_nm;
+    if (has_rings(cut)) {
+        return 2.0 * ceil(fed) + 1.0;
+    }
     const double ramp = cut->params.z_is_measured != 0 ? 0.0 : cut->params.feed_ramp_turns;
     return fed + (ramp < fed ? ramp : fed); // the rising and the falling half
 }
@@ -56,13 +65,13 @@ static void count_cutting(sim_cut_t *cut, const cam_status_t *status)
     cut->following_sum_um2 += off_um * off_um;
 }
 
-/// While cutting; turns in which the feed eases are not judged.
+/// While cutting; turns in which the feed eases are not judged, those of a ring-helix neither.
 static void measure_removal(sim_cut_t *cut)
 {
     const double turn = cut->table.direction > 0 ? cut->true_turn : -cut->true_turn;
     const double ramp = cut->params.feed_ramp_turns;
     const bool is_full =
-        cut->cut_turns > ramp && cut->cut_turns < sim_cut_planned_turns(cut) - ramp;
+        !has_rings(cut) && cut->cut_turns > ramp && cut->cut_turns < sim_cut_planned_turns(cut) - ramp;
     cut->has_slice = sim_removal_touch(&cut->removal, cut->sample_s, turn - cut->phase_turn,
                                        cut->z_mm, cut->radius_mm, is_full && !cut->is_stopped);
 }
