@@ -2,7 +2,7 @@
 #include "cam/cam_feasible.h"
 #include "cam/cam_feed.h" // cam_feed_ramp_q32
 #include "cam/cam_fix.h"  // cam_root_u64
-#include <stdbool.h> // bool
+#include <stdbool.h>      // bool
 
 /// The ISR's arithmetic holds up to 16 knots per tick; half of that leaves room for overspeed.
 enum { max_knots_per_tick = 8 };
@@ -227,7 +227,8 @@ static demand_t spindle_acceleration_demand(const cam_table_t *t, const cam_para
     const uint64_t omega_mrad_s = (angular_urad_s(mrpm) + 999u) / 1000u;
     const uint64_t omega2 = (omega_mrad_s * omega_mrad_s + 999u) / 1000u;
     const uint64_t needed = (omega2 * t->spindle_peak_ppm + 999999u) / 1000000u;
-    const uint64_t omega_max_mrad_s = cam_root_u64((uint64_t)limit * 1000000000u / t->spindle_peak_ppm);
+    const uint64_t omega_max_mrad_s =
+        cam_root_u64((uint64_t)limit * 1000000000u / t->spindle_peak_ppm);
     return (demand_t){cam_err_spindle_acceleration, limit, (int64_t)needed,
                       told_speed(mrpm_of(omega_max_mrad_s * 1000u))};
 }

@@ -225,8 +225,8 @@ static void follow_axes(const cam_sense_t *in, cam_move_t *axis)
 }
 
 /// Stop lays the end of the feed, and behind it that of the cut, onto the next whole turn that no
-/// axis has been told of yet. A feed in motion falls over its ramp, a ring-helix goes on to the end of
-/// the next ring, a feed that has not begun does not begin.
+/// axis has been told of yet. A feed in motion falls over its ramp, a ring-helix goes on to the end
+/// of the next ring, a feed that has not begun does not begin.
 static void stop(cam_play_t *p, const cam_play_config_t *cfg, const cam_angle_t *angle)
 {
     if (!p->is_playing) {

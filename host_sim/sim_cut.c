@@ -14,6 +14,13 @@ const cam_status_t *sim_cut_status(const sim_cut_t *cut)
     return &cut->firmware.status;
 }
 
+double sim_cut_feed_mm(const sim_cut_t *cut)
+{
+    const double feed_nm =
+        cut->params.feed_nm > 0 ? cut->params.feed_nm : (double)cut->table.feed_nm;
+    return feed_nm / SIM_NM_PER_MM;
+}
+
 /// Z is geared along a ring-helix.
 static bool has_rings(const sim_cut_t *cut)
 {
@@ -22,9 +29,8 @@ static bool has_rings(const sim_cut_t *cut)
 
 double sim_cut_planned_turns(const sim_cut_t *cut)
 {
-    const double feed_nm =
-        cut->params.feed_nm > 0 ? cut->params.feed_nm : (double)cut->table.feed_nm;
-    const double fed = ((double)cut->table.z_last_nm - cut->table.z_first_nm) / feed_nm;
+    const double span_nm = (double)cut->table.z_last_nm - cut->table.z_first_nm;
+    const double fed = span_nm / (sim_cut_feed_mm(cut) * SIM_NM_PER_MM);
     if (has_rings(cut)) {
         return 2.0 * ceil(fed) + 1.0;
     }
@@ -50,6 +56,8 @@ static void gauge(sim_cut_t *cut)
     cut->exact_mm = sim_design_radius_mm(&cut->design, cut->part_turn, cut->z_mm);
     sim_work_touch(&cut->work, cut->part_turn, cut->z_mm, cut->radius_mm, cut->exact_mm,
                    cut->state == cam_state_cutting);
+    sim_scallop_touch(&cut->scallop, &cut->design, cut->part_turn, cut->z_mm, cut->radius_mm,
+                      cut->exact_mm);
 }
 
 static void count_cutting(sim_cut_t *cut, const cam_status_t *status)
@@ -70,8 +78,8 @@ static void measure_removal(sim_cut_t *cut)
 {
     const double turn = cut->table.direction > 0 ? cut->true_turn : -cut->true_turn;
     const double ramp = cut->params.feed_ramp_turns;
-    const bool is_full =
-        !has_rings(cut) && cut->cut_turns > ramp && cut->cut_turns < sim_cut_planned_turns(cut) - ramp;
+    const bool is_full = !has_rings(cut) && cut->cut_turns > ramp &&
+                         cut->cut_turns < sim_cut_planned_turns(cut) - ramp;
     cut->has_slice = sim_removal_touch(&cut->removal, cut->sample_s, turn - cut->phase_turn,
                                        cut->z_mm, cut->radius_mm, is_full && !cut->is_stopped);
 }
