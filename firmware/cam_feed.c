@@ -53,9 +53,9 @@ uint32_t cam_feed_ramp_q32(uint32_t feed_nm, uint32_t speed_mrpm, uint32_t accel
 
 uint64_t cam_feed_speed_um_per_s(uint32_t feed_nm, uint32_t speed_mrpm, uint32_t ramp_q32)
 {
-    const uint64_t mean_um_per_s = (section_nm(feed_nm) * speed_mrpm + 59999999u) / 60000000u;
-    const uint64_t rest_q32 = ONE_Q32 - ramp_q32;
-    return ((mean_um_per_s << 32) + rest_q32 - 1u) / rest_q32;
+    const uint64_t mean_nm_per_s = (section_nm(feed_nm) * speed_mrpm + 59999u) / 60000u;
+    const uint64_t rest_q24 = (ONE_Q32 - ramp_q32) >> 8;
+    return ((mean_nm_per_s << 24) / rest_q24 + 1000u) / 1000u;
 }
 
 uint64_t cam_feed_least_acceleration(uint32_t feed_nm, uint32_t speed_mrpm)

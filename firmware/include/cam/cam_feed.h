@@ -59,7 +59,7 @@ int64_t cam_feed_turns_q32(const cam_rings_t *rings);
 
 /// What of a step is fed.
 /// @param done_q32  [turn / 2^32] since the first ring began, 0 .. the length
-/// @return          [1 / 2^30] 0 .. 2^30, 0 in a ring; error below 2^-28
+/// @return          [1 / 2^30] 0 .. 2^30, 0 in a ring; error below 2^-26
 /// Context: ISR.
 uint32_t cam_feed_risen_q30_isr(const cam_rings_t *rings, int64_t done_q32);
 
