@@ -151,6 +151,18 @@ static void build_speed(cam_speed_config_t *c, const cam_params_t *p, const cam_
     c->mean2_q48 = (limited_q32 * limited_q32) >> 16;
 }
 
+/// Z along a ring-helix instead. Its ramps are made for the speed that the spindle is told.
+static void build_rings(cam_play_config_t *c, const cam_params_t *p, const cam_table_t *table,
+                        uint32_t speed_mrpm)
+{
+    if (table->is_ring_helix && !c->is_z_measured) {
+        const int32_t span_nm = table->z_last_nm - table->z_first_nm;
+        c->rings = cam_feed_rings((uint32_t)c->feed_nm, span_nm, speed_mrpm,
+                                  (uint32_t)p->z_acceleration_mm_per_s2);
+        c->feed_q32 = cam_feed_turns_q32(&c->rings);
+    }
+}
+
 /// Feed in turns rounded down by less than 2^-32; heights are rounded, so the last one is reached.
 static void build_feed(cam_play_config_t *c, const cam_params_t *p, const cam_table_t *table,
                        uint32_t tick_hz)
@@ -171,6 +183,7 @@ static void build_feed(cam_play_config_t *c, const cam_params_t *p, const cam_ta
     const uint32_t speed_mrpm = (uint32_t)cam_clamp_i64(wanted_mrpm, 0, p->spindle_limit_mrpm);
     c->spindle_mrpm = (int32_t)speed_mrpm * table->direction;
     build_speed(&c->speed, p, table, (int32_t)speed_mrpm, tick_hz);
+    build_rings(c, p, table, speed_mrpm);
 }
 
 /// Shifts so that products fill their words: k bits bring the speed to 2^30, R = knots per tick.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam/cam_feasible.h"
-#include <stdbool.h> // bool
+#include "cam/cam_feed.h" // cam_feed_ramp_q32
+#include "cam/cam_fix.h"  // cam_root_u64
+#include <stdbool.h>      // bool
 
 /// The ISR's arithmetic holds up to 16 knots per tick; half of that leaves room for overspeed.
 enum { max_knots_per_tick = 8 };
@@ -18,16 +20,6 @@ typedef struct {
 static int64_t smaller(int64_t a, int64_t b)
 {
     return a < b ? a : b;
-}
-
-/// @return floor of the square root
-static uint64_t root(uint64_t v)
-{
-    uint64_t r = 0;
-    for (uint64_t bit = UINT64_C(1) << 31; bit != 0u; bit >>= 1) {
-        r = (r + bit) * (r + bit) <= v ? r + bit : r;
-    }
-    return r;
 }
 
 /// [urad/s] of [r/min / 1000]: 2 pi / 60 * 1000, rounded up.
@@ -126,7 +118,7 @@ static demand_t u_acceleration_demand(const cam_table_t *t, const cam_params_t *
     const uint64_t omega_mrad_s = (angular_urad_s(mrpm) + 999u) / 1000u;
     const uint64_t omega2_q = (omega_mrad_s * omega_mrad_s + 9999u) / 10000u; // 0.01 rad2/s2
     const uint64_t needed = (u2 * omega2_q + 99999999u) / 100000000u;
-    const uint64_t omega_max_mrad_s = root((uint64_t)limit * 1000000000u / u2 * 1000u);
+    const uint64_t omega_max_mrad_s = cam_root_u64((uint64_t)limit * 1000000000u / u2 * 1000u);
     return (demand_t){cam_err_u_acceleration, limit, (int64_t)needed,
                       told_speed(mrpm_of(omega_max_mrad_s * 1000u))};
 }
@@ -152,7 +144,7 @@ static demand_t x_acceleration_demand(const cam_params_t *p, uint32_t mrpm)
     const uint64_t needed = (clear_nm * rpm * rpm / (3600u * turns * turns) + 1u) / 173180u + 1u;
     const uint64_t most = (limit - 1u) * 173180u * 3600u * turns * turns / clear_nm;
     return (demand_t){cam_err_x_acceleration, (int64_t)limit, (int64_t)needed,
-                      told_speed(root(most) * 1000u)};
+                      told_speed(cam_root_u64(most) * 1000u)};
 }
 
 static uint64_t feed_of(const cam_table_t *t, const cam_params_t *p)
@@ -160,9 +152,43 @@ static uint64_t feed_of(const cam_table_t *t, const cam_params_t *p)
     return p->feed_nm > 0 ? (uint64_t)p->feed_nm : t->feed_nm;
 }
 
+/// Of a ring-helix that Z is geared along.
+static bool has_rings(const cam_table_t *t, const cam_params_t *p)
+{
+    return t->is_ring_helix && p->z_is_measured == 0;
+}
+
+static uint32_t highest_with_rings(const cam_table_t *t, const cam_params_t *p)
+{
+    return cam_feed_highest_mrpm((uint32_t)feed_of(t, p), (uint32_t)p->z_speed_um_per_s,
+                                 (uint32_t)p->z_acceleration_mm_per_s2);
+}
+
+/// Speed between the ramps.
+static demand_t ring_speed_demand(const cam_table_t *t, const cam_params_t *p, uint32_t mrpm)
+{
+    const uint32_t feed_nm = (uint32_t)feed_of(t, p);
+    const uint32_t ramp_q32 =
+        cam_feed_ramp_q32(feed_nm, mrpm, (uint32_t)p->z_acceleration_mm_per_s2);
+    return (demand_t){cam_err_z_speed, p->z_speed_um_per_s,
+                      (int64_t)cam_feed_speed_um_per_s(feed_nm, mrpm, ramp_q32),
+                      highest_with_rings(t, p)};
+}
+
+/// The least that any ramp needs: ramps are as short as the limit allows.
+static demand_t ring_acceleration_demand(const cam_table_t *t, const cam_params_t *p, uint32_t mrpm)
+{
+    return (demand_t){cam_err_z_acceleration, p->z_acceleration_mm_per_s2,
+                      (int64_t)cam_feed_least_acceleration((uint32_t)feed_of(t, p), mrpm),
+                      highest_with_rings(t, p)};
+}
+
 static demand_t z_demand(const cam_table_t *t, const cam_params_t *p, uint32_t mrpm)
 {
     const uint64_t feed_nm = feed_of(t, p);
+    if (has_rings(t, p)) {
+        return ring_speed_demand(t, p, mrpm);
+    }
     const uint64_t limit = p->z_is_measured != 0 ? INT32_MAX : (uint64_t)p->z_speed_um_per_s;
     const uint64_t needed = (feed_nm * mrpm + 59999999u) / 60000000u;
     return (demand_t){cam_err_z_speed, (int64_t)limit, (int64_t)needed,
@@ -175,6 +201,9 @@ static demand_t z_acceleration_demand(const cam_table_t *t, const cam_params_t *
     if (p->z_is_measured != 0) {
         return (demand_t){cam_err_z_acceleration, INT32_MAX, 0, UINT32_MAX};
     }
+    if (has_rings(t, p)) {
+        return ring_acceleration_demand(t, p, mrpm);
+    }
     const uint64_t feed_nm = feed_of(t, p);
     const uint64_t turns = (uint64_t)p->feed_ramp_turns;
     const uint64_t span_nm = (uint64_t)((int64_t)t->z_last_nm - t->z_first_nm);
@@ -184,7 +213,7 @@ static demand_t z_acceleration_demand(const cam_table_t *t, const cam_params_t *
                                                     : UINT64_C(3600000000) * span_nm / feed_nm;
     const uint64_t needed = (feed_nm * rpm * rpm + per - 1u) / per;
     return (demand_t){cam_err_z_acceleration, (int64_t)limit, (int64_t)needed,
-                      told_speed(root(limit * per / feed_nm) * 1000u)};
+                      told_speed(cam_root_u64(limit * per / feed_nm) * 1000u)};
 }
 
 /// r r' omega^2 in mrad/s2; without modulation nothing is needed.
@@ -198,7 +227,8 @@ static demand_t spindle_acceleration_demand(const cam_table_t *t, const cam_para
     const uint64_t omega_mrad_s = (angular_urad_s(mrpm) + 999u) / 1000u;
     const uint64_t omega2 = (omega_mrad_s * omega_mrad_s + 999u) / 1000u;
     const uint64_t needed = (omega2 * t->spindle_peak_ppm + 999999u) / 1000000u;
-    const uint64_t omega_max_mrad_s = root((uint64_t)limit * 1000000000u / t->spindle_peak_ppm);
+    const uint64_t omega_max_mrad_s =
+        cam_root_u64((uint64_t)limit * 1000000000u / t->spindle_peak_ppm);
     return (demand_t){cam_err_spindle_acceleration, limit, (int64_t)needed,
                       told_speed(mrpm_of(omega_max_mrad_s * 1000u))};
 }

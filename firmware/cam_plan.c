@@ -82,6 +82,10 @@ CAM_STAGE static uint32_t plan_turns(cam_play_t *p)
 CAM_STAGE static uint32_t plan_feed(cam_play_t *p, const cam_play_config_t *cfg)
 {
     const int64_t done_q32 = p->plan.done_q32;
+    if (cfg->rings.is_on) {
+        p->plan.risen_q30 = cam_feed_risen_q30_isr(&cfg->rings, done_q32);
+        return 0;
+    }
     const int64_t left_q32 = p->feed_turns_q32 - done_q32;
     p->plan.fed_q32 = done_q32 <= left_q32
                           ? eased_q32(cfg, done_q32)
@@ -91,6 +95,11 @@ CAM_STAGE static uint32_t plan_feed(cam_play_t *p, const cam_play_config_t *cfg)
 
 CAM_STAGE static uint32_t plan_height(cam_play_t *p, const cam_play_config_t *cfg)
 {
+    if (cfg->rings.is_on) {
+        p->plan.z_nm = cfg->z_first_nm +
+                       cam_feed_height_nm_isr(&cfg->rings, p->plan.done_q32, p->plan.risen_q30);
+        return 0;
+    }
     const int64_t fed_nm = (p->plan.fed_q32 * cfg->feed_nm + (INT64_C(1) << 31)) >> 32;
     p->plan.z_nm = cfg->is_z_measured ? p->plan.going_on_nm : cfg->z_first_nm + (int32_t)fed_nm;
     return 0;

@@ -225,8 +225,8 @@ static void follow_axes(const cam_sense_t *in, cam_move_t *axis)
 }
 
 /// Stop lays the end of the feed, and behind it that of the cut, onto the next whole turn that no
-/// axis has been told of yet. A feed in motion falls over its ramp, one that has not begun does not
-/// begin.
+/// axis has been told of yet. A feed in motion falls over its ramp, a ring-helix goes on to the end
+/// of the next ring, a feed that has not begun does not begin.
 static void stop(cam_play_t *p, const cam_play_config_t *cfg, const cam_angle_t *angle)
 {
     if (!p->is_playing) {
@@ -238,6 +238,7 @@ static void stop(cam_play_t *p, const cam_play_config_t *cfg, const cam_angle_t 
     const int64_t ramp_q32 = cfg->ramp_q32;
     const bool is_feeding = fed_q32 > 0 && !cfg->is_z_measured;
     const int64_t turns_q32 = !is_feeding          ? 0
+                              : cfg->rings.is_on   ? cam_feed_ring_end_q32(fed_q32)
                               : fed_q32 > ramp_q32 ? fed_q32 + ramp_q32
                                                    : 2 * ramp_q32;
     const int64_t end_q32 = is_feeding ? p->feed_at_q32 + turns_q32 : at_q32;

@@ -40,7 +40,7 @@ typedef struct {
     int32_t z_first_nm, z_last_nm;
     uint32_t slices_per_nm_q48;
     int32_t offset_nm, p_min, p_max;
-    uint32_t v_max, a_max, reserved;
+    uint32_t v_max, a_max, path;
 } entry_t;
 _Static_assert(sizeof(entry_t) == cam_table_entry_size, "as in the format");
 
@@ -172,7 +172,7 @@ static cam_err_t check_shape(const entry_t *e)
                           is_within(e->n_slices, 2, cam_table_max_slices) &&
                           is_within(e->log2_knots, is_turned ? 2 : 0, is_turned ? 12 : 0) &&
                           is_within(e->log2_repeat, 0, is_turned ? 4 : 0) &&
-                          e->frac_bits <= max_frac_bits && e->reserved == 0u &&
+                          e->frac_bits <= max_frac_bits && e->path <= (is_turned ? 0u : 1u) &&
                           is_within(e->p_min, -CAM_TABLE_SUM_MAX, e->p_max) &&
                           e->p_max <= CAM_TABLE_SUM_MAX && e->v_max <= CAM_TABLE_SUM_MAX &&
                           e->a_max <= CAM_TABLE_SUM_MAX &&
@@ -365,11 +365,13 @@ static cam_err_t check_channels(const uint8_t *image, const header_fields_t *h, 
         describe(&e, image, ch);
         u = e.kind == kind_u ? e : u;
         table->is_swung = table->is_swung || e.kind == kind_swing;
+        table->is_ring_helix = table->is_ring_helix || e.path != 0u;
         if (e.kind == kind_speed) {
             table->ratio_max_q20 = (uint32_t)(e.offset_nm + (e.p_max >> e.frac_bits) + 2);
         }
     }
-    const bool is_complete = table->u.knots != NULL && table->x.knots != NULL;
+    const bool is_steady = table->speed.knots == NULL || !table->is_ring_helix;
+    const bool is_complete = table->u.knots != NULL && table->x.knots != NULL && is_steady;
     return is_complete ? check_promise(&u, h, table) : cam_err_image_channel;
 }
 

@@ -35,9 +35,10 @@ typedef struct {
     const char *command; ///< for messages
     const char *table_path;
     const char *machine_path;
-    const char *trace_path, *surface_path, *summary_path, *removal_path; ///< NULL: not wanted
-    char design_path[4096];  ///< of the gauge's reference; "" when there is none
-    char target_image[4096]; ///< where it was built; not used when the user gives one
+    const char *trace_path, *surface_path, *summary_path, *removal_path;
+    const char *scallop_path; ///< all of them NULL: not wanted
+    char design_path[4096];   ///< of the gauge's reference; "" when there is none
+    char target_image[4096];  ///< where it was built; not used when the user gives one
     bool is_progress_shown;
     bool is_help;
     double tolerance_um;

@@ -22,6 +22,9 @@ static const char help[] =
     "  --removal F.csv       metal removed, power and forces of every time slice\n"
     "  --slice-us T          length of those slices (default: a 120th of the mean turn)\n"
     "  --kc-n-mm2 K          specific cutting force (default: 700)\n"
+    "  --nose-mm R           radius of the tool's nose: the surface between tracks is made, too\n"
+    "  --scallop F.csv       turn,z_mm,proud_um of that surface; with --nose-mm\n"
+    "  --scallop-mm A:B      its heights (default: four feeds in the middle)\n"
     "  --no-feed-forward     k1 = k2 = 0\n"
     "  --no-lead             no dead-time compensation\n"
     "  --seed N              of the encoder's noise (default: 1)\n"
@@ -54,6 +57,9 @@ enum {
     opt_removal,
     opt_slice,
     opt_kc,
+    opt_nose,
+    opt_scallop,
+    opt_window,
     opt_no_feed_forward,
     opt_no_lead,
     opt_seed,
@@ -79,6 +85,9 @@ static const struct option options[] = {
     {"removal", required_argument, NULL, opt_removal},
     {"slice-us", required_argument, NULL, opt_slice},
     {"kc-n-mm2", required_argument, NULL, opt_kc},
+    {"nose-mm", required_argument, NULL, opt_nose},
+    {"scallop", required_argument, NULL, opt_scallop},
+    {"scallop-mm", required_argument, NULL, opt_window},
     {"no-feed-forward", no_argument, NULL, opt_no_feed_forward},
     {"no-lead", no_argument, NULL, opt_no_lead},
     {"seed", required_argument, NULL, opt_seed},
@@ -129,6 +138,23 @@ static bool take_slice(camsim_options_t *o, const char *text, sim_error_t *e)
     const bool is_good = take_number(&slice_us, "slice-us", text, 1.0, 1e9, "microseconds", e);
     o->cut.slice_s = is_good ? slice_us * 1e-6 : 0.0;
     return is_good;
+}
+
+/// Two heights, the second above the first; whether the part has them is seen later.
+static bool take_window(sim_cut_options_t *cut, const char *text, sim_error_t *e)
+{
+    char first[40];
+    const char *colon = strchr(text, ':');
+    const bool is_split = colon != NULL && (size_t)(colon - text) < sizeof first;
+    if (is_split) {
+        memcpy(first, text, (size_t)(colon - text));
+        first[colon - text] = '\0';
+        cut->has_window = sim_parse_number(first, &cut->window_first_mm) &&
+                          sim_parse_number(colon + 1, &cut->window_last_mm) &&
+                          cut->window_first_mm < cut->window_last_mm;
+    }
+    return cut->has_window ||
+           sim_error(e, "--scallop-mm %.60s: no two rising heights; give FROM:TO in mm", text);
 }
 
 static bool take_set(camsim_options_t *o, const char *text, sim_error_t *e)
@@ -190,6 +216,8 @@ static const char **path_of(camsim_options_t *o, int option)
         return &o->summary_path;
     case opt_removal:
         return &o->removal_path;
+    case opt_scallop:
+        return &o->scallop_path;
     case opt_design:
         return &o->cut.design_path;
     case opt_target:
@@ -217,6 +245,10 @@ static bool take_value(camsim_options_t *o, int option, const char *text, sim_er
         return take_slice(o, text, e);
     case opt_kc:
         return take_number(&cut->kc_n_mm2, "kc-n-mm2", text, 0.001, 1e6, "N/mm2", e);
+    case opt_nose:
+        return take_number(&cut->nose_mm, "nose-mm", text, 0.01, 100.0, "mm", e);
+    case opt_window:
+        return take_window(cut, text, e);
     case opt_max_seconds:
         return take_number(&cut->max_s, "max-seconds", text, 0.001, 1e7, "seconds", e);
     case opt_seed:
@@ -279,11 +311,19 @@ static bool find_target(camsim_options_t *o, sim_error_t *e)
     return sim_target_image(target, o->target_image, sizeof o->target_image, e);
 }
 
+static bool check_scallop(const camsim_options_t *o, sim_error_t *e)
+{
+    const bool is_asked = o->scallop_path != NULL || o->cut.has_window;
+    return !is_asked || o->cut.nose_mm > 0.0 ||
+           sim_error(e, "--scallop, --scallop-mm: no tool for it; give --nose-mm, too");
+}
+
 static bool check_outputs(const camsim_options_t *o, sim_error_t *e)
 {
-    const char *const path[] = {o->table_path,   o->machine_path, o->cut.design_path, o->trace_path,
-                                o->surface_path, o->summary_path, o->removal_path};
-    for (int i = 3; i < 7; i++) {
+    const char *const path[] = {o->table_path,   o->machine_path, o->cut.design_path,
+                                o->trace_path,   o->surface_path, o->summary_path,
+                                o->removal_path, o->scallop_path};
+    for (int i = 3; i < 8; i++) {
         for (int k = 0; k < i; k++) {
             if (path[i] != NULL && path[k] != NULL && strcmp(path[i], path[k]) == 0) {
                 return sim_error(e, "%s: named for two purposes; give every output its own path",
@@ -322,5 +362,5 @@ bool camsim_options_read(camsim_options_t *o, int argc, char **argv, sim_error_t
         return false;
     }
     return find_target(o, e) && (o->cut.design_path != NULL || find_design(o, e)) &&
-           check_outputs(o, e);
+           check_scallop(o, e) && check_outputs(o, e);
 }

@@ -9,7 +9,7 @@
 #include <sys/stat.h> // stat
 #include <unistd.h>   // fsync, unlink
 
-enum { max_pending = 4 };
+enum { max_pending = 5 };
 
 /// Temporaries for the signal handler, which can reach nothing else.
 static const char *volatile pending[max_pending];

@@ -14,7 +14,7 @@ enum { progress_ticks = 1 << 17 };
 typedef struct {
     camsim_options_t options;
     sim_cut_t cut;
-    camsim_out_t trace, surface, summary, removal;
+    camsim_out_t trace, surface, summary, removal, scallop;
     double wall_s;
 } run_t;
 
@@ -48,7 +48,8 @@ static bool open_outputs(run_t *r, sim_error_t *e)
     return camsim_out_open(&r->trace, r->options.trace_path, "--trace", e) &&
            camsim_out_open(&r->surface, r->options.surface_path, "--surface", e) &&
            camsim_out_open(&r->summary, r->options.summary_path, "--summary", e) &&
-           camsim_out_open(&r->removal, r->options.removal_path, "--removal", e);
+           camsim_out_open(&r->removal, r->options.removal_path, "--removal", e) &&
+           camsim_out_open(&r->scallop, r->options.scallop_path, "--scallop", e);
 }
 
 static void drop_outputs(run_t *r)
@@ -57,6 +58,7 @@ static void drop_outputs(run_t *r)
     camsim_out_drop(&r->surface);
     camsim_out_drop(&r->summary);
     camsim_out_drop(&r->removal);
+    camsim_out_drop(&r->scallop);
 }
 
 static void show_progress(const run_t *r)
@@ -94,14 +96,18 @@ static bool write_results(run_t *r, sim_error_t *e)
     if (r->surface.name != NULL) {
         camsim_surface(&r->surface, &r->cut.work);
     }
+    if (r->scallop.name != NULL) {
+        camsim_scallop(&r->scallop, &r->cut.scallop, &r->cut.design);
+    }
     if (r->summary.name != NULL &&
         !camsim_summary_json(&r->summary, &r->options, &r->cut, r->wall_s)) {
         return sim_error(e, "%s: not enough memory for the summary; free some", r->summary.name);
     }
     return camsim_out_finish(&r->trace, e) && camsim_out_finish(&r->surface, e) &&
-           camsim_out_finish(&r->removal, e) && camsim_out_finish(&r->summary, e) &&
-           camsim_out_publish(&r->trace, e) && camsim_out_publish(&r->surface, e) &&
-           camsim_out_publish(&r->removal, e) && camsim_out_publish(&r->summary, e);
+           camsim_out_finish(&r->removal, e) && camsim_out_finish(&r->scallop, e) &&
+           camsim_out_finish(&r->summary, e) && camsim_out_publish(&r->trace, e) &&
+           camsim_out_publish(&r->surface, e) && camsim_out_publish(&r->removal, e) &&
+           camsim_out_publish(&r->scallop, e) && camsim_out_publish(&r->summary, e);
 }
 
 /// Why the first fault struck; several at once are told by the first in the list.

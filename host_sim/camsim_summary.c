@@ -43,13 +43,6 @@ static double rpm_of(const sim_cut_t *cut)
     return cut->feasibility.speed_mrpm * 1e-3;
 }
 
-static double feed_mm_of(const sim_cut_t *cut)
-{
-    const double feed_nm =
-        cut->params.feed_nm > 0 ? cut->params.feed_nm : (double)cut->table.feed_nm;
-    return feed_nm / SIM_NM_PER_MM;
-}
-
 static void add_what(cJSON *root, const camsim_options_t *options, const sim_cut_t *cut)
 {
     (void)cJSON_AddStringToObject(root, "camsim", CAMSIM_VERSION);
@@ -111,7 +104,9 @@ static void add_cut(cJSON *root, const sim_cut_t *cut)
 {
     cJSON *object = cJSON_AddObjectToObject(root, "cut");
     number(object, "spindle_rpm", rpm_of(cut));
-    number(object, "feed_mm", feed_mm_of(cut));
+    number(object, "feed_mm", sim_cut_feed_mm(cut));
+    (void)cJSON_AddStringToObject(object, "path",
+                                  cut->table.is_ring_helix ? "ring-helix" : "helix");
     number(object, "planned_turns", sim_cut_planned_turns(cut));
     number(object, "turns", cut->cut_turns);
     number(object, "seconds", cut->cut_s);
@@ -180,6 +175,22 @@ static void add_removal(cJSON *root, const sim_cut_t *cut)
     add_spread(object, "chip_force_ripple", &r->force_ripple);
 }
 
+static void add_scallop(cJSON *root, sim_cut_t *cut)
+{
+    const sim_scallop_t *s = &cut->scallop;
+    if (s->nose_mm <= 0.0) {
+        return;
+    }
+    const sim_scallop_figures_t f = sim_scallop_figures(s, &cut->design);
+    cJSON *object = cJSON_AddObjectToObject(root, "scallop");
+    number(object, "nose_mm", s->nose_mm);
+    number(object, "z_first_mm", s->z_first_mm);
+    number(object, "z_last_mm", s->z_last_mm);
+    number(object, "peak_to_valley_max_um", f.highest_um);
+    number(object, "peak_to_valley_min_um", f.lowest_um);
+    number(object, "mean_um", f.mean_um);
+}
+
 static void add_parameters(cJSON *root, const sim_cut_t *cut)
 {
     cJSON *object = cJSON_AddObjectToObject(root, "parameters");
@@ -212,7 +223,7 @@ static void add_time(cJSON *root, const sim_cut_t *cut, double wall_s)
     number(root, "ticks_per_s", wall_s > 0.0 ? (double)cut->n_ticks / wall_s : 0.0);
 }
 
-bool camsim_summary_json(camsim_out_t *o, const camsim_options_t *options, const sim_cut_t *cut,
+bool camsim_summary_json(camsim_out_t *o, const camsim_options_t *options, sim_cut_t *cut,
                          double wall_s)
 {
     cJSON *root = cJSON_CreateObject();
@@ -225,6 +236,7 @@ bool camsim_summary_json(camsim_out_t *o, const camsim_options_t *options, const
     add_cut(root, cut);
     add_feasibility(root, cut);
     add_removal(root, cut);
+    add_scallop(root, cut);
     add_time(root, cut, wall_s);
     add_injects(root, cut);
     add_parameters(root, cut);
@@ -243,7 +255,7 @@ void camsim_summary_text(const camsim_options_t *options, const sim_cut_t *cut, 
 {
     const char *reference = cut->options.design_path != NULL ? "exact design" : "table";
     (void)printf("%s on machine %s: %.6g r/min, feed %.6g mm, %.1f of %.1f turns, %s\n",
-                 cut->table.name, cut->options.config.name, rpm_of(cut), feed_mm_of(cut),
+                 cut->table.name, cut->options.config.name, rpm_of(cut), sim_cut_feed_mm(cut),
                  cut->cut_turns, sim_cut_planned_turns(cut), camsim_summary_end(cut));
     if (cut->work.n > 0u) {
         (void)printf(

@@ -10,7 +10,8 @@
 #include "sim_cut.h"    // sim_cut_t
 
 /// Write the JSON summary. @return false when memory is short
-bool camsim_summary_json(camsim_out_t *o, const camsim_options_t *options, const sim_cut_t *cut,
+/// @param cut  looks its design up
+bool camsim_summary_json(camsim_out_t *o, const camsim_options_t *options, sim_cut_t *cut,
                          double wall_s);
 
 /// Print the essentials to standard output.

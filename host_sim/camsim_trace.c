@@ -149,3 +149,16 @@ void camsim_surface(camsim_out_t *o, const sim_work_t *work)
         }
     }
 }
+
+void camsim_scallop(camsim_out_t *o, const sim_scallop_t *scallop, sim_design_t *design)
+{
+    camsim_out_text(o, "turn,z_mm,proud_um\n");
+    for (int i = 0; i < sim_scallop_angles; i++) {
+        for (int j = 0; j < sim_scallop_heights; j++) {
+            camsim_out_real(o, (double)i / sim_scallop_angles, 8);
+            real(o, sim_scallop_height_mm(scallop, j), 6);
+            real(o, sim_scallop_proud_um(scallop, design, i, j), 6);
+            camsim_out_char(o, '\n');
+        }
+    }
+}

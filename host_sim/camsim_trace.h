@@ -26,4 +26,8 @@ void camsim_removal(camsim_out_t *o, const sim_slice_t *slice);
 
 void camsim_surface(camsim_out_t *o, const sim_work_t *work);
 
+/// Write the surface between tracks: turn, z_mm, proud_um above the exact surface; the angles one
+/// after the other, heights rising.
+void camsim_scallop(camsim_out_t *o, const sim_scallop_t *scallop, sim_design_t *design);
+
 #endif

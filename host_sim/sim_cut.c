@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_cut.h"
 #include "sim_units.h" // sim_fraction
-#include <math.h>      // sqrt
+#include <math.h>      // ceil, sqrt
 #include <stdlib.h>    // free
 
 /// A real main loop does its background work whenever the interrupt leaves time; here rarely, since
@@ -14,11 +14,26 @@ const cam_status_t *sim_cut_status(const sim_cut_t *cut)
     return &cut->firmware.status;
 }
 
-double sim_cut_planned_turns(const sim_cut_t *cut)
+double sim_cut_feed_mm(const sim_cut_t *cut)
 {
     const double feed_nm =
         cut->params.feed_nm > 0 ? cut->params.feed_nm : (double)cut->table.feed_nm;
-    const double fed = ((double)cut->table.z_last_nm - cut->table.z_first_nm) / feed_nm;
+    return feed_nm / SIM_NM_PER_MM;
+}
+
+/// Z is geared along a ring-helix.
+static bool has_rings(const sim_cut_t *cut)
+{
+    return cut->table.is_ring_helix && cut->params.z_is_measured == 0;
+}
+
+double sim_cut_planned_turns(const sim_cut_t *cut)
+{
+    const double span_nm = (double)cut->table.z_last_nm - cut->table.z_first_nm;
+    const double fed = span_nm / (sim_cut_feed_mm(cut) * SIM_NM_PER_MM);
+    if (has_rings(cut)) {
+        return 2.0 * ceil(fed) + 1.0;
+    }
     const double ramp = cut->params.z_is_measured != 0 ? 0.0 : cut->params.feed_ramp_turns;
     return fed + (ramp < fed ? ramp : fed); // the rising and the falling half
 }
@@ -41,6 +56,8 @@ static void gauge(sim_cut_t *cut)
     cut->exact_mm = sim_design_radius_mm(&cut->design, cut->part_turn, cut->z_mm);
     sim_work_touch(&cut->work, cut->part_turn, cut->z_mm, cut->radius_mm, cut->exact_mm,
                    cut->state == cam_state_cutting);
+    sim_scallop_touch(&cut->scallop, &cut->design, cut->part_turn, cut->z_mm, cut->radius_mm,
+                      cut->exact_mm);
 }
 
 static void count_cutting(sim_cut_t *cut, const cam_status_t *status)
@@ -56,13 +73,13 @@ static void count_cutting(sim_cut_t *cut, const cam_status_t *status)
     cut->following_sum_um2 += off_um * off_um;
 }
 
-/// While cutting; turns in which the feed eases are not judged.
+/// While cutting; turns in which the feed eases are not judged, those of a ring-helix neither.
 static void measure_removal(sim_cut_t *cut)
 {
     const double turn = cut->table.direction > 0 ? cut->true_turn : -cut->true_turn;
     const double ramp = cut->params.feed_ramp_turns;
-    const bool is_full =
-        cut->cut_turns > ramp && cut->cut_turns < sim_cut_planned_turns(cut) - ramp;
+    const bool is_full = !has_rings(cut) && cut->cut_turns > ramp &&
+                         cut->cut_turns < sim_cut_planned_turns(cut) - ramp;
     cut->has_slice = sim_removal_touch(&cut->removal, cut->sample_s, turn - cut->phase_turn,
                                        cut->z_mm, cut->radius_mm, is_full && !cut->is_stopped);
 }

@@ -17,6 +17,7 @@
 #include "sim_inject.h"   // sim_inject_t
 #include "sim_machine.h"  // sim_machine_t
 #include "sim_removal.h"  // sim_removal_t
+#include "sim_scallop.h"  // sim_scallop_t
 #include "sim_work.h"     // sim_work_t
 #include <stdbool.h>      // bool
 #include <stdint.h>       // uint64_t
@@ -31,9 +32,12 @@ typedef struct {
     bool is_without_feed_forward, is_without_lead;
     bool is_traced; ///< the firmware records every tick; drain sim_firmware_trace()
     uint64_t seed;
-    double max_s;     ///< [s] of machine time; 0: twice the plan and a minute
-    double slice_s;   ///< [s] of the removal measured; 0: a 120th of the mean turn
-    double kc_n_mm2;  ///< specific cutting force
+    double max_s;    ///< [s] of machine time; 0: twice the plan and a minute
+    double slice_s;  ///< [s] of the removal measured; 0: a 120th of the mean turn
+    double kc_n_mm2; ///< specific cutting force
+    double nose_mm;  ///< radius of the tool's nose; 0: the surface between tracks is not made
+    bool has_window; ///< heights of that surface are given; else four feeds in the middle
+    double window_first_mm, window_last_mm;
     double max_turns; ///< end the cut (operator's stop) after so many turns of cutting; 0: the
                       ///< whole part
     const char *design_path;  ///< NULL: gauge against the table itself
@@ -59,6 +63,7 @@ typedef struct {
     sim_design_t design;
     sim_machine_t machine;
     sim_work_t work;
+    sim_scallop_t scallop;
     sim_removal_t removal;
     bool has_slice; ///< the last tick finished a slice of the removal
     sim_firmware_t firmware;
@@ -89,7 +94,7 @@ typedef struct {
     double part_turn, z_mm, radius_mm, exact_mm;
 } sim_cut_t;
 
-/// @param cut    8 MB: allocate it
+/// @param cut    9 MB: allocate it
 /// @param image  of a table; copied
 /// @param name   of the table file, for messages
 /// @return       false and *e when the input is no good or the speed infeasible; nothing to close
@@ -107,6 +112,9 @@ void sim_cut_close(sim_cut_t *cut);
 
 /// @return what the controller published in the last tick
 const cam_status_t *sim_cut_status(const sim_cut_t *cut);
+
+/// @return [mm] feed per turn in force; of a ring-helix the distance of its rings
+double sim_cut_feed_mm(const sim_cut_t *cut);
 
 /// @return [turn] length of the cutting state as planned
 double sim_cut_planned_turns(const sim_cut_t *cut);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_cut.h"
 #include "sim_units.h" // SIM_NM_PER_MM
+#include <math.h>      // floor
 #include <stdio.h>     // snprintf
 #include <stdlib.h>    // aligned_alloc
 #include <string.h>    // memcpy
@@ -166,6 +167,35 @@ static bool check_injects(const sim_cut_t *cut, size_t size, sim_error_t *e)
 /// 30 slices in a quarter turn, as the papers.
 enum { slices_per_turn = 120 };
 
+/// Sections of the map where no window is given.
+enum { scallop_feeds = 4 };
+
+/// The window of the surface between tracks: given, or from a whole number of feeds on, so that a
+/// ring-helix begins in it with a ring.
+static bool place_scallop(sim_cut_t *cut, sim_error_t *e)
+{
+    const sim_cut_options_t *o = &cut->options;
+    const double low_mm = cut->design.z_first_mm;
+    const double high_mm = cut->design.z_last_mm;
+    const double feed_mm = sim_cut_feed_mm(cut);
+    const double feeds = (high_mm - low_mm) / feed_mm;
+    const double first = floor(0.5 * (feeds - scallop_feeds) + 0.5);
+    double from_mm = low_mm + feed_mm * (first > 0.0 ? first : 0.0);
+    double to_mm = from_mm + scallop_feeds * feed_mm;
+    if (o->has_window) {
+        from_mm = o->window_first_mm;
+        to_mm = o->window_last_mm;
+    }
+    if (from_mm < low_mm || from_mm > high_mm || (o->has_window && to_mm > high_mm)) {
+        return sim_error(e,
+                         "--scallop-mm %.12g:%.12g: beyond the part; give heights %.12g .. %.12g",
+                         from_mm, to_mm, low_mm, high_mm);
+    }
+    sim_scallop_init(&cut->scallop, o->nose_mm, from_mm, to_mm < high_mm ? to_mm : high_mm,
+                     cut->work.blank_mm);
+    return true;
+}
+
 static void plan(sim_cut_t *cut)
 {
     const double turns = sim_cut_planned_turns(cut);
@@ -173,8 +203,7 @@ static void plan(sim_cut_t *cut)
     const double turn_s = 60e3 / cut->feasibility.speed_mrpm;
     const sim_removal_config_t removal = {
         .blank_mm = cut->work.blank_mm,
-        .feed_mm = (cut->params.feed_nm > 0 ? cut->params.feed_nm : (double)cut->table.feed_nm) /
-                   SIM_NM_PER_MM,
+        .feed_mm = sim_cut_feed_mm(cut),
         .slice_s = cut->options.slice_s > 0.0 ? cut->options.slice_s : turn_s / slices_per_turn,
         .kc_n_mm2 = cut->options.kc_n_mm2,
     };
@@ -197,6 +226,9 @@ static bool prepare(sim_cut_t *cut, const void *image, size_t size, const char *
         return false;
     }
     place_machine(cut);
+    if (!place_scallop(cut, e)) {
+        return false;
+    }
     if (!sim_firmware_open(&cut->firmware, cut->options.target, cut->options.target_image, e)) {
         return false;
     }

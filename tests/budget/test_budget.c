@@ -75,6 +75,20 @@ static void test_uniform_cut(void)
     expect_budget("uniform", budget_tick);
 }
 
+/// Z along a ring-helix, to the end and stopped.
+static void test_ring_helix_cut(void)
+{
+    fixture_part_t part = fixture_part_short();
+    part.is_ring_helix = true;
+    whole_cut(&part, false);
+    TEST_ASSERT_TRUE(budget_session_open(&rig, counted, &part, false));
+    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_cutting));
+    fixture_rig_ticks(&rig, 700);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stop(&rig.machine));
+    TEST_ASSERT_LESS_THAN_UINT32(60000, fixture_rig_until(&rig, cam_state_ready, 60000));
+    expect_budget("rings", budget_tick);
+}
+
 static void test_modulated_cut(void)
 {
     const fixture_part_t part = fixture_part_modulated();
@@ -190,6 +204,17 @@ static void come_off_time_too_often(void)
 
 typedef void (*cause_t)(void);
 
+static void try_tasks(uint32_t from, uint32_t to, const cause_t *causes, uint32_t n_causes)
+{
+    for (uint32_t task = from; task < to; task++) {
+        for (uint32_t step = 0; step < cam_edge_steps; step++) {
+            for (uint32_t i = 0; i < n_causes; i++) {
+                try_tick(task, step, causes[i]);
+            }
+        }
+    }
+}
+
 static void try_every_tick(cam_state_t state, uint32_t ticks_into, const cause_t *causes,
                            uint32_t n_causes)
 {
@@ -201,13 +226,7 @@ static void try_every_tick(cam_state_t state, uint32_t ticks_into, const cause_t
     }
     fixture_rig_ticks(&rig, ticks_into);
     TEST_ASSERT_EQUAL_INT(state, rig.last.want.state);
-    for (uint32_t task = 0; task < cam_plan_tasks; task++) {
-        for (uint32_t step = 0; step < cam_edge_steps; step++) {
-            for (uint32_t i = 0; i < n_causes; i++) {
-                try_tick(task, step, causes[i]);
-            }
-        }
-    }
+    try_tasks(0, cam_plan_tasks, causes, n_causes);
 }
 
 static void try_all(const cause_t *causes, uint32_t n_causes)
@@ -232,6 +251,23 @@ static void test_every_task_with_every_edge_and_fault(void)
                                      come_off_time_too_often};
     try_all(causes, sizeof causes / sizeof causes[0]);
     expect_budget("forced", budget_tick);
+}
+
+/// The tasks that a ring-helix does in another way, in a ring, on a ramp and between two.
+static void test_ring_helix_with_every_edge_and_fault(void)
+{
+    static const cause_t causes[] = {no_fault,  press_estop, break_u,
+                                     turn_back, come_late,   break_u_off_time};
+    fixture_part_t part = fixture_part_short();
+    part.is_ring_helix = true;
+    TEST_ASSERT_TRUE(budget_session_open(&rig, counted, &part, false));
+    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_cutting));
+    for (int i = 0; i < 48; i++) { // two turns
+        fixture_rig_ticks(&rig, 20);
+        try_tasks(cam_plan_task_positions, cam_plan_task_x_rise, causes,
+                  sizeof causes / sizeof causes[0]);
+    }
+    expect_budget("rings", budget_tick);
 }
 
 /// Z led by others: it is read in every tick, and X approaches over it.
@@ -278,10 +314,12 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_uniform_cut);
     RUN_TEST(test_modulated_cut);
+    RUN_TEST(test_ring_helix_cut);
     RUN_TEST(test_other_sense_and_wrapping_counter);
     RUN_TEST(test_size_of_the_table_costs_nothing);
     RUN_TEST(test_faults_in_the_cut);
     RUN_TEST(test_every_task_with_every_edge_and_fault);
+    RUN_TEST(test_ring_helix_with_every_edge_and_fault);
     RUN_TEST(test_measured_z);
     RUN_TEST(test_random_parameters);
     RUN_TEST(test_enough_ticks_were_measured);

@@ -299,6 +299,8 @@ static uint32_t put_entry(fixture_image_t *image, const fixture_part_t *part, ui
         (uint32_t)(is_u ? part->u_offset_nm : part->x_offset_nm),
     };
     memcpy(image->bytes + fixture_image_in(channel, 0), words, sizeof words);
+    fixture_image_put(image, fixture_image_in(channel, fixture_in_path),
+                      !is_u && part->is_ring_helix ? 1u : 0u);
     return (offset + words[2] + 31u) & ~31u;
 }
 

@@ -53,7 +53,7 @@ enum {
     fixture_in_p_max = 48,
     fixture_in_v_max = 52,
     fixture_in_a_max = 56,
-    fixture_in_reserved = 60,
+    fixture_in_path = 60,
 };
 
 enum { fixture_u = 0, fixture_x = 1, fixture_speed = 2 }; ///< places in the directory
@@ -80,6 +80,7 @@ typedef struct {
     uint32_t spindle_mrpm, feed_nm;
     fixture_surface_fn *u;
     fixture_profile_fn *x;
+    bool is_ring_helix;
     fixture_surface_fn *speed; ///< NULL: no speed channel; 32 knots, two patterns, 3 slices
 } fixture_part_t;
 

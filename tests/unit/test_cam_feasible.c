@@ -130,6 +130,25 @@ static void test_feed_larger_than_the_part_is_refused(void)
     TEST_ASSERT_EQUAL_INT(cam_ok, judge(100000).err);
 }
 
+/// A ring-helix of 0.2 mm: 4 feed n^2 of acceleration, feed n / (1 - r) of speed at least. What is
+/// told as the highest speed has 1 / n = feed / v + v / a.
+static void test_ring_helix_needs_ramps_of_z(void)
+{
+    table.is_ring_helix = true;
+    params.feed_nm = 200000;
+    params.z_acceleration_mm_per_s2 = 1000;
+    const double per_s = 2500.0 / 60.0;
+    expect_refused(cam_err_z_acceleration, 2500000, 0.8 * per_s * per_s, 1000,
+                   sqrt(1000.0 / 0.8) * 60e3);
+    params.z_acceleration_mm_per_s2 = 2000;
+    params.z_speed_um_per_s = 6000;
+    const double r = 0.5 - sqrt(0.25 - 0.2 * per_s * per_s / 2000);
+    expect_refused(cam_err_z_speed, 2500000, 200 * per_s / (1.0 - r), 6000,
+                   60e3 / (0.2 / 6.0 + 6.0 / 2000));
+    params.z_is_measured = 1;
+    TEST_ASSERT_EQUAL_INT(cam_ok, judge(2500000).err);
+}
+
 static void test_z_speed_and_acceleration_limit_feed_times_speed(void)
 {
     params.feed_nm = 1000000;
@@ -275,6 +294,7 @@ int main(void)
     RUN_TEST(test_amplitude_scales_what_u_needs);
     RUN_TEST(test_stroke_counts_retract_and_both_ends);
     RUN_TEST(test_feed_larger_than_the_part_is_refused);
+    RUN_TEST(test_ring_helix_needs_ramps_of_z);
     RUN_TEST(test_z_speed_and_acceleration_limit_feed_times_speed);
     RUN_TEST(test_tick_rate_limits_knots_and_counts_per_tick);
     RUN_TEST(test_modulation_limits_peak_speed_and_spindle_acceleration);

@@ -171,7 +171,7 @@ static void test_check_channel_fields_out_of_range_are_refused(void)
         {fixture_in_log2_knots, 13u},
         {fixture_in_log2_repeat, 5u},
         {fixture_in_frac_bits, 9u},
-        {fixture_in_reserved, 1u},
+        {fixture_in_path, 1u},
         {fixture_in_p_min, 0x7FFFFFFFu},
         {fixture_in_p_min, 0x80000000u},
         {fixture_in_p_max, 0x02000000u},
@@ -188,6 +188,20 @@ static void test_check_channel_fields_out_of_range_are_refused(void)
     TEST_ASSERT_EQUAL_INT(cam_err_image_channel, with_field(fixture_x, fixture_in_log2_repeat, 1u));
     TEST_ASSERT_EQUAL_INT(cam_err_image_channel,
                           with_field(fixture_x, fixture_in_offset_nm, 2000000001u));
+}
+
+/// How Z follows the turns stands in the entry of x; a modulated spindle has no ring-helix.
+static void test_check_path_is_a_helix_or_a_ring_helix(void)
+{
+    TEST_ASSERT_EQUAL_INT(cam_ok, with_field(fixture_x, fixture_in_path, 0u));
+    TEST_ASSERT_FALSE(table.is_ring_helix);
+    TEST_ASSERT_EQUAL_INT(cam_ok, with_field(fixture_x, fixture_in_path, 1u));
+    TEST_ASSERT_TRUE(table.is_ring_helix);
+    TEST_ASSERT_EQUAL_INT(cam_err_image_channel, with_field(fixture_x, fixture_in_path, 2u));
+    part = fixture_part_modulated();
+    TEST_ASSERT_EQUAL_INT(cam_ok, with_field(fixture_x, fixture_in_path, 0u));
+    TEST_ASSERT_EQUAL_INT(cam_err_image_channel, with_field(fixture_x, fixture_in_path, 1u));
+    TEST_ASSERT_EQUAL_INT(cam_err_image_channel, with_field(fixture_speed, fixture_in_path, 1u));
 }
 
 static void test_check_twice_or_missing_channel_is_refused(void)
@@ -370,6 +384,7 @@ int main(void)
     RUN_TEST(test_check_header_fields_out_of_range_are_refused);
     RUN_TEST(test_check_name_must_be_printable_and_padded);
     RUN_TEST(test_check_channel_fields_out_of_range_are_refused);
+    RUN_TEST(test_check_path_is_a_helix_or_a_ring_helix);
     RUN_TEST(test_check_twice_or_missing_channel_is_refused);
     RUN_TEST(test_check_cam_has_one_angle_channel_within_a_quarter_turn);
     RUN_TEST(test_check_layout_misaligned_overlapping_or_outside_is_refused);

@@ -21,6 +21,7 @@ from camtools.image import Bounds, Channel, Limits, Table
 from camtools.part import Limits as MachineLimits
 from camtools.part import Part
 from camtools.part_cam import CamPart
+from camtools.path import path_of
 from camtools.quantise import with_bounds
 from camtools.search import choose_u, choose_x
 from camtools.speed_table import MotionPeaks, SpeedTable, make_speed
@@ -90,7 +91,8 @@ def make_table(
     channels: tuple[Channel, ...] = (with_bounds(u), with_bounds(x))
     if speed is not None:
         bounds, channels = moving_bounds(bounds, speed.peaks), (*channels, speed.channel)
-    return table_of(part, part.process.spindle_rpm, bounds, channels)
+    table = table_of(part, part.process.spindle_rpm, bounds, channels)
+    return replace(table, is_ring_helix=part.process.path == "ring-helix")
 
 
 def table_of(
@@ -139,14 +141,6 @@ def refuse_corner(geometry: Geometry) -> None:
     raise GeometryError("piston.section.refit", problem, "add the table [piston.section.refit]")
 
 
-def _refuse_path(part: Part) -> None:
-    """Refuse a path that the controller would not follow."""
-    if part.process.path != "helix":
-        problem = f'"{part.process.path}": the controller feeds Z along a helix only'
-        remedy = 'give path = "helix", or write a program by tools/mkgcode --axes cxzu'
-        raise GeometryError("process.path", problem, remedy)
-
-
 def default_tolerance_nm(geometry: Geometry) -> float:
     """Return the tolerance of u that applies when none is asked for [nm]."""
     return DEFAULT_TOLERANCE_NM if geometry.corner is None else REFIT_TOLERANCE_NM
@@ -170,8 +164,8 @@ def generate(part: Part, tolerance_nm: float | None = None) -> Generated:
     """
     if tolerance_nm is not None:
         check_tolerance(tolerance_nm)
-    _refuse_path(part)
     geometry = make_geometry(part)
+    path_of(part, geometry.z_first_mm, geometry.z_last_mm)  # or refuse: Z cannot follow it
     refuse_corner(geometry)
     tolerance_u_nm = tolerance_nm or default_tolerance_nm(geometry)
     u, accuracy_u = choose_u(geometry, tolerance_u_nm)

@@ -138,6 +138,7 @@ class Table:
     limits: Limits
     bounds: Bounds
     channels: tuple[Channel, ...]
+    is_ring_helix: bool = False  # a geared Z follows a ring-helix, not a helix
 
     def channel(self, kind: int) -> Channel:
         """Return the channel of this kind; `unpack` makes sure that u and x exist."""
@@ -225,12 +226,13 @@ def _pack_header(table: Table, image_size: int, crc32: int) -> bytes:
     )
 
 
-def _pack_entry(channel: Channel, offset: int) -> bytes:
+def _pack_entry(channel: Channel, offset: int, *, is_ring_helix: bool) -> bytes:
+    path = int(is_ring_helix and channel.kind == KIND_X)
     return _ENTRY.pack(
         *(channel.kind, offset, channel.size, channel.n_slices, channel.log2_knots),
         *(channel.log2_repeat, channel.frac_bits, channel.z_first_nm, channel.z_last_nm),
         *(channel.slices_per_nm_q48, channel.offset_nm, channel.p_min, channel.p_max),
-        *(channel.v_max, channel.a_max, 0),
+        *(channel.v_max, channel.a_max, path),
     )
 
 
@@ -252,7 +254,9 @@ def pack(table: Table) -> bytes:
     image[:HEADER_SIZE] = _pack_header(table, len(image), 0)
     for i, (channel, offset) in enumerate(zip(table.channels, offsets, strict=False)):
         entry = HEADER_SIZE + ENTRY_SIZE * i
-        image[entry : entry + ENTRY_SIZE] = _pack_entry(channel, offset)
+        image[entry : entry + ENTRY_SIZE] = _pack_entry(
+            channel, offset, is_ring_helix=table.is_ring_helix
+        )
         image[offset : offset + channel.size] = channel.knots.astype("<i4").tobytes()
     struct.pack_into("<I", image, CRC_OFFSET, crc32_of(bytes(image)))
     return bytes(image)
@@ -280,7 +284,10 @@ def unpack(image: bytes) -> Table:
     _demand(fields[5] == crc32_of(image), "crc32: the image is damaged")
     table = _unpack_header(fields)
     channels = _unpack_channels(image, table, fields[7])
-    return replace(table, channels=channels)
+    path = any(_ENTRY.unpack_from(image, HEADER_SIZE + ENTRY_SIZE * i)[15] for i in range(fields[7]))
+    table = replace(table, channels=channels, is_ring_helix=path)
+    _demand(table.speed is None or not path, "path: a ring-helix is for one speed")
+    return table
 
 
 def _unpack_header(fields: tuple[Any, ...]) -> Table:
@@ -337,7 +344,7 @@ def _check_entry(entry: tuple[Any, ...], table: Table) -> None:
     span_nm, n = z_last - z_first, n_slices - 1
     _demand(n * MIN_SPACING_NM <= span_nm <= n * MAX_SPACING_NM, "spacing: not 65537 .. 16777216")
     _demand(q48 == slices_per_nm_q48(n_slices, z_first, z_last), "slices_per_nm_q48: wrong")
-    _demand(entry[15] == 0, "reserved: not 0")
+    _demand(entry[15] <= int(kind == KIND_X), "path: not 0 or, of x, 1")
     low, high = (entry[10] * 2**frac_bits + p for p in entry[11:13])
     if kind == KIND_SPEED:
         is_ratio = low >= MIN_RATIO << frac_bits and high <= MAX_RATIO << frac_bits

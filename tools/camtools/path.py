@@ -22,6 +22,7 @@ from camtools.part import Limits, Part
 from camtools.sections import Floats
 
 _WHOLE = 1e-9  # of a feed: a height range is a whole number of feeds
+LEAST_RAMP = 1 / 256  # of a turn: a shorter one would win nothing
 
 
 @dataclass(frozen=True)
@@ -35,7 +36,8 @@ class Path:
     z_first_mm, z_last_mm : float
         Heights where it begins and ends.
     feed_mm : float
-        Lead of the helix; of a ring-helix the distance of its sections, too.
+        Lead of the helix; of a ring-helix the distance of its sections, too, but for the last
+        step, which is what is left of the range.
     ramp : float
         Share of a helix turn over which Z gathers speed, and again over which it loses it,
         0 .. 0.5; 0 is the path as printed. Of a ring-helix only.
@@ -70,7 +72,8 @@ class Path:
         if self.kind == "ring-helix":
             whole = np.floor(done)
             ring = np.floor(whole / 2)
-            done = ring + np.where(whole % 2 == 1, self._risen(done - whole), 0.0)
+            step = np.minimum(1.0, self.feeds - ring)
+            done = ring + step * np.where(whole % 2 == 1, self._risen(done - whole), 0.0)
         return np.minimum(self.z_first_mm + self.feed_mm * done, self.z_last_mm)
 
     def _risen(self, share: Floats) -> Floats:
@@ -111,8 +114,9 @@ class Path:
 
 
 def ramp_of(feed_mm: float, spindle_rpm: float, limits: Limits) -> float:
-    """Return the shortest ramp of a ring-helix that Z's acceleration allows (ours).
+    """Return the shortest ramp of a ring-helix that Z's acceleration allows, as the firmware's.
 
+    At least LEAST_RAMP (firmware/include/cam/cam_feed.h).
     Z's speed is feed n / (1 - r), its acceleration feed n^2 / (r (1 - r)), n in turns per second.
 
     Raises
@@ -125,17 +129,19 @@ def ramp_of(feed_mm: float, spindle_rpm: float, limits: Limits) -> float:
     root = 0.25 - feed_mm * per_s**2 / acceleration
     if root < 0:
         needed = f"at least {4 * feed_mm * per_s**2:.9g} mm/s2 of Z, z_acceleration_mm_s2 is "
-        raise _refusal(needed + f"{acceleration:g}", feed_mm, limits)
-    ramp = 0.5 - sqrt(root)
+        raise _refusal(needed + f"{acceleration:g}", feed_mm, spindle_rpm, limits)
+    ramp = max(0.5 - sqrt(root), LEAST_RAMP)
     if feed_mm * per_s > speed * (1 - ramp):
         needed = f"at least {feed_mm * per_s / (1 - ramp):.9g} mm/s of Z, z_speed_mm_s is "
-        raise _refusal(needed + f"{speed:g}", feed_mm, limits)
+        raise _refusal(needed + f"{speed:g}", feed_mm, spindle_rpm, limits)
     return ramp
 
 
-def _refusal(needed: str, feed_mm: float, limits: Limits) -> CamtoolsError:
+def _refusal(needed: str, feed_mm: float, spindle_rpm: float, limits: Limits) -> CamtoolsError:
     best = np.floor(highest_rpm(feed_mm, limits) * 10) / 10
-    remedy = f'turn at {best:.1f} r/min at most, with less feed, or with path = "helix"'
+    most = np.floor(largest_feed_mm(spindle_rpm, limits) * 10_000) / 10_000
+    remedy = f"turn at {best:.1f} r/min at most, with a feed of {most:.4f} mm at most, "
+    remedy += 'or with path = "helix"'
     return CamtoolsError([f'process.path = "ring-helix": needs {needed}; {remedy}'])
 
 
@@ -146,7 +152,16 @@ def highest_rpm(feed_mm: float, limits: Limits) -> float:
     ramps meet.
     """
     v = min(limits.z_speed_mm_s, sqrt(feed_mm * limits.z_acceleration_mm_s2))
-    return 60 / (feed_mm / v + v / limits.z_acceleration_mm_s2)
+    ramp_s = max(v / limits.z_acceleration_mm_s2, feed_mm / v * LEAST_RAMP / (1 - LEAST_RAMP))
+    return 60 / (feed_mm / v + ramp_s)
+
+
+def largest_feed_mm(spindle_rpm: float, limits: Limits) -> float:
+    """Return the largest feed of a ring-helix that Z can follow at a speed of the spindle [mm]."""
+    turn_s = 60 / spindle_rpm
+    acceleration = limits.z_acceleration_mm_s2
+    v = min(limits.z_speed_mm_s, acceleration * turn_s / 2)
+    return v * (turn_s - max(v / acceleration, LEAST_RAMP * turn_s))
 
 
 def path_of(part: Part, z_first_mm: float, z_last_mm: float) -> Path:

@@ -87,6 +87,16 @@ static inline int64_t cam_abs_i64(int64_t v)
     return v < 0 ? -v : v;
 }
 
+/// @return floor of the square root. Context: slow side.
+static inline uint64_t cam_root_u64(uint64_t v)
+{
+    uint64_t r = 0;
+    for (uint64_t bit = UINT64_C(1) << 31; bit != 0u; bit >>= 1) {
+        r = (r + bit) * (r + bit) <= v ? r + bit : r;
+    }
+    return r;
+}
+
 /// a - b on the wrapping scale of a free-running counter.
 /// @return [LSB] signed distance, correct while the true distance is within +-2^31
 static inline int32_t cam_wrap_diff(uint32_t a, uint32_t b)

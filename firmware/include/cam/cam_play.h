@@ -3,7 +3,8 @@
 ///
 /// While engaging, cutting and disengaging every axis is a function of the spindle angle:
 ///     U = amplitude * envelope * u(angle + lead - phase, Z)
-///     Z = first height + feed * turns since feed start   eased in and out (or measured)
+///     Z = first height + feed * turns since feed start   eased in and out (or measured, or along
+///         the ring-helix of cam_feed.h)
 ///     X = x(Z) + (1 - envelope) * clearance
 ///     spindle = mean speed, or mean * (1 + envelope * (ratio(angle, Z) - 1)) where the table
 ///               modulates it (cam_speed.h)
@@ -16,6 +17,7 @@
 #define CAM_PLAY_H
 
 #include "cam/cam_eval.h"    // cam_place_t
+#include "cam/cam_feed.h"    // cam_rings_t
 #include "cam/cam_move.h"    // cam_move_t
 #include "cam/cam_speed.h"   // cam_speed_t
 #include "cam/cam_spindle.h" // cam_angle_t
@@ -91,6 +93,7 @@ typedef struct {
     cam_plan_depth_t u;               ///< of the amplitude of U
     int64_t done_q32;                 ///< [turn] since the feed began, 0 .. its length
     int64_t fed_q32;                  ///< [turn] of feed until then
+    uint32_t risen_q30;               ///< [1] ... of a ring-helix: of the step
     int32_t z_nm;                     ///< [nm] height then
     int32_t measured_nm, going_on_nm; ///< [nm] Z of the last round, and then if it goes on so
     cam_spot_t x_spot;
@@ -144,6 +147,7 @@ typedef struct {
     int64_t feed_q32;            ///< [turn] from first to last height, ramps included
     int64_t ramp_q32;            ///< [turn] over which the feed rises, and falls
     uint32_t per_ramp_q31;       ///< [1/turn] its reciprocal
+    cam_rings_t rings;           ///< off: the feed is that of a helix
     int32_t feed_nm;             ///< [nm] per turn
     int32_t z_first_nm;          ///< [nm] where the feed starts
     int32_t z_low_nm, z_high_nm; ///< [nm] range accepted from a measured Z

@@ -58,6 +58,7 @@ typedef struct {
     cam_channel_t speed;            ///< speed ratio; knots == NULL: the speed is uniform
     cam_channel_t angle;            ///< of a cam, normal at the contact; knots == NULL: a skirt
     bool is_swung;                  ///< the tool must swing by `angle`
+    bool is_ring_helix;             ///< a geared Z follows a ring-helix (cam_feed.h), not a helix
     char name[cam_table_name_size]; ///< printable ASCII, zero-terminated
     int32_t z_first_nm, z_last_nm;  ///< [nm] served range of heights
     int32_t direction;              ///< +1 or -1: spindle sense while cutting, +1 is M3
