@@ -49,9 +49,8 @@ static const err_text_t entries[] = {
     {cam_err_feed, "the feed per turn is larger than the part is high"},
     {cam_err_tick_rate, "too many knots or counts pass in one tick"},
     {cam_err_spindle_acceleration, "the spindle would have to accelerate more than it can"},
-    {cam_err_x_speed, "clearance, speed and turns of engaging are beyond the speed of X"},
-    {cam_err_x_acceleration,
-     "clearance, speed and turns of engaging are beyond the acceleration of X"},
+    {cam_err_x_speed, "clearance or barrel at that speed are beyond the speed of X"},
+    {cam_err_x_acceleration, "clearance or barrel at that speed are beyond the acceleration of X"},
     {cam_err_swing_axis, "the table swings the tool, for which there is no axis"},
 };
 

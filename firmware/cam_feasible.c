@@ -123,30 +123,6 @@ static demand_t u_acceleration_demand(const cam_table_t *t, const cam_params_t *
                       told_speed(mrpm_of(omega_max_mrad_s * 1000u))};
 }
 
-/// X leaves its clearance c by the smooth step over t turns: 15/8 c n / t at n turns per second.
-static demand_t x_speed_demand(const cam_params_t *p, uint32_t mrpm)
-{
-    const uint64_t turns = (uint64_t)smaller(p->engage_turns, p->disengage_turns);
-    const uint64_t way = (uint64_t)p->x_clearance_nm * 15u / 8u + 1u;
-    const uint64_t limit = (uint64_t)p->x_speed_um_per_s;
-    const uint64_t needed = way * mrpm / (turns * 60000000u) + 1u;
-    return (demand_t){cam_err_x_speed, (int64_t)limit, (int64_t)needed,
-                      told_speed((limit - 1u) * turns * 60000000u / way)};
-}
-
-/// ... and 5.774 c (n / t)^2, in whole r/min.
-static demand_t x_acceleration_demand(const cam_params_t *p, uint32_t mrpm)
-{
-    const uint64_t turns = (uint64_t)smaller(p->engage_turns, p->disengage_turns);
-    const uint64_t clear_nm = (uint64_t)p->x_clearance_nm + 1u;
-    const uint64_t limit = (uint64_t)p->x_acceleration_mm_per_s2;
-    const uint64_t rpm = ((uint64_t)mrpm + 999u) / 1000u;
-    const uint64_t needed = (clear_nm * rpm * rpm / (3600u * turns * turns) + 1u) / 173180u + 1u;
-    const uint64_t most = (limit - 1u) * 173180u * 3600u * turns * turns / clear_nm;
-    return (demand_t){cam_err_x_acceleration, (int64_t)limit, (int64_t)needed,
-                      told_speed(cam_root_u64(most) * 1000u)};
-}
-
 static uint64_t feed_of(const cam_table_t *t, const cam_params_t *p)
 {
     return p->feed_nm > 0 ? (uint64_t)p->feed_nm : t->feed_nm;
@@ -216,6 +192,72 @@ static demand_t z_acceleration_demand(const cam_table_t *t, const cam_params_t *
                       told_speed(cam_root_u64(limit * per / feed_nm) * 1000u)};
 }
 
+/// X leaves its clearance c by the smooth step over t turns: 15/8 c n / t at n turns per second.
+static uint64_t x_clear_um_per_s(const cam_params_t *p, uint32_t mrpm)
+{
+    const uint64_t turns = (uint64_t)smaller(p->engage_turns, p->disengage_turns);
+    return ((uint64_t)p->x_clearance_nm * 15u / 8u + 1u) * mrpm / (turns * 60000000u) + 1u;
+}
+
+/// ... and 5.774 c (n / t)^2, in whole r/min.
+static uint64_t x_clear_mm_per_s2(const cam_params_t *p, uint32_t mrpm)
+{
+    const uint64_t turns = (uint64_t)smaller(p->engage_turns, p->disengage_turns);
+    const uint64_t rpm = ((uint64_t)mrpm + 999u) / 1000u;
+    const uint64_t way = ((uint64_t)p->x_clearance_nm + 1u) * rpm * rpm;
+    return (way / (3600u * turns * turns) + 1u) / 173180u + 1u;
+}
+
+/// Z stands while X does that, then X follows the barrel: its slope times the speed of Z.
+static uint64_t x_um_per_s(const cam_table_t *t, const cam_params_t *p, uint32_t mrpm)
+{
+    const uint64_t z_um_per_s = (uint64_t)z_demand(t, p, mrpm).needed;
+    const uint64_t barrel = z_um_per_s * t->x_slope_ppm / 1000000u + 1u;
+    const uint64_t clear = x_clear_um_per_s(p, mrpm);
+    return barrel > clear ? barrel : clear;
+}
+
+/// Its bend times the square of Z's speed, and its slope times Z's acceleration.
+static uint64_t x_mm_per_s2(const cam_table_t *t, const cam_params_t *p, uint32_t mrpm)
+{
+    const uint64_t z_um_per_s = (uint64_t)z_demand(t, p, mrpm).needed;
+    const uint64_t z_tenth_mm = (uint64_t)smaller((int64_t)z_um_per_s / 100 + 1, 65535); // 6.5 m/s
+    const uint64_t z_mm_per_s2 = has_rings(t, p)
+                                     ? (uint64_t)p->z_acceleration_mm_per_s2
+                                     : (uint64_t)z_acceleration_demand(t, p, mrpm).needed;
+    const uint64_t bend = z_tenth_mm * z_tenth_mm * t->x_bend_ppm_per_m / 100000000000u;
+    const uint64_t barrel = bend + z_mm_per_s2 * t->x_slope_ppm / 1000000u + 1u;
+    const uint64_t clear = x_clear_mm_per_s2(p, mrpm);
+    return barrel > clear ? barrel : clear;
+}
+
+/// What an axis needs at a speed; it grows with the speed.
+typedef uint64_t need_fn(const cam_table_t *t, const cam_params_t *p, uint32_t mrpm);
+
+/// @return the highest speed up to 134 000 r/min at which no more is needed
+static uint32_t highest(need_fn *need, const cam_table_t *t, const cam_params_t *p, int64_t limit)
+{
+    uint32_t mrpm = 0;
+    for (uint32_t bit = UINT32_C(1) << 26; bit != 0u; bit >>= 1) {
+        mrpm += need(t, p, mrpm + bit) <= (uint64_t)limit ? bit : 0u;
+    }
+    return mrpm;
+}
+
+static demand_t x_speed_demand(const cam_table_t *t, const cam_params_t *p, uint32_t mrpm)
+{
+    const int64_t limit = p->x_speed_um_per_s;
+    return (demand_t){cam_err_x_speed, limit, (int64_t)x_um_per_s(t, p, mrpm),
+                      highest(x_um_per_s, t, p, limit)};
+}
+
+static demand_t x_acceleration_demand(const cam_table_t *t, const cam_params_t *p, uint32_t mrpm)
+{
+    const int64_t limit = p->x_acceleration_mm_per_s2;
+    return (demand_t){cam_err_x_acceleration, limit, (int64_t)x_mm_per_s2(t, p, mrpm),
+                      highest(x_mm_per_s2, t, p, limit)};
+}
+
 /// r r' omega^2 in mrad/s2; without modulation nothing is needed.
 static demand_t spindle_acceleration_demand(const cam_table_t *t, const cam_params_t *p,
                                             uint32_t mrpm)
@@ -270,8 +312,8 @@ cam_feasibility_t cam_feasible(const cam_table_t *table, const cam_params_t *par
         as_mean(table, z_acceleration_demand(table, params, peak_mrpm)),
         as_mean(table, tick_demand(table, peak_mrpm, tick_hz)),
         spindle_acceleration_demand(table, params, speed_mrpm),
-        as_mean(table, x_speed_demand(params, peak_mrpm)),
-        as_mean(table, x_acceleration_demand(params, peak_mrpm)),
+        as_mean(table, x_speed_demand(table, params, peak_mrpm)),
+        as_mean(table, x_acceleration_demand(table, params, peak_mrpm)),
     };
     cam_feasibility_t result = {.speed_mrpm = speed_mrpm, .highest_mrpm = UINT32_MAX};
     for (size_t i = 0; i < sizeof demands / sizeof demands[0]; i++) {

@@ -278,6 +278,8 @@ CAM_STAGE static uint32_t ramp(cam_play_t *p, const cam_play_config_t *cfg)
 /// What the second pass over the speed ratio does in the place of the first.
 #define AGAIN(task) (cam_plan_task_again + (task)-cam_plan_task_find_slices)
 
+// One list of a round's tasks: a second switch behind it would cost the longest tick.
+// NOLINTNEXTLINE(readability-function-size)
 uint32_t cam_plan_task_isr(cam_play_t *p, const cam_play_config_t *cfg, const cam_sense_t *in,
                            const cam_angle_t *angle)
 {

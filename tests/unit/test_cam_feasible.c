@@ -253,6 +253,27 @@ static void test_x_leaves_its_clearance_within_its_limits(void)
                    highest / 2.0);
 }
 
+/// A slope of 0.2 and a radius of 10 mm, at a feed of 1 mm whose ramps take 10 turns.
+static void test_x_follows_the_barrel_within_its_limits(void)
+{
+    table.x_slope_ppm = 200000;
+    table.x_bend_ppm_per_m = 100000000;
+    table.feed_nm = 1000000;
+    params.feed_ramp_turns = 10;
+    params.x_clearance_nm = 100000;
+    params.x_speed_um_per_s = 8000;
+    const double n = 2500.0 / 60.0;
+    expect_refused(cam_err_x_speed, 2500000, 200.0 * n, 8000, 8000.0 / 200.0 * 60000.0);
+    params.x_speed_um_per_s = 10000000;
+    params.x_acceleration_mm_per_s2 = 200;
+    const double per_n2 = 100.0 * 1e-6 * 1000.0 + 0.2 * 0.1; // [mm] of n^2
+    expect_refused(cam_err_x_acceleration, 2500000, per_n2 * n * n, 200,
+                   sqrt(200.0 / per_n2) * 60000.0);
+    params.z_is_measured = 1; // others accelerate Z: the bend is left
+    const double bent = 0.1 * n * n;
+    TEST_ASSERT_DOUBLE_WITHIN(0.01 * bent, bent, (double)judge(3000000).needed / 1.44);
+}
+
 /// e u'' + 2 e' u' + e'' u of an oval cosine against its smooth step, over a whole turn of
 /// engaging.
 static double engaging_peak(double turns)
@@ -303,6 +324,7 @@ int main(void)
     RUN_TEST(test_largest_demands_do_not_overflow);
     RUN_TEST(test_tool_that_must_swing_is_refused_at_any_speed);
     RUN_TEST(test_x_leaves_its_clearance_within_its_limits);
+    RUN_TEST(test_x_follows_the_barrel_within_its_limits);
     RUN_TEST(test_short_engaging_adds_to_what_u_needs);
     return UNITY_END();
 }

@@ -51,10 +51,9 @@ typedef enum {
     cam_err_feed = -46,                 ///< feed per turn larger than the height of the part
     cam_err_tick_rate = -47,            ///< too many knots or encoder counts pass in one tick
     cam_err_spindle_acceleration = -48, ///< modulation beyond the spindle's acceleration
-    cam_err_x_speed = -49,              ///< clearance x speed / engaging turns beyond X's speed
-    cam_err_x_acceleration =
-        -50,                  ///< clearance x speed squared / turns squared beyond X's acceleration
-    cam_err_swing_axis = -51, ///< the table swings the tool: there is no axis for it
+    cam_err_x_speed = -49,              ///< clearance or barrel at that speed beyond X's speed
+    cam_err_x_acceleration = -50,       ///< ... beyond X's acceleration
+    cam_err_swing_axis = -51,           ///< the table swings the tool: there is no axis for it
 } cam_err_t;
 
 #define CAM_MUST_USE __attribute__((warn_unused_result))
