@@ -39,13 +39,13 @@ static void cut(sim_scallop_t *s, int angle, double z_mm, double tip_mm)
 /// All angles of the map between the pass before and this one.
 static void pass(sim_scallop_t *s, sim_design_t *design, double way, double z_mm, double proud_mm)
 {
-    const double first = ceil(s->turn * sim_scallop_angles);
-    const double last = (s->turn + way) * sim_scallop_angles;
-    for (double at = first; at < last; at += 1.0) {
-        const double share = (at / sim_scallop_angles - s->turn) / way;
+    const int first = (int)ceil(s->turn * sim_scallop_angles);
+    const int n = (int)ceil((s->turn + way) * sim_scallop_angles) - first;
+    for (int i = 0; i < n; i++) {
+        const double share = ((double)(first + i) / sim_scallop_angles - s->turn) / way;
         const double here_mm = s->z_mm + share * (z_mm - s->z_mm);
         const double here_proud_mm = s->proud_mm + share * (proud_mm - s->proud_mm);
-        const int angle = (int)at % sim_scallop_angles;
+        const int angle = (first + i) % sim_scallop_angles;
         const double exact_mm =
             sim_design_radius_mm(design, (double)angle / sim_scallop_angles, here_mm);
         cut(s, angle, here_mm, exact_mm + here_proud_mm);
