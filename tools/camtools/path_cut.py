@@ -26,6 +26,11 @@ _MACHINE = "machine.toml"
 _UM_PER_MM = 1000.0
 
 
+def peak_to_valley(map_um: Floats) -> Floats:
+    """Return the height of the scallops at every angle of a map."""
+    return np.asarray(map_um.max(axis=1) - map_um.min(axis=1), dtype=np.float64)
+
+
 class PathCut(NamedTuple):
     """One way of turning the part: what theory says of it, and what the simulator measured."""
 
@@ -38,7 +43,7 @@ class PathCut(NamedTuple):
     @property
     def scallop_um(self) -> Floats:
         """Return the measured peak to valley at every angle."""
-        return self.proud_um.max(axis=1) - self.proud_um.min(axis=1)
+        return peak_to_valley(self.proud_um)
 
     @property
     def mean_um(self) -> float:
@@ -139,7 +144,7 @@ def cut_paths(
 
 def predicted_scallop_um(row: Row) -> Floats:
     """Return the predicted peak to valley at every angle."""
-    return row.scallop_um.max(axis=1) - row.scallop_um.min(axis=1)
+    return peak_to_valley(row.scallop_um)
 
 
 def csv(cuts: Sequence[PathCut]) -> str:
