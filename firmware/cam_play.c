@@ -5,6 +5,9 @@
 #include "cam/cam_fix.h"   // cam_mulhi
 #include "cam/cam_plan.h"  // cam_plan_task_isr
 
+/// Tasks of a round that requests may put off.
+enum { request_put_off = 3 };
+
 /// Disengage position while nobody asked for one.
 #define NEVER_Q32 (INT64_MAX / 2)
 
@@ -67,8 +70,9 @@ static int32_t u_of_angle(cam_play_t *p, const cam_play_config_t *cfg, const cam
     return surface(p, cfg, angle->speed_q32, angle_q32 - (uint32_t)p->phase_q32);
 }
 
-/// A tick that is busy puts its task off. When the angle is at fault, or too many tasks of a round
-/// were put off, the cut ends with this tick and the guard takes over: U keeps its pace.
+/// A tick that is busy, or that carries a request out, puts its task off. When the angle is at
+/// fault, or too many tasks of a round were put off, the cut ends with this tick and the guard
+/// takes over: U keeps its pace.
 /// @return fault late_tick or none
 CAM_STAGE static uint32_t play_on(cam_play_t *p, const cam_play_config_t *cfg,
                                   const cam_angle_t *angle, cam_want_t *want)
@@ -79,7 +83,7 @@ CAM_STAGE static uint32_t play_on(cam_play_t *p, const cam_play_config_t *cfg,
         p->height_q32 -= p->height_way_q32; // near an end of the table it waits
     }
     move_on(p, want);
-    if (left >= 0 && angle->faults == CAM_ANGLE_BUSY) {
+    if (left >= 0 && (angle->faults | CAM_ANGLE_BUSY) == CAM_ANGLE_BUSY) {
         want->u_set_q6 = u_of_angle(p, cfg, angle);
         return 0;
     }
@@ -87,19 +91,6 @@ CAM_STAGE static uint32_t play_on(cam_play_t *p, const cam_play_config_t *cfg,
     const int32_t before_q6 = p->history_q6[(p->n_history - 1u) % cam_play_history];
     want->u_set_q6 = cam_wrap_add(last_q6, cam_wrap_sub(last_q6, before_q6));
     return left < 0 ? CAM_FAULT_BIT(late_tick) : 0u;
-}
-
-/// All axes from the angle: U exactly, the others on their way. @return faults
-static uint32_t play_table(cam_play_t *p, const cam_play_config_t *cfg, const cam_sense_t *in,
-                           const cam_angle_t *angle, cam_want_t *want)
-{
-    if (angle->faults != 0u) {
-        return play_on(p, cfg, angle, want);
-    }
-    const uint32_t faults = cam_plan_task_isr(p, cfg, in, angle);
-    move_on(p, want);
-    want->u_set_q6 = u_of_angle(p, cfg, angle);
-    return faults;
 }
 
 /// Tool out of the work, feed axes at rest. @return true when all of them rest
@@ -229,10 +220,6 @@ static void follow_axes(const cam_sense_t *in, cam_move_t *axis)
 /// of the next ring, a feed that has not begun does not begin.
 static void stop(cam_play_t *p, const cam_play_config_t *cfg, const cam_angle_t *angle)
 {
-    if (!p->is_playing) {
-        p->state = cam_state_ready;
-        return;
-    }
     const int64_t at_q32 = cam_angle_next_turn(furthest_q32(cfg, angle));
     const int64_t fed_q32 = at_q32 - p->feed_at_q32;
     const int64_t ramp_q32 = cfg->ramp_q32;
@@ -248,9 +235,26 @@ static void stop(cam_play_t *p, const cam_play_config_t *cfg, const cam_angle_t 
     }
 }
 
+static bool is_new(const cam_play_t *p, uint32_t request)
+{
+    return request >> 8 != p->request;
+}
+
+/// While the axes follow the table there is nothing else to ask for.
+/// @return faults that the request reports
+CAM_STAGE static uint32_t obey_in_work(cam_play_t *p, const cam_play_config_t *cfg,
+                                       uint32_t request, const cam_angle_t *angle)
+{
+    p->request = request >> 8;
+    const uint32_t what = request & 0xFFu;
+    if (what == (uint32_t)cam_request_stop) {
+        stop(p, cfg, angle);
+    }
+    return what == (uint32_t)cam_request_table_fault ? CAM_FAULT_BIT(table) : 0u;
+}
+
 /// Carry out a new request if it fits the state. @return faults that the request reports
-CAM_STAGE static uint32_t obey(cam_play_t *p, const cam_play_config_t *cfg, uint32_t request,
-                               const cam_angle_t *angle)
+CAM_STAGE static uint32_t obey(cam_play_t *p, const cam_play_config_t *cfg, uint32_t request)
 {
     p->request = request >> 8;
     switch ((cam_request_t)(request & 0xFFu)) {
@@ -267,10 +271,8 @@ CAM_STAGE static uint32_t obey(cam_play_t *p, const cam_play_config_t *cfg, uint
             p->task = step_find;
         }
         break;
-    case cam_request_stop:
-        if (p->state == cam_state_engaging || p->state == cam_state_cutting) {
-            stop(p, cfg, angle);
-        }
+    case cam_request_stop: // an approach has nothing to end
+        p->state = p->state == cam_state_engaging ? cam_state_ready : p->state;
         break;
     case cam_request_reset:
         p->state = p->state == cam_state_fault && p->is_retracted ? cam_state_off : p->state;
@@ -281,6 +283,30 @@ CAM_STAGE static uint32_t obey(cam_play_t *p, const cam_play_config_t *cfg, uint
         break;
     }
     return 0;
+}
+
+/// A request in the work takes the place of a task. It waits for a tick that is not busy, in a
+/// round that has put off little: asked for in every tick, it does not use up what busy ticks need.
+static bool may_obey(const cam_play_t *p, const cam_play_config_t *cfg, const cam_sense_t *in)
+{
+    return is_new(p, in->request) && p->put_off_left > cfg->most_put_off - request_put_off;
+}
+
+/// All axes from the angle: U exactly, the others on their way. @return faults
+static uint32_t play_table(cam_play_t *p, const cam_play_config_t *cfg, const cam_sense_t *in,
+                           const cam_angle_t *angle, cam_want_t *want)
+{
+    if (angle->faults != 0u) {
+        return play_on(p, cfg, angle, want);
+    }
+    if (may_obey(p, cfg, in)) {
+        const uint32_t faults = obey_in_work(p, cfg, in->request, angle);
+        return faults | play_on(p, cfg, angle, want);
+    }
+    const uint32_t faults = cam_plan_task_isr(p, cfg, in, angle);
+    move_on(p, want);
+    want->u_set_q6 = u_of_angle(p, cfg, angle);
+    return faults;
 }
 
 /// U set-point of lead ticks ago, between two of them: that is where the drive should be now. What
@@ -322,10 +348,11 @@ CAM_STAGE static int32_t move_axes(cam_play_t *p, const cam_play_config_t *cfg,
 void cam_play_step_isr(cam_play_t *p, const cam_play_config_t *cfg, const cam_sense_t *in,
                        const cam_angle_t *angle, cam_want_t *want)
 {
-    uint32_t faults = in->request >> 8 != p->request ? obey(p, cfg, in->request, angle) : 0u;
+    uint32_t faults = 0;
     if (p->is_playing) {
-        faults |= play_table(p, cfg, in, angle, want);
+        faults = play_table(p, cfg, in, angle, want);
     } else {
+        faults = is_new(p, in->request) ? obey(p, cfg, in->request) : 0u;
         want->z_nm = in->actual_nm[hal_axis_z];
         want->u_set_q6 = move_axes(p, cfg, in, angle);
     }

@@ -3,15 +3,15 @@
 
 from __future__ import annotations
 
-import re
-
 import numpy as np
 import pytest
 
 from camtools.errors import CamtoolsError
+from camtools.generate import generate
 from camtools.geometry import Geometry, make_geometry
+from camtools.image import pack, unpack
 from camtools.part import Limits, Part, load_part, parse_part
-from camtools.path import Path, highest_rpm, path_of, ramp_of
+from camtools.path import LEAST_RAMP, Path, highest_rpm, largest_feed_mm, path_of, ramp_of
 from camtools.path_study import make_study
 from part_cases import PERKINS, ROOT
 
@@ -54,6 +54,7 @@ def test_a_rest_of_the_skirt_gets_its_ring() -> None:
     path = Path("ring-helix", 0.0, 0.5, 0.2)
     assert (path.n_rings, path.turns) == (4, 7.0)
     assert path.height_mm(np.array([4.5, 6.0, 6.9])).tolist() == [0.4, 0.5, 0.5]
+    assert path.height_mm(np.array([5.25, 5.5])) == pytest.approx([0.425, 0.45])
 
 
 def test_rings_are_closed_and_at_the_drawings_heights() -> None:
@@ -194,12 +195,54 @@ def test_bad_paths_are_refused(lines: str, told: str) -> None:
     assert ";" in str(info.value)
 
 
-def test_table_generator_refuses_what_the_controller_does_not_follow() -> None:
-    """No table is made for a ring-helix, rather than a helix in its place."""
-    from camtools.generate import generate
+def test_table_tells_the_controller_its_path() -> None:
+    """The table of a ring-helix is that of a helix but for the path; it is read back."""
+    ring = generate(with_process('path = "ring-helix"')).table
+    plain = generate(with_process("")).table
+    images = [pack(ring), pack(plain)]
+    differing = [i for i, (a, b) in enumerate(zip(*images, strict=True)) if a != b]
+    assert [i for i in differing if i not in range(20, 24)] == [252]  # but for the CRC
+    assert [unpack(image).is_ring_helix for image in images] == [True, False]
 
-    with pytest.raises(CamtoolsError, match=re.escape("process.path")):
-        generate(with_process('path = "ring-helix"'))
+
+def test_no_table_for_a_path_that_z_cannot_follow() -> None:
+    """The line has the numbers, the highest speed and the largest feed that would do."""
+    with pytest.raises(CamtoolsError) as info:
+        generate(with_limits(z_acceleration_mm_s2=400))
+    assert str(info.value) == (
+        'process.path = "ring-helix": needs at least 694.444444 mm/s2 of Z, z_acceleration_mm_s2 '
+        "is 400; turn at 1897.3 r/min at most, with a feed of 0.0576 mm at most, "
+        'or with path = "helix"'
+    )
+    with pytest.raises(CamtoolsError, match=r"mm/s of Z, z_speed_mm_s is 4; turn at 2"):
+        generate(with_limits(z_speed_mm_s=4))
+
+
+def with_limits(**limits: float) -> Part:
+    """Return the Perkins part along a ring-helix on another machine."""
+    part = with_process('path = "ring-helix"')
+    machine = part.machine.model_copy(
+        update={"limits": part.machine.limits.model_copy(update=limits)}
+    )
+    return part.model_copy(update={"machine": machine})
+
+
+@pytest.mark.parametrize(
+    ("rpm", "speed_mm_s", "acceleration_mm_s2"),
+    [(2500.0, 200.0, 2000.0), (2500.0, 5.0, 2000.0), (1.0, 0.1, 2000.0), (60.0, 200.0, 10.0)],
+)
+def test_largest_feed_is_the_edge(rpm: float, speed_mm_s: float, acceleration_mm_s2: float) -> None:
+    """Just below the feed that a refusal names there is a ramp, just above there is none."""
+    limits = Limits(z_speed_mm_s=speed_mm_s, z_acceleration_mm_s2=acceleration_mm_s2)
+    feed_mm = largest_feed_mm(rpm, limits)
+    assert LEAST_RAMP <= ramp_of(feed_mm * 0.9999, rpm, limits) <= 0.5
+    with pytest.raises(CamtoolsError, match="needs at least"):
+        ramp_of(feed_mm * 1.0001, rpm, limits)
+
+
+def test_ramp_is_at_least_a_256th_of_a_turn() -> None:
+    """As the firmware's: slowly turned parts have room for it."""
+    assert ramp_of(0.1, 10, Limits()) == LEAST_RAMP == 1 / 256
 
 
 def test_limits_of_z_are_documented() -> None:

@@ -300,6 +300,26 @@ static void test_select_table_needs_a_good_one_and_the_right_state(void)
                           cam_machine_select_table(&rig.machine, other.bytes, other.size));
 }
 
+/// The ramps of a ring-helix are made for a speed: another one is judged anew, and never in a cut.
+static void test_ring_helix_allows_only_speeds_that_z_can_follow(void)
+{
+    part.is_ring_helix = true;
+    fixture_rig_init(&rig, &part, 20000);
+    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_z_acceleration_mm_per_s2, 800));
+    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_ready));
+    const cam_feasibility_t f = cam_machine_feasibility(&rig.machine, 0);
+    TEST_ASSERT_UINT32_WITHIN(2000, 2683000, f.highest_mrpm); // sqrt(800 / 0.4) turns per second
+    TEST_ASSERT_EQUAL_INT(cam_err_z_acceleration,
+                          fixture_rig_set(&rig, cam_param_spindle_mrpm, 2700000));
+    TEST_ASSERT_EQUAL_INT(cam_err_z_acceleration, fixture_rig_set(&rig, cam_param_feed_nm, 200000));
+    TEST_ASSERT_EQUAL_INT(cam_ok,
+                          fixture_rig_set(&rig, cam_param_spindle_mrpm, (int32_t)f.highest_mrpm));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_start(&rig.machine));
+    TEST_ASSERT_LESS_THAN_UINT32(60000, fixture_rig_until(&rig, cam_state_cutting, 60000));
+    TEST_ASSERT_EQUAL_INT(cam_err_param_state,
+                          fixture_rig_set(&rig, cam_param_spindle_mrpm, 1000000));
+}
+
 static void poll_round(void)
 {
     for (uint32_t i = 0; i <= rig.image.size / 1024u; i++) {
@@ -318,7 +338,7 @@ static void test_poll_finds_damage_in_every_state(void)
         poll_round();
         poll_round(); // the first may have passed the byte already
         TEST_ASSERT_FALSE(rig.machine.has_table);
-        fixture_rig_tick(&rig);
+        fixture_rig_ticks(&rig, cam_plan_put_off); // in an index edge the request waits
         const cam_status_t status = fixture_rig_status(&rig);
         TEST_ASSERT_EQUAL_INT(state == cam_state_off ? cam_state_off : cam_state_fault,
                               status.state);
@@ -360,6 +380,7 @@ int main(void)
     RUN_TEST(test_without_a_table_nothing_starts);
     RUN_TEST(test_init_at_a_slow_tick_slows_the_observer);
     RUN_TEST(test_select_table_needs_a_good_one_and_the_right_state);
+    RUN_TEST(test_ring_helix_allows_only_speeds_that_z_can_follow);
     RUN_TEST(test_poll_finds_damage_in_every_state);
     RUN_TEST(test_poll_tries_again_when_the_interrupt_is_busy);
     return UNITY_END();

@@ -284,7 +284,9 @@ def unpack(image: bytes) -> Table:
     _demand(fields[5] == crc32_of(image), "crc32: the image is damaged")
     table = _unpack_header(fields)
     channels = _unpack_channels(image, table, fields[7])
-    path = any(_ENTRY.unpack_from(image, HEADER_SIZE + ENTRY_SIZE * i)[15] for i in range(fields[7]))
+    path = any(
+        _ENTRY.unpack_from(image, HEADER_SIZE + ENTRY_SIZE * i)[15] for i in range(fields[7])
+    )
     table = replace(table, channels=channels, is_ring_helix=path)
     _demand(table.speed is None or not path, "path: a ring-helix is for one speed")
     return table

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
 import sys
 import time
 from collections.abc import Sequence
@@ -20,6 +19,7 @@ from camtools.errors import CamtoolsError
 from camtools.generate import Generated, generate
 from camtools.mktables import products
 from camtools.part import Part, load_part
+from camtools.path import Path as ToolPath
 from camtools.report_data import (
     Even,
     Json,
@@ -31,10 +31,12 @@ from camtools.report_data import (
 )
 from camtools.report_text import terminal_text
 from camtools.run_cut import (
+    ROOT,
     SUMMARY,
     SURFACE,
     TRACE,
     Simulator,
+    camsim_path,
     compare,
     cut,
     machine_text,
@@ -43,7 +45,6 @@ from camtools.run_cut import (
 from camtools.run_even import compare_removal
 from camtools.run_stage import Stage, cannot_write
 
-ROOT = Path(__file__).resolve().parents[2]
 _DEFAULT_PART = ROOT / "tools" / "parts" / "perkins240.toml"
 _OURS = ("--rpm", "--feed", "--trace", "--surface", "--summary", "--design", "--progress", "--help")
 _EPILOG = """\
@@ -145,8 +146,9 @@ class Job:
     def turns(self, generated: Generated) -> float:
         """Return how many turns the cut takes, about."""
         geometry = generated.geometry
-        feed_mm = self.feed_mm or generated.part.process.feed_mm
-        return (geometry.z_last_mm - geometry.z_first_mm) / feed_mm
+        process = generated.part.process
+        ends = geometry.z_first_mm, geometry.z_last_mm
+        return ToolPath(process.path, *ends, self.feed_mm or process.feed_mm).turns
 
     def window_turns(self, generated: Generated) -> float | None:
         """Return how many turns to trace, nothing when the whole cut can be traced."""
@@ -188,11 +190,6 @@ def _write(folder: Path, files: dict[str, bytes]) -> None:
             (folder / name).write_bytes(data)
     except OSError as error:
         raise cannot_write(folder.parent, error) from error
-
-
-def _camsim() -> Path:
-    build = os.environ.get("CAMTURN_BUILD") or str(ROOT / "build" / "host")
-    return Path(build).resolve() / "host_sim" / "camsim"
 
 
 def _without_faults(words: Sequence[str]) -> list[str]:
@@ -251,7 +248,7 @@ def _cut_and_report(job: Job, generated: Generated, stage: Stage, begin_s: float
     files = products(generated, with_plots=False)
     files[machine] = machine_text(generated.part.machine.limits).encode("ascii")
     _write(stage.folder, files)
-    simulator = Simulator(_camsim(), stage.folder, f"{name}.camtab")
+    simulator = Simulator(camsim_path(), stage.folder, f"{name}.camtab")
     words = ["--machine", machine, *job.tolerance(generated), *job.options(), *job.extra]
     if cut(simulator, words, window) == BAD_INPUT:
         return None

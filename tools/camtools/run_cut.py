@@ -7,6 +7,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from collections.abc import Sequence
@@ -17,6 +18,7 @@ from camtools.errors import CamtoolsError
 from camtools.part import Limits
 from camtools.report_data import Json, Variant, read_summary
 
+ROOT = Path(__file__).resolve().parents[2]
 TRACE, SURFACE, SUMMARY = "trace.csv", "surface.csv", "summary.json"
 MAX_TRACED_TICKS = 500_000  # about 150 MB of trace
 _WINDOW_TURNS = 200  # at most of a longer cut, for trace and comparison
@@ -41,7 +43,16 @@ inertia_kgm2 = {inertia!r}
 speed_mm_per_s = {speed!r}
 acceleration_mm_per_s2 = {acceleration!r}
 stroke_mm = {stroke!r}
+[z]
+speed_mm_per_s = {z_speed!r}
+acceleration_mm_per_s2 = {z_acceleration!r}
 """
+
+
+def camsim_path() -> Path:
+    """Return where the simulator is built: the folder that CAMTURN_BUILD names, or build/host."""
+    build = os.environ.get("CAMTURN_BUILD") or str(ROOT / "build" / "host")
+    return Path(build).resolve() / "host_sim" / "camsim"
 
 
 def machine_text(limits: Limits) -> str:
@@ -55,6 +66,8 @@ def machine_text(limits: Limits) -> str:
         speed=min(max(limits.u_speed_mm_s, 0.1), 10_000.0),
         acceleration=min(max(limits.u_acceleration_mm_s2, 10.0), 1e7),
         stroke=limits.u_stroke_mm,
+        z_speed=limits.z_speed_mm_s,
+        z_acceleration=limits.z_acceleration_mm_s2,
     )
 
 
