@@ -24,6 +24,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+NODE = 64
 COMMAND, ANSWER, STATE = 0x640, 0x5C0, 0x1C0
 BLOCK, BLOCK_FLOW = 0x6C0, 0x540
 ENABLE, START, RESET, SET = 1, 3, 5, 6
@@ -174,6 +175,15 @@ class Session:
             if result != self.setup["busy"]:
                 return int(result)
             time.sleep(0.002)
+
+    def ask_node(self, node: int, what: int) -> int | None:
+        """Give a command to a controller; None when nobody but node 64, the first one, answers."""
+        if node == NODE:
+            return None
+        operator = Bus("vcan0", ANSWER - NODE + node)
+        operator.send(COMMAND - NODE + node, struct.pack("<BBHI", what, 0, 0, 0))
+        answer = operator.receive(1.0)
+        return None if answer is None else int(struct.unpack_from("<h", answer[1], 2)[0])
 
     def begin_download(self, image: bytes, n_blocks: int) -> None:
         """Begin a download and send some blocks, by the kernel's own ISO-TP."""

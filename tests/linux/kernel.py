@@ -28,6 +28,8 @@ CONTROLLER = ROOT / "build" / "linux" / "hal" / "linux" / "camturn-linux"
 MACHINE_FILE = HERE / "machine.toml"
 SPEED_RPM, FEED_MM = 300, 2
 BUILD_LIMIT_S = 1200
+PLAY_LIMIT_S = 120
+END_S = 60  # more than a kernel takes to end on a busy machine
 
 
 class NoKernelError(Exception):
@@ -71,6 +73,24 @@ class PortTests:
 
     process: subprocess.Popen[str]
     report: Path
+    limit_s: int
+
+    def wait(self) -> str:
+        """Wait for their end; return what they said."""
+        return wait_said(self.process, self.limit_s)
+
+
+def wait_said(process: subprocess.Popen[str], limit_s: int) -> str:
+    """Wait for a kernel's end; return what its program said.
+
+    It ends itself after its limit. Should that fail, too, it is killed here, as a failure.
+    """
+    try:
+        return process.communicate(timeout=limit_s + END_S)[0]
+    except subprocess.TimeoutExpired:
+        process.kill()
+        said, _ = process.communicate(timeout=END_S)
+        raise AssertionError(f"the kernel did not end in {limit_s + END_S} s: {said}") from None
 
 
 class Kernel:
@@ -87,7 +107,7 @@ class Kernel:
         return [str(UML), "run", *time, "-t", str(limit_s), "-o", str(out)]
 
     def start(
-        self, out: Path, *words: str, limit_s: int = 120, is_virtual: bool = True
+        self, out: Path, *words: str, limit_s: int = PLAY_LIMIT_S, is_virtual: bool = True
     ) -> subprocess.Popen[str]:
         """Start a command; only files in `out` stay."""
         command = [*self.command(out, limit_s, is_virtual), *words]
@@ -107,7 +127,7 @@ class Kernel:
         (out / "setup.json").write_text(json.dumps(setup))
         words = [sys.executable, str(HERE / "scenarios.py"), scenario, str(out / "setup.json")]
         process = self.start(out, *words, is_virtual=is_virtual)
-        message, _ = process.communicate()
+        message = wait_said(process, PLAY_LIMIT_S)
         return Result(process.returncode, message, out)
 
 
@@ -116,7 +136,8 @@ def is_direct_possible() -> bool:
     if os.geteuid() != 0 or not shutil.which("unshare"):
         return False
     trial = ["unshare", "-n", str(MACHINE), "true"]
-    return subprocess.run(trial, capture_output=True, check=False).returncode == 0
+    done = subprocess.run(trial, capture_output=True, check=False, timeout=END_S)
+    return done.returncode == 0
 
 
 def find_kernel() -> Kernel:

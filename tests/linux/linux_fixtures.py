@@ -15,6 +15,7 @@ import pytest
 from camsim_cases import CAMSIM
 from kernel import (
     CONTROLLER,
+    END_S,
     FEED_MM,
     MACHINE_FILE,
     InProcess,
@@ -28,6 +29,7 @@ from kernel import (
 BUSY = -25  # cam_err_busy
 LINES = ("estop", "ready", "index", "enable", "fault", "in_cut")
 PORT_TEST, PORT_LIMIT_S = "test_own_tests_of_the_port", 400
+PORT_FILES = ("tests/linux/test_linux_port.py", "tests/linux/test_linux_set_up.py")
 Config = Mapping[str, Mapping[str, str | int | bool]]
 
 
@@ -47,18 +49,18 @@ def kernel() -> Kernel:
 def port_tests(
     request: pytest.FixtureRequest, kernel: Kernel, tmp_path_factory: pytest.TempPathFactory
 ) -> Iterator[PortTests | None]:
-    """Start the tests of test_linux_port.py inside, where they are wanted, beside all others."""
+    """Start the tests of PORT_FILES inside, where they are wanted, beside all others."""
     if not kernel.is_own or not any(PORT_TEST in item.name for item in request.session.items):
         yield None
         return
     folder = tmp_path_factory.mktemp("port")
     report = folder / "port.xml"
     words = ("-m", "pytest", "-p", "no:cacheprovider", "-c", "tools/pyproject.toml", "-q")
-    what = ("tests/linux/test_linux_port.py", f"--junitxml={report}")
+    what = (*PORT_FILES, f"--junitxml={report}")
     process = kernel.start(folder, sys.executable, *words, *what, limit_s=PORT_LIMIT_S)
-    yield PortTests(process, report)
+    yield PortTests(process, report, PORT_LIMIT_S)
     process.terminate()
-    process.wait()
+    process.wait(END_S)
 
 
 @pytest.fixture(scope="session")
@@ -92,6 +94,7 @@ def play(
         config: Config | None = None,
         parameters: Mapping[str, int] | None = None,
         other_part: str = "perkins240",
+        second_node: int = 64,
         is_virtual: bool = True,
     ) -> Result:
         out = tmp_path / folder
@@ -104,7 +107,8 @@ def play(
         }
         alone: Config = {"encoder": {"index": "position"}, "gpio": dict.fromkeys(LINES, "none")}
         (out / "camturn.toml").write_text(config_text({**base, **(config or {})}))
-        (out / "second.toml").write_text(config_text({**base, **alone}))
+        second = {**base, **alone, "can": {**base["can"], "node": second_node}}
+        (out / "second.toml").write_text(config_text(second))
         values = in_process.summary["parameters"] | {"feed_nm": round(feed_mm * 1e6)}
         values |= parameters or {}
         setup = {
@@ -117,6 +121,7 @@ def play(
             "machine_words": machine_words,
             "parameters": list(values.values()),
             "busy": BUSY,
+            "second_node": second_node,
         }
         result = kernel.play(scenario, setup, is_virtual=is_virtual)
         assert result.status == 0, result.message + "\n" + (out / "result.json").read_text()

@@ -46,7 +46,7 @@ def recorded(s: Session) -> None:
     s.wait_state("cutting")
     time.sleep(0.1)
     recorder.terminate()
-    recorder.wait()
+    recorder.wait(5)
 
 
 def cut_on(s: Session) -> None:
@@ -128,15 +128,24 @@ def lines_busy(s: Session) -> None:
 
 
 def two_controllers(s: Session) -> None:
-    """Start a second controller, without lines, on the bus of one that cuts."""
-    s.bring_to("cutting", "--stay")
+    """Start a second controller, without lines, on the bus of one that cuts; the first ends."""
+    s.bring_to("cutting")
+    recorder = s.spawn("candump", "candump", "-L", "vcan0")
     time.sleep(0.1)
     s.event("second")
-    config = str(s.out / "second.toml")
-    second = s.spawn("second", s.setup["controller"], "--config", config)
-    time.sleep(1.0)
+    second = s.spawn("second", s.setup["controller"], "--config", str(s.out / "second.toml"))
+    time.sleep(0.5)
+    s.seen["second_enable"] = s.ask_node(s.setup["second_node"], ENABLE)
+    s.wait_machine()
+    recorder.terminate()
+    recorder.wait(5)
+    recorder = s.spawn("after", "candump", "-L", "vcan0")
+    time.sleep(0.1)
+    s.stop_controller()
+    time.sleep(0.3)
     s.seen["second_status"] = second.poll()
-    s.seen["state"], s.seen["faults"] = s.state()
+    recorder.terminate()
+    recorder.wait(5)
 
 
 def terminated(s: Session) -> None:

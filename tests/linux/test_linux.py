@@ -24,7 +24,10 @@ pytest_plugins = ["linux_fixtures"]
 Play = Callable[..., Result]
 
 TICK_S = 1e-3
-SYNC, RPDO1 = 0x080, 0x200
+NMT, SYNC, RPDO1, HEARTBEAT = 0x000, 0x080, 0x200, 0x700
+CONTROLLER_NODE = 64
+STATUS = ((0x1C0, 0.01), (HEARTBEAT + CONTROLLER_NODE, 0.05))  # identifier, period [s]
+BUS, NO_ANSWER = -37, None  # cam_err_bus
 COLUMNS, ROWS = 720, 256  # cells of camsim's map
 # Form error of either way away from the ends; thus their surfaces differ by less than twice that.
 BODY_NM, RMS_UM = 150, 0.08
@@ -196,13 +199,28 @@ def test_busy_line_is_refused_at_the_start(play: Play) -> None:
     assert "ENABLE" in message and "in use by gpioset" in message
 
 
-def test_second_controller_on_the_bus_is_a_fault(play: Play) -> None:
-    """The one that cuts stops, and both say why."""
-    result = play("two_controllers", feed_mm=10)
-    assert "bus" in result.summary["faults"]
-    for name in ("controller", "second"):
-        assert "another controller" in result.log(name)
-    assert not result.summary["form_error_um"]["max"] > 1
+def times_s(path: Path, can_id: int) -> list[float]:
+    """Return when the frames of an identifier came that candump -L wrote down."""
+    rows = (line.split() for line in path.read_text().splitlines())
+    return [float(r[0].strip("()")) for r in rows if int(r[2].split("#")[0], 16) == can_id]
+
+
+@pytest.mark.parametrize("node", [CONTROLLER_NODE, CONTROLLER_NODE + 1])
+def test_second_controller_on_the_bus_is_silent(node: int, play: Play) -> None:
+    """The cut goes on; the second says why it does nothing, and begins when the first has gone."""
+    result = play("two_controllers", feed_mm=5, second_node=node)
+    assert result.summary["end"] == "done" and result.summary["faults"] == []
+    assert result.summary["form_error_um"]["rms"] <= RMS_UM
+    assert "another controller sends" in result.log("second")
+    assert "another controller sends" not in result.log("controller")
+    assert result.seen["second_enable"] == (NO_ANSWER if node == CONTROLLER_NODE else BUS)
+    during, after = result.folder / "candump.log", result.folder / "after.log"
+    assert times_s(during, NMT) == []
+    for can_id, period_s in ((SYNC, TICK_S), *((RPDO1 + n, TICK_S) for n in (2, 3, 4, 5)), *STATUS):
+        steps_s = np.diff(times_s(during, can_id))
+        assert len(steps_s) > 50 and steps_s.min() > period_s / 2, hex(can_id)
+    assert node == CONTROLLER_NODE or times_s(during, HEARTBEAT + node) == []
+    assert times_s(after, NMT) and times_s(after, SYNC)
 
 
 def test_terminated_controller_retracts_first(play: Play) -> None:
@@ -277,10 +295,10 @@ def test_download_broken_off_anywhere_leaves_the_old_table(play: Play) -> None:
 
 
 def test_own_tests_of_the_port_pass_there(port_tests: PortTests | None) -> None:
-    """Those of test_linux_port.py need the lines and interfaces too; none is skipped there."""
+    """Those of PORT_FILES need the lines and interfaces too; none is skipped there."""
     if port_tests is None:
         pytest.skip("their times are those of virtual time")
-    said, _ = port_tests.process.communicate()
+    said = port_tests.wait()
     assert port_tests.process.returncode == 0, said
     suite = next(ElementTree.parse(port_tests.report).getroot().iter("testsuite"))
     assert int(suite.get("tests", "0")) > 0 and suite.get("skipped") == "0"

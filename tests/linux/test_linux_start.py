@@ -81,7 +81,7 @@ def test_wrong_configuration_names_line_field_value_and_remedy(tmp_path: Path) -
 def test_machine_that_is_not_there_is_refused(tmp_path: Path) -> None:
     """An interface that no kernel has; on a kernel without CAN that is said."""
     config = tmp_path / "machine.toml"
-    text = (PORT / "desk.toml").read_text().replace("vcan0", "nowhere0")
+    text = (PORT / "desk.toml").read_text().replace("vcan0", "nowhere0").replace("1000", "500")
     config.write_text(text.replace("table.camtab", str(tmp_path / "table.camtab")))
     words = refused("--config", config)
     assert "nowhere0: no such CAN interface" in words or "no CAN sockets in this kernel" in words

@@ -172,7 +172,7 @@ class Link:
         if identifier == ANSWER.frame_id and len(frame.data) == ANSWER.length:
             self._answers.append(frame)
         elif identifier == FLOW_ID:
-            self.flows.append(_frame(identifier, frame.data))
+            self.flows.append(_frame(identifier, bytes(frame.data)))
         elif (message := _STATUS.get(identifier)) and len(frame.data) == message.length:
             self._take_status(message, bytes(frame.data))
 
