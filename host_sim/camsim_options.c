@@ -22,6 +22,7 @@ static const char help[] =
     "  --removal F.csv       metal removed, power and forces of every time slice\n"
     "  --slice-us T          length of those slices (default: a 120th of the mean turn)\n"
     "  --kc-n-mm2 K          specific cutting force (default: 700)\n"
+    "  --tool-tip-mm R       radius of the tip that turns a cam (default: 0.4)\n"
     "  --no-feed-forward     k1 = k2 = 0\n"
     "  --no-lead             no dead-time compensation\n"
     "  --seed N              of the encoder's noise (default: 1)\n"
@@ -54,6 +55,7 @@ enum {
     opt_removal,
     opt_slice,
     opt_kc,
+    opt_tip,
     opt_no_feed_forward,
     opt_no_lead,
     opt_seed,
@@ -79,6 +81,7 @@ static const struct option options[] = {
     {"removal", required_argument, NULL, opt_removal},
     {"slice-us", required_argument, NULL, opt_slice},
     {"kc-n-mm2", required_argument, NULL, opt_kc},
+    {"tool-tip-mm", required_argument, NULL, opt_tip},
     {"no-feed-forward", no_argument, NULL, opt_no_feed_forward},
     {"no-lead", no_argument, NULL, opt_no_lead},
     {"seed", required_argument, NULL, opt_seed},
@@ -217,6 +220,8 @@ static bool take_value(camsim_options_t *o, int option, const char *text, sim_er
         return take_slice(o, text, e);
     case opt_kc:
         return take_number(&cut->kc_n_mm2, "kc-n-mm2", text, 0.001, 1e6, "N/mm2", e);
+    case opt_tip:
+        return take_number(&cut->tip_mm, "tool-tip-mm", text, 0.05, 1000.0, "mm", e);
     case opt_max_seconds:
         return take_number(&cut->max_s, "max-seconds", text, 0.001, 1e7, "seconds", e);
     case opt_seed:

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_cut.h"
-#include "sim_units.h" // sim_fraction
-#include <math.h>      // sqrt
-#include <stdlib.h>    // free
+#include "sim_cam_cut.h" // sim_cam_cut_gauge
+#include "sim_units.h"   // sim_fraction
+#include <math.h>        // sqrt
+#include <stdlib.h>      // free
 
 /// A real main loop does its background work whenever the interrupt leaves time; here rarely, since
 /// a kilobyte of CRC costs as much as 10 ticks. A damaged table of 16 KB is found within 0.8 s at
@@ -37,6 +38,10 @@ static void gauge(sim_cut_t *cut)
     cut->true_turn = m->spindle.turn;
     cut->part_turn = sim_fraction(turn - cut->phase_turn);
     cut->z_mm = sim_machine_z_mm(m);
+    if (cut->design.shape == sim_shape_cam) {
+        sim_cam_cut_gauge(cut, turn - cut->phase_turn);
+        return;
+    }
     cut->radius_mm = sim_machine_radius_mm(m);
     cut->exact_mm = sim_design_radius_mm(&cut->design, cut->part_turn, cut->z_mm);
     sim_work_touch(&cut->work, cut->part_turn, cut->z_mm, cut->radius_mm, cut->exact_mm,
@@ -86,6 +91,8 @@ static void observe(sim_cut_t *cut)
     gauge(cut);
     if (status->state == cam_state_cutting) {
         count_cutting(cut, status);
+    }
+    if (status->state == cam_state_cutting && cut->design.shape != sim_shape_cam) {
         measure_removal(cut);
     }
 }

@@ -11,6 +11,7 @@
 #ifndef SIM_CUT_H
 #define SIM_CUT_H
 
+#include "sim_cam_work.h" // sim_cam_work_t
 #include "sim_config.h"   // sim_config_t
 #include "sim_design.h"   // sim_design_t
 #include "sim_firmware.h" // sim_firmware_t
@@ -34,9 +35,10 @@ typedef struct {
     double max_s;     ///< [s] of machine time; 0: twice the plan and a minute
     double slice_s;   ///< [s] of the removal measured; 0: a 120th of the mean turn
     double kc_n_mm2;  ///< specific cutting force
+    double tip_mm;    ///< radius of a turned cam's tool; 0: SIM_CAM_TIP_MM
     double max_turns; ///< end the cut (operator's stop) after so many turns of cutting; 0: the
                       ///< whole part
-    const char *design_path;  ///< NULL: gauge against the table itself
+    const char *design_path;  ///< NULL: gauge against the table itself; a cam needs it
     const char *target;       ///< of sim_target.h; NULL: the firmware runs in this process
     const char *target_image; ///< path of its image
     sim_inject_t inject[sim_cut_max_injects];
@@ -59,8 +61,9 @@ typedef struct {
     sim_design_t design;
     sim_machine_t machine;
     sim_work_t work;
-    sim_removal_t removal;
-    bool has_slice; ///< the last tick finished a slice of the removal
+    sim_cam_work_t cam;    ///< of a cam only
+    sim_removal_t removal; ///< of a skirt only
+    bool has_slice;        ///< the last tick finished a slice of the removal
     sim_firmware_t firmware;
     cam_params_t params; ///< in force
     cam_feasibility_t feasibility;
