@@ -26,7 +26,7 @@ double sim_cut_planned_turns(const sim_cut_t *cut)
 
 double sim_cut_following_rms_um(const sim_cut_t *cut)
 {
-    return cut->work.n > 0u ? sqrt(cut->following_sum_um2 / (double)cut->work.n) : 0.0;
+    return cut->n_following > 0u ? sqrt(cut->following_sum_um2 / (double)cut->n_following) : 0.0;
 }
 
 /// The tool tip against the exact surface at its true place.
@@ -59,6 +59,7 @@ static void count_cutting(sim_cut_t *cut, const cam_status_t *status)
     const double off_um = sim_abs(status->following_nm * 1e-3);
     cut->following_max_um = off_um > cut->following_max_um ? off_um : cut->following_max_um;
     cut->following_sum_um2 += off_um * off_um;
+    cut->n_following++;
 }
 
 /// While cutting; turns in which the feed eases are not judged.

@@ -86,6 +86,7 @@ typedef struct {
     cam_state_t fault_state; ///< state in which the fault struck
     // following error of U as the controller sees it, while cutting
     double following_max_um, following_sum_um2;
+    uint64_t n_following;
     // last sample
     cam_state_t state;
     double sample_s, true_turn; ///< instant, true angle of the spindle
