@@ -8,7 +8,6 @@
 
 from __future__ import annotations
 
-import numpy as np
 from scipy.interpolate import PPoly
 
 from camtools.cam_generate import GeneratedCam
