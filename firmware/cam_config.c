@@ -309,6 +309,18 @@ static cam_err_t check_fit(const cam_params_t *p, uint32_t tick_hz)
                                                                         : cam_err_param_tick;
 }
 
+cam_params_t cam_config_clear(const cam_params_t *params, const cam_table_t *table)
+{
+    cam_params_t clear = *params;
+    if (table != NULL && table->angle.knots != NULL && table->u_min_nm < 0) {
+        const int64_t lift_nm =
+            (-(int64_t)table->u_min_nm * params->amplitude_ppm + 999999) / 1000000;
+        clear.x_clearance_nm = cam_sat_i32(params->x_clearance_nm + lift_nm);
+        clear.u_retract_nm = cam_clamp_i32(params->u_retract_nm, INT32_MIN, -(int32_t)lift_nm);
+    }
+    return clear;
+}
+
 cam_err_t cam_config_build(cam_config_t *config, const cam_params_t *params,
                            const cam_table_t *table, uint32_t speed_limit_mrpm, uint32_t tick_hz,
                            uint32_t clock_hz)
@@ -317,9 +329,10 @@ cam_err_t cam_config_build(cam_config_t *config, const cam_params_t *params,
     if (err != cam_ok) {
         return err;
     }
+    const cam_params_t clear = cam_config_clear(params, table);
     *config = (cam_config_t){.generation = config->generation};
     build_spindle(&config->spindle, params, table, tick_hz, clock_hz);
-    build_play(&config->play, params, tick_hz);
+    build_play(&config->play, &clear, tick_hz);
     build_rounds(&config->play, table != NULL && table->speed.knots != NULL);
     if (table != NULL) {
         config->table = *table;
@@ -332,7 +345,7 @@ cam_err_t cam_config_build(cam_config_t *config, const cam_params_t *params,
         build_u_scale(&config->play.u, &table->u, cam_sat_i32(INT64_C(5) * limit_q32 / 4));
     }
     build_limits(config, params, tick_hz);
-    build_guard(&config->guard, params, speed_limit_mrpm, tick_hz);
+    build_guard(&config->guard, &clear, speed_limit_mrpm, tick_hz);
     config->k1_q16 = ticks_of_ns(params->k1_ns, tick_hz);
     config->k2_q16 = ticks2_of_us2(params->k2_us2, tick_hz);
     config->trace_room = params->trace_on != 0 ? (uint32_t)cam_trace_capacity : 0u;

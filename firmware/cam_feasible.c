@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam/cam_feasible.h"
-#include "cam/cam_feed.h" // cam_feed_ramp_q32
-#include "cam/cam_fix.h"  // cam_root_u64
-#include <stdbool.h>      // bool
+#include "cam/cam_config.h" // cam_config_clear
+#include "cam/cam_feed.h"   // cam_feed_ramp_q32
+#include "cam/cam_fix.h"    // cam_root_u64
+#include <stdbool.h>        // bool
 
 /// The ISR's arithmetic holds up to 16 knots per tick; half of that leaves room for overspeed.
 enum { max_knots_per_tick = 8 };
@@ -301,10 +302,11 @@ cam_feasibility_t cam_feasible(const cam_table_t *table, const cam_params_t *par
                                uint32_t speed_mrpm, uint32_t tick_hz)
 {
     const uint32_t peak_mrpm = cam_feasible_peak(table, speed_mrpm);
+    const cam_params_t clear = cam_config_clear(params, table);
     const demand_t demands[] = {
         swing_demand(table),
         as_mean(table, spindle_demand(table, params, peak_mrpm)),
-        stroke_demand(table, params),
+        stroke_demand(table, &clear),
         u_speed_demand(table, params, speed_mrpm),
         u_acceleration_demand(table, params, speed_mrpm),
         feed_demand(table, params),
@@ -312,8 +314,8 @@ cam_feasibility_t cam_feasible(const cam_table_t *table, const cam_params_t *par
         as_mean(table, z_acceleration_demand(table, params, peak_mrpm)),
         as_mean(table, tick_demand(table, peak_mrpm, tick_hz)),
         spindle_acceleration_demand(table, params, speed_mrpm),
-        as_mean(table, x_speed_demand(table, params, peak_mrpm)),
-        as_mean(table, x_acceleration_demand(table, params, peak_mrpm)),
+        as_mean(table, x_speed_demand(table, &clear, peak_mrpm)),
+        as_mean(table, x_acceleration_demand(table, &clear, peak_mrpm)),
     };
     cam_feasibility_t result = {.speed_mrpm = speed_mrpm, .highest_mrpm = UINT32_MAX};
     for (size_t i = 0; i < sizeof demands / sizeof demands[0]; i++) {

@@ -38,6 +38,11 @@ static bool open_table(camsim_bus_t *b, sim_error_t *e)
 static bool open_design(camsim_bus_t *b, sim_error_t *e)
 {
     const char *path = b->options.common.cut.design_path;
+    if (b->table.angle.knots != NULL) {
+        return sim_error(
+            e, "%s: is the table of a cam, for which the bus has no gauge; use camsim run",
+            b->options.common.table_path);
+    }
     if (path != NULL) {
         return sim_design_load(&b->design, path, &b->table, e);
     }

@@ -25,6 +25,7 @@ static const char help[] =
     "  --nose-mm R           radius of the tool's nose: the surface between tracks is made, too\n"
     "  --scallop F.csv       turn,z_mm,proud_um of that surface; with --nose-mm\n"
     "  --scallop-mm A:B      its heights (default: four feeds in the middle)\n"
+    "  --tool-tip-mm R       radius of the tip that turns a cam (default: 0.4)\n"
     "  --no-feed-forward     k1 = k2 = 0\n"
     "  --no-lead             no dead-time compensation\n"
     "  --seed N              of the encoder's noise (default: 1)\n"
@@ -60,6 +61,7 @@ enum {
     opt_nose,
     opt_scallop,
     opt_window,
+    opt_tip,
     opt_no_feed_forward,
     opt_no_lead,
     opt_seed,
@@ -88,6 +90,7 @@ static const struct option options[] = {
     {"nose-mm", required_argument, NULL, opt_nose},
     {"scallop", required_argument, NULL, opt_scallop},
     {"scallop-mm", required_argument, NULL, opt_window},
+    {"tool-tip-mm", required_argument, NULL, opt_tip},
     {"no-feed-forward", no_argument, NULL, opt_no_feed_forward},
     {"no-lead", no_argument, NULL, opt_no_lead},
     {"seed", required_argument, NULL, opt_seed},
@@ -249,6 +252,8 @@ static bool take_value(camsim_options_t *o, int option, const char *text, sim_er
         return take_number(&cut->nose_mm, "nose-mm", text, 0.01, 100.0, "mm", e);
     case opt_window:
         return take_window(cut, text, e);
+    case opt_tip:
+        return take_number(&cut->tip_mm, "tool-tip-mm", text, 0.05, 1000.0, "mm", e);
     case opt_max_seconds:
         return take_number(&cut->max_s, "max-seconds", text, 0.001, 1e7, "seconds", e);
     case opt_seed:

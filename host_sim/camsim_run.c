@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #define _POSIX_C_SOURCE 200809L // NOLINT(bugprone-reserved-identifier): clock_gettime
 #include "camsim.h"
+#include "camsim_cam.h"     // camsim_cam_check
 #include "camsim_out.h"     // camsim_out_t
 #include "camsim_summary.h" // camsim_summary_json
 #include "camsim_trace.h"   // camsim_trace_drain
@@ -45,7 +46,8 @@ static bool open_cut(run_t *r, sim_error_t *e)
 static bool open_outputs(run_t *r, sim_error_t *e)
 {
     camsim_out_watch_signals();
-    return camsim_out_open(&r->trace, r->options.trace_path, "--trace", e) &&
+    return camsim_cam_check(&r->options, &r->cut, e) &&
+           camsim_out_open(&r->trace, r->options.trace_path, "--trace", e) &&
            camsim_out_open(&r->surface, r->options.surface_path, "--surface", e) &&
            camsim_out_open(&r->summary, r->options.summary_path, "--summary", e) &&
            camsim_out_open(&r->removal, r->options.removal_path, "--removal", e) &&

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "camsim_summary.h"
-#include "sim_units.h" // SIM_TWO_PI
+#include "camsim_cam.h" // camsim_cam_json
+#include "sim_units.h"  // SIM_TWO_PI
 #include <cjson/cJSON.h>
 #include <stdio.h>  // printf
 #include <string.h> // strrchr
@@ -235,7 +236,10 @@ bool camsim_summary_json(camsim_out_t *o, const camsim_options_t *options, sim_c
     add_errors(root, options, cut);
     add_cut(root, cut);
     add_feasibility(root, cut);
-    add_removal(root, cut);
+    camsim_cam_json(root, cut);
+    if (!camsim_cam_is(cut)) {
+        add_removal(root, cut);
+    }
     add_scallop(root, cut);
     add_time(root, cut, wall_s);
     add_injects(root, cut);
@@ -264,6 +268,7 @@ void camsim_summary_text(const camsim_options_t *options, const sim_cut_t *cut, 
         (void)printf("following error max %.4f um, rms %.4f um\n", cut->following_max_um,
                      sim_cut_following_rms_um(cut));
     }
+    camsim_cam_text(cut);
     (void)printf("machine time    %.3f s in %.3f s, %.2f million ticks/s\n", cut->machine.time_s,
                  wall_s, wall_s > 0.0 ? (double)cut->n_ticks / wall_s * 1e-6 : 0.0);
 }

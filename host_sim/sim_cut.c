@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_cut.h"
-#include "sim_units.h" // sim_fraction
-#include <math.h>      // ceil, sqrt
-#include <stdlib.h>    // free
+#include "sim_cam_cut.h" // sim_cam_cut_gauge
+#include "sim_units.h"   // sim_fraction
+#include <math.h>        // ceil, sqrt
+#include <stdlib.h>      // free
 
 /// A real main loop does its background work whenever the interrupt leaves time; here rarely, since
 /// a kilobyte of CRC costs as much as 10 ticks. A damaged table of 16 KB is found within 0.8 s at
@@ -40,7 +41,7 @@ double sim_cut_planned_turns(const sim_cut_t *cut)
 
 double sim_cut_following_rms_um(const sim_cut_t *cut)
 {
-    return cut->work.n > 0u ? sqrt(cut->following_sum_um2 / (double)cut->work.n) : 0.0;
+    return cut->n_following > 0u ? sqrt(cut->following_sum_um2 / (double)cut->n_following) : 0.0;
 }
 
 /// The tool tip against the exact surface at its true place.
@@ -52,6 +53,10 @@ static void gauge(sim_cut_t *cut)
     cut->true_turn = m->spindle.turn;
     cut->part_turn = sim_fraction(turn - cut->phase_turn);
     cut->z_mm = sim_machine_z_mm(m);
+    if (cut->design.shape == sim_shape_cam) {
+        sim_cam_cut_gauge(cut, turn - cut->phase_turn);
+        return;
+    }
     cut->radius_mm = sim_machine_radius_mm(m);
     cut->exact_mm = sim_design_radius_mm(&cut->design, cut->part_turn, cut->z_mm);
     sim_work_touch(&cut->work, cut->part_turn, cut->z_mm, cut->radius_mm, cut->exact_mm,
@@ -71,6 +76,7 @@ static void count_cutting(sim_cut_t *cut, const cam_status_t *status)
     const double off_um = sim_abs(status->following_nm * 1e-3);
     cut->following_max_um = off_um > cut->following_max_um ? off_um : cut->following_max_um;
     cut->following_sum_um2 += off_um * off_um;
+    cut->n_following++;
 }
 
 /// While cutting; turns in which the feed eases are not judged, those of a ring-helix neither.
@@ -103,6 +109,8 @@ static void observe(sim_cut_t *cut)
     gauge(cut);
     if (status->state == cam_state_cutting) {
         count_cutting(cut, status);
+    }
+    if (status->state == cam_state_cutting && cut->design.shape != sim_shape_cam) {
         measure_removal(cut);
     }
 }

@@ -11,6 +11,7 @@
 #ifndef SIM_CUT_H
 #define SIM_CUT_H
 
+#include "sim_cam_work.h" // sim_cam_work_t
 #include "sim_config.h"   // sim_config_t
 #include "sim_design.h"   // sim_design_t
 #include "sim_firmware.h" // sim_firmware_t
@@ -38,9 +39,10 @@ typedef struct {
     double nose_mm;  ///< radius of the tool's nose; 0: the surface between tracks is not made
     bool has_window; ///< heights of that surface are given; else four feeds in the middle
     double window_first_mm, window_last_mm;
+    double tip_mm;    ///< radius of a turned cam's tool; 0: SIM_CAM_TIP_MM
     double max_turns; ///< end the cut (operator's stop) after so many turns of cutting; 0: the
                       ///< whole part
-    const char *design_path;  ///< NULL: gauge against the table itself
+    const char *design_path;  ///< NULL: gauge against the table itself; a cam needs it
     const char *target;       ///< of sim_target.h; NULL: the firmware runs in this process
     const char *target_image; ///< path of its image
     sim_inject_t inject[sim_cut_max_injects];
@@ -64,8 +66,9 @@ typedef struct {
     sim_machine_t machine;
     sim_work_t work;
     sim_scallop_t scallop;
-    sim_removal_t removal;
-    bool has_slice; ///< the last tick finished a slice of the removal
+    sim_cam_work_t cam;    ///< of a cam only
+    sim_removal_t removal; ///< of a skirt only
+    bool has_slice;        ///< the last tick finished a slice of the removal
     sim_firmware_t firmware;
     cam_params_t params; ///< in force
     cam_feasibility_t feasibility;
@@ -88,6 +91,7 @@ typedef struct {
     cam_state_t fault_state; ///< state in which the fault struck
     // following error of U as the controller sees it, while cutting
     double following_max_um, following_sum_um2;
+    uint64_t n_following;
     // last sample
     cam_state_t state;
     double sample_s, true_turn; ///< instant, true angle of the spindle

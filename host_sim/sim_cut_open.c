@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "sim_cam_cut.h" // sim_cam_cut_begin
 #include "sim_cut.h"
 #include "sim_units.h" // SIM_NM_PER_MM
 #include <math.h>      // floor
@@ -57,23 +58,34 @@ static sim_wishes_t all_wishes(const sim_cut_options_t *o)
     return w;
 }
 
-static bool load_design(sim_cut_t *cut, sim_error_t *e)
+static bool load_design(sim_cut_t *cut, const char *name, sim_error_t *e)
 {
     if (cut->options.design_path != NULL) {
-        return sim_design_load(&cut->design, cut->options.design_path, &cut->table, e);
+        return sim_design_load(&cut->design, cut->options.design_path, &cut->table, e) &&
+               sim_cam_cut_check(cut, name, e);
+    }
+    if (cut->table.angle.knots != NULL) {
+        return sim_error(e,
+                         "%s: has no report beside it, and a cam is gauged against its exact "
+                         "design only; " SIM_CAM_REMEDY,
+                         name);
     }
     sim_design_from_table(&cut->design, &cut->table);
-    return true;
+    return sim_cam_cut_check(cut, name, e);
 }
 
 static void place_machine(sim_cut_t *cut)
 {
     const sim_machine_config_t *config = &cut->options.config.machine;
     const double blank_mm = cut->design.largest_mm + cut->table.depth_nm / SIM_NM_PER_MM;
-    const double x_nm = (blank_mm + config->x_start_mm) * SIM_NM_PER_MM;
+    const double tool_mm = cut->design.cam.follower_mm; // X carries the centre of a cam's follower
+    const double x_nm = (blank_mm + tool_mm + config->x_start_mm) * SIM_NM_PER_MM;
     const double z_nm = cut->table.z_first_nm - config->z_start_mm * SIM_NM_PER_MM;
     sim_work_init(&cut->work, blank_mm, cut->design.z_first_mm, cut->design.z_last_mm);
     sim_machine_init(&cut->machine, config, x_nm, z_nm, cut->options.seed);
+    if (cut->design.shape == sim_shape_cam) {
+        sim_cam_cut_begin(cut);
+    }
 }
 
 /// Set what differs; each change is taken by the next tick, so the next finds a free half.
@@ -220,7 +232,7 @@ static bool prepare(sim_cut_t *cut, const void *image, size_t size, const char *
 {
     const sim_wishes_t wishes = all_wishes(&cut->options);
     if (!take_image(cut, image, size, name, e) || !check_injects(cut, size, e) ||
-        !load_design(cut, e) ||
+        !load_design(cut, name, e) ||
         !sim_controller_params(&cut->params, &cut->options.config.machine, &cut->table, &wishes,
                                e)) {
         return false;

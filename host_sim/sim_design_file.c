@@ -59,18 +59,18 @@ static bool read_root(sim_design_t *d, const cJSON *root, const cam_table_t *tab
                       const char *path, sim_error_t *e)
 {
     const cJSON *design = cJSON_GetObjectItemCaseSensitive(root, "design");
-    if (table->angle.knots != NULL) {
-        return sim_error(
-            e,
-            "%s: belongs to a cam, for which there is no gauge; camsim eval tells what "
-            "its table says",
-            path);
-    }
     if (!cJSON_IsObject(design)) {
         return sim_error(e, "%s: design: missing, so there is nothing to gauge against; " REMEDY,
                          path);
     }
-    if (!check_crc(root, table, path, e) || !read_shape(d, design, path, e) ||
+    if (!check_crc(root, table, path, e)) {
+        return false;
+    }
+    if (table->angle.knots != NULL) {
+        d->shape = sim_shape_cam;
+        return sim_cam_design_read(&d->cam, design, path, e);
+    }
+    if (!read_shape(d, design, path, e) ||
         !sim_json_cubics(&d->radius_mm, design, "design", "radius_mm", path, e)) {
         return false;
     }
@@ -103,7 +103,8 @@ bool sim_design_load(sim_design_t *d, const char *path, const cam_table_t *table
         sim_design_free(d);
         return false;
     }
-    d->largest_mm = sim_design_find_largest_mm(d);
+    d->largest_mm = d->shape == sim_shape_cam ? d->cam.base_mm + sim_cam_design_lift_mm(&d->cam)
+                                              : sim_design_find_largest_mm(d);
     return true;
 }
 

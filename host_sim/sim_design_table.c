@@ -39,19 +39,21 @@ static size_t slice_below(const cam_channel_t *ch, double z_mm, double *w)
     return (size_t)i;
 }
 
-static double scaled_mm(const cam_channel_t *ch, double lsb)
+static double scaled(const cam_channel_t *ch, double lsb)
 {
-    return (ch->offset_nm + ldexp(lsb, -(int)ch->frac_bits)) / SIM_NM_PER_MM;
+    return ch->offset_nm + ldexp(lsb, -(int)ch->frac_bits);
 }
 
 double sim_design_table_long_mm(const cam_table_t *t, double z_mm)
 {
     double w;
     const cam_knot_t *k = t->x.knots + slice_below(&t->x, z_mm, &w);
-    return scaled_mm(&t->x, quintic(blended(k, k, 0.0), blended(k + 1, k + 1, 0.0), w));
+    return scaled(&t->x, quintic(blended(k, k, 0.0), blended(k + 1, k + 1, 0.0), w)) /
+           SIM_NM_PER_MM;
 }
 
-static double reduction_mm(const cam_channel_t *ch, double turn, double z_mm)
+/// Value of a channel over angle and height, in its unit.
+static double value_at(const cam_channel_t *ch, double turn, double z_mm)
 {
     double w;
     const size_t n_knots = (size_t)1 << ch->log2_knots;
@@ -63,10 +65,15 @@ static double reduction_mm(const cam_channel_t *ch, double turn, double z_mm)
     const size_t next = (i + 1u) % n_knots;
     const double lsb = quintic(blended(low + i, high + i, w), blended(low + next, high + next, w),
                                place - (double)(size_t)place);
-    return scaled_mm(ch, lsb);
+    return scaled(ch, lsb);
 }
 
 double sim_design_table_radius_mm(const cam_table_t *t, double turn, double z_mm)
 {
-    return sim_design_table_long_mm(t, z_mm) - reduction_mm(&t->u, turn, z_mm);
+    return sim_design_table_long_mm(t, z_mm) - value_at(&t->u, turn, z_mm) / SIM_NM_PER_MM;
+}
+
+double sim_design_table_ratio(const cam_table_t *t, double turn, double z_mm)
+{
+    return t->speed.knots != NULL ? value_at(&t->speed, turn, z_mm) / CAM_TABLE_RATIO_ONE : 1.0;
 }

@@ -11,6 +11,9 @@
 /// @return      [mm] x - u. Source: TABLE_FORMAT.md, "Knots".
 double sim_design_table_radius_mm(const cam_table_t *t, double turn, double z_mm);
 
+/// @return speed of the spindle over its mean speed; 1 without that channel
+double sim_design_table_ratio(const cam_table_t *t, double turn, double z_mm);
+
 /// @return [mm] x alone
 double sim_design_table_long_mm(const cam_table_t *t, double z_mm);
 

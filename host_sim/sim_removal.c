@@ -2,7 +2,7 @@
 #include "sim_removal.h"
 #include "sim_units.h" // SIM_PI, sim_abs, sim_floor
 
-static void count(sim_spread_t *s, double value)
+void sim_spread_add(sim_spread_t *s, double value)
 {
     s->min = s->n == 0u || value < s->min ? value : s->min;
     s->max = s->n == 0u || value > s->max ? value : s->max;
@@ -48,8 +48,8 @@ static void begin_turn(sim_removal_t *r, double whole, bool is_whole)
 static void end_turn(sim_removal_t *r)
 {
     if (r->is_whole && r->turn_rate.n > 0u) {
-        count(&r->rate_ripple, ripple_of(&r->turn_rate));
-        count(&r->force_ripple, ripple_of(&r->turn_force));
+        sim_spread_add(&r->rate_ripple, ripple_of(&r->turn_rate));
+        sim_spread_add(&r->force_ripple, ripple_of(&r->turn_force));
     }
 }
 
@@ -63,12 +63,12 @@ static void judge_slice(sim_removal_t *r)
     }
     r->is_whole = r->is_whole && r->is_clean;
     if (r->is_clean) {
-        count(&r->rate, s->rate_mm3_s);
-        count(&r->power, s->power_w);
-        count(&r->rate_force, s->rate_force_n);
-        count(&r->chip_force, s->chip_force_n);
-        count(&r->turn_rate, s->rate_mm3_s);
-        count(&r->turn_force, s->chip_force_n);
+        sim_spread_add(&r->rate, s->rate_mm3_s);
+        sim_spread_add(&r->power, s->power_w);
+        sim_spread_add(&r->rate_force, s->rate_force_n);
+        sim_spread_add(&r->chip_force, s->chip_force_n);
+        sim_spread_add(&r->turn_rate, s->rate_mm3_s);
+        sim_spread_add(&r->turn_force, s->chip_force_n);
     }
 }
 

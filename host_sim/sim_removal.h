@@ -63,6 +63,9 @@ void sim_removal_init(sim_removal_t *r, const sim_removal_config_t *config);
 bool sim_removal_touch(sim_removal_t *r, double t_s, double turn, double z_mm, double radius_mm,
                        bool is_judged);
 
+/// Count one more value.
+void sim_spread_add(sim_spread_t *s, double value);
+
 /// @return mean, 0 without samples
 double sim_spread_mean(const sim_spread_t *s);
 

@@ -54,18 +54,23 @@ static void count_error(sim_work_t *w, double turn, double z_mm, double radius_m
     count_cell(&w->cell[i_row][i_column], turn, z_mm, radius_mm, error_mm * SIM_NM_PER_MM);
 }
 
-static void count_chip(sim_work_t *w, double z_mm, double radius_mm)
+static void count_depth(sim_work_t *w, double radius_mm)
 {
     const double depth_mm = w->blank_mm - radius_mm;
     const bool is_first = w->n == 0u;
     w->depth_min_mm = is_first || depth_mm < w->depth_min_mm ? depth_mm : w->depth_min_mm;
     w->depth_max_mm = is_first || depth_mm > w->depth_max_mm ? depth_mm : w->depth_max_mm;
-    const double fed_mm = is_first ? 0.0 : sim_abs(z_mm - w->last_z_mm);
+}
+
+static void count_chip(sim_work_t *w, double z_mm, double radius_mm)
+{
+    const double fed_mm = w->n == 0u ? 0.0 : sim_abs(z_mm - w->last_z_mm);
+    const double depth_mm = w->blank_mm - radius_mm;
     w->removed_mm3 += SIM_PI * depth_mm * (w->blank_mm + radius_mm) * fed_mm;
     w->last_z_mm = z_mm;
 }
 
-void sim_work_touch(sim_work_t *w, double turn, double z_mm, double radius_mm, double exact_mm,
+void sim_work_judge(sim_work_t *w, double turn, double z_mm, double radius_mm, double exact_mm,
                     bool is_counted)
 {
     const double error_mm = radius_mm - exact_mm;
@@ -74,9 +79,18 @@ void sim_work_touch(sim_work_t *w, double turn, double z_mm, double radius_mm, d
     }
     if (is_counted) {
         count_error(w, turn, z_mm, radius_mm, error_mm);
-        count_chip(w, z_mm, radius_mm);
+        count_depth(w, radius_mm);
         w->n++;
     }
+}
+
+void sim_work_touch(sim_work_t *w, double turn, double z_mm, double radius_mm, double exact_mm,
+                    bool is_counted)
+{
+    if (is_counted) {
+        count_chip(w, z_mm, radius_mm);
+    }
+    sim_work_judge(w, turn, z_mm, radius_mm, exact_mm, is_counted);
 }
 
 double sim_work_rms_um(const sim_work_t *w)

@@ -59,6 +59,10 @@ void sim_work_init(sim_work_t *w, double blank_mm, double z_first_mm, double z_l
 void sim_work_touch(sim_work_t *w, double turn, double z_mm, double radius_mm, double exact_mm,
                     bool is_counted);
 
+/// The same without the metal that was removed, for those who know better how much it was.
+void sim_work_judge(sim_work_t *w, double turn, double z_mm, double radius_mm, double exact_mm,
+                    bool is_counted);
+
 /// @return [um] rms form error, 0 without samples
 double sim_work_rms_um(const sim_work_t *w);
 

@@ -14,9 +14,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from camsim_cases import camsim
+from camsim_cases import ROOT, camsim
 
 HERE = Path(__file__).parent
+HOST_SIM = str(ROOT / "host_sim")
 SCENARIOS = sorted(HERE.glob("*.toml"))
 TICK_S = 50e-6
 ENABLE, FAULT_LAMP, IN_CUT = 1, 2, 4
@@ -66,7 +67,8 @@ def run(table: Path, scenario: dict[str, Any], folder: Path) -> Outcome:
         table = damaged(table, scenario["flip_table_byte"], folder)
     trace, summary = folder / "trace.csv", folder / "summary.json"
     arguments = [
-        word.replace("{machines}", str(HERE / "machines")) for word in scenario["arguments"]
+        word.replace("{machines}", str(HERE / "machines")).replace("{host_sim}", HOST_SIM)
+        for word in scenario["arguments"]
     ]
     outputs: list[str | Path] = ["--trace", trace, "--summary", summary]
     done = camsim("run", table, *arguments, *outputs)
@@ -91,7 +93,7 @@ def check_outputs(trace: Columns) -> None:
     assert not np.any(outputs[trace["state"] == "off"] & ENABLE)
 
 
-def check_fault_reaction(trace: Columns, first_fault: str) -> None:
+def check_fault_reaction(trace: Columns, expect: dict[str, Any]) -> None:
     """Check from the first tick of a fault on: spindle 0, tool out, enable down, latched."""
     fault = trace["state"] == "fault"
     start = int(np.argmax(fault))
@@ -99,12 +101,14 @@ def check_fault_reaction(trace: Columns, first_fault: str) -> None:
     outputs = trace["out_outputs"][start:].astype(int)
     assert np.all(outputs & FAULT_LAMP)
     assert not np.any(trace["out_spindle_mrpm"][start:])
-    assert trace["u_set_nm"][-1] == RETRACT_NM
-    assert trace["out_x_nm"][-1] - trace["out_x_nm"][start] == pytest.approx(CLEARANCE_NM, abs=2)
+    retract_nm = expect.get("u_retract_nm", RETRACT_NM)
+    clearance_nm = expect.get("x_clearance_nm", CLEARANCE_NM)
+    assert trace["u_set_nm"][-1] == retract_nm
+    assert trace["out_x_nm"][-1] - trace["out_x_nm"][start] == pytest.approx(clearance_nm, abs=2)
     assert trace["out_z_nm"][-1] == trace["out_z_nm"][-2]
     enabled = (outputs & ENABLE) != 0
     assert not enabled[-1], "enable drops in the end"
-    if first_fault == "drive":
+    if expect["first_fault"] == "drive":
         assert not enabled.any(), "a failed drive is let go at once"
     else:
         assert (
@@ -112,7 +116,7 @@ def check_fault_reaction(trace: Columns, first_fault: str) -> None:
             and not enabled[int(np.argmin(enabled)) :].any()
         )
         at_rest = trace["u_set_nm"][start:][~enabled]
-        assert np.all(at_rest == RETRACT_NM), "enable holds until the tool is out"
+        assert np.all(at_rest == retract_nm), "enable holds until the tool is out"
 
 
 def check_fault_time(trace: Columns, expect: dict[str, Any]) -> None:
@@ -145,11 +149,13 @@ def test_scenario(path: Path, table_of: Callable[[str], Path], tmp_path: Path) -
     assert states_of(outcome.trace) == expect["states"]
     if "first_fault" in expect:
         assert expect["first_fault"] in outcome.summary["first_faults"]
-        check_fault_reaction(outcome.trace, expect["first_fault"])
+        check_fault_reaction(outcome.trace, expect)
     else:
         assert outcome.summary["faults"] == []
     if "within_s" in expect:
         check_fault_time(outcome.trace, expect)
+    if "gouge_um" in expect:
+        assert outcome.summary["cut"]["gouge_um"] <= expect["gouge_um"]
     if "form_error_um" in expect:
         assert outcome.summary["form_error_um"]["max"] <= expect["form_error_um"]
 

@@ -276,8 +276,6 @@ def test_mktables_writes_all_files_of_a_cam(mktables: Mktables, tmp_path: Path) 
 def test_controller_refuses_a_tool_that_it_cannot_swing(mktables: Mktables, tmp_path: Path) -> None:
     """A turned cam without its swing would be another cam: camsim run does not start it."""
     assert mktables(PARTS / "cam-345.toml", "-o", tmp_path).returncode == 0
-    assert "there is no gauge" in only_error(camsim("run", tmp_path / "cam-345.camtab"))
-    (tmp_path / "cam-345.json").unlink()
     line = only_error(camsim("run", tmp_path / "cam-345.camtab"))
     assert "the table swings the tool, for which there is no axis" in line
     assert "no speed helps" in line

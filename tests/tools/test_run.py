@@ -21,8 +21,9 @@ from matplotlib.image import imread
 from camtools.errors import CamtoolsError
 from camtools.part import Limits
 from camtools.report_data import read_surface, read_trace
-from camtools.run import Job, _without_faults, main
+from camtools.run import main
 from camtools.run_cut import machine_text, traced_turns, variant_of
+from camtools.run_job import Job, without_faults
 from camtools.run_stage import Stage
 from part_cases import PERKINS, ROOT, environment
 
@@ -328,8 +329,8 @@ def test_job_takes_options_apart() -> None:
     job = Job(["x.toml", "--rpm", "600", "--", "--inject", "estop@1", "--seed", "3"])
     assert (job.part_path, job.rpm, job.feed_mm) == (Path("x.toml"), 600.0, None)
     assert job.extra == ["--inject", "estop@1", "--seed", "3"]
-    assert _without_faults(job.extra) == ["--seed", "3"]
-    assert _without_faults(["--inject=estop@1", "--seed", "3"]) == ["--seed", "3"]
+    assert without_faults(job.extra) == ["--seed", "3"]
+    assert without_faults(["--inject=estop@1", "--seed", "3"]) == ["--seed", "3"]
     assert Job(["--", "--machine", os.path.relpath(PERKINS)]).extra[1] == str(PERKINS)
 
 

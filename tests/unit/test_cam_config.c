@@ -127,6 +127,27 @@ static void test_build_feed_and_speed_of_the_parameters_overrule_the_table(void)
     TEST_ASSERT_EQUAL_PTR(&config.table, config.play.table);
 }
 
+/// At envelope 0 the follower stands over the base circle: without the lift it would cut the nose.
+static void test_build_cam_keeps_clear_of_its_lobes(void)
+{
+    static const cam_knot_t some = {0};
+    table.u_min_nm = -8000001;
+    build(20000);
+    TEST_ASSERT_EQUAL_INT32(1000000, config.play.x_clearance_nm); // a skirt
+    table.angle.knots = &some;
+    params.u_stroke_nm = 24000000;
+    build(20000);
+    TEST_ASSERT_EQUAL_INT32(9000001, config.play.x_clearance_nm);
+    TEST_ASSERT_EQUAL_INT64(9000001 * INT64_C(1024), config.guard.x_clearance_q10);
+    TEST_ASSERT_EQUAL_INT64(-8000001 * INT64_C(1024), config.play.u_retract_q10);
+    TEST_ASSERT_EQUAL_INT64(-8000001 * INT64_C(1024), config.guard.u_retract_q10);
+    params.amplitude_ppm = 500000;
+    params.u_retract_nm = -9000000;
+    build(20000);
+    TEST_ASSERT_EQUAL_INT32(5000001, config.play.x_clearance_nm);
+    TEST_ASSERT_EQUAL_INT64(-9000000 * INT64_C(1024), config.play.u_retract_q10);
+}
+
 static void test_build_without_a_table_has_none(void)
 {
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_config_build(&config, &params, NULL, 0, 20000, 200000000));
@@ -177,6 +198,7 @@ int main(void)
     RUN_TEST(test_build_angles_turn_and_wrap);
     RUN_TEST(test_build_sense_follows_direction_and_encoder);
     RUN_TEST(test_build_feed_and_speed_of_the_parameters_overrule_the_table);
+    RUN_TEST(test_build_cam_keeps_clear_of_its_lobes);
     RUN_TEST(test_build_without_a_table_has_none);
     RUN_TEST(test_build_what_does_not_fit_the_tick_rate_is_refused);
     RUN_TEST(test_bank_hands_over_one_configuration_at_a_time);

@@ -11,6 +11,7 @@ from __future__ import annotations
 import struct
 from typing import Any
 
+from camtools.cam_design import design_of_cam
 from camtools.cam_generate import GeneratedCam
 from camtools.cam_motion import ShaftLobe
 from camtools.geometry import NM_PER_MM, omega_rad_s
@@ -82,6 +83,7 @@ def make_cam_summary(result: GeneratedCam) -> Json:
         "guaranteed": vars(table.bounds),
         "feasibility": _feasibility(result),
         "lobes": [_lobe(lobe) for lobe in result.lobes],
+        "design": design_of_cam(result),
     }
 
 

@@ -27,6 +27,7 @@ from camtools.part_base import HeightMm, Table, rising, wrong
 MIN_GAP_MM = 0.2
 MAX_LIFT_MM = 15.0
 MIN_POINTS = 8
+MIN_RPM, MAX_RPM = 1.0, 60_000.0
 
 RadiusMm = Annotated[float, Field(ge=0.1, le=2000)]
 LiftMm = Annotated[float, Field(gt=0, le=MAX_LIFT_MM)]
@@ -181,7 +182,7 @@ class CamProcess(Table):
 
     operation: Literal["turning", "grinding"]
     speed: Literal["uniform", "constant-surface"] = "uniform"
-    spindle_rpm: Annotated[float, Field(ge=1, le=60_000)]
+    spindle_rpm: Annotated[float, Field(ge=MIN_RPM, le=MAX_RPM)]
     feed_mm: Annotated[float, Field(ge=0.000_1, le=10)] = 0.1
     depth_mm: Annotated[float, Field(ge=0, le=100)] = 0.1
     direction: Literal[1, -1] = 1

@@ -7,7 +7,7 @@
 from __future__ import annotations
 
 from base64 import b64encode
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -16,11 +16,11 @@ from matplotlib.figure import Figure
 
 from camtools import report_compare, report_motion, report_surface
 from camtools.report_corner import draw_corner
-from camtools.report_data import CUTTING, FAULT, Json, Outcome
+from camtools.report_data import CUTTING, FAULT, Cut, Json, Outcome
 from camtools.report_even import draw_even, draw_ripple
 from camtools.report_skirt import draw_skirt
 from camtools.report_style import drawing, png_of
-from camtools.report_text import fault_story, margins_of, rows_of, verdict_of
+from camtools.report_text import Margin, Row, fault_story, margins_of, rows_of, verdict_of
 
 _TEMPLATE = "report.html.j2"
 
@@ -158,7 +158,7 @@ def data_uri(png: bytes) -> str:
     return "data:image/png;base64," + b64encode(png).decode("ascii")
 
 
-def trace_text(outcome: Outcome) -> str:
+def trace_text(outcome: Cut) -> str:
     """Return what the trace holds, in one sentence."""
     ticks = f"{outcome.trace.t_s.size:,}".replace(",", "\u2009")
     if outcome.is_trace_complete:
@@ -170,6 +170,25 @@ def trace_text(outcome: Outcome) -> str:
     )
 
 
+class Caption(NamedTuple):
+    """Title of a picture and what to look for."""
+
+    title: str
+    text: str
+
+
+class Page(NamedTuple):
+    """What a report says of a part of one kind."""
+
+    source: str
+    rows: list[Row]
+    margins: list[Margin]
+    shown: Sequence[tuple[Picture | Caption, bytes]]  # pictures and their PNGs, in order
+    modelled: str  # what the simulator leaves out of the tool, a sentence
+    compared: str  # what the gauge compares
+    what: str  # what was cut
+
+
 def render(outcome: Outcome, pngs: dict[str, bytes]) -> str:
     """Return the HTML page.
 
@@ -178,6 +197,20 @@ def render(outcome: Outcome, pngs: dict[str, bytes]) -> str:
     pngs : dict
         Pictures by key, drawn.
     """
+    page = Page(
+        outcome.generated.part.part.source,
+        rows_of(outcome),
+        margins_of(outcome),
+        [(one, pngs[one.key]) for one in pictures_of(outcome) if one.key in pngs],
+        "The tool is a point; feed marks, tool nose and bending are not modelled.",
+        "the tool's true path",
+        "skirt",
+    )
+    return render_page(outcome, page)
+
+
+def render_page(outcome: Cut, page: Page) -> str:
+    """Return the HTML page of a part of any kind."""
     environment = Environment(
         loader=FileSystemLoader(Path(__file__).resolve().parent),
         undefined=StrictUndefined,
@@ -185,16 +218,18 @@ def render(outcome: Outcome, pngs: dict[str, bytes]) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    shown = [(one, data_uri(pngs[one.key])) for one in pictures_of(outcome) if one.key in pngs]
     return environment.get_template(_TEMPLATE).render(
         name=outcome.name,
-        source=outcome.generated.part.part.source,
+        source=page.source,
         summary=outcome.summary,
         verdict=verdict_of(outcome),
-        rows=rows_of(outcome),
-        margins=margins_of(outcome),
+        rows=page.rows,
+        margins=page.margins,
         story=fault_story(outcome) if outcome.has_fault else [],
-        shown=shown,
+        shown=[(picture, data_uri(png)) for picture, png in page.shown],
+        modelled=page.modelled,
+        compared=page.compared,
+        what=page.what,
         trace=trace_text(outcome),
         is_trace_complete=outcome.is_trace_complete,
     )

@@ -171,20 +171,49 @@ class Variant(NamedTuple):
     rms_um: float
 
 
-@dataclass(frozen=True, eq=False)
-class Outcome:
-    """All that is known about a cut.
+class Cut:
+    """What is known about the cut of a part of any kind.
 
     Attributes
     ----------
-    generated : Generated
-        The part, its exact geometry and its table.
     summary : dict
         Of camsim.
     is_trace_complete : bool
         The trace holds the whole cut, not its first turns only.
     variants : tuple of Variant
         Comparison cuts, the matched one first; may be empty.
+    """
+
+    summary: Json
+    surface: Surface
+    trace: Trace
+    is_trace_complete: bool
+    variants: tuple[Variant, ...]
+
+    @property
+    def name(self) -> str:
+        """Return the part's name."""
+        raise NotImplementedError
+
+    @property
+    def has_fault(self) -> bool:
+        """Return whether the controller ended the cut by itself."""
+        return "fault" in self.summary
+
+    @property
+    def is_good(self) -> bool:
+        """Return whether the whole part was cut within tolerance."""
+        return bool(self.summary["is_good"])
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome(Cut):
+    """All that is known about the cut of a skirt.
+
+    Attributes
+    ----------
+    generated : Generated
+        The part, its exact geometry and its table.
     even : Even or None
         Removal rate and forces of a part that is turned with equal volumes.
     """
@@ -201,13 +230,3 @@ class Outcome:
     def name(self) -> str:
         """Return the part's name."""
         return self.generated.part.part.name
-
-    @property
-    def has_fault(self) -> bool:
-        """Return whether the controller ended the cut by itself."""
-        return "fault" in self.summary
-
-    @property
-    def is_good(self) -> bool:
-        """Return whether the whole part was cut within tolerance."""
-        return bool(self.summary["is_good"])

@@ -16,7 +16,7 @@ import numpy as np
 
 from camtools.errors import InputError
 from camtools.refit import judge
-from camtools.report_data import FAULT, Json, Outcome
+from camtools.report_data import FAULT, Cut, Json, Outcome
 from camtools.report_style import length_text
 
 _FAULTS = Path(__file__).resolve().parents[2] / "firmware" / "FAULTS.md"
@@ -76,7 +76,7 @@ def plain(text: str) -> str:
     return text
 
 
-def verdict_of(outcome: Outcome) -> Verdict:
+def verdict_of(outcome: Cut) -> Verdict:
     """Return whether the part is good, and why not."""
     summary = outcome.summary
     form = summary["form_error_um"]
@@ -110,7 +110,8 @@ def what_was_cut(outcome: Outcome) -> str:
     )
 
 
-def _error_pair(error: Json) -> str:
+def error_pair(error: Json) -> str:
+    """Return largest and rms of an error [um] in words."""
     if error["max"] is None:
         return "none: nothing was cut to full depth"
     return f"max {length_text(error['max'])}, rms {length_text(error['rms'])}"
@@ -118,11 +119,16 @@ def _error_pair(error: Json) -> str:
 
 def margins_of(outcome: Outcome) -> list[Margin]:
     """Return needed and limit of spindle and U, as the controller judged them."""
+    return margins_in(outcome.summary, is_modulated=outcome.generated.speed is not None)
+
+
+def margins_in(summary: Json, *, is_modulated: bool) -> list[Margin]:
+    """Return the margins of a summary; of the spindle's acceleration when its speed changes."""
     found = []
     for key, (name, unit, scale) in _MARGINS.items():
-        if key == "spindle_acceleration_rad_s2" and outcome.generated.speed is None:
+        if key == "spindle_acceleration_rad_s2" and not is_modulated:
             continue
-        one = outcome.summary["feasibility"][key]
+        one = summary["feasibility"][key]
         needed, limit = one["needed"] * scale, one["limit"] * scale
         percent = 100 * needed / limit
         found.append(Margin(name, f"{needed:.4g} {unit}", f"{limit:.4g} {unit}", percent))
@@ -166,7 +172,7 @@ def _removal_rows(outcome: Outcome) -> list[Row]:
         ),
         Row(
             "form error at uniform speed",
-            _error_pair(outcome.even.uniform_summary["form_error_um"]),
+            error_pair(outcome.even.uniform_summary["form_error_um"]),
         ),
     ]
 
@@ -179,8 +185,8 @@ def rows_of(outcome: Outcome) -> list[Row]:
     wall_s, machine_s = summary["wall_time_s"], summary["machine_time_s"]
     return [
         Row("cut", what_was_cut(outcome)),
-        Row("form error", f"{_error_pair(form)} (tolerance {length_text(form['tolerance'])})"),
-        Row("following error of U", _error_pair(summary["following_error_um"])),
+        Row("form error", f"{error_pair(form)} (tolerance {length_text(form['tolerance'])})"),
+        Row("following error of U", error_pair(summary["following_error_um"])),
         *_corner_rows(outcome),
         *_removal_rows(outcome),
         Row("table", f"{summary['table_bytes']} bytes, error at most {worst_nm:.2g} nm"),
@@ -199,8 +205,15 @@ def terminal_text(outcome: Outcome, place: str, total_s: float) -> str:
     total_s : float
         Computing time of everything [s].
     """
-    rows = [row for row in rows_of(outcome) if row.name != "computing time"]
-    for margin in margins_of(outcome):
+    return page_text(outcome, rows_of(outcome), margins_of(outcome), place, total_s)
+
+
+def page_text(
+    outcome: Cut, about: list[Row], margins: list[Margin], place: str, total_s: float
+) -> str:
+    """Return rows and margins as `terminal_text` does."""
+    rows = [row for row in about if row.name != "computing time"]
+    for margin in margins:
         value = f"{margin.needed} of {margin.limit} ({margin.percent:.0f} %)"
         rows.append(Row(f"needs {margin.name}", value))
     cut_s = outcome.summary["wall_time_s"]
@@ -239,7 +252,7 @@ def _spelled_out(cell: str) -> str:
     return re.sub(r"\bT\b", "tick", text)
 
 
-def clear_after_s(outcome: Outcome) -> float | None:
+def clear_after_s(outcome: Cut) -> float | None:
     """Return how long after the fault the tool was out of the work [s], if the trace tells."""
     trace = outcome.trace
     after = np.flatnonzero(trace.state == FAULT)
@@ -249,7 +262,7 @@ def clear_after_s(outcome: Outcome) -> float | None:
     return float(trace.t_s[clear[0]] - trace.t_s[after[0]])
 
 
-def fault_story(outcome: Outcome) -> list[Row]:
+def fault_story(outcome: Cut) -> list[Row]:
     """Return what happened, when, and what the controller did, in the order of time."""
     fault, facts = outcome.summary["fault"], fault_facts()
     rows = [
@@ -278,7 +291,7 @@ def _when(fault: Json) -> str:
     return f"{fault['time_s']:.4f} s after the start{cutting}, {fault['state']}, {place}"
 
 
-def _reaction(outcome: Outcome) -> str:
+def _reaction(outcome: Cut) -> str:
     if "drive" in outcome.summary["first_faults"]:
         return "A drive that is not ready cannot retract: its enable was dropped in the same tick."
     clear_s = clear_after_s(outcome)

@@ -1,24 +1,25 @@
 """Command line of the whole way: table, cut on the host simulator, gauge, report.
 
->>> Job(["--rpm", "600"]).options()
-['--rpm', '600.0']
+>>> from camtools.part import example_part
+>>> _turns(Job(["--feed", "0.5"]), generate(example_part()))
+124.0
 """
 
 from __future__ import annotations
 
-import argparse
 import json
 import sys
 import time
 from collections.abc import Sequence
-from math import isfinite
 from pathlib import Path
 
-from camtools.command import BAD_INPUT, Parser, run_command
+from camtools.command import BAD_INPUT, run_command
 from camtools.errors import CamtoolsError
 from camtools.generate import Generated, generate
 from camtools.mktables import products
-from camtools.part import Part, load_part
+from camtools.part import Part
+from camtools.part_cam import CamPart
+from camtools.part_file import load_any
 from camtools.path import Path as ToolPath
 from camtools.report_data import (
     Even,
@@ -30,8 +31,8 @@ from camtools.report_data import (
     read_trace,
 )
 from camtools.report_text import terminal_text
+from camtools.run_cam import run_cam
 from camtools.run_cut import (
-    ROOT,
     SUMMARY,
     SURFACE,
     TRACE,
@@ -43,122 +44,21 @@ from camtools.run_cut import (
     traced_turns,
 )
 from camtools.run_even import compare_removal
-from camtools.run_stage import Stage, cannot_write
-
-_DEFAULT_PART = ROOT / "tools" / "parts" / "perkins240.toml"
-_OURS = ("--rpm", "--feed", "--trace", "--surface", "--summary", "--design", "--progress", "--help")
-_EPILOG = """\
-What follows -- goes to `camsim run`, for example to see how a fault is met:
-  tools/run -o build/run/estop -- --inject estop@5
-Exit status: 0 done, 1 the cut ended in a fault or out of tolerance, 2 wrong usage or bad input."""
+from camtools.run_job import Job, say, shown, without_faults, write_files
+from camtools.run_stage import Stage
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = Parser(
-        prog="tools/run",
-        usage="tools/run [PART.toml] [--rpm N] [--feed MM] [-o DIR] [-- CAMSIM-OPTIONS]",
-        description="Make the table of a part, cut it on the host simulator, write a report.",
-        epilog=_EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-        allow_abbrev=False,
-    )
-    parser.add_argument(
-        "part", type=Path, nargs="?", metavar="PART.toml", help="default: the Perkins 240 skirt"
-    )
-    parser.add_argument("--rpm", metavar="N", help="spindle speed, r/min; default: the part's")
-    parser.add_argument("--feed", metavar="MM", help="feed per turn, mm; default: the part's")
-    parser.add_argument(
-        "-o", "--output", metavar="DIR", help="folder of the results; default build/run/NAME"
-    )
-    return parser
+def _turns(job: Job, generated: Generated) -> float:
+    """Return how many turns the cut takes, about."""
+    geometry = generated.geometry
+    process = generated.part.process
+    ends = geometry.z_first_mm, geometry.z_last_mm
+    return ToolPath(process.path, *ends, job.feed_mm or process.feed_mm).turns
 
 
-def _positive(option: str, text: str | None, unit: str) -> float | None:
-    """Return the number of an option, None when it is not given.
-
-    Raises
-    ------
-    CamtoolsError
-        Not a finite number above 0.
-    """
-    if text is None:
-        return None
-    try:
-        value = float(text)
-    except ValueError:
-        value = float("nan")
-    if not (isfinite(value) and value > 0):
-        problem = f"{option} {text}: must be a finite number above 0"
-        raise CamtoolsError([f"{problem}; give {unit}, or leave it out for the part's own"])
-    return value
-
-
-def _for_camsim(words: Sequence[str]) -> list[str]:
-    """Return the user's words for camsim, which works in another folder.
-
-    Raises
-    ------
-    CamtoolsError
-        An option that this command sets itself.
-    """
-    for word in words:
-        if word.split("=")[0] in _OURS:
-            raise CamtoolsError([f"-- {word}: is set by tools/run itself; leave it out"])
-    return [str(Path(word).resolve()) if Path(word).is_file() else word for word in words]
-
-
-class Job:
-    """What was asked for, checked as far as this is possible without the part.
-
-    Parameters
-    ----------
-    argv : list of str
-        Command line without the program's name.
-    """
-
-    def __init__(self, argv: Sequence[str]) -> None:
-        words = list(argv)
-        split = words.index("--") if "--" in words else len(words)
-        arguments = _parser().parse_args(words[:split])
-        self.part_path: Path = arguments.part or _DEFAULT_PART
-        self.rpm = _positive("--rpm", arguments.rpm, "r/min")
-        self.feed_mm = _positive("--feed", arguments.feed, "mm per turn")
-        self.extra = _for_camsim(words[split + 1 :])
-        if arguments.output == "":
-            raise CamtoolsError(["-o: an empty path; give a folder"])
-        self.output: Path | None = Path(arguments.output) if arguments.output else None
-
-    def folder(self, name: str) -> Path:
-        """Return the output folder for a part's name."""
-        return self.output or ROOT / "build" / "run" / name
-
-    def tolerance(self, generated: Generated) -> list[str]:
-        """Return the part's own form error for camsim, unless another is given."""
-        if any(word.split("=")[0] == "--tolerance-um" for word in self.extra):
-            return []
-        return ["--tolerance-um", repr(generated.part.process.form_error_um)]
-
-    def options(self) -> list[str]:
-        """Return speed and feed for camsim, when they are given."""
-        words = [] if self.rpm is None else ["--rpm", repr(self.rpm)]
-        return words + ([] if self.feed_mm is None else ["--feed", repr(self.feed_mm)])
-
-    def turns(self, generated: Generated) -> float:
-        """Return how many turns the cut takes, about."""
-        geometry = generated.geometry
-        process = generated.part.process
-        ends = geometry.z_first_mm, geometry.z_last_mm
-        return ToolPath(process.path, *ends, self.feed_mm or process.feed_mm).turns
-
-    def window_turns(self, generated: Generated) -> float | None:
-        """Return how many turns to trace, nothing when the whole cut can be traced."""
-        speed_rpm = self.rpm or generated.part.process.spindle_rpm
-        return traced_turns(self.turns(generated), speed_rpm)
-
-
-def _say(text: str) -> None:
-    sys.stderr.write(f"run: {text}\n")
-    sys.stderr.flush()
+def _window_turns(job: Job, generated: Generated) -> float | None:
+    """Return how many turns to trace, nothing when the whole cut can be traced."""
+    return traced_turns(_turns(job, generated), job.rpm or generated.part.process.spindle_rpm)
 
 
 def _at_speed(part: Part, rpm: float | None) -> Part:
@@ -169,37 +69,18 @@ def _at_speed(part: Part, rpm: float | None) -> Part:
     return part.model_copy(update={"process": process})
 
 
-def _make_table(path: Path, rpm: float | None) -> Generated:
-    """Return the table of a part file; of a modulated part for the speed asked for.
+def _make_table(path: Path, part: Part, rpm: float | None) -> Generated:
+    """Return the table of a part; of a modulated part for the speed asked for.
 
     Raises
     ------
     CamtoolsError
         With the file's name in every line.
     """
-    part = _at_speed(load_part(path), rpm)
     try:
-        return generate(part)
+        return generate(_at_speed(part, rpm))
     except CamtoolsError as error:
         raise CamtoolsError([f"{path}: {line}" for line in error.lines]) from error
-
-
-def _write(folder: Path, files: dict[str, bytes]) -> None:
-    try:
-        for name, data in files.items():
-            (folder / name).write_bytes(data)
-    except OSError as error:
-        raise cannot_write(folder.parent, error) from error
-
-
-def _without_faults(words: Sequence[str]) -> list[str]:
-    """Return camsim's words without --inject and its value."""
-    kept, skips = [], False
-    for word in words:
-        if not skips and not word.startswith("--inject"):
-            kept.append(word)
-        skips = not skips and word == "--inject"
-    return kept
 
 
 def _read(
@@ -243,48 +124,49 @@ def _cut_and_report(job: Job, generated: Generated, stage: Stage, begin_s: float
     """Fill the stage; return nothing when camsim refused and said why."""
     from camtools.report import make_report  # after the cut: matplotlib is slow to load
 
-    name, window = generated.part.part.name, job.window_turns(generated)
+    name, window = generated.part.part.name, _window_turns(job, generated)
     machine = f"{name}_machine.toml"
     files = products(generated, with_plots=False)
     files[machine] = machine_text(generated.part.machine.limits).encode("ascii")
-    _write(stage.folder, files)
+    write_files(stage.folder, files)
     simulator = Simulator(camsim_path(), stage.folder, f"{name}.camtab")
-    words = ["--machine", machine, *job.tolerance(generated), *job.options(), *job.extra]
+    words = [
+        "--machine",
+        machine,
+        *job.tolerance(generated.part.process.form_error_um),
+        *job.options(),
+        *job.extra,
+    ]
     if cut(simulator, words, window) == BAD_INPUT:
         return None
-    plain = _without_faults(words)
+    plain = without_faults(words)
     variants = compare(simulator, plain, window)
-    even = compare_removal(simulator, generated, plain, job.turns(generated))
-    _say("drawing the report")
+    even = compare_removal(simulator, generated, plain, _turns(job, generated))
+    say("drawing the report")
     outcome = _read(generated, stage.folder, variants, window, even)
-    _write(stage.folder, make_report(outcome))
+    write_files(stage.folder, make_report(outcome))
     summary = _complete_summary(outcome, time.monotonic() - begin_s)
     text = json.dumps(summary, indent=1, allow_nan=False) + "\n"
-    _write(stage.folder, {SUMMARY: text.encode("ascii")})
+    write_files(stage.folder, {SUMMARY: text.encode("ascii")})
     return outcome
-
-
-def _shown(folder: Path) -> str:
-    """Return a folder as the user may type it, relative when it lies below."""
-    try:
-        return str(folder.resolve().relative_to(Path.cwd()))
-    except ValueError:
-        return str(folder)
 
 
 def _run(argv: Sequence[str]) -> int:
     begin_s = time.monotonic()
     job = Job(argv)
-    _say(f"making the table of {job.part_path.name}")
-    generated = _make_table(job.part_path, job.rpm)
+    say(f"making the table of {job.part_path.name}")
+    part = load_any(job.part_path)
+    if isinstance(part, CamPart):
+        return run_cam(job, part, begin_s)
+    generated = _make_table(job.part_path, part, job.rpm)
     folder = job.folder(generated.part.part.name)
     with Stage(folder) as stage:
-        _say(f"cutting {job.turns(generated):.0f} turns on the host simulator")
+        say(f"cutting {_turns(job, generated):.0f} turns on the host simulator")
         outcome = _cut_and_report(job, generated, stage, begin_s)
         if outcome is None:
             return BAD_INPUT
         stage.publish()
-    sys.stdout.write(terminal_text(outcome, _shown(folder), time.monotonic() - begin_s))
+    sys.stdout.write(terminal_text(outcome, shown(folder), time.monotonic() - begin_s))
     return 0 if outcome.is_good else 1
 
 

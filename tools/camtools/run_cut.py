@@ -71,6 +71,11 @@ def machine_text(limits: Limits) -> str:
     )
 
 
+def cam_machine_text(limits: Limits) -> str:
+    """Return a machine file for a cam: its lift over the angle wants an encoder as of a C axis."""
+    return machine_text(limits) + "[encoder]\ncounts_per_turn = 1000000\n"
+
+
 def traced_turns(turns: float, speed_rpm: float) -> float | None:
     """Return how many turns of a cut too long to trace are traced, nothing when all of it is.
 
