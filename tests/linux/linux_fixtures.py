@@ -95,6 +95,7 @@ def play(
         parameters: Mapping[str, int] | None = None,
         other_part: str = "perkins240",
         second_node: int = 64,
+        killed_after_s: float = 0.1,
         is_virtual: bool = True,
     ) -> Result:
         out = tmp_path / folder
@@ -122,6 +123,7 @@ def play(
             "parameters": list(values.values()),
             "busy": BUSY,
             "second_node": second_node,
+            "killed_after_s": killed_after_s,
         }
         result = kernel.play(scenario, setup, is_virtual=is_virtual)
         assert result.status == 0, result.message + "\n" + (out / "result.json").read_text()

@@ -159,7 +159,7 @@ def terminated(s: Session) -> None:
 def killed(s: Session) -> None:
     """Kill the controller while it cuts: nothing of it is left to stop the drives."""
     s.bring_to("cutting")
-    time.sleep(0.1)
+    time.sleep(s.setup["killed_after_s"])
     s.stop_controller(signal.SIGKILL)
     s.wait_machine()
 

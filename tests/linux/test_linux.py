@@ -34,6 +34,7 @@ BODY_NM, RMS_UM = 150, 0.08
 # X leaves the part at its end; rounds of 21 ticks fall otherwise (firmware/README.md, "Two paces").
 END_MM, END_NM = 0.5, 3000
 SAME_CELL_NM = 200
+U_STROKE_UM = 150  # of the part
 FOLLOWING, FAULT, DISABLED = 0x27, 0x08, 0x40
 
 
@@ -232,12 +233,17 @@ def test_terminated_controller_retracts_first(play: Play) -> None:
     assert float(result.trace[-1]["u_actual"]) == pytest.approx(-500_000, abs=20)
 
 
-def test_killed_controller_is_outlived_by_the_guard_of_the_drives(play: Play) -> None:
+@pytest.mark.parametrize("after_s", [0.1, 0.135])  # a half of the oval apart
+def test_killed_controller_is_outlived_by_the_guard_of_the_drives(
+    after_s: float, play: Play
+) -> None:
     """SIGKILL in the cut: the drives stop on their own, within their limits, and are in fault."""
-    result = play("killed", feed_mm=10)
+    result = play("killed", feed_mm=10, killed_after_s=after_s)
     assert result.seen["controller_status"] == -9
     assert result.summary["end"] == "lost"
-    print(f"SIGKILL: {result.summary['cut']['gouge_um']:.0f} um cut too deep")
+    gouge_um = result.summary["cut"]["gouge_um"]
+    print(f"SIGKILL: {gouge_um:.0f} um cut too deep")
+    assert gouge_um <= U_STROKE_UM
     for axis, limit_s in (("u", 0.025), ("x", 0.03), ("z", 0.06), ("spindle", 0.4)):
         assert is_drive_in(result, axis, FAULT), axis
         print(f"SIGKILL: {axis} at rest {stop_s(result, axis) * 1e3:.0f} ms after the last SYNC")

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+// The Linux port's CAN socket: binding anew, while the tick goes on with it. The kernel is the
+// test's own.
+#include "lin_can.h"
+#include "unity.h"
+#include <errno.h>      // ENODEV
+#include <net/if.h>     // if_nametoindex
+#include <sys/socket.h> // bind, setsockopt
+
+static lin_can_t can;
+static bool is_there, is_removed_again;
+static uint32_t n_binds;
+
+// In front of the library's.
+
+unsigned if_nametoindex(const char *name)
+{
+    (void)name;
+    return is_there ? 1u : 0u;
+}
+
+int setsockopt(int fd, int level, int name, const void *value, socklen_t size)
+{
+    (void)fd;
+    (void)level;
+    (void)name;
+    (void)value;
+    (void)size;
+    return 0;
+}
+
+/// The tick may tell a removal at any time, here in the middle of the binding.
+int bind(int fd, __CONST_SOCKADDR_ARG address, socklen_t size)
+{
+    (void)fd;
+    (void)address;
+    (void)size;
+    n_binds++;
+    if (is_removed_again) {
+        atomic_store(&can.is_gone, true);
+    }
+    errno = ENODEV;
+    return is_there ? 0 : -1;
+}
+
+void setUp(void)
+{
+    can = (lin_can_t){.fd = -1, .interface = "vcan7", .n_filters = 1};
+    is_there = true;
+    is_removed_again = false;
+    n_binds = 0;
+}
+
+void tearDown(void) {}
+
+static void test_interface_that_is_there_is_left_alone(void)
+{
+    lin_can_rebind(&can);
+    TEST_ASSERT_EQUAL_UINT32(0, n_binds);
+}
+
+static void test_interface_that_was_removed_is_bound_once_it_is_back(void)
+{
+    atomic_store(&can.is_gone, true);
+    is_there = false;
+    for (int i = 0; i < 3; i++) {
+        lin_can_rebind(&can);
+        TEST_ASSERT_TRUE(atomic_load(&can.is_gone));
+    }
+    is_there = true;
+    for (int i = 0; i < 3; i++) {
+        lin_can_rebind(&can);
+        TEST_ASSERT_FALSE(atomic_load(&can.is_gone));
+    }
+    TEST_ASSERT_EQUAL_UINT32(1, n_binds);
+}
+
+static void test_removal_in_the_middle_of_the_binding_is_not_forgotten(void)
+{
+    atomic_store(&can.is_gone, true);
+    is_removed_again = true;
+    lin_can_rebind(&can);
+    TEST_ASSERT_TRUE(atomic_load(&can.is_gone));
+    is_removed_again = false;
+    lin_can_rebind(&can);
+    TEST_ASSERT_FALSE(atomic_load(&can.is_gone));
+    TEST_ASSERT_EQUAL_UINT32(2, n_binds);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_interface_that_is_there_is_left_alone);
+    RUN_TEST(test_interface_that_was_removed_is_bound_once_it_is_back);
+    RUN_TEST(test_removal_in_the_middle_of_the_binding_is_not_forgotten);
+    return UNITY_END();
+}
