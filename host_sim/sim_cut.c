@@ -37,6 +37,7 @@ static void gauge(sim_cut_t *cut)
     cut->true_turn = m->spindle.turn;
     cut->part_turn = sim_fraction(turn - cut->phase_turn);
     cut->z_mm = sim_machine_z_mm(m);
+    cut->swing_deg = sim_machine_swing_deg(m);
     cut->radius_mm = sim_machine_radius_mm(m);
     cut->exact_mm = sim_design_radius_mm(&cut->design, cut->part_turn, cut->z_mm);
     sim_work_touch(&cut->work, cut->part_turn, cut->z_mm, cut->radius_mm, cut->exact_mm,
