@@ -6,8 +6,9 @@
 /// `faults` the latched faults as a hexadecimal mask in the order of CAM_FAULTS in cam_state.h;
 /// true_turn .. error_nm are the machine's truth at the instant of sensing; the rest is named as in
 /// cam_trace.h with in_ and out_ for what the tick sensed and wrote. A table that swings the tool
-/// has two columns more: the set-point of the swing in force and the true swing, in degrees. Surface columns: turn (0 .. 1
-/// from the long axis in the sense of cutting), z_mm, radius_mm, error_nm.
+/// has two columns more: the set-point of the swing in force and the true swing, in degrees.
+/// Surface columns: turn (0 .. 1 from the long axis in the sense of cutting), z_mm, radius_mm,
+/// error_nm.
 #ifndef CAMSIM_TRACE_H
 #define CAMSIM_TRACE_H
 

@@ -45,7 +45,7 @@ typedef struct {
     sim_drive_t swing;     ///< [1e-6 degrees] for nanometres
     uint32_t n_swing;      ///< set-points of the swing that were taken
     int32_t swing_set_q32; ///< [turn / 2^32] set-point in force
-    bool is_speed_forced; ///< the spindle runs as it likes
+    bool is_speed_forced;  ///< the spindle runs as it likes
     double forced_rad_per_s;
     bool is_reversed;    ///< the spindle turns against its set-point
     int32_t z_offset_nm; ///< added to the measured Z

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 /// cam_peaks: how far, how fast and with what acceleration a table swings the tool.
 ///
-/// Bounds of the quintics themselves, not only of their knots: a polynomial lies between its
-/// Bernstein coefficients. They are within a per cent of the largest value where the knots are as
+/// Bounds of the quintics themselves, not only of their knots: value and speed lie between their
+/// Bernstein coefficients, the acceleration is taken at eighths of every interval with a bound of
+/// what lies between. They are within two per cent of the largest values where the knots are as
 /// dense as a tolerance of 1e-4 degrees makes them. Context: slow side; one pass over the knots.
 #ifndef CAM_PEAKS_H
 #define CAM_PEAKS_H
