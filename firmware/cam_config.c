@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam/cam_config.h"
+#include "cam/cam_round.h" // cam_round_build
 #include "cam/cam_trace.h" // cam_trace_capacity
 #include "cam/cam_angle.h" // CAM_TURN_Q32
 #include "cam/cam_fix.h"   // cam_sat_i32
@@ -11,18 +12,8 @@
 /// nanometres.
 #define CHECK_MARGIN_Q10 (3 * 1024)
 
-/// Of two lags of 2048 ticks and a plan: products with the acceleration fit 62 bits.
-enum { max_lag2 = 1 << 21 };
-
 /// [2^-32 slices] from the last slice: U's height stays between two slices, rounded ways and all.
 enum { height_end = 64 };
-
-/// Ticks from the place of the speed ratio to the middle of those that use the speed, twice: it is
-/// planned twice in a round.
-enum {
-    ratio_half_ticks =
-        2 * (cam_plan_task_speed - cam_plan_task_find_slices) + cam_plan_ticks_modulated / 2 - 1,
-};
 
 /// Knots per tick up to which derivatives are taken: 2^4. Start refuses speeds beyond.
 enum { max_rate_bits = 4 };
@@ -80,11 +71,12 @@ static cam_move_limits_t limits(int32_t speed_um_per_s, int32_t acceleration_mm_
     };
 }
 
-/// @return [nm / 1024] place of U out of the work, inside the stroke whatever was set
-static int64_t retract_q10(const cam_params_t *p)
+/// @return [nm / 1024] place of U out of the work, of a cam beyond its highest point, inside the
+/// stroke whatever was set
+static int64_t retract_q10(const cam_params_t *p, int32_t rise_nm)
 {
     const int32_t half_nm = p->u_stroke_nm / 2;
-    return (int64_t)cam_clamp_i32(p->u_retract_nm, -half_nm, half_nm) * 1024;
+    return (int64_t)cam_clamp_i32(p->u_retract_nm - rise_nm, -half_nm, half_nm) * 1024;
 }
 
 /// Double pole at w = 2 pi f: kp = 2 w T, ki = (w T)^2.
@@ -213,34 +205,45 @@ static void build_u_scale(cam_u_scale_t *c, const cam_channel_t *u, int32_t spee
     c->alpha_shift = (uint32_t)cam_clamp_i32(alpha_bits, 1, 62);
 }
 
-/// The rounds of cam_plan.h, and how far ahead their ways end, seen from the tick of the positions.
-/// Lead, lag and who leads Z are known.
-static void build_rounds(cam_play_config_t *c, bool is_modulated)
+/// @return [turn / 2^32] of thousandths of a degree below 90 degrees
+static int32_t turn_of_mdeg(int32_t mdeg)
 {
-    const int32_t skipped = is_modulated ? 0 : cam_plan_ratio_tasks;
-    c->after_profile = is_modulated ? cam_plan_task_find_slices : cam_plan_task_read_profile;
-    c->after_ramp = is_modulated ? cam_plan_task_again : cam_plan_task_positions;
-    c->round_ticks = is_modulated ? cam_plan_ticks_modulated : cam_plan_ticks_uniform;
-    c->per_round_q32 = (int32_t)((INT64_C(1) << 32) / c->round_ticks);
-    c->most_put_off = c->round_ticks + cam_plan_put_off;
-    const int32_t xz_ticks = c->round_ticks + cam_plan_task_aim_z - skipped - 1;
-    const int32_t u_ticks = c->round_ticks + cam_plan_task_aim_u - skipped - 1;
-    c->xz_plan_q16 = c->xz_lag_q16 + xz_ticks * 65536;
-    c->u_plan_q16 = c->lead_q16 + u_ticks * 65536;
-    c->ratio_q16 = c->lead_q16 + ratio_half_ticks * 32768;
-    // A geared Z is planned for the end of its own way, a measured one for the end of a round.
-    const int32_t after_round = (cam_plan_task_aim_z - skipped - 1) * 65536;
-    c->u_behind_q16 = (c->is_z_measured ? -after_round : c->xz_lag_q16) - c->lead_q16;
-    c->u_height_q16 = (cam_plan_task_aim_height - cam_plan_task_aim_z) * 65536 - c->u_behind_q16;
-    // At the end of a plan of n ticks with lag l: n^2 / 2 and n l, and (l / 2)^2, which two equal
-    // poles lag more while the spindle accelerates.
-    const int64_t lag_q8 = c->xz_lag_q16 >> 8;
-    const int64_t lag2 =
-        ((lag_q8 * lag_q8) >> 18) + ((lag_q8 * xz_ticks) >> 8) + xz_ticks * xz_ticks / 2;
-    c->xz_lag2 = (int32_t)cam_clamp_i64(lag2, 0, max_lag2);
+    return (int32_t)scale(mdeg, CAM_TURN_Q32, 360000);
 }
 
-static void build_play(cam_play_config_t *c, const cam_params_t *p, uint32_t tick_hz)
+/// Speed over distance such that slowing down by it takes no more than the acceleration, and one
+/// set-point does not lead far past 0.
+static cam_swing_limits_t swing_limits(int64_t speed_mdeg_per_s, int64_t acceleration_deg_per_s2,
+                                       uint32_t tick_hz)
+{
+    const int64_t most = INT64_C(1) << 24; // a turn in 256 ticks
+    const int64_t speed = scale(speed_mdeg_per_s, CAM_TURN_Q32 / 64, (int64_t)tick_hz * 5625);
+    const int64_t per_tick2 = scale(acceleration_deg_per_s2 * cam_swing_rest_ticks,
+                                    CAM_TURN_Q32 / 8, (int64_t)tick_hz * tick_hz * 45);
+    const int64_t speed_q32 = cam_clamp_i64(speed, 1, most);
+    const int64_t step_q32 = cam_clamp_i64(per_tick2, 1, most);
+    const int64_t gain = step_q32 * (CAM_TURN_Q32 / cam_swing_rest_ticks) / speed_q32;
+    return (cam_swing_limits_t){
+        .speed_q32 = (int32_t)speed_q32,
+        .step_q32 = (int32_t)step_q32,
+        .gain_q32 = (int32_t)cam_clamp_i64(gain, 1, CAM_TURN_Q32 / 32),
+    };
+}
+
+/// What is read is in LSB / 16, which are 2^-(30 + frac) turn.
+static void build_swing(cam_swing_config_t *c, const cam_params_t *p, const cam_channel_t *ch,
+                        uint32_t tick_hz)
+{
+    c->lag_q16 = ticks_of_ns(p->swing_lag_ns, tick_hz);
+    c->following_q32 = turn_of_mdeg(p->swing_following_limit_mdeg);
+    c->unit_q30 = cam_sat_i32((INT64_C(1) << 31) >> ch->frac_bits);
+    c->offset_q30 = ch->offset_nm * 16;
+    c->gentle = swing_limits(p->swing_speed_mdeg_per_s / approach_share,
+                             p->swing_acceleration_deg_per_s2 / approach_share, tick_hz);
+}
+
+static void build_play(cam_play_config_t *c, const cam_params_t *p, int32_t rise_nm,
+                       uint32_t tick_hz)
 {
     c->lead_q16 = ticks_of_ns(p->lead_ns, tick_hz);
     c->xz_lag_q16 = ticks_of_ns(p->xz_lag_ns, tick_hz);
@@ -257,8 +260,8 @@ static void build_play(cam_play_config_t *c, const cam_params_t *p, uint32_t tic
     c->per_engage_q31 = (uint32_t)((UINT32_C(1) << 31) / (uint32_t)p->engage_turns);
     c->per_disengage_q31 = (uint32_t)((UINT32_C(1) << 31) / (uint32_t)p->disengage_turns);
     c->is_z_measured = p->z_is_measured != 0;
-    c->u_retract_q10 = retract_q10(p);
-    c->x_clearance_nm = p->x_clearance_nm;
+    c->u_retract_q10 = retract_q10(p, rise_nm);
+    c->x_clearance_nm = p->x_clearance_nm + rise_nm;
     c->turning_q32 = cam_config_speed_q32((uint32_t)p->stopped_mrpm, tick_hz);
 }
 
@@ -277,7 +280,7 @@ static void build_limits(cam_config_t *c, const cam_params_t *p, uint32_t tick_h
 }
 
 static void build_guard(cam_guard_config_t *c, const cam_params_t *p, uint32_t speed_limit_mrpm,
-                        uint32_t tick_hz)
+                        int32_t rise_nm, uint32_t tick_hz)
 {
     const cam_move_limits_t *u = &c->limits[hal_axis_u];
     c->overspeed_q32 = cam_config_speed_q32(speed_limit_mrpm, tick_hz);
@@ -292,8 +295,9 @@ static void build_guard(cam_guard_config_t *c, const cam_params_t *p, uint32_t s
     c->u_acc_q6 = (u->acceleration_q10 + u->acceleration_q10 / 16 + CHECK_MARGIN_Q10) / 16;
     c->u_acc_off_q6 = c->u_acc_q6 + c->u_vel_q6;
     c->u_range_q6 = p->u_stroke_nm * 32;
-    c->u_retract_q10 = retract_q10(p);
-    c->x_clearance_q10 = (int64_t)p->x_clearance_nm * 1024;
+    c->u_retract_q10 = retract_q10(p, rise_nm);
+    c->x_clearance_q10 = ((int64_t)p->x_clearance_nm + rise_nm) * 1024;
+    c->swing = swing_limits(p->swing_speed_mdeg_per_s, p->swing_acceleration_deg_per_s2, tick_hz);
 }
 
 /// What the interrupt can count on: history reaches back over the lead, the observer is slower than
@@ -309,18 +313,6 @@ static cam_err_t check_fit(const cam_params_t *p, uint32_t tick_hz)
                                                                         : cam_err_param_tick;
 }
 
-cam_params_t cam_config_clear(const cam_params_t *params, const cam_table_t *table)
-{
-    cam_params_t clear = *params;
-    if (table != NULL && table->angle.knots != NULL && table->u_min_nm < 0) {
-        const int64_t lift_nm =
-            (-(int64_t)table->u_min_nm * params->amplitude_ppm + 999999) / 1000000;
-        clear.x_clearance_nm = cam_sat_i32(params->x_clearance_nm + lift_nm);
-        clear.u_retract_nm = cam_clamp_i32(params->u_retract_nm, INT32_MIN, -(int32_t)lift_nm);
-    }
-    return clear;
-}
-
 cam_err_t cam_config_build(cam_config_t *config, const cam_params_t *params,
                            const cam_table_t *table, uint32_t speed_limit_mrpm, uint32_t tick_hz,
                            uint32_t clock_hz)
@@ -329,11 +321,15 @@ cam_err_t cam_config_build(cam_config_t *config, const cam_params_t *params,
     if (err != cam_ok) {
         return err;
     }
-    const cam_params_t clear = cam_config_clear(params, table);
     *config = (cam_config_t){.generation = config->generation};
     build_spindle(&config->spindle, params, table, tick_hz, clock_hz);
-    build_play(&config->play, &clear, tick_hz);
-    build_rounds(&config->play, table != NULL && table->speed.knots != NULL);
+    const int32_t rise_nm = table != NULL ? cam_table_rise_nm(table) : 0;
+    const bool is_swung = table != NULL && table->is_swung && params->swing_speed_mdeg_per_s > 0;
+    build_play(&config->play, params, rise_nm, tick_hz);
+    if (is_swung) {
+        build_swing(&config->play.swing, params, &table->angle, tick_hz);
+    }
+    cam_round_build(&config->play, table != NULL && table->speed.knots != NULL, is_swung);
     if (table != NULL) {
         config->table = *table;
         config->play.table = &config->table;
@@ -345,7 +341,8 @@ cam_err_t cam_config_build(cam_config_t *config, const cam_params_t *params,
         build_u_scale(&config->play.u, &table->u, cam_sat_i32(INT64_C(5) * limit_q32 / 4));
     }
     build_limits(config, params, tick_hz);
-    build_guard(&config->guard, &clear, speed_limit_mrpm, tick_hz);
+    build_guard(&config->guard, params, speed_limit_mrpm, rise_nm, tick_hz);
+    config->guard.is_swung = is_swung;
     config->k1_q16 = ticks_of_ns(params->k1_ns, tick_hz);
     config->k2_q16 = ticks2_of_us2(params->k2_us2, tick_hz);
     config->trace_room = params->trace_on != 0 ? (uint32_t)cam_trace_capacity : 0u;

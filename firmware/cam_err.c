@@ -52,6 +52,9 @@ static const err_text_t entries[] = {
     {cam_err_x_speed, "clearance or barrel at that speed are beyond the speed of X"},
     {cam_err_x_acceleration, "clearance or barrel at that speed are beyond the acceleration of X"},
     {cam_err_swing_axis, "the table swings the tool, for which there is no axis"},
+    {cam_err_swing_range, "the tool would have to swing farther than it can"},
+    {cam_err_swing_speed, "the tool would have to swing faster than it can"},
+    {cam_err_swing_acceleration, "the swing of the tool would have to accelerate more than it can"},
 };
 
 const char *cam_err_text(cam_err_t err)

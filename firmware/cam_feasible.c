@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam/cam_feasible.h"
-#include "cam/cam_config.h" // cam_config_clear
-#include "cam/cam_feed.h"   // cam_feed_ramp_q32
-#include "cam/cam_fix.h"    // cam_root_u64
-#include <stdbool.h>        // bool
+#include "cam/cam_feed.h" // cam_feed_ramp_q32
+#include "cam/cam_fix.h"  // cam_root_u64
+#include <stdbool.h>      // bool
 
 /// The ISR's arithmetic holds up to 16 knots per tick; half of that leaves room for overspeed.
 enum { max_knots_per_tick = 8 };
@@ -65,33 +64,33 @@ static demand_t spindle_demand(const cam_table_t *t, const cam_params_t *p, uint
     return (demand_t){cam_err_spindle_speed, limit, mrpm, (uint32_t)limit};
 }
 
+/// A cam's retract begins at its highest point.
 static demand_t stroke_demand(const cam_table_t *t, const cam_params_t *p)
 {
     const int64_t half_nm = smaller(p->u_stroke_nm, t->limit_u_stroke_nm) / 2;
     const int64_t high_nm = ((int64_t)t->u_max_nm * p->amplitude_ppm + 999999) / 1000000;
-    const int64_t low_nm =
-        -smaller((int64_t)t->u_min_nm * p->amplitude_ppm / 1000000, p->u_retract_nm);
+    const int64_t least_nm = (int64_t)t->u_min_nm * p->amplitude_ppm / 1000000;
+    const int64_t low_nm = t->angle.knots != NULL ? -(smaller(least_nm, 0) + p->u_retract_nm)
+                                                  : -smaller(least_nm, p->u_retract_nm);
     const int64_t needed = low_nm > high_nm ? low_nm : high_nm;
     return (demand_t){cam_err_u_stroke, half_nm, needed, needed <= half_nm ? UINT32_MAX : 0u};
 }
 
-/// u'' with what the envelope adds while engaging, whose smooth step e rises over t turns: the
-/// largest of e u'' + 2 e' u' + e'' u at 0.7, 0.8 and 0.9 of it (between them it is 1 % more at
-/// most), or u'' itself, which is more from about three turns on.
-static uint64_t engaging_nm_per_rad2(const cam_table_t *t, const cam_params_t *p)
+/// f'' with what the envelope adds while engaging, whose smooth step e rises over t turns: the
+/// largest of e f'' + 2 e' f' + e'' f at 0.7, 0.8 and 0.9 of it (between them it is 1 % more at
+/// most), or f'' itself, which is more from about three turns on.
+/// @param f, f1, f2  largest magnitudes of f, f', f''; f' and f'' below 2^33
+static uint64_t engaging(const cam_params_t *p, uint64_t f, uint64_t f1, uint64_t f2)
 {
     static const struct {
         uint32_t e_ppm, e1_ppm, e2_ppm; // e, 2 e' / 2 pi, e'' / (2 pi)^2
     } at[] = {{836920, 421124, 127665}, {942080, 244462, 145903}, {991440, 77349, 109427}};
     const uint64_t turns = (uint64_t)smaller(p->engage_turns, p->disengage_turns);
-    const int64_t low_nm = -(int64_t)t->u_min_nm;
-    const uint64_t u = (uint64_t)(low_nm > t->u_max_nm ? low_nm : t->u_max_nm);
-    uint64_t most = t->u2_peak_nm_per_rad2;
+    uint64_t most = f2;
     for (size_t i = 0; i < sizeof at / sizeof at[0]; i++) {
-        const uint64_t sum = ((uint64_t)t->u2_peak_nm_per_rad2 * at[i].e_ppm +
-                              (uint64_t)t->u1_peak_nm_per_rad * at[i].e1_ppm / turns +
-                              u * at[i].e2_ppm / (turns * turns)) /
-                             990000u;
+        const uint64_t sum =
+            (f2 * at[i].e_ppm + f1 * at[i].e1_ppm / turns + f * at[i].e2_ppm / (turns * turns)) /
+            990000u;
         most = sum > most && turns < 3u ? sum : most;
     }
     return most;
@@ -113,8 +112,10 @@ static demand_t u_speed_demand(const cam_table_t *t, const cam_params_t *p, uint
 /// u'' omega^2 in mm/s2.
 static demand_t u_acceleration_demand(const cam_table_t *t, const cam_params_t *p, uint32_t mrpm)
 {
-    const uint64_t u2 =
-        (engaging_nm_per_rad2(t, p) * (uint32_t)p->amplitude_ppm + 999999u) / 1000000u + 1u;
+    const int64_t low_nm = -(int64_t)t->u_min_nm;
+    const uint64_t u = (uint64_t)(low_nm > t->u_max_nm ? low_nm : t->u_max_nm);
+    const uint64_t most = engaging(p, u, t->u1_peak_nm_per_rad, t->u2_peak_nm_per_rad2);
+    const uint64_t u2 = (most * (uint32_t)p->amplitude_ppm + 999999u) / 1000000u + 1u;
     const int64_t limit = smaller(p->u_acceleration_mm_per_s2, t->limit_u_acceleration_mm_s2);
     const uint64_t omega_mrad_s = (angular_urad_s(mrpm) + 999u) / 1000u;
     const uint64_t omega2_q = (omega_mrad_s * omega_mrad_s + 9999u) / 10000u; // 0.01 rad2/s2
@@ -193,19 +194,24 @@ static demand_t z_acceleration_demand(const cam_table_t *t, const cam_params_t *
                       told_speed(cam_root_u64(limit * per / feed_nm) * 1000u)};
 }
 
+static uint64_t clearance_nm(const cam_table_t *t, const cam_params_t *p)
+{
+    return (uint64_t)p->x_clearance_nm + (uint64_t)cam_table_rise_nm(t);
+}
+
 /// X leaves its clearance c by the smooth step over t turns: 15/8 c n / t at n turns per second.
-static uint64_t x_clear_um_per_s(const cam_params_t *p, uint32_t mrpm)
+static uint64_t x_clear_um_per_s(const cam_table_t *t, const cam_params_t *p, uint32_t mrpm)
 {
     const uint64_t turns = (uint64_t)smaller(p->engage_turns, p->disengage_turns);
-    return ((uint64_t)p->x_clearance_nm * 15u / 8u + 1u) * mrpm / (turns * 60000000u) + 1u;
+    return (clearance_nm(t, p) * 15u / 8u + 1u) * mrpm / (turns * 60000000u) + 1u;
 }
 
 /// ... and 5.774 c (n / t)^2, in whole r/min.
-static uint64_t x_clear_mm_per_s2(const cam_params_t *p, uint32_t mrpm)
+static uint64_t x_clear_mm_per_s2(const cam_table_t *t, const cam_params_t *p, uint32_t mrpm)
 {
     const uint64_t turns = (uint64_t)smaller(p->engage_turns, p->disengage_turns);
     const uint64_t rpm = ((uint64_t)mrpm + 999u) / 1000u;
-    const uint64_t way = ((uint64_t)p->x_clearance_nm + 1u) * rpm * rpm;
+    const uint64_t way = (clearance_nm(t, p) + 1u) * rpm * rpm;
     return (way / (3600u * turns * turns) + 1u) / 173180u + 1u;
 }
 
@@ -214,7 +220,7 @@ static uint64_t x_um_per_s(const cam_table_t *t, const cam_params_t *p, uint32_t
 {
     const uint64_t z_um_per_s = (uint64_t)z_demand(t, p, mrpm).needed;
     const uint64_t barrel = z_um_per_s * t->x_slope_ppm / 1000000u + 1u;
-    const uint64_t clear = x_clear_um_per_s(p, mrpm);
+    const uint64_t clear = x_clear_um_per_s(t, p, mrpm);
     return barrel > clear ? barrel : clear;
 }
 
@@ -228,7 +234,7 @@ static uint64_t x_mm_per_s2(const cam_table_t *t, const cam_params_t *p, uint32_
                                      : (uint64_t)z_acceleration_demand(t, p, mrpm).needed;
     const uint64_t bend = z_tenth_mm * z_tenth_mm * t->x_bend_ppm_per_m / 100000000000u;
     const uint64_t barrel = bend + z_mm_per_s2 * t->x_slope_ppm / 1000000u + 1u;
-    const uint64_t clear = x_clear_mm_per_s2(p, mrpm);
+    const uint64_t clear = x_clear_mm_per_s2(t, p, mrpm);
     return barrel > clear ? barrel : clear;
 }
 
@@ -284,9 +290,72 @@ static demand_t feed_demand(const cam_table_t *t, const cam_params_t *p)
 }
 
 /// A tool that has to swing and does not would leave another cam: no speed helps.
-static demand_t swing_demand(const cam_table_t *t)
+static demand_t swing_demand(const cam_table_t *t, const cam_params_t *p)
 {
-    return (demand_t){cam_err_swing_axis, 0, t->is_swung ? 1 : 0, t->is_swung ? 0u : UINT32_MAX};
+    const bool is_missing = t->is_swung && p->swing_speed_mdeg_per_s == 0;
+    return (demand_t){cam_err_swing_axis, 0, is_missing ? 1 : 0, is_missing ? 0u : UINT32_MAX};
+}
+
+/// @return a peak at the amplitude, rounded up
+static uint64_t at_amplitude(const cam_params_t *p, uint64_t peak)
+{
+    return (peak * (uint32_t)p->amplitude_ppm + 999999u) / 1000000u;
+}
+
+static demand_t swing_range_demand(const cam_table_t *t, const cam_params_t *p)
+{
+    const int64_t needed = (int64_t)at_amplitude(p, t->swing.most_mdeg);
+    const int64_t limit = p->swing_range_mdeg;
+    return (demand_t){cam_err_swing_range, limit, needed, needed <= limit ? UINT32_MAX : 0u};
+}
+
+/// @return [degrees / 1000 / rad] bound of swing' r
+static uint64_t swing_first(const cam_table_t *t)
+{
+    const uint64_t ratio_q20 = t->ratio_max_q20;
+    return ((t->swing.first_mdeg_per_rad * ratio_q20) >> 20) + 1u;
+}
+
+/// @return [degrees / 1000 / rad2] bound of swing'' r^2 + swing' r r'
+static uint64_t swing_second(const cam_table_t *t)
+{
+    const uint64_t ratio_q20 = t->ratio_max_q20;
+    const uint64_t bend = (((t->swing.second_mdeg_per_rad2 * ratio_q20) >> 20) * ratio_q20) >> 20;
+    return bend + (uint64_t)t->swing.first_mdeg_per_rad * t->spindle_peak_ppm / 1000000u + 1u;
+}
+
+/// swing' omega in degrees / 1000 per second.
+static demand_t swing_speed_demand(const cam_table_t *t, const cam_params_t *p, uint32_t mrpm)
+{
+    const int64_t limit = p->swing_speed_mdeg_per_s;
+    if (!t->is_swung) {
+        return (demand_t){cam_err_swing_speed, limit, 0, UINT32_MAX};
+    }
+    const uint64_t first = at_amplitude(p, swing_first(t));
+    const uint64_t omega_mrad_s = (angular_urad_s(mrpm) + 999u) / 1000u;
+    const uint64_t needed = (first * omega_mrad_s + 999u) / 1000u;
+    const uint64_t omega_max_urad_s = (uint64_t)limit * 1000000u / first;
+    return (demand_t){cam_err_swing_speed, limit, (int64_t)needed,
+                      told_speed(mrpm_of(omega_max_urad_s))};
+}
+
+/// swing'' omega^2 in degrees per second squared.
+static demand_t swing_acceleration_demand(const cam_table_t *t, const cam_params_t *p,
+                                          uint32_t mrpm)
+{
+    const int64_t limit = p->swing_acceleration_deg_per_s2;
+    if (!t->is_swung) {
+        return (demand_t){cam_err_swing_acceleration, limit, 0, UINT32_MAX};
+    }
+    const uint64_t second =
+        at_amplitude(p, engaging(p, t->swing.most_mdeg, swing_first(t), swing_second(t)));
+    const uint64_t omega_mrad_s = (angular_urad_s(mrpm) + 999u) / 1000u;
+    const uint64_t omega2 = (omega_mrad_s * omega_mrad_s + 999u) / 1000u; // 0.001 rad2/s2
+    const bool is_any = omega2 < (uint64_t)INT64_MAX / second; // else the product means nothing
+    const int64_t needed = is_any ? (int64_t)((second * omega2 + 999999u) / 1000000u) : INT64_MAX;
+    const uint64_t omega_max_mrad_s = cam_root_u64((uint64_t)limit * 1000000u / second * 1000u);
+    return (demand_t){cam_err_swing_acceleration, limit, needed,
+                      told_speed(mrpm_of(omega_max_mrad_s * 1000u))};
 }
 
 static demand_t tick_demand(const cam_table_t *t, uint32_t mrpm, uint32_t tick_hz)
@@ -302,11 +371,13 @@ cam_feasibility_t cam_feasible(const cam_table_t *table, const cam_params_t *par
                                uint32_t speed_mrpm, uint32_t tick_hz)
 {
     const uint32_t peak_mrpm = cam_feasible_peak(table, speed_mrpm);
-    const cam_params_t clear = cam_config_clear(params, table);
     const demand_t demands[] = {
-        swing_demand(table),
+        swing_demand(table, params),
+        swing_range_demand(table, params),
+        swing_speed_demand(table, params, speed_mrpm),
+        swing_acceleration_demand(table, params, speed_mrpm),
         as_mean(table, spindle_demand(table, params, peak_mrpm)),
-        stroke_demand(table, &clear),
+        stroke_demand(table, params),
         u_speed_demand(table, params, speed_mrpm),
         u_acceleration_demand(table, params, speed_mrpm),
         feed_demand(table, params),
@@ -314,8 +385,8 @@ cam_feasibility_t cam_feasible(const cam_table_t *table, const cam_params_t *par
         as_mean(table, z_acceleration_demand(table, params, peak_mrpm)),
         as_mean(table, tick_demand(table, peak_mrpm, tick_hz)),
         spindle_acceleration_demand(table, params, speed_mrpm),
-        as_mean(table, x_speed_demand(table, &clear, peak_mrpm)),
-        as_mean(table, x_acceleration_demand(table, &clear, peak_mrpm)),
+        as_mean(table, x_speed_demand(table, params, peak_mrpm)),
+        as_mean(table, x_acceleration_demand(table, params, peak_mrpm)),
     };
     cam_feasibility_t result = {.speed_mrpm = speed_mrpm, .highest_mrpm = UINT32_MAX};
     for (size_t i = 0; i < sizeof demands / sizeof demands[0]; i++) {

@@ -11,7 +11,7 @@
      CAM_FAULT_BIT(setpoint_acceleration) | CAM_FAULT_BIT(setpoint_range))
 #define ARMED_IN_WORK                                                                              \
     (ARMED_SYNCED | CAM_FAULT_BIT(reverse) | CAM_FAULT_BIT(spindle_stopped) |                      \
-     CAM_FAULT_BIT(overspeed) | CAM_FAULT_BIT(z_range))
+     CAM_FAULT_BIT(overspeed) | CAM_FAULT_BIT(z_range) | CAM_FAULT_BIT(swing))
 
 /// Bit of the states in which nothing is accepted, fault or not.
 #define AT_REST (UINT32_C(1) << 31)
@@ -156,15 +156,18 @@ static void begin_retract(cam_guard_t *g, const cam_guard_config_t *cfg, cam_mov
     axis[hal_axis_u].pos_q10 = (int64_t)g->u_set_q6 * 16;
 }
 
-static void retract(cam_guard_t *g, const cam_guard_config_t *cfg, cam_move_t *axis)
+static void retract(cam_guard_t *g, const cam_guard_config_t *cfg, cam_play_t *play)
 {
     const cam_move_limits_t *limits = cfg->limits;
+    cam_move_t *axis = play->axis;
     const bool is_u_out =
         cam_move_to_isr(&axis[hal_axis_u], &limits[hal_axis_u], cfg->u_retract_q10);
     const bool is_x_off = cam_move_to_isr(&axis[hal_axis_x], &limits[hal_axis_x], g->x_off_q10);
     const bool is_z_at_rest = cam_move_stop_isr(&axis[hal_axis_z], &limits[hal_axis_z]);
     g->u_set_q6 = cam_sat_i32(axis[hal_axis_u].pos_q10 >> 4);
-    g->is_retracted = g->is_retracted || (is_u_out && is_x_off && is_z_at_rest);
+    const bool is_swung_back = // play has counted this tick already
+        !cfg->is_swung || cam_swing_rest_isr(&play->swing, &cfg->swing, play->n_history - 1u);
+    g->is_retracted = g->is_retracted || (is_u_out && is_x_off && is_z_at_rest && is_swung_back);
 }
 
 /// In the ticks after that of the fault.
@@ -176,7 +179,7 @@ static void leave_work(cam_guard_t *g, const cam_guard_config_t *cfg, uint32_t f
     }
     g->faults |= faults;
     count_new(g);
-    retract(g, cfg, play->axis);
+    retract(g, cfg, play);
     play->is_retracted = g->is_retracted;
     want->spindle_mrpm = 0;
     want->u_set_q6 = g->u_set_q6;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam/cam_machine.h"
 #include "cam/cam_fix.h" // cam_is_within
+#include "hal/hal.h"     // hal_halt, hal_has_swing
 #include <stddef.h>      // NULL
 #include <string.h>      // memset
 
@@ -21,7 +22,11 @@ static uint32_t start_speed(const cam_params_t *params, const cam_table_t *table
 static cam_feasibility_t judge(const cam_table_t *table, const cam_params_t *params,
                                uint32_t speed_mrpm, uint32_t tick_hz)
 {
-    return table != NULL ? cam_feasible(table, params, speed_mrpm, tick_hz)
+    cam_params_t there = *params;
+    if (!hal_has_swing()) { // whatever was set
+        there.swing_speed_mdeg_per_s = 0;
+    }
+    return table != NULL ? cam_feasible(table, &there, speed_mrpm, tick_hz)
                          : (cam_feasibility_t){.err = cam_err_no_table, .speed_mrpm = speed_mrpm};
 }
 

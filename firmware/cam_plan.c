@@ -10,7 +10,7 @@
 
 /// Ticks by which a way may last longer: two rounds of the most that may be put off are fewer.
 enum { most_longer = 256 };
-_Static_assert(most_longer > 2 * (cam_plan_ticks_modulated + cam_plan_put_off), "two rounds");
+_Static_assert(most_longer > 2 * (cam_plan_most_ticks + cam_plan_put_off), "two rounds");
 
 /// [1] in the unit of envelopes.
 #define ONE_Q30 (INT32_C(1) << 30)
@@ -69,6 +69,7 @@ CAM_STAGE static uint32_t plan_positions(cam_play_t *p, const cam_play_config_t 
     p->plan.going_on_nm = cam_wrap_add(z_nm, cam_wrap_sub(z_nm, p->plan.measured_nm));
     p->plan.measured_nm = z_nm;
     p->put_off_left = cfg->most_put_off;
+    p->task = 1; // behind the last task of a round it stands again
     return 0;
 }
 
@@ -137,7 +138,6 @@ CAM_STAGE static uint32_t plan_envelopes(cam_play_t *p)
 CAM_STAGE static uint32_t find_profile(cam_play_t *p, const cam_play_config_t *cfg)
 {
     p->plan.x_spot = cam_eval_spot(&cfg->table->x, p->plan.z_nm);
-    p->task = cfg->after_profile;
     return 0;
 }
 
@@ -167,11 +167,11 @@ static void aim(cam_move_t *m, const cam_play_config_t *cfg, int32_t n_put_off, 
     m->pos_q10 += left_q10 - (int64_t)m->vel_q10 * cfg->round_ticks;
 }
 
-/// X's way ends a tick before Z's, for which it was planned.
+/// X's way ends before Z's, for which it was planned.
 CAM_STAGE static uint32_t aim_x(cam_play_t *p, const cam_play_config_t *cfg)
 {
     cam_move_t *x = &p->axis[hal_axis_x];
-    aim(x, cfg, put_off(p, cfg) - 1, p->plan.x_q10);
+    aim(x, cfg, put_off(p, cfg) - cfg->x_early_ticks, p->plan.x_q10);
     return 0;
 }
 
@@ -205,10 +205,14 @@ CAM_STAGE static uint32_t aim_height(cam_play_t *p, const cam_play_config_t *cfg
 {
     const int64_t target_q32 = p->plan.u_height_q32;
     const int32_t left_q28 = cam_sat_i32((target_q32 - p->height_q32) >> 4);
-    const int32_t floor_q28 = (int32_t)(((int64_t)left_q28 * cfg->per_round_q32) >> 32);
-    const int32_t way_q32 = (floor_q28 + (left_q28 < 0 ? 1 : 0)) * 16;
+    const uint32_t per_round_q32 = (uint32_t)cfg->per_round_q32;
+    const uint32_t sign =
+        (uint32_t)(left_q28 >> 31); // of a product of a signed and an unsigned one
+    const uint32_t floor_q28 =
+        cam_mulhi_u32((uint32_t)left_q28, per_round_q32) - (sign & per_round_q32);
+    const int32_t way_q32 = (int32_t)(floor_q28 - sign) * 16;
     const int64_t longest_q32 = target_q32 + (int64_t)way_q32 * most_longer;
-    p->is_height_free = longest_q32 >= 0 && longest_q32 <= cfg->height_max_q32;
+    p->is_height_free = (uint64_t)longest_q32 <= (uint64_t)cfg->height_max_q32; // and not below 0
     p->height_way_q32 = way_q32;
     p->height_q32 = target_q32 - (int64_t)way_q32 * cfg->round_ticks;
     return 0;
@@ -270,22 +274,25 @@ CAM_STAGE static uint32_t ramp(cam_play_t *p, const cam_play_config_t *cfg)
         p->phase_q32 = cfg->phase_q32;
     }
     const int32_t most_q30 = cfg->amplitude_step_q30 * cfg->round_ticks;
-    p->task = cfg->after_ramp;
     p->amplitude_q30 += cam_clamp_i32(cfg->amplitude_q30 - p->amplitude_q30, -most_q30, most_q30);
     return 0;
 }
 
-/// What the second pass over the speed ratio does in the place of the first.
-#define AGAIN(task) (cam_plan_task_again + (task)-cam_plan_task_find_slices)
+/// The swing's, where all axes will be.
+CAM_STAGE static uint32_t find_swing_height(cam_play_t *p, const cam_play_config_t *cfg)
+{
+    cam_plan_keep_height(&p->swing.height, cam_eval_height(&cfg->table->angle, p->plan.z_nm));
+    return 0;
+}
 
 // One list of a round's tasks: a second switch behind it would cost the longest tick.
 // NOLINTNEXTLINE(readability-function-size)
 uint32_t cam_plan_task_isr(cam_play_t *p, const cam_play_config_t *cfg, const cam_sense_t *in,
                            const cam_angle_t *angle)
 {
-    const uint32_t task = p->task;
-    p->task = task + 1u;
-    switch (task) {
+    const uint32_t place = p->task;
+    p->task = place + 1u;
+    switch (cfg->schedule[place]) {
     case cam_plan_task_positions:
         return plan_positions(p, cfg, in, angle);
     case cam_plan_task_turns:
@@ -329,39 +336,42 @@ uint32_t cam_plan_task_isr(cam_play_t *p, const cam_play_config_t *cfg, const ca
     case cam_plan_task_ramp:
         return ramp(p, cfg);
     case cam_plan_task_find_slices:
-    case AGAIN(cam_plan_task_find_slices):
         return cam_modulate_find_slices_isr(p, cfg, angle);
     case cam_plan_task_find_ratio:
-    case AGAIN(cam_plan_task_find_ratio):
         return cam_modulate_find_ratio_isr(p, cfg);
     case cam_plan_task_ratio_knot_0:
-    case AGAIN(cam_plan_task_ratio_knot_0):
         return cam_modulate_read_knot_isr(p, 0);
     case cam_plan_task_ratio_knot_1:
-    case AGAIN(cam_plan_task_ratio_knot_1):
         return cam_modulate_read_knot_isr(p, 1);
     case cam_plan_task_read_ratio:
-    case AGAIN(cam_plan_task_read_ratio):
         return cam_modulate_read_ratio_isr(p);
     case cam_plan_task_ratio:
-    case AGAIN(cam_plan_task_ratio):
         return cam_modulate_scale_ratio_isr(p, cfg);
     case cam_plan_task_pace:
-    case AGAIN(cam_plan_task_pace):
         return cam_modulate_pace_isr(p);
     case cam_plan_task_told:
-    case AGAIN(cam_plan_task_told):
         return cam_modulate_told_isr(p, cfg);
     case cam_plan_task_speed:
-    case AGAIN(cam_plan_task_speed):
         return cam_modulate_speed_isr(p, cfg);
     case cam_plan_task_alpha:
-    case AGAIN(cam_plan_task_alpha):
         return cam_modulate_alpha_isr(p, cfg);
     case cam_plan_task_alpha_u:
         return cam_modulate_alpha_u_isr(p, cfg);
-    default: // the last one, which leads back to the first
-        p->task = cam_plan_task_positions;
-        return cam_modulate_alpha_u_isr(p, cfg);
+    case cam_plan_task_height_swing:
+        return find_swing_height(p, cfg);
+    case cam_plan_task_look_at_swing:
+        return cam_swing_look_isr(&p->swing, &cfg->swing, in->swing_q32, p->n_history);
+    case cam_plan_task_find_swing:
+        return cam_swing_find_isr(&p->swing, &cfg->swing, angle, p->phase_q32);
+    case cam_plan_task_place_swing:
+        return cam_swing_place_isr(&p->swing, &cfg->table->angle);
+    case cam_plan_task_swing_knot_0:
+        return cam_swing_knot_isr(&p->swing, 0);
+    case cam_plan_task_swing_knot_1:
+        return cam_swing_knot_isr(&p->swing, 1);
+    case cam_plan_task_read_swing:
+        return cam_swing_read_isr(&p->swing, &cfg->swing);
+    default:
+        return cam_swing_aim_isr(&p->swing, &cfg->swing, p->scale_q30, p->n_history);
     }
 }

@@ -102,7 +102,9 @@ static bool wait_retracted(cam_play_t *p, const cam_play_config_t *cfg)
         cam_move_to_isr(&axis[hal_axis_u], &limits[hal_axis_u], cfg->u_retract_q10);
     const bool is_x_there = cam_move_stop_isr(&axis[hal_axis_x], &limits[hal_axis_x]);
     const bool is_z_there = cam_move_stop_isr(&axis[hal_axis_z], &limits[hal_axis_z]);
-    return is_u_there && is_x_there && is_z_there;
+    const bool is_swing_there =
+        !cfg->swing.is_swung || cam_swing_rest_isr(&p->swing, &cfg->swing.gentle, p->n_history);
+    return is_u_there && is_x_there && is_z_there && is_swing_there;
 }
 
 /// The cut is laid onto whole turns of the master; everything is at its start.
@@ -162,8 +164,18 @@ static bool approach_x(cam_play_t *p, const cam_play_config_t *cfg, int32_t z_nm
     return cam_move_to_isr(&p->axis[hal_axis_x], &cfg->approach[hal_axis_x], p->plan.x_q10);
 }
 
-/// Of an approach, in p->task. A Z that others lead is found again while the axes move.
-enum { step_find, step_read, step_place, step_move, step_read_again, step_place_again, step_lay };
+/// Of an approach, in p->task. A Z that others lead is found again while the axes move. A tool that
+/// swings comes to rest at 0 first, where it stays until the cut is laid.
+enum {
+    step_swing,
+    step_find,
+    step_read,
+    step_place,
+    step_move,
+    step_read_again,
+    step_place_again,
+    step_lay
+};
 
 /// Find out where X waits, in three ticks. @return the step of the next tick
 CAM_STAGE static uint32_t find_x(cam_play_t *p, const cam_play_config_t *cfg, int32_t z_nm)
@@ -175,6 +187,8 @@ CAM_STAGE static uint32_t find_x(cam_play_t *p, const cam_play_config_t *cfg, in
     }
     if (step == step_read || step == step_read_again) {
         p->plan.x_value = cam_eval_profile_at(p->plan.x_spot).y;
+    } else if (step == step_swing) {
+        return cfg->swing.is_swung && !p->swing.is_there ? step_swing : step_find;
     } else if (step == step_find || cfg->is_z_measured) {
         p->plan.x_spot = cam_eval_spot(&cfg->table->x, z_nm);
     } else {
@@ -208,11 +222,12 @@ static void approach(cam_play_t *p, const cam_play_config_t *cfg, const cam_sens
     }
 }
 
-static void follow_axes(const cam_sense_t *in, cam_move_t *axis)
+static void follow_axes(cam_play_t *p, const cam_sense_t *in)
 {
     for (uint32_t i = 0; i < hal_n_axes; i++) {
-        axis[i] = (cam_move_t){.pos_q10 = (int64_t)in->actual_nm[i] * 1024};
+        p->axis[i] = (cam_move_t){.pos_q10 = (int64_t)in->actual_nm[i] * 1024};
     }
+    cam_swing_follow_isr(&p->swing, in->swing_q32, p->n_history);
 }
 
 /// Stop lays the end of the feed, and behind it that of the cut, onto the next whole turn that no
@@ -268,7 +283,7 @@ CAM_STAGE static uint32_t obey(cam_play_t *p, const cam_play_config_t *cfg, uint
     case cam_request_start:
         if (p->state == cam_state_ready) {
             p->state = cam_state_engaging;
-            p->task = step_find;
+            p->task = step_swing;
         }
         break;
     case cam_request_stop: // an approach has nothing to end
@@ -334,7 +349,7 @@ CAM_STAGE static int32_t move_axes(cam_play_t *p, const cam_play_config_t *cfg,
     p->speed = (cam_speed_t){.spindle_mrpm = is_idle ? 0 : cfg->spindle_mrpm};
     p->alpha_u = 0;
     if (p->state == cam_state_off) {
-        follow_axes(in, p->axis);
+        follow_axes(p, in);
     } else if (p->state == cam_state_engaging) {
         approach(p, cfg, in, angle);
     } else if (p->state != cam_state_fault) {

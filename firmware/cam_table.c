@@ -2,6 +2,7 @@
 #include "cam/cam_table.h"
 #include "cam/cam_barrel.h"  // cam_barrel_measure
 #include "cam/cam_fix.h"     // cam_abs_i64
+#include "cam/cam_peaks.h"   // cam_peaks_of_swing
 #include "cam/cam_promise.h" // cam_promise_check
 #include <stdbool.h>         // bool
 #include <string.h>          // memcpy, memcmp
@@ -369,6 +370,9 @@ static cam_err_t check_channels(const uint8_t *image, const header_fields_t *h, 
         if (e.kind == kind_speed) {
             table->ratio_max_q20 = (uint32_t)(e.offset_nm + (e.p_max >> e.frac_bits) + 2);
         }
+    }
+    if (table->is_swung) {
+        table->swing = cam_peaks_of_swing(&table->angle);
     }
     const bool is_steady = table->speed.knots == NULL || !table->is_ring_helix;
     const bool is_complete = table->u.knots != NULL && table->x.knots != NULL && is_steady;

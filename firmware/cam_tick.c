@@ -17,9 +17,14 @@ static void sense_isr(cam_t *c, cam_sense_t *in)
 {
     in->clock = hal_clock_isr();
     hal_encoder_read_isr(&in->encoder);
-    in->actual_nm[hal_axis_u] = hal_axis_read_nm_isr(hal_axis_u);
-    in->actual_nm[hal_axis_x] = hal_axis_read_nm_isr(hal_axis_x);
-    in->actual_nm[hal_axis_z] = hal_axis_read_nm_isr(hal_axis_z);
+    const int32_t u_nm = hal_axis_read_nm_isr(hal_axis_u); // two words move at once
+    const int32_t x_nm = hal_axis_read_nm_isr(hal_axis_x);
+    in->actual_nm[hal_axis_u] = u_nm;
+    in->actual_nm[hal_axis_x] = x_nm;
+    const int32_t z_nm = hal_axis_read_nm_isr(hal_axis_z);
+    const int32_t swing_q32 = hal_swing_read_q32_isr();
+    in->actual_nm[hal_axis_z] = z_nm;
+    in->swing_q32 = swing_q32;
     in->inputs = hal_inputs_read_isr();
     in->request = atomic_load_explicit(&c->request, memory_order_relaxed);
     cam_fence_acquire_isr();
@@ -67,25 +72,42 @@ static inline void steps_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_
     cam_play_step_isr(&c->play, &cfg->play, &r->in, &r->angle, &r->want);
     CAM_TICK_MARK(play);
     cam_guard_step_isr(&c->guard, &cfg->guard, &r->in, &r->angle, &r->want, &c->play);
-    if (r->want.state == cam_state_off) { // nobody relies on the angle: every enable homes anew
-        cam_spindle_forget_isr(&c->spindle);
-    }
     CAM_TICK_MARK(guard);
     command(c, cfg, r);
+}
+
+/// While off nobody relies on the angle: every enable homes anew.
+static void forget_if_off(cam_t *c, const cam_tick_record_t *r)
+{
+    if (r->want.state == cam_state_off) {
+        cam_spindle_forget_isr(&c->spindle);
+    }
 }
 
 void cam_tick_steps_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
 {
     steps_isr(c, cfg, r);
+    forget_if_off(c, r);
 }
 
-static void actuate_isr(const cam_tick_record_t *r)
+/// What only some ticks do: those with a set-point for the swing, and all that are off.
+CAM_STAGE static void actuate_swing_isr(cam_t *c, const cam_tick_record_t *r)
+{
+    c->play.swing.is_new = false;
+    hal_swing_write_isr(&c->play.swing.set);
+    forget_if_off(c, r);
+}
+
+static void actuate_isr(cam_t *c, const cam_tick_record_t *r)
 {
     hal_outputs_write_isr(r->want.outputs);
     hal_axis_write_isr(hal_axis_u, &r->out[hal_axis_u]);
     hal_axis_write_isr(hal_axis_x, &r->out[hal_axis_x]);
     hal_axis_write_isr(hal_axis_z, &r->out[hal_axis_z]);
     hal_spindle_write_isr(r->want.spindle_mrpm);
+    if (c->play.swing.is_new) {
+        actuate_swing_isr(c, r);
+    }
 }
 
 /// The record is the status; its place is written again two ticks later at the earliest.
@@ -106,7 +128,7 @@ void cam_tick_isr(cam_t *c)
     sense_isr(c, &r->in);
     CAM_TICK_MARK(sense);
     steps_isr(c, cfg, r); // angle -> play -> guard
-    actuate_isr(r);
+    actuate_isr(c, r);
     CAM_TICK_MARK(actuate);
     publish_isr(c, r, tick + 1u);
 }

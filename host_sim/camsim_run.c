@@ -177,7 +177,7 @@ static int prepare_and_run(run_t *r, sim_error_t *e)
     int status = camsim_wrong;
     if (open_outputs(r, e)) {
         if (r->trace.name != NULL) {
-            camsim_trace_header(&r->trace);
+            camsim_trace_header(&r->trace, &r->cut);
         }
         if (r->removal.name != NULL) {
             camsim_removal_header(&r->removal);

@@ -9,11 +9,12 @@ static const char trace_header[] =
     "config,pos_q32,speed_q32,z_nm,u_set_q6,u_due_q6,"
     "in_clock,in_counts,in_index_counts,in_n_index,in_u_nm,in_x_nm,in_z_nm,in_inputs,in_request,"
     "out_u_nm,out_u_vel_q10,out_u_acc_q10,out_x_nm,out_x_vel_q10,out_x_acc_q10,"
-    "out_z_nm,out_z_vel_q10,out_z_acc_q10,out_spindle_mrpm,out_outputs\n";
+    "out_z_nm,out_z_vel_q10,out_z_acc_q10,out_spindle_mrpm,out_outputs";
 
-void camsim_trace_header(camsim_out_t *o)
+void camsim_trace_header(camsim_out_t *o, const sim_cut_t *cut)
 {
     camsim_out_text(o, trace_header);
+    camsim_out_text(o, cut->table.is_swung ? ",swing_set_deg,swing_act_deg\n" : "\n");
 }
 
 static void integer(camsim_out_t *o, int64_t value)
@@ -107,6 +108,10 @@ void camsim_trace_drain(camsim_out_t *o, sim_cut_t *cut)
         reading_columns(o, &record, cut);
         sensed_columns(o, &record);
         written_columns(o, &record);
+        if (cut->table.is_swung) {
+            real(o, sim_machine_swing_set_deg(&cut->machine), 7);
+            real(o, cut->swing_deg, 7);
+        }
         camsim_out_char(o, '\n');
     }
 }

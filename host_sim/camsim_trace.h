@@ -5,15 +5,17 @@
 /// tick can be replayed. `turn` is the master position (whole turns since the index was found),
 /// `faults` the latched faults as a hexadecimal mask in the order of CAM_FAULTS in cam_state.h;
 /// true_turn .. error_nm are the machine's truth at the instant of sensing; the rest is named as in
-/// cam_trace.h with in_ and out_ for what the tick sensed and wrote. Surface columns: turn (0 .. 1
-/// from the long axis in the sense of cutting), z_mm, radius_mm, error_nm.
+/// cam_trace.h with in_ and out_ for what the tick sensed and wrote. A table that swings the tool
+/// has two columns more: the set-point of the swing in force and the true swing, in degrees.
+/// Surface columns: turn (0 .. 1 from the long axis in the sense of cutting), z_mm, radius_mm,
+/// error_nm.
 #ifndef CAMSIM_TRACE_H
 #define CAMSIM_TRACE_H
 
 #include "camsim_out.h" // camsim_out_t
 #include "sim_cut.h"    // sim_cut_t
 
-void camsim_trace_header(camsim_out_t *o);
+void camsim_trace_header(camsim_out_t *o, const sim_cut_t *cut);
 
 /// Write all records that the firmware has made since the last call. After each tick.
 void camsim_trace_drain(camsim_out_t *o, sim_cut_t *cut);

@@ -48,7 +48,7 @@ void sim_cam_cut_gauge(sim_cut_t *cut, double turn)
         .t_s = cut->sample_s,
         .turn = turn,
         .centre_mm = sim_machine_radius_mm(&cut->machine),
-        .swing_deg = 0.0,
+        .swing_deg = cut->swing_deg,
         .z_mm = cut->z_mm,
         .due_rad_s = ratio * sim_cam_cut_mean_rad_s(cut),
         .is_counted = cut->state == cam_state_cutting,

@@ -50,6 +50,13 @@ static const field_t fields[] = {
     REAL("x", "start_mm", x_start_mm, 0.0, 1000.0),
     DRIVE("z", 2),
     REAL("z", "start_mm", z_start_mm, -2000.0, 2000.0),
+    REAL("swing", "bandwidth_hz", swing.bandwidth_hz, 1.0, 10000.0),
+    REAL("swing", "damping", swing.damping, 0.05, 10.0),
+    REAL("swing", "delay_us", swing.delay_us, 0.0, 10000.0),
+    REAL("swing", "quantum_udeg", swing.quantum_nm, 0.0, 1e6),
+    REAL("swing", "speed_deg_per_s", swing.speed_mm_per_s, 0.0, 100000.0),
+    REAL("swing", "acceleration_deg_per_s2", swing.acceleration_mm_per_s2, 10.0, 1e8),
+    REAL("swing", "range_deg", swing_range_deg, 0.1, 90.0),
 };
 enum { n_fields = sizeof fields / sizeof fields[0] };
 

@@ -77,6 +77,17 @@ static void derive_limits(derive_t *d, const sim_machine_config_t *m)
     put(d, cam_param_following_limit_nm, following_limit_um * 1e3);
 }
 
+/// Without the axis there is nothing to be derived but that.
+static void derive_swing(derive_t *d, const sim_machine_config_t *m)
+{
+    put(d, cam_param_swing_speed_mdeg_per_s, m->swing.speed_mm_per_s * 1e3);
+    if (m->swing.speed_mm_per_s > 0.0) {
+        put(d, cam_param_swing_acceleration_deg_per_s2, m->swing.acceleration_mm_per_s2);
+        put(d, cam_param_swing_range_mdeg, m->swing_range_deg * 1e3);
+        put(d, cam_param_swing_lag_ns, (lag_s(&m->swing) + 0.5 / m->tick_hz) * 1e9);
+    }
+}
+
 /// The speed loop is of first order; what is beyond a parameter's range is beyond any use.
 static void derive_spindle(derive_t *d, const sim_spindle_config_t *s)
 {
@@ -109,6 +120,7 @@ bool sim_controller_params(cam_params_t *params, const sim_machine_config_t *mac
     derive_feed_forward(&d, machine);
     derive_limits(&d, machine);
     derive_spindle(&d, &machine->spindle);
+    derive_swing(&d, machine);
     for (uint32_t id = 0; id < cam_n_params; id++) {
         if (wishes->is_given[id]) {
             put(&d, (cam_param_id_t)id, wishes->value[id]);

@@ -4,6 +4,7 @@
 ///     k1 = 2 d / w, k2 = 1 / w^2           the inverse of the U drive (sim_drive.h)
 ///     lead = dead time of U + half a tick  the mean age of a held command
 ///     xz_lag = dead time + half a tick + 2 d / w of X and Z, mean of both
+///     swing_lag = dead time + half a tick + 2 d / w of the swing
 ///     spindle_lag = 1 / bandwidth of the spindle, acceleration = torque / inertia
 ///
 /// The limits are those of the machine; the following error may reach 0.1 mm (the firmware's

@@ -53,6 +53,7 @@ static void gauge(sim_cut_t *cut)
     cut->true_turn = m->spindle.turn;
     cut->part_turn = sim_fraction(turn - cut->phase_turn);
     cut->z_mm = sim_machine_z_mm(m);
+    cut->swing_deg = sim_machine_swing_deg(m);
     if (cut->design.shape == sim_shape_cam) {
         sim_cam_cut_gauge(cut, turn - cut->phase_turn);
         return;

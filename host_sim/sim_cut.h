@@ -96,6 +96,7 @@ typedef struct {
     cam_state_t state;
     double sample_s, true_turn; ///< instant, true angle of the spindle
     double part_turn, z_mm, radius_mm, exact_mm;
+    double swing_deg; ///< true swing of the tool
 } sim_cut_t;
 
 /// @param cut    9 MB: allocate it

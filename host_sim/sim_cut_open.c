@@ -131,6 +131,14 @@ static const char *unit_of(cam_err_t err, double *per_unit)
         return "mm/s2";
     case cam_err_swing_axis:
         return "swing axis";
+    case cam_err_swing_range:
+        *per_unit = 1e-3;
+        return "degrees";
+    case cam_err_swing_speed:
+        *per_unit = 1e-3;
+        return "degrees/s";
+    case cam_err_swing_acceleration:
+        return "degrees/s2";
     default:
         return "";
     }

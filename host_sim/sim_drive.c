@@ -35,6 +35,18 @@ sim_drive_config_t sim_drive_z_defaults(void)
     return config;
 }
 
+sim_drive_config_t sim_drive_swing_defaults(void)
+{
+    return (sim_drive_config_t){
+        .bandwidth_hz = 200.0,
+        .damping = 0.7,
+        .delay_us = 100.0,
+        .quantum_nm = 100.0,
+        .speed_mm_per_s = 1000.0,
+        .acceleration_mm_per_s2 = 100000.0,
+    };
+}
+
 /// Even and odd part of e^(r t) about -d w: cos and sin(q t)/q, or cosh and sinh(q t)/q, or 1 and
 /// t.
 static void even_odd(double omega, double damping, double t, double *even, double *odd)

@@ -36,6 +36,10 @@ sim_drive_config_t sim_drive_u_defaults(void);
 sim_drive_config_t sim_drive_x_defaults(void);
 sim_drive_config_t sim_drive_z_defaults(void);
 
+/// The swing of the tool, a drive of degrees in the place of millimetres: 200 Hz, damping 0.7,
+/// 100 us, 1e-4 degrees, 1000 degrees/s, 100 000 degrees/s2.
+sim_drive_config_t sim_drive_swing_defaults(void);
+
 /// Where a piece of constant command takes (position - command, speed): a 2 x 2 matrix.
 typedef struct {
     double pp, pv, vp, vv;

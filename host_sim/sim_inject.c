@@ -27,6 +27,7 @@ static const kind_t kinds[sim_n_injects] = {
     [sim_inject_spindle_stop] = {.name = "spindle-stop"},
     [sim_inject_z_offset] = {"z-offset", "mm", -1000.0, 1000.0, false, sim_inject_in_run},
     [sim_inject_u_block] = {.name = "u-block"},
+    [sim_inject_swing_block] = {.name = "swing-block", .places = sim_inject_in_run},
     [sim_inject_table_flip] = {"table-flip", "byte", 0.0, 4294967295.0, true, sim_inject_in_run},
     [sim_inject_stop] = {.name = "stop", .places = sim_inject_in_run},
     [sim_inject_encoder_late] = {"encoder-late", "us", 1.0, 1e6, false, sim_inject_on_bus},
@@ -158,6 +159,9 @@ void sim_inject_apply(const sim_inject_t *inject, sim_machine_t *m, int directio
         break;
     case sim_inject_u_block:
         m->axis[hal_axis_u].is_blocked = true;
+        break;
+    case sim_inject_swing_block:
+        m->swing.is_blocked = true;
         break;
     default:
         break;

@@ -19,6 +19,7 @@
 /// | spindle-stop | | the spindle brakes to rest |
 /// | z-offset | mm | measured Z is off by this much |
 /// | u-block | | U stands still |
+/// | swing-block | | the swing of the tool stands still |
 /// | table-flip | byte | one bit of that byte of the table image flips in memory |
 /// | stop | | the operator's stop command |
 /// | encoder-late | us | one frame of the encoder comes late by this |
@@ -51,6 +52,7 @@ typedef enum {
     sim_inject_spindle_stop,
     sim_inject_z_offset,
     sim_inject_u_block,
+    sim_inject_swing_block,
     sim_inject_table_flip,
     sim_inject_stop,
     sim_inject_encoder_late,

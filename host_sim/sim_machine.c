@@ -10,6 +10,8 @@ sim_machine_config_t sim_machine_defaults(void)
         .spindle = sim_spindle_defaults(),
         .encoder = sim_encoder_defaults(),
         .axis = {sim_drive_u_defaults(), sim_drive_x_defaults(), sim_drive_z_defaults()},
+        .swing = sim_drive_swing_defaults(),
+        .swing_range_deg = 30.0,
         .u_stroke_mm = 1.2,
         .spindle_limit_rpm = 3000.0,
         .x_start_mm = 2.0,
@@ -27,6 +29,7 @@ void sim_machine_init(sim_machine_t *m, const sim_machine_config_t *config, doub
     for (int i = 0; i < hal_n_axes; i++) {
         sim_drive_init(&m->axis[i], &config->axis[i], start_nm[i], m->period_s);
     }
+    sim_drive_init(&m->swing, &config->swing, 0.0, m->period_s);
     hal_host.tick_hz = (uint32_t)config->tick_hz;
     (void)hal_init(); // the host port cannot fail
 }
@@ -34,6 +37,7 @@ void sim_machine_init(sim_machine_t *m, const sim_machine_config_t *config, doub
 void sim_machine_sense(sim_machine_t *m)
 {
     hal_host.in.encoder = sim_encoder_read(&m->encoder, m->spindle.turn);
+    hal_host.in.swing_q32 = (int32_t)sim_round(sim_drive_measured_nm(&m->swing) * SIM_Q32_PER_UDEG);
     hal_host.in.axis_nm[hal_axis_u] = sim_drive_measured_nm(&m->axis[hal_axis_u]);
     hal_host.in.axis_nm[hal_axis_x] = sim_drive_measured_nm(&m->axis[hal_axis_x]);
     hal_host.in.axis_nm[hal_axis_z] = sim_drive_measured_nm(&m->axis[hal_axis_z]) + m->z_offset_nm;
@@ -52,9 +56,20 @@ static void linger(sim_machine_t *m, bool is_enabled)
     for (int i = 0; i < hal_n_axes; i++) {
         sim_drive_linger(&m->axis[i], m->late_s, is_enabled);
     }
+    sim_drive_linger(&m->swing, m->late_s, is_enabled);
     m->lost_s += m->late_s;
     m->time_s += m->late_s;
     m->late_s = 0.0;
+}
+
+/// The drive goes on at the speed of its last set-point, which may wrap.
+static void take_swing(sim_machine_t *m, bool is_enabled)
+{
+    const hal_swing_t *set = &hal_host.out.swing;
+    const uint32_t gone_on_q32 = (uint32_t)m->swing_set_q32 + (uint32_t)set->vel_q32;
+    m->swing_set_q32 = m->n_swing != hal_host.out.n_swing ? set->pos_q32 : (int32_t)gone_on_q32;
+    m->n_swing = hal_host.out.n_swing;
+    sim_drive_step(&m->swing, (int32_t)sim_round(m->swing_set_q32 / SIM_Q32_PER_UDEG), is_enabled);
 }
 
 void sim_machine_advance(sim_machine_t *m)
@@ -64,6 +79,7 @@ void sim_machine_advance(sim_machine_t *m)
     sim_drive_step(&m->axis[hal_axis_u], hal_host.out.axis[hal_axis_u].pos_nm, is_enabled);
     sim_drive_step(&m->axis[hal_axis_x], hal_host.out.axis[hal_axis_x].pos_nm, is_enabled);
     sim_drive_step(&m->axis[hal_axis_z], hal_host.out.axis[hal_axis_z].pos_nm, is_enabled);
+    take_swing(m, is_enabled);
     m->time_s = (double)hal_host.n_ticks * m->period_s + m->lost_s;
     if (m->late_s > 0.0) {
         linger(m, is_enabled);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// sim_machine: spindle, encoder and three drives around the simulator's port.
+/// sim_machine: spindle, encoder and four drives around the simulator's port.
 ///
 /// Time advances in ticks. At the start of a tick the true state is put into hal_host.in; the
 /// firmware runs; the drives take what it wrote and everything moves on by one period. Convention:
@@ -24,6 +24,8 @@ typedef struct {
     sim_spindle_config_t spindle;
     sim_encoder_config_t encoder;
     sim_drive_config_t axis[3]; ///< U, X, Z in the order of hal_axis_t
+    sim_drive_config_t swing;   ///< degrees for millimetres; speed 0: the machine has none
+    double swing_range_deg;     ///< travel of the swing to either side
     double u_stroke_mm;         ///< travel of U peak to peak, centred on 0
     double spindle_limit_rpm;   ///< highest speed of the spindle
     double x_start_mm;          ///< X at the start, above the blank's radius
@@ -40,7 +42,10 @@ typedef struct {
     sim_spindle_t spindle;
     sim_encoder_t encoder;
     sim_drive_t axis[3];
-    bool is_speed_forced; ///< the spindle runs as it likes
+    sim_drive_t swing;     ///< [1e-6 degrees] for nanometres
+    uint32_t n_swing;      ///< set-points of the swing that were taken
+    int32_t swing_set_q32; ///< [turn / 2^32] set-point in force
+    bool is_speed_forced;  ///< the spindle runs as it likes
     double forced_rad_per_s;
     bool is_reversed;    ///< the spindle turns against its set-point
     int32_t z_offset_nm; ///< added to the measured Z
@@ -49,7 +54,7 @@ typedef struct {
 } sim_machine_t;
 
 /// Bring the machine to rest and reset the port.
-/// @param m      32 KB
+/// @param m      41 KB
 /// @param x_nm, z_nm  places at the start
 /// @param seed   of all noise
 void sim_machine_init(sim_machine_t *m, const sim_machine_config_t *config, double x_nm,
@@ -70,6 +75,18 @@ void sim_machine_late(sim_machine_t *m, double percent);
 static inline double sim_machine_radius_mm(const sim_machine_t *m)
 {
     return (m->axis[hal_axis_x].pos_nm - m->axis[hal_axis_u].pos_nm) * 1e-6;
+}
+
+/// @return [degrees] true swing of the tool about the swing's centre, 0 along the line of centres
+static inline double sim_machine_swing_deg(const sim_machine_t *m)
+{
+    return m->swing.pos_nm * 1e-6;
+}
+
+/// @return [degrees] set-point of the swing in the last tick
+static inline double sim_machine_swing_set_deg(const sim_machine_t *m)
+{
+    return m->swing_set_q32 * (360.0 / 4294967296.0);
 }
 
 /// @return [mm] true height of the tool tip

@@ -82,6 +82,7 @@ static void sense(pil_request_t *request)
     request->clock = hal_clock_isr();
     hal_encoder_read_isr(&request->encoder);
     request->inputs = hal_inputs_read_isr();
+    request->swing_q32 = hal_swing_read_q32_isr();
     for (int i = 0; i < hal_n_axes; i++) {
         request->axis_nm[i] = hal_axis_read_nm_isr((hal_axis_t)i);
     }
@@ -94,6 +95,9 @@ static void actuate(const pil_answer_t *answer)
     }
     hal_spindle_write_isr(answer->spindle_mrpm);
     hal_outputs_write_isr(answer->outputs);
+    if (answer->n_swing != hal_host.out.n_swing) { // both count from hal_init() on
+        hal_swing_write_isr(&answer->swing);
+    }
 }
 
 /// The target's ring is emptied every tick; this one fills and drops as the firmware's own.

@@ -9,6 +9,7 @@
 #define SIM_TWO_PI 6.28318530717958647692
 #define SIM_NM_PER_MM 1e6
 #define SIM_UDEG_PER_TURN 360e6
+#define SIM_Q32_PER_UDEG (4294967296.0 / SIM_UDEG_PER_TURN)
 
 /// Round to the nearest integer, ties to even, without a library call.
 /// @param v  |v| < 2^51

@@ -31,6 +31,11 @@ uint32_t hal_clock_hz(void)
     return hal_host_clock_hz;
 }
 
+bool hal_has_swing(void)
+{
+    return !hal_host.slow.has_no_swing;
+}
+
 void hal_tick_start(void) {}
 
 void hal_idle(void)
@@ -189,6 +194,11 @@ int32_t hal_axis_read_nm_isr(hal_axis_t axis)
     return hal_host.in.axis_nm[axis];
 }
 
+int32_t hal_swing_read_q32_isr(void)
+{
+    return hal_host.in.swing_q32;
+}
+
 uint32_t hal_inputs_read_isr(void)
 {
     return hal_host.in.inputs;
@@ -197,6 +207,12 @@ uint32_t hal_inputs_read_isr(void)
 void hal_axis_write_isr(hal_axis_t axis, const hal_setpoint_t *setpoint)
 {
     hal_host.out.axis[axis] = *setpoint;
+}
+
+void hal_swing_write_isr(const hal_swing_t *setpoint)
+{
+    hal_host.out.swing = *setpoint;
+    hal_host.out.n_swing++;
 }
 
 void hal_spindle_write_isr(int32_t speed_mrpm)

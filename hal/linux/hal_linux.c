@@ -336,6 +336,22 @@ int32_t hal_axis_read_nm_isr(hal_axis_t axis)
     return lin_bus_actual_nm(&port.bus, axis, &port.wants);
 }
 
+/// At the ticks of an operating system a swing would be as coarse as 7 ms: there is no axis for it.
+bool hal_has_swing(void)
+{
+    return false;
+}
+
+int32_t hal_swing_read_q32_isr(void)
+{
+    return 0;
+}
+
+void hal_swing_write_isr(const hal_swing_t *setpoint)
+{
+    (void)setpoint;
+}
+
 uint32_t hal_inputs_read_isr(void)
 {
     return port.inputs;

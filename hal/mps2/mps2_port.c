@@ -17,7 +17,14 @@ int hal_init(void)
     }
     mps2_machine.out.spindle_mrpm = 0;
     mps2_machine.out.outputs = 0;
+    mps2_machine.out.swing = (hal_swing_t){0};
+    mps2_machine.out.n_swing = 0;
     return 0;
+}
+
+bool hal_has_swing(void)
+{
+    return true;
 }
 
 void hal_text(const char *line)
@@ -115,6 +122,11 @@ int32_t hal_axis_read_nm_isr(hal_axis_t axis)
     return mps2_machine.in.axis_nm[axis];
 }
 
+int32_t hal_swing_read_q32_isr(void)
+{
+    return mps2_machine.in.swing_q32;
+}
+
 uint32_t hal_inputs_read_isr(void)
 {
     return mps2_machine.in.inputs;
@@ -123,6 +135,12 @@ uint32_t hal_inputs_read_isr(void)
 void hal_axis_write_isr(hal_axis_t axis, const hal_setpoint_t *setpoint)
 {
     mps2_machine.out.axis[axis] = *setpoint;
+}
+
+void hal_swing_write_isr(const hal_swing_t *setpoint)
+{
+    mps2_machine.out.swing = *setpoint;
+    mps2_machine.out.n_swing++;
 }
 
 void hal_spindle_write_isr(int32_t speed_mrpm)

@@ -160,6 +160,22 @@ int32_t hal_axis_read_nm_isr(hal_axis_t axis)
     return last_nm[axis];
 }
 
+/// All outputs of the DACs are taken: this board has no axis for the swing.
+bool hal_has_swing(void)
+{
+    return false;
+}
+
+int32_t hal_swing_read_q32_isr(void)
+{
+    return 0;
+}
+
+void hal_swing_write_isr(const hal_swing_t *setpoint)
+{
+    (void)setpoint;
+}
+
 uint32_t hal_inputs_read_isr(void)
 {
     const uint32_t pins = GPIOE->IDR;

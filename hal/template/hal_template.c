@@ -18,6 +18,12 @@ uint32_t hal_tick_hz(void)
     return 20000;
 }
 
+/// Whether a drive swings the tool. A port that says so implements both functions of the swing.
+bool hal_has_swing(void)
+{
+    return false;
+}
+
 /// The rate of the free-running counter that hal_clock_isr() reads.
 uint32_t hal_clock_hz(void)
 {
@@ -126,6 +132,12 @@ int32_t hal_axis_read_nm_isr(hal_axis_t axis)
     return 0;
 }
 
+/// Newest measured swing of the tool; 0 without the axis.
+int32_t hal_swing_read_q32_isr(void)
+{
+    return 0;
+}
+
 /// Emergency-stop chain and drive-ready line; a cut wire must read as "stop" and "not ready".
 uint32_t hal_inputs_read_isr(void)
 {
@@ -136,6 +148,12 @@ uint32_t hal_inputs_read_isr(void)
 void hal_axis_write_isr(hal_axis_t axis, const hal_setpoint_t *setpoint)
 {
     (void)axis;
+    (void)setpoint;
+}
+
+/// Every 8 or 10 ticks; in between the drive goes on at the speed of the last one.
+void hal_swing_write_isr(const hal_swing_t *setpoint)
+{
     (void)setpoint;
 }
 

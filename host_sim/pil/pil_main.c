@@ -37,6 +37,7 @@ static void tick(void)
     pil_time.clock = request.clock;
     mps2_machine.in.encoder = request.encoder;
     mps2_machine.in.inputs = request.inputs;
+    mps2_machine.in.swing_q32 = request.swing_q32;
     for (int i = 0; i < hal_n_axes; i++) {
         mps2_machine.in.axis_nm[i] = request.axis_nm[i];
     }
@@ -46,6 +47,8 @@ static void tick(void)
     }
     answer.spindle_mrpm = mps2_machine.out.spindle_mrpm;
     answer.outputs = mps2_machine.out.outputs;
+    answer.swing = mps2_machine.out.swing;
+    answer.n_swing = mps2_machine.out.n_swing;
     answer.n_records = cam_trace_pop(&g_cam.trace, &answer.record) ? 1u : 0u;
     answer.status = cam_machine_status(&machine);
 }

@@ -57,6 +57,7 @@ typedef struct {
     hal_encoder_t encoder;
     int32_t axis_nm[hal_n_axes];
     uint32_t inputs;
+    int32_t swing_q32;
 } pil_request_t;
 
 typedef struct {
@@ -66,6 +67,8 @@ typedef struct {
     uint32_t outputs;   ///< from here on: what the tick wrote
     int32_t spindle_mrpm;
     hal_setpoint_t axis[hal_n_axes];
+    hal_swing_t swing;
+    uint32_t n_swing; ///< set-points of the swing since pil_op_init
     cam_status_t status;
     cam_tick_record_t record;
     cam_feasibility_t feasibility;

@@ -43,6 +43,16 @@ bool budget_session_open(fixture_rig_t *rig, void (*isr)(void), const fixture_pa
     return is_set;
 }
 
+bool budget_session_swung(fixture_rig_t *rig, void (*isr)(void), const fixture_part_t *part)
+{
+    return budget_session_open(rig, isr, part, part->speed != NULL) &&
+           set(rig, cam_param_spindle_mrpm, 2000000) &&
+           set(rig, cam_param_swing_speed_mdeg_per_s, 100000000) &&
+           set(rig, cam_param_swing_acceleration_deg_per_s2, 100000000) &&
+           set(rig, cam_param_swing_following_limit_mdeg, 90000) &&
+           set(rig, cam_param_swing_lag_ns, 1000000);
+}
+
 bool budget_session_cut(fixture_rig_t *rig, void (*isr)(void), const fixture_part_t *part,
                         bool is_modulated)
 {

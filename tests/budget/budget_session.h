@@ -26,6 +26,9 @@ void budget_spread_print(const char *session, const budget_spread_t ticks[cam_n_
 bool budget_session_open(fixture_rig_t *rig, void (*isr)(void), const fixture_part_t *part,
                          bool is_modulated);
 
+/// The same with a part that swings the tool, at 2000 r/min, with all of the swing's parameters.
+bool budget_session_swung(fixture_rig_t *rig, void (*isr)(void), const fixture_part_t *part);
+
 /// From off through the cut to ready. @return true when it ended without a fault
 bool budget_session_cut(fixture_rig_t *rig, void (*isr)(void), const fixture_part_t *part,
                         bool is_modulated);

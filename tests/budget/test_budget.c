@@ -162,6 +162,7 @@ static void break_u(void)
 {
     hal_host_fault_drive(true);
     hal_host.in.axis_nm[hal_axis_u] += 1 << 24;
+    hal_host.in.swing_q32 += 1 << 30;
     g_cam.guard.u_set_q6 += 1 << 24;
 }
 
@@ -216,24 +217,28 @@ static void try_tasks(uint32_t from, uint32_t to, const cause_t *causes, uint32_
 }
 
 static void try_every_tick(cam_state_t state, uint32_t ticks_into, const cause_t *causes,
-                           uint32_t n_causes)
+                           uint32_t n_causes, bool is_swung)
 {
-    const fixture_part_t part = fixture_part_modulated();
-    TEST_ASSERT_TRUE(budget_session_open(&rig, counted, &part, true));
+    fixture_part_t part = is_swung ? fixture_part_swung() : fixture_part_modulated();
+    part.speed = fixture_ratio;
+    TEST_ASSERT_TRUE(is_swung ? budget_session_swung(&rig, counted, &part)
+                              : budget_session_open(&rig, counted, &part, true));
     TEST_ASSERT_TRUE(fixture_rig_bring(&rig, state));
     while (!g_cam.play.is_playing) {
         fixture_rig_tick(&rig);
     }
     fixture_rig_ticks(&rig, ticks_into);
     TEST_ASSERT_EQUAL_INT(state, rig.last.want.state);
-    try_tasks(0, cam_plan_tasks, causes, n_causes);
+    try_tasks(0, (uint32_t)g_cam.config.offered->play.round_ticks, causes, n_causes);
 }
 
 static void try_all(const cause_t *causes, uint32_t n_causes)
 {
-    try_every_tick(cam_state_engaging, 1500, causes, n_causes);
-    try_every_tick(cam_state_cutting, 200, causes, n_causes);
-    try_every_tick(cam_state_disengaging, 300, causes, n_causes);
+    for (int i = 0; i < 2; i++) {
+        try_every_tick(cam_state_engaging, 1500, causes, n_causes, i == 1);
+        try_every_tick(cam_state_cutting, 200, causes, n_causes, i == 1);
+        try_every_tick(cam_state_disengaging, 300, causes, n_causes, i == 1);
+    }
 }
 
 /// The worst that can come together, by force: every task with every step of an index edge, without
@@ -268,6 +273,26 @@ static void test_ring_helix_with_every_edge_and_fault(void)
                   sizeof causes / sizeof causes[0]);
     }
     expect_budget("rings", budget_tick);
+}
+
+/// A cam: the swing's tasks, alone and with those of the speed ratio, in the work and on the way
+/// back to 0.
+static void test_swung_cuts(void)
+{
+    fixture_part_t part = fixture_part_swung();
+    TEST_ASSERT_TRUE(budget_session_swung(&rig, counted, &part));
+    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_cutting));
+    fixture_rig_ticks(&rig, 25000);
+    expect_budget("swung", budget_tick);
+    part.speed = fixture_ratio;
+    TEST_ASSERT_TRUE(budget_session_swung(&rig, counted, &part));
+    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_cutting));
+    fixture_rig_ticks(&rig, 25000);
+    hal_host_fault_estop(true);
+    fixture_rig_ticks(&rig, 5000);
+    TEST_ASSERT_TRUE(rig.last.want.is_retracted);
+    TEST_ASSERT_EQUAL_INT32(0, g_cam.play.swing.set.vel_q32);
+    expect_budget("both", budget_tick);
 }
 
 /// Z led by others: it is read in every tick, and X approaches over it.
@@ -320,6 +345,7 @@ int main(void)
     RUN_TEST(test_faults_in_the_cut);
     RUN_TEST(test_every_task_with_every_edge_and_fault);
     RUN_TEST(test_ring_helix_with_every_edge_and_fault);
+    RUN_TEST(test_swung_cuts);
     RUN_TEST(test_measured_z);
     RUN_TEST(test_random_parameters);
     RUN_TEST(test_enough_ticks_were_measured);

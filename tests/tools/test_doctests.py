@@ -14,6 +14,7 @@ MODULES = [
     "cam_channels",
     "cam_check",
     "cam_contact",
+    "cam_design",
     "cam_generate",
     "cam_lift",
     "cam_motion",

@@ -45,6 +45,8 @@ from part_cases import ROOT
 
 MODULES = (
     "report",
+    "report_cam",
+    "report_cam_page",
     "report_compare",
     "report_data",
     "report_motion",
@@ -52,7 +54,9 @@ MODULES = (
     "report_surface",
     "report_text",
     "run",
+    "run_cam",
     "run_cut",
+    "run_job",
     "run_stage",
 )
 TICK_S = 50e-6

@@ -83,6 +83,31 @@ fixture_part_t fixture_part_modulated(void)
     return part;
 }
 
+static void two_lobes(double theta, double z_nm, double u[3])
+{
+    (void)z_nm;
+    u[0] = -50000.0 * (1.0 - cos(2.0 * theta));
+    u[1] = -100000.0 * sin(2.0 * theta);
+    u[2] = -200000.0 * cos(2.0 * theta);
+}
+
+void fixture_gamma(double theta, double z_nm, double g[3])
+{
+    const double most = 0.35 - 5e-8 * z_nm;
+    g[0] = most * sin(2.0 * theta);
+    g[1] = 2.0 * most * cos(2.0 * theta);
+    g[2] = -4.0 * most * sin(2.0 * theta);
+}
+
+fixture_part_t fixture_part_swung(void)
+{
+    fixture_part_t part = fixture_part_short();
+    part.spindle_mrpm = 60000;
+    part.u = two_lobes;
+    part.swing = fixture_gamma;
+    return part;
+}
+
 fixture_part_t fixture_part_smallest(void)
 {
     fixture_part_t part = fixture_part_short();
@@ -217,21 +242,39 @@ static void fill_x(cam_knot_t *knots, const fixture_part_t *part)
     }
 }
 
-enum { n_speed_slices = 3, log2_speed_knots = 5, speed_frac_bits = 3 };
+enum { n_more_slices = 3, log2_more_knots = 5 };
 
-static void fill_speed(cam_knot_t *knots, const fixture_part_t *part)
+/// A channel over angle besides u.
+typedef struct {
+    uint32_t kind, frac_bits;
+    int32_t offset;
+    double unit; ///< of the function, in that of the channel
+    fixture_surface_fn *f;
+} more_t;
+
+static more_t speed_of(const fixture_part_t *part)
 {
-    const uint32_t n = 1u << log2_speed_knots;
+    return (more_t){3u, 3u, CAM_TABLE_RATIO_ONE, CAM_TABLE_RATIO_ONE, part->speed};
+}
+
+static more_t swing_of(const fixture_part_t *part)
+{
+    return (more_t){4u, 2u, 0, 67108864.0 / (2.0 * PI), part->swing};
+}
+
+static void fill_more(cam_knot_t *knots, const fixture_part_t *part, const more_t *more)
+{
+    const uint32_t n = 1u << log2_more_knots;
     const double h = PI / (double)n;
-    for (uint32_t i = 0; i < n_speed_slices * n; i++) {
-        const double z = part->z_first_nm + (double)(i / n) / (n_speed_slices - 1) *
+    for (uint32_t i = 0; i < n_more_slices * n; i++) {
+        const double z = part->z_first_nm + (double)(i / n) / (n_more_slices - 1) *
                                                 ((double)part->z_last_nm - part->z_first_nm);
-        double r[3];
-        part->speed((i % n) * h, z, r);
+        double f[3];
+        more->f((i % n) * h, z, f);
         for (int k = 0; k < 3; k++) {
-            r[k] *= CAM_TABLE_RATIO_ONE;
+            f[k] *= more->unit;
         }
-        knots[i] = quantise(r, CAM_TABLE_RATIO_ONE, h, speed_frac_bits);
+        knots[i] = quantise(f, more->offset, h, more->frac_bits);
     }
 }
 
@@ -257,24 +300,25 @@ static void promise_motion(fixture_image_t *image, const fixture_part_t *part)
     fixture_image_put(image, fixture_at_spindle_peak, (uint32_t)ceil(peak[2] * 1.0005e6));
 }
 
-static uint32_t put_speed(fixture_image_t *image, const fixture_part_t *part, uint32_t offset)
+static uint32_t put_more(fixture_image_t *image, const fixture_part_t *part, const more_t *more,
+                         uint32_t channel, uint32_t offset)
 {
     const uint64_t span = (uint64_t)((int64_t)part->z_last_nm - part->z_first_nm);
     const uint32_t words[] = {
-        3u,
+        more->kind,
         offset,
-        (uint32_t)n_speed_slices * (1u << log2_speed_knots) * 12u,
-        n_speed_slices,
-        log2_speed_knots,
+        (uint32_t)n_more_slices * (1u << log2_more_knots) * 12u,
+        n_more_slices,
+        log2_more_knots,
         1u,
-        speed_frac_bits,
+        more->frac_bits,
         (uint32_t)part->z_first_nm,
         (uint32_t)part->z_last_nm,
-        (uint32_t)((((uint64_t)(n_speed_slices - 1u) << 48) + span / 2u) / span),
-        (uint32_t)CAM_TABLE_RATIO_ONE,
+        (uint32_t)((((uint64_t)(n_more_slices - 1u) << 48) + span / 2u) / span),
+        (uint32_t)more->offset,
     };
-    memcpy(image->bytes + fixture_image_in(fixture_speed, 0), words, sizeof words);
-    fixture_image_put(image, fixture_at_n_channels, 3u);
+    memcpy(image->bytes + fixture_image_in(channel, 0), words, sizeof words);
+    fixture_image_put(image, fixture_at_n_channels, channel + 1u);
     return (offset + words[2] + 31u) & ~31u;
 }
 
@@ -333,12 +377,17 @@ void fixture_image_make(fixture_image_t *image, const fixture_part_t *part)
 {
     memset(image, 0, sizeof *image);
     put_header(image, part);
-    const uint32_t u_at = part->speed != NULL ? 320u : 256u;
+    const more_t more[] = {speed_of(part), swing_of(part)};
+    const uint32_t n_more = (part->speed != NULL ? 1u : 0u) + (part->swing != NULL ? 1u : 0u);
+    const more_t *const first = part->speed != NULL ? more : more + 1;
+    const uint32_t u_at = 256u + 64u * n_more;
     const uint32_t x_at = put_entry(image, part, fixture_u, u_at);
     image->size = put_entry(image, part, fixture_x, x_at);
-    if (part->speed != NULL) {
-        image->size = put_speed(image, part, (uint32_t)image->size);
-        fill_speed(fixture_image_knots(image, fixture_speed), part);
+    for (uint32_t i = 0; i < n_more; i++) {
+        const uint32_t channel = fixture_speed + i;
+        image->size = put_more(image, part, &first[i], channel, (uint32_t)image->size);
+        fill_more(fixture_image_knots(image, channel), part, &first[i]);
+        fixture_image_remeasure(image, channel);
     }
     fixture_image_put(image, fixture_at_image_size, (uint32_t)image->size);
     fill_u(fixture_image_knots(image, fixture_u), part);
@@ -346,7 +395,6 @@ void fixture_image_make(fixture_image_t *image, const fixture_part_t *part)
     fixture_image_remeasure(image, fixture_u);
     fixture_image_remeasure(image, fixture_x);
     if (part->speed != NULL) {
-        fixture_image_remeasure(image, fixture_speed);
         promise_motion(image, part);
     }
     fixture_image_seal(image);

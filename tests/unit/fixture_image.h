@@ -56,7 +56,8 @@ enum {
     fixture_in_path = 60,
 };
 
-enum { fixture_u = 0, fixture_x = 1, fixture_speed = 2 }; ///< places in the directory
+/// Places in the directory; that of the swing where there is no speed channel.
+enum { fixture_u = 0, fixture_x = 1, fixture_speed = 2, fixture_swing = 2 };
 
 enum { fixture_image_capacity = 1 << 19 };
 
@@ -82,6 +83,7 @@ typedef struct {
     fixture_profile_fn *x;
     bool is_ring_helix;
     fixture_surface_fn *speed; ///< NULL: no speed channel; 32 knots, two patterns, 3 slices
+    fixture_surface_fn *swing; ///< [rad] NULL: no swing; knots as of the speed
 } fixture_part_t;
 
 /// @return 1 mm of a skirt, 10 turns at 0.1 mm, 2500 r/min, cosine oval 0.2 .. 0.3 mm, 4224 bytes
@@ -89,6 +91,9 @@ fixture_part_t fixture_part_short(void);
 
 /// @return the short skirt with a speed channel of fixture_ratio()
 fixture_part_t fixture_part_modulated(void);
+
+/// @return the short skirt's heights, a cam of 0.1 mm lift with a swing of fixture_gamma()
+fixture_part_t fixture_part_swung(void);
 
 /// @return the smallest image that is accepted: 2 slices of 4 knots, 2 knots of x, 384 bytes
 fixture_part_t fixture_part_smallest(void);
@@ -98,6 +103,8 @@ void fixture_cosine_oval(double theta, double z_nm, double u[3]);
 /// A speed ratio like that of equal-volume turning: 1.5 at the long axis, 0.75 at the short one,
 /// less with height.
 void fixture_ratio(double theta, double z_nm, double r[3]);
+/// The swing of a cam in rad: 0.35 sin 2 theta at the bottom, less with height.
+void fixture_gamma(double theta, double z_nm, double g[3]);
 /// Exact ellipse of maths.md 1.1: a = 46 mm, G = 0.2 mm, at every height.
 void fixture_ellipse(double theta, double z_nm, double u[3]);
 

@@ -31,7 +31,19 @@ static void turn_spindle(fixture_rig_t *rig)
     hal_host.in.encoder = fixture_encoder_move(&rig->encoder, rig->rpm / 60.0 * period);
 }
 
-static void move_axes(const fixture_rig_t *rig)
+/// The drive goes on from set-point to set-point, which may wrap.
+static void move_swing(fixture_rig_t *rig)
+{
+    const hal_swing_t *set = &hal_host.out.swing;
+    const bool is_new = rig->n_swing != hal_host.out.n_swing;
+    const int32_t from_q32 = is_new ? set->pos_q32 : hal_host.in.swing_q32;
+    rig->n_swing = hal_host.out.n_swing;
+    if (!rig->is_swing_held) {
+        hal_host.in.swing_q32 = (int32_t)((uint32_t)from_q32 + (uint32_t)set->vel_q32);
+    }
+}
+
+static void move_axes(fixture_rig_t *rig)
 {
     if ((hal_host.out.outputs & hal_out_enable) == 0u) {
         return;
@@ -42,6 +54,7 @@ static void move_axes(const fixture_rig_t *rig)
         }
     }
     hal_host.in.axis_nm[hal_axis_u] += rig->u_error_nm;
+    move_swing(rig);
 }
 
 void fixture_rig_tick(fixture_rig_t *rig)

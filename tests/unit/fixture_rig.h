@@ -20,6 +20,8 @@ typedef struct {
     bool is_spindle_held;   ///< rpm stays as the test sets it
     bool is_z_held;         ///< measured Z stays as the test sets it
     int32_t u_error_nm;     ///< added to the measured U
+    bool is_swing_held;     ///< measured swing stays as the test sets it
+    uint32_t n_swing;       ///< set-points of the swing that were seen
     cam_tick_record_t last; ///< what the newest tick did
     cam_tick_record_t *log; ///< every record, when not NULL
     uint32_t n_log, log_capacity;

@@ -137,15 +137,10 @@ static void test_build_cam_keeps_clear_of_its_lobes(void)
     table.angle.knots = &some;
     params.u_stroke_nm = 24000000;
     build(20000);
-    TEST_ASSERT_EQUAL_INT32(9000001, config.play.x_clearance_nm);
-    TEST_ASSERT_EQUAL_INT64(9000001 * INT64_C(1024), config.guard.x_clearance_q10);
-    TEST_ASSERT_EQUAL_INT64(-8000001 * INT64_C(1024), config.play.u_retract_q10);
-    TEST_ASSERT_EQUAL_INT64(-8000001 * INT64_C(1024), config.guard.u_retract_q10);
-    params.amplitude_ppm = 500000;
-    params.u_retract_nm = -9000000;
-    build(20000);
-    TEST_ASSERT_EQUAL_INT32(5000001, config.play.x_clearance_nm);
-    TEST_ASSERT_EQUAL_INT64(-9000000 * INT64_C(1024), config.play.u_retract_q10);
+    TEST_ASSERT_EQUAL_INT32(11000001, config.play.x_clearance_nm); // of 1.25 times its amplitude
+    TEST_ASSERT_EQUAL_INT64(11000001 * INT64_C(1024), config.guard.x_clearance_q10);
+    TEST_ASSERT_EQUAL_INT64(-10500001 * INT64_C(1024), config.play.u_retract_q10);
+    TEST_ASSERT_EQUAL_INT64(-10500001 * INT64_C(1024), config.guard.u_retract_q10);
 }
 
 static void test_build_without_a_table_has_none(void)

@@ -257,7 +257,8 @@ static void test_guard_armed_masks_are_those_of_the_manual(void)
                              CAM_FAULT_BIT(table);
     const uint32_t all = (UINT32_C(1) << cam_n_faults) - 1u;
     const uint32_t in_work_only = CAM_FAULT_BIT(reverse) | CAM_FAULT_BIT(spindle_stopped) |
-                                  CAM_FAULT_BIT(overspeed) | CAM_FAULT_BIT(z_range);
+                                  CAM_FAULT_BIT(overspeed) | CAM_FAULT_BIT(z_range) |
+                                  CAM_FAULT_BIT(swing);
     TEST_ASSERT_EQUAL_HEX32(0, cam_guard_armed(cam_state_off));
     TEST_ASSERT_EQUAL_HEX32(0, cam_guard_armed(cam_n_states));
     TEST_ASSERT_EQUAL_HEX32(enabled | CAM_FAULT_BIT(spindle_stopped),

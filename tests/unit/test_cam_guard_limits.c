@@ -68,6 +68,7 @@ static void cause(cam_fault_t fault, int32_t beyond)
         break;
     case cam_fault_z_range:
     case cam_fault_table:
+    case cam_fault_swing:
         want.faults = mask;
         break;
     case cam_fault_reverse:
@@ -120,6 +121,7 @@ static bool is_armed(cam_fault_t fault, cam_state_t state)
         [cam_fault_setpoint_range] = "rw",
         [cam_fault_z_range] = "w",
         [cam_fault_table] = "hrw",
+        [cam_fault_swing] = "w",
     };
     static const char letter[cam_n_states] = "ohrwwwf";
     return strchr(armed[fault], letter[state]) != NULL;

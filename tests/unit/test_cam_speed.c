@@ -143,7 +143,7 @@ typedef struct {
 static outcome_t round_of(cam_play_t *play, const cam_sense_t *in, const cam_angle_t *last)
 {
     outcome_t o;
-    for (int back = cam_plan_tasks - 1; back >= 0; back--) {
+    for (int back = config.play.round_ticks - 1; back >= 0; back--) {
         cam_angle_t angle = *last;
         angle.pos_q32 -= (int64_t)back * angle.speed_q32;
         cam_play_step_isr(play, &config.play, in, &angle, &o.want);

@@ -44,6 +44,23 @@ int32_t hal_axis_read_nm_isr(hal_axis_t axis)
     return written[axis].pos_nm;
 }
 
+int32_t hal_swing_read_q32_isr(void)
+{
+    note('s');
+    return 0;
+}
+
+bool hal_has_swing(void)
+{
+    return true;
+}
+
+void hal_swing_write_isr(const hal_swing_t *setpoint)
+{
+    (void)setpoint;
+    note('W');
+}
+
 uint32_t hal_inputs_read_isr(void)
 {
     note('i');
@@ -121,7 +138,7 @@ static void expect_order(void)
     for (uint32_t i = n_reads; i < n_calls; i++) {
         TEST_ASSERT_TRUE_MESSAGE(calls[i] < 'a', calls);
     }
-    static const char each[] = "ceuxziUXZSO";
+    static const char each[] = "ceuxzsiUXZSO";
     for (uint32_t i = 0; i + 1u < sizeof each; i++) {
         TEST_ASSERT_EQUAL_UINT32_MESSAGE(1, times(each[i]), calls);
     }

@@ -16,6 +16,7 @@ from pathlib import Path
 
 from camtools.errors import CamtoolsError
 from camtools.part import Limits
+from camtools.part_cam import CamLimits
 from camtools.report_data import Json, Variant, read_summary
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -48,6 +49,15 @@ speed_mm_per_s = {z_speed!r}
 acceleration_mm_per_s2 = {z_acceleration!r}
 """
 
+_CAM_MACHINE = """\
+[encoder]
+counts_per_turn = 1000000
+[swing]
+speed_deg_per_s = {speed!r}
+acceleration_deg_per_s2 = {acceleration!r}
+range_deg = {range!r}
+"""
+
 
 def camsim_path() -> Path:
     """Return where the simulator is built: the folder that CAMTURN_BUILD names, or build/host."""
@@ -71,9 +81,13 @@ def machine_text(limits: Limits) -> str:
     )
 
 
-def cam_machine_text(limits: Limits) -> str:
+def cam_machine_text(limits: CamLimits) -> str:
     """Return a machine file for a cam: its lift over the angle wants an encoder as of a C axis."""
-    return machine_text(limits) + "[encoder]\ncounts_per_turn = 1000000\n"
+    return machine_text(limits) + _CAM_MACHINE.format(
+        speed=min(limits.swing_speed_deg_s, 1e5),
+        acceleration=min(max(limits.swing_acceleration_deg_s2, 10.0), 1e8),
+        range=limits.swing_deg,
+    )
 
 
 def traced_turns(turns: float, speed_rpm: float) -> float | None:

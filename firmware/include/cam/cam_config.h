@@ -65,13 +65,6 @@ cam_config_take_isr(cam_config_bank_t *bank)
     return offered;
 }
 
-/// A lobe comes towards the tool by its lift within a turn: X stays clear of the lobes instead of the
-/// base circle, and U retracts beyond them.
-/// @param table  NULL or of a skirt: nothing changes
-/// @return       the parameters with x_clearance_nm and u_retract_nm as the table needs them.
-///               Context: slow side
-cam_params_t cam_config_clear(const cam_params_t *params, const cam_table_t *table);
-
 /// @return [turn / 2^32 per tick] of a speed, rounded, saturated. Context: slow side.
 int32_t cam_config_speed_q32(uint32_t speed_mrpm, uint32_t tick_hz);
 

@@ -54,6 +54,9 @@ typedef enum {
     cam_err_x_speed = -49,              ///< clearance or barrel at that speed beyond X's speed
     cam_err_x_acceleration = -50,       ///< ... beyond X's acceleration
     cam_err_swing_axis = -51,           ///< the table swings the tool: there is no axis for it
+    cam_err_swing_range = -52,          ///< the tool would have to swing farther than it can
+    cam_err_swing_speed = -53,          ///< ... faster
+    cam_err_swing_acceleration = -54,   ///< ... with more acceleration
 } cam_err_t;
 
 #define CAM_MUST_USE __attribute__((warn_unused_result))

@@ -19,7 +19,8 @@ typedef struct {
     uint32_t speed_mrpm;   ///< the speed asked for
     uint32_t highest_mrpm; ///< highest speed at which all limits hold; 0 when no speed helps
     int64_t needed;        ///< what the motion needs, in the unit of the limit
-    int64_t limit;         ///< [r/min / 1000], [um/s], [mm/s2], [nm] or per tick, as err tells
+    int64_t limit;         ///< [r/min / 1000], [um/s], [mm/s2], [nm], [degrees / 1000], [degrees /
+                           ///< 1000 / s], [degrees / s2] or per tick, as err tells
 } cam_feasibility_t;
 
 /// Judge a speed.

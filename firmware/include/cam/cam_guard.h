@@ -33,6 +33,8 @@ typedef struct {
     cam_move_limits_t limits[hal_n_axes]; ///< for the retract
     int64_t u_retract_q10;                ///< [nm / 1024] place of U out of the work
     int64_t x_clearance_q10;              ///< [nm / 1024] X moves off by this much
+    bool is_swung;                        ///< the tool swings
+    cam_swing_limits_t swing;             ///< for its way back to 0
 } cam_guard_config_t;
 
 /// State; zero-initialised is: no faults.

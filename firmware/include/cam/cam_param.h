@@ -48,7 +48,12 @@
     X(stopped_ms,                     1,        100,      10000, "and is a fault after this time while cutting") \
     X(following_limit_nm,           100,     100000,   10000000, "accepted following error of U") \
     X(late_percent,                  10,         50,        900, "a tick is late when it comes this much of a period after its time") \
-    X(trace_on,                       0,          1,          1, "1: record every tick in the trace ring")
+    X(trace_on,                       0,          1,          1, "1: record every tick in the trace ring") \
+    X(swing_speed_mdeg_per_s,         0,          0,  100000000, "highest speed of the tool's swing; 0: there is no axis for it") \
+    X(swing_acceleration_deg_per_s2,  1,     100000,  100000000, "highest acceleration of the swing") \
+    X(swing_range_mdeg,               1,      30000,      90000, "the tool swings by at most this to either side") \
+    X(swing_lag_ns,                   0,          0,   20000000, "lag of the swing's drive on a ramp, compensated by reading ahead") \
+    X(swing_following_limit_mdeg,     1,       1000,      90000, "accepted following error of the swing")
 // clang-format on
 
 /// Index of a parameter, in the order of the list.

@@ -22,6 +22,7 @@
 #include "cam/cam_speed.h"   // cam_speed_t
 #include "cam/cam_spindle.h" // cam_angle_t
 #include "cam/cam_state.h"   // cam_sense_t, cam_state_t
+#include "cam/cam_swing.h"   // cam_swing_t
 #include "cam/cam_table.h"   // cam_table_t
 #include <stdbool.h>         // bool
 #include <stdint.h>          // int32_t, int64_t
@@ -30,10 +31,11 @@ enum {
     cam_play_history = 64, ///< ticks of U kept to know what is due; a power of two
 };
 
-/// Tasks of cam_plan.h, one per tick, in the order of a round. Where the spindle is not modulated
-/// both blocks of its tasks are left out.
+/// Tasks of cam_plan.h, one per tick. cam_round.h lays them out: most in this order, those of the
+/// speed ratio once more at the end or not at all, those of the swing in between or not at all.
 enum {
-    cam_plan_task_positions, ///< where the master will be when the ways of this round end
+    cam_plan_task_positions, ///< where the master will be when the ways of this round end; the
+                             ///< first
     cam_plan_task_turns,     ///< of feed until then
     cam_plan_task_feed,
     cam_plan_task_height,
@@ -65,16 +67,24 @@ enum {
     cam_plan_task_state,
     cam_plan_task_z,
     cam_plan_task_ramp,
-    cam_plan_task_again, ///< the tasks of the speed ratio, from find_slices on
-    cam_plan_tasks = cam_plan_task_again + cam_plan_task_read_profile - cam_plan_task_find_slices
+    cam_plan_task_height_swing, ///< of the swing
+    cam_plan_task_look_at_swing,
+    cam_plan_task_find_swing, ///< a pass: from here to the last one
+    cam_plan_task_place_swing,
+    cam_plan_task_swing_knot_0,
+    cam_plan_task_swing_knot_1,
+    cam_plan_task_read_swing,
+    cam_plan_task_aim_swing
 };
 
 /// Ticks of a round; beyond its own length what an index edge and a row of busy ticks take.
 enum {
     cam_plan_put_off = 8,
-    cam_plan_ratio_tasks = cam_plan_tasks - cam_plan_task_again,
-    cam_plan_ticks_modulated = cam_plan_tasks,
-    cam_plan_ticks_uniform = cam_plan_tasks - 2 * cam_plan_ratio_tasks,
+    cam_plan_ratio_tasks = cam_plan_task_read_profile - cam_plan_task_find_slices,
+    cam_plan_ticks_uniform = cam_plan_task_height_swing - cam_plan_ratio_tasks,
+    cam_plan_ticks_modulated = cam_plan_ticks_uniform + 2 * cam_plan_ratio_tasks,
+    cam_plan_ticks_swung = 95,
+    cam_plan_most_ticks = 117, ///< swung and modulated
 };
 _Static_assert(cam_plan_ticks_uniform == 21 && cam_plan_ticks_modulated == 43,
                "as the documents say");
@@ -126,19 +136,20 @@ typedef struct {
 typedef struct {
     const cam_table_t *table; ///< NULL: none, enable is refused
     cam_u_scale_t u;
-    uint32_t after_profile, after_ramp; ///< the tasks behind find_profile and ramp
-    int32_t round_ticks;                ///< [ticks] length of a round
-    int32_t per_round_q32;              ///< [1 / ticks] its reciprocal
-    int32_t most_put_off;               ///< [ticks] without a task on top; more are a fault
-    int32_t lead_q16;                   ///< [ticks] dead time of U, below cam_play_history - 2
-    uint32_t lead_ticks;                ///< [ticks] whole ones of it
-    int32_t lead_part_q31;              ///< [ticks / 2^31] the rest
-    int32_t xz_lag_q16;                 ///< [ticks] lag of X and Z
-    int32_t u_plan_q16, xz_plan_q16;    ///< [ticks] ... and those to the end of a plan
-    int32_t ratio_q16;                  ///< [ticks] the speed ratio is read this much ahead
-    int32_t u_behind_q16;               ///< [ticks] U is read this much behind X and Z
-    int64_t height_max_q32;             ///< [slices] end of the table for U
-    int32_t u_height_q16;               ///< [ticks] from the planned height to that of U's plan
+    uint8_t schedule[cam_plan_most_ticks + 1]; ///< tasks of a round, then the first one again
+    int32_t round_ticks;                       ///< [ticks] length of a round
+    int32_t x_early_ticks;                     ///< [ticks] X's way ends this much before Z's
+    int32_t per_round_q32;                     ///< [1 / ticks] its reciprocal
+    int32_t most_put_off;                      ///< [ticks] without a task on top; more are a fault
+    int32_t lead_q16;                ///< [ticks] dead time of U, below cam_play_history - 2
+    uint32_t lead_ticks;             ///< [ticks] whole ones of it
+    int32_t lead_part_q31;           ///< [ticks / 2^31] the rest
+    int32_t xz_lag_q16;              ///< [ticks] lag of X and Z
+    int32_t u_plan_q16, xz_plan_q16; ///< [ticks] ... and those to the end of a plan
+    int32_t ratio_q16;               ///< [ticks] the speed ratio is read this much ahead
+    int32_t u_behind_q16;            ///< [ticks] U is read this much behind X and Z
+    int64_t height_max_q32;          ///< [slices] end of the table for U
+    int32_t u_height_q16;            ///< [ticks] from the planned height to that of U's plan
     int32_t xz_lag2; ///< [ticks^2] what the acceleration of the spindle adds to X and Z until then
     int32_t phase_q32, phase_step_q32;          ///< [turn / 2^32], per tick
     int32_t amplitude_q30, amplitude_step_q30;  ///< [1], per tick
@@ -159,6 +170,7 @@ typedef struct {
     cam_move_limits_t approach[hal_n_axes]; ///< gentle limits outside the cut
     int32_t spindle_mrpm;                   ///< mean set-point, signed by the table's direction
     cam_speed_config_t speed;               ///< modulation, of a table with a speed channel
+    cam_swing_config_t swing;               ///< of a table that swings the tool
 } cam_play_config_t;
 
 /// State; zero-initialised is off.
@@ -168,7 +180,7 @@ typedef struct {
     bool is_playing;             ///< in the work and not approaching it: axes follow the table
     bool is_retracted;           ///< in state fault: the guard's retract has ended
     cam_move_t axis[hal_n_axes]; ///< set-points written last
-    uint32_t task;               ///< of the next tick
+    uint32_t task;               ///< place in the schedule of the next tick; step of an approach
     int32_t put_off_left;        ///< [ticks] that this round may still have without a task
     int64_t engage_at_q32;       ///< [turn] master position where the envelope starts to rise
     int64_t feed_at_q32;         ///< ... where Z starts
@@ -185,8 +197,9 @@ typedef struct {
     cam_speed_t speed;                    ///< what the spindle is told in this tick
     int32_t alpha_u;                      ///< its acceleration in the unit of U's
     int32_t history_q6[cam_play_history]; ///< [nm / 64] U set-points
-    uint32_t n_history;
-    int32_t due_q6; ///< [nm / 64] the one of them that was looked up last
+    uint32_t n_history;                   ///< ticks
+    int32_t due_q6;                       ///< [nm / 64] the one of them that was looked up last
+    cam_swing_t swing;
 } cam_play_t;
 
 /// What play wants of the machine, besides the axes; then what the guard made of it.

@@ -65,7 +65,8 @@ typedef enum {
     X(setpoint_acceleration, "U set-point accelerates more than U can")                            \
     X(setpoint_range, "U set-point leaves the stroke")                                             \
     X(z_range, "Z left the table")                                                                 \
-    X(table, "table damaged")
+    X(table, "table damaged")                                                                      \
+    X(swing, "the tool's swing does not follow")
 
 typedef enum {
 #define CAM_FAULT_ID(name, what) cam_fault_##name,
@@ -94,6 +95,7 @@ typedef struct {
     uint32_t clock;                ///< [1 / hal_clock_hz()] at the start of the tick
     hal_encoder_t encoder;         ///< spindle
     int32_t actual_nm[hal_n_axes]; ///< [nm] measured axes
+    int32_t swing_q32;             ///< [turn / 2^32] measured swing
     uint32_t inputs;               ///< hal_in_*
     uint32_t request;              ///< serial number << 8 | cam_request_t
 } cam_sense_t;

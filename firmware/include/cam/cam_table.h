@@ -51,6 +51,13 @@ typedef struct {
     int32_t offset_nm;          ///< [nm] value at p = 0
 } cam_channel_t;
 
+/// Bounds of what a table demands of the tool's swing, at the full amplitude.
+typedef struct {
+    uint32_t most_mdeg;            ///< [degrees / 1000] to either side
+    uint32_t first_mdeg_per_rad;   ///< [degrees / 1000 / rad] speed over speed of the spindle
+    uint32_t second_mdeg_per_rad2; ///< [degrees / 1000 / rad2] acceleration over its square
+} cam_swing_peaks_t;
+
 /// A checked table. All members are read-only after cam_table_check().
 typedef struct {
     cam_channel_t u;                ///< radius reduction, positive towards the axis
@@ -59,6 +66,7 @@ typedef struct {
     cam_channel_t angle;            ///< of a cam, normal at the contact; knots == NULL: a skirt
     bool is_swung;                  ///< the tool must swing by `angle`
     bool is_ring_helix;             ///< a geared Z follows a ring-helix (cam_feed.h), not a helix
+    cam_swing_peaks_t swing;        ///< of the swing at uniform speed; 0 without one
     char name[cam_table_name_size]; ///< printable ASCII, zero-terminated
     int32_t z_first_nm, z_last_nm;  ///< [nm] served range of heights
     int32_t direction;              ///< +1 or -1: spindle sense while cutting, +1 is M3
@@ -89,6 +97,15 @@ typedef struct {
 /// @return       cam_ok, or the first thing wrong in the order of TABLE_FORMAT.md
 /// Context: slow side; reads each byte of the image twice. Source: TABLE_FORMAT.md.
 CAM_MUST_USE cam_err_t cam_table_check(const void *image, size_t size, cam_table_t *table);
+
+/// A cam rises above its base circle, on which u is 0, by this: what leaves its work goes so much
+/// further. The largest amplitude that a parameter allows is in it.
+/// @return [nm] 0 of a skirt
+static inline int32_t cam_table_rise_nm(const cam_table_t *table)
+{
+    const bool is_risen = table->angle.knots != NULL && table->u_min_nm < 0;
+    return is_risen ? -(table->u_min_nm + table->u_min_nm / 4) : 0;
+}
 
 /// CRC-32 as used by the image, in pieces: start with 0 and feed the result back.
 /// @param crc   result of the previous piece, 0 at the start

@@ -23,12 +23,15 @@ typedef struct {
         hal_encoder_t encoder;       ///< true readings, before faults
         hal_encoder_t read;          ///< what the interrupt reads: as of the last advance
         int32_t axis_nm[hal_n_axes]; ///< [nm] measured positions
+        int32_t swing_q32;           ///< [turn / 2^32] measured swing
         uint32_t inputs;             ///< hal_in_*
     } in;
     struct {
         hal_setpoint_t axis[hal_n_axes];
         int32_t spindle_mrpm; ///< [r/min / 1000] signed
         uint32_t outputs;     ///< hal_out_*
+        hal_swing_t swing;
+        uint32_t n_swing; ///< set-points of the swing so far
     } out;
     struct {                   ///< distortions, applied to every reading
         uint32_t count_offset; ///< [counts] added to the counter and what latches it
@@ -48,6 +51,7 @@ typedef struct {
         uint32_t n_store;   ///< calls of hal_table_begin, _write, _commit that still succeed
         uint32_t n_room;    ///< frames that the transmit queue still takes
         bool is_bus_off;    ///< nothing can be sent
+        bool has_no_swing;  ///< the machine has no axis for the swing
     } slow;
     uint32_t tick_hz;     ///< [Hz] set before hal_init(), 20 000 when 0
     uint32_t clock;       ///< virtual time stamp

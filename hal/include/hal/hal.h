@@ -50,6 +50,13 @@ typedef struct {
     int32_t acc_q10; ///< [nm / 1024 per tick^2] its acceleration (CiA 402: 60B2h)
 } hal_setpoint_t;
 
+/// Set-point of the swing axis: the tool's angle about the swing's centre, 0 along the line of
+/// centres, rising in the sense in which the follower runs round the cam (TABLE_FORMAT.md, "Cams").
+typedef struct {
+    int32_t pos_q32; ///< [turn / 2^32] at the tick in which it is written
+    int32_t vel_q32; ///< [turn / 2^32 per tick] the drive goes on at this until the next set-point
+} hal_swing_t;
+
 /// Why the processor started. Of several reasons at once the later one in this list counts.
 typedef enum {
     hal_reset_power_on,
@@ -99,6 +106,11 @@ int hal_init(void);
 
 /// @return [Hz] rate at which cam_isr() is called, 500 .. 100 000, constant after hal_init()
 uint32_t hal_tick_hz(void);
+
+/// @return whether the machine has an axis for the tool's swing; without one the two functions of
+/// the swing are called and ignored, and tables with a swing are refused. Constant after
+/// hal_init(). Simulator: true unless the machine file says otherwise.
+bool hal_has_swing(void);
 
 /// @return [Hz] rate of hal_clock_isr(), at least ten times hal_tick_hz()
 uint32_t hal_clock_hz(void);
@@ -173,6 +185,10 @@ void hal_encoder_read_isr(hal_encoder_t *reading);
 /// feed-forward included, and tells nothing of the drive.
 int32_t hal_axis_read_nm_isr(hal_axis_t axis);
 
+/// @return [turn / 2^32] measured swing of the tool, the last value that is known; <= 10 cycles.
+/// 0 of a port without the axis.
+int32_t hal_swing_read_q32_isr(void);
+
 /// @return bits hal_in_*, debounced where the wiring needs it; <= 20 cycles
 uint32_t hal_inputs_read_isr(void);
 
@@ -181,6 +197,12 @@ uint32_t hal_inputs_read_isr(void);
 /// Give an axis its set-point for the next period; <= 60 cycles. While enable is low the port may
 /// ignore it. Simulator: kept for the machine models.
 void hal_axis_write_isr(hal_axis_t axis, const hal_setpoint_t *setpoint);
+
+/// Give the swing its set-point, valid from this tick; <= 60 cycles. While off in every tick, where
+/// the tool is. With a table that swings the tool every 8 ticks, in the cut of a modulated spindle
+/// every 10, as a bus of 1 .. 4 kHz would; with other tables not again: the drive holds its place.
+/// While enable is low the port may ignore it. Simulator: counted, kept for the models.
+void hal_swing_write_isr(const hal_swing_t *setpoint);
 
 /// Give the spindle its speed set-point; <= 30 cycles.
 /// @param speed_mrpm  [r/min / 1000] signed: positive in the spindle's own positive sense (M3)
