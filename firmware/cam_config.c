@@ -227,6 +227,11 @@ static void build_rounds(cam_play_config_t *c, bool is_modulated)
     const int32_t u_ticks = c->round_ticks + cam_plan_task_aim_u - skipped - 1;
     c->xz_plan_q16 = c->xz_lag_q16 + xz_ticks * 65536;
     c->u_plan_q16 = c->lead_q16 + u_ticks * 65536;
+    const int32_t put_off_q16 = cam_plan_put_off * 65536;
+    const int32_t round_q16 = c->round_ticks * 65536;
+    c->told_q16 =
+        (c->u_plan_q16 > c->xz_plan_q16 ? c->u_plan_q16 : c->xz_plan_q16) + round_q16 + put_off_q16;
+    c->free_q16 = c->told_q16 + (cam_plan_tasks - cam_plan_task_hold_height) * 65536;
     c->ratio_q16 = c->lead_q16 + ratio_half_ticks * 32768;
     // A geared Z is planned for the end of its own way, a measured one for the end of a round.
     const int32_t after_round = (cam_plan_task_aim_z - skipped - 1) * 65536;

@@ -21,7 +21,8 @@ from camsim_cases import CAMSIM, camsim, only_error
 
 BOARDS = {"mps2-an500": "mcu-qemu", "mps2-an386": "mcu-qemu-m4"}
 LEAST_TICKS_PER_S = 10_000
-# Part, exit status and options: engage to disengage, a modulated spindle, a stopped ring-helix, faults of the machine
+# Part, exit status and options: engage to disengage, a modulated spindle, a stopped ring-helix,
+# faults of the machine
 # and of the table in the target's memory, the operator's stop.
 CASES = {
     "whole": ("perkins240", 0, ("--feed", "1")),
