@@ -190,8 +190,10 @@ CAM_STAGE static uint32_t find_height(cam_play_t *p, const cam_play_config_t *cf
     return 0;
 }
 
-CAM_STAGE static uint32_t hold_height(cam_play_t *p, const cam_play_config_t *cfg)
+CAM_STAGE static uint32_t hold_height(cam_play_t *p, const cam_play_config_t *cfg,
+                                      const cam_angle_t *angle)
 {
+    p->plan.free_q32 = cam_angle_next_turn(cam_angle_ahead(angle, cfg->free_q16));
     const cam_height_t at = p->plan.u_height;
     const int64_t found_q32 = (int64_t)((uint64_t)at.i << 32 | (uint32_t)at.w_q31 << 1);
     const int64_t put_off_q32 = (int64_t)p->height_way_q32 * put_off(p, cfg);
@@ -240,10 +242,29 @@ static cam_state_t state_at(const cam_play_t *p, const cam_play_config_t *cfg, i
     return pos_q32 < p->feed_at_q32 ? cam_state_engaging : cam_state_cutting;
 }
 
+/// Where a stop would end the feed, and behind it the cut: on a whole turn that no axis is told of
+/// before this task comes again. A feed in motion falls over its ramp, a ring-helix goes on to the
+/// end of the next ring, a feed that has not begun does not begin.
+static void plan_stop(cam_play_t *p, const cam_play_config_t *cfg)
+{
+    const int64_t fed_q32 = p->plan.free_q32 - p->feed_at_q32;
+    const int64_t ramp_q32 = cfg->ramp_q32;
+    p->plan.stop_turns_q32 = 0;
+    p->plan.stop_end_q32 = p->plan.free_q32;
+    if (fed_q32 > 0 && !cfg->is_z_measured) {
+        const int64_t turns_q32 = cfg->rings.is_on     ? cam_feed_ring_end_q32(fed_q32)
+                                  : fed_q32 > ramp_q32 ? fed_q32 + ramp_q32
+                                                       : 2 * ramp_q32;
+        p->plan.stop_turns_q32 = turns_q32;
+        p->plan.stop_end_q32 = p->feed_at_q32 + turns_q32;
+    }
+}
+
 /// The state is that of the spindle itself, not of what is planned.
 CAM_STAGE static uint32_t look_at_state(cam_play_t *p, const cam_play_config_t *cfg,
                                         const cam_angle_t *angle)
 {
+    plan_stop(p, cfg);
     p->state = state_at(p, cfg, angle->pos_q32);
     if (p->state == cam_state_ready) { // scale 0: U has come to rest at 0
         p->axis[hal_axis_u] = (cam_move_t){0};
@@ -324,7 +345,7 @@ uint32_t cam_plan_task_isr(cam_play_t *p, const cam_play_config_t *cfg, const ca
     case cam_plan_task_find_height:
         return find_height(p, cfg);
     case cam_plan_task_hold_height:
-        return hold_height(p, cfg);
+        return hold_height(p, cfg, angle);
     case cam_plan_task_aim_height:
         return aim_height(p, cfg);
     case cam_plan_task_aim_u:

@@ -11,14 +11,6 @@ enum { request_put_off = 3 };
 /// Disengage position while nobody asked for one.
 #define NEVER_Q32 (INT64_MAX / 2)
 
-/// @return [turn] the furthest position that any axis is told of before the next plan
-static int64_t furthest_q32(const cam_play_config_t *cfg, const cam_angle_t *angle)
-{
-    const int32_t most_q16 =
-        cfg->u_plan_q16 > cfg->xz_plan_q16 ? cfg->u_plan_q16 : cfg->xz_plan_q16;
-    return cam_angle_ahead(angle, most_q16 + (cfg->round_ticks + cam_plan_put_off) * 65536);
-}
-
 /// U with its velocity and acceleration: derivatives per knot times knots per tick. The slow change
 /// of envelope, amplitude and height adds nothing worth naming to them (a skirt: 1e-6 of the
 /// speed). What does not fit is a fault of this tick, which writes nothing of it. The place is kept
@@ -110,7 +102,7 @@ static bool wait_retracted(cam_play_t *p, const cam_play_config_t *cfg)
 /// The cut is laid onto whole turns of the master; everything is at its start.
 static void lay(cam_play_t *p, const cam_play_config_t *cfg, const cam_angle_t *angle, int32_t z_nm)
 {
-    p->engage_at_q32 = cam_angle_next_turn(furthest_q32(cfg, angle));
+    p->engage_at_q32 = cam_angle_next_turn(cam_angle_ahead(angle, cfg->told_q16));
     p->feed_at_q32 = p->engage_at_q32 + cfg->engage_q32;
     p->feed_turns_q32 = cfg->feed_q32;
     p->disengage_at_q32 = cfg->is_z_measured ? NEVER_Q32 : p->feed_at_q32 + cfg->feed_q32;
@@ -120,6 +112,8 @@ static void lay(cam_play_t *p, const cam_play_config_t *cfg, const cam_angle_t *
     p->scale_q30 = 0;
     p->scale_way_q30 = 0;
     p->plan.measured_nm = z_nm;
+    p->plan.stop_turns_q32 = 0;
+    p->plan.stop_end_q32 = p->engage_at_q32;
     p->behind_q4 = 0;
     p->behind_way_q4 = 0;
     p->height_q32 = 0; // U is at 0 until the first round has said where it is
@@ -230,23 +224,13 @@ static void follow_axes(cam_play_t *p, const cam_sense_t *in)
     cam_swing_follow_isr(&p->swing, in->swing_q32, p->n_history);
 }
 
-/// Stop lays the end of the feed, and behind it that of the cut, onto the next whole turn that no
-/// axis has been told of yet. A feed in motion falls over its ramp, a ring-helix goes on to the end
-/// of the next ring, a feed that has not begun does not begin.
-static void stop(cam_play_t *p, const cam_play_config_t *cfg, const cam_angle_t *angle)
+/// Stop lays the end of the feed, and behind it that of the cut, where the last round has found
+/// that they may lie (cam_plan.c).
+static void stop(cam_play_t *p)
 {
-    const int64_t at_q32 = cam_angle_next_turn(furthest_q32(cfg, angle));
-    const int64_t fed_q32 = at_q32 - p->feed_at_q32;
-    const int64_t ramp_q32 = cfg->ramp_q32;
-    const bool is_feeding = fed_q32 > 0 && !cfg->is_z_measured;
-    const int64_t turns_q32 = !is_feeding          ? 0
-                              : cfg->rings.is_on   ? cam_feed_ring_end_q32(fed_q32)
-                              : fed_q32 > ramp_q32 ? fed_q32 + ramp_q32
-                                                   : 2 * ramp_q32;
-    const int64_t end_q32 = is_feeding ? p->feed_at_q32 + turns_q32 : at_q32;
-    if (end_q32 < p->disengage_at_q32) {
-        p->feed_turns_q32 = turns_q32;
-        p->disengage_at_q32 = end_q32;
+    if (p->plan.stop_end_q32 < p->disengage_at_q32) {
+        p->feed_turns_q32 = p->plan.stop_turns_q32;
+        p->disengage_at_q32 = p->plan.stop_end_q32;
     }
 }
 
@@ -257,13 +241,12 @@ static bool is_new(const cam_play_t *p, uint32_t request)
 
 /// While the axes follow the table there is nothing else to ask for.
 /// @return faults that the request reports
-CAM_STAGE static uint32_t obey_in_work(cam_play_t *p, const cam_play_config_t *cfg,
-                                       uint32_t request, const cam_angle_t *angle)
+CAM_STAGE static uint32_t obey_in_work(cam_play_t *p, uint32_t request)
 {
     p->request = request >> 8;
     const uint32_t what = request & 0xFFu;
     if (what == (uint32_t)cam_request_stop) {
-        stop(p, cfg, angle);
+        stop(p);
     }
     return what == (uint32_t)cam_request_table_fault ? CAM_FAULT_BIT(table) : 0u;
 }
@@ -315,7 +298,7 @@ static uint32_t play_table(cam_play_t *p, const cam_play_config_t *cfg, const ca
         return play_on(p, cfg, angle, want);
     }
     if (may_obey(p, cfg, in)) {
-        const uint32_t faults = obey_in_work(p, cfg, in->request, angle);
+        const uint32_t faults = obey_in_work(p, in->request);
         return faults | play_on(p, cfg, angle, want);
     }
     const uint32_t faults = cam_plan_task_isr(p, cfg, in, angle);

@@ -80,6 +80,9 @@ static void build_plans(cam_play_config_t *c)
     c->x_early_ticks = aim_z - place_of(c, cam_plan_task_aim_x);
     c->xz_plan_q16 = c->xz_lag_q16 + xz_ticks * 65536;
     c->u_plan_q16 = c->lead_q16 + u_ticks * 65536;
+    const int32_t furthest_q16 = c->u_plan_q16 > c->xz_plan_q16 ? c->u_plan_q16 : c->xz_plan_q16;
+    c->told_q16 = furthest_q16 + (c->round_ticks + cam_plan_put_off) * 65536;
+    c->free_q16 = c->told_q16 + (c->round_ticks - place_of(c, cam_plan_task_hold_height)) * 65536;
     // A geared Z is planned for the end of its own way, a measured one for the end of a round.
     const int32_t after_round = (aim_z - 1) * 65536;
     c->u_behind_q16 = (c->is_z_measured ? -after_round : c->xz_lag_q16) - c->lead_q16;

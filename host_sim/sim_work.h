@@ -7,7 +7,7 @@
 ///
 /// The tip is a point at centre height (a nose of 0.8 mm shifts a piston's contact by 5 um along Z
 /// and 0.02 um across). One turn removes a ring of the feed's width, so every sample stands for the
-/// share dz of it; feed marks between turns are not modelled.
+/// share dz of it; feed marks between turns are the business of sim_scallop.h.
 /// The map keeps, per cell of angle and height, the sample with the largest |error|; each row of
 /// heights keeps the extremes, from which its roundness (largest - smallest error) follows.
 #ifndef SIM_WORK_H

@@ -203,6 +203,19 @@ static void come_off_time_too_often(void)
     g_cam.play.put_off_left = 0;
 }
 
+/// The operator's stop, which takes the place of a task.
+static void ask_to_stop(void)
+{
+    const uint32_t serial = g_cam.play.request + 1u;
+    atomic_store(&g_cam.request, serial << 8 | (uint32_t)cam_request_stop);
+}
+
+static void break_u_while_stopping(void)
+{
+    ask_to_stop();
+    break_u();
+}
+
 typedef void (*cause_t)(void);
 
 static void try_tasks(uint32_t from, uint32_t to, const cause_t *causes, uint32_t n_causes)
@@ -253,7 +266,9 @@ static void test_every_task_with_every_edge_and_fault(void)
                                      come_off_time,
                                      break_u_off_time,
                                      break_u_off_time_again,
-                                     come_off_time_too_often};
+                                     come_off_time_too_often,
+                                     ask_to_stop,
+                                     break_u_while_stopping};
     try_all(causes, sizeof causes / sizeof causes[0]);
     expect_budget("forced", budget_tick);
 }
@@ -261,8 +276,9 @@ static void test_every_task_with_every_edge_and_fault(void)
 /// The tasks that a ring-helix does in another way, in a ring, on a ramp and between two.
 static void test_ring_helix_with_every_edge_and_fault(void)
 {
-    static const cause_t causes[] = {no_fault,  press_estop, break_u,
-                                     turn_back, come_late,   break_u_off_time};
+    static const cause_t causes[] = {
+        no_fault,  press_estop,      break_u,     turn_back,
+        come_late, break_u_off_time, ask_to_stop, break_u_while_stopping};
     fixture_part_t part = fixture_part_short();
     part.is_ring_helix = true;
     TEST_ASSERT_TRUE(budget_session_open(&rig, counted, &part, false));

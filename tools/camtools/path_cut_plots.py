@@ -58,7 +58,7 @@ def _draw_heights(axes: Axes, cuts: Sequence[PathCut]) -> None:
 def draw_measured(name: str, study: PathStudy, cuts: Sequence[PathCut]) -> bytes:
     """Return the maps of ring-helix and helix of as many turns, and the height of all, as PNG."""
     with drawing():
-        figure: Figure = new_figure(10, 10)
+        figure: Figure = new_figure(9, 8.5)
         rpm = cuts[0].row.rpm
         figure.suptitle(
             f"{name}: metal left between the tracks, nose radius {study.nose_mm:g} mm, "

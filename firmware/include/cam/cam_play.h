@@ -101,6 +101,9 @@ typedef struct {
 typedef struct {
     cam_plan_depth_t xz;              ///< of X and Z
     cam_plan_depth_t u;               ///< of the amplitude of U
+    int64_t free_q32;                 ///< [turn] a whole turn that no axis is told of for a round
+    int64_t stop_turns_q32;           ///< [turn] length of the feed if it were stopped now
+    int64_t stop_end_q32;             ///< [turn] ... and where the envelope would start to fall
     int64_t done_q32;                 ///< [turn] since the feed began, 0 .. its length
     int64_t fed_q32;                  ///< [turn] of feed until then
     uint32_t risen_q30;               ///< [1] ... of a ring-helix: of the step
@@ -146,6 +149,8 @@ typedef struct {
     int32_t lead_part_q31;           ///< [ticks / 2^31] the rest
     int32_t xz_lag_q16;              ///< [ticks] lag of X and Z
     int32_t u_plan_q16, xz_plan_q16; ///< [ticks] ... and those to the end of a plan
+    int32_t told_q16;                ///< [ticks] what any axis is told of before the next plan
+    int32_t free_q16;                ///< [ticks] ... and before it is known where a stop ends
     int32_t ratio_q16;               ///< [ticks] the speed ratio is read this much ahead
     int32_t u_behind_q16;            ///< [ticks] U is read this much behind X and Z
     int64_t height_max_q32;          ///< [slices] end of the table for U
