@@ -17,7 +17,7 @@ static uint64_t at_least(uint64_t v, uint64_t least)
     return v > least ? v : least;
 }
 
-static int32_t shorter_nm(int32_t a, int32_t b)
+static int32_t lesser_nm(int32_t a, int32_t b)
 {
     return a < b ? a : b;
 }
@@ -117,8 +117,8 @@ uint32_t cam_feed_risen_q30_isr(const cam_rings_t *rings, int64_t done_q32)
 
 int32_t cam_feed_height_nm_isr(const cam_rings_t *rings, int64_t done_q32, uint32_t risen_q30)
 {
-    const int32_t ring_nm = shorter_nm((int32_t)(done_q32 >> 33) * rings->feed_nm, rings->span_nm);
-    const int32_t step_nm = shorter_nm(rings->feed_nm, rings->span_nm - ring_nm);
+    const int32_t ring_nm = lesser_nm((int32_t)(done_q32 >> 33) * rings->feed_nm, rings->span_nm);
+    const int32_t step_nm = lesser_nm(rings->feed_nm, rings->span_nm - ring_nm);
     const uint64_t fed_q30 = (uint64_t)risen_q30 * (uint32_t)step_nm + (UINT32_C(1) << 29);
     return ring_nm + (int32_t)(fed_q30 >> 30);
 }
