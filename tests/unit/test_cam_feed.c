@@ -92,10 +92,11 @@ static void test_speed_and_acceleration_of_worked_numbers(void)
     TEST_ASSERT_EQUAL_UINT64(695, cam_feed_least_acceleration(100000, 2500000)); // 694.4
 }
 
+/// llround() of the boards' newlib loses bits beyond 2^32.
 /// @return [nm] above the first ring
 static int32_t height_nm(const cam_rings_t *rings, double turns)
 {
-    const int64_t done_q32 = llround(turns * turn_q32);
+    const int64_t done_q32 = (int64_t)(turns * turn_q32 + 0.5);
     return cam_feed_height_nm_isr(rings, done_q32, cam_feed_risen_q30_isr(rings, done_q32));
 }
 

@@ -72,7 +72,7 @@ enum { rounds = 4 * cam_plan_ticks_uniform };
 static double z_at(double turns)
 {
     const int32_t speed_q32 = f.angle.speed_q32;
-    f.angle.pos_q32 = f.play.feed_at_q32 + llround(turns * turn_q32);
+    f.angle.pos_q32 = f.play.feed_at_q32 + (int64_t)floor(turns * turn_q32 + 0.5);
     f.angle.speed_q32 = 0;
     fixture_play_ticks(&f, rounds);
     f.angle.speed_q32 = speed_q32;
