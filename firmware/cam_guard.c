@@ -144,8 +144,8 @@ static void enter_fault(cam_guard_t *g, uint32_t faults, cam_want_t *want, cam_p
     want->u_set_q6 = g->u_set_q6;
     want->faults = faults;
     want->is_retracted = false;
-    want->outputs =
-        (faults & CAM_FAULT_BIT(drive)) == 0u ? hal_out_fault | hal_out_enable : hal_out_fault;
+    const uint32_t is_held = (~faults >> (uint32_t)cam_fault_drive) & 1u;
+    want->outputs = hal_out_fault | is_held * hal_out_enable;
 }
 
 /// What the tick of the fault had no time for: where the retract begins and X is to go.

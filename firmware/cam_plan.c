@@ -351,7 +351,7 @@ uint32_t cam_plan_task_isr(cam_play_t *p, const cam_play_config_t *cfg, const ca
     case cam_plan_task_look_at_swing:
         return cam_swing_look_isr(&p->swing, &cfg->swing, in->swing_q32, p->n_history);
     case cam_plan_task_find_swing:
-        return cam_swing_find_isr(&p->swing, &cfg->swing, angle, p->phase_q32);
+        return cam_swing_find_isr(&p->swing, &cfg->swing, angle, p->phase_q32, p->n_history);
     case cam_plan_task_place_swing:
         return cam_swing_place_isr(&p->swing, &cfg->table->angle);
     case cam_plan_task_swing_knot_0:

@@ -11,6 +11,7 @@ enum { between_uniform = 2, between_modulated = 4 };
 enum {
     n_pass = cam_plan_task_aim_swing - cam_plan_task_find_swing + 1,
 };
+_Static_assert(n_pass == cam_swing_aim_ticks + 1, "as a pass counts");
 
 /// A round that is being laid out.
 typedef struct {

@@ -3,11 +3,19 @@
 #include "cam/cam_angle.h" // cam_angle_of_pos
 #include "cam/cam_fix.h"   // cam_mulhi
 
+/// @return [turn / 2^32] where the last line has led; far beyond its end it may wrap
+static int32_t led_to(const cam_swing_t *s, uint32_t now)
+{
+    const uint32_t way_q32 = (uint32_t)s->set.vel_q32 * (now - s->at);
+    return (int32_t)((uint32_t)s->set.pos_q32 + way_q32);
+}
+
 uint32_t cam_swing_find_isr(cam_swing_t *s, const cam_swing_config_t *cfg, const cam_angle_t *angle,
-                            int32_t phase_q32)
+                            int32_t phase_q32, uint32_t now)
 {
     const uint32_t angle_q32 = cam_angle_of_pos(cam_angle_ahead(angle, cfg->ahead_q16));
     s->angle_q32 = angle_q32 - (uint32_t)phase_q32;
+    s->from_q32 = led_to(s, now + cam_swing_aim_ticks);
     return 0;
 }
 
@@ -31,13 +39,6 @@ uint32_t cam_swing_read_isr(cam_swing_t *s, const cam_swing_config_t *cfg)
     return 0;
 }
 
-/// @return [turn / 2^32] where the last line has led; far beyond its end it may wrap
-static int32_t led_to(const cam_swing_t *s, uint32_t now)
-{
-    const uint32_t way_q32 = (uint32_t)s->set.vel_q32 * (now - s->at);
-    return (int32_t)((uint32_t)s->set.pos_q32 + way_q32);
-}
-
 static void set(cam_swing_t *s, uint32_t now, int32_t pos_q32, int32_t vel_q32)
 {
     s->set.pos_q32 = pos_q32;
@@ -52,8 +53,8 @@ uint32_t cam_swing_aim_isr(cam_swing_t *s, const cam_swing_config_t *cfg, int32_
     const int32_t read_q32 = (int32_t)((uint32_t)s->read_q30 * 4u); // an angle: it may wrap
     const int32_t target_q30 = cam_mulhi(read_q32, scale_q30);
     const int32_t target_q32 = (int32_t)((uint32_t)target_q30 * 4u);
-    const int32_t pos_q32 = led_to(s, now);
-    set(s, now, pos_q32, cam_mulhi(cam_wrap_sub(target_q32, pos_q32), cfg->per_pass_q32));
+    const int32_t way_q32 = cam_wrap_sub(target_q32, s->from_q32);
+    set(s, now, led_to(s, now), cam_mulhi(way_q32, cfg->per_pass_q32));
     s->is_there = false;
     return 0;
 }

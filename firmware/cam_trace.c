@@ -17,8 +17,8 @@ cam_tick_record_t *cam_trace_slot_isr(cam_trace_t *trace, uint32_t room)
     const uint32_t written = atomic_load_explicit(&trace->n_written, memory_order_relaxed);
     const uint32_t read = atomic_load_explicit(&trace->n_read, memory_order_relaxed);
     cam_fence_acquire_isr();
-    trace->n_next = written;
     if (written - read >= room) {
+        trace->n_next = written;
         return spare(trace, room);
     }
     trace->n_next = written + 1u;

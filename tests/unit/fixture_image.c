@@ -93,7 +93,7 @@ static void two_lobes(double theta, double z_nm, double u[3])
 
 void fixture_gamma(double theta, double z_nm, double g[3])
 {
-    const double most = 0.35 - 5e-8 * z_nm;
+    const double most = 0.35 - 1e-10 * z_nm;
     g[0] = most * sin(2.0 * theta);
     g[1] = 2.0 * most * cos(2.0 * theta);
     g[2] = -4.0 * most * sin(2.0 * theta);

@@ -27,6 +27,7 @@
 #include <stdint.h>          // int32_t, uint32_t
 
 enum { cam_swing_rest_ticks = 8 }; ///< from set-point to set-point out of the work, a power of two
+enum { cam_swing_aim_ticks = 5 };  ///< from the begin of a pass to its end
 
 /// Limits of the way to 0.
 typedef struct {
@@ -57,13 +58,15 @@ typedef struct {
     uint32_t angle_q32; ///< [turn / 2^32] where the table is read
     cam_place_t place;  ///< the same on the channel
     cam_knot_t knot[2]; ///< around it
+    int32_t from_q32;   ///< [turn / 2^32] where the line begins, if no tick puts its task off
     int32_t read_q30;   ///< [turn / 2^30] of the table
 } cam_swing_t;
 
 /// The angle at the end of the line.
 /// @param phase_q32  [turn / 2^32] of the operator
+/// @param now        [ticks] count of this tick
 CAM_STAGE uint32_t cam_swing_find_isr(cam_swing_t *s, const cam_swing_config_t *cfg,
-                                      const cam_angle_t *angle, int32_t phase_q32);
+                                      const cam_angle_t *angle, int32_t phase_q32, uint32_t now);
 
 /// The knots around it.
 /// @param ch  kind swing
@@ -75,9 +78,9 @@ CAM_STAGE uint32_t cam_swing_knot_isr(cam_swing_t *s, uint32_t end);
 /// The quintic between them.
 CAM_STAGE uint32_t cam_swing_read_isr(cam_swing_t *s, const cam_swing_config_t *cfg);
 
-/// The next line, from where the last one has led.
+/// The next line, from where the last one has led. One that begins late, ticks having put their
+/// tasks off, goes on beside the one that was meant.
 /// @param scale_q30  amplitude * envelope
-/// @param now        [ticks] count of this tick
 CAM_STAGE uint32_t cam_swing_aim_isr(cam_swing_t *s, const cam_swing_config_t *cfg,
                                      int32_t scale_q30, uint32_t now);
 
