@@ -352,7 +352,8 @@ static demand_t swing_acceleration_demand(const cam_table_t *t, const cam_params
     const uint64_t omega_mrad_s = (angular_urad_s(mrpm) + 999u) / 1000u;
     const uint64_t omega2 = (omega_mrad_s * omega_mrad_s + 999u) / 1000u; // 0.001 rad2/s2
     const bool is_any = omega2 < (uint64_t)INT64_MAX / second; // else the product means nothing
-    const int64_t needed = is_any ? (int64_t)((second * omega2 + 999999u) / 1000000u) : INT64_MAX;
+    const uint64_t product = (second * omega2 + 999999u) / 1000000u;
+    const int64_t needed = is_any ? (int64_t)product : INT64_MAX;
     const uint64_t omega_max_mrad_s = cam_root_u64((uint64_t)limit * 1000000u / second * 1000u);
     return (demand_t){cam_err_swing_acceleration, limit, needed,
                       told_speed(mrpm_of(omega_max_mrad_s * 1000u))};

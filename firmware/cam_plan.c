@@ -209,7 +209,7 @@ CAM_STAGE static uint32_t aim_height(cam_play_t *p, const cam_play_config_t *cfg
     const int32_t left_q28 = cam_sat_i32((target_q32 - p->height_q32) >> 4);
     const uint32_t per_round_q32 = (uint32_t)cfg->per_round_q32;
     const uint32_t sign =
-        (uint32_t)(left_q28 >> 31); // of a product of a signed and an unsigned one
+        left_q28 < 0 ? UINT32_MAX : 0u; // of a product of a signed and an unsigned one
     const uint32_t floor_q28 =
         cam_mulhi_u32((uint32_t)left_q28, per_round_q32) - (sign & per_round_q32);
     const int32_t way_q32 = (int32_t)(floor_q28 - sign) * 16;

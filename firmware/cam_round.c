@@ -24,7 +24,8 @@ typedef struct {
 static void lay_row(layout_t *l, uint32_t first, uint32_t n)
 {
     for (uint32_t i = 0; i < n; i++) {
-        l->c->schedule[l->n++] = (uint8_t)(first + i);
+        l->c->schedule[l->n] = (uint8_t)(first + i);
+        l->n++;
     }
 }
 
@@ -35,7 +36,7 @@ static void lay_pass(layout_t *l)
 }
 
 /// @param first, n  tasks in the order of their list
-static void lay(layout_t *l, uint32_t first, uint32_t n)
+static void lay_tasks(layout_t *l, uint32_t first, uint32_t n)
 {
     for (uint32_t i = 0; i < n; i++) {
         lay_row(l, first + i, 1);
@@ -49,13 +50,14 @@ static void lay(layout_t *l, uint32_t first, uint32_t n)
 static void lay_round(layout_t *l, bool is_modulated)
 {
     const uint32_t n_ratio_tasks = is_modulated ? (uint32_t)cam_plan_ratio_tasks : 0u;
-    lay(l, cam_plan_task_positions, cam_plan_task_find_slices - cam_plan_task_positions);
-    lay(l, cam_plan_task_find_slices, n_ratio_tasks);
-    lay(l, cam_plan_task_read_profile, cam_plan_task_height_swing - cam_plan_task_read_profile);
+    lay_tasks(l, cam_plan_task_positions, cam_plan_task_find_slices - cam_plan_task_positions);
+    lay_tasks(l, cam_plan_task_find_slices, n_ratio_tasks);
+    lay_tasks(l, cam_plan_task_read_profile,
+              cam_plan_task_height_swing - cam_plan_task_read_profile);
     if (l->between > 0u) {
-        lay(l, cam_plan_task_height_swing, 2);
+        lay_tasks(l, cam_plan_task_height_swing, 2);
     }
-    lay(l, cam_plan_task_find_slices, n_ratio_tasks);
+    lay_tasks(l, cam_plan_task_find_slices, n_ratio_tasks);
     if (l->between > 0u && l->n_since > 0u) {
         lay_pass(l);
     }

@@ -39,7 +39,7 @@ uint32_t cam_swing_read_isr(cam_swing_t *s, const cam_swing_config_t *cfg)
     return 0;
 }
 
-static void set(cam_swing_t *s, uint32_t now, int32_t pos_q32, int32_t vel_q32)
+static void write_down(cam_swing_t *s, uint32_t now, int32_t pos_q32, int32_t vel_q32)
 {
     s->set.pos_q32 = pos_q32;
     s->set.vel_q32 = vel_q32;
@@ -54,7 +54,7 @@ uint32_t cam_swing_aim_isr(cam_swing_t *s, const cam_swing_config_t *cfg, int32_
     const int32_t target_q30 = cam_mulhi(read_q32, scale_q30);
     const int32_t target_q32 = (int32_t)((uint32_t)target_q30 * 4u);
     const int32_t way_q32 = cam_wrap_sub(target_q32, s->from_q32);
-    set(s, now, led_to(s, now), cam_mulhi(way_q32, cfg->per_pass_q32));
+    write_down(s, now, led_to(s, now), cam_mulhi(way_q32, cfg->per_pass_q32));
     s->is_there = false;
     return 0;
 }
@@ -79,7 +79,7 @@ bool cam_swing_rest_isr(cam_swing_t *s, const cam_swing_limits_t *limits, uint32
     const int32_t change_q32 = cam_clamp_i32(home_q32, -most_q32, most_q32) - s->set.vel_q32;
     const int32_t step_q32 = cam_clamp_i32(change_q32, -limits->step_q32, limits->step_q32);
     const int32_t vel_q32 = s->set.vel_q32 + step_q32;
-    set(s, now, pos_q32, vel_q32);
+    write_down(s, now, pos_q32, vel_q32);
     s->is_there = vel_q32 == 0 && home_q32 == 0;
     return s->is_there;
 }

@@ -69,7 +69,7 @@ static void add_rake(cJSON *cam, const sim_cut_t *cut)
 
 void camsim_cam_json(cJSON *root, const sim_cut_t *cut)
 {
-    if (!camsim_cam_is(cut)) {
+    if (cut->design.shape != sim_shape_cam) {
         return;
     }
     const sim_cam_design_t *d = &cut->design.cam;
@@ -100,7 +100,7 @@ static void print_lobe(const sim_cut_t *cut, uint32_t i)
 
 void camsim_cam_text(const sim_cut_t *cut)
 {
-    if (!camsim_cam_is(cut) || cut->work.n == 0u) {
+    if (cut->design.shape != sim_shape_cam || cut->work.n == 0u) {
         return;
     }
     const sim_cam_work_t *w = &cut->cam;

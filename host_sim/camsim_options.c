@@ -39,9 +39,8 @@ static const char help[] =
     "  --inject KIND@SECONDS[:VALUE]   repeatable; seconds of cutting, or KIND@tSECONDS since the "
     "start:\n"
     "      estop  drive  bus  lost-counts:N  encoder-jump:N  encoder-stuck  index-dead\n"
-    "      late-tick:PERCENT  reverse  spindle-speed:RPM  spindle-stop  z-offset:MM  u-block  "
-    "table-flip:BYTE\n"
-    "      stop\n"
+    "      late-tick:PERCENT  reverse  spindle-speed:RPM  spindle-stop  z-offset:MM  u-block\n"
+    "      swing-block  table-flip:BYTE  stop\n"
     "\n"
     "Exit status: 0 done, 1 fault, time-out or out of tolerance, 2 wrong usage or bad input.";
 

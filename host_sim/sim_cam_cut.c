@@ -5,10 +5,10 @@
 
 bool sim_cam_cut_check(const sim_cut_t *cut, const char *name, sim_error_t *e)
 {
-    const bool is_cam = cut->table.angle.knots != NULL;
+    const bool is_cam = cut->design.shape == sim_shape_cam;
     const bool is_turned = is_cam && cut->design.cam.is_turned;
     const double tip_mm = cut->options.tip_mm;
-    if (is_turned != cut->table.is_swung) {
+    if (is_cam && is_turned != cut->table.is_swung) {
         return sim_error(e, "%s: turned or ground, table and design disagree; " SIM_CAM_REMEDY,
                          name);
     }

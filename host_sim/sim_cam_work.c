@@ -184,7 +184,7 @@ static void move_window(sim_cam_work_t *w, const sim_cam_tool_t *tool, point_t b
     }
     for (int64_t i = old_end; i < end; i++) {
         dexel_at(w, i)->left_mm = FAR_MM;
-        dexel_at(w, i)->is_clean = tool->is_counted;
+        dexel_at(w, i)->is_clean = tool->is_counted && !is_anew; // else half of its cut is unknown
     }
     const double turned = tool->turn - w->before[0].turn;
     const double per_turn = turned > 0.0 ? 1.0 / turned : 0.0;

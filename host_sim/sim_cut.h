@@ -42,7 +42,7 @@ typedef struct {
     double tip_mm;    ///< radius of a turned cam's tool; 0: SIM_CAM_TIP_MM
     double max_turns; ///< end the cut (operator's stop) after so many turns of cutting; 0: the
                       ///< whole part
-    const char *design_path;  ///< NULL: gauge against the table itself; a cam needs it
+    const char *design_path;  ///< NULL: gauge against the table itself, of a cam U alone
     const char *target;       ///< of sim_target.h; NULL: the firmware runs in this process
     const char *target_image; ///< path of its image
     sim_inject_t inject[sim_cut_max_injects];

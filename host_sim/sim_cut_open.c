@@ -64,12 +64,6 @@ static bool load_design(sim_cut_t *cut, const char *name, sim_error_t *e)
         return sim_design_load(&cut->design, cut->options.design_path, &cut->table, e) &&
                sim_cam_cut_check(cut, name, e);
     }
-    if (cut->table.angle.knots != NULL) {
-        return sim_error(e,
-                         "%s: has no report beside it, and a cam is gauged against its exact "
-                         "design only; " SIM_CAM_REMEDY,
-                         name);
-    }
     sim_design_from_table(&cut->design, &cut->table);
     return sim_cam_cut_check(cut, name, e);
 }

@@ -67,7 +67,11 @@ def on_host(
 def cut(table_of: Callable[[str], Path], case: str, folder: Path, *words: str) -> None:
     """Run a case: trace, summary and message are in the folder. A cam is cut without its design."""
     part, status, options = CASES[case]
-    table = Path(shutil.copy(table_of(part), folder)) if part.startswith("cam") else table_of(part)
+    table = table_of(part)
+    if part.startswith("cam"):
+        alone = table.parent / "alone"
+        alone.mkdir(exist_ok=True)
+        table = Path(shutil.copy(table, alone))
     outputs = ("--trace", folder / "trace.csv", "--summary", folder / "summary.json")
     done = camsim("run", table, *options, *outputs, *words)
     assert done.returncode == status, done.stderr

@@ -276,7 +276,9 @@ def test_mktables_writes_all_files_of_a_cam(mktables: Mktables, tmp_path: Path) 
 def test_controller_refuses_a_tool_that_it_cannot_swing(mktables: Mktables, tmp_path: Path) -> None:
     """A turned cam without its swing would be another cam: camsim run does not start it."""
     assert mktables(PARTS / "cam-345.toml", "-o", tmp_path).returncode == 0
-    line = only_error(camsim("run", tmp_path / "cam-345.camtab"))
+    machine = tmp_path / "stiff.toml"
+    machine.write_text("[swing]\nspeed_deg_per_s = 0\n")
+    line = only_error(camsim("run", tmp_path / "cam-345.camtab", "--machine", machine))
     assert "the table swings the tool, for which there is no axis" in line
     assert "no speed helps" in line
 

@@ -23,7 +23,7 @@ from camtools.speedlaw import uniform
 from part_cases import ROOT
 
 ALL_PARTS = sorted((ROOT / "tools" / "parts").glob("*.toml"))
-PARTS = [path for path in ALL_PARTS if isinstance(load_any(path), Part)]  # cams are not cut yet
+PARTS = [path for path in ALL_PARTS if isinstance(load_any(path), Part)]  # cams: test_camsim_cam.py
 EQUAL_VOLUME = ROOT / "tools" / "parts" / "perkins240_equal_volume.toml"
 MAX_TABLE_BYTES = 512 * 1024
 

@@ -8,6 +8,7 @@ import os
 import subprocess
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,7 @@ import pytest
 from camtools.cam_generate import GeneratedCam, generate_cam
 from camtools.cam_motion import example_cam
 from camtools.report_cam import CamOutcome, cam_rows, cam_text
-from camtools.report_cam_page import band, make_cam_report, speed_of_contact
+from camtools.report_cam_page import band, draw_rake, make_cam_report, speed_of_contact
 from camtools.report_data import STATES, Surface, Trace
 from camtools.run_cut import cam_machine_text
 from part_cases import ROOT, environment
@@ -71,6 +72,17 @@ def test_rpm_is_the_speed_on_the_base_circle(run: Run, tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
     cam = json.loads((tmp_path / "out" / "summary.json").read_text())["cam"]
     assert cam["surface_speed_mm_s"]["base_circle"] == pytest.approx(np.pi * 20, rel=1e-5)
+
+
+def test_turned_cam_is_reported_with_its_rake(run: Run, tmp_path: Path) -> None:
+    """The swing is measured: its picture and its row are there."""
+    done = run(PARTS / "cam-345.toml", "-o", "out", *SHORT)
+    assert done.returncode == 0, done.stderr
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert summary["form_error_um"]["max"] <= 0.05
+    assert summary["cam"]["rake_deg"]["max"] <= 0.02
+    assert (tmp_path / "out" / "cut_rake.png").exists()
+    assert "effective rake" in done.stdout
 
 
 def test_fault_is_told_and_drawn(run: Run, tmp_path: Path) -> None:
@@ -159,6 +171,20 @@ def test_report_of_a_turned_cam_names_its_tool(turned: GeneratedCam) -> None:
     assert {"cut_profile.png", "cut_speed.png", "cut_cam.png", "report.html"} <= set(files)
     assert "The tip of the tool is a circle" in files["report.html"].decode()
     assert all(data[1:4] == b"PNG" for name, data in files.items() if name.endswith("png"))
+
+
+def test_rake_is_drawn_of_a_tool_that_swings(turned: GeneratedCam) -> None:
+    """With the trace's swing the picture is there, and its numbers are those of the exact angle."""
+    outcome = made_up(turned, TURNED)
+    exact_deg = np.degrees(turned.lobes[0].at(2 * np.pi * outcome.trace.turn).angle)
+    figure = draw_rake(outcome, exact_deg - 0.25)
+    above, below = figure.axes
+    without, with_swing = (np.asarray(line.get_ydata()) for line in above.lines[:2])
+    assert np.abs(without).max() == pytest.approx(19.967, abs=0.01)
+    assert with_swing == pytest.approx(0.25)
+    assert below.get_ylim()[0] < 0.25 < below.get_ylim()[1]
+    files = make_cam_report(replace(outcome, swing_deg=exact_deg))
+    assert "cut_rake.png" in files and "Effective rake" in files["report.html"].decode()
 
 
 def test_band_holds_the_extremes_of_each_bin() -> None:

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """The tool's swing of a turned cam: the firmware's set-points, the drive, faults, limits.
 
-The table of cam-345 is cut on the machine of host_sim/machines/cam.toml without its design, so that the simulator
-compares U with the table itself; what is judged here is the swing, from the trace of every tick.
+The table of cam-345 is cut on the machine of host_sim/machines/cam.toml without its design, so
+that the simulator compares U with the table itself; what is judged here is the swing, from the
+trace of every tick.
 """
 
 from __future__ import annotations

@@ -176,6 +176,18 @@ static void test_heights_beside_the_lobe_are_not_cut(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.0, cam.gauge[0].max_um);
 }
 
+/// A lobe that the tool comes to in the middle of a turn: what it has half passed is not judged.
+static void test_lobe_entered_anywhere_is_judged_where_it_was_cut(void)
+{
+    for (int i = 0; i < 40; i++) {
+        begin(true);
+        design.lobe[0].z_first_mm = 5.07 + i * 1e-5;
+        turn_cam(1, 20000, (flaw_t){.swung = 1.0});
+        TEST_ASSERT_GREATER_THAN_UINT64(sim_cam_dexels / 2u, cam.gauge[0].n);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-3, 0.0, cam.gauge[0].max_um);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -188,5 +200,6 @@ int main(void)
     RUN_TEST(test_speed_of_the_contact_is_that_of_the_geometry);
     RUN_TEST(test_removed_metal_is_the_blank_around_the_disc);
     RUN_TEST(test_heights_beside_the_lobe_are_not_cut);
+    RUN_TEST(test_lobe_entered_anywhere_is_judged_where_it_was_cut);
     return UNITY_END();
 }

@@ -12,6 +12,7 @@ from camtools.cam_generate import GeneratedCam
 from camtools.report_data import Cut, Json, Surface, Trace, Variant
 from camtools.report_style import length_text
 from camtools.report_text import Margin, Row, error_pair, margins_in, page_text
+from camtools.sections import Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,6 +23,8 @@ class CamOutcome(Cut):
     ----------
     generated : GeneratedCam
         The part, its exact geometry and its table.
+    swing_deg : ndarray or None
+        True swing of the tool in every tick of the trace; None for a wheel.
     """
 
     generated: GeneratedCam
@@ -30,6 +33,7 @@ class CamOutcome(Cut):
     trace: Trace
     is_trace_complete: bool = True
     variants: tuple[Variant, ...] = ()
+    swing_deg: Floats | None = None
 
     @property
     def name(self) -> str:

@@ -63,6 +63,12 @@ _TEXTS = {
         "shall be constant it stays near that of the base circle, dashed, and is lower where the "
         "spindle cannot slow down or speed up fast enough.",
     ),
+    "rake": (
+        "Effective rake",
+        "The angle of the tool's line from the normal of the profile, by which its ground rake "
+        "changes. With the swing it stays at 0; without it would be the pressure angle. Below is "
+        "what the swing's drive and the steps of its set-points leave, enlarged.",
+    ),
     "following": (
         "Following error of U",
         "How far U was from where it should have been at that moment; the band holds every turn. "
@@ -160,9 +166,33 @@ def draw_speed(outcome: CamOutcome) -> Figure:
     return figure
 
 
+def draw_rake(outcome: CamOutcome, swing_deg: Floats) -> Figure:
+    """Return the tool's line from the normal over the angle, with and without the swing."""
+    figure, trace = new_figure(10, 5.4), outcome.trace
+    above, below = figure.subplots(2, 1, sharex=True)
+    rows = trace.state == CUTTING
+    lobe = outcome.generated.lobes[0]  # one is enough to see it
+    rows &= _heights(lobe, trace.z_mm)
+    pressure_deg = np.degrees(lobe.at(2 * np.pi * np.mod(trace.turn[rows], 1)).angle)
+    turn, off_deg = trace.turn[rows], swing_deg[rows] - pressure_deg
+    degrees, least, most = band(turn, -pressure_deg)
+    above.plot(degrees, (least + most) / 2, color=ORANGE, lw=1.4, label="without the swing")
+    degrees, least, most = band(turn, -off_deg)
+    above.plot(degrees, (least + most) / 2, color=BLUE, lw=1.6, label="with the swing")
+    below.fill_between(degrees, least, most, color=BLUE, alpha=0.5, lw=0.8)
+    for axes in (above, below):
+        axes.axhline(0, color=GREY, lw=0.8)
+        axes.set_ylabel("degrees")
+        axes.grid(alpha=0.3)
+    above.legend(frameon=False, loc="upper left", bbox_to_anchor=(0, 1.22), ncols=2)
+    angle_axis(below)
+    below.set_xlabel("spindle angle, degrees")
+    return figure
+
+
 def _drawers(outcome: CamOutcome) -> dict[str, Callable[[], Figure]]:
     """Return what the cut lets be drawn, in the order of the report."""
-    trace, form = outcome.trace, outcome.summary["form_error_um"]
+    trace, form, swing_deg = outcome.trace, outcome.summary["form_error_um"], outcome.swing_deg
     drawers: dict[str, Callable[[], Figure]] = {}
     if (trace.state == FAULT).any():
         retract_s = outcome.summary.get("fault", {}).get("retract_s", 0.0)
@@ -171,6 +201,8 @@ def _drawers(outcome: CamOutcome) -> dict[str, Callable[[], Figure]]:
         drawers["profile"] = lambda: draw_profile(outcome)
     if (trace.state == CUTTING).any():
         drawers["speed"] = lambda: draw_speed(outcome)
+        if swing_deg is not None:
+            drawers["rake"] = lambda: draw_rake(outcome, swing_deg)
         drawers["following"] = lambda: report_motion.draw_following(trace)
     if trace.t_s.size > 1:
         drawers["sequence"] = lambda: report_motion.draw_sequence(trace)

@@ -152,6 +152,13 @@ def read_trace(path: Path) -> Trace:
     return Trace(*columns)
 
 
+def read_swing(path: Path) -> Floats | None:
+    """Return the true swing of the tool [degrees] from a trace, nothing when there is none."""
+    with path.open(encoding="ascii") as stream:
+        names = stream.readline().strip().split(",")
+    return _columns(path, ("swing_act_deg",))[0] if "swing_act_deg" in names else None
+
+
 def read_removal(path: Path) -> Removal:
     """Return the slices of a CSV file of camsim."""
     return Removal(*_columns(path, Removal._fields))

@@ -19,7 +19,7 @@ from camtools.geometry import NM_PER_MM
 from camtools.mktables import cam_products
 from camtools.part_cam import MAX_RPM, MIN_RPM, CamPart
 from camtools.report_cam import CamOutcome, cam_text
-from camtools.report_data import Json, read_summary, read_surface, read_trace
+from camtools.report_data import Json, read_summary, read_surface, read_swing, read_trace
 from camtools.run_cut import (
     SUMMARY,
     SURFACE,
@@ -87,7 +87,8 @@ def _simulate(job: Job, cam: GeneratedCam, folder: Path) -> CamOutcome | None:
         return None
     variants = compare(simulator, without_faults(words), window)
     results = (read_summary(folder / SUMMARY), read_surface(folder / SURFACE))
-    return CamOutcome(cam, *results, read_trace(folder / TRACE), window is None, variants)
+    trace, swing = read_trace(folder / TRACE), read_swing(folder / TRACE)
+    return CamOutcome(cam, *results, trace, window is None, variants, swing)
 
 
 def run_cam(job: Job, part: CamPart, begin_s: float) -> int:
