@@ -16,6 +16,7 @@ uint32_t cam_swing_find_isr(cam_swing_t *s, const cam_swing_config_t *cfg, const
     const uint32_t angle_q32 = cam_angle_of_pos(cam_angle_ahead(angle, cfg->ahead_q16));
     s->angle_q32 = angle_q32 - (uint32_t)phase_q32;
     s->from_q32 = led_to(s, now + cam_swing_aim_ticks);
+    s->is_there = false;
     return 0;
 }
 
@@ -35,7 +36,8 @@ uint32_t cam_swing_read_isr(cam_swing_t *s, const cam_swing_config_t *cfg)
 {
     const cam_segment_t at = {.k0 = s->knot[0], .k1 = s->knot[1], .s_q32 = s->place.s_q32};
     const int32_t y = cam_eval_quintic(at).y; // nobody asks for the derivatives
-    s->read_q30 = cam_mulhi_add(cfg->offset_q30, 2 * y, cfg->unit_q30);
+    const int32_t read_q30 = cam_mulhi_add(cfg->offset_q30, 2 * y, cfg->unit_q30);
+    s->read_q32 = (int32_t)((uint32_t)read_q30 * 4u); // an angle: it may wrap
     return 0;
 }
 
@@ -50,12 +52,10 @@ static void write_down(cam_swing_t *s, uint32_t now, int32_t pos_q32, int32_t ve
 uint32_t cam_swing_aim_isr(cam_swing_t *s, const cam_swing_config_t *cfg, int32_t scale_q30,
                            uint32_t now)
 {
-    const int32_t read_q32 = (int32_t)((uint32_t)s->read_q30 * 4u); // an angle: it may wrap
-    const int32_t target_q30 = cam_mulhi(read_q32, scale_q30);
+    const int32_t target_q30 = cam_mulhi(s->read_q32, scale_q30);
     const int32_t target_q32 = (int32_t)((uint32_t)target_q30 * 4u);
     const int32_t way_q32 = cam_wrap_sub(target_q32, s->from_q32);
     write_down(s, now, led_to(s, now), cam_mulhi(way_q32, cfg->per_pass_q32));
-    s->is_there = false;
     return 0;
 }
 

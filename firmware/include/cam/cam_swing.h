@@ -59,7 +59,7 @@ typedef struct {
     cam_place_t place;  ///< the same on the channel
     cam_knot_t knot[2]; ///< around it
     int32_t from_q32;   ///< [turn / 2^32] where the line begins, if no tick puts its task off
-    int32_t read_q30;   ///< [turn / 2^30] of the table
+    int32_t read_q32;   ///< [turn / 2^32] of the table
 } cam_swing_t;
 
 /// The angle at the end of the line.
