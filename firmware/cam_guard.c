@@ -130,8 +130,9 @@ uint32_t cam_guard_count(const cam_guard_t *g, cam_fault_t fault)
     return (counted + n) % (1u << cam_guard_count_bits);
 }
 
-/// In the tick of the fault all axes go on as they did, U from where it was written last. That tick
-/// is busy enough: all the rest is left to the next one.
+/// In the tick of the fault all axes and the spindle go on as they did, U from where it was written
+/// last. That tick is busy enough: all the rest is left to the next one, which also lets go of
+/// drives that are not ready.
 static void enter_fault(cam_guard_t *g, uint32_t faults, cam_want_t *want, cam_play_t *play)
 {
     g->faults = faults;
@@ -140,12 +141,10 @@ static void enter_fault(cam_guard_t *g, uint32_t faults, cam_want_t *want, cam_p
     play->axis[hal_axis_u].acc_q10 = 0;
     cam_play_settle_isr(play, false);
     want->state = cam_state_fault;
-    want->spindle_mrpm = 0;
     want->u_set_q6 = g->u_set_q6;
     want->faults = faults;
     want->is_retracted = false;
-    const uint32_t is_held = (~faults >> (uint32_t)cam_fault_drive) & 1u;
-    want->outputs = hal_out_fault | is_held * hal_out_enable;
+    want->outputs = hal_out_fault | hal_out_enable;
 }
 
 /// What the tick of the fault had no time for: where the retract begins and X is to go.
