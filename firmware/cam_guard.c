@@ -76,9 +76,12 @@ static uint32_t judge_spindle(cam_guard_t *g, const cam_guard_config_t *cfg, int
 
 /// Everything that a tick may be blamed for. Differences of set-points wrap only where they are far
 /// beyond the limits, and what is left of them is so, too.
-static uint32_t blame(cam_guard_t *g, const cam_guard_config_t *cfg, const cam_sense_t *in,
-                      const cam_angle_t *angle, const cam_want_t *want, int32_t step_q6)
+static uint32_t blame(cam_guard_t *g, const cam_guard_config_t *cfg, const cam_tick_record_t *r,
+                      int32_t step_q6)
 {
+    const cam_sense_t *in = &r->in;
+    const cam_angle_t *angle = &r->angle;
+    const cam_want_t *want = &r->want;
     uint32_t faults = judge_inputs(in->inputs) | angle->faults | want->faults |
                       judge_spindle(g, cfg, angle->speed_q32, want->state);
     const int32_t off_nm = cam_wrap_sub(in->actual_nm[hal_axis_u], want->u_due_q6 >> 6);
@@ -130,9 +133,8 @@ uint32_t cam_guard_count(const cam_guard_t *g, cam_fault_t fault)
     return (counted + n) % (1u << cam_guard_count_bits);
 }
 
-/// In the tick of the fault all axes and the spindle go on as they did, U from where it was written
-/// last. That tick is busy enough: all the rest is left to the next one, which also lets go of
-/// drives that are not ready.
+/// In the tick of the fault all axes go on as they did, U from where it was written last. That tick
+/// is busy enough: all the rest is left to the next one.
 static void enter_fault(cam_guard_t *g, uint32_t faults, cam_want_t *want, cam_play_t *play)
 {
     g->faults = faults;
@@ -141,10 +143,12 @@ static void enter_fault(cam_guard_t *g, uint32_t faults, cam_want_t *want, cam_p
     play->axis[hal_axis_u].acc_q10 = 0;
     cam_play_settle_isr(play, false);
     want->state = cam_state_fault;
+    want->spindle_mrpm = 0;
     want->u_set_q6 = g->u_set_q6;
     want->faults = faults;
     want->is_retracted = false;
-    want->outputs = hal_out_fault | hal_out_enable;
+    const uint32_t is_held = (~faults >> (uint32_t)cam_fault_drive) & 1u;
+    want->outputs = hal_out_fault | is_held * hal_out_enable;
 }
 
 /// What the tick of the fault had no time for: where the retract begins and X is to go.
@@ -202,13 +206,13 @@ static void forget(cam_guard_t *g, cam_want_t *want)
     want->outputs = 0;
 }
 
-CAM_STAGE static void rest(cam_guard_t *g, const cam_guard_config_t *cfg, const cam_sense_t *in,
-                           cam_want_t *want, cam_play_t *play)
+CAM_STAGE static void rest(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_record_t *r,
+                           cam_play_t *play)
 {
-    if (want->state == cam_state_off) {
-        forget(g, want);
+    if (r->want.state == cam_state_off) {
+        forget(g, &r->want);
     } else {
-        leave_work(g, cfg, judge_inputs(in->inputs) & ARMED_IN_FAULT, want, play);
+        leave_work(g, cfg, judge_inputs(r->in.inputs) & ARMED_IN_FAULT, &r->want, play);
     }
 }
 
@@ -223,16 +227,17 @@ static void accept(cam_guard_t *g, cam_want_t *want, int32_t step_q6)
         want->state == cam_state_cutting ? hal_out_enable | hal_out_in_cut : hal_out_enable;
 }
 
-void cam_guard_step_isr(cam_guard_t *g, const cam_guard_config_t *cfg, const cam_sense_t *in,
-                        const cam_angle_t *angle, cam_want_t *want, cam_play_t *play)
+void cam_guard_step_isr(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_record_t *r,
+                        cam_play_t *play)
 {
+    cam_want_t *want = &r->want;
     const uint32_t watched = armed[want->state];
     if ((watched & AT_REST) != 0u) {
-        rest(g, cfg, in, want, play);
+        rest(g, cfg, r, play);
         return;
     }
     const int32_t step_q6 = cam_wrap_sub(want->u_set_q6, g->u_set_q6);
-    const uint32_t faults = blame(g, cfg, in, angle, want, step_q6) & watched;
+    const uint32_t faults = blame(g, cfg, r, step_q6) & watched;
     if (faults == 0u) {
         accept(g, want, step_q6);
     } else {

@@ -71,7 +71,7 @@ static inline void steps_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_
     CAM_TICK_MARK(angle);
     cam_play_step_isr(&c->play, &cfg->play, &r->in, &r->angle, &r->want);
     CAM_TICK_MARK(play);
-    cam_guard_step_isr(&c->guard, &cfg->guard, &r->in, &r->angle, &r->want, &c->play);
+    cam_guard_step_isr(&c->guard, &cfg->guard, r, &c->play);
     CAM_TICK_MARK(guard);
     command(c, cfg, r);
 }

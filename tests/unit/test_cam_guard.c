@@ -222,17 +222,19 @@ static uint32_t judge_want(int32_t at_nm, int32_t next_nm)
     memset(&guard, 0, sizeof guard);
     const cam_config_t *config = g_cam.config.offered;
     const cam_guard_config_t *cfg = &config->guard;
-    const cam_sense_t in = {.inputs = hal_in_drive_ready, .actual_nm = {at_nm}};
-    const cam_angle_t angle = {.is_synced = true, .speed_q32 = 8947849};
-    cam_want_t want = {.state = cam_state_cutting, .u_set_q6 = at_nm * 64, .u_due_q6 = at_nm * 64};
+    cam_tick_record_t r = {
+        .in = {.inputs = hal_in_drive_ready, .actual_nm = {at_nm}},
+        .angle = {.is_synced = true, .speed_q32 = 8947849},
+        .want = {.state = cam_state_cutting, .u_set_q6 = at_nm * 64, .u_due_q6 = at_nm * 64},
+    };
     cam_play_t play = {.axis[hal_axis_u].vel_q10 = next_nm};
-    guard.u_set_q6 = want.u_set_q6;
-    cam_guard_step_isr(&guard, cfg, &in, &angle, &want, &play);
-    want.u_set_q6 = next_nm * 64;
-    cam_guard_step_isr(&guard, cfg, &in, &angle, &want, &play);
+    guard.u_set_q6 = r.want.u_set_q6;
+    cam_guard_step_isr(&guard, cfg, &r, &play);
+    r.want.u_set_q6 = next_nm * 64;
+    cam_guard_step_isr(&guard, cfg, &r, &play);
     if (cam_guard_first(&guard) != 0u) {
-        TEST_ASSERT_EQUAL_INT(cam_state_fault, want.state);
-        TEST_ASSERT_EQUAL_INT32(at_nm * 64, want.u_set_q6);
+        TEST_ASSERT_EQUAL_INT(cam_state_fault, r.want.state);
+        TEST_ASSERT_EQUAL_INT32(at_nm * 64, r.want.u_set_q6);
         TEST_ASSERT_EQUAL_INT32(0, play.axis[hal_axis_u].vel_q10);
     }
     return cam_guard_first(&guard);

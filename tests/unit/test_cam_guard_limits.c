@@ -30,9 +30,9 @@ void tearDown(void) {}
 
 static cam_want_t tick(void)
 {
-    cam_want_t written = want;
-    cam_guard_step_isr(&guard, cfg, &in, &angle, &written, &play);
-    return written;
+    cam_tick_record_t r = {.in = in, .angle = angle, .want = want};
+    cam_guard_step_isr(&guard, cfg, &r, &play);
+    return r.want;
 }
 
 /// A quiet machine in a state.

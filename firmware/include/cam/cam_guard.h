@@ -12,8 +12,9 @@
 #define CAM_GUARD_H
 
 #include "cam/cam_move.h"  // cam_move_t
-#include "cam/cam_play.h"  // cam_want_t
-#include "cam/cam_state.h" // cam_sense_t
+#include "cam/cam_play.h"  // cam_play_t
+#include "cam/cam_state.h" // cam_fault_t
+#include "cam/cam_trace.h" // cam_tick_record_t
 #include <stdbool.h>       // bool
 #include <stdint.h>        // int32_t, int64_t
 
@@ -51,14 +52,13 @@ typedef struct {
 } cam_guard_t;
 
 /// Judge one tick.
-/// @param angle  spindle with the faults seen there and the distance to the last tick
-/// @param want   what play wants, with the faults seen there; made what is written: state fault
-///               from the tick on in which a fault appears, latched faults, outputs
-/// @param play   its set-points are made those that may be written; it is told of a fault
+/// @param r     record of the tick: what was sensed, the spindle and what play wants, each with the
+///              faults seen there. `want` is made what is written: state fault from the tick on in
+///              which a fault appears, latched faults, outputs
+/// @param play  its set-points are made those that may be written; it is told of a fault
 /// Constant time.
 CAM_STAGE void cam_guard_step_isr(cam_guard_t *g, const cam_guard_config_t *cfg,
-                                  const cam_sense_t *in, const cam_angle_t *angle, cam_want_t *want,
-                                  cam_play_t *play);
+                                  cam_tick_record_t *r, cam_play_t *play);
 
 /// @return mask of the faults that entered the fault state last. Context: slow side.
 uint32_t cam_guard_first(const cam_guard_t *g);
