@@ -11,7 +11,15 @@ bool camsim_cam_is(const sim_cut_t *cut)
 
 bool camsim_cam_check(const camsim_options_t *options, const sim_cut_t *cut, sim_error_t *e)
 {
-    return options->removal_path == NULL || !camsim_cam_is(cut) ||
+    if (!camsim_cam_is(cut)) {
+        return true;
+    }
+    if (cut->options.nose_mm > 0.0) {
+        return sim_error(
+            e, "--nose-mm %.12g: tracks are told of skirts only, %s is a cam; leave it out",
+            cut->options.nose_mm, cut->table.name);
+    }
+    return options->removal_path == NULL ||
            sim_error(e, "--removal %s: forces are told of skirts only, %s is a cam; leave it out",
                      options->removal_path, cut->table.name);
 }

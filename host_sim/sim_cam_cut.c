@@ -12,6 +12,10 @@ bool sim_cam_cut_check(const sim_cut_t *cut, const char *name, sim_error_t *e)
         return sim_error(e, "%s: turned or ground, table and design disagree; " SIM_CAM_REMEDY,
                          name);
     }
+    if (tip_mm > 0.0 && cut->table.is_swung && !is_cam) {
+        return sim_error(e, "--tool-tip-mm %.12g: wants the design of %s; " SIM_CAM_REMEDY, tip_mm,
+                         name);
+    }
     if (tip_mm > 0.0 && !is_turned) {
         return sim_error(e,
                          "--tool-tip-mm %.12g: %s is not turned by a swinging tool; leave it out",

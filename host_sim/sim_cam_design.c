@@ -65,8 +65,8 @@ static bool read_radius(double *value, const cJSON *design, const char *name, co
                         sim_error_t *e)
 {
     const cJSON *item = cJSON_GetObjectItemCaseSensitive(design, name);
-    return (sim_json_number(item, value) && *value > 0.0) ||
-           sim_error(e, "%s: design.%s: wants a number above 0; " REMEDY, path, name);
+    return (sim_json_number(item, value) && *value >= 1e-3 && *value <= 1e5) ||
+           sim_error(e, "%s: design.%s: wants a number from 0.001 to 100000; " REMEDY, path, name);
 }
 
 static bool read_word(bool *is_second, const cJSON *design, const char *name,

@@ -233,6 +233,7 @@ def test_cam_without_its_report_has_no_profile(
     [
         ("lobes", [], "design.lobes"),
         ("base_mm", 0, "design.base_mm"),
+        ("roller_mm", 1e300, "design.roller_mm"),
         ("operation", "milling", 'design.operation = "milling"'),
         ("operation", "turning", "table and design disagree"),
     ],
@@ -250,7 +251,9 @@ def test_bad_report_is_refused_by_field(
     assert not (tmp_path / "s.json").exists()
 
 
-@pytest.mark.parametrize("option", [("--removal", "r.csv"), ("--tool-tip-mm", "1")])
+@pytest.mark.parametrize(
+    "option", [("--removal", "r.csv"), ("--tool-tip-mm", "1"), ("--nose-mm", "0.8")]
+)
 def test_option_without_a_meaning_is_refused(
     option: tuple[str, str], table_of: Callable[[str], Path], tmp_path: Path
 ) -> None:
@@ -268,6 +271,20 @@ def test_tip_belongs_to_turned_cams_only(table_of: Callable[[str], Path]) -> Non
     assert "--tool-tip-mm" in line and "leave it out" in line
     line = only_error(camsim("run", table_of("perkins240"), "--tool-tip-mm", "0"))
     assert "out of range" in line
+
+
+def test_feed_beyond_the_height_names_the_feed(tmp_path: Path) -> None:
+    """No speed would help."""
+    text = (
+        (ROOT / "tools" / "parts" / "cam-disc.toml")
+        .read_text()
+        .replace("z_mm = [0, 12]", "z_mm = [0, 5]")
+    )
+    (tmp_path / "cam-disc.toml").write_text(text)
+    assert mktables([str(tmp_path / "cam-disc.toml"), "-o", str(tmp_path)]) == 0
+    words = ("--machine", MACHINE, "--feed", "10")
+    line = only_error(camsim("run", tmp_path / "cam-disc.camtab", *words))
+    assert line.startswith("camsim: --feed 10: infeasible:") and "at most --feed 5" in line
 
 
 def test_weak_machine_is_refused_with_the_numbers(table_of: Callable[[str], Path]) -> None:
