@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from camtools.cam_lift import make_lift
-from camtools.errors import CamtoolsError, GeometryError
+from camtools.cam_lift import make_lift, parse_points
+from camtools.errors import CamtoolsError, GeometryError, InputError
 from camtools.part import parse_part
 from camtools.part_cam import CamPart
 from camtools.part_file import load_any, parse_any
@@ -112,6 +112,37 @@ def test_lobes_stand_apart() -> None:
     text = GOOD.replace("[process]", second.replace("[0, 12]", "[12.1, 20]") + "[process]")
     assert any("cam.lobe" in line and "apart" in line for line in lines_of(text))
     assert len(cam_of(text.replace("12.1", "13")).cam.lobe) == 2
+
+
+def closing(first: float, last: float) -> list[float]:
+    """Return angles every 30 degrees as a drawing writes them, with a last one."""
+    return [*(round(first + angle, 3) for angle in range(0, 360, 30)), last]
+
+
+@pytest.mark.parametrize(("first", "last"), [(152.3, 512.3), (152.2, 512.2), (0.0, 359.99)])
+def test_turn_closes_with_decimal_angles(first: float, last: float, tmp_path: Path) -> None:
+    """512.3 - 152.3 is not 360 in binary; part file and CSV file take it for a turn."""
+    angles = closing(first, last)
+    lifts = [*(1 - np.cos(np.radians(np.arange(0, 360, 30)))).tolist(), 0.0]
+    listed = cam_of(with_law(f'law = "list"\nangle_deg = {angles}\nlift_mm = {lifts}\n'))
+    rows = "".join(f"{a},{h}\n" for a, h in zip(angles, lifts, strict=True))
+    (tmp_path / "lift.csv").write_text("angle_deg,lift_mm\n" + rows)
+    from_csv = cam_of(with_law(f'law = "list"\ncsv = "{tmp_path / "lift.csv"}"\n'))
+    for part in (listed, from_csv):
+        law = make_lift(part.cam, part.cam.lobe[0], LOBE)
+        top = law.evaluate(np.radians([first + 180, first + 540])).lift
+        assert top == pytest.approx([2, 2], abs=1e-9)
+
+
+@pytest.mark.parametrize("last", [359.995, 360.001])
+def test_end_of_a_turn_is_a_step_away_or_none(last: float, tmp_path: Path) -> None:
+    """What is neither closed nor open is refused in both places."""
+    angles = closing(0.0, last)
+    text = f'law = "list"\nangle_deg = {angles}\nlift_mm = {[0] * len(angles)}\n'
+    assert any(f"span {last} degrees" in line for line in lines_of(with_law(text)))
+    table = "angle_deg,lift_mm\n" + "".join(f"{angle},0\n" for angle in angles)
+    with pytest.raises(InputError, match=f"line 14 = '{last},0': angles must rise"):
+        parse_points(table, "lift.csv")
 
 
 def test_points_come_from_a_file_too(tmp_path: Path) -> None:

@@ -17,11 +17,21 @@ import numpy as np
 from scipy.interpolate import BSpline, make_interp_spline
 
 from camtools.errors import GeometryError, InputError
-from camtools.part_cam import MAX_LIFT_MM, MIN_POINTS, Cam, Lobe
+from camtools.part_cam import (
+    MAX_LIFT_MM,
+    MIN_POINTS,
+    MIN_STEP_DEG,
+    Cam,
+    Lobe,
+    fits_turn,
+    is_step,
+    is_turn,
+)
 from camtools.sections import Floats
 
 CSV_HEADER = "angle_deg,lift_mm"
 _MAX_ROWS = 10_000
+_SAME_MM = 1e-9
 
 
 class Lift(NamedTuple):
@@ -119,11 +129,10 @@ def periodic_spline(angle_deg: Floats, lift_mm: Floats) -> BSpline:
     angle_deg, lift_mm : ndarray, shape (n,)
         Rising angles that span at most a turn; where they span it, both ends have the same lift.
     """
-    if angle_deg[-1] - angle_deg[0] < 360:
-        angle_deg, lift_mm = (
-            np.append(angle_deg, angle_deg[0] + 360),
-            np.append(lift_mm, lift_mm[0]),
-        )
+    n = lift_mm.size - is_turn(angle_deg[-1] - angle_deg[0])
+    # the end is made from the beginning: written out, both differ in the last digits
+    angle_deg = np.append(angle_deg[:n], angle_deg[0] + 360)
+    lift_mm = np.append(lift_mm[:n], lift_mm[0])
     return make_interp_spline(np.radians(angle_deg), lift_mm, k=5, bc_type="periodic")
 
 
@@ -163,8 +172,8 @@ def _row(
     if not (-360 <= angle <= 720 and 0 <= lift_mm <= MAX_LIFT_MM):
         problem = f"angle not -360 .. 720 or lift not 0 .. {MAX_LIFT_MM:g}"
         raise InputError(file, place, line, problem, "give degrees and mm above the base circle")
-    if before and not before[-1][0] + 0.01 <= angle <= before[0][0] + 360:
-        problem = "angles must rise by at least 0.01 degrees within one turn"
+    if before and not (is_step(angle - before[-1][0]) and fits_turn(angle - before[0][0])):
+        problem = f"angles must rise by at least {MIN_STEP_DEG} degrees within one turn"
         raise InputError(file, place, line, problem, "sort the points")
     return angle, lift_mm
 
@@ -214,7 +223,7 @@ def make_lift(cam: Cam, lobe: Lobe, field: str) -> LiftLaw:
         assert lobe.offset_mm is not None
         return Disc(lobe.disc_radius_mm + cam.roller_radius_mm, lobe.offset_mm)
     angle_deg, lift_mm = _points(lobe, field)
-    if angle_deg[-1] - angle_deg[0] == 360 and lift_mm[0] != lift_mm[-1]:
+    if is_turn(angle_deg[-1] - angle_deg[0]) and abs(lift_mm[0] - lift_mm[-1]) > _SAME_MM:
         problem = f"first and last point are a turn apart, {lift_mm[0]:g} and {lift_mm[-1]:g} mm"
         raise GeometryError(f"{field}.lift_mm", problem, "leave the last one out")
     return Listed(periodic_spline(angle_deg, lift_mm))

@@ -27,12 +27,29 @@ from camtools.part_base import HeightMm, Table, rising, wrong
 MIN_GAP_MM = 0.2
 MAX_LIFT_MM = 15.0
 MIN_POINTS = 8
+MIN_STEP_DEG = 0.01
+SAME_DEG = 1e-6  # decimal angles differ by less from what they are written as
 MIN_RPM, MAX_RPM = 1.0, 60_000.0
 
 RadiusMm = Annotated[float, Field(ge=0.1, le=2000)]
 LiftMm = Annotated[float, Field(gt=0, le=MAX_LIFT_MM)]
 PointLiftMm = Annotated[float, Field(ge=0, le=MAX_LIFT_MM)]
 PointDeg = Annotated[float, Field(ge=-360, le=720)]
+
+
+def is_turn(span_deg: float) -> bool:
+    """Return whether points of this span end where they began."""
+    return abs(span_deg - 360) < SAME_DEG
+
+
+def is_step(step_deg: float) -> bool:
+    """Return whether two angles are far enough apart for a spline."""
+    return step_deg >= MIN_STEP_DEG - SAME_DEG
+
+
+def fits_turn(span_deg: float) -> bool:
+    """Return whether points of this span close a turn, or leave a step of it."""
+    return is_turn(span_deg) or is_step(360 - span_deg)
 
 
 def _list_or_one(value: object) -> str:
@@ -105,11 +122,14 @@ class Lobe(Table):
     @classmethod
     def _check_angles(cls, value: list[float] | None) -> list[float] | None:
         for before, behind in pairwise(value or []):
-            if behind - before < 0.01:
-                problem = f"angles must rise by at least 0.01 degrees, but {behind:g} "
+            if not is_step(behind - before):
+                problem = f"angles must rise by at least {MIN_STEP_DEG} degrees, but {behind:g} "
                 raise wrong("rising", problem + f"follows {before:g}", "sort the points")
-        if value and value[-1] - value[0] > 360:
-            problem = f"the points span {value[-1] - value[0]:g} degrees, more than a turn"
+        if value and not fits_turn(value[-1] - value[0]):
+            problem = (
+                f"the points span {value[-1] - value[0]:.9g} degrees, neither a turn "
+                f"nor {MIN_STEP_DEG} degrees less"
+            )
             raise wrong("turn", problem, "list one turn")
         return value
 
