@@ -75,20 +75,22 @@ BAD = [
     (with_law(LAW.replace("8", "[8]")), f"{LOBE}.lift_mm", "at least 8 entries"),
     (with_law(LAW.replace("= 8", f"= {[1] * 8}")), f"{LOBE}.lift_mm", "largest lift"),
     (with_law(LAW.replace("= 8", "= 16")), f"{LOBE}.lift_mm = 16", "at most 15"),
+    (with_law(LAW.replace("= 8", "= 0")), f"{LOBE}.lift_mm = 0:", "give more than 0"),
+    (with_law(LAW.replace("= 8", "= -1")), f"{LOBE}.lift_mm = -1:", "give more than 0"),
     (with_law(LAW.replace("= 8", "= nan")), f"{LOBE}.lift_mm = nan", "finite"),
     (with_law(LAW + "offset_mm = 1\n"), f"{LOBE}.offset_mm = 1", 'law = "disc"'),
     (with_law(LAW + 'csv = "a"\n'), f"{LOBE}.csv = 'a'", 'law = "list"'),
     (with_law(LAW + "lft = 1\n"), f"{LOBE}.lft = 1", "spelling"),
     (with_law('law = "list"\n'), f"{LOBE}.csv", "give one of them"),
     (with_law(LIST + 'csv = "a"\n'), f"{LOBE}.csv = 'a'", "give one of them"),
-    (with_law(f'law = "list"\n{POINTS}'), f"{LOBE}", "give both"),
+    (with_law(f'law = "list"\n{POINTS}'), f"{LOBE}: angle_deg", "give both"),
     (with_law(LIST.replace("[0, 1,", "[")), f"{LOBE}.lift_mm", "at least 8 entries"),
     (with_law(LIST.replace("[0, 1,", "[0, 0, 1,")), f"{LOBE}.lift_mm", "one value for each"),
     (with_law(LIST.replace("lift_mm = [", "lift_mm = 8 #")), f"{LOBE}.lift_mm = 8", "give a list"),
     (with_law(LIST.replace("45", "95")), f"{LOBE}.angle_deg", "sort the points"),
     (with_law(LIST.replace("315", "361")), f"{LOBE}.angle_deg", "list one turn"),
     (DISC.replace("offset_mm = 5", "offset_mm = 4"), f"{LOBE}.disc_radius_mm = 25", "make them eq"),
-    (DISC.replace("wheel_radius_mm = 200", ""), "cam.wheel_radius_mm", "add it"),
+    (DISC.replace("wheel_radius_mm = 200", ""), "cam.wheel_radius_mm: is missing", "add it"),
     (DISC.replace('"grinding"', '"milling"'), "process.operation", "'turning' or 'grinding'"),
     (DISC.replace('"constant-surface"', '"even"'), "process.speed", "'uniform' or 'constant-sur"),
     (GOOD.replace("= 60\n\n[machine", "= 0\n\n[machine"), "process.spindle_rpm = 0", "at least 1"),
@@ -112,6 +114,20 @@ def test_lobes_stand_apart() -> None:
     text = GOOD.replace("[process]", second.replace("[0, 12]", "[12.1, 20]") + "[process]")
     assert any("cam.lobe" in line and "apart" in line for line in lines_of(text))
     assert len(cam_of(text.replace("12.1", "13")).cam.lobe) == 2
+
+
+@pytest.mark.parametrize(("text", "field"), [(GOOD, "roller"), (DISC, "wheel")])
+def test_follower_stays_within_the_table(text: str, field: str) -> None:
+    """A table holds 2147 mm; what is asked for instead is taken."""
+    text = text.replace("base_radius_mm = 20", "base_radius_mm = 200")
+    text = text.replace("disc_radius_mm = 25", "disc_radius_mm = 205")
+    before = f"{field}_radius_mm = {'10' if field == 'roller' else '200'}\n"
+    [line] = lines_of(text.replace(before, f"{field}_radius_mm = 1990\n"))
+    assert line.startswith(f"c.toml: cam.{field}_radius_mm = 1990.0: with base_radius_mm")
+    most = line.partition("; give at most ")[2].partition(",")[0]
+    most_mm = float(most)
+    part = cam_of(text.replace(before, f"{field}_radius_mm = {most}\n"))
+    assert part.follower_radius_mm == most_mm
 
 
 def closing(first: float, last: float) -> list[float]:
