@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from camtools.cam_lift import make_lift, parse_points
+from camtools.cam_lift import Poly345, make_lift, parse_points
 from camtools.errors import CamtoolsError, GeometryError, InputError
 from camtools.part import parse_part
 from camtools.part_cam import CamPart
@@ -161,16 +161,36 @@ def test_end_of_a_turn_is_a_step_away_or_none(last: float, tmp_path: Path) -> No
         parse_points(table, "lift.csv")
 
 
+def test_spline_stays_between_the_given_lifts() -> None:
+    """Few points: the spline dips below the base circle, or rises over the nose; told where."""
+    angles = [*range(-80, 81, 10), 180]
+    lifts = Poly345(8.0, np.radians(70.0)).evaluate(np.radians(angles)).lift.clip(0)
+    no_nose = [*range(5, 360, 10)]
+    waves = (2 - 2 * np.cos(np.radians(no_nose))).tolist()
+    cases = (
+        (angles, lifts.tolist(), "-0.1436 mm at ", "0 .. 8 mm"),
+        (no_nose, waves, "4 mm at 1", "0 .. 3.99239 mm"),
+    )
+    for degrees, values, found, given in cases:
+        text = f'law = "list"\nangle_deg = {degrees}\nlift_mm = {values}\n'
+        part = cam_of(with_law(text))
+        with pytest.raises(GeometryError) as info:
+            make_lift(part.cam, part.cam.lobe[0], LOBE)
+        [line] = info.value.lines
+        assert line.startswith(f"{LOBE}.lift_mm: between the points the lift comes to {found}")
+        assert given in line and "; give more points there" in line
+
+
 def test_points_come_from_a_file_too(tmp_path: Path) -> None:
     """A CSV file beside the part file, read line by line."""
     path, table = tmp_path / "c.toml", tmp_path / "lift.csv"
     path.write_text(with_law('law = "list"\ncsv = "lift.csv"\n'))
-    rows = [f"{angle},{angle / 100}\n" for angle in range(0, 360, 30)]
+    rows = [f"{angle},{1 - np.cos(np.radians(angle))}\n" for angle in range(0, 360, 30)]
     table.write_text("angle_deg,lift_mm\n" + "".join(rows))
     part = load_any(path)
     assert isinstance(part, CamPart)
     law = make_lift(part.cam, part.cam.lobe[0], LOBE)
-    assert float(law.evaluate(np.array(np.pi / 6)).lift) == pytest.approx(0.3, abs=1e-12)
+    assert float(law.evaluate(np.array(np.pi / 6)).lift) == pytest.approx(1 - np.sqrt(0.75))
     for text, problem in (
         ("angle,lift\n", "line 1 = 'angle,lift': wrong header"),
         ("angle_deg,lift_mm\n0,1\n0,2\n", "line 3 = '0,2': angles must rise"),

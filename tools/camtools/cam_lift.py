@@ -32,6 +32,8 @@ from camtools.sections import Floats
 CSV_HEADER = "angle_deg,lift_mm"
 _MAX_ROWS = 10_000
 _SAME_MM = 1e-9
+_STRAY_MM = 1e-3  # of a spline from what its points promise
+_PER_PIECE = 64
 
 
 class Lift(NamedTuple):
@@ -226,4 +228,21 @@ def make_lift(cam: Cam, lobe: Lobe, field: str) -> LiftLaw:
     if is_turn(angle_deg[-1] - angle_deg[0]) and abs(lift_mm[0] - lift_mm[-1]) > _SAME_MM:
         problem = f"first and last point are a turn apart, {lift_mm[0]:g} and {lift_mm[-1]:g} mm"
         raise GeometryError(f"{field}.lift_mm", problem, "leave the last one out")
-    return Listed(periodic_spline(angle_deg, lift_mm))
+    law = Listed(periodic_spline(angle_deg, lift_mm))
+    _check_between(law, float(lift_mm.max()), f"{field}.{'csv' if lobe.csv else 'lift_mm'}")
+    return law
+
+
+def _check_between(law: Listed, largest_mm: float, field: str) -> None:
+    """Refuse a spline that leaves the lifts that its points give: nobody drew that."""
+    knots = law.spline.t[law.spline.k : -law.spline.k]  # the points, without a turn's repetition
+    pieces = np.linspace(knots[:-1], knots[1:], _PER_PIECE, axis=-1).ravel()
+    lift_mm = np.asarray(law.spline(pieces), dtype=np.float64)
+    stray_mm = np.maximum(-lift_mm, lift_mm - largest_mm)
+    worst = int(stray_mm.argmax())
+    if stray_mm[worst] > _STRAY_MM:
+        problem = (
+            f"between the points the lift comes to {lift_mm[worst]:.4g} mm at "
+            f"{np.degrees(pieces[worst]):.4g} degrees, but they give 0 .. {largest_mm:g} mm"
+        )
+        raise GeometryError(field, problem, "give more points there, the nose one of them")
