@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import numpy as np
@@ -206,3 +207,26 @@ def test_points_come_from_a_file_too(tmp_path: Path) -> None:
     table.unlink()
     with pytest.raises(GeometryError, match="No such file"):
         make_lift(part.cam, part.cam.lobe[0], LOBE)
+
+
+def test_points_come_from_files_only(tmp_path: Path) -> None:
+    """A pipe is not waited for, a file without end not read; a spreadsheet's mark is no matter."""
+    table = tmp_path / "lift.csv"
+    part = cam_of(with_law(f'law = "list"\ncsv = "{table}"\n'))
+
+    def problem() -> str:
+        with pytest.raises(GeometryError) as info:
+            make_lift(part.cam, part.cam.lobe[0], LOBE)
+        return info.value.lines[0]
+
+    os.mkfifo(table)
+    assert problem().startswith(f"{LOBE}.csv: lift.csv cannot be read: not a file; give a CSV")
+    table.unlink()
+    table.write_bytes(b"0" * 1_000_001)
+    assert "larger than 1000000 bytes; " in problem()
+    table.write_bytes(b"angle_deg,lift_mm\n\xff\n")
+    assert "not UTF-8 text; " in problem()
+    rows = "".join(f"{angle},1\n" for angle in range(0, 360, 30))
+    table.write_text("angle_deg,lift_mm\n" + rows, encoding="utf-8-sig")
+    law = make_lift(part.cam, part.cam.lobe[0], LOBE)
+    assert law.evaluate(np.zeros(1)).lift == pytest.approx([1])

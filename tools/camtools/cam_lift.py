@@ -9,6 +9,7 @@ A new law is one class with `evaluate`; nothing else has to know it.
 
 from __future__ import annotations
 
+import errno
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple, Protocol
@@ -17,6 +18,7 @@ import numpy as np
 from scipy.interpolate import BSpline, make_interp_spline
 
 from camtools.errors import GeometryError, InputError
+from camtools.part import MAX_FILE_BYTES
 from camtools.part_cam import (
     MAX_LIFT_MM,
     MIN_POINTS,
@@ -187,7 +189,7 @@ def _points(lobe: Lobe, field: str) -> tuple[Floats, Floats]:
         return np.asarray(lobe.angle_deg, dtype=float), np.asarray(lobe.lift_mm, dtype=float)
     path = Path(lobe.csv)
     try:
-        return parse_points(path.read_text(encoding="utf-8"), path.name)
+        return parse_points(_read(path), path.name)
     except InputError as error:
         raise GeometryError(f"{field}.csv", *_split(error)) from error
     except (OSError, UnicodeDecodeError, ValueError) as error:
@@ -196,6 +198,17 @@ def _points(lobe: Lobe, field: str) -> tuple[Floats, Floats]:
         raise GeometryError(
             f"{field}.csv", f"{path.name} cannot be read: {reason}", remedy
         ) from error
+
+
+def _read(path: Path) -> str:
+    """Return the text of a CSV file, without the mark that spreadsheets put before it."""
+    if path.exists() and not path.is_file():  # a pipe would be waited for
+        raise OSError(errno.EINVAL, "not a file")
+    with path.open("rb") as stream:
+        data = stream.read(MAX_FILE_BYTES + 1)
+    if len(data) > MAX_FILE_BYTES:
+        raise OSError(errno.EFBIG, f"larger than {MAX_FILE_BYTES} bytes")
+    return data.decode("utf-8-sig")
 
 
 def _split(error: InputError) -> tuple[str, str]:
