@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,12 +12,13 @@ import pytest
 
 from cam_tables import DISC, POLY345, POLY345_WHEEL
 from camsim_cases import camsim, only_error
+from camtools.cam_channels import slices_of
 from camtools.cam_contact import contact, follow
 from camtools.cam_generate import GeneratedCam, generate_cam
 from camtools.cam_lift import Disc, LiftLaw, Poly345
-from camtools.cam_motion import example_cam, make_lobes
+from camtools.cam_motion import ShaftLobe, example_cam, make_lobes
 from camtools.cam_speed import N_GRID, SpindleLimits, mean_of, surface_speed
-from camtools.errors import CamtoolsError
+from camtools.errors import CamtoolsError, GeometryError
 from camtools.generate import generate
 from camtools.image import KIND_SPEED, KIND_U, pack, unpack
 from camtools.part import load_part
@@ -140,6 +142,29 @@ def test_lobes_keep_their_phases_and_places(tmp_path: Path) -> None:
             got = evaluate(tmp_path, result, turn, np.full(401, float(z_mm)))
             assert np.abs(got["u_nm"] - exact.lift / NM).max() <= 10
             assert np.abs(got["swing_deg"] - np.degrees(exact.gamma)).max() <= 1e-4
+
+
+def shaft(*places: tuple[float, float]) -> list[ShaftLobe]:
+    """Return the lobe of the notes at several places of a shaft."""
+    [lobe] = make_lobes(example_cam())
+    return [replace(lobe, z_mm=z_mm) for z_mm in places]
+
+
+def test_shaft_that_no_table_holds_is_told_how_much_one_holds() -> None:
+    """21 slices: 335.544 mm, 10 lobes; up to there it fits, beyond it says so."""
+    assert slices_of(shaft((0, 335.544))).size == 21
+    assert slices_of(shaft(*((20 * i, 20 * i + 5) for i in range(10)))).size == 20
+    cases = (
+        (shaft((0, 335.545)), "reaches over 335.545 mm, a table over at most 335.544 mm; make"),
+        (shaft((0, 9), (391, 400)), "reaches over 400 mm, a table over at most 335.544 mm; make"),
+        (shaft(*((9 * i, 9 * i + 2) for i in range(11))), "has 11 lobes, a table at most 10; make"),
+        (shaft((0, 100), (100.2, 200)), "slices of equal height change over inside every gap; m"),
+    )
+    for lobes, problem in cases:
+        with pytest.raises(GeometryError) as info:
+            slices_of(lobes)
+        assert info.value.lines[0].startswith("cam.lobe: ")
+        assert problem in info.value.lines[0]
 
 
 def test_listed_cam_is_that_of_its_law(tmp_path: Path) -> None:

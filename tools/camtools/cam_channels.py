@@ -76,20 +76,33 @@ def slices_of(lobes: list[ShaftLobe]) -> Ints:
     Raises
     ------
     GeometryError
-        The gaps lie so that more slices would be needed than a table should have.
+        More slices would be needed than a table has: too long, too many lobes, narrow gaps.
     """
     first, last = range_of(lobes)
     span = last - first
     places = [_kept_off(lobe, first, span) for lobe in lobes]
     fewest = max(2, -(-span // MAX_SPACING_NM) + 1)
     most = min(span // MIN_SPACING_NM + 1, MAX_CHANNEL_BYTES // (KNOT_SIZE << MAX_LOG2_KNOTS))
+    _check_extent(len(lobes), span, most)
     for n in range(fewest, most + 1):
         low = [z0 * (n - 1) // span for z0, _ in places]
         high = [-(-z1 * (n - 1) // span) for _, z1 in places]
         if all(behind > before for before, behind in zip(high[:-1], low[1:], strict=True)):
             return np.searchsorted(low, np.arange(n), side="right") - 1
-    problem = f"no {fewest} .. {most} equal steps change over inside every gap"
+    problem = f"none of {fewest} .. {most} slices of equal height change over inside every gap"
     raise GeometryError("cam.lobe", problem, "make gaps wider, or tables of fewer lobes each")
+
+
+def _check_extent(n_lobes: int, span_nm: int, most: int) -> None:
+    """Refuse shafts that no gaps would help: each lobe needs a slice on either edge."""
+    longest_nm = (most - 1) * MAX_SPACING_NM
+    if span_nm > longest_nm:
+        length_mm, longest_mm = span_nm / NM_PER_MM, longest_nm // 1000 / 1000
+        problem = f"reaches over {length_mm:.7g} mm, a table over at most {longest_mm:g} mm"
+        raise GeometryError("cam.lobe", problem, "make tables of shorter pieces of the shaft")
+    if 2 * n_lobes > most:
+        problem = f"has {n_lobes} lobes, a table at most {most // 2}"
+        raise GeometryError("cam.lobe", problem, "make tables of fewer lobes each")
 
 
 def _knots(function: Function, lobes: list[ShaftLobe], log2_knots: int) -> Floats:

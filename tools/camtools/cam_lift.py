@@ -9,6 +9,7 @@ A new law is one class with `evaluate`; nothing else has to know it.
 
 from __future__ import annotations
 
+import errno
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple, Protocol
@@ -17,11 +18,24 @@ import numpy as np
 from scipy.interpolate import BSpline, make_interp_spline
 
 from camtools.errors import GeometryError, InputError
-from camtools.part_cam import MAX_LIFT_MM, MIN_POINTS, Cam, Lobe
+from camtools.part import MAX_FILE_BYTES
+from camtools.part_cam import (
+    MAX_LIFT_MM,
+    MIN_POINTS,
+    MIN_STEP_DEG,
+    Cam,
+    Lobe,
+    fits_turn,
+    is_step,
+    is_turn,
+)
 from camtools.sections import Floats
 
 CSV_HEADER = "angle_deg,lift_mm"
 _MAX_ROWS = 10_000
+_SAME_MM = 1e-9
+_STRAY_MM = 1e-3  # of a spline from what its points promise
+_PER_PIECE = 64
 
 
 class Lift(NamedTuple):
@@ -119,11 +133,10 @@ def periodic_spline(angle_deg: Floats, lift_mm: Floats) -> BSpline:
     angle_deg, lift_mm : ndarray, shape (n,)
         Rising angles that span at most a turn; where they span it, both ends have the same lift.
     """
-    if angle_deg[-1] - angle_deg[0] < 360:
-        angle_deg, lift_mm = (
-            np.append(angle_deg, angle_deg[0] + 360),
-            np.append(lift_mm, lift_mm[0]),
-        )
+    n = lift_mm.size - is_turn(angle_deg[-1] - angle_deg[0])
+    # the end is made from the beginning: written out, both differ in the last digits
+    angle_deg = np.append(angle_deg[:n], angle_deg[0] + 360)
+    lift_mm = np.append(lift_mm[:n], lift_mm[0])
     return make_interp_spline(np.radians(angle_deg), lift_mm, k=5, bc_type="periodic")
 
 
@@ -163,8 +176,8 @@ def _row(
     if not (-360 <= angle <= 720 and 0 <= lift_mm <= MAX_LIFT_MM):
         problem = f"angle not -360 .. 720 or lift not 0 .. {MAX_LIFT_MM:g}"
         raise InputError(file, place, line, problem, "give degrees and mm above the base circle")
-    if before and not before[-1][0] + 0.01 <= angle <= before[0][0] + 360:
-        problem = "angles must rise by at least 0.01 degrees within one turn"
+    if before and not (is_step(angle - before[-1][0]) and fits_turn(angle - before[0][0])):
+        problem = f"angles must rise by at least {MIN_STEP_DEG} degrees within one turn"
         raise InputError(file, place, line, problem, "sort the points")
     return angle, lift_mm
 
@@ -176,7 +189,7 @@ def _points(lobe: Lobe, field: str) -> tuple[Floats, Floats]:
         return np.asarray(lobe.angle_deg, dtype=float), np.asarray(lobe.lift_mm, dtype=float)
     path = Path(lobe.csv)
     try:
-        return parse_points(path.read_text(encoding="utf-8"), path.name)
+        return parse_points(_read(path), path.name)
     except InputError as error:
         raise GeometryError(f"{field}.csv", *_split(error)) from error
     except (OSError, UnicodeDecodeError, ValueError) as error:
@@ -185,6 +198,17 @@ def _points(lobe: Lobe, field: str) -> tuple[Floats, Floats]:
         raise GeometryError(
             f"{field}.csv", f"{path.name} cannot be read: {reason}", remedy
         ) from error
+
+
+def _read(path: Path) -> str:
+    """Return the text of a CSV file, without the mark that spreadsheets put before it."""
+    if path.exists() and not path.is_file():  # a pipe would be waited for
+        raise OSError(errno.EINVAL, "not a file")
+    with path.open("rb") as stream:
+        data = stream.read(MAX_FILE_BYTES + 1)
+    if len(data) > MAX_FILE_BYTES:
+        raise OSError(errno.EFBIG, f"larger than {MAX_FILE_BYTES} bytes")
+    return data.decode("utf-8-sig")
 
 
 def _split(error: InputError) -> tuple[str, str]:
@@ -214,7 +238,24 @@ def make_lift(cam: Cam, lobe: Lobe, field: str) -> LiftLaw:
         assert lobe.offset_mm is not None
         return Disc(lobe.disc_radius_mm + cam.roller_radius_mm, lobe.offset_mm)
     angle_deg, lift_mm = _points(lobe, field)
-    if angle_deg[-1] - angle_deg[0] == 360 and lift_mm[0] != lift_mm[-1]:
+    if is_turn(angle_deg[-1] - angle_deg[0]) and abs(lift_mm[0] - lift_mm[-1]) > _SAME_MM:
         problem = f"first and last point are a turn apart, {lift_mm[0]:g} and {lift_mm[-1]:g} mm"
         raise GeometryError(f"{field}.lift_mm", problem, "leave the last one out")
-    return Listed(periodic_spline(angle_deg, lift_mm))
+    law = Listed(periodic_spline(angle_deg, lift_mm))
+    _check_between(law, float(lift_mm.max()), f"{field}.{'csv' if lobe.csv else 'lift_mm'}")
+    return law
+
+
+def _check_between(law: Listed, largest_mm: float, field: str) -> None:
+    """Refuse a spline that leaves the lifts that its points give: nobody drew that."""
+    knots = law.spline.t[law.spline.k : -law.spline.k]  # the points, without a turn's repetition
+    pieces = np.linspace(knots[:-1], knots[1:], _PER_PIECE, axis=-1).ravel()
+    lift_mm = np.asarray(law.spline(pieces), dtype=np.float64)
+    stray_mm = np.maximum(-lift_mm, lift_mm - largest_mm)
+    worst = int(stray_mm.argmax())
+    if stray_mm[worst] > _STRAY_MM:
+        problem = (
+            f"between the points the lift comes to {lift_mm[worst]:.4g} mm at "
+            f"{np.degrees(pieces[worst]):.4g} degrees, but they give 0 .. {largest_mm:g} mm"
+        )
+        raise GeometryError(field, problem, "give more points there, the nose one of them")

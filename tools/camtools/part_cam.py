@@ -26,13 +26,31 @@ from camtools.part_base import HeightMm, Table, rising, wrong
 
 MIN_GAP_MM = 0.2
 MAX_LIFT_MM = 15.0
+MAX_CENTRE_MM = 2100.0  # a table holds 2147 mm in 32 bits of nm
 MIN_POINTS = 8
+MIN_STEP_DEG = 0.01
+SAME_DEG = 1e-6  # decimal angles differ by less from what they are written as
 MIN_RPM, MAX_RPM = 1.0, 60_000.0
 
 RadiusMm = Annotated[float, Field(ge=0.1, le=2000)]
 LiftMm = Annotated[float, Field(gt=0, le=MAX_LIFT_MM)]
 PointLiftMm = Annotated[float, Field(ge=0, le=MAX_LIFT_MM)]
 PointDeg = Annotated[float, Field(ge=-360, le=720)]
+
+
+def is_turn(span_deg: float) -> bool:
+    """Return whether points of this span end where they began."""
+    return abs(span_deg - 360) < SAME_DEG
+
+
+def is_step(step_deg: float) -> bool:
+    """Return whether two angles are far enough apart for a spline."""
+    return step_deg >= MIN_STEP_DEG - SAME_DEG
+
+
+def fits_turn(span_deg: float) -> bool:
+    """Return whether points of this span close a turn, or leave a step of it."""
+    return is_turn(span_deg) or is_step(360 - span_deg)
 
 
 def _list_or_one(value: object) -> str:
@@ -105,11 +123,14 @@ class Lobe(Table):
     @classmethod
     def _check_angles(cls, value: list[float] | None) -> list[float] | None:
         for before, behind in pairwise(value or []):
-            if behind - before < 0.01:
-                problem = f"angles must rise by at least 0.01 degrees, but {behind:g} "
+            if not is_step(behind - before):
+                problem = f"angles must rise by at least {MIN_STEP_DEG} degrees, but {behind:g} "
                 raise wrong("rising", problem + f"follows {before:g}", "sort the points")
-        if value and value[-1] - value[0] > 360:
-            problem = f"the points span {value[-1] - value[0]:g} degrees, more than a turn"
+        if value and not fits_turn(value[-1] - value[0]):
+            problem = (
+                f"the points span {value[-1] - value[0]:.9g} degrees, neither a turn "
+                f"nor {MIN_STEP_DEG} degrees less"
+            )
             raise wrong("turn", problem, "list one turn")
         return value
 
@@ -130,12 +151,22 @@ class Lobe(Table):
         if not is_listed:
             return self
         if not isinstance(self.lift_mm, list) or self.angle_deg is None:
-            raise wrong("half", "angle_deg and lift_mm belong together", "give both")
+            problem = "angle_deg and lift_mm belong together"
+            raise wrong("half", problem, "give both", value=None)
         if len(self.lift_mm) != len(self.angle_deg):
             problem = f"has {len(self.lift_mm)} entries, angle_deg has {len(self.angle_deg)}"
             context = {"field": "lift_mm", "value": self.lift_mm}
             raise wrong("length", problem, "give one value for each angle", **context)
         return self
+
+    @property
+    def largest_mm(self) -> float:
+        """Return the largest lift; of a CSV file, which is read later, the largest there may be."""
+        if self.law == "disc":
+            return 2 * (self.offset_mm or 0.0)
+        if self.csv is not None or self.lift_mm is None:
+            return MAX_LIFT_MM
+        return max(self.lift_mm) if isinstance(self.lift_mm, list) else self.lift_mm
 
 
 class Cam(Table):
@@ -222,8 +253,22 @@ class CamPart(Table):
     def _check_wheel(self) -> Self:
         wheel_mm, operation = self.cam.wheel_radius_mm, self.process.operation
         if operation == "grinding" and wheel_mm is None:
-            context = {"field": "cam.wheel_radius_mm"}
+            context = {"field": "cam.wheel_radius_mm", "value": None}
             raise wrong("wheel", 'is missing for operation = "grinding"', "add it", **context)
+        return self
+
+    @model_validator(mode="after")
+    def _check_centre(self) -> Self:
+        key = "roller_radius_mm" if self.process.operation == "turning" else "wheel_radius_mm"
+        rest_mm = self.cam.base_radius_mm + max(lobe.largest_mm for lobe in self.cam.lobe)
+        if rest_mm + self.follower_radius_mm > MAX_CENTRE_MM + 0.001:  # the remedy is rounded
+            problem = (
+                f"with base_radius_mm and the largest lift it is "
+                f"{rest_mm + self.follower_radius_mm:.7g} mm, a table holds {MAX_CENTRE_MM:g} mm"
+            )
+            context = {"field": f"cam.{key}", "value": self.follower_radius_mm}
+            remedy = f"give at most {MAX_CENTRE_MM - rest_mm:.7g}, or a smaller base circle"
+            raise wrong("centre", problem, remedy, **context)
         return self
 
     @property

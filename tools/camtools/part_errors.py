@@ -31,6 +31,7 @@ _REMEDIES = {
     "model_type": "give a table: [name] on a line of its own",
     "model_attributes_type": "give a table: [name] on a line of its own",
     "greater_than_equal": "give at least {ge}",
+    "greater_than": "give more than {gt}",
     "less_than_equal": "give at most {le}",
     "too_short": "give at least {min_length} entries",
     "too_long": "give at most {max_length} entries",
