@@ -211,6 +211,29 @@ def test_name_taken_by_a_folder_changes_nothing(tmp_path: Path) -> None:
     assert (tmp_path / "a").read_text() == "older"
 
 
+@pytest.mark.parametrize("target", ["missing", "older", "pipe", "folder", "circle"])
+def test_symbolic_links_stay(tmp_path: Path, target: str) -> None:
+    """The file that a link points to is replaced, in its own folder; nothing else ever is."""
+    there, here = tmp_path / "there", tmp_path / "here"
+    (there / "folder").mkdir(parents=True)
+    (there / "older").write_text("older")
+    os.mkfifo(there / "pipe")
+    (there / "circle").symlink_to("circle")
+    here.mkdir()
+    (here / "b").symlink_to(Path("..") / "there" / target)
+    before = listing(there)
+    if target in ("missing", "older"):
+        write_all(here, {"a": b"new", "b": b"new"})
+        assert (there / target).read_bytes() == b"new"
+        assert listing(there) == sorted({*before, target})
+    else:
+        with pytest.raises(CamtoolsError, match=r"^\S*: cannot write: [^;]*; give "):
+            write_all(here, {"a": b"new", "b": b"new"})
+        assert (listing(here), listing(there)) == (["b"], before)
+    assert (here / "b").is_symlink()
+    assert (there / "pipe").is_fifo()
+
+
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_interrupted_run_leaves_nothing(tmp_path: Path, number: signal.Signals) -> None:
     """A signal while writing removes temporaries and the new folder; the status tells it."""
