@@ -102,6 +102,19 @@ def bad_parts() -> dict[str, tuple[bytes, str]]:
         "slow": (good.replace(b"= 400", b"= 10"), "machine.limits.u_speed_mm_s = 10 mm/s"),
         "short": (good.replace(b"= 1.2", b"= 0.1"), "machine.limits.u_stroke_mm = 0.1 mm"),
         "fast": (good.replace(b"= 2500", b"= 3001"), "machine.limits.spindle_rpm = 3000 r/min"),
+        "coarse": (
+            good.replace(b"[0, 10, 20, 30, 40, 50, 62]", b"[0, 1, 2, 3, 4, 6, 8]").replace(
+                b"feed_mm = 0.1", b"feed_mm = 8.000001"
+            ),
+            "process.feed_mm = 8.000001: must be at most 8, the height of the part; give mm per",
+        ),
+        "coarse-cam": (
+            PERKINS.with_name("cam-345.toml")
+            .read_bytes()
+            .replace(b"[0, 12]", b"[0.5, 4]")
+            .replace(b"[process]", b"[process]\nfeed_mm = 5"),
+            "process.feed_mm = 5: must be at most 3.5, the height of the part; give mm per turn",
+        ),
         "inside-out": (good + b"[magnify]\nfactor = 1000\n", "magnify.factor: "),
     }
 
