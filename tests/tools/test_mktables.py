@@ -270,6 +270,42 @@ def test_interrupted_run_leaves_nothing(tmp_path: Path, number: signal.Signals) 
     assert listing(tmp_path) == []
 
 
+def _default_interrupt() -> None:
+    signal.signal(signal.SIGINT, signal.SIG_DFL)  # a shell's background jobs ignore it
+
+
+def _interrupted_import(folder: Path, *words: str) -> tuple[int, str]:
+    """Return status and complaint of a Python that is interrupted while it imports numpy."""
+    (folder / "numpy.py").write_text("import time\nprint('here', flush=True)\ntime.sleep(30)\n")
+    env = environment()
+    env["PYTHONPATH"] = f"{folder}:{env['PYTHONPATH']}"
+    with subprocess.Popen(
+        [sys.executable, *words],
+        env=env,
+        preexec_fn=_default_interrupt,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    ) as run:
+        assert run.stdout is not None
+        assert run.stdout.readline() == "here\n"
+        run.send_signal(signal.SIGINT)
+        _, err = run.communicate(timeout=20)
+    return run.returncode, err
+
+
+def test_interrupted_loading_is_silent(tmp_path: Path) -> None:
+    """Ctrl-C before a tool has its handlers ends it without a traceback."""
+    status, err = _interrupted_import(tmp_path, "-m", "camtools.mktables", "--help")
+    assert (status, err) == (-signal.SIGINT, "")
+
+
+def test_library_leaves_the_interrupt_alone(tmp_path: Path) -> None:
+    """Whoever imports the package gets KeyboardInterrupt as ever."""
+    _, err = _interrupted_import(tmp_path, "-c", "import camtools.mktables")
+    assert err.endswith("KeyboardInterrupt\n")
+
+
 def test_whole_command_takes_two_seconds(mktables: Mktables, tmp_path: Path) -> None:
     """Perkins 240 takes at most 2 s, the interpreter's start included (measured as CPU time)."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
