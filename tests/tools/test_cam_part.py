@@ -59,9 +59,18 @@ def test_pistons_are_read_as_before() -> None:
     with pytest.raises(CamtoolsError) as info:
         parse_part(GOOD.encode(), "c.toml")
     assert info.value.lines == [
-        "c.toml: part.kind = 'cam': cams are for tools/mktables only; "
-        "give the part file of a piston"
+        "c.toml: part.kind = 'cam': cams are for mktables and run; give the part file of a piston"
     ]
+
+
+@pytest.mark.parametrize("kind", ['"Cam"', '["cam"]', "1", "{}"])
+def test_a_wrong_kind_is_all_that_is_told(kind: str) -> None:
+    """Nobody knows which keys belong to it: the rest of a cam is no mistake in a piston."""
+    with pytest.raises(CamtoolsError) as info:
+        parse_any(GOOD.replace('kind = "cam"', f"kind = {kind}").encode(), "c.toml")
+    assert len(info.value.lines) == 1
+    assert info.value.lines[0].startswith("c.toml: part.kind = ")
+    assert info.value.lines[0].endswith("; use one of: 'piston' or 'cam'")
 
 
 BAD = [

@@ -364,6 +364,24 @@ def test_a_folder_is_no_program(tmp_path: Path) -> None:
     assert "is a folder; give the name of a file" in done.stderr
 
 
+def test_only_files_are_replaced(tmp_path: Path) -> None:
+    """A pipe, also behind a link, stays what it is; a link to a file stays a link."""
+    pipe, link, program = tmp_path / "pipe", tmp_path / "link", tmp_path / "part.ngc"
+    os.mkfifo(pipe)
+    link.symlink_to(pipe)
+    for path in (pipe, link):
+        done = mkgcode(PERKINS, "-o", path)
+        told = f"mkgcode: {path}: cannot write: not a regular file; give the name of a file\n"
+        assert (done.returncode, done.stderr) == (2, told)
+    assert pipe.is_fifo()
+    link.unlink()
+    link.symlink_to(program)
+    assert mkgcode(PERKINS, "-o", link).returncode == 0
+    assert link.is_symlink()
+    assert program.read_text().endswith("M2\n")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["link", "part.ngc", "pipe"]
+
+
 def test_script_sets_itself_up(tmp_path: Path) -> None:
     """tools/mkgcode works from any folder."""
     command = [str(ROOT / "tools" / "mkgcode"), str(PERKINS), "-o", "p.ngc"]

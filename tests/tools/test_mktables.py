@@ -102,6 +102,19 @@ def bad_parts() -> dict[str, tuple[bytes, str]]:
         "slow": (good.replace(b"= 400", b"= 10"), "machine.limits.u_speed_mm_s = 10 mm/s"),
         "short": (good.replace(b"= 1.2", b"= 0.1"), "machine.limits.u_stroke_mm = 0.1 mm"),
         "fast": (good.replace(b"= 2500", b"= 3001"), "machine.limits.spindle_rpm = 3000 r/min"),
+        "coarse": (
+            good.replace(b"[0, 10, 20, 30, 40, 50, 62]", b"[0, 1, 2, 3, 4, 6, 8]").replace(
+                b"feed_mm = 0.1", b"feed_mm = 8.000001"
+            ),
+            "process.feed_mm = 8.000001: must be at most 8, the height of the part; give mm per",
+        ),
+        "coarse-cam": (
+            PERKINS.with_name("cam-345.toml")
+            .read_bytes()
+            .replace(b"[0, 12]", b"[0.5, 4]")
+            .replace(b"[process]", b"[process]\nfeed_mm = 5"),
+            "process.feed_mm = 5: must be at most 3.5, the height of the part; give mm per turn",
+        ),
         "inside-out": (good + b"[magnify]\nfactor = 1000\n", "magnify.factor: "),
     }
 
@@ -211,6 +224,29 @@ def test_name_taken_by_a_folder_changes_nothing(tmp_path: Path) -> None:
     assert (tmp_path / "a").read_text() == "older"
 
 
+@pytest.mark.parametrize("target", ["missing", "older", "pipe", "folder", "circle"])
+def test_symbolic_links_stay(tmp_path: Path, target: str) -> None:
+    """The file that a link points to is replaced, in its own folder; nothing else ever is."""
+    there, here = tmp_path / "there", tmp_path / "here"
+    (there / "folder").mkdir(parents=True)
+    (there / "older").write_text("older")
+    os.mkfifo(there / "pipe")
+    (there / "circle").symlink_to("circle")
+    here.mkdir()
+    (here / "b").symlink_to(Path("..") / "there" / target)
+    before = listing(there)
+    if target in ("missing", "older"):
+        write_all(here, {"a": b"new", "b": b"new"})
+        assert (there / target).read_bytes() == b"new"
+        assert listing(there) == sorted({*before, target})
+    else:
+        with pytest.raises(CamtoolsError, match=r"^\S*: cannot write: [^;]*; give "):
+            write_all(here, {"a": b"new", "b": b"new"})
+        assert (listing(here), listing(there)) == (["b"], before)
+    assert (here / "b").is_symlink()
+    assert (there / "pipe").is_fifo()
+
+
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_interrupted_run_leaves_nothing(tmp_path: Path, number: signal.Signals) -> None:
     """A signal while writing removes temporaries and the new folder; the status tells it."""
@@ -232,6 +268,42 @@ def test_interrupted_run_leaves_nothing(tmp_path: Path, number: signal.Signals) 
     assert run.returncode == 128 + number
     assert err == "mktables: interrupted; nothing was written\n"
     assert listing(tmp_path) == []
+
+
+def _default_interrupt() -> None:
+    signal.signal(signal.SIGINT, signal.SIG_DFL)  # a shell's background jobs ignore it
+
+
+def _interrupted_import(folder: Path, *words: str) -> tuple[int, str]:
+    """Return status and complaint of a Python that is interrupted while it imports numpy."""
+    (folder / "numpy.py").write_text("import time\nprint('here', flush=True)\ntime.sleep(30)\n")
+    env = environment()
+    env["PYTHONPATH"] = f"{folder}:{env['PYTHONPATH']}"
+    with subprocess.Popen(
+        [sys.executable, *words],
+        env=env,
+        preexec_fn=_default_interrupt,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    ) as run:
+        assert run.stdout is not None
+        assert run.stdout.readline() == "here\n"
+        run.send_signal(signal.SIGINT)
+        _, err = run.communicate(timeout=20)
+    return run.returncode, err
+
+
+def test_interrupted_loading_is_silent(tmp_path: Path) -> None:
+    """Ctrl-C before a tool has its handlers ends it without a traceback."""
+    status, err = _interrupted_import(tmp_path, "-m", "camtools.mktables", "--help")
+    assert (status, err) == (-signal.SIGINT, "")
+
+
+def test_library_leaves_the_interrupt_alone(tmp_path: Path) -> None:
+    """Whoever imports the package gets KeyboardInterrupt as ever."""
+    _, err = _interrupted_import(tmp_path, "-c", "import camtools.mktables")
+    assert err.endswith("KeyboardInterrupt\n")
 
 
 def test_whole_command_takes_two_seconds(mktables: Mktables, tmp_path: Path) -> None:

@@ -20,6 +20,7 @@ from matplotlib.image import imread
 
 from camtools.errors import CamtoolsError
 from camtools.part import Limits
+from camtools.part_file import load_any
 from camtools.report_data import read_surface, read_trace
 from camtools.run import main
 from camtools.run_cut import machine_text, traced_turns, variant_of
@@ -180,7 +181,7 @@ def test_out_of_tolerance_is_status_1(run: Run, tmp_path: Path) -> None:
         (["--rpm", "1e9"], "--rpm 1000000000.0: out of range"),
         (["--rpm", "4000"], "give at most --rpm 3000"),
         (["--feed", "0"], "--feed 0: must be a finite number above 0; give mm per turn"),
-        (["--feed", "500"], "--feed 500.0: out of range"),
+        (["--feed", "500"], "--feed 500: must be at most 10 mm, what the firmware takes; give"),
         (["-o", ""], "-o: an empty path"),
         (["-o", "older"], "older: cannot write: File exists"),
         (["-o", "older/below"], "older/below: cannot write: Not a directory"),
@@ -301,11 +302,36 @@ def test_stage_publishes_over_earlier_files(tmp_path: Path) -> None:
 def test_name_taken_by_a_folder_changes_nothing(tmp_path: Path) -> None:
     """When one name cannot be given, none is."""
     (tmp_path / "b").mkdir()
-    with pytest.raises(CamtoolsError, match="Is a directory: b"), Stage(tmp_path) as stage:
+    with (
+        pytest.raises(CamtoolsError, match="/b: cannot write: Is a directory; "),
+        Stage(tmp_path) as stage,
+    ):
         (stage.folder / "a").write_text("new")
         (stage.folder / "b").write_text("new")
         stage.publish()
     assert listing(tmp_path) == ["b"]
+
+
+@pytest.mark.parametrize("kind", ["piston", "cam"])
+def test_feed_beyond_the_part_is_refused_first(kind: str, tmp_path: Path) -> None:
+    """One line tells the largest feed that would do; no table is made before."""
+    name, heights, shorter = {
+        "piston": ("perkins240", "[0, 10, 20, 30, 40, 50, 62]", "[0, 1, 2, 3, 4, 6, 8]"),
+        "cam": ("cam-345", "[0, 12]", "[4, 12]"),
+    }[kind]
+    path = tmp_path / "low.toml"
+    text = PERKINS.with_name(f"{name}.toml").read_text()
+    path.write_text(text.replace(heights, shorter))
+    part = load_any(path)
+    Job(["--feed", "8"]).check_feed(part)
+    Job([]).check_feed(part)
+    for feed in ("8.000001", "20"):
+        told = f"--feed {feed}: must be at most 8 mm, the height of the part; give at most --feed 8"
+        with pytest.raises(CamtoolsError) as info:
+            Job(["--feed", feed]).check_feed(part)
+        assert info.value.lines == [told]
+    assert main([str(path), "--feed", "20", "-o", str(tmp_path / "out")]) == 2
+    assert listing(tmp_path) == ["low.toml"]
 
 
 def test_limits_of_the_part_become_the_machine() -> None:

@@ -24,7 +24,7 @@ from camtools.cam_motion import ShaftLobe, make_lobes
 from camtools.cam_speed import N_GRID, SpindleLimits, mean_of, surface_speed
 from camtools.evaluate import knot_interval, raw_bounds
 from camtools.feasibility import HighestSpeed, Peaks, check_feasible, peaks_of
-from camtools.generate import check_tolerance, moving_bounds, table_of, u_bounds
+from camtools.generate import check_feed, check_tolerance, moving_bounds, table_of, u_bounds
 from camtools.geometry import NM_PER_MM, omega_rad_s
 from camtools.image import ANGLE_TURN, Channel, Table
 from camtools.part_cam import CamLimits, CamPart
@@ -85,6 +85,7 @@ def generate_cam(part: CamPart, tolerance_nm: float | None = None) -> GeneratedC
     """
     tolerance_nm = DEFAULT_TOLERANCE_NM if tolerance_nm is None else tolerance_nm
     check_tolerance(tolerance_nm)
+    check_feed(part)
     lobes = make_lobes(part)
     is_swung = part.process.operation == "turning"
     lift, angle = choose_lift(lobes, tolerance_nm), choose_angle(lobes, is_swung=is_swung)

@@ -117,7 +117,7 @@ def _check_isr(arguments: argparse.Namespace) -> int:
 def _record(path: Path, build: str, sizes: Sizes) -> None:
     builds = parse_sizes(str(path), _read(path)) if path.exists() else {}
     text = emit_sizes(builds | {build: sizes})
-    write_all(path.resolve().parent, {path.name: text.encode()})
+    write_all(path.parent, {path.name: text.encode()})
 
 
 def _check_sizes(arguments: argparse.Namespace) -> int:

@@ -21,6 +21,7 @@ from camtools.image import Bounds, Channel, Limits, Table
 from camtools.part import Limits as MachineLimits
 from camtools.part import Part
 from camtools.part_cam import CamPart
+from camtools.part_file import height_mm, is_feed_within
 from camtools.path import path_of
 from camtools.quantise import with_bounds
 from camtools.search import choose_u, choose_x
@@ -127,6 +128,20 @@ def check_tolerance(tolerance_nm: float) -> None:
         raise CamtoolsError([f"tolerance_nm = {tolerance_nm:g}: {problem}; give nanometres"])
 
 
+def check_feed(part: Part | CamPart) -> None:
+    """Refuse a feed beyond the height of the part: the firmware would not cut its table.
+
+    Raises
+    ------
+    CamtoolsError
+        With the highest feed that would do.
+    """
+    feed_mm = part.process.feed_mm
+    if not is_feed_within(part, feed_mm):
+        problem = f"must be at most {height_mm(part):.9g}, the height of the part"
+        raise CamtoolsError([f"process.feed_mm = {feed_mm:.9g}: {problem}; give mm per turn"])
+
+
 def refuse_corner(geometry: Geometry) -> None:
     """Refuse a composite section whose corner nobody smoothed: no axis can follow it."""
     corner = geometry.corner
@@ -164,6 +179,7 @@ def generate(part: Part, tolerance_nm: float | None = None) -> Generated:
     """
     if tolerance_nm is not None:
         check_tolerance(tolerance_nm)
+    check_feed(part)
     geometry = make_geometry(part)
     path_of(part, geometry.z_first_mm, geometry.z_last_mm)  # or refuse: Z cannot follow it
     refuse_corner(geometry)

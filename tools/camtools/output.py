@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import os
 import signal
+import stat
 import tempfile
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
@@ -22,8 +23,27 @@ from camtools.errors import CamtoolsError
 _SIGNALS = {signal.SIGINT, signal.SIGTERM, signal.SIGHUP}
 
 
-def _write_temporary(folder: Path, name: str, chunks: Iterable[bytes], made: list[Path]) -> Path:
-    handle, path = tempfile.mkstemp(prefix=f".{name}.", suffix=".tmp", dir=folder)
+def file_target(path: Path) -> Path:
+    """Return the file that a path stands for, symbolic links followed: they stay links.
+
+    Raises
+    ------
+    CamtoolsError
+        There is something that is no regular file: a name put in its place would destroy it.
+    OSError
+        The links lead round in a circle, or nobody may follow them.
+    """
+    with suppress(FileNotFoundError):
+        mode = path.stat().st_mode
+        if not stat.S_ISREG(mode):
+            what = "Is a directory" if stat.S_ISDIR(mode) else "not a regular file"
+            raise CamtoolsError([f"{path}: cannot write: {what}; give the name of a file"])
+    return Path(os.path.realpath(path))
+
+
+def _write_temporary(target: Path, chunks: Iterable[bytes], made: list[Path]) -> Path:
+    prefix = f".{target.name}."
+    handle, path = tempfile.mkstemp(prefix=prefix, suffix=".tmp", dir=target.parent)
     made.append(Path(path))
     with os.fdopen(handle, "wb") as stream:
         os.fchmod(handle, 0o666 & ~_umask())
@@ -49,13 +69,12 @@ def signals_held() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
-def _rename_all(folder: Path, temporaries: Mapping[str, Path]) -> None:
-    for name in temporaries:
-        if (folder / name).is_dir():
-            raise IsADirectoryError(21, os.strerror(21), name)
+def _rename_all(temporaries: Mapping[Path, Path]) -> None:
+    for target in temporaries:
+        file_target(target)  # again: writing may have taken long
     with signals_held():
-        for name, path in temporaries.items():
-            path.replace(folder / name)
+        for target, path in temporaries.items():
+            path.replace(target)
 
 
 def _make_folder(folder: Path) -> list[Path]:
@@ -69,7 +88,8 @@ def write_all(folder: Path, files: Mapping[str, bytes | Iterable[bytes]]) -> Non
     """Write files into a folder so that either all get their names or none does.
 
     Everything is written to temporary files and synchronised first; only then are they
-    renamed, with interrupts held back.
+    renamed, with interrupts held back. A name that is a symbolic link stays one: the file that it
+    points to is replaced.
 
     Parameters
     ----------
@@ -80,18 +100,22 @@ def write_all(folder: Path, files: Mapping[str, bytes | Iterable[bytes]]) -> Non
     Raises
     ------
     CamtoolsError
-        The system refuses; nothing new is left behind, older files are as they were.
+        The system refuses, or a name belongs to what is no regular file; nothing new is left
+        behind, older files are as they were.
     """
     made: list[Path] = []
     folders: list[Path] = []
     done = False
     try:
         folders = _make_folder(folder)
+        targets = {name: file_target(folder / name) for name in files}
         finals = {
-            name: _write_temporary(folder, name, [data] if isinstance(data, bytes) else data, made)
+            targets[name]: _write_temporary(
+                targets[name], [data] if isinstance(data, bytes) else data, made
+            )
             for name, data in files.items()
         }
-        _rename_all(folder, finals)
+        _rename_all(finals)
         done = True
     except OSError as error:
         remedy = "give a folder that can be written and has room"
@@ -107,7 +131,7 @@ def growing(path: Path) -> Iterator[TextIO]:
     """Write a text file bit by bit; it gets its name at the end, whatever the end is.
 
     Until then an older file stays; also when nothing was written. What is no ordinary file, such
-    as a pipe, is written directly.
+    as a pipe, is written directly; a symbolic link stays one.
 
     Raises
     ------
@@ -118,6 +142,7 @@ def growing(path: Path) -> Iterator[TextIO]:
         with path.open("w", newline="", encoding="utf-8") as stream:
             yield stream
         return
+    path = Path(os.path.realpath(path))
     handle, name = tempfile.mkstemp(prefix=f".{path.name}.", suffix=".tmp", dir=path.parent)
     try:
         with os.fdopen(handle, "w", newline="", encoding="utf-8") as stream:

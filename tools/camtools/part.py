@@ -286,7 +286,7 @@ def parse_part(data: bytes, file: str, folder: Path = Path()) -> Part:
     """
     tree = read_tree(data, file)
     if is_cam(tree):
-        problem, remedy = "cams are for tools/mktables only", "give the part file of a piston"
+        problem, remedy = "cams are for mktables and run", "give the part file of a piston"
         raise InputError(file, "part.kind", "cam", problem, remedy)
     return validated(Part, tree, file, folder)
 

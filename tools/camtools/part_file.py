@@ -16,7 +16,9 @@ from camtools.errors import CamtoolsError
 from camtools.part import Part, is_cam, parse_part, read_part_file, read_tree, validated
 from camtools.part_cam import CamPart
 
-__all__ = ["CamtoolsError", "load_any", "parse_any"]
+__all__ = ["CamtoolsError", "height_mm", "is_feed_within", "load_any", "parse_any"]
+
+_NM_PER_MM = 1_000_000
 
 
 def parse_any(data: bytes, file: str, folder: Path = Path()) -> Part | CamPart:
@@ -28,6 +30,19 @@ def parse_any(data: bytes, file: str, folder: Path = Path()) -> Part | CamPart:
     return (
         validated(CamPart, tree, file, folder) if is_cam(tree) else parse_part(data, file, folder)
     )
+
+
+def height_mm(part: Part | CamPart) -> float:
+    """Return how high a part is [mm], of a cam from its first lobe to its last."""
+    if isinstance(part, CamPart):
+        return part.cam.lobe[-1].z_mm[1] - part.cam.lobe[0].z_mm[0]
+    heights_mm = part.piston.profile.height_mm
+    return heights_mm[-1] - heights_mm[0]
+
+
+def is_feed_within(part: Part | CamPart, feed_mm: float) -> bool:
+    """Tell whether a part is cut in a turn at least, to the nanometre as the firmware asks it."""
+    return round(feed_mm * _NM_PER_MM) <= round(height_mm(part) * _NM_PER_MM)
 
 
 def load_any(path: Path) -> Part | CamPart:

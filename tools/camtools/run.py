@@ -156,6 +156,7 @@ def _run(argv: Sequence[str]) -> int:
     job = Job(argv)
     say(f"making the table of {job.part_path.name}")
     part = load_any(job.part_path)
+    job.check_feed(part)
     if isinstance(part, CamPart):
         return run_cam(job, part, begin_s)
     generated = _make_table(job.part_path, part, job.rpm)

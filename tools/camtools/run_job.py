@@ -14,9 +14,13 @@ from pathlib import Path
 
 from camtools.command import Parser
 from camtools.errors import CamtoolsError
+from camtools.part import Part
+from camtools.part_cam import CamPart
+from camtools.part_file import height_mm, is_feed_within
 from camtools.run_cut import ROOT
 from camtools.run_stage import cannot_write
 
+_MAX_FEED_MM = 10.0  # range of the firmware's parameter
 _DEFAULT_PART = ROOT / "tools" / "parts" / "perkins240.toml"
 _OURS = ("--rpm", "--feed", "--trace", "--surface", "--summary", "--design", "--progress", "--help")
 _EPILOG = """\
@@ -99,6 +103,22 @@ class Job:
         if arguments.output == "":
             raise CamtoolsError(["-o: an empty path; give a folder"])
         self.output: Path | None = Path(arguments.output) if arguments.output else None
+
+    def check_feed(self, part: Part | CamPart) -> None:
+        """Refuse a feed that camsim would refuse, before anything is made.
+
+        Raises
+        ------
+        CamtoolsError
+            Beyond the height of the part, or beyond what the firmware takes.
+        """
+        feed_mm = self.feed_mm
+        if feed_mm is None or (feed_mm <= _MAX_FEED_MM and is_feed_within(part, feed_mm)):
+            return
+        most_mm = min(height_mm(part), _MAX_FEED_MM)
+        why = "the height of the part" if most_mm < _MAX_FEED_MM else "what the firmware takes"
+        problem = f"--feed {feed_mm:.9g}: must be at most {most_mm:.9g} mm, {why}"
+        raise CamtoolsError([f"{problem}; give at most --feed {most_mm:.9g}"])
 
     def folder(self, name: str) -> Path:
         """Return the output folder for a part's name."""

@@ -11,6 +11,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import shutil
 import tempfile
@@ -20,7 +21,7 @@ from types import TracebackType
 from typing import Self
 
 from camtools.errors import CamtoolsError
-from camtools.output import signals_held
+from camtools.output import file_target, signals_held
 
 
 def cannot_write(place: Path, error: OSError) -> CamtoolsError:
@@ -74,18 +75,24 @@ class Stage:
         """Move every file into the output folder, over those of earlier runs."""
         files = sorted(path for path in self.folder.iterdir() if path.is_file())
         try:
-            self._check_names(files)
+            targets = [self._target(path.name) for path in files]
+            self._synchronise(files)
             with signals_held():
-                for path in files:
-                    path.replace(self.output / path.name)
+                for path, target in zip(files, targets, strict=True):
+                    path.replace(target)
         except OSError as error:
             raise cannot_write(self.output, error) from error
 
-    def _check_names(self, files: list[Path]) -> None:
-        """Refuse before the first file moves, and bring all of them to the disk."""
+    def _target(self, name: str) -> Path:
+        """Return the file that gets a name, or refuse before the first file moves."""
+        target = file_target(self.output / name)
+        if target.parent.stat().st_dev != self.folder.stat().st_dev:
+            raise OSError(errno.EXDEV, f"{os.strerror(errno.EXDEV)}: {name}")
+        return target
+
+    def _synchronise(self, files: list[Path]) -> None:
+        """Bring all files to the disk before the first one moves."""
         for path in files:
-            if (self.output / path.name).is_dir():
-                raise IsADirectoryError(21, f"{os.strerror(21)}: {path.name}")
             with path.open("rb") as stream:
                 os.fsync(stream.fileno())
 
