@@ -21,7 +21,7 @@ from pydantic import (
 )
 
 from camtools.errors import CamtoolsError, InputError
-from camtools.part_base import HeightMm, Table, as_long, rising, wrong
+from camtools.part_base import HeightMm, Table, as_long, no_truth, rising, wrong
 from camtools.part_errors import describe_all
 from camtools.part_section import SectionShape
 
@@ -166,12 +166,7 @@ class Process(Table):
             raise wrong("path", problem, 'set process.mode = "uniform", or path = "helix"')
         return value
 
-    @field_validator("direction", mode="before")
-    @classmethod
-    def _check_direction(cls, value: object) -> object:
-        if isinstance(value, bool):  # true equals 1 in Python, but not on a drawing
-            raise wrong("direction", "must be 1 or -1", "use one of: 1 or -1")
-        return value
+    _check_direction = field_validator("direction", mode="before")(no_truth)
 
 
 class Limits(Table):

@@ -7,6 +7,7 @@
 from __future__ import annotations
 
 from itertools import pairwise
+from pathlib import Path
 from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationInfo
@@ -49,3 +50,16 @@ def as_long(values: list[float], info: ValidationInfo) -> list[float]:
         problem = f"has {len(values)} entries, height_mm has {len(height_mm)}"
         raise wrong("length", problem, "give one value for each height")
     return values
+
+
+def no_truth(value: object) -> object:
+    """Refuse true for a direction: it equals 1 in Python, but not on a drawing."""
+    if isinstance(value, bool):
+        raise wrong("direction", "must be 1 or -1", "use one of: 1 or -1")
+    return value
+
+
+def beside_the_part(value: str | None, info: ValidationInfo) -> str | None:
+    """Return a path that the part file tells as seen from the part file's folder."""
+    folder = (info.context or {}).get("folder")
+    return value if value is None or folder is None else str(Path(folder) / value)

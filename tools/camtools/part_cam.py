@@ -8,7 +8,6 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from pathlib import Path
 from typing import Annotated, Literal, Self
 
 from pydantic import (
@@ -22,7 +21,7 @@ from pydantic import (
 )
 
 from camtools.part import Limits, PartInfo
-from camtools.part_base import HeightMm, Table, rising, wrong
+from camtools.part_base import HeightMm, Table, beside_the_part, no_truth, rising, wrong
 
 MIN_GAP_MM = 0.2
 MAX_LIFT_MM = 15.0
@@ -134,11 +133,7 @@ class Lobe(Table):
             raise wrong("turn", problem, "list one turn")
         return value
 
-    @field_validator("csv")
-    @classmethod
-    def _beside_the_part(cls, value: str | None, info: ValidationInfo) -> str | None:
-        folder = (info.context or {}).get("folder")
-        return value if value is None or folder is None else str(Path(folder) / value)
+    _beside_the_part = field_validator("csv")(beside_the_part)
 
     @model_validator(mode="after")
     def _check_points(self) -> Self:
@@ -218,12 +213,7 @@ class CamProcess(Table):
     depth_mm: Annotated[float, Field(ge=0, le=100)] = 0.1
     direction: Literal[1, -1] = 1
 
-    @field_validator("direction", mode="before")
-    @classmethod
-    def _check_direction(cls, value: object) -> object:
-        if isinstance(value, bool):  # true equals 1 in Python, but not on a drawing
-            raise wrong("direction", "must be 1 or -1", "use one of: 1 or -1")
-        return value
+    _check_direction = field_validator("direction", mode="before")(no_truth)
 
 
 class CamLimits(Limits):

@@ -6,7 +6,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated, Literal
 
 from pydantic import (
@@ -18,7 +17,7 @@ from pydantic import (
     field_validator,
 )
 
-from camtools.part_base import Table, wrong
+from camtools.part_base import Table, beside_the_part, wrong
 
 MAX_DELETE = 6
 
@@ -118,8 +117,4 @@ class SectionShape(Table):
             raise wrong("beta", problem, 'set it to 0, or shape = "double-ellipse"')
         return value
 
-    @field_validator("csv")
-    @classmethod
-    def _beside_the_part(cls, value: str | None, info: ValidationInfo) -> str | None:
-        folder = (info.context or {}).get("folder")
-        return value if value is None or folder is None else str(Path(folder) / value)
+    _beside_the_part = field_validator("csv")(beside_the_part)

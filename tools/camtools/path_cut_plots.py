@@ -11,30 +11,14 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.image import AxesImage
 
 from camtools.path_cut import PathCut, predicted_scallop_um
+from camtools.path_plots import paint_map
 from camtools.path_study import PathStudy
 from camtools.report_style import BLUE, GREY, ORANGE, angle_axis, drawing, new_figure, png_of
 from camtools.sections import Floats
 
 _COLOURS = (BLUE, ORANGE, GREY)
-
-
-def _paint(axes: Axes, study: PathStudy, map_um: Floats, highest_um: float) -> AxesImage:
-    around = np.append(map_um, map_um[:1], axis=0).T
-    extent = (0.0, 360.0, float(study.z_mm[0]), float(study.z_mm[-1]))
-    shown = axes.imshow(
-        around,
-        origin="lower",
-        aspect="auto",
-        extent=extent,
-        cmap="viridis",
-        vmin=0,
-        vmax=highest_um,
-    )
-    angle_axis(axes)
-    return shown
 
 
 def _around(values: Floats) -> Floats:
@@ -72,7 +56,7 @@ def draw_measured(name: str, study: PathStudy, cuts: Sequence[PathCut]) -> bytes
                 (("cut on the simulator", one.proud_um), ("worked out", one.row.scallop_um))
             ):
                 axes = figure.add_subplot(layout[line, column])
-                shown = _paint(axes, study, map_um, highest)
+                shown = paint_map(axes, study, map_um, highest)
                 axes.set_title(f"{one.row.name}, {one.row.path.feed_mm:g} mm: {what}")
                 axes.set_ylabel("skirt height, mm" if column == 0 else "")
                 maps.append(axes)

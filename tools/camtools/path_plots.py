@@ -11,10 +11,12 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.image import AxesImage
 
 from camtools.path import Path
 from camtools.path_study import PathStudy
 from camtools.report_style import BLUE, GREY, ORANGE, angle_axis, drawing, new_figure, png_of
+from camtools.sections import Floats
 
 _POINTS = 361
 _DEG = np.linspace(0, 360, _POINTS)
@@ -57,6 +59,23 @@ def draw_unrolled(name: str, study: PathStudy) -> Figure:
     return figure
 
 
+def paint_map(axes: Axes, study: PathStudy, map_um: Floats, highest_um: float) -> AxesImage:
+    """Draw metal above the design over angle and height, in colours from 0 to `highest_um`."""
+    around = np.append(map_um, map_um[:1], axis=0).T
+    extent = (0.0, 360.0, float(study.z_mm[0]), float(study.z_mm[-1]))
+    shown = axes.imshow(
+        around,
+        origin="lower",
+        aspect="auto",
+        extent=extent,
+        cmap="viridis",
+        vmin=0,
+        vmax=highest_um,
+    )
+    angle_axis(axes)
+    return shown
+
+
 def draw_scallop(name: str, study: PathStudy) -> Figure:
     """Return maps of the metal left between the tracks, on one scale of colours."""
     figure = new_figure(10, 5.2)
@@ -64,20 +83,9 @@ def draw_scallop(name: str, study: PathStudy) -> Figure:
     panels = figure.subplots(1, 2, sharey=True)
     highest = max(float(row.scallop_um.max()) for row in study.rows[:2])
     for axes, row in zip(panels, study.rows[:2], strict=True):
-        around = np.append(row.scallop_um, row.scallop_um[:1], axis=0).T
-        extent = (0.0, 360.0, float(study.z_mm[0]), float(study.z_mm[-1]))
-        shown = axes.imshow(
-            around,
-            origin="lower",
-            aspect="auto",
-            extent=extent,
-            cmap="viridis",
-            vmin=0,
-            vmax=highest,
-        )
+        shown = paint_map(axes, study, row.scallop_um, highest)
         most, mean = row.scallop_um.max(), row.scallop_um.mean()
         axes.set_title(f"{row.name}: largest {most:.3g} µm, mean {mean:.3g} µm")
-        angle_axis(axes)
     panels[0].set_ylabel("skirt height, mm")
     figure.colorbar(shown, ax=list(panels), label="above the design, µm")
     return figure
