@@ -64,19 +64,6 @@ uint64_t cam_feed_least_acceleration(uint32_t feed_nm, uint32_t speed_mrpm)
     return (way_per_turn2(feed_nm, speed_mrpm) + per - 1u) / per;
 }
 
-uint32_t cam_feed_highest_mrpm(uint32_t feed_nm, uint32_t speed_um_per_s,
-                               uint32_t acceleration_mm_per_s2)
-{
-    const uint64_t way_nm = section_nm(feed_nm);
-    const uint64_t meeting_um_per_s = at_least(cam_root_u64(way_nm * acceleration_mm_per_s2), 1u);
-    const uint64_t v = meeting_um_per_s < speed_um_per_s ? meeting_um_per_s : speed_um_per_s;
-    const uint64_t feed_ns = way_nm * 1000000u / v + 1u;
-    const uint64_t ramp_ns = at_least(v * 1000000u / acceleration_mm_per_s2, feed_ns / 255u) + 1u;
-    const uint64_t mrpm = UINT64_C(60000000000000) / (feed_ns + ramp_ns);
-    const uint64_t told = (mrpm - mrpm / 2048u) / 100u * 100u;
-    return told < UINT32_MAX ? (uint32_t)told : UINT32_MAX;
-}
-
 cam_rings_t cam_feed_rings(uint32_t feed_nm, int32_t span_nm, uint32_t speed_mrpm,
                            uint32_t acceleration_mm_per_s2)
 {

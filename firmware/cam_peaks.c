@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam/cam_peaks.h"
-#include "cam/cam_fix.h" // cam_abs_i64
+#include "cam/cam_bounds.h" // cam_bounds_add
 
 /// Thousandths of a degree in a turn, in a radian, in a radian divided by 2 pi; rounded up.
 enum { mdeg_per_turn = 360000, mdeg_per_rad = 57296, mdeg_per_rad_turn = 9119 };
@@ -8,81 +8,85 @@ enum { mdeg_per_turn = 360000, mdeg_per_rad = 57296, mdeg_per_rad_turn = 9119 };
 /// Fraction bits of the unit of an angle, in turns.
 enum { unit_bits = 26 };
 
-/// Largest magnitudes so far, in the LSB of the channel and per knot interval.
-typedef struct {
-    int64_t tenfold; ///< value, times 10
-    int64_t twice;   ///< first derivative, times 2
-    int64_t second;  ///< second derivative, times 512
-} bounds_t;
-
-static void widen(int64_t *bound, int64_t value)
-{
-    const int64_t magnitude = cam_abs_i64(value);
-    *bound = magnitude > *bound ? magnitude : *bound;
-}
-
-/// The second derivative at eighths, and the h^2 / 8 |f''| by which a function leaves the straight
-/// line between two of them: 1/512 of its own second derivative, which is largest at an end.
-static int64_t second_512(int64_t a0, int64_t c3, int64_t c4, int64_t c5)
-{
-    int64_t most = 0;
-    for (int64_t k = 0; k <= 8; k++) {
-        widen(&most, 1024 * a0 + 384 * c3 * k + 96 * c4 * k * k + 20 * c5 * k * k * k);
-    }
-    int64_t bend = 0;
-    widen(&bend, 24 * c4);
-    widen(&bend, 24 * c4 + 120 * c5);
-    return most + bend;
-}
-
-/// Bernstein coefficients of the quintic of TABLE_FORMAT.md and of its derivative; those at its
-/// end are the next one's first.
-static void add_segment(bounds_t *b, const cam_knot_t *k0, const cam_knot_t *k1, int64_t offset)
-{
-    const int64_t a0 = k0->a;
-    const int64_t v0 = k0->v;
-    const int64_t dp = (int64_t)k1->p - k0->p - v0 - a0;
-    const int64_t dv = (int64_t)k1->v - v0 - 2 * a0;
-    const int64_t da = (int64_t)k1->a - a0;
-    const int64_t c3 = 10 * dp - 4 * dv + da;
-    const int64_t c4 = -15 * dp + 7 * dv - 2 * da;
-    const int64_t c5 = 6 * dp - 3 * dv + da;
-    const int64_t from = 10 * (k0->p + offset);
-    const int64_t to = 10 * (k1->p + offset);
-    widen(&b->tenfold, from);
-    widen(&b->tenfold, from + 2 * v0);
-    widen(&b->tenfold, from + 4 * v0 + a0);
-    widen(&b->tenfold, to - INT64_C(4) * k1->v + k1->a);
-    widen(&b->tenfold, to - INT64_C(2) * k1->v);
-    widen(&b->twice, 2 * v0);
-    widen(&b->twice, 2 * v0 + a0);
-    widen(&b->twice, 2 * v0 + 2 * a0 + c3);
-    widen(&b->twice, INT64_C(2) * k1->v - k1->a);
-    widen(&b->second, second_512(a0, c3, c4, c5));
-}
+/// [1 / 2^20] 1 / 2 pi, rounded up.
+enum { turn_per_rad_q20 = 166887 };
 
 static uint32_t saturated(int64_t v)
 {
     return v < (int64_t)UINT32_MAX ? (uint32_t)v : UINT32_MAX;
 }
 
+static int64_t per_turn(const cam_channel_t *ch)
+{
+    return INT64_C(1) << (ch->log2_knots + ch->log2_repeat);
+}
+
 cam_swing_peaks_t cam_peaks_of_swing(const cam_channel_t *ch)
 {
-    const uint32_t n_in_slice = UINT32_C(1) << ch->log2_knots;
     const uint32_t n = ch->n_slices << ch->log2_knots;
     const int64_t offset = (int64_t)ch->offset_nm * (INT64_C(1) << ch->frac_bits);
-    bounds_t b = {0};
+    cam_bounds_t b = {0};
     for (uint32_t i = 0; i < n; i++) {
-        const uint32_t in_slice = i & (n_in_slice - 1u);
-        const uint32_t next = i - in_slice + ((in_slice + 1u) & (n_in_slice - 1u));
-        add_segment(&b, &ch->knots[i], &ch->knots[next], offset);
+        const cam_knot_t *at = &ch->knots[i];
+        const cam_knot_t *next = &ch->knots[cam_bounds_next(ch, i)];
+        const cam_wide_knot_t k0 = {at->p + offset, at->v, at->a};
+        const cam_wide_knot_t k1 = {next->p + offset, next->v, next->a};
+        cam_bounds_add(&b, &k0, &k1);
     }
-    const int64_t per_turn = INT64_C(1) << (ch->log2_knots + ch->log2_repeat);
     const uint32_t down = unit_bits + ch->frac_bits;
-    const int64_t second = ((((b.second >> 9) + 1) * per_turn * mdeg_per_rad_turn) >> 13) + 1;
+    const int64_t second =
+        ((((b.second_512 >> 9) + 1) * per_turn(ch) * mdeg_per_rad_turn) >> 13) + 1;
     return (cam_swing_peaks_t){
         .most_mdeg = saturated(((b.tenfold / 10 + 1) * mdeg_per_turn >> down) + 1),
-        .first_mdeg_per_rad = saturated((b.twice * per_turn * mdeg_per_rad >> (down + 1u)) + 1),
-        .second_mdeg_per_rad2 = saturated((second * per_turn >> (down - 13u)) + 1),
+        .first_mdeg_per_rad = saturated((b.twice * per_turn(ch) * mdeg_per_rad >> (down + 1u)) + 1),
+        .second_mdeg_per_rad2 = saturated((second * per_turn(ch) >> (down - 13u)) + 1),
+    };
+}
+
+/// @return what a knot of the next slice is above that of this one
+static cam_wide_knot_t step(const cam_channel_t *ch, uint32_t i)
+{
+    const cam_knot_t *from = &ch->knots[i];
+    const cam_knot_t *to = &from[UINT32_C(1) << ch->log2_knots];
+    return (cam_wide_knot_t){(int64_t)to->p - from->p, (int64_t)to->v - from->v,
+                             (int64_t)to->a - from->a};
+}
+
+/// @return how much larger that is than the step to this slice
+static cam_wide_knot_t bend(const cam_channel_t *ch, uint32_t i)
+{
+    const cam_wide_knot_t above = step(ch, i);
+    const cam_wide_knot_t below = step(ch, i - (UINT32_C(1) << ch->log2_knots));
+    return (cam_wide_knot_t){above.p - below.p, above.v - below.v, above.a - below.a};
+}
+
+/// @return [unit] of [LSB], rounded up
+static uint32_t in_unit(const cam_channel_t *ch, int64_t lsb)
+{
+    return saturated((lsb + (INT64_C(1) << ch->frac_bits) - 1) >> ch->frac_bits);
+}
+
+cam_change_t cam_peaks_of_change(const cam_channel_t *ch)
+{
+    const uint32_t n_in_slice = UINT32_C(1) << ch->log2_knots;
+    const uint32_t n = (ch->n_slices - 1u) << ch->log2_knots;
+    cam_bounds_t steps = {0};
+    cam_bounds_t bends = {0};
+    for (uint32_t i = 0; i < n; i++) {
+        const uint32_t next = cam_bounds_next(ch, i);
+        const cam_wide_knot_t k0 = step(ch, i);
+        const cam_wide_knot_t k1 = step(ch, next);
+        cam_bounds_add(&steps, &k0, &k1);
+        if (i >= n_in_slice) {
+            const cam_wide_knot_t b0 = bend(ch, i);
+            const cam_wide_knot_t b1 = bend(ch, next);
+            cam_bounds_add(&bends, &b0, &b1);
+        }
+    }
+    const int64_t slope_q20 = (steps.twice + 1) / 2 * per_turn(ch) * turn_per_rad_q20;
+    return (cam_change_t){
+        .most = in_unit(ch, (steps.tenfold + 9) / 10),
+        .per_rad = in_unit(ch, (slope_q20 + (1 << 20) - 1) >> 20),
+        .kink = in_unit(ch, (bends.tenfold + 9) / 10),
     };
 }

@@ -371,9 +371,6 @@ static cam_err_t check_channels(const uint8_t *image, const header_fields_t *h, 
             table->ratio_max_q20 = (uint32_t)(e.offset_nm + (e.p_max >> e.frac_bits) + 2);
         }
     }
-    if (table->is_swung) {
-        table->swing = cam_peaks_of_swing(&table->angle);
-    }
     const bool is_steady = table->speed.knots == NULL || !table->is_ring_helix;
     const bool is_complete = table->u.knots != NULL && table->x.knots != NULL && is_steady;
     return is_complete ? check_promise(&u, h, table) : cam_err_image_channel;
@@ -400,6 +397,17 @@ static void fill(const uint8_t *image, const header_fields_t *h, cam_table_t *ta
     table->image_size = word_at(image, at_image_size);
 }
 
+/// What the format does not promise is measured.
+static void measure(cam_table_t *table)
+{
+    cam_barrel_measure(table);
+    table->u_change = cam_peaks_of_change(&table->u);
+    if (table->is_swung) {
+        table->swing = cam_peaks_of_swing(&table->angle);
+        table->swing_change = cam_peaks_of_change(&table->angle);
+    }
+}
+
 cam_err_t cam_table_check(const void *image, size_t size, cam_table_t *table)
 {
     header_fields_t header;
@@ -419,7 +427,7 @@ cam_err_t cam_table_check(const void *image, size_t size, cam_table_t *table)
         return err;
     }
     fill(image, &header, &found);
-    cam_barrel_measure(&found);
+    measure(&found);
     *table = found;
     return cam_ok;
 }

@@ -138,15 +138,30 @@ static const char *unit_of(cam_err_t err, double *per_unit)
     }
 }
 
+/// What would do: a lower speed, a smaller feed.
+static void put_remedy(const cam_feasibility_t *f, char *to, size_t size)
+{
+    char feed[40] = "";
+    if (f->largest_feed_nm > 0u) {
+        (void)snprintf(feed, sizeof feed, "--feed %.12g", f->largest_feed_nm * 1e-6);
+    }
+    if (f->highest_mrpm > 0u) {
+        (void)snprintf(to, size, "give at most --rpm %.3f%s%s", f->highest_mrpm * 1e-3,
+                       feed[0] != '\0' ? " or " : "", feed);
+    } else if (feed[0] != '\0') {
+        (void)snprintf(to, size, "give at most %s", feed);
+    } else {
+        (void)snprintf(to, size, "no speed helps: use another machine or part");
+    }
+}
+
 /// Asked, needed, limit, and what would do.
 static bool infeasible(const cam_feasibility_t *f, sim_error_t *e)
 {
     double scale;
     const char *unit = unit_of(f->err, &scale);
-    char remedy[80] = "no speed helps: use another machine or part";
-    if (f->highest_mrpm > 0u) {
-        (void)snprintf(remedy, sizeof remedy, "give at most --rpm %.3f", f->highest_mrpm * 1e-3);
-    }
+    char remedy[80];
+    put_remedy(f, remedy, sizeof remedy);
     if (f->err == cam_err_feed) {
         return sim_error(e, "--feed %.12g: infeasible: %s; give at most --feed %.12g",
                          (double)f->needed * 1e-6, cam_err_text(f->err), (double)f->limit * 1e-6);

@@ -13,7 +13,7 @@ void setUp(void)
 {
     params = cam_param_defaults();
     table = (cam_table_t){
-        .u = {.log2_knots = 3, .log2_repeat = 1},
+        .u = {.log2_knots = 3, .log2_repeat = 1, .n_slices = 32, .span_nm = 62000000},
         .z_last_nm = 62000000,
         .direction = 1,
         .spindle_mrpm = 2500000,
@@ -149,6 +149,38 @@ static void test_ring_helix_needs_ramps_of_z(void)
     TEST_ASSERT_EQUAL_INT(cam_ok, judge(2500000).err);
 }
 
+/// 1 / n = feed / v + v / a, v the lesser of Z's speed and sqrt(feed a), where the ramps meet; v /
+/// a at least 1 / 255 of the rest.
+static double ring_mrpm(double feed_mm, double v_mm_per_s, double a_mm_per_s2)
+{
+    const double v = fmin(v_mm_per_s, sqrt(feed_mm * a_mm_per_s2));
+    const double feed_s = feed_mm / v;
+    return 60e3 / (feed_s + fmax(v / a_mm_per_s2, feed_s / 255.0));
+}
+
+static void test_highest_speed_of_a_ring_helix_is_the_edge_of_both_limits(void)
+{
+    table.is_ring_helix = true;
+    table.u.log2_knots = 2;
+    table.u.log2_repeat = 0;
+    table.z_last_nm = 1000000000;
+    table.u1_peak_nm_per_rad = 0;
+    table.u2_peak_nm_per_rad2 = 0;
+    params.x_clearance_nm = 0;
+    params.x_speed_um_per_s = 10000000;
+    params.x_acceleration_mm_per_s2 = 10000000;
+    for (int i = 0; i < 2000; i++) {
+        params.feed_nm = 1000 + i * i * 2;
+        params.z_speed_um_per_s = 1000 + (i * 7919) % 200000;
+        params.z_acceleration_mm_per_s2 = 10 + (i * 104729) % 5000;
+        const double exact = ring_mrpm(params.feed_nm * 1e-6, params.z_speed_um_per_s * 1e-3,
+                                       params.z_acceleration_mm_per_s2);
+        if (exact < 9e6) { // else the tick decides
+            TEST_ASSERT_DOUBLE_WITHIN(2e-3 * exact + 100.0, exact, judge(1000).highest_mrpm);
+        }
+    }
+}
+
 static void test_z_speed_and_acceleration_limit_feed_times_speed(void)
 {
     params.feed_nm = 1000000;
@@ -231,6 +263,7 @@ static void test_largest_demands_do_not_overflow(void)
 static void test_tool_that_must_swing_is_refused_at_any_speed(void)
 {
     table.is_swung = true;
+    table.angle = table.u;
     const cam_feasibility_t found = cam_feasible(&table, &params, 1000, 50000);
     TEST_ASSERT_EQUAL_INT(cam_err_swing_axis, found.err);
     TEST_ASSERT_EQUAL_UINT32(0u, found.highest_mrpm);
@@ -316,6 +349,7 @@ int main(void)
     RUN_TEST(test_stroke_counts_retract_and_both_ends);
     RUN_TEST(test_feed_larger_than_the_part_is_refused);
     RUN_TEST(test_ring_helix_needs_ramps_of_z);
+    RUN_TEST(test_highest_speed_of_a_ring_helix_is_the_edge_of_both_limits);
     RUN_TEST(test_z_speed_and_acceleration_limit_feed_times_speed);
     RUN_TEST(test_tick_rate_limits_knots_and_counts_per_tick);
     RUN_TEST(test_modulation_limits_peak_speed_and_spindle_acceleration);

@@ -55,36 +55,6 @@ static void test_ramp_is_never_below_a_256th_nor_above_half_a_turn(void)
     TEST_ASSERT_EQUAL_HEX32(0x80000000u, cam_feed_ramp_q32(10000000, 60000000, 10));
 }
 
-/// The speed that is told as the highest keeps both limits, and so does none 0.2 % above.
-static void check_highest(uint32_t feed_nm, uint32_t speed, uint32_t acceleration)
-{
-    const uint32_t mrpm = cam_feed_highest_mrpm(feed_nm, speed, acceleration);
-    if (mrpm == 0u || mrpm > 60000000u) {
-        return;
-    }
-    const uint32_t ramp_q32 = cam_feed_ramp_q32(feed_nm, mrpm, acceleration);
-    TEST_ASSERT_LESS_OR_EQUAL_UINT64(acceleration, cam_feed_least_acceleration(feed_nm, mrpm));
-    TEST_ASSERT_LESS_OR_EQUAL_UINT64(speed, cam_feed_speed_um_per_s(feed_nm, mrpm, ramp_q32));
-    const uint32_t beyond = mrpm + mrpm / 500u + 200u;
-    const double ramp = exact_ramp(feed_nm, beyond, acceleration);
-    const double um_per_s = feed_nm * (beyond / 60e6) / (1.0 - ramp);
-    const double per_s = beyond / 60e3;
-    const double needed = 4e-6 * feed_nm * per_s * per_s;
-    TEST_ASSERT_TRUE(um_per_s > 0.999 * speed || needed > acceleration);
-}
-
-static void test_highest_speed_is_the_edge_of_both_limits(void)
-{
-    TEST_ASSERT_UINT32_WITHIN(2200, 4242600, cam_feed_highest_mrpm(100000, 200000, 2000));
-    TEST_ASSERT_EQUAL_UINT32(UINT32_MAX, cam_feed_highest_mrpm(1, 10000000, 1000000));
-    fixture_random_t random = {.state = 6};
-    for (int i = 0; i < 20000; i++) {
-        check_highest((uint32_t)fixture_random_range(&random, 1000, 10000000) >> (i % 8) | 64u,
-                      (uint32_t)fixture_random_range(&random, 100, 10000000),
-                      (uint32_t)fixture_random_range(&random, 10, 1000000));
-    }
-}
-
 static void test_speed_and_acceleration_of_worked_numbers(void)
 {
     const uint32_t ramp_q32 = cam_feed_ramp_q32(100000, 2500000, 2000);
@@ -184,7 +154,6 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_ramp_is_the_shortest_that_the_acceleration_allows);
     RUN_TEST(test_ramp_is_never_below_a_256th_nor_above_half_a_turn);
-    RUN_TEST(test_highest_speed_is_the_edge_of_both_limits);
     RUN_TEST(test_speed_and_acceleration_of_worked_numbers);
     RUN_TEST(test_height_is_exact_to_a_nanometre);
     RUN_TEST(test_worked_heights);

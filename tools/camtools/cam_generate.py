@@ -23,11 +23,20 @@ from camtools.cam_contact import Follower
 from camtools.cam_motion import ShaftLobe, make_lobes
 from camtools.cam_speed import N_GRID, SpindleLimits, mean_of, surface_speed
 from camtools.evaluate import knot_interval, raw_bounds
-from camtools.feasibility import HighestSpeed, Peaks, check_feasible, peaks_of
+from camtools.feasibility import (
+    Drift,
+    HighestSpeed,
+    Peaks,
+    check_feasible,
+    drift_of,
+    given_of,
+    needed_of,
+    peaks_of,
+)
 from camtools.generate import check_feed, check_tolerance, moving_bounds, table_of, u_bounds
 from camtools.geometry import NM_PER_MM, omega_rad_s
 from camtools.image import ANGLE_TURN, Channel, Table
-from camtools.part_cam import CamLimits, CamPart
+from camtools.part_cam import CamPart
 from camtools.sections import Floats
 from camtools.speed_table import MotionPeaks, peaks_together
 
@@ -97,10 +106,13 @@ def generate_cam(part: CamPart, tolerance_nm: float | None = None) -> GeneratedC
         bounds = moving_bounds(bounds, together)
         channels.append(speed.channel)
     table = table_of(part, mean_rpm, bounds, tuple(channels))
-    peaks = peaks_of(bounds, together.ratio if together else 1.0)
+    ratio = together.ratio if together else 1.0
+    peaks = peaks_of(bounds, ratio)
     if is_swung:
         peaks = _with_swing(peaks, angle.channel, speed.channel if speed else None)
-    best = _judge(part, lobes, peaks, mean_rpm)
+    fed = _feeding(part, lift.channel, angle.channel)
+    peaks = peaks._replace(u_drift=fed.u_drift.at(ratio), swing_drift=fed.swing_drift.at(ratio))
+    best = _judge(part, lobes, peaks, fed, mean_rpm)
     return GeneratedCam(part, lobes, tolerance_nm, table, lift, angle, speed, mean_rpm, peaks, best)
 
 
@@ -142,50 +154,62 @@ def _with_swing(peaks: Peaks, angle: Channel, speed: Channel | None) -> Peaks:
     return peaks._replace(swing_deg=largest, swing1_deg=first, swing2_deg=second)
 
 
-def _judge(part: CamPart, lobes: list[ShaftLobe], peaks: Peaks, mean_rpm: float) -> HighestSpeed:
+def _feeding(part: CamPart, lift: Channel, angle: Channel) -> Peaks:
+    """Return what the change from lobe to lobe alone adds at a uniform speed."""
+    feed_mm, is_swung = part.process.feed_mm, part.process.operation == "turning"
+    u_drift = drift_of(lift, 1 / NM_PER_MM, feed_mm)
+    swing_drift = drift_of(angle, _DEG_PER_UNIT, feed_mm) if is_swung else Drift()
+    return Peaks(0.0, 0.0, 0.0, u_drift=u_drift, swing_drift=swing_drift)
+
+
+def _judge(
+    part: CamPart, lobes: list[ShaftLobe], peaks: Peaks, fed: Peaks, mean_rpm: float
+) -> HighestSpeed:
     """Return the highest speed of the part file that would do, or refuse."""
     limits, asked_rpm = part.machine.limits, part.process.spindle_rpm
+    feed_mm = part.process.feed_mm
     if part.process.speed == "uniform":
-        return check_feasible(peaks, limits, mean_rpm)
-    best = _highest_surface_speed(part, _paths(lobes))
-    return check_feasible(peaks, limits, mean_rpm, best, asked_rpm)
+        return check_feasible(peaks, limits, mean_rpm, feed_mm=feed_mm)
+    best = _highest_surface_speed(part, _paths(lobes), fed)
+    return check_feasible(peaks, limits, mean_rpm, best, asked_rpm, feed_mm)
 
 
-def _needs(part: CamPart, paths: list[Follower], rpm: float) -> dict[str, float]:
+def _needs(part: CamPart, paths: list[Follower], fed: Peaks, rpm: float) -> dict[str, float]:
     """Return needed over limit of every axis at a speed on the base circle, by limit."""
-    limits, shares = part.machine.limits, {"spindle_rpm": rpm / part.machine.limits.spindle_rpm}
+    limits = part.machine.limits
+    given, shares = given_of(limits), {"spindle_rpm": rpm / limits.spindle_rpm}
     for path, omega in zip(paths, _laws(part, paths, rpm), strict=True):
-        for name, share in _shares(limits, path, omega, part.process.operation).items():
+        feeding = needed_of(fed, limits, float(omega.max()))
+        for name, needed in _needed(path, omega, part.process.operation).items():
+            share = (needed + feeding[name]) / given[name]
             shares[name] = max(share, shares.get(name, 0.0))
     return shares
 
 
-def _shares(limits: CamLimits, path: Follower, omega: Floats, operation: str) -> dict[str, float]:
+def _needed(path: Follower, omega: Floats, operation: str) -> dict[str, float]:
     alpha = np.gradient(np.append(omega, omega[:2]) ** 2 / 2, 2 * np.pi / N_GRID)[1:-1]
     alpha = np.roll(alpha, 1)
 
     def peak(values: Floats) -> float:
         return float(np.abs(values).max())
 
-    shares = {
-        "u_speed_mm_s": peak(path.d1 * omega) / limits.u_speed_mm_s,
-        "u_acceleration_mm_s2": peak(path.d2 * omega**2 + path.d1 * alpha)
-        / limits.u_acceleration_mm_s2,
+    needed = {
+        "u_speed_mm_s": peak(path.d1 * omega),
+        "u_acceleration_mm_s2": peak(path.d2 * omega**2 + path.d1 * alpha),
     }
     if operation == "turning":
-        rate = np.degrees(path.angle1 * omega)
-        bend = np.degrees(path.angle2 * omega**2 + path.angle1 * alpha)
-        shares["swing_speed_deg_s"] = peak(rate) / limits.swing_speed_deg_s
-        shares["swing_acceleration_deg_s2"] = peak(bend) / limits.swing_acceleration_deg_s2
-    return shares
+        bend = path.angle2 * omega**2 + path.angle1 * alpha
+        needed["swing_speed_deg_s"] = peak(np.degrees(path.angle1 * omega))
+        needed["swing_acceleration_deg_s2"] = peak(np.degrees(bend))
+    return needed
 
 
-def _highest_surface_speed(part: CamPart, paths: list[Follower]) -> HighestSpeed:
+def _highest_surface_speed(part: CamPart, paths: list[Follower], fed: Peaks) -> HighestSpeed:
     """Return the highest speed on the base circle, its law planned anew for every speed."""
     low, high, decides = 0.0, part.machine.limits.spindle_rpm, "spindle_rpm"
     for _ in range(_BISECTIONS):
         middle = high if low == 0.0 and decides == "spindle_rpm" else (low + high) / 2
-        shares = _needs(part, paths, middle)
+        shares = _needs(part, paths, fed, middle)
         name = max(shares, key=lambda one: shares[one])
         is_kept = shares[name] <= (1.0 if name == "spindle_rpm" else _SEARCH_MARGIN)
         if is_kept and middle == high:

@@ -9,11 +9,11 @@
 from __future__ import annotations
 
 import struct
-from typing import Any
 
 from camtools.cam_design import design_of_cam
 from camtools.cam_generate import GeneratedCam
 from camtools.cam_motion import ShaftLobe
+from camtools.feasibility import given_of, needed_of
 from camtools.geometry import NM_PER_MM, omega_rad_s
 from camtools.image import CRC_OFFSET, pack
 from camtools.summary import Json, describe_channel
@@ -33,24 +33,10 @@ def _lobe(lobe: ShaftLobe) -> Json:
 
 
 def _feasibility(result: GeneratedCam) -> Json:
-    limits, peaks = result.part.machine.limits, result.peaks
-    omega = omega_rad_s(result.mean_rpm)
-    needed = {
-        "u_stroke_mm": peaks.u_stroke_mm,
-        "u_speed_mm_s": peaks.u1_mm * omega,
-        "u_acceleration_mm_s2": peaks.u2_mm * omega**2,
-        "spindle_rpm": result.mean_rpm * peaks.ratio,
-        "spindle_acceleration_rad_s2": peaks.spindle_rad2 * omega**2,
-        "swing_deg": peaks.swing_deg,
-        "swing_speed_deg_s": peaks.swing1_deg * omega,
-        "swing_acceleration_deg_s2": peaks.swing2_deg * omega**2,
-    }
-    given: dict[str, Any] = limits.model_dump() | {
-        "spindle_acceleration_rad_s2": limits.alpha_rad_s2
-    }
+    limits = result.part.machine.limits
     return {
-        "limits": {name: float(given[name]) for name in needed},
-        "needed": needed,
+        "limits": given_of(limits),
+        "needed": needed_of(result.peaks, limits, omega_rad_s(result.mean_rpm)),
         "highest_spindle_rpm": result.highest_speed.rpm,
         "decided_by": result.highest_speed.decides,
     }

@@ -1,5 +1,8 @@
 """Whether a machine can move U as a table asks, and how fast.
 
+Along the feed U and the swing change with the slices of the table, at a speed that jumps where one
+slice ends: a set-point takes the jump, and what that needs comes on top (cam_demand.h).
+
 >>> peaks = Peaks(u_stroke_mm=0.15, u1_mm=0.15, u2_mm=0.3)
 >>> from camtools.part import Limits
 >>> best = highest_speed(peaks, Limits())
@@ -13,11 +16,37 @@ from typing import NamedTuple
 
 import numpy as np
 
+from camtools.accuracy import GRID_MARGIN, PLACES
 from camtools.errors import CamtoolsError
-from camtools.geometry import omega_rad_s
-from camtools.image import Bounds
+from camtools.evaluate import evaluate_u_grid
+from camtools.geometry import NM_PER_MM, omega_rad_s
+from camtools.image import Bounds, Channel
 from camtools.part import Limits
 from camtools.part_cam import CamLimits
+
+UNITS = {
+    "u_stroke_mm": "mm",
+    "spindle_rpm": "r/min",
+    "spindle_acceleration_rad_s2": "rad/s2",
+    "u_speed_mm_s": "mm/s",
+    "u_acceleration_mm_s2": "mm/s2",
+    "swing_deg": "degrees",
+    "swing_speed_deg_s": "degrees/s",
+    "swing_acceleration_deg_s2": "degrees/s2",
+}
+SWING_TICKS = 5  # a set-point of the swing takes more: cam_swing_aim_ticks
+
+
+class Drift(NamedTuple):
+    """What an axis does because the slices of its channel change along the feed, at its peak."""
+
+    step: float = 0.0  # per radian: speed
+    twist: float = 0.0  # per radian^2: of a step that differs over the angle
+    kink: float = 0.0  # per radian: the speed jumps by it where slices change
+
+    def at(self, ratio: float) -> Drift:
+        """Return it over the mean speed, of a spindle that turns faster than that by a ratio."""
+        return Drift(self.step * ratio, self.twist * ratio**2, self.kink * ratio)
 
 
 class Peaks(NamedTuple):
@@ -31,6 +60,8 @@ class Peaks(NamedTuple):
     swing_deg: float = 0.0  # of a tool that swings
     swing1_deg: float = 0.0  # degrees/rad
     swing2_deg: float = 0.0  # degrees/rad^2
+    u_drift: Drift = Drift()  # mm
+    swing_drift: Drift = Drift()  # degrees
 
 
 class HighestSpeed(NamedTuple):
@@ -51,41 +82,137 @@ def peaks_of(bounds: Bounds, ratio: float = 1.0) -> Peaks:
     )
 
 
+def drift_of(channel: Channel, unit: float, feed_mm: float) -> Drift:
+    """Return what the feed adds to the motion of an axis, at uniform speed.
+
+    Parameters
+    ----------
+    channel : Channel
+        Over angle and height.
+    unit : float
+        One of the channel's units in those of the result.
+    feed_mm : float
+        Per turn.
+    """
+    spacing_nm = (channel.z_last_nm - channel.z_first_nm) / (channel.n_slices - 1)
+    z_nm = np.linspace(channel.z_first_nm, channel.z_last_nm, channel.n_slices)
+    slices = evaluate_u_grid(channel, z_nm, PLACES)
+    steps, slopes = np.diff(slices.value, axis=0), np.diff(slices.d1, axis=0)
+    kinks = np.diff(steps, axis=0)
+    per_rad = GRID_MARGIN * unit * feed_mm * NM_PER_MM / (2 * np.pi * spacing_nm)
+    return Drift(
+        float(np.abs(steps).max()) * per_rad,
+        2 * float(np.abs(slopes).max()) * per_rad,
+        float(np.abs(kinks).max(initial=0.0)) * per_rad,
+    )
+
+
+class Motion(NamedTuple):
+    """What one axis needs at a mean speed omega: first * omega, second * omega^2 + kink * omega."""
+
+    first: float
+    second: float
+    kink: float  # per s: taken within one set-point
+
+    def speed(self, omega: float) -> float:
+        """Return the highest speed."""
+        return self.first * omega
+
+    def acceleration(self, omega: float) -> float:
+        """Return the highest acceleration."""
+        return (self.second * omega + self.kink) * omega
+
+    def omega_of_speed(self, limit: float) -> float:
+        """Return at which omega the speed meets a limit."""
+        return limit / self.first if self.first > 0 else float("inf")
+
+    def omega_of_acceleration(self, limit: float) -> float:
+        """Return at which omega the acceleration does."""
+        root = self.kink + float(np.sqrt(self.kink**2 + 4 * self.second * limit))
+        return 2 * limit / root if root > 0 else float("inf")
+
+
+def _motion(first: float, second: float, drift: Drift, set_point_hz: float) -> Motion:
+    return Motion(first + drift.step, second + drift.twist, drift.kink * set_point_hz)
+
+
+def u_motion(peaks: Peaks, limits: Limits) -> Motion:
+    """Return what U needs, in mm."""
+    return _motion(peaks.u1_mm, peaks.u2_mm, peaks.u_drift, limits.tick_hz)
+
+
+def swing_motion(peaks: Peaks, limits: Limits) -> Motion:
+    """Return what the swing needs, in degrees."""
+    rate_hz = limits.tick_hz / SWING_TICKS
+    return _motion(peaks.swing1_deg, peaks.swing2_deg, peaks.swing_drift, rate_hz)
+
+
 def highest_speed(peaks: Peaks, limits: Limits) -> HighestSpeed:
     """Return the highest spindle speed [r/min] at which U stays within its limits."""
-    per_omega = 60 / (2 * np.pi)
-    speeds = {"spindle_rpm": limits.spindle_rpm / peaks.ratio}
+    per_omega, u = 60 / (2 * np.pi), u_motion(peaks, limits)
+    speeds = {
+        "spindle_rpm": limits.spindle_rpm / peaks.ratio,
+        "u_speed_mm_s": per_omega * u.omega_of_speed(limits.u_speed_mm_s),
+        "u_acceleration_mm_s2": per_omega * u.omega_of_acceleration(limits.u_acceleration_mm_s2),
+    }
     if peaks.spindle_rad2 > 0:
         root = np.sqrt(limits.alpha_rad_s2 / peaks.spindle_rad2)
         speeds["spindle_acceleration_rad_s2"] = float(per_omega * root)
-    if peaks.u1_mm > 0:
-        speeds["u_speed_mm_s"] = per_omega * limits.u_speed_mm_s / peaks.u1_mm
-    if peaks.u2_mm > 0:
-        root = np.sqrt(limits.u_acceleration_mm_s2 / peaks.u2_mm)
-        speeds["u_acceleration_mm_s2"] = float(per_omega * root)
     if isinstance(limits, CamLimits) and peaks.swing1_deg > 0:
-        speeds["swing_speed_deg_s"] = per_omega * limits.swing_speed_deg_s / peaks.swing1_deg
-        root = np.sqrt(limits.swing_acceleration_deg_s2 / peaks.swing2_deg)
-        speeds["swing_acceleration_deg_s2"] = float(per_omega * root)
+        swing, most = swing_motion(peaks, limits), limits.swing_acceleration_deg_s2
+        speeds["swing_speed_deg_s"] = per_omega * swing.omega_of_speed(limits.swing_speed_deg_s)
+        speeds["swing_acceleration_deg_s2"] = per_omega * swing.omega_of_acceleration(most)
     decides = min(speeds, key=lambda name: speeds[name])
     return HighestSpeed(speeds[decides], decides)
 
 
-def _excess(name: str, needed: float, limit: float, unit: str, remedy: str) -> list[str]:
-    if needed <= limit:
-        return []
-    place = f"machine.limits.{name} = {limit:.9g} {unit}"
-    return [f"{place}: the part needs {needed:.9g} {unit}; {remedy}"]
+def needed_of(peaks: Peaks, limits: Limits, omega: float) -> dict[str, float]:
+    """Return what the part needs at a mean speed [rad/s], by the name of its limit."""
+    u, swing = u_motion(peaks, limits), swing_motion(peaks, limits)
+    return {
+        "u_stroke_mm": peaks.u_stroke_mm,
+        "u_speed_mm_s": u.speed(omega),
+        "u_acceleration_mm_s2": u.acceleration(omega),
+        "spindle_rpm": omega * 60 / (2 * np.pi) * peaks.ratio,
+        "spindle_acceleration_rad_s2": peaks.spindle_rad2 * omega**2,
+        "swing_deg": peaks.swing_deg,
+        "swing_speed_deg_s": swing.speed(omega),
+        "swing_acceleration_deg_s2": swing.acceleration(omega),
+    }
 
 
-def _swing_excess(peaks: Peaks, limits: CamLimits, omega: float, remedy: str) -> list[str]:
-    speed, acceleration = peaks.swing1_deg * omega, peaks.swing2_deg * omega**2
-    most, at_any_speed = limits.swing_acceleration_deg_s2, "no speed would do: less steep a lift"
-    return [
-        *_excess("swing_deg", peaks.swing_deg, limits.swing_deg, "degrees", at_any_speed),
-        *_excess("swing_speed_deg_s", speed, limits.swing_speed_deg_s, "degrees/s", remedy),
-        *_excess("swing_acceleration_deg_s2", acceleration, most, "degrees/s2", remedy),
+def given_of(limits: Limits) -> dict[str, float]:
+    """Return the limits by their names; of a lathe without a swing none for it."""
+    given = limits.model_dump() | {"spindle_acceleration_rad_s2": limits.alpha_rad_s2}
+    return {name: float(given[name]) for name in UNITS if name in given}
+
+
+def _largest_feed_mm(
+    peaks: Peaks, limits: Limits, omega: float, feed_mm: float | None
+) -> float | None:
+    """Return the feed that would do at this speed; nothing where no feed helps."""
+    if feed_mm is None:
+        return None
+    given, needed = given_of(limits), needed_of(peaks, limits, omega)
+    still = needed_of(peaks._replace(u_drift=Drift(), swing_drift=Drift()), limits, omega)
+    if any(still[name] > limit for name, limit in given.items()):
+        return None
+    shares = [
+        (limit - still[name]) / (needed[name] - still[name])
+        for name, limit in given.items()
+        if needed[name] > limit
     ]
+    return feed_mm * min(shares, default=1.0)
+
+
+def _remedy(best: HighestSpeed, asked_rpm: float, feed_mm: float | None) -> str:
+    speed = (
+        f"with these limits process.spindle_rpm = {asked_rpm:g} may be at most "
+        f"{np.floor(best.rpm * 10) / 10:.1f} r/min ({best.decides} decides)"
+    )
+    if feed_mm is None:
+        return speed
+    return f"{speed}, or process.feed_mm at most {np.floor(feed_mm * 1e4) / 1e4:.4f}"
 
 
 def check_feasible(
@@ -94,6 +221,7 @@ def check_feasible(
     spindle_rpm: float,
     best: HighestSpeed | None = None,
     asked_rpm: float | None = None,
+    feed_mm: float | None = None,
 ) -> HighestSpeed:
     """Return the highest speed, or refuse a part that the machine cannot cut.
 
@@ -105,6 +233,8 @@ def check_feasible(
         Highest speed asked for that would do, where it is not the highest mean speed.
     asked_rpm : float, optional
         Speed of the part file, where it is not the mean speed.
+    feed_mm : float, optional
+        Feed that the peaks contain, where a smaller one may help.
 
     Raises
     ------
@@ -113,29 +243,20 @@ def check_feasible(
     """
     omega, best = omega_rad_s(spindle_rpm), best or highest_speed(peaks, limits)
     asked_rpm = spindle_rpm if asked_rpm is None else asked_rpm
-    remedy = (
-        f"with these limits process.spindle_rpm = {asked_rpm:g} may be at most "
-        f"{np.floor(best.rpm * 10) / 10:.1f} r/min ({best.decides} decides)"
-    )
-    is_cam = isinstance(limits, CamLimits)
-    at_any_speed = f"no speed would do: less {'lift' if is_cam else 'ovality'}, or a longer stroke"
-    fastest_rpm = max(asked_rpm, spindle_rpm * peaks.ratio)
-    acceleration, most_acceleration = peaks.u2_mm * omega**2, limits.u_acceleration_mm_s2
+    remedy = _remedy(best, asked_rpm, _largest_feed_mm(peaks, limits, omega, feed_mm))
+    shape = "lift" if isinstance(limits, CamLimits) else "ovality"
+    at_any_speed = {
+        "u_stroke_mm": f"no speed would do: less {shape}, or a longer stroke",
+        "swing_deg": "no speed would do: less steep a lift",
+    }
+    needed, given = needed_of(peaks, limits, omega), given_of(limits)
+    needed["spindle_rpm"] = max(asked_rpm, spindle_rpm * peaks.ratio)
     lines = [
-        *_excess("u_stroke_mm", peaks.u_stroke_mm, limits.u_stroke_mm, "mm", at_any_speed),
-        *_excess("spindle_rpm", fastest_rpm, limits.spindle_rpm, "r/min", remedy),
-        *_excess(
-            "spindle_acceleration_rad_s2",
-            peaks.spindle_rad2 * omega**2,
-            limits.alpha_rad_s2,
-            "rad/s2",
-            remedy,
-        ),
-        *_excess("u_speed_mm_s", peaks.u1_mm * omega, limits.u_speed_mm_s, "mm/s", remedy),
-        *_excess("u_acceleration_mm_s2", acceleration, most_acceleration, "mm/s2", remedy),
+        f"machine.limits.{name} = {limit:.9g} {UNITS[name]}: the part needs "
+        f"{needed[name]:.9g} {UNITS[name]}; {at_any_speed.get(name, remedy)}"
+        for name, limit in given.items()
+        if needed[name] > limit
     ]
-    if isinstance(limits, CamLimits):
-        lines += _swing_excess(peaks, limits, omega, remedy)
     if lines:
         raise CamtoolsError(lines)
     return best

@@ -15,7 +15,14 @@ from camtools.accuracy import Accuracy
 from camtools.corner import Corner
 from camtools.errors import CamtoolsError, GeometryError
 from camtools.evaluate import knot_interval, raw_bounds
-from camtools.feasibility import HighestSpeed, Peaks, check_feasible, highest_speed, peaks_of
+from camtools.feasibility import (
+    HighestSpeed,
+    Peaks,
+    check_feasible,
+    drift_of,
+    highest_speed,
+    peaks_of,
+)
 from camtools.geometry import NM_PER_MM, Geometry, make_geometry
 from camtools.image import Bounds, Channel, Limits, Table
 from camtools.part import Limits as MachineLimits
@@ -189,7 +196,7 @@ def generate(part: Part, tolerance_nm: float | None = None) -> Generated:
     error_nm = max(accuracy_u.value_nm, accuracy_x.value_nm)
     speed = _modulation(part, geometry, u, error_nm)
     table = make_table(part, u, x, error_nm, speed)
-    best = _judge(part, geometry, peaks_of(table.bounds, speed.peaks.ratio if speed else 1.0))
+    best = _judge(part, geometry, peaks_of_table(table, speed))
     return Generated(part, geometry, tolerance_u_nm, table, accuracy_u, accuracy_x, best, speed)
 
 
@@ -201,10 +208,20 @@ def _modulation(part: Part, geometry: Geometry, u: Channel, error_nm: float) -> 
     return make_speed(part, geometry, u, uniform.rpm)
 
 
+def peaks_of_table(table: Table, speed: SpeedTable | None) -> Peaks:
+    """Return what the axes need of the table of a skirt."""
+    ratio, feed_mm = speed.peaks.ratio if speed else 1.0, table.feed_nm / NM_PER_MM
+    drift = drift_of(table.channels[0], 1 / NM_PER_MM, feed_mm)
+    return peaks_of(table.bounds, ratio)._replace(u_drift=drift.at(ratio))
+
+
 def _judge(part: Part, geometry: Geometry, peaks: Peaks) -> HighestSpeed:
     """Return the highest speed, or refuse; of a corner tell what another refit would need."""
     try:
-        return check_feasible(peaks, part.machine.limits, part.process.spindle_rpm)
+        process = part.process
+        return check_feasible(
+            peaks, part.machine.limits, process.spindle_rpm, feed_mm=process.feed_mm
+        )
     except CamtoolsError as error:
         if geometry.corner is None or not any("u_acceleration" in line for line in error.lines):
             raise

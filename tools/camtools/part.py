@@ -178,6 +178,7 @@ class Limits(Table):
     z_speed_mm_s: Annotated[float, Field(ge=0.1, le=10_000)] = 200.0
     z_acceleration_mm_s2: Annotated[float, Field(ge=10, le=1_000_000)] = 2000.0
     spindle_rpm: Annotated[float, Field(ge=1, le=60_000)] = 3000.0
+    tick_hz: Annotated[int, Field(ge=500, le=100_000)] = 20_000
     spindle_torque_nm: Annotated[float, Field(gt=0, le=100_000)] | None = None
     spindle_inertia_kgm2: Annotated[float, Field(gt=0, le=10_000)] | None = None
     spindle_acceleration_rad_s2: Annotated[float, Field(ge=1, le=1_000_000)] | None = None

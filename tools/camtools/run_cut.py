@@ -36,6 +36,7 @@ _MACHINE = """\
 # The simulator's default machine with the limits of the part file.
 [machine]
 name = "{name}"
+tick_hz = {tick_hz!r}
 [spindle]
 limit_rpm = {rpm!r}
 torque_Nm = {torque!r}
@@ -70,6 +71,7 @@ def machine_text(limits: Limits) -> str:
     inertia = limits.spindle_inertia_kgm2 or _INERTIA_KGM2
     return _MACHINE.format(
         name="default, limits of the part file",
+        tick_hz=limits.tick_hz,
         rpm=limits.spindle_rpm,
         torque=inertia * limits.alpha_rad_s2,
         inertia=inertia,

@@ -18,8 +18,8 @@ from scipy.interpolate import PPoly
 from camtools.accuracy import Accuracy
 from camtools.corner import Corner
 from camtools.evaluate import Continuity, jumps, knot_interval
-from camtools.feasibility import peaks_of
-from camtools.generate import Generated
+from camtools.feasibility import given_of, needed_of
+from camtools.generate import Generated, peaks_of_table
 from camtools.geometry import NM_PER_MM, Geometry, dense_heights_mm, omega_rad_s
 from camtools.image import CRC_OFFSET, KIND_U, KIND_X, Channel, pack
 from camtools.poly_surface import PolySurface
@@ -112,24 +112,12 @@ def _process(result: Generated) -> Json:
 
 
 def _feasibility(result: Generated) -> Json:
-    limits, ratio = result.part.machine.limits, result.speed.peaks.ratio if result.speed else 1.0
-    peaks = peaks_of(result.table.bounds, ratio)
-    omega = omega_rad_s(result.part.process.spindle_rpm)
+    limits = result.part.machine.limits
+    peaks, given = peaks_of_table(result.table, result.speed), given_of(limits)
+    needed = needed_of(peaks, limits, omega_rad_s(result.part.process.spindle_rpm))
     return {
-        "limits": {
-            "u_stroke_mm": float(limits.u_stroke_mm),
-            "u_speed_mm_s": float(limits.u_speed_mm_s),
-            "u_acceleration_mm_s2": float(limits.u_acceleration_mm_s2),
-            "spindle_rpm": float(limits.spindle_rpm),
-            "spindle_acceleration_rad_s2": float(limits.alpha_rad_s2),
-        },
-        "needed": {
-            "u_stroke_mm": peaks.u_stroke_mm,
-            "u_speed_mm_s": peaks.u1_mm * omega,
-            "u_acceleration_mm_s2": peaks.u2_mm * omega**2,
-            "spindle_rpm": float(result.part.process.spindle_rpm) * peaks.ratio,
-            "spindle_acceleration_rad_s2": peaks.spindle_rad2 * omega**2,
-        },
+        "limits": given,
+        "needed": {name: needed[name] for name in given},
         "highest_spindle_rpm": result.highest_speed.rpm,
         "decided_by": result.highest_speed.decides,
     }

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// cam_feasible: can this machine turn this table at this speed? In integers, with the numbers.
 ///
-/// The limits are the smaller of the machine's parameters and those that the table was made for.
-/// The table guarantees peaks of u, u' and u''; at omega the motion needs u' omega and u'' omega^2.
 /// Speeds are mean speeds: where the table modulates the spindle, its peak speed is larger by the
 /// largest ratio, and the guaranteed peaks contain the modulation.
 #ifndef CAM_FEASIBLE_H
@@ -15,18 +13,21 @@
 
 /// Why a speed is feasible or not.
 typedef struct {
-    cam_err_t err;         ///< cam_ok or the first limit that is exceeded
-    uint32_t speed_mrpm;   ///< the speed asked for
-    uint32_t highest_mrpm; ///< highest speed at which all limits hold; 0 when no speed helps
-    int64_t needed;        ///< what the motion needs, in the unit of the limit
-    int64_t limit;         ///< [r/min / 1000], [um/s], [mm/s2], [nm], [degrees / 1000], [degrees /
-                           ///< 1000 / s], [degrees / s2] or per tick, as err tells
+    cam_err_t err;            ///< cam_ok or the first limit that is exceeded
+    uint32_t speed_mrpm;      ///< the speed asked for
+    uint32_t highest_mrpm;    ///< highest speed at which all limits hold; 0 when no speed helps
+    uint32_t largest_feed_nm; ///< largest feed with which they hold at the speed asked for; 0 none
+    int64_t needed;           ///< what the motion needs, in the unit of the limit
+    int64_t limit; ///< [r/min / 1000], [um/s], [mm/s2], [nm], [degrees / 1000], [degrees /
+                   ///< 1000 / s], [degrees / s2] or per tick, as err tells
 } cam_feasibility_t;
 
 /// Judge a speed.
 /// @param speed_mrpm  [r/min / 1000] > 0
 /// @param tick_hz     [Hz]
-/// @return            numbers rounded against the user: needed up, highest down (below 0.1 %)
+/// @return            what is needed is rounded up, by 0.1 % at most where it is near a limit; the
+///                    highest speed and the largest feed are the largest that pass
+/// It is judged some 50 times over.
 /// Context: slow side. Source: maths.md section 3.
 cam_feasibility_t cam_feasible(const cam_table_t *table, const cam_params_t *params,
                                uint32_t speed_mrpm, uint32_t tick_hz);

@@ -42,13 +42,6 @@ uint64_t cam_feed_speed_um_per_s(uint32_t feed_nm, uint32_t speed_mrpm, uint32_t
 /// @return [mm/s2] least that any ramp needs, 4 feed n^2, rounded up. Context: slow side.
 uint64_t cam_feed_least_acceleration(uint32_t feed_nm, uint32_t speed_mrpm);
 
-/// 1 / n = feed / v + v / a, v the lesser of Z's speed and sqrt(feed a), where the ramps meet.
-/// @param speed_um_per_s  [um/s] of Z, 100 .. 10^7
-/// @return [r/min / 1000] highest speed of the spindle at which Z can follow, whole 0.1 r/min,
-///         at most 0.05 % and 0.1 r/min below. Context: slow side.
-uint32_t cam_feed_highest_mrpm(uint32_t feed_nm, uint32_t speed_um_per_s,
-                               uint32_t acceleration_mm_per_s2);
-
 /// @param span_nm  [nm] height of the part, 1 .. 2 * 10^9
 /// @return a ring-helix; other parameters as of cam_feed_ramp_q32(). Context: slow side.
 cam_rings_t cam_feed_rings(uint32_t feed_nm, int32_t span_nm, uint32_t speed_mrpm,

@@ -58,6 +58,13 @@ typedef struct {
     uint32_t second_mdeg_per_rad2; ///< [degrees / 1000 / rad2] acceleration over its square
 } cam_swing_peaks_t;
 
+/// Bounds of how a channel changes over height, in its unit and per slice.
+typedef struct {
+    uint32_t most;    ///< difference of two neighbouring slices
+    uint32_t per_rad; ///< ... of their slopes over the angle
+    uint32_t kink;    ///< ... of two neighbouring differences
+} cam_change_t;
+
 /// A checked table. All members are read-only after cam_table_check().
 typedef struct {
     cam_channel_t u;                ///< radius reduction, positive towards the axis
@@ -67,6 +74,8 @@ typedef struct {
     bool is_swung;                  ///< the tool must swing by `angle`
     bool is_ring_helix;             ///< a geared Z follows a ring-helix (cam_feed.h), not a helix
     cam_swing_peaks_t swing;        ///< of the swing at uniform speed; 0 without one
+    cam_change_t u_change;          ///< [nm] of u over height, at every angle
+    cam_change_t swing_change;      ///< [turn / 2^26] of the swing; 0 without one
     char name[cam_table_name_size]; ///< printable ASCII, zero-terminated
     int32_t z_first_nm, z_last_nm;  ///< [nm] served range of heights
     int32_t direction;              ///< +1 or -1: spindle sense while cutting, +1 is M3
