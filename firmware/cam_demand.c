@@ -225,6 +225,14 @@ static cam_demand_t u_acceleration_demand(const cam_cut_t *c)
     return (cam_demand_t){cam_err_u_acceleration, limit, turning + at_amplitude(c, feeding)};
 }
 
+/// Of a skirt the amplitude is a trim; a cam loses lift by less than all of it.
+static cam_demand_t amplitude_demand(const cam_cut_t *c)
+{
+    const uint32_t whole_ppm = 1000000;
+    return (cam_demand_t){cam_err_cam_amplitude, c->p->amplitude_ppm,
+                          c->t->angle.knots != NULL ? whole_ppm : 0u};
+}
+
 /// A tool that has to swing and does not would leave another cam: no speed helps.
 static cam_demand_t swing_demand(const cam_cut_t *c)
 {
@@ -341,6 +349,7 @@ static cam_demand_t x_acceleration_demand(const cam_cut_t *c)
 cam_demand_t cam_demand_first_exceeded(const cam_cut_t *c)
 {
     const cam_demand_t demands[] = {
+        amplitude_demand(c),
         swing_demand(c),
         swing_range_demand(c),
         swing_speed_demand(c),

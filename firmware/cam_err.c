@@ -55,6 +55,7 @@ static const err_text_t entries[] = {
     {cam_err_swing_range, "the tool would have to swing farther than it can"},
     {cam_err_swing_speed, "the tool would have to swing faster than it can"},
     {cam_err_swing_acceleration, "the swing of the tool would have to accelerate more than it can"},
+    {cam_err_cam_amplitude, "a cam with an amplitude below 1 would be cut deeper than drawn"},
 };
 
 const char *cam_err_text(cam_err_t err)

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam/cam_table.h"
 #include "cam/cam_barrel.h"  // cam_barrel_measure
-#include "cam/cam_fix.h"     // cam_abs_i64
+#include "cam/cam_entry.h"   // cam_entry_check
+#include "cam/cam_fix.h"     // cam_is_between
 #include "cam/cam_peaks.h"   // cam_peaks_of_swing
 #include "cam/cam_promise.h" // cam_promise_check
 #include <stdbool.h>         // bool
@@ -20,10 +21,7 @@ enum {
     at_name = 32,
     at_z_first = 64,
     crc_from = 24,
-    data_align = 32,
 };
-
-enum { kind_u = 1, kind_x = 2, kind_speed = 3, kind_swing = 4, kind_contact = 5 };
 
 /// Header fields from at_z_first on, in the order of the image.
 typedef struct {
@@ -35,28 +33,13 @@ typedef struct {
 } header_fields_t;
 _Static_assert(at_z_first + sizeof(header_fields_t) == cam_table_header_size, "as in the format");
 
-/// A channel entry, in the order of the image.
-typedef struct {
-    uint32_t kind, offset, size, n_slices, log2_knots, log2_repeat, frac_bits;
-    int32_t z_first_nm, z_last_nm;
-    uint32_t slices_per_nm_q48;
-    int32_t offset_nm, p_min, p_max;
-    uint32_t v_max, a_max, path;
-} entry_t;
-_Static_assert(sizeof(entry_t) == cam_table_entry_size, "as in the format");
-
 /// Limits of the header that the ISR's arithmetic relies on.
 enum {
-    max_u_nm = 1 << 24,              // U set-points in nm / 64 fit int32 with amplitude 1.25
-    max_u_offset_nm = (1 << 23) - 1, // in nm / 2^8 it fits int32
-    max_frac_bits = 8,               // of 2^-8 nm: finer helps nobody, and every shift has room
-    max_mrpm = 60000000,             // parameter range of the spindle speed
-    max_feed_nm = 10000000,          // parameter range of the feed
-    max_stroke_nm = 2 * max_u_nm,    //
-    max_height_nm = 2000000000,      // heights and their differences fit int32
-    max_spindle_ppm = 10000000,      // 10 / rad: |r dr/dturn| stays below 64
-    min_ratio = CAM_TABLE_RATIO_ONE / 16,
-    max_ratio = CAM_TABLE_RATIO_ONE * 4,
+    max_u_nm = 1 << 24,           // U set-points in nm / 64 fit int32 with amplitude 1.25
+    max_mrpm = 60000000,          // parameter range of the spindle speed
+    max_feed_nm = 10000000,       // parameter range of the feed
+    max_stroke_nm = 2 * max_u_nm, //
+    max_spindle_ppm = 10000000,   // 10 / rad: |r dr/dturn| stays below 64
 };
 
 uint32_t cam_crc32(uint32_t crc, const void *data, size_t n)
@@ -99,7 +82,7 @@ static cam_err_t check_frame(const uint8_t *image, size_t size)
     if (word_at(image, at_version) != 1u) { // major 1, minor 0
         return cam_err_image_version;
     }
-    if (word_at(image, at_image_size) != size || size % data_align != 0u) {
+    if (word_at(image, at_image_size) != size || size % cam_entry_align != 0u) {
         return cam_err_image_size;
     }
     return cam_crc32(0, image + crc_from, size - crc_from) == word_at(image, at_crc)
@@ -120,145 +103,27 @@ static cam_err_t check_name(const uint8_t *name)
     return is_padded ? cam_ok : cam_err_image_name;
 }
 
-static bool is_within(int64_t value, int64_t low, int64_t high)
-{
-    return value >= low && value <= high;
-}
-
 static cam_err_t check_header(const uint8_t *image, header_fields_t *h)
 {
     (void)memcpy(h, image + at_z_first, sizeof *h);
     const uint32_t n_channels = word_at(image, at_n_channels);
     const bool is_sound =
         word_at(image, at_header_size) == cam_table_header_size &&
-        is_within(n_channels, 1, cam_table_max_channels) &&
-        is_within(h->z_first_nm, -max_height_nm / 2, max_height_nm / 2) &&
-        is_within(h->z_last_nm, (int64_t)h->z_first_nm + 1, max_height_nm / 2) &&
-        (h->direction == 1 || h->direction == -1) && is_within(h->spindle_mrpm, 1, max_mrpm) &&
-        is_within(h->feed_nm, 1, max_feed_nm) && is_within(h->depth_nm, 0, INT32_MAX) &&
-        is_within(h->limit_u_stroke_nm, 1, max_stroke_nm) &&
-        is_within(h->limit_u_speed_um_s, 1, INT32_MAX) &&
-        is_within(h->limit_u_acceleration_mm_s2, 1, INT32_MAX) &&
-        is_within(h->limit_spindle_mrpm, 1, max_mrpm) &&
-        is_within(h->u_min_nm, -max_u_nm, max_u_nm) &&
-        is_within(h->u_max_nm, h->u_min_nm, max_u_nm) &&
-        is_within(h->u1_peak_nm_per_rad, 0, INT32_MAX) &&
-        is_within(h->u2_peak_nm_per_rad2, 0, INT32_MAX) &&
-        is_within(h->spindle_peak_ppm, 0, max_spindle_ppm);
+        cam_is_between(n_channels, 1, cam_table_max_channels) &&
+        cam_is_between(h->z_first_nm, -cam_entry_max_height_nm / 2, cam_entry_max_height_nm / 2) &&
+        cam_is_between(h->z_last_nm, (int64_t)h->z_first_nm + 1, cam_entry_max_height_nm / 2) &&
+        (h->direction == 1 || h->direction == -1) && cam_is_between(h->spindle_mrpm, 1, max_mrpm) &&
+        cam_is_between(h->feed_nm, 1, max_feed_nm) && cam_is_between(h->depth_nm, 0, INT32_MAX) &&
+        cam_is_between(h->limit_u_stroke_nm, 1, max_stroke_nm) &&
+        cam_is_between(h->limit_u_speed_um_s, 1, INT32_MAX) &&
+        cam_is_between(h->limit_u_acceleration_mm_s2, 1, INT32_MAX) &&
+        cam_is_between(h->limit_spindle_mrpm, 1, max_mrpm) &&
+        cam_is_between(h->u_min_nm, -max_u_nm, max_u_nm) &&
+        cam_is_between(h->u_max_nm, h->u_min_nm, max_u_nm) &&
+        cam_is_between(h->u1_peak_nm_per_rad, 0, INT32_MAX) &&
+        cam_is_between(h->u2_peak_nm_per_rad2, 0, INT32_MAX) &&
+        cam_is_between(h->spindle_peak_ppm, 0, max_spindle_ppm);
     return is_sound ? check_name(image + at_name) : cam_err_image_header;
-}
-
-/// Do the bounds of a channel stay within a range of its unit? frac_bits is at most 8.
-static bool is_inside(const entry_t *e, int64_t low, int64_t high)
-{
-    const int64_t one = INT64_C(1) << e->frac_bits;
-    return is_within(e->offset_nm * one + e->p_min, low * one, high * one) &&
-           is_within(e->offset_nm * one + e->p_max, low * one, high * one);
-}
-
-/// Speeds stay within a sixteenth and four times the mean, angles within a quarter turn.
-static bool is_in_unit(const entry_t *e)
-{
-    if (e->kind == kind_speed) {
-        return is_inside(e, min_ratio, max_ratio);
-    }
-    return e->kind < kind_swing || is_inside(e, -CAM_TABLE_ANGLE_MAX, CAM_TABLE_ANGLE_MAX);
-}
-
-static cam_err_t check_shape(const entry_t *e)
-{
-    const bool is_u = e->kind == kind_u;
-    const bool is_turned = e->kind != kind_x;
-    const bool is_sound = is_within(e->kind, kind_u, kind_contact) &&
-                          is_within(e->n_slices, 2, cam_table_max_slices) &&
-                          is_within(e->log2_knots, is_turned ? 2 : 0, is_turned ? 12 : 0) &&
-                          is_within(e->log2_repeat, 0, is_turned ? 4 : 0) &&
-                          e->frac_bits <= max_frac_bits && e->path <= (is_turned ? 0u : 1u) &&
-                          is_within(e->p_min, -CAM_TABLE_SUM_MAX, e->p_max) &&
-                          e->p_max <= CAM_TABLE_SUM_MAX && e->v_max <= CAM_TABLE_SUM_MAX &&
-                          e->a_max <= CAM_TABLE_SUM_MAX &&
-                          (!is_u || is_within(e->offset_nm, -max_u_offset_nm, max_u_offset_nm)) &&
-                          is_within(e->offset_nm, -max_height_nm, max_height_nm) && is_in_unit(e);
-    return is_sound ? cam_ok : cam_err_image_channel;
-}
-
-/// @param used  end of what lies before, moved behind this channel
-static cam_err_t check_layout(const entry_t *e, uint32_t image_size, uint64_t *used)
-{
-    const uint64_t bytes = ((uint64_t)e->n_slices << e->log2_knots) * sizeof(cam_knot_t);
-    const bool is_sound = e->offset % data_align == 0u && e->offset >= *used && e->size == bytes &&
-                          e->offset + bytes <= image_size;
-    *used = e->offset + bytes;
-    return is_sound ? cam_ok : cam_err_image_layout;
-}
-
-static cam_err_t check_heights(const entry_t *e, const header_fields_t *h)
-{
-    const int64_t span_nm = (int64_t)e->z_last_nm - e->z_first_nm;
-    const bool is_sound = is_within(e->z_first_nm, -max_height_nm / 2, h->z_first_nm) &&
-                          is_within(e->z_last_nm, h->z_last_nm, max_height_nm / 2);
-    if (!is_sound) {
-        return cam_err_image_height;
-    }
-    const uint64_t n = e->n_slices - 1u;
-    const bool is_spaced = (uint64_t)span_nm >= n * 65537u && (uint64_t)span_nm <= n * 16777216u;
-    const uint64_t per_nm_q48 = ((n << 48) + (uint64_t)span_nm / 2u) / (uint64_t)span_nm;
-    return is_spaced && per_nm_q48 == e->slices_per_nm_q48 ? cam_ok : cam_err_image_height;
-}
-
-static bool is_bounded(int64_t sum)
-{
-    return sum <= CAM_TABLE_SUM_MAX;
-}
-
-/// The three sums of TABLE_FORMAT.md, in 64 bits. Knots alone are bounded first.
-static bool is_segment_safe(const cam_knot_t *k0, const cam_knot_t *k1)
-{
-    const int64_t p = cam_abs_i64(k0->p);
-    const int64_t v = cam_abs_i64(k0->v);
-    const int64_t a = cam_abs_i64(k0->a);
-    const int64_t dp = (int64_t)k1->p - k0->p - k0->v - k0->a;
-    const int64_t dv = (int64_t)k1->v - k0->v - INT64_C(2) * k0->a;
-    const int64_t da = (int64_t)k1->a - k0->a;
-    const int64_t c3 = cam_abs_i64(10 * dp - 4 * dv + da);
-    const int64_t c4 = cam_abs_i64(-15 * dp + 7 * dv - 2 * da);
-    const int64_t c5 = cam_abs_i64(6 * dp - 3 * dv + da);
-    return is_bounded(p + v + a + c3 + c4 + c5) &&
-           is_bounded(v + 2 * a + 3 * c3 + 4 * c4 + 5 * c5) &&
-           is_bounded(2 * a + 6 * c3 + 12 * c4 + 20 * c5);
-}
-
-static cam_err_t check_knot(const entry_t *e, const cam_knot_t *k)
-{
-    const int64_t v = cam_abs_i64(k->v);
-    const int64_t a = cam_abs_i64(k->a);
-    const bool is_bounded_knot = is_bounded(cam_abs_i64(k->p)) && is_bounded(v) && is_bounded(a);
-    const bool is_in_limits =
-        is_within(k->p, e->p_min, e->p_max) && v <= (int64_t)e->v_max && a <= (int64_t)e->a_max;
-    return !is_bounded_knot ? cam_err_image_knots : is_in_limits ? cam_ok : cam_err_image_limits;
-}
-
-/// All but x: every knot with its neighbour of the same slice, cyclic; x: every knot with the
-/// next height.
-static cam_err_t check_knots(const entry_t *e, const cam_knot_t *knots)
-{
-    const uint32_t n_in_slice = UINT32_C(1) << e->log2_knots;
-    const uint32_t n = e->n_slices << e->log2_knots;
-    for (uint32_t i = 0; i < n; i++) {
-        const cam_err_t err = check_knot(e, &knots[i]);
-        if (err != cam_ok) {
-            return err;
-        }
-        const uint32_t in_slice = i & (n_in_slice - 1u);
-        const uint32_t next = e->kind == kind_x
-                                  ? (i + 1u < n ? i + 1u : i)
-                                  : i - in_slice + ((in_slice + 1u) & (n_in_slice - 1u));
-        const bool has_next = e->kind != kind_x || i + 1u < n;
-        if (has_next && !is_segment_safe(&knots[i], &knots[next])) {
-            return cam_err_image_knots;
-        }
-    }
-    return cam_ok;
 }
 
 /// @return at most: a derivative per knot interval as one per rad; |x| < 2^41; 2^24 / 2 pi rounded
@@ -269,7 +134,7 @@ static int64_t knot_per_rad(int64_t x, uint32_t turn_shift)
 }
 
 /// The stroke that the header promises must cover the bounds of u's knots.
-static cam_err_t check_stroke(const entry_t *e, const header_fields_t *h)
+static cam_err_t check_stroke(const cam_entry_t *e, const header_fields_t *h)
 {
     const int64_t low_nm = e->offset_nm + (e->p_min >> e->frac_bits);
     const int64_t high_nm = e->offset_nm + (e->p_max >> e->frac_bits);
@@ -277,7 +142,7 @@ static cam_err_t check_stroke(const entry_t *e, const header_fields_t *h)
 }
 
 /// At uniform speed the peaks that the header promises must cover the bounds of u's knots.
-static cam_err_t check_peaks(const entry_t *e, const header_fields_t *h)
+static cam_err_t check_peaks(const cam_entry_t *e, const header_fields_t *h)
 {
     const uint32_t turn_shift = e->log2_knots + e->log2_repeat;
     const int64_t u1 = knot_per_rad(e->v_max, turn_shift) >> e->frac_bits;
@@ -288,45 +153,25 @@ static cam_err_t check_peaks(const entry_t *e, const header_fields_t *h)
     return is_covered ? cam_ok : cam_err_image_limits;
 }
 
-static void describe(const entry_t *e, const uint8_t *image, cam_channel_t *ch)
-{
-    *ch = (cam_channel_t){
-        .knots = (const cam_knot_t *)(const void *)(image + e->offset),
-        .n_slices = e->n_slices,
-        .log2_knots = e->log2_knots,
-        .log2_repeat = e->log2_repeat,
-        .frac_bits = e->frac_bits,
-        .z_first_nm = e->z_first_nm,
-        .span_nm = (uint32_t)((int64_t)e->z_last_nm - e->z_first_nm),
-        .slices_per_nm_q48 = e->slices_per_nm_q48,
-        .offset_nm = e->offset_nm,
-    };
-}
-
-static cam_err_t check_entry(const entry_t *e, const header_fields_t *h, const uint8_t *image,
+static cam_err_t check_entry(const cam_entry_t *e, const header_fields_t *h, const uint8_t *image,
                              uint64_t *used)
 {
-    cam_err_t err = check_shape(e);
-    if (err == cam_ok) {
-        err = check_layout(e, word_at(image, at_image_size), used);
-    }
-    if (err == cam_ok) {
-        err = check_heights(e, h);
-    }
-    if (err == cam_ok) {
-        err = check_knots(e, (const cam_knot_t *)(const void *)(image + e->offset));
-    }
-    return err == cam_ok && e->kind == kind_u ? check_stroke(e, h) : err;
+    const cam_entry_place_t in = {.image = image,
+                                  .image_size = word_at(image, at_image_size),
+                                  .z_first_nm = h->z_first_nm,
+                                  .z_last_nm = h->z_last_nm};
+    const cam_err_t err = cam_entry_check(e, &in, used);
+    return err == cam_ok && e->kind == (uint32_t)cam_kind_u ? check_stroke(e, h) : err;
 }
 
 static cam_channel_t *channel_of(cam_table_t *table, uint32_t kind)
 {
     switch (kind) {
-    case kind_u:
+    case cam_kind_u:
         return &table->u;
-    case kind_x:
+    case cam_kind_x:
         return &table->x;
-    case kind_speed:
+    case cam_kind_speed:
         return &table->speed;
     default:
         return &table->angle;
@@ -334,7 +179,7 @@ static cam_channel_t *channel_of(cam_table_t *table, uint32_t kind)
 }
 
 /// What the header promises of the motion, once all channels are known.
-static cam_err_t check_promise(const entry_t *u, const header_fields_t *h, cam_table_t *table)
+static cam_err_t check_promise(const cam_entry_t *u, const header_fields_t *h, cam_table_t *table)
 {
     table->u1_peak_nm_per_rad = h->u1_peak_nm_per_rad;
     table->u2_peak_nm_per_rad2 = h->u2_peak_nm_per_rad2;
@@ -349,10 +194,10 @@ static cam_err_t check_channels(const uint8_t *image, const header_fields_t *h, 
     if (used > word_at(image, at_image_size)) {
         return cam_err_image_layout;
     }
-    entry_t u = {0};
+    cam_entry_t u = {0};
     table->ratio_max_q20 = CAM_TABLE_RATIO_ONE;
     for (uint32_t i = 0; i < n; i++) {
-        entry_t e;
+        cam_entry_t e;
         (void)memcpy(&e, image + cam_table_header_size + (size_t)i * cam_table_entry_size,
                      sizeof e);
         const cam_err_t err = check_entry(&e, h, image, &used);
@@ -363,11 +208,11 @@ static cam_err_t check_channels(const uint8_t *image, const header_fields_t *h, 
         if (ch->knots != NULL) {
             return cam_err_image_channel;
         }
-        describe(&e, image, ch);
-        u = e.kind == kind_u ? e : u;
-        table->is_swung = table->is_swung || e.kind == kind_swing;
+        *ch = cam_entry_channel(&e, image);
+        u = e.kind == cam_kind_u ? e : u;
+        table->is_swung = table->is_swung || e.kind == cam_kind_swing;
         table->is_ring_helix = table->is_ring_helix || e.path != 0u;
-        if (e.kind == kind_speed) {
+        if (e.kind == cam_kind_speed) {
             table->ratio_max_q20 = (uint32_t)(e.offset_nm + (e.p_max >> e.frac_bits) + 2);
         }
     }

@@ -166,6 +166,10 @@ static bool infeasible(const cam_feasibility_t *f, sim_error_t *e)
         return sim_error(e, "--feed %.12g: infeasible: %s; give at most --feed %.12g",
                          (double)f->needed * 1e-6, cam_err_text(f->err), (double)f->limit * 1e-6);
     }
+    if (f->err == cam_err_cam_amplitude) {
+        return sim_error(e, "--set amplitude_ppm=%lld: infeasible: %s; give at least %lld",
+                         (long long)f->limit, cam_err_text(f->err), (long long)f->needed);
+    }
     return sim_error(e, "--rpm %.12g: infeasible: %s: needs %.12g %s, limit %.12g %s; %s",
                      f->speed_mrpm * 1e-3, cam_err_text(f->err), (double)f->needed * scale, unit,
                      (double)f->limit * scale, unit, remedy);

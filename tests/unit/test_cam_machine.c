@@ -258,6 +258,31 @@ static void test_amplitude_that_the_running_speed_forbids_is_refused_in_the_cut(
                           cam_machine_set_param(&rig.machine, cam_param_amplitude_ppm, 900000));
 }
 
+/// What a cam loses of its lift is cut away from its lobe.
+static void test_cam_is_cut_with_all_of_its_lift_or_not_at_all(void)
+{
+    part = fixture_part_swung();
+    part.spindle_mrpm = 2500000;
+    fixture_rig_init(&rig, &part, 20000);
+    const int32_t most = 100000000; // of both, as the rig's spindle is fast
+    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_swing_speed_mdeg_per_s, most));
+    TEST_ASSERT_EQUAL_INT(cam_ok,
+                          fixture_rig_set(&rig, cam_param_swing_acceleration_deg_per_s2, most));
+    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_u_retract_nm, -300000));
+    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_amplitude_ppm, 999999));
+    TEST_ASSERT_EQUAL_INT(cam_err_cam_amplitude, cam_machine_enable(&rig.machine));
+    const cam_feasibility_t why = cam_machine_feasibility(&rig.machine, 0);
+    TEST_ASSERT_EQUAL_INT64(1000000, why.needed);
+    TEST_ASSERT_EQUAL_INT64(999999, why.limit);
+    TEST_ASSERT_EQUAL_UINT32(0, why.highest_mrpm);
+    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_amplitude_ppm, 1000000));
+    bring(cam_state_cutting);
+    TEST_ASSERT_EQUAL_INT(cam_err_cam_amplitude,
+                          cam_machine_set_param(&rig.machine, cam_param_amplitude_ppm, 999999));
+    TEST_ASSERT_EQUAL_INT(cam_ok,
+                          cam_machine_set_param(&rig.machine, cam_param_amplitude_ppm, 1100000));
+}
+
 static void test_without_a_table_nothing_starts(void)
 {
     cam_machine_init(&rig.machine, &g_cam, 20000, hal_clock_hz());
@@ -377,6 +402,7 @@ int main(void)
     RUN_TEST(test_changes_wait_for_a_pending_command);
     RUN_TEST(test_start_beyond_the_limits_is_refused_before_motion);
     RUN_TEST(test_amplitude_that_the_running_speed_forbids_is_refused_in_the_cut);
+    RUN_TEST(test_cam_is_cut_with_all_of_its_lift_or_not_at_all);
     RUN_TEST(test_without_a_table_nothing_starts);
     RUN_TEST(test_init_at_a_slow_tick_slows_the_observer);
     RUN_TEST(test_select_table_needs_a_good_one_and_the_right_state);

@@ -62,6 +62,7 @@ _REMEDIES = {
     "download_crc": "download again",
     "download_store": "its memory failed, the old table stays in force; try again",
     "busy": "try again",
+    "cam_amplitude": "set the amplitude to 100 % or more",
 }
 HOME_S, CUT_S = 60.0, 3600.0
 

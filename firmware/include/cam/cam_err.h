@@ -57,6 +57,7 @@ typedef enum {
     cam_err_swing_range = -52,          ///< the tool would have to swing farther than it can
     cam_err_swing_speed = -53,          ///< ... faster
     cam_err_swing_acceleration = -54,   ///< ... with more acceleration
+    cam_err_cam_amplitude = -55,        ///< a cam of less than its lift is cut deeper than drawn
 } cam_err_t;
 
 #define CAM_MUST_USE __attribute__((warn_unused_result))

@@ -19,7 +19,7 @@ typedef struct {
     uint32_t largest_feed_nm; ///< largest feed with which they hold at the speed asked for; 0 none
     int64_t needed;           ///< what the motion needs, in the unit of the limit
     int64_t limit; ///< [r/min / 1000], [um/s], [mm/s2], [nm], [degrees / 1000], [degrees /
-                   ///< 1000 / s], [degrees / s2] or per tick, as err tells
+                   ///< 1000 / s], [degrees / s2], [1e-6] or per tick, as err tells
 } cam_feasibility_t;
 
 /// Judge a speed.

@@ -124,4 +124,9 @@ static inline bool cam_is_within(int32_t v, int32_t limit)
     return (uint32_t)v + (uint32_t)limit <= 2u * (uint32_t)limit;
 }
 
+static inline bool cam_is_between(int64_t v, int64_t low, int64_t high)
+{
+    return v >= low && v <= high;
+}
+
 #endif
