@@ -4,7 +4,8 @@
 /// Limits are the smaller of the machine's parameters and those that the table was made for. The
 /// table guarantees peaks of u, u' and u''; at omega U needs u' omega and u'' omega^2. Along the
 /// feed U and the swing change with the slices of the table, at a speed that jumps where one slice
-/// ends: a set-point takes the jump, and what that needs comes on top. Context: slow side.
+/// ends: a set-point takes the jump, and what that needs comes on top. Of a Z that others lead the
+/// feed is what table or parameters tell. Context: slow side.
 #ifndef CAM_DEMAND_H
 #define CAM_DEMAND_H
 
