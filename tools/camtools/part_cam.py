@@ -20,11 +20,14 @@ from pydantic import (
     model_validator,
 )
 
+from camtools.image import KNOT_SIZE, MAX_CHANNEL_BYTES, MAX_LOG2_KNOTS
 from camtools.part import Limits, PartInfo
 from camtools.part_base import HeightMm, Table, beside_the_part, no_truth, rising, wrong
 
 MIN_GAP_MM = 0.2
 MAX_LIFT_MM = 15.0
+MOST_SLICES = MAX_CHANNEL_BYTES // (KNOT_SIZE << MAX_LOG2_KNOTS)  # with the most knots per turn
+MAX_LOBES = MOST_SLICES // 2  # each needs a slice on either edge
 MAX_CENTRE_MM = 2100.0  # a table holds 2147 mm in 32 bits of nm
 MIN_POINTS = 8
 MIN_STEP_DEG = 0.01
@@ -170,7 +173,15 @@ class Cam(Table):
     base_radius_mm: RadiusMm
     roller_radius_mm: RadiusMm
     wheel_radius_mm: RadiusMm | None = None
-    lobe: Annotated[list[Lobe], Field(min_length=1, max_length=64)]
+    lobe: Annotated[list[Lobe], Field(min_length=1)]
+
+    @field_validator("lobe")
+    @classmethod
+    def _check_number(cls, value: list[Lobe]) -> list[Lobe]:
+        if len(value) > MAX_LOBES:
+            problem = f"has {len(value)} lobes, a table at most {MAX_LOBES}"
+            raise wrong("lobes", problem, "make tables of fewer lobes each", value=None)
+        return value
 
     @field_validator("lobe")
     @classmethod
