@@ -121,6 +121,9 @@ const cam_status_t *sim_cut_status(const sim_cut_t *cut);
 /// @return [mm] feed per turn in force; of a ring-helix the distance of its rings
 double sim_cut_feed_mm(const sim_cut_t *cut);
 
+/// @return true when Z is geared along a ring-helix
+bool sim_cut_has_rings(const sim_cut_t *cut);
+
 /// @return [turn] length of the cutting state as planned
 double sim_cut_planned_turns(const sim_cut_t *cut);
 

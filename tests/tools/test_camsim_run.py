@@ -27,6 +27,15 @@ def table(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder / "perkins240.camtab"
 
 
+@pytest.fixture(scope="session")
+def rings(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Make the table of the Perkins skirt cut along a ring-helix."""
+    folder = tmp_path_factory.mktemp("rings")
+    part = PERKINS.with_name("perkins240_ring_helix.toml")
+    assert mktables([str(part), "-o", str(folder)]) == 0
+    return folder / "perkins240_ring_helix.camtab"
+
+
 def summary_of(table: Path, path: Path, *words: str) -> dict[str, Any]:
     """Return the summary of a cut, whatever its end."""
     assert camsim("run", table, *words, "--summary", path).returncode in (0, 1)
@@ -113,6 +122,26 @@ def test_run_refuses_bad_options(
     out = tmp_path / "s.json"
     assert named in only_error(camsim("run", table, "--summary", out, *words))
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("words", "field"),
+    [
+        (("--feed", "0.000003"), "--feed 3e-06"),
+        (("--set", "feed_nm=1"), "feed_nm = 1"),
+        (("--feed", "0.0000034"), "--feed 3.4e-06"),
+    ],
+)
+def test_run_refuses_rings_nearer_than_the_firmware_cuts(
+    rings: Path, words: tuple[str, ...], field: str
+) -> None:
+    """Below 4 nm it would cut other turns than planned; a Z that others lead has no rings."""
+    told = f"{field}: rings of a ring-helix are at least 0.000004 mm apart; give at least "
+    line = only_error(camsim("run", rings, "--rpm", "900", *words))
+    assert line == f'camsim: {told}--feed 0.000004, or a table with path = "helix"'
+    short = ("--rpm", "900", "--turns-limit", "1")
+    assert camsim("run", rings, *short, "--feed", "0.000004").returncode == 0
+    assert camsim("run", rings, *short, *words, "--set", "z_is_measured=1").returncode == 0
 
 
 def corrupted(image: bytes) -> dict[str, bytes]:
