@@ -38,6 +38,24 @@ double sim_cut_planned_turns(const sim_cut_t *cut)
     return fed + (ramp < fed ? ramp : fed); // the rising and the falling half
 }
 
+uint32_t sim_cut_lobe_without_sample(const sim_cut_t *cut)
+{
+    uint32_t i = 0;
+    while (i < cut->design.cam.n_lobes && cut->cam.gauge[i].n > 0u) {
+        i++;
+    }
+    return i;
+}
+
+bool sim_cut_is_gauged(const sim_cut_t *cut)
+{
+    // A Z that others lead ends with a stop, too.
+    const bool is_whole = !cut->is_stopped || cut->cut_turns >= sim_cut_planned_turns(cut);
+    const bool has_lobes = cut->design.shape == sim_shape_cam && is_whole;
+    return cut->work.n > 0u &&
+           (!has_lobes || sim_cut_lobe_without_sample(cut) == cut->design.cam.n_lobes);
+}
+
 double sim_cut_following_rms_um(const sim_cut_t *cut)
 {
     return cut->n_following > 0u ? sqrt(cut->following_sum_um2 / (double)cut->n_following) : 0.0;

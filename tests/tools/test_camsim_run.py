@@ -68,6 +68,18 @@ def test_run_without_feed_forward_shows_what_the_drive_costs(table: Path, tmp_pa
     assert summary["form_error_um"]["max"] == pytest.approx(late, rel=0.05)
 
 
+def test_cut_that_nothing_gauged_is_not_good(table: Path, tmp_path: Path) -> None:
+    """An operator's stop before the cut leaves no sample: status 1, and the line says why."""
+    words = ("--rpm", "600", "--inject", "stop@t1", "--summary", tmp_path / "s.json")
+    done = camsim("run", table, *words)
+    summary = json.loads((tmp_path / "s.json").read_text())
+    assert (summary["cut"]["samples"], summary["end"]) == (0, "stopped")
+    assert (done.returncode, summary["is_good"]) == (1, False)
+    assert "form error      not gauged: nothing was cut to full depth\n" in done.stdout
+    told = "not gauged: nothing was cut to full depth before the cut was stopped; leave the stop"
+    assert done.stderr == f"camsim: {table}: {told} out, or stop later\n"
+
+
 def test_run_is_deterministic(table: Path, tmp_path: Path) -> None:
     """Give the same bytes twice, but for the wall clock."""
     names = ("trace", "surface", "summary")
