@@ -2,6 +2,7 @@
 #include "cam/cam_feed.h" // cam_feed_least_nm
 #include "sim_cam_cut.h"  // sim_cam_cut_begin
 #include "sim_cut.h"
+#include "sim_slow.h"  // sim_slow_check
 #include "sim_units.h" // SIM_NM_PER_MM
 #include <math.h>      // floor
 #include <stdio.h>     // snprintf
@@ -185,7 +186,10 @@ static bool select_table(sim_cut_t *cut, const char *name, size_t size, sim_erro
 static bool check_feasible(sim_cut_t *cut, sim_error_t *e)
 {
     cut->feasibility = sim_firmware_feasibility(&cut->firmware);
-    return cut->feasibility.err == cam_ok || infeasible(&cut->feasibility, e);
+    if (cut->feasibility.err != cam_ok) {
+        return infeasible(&cut->feasibility, e);
+    }
+    return sim_slow_check(&cut->table, &cut->params, &cut->feasibility, e);
 }
 
 static bool check_injects(const sim_cut_t *cut, size_t size, sim_error_t *e)
