@@ -166,6 +166,15 @@ def test_shaft_that_no_table_holds_is_told_how_much_one_holds() -> None:
         assert problem in info.value.lines[0]
 
 
+def test_largest_centre_of_a_part_file_is_in_the_firmwares_range(tmp_path: Path) -> None:
+    """A wheel as large as the part file takes makes a table that the firmware reads."""
+    text = DISC_TEXT.replace("wheel_radius_mm = 200", "wheel_radius_mm = 1970")
+    got = evaluate(tmp_path, generate_cam(cam(text)), np.zeros(1), np.ones(1))
+    assert got["x_nm"] == pytest.approx([1990e6])
+    with pytest.raises(CamtoolsError, match=r"a table holds 2000 mm; give at most 1970, or a sm"):
+        cam(text.replace("1970", "1970.001"))
+
+
 def test_listed_cam_is_that_of_its_law(tmp_path: Path) -> None:
     """Points of the disc, a CSV file beside the part, ground with a phase: the disc's solution."""
     angle_deg = np.arange(0, 360, 5.0)

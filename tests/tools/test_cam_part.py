@@ -144,7 +144,7 @@ def test_part_file_takes_the_lobes_that_a_table_holds() -> None:
 
 @pytest.mark.parametrize(("text", "field"), [(GOOD, "roller"), (DISC, "wheel")])
 def test_follower_stays_within_the_table(text: str, field: str) -> None:
-    """A table holds 2147 mm; what is asked for instead is taken."""
+    """A table holds 2000 mm; what is asked for instead is taken."""
     text = text.replace("base_radius_mm = 20", "base_radius_mm = 200")
     text = text.replace("disc_radius_mm = 25", "disc_radius_mm = 205")
     before = f"{field}_radius_mm = {'10' if field == 'roller' else '200'}\n"
