@@ -5,8 +5,9 @@
 ///     camsim run TABLE [options]
 ///     camsim bus TABLE --can IFACE [options]
 ///
-/// Exit status: 0 done; 1 the cut ended in a fault, in time-out or out of tolerance; 2 wrong usage
-/// or bad input or output. Errors are one line on stderr: file, field, value, remedy.
+/// Exit status: 0 done; 1 the cut ended in a fault, in time-out, out of tolerance or was not
+/// gauged; 2 wrong usage or bad input or output. Errors are one line on stderr: file, field, value,
+/// remedy.
 #ifndef CAMSIM_H
 #define CAMSIM_H
 

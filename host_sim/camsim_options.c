@@ -42,7 +42,8 @@ static const char help[] =
     "      late-tick:PERCENT  reverse  spindle-speed:RPM  spindle-stop  z-offset:MM  u-block\n"
     "      swing-block  table-flip:BYTE  stop\n"
     "\n"
-    "Exit status: 0 done, 1 fault, time-out or out of tolerance, 2 wrong usage or bad input.";
+    "Exit status: 0 done, 1 fault, time-out, out of tolerance or not gauged, 2 wrong usage or bad "
+    "input.";
 
 enum {
     opt_rpm = 256,

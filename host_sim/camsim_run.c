@@ -126,6 +126,20 @@ static void explain_fault(const sim_cut_t *cut, const char *table, sim_error_t *
         cam_state_name(cut->fault_state), cut->fault_z_mm);
 }
 
+/// Which surface has no sample of the gauge.
+static void explain_not_gauged(const sim_cut_t *cut, const char *table, sim_error_t *e)
+{
+    if (cut->work.n == 0u) {
+        (void)sim_error(e,
+                        "%s: not gauged: nothing was cut to full depth before the cut was %s; "
+                        "leave the stop out, or stop later",
+                        table, camsim_summary_end(cut));
+        return;
+    }
+    (void)sim_error(e, "%s: not gauged: lobe %u has no sample; give less --feed than %.6g mm",
+                    table, (unsigned)sim_cut_lobe_without_sample(cut), sim_cut_feed_mm(cut));
+}
+
 static int judge(const run_t *r)
 {
     const sim_cut_t *cut = &r->cut;
@@ -144,6 +158,8 @@ static int judge(const run_t *r)
     } else if (cut->end == sim_cut_timeout) {
         (void)sim_error(&e, "%s: not at the end after %.6g s in state %s; give more --max-seconds",
                         table, cut->max_s, cam_state_name(cut->state));
+    } else if (!sim_cut_is_gauged(cut)) {
+        explain_not_gauged(cut, table, &e);
     } else {
         (void)sim_error(
             &e,

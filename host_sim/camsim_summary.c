@@ -14,7 +14,8 @@ const char *camsim_summary_end(const sim_cut_t *cut)
 
 bool camsim_summary_is_good(const camsim_options_t *options, const sim_cut_t *cut)
 {
-    return cut->end == sim_cut_done && cut->work.max_um <= options->tolerance_um;
+    return cut->end == sim_cut_done && sim_cut_is_gauged(cut) &&
+           cut->work.max_um <= options->tolerance_um;
 }
 
 /// Folders differ between machines and runs, names do not.
@@ -267,6 +268,8 @@ void camsim_summary_text(const camsim_options_t *options, const sim_cut_t *cut, 
             cut->work.max_um, sim_work_rms_um(&cut->work), reference, options->tolerance_um);
         (void)printf("following error max %.4f um, rms %.4f um\n", cut->following_max_um,
                      sim_cut_following_rms_um(cut));
+    } else {
+        (void)printf("form error      not gauged: nothing was cut to full depth\n");
     }
     camsim_cam_text(cut);
     (void)printf("machine time    %.3f s in %.3f s, %.2f million ticks/s\n", cut->machine.time_s,

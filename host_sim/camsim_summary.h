@@ -20,7 +20,8 @@ void camsim_summary_text(const camsim_options_t *options, const sim_cut_t *cut, 
 /// @return "done", "stopped", "fault", "timeout" or "refused"
 const char *camsim_summary_end(const sim_cut_t *cut);
 
-/// @return true when the cut ended well and the form error is within the tolerance
+/// @return true when the cut ended well, all of it was gauged, and the form error is within the
+///         tolerance
 bool camsim_summary_is_good(const camsim_options_t *options, const sim_cut_t *cut);
 
 #endif

@@ -22,8 +22,7 @@ double sim_cut_feed_mm(const sim_cut_t *cut)
     return feed_nm / SIM_NM_PER_MM;
 }
 
-/// Z is geared along a ring-helix.
-static bool has_rings(const sim_cut_t *cut)
+bool sim_cut_has_rings(const sim_cut_t *cut)
 {
     return cut->table.is_ring_helix && cut->params.z_is_measured == 0;
 }
@@ -32,11 +31,29 @@ double sim_cut_planned_turns(const sim_cut_t *cut)
 {
     const double span_nm = (double)cut->table.z_last_nm - cut->table.z_first_nm;
     const double fed = span_nm / (sim_cut_feed_mm(cut) * SIM_NM_PER_MM);
-    if (has_rings(cut)) {
+    if (sim_cut_has_rings(cut)) {
         return 2.0 * ceil(fed) + 1.0;
     }
     const double ramp = cut->params.z_is_measured != 0 ? 0.0 : cut->params.feed_ramp_turns;
     return fed + (ramp < fed ? ramp : fed); // the rising and the falling half
+}
+
+uint32_t sim_cut_lobe_without_sample(const sim_cut_t *cut)
+{
+    uint32_t i = 0;
+    while (i < cut->design.cam.n_lobes && cut->cam.gauge[i].n > 0u) {
+        i++;
+    }
+    return i;
+}
+
+bool sim_cut_is_gauged(const sim_cut_t *cut)
+{
+    // A Z that others lead ends with a stop, too.
+    const bool is_whole = !cut->is_stopped || cut->cut_turns >= sim_cut_planned_turns(cut);
+    const bool has_lobes = cut->design.shape == sim_shape_cam && is_whole;
+    return cut->work.n > 0u &&
+           (!has_lobes || sim_cut_lobe_without_sample(cut) == cut->design.cam.n_lobes);
 }
 
 double sim_cut_following_rms_um(const sim_cut_t *cut)
@@ -85,7 +102,7 @@ static void measure_removal(sim_cut_t *cut)
 {
     const double turn = cut->table.direction > 0 ? cut->true_turn : -cut->true_turn;
     const double ramp = cut->params.feed_ramp_turns;
-    const bool is_full = !has_rings(cut) && cut->cut_turns > ramp &&
+    const bool is_full = !sim_cut_has_rings(cut) && cut->cut_turns > ramp &&
                          cut->cut_turns < sim_cut_planned_turns(cut) - ramp;
     cut->has_slice = sim_removal_touch(&cut->removal, cut->sample_s, turn - cut->phase_turn,
                                        cut->z_mm, cut->radius_mm, is_full && !cut->is_stopped);

@@ -121,8 +121,19 @@ const cam_status_t *sim_cut_status(const sim_cut_t *cut);
 /// @return [mm] feed per turn in force; of a ring-helix the distance of its rings
 double sim_cut_feed_mm(const sim_cut_t *cut);
 
+/// @return true when Z is geared along a ring-helix
+bool sim_cut_has_rings(const sim_cut_t *cut);
+
 /// @return [turn] length of the cutting state as planned
 double sim_cut_planned_turns(const sim_cut_t *cut);
+
+/// What no gauge has seen is not known to be good.
+/// @return false when nothing was cut to full depth, or a lobe of a cam that was cut to its end has
+///         no sample; of a cut that the operator ends early what was cut counts
+bool sim_cut_is_gauged(const sim_cut_t *cut);
+
+/// @return first lobe of a cam without a sample; the number of lobes when there is none
+uint32_t sim_cut_lobe_without_sample(const sim_cut_t *cut);
 
 /// @return [um] rms following error, 0 without samples
 double sim_cut_following_rms_um(const sim_cut_t *cut);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sim_cam_cut.h" // sim_cam_cut_begin
+#include "cam/cam_feed.h" // cam_feed_least_nm
+#include "sim_cam_cut.h"  // sim_cam_cut_begin
 #include "sim_cut.h"
+#include "sim_slow.h"  // sim_slow_check
 #include "sim_units.h" // SIM_NM_PER_MM
 #include <math.h>      // floor
 #include <stdio.h>     // snprintf
@@ -66,6 +68,24 @@ static bool load_design(sim_cut_t *cut, const char *name, sim_error_t *e)
     }
     sim_design_from_table(&cut->design, &cut->table);
     return sim_cam_cut_check(cut, name, e);
+}
+
+/// The firmware takes rings that are nearer as so far apart: it would cut other turns than planned.
+static bool check_rings(const sim_cut_t *cut, sim_error_t *e)
+{
+    const double feed_nm = sim_cut_feed_mm(cut) * SIM_NM_PER_MM;
+    if (!sim_cut_has_rings(cut) || feed_nm > cam_feed_least_nm - 0.5) {
+        return true;
+    }
+    const bool is_given = cut->options.feed_mm > 0.0;
+    char field[40];
+    (void)snprintf(field, sizeof field, is_given ? "--feed %.12g" : "feed_nm = %.0f",
+                   is_given ? cut->options.feed_mm : feed_nm);
+    const double least_mm = cam_feed_least_nm / SIM_NM_PER_MM;
+    return sim_error(e,
+                     "%s: rings of a ring-helix are at least %.6f mm apart; give at least "
+                     "--feed %.6f, or a table with path = \"helix\"",
+                     field, least_mm, least_mm);
 }
 
 static void place_machine(sim_cut_t *cut)
@@ -185,7 +205,10 @@ static bool select_table(sim_cut_t *cut, const char *name, size_t size, sim_erro
 static bool check_feasible(sim_cut_t *cut, sim_error_t *e)
 {
     cut->feasibility = sim_firmware_feasibility(&cut->firmware);
-    return cut->feasibility.err == cam_ok || infeasible(&cut->feasibility, e);
+    if (cut->feasibility.err != cam_ok) {
+        return infeasible(&cut->feasibility, e);
+    }
+    return sim_slow_check(&cut->table, &cut->params, &cut->feasibility, e);
 }
 
 static bool check_injects(const sim_cut_t *cut, size_t size, sim_error_t *e)
@@ -259,7 +282,8 @@ static bool prepare(sim_cut_t *cut, const void *image, size_t size, const char *
     if (!take_image(cut, image, size, name, e) || !check_injects(cut, size, e) ||
         !load_design(cut, name, e) ||
         !sim_controller_params(&cut->params, &cut->options.config.machine, &cut->table, &wishes,
-                               e)) {
+                               e) ||
+        !check_rings(cut, e)) {
         return false;
     }
     place_machine(cut);

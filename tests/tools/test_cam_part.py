@@ -8,7 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from camtools.cam_channels import slices_of
 from camtools.cam_lift import Poly345, make_lift, parse_points
+from camtools.cam_motion import make_lobes
 from camtools.errors import CamtoolsError, GeometryError, InputError
 from camtools.part import parse_part
 from camtools.part_cam import CamPart
@@ -126,9 +128,23 @@ def test_lobes_stand_apart() -> None:
     assert len(cam_of(text.replace("12.1", "13")).cam.lobe) == 2
 
 
+def test_part_file_takes_the_lobes_that_a_table_holds() -> None:
+    """10 lobes are read, make slices and keep their places; the eleventh is refused as read."""
+    lobe = GOOD[GOOD.index("[[cam.lobe]]") : GOOD.index("[process]")]
+    rest = GOOD.replace(lobe, "")
+
+    def with_lobes(n: int) -> str:
+        places = (lobe.replace("[0, 12]", f"[{20 * i}, {20 * i + 5}]") for i in range(n))
+        return rest.replace("[process]", "".join(places) + "[process]")
+
+    assert slices_of(make_lobes(cam_of(with_lobes(10)))).max() == 9
+    told = "c.toml: cam.lobe: has 11 lobes, a table at most 10; make tables of fewer lobes each"
+    assert lines_of(with_lobes(11)) == [told]
+
+
 @pytest.mark.parametrize(("text", "field"), [(GOOD, "roller"), (DISC, "wheel")])
 def test_follower_stays_within_the_table(text: str, field: str) -> None:
-    """A table holds 2147 mm; what is asked for instead is taken."""
+    """A table holds 2000 mm; what is asked for instead is taken."""
     text = text.replace("base_radius_mm = 20", "base_radius_mm = 200")
     text = text.replace("disc_radius_mm = 25", "disc_radius_mm = 205")
     before = f"{field}_radius_mm = {'10' if field == 'roller' else '200'}\n"

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -291,6 +292,22 @@ def test_weak_machine_is_refused_with_the_numbers(table_of: Callable[[str], Path
     """The default machine is that of pistons: its U has no room for a lift."""
     line = only_error(camsim("run", table_of("cam-disc")))
     assert "travel farther than it can: needs 10.500001 mm, limit 0.6 mm" in line
+
+
+def test_spindle_that_counts_as_stopped_is_refused_before_motion(tmp_path: Path) -> None:
+    """A slow cam ground at constant surface speed: what the line tells instead is cut."""
+    text = (ROOT / "tools" / "parts" / "cam-345-ground.toml").read_text()
+    text = re.sub(r"(?m)^spindle_rpm = 60\b", "spindle_rpm = 20", text)
+    (tmp_path / "slow.toml").write_text(text)
+    assert mktables([str(tmp_path / "slow.toml"), "-o", str(tmp_path)]) == 0
+    words = ("run", tmp_path / "cam-345-ground.camtab", "--machine", MACHINE, "--turns-limit", "1")
+    line = only_error(camsim(*words))
+    told = "--rpm 18.26: in a turn it falls to 2.262, and for 172 ms below 5 (stopped_mrpm), which "
+    told += "is a fault after 100 ms (stopped_ms); make the table for a faster spindle, or "
+    assert line == f"camsim: {told}--set stopped_mrpm=2262"
+    assert camsim(*words, "--set", "stopped_mrpm=2262").returncode == 0
+    line = only_error(camsim(*words, "--rpm", "4"))
+    assert "--rpm 4: below 5 (stopped_mrpm) the spindle counts as stopped; " in line
 
 
 def test_bus_has_no_gauge_for_cams(table_of: Callable[[str], Path]) -> None:

@@ -27,6 +27,15 @@ def table(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder / "perkins240.camtab"
 
 
+@pytest.fixture(scope="session")
+def rings(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Make the table of the Perkins skirt cut along a ring-helix."""
+    folder = tmp_path_factory.mktemp("rings")
+    part = PERKINS.with_name("perkins240_ring_helix.toml")
+    assert mktables([str(part), "-o", str(folder)]) == 0
+    return folder / "perkins240_ring_helix.camtab"
+
+
 def summary_of(table: Path, path: Path, *words: str) -> dict[str, Any]:
     """Return the summary of a cut, whatever its end."""
     assert camsim("run", table, *words, "--summary", path).returncode in (0, 1)
@@ -57,6 +66,18 @@ def test_run_without_feed_forward_shows_what_the_drive_costs(table: Path, tmp_pa
     late = swing_um * omega * 100e-6
     summary = summary_of(table, tmp_path / "t.json", *CUT, "--no-lead")
     assert summary["form_error_um"]["max"] == pytest.approx(late, rel=0.05)
+
+
+def test_cut_that_nothing_gauged_is_not_good(table: Path, tmp_path: Path) -> None:
+    """An operator's stop before the cut leaves no sample: status 1, and the line says why."""
+    words = ("--rpm", "600", "--inject", "stop@t1", "--summary", tmp_path / "s.json")
+    done = camsim("run", table, *words)
+    summary = json.loads((tmp_path / "s.json").read_text())
+    assert (summary["cut"]["samples"], summary["end"]) == (0, "stopped")
+    assert (done.returncode, summary["is_good"]) == (1, False)
+    assert "form error      not gauged: nothing was cut to full depth\n" in done.stdout
+    told = "not gauged: nothing was cut to full depth before the cut was stopped; leave the stop"
+    assert done.stderr == f"camsim: {table}: {told} out, or stop later\n"
 
 
 def test_run_is_deterministic(table: Path, tmp_path: Path) -> None:
@@ -113,6 +134,26 @@ def test_run_refuses_bad_options(
     out = tmp_path / "s.json"
     assert named in only_error(camsim("run", table, "--summary", out, *words))
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("words", "field"),
+    [
+        (("--feed", "0.000003"), "--feed 3e-06"),
+        (("--set", "feed_nm=1"), "feed_nm = 1"),
+        (("--feed", "0.0000034"), "--feed 3.4e-06"),
+    ],
+)
+def test_run_refuses_rings_nearer_than_the_firmware_cuts(
+    rings: Path, words: tuple[str, ...], field: str
+) -> None:
+    """Below 4 nm it would cut other turns than planned; a Z that others lead has no rings."""
+    told = f"{field}: rings of a ring-helix are at least 0.000004 mm apart; give at least "
+    line = only_error(camsim("run", rings, "--rpm", "900", *words))
+    assert line == f'camsim: {told}--feed 0.000004, or a table with path = "helix"'
+    short = ("--rpm", "900", "--turns-limit", "1")
+    assert camsim("run", rings, *short, "--feed", "0.000004").returncode == 0
+    assert camsim("run", rings, *short, *words, "--set", "z_is_measured=1").returncode == 0
 
 
 def corrupted(image: bytes) -> dict[str, bytes]:

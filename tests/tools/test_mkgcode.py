@@ -340,6 +340,15 @@ def test_bad_options_are_refused(tmp_path: Path, words: tuple[str, ...], told: s
             "cxzu",
             r"u_acceleration_mm_s2 = 1000 mm/s2: the part needs 20\d+\.\d+ .* at most 549\.9 r/min",
         ),
+        *(
+            (
+                "perkins240",
+                {"height_mm": "[0, 1, 2, 3, 4, 6, 8]", "feed_mm": "8.000001"},
+                axes,
+                r"process\.feed_mm = 8\.000001: must be at most 8, the height of the part; give mm",
+            )
+            for axes in ("xz", "cxzu")
+        ),
         ("weichai3a_plain", {}, "cxzu", r"piston\.section\.refit: is missing"),
     ],
 )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from pathlib import Path
 
@@ -170,13 +171,17 @@ def test_undecodable_bytes_are_refused(data: bytes, words: str) -> None:
 
 
 def test_unreadable_files_are_refused(tmp_path: Path) -> None:
-    """A missing file, a directory and a huge file are refused by name."""
+    """A missing file, a directory, a pipe, a device and a huge file are refused by name."""
+    pipe = tmp_path / "pipe.toml"
+    os.mkfifo(pipe)
     huge = tmp_path / "huge.toml"
     huge.write_bytes(b"#" * (MAX_FILE_BYTES + 1))
     for path, words in (
         (tmp_path / "none.toml", "cannot be read: No such file"),
         (tmp_path, "cannot be read: Is a directory"),
-        (huge, "larger than"),
+        (Path("/dev/null"), "cannot be read: not a file"),
+        (pipe, "cannot be read: not a file"),
+        (huge, "cannot be read: larger than 1000000 bytes; give the path of a part file"),
     ):
         with pytest.raises(CamtoolsError, match=words) as info:
             load_part(path)

@@ -334,6 +334,7 @@ def test_part_source_is_escaped(good: Outcome) -> None:
         ({"form_error_um": {"max": 5.1, "rms": 1.0, "tolerance": 5.0}}, "poor", "out of tolerance"),
         ({"end": "stopped"}, "poor", "incomplete: stopped"),
         ({"end": "timeout"}, "poor", "incomplete: timeout"),
+        ({"is_good": False}, "poor", "not gauged"),
         (FAULTY, "fault", "fault: estop"),
     ],
 )

@@ -134,19 +134,19 @@ def test_ripple_is_that_of_each_turn() -> None:
     assert abs(float(near.z_mm.mean()) - 27.0) <= 0.5
 
 
-def test_equal_volume_part_shows_both_ways_of_turning(modulated: Generated) -> None:
-    """Two pictures, the rows of ripple and force, the spindle's margin."""
+def made_up_outcome(modulated: Generated, even: Even) -> Outcome:
+    """Return a good cut with an even removal rate, beside uniform turning."""
     geometry = modulated.geometry
     one = {"needed": 499.0, "limit": 500.0, "margin": 1.0}
     summary = made_up_summary()
     summary["feasibility"]["spindle_acceleration_rad_s2"] = one
-    outcome = Outcome(
-        modulated,
-        summary,
-        made_up_surface(geometry),
-        made_up_trace(geometry),
-        even=made_up_even(0.04, 0.66),
-    )
+    surface, trace = made_up_surface(geometry), made_up_trace(geometry)
+    return Outcome(modulated, summary, surface, trace, even=even)
+
+
+def test_equal_volume_part_shows_both_ways_of_turning(modulated: Generated) -> None:
+    """Two pictures, the rows of ripple and force, the spindle's margin."""
+    outcome = made_up_outcome(modulated, made_up_even(0.04, 0.66))
     files = make_report(outcome)
     assert {"cut_even.png", "cut_ripple.png"} <= files.keys()
     rows = {row.name: row.value for row in rows_of(outcome)}
@@ -158,6 +158,16 @@ def test_equal_volume_part_shows_both_ways_of_turning(modulated: Generated) -> N
     with drawing():
         assert png_of(draw_even(made_up_even(0.0, 0.66), modulated.speed, 230.0))
         assert png_of(draw_ripple(made_up_even(0.0, 0.66), modulated.speed))
+
+
+def test_removal_without_a_whole_turn_is_told(modulated: Generated) -> None:
+    """What was not measured has a row that says so, not no row."""
+    even = made_up_even(0.04, 0.66)
+    even.summary["removal"] = {"turns": 0.0}
+    rows = {row.name: row.value for row in rows_of(made_up_outcome(modulated, even))}
+    told = "none: no whole turn at full feed was measured"
+    assert rows["ripple of the removal rate"] == told
+    assert "ripple of the chip's force" not in rows
 
 
 def test_uniform_parts_have_none_of_it(generated: Generated) -> None:

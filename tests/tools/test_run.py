@@ -313,7 +313,9 @@ def test_name_taken_by_a_folder_changes_nothing(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("kind", ["piston", "cam"])
-def test_feed_beyond_the_part_is_refused_first(kind: str, tmp_path: Path) -> None:
+def test_feed_beyond_the_part_is_refused_first(
+    kind: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
     """One line tells the largest feed that would do; no table is made before."""
     name, heights, shorter = {
         "piston": ("perkins240", "[0, 10, 20, 30, 40, 50, 62]", "[0, 1, 2, 3, 4, 6, 8]"),
@@ -331,6 +333,7 @@ def test_feed_beyond_the_part_is_refused_first(kind: str, tmp_path: Path) -> Non
             Job(["--feed", feed]).check_feed(part)
         assert info.value.lines == [told]
     assert main([str(path), "--feed", "20", "-o", str(tmp_path / "out")]) == 2
+    assert capfd.readouterr().err == f"run: {told}\n"  # nothing of a table that is made
     assert listing(tmp_path) == ["low.toml"]
 
 

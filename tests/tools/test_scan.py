@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +13,16 @@ from hypothesis import strategies as st
 from camtools.errors import CamtoolsError
 from camtools.geometry import Geometry, make_geometry
 from camtools.part import load_part
-from camtools.scan import HEADER, Scan, filtered, ovality_of, parse_scan, read_scan, scan_surface
+from camtools.scan import (
+    HEADER,
+    MAX_POINTS,
+    Scan,
+    filtered,
+    ovality_of,
+    parse_scan,
+    read_scan,
+    scan_surface,
+)
 from part_cases import ROOT
 
 MEASURED = ROOT / "tools" / "parts" / "scan90.toml"
@@ -120,3 +130,22 @@ def test_too_many_waves_are_refused(tmp_path: Path) -> None:
     geometry_of(tmp_path, GOOD, "harmonics = 17")
     with pytest.raises(CamtoolsError, match=r"harmonics: 36 points .* 18 waves .* at most 17"):
         geometry_of(tmp_path, GOOD, "harmonics = 18")
+
+
+def test_scans_come_from_files_only(tmp_path: Path) -> None:
+    """A device, a pipe and a file without end are not read; a spreadsheet's mark is no matter."""
+    pipe, table = tmp_path / "pipe.csv", tmp_path / "scan.csv"
+    os.mkfifo(pipe)
+    table.write_bytes(b"0" * (100 * MAX_POINTS + 1))
+    for path, problem in (
+        (tmp_path, "Is a directory"),
+        (Path("/dev/null"), "not a file"),
+        (table, "larger than 20000000 bytes"),
+        (pipe, "not a file"),
+    ):
+        with pytest.raises(CamtoolsError) as info:
+            read_scan(path)
+        told = f"piston.section.csv: {path.name}: cannot be read: {problem}; give a CSV file, its "
+        assert info.value.lines == [f"{told}place seen from the part file"]
+    table.write_text(GOOD, encoding="utf-8-sig")
+    assert read_scan(table).z_mm.tolist() == [0, 60]

@@ -3,7 +3,7 @@
 #include "hal_host.h" // hal_host
 #include "sim_cut.h"
 #include "unity.h"
-#include <string.h> // strstr
+#include <string.h> // memset, strstr
 
 static fixture_image_t image;
 static sim_cut_options_t options;
@@ -138,6 +138,41 @@ static void test_stop_ends_the_cut_early(void)
     TEST_ASSERT_TRUE(cut.is_stopped && cut.cut_turns < 7.0); // next whole turn, falling ramp
 }
 
+static void test_cut_that_is_stopped_before_it_begins_is_not_gauged(void)
+{
+    inject("stop@t1");
+    options.rpm = 60.0;
+    TEST_ASSERT_EQUAL_INT(sim_cut_done, run());
+    TEST_ASSERT_TRUE(cut.is_stopped && cut.work.n == 0u);
+    TEST_ASSERT_FALSE(sim_cut_is_gauged(&cut));
+    sim_cut_close(&cut);
+    options.n_injects = 0;
+    options.rpm = 0.0;
+    options.max_turns = 3.0;
+    TEST_ASSERT_EQUAL_INT(sim_cut_done, run());
+    TEST_ASSERT_TRUE(sim_cut_is_gauged(&cut));
+}
+
+static void test_whole_cam_has_samples_of_every_lobe(void)
+{
+    memset(&cut, 0, sizeof cut);
+    cut.design.shape = sim_shape_cam;
+    cut.design.cam.n_lobes = 2;
+    cut.table.z_last_nm = 10000000;
+    cut.table.feed_nm = 1000000;
+    cut.work.n = cut.cam.gauge[0].n = 1;
+    TEST_ASSERT_FALSE(sim_cut_is_gauged(&cut));
+    TEST_ASSERT_EQUAL_UINT32(1, sim_cut_lobe_without_sample(&cut));
+    cut.is_stopped = true;
+    cut.cut_turns = 9.0;
+    TEST_ASSERT_TRUE(sim_cut_is_gauged(&cut)); // it ended before that lobe
+    cut.cut_turns = 10.0;
+    TEST_ASSERT_FALSE(sim_cut_is_gauged(&cut)); // Z led by others: their stop is the end
+    cut.cam.gauge[1].n = 1;
+    TEST_ASSERT_TRUE(sim_cut_is_gauged(&cut));
+    TEST_ASSERT_EQUAL_UINT32(2, sim_cut_lobe_without_sample(&cut));
+}
+
 static void test_time_is_limited(void)
 {
     options.max_s = 0.01;
@@ -182,6 +217,8 @@ int main(void)
     RUN_TEST(test_flipped_table_byte_is_found);
     RUN_TEST(test_flip_outside_the_table_is_refused);
     RUN_TEST(test_stop_ends_the_cut_early);
+    RUN_TEST(test_cut_that_is_stopped_before_it_begins_is_not_gauged);
+    RUN_TEST(test_whole_cam_has_samples_of_every_lobe);
     RUN_TEST(test_time_is_limited);
     RUN_TEST(test_infeasible_speed_is_refused_with_numbers);
     RUN_TEST(test_damaged_table_is_refused);

@@ -27,7 +27,6 @@ from camtools.image import (
     KIND_SWING,
     KIND_U,
     KIND_X,
-    KNOT_SIZE,
     MAX_LOG2_KNOTS,
     MAX_RATIO,
     MAX_SPACING_NM,
@@ -37,8 +36,8 @@ from camtools.image import (
     Channel,
     Ints,
 )
+from camtools.part_cam import MOST_SLICES
 from camtools.quantise import TooLargeError, quantise, with_bounds
-from camtools.search import MAX_CHANNEL_BYTES
 from camtools.sections import Floats
 
 ANGLE_TOLERANCE_DEG = 1e-4
@@ -76,14 +75,14 @@ def slices_of(lobes: list[ShaftLobe]) -> Ints:
     Raises
     ------
     GeometryError
-        More slices would be needed than a table has: too long, too many lobes, narrow gaps.
+        More slices would be needed than a table has: too long, or narrow gaps.
     """
     first, last = range_of(lobes)
     span = last - first
     places = [_kept_off(lobe, first, span) for lobe in lobes]
     fewest = max(2, -(-span // MAX_SPACING_NM) + 1)
-    most = min(span // MIN_SPACING_NM + 1, MAX_CHANNEL_BYTES // (KNOT_SIZE << MAX_LOG2_KNOTS))
-    _check_extent(len(lobes), span, most)
+    most = min(span // MIN_SPACING_NM + 1, MOST_SLICES)
+    _check_extent(span, most)
     for n in range(fewest, most + 1):
         low = [z0 * (n - 1) // span for z0, _ in places]
         high = [-(-z1 * (n - 1) // span) for _, z1 in places]
@@ -93,16 +92,13 @@ def slices_of(lobes: list[ShaftLobe]) -> Ints:
     raise GeometryError("cam.lobe", problem, "make gaps wider, or tables of fewer lobes each")
 
 
-def _check_extent(n_lobes: int, span_nm: int, most: int) -> None:
-    """Refuse shafts that no gaps would help: each lobe needs a slice on either edge."""
+def _check_extent(span_nm: int, most: int) -> None:
+    """Refuse shafts that no gaps would help."""
     longest_nm = (most - 1) * MAX_SPACING_NM
     if span_nm > longest_nm:
         length_mm, longest_mm = span_nm / NM_PER_MM, longest_nm // 1000 / 1000
         problem = f"reaches over {length_mm:.7g} mm, a table over at most {longest_mm:g} mm"
         raise GeometryError("cam.lobe", problem, "make tables of shorter pieces of the shaft")
-    if 2 * n_lobes > most:
-        problem = f"has {n_lobes} lobes, a table at most {most // 2}"
-        raise GeometryError("cam.lobe", problem, "make tables of fewer lobes each")
 
 
 def _knots(function: Function, lobes: list[ShaftLobe], log2_knots: int) -> Floats:

@@ -9,7 +9,6 @@ A new law is one class with `evaluate`; nothing else has to know it.
 
 from __future__ import annotations
 
-import errno
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple, Protocol
@@ -18,6 +17,7 @@ import numpy as np
 from scipy.interpolate import BSpline, make_interp_spline
 
 from camtools.errors import GeometryError, InputError
+from camtools.input_file import read_limited
 from camtools.part import MAX_FILE_BYTES
 from camtools.part_cam import (
     MAX_LIFT_MM,
@@ -202,13 +202,7 @@ def _points(lobe: Lobe, field: str) -> tuple[Floats, Floats]:
 
 def _read(path: Path) -> str:
     """Return the text of a CSV file, without the mark that spreadsheets put before it."""
-    if path.exists() and not path.is_file():  # a pipe would be waited for
-        raise OSError(errno.EINVAL, "not a file")
-    with path.open("rb") as stream:
-        data = stream.read(MAX_FILE_BYTES + 1)
-    if len(data) > MAX_FILE_BYTES:
-        raise OSError(errno.EFBIG, f"larger than {MAX_FILE_BYTES} bytes")
-    return data.decode("utf-8-sig")
+    return read_limited(path, MAX_FILE_BYTES).decode("utf-8-sig")
 
 
 def _split(error: InputError) -> tuple[str, str]:

@@ -17,6 +17,7 @@ from typing import NamedTuple
 
 from camtools.command import Parser, run_command
 from camtools.errors import CamtoolsError, InputError
+from camtools.generate import check_feed
 from camtools.geometry import make_geometry
 from camtools.ngc import Job
 from camtools.ngc_full import full_program
@@ -75,8 +76,10 @@ def make_job(part: Part, wishes: Wishes) -> Job:
     Raises
     ------
     CamtoolsError
-        Heights beyond the part or not rising, a chord error out of range, an impossible part.
+        Heights beyond the part or not rising, a feed beyond its height, a chord error out of range,
+        an impossible part.
     """
+    check_feed(part)
     geometry = make_geometry(part)
     low, high = geometry.z_first_mm, geometry.z_last_mm
     first = low if wishes.first_mm is None else wishes.first_mm

@@ -21,6 +21,7 @@ from pydantic import (
 )
 
 from camtools.errors import CamtoolsError, InputError
+from camtools.input_file import read_limited
 from camtools.part_base import HeightMm, Table, as_long, no_truth, rising, wrong
 from camtools.part_errors import describe_all
 from camtools.part_section import SectionShape
@@ -293,19 +294,14 @@ def read_part_file(path: Path) -> bytes:
     Raises
     ------
     InputError
-        It cannot be read or is too large.
+        It cannot be read, is no file, or is too large.
     """
     try:
-        with path.open("rb") as stream:
-            data = stream.read(MAX_FILE_BYTES + 1)
+        return read_limited(path, MAX_FILE_BYTES)
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         remedy = "give the path of a part file (TOML)"
         raise InputError(str(path), "", None, f"cannot be read: {reason}", remedy) from error
-    if len(data) > MAX_FILE_BYTES:
-        problem = f"larger than {MAX_FILE_BYTES} bytes"
-        raise InputError(str(path), "", None, problem, "give a part file (TOML)")
-    return data
 
 
 def load_part(path: Path) -> Part:

@@ -8,6 +8,7 @@
 from __future__ import annotations
 
 from itertools import pairwise
+from math import floor
 from typing import Annotated, Literal, Self
 
 from pydantic import (
@@ -20,12 +21,15 @@ from pydantic import (
     model_validator,
 )
 
+from camtools.image import KNOT_SIZE, MAX_CHANNEL_BYTES, MAX_LOG2_KNOTS
 from camtools.part import Limits, PartInfo
 from camtools.part_base import HeightMm, Table, beside_the_part, no_truth, rising, wrong
 
 MIN_GAP_MM = 0.2
 MAX_LIFT_MM = 15.0
-MAX_CENTRE_MM = 2100.0  # a table holds 2147 mm in 32 bits of nm
+MOST_SLICES = MAX_CHANNEL_BYTES // (KNOT_SIZE << MAX_LOG2_KNOTS)  # with the most knots per turn
+MAX_LOBES = MOST_SLICES // 2  # each needs a slice on either edge
+MAX_CENTRE_MM = 2000.0  # places in a table: firmware/cam_table.c, max_height_nm
 MIN_POINTS = 8
 MIN_STEP_DEG = 0.01
 SAME_DEG = 1e-6  # decimal angles differ by less from what they are written as
@@ -170,7 +174,15 @@ class Cam(Table):
     base_radius_mm: RadiusMm
     roller_radius_mm: RadiusMm
     wheel_radius_mm: RadiusMm | None = None
-    lobe: Annotated[list[Lobe], Field(min_length=1, max_length=64)]
+    lobe: Annotated[list[Lobe], Field(min_length=1)]
+
+    @field_validator("lobe")
+    @classmethod
+    def _check_number(cls, value: list[Lobe]) -> list[Lobe]:
+        if len(value) > MAX_LOBES:
+            problem = f"has {len(value)} lobes, a table at most {MAX_LOBES}"
+            raise wrong("lobes", problem, "make tables of fewer lobes each", value=None)
+        return value
 
     @field_validator("lobe")
     @classmethod
@@ -251,13 +263,14 @@ class CamPart(Table):
     def _check_centre(self) -> Self:
         key = "roller_radius_mm" if self.process.operation == "turning" else "wheel_radius_mm"
         rest_mm = self.cam.base_radius_mm + max(lobe.largest_mm for lobe in self.cam.lobe)
-        if rest_mm + self.follower_radius_mm > MAX_CENTRE_MM + 0.001:  # the remedy is rounded
+        if rest_mm + self.follower_radius_mm > MAX_CENTRE_MM + 1e-9:  # of a nanometre at most
             problem = (
                 f"with base_radius_mm and the largest lift it is "
                 f"{rest_mm + self.follower_radius_mm:.7g} mm, a table holds {MAX_CENTRE_MM:g} mm"
             )
             context = {"field": f"cam.{key}", "value": self.follower_radius_mm}
-            remedy = f"give at most {MAX_CENTRE_MM - rest_mm:.7g}, or a smaller base circle"
+            most_mm = floor((MAX_CENTRE_MM - rest_mm) * 1000) / 1000
+            remedy = f"give at most {most_mm:.7g}, or a smaller base circle"
             raise wrong("centre", problem, remedy, **context)
         return self
 

@@ -93,6 +93,8 @@ def verdict_of(outcome: Cut) -> Verdict:
         return Verdict("poor", "out of tolerance", f"The {found} is above the {allowed}.")
     if summary["end"] != "done":
         return Verdict("poor", f"incomplete: {summary['end']}", "The cut did not reach the end.")
+    if not outcome.is_good:  # a lobe of a cam
+        return Verdict("poor", "not gauged", f"The {found}, but the gauge has not seen all of it.")
     return Verdict("good", "within tolerance", f"The {found} is within the {allowed}.")
 
 
@@ -154,9 +156,11 @@ def _corner_rows(outcome: Outcome) -> list[Row]:
 
 def _removal_rows(outcome: Outcome) -> list[Row]:
     """Return what equal-volume turning brought, nothing for uniform turning."""
-    if outcome.even is None or "rate_ripple" not in outcome.even.summary["removal"]:
+    if outcome.even is None:
         return []
     ours, theirs = outcome.even.summary["removal"], outcome.even.uniform_summary["removal"]
+    if "rate_ripple" not in ours or "rate_ripple" not in theirs:
+        return [Row("ripple of the removal rate", "none: no whole turn at full feed was measured")]
     rate, plain = ours["rate_ripple"], theirs["rate_ripple"]
     chip, plain_chip = ours["chip_force_ripple"], theirs["chip_force_ripple"]
     return [

@@ -154,9 +154,9 @@ def _cut_and_report(job: Job, generated: Generated, stage: Stage, begin_s: float
 def _run(argv: Sequence[str]) -> int:
     begin_s = time.monotonic()
     job = Job(argv)
-    say(f"making the table of {job.part_path.name}")
     part = load_any(job.part_path)
     job.check_feed(part)
+    say(f"making the table of {job.part_path.name}")
     if isinstance(part, CamPart):
         return run_cam(job, part, begin_s)
     generated = _make_table(job.part_path, part, job.rpm)

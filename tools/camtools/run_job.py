@@ -26,7 +26,8 @@ _OURS = ("--rpm", "--feed", "--trace", "--surface", "--summary", "--design", "--
 _EPILOG = """\
 What follows -- goes to `camsim run`, for example to see how a fault is met:
   tools/run -o build/run/estop -- --inject estop@5
-Exit status: 0 done, 1 the cut ended in a fault or out of tolerance, 2 wrong usage or bad input."""
+Exit status: 0 done, 1 the cut ended in a fault, out of tolerance or not gauged, 2 wrong usage
+or bad input."""
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -14,6 +14,7 @@ import numpy as np
 from scipy.interpolate import PPoly, make_interp_spline
 
 from camtools.errors import CamtoolsError, GeometryError, InputError
+from camtools.input_file import read_limited
 from camtools.poly_surface import N_ANGLE, N_HEIGHT, PolySurface, angle_pieces
 from camtools.profile import constant_spline, polygon_or_spline
 from camtools.sections import Floats
@@ -23,6 +24,7 @@ MIN_ANGLES, MAX_POINTS = 12, 200_000
 MAX_REDUCTION_UM = 15_000.0
 _MM_PER_UM, _MIN_SPLINE_HEIGHTS = 1e-3, 4
 _FILTERED_PER_HARMONIC = 8
+_MAX_BYTES = 100 * MAX_POINTS  # a line of three numbers with all their digits
 
 
 class Scan(NamedTuple):
@@ -99,10 +101,10 @@ def read_scan(path: Path) -> Scan:
     Raises
     ------
     CamtoolsError
-        It cannot be read, or see `parse_scan`.
+        It cannot be read, is no file or too large, or see `parse_scan`.
     """
     try:
-        text = path.read_text(encoding="utf-8")
+        text = read_limited(path, _MAX_BYTES).decode("utf-8-sig")  # spreadsheets mark it
     except (OSError, UnicodeDecodeError, ValueError) as error:
         reason = getattr(error, "strerror", None) or "not UTF-8 text"
         remedy = "give a CSV file, its place seen from the part file"

@@ -25,6 +25,7 @@ from camtools.estimate import height_error, probe
 from camtools.geometry import Geometry
 from camtools.image import (
     KNOT_SIZE,
+    MAX_CHANNEL_BYTES,
     MAX_LOG2_KNOTS,
     MAX_SLICES,
     MAX_SPACING_NM,
@@ -36,7 +37,6 @@ from camtools.image import (
 from camtools.quantise import TooLargeError, height_range_nm, u_channel, x_channel
 
 DERIVATIVE_SHARE = 1e-3
-MAX_CHANNEL_BYTES = 1 << 20
 _MAX_PROBES, _MAX_MEASURES = 4000, 20
 _AT_FLOOR_LSB = 2.5
 

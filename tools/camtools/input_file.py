@@ -1,0 +1,36 @@
+"""Files that the user names are read whole, within bounds, and never waited for.
+
+>>> try:
+...     read_limited(Path("."), 10)
+... except OSError as error:
+...     print(error.strerror)
+Is a directory
+"""
+
+from __future__ import annotations
+
+import errno
+import os
+import stat
+from pathlib import Path
+
+
+def read_limited(path: Path, most_bytes: int) -> bytes:
+    """Return the content of a file.
+
+    Raises
+    ------
+    OSError
+        It cannot be read, is no regular file (a pipe would be waited for, a device may never end),
+        or is larger; `strerror` tells which.
+    """
+    mode = path.stat().st_mode
+    if stat.S_ISDIR(mode):
+        raise OSError(errno.EISDIR, os.strerror(errno.EISDIR))
+    if not stat.S_ISREG(mode):
+        raise OSError(errno.EINVAL, "not a file")
+    with path.open("rb") as stream:
+        data = stream.read(most_bytes + 1)
+    if len(data) > most_bytes:
+        raise OSError(errno.EFBIG, f"larger than {most_bytes} bytes")
+    return data
