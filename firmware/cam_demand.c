@@ -19,7 +19,7 @@ static int64_t smaller(int64_t a, int64_t b)
     return a < b ? a : b;
 }
 
-static uint64_t larger(uint64_t a, uint64_t b)
+static uint64_t greater(uint64_t a, uint64_t b)
 {
     return a > b ? a : b;
 }
@@ -215,7 +215,7 @@ static cam_demand_t u_acceleration_demand(const cam_cut_t *c)
     const cam_table_t *t = c->t;
     const int64_t limit = smaller(c->p->u_acceleration_mm_per_s2, t->limit_u_acceleration_mm_s2);
     const uint64_t u =
-        larger((uint64_t)cam_abs_i64(t->u_min_nm), (uint64_t)cam_abs_i64(t->u_max_nm));
+        greater((uint64_t)cam_abs_i64(t->u_min_nm), (uint64_t)cam_abs_i64(t->u_max_nm));
     const uint64_t most = engaging(c->p, u, t->u1_peak_nm_per_rad, t->u2_peak_nm_per_rad2);
     const uint64_t omega_mrad_s = angular_mrad_s(c->mean_mrpm);
     const uint64_t omega2 = divided_up(omega_mrad_s * omega_mrad_s, 10000); // 0.01 rad2/s2
@@ -332,7 +332,7 @@ static cam_demand_t x_speed_demand(const cam_cut_t *c)
 {
     const uint64_t barrel = z_um_per_s(c) * c->t->x_slope_ppm / 1000000u + 1u;
     return (cam_demand_t){cam_err_x_speed, c->p->x_speed_um_per_s,
-                          larger(barrel, x_clear_um_per_s(c))};
+                          greater(barrel, x_clear_um_per_s(c))};
 }
 
 /// Its bend times the square of Z's speed, and its slope times Z's acceleration.
@@ -343,7 +343,7 @@ static cam_demand_t x_acceleration_demand(const cam_cut_t *c)
     const uint64_t bend = v_tenth_mm * v_tenth_mm * c->t->x_bend_ppm_per_m / 100000000000u;
     const uint64_t along = z_feeding_mm_per_s2(c) * c->t->x_slope_ppm / 1000000u;
     return (cam_demand_t){cam_err_x_acceleration, c->p->x_acceleration_mm_per_s2,
-                          larger(bend + along + 1u, x_clear_mm_per_s2(c))};
+                          greater(bend + along + 1u, x_clear_mm_per_s2(c))};
 }
 
 cam_demand_t cam_demand_first_exceeded(const cam_cut_t *c)

@@ -34,7 +34,7 @@ static uint32_t largest_feed_nm(cam_cut_t c)
 {
     uint32_t largest = 0;
     for (uint32_t bit = UINT32_C(1) << (feed_bits - 1); bit != 0u; bit >>= 1) {
-        c.feed_nm = largest + bit;
+        c.feed_nm = (uint64_t)largest + bit;
         largest += cam_demand_first_exceeded(&c).err == cam_ok ? bit : 0u;
     }
     return largest;

@@ -44,7 +44,7 @@ cam_swing_peaks_t cam_peaks_of_swing(const cam_channel_t *ch)
 }
 
 /// @return what a knot of the next slice is above that of this one
-static cam_wide_knot_t step(const cam_channel_t *ch, uint32_t i)
+static cam_wide_knot_t slice_step(const cam_channel_t *ch, uint32_t i)
 {
     const cam_knot_t *from = &ch->knots[i];
     const cam_knot_t *to = &from[UINT32_C(1) << ch->log2_knots];
@@ -53,10 +53,10 @@ static cam_wide_knot_t step(const cam_channel_t *ch, uint32_t i)
 }
 
 /// @return how much larger that is than the step to this slice
-static cam_wide_knot_t bend(const cam_channel_t *ch, uint32_t i)
+static cam_wide_knot_t slice_bend(const cam_channel_t *ch, uint32_t i)
 {
-    const cam_wide_knot_t above = step(ch, i);
-    const cam_wide_knot_t below = step(ch, i - (UINT32_C(1) << ch->log2_knots));
+    const cam_wide_knot_t above = slice_step(ch, i);
+    const cam_wide_knot_t below = slice_step(ch, i - (UINT32_C(1) << ch->log2_knots));
     return (cam_wide_knot_t){above.p - below.p, above.v - below.v, above.a - below.a};
 }
 
@@ -74,12 +74,12 @@ cam_change_t cam_peaks_of_change(const cam_channel_t *ch)
     cam_bounds_t bends = {0};
     for (uint32_t i = 0; i < n; i++) {
         const uint32_t next = cam_bounds_next(ch, i);
-        const cam_wide_knot_t k0 = step(ch, i);
-        const cam_wide_knot_t k1 = step(ch, next);
+        const cam_wide_knot_t k0 = slice_step(ch, i);
+        const cam_wide_knot_t k1 = slice_step(ch, next);
         cam_bounds_add(&steps, &k0, &k1);
         if (i >= n_in_slice) {
-            const cam_wide_knot_t b0 = bend(ch, i);
-            const cam_wide_knot_t b1 = bend(ch, next);
+            const cam_wide_knot_t b0 = slice_bend(ch, i);
+            const cam_wide_knot_t b1 = slice_bend(ch, next);
             cam_bounds_add(&bends, &b0, &b1);
         }
     }
