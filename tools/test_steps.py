@@ -36,6 +36,11 @@ IMAGE_PATHS = ("tests/stm32",)
 # The port for Linux on a real kernel.
 LINUX_PATHS = ("tests/linux/test_linux_start.py", "tests/linux/test_linux.py")
 N_JOBS = "2"
+# A process per core; all tests of a file in one process, since they share what is costly to make.
+# A crash is told and ends that process for good. What judges the clock is marked and comes
+# afterwards by itself.
+PARALLEL = ("-n", N_JOBS, "--dist", "loadfile", "--max-worker-restart=0")
+NOT_ALONE, ALONE = ("-m", "not alone"), ("-m", "alone")
 STEP_LIMIT_S = 900  # ten times what the longest takes; a step that hangs is a failure
 KILL_AFTER_S = 10
 MIN_LINE_PERCENT = "95"
@@ -144,14 +149,14 @@ def build_and_ctest(tally: Tally, preset: str) -> bool:
     return True
 
 
-def pytest(tally: Tally, preset: str, paths: Iterable[str]) -> None:
+def pytest(tally: Tally, preset: str, paths: Iterable[str], *options: str) -> None:
     """Run tests in Python against the simulator of a preset."""
     step = f"pytest {preset}"
     report = BUILD / preset / "pytest.xml"
     report.unlink(missing_ok=True)
     os.environ["CAMTURN_BUILD"] = str(BUILD / preset)
-    command = [PYTHON, "-m", "pytest", "-c", PYPROJECT, f"--rootdir={ROOT}", "-q", *paths]
-    tally.add_junit(step, report, run(step, [*command, f"--junitxml={report}"]))
+    command = [PYTHON, "-m", "pytest", "-c", PYPROJECT, f"--rootdir={ROOT}", "-q", *options]
+    tally.add_junit(step, report, run(step, [*command, f"--junitxml={report}", *paths]))
 
 
 def source_checks(tally: Tally) -> None:
@@ -205,12 +210,13 @@ def main() -> int:
     if not fast:
         source_checks(tally)
     build_and_ctest(tally, "host")
-    pytest(tally, "host", PYTEST_PATHS)
+    pytest(tally, "host", PYTEST_PATHS, *PARALLEL, *NOT_ALONE)
+    pytest(tally, "host", PYTEST_PATHS, *ALONE)
     if not fast:
         if build_and_ctest(tally, "host-clang"):
             clang_tidy(tally)
         if build_and_ctest(tally, "host-asan"):
-            pytest(tally, "host-asan", SIMULATOR_PATHS)
+            pytest(tally, "host-asan", SIMULATOR_PATHS, *PARALLEL)
         linux_port(tally)
         coverage(tally)
         for board in ("mcu-qemu", "mcu-qemu-m4"):
@@ -219,7 +225,7 @@ def main() -> int:
                 gate(tally, f"same bytes {board}", *same)
         gate(tally, "cycles", PYTHON, "-m", "camtools.cycles", BUILD)
         if build(tally, "mcu-stm32h743"):
-            pytest(tally, "host", IMAGE_PATHS)
+            pytest(tally, "host", IMAGE_PATHS, *PARALLEL)
         pytest(tally, "host", PIL_PATHS)  # the simulator of the host, the images of both boards
 
     for step in tally.failed_steps:

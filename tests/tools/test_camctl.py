@@ -28,6 +28,8 @@ BENCH = ROOT / os.environ.get("CAMTURN_BUILD", "build/host") / "tests" / "camctl
 FRAME = struct.Struct("<IB3x8s")
 ESTOP_ID = 0x10000
 
+pytestmark = pytest.mark.alone  # the controller keeps pace with the clock
+
 
 class Bench:
     """The firmware in a process of its own, its frames on a virtual bus.

@@ -61,6 +61,7 @@ def test_reported_error_covers_random_points(generated: Generated) -> None:
     assert generated.table.bounds.error_pm >= 1000 * max(u_nm, x_nm)
 
 
+@pytest.mark.alone
 def test_perkins_is_made_in_two_seconds(perkins: Part) -> None:
     """Generating the Perkins 240 table takes at most 2 s."""
     start_s = time.monotonic()

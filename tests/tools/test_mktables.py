@@ -306,6 +306,7 @@ def test_library_leaves_the_interrupt_alone(tmp_path: Path) -> None:
     assert err.endswith("KeyboardInterrupt\n")
 
 
+@pytest.mark.alone
 def test_whole_command_takes_two_seconds(mktables: Mktables, tmp_path: Path) -> None:
     """Perkins 240 takes at most 2 s, the interpreter's start included (measured as CPU time)."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime

@@ -29,6 +29,7 @@ def test_status_of_a_step(capfd: pytest.CaptureFixture[str]) -> None:
     assert "--- good: ok" in out and "--- bad: FAILED (exit status 3)" in out
 
 
+@pytest.mark.alone
 def test_step_that_hangs_is_stopped_with_its_children(
     tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
