@@ -127,8 +127,7 @@ static uint64_t z_feeding_mm_per_s2(const cam_cut_t *c)
                                       : z_mm_per_s2(c);
 }
 
-/// What a channel adds to the motion of its axis because Z feeds, in thousands of its unit: of u
-/// um.
+/// What the feed adds to the motion of an axis, in thousands of the unit of its channel: of u um.
 typedef struct {
     uint64_t speed;         ///< [1/s]
     uint64_t speed_per_rad; ///< [1/s/rad]

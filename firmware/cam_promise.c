@@ -6,10 +6,9 @@
 /// Larger curvatures are refused: no axis follows 28 m/rad2, and the products below fit 64 bits.
 #define MAX_CURVE (INT64_C(1) << 40)
 
-/// @return |x| per rad of x per turn, rounded down; |x| < 2^41; 2^24 / 2 pi
 static int64_t per_rad(int64_t x)
 {
-    return (cam_abs_i64(x) * 2670176) >> 24;
+    return cam_per_rad(cam_abs_i64(x));
 }
 
 /// Allowance of 1/4096 and 2 for the rounding of this check.

@@ -126,11 +126,10 @@ static cam_err_t check_header(const uint8_t *image, header_fields_t *h)
     return is_sound ? check_name(image + at_name) : cam_err_image_header;
 }
 
-/// @return at most: a derivative per knot interval as one per rad; |x| < 2^41; 2^24 / 2 pi rounded
-/// down
+/// @return at most: a derivative per knot interval as one per rad
 static int64_t knot_per_rad(int64_t x, uint32_t turn_shift)
 {
-    return (x * 2670176) >> 24 << turn_shift;
+    return cam_per_rad(x) << turn_shift;
 }
 
 /// The stroke that the header promises must cover the bounds of u's knots.

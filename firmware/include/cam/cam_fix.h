@@ -124,6 +124,13 @@ static inline bool cam_is_within(int32_t v, int32_t limit)
     return (uint32_t)v + (uint32_t)limit <= 2u * (uint32_t)limit;
 }
 
+/// @param x  0 .. 2^41, per turn
+/// @return   x per rad, rounded down
+static inline int64_t cam_per_rad(int64_t x)
+{
+    return (x * 2670176) >> 24; // 2^24 / 2 pi
+}
+
 static inline bool cam_is_between(int64_t v, int64_t low, int64_t high)
 {
     return v >= low && v <= high;
