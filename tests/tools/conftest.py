@@ -1,12 +1,14 @@
-"""What the tests of the table generator share."""
+"""What the tests of the tools share."""
 
 from __future__ import annotations
 
 import subprocess
 import sys
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from camctl_bench import Bench
 from hypothesis import settings
 
 from camtools.generate import Generated, generate
@@ -46,5 +48,28 @@ def mktables() -> Mktables:
         return subprocess.run(
             command, env=environment(), capture_output=True, text=True, timeout=60, check=False
         )
+
+    return run
+
+
+@pytest.fixture
+def bench(request: pytest.FixtureRequest) -> Iterator[Bench]:
+    """Return a fresh controller."""
+    one = Bench(request.node.name)
+    yield one
+    one.close()
+
+
+@pytest.fixture
+def refusal(capsys: pytest.CaptureFixture[str]) -> Callable[[Bench, int, str], str]:
+    """Return a function that runs what must end with a status, and gives its one line."""
+
+    def run(bench: Bench, status: int, words: str) -> str:
+        capsys.readouterr()
+        assert bench.run(*words.split())[0] == status
+        lines = capsys.readouterr().err.splitlines()
+        assert len(lines) == 1, lines
+        assert lines[0].startswith("camctl: ")
+        return lines[0]
 
     return run

@@ -7,131 +7,18 @@ import csv
 import io
 import os
 import signal
-import struct
-import subprocess
 import threading
-import zlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 
-import can
 import pytest
+from camctl_bench import Bench
 
 from camtools.camctl import main
-from camtools.can_download import BLOCK_BYTES
-from camtools.can_link import BLOCK_ID, COMMAND, NAMES
+from camtools.can_link import COMMAND, NAMES
 from camtools.can_watch import COLUMNS
-from camtools.mktables import main as mktables
-
-ROOT = Path(__file__).resolve().parents[2]
-BENCH = ROOT / os.environ.get("CAMTURN_BUILD", "build/host") / "tests" / "camctl" / "can_bench"
-FRAME = struct.Struct("<IB3x8s")
-ESTOP_ID = 0x10000
 
 pytestmark = pytest.mark.alone  # the controller keeps pace with the clock
-
-
-class Bench:
-    """The firmware in a process of its own, its frames on a virtual bus.
-
-    Attributes
-    ----------
-    channel : str
-        of the virtual bus
-    drop : callable
-        tells of a frame for the controller whether it gets lost
-    node : int
-        number of the controller; the firmware knows itself as 64
-    """
-
-    def __init__(self, channel: str, node: int = 64) -> None:
-        assert BENCH.exists(), f"{BENCH} is missing: build the preset host, or let tools/test do it"
-        self.channel, self.node = channel, node
-        self.drop: Callable[[can.Message], bool] = lambda frame: False
-        self._bus = can.Bus(interface="virtual", channel=channel)
-        self._process = subprocess.Popen(
-            [str(BENCH)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL
-        )
-        self._stopping = False
-        self._threads = [threading.Thread(target=loop) for loop in (self._forth, self._back)]
-        for thread in self._threads:
-            thread.start()
-
-    def _write(self, identifier: int, data: bytes) -> None:
-        assert self._process.stdin is not None
-        self._process.stdin.write(FRAME.pack(identifier, len(data), data))
-        self._process.stdin.flush()
-
-    def _forth(self) -> None:
-        while not self._stopping:
-            frame = self._bus.recv(0.05)
-            if frame is not None and not self.drop(frame):
-                self._write(frame.arbitration_id - self.node + 64, bytes(frame.data))
-
-    def _back(self) -> None:
-        assert self._process.stdout is not None
-        while len(record := self._process.stdout.read(FRAME.size)) == FRAME.size:
-            identifier, n, data = FRAME.unpack(record)
-            own = identifier - 64 + self.node
-            self._bus.send(can.Message(arbitration_id=own, data=data[:n], is_extended_id=False))
-
-    def estop(self, is_pressed: bool) -> None:
-        """Press or release the emergency stop."""
-        self._write(ESTOP_ID, bytes([is_pressed]))
-
-    def close(self) -> None:
-        """End the process and the threads."""
-        self._stopping = True
-        self._threads[0].join()
-        assert self._process.stdin is not None and self._process.stdout is not None
-        self._process.stdin.close()
-        self._threads[1].join()
-        self._process.wait(10)
-        self._process.stdout.close()
-        self._bus.shutdown()
-
-    def run(self, *words: str | Path) -> tuple[int, str]:
-        """Run camctl; return its status and what it printed."""
-        out = io.StringIO()
-        bus = ["--interface", "virtual", "--channel", self.channel, "--node", str(self.node)]
-        return main([*bus, *map(str, words)], out), out.getvalue()
-
-    def do(self, *words: str | Path) -> str:
-        """Run camctl, which must succeed."""
-        status, text = self.run(*words)
-        assert status == 0, text
-        return text
-
-
-@pytest.fixture
-def bench(request: pytest.FixtureRequest) -> Iterator[Bench]:
-    """Return a fresh controller."""
-    one = Bench(request.node.name)
-    yield one
-    one.close()
-
-
-@pytest.fixture
-def refusal(capsys: pytest.CaptureFixture[str]) -> Callable[[Bench, int, str], str]:
-    """Return a function that runs what must end with a status, and gives its one line."""
-
-    def run(bench: Bench, status: int, words: str) -> str:
-        capsys.readouterr()
-        assert bench.run(*words.split())[0] == status
-        lines = capsys.readouterr().err.splitlines()
-        assert len(lines) == 1, lines
-        assert lines[0].startswith("camctl: ")
-        return lines[0]
-
-    return run
-
-
-def named(table: bytes, name: str) -> bytes:
-    """Return the table with another name and a checksum that fits: TABLE_FORMAT.md."""
-    body = bytearray(table)
-    body[32:64] = name.encode().ljust(32, b"\0")
-    struct.pack_into("<I", body, 20, zlib.crc32(body[24:]))
-    return bytes(body)
 
 
 def test_a_part_is_cut_and_recorded(bench: Bench, tmp_path: Path) -> None:
@@ -250,98 +137,6 @@ def test_what_must_not_change_in_the_cut_is_refused(
     assert "param state; only phase_udeg" in refusal(bench, 1, "speed 1000")
     assert bench.do("phase", "5") == "phase = 5 deg\n"
     bench.do("stop")
-
-
-@pytest.fixture(scope="module")
-def fine_table(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Make a table that is finer than it need be."""
-    folder = tmp_path_factory.mktemp("fine")
-    part = ROOT / "tools" / "parts" / "perkins240.toml"
-    assert mktables([str(part), "-o", str(folder), "--tolerance-nm", "0.03"]) == 0
-    return folder / "perkins240.camtab"
-
-
-@pytest.fixture
-def other(fine_table: Path, tmp_path: Path) -> Path:
-    """Return the table of a real part, of more than one block."""
-    file = tmp_path / "other.camtab"
-    file.write_bytes(named(fine_table.read_bytes(), "other part"))
-    assert file.stat().st_size > BLOCK_BYTES
-    return file
-
-
-def test_a_table_is_downloaded_and_selected(bench: Bench, other: Path) -> None:
-    """Progress is told; the old table stays in use until select."""
-    crc = struct.unpack_from("<I", other.read_bytes(), 20)[0]
-    before = bench.do("table", "info")
-    assert "short skirt" in before
-    assert "generation 1" in before
-    text = bench.do("table", "download", other)
-    assert f"{other.stat().st_size} of {other.stat().st_size} bytes, 100 %" in text
-    assert "short skirt" in bench.do("table", "info")
-    selected = bench.do("select")
-    assert "other part" in selected
-    assert f"CRC-32 {crc:08x}, generation 2" in selected
-    assert "other part" in bench.do("table", "info")
-
-
-def test_neighbours_on_one_bus_do_not_hear_one_another(bench: Bench, other: Path) -> None:
-    """Each is commanded and gets its table by its own number; the next numbers are the hardest."""
-    after, before = Bench(bench.channel, 65), Bench(bench.channel, 63)
-    try:
-        assert "other part" in bench.do("table", "download", other, "--select")
-        for one in (after, before):
-            assert "short skirt" in one.do("table", "info")
-        assert after.do("home") == "home: ready\n"
-        for one in (bench, before):
-            assert "state             off" in one.do("status")
-        assert "other part" in before.do("table", "download", other, "--select")
-    finally:
-        after.close()
-        before.close()
-
-
-def test_lost_frames_are_repeated(bench: Bench, other: Path) -> None:
-    """A first frame and two in the middle of blocks get lost: the download goes on."""
-    seen = 0
-
-    def drop(frame: can.Message) -> bool:
-        nonlocal seen
-        seen += frame.arbitration_id == BLOCK_ID
-        return frame.arbitration_id == BLOCK_ID and seen in (1, 50, 1000)
-
-    bench.drop = drop
-    assert "other part" in bench.do("table", "download", other, "--select")
-
-
-def test_a_download_that_cannot_go_on_leaves_the_old_table(
-    bench: Bench,
-    other: Path,
-    refusal: Callable[[Bench, int, str], str],
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """The line says that nothing is lost; a damaged table is refused by the controller."""
-    monkeypatch.setattr("camtools.can_download.MOST_REPEATS", 1)
-    bench.drop = lambda frame: frame.arbitration_id == BLOCK_ID
-    assert "old table stays in force" in refusal(bench, 1, f"table download {other}")
-    bench.drop = lambda frame: False
-    bad = other.with_name("bad.camtab")
-    bad.write_bytes(other.read_bytes()[:-1] + b"\x55")
-    assert "image crc" in refusal(bench, 1, f"table download {bad}")
-    assert "short skirt" in bench.do("select")
-    bench.do("home")
-    assert "begin download: refused: state" in refusal(bench, 1, f"table download {other}")
-
-
-def test_files_that_are_no_tables_are_bad_input(
-    bench: Bench, tmp_path: Path, refusal: Callable[[Bench, int, str], str]
-) -> None:
-    """Neither a missing file nor a text is sent."""
-    assert "check the path" in refusal(bench, 2, f"table download {tmp_path / 'none'}")
-    text = tmp_path / "text"
-    text.write_text("no table" * 100)
-    assert "not a cam table" in refusal(bench, 2, f"table download {text}")
-    assert "check the path" in refusal(bench, 2, f"record {tmp_path / 'none' / 'x.csv'}")
 
 
 def test_an_interrupt_ends_a_record_whole(bench: Bench, tmp_path: Path) -> None:
