@@ -8,43 +8,50 @@ static void widen(int64_t *bound, int64_t value)
     *bound = magnitude > *bound ? magnitude : *bound;
 }
 
-/// The second derivative at eighths, and the h^2 / 8 |f''| by which a function leaves the straight
-/// line between two of them: 1/512 of its own second derivative, which is largest at an end.
-static int64_t second_512(int64_t a0, int64_t c3, int64_t c4, int64_t c5)
+/// Third, fourth and fifth coefficient of TABLE_FORMAT.md.
+typedef struct {
+    int64_t c3, c4, c5;
+} rest_t;
+
+static rest_t rest_of(const cam_wide_knot_t *k0, const cam_wide_knot_t *k1)
 {
-    int64_t most = 0;
-    for (int64_t k = 0; k <= 8; k++) {
-        widen(&most, 1024 * a0 + 384 * c3 * k + 96 * c4 * k * k + 20 * c5 * k * k * k);
-    }
-    int64_t bend = 0;
-    widen(&bend, 24 * c4);
-    widen(&bend, 24 * c4 + 120 * c5);
-    return most + bend;
+    const int64_t dp = k1->p - k0->p - k0->v - k0->a;
+    const int64_t dv = k1->v - k0->v - 2 * k0->a;
+    const int64_t da = k1->a - k0->a;
+    return (rest_t){
+        .c3 = 10 * dp - 4 * dv + da, .c4 = -15 * dp + 7 * dv - 2 * da, .c5 = 6 * dp - 3 * dv + da};
 }
 
 /// The coefficients at the end of a quintic are the next one's first.
 void cam_bounds_add(cam_bounds_t *b, const cam_wide_knot_t *k0, const cam_wide_knot_t *k1)
 {
-    const int64_t a0 = k0->a;
-    const int64_t v0 = k0->v;
-    const int64_t dp = k1->p - k0->p - v0 - a0;
-    const int64_t dv = k1->v - v0 - 2 * a0;
-    const int64_t da = k1->a - a0;
-    const int64_t c3 = 10 * dp - 4 * dv + da;
-    const int64_t c4 = -15 * dp + 7 * dv - 2 * da;
-    const int64_t c5 = 6 * dp - 3 * dv + da;
     const int64_t from = 10 * k0->p;
     const int64_t to = 10 * k1->p;
     widen(&b->tenfold, from);
-    widen(&b->tenfold, from + 2 * v0);
-    widen(&b->tenfold, from + 4 * v0 + a0);
+    widen(&b->tenfold, from + 2 * k0->v);
+    widen(&b->tenfold, from + 4 * k0->v + k0->a);
     widen(&b->tenfold, to - 4 * k1->v + k1->a);
     widen(&b->tenfold, to - 2 * k1->v);
-    widen(&b->twice, 2 * v0);
-    widen(&b->twice, 2 * v0 + a0);
-    widen(&b->twice, 2 * v0 + 2 * a0 + c3);
+    widen(&b->twice, 2 * k0->v);
+    widen(&b->twice, 2 * k0->v + k0->a);
+    widen(&b->twice, 2 * k0->v + 2 * k0->a + rest_of(k0, k1).c3);
     widen(&b->twice, 2 * k1->v - k1->a);
-    widen(&b->second_512, second_512(a0, c3, c4, c5));
+}
+
+/// 2 a + 6 c3 t + 12 c4 t^2 + 20 c5 t^3 at t = k / 32, and the h^2 / 8 |f''| by which a function
+/// leaves the straight line between two of them: 1/8192 of its own second derivative, which is
+/// largest at an end.
+void cam_bounds_add_second(cam_bounds_t *b, const cam_wide_knot_t *k0, const cam_wide_knot_t *k1)
+{
+    const rest_t c = rest_of(k0, k1);
+    int64_t most = 0;
+    for (int64_t k = 0; k <= 32; k++) {
+        widen(&most, 16384 * k0->a + 1536 * c.c3 * k + 96 * c.c4 * k * k + 5 * c.c5 * k * k * k);
+    }
+    int64_t bend = 0;
+    widen(&bend, 24 * c.c4);
+    widen(&bend, 24 * c.c4 + 120 * c.c5);
+    widen(&b->second_8192, most + bend);
 }
 
 uint32_t cam_bounds_next(const cam_channel_t *ch, uint32_t i)

@@ -298,7 +298,7 @@ static cam_demand_t swing_acceleration_demand(const cam_cut_t *c)
         at_amplitude(c, engaging(c->p, t->swing.most_mdeg, swing_first(t), swing_second(t)));
     const uint64_t omega_mrad_s = angular_mrad_s(c->mean_mrpm);
     const uint64_t omega2 = divided_up(omega_mrad_s * omega_mrad_s, 1000); // 0.001 rad2/s2
-    const bool is_any = omega2 < (uint64_t)INT64_MAX / second; // else the product means nothing
+    const bool is_any = omega2 < (uint64_t)INT64_MAX / greater(second, 1); // else beyond all limits
     const uint64_t turning = is_any ? divided_up(second * omega2, 1000000) : INT64_MAX;
     const drift_t d = swing_drift(c);
     const uint64_t feeding = divided_up(mdeg_of(drift_acceleration(c, &d)), 1000);

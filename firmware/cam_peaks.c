@@ -32,10 +32,11 @@ cam_swing_peaks_t cam_peaks_of_swing(const cam_channel_t *ch)
         const cam_wide_knot_t k0 = {at->p + offset, at->v, at->a};
         const cam_wide_knot_t k1 = {next->p + offset, next->v, next->a};
         cam_bounds_add(&b, &k0, &k1);
+        cam_bounds_add_second(&b, &k0, &k1);
     }
     const uint32_t down = unit_bits + ch->frac_bits;
     const int64_t second =
-        ((((b.second_512 >> 9) + 1) * per_turn(ch) * mdeg_per_rad_turn) >> 13) + 1;
+        ((((b.second_8192 >> 13) + 1) * per_turn(ch) * mdeg_per_rad_turn) >> 13) + 1;
     return (cam_swing_peaks_t){
         .most_mdeg = saturated(((b.tenfold / 10 + 1) * mdeg_per_turn >> down) + 1),
         .first_mdeg_per_rad = saturated((b.twice * per_turn(ch) * mdeg_per_rad >> (down + 1u)) + 1),

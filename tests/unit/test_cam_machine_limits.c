@@ -83,6 +83,8 @@ static void test_cam_is_cut_with_all_of_its_lift_or_not_at_all(void)
     TEST_ASSERT_EQUAL_INT64(1000000, why.needed);
     TEST_ASSERT_EQUAL_INT64(999999, why.limit);
     TEST_ASSERT_EQUAL_UINT32(0, why.highest_mrpm);
+    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_amplitude_ppm, 0));
+    TEST_ASSERT_EQUAL_INT(cam_err_cam_amplitude, cam_machine_enable(&rig.machine));
     TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_amplitude_ppm, 1000000));
     bring(cam_state_cutting);
     TEST_ASSERT_EQUAL_INT(cam_err_cam_amplitude,

@@ -8,7 +8,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
@@ -21,7 +24,7 @@ from camtools.cam_channels import (
 )
 from camtools.cam_contact import Follower
 from camtools.cam_motion import ShaftLobe, make_lobes
-from camtools.cam_speed import N_GRID, SpindleLimits, mean_of, surface_speed
+from camtools.cam_speed import N_GRID, SpindleLimits, acceleration_of, mean_of, surface_speed
 from camtools.evaluate import knot_interval, raw_bounds
 from camtools.feasibility import (
     Drift,
@@ -42,6 +45,9 @@ from camtools.speed_table import MotionPeaks, peaks_together
 
 DEFAULT_TOLERANCE_NM = 10.0
 _BISECTIONS = 40
+_EASINGS = 12  # steps in which laws are made for less acceleration
+_MIXED_MARGIN = 0.98  # of the limit: what the table promises is a little above its samples
+_SHARES = (0.25, 0.5, 0.75)
 _SEARCH_MARGIN = 0.99  # of every limit: the table's own bounds are a little above its samples
 _MAX_SPINDLE_RAD2 = 8.5  # |r r'|: a table promises at most 10, of a mean that limits make slower
 _DEG_PER_UNIT = 360 / ANGLE_TURN
@@ -111,7 +117,9 @@ def generate_cam(part: CamPart, tolerance_nm: float | None = None) -> GeneratedC
     if is_swung:
         peaks = _with_swing(peaks, angle.channel, speed.channel if speed else None)
     fed = _feeding(part, lift.channel, angle.channel)
-    peaks = peaks._replace(u_drift=fed.u_drift.at(ratio), swing_drift=fed.swing_drift.at(ratio))
+    peaks = peaks._replace(
+        u_drift=fed.u_drift.at(ratio), swing_drift=fed.swing_drift.at(ratio), feed_mm=fed.feed_mm
+    )
     best = _judge(part, lobes, peaks, fed, mean_rpm)
     return GeneratedCam(part, lobes, tolerance_nm, table, lift, angle, speed, mean_rpm, peaks, best)
 
@@ -123,13 +131,34 @@ def _paths(lobes: list[ShaftLobe]) -> list[Follower]:
 
 
 def _laws(part: CamPart, paths: list[Follower], rpm: float) -> list[Floats]:
-    """Return the spindle's speed over its angle for each lobe [rad/s]."""
+    """Return the spindle's speed over its angle for each lobe [rad/s].
+
+    Between two lobes the table mixes their laws, which may ask for more acceleration than either:
+    the laws are then made for less, until all mixes keep the limit.
+    """
     limits, base_rad_s = part.machine.limits, omega_rad_s(rpm)
     base_mm = part.cam.base_radius_mm
     slowest = min(mean_of(base_rad_s * base_mm / path.ds_dphi) for path in paths)
-    alpha = min(limits.alpha_rad_s2, _MAX_SPINDLE_RAD2 * slowest**2)
-    spindle = SpindleLimits(alpha, omega_rad_s(limits.spindle_rpm))
-    return [surface_speed(path.ds_dphi, base_mm, base_rad_s, spindle) for path in paths]
+    most = alpha = min(limits.alpha_rad_s2, _MAX_SPINDLE_RAD2 * slowest**2)
+    for _ in range(_EASINGS):
+        spindle = SpindleLimits(alpha, omega_rad_s(limits.spindle_rpm))
+        laws = [surface_speed(path.ds_dphi, base_mm, base_rad_s, spindle) for path in paths]
+        mixed = max((_peak(acceleration_of(mix)) for mix in _mixes(laws)), default=0.0)
+        if mixed <= _MIXED_MARGIN * most:
+            break
+        alpha *= 0.99 * _MIXED_MARGIN * most / mixed
+    return laws
+
+
+def _mixes(laws: list[Floats]) -> Iterator[Floats]:
+    """Return what the table holds between two lobes, at a quarter, half, three quarters."""
+    for below, above in pairwise(laws):
+        for share in _SHARES:
+            yield (1 - share) * below + share * above
+
+
+def _peak(values: Floats) -> float:
+    return float(np.abs(values).max())
 
 
 def _modulation(part: CamPart, lobes: list[ShaftLobe]) -> tuple[Made | None, float]:
@@ -159,7 +188,7 @@ def _feeding(part: CamPart, lift: Channel, angle: Channel) -> Peaks:
     feed_mm, is_swung = part.process.feed_mm, part.process.operation == "turning"
     u_drift = drift_of(lift, 1 / NM_PER_MM, feed_mm)
     swing_drift = drift_of(angle, _DEG_PER_UNIT, feed_mm) if is_swung else Drift()
-    return Peaks(0.0, 0.0, 0.0, u_drift=u_drift, swing_drift=swing_drift)
+    return Peaks(0.0, 0.0, 0.0, u_drift=u_drift, swing_drift=swing_drift, feed_mm=feed_mm)
 
 
 def _judge(
@@ -167,40 +196,60 @@ def _judge(
 ) -> HighestSpeed:
     """Return the highest speed of the part file that would do, or refuse."""
     limits, asked_rpm = part.machine.limits, part.process.spindle_rpm
-    feed_mm = part.process.feed_mm
     if part.process.speed == "uniform":
-        return check_feasible(peaks, limits, mean_rpm, feed_mm=feed_mm)
+        return check_feasible(peaks, limits, mean_rpm)
     best = _highest_surface_speed(part, _paths(lobes), fed)
-    return check_feasible(peaks, limits, mean_rpm, best, asked_rpm, feed_mm)
+    return check_feasible(peaks, limits, mean_rpm, best, asked_rpm)
+
+
+class _Turn(NamedTuple):
+    """What decides the motion of the axes over a turn: of a lobe, or between two."""
+
+    d1: Floats
+    d2: Floats
+    angle1: Floats
+    angle2: Floats
+    omega: Floats
+
+    def mixed(self, other: _Turn, share: float) -> _Turn:
+        """Return it on the way to another one."""
+        pairs = zip(self, other, strict=True)
+        return _Turn(*((1 - share) * one + share * two for one, two in pairs))
+
+
+def _turns(paths: list[Follower], laws: list[Floats]) -> list[_Turn]:
+    turns = [
+        _Turn(path.d1, path.d2, path.angle1, path.angle2, law)
+        for path, law in zip(paths, laws, strict=True)
+    ]
+    between = [one.mixed(two, share) for one, two in pairwise(turns) for share in _SHARES]
+    return turns + between
 
 
 def _needs(part: CamPart, paths: list[Follower], fed: Peaks, rpm: float) -> dict[str, float]:
     """Return needed over limit of every axis at a speed on the base circle, by limit."""
     limits = part.machine.limits
     given, shares = given_of(limits), {"spindle_rpm": rpm / limits.spindle_rpm}
-    for path, omega in zip(paths, _laws(part, paths, rpm), strict=True):
-        feeding = needed_of(fed, limits, float(omega.max()))
-        for name, needed in _needed(path, omega, part.process.operation).items():
+    for turn in _turns(paths, _laws(part, paths, rpm)):
+        feeding = needed_of(fed, limits, float(turn.omega.max()))
+        for name, needed in _needed(turn, part.process.operation).items():
             share = (needed + feeding[name]) / given[name]
             shares[name] = max(share, shares.get(name, 0.0))
     return shares
 
 
-def _needed(path: Follower, omega: Floats, operation: str) -> dict[str, float]:
-    alpha = np.gradient(np.append(omega, omega[:2]) ** 2 / 2, 2 * np.pi / N_GRID)[1:-1]
-    alpha = np.roll(alpha, 1)
-
-    def peak(values: Floats) -> float:
-        return float(np.abs(values).max())
-
+def _needed(turn: _Turn, operation: str) -> dict[str, float]:
+    omega, alpha = turn.omega, acceleration_of(turn.omega)
     needed = {
-        "u_speed_mm_s": peak(path.d1 * omega),
-        "u_acceleration_mm_s2": peak(path.d2 * omega**2 + path.d1 * alpha),
+        "u_speed_mm_s": _peak(turn.d1 * omega),
+        "u_acceleration_mm_s2": _peak(turn.d2 * omega**2 + turn.d1 * alpha),
+        "spindle_acceleration_rad_s2": _peak(alpha),
+        "z_speed_mm_s": 0.0,
     }
     if operation == "turning":
-        bend = path.angle2 * omega**2 + path.angle1 * alpha
-        needed["swing_speed_deg_s"] = peak(np.degrees(path.angle1 * omega))
-        needed["swing_acceleration_deg_s2"] = peak(np.degrees(bend))
+        bend = turn.angle2 * omega**2 + turn.angle1 * alpha
+        needed["swing_speed_deg_s"] = _peak(np.degrees(turn.angle1 * omega))
+        needed["swing_acceleration_deg_s2"] = _peak(np.degrees(bend))
     return needed
 
 

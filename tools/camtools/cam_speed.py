@@ -70,6 +70,12 @@ def _below(square: Floats, step: float) -> Floats:
     return np.asarray(lowest[n:], dtype=np.float64)
 
 
+def acceleration_of(omega_rad_s: Floats) -> Floats:
+    """Return the acceleration of the spindle [rad/s2] at N_GRID angles of a turn."""
+    square = omega_rad_s**2 / 2
+    return (np.roll(square, -1) - np.roll(square, 1)) * (N_GRID / (4 * np.pi))
+
+
 def mean_of(omega_rad_s: Floats) -> float:
     """Return the mean speed of a turn: one turn over its time."""
     return float(1 / np.mean(1 / omega_rad_s))

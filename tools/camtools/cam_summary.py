@@ -13,7 +13,7 @@ import struct
 from camtools.cam_design import design_of_cam
 from camtools.cam_generate import GeneratedCam
 from camtools.cam_motion import ShaftLobe
-from camtools.feasibility import given_of, needed_of
+from camtools.feasibility import given_of, needed_of, tenth_below
 from camtools.geometry import NM_PER_MM, omega_rad_s
 from camtools.image import CRC_OFFSET, pack
 from camtools.summary import Json, describe_channel
@@ -96,7 +96,7 @@ def emit_cam_text(summary: Json) -> str:
     )
     lines += [_lobe_text(i, lobe) for i, lobe in enumerate(summary["lobes"])]
     lines.append(
-        f"  highest speed {feasible['highest_spindle_rpm']:.1f} r/min, "
+        f"  highest speed {tenth_below(feasible['highest_spindle_rpm'])} r/min, "
         f"decided by {feasible['decided_by']}"
     )
     return "\n".join(lines) + "\n"

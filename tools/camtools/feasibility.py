@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from camtools.accuracy import GRID_MARGIN, PLACES
+from camtools.accuracy import PLACES
 from camtools.errors import CamtoolsError
 from camtools.evaluate import evaluate_u_grid
 from camtools.geometry import NM_PER_MM, omega_rad_s
@@ -30,10 +30,12 @@ UNITS = {
     "spindle_acceleration_rad_s2": "rad/s2",
     "u_speed_mm_s": "mm/s",
     "u_acceleration_mm_s2": "mm/s2",
+    "z_speed_mm_s": "mm/s",
     "swing_deg": "degrees",
     "swing_speed_deg_s": "degrees/s",
     "swing_acceleration_deg_s2": "degrees/s2",
 }
+_DRIFT_MARGIN = 1.015  # the firmware's bounds of it are larger by up to that
 SWING_TICKS = 5  # a set-point of the swing takes more: cam_swing_aim_ticks
 
 
@@ -62,6 +64,7 @@ class Peaks(NamedTuple):
     swing2_deg: float = 0.0  # degrees/rad^2
     u_drift: Drift = Drift()  # mm
     swing_drift: Drift = Drift()  # degrees
+    feed_mm: float = 0.0  # per turn, of Z
 
 
 class HighestSpeed(NamedTuple):
@@ -99,7 +102,7 @@ def drift_of(channel: Channel, unit: float, feed_mm: float) -> Drift:
     slices = evaluate_u_grid(channel, z_nm, PLACES)
     steps, slopes = np.diff(slices.value, axis=0), np.diff(slices.d1, axis=0)
     kinks = np.diff(steps, axis=0)
-    per_rad = GRID_MARGIN * unit * feed_mm * NM_PER_MM / (2 * np.pi * spacing_nm)
+    per_rad = _DRIFT_MARGIN * unit * feed_mm * NM_PER_MM / (2 * np.pi * spacing_nm)
     return Drift(
         float(np.abs(steps).max()) * per_rad,
         2 * float(np.abs(slopes).max()) * per_rad,
@@ -155,6 +158,8 @@ def highest_speed(peaks: Peaks, limits: Limits) -> HighestSpeed:
         "u_speed_mm_s": per_omega * u.omega_of_speed(limits.u_speed_mm_s),
         "u_acceleration_mm_s2": per_omega * u.omega_of_acceleration(limits.u_acceleration_mm_s2),
     }
+    if peaks.feed_mm > 0:
+        speeds["z_speed_mm_s"] = 60 * limits.z_speed_mm_s / (peaks.feed_mm * peaks.ratio)
     if peaks.spindle_rad2 > 0:
         root = np.sqrt(limits.alpha_rad_s2 / peaks.spindle_rad2)
         speeds["spindle_acceleration_rad_s2"] = float(per_omega * root)
@@ -175,6 +180,7 @@ def needed_of(peaks: Peaks, limits: Limits, omega: float) -> dict[str, float]:
         "u_acceleration_mm_s2": u.acceleration(omega),
         "spindle_rpm": omega * 60 / (2 * np.pi) * peaks.ratio,
         "spindle_acceleration_rad_s2": peaks.spindle_rad2 * omega**2,
+        "z_speed_mm_s": peaks.feed_mm * omega / (2 * np.pi) * peaks.ratio,
         "swing_deg": peaks.swing_deg,
         "swing_speed_deg_s": swing.speed(omega),
         "swing_acceleration_deg_s2": swing.acceleration(omega),
@@ -187,14 +193,16 @@ def given_of(limits: Limits) -> dict[str, float]:
     return {name: float(given[name]) for name in UNITS if name in given}
 
 
-def _largest_feed_mm(
-    peaks: Peaks, limits: Limits, omega: float, feed_mm: float | None
-) -> float | None:
+def tenth_below(rpm: float) -> str:
+    """Return a highest speed as text, never more than it is."""
+    return f"{np.floor(rpm * 10 + 1e-6) / 10:.1f}"
+
+
+def _largest_feed_mm(peaks: Peaks, limits: Limits, omega: float) -> float | None:
     """Return the feed that would do at this speed; nothing where no feed helps."""
-    if feed_mm is None:
-        return None
     given, needed = given_of(limits), needed_of(peaks, limits, omega)
-    still = needed_of(peaks._replace(u_drift=Drift(), swing_drift=Drift()), limits, omega)
+    standing = peaks._replace(u_drift=Drift(), swing_drift=Drift(), feed_mm=0.0)
+    still = needed_of(standing, limits, omega)
     if any(still[name] > limit for name, limit in given.items()):
         return None
     shares = [
@@ -202,14 +210,16 @@ def _largest_feed_mm(
         for name, limit in given.items()
         if needed[name] > limit
     ]
-    return feed_mm * min(shares, default=1.0)
+    return peaks.feed_mm * min(shares) if shares and peaks.feed_mm > 0 else None
 
 
 def _remedy(best: HighestSpeed, asked_rpm: float, feed_mm: float | None) -> str:
-    speed = (
-        f"with these limits process.spindle_rpm = {asked_rpm:g} may be at most "
-        f"{np.floor(best.rpm * 10) / 10:.1f} r/min ({best.decides} decides)"
-    )
+    speed = "turn more slowly"
+    if best.rpm < asked_rpm:
+        speed = (
+            f"with these limits process.spindle_rpm = {asked_rpm:g} may be at most "
+            f"{tenth_below(best.rpm)} r/min ({best.decides} decides)"
+        )
     if feed_mm is None:
         return speed
     return f"{speed}, or process.feed_mm at most {np.floor(feed_mm * 1e4) / 1e4:.4f}"
@@ -221,7 +231,6 @@ def check_feasible(
     spindle_rpm: float,
     best: HighestSpeed | None = None,
     asked_rpm: float | None = None,
-    feed_mm: float | None = None,
 ) -> HighestSpeed:
     """Return the highest speed, or refuse a part that the machine cannot cut.
 
@@ -233,8 +242,6 @@ def check_feasible(
         Highest speed asked for that would do, where it is not the highest mean speed.
     asked_rpm : float, optional
         Speed of the part file, where it is not the mean speed.
-    feed_mm : float, optional
-        Feed that the peaks contain, where a smaller one may help.
 
     Raises
     ------
@@ -243,7 +250,7 @@ def check_feasible(
     """
     omega, best = omega_rad_s(spindle_rpm), best or highest_speed(peaks, limits)
     asked_rpm = spindle_rpm if asked_rpm is None else asked_rpm
-    remedy = _remedy(best, asked_rpm, _largest_feed_mm(peaks, limits, omega, feed_mm))
+    remedy = _remedy(best, asked_rpm, _largest_feed_mm(peaks, limits, omega))
     shape = "lift" if isinstance(limits, CamLimits) else "ovality"
     at_any_speed = {
         "u_stroke_mm": f"no speed would do: less {shape}, or a longer stroke",
@@ -259,4 +266,4 @@ def check_feasible(
     ]
     if lines:
         raise CamtoolsError(lines)
-    return best
+    return best if best.rpm >= asked_rpm else HighestSpeed(asked_rpm, best.decides)

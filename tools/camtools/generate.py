@@ -212,16 +212,13 @@ def peaks_of_table(table: Table, speed: SpeedTable | None) -> Peaks:
     """Return what the axes need of the table of a skirt."""
     ratio, feed_mm = speed.peaks.ratio if speed else 1.0, table.feed_nm / NM_PER_MM
     drift = drift_of(table.channels[0], 1 / NM_PER_MM, feed_mm)
-    return peaks_of(table.bounds, ratio)._replace(u_drift=drift.at(ratio))
+    return peaks_of(table.bounds, ratio)._replace(u_drift=drift.at(ratio), feed_mm=feed_mm)
 
 
 def _judge(part: Part, geometry: Geometry, peaks: Peaks) -> HighestSpeed:
     """Return the highest speed, or refuse; of a corner tell what another refit would need."""
     try:
-        process = part.process
-        return check_feasible(
-            peaks, part.machine.limits, process.spindle_rpm, feed_mm=process.feed_mm
-        )
+        return check_feasible(peaks, part.machine.limits, part.process.spindle_rpm)
     except CamtoolsError as error:
         if geometry.corner is None or not any("u_acceleration" in line for line in error.lines):
             raise

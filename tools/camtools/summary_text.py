@@ -9,6 +9,7 @@
 
 from __future__ import annotations
 
+from camtools.feasibility import tenth_below
 from camtools.summary import Json
 
 
@@ -29,7 +30,7 @@ def emit_text(summary: Json) -> str:
         f"  U at {summary['process']['spindle_rpm']:g} r/min: stroke {motion['stroke_mm']:.4f} mm, "
         f"{motion['velocity_mm_s']:.3f} mm/s, {motion['acceleration_mm_s2']:.1f} mm/s2, "
         f"{motion['jerk_mm_s3']:.4g} mm/s3\n"
-        f"  highest speed {feasible['highest_spindle_rpm']:.1f} r/min, "
+        f"  highest speed {tenth_below(feasible['highest_spindle_rpm'])} r/min, "
         f"decided by {feasible['decided_by']}\n"
         + _scan_text(summary)
         + _refit_text(summary)

@@ -25,8 +25,9 @@ typedef struct {
 /// Judge a speed.
 /// @param speed_mrpm  [r/min / 1000] > 0
 /// @param tick_hz     [Hz]
-/// @return            what is needed is rounded up, by 0.1 % at most where it is near a limit; the
-///                    highest speed and the largest feed are the largest that pass
+/// @return            what is needed is rounded up, by 0.1 % at most where it is near a limit, the
+///                    acceleration of the swing by 1 %; the highest speed and the largest feed are
+///                    the largest that pass
 /// It is judged some 50 times over.
 /// Context: slow side. Source: maths.md section 3.
 cam_feasibility_t cam_feasible(const cam_table_t *table, const cam_params_t *params,
