@@ -128,6 +128,21 @@ def test_lobes_stand_apart() -> None:
     assert len(cam_of(text.replace("12.1", "13")).cam.lobe) == 2
 
 
+@pytest.mark.parametrize(("end", "start"), [(1, 1.2), (3, 3.2), (12.1, 12.3), (20.7, 20.9)])
+def test_gap_is_compared_in_nanometres(end: float, start: float) -> None:
+    """1.2 - 1 is less than 0.2 in binary; a gap of 0.2 mm is one, a micrometre less is told."""
+    second = GOOD[GOOD.index("[[cam.lobe]]") : GOOD.index("[process]")]
+    text = GOOD.replace("[0, 12]", f"[0, {end}]")
+    text = text.replace("[process]", second.replace("[0, 12]", f"[{start}, 30]") + "[process]")
+    assert len(cam_of(text).cam.lobe) == 2
+    near = start - 0.001
+    assert lines_of(text.replace(f"[{start},", f"[{near:.4f},")) == [
+        f"c.toml: cam.lobe.1.z_mm = [{near:g}, 30.0]: a lobe from {near:g} mm follows one that "
+        f"ends at {end:g} mm: the gap must be at least 0.2 mm; list the lobes upwards, apart from "
+        "each other"
+    ]
+
+
 def test_part_file_takes_the_lobes_that_a_table_holds() -> None:
     """10 lobes are read, make slices and keep their places; the eleventh is refused as read."""
     lobe = GOOD[GOOD.index("[[cam.lobe]]") : GOOD.index("[process]")]

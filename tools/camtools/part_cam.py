@@ -21,6 +21,7 @@ from pydantic import (
     model_validator,
 )
 
+from camtools.geometry import NM_PER_MM
 from camtools.image import KNOT_SIZE, MAX_CHANNEL_BYTES, MAX_LOG2_KNOTS
 from camtools.part import Limits, PartInfo
 from camtools.part_base import HeightMm, Table, beside_the_part, no_truth, rising, wrong
@@ -187,14 +188,17 @@ class Cam(Table):
     @field_validator("lobe")
     @classmethod
     def _check_places(cls, value: list[Lobe]) -> list[Lobe]:
-        for lower, upper in pairwise(value):
-            gap_mm = upper.z_mm[0] - lower.z_mm[1]
-            if gap_mm < MIN_GAP_MM:
+        for i, (lower, upper) in enumerate(pairwise(value), start=1):
+            gap_nm = round(upper.z_mm[0] * NM_PER_MM) - round(lower.z_mm[1] * NM_PER_MM)
+            if gap_nm < round(MIN_GAP_MM * NM_PER_MM):
                 problem = (
                     f"a lobe from {upper.z_mm[0]:g} mm follows one that ends at "
                     f"{lower.z_mm[1]:g} mm: the gap must be at least {MIN_GAP_MM} mm"
                 )
-                raise wrong("gap", problem, "list the lobes upwards, apart from each other")
+                context = {"field": f"{i}.z_mm", "value": upper.z_mm}
+                raise wrong(
+                    "gap", problem, "list the lobes upwards, apart from each other", **context
+                )
         return value
 
     @field_validator("lobe")
