@@ -13,7 +13,7 @@ from camtools.cam_lift import Poly345, make_lift, parse_points
 from camtools.cam_motion import make_lobes
 from camtools.errors import CamtoolsError, GeometryError, InputError
 from camtools.part import parse_part
-from camtools.part_cam import CamPart
+from camtools.part_cam import MAX_LOBES, CamPart
 from camtools.part_file import load_any, parse_any
 from part_cases import PERKINS, ROOT
 
@@ -144,17 +144,17 @@ def test_gap_is_compared_in_nanometres(end: float, start: float) -> None:
 
 
 def test_part_file_takes_the_lobes_that_a_table_holds() -> None:
-    """10 lobes are read, make slices and keep their places; the eleventh is refused as read."""
+    """64 lobes are read, make slices and keep their places; one more is refused as read."""
     lobe = GOOD[GOOD.index("[[cam.lobe]]") : GOOD.index("[process]")]
     rest = GOOD.replace(lobe, "")
 
     def with_lobes(n: int) -> str:
-        places = (lobe.replace("[0, 12]", f"[{20 * i}, {20 * i + 5}]") for i in range(n))
+        places = (lobe.replace("[0, 12]", f"[{10 * i}, {10 * i + 3}]") for i in range(n))
         return rest.replace("[process]", "".join(places) + "[process]")
 
-    assert slices_of(make_lobes(cam_of(with_lobes(10)))).max() == 9
-    told = "c.toml: cam.lobe: has 11 lobes, a table at most 10; make tables of fewer lobes each"
-    assert lines_of(with_lobes(11)) == [told]
+    assert slices_of(make_lobes(cam_of(with_lobes(64)))).max() == MAX_LOBES - 1
+    told = "has 65 lobes, a part file at most 64; make tables of fewer lobes each"
+    assert lines_of(with_lobes(65)) == [f"c.toml: cam.lobe: {told}"]
 
 
 @pytest.mark.parametrize(("text", "field"), [(GOOD, "roller"), (DISC, "wheel")])

@@ -22,14 +22,12 @@ from pydantic import (
 )
 
 from camtools.geometry import NM_PER_MM
-from camtools.image import KNOT_SIZE, MAX_CHANNEL_BYTES, MAX_LOG2_KNOTS
 from camtools.part import Limits, PartInfo
 from camtools.part_base import HeightMm, Table, beside_the_part, no_truth, rising, wrong
 
 MIN_GAP_MM = 0.2
 MAX_LIFT_MM = 15.0
-MOST_SLICES = MAX_CHANNEL_BYTES // (KNOT_SIZE << MAX_LOG2_KNOTS)  # with the most knots per turn
-MAX_LOBES = MOST_SLICES // 2  # each needs a slice on either edge
+MAX_LOBES = 64  # of a part file; fewer where the bytes of a channel do not last
 MAX_CENTRE_MM = 2000.0  # places in a table: firmware/cam_table.c, max_height_nm
 MIN_POINTS = 8
 MIN_STEP_DEG = 0.01
@@ -181,7 +179,7 @@ class Cam(Table):
     @classmethod
     def _check_number(cls, value: list[Lobe]) -> list[Lobe]:
         if len(value) > MAX_LOBES:
-            problem = f"has {len(value)} lobes, a table at most {MAX_LOBES}"
+            problem = f"has {len(value)} lobes, a part file at most {MAX_LOBES}"
             raise wrong("lobes", problem, "make tables of fewer lobes each", value=None)
         return value
 
