@@ -142,24 +142,25 @@ def _most_for_angle(lobes: list[ShaftLobe]) -> int:
     return MAX_CHANNEL_BYTES // (KNOT_SIZE << MAX_LOG2_KNOTS)
 
 
+def _too_long(span_nm: int, most: int, problem: str, remedies: list[str]) -> GeometryError:
+    longest_mm = (most - 1) * MAX_SPACING_NM // 1000 / 1000
+    remedy = " or ".join([f"make tables of pieces of at most {longest_mm:g} mm", *remedies])
+    problem = f"reaches over {span_nm / NM_PER_MM:.7g} mm, {problem}"
+    return GeometryError("cam.lobe", problem, remedy)
+
+
 def _refusal(lobes: list[ShaftLobe], most: int, problem: str, remedies: list[str]) -> GeometryError:
     """Return what to tell of a shaft that needs more slices than there may be."""
     edges, most = _edges(lobes), min(most, _most_for_angle(lobes))
     counts = _counts(edges, most)
     if len(lobes) == 1 or not counts.size:
-        longest_mm = (most - 1) * MAX_SPACING_NM // 1000 / 1000
-        problem = f"reaches over {edges[-1, 1] / NM_PER_MM:.7g} mm, {problem}"
-        return GeometryError("cam.lobe", problem, " or ".join([*_shorter(longest_mm), *remedies]))
+        return _too_long(int(edges[-1, 1]), most, problem, remedies)
     i = int(_in_gaps(edges, counts).mean(axis=0).argmin())
     gap_mm, wide_mm = (edges[i + 1, 0] - edges[i, 1]) / NM_PER_MM, _wide_gap_mm(edges, most)
     wider = [] if wide_mm is None else [f"make every gap at least {wide_mm:g} mm wide"]
     remedy = " or ".join([*wider, "make tables of fewer lobes each", *remedies])
     problem = f"with a gap of {gap_mm:.7g} mm above cam.lobe.{i} {problem}"
     return GeometryError(f"cam.lobe.{i + 1}.z_mm", problem, remedy)
-
-
-def _shorter(longest_mm: float) -> list[str]:
-    return [f"make tables of pieces of at most {longest_mm:g} mm"] if longest_mm > 0 else []
 
 
 def _knots(function: Function, lobes: list[ShaftLobe], log2_knots: int) -> Floats:
@@ -210,14 +211,14 @@ def _too_large(
     return _refusal(lobes, MAX_CHANNEL_BYTES // size, problem, remedies)
 
 
-def _smallest(kind: int, function: Function, lobes: list[ShaftLobe], tolerance: float) -> Made:
-    """Return the smallest channel within a tolerance, or the best one there is."""
-    slices, best = slices_of(lobes), None
+def _chosen(kind: int, function: Function, lobes: list[ShaftLobe], tolerance: float) -> Made | None:
+    """Return the channel of the lobes that `_smallest` takes; none where the format has none."""
+    n_slices, best = slices_of(lobes).size, None
     for log2_knots in range(_FEWEST_LOG2, MAX_LOG2_KNOTS + 1):
         made = _measured(kind, function, lobes, log2_knots)
         if made is None:
             continue
-        fits = slices.size * KNOT_SIZE << log2_knots <= MAX_CHANNEL_BYTES
+        fits = n_slices * KNOT_SIZE << log2_knots <= MAX_CHANNEL_BYTES
         is_last = best is None and log2_knots == MAX_LOG2_KNOTS
         if not fits and (is_last or made.error <= tolerance):
             raise _too_large(kind, lobes, log2_knots, best)
@@ -225,10 +226,16 @@ def _smallest(kind: int, function: Function, lobes: list[ShaftLobe], tolerance: 
             best = made
         if made.error <= tolerance:
             break
+    return best
+
+
+def _smallest(kind: int, function: Function, lobes: list[ShaftLobe], tolerance: float) -> Made:
+    """Return the smallest channel within a tolerance, or the best one there is."""
+    best = _chosen(kind, function, lobes, tolerance)
     if best is None:
         raise CamtoolsError([f"cam.lobe: channel {kind} does not fit the format; give less lift"])
     channel = with_bounds(best.channel)
-    return Made(replace(channel, knots=channel.knots[slices]), best.error)
+    return Made(replace(channel, knots=channel.knots[slices_of(lobes)]), best.error)
 
 
 def _lift(lobe: ShaftLobe, phi_rad: Floats) -> tuple[Floats, Floats, Floats]:
