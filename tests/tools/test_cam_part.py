@@ -13,7 +13,7 @@ from camtools.cam_lift import Poly345, make_lift, parse_points
 from camtools.cam_motion import make_lobes
 from camtools.errors import CamtoolsError, GeometryError, InputError
 from camtools.part import parse_part
-from camtools.part_cam import CamPart
+from camtools.part_cam import MAX_LOBES, CamPart
 from camtools.part_file import load_any, parse_any
 from part_cases import PERKINS, ROOT
 
@@ -128,18 +128,33 @@ def test_lobes_stand_apart() -> None:
     assert len(cam_of(text.replace("12.1", "13")).cam.lobe) == 2
 
 
+@pytest.mark.parametrize(("end", "start"), [(1, 1.2), (3, 3.2), (12.1, 12.3), (20.7, 20.9)])
+def test_gap_is_compared_in_nanometres(end: float, start: float) -> None:
+    """1.2 - 1 is less than 0.2 in binary; a gap of 0.2 mm is one, a micrometre less is told."""
+    second = GOOD[GOOD.index("[[cam.lobe]]") : GOOD.index("[process]")]
+    text = GOOD.replace("[0, 12]", f"[0, {end}]")
+    text = text.replace("[process]", second.replace("[0, 12]", f"[{start}, 30]") + "[process]")
+    assert len(cam_of(text).cam.lobe) == 2
+    near = start - 0.001
+    assert lines_of(text.replace(f"[{start},", f"[{near:.4f},")) == [
+        f"c.toml: cam.lobe.1.z_mm = [{near:g}, 30.0]: a lobe from {near:g} mm follows one that "
+        f"ends at {end:g} mm: the gap must be at least 0.2 mm; list the lobes upwards, apart from "
+        "each other"
+    ]
+
+
 def test_part_file_takes_the_lobes_that_a_table_holds() -> None:
-    """10 lobes are read, make slices and keep their places; the eleventh is refused as read."""
+    """64 lobes are read, make slices and keep their places; one more is refused as read."""
     lobe = GOOD[GOOD.index("[[cam.lobe]]") : GOOD.index("[process]")]
     rest = GOOD.replace(lobe, "")
 
     def with_lobes(n: int) -> str:
-        places = (lobe.replace("[0, 12]", f"[{20 * i}, {20 * i + 5}]") for i in range(n))
+        places = (lobe.replace("[0, 12]", f"[{10 * i}, {10 * i + 3}]") for i in range(n))
         return rest.replace("[process]", "".join(places) + "[process]")
 
-    assert slices_of(make_lobes(cam_of(with_lobes(10)))).max() == 9
-    told = "c.toml: cam.lobe: has 11 lobes, a table at most 10; make tables of fewer lobes each"
-    assert lines_of(with_lobes(11)) == [told]
+    assert slices_of(make_lobes(cam_of(with_lobes(64)))).max() == MAX_LOBES - 1
+    told = "has 65 lobes, a part file at most 64; make tables of fewer lobes each"
+    assert lines_of(with_lobes(65)) == [f"c.toml: cam.lobe: {told}"]
 
 
 @pytest.mark.parametrize(("text", "field"), [(GOOD, "roller"), (DISC, "wheel")])

@@ -9,9 +9,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 from scipy.interpolate import make_interp_spline
 
 from camtools.accuracy import GRID_MARGIN, PLACES, ROUNDING_LSB
@@ -27,8 +29,11 @@ from camtools.image import (
     KIND_SWING,
     KIND_U,
     KIND_X,
+    KNOT_SIZE,
+    MAX_CHANNEL_BYTES,
     MAX_LOG2_KNOTS,
     MAX_RATIO,
+    MAX_SLICES,
     MAX_SPACING_NM,
     MIN_RATIO,
     MIN_SPACING_NM,
@@ -36,7 +41,6 @@ from camtools.image import (
     Channel,
     Ints,
 )
-from camtools.part_cam import MOST_SLICES
 from camtools.quantise import TooLargeError, quantise, with_bounds
 from camtools.sections import Floats
 
@@ -44,6 +48,9 @@ ANGLE_TOLERANCE_DEG = 1e-4
 _RATIO_TOLERANCE = 1e-5
 _FEWEST_LOG2 = 6
 _KEPT_OFF_NM = 20_000  # a tenth of the narrowest gap
+_LONGEST_NM = 2_000_000_000  # heights are -1000 .. 1000 mm
+_GAPS_MM = np.unique(np.ceil(np.geomspace(0.2, 1000, 120) * 10) / 10)  # that a refusal tries
+_NAMES = {KIND_U: "u", KIND_SPEED: "speed", KIND_SWING: "swing", KIND_CONTACT: "contact"}
 _UNIT_PER_DEG = ANGLE_TURN / 360
 
 Function = Callable[[ShaftLobe, Floats], tuple[Floats, Floats, Floats]]
@@ -61,10 +68,32 @@ def range_of(lobes: list[ShaftLobe]) -> tuple[int, int]:
     return round(lobes[0].z_mm[0] * NM_PER_MM), round(lobes[-1].z_mm[1] * NM_PER_MM)
 
 
-def _kept_off(lobe: ShaftLobe, first_nm: int, span_nm: int) -> tuple[int, int]:
-    """Return where a lobe begins and ends above the first one, with what belongs to it [nm]."""
-    low, high = (round(z * NM_PER_MM) - first_nm for z in lobe.z_mm)
-    return max(low - _KEPT_OFF_NM, 0), min(high + _KEPT_OFF_NM, span_nm)
+def _edges(lobes: list[ShaftLobe]) -> Ints:
+    """Return where lobes begin and end above the first one [nm], shape (lobes, 2)."""
+    rounded = [[round(z * NM_PER_MM) for z in lobe.z_mm] for lobe in lobes]
+    edges = np.array(rounded, dtype=np.int64)
+    return np.asarray(edges - edges[0, 0])
+
+
+def _counts(edges: Ints, most: int) -> Ints:
+    """Return the numbers of slices whose spacing the format allows, up to the most."""
+    span = int(edges[-1, 1])
+    fewest = max(2, -(-span // MAX_SPACING_NM) + 1)
+    return np.arange(fewest, min(span // MIN_SPACING_NM + 1, most) + 1)
+
+
+def _slice_edges(edges: Ints, counts: Ints) -> tuple[Ints, Ints]:
+    """Return first and last slice that each lobe needs, shape (counts, lobes)."""
+    span = edges[-1, 1]
+    kept = np.clip(edges + np.array([-_KEPT_OFF_NM, _KEPT_OFF_NM]), 0, span)
+    steps = (counts - 1)[:, None]
+    return kept[:, 0] * steps // span, -(-kept[:, 1] * steps // span)
+
+
+def _in_gaps(edges: Ints, counts: Ints) -> npt.NDArray[np.bool_]:
+    """Return whether slices change over inside each gap, shape (counts, gaps)."""
+    low, high = _slice_edges(edges, counts)
+    return low[:, 1:] > high[:, :-1]
 
 
 def slices_of(lobes: list[ShaftLobe]) -> Ints:
@@ -75,30 +104,63 @@ def slices_of(lobes: list[ShaftLobe]) -> Ints:
     Raises
     ------
     GeometryError
-        More slices would be needed than a table has: too long, or narrow gaps.
+        The format has not as many: narrow gaps on a long shaft.
     """
-    first, last = range_of(lobes)
-    span = last - first
-    places = [_kept_off(lobe, first, span) for lobe in lobes]
-    fewest = max(2, -(-span // MAX_SPACING_NM) + 1)
-    most = min(span // MIN_SPACING_NM + 1, MOST_SLICES)
-    _check_extent(span, most)
-    for n in range(fewest, most + 1):
-        low = [z0 * (n - 1) // span for z0, _ in places]
-        high = [-(-z1 * (n - 1) // span) for _, z1 in places]
-        if all(behind > before for before, behind in zip(high[:-1], low[1:], strict=True)):
-            return np.searchsorted(low, np.arange(n), side="right") - 1
-    problem = f"none of {fewest} .. {most} slices of equal height change over inside every gap"
-    raise GeometryError("cam.lobe", problem, "make gaps wider, or tables of fewer lobes each")
+    edges = _edges(lobes)
+    counts = _counts(edges, MAX_SLICES)
+    enough = counts[_in_gaps(edges, counts).all(axis=1)]
+    if not enough.size:
+        problem = f"there is none of {counts[0]} .. {counts[-1]} slices that fits"
+        raise _refusal(lobes, MAX_SLICES, problem, [])
+    first, _ = _slice_edges(edges, enough[:1])
+    return np.searchsorted(first[0], np.arange(enough[0]), side="right") - 1
 
 
-def _check_extent(span_nm: int, most: int) -> None:
-    """Refuse shafts that no gaps would help."""
-    longest_nm = (most - 1) * MAX_SPACING_NM
-    if span_nm > longest_nm:
-        length_mm, longest_mm = span_nm / NM_PER_MM, longest_nm // 1000 / 1000
-        problem = f"reaches over {length_mm:.7g} mm, a table over at most {longest_mm:g} mm"
-        raise GeometryError("cam.lobe", problem, "make tables of shorter pieces of the shaft")
+def _apart(edges: Ints, gap_nm: int) -> Ints:
+    """Return lobes moved upwards until every gap is as wide as this."""
+    missing = np.maximum(gap_nm - (edges[1:, 0] - edges[:-1, 1]), 0)
+    return np.asarray(edges + np.append(0, np.cumsum(missing))[:, None])
+
+
+def _wide_gap_mm(edges: Ints, most: int) -> float | None:
+    """Return a width of every gap with which so many slices would do, where there is one."""
+    for gap_mm in _GAPS_MM:
+        wider = _apart(edges, round(gap_mm * NM_PER_MM))
+        if wider[-1, 1] > _LONGEST_NM:
+            break
+        if _in_gaps(wider, _counts(wider, most)).all(axis=1).any():
+            return float(gap_mm)
+    return None
+
+
+def _most_for_angle(lobes: list[ShaftLobe]) -> int:
+    """Return how many slices the channel of the angle may have: it needs the most knots."""
+    for log2_knots in range(_FEWEST_LOG2, MAX_LOG2_KNOTS):
+        made = _measured(KIND_CONTACT, _angle, lobes, log2_knots)
+        if made is not None and made.error <= ANGLE_TOLERANCE_DEG * _UNIT_PER_DEG:
+            return MAX_CHANNEL_BYTES // (KNOT_SIZE << log2_knots)
+    return MAX_CHANNEL_BYTES // (KNOT_SIZE << MAX_LOG2_KNOTS)
+
+
+def _too_long(span_nm: int, most: int, problem: str, remedies: list[str]) -> GeometryError:
+    longest_mm = (most - 1) * MAX_SPACING_NM // 1000 / 1000
+    remedy = " or ".join([f"make tables of pieces of at most {longest_mm:g} mm", *remedies])
+    problem = f"reaches over {span_nm / NM_PER_MM:.7g} mm, {problem}"
+    return GeometryError("cam.lobe", problem, remedy)
+
+
+def _refusal(lobes: list[ShaftLobe], most: int, problem: str, remedies: list[str]) -> GeometryError:
+    """Return what to tell of a shaft that needs more slices than there may be."""
+    edges, most = _edges(lobes), min(most, _most_for_angle(lobes))
+    counts = _counts(edges, most)
+    if len(lobes) == 1 or not counts.size:
+        return _too_long(int(edges[-1, 1]), most, problem, remedies)
+    i = int(_in_gaps(edges, counts).mean(axis=0).argmin())
+    gap_mm, wide_mm = (edges[i + 1, 0] - edges[i, 1]) / NM_PER_MM, _wide_gap_mm(edges, most)
+    wider = [] if wide_mm is None else [f"make every gap at least {wide_mm:g} mm wide"]
+    remedy = " or ".join([*wider, "make tables of fewer lobes each", *remedies])
+    problem = f"with a gap of {gap_mm:.7g} mm above cam.lobe.{i} {problem}"
+    return GeometryError(f"cam.lobe.{i + 1}.z_mm", problem, remedy)
 
 
 def _knots(function: Function, lobes: list[ShaftLobe], log2_knots: int) -> Floats:
@@ -108,34 +170,72 @@ def _knots(function: Function, lobes: list[ShaftLobe], log2_knots: int) -> Float
     return np.stack([np.stack([y, h * y1, h**2 / 2 * y2], axis=-1) for y, y1, y2 in triples])
 
 
-def _error(function: Function, lobes: list[ShaftLobe], slices: Ints, channel: Channel) -> float:
-    """Return the largest error in units of the channel, on a dense grid off the knots."""
-    n = channel.knots.shape[1]
+def _off(function: Function, lobe: ShaftLobe, alone: Channel) -> float:
+    """Return the largest difference in units of a channel of one lobe, on a dense grid."""
+    n = alone.knots.shape[1]
     phi = ((np.arange(n)[:, None] + PLACES).ravel() / n) * 2 * np.pi
-    step = (channel.z_last_nm - channel.z_first_nm) / (channel.n_slices - 1)
-    first = np.searchsorted(slices, np.arange(len(lobes)))
-    z_nm = np.asarray(channel.z_first_nm + step * first, dtype=np.float64)
-    got = evaluate_u_grid(channel, z_nm, PLACES).value
-    exact = np.stack([function(lobe, phi)[0] for lobe in lobes])
-    return GRID_MARGIN * float(np.abs(got - exact).max()) + ROUNDING_LSB * channel.lsb_nm
+    got = evaluate_u_grid(alone, np.array([float(alone.z_first_nm)]), PLACES).value[0]
+    return float(np.abs(got - function(lobe, phi)[0]).max())
+
+
+def _error(function: Function, lobes: list[ShaftLobe], channel: Channel) -> float:
+    """Return the largest error in units of the channel, which has one slice for each lobe."""
+    alone = (replace(channel, knots=channel.knots[[i, i]]) for i in range(len(lobes)))
+    largest = max(_off(function, *one) for one in zip(lobes, alone, strict=True))
+    return GRID_MARGIN * largest + ROUNDING_LSB * channel.lsb_nm
+
+
+def _measured(
+    kind: int, function: Function, lobes: list[ShaftLobe], log2_knots: int
+) -> Made | None:
+    """Return a channel of one slice for each lobe, where the format holds it."""
+    try:
+        channel = quantise(kind, _knots(function, lobes, log2_knots), 0, range_of(lobes))
+    except TooLargeError:
+        return None
+    return Made(channel, _error(function, lobes, channel))
+
+
+def _too_large(
+    kind: int, lobes: list[ShaftLobe], log2_knots: int, best: Made | None
+) -> GeometryError:
+    """Return what to tell of a channel of more bytes than there may be."""
+    n, size = slices_of(lobes).size, KNOT_SIZE << log2_knots
+    remedies = ['set process.speed = "uniform"'] if kind == KIND_SPEED else []
+    if kind == KIND_U and best is not None and n <= _most_for_angle(lobes):
+        remedies = [f"ask for a tolerance_nm of at least {best.error * 1.05:.2g}"]
+    problem = (
+        f"the {_NAMES[kind]} channel needs {n} slices of {1 << log2_knots} knots, "
+        f"{n * size} bytes, and may have {MAX_CHANNEL_BYTES}"
+    )
+    return _refusal(lobes, MAX_CHANNEL_BYTES // size, problem, remedies)
+
+
+def _chosen(kind: int, function: Function, lobes: list[ShaftLobe], tolerance: float) -> Made | None:
+    """Return the channel of the lobes that `_smallest` takes; none where the format has none."""
+    n_slices, best = slices_of(lobes).size, None
+    for log2_knots in range(_FEWEST_LOG2, MAX_LOG2_KNOTS + 1):
+        made = _measured(kind, function, lobes, log2_knots)
+        if made is None:
+            continue
+        fits = n_slices * KNOT_SIZE << log2_knots <= MAX_CHANNEL_BYTES
+        is_last = best is None and log2_knots == MAX_LOG2_KNOTS
+        if not fits and (is_last or made.error <= tolerance):
+            raise _too_large(kind, lobes, log2_knots, best)
+        if fits and (best is None or made.error < best.error):
+            best = made
+        if made.error <= tolerance:
+            break
+    return best
 
 
 def _smallest(kind: int, function: Function, lobes: list[ShaftLobe], tolerance: float) -> Made:
     """Return the smallest channel within a tolerance, or the best one there is."""
-    slices, best = slices_of(lobes), None
-    for log2_knots in range(_FEWEST_LOG2, MAX_LOG2_KNOTS + 1):
-        try:
-            knots = _knots(function, lobes, log2_knots)[slices]
-            channel = quantise(kind, knots, 0, range_of(lobes))
-        except TooLargeError:
-            continue
-        made = Made(with_bounds(channel), _error(function, lobes, slices, channel))
-        best = made if best is None or made.error < best.error else best
-        if made.error <= tolerance:
-            return made
+    best = _chosen(kind, function, lobes, tolerance)
     if best is None:
         raise CamtoolsError([f"cam.lobe: channel {kind} does not fit the format; give less lift"])
-    return best
+    channel = with_bounds(best.channel)
+    return Made(replace(channel, knots=channel.knots[slices_of(lobes)]), best.error)
 
 
 def _lift(lobe: ShaftLobe, phi_rad: Floats) -> tuple[Floats, Floats, Floats]:

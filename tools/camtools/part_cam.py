@@ -21,14 +21,13 @@ from pydantic import (
     model_validator,
 )
 
-from camtools.image import KNOT_SIZE, MAX_CHANNEL_BYTES, MAX_LOG2_KNOTS
+from camtools.geometry import NM_PER_MM
 from camtools.part import Limits, PartInfo
 from camtools.part_base import HeightMm, Table, beside_the_part, no_truth, rising, wrong
 
 MIN_GAP_MM = 0.2
 MAX_LIFT_MM = 15.0
-MOST_SLICES = MAX_CHANNEL_BYTES // (KNOT_SIZE << MAX_LOG2_KNOTS)  # with the most knots per turn
-MAX_LOBES = MOST_SLICES // 2  # each needs a slice on either edge
+MAX_LOBES = 64  # of a part file; fewer where the bytes of a channel do not last
 MAX_CENTRE_MM = 2000.0  # places in a table: firmware/cam_table.c, max_height_nm
 MIN_POINTS = 8
 MIN_STEP_DEG = 0.01
@@ -180,21 +179,24 @@ class Cam(Table):
     @classmethod
     def _check_number(cls, value: list[Lobe]) -> list[Lobe]:
         if len(value) > MAX_LOBES:
-            problem = f"has {len(value)} lobes, a table at most {MAX_LOBES}"
+            problem = f"has {len(value)} lobes, a part file at most {MAX_LOBES}"
             raise wrong("lobes", problem, "make tables of fewer lobes each", value=None)
         return value
 
     @field_validator("lobe")
     @classmethod
     def _check_places(cls, value: list[Lobe]) -> list[Lobe]:
-        for lower, upper in pairwise(value):
-            gap_mm = upper.z_mm[0] - lower.z_mm[1]
-            if gap_mm < MIN_GAP_MM:
+        for i, (lower, upper) in enumerate(pairwise(value), start=1):
+            gap_nm = round(upper.z_mm[0] * NM_PER_MM) - round(lower.z_mm[1] * NM_PER_MM)
+            if gap_nm < round(MIN_GAP_MM * NM_PER_MM):
                 problem = (
                     f"a lobe from {upper.z_mm[0]:g} mm follows one that ends at "
                     f"{lower.z_mm[1]:g} mm: the gap must be at least {MIN_GAP_MM} mm"
                 )
-                raise wrong("gap", problem, "list the lobes upwards, apart from each other")
+                context = {"field": f"{i}.z_mm", "value": upper.z_mm}
+                raise wrong(
+                    "gap", problem, "list the lobes upwards, apart from each other", **context
+                )
         return value
 
     @field_validator("lobe")
