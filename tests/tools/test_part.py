@@ -10,6 +10,7 @@ import pytest
 
 from camtools.errors import CamtoolsError
 from camtools.part import MAX_FILE_BYTES, Part, load_part, parse_part
+from camtools.part_base import rising
 from part_cases import PERKINS
 
 GOOD = PERKINS.read_text()
@@ -186,3 +187,9 @@ def test_unreadable_files_are_refused(tmp_path: Path) -> None:
         with pytest.raises(CamtoolsError, match=words) as info:
             load_part(path)
         assert info.value.lines[0].startswith(str(path))
+
+
+def test_heights_as_far_apart_as_they_must_be_are_taken() -> None:
+    """Whatever their binary fractions: 4.1 - 3.1 is below 1, 0.12 - 0.11 below 0.01."""
+    for heights in ([3.1, 4.1], [0.11, 0.12, 1.11]):
+        assert rising(heights) == heights

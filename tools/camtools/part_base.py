@@ -15,6 +15,7 @@ from pydantic_core import PydanticCustomError
 
 MIN_SPAN_MM = 1.0
 MIN_STEP_MM = 0.01
+SAME_MM = 1e-9  # decimal heights differ by less from what they are written as
 
 HeightMm = Annotated[float, Field(ge=-1000, le=1000)]
 
@@ -34,10 +35,10 @@ def wrong(kind: str, problem: str, remedy: str, **context: Any) -> PydanticCusto
 def rising(height_mm: list[float]) -> list[float]:
     """Return heights that increase in steps and over a span that a lathe can tell apart."""
     for lower, upper in pairwise(height_mm):
-        if upper - lower < MIN_STEP_MM:
+        if upper - lower < MIN_STEP_MM - SAME_MM:
             problem = f"heights must increase by at least {MIN_STEP_MM} mm, but {upper} mm "
             raise wrong("rising", problem + f"follows {lower} mm", "list the points upwards")
-    if height_mm[-1] - height_mm[0] < MIN_SPAN_MM:
+    if height_mm[-1] - height_mm[0] < MIN_SPAN_MM - SAME_MM:
         problem = f"the height range must be at least {MIN_SPAN_MM} mm"
         raise wrong("span", problem, "give heights in mm")
     return height_mm
