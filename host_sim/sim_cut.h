@@ -128,12 +128,13 @@ bool sim_cut_has_rings(const sim_cut_t *cut);
 double sim_cut_planned_turns(const sim_cut_t *cut);
 
 /// What no gauge has seen is not known to be good.
-/// @return false when nothing was cut to full depth, or a lobe of a cam that was cut to its end has
-///         no sample; of a cut that the operator ends early what was cut counts
+/// @return false when nothing was cut to full depth, or a lobe of a cam that was cut to its end was
+///         not gauged all round; of a cut that the operator ends early what was cut counts
 bool sim_cut_is_gauged(const sim_cut_t *cut);
 
-/// @return first lobe of a cam without a sample; the number of lobes when there is none
-uint32_t sim_cut_lobe_without_sample(const sim_cut_t *cut);
+/// As the contact only goes on, a whole turn has been gauged with a sample per dexel.
+/// @return first lobe of a cam with fewer samples; the number of lobes when there is none
+uint32_t sim_cut_lobe_without_turn(const sim_cut_t *cut);
 
 /// @return [um] rms following error, 0 without samples
 double sim_cut_following_rms_um(const sim_cut_t *cut);

@@ -128,6 +128,23 @@ def test_each_lobe_is_gauged_by_itself(table_of: Callable[[str], Path], tmp_path
     assert summary["cut"]["gouge_um"] <= 0.05
 
 
+def test_lobe_that_was_not_cut_all_round_is_not_good(
+    table_of: Callable[[str], Path], tmp_path: Path
+) -> None:
+    """Three quarters of a turn leave the rest unseen: status 1; the feed that is told is good."""
+    table = table_of("camshaft")
+    slow = ("--rpm", "3", "--set", "stopped_mrpm=2000")
+    words = ("run", table, "--machine", MACHINE, *SHORT[2:], *slow)
+    done = camsim(*words, "--feed", "4", "--summary", tmp_path / "s.json")
+    summary = json.loads((tmp_path / "s.json").read_text())
+    least = summary["cam"]["lobes"][1]["samples"]
+    assert 2600 < least < 2800
+    assert (done.returncode, summary["is_good"]) == (1, False)
+    told = f"not gauged: lobe 1 has {least} samples of the 3600 of a whole turn; give at most"
+    assert done.stderr == f"camsim: {table}: {told} --feed 1.5\n"
+    assert camsim(*words, "--feed", "1.5").returncode == 0
+
+
 def test_listed_lift_is_gauged_against_its_spline(tmp_path: Path) -> None:
     """Points of a lift, given by list: the report holds the pieces of the spline itself."""
     degrees = np.arange(0, 360, 10)
