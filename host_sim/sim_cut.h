@@ -33,7 +33,7 @@ typedef struct {
     bool is_without_feed_forward, is_without_lead;
     bool is_traced; ///< the firmware records every tick; drain sim_firmware_trace()
     uint64_t seed;
-    double max_s;    ///< [s] of machine time; 0: twice the plan and a minute
+    double max_s;    ///< [s] of machine time; 0: twice engaging, cut and disengaging, and a minute
     double slice_s;  ///< [s] of the removal measured; 0: a 120th of the mean turn
     double kc_n_mm2; ///< specific cutting force
     double nose_mm;  ///< radius of the tool's nose; 0: the surface between tracks is not made

@@ -256,10 +256,16 @@ static bool place_scallop(sim_cut_t *cut, sim_error_t *e)
     return true;
 }
 
+/// Twice the turns from engaging to the end, and a minute, for spin-up and homing.
+static double longest_s(const sim_cut_t *cut, double turn_s)
+{
+    const double turns =
+        cut->params.engage_turns + sim_cut_planned_turns(cut) + cut->params.disengage_turns;
+    return 2.0 * turns * turn_s + 60.0;
+}
+
 static void plan(sim_cut_t *cut)
 {
-    const double turns = sim_cut_planned_turns(cut);
-    const double planned_s = turns * 60e3 / cut->feasibility.speed_mrpm;
     const double turn_s = 60e3 / cut->feasibility.speed_mrpm;
     const sim_removal_config_t removal = {
         .blank_mm = cut->work.blank_mm,
@@ -268,7 +274,7 @@ static void plan(sim_cut_t *cut)
         .kc_n_mm2 = cut->options.kc_n_mm2,
     };
     sim_removal_init(&cut->removal, &removal);
-    cut->max_s = cut->options.max_s > 0.0 ? cut->options.max_s : 2.0 * planned_s + 60.0;
+    cut->max_s = cut->options.max_s > 0.0 ? cut->options.max_s : longest_s(cut, turn_s);
     cut->phase_turn = cut->params.phase_udeg / SIM_UDEG_PER_TURN;
     cut->until_poll = sim_cut_poll_ticks;
     cut->n_waiting = cut->options.n_injects;

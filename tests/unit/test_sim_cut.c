@@ -180,6 +180,16 @@ static void test_time_is_limited(void)
     TEST_ASSERT_EQUAL_INT(sim_cut_timeout, run());
 }
 
+static void test_time_is_enough_for_engaging_and_disengaging(void)
+{
+    options.rpm = 60.0;
+    TEST_ASSERT_TRUE(sim_wishes_add(&options.wishes, "engage_turns", 30, "test", &error));
+    TEST_ASSERT_TRUE(sim_wishes_add(&options.wishes, "disengage_turns", 70, "test", &error));
+    TEST_ASSERT_EQUAL_INT(sim_cut_done, run());
+    TEST_ASSERT_DOUBLE_WITHIN(0.1, 2.0 * 112.0 + 60.0, cut.max_s);
+    TEST_ASSERT_TRUE(cut.machine.time_s > 2.0 * 12.0 + 60.0);
+}
+
 static void test_infeasible_speed_is_refused_with_numbers(void)
 {
     options.rpm = 5000.0;
@@ -221,6 +231,7 @@ int main(void)
     RUN_TEST(test_cut_that_is_stopped_before_it_begins_is_not_gauged);
     RUN_TEST(test_whole_cam_has_a_whole_turn_of_every_lobe);
     RUN_TEST(test_time_is_limited);
+    RUN_TEST(test_time_is_enough_for_engaging_and_disengaging);
     RUN_TEST(test_infeasible_speed_is_refused_with_numbers);
     RUN_TEST(test_damaged_table_is_refused);
     RUN_TEST(test_late_tick_lets_the_machine_live_longer);
