@@ -305,6 +305,24 @@ def test_feed_beyond_the_height_names_the_feed(tmp_path: Path) -> None:
     assert line.startswith("camsim: --feed 10: infeasible:") and "at most --feed 5" in line
 
 
+def test_speed_that_counts_as_stopped_is_not_recommended(
+    table_of: Callable[[str], Path],
+) -> None:
+    """Of the two remedies only the feed is left, and works; where less counts, the speed, too."""
+    words = ("run", table_of("camshaft"), "--machine", MACHINE, *SHORT[2:])
+    line = only_error(camsim(*words, "--feed", "4"))
+    found = re.search(r"mm/s2; give at most --feed (\S+)$", line)
+    assert found, line
+    done = camsim(*words, "--feed", found[1], "--turns-limit", "1")
+    assert done.returncode == 0, done.stderr
+    slow = ("--feed", "4", "--set", "stopped_mrpm=2000")
+    line = only_error(camsim(*words, *slow))
+    found = re.search(r"mm/s2; give at most --rpm (\S+) or --feed \S+$", line)
+    assert found, line
+    done = camsim(*words, *slow, "--rpm", found[1], "--turns-limit", "1")
+    assert done.returncode == 0, done.stderr
+
+
 def test_weak_machine_is_refused_with_the_numbers(table_of: Callable[[str], Path]) -> None:
     """The default machine is that of pistons: its U has no room for a lift."""
     line = only_error(camsim("run", table_of("cam-disc")))

@@ -199,6 +199,16 @@ static void test_infeasible_speed_is_refused_with_numbers(void)
     TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, "at most --rpm"), error.text);
 }
 
+static void test_speed_that_counts_as_stopped_is_no_remedy(void)
+{
+    options.config.machine.spindle_limit_rpm = 900.0;
+    TEST_ASSERT_FALSE(open_cut());
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, "; give at most --rpm 900.000"), error.text);
+    TEST_ASSERT_TRUE(sim_wishes_add(&options.wishes, "stopped_mrpm", 900001, "test", &error));
+    TEST_ASSERT_FALSE(open_cut());
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, "; no speed helps"), error.text);
+}
+
 static void test_damaged_table_is_refused(void)
 {
     image.bytes[300] ^= 4u;
@@ -233,6 +243,7 @@ int main(void)
     RUN_TEST(test_time_is_limited);
     RUN_TEST(test_time_is_enough_for_engaging_and_disengaging);
     RUN_TEST(test_infeasible_speed_is_refused_with_numbers);
+    RUN_TEST(test_speed_that_counts_as_stopped_is_no_remedy);
     RUN_TEST(test_damaged_table_is_refused);
     RUN_TEST(test_late_tick_lets_the_machine_live_longer);
     return UNITY_END();
