@@ -93,9 +93,13 @@ static void strip(char *text)
     *c = '\0';
 }
 
-static bool check_line(reader_t *r, size_t length, size_t max_length)
+/// inih takes strings, which would end at a NUL byte.
+static bool check_line(reader_t *r, const char *text, size_t length, size_t max_length)
 {
-    if (length > max_length) {
+    if (memchr(text, '\0', length) != NULL) {
+        r->is_wrong = true;
+        (void)sim_error(r->e, "%s: line %d: has a NUL byte; give a text file", r->path, r->line);
+    } else if (length > max_length) {
         r->is_wrong = true;
         (void)sim_error(r->e, "%s: line %d: longer than %zu characters; shorten it", r->path,
                         r->line, max_length);
@@ -117,7 +121,7 @@ static char *read_line(char *line, int size, void *user)
     const size_t length = end != NULL ? (size_t)(end - text) : left;
     r->at += end != NULL ? length + 1u : length;
     r->line++;
-    if (!check_line(r, length, (size_t)size - 2u)) {
+    if (!check_line(r, text, length, (size_t)size - 2u)) {
         return NULL;
     }
     memcpy(line, text, length);
