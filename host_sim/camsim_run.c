@@ -126,7 +126,21 @@ static void explain_fault(const sim_cut_t *cut, const char *table, sim_error_t *
         cam_state_name(cut->fault_state), cut->fault_z_mm);
 }
 
-/// Which surface has no sample of the gauge.
+/// A feed of half a lobe, or of half the present one, leaves a whole turn on it.
+static void explain_lobe(const sim_cut_t *cut, const char *table, sim_error_t *e)
+{
+    const uint32_t i = sim_cut_lobe_without_turn(cut);
+    const sim_cam_lobe_t *lobe = &cut->design.cam.lobe[i];
+    const double high_mm = lobe->z_last_mm - lobe->z_first_mm;
+    const double feed_mm = sim_cut_feed_mm(cut);
+    (void)sim_error(e,
+                    "%s: not gauged: lobe %u has %llu samples of the %d of a whole turn; "
+                    "give at most --feed %.4g",
+                    table, (unsigned)i, (unsigned long long)cut->cam.gauge[i].n, sim_cam_dexels,
+                    0.5 * (high_mm < feed_mm ? high_mm : feed_mm));
+}
+
+/// Which surface the gauge has not seen.
 static void explain_not_gauged(const sim_cut_t *cut, const char *table, sim_error_t *e)
 {
     if (cut->work.n == 0u) {
@@ -136,8 +150,7 @@ static void explain_not_gauged(const sim_cut_t *cut, const char *table, sim_erro
                         table, camsim_summary_end(cut));
         return;
     }
-    (void)sim_error(e, "%s: not gauged: lobe %u has no sample; give less --feed than %.6g mm",
-                    table, (unsigned)sim_cut_lobe_without_sample(cut), sim_cut_feed_mm(cut));
+    explain_lobe(cut, table, e);
 }
 
 static int judge(const run_t *r)

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_config.h"
-#include <ctype.h>  // isspace
-#include <errno.h>  // errno
-#include <ini.h>    // ini_parse_stream
-#include <stddef.h> // offsetof
-#include <stdio.h>  // fopen
-#include <string.h> // strchr, strcmp
+#include "sim_file.h" // sim_file_read
+#include <ctype.h>    // isspace
+#include <ini.h>      // ini_parse_stream
+#include <stddef.h>   // offsetof
+#include <stdio.h>    // snprintf
+#include <string.h>   // memchr, strchr, strcmp
+
+enum { max_bytes = 1 << 20 };
 
 typedef struct {
     const char *section, *key;
@@ -63,7 +65,8 @@ enum { n_fields = sizeof fields / sizeof fields[0] };
 typedef struct {
     sim_config_t *config;
     const char *path;
-    FILE *stream;
+    sim_file_t file;
+    size_t at; ///< byte at which the next line begins
     int line;
     bool is_seen[n_fields], is_name_seen;
     bool is_wrong;
@@ -90,22 +93,39 @@ static void strip(char *text)
     *c = '\0';
 }
 
+/// inih takes strings, which would end at a NUL byte.
+static bool check_line(reader_t *r, const char *text, size_t length, size_t max_length)
+{
+    if (memchr(text, '\0', length) != NULL) {
+        r->is_wrong = true;
+        (void)sim_error(r->e, "%s: line %d: has a NUL byte; give a text file", r->path, r->line);
+    } else if (length > max_length) {
+        r->is_wrong = true;
+        (void)sim_error(r->e, "%s: line %d: longer than %zu characters; shorten it", r->path,
+                        r->line, max_length);
+    }
+    return !r->is_wrong;
+}
+
 /// inih takes an indented line for more of the value before; TOML does not, so lines come
 /// unindented.
 static char *read_line(char *line, int size, void *user)
 {
     reader_t *r = user;
-    if (r->is_wrong || fgets(line, size, r->stream) == NULL) {
+    const size_t left = r->file.size - r->at;
+    if (r->is_wrong || left == 0u) {
         return NULL;
     }
+    const char *text = (const char *)r->file.bytes + r->at;
+    const char *end = memchr(text, '\n', left);
+    const size_t length = end != NULL ? (size_t)(end - text) : left;
+    r->at += end != NULL ? length + 1u : length;
     r->line++;
-    const size_t length = strlen(line);
-    if (length + 1u == (size_t)size && line[length - 1u] != '\n') {
-        r->is_wrong = true;
-        (void)sim_error(r->e, "%s: line %d: longer than %d characters; shorten it", r->path,
-                        r->line, size - 2);
+    if (!check_line(r, text, length, (size_t)size - 2u)) {
         return NULL;
     }
+    memcpy(line, text, length);
+    line[length] = '\0';
     const size_t n_blanks = strspn(line, " \t");
     memmove(line, line + n_blanks, length - n_blanks + 1u);
     return line;
@@ -214,18 +234,13 @@ static int on_value(void *user, const char *section, const char *key, const char
 bool sim_config_load(sim_config_t *config, const char *path, sim_error_t *e)
 {
     reader_t r = {.config = config, .path = path, .e = e};
-    r.stream = fopen(path, "r");
-    if (r.stream == NULL) {
-        return sim_error(e, "%s: cannot be opened: %s; check the path", path, strerror(errno));
-    }
-    const int result = ini_parse_stream(read_line, &r, on_value, &r);
-    const bool is_unreadable = ferror(r.stream) != 0;
-    (void)fclose(r.stream);
-    if (r.is_wrong) {
+    if (!sim_file_read(&r.file, path, max_bytes, e)) {
         return false;
     }
-    if (is_unreadable) {
-        return sim_error(e, "%s: cannot be read; give a readable file", path);
+    const int result = ini_parse_stream(read_line, &r, on_value, &r);
+    sim_file_free(&r.file);
+    if (r.is_wrong) {
+        return false;
     }
     if (result != 0) {
         return sim_error(e, "%s: line %d: neither [section] nor key = value; correct it", path,

@@ -25,7 +25,7 @@ typedef struct {
 /// The default machine.
 sim_config_t sim_config_defaults(void);
 
-/// Read a machine file over the present content of *config.
+/// Read a machine file of at most 1 MiB, without NUL bytes, over the present content of *config.
 /// @return false and *e on the first thing wrong
 bool sim_config_load(sim_config_t *config, const char *path, sim_error_t *e);
 

@@ -38,10 +38,10 @@ double sim_cut_planned_turns(const sim_cut_t *cut)
     return fed + (ramp < fed ? ramp : fed); // the rising and the falling half
 }
 
-uint32_t sim_cut_lobe_without_sample(const sim_cut_t *cut)
+uint32_t sim_cut_lobe_without_turn(const sim_cut_t *cut)
 {
     uint32_t i = 0;
-    while (i < cut->design.cam.n_lobes && cut->cam.gauge[i].n > 0u) {
+    while (i < cut->design.cam.n_lobes && cut->cam.gauge[i].n >= sim_cam_dexels) {
         i++;
     }
     return i;
@@ -53,7 +53,7 @@ bool sim_cut_is_gauged(const sim_cut_t *cut)
     const bool is_whole = !cut->is_stopped || cut->cut_turns >= sim_cut_planned_turns(cut);
     const bool has_lobes = cut->design.shape == sim_shape_cam && is_whole;
     return cut->work.n > 0u &&
-           (!has_lobes || sim_cut_lobe_without_sample(cut) == cut->design.cam.n_lobes);
+           (!has_lobes || sim_cut_lobe_without_turn(cut) == cut->design.cam.n_lobes);
 }
 
 double sim_cut_following_rms_um(const sim_cut_t *cut)

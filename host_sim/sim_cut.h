@@ -33,7 +33,7 @@ typedef struct {
     bool is_without_feed_forward, is_without_lead;
     bool is_traced; ///< the firmware records every tick; drain sim_firmware_trace()
     uint64_t seed;
-    double max_s;    ///< [s] of machine time; 0: twice the plan and a minute
+    double max_s;    ///< [s] of machine time; 0: twice engaging, cut and disengaging, and a minute
     double slice_s;  ///< [s] of the removal measured; 0: a 120th of the mean turn
     double kc_n_mm2; ///< specific cutting force
     double nose_mm;  ///< radius of the tool's nose; 0: the surface between tracks is not made
@@ -128,12 +128,13 @@ bool sim_cut_has_rings(const sim_cut_t *cut);
 double sim_cut_planned_turns(const sim_cut_t *cut);
 
 /// What no gauge has seen is not known to be good.
-/// @return false when nothing was cut to full depth, or a lobe of a cam that was cut to its end has
-///         no sample; of a cut that the operator ends early what was cut counts
+/// @return false when nothing was cut to full depth, or a lobe of a cam that was cut to its end was
+///         not gauged all round; of a cut that the operator ends early what was cut counts
 bool sim_cut_is_gauged(const sim_cut_t *cut);
 
-/// @return first lobe of a cam without a sample; the number of lobes when there is none
-uint32_t sim_cut_lobe_without_sample(const sim_cut_t *cut);
+/// As the contact only goes on, a whole turn has been gauged with a sample per dexel.
+/// @return first lobe of a cam with fewer samples; the number of lobes when there is none
+uint32_t sim_cut_lobe_without_turn(const sim_cut_t *cut);
 
 /// @return [um] rms following error, 0 without samples
 double sim_cut_following_rms_um(const sim_cut_t *cut);

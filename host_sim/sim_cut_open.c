@@ -158,14 +158,21 @@ static const char *unit_of(cam_err_t err, double *per_unit)
     }
 }
 
-/// What would do: a lower speed, a smaller feed.
-static void put_remedy(const cam_feasibility_t *f, char *to, size_t size)
+/// A speed that the machine can, and that does not count as stopped.
+static bool is_speed(const sim_cut_t *cut, uint32_t mrpm)
 {
+    return mrpm > 0u && sim_slow_is_turning(&cut->table, &cut->params, mrpm * 1e-3);
+}
+
+/// What would do: a lower speed, a smaller feed.
+static void put_remedy(const sim_cut_t *cut, char *to, size_t size)
+{
+    const cam_feasibility_t *f = &cut->feasibility;
     char feed[40] = "";
     if (f->largest_feed_nm > 0u) {
         (void)snprintf(feed, sizeof feed, "--feed %.12g", f->largest_feed_nm * 1e-6);
     }
-    if (f->highest_mrpm > 0u) {
+    if (is_speed(cut, f->highest_mrpm)) {
         (void)snprintf(to, size, "give at most --rpm %.3f%s%s", f->highest_mrpm * 1e-3,
                        feed[0] != '\0' ? " or " : "", feed);
     } else if (feed[0] != '\0') {
@@ -176,12 +183,13 @@ static void put_remedy(const cam_feasibility_t *f, char *to, size_t size)
 }
 
 /// Asked, needed, limit, and what would do.
-static bool infeasible(const cam_feasibility_t *f, sim_error_t *e)
+static bool infeasible(const sim_cut_t *cut, sim_error_t *e)
 {
+    const cam_feasibility_t *f = &cut->feasibility;
     double scale;
     const char *unit = unit_of(f->err, &scale);
     char remedy[80];
-    put_remedy(f, remedy, sizeof remedy);
+    put_remedy(cut, remedy, sizeof remedy);
     if (f->err == cam_err_feed) {
         return sim_error(e, "--feed %.12g: infeasible: %s; give at most --feed %.12g",
                          (double)f->needed * 1e-6, cam_err_text(f->err), (double)f->limit * 1e-6);
@@ -206,7 +214,7 @@ static bool check_feasible(sim_cut_t *cut, sim_error_t *e)
 {
     cut->feasibility = sim_firmware_feasibility(&cut->firmware);
     if (cut->feasibility.err != cam_ok) {
-        return infeasible(&cut->feasibility, e);
+        return infeasible(cut, e);
     }
     return sim_slow_check(&cut->table, &cut->params, &cut->feasibility, e);
 }
@@ -256,10 +264,16 @@ static bool place_scallop(sim_cut_t *cut, sim_error_t *e)
     return true;
 }
 
+/// Twice the turns from engaging to the end, and a minute, for spin-up and homing.
+static double longest_s(const sim_cut_t *cut, double turn_s)
+{
+    const double turns =
+        cut->params.engage_turns + sim_cut_planned_turns(cut) + cut->params.disengage_turns;
+    return 2.0 * turns * turn_s + 60.0;
+}
+
 static void plan(sim_cut_t *cut)
 {
-    const double turns = sim_cut_planned_turns(cut);
-    const double planned_s = turns * 60e3 / cut->feasibility.speed_mrpm;
     const double turn_s = 60e3 / cut->feasibility.speed_mrpm;
     const sim_removal_config_t removal = {
         .blank_mm = cut->work.blank_mm,
@@ -268,7 +282,7 @@ static void plan(sim_cut_t *cut)
         .kc_n_mm2 = cut->options.kc_n_mm2,
     };
     sim_removal_init(&cut->removal, &removal);
-    cut->max_s = cut->options.max_s > 0.0 ? cut->options.max_s : 2.0 * planned_s + 60.0;
+    cut->max_s = cut->options.max_s > 0.0 ? cut->options.max_s : longest_s(cut, turn_s);
     cut->phase_turn = cut->params.phase_udeg / SIM_UDEG_PER_TURN;
     cut->until_poll = sim_cut_poll_ticks;
     cut->n_waiting = cut->options.n_injects;

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
+#define _POSIX_C_SOURCE 200809L // NOLINT(bugprone-reserved-identifier): stat
 #include "sim_file.h"
-#include <errno.h>  // errno
-#include <stdio.h>  // fopen
-#include <stdlib.h> // aligned_alloc, free
-#include <string.h> // memcpy, strerror
+#include <errno.h>    // errno
+#include <stdio.h>    // fopen
+#include <stdlib.h>   // aligned_alloc, free
+#include <string.h>   // memcpy, strerror
+#include <sys/stat.h> // stat
 
 enum { first_bytes = 65536, alignment = 32 };
 
@@ -27,7 +29,7 @@ static bool grow(sim_file_t *f, size_t capacity)
     return true;
 }
 
-/// Grows as it reads, so a pipe or a file that grows is no problem.
+/// Grows as it reads, so a file that grows is no problem.
 static bool read_all(sim_file_t *f, FILE *stream, const char *path, size_t max_bytes,
                      sim_error_t *e)
 {
@@ -50,12 +52,29 @@ static bool read_all(sim_file_t *f, FILE *stream, const char *path, size_t max_b
     }
 }
 
+/// A pipe would be waited for, a device may never end.
+static FILE *open_regular(const char *path, sim_error_t *e)
+{
+    struct stat about;
+    const bool is_there = stat(path, &about) == 0;
+    if (is_there && !S_ISREG(about.st_mode)) {
+        (void)sim_error(e, "%s: %s; give a file", path,
+                        S_ISDIR(about.st_mode) ? "is a folder" : "is no regular file");
+        return NULL;
+    }
+    FILE *stream = is_there ? fopen(path, "rb") : NULL;
+    if (stream == NULL) {
+        (void)sim_error(e, "%s: cannot be opened: %s; check the path", path, strerror(errno));
+    }
+    return stream;
+}
+
 bool sim_file_read(sim_file_t *f, const char *path, size_t max_bytes, sim_error_t *e)
 {
     *f = (sim_file_t){0};
-    FILE *stream = fopen(path, "rb");
+    FILE *stream = open_regular(path, e);
     if (stream == NULL) {
-        return sim_error(e, "%s: cannot be opened: %s; check the path", path, strerror(errno));
+        return false;
     }
     const bool is_good = read_all(f, stream, path, max_bytes, e);
     (void)fclose(stream);

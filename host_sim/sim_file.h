@@ -13,7 +13,7 @@ typedef struct {
 } sim_file_t;
 
 /// @param max_bytes  more is refused
-/// @return           false and *e when the file cannot be read or is too large
+/// @return           false and *e when it is no regular file, cannot be read or is too large
 bool sim_file_read(sim_file_t *f, const char *path, size_t max_bytes, sim_error_t *e);
 
 void sim_file_free(sim_file_t *f);

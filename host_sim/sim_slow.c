@@ -60,9 +60,10 @@ double sim_slow_longest_s(const cam_table_t *table, const cam_params_t *params, 
     return longest_s;
 }
 
-static bool is_turning(const cam_table_t *t, const cam_params_t *p, double mean_rpm)
+bool sim_slow_is_turning(const cam_table_t *table, const cam_params_t *params, double mean_rpm)
 {
-    return mean_rpm >= stopped_rpm(p) && sim_slow_longest_s(t, p, mean_rpm) * 1e3 <= p->stopped_ms;
+    return mean_rpm >= stopped_rpm(params) &&
+           sim_slow_longest_s(table, params, mean_rpm) * 1e3 <= params->stopped_ms;
 }
 
 /// What is never slower than that is safe from lag and ripple, too.
@@ -85,7 +86,7 @@ bool sim_slow_check(const cam_table_t *table, const cam_params_t *params,
                     const cam_feasibility_t *feasibility, sim_error_t *e)
 {
     const double mean_rpm = feasibility->speed_mrpm * 1e-3;
-    if (is_turning(table, params, mean_rpm)) {
+    if (sim_slow_is_turning(table, params, mean_rpm)) {
         return true;
     }
     const sim_error_t what = remedy(table, params, feasibility);

@@ -19,6 +19,9 @@
 ///         all heights and 1440 angles; twice the turn where it always is
 double sim_slow_longest_s(const cam_table_t *table, const cam_params_t *params, double mean_rpm);
 
+/// @return false when the controller would take a spindle of that mean speed for stopped
+bool sim_slow_is_turning(const cam_table_t *table, const cam_params_t *params, double mean_rpm);
+
 /// @param feasibility  of the mean speed, which is within all limits
 /// @return             false and *e, with what would do, when that speed is so slow
 bool sim_slow_check(const cam_table_t *table, const cam_params_t *params,

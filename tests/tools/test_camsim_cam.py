@@ -128,6 +128,23 @@ def test_each_lobe_is_gauged_by_itself(table_of: Callable[[str], Path], tmp_path
     assert summary["cut"]["gouge_um"] <= 0.05
 
 
+def test_lobe_that_was_not_cut_all_round_is_not_good(
+    table_of: Callable[[str], Path], tmp_path: Path
+) -> None:
+    """Three quarters of a turn leave the rest unseen: status 1; the feed that is told is good."""
+    table = table_of("camshaft")
+    slow = ("--rpm", "3", "--set", "stopped_mrpm=2000")
+    words = ("run", table, "--machine", MACHINE, *SHORT[2:], *slow)
+    done = camsim(*words, "--feed", "4", "--summary", tmp_path / "s.json")
+    summary = json.loads((tmp_path / "s.json").read_text())
+    least = summary["cam"]["lobes"][1]["samples"]
+    assert 2600 < least < 2800
+    assert (done.returncode, summary["is_good"]) == (1, False)
+    told = f"not gauged: lobe 1 has {least} samples of the 3600 of a whole turn; give at most"
+    assert done.stderr == f"camsim: {table}: {told} --feed 1.5\n"
+    assert camsim(*words, "--feed", "1.5").returncode == 0
+
+
 def test_listed_lift_is_gauged_against_its_spline(tmp_path: Path) -> None:
     """Points of a lift, given by list: the report holds the pieces of the spline itself."""
     degrees = np.arange(0, 360, 10)
@@ -286,6 +303,24 @@ def test_feed_beyond_the_height_names_the_feed(tmp_path: Path) -> None:
     words = ("--machine", MACHINE, "--feed", "10")
     line = only_error(camsim("run", tmp_path / "cam-disc.camtab", *words))
     assert line.startswith("camsim: --feed 10: infeasible:") and "at most --feed 5" in line
+
+
+def test_speed_that_counts_as_stopped_is_not_recommended(
+    table_of: Callable[[str], Path],
+) -> None:
+    """Of the two remedies only the feed is left, and works; where less counts, the speed, too."""
+    words = ("run", table_of("camshaft"), "--machine", MACHINE, *SHORT[2:])
+    line = only_error(camsim(*words, "--feed", "4"))
+    found = re.search(r"mm/s2; give at most --feed (\S+)$", line)
+    assert found, line
+    done = camsim(*words, "--feed", found[1], "--turns-limit", "1")
+    assert done.returncode == 0, done.stderr
+    slow = ("--feed", "4", "--set", "stopped_mrpm=2000")
+    line = only_error(camsim(*words, *slow))
+    found = re.search(r"mm/s2; give at most --rpm (\S+) or --feed \S+$", line)
+    assert found, line
+    done = camsim(*words, *slow, "--rpm", found[1], "--turns-limit", "1")
+    assert done.returncode == 0, done.stderr
 
 
 def test_weak_machine_is_refused_with_the_numbers(table_of: Callable[[str], Path]) -> None:

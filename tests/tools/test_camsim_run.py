@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import csv
 import json
+import os
 import resource
 import subprocess
 from pathlib import Path
@@ -185,6 +186,26 @@ def test_run_refuses_a_missing_table(tmp_path: Path) -> None:
     """Name the file that is not there."""
     assert "none.camtab" in only_error(camsim("run", tmp_path / "none.camtab"))
     assert "table" in only_error(camsim("run")).lower()
+
+
+@pytest.mark.parametrize("what", ["pipe", "folder"])
+def test_what_is_no_regular_file_is_refused(table: Path, tmp_path: Path, what: str) -> None:
+    """A pipe without a writer is not waited for, whatever it is given as."""
+    path = tmp_path / what
+    if what == "pipe":
+        os.mkfifo(path)
+    else:
+        path.mkdir()
+    told = {"pipe": "is no regular file", "folder": "is a folder"}[what]
+    calls: list[tuple[str | Path, ...]] = [
+        ("run", path),
+        ("eval", path),
+        ("bus", path, "--can", "none0", "--gpiochip", "none0"),
+        ("run", table, "--machine", path),
+        ("run", table, "--design", path),
+    ]
+    for words in calls:
+        assert only_error(camsim(*words)) == f"camsim: {path}: {told}; give a file"
 
 
 def test_run_refuses_a_report_of_another_table(table: Path, tmp_path: Path) -> None:

@@ -18,14 +18,19 @@ void tearDown(void)
     (void)remove(path);
 }
 
-static bool load(const char *text)
+static bool load_bytes(const char *bytes, size_t size)
 {
-    FILE *f = fopen(path, "w");
+    FILE *f = fopen(path, "wb");
     TEST_ASSERT_NOT_NULL(f);
-    (void)fputs(text, f);
+    TEST_ASSERT_EQUAL_size_t(size, fwrite(bytes, 1, size, f));
     TEST_ASSERT_EQUAL_INT(0, fclose(f));
     config = sim_config_defaults();
     return sim_config_load(&config, path, &error);
+}
+
+static bool load(const char *text)
+{
+    return load_bytes(text, strlen(text));
 }
 
 static void refused(const char *text, const char *why)
@@ -109,6 +114,33 @@ static void test_load_refuses_a_line_that_is_too_long(void)
     refused(text, "longer than");
 }
 
+static void test_load_takes_a_last_line_without_an_end(void)
+{
+    TEST_ASSERT_TRUE_MESSAGE(load(""), error.text);
+    TEST_ASSERT_TRUE_MESSAGE(load("[u]\r\n\ndelay_us = 15"), error.text);
+    TEST_ASSERT_TRUE(config.machine.axis[0].delay_us == 15.0);
+}
+
+static void test_load_refuses_a_nul_byte(void)
+{
+    static const char head[] = "\0\0garbage";
+    static const char middle[] = "[u]\ndelay_us = 15\0garbage\n";
+    TEST_ASSERT_FALSE(load_bytes(head, sizeof head - 1u));
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, "line 1: has a NUL byte"), error.text);
+    TEST_ASSERT_FALSE(load_bytes(middle, sizeof middle - 1u));
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, "line 2: has a NUL byte"), error.text);
+}
+
+static void test_load_refuses_a_file_that_is_too_large(void)
+{
+    enum { most = 1 << 20 };
+    static char bytes[most + 1];
+    memset(bytes, '\n', sizeof bytes);
+    TEST_ASSERT_TRUE_MESSAGE(load_bytes(bytes, most), error.text);
+    TEST_ASSERT_FALSE(load_bytes(bytes, most + 1));
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, "larger than 1048576 bytes"), error.text);
+}
+
 static void test_load_refuses_a_missing_file(void)
 {
     TEST_ASSERT_FALSE(sim_config_load(&config, "nowhere/none.toml", &error));
@@ -124,6 +156,9 @@ int main(void)
     RUN_TEST(test_load_takes_firmware_parameters);
     RUN_TEST(test_load_refuses_what_is_wrong);
     RUN_TEST(test_load_refuses_a_line_that_is_too_long);
+    RUN_TEST(test_load_takes_a_last_line_without_an_end);
+    RUN_TEST(test_load_refuses_a_nul_byte);
+    RUN_TEST(test_load_refuses_a_file_that_is_too_large);
     RUN_TEST(test_load_refuses_a_missing_file);
     return UNITY_END();
 }

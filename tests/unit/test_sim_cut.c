@@ -153,30 +153,41 @@ static void test_cut_that_is_stopped_before_it_begins_is_not_gauged(void)
     TEST_ASSERT_TRUE(sim_cut_is_gauged(&cut));
 }
 
-static void test_whole_cam_has_samples_of_every_lobe(void)
+static void test_whole_cam_has_a_whole_turn_of_every_lobe(void)
 {
     memset(&cut, 0, sizeof cut);
     cut.design.shape = sim_shape_cam;
     cut.design.cam.n_lobes = 2;
     cut.table.z_last_nm = 10000000;
     cut.table.feed_nm = 1000000;
-    cut.work.n = cut.cam.gauge[0].n = 1;
+    cut.work.n = cut.cam.gauge[0].n = sim_cam_dexels;
+    cut.cam.gauge[1].n = sim_cam_dexels - 1;
     TEST_ASSERT_FALSE(sim_cut_is_gauged(&cut));
-    TEST_ASSERT_EQUAL_UINT32(1, sim_cut_lobe_without_sample(&cut));
+    TEST_ASSERT_EQUAL_UINT32(1, sim_cut_lobe_without_turn(&cut));
     cut.is_stopped = true;
     cut.cut_turns = 9.0;
     TEST_ASSERT_TRUE(sim_cut_is_gauged(&cut)); // it ended before that lobe
     cut.cut_turns = 10.0;
     TEST_ASSERT_FALSE(sim_cut_is_gauged(&cut)); // Z led by others: their stop is the end
-    cut.cam.gauge[1].n = 1;
+    cut.cam.gauge[1].n = sim_cam_dexels;
     TEST_ASSERT_TRUE(sim_cut_is_gauged(&cut));
-    TEST_ASSERT_EQUAL_UINT32(2, sim_cut_lobe_without_sample(&cut));
+    TEST_ASSERT_EQUAL_UINT32(2, sim_cut_lobe_without_turn(&cut));
 }
 
 static void test_time_is_limited(void)
 {
     options.max_s = 0.01;
     TEST_ASSERT_EQUAL_INT(sim_cut_timeout, run());
+}
+
+static void test_time_is_enough_for_engaging_and_disengaging(void)
+{
+    options.rpm = 60.0;
+    TEST_ASSERT_TRUE(sim_wishes_add(&options.wishes, "engage_turns", 30, "test", &error));
+    TEST_ASSERT_TRUE(sim_wishes_add(&options.wishes, "disengage_turns", 70, "test", &error));
+    TEST_ASSERT_EQUAL_INT(sim_cut_done, run());
+    TEST_ASSERT_DOUBLE_WITHIN(0.1, 2.0 * 112.0 + 60.0, cut.max_s);
+    TEST_ASSERT_TRUE(cut.machine.time_s > 2.0 * 12.0 + 60.0);
 }
 
 static void test_infeasible_speed_is_refused_with_numbers(void)
@@ -186,6 +197,16 @@ static void test_infeasible_speed_is_refused_with_numbers(void)
     TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, "--rpm 5000"), error.text);
     TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, "limit 3000"), error.text);
     TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, "at most --rpm"), error.text);
+}
+
+static void test_speed_that_counts_as_stopped_is_no_remedy(void)
+{
+    options.config.machine.spindle_limit_rpm = 900.0;
+    TEST_ASSERT_FALSE(open_cut());
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, "; give at most --rpm 900.000"), error.text);
+    TEST_ASSERT_TRUE(sim_wishes_add(&options.wishes, "stopped_mrpm", 900001, "test", &error));
+    TEST_ASSERT_FALSE(open_cut());
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, "; no speed helps"), error.text);
 }
 
 static void test_damaged_table_is_refused(void)
@@ -218,9 +239,11 @@ int main(void)
     RUN_TEST(test_flip_outside_the_table_is_refused);
     RUN_TEST(test_stop_ends_the_cut_early);
     RUN_TEST(test_cut_that_is_stopped_before_it_begins_is_not_gauged);
-    RUN_TEST(test_whole_cam_has_samples_of_every_lobe);
+    RUN_TEST(test_whole_cam_has_a_whole_turn_of_every_lobe);
     RUN_TEST(test_time_is_limited);
+    RUN_TEST(test_time_is_enough_for_engaging_and_disengaging);
     RUN_TEST(test_infeasible_speed_is_refused_with_numbers);
+    RUN_TEST(test_speed_that_counts_as_stopped_is_no_remedy);
     RUN_TEST(test_damaged_table_is_refused);
     RUN_TEST(test_late_tick_lets_the_machine_live_longer);
     return UNITY_END();
