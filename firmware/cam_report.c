@@ -8,7 +8,7 @@ enum { status_hz = 100 };
 /// Pages of Detail.
 enum { page_motion, page_load, page_rate, page_table, page_crc, page_name, n_pages = 11 };
 
-enum { name_chars = 6 }; ///< of a page: numbers that a double holds
+enum { name_chars = 6 }; ///< of a page: readers take them as one number of 48 bits
 
 _Static_assert((n_pages - page_name) * name_chars >= cam_table_name_size, "the whole name");
 

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from cam_cases import cam
 
 from camsim_cases import ROOT, camsim
 from camtools.cam_generate import GeneratedCam, generate_cam
@@ -18,8 +19,6 @@ from camtools.feasibility import drift_of, highest_speed, needed_of
 from camtools.generate import generate, peaks_of_table
 from camtools.geometry import omega_rad_s
 from camtools.part import load_part
-from camtools.part_cam import CamPart
-from camtools.part_file import parse_any
 from camtools.run_cut import cam_machine_text
 from part_cases import PERKINS
 
@@ -36,9 +35,7 @@ def with_feed(text: str, feed_mm: float) -> str:
 
 def made(text: str) -> GeneratedCam:
     """Return the table of a part file's text."""
-    part = parse_any(text.encode(), "c.toml")
-    assert isinstance(part, CamPart)
-    return generate_cam(part)
+    return generate_cam(cam(text))
 
 
 def refusal(text: str) -> str:

@@ -150,9 +150,9 @@ def _laws(part: CamPart, paths: list[Follower], rpm: float) -> list[Floats]:
     return laws
 
 
-def _mixes(laws: list[Floats]) -> Iterator[Floats]:
+def _mixes(of_lobes: list[Floats]) -> Iterator[Floats]:
     """Return what the table holds between two lobes, at a quarter, half, three quarters."""
-    for below, above in pairwise(laws):
+    for below, above in pairwise(of_lobes):
         for share in _SHARES:
             yield (1 - share) * below + share * above
 
@@ -211,19 +211,13 @@ class _Turn(NamedTuple):
     angle2: Floats
     omega: Floats
 
-    def mixed(self, other: _Turn, share: float) -> _Turn:
-        """Return it on the way to another one."""
-        pairs = zip(self, other, strict=True)
-        return _Turn(*((1 - share) * one + share * two for one, two in pairs))
-
 
 def _turns(paths: list[Follower], laws: list[Floats]) -> list[_Turn]:
     turns = [
-        _Turn(path.d1, path.d2, path.angle1, path.angle2, law)
+        np.stack([path.d1, path.d2, path.angle1, path.angle2, law])
         for path, law in zip(paths, laws, strict=True)
     ]
-    between = [one.mixed(two, share) for one, two in pairwise(turns) for share in _SHARES]
-    return turns + between
+    return [_Turn(*turn) for turn in (*turns, *_mixes(turns))]
 
 
 def _needs(part: CamPart, paths: list[Follower], fed: Peaks, rpm: float) -> dict[str, float]:

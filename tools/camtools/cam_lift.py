@@ -19,6 +19,7 @@ from scipy.interpolate import BSpline, make_interp_spline
 from camtools.errors import GeometryError, InputError
 from camtools.input_file import read_limited
 from camtools.part import MAX_FILE_BYTES
+from camtools.part_base import SAME_MM
 from camtools.part_cam import (
     MAX_LIFT_MM,
     MIN_POINTS,
@@ -33,7 +34,6 @@ from camtools.sections import Floats
 
 CSV_HEADER = "angle_deg,lift_mm"
 _MAX_ROWS = 10_000
-_SAME_MM = 1e-9
 _STRAY_MM = 1e-3  # of a spline from what its points promise
 _PER_PIECE = 64
 
@@ -232,7 +232,7 @@ def make_lift(cam: Cam, lobe: Lobe, field: str) -> LiftLaw:
         assert lobe.offset_mm is not None
         return Disc(lobe.disc_radius_mm + cam.roller_radius_mm, lobe.offset_mm)
     angle_deg, lift_mm = _points(lobe, field)
-    if is_turn(angle_deg[-1] - angle_deg[0]) and abs(lift_mm[0] - lift_mm[-1]) > _SAME_MM:
+    if is_turn(angle_deg[-1] - angle_deg[0]) and abs(lift_mm[0] - lift_mm[-1]) > SAME_MM:
         problem = f"first and last point are a turn apart, {lift_mm[0]:g} and {lift_mm[-1]:g} mm"
         raise GeometryError(f"{field}.lift_mm", problem, "leave the last one out")
     law = Listed(periodic_spline(angle_deg, lift_mm))
