@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #define _POSIX_C_SOURCE 200809L // NOLINT(bugprone-reserved-identifier): clock_gettime
 #include "camsim.h"
-#include "camsim_cam.h"     // camsim_cam_check
+#include "camsim_lobe.h"    // camsim_lobe_check
 #include "camsim_out.h"     // camsim_out_t
 #include "camsim_summary.h" // camsim_summary_json
 #include "camsim_trace.h"   // camsim_trace_drain
@@ -46,7 +46,7 @@ static bool open_cut(run_t *r, common_error_t *e)
 static bool open_outputs(run_t *r, common_error_t *e)
 {
     camsim_out_watch_signals();
-    return camsim_cam_check(&r->options, &r->cut, e) &&
+    return camsim_lobe_check(&r->options, &r->cut, e) &&
            camsim_out_open(&r->trace, r->options.trace_path, "--trace", e) &&
            camsim_out_open(&r->surface, r->options.surface_path, "--surface", e) &&
            camsim_out_open(&r->summary, r->options.summary_path, "--summary", e) &&
@@ -130,14 +130,14 @@ static void explain_fault(const sim_cut_t *cut, const char *table, common_error_
 static void explain_lobe(const sim_cut_t *cut, const char *table, common_error_t *e)
 {
     const uint32_t i = sim_cut_lobe_without_turn(cut);
-    const sim_cam_lobe_t *lobe = &cut->design.cam.lobe[i];
+    const sim_lobe_t *lobe = &cut->design.lobes.lobe[i];
     const double high_mm = lobe->z_last_mm - lobe->z_first_mm;
     const double feed_mm = sim_cut_feed_mm(cut);
     (void)common_error(e,
                        "%s: not gauged: lobe %u has %llu samples of the %d of a whole turn; "
                        "give at most --feed %.4g",
-                       table, (unsigned)i, (unsigned long long)cut->cam.gauge[i].n, sim_cam_dexels,
-                       0.5 * (high_mm < feed_mm ? high_mm : feed_mm));
+                       table, (unsigned)i, (unsigned long long)cut->lobes.gauge[i].n,
+                       sim_lobe_dexels, 0.5 * (high_mm < feed_mm ? high_mm : feed_mm));
 }
 
 /// Which surface the gauge has not seen.

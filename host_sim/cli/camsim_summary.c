@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "camsim_summary.h"
-#include "camsim_cam.h" // camsim_cam_json
-#include "sim_units.h"  // SIM_TWO_PI
+#include "camsim_lobe.h" // camsim_lobe_json
+#include "sim_units.h"   // SIM_TWO_PI
 #include <cjson/cJSON.h>
 #include <stdio.h>  // printf
 #include <string.h> // strrchr
@@ -237,8 +237,8 @@ bool camsim_summary_json(camsim_out_t *o, const camsim_options_t *options, sim_c
     add_errors(root, options, cut);
     add_cut(root, cut);
     add_feasibility(root, cut);
-    camsim_cam_json(root, cut);
-    if (!camsim_cam_is(cut)) {
+    camsim_lobe_json(root, cut);
+    if (!camsim_lobe_is(cut)) {
         add_removal(root, cut);
     }
     add_scallop(root, cut);
@@ -271,7 +271,7 @@ void camsim_summary_text(const camsim_options_t *options, const sim_cut_t *cut, 
     } else {
         (void)printf("form error      not gauged: nothing was cut to full depth\n");
     }
-    camsim_cam_text(cut);
+    camsim_lobe_text(cut);
     (void)printf("machine time    %.3f s in %.3f s, %.2f million ticks/s\n", cut->machine.time_s,
                  wall_s, wall_s > 0.0 ? (double)cut->n_ticks / wall_s * 1e-6 : 0.0);
 }

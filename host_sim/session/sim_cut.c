@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_cut.h"
-#include "sim_cam_cut.h" // sim_cam_cut_gauge
-#include "sim_units.h"   // sim_fraction
-#include <math.h>        // ceil, sqrt
-#include <stdlib.h>      // free
+#include "sim_lobe_cut.h" // sim_lobe_cut_gauge
+#include "sim_units.h"    // sim_fraction
+#include <math.h>         // ceil, sqrt
+#include <stdlib.h>       // free
 
 /// A real main loop does its background work whenever the interrupt leaves time; here rarely, since
 /// a kilobyte of CRC costs as much as 10 ticks. A damaged table of 16 KB is found within 0.8 s at
@@ -41,7 +41,7 @@ double sim_cut_planned_turns(const sim_cut_t *cut)
 uint32_t sim_cut_lobe_without_turn(const sim_cut_t *cut)
 {
     uint32_t i = 0;
-    while (i < cut->design.cam.n_lobes && cut->cam.gauge[i].n >= sim_cam_dexels) {
+    while (i < cut->design.lobes.n_lobes && cut->lobes.gauge[i].n >= sim_lobe_dexels) {
         i++;
     }
     return i;
@@ -51,9 +51,9 @@ bool sim_cut_is_gauged(const sim_cut_t *cut)
 {
     // A Z that others lead ends with a stop, too.
     const bool is_whole = !cut->is_stopped || cut->cut_turns >= sim_cut_planned_turns(cut);
-    const bool has_lobes = cut->design.shape == sim_shape_cam && is_whole;
+    const bool has_lobes = cut->design.shape == sim_shape_lobes && is_whole;
     return cut->work.n > 0u &&
-           (!has_lobes || sim_cut_lobe_without_turn(cut) == cut->design.cam.n_lobes);
+           (!has_lobes || sim_cut_lobe_without_turn(cut) == cut->design.lobes.n_lobes);
 }
 
 double sim_cut_following_rms_um(const sim_cut_t *cut)
@@ -71,8 +71,8 @@ static void gauge(sim_cut_t *cut)
     cut->part_turn = sim_fraction(turn - cut->phase_turn);
     cut->z_mm = sim_machine_z_mm(m);
     cut->swing_deg = sim_machine_swing_deg(m);
-    if (cut->design.shape == sim_shape_cam) {
-        sim_cam_cut_gauge(cut, turn - cut->phase_turn);
+    if (cut->design.shape == sim_shape_lobes) {
+        sim_lobe_cut_gauge(cut, turn - cut->phase_turn);
         return;
     }
     cut->radius_mm = sim_machine_radius_mm(m);
@@ -128,7 +128,7 @@ static void observe(sim_cut_t *cut)
     if (status->state == cam_state_cutting) {
         count_cutting(cut, status);
     }
-    if (status->state == cam_state_cutting && cut->design.shape != sim_shape_cam) {
+    if (status->state == cam_state_cutting && cut->design.shape != sim_shape_lobes) {
         measure_removal(cut);
     }
 }

@@ -11,17 +11,17 @@
 #ifndef SIM_CUT_H
 #define SIM_CUT_H
 
-#include "sim_cam_work.h" // sim_cam_work_t
-#include "sim_config.h"   // sim_config_t
-#include "sim_design.h"   // sim_design_t
-#include "sim_firmware.h" // sim_firmware_t
-#include "sim_inject.h"   // sim_inject_t
-#include "sim_machine.h"  // sim_machine_t
-#include "sim_removal.h"  // sim_removal_t
-#include "sim_scallop.h"  // sim_scallop_t
-#include "sim_work.h"     // sim_work_t
-#include <stdbool.h>      // bool
-#include <stdint.h>       // uint64_t
+#include "sim_lobe_work.h" // sim_lobe_work_t
+#include "sim_config.h"    // sim_config_t
+#include "sim_design.h"    // sim_design_t
+#include "sim_firmware.h"  // sim_firmware_t
+#include "sim_inject.h"    // sim_inject_t
+#include "sim_machine.h"   // sim_machine_t
+#include "sim_removal.h"   // sim_removal_t
+#include "sim_scallop.h"   // sim_scallop_t
+#include "sim_work.h"      // sim_work_t
+#include <stdbool.h>       // bool
+#include <stdint.h>        // uint64_t
 
 enum { sim_cut_max_injects = 32, sim_cut_poll_ticks = 16 };
 
@@ -39,7 +39,7 @@ typedef struct {
     double nose_mm;  ///< radius of the tool's nose; 0: the surface between tracks is not made
     bool has_window; ///< heights of that surface are given; else four feeds in the middle
     double window_first_mm, window_last_mm;
-    double tip_mm;    ///< radius of a turned cam's tool; 0: SIM_CAM_TIP_MM
+    double tip_mm;    ///< radius of a turned cam's tool; 0: SIM_LOBE_TIP_MM
     double max_turns; ///< end the cut (operator's stop) after so many turns of cutting; 0: the
                       ///< whole part
     const char *design_path;  ///< NULL: gauge against the table itself, of a cam U alone
@@ -66,7 +66,7 @@ typedef struct {
     sim_machine_t machine;
     sim_work_t work;
     sim_scallop_t scallop;
-    sim_cam_work_t cam;    ///< of a cam only
+    sim_lobe_work_t lobes; ///< of a cam only
     sim_removal_t removal; ///< of a skirt only
     bool has_slice;        ///< the last tick finished a slice of the removal
     sim_firmware_t firmware;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cam_feed.h"    // cam_feed_least_nm
-#include "sim_cam_cut.h" // sim_cam_cut_begin
+#include "cam_feed.h"     // cam_feed_least_nm
+#include "sim_lobe_cut.h" // sim_lobe_cut_begin
 #include "sim_cut.h"
 #include "sim_slow.h"  // sim_slow_check
 #include "sim_units.h" // SIM_NM_PER_MM
@@ -65,10 +65,10 @@ static bool load_design(sim_cut_t *cut, const char *name, common_error_t *e)
 {
     if (cut->options.design_path != NULL) {
         return sim_design_load(&cut->design, cut->options.design_path, &cut->table, e) &&
-               sim_cam_cut_check(cut, name, e);
+               sim_lobe_cut_check(cut, name, e);
     }
     sim_design_from_table(&cut->design, &cut->table);
-    return sim_cam_cut_check(cut, name, e);
+    return sim_lobe_cut_check(cut, name, e);
 }
 
 /// The firmware takes rings that are nearer as so far apart: it would cut other turns than planned.
@@ -93,13 +93,14 @@ static void place_machine(sim_cut_t *cut)
 {
     const sim_machine_config_t *config = &cut->options.config.machine;
     const double blank_mm = cut->design.largest_mm + cut->table.depth_nm / SIM_NM_PER_MM;
-    const double tool_mm = cut->design.cam.follower_mm; // X carries the centre of a cam's follower
+    const double tool_mm =
+        cut->design.lobes.follower_mm; // X carries the centre of a cam's follower
     const double x_nm = (blank_mm + tool_mm + config->x_start_mm) * SIM_NM_PER_MM;
     const double z_nm = cut->table.z_first_nm - config->z_start_mm * SIM_NM_PER_MM;
     sim_work_init(&cut->work, blank_mm, cut->design.z_first_mm, cut->design.z_last_mm);
     sim_machine_init(&cut->machine, config, x_nm, z_nm, cut->options.seed);
-    if (cut->design.shape == sim_shape_cam) {
-        sim_cam_cut_begin(cut);
+    if (cut->design.shape == sim_shape_lobes) {
+        sim_lobe_cut_begin(cut);
     }
 }
 

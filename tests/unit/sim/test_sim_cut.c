@@ -153,15 +153,15 @@ static void test_cut_that_is_stopped_before_it_begins_is_not_gauged(void)
     TEST_ASSERT_TRUE(sim_cut_is_gauged(&cut));
 }
 
-static void test_whole_cam_has_a_whole_turn_of_every_lobe(void)
+static void test_whole_camshaft_has_a_whole_turn_of_every_lobe(void)
 {
     memset(&cut, 0, sizeof cut);
-    cut.design.shape = sim_shape_cam;
-    cut.design.cam.n_lobes = 2;
+    cut.design.shape = sim_shape_lobes;
+    cut.design.lobes.n_lobes = 2;
     cut.table.z_last_nm = 10000000;
     cut.table.feed_nm = 1000000;
-    cut.work.n = cut.cam.gauge[0].n = sim_cam_dexels;
-    cut.cam.gauge[1].n = sim_cam_dexels - 1;
+    cut.work.n = cut.lobes.gauge[0].n = sim_lobe_dexels;
+    cut.lobes.gauge[1].n = sim_lobe_dexels - 1;
     TEST_ASSERT_FALSE(sim_cut_is_gauged(&cut));
     TEST_ASSERT_EQUAL_UINT32(1, sim_cut_lobe_without_turn(&cut));
     cut.is_stopped = true;
@@ -169,7 +169,7 @@ static void test_whole_cam_has_a_whole_turn_of_every_lobe(void)
     TEST_ASSERT_TRUE(sim_cut_is_gauged(&cut)); // it ended before that lobe
     cut.cut_turns = 10.0;
     TEST_ASSERT_FALSE(sim_cut_is_gauged(&cut)); // Z led by others: their stop is the end
-    cut.cam.gauge[1].n = sim_cam_dexels;
+    cut.lobes.gauge[1].n = sim_lobe_dexels;
     TEST_ASSERT_TRUE(sim_cut_is_gauged(&cut));
     TEST_ASSERT_EQUAL_UINT32(2, sim_cut_lobe_without_turn(&cut));
 }
@@ -239,7 +239,7 @@ int main(void)
     RUN_TEST(test_flip_outside_the_table_is_refused);
     RUN_TEST(test_stop_ends_the_cut_early);
     RUN_TEST(test_cut_that_is_stopped_before_it_begins_is_not_gauged);
-    RUN_TEST(test_whole_cam_has_a_whole_turn_of_every_lobe);
+    RUN_TEST(test_whole_camshaft_has_a_whole_turn_of_every_lobe);
     RUN_TEST(test_time_is_limited);
     RUN_TEST(test_time_is_enough_for_engaging_and_disengaging);
     RUN_TEST(test_infeasible_speed_is_refused_with_numbers);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sim_cam_work.h"
+#include "sim_lobe_work.h"
 #include "sim_units.h" // SIM_TWO_PI
 #include "unity.h"
 #include <math.h>   // atan2, sqrt
@@ -15,9 +15,9 @@
 #define TIP_MM 0.4
 #define DEG (360.0 / SIM_TWO_PI)
 
-static sim_cam_design_t design;
+static sim_lobe_design_t design;
 static sim_work_t work;
-static sim_cam_work_t cam;
+static sim_lobe_work_t lobes;
 
 /// What is wrong with the motion.
 typedef struct {
@@ -38,13 +38,15 @@ static void begin(bool is_turned)
     design.follower_mm = is_turned ? ROLLER_MM : WHEEL_MM;
     design.is_turned = is_turned;
     design.n_lobes = 1;
-    design.lobe[0] = (sim_cam_lobe_t){
+    design.lobe[0] = (sim_lobe_t){
         .z_last_mm = 12.0,
         .phase_rad = PHASE_RAD,
-        .lift = {.law = sim_cam_lift_disc, .reach_mm = DISC_MM + ROLLER_MM, .offset_mm = OFFSET_MM},
+        .lift = {.law = sim_lobe_lift_disc,
+                 .reach_mm = DISC_MM + ROLLER_MM,
+                 .offset_mm = OFFSET_MM},
     };
     sim_work_init(&work, 30.1, 0.0, 12.0);
-    sim_cam_work_init(&cam, &design, &work, TIP_MM);
+    sim_lobe_work_init(&cam, &design, &work, TIP_MM);
 }
 
 /// The follower's centre runs on a circle about the disc's centre.
@@ -67,7 +69,7 @@ static void turn_cam(int n_turns, int ticks_per_turn, flaw_t flaw)
     for (int i = 0; i <= n_turns * ticks_per_turn + ticks_per_turn / 2; i++) {
         const double turn = (double)i / ticks_per_turn;
         const double phi = SIM_TWO_PI * turn - PHASE_RAD;
-        const sim_cam_tool_t tool = {
+        const sim_lobe_tool_t tool = {
             .t_s = i / TICKS_S,
             .turn = turn,
             .centre_mm = centre_mm(phi - flaw.behind_rad) + flaw.far_mm,
@@ -76,7 +78,7 @@ static void turn_cam(int n_turns, int ticks_per_turn, flaw_t flaw)
             .due_rad_s = SIM_TWO_PI * TICKS_S / ticks_per_turn,
             .is_counted = turn >= 0.5,
         };
-        sim_cam_work_cut(&cam, &tool);
+        sim_lobe_work_cut(&cam, &tool);
     }
 }
 
@@ -84,7 +86,7 @@ static void test_ground_disc_is_a_circle(void)
 {
     begin(false);
     turn_cam(3, 20000, (flaw_t){0});
-    TEST_ASSERT_GREATER_THAN_UINT64(2u * sim_cam_dexels, cam.gauge[0].n);
+    TEST_ASSERT_GREATER_THAN_UINT64(2u * sim_lobe_dexels, cam.gauge[0].n);
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.0, cam.gauge[0].max_um); // um: a thousandth of a nanometre
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.0, work.max_um);
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.0, work.gouge_um);
@@ -161,15 +163,15 @@ static void test_removed_metal_is_the_blank_around_the_disc(void)
     begin(false);
     turn_cam(4, 20000, (flaw_t){0});
     const double ring_mm2 = SIM_PI * (30.1 * 30.1 - DISC_MM * DISC_MM);
-    const double turns = (double)cam.gauge[0].n / sim_cam_dexels;
+    const double turns = (double)cam.gauge[0].n / sim_lobe_dexels;
     TEST_ASSERT_DOUBLE_WITHIN(1e-3 * ring_mm2, ring_mm2 * 0.1 * turns, work.removed_mm3);
 }
 
 static void test_heights_beside_the_lobe_are_not_cut(void)
 {
     begin(false);
-    const sim_cam_tool_t beside = {.centre_mm = 225.0, .z_mm = 13.0, .is_counted = true};
-    sim_cam_work_cut(&cam, &beside);
+    const sim_lobe_tool_t beside = {.centre_mm = 225.0, .z_mm = 13.0, .is_counted = true};
+    sim_lobe_work_cut(&cam, &beside);
     TEST_ASSERT_EQUAL_UINT32(design.n_lobes, cam.i_lobe);
     turn_cam(2, 20000, (flaw_t){0});
     TEST_ASSERT_EQUAL_UINT32(0u, cam.i_lobe);
@@ -183,7 +185,7 @@ static void test_lobe_entered_anywhere_is_judged_where_it_was_cut(void)
         begin(true);
         design.lobe[0].z_first_mm = 5.07 + i * 1e-5;
         turn_cam(1, 20000, (flaw_t){.swung = 1.0});
-        TEST_ASSERT_GREATER_THAN_UINT64(sim_cam_dexels / 2u, cam.gauge[0].n);
+        TEST_ASSERT_GREATER_THAN_UINT64(sim_lobe_dexels / 2u, cam.gauge[0].n);
         TEST_ASSERT_DOUBLE_WITHIN(1e-3, 0.0, cam.gauge[0].max_um);
     }
 }

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "camsim_cam.h"
-#include "sim_cam_cut.h" // sim_cam_cut_due_mm_s
-#include "sim_units.h"   // sim_abs
-#include <stdio.h>       // printf
+#include "camsim_lobe.h"
+#include "sim_lobe_cut.h" // sim_lobe_cut_due_mm_s
+#include "sim_units.h"    // sim_abs
+#include <stdio.h>        // printf
 
-bool camsim_cam_is(const sim_cut_t *cut)
+bool camsim_lobe_is(const sim_cut_t *cut)
 {
     return cut->table.angle.knots != NULL;
 }
 
-bool camsim_cam_check(const camsim_options_t *options, const sim_cut_t *cut, common_error_t *e)
+bool camsim_lobe_check(const camsim_options_t *options, const sim_cut_t *cut, common_error_t *e)
 {
-    if (!camsim_cam_is(cut)) {
+    if (!camsim_lobe_is(cut)) {
         return true;
     }
     if (cut->options.nose_mm > 0.0) {
@@ -34,15 +34,15 @@ static double largest(const sim_spread_t *s)
 
 static void add_lobe(cJSON *list, const sim_cut_t *cut, uint32_t i)
 {
-    const sim_cam_gauge_t *g = &cut->cam.gauge[i];
-    const sim_cam_lobe_t *lobe = &cut->design.cam.lobe[i];
+    const sim_lobe_gauge_t *g = &cut->lobes.gauge[i];
+    const sim_lobe_t *lobe = &cut->design.lobes.lobe[i];
     cJSON *object = cJSON_CreateObject();
     (void)cJSON_AddNumberToObject(object, "z_first_mm", lobe->z_first_mm);
     (void)cJSON_AddNumberToObject(object, "z_last_mm", lobe->z_last_mm);
     (void)cJSON_AddNumberToObject(object, "samples", (double)g->n);
     if (g->n > 0u) {
         (void)cJSON_AddNumberToObject(object, "max_um", g->max_um);
-        (void)cJSON_AddNumberToObject(object, "rms_um", sim_cam_gauge_rms_um(g));
+        (void)cJSON_AddNumberToObject(object, "rms_um", sim_lobe_gauge_rms_um(g));
         (void)cJSON_AddNumberToObject(object, "max_at_turn", g->max_turn);
         (void)cJSON_AddNumberToObject(object, "max_at_z_mm", g->max_z_mm);
     }
@@ -51,22 +51,23 @@ static void add_lobe(cJSON *list, const sim_cut_t *cut, uint32_t i)
 
 static void add_speed(cJSON *cam, const sim_cut_t *cut)
 {
-    const sim_spread_t *s = &cut->cam.speed_mm_s;
+    const sim_spread_t *s = &cut->lobes.speed_mm_s;
     if (s->n == 0u) {
         return;
     }
     cJSON *object = cJSON_AddObjectToObject(cam, "surface_speed_mm_s");
-    (void)cJSON_AddNumberToObject(object, "base_circle", sim_cam_cut_due_mm_s(cut));
+    (void)cJSON_AddNumberToObject(object, "base_circle", sim_lobe_cut_due_mm_s(cut));
     (void)cJSON_AddNumberToObject(object, "mean", sim_spread_mean(s));
     (void)cJSON_AddNumberToObject(object, "min", s->min);
     (void)cJSON_AddNumberToObject(object, "max", s->max);
-    (void)cJSON_AddNumberToObject(object, "off_plan_percent", 100.0 * largest(&cut->cam.off_plan));
+    (void)cJSON_AddNumberToObject(object, "off_plan_percent",
+                                  100.0 * largest(&cut->lobes.off_plan));
 }
 
 static void add_rake(cJSON *cam, const sim_cut_t *cut)
 {
-    const sim_cam_work_t *w = &cut->cam;
-    if (!cut->design.cam.is_turned || w->rake_deg.n == 0u) {
+    const sim_lobe_work_t *w = &cut->lobes;
+    if (!cut->design.lobes.is_turned || w->rake_deg.n == 0u) {
         return;
     }
     cJSON *object = cJSON_AddObjectToObject(cam, "rake_deg");
@@ -76,15 +77,15 @@ static void add_rake(cJSON *cam, const sim_cut_t *cut)
     (void)cJSON_AddNumberToObject(object, "without_swing_max", w->unswung_deg.max);
 }
 
-void camsim_cam_json(cJSON *root, const sim_cut_t *cut)
+void camsim_lobe_json(cJSON *root, const sim_cut_t *cut)
 {
-    if (cut->design.shape != sim_shape_cam) {
+    if (cut->design.shape != sim_shape_lobes) {
         return;
     }
-    const sim_cam_design_t *d = &cut->design.cam;
+    const sim_lobe_design_t *d = &cut->design.lobes;
     cJSON *cam = cJSON_AddObjectToObject(root, "cam");
     (void)cJSON_AddStringToObject(cam, "operation", d->is_turned ? "turning" : "grinding");
-    (void)cJSON_AddNumberToObject(cam, d->is_turned ? "tip_mm" : "wheel_mm", cut->cam.circle_mm);
+    (void)cJSON_AddNumberToObject(cam, d->is_turned ? "tip_mm" : "wheel_mm", cut->lobes.circle_mm);
     cJSON *lobes = cJSON_AddArrayToObject(cam, "lobes");
     for (uint32_t i = 0; i < d->n_lobes; i++) {
         add_lobe(lobes, cut, i);
@@ -95,8 +96,8 @@ void camsim_cam_json(cJSON *root, const sim_cut_t *cut)
 
 static void print_lobe(const sim_cut_t *cut, uint32_t i)
 {
-    const sim_cam_gauge_t *g = &cut->cam.gauge[i];
-    const sim_cam_lobe_t *lobe = &cut->design.cam.lobe[i];
+    const sim_lobe_gauge_t *g = &cut->lobes.gauge[i];
+    const sim_lobe_t *lobe = &cut->design.lobes.lobe[i];
     if (g->n == 0u) {
         (void)printf("lobe %u          %.6g .. %.6g mm: not cut\n", (unsigned)i, lobe->z_first_mm,
                      lobe->z_last_mm);
@@ -104,23 +105,23 @@ static void print_lobe(const sim_cut_t *cut, uint32_t i)
     }
     (void)printf("lobe %u          %.6g .. %.6g mm: max %.4f um at %.1f degrees, rms %.4f um\n",
                  (unsigned)i, lobe->z_first_mm, lobe->z_last_mm, g->max_um, 360.0 * g->max_turn,
-                 sim_cam_gauge_rms_um(g));
+                 sim_lobe_gauge_rms_um(g));
 }
 
-void camsim_cam_text(const sim_cut_t *cut)
+void camsim_lobe_text(const sim_cut_t *cut)
 {
-    if (cut->design.shape != sim_shape_cam || cut->work.n == 0u) {
+    if (cut->design.shape != sim_shape_lobes || cut->work.n == 0u) {
         return;
     }
-    const sim_cam_work_t *w = &cut->cam;
-    for (uint32_t i = 0; cut->design.cam.n_lobes > 1u && i < cut->design.cam.n_lobes; i++) {
+    const sim_lobe_work_t *w = &cut->lobes;
+    for (uint32_t i = 0; cut->design.lobes.n_lobes > 1u && i < cut->design.lobes.n_lobes; i++) {
         print_lobe(cut, i);
     }
     (void)printf(
         "surface speed   %.3f .. %.3f mm/s, base circle %.3f; off the table's by %.2f %%\n",
-        w->speed_mm_s.min, w->speed_mm_s.max, sim_cam_cut_due_mm_s(cut),
+        w->speed_mm_s.min, w->speed_mm_s.max, sim_lobe_cut_due_mm_s(cut),
         100.0 * largest(&w->off_plan));
-    if (cut->design.cam.is_turned) {
+    if (cut->design.lobes.is_turned) {
         (void)printf("effective rake  varies by %.4f .. %.4f degrees; without the swing by "
                      "%.2f .. %.2f\n",
                      w->rake_deg.min, w->rake_deg.max, w->unswung_deg.min, w->unswung_deg.max);
