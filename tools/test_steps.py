@@ -28,8 +28,8 @@ PIL_PATHS = ("tests/pil",)
 # What drives the simulator, once more under the sanitizers.
 SIMULATOR_PATHS = (
     "tests/scenarios",
-    "tests/tools/test_camsim_run.py",
-    "tests/tools/test_camsim_eval.py",
+    "tests/tools/sim/test_camsim_run.py",
+    "tests/tools/sim/test_camsim_eval.py",
 )
 # The flashable image in an emulator, compared with a program of the host build.
 IMAGE_PATHS = ("tests/stm32",)
@@ -221,9 +221,9 @@ def main() -> int:
         coverage(tally)
         for board in ("mcu-qemu", "mcu-qemu-m4"):
             if build_and_ctest(tally, board):
-                same = (PYTHON, "-m", "camtools.same_bytes", board, "test_budget")
+                same = (PYTHON, "-m", "checks.same_bytes", board, "test_budget")
                 gate(tally, f"same bytes {board}", *same)
-        gate(tally, "cycles", PYTHON, "-m", "camtools.cycles", BUILD)
+        gate(tally, "cycles", PYTHON, "-m", "checks.cycles", BUILD)
         if build(tally, "mcu-stm32h743"):
             pytest(tally, "host", IMAGE_PATHS, *PARALLEL)
         pytest(tally, "host", PIL_PATHS)  # the simulator of the host, the images of both boards
