@@ -1,4 +1,4 @@
-"""The table image, bytes <-> dataclasses, exactly as firmware/TABLE_FORMAT.md.
+"""The table image, bytes <-> dataclasses, exactly as firmware/table/TABLE_FORMAT.md.
 
 >>> slices_per_nm_q48(32, 0, 62_000_000)
 140737488

@@ -121,7 +121,7 @@ class PolySurface:
         return _horner(np.einsum("pkl,pl->pk", self.coefficients[j, i], powers), t, slope)
 
     def document(self) -> dict[str, Any]:
-        """Return what a gauge needs, as JSON values; host_sim/sim_design.h tells the layout."""
+        """Return what a gauge needs, as JSON values; host_sim/part/sim_design.h tells the layout."""
         joint = self.joint_turn
         kind: dict[str, Any] = {"angle": "turn"}
         if joint is not None:
