@@ -31,7 +31,8 @@ typedef struct {
     uint64_t needed; ///< in the same unit, rounded up; it never falls with speed or feed
 } cam_demand_t;
 
-/// @return the first limit that a cut exceeds, cam_ok with none. Source: maths.md sections 3, 8.
+/// @return the first limit that a cut exceeds, cam_ok with none. Source: MATHS.md (61) .. (64),
+/// (42), (44).
 cam_demand_t cam_demand_first_exceeded(const cam_cut_t *c);
 
 #endif

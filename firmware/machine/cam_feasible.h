@@ -29,7 +29,7 @@ typedef struct {
 ///                    acceleration of the swing by 1 %; the highest speed and the largest feed are
 ///                    the largest that pass
 /// It is judged some 50 times over.
-/// Context: slow side. Source: maths.md section 3.
+/// Context: slow side. Source: MATHS.md (61).
 cam_feasibility_t cam_feasible(const cam_table_t *table, const cam_params_t *params,
                                uint32_t speed_mrpm, uint32_t tick_hz);
 

@@ -2,8 +2,8 @@
 /// cam_bounds: how large a quintic of the table and its derivatives become, between knots too.
 ///
 /// Value and first derivative lie between their Bernstein coefficients, the second derivative is
-/// taken at 32nds of every interval with a bound of what lies between. Source: Farouki, "The
-/// Bernstein polynomial basis: a centennial retrospective", CAGD 29 (2012). Context: slow side.
+/// taken at 32nds of every interval with a bound of what lies between. Source: MATHS.md (51).
+/// Context: slow side.
 #ifndef CAM_BOUNDS_H
 #define CAM_BOUNDS_H
 

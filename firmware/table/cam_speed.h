@@ -5,7 +5,8 @@
 ///     acceleration = mean^2 * r * dr/dangle
 ///     set-point = mean * (r + r * dr/dturn * L),   L = turns of mean speed in one spindle lag
 ///
-/// The set-point is the inverse of a speed loop of first order, so the spindle itself follows r.
+/// The set-point is the inverse of a speed loop of first order, so the spindle itself follows r,
+/// MATHS.md (57).
 /// Inline, constant time, cannot fail. Context: ISR unless noted.
 #ifndef CAM_SPEED_H
 #define CAM_SPEED_H

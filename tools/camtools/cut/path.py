@@ -1,4 +1,4 @@
-"""How Z follows the turns of the spindle: plain helix and ring-helix (maths.md 8).
+"""How Z follows the turns of the spindle: plain helix and ring-helix, MATHS.md (40) .. (43).
 
 A ring-helix turns a closed ring at every section of the drawing and one turn of a helix between
 two of them ("variable cross-section helix"); section distance and lead are both the feed. As

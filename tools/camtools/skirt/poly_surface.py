@@ -1,6 +1,6 @@
 """Surfaces of any shape: piecewise polynomials over angle and height, exact by definition.
 
-The reduction of the radius is, on each piece of angle i and height j,
+The reduction of the radius is, on each piece of angle i and height j, MATHS.md (19),
 
     delta = sum over k = 0 .. 5, l = 0 .. 7 of c[j, i, k, l] t^k w^l,   t, w = 0 .. 1
 

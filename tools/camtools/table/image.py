@@ -164,7 +164,7 @@ def slices_per_nm_q48(n_slices: int, z_first_nm: int, z_last_nm: int) -> int:
 
 
 def segment_coefficients(knots: Ints, *, periodic: bool) -> Ints:
-    """Return the quintics between neighbouring knots, exactly.
+    """Return the quintics between neighbouring knots, exactly, MATHS.md (46).
 
     Parameters
     ----------
