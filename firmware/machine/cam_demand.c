@@ -202,7 +202,7 @@ static uint64_t engaging(const cam_params_t *p, uint64_t f, uint64_t f1, uint64_
 /// u' omega in um/s, and what the feed adds.
 static cam_demand_t u_speed_demand(const cam_cut_t *c)
 {
-    const int64_t limit = smaller(c->p->u_speed_um_per_s, c->t->limit_u_speed_um_s);
+    const int64_t limit = smaller(c->p->u_speed_um_per_s, c->t->limit_u_speed_um_per_s);
     const uint64_t u1 = at_amplitude(c, c->t->u1_peak_nm_per_rad);
     const uint64_t turning = divided_up(u1 * angular_mrad_s(c->mean_mrpm), 1000000);
     return (cam_demand_t){cam_err_u_speed, limit, turning + at_amplitude(c, u_drift(c).speed)};
@@ -212,7 +212,7 @@ static cam_demand_t u_speed_demand(const cam_cut_t *c)
 static cam_demand_t u_acceleration_demand(const cam_cut_t *c)
 {
     const cam_table_t *t = c->t;
-    const int64_t limit = smaller(c->p->u_acceleration_mm_per_s2, t->limit_u_acceleration_mm_s2);
+    const int64_t limit = smaller(c->p->u_acceleration_mm_per_s2, t->limit_u_acceleration_mm_per_s2);
     const uint64_t u =
         greater((uint64_t)cam_abs_i64(t->u_min_nm), (uint64_t)cam_abs_i64(t->u_max_nm));
     const uint64_t most = engaging(c->p, u, t->u1_peak_nm_per_rad, t->u2_peak_nm_per_rad2);

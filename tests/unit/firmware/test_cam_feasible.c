@@ -19,8 +19,8 @@ void setUp(void)
         .spindle_mrpm = 2500000,
         .feed_nm = 100000,
         .limit_u_stroke_nm = 2000000,
-        .limit_u_speed_um_s = 10000000,
-        .limit_u_acceleration_mm_s2 = 10000000,
+        .limit_u_speed_um_per_s = 10000000,
+        .limit_u_acceleration_mm_per_s2 = 10000000,
         .limit_spindle_mrpm = 60000000,
         .u_max_nm = 150000,
         .ratio_max_q20 = CAM_TABLE_RATIO_ONE,
@@ -83,7 +83,7 @@ static void test_u_speed_limit_is_the_smaller_of_machine_and_table(void)
     params.u_speed_um_per_s = 30000;
     const double most = 30e6 / 150000 * 60000 / (2 * pi);
     expect_refused(cam_err_u_speed, 2500000, 150e3 * omega(2500e3) / 1e3, 30000, most);
-    table.limit_u_speed_um_s = 15000;
+    table.limit_u_speed_um_per_s = 15000;
     expect_refused(cam_err_u_speed, 2500000, 150e3 * omega(2500e3) / 1e3, 15000, most / 2);
 }
 
@@ -93,7 +93,7 @@ static void test_u_acceleration_limit_is_the_smaller_of_machine_and_table(void)
     const double needed = 300e3 * omega(2500e3) * omega(2500e3) / 1e6;
     const double most = sqrt(15e9 / 300e3) * 60000 / (2 * pi);
     expect_refused(cam_err_u_acceleration, 2500000, needed, 15000, most);
-    table.limit_u_acceleration_mm_s2 = 3750;
+    table.limit_u_acceleration_mm_per_s2 = 3750;
     expect_refused(cam_err_u_acceleration, 2500000, needed, 3750, most / 2);
 }
 
