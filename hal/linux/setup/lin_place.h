@@ -3,9 +3,9 @@
 #ifndef LIN_PLACE_H
 #define LIN_PLACE_H
 
-#include "lin_config.h" // lin_name_max
-#include "lin_error.h"  // lin_error_t
-#include <stdbool.h>    // bool
+#include "lin_config.h"   // lin_name_max
+#include "common_error.h" // common_error_t
+#include <stdbool.h>      // bool
 
 typedef struct {
     char chip[lin_name_max + 16]; ///< path
@@ -16,7 +16,7 @@ typedef struct {
 /// @param chip   gpiochip0 or a path, for a name
 /// @param place  name or CHIP:OFFSET; kept by reference
 /// @return       false and *e when the offset is no number
-bool lin_place_parse(lin_place_t *p, const char *chip, const char *place, lin_error_t *e);
+bool lin_place_parse(lin_place_t *p, const char *chip, const char *place, common_error_t *e);
 
 /// @return whether two places name the same line; a name and an offset are not compared
 bool lin_place_is_same(const lin_place_t *a, const lin_place_t *b);
@@ -24,6 +24,6 @@ bool lin_place_is_same(const lin_place_t *a, const lin_place_t *b);
 /// What to say of a line that cannot be had.
 /// @param err  errno
 /// @param who  its present user, "" when not known
-bool lin_place_refuse(const lin_place_t *p, int err, const char *who, lin_error_t *e);
+bool lin_place_refuse(const lin_place_t *p, int err, const char *who, common_error_t *e);
 
 #endif

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lin_bus.h"
-#include "lin_number.h" // lin_put_u16, lin_get_u32
+#include "common_bytes.h" // common_put_u16, common_get_u32
+#include "lin_number.h"   // lin_div_round
 
 enum { ns_per_ms = 1000000 };
 
@@ -26,37 +27,37 @@ void lin_bus_init(lin_bus_t *b, const lin_config_t *config)
 
 static uint32_t own_heartbeat(const lin_bus_t *b)
 {
-    return lin_id_heartbeat + (uint32_t)b->config.can.node;
+    return canopen_id_heartbeat + (uint32_t)b->config.can.node;
 }
 
 /// What only a controller sends: heard from somebody else, there are two.
 static bool is_controllers(const lin_bus_t *b, uint32_t id)
 {
-    bool is = id == lin_id_sync || id == own_heartbeat(b);
+    bool is = id == canopen_id_sync || id == own_heartbeat(b);
     for (int i = 0; i < lin_bus_n_drives; i++) {
-        is = is || (b->drive[i].node.id != 0u && id == lin_id_rpdo1 + b->drive[i].node.id);
+        is = is || (b->drive[i].node.id != 0u && id == canopen_id_rpdo1 + b->drive[i].node.id);
     }
     return is;
 }
 
 static uint32_t ids_of_node(uint32_t node, uint32_t *ids)
 {
-    ids[0] = lin_id_emcy + node;
-    ids[1] = lin_id_tpdo1 + node;
-    ids[2] = lin_id_heartbeat + node;
+    ids[0] = canopen_id_emcy + node;
+    ids[1] = canopen_id_tpdo1 + node;
+    ids[2] = canopen_id_heartbeat + node;
     return node != 0u ? 3u : 0u;
 }
 
 uint32_t lin_bus_ids(const lin_bus_t *b, uint32_t *ids)
 {
     uint32_t n = 0;
-    ids[n++] = lin_id_sync;
+    ids[n++] = canopen_id_sync;
     ids[n++] = own_heartbeat(b);
     n += ids_of_node(b->encoder_node.id, &ids[n]);
     for (int i = 0; i < lin_bus_n_drives; i++) {
         const uint32_t node = b->drive[i].node.id;
         n += ids_of_node(node, &ids[n]);
-        ids[n] = lin_id_rpdo1 + node;
+        ids[n] = canopen_id_rpdo1 + node;
         n += node != 0u ? 1u : 0u;
     }
     return n;
@@ -70,8 +71,8 @@ void lin_bus_take(lin_bus_t *b, const hal_can_frame_t *frame, int64_t ns)
         b->other_ns = ns;
         return;
     }
-    if (frame->id == lin_id_tpdo1 + b->encoder_node.id && frame->n == 4u) {
-        lin_encoder_take(&b->encoder, lin_get_u32(frame->data), ns);
+    if (frame->id == canopen_id_tpdo1 + b->encoder_node.id && frame->n == 4u) {
+        lin_encoder_take(&b->encoder, common_get_u32(frame->data), ns);
         return;
     }
     bool is_taken = lin_node_take(&b->encoder_node, frame, ns);
@@ -207,25 +208,25 @@ static uint32_t make_axis(lin_bus_t *b, int i, const lin_wants_t *wants, int64_t
     const lin_drive_t *d = &b->drive[i];
     const hal_setpoint_t *want = &wants->axis[i];
     const int64_t nm_per_s = lin_div_round((int64_t)want->vel_q10 * b->config.thread.tick_hz, 1024);
-    frames[0] = (hal_can_frame_t){.id = lin_id_rpdo1 + d->node.id, .n = 6};
-    lin_put_u16(frames[0].data, control(b, i, wants, now_ns));
-    lin_put_i32(frames[0].data + 2, lin_drive_units(d, want->pos_nm));
+    frames[0] = (hal_can_frame_t){.id = canopen_id_rpdo1 + d->node.id, .n = 6};
+    common_put_u16(frames[0].data, control(b, i, wants, now_ns));
+    common_put_i32(frames[0].data + 2, lin_drive_units(d, want->pos_nm));
     if (b->config.can.is_fd) {
         frames[0].n = 12; // 10 are no length of a frame
-        lin_put_i32(frames[0].data + 6, lin_drive_units(d, nm_per_s));
+        common_put_i32(frames[0].data + 6, lin_drive_units(d, nm_per_s));
         return 1;
     }
-    frames[1] = (hal_can_frame_t){.id = lin_id_rpdo2 + d->node.id, .n = 4};
-    lin_put_i32(frames[1].data, lin_drive_units(d, nm_per_s));
+    frames[1] = (hal_can_frame_t){.id = canopen_id_rpdo2 + d->node.id, .n = 4};
+    common_put_i32(frames[1].data, lin_drive_units(d, nm_per_s));
     return 2;
 }
 
 static uint32_t make_spindle(lin_bus_t *b, const lin_wants_t *wants, int64_t now_ns,
                              hal_can_frame_t *frame)
 {
-    *frame = (hal_can_frame_t){.id = lin_id_rpdo1 + b->drive[lin_bus_spindle].node.id, .n = 6};
-    lin_put_u16(frame->data, control(b, lin_bus_spindle, wants, now_ns));
-    lin_put_i32(frame->data + 2, wants->is_stopping ? 0 : wants->spindle_mrpm);
+    *frame = (hal_can_frame_t){.id = canopen_id_rpdo1 + b->drive[lin_bus_spindle].node.id, .n = 6};
+    common_put_u16(frame->data, control(b, lin_bus_spindle, wants, now_ns));
+    common_put_i32(frame->data + 2, wants->is_stopping ? 0 : wants->spindle_mrpm);
     return 1;
 }
 
@@ -238,11 +239,11 @@ static uint32_t make_management(lin_bus_t *b, int64_t now_ns, hal_can_frame_t *f
         frames[n++] =
             (hal_can_frame_t){.id = own_heartbeat(b),
                               .n = 1,
-                              .data = {b->is_started ? lin_nmt_operational : lin_nmt_boot_up}};
+                              .data = {b->is_started ? canopen_operational : canopen_boot_up}};
         b->heartbeat_ns = now_ns;
     }
     if (!b->is_started) {
-        frames[n++] = (hal_can_frame_t){.id = lin_id_nmt, .n = 2, .data = {1, 0}};
+        frames[n++] = (hal_can_frame_t){.id = canopen_id_nmt, .n = 2, .data = {canopen_start, 0}};
         b->is_started = true;
     }
     if ((b->outputs & hal_out_enable) == 0u) {
@@ -294,7 +295,7 @@ uint32_t lin_bus_make(lin_bus_t *b, const lin_wants_t *wants, int64_t now_ns,
     if (b->drive[lin_bus_spindle].node.id != 0u) {
         n += make_spindle(b, wants, now_ns, &frames[n]);
     }
-    frames[n++] = (hal_can_frame_t){.id = lin_id_sync};
+    frames[n++] = (hal_can_frame_t){.id = canopen_id_sync};
     return n + make_management(b, now_ns, &frames[n]);
 }
 

@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lin_check.h"
-#include "lin_encoder.h" // lin_encoder_age_us
-#include "lin_load.h"    // lin_load_of
-#include "lin_place.h"   // lin_place_parse
-#include <stdio.h>       // snprintf
-#include <string.h>      // strcmp
+#include "lin_load.h"  // lin_load_of
+#include "lin_place.h" // lin_place_parse
+#include <stdio.h>     // snprintf
+#include <string.h>    // strcmp
 
 enum { most_percent = 100, full_percent = 90, least_tick_hz = 500 };
 #define SECOND_NS INT64_C(1000000000)
 
-static bool check_nodes(const lin_config_t *c, const char *path, lin_error_t *e)
+static bool check_nodes(const lin_config_t *c, const char *path, common_error_t *e)
 {
     static const char *const keys[] = {"can.node",     "encoder.node", "drive.u.node",
                                        "drive.x.node", "drive.z.node", "spindle.node"};
@@ -23,8 +22,9 @@ static bool check_nodes(const lin_config_t *c, const char *path, lin_error_t *e)
     for (int i = 0; i < n_nodes; i++) {
         for (int k = 0; k < i; k++) {
             if (nodes[i] != 0 && nodes[i] == nodes[k]) {
-                return lin_error(e, "%s: %s = %d: taken by %s; give each node a number of its own",
-                                 path, keys[i], (int)nodes[i], keys[k]);
+                return common_error(e,
+                                    "%s: %s = %d: taken by %s; give each node a number of its own",
+                                    path, keys[i], (int)nodes[i], keys[k]);
             }
         }
     }
@@ -32,12 +32,12 @@ static bool check_nodes(const lin_config_t *c, const char *path, lin_error_t *e)
 }
 
 /// A frame comes once a tick; at the next tick it is as old as that and its delay.
-static bool check_age(const lin_config_t *c, const char *path, lin_error_t *e)
+static bool check_age(const lin_config_t *c, const char *path, common_error_t *e)
 {
-    const int64_t age_ns = lin_encoder_age_us(&c->encoder, c->thread.tick_hz) * 1000;
+    const int64_t age_ns = lin_config_age_us(&c->encoder, c->thread.tick_hz) * 1000;
     const int64_t least_ns = SECOND_NS / c->thread.tick_hz + c->encoder.delay_ns;
     return age_ns >= least_ns ||
-           lin_error(
+           common_error(
                e,
                "%s: encoder.max_age_us = %lld: with delay_ns = %lld every frame is older than "
                "that at the next tick; give at least %lld",
@@ -45,48 +45,51 @@ static bool check_age(const lin_config_t *c, const char *path, lin_error_t *e)
                (long long)(least_ns + 999) / 1000);
 }
 
-static bool check_encoder(const lin_config_t *c, const char *path, lin_error_t *e)
+static bool check_encoder(const lin_config_t *c, const char *path, common_error_t *e)
 {
     const lin_encoder_config_t *enc = &c->encoder;
     if (enc->index_counts >= enc->counts_per_turn) {
-        return lin_error(e, "%s: encoder.index_counts = %lld: give less than counts_per_turn", path,
-                         (long long)enc->index_counts);
+        return common_error(e, "%s: encoder.index_counts = %lld: give less than counts_per_turn",
+                            path, (long long)enc->index_counts);
     }
     if (enc->modulus_counts != 0 && enc->modulus_counts % enc->counts_per_turn != 0) {
-        return lin_error(e,
-                         "%s: encoder.modulus_counts = %lld: not a multiple of counts_per_turn = "
-                         "%lld; correct one of them",
-                         path, (long long)enc->modulus_counts, (long long)enc->counts_per_turn);
+        return common_error(
+            e,
+            "%s: encoder.modulus_counts = %lld: not a multiple of counts_per_turn = "
+            "%lld; correct one of them",
+            path, (long long)enc->modulus_counts, (long long)enc->counts_per_turn);
     }
     if (enc->index == lin_index_line && !lin_line_is_there(c, lin_line_index)) {
-        return lin_error(e,
-                         "%s: encoder.index = \"line\": gpio.index is \"none\"; give the line or "
-                         "take \"position\"",
-                         path);
+        return common_error(
+            e,
+            "%s: encoder.index = \"line\": gpio.index is \"none\"; give the line or "
+            "take \"position\"",
+            path);
     }
     return true;
 }
 
-static bool check_texts(const lin_config_t *c, const char *path, lin_error_t *e)
+static bool check_texts(const lin_config_t *c, const char *path, common_error_t *e)
 {
     return (c->can.interface[0] != '\0' && c->table_file[0] != '\0' && c->chip[0] != '\0') ||
-           lin_error(e, "%s: can.interface, gpio.chip or table.file is empty; give a name", path);
+           common_error(e, "%s: can.interface, gpio.chip or table.file is empty; give a name",
+                        path);
 }
 
 static bool check_place(const lin_config_t *c, lin_line_t i, lin_place_t *at, const char *path,
-                        lin_error_t *e)
+                        common_error_t *e)
 {
     const char *place = c->line[i].place;
-    lin_error_t why;
+    common_error_t why;
     if (place[0] == '\0') {
-        return lin_error(e, "%s: gpio.%s is empty; give a name, CHIP:OFFSET or \"none\"", path,
-                         lin_line_name(i));
+        return common_error(e, "%s: gpio.%s is empty; give a name, CHIP:OFFSET or \"none\"", path,
+                            lin_line_name(i));
     }
     return lin_place_parse(at, c->chip, place, &why) ||
-           lin_error(e, "%s: gpio.%s = %s", path, lin_line_name(i), why.text);
+           common_error(e, "%s: gpio.%s = %s", path, lin_line_name(i), why.text);
 }
 
-static bool check_lines(const lin_config_t *c, const char *path, lin_error_t *e)
+static bool check_lines(const lin_config_t *c, const char *path, common_error_t *e)
 {
     lin_place_t at[lin_n_lines];
     for (int i = 0; i < lin_n_lines; i++) {
@@ -95,7 +98,7 @@ static bool check_lines(const lin_config_t *c, const char *path, lin_error_t *e)
         }
         for (int k = 0; k < i && lin_line_is_there(c, (lin_line_t)i); k++) {
             if (lin_place_is_same(&at[i], &at[k])) {
-                return lin_error(
+                return common_error(
                     e, "%s: gpio.%s = \"%s\": taken by gpio.%s; give each its own line", path,
                     lin_line_name((lin_line_t)i), c->line[i].place, lin_line_name((lin_line_t)k));
             }
@@ -104,27 +107,27 @@ static bool check_lines(const lin_config_t *c, const char *path, lin_error_t *e)
     return true;
 }
 
-static bool check_drives(const lin_config_t *c, const char *path, lin_error_t *e)
+static bool check_drives(const lin_config_t *c, const char *path, common_error_t *e)
 {
     static const char axis[hal_n_axes] = "uxz";
     for (int i = 0; i < hal_n_axes; i++) {
         if (c->drive[i].nm == 0) {
-            return lin_error(e, "%s: drive.%c.nm = 0: give the length of drive.%c.counts", path,
-                             axis[i], axis[i]);
+            return common_error(e, "%s: drive.%c.nm = 0: give the length of drive.%c.counts", path,
+                                axis[i], axis[i]);
         }
     }
     return true;
 }
 
-static bool check_times(const lin_config_t *c, const char *path, lin_error_t *e)
+static bool check_times(const lin_config_t *c, const char *path, common_error_t *e)
 {
     const int64_t hz = c->thread.tick_hz;
     return c->can.pdo_timeout_ms * hz >= 2000 ||
-           lin_error(e,
-                     "%s: can.pdo_timeout_ms = %lld: shorter than two ticks of thread.tick_hz = "
-                     "%lld; give at least %lld",
-                     path, (long long)c->can.pdo_timeout_ms, (long long)hz,
-                     (long long)(2000 + hz - 1) / hz);
+           common_error(e,
+                        "%s: can.pdo_timeout_ms = %lld: shorter than two ticks of thread.tick_hz = "
+                        "%lld; give at least %lld",
+                        path, (long long)c->can.pdo_timeout_ms, (long long)hz,
+                        (long long)(2000 + hz - 1) / hz);
 }
 
 /// A virtual bus has no bit rate; whoever takes one knows it for a trial.
@@ -134,7 +137,7 @@ static bool is_virtual(const lin_config_t *c)
 }
 
 /// What the bus would have to bear, and what it does.
-static void put_load(const lin_config_t *c, const lin_load_t *load, lin_error_t *e)
+static void put_load(const lin_config_t *c, const lin_load_t *load, common_error_t *e)
 {
     const int64_t most_hz = lin_load_most_hz(load);
     char highest[80];
@@ -144,7 +147,7 @@ static void put_load(const lin_config_t *c, const lin_load_t *load, lin_error_t 
         (void)snprintf(highest, sizeof highest, "the highest rate it bears is %lld; lower it",
                        (long long)most_hz);
     }
-    (void)lin_error(
+    (void)common_error(
         e,
         "thread.tick_hz = %lld: takes up to %lld %% of a bus with can.bitrate = %lld%s: "
         "%lld us a tick and %lld ms a second for heartbeats and status; %s, %s",
@@ -154,22 +157,27 @@ static void put_load(const lin_config_t *c, const lin_load_t *load, lin_error_t 
         c->can.is_fd ? "or take fewer drives" : "set can.fd or take fewer drives");
 }
 
-static bool check_load(const lin_config_t *c, const char *path, lin_error_t *e)
+static bool check_load(const lin_config_t *c, const char *path, common_error_t *e)
 {
     const lin_load_t load = lin_load_of(c);
     if (lin_load_percent(&load, c->thread.tick_hz) <= most_percent || is_virtual(c)) {
         return true;
     }
-    lin_error_t why;
+    common_error_t why;
     put_load(c, &load, &why);
-    return lin_error(e, "%s: %s", path, why.text);
+    return common_error(e, "%s: %s", path, why.text);
 }
 
-bool lin_check(const lin_config_t *c, const char *path, lin_error_t *e)
+static bool check(const lin_config_t *c, const char *path, common_error_t *e)
 {
     return check_texts(c, path, e) && check_lines(c, path, e) && check_nodes(c, path, e) &&
            check_encoder(c, path, e) && check_age(c, path, e) && check_drives(c, path, e) &&
            check_times(c, path, e) && check_load(c, path, e);
+}
+
+bool lin_check_load(lin_config_t *config, const char *path, common_error_t *e)
+{
+    return lin_config_read(config, path, e) && check(config, path, e);
 }
 
 void lin_check_warn(const lin_config_t *c, lin_check_tell_t *tell)
@@ -183,9 +191,9 @@ void lin_check_warn(const lin_config_t *c, lin_check_tell_t *tell)
              "only");
     }
     if (lin_load_percent(&load, c->thread.tick_hz) > full_percent) {
-        lin_error_t why, line;
+        common_error_t why, line;
         put_load(c, &load, &why);
-        (void)lin_error(&line, "warning: %s", why.text);
+        (void)common_error(&line, "warning: %s", why.text);
         tell(line.text);
     }
 }

@@ -4,22 +4,10 @@
 #ifndef LIN_NODE_H
 #define LIN_NODE_H
 
+#include "canopen.h" // canopen_id_heartbeat
 #include "hal/hal.h" // hal_can_frame_t
 #include <stdbool.h> // bool
 #include <stdint.h>  // int64_t, uint8_t, uint16_t, uint32_t
-
-/// Identifiers: function + node.
-enum {
-    lin_id_nmt = 0x000,
-    lin_id_sync = 0x080,
-    lin_id_emcy = 0x080,
-    lin_id_tpdo1 = 0x180,
-    lin_id_rpdo1 = 0x200,
-    lin_id_rpdo2 = 0x300,
-    lin_id_heartbeat = 0x700,
-};
-
-enum { lin_nmt_boot_up = 0, lin_nmt_operational = 5 };
 
 /// Why the bus is not what it should be. The order is that of importance.
 typedef enum {

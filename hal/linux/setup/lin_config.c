@@ -1,23 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lin_config.h"
-#include "lin_check.h" // lin_check
-#include "lin_settings.h"
-#include <stddef.h> // offsetof
-#include <stdio.h>  // snprintf
-#include <string.h> // strcmp
+#include "common_settings.h" // common_settings_read
+#include <errno.h>           // errno
+#include <stddef.h>          // offsetof
+#include <stdio.h>           // snprintf
+#include <string.h>          // strcmp
 
 #define AT(member) offsetof(lin_config_t, member)
 #define WHOLE(section, key, member, min, max)                                                      \
     {                                                                                              \
-        section, key, lin_setting_whole, AT(member), min, max, NULL                                \
+        section, key, common_setting_whole, AT(member), min, max, NULL                             \
     }
 #define FLAG(section, key, member)                                                                 \
     {                                                                                              \
-        section, key, lin_setting_flag, AT(member), 0, 0, NULL                                     \
+        section, key, common_setting_flag, AT(member), 0, 0, NULL                                  \
     }
 #define TEXT(section, key, member, max)                                                            \
     {                                                                                              \
-        section, key, lin_setting_text, AT(member), 0, max, NULL                                   \
+        section, key, common_setting_text, AT(member), 0, max, NULL                                \
     }
 #define DRIVE(section, i, least_node)                                                              \
     WHOLE(section, "node", drive[i].node, least_node, 127),                                        \
@@ -27,7 +27,7 @@
     TEXT("gpio", key, line[i].place, lin_name_max),                                                \
         FLAG("gpio", key "_active_low", line[i].is_active_low)
 
-static const lin_setting_t settings[] = {
+static const common_setting_t settings[] = {
     WHOLE("thread", "tick_hz", thread.tick_hz, 500, 4000),
     WHOLE("thread", "priority", thread.priority, 0, 99),
     WHOLE("thread", "cpu", thread.cpu, -1, 1023),
@@ -44,7 +44,7 @@ static const lin_setting_t settings[] = {
     WHOLE("encoder", "node", encoder.node, 1, 127),
     WHOLE("encoder", "modulus_counts", encoder.modulus_counts, 0, UINT32_MAX),
     WHOLE("encoder", "counts_per_turn", encoder.counts_per_turn, 64, 16777216),
-    {"encoder", "index", lin_setting_choice, AT(encoder.index), 0, 0, "\"line\" \"position\""},
+    {"encoder", "index", common_setting_choice, AT(encoder.index), 0, 0, "\"line\" \"position\""},
     WHOLE("encoder", "index_counts", encoder.index_counts, 0, 16777215),
     WHOLE("encoder", "delay_ns", encoder.delay_ns, 0, 100000000),
     WHOLE("encoder", "max_age_us", encoder.max_age_us, 0, 1000000),
@@ -63,7 +63,7 @@ static const lin_setting_t settings[] = {
     WHOLE("table", "max_bytes", table_max_bytes, 1024, 67108864),
 };
 enum { n_settings = sizeof settings / sizeof settings[0] };
-_Static_assert((int)n_settings <= (int)lin_settings_max, "one flag for each key");
+_Static_assert((int)n_settings <= (int)common_settings_max, "one flag for each key");
 
 lin_config_t lin_config_defaults(void)
 {
@@ -104,13 +104,30 @@ bool lin_line_is_there(const lin_config_t *config, lin_line_t line)
     return strcmp(config->line[line].place, "none") != 0;
 }
 
-bool lin_config_load(lin_config_t *config, const char *path, lin_error_t *e)
+int64_t lin_config_age_us(const lin_encoder_config_t *config, int64_t tick_hz)
 {
-    if (!lin_settings_read(path, settings, n_settings, config, e)) {
-        return false;
+    enum { default_age_ticks = 3 };
+    return config->max_age_us != 0 ? config->max_age_us
+                                   : default_age_ticks * INT64_C(1000000) / tick_hz;
+}
+
+bool lin_config_read(lin_config_t *config, const char *path, common_error_t *e)
+{
+    common_settings_t all = {.path = path,
+                             .list = settings,
+                             .n = n_settings,
+                             .into = config,
+                             .is_strict = true,
+                             .value_width = 80,
+                             .e = e};
+    FILE *stream = fopen(path, "r");
+    if (stream == NULL) {
+        return common_error(e, "%s: cannot be opened: %s; check the path", path, strerror(errno));
     }
-    if (config->can.remote[0] == '\0') {
+    const bool is_good = common_settings_read(&all, stream);
+    (void)fclose(stream);
+    if (is_good && config->can.remote[0] == '\0') {
         (void)snprintf(config->can.remote, sizeof config->can.remote, "%s", config->can.interface);
     }
-    return lin_check(config, path, e);
+    return is_good;
 }

@@ -42,25 +42,25 @@ static bool read_all(int fd, uint8_t *bytes, size_t size)
     return true;
 }
 
-static bool load(int fd, lin_error_t *e)
+static bool load(int fd, common_error_t *e)
 {
     struct stat about;
     if (fstat(fd, &about) != 0 || !S_ISREG(about.st_mode)) {
-        return lin_error(e, "%s: is no file; give the path of a table", table.path);
+        return common_error(e, "%s: is no file; give the path of a table", table.path);
     }
     if (about.st_size > (off_t)table.room) {
-        return lin_error(e, "%s: %lld bytes; raise table.max_bytes", table.path,
-                         (long long)about.st_size);
+        return common_error(e, "%s: %lld bytes; raise table.max_bytes", table.path,
+                            (long long)about.st_size);
     }
     bank_t *bank = &table.banks[table.i_active];
     if (!read_all(fd, bank->bytes, (size_t)about.st_size)) {
-        return lin_error(e, "%s: cannot be read: %s", table.path, strerror(errno));
+        return common_error(e, "%s: cannot be read: %s", table.path, strerror(errno));
     }
     bank->size = (uint32_t)about.st_size;
     return true;
 }
 
-bool lin_table_open(const char *path, int64_t max_bytes, lin_error_t *e)
+bool lin_table_open(const char *path, int64_t max_bytes, common_error_t *e)
 {
     for (int i = 0; i < 2; i++) { // of an earlier call
         free(table.banks[i].bytes);
@@ -71,14 +71,15 @@ bool lin_table_open(const char *path, int64_t max_bytes, lin_error_t *e)
     for (int i = 0; i < 2; i++) {
         table.banks[i].bytes = aligned_alloc(alignment, table.room);
         if (table.banks[i].bytes == NULL) {
-            return lin_error(e, "table.max_bytes = %lld: no memory; give less",
-                             (long long)max_bytes);
+            return common_error(e, "table.max_bytes = %lld: no memory; give less",
+                                (long long)max_bytes);
         }
         (void)memset(table.banks[i].bytes, erased, table.room); // touched: no page fault in a tick
     }
     const int fd = open(path, O_RDONLY | O_CLOEXEC);
     if (fd < 0) {
-        return errno == ENOENT || lin_error(e, "%s: cannot be opened: %s", path, strerror(errno));
+        return errno == ENOENT ||
+               common_error(e, "%s: cannot be opened: %s", path, strerror(errno));
     }
     const bool is_loaded = load(fd, e);
     (void)close(fd);
@@ -162,15 +163,15 @@ static bool sync_folder(void)
     return close_well(fd, fsync(fd) == 0);
 }
 
-bool lin_table_commit(lin_error_t *e)
+bool lin_table_commit(common_error_t *e)
 {
     char fresh[path_bytes];
     if (!table.is_begun) {
-        return lin_error(e, "no table was begun");
+        return common_error(e, "no table was begun");
     }
     (void)snprintf(fresh, sizeof fresh, "%s.new", table.path);
     if (!store(fresh, other()) || rename(fresh, table.path) != 0) {
-        (void)lin_error(e, "%s: not written: %s", table.path, strerror(errno));
+        (void)common_error(e, "%s: not written: %s", table.path, strerror(errno));
         (void)unlink(fresh);
         return false;
     }
@@ -178,8 +179,8 @@ bool lin_table_commit(lin_error_t *e)
     table.i_active = 1 - table.i_active;
     e->text[0] = '\0';
     if (!sync_folder()) {
-        (void)lin_error(e, "%s: in force, but a loss of power may bring the old one back: %s",
-                        table.path, strerror(errno));
+        (void)common_error(e, "%s: in force, but a loss of power may bring the old one back: %s",
+                           table.path, strerror(errno));
     }
     return true;
 }

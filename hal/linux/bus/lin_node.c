@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lin_node.h"
-#include "lin_number.h" // lin_get_u16
+#include "common_bytes.h" // common_get_u16
 
 enum { start_interval_ns = 100000000 };
 
@@ -29,15 +29,15 @@ bool lin_node_take(lin_node_t *n, const hal_can_frame_t *frame, int64_t ns)
     if (n->id == 0u) {
         return false;
     }
-    if (frame->id == lin_id_heartbeat + n->id && frame->n == 1u) {
+    if (frame->id == canopen_id_heartbeat + n->id && frame->n == 1u) {
         n->nmt = frame->data[0] & 0x7Fu; // bit 7 toggles with node guarding
-        n->is_restarted = n->is_restarted || (n->is_heard && n->nmt == lin_nmt_boot_up);
+        n->is_restarted = n->is_restarted || (n->is_heard && n->nmt == canopen_boot_up);
         n->is_heard = true;
         n->heard_ns = ns;
         return true;
     }
-    if (frame->id == lin_id_emcy + n->id && frame->n == 8u) {
-        n->emcy = lin_get_u16(frame->data);
+    if (frame->id == canopen_id_emcy + n->id && frame->n == 8u) {
+        n->emcy = common_get_u16(frame->data);
         return true;
     }
     return false;
@@ -53,16 +53,17 @@ lin_loss_t lin_node_judge(lin_node_t *n, int64_t now_ns, int64_t timeout_ns)
     if (is_restarted) {
         return lin_loss_restarted;
     }
-    return n->nmt == lin_nmt_operational ? lin_loss_none : lin_loss_not_operational;
+    return n->nmt == canopen_operational ? lin_loss_none : lin_loss_not_operational;
 }
 
 bool lin_node_start(lin_node_t *n, int64_t now_ns, hal_can_frame_t *frame)
 {
-    if (n->id == 0u || !n->is_heard || n->nmt == lin_nmt_operational ||
+    if (n->id == 0u || !n->is_heard || n->nmt == canopen_operational ||
         now_ns - n->told_ns < start_interval_ns) {
         return false;
     }
     n->told_ns = now_ns;
-    *frame = (hal_can_frame_t){.id = lin_id_nmt, .n = 2, .data = {1, (uint8_t)n->id}};
+    *frame =
+        (hal_can_frame_t){.id = canopen_id_nmt, .n = 2, .data = {canopen_start, (uint8_t)n->id}};
     return true;
 }

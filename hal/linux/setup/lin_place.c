@@ -11,7 +11,7 @@ static void set_chip(lin_place_t *p, const char *chip, size_t length)
                    chip);
 }
 
-bool lin_place_parse(lin_place_t *p, const char *chip, const char *place, lin_error_t *e)
+bool lin_place_parse(lin_place_t *p, const char *chip, const char *place, common_error_t *e)
 {
     const char *colon = strrchr(place, ':');
     *p = (lin_place_t){.name = colon == NULL ? place : NULL};
@@ -22,7 +22,8 @@ bool lin_place_parse(lin_place_t *p, const char *chip, const char *place, lin_er
     char *end = NULL;
     const unsigned long offset = strtoul(colon + 1, &end, 10);
     if (colon == place || end == colon + 1 || *end != '\0' || offset > 0xFFFFu) {
-        return lin_error(e, "%s: no number behind the colon; write CHIP:OFFSET or a name", place);
+        return common_error(e, "%s: no number behind the colon; write CHIP:OFFSET or a name",
+                            place);
     }
     set_chip(p, place, (size_t)(colon - place));
     p->offset = (unsigned)offset;
@@ -36,7 +37,7 @@ bool lin_place_is_same(const lin_place_t *a, const lin_place_t *b)
            (is_name ? strcmp(a->name, b->name) == 0 : a->name == b->name && a->offset == b->offset);
 }
 
-bool lin_place_refuse(const lin_place_t *p, int err, const char *who, lin_error_t *e)
+bool lin_place_refuse(const lin_place_t *p, int err, const char *who, common_error_t *e)
 {
     char line[lin_name_max + 1];
     if (p->name != NULL) {
@@ -46,19 +47,20 @@ bool lin_place_refuse(const lin_place_t *p, int err, const char *who, lin_error_
     }
     switch (err) {
     case 0:
-        return lin_error(e, "%s has no line %s; gpioinfo lists them", p->chip, line);
+        return common_error(e, "%s has no line %s; gpioinfo lists them", p->chip, line);
     case EBUSY:
-        return lin_error(e, "line %s of %s is in use%s%s; end that program, or choose another line",
-                         line, p->chip, who[0] != '\0' ? " by " : "", who);
+        return common_error(e,
+                            "line %s of %s is in use%s%s; end that program, or choose another line",
+                            line, p->chip, who[0] != '\0' ? " by " : "", who);
     case ENOENT:
     case ENODEV:
     case ENOTTY:
-        return lin_error(e, "%s: no such GPIO chip; gpiodetect lists them", p->chip);
+        return common_error(e, "%s: no such GPIO chip; gpiodetect lists them", p->chip);
     case EACCES:
     case EPERM:
-        return lin_error(e, "%s: not permitted; join its group (README.md, \"Without root\")",
-                         p->chip);
+        return common_error(e, "%s: not permitted; join its group (README.md, \"Without root\")",
+                            p->chip);
     default:
-        return lin_error(e, "line %s of %s: %s", line, p->chip, strerror(err));
+        return common_error(e, "line %s of %s: %s", line, p->chip, strerror(err));
     }
 }

@@ -9,11 +9,11 @@
 #ifndef LIN_DRIVE_H
 #define LIN_DRIVE_H
 
-#include "cia402.h"   // cia402_state_t
-#include "hal/hal.h"  // hal_can_frame_t
-#include "lin_node.h" // lin_node_t
-#include <stdbool.h>  // bool
-#include <stdint.h>   // int32_t, int64_t
+#include "lin_cia402.h" // cia402_state_t
+#include "hal/hal.h"    // hal_can_frame_t
+#include "lin_node.h"   // lin_node_t
+#include <stdbool.h>    // bool
+#include <stdint.h>     // int32_t, int64_t
 
 /// Limits of time, of the configuration.
 typedef struct {

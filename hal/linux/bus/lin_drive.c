@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lin_drive.h"
-#include "lin_number.h" // lin_get_u16, lin_div_round
+#include "common_bytes.h" // common_get_u16
+#include "lin_number.h"   // lin_div_round
 
 enum { reset_interval_ns = 1000000000, quick_stop_most_ns = 2000000000 };
 
@@ -15,9 +16,9 @@ void lin_drive_init(lin_drive_t *d, int64_t node, int64_t counts, int64_t nm)
 
 bool lin_drive_take(lin_drive_t *d, const hal_can_frame_t *frame, int64_t ns)
 {
-    if (d->node.id != 0u && frame->id == lin_id_tpdo1 + d->node.id && frame->n == 6u) {
-        d->state = cia402_state(lin_get_u16(frame->data));
-        d->actual = (int32_t)lin_get_u32(frame->data + 2);
+    if (d->node.id != 0u && frame->id == canopen_id_tpdo1 + d->node.id && frame->n == 6u) {
+        d->state = lin_cia402_state(common_get_u16(frame->data));
+        d->actual = (int32_t)common_get_u32(frame->data + 2);
         d->has_status = true;
         d->status_ns = ns;
         return true;
@@ -62,33 +63,33 @@ void lin_drive_forget(lin_drive_t *d)
     d->node.emcy = 0;
 }
 
-static cia402_goal_t goal_of(lin_drive_t *d, int64_t now_ns, bool may_reset, bool is_stopping)
+static lin_cia402_goal_t goal_of(lin_drive_t *d, int64_t now_ns, bool may_reset, bool is_stopping)
 {
     if (is_stopping) {
-        return cia402_goal_off;
+        return lin_cia402_off;
     }
     if (d->is_enabled) {
-        return cia402_goal_enabled;
+        return lin_cia402_enabled;
     }
     if (may_reset && d->state == cia402_fault && now_ns - d->reset_ns >= reset_interval_ns) {
         d->reset_ns = now_ns;
         lin_drive_forget(d);
-        return cia402_goal_reset;
+        return lin_cia402_reset;
     }
-    return cia402_goal_rest;
+    return lin_cia402_rest;
 }
 
 uint16_t lin_drive_control(lin_drive_t *d, int64_t now_ns, bool may_reset, bool is_stopping)
 {
-    const cia402_goal_t goal = goal_of(d, now_ns, may_reset, is_stopping);
+    const lin_cia402_goal_t goal = goal_of(d, now_ns, may_reset, is_stopping);
     if (d->state != cia402_quick_stop_active) {
         d->quick_stop_ns = 0;
     } else if (d->quick_stop_ns == 0) {
         d->quick_stop_ns = now_ns;
     } else if (now_ns - d->quick_stop_ns > quick_stop_most_ns) {
-        return cia402_disable_voltage; // a drive that is set to stay there (605Ah)
+        return lin_cia402_disable_voltage; // a drive that is set to stay there (605Ah)
     }
-    return cia402_control(d->state, goal);
+    return lin_cia402_control(d->state, goal);
 }
 
 int32_t lin_drive_units(const lin_drive_t *d, int64_t nm)

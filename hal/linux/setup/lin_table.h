@@ -7,16 +7,16 @@
 #ifndef LIN_TABLE_H
 #define LIN_TABLE_H
 
-#include "hal/hal.h"   // hal_image_t
-#include "lin_error.h" // lin_error_t
-#include <stdbool.h>   // bool
-#include <stdint.h>    // int64_t, uint32_t
+#include "hal/hal.h"      // hal_image_t
+#include "common_error.h" // common_error_t
+#include <stdbool.h>      // bool
+#include <stdint.h>       // int64_t, uint32_t
 
 /// Get the memory, read the file if there is one.
 /// @param path       kept by reference
 /// @param max_bytes  of one table
 /// @return           false and *e: no memory, file unreadable or too large
-bool lin_table_open(const char *path, int64_t max_bytes, lin_error_t *e);
+bool lin_table_open(const char *path, int64_t max_bytes, common_error_t *e);
 
 /// @return the table in force; size 0: none
 hal_image_t lin_table_image(void);
@@ -37,6 +37,6 @@ hal_image_t lin_table_staged(void);
 /// @param e  text "" when all is well
 /// @return   false and *e: nothing was begun, or the file cannot be written; the old one stays.
 ///           True and *e: a loss of power may bring the old one back
-bool lin_table_commit(lin_error_t *e);
+bool lin_table_commit(common_error_t *e);
 
 #endif

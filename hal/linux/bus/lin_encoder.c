@@ -2,18 +2,10 @@
 #include "lin_encoder.h"
 #include "lin_number.h" // lin_div_round
 
-enum { default_age_ticks = 3 };
-
-int64_t lin_encoder_age_us(const lin_encoder_config_t *config, int64_t tick_hz)
-{
-    return config->max_age_us != 0 ? config->max_age_us
-                                   : default_age_ticks * INT64_C(1000000) / tick_hz;
-}
-
 void lin_encoder_init(lin_encoder_t *e, const lin_encoder_config_t *config, int64_t tick_hz)
 {
     *e = (lin_encoder_t){.config = *config, .least_ns = INT64_C(1000000000) / tick_hz / 4};
-    e->config.max_age_us = lin_encoder_age_us(config, tick_hz);
+    e->config.max_age_us = lin_config_age_us(config, tick_hz);
 }
 
 /// Way from one raw position to the next: the shorter one.

@@ -30,9 +30,6 @@ typedef struct {
     bool is_edge_open; ///< waits for the frame behind it
 } lin_encoder_t;
 
-/// @return [us] how old a position may become
-int64_t lin_encoder_age_us(const lin_encoder_config_t *config, int64_t tick_hz);
-
 /// @param tick_hz  rate at which frames are expected, roughly
 void lin_encoder_init(lin_encoder_t *e, const lin_encoder_config_t *config, int64_t tick_hz);
 

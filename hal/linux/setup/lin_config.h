@@ -4,10 +4,10 @@
 #ifndef LIN_CONFIG_H
 #define LIN_CONFIG_H
 
-#include "hal/hal.h"   // hal_n_axes
-#include "lin_error.h" // lin_error_t
-#include <stdbool.h>   // bool
-#include <stdint.h>    // int64_t, uint32_t
+#include "hal/hal.h"      // hal_n_axes
+#include "common_error.h" // common_error_t
+#include <stdbool.h>      // bool
+#include <stdint.h>       // int64_t, uint32_t
 
 enum { lin_name_max = 63, lin_path_max = 199, lin_interface_max = 15 };
 
@@ -75,9 +75,13 @@ typedef struct {
 /// What holds where the file says nothing.
 lin_config_t lin_config_defaults(void);
 
-/// Read a file over *config and check that its values fit one another.
+/// Read a file over *config; whether its values fit one another is lin_check's to say.
 /// @return false and *e on the first thing wrong
-bool lin_config_load(lin_config_t *config, const char *path, lin_error_t *e);
+bool lin_config_read(lin_config_t *config, const char *path, common_error_t *e);
+
+/// @return [us] the age from which on a position of the encoder is too old: max_age_us, or three
+///         ticks where the file says nothing
+int64_t lin_config_age_us(const lin_encoder_config_t *config, int64_t tick_hz);
 
 /// @return the key of a line in [gpio], static
 const char *lin_line_name(lin_line_t line);
