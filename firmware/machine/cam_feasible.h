@@ -3,7 +3,7 @@
 ///
 /// Speeds are mean speeds. Where the table modulates the spindle, its highest speed within a turn
 /// is larger by the largest ratio, and the peaks that the table guarantees contain the modulation.
-/// Context of all functions: slow side. Source: maths.md section 3.
+/// Context of all functions: slow side. Source: MATHS.md (61).
 #ifndef CAM_FEASIBLE_H
 #define CAM_FEASIBLE_H
 
