@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 /// cam_angle: binary angles and master positions, inline, for both sides.
 ///
-/// An angle is `theta_q32`, uint32, 2^32 = one turn, and wraps by design. A master position is
-/// `pos_q32`, int64 Q32.32 turns since the index was found, rising while cutting. 2^31 turns at
-/// 3000 r/min are 497 days, and one cut restarts the count with every homing.
+/// An angle is `theta_q32`: uint32, 2^32 = one turn, so that it wraps by design; a quarter turn is
+/// 0x40000000. A master position is `pos_q32`: int64, Q32.32 turns since the index was found, which
+/// rises while the spindle turns in the sense of cutting. It cannot overflow in practice: 2^31
+/// turns at 3000 r/min last 497 days, and every homing starts the count anew. Context of all
+/// functions: ISR or slow side, constant time.
 #ifndef CAM_ANGLE_H
 #define CAM_ANGLE_H
 
@@ -12,8 +14,8 @@
 /// One turn on the scale of a master position.
 #define CAM_TURN_Q32 ((int64_t)1 << 32)
 
-/// Signed distance a - b the short way round.
-/// @return [turn / 2^32] -2^31 .. 2^31 - 1
+/// Signed distance from b to a along the shorter arc, for example +2 from 0xFFFFFFFF to 1.
+/// @return [turn / 2^32] -2^31 .. 2^31 - 1; half a turn is reported as -2^31
 static inline int32_t cam_angle_diff_q32(uint32_t a_q32, uint32_t b_q32)
 {
     return (int32_t)(a_q32 - b_q32);

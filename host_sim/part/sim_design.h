@@ -12,8 +12,7 @@
 /// a(z) and G(z) are piecewise cubics, clamped outside. They come from NAME.json, the report that
 /// the generator writes beside NAME.camtab, so the gauge is independent of table and firmware.
 /// Without the report the table itself, evaluated in double, can stand in; then errors of the table
-/// stay unseen. Source: the exact ellipse in polar form, freed of cancellation; rounding below 1e-5
-/// nm.
+/// stay unseen. Source: MATHS.md (1) .. (4); rounding below 1e-5 nm.
 #ifndef SIM_DESIGN_H
 #define SIM_DESIGN_H
 

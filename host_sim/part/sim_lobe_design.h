@@ -8,7 +8,7 @@
 ///     contact = (p cos gamma - r1) along the normal, p sin gamma across it
 ///     ds/dtheta = sqrt(p^2 + H'^2) - r1 (1 - gamma')
 ///
-/// Source: maths.md 9.1, 9.4. It comes from NAME.json, so the gauge knows neither table nor
+/// Source: MATHS.md (30), (31). It comes from NAME.json, so the gauge knows neither table nor
 /// firmware. Error: rounding, below 1e-6 nm.
 #ifndef SIM_LOBE_DESIGN_H
 #define SIM_LOBE_DESIGN_H

@@ -5,7 +5,7 @@
 ///     disc      H = sqrt(reach^2 - (e sin theta)^2) + e cos theta - (reach - e)
 ///     pieces    quintic over each piece of one turn, periodic
 ///
-/// Written from the equations, not from the generator: maths.md 9.5. Error: rounding only.
+/// Written from the equations, not from the generator: MATHS.md (37), (38). Error: rounding only.
 #ifndef SIM_LOBE_LIFT_H
 #define SIM_LOBE_LIFT_H
 

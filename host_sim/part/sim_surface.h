@@ -3,11 +3,11 @@
 ///
 ///     delta = sum over k = 0 .. 5, l = 0 .. 7 of c[j][i][k][l] t^k w^l,   t, w = 0 .. 1
 ///
-/// on piece i of the angle coordinate s and piece j of the height. Of a measured part s is the
-/// turn, 0 .. 1. Of a two-fold section with a joint s counts from the long axis, 1 at the joint,
-/// 2 at the short axis, whatever the angle of the joint at this height. The generator writes the
-/// pieces into its report; refitted and measured skirts are defined by them.
-/// Error: rounding only, below 1e-6 nm.
+/// on piece i of the angle coordinate s and piece j of the height, MATHS.md (19). Of a measured
+/// part s is the turn, 0 .. 1. Of a two-fold section with a joint s counts from the long axis, 1 at
+/// the joint, 2 at the short axis, whatever the angle of the joint at this height. The generator
+/// writes the pieces into its report; refitted and measured skirts are defined by them. Error:
+/// rounding only, below 1e-6 nm.
 #ifndef SIM_SURFACE_H
 #define SIM_SURFACE_H
 

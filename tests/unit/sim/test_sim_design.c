@@ -54,7 +54,7 @@ static bool load(void)
     return sim_design_load(&design, path, &table, &error);
 }
 
-/// Golden values of maths.md 1.4: a = 46, G = 0.2.
+/// Worked values of MATHS.md (2): a = 46, G = 0.2.
 static void test_delta_has_the_published_values(void)
 {
     static const double golden[][5] = {
