@@ -9,15 +9,10 @@
 
 #define REMEDY SIM_JSON_REMEDY
 
-/// @return [rad] the same angle, -pi .. pi
-static double around_zero(double theta_rad)
-{
-    return (sim_fraction(theta_rad / SIM_TWO_PI + 0.5) - 0.5) * SIM_TWO_PI;
-}
-
 static sim_lobe_rise_t poly345(const sim_lobe_lift_t *lift, double theta_rad)
 {
-    const double theta = around_zero(theta_rad);
+    const double theta = // the same angle, -pi .. pi
+        (sim_fraction(theta_rad / SIM_TWO_PI + 0.5) - 0.5) * SIM_TWO_PI;
     const double u = 1.0 - sim_abs(theta) / lift->half_angle_rad;
     if (u <= 0.0) {
         return (sim_lobe_rise_t){0};
