@@ -59,7 +59,7 @@ void camsim_print_cut(const sim_cut_t *cut, double wall_s)
                  wall_s, wall_s > 0.0 ? (double)cut->n_ticks / wall_s * 1e-6 : 0.0);
 }
 
-/// Why the first fault struck; several at once are told by the first in the list.
+/// Why the first fault struck; of several at once the first in the list is named.
 static void explain_fault(const sim_cut_t *cut, const char *table, common_error_t *e)
 {
     const uint32_t first = sim_cut_status(cut)->first_fault;
