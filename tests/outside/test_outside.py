@@ -37,7 +37,7 @@ class Improved:
     at_most : float
         what a figure is now at most; it must be below the recorded one
     old, new : str
-        what is replaced in the recorded text, in each line of it
+        what is replaced in the recorded text, whose lines are joined by line breaks
     is_now : list of str, str, number
         the whole fact as it is now
     presence : str
@@ -101,7 +101,7 @@ def entries_for(name: str) -> list[Improved]:
 def replaced(fact: Fact, old: str, new: str) -> Fact:
     """Return a recorded text with words replaced."""
     if isinstance(fact, list):
-        return [line.replace(old, new) for line in fact]
+        return "\n".join(fact).replace(old, new).split("\n")
     return fact.replace(old, new) if isinstance(fact, str) else fact
 
 
