@@ -4,7 +4,7 @@
 /// The firmware alone replays what it sensed while cutting through cam_tick_steps_isr(), from a
 /// copy of its state, and must end where the recorded run ended. Best of several rounds, one core.
 #define _POSIX_C_SOURCE 200809L // NOLINT(bugprone-reserved-identifier): clock_gettime
-#include "cam/cam_tick.h"       // cam_tick_steps_isr
+#include "cam_tick.h"           // cam_tick_steps_isr
 #include "sim_cut.h"            // sim_cut_t
 #include "sim_file.h"           // sim_file_read
 #include <stdio.h>              // printf
@@ -35,7 +35,7 @@ static bool open_cut(bench_t *b, bool is_traced)
 {
     const sim_cut_options_t options = {
         .config = sim_config_defaults(), .is_traced = is_traced, .seed = 1};
-    sim_error_t e;
+    common_error_t e;
     if (!sim_cut_open(&b->cut, &options, b->table.bytes, b->table.size, b->name, &e)) {
         (void)fprintf(stderr, "bench_tick: %s\n", e.text);
         return false;
@@ -140,7 +140,7 @@ int main(int argc, char **argv)
         (void)fprintf(stderr, "usage: bench_tick TABLE\n");
         return EXIT_FAILURE;
     }
-    sim_error_t e;
+    common_error_t e;
     int status = EXIT_FAILURE;
     bench_t *b = calloc(1, sizeof *b);
     if (b == NULL) {

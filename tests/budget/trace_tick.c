@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The image through which camtools.cycles steps: every session twice, the first time to find its
+// The image through which checks.cycles steps: every session twice, the first time to find its
 // longest tick by the counter, the second time to stop before it.
 #include "budget_count.h"
 #include "budget_strike.h"
 #include "budget_trace.h"
-#include "cam/cam_tick.h"
+#include "cam_tick.h"
 #include "fixture_rig.h"
 #include <stdlib.h> // EXIT_SUCCESS
 

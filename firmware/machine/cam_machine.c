@@ -1,0 +1,347 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cam_machine.h"
+#include "cam_fix.h" // cam_is_within
+#include "hal/hal.h" // hal_halt, hal_has_swing
+#include <stddef.h>  // NULL
+#include <string.h>  // memset
+
+/// Overspeed becomes a fault this far above the highest feasible speed, so that ripple does not.
+enum { overspeed_percent = 1 };
+
+/// Bytes of the table that one call of cam_machine_poll() checks.
+enum { scrub_bytes = 1024 };
+
+/// Offset of the first byte that the image's CRC covers (TABLE_FORMAT.md).
+enum { scrub_from = 24 };
+
+/// @return [r/min / 1000] speed that start uses: that of the parameters, else that of the table
+static uint32_t start_mrpm(const cam_params_t *params, const cam_table_t *table)
+{
+    return params->spindle_mrpm > 0 ? (uint32_t)params->spindle_mrpm : table->spindle_mrpm;
+}
+
+/// @return the parameters as this machine can fulfil them: without an axis for the swing its speed
+///         is 0, whatever was set
+static cam_params_t possible(const cam_params_t *params)
+{
+    cam_params_t here = *params;
+    if (!hal_has_swing()) {
+        here.swing_speed_mdeg_per_s = 0;
+    }
+    return here;
+}
+
+/// Judge the speed that start would use with these parameters and this table.
+static cam_err_t check_start(const cam_machine_t *m, const cam_params_t *params,
+                             const cam_table_t *table)
+{
+    const cam_params_t here = possible(params);
+    return cam_feasible_check(table, &here, start_mrpm(params, table), m->tick_hz);
+}
+
+/// @return [r/min / 1000] highest feasible mean speed; 0 without a table
+static uint32_t highest_mrpm(const cam_machine_t *m, const cam_params_t *params,
+                             const cam_table_t *table)
+{
+    const cam_params_t here = possible(params);
+    return table != NULL ? cam_feasible_highest_mrpm(table, &here, m->tick_hz) : 0u;
+}
+
+/// Hand parameters and table to the interrupt as one configuration. Nothing changes on error.
+static cam_err_t hand_over(cam_machine_t *m, const cam_params_t *params, const cam_table_t *table)
+{
+    cam_config_t *half = cam_config_free_half(&m->core->config);
+    if (half == NULL) {
+        return cam_err_busy;
+    }
+    const uint32_t mean_mrpm = highest_mrpm(m, params, table);
+    const uint32_t peak_mrpm = table != NULL ? cam_feasible_peak_mrpm(table, mean_mrpm) : 0u;
+    const uint32_t limit_mrpm = peak_mrpm + peak_mrpm / 100u * overspeed_percent;
+    const cam_err_t err =
+        cam_config_build(half, params, table, limit_mrpm, m->tick_hz, m->clock_hz);
+    if (err == cam_ok) {
+        m->generation++;
+        half->generation = m->generation;
+        cam_config_offer(&m->core->config);
+    }
+    return err;
+}
+
+void cam_machine_init(cam_machine_t *m, cam_t *core, uint32_t tick_hz, uint32_t clock_hz)
+{
+    (void)memset(core, 0, sizeof *core);
+    *m = (cam_machine_t){
+        .core = core, .params = cam_param_defaults(), .tick_hz = tick_hz, .clock_hz = clock_hz};
+    // The tick does not run yet, so both halves of the configuration may be written. The defaults
+    // fit every tick rate from 500 Hz on except for the bandwidth of the observer, which is limited
+    // to a twentieth of the tick rate.
+    const int64_t fastest_mHz = (int64_t)tick_hz * 1000 / 20;
+    if (m->params.observer_bandwidth_mHz > fastest_mHz) {
+        m->params.observer_bandwidth_mHz = (int32_t)fastest_mHz;
+    }
+    const cam_err_t err = hand_over(m, &m->params, NULL);
+    (void)cam_config_take_isr(&core->config);
+    if (err != cam_ok) {
+        hal_halt("cam_machine_init: defaults do not fit the tick rate");
+    }
+}
+
+cam_status_t cam_machine_status(const cam_machine_t *m)
+{
+    return cam_tick_status(m->core);
+}
+
+/// @return whether the interrupt has not yet carried out the last request, so that the state in
+///         *status may be about to change
+static bool is_pending(const cam_machine_t *m, const cam_status_t *status)
+{
+    return status->request != (m->n_requests & 0xFFFFFFu);
+}
+
+/// Post a request to the interrupt, which takes it in the next tick.
+static cam_err_t post(cam_machine_t *m, const cam_status_t *status, cam_request_t request)
+{
+    if (is_pending(m, status)) {
+        return cam_err_busy;
+    }
+    m->n_requests++;
+    atomic_store_explicit(&m->core->request, m->n_requests << 8 | (uint32_t)request,
+                          memory_order_release);
+    return cam_ok;
+}
+
+/// Stop using a damaged table. While the drives are enabled, the interrupt raises the fault `table`
+/// and retracts; in off and fault it need not be asked.
+static void report_damage(cam_machine_t *m)
+{
+    const cam_status_t status = cam_machine_status(m);
+    const bool is_idle = !is_pending(m, &status) &&
+                         (status.state == cam_state_off || status.state == cam_state_fault);
+    if (is_idle || post(m, &status, cam_request_table_fault) == cam_ok) {
+        m->has_table = false;
+    } // else a request is pending, and the next round of the check finds the damage again
+}
+
+cam_err_t cam_machine_select_table(cam_machine_t *m, const void *image, size_t size)
+{
+    const cam_status_t status = cam_machine_status(m);
+    cam_table_t table;
+    cam_err_t err = cam_table_check(image, size, &table);
+    if (err != cam_ok) {
+        if (m->has_table && image == m->table.image) { // the table in use was overwritten
+            report_damage(m);
+        }
+        return err;
+    }
+    // The angle counts in the table's sense of rotation, so the other sense needs a new homing.
+    const bool is_same_sense = m->has_table && table.direction == m->table.direction;
+    if (is_pending(m, &status)) {
+        return cam_err_busy;
+    }
+    if (status.state != cam_state_off && !(status.state == cam_state_ready && is_same_sense)) {
+        return cam_err_state;
+    }
+    if (status.state == cam_state_ready) { // the spindle turns, and takes the table's speed at once
+        err = check_start(m, &m->params, &table);
+        if (err != cam_ok) {
+            return err;
+        }
+    }
+    err = hand_over(m, &m->params, &table);
+    if (err == cam_ok) {
+        m->table = table;
+        m->has_table = true;
+        m->scrub_at = 0;
+    }
+    return err;
+}
+
+/// @return whether a parameter may change in a state
+static bool may_change(cam_param_id_t id, cam_state_t state)
+{
+    switch (state) {
+    case cam_state_off:
+        return true;
+    case cam_state_ready:
+        return id != cam_param_counts_per_turn && id != cam_param_encoder_sign &&
+               id != cam_param_index_offset_udeg && id != cam_param_observer_bandwidth_mHz &&
+               id != cam_param_z_is_measured && id != cam_param_k1_ns && id != cam_param_k2_us2;
+    case cam_state_engaging:
+    case cam_state_cutting:
+    case cam_state_disengaging:
+        return id == cam_param_phase_udeg || id == cam_param_amplitude_ppm;
+    case cam_state_homing:
+    case cam_state_fault:
+    case cam_n_states:
+        break;
+    }
+    return false;
+}
+
+cam_err_t cam_machine_set_param(cam_machine_t *m, cam_param_id_t id, int32_t value)
+{
+    const cam_status_t status = cam_machine_status(m);
+    cam_params_t params = m->params;
+    cam_err_t err = cam_param_set(&params, id, value);
+    if (err != cam_ok) {
+        return err;
+    }
+    if (is_pending(m, &status)) {
+        return cam_err_busy;
+    }
+    if (!may_change(id, status.state)) {
+        return cam_err_param_state;
+    }
+    if (status.state != cam_state_off && m->has_table) {
+        err = check_start(m, &params, &m->table);
+    }
+    if (err == cam_ok) {
+        err = hand_over(m, &params, m->has_table ? &m->table : NULL);
+    }
+    if (err == cam_ok) {
+        m->params = params;
+    }
+    return err;
+}
+
+cam_err_t cam_machine_check_speed(const cam_machine_t *m, uint32_t speed_mrpm)
+{
+    const cam_params_t here = possible(&m->params);
+    const uint32_t mrpm = speed_mrpm > 0u ? speed_mrpm : start_mrpm(&here, &m->table);
+    return m->has_table ? cam_feasible_check(&m->table, &here, mrpm, m->tick_hz) : cam_err_no_table;
+}
+
+uint32_t cam_machine_highest_mrpm(const cam_machine_t *m)
+{
+    return highest_mrpm(m, &m->params, m->has_table ? &m->table : NULL);
+}
+
+cam_feasibility_t cam_machine_feasibility(const cam_machine_t *m, uint32_t speed_mrpm)
+{
+    const cam_params_t here = possible(&m->params);
+    const uint32_t mrpm = speed_mrpm > 0u ? speed_mrpm : start_mrpm(&here, &m->table);
+    return m->has_table ? cam_feasible(&m->table, &here, mrpm, m->tick_hz)
+                        : (cam_feasibility_t){.err = cam_err_no_table, .speed_mrpm = mrpm};
+}
+
+static cam_err_t post_if(cam_machine_t *m, const cam_status_t *status, bool is_allowed,
+                         cam_request_t request)
+{
+    return is_allowed ? post(m, status, request) : cam_err_state;
+}
+
+/// Check the inputs, and that U stands inside of its stroke: set-points stay in the stroke, so that
+/// from outside U would jump to the edge when it is enabled.
+static cam_err_t check_drives(const cam_params_t *params, const cam_status_t *status)
+{
+    if ((status->inputs & hal_in_estop) != 0u) {
+        return cam_err_estop;
+    }
+    if ((status->inputs & hal_in_drive_ready) == 0u) {
+        return cam_err_drive;
+    }
+    if ((status->inputs & hal_in_bus_lost) != 0u) {
+        return cam_err_bus;
+    }
+    return cam_is_within(status->u_actual_nm, params->u_stroke_nm / 2) ? cam_ok : cam_err_u_place;
+}
+
+cam_err_t cam_machine_enable(cam_machine_t *m)
+{
+    const cam_status_t status = cam_machine_status(m);
+    cam_err_t err = status.state == cam_state_off ? cam_ok : cam_err_state;
+    if (err == cam_ok) {
+        err = cam_machine_check_speed(m, 0);
+    }
+    if (err == cam_ok) {
+        err = check_drives(&m->params, &status);
+    }
+    return err == cam_ok ? post(m, &status, cam_request_enable) : err;
+}
+
+cam_err_t cam_machine_disable(cam_machine_t *m)
+{
+    const cam_status_t status = cam_machine_status(m);
+    return post_if(m, &status, status.state == cam_state_homing || status.state == cam_state_ready,
+                   cam_request_disable);
+}
+
+cam_err_t cam_machine_home(cam_machine_t *m)
+{
+    const cam_status_t status = cam_machine_status(m);
+    if (status.state != cam_state_ready) {
+        return cam_machine_enable(m);
+    }
+    const cam_err_t err = cam_machine_disable(m);
+    m->homes_again = err == cam_ok;
+    return err;
+}
+
+/// Second half of cam_machine_home(): enable once the disable has been carried out. Any other
+/// command or a fault meanwhile ends the attempt.
+static void home_again(cam_machine_t *m)
+{
+    const cam_status_t status = cam_machine_status(m);
+    if (!is_pending(m, &status)) {
+        m->homes_again = status.state == cam_state_off && cam_machine_enable(m) == cam_err_busy;
+    }
+}
+
+cam_err_t cam_machine_may_exchange(const cam_machine_t *m)
+{
+    const cam_status_t status = cam_machine_status(m);
+    if (is_pending(m, &status) || status.config != m->generation || m->homes_again) {
+        return cam_err_busy;
+    }
+    return status.state == cam_state_off ? cam_ok : cam_err_state;
+}
+
+cam_err_t cam_machine_start(cam_machine_t *m)
+{
+    const cam_status_t status = cam_machine_status(m);
+    if (status.state != cam_state_ready) {
+        return cam_err_state;
+    }
+    const cam_err_t err = cam_machine_check_speed(m, 0);
+    return err == cam_ok ? post(m, &status, cam_request_start) : err;
+}
+
+cam_err_t cam_machine_stop(cam_machine_t *m)
+{
+    const cam_status_t status = cam_machine_status(m);
+    return post_if(m, &status,
+                   status.state == cam_state_engaging || status.state == cam_state_cutting,
+                   cam_request_stop);
+}
+
+cam_err_t cam_machine_reset(cam_machine_t *m)
+{
+    const cam_status_t status = cam_machine_status(m);
+    return post_if(m, &status, status.state == cam_state_fault && status.is_retracted,
+                   cam_request_reset);
+}
+
+void cam_machine_poll(cam_machine_t *m)
+{
+    if (m->homes_again) {
+        home_again(m);
+    }
+    if (!m->has_table) {
+        return;
+    }
+    const uint8_t *bytes = (const uint8_t *)m->table.image;
+    if (m->scrub_at == 0u) {
+        m->scrub_at = scrub_from;
+        m->scrub_crc = 0;
+    }
+    const uint32_t left = m->table.image_size - m->scrub_at;
+    const uint32_t n = left < scrub_bytes ? left : scrub_bytes;
+    m->scrub_crc = cam_crc32(m->scrub_crc, bytes + m->scrub_at, n);
+    m->scrub_at += n;
+    if (m->scrub_at == m->table.image_size) {
+        m->scrub_at = 0;
+        if (m->scrub_crc != m->table.crc32) {
+            report_damage(m);
+        }
+    }
+}

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+/// cam_can: remote control of a stand-alone controller: commands, status and downloads over CAN,
+/// and lines of text for people.
+///
+/// The messages are those of can/camturn.dbc, packed and unpacked by functions that cantools
+/// generates from it; can/README.md describes their interplay. What this module adds:
+///
+/// Every frame with the id of commands is answered. `done` means that the command was accepted; the
+/// status shows the outcome. A frame whose length is not 8, or which has reserved bytes set, is
+/// answered with cam_err_frame (missing bytes are echoed as 0), an unknown command with
+/// cam_err_command. A value out of its range is answered three times: refusal, minimum, maximum.
+/// Frames with other ids are ignored. Answers that find no room in the transmit queue are kept, and
+/// nothing is read before they have been sent. A silent bus stops nothing.
+///
+/// A table that cannot be used does not keep the controller from starting. Enable is then refused
+/// with the error of its last check, which the status and a line of text report until a good table
+/// is selected.
+/// All functions: slow side, main() only.
+#ifndef CAM_CAN_H
+#define CAM_CAN_H
+
+#include "cam_isotp.h"   // cam_isotp_t
+#include "cam_lines.h"   // cam_lines_t
+#include "cam_machine.h" // cam_machine_t
+#include "cam_report.h"  // cam_report_t
+#include "cam_store.h"   // cam_store_t
+#include "hal/hal.h"     // hal_can_frame_t
+#include <stdint.h>      // uint8_t, uint32_t
+
+/// A value out of its range gets the most answers.
+enum { cam_can_max_answers = 3 };
+
+/// State; made by cam_can_init().
+typedef struct {
+    cam_machine_t *machine;
+    cam_store_t store;
+    cam_report_t report;
+    cam_lines_t lines;
+    cam_isotp_t isotp;
+    uint8_t block[cam_store_block_header + cam_store_block_bytes]; ///< message being received
+    hal_can_frame_t answers[cam_can_max_answers];                  ///< to the last command
+    uint32_t n_answers;                                            ///< how many there are
+    uint32_t n_answered;                                           ///< how many have been sent
+} cam_can_t;
+
+/// Take the table of hal_table_image() into use if it is good, and report in lines of text why the
+/// controller started and whether the table is in use.
+/// @param machine  initialised, in state off; kept and used by cam_can_poll()
+/// Context: main(), before hal_tick_start(); lasts as long as cam_store_select().
+void cam_can_init(cam_can_t *r, cam_machine_t *machine);
+
+/// Carry out at most one command or store at most one block, send the status when it is due, and
+/// report at most one change of state, fault or table as a line of text.
+/// Context: main loop. Lasts as long as the command that is carried out (cam_store.h); a watchdog
+/// must allow for the check of a whole table.
+void cam_can_poll(cam_can_t *r);
+
+#endif

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+/// cam_peaks: bounds of a channel's motion that the format does not store: how far, how fast and
+/// with what acceleration a table swings the tool, and how much a channel changes from one slice to
+/// the next.
+///
+/// The bounds hold for the quintics themselves, not only at their knots (cam_bounds.h). They exceed
+/// the largest values by at most two per cent where the knots are as dense as a tolerance of 1e-4
+/// degrees makes them. Context: slow side; one pass over the knots.
+#ifndef CAM_PEAKS_H
+#define CAM_PEAKS_H
+
+#include "cam_table.h" // cam_channel_t, cam_swing_peaks_t
+
+/// Bound the swing of the tool.
+/// @param ch  kind swing, its knots checked
+/// @return    bounds over all angles and heights, rounded up, saturated
+cam_swing_peaks_t cam_peaks_of_swing(const cam_channel_t *ch);
+
+/// Bound the change of a channel over height. Between two slices a channel changes linearly, by
+/// their difference; at a slice the rate of change jumps by the difference of the two differences.
+/// @param ch  over angle and height, its knots checked
+/// @return    bounds over all angles and slices, rounded up, saturated; all 0 when the slices are
+///            equal
+cam_change_t cam_peaks_of_change(const cam_channel_t *ch);
+
+#endif

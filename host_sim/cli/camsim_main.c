@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "camsim.h"
+#include <stdio.h>  // puts
+#include <string.h> // strcmp
+
+static const char help[] =
+    "camsim: the camturn controller on a simulated lathe\n"
+    "\n"
+    "  camsim eval TABLE < points.csv > values.csv   the firmware's own evaluation of a table\n"
+    "  camsim run TABLE [options]                    a whole cut in virtual time\n"
+    "  camsim bus TABLE --can IFACE [options]        the machine as nodes of a CAN bus\n"
+    "  camsim eval --help | run --help | bus --help | --version\n"
+    "\n"
+    "TABLE is a NAME.camtab made by tools/mktables.\n"
+    "Exit status: 0 done, 1 fault or out of tolerance, 2 wrong usage or bad input.";
+
+int camsim_complain(const common_error_t *e)
+{
+    (void)fprintf(stderr, "camsim: %s\n", e->text);
+    return camsim_wrong;
+}
+
+/// What was printed has arrived, or the exit status tells.
+static int after_print(void)
+{
+    common_error_t e;
+    if (fflush(stdout) != 0 || ferror(stdout) != 0) {
+        (void)common_error(&e,
+                           "standard output: cannot be written; make room or give another target");
+        return camsim_complain(&e);
+    }
+    return camsim_done;
+}
+
+int main(int argc, char **argv)
+{
+    const char *command = argc > 1 ? argv[1] : "";
+    if (strcmp(command, "eval") == 0) {
+        return camsim_eval(argc - 1, argv + 1);
+    }
+    if (strcmp(command, "run") == 0) {
+        return camsim_run(argc - 1, argv + 1);
+    }
+    if (strcmp(command, "bus") == 0) {
+        return camsim_bus(argc - 1, argv + 1);
+    }
+    if (strcmp(command, "--help") == 0 || strcmp(command, "-h") == 0) {
+        (void)puts(help);
+        return after_print();
+    }
+    if (strcmp(command, "--version") == 0) {
+        (void)puts("camsim " CAMSIM_VERSION);
+        return after_print();
+    }
+    common_error_t e;
+    (void)common_error(&e, "%.40s: no such command; use eval, run or bus, camsim --help tells more",
+                       argc > 1 ? command : "(nothing)");
+    return camsim_complain(&e);
+}

@@ -1,0 +1,373 @@
+// SPDX-License-Identifier: Apache-2.0
+#define _GNU_SOURCE        // NOLINT(bugprone-reserved-identifier): getopt_long
+#include "common_number.h" // common_number_parse
+#include "camsim.h"
+#include "sim_target.h" // sim_target_find
+#include <getopt.h>     // getopt_long
+#include <stdio.h>      // puts
+#include <string.h>     // strrchr
+#include <unistd.h>     // access
+
+static const char help[] =
+    "camsim run TABLE [options]\n"
+    "\n"
+    "  --rpm N               spindle speed, r/min (default: the table's)\n"
+    "  --feed MM             feed per turn (default: the table's)\n"
+    "  --machine M.toml      machine file (default: built in, see host_sim/machines/default.toml)\n"
+    "  --set PARAM=VALUE     a parameter of the firmware, by its name in cam_param.h; repeatable\n"
+    "  --design F.json       exact geometry for the gauge (default: NAME.json beside TABLE)\n"
+    "  --tolerance-um T      largest form error accepted (default: 5)\n"
+    "  --trace F.csv         every tick: inputs, set-points, outputs, truth\n"
+    "  --surface F.csv       turn,z_mm,radius_mm,error_nm of the worst sample of each cell\n"
+    "  --summary F.json      results\n"
+    "  --removal F.csv       metal removed, power and forces of every time slice\n"
+    "  --slice-us T          length of those slices (default: a 120th of the mean turn)\n"
+    "  --kc-n-mm2 K          specific cutting force (default: 700)\n"
+    "  --nose-mm R           radius of the tool's nose: the surface between tracks is made, too\n"
+    "  --scallop F.csv       turn,z_mm,proud_um of that surface; with --nose-mm\n"
+    "  --scallop-mm A:B      its heights (default: four feeds in the middle)\n"
+    "  --tool-tip-mm R       radius of the tip that turns a cam (default: 0.4)\n"
+    "  --no-feed-forward     k1 = k2 = 0\n"
+    "  --no-lead             no dead-time compensation\n"
+    "  --seed N              of the encoder's noise (default: 1)\n"
+    "  --turns-limit N       operator's stop after N turns of cutting\n"
+    "  --max-seconds S       give up after S of machine time (default: twice the plan and a "
+    "minute)\n"
+    "  --progress            show progress on standard error\n"
+    "  --target T            the firmware runs on an emulated board: mps2-an500 (Cortex-M7) or\n"
+    "                        mps2-an386 (Cortex-M4), one exchange per tick\n"
+    "  --target-image F.elf  image for it (default: that of preset mcu-qemu or mcu-qemu-m4)\n"
+    "  --inject KIND@SECONDS[:VALUE]   repeatable; seconds of cutting, or KIND@tSECONDS since the "
+    "start:\n"
+    "      estop  drive  bus  lost-counts:N  encoder-jump:N  encoder-stuck  index-dead\n"
+    "      late-tick:PERCENT  reverse  spindle-speed:RPM  spindle-stop  z-offset:MM  u-block\n"
+    "      swing-block  table-flip:BYTE  stop\n"
+    "\n"
+    "Exit status: 0 done, 1 fault, time-out, out of tolerance or not gauged, 2 wrong usage or bad "
+    "input.";
+
+enum {
+    opt_rpm = 256,
+    opt_feed,
+    opt_machine,
+    opt_set,
+    opt_design,
+    opt_tolerance,
+    opt_trace,
+    opt_surface,
+    opt_summary,
+    opt_removal,
+    opt_slice,
+    opt_kc,
+    opt_nose,
+    opt_scallop,
+    opt_window,
+    opt_tip,
+    opt_no_feed_forward,
+    opt_no_lead,
+    opt_seed,
+    opt_turns,
+    opt_max_seconds,
+    opt_progress,
+    opt_target,
+    opt_target_image,
+    opt_inject,
+    opt_help,
+};
+
+static const struct option options[] = {
+    {"rpm", required_argument, NULL, opt_rpm},
+    {"feed", required_argument, NULL, opt_feed},
+    {"machine", required_argument, NULL, opt_machine},
+    {"set", required_argument, NULL, opt_set},
+    {"design", required_argument, NULL, opt_design},
+    {"tolerance-um", required_argument, NULL, opt_tolerance},
+    {"trace", required_argument, NULL, opt_trace},
+    {"surface", required_argument, NULL, opt_surface},
+    {"summary", required_argument, NULL, opt_summary},
+    {"removal", required_argument, NULL, opt_removal},
+    {"slice-us", required_argument, NULL, opt_slice},
+    {"kc-n-mm2", required_argument, NULL, opt_kc},
+    {"nose-mm", required_argument, NULL, opt_nose},
+    {"scallop", required_argument, NULL, opt_scallop},
+    {"scallop-mm", required_argument, NULL, opt_window},
+    {"tool-tip-mm", required_argument, NULL, opt_tip},
+    {"no-feed-forward", no_argument, NULL, opt_no_feed_forward},
+    {"no-lead", no_argument, NULL, opt_no_lead},
+    {"seed", required_argument, NULL, opt_seed},
+    {"turns-limit", required_argument, NULL, opt_turns},
+    {"max-seconds", required_argument, NULL, opt_max_seconds},
+    {"progress", no_argument, NULL, opt_progress},
+    {"target", required_argument, NULL, opt_target},
+    {"target-image", required_argument, NULL, opt_target_image},
+    {"inject", required_argument, NULL, opt_inject},
+    {"help", no_argument, NULL, opt_help},
+    {NULL, 0, NULL, 0},
+};
+
+void camsim_options_help(void)
+{
+    (void)puts(help);
+}
+
+/// A number of an option within its range, both ends included.
+static bool take_number(double *value, const char *option, const char *text, double min, double max,
+                        const char *unit, common_error_t *e)
+{
+    if (!common_number_parse(text, value)) {
+        return common_error(e, "--%s %.60s: no finite number; give %s, %.12g .. %.12g", option,
+                            text, unit, min, max);
+    }
+    if (*value < min || *value > max) {
+        return common_error(e, "--%s %.60s: out of range; give %s, %.12g .. %.12g", option, text,
+                            unit, min, max);
+    }
+    return true;
+}
+
+static bool take_seed(camsim_options_t *o, const char *text, common_error_t *e)
+{
+    double value;
+    if (!take_number(&value, "seed", text, 0.0, 9007199254740992.0, "a whole number", e)) {
+        return false;
+    }
+    o->cut.seed = (uint64_t)value;
+    return (double)o->cut.seed == value ||
+           common_error(e, "--seed %.60s: not whole; give a whole number 0 .. 9007199254740992",
+                        text);
+}
+
+static bool take_slice(camsim_options_t *o, const char *text, common_error_t *e)
+{
+    double slice_us;
+    const bool is_good = take_number(&slice_us, "slice-us", text, 1.0, 1e9, "microseconds", e);
+    o->cut.slice_s = is_good ? slice_us * 1e-6 : 0.0;
+    return is_good;
+}
+
+/// Two heights, the second above the first; whether the part has them is seen later.
+static bool take_window(sim_cut_options_t *cut, const char *text, common_error_t *e)
+{
+    char first[40];
+    const char *colon = strchr(text, ':');
+    const bool is_split = colon != NULL && (size_t)(colon - text) < sizeof first;
+    if (is_split) {
+        memcpy(first, text, (size_t)(colon - text));
+        first[colon - text] = '\0';
+        cut->has_window = common_number_parse(first, &cut->window_first_mm) &&
+                          common_number_parse(colon + 1, &cut->window_last_mm) &&
+                          cut->window_first_mm < cut->window_last_mm;
+    }
+    return cut->has_window ||
+           common_error(e, "--scallop-mm %.60s: no two rising heights; give FROM:TO in mm", text);
+}
+
+static bool take_set(camsim_options_t *o, const char *text, common_error_t *e)
+{
+    char name[80];
+    double value;
+    const char *equals = strchr(text, '=');
+    if (equals == NULL || (size_t)(equals - text) >= sizeof name ||
+        !common_number_parse(equals + 1, &value)) {
+        return common_error(
+            e, "--set %.80s: wants PARAM=VALUE with a whole number; see cam_param.h", text);
+    }
+    memcpy(name, text, (size_t)(equals - text));
+    name[equals - text] = '\0';
+    return sim_wishes_add(&o->cut.wishes, name, value, "--set", e);
+}
+
+static bool take_inject(camsim_options_t *o, const char *text, common_error_t *e)
+{
+    if (o->cut.n_injects == sim_cut_max_injects) {
+        return common_error(e, "--inject %.60s: one too many; give at most %d", text,
+                            sim_cut_max_injects);
+    }
+    const bool is_bus = strcmp(o->command, "bus") == 0;
+    return sim_inject_parse(&o->cut.inject[o->cut.n_injects++], text,
+                            is_bus ? sim_inject_on_bus : sim_inject_in_run, e);
+}
+
+static bool take_switch(camsim_options_t *o, int option)
+{
+    switch (option) {
+    case opt_no_feed_forward:
+        o->cut.is_without_feed_forward = true;
+        return true;
+    case opt_no_lead:
+        o->cut.is_without_lead = true;
+        return true;
+    case opt_progress:
+        o->is_progress_shown = true;
+        return true;
+    case opt_help:
+        o->is_help = true;
+        return true;
+    default:
+        return false;
+    }
+}
+
+static const char **path_of(camsim_options_t *o, int option)
+{
+    switch (option) {
+    case opt_machine:
+        return &o->machine_path;
+    case opt_trace:
+        return &o->trace_path;
+    case opt_surface:
+        return &o->surface_path;
+    case opt_summary:
+        return &o->summary_path;
+    case opt_removal:
+        return &o->removal_path;
+    case opt_scallop:
+        return &o->scallop_path;
+    case opt_design:
+        return &o->cut.design_path;
+    case opt_target:
+        return &o->cut.target;
+    case opt_target_image:
+        return &o->cut.target_image;
+    default:
+        return NULL;
+    }
+}
+
+static bool take_value(camsim_options_t *o, int option, const char *text, common_error_t *e)
+{
+    sim_cut_options_t *cut = &o->cut;
+    switch (option) {
+    case opt_rpm:
+        return take_number(&cut->rpm, "rpm", text, 0.001, 60000.0, "r/min", e);
+    case opt_feed:
+        return take_number(&cut->feed_mm, "feed", text, 0.000001, 10.0, "mm per turn", e);
+    case opt_tolerance:
+        return take_number(&o->tolerance_um, "tolerance-um", text, 0.0, 1e6, "um", e);
+    case opt_turns:
+        return take_number(&cut->max_turns, "turns-limit", text, 0.001, 1e9, "turns", e);
+    case opt_slice:
+        return take_slice(o, text, e);
+    case opt_kc:
+        return take_number(&cut->kc_n_mm2, "kc-n-mm2", text, 0.001, 1e6, "N/mm2", e);
+    case opt_nose:
+        return take_number(&cut->nose_mm, "nose-mm", text, 0.01, 100.0, "mm", e);
+    case opt_window:
+        return take_window(cut, text, e);
+    case opt_tip:
+        return take_number(&cut->tip_mm, "tool-tip-mm", text, 0.05, 1000.0, "mm", e);
+    case opt_max_seconds:
+        return take_number(&cut->max_s, "max-seconds", text, 0.001, 1e7, "seconds", e);
+    case opt_seed:
+        return take_seed(o, text, e);
+    case opt_set:
+        return take_set(o, text, e);
+    default:
+        return take_inject(o, text, e);
+    }
+}
+
+static bool take_option(camsim_options_t *o, int option, char **argv, common_error_t *e)
+{
+    if (option == '?' || option == ':') {
+        return common_error(e, "%s: %.60s: unknown option or value missing; see camsim %s --help",
+                            o->command, argv[optind - 1], o->command);
+    }
+    if (take_switch(o, option)) {
+        return true;
+    }
+    const char **path = path_of(o, option);
+    if (path == NULL) {
+        return take_value(o, option, optarg, e);
+    }
+    *path = optarg;
+    return optarg[0] != '\0' || common_error(e, "%s: %.60s: an empty path; give a file name",
+                                             o->command, argv[optind - 1]);
+}
+
+/// NAME.json beside NAME.camtab, when it is there.
+static bool find_design(camsim_options_t *o, common_error_t *e)
+{
+    const char *name = strrchr(o->table_path, '/');
+    const char *dot = strrchr(name != NULL ? name : o->table_path, '.');
+    const size_t stem = dot != NULL ? (size_t)(dot - o->table_path) : strlen(o->table_path);
+    if (stem + sizeof ".json" > sizeof o->design_path) {
+        return common_error(e, "%.60s...: path too long; use a shorter one", o->table_path);
+    }
+    memcpy(o->design_path, o->table_path, stem);
+    memcpy(o->design_path + stem, ".json", sizeof ".json");
+    if (access(o->design_path, F_OK) == 0) {
+        o->cut.design_path = o->design_path;
+    }
+    return true;
+}
+
+/// The target exists; its image is the user's, or the one beside this program.
+static bool find_target(camsim_options_t *o, common_error_t *e)
+{
+    if (o->cut.target == NULL) {
+        return o->cut.target_image == NULL ||
+               common_error(e, "--target-image %.60s: no target for it; give --target",
+                            o->cut.target_image);
+    }
+    const sim_target_t *target = sim_target_find(o->cut.target, e);
+    if (target == NULL || o->cut.target_image != NULL) {
+        return target != NULL;
+    }
+    o->cut.target_image = o->target_image;
+    return sim_target_image(target, o->target_image, sizeof o->target_image, e);
+}
+
+static bool check_scallop(const camsim_options_t *o, common_error_t *e)
+{
+    const bool is_asked = o->scallop_path != NULL || o->cut.has_window;
+    return !is_asked || o->cut.nose_mm > 0.0 ||
+           common_error(e, "--scallop, --scallop-mm: no tool for it; give --nose-mm, too");
+}
+
+static bool check_outputs(const camsim_options_t *o, common_error_t *e)
+{
+    const char *const path[] = {o->table_path,   o->machine_path, o->cut.design_path,
+                                o->trace_path,   o->surface_path, o->summary_path,
+                                o->removal_path, o->scallop_path};
+    for (int i = 3; i < 8; i++) {
+        for (int k = 0; k < i; k++) {
+            if (path[i] != NULL && path[k] != NULL && strcmp(path[i], path[k]) == 0) {
+                return common_error(e, "%s: named for two purposes; give every output its own path",
+                                    path[i]);
+            }
+        }
+    }
+    return true;
+}
+
+bool camsim_options_read(camsim_options_t *o, int argc, char **argv, common_error_t *e)
+{
+    memset(o, 0, sizeof *o);
+    o->command = argv[0];
+    o->tolerance_um = 5.0;
+    o->cut.kc_n_mm2 = 700.0;
+    o->cut.config = sim_config_defaults();
+    o->cut.seed = 1;
+    opterr = 0;
+    int option;
+    while ((option = getopt_long(argc, argv, ":", options, NULL)) != -1) {
+        if (!take_option(o, option, argv, e)) {
+            return false;
+        }
+        if (o->is_help) {
+            return true;
+        }
+    }
+    if (optind + 1 != argc) {
+        return common_error(e, "%s: wants one TABLE, got %d; see camsim %s --help", o->command,
+                            argc - optind, o->command);
+    }
+    o->table_path = argv[optind];
+    o->cut.is_traced = o->trace_path != NULL;
+    if (o->machine_path != NULL && !sim_config_load(&o->cut.config, o->machine_path, e)) {
+        return false;
+    }
+    return find_target(o, e) && (o->cut.design_path != NULL || find_design(o, e)) &&
+           check_scallop(o, e) && check_outputs(o, e);
+}

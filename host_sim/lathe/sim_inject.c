@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common_number.h" // common_number_parse
+#include "sim_inject.h"
+#include "hal_host.h"  // hal_host_fault_*
+#include "sim_units.h" // SIM_TWO_PI
+#include <stdio.h>     // snprintf
+#include <string.h>    // strchr
+
+typedef struct {
+    const char *name;
+    const char *value; ///< what the value is, NULL: none
+    double min, max;
+    bool is_whole;
+    unsigned places; ///< sim_inject_place_t; 0: both
+} kind_t;
+
+static const kind_t kinds[sim_n_injects] = {
+    [sim_inject_estop] = {.name = "estop"},
+    [sim_inject_drive] = {.name = "drive"},
+    [sim_inject_bus] = {.name = "bus", .places = sim_inject_in_run},
+    [sim_inject_lost_counts] = {"lost-counts", "counts", 1.0, 1e9, true, 0},
+    [sim_inject_encoder_jump] = {"encoder-jump", "counts", -1e9, 1e9, true, 0},
+    [sim_inject_encoder_stuck] = {.name = "encoder-stuck"},
+    [sim_inject_index_dead] = {.name = "index-dead"},
+    [sim_inject_late_tick] = {"late-tick", "percent", 1.0, 10000.0, true, sim_inject_in_run},
+    [sim_inject_reverse] = {.name = "reverse"},
+    [sim_inject_spindle_speed] = {"spindle-speed", "r/min", 0.0, 60000.0, false, 0},
+    [sim_inject_spindle_stop] = {.name = "spindle-stop"},
+    [sim_inject_z_offset] = {"z-offset", "mm", -1000.0, 1000.0, false, sim_inject_in_run},
+    [sim_inject_u_block] = {.name = "u-block"},
+    [sim_inject_swing_block] = {.name = "swing-block", .places = sim_inject_in_run},
+    [sim_inject_table_flip] = {"table-flip", "byte", 0.0, 4294967295.0, true, sim_inject_in_run},
+    [sim_inject_stop] = {.name = "stop", .places = sim_inject_in_run},
+    [sim_inject_encoder_late] = {"encoder-late", "us", 1.0, 1e6, false, sim_inject_on_bus},
+    [sim_inject_encoder_missing] = {"encoder-missing", "frames", 1.0, 1e9, true, sim_inject_on_bus},
+    [sim_inject_encoder_repeated] = {"encoder-repeated", "frames", 1.0, 1e9, true,
+                                     sim_inject_on_bus},
+    [sim_inject_encoder_swapped] = {"encoder-swapped", "pairs", 1.0, 1e9, true, sim_inject_on_bus},
+    [sim_inject_heartbeat_lost] = {"heartbeat-lost", "a node", 1.0, 5.0, true, sim_inject_on_bus},
+    [sim_inject_node_dead] = {"node-dead", "a node", 1.0, 5.0, true, sim_inject_on_bus},
+    [sim_inject_node_fault] = {"node-fault", "a drive", 2.0, 5.0, true, sim_inject_on_bus},
+};
+
+const char *sim_inject_name(sim_inject_kind_t kind)
+{
+    return kinds[kind].name;
+}
+
+static bool find_kind(sim_inject_t *inject, const char *name)
+{
+    for (int i = 0; i < sim_n_injects; i++) {
+        if (strcmp(kinds[i].name, name) == 0) {
+            inject->kind = (sim_inject_kind_t)i;
+            return true;
+        }
+    }
+    return false;
+}
+
+static bool parse_value(sim_inject_t *inject, const char *value, const char *text,
+                        common_error_t *e)
+{
+    const kind_t *k = &kinds[inject->kind];
+    if (k->value == NULL) {
+        return value == NULL ||
+               common_error(e, "--inject %.60s: %s takes no value; remove it", text, k->name);
+    }
+    if (value == NULL || !common_number_parse(value, &inject->value) || inject->value < k->min ||
+        inject->value > k->max ||
+        (k->is_whole && inject->value != (double)(int64_t)inject->value)) {
+        return common_error(e,
+                            "--inject %.60s: %s wants %s, %.12g .. %.12g; write %s@SECONDS:VALUE",
+                            text, k->name, k->value, k->min, k->max, k->name);
+    }
+    return true;
+}
+
+static bool can_happen(sim_inject_kind_t kind, sim_inject_place_t place)
+{
+    return kinds[kind].places == 0u || (kinds[kind].places & (unsigned)place) != 0u;
+}
+
+bool sim_inject_parse(sim_inject_t *inject, const char *text, sim_inject_place_t place,
+                      common_error_t *e)
+{
+    char copy[128];
+    *inject = (sim_inject_t){0};
+    if ((size_t)snprintf(copy, sizeof copy, "%s", text) >= sizeof copy) {
+        return common_error(e, "--inject %.60s...: too long; write KIND@SECONDS[:VALUE]", text);
+    }
+    char *at = strchr(copy, '@');
+    if (at == NULL) {
+        return common_error(e, "--inject %.60s: no @SECONDS; write KIND@SECONDS[:VALUE]", text);
+    }
+    *at++ = '\0';
+    char *value = strchr(at, ':');
+    if (value != NULL) {
+        *value++ = '\0';
+    }
+    const char *command = place == sim_inject_on_bus ? "bus" : "run";
+    if (!find_kind(inject, copy)) {
+        return common_error(e, "--inject %.60s: no such kind; camsim %s --help lists them", text,
+                            command);
+    }
+    if (!can_happen(inject->kind, place)) {
+        return common_error(e,
+                            "--inject %.60s: cannot happen here; camsim %s --help lists what can",
+                            text, command);
+    }
+    inject->is_absolute = at[0] == 't';
+    if (!common_number_parse(at + (inject->is_absolute ? 1 : 0), &inject->at_s) ||
+        inject->at_s < 0.0) {
+        return common_error(e, "--inject %.60s: no time; write KIND@SECONDS with 0 or more seconds",
+                            text);
+    }
+    return parse_value(inject, value, text, e);
+}
+
+static void force_speed(sim_machine_t *m, double rad_per_s)
+{
+    m->is_speed_forced = true;
+    m->forced_rad_per_s = rad_per_s;
+}
+
+void sim_inject_apply(const sim_inject_t *inject, sim_machine_t *m, int direction)
+{
+    switch (inject->kind) {
+    case sim_inject_estop:
+        hal_host_fault_estop(true);
+        break;
+    case sim_inject_drive:
+        hal_host_fault_drive(true);
+        break;
+    case sim_inject_bus:
+        hal_host_fault_bus(true);
+        break;
+    case sim_inject_lost_counts:
+        hal_host_fault_counts(-(int32_t)inject->value);
+        break;
+    case sim_inject_encoder_jump:
+        hal_host_fault_counts((int32_t)inject->value);
+        break;
+    case sim_inject_encoder_stuck:
+        hal_host_fault_encoder_stuck(true);
+        break;
+    case sim_inject_index_dead:
+        hal_host_fault_index_dead(true);
+        break;
+    case sim_inject_late_tick:
+        sim_machine_late(m, inject->value);
+        break;
+    case sim_inject_reverse:
+        m->is_reversed = true;
+        break;
+    case sim_inject_spindle_speed:
+        force_speed(m, direction * inject->value * (SIM_TWO_PI / 60.0));
+        break;
+    case sim_inject_spindle_stop:
+        force_speed(m, 0.0);
+        break;
+    case sim_inject_z_offset:
+        m->z_offset_nm = (int32_t)(inject->value * SIM_NM_PER_MM);
+        break;
+    case sim_inject_u_block:
+        m->axis[hal_axis_u].is_blocked = true;
+        break;
+    case sim_inject_swing_block:
+        m->swing.is_blocked = true;
+        break;
+    default:
+        break;
+    }
+}

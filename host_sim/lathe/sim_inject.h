@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+/// sim_inject: what goes wrong, and when: KIND@SECONDS[:VALUE].
+///
+/// SECONDS count from the first tick of the cutting state, or from the start of time when written
+/// tSECONDS. Each happens once.
+///
+/// | kind | value | what happens |
+/// |---|---|---|
+/// | estop | | the emergency-stop chain opens |
+/// | drive | | the drives report that they are not ready |
+/// | bus | | a node on the bus goes silent, the drives are still heard |
+/// | lost-counts | counts | the encoder loses that many |
+/// | encoder-jump | counts | the encoder gains that many |
+/// | encoder-stuck | | the counter stands still |
+/// | index-dead | | no more index edges |
+/// | late-tick | percent | one tick comes late by this much of a period |
+/// | reverse | | the spindle turns against its set-point |
+/// | spindle-speed | r/min | the spindle runs away to that speed, in the sense of cutting |
+/// | spindle-stop | | the spindle brakes to rest |
+/// | z-offset | mm | measured Z is off by this much |
+/// | u-block | | U stands still |
+/// | swing-block | | the swing of the tool stands still |
+/// | table-flip | byte | one bit of that byte of the table image flips in memory |
+/// | stop | | the operator's stop command |
+/// | encoder-late | us | one frame of the encoder comes late by this |
+/// | encoder-missing | frames | that many frames of the encoder are not sent |
+/// | encoder-repeated | frames | that many times the last one is sent instead |
+/// | encoder-swapped | pairs | that many times two frames change places |
+/// | heartbeat-lost | node | no more heartbeats of the node with this number |
+/// | node-dead | node | it neither hears nor speaks |
+/// | node-fault | node | the drive with this number fails, with an emergency message |
+///
+/// Some happen to the machine of camsim run, some to the nodes of camsim bus, most to both.
+#ifndef SIM_INJECT_H
+#define SIM_INJECT_H
+
+#include "common_error.h" // common_error_t
+#include "sim_machine.h"  // sim_machine_t
+#include <stdbool.h>      // bool
+
+typedef enum {
+    sim_inject_estop,
+    sim_inject_drive,
+    sim_inject_bus,
+    sim_inject_lost_counts,
+    sim_inject_encoder_jump,
+    sim_inject_encoder_stuck,
+    sim_inject_index_dead,
+    sim_inject_late_tick,
+    sim_inject_reverse,
+    sim_inject_spindle_speed,
+    sim_inject_spindle_stop,
+    sim_inject_z_offset,
+    sim_inject_u_block,
+    sim_inject_swing_block,
+    sim_inject_table_flip,
+    sim_inject_stop,
+    sim_inject_encoder_late,
+    sim_inject_encoder_missing,
+    sim_inject_encoder_repeated,
+    sim_inject_encoder_swapped,
+    sim_inject_heartbeat_lost,
+    sim_inject_node_dead,
+    sim_inject_node_fault,
+    sim_n_injects
+} sim_inject_kind_t;
+
+/// Where it can happen.
+typedef enum { sim_inject_in_run = 1, sim_inject_on_bus = 2 } sim_inject_place_t;
+
+typedef struct {
+    sim_inject_kind_t kind;
+    double at_s;
+    bool is_absolute; ///< at_s counts from the start of time
+    double value;
+    bool is_done;
+} sim_inject_t;
+
+/// @param text   KIND@SECONDS[:VALUE] or KIND@tSECONDS[:VALUE]
+/// @param place  where it shall happen
+/// @return       false and *e when it is malformed or cannot happen there
+bool sim_inject_parse(sim_inject_t *inject, const char *text, sim_inject_place_t place,
+                      common_error_t *e);
+
+/// @return the kind's name
+const char *sim_inject_name(sim_inject_kind_t kind);
+
+/// Do to the machine what the kind says. What is not the machine's (table-flip, stop, the nodes'):
+/// nothing happens. Call between sense and advance.
+/// @param direction  +1 or -1: sense of cutting
+void sim_inject_apply(const sim_inject_t *inject, sim_machine_t *m, int direction);
+
+#endif

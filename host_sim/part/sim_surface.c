@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sim_surface.h"
+#include "sim_json.h"  // sim_json_breaks
+#include "sim_units.h" // sim_clamp, sim_fraction
+#include <stdlib.h>    // free
+#include <string.h>    // strcmp
+
+enum { n_in_piece = sim_surface_n_angle * sim_surface_n_height };
+
+/// Angle coordinate from the joint: the quadrants are mirror images.
+static double from_joint(sim_surface_t *s, double turn, double z_mm)
+{
+    const double half = 0.5 * sim_fraction(2.0 * turn);
+    const double q = half > 0.25 ? 0.5 - half : half;
+    const double joint = sim_cubics_at(&s->joint_turn, z_mm);
+    return q < joint ? q / joint : 1.0 + (q - joint) / (0.25 - joint);
+}
+
+static double at_height(const double c[sim_surface_n_height], double w)
+{
+    double sum = 0.0;
+    for (int l = sim_surface_n_height - 1; l >= 0; l--) {
+        sum = sum * w + c[l];
+    }
+    return sum;
+}
+
+/// @return place within piece i, 0 .. 1
+static double share(const double *breaks, size_t i, double v)
+{
+    return (v - breaks[i]) / (breaks[i + 1u] - breaks[i]);
+}
+
+double sim_surface_delta_mm(sim_surface_t *s, double turn, double z_mm)
+{
+    const double at = s->has_joint ? from_joint(s, turn, z_mm) : sim_fraction(turn);
+    const double z = sim_clamp(z_mm, s->break_mm[0], s->break_mm[s->m]);
+    s->i_last = sim_piece_of(s->breaks, s->n, s->i_last, at);
+    s->j_last = sim_piece_of(s->break_mm, s->m, s->j_last, z);
+    const double t = share(s->breaks, s->i_last, at);
+    const double w = share(s->break_mm, s->j_last, z);
+    const double(*c)[sim_surface_n_height] =
+        (const double(*)[sim_surface_n_height])s->c[s->j_last * s->n + s->i_last];
+    double sum = 0.0;
+    for (int k = sim_surface_n_angle - 1; k >= 0; k--) {
+        sum = sum * t + at_height(c[k], w);
+    }
+    return sum;
+}
+
+static bool read_angle(sim_surface_t *s, const cJSON *surface, const char *path, common_error_t *e)
+{
+    const cJSON *angle = cJSON_GetObjectItemCaseSensitive(surface, "angle");
+    const char *text = cJSON_IsString(angle) ? angle->valuestring : "?";
+    s->has_joint = strcmp(text, "joint") == 0;
+    if (!s->has_joint && strcmp(text, "turn") != 0) {
+        return common_error(
+            e, "%s: design.surface.angle = \"%.40s\": wants turn or joint; " SIM_JSON_REMEDY, path,
+            text);
+    }
+    return !s->has_joint ||
+           sim_json_cubics(&s->joint_turn, surface, "design.surface", "joint_turn", path, e);
+}
+
+/// The joint lies between the axes at all its own heights.
+static bool check_joint(sim_surface_t *s, const char *path, common_error_t *e)
+{
+    enum { per_piece = 16 };
+    for (size_t i = 0; s->has_joint && i < s->joint_turn.n * per_piece; i++) {
+        const double *z_mm = &s->joint_turn.break_mm[i / per_piece];
+        const double part = (double)(i % per_piece) / (per_piece - 1);
+        const double joint = sim_cubics_at(&s->joint_turn, z_mm[0] + part * (z_mm[1] - z_mm[0]));
+        if (!(joint > 0.0 && joint < 0.25)) {
+            return common_error(e,
+                                "%s: design.surface.joint_turn: %.12g lies outside 0 .. 0.25 "
+                                "turn; " SIM_JSON_REMEDY,
+                                path, joint);
+        }
+    }
+    return true;
+}
+
+static bool read_breaks(sim_surface_t *s, const cJSON *surface, const char *path, common_error_t *e)
+{
+    const double last = s->has_joint ? 2.0 : 1.0;
+    if (!sim_json_breaks(cJSON_GetObjectItemCaseSensitive(surface, "breaks"), &s->breaks, &s->n) ||
+        s->breaks[0] != 0.0 || s->breaks[s->n] != last) {
+        return common_error(
+            e, "%s: design.surface.breaks: wants rising numbers from 0 to %g; " SIM_JSON_REMEDY,
+            path, last);
+    }
+    return sim_json_breaks(cJSON_GetObjectItemCaseSensitive(surface, "breaks_mm"), &s->break_mm,
+                           &s->m) ||
+           common_error(e,
+                        "%s: design.surface.breaks_mm: wants rising finite numbers, 2 or "
+                        "more; " SIM_JSON_REMEDY,
+                        path);
+}
+
+static bool read_coefficients(sim_surface_t *s, const cJSON *surface, const char *path,
+                              common_error_t *e)
+{
+    const cJSON *list = cJSON_GetObjectItemCaseSensitive(surface, "coefficients");
+    double *values = NULL;
+    size_t n = 0;
+    const bool is_list = sim_json_numbers(list, &values, &n);
+    s->c = (double(*)[sim_surface_n_angle][sim_surface_n_height])(void *)values;
+    return (is_list && n == s->m * s->n * n_in_piece) ||
+           common_error(
+               e, "%s: design.surface.coefficients: wants %zu finite numbers; " SIM_JSON_REMEDY,
+               path, s->m * s->n * n_in_piece);
+}
+
+bool sim_surface_read(sim_surface_t *s, const cJSON *surface, const char *path, common_error_t *e)
+{
+    if (!cJSON_IsObject(surface)) {
+        return common_error(e, "%s: design.surface: is missing; " SIM_JSON_REMEDY, path);
+    }
+    return read_angle(s, surface, path, e) && check_joint(s, path, e) &&
+           read_breaks(s, surface, path, e) && read_coefficients(s, surface, path, e);
+}
+
+void sim_surface_free(sim_surface_t *s)
+{
+    sim_cubics_free(&s->joint_turn);
+    free(s->breaks);
+    free(s->break_mm);
+    free(s->c);
+    *s = (sim_surface_t){0};
+}

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+/// sim_config: the machine file. TOML as far as a machine needs it:
+///
+///     # comment
+///     [section]
+///     key = 1.5          # number, true, false or "string"
+///
+/// Every key has a default (machines/default.toml lists and explains them all), unknown keys and
+/// sections, keys given twice, values that are no number or out of range are refused, and the
+/// message names file, line, key, value and remedy. [controller] takes any parameter of
+/// cam_param.h.
+#ifndef SIM_CONFIG_H
+#define SIM_CONFIG_H
+
+#include "sim_controller.h" // sim_wishes_t
+#include "common_error.h"   // common_error_t
+#include "sim_machine.h"    // sim_machine_config_t
+
+typedef struct {
+    char name[64];
+    sim_machine_config_t machine;
+    sim_wishes_t controller;
+} sim_config_t;
+
+/// The default machine.
+sim_config_t sim_config_defaults(void);
+
+/// Read a machine file of at most 1 MiB, without NUL bytes, over the present content of *config.
+/// @return false and *e on the first thing wrong
+bool sim_config_load(sim_config_t *config, const char *path, common_error_t *e);
+
+#endif

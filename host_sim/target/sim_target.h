@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+/// sim_target: processors that the firmware can run on while the machine is simulated here.
+#ifndef SIM_TARGET_H
+#define SIM_TARGET_H
+
+#include "common_error.h" // common_error_t
+#include <stdbool.h>      // bool
+#include <stddef.h>       // size_t
+
+typedef struct {
+    const char *name;   ///< of the board, for the user and for the emulator
+    const char *preset; ///< of CMake, that builds its image
+} sim_target_t;
+
+/// @return NULL and *e when there is no such target
+const sim_target_t *sim_target_find(const char *name, common_error_t *e);
+
+/// @return false and *e, which tells how to build it, when the image cannot be read
+bool sim_target_check_image(const sim_target_t *target, const char *image, common_error_t *e);
+
+/// Where the image lies when it was built beside this program: in the build folder of its preset.
+/// @param path  of `size` bytes
+/// @return      false and *e when the place of this program cannot be told
+bool sim_target_image(const sim_target_t *target, char *path, size_t size, common_error_t *e);
+
+#endif

@@ -1,0 +1,253 @@
+// SPDX-License-Identifier: Apache-2.0
+// The Linux port's configuration file: the example, and everything that is refused.
+#include "lin_check.h" // lin_check_load, lin_check_warn
+#include "lin_config.h"
+#include "unity.h"
+#include <stdio.h>  // fopen
+#include <stdlib.h> // mkstemp
+#include <string.h> // strstr
+#include <unistd.h> // unlink
+
+static lin_config_t config;
+static common_error_t error;
+static char path[] = "/tmp/test_lin_config.XXXXXX";
+
+void setUp(void)
+{
+    config = lin_config_defaults();
+}
+
+void tearDown(void) {}
+
+static bool load(const char *text)
+{
+    FILE *file = fopen(path, "w");
+    TEST_ASSERT_NOT_NULL(file);
+    (void)fputs(text, file);
+    (void)fclose(file);
+    config = lin_config_defaults();
+    return lin_check_load(&config, path, &error);
+}
+
+static void refused(const char *text, const char *why)
+{
+    TEST_ASSERT_FALSE_MESSAGE(load(text), text);
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, why), error.text);
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, path), error.text);
+}
+
+/// A field that the example misses or tells differently would stand out.
+static void test_example_file_tells_every_default(void)
+{
+    memset(&config, 0x5a, sizeof config);
+    TEST_ASSERT_TRUE_MESSAGE(lin_check_load(&config, HAL_LINUX_DIR "/camturn.toml", &error),
+                             error.text);
+    lin_config_t expected;
+    memset(&expected, 0x5a, sizeof expected);
+    const lin_config_t defaults = lin_config_defaults();
+    expected.thread = defaults.thread;
+    TEST_ASSERT_EQUAL_MEMORY(&expected.thread, &config.thread, sizeof config.thread);
+    TEST_ASSERT_EQUAL_STRING(defaults.can.interface, config.can.interface);
+    TEST_ASSERT_EQUAL_STRING("can0", config.can.remote);
+    TEST_ASSERT_EQUAL_INT64(defaults.can.node, config.can.node);
+    TEST_ASSERT_TRUE(defaults.can.is_fd == config.can.is_fd);
+    TEST_ASSERT_EQUAL_INT64(defaults.can.bitrate, config.can.bitrate);
+    TEST_ASSERT_EQUAL_INT64(defaults.can.data_bitrate, config.can.data_bitrate);
+    TEST_ASSERT_EQUAL_INT64(defaults.can.heartbeat_ms, config.can.heartbeat_ms);
+    TEST_ASSERT_EQUAL_INT64(defaults.can.node_timeout_ms, config.can.node_timeout_ms);
+    TEST_ASSERT_EQUAL_INT64(defaults.can.pdo_timeout_ms, config.can.pdo_timeout_ms);
+    TEST_ASSERT_EQUAL_INT64(defaults.can.enable_ms, config.can.enable_ms);
+    TEST_ASSERT_EQUAL_INT64(defaults.encoder.node, config.encoder.node);
+    TEST_ASSERT_EQUAL_INT64(defaults.encoder.modulus_counts, config.encoder.modulus_counts);
+    TEST_ASSERT_EQUAL_INT64(defaults.encoder.counts_per_turn, config.encoder.counts_per_turn);
+    TEST_ASSERT_EQUAL_UINT32(defaults.encoder.index, config.encoder.index);
+    TEST_ASSERT_EQUAL_INT64(defaults.encoder.index_counts, config.encoder.index_counts);
+    TEST_ASSERT_EQUAL_INT64(defaults.encoder.delay_ns, config.encoder.delay_ns);
+    TEST_ASSERT_EQUAL_INT64(defaults.encoder.max_age_us, config.encoder.max_age_us);
+    TEST_ASSERT_EQUAL_MEMORY(defaults.drive, config.drive, sizeof config.drive);
+    TEST_ASSERT_EQUAL_INT64(defaults.spindle_node, config.spindle_node);
+    TEST_ASSERT_EQUAL_STRING(defaults.chip, config.chip);
+    for (int i = 0; i < lin_n_lines; i++) {
+        TEST_ASSERT_EQUAL_STRING(defaults.line[i].place, config.line[i].place);
+        TEST_ASSERT_TRUE(defaults.line[i].is_active_low == config.line[i].is_active_low);
+    }
+    TEST_ASSERT_EQUAL_STRING(defaults.table_file, config.table_file);
+    TEST_ASSERT_EQUAL_INT64(defaults.table_max_bytes, config.table_max_bytes);
+}
+
+static void test_desk_file_is_right(void)
+{
+    TEST_ASSERT_TRUE_MESSAGE(lin_check_load(&config, HAL_LINUX_DIR "/desk.toml", &error),
+                             error.text);
+    for (int i = 0; i < lin_n_lines; i++) {
+        TEST_ASSERT_FALSE(lin_line_is_there(&config, (lin_line_t)i));
+    }
+}
+
+static void test_values_of_every_kind_arrive(void)
+{
+    TEST_ASSERT_TRUE_MESSAGE(load("[thread]\n  tick_hz = 1300 # fast\n"
+                                  "[can]\nfd = true\nremote = \"can1\"\n"
+                                  "[encoder]\nindex = \"position\"\nindex_counts = 9999\n"
+                                  "[drive.z]\nnode = 0\ncounts = 4096\nnm = -5000000\n"
+                                  "[gpio]\nestop = \"gpiochip1:7\"\nestop_active_low = true\n"
+                                  "index = \"none\"\n"
+                                  "[table]\nfile = \"a#b.camtab\" # with a hash\n"),
+                             error.text);
+    TEST_ASSERT_EQUAL_INT64(1300, config.thread.tick_hz);
+    TEST_ASSERT_TRUE(config.can.is_fd);
+    TEST_ASSERT_EQUAL_STRING("can0", config.can.interface);
+    TEST_ASSERT_EQUAL_STRING("can1", config.can.remote);
+    TEST_ASSERT_EQUAL_UINT32(lin_index_position, config.encoder.index);
+    TEST_ASSERT_EQUAL_INT64(0, config.drive[hal_axis_z].node);
+    TEST_ASSERT_EQUAL_INT64(4096, config.drive[hal_axis_z].counts);
+    TEST_ASSERT_EQUAL_INT64(-5000000, config.drive[hal_axis_z].nm);
+    TEST_ASSERT_EQUAL_STRING("gpiochip1:7", config.line[lin_line_estop].place);
+    TEST_ASSERT_TRUE(config.line[lin_line_estop].is_active_low);
+    TEST_ASSERT_FALSE(lin_line_is_there(&config, lin_line_index));
+    TEST_ASSERT_TRUE(lin_line_is_there(&config, lin_line_ready));
+    TEST_ASSERT_EQUAL_STRING("a#b.camtab", config.table_file);
+}
+
+static void test_line_field_value_and_remedy_are_named(void)
+{
+    TEST_ASSERT_FALSE(load("[thread]\ntick_hz = 4001\n"));
+    char expected[200];
+    (void)snprintf(expected, sizeof expected,
+                   "%s:2: thread.tick_hz = 4001: give a whole number, 500 .. 4000", path);
+    TEST_ASSERT_EQUAL_STRING(expected, error.text);
+}
+
+static void test_what_is_wrong_is_refused(void)
+{
+    refused("[thread]\ntick_hz = 1e3\n", "give a whole number");
+    refused("[thread]\ntick_hz =\n", "give a whole number");
+    refused("[thread]\ntick_hz = 99999999999999999999\n", "give a whole number");
+    refused("[thread]\ntick_hz = 1000\ntick_hz = 1000\n", ":3: thread.tick_hz = 1000: given twice");
+    refused("[thread]\nrate = 1\n", "there is no such key");
+    refused("[threads]\ntick_hz = 1000\n", "there is no such section");
+    refused("tick_hz = 1000\n", "there is no such key");
+    refused("[thread]\ntick_hz\n", ":2: neither [section] nor key = value");
+    refused("[can]\nfd = 1\n", "give true or false");
+    refused("[can]\ninterface = can0\n", "give one \"text\"");
+    refused("[can]\ninterface = \"can0\" \"can1\"\n", "give one \"text\"");
+    refused("[can]\ninterface = \"a_name_too_long_\"\n", "at most 15 characters");
+    refused("[can]\ninterface = \"\"\n", "is empty");
+    refused("[gpio]\nfault = \"\"\n", "gpio.fault is empty");
+    refused("[encoder]\nindex = \"pos\"\n", "give one of \"line\" \"position\"");
+    refused("[table]\nfile = \"c:\\\\x\"\n", "give one \"text\"");
+}
+
+static void test_values_that_do_not_fit_one_another_are_refused(void)
+{
+    refused("[drive.x]\nnode = 2\n", "drive.x.node = 2: taken by drive.u.node");
+    refused("[can]\nnode = 5\n", "spindle.node = 5: taken by can.node");
+    refused("[encoder]\nindex_counts = 10000\n", "give less than counts_per_turn");
+    refused("[encoder]\nmodulus_counts = 65536\n", "not a multiple of counts_per_turn");
+    refused("[gpio]\nindex = \"none\"\n", "take \"position\"");
+    refused("[drive.u]\nnm = 0\n", "drive.u.nm = 0");
+    TEST_ASSERT_TRUE(load("[drive.x]\nnode = 0\n[drive.z]\nnode = 0\n[spindle]\nnode = 0\n"));
+}
+
+/// Every text was taken once, and the machine could not work or did something else.
+static void test_what_cannot_work_is_refused(void)
+{
+    refused("[gpio]\nestop = \"gpiochip0:x\"\n", "gpio.estop = gpiochip0:x: no number behind");
+    refused("[gpio]\nready = \"gpiochip0:3\"\nfault = \"/dev/gpiochip0:3\"\n",
+            "gpio.fault = \"/dev/gpiochip0:3\": taken by gpio.ready");
+    refused("[gpio]\nin_cut = \"FAULT\"\n", "gpio.in_cut = \"FAULT\": taken by gpio.fault");
+    refused("[encoder]\nmax_age_us = 1\n", "encoder.max_age_us = 1: with delay_ns = 0 every frame");
+    refused("[encoder]\nmax_age_us = 2099\ndelay_ns = 100000\n", "give at least 2100");
+    refused("[encoder]\ndelay_ns = 4000001\n", "encoder.max_age_us = 0: with delay_ns = 4000001");
+    refused("[can]\npdo_timeout_ms = 3\n", "can.pdo_timeout_ms = 3: shorter than two ticks of "
+                                           "thread.tick_hz = 500; give at least 4");
+    refused("[drive.u]\nnode = 0\n", "drive.u.node = 0: give a whole number, 1 .. 127");
+    TEST_ASSERT_TRUE(load("[encoder]\nmax_age_us = 2100\ndelay_ns = 100000\n"));
+    TEST_ASSERT_TRUE(load("[can]\npdo_timeout_ms = 4\n"));
+    TEST_ASSERT_TRUE(load("[gpio]\nready = \"gpiochip0:3\"\nfault = \"gpiochip1:3\"\n"));
+}
+
+static void test_what_is_no_toml_is_refused_with_its_line(void)
+{
+    refused("[thread]\n[canal]\n[can]\n", ":2: [canal]: there is no such section");
+    refused("[can\nnode = 3\n", ":1: [can: no section");
+    refused("[can] node = 3\n", ":1: [can: no section");
+    refused("[can]\nnode: 3\n", ":2: neither [section] nor key = value");
+    refused("[can]\n; node = 3\n", ":2: neither [section] nor key = value");
+    refused("[can]\nnode = 3 ; three\n", ":2: \";\" behind the value; begin comments with #");
+    TEST_ASSERT_TRUE_MESSAGE(
+        load("\r\n  # a comment: so; or so\n[can] # this\n\tnode = 9 # nine;\n"), error.text);
+    TEST_ASSERT_EQUAL_INT64(9, config.can.node);
+}
+
+static void test_bus_that_cannot_bear_the_ticks_is_refused_with_the_rate(void)
+{
+    refused(
+        "[thread]\ntick_hz = 1000\n",
+        "thread.tick_hz = 1000: takes up to 144 % of a bus with can.bitrate = 1000000: 1355 us a "
+        "tick and 75 ms a second for heartbeats and status; the highest rate it bears is 682;");
+    TEST_ASSERT_TRUE(load("[thread]\ntick_hz = 682\n"));
+    refused("[thread]\ntick_hz = 683\n", "takes up to 101 %");
+    refused("[can]\nbitrate = 500000\n", "it bears no rate of 500 or more");
+    refused("[thread]\ntick_hz = 1010\n[can]\nfd = true\n", "(FD): 916 us a tick");
+    TEST_ASSERT_TRUE(load("[thread]\ntick_hz = 1000\n[can]\nfd = true\n"));
+    TEST_ASSERT_TRUE(load("[thread]\ntick_hz = 732\n[can]\nremote = \"can1\"\n")); // no status
+    TEST_ASSERT_TRUE(load("[thread]\ntick_hz = 4000\n[can]\ninterface = \"vcan0\"\n"));
+}
+
+static char told[4][600];
+static uint32_t n_told;
+
+static void tell(const char *line)
+{
+    (void)snprintf(told[n_told++ % 4u], sizeof told[0], "%s", line);
+}
+
+static void test_what_is_doubtful_is_told(void)
+{
+    TEST_ASSERT_TRUE(load(""));
+    lin_check_warn(&config, tell);
+    TEST_ASSERT_EQUAL_UINT32(0, n_told);
+    TEST_ASSERT_TRUE_MESSAGE(load("[thread]\ntick_hz = 1000\n[can]\ninterface = \"vcan0\"\n"
+                                  "[gpio]\nestop = \"none\"\nenable = \"none\"\n"),
+                             error.text);
+    lin_check_warn(&config, tell);
+    TEST_ASSERT_EQUAL_UINT32(3, n_told);
+    TEST_ASSERT_EQUAL_INT(0, strncmp(told[0], "warning: gpio.estop = \"none\"", 28));
+    TEST_ASSERT_EQUAL_INT(0, strncmp(told[1], "warning: gpio.enable = \"none\"", 29));
+    TEST_ASSERT_EQUAL_INT(
+        0, strncmp(told[2], "warning: thread.tick_hz = 1000: takes up to 144 %", 49));
+}
+
+static void test_file_that_is_not_there_or_no_text_is_refused(void)
+{
+    TEST_ASSERT_FALSE(lin_check_load(&config, "/nowhere/camturn.toml", &error));
+    TEST_ASSERT_NOT_NULL(strstr(error.text, "/nowhere/camturn.toml: cannot be opened: No such"));
+    TEST_ASSERT_FALSE(lin_check_load(&config, "/tmp", &error));
+    TEST_ASSERT_NOT_NULL(strstr(error.text, "cannot be read"));
+    char line[600];
+    memset(line, 'x', sizeof line);
+    line[sizeof line - 1u] = '\0';
+    refused(line, ":1: longer than");
+    TEST_ASSERT_FALSE(load("[can]\nremote = \"a\x01\n"));
+    TEST_ASSERT_NULL(strchr(error.text, '\x01'));
+}
+
+int main(void)
+{
+    (void)close(mkstemp(path));
+    UNITY_BEGIN();
+    RUN_TEST(test_example_file_tells_every_default);
+    RUN_TEST(test_desk_file_is_right);
+    RUN_TEST(test_values_of_every_kind_arrive);
+    RUN_TEST(test_line_field_value_and_remedy_are_named);
+    RUN_TEST(test_what_is_wrong_is_refused);
+    RUN_TEST(test_values_that_do_not_fit_one_another_are_refused);
+    RUN_TEST(test_what_cannot_work_is_refused);
+    RUN_TEST(test_what_is_no_toml_is_refused_with_its_line);
+    RUN_TEST(test_bus_that_cannot_bear_the_ticks_is_refused_with_the_rate);
+    RUN_TEST(test_what_is_doubtful_is_told);
+    RUN_TEST(test_file_that_is_not_there_or_no_text_is_refused);
+    (void)unlink(path);
+    return UNITY_END();
+}

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+// Small parts of the Linux port: due times, places of lines, the way to an end, the reason of a
+// halt.
+#include "hal/hal.h"
+#include "lin_kept.h"
+#include "lin_period.h"
+#include "lin_place.h"
+#include "lin_stop.h"
+#include "unity.h"
+#include <errno.h>  // EBUSY
+#include <stdio.h>  // fopen
+#include <stdlib.h> // mkdtemp
+#include <string.h> // strstr
+#include <unistd.h> // unlink
+
+static common_error_t error;
+static char folder[] = "/tmp/test_lin_port.XXXXXX";
+static char path[100];
+
+void setUp(void)
+{
+    (void)unlink(path);
+}
+
+void tearDown(void) {}
+
+static void test_due_times_do_not_drift(void)
+{
+    static const int64_t rates[] = {500, 1000, 3000, 3333, 4000};
+    for (uint32_t i = 0; i < sizeof rates / sizeof rates[0]; i++) {
+        int64_t at = INT64_C(86400000000000); // a day
+        for (int64_t k = 1; k <= 2 * rates[i]; k++) {
+            const int64_t next = lin_period_next(at, rates[i]);
+            TEST_ASSERT_TRUE(next > at);
+            TEST_ASSERT_EQUAL_INT64(INT64_C(86400000000000) + k * INT64_C(1000000000) / rates[i],
+                                    next);
+            TEST_ASSERT_EQUAL_UINT32(0, lin_period_missed(at, next, rates[i]));
+            at = next;
+        }
+    }
+}
+
+static void test_missed_ticks_are_counted(void)
+{
+    const int64_t at = INT64_C(1000000000);
+    TEST_ASSERT_EQUAL_INT64(at + 1000000, lin_period_next(at, 1000));
+    TEST_ASSERT_EQUAL_INT64(at + 1000000, lin_period_next(at + 999999, 1000));
+    TEST_ASSERT_EQUAL_UINT32(2, lin_period_missed(at, at + 3000000, 1000));
+    TEST_ASSERT_EQUAL_UINT32(3, lin_period_missed(at + 333333, at + 1666666, 3000));
+    TEST_ASSERT_EQUAL_UINT32(9999, lin_period_missed(at, 11 * at, 1000));
+}
+
+static void test_place_is_a_name_or_chip_and_offset(void)
+{
+    lin_place_t p;
+    TEST_ASSERT_TRUE(lin_place_parse(&p, "gpiochip0", "ESTOP", &error));
+    TEST_ASSERT_EQUAL_STRING("/dev/gpiochip0", p.chip);
+    TEST_ASSERT_EQUAL_STRING("ESTOP", p.name);
+    TEST_ASSERT_TRUE(lin_place_parse(&p, "gpiochip0", "/dev/gpiochip3:17", &error));
+    TEST_ASSERT_EQUAL_STRING("/dev/gpiochip3", p.chip);
+    TEST_ASSERT_EQUAL_UINT(17, p.offset);
+    TEST_ASSERT_NULL(p.name);
+    static const char *const wrong[] = {"gpiochip0:", "gpiochip0:x", ":3",
+                                        "a:3x",       "a:70000",     "a:-1"};
+    for (uint32_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+        TEST_ASSERT_FALSE_MESSAGE(lin_place_parse(&p, "c", wrong[i], &error), wrong[i]);
+        TEST_ASSERT_NOT_NULL(strstr(error.text, "CHIP:OFFSET"));
+    }
+}
+
+static void test_line_that_cannot_be_had_is_told_with_a_remedy(void)
+{
+    static const struct {
+        int err;
+        const char *who, *words;
+    } rows[] = {
+        {0, "", "/dev/gpiochip0 has no line ESTOP; gpioinfo"},
+        {EBUSY, "gpioset", "line ESTOP of /dev/gpiochip0 is in use by gpioset; end that"},
+        {EBUSY, "", "is in use; end that"},
+        {ENOENT, "", "/dev/gpiochip0: no such GPIO chip; gpiodetect"},
+        {EACCES, "", "not permitted; join its group"},
+        {EIO, "", "line ESTOP of /dev/gpiochip0: Input/output error"},
+    };
+    lin_place_t p;
+    TEST_ASSERT_TRUE(lin_place_parse(&p, "gpiochip0", "ESTOP", &error));
+    for (uint32_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        TEST_ASSERT_FALSE(lin_place_refuse(&p, rows[i].err, rows[i].who, &error));
+        TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, rows[i].words), error.text);
+    }
+}
+
+static void test_end_waits_for_the_retract_and_for_the_drives(void)
+{
+    lin_stop_t s = {.phase = lin_stop_run};
+    TEST_ASSERT_EQUAL_INT(lin_stop_run, lin_stop_step(&s, 0, hal_out_enable, false, 0));
+    for (int64_t t = 0; t < 100; t++) {
+        TEST_ASSERT_EQUAL_INT(lin_stop_retract, lin_stop_step(&s, 1, hal_out_enable, false, t));
+    }
+    for (int64_t t = 100; t < 200; t++) {
+        TEST_ASSERT_EQUAL_INT(lin_stop_release, lin_stop_step(&s, 1, hal_out_fault, false, t));
+    }
+    TEST_ASSERT_EQUAL_INT(lin_stop_over, lin_stop_step(&s, 1, 0, true, 200));
+    TEST_ASSERT_EQUAL_INT(lin_stop_over, lin_stop_step(&s, 9, 0, false, 201));
+}
+
+static void test_end_while_off_tells_the_drives_three_times(void)
+{
+    lin_stop_t s = {.phase = lin_stop_run};
+    for (int i = 0; i < 3; i++) {
+        TEST_ASSERT_EQUAL_INT(lin_stop_release, lin_stop_step(&s, 1, 0, true, i));
+    }
+    TEST_ASSERT_EQUAL_INT(lin_stop_over, lin_stop_step(&s, 1, 0, true, 3));
+}
+
+static void test_end_does_not_wait_for_ever(void)
+{
+    const int64_t second = INT64_C(1000000000);
+    lin_stop_t s = {.phase = lin_stop_run};
+    (void)lin_stop_step(&s, 1, hal_out_enable, false, 0);
+    TEST_ASSERT_EQUAL_INT(lin_stop_retract,
+                          lin_stop_step(&s, 1, hal_out_enable, false, 2 * second));
+    TEST_ASSERT_EQUAL_INT(lin_stop_release,
+                          lin_stop_step(&s, 1, hal_out_enable, false, 2 * second + 1));
+    TEST_ASSERT_EQUAL_INT(lin_stop_over, lin_stop_step(&s, 1, 0, false, 4 * second));
+    s = (lin_stop_t){.phase = lin_stop_run}; // two signals: no retract
+    TEST_ASSERT_EQUAL_INT(lin_stop_release, lin_stop_step(&s, 2, hal_out_enable, false, 0));
+}
+
+static void test_reason_of_a_halt_is_told_at_the_next_start_once(void)
+{
+    char longest[2 * lin_kept_bytes];
+    hal_start_t start = lin_kept_start(path);
+    TEST_ASSERT_EQUAL_INT(hal_reset_power_on, start.reset);
+    TEST_ASSERT_EQUAL_STRING("", start.why);
+    lin_kept_halt("broken");
+    start = lin_kept_start(path);
+    TEST_ASSERT_EQUAL_INT(hal_reset_halt, start.reset);
+    TEST_ASSERT_EQUAL_STRING("broken", start.why);
+    TEST_ASSERT_EQUAL_INT(hal_reset_power_on, lin_kept_start(path).reset);
+    memset(longest, 'x', sizeof longest);
+    longest[sizeof longest - 1u] = '\0';
+    lin_kept_halt(longest);
+    TEST_ASSERT_EQUAL_size_t(lin_kept_bytes, strlen(lin_kept_start(path).why));
+}
+
+int main(void)
+{
+    if (mkdtemp(folder) == NULL) {
+        return 1;
+    }
+    (void)snprintf(path, sizeof path, "%s/table", folder);
+    UNITY_BEGIN();
+    RUN_TEST(test_due_times_do_not_drift);
+    RUN_TEST(test_missed_ticks_are_counted);
+    RUN_TEST(test_place_is_a_name_or_chip_and_offset);
+    RUN_TEST(test_line_that_cannot_be_had_is_told_with_a_remedy);
+    RUN_TEST(test_end_waits_for_the_retract_and_for_the_drives);
+    RUN_TEST(test_end_while_off_tells_the_drives_three_times);
+    RUN_TEST(test_end_does_not_wait_for_ever);
+    RUN_TEST(test_reason_of_a_halt_is_told_at_the_next_start_once);
+    setUp();
+    (void)rmdir(folder);
+    return UNITY_END();
+}

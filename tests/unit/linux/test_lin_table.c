@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: Apache-2.0
+// The Linux port's table: its file, the next one beside it, and a disk that fails at each step.
+#include "lin_table.h"
+#include "unity.h"
+#include <errno.h>       // EIO
+#include <stdio.h>       // fopen
+#include <stdlib.h>      // mkdtemp
+#include <string.h>      // strstr
+#include <sys/stat.h>    // mkdir
+#include <sys/syscall.h> // SYS_fsync
+#include <unistd.h>      // unlink, syscall
+
+static common_error_t error;
+static char folder[] = "/tmp/test_lin_table.XXXXXX";
+static char path[100], fresh[110];
+static int n_good_syncs;
+
+void setUp(void)
+{
+    n_good_syncs = INT32_MAX;
+    (void)unlink(path);
+    (void)unlink(fresh);
+}
+
+void tearDown(void) {}
+
+/// In front of the library's: a disk that confirms a number of times.
+int fsync(int fd)
+{
+    if (n_good_syncs-- <= 0) {
+        errno = EIO;
+        return -1;
+    }
+    return (int)syscall(SYS_fsync, fd);
+}
+
+static void put_file(const char *at, const char *text)
+{
+    FILE *file = fopen(at, "w");
+    TEST_ASSERT_NOT_NULL(file);
+    (void)fputs(text, file);
+    (void)fclose(file);
+}
+
+static void expect_file(const char *text)
+{
+    char read[100] = "";
+    FILE *file = fopen(path, "r");
+    TEST_ASSERT_NOT_NULL(file);
+    TEST_ASSERT_EQUAL_size_t(strlen(text), fread(read, 1, sizeof read - 1u, file));
+    (void)fclose(file);
+    TEST_ASSERT_EQUAL_STRING(text, read);
+}
+
+static void expect_image(const char *text)
+{
+    const hal_image_t image = lin_table_image();
+    TEST_ASSERT_EQUAL_UINT32(strlen(text), image.size);
+    TEST_ASSERT_EQUAL_MEMORY(text, image.bytes, image.size);
+}
+
+static void test_table_is_read_at_the_start(void)
+{
+    TEST_ASSERT_TRUE(lin_table_open(path, 64, &error)); // none: nothing wrong
+    TEST_ASSERT_EQUAL_UINT32(0, lin_table_image().size);
+    put_file(path, "first");
+    TEST_ASSERT_TRUE(lin_table_open(path, 64, &error));
+    expect_image("first");
+    TEST_ASSERT_EQUAL_UINT32(0, (uintptr_t)lin_table_image().bytes % 32u);
+    TEST_ASSERT_EQUAL_UINT32(0, lin_table_staged().size);
+}
+
+static void test_table_that_cannot_be_read_is_told(void)
+{
+    put_file(path, "12345678901234567890123456789012345678901234567890123456789012345");
+    TEST_ASSERT_FALSE(lin_table_open(path, 64, &error));
+    TEST_ASSERT_NOT_NULL(strstr(error.text, "65 bytes; raise table.max_bytes"));
+    TEST_ASSERT_FALSE(lin_table_open(folder, 64, &error));
+    TEST_ASSERT_NOT_NULL(strstr(error.text, "is no file"));
+}
+
+static void test_new_table_comes_into_force_by_commit_only(void)
+{
+    put_file(path, "first");
+    TEST_ASSERT_TRUE(lin_table_open(path, 64, &error));
+    TEST_ASSERT_FALSE(lin_table_begin(0));
+    TEST_ASSERT_FALSE(lin_table_begin(65));
+    TEST_ASSERT_FALSE(lin_table_write(0, "x", 1)); // not begun
+    TEST_ASSERT_FALSE(lin_table_commit(&error));
+    TEST_ASSERT_TRUE(lin_table_begin(6));
+    TEST_ASSERT_TRUE(lin_table_write(0, "sec", 3));
+    TEST_ASSERT_FALSE(lin_table_write(4, "ond", 3)); // one behind the end
+    TEST_ASSERT_FALSE(lin_table_write(UINT32_MAX, "o", 2));
+    TEST_ASSERT_EQUAL_HEX8(0xFF, ((const uint8_t *)lin_table_staged().bytes)[5]);
+    TEST_ASSERT_TRUE(lin_table_write(3, "ond", 3));
+    expect_image("first");
+    expect_file("first");
+    TEST_ASSERT_TRUE(lin_table_commit(&error));
+    expect_image("second");
+    expect_file("second");
+    TEST_ASSERT_FALSE(lin_table_commit(&error));        // once
+    TEST_ASSERT_TRUE(lin_table_open(path, 64, &error)); // the next start
+    expect_image("second");
+}
+
+static void test_interrupted_download_leaves_the_old_table(void)
+{
+    put_file(path, "first");
+    TEST_ASSERT_TRUE(lin_table_open(path, 64, &error));
+    TEST_ASSERT_TRUE(lin_table_begin(6));
+    TEST_ASSERT_TRUE(lin_table_write(0, "sec", 3));
+    put_file(fresh, "torn"); // the supply fell while it was written
+    TEST_ASSERT_TRUE(lin_table_open(path, 64, &error));
+    expect_image("first");
+    TEST_ASSERT_EQUAL_UINT32(0, lin_table_staged().size);
+}
+
+static void test_table_that_cannot_be_stored_leaves_the_old_one(void)
+{
+    put_file(path, "first");
+    TEST_ASSERT_TRUE(lin_table_open(path, 64, &error));
+    TEST_ASSERT_TRUE(lin_table_begin(1));
+    TEST_ASSERT_TRUE(lin_table_write(0, "x", 1));
+    TEST_ASSERT_EQUAL_INT(0, mkdir(fresh, 0700)); // in the way, also of root
+    TEST_ASSERT_FALSE(lin_table_commit(&error));
+    TEST_ASSERT_NOT_NULL(strstr(error.text, "not written"));
+    expect_image("first");
+    expect_file("first");
+    TEST_ASSERT_EQUAL_INT(0, rmdir(fresh));
+}
+
+static void begin_second(void)
+{
+    put_file(path, "first");
+    TEST_ASSERT_TRUE(lin_table_open(path, 64, &error));
+    TEST_ASSERT_TRUE(lin_table_begin(6));
+    TEST_ASSERT_TRUE(lin_table_write(0, "second", 6));
+}
+
+static void test_disk_that_does_not_take_the_file_leaves_the_old_one(void)
+{
+    begin_second();
+    n_good_syncs = 0;
+    TEST_ASSERT_FALSE(lin_table_commit(&error));
+    TEST_ASSERT_NOT_NULL(strstr(error.text, "not written: Input/output error"));
+    TEST_ASSERT_NOT_EQUAL_INT(0, access(fresh, F_OK));
+    expect_image("first");
+    expect_file("first");
+    n_good_syncs = INT32_MAX;
+    TEST_ASSERT_TRUE(lin_table_commit(&error)); // again
+    TEST_ASSERT_EQUAL_STRING("", error.text);
+    expect_image("second");
+    expect_file("second");
+}
+
+/// Renamed is renamed: memory and file must not differ, whatever the folder's disk says.
+static void test_folder_that_is_not_confirmed_is_told(void)
+{
+    begin_second();
+    n_good_syncs = 1;
+    TEST_ASSERT_TRUE(lin_table_commit(&error));
+    TEST_ASSERT_NOT_NULL(strstr(error.text, "a loss of power may bring the old one back"));
+    expect_image("second");
+    expect_file("second");
+    TEST_ASSERT_EQUAL_UINT32(0, lin_table_staged().size);
+    TEST_ASSERT_FALSE(lin_table_commit(&error)); // nothing is left to be done
+}
+
+int main(void)
+{
+    if (mkdtemp(folder) == NULL) {
+        return 1;
+    }
+    (void)snprintf(path, sizeof path, "%s/table", folder);
+    (void)snprintf(fresh, sizeof fresh, "%s.new", path);
+    UNITY_BEGIN();
+    RUN_TEST(test_table_is_read_at_the_start);
+    RUN_TEST(test_table_that_cannot_be_read_is_told);
+    RUN_TEST(test_new_table_comes_into_force_by_commit_only);
+    RUN_TEST(test_interrupted_download_leaves_the_old_table);
+    RUN_TEST(test_table_that_cannot_be_stored_leaves_the_old_one);
+    RUN_TEST(test_disk_that_does_not_take_the_file_leaves_the_old_one);
+    RUN_TEST(test_folder_that_is_not_confirmed_is_told);
+    setUp();
+    (void)rmdir(folder);
+    return UNITY_END();
+}

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sim_config.h"
+#include "unity.h"
+#include <stdio.h>  // fopen
+#include <string.h> // memcmp
+
+static sim_config_t config;
+static common_error_t error;
+static const char path[] = "test_sim_config.toml";
+
+void setUp(void)
+{
+    config = sim_config_defaults();
+}
+
+void tearDown(void)
+{
+    (void)remove(path);
+}
+
+static bool load_bytes(const char *bytes, size_t size)
+{
+    FILE *f = fopen(path, "wb");
+    TEST_ASSERT_NOT_NULL(f);
+    TEST_ASSERT_EQUAL_size_t(size, fwrite(bytes, 1, size, f));
+    TEST_ASSERT_EQUAL_INT(0, fclose(f));
+    config = sim_config_defaults();
+    return sim_config_load(&config, path, &error);
+}
+
+static bool load(const char *text)
+{
+    return load_bytes(text, strlen(text));
+}
+
+static void refused(const char *text, const char *why)
+{
+    TEST_ASSERT_FALSE_MESSAGE(load(text), text);
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, why), error.text);
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, path), error.text);
+}
+
+/// A key that the file tells with a value that the code does not have shows here.
+static void test_default_file_is_the_built_in_machine(void)
+{
+    memset(&config.machine, 0, sizeof config.machine); // every key must come from the file
+    config.name[0] = '\0';
+    TEST_ASSERT_TRUE_MESSAGE(
+        sim_config_load(&config, HOST_SIM_DIR "/machines/default.toml", &error), error.text);
+    const sim_config_t built_in = sim_config_defaults();
+    TEST_ASSERT_EQUAL_MEMORY(&built_in.machine, &config.machine, sizeof config.machine);
+    TEST_ASSERT_EQUAL_STRING(built_in.name, config.name);
+}
+
+static void test_other_machines_are_accepted(void)
+{
+    TEST_ASSERT_TRUE_MESSAGE(sim_config_load(&config, HOST_SIM_DIR "/machines/rough.toml", &error),
+                             error.text);
+    TEST_ASSERT_TRUE_MESSAGE(sim_config_load(&config, HOST_SIM_DIR "/machines/piezo.toml", &error),
+                             error.text);
+}
+
+static void test_load_takes_comments_blanks_and_indentation(void)
+{
+    TEST_ASSERT_TRUE_MESSAGE(
+        load("# top\n\n[machine]\n  name = \"a # b\"   # behind\n\ttick_hz=10000# x\n"
+             "[u]\ndelay_us = 1.5e1\n"),
+        error.text);
+    TEST_ASSERT_EQUAL_STRING("a # b", config.name);
+    TEST_ASSERT_TRUE(config.machine.tick_hz == 10000.0);
+    TEST_ASSERT_TRUE(config.machine.axis[0].delay_us == 15.0);
+}
+
+static void test_load_takes_firmware_parameters(void)
+{
+    TEST_ASSERT_TRUE_MESSAGE(load("[controller]\nk1_ns = 0\nz_is_measured = true\n"), error.text);
+    TEST_ASSERT_TRUE(config.controller.is_given[cam_param_k1_ns]);
+    TEST_ASSERT_EQUAL_INT32(0, config.controller.value[cam_param_k1_ns]);
+    TEST_ASSERT_EQUAL_INT32(1, config.controller.value[cam_param_z_is_measured]);
+    TEST_ASSERT_FALSE(config.controller.is_given[cam_param_k2_us2]);
+}
+
+static void test_load_refuses_what_is_wrong(void)
+{
+    refused("[u]\nbandwith_hz = 300\n", "u.bandwith_hz = 300: unknown");
+    refused("[v]\ndamping = 1\n", "v.damping");
+    refused("damping = 1\n", "unknown");
+    refused("[u]\ndamping = nan\n", "u.damping = nan: no finite number");
+    refused("[u]\ndamping = inf\n", "no finite number");
+    refused("[u]\ndamping = 0x10\n", "no finite number");
+    refused("[u]\ndamping = 1 2\n", "no finite number");
+    refused("[u]\ndamping = \"1\"\n", "no finite number");
+    refused("[u]\ndamping =\n", "no finite number");
+    refused("[u]\ndamping = 0\n", "out of range");
+    refused("[u]\ndamping = -1\n", "line 2: u.damping = -1: out of range");
+    refused("[u]\ndamping = 1\ndamping = 1\n", "given twice");
+    refused("[machine]\ntick_hz = 20000.5\n", "whole");
+    refused("[encoder]\nsign = 0\n", "not 0");
+    refused("[encoder]\nsign = 0.5\n", "whole");
+    refused("[machine]\nname = default\n", "machine.name");
+    refused("[machine]\nname = \"a\"\nname = \"b\"\n", "machine.name");
+    refused("[u\n", "neither [section] nor key = value");
+    refused("[u]\ndamping\n", "line 2");
+    refused("[controller]\nk1_ns = 1e12\n", "out of range");
+    refused("[controller]\nk1_ns = 1.5\n", "whole");
+    refused("[controller]\nk9 = 1\n", "no such parameter");
+    refused("[controller]\nk1_ns = 1\nk1_ns = 1\n", "given twice");
+}
+
+static void test_load_refuses_a_line_that_is_too_long(void)
+{
+    char text[400] = "[u]\n#";
+    memset(text + 5, 'x', 300);
+    refused(text, "longer than");
+}
+
+static void test_load_takes_a_last_line_without_an_end(void)
+{
+    TEST_ASSERT_TRUE_MESSAGE(load(""), error.text);
+    TEST_ASSERT_TRUE_MESSAGE(load("[u]\r\n\ndelay_us = 15"), error.text);
+    TEST_ASSERT_TRUE(config.machine.axis[0].delay_us == 15.0);
+}
+
+static void test_load_refuses_a_nul_byte(void)
+{
+    static const char head[] = "\0\0garbage";
+    static const char middle[] = "[u]\ndelay_us = 15\0garbage\n";
+    TEST_ASSERT_FALSE(load_bytes(head, sizeof head - 1u));
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, "line 1: has a NUL byte"), error.text);
+    TEST_ASSERT_FALSE(load_bytes(middle, sizeof middle - 1u));
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, "line 2: has a NUL byte"), error.text);
+}
+
+static void test_load_refuses_a_file_that_is_too_large(void)
+{
+    enum { most = 1 << 20 };
+    static char bytes[most + 1];
+    memset(bytes, '\n', sizeof bytes);
+    TEST_ASSERT_TRUE_MESSAGE(load_bytes(bytes, most), error.text);
+    TEST_ASSERT_FALSE(load_bytes(bytes, most + 1));
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, "larger than 1048576 bytes"), error.text);
+}
+
+static void test_load_refuses_a_missing_file(void)
+{
+    TEST_ASSERT_FALSE(sim_config_load(&config, "nowhere/none.toml", &error));
+    TEST_ASSERT_NOT_NULL(strstr(error.text, "nowhere/none.toml: cannot be opened"));
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_default_file_is_the_built_in_machine);
+    RUN_TEST(test_other_machines_are_accepted);
+    RUN_TEST(test_load_takes_comments_blanks_and_indentation);
+    RUN_TEST(test_load_takes_firmware_parameters);
+    RUN_TEST(test_load_refuses_what_is_wrong);
+    RUN_TEST(test_load_refuses_a_line_that_is_too_long);
+    RUN_TEST(test_load_takes_a_last_line_without_an_end);
+    RUN_TEST(test_load_refuses_a_nul_byte);
+    RUN_TEST(test_load_refuses_a_file_that_is_too_large);
+    RUN_TEST(test_load_refuses_a_missing_file);
+    return UNITY_END();
+}

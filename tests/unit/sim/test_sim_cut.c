@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "fixture_image.h"
+#include "hal_host.h" // hal_host
+#include "sim_cut.h"
+#include "unity.h"
+#include <string.h> // memset, strstr
+
+static fixture_image_t image;
+static sim_cut_options_t options;
+static sim_cut_t cut;
+static common_error_t error;
+
+void setUp(void)
+{
+    const fixture_part_t part = fixture_part_short();
+    fixture_image_make(&image, &part);
+    options = (sim_cut_options_t){.config = sim_config_defaults(), .seed = 1};
+}
+
+void tearDown(void)
+{
+    sim_cut_close(&cut);
+}
+
+static bool open_cut(void)
+{
+    return sim_cut_open(&cut, &options, image.bytes, image.size, "short.camtab", &error);
+}
+
+static sim_cut_end_t run(void)
+{
+    TEST_ASSERT_TRUE_MESSAGE(open_cut(), error.text);
+    while (cut.end == sim_cut_running) {
+        sim_cut_tick(&cut);
+    }
+    return cut.end;
+}
+
+static void inject(const char *text)
+{
+    TEST_ASSERT_TRUE_MESSAGE(
+        sim_inject_parse(&options.inject[options.n_injects++], text, sim_inject_in_run, &error),
+        error.text);
+}
+
+static void test_matched_machine_cuts_within_a_micrometre(void)
+{
+    TEST_ASSERT_EQUAL_INT(sim_cut_done, run());
+    TEST_ASSERT_DOUBLE_WITHIN(0.05, 12.0, cut.cut_turns); // a round
+    TEST_ASSERT_TRUE(cut.work.n > 4000u);
+    TEST_ASSERT_TRUE(cut.work.max_um < 1.0);
+}
+
+static void test_without_feed_forward_and_lead_it_is_off_by_tens_of_micrometres(void)
+{
+    options.is_without_feed_forward = true;
+    TEST_ASSERT_EQUAL_INT(sim_cut_done, run());
+    TEST_ASSERT_TRUE(cut.work.max_um > 15.0 && cut.work.max_um < 45.0);
+    sim_cut_close(&cut);
+    options.is_without_feed_forward = false;
+    options.is_without_lead = true;
+    TEST_ASSERT_EQUAL_INT(sim_cut_done, run());
+    // 100 us at 262 rad/s on a slope of up to 0.15 mm/rad: 3.9 um
+    TEST_ASSERT_TRUE(cut.work.max_um > 2.5 && cut.work.max_um < 5.0);
+}
+
+static void test_same_seed_repeats_bit_for_bit(void)
+{
+    options.config.machine.encoder.jitter_counts = 0.3;
+    (void)run();
+    const double first_um = cut.work.sum_um2;
+    const uint64_t n_ticks = cut.n_ticks;
+    sim_cut_close(&cut);
+    (void)run();
+    TEST_ASSERT_TRUE(first_um == cut.work.sum_um2 && n_ticks == cut.n_ticks);
+    sim_cut_close(&cut);
+    options.seed = 2;
+    (void)run();
+    TEST_ASSERT_TRUE(first_um != cut.work.sum_um2);
+}
+
+static void test_reversed_encoder_and_direction_cut_the_same_part(void)
+{
+    for (int i = 1; i < 4; i++) {
+        fixture_part_t part = fixture_part_short();
+        part.direction = (i & 1) != 0 ? -1 : 1;
+        fixture_image_make(&image, &part);
+        options.config.machine.encoder.sign = (i & 2) != 0 ? -1.0 : 1.0;
+        TEST_ASSERT_EQUAL_INT(sim_cut_done, run());
+        TEST_ASSERT_TRUE(cut.work.max_um < 1.0);
+        sim_cut_close(&cut);
+    }
+}
+
+static void test_phase_turns_the_oval_on_the_part(void)
+{
+    TEST_ASSERT_TRUE(sim_wishes_add(&options.wishes, "phase_udeg", 30e6, "test", &error));
+    TEST_ASSERT_EQUAL_INT(sim_cut_done, run());
+    TEST_ASSERT_TRUE(cut.work.max_um < 1.0);
+}
+
+static void test_measured_z_is_led_by_the_feed(void)
+{
+    TEST_ASSERT_TRUE(sim_wishes_add(&options.wishes, "z_is_measured", 1, "test", &error));
+    TEST_ASSERT_EQUAL_INT(sim_cut_done, run());
+    TEST_ASSERT_TRUE(cut.is_stopped && cut.cut_turns >= 10.0);
+    TEST_ASSERT_TRUE(cut.work.max_um < 1.0);
+}
+
+static void test_estop_ends_in_a_fault_with_the_tool_out(void)
+{
+    inject("estop@0.1");
+    TEST_ASSERT_EQUAL_INT(sim_cut_fault, run());
+    TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(estop), sim_cut_status(&cut)->faults);
+    TEST_ASSERT_DOUBLE_WITHIN(100e-6, 0.1, cut.fault_s - cut.cut_at_s);
+    TEST_ASSERT_TRUE(cut.radius_mm > cut.work.blank_mm);
+    TEST_ASSERT_TRUE(cut.work.gouge_um < 1.0);
+}
+
+static void test_flipped_table_byte_is_found(void)
+{
+    inject("table-flip@0:1000");
+    TEST_ASSERT_EQUAL_INT(sim_cut_fault, run());
+    TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(table), sim_cut_status(&cut)->first_fault);
+}
+
+static void test_flip_outside_the_table_is_refused(void)
+{
+    inject("table-flip@0:99999999");
+    TEST_ASSERT_FALSE(open_cut());
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, "outside the table"), error.text);
+}
+
+static void test_stop_ends_the_cut_early(void)
+{
+    options.max_turns = 3.0;
+    TEST_ASSERT_EQUAL_INT(sim_cut_done, run());
+    TEST_ASSERT_TRUE(cut.is_stopped && cut.cut_turns < 7.0); // next whole turn, falling ramp
+}
+
+static void test_cut_that_is_stopped_before_it_begins_is_not_gauged(void)
+{
+    inject("stop@t1");
+    options.rpm = 60.0;
+    TEST_ASSERT_EQUAL_INT(sim_cut_done, run());
+    TEST_ASSERT_TRUE(cut.is_stopped && cut.work.n == 0u);
+    TEST_ASSERT_FALSE(sim_cut_is_gauged(&cut));
+    sim_cut_close(&cut);
+    options.n_injects = 0;
+    options.rpm = 0.0;
+    options.max_turns = 3.0;
+    TEST_ASSERT_EQUAL_INT(sim_cut_done, run());
+    TEST_ASSERT_TRUE(sim_cut_is_gauged(&cut));
+}
+
+static void test_whole_cam_has_a_whole_turn_of_every_lobe(void)
+{
+    memset(&cut, 0, sizeof cut);
+    cut.design.shape = sim_shape_cam;
+    cut.design.cam.n_lobes = 2;
+    cut.table.z_last_nm = 10000000;
+    cut.table.feed_nm = 1000000;
+    cut.work.n = cut.cam.gauge[0].n = sim_cam_dexels;
+    cut.cam.gauge[1].n = sim_cam_dexels - 1;
+    TEST_ASSERT_FALSE(sim_cut_is_gauged(&cut));
+    TEST_ASSERT_EQUAL_UINT32(1, sim_cut_lobe_without_turn(&cut));
+    cut.is_stopped = true;
+    cut.cut_turns = 9.0;
+    TEST_ASSERT_TRUE(sim_cut_is_gauged(&cut)); // it ended before that lobe
+    cut.cut_turns = 10.0;
+    TEST_ASSERT_FALSE(sim_cut_is_gauged(&cut)); // Z led by others: their stop is the end
+    cut.cam.gauge[1].n = sim_cam_dexels;
+    TEST_ASSERT_TRUE(sim_cut_is_gauged(&cut));
+    TEST_ASSERT_EQUAL_UINT32(2, sim_cut_lobe_without_turn(&cut));
+}
+
+static void test_time_is_limited(void)
+{
+    options.max_s = 0.01;
+    TEST_ASSERT_EQUAL_INT(sim_cut_timeout, run());
+}
+
+static void test_time_is_enough_for_engaging_and_disengaging(void)
+{
+    options.rpm = 60.0;
+    TEST_ASSERT_TRUE(sim_wishes_add(&options.wishes, "engage_turns", 30, "test", &error));
+    TEST_ASSERT_TRUE(sim_wishes_add(&options.wishes, "disengage_turns", 70, "test", &error));
+    TEST_ASSERT_EQUAL_INT(sim_cut_done, run());
+    TEST_ASSERT_DOUBLE_WITHIN(0.1, 2.0 * 112.0 + 60.0, cut.max_s);
+    TEST_ASSERT_TRUE(cut.machine.time_s > 2.0 * 12.0 + 60.0);
+}
+
+static void test_infeasible_speed_is_refused_with_numbers(void)
+{
+    options.rpm = 5000.0;
+    TEST_ASSERT_FALSE(open_cut());
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, "--rpm 5000"), error.text);
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, "limit 3000"), error.text);
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, "at most --rpm"), error.text);
+}
+
+static void test_speed_that_counts_as_stopped_is_no_remedy(void)
+{
+    options.config.machine.spindle_limit_rpm = 900.0;
+    TEST_ASSERT_FALSE(open_cut());
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, "; give at most --rpm 900.000"), error.text);
+    TEST_ASSERT_TRUE(sim_wishes_add(&options.wishes, "stopped_mrpm", 900001, "test", &error));
+    TEST_ASSERT_FALSE(open_cut());
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, "; no speed helps"), error.text);
+}
+
+static void test_damaged_table_is_refused(void)
+{
+    image.bytes[300] ^= 4u;
+    TEST_ASSERT_FALSE(open_cut());
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, "short.camtab: table refused"), error.text);
+}
+
+static void test_late_tick_lets_the_machine_live_longer(void)
+{
+    inject("late-tick@0.1:80");
+    TEST_ASSERT_EQUAL_INT(sim_cut_fault, run());
+    TEST_ASSERT_TRUE((sim_cut_status(&cut)->first_fault & CAM_FAULT_BIT(late_tick)) != 0u);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 40e-6,
+                              cut.machine.time_s - (double)hal_host.n_ticks * cut.machine.period_s);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_matched_machine_cuts_within_a_micrometre);
+    RUN_TEST(test_without_feed_forward_and_lead_it_is_off_by_tens_of_micrometres);
+    RUN_TEST(test_same_seed_repeats_bit_for_bit);
+    RUN_TEST(test_reversed_encoder_and_direction_cut_the_same_part);
+    RUN_TEST(test_phase_turns_the_oval_on_the_part);
+    RUN_TEST(test_measured_z_is_led_by_the_feed);
+    RUN_TEST(test_estop_ends_in_a_fault_with_the_tool_out);
+    RUN_TEST(test_flipped_table_byte_is_found);
+    RUN_TEST(test_flip_outside_the_table_is_refused);
+    RUN_TEST(test_stop_ends_the_cut_early);
+    RUN_TEST(test_cut_that_is_stopped_before_it_begins_is_not_gauged);
+    RUN_TEST(test_whole_cam_has_a_whole_turn_of_every_lobe);
+    RUN_TEST(test_time_is_limited);
+    RUN_TEST(test_time_is_enough_for_engaging_and_disengaging);
+    RUN_TEST(test_infeasible_speed_is_refused_with_numbers);
+    RUN_TEST(test_speed_that_counts_as_stopped_is_no_remedy);
+    RUN_TEST(test_damaged_table_is_refused);
+    RUN_TEST(test_late_tick_lets_the_machine_live_longer);
+    return UNITY_END();
+}
