@@ -73,7 +73,7 @@ def command_of(tool: str) -> list[str]:
     if tool == "camsim":
         return [str(built("camsim"))]
     script = ROOT / "tools" / tool
-    module = re.search(r"-m (\S+) ", script.read_text())
+    module = re.search(r"^exec .* -m ([\w.]+) ", script.read_text(), re.MULTILINE)
     if module is None or (ROOT / "build" / "venv").exists():
         return [str(script)]
     return [sys.executable, "-m", module[1]]
