@@ -23,18 +23,22 @@ BUILD = ROOT / "build"
 PYTHON = sys.executable
 PYPROJECT = "tools/pyproject.toml"
 C_FOLDERS = ("firmware", "hal", "host_sim", "tests")
-PYTEST_PATHS = ("tests/tools", "tests/scenarios")
+PYTEST_PATHS = ("tests/tools", "tests/scenarios", "tests/outside")
 PIL_PATHS = ("tests/pil",)
 # What drives the simulator, once more under the sanitizers.
 SIMULATOR_PATHS = (
     "tests/scenarios",
-    "tests/tools/test_camsim_run.py",
-    "tests/tools/test_camsim_eval.py",
+    "tests/tools/sim/test_camsim_run.py",
+    "tests/tools/sim/test_camsim_eval.py",
 )
 # The flashable image in an emulator, compared with a program of the host build.
 IMAGE_PATHS = ("tests/stm32",)
 # The port for Linux on a real kernel.
-LINUX_PATHS = ("tests/linux/test_linux_start.py", "tests/linux/test_linux.py")
+LINUX_PATHS = (
+    "tests/linux/test_uml.py",
+    "tests/linux/test_linux_start.py",
+    "tests/linux/test_linux.py",
+)
 N_JOBS = "2"
 # A process per core; all tests of a file in one process, since they share what is costly to make.
 # A crash is told and ends that process for good. What judges the clock is marked and comes
@@ -221,9 +225,9 @@ def main() -> int:
         coverage(tally)
         for board in ("mcu-qemu", "mcu-qemu-m4"):
             if build_and_ctest(tally, board):
-                same = (PYTHON, "-m", "camtools.same_bytes", board, "test_budget")
+                same = (PYTHON, "-m", "checks.same_bytes", board, "test_budget")
                 gate(tally, f"same bytes {board}", *same)
-        gate(tally, "cycles", PYTHON, "-m", "camtools.cycles", BUILD)
+        gate(tally, "cycles", PYTHON, "-m", "checks.cycles", BUILD)
         if build(tally, "mcu-stm32h743"):
             pytest(tally, "host", IMAGE_PATHS, *PARALLEL)
         pytest(tally, "host", PIL_PATHS)  # the simulator of the host, the images of both boards

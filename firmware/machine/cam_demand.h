@@ -34,7 +34,7 @@ typedef struct {
 
 /// Compare a cut with all limits.
 /// @return the first limit that the cut exceeds; err = cam_ok when it exceeds none
-/// Context: slow side. Source: maths.md sections 3, 8.
+/// Context: slow side. Source: MATHS.md (61) .. (64), (42), (44).
 cam_demand_t cam_demand_first_exceeded(const cam_cut_t *c);
 
 #endif

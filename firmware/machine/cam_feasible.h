@@ -3,7 +3,7 @@
 ///
 /// Speeds are mean speeds. Where the table modulates the spindle, its highest speed within a turn
 /// is larger by the largest ratio, and the peaks that the table guarantees contain the modulation.
-/// Context of all functions: slow side. Source: maths.md section 3.
+/// Context of all functions: slow side. Source: MATHS.md (61).
 #ifndef CAM_FEASIBLE_H
 #define CAM_FEASIBLE_H
 
@@ -45,6 +45,7 @@ uint32_t cam_feasible_largest_feed_nm(const cam_table_t *table, const cam_params
 /// @return `needed` is rounded up: where it is near the limit by 0.1 % at most, for the
 /// acceleration
 ///         of the swing by 1 %
+/// Context: slow side. Source: MATHS.md (61).
 cam_feasibility_t cam_feasible(const cam_table_t *table, const cam_params_t *params,
                                uint32_t speed_mrpm, uint32_t tick_hz);
 

@@ -3,8 +3,8 @@
 ///
 /// Value and first derivative lie between their Bernstein coefficients. The second derivative is
 /// evaluated at 32nds of every interval, and a bound of what lies between them is added. Source:
-/// Farouki, "The Bernstein polynomial basis: a centennial retrospective", CAGD 29 (2012). Context:
-/// slow side.
+/// MATHS.md (51); Farouki, "The Bernstein polynomial basis: a centennial retrospective", CAGD 29
+/// (2012). Context: slow side.
 #ifndef CAM_BOUNDS_H
 #define CAM_BOUNDS_H
 

@@ -10,9 +10,10 @@
 /// (CAM_TABLE_SUM_MAX) keep every intermediate result below 2^31, so no segment, slice or angle can
 /// overflow.
 ///
-/// Error against exact arithmetic on the same knots: below 1 LSB for the value, 2 LSB per knot
-/// interval for the first and 8 LSB per interval^2 for the second derivative. Blending contributes
-/// less than 1/16 LSB per knot member, each Horner step less than 1/32, the final rounding 1/2.
+/// Error against exact arithmetic on the same knots, MATHS.md (49): below 1 LSB for the value, 2
+/// LSB per knot interval for the first and 8 LSB per interval^2 for the second derivative. Blending
+/// contributes less than 1/16 LSB per knot member, each Horner step less than 1/32, the final
+/// rounding 1/2.
 #ifndef CAM_EVAL_H
 #define CAM_EVAL_H
 
@@ -112,7 +113,7 @@ static inline int32_t cam_eval_round(int32_t r)
 /// o1 = (p1 - p0) - o3 / 4 - o5 / 16; and with dv = v1 - v0: e4 = (a0 + a1 - dv) / 2,
 /// e2 = (dv - e4) / 2, e0 = (p0 + p1) / 2 - e2 / 4 - e4 / 16.
 /// @param at  knots within the bounds of cam_table_check(), any s_q32
-/// Source: TABLE_FORMAT.md, "Knots", developed around t = 1/2.
+/// Source: MATHS.md (46), (47).
 CAM_EVAL_INLINE cam_fine_t cam_eval_quintic(cam_segment_t at)
 {
     const cam_knot_t k0 = at.k0;

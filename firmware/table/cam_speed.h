@@ -9,7 +9,7 @@
 ///     set-point = mean * (r + r * dr/dturn * L),   L = turns of mean speed in one spindle lag
 ///
 /// The set-point is the inverse of a speed loop of first order, so that the spindle itself follows
-/// r. The envelope rises from 0 to 1 while the tool engages.
+/// r, MATHS.md (57). The envelope rises from 0 to 1 while the tool engages.
 /// Inline, constant time, cannot fail. Context: ISR unless noted.
 #ifndef CAM_SPEED_H
 #define CAM_SPEED_H

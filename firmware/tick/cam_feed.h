@@ -6,8 +6,8 @@
 /// rings take 2 m - 1 turns. Within a turn of the helix Z's speed is a trapezoid: it rises over the
 /// share r of the turn, keeps feed n / (1 - r) at n turns per second, and falls over r, with the
 /// acceleration feed n^2 / (r (1 - r)). The shortest r that the acceleration allows is taken, at
-/// least 1/256, so that the rings stay whole. Source: maths.md section 8; tools/camtools/path.py
-/// has the same law.
+/// least 1/256, so that the rings stay whole. Source: MATHS.md (40) .. (42); the generator's
+/// path.py has the same law.
 #ifndef CAM_FEED_H
 #define CAM_FEED_H
 

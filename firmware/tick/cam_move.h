@@ -2,7 +2,8 @@
 /// cam_move: bring an axis to a place within speed and acceleration limits, tick by tick.
 ///
 /// Used wherever an axis does not follow the spindle: approach, retract, stop after a fault. No
-/// square root, no division: a step is accepted when the axis could still brake to the target.
+/// square root, no division: a step is accepted when the axis could still brake to the target,
+/// MATHS.md (60).
 /// Unit of positions: nm / 1024 (q10); of speeds: nm / 1024 per tick.
 #ifndef CAM_MOVE_H
 #define CAM_MOVE_H

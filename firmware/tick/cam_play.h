@@ -11,8 +11,8 @@
 /// U is read in every tick, at the angle that the spindle will have when the drive's dead time has
 /// passed. What changes slowly, all the rest, is planned in rounds of 21 ticks (cam_plan.h), X
 /// and Z ahead by the lag of their drives. The envelope rises and falls by the quintic smooth step,
-/// so depth and amplitude start and end without a jump in speed. In all other states the axes move
-/// to places within their limits (cam_move.h). Context: ISR unless noted.
+/// so depth and amplitude start and end without a jump in speed: MATHS.md (54), (55). In all other
+/// states the axes move to places within their limits (cam_move.h). Context: ISR unless noted.
 #ifndef CAM_PLAY_H
 #define CAM_PLAY_H
 

@@ -8,7 +8,7 @@
 /// A tick that comes off its time by more than a sixteenth of a period is taken at its time stamp,
 /// so a late tick costs no angle.
 ///
-/// Errors of the observer with bandwidth f_o (both poles at w_o = 2 pi f_o):
+/// Errors of the observer, MATHS.md (52), (53), with bandwidth f_o (poles near w_o = 2 pi f_o):
 ///   constant speed           mean 0; quantisation ripple below half a count
 ///   constant acceleration    angle lags by (1 - 2 w_o T) acceleration / w_o^2, T one tick,
 ///                            for the part of it that nobody told

@@ -7,7 +7,7 @@
 /// steps of a tick each; the set-point then moves there in equal ways, and the drive goes on so
 /// until the next one. A line leaves the table by at most a T^2 / 8, a the acceleration of the
 /// swing and T the 8 ticks of a pass (10 where the spindle is modulated): 21 600 degrees/s2 and
-/// 0.4 ms are 0.00043 degrees. A tick that puts its task off lengthens the line.
+/// 0.4 ms are 0.00043 degrees, MATHS.md (59). A tick that puts its task off lengthens the line.
 ///
 /// Why it may rise and fall with the amplitude of U: the tool's tip runs on the roller's circle,
 /// whatever the swing, and that circle touches the cam from outside as soon as U and X are where

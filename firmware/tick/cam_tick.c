@@ -30,8 +30,8 @@ static void sense_isr(cam_t *c, cam_sense_t *in)
     cam_fence_acquire_isr();
 }
 
-/// Inverse of a second-order drive: what must be commanded for the tool to be at u_q6, inside the
-/// stroke: a gain that asks for more is wrong, and the following error will tell.
+/// Inverse of a second-order drive, MATHS.md (56): what must be commanded for the tool to be at
+/// u_q6, inside the stroke: a gain that asks for more is wrong, and the following error will tell.
 static int32_t command_nm(const cam_config_t *cfg, int32_t u_q6, const cam_move_t *u)
 {
     const int64_t more_q26 = (int64_t)cfg->k1_q16 * u->vel_q10 + (int64_t)cfg->k2_q16 * u->acc_q10;

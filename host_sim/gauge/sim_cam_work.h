@@ -6,8 +6,9 @@
 ///
 ///     left = min over time of  w.n - sqrt(R^2 - (w x n)^2),   w = centre of the circle - foot
 ///
-/// so what is left on a line is the error of the profile along its normal. The circle is the wheel,
-/// or the tip of the tool; the tip stands so that the tool reaches r1 from the swing's centre:
+/// so what is left on a line is the error of the profile along its normal, MATHS.md (66). The
+/// circle is the wheel, or the tip of the tool; the tip stands so that the tool reaches r1 from the
+/// swing's centre:
 ///
 ///     centre of the wheel  (X - U) at the spindle's angle
 ///     centre of the tip    the same, minus (r1 - tip) along the tool's line, which the swing turns

@@ -9,7 +9,7 @@
 /// A slice ends with the first tick that is due: slices are dt on average, each counts with the
 /// length that it has.
 /// Ripple is (largest - least) / mean over the slices of one turn; only whole turns of which all
-/// samples were offered with `is_judged` count. Source: maths.md section 6.
+/// samples were offered with `is_judged` count. Source: MATHS.md (29), (67).
 #ifndef SIM_REMOVAL_H
 #define SIM_REMOVAL_H
 

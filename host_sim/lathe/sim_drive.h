@@ -4,8 +4,9 @@
 ///     d2y/dt2 = w^2 (c(t - D) - y) - 2 d w dy/dt,   |dy/dt| <= v_max,  |d2y/dt2| <= a_max
 ///
 /// c is the command, held from tick to tick and rounded to the quantum; the measured position is
-/// rounded likewise. Source: the usual model of a closed position loop, e.g. Franklin, Powell,
-/// Workman, "Digital Control of Dynamic Systems", 3rd ed., 4.3 (zero-order hold) and 4.3.4 (delay).
+/// rounded likewise. Source: MATHS.md (68), the usual model of a closed loop, e.g. Franklin,
+/// Powell, Workman, "Digital Control of Dynamic Systems", 3rd ed., 4.3 (zero-order hold) and 4.3.4
+/// (delay).
 ///
 /// Discretisation: between two changes of the command the matrix exponential, exact; a dead time
 /// that is no whole number of ticks splits the tick in two such pieces, exact too. A piece that

@@ -12,15 +12,14 @@
 /// a(z) and G(z) are piecewise cubics, clamped outside. They come from NAME.json, the report that
 /// the generator writes beside NAME.camtab, so the gauge is independent of table and firmware.
 /// Without the report the table itself, evaluated in double, can stand in; then errors of the table
-/// stay unseen. Source: the exact ellipse in polar form, freed of cancellation; rounding below 1e-5
-/// nm.
+/// stay unseen. Source: MATHS.md (1) .. (4); rounding below 1e-5 nm.
 #ifndef SIM_DESIGN_H
 #define SIM_DESIGN_H
 
 #include "cam_table.h"      // cam_table_t
 #include "sim_cam_design.h" // sim_cam_design_t
 #include "sim_cubics.h"     // sim_cubics_t
-#include "sim_error.h"      // sim_error_t
+#include "common_error.h"   // common_error_t
 #include "sim_surface.h"    // sim_surface_t
 
 typedef enum {
@@ -49,7 +48,8 @@ typedef struct {
 /// @param path   of NAME.json
 /// @param table  whose CRC-32 must be the report's
 /// @return       false and *e when it cannot be read, is malformed or belongs to another table
-bool sim_design_load(sim_design_t *d, const char *path, const cam_table_t *table, sim_error_t *e);
+bool sim_design_load(sim_design_t *d, const char *path, const cam_table_t *table,
+                     common_error_t *e);
 
 /// Take the table's own knots, evaluated in double.
 /// @param table  checked; must outlive the design

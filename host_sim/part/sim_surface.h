@@ -3,16 +3,16 @@
 ///
 ///     delta = sum over k = 0 .. 5, l = 0 .. 7 of c[j][i][k][l] t^k w^l,   t, w = 0 .. 1
 ///
-/// on piece i of the angle coordinate s and piece j of the height. Of a measured part s is the
-/// turn, 0 .. 1. Of a two-fold section with a joint s counts from the long axis, 1 at the joint,
-/// 2 at the short axis, whatever the angle of the joint at this height. The generator writes the
-/// pieces into its report; refitted and measured skirts are defined by them.
-/// Error: rounding only, below 1e-6 nm.
+/// on piece i of the angle coordinate s and piece j of the height, MATHS.md (19). Of a measured
+/// part s is the turn, 0 .. 1. Of a two-fold section with a joint s counts from the long axis, 1 at
+/// the joint, 2 at the short axis, whatever the angle of the joint at this height. The generator
+/// writes the pieces into its report; refitted and measured skirts are defined by them. Error:
+/// rounding only, below 1e-6 nm.
 #ifndef SIM_SURFACE_H
 #define SIM_SURFACE_H
 
-#include "sim_cubics.h" // sim_cubics_t
-#include "sim_error.h"  // sim_error_t
+#include "sim_cubics.h"   // sim_cubics_t
+#include "common_error.h" // common_error_t
 #include <cjson/cJSON.h>
 #include <stdbool.h> // bool
 #include <stddef.h>  // size_t
@@ -33,7 +33,7 @@ typedef struct {
 /// @param s     zero-initialised; to be freed in any case
 /// @param path  for messages
 /// @return      false and *e when something is missing or malformed
-bool sim_surface_read(sim_surface_t *s, const cJSON *surface, const char *path, sim_error_t *e);
+bool sim_surface_read(sim_surface_t *s, const cJSON *surface, const char *path, common_error_t *e);
 
 /// @param turn  [turn] from the long axis in the sense of cutting, any
 /// @param z_mm  any; clamped to the pieces

@@ -150,7 +150,7 @@ static void test_profile_random_heights_are_within_the_documented_error(void)
     }
 }
 
-/// maths.md 1.1 on 32 knots: the quintic through exact triples misses the ellipse by 0.04 nm.
+/// On 32 knots the quintic through exact triples misses the ellipse by 0.0041 nm, MATHS.md (48).
 static void test_surface_exact_ellipse_is_within_a_nanometre(void)
 {
     part.u = fixture_ellipse;

@@ -206,7 +206,7 @@ static void test_tick_rate_limits_knots_and_counts_per_tick(void)
     TEST_ASSERT_EQUAL_INT64(500 * 60000 / 8, why.limit);
 }
 
-/// Equal-volume turning of maths.md 5.4: ratio up to 1.4995, acceleration 1.056 453 557 / rad.
+/// Equal-volume turning, MATHS.md (25): ratio up to 1.4995, acceleration 1.056 453 557 / rad.
 static void test_modulation_limits_peak_speed_and_spindle_acceleration(void)
 {
     table.ratio_max_q20 = (uint32_t)(1.499457112 * CAM_TABLE_RATIO_ONE) + 1u;

@@ -100,7 +100,7 @@ static void test_height_is_exact_to_a_nanometre(void)
     check_heights(1000000, 1000000, 900000, 2000);
 }
 
-/// maths.md 8: 0.2 mm of section distance; the ramp moves nothing at whole and half turns.
+/// MATHS.md (40): 0.2 mm of section distance; the ramp moves nothing at whole and half turns.
 static void test_worked_heights(void)
 {
     static const struct {

@@ -6,7 +6,7 @@
 #include <string.h> // strstr
 
 static sim_cam_design_t design;
-static sim_error_t error;
+static common_error_t error;
 
 #define HEAD                                                                                       \
     "\"operation\": \"turning\", \"speed\": \"uniform\", \"base_mm\": 20, \"roller_mm\": 10, "     \
@@ -34,7 +34,7 @@ static bool read(const char *text)
     return is_good;
 }
 
-/// theta, OC and alpha_C of maths.md 9.5, to the digits printed there.
+/// theta, OC and alpha_C of MATHS.md (30), to the digits of its worked table.
 static void check_golden(const double golden[][3], int n)
 {
     for (int i = 0; i < n; i++) {

@@ -5,7 +5,7 @@
 #include <math.h>   // atan2, sqrt
 #include <string.h> // memset
 
-/// The eccentric disc of maths.md 9.5: radius 25, centre 5 off the axis, roller 10, wheel 200.
+/// The eccentric disc of MATHS.md (38): radius 25, centre 5 off the axis, roller 10, wheel 200.
 #define DISC_MM 25.0
 #define OFFSET_MM 5.0
 #define ROLLER_MM 10.0
@@ -148,7 +148,7 @@ static void test_speed_of_the_contact_is_that_of_the_geometry(void)
 {
     begin(false);
     turn_cam(3, 20000, (flaw_t){0});
-    const double omega = SIM_TWO_PI; // one turn per second; ds/dphi of maths.md 9.5, golden A
+    const double omega = SIM_TWO_PI; // one turn per second; ds/dphi of MATHS.md (35)
     TEST_ASSERT_DOUBLE_WITHIN(1e-5, 25.5555556 * omega, cam.speed_mm_s.max);
     TEST_ASSERT_DOUBLE_WITHIN(1e-5, 24.4444444 * omega, cam.speed_mm_s.min);
     TEST_ASSERT_DOUBLE_WITHIN(1e-5, 0.0, cam.off_plan.max);

@@ -11,7 +11,7 @@
 static fixture_image_t image;
 static cam_table_t table;
 static sim_design_t design;
-static sim_error_t error;
+static common_error_t error;
 static const char path[] = "test_sim_design.json";
 
 void setUp(void)
@@ -54,7 +54,7 @@ static bool load(void)
     return sim_design_load(&design, path, &table, &error);
 }
 
-/// Golden values of maths.md 1.4: a = 46, G = 0.2.
+/// Worked values of MATHS.md (2): a = 46, G = 0.2.
 static void test_delta_has_the_published_values(void)
 {
     static const double golden[][5] = {

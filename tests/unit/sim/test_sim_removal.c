@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Known tool paths: a cylinder, the ellipse of maths.md 4, equal volume, turns that do not count.
+// Known tool paths: a cylinder, the ellipse of MATHS.md (20), equal volume, turns that do not
+// count.
 #include "fixture_image.h"
 #include "sim_removal.h"
 #include "sim_units.h" // SIM_PI
@@ -52,7 +53,7 @@ static void test_volume_of_a_ring_is_exact(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 700.0 * 0.1 * 0.1, sim_spread_mean(&removal.chip_force));
 }
 
-/// maths.md 6: over 3 degree intervals ripple 0.664244; the chip's section goes 1 : 2.
+/// MATHS.md (29): over 3 degree intervals ripple 0.664244; the chip's section goes 1 : 2.
 static void test_ripple_of_uniform_turning_is_the_published_one(void)
 {
     TEST_ASSERT_INT_WITHIN(1, 480, turn_uniformly(0.0, 4.0, true));
