@@ -20,7 +20,7 @@ from pathlib import Path
 import can
 from cantools.database.can import Database, Message
 
-DBC = Path(__file__).resolve().parents[2] / "firmware" / "can" / "camturn.dbc"
+DBC = Path(__file__).resolve().parents[2] / "firmware" / "remote" / "can" / "camturn.dbc"
 DATABASE = Database()
 DATABASE.add_dbc_file(DBC)
 COMMAND, ANSWER = (DATABASE.get_message_by_name(name) for name in ("Command", "Answer"))
