@@ -129,8 +129,8 @@ def host_steps() -> list[Step]:
     """Return what the other builds for this computer are for."""
     simulator = (
         "tests/scenarios",
-        "tests/tools/test_camsim_run.py",
-        "tests/tools/test_camsim_eval.py",
+        "tests/tools/sim/test_camsim_run.py",
+        "tests/tools/sim/test_camsim_eval.py",
     )
     # main() never returns and runs on machines only.
     files = ("--filter", "firmware/", "--exclude", r"firmware/main\.c")
@@ -171,7 +171,7 @@ def board_steps() -> list[Step]:
     """Return what runs on emulated cores: tests, images, their bytes and cycles."""
     boards = ("mcu-qemu", "mcu-qemu-m4")
     built = tuple(f"build {board}" for board in boards)
-    same = {board: ("camtools.same_bytes", board, "test_budget") for board in boards}
+    same = {board: ("checks.same_bytes", board, "test_budget") for board in boards}
     return [
         build("mcu-stm32h743"),
         # The flashable image in an emulator, compared with a program of the host build.
@@ -179,7 +179,7 @@ def board_steps() -> list[Step]:
         *(build(board) for board in boards),
         *(ctest(board) for board in boards),
         *(tool(f"same bytes {b}", *same[b], needs=(f"build {b}",)) for b in boards),
-        tool("cycles", "camtools.cycles", BUILD, needs=built),
+        tool("cycles", "checks.cycles", BUILD, needs=built),
         pytest("pil", "tests/pil", needs=("build host", *built)),
     ]
 

@@ -8,12 +8,12 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from camctl_bench import Bench
 from hypothesis import settings
 
-from camtools.generate import Generated, generate
-from camtools.geometry import Geometry, make_geometry
-from camtools.part import Part, load_part
+from camctl_bench import Bench
+from camtools.skirt.generate import Generated, generate
+from camtools.skirt.geometry import Geometry, make_geometry
+from camtools.skirt.part import Part, load_part
 from part_cases import PERKINS, Mktables, environment
 
 # The same examples every time, however busy the machine is: what fails once fails again.
@@ -44,7 +44,7 @@ def mktables() -> Mktables:
     """Run the command line in a process of its own."""
 
     def run(*words: str | Path) -> subprocess.CompletedProcess[str]:
-        command = [sys.executable, "-m", "camtools.mktables", *map(str, words)]
+        command = [sys.executable, "-m", "camtools.cli.mktables", *map(str, words)]
         return subprocess.run(
             command, env=environment(), capture_output=True, text=True, timeout=60, check=False
         )

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Numbers of MATHS.md (5) .. (69) that no test of a module asserts, each found a second way."""
+"""Worked numbers of the equations that no test of a module asserts, each found a second way."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from scipy.interpolate import CubicSpline, make_interp_spline
 from scipy.optimize import brentq
 from scipy.signal import lsim
 
-from camtools.cam_contact import contact, follow
-from camtools.cam_lift import Disc, LiftLaw, Poly345
-from camtools.cam_speed import N_GRID, SpindleLimits, surface_speed
-from camtools.composite import Joint
-from camtools.geometry import make_geometry
-from camtools.image import segment_coefficients
-from camtools.part import load_part
-from camtools.refit import CANDIDATES, Recipe, judge, kept_sites, sites_rad
-from camtools.sections import DoubleEllipse, Ellipse, Floats
+from camtools.lobe.contact import contact, follow
+from camtools.lobe.lift import Disc, LiftLaw, Poly345
+from camtools.lobe.speed import N_GRID, SpindleLimits, surface_speed
+from camtools.skirt.composite import Joint
+from camtools.skirt.geometry import make_geometry
+from camtools.skirt.part import load_part
+from camtools.skirt.refit import CANDIDATES, Recipe, judge, kept_sites, sites_rad
+from camtools.skirt.sections import DoubleEllipse, Ellipse, Floats
+from camtools.table.image import segment_coefficients
 from part_cases import PERKINS
 
 A_MM, G_MM = 46.0, 0.2
