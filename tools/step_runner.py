@@ -172,6 +172,8 @@ def stop(running: Sequence[Running]) -> None:
     until_s = time.monotonic() + KILL_AFTER_S
     while not have_ended(running) and time.monotonic() < until_s:
         time.sleep(LOOK_S)
+    # The first processes first, so that they say nothing of the others' end.
+    send(signal.SIGKILL, [one.process.pid for one in running if not one.look()])
     send(signal.SIGKILL, families.union(*(family(one.process.pid) for one in running)))
     while not have_ended(running):
         time.sleep(LOOK_S)

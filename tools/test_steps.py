@@ -39,9 +39,11 @@ def gate(
     return Step(name, command, needs, is_wide=wide, closing=closing)
 
 
-def tool(name: str, module: str, *words: str | Path, needs: tuple[str, ...] = ()) -> Step:
+def tool(
+    name: str, module: str, *words: str | Path, needs: tuple[str, ...] = (), closing: str = ""
+) -> Step:
     """Return a step that is a Python module of ours or of others."""
-    return gate(name, PYTHON, "-m", module, *words, needs=needs)
+    return gate(name, PYTHON, "-m", module, *words, needs=needs, closing=closing)
 
 
 def build(preset: str, target: str = "") -> Step:
@@ -95,15 +97,27 @@ def sources() -> list[Path]:
     return sorted(p for f in C_FOLDERS for p in (ROOT / f).rglob("*.[ch]"))
 
 
+def files_with(mark: str) -> list[str]:
+    """Return the files of tests that use a mark of pytest: no others need be imported for it."""
+    files = sorted((ROOT / "tests").rglob("test_*.py"))
+    return [str(f.relative_to(ROOT)) for f in files if f"pytest.mark.{mark}" in f.read_text()]
+
+
+def tools_steps(is_fast: bool) -> list[Step]:
+    """Return the tests of the tools, and the scenarios, with the simulator of the host."""
+    paths, needs = ("tests/tools", "tests/scenarios"), ("build host",)
+    marks = "not alone and not slow" if is_fast else "not alone"
+    # Those that judge the clock mostly wait, so that several of them do not disturb one another.
+    alone = ("-m", "alone", "-n", "3", "--dist", "load", *files_with("alone"))
+    return [
+        pytest("tools", *paths, "-m", marks, needs=needs, wide=True),
+        pytest("alone", *alone, needs=needs, alone=True),
+    ]
+
+
 def fast_steps() -> list[Step]:
     """Return the steps of tools/test --fast: build, unit tests, tests of the tools, scenarios."""
-    paths, needs = ("tests/tools", "tests/scenarios"), ("build host",)
-    return [
-        build("host"),
-        ctest("host"),
-        pytest("tools", *paths, "-m", "not alone and not slow", needs=needs, wide=True),
-        pytest("alone", *paths, "-m", "alone", needs=needs, alone=True),
-    ]
+    return [build("host"), ctest("host"), *tools_steps(is_fast=True)]
 
 
 def source_steps() -> list[Step]:
@@ -126,7 +140,7 @@ def clang_tidy(preset: str, files: str, *options: str) -> Step:
 
 
 def host_steps() -> list[Step]:
-    """Return what the other builds for this computer are for."""
+    """Return what the builds for this computer are for."""
     simulator = (
         "tests/scenarios",
         "tests/tools/sim/test_camsim_run.py",
@@ -135,10 +149,12 @@ def host_steps() -> list[Step]:
     # main() never returns and runs on machines only.
     files = ("--filter", "firmware/", "--exclude", r"firmware/main\.c")
     limits = ("--fail-under-line", MIN_LINE_PERCENT, "--fail-under-branch", MIN_BRANCH_PERCENT)
-    gcovr = ("gcovr", "--root", ROOT, *files, *limits, "--print-summary", BUILD / "host-cov")
+    gcovr = ("--root", ROOT, *files, *limits, "--print-summary", BUILD / "host-cov")
+    # The firmware is covered by its own tests; the simulator's run in three other builds.
+    own_tests = ("-R", r"^unit\.test_cam_")
     return [
-        pytest("tools slow", "tests/tools", "tests/scenarios", "-m", "slow",
-               needs=("build host",), wide=True),
+        *tools_steps(is_fast=False),
+        pytest("outside", "tests/outside", needs=("build host",), wide=True),
         build("host-asan"),
         ctest("host-asan"),
         pytest("host-asan", *simulator, needs=("build host-asan",), preset="host-asan", wide=True),
@@ -146,9 +162,9 @@ def host_steps() -> list[Step]:
         ctest("host-clang"),
         clang_tidy("host-clang", r"/(firmware|hal|host_sim)/.*\.c$"),
         build("host-cov"),
-        ctest("host-cov", clears="build/host-cov/**/*.gcda"),
-        tool("coverage of firmware", *gcovr, needs=("ctest host-cov",)),
-    ]  # fmt: skip
+        ctest("host-cov", *own_tests, clears="build/host-cov/**/*.gcda"),
+        tool("coverage of firmware", "gcovr", *gcovr, needs=("ctest host-cov",), closing="%"),
+    ]
 
 
 def linux_steps() -> list[Step]:
@@ -179,14 +195,20 @@ def board_steps() -> list[Step]:
         *(build(board) for board in boards),
         *(ctest(board) for board in boards),
         *(tool(f"same bytes {b}", *same[b], needs=(f"build {b}",)) for b in boards),
+        pytest("figures", "tests/bench", needs=("build host", *(f"ctest {b}" for b in boards))),
         tool("cycles", "checks.cycles", BUILD, needs=built),
         pytest("pil", "tests/pil", needs=("build host", *built)),
     ]
 
 
 def all_steps() -> list[Step]:
-    """Return every step, in the order in which they begin as far as there is room."""
-    return [*fast_steps(), *source_steps(), *host_steps(), *linux_steps(), *board_steps()]
+    """Return every step, in the order in which they begin as far as there is room.
+
+    Builds come first, with checks that need none beside them; then what takes long.
+    """
+    steps = [build("host"), ctest("host")]
+    steps += [*source_steps(), *linux_steps(), *host_steps(), *board_steps()]
+    return sorted(steps, key=lambda step: not step.name.startswith("build "))
 
 
 def main() -> int:

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sim_cam_work.h"
+#include "sim_lobe_work.h"
 #include "sim_units.h" // SIM_TWO_PI, sim_abs, sim_clamp, sim_floor, sim_fraction
 #include <math.h>      // atan2, cos, hypot, sin, sqrt
 
-#define DEXELS_PER_RAD (sim_cam_dexels / SIM_TWO_PI)
+#define DEXELS_PER_RAD (sim_lobe_dexels / SIM_TWO_PI)
 #define FAR_MM 1e9     // a line that nothing has cut
 #define REACH_MM 0.005 // errors of one pass change by less
 #define EDGE_MM 0.001  // Z rests at the ends of a lobe within this
@@ -16,18 +16,19 @@ typedef struct {
     double x_mm, y_mm;
 } point_t;
 
-void sim_cam_work_init(sim_cam_work_t *w, sim_cam_design_t *design, sim_work_t *work, double tip_mm)
+void sim_lobe_work_init(sim_lobe_work_t *w, sim_lobe_design_t *design, sim_work_t *work,
+                        double tip_mm)
 {
-    *w = (sim_cam_work_t){.design = design, .work = work, .i_lobe = design->n_lobes};
+    *w = (sim_lobe_work_t){.design = design, .work = work, .i_lobe = design->n_lobes};
     w->circle_mm = design->is_turned ? tip_mm : design->follower_mm;
 }
 
-static double phase_of(const sim_cam_work_t *w)
+static double phase_of(const sim_lobe_work_t *w)
 {
     return w->design->lobe[w->i_lobe].phase_rad;
 }
 
-static point_t centre_of(const sim_cam_work_t *w, const sim_cam_tool_t *tool)
+static point_t centre_of(const sim_lobe_work_t *w, const sim_lobe_tool_t *tool)
 {
     const double phi = SIM_TWO_PI * sim_fraction(tool->turn) - phase_of(w);
     point_t c = {tool->centre_mm * cos(phi), tool->centre_mm * sin(phi)};
@@ -40,14 +41,14 @@ static point_t centre_of(const sim_cam_work_t *w, const sim_cam_tool_t *tool)
     return c;
 }
 
-static sim_cam_dexel_t *dexel_at(sim_cam_work_t *w, int64_t i)
+static sim_lobe_dexel_t *dexel_at(sim_lobe_work_t *w, int64_t i)
 {
-    const int64_t n = sim_cam_dexels;
+    const int64_t n = sim_lobe_dexels;
     return &w->dexel[(i % n + n) % n];
 }
 
 /// @return [mm] where the circle cuts a line; FAR_MM where it does not
-static double cut_at(const sim_cam_dexel_t *d, point_t c, double circle_mm)
+static double cut_at(const sim_lobe_dexel_t *d, point_t c, double circle_mm)
 {
     const double x = c.x_mm - d->x_mm;
     const double y = c.y_mm - d->y_mm;
@@ -56,15 +57,15 @@ static double cut_at(const sim_cam_dexel_t *d, point_t c, double circle_mm)
     return square > 0.0 ? x * d->nx + y * d->ny - sqrt(square) : FAR_MM;
 }
 
-static void load_lobe(sim_cam_work_t *w, uint32_t i_lobe)
+static void load_lobe(sim_lobe_work_t *w, uint32_t i_lobe)
 {
     w->i_lobe = i_lobe;
     w->n_before = 0;
     w->first = w->end = 0;
-    for (int i = 0; i_lobe < w->design->n_lobes && i < sim_cam_dexels; i++) {
-        const sim_cam_spot_t s = sim_cam_design_at(w->design, i_lobe, i / DEXELS_PER_RAD);
+    for (int i = 0; i_lobe < w->design->n_lobes && i < sim_lobe_dexels; i++) {
+        const sim_lobe_spot_t s = sim_lobe_design_at(w->design, i_lobe, i / DEXELS_PER_RAD);
         const double polar_rad = atan2(s.y_mm, s.x_mm) + phase_of(w);
-        w->dexel[i] = (sim_cam_dexel_t){
+        w->dexel[i] = (sim_lobe_dexel_t){
             .x_mm = s.x_mm,
             .y_mm = s.y_mm,
             .nx = s.nx,
@@ -77,11 +78,11 @@ static void load_lobe(sim_cam_work_t *w, uint32_t i_lobe)
 }
 
 /// The line that the circle is nearest to, all round.
-static double search(sim_cam_work_t *w, point_t c)
+static double search(sim_lobe_work_t *w, point_t c)
 {
     int best = 0;
     double least_mm = HUGE_VAL;
-    for (int i = 0; i < sim_cam_dexels; i++) {
+    for (int i = 0; i < sim_lobe_dexels; i++) {
         const double away_mm = hypot(c.x_mm - w->dexel[i].x_mm, c.y_mm - w->dexel[i].y_mm);
         if (away_mm < least_mm) {
             least_mm = away_mm;
@@ -93,10 +94,10 @@ static double search(sim_cam_work_t *w, point_t c)
 
 /// Newton's method for the place whose normal goes through the centre.
 /// @return false when the place is not found near `theta`
-static bool refine(sim_cam_work_t *w, point_t c, double *theta)
+static bool refine(sim_lobe_work_t *w, point_t c, double *theta)
 {
     for (int i = 0; i < most_steps; i++) {
-        const sim_cam_spot_t s = sim_cam_design_at(w->design, w->i_lobe, *theta);
+        const sim_lobe_spot_t s = sim_lobe_design_at(w->design, w->i_lobe, *theta);
         const double x = c.x_mm - s.x_mm;
         const double y = c.y_mm - s.y_mm;
         const double along = x * s.nx + y * s.ny;
@@ -111,7 +112,7 @@ static bool refine(sim_cam_work_t *w, point_t c, double *theta)
     return false;
 }
 
-static void find_contact(sim_cam_work_t *w, point_t c)
+static void find_contact(sim_lobe_work_t *w, point_t c)
 {
     double theta = w->theta_rad;
     if (w->n_before == 0u || !refine(w, c, &theta)) {
@@ -125,9 +126,9 @@ static void find_contact(sim_cam_work_t *w, point_t c)
     w->contact_turn = sim_fraction((atan2(w->spot.y_mm, w->spot.x_mm) + phase_of(w)) / SIM_TWO_PI);
 }
 
-static void judge(sim_cam_work_t *w, const sim_cam_dexel_t *d, double z_mm)
+static void judge(sim_lobe_work_t *w, const sim_lobe_dexel_t *d, double z_mm)
 {
-    sim_cam_gauge_t *g = &w->gauge[w->i_lobe];
+    sim_lobe_gauge_t *g = &w->gauge[w->i_lobe];
     const double error_um = d->left_mm * 1e3;
     if (sim_abs(error_um) > g->max_um) {
         g->max_um = sim_abs(error_um);
@@ -139,17 +140,17 @@ static void judge(sim_cam_work_t *w, const sim_cam_dexel_t *d, double z_mm)
 }
 
 /// Metal taken off since this line was cut a turn ago.
-static double removed_mm3(sim_cam_work_t *w, int64_t i, double fed_mm)
+static double removed_mm3(sim_lobe_work_t *w, int64_t i, double fed_mm)
 {
-    const sim_cam_dexel_t *d = dexel_at(w, i);
+    const sim_lobe_dexel_t *d = dexel_at(w, i);
     const double wide = sim_fraction(dexel_at(w, i + 1)->turn - d->turn) * SIM_TWO_PI;
     const double blank_mm = w->work->blank_mm;
     return 0.5 * (blank_mm * blank_mm - d->radius_mm * d->radius_mm) * wide * fed_mm;
 }
 
-static void finish(sim_cam_work_t *w, int64_t i, const sim_cam_tool_t *tool, double fed_mm)
+static void finish(sim_lobe_work_t *w, int64_t i, const sim_lobe_tool_t *tool, double fed_mm)
 {
-    const sim_cam_dexel_t *d = dexel_at(w, i);
+    const sim_lobe_dexel_t *d = dexel_at(w, i);
     const bool is_counted = d->is_clean && tool->is_counted;
     if (d->left_mm >= FAR_MM) {
         return;
@@ -164,7 +165,8 @@ static void finish(sim_cam_work_t *w, int64_t i, const sim_cam_tool_t *tool, dou
 
 /// Lines that the circle comes to and leaves. It passes them upwards; a spindle that turns back
 /// begins anew.
-static void move_window(sim_cam_work_t *w, const sim_cam_tool_t *tool, point_t before, point_t now)
+static void move_window(sim_lobe_work_t *w, const sim_lobe_tool_t *tool, point_t before,
+                        point_t now)
 {
     const int64_t at = sim_floor(w->theta_rad * DEXELS_PER_RAD);
     const double limit_mm = w->gap_mm + REACH_MM;
@@ -208,10 +210,10 @@ static double lowest(double s0, double s1, double s2)
     return s1 - rise * rise / (8.0 * bend);
 }
 
-static void cut_piece(sim_cam_work_t *w, int64_t first, int64_t end, const point_t c[3])
+static void cut_piece(sim_lobe_work_t *w, int64_t first, int64_t end, const point_t c[3])
 {
     for (int64_t i = first; i < end; i++) {
-        sim_cam_dexel_t *d = dexel_at(w, i);
+        sim_lobe_dexel_t *d = dexel_at(w, i);
         const double s0 = cut_at(d, c[0], w->circle_mm);
         const double s1 = cut_at(d, c[1], w->circle_mm);
         const double s2 = cut_at(d, c[2], w->circle_mm);
@@ -227,17 +229,17 @@ static double between(double f, double y_before, double y_last, double y_now)
     return y_last + f * (0.5 * (y_now - y_before) + f * (0.5 * (y_now + y_before) - y_last));
 }
 
-static point_t centre_between(const sim_cam_work_t *w, const sim_cam_tool_t *now, double f)
+static point_t centre_between(const sim_lobe_work_t *w, const sim_lobe_tool_t *now, double f)
 {
-    const sim_cam_tool_t *b = w->before;
-    sim_cam_tool_t at = *now;
+    const sim_lobe_tool_t *b = w->before;
+    sim_lobe_tool_t at = *now;
     at.turn = between(f, b[1].turn, b[0].turn, now->turn);
     at.centre_mm = between(f, b[1].centre_mm, b[0].centre_mm, now->centre_mm);
     at.swing_deg = between(f, b[1].swing_deg, b[0].swing_deg, now->swing_deg);
     return centre_of(w, &at);
 }
 
-static void sweep(sim_cam_work_t *w, const sim_cam_tool_t *now, double way_mm, point_t last,
+static void sweep(sim_lobe_work_t *w, const sim_lobe_tool_t *now, double way_mm, point_t last,
                   point_t here)
 {
     const double wanted = ceil(4.0 * way_mm / w->circle_mm);
@@ -253,7 +255,7 @@ static void sweep(sim_cam_work_t *w, const sim_cam_tool_t *now, double way_mm, p
 }
 
 /// Angle from the normal at the contact to a direction.
-static double off_normal_deg(const sim_cam_spot_t *s, double direction_rad)
+static double off_normal_deg(const sim_lobe_spot_t *s, double direction_rad)
 {
     const double x = cos(direction_rad);
     const double y = sin(direction_rad);
@@ -261,7 +263,7 @@ static double off_normal_deg(const sim_cam_spot_t *s, double direction_rad)
 }
 
 /// [mm] way of the contact per radian of the spindle: ds/dphi = ds (centre) / (cos (ds + R bend)).
-static double way_per_rad(const sim_cam_work_t *w, const sim_cam_tool_t *tool)
+static double way_per_rad(const sim_lobe_work_t *w, const sim_lobe_tool_t *tool)
 {
     const double phi = SIM_TWO_PI * sim_fraction(tool->turn) - phase_of(w);
     const double slant = cos(phi) * w->spot.nx + sin(phi) * w->spot.ny;
@@ -269,7 +271,7 @@ static double way_per_rad(const sim_cam_work_t *w, const sim_cam_tool_t *tool)
     return w->spot.ds_mm * tool->centre_mm / (slant * (w->spot.ds_mm + follower_mm * w->spot.bend));
 }
 
-static void measure(sim_cam_work_t *w, const sim_cam_tool_t *tool, double way_mm)
+static void measure(sim_lobe_work_t *w, const sim_lobe_tool_t *tool, double way_mm)
 {
     const double speed_mm_s = way_mm / (tool->t_s - w->before[0].t_s);
     sim_spread_add(&w->speed_mm_s, speed_mm_s);
@@ -281,17 +283,17 @@ static void measure(sim_cam_work_t *w, const sim_cam_tool_t *tool, double way_mm
     }
 }
 
-void sim_cam_work_cut(sim_cam_work_t *w, const sim_cam_tool_t *tool)
+void sim_lobe_work_cut(sim_lobe_work_t *w, const sim_lobe_tool_t *tool)
 {
-    sim_cam_tool_t now = *tool;
-    const uint32_t i_lobe = sim_cam_design_lobe(w->design, now.z_mm, EDGE_MM);
+    sim_lobe_tool_t now = *tool;
+    const uint32_t i_lobe = sim_lobe_design_find(w->design, now.z_mm, EDGE_MM);
     if (i_lobe != w->i_lobe) {
         load_lobe(w, i_lobe);
     }
     if (i_lobe == w->design->n_lobes) {
         return;
     }
-    const sim_cam_lobe_t *lobe = &w->design->lobe[i_lobe];
+    const sim_lobe_t *lobe = &w->design->lobe[i_lobe];
     now.z_mm = sim_clamp(now.z_mm, lobe->z_first_mm, lobe->z_last_mm);
     const double theta_before = w->theta_rad;
     const double ds_before = w->spot.ds_mm;
@@ -311,7 +313,7 @@ void sim_cam_work_cut(sim_cam_work_t *w, const sim_cam_tool_t *tool)
     w->before[0] = now;
 }
 
-double sim_cam_gauge_rms_um(const sim_cam_gauge_t *g)
+double sim_lobe_gauge_rms_um(const sim_lobe_gauge_t *g)
 {
     return g->n > 0u ? sqrt(g->sum_um2 / (double)g->n) : 0.0;
 }

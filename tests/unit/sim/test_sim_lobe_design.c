@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sim_cam_design.h"
+#include "sim_lobe_design.h"
 #include "sim_units.h" // SIM_TWO_PI
 #include "unity.h"
 #include <math.h>   // atan2, hypot
 #include <string.h> // strstr
 
-static sim_cam_design_t design;
+static sim_lobe_design_t design;
 static common_error_t error;
 
 #define HEAD                                                                                       \
@@ -22,14 +22,14 @@ void setUp(void)
 
 void tearDown(void)
 {
-    sim_cam_design_free(&design);
+    sim_lobe_design_free(&design);
 }
 
 static bool read(const char *text)
 {
     cJSON *root = cJSON_Parse(text);
     TEST_ASSERT_NOT_NULL(root);
-    const bool is_good = sim_cam_design_read(&design, root, "a.json", &error);
+    const bool is_good = sim_lobe_design_read(&design, root, "a.json", &error);
     cJSON_Delete(root);
     return is_good;
 }
@@ -39,7 +39,7 @@ static void check_golden(const double golden[][3], int n)
 {
     for (int i = 0; i < n; i++) {
         const double theta = golden[i][0] / 360.0 * SIM_TWO_PI;
-        const sim_cam_spot_t s = sim_cam_design_at(&design, 0, theta);
+        const sim_lobe_spot_t s = sim_lobe_design_at(&design, 0, theta);
         TEST_ASSERT_DOUBLE_WITHIN(0.6e-7, golden[i][1], hypot(s.x_mm, s.y_mm));
         TEST_ASSERT_DOUBLE_WITHIN(0.6e-6, golden[i][2], atan2(s.y_mm, s.x_mm) * 360.0 / SIM_TWO_PI);
     }
@@ -72,7 +72,7 @@ static void test_poly345_has_the_published_contacts(void)
     };
     TEST_ASSERT_TRUE(read("{" HEAD ", \"lobes\": [" POLY345 "]}"));
     check_golden(golden, 7);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 8.0, sim_cam_design_lift_mm(&design));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 8.0, sim_lobe_design_lift_mm(&design));
 }
 
 /// Two quintics that happen to be lines up and down: (1 + s) and (1 + pi - s).
@@ -81,12 +81,12 @@ static void test_pieces_are_evaluated_from_the_highest_power(void)
     TEST_ASSERT_TRUE(read("{" HEAD ", \"lobes\": [" LOBE(
         "\"law\": \"pieces\", \"breaks_rad\": [0, 3.141592653589793, 6.283185307179586], "
         "\"coefficients\": [0, 0, 0, 0, 1, 1, 0, 0, 0, 0.5, -1, 4.141592653589793]") "]}"));
-    sim_cam_lift_t *lift = &design.lobe[0].lift;
-    const sim_cam_rise_t up = sim_cam_lift_at(lift, 1.0 - 2.0 * SIM_TWO_PI);
+    sim_lobe_lift_t *lift = &design.lobe[0].lift;
+    const sim_lobe_rise_t up = sim_lobe_lift_at(lift, 1.0 - 2.0 * SIM_TWO_PI);
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, 2.0, up.h_mm);
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, 1.0, up.h1_mm);
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.0, up.h2_mm);
-    const sim_cam_rise_t down = sim_cam_lift_at(lift, SIM_PI + 1.0);
+    const sim_lobe_rise_t down = sim_lobe_lift_at(lift, SIM_PI + 1.0);
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, SIM_PI + 0.5, down.h_mm);
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.0, down.h1_mm);
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, 1.0, down.h2_mm);
@@ -98,9 +98,9 @@ static void test_derivatives_agree_with_differences(void)
     const double step = 1e-5;
     TEST_ASSERT_TRUE(read("{" HEAD ", \"lobes\": [" POLY345 "]}"));
     for (double theta = -1.15; theta < 1.2; theta += 0.07) {
-        const sim_cam_spot_t a = sim_cam_design_at(&design, 0, theta - step);
-        const sim_cam_spot_t s = sim_cam_design_at(&design, 0, theta);
-        const sim_cam_spot_t b = sim_cam_design_at(&design, 0, theta + step);
+        const sim_lobe_spot_t a = sim_lobe_design_at(&design, 0, theta - step);
+        const sim_lobe_spot_t s = sim_lobe_design_at(&design, 0, theta);
+        const sim_lobe_spot_t b = sim_lobe_design_at(&design, 0, theta + step);
         const double x = (b.x_mm - a.x_mm) / (2.0 * step);
         const double y = (b.y_mm - a.y_mm) / (2.0 * step);
         TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.0, x * s.nx + y * s.ny);
@@ -114,10 +114,10 @@ static void test_lobes_are_found_by_height(void)
 {
     TEST_ASSERT_TRUE(read("{" HEAD ", \"lobes\": [" DISC ", {\"z_mm\": [20, 30], \"phase_rad\": 1, "
                           "\"law\": \"disc\", \"reach_mm\": 35, \"offset_mm\": 5}]}"));
-    TEST_ASSERT_EQUAL_UINT32(0, sim_cam_design_lobe(&design, 12.0, 0.0));
-    TEST_ASSERT_EQUAL_UINT32(2, sim_cam_design_lobe(&design, 12.01, 0.001));
-    TEST_ASSERT_EQUAL_UINT32(1, sim_cam_design_lobe(&design, 19.9995, 0.001));
-    TEST_ASSERT_EQUAL_UINT32(2, sim_cam_design_lobe(&design, -1.0, 0.001));
+    TEST_ASSERT_EQUAL_UINT32(0, sim_lobe_design_find(&design, 12.0, 0.0));
+    TEST_ASSERT_EQUAL_UINT32(2, sim_lobe_design_find(&design, 12.01, 0.001));
+    TEST_ASSERT_EQUAL_UINT32(1, sim_lobe_design_find(&design, 19.9995, 0.001));
+    TEST_ASSERT_EQUAL_UINT32(2, sim_lobe_design_find(&design, -1.0, 0.001));
 }
 
 static void test_bad_designs_are_refused_by_field(void)
@@ -148,7 +148,7 @@ static void test_bad_designs_are_refused_by_field(void)
         TEST_ASSERT_FALSE(read(bad[i][0]));
         TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, bad[i][1]), error.text);
         TEST_ASSERT_NOT_NULL(strstr(error.text, "a.json: "));
-        sim_cam_design_free(&design);
+        sim_lobe_design_free(&design);
     }
 }
 

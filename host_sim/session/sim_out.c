@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #define _XOPEN_SOURCE 700 // NOLINT(bugprone-reserved-identifier): mkstemp, realpath
-#include "camsim_out.h"
+#include "sim_out.h"
 #include <errno.h>    // errno
 #include <math.h>     // floor
 #include <signal.h>   // sigaction
@@ -26,7 +26,7 @@ static void on_signal(int number)
     (void)raise(number);
 }
 
-void camsim_out_watch_signals(void)
+void sim_out_watch_signals(void)
 {
     static const int numbers[] = {SIGINT, SIGTERM, SIGHUP, SIGPIPE};
     struct sigaction action = {.sa_handler = on_signal};
@@ -47,13 +47,13 @@ static void set_pending(const char *old, const char *path)
     }
 }
 
-static bool cannot(const camsim_out_t *o, int number, common_error_t *e)
+static bool cannot(const sim_out_t *o, int number, common_error_t *e)
 {
     return common_error(e, "%s: cannot be written: %s; make room or give another path", o->name,
                         strerror(number));
 }
 
-static bool open_temporary(camsim_out_t *o)
+static bool open_temporary(sim_out_t *o)
 {
     (void)snprintf(o->temporary, sizeof o->temporary, "%s.XXXXXX", o->final);
     const mode_t mask = umask(0);
@@ -73,7 +73,7 @@ static bool open_temporary(camsim_out_t *o)
 }
 
 /// Resolve links, so that a link to a file stays a link.
-static bool find_target(camsim_out_t *o, bool *is_regular)
+static bool find_target(sim_out_t *o, bool *is_regular)
 {
     struct stat about;
     *is_regular = true;
@@ -95,7 +95,7 @@ static bool find_target(camsim_out_t *o, bool *is_regular)
     return (size_t)snprintf(o->final, sizeof o->final, "%s", o->name) < sizeof o->final;
 }
 
-bool camsim_out_open(camsim_out_t *o, const char *name, const char *option, common_error_t *e)
+bool sim_out_open(sim_out_t *o, const char *name, const char *option, common_error_t *e)
 {
     o->name = name;
     o->stream = NULL;
@@ -116,14 +116,14 @@ bool camsim_out_open(camsim_out_t *o, const char *name, const char *option, comm
     }
     if (!is_open) {
         const int number = errno;
-        camsim_out_drop(o);
+        sim_out_drop(o);
         return common_error(e, "%s %s: cannot be written: %s; give a path in a writable folder",
                             option, name, strerror(number));
     }
     return true;
 }
 
-static void flush(camsim_out_t *o)
+static void flush(sim_out_t *o)
 {
     if (o->stream != NULL && o->error == 0 && o->n > 0u &&
         fwrite(o->buffer, 1, o->n, o->stream) != o->n) {
@@ -132,7 +132,7 @@ static void flush(camsim_out_t *o)
     o->n = 0;
 }
 
-bool camsim_out_finish(camsim_out_t *o, common_error_t *e)
+bool sim_out_finish(sim_out_t *o, common_error_t *e)
 {
     if (o->name == NULL) {
         return true;
@@ -151,7 +151,7 @@ bool camsim_out_finish(camsim_out_t *o, common_error_t *e)
     return o->error == 0 || cannot(o, o->error, e);
 }
 
-bool camsim_out_publish(camsim_out_t *o, common_error_t *e)
+bool sim_out_publish(sim_out_t *o, common_error_t *e)
 {
     if (o->name == NULL || o->temporary[0] == '\0') {
         return true;
@@ -164,7 +164,7 @@ bool camsim_out_publish(camsim_out_t *o, common_error_t *e)
     return true;
 }
 
-void camsim_out_drop(camsim_out_t *o)
+void sim_out_drop(sim_out_t *o)
 {
     if (o->stream != NULL) {
         (void)fclose(o->stream);
@@ -177,22 +177,51 @@ void camsim_out_drop(camsim_out_t *o)
     }
 }
 
-void camsim_out_char(camsim_out_t *o, char c)
+bool sim_out_open_all(sim_out_t *outs, const char *const *names, const char *const *options, int n,
+                      common_error_t *e)
 {
-    if (o->n == camsim_out_buffer) {
+    bool is_good = true;
+    for (int i = 0; i < n && is_good; i++) {
+        is_good = sim_out_open(&outs[i], names[i], options[i], e);
+    }
+    return is_good;
+}
+
+bool sim_out_publish_all(sim_out_t *outs, int n, common_error_t *e)
+{
+    bool is_good = true;
+    for (int i = 0; i < n && is_good; i++) {
+        is_good = sim_out_finish(&outs[i], e);
+    }
+    for (int i = 0; i < n && is_good; i++) {
+        is_good = sim_out_publish(&outs[i], e);
+    }
+    return is_good;
+}
+
+void sim_out_drop_all(sim_out_t *outs, int n)
+{
+    for (int i = 0; i < n; i++) {
+        sim_out_drop(&outs[i]);
+    }
+}
+
+void sim_out_char(sim_out_t *o, char c)
+{
+    if (o->n == sim_out_buffer) {
         flush(o);
     }
     o->buffer[o->n++] = c;
 }
 
-void camsim_out_text(camsim_out_t *o, const char *text)
+void sim_out_text(sim_out_t *o, const char *text)
 {
     for (; *text != '\0'; text++) {
-        camsim_out_char(o, *text);
+        sim_out_char(o, *text);
     }
 }
 
-void camsim_out_decimal(camsim_out_t *o, int64_t value, int decimals)
+void sim_out_decimal(sim_out_t *o, int64_t value, int decimals)
 {
     char digits[40];
     int n = 0;
@@ -202,23 +231,57 @@ void camsim_out_decimal(camsim_out_t *o, int64_t value, int decimals)
         rest /= 10u;
     } while (rest > 0u || n <= decimals);
     if (value < 0) {
-        camsim_out_char(o, '-');
+        sim_out_char(o, '-');
     }
     while (n > 0) {
-        camsim_out_char(o, digits[--n]);
+        sim_out_char(o, digits[--n]);
         if (n == decimals && n > 0) {
-            camsim_out_char(o, '.');
+            sim_out_char(o, '.');
         }
     }
 }
 
-void camsim_out_integer(camsim_out_t *o, int64_t value)
+void sim_out_integer(sim_out_t *o, int64_t value)
 {
-    camsim_out_decimal(o, value, 0);
+    sim_out_decimal(o, value, 0);
 }
 
-void camsim_out_real(camsim_out_t *o, double value, int decimals)
+void sim_out_real(sim_out_t *o, double value, int decimals)
 {
     static const double power[] = {1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9};
-    camsim_out_decimal(o, (int64_t)floor(value * power[decimals] + 0.5), decimals);
+    sim_out_decimal(o, (int64_t)floor(value * power[decimals] + 0.5), decimals);
+}
+
+void sim_out_integer_column(sim_out_t *o, int64_t value)
+{
+    sim_out_char(o, ',');
+    sim_out_integer(o, value);
+}
+
+void sim_out_decimal_column(sim_out_t *o, int64_t value, int decimals)
+{
+    sim_out_char(o, ',');
+    sim_out_decimal(o, value, decimals);
+}
+
+void sim_out_real_column(sim_out_t *o, double value, int decimals)
+{
+    sim_out_char(o, ',');
+    sim_out_real(o, value, decimals);
+}
+
+void sim_out_text_column(sim_out_t *o, const char *text)
+{
+    sim_out_char(o, ',');
+    sim_out_text(o, text);
+}
+
+void sim_out_hex_column(sim_out_t *o, uint32_t value, int n_digits)
+{
+    sim_out_text(o, ",0x");
+    for (int i = 7; i >= 0; i--) {
+        if (i < n_digits || value >> (4 * n_digits) != 0u) {
+            sim_out_char(o, "0123456789abcdef"[(value >> (4 * i)) & 15u]);
+        }
+    }
 }

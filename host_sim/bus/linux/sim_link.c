@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #define _GNU_SOURCE // NOLINT(bugprone-reserved-identifier): recvmmsg, ppoll
-#include "camsim_link.h"
+#include "sim_link.h"
 #include <errno.h>         // errno
 #include <fcntl.h>         // open
 #include <linux/can.h>     // struct canfd_frame
@@ -40,7 +40,7 @@ static struct timespec timespec_of(int64_t ns)
 
 // Opening
 
-static bool open_can(camsim_link_t *l, const char *interface, common_error_t *e)
+static bool open_can(sim_link_t *l, const char *interface, common_error_t *e)
 {
     const int on = 1;
     struct sockaddr_can address = {.can_family = AF_CAN};
@@ -96,10 +96,10 @@ static bool open_line(int *file, int chip, const char *chip_name, const char *li
                         strerror(errno));
 }
 
-static bool open_lines(camsim_link_t *l, const char *chip_name, common_error_t *e)
+static bool open_lines(sim_link_t *l, const char *chip_name, common_error_t *e)
 {
-    static const char *const in[camsim_link_inputs] = {"ESTOP", "READY", "INDEX"};
-    static const char *const out[camsim_link_outputs] = {"ENABLE", "FAULT", "INCUT"};
+    static const char *const in[sim_link_inputs] = {"ESTOP", "READY", "INDEX"};
+    static const char *const out[sim_link_outputs] = {"ENABLE", "FAULT", "INCUT"};
     char path[n_line_paths];
     (void)snprintf(path, sizeof path, "/dev/%.40s", chip_name);
     const int chip = open(path, O_RDWR | O_CLOEXEC);
@@ -108,17 +108,17 @@ static bool open_lines(camsim_link_t *l, const char *chip_name, common_error_t *
                             strerror(errno));
     }
     bool is_good = true;
-    for (int i = 0; i < camsim_link_inputs && is_good; i++) {
+    for (int i = 0; i < sim_link_inputs && is_good; i++) {
         is_good = open_line(&l->pull[i], chip, chip_name, in[i], "pull", O_WRONLY, e);
     }
-    for (int i = 0; i < camsim_link_outputs && is_good; i++) {
+    for (int i = 0; i < sim_link_outputs && is_good; i++) {
         is_good = open_line(&l->value[i], chip, chip_name, out[i], "value", O_RDONLY, e);
     }
     (void)close(chip);
     return is_good;
 }
 
-static void pull(camsim_link_t *l, int line, bool is_high)
+static void pull(sim_link_t *l, int line, bool is_high)
 {
     if (l->has_lines && l->is_high[line] != is_high) {
         const char *word = is_high ? "pull-up" : "pull-down";
@@ -127,17 +127,17 @@ static void pull(camsim_link_t *l, int line, bool is_high)
     }
 }
 
-bool camsim_link_open(camsim_link_t *l, const char *interface, const char *chip, double period_s,
-                      common_error_t *e)
+bool sim_link_open(sim_link_t *l, const char *interface, const char *chip, double period_s,
+                   common_error_t *e)
 {
-    *l = (camsim_link_t){.can = -1, .pull = {-1, -1, -1}, .value = {-1, -1, -1}};
+    *l = sim_link_closed();
     l->period_ns = (int64_t)(period_s * 1e9 + 0.5);
     l->has_lines = chip != NULL;
     if (!open_can(l, interface, e) || (chip != NULL && !open_lines(l, chip, e))) {
-        camsim_link_close(l);
+        sim_link_close(l);
         return false;
     }
-    for (int i = 0; i < camsim_link_inputs; i++) {
+    for (int i = 0; i < sim_link_inputs; i++) {
         l->is_high[i] = true;
         pull(l, i, false);
     }
@@ -149,15 +149,15 @@ bool camsim_link_open(camsim_link_t *l, const char *interface, const char *chip,
     return true;
 }
 
-void camsim_link_close(camsim_link_t *l)
+void sim_link_close(sim_link_t *l)
 {
-    for (int i = 0; i < camsim_link_inputs; i++) {
+    for (int i = 0; i < sim_link_inputs; i++) {
         if (l->pull[i] >= 0) {
             pull(l, i, false);
             (void)close(l->pull[i]);
         }
     }
-    for (int i = 0; i < camsim_link_outputs; i++) {
+    for (int i = 0; i < sim_link_outputs; i++) {
         if (l->value[i] >= 0) {
             (void)close(l->value[i]);
         }
@@ -165,6 +165,7 @@ void camsim_link_close(camsim_link_t *l)
     if (l->can >= 0) {
         (void)close(l->can);
     }
+    *l = sim_link_closed();
 }
 
 // Frames
@@ -182,7 +183,7 @@ static void hand_over(sim_bus_t *bus, const struct canfd_frame *raw, bool *is_sy
 }
 
 /// @return true when there was a SYNC among what has arrived
-static bool receive(const camsim_link_t *l, sim_bus_t *bus)
+static bool receive(const sim_link_t *l, sim_bus_t *bus)
 {
     struct canfd_frame raw[batch];
     struct iovec part[batch];
@@ -210,7 +211,7 @@ static void pack(struct canfd_frame *raw, const sim_frame_t *frame)
     memcpy(raw->data, frame->data, frame->n);
 }
 
-static void send_frames(camsim_link_t *l, const sim_frame_t *frames, uint32_t n)
+static void send_frames(sim_link_t *l, const sim_frame_t *frames, uint32_t n)
 {
     struct canfd_frame raw[sim_frame_queue];
     struct iovec part[sim_frame_queue];
@@ -237,7 +238,7 @@ static void sleep_until(int64_t ns)
 }
 
 /// What is due before the next moment, in its order: the index edge, the late frame.
-static void do_timed(camsim_link_t *l)
+static void do_timed(sim_link_t *l)
 {
     for (;;) {
         const bool is_index = l->index_ns != 0 && (l->late_ns == 0 || l->index_ns <= l->late_ns);
@@ -258,7 +259,7 @@ static void do_timed(camsim_link_t *l)
 }
 
 /// Not locked: look out for a SYNC until the next moment; the one found sets the phase.
-static void look_out(camsim_link_t *l, sim_bus_t *bus)
+static void look_out(sim_link_t *l, sim_bus_t *bus)
 {
     while (!l->is_locked && !is_stopped) {
         const int64_t left_ns = l->wake_ns - now_ns();
@@ -277,7 +278,7 @@ static void look_out(camsim_link_t *l, sim_bus_t *bus)
     }
 }
 
-void camsim_link_wait(camsim_link_t *l, sim_bus_t *bus)
+void sim_link_wait(sim_link_t *l, sim_bus_t *bus)
 {
     l->wake_ns += l->period_ns;
     l->is_locked = l->is_locked && bus->time_s - bus->sync_s < UNLOCK_S;
@@ -293,13 +294,13 @@ void camsim_link_wait(camsim_link_t *l, sim_bus_t *bus)
 
 // Lines
 
-static bool is_line_high(const camsim_link_t *l, int line)
+static bool is_line_high(const sim_link_t *l, int line)
 {
     char c = '0';
     return l->has_lines && pread(l->value[line], &c, 1, 0) == 1 && c == '1';
 }
 
-sim_bus_outputs_t camsim_link_read(const camsim_link_t *l)
+sim_bus_outputs_t sim_link_read(const sim_link_t *l)
 {
     return (sim_bus_outputs_t){
         .is_enabled = is_line_high(l, line_enable),
@@ -308,7 +309,7 @@ sim_bus_outputs_t camsim_link_read(const camsim_link_t *l)
     };
 }
 
-void camsim_link_speak(camsim_link_t *l, sim_bus_t *bus)
+void sim_link_speak(sim_link_t *l, sim_bus_t *bus)
 {
     double late_s;
     send_frames(l, bus->out.frame, bus->out.n);
@@ -330,14 +331,14 @@ static void on_signal(int number)
     is_stopped = 1;
 }
 
-void camsim_link_watch_signals(void)
+void sim_link_watch_signals(void)
 {
     struct sigaction action = {.sa_handler = on_signal};
     (void)sigaction(SIGINT, &action, NULL);
     (void)sigaction(SIGTERM, &action, NULL);
 }
 
-bool camsim_link_is_stopped(void)
+bool sim_link_is_stopped(void)
 {
     return is_stopped != 0;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sim_cam_work.h"
+#include "sim_lobe_work.h"
 #include "sim_units.h" // SIM_TWO_PI
 #include "unity.h"
 #include <math.h>   // atan2, sqrt
@@ -15,9 +15,9 @@
 #define TIP_MM 0.4
 #define DEG (360.0 / SIM_TWO_PI)
 
-static sim_cam_design_t design;
+static sim_lobe_design_t design;
 static sim_work_t work;
-static sim_cam_work_t cam;
+static sim_lobe_work_t lobes;
 
 /// What is wrong with the motion.
 typedef struct {
@@ -38,13 +38,15 @@ static void begin(bool is_turned)
     design.follower_mm = is_turned ? ROLLER_MM : WHEEL_MM;
     design.is_turned = is_turned;
     design.n_lobes = 1;
-    design.lobe[0] = (sim_cam_lobe_t){
+    design.lobe[0] = (sim_lobe_t){
         .z_last_mm = 12.0,
         .phase_rad = PHASE_RAD,
-        .lift = {.law = sim_cam_lift_disc, .reach_mm = DISC_MM + ROLLER_MM, .offset_mm = OFFSET_MM},
+        .lift = {.law = sim_lobe_lift_disc,
+                 .reach_mm = DISC_MM + ROLLER_MM,
+                 .offset_mm = OFFSET_MM},
     };
     sim_work_init(&work, 30.1, 0.0, 12.0);
-    sim_cam_work_init(&cam, &design, &work, TIP_MM);
+    sim_lobe_work_init(&lobes, &design, &work, TIP_MM);
 }
 
 /// The follower's centre runs on a circle about the disc's centre.
@@ -67,7 +69,7 @@ static void turn_cam(int n_turns, int ticks_per_turn, flaw_t flaw)
     for (int i = 0; i <= n_turns * ticks_per_turn + ticks_per_turn / 2; i++) {
         const double turn = (double)i / ticks_per_turn;
         const double phi = SIM_TWO_PI * turn - PHASE_RAD;
-        const sim_cam_tool_t tool = {
+        const sim_lobe_tool_t tool = {
             .t_s = i / TICKS_S,
             .turn = turn,
             .centre_mm = centre_mm(phi - flaw.behind_rad) + flaw.far_mm,
@@ -76,7 +78,7 @@ static void turn_cam(int n_turns, int ticks_per_turn, flaw_t flaw)
             .due_rad_s = SIM_TWO_PI * TICKS_S / ticks_per_turn,
             .is_counted = turn >= 0.5,
         };
-        sim_cam_work_cut(&cam, &tool);
+        sim_lobe_work_cut(&lobes, &tool);
     }
 }
 
@@ -84,8 +86,8 @@ static void test_ground_disc_is_a_circle(void)
 {
     begin(false);
     turn_cam(3, 20000, (flaw_t){0});
-    TEST_ASSERT_GREATER_THAN_UINT64(2u * sim_cam_dexels, cam.gauge[0].n);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.0, cam.gauge[0].max_um); // um: a thousandth of a nanometre
+    TEST_ASSERT_GREATER_THAN_UINT64(2u * sim_lobe_dexels, lobes.gauge[0].n);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.0, lobes.gauge[0].max_um); // um: a thousandth of a nanometre
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.0, work.max_um);
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.0, work.gouge_um);
     const sim_cell_t *nose = &work.cell[111][80]; // 5.2 mm; the phase is 0.1114 turn
@@ -97,19 +99,19 @@ static void test_wheel_is_swept_between_ticks(void)
 {
     begin(false);
     turn_cam(3, 360, (flaw_t){0});
-    TEST_ASSERT_DOUBLE_WITHIN(0.01, 0.0, cam.gauge[0].max_um);
+    TEST_ASSERT_DOUBLE_WITHIN(0.01, 0.0, lobes.gauge[0].max_um);
 }
 
 static void test_turned_disc_is_a_circle_and_its_rake_constant(void)
 {
     begin(true);
     turn_cam(3, 20000, (flaw_t){.swung = 1.0});
-    TEST_ASSERT_DOUBLE_WITHIN(1e-3, 0.0, cam.gauge[0].max_um);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.0, cam.rake_deg.min);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.0, cam.rake_deg.max);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3, 0.0, lobes.gauge[0].max_um);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.0, lobes.rake_deg.min);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.0, lobes.rake_deg.max);
     const double most_deg = asin(OFFSET_MM / (DISC_MM + ROLLER_MM)) * DEG;
-    TEST_ASSERT_DOUBLE_WITHIN(1e-5, most_deg, cam.unswung_deg.max);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-5, -most_deg, cam.unswung_deg.min);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-5, most_deg, lobes.unswung_deg.max);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-5, -most_deg, lobes.unswung_deg.min);
 }
 
 /// The tip at r1 - tip from the swing's centre, straight below it: D - (r1 - tip) over phi. What it
@@ -119,7 +121,7 @@ static void test_tool_that_does_not_swing_leaves_another_cam(void)
 {
     begin(true);
     turn_cam(3, 20000, (flaw_t){.swung = 0.0});
-    TEST_ASSERT_TRUE(cam.gauge[0].max_um > 50.0);
+    TEST_ASSERT_TRUE(lobes.gauge[0].max_um > 50.0);
     TEST_ASSERT_DOUBLE_WITHIN(1e-3, 0.0, work.gouge_um);
 }
 
@@ -129,7 +131,7 @@ static void test_error_of_the_wheels_distance_shows_along_the_normal(void)
     begin(false);
     turn_cam(3, 20000, (flaw_t){.far_mm = 0.005});
     const double least_um = 5.0 * cos(asin(OFFSET_MM / (DISC_MM + WHEEL_MM)));
-    TEST_ASSERT_DOUBLE_WITHIN(1e-3, 5.0, cam.gauge[0].max_um);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3, 5.0, lobes.gauge[0].max_um);
     const sim_row_t *row = &work.row[sim_work_rows * 5 / 12 + 3];
     TEST_ASSERT_GREATER_THAN_UINT64(0u, row->n);
     TEST_ASSERT_DOUBLE_WITHIN(1e-3, least_um, row->min_um);
@@ -141,7 +143,7 @@ static void test_lift_that_lags_turns_the_profile(void)
     const double lag_rad = 1e-4;
     begin(false);
     turn_cam(3, 20000, (flaw_t){.behind_rad = lag_rad});
-    TEST_ASSERT_DOUBLE_WITHIN(2e-3, OFFSET_MM * lag_rad * 1e3, cam.gauge[0].max_um);
+    TEST_ASSERT_DOUBLE_WITHIN(2e-3, OFFSET_MM * lag_rad * 1e3, lobes.gauge[0].max_um);
 }
 
 static void test_speed_of_the_contact_is_that_of_the_geometry(void)
@@ -149,10 +151,10 @@ static void test_speed_of_the_contact_is_that_of_the_geometry(void)
     begin(false);
     turn_cam(3, 20000, (flaw_t){0});
     const double omega = SIM_TWO_PI; // one turn per second; ds/dphi of MATHS.md (35)
-    TEST_ASSERT_DOUBLE_WITHIN(1e-5, 25.5555556 * omega, cam.speed_mm_s.max);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-5, 24.4444444 * omega, cam.speed_mm_s.min);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-5, 0.0, cam.off_plan.max);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-5, 0.0, cam.off_plan.min);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-5, 25.5555556 * omega, lobes.speed_mm_s.max);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-5, 24.4444444 * omega, lobes.speed_mm_s.min);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-5, 0.0, lobes.off_plan.max);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-5, 0.0, lobes.off_plan.min);
 }
 
 /// The whole disc is left of the blank: pi (blank^2 - radius^2) per millimetre fed.
@@ -161,19 +163,19 @@ static void test_removed_metal_is_the_blank_around_the_disc(void)
     begin(false);
     turn_cam(4, 20000, (flaw_t){0});
     const double ring_mm2 = SIM_PI * (30.1 * 30.1 - DISC_MM * DISC_MM);
-    const double turns = (double)cam.gauge[0].n / sim_cam_dexels;
+    const double turns = (double)lobes.gauge[0].n / sim_lobe_dexels;
     TEST_ASSERT_DOUBLE_WITHIN(1e-3 * ring_mm2, ring_mm2 * 0.1 * turns, work.removed_mm3);
 }
 
 static void test_heights_beside_the_lobe_are_not_cut(void)
 {
     begin(false);
-    const sim_cam_tool_t beside = {.centre_mm = 225.0, .z_mm = 13.0, .is_counted = true};
-    sim_cam_work_cut(&cam, &beside);
-    TEST_ASSERT_EQUAL_UINT32(design.n_lobes, cam.i_lobe);
+    const sim_lobe_tool_t beside = {.centre_mm = 225.0, .z_mm = 13.0, .is_counted = true};
+    sim_lobe_work_cut(&lobes, &beside);
+    TEST_ASSERT_EQUAL_UINT32(design.n_lobes, lobes.i_lobe);
     turn_cam(2, 20000, (flaw_t){0});
-    TEST_ASSERT_EQUAL_UINT32(0u, cam.i_lobe);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.0, cam.gauge[0].max_um);
+    TEST_ASSERT_EQUAL_UINT32(0u, lobes.i_lobe);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.0, lobes.gauge[0].max_um);
 }
 
 /// A lobe that the tool comes to in the middle of a turn: what it has half passed is not judged.
@@ -183,8 +185,8 @@ static void test_lobe_entered_anywhere_is_judged_where_it_was_cut(void)
         begin(true);
         design.lobe[0].z_first_mm = 5.07 + i * 1e-5;
         turn_cam(1, 20000, (flaw_t){.swung = 1.0});
-        TEST_ASSERT_GREATER_THAN_UINT64(sim_cam_dexels / 2u, cam.gauge[0].n);
-        TEST_ASSERT_DOUBLE_WITHIN(1e-3, 0.0, cam.gauge[0].max_um);
+        TEST_ASSERT_GREATER_THAN_UINT64(sim_lobe_dexels / 2u, lobes.gauge[0].n);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-3, 0.0, lobes.gauge[0].max_um);
     }
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sim_cam_design.h"
+#include "sim_lobe_design.h"
 #include "sim_json.h"  // sim_json_number
 #include "sim_units.h" // SIM_TWO_PI
 #include <math.h>      // sqrt
@@ -8,9 +8,9 @@
 
 #define REMEDY SIM_JSON_REMEDY
 
-sim_cam_spot_t sim_cam_design_at(sim_cam_design_t *d, uint32_t i_lobe, double theta_rad)
+sim_lobe_spot_t sim_lobe_design_at(sim_lobe_design_t *d, uint32_t i_lobe, double theta_rad)
 {
-    const sim_cam_rise_t rise = sim_cam_lift_at(&d->lobe[i_lobe].lift, theta_rad);
+    const sim_lobe_rise_t rise = sim_lobe_lift_at(&d->lobe[i_lobe].lift, theta_rad);
     const double p = d->base_mm + d->roller_mm + rise.h_mm;
     const double square = p * p + rise.h1_mm * rise.h1_mm;
     const double way = sqrt(square);
@@ -21,7 +21,7 @@ sim_cam_spot_t sim_cam_design_at(sim_cam_design_t *d, uint32_t i_lobe, double th
     const double nx = c * cos_gamma + s * sin_gamma; // direction theta - gamma
     const double ny = s * cos_gamma - c * sin_gamma;
     const double bend = 1.0 - (rise.h2_mm * p - rise.h1_mm * rise.h1_mm) / square;
-    return (sim_cam_spot_t){
+    return (sim_lobe_spot_t){
         .x_mm = p * c - d->roller_mm * nx, // the contact lies below the roller's centre
         .y_mm = p * s - d->roller_mm * ny,
         .nx = nx,
@@ -31,7 +31,7 @@ sim_cam_spot_t sim_cam_design_at(sim_cam_design_t *d, uint32_t i_lobe, double th
     };
 }
 
-uint32_t sim_cam_design_lobe(const sim_cam_design_t *d, double z_mm, double edge_mm)
+uint32_t sim_lobe_design_find(const sim_lobe_design_t *d, double z_mm, double edge_mm)
 {
     for (uint32_t i = 0; i < d->n_lobes; i++) {
         if (z_mm >= d->lobe[i].z_first_mm - edge_mm && z_mm <= d->lobe[i].z_last_mm + edge_mm) {
@@ -41,18 +41,18 @@ uint32_t sim_cam_design_lobe(const sim_cam_design_t *d, double z_mm, double edge
     return d->n_lobes;
 }
 
-static double largest_mm(sim_cam_lift_t *lift)
+static double largest_mm(sim_lobe_lift_t *lift)
 {
     enum { n_samples = 7200 };
     double largest = 0.0;
     for (int i = 0; i < n_samples; i++) {
-        const double h_mm = sim_cam_lift_at(lift, SIM_TWO_PI * i / n_samples).h_mm;
+        const double h_mm = sim_lobe_lift_at(lift, SIM_TWO_PI * i / n_samples).h_mm;
         largest = h_mm > largest ? h_mm : largest;
     }
     return largest;
 }
 
-double sim_cam_design_lift_mm(const sim_cam_design_t *d)
+double sim_lobe_design_lift_mm(const sim_lobe_design_t *d)
 {
     double largest = 0.0;
     for (uint32_t i = 0; i < d->n_lobes; i++) {
@@ -82,7 +82,7 @@ static bool read_word(bool *is_second, const cJSON *design, const char *name,
 }
 
 /// Heights rise, from lobe to lobe too.
-static bool read_heights(sim_cam_lobe_t *lobe, const cJSON *item, double above_mm)
+static bool read_heights(sim_lobe_t *lobe, const cJSON *item, double above_mm)
 {
     const cJSON *z = cJSON_GetObjectItemCaseSensitive(item, "z_mm");
     return cJSON_IsArray(z) && cJSON_GetArraySize(z) == 2 &&
@@ -91,10 +91,10 @@ static bool read_heights(sim_cam_lobe_t *lobe, const cJSON *item, double above_m
            lobe->z_first_mm > above_mm && lobe->z_last_mm > lobe->z_first_mm;
 }
 
-static bool read_lobe(sim_cam_design_t *d, const cJSON *item, const char *path, common_error_t *e)
+static bool read_lobe(sim_lobe_design_t *d, const cJSON *item, const char *path, common_error_t *e)
 {
     const uint32_t i = d->n_lobes;
-    sim_cam_lobe_t *lobe = &d->lobe[i];
+    sim_lobe_t *lobe = &d->lobe[i];
     const double above_mm = i > 0u ? d->lobe[i - 1u].z_last_mm : -HUGE_VAL;
     char where[32];
     (void)snprintf(where, sizeof where, "design.lobes.%u", (unsigned)i);
@@ -107,21 +107,21 @@ static bool read_lobe(sim_cam_design_t *d, const cJSON *item, const char *path, 
         return common_error(e, "%s: %s.phase_rad: wants a finite number; " REMEDY, path, where);
     }
     d->n_lobes++; // from here on there is something to free
-    if (!sim_cam_lift_read(&lobe->lift, item, where, path, e)) {
+    if (!sim_lobe_lift_read(&lobe->lift, item, where, path, e)) {
         return false;
     }
     lobe->largest_mm = largest_mm(&lobe->lift);
     return true;
 }
 
-static bool read_lobes(sim_cam_design_t *d, const cJSON *design, const char *path,
+static bool read_lobes(sim_lobe_design_t *d, const cJSON *design, const char *path,
                        common_error_t *e)
 {
     const cJSON *list = cJSON_GetObjectItemCaseSensitive(design, "lobes");
     const int n = cJSON_IsArray(list) ? cJSON_GetArraySize(list) : 0;
-    if (n < 1 || n > sim_cam_max_lobes) {
+    if (n < 1 || n > sim_lobe_design_max) {
         return common_error(e, "%s: design.lobes: wants a list of 1 .. %d lobes; " REMEDY, path,
-                            sim_cam_max_lobes);
+                            sim_lobe_design_max);
     }
     const cJSON *item;
     cJSON_ArrayForEach(item, list)
@@ -133,8 +133,8 @@ static bool read_lobes(sim_cam_design_t *d, const cJSON *design, const char *pat
     return true;
 }
 
-bool sim_cam_design_read(sim_cam_design_t *d, const cJSON *design, const char *path,
-                         common_error_t *e)
+bool sim_lobe_design_read(sim_lobe_design_t *d, const cJSON *design, const char *path,
+                          common_error_t *e)
 {
     static const char *const operation[2] = {"grinding", "turning"};
     static const char *const speed[2] = {"uniform", "constant-surface"};
@@ -147,10 +147,10 @@ bool sim_cam_design_read(sim_cam_design_t *d, const cJSON *design, const char *p
            read_lobes(d, design, path, e);
 }
 
-void sim_cam_design_free(sim_cam_design_t *d)
+void sim_lobe_design_free(sim_lobe_design_t *d)
 {
     for (uint32_t i = 0; i < d->n_lobes; i++) {
-        sim_cam_lift_free(&d->lobe[i].lift);
+        sim_lobe_lift_free(&d->lobe[i].lift);
     }
     d->n_lobes = 0;
 }
