@@ -41,8 +41,8 @@ class Step:
     is_alone : nothing else may run meanwhile
     report : JUnit file that the command writes and whose tests count; without one the step is
         one test
-    closing : expression; the lines of the output that hold it are shown of a step that passed,
-        and without any of them the last line
+    closing : expression; the lines of the output that hold it are shown of a step that passed;
+        without an expression the last line
     clears : files to be removed before, as a pattern in the folder of the run
     """
 
@@ -52,7 +52,7 @@ class Step:
     is_wide: bool = False
     is_alone: bool = False
     report: Path | None = None
-    closing: str = ""
+    closing: str | None = None
     clears: str = ""
     environment: Mapping[str, str] = field(default_factory=dict)
     limit_s: float = STEP_LIMIT_S
@@ -343,8 +343,11 @@ class Runner:
         if self.tally.add(step, status):
             self._passed.add(step.name)
             lines = [line.strip() for line in output.splitlines() if line.strip()]
-            closing = [line for line in lines if step.closing and re.search(step.closing, line)]
-            said = "; ".join(closing or lines[-1:])
+            if step.closing is None:
+                lines = lines[-1:]
+            else:
+                lines = [line for line in lines if re.search(step.closing, line)]
+            said = "; ".join(lines)
             self._say_now(f"{step.name}: ok, {took}" + (f": {said}" if said else ""))
         else:
             self._say(f"--- output of {step.name}\n{output}\n--- end of output of {step.name}")

@@ -24,6 +24,7 @@ N_CORES = min(len(os.sched_getaffinity(0)), MAX_CORES)
 # A process per core; all tests of a file in one process, since they share what is costly to make.
 # A crash is told and ends that process for good.
 PARALLEL = ("-n", str(N_CORES), "--dist", "loadfile", "--max-worker-restart=0")
+NOTHING = r"^\b$"  # closing line of a step that has none worth reading
 MIN_LINE_PERCENT = "95"
 MIN_BRANCH_PERCENT = "90"
 
@@ -32,7 +33,7 @@ def gate(
     name: str,
     *command: str | Path,
     needs: tuple[str, ...] = (),
-    closing: str = "",
+    closing: str | None = None,
     wide: bool = False,
 ) -> Step:
     """Return a step that counts as one test."""
@@ -40,7 +41,11 @@ def gate(
 
 
 def tool(
-    name: str, module: str, *words: str | Path, needs: tuple[str, ...] = (), closing: str = ""
+    name: str,
+    module: str,
+    *words: str | Path,
+    needs: tuple[str, ...] = (),
+    closing: str | None = None,
 ) -> Step:
     """Return a step that is a Python module of ours or of others."""
     return gate(name, PYTHON, "-m", module, *words, needs=needs, closing=closing)
@@ -50,7 +55,7 @@ def build(preset: str, target: str = "") -> Step:
     """Return the build of a preset by the function that tools/run uses too."""
     script = 'set -euo pipefail; source "$1/tools/setup.sh"; camturn_build "$2" ${3:+"$3"}'
     words = ("bash", "-c", script, "bash", ROOT, preset, target)
-    return gate(f"build {preset}", *words, wide=True, closing="^$")
+    return gate(f"build {preset}", *words, wide=True, closing=NOTHING)
 
 
 def ctest(preset: str, *options: str, clears: str = "") -> Step:
@@ -136,7 +141,7 @@ def clang_tidy(preset: str, files: str, *options: str) -> Step:
     """Return an analysis with the compile commands of a build."""
     tidy: Command = ("run-clang-tidy-14", "-quiet", "-j", "1", "-p", BUILD / preset)
     needs = (f"build {preset}",)
-    return gate(f"clang-tidy {preset}", *tidy, *options, files, needs=needs, closing="^$")
+    return gate(f"clang-tidy {preset}", *tidy, *options, files, needs=needs, closing=NOTHING)
 
 
 def host_steps() -> list[Step]:
