@@ -9,16 +9,16 @@ from scipy.interpolate import CubicSpline, make_interp_spline
 from scipy.optimize import brentq
 from scipy.signal import lsim
 
+from camtools.base.quantities import Floats
 from camtools.lobe.contact import contact, follow
 from camtools.lobe.lift import Disc, LiftLaw, Poly345
 from camtools.lobe.speed import N_GRID, SpindleLimits, surface_speed
 from camtools.skirt.composite import Joint
 from camtools.skirt.geometry import make_geometry
-from camtools.skirt.part import load_part
 from camtools.skirt.refit import CANDIDATES, Recipe, judge, kept_sites, sites_rad
-from camtools.skirt.sections import DoubleEllipse, Ellipse, Floats
+from camtools.skirt.sections import DoubleEllipse, Ellipse
 from camtools.table.image import segment_coefficients
-from part_cases import PERKINS
+from part_cases import PERKINS, load_part
 
 A_MM, G_MM = 46.0, 0.2
 JOINT_RAD = float(np.radians(48.0))

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from camtools.base.quantities import Floats
 from camtools.sim.results import CUTTING, FAULT, STATES, Surface, Trace
 from camtools.skirt.geometry import Geometry
-from camtools.skirt.sections import Floats
 
 TICK_S = 50e-6
 TURNS_PER_TICK = 2500 / 60 * TICK_S

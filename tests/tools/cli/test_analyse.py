@@ -15,16 +15,16 @@ from pathlib import Path
 import pytest
 
 from camtools.cli.analyse import main, products
-from camtools.skirt.part import Part, load_part
+from camtools.skirt.part import SkirtPart
 from camtools.study.section import Wishes
 from maths_tables import TABLE_1, TABLE_4
-from part_cases import PERKINS, ROOT, environment
+from part_cases import PERKINS, ROOT, environment, load_part
 
 WEICHAI = ROOT / "tools" / "parts" / "weichai3a.toml"
 
 
 @pytest.fixture(scope="module")
-def files(perkins: Part) -> dict[str, bytes]:
+def files(perkins: SkirtPart) -> dict[str, bytes]:
     """Analyse the Perkins skirt as the papers do."""
     return products(perkins, Wishes(rpm=1667.27), with_pictures=False)
 
@@ -93,7 +93,7 @@ def test_corner_is_studied_too() -> None:
     assert len(rows(found["refit_candidates.csv"])) == 16
 
 
-def test_same_input_same_bytes(perkins: Part, files: dict[str, bytes]) -> None:
+def test_same_input_same_bytes(perkins: SkirtPart, files: dict[str, bytes]) -> None:
     """Everything again is the same."""
     assert products(perkins, Wishes(rpm=1667.27), with_pictures=False) == files
 

@@ -20,12 +20,12 @@ from matplotlib.image import imread
 
 from camtools.base.errors import CamtoolsError
 from camtools.base.stage import Stage
-from camtools.cli.job import Job, without_faults
 from camtools.cli.run import main
-from camtools.part.file import load_any
+from camtools.part.common import MachineLimits
+from camtools.pipeline.job import Job, without_faults
+from camtools.pipeline.load import load
 from camtools.sim.camsim import machine_text, traced_turns, variant_of
 from camtools.sim.results import read_surface, read_trace
-from camtools.skirt.part import Limits
 from part_cases import PERKINS, ROOT, environment
 
 BUILD = Path(os.environ.get("CAMTURN_BUILD") or ROOT / "build" / "host").resolve()
@@ -324,7 +324,7 @@ def test_feed_beyond_the_part_is_refused_first(
     path = tmp_path / "low.toml"
     text = PERKINS.with_name(f"{name}.toml").read_text()
     path.write_text(text.replace(heights, shorter))
-    part = load_any(path)
+    part = load(path).part
     Job(["--feed", "8"]).check_feed(part)
     Job([]).check_feed(part)
     for feed in ("8.000001", "20"):
@@ -339,7 +339,9 @@ def test_feed_beyond_the_part_is_refused_first(
 
 def test_limits_of_the_part_become_the_machine() -> None:
     """The machine file carries the part's limits, within the simulator's ranges."""
-    text = machine_text(Limits(u_stroke_mm=0.9, u_speed_mm_s=350.5, u_acceleration_mm_s2=1e9))
+    text = machine_text(
+        MachineLimits(u_stroke_mm=0.9, u_speed_mm_s=350.5, u_acceleration_mm_s2=1e9)
+    )
     assert "stroke_mm = 0.9\n" in text
     assert "speed_mm_per_s = 350.5\n" in text
     assert "acceleration_mm_per_s2 = 10000000.0\n" in text

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camtools.skirt.generate import Generated
+from camtools.skirt.generate import GeneratedSkirt
 from camtools.table.image import (
     KIND_U,
     KIND_X,
@@ -19,7 +19,7 @@ from camtools.table.image import (
     Bounds,
     Channel,
     ImageError,
-    Limits,
+    ImageLimits,
     Table,
     channel_coefficients,
     largest_sum,
@@ -41,7 +41,7 @@ def small_table(seed: int = 1, n_slices: int = 3, log2_knots: int = 2) -> Table:
         return Channel(kind, knots, int(kind == KIND_U), 4, *z, 77, *p, 9000, 9000)
 
     channels = (channel(KIND_U, 1 << log2_knots), channel(KIND_X, 1))
-    limits, bounds = Limits(1, 2, 3, 4), Bounds(-5, 6, 7, 8, 9)
+    limits, bounds = ImageLimits(1, 2, 3, 4), Bounds(-5, 6, 7, 8, 9)
     return Table(f"t{seed}", *z, -1, 2_500_000, 100_000, 0, limits, bounds, channels)
 
 
@@ -67,7 +67,7 @@ def test_image_round_trip(seed: int, n_slices: int, log2_knots: int) -> None:
     assert len(image) % 32 == 0
 
 
-def test_header_bytes_are_where_the_format_says(generated: Generated) -> None:
+def test_header_bytes_are_where_the_format_says(generated: GeneratedSkirt) -> None:
     """Magic, byte order, version, sizes, CRC and name stand at their offsets."""
     image = pack(generated.table)
     assert image[:8] == bytes.fromhex("43414d5441421a0a")
@@ -189,7 +189,7 @@ def test_segments_end_exactly_on_the_next_knot(seed: int) -> None:
     np.testing.assert_array_equal((c * n * (n - 1)).sum(axis=1), 2 * following[:, 2])
 
 
-def test_generated_table_keeps_the_overflow_bound(generated: Generated) -> None:
+def test_generated_table_keeps_the_overflow_bound(generated: GeneratedSkirt) -> None:
     """All three sums of every segment are at most 2^25 - 1, and one bit more would not fit."""
     for channel in generated.table.channels:
         most = largest_sum(channel_coefficients(channel))

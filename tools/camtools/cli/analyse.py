@@ -15,7 +15,8 @@ from pathlib import Path
 from camtools.base.command import Parser, run_command
 from camtools.base.errors import CamtoolsError
 from camtools.base.output import write_all
-from camtools.skirt.part import Part, load_part
+from camtools.pipeline.load import load_for
+from camtools.skirt.part import SkirtPart
 from camtools.study.path import csv, make_study
 from camtools.study.refit import candidates_csv, comparison_csv, study
 from camtools.study.refit import notes as refit_notes
@@ -60,7 +61,7 @@ def _wishes(arguments: argparse.Namespace) -> Wishes:
     )
 
 
-def products(part: Part, wishes: Wishes, *, with_pictures: bool = True) -> dict[str, bytes]:
+def products(part: SkirtPart, wishes: Wishes, *, with_pictures: bool = True) -> dict[str, bytes]:
     """Return the content of every file of an analysis, by file name.
 
     Raises
@@ -98,7 +99,7 @@ def _files(found: Analysis, nose_mm: float, *, with_pictures: bool) -> dict[str,
 
 
 def _run(arguments: argparse.Namespace) -> int:
-    part, wishes = load_part(arguments.part), _wishes(arguments)
+    part, wishes = load_for("analyse", SkirtPart, arguments.part), _wishes(arguments)
     try:
         found = make_analysis(part, wishes)
     except CamtoolsError as error:

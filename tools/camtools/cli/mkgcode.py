@@ -21,10 +21,11 @@ from camtools.base.output import write_all
 from camtools.ngc.full import full_program
 from camtools.ngc.profile import profile_program
 from camtools.ngc.words import Job
+from camtools.part.common import check_feed
 from camtools.part.model import MIN_STEP_MM
-from camtools.skirt.generate import check_feed
+from camtools.pipeline.load import load_for
 from camtools.skirt.geometry import make_geometry
-from camtools.skirt.part import Part, load_part
+from camtools.skirt.part import SkirtPart
 
 MIN_CHORD_UM, MAX_CHORD_UM = 0.002, 1000.0
 DEFAULT_CHORD_UM = 0.1
@@ -70,7 +71,7 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
     return parser.parse_args(argv)
 
 
-def make_job(part: Part, wishes: Wishes) -> Job:
+def make_job(part: SkirtPart, wishes: Wishes) -> Job:
     """Return what a program is made of.
 
     Raises
@@ -107,7 +108,7 @@ def _run(arguments: argparse.Namespace) -> int:
     if not output.name or output.is_dir():
         problem, remedy = "is a folder", "give the name of a file, say part.ngc"
         raise InputError(str(output), "", None, problem, remedy)
-    part = load_part(arguments.part)
+    part = load_for("mkgcode", SkirtPart, arguments.part)
     wishes = Wishes(
         arguments.axes,
         arguments.from_mm,

@@ -8,37 +8,25 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from camtools.lobe.generate import GeneratedCam
+from camtools.base.json_text import Json
+from camtools.base.quantities import Floats
+from camtools.lobe.generate import GeneratedLobes
 from camtools.plots.style import length_text
-from camtools.sim.results import Cut, Json, Surface, Trace, Variant
-from camtools.skirt.report_text import Margin, Row, error_pair, margins_in, page_text
-from camtools.skirt.sections import Floats
+from camtools.report.text import Row, error_pair
+from camtools.sim.results import Cut
 
 
 @dataclass(frozen=True, eq=False)
-class CamOutcome(Cut):
-    """All that is known about the cut of a cam.
+class LobeOutcome(Cut[GeneratedLobes]):
+    """All that is known about the cut of lobes.
 
     Attributes
     ----------
-    generated : GeneratedCam
-        The part, its exact geometry and its table.
     swing_deg : ndarray or None
         True swing of the tool in every tick of the trace; None for a wheel.
     """
 
-    generated: GeneratedCam
-    summary: Json
-    surface: Surface
-    trace: Trace
-    is_trace_complete: bool = True
-    variants: tuple[Variant, ...] = ()
     swing_deg: Floats | None = None
-
-    @property
-    def name(self) -> str:
-        """Return the part's name."""
-        return self.generated.part.part.name
 
     @property
     def is_turned(self) -> bool:
@@ -90,14 +78,14 @@ def _rake_rows(cam: Json) -> list[Row]:
     ]
 
 
-def cam_rows(outcome: CamOutcome) -> list[Row]:
+def lobe_rows(outcome: LobeOutcome) -> list[Row]:
     """Return the summary of a cam, machine limits apart."""
     summary, cam, found = outcome.summary, outcome.generated, outcome.summary["cam"]
     cut, form = summary["cut"], summary["form_error_um"]
     how = (
         f"tip of {found['tip_mm']:g} mm" if outcome.is_turned else f"wheel {found['wheel_mm']:g} mm"
     )
-    mean = "mean " if cam.speed is not None else ""
+    mean = "mean " if outcome.is_modulated else ""
     what = (
         f"cam {'turned' if outcome.is_turned else 'ground'}, {how}, at {mean}"
         f"{cut['spindle_rpm']:g} r/min, feed {cut['feed_mm']:g} mm, "
@@ -114,13 +102,3 @@ def cam_rows(outcome: CamOutcome) -> list[Row]:
         Row("machine time", f"{summary['machine_time_s']:.1f} s"),
         Row("computing time", f"{summary['wall_time_s']:.2f} s for the cut with its trace"),
     ]
-
-
-def cam_margins(outcome: CamOutcome) -> list[Margin]:
-    """Return needed and limit of every axis."""
-    return margins_in(outcome.summary, is_modulated=outcome.generated.speed is not None)
-
-
-def cam_text(outcome: CamOutcome, place: str, total_s: float) -> str:
-    """Return the summary for the terminal, as `terminal_text` for a skirt."""
-    return page_text(outcome, cam_rows(outcome), cam_margins(outcome), place, total_s)

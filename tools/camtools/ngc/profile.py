@@ -20,9 +20,9 @@ from typing import NamedTuple
 import numpy as np
 
 from camtools.base.errors import GeometryError
+from camtools.base.quantities import Floats
 from camtools.ngc.words import LENGTH_DECIMALS, Job, blocks, head, length, lines
 from camtools.skirt.geometry import Geometry
-from camtools.skirt.sections import Floats
 
 _DENSE = 20_001
 _MAX_SEGMENTS = 5000

@@ -11,10 +11,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from camtools.base.quantities import Floats
+from camtools.skirt.blank import blank_radius_mm
 from camtools.skirt.geometry import Geometry
-from camtools.skirt.part import Part
-from camtools.skirt.sections import Floats
-from camtools.skirt.speed import blank_radius_mm
+from camtools.skirt.part import SkirtPart
 
 LENGTH_DECIMALS = 6  # of millimetres: a nanometre
 ANGLE_DECIMALS = 5  # of degrees
@@ -27,7 +27,7 @@ Word = tuple[str, int]
 class Job(NamedTuple):
     """What a program is made of."""
 
-    part: Part
+    part: SkirtPart
     geometry: Geometry
     z_first_mm: float
     z_last_mm: float

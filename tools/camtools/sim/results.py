@@ -14,20 +14,19 @@ import json
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
 from camtools.base.errors import InputError
-from camtools.skirt.generate import Generated
-from camtools.skirt.sections import Floats
+from camtools.base.json_text import Json
+from camtools.base.quantities import Floats
+from camtools.table.header import MadeTable
 
 STATES = ("off", "homing", "ready", "engaging", "cutting", "disengaging", "fault")
 CUTTING, FAULT = STATES.index("cutting"), STATES.index("fault")
 _TURNS_PER_Q32 = 2.0**-32
-
-Json = dict[str, Any]
 
 
 class Surface(NamedTuple):
@@ -81,15 +80,7 @@ class Removal(NamedTuple):
     chip_force_n: Floats  # physical: section of the chip
 
 
-class Even(NamedTuple):
-    """Equal-volume turning beside uniform turning of the same part at the same mean speed."""
-
-    summary: Json
-    uniform_summary: Json
-    removal: Removal
-    uniform_removal: Removal
-
-
+MadeT = TypeVar("MadeT", bound=MadeTable, covariant=True)
 _SURFACE_COLUMNS = ("turn", "z_mm", "radius_mm", "error_nm")
 _TRACE_COLUMNS = (
     "t_s",
@@ -178,11 +169,24 @@ class Variant(NamedTuple):
     rms_um: float
 
 
-class Cut:
+class Measured(NamedTuple):
+    """What the simulator wrote of a cut."""
+
+    summary: Json
+    surface: Surface
+    trace: Trace
+    is_trace_complete: bool
+    variants: tuple[Variant, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Cut(Generic[MadeT]):
     """What is known about the cut of a part of any kind.
 
     Attributes
     ----------
+    generated : MadeTable
+        The part and its table.
     summary : dict
         Of camsim.
     is_trace_complete : bool
@@ -191,16 +195,22 @@ class Cut:
         Comparison cuts, the matched one first; may be empty.
     """
 
+    generated: MadeT
     summary: Json
     surface: Surface
     trace: Trace
-    is_trace_complete: bool
-    variants: tuple[Variant, ...]
+    is_trace_complete: bool = True
+    variants: tuple[Variant, ...] = ()
 
     @property
     def name(self) -> str:
         """Return the part's name."""
-        raise NotImplementedError
+        return self.generated.part.part.name
+
+    @property
+    def is_modulated(self) -> bool:
+        """Return whether the table changes the spindle's speed over its angle."""
+        return self.generated.table.speed is not None
 
     @property
     def has_fault(self) -> bool:
@@ -213,27 +223,4 @@ class Cut:
         return bool(self.summary["is_good"])
 
 
-@dataclass(frozen=True, eq=False)
-class Outcome(Cut):
-    """All that is known about the cut of a skirt.
-
-    Attributes
-    ----------
-    generated : Generated
-        The part, its exact geometry and its table.
-    even : Even or None
-        Removal rate and forces of a part that is turned with equal volumes.
-    """
-
-    generated: Generated
-    summary: Json
-    surface: Surface
-    trace: Trace
-    is_trace_complete: bool = True
-    variants: tuple[Variant, ...] = ()
-    even: Even | None = None
-
-    @property
-    def name(self) -> str:
-        """Return the part's name."""
-        return self.generated.part.part.name
+AnyCut = Cut[Any]

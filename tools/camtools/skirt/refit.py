@@ -24,8 +24,8 @@ import numpy.typing as npt
 from scipy.interpolate import CubicSpline, PPoly, make_interp_spline
 
 from camtools.base.errors import GeometryError
+from camtools.base.quantities import Floats
 from camtools.skirt.composite import QUARTER_RAD, Joint
-from camtools.skirt.sections import Floats
 
 N_SITES = 91
 CANDIDATES = tuple(product(range(4), range(4)))  # (s1, s2) as the paper tries them

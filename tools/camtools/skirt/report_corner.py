@@ -13,12 +13,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from camtools.base.quantities import Floats, omega_rad_s
 from camtools.plots.style import BLUE, GREEN, GREY, RED, new_figure
 from camtools.sim.results import CUTTING, Surface, Trace
 from camtools.skirt.composite import fold
 from camtools.skirt.corner import Corner
-from camtools.skirt.geometry import Geometry, omega_rad_s
-from camtools.skirt.sections import Floats
+from camtools.skirt.geometry import Geometry
 
 _ROOM_DEG = 14.0
 _N_ANGLES = 1401

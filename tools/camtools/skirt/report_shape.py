@@ -13,10 +13,10 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d.axes3d import Axes3D  # type: ignore[import-untyped]
 
+from camtools.base.quantities import Floats
 from camtools.plots.style import new_figure
 from camtools.sim.results import Surface
 from camtools.skirt.geometry import Geometry
-from camtools.skirt.sections import Floats
 
 _ENLARGED = 30.0
 _N_ROWS, _N_COLUMNS = 48, 180

@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from camtools.base.quantities import Floats
 from camtools.plots.style import (
     BLUE,
     ERROR_COLOURS,
@@ -27,7 +28,6 @@ from camtools.plots.style import (
 )
 from camtools.sim.results import Surface
 from camtools.skirt.geometry import Geometry
-from camtools.skirt.sections import Floats
 from camtools.table.image import Ints
 
 N_COLUMNS, MAX_ROWS = 360, 256  # of the map

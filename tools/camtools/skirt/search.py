@@ -20,9 +20,11 @@ from typing import NamedTuple
 import numpy as np
 
 from camtools.base.errors import CamtoolsError
-from camtools.skirt.accuracy import GRID_MARGIN, Accuracy, measure_u, measure_x
+from camtools.skirt.accuracy import Accuracy, measure_u, measure_x
+from camtools.skirt.channels import height_range_nm, u_channel, x_channel
 from camtools.skirt.estimate import height_error, probe
 from camtools.skirt.geometry import Geometry
+from camtools.table.evaluate import GRID_MARGIN
 from camtools.table.image import (
     KNOT_SIZE,
     MAX_CHANNEL_BYTES,
@@ -34,7 +36,7 @@ from camtools.table.image import (
     Channel,
     Ints,
 )
-from camtools.table.quantise import TooLargeError, height_range_nm, u_channel, x_channel
+from camtools.table.quantise import TooLargeError
 
 DERIVATIVE_SHARE = 1e-3
 _MAX_PROBES, _MAX_MEASURES = 4000, 20

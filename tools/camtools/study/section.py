@@ -14,6 +14,7 @@ from math import isfinite
 import numpy as np
 
 from camtools.base.errors import CamtoolsError
+from camtools.base.quantities import Floats
 from camtools.cut.removal import (
     TURN_RAD,
     Parts,
@@ -26,13 +27,12 @@ from camtools.cut.removal import (
     parts_of,
     parts_range,
     rates_of,
-    section_cut,
     speed_peaks,
     steps_of,
 )
+from camtools.skirt.blank import section_cut
 from camtools.skirt.geometry import Geometry, make_geometry
-from camtools.skirt.part import Part
-from camtools.skirt.sections import Floats
+from camtools.skirt.part import SkirtPart
 
 N_HARMONICS = 12
 MAX_PARTS, MAX_TURNS = 1000, 100
@@ -58,7 +58,7 @@ class Analysis:
     """Everything about one section; see `removal` for the parts."""
 
     name: str
-    part: Part
+    part: SkirtPart
     geometry: Geometry
     cut: SectionCut
     height_mm: float
@@ -99,7 +99,7 @@ def _check(wishes: Wishes) -> None:
         raise _refuse("--step-deg", wishes.step_deg, problem, "give 1, 2, 3, 5 ...")
 
 
-def _height_of(part: Part, wishes: Wishes) -> float:
+def _height_of(part: SkirtPart, wishes: Wishes) -> float:
     profile = part.piston.profile
     low, high = float(profile.height_mm[0]), float(profile.height_mm[-1])
     if wishes.height_mm is None:
@@ -111,7 +111,7 @@ def _height_of(part: Part, wishes: Wishes) -> float:
     return wishes.height_mm
 
 
-def make_analysis(part: Part, wishes: Wishes) -> Analysis:
+def make_analysis(part: SkirtPart, wishes: Wishes) -> Analysis:
     """Return the analysis of a part's section.
 
     Raises

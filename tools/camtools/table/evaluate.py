@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from camtools.skirt.sections import Floats
+from camtools.base.quantities import Floats
 from camtools.table.image import KIND_X, Channel, Ints, channel_coefficients, segment_coefficients
 
 _SUBDIVISIONS = 8
@@ -178,3 +178,12 @@ def jumps(channel: Channel) -> tuple[Continuity, Continuity]:
     inside = gap[:-1].max(axis=0, initial=0) * scale
     wrap = gap[-1] * scale if channel.kind != KIND_X else np.zeros(3)
     return Continuity(*map(float, inside)), Continuity(*map(float, wrap))
+
+
+ROUNDING_LSB = 1.0  # what the firmware's arithmetic may add to the table's own error
+
+
+GRID_MARGIN = 1.01  # the worst place may lie between the points of the grid
+
+
+PLACES = np.array([0.0, 0.03, 0.11, 0.21, 0.31, 0.41, 0.5, 0.62, 0.73, 0.83, 0.93, 0.98])

@@ -10,13 +10,14 @@ import re
 import struct
 import zlib
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
 Knots = npt.NDArray[np.int32]
 Ints = npt.NDArray[np.int64]
+Numbers = TypeVar("Numbers", npt.NDArray[np.int64], npt.NDArray[np.float64])
 
 MAGIC = b"CAMTAB\x1a\n"
 BYTE_ORDER = 0x01020304
@@ -39,7 +40,7 @@ class ImageError(Exception):
 
 
 @dataclass(frozen=True)
-class Limits:
+class ImageLimits:
     """U limits and spindle limit of the machine the table was made for, in the image's units."""
 
     u_stroke_nm: int
@@ -136,7 +137,7 @@ class Table:
     spindle_mrpm: int
     feed_nm: int
     depth_nm: int
-    limits: Limits
+    limits: ImageLimits
     bounds: Bounds
     channels: tuple[Channel, ...]
     is_ring_helix: bool = False  # a geared Z follows a ring-helix, not a helix
@@ -163,19 +164,19 @@ def slices_per_nm_q48(n_slices: int, z_first_nm: int, z_last_nm: int) -> int:
     return (((n_slices - 1) << 49) + span_nm) // (2 * span_nm)
 
 
-def segment_coefficients(knots: Ints, *, periodic: bool) -> Ints:
-    """Return the quintics between neighbouring knots, exactly, MATHS.md (46).
+def segment_coefficients(knots: Numbers, *, periodic: bool) -> Numbers:
+    """Return the quintics between neighbouring knots, of integers exactly, MATHS.md (46).
 
     Parameters
     ----------
-    knots : ndarray of int64, shape (..., n, 3)
+    knots : ndarray of int64 or float64, shape (..., n, 3)
         Triples (p, v, a) along the second last axis.
     periodic : bool
         Whether the first knot follows the last one.
 
     Returns
     -------
-    ndarray of int64, shape (..., n, 6) or (..., n - 1, 6)
+    ndarray, shape (..., n, 6) or (..., n - 1, 6)
         c0 .. c5 of each segment in t = 0 .. 1, LSB as the knots.
     """
     left = knots if periodic else knots[..., :-1, :]
@@ -304,7 +305,7 @@ def _unpack_header(fields: tuple[Any, ...]) -> Table:
     _demand(fields[12] > 0 and fields[13] > 0, "spindle_mrpm, feed_nm: not above 0")
     _demand(all(limit > 0 for limit in fields[15:19]), "limits: not above 0")
     _demand(fields[20] >= fields[19], "u_max_nm: below u_min_nm")
-    limits, bounds = Limits(*fields[15:19]), Bounds(*fields[19:25])
+    limits, bounds = ImageLimits(*fields[15:19]), Bounds(*fields[19:25])
     z_first, z_last, direction, mrpm, feed, depth = fields[9:15]
     return Table(name, z_first, z_last, direction, mrpm, feed, depth, limits, bounds, ())
 
