@@ -23,7 +23,7 @@ BUILD = ROOT / "build"
 PYTHON = sys.executable
 PYPROJECT = "tools/pyproject.toml"
 C_FOLDERS = ("firmware", "hal", "host_sim", "tests")
-PYTEST_PATHS = ("tests/tools", "tests/scenarios")
+PYTEST_PATHS = ("tests/tools", "tests/scenarios", "tests/outside")
 PIL_PATHS = ("tests/pil",)
 # What drives the simulator, once more under the sanitizers.
 SIMULATOR_PATHS = (

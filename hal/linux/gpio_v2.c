@@ -83,7 +83,7 @@ lin_gpio_t *lin_gpio_new(void)
 }
 
 bool lin_gpio_take(lin_gpio_t *g, const lin_place_t *where, lin_gpio_way_t way, bool is_active_low,
-                   lin_error_t *e)
+                   common_error_t *e)
 {
     struct gpiod_chip *from = gpiod_chip_open(where->chip);
     const bool is_found = from != NULL && find(from, where, &g->offset);

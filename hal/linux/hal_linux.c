@@ -88,7 +88,7 @@ static void catch_signals(void)
     }
 }
 
-static bool open_bus(lin_error_t *e)
+static bool open_bus(common_error_t *e)
 {
     uint32_t ids[lin_bus_max_ids];
     lin_can_filter_t filters[lin_can_max_filters];
@@ -100,7 +100,7 @@ static bool open_bus(lin_error_t *e)
 }
 
 /// Commands and the transport of tables; a node's other functions are answers.
-static bool open_remote(lin_error_t *e)
+static bool open_remote(common_error_t *e)
 {
     const uint32_t node = (uint32_t)port.config.can.node;
     const lin_can_filter_t filters[] = {{0x600 + node, 0x7FF}, {0x680 + node, 0x7FF}};
@@ -120,12 +120,12 @@ static void start_or_end(const lin_options_t *options)
     }
 }
 
-static bool bring_up(lin_error_t *e)
+static bool bring_up(common_error_t *e)
 {
     lin_options_t options;
     port.config = lin_config_defaults();
     if (!lin_options_read(&options, e) ||
-        (!options.is_help && !lin_config_load(&port.config, options.config, e))) {
+        (!options.is_help && !lin_check_load(&port.config, options.config, e))) {
         return false;
     }
     start_or_end(&options);
@@ -140,7 +140,7 @@ static bool bring_up(lin_error_t *e)
 
 int hal_init(void)
 {
-    lin_error_t e;
+    common_error_t e;
     if (!bring_up(&e)) {
         (void)fprintf(stderr, "camturn-linux: %s\n", e.text);
         return -1;
@@ -209,7 +209,7 @@ uint32_t hal_clock_hz(void)
 
 void hal_tick_start(void)
 {
-    lin_error_t e;
+    common_error_t e;
     if (!lin_thread_start(&port.config.thread, tick, &e)) {
         (void)fprintf(stderr, "camturn-linux: %s\n", e.text);
         hal_halt("port: the tick cannot start");
@@ -283,7 +283,7 @@ hal_image_t hal_table_staged(void)
 
 bool hal_table_commit(void)
 {
-    lin_error_t e;
+    common_error_t e;
     const bool is_stored = lin_table_commit(&e);
     if (e.text[0] != '\0') {
         hal_text(e.text);

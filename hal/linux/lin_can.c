@@ -17,14 +17,14 @@ enum { batch = 32, max_batches = 4, control_bytes = 128 };
 /// A stamp further away than these is not believed: somebody set the clock.
 enum { oldest_ns = 1000000000, newest_ns = 10000000 };
 
-static bool refuse(lin_can_t *can, const char *what, lin_error_t *e)
+static bool refuse(lin_can_t *can, const char *what, common_error_t *e)
 {
     const int err = errno;
     if (can->fd >= 0) {
         (void)close(can->fd);
         can->fd = -1;
     }
-    return lin_error(e, "%s: %s: %s", can->interface, what, strerror(err));
+    return common_error(e, "%s: %s: %s", can->interface, what, strerror(err));
 }
 
 static bool set_filters(const lin_can_t *can)
@@ -59,7 +59,7 @@ static bool bind_to(lin_can_t *can)
 }
 
 /// Up, and able to carry FD: said at the start, not by frames that do not go out.
-static bool check_interface(lin_can_t *can, bool is_fd, lin_error_t *e)
+static bool check_interface(lin_can_t *can, bool is_fd, common_error_t *e)
 {
     struct ifreq request;
     memset(&request, 0, sizeof request);
@@ -80,7 +80,7 @@ static bool check_interface(lin_can_t *can, bool is_fd, lin_error_t *e)
 }
 
 bool lin_can_open(lin_can_t *can, const char *interface, const lin_can_filter_t *filters,
-                  uint32_t n, bool is_fd, lin_error_t *e)
+                  uint32_t n, bool is_fd, common_error_t *e)
 {
     *can = (lin_can_t){.fd = socket(PF_CAN, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, CAN_RAW),
                        .n_filters = n};

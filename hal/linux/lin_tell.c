@@ -11,12 +11,13 @@
 static void tell_short_queue(const lin_config_t *config, uint32_t n_room)
 {
     const uint32_t n_needed = (uint32_t)lin_load_of(config).n_queued;
-    lin_error_t line;
+    common_error_t line;
     if (n_room != 0u && n_room < n_needed) {
-        (void)lin_error(&line,
-                        "warning: %s: its queue takes %u frames, a tick may send %u: what finds no "
-                        "room is the fault bus; `ip link set %s txqueuelen 100`",
-                        config->can.interface, n_room, n_needed, config->can.interface);
+        (void)common_error(
+            &line,
+            "warning: %s: its queue takes %u frames, a tick may send %u: what finds no "
+            "room is the fault bus; `ip link set %s txqueuelen 100`",
+            config->can.interface, n_room, n_needed, config->can.interface);
         hal_text(line.text);
     }
 }

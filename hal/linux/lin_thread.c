@@ -25,7 +25,7 @@ static struct {
 /// A line for people, with what was refused.
 __attribute__((format(printf, 1, 2))) static void warn(const char *format, ...)
 {
-    lin_error_t line;
+    common_error_t line;
     va_list args;
     va_start(args, format);
     (void)vsnprintf(line.text, sizeof line.text, format, args);
@@ -45,14 +45,15 @@ static int last_allowed_cpu(void)
     return last;
 }
 
-bool lin_thread_prepare(const lin_thread_config_t *config, lin_error_t *e)
+bool lin_thread_prepare(const lin_thread_config_t *config, common_error_t *e)
 {
     const int cpu = config->cpu >= 0 ? (int)config->cpu : last_allowed_cpu();
     cpu_set_t one;
     CPU_ZERO(&one);
     CPU_SET((unsigned)cpu, &one);
     if (sched_setaffinity(0, sizeof one, &one) != 0) {
-        return lin_error(e, "thread.cpu = %d: %s; give one of this machine", cpu, strerror(errno));
+        return common_error(e, "thread.cpu = %d: %s; give one of this machine", cpu,
+                            strerror(errno));
     }
     if (mlockall(MCL_CURRENT | MCL_FUTURE) != 0) {
         warn("warning: memory is not locked (%s): a page fault may make a tick late; raise "
@@ -111,14 +112,14 @@ static int create(const pthread_attr_t *attributes)
     return err != 0 ? err : pthread_detach(id);
 }
 
-bool lin_thread_start(const lin_thread_config_t *config, lin_thread_tick_t *tick, lin_error_t *e)
+bool lin_thread_start(const lin_thread_config_t *config, lin_thread_tick_t *tick, common_error_t *e)
 {
     const struct sched_param priority = {.sched_priority = (int)config->priority};
     pthread_attr_t attributes;
     thread.tick_hz = config->tick_hz;
     thread.tick = tick;
     if (sem_init(&thread.ended, 0, 0) != 0 || pthread_attr_init(&attributes) != 0) {
-        return lin_error(e, "the tick cannot start: %s", strerror(errno));
+        return common_error(e, "the tick cannot start: %s", strerror(errno));
     }
     (void)pthread_attr_setstacksize(&attributes, stack_bytes);
     int err = EPERM;
@@ -144,7 +145,7 @@ bool lin_thread_start(const lin_thread_config_t *config, lin_thread_tick_t *tick
         err = create(&attributes);
     }
     (void)pthread_attr_destroy(&attributes);
-    return err == 0 || lin_error(e, "the tick cannot start: %s", strerror(err));
+    return err == 0 || common_error(e, "the tick cannot start: %s", strerror(err));
 }
 
 bool lin_thread_wait(void)

@@ -85,17 +85,17 @@ static bool read_pieces(sim_cubics_t *p, const cJSON *list)
 }
 
 bool sim_json_cubics(sim_cubics_t *p, const cJSON *parent, const char *where, const char *name,
-                     const char *path, sim_error_t *e)
+                     const char *path, common_error_t *e)
 {
     const cJSON *item = cJSON_GetObjectItemCaseSensitive(parent, name);
     if (!sim_json_breaks(cJSON_GetObjectItemCaseSensitive(item, "breaks_mm"), &p->break_mm,
                          &p->n)) {
-        return sim_error(
+        return common_error(
             e, "%s: %s.%s.breaks_mm: wants rising finite numbers, 2 or more; " SIM_JSON_REMEDY,
             path, where, name);
     }
     if (!read_pieces(p, cJSON_GetObjectItemCaseSensitive(item, "coefficients"))) {
-        return sim_error(
+        return common_error(
             e, "%s: %s.%s.coefficients: wants %zu lists of 4 finite numbers; " SIM_JSON_REMEDY,
             path, where, name, p->n);
     }

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_bus.h"
-#include "sim_units.h" // SIM_TWO_PI
+#include "common_bytes.h" // common_get_u32
+#include "sim_units.h"    // SIM_TWO_PI
 
-enum { id_sync = 0x080, id_tpdo1 = 0x180, id_status = 0x1C0 };
+enum { id_status = 0x1C0 };
 
 /// At rest below.
 #define REST_NM_PER_S 1000.0
@@ -33,7 +34,7 @@ static void take_status(sim_bus_t *b, const sim_frame_t *frame)
     if (frame->n == 8u) {
         b->has_status = true;
         b->told_state = frame->data[0];
-        b->told_faults = sim_frame_get_u32(frame, 4);
+        b->told_faults = common_get_u32(frame->data + 4);
     }
 }
 
@@ -41,8 +42,9 @@ static void take_status(sim_bus_t *b, const sim_frame_t *frame)
 static void take_foreign(sim_bus_t *b, const sim_frame_t *frame)
 {
     for (int i = sim_bus_u; i <= sim_bus_z; i++) {
-        if (b->config.is_foreign[i] && frame->id == id_tpdo1 + node_id[i] && frame->n == 6u) {
-            b->axis[i - sim_bus_u].pos_nm = (int32_t)sim_frame_get_u32(frame, 2);
+        if (b->config.is_foreign[i] && frame->id == canopen_id_tpdo1 + node_id[i] &&
+            frame->n == 6u) {
+            b->axis[i - sim_bus_u].pos_nm = (int32_t)common_get_u32(frame->data + 2);
         }
     }
 }
@@ -50,7 +52,7 @@ static void take_foreign(sim_bus_t *b, const sim_frame_t *frame)
 void sim_bus_receive(sim_bus_t *b, const sim_frame_t *frame)
 {
     const double tick_s = b->time_s + 0.5 * b->period_s;
-    if (frame->id == id_sync) {
+    if (frame->id == canopen_id_sync) {
         b->has_sync = true;
         b->n_syncs++;
         b->sync_s = tick_s;
@@ -142,7 +144,7 @@ static void speak(sim_bus_t *b)
             b->inputs.is_ready = false;
         }
     }
-    sim_disturb_pass(&b->disturb, &b->out, id_tpdo1 + node_id[sim_bus_encoder], b->time_s);
+    sim_disturb_pass(&b->disturb, &b->out, canopen_id_tpdo1 + node_id[sim_bus_encoder], b->time_s);
 }
 
 /// The speed of this moment holds for a period but for a millionth of a turn.

@@ -11,12 +11,12 @@
 #ifndef CAMSIM_H
 #define CAMSIM_H
 
-#include "cam_table.h" // cam_table_t
-#include "sim_cut.h"   // sim_cut_options_t, sim_cut_t
-#include "sim_error.h" // sim_error_t
-#include "sim_file.h"  // sim_file_t
-#include <stdbool.h>   // bool
-#include <stddef.h>    // size_t
+#include "cam_table.h"    // cam_table_t
+#include "sim_cut.h"      // sim_cut_options_t, sim_cut_t
+#include "common_error.h" // common_error_t
+#include "sim_file.h"     // sim_file_t
+#include <stdbool.h>      // bool
+#include <stddef.h>       // size_t
 
 #define CAMSIM_VERSION "0.1.0"
 
@@ -29,7 +29,7 @@ int camsim_run(int argc, char **argv);
 int camsim_bus(int argc, char **argv);
 
 /// Print an error line. @return camsim_wrong
-int camsim_complain(const sim_error_t *e);
+int camsim_complain(const common_error_t *e);
 
 /// What `run`, or `bus` as far as they share it, was asked for.
 typedef struct {
@@ -49,7 +49,7 @@ typedef struct {
 /// Read the options of `run`.
 /// @param argv  argv[0] is the command
 /// @return false and *e when something is wrong
-bool camsim_options_read(camsim_options_t *o, int argc, char **argv, sim_error_t *e);
+bool camsim_options_read(camsim_options_t *o, int argc, char **argv, common_error_t *e);
 
 /// Print the help of `run`.
 void camsim_options_help(void);

@@ -14,7 +14,7 @@
 
 // Opening
 
-static bool open_table(camsim_bus_t *b, sim_error_t *e)
+static bool open_table(camsim_bus_t *b, common_error_t *e)
 {
     sim_file_t file;
     const char *path = b->options.common.table_path;
@@ -28,18 +28,19 @@ static bool open_table(camsim_bus_t *b, sim_error_t *e)
     const size_t size = file.size;
     sim_file_free(&file);
     if (b->image == NULL) {
-        return sim_error(e, "%s: not enough memory; use a smaller table", path);
+        return common_error(e, "%s: not enough memory; use a smaller table", path);
     }
     const cam_err_t err = cam_table_check(b->image, size, &b->table);
-    return err == cam_ok || sim_error(e, "%s: table refused: %s; make it again with tools/mktables",
-                                      path, cam_err_text(err));
+    return err == cam_ok ||
+           common_error(e, "%s: table refused: %s; make it again with tools/mktables", path,
+                        cam_err_text(err));
 }
 
-static bool open_design(camsim_bus_t *b, sim_error_t *e)
+static bool open_design(camsim_bus_t *b, common_error_t *e)
 {
     const char *path = b->options.common.cut.design_path;
     if (b->table.angle.knots != NULL) {
-        return sim_error(
+        return common_error(
             e, "%s: is the table of a cam, for which the bus has no gauge; use camsim run",
             b->options.common.table_path);
     }
@@ -77,7 +78,7 @@ static void place_machine(camsim_bus_t *b)
     b->stopped_s = -1.0;
 }
 
-static bool open_outputs(camsim_bus_t *b, sim_error_t *e)
+static bool open_outputs(camsim_bus_t *b, common_error_t *e)
 {
     const camsim_options_t *o = &b->options.common;
     if (!camsim_out_open(&b->trace, o->trace_path, "--trace", e) ||
@@ -226,13 +227,13 @@ static void live(camsim_bus_t *b)
 
 // Results
 
-static bool write_results(camsim_bus_t *b, sim_error_t *e)
+static bool write_results(camsim_bus_t *b, common_error_t *e)
 {
     if (b->surface.name != NULL) {
         camsim_surface(&b->surface, &b->work);
     }
     if (b->summary.name != NULL && !camsim_bus_summary(b)) {
-        return sim_error(e, "%s: not enough memory for the summary; free some", b->summary.name);
+        return common_error(e, "%s: not enough memory for the summary; free some", b->summary.name);
     }
     return camsim_out_finish(&b->trace, e) && camsim_out_finish(&b->surface, e) &&
            camsim_out_finish(&b->summary, e) && camsim_out_publish(&b->trace, e) &&
@@ -253,26 +254,27 @@ static void print_summary(const camsim_bus_t *b)
 
 static int judge(const camsim_bus_t *b)
 {
-    sim_error_t e;
+    common_error_t e;
     if (b->end == camsim_bus_stopped ||
         (b->end == camsim_bus_done && b->work.max_um <= b->options.common.tolerance_um)) {
         return camsim_done;
     }
     if (b->end == camsim_bus_done) {
-        (void)sim_error(&e,
-                        "%s: form error %.3f um is beyond --tolerance-um %.6g; match the "
-                        "controller to the machine",
-                        b->options.common.table_path, b->work.max_um,
-                        b->options.common.tolerance_um);
+        (void)common_error(&e,
+                           "%s: form error %.3f um is beyond --tolerance-um %.6g; match the "
+                           "controller to the machine",
+                           b->options.common.table_path, b->work.max_um,
+                           b->options.common.tolerance_um);
     } else {
-        (void)sim_error(&e, "%s: no whole cut: %s at %.3f s; the trace tells more",
-                        b->options.common.table_path, camsim_bus_end_name(b->end), b->bus.time_s);
+        (void)common_error(&e, "%s: no whole cut: %s at %.3f s; the trace tells more",
+                           b->options.common.table_path, camsim_bus_end_name(b->end),
+                           b->bus.time_s);
     }
     (void)camsim_complain(&e);
     return camsim_not_good;
 }
 
-static int live_and_judge(camsim_bus_t *b, sim_error_t *e)
+static int live_and_judge(camsim_bus_t *b, common_error_t *e)
 {
     camsim_link_watch_signals();
     live(b);
@@ -283,7 +285,7 @@ static int live_and_judge(camsim_bus_t *b, sim_error_t *e)
     return fflush(stdout) == 0 ? judge(b) : camsim_wrong;
 }
 
-static int prepare_and_live(camsim_bus_t *b, sim_error_t *e)
+static int prepare_and_live(camsim_bus_t *b, common_error_t *e)
 {
     int status = camsim_wrong;
     if (!open_table(b, e) || !open_design(b, e)) {
@@ -307,10 +309,10 @@ static int prepare_and_live(camsim_bus_t *b, sim_error_t *e)
 
 int camsim_bus(int argc, char **argv)
 {
-    sim_error_t e;
+    common_error_t e;
     camsim_bus_t *b = calloc(1, sizeof *b);
     if (b == NULL) {
-        (void)sim_error(&e, "bus: not enough memory; free 10 MB");
+        (void)common_error(&e, "bus: not enough memory; free 10 MB");
         return camsim_complain(&e);
     }
     int status = camsim_done;

@@ -61,7 +61,7 @@ typedef struct {
 } camsim_bus_t;
 
 /// @return false and *e when something is wrong
-bool camsim_bus_options_read(camsim_bus_options_t *o, int argc, char **argv, sim_error_t *e);
+bool camsim_bus_options_read(camsim_bus_options_t *o, int argc, char **argv, common_error_t *e);
 void camsim_bus_options_help(void);
 
 void camsim_bus_trace_header(camsim_out_t *o);

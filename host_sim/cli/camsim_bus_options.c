@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "common_number.h" // common_number_parse
 #include "camsim_bus.h"
 #include <stdio.h>  // puts
 #include <stdlib.h> // calloc, free
@@ -39,24 +40,24 @@ void camsim_bus_options_help(void)
 }
 
 static bool take_number(double *value, const char *option, const char *text, double min, double max,
-                        sim_error_t *e)
+                        common_error_t *e)
 {
-    if (!sim_parse_number(text, value) || *value < min || *value > max) {
-        return sim_error(e, "--%s %.60s: give a number %.12g .. %.12g", option, text, min, max);
+    if (!common_number_parse(text, value) || *value < min || *value > max) {
+        return common_error(e, "--%s %.60s: give a number %.12g .. %.12g", option, text, min, max);
     }
     return true;
 }
 
-static bool take_modulus(camsim_bus_options_t *o, const char *text, sim_error_t *e)
+static bool take_modulus(camsim_bus_options_t *o, const char *text, common_error_t *e)
 {
     if (!take_number(&o->encoder_modulus, "encoder-modulus", text, 64.0, 4294967295.0, e)) {
         return false;
     }
     return o->encoder_modulus == (double)(uint32_t)o->encoder_modulus ||
-           sim_error(e, "--encoder-modulus %.60s: not whole; give a whole number", text);
+           common_error(e, "--encoder-modulus %.60s: not whole; give a whole number", text);
 }
 
-static bool take_without(camsim_bus_options_t *o, const char *text, sim_error_t *e)
+static bool take_without(camsim_bus_options_t *o, const char *text, common_error_t *e)
 {
     static const char *const name[sim_bus_n_nodes] = {"encoder", "u", "x", "z", "spindle"};
     for (int i = 0; i < sim_bus_n_nodes; i++) {
@@ -65,7 +66,7 @@ static bool take_without(camsim_bus_options_t *o, const char *text, sim_error_t 
             return true;
         }
     }
-    return sim_error(e, "--without %.60s: no such node; give encoder, u, x, z or spindle", text);
+    return common_error(e, "--without %.60s: no such node; give encoder, u, x, z or spindle", text);
 }
 
 /// @return false when the option is not one of the bus
@@ -81,7 +82,8 @@ static bool is_of_bus(const char *name)
     return false;
 }
 
-static bool take_value(camsim_bus_options_t *o, const char *name, const char *text, sim_error_t *e)
+static bool take_value(camsim_bus_options_t *o, const char *name, const char *text,
+                       common_error_t *e)
 {
     if (strcmp(name, "can") == 0) {
         o->interface = text;
@@ -103,7 +105,7 @@ static bool take_value(camsim_bus_options_t *o, const char *name, const char *te
 
 /// Take an option of the bus, with its value; the others stay for the options of a run.
 /// @return words taken, 0: it is another's, below 0 and *e: it is wrong
-static int take_own(camsim_bus_options_t *o, int n_left, char **words, sim_error_t *e)
+static int take_own(camsim_bus_options_t *o, int n_left, char **words, common_error_t *e)
 {
     char name[24] = "";
     if (strncmp(words[0], "--", 2) != 0) {
@@ -123,7 +125,7 @@ static int take_own(camsim_bus_options_t *o, int n_left, char **words, sim_error
         return 0;
     }
     if (equals == NULL && n_left < 2) {
-        (void)sim_error(e, "bus: --%s: value missing; see camsim bus --help", name);
+        (void)common_error(e, "bus: --%s: value missing; see camsim bus --help", name);
         return -1;
     }
     const char *value = equals != NULL ? equals + 1 : words[1];
@@ -134,7 +136,7 @@ static int take_own(camsim_bus_options_t *o, int n_left, char **words, sim_error
 }
 
 /// What belongs to the controller is told to it, not to the machine.
-static bool check_foreign(const camsim_bus_options_t *o, sim_error_t *e)
+static bool check_foreign(const camsim_bus_options_t *o, common_error_t *e)
 {
     const sim_cut_options_t *cut = &o->common.cut;
     bool is_clean = cut->rpm == 0.0 && cut->feed_mm == 0.0 && !cut->is_without_feed_forward &&
@@ -144,16 +146,17 @@ static bool check_foreign(const camsim_bus_options_t *o, sim_error_t *e)
     for (int i = 0; i < cam_n_params; i++) {
         is_clean = is_clean && !cut->wishes.is_given[i];
     }
-    return is_clean || sim_error(e, "bus: an option of camsim run only (speed, feed, parameters, "
-                                    "removal, target); tell the controller itself");
+    return is_clean ||
+           common_error(e, "bus: an option of camsim run only (speed, feed, parameters, "
+                           "removal, target); tell the controller itself");
 }
 
-bool camsim_bus_options_read(camsim_bus_options_t *o, int argc, char **argv, sim_error_t *e)
+bool camsim_bus_options_read(camsim_bus_options_t *o, int argc, char **argv, common_error_t *e)
 {
     *o = (camsim_bus_options_t){.tick_hz = 1000.0, .guard_ms = 20.0, .heartbeat_ms = 50.0};
     char **rest = calloc((size_t)argc + 1u, sizeof *rest);
     if (rest == NULL) {
-        return sim_error(e, "bus: not enough memory; free some");
+        return common_error(e, "bus: not enough memory; free some");
     }
     int n_rest = 0;
     int taken = 1;
@@ -169,7 +172,7 @@ bool camsim_bus_options_read(camsim_bus_options_t *o, int argc, char **argv, sim
         return is_good;
     }
     if (o->interface == NULL) {
-        return sim_error(e, "bus: no --can; give the CAN interface of the controller");
+        return common_error(e, "bus: no --can; give the CAN interface of the controller");
     }
     if (o->common.cut.max_s == 0.0) {
         o->common.cut.max_s = default_max_s;

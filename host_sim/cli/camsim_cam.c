@@ -9,19 +9,20 @@ bool camsim_cam_is(const sim_cut_t *cut)
     return cut->table.angle.knots != NULL;
 }
 
-bool camsim_cam_check(const camsim_options_t *options, const sim_cut_t *cut, sim_error_t *e)
+bool camsim_cam_check(const camsim_options_t *options, const sim_cut_t *cut, common_error_t *e)
 {
     if (!camsim_cam_is(cut)) {
         return true;
     }
     if (cut->options.nose_mm > 0.0) {
-        return sim_error(
+        return common_error(
             e, "--nose-mm %.12g: tracks are told of skirts only, %s is a cam; leave it out",
             cut->options.nose_mm, cut->table.name);
     }
     return options->removal_path == NULL ||
-           sim_error(e, "--removal %s: forces are told of skirts only, %s is a cam; leave it out",
-                     options->removal_path, cut->table.name);
+           common_error(e,
+                        "--removal %s: forces are told of skirts only, %s is a cam; leave it out",
+                        options->removal_path, cut->table.name);
 }
 
 static double largest(const sim_spread_t *s)

@@ -10,7 +10,7 @@
 bool camsim_cam_is(const sim_cut_t *cut);
 
 /// @return false and *e when an option has no meaning for a cam
-bool camsim_cam_check(const camsim_options_t *options, const sim_cut_t *cut, sim_error_t *e);
+bool camsim_cam_check(const camsim_options_t *options, const sim_cut_t *cut, common_error_t *e);
 
 /// Add "cam": lobes, surface speed, effective rake. Nothing is added for a skirt, nor for a cam
 /// without its report: then the gauge compares X - U with the table.

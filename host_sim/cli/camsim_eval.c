@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #define _POSIX_C_SOURCE 200809L // NOLINT(bugprone-reserved-identifier): getline
+#include "common_number.h"      // common_number_parse
 #include "cam_eval.h"           // cam_eval_surface
 #include "cam_speed.h"          // cam_speed_ratio
 #include "camsim.h"
@@ -111,7 +112,7 @@ static bool parse_point(const char *line, double *turn, double *z_mm)
         return false;
     }
     *comma = '\0';
-    return sim_parse_number(copy, turn) && sim_parse_number(comma + 1, z_mm);
+    return common_number_parse(copy, turn) && common_number_parse(comma + 1, z_mm);
 }
 
 static void cut_end_of_line(char *line, ssize_t length)
@@ -121,27 +122,29 @@ static void cut_end_of_line(char *line, ssize_t length)
     }
 }
 
-static bool take_line(const cam_table_t *t, const char *line, size_t i_line, sim_error_t *e)
+static bool take_line(const cam_table_t *t, const char *line, size_t i_line, common_error_t *e)
 {
     if (i_line == 1u) {
         return strcmp(line, header_in) == 0
                    ? printf("%s%s\n", header_out, is_cam(t) ? header_cam : "") > 0
-                   : sim_error(e, "standard input: line 1: \"%.60s\": wrong header; write \"%s\"",
-                               line, header_in);
+                   : common_error(e,
+                                  "standard input: line 1: \"%.60s\": wrong header; write \"%s\"",
+                                  line, header_in);
     }
     double turn;
     double z_mm;
     if (!parse_point(line, &turn, &z_mm)) {
-        return sim_error(
+        return common_error(
             e, "standard input: line %zu: \"%.60s\": not two finite numbers; write turn,z_mm",
             i_line, line);
     }
     return print_value(t, line, turn, z_mm) ||
-           sim_error(e, "standard output: cannot be written: %s; make room or give another target",
-                     strerror(errno));
+           common_error(e,
+                        "standard output: cannot be written: %s; make room or give another target",
+                        strerror(errno));
 }
 
-static bool take_lines(const cam_table_t *t, sim_error_t *e)
+static bool take_lines(const cam_table_t *t, common_error_t *e)
 {
     char *line = NULL;
     size_t capacity = 0;
@@ -152,7 +155,7 @@ static bool take_lines(const cam_table_t *t, sim_error_t *e)
         i_line++;
         if (strlen(line) != (size_t)length) {
             is_good =
-                sim_error(e, "standard input: line %zu: holds a zero byte; give text", i_line);
+                common_error(e, "standard input: line %zu: holds a zero byte; give text", i_line);
             break;
         }
         cut_end_of_line(line, length);
@@ -160,15 +163,16 @@ static bool take_lines(const cam_table_t *t, sim_error_t *e)
     }
     free(line);
     if (is_good && ferror(stdin) != 0) {
-        return sim_error(e, "standard input: cannot be read: %s; give a CSV file", strerror(errno));
+        return common_error(e, "standard input: cannot be read: %s; give a CSV file",
+                            strerror(errno));
     }
     if (is_good && i_line == 0u) {
-        return sim_error(e, "standard input: empty; give \"%s\" and points", header_in);
+        return common_error(e, "standard input: empty; give \"%s\" and points", header_in);
     }
     return is_good;
 }
 
-static bool eval(const char *path, sim_error_t *e)
+static bool eval(const char *path, common_error_t *e)
 {
     sim_file_t file;
     if (!sim_file_read(&file, path, camsim_max_table_bytes, e)) {
@@ -177,27 +181,27 @@ static bool eval(const char *path, sim_error_t *e)
     cam_table_t table;
     const cam_err_t err = cam_table_check(file.bytes, file.size, &table);
     bool is_good =
-        err == cam_ok || sim_error(e, "%s: table refused: %s; make it again with tools/mktables",
-                                   path, cam_err_text(err));
+        err == cam_ok || common_error(e, "%s: table refused: %s; make it again with tools/mktables",
+                                      path, cam_err_text(err));
     is_good = is_good && take_lines(&table, e);
     sim_file_free(&file);
     if (is_good && (fflush(stdout) != 0 || ferror(stdout) != 0)) {
-        return sim_error(e,
-                         "standard output: cannot be written: %s; make room or give another target",
-                         strerror(errno));
+        return common_error(
+            e, "standard output: cannot be written: %s; make room or give another target",
+            strerror(errno));
     }
     return is_good;
 }
 
 int camsim_eval(int argc, char **argv)
 {
-    sim_error_t e;
+    common_error_t e;
     if (argc == 2 && (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0)) {
         return puts(help) >= 0 && fflush(stdout) == 0 ? camsim_done : camsim_wrong;
     }
     if (argc != 2 || argv[1][0] == '-') {
-        (void)sim_error(&e,
-                        "eval: wants one TABLE and points on standard input; camsim eval --help");
+        (void)common_error(
+            &e, "eval: wants one TABLE and points on standard input; camsim eval --help");
         return camsim_complain(&e);
     }
     return eval(argv[1], &e) ? camsim_done : camsim_complain(&e);

@@ -10,10 +10,10 @@
 #ifndef CAMSIM_LINK_H
 #define CAMSIM_LINK_H
 
-#include "sim_bus.h"   // sim_bus_t
-#include "sim_error.h" // sim_error_t
-#include <stdbool.h>   // bool
-#include <stdint.h>    // int64_t
+#include "sim_bus.h"      // sim_bus_t
+#include "common_error.h" // common_error_t
+#include <stdbool.h>      // bool
+#include <stdint.h>       // int64_t
 
 enum { camsim_link_inputs = 3, camsim_link_outputs = 3 };
 
@@ -37,7 +37,7 @@ typedef struct {
 /// @param period_s   between two ticks of the controller
 /// @return           false and *e when something is missing; nothing to close then
 bool camsim_link_open(camsim_link_t *l, const char *interface, const char *chip, double period_s,
-                      sim_error_t *e);
+                      common_error_t *e);
 
 /// Sleep until the nodes' next moment, hand over the frames that came.
 void camsim_link_wait(camsim_link_t *l, sim_bus_t *bus);

@@ -20,7 +20,7 @@
 
 enum { line_estop, line_ready, line_index };
 enum { line_enable, line_fault, line_in_cut };
-enum { id_sync = 0x080, batch = 32, priority = 30, n_line_paths = 128 };
+enum { batch = 32, priority = 30, n_line_paths = 128 };
 #define NS_PER_S INT64_C(1000000000)
 #define UNLOCK_S 0.1
 
@@ -40,23 +40,23 @@ static struct timespec timespec_of(int64_t ns)
 
 // Opening
 
-static bool open_can(camsim_link_t *l, const char *interface, sim_error_t *e)
+static bool open_can(camsim_link_t *l, const char *interface, common_error_t *e)
 {
     const int on = 1;
     struct sockaddr_can address = {.can_family = AF_CAN};
     address.can_ifindex = (int)if_nametoindex(interface);
     if (address.can_ifindex == 0) {
-        return sim_error(e, "--can %.40s: no such interface; see ip link", interface);
+        return common_error(e, "--can %.40s: no such interface; see ip link", interface);
     }
     l->can = socket(PF_CAN, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, CAN_RAW);
     if (l->can < 0) {
-        return sim_error(e, "--can %.40s: no CAN sockets: %s; load the kernel's module can_raw",
-                         interface, strerror(errno));
+        return common_error(e, "--can %.40s: no CAN sockets: %s; load the kernel's module can_raw",
+                            interface, strerror(errno));
     }
     if (setsockopt(l->can, SOL_CAN_RAW, CAN_RAW_FD_FRAMES, &on, sizeof on) != 0 ||
         bind(l->can, (const struct sockaddr *)&address, sizeof address) != 0) {
-        return sim_error(e, "--can %.40s: cannot be used: %s; it must be a CAN interface",
-                         interface, strerror(errno));
+        return common_error(e, "--can %.40s: cannot be used: %s; it must be a CAN interface",
+                            interface, strerror(errno));
     }
     return true;
 }
@@ -78,25 +78,25 @@ static int find_line(int chip, const char *name)
 }
 
 static bool open_line(int *file, int chip, const char *chip_name, const char *line,
-                      const char *what, int flags, sim_error_t *e)
+                      const char *what, int flags, common_error_t *e)
 {
     char path[n_line_paths];
     const int number = find_line(chip, line);
     if (number < 0) {
-        return sim_error(e,
-                         "--gpiochip %.40s: no line named %s; tools/linux_kernel/machine lists "
-                         "the lines",
-                         chip_name, line);
+        return common_error(e,
+                            "--gpiochip %.40s: no line named %s; tools/linux_kernel/machine lists "
+                            "the lines",
+                            chip_name, line);
     }
     (void)snprintf(path, sizeof path, "/sys/bus/gpio/devices/%.40s/sim_gpio%d/%s", chip_name,
                    number, what);
     *file = open(path, flags | O_CLOEXEC);
     return *file >= 0 ||
-           sim_error(e, "%s: cannot be opened: %s; --gpiochip wants a chip of gpio-sim", path,
-                     strerror(errno));
+           common_error(e, "%s: cannot be opened: %s; --gpiochip wants a chip of gpio-sim", path,
+                        strerror(errno));
 }
 
-static bool open_lines(camsim_link_t *l, const char *chip_name, sim_error_t *e)
+static bool open_lines(camsim_link_t *l, const char *chip_name, common_error_t *e)
 {
     static const char *const in[camsim_link_inputs] = {"ESTOP", "READY", "INDEX"};
     static const char *const out[camsim_link_outputs] = {"ENABLE", "FAULT", "INCUT"};
@@ -104,8 +104,8 @@ static bool open_lines(camsim_link_t *l, const char *chip_name, sim_error_t *e)
     (void)snprintf(path, sizeof path, "/dev/%.40s", chip_name);
     const int chip = open(path, O_RDWR | O_CLOEXEC);
     if (chip < 0) {
-        return sim_error(e, "--gpiochip %.40s: %s: %s; see gpiodetect", chip_name, path,
-                         strerror(errno));
+        return common_error(e, "--gpiochip %.40s: %s: %s; see gpiodetect", chip_name, path,
+                            strerror(errno));
     }
     bool is_good = true;
     for (int i = 0; i < camsim_link_inputs && is_good; i++) {
@@ -128,7 +128,7 @@ static void pull(camsim_link_t *l, int line, bool is_high)
 }
 
 bool camsim_link_open(camsim_link_t *l, const char *interface, const char *chip, double period_s,
-                      sim_error_t *e)
+                      common_error_t *e)
 {
     *l = (camsim_link_t){.can = -1, .pull = {-1, -1, -1}, .value = {-1, -1, -1}};
     l->period_ns = (int64_t)(period_s * 1e9 + 0.5);
@@ -177,7 +177,7 @@ static void hand_over(sim_bus_t *bus, const struct canfd_frame *raw, bool *is_sy
         return;
     }
     memcpy(frame.data, raw->data, raw->len);
-    *is_sync = *is_sync || frame.id == id_sync;
+    *is_sync = *is_sync || frame.id == canopen_id_sync;
     sim_bus_receive(bus, &frame);
 }
 

@@ -2,12 +2,12 @@
 #include "camsim_link.h"
 
 bool camsim_link_open(camsim_link_t *l, const char *interface, const char *chip, double period_s,
-                      sim_error_t *e)
+                      common_error_t *e)
 {
     (void)l;
     (void)chip;
     (void)period_s;
-    return sim_error(e, "--can %.40s: no SocketCAN on this system; run on Linux", interface);
+    return common_error(e, "--can %.40s: no SocketCAN on this system; run on Linux", interface);
 }
 
 void camsim_link_wait(camsim_link_t *l, sim_bus_t *bus)

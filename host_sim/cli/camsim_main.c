@@ -14,7 +14,7 @@ static const char help[] =
     "TABLE is a NAME.camtab made by tools/mktables.\n"
     "Exit status: 0 done, 1 fault or out of tolerance, 2 wrong usage or bad input.";
 
-int camsim_complain(const sim_error_t *e)
+int camsim_complain(const common_error_t *e)
 {
     (void)fprintf(stderr, "camsim: %s\n", e->text);
     return camsim_wrong;
@@ -23,9 +23,10 @@ int camsim_complain(const sim_error_t *e)
 /// What was printed has arrived, or the exit status tells.
 static int after_print(void)
 {
-    sim_error_t e;
+    common_error_t e;
     if (fflush(stdout) != 0 || ferror(stdout) != 0) {
-        (void)sim_error(&e, "standard output: cannot be written; make room or give another target");
+        (void)common_error(&e,
+                           "standard output: cannot be written; make room or give another target");
         return camsim_complain(&e);
     }
     return camsim_done;
@@ -51,8 +52,8 @@ int main(int argc, char **argv)
         (void)puts("camsim " CAMSIM_VERSION);
         return after_print();
     }
-    sim_error_t e;
-    (void)sim_error(&e, "%.40s: no such command; use eval, run or bus, camsim --help tells more",
-                    argc > 1 ? command : "(nothing)");
+    common_error_t e;
+    (void)common_error(&e, "%.40s: no such command; use eval, run or bus, camsim --help tells more",
+                       argc > 1 ? command : "(nothing)");
     return camsim_complain(&e);
 }

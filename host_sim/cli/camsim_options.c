@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#define _GNU_SOURCE // NOLINT(bugprone-reserved-identifier): getopt_long
+#define _GNU_SOURCE        // NOLINT(bugprone-reserved-identifier): getopt_long
+#include "common_number.h" // common_number_parse
 #include "camsim.h"
 #include "sim_target.h" // sim_target_find
 #include <getopt.h>     // getopt_long
@@ -111,20 +112,20 @@ void camsim_options_help(void)
 
 /// A number of an option within its range, both ends included.
 static bool take_number(double *value, const char *option, const char *text, double min, double max,
-                        const char *unit, sim_error_t *e)
+                        const char *unit, common_error_t *e)
 {
-    if (!sim_parse_number(text, value)) {
-        return sim_error(e, "--%s %.60s: no finite number; give %s, %.12g .. %.12g", option, text,
-                         unit, min, max);
+    if (!common_number_parse(text, value)) {
+        return common_error(e, "--%s %.60s: no finite number; give %s, %.12g .. %.12g", option,
+                            text, unit, min, max);
     }
     if (*value < min || *value > max) {
-        return sim_error(e, "--%s %.60s: out of range; give %s, %.12g .. %.12g", option, text, unit,
-                         min, max);
+        return common_error(e, "--%s %.60s: out of range; give %s, %.12g .. %.12g", option, text,
+                            unit, min, max);
     }
     return true;
 }
 
-static bool take_seed(camsim_options_t *o, const char *text, sim_error_t *e)
+static bool take_seed(camsim_options_t *o, const char *text, common_error_t *e)
 {
     double value;
     if (!take_number(&value, "seed", text, 0.0, 9007199254740992.0, "a whole number", e)) {
@@ -132,10 +133,11 @@ static bool take_seed(camsim_options_t *o, const char *text, sim_error_t *e)
     }
     o->cut.seed = (uint64_t)value;
     return (double)o->cut.seed == value ||
-           sim_error(e, "--seed %.60s: not whole; give a whole number 0 .. 9007199254740992", text);
+           common_error(e, "--seed %.60s: not whole; give a whole number 0 .. 9007199254740992",
+                        text);
 }
 
-static bool take_slice(camsim_options_t *o, const char *text, sim_error_t *e)
+static bool take_slice(camsim_options_t *o, const char *text, common_error_t *e)
 {
     double slice_us;
     const bool is_good = take_number(&slice_us, "slice-us", text, 1.0, 1e9, "microseconds", e);
@@ -144,7 +146,7 @@ static bool take_slice(camsim_options_t *o, const char *text, sim_error_t *e)
 }
 
 /// Two heights, the second above the first; whether the part has them is seen later.
-static bool take_window(sim_cut_options_t *cut, const char *text, sim_error_t *e)
+static bool take_window(sim_cut_options_t *cut, const char *text, common_error_t *e)
 {
     char first[40];
     const char *colon = strchr(text, ':');
@@ -152,34 +154,34 @@ static bool take_window(sim_cut_options_t *cut, const char *text, sim_error_t *e
     if (is_split) {
         memcpy(first, text, (size_t)(colon - text));
         first[colon - text] = '\0';
-        cut->has_window = sim_parse_number(first, &cut->window_first_mm) &&
-                          sim_parse_number(colon + 1, &cut->window_last_mm) &&
+        cut->has_window = common_number_parse(first, &cut->window_first_mm) &&
+                          common_number_parse(colon + 1, &cut->window_last_mm) &&
                           cut->window_first_mm < cut->window_last_mm;
     }
     return cut->has_window ||
-           sim_error(e, "--scallop-mm %.60s: no two rising heights; give FROM:TO in mm", text);
+           common_error(e, "--scallop-mm %.60s: no two rising heights; give FROM:TO in mm", text);
 }
 
-static bool take_set(camsim_options_t *o, const char *text, sim_error_t *e)
+static bool take_set(camsim_options_t *o, const char *text, common_error_t *e)
 {
     char name[80];
     double value;
     const char *equals = strchr(text, '=');
     if (equals == NULL || (size_t)(equals - text) >= sizeof name ||
-        !sim_parse_number(equals + 1, &value)) {
-        return sim_error(e, "--set %.80s: wants PARAM=VALUE with a whole number; see cam_param.h",
-                         text);
+        !common_number_parse(equals + 1, &value)) {
+        return common_error(
+            e, "--set %.80s: wants PARAM=VALUE with a whole number; see cam_param.h", text);
     }
     memcpy(name, text, (size_t)(equals - text));
     name[equals - text] = '\0';
     return sim_wishes_add(&o->cut.wishes, name, value, "--set", e);
 }
 
-static bool take_inject(camsim_options_t *o, const char *text, sim_error_t *e)
+static bool take_inject(camsim_options_t *o, const char *text, common_error_t *e)
 {
     if (o->cut.n_injects == sim_cut_max_injects) {
-        return sim_error(e, "--inject %.60s: one too many; give at most %d", text,
-                         sim_cut_max_injects);
+        return common_error(e, "--inject %.60s: one too many; give at most %d", text,
+                            sim_cut_max_injects);
     }
     const bool is_bus = strcmp(o->command, "bus") == 0;
     return sim_inject_parse(&o->cut.inject[o->cut.n_injects++], text,
@@ -232,7 +234,7 @@ static const char **path_of(camsim_options_t *o, int option)
     }
 }
 
-static bool take_value(camsim_options_t *o, int option, const char *text, sim_error_t *e)
+static bool take_value(camsim_options_t *o, int option, const char *text, common_error_t *e)
 {
     sim_cut_options_t *cut = &o->cut;
     switch (option) {
@@ -265,11 +267,11 @@ static bool take_value(camsim_options_t *o, int option, const char *text, sim_er
     }
 }
 
-static bool take_option(camsim_options_t *o, int option, char **argv, sim_error_t *e)
+static bool take_option(camsim_options_t *o, int option, char **argv, common_error_t *e)
 {
     if (option == '?' || option == ':') {
-        return sim_error(e, "%s: %.60s: unknown option or value missing; see camsim %s --help",
-                         o->command, argv[optind - 1], o->command);
+        return common_error(e, "%s: %.60s: unknown option or value missing; see camsim %s --help",
+                            o->command, argv[optind - 1], o->command);
     }
     if (take_switch(o, option)) {
         return true;
@@ -279,18 +281,18 @@ static bool take_option(camsim_options_t *o, int option, char **argv, sim_error_
         return take_value(o, option, optarg, e);
     }
     *path = optarg;
-    return optarg[0] != '\0' ||
-           sim_error(e, "%s: %.60s: an empty path; give a file name", o->command, argv[optind - 1]);
+    return optarg[0] != '\0' || common_error(e, "%s: %.60s: an empty path; give a file name",
+                                             o->command, argv[optind - 1]);
 }
 
 /// NAME.json beside NAME.camtab, when it is there.
-static bool find_design(camsim_options_t *o, sim_error_t *e)
+static bool find_design(camsim_options_t *o, common_error_t *e)
 {
     const char *name = strrchr(o->table_path, '/');
     const char *dot = strrchr(name != NULL ? name : o->table_path, '.');
     const size_t stem = dot != NULL ? (size_t)(dot - o->table_path) : strlen(o->table_path);
     if (stem + sizeof ".json" > sizeof o->design_path) {
-        return sim_error(e, "%.60s...: path too long; use a shorter one", o->table_path);
+        return common_error(e, "%.60s...: path too long; use a shorter one", o->table_path);
     }
     memcpy(o->design_path, o->table_path, stem);
     memcpy(o->design_path + stem, ".json", sizeof ".json");
@@ -301,12 +303,12 @@ static bool find_design(camsim_options_t *o, sim_error_t *e)
 }
 
 /// The target exists; its image is the user's, or the one beside this program.
-static bool find_target(camsim_options_t *o, sim_error_t *e)
+static bool find_target(camsim_options_t *o, common_error_t *e)
 {
     if (o->cut.target == NULL) {
         return o->cut.target_image == NULL ||
-               sim_error(e, "--target-image %.60s: no target for it; give --target",
-                         o->cut.target_image);
+               common_error(e, "--target-image %.60s: no target for it; give --target",
+                            o->cut.target_image);
     }
     const sim_target_t *target = sim_target_find(o->cut.target, e);
     if (target == NULL || o->cut.target_image != NULL) {
@@ -316,14 +318,14 @@ static bool find_target(camsim_options_t *o, sim_error_t *e)
     return sim_target_image(target, o->target_image, sizeof o->target_image, e);
 }
 
-static bool check_scallop(const camsim_options_t *o, sim_error_t *e)
+static bool check_scallop(const camsim_options_t *o, common_error_t *e)
 {
     const bool is_asked = o->scallop_path != NULL || o->cut.has_window;
     return !is_asked || o->cut.nose_mm > 0.0 ||
-           sim_error(e, "--scallop, --scallop-mm: no tool for it; give --nose-mm, too");
+           common_error(e, "--scallop, --scallop-mm: no tool for it; give --nose-mm, too");
 }
 
-static bool check_outputs(const camsim_options_t *o, sim_error_t *e)
+static bool check_outputs(const camsim_options_t *o, common_error_t *e)
 {
     const char *const path[] = {o->table_path,   o->machine_path, o->cut.design_path,
                                 o->trace_path,   o->surface_path, o->summary_path,
@@ -331,15 +333,15 @@ static bool check_outputs(const camsim_options_t *o, sim_error_t *e)
     for (int i = 3; i < 8; i++) {
         for (int k = 0; k < i; k++) {
             if (path[i] != NULL && path[k] != NULL && strcmp(path[i], path[k]) == 0) {
-                return sim_error(e, "%s: named for two purposes; give every output its own path",
-                                 path[i]);
+                return common_error(e, "%s: named for two purposes; give every output its own path",
+                                    path[i]);
             }
         }
     }
     return true;
 }
 
-bool camsim_options_read(camsim_options_t *o, int argc, char **argv, sim_error_t *e)
+bool camsim_options_read(camsim_options_t *o, int argc, char **argv, common_error_t *e)
 {
     memset(o, 0, sizeof *o);
     o->command = argv[0];
@@ -358,8 +360,8 @@ bool camsim_options_read(camsim_options_t *o, int argc, char **argv, sim_error_t
         }
     }
     if (optind + 1 != argc) {
-        return sim_error(e, "%s: wants one TABLE, got %d; see camsim %s --help", o->command,
-                         argc - optind, o->command);
+        return common_error(e, "%s: wants one TABLE, got %d; see camsim %s --help", o->command,
+                            argc - optind, o->command);
     }
     o->table_path = argv[optind];
     o->cut.is_traced = o->trace_path != NULL;

@@ -47,10 +47,10 @@ static void set_pending(const char *old, const char *path)
     }
 }
 
-static bool cannot(const camsim_out_t *o, int number, sim_error_t *e)
+static bool cannot(const camsim_out_t *o, int number, common_error_t *e)
 {
-    return sim_error(e, "%s: cannot be written: %s; make room or give another path", o->name,
-                     strerror(number));
+    return common_error(e, "%s: cannot be written: %s; make room or give another path", o->name,
+                        strerror(number));
 }
 
 static bool open_temporary(camsim_out_t *o)
@@ -95,7 +95,7 @@ static bool find_target(camsim_out_t *o, bool *is_regular)
     return (size_t)snprintf(o->final, sizeof o->final, "%s", o->name) < sizeof o->final;
 }
 
-bool camsim_out_open(camsim_out_t *o, const char *name, const char *option, sim_error_t *e)
+bool camsim_out_open(camsim_out_t *o, const char *name, const char *option, common_error_t *e)
 {
     o->name = name;
     o->stream = NULL;
@@ -117,8 +117,8 @@ bool camsim_out_open(camsim_out_t *o, const char *name, const char *option, sim_
     if (!is_open) {
         const int number = errno;
         camsim_out_drop(o);
-        return sim_error(e, "%s %s: cannot be written: %s; give a path in a writable folder",
-                         option, name, strerror(number));
+        return common_error(e, "%s %s: cannot be written: %s; give a path in a writable folder",
+                            option, name, strerror(number));
     }
     return true;
 }
@@ -132,7 +132,7 @@ static void flush(camsim_out_t *o)
     o->n = 0;
 }
 
-bool camsim_out_finish(camsim_out_t *o, sim_error_t *e)
+bool camsim_out_finish(camsim_out_t *o, common_error_t *e)
 {
     if (o->name == NULL) {
         return true;
@@ -151,7 +151,7 @@ bool camsim_out_finish(camsim_out_t *o, sim_error_t *e)
     return o->error == 0 || cannot(o, o->error, e);
 }
 
-bool camsim_out_publish(camsim_out_t *o, sim_error_t *e)
+bool camsim_out_publish(camsim_out_t *o, common_error_t *e)
 {
     if (o->name == NULL || o->temporary[0] == '\0') {
         return true;

@@ -7,10 +7,10 @@
 #ifndef CAMSIM_OUT_H
 #define CAMSIM_OUT_H
 
-#include "sim_error.h" // sim_error_t
-#include <stdbool.h>   // bool
-#include <stdint.h>    // int64_t
-#include <stdio.h>     // FILE
+#include "common_error.h" // common_error_t
+#include <stdbool.h>      // bool
+#include <stdint.h>       // int64_t
+#include <stdio.h>        // FILE
 
 enum { camsim_out_path = 4096, camsim_out_buffer = 1 << 16 };
 
@@ -30,13 +30,13 @@ void camsim_out_watch_signals(void);
 /// @param name    of the target, NULL: not wanted
 /// @param option  for the message
 /// @return        false and *e when it cannot be written
-bool camsim_out_open(camsim_out_t *o, const char *name, const char *option, sim_error_t *e);
+bool camsim_out_open(camsim_out_t *o, const char *name, const char *option, common_error_t *e);
 
 /// Bring everything to the disk and close. @return false and *e on any failure
-bool camsim_out_finish(camsim_out_t *o, sim_error_t *e);
+bool camsim_out_finish(camsim_out_t *o, common_error_t *e);
 
 /// Give the finished file its name. @return false and *e on failure
-bool camsim_out_publish(camsim_out_t *o, sim_error_t *e);
+bool camsim_out_publish(camsim_out_t *o, common_error_t *e);
 
 /// Remove what is not published.
 void camsim_out_drop(camsim_out_t *o);

@@ -26,7 +26,7 @@ static double now_s(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-static bool open_cut(run_t *r, sim_error_t *e)
+static bool open_cut(run_t *r, common_error_t *e)
 {
     sim_file_t file;
     if (!sim_file_read(&file, r->options.table_path, camsim_max_table_bytes, e)) {
@@ -43,7 +43,7 @@ static bool open_cut(run_t *r, sim_error_t *e)
     return is_good;
 }
 
-static bool open_outputs(run_t *r, sim_error_t *e)
+static bool open_outputs(run_t *r, common_error_t *e)
 {
     camsim_out_watch_signals();
     return camsim_cam_check(&r->options, &r->cut, e) &&
@@ -93,7 +93,7 @@ static void cut_to_the_end(run_t *r)
     }
 }
 
-static bool write_results(run_t *r, sim_error_t *e)
+static bool write_results(run_t *r, common_error_t *e)
 {
     if (r->surface.name != NULL) {
         camsim_surface(&r->surface, &r->cut.work);
@@ -103,7 +103,7 @@ static bool write_results(run_t *r, sim_error_t *e)
     }
     if (r->summary.name != NULL &&
         !camsim_summary_json(&r->summary, &r->options, &r->cut, r->wall_s)) {
-        return sim_error(e, "%s: not enough memory for the summary; free some", r->summary.name);
+        return common_error(e, "%s: not enough memory for the summary; free some", r->summary.name);
     }
     return camsim_out_finish(&r->trace, e) && camsim_out_finish(&r->surface, e) &&
            camsim_out_finish(&r->removal, e) && camsim_out_finish(&r->scallop, e) &&
@@ -113,41 +113,41 @@ static bool write_results(run_t *r, sim_error_t *e)
 }
 
 /// Why the first fault struck; several at once are told by the first in the list.
-static void explain_fault(const sim_cut_t *cut, const char *table, sim_error_t *e)
+static void explain_fault(const sim_cut_t *cut, const char *table, common_error_t *e)
 {
     const uint32_t first = sim_cut_status(cut)->first_fault;
     int i = 0;
     while (i + 1 < cam_n_faults && (first >> i & 1u) == 0u) {
         i++;
     }
-    (void)sim_error(
+    (void)common_error(
         e, "%s: fault %s: %s, %.6f s after the start, %s at %.3f mm; FAULTS.md tells the remedy",
         table, cam_fault_name((cam_fault_t)i), cam_fault_text((cam_fault_t)i), cut->fault_s,
         cam_state_name(cut->fault_state), cut->fault_z_mm);
 }
 
 /// A feed of half a lobe, or of half the present one, leaves a whole turn on it.
-static void explain_lobe(const sim_cut_t *cut, const char *table, sim_error_t *e)
+static void explain_lobe(const sim_cut_t *cut, const char *table, common_error_t *e)
 {
     const uint32_t i = sim_cut_lobe_without_turn(cut);
     const sim_cam_lobe_t *lobe = &cut->design.cam.lobe[i];
     const double high_mm = lobe->z_last_mm - lobe->z_first_mm;
     const double feed_mm = sim_cut_feed_mm(cut);
-    (void)sim_error(e,
-                    "%s: not gauged: lobe %u has %llu samples of the %d of a whole turn; "
-                    "give at most --feed %.4g",
-                    table, (unsigned)i, (unsigned long long)cut->cam.gauge[i].n, sim_cam_dexels,
-                    0.5 * (high_mm < feed_mm ? high_mm : feed_mm));
+    (void)common_error(e,
+                       "%s: not gauged: lobe %u has %llu samples of the %d of a whole turn; "
+                       "give at most --feed %.4g",
+                       table, (unsigned)i, (unsigned long long)cut->cam.gauge[i].n, sim_cam_dexels,
+                       0.5 * (high_mm < feed_mm ? high_mm : feed_mm));
 }
 
 /// Which surface the gauge has not seen.
-static void explain_not_gauged(const sim_cut_t *cut, const char *table, sim_error_t *e)
+static void explain_not_gauged(const sim_cut_t *cut, const char *table, common_error_t *e)
 {
     if (cut->work.n == 0u) {
-        (void)sim_error(e,
-                        "%s: not gauged: nothing was cut to full depth before the cut was %s; "
-                        "leave the stop out, or stop later",
-                        table, camsim_summary_end(cut));
+        (void)common_error(e,
+                           "%s: not gauged: nothing was cut to full depth before the cut was %s; "
+                           "leave the stop out, or stop later",
+                           table, camsim_summary_end(cut));
         return;
     }
     explain_lobe(cut, table, e);
@@ -157,24 +157,25 @@ static int judge(const run_t *r)
 {
     const sim_cut_t *cut = &r->cut;
     const char *table = r->options.table_path;
-    sim_error_t e;
+    common_error_t e;
     if (camsim_summary_is_good(&r->options, cut)) {
         return camsim_done;
     }
     if (cut->end == sim_cut_fault) {
         explain_fault(cut, table, &e);
     } else if (cut->end == sim_cut_refused) {
-        (void)sim_error(&e,
-                        "%s: refused: %s; remove the cause (parameters, machine file, --inject)",
-                        table, cam_err_text(cut->refusal));
+        (void)common_error(&e,
+                           "%s: refused: %s; remove the cause (parameters, machine file, --inject)",
+                           table, cam_err_text(cut->refusal));
         return camsim_complain(&e);
     } else if (cut->end == sim_cut_timeout) {
-        (void)sim_error(&e, "%s: not at the end after %.6g s in state %s; give more --max-seconds",
-                        table, cut->max_s, cam_state_name(cut->state));
+        (void)common_error(&e,
+                           "%s: not at the end after %.6g s in state %s; give more --max-seconds",
+                           table, cut->max_s, cam_state_name(cut->state));
     } else if (!sim_cut_is_gauged(cut)) {
         explain_not_gauged(cut, table, &e);
     } else {
-        (void)sim_error(
+        (void)common_error(
             &e,
             "%s: form error %.3f um is beyond --tolerance-um %.6g; match the controller to "
             "the machine, or cut slower",
@@ -184,7 +185,7 @@ static int judge(const run_t *r)
     return camsim_not_good;
 }
 
-static int run(run_t *r, sim_error_t *e)
+static int run(run_t *r, common_error_t *e)
 {
     cut_to_the_end(r);
     if (sim_firmware_is_lost(&r->cut.firmware, e) || !write_results(r, e)) {
@@ -192,13 +193,14 @@ static int run(run_t *r, sim_error_t *e)
     }
     camsim_summary_text(&r->options, &r->cut, r->wall_s);
     if (fflush(stdout) != 0) {
-        (void)sim_error(e, "standard output: cannot be written; make room or give another target");
+        (void)common_error(e,
+                           "standard output: cannot be written; make room or give another target");
         return camsim_complain(e);
     }
     return judge(r);
 }
 
-static int prepare_and_run(run_t *r, sim_error_t *e)
+static int prepare_and_run(run_t *r, common_error_t *e)
 {
     if (!open_cut(r, e)) {
         return camsim_complain(e);
@@ -222,10 +224,10 @@ static int prepare_and_run(run_t *r, sim_error_t *e)
 
 int camsim_run(int argc, char **argv)
 {
-    sim_error_t e;
+    common_error_t e;
     run_t *r = calloc(1, sizeof *r);
     if (r == NULL) {
-        (void)sim_error(&e, "run: not enough memory; free 10 MB");
+        (void)common_error(&e, "run: not enough memory; free 10 MB");
         return camsim_complain(&e);
     }
     int status = camsim_done;

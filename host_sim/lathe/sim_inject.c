@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "common_number.h" // common_number_parse
 #include "sim_inject.h"
 #include "hal_host.h"  // hal_host_fault_*
 #include "sim_units.h" // SIM_TWO_PI
@@ -56,18 +57,20 @@ static bool find_kind(sim_inject_t *inject, const char *name)
     return false;
 }
 
-static bool parse_value(sim_inject_t *inject, const char *value, const char *text, sim_error_t *e)
+static bool parse_value(sim_inject_t *inject, const char *value, const char *text,
+                        common_error_t *e)
 {
     const kind_t *k = &kinds[inject->kind];
     if (k->value == NULL) {
         return value == NULL ||
-               sim_error(e, "--inject %.60s: %s takes no value; remove it", text, k->name);
+               common_error(e, "--inject %.60s: %s takes no value; remove it", text, k->name);
     }
-    if (value == NULL || !sim_parse_number(value, &inject->value) || inject->value < k->min ||
+    if (value == NULL || !common_number_parse(value, &inject->value) || inject->value < k->min ||
         inject->value > k->max ||
         (k->is_whole && inject->value != (double)(int64_t)inject->value)) {
-        return sim_error(e, "--inject %.60s: %s wants %s, %.12g .. %.12g; write %s@SECONDS:VALUE",
-                         text, k->name, k->value, k->min, k->max, k->name);
+        return common_error(e,
+                            "--inject %.60s: %s wants %s, %.12g .. %.12g; write %s@SECONDS:VALUE",
+                            text, k->name, k->value, k->min, k->max, k->name);
     }
     return true;
 }
@@ -78,16 +81,16 @@ static bool can_happen(sim_inject_kind_t kind, sim_inject_place_t place)
 }
 
 bool sim_inject_parse(sim_inject_t *inject, const char *text, sim_inject_place_t place,
-                      sim_error_t *e)
+                      common_error_t *e)
 {
     char copy[128];
     *inject = (sim_inject_t){0};
     if ((size_t)snprintf(copy, sizeof copy, "%s", text) >= sizeof copy) {
-        return sim_error(e, "--inject %.60s...: too long; write KIND@SECONDS[:VALUE]", text);
+        return common_error(e, "--inject %.60s...: too long; write KIND@SECONDS[:VALUE]", text);
     }
     char *at = strchr(copy, '@');
     if (at == NULL) {
-        return sim_error(e, "--inject %.60s: no @SECONDS; write KIND@SECONDS[:VALUE]", text);
+        return common_error(e, "--inject %.60s: no @SECONDS; write KIND@SECONDS[:VALUE]", text);
     }
     *at++ = '\0';
     char *value = strchr(at, ':');
@@ -96,18 +99,19 @@ bool sim_inject_parse(sim_inject_t *inject, const char *text, sim_inject_place_t
     }
     const char *command = place == sim_inject_on_bus ? "bus" : "run";
     if (!find_kind(inject, copy)) {
-        return sim_error(e, "--inject %.60s: no such kind; camsim %s --help lists them", text,
-                         command);
+        return common_error(e, "--inject %.60s: no such kind; camsim %s --help lists them", text,
+                            command);
     }
     if (!can_happen(inject->kind, place)) {
-        return sim_error(e, "--inject %.60s: cannot happen here; camsim %s --help lists what can",
-                         text, command);
+        return common_error(e,
+                            "--inject %.60s: cannot happen here; camsim %s --help lists what can",
+                            text, command);
     }
     inject->is_absolute = at[0] == 't';
-    if (!sim_parse_number(at + (inject->is_absolute ? 1 : 0), &inject->at_s) ||
+    if (!common_number_parse(at + (inject->is_absolute ? 1 : 0), &inject->at_s) ||
         inject->at_s < 0.0) {
-        return sim_error(e, "--inject %.60s: no time; write KIND@SECONDS with 0 or more seconds",
-                         text);
+        return common_error(e, "--inject %.60s: no time; write KIND@SECONDS with 0 or more seconds",
+                            text);
     }
     return parse_value(inject, value, text, e);
 }

@@ -34,9 +34,9 @@
 #ifndef SIM_INJECT_H
 #define SIM_INJECT_H
 
-#include "sim_error.h"   // sim_error_t
-#include "sim_machine.h" // sim_machine_t
-#include <stdbool.h>     // bool
+#include "common_error.h" // common_error_t
+#include "sim_machine.h"  // sim_machine_t
+#include <stdbool.h>      // bool
 
 typedef enum {
     sim_inject_estop,
@@ -80,7 +80,7 @@ typedef struct {
 /// @param place  where it shall happen
 /// @return       false and *e when it is malformed or cannot happen there
 bool sim_inject_parse(sim_inject_t *inject, const char *text, sim_inject_place_t place,
-                      sim_error_t *e);
+                      common_error_t *e);
 
 /// @return the kind's name
 const char *sim_inject_name(sim_inject_kind_t kind);

@@ -62,22 +62,23 @@ double sim_cam_design_lift_mm(const sim_cam_design_t *d)
 }
 
 static bool read_radius(double *value, const cJSON *design, const char *name, const char *path,
-                        sim_error_t *e)
+                        common_error_t *e)
 {
     const cJSON *item = cJSON_GetObjectItemCaseSensitive(design, name);
     return (sim_json_number(item, value) && *value >= 1e-3 && *value <= 1e5) ||
-           sim_error(e, "%s: design.%s: wants a number from 0.001 to 100000; " REMEDY, path, name);
+           common_error(e, "%s: design.%s: wants a number from 0.001 to 100000; " REMEDY, path,
+                        name);
 }
 
 static bool read_word(bool *is_second, const cJSON *design, const char *name,
-                      const char *const word[2], const char *path, sim_error_t *e)
+                      const char *const word[2], const char *path, common_error_t *e)
 {
     const cJSON *item = cJSON_GetObjectItemCaseSensitive(design, name);
     const char *text = cJSON_IsString(item) ? item->valuestring : "?";
     *is_second = strcmp(text, word[1]) == 0;
     return *is_second || strcmp(text, word[0]) == 0 ||
-           sim_error(e, "%s: design.%s = \"%.40s\": wants %s or %s; " REMEDY, path, name, text,
-                     word[0], word[1]);
+           common_error(e, "%s: design.%s = \"%.40s\": wants %s or %s; " REMEDY, path, name, text,
+                        word[0], word[1]);
 }
 
 /// Heights rise, from lobe to lobe too.
@@ -90,7 +91,7 @@ static bool read_heights(sim_cam_lobe_t *lobe, const cJSON *item, double above_m
            lobe->z_first_mm > above_mm && lobe->z_last_mm > lobe->z_first_mm;
 }
 
-static bool read_lobe(sim_cam_design_t *d, const cJSON *item, const char *path, sim_error_t *e)
+static bool read_lobe(sim_cam_design_t *d, const cJSON *item, const char *path, common_error_t *e)
 {
     const uint32_t i = d->n_lobes;
     sim_cam_lobe_t *lobe = &d->lobe[i];
@@ -98,12 +99,12 @@ static bool read_lobe(sim_cam_design_t *d, const cJSON *item, const char *path, 
     char where[32];
     (void)snprintf(where, sizeof where, "design.lobes.%u", (unsigned)i);
     if (!read_heights(lobe, item, above_mm)) {
-        return sim_error(e, "%s: %s.z_mm: wants two rising numbers above the lobe before; " REMEDY,
-                         path, where);
+        return common_error(
+            e, "%s: %s.z_mm: wants two rising numbers above the lobe before; " REMEDY, path, where);
     }
     const cJSON *phase = cJSON_GetObjectItemCaseSensitive(item, "phase_rad");
     if (!sim_json_number(phase, &lobe->phase_rad)) {
-        return sim_error(e, "%s: %s.phase_rad: wants a finite number; " REMEDY, path, where);
+        return common_error(e, "%s: %s.phase_rad: wants a finite number; " REMEDY, path, where);
     }
     d->n_lobes++; // from here on there is something to free
     if (!sim_cam_lift_read(&lobe->lift, item, where, path, e)) {
@@ -113,13 +114,14 @@ static bool read_lobe(sim_cam_design_t *d, const cJSON *item, const char *path, 
     return true;
 }
 
-static bool read_lobes(sim_cam_design_t *d, const cJSON *design, const char *path, sim_error_t *e)
+static bool read_lobes(sim_cam_design_t *d, const cJSON *design, const char *path,
+                       common_error_t *e)
 {
     const cJSON *list = cJSON_GetObjectItemCaseSensitive(design, "lobes");
     const int n = cJSON_IsArray(list) ? cJSON_GetArraySize(list) : 0;
     if (n < 1 || n > sim_cam_max_lobes) {
-        return sim_error(e, "%s: design.lobes: wants a list of 1 .. %d lobes; " REMEDY, path,
-                         sim_cam_max_lobes);
+        return common_error(e, "%s: design.lobes: wants a list of 1 .. %d lobes; " REMEDY, path,
+                            sim_cam_max_lobes);
     }
     const cJSON *item;
     cJSON_ArrayForEach(item, list)
@@ -131,7 +133,8 @@ static bool read_lobes(sim_cam_design_t *d, const cJSON *design, const char *pat
     return true;
 }
 
-bool sim_cam_design_read(sim_cam_design_t *d, const cJSON *design, const char *path, sim_error_t *e)
+bool sim_cam_design_read(sim_cam_design_t *d, const cJSON *design, const char *path,
+                         common_error_t *e)
 {
     static const char *const operation[2] = {"grinding", "turning"};
     static const char *const speed[2] = {"uniform", "constant-surface"};

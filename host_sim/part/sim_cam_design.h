@@ -14,7 +14,7 @@
 #define SIM_CAM_DESIGN_H
 
 #include "sim_cam_lift.h" // sim_cam_lift_t
-#include "sim_error.h"    // sim_error_t
+#include "common_error.h" // common_error_t
 #include <cjson/cJSON.h>
 #include <stdbool.h> // bool
 #include <stdint.h>  // uint32_t
@@ -51,7 +51,7 @@ typedef struct {
 /// @param path  for messages
 /// @return      false and *e when something is missing or malformed
 bool sim_cam_design_read(sim_cam_design_t *d, const cJSON *design, const char *path,
-                         sim_error_t *e);
+                         common_error_t *e);
 
 /// @param theta_rad  any: direction of the roller's line in the frame of the lobe
 sim_cam_spot_t sim_cam_design_at(sim_cam_design_t *d, uint32_t i_lobe, double theta_rad);

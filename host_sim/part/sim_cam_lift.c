@@ -78,27 +78,27 @@ sim_cam_rise_t sim_cam_lift_at(sim_cam_lift_t *lift, double theta_rad)
 
 /// A number above 0.
 static bool read_number(double *value, const cJSON *lobe, const char *where, const char *name,
-                        const char *path, sim_error_t *e)
+                        const char *path, common_error_t *e)
 {
     const cJSON *item = cJSON_GetObjectItemCaseSensitive(lobe, name);
     return (sim_json_number(item, value) && *value > 0.0) ||
-           sim_error(e, "%s: %s.%s: wants a number above 0; " REMEDY, path, where, name);
+           common_error(e, "%s: %s.%s: wants a number above 0; " REMEDY, path, where, name);
 }
 
 static bool read_disc(sim_cam_lift_t *lift, const cJSON *lobe, const char *where, const char *path,
-                      sim_error_t *e)
+                      common_error_t *e)
 {
     if (!read_number(&lift->reach_mm, lobe, where, "reach_mm", path, e) ||
         !read_number(&lift->offset_mm, lobe, where, "offset_mm", path, e)) {
         return false;
     }
     return lift->offset_mm < lift->reach_mm ||
-           sim_error(e, "%s: %s.offset_mm = %.12g: must be below reach_mm; " REMEDY, path, where,
-                     lift->offset_mm);
+           common_error(e, "%s: %s.offset_mm = %.12g: must be below reach_mm; " REMEDY, path, where,
+                        lift->offset_mm);
 }
 
 static bool read_pieces(sim_cam_lift_t *lift, const cJSON *lobe, const char *where,
-                        const char *path, sim_error_t *e)
+                        const char *path, common_error_t *e)
 {
     const cJSON *breaks = cJSON_GetObjectItemCaseSensitive(lobe, "breaks_rad");
     const cJSON *list = cJSON_GetObjectItemCaseSensitive(lobe, "coefficients");
@@ -106,18 +106,18 @@ static bool read_pieces(sim_cam_lift_t *lift, const cJSON *lobe, const char *whe
     double *values = NULL;
     if (!sim_json_breaks(breaks, &lift->break_rad, &lift->n) ||
         sim_abs(lift->break_rad[lift->n] - lift->break_rad[0] - SIM_TWO_PI) > 1e-9) {
-        return sim_error(e, "%s: %s.breaks_rad: wants rising numbers over one turn; " REMEDY, path,
-                         where);
+        return common_error(e, "%s: %s.breaks_rad: wants rising numbers over one turn; " REMEDY,
+                            path, where);
     }
     const bool is_list = sim_json_numbers(list, &values, &n_values);
     lift->c = (double(*)[sim_cam_lift_terms])(void *)values;
     return (is_list && n_values == lift->n * sim_cam_lift_terms) ||
-           sim_error(e, "%s: %s.coefficients: wants %zu finite numbers; " REMEDY, path, where,
-                     lift->n * sim_cam_lift_terms);
+           common_error(e, "%s: %s.coefficients: wants %zu finite numbers; " REMEDY, path, where,
+                        lift->n * sim_cam_lift_terms);
 }
 
 bool sim_cam_lift_read(sim_cam_lift_t *lift, const cJSON *lobe, const char *where, const char *path,
-                       sim_error_t *e)
+                       common_error_t *e)
 {
     const cJSON *item = cJSON_GetObjectItemCaseSensitive(lobe, "law");
     const char *law = cJSON_IsString(item) ? item->valuestring : "?";
@@ -134,8 +134,8 @@ bool sim_cam_lift_read(sim_cam_lift_t *lift, const cJSON *lobe, const char *wher
         lift->law = sim_cam_lift_pieces;
         return read_pieces(lift, lobe, where, path, e);
     }
-    return sim_error(e, "%s: %s.law = \"%.40s\": wants poly345, disc or pieces; " REMEDY, path,
-                     where, law);
+    return common_error(e, "%s: %s.law = \"%.40s\": wants poly345, disc or pieces; " REMEDY, path,
+                        where, law);
 }
 
 void sim_cam_lift_free(sim_cam_lift_t *lift)

@@ -9,7 +9,7 @@
 #ifndef SIM_CAM_LIFT_H
 #define SIM_CAM_LIFT_H
 
-#include "sim_error.h" // sim_error_t
+#include "common_error.h" // common_error_t
 #include <cjson/cJSON.h>
 #include <stdbool.h> // bool
 #include <stddef.h>  // size_t
@@ -40,7 +40,7 @@ typedef struct {
 /// @param where  dotted path of the lobe, for messages
 /// @return       false and *e when something is missing or malformed
 bool sim_cam_lift_read(sim_cam_lift_t *lift, const cJSON *lobe, const char *where, const char *path,
-                       sim_error_t *e);
+                       common_error_t *e);
 
 /// @param theta_rad  any
 sim_cam_rise_t sim_cam_lift_at(sim_cam_lift_t *lift, double theta_rad);

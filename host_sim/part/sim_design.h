@@ -19,7 +19,7 @@
 #include "cam_table.h"      // cam_table_t
 #include "sim_cam_design.h" // sim_cam_design_t
 #include "sim_cubics.h"     // sim_cubics_t
-#include "sim_error.h"      // sim_error_t
+#include "common_error.h"   // common_error_t
 #include "sim_surface.h"    // sim_surface_t
 
 typedef enum {
@@ -48,7 +48,8 @@ typedef struct {
 /// @param path   of NAME.json
 /// @param table  whose CRC-32 must be the report's
 /// @return       false and *e when it cannot be read, is malformed or belongs to another table
-bool sim_design_load(sim_design_t *d, const char *path, const cam_table_t *table, sim_error_t *e);
+bool sim_design_load(sim_design_t *d, const char *path, const cam_table_t *table,
+                     common_error_t *e);
 
 /// Take the table's own knots, evaluated in double.
 /// @param table  checked; must outlive the design

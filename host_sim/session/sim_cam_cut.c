@@ -3,27 +3,27 @@
 #include "sim_design_table.h" // sim_design_table_ratio
 #include "sim_units.h"        // SIM_TWO_PI, sim_fraction
 
-bool sim_cam_cut_check(const sim_cut_t *cut, const char *name, sim_error_t *e)
+bool sim_cam_cut_check(const sim_cut_t *cut, const char *name, common_error_t *e)
 {
     const bool is_cam = cut->design.shape == sim_shape_cam;
     const bool is_turned = is_cam && cut->design.cam.is_turned;
     const double tip_mm = cut->options.tip_mm;
     if (is_cam && is_turned != cut->table.is_swung) {
-        return sim_error(e, "%s: turned or ground, table and design disagree; " SIM_CAM_REMEDY,
-                         name);
+        return common_error(e, "%s: turned or ground, table and design disagree; " SIM_CAM_REMEDY,
+                            name);
     }
     if (tip_mm > 0.0 && cut->table.is_swung && !is_cam) {
-        return sim_error(e, "--tool-tip-mm %.12g: wants the design of %s; " SIM_CAM_REMEDY, tip_mm,
-                         name);
+        return common_error(e, "--tool-tip-mm %.12g: wants the design of %s; " SIM_CAM_REMEDY,
+                            tip_mm, name);
     }
     if (tip_mm > 0.0 && !is_turned) {
-        return sim_error(e,
-                         "--tool-tip-mm %.12g: %s is not turned by a swinging tool; leave it out",
-                         tip_mm, name);
+        return common_error(
+            e, "--tool-tip-mm %.12g: %s is not turned by a swinging tool; leave it out", tip_mm,
+            name);
     }
     return tip_mm <= cut->design.cam.roller_mm || !is_turned ||
-           sim_error(e, "--tool-tip-mm %.12g: larger than the roller; give at most %.12g", tip_mm,
-                     cut->design.cam.roller_mm);
+           common_error(e, "--tool-tip-mm %.12g: larger than the roller; give at most %.12g",
+                        tip_mm, cut->design.cam.roller_mm);
 }
 
 void sim_cam_cut_begin(sim_cut_t *cut)

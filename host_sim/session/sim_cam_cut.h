@@ -17,7 +17,7 @@
 
 /// @param name  of the table file, for messages
 /// @return      false and *e when design or options do not fit the table
-bool sim_cam_cut_check(const sim_cut_t *cut, const char *name, sim_error_t *e);
+bool sim_cam_cut_check(const sim_cut_t *cut, const char *name, common_error_t *e);
 
 /// Before the first tick of a cam.
 void sim_cam_cut_begin(sim_cut_t *cut);

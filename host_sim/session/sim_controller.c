@@ -4,17 +4,17 @@
 #include <math.h>      // ceil, floor
 
 bool sim_wishes_add(sim_wishes_t *w, const char *name, double value, const char *origin,
-                    sim_error_t *e)
+                    common_error_t *e)
 {
     const cam_param_id_t id = cam_param_find(name);
     if (id >= cam_n_params) {
-        return sim_error(e, "%s: %.60s: no such parameter; see firmware/tick/cam_param.h", origin,
-                         name);
+        return common_error(e, "%s: %.60s: no such parameter; see firmware/tick/cam_param.h",
+                            origin, name);
     }
     const cam_param_info_t *info = cam_param_info(id);
     if (value != floor(value) || value < info->min || value > info->max) {
-        return sim_error(e, "%s: %s = %.12g: out of range; give a whole number %d .. %d", origin,
-                         name, value, (int)info->min, (int)info->max);
+        return common_error(e, "%s: %s = %.12g: out of range; give a whole number %d .. %d", origin,
+                            name, value, (int)info->min, (int)info->max);
     }
     w->value[id] = (int32_t)value;
     w->is_given[id] = true;
@@ -27,7 +27,7 @@ enum { following_limit_um = 100 };
 
 typedef struct {
     cam_params_t *params;
-    sim_error_t *e;
+    common_error_t *e;
     bool is_good;
 } derive_t;
 
@@ -38,10 +38,10 @@ static void put(derive_t *d, cam_param_id_t id, double value)
     if (d->is_good && (!(whole >= info->min && whole <= info->max) ||
                        cam_param_set(d->params, id, (int32_t)whole) != cam_ok)) {
         d->is_good =
-            sim_error(d->e,
-                      "machine file: %s = %.12g follows from the machine but must be %d .. %d; "
-                      "change the machine, or set [controller] %s",
-                      info->name, whole, (int)info->min, (int)info->max, info->name);
+            common_error(d->e,
+                         "machine file: %s = %.12g follows from the machine but must be %d .. %d; "
+                         "change the machine, or set [controller] %s",
+                         info->name, whole, (int)info->min, (int)info->max, info->name);
     }
 }
 
@@ -112,7 +112,7 @@ static void derive_encoder(derive_t *d, const sim_machine_config_t *m, const cam
 }
 
 bool sim_controller_params(cam_params_t *params, const sim_machine_config_t *machine,
-                           const cam_table_t *table, const sim_wishes_t *wishes, sim_error_t *e)
+                           const cam_table_t *table, const sim_wishes_t *wishes, common_error_t *e)
 {
     derive_t d = {.params = params, .e = e, .is_good = true};
     *params = cam_param_defaults();

@@ -105,7 +105,7 @@ typedef struct {
 /// @return       false and *e when the input is no good or the speed infeasible; nothing to close
 /// then
 bool sim_cut_open(sim_cut_t *cut, const sim_cut_options_t *options, const void *image, size_t size,
-                  const char *name, sim_error_t *e);
+                  const char *name, common_error_t *e);
 
 /// One tick. Sets cut->end when it was the last.
 void sim_cut_tick(sim_cut_t *cut);

@@ -13,16 +13,17 @@
 #define REMEDY "make it again with tools/mktables"
 
 static bool take_image(sim_cut_t *cut, const void *image, size_t size, const char *name,
-                       sim_error_t *e)
+                       common_error_t *e)
 {
     cut->image = aligned_alloc(32, (size + 31u) / 32u * 32u + 32u);
     if (cut->image == NULL) {
-        return sim_error(e, "%s: not enough memory for %zu bytes; use a smaller table", name, size);
+        return common_error(e, "%s: not enough memory for %zu bytes; use a smaller table", name,
+                            size);
     }
     memcpy(cut->image, image, size);
     const cam_err_t err = cam_table_check(cut->image, size, &cut->table);
     if (err != cam_ok) {
-        return sim_error(e, "%s: table refused: %s; " REMEDY, name, cam_err_text(err));
+        return common_error(e, "%s: table refused: %s; " REMEDY, name, cam_err_text(err));
     }
     return true;
 }
@@ -60,7 +61,7 @@ static sim_wishes_t all_wishes(const sim_cut_options_t *o)
     return w;
 }
 
-static bool load_design(sim_cut_t *cut, const char *name, sim_error_t *e)
+static bool load_design(sim_cut_t *cut, const char *name, common_error_t *e)
 {
     if (cut->options.design_path != NULL) {
         return sim_design_load(&cut->design, cut->options.design_path, &cut->table, e) &&
@@ -71,7 +72,7 @@ static bool load_design(sim_cut_t *cut, const char *name, sim_error_t *e)
 }
 
 /// The firmware takes rings that are nearer as so far apart: it would cut other turns than planned.
-static bool check_rings(const sim_cut_t *cut, sim_error_t *e)
+static bool check_rings(const sim_cut_t *cut, common_error_t *e)
 {
     const double feed_nm = sim_cut_feed_mm(cut) * SIM_NM_PER_MM;
     if (!sim_cut_has_rings(cut) || feed_nm > cam_feed_least_nm - 0.5) {
@@ -82,10 +83,10 @@ static bool check_rings(const sim_cut_t *cut, sim_error_t *e)
     (void)snprintf(field, sizeof field, is_given ? "--feed %.12g" : "feed_nm = %.0f",
                    is_given ? cut->options.feed_mm : feed_nm);
     const double least_mm = cam_feed_least_nm / SIM_NM_PER_MM;
-    return sim_error(e,
-                     "%s: rings of a ring-helix are at least %.6f mm apart; give at least "
-                     "--feed %.6f, or a table with path = \"helix\"",
-                     field, least_mm, least_mm);
+    return common_error(e,
+                        "%s: rings of a ring-helix are at least %.6f mm apart; give at least "
+                        "--feed %.6f, or a table with path = \"helix\"",
+                        field, least_mm, least_mm);
 }
 
 static void place_machine(sim_cut_t *cut)
@@ -103,7 +104,7 @@ static void place_machine(sim_cut_t *cut)
 }
 
 /// Set what differs; each change is taken by the next tick, so the next finds a free half.
-static bool apply_params(sim_cut_t *cut, sim_error_t *e)
+static bool apply_params(sim_cut_t *cut, common_error_t *e)
 {
     for (uint32_t i = 0; i < cam_n_params; i++) {
         const cam_param_id_t id = (cam_param_id_t)i;
@@ -114,8 +115,9 @@ static bool apply_params(sim_cut_t *cut, sim_error_t *e)
         const cam_err_t err = sim_firmware_set_param(&cut->firmware, id, value);
         sim_cut_idle(cut);
         if (err != cam_ok) {
-            return sim_error(e, "parameter %s = %d: refused: %s; change the machine file or --set",
-                             cam_param_info(id)->name, (int)value, cam_err_text(err));
+            return common_error(e,
+                                "parameter %s = %d: refused: %s; change the machine file or --set",
+                                cam_param_info(id)->name, (int)value, cam_err_text(err));
         }
     }
     return true;
@@ -183,7 +185,7 @@ static void put_remedy(const sim_cut_t *cut, char *to, size_t size)
 }
 
 /// Asked, needed, limit, and what would do.
-static bool infeasible(const sim_cut_t *cut, sim_error_t *e)
+static bool infeasible(const sim_cut_t *cut, common_error_t *e)
 {
     const cam_feasibility_t *f = &cut->feasibility;
     double scale;
@@ -191,26 +193,27 @@ static bool infeasible(const sim_cut_t *cut, sim_error_t *e)
     char remedy[80];
     put_remedy(cut, remedy, sizeof remedy);
     if (f->err == cam_err_feed) {
-        return sim_error(e, "--feed %.12g: infeasible: %s; give at most --feed %.12g",
-                         (double)f->needed * 1e-6, cam_err_text(f->err), (double)f->limit * 1e-6);
+        return common_error(e, "--feed %.12g: infeasible: %s; give at most --feed %.12g",
+                            (double)f->needed * 1e-6, cam_err_text(f->err),
+                            (double)f->limit * 1e-6);
     }
     if (f->err == cam_err_cam_amplitude) {
-        return sim_error(e, "--set amplitude_ppm=%lld: infeasible: %s; give at least %lld",
-                         (long long)f->limit, cam_err_text(f->err), (long long)f->needed);
+        return common_error(e, "--set amplitude_ppm=%lld: infeasible: %s; give at least %lld",
+                            (long long)f->limit, cam_err_text(f->err), (long long)f->needed);
     }
-    return sim_error(e, "--rpm %.12g: infeasible: %s: needs %.12g %s, limit %.12g %s; %s",
-                     f->speed_mrpm * 1e-3, cam_err_text(f->err), (double)f->needed * scale, unit,
-                     (double)f->limit * scale, unit, remedy);
+    return common_error(e, "--rpm %.12g: infeasible: %s: needs %.12g %s, limit %.12g %s; %s",
+                        f->speed_mrpm * 1e-3, cam_err_text(f->err), (double)f->needed * scale, unit,
+                        (double)f->limit * scale, unit, remedy);
 }
 
-static bool select_table(sim_cut_t *cut, const char *name, size_t size, sim_error_t *e)
+static bool select_table(sim_cut_t *cut, const char *name, size_t size, common_error_t *e)
 {
     const cam_err_t err = sim_firmware_select_table(&cut->firmware, cut->image, size);
     sim_cut_idle(cut);
-    return err == cam_ok || sim_error(e, "%s: refused: %s; " REMEDY, name, cam_err_text(err));
+    return err == cam_ok || common_error(e, "%s: refused: %s; " REMEDY, name, cam_err_text(err));
 }
 
-static bool check_feasible(sim_cut_t *cut, sim_error_t *e)
+static bool check_feasible(sim_cut_t *cut, common_error_t *e)
 {
     cut->feasibility = sim_firmware_feasibility(&cut->firmware);
     if (cut->feasibility.err != cam_ok) {
@@ -219,14 +222,14 @@ static bool check_feasible(sim_cut_t *cut, sim_error_t *e)
     return sim_slow_check(&cut->table, &cut->params, &cut->feasibility, e);
 }
 
-static bool check_injects(const sim_cut_t *cut, size_t size, sim_error_t *e)
+static bool check_injects(const sim_cut_t *cut, size_t size, common_error_t *e)
 {
     for (uint32_t i = 0; i < cut->options.n_injects; i++) {
         const sim_inject_t *what = &cut->options.inject[i];
         if (what->kind == sim_inject_table_flip && what->value >= (double)size) {
-            return sim_error(e,
-                             "--inject table-flip: byte %.0f lies outside the table; give 0 .. %zu",
-                             what->value, size - 1u);
+            return common_error(
+                e, "--inject table-flip: byte %.0f lies outside the table; give 0 .. %zu",
+                what->value, size - 1u);
         }
     }
     return true;
@@ -240,7 +243,7 @@ enum { scallop_feeds = 4 };
 
 /// The window of the surface between tracks: given, or from a whole number of feeds on, so that a
 /// ring-helix begins in it with a ring.
-static bool place_scallop(sim_cut_t *cut, sim_error_t *e)
+static bool place_scallop(sim_cut_t *cut, common_error_t *e)
 {
     const sim_cut_options_t *o = &cut->options;
     const double low_mm = cut->design.z_first_mm;
@@ -255,9 +258,9 @@ static bool place_scallop(sim_cut_t *cut, sim_error_t *e)
         to_mm = o->window_last_mm;
     }
     if (from_mm < low_mm || from_mm > high_mm || (o->has_window && to_mm > high_mm)) {
-        return sim_error(e,
-                         "--scallop-mm %.12g:%.12g: beyond the part; give heights %.12g .. %.12g",
-                         from_mm, to_mm, low_mm, high_mm);
+        return common_error(
+            e, "--scallop-mm %.12g:%.12g: beyond the part; give heights %.12g .. %.12g", from_mm,
+            to_mm, low_mm, high_mm);
     }
     sim_scallop_init(&cut->scallop, o->nose_mm, from_mm, to_mm < high_mm ? to_mm : high_mm,
                      cut->work.blank_mm);
@@ -290,7 +293,7 @@ static void plan(sim_cut_t *cut)
 }
 
 static bool prepare(sim_cut_t *cut, const void *image, size_t size, const char *name,
-                    sim_error_t *e)
+                    common_error_t *e)
 {
     const sim_wishes_t wishes = all_wishes(&cut->options);
     if (!take_image(cut, image, size, name, e) || !check_injects(cut, size, e) ||
@@ -311,7 +314,7 @@ static bool prepare(sim_cut_t *cut, const void *image, size_t size, const char *
 }
 
 bool sim_cut_open(sim_cut_t *cut, const sim_cut_options_t *options, const void *image, size_t size,
-                  const char *name, sim_error_t *e)
+                  const char *name, common_error_t *e)
 {
     memset(cut, 0, sizeof *cut);
     cut->options = *options;

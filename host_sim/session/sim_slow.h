@@ -12,7 +12,7 @@
 #include "cam_feasible.h" // cam_feasibility_t
 #include "cam_param.h"    // cam_params_t
 #include "cam_table.h"    // cam_table_t
-#include "sim_error.h"    // sim_error_t
+#include "common_error.h" // common_error_t
 #include <stdbool.h>      // bool
 
 /// @return [s] longest time within a turn in which the spindle is slower than stopped_mrpm, over
@@ -25,6 +25,6 @@ bool sim_slow_is_turning(const cam_table_t *table, const cam_params_t *params, d
 /// @param feasibility  of the mean speed, which is within all limits
 /// @return             false and *e, with what would do, when that speed is so slow
 bool sim_slow_check(const cam_table_t *table, const cam_params_t *params,
-                    const cam_feasibility_t *feasibility, sim_error_t *e);
+                    const cam_feasibility_t *feasibility, common_error_t *e);
 
 #endif

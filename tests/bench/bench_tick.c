@@ -35,7 +35,7 @@ static bool open_cut(bench_t *b, bool is_traced)
 {
     const sim_cut_options_t options = {
         .config = sim_config_defaults(), .is_traced = is_traced, .seed = 1};
-    sim_error_t e;
+    common_error_t e;
     if (!sim_cut_open(&b->cut, &options, b->table.bytes, b->table.size, b->name, &e)) {
         (void)fprintf(stderr, "bench_tick: %s\n", e.text);
         return false;
@@ -140,7 +140,7 @@ int main(int argc, char **argv)
         (void)fprintf(stderr, "usage: bench_tick TABLE\n");
         return EXIT_FAILURE;
     }
-    sim_error_t e;
+    common_error_t e;
     int status = EXIT_FAILURE;
     bench_t *b = calloc(1, sizeof *b);
     if (b == NULL) {

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Numbers of MATHS.md (5) .. (69) that no test of a module asserts, each found a second way."""
+"""Worked numbers of the equations that no test of a module asserts, each found a second way."""
 
 from __future__ import annotations
 

@@ -51,7 +51,8 @@ typedef struct {
 } hal_setpoint_t;
 
 /// Set-point of the swing axis: the tool's angle about the swing's centre, 0 along the line of
-/// centres, rising in the sense in which the follower runs round the cam (TABLE_FORMAT.md, "Cams").
+/// centres, rising in the sense in which the follower runs round the cam (TABLE_FORMAT.md,
+/// "Lobes").
 typedef struct {
     int32_t pos_q32; ///< [turn / 2^32] at the tick in which it is written
     int32_t vel_q32; ///< [turn / 2^32 per tick] the drive goes on at this until the next set-point

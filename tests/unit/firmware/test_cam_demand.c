@@ -36,7 +36,7 @@ static void init_changing(void)
 {
     fixture_play_init(&f, &part);
     f.table.u_change = (cam_change_t){.most = 50000, .per_rad = 80000, .kink = 60000};
-    f.table.limit_u_acceleration_mm_s2 = 1000;
+    f.table.limit_u_acceleration_mm_per_s2 = 1000;
     f.params.u_acceleration_mm_per_s2 = 1000;
     f.params.engage_turns = 10;
     f.params.disengage_turns = 10;
@@ -75,7 +75,7 @@ static void test_speed_of_u_has_both_its_terms(void)
 static void test_largest_feed_and_highest_speed_are_edges(void)
 {
     init_changing();
-    f.table.limit_u_acceleration_mm_s2 = 40000;
+    f.table.limit_u_acceleration_mm_per_s2 = 40000;
     f.params.u_acceleration_mm_per_s2 = 40000;
     f.params.feed_nm = 500000;
     const cam_feasibility_t why = judge();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every limit with its numbers, against doubles; what is told as the highest speed passes.
+// Every limit with its numbers, against doubles; the reported highest speed is feasible itself.
 #include "cam_feasible.h"
 #include "unity.h"
 #include <math.h>
@@ -19,8 +19,8 @@ void setUp(void)
         .spindle_mrpm = 2500000,
         .feed_nm = 100000,
         .limit_u_stroke_nm = 2000000,
-        .limit_u_speed_um_s = 10000000,
-        .limit_u_acceleration_mm_s2 = 10000000,
+        .limit_u_speed_um_per_s = 10000000,
+        .limit_u_acceleration_mm_per_s2 = 10000000,
         .limit_spindle_mrpm = 60000000,
         .u_max_nm = 150000,
         .ratio_max_q20 = CAM_TABLE_RATIO_ONE,
@@ -42,7 +42,7 @@ static cam_feasibility_t judge(uint32_t mrpm)
     return cam_feasible(&table, &params, mrpm, 20000);
 }
 
-/// Refused at a speed with these numbers, and the told highest speed is right to 0.3 %.
+/// A speed is refused with these numbers, and the reported highest speed is right to 0.3 %.
 static void expect_refused(cam_err_t err, uint32_t mrpm, double needed, double limit,
                            double highest_mrpm)
 {
@@ -83,7 +83,7 @@ static void test_u_speed_limit_is_the_smaller_of_machine_and_table(void)
     params.u_speed_um_per_s = 30000;
     const double most = 30e6 / 150000 * 60000 / (2 * pi);
     expect_refused(cam_err_u_speed, 2500000, 150e3 * omega(2500e3) / 1e3, 30000, most);
-    table.limit_u_speed_um_s = 15000;
+    table.limit_u_speed_um_per_s = 15000;
     expect_refused(cam_err_u_speed, 2500000, 150e3 * omega(2500e3) / 1e3, 15000, most / 2);
 }
 
@@ -93,7 +93,7 @@ static void test_u_acceleration_limit_is_the_smaller_of_machine_and_table(void)
     const double needed = 300e3 * omega(2500e3) * omega(2500e3) / 1e6;
     const double most = sqrt(15e9 / 300e3) * 60000 / (2 * pi);
     expect_refused(cam_err_u_acceleration, 2500000, needed, 15000, most);
-    table.limit_u_acceleration_mm_s2 = 3750;
+    table.limit_u_acceleration_mm_per_s2 = 3750;
     expect_refused(cam_err_u_acceleration, 2500000, needed, 3750, most / 2);
 }
 
@@ -213,7 +213,7 @@ static void test_modulation_limits_peak_speed_and_spindle_acceleration(void)
     table.spindle_peak_ppm = 1056454u;
     params.spindle_acceleration_mrad_per_s2 = 2000000000;
     params.spindle_limit_mrpm = 2500000;
-    TEST_ASSERT_EQUAL_UINT32(2500001, cam_feasible_peak(&table, 1667270));
+    TEST_ASSERT_EQUAL_UINT32(2500001, cam_feasible_peak_mrpm(&table, 1667270));
     expect_refused(cam_err_spindle_speed, 2000000, 2000000 * 1.499457112, 2500000, 1667270);
     params.spindle_limit_mrpm = 60000000;
     params.spindle_acceleration_mrad_per_s2 = 500000;
@@ -225,7 +225,7 @@ static void test_modulation_limits_peak_speed_and_spindle_acceleration(void)
     expect_refused(cam_err_z_speed, 100000, 100.0 / 60 * 1.499457 * 10000, 20000, 80028.98);
 }
 
-/// What is told as the highest speed passes, at slow speeds and small limits, too.
+/// The reported highest speed is feasible itself, at slow speeds and small limits as well.
 static void test_highest_speed_passes_where_numbers_are_small(void)
 {
     for (int32_t limit = 100; limit < 2000; limit += 7) {
@@ -234,6 +234,22 @@ static void test_highest_speed_passes_where_numbers_are_small(void)
         TEST_ASSERT_EQUAL_INT(cam_ok, judge(why.highest_mrpm).err);
         const double rpm = 60.0 / (2.0 * pi) * sqrt(limit / 0.3) * 1000.0;
         TEST_ASSERT_DOUBLE_WITHIN(0.003 * rpm, rpm, why.highest_mrpm);
+    }
+}
+
+/// The verdict alone and the two searches are what the full judgement consists of.
+static void test_verdict_and_searches_agree_with_the_full_judgement(void)
+{
+    params.z_acceleration_mm_per_s2 = 20;
+    params.u_acceleration_mm_per_s2 = 20000;
+    for (uint32_t mrpm = 100000; mrpm <= 6100000; mrpm += 250000) {
+        const cam_feasibility_t all = judge(mrpm);
+        TEST_ASSERT_EQUAL_INT(all.err, cam_feasible_check(&table, &params, mrpm, 20000));
+        TEST_ASSERT_EQUAL_UINT32(all.highest_mrpm,
+                                 cam_feasible_highest_mrpm(&table, &params, 20000));
+        TEST_ASSERT_EQUAL_UINT32(all.largest_feed_nm,
+                                 cam_feasible_largest_feed_nm(&table, &params, mrpm, 20000));
+        TEST_ASSERT_EQUAL(mrpm <= all.highest_mrpm, all.err == cam_ok);
     }
 }
 
@@ -354,6 +370,7 @@ int main(void)
     RUN_TEST(test_tick_rate_limits_knots_and_counts_per_tick);
     RUN_TEST(test_modulation_limits_peak_speed_and_spindle_acceleration);
     RUN_TEST(test_highest_speed_passes_where_numbers_are_small);
+    RUN_TEST(test_verdict_and_searches_agree_with_the_full_judgement);
     RUN_TEST(test_flat_table_has_a_finite_highest_speed);
     RUN_TEST(test_largest_demands_do_not_overflow);
     RUN_TEST(test_tool_that_must_swing_is_refused_at_any_speed);

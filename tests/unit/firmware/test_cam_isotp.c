@@ -5,7 +5,7 @@
 #include "unity.h"
 #include <string.h> // memset
 
-enum { capacity = 5000, patience = 1000 };
+enum { capacity = 5000, timeout_ticks = 1000 };
 
 static uint8_t bytes[capacity];
 static cam_isotp_t t;
@@ -14,7 +14,7 @@ static uint32_t now;
 void setUp(void)
 {
     memset(bytes, 0, sizeof bytes);
-    t = (cam_isotp_t){.bytes = bytes, .capacity = capacity, .patience = patience};
+    t = (cam_isotp_t){.bytes = bytes, .capacity = capacity, .timeout_ticks = timeout_ticks};
     now = UINT32_MAX - 3u; // it wraps
 }
 
@@ -158,14 +158,14 @@ static void test_a_late_frame_breaks(void)
 {
     TEST_ASSERT_EQUAL_INT(cam_isotp_nothing, give_first(300));
     const uint32_t since = now;
-    TEST_ASSERT_EQUAL_INT(cam_isotp_nothing, cam_isotp_wait(&t, since + patience));
-    TEST_ASSERT_EQUAL_INT(cam_isotp_broken, cam_isotp_wait(&t, since + patience + 1u));
-    TEST_ASSERT_EQUAL_INT(cam_isotp_nothing, cam_isotp_wait(&t, since + patience + 2u));
+    TEST_ASSERT_EQUAL_INT(cam_isotp_nothing, cam_isotp_wait(&t, since + timeout_ticks));
+    TEST_ASSERT_EQUAL_INT(cam_isotp_broken, cam_isotp_wait(&t, since + timeout_ticks + 1u));
+    TEST_ASSERT_EQUAL_INT(cam_isotp_nothing, cam_isotp_wait(&t, since + timeout_ticks + 2u));
     hal_can_frame_t frame;
     TEST_ASSERT_FALSE(cam_isotp_flow(&t, &frame));
     TEST_ASSERT_EQUAL_INT(cam_isotp_nothing, give_next(1, 6, 7));
     send_whole(300);
-    TEST_ASSERT_EQUAL_INT(cam_isotp_nothing, cam_isotp_wait(&t, now + 10u * patience));
+    TEST_ASSERT_EQUAL_INT(cam_isotp_nothing, cam_isotp_wait(&t, now + 10u * timeout_ticks));
 }
 
 static void test_a_new_message_takes_the_place_of_the_old(void)

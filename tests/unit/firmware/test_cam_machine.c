@@ -219,6 +219,8 @@ static void test_without_a_table_nothing_starts(void)
     fixture_rig_tick(&rig);
     TEST_ASSERT_EQUAL_INT(cam_err_no_table, cam_machine_enable(&rig.machine));
     TEST_ASSERT_EQUAL_INT(cam_err_no_table, cam_machine_feasibility(&rig.machine, 1000).err);
+    TEST_ASSERT_EQUAL_INT(cam_err_no_table, cam_machine_check_speed(&rig.machine, 1000));
+    TEST_ASSERT_EQUAL_UINT32(0, cam_machine_highest_mrpm(&rig.machine));
     g_cam.request = 1u << 8 | cam_request_enable;
     fixture_rig_tick(&rig);
     TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_status(&rig).state);

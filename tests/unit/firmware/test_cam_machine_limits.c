@@ -52,6 +52,9 @@ static void test_start_beyond_the_limits_is_refused_before_motion(void)
     TEST_ASSERT_EQUAL_INT64(3500000, why.needed);
     TEST_ASSERT_EQUAL_INT64(3000000, why.limit);
     TEST_ASSERT_EQUAL_UINT32(3000000, why.highest_mrpm);
+    TEST_ASSERT_EQUAL_INT(cam_err_spindle_speed, cam_machine_check_speed(&rig.machine, 0));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_check_speed(&rig.machine, why.highest_mrpm));
+    TEST_ASSERT_EQUAL_UINT32(why.highest_mrpm, cam_machine_highest_mrpm(&rig.machine));
     fixture_rig_tick(&rig);
     TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_status(&rig).state);
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The Linux port's nodes together: who is lost, what is ready, which frames a tick sends.
 #include "lin_bus.h"
-#include "lin_number.h"
+#include "common_bytes.h" // common_put_u16
 #include "lin_words.h"
 #include "unity.h"
 #include <string.h> // strlen
@@ -45,8 +45,8 @@ void tearDown(void) {}
 static void hear(uint32_t id, uint32_t n, uint32_t low, uint32_t high)
 {
     hal_can_frame_t frame = {.id = id, .n = n};
-    lin_put_i32(frame.data, (int32_t)low);
-    lin_put_i32(frame.data + 4, (int32_t)high);
+    common_put_i32(frame.data, (int32_t)low);
+    common_put_i32(frame.data + 4, (int32_t)high);
     lin_bus_take(&bus, &frame, now);
 }
 
@@ -85,7 +85,7 @@ static const hal_can_frame_t *find(uint32_t id)
 
 static int32_t i32(const hal_can_frame_t *frame, uint32_t at)
 {
-    return (int32_t)lin_get_u32(frame->data + at);
+    return (int32_t)common_get_u32(frame->data + at);
 }
 
 static void expect_cause(lin_loss_t loss, uint32_t node)
@@ -254,7 +254,7 @@ static void test_whoever_holds_drives_lets_go_before_it_is_silent(void)
     TEST_ASSERT_NOT_NULL(find(0x080));
     wants.outputs = hal_out_fault;
     make();
-    TEST_ASSERT_EQUAL_HEX16(0x02, lin_get_u16(find(0x202)->data));
+    TEST_ASSERT_EQUAL_HEX16(0x02, common_get_u16(find(0x202)->data));
     hear_all(0x250);
     make();
     TEST_ASSERT_EQUAL_UINT32(0, n_frames);
@@ -299,7 +299,7 @@ static void test_tick_sends_setpoints_then_sync(void)
     TEST_ASSERT_EQUAL_HEX32(0x080, frames[7].id);
     TEST_ASSERT_EQUAL_UINT32(0, frames[7].n);
     TEST_ASSERT_EQUAL_UINT32(6, find(0x202)->n);
-    TEST_ASSERT_EQUAL_HEX16(0x0F, lin_get_u16(find(0x202)->data));
+    TEST_ASSERT_EQUAL_HEX16(0x0F, common_get_u16(find(0x202)->data));
     TEST_ASSERT_EQUAL_INT32(-123456, i32(find(0x202), 2));
     TEST_ASSERT_EQUAL_INT32(2000, i32(find(0x302), 0)); // 2 nm a tick at 1 kHz
     TEST_ASSERT_EQUAL_INT32(-1000, i32(find(0x304), 0));
@@ -318,7 +318,7 @@ static void test_fd_puts_the_velocity_behind_the_position(void)
     TEST_ASSERT_EQUAL_UINT32(12, find(0x203)->n);
     TEST_ASSERT_EQUAL_INT32(40000000, i32(find(0x203), 2));
     TEST_ASSERT_EQUAL_INT32(2097151999, i32(find(0x203), 6));
-    TEST_ASSERT_EQUAL_HEX16(0, lin_get_u16(find(0x203)->data + 10));
+    TEST_ASSERT_EQUAL_HEX16(0, common_get_u16(find(0x203)->data + 10));
     TEST_ASSERT_NULL(find(0x303));
 }
 
@@ -358,14 +358,14 @@ static void test_stopping_leads_all_drives_to_rest(void)
     wants.spindle_mrpm = 300000;
     make();
     for (uint32_t node = 2; node <= 5u; node++) {
-        TEST_ASSERT_EQUAL_HEX16(0x02, lin_get_u16(find(0x200 + node)->data));
+        TEST_ASSERT_EQUAL_HEX16(0x02, common_get_u16(find(0x200 + node)->data));
     }
     TEST_ASSERT_EQUAL_INT32(0, i32(find(0x205), 2));
     TEST_ASSERT_FALSE(lin_bus_is_at_rest(&bus));
     hear_all(0x250);
     TEST_ASSERT_TRUE(lin_bus_is_at_rest(&bus));
     make();
-    TEST_ASSERT_EQUAL_HEX16(0x00, lin_get_u16(find(0x202)->data));
+    TEST_ASSERT_EQUAL_HEX16(0x00, common_get_u16(find(0x202)->data));
 }
 
 static void test_axis_without_a_drive_tells_its_setpoint(void)

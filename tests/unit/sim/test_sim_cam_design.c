@@ -6,7 +6,7 @@
 #include <string.h> // strstr
 
 static sim_cam_design_t design;
-static sim_error_t error;
+static common_error_t error;
 
 #define HEAD                                                                                       \
     "\"operation\": \"turning\", \"speed\": \"uniform\", \"base_mm\": 20, \"roller_mm\": 10, "     \

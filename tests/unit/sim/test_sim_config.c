@@ -5,7 +5,7 @@
 #include <string.h> // memcmp
 
 static sim_config_t config;
-static sim_error_t error;
+static common_error_t error;
 static const char path[] = "test_sim_config.toml";
 
 void setUp(void)

@@ -8,7 +8,7 @@
 static fixture_image_t image;
 static sim_cut_options_t options;
 static sim_cut_t cut;
-static sim_error_t error;
+static common_error_t error;
 
 void setUp(void)
 {

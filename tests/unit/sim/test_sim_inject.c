@@ -6,7 +6,7 @@
 #include <string.h> // strstr
 
 static sim_inject_t inject;
-static sim_error_t error;
+static common_error_t error;
 static sim_machine_t machine;
 
 void setUp(void)

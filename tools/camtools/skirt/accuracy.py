@@ -1,5 +1,7 @@
 """How far a quantised table is from the exact geometry, on dense grids off the knots.
 
+What is measured here is bounded by MATHS.md (48) .. (50).
+
 >>> from camtools.skirt.geometry import make_geometry
 >>> from camtools.skirt.part import example_part
 >>> from camtools.skirt.channels import u_channel

@@ -69,7 +69,9 @@ class Ellipse:
 
 @dataclass(frozen=True)
 class DoubleEllipse:
-    """Two harmonics, the quadratic ellipse, MATHS.md (4); beta = 0 is the cosine form, (3).
+    """Two harmonics, the quadratic ellipse, MATHS.md (4); beta = 0 is the cosine form.
+
+    MATHS.md (3) is the cosine form, MATHS.md (5) how far inside of it the exact ellipse lies.
 
     Attributes
     ----------
