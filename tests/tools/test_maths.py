@@ -96,7 +96,7 @@ def test_smooth_blend_of_both_branches(left_deg: int, mean: str, too_much: str) 
 
 def between_knots(knots: Floats) -> Floats:
     """Return value and two derivatives of one interval at T, by MATHS.md (46)."""
-    c = segment_coefficients(knots, periodic=False)[0]  # type: ignore[arg-type]
+    c = segment_coefficients(knots, periodic=False)[0]
     return np.stack([np.polynomial.Polynomial(c).deriv(n)(T) for n in range(3)])
 
 

@@ -76,7 +76,7 @@ def evaluate_u_grid(channel: Channel, z_nm: Floats, t: Floats) -> Values:
     i_slice, weight = locate(channel, z_nm)
     w = weight[:, None, None]
     blended = (1 - w) * channel.knots[i_slice] + w * channel.knots[i_slice + 1]
-    coefficients = segment_coefficients(blended, periodic=True)  # type: ignore[arg-type]
+    coefficients = segment_coefficients(blended, periodic=True)
     raw = np.einsum("zkc,dct->dzkt", coefficients, power_rows(t), optimize=True)
     return _scaled(channel, raw.reshape(3, z_nm.size, -1))
 
