@@ -17,7 +17,7 @@ from camtools.skirt.composite import Joint
 from camtools.skirt.geometry import make_geometry
 from camtools.skirt.refit import CANDIDATES, Recipe, judge, kept_sites, sites_rad
 from camtools.skirt.sections import DoubleEllipse, Ellipse
-from camtools.table.image import segment_coefficients
+from camtools.table.quintics import segment_coefficients
 from part_cases import PERKINS, load_part
 
 A_MM, G_MM = 46.0, 0.2

@@ -27,7 +27,7 @@ _R0, _R1, _R2, _LR, _PC = 0, 1, 2, 14, 15
 
 
 @dataclass(frozen=True)
-class Instruction:
+class Executed:
     """One line of a disassembly.
 
     Attributes
@@ -45,7 +45,7 @@ class Instruction:
 
 
 @dataclass(frozen=True)
-class Trace:
+class InstructionTrace:
     """One call of a function, instruction by instruction.
 
     Attributes
@@ -83,13 +83,13 @@ def run_tool(command: Sequence[str | Path], text: str = "") -> str:
     return done.stdout
 
 
-def parse_listing(text: str) -> dict[int, Instruction]:
+def parse_listing(text: str) -> dict[int, Executed]:
     """Return the instructions of `objdump -d` by address."""
     found = {}
     for address, code, name, operands in _LINE.findall(text):
         size = len(code.replace(" ", "")) // 2
         at = int(address, 16)
-        found[at] = Instruction(at, size, name, operands.strip())
+        found[at] = Executed(at, size, name, operands.strip())
     return found
 
 
@@ -177,7 +177,9 @@ def _emulator(image: Path, machine: str) -> Iterator[_Debugger]:
             process.wait()
 
 
-def trace_calls(image: Path, machine: str, symbols: Mapping[str, tuple[int, int]]) -> list[Trace]:
+def trace_calls(
+    image: Path, machine: str, symbols: Mapping[str, tuple[int, int]]
+) -> list[InstructionTrace]:
     """Step through the calls that an image announces by budget_trace().
 
     Parameters
@@ -204,5 +206,5 @@ def trace_calls(image: Path, machine: str, symbols: Mapping[str, tuple[int, int]
             if abs(len(steps) - counted) > _CALL:
                 msg = f"{name}: {len(steps)} instructions stepped, {counted} counted"
                 raise CamtoolsError([msg])
-            traces.append(Trace(name, counted, steps))
+            traces.append(InstructionTrace(name, counted, steps))
     return traces

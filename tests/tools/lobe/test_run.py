@@ -21,7 +21,7 @@ from camtools.lobe.motion import example_lobe
 from camtools.lobe.report import band, draw_rake, make_lobe_report, speed_of_contact
 from camtools.lobe.report_text import LobeOutcome, lobe_rows
 from camtools.report.text import page_text
-from camtools.sim.results import STATES, Surface, Trace
+from camtools.sim.results import STATES, CutTrace, GaugedSurface
 from part_cases import ROOT, environment
 
 BUILD = Path(os.environ.get("CAMTURN_BUILD") or ROOT / "build" / "host").resolve()
@@ -125,12 +125,14 @@ def made_up(generated: GeneratedLobes, cam: dict[str, Any]) -> LobeOutcome:
         "cam": cam, "injected": [],
     }  # fmt: skip
     turn = np.linspace(0, 1, 50, endpoint=False)
-    surface = Surface(turn, np.full(50, 5.0), np.full(50, 25.0), 0.3 * np.sin(2 * np.pi * turn))
+    surface = GaugedSurface(
+        turn, np.full(50, 5.0), np.full(50, 25.0), 0.3 * np.sin(2 * np.pi * turn)
+    )
     tick = np.arange(2000.0)
-    columns = {name: np.zeros(2000) for name in Trace._fields}
+    columns = {name: np.zeros(2000) for name in CutTrace._fields}
     columns |= {"t_s": tick * 50e-6, "turn": tick * 1e-3, "z_mm": np.full(2000, 5.0)}
     columns["state"] = np.full(2000, float(STATES.index("cutting")))
-    return LobeOutcome(generated, summary, surface, Trace(**columns))
+    return LobeOutcome(generated, summary, surface, CutTrace(**columns))
 
 
 @pytest.fixture(scope="module")

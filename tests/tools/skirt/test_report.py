@@ -28,9 +28,9 @@ from camtools.sim.results import (
     CUTTING,
     FAULT,
     STATES,
-    Surface,
-    Trace,
-    Variant,
+    CutTrace,
+    CutVariant,
+    GaugedSurface,
     read_surface,
     read_trace,
 )
@@ -71,7 +71,7 @@ FAULTY = {
 def good(generated: GeneratedSkirt) -> SkirtOutcome:
     """Return a cut without anything wrong."""
     geometry = generated.geometry
-    variants = (Variant("complete", 0.04, 0.02), Variant("without <lead>", 4.0, 2.0))
+    variants = (CutVariant("complete", 0.04, 0.02), CutVariant("without <lead>", 4.0, 2.0))
     trace = made_up_trace(geometry)
     surface = made_up_surface(geometry)
     return SkirtOutcome(generated, made_up_summary(), surface, trace, variants=variants)
@@ -126,7 +126,7 @@ def test_round_limits_enclose(value: float) -> None:
 
 def test_map_shows_the_worst_point_of_each_cell() -> None:
     """Of several points in a cell the largest magnitude wins, whatever the order."""
-    surface = Surface(*np.array([[0.5, 0.5, 0.5], [1, 1, 1], [46, 46, 46], [0.1, -0.3, 0.2]]))
+    surface = GaugedSurface(*np.array([[0.5, 0.5, 0.5], [1, 1, 1], [46, 46, 46], [0.1, -0.3, 0.2]]))
     grid = report_surface.error_grid(surface, (0.0, 62.0), 64)
     assert grid[1, 180] == -0.3
     assert np.isnan(grid).sum() == grid.size - 1
@@ -238,8 +238,10 @@ def test_cut_without_surface_and_trace_still_reports(faulty: SkirtOutcome) -> No
     """A fault before the first chip leaves a page without pictures of the surface."""
     nothing = {"max": None, "rms": None, "tolerance": 5.0}
     summary = faulty.summary | {"form_error_um": nothing, "following_error_um": nothing}
-    surface = Surface(*np.empty((4, 0)))
-    files = make_report(SkirtOutcome(faulty.generated, summary, surface, Trace(*np.empty((10, 0)))))
+    surface = GaugedSurface(*np.empty((4, 0)))
+    files = make_report(
+        SkirtOutcome(faulty.generated, summary, surface, CutTrace(*np.empty((10, 0))))
+    )
     assert sorted(files) == ["cut_motion.png", "report.html"]
     assert b"nothing was cut to full depth" in files["report.html"]
 
@@ -317,5 +319,5 @@ def test_windowed_trace_is_said_so(good: SkirtOutcome) -> None:
 def test_bars_of_cuts_without_error() -> None:
     """An error of exactly 0 does not break the logarithmic scale."""
     with drawing():
-        png = png_of(draw_variants((Variant("a", 0.0, 0.0), Variant("b", 1.0, 1.0)), 5.0))
+        png = png_of(draw_variants((CutVariant("a", 0.0, 0.0), CutVariant("b", 1.0, 1.0)), 5.0))
     assert png.startswith(b"\x89PNG")

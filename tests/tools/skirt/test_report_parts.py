@@ -9,7 +9,7 @@ import pytest
 
 from camtools.plots.style import drawing, png_of
 from camtools.report.text import margins_of
-from camtools.sim.results import CUTTING, Removal, Surface, Trace, read_removal
+from camtools.sim.results import CUTTING, CutTrace, GaugedSurface, Removal, read_removal
 from camtools.skirt.composite import fold
 from camtools.skirt.even import limited_turns, uniform_twin
 from camtools.skirt.generate import GeneratedSkirt, generate
@@ -78,13 +78,13 @@ def test_lines_show_what_the_refit_costs(weichai: GeneratedSkirt) -> None:
     assert peak == pytest.approx(told.acceleration_mm_s2, rel=1e-4)
 
 
-def on_the_refit(generated: GeneratedSkirt) -> tuple[Surface, Trace]:
+def on_the_refit(generated: GeneratedSkirt) -> tuple[GaugedSurface, CutTrace]:
     """Return a surface and a trace made up on a part's own geometry."""
     geometry = generated.geometry
     z_mm, turn = np.meshgrid(np.linspace(0, 80, 100), (np.arange(720) + 0.5) / 720, indexing="ij")
     z, phi = z_mm.ravel(), turn.ravel()
     exact = geometry.radius_mm(z) - geometry.delta(2 * np.pi * phi, z).delta
-    surface = Surface(phi, z, exact, np.zeros(z.size))
+    surface = GaugedSurface(phi, z, exact, np.zeros(z.size))
     return surface, made_up_trace(geometry)
 
 
@@ -120,7 +120,7 @@ def test_skirt_in_space_is_enlarged_once(generated: GeneratedSkirt) -> None:
         generated.geometry.delta(2 * np.pi * turns, heights[:, None]).delta
     )
     np.testing.assert_allclose(radius, exact, atol=2e-3)
-    few = Surface(*(column[:50] for column in surface))
+    few = GaugedSurface(*(column[:50] for column in surface))
     with drawing():
         assert png_of(draw_skirt(few, generated.geometry, 1.0))[1:4] == b"PNG"
 

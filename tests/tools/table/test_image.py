@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import struct
 import zlib
 from dataclasses import fields, replace
@@ -24,10 +25,12 @@ from camtools.table.image import (
     channel_coefficients,
     largest_sum,
     pack,
-    segment_coefficients,
     slices_per_nm_q48,
     unpack,
 )
+from camtools.table.quintics import segment_coefficients
+from camtools.table.records import ENTRY, HEADER
+from part_cases import ROOT
 
 
 def small_table(seed: int = 1, n_slices: int = 3, log2_knots: int = 2) -> Table:
@@ -194,3 +197,21 @@ def test_generated_table_keeps_the_overflow_bound(generated: GeneratedSkirt) -> 
     for channel in generated.table.channels:
         most = largest_sum(channel_coefficients(channel))
         assert SUM_LIMIT / 2.1 < most <= SUM_LIMIT
+
+
+FORMAT = ROOT / "firmware" / "table" / "TABLE_FORMAT.md"
+TYPES = {"u8[8]": "S8", "u8[32]": "S32", "u16": "<u2", "u32": "<u4", "i32": "<i4"}
+
+
+@pytest.mark.parametrize(
+    ("title", "record"),
+    [("## Header", HEADER), ("## Channel entry", ENTRY)],
+    ids=["header", "entry"],
+)
+def test_records_are_those_of_the_document(title: str, record: np.dtype[np.void]) -> None:
+    """Offset, type and name of every field stand in TABLE_FORMAT.md, and nothing else does."""
+    section = FORMAT.read_text("utf-8").split(f"\n{title} ", 1)[1].split("\n## ", 1)[0]
+    rows = re.findall(r"^\| (\d+) \| (\S+) \| (\w+) \|", section, re.MULTILINE)
+    told = [(int(offset), np.dtype(TYPES[kind]), name) for offset, kind, name in rows]
+    assert record.fields is not None
+    assert told == [(field[1], field[0], name) for name, field in record.fields.items()]

@@ -32,3 +32,6 @@ class SectionValues(NamedTuple):
     d1: Floats  # mm/rad
     d2: Floats  # mm/rad^2
     d3: Floats  # mm/rad^3
+
+
+Ints = npt.NDArray[np.int64]

@@ -108,7 +108,7 @@ def drift_of(channel: Channel, unit: float, feed_mm: float) -> Drift:
     )
 
 
-class Motion(NamedTuple):
+class AxisDemand(NamedTuple):
     """What one axis needs at a mean speed omega: first * omega, second * omega^2 + kink * omega."""
 
     first: float
@@ -133,16 +133,16 @@ class Motion(NamedTuple):
         return 2 * limit / root if root > 0 else float("inf")
 
 
-def _motion(first: float, second: float, drift: Drift, set_point_hz: float) -> Motion:
-    return Motion(first + drift.step, second + drift.twist, drift.kink * set_point_hz)
+def _motion(first: float, second: float, drift: Drift, set_point_hz: float) -> AxisDemand:
+    return AxisDemand(first + drift.step, second + drift.twist, drift.kink * set_point_hz)
 
 
-def u_motion(peaks: Peaks, limits: MachineLimits) -> Motion:
+def u_motion(peaks: Peaks, limits: MachineLimits) -> AxisDemand:
     """Return what U needs, in mm."""
     return _motion(peaks.u1_mm, peaks.u2_mm, peaks.u_drift, limits.tick_hz)
 
 
-def swing_motion(peaks: Peaks, limits: MachineLimits) -> Motion:
+def swing_motion(peaks: Peaks, limits: MachineLimits) -> AxisDemand:
     """Return what the swing needs, in degrees."""
     rate_hz = limits.tick_hz / SWING_TICKS
     return _motion(peaks.swing1_deg, peaks.swing2_deg, peaks.swing_drift, rate_hz)

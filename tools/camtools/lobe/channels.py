@@ -17,7 +17,7 @@ import numpy.typing as npt
 from scipy.interpolate import make_interp_spline
 
 from camtools.base.errors import CamtoolsError, GeometryError
-from camtools.base.quantities import NM_PER_MM, Floats
+from camtools.base.quantities import NM_PER_MM, Floats, Ints
 from camtools.lobe.motion import ShaftLobe
 from camtools.lobe.speed import N_GRID
 from camtools.table.evaluate import GRID_MARGIN, PLACES, ROUNDING_LSB, evaluate_u_grid
@@ -28,7 +28,6 @@ from camtools.table.image import (
     KIND_SWING,
     KIND_U,
     KIND_X,
-    KNOT_SIZE,
     MAX_CHANNEL_BYTES,
     MAX_LOG2_KNOTS,
     MAX_RATIO,
@@ -38,9 +37,9 @@ from camtools.table.image import (
     MIN_SPACING_NM,
     RATIO_ONE,
     Channel,
-    Ints,
 )
 from camtools.table.quantise import TooLargeError, quantise, with_bounds
+from camtools.table.records import KNOT_SIZE
 
 ANGLE_TOLERANCE_DEG = 1e-4
 _RATIO_TOLERANCE = 1e-5
@@ -180,7 +179,7 @@ def _error(function: Function, lobes: list[ShaftLobe], channel: Channel) -> floa
     """Return the largest error in units of the channel, which has one slice for each lobe."""
     alone = (replace(channel, knots=channel.knots[[i, i]]) for i in range(len(lobes)))
     largest = max(_off(function, *one) for one in zip(lobes, alone, strict=True))
-    return GRID_MARGIN * largest + ROUNDING_LSB * channel.lsb_nm
+    return GRID_MARGIN * largest + ROUNDING_LSB * channel.lsb
 
 
 def _measured(

@@ -175,8 +175,8 @@ def _modulation(part: LobePart, lobes: list[ShaftLobe]) -> tuple[MadeChannel | N
 
 def _with_swing(peaks: Peaks, angle: Channel, speed: Channel | None) -> Peaks:
     raw, h = raw_bounds(angle), knot_interval(angle)
-    unit = angle.lsb_nm * _DEG_PER_UNIT
-    extremes = (angle.offset_nm + one * angle.lsb_nm for one in (raw.low, raw.high))
+    unit = angle.lsb * _DEG_PER_UNIT
+    extremes = (angle.origin + one * angle.lsb for one in (raw.low, raw.high))
     largest = max(abs(one) for one in extremes) * _DEG_PER_UNIT
     first, second = raw.first * unit / h, raw.second * unit / h**2
     if speed is not None:

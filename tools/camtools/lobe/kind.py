@@ -16,7 +16,7 @@ from camtools.lobe.part import MAX_RPM, MIN_RPM, LobePart
 from camtools.lobe.report_text import LobeOutcome, lobe_rows
 from camtools.lobe.summary import emit_lobe_text, make_lobe_summary
 from camtools.pipeline.kind import Kind, Rig
-from camtools.report.text import Row
+from camtools.report.text import ReportRow
 from camtools.sim.camsim import TRACE
 from camtools.sim.results import Measured, read_swing
 
@@ -95,7 +95,7 @@ class LobeKind(Kind[LobePart, GeneratedLobes, LobeOutcome]):
         error = {"u_nm": made.lift.error, "angle_deg": made.angle.error}
         return {"table_error": error | {"tolerance_nm": made.tolerance_nm}}
 
-    def rows(self, outcome: LobeOutcome) -> list[Row]:
+    def rows(self, outcome: LobeOutcome) -> list[ReportRow]:
         """See `Kind.rows`."""
         return lobe_rows(outcome)
 

@@ -32,7 +32,7 @@ from camtools.plots.style import (
 from camtools.report import compare as report_compare
 from camtools.report import motion as report_motion
 from camtools.report.page import Caption, Page, render_page
-from camtools.sim.results import CUTTING, FAULT, Trace
+from camtools.sim.results import CUTTING, FAULT, CutTrace
 
 _N_BINS = 720
 _SPEED_TICKS = 10
@@ -133,7 +133,7 @@ def speed_of_contact(lobe: ShaftLobe, phi_rad: Floats, omega_rad_s: Floats) -> F
     return np.asarray(lobe.at(phi_rad).ds_dphi * omega_rad_s)
 
 
-def _speed_of(trace: Trace) -> Floats:
+def _speed_of(trace: CutTrace) -> Floats:
     """Return the spindle's speed from its angle over some ticks to both sides [rad/s]."""
     k, speed = _SPEED_TICKS, np.full(trace.t_s.size, np.nan)
     if trace.t_s.size > 2 * k:

@@ -24,7 +24,7 @@ Word = tuple[str, int]
 """Letter and decimals."""
 
 
-class Job(NamedTuple):
+class ProgramJob(NamedTuple):
     """What a program is made of."""
 
     part: SkirtPart
@@ -73,7 +73,7 @@ def lines(text: Iterable[str]) -> bytes:
     return "".join(f"{one}\n" for one in text).encode("ascii")
 
 
-def head(job: Job, notes: Iterable[str]) -> list[str]:
+def head(job: ProgramJob, notes: Iterable[str]) -> list[str]:
     """Return the lines that every program begins with."""
     x = "twice the radius" if job.is_diameter else "radius"
     told = (

@@ -106,7 +106,7 @@ class Process(Protocol):
         """Sense of the spindle, 1 or -1."""
 
 
-class Machine(Protocol):
+class MachineTable(Protocol):
     """[machine] of every kind."""
 
     @property
@@ -126,7 +126,7 @@ class PartFile(Protocol):
         """How it is cut."""
 
     @property
-    def machine(self) -> Machine:
+    def machine(self) -> MachineTable:
         """The machine for which its table is made."""
 
     @property

@@ -1,8 +1,6 @@
 r"""A part file as it lies on the disk: read within bounds, parsed once, checked against a model.
 
->>> read_tree(b'[part]
-name = "a"
-', "a.toml")
+>>> read_tree(b'[part]\nname = "a"\n', "a.toml")
 {'part': {'name': 'a'}}
 """
 

@@ -1,6 +1,6 @@
 """What tools/run was asked for, whatever the kind of the part.
 
->>> Job(["--feed", "0.5"]).feed_words()
+>>> RunJob(["--feed", "0.5"]).feed_words()
 ['--feed', '0.5']
 """
 
@@ -82,7 +82,7 @@ def _for_camsim(words: Sequence[str]) -> list[str]:
     return [str(Path(word).resolve()) if Path(word).is_file() else word for word in words]
 
 
-class Job:
+class RunJob:
     """What was asked for, checked as far as this is possible without the part.
 
     Parameters

@@ -4,7 +4,7 @@ A kind is one package of camtools with a module `kind` that holds an instance, K
 derived from `Kind`. The registry finds it; nothing else names it.
 
 >>> sorted(Kind.__abstractmethods__)[:3]
-['facts', 'form_error_um', 'machine']
+['at_speed', 'facts', 'form_error_um']
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from typing import Any, ClassVar, Generic, NamedTuple, TypeVar
 from camtools.base.json_text import Json
 from camtools.part.common import PartFile
 from camtools.part.model import TomlTable
-from camtools.report.text import Row
+from camtools.report.text import ReportRow
 from camtools.sim.camsim import Simulator
 from camtools.sim.results import AnyCut, Measured
 from camtools.table.header import MadeTable
@@ -105,7 +105,7 @@ class Kind(ABC, Generic[PartT, MadeT, CutT]):
         """Return what the summary of a cut says of the table's errors."""
 
     @abstractmethod
-    def rows(self, outcome: CutT) -> list[Row]:
+    def rows(self, outcome: CutT) -> list[ReportRow]:
         """Return what the cut came to, in words and numbers."""
 
     @abstractmethod

@@ -1,7 +1,7 @@
 """The whole pipeline: table, cut on the host simulator, gauge, report, for every kind of part.
 
 >>> from camtools.pipeline.load import load
->>> job = Job(["--feed", "0.5"])
+>>> job = RunJob(["--feed", "0.5"])
 >>> made = make(load(job.part_path), job.part_path)
 >>> turns_of(job, made)
 124.0
@@ -18,7 +18,7 @@ from pathlib import Path
 from camtools.base.command import BAD_INPUT
 from camtools.base.json_text import Json
 from camtools.base.stage import Stage
-from camtools.pipeline.job import Job, say, shown, without_faults, write_files
+from camtools.pipeline.job import RunJob, say, shown, without_faults, write_files
 from camtools.pipeline.kind import Rig
 from camtools.pipeline.load import load
 from camtools.pipeline.make import Made, make
@@ -36,12 +36,12 @@ from camtools.sim.camsim import (
 from camtools.sim.results import AnyCut, Measured, read_summary, read_surface, read_trace
 
 
-def turns_of(job: Job, made: Made) -> float:
+def turns_of(job: RunJob, made: Made) -> float:
     """Return how many turns the cut takes, about."""
     return made.kind.turns(made.table, job.feed_mm or made.table.part.process.feed_mm)
 
 
-def _simulate(job: Job, made: Made, folder: Path) -> AnyCut | None:
+def _simulate(job: RunJob, made: Made, folder: Path) -> AnyCut | None:
     """Cut and gauge in a folder; return nothing when camsim refused and said why."""
     kind, part, name = made.kind, made.table.part, made.table.part.part.name
     machine, turns = f"{name}_machine.toml", turns_of(job, made)
@@ -95,7 +95,7 @@ def run(argv: Sequence[str]) -> int:
         Wrong usage, or a part that cannot be made.
     """
     begin_s = time.monotonic()
-    job = Job(argv)
+    job = RunJob(argv)
     loaded = load(job.part_path)
     job.check_feed(loaded.part)
     say(f"making the table of {job.part_path.name}")

@@ -24,7 +24,7 @@ from camtools.plots.style import (
     length_unit,
     new_figure,
 )
-from camtools.sim.results import CUTTING, FAULT, STATES, Trace
+from camtools.sim.results import CUTTING, FAULT, STATES, CutTrace
 
 STATE_COLOURS = (PALE, PURPLE, SKY, ORANGE, GREEN, ORANGE, RED)
 _N_BINS = 360
@@ -40,7 +40,7 @@ def thin(values: Floats, n: int) -> Floats:
     return np.stack([np.minimum.reduceat(values, starts), np.maximum.reduceat(values, starts)])
 
 
-def following_by_angle(trace: Trace) -> Floats:
+def following_by_angle(trace: CutTrace) -> Floats:
     """Return the following error while cutting against the angle.
 
     Returns
@@ -61,7 +61,7 @@ def following_by_angle(trace: Trace) -> Floats:
     return np.stack([degrees[some], least[some], most[some], mean[some]])
 
 
-def draw_following(trace: Trace) -> Figure:
+def draw_following(trace: CutTrace) -> Figure:
     """Return the following error of U against the spindle angle, over all turns of cutting."""
     figure = new_figure(10, 3.6)
     axes = figure.add_subplot()
@@ -78,7 +78,7 @@ def draw_following(trace: Trace) -> Figure:
     return figure
 
 
-def state_spans(trace: Trace) -> list[tuple[float, float, int]]:
+def state_spans(trace: CutTrace) -> list[tuple[float, float, int]]:
     """Return begin [s], end [s] and number of every stretch of one state."""
     edges = np.flatnonzero(np.diff(trace.state)) + 1
     begins = np.concatenate(([0], edges))
@@ -90,7 +90,7 @@ def state_spans(trace: Trace) -> list[tuple[float, float, int]]:
     ]
 
 
-def windows_s(trace: Trace) -> list[tuple[str, float, float]]:
+def windows_s(trace: CutTrace) -> list[tuple[str, float, float]]:
     """Return title, begin and end [s] of the begin, the whole and the end of a cut."""
     cutting = trace.t_s[trace.state == CUTTING]
     last_s = float(trace.t_s[-1])
@@ -119,11 +119,11 @@ def _envelope(axes: Axes, t_s: Floats, values: Floats, colour: str) -> None:
     axes.fill_between(middle_s, low, high, color=colour, lw=0.8)
 
 
-def _between(trace: Trace, begin_s: float, end_s: float) -> Trace:
+def _between(trace: CutTrace, begin_s: float, end_s: float) -> CutTrace:
     return trace.pick(slice(*np.searchsorted(trace.t_s, [begin_s, end_s])))
 
 
-def draw_sequence(trace: Trace) -> Figure:
+def draw_sequence(trace: CutTrace) -> Figure:
     """Return states, Z, X and U against time: how the cut begins, goes on and ends."""
     windows = windows_s(trace)
     figure = new_figure(10, 6.6)
@@ -150,7 +150,7 @@ def draw_sequence(trace: Trace) -> Figure:
 class _FaultView:
     """The time around the first fault, in ms from it."""
 
-    def __init__(self, trace: Trace, retract_s: float) -> None:
+    def __init__(self, trace: CutTrace, retract_s: float) -> None:
         self.fault_s = float(trace.t_s[np.flatnonzero(trace.state == FAULT)[0]])
         room_s = max(0.02, 0.5 * retract_s)
         part = _between(trace, self.fault_s - room_s, self.fault_s + retract_s + room_s)
@@ -158,12 +158,12 @@ class _FaultView:
         self.ms = (part.t_s - self.fault_s) * _MS_PER_S
 
 
-def draw_fault(trace: Trace, retract_s: float) -> Figure:
+def draw_fault(trace: CutTrace, retract_s: float) -> Figure:
     """Return U, X, the gap to the part and the spindle around the first fault.
 
     Parameters
     ----------
-    trace : Trace
+    trace : CutTrace
         With at least one tick in state fault.
     retract_s : float
         How long the retract took [s].

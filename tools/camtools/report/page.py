@@ -14,7 +14,7 @@ from typing import NamedTuple
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from matplotlib.figure import Figure
 
-from camtools.report.text import Row, fault_story, margins_of, verdict_of
+from camtools.report.text import ReportRow, fault_story, margins_of, verdict_of
 from camtools.sim.results import AnyCut
 
 _TEMPLATE = "page.html.j2"
@@ -57,7 +57,7 @@ class Page(NamedTuple):
     """What a report says of a part of one kind."""
 
     source: str
-    rows: list[Row]
+    rows: list[ReportRow]
     shown: Sequence[tuple[Picture | Caption, bytes]]  # pictures and their PNGs, in order
     modelled: str  # what the simulator leaves out of the tool, a sentence
     compared: str  # what the gauge compares

@@ -1,7 +1,7 @@
 """What a cut of any kind came to, in words and numbers, for the terminal and the report.
 
 >>> share(30.0, 120.0)
-'25 %%'
+'25 %'
 >>> plain("0.1 µm, 3 m/s²")
 '0.1 um, 3 m/s2'
 """
@@ -37,7 +37,7 @@ _MARGINS = {
 }
 
 
-class Row(NamedTuple):
+class ReportRow(NamedTuple):
     """One line of a summary."""
 
     name: str
@@ -124,12 +124,12 @@ def margins_of(outcome: AnyCut) -> list[Margin]:
     return found
 
 
-def page_text(outcome: AnyCut, about: list[Row], place: str, total_s: float) -> str:
+def page_text(outcome: AnyCut, about: list[ReportRow], place: str, total_s: float) -> str:
     """Return the summary table for the terminal.
 
     Parameters
     ----------
-    about : list of Row
+    about : list of ReportRow
         What the kind of the part says of the cut.
     place : str
         Folder of the results, as the user may type it.
@@ -139,10 +139,10 @@ def page_text(outcome: AnyCut, about: list[Row], place: str, total_s: float) -> 
     rows = [row for row in about if row.name != "computing time"]
     for margin in margins_of(outcome):
         value = f"{margin.needed} of {margin.limit} ({margin.percent:.0f} %)"
-        rows.append(Row(f"needs {margin.name}", value))
+        rows.append(ReportRow(f"needs {margin.name}", value))
     cut_s = outcome.summary["wall_time_s"]
-    rows.append(Row("computing time", f"{total_s:.1f} s in all, {cut_s:.2f} s for the cut"))
-    rows.append(Row("results", f"{place}/report.html and the files beside it"))
+    rows.append(ReportRow("computing time", f"{total_s:.1f} s in all, {cut_s:.2f} s for the cut"))
+    rows.append(ReportRow("results", f"{place}/report.html and the files beside it"))
     width = max(len(row.name) for row in rows)
     lines = [f"{outcome.name}: {verdict_of(outcome).title}"]
     lines += [f"  {row.name:<{width}}  {plain(row.value)}" for row in rows]
@@ -186,22 +186,22 @@ def clear_after_s(outcome: AnyCut) -> float | None:
     return float(trace.t_s[clear[0]] - trace.t_s[after[0]])
 
 
-def fault_story(outcome: AnyCut) -> list[Row]:
+def fault_story(outcome: AnyCut) -> list[ReportRow]:
     """Return what happened, when, and what the controller did, in the order of time."""
     fault, facts = outcome.summary["fault"], fault_facts()
     rows = [
-        Row(name, f"{facts[name].cause}; seen within {facts[name].seen_within}")
+        ReportRow(name, f"{facts[name].cause}; seen within {facts[name].seen_within}")
         for name in outcome.summary["first_faults"]
         if name in facts
     ]
-    rows += [Row("when", _when(fault)), Row("reaction", _reaction(outcome))]
+    rows += [ReportRow("when", _when(fault)), ReportRow("reaction", _reaction(outcome))]
     later = [
         name for name in outcome.summary["faults"] if name not in outcome.summary["first_faults"]
     ]
     if later:
-        rows.append(Row("came on top", ", ".join(later)))
+        rows.append(ReportRow("came on top", ", ".join(later)))
     rows += [
-        Row("before the next try", facts[name].remedy)
+        ReportRow("before the next try", facts[name].remedy)
         for name in outcome.summary["first_faults"]
         if name in facts
     ]

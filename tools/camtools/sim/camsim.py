@@ -18,7 +18,7 @@ from camtools.base.errors import CamtoolsError
 from camtools.base.json_text import Json
 from camtools.base.places import ROOT
 from camtools.part.common import MachineLimits
-from camtools.sim.results import Variant, read_summary
+from camtools.sim.results import CutVariant, read_summary
 
 TRACE, SURFACE, SUMMARY = "trace.csv", "surface.csv", "summary.json"
 MAX_TRACED_TICKS = 500_000  # about 150 MB of trace
@@ -152,18 +152,18 @@ def cut(simulator: Simulator, words: Sequence[str], window_turns: float | None) 
     return status
 
 
-def variant_of(name: str, summary: Json) -> Variant | None:
+def variant_of(name: str, summary: Json) -> CutVariant | None:
     """Return what a comparison cut came to, nothing when it cut nothing."""
     form = summary["form_error_um"]
     if form["max"] is None:
         return None
     ended = "" if summary["end"] in ("done", "stopped") else f" (ended early: {summary['end']})"
-    return Variant(name + ended, form["max"], form["rms"])
+    return CutVariant(name + ended, form["max"], form["rms"])
 
 
 def compare(
     simulator: Simulator, words: Sequence[str], window_turns: float | None
-) -> tuple[Variant, ...]:
+) -> tuple[CutVariant, ...]:
     """Return the same cut with parts of the controller switched off, the complete one first."""
     if window_turns is not None:
         words = [*words, "--turns-limit", repr(window_turns)]

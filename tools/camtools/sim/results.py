@@ -29,7 +29,7 @@ CUTTING, FAULT = STATES.index("cutting"), STATES.index("fault")
 _TURNS_PER_Q32 = 2.0**-32
 
 
-class Surface(NamedTuple):
+class GaugedSurface(NamedTuple):
     """Gauged points of the surface, each of shape (n,)."""
 
     turn: Floats  # 0 .. 1 from the long axis, in the sense of cutting
@@ -38,7 +38,7 @@ class Surface(NamedTuple):
     error_um: Floats  # above 0: metal left standing
 
 
-class Trace(NamedTuple):
+class CutTrace(NamedTuple):
     """Every tick of the controller, each of shape (n,)."""
 
     t_s: Floats
@@ -63,9 +63,9 @@ class Trace(NamedTuple):
         tick_s = float(np.median(np.diff(self.t_s))) if self.t_s.size > 1 else 1.0
         return self.turns_per_tick * (60 / tick_s)
 
-    def pick(self, rows: slice | npt.NDArray[Any]) -> Trace:
+    def pick(self, rows: slice | npt.NDArray[Any]) -> CutTrace:
         """Return some of the ticks."""
-        return Trace(*(column[rows] for column in self))
+        return CutTrace(*(column[rows] for column in self))
 
 
 class Removal(NamedTuple):
@@ -130,17 +130,17 @@ def _rows(path: Path, places: list[int], header: list[str]) -> Floats:
     return np.ascontiguousarray(rows.T)
 
 
-def read_surface(path: Path) -> Surface:
+def read_surface(path: Path) -> GaugedSurface:
     """Return the surface of a CSV file of camsim; without a point when nothing was cut."""
     turn, z_mm, radius_mm, error_nm = _columns(path, _SURFACE_COLUMNS)
-    return Surface(turn, z_mm, radius_mm, error_nm * 1e-3)
+    return GaugedSurface(turn, z_mm, radius_mm, error_nm * 1e-3)
 
 
-def read_trace(path: Path) -> Trace:
+def read_trace(path: Path) -> CutTrace:
     """Return the trace of a CSV file of camsim."""
     columns = _columns(path, _TRACE_COLUMNS)
     columns[-1] *= _TURNS_PER_Q32
-    return Trace(*columns)
+    return CutTrace(*columns)
 
 
 def read_swing(path: Path) -> Floats | None:
@@ -161,7 +161,7 @@ def read_summary(path: Path) -> Json:
     return summary
 
 
-class Variant(NamedTuple):
+class CutVariant(NamedTuple):
     """The same cut with a part of the controller switched off."""
 
     name: str
@@ -173,10 +173,10 @@ class Measured(NamedTuple):
     """What the simulator wrote of a cut."""
 
     summary: Json
-    surface: Surface
-    trace: Trace
+    surface: GaugedSurface
+    trace: CutTrace
     is_trace_complete: bool
-    variants: tuple[Variant, ...]
+    variants: tuple[CutVariant, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -191,16 +191,16 @@ class Cut(Generic[MadeT]):
         Of camsim.
     is_trace_complete : bool
         The trace holds the whole cut, not its first turns only.
-    variants : tuple of Variant
+    variants : tuple of CutVariant
         Comparison cuts, the matched one first; may be empty.
     """
 
     generated: MadeT
     summary: Json
-    surface: Surface
-    trace: Trace
+    surface: GaugedSurface
+    trace: CutTrace
     is_trace_complete: bool = True
-    variants: tuple[Variant, ...] = ()
+    variants: tuple[CutVariant, ...] = ()
 
     @property
     def name(self) -> str:

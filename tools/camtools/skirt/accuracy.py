@@ -59,7 +59,7 @@ class Accuracy(NamedTuple):
 def _accuracy(channel: Channel, got: Values, exact: Values) -> Accuracy:
     errors = [float(np.abs(a - b).max()) for a, b in zip(got, exact, strict=True)]
     peaks = [float(np.abs(values).max()) for values in exact]
-    lsb_nm = channel.lsb_nm
+    lsb_nm = channel.lsb
     value_nm = GRID_MARGIN * errors[0] + ROUNDING_LSB * lsb_nm
     first, second = GRID_MARGIN * errors[1], GRID_MARGIN * errors[2]
     return Accuracy(value_nm, first, second, peaks[1], peaks[2], lsb_nm)

@@ -19,8 +19,8 @@ from camtools.skirt.part_section import Refit
 from camtools.skirt.poly_surface import TURN_RAD, PolySurface, angle_pieces, over_height
 from camtools.skirt.profile import constant_spline, polygon_or_spline
 from camtools.skirt.refit import (
-    Candidate,
     Recipe,
+    RefitCandidate,
     best_of,
     ellipse_steps,
     jerk_limit_of,
@@ -49,7 +49,7 @@ class Corner:
         None: the corner is left as drawn.
     worst_mm : float
         Height of the sharpest corner, for which the candidates are judged.
-    candidates : tuple of Candidate
+    candidates : tuple of RefitCandidate
         All deletions the paper tries, at the part's speed; empty without a refit.
     """
 
@@ -60,7 +60,7 @@ class Corner:
     law: Section
     recipe: Recipe | None = None
     worst_mm: float = 0.0
-    candidates: tuple[Candidate, ...] = ()
+    candidates: tuple[RefitCandidate, ...] = ()
     log2_repeat: int = 1
 
     def joint(self, z_mm: FloatsLike) -> Joint:

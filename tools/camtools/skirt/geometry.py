@@ -30,7 +30,7 @@ _UM_PER_MM = 1000.0
 _ALL_AROUND_RAD = np.radians(np.arange(0, 360, 0.5))
 
 
-class Surface(Protocol):
+class SkirtSurface(Protocol):
     """The reduction of the radius over the whole skirt."""
 
     @property
@@ -51,11 +51,11 @@ class OvalSurface:
 
     @property
     def log2_repeat(self) -> int:
-        """See `Surface`."""
+        """See `SkirtSurface`."""
         return self.law.log2_repeat
 
     def delta(self, phi_rad: FloatsLike, z_mm: FloatsLike) -> SectionValues:
-        """See `Surface`."""
+        """See `SkirtSurface`."""
         return self.law.evaluate(phi_rad, self.radius(z_mm), self.ovality(z_mm))
 
 
@@ -68,7 +68,7 @@ class Geometry:
     radius, ovality : scipy.interpolate.PPoly
         Long half axis a(z) and diametral ovality G(z) [mm] over height [mm], magnified already.
         Of a measured part the ovality is the largest minus the least diameter.
-    surface : Surface
+    surface : SkirtSurface
         Reduction of the radius; of a refitted part that of the refit.
     z_first_mm, z_last_mm : float
         Height range, that of the profile.
@@ -80,7 +80,7 @@ class Geometry:
 
     radius: PPoly
     ovality: PPoly
-    surface: Surface
+    surface: SkirtSurface
     z_first_mm: float
     z_last_mm: float
     corner: Corner | None = None
@@ -115,7 +115,7 @@ class Geometry:
         return np.concatenate(([self.z_first_mm], heights[inside], [self.z_last_mm]))
 
 
-class Motion(NamedTuple):
+class AxesMotion(NamedTuple):
     """Set-points of uniform turning, all of the shape of the turns asked for."""
 
     c_rad: Floats
@@ -219,7 +219,9 @@ def _check_shape(geometry: Geometry, factor: float) -> None:
     _check_half_axis(z_mm, geometry.radius_mm(z_mm) - deepest_mm, factor)
 
 
-def turning_at(geometry: Geometry, spindle_rpm: float, z_mm: FloatsLike, turns: Floats) -> Motion:
+def turning_at(
+    geometry: Geometry, spindle_rpm: float, z_mm: FloatsLike, turns: Floats
+) -> AxesMotion:
     """Return the axes of turning at constant speed, at given angles and heights.
 
     Parameters
@@ -240,12 +242,14 @@ def turning_at(geometry: Geometry, spindle_rpm: float, z_mm: FloatsLike, turns: 
     u = geometry.delta(c_rad, z_mm)
     z_all_mm = np.broadcast_to(np.asarray(z_mm, dtype=np.float64), c_rad.shape)
     x_mm = geometry.radius_mm(z_all_mm)
-    return Motion(c_rad, z_all_mm, x_mm, u.delta, u.d1 * omega, u.d2 * omega**2, u.d3 * omega**3)
+    return AxesMotion(
+        c_rad, z_all_mm, x_mm, u.delta, u.d1 * omega, u.d2 * omega**2, u.d3 * omega**3
+    )
 
 
 def uniform_turning(
     geometry: Geometry, spindle_rpm: float, feed_mm: float, turns: Floats
-) -> Motion:
+) -> AxesMotion:
     """Return the axes of uniform four-axis turning from the lowest height up, MATHS.md (8), (9).
 
     Parameters

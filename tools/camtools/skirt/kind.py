@@ -9,7 +9,7 @@ from __future__ import annotations
 from camtools.base.json_text import Json
 from camtools.cut.path import ToolPath
 from camtools.pipeline.kind import Kind, Rig
-from camtools.report.text import Row
+from camtools.report.text import ReportRow
 from camtools.sim.camsim import machine_text
 from camtools.sim.results import Measured
 from camtools.skirt.even import compare_removal
@@ -85,7 +85,7 @@ class SkirtKind(Kind[SkirtPart, GeneratedSkirt, SkirtOutcome]):
         error = {"u": made.accuracy_u.value_nm, "x": made.accuracy_x.value_nm}
         return {"table_error_nm": error | {"tolerance": made.tolerance_nm}}
 
-    def rows(self, outcome: SkirtOutcome) -> list[Row]:
+    def rows(self, outcome: SkirtOutcome) -> list[ReportRow]:
         """See `Kind.rows`."""
         return rows_of(outcome)
 

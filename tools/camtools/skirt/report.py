@@ -1,7 +1,7 @@
-"""The report of a cut: pictures and one self-contained HTML page.
+"""The report of a skirt: its pictures, in order, and its page.
 
->>> data_uri(b"abc")
-'data:image/png;base64,YWJj'
+>>> list(_TEXTS)[:3]
+['fault', 'map', 'sections']
 """
 
 from __future__ import annotations

@@ -10,16 +10,15 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from camtools.base.quantities import NM_PER_MM, Floats
+from camtools.base.quantities import NM_PER_MM, Floats, Ints
 from camtools.plots.style import (
     BLUE,
     RED,
     angle_axis,
     new_figure,
 )
-from camtools.sim.results import CUTTING, Trace
+from camtools.sim.results import CUTTING, CutTrace
 from camtools.skirt.geometry import Geometry, turning_at
-from camtools.table.image import Ints
 
 _UM_PER_MM, _MM_PER_M = 1000.0, 1000.0
 _N_ANGLES = 721
@@ -28,7 +27,7 @@ _N_ANGLES = 721
 _DERIVATIVE_TICKS = 4  # the measured position is quantised, so the slope is taken over 2 x 4 ticks
 
 
-def hardest_turn(trace: Trace, geometry: Geometry) -> Ints:
+def hardest_turn(trace: CutTrace, geometry: Geometry) -> Ints:
     """Return the ticks of the whole turn of cutting in which U moves most."""
     cutting = np.flatnonzero(trace.state == CUTTING)
     if not cutting.size:
@@ -51,7 +50,7 @@ def _slope(values: Floats, t_s: Floats) -> Floats:
     return slope
 
 
-def draw_motion(trace: Trace, geometry: Geometry, speed_rpm: float) -> Figure:
+def draw_motion(trace: CutTrace, geometry: Geometry, speed_rpm: float) -> Figure:
     """Return U, its velocity and acceleration over the turn in which U moves most."""
     figure = new_figure(10, 6.6)
     panels: list[Axes] = list(figure.subplots(3, 1, sharex=True))
@@ -76,7 +75,7 @@ def draw_motion(trace: Trace, geometry: Geometry, speed_rpm: float) -> Figure:
     return figure
 
 
-def _measured(panels: list[Axes], turn: Trace) -> None:
+def _measured(panels: list[Axes], turn: CutTrace) -> None:
     u_mm = turn.u_act_nm / NM_PER_MM
     velocity = _slope(u_mm, turn.t_s)
     step = max(1, u_mm.size // 60)

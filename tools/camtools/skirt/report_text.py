@@ -1,15 +1,13 @@
-"""What a cut came to, in words and numbers, for the terminal and for the report.
+"""What the cut of a skirt came to, in words and numbers.
 
->>> share(30.0, 120.0)
-'25 %'
->>> plain("0.1 µm, 3 m/s²")
-'0.1 um, 3 m/s2'
+>>> callable(rows_of)
+True
 """
 
 from __future__ import annotations
 
 from camtools.plots.style import length_text
-from camtools.report.text import Row, error_pair
+from camtools.report.text import ReportRow, error_pair
 from camtools.skirt.outcome import SkirtOutcome
 from camtools.skirt.refit import judge
 
@@ -28,7 +26,7 @@ def what_was_cut(outcome: SkirtOutcome) -> str:
     )
 
 
-def _corner_rows(outcome: SkirtOutcome) -> list[Row]:
+def _corner_rows(outcome: SkirtOutcome) -> list[ReportRow]:
     """Return what the refit of a corner costs, nothing for other sections."""
     corner = outcome.generated.geometry.corner
     if corner is None or corner.recipe is None:
@@ -37,7 +35,7 @@ def _corner_rows(outcome: SkirtOutcome) -> list[Row]:
     found = judge(joint, recipe, outcome.summary["cut"]["spindle_rpm"])
     deleted = f"({recipe.s1}, {recipe.s2})"
     return [
-        Row(
+        ReportRow(
             "refit of the corner",
             f"{recipe.spline}, {deleted} left out: at most {length_text(found.deviation_um)} off "
             "the drawing; form error is against the refit",
@@ -45,46 +43,48 @@ def _corner_rows(outcome: SkirtOutcome) -> list[Row]:
     ]
 
 
-def _removal_rows(outcome: SkirtOutcome) -> list[Row]:
+def _removal_rows(outcome: SkirtOutcome) -> list[ReportRow]:
     """Return what equal-volume turning brought, nothing for uniform turning."""
     if outcome.even is None:
         return []
     ours, theirs = outcome.even.summary["removal"], outcome.even.uniform_summary["removal"]
     if "rate_ripple" not in ours or "rate_ripple" not in theirs:
-        return [Row("ripple of the removal rate", "none: no whole turn at full feed was measured")]
+        return [
+            ReportRow("ripple of the removal rate", "none: no whole turn at full feed was measured")
+        ]
     rate, plain = ours["rate_ripple"], theirs["rate_ripple"]
     chip, plain_chip = ours["chip_force_ripple"], theirs["chip_force_ripple"]
     return [
-        Row(
+        ReportRow(
             "ripple of the removal rate",
             f"mean {100 * rate['mean']:.1f} %, max {100 * rate['max']:.1f} % of its mean in a turn "
             f"(uniform turning {100 * plain['mean']:.0f} %, {100 * plain['max']:.0f} %)",
         ),
-        Row(
+        ReportRow(
             "ripple of the chip's force",
             f"mean {100 * chip['mean']:.0f} % (uniform turning {100 * plain_chip['mean']:.0f} %): "
             "no speed law changes it",
         ),
-        Row(
+        ReportRow(
             "form error at uniform speed",
             error_pair(outcome.even.uniform_summary["form_error_um"]),
         ),
     ]
 
 
-def rows_of(outcome: SkirtOutcome) -> list[Row]:
+def rows_of(outcome: SkirtOutcome) -> list[ReportRow]:
     """Return the summary, machine limits apart."""
     summary, generated = outcome.summary, outcome.generated
     form = summary["form_error_um"]
     worst_nm = max(generated.accuracy_u.value_nm, generated.accuracy_x.value_nm)
     wall_s, machine_s = summary["wall_time_s"], summary["machine_time_s"]
     return [
-        Row("cut", what_was_cut(outcome)),
-        Row("form error", f"{error_pair(form)} (tolerance {length_text(form['tolerance'])})"),
-        Row("following error of U", error_pair(summary["following_error_um"])),
+        ReportRow("cut", what_was_cut(outcome)),
+        ReportRow("form error", f"{error_pair(form)} (tolerance {length_text(form['tolerance'])})"),
+        ReportRow("following error of U", error_pair(summary["following_error_um"])),
         *_corner_rows(outcome),
         *_removal_rows(outcome),
-        Row("table", f"{summary['table_bytes']} bytes, error at most {worst_nm:.2g} nm"),
-        Row("machine time", f"{machine_s:.1f} s"),
-        Row("computing time", f"{wall_s:.2f} s for the cut with its trace"),
+        ReportRow("table", f"{summary['table_bytes']} bytes, error at most {worst_nm:.2g} nm"),
+        ReportRow("machine time", f"{machine_s:.1f} s"),
+        ReportRow("computing time", f"{wall_s:.2f} s for the cut with its trace"),
     ]

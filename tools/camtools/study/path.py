@@ -20,7 +20,7 @@ _SECTIONS = 4  # of the map
 _UM_PER_MM = 1000.0
 
 
-class Row(NamedTuple):
+class PathRow(NamedTuple):
     """One way of turning the part."""
 
     name: str
@@ -39,19 +39,19 @@ class Row(NamedTuple):
 class PathStudy(NamedTuple):
     """The comparison, and the heights of its maps."""
 
-    rows: tuple[Row, ...]
+    rows: tuple[PathRow, ...]
     z_mm: Floats  # shape (N_HEIGHTS,)
     nose_mm: float
     wanted_rpm: float
 
 
-def _row(name: str, path: ToolPath, rpm: float, z_mm: Floats, nose_mm: float) -> Row:
+def _row(name: str, path: ToolPath, rpm: float, z_mm: Floats, nose_mm: float) -> PathRow:
     per_s, r = rpm / 60, path.ramp
     acceleration = path.feed_mm * per_s**2 / (r * (1 - r)) if r > 0 else 0.0
     angles = np.arange(N_ANGLES) / N_ANGLES
     scallop = np.stack([path.scallop_mm(float(angle), z_mm, nose_mm) for angle in angles])
     speed = path.feed_mm * per_s / (1 - r)
-    return Row(name, path, rpm, speed, acceleration, scallop * _UM_PER_MM)
+    return PathRow(name, path, rpm, speed, acceleration, scallop * _UM_PER_MM)
 
 
 def make_study(

@@ -21,7 +21,7 @@ from camtools.sim.results import read_summary
 from camtools.skirt.generate import GeneratedSkirt, generate
 from camtools.skirt.part import SkirtPart
 from camtools.skirt.summary import make_summary
-from camtools.study.path import N_ANGLES, N_HEIGHTS, PathStudy, Row, make_study
+from camtools.study.path import N_ANGLES, N_HEIGHTS, PathRow, PathStudy, make_study
 from camtools.table.summary import table_files
 
 _MACHINE = "machine.toml"
@@ -36,7 +36,7 @@ def peak_to_valley(map_um: Floats) -> Floats:
 class PathCut(NamedTuple):
     """One way of turning the part: what theory says of it, and what the simulator measured."""
 
-    row: Row
+    row: PathRow
     turns: float  # of the state cutting
     time_s: float
     form_error_um: float
@@ -82,7 +82,7 @@ def _write_tables(generated: GeneratedSkirt, folder: Path) -> dict[str, Path]:
     return found
 
 
-def _words(study: PathStudy, row: Row) -> list[str]:
+def _words(study: PathStudy, row: PathRow) -> list[str]:
     low, high = float(study.z_mm[0]), float(study.z_mm[-1])
     return [
         *("--machine", _MACHINE, "--rpm", repr(row.rpm), "--feed", repr(row.path.feed_mm)),
@@ -90,7 +90,7 @@ def _words(study: PathStudy, row: Row) -> list[str]:
     ]
 
 
-def _cut(simulator: Simulator, study: PathStudy, row: Row) -> PathCut:
+def _cut(simulator: Simulator, study: PathStudy, row: PathRow) -> PathCut:
     """Cut one way.
 
     Raises
@@ -144,7 +144,7 @@ def cut_paths(
     return study, tuple(cuts)
 
 
-def predicted_scallop_um(row: Row) -> Floats:
+def predicted_scallop_um(row: PathRow) -> Floats:
     """Return the predicted peak to valley at every angle."""
     return peak_to_valley(row.scallop_um)
 

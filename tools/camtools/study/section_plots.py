@@ -1,8 +1,8 @@
 """Pictures of the analysis of one section.
 
->>> from camtools.study.section import Wishes, make_analysis
+>>> from camtools.study.section import AnalysisWishes, make_analysis
 >>> from camtools.skirt.part import example_part
->>> sorted(draw_all(make_analysis(example_part(), Wishes())))[:2]
+>>> sorted(draw_all(make_analysis(example_part(), AnalysisWishes())))[:2]
 ['area', 'forces']
 """
 

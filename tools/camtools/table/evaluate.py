@@ -13,8 +13,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from camtools.base.quantities import Floats
-from camtools.table.image import KIND_X, Channel, Ints, channel_coefficients, segment_coefficients
+from camtools.base.quantities import Floats, Ints
+from camtools.table.image import KIND_X, Channel, channel_coefficients
+from camtools.table.quintics import segment_coefficients
 
 _SUBDIVISIONS = 8
 
@@ -52,8 +53,8 @@ def power_rows(t: Floats) -> Floats:
 
 
 def _scaled(channel: Channel, raw: Floats) -> Values:
-    h, lsb = knot_interval(channel), channel.lsb_nm
-    return Values(channel.offset_nm + raw[0] * lsb, raw[1] * (lsb / h), raw[2] * (lsb / h**2))
+    h, lsb = knot_interval(channel), channel.lsb
+    return Values(channel.origin + raw[0] * lsb, raw[1] * (lsb / h), raw[2] * (lsb / h**2))
 
 
 def evaluate_u_grid(channel: Channel, z_nm: Floats, t: Floats) -> Values:
@@ -173,7 +174,7 @@ def jumps(channel: Channel) -> tuple[Continuity, Continuity]:
     c = channel_coefficients(channel)
     ends, starts = c @ _AT_END.T, np.roll(c, -1, axis=-2) @ _AT_START.T
     gap = np.abs(ends - starts).reshape(-1, c.shape[-2], 3).max(axis=0)
-    h, lsb = knot_interval(channel), channel.lsb_nm
+    h, lsb = knot_interval(channel), channel.lsb
     scale = np.array([lsb, lsb / h, lsb / h**2])
     inside = gap[:-1].max(axis=0, initial=0) * scale
     wrap = gap[-1] * scale if channel.kind != KIND_X else np.zeros(3)

@@ -2,7 +2,7 @@
 
 >>> check_tolerance(1.0)
 >>> from camtools.part.common import MachineLimits
->>> image_limits(MachineLimits()).u_speed_um_s
+>>> image_limits(MachineLimits()).u_speed_um_per_s
 400000
 """
 
@@ -37,10 +37,10 @@ _ROUNDING_LSB = (1, 2, 8)  # the firmware's, of value and derivatives per interv
 
 def u_bounds(channel: Channel, error_nm: float) -> Bounds:
     """Return true bounds of u, the firmware's rounding included."""
-    raw, h, lsb = raw_bounds(channel), knot_interval(channel), channel.lsb_nm
+    raw, h, lsb = raw_bounds(channel), knot_interval(channel), channel.lsb
     return Bounds(
-        u_min_nm=floor(channel.offset_nm + (raw.low - _ROUNDING_LSB[0]) * lsb),
-        u_max_nm=ceil(channel.offset_nm + (raw.high + _ROUNDING_LSB[0]) * lsb),
+        u_min_nm=floor(channel.origin + (raw.low - _ROUNDING_LSB[0]) * lsb),
+        u_max_nm=ceil(channel.origin + (raw.high + _ROUNDING_LSB[0]) * lsb),
         u1_peak_nm_per_rad=ceil((raw.first + _ROUNDING_LSB[1]) * lsb / h),
         u2_peak_nm_per_rad2=ceil((raw.second + _ROUNDING_LSB[2]) * lsb / h**2),
         error_pm=ceil(error_nm * 1000),
@@ -51,8 +51,8 @@ def image_limits(limits: MachineLimits) -> ImageLimits:
     """Return the machine's limits in the image's units, rounded down."""
     return ImageLimits(
         u_stroke_nm=_units(limits.u_stroke_mm, NM_PER_MM),
-        u_speed_um_s=_units(limits.u_speed_mm_s, 1000),
-        u_acceleration_mm_s2=_units(limits.u_acceleration_mm_s2, 1),
+        u_speed_um_per_s=_units(limits.u_speed_mm_s, 1000),
+        u_acceleration_mm_per_s2=_units(limits.u_acceleration_mm_s2, 1),
         spindle_mrpm=_units(limits.spindle_rpm, 1000),
     )
 

@@ -1,9 +1,9 @@
 """From exact functions to channels of integers; their error is that of MATHS.md (49).
 
->>> import numpy as np
+>>> from camtools.table.image import KIND_U
 >>> knots = np.array([[[0.0, 0, 0], [1000.0, 0, 0], [0, 0, 0], [1000.0, 0, 0]]])
 >>> channel = quantise(KIND_U, knots, 1, (0, 1_000_000))
->>> channel.offset_nm, channel.frac_bits
+>>> channel.origin, channel.frac_bits
 (500, 6)
 """
 

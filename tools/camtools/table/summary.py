@@ -24,7 +24,7 @@ def describe_channel(channel: Channel) -> Json:
         "knots_per_pattern": int(channel.knots.shape[1]),
         "patterns_per_turn": 1 << channel.log2_repeat,
         "frac_bits": channel.frac_bits,
-        "lsb_nm": channel.lsb_nm,
+        "lsb_nm": channel.lsb,
         "knot_interval": interval / NM_PER_MM if channel.kind == KIND_X else np.degrees(interval),
         "knot_interval_unit": "mm" if channel.kind == KIND_X else "degrees",
         "spacing_mm": (channel.z_last_nm - channel.z_first_nm) / (channel.n_slices - 1) / NM_PER_MM,

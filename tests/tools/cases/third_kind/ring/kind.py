@@ -18,12 +18,13 @@ from camtools.part.common import MachineLimits, PartInfo, check_feed
 from camtools.part.model import HeightMm, TomlTable, rising
 from camtools.pipeline.kind import Kind, Rig
 from camtools.report.page import Page, render_page
-from camtools.report.text import Row, error_pair
+from camtools.report.text import ReportRow, error_pair
 from camtools.sim.camsim import machine_text
 from camtools.sim.results import Cut, Measured
 from camtools.table.header import check_tolerance, table_of, u_bounds
-from camtools.table.image import KIND_U, KIND_X, Table, segment_coefficients
+from camtools.table.image import KIND_U, KIND_X, Table
 from camtools.table.quantise import quantise, with_bounds
+from camtools.table.quintics import segment_coefficients
 from camtools.table.summary import about_image
 
 _LOG2_KNOTS = 6
@@ -174,9 +175,9 @@ class RingKind(Kind[RingPart, MadeRing, RingCut]):
         """See `Kind.facts`."""
         return {"table_error": {"tolerance_nm": made.tolerance_nm}}
 
-    def rows(self, outcome: RingCut) -> list[Row]:
+    def rows(self, outcome: RingCut) -> list[ReportRow]:
         """See `Kind.rows`."""
-        return [Row("form error", error_pair(outcome.summary["form_error_um"]))]
+        return [ReportRow("form error", error_pair(outcome.summary["form_error_um"]))]
 
     def report(self, outcome: RingCut) -> dict[str, bytes]:
         """Return the page, without pictures."""
