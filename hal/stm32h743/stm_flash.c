@@ -9,15 +9,16 @@
 
 enum { flash_start = 0x08000000, bank_bytes = 1 << 20 };
 
-/// Far beyond the longest times of the data sheet: 4 s for a sector, 0.5 ms for a flash word.
-enum { most_erase_ticks = 10 * BOARD_TICK_HZ, most_program_loops = 1000000 };
+/// Limits far beyond the longest times of the data sheet, 4 s for a sector and 0.5 ms for a flash
+/// word. An erase is waited for in calls of hal_idle(), which returns at least once a tick.
+enum { most_erase_waits = 10 * BOARD_TICK_HZ, most_program_loops = 1000000 };
 
 static uint32_t bank_of(uint32_t address)
 {
     return (address - flash_start) / bank_bytes;
 }
 
-/// @return whether the operation has ended well; its flags are cleared
+/// @return whether the operation has ended without an error; its flags are cleared
 static bool ends_well(uint32_t bank)
 {
     const uint32_t flags = FLASH_SR(bank);
@@ -25,6 +26,7 @@ static bool ends_well(uint32_t bank)
     return (flags & (FLASH_SR_QW | FLASH_SR_ERRORS)) == 0u;
 }
 
+/// Make the tables writable and unlock the control register of a bank.
 static void open_bank(uint32_t bank)
 {
     stm_memory_open_tables(true);
@@ -45,7 +47,7 @@ static bool erase_sector(uint32_t bank, uint32_t sector)
     FLASH_CR(bank) = what;
     FLASH_CR(bank) = what | FLASH_CR_START;
     stm_barrier();
-    for (uint32_t i = 0; i < most_erase_ticks && (FLASH_SR(bank) & FLASH_SR_QW) != 0u; i++) {
+    for (uint32_t i = 0; i < most_erase_waits && (FLASH_SR(bank) & FLASH_SR_QW) != 0u; i++) {
         hal_idle();
     }
     return ends_well(bank);
@@ -65,7 +67,7 @@ bool stm_flash_erase(uint32_t address, uint32_t bytes)
     return is_good;
 }
 
-/// @return four bytes from `at` on, FFh behind the end
+/// @return the four bytes from `at` on as a word, FFh behind the end of the n bytes
 static uint32_t word_at(const uint8_t *bytes, uint32_t n, uint32_t at)
 {
     uint32_t word = UINT32_MAX;

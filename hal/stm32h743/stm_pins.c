@@ -11,7 +11,7 @@ typedef struct {
     stm_gpio_t *port;
     uint8_t pin;
     uint8_t mode;
-    uint8_t pull; ///< that of an input keeps a cut wire at the level of rest
+    uint8_t pull; ///< an input's pull brings a cut wire to the level of rest
     uint8_t alternate;
 } pin_t;
 
@@ -42,7 +42,7 @@ static void set_field(volatile uint32_t *reg, uint32_t at, uint32_t width, uint3
     *reg = (*reg & ~(((1u << width) - 1u) << at)) | value << at;
 }
 
-/// Speed and alternate function first, so that the pin never drives anything else.
+/// Set speed and alternate function before the mode, so that the pin never drives anything else.
 static void set_pin(const pin_t *p)
 {
     enum { high_speed = 2 }; // clean edges at the 20 MHz of SPI3

@@ -48,7 +48,7 @@ static bool take_number(double *value, const char *option, const char *text, dou
     return true;
 }
 
-static bool take_modulus(camsim_bus_options_t *o, const char *text, common_error_t *e)
+static bool take_modulus(sim_watch_options_t *o, const char *text, common_error_t *e)
 {
     if (!take_number(&o->encoder_modulus, "encoder-modulus", text, 64.0, 4294967295.0, e)) {
         return false;
@@ -57,7 +57,7 @@ static bool take_modulus(camsim_bus_options_t *o, const char *text, common_error
            common_error(e, "--encoder-modulus %.60s: not whole; give a whole number", text);
 }
 
-static bool take_without(camsim_bus_options_t *o, const char *text, common_error_t *e)
+static bool take_without(sim_watch_options_t *o, const char *text, common_error_t *e)
 {
     static const char *const name[sim_bus_n_nodes] = {"encoder", "u", "x", "z", "spindle"};
     for (int i = 0; i < sim_bus_n_nodes; i++) {
@@ -82,7 +82,7 @@ static bool is_of_bus(const char *name)
     return false;
 }
 
-static bool take_value(camsim_bus_options_t *o, const char *name, const char *text,
+static bool take_value(sim_watch_options_t *o, const char *name, const char *text,
                        common_error_t *e)
 {
     if (strcmp(name, "can") == 0) {
@@ -105,7 +105,7 @@ static bool take_value(camsim_bus_options_t *o, const char *name, const char *te
 
 /// Take an option of the bus, with its value; the others stay for the options of a run.
 /// @return words taken, 0: it is another's, below 0 and *e: it is wrong
-static int take_own(camsim_bus_options_t *o, int n_left, char **words, common_error_t *e)
+static int take_own(sim_watch_options_t *o, int n_left, char **words, common_error_t *e)
 {
     char name[24] = "";
     if (strncmp(words[0], "--", 2) != 0) {
@@ -141,7 +141,7 @@ static bool check_foreign(const camsim_bus_options_t *o, common_error_t *e)
     const sim_cut_options_t *cut = &o->common.cut;
     bool is_clean = cut->rpm == 0.0 && cut->feed_mm == 0.0 && !cut->is_without_feed_forward &&
                     !cut->is_without_lead && cut->max_turns == 0.0 && cut->target == NULL &&
-                    cut->slice_s == 0.0 && o->common.removal_path == NULL &&
+                    cut->slice_s == 0.0 && o->common.out_path[camsim_removal] == NULL &&
                     !o->common.is_progress_shown;
     for (int i = 0; i < cam_n_params; i++) {
         is_clean = is_clean && !cut->wishes.is_given[i];
@@ -153,7 +153,8 @@ static bool check_foreign(const camsim_bus_options_t *o, common_error_t *e)
 
 bool camsim_bus_options_read(camsim_bus_options_t *o, int argc, char **argv, common_error_t *e)
 {
-    *o = (camsim_bus_options_t){.tick_hz = 1000.0, .guard_ms = 20.0, .heartbeat_ms = 50.0};
+    *o = (camsim_bus_options_t){
+        .watch = {.tick_hz = 1000.0, .guard_ms = 20.0, .heartbeat_ms = 50.0}};
     char **rest = calloc((size_t)argc + 1u, sizeof *rest);
     if (rest == NULL) {
         return common_error(e, "bus: not enough memory; free some");
@@ -161,7 +162,7 @@ bool camsim_bus_options_read(camsim_bus_options_t *o, int argc, char **argv, com
     int n_rest = 0;
     int taken = 1;
     for (int i = 0; i < argc && taken >= 0; i += taken > 0 ? taken : 1) {
-        taken = i > 0 ? take_own(o, argc - i, argv + i, e) : 0;
+        taken = i > 0 ? take_own(&o->watch, argc - i, argv + i, e) : 0;
         if (taken == 0) {
             rest[n_rest++] = argv[i];
         }
@@ -171,11 +172,12 @@ bool camsim_bus_options_read(camsim_bus_options_t *o, int argc, char **argv, com
     if (!is_good || o->common.is_help) {
         return is_good;
     }
-    if (o->interface == NULL) {
+    if (o->watch.interface == NULL) {
         return common_error(e, "bus: no --can; give the CAN interface of the controller");
     }
-    if (o->common.cut.max_s == 0.0) {
-        o->common.cut.max_s = default_max_s;
+    o->watch.session = o->common.cut.session;
+    if (o->watch.session.max_s == 0.0) {
+        o->watch.session.max_s = default_max_s;
     }
     return check_foreign(o, e);
 }

@@ -33,7 +33,7 @@ static const char header_out[] =
     "turn,z_mm,u_nm,u1_nm_per_rad,u2_nm_per_rad2,x_nm,speed_ratio,clamped";
 static const char header_cam[] = ",swing_deg,contact_deg";
 
-static bool is_cam(const cam_table_t *t)
+static bool has_lobes(const cam_table_t *t)
 {
     return t->angle.knots != NULL;
 }
@@ -72,7 +72,7 @@ static double contact_deg(const cam_table_t *t, uint32_t theta_q32, int32_t z_nm
 
 static bool print_cam(const cam_table_t *t, double turn, double z_mm)
 {
-    if (!is_cam(t)) {
+    if (!has_lobes(t)) {
         return putchar('\n') != EOF;
     }
     const double deg = contact_deg(t, angle_q32(turn), height_nm(z_mm));
@@ -89,7 +89,7 @@ static bool print_value(const cam_table_t *t, const char *point, double turn, do
     const int frac = -(int)t->u.frac_bits;
     const bool is_outside = z_mm * SIM_NM_PER_MM < (double)t->z_first_nm - 0.5 ||
                             z_mm * SIM_NM_PER_MM > (double)t->z_last_nm + 0.5;
-    const double sense = is_cam(t) ? -1.0 : 1.0; // a lift is a negative reduction
+    const double sense = has_lobes(t) ? -1.0 : 1.0; // a lift is a negative reduction
     return printf("%s,%.17g,%.17g,%.17g,%.17g,%.17g,%d", point,
                   0.0 + sense * (t->u.offset_nm + ldexp(u.y, frac)),
                   0.0 + sense * ldexp(u.d1, frac) / h,
@@ -126,7 +126,7 @@ static bool take_line(const cam_table_t *t, const char *line, size_t i_line, com
 {
     if (i_line == 1u) {
         return strcmp(line, header_in) == 0
-                   ? printf("%s%s\n", header_out, is_cam(t) ? header_cam : "") > 0
+                   ? printf("%s%s\n", header_out, has_lobes(t) ? header_cam : "") > 0
                    : common_error(e,
                                   "standard input: line 1: \"%.60s\": wrong header; write \"%s\"",
                                   line, header_in);

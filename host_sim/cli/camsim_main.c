@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "camsim.h"
-#include <stdio.h>  // puts
-#include <string.h> // strcmp
+#include "sim_summary.h" // SIM_VERSION
+#include <stdio.h>       // puts
+#include <string.h>      // strcmp
 
 static const char help[] =
     "camsim: the camturn controller on a simulated lathe\n"
@@ -49,7 +50,7 @@ int main(int argc, char **argv)
         return after_print();
     }
     if (strcmp(command, "--version") == 0) {
-        (void)puts("camsim " CAMSIM_VERSION);
+        (void)puts("camsim " SIM_VERSION);
         return after_print();
     }
     common_error_t e;

@@ -4,7 +4,7 @@
 #include "camsim.h"
 #include "sim_target.h" // sim_target_find
 #include <getopt.h>     // getopt_long
-#include <stdio.h>      // puts
+#include <stdio.h>      // fprintf, puts
 #include <string.h>     // strrchr
 #include <unistd.h>     // access
 
@@ -131,8 +131,8 @@ static bool take_seed(camsim_options_t *o, const char *text, common_error_t *e)
     if (!take_number(&value, "seed", text, 0.0, 9007199254740992.0, "a whole number", e)) {
         return false;
     }
-    o->cut.seed = (uint64_t)value;
-    return (double)o->cut.seed == value ||
+    o->cut.session.seed = (uint64_t)value;
+    return (double)o->cut.session.seed == value ||
            common_error(e, "--seed %.60s: not whole; give a whole number 0 .. 9007199254740992",
                         text);
 }
@@ -179,12 +179,12 @@ static bool take_set(camsim_options_t *o, const char *text, common_error_t *e)
 
 static bool take_inject(camsim_options_t *o, const char *text, common_error_t *e)
 {
-    if (o->cut.n_injects == sim_cut_max_injects) {
+    if (o->cut.session.n_injects == sim_session_max_injects) {
         return common_error(e, "--inject %.60s: one too many; give at most %d", text,
-                            sim_cut_max_injects);
+                            sim_session_max_injects);
     }
     const bool is_bus = strcmp(o->command, "bus") == 0;
-    return sim_inject_parse(&o->cut.inject[o->cut.n_injects++], text,
+    return sim_inject_parse(&o->cut.session.inject[o->cut.session.n_injects++], text,
                             is_bus ? sim_inject_on_bus : sim_inject_in_run, e);
 }
 
@@ -214,17 +214,17 @@ static const char **path_of(camsim_options_t *o, int option)
     case opt_machine:
         return &o->machine_path;
     case opt_trace:
-        return &o->trace_path;
+        return &o->out_path[camsim_trace];
     case opt_surface:
-        return &o->surface_path;
+        return &o->out_path[camsim_surface];
     case opt_summary:
-        return &o->summary_path;
+        return &o->out_path[camsim_summary];
     case opt_removal:
-        return &o->removal_path;
+        return &o->out_path[camsim_removal];
     case opt_scallop:
-        return &o->scallop_path;
+        return &o->out_path[camsim_scallop];
     case opt_design:
-        return &o->cut.design_path;
+        return &o->cut.session.design_path;
     case opt_target:
         return &o->cut.target;
     case opt_target_image:
@@ -243,7 +243,7 @@ static bool take_value(camsim_options_t *o, int option, const char *text, common
     case opt_feed:
         return take_number(&cut->feed_mm, "feed", text, 0.000001, 10.0, "mm per turn", e);
     case opt_tolerance:
-        return take_number(&o->tolerance_um, "tolerance-um", text, 0.0, 1e6, "um", e);
+        return take_number(&o->cut.session.tolerance_um, "tolerance-um", text, 0.0, 1e6, "um", e);
     case opt_turns:
         return take_number(&cut->max_turns, "turns-limit", text, 0.001, 1e9, "turns", e);
     case opt_slice:
@@ -257,7 +257,7 @@ static bool take_value(camsim_options_t *o, int option, const char *text, common
     case opt_tip:
         return take_number(&cut->tip_mm, "tool-tip-mm", text, 0.05, 1000.0, "mm", e);
     case opt_max_seconds:
-        return take_number(&cut->max_s, "max-seconds", text, 0.001, 1e7, "seconds", e);
+        return take_number(&cut->session.max_s, "max-seconds", text, 0.001, 1e7, "seconds", e);
     case opt_seed:
         return take_seed(o, text, e);
     case opt_set:
@@ -297,7 +297,7 @@ static bool find_design(camsim_options_t *o, common_error_t *e)
     memcpy(o->design_path, o->table_path, stem);
     memcpy(o->design_path + stem, ".json", sizeof ".json");
     if (access(o->design_path, F_OK) == 0) {
-        o->cut.design_path = o->design_path;
+        o->cut.session.design_path = o->design_path;
     }
     return true;
 }
@@ -320,17 +320,17 @@ static bool find_target(camsim_options_t *o, common_error_t *e)
 
 static bool check_scallop(const camsim_options_t *o, common_error_t *e)
 {
-    const bool is_asked = o->scallop_path != NULL || o->cut.has_window;
+    const bool is_asked = o->out_path[camsim_scallop] != NULL || o->cut.has_window;
     return !is_asked || o->cut.nose_mm > 0.0 ||
            common_error(e, "--scallop, --scallop-mm: no tool for it; give --nose-mm, too");
 }
 
 static bool check_outputs(const camsim_options_t *o, common_error_t *e)
 {
-    const char *const path[] = {o->table_path,   o->machine_path, o->cut.design_path,
-                                o->trace_path,   o->surface_path, o->summary_path,
-                                o->removal_path, o->scallop_path};
-    for (int i = 3; i < 8; i++) {
+    enum { n_inputs = 3, n_paths = n_inputs + camsim_n_outs };
+    const char *path[n_paths] = {o->table_path, o->machine_path, o->cut.session.design_path};
+    memcpy(path + n_inputs, o->out_path, sizeof o->out_path);
+    for (int i = n_inputs; i < n_paths; i++) {
         for (int k = 0; k < i; k++) {
             if (path[i] != NULL && path[k] != NULL && strcmp(path[i], path[k]) == 0) {
                 return common_error(e, "%s: named for two purposes; give every output its own path",
@@ -341,14 +341,30 @@ static bool check_outputs(const camsim_options_t *o, common_error_t *e)
     return true;
 }
 
+bool camsim_open_outs(sim_out_t *outs, const camsim_options_t *o, int n, common_error_t *e)
+{
+    static const char *const option[camsim_n_outs] = {"--trace", "--surface", "--summary",
+                                                      "--removal", "--scallop"};
+    return sim_out_open_all(outs, o->out_path, option, n, e);
+}
+
+void camsim_warn_of_design(const camsim_options_t *o)
+{
+    if (o->cut.session.design_path == NULL) {
+        (void)fprintf(stderr,
+                      "camsim: warning: %s: missing, so the gauge compares with the table itself\n",
+                      o->design_path);
+    }
+}
+
 bool camsim_options_read(camsim_options_t *o, int argc, char **argv, common_error_t *e)
 {
     memset(o, 0, sizeof *o);
     o->command = argv[0];
-    o->tolerance_um = 5.0;
+    o->cut.session.tolerance_um = 5.0;
     o->cut.kc_n_mm2 = 700.0;
-    o->cut.config = sim_config_defaults();
-    o->cut.seed = 1;
+    o->cut.session.config = sim_config_defaults();
+    o->cut.session.seed = 1;
     opterr = 0;
     int option;
     while ((option = getopt_long(argc, argv, ":", options, NULL)) != -1) {
@@ -364,10 +380,10 @@ bool camsim_options_read(camsim_options_t *o, int argc, char **argv, common_erro
                             argc - optind, o->command);
     }
     o->table_path = argv[optind];
-    o->cut.is_traced = o->trace_path != NULL;
-    if (o->machine_path != NULL && !sim_config_load(&o->cut.config, o->machine_path, e)) {
+    o->cut.is_traced = o->out_path[camsim_trace] != NULL;
+    if (o->machine_path != NULL && !sim_config_load(&o->cut.session.config, o->machine_path, e)) {
         return false;
     }
-    return find_target(o, e) && (o->cut.design_path != NULL || find_design(o, e)) &&
+    return find_target(o, e) && (o->cut.session.design_path != NULL || find_design(o, e)) &&
            check_scallop(o, e) && check_outputs(o, e);
 }

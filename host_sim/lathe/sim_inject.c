@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common_number.h" // common_number_parse
 #include "sim_inject.h"
-#include "hal_host.h"  // hal_host_fault_*
 #include "sim_units.h" // SIM_TWO_PI
 #include <stdio.h>     // snprintf
 #include <string.h>    // strchr
@@ -116,56 +115,41 @@ bool sim_inject_parse(sim_inject_t *inject, const char *text, sim_inject_place_t
     return parse_value(inject, value, text, e);
 }
 
-static void force_speed(sim_machine_t *m, double rad_per_s)
+static void force_speed(sim_lathe_t *l, double rad_per_s)
 {
-    m->is_speed_forced = true;
-    m->forced_rad_per_s = rad_per_s;
+    l->is_speed_forced = true;
+    l->forced_rad_per_s = rad_per_s;
 }
 
-void sim_inject_apply(const sim_inject_t *inject, sim_machine_t *m, int direction)
+void sim_inject_apply(const sim_inject_t *inject, sim_lathe_t *l, int direction)
 {
     switch (inject->kind) {
-    case sim_inject_estop:
-        hal_host_fault_estop(true);
-        break;
-    case sim_inject_drive:
-        hal_host_fault_drive(true);
-        break;
-    case sim_inject_bus:
-        hal_host_fault_bus(true);
-        break;
     case sim_inject_lost_counts:
-        hal_host_fault_counts(-(int32_t)inject->value);
+        l->count_offset -= (uint32_t)inject->value;
         break;
     case sim_inject_encoder_jump:
-        hal_host_fault_counts((int32_t)inject->value);
+        l->count_offset += (uint32_t)(int32_t)inject->value;
         break;
     case sim_inject_encoder_stuck:
-        hal_host_fault_encoder_stuck(true);
+        sim_lathe_stick_encoder(l);
         break;
     case sim_inject_index_dead:
-        hal_host_fault_index_dead(true);
-        break;
-    case sim_inject_late_tick:
-        sim_machine_late(m, inject->value);
+        sim_lathe_kill_index(l);
         break;
     case sim_inject_reverse:
-        m->is_reversed = true;
+        l->is_reversed = true;
         break;
     case sim_inject_spindle_speed:
-        force_speed(m, direction * inject->value * (SIM_TWO_PI / 60.0));
+        force_speed(l, direction * inject->value * (SIM_TWO_PI / 60.0));
         break;
     case sim_inject_spindle_stop:
-        force_speed(m, 0.0);
-        break;
-    case sim_inject_z_offset:
-        m->z_offset_nm = (int32_t)(inject->value * SIM_NM_PER_MM);
+        force_speed(l, 0.0);
         break;
     case sim_inject_u_block:
-        m->axis[hal_axis_u].is_blocked = true;
+        l->drive[hal_axis_u].is_blocked = true;
         break;
     case sim_inject_swing_block:
-        m->swing.is_blocked = true;
+        l->drive[sim_lathe_swing].is_blocked = true;
         break;
     default:
         break;

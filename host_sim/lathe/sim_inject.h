@@ -35,7 +35,7 @@
 #define SIM_INJECT_H
 
 #include "common_error.h" // common_error_t
-#include "sim_machine.h"  // sim_machine_t
+#include "sim_lathe.h"    // sim_lathe_t
 #include <stdbool.h>      // bool
 
 typedef enum {
@@ -85,9 +85,8 @@ bool sim_inject_parse(sim_inject_t *inject, const char *text, sim_inject_place_t
 /// @return the kind's name
 const char *sim_inject_name(sim_inject_kind_t kind);
 
-/// Do to the machine what the kind says. What is not the machine's (table-flip, stop, the nodes'):
-/// nothing happens. Call between sense and advance.
+/// Do to the lathe what the kind says; nothing when the kind is not the lathe's.
 /// @param direction  +1 or -1: sense of cutting
-void sim_inject_apply(const sim_inject_t *inject, sim_machine_t *m, int direction);
+void sim_inject_apply(const sim_inject_t *inject, sim_lathe_t *l, int direction);
 
 #endif

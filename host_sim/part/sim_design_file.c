@@ -68,8 +68,8 @@ static bool read_root(sim_design_t *d, const cJSON *root, const cam_table_t *tab
         return false;
     }
     if (table->angle.knots != NULL) {
-        d->shape = sim_shape_cam;
-        return sim_cam_design_read(&d->cam, design, path, e);
+        d->shape = sim_shape_lobes;
+        return sim_lobe_design_read(&d->lobes, design, path, e);
     }
     if (!read_shape(d, design, path, e) ||
         !sim_json_cubics(&d->radius_mm, design, "design", "radius_mm", path, e)) {
@@ -104,8 +104,9 @@ bool sim_design_load(sim_design_t *d, const char *path, const cam_table_t *table
         sim_design_free(d);
         return false;
     }
-    d->largest_mm = d->shape == sim_shape_cam ? d->cam.base_mm + sim_cam_design_lift_mm(&d->cam)
-                                              : sim_design_find_largest_mm(d);
+    d->largest_mm = d->shape == sim_shape_lobes
+                        ? d->lobes.base_mm + sim_lobe_design_lift_mm(&d->lobes)
+                        : sim_design_find_largest_mm(d);
     return true;
 }
 

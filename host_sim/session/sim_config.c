@@ -11,19 +11,19 @@ enum { max_bytes = 1 << 20 };
 
 #define MEMBER(kind, section, key, member, min, max)                                               \
     {                                                                                              \
-        section, key, kind, offsetof(sim_machine_config_t, member), min, max, NULL                 \
+        section, key, kind, offsetof(sim_lathe_config_t, member), min, max, NULL                   \
     }
 #define REAL(section, key, member, min, max)                                                       \
     MEMBER(common_setting_real, section, key, member, min, max)
 #define WHOLE(section, key, member, min, max)                                                      \
     MEMBER(common_setting_count, section, key, member, min, max)
 #define DRIVE(section, i)                                                                          \
-    REAL(section, "bandwidth_hz", axis[i].bandwidth_hz, 1.0, 10000.0),                             \
-        REAL(section, "damping", axis[i].damping, 0.05, 10.0),                                     \
-        REAL(section, "delay_us", axis[i].delay_us, 0.0, 10000.0),                                 \
-        REAL(section, "quantum_nm", axis[i].quantum_nm, 0.0, 100000.0),                            \
-        REAL(section, "speed_mm_per_s", axis[i].speed_mm_per_s, 0.1, 10000.0),                     \
-        REAL(section, "acceleration_mm_per_s2", axis[i].acceleration_mm_per_s2, 10.0, 1e7)
+    REAL(section, "bandwidth_hz", drive[i].bandwidth_hz, 1.0, 10000.0),                            \
+        REAL(section, "damping", drive[i].damping, 0.05, 10.0),                                    \
+        REAL(section, "delay_us", drive[i].delay_us, 0.0, 10000.0),                                \
+        REAL(section, "quantum_nm", drive[i].quantum_micro, 0.0, 100000.0),                        \
+        REAL(section, "speed_mm_per_s", drive[i].speed_units_per_s, 0.1, 10000.0),                 \
+        REAL(section, "acceleration_mm_per_s2", drive[i].acceleration_units_per_s2, 10.0, 1e7)
 
 static const common_setting_t fields[] = {
     WHOLE("machine", "tick_hz", tick_hz, 500.0, 100000.0),
@@ -41,18 +41,19 @@ static const common_setting_t fields[] = {
     REAL("encoder", "eccentricity_turn", encoder.eccentricity_turn, 0.0, 1.0),
     REAL("encoder", "jitter_counts", encoder.jitter_counts, 0.0, 1000.0),
     WHOLE("encoder", "start_counts", encoder.start_counts, 0.0, 4294967295.0),
-    DRIVE("u", 0),
+    DRIVE("u", hal_axis_u),
     REAL("u", "stroke_mm", u_stroke_mm, 0.001, 30.0),
-    DRIVE("x", 1),
+    DRIVE("x", hal_axis_x),
     REAL("x", "start_mm", x_start_mm, 0.0, 1000.0),
-    DRIVE("z", 2),
+    DRIVE("z", hal_axis_z),
     REAL("z", "start_mm", z_start_mm, -2000.0, 2000.0),
-    REAL("swing", "bandwidth_hz", swing.bandwidth_hz, 1.0, 10000.0),
-    REAL("swing", "damping", swing.damping, 0.05, 10.0),
-    REAL("swing", "delay_us", swing.delay_us, 0.0, 10000.0),
-    REAL("swing", "quantum_udeg", swing.quantum_nm, 0.0, 1e6),
-    REAL("swing", "speed_deg_per_s", swing.speed_mm_per_s, 0.0, 100000.0),
-    REAL("swing", "acceleration_deg_per_s2", swing.acceleration_mm_per_s2, 10.0, 1e8),
+    REAL("swing", "bandwidth_hz", drive[sim_lathe_swing].bandwidth_hz, 1.0, 10000.0),
+    REAL("swing", "damping", drive[sim_lathe_swing].damping, 0.05, 10.0),
+    REAL("swing", "delay_us", drive[sim_lathe_swing].delay_us, 0.0, 10000.0),
+    REAL("swing", "quantum_udeg", drive[sim_lathe_swing].quantum_micro, 0.0, 1e6),
+    REAL("swing", "speed_deg_per_s", drive[sim_lathe_swing].speed_units_per_s, 0.0, 100000.0),
+    REAL("swing", "acceleration_deg_per_s2", drive[sim_lathe_swing].acceleration_units_per_s2, 10.0,
+         1e8),
     REAL("swing", "range_deg", swing_range_deg, 0.1, 90.0),
 };
 enum { n_fields = sizeof fields / sizeof fields[0] };
@@ -66,7 +67,7 @@ typedef struct {
 
 sim_config_t sim_config_defaults(void)
 {
-    return (sim_config_t){.name = "default", .machine = sim_machine_defaults()};
+    return (sim_config_t){.name = "default", .lathe = sim_lathe_defaults()};
 }
 
 static bool take_name(const common_settings_t *s, const char *text)
@@ -117,7 +118,7 @@ bool sim_config_load(sim_config_t *config, const char *path, common_error_t *e)
     common_settings_t all = {.path = path,
                              .list = fields,
                              .n = n_fields,
-                             .into = &config->machine,
+                             .into = &config->lathe,
                              .take_other = take_other,
                              .user = &others,
                              .has_line_word = true,

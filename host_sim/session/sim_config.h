@@ -14,11 +14,11 @@
 
 #include "sim_controller.h" // sim_wishes_t
 #include "common_error.h"   // common_error_t
-#include "sim_machine.h"    // sim_machine_config_t
+#include "sim_lathe.h"      // sim_lathe_config_t
 
 typedef struct {
     char name[64];
-    sim_machine_config_t machine;
+    sim_lathe_config_t lathe;
     sim_wishes_t controller;
 } sim_config_t;
 

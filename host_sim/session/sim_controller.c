@@ -50,41 +50,42 @@ static double lag_s(const sim_drive_config_t *axis)
     return axis->delay_us * 1e-6 + 2.0 * axis->damping / (SIM_TWO_PI * axis->bandwidth_hz);
 }
 
-static void derive_feed_forward(derive_t *d, const sim_machine_config_t *m)
+static void derive_feed_forward(derive_t *d, const sim_lathe_config_t *m)
 {
-    const sim_drive_config_t *u = &m->axis[hal_axis_u];
+    const sim_drive_config_t *u = &m->drive[hal_axis_u];
     const double omega = SIM_TWO_PI * u->bandwidth_hz;
     const double half_tick_s = 0.5 / m->tick_hz;
     put(d, cam_param_k1_ns, 2.0 * u->damping / omega * 1e9);
     put(d, cam_param_k2_us2, 1e12 / (omega * omega));
     put(d, cam_param_lead_ns, u->delay_us * 1e3 + half_tick_s * 1e9);
     const double xz_s =
-        0.5 * (lag_s(&m->axis[hal_axis_x]) + lag_s(&m->axis[hal_axis_z])) + half_tick_s;
+        0.5 * (lag_s(&m->drive[hal_axis_x]) + lag_s(&m->drive[hal_axis_z])) + half_tick_s;
     put(d, cam_param_xz_lag_ns, xz_s * 1e9);
 }
 
-static void derive_limits(derive_t *d, const sim_machine_config_t *m)
+static void derive_limits(derive_t *d, const sim_lathe_config_t *m)
 {
-    const sim_drive_config_t *axis = m->axis;
+    const sim_drive_config_t *axis = m->drive;
     put(d, cam_param_u_stroke_nm, m->u_stroke_mm * SIM_NM_PER_MM);
-    put(d, cam_param_u_speed_um_per_s, axis[hal_axis_u].speed_mm_per_s * 1e3);
-    put(d, cam_param_u_acceleration_mm_per_s2, axis[hal_axis_u].acceleration_mm_per_s2);
-    put(d, cam_param_x_speed_um_per_s, axis[hal_axis_x].speed_mm_per_s * 1e3);
-    put(d, cam_param_x_acceleration_mm_per_s2, axis[hal_axis_x].acceleration_mm_per_s2);
-    put(d, cam_param_z_speed_um_per_s, axis[hal_axis_z].speed_mm_per_s * 1e3);
-    put(d, cam_param_z_acceleration_mm_per_s2, axis[hal_axis_z].acceleration_mm_per_s2);
+    put(d, cam_param_u_speed_um_per_s, axis[hal_axis_u].speed_units_per_s * 1e3);
+    put(d, cam_param_u_acceleration_mm_per_s2, axis[hal_axis_u].acceleration_units_per_s2);
+    put(d, cam_param_x_speed_um_per_s, axis[hal_axis_x].speed_units_per_s * 1e3);
+    put(d, cam_param_x_acceleration_mm_per_s2, axis[hal_axis_x].acceleration_units_per_s2);
+    put(d, cam_param_z_speed_um_per_s, axis[hal_axis_z].speed_units_per_s * 1e3);
+    put(d, cam_param_z_acceleration_mm_per_s2, axis[hal_axis_z].acceleration_units_per_s2);
     put(d, cam_param_spindle_limit_mrpm, m->spindle_limit_rpm * 1e3);
     put(d, cam_param_following_limit_nm, following_limit_um * 1e3);
 }
 
 /// Without the axis there is nothing to be derived but that.
-static void derive_swing(derive_t *d, const sim_machine_config_t *m)
+static void derive_swing(derive_t *d, const sim_lathe_config_t *m)
 {
-    put(d, cam_param_swing_speed_mdeg_per_s, m->swing.speed_mm_per_s * 1e3);
-    if (m->swing.speed_mm_per_s > 0.0) {
-        put(d, cam_param_swing_acceleration_deg_per_s2, m->swing.acceleration_mm_per_s2);
+    const sim_drive_config_t *swing = &m->drive[sim_lathe_swing];
+    put(d, cam_param_swing_speed_mdeg_per_s, swing->speed_units_per_s * 1e3);
+    if (swing->speed_units_per_s > 0.0) {
+        put(d, cam_param_swing_acceleration_deg_per_s2, swing->acceleration_units_per_s2);
         put(d, cam_param_swing_range_mdeg, m->swing_range_deg * 1e3);
-        put(d, cam_param_swing_lag_ns, (lag_s(&m->swing) + 0.5 / m->tick_hz) * 1e9);
+        put(d, cam_param_swing_lag_ns, (lag_s(swing) + 0.5 / m->tick_hz) * 1e9);
     }
 }
 
@@ -98,7 +99,7 @@ static void derive_spindle(derive_t *d, const sim_spindle_config_t *s)
 
 /// Angle of the index from the long axis in the sense of cutting, and what noise of the edges
 /// demands.
-static void derive_encoder(derive_t *d, const sim_machine_config_t *m, const cam_table_t *table)
+static void derive_encoder(derive_t *d, const sim_lathe_config_t *m, const cam_table_t *table)
 {
     const sim_encoder_config_t *c = &m->encoder;
     const double turn = sim_fraction(table->direction * c->index_turn + 0.5) - 0.5;
@@ -111,7 +112,7 @@ static void derive_encoder(derive_t *d, const sim_machine_config_t *m, const cam
     put(d, cam_param_jump_window_counts, window->def + noise_counts);
 }
 
-bool sim_controller_params(cam_params_t *params, const sim_machine_config_t *machine,
+bool sim_controller_params(cam_params_t *params, const sim_lathe_config_t *machine,
                            const cam_table_t *table, const sim_wishes_t *wishes, common_error_t *e)
 {
     derive_t d = {.params = params, .e = e, .is_good = true};

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Worked numbers of the equations that no test of a module asserts, each found a second way."""
+"""Worked numbers of the equations that no test of a module asserts, each found by a second method."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def test_spline_passes_its_largest_node_by_two_picometres() -> None:
 
 
 def test_contour_without_a_corner_needs_a_negative_trim() -> None:
-    """MATHS.md (13): at the trim told the jump of the slope is of second order in G."""
+    """MATHS.md (13): at the trim stated there the jump of the slope is of second order in G."""
     jumps = []
     for g_mm in (0.02, 0.01):
         trim_mm = -(g_mm / 2) * (1 - np.sin(JOINT_RAD)) ** 2

@@ -131,7 +131,7 @@ static void test_feed_larger_than_the_part_is_refused(void)
 }
 
 /// A ring-helix of 0.2 mm: 4 feed n^2 of acceleration, feed n / (1 - r) of speed at least. What is
-/// told as the highest speed has 1 / n = feed / v + v / a.
+/// reported as the highest speed has 1 / n = feed / v + v / a.
 static void test_ring_helix_needs_ramps_of_z(void)
 {
     table.is_ring_helix = true;
@@ -149,8 +149,8 @@ static void test_ring_helix_needs_ramps_of_z(void)
     TEST_ASSERT_EQUAL_INT(cam_ok, judge(2500000).err);
 }
 
-/// 1 / n = feed / v + v / a, v the lesser of Z's speed and sqrt(feed a), where the ramps meet; v /
-/// a at least 1 / 255 of the rest.
+/// 1 / n = feed / v + v / a, where v is the lesser of Z's speed and of sqrt(feed a), at which the
+/// two ramps meet, and v / a is at least 1 / 255 of the rest.
 static double ring_mrpm(double feed_mm, double v_mm_per_s, double a_mm_per_s2)
 {
     const double v = fmin(v_mm_per_s, sqrt(feed_mm * a_mm_per_s2));
@@ -175,7 +175,7 @@ static void test_highest_speed_of_a_ring_helix_is_the_edge_of_both_limits(void)
         params.z_acceleration_mm_per_s2 = 10 + (i * 104729) % 5000;
         const double exact = ring_mrpm(params.feed_nm * 1e-6, params.z_speed_um_per_s * 1e-3,
                                        params.z_acceleration_mm_per_s2);
-        if (exact < 9e6) { // else the tick decides
+        if (exact < 9e6) { // above, the tick rate decides
             TEST_ASSERT_DOUBLE_WITHIN(2e-3 * exact + 100.0, exact, judge(1000).highest_mrpm);
         }
     }
@@ -275,7 +275,7 @@ static void test_largest_demands_do_not_overflow(void)
                               1.25 * 2147483647.0 * 6283.185 / 1e3, (double)why.needed);
 }
 
-/// Through the clearance by the smooth step: 15/8 c n / t and 5.774 c (n / t)^2.
+/// No speed helps where an axis is missing.
 static void test_tool_that_must_swing_is_refused_at_any_speed(void)
 {
     table.is_swung = true;
@@ -285,6 +285,7 @@ static void test_tool_that_must_swing_is_refused_at_any_speed(void)
     TEST_ASSERT_EQUAL_UINT32(0u, found.highest_mrpm);
 }
 
+/// X crosses its clearance by the smooth step: 15/8 c n / t and 5.774 c (n / t)^2.
 static void test_x_leaves_its_clearance_within_its_limits(void)
 {
     params.x_clearance_nm = 100000000;
@@ -297,7 +298,7 @@ static void test_x_leaves_its_clearance_within_its_limits(void)
     params.x_acceleration_mm_per_s2 = 2000;
     const double highest = sqrt(2000.0 / (5.7735 * 100.0)) * 10.0 * 60000.0;
     expect_refused(cam_err_x_acceleration, 2500000, 5.7735 * 100.0 * n * n / 100.0, 2000, highest);
-    params.disengage_turns = 5; // the shorter of both counts
+    params.disengage_turns = 5; // the shorter of the two ramps decides
     expect_refused(cam_err_x_acceleration, 2500000, 5.7735 * 100.0 * n * n / 25.0, 2000,
                    highest / 2.0);
 }
@@ -318,13 +319,13 @@ static void test_x_follows_the_barrel_within_its_limits(void)
     const double per_n2 = 100.0 * 1e-6 * 1000.0 + 0.2 * 0.1; // [mm] of n^2
     expect_refused(cam_err_x_acceleration, 2500000, per_n2 * n * n, 200,
                    sqrt(200.0 / per_n2) * 60000.0);
-    params.z_is_measured = 1; // others accelerate Z: the bend is left
+    params.z_is_measured = 1; // others accelerate Z, so only the bend remains
     const double bent = 0.1 * n * n;
     TEST_ASSERT_DOUBLE_WITHIN(0.01 * bent, bent, (double)judge(3000000).needed / 1.44);
 }
 
-/// e u'' + 2 e' u' + e'' u of an oval cosine against its smooth step, over a whole turn of
-/// engaging.
+/// @return the largest e u'' + 2 e' u' + e'' u of a cosine oval under the smooth step, over all
+///         angles at which engaging may begin
 static double engaging_peak(double turns)
 {
     double most = 0.0;

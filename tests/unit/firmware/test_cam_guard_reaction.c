@@ -1,29 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a fault leads to, on a whole controller: retract, brake, enable, lamp, latch, way out.
-#include "fixture_rig.h"
-#include "hal_host.h"
-#include "unity.h"
+#include "rig_bench.h"
 #include <math.h>
 
-static fixture_rig_t rig;
-static fixture_part_t part;
 static const cam_state_t enabled[] = {cam_state_homing, cam_state_ready, cam_state_engaging,
                                       cam_state_cutting, cam_state_disengaging};
 enum { n_enabled = sizeof enabled / sizeof enabled[0], patience = 20000 };
-
-void setUp(void)
-{
-    part = fixture_part_short();
-    fixture_rig_init(&rig, &part, 20000);
-}
-
-void tearDown(void) {}
-
-static void bring(cam_state_t state)
-{
-    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, state));
-    TEST_ASSERT_EQUAL_HEX32(0, fixture_rig_status(&rig).faults);
-}
 
 static bool is_enabled(void)
 {

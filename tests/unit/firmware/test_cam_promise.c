@@ -30,7 +30,7 @@ static cam_err_t with_word(size_t at, uint32_t value)
     return check();
 }
 
-/// A promise lowered by a share of itself.
+/// @return result of the check when a promise is lowered by a share of itself
 static cam_err_t lowered(size_t at, double share)
 {
     const double promised = fixture_image_get(&image, at);
@@ -65,7 +65,8 @@ static void test_promises_just_kept_pass_and_lower_ones_fail(void)
         fixture_image_make(&image, &part);
         TEST_ASSERT_EQUAL_INT(cam_ok, lowered(at[i], 0.0));
         fixture_image_make(&image, &part);
-        TEST_ASSERT_EQUAL_INT(cam_err_image_limits, lowered(at[i], 0.03)); // knots only are seen
+        TEST_ASSERT_EQUAL_INT(cam_err_image_limits,
+                              lowered(at[i], 0.03)); // the check sees the knots only
         TEST_ASSERT_EQUAL_INT(cam_err_image_limits, with_word(at[i], 0u));
     }
 }

@@ -14,9 +14,9 @@ static sim_bus_config_t config;
 void setUp(void)
 {
     config = (sim_bus_config_t){
-        .machine = sim_machine_defaults(), .guard_s = 0.02, .heartbeat_s = 0.05, .seed = 1};
-    config.machine.tick_hz = 1000.0;
-    config.machine.spindle.ripple = 0.0;
+        .lathe = sim_lathe_defaults(), .guard_s = 0.02, .heartbeat_s = 0.05, .seed = 1};
+    config.lathe.tick_hz = 1000.0;
+    config.lathe.spindle.ripple = 0.0;
     sim_bus_init(&bus, &config, X_NM, Z_NM);
 }
 
@@ -80,12 +80,12 @@ static void test_enabled_axis_goes_where_it_is_told(void)
 static void test_axis_moves_as_in_a_run_with_the_same_commands(void)
 {
     sim_drive_t reference;
-    sim_drive_init(&reference, &config.machine.axis[0], 0.0, 1e-3);
+    sim_drive_init(&reference, &config.lathe.drive[0], 0.0, 1e-3);
     enable();
     for (int i = 0; i < 50; i++) { // commands of the tick act from the SYNC on
         const int32_t target = i < 20 ? 20000 : -30000;
         tick(0x0F, target, 0);
-        TEST_ASSERT_DOUBLE_WITHIN(1.0, reference.pos_nm, bus.sample.u_nm);
+        TEST_ASSERT_DOUBLE_WITHIN(1.0, reference.pos_micro, bus.sample.u_nm);
         sim_drive_step(&reference, target, true);
     }
 }
@@ -98,7 +98,7 @@ static void test_encoder_speaks_of_the_middle_between_two_ticks(void)
     }
     const double turn = bus.sample.turn + 5.0 * 0.5e-3;
     const uint32_t counts =
-        (uint32_t)(uint64_t)(config.machine.encoder.start_counts + turn * 10000.0);
+        (uint32_t)(uint64_t)(config.lathe.encoder.start_counts + turn * 10000.0);
     TEST_ASSERT_INT32_WITHIN(1, counts, common_get_u32(said(0x181)->data));
 }
 
@@ -124,8 +124,8 @@ static void test_index_is_foreseen_once_per_turn_at_its_place(void)
     for (int i = 0; i < 4000; i++) {
         tick(0x0F, 0, 300000);
         if (bus.index_s >= 0.0 && i > 1000) {
-            const double turn = bus.spindle.turn + bus.index_s * 5.0;
-            const double place = sim_fraction(turn - config.machine.encoder.index_turn + 0.5) - 0.5;
+            const double turn = bus.lathe.spindle.turn + bus.index_s * 5.0;
+            const double place = sim_fraction(turn - config.lathe.encoder.index_turn + 0.5) - 0.5;
             TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.0, place);
             n++;
         }
@@ -139,16 +139,16 @@ static void test_silence_brakes_within_the_limits_and_ends_in_fault(void)
     for (int i = 0; i < 5; i++) {
         tick(0x0F, 20000 * i, 0);
     }
-    double last = bus.axis[0].vel_nm_per_s;
+    double last = bus.lathe.drive[0].vel_micro_per_s;
     TEST_ASSERT_TRUE(last > 1e6);
     int n = 0;
     while (bus.node[sim_bus_u].power.state != cia402_fault) {
         sim_bus_step(&bus);
         if (bus.node[sim_bus_u].power.state != cia402_operation_enabled) {
-            const double change = sim_abs(bus.axis[0].vel_nm_per_s - last);
+            const double change = sim_abs(bus.lathe.drive[0].vel_micro_per_s - last);
             TEST_ASSERT_TRUE(change <= U_BRAKE_NM_PER_S2 * 1e-3 * 1.0001);
         }
-        last = bus.axis[0].vel_nm_per_s;
+        last = bus.lathe.drive[0].vel_micro_per_s;
         TEST_ASSERT_LESS_THAN_INT(25, ++n);
     }
     TEST_ASSERT_GREATER_THAN_INT(19, n);
@@ -218,8 +218,8 @@ static void test_status_of_the_controller_is_remembered(void)
 {
     const sim_frame_t status = {.id = 0x1C0, .n = 8, .data = {3, 0, 0, 0, 0x10}};
     sim_bus_receive(&bus, &status);
-    TEST_ASSERT_EQUAL_UINT32(3, bus.told_state);
-    TEST_ASSERT_EQUAL_HEX32(0x10, bus.told_faults);
+    TEST_ASSERT_EQUAL_UINT32(3, bus.reported_state);
+    TEST_ASSERT_EQUAL_HEX32(0x10, bus.reported_faults);
 }
 
 int main(void)
