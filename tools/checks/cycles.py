@@ -19,8 +19,8 @@ from camtools.base.command import Parser, run_command
 from camtools.base.errors import CamtoolsError
 from checks.mca import mca_cycles, straight_line, table_cycles, taken_branches
 from checks.stepper import (
-    Executed,
     InstructionTrace,
+    Step,
     parse_listing,
     parse_symbols,
     run_tool,
@@ -144,7 +144,7 @@ def allowances(header: str) -> dict[str, int]:
     return found
 
 
-def fetch_cycles(executed: Sequence[Executed], machine: Processor) -> int:
+def fetch_cycles(executed: Sequence[Step], machine: Processor) -> int:
     """Return what the core waits for code that comes from flash, nothing fetched ahead.
 
     With a cache that holds a whole tick every unit is fetched once, else whenever the program
@@ -170,7 +170,7 @@ def _hal_of(addresses: Sequence[int], symbols: Mapping[str, tuple[int, int]]) ->
     return [name_of.get(a, "") for a in addresses]
 
 
-def _core_cycles(executed: Sequence[Executed], machine: Processor) -> Span:
+def _core_cycles(executed: Sequence[Step], machine: Processor) -> Span:
     low = mca_cycles(straight_line(executed), machine.cpu)
     if machine.refill_cycles:
         return Span(low, low + machine.refill_cycles * taken_branches(executed))
@@ -179,7 +179,7 @@ def _core_cycles(executed: Sequence[Executed], machine: Processor) -> Span:
 
 def estimate(
     trace: InstructionTrace,
-    listing: Mapping[int, Executed],
+    listing: Mapping[int, Step],
     symbols: Mapping[str, tuple[int, int]],
     machine: Processor,
     allowed: Mapping[str, int],
@@ -264,7 +264,7 @@ def _cold_load(e: Estimate, machine: Processor) -> str:
 
 
 def evaluation_table(
-    machine: Processor, traces: Sequence[InstructionTrace], listing: Mapping[int, Executed]
+    machine: Processor, traces: Sequence[InstructionTrace], listing: Mapping[int, Step]
 ) -> str:
     """Return instructions and cycles of single evaluations as a table in Markdown."""
     lines = [f"| evaluation, {machine.name} | instructions | cycles |\n", "|---|---|---|\n"]
@@ -279,7 +279,7 @@ class _Stepped:
     """An image of a preset, and what was seen of it."""
 
     symbols: Mapping[str, tuple[int, int]]
-    listing: Mapping[int, Executed]
+    listing: Mapping[int, Step]
     traces: Sequence[InstructionTrace]
 
 

@@ -23,8 +23,8 @@ from checks.cycles import (
 )
 from checks.mca import mca_cycles, straight_line, table_cycles, taken_branches
 from checks.stepper import (
-    Executed,
     InstructionTrace,
+    Step,
     parse_listing,
     parse_symbols,
     run_tool,
@@ -54,7 +54,7 @@ SYMBOLS = "00000100 00000018 T cam_isr\n00000200 0000000c T hal_clock_isr\n20000
 PATH = (0x100, 0x102, 0x200, 0x202, 0x204, 0x106, 0x108, 0x10A, 0x10E, 0x110, 0x114)
 
 
-def executed() -> list[Executed]:
+def executed() -> list[Step]:
     """Return the instructions of the small interrupt in the order of its run."""
     listing = parse_listing(LISTING)
     return [listing[a] for a in PATH]
@@ -64,8 +64,8 @@ def test_listing_gives_address_size_and_text() -> None:
     """Data words and comments are no instructions."""
     listing = parse_listing(LISTING)
     assert len(listing) == 12
-    assert listing[0x10A] == Executed(0x10A, 4, "movlt.w", "r0, #4294967295")
-    assert listing[0x116] == Executed(0x116, 2, "nop", "")
+    assert listing[0x10A] == Step(0x10A, 4, "movlt.w", "r0, #4294967295")
+    assert listing[0x116] == Step(0x116, 2, "nop", "")
     assert 0x118 not in listing
 
 
@@ -96,8 +96,8 @@ def test_straight_line_keeps_conditional_branches() -> None:
     """Outside an IT block a condition belongs to the branch; only the target changes."""
     lines = straight_line(
         [
-            Executed(0, 2, "bls.n", "40 <f+0x4>"),
-            Executed(2, 2, "cbnz", "r3, 50 <f>"),
+            Step(0, 2, "bls.n", "40 <f+0x4>"),
+            Step(2, 2, "cbnz", "r3, 50 <f>"),
         ]
     )
     assert lines == ["bls target", "cbnz r3, target"]
@@ -105,12 +105,12 @@ def test_straight_line_keeps_conditional_branches() -> None:
 
 def test_straight_line_spells_out_ranges() -> None:
     """Registers of the floating-point unit come as ranges."""
-    assert straight_line([Executed(0, 4, "vpush", "{d8-d10}")]) == [
+    assert straight_line([Step(0, 4, "vpush", "{d8-d10}")]) == [
         "vstr d8, [sp]",
         "vstr d9, [sp]",
         "vstr d10, [sp]",
     ]
-    assert straight_line([Executed(0, 4, "ldmia.w", "r1, {r2, r3}")]) == [
+    assert straight_line([Step(0, 4, "ldmia.w", "r1, {r2, r3}")]) == [
         "ldr r2, [r1]",
         "ldr r3, [r1]",
     ]
@@ -118,9 +118,9 @@ def test_straight_line_spells_out_ranges() -> None:
 
 def test_straight_line_has_floating_point_constants() -> None:
     """Objdump writes the eight bits of their code; any constant takes the same time."""
-    constant = Executed(0, 4, "vmov.f32", "s11, #8")
+    constant = Step(0, 4, "vmov.f32", "s11, #8")
     assert straight_line([constant]) == ["vmov.f32 s11, #1.0"]
-    assert straight_line([Executed(0, 4, "vmov", "s14, r3")]) == ["vmov s14, r3"]
+    assert straight_line([Step(0, 4, "vmov", "s14, r3")]) == ["vmov s14, r3"]
 
 
 def test_taken_branches_count_calls_and_returns() -> None:
