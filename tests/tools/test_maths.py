@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Worked numbers of the equations that no test of a module asserts, each found by a second method."""
+"""Worked numbers of the equations that no module's test asserts, each by a second method."""
 
 from __future__ import annotations
 
