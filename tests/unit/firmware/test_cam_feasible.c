@@ -324,8 +324,8 @@ static void test_x_follows_the_barrel_within_its_limits(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.01 * bent, bent, (double)judge(3000000).needed / 1.44);
 }
 
-/// @return the largest e u'' + 2 e' u' + e'' u of a cosine oval under the smooth step, over all
-///         angles at which engaging may begin
+/// @return the largest e u'' + 2 e' u' + |e''| u over the smooth step e, where u, u' and u'' of the
+///         oval are each at their largest
 static double engaging_peak(double turns)
 {
     double most = 0.0;
