@@ -15,16 +15,19 @@ enum { min_ticks_per_turn = 8 };
 /// [um/s] larger speeds of Z are judged as this one: 6.5 m/s, far beyond any slide.
 enum { max_z_um_per_s = 6553400 };
 
+/// @return the smaller of the two
 static int64_t smaller(int64_t a, int64_t b)
 {
     return a < b ? a : b;
 }
 
+/// @return the greater of the two
 static uint64_t greater(uint64_t a, uint64_t b)
 {
     return a > b ? a : b;
 }
 
+/// @return a / b, rounded up, so that a demand is never taken too small
 static uint64_t divided_up(uint64_t a, uint64_t b)
 {
     return (a + b - 1u) / b;
@@ -43,6 +46,7 @@ static uint64_t at_amplitude(const cam_cut_t *c, uint64_t peak)
     return divided_up(peak * (uint32_t)c->p->amplitude_ppm, 1000000);
 }
 
+/// @return [nm] height of the part, over which Z feeds
 static uint64_t span_nm(const cam_cut_t *c)
 {
     return (uint64_t)((int64_t)c->t->z_last_nm - c->t->z_first_nm);
@@ -147,6 +151,7 @@ static uint64_t drift_acceleration(const cam_cut_t *c, const drift_t *d)
     return divided_up(2u * d->speed_per_rad * omega_crad_per_s, 100) + d->acceleration;
 }
 
+/// U gets a set-point in every tick.
 static drift_t u_drift(const cam_cut_t *c)
 {
     return drift(c, &c->t->u, &c->t->u_change, c->tick_hz);
@@ -338,6 +343,7 @@ cam_demand_t cam_demand_first_exceeded(const cam_cut_t *c)
         x_speed_demand(c),
         x_acceleration_demand(c),
     };
+    // The order of the demands decides which of several excesses is reported.
     for (size_t i = 0; i < sizeof demands / sizeof demands[0]; i++) {
         if (demands[i].needed > (uint64_t)demands[i].limit) {
             return demands[i];

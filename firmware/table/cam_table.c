@@ -61,6 +61,7 @@ uint32_t cam_crc32(uint32_t crc, const void *data, size_t n)
     return ~rest;
 }
 
+/// @return the word at an offset in bytes, whose alignment does not matter
 static uint32_t word_at(const uint8_t *image, size_t at)
 {
     uint32_t word = 0;
@@ -148,6 +149,8 @@ static cam_err_t check_entry(const cam_entry_t *e, const header_fields_t *h, con
     return low_nm >= h->u_min_nm && high_nm <= h->u_max_nm ? cam_ok : cam_err_image_limits;
 }
 
+/// @return the place of a channel in the table; swing and contact share one, as they exclude each
+/// other
 static cam_channel_t *channel_of(cam_table_t *table, uint32_t kind)
 {
     switch (kind) {
@@ -207,6 +210,7 @@ static cam_err_t check_channels(const uint8_t *image, const header_fields_t *h, 
             return err;
         }
         cam_channel_t *ch = channel_of(table, e.kind);
+        // A kind that is there already, or swing beside contact.
         if (ch->knots != NULL) {
             return cam_err_image_channel;
         }
@@ -215,6 +219,8 @@ static cam_err_t check_channels(const uint8_t *image, const header_fields_t *h, 
         table->is_swung = table->is_swung || e.kind == cam_kind_swing;
         table->is_ring_helix = table->is_ring_helix || e.path != 0u;
         if (e.kind == cam_kind_speed) {
+            // The shift rounds down, which 1 makes up for; 1 more covers the rounding of the
+            // evaluation.
             table->ratio_max_q20 = (uint32_t)(e.offset_nm + (e.p_max >> e.frac_bits) + 2);
         }
     }
