@@ -58,7 +58,7 @@ static cam_demand_t spindle_acceleration_demand(const cam_cut_t *c)
     const uint64_t omega = omega_mrad_per_s(c->mean_mrpm);
     const uint64_t omega2 = divided_up(omega * omega, 1000); // [0.001 rad2/s2]
     return (cam_demand_t){cam_err_spindle_acceleration, c->p->spindle_acceleration_mrad_per_s2,
-                          divided_up(omega2 * c->t->spindle_peak_ppm, 1000000)};
+                          divided_up(omega2 * c->t->spindle_peak_ppm_per_rad, 1000000)};
 }
 
 /// The speed must not let more knots or more of a turn pass in a tick than the interrupt can
@@ -264,7 +264,7 @@ static cam_demand_t swing_acceleration_demand(const cam_cut_t *c)
     const uint64_t ratio_q20 = t->ratio_max_q20;
     const uint64_t bend = (((t->swing.second_mdeg_per_rad2 * ratio_q20) >> 20) * ratio_q20) >> 20;
     const uint64_t second_mdeg_per_rad2 =
-        bend + (uint64_t)t->swing.first_mdeg_per_rad * t->spindle_peak_ppm / 1000000u + 1u;
+        bend + (uint64_t)t->swing.first_mdeg_per_rad * t->spindle_peak_ppm_per_rad / 1000000u + 1u;
     const uint64_t second =
         at_amplitude(c, engaging(c->p, t->swing.most_mdeg, swing_first(t), second_mdeg_per_rad2));
     const uint64_t omega = omega_mrad_per_s(c->mean_mrpm);

@@ -55,7 +55,7 @@ static bool is_spindle_kept(const cam_table_t *t, uint32_t k)
 {
     const cam_ratio_t ratio = ratio_at(t, &t->speed, k);
     const int64_t rr_q20 = ((int64_t)ratio.ratio_q28 * ratio.slope_q20) >> 28;
-    return is_kept((per_rad(rr_q20) * 1000000) >> 20, t->spindle_peak_ppm);
+    return is_kept((per_rad(rr_q20) * 1000000) >> 20, t->spindle_peak_ppm_per_rad);
 }
 
 cam_err_t cam_promise_check(const cam_table_t *t)

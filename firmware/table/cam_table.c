@@ -30,7 +30,7 @@ typedef struct {
     uint32_t limit_u_stroke_nm, limit_u_speed_um_per_s, limit_u_acceleration_mm_per_s2,
         limit_spindle_mrpm;
     int32_t u_min_nm, u_max_nm;
-    uint32_t u1_peak_nm_per_rad, u2_peak_nm_per_rad2, error_pm, spindle_peak_ppm;
+    uint32_t u1_peak_nm_per_rad, u2_peak_nm_per_rad2, error_pm, spindle_peak_ppm_per_rad;
 } header_fields_t;
 _Static_assert(at_z_first + sizeof(header_fields_t) == cam_table_header_size, "as in the format");
 
@@ -127,7 +127,7 @@ static cam_err_t check_header(const uint8_t *image, header_fields_t *h)
         cam_is_between(h->u_max_nm, h->u_min_nm, max_u_nm) &&
         cam_is_between(h->u1_peak_nm_per_rad, 0, INT32_MAX) &&
         cam_is_between(h->u2_peak_nm_per_rad2, 0, INT32_MAX) &&
-        cam_is_between(h->spindle_peak_ppm, 0, max_spindle_ppm);
+        cam_is_between(h->spindle_peak_ppm_per_rad, 0, max_spindle_ppm);
     return is_sound ? check_name(image + at_name) : cam_err_image_header;
 }
 
@@ -177,7 +177,7 @@ static cam_err_t check_promise(const cam_entry_t *u, const header_fields_t *h, c
 {
     table->u1_peak_nm_per_rad = h->u1_peak_nm_per_rad;
     table->u2_peak_nm_per_rad2 = h->u2_peak_nm_per_rad2;
-    table->spindle_peak_ppm = h->spindle_peak_ppm;
+    table->spindle_peak_ppm_per_rad = h->spindle_peak_ppm_per_rad;
     if (table->speed.knots != NULL) {
         return cam_promise_check(table);
     }
@@ -186,7 +186,8 @@ static cam_err_t check_promise(const cam_entry_t *u, const header_fields_t *h, c
     const int64_t u2 =
         knot_per_rad(knot_per_rad(INT64_C(2) * u->a_max, log2_knots), log2_knots) >> u->frac_bits;
     const bool is_covered = u1 <= (int64_t)h->u1_peak_nm_per_rad &&
-                            u2 <= (int64_t)h->u2_peak_nm_per_rad2 && h->spindle_peak_ppm == 0u;
+                            u2 <= (int64_t)h->u2_peak_nm_per_rad2 &&
+                            h->spindle_peak_ppm_per_rad == 0u;
     return is_covered ? cam_ok : cam_err_image_limits;
 }
 

@@ -210,7 +210,7 @@ static void test_tick_rate_limits_knots_and_counts_per_tick(void)
 static void test_modulation_limits_peak_speed_and_spindle_acceleration(void)
 {
     table.ratio_max_q20 = (uint32_t)(1.499457112 * CAM_TABLE_RATIO_ONE) + 1u;
-    table.spindle_peak_ppm = 1056454u;
+    table.spindle_peak_ppm_per_rad = 1056454u;
     params.spindle_acceleration_mrad_per_s2 = 2000000000;
     params.spindle_limit_mrpm = 2500000;
     TEST_ASSERT_EQUAL_UINT32(2500001, cam_feasible_peak_mrpm(&table, 1667270));
