@@ -86,7 +86,7 @@ static void add_feasibility(cJSON *root, const sim_cut_t *cut)
     const double peak = (double)cut->session.table.ratio_max_q20 / CAM_TABLE_RATIO_ONE;
     add_margin(object, "spindle_rpm", sim_cut_rpm(cut) * peak, p->spindle_limit_mrpm * 1e-3);
     add_margin(object, "spindle_acceleration_rad_s2",
-               cut->session.table.spindle_peak_ppm * 1e-6 * omega * omega,
+               cut->session.table.spindle_peak_ppm_per_rad * 1e-6 * omega * omega,
                p->spindle_acceleration_mrad_per_s2 * 1e-3);
 }
 
