@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam/cam_machine.h"
-#include "cam/cam_fix.h" // cam_is_within
-#include "hal/hal.h"     // hal_halt, hal_has_swing
-#include <stddef.h>      // NULL
-#include <string.h>      // memset
+#include "cam/cam_build.h" // cam_build_config
+#include "cam/cam_fix.h"   // cam_is_within
+#include "hal/hal.h"       // hal_halt, hal_has_swing
+#include <stddef.h>        // NULL
+#include <string.h>        // memset
 
 /// Overspeed is a fault this far above the highest feasible speed: room for speed ripple.
 enum { overspeed_percent = 1 };
@@ -42,7 +43,7 @@ static cam_err_t hand_over(cam_machine_t *m, const cam_params_t *params, const c
         table != NULL ? cam_feasible_peak(table, highest_mrpm) : highest_mrpm;
     const uint32_t limit_mrpm = peak_mrpm + peak_mrpm / 100u * overspeed_percent;
     const cam_err_t err =
-        cam_config_build(half, params, table, limit_mrpm, m->tick_hz, m->clock_hz);
+        cam_build_config(half, params, table, limit_mrpm, m->tick_hz, m->clock_hz);
     if (err == cam_ok) {
         m->generation++;
         half->generation = m->generation;

@@ -39,7 +39,7 @@ static void counted(void)
     const uint32_t from = budget_count();
     interrupt();
     const uint32_t n = budget_instructions(from, budget_count()) - per_reading;
-    budget_spread_add(&ticks[g_cam.play.state], n);
+    budget_spread_add(&ticks[g_cam.motion.state], n);
     n_measured++;
     most = n > most ? n : most;
 }
@@ -237,7 +237,7 @@ static void try_every_tick(cam_state_t state, uint32_t ticks_into, const cause_t
     TEST_ASSERT_TRUE(is_swung ? budget_session_swung(&rig, counted, &part)
                               : budget_session_open(&rig, counted, &part, true));
     TEST_ASSERT_TRUE(fixture_rig_bring(&rig, state));
-    while (!g_cam.play.is_playing) {
+    while (!g_cam.motion.is_playing) {
         fixture_rig_tick(&rig);
     }
     fixture_rig_ticks(&rig, ticks_into);
@@ -307,7 +307,7 @@ static void test_swung_cuts(void)
     hal_host_fault_estop(true);
     fixture_rig_ticks(&rig, 5000);
     TEST_ASSERT_TRUE(rig.last.want.is_retracted);
-    TEST_ASSERT_EQUAL_INT32(0, g_cam.play.swing.set.vel_q32);
+    TEST_ASSERT_EQUAL_INT32(0, g_cam.motion.swing.set.vel_q32);
     expect_budget("both", budget_tick);
 }
 

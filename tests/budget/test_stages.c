@@ -47,7 +47,7 @@ static void (*volatile const interrupt)(void) = cam_isr;
 static void counted(void)
 {
     const stages_t n = stages_count(interrupt);
-    const cam_state_t state = g_cam.play.state;
+    const cam_state_t state = g_cam.motion.state;
     for (int stage = stage_sense; stage < stage_n_marks; stage++) {
         budget_spread_add(&session.stage[stage], n.of[stage]);
     }

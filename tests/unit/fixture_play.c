@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fixture_play.h"
+#include "cam/cam_build.h"     // cam_build_config
 #include "fixture_reference.h" // fixture_reference_surface_at
 #include <string.h>            // memset
 
@@ -12,6 +13,7 @@ void fixture_play_init(fixture_play_t *f, const fixture_part_t *part)
     if (cam_table_check(f->image.bytes, f->image.size, &f->table) != cam_ok) {
         return; // no table: enable is ignored, every test fails
     }
+    f->tick_hz = FIXTURE_PLAY_HZ;
     f->params = cam_param_defaults();
     f->params.lead_ns = 0;
     f->angle =
@@ -23,7 +25,7 @@ void fixture_play_init(fixture_play_t *f, const fixture_part_t *part)
 void fixture_play_configure(fixture_play_t *f)
 {
     const cam_err_t err =
-        cam_config_build(&f->config, &f->params, &f->table, 3000000u, FIXTURE_PLAY_HZ, clock_hz);
+        cam_build_config(&f->config, &f->params, &f->table, 3000000u, f->tick_hz, clock_hz);
     if (err != cam_ok) {
         f->config.play.table = NULL; // every test that goes on will fail
     }
@@ -34,6 +36,23 @@ void fixture_play_ask(fixture_play_t *f, cam_request_t request)
     f->in.request = ++f->n_asked << 8 | (uint32_t)request;
 }
 
+static void plan(fixture_play_t *f)
+{
+    f->until_plan--;
+    if (f->until_plan <= 0) {
+        f->until_plan = f->config.play.plan_ticks;
+        const cam_tick_record_t r = {.in = f->in, .angle = f->angle, .want = f->want};
+        cam_plan_isr(&f->plan, &f->config.play, &r, &f->motion);
+    }
+}
+
+void fixture_play_settle(fixture_play_t *f, bool is_retracted)
+{
+    f->motion.state = cam_state_fault;
+    f->motion.is_playing = false;
+    f->motion.is_retracted = is_retracted;
+}
+
 void fixture_play_tick(fixture_play_t *f)
 {
     f->angle.pos_q32 += f->angle.speed_q32;
@@ -41,11 +60,12 @@ void fixture_play_tick(fixture_play_t *f)
         f->in.actual_nm[i] = (int32_t)(f->axis[i].pos_q10 / 1024);
     }
     memcpy(f->before, f->axis, sizeof f->before);
-    cam_play_step_isr(&f->play, &f->config.play, &f->in, &f->angle, &f->want);
-    memcpy(f->axis, f->play.axis, sizeof f->axis);
-    if (f->play.is_playing) { // U is the guard's
+    cam_play_step_isr(&f->play, &f->config.play, &f->in, &f->angle, &f->motion, &f->want);
+    memcpy(f->axis, f->motion.axis, sizeof f->axis);
+    if (f->motion.is_playing) { // U is the guard's
         f->axis[hal_axis_u].pos_q10 = (int64_t)f->want.u_set_q6 * 16;
     }
+    plan(f);
 }
 
 void fixture_play_ticks(fixture_play_t *f, uint32_t n)
@@ -88,10 +108,10 @@ bool fixture_play_bring(fixture_play_t *f, cam_state_t state)
 
 bool fixture_play_approach(fixture_play_t *f)
 {
-    for (uint32_t i = 0; i < patience && !f->play.is_playing; i++) {
+    for (uint32_t i = 0; i < patience && !f->motion.is_playing; i++) {
         fixture_play_tick(f);
     }
-    return f->play.is_playing;
+    return f->motion.is_playing;
 }
 
 double fixture_play_u_nm(const fixture_play_t *f, int64_t pos_q32, int32_t z_nm)

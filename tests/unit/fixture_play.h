@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-/// fixture_play: cam_play alone under a spindle that turns exactly, with axes that are where they
-/// were told to be. The guard's part is played by taking over what play wants.
+/// fixture_play: play and plan under a spindle that turns exactly, with axes that are where they
+/// were commanded to be. The guard's part is played by taking over what play wants.
 #ifndef FIXTURE_PLAY_H
 #define FIXTURE_PLAY_H
 
 #include "cam/cam_config.h" // cam_config_t
+#include "cam/cam_param.h"  // cam_params_t
+#include "cam/cam_plan.h"   // cam_plan_t
 #include "cam/cam_play.h"   // cam_play_t
 #include "fixture_image.h"  // fixture_image_t
 #include <stdbool.h>        // bool
@@ -13,6 +15,8 @@
 #define FIXTURE_PLAY_SPEED_Q32 8947849
 /// [nm] one turn's feed and all other defaults are those of fixture_part_short() at this rate.
 #define FIXTURE_PLAY_HZ 20000u
+/// [ticks] from plan to plan at this rate.
+#define FIXTURE_PLAN_TICKS 8
 
 typedef struct {
     fixture_image_t image;
@@ -20,6 +24,10 @@ typedef struct {
     cam_params_t params; ///< lead_ns 0; a change needs fixture_play_configure()
     cam_config_t config;
     cam_play_t play;
+    cam_plan_t plan;
+    cam_motion_t motion;
+    int32_t until_plan;            ///< [ticks] to the next plan
+    uint32_t tick_hz;              ///< FIXTURE_PLAY_HZ; a change needs fixture_play_configure()
     cam_angle_t angle;             ///< pos_q32 moves on by speed_q32 with every tick
     cam_sense_t in;                ///< axes follow unless held
     bool is_axes_held;             ///< in.actual_nm stays as the test sets it
@@ -33,6 +41,8 @@ typedef struct {
 void fixture_play_init(fixture_play_t *f, const fixture_part_t *part);
 /// Parameters come into force.
 void fixture_play_configure(fixture_play_t *f);
+/// The guard has entered the fault state, or has ended its retract.
+void fixture_play_settle(fixture_play_t *f, bool is_retracted);
 /// The next tick sees this request.
 void fixture_play_ask(fixture_play_t *f, cam_request_t request);
 /// One tick.

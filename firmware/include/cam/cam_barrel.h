@@ -3,7 +3,7 @@
 #ifndef CAM_BARREL_H
 #define CAM_BARREL_H
 
-#include "cam/cam_table.h" // cam_table_t
+#include "cam/cam_channel.h" // cam_table_t
 
 /// Fill in x_slope_ppm and x_bend_ppm_per_m, UINT32_MAX where they are larger still.
 /// @param t  its channel x passed the checks of a channel over height alone. The maxima are over

@@ -7,8 +7,8 @@
 #ifndef CAM_BOUNDS_H
 #define CAM_BOUNDS_H
 
-#include "cam/cam_table.h" // cam_channel_t
-#include <stdint.h>        // int64_t, uint32_t
+#include "cam/cam_channel.h" // cam_channel_t
+#include <stdint.h>          // int64_t, uint32_t
 
 /// A knot of TABLE_FORMAT.md, or a sum or difference of some; magnitudes below 2^40.
 typedef struct {

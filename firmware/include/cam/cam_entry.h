@@ -4,9 +4,9 @@
 #ifndef CAM_ENTRY_H
 #define CAM_ENTRY_H
 
-#include "cam/cam_err.h"   // cam_err_t
-#include "cam/cam_table.h" // cam_channel_t
-#include <stdint.h>        // uint32_t, int32_t
+#include "cam/cam_err.h"     // cam_err_t
+#include "cam/cam_channel.h" // cam_channel_t
+#include <stdint.h>          // uint32_t, int32_t
 
 enum {
     cam_kind_u = 1,

@@ -13,9 +13,10 @@
 #ifndef CAM_EVAL_H
 #define CAM_EVAL_H
 
-#include "cam/cam_fix.h"   // cam_mulhi_add
-#include "cam/cam_table.h" // cam_channel_t
-#include <stdbool.h>       // bool
+#include "cam/cam_fix.h"     // cam_mulhi_add
+#include "cam/cam_channel.h" // cam_channel_t
+#include <stdbool.h>         // bool
+#include <stddef.h>          // size_t
 
 enum { cam_eval_guard_bits = 4 };
 /// Results stay in registers.

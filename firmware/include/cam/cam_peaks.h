@@ -8,7 +8,7 @@
 #ifndef CAM_PEAKS_H
 #define CAM_PEAKS_H
 
-#include "cam/cam_table.h" // cam_channel_t, cam_swing_peaks_t
+#include "cam/cam_channel.h" // cam_channel_t, cam_swing_peaks_t
 
 /// @param ch  kind swing, passed the checks of its knots
 /// @return    bounds over all angles and heights, rounded up, saturated

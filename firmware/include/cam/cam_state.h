@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cam_state: the words that every room uses: states, requests, faults and what a tick senses.
+/// cam_state: the words that every room uses: states, requests and faults.
 #ifndef CAM_STATE_H
 #define CAM_STATE_H
 
-#include "hal/hal.h" // hal_encoder_t, hal_n_axes
 #include <stdbool.h> // bool
 #include <stdint.h>  // int32_t, uint32_t
 
@@ -88,16 +87,5 @@ const char *cam_fault_name(cam_fault_t fault);
 
 /// @return a fault's meaning, one clause, static; "?" for a foreign value
 const char *cam_fault_text(cam_fault_t fault);
-
-/// Everything that a tick learns from outside. Steps behind sense see only this and their state, so
-/// a recorded tick replays bit for bit.
-typedef struct {
-    uint32_t clock;                ///< [1 / hal_clock_hz()] at the start of the tick
-    hal_encoder_t encoder;         ///< spindle
-    int32_t actual_nm[hal_n_axes]; ///< [nm] measured axes
-    int32_t swing_q32;             ///< [turn / 2^32] measured swing
-    uint32_t inputs;               ///< hal_in_*
-    uint32_t request;              ///< serial number << 8 | cam_request_t
-} cam_sense_t;
 
 #endif
