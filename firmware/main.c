@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// main: start-up and background loop of an image for a machine. The simulator has its own.
-#include "cam/cam_machine.h"
-#include "cam/cam_can.h"
+#include "cam_machine.h"
+#include "cam_can.h"
 #include "hal/hal.h"
 
 int main(void)

@@ -34,7 +34,11 @@ SIMULATOR_PATHS = (
 # The flashable image in an emulator, compared with a program of the host build.
 IMAGE_PATHS = ("tests/stm32",)
 # The port for Linux on a real kernel.
-LINUX_PATHS = ("tests/linux/test_linux_start.py", "tests/linux/test_linux.py")
+LINUX_PATHS = (
+    "tests/linux/test_uml.py",
+    "tests/linux/test_linux_start.py",
+    "tests/linux/test_linux.py",
+)
 N_JOBS = "2"
 # A process per core; all tests of a file in one process, since they share what is costly to make.
 # A crash is told and ends that process for good. What judges the clock is marked and comes

@@ -4,7 +4,7 @@
 /// The firmware alone replays what it sensed while cutting through cam_tick_steps_isr(), from a
 /// copy of its state, and must end where the recorded run ended. Best of several rounds, one core.
 #define _POSIX_C_SOURCE 200809L // NOLINT(bugprone-reserved-identifier): clock_gettime
-#include "cam/cam_tick.h"       // cam_tick_steps_isr
+#include "cam_tick.h"           // cam_tick_steps_isr
 #include "sim_cut.h"            // sim_cut_t
 #include "sim_file.h"           // sim_file_read
 #include <stdio.h>              // printf

@@ -8,8 +8,8 @@
 #ifndef COMPARE_EVAL_H
 #define COMPARE_EVAL_H
 
-#include "cam/cam_eval.h" // cam_value_t
-#include <stdint.h>       // uint32_t
+#include "cam_eval.h" // cam_value_t
+#include <stdint.h>   // uint32_t
 
 /// Knot of a cubic spline.
 typedef struct {

@@ -16,7 +16,7 @@ enum {
 };
 
 /// u [nm] over angle [rad] and height [nm], first and second derivative to the angle.
-/// Source: maths.md 1.1, the form without cancellation.
+/// Source: MATHS.md (2).
 void compare_surface(double theta, double z_nm, double u[3]);
 
 /// Long half axis [nm] over height [nm], first and second derivative.

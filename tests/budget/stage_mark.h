@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 /// stage_mark: the counter is read where a stage of the tick ends.
 ///
-/// firmware/cam_tick.c is compiled once more with this header in front; the rest of the firmware is
-/// as it is. A mark is a call of a function outside the link-time optimisation: stores of a stage
-/// are done before it, and every mark costs the same. stages.h counts with it.
+/// firmware/tick/cam_tick.c is compiled once more with this header in front; the rest of the
+/// firmware is as it is. A mark is a call of a function outside the link-time optimisation: stores
+/// of a stage are done before it, and every mark costs the same. stages.h counts with it.
 #ifndef STAGE_MARK_H
 #define STAGE_MARK_H
 

@@ -4,7 +4,7 @@
 #include "budget.h"
 #include "budget_count.h"
 #include "budget_session.h"
-#include "cam/cam_tick.h"
+#include "cam_tick.h"
 #include "fixture_random.h"
 #include "fixture_rig.h"
 #include "hal_host.h"

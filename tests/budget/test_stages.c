@@ -7,7 +7,7 @@
 //
 // writes stages_<board>.h anew, the measured maximum and 2 % of it rounded up to 5; then build.
 #include "budget_session.h"
-#include "cam/cam_tick.h"
+#include "cam_tick.h"
 #include "stages.h"
 #include "unity.h"
 #include STAGES_LIMITS // STAGES_UNIFORM, STAGES_MODULATED, STAGES_FAULTS

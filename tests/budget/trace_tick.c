@@ -4,7 +4,7 @@
 #include "budget_count.h"
 #include "budget_strike.h"
 #include "budget_trace.h"
-#include "cam/cam_tick.h"
+#include "cam_tick.h"
 #include "fixture_rig.h"
 #include <stdlib.h> // EXIT_SUCCESS
 

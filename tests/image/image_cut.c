@@ -2,8 +2,8 @@
 // The firmware as an image, ticked by the board's timer: home, cut a short skirt, be ready again.
 // Exit status 0: done as it should be; 1: not, with the reason. With IMAGE_U_STUCK the machine
 // blocks U in the cut, so that the image must fail.
-#include "cam/cam_machine.h"
-#include "cam/cam_trace.h"
+#include "cam_machine.h"
+#include "cam_trace.h"
 #include "fixture_image.h"
 #include "hal/hal.h"
 #include "image_machine.h"

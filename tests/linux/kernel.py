@@ -33,7 +33,11 @@ END_S = 60  # more than a kernel takes to end on a busy machine
 
 
 class NoKernelError(Exception):
-    """Neither way is open; the message tells why and what helps."""
+    """Neither kernel can be had; the message tells why and what helps."""
+
+
+class BrokenKernelError(Exception):
+    """The kernel is there but does not run; the message ends with its own last words."""
 
 
 @dataclass
@@ -65,6 +69,11 @@ class Result:
     def log(self, name: str) -> str:
         """Return what a program said."""
         return (self.folder / f"{name}.log").read_text()
+
+    def report(self) -> str:
+        """Return what is known of a failure: what was said, and what was written down."""
+        written = self.folder / "result.json"
+        return self.message + (written.read_text() if written.exists() else "nothing written down")
 
 
 @dataclass
@@ -141,21 +150,32 @@ def is_direct_possible() -> bool:
 
 
 def find_kernel() -> Kernel:
-    """Return the kernel to be used; build it when need be.
+    """Return the kernel to be used; build it when need be, and boot it once.
 
     Raises
     ------
     NoKernelError
-        when there is no way; the message is the last line of the attempt
+        when there is none; the message is the last line of the attempt
+    BrokenKernelError
+        when it does not boot
     """
     if is_direct_possible():
         return Kernel(is_own=False)
-    done = subprocess.run(
-        [str(UML), "build"], capture_output=True, text=True, timeout=BUILD_LIMIT_S, check=False
-    )
-    if done.returncode != 0:
-        raise NoKernelError(done.stderr.strip().splitlines()[-1])
+    built = try_uml("build")
+    if built.returncode != 0:
+        raise NoKernelError(built.stderr.strip().splitlines()[-1])
+    booted = try_uml("run", "true")
+    if booted.returncode != 0:
+        raise BrokenKernelError(f"{built.stdout.strip()} does not boot\n{booted.stderr}")
     return Kernel(is_own=True)
+
+
+def try_uml(*words: str) -> subprocess.CompletedProcess[str]:
+    """Run tools/uml to its end."""
+    command = [str(UML), *words]
+    return subprocess.run(
+        command, capture_output=True, text=True, timeout=BUILD_LIMIT_S, check=False
+    )
 
 
 class InProcess:

@@ -18,6 +18,7 @@ from kernel import (
     END_S,
     FEED_MM,
     MACHINE_FILE,
+    BrokenKernelError,
     InProcess,
     Kernel,
     NoKernelError,
@@ -43,6 +44,8 @@ def kernel() -> Kernel:
         if os.environ.get("CI"):
             raise
         pytest.skip(f"no kernel with vcan and gpio-sim: {err}")
+    except BrokenKernelError as err:
+        pytest.fail(str(err), pytrace=False)
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -126,7 +129,7 @@ def play(
             "killed_after_s": killed_after_s,
         }
         result = kernel.play(scenario, setup, is_virtual=is_virtual)
-        assert result.status == 0, result.message + "\n" + (out / "result.json").read_text()
+        assert result.status == 0, result.report()
         return result
 
     return run

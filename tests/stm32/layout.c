@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Where the image keeps its trace: compiled for the target, read from the object file by
 // tick_trace.py.
-#include "cam/cam_tick.h"
+#include "cam_tick.h"
 #include <stddef.h> // offsetof
 
 #define IN_RECORD(member) offsetof(cam_tick_record_t, member)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Talks to the image over CAN, by the messages of firmware/can/camturn.dbc."""
+"""Talks to the image over CAN, by the messages of firmware/remote/can/camturn.dbc."""
 
 from __future__ import annotations
 

@@ -8,7 +8,7 @@
 /// once and end the program with status 1 when they are refused; `tick CLOCK COUNTS INDEX_COUNTS
 /// N_INDEX U_NM X_NM Z_NM INPUTS` calls cam_isr() and answers with `U_NM X_NM Z_NM SPINDLE_MRPM
 /// OUTPUTS STATE FAULTS`.
-#include "cam/cam_machine.h"
+#include "cam_machine.h"
 #include "fixture_image.h"
 #include "hal_host.h"
 #include <inttypes.h> // SCNu32

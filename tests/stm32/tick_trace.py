@@ -39,7 +39,8 @@ def compile_layout() -> list[int]:
     """Compile layout.c as the image is compiled, and return its numbers."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "layout.o"
-        includes = [f"-I{ROOT / place}" for place in ("firmware/include", "hal/include")]
+        rooms = sorted((ROOT / "firmware").glob("*/"))
+        includes = [f"-I{place}" for place in (*rooms, ROOT / "hal" / "include")]
         core = ["-mcpu=cortex-m7", "-mthumb", "-mfloat-abi=soft", "-std=c11"]
         source = Path(__file__).with_name("layout.c")
         command = ["arm-none-eabi-gcc", *core, *includes, "-c", source, "-o", path]

@@ -23,7 +23,7 @@ settings.load_profile("repeatable")
 
 @pytest.fixture(scope="session")
 def perkins() -> Part:
-    """Load the Perkins 240 skirt of the maths notes, section 2."""
+    """Load the Perkins 240 skirt, the example of MATHS.md (6)."""
     return load_part(PERKINS)
 
 

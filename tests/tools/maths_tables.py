@@ -1,4 +1,4 @@
-"""Tables of the maths notes, sections 4 and 5, digit by digit: a = 46, G = 0.2, depth 0.1 mm.
+"""Tables by MATHS.md (20) .. (25), digit by digit: a = 46, G = 0.2, depth 0.1 mm.
 
 >>> len(TABLE_1), len(TABLE_4)
 (31, 30)

@@ -60,7 +60,7 @@ def test_axes_follow_the_angle_not_the_time(files: dict[str, bytes]) -> None:
 
 
 def test_figures_and_notes(files: dict[str, bytes]) -> None:
-    """The figures of maths.md 5 and 6, and the honest sentences."""
+    """The figures of MATHS.md (25) and (29), and the honest sentences."""
     told = json.loads(files["analysis.json"])
     assert told["parts"] == {
         "n": 30,

@@ -23,7 +23,7 @@ TEXT = (PARTS / "cam-345.toml").read_text()
 
 
 def shaft(*places: tuple[float, float]) -> list[ShaftLobe]:
-    """Return the lobe of the notes at several places of a shaft."""
+    """Return the worked lobe at several places of a shaft."""
     [lobe] = make_lobes(example_cam())
     return [replace(lobe, z_mm=z_mm) for z_mm in places]
 

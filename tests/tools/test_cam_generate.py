@@ -37,7 +37,7 @@ def ground(text: str, speed: str = "constant-surface") -> str:
 
 
 def columns(lines: list[str]) -> Floats:
-    """Return a table of the maths notes, shape (columns, rows)."""
+    """Return a table of worked numbers, shape (columns, rows)."""
     return np.array([[float(word) for word in line.split()] for line in lines]).T
 
 

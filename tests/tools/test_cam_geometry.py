@@ -1,4 +1,4 @@
-"""Cams against the worked numbers of the maths notes, section 9, and against each other."""
+"""Cams against the worked numbers of MATHS.md (30) .. (39), and against each other."""
 
 from __future__ import annotations
 
@@ -106,7 +106,7 @@ def test_followers_lie_on_the_envelope(radius_mm: float) -> None:
 
 
 def test_polar_profile_gives_the_roller_back() -> None:
-    """maths.md 9.2 is the inverse of 9.1, with the plus root."""
+    """MATHS.md (32) is the inverse of MATHS.md (30), with the plus root."""
     touch = contact(POLY_LAW, BASE_MM, ROLLER_MM, np.radians(np.linspace(-80, 80, 161)))
     slope = touch.radius * np.tan(touch.gamma + _turned(touch.radius, touch.p, touch.gamma))
     theta, p, gamma = from_profile(touch.radius, slope, touch.alpha, ROLLER_MM)

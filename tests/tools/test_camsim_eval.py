@@ -54,7 +54,7 @@ def test_eval_is_within_1_nm_of_exact_geometry(table: Path, geometry: Geometry) 
 
 
 def test_eval_gives_the_golden_values(table: Path) -> None:
-    """Compare with maths.md 1.4 (G = 0.2 at z = 20) and section 2, to the nanometre."""
+    """Compare with MATHS.md (2), G = 0.2 at z = 20, and MATHS.md (6), to the nanometre."""
     degrees = np.array([0, 10, 15, 30, 45, 60, 75, 90], dtype=float)
     delta_nm = [0, 3024.932, 6719.165, 25061.263, 50081.610, 75061.152, 93321.641, 100000]
     got = evaluate(table, degrees / 360, np.full(8, 20.0))

@@ -1,4 +1,4 @@
-"""Ellipse and eccentric circle against the worked numbers of the maths notes, section 7."""
+"""Ellipse and eccentric circle against the worked numbers of MATHS.md (10) .. (13)."""
 
 from __future__ import annotations
 
@@ -36,13 +36,13 @@ DIAMETERS = [  # eccentricity, trim, joint deg, printed diameter
     (1.96, 0.4, 47.5, "59.43"),
     (1.96, 0.4, 48.5, "192.84"),
 ]
-V240 = [  # 2.2: height, diameter, ovality, e, R, delta(70), delta(90)
+V240 = [  # height, diameter, ovality, e, R, delta(70), delta(90)
     "20 239.360000 0.300000 1.34676318 120.62676318 0.31965970 0.40000000",
     "65 239.435104 0.327837 1.37183704 120.67547093 0.33209859 0.41391835",
     "125 239.395657 0.414238 1.44973810 120.69044762 0.37070779 0.45711915",
     "190 239.150000 0.560000 1.58137810 120.62637810 0.43584380 0.53000000",
 ]
-MEASURED = [  # 7.4: angle, G = 0.35, G = 0.38, in um
+MEASURED = [  # angle, G = 0.35, G = 0.38, in um
     (10, "-5.277", "-5.729"),
     (20, "-20.471", "-22.226"),
     (30, "-43.750", "-47.500"),
@@ -53,7 +53,7 @@ MEASURED = [  # 7.4: angle, G = 0.35, G = 0.38, in um
 
 @pytest.mark.parametrize(("diameter_mm", "eccentricity", "radius"), ECCENTRICITIES)
 def test_circle_is_the_printed_one(diameter_mm: float, eccentricity: str, radius: str) -> None:
-    """Eccentricity and radius follow from diameter, ovality, trim and joint (table of 7.3)."""
+    """Eccentricity and radius follow from diameter, ovality, trim and joint by MATHS.md (11)."""
     arc = Joint(diameter_mm / 2, 0.38, 0.4, JOINT_RAD).arc()
     assert (f"{arc.eccentricity_mm:.9f}", f"{arc.radius_mm:.9f}") == (eccentricity, radius)
 
@@ -62,7 +62,7 @@ def test_circle_is_the_printed_one(diameter_mm: float, eccentricity: str, radius
 def test_diameter_from_the_others_is_ill_conditioned(
     eccentricity_mm: float, trim_mm: float, joint_deg: float, diameter: str
 ) -> None:
-    """Micrometres of eccentricity move the diameter by millimetres, as 7.3 warns."""
+    """Micrometres of eccentricity move the diameter by millimetres, MATHS.md (12)."""
     found = diameter_for(0.38, trim_mm, float(np.radians(joint_deg)), eccentricity_mm)
     assert f"{found:.2f}" == diameter
 
@@ -86,7 +86,7 @@ def test_forced_diameter_leaves_a_step() -> None:
 
 
 def test_both_branches_at_the_joint() -> None:
-    """Reduction, slopes, curvatures, velocities and their jump at the joint, 800 r/min (7.3)."""
+    """Reduction, slopes, curvatures, velocities and their jump at the joint, 800 r/min."""
     oval = PAPER.law.evaluate(JOINT_RAD, DIAMETER_MM / 2, 0.38)
     circle = PAPER.arc().reduction(JOINT_RAD, DIAMETER_MM / 2)
     assert [f"{float(one.delta):.9f}" for one in (oval, circle)] == ["0.104930204"] * 2
@@ -102,7 +102,7 @@ def test_both_branches_at_the_joint() -> None:
 
 @pytest.mark.parametrize("row", V240)
 def test_large_bore_sections(row: str) -> None:
-    """Sections of the 16V240ZJ-like part between and at its nodes (table of 2.2)."""
+    """Sections of the 16V240ZJ-like part between and at its nodes."""
     corner = make_geometry(load_part(ROOT / "tools" / "parts" / "16v240zj.toml")).corner
     assert corner is not None
     z_mm = float(row.split()[0])
@@ -116,7 +116,7 @@ def test_large_bore_sections(row: str) -> None:
 
 @pytest.mark.parametrize(("angle_deg", "milder", "printed"), MEASURED)
 def test_measured_piston_has_less_ovality(angle_deg: float, milder: str, printed: str) -> None:
-    """The paper's measured design column is that of G = 0.35, not of its theory part (7.4)."""
+    """The paper's measured design column is that of G = 0.35, not of its theory part."""
     law = DoubleEllipse(0.0)
     found = [
         float(-1000 * law.evaluate(np.radians(angle_deg), 45.0, g_mm).delta)
@@ -126,7 +126,7 @@ def test_measured_piston_has_less_ovality(angle_deg: float, milder: str, printed
 
 
 def test_ovality_that_fits_the_measured_piston() -> None:
-    """Least squares G = 0.35025, rounding allows 0.34947 .. 0.35049; no beta repairs 0.38 (7.4)."""
+    """Least squares G = 0.35025, rounding allows 0.34947 .. 0.35049; no beta repairs 0.38."""
     design_um = np.array([5, 20, 44, 72, 97])
     shape = np.sin(np.radians([10, 20, 30, 40, 48])) ** 2 / 2
     assert f"{float(design_um @ shape / (shape @ shape)) / 1000:.5f}" == "0.35025"

@@ -1,4 +1,4 @@
-"""Profile, ovality and motion against the worked numbers of the maths notes, sections 2, 3, 10."""
+"""Profile, ovality and motion against the worked numbers of MATHS.md (6) .. (9)."""
 
 from __future__ import annotations
 

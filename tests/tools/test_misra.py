@@ -26,7 +26,7 @@ LINES = ["a = b >> 1;", "return;", "// MISRA D3", "p = q;", "p = q; // MISRA D33
     ("finding", "number"),
     [
         (("firmware/a.c", 1, "10.1"), "D1"),
-        (("firmware/include/cam/a.h", 1, "shiftNegativeLHS"), "D1"),
+        (("firmware/tick/a.h", 1, "shiftNegativeLHS"), "D1"),
         (("firmware/a.c", 2, "10.1"), None),
         (("hal/a.h", 1, "10.1"), None),
         (("firmware/b.c", 2, "15.5"), "D2"),

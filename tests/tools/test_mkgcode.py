@@ -185,7 +185,7 @@ def test_equal_volume_blocks_cut_equal_areas(tmp_path: Path) -> None:
 
 
 def test_papers_table_of_equal_parts(tmp_path: Path) -> None:
-    """At height 20 the first quarter turn has the angles of maths.md 5.5, to the printed digits."""
+    """At height 20 the first quarter turn has the angles of MATHS.md (22), digit by digit."""
     part_file = changed(tmp_path, EVEN, spindle_rpm="200", feed_mm="0.0001")
     words = ("--axes", "cxzu", "--from-mm", "20", "--to-mm", "20.01")
     c = moves(made(tmp_path, part_file, *words), "G1", "C")[ENGAGE_TURNS * 120 :, 0]

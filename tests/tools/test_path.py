@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How Z follows the turns: the worked numbers of maths.md 8, ramps, tracks and scallops."""
+"""How Z follows the turns: the worked numbers of MATHS.md (40) .. (43), ramps, tracks, scallops."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ PLAIN = Path("helix", 0.0, 62.0, 0.1)
 
 
 def test_worked_numbers() -> None:
-    """Both columns of the notes come out to the printed digits."""
+    """Both columns of heights come out to the printed digits."""
     rows = [line.split() for line in GOLDEN.splitlines()]
     turns = np.array([float(row[0]) for row in rows])
     for column, path in ((1, RING), (2, PLAIN)):

@@ -1,4 +1,4 @@
-"""Refit of the corner against the worked numbers of the maths notes, section 7.5."""
+"""Refit of the corner against the worked numbers of MATHS.md (14) .. (17)."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ RPM = 800.0
 OMEGA = 2 * np.pi * RPM / 60
 PAPER = Joint(90.929096914 / 2, 0.38, 0.4, JOINT_RAD)
 SITES = 49.5 + np.arange(30.0)  # half way between the points, beyond the joint
-GRID_DEG = np.linspace(0, 90, 9001)  # the notes' numbers are maxima over hundredths of a degree
+GRID_DEG = np.linspace(0, 90, 9001)  # worked numbers are maxima over hundredths of a degree
 
 # rows s2 = 0 .. 3, columns s1 = 0 .. 3
 PEAKS = [
@@ -144,7 +144,7 @@ MIRROR_DEVIATIONS = [
 
 
 def on_grid(recipe: Recipe) -> tuple[float, float, float, float]:
-    """Return peak [mm/s2], its angle [deg], undershoot and tail jerk on the notes' grid."""
+    """Return peak [mm/s2], its angle [deg], undershoot and tail jerk on that grid."""
     curve = refit(PAPER, recipe, 48)
     bend = curve(np.radians(GRID_DEG), 2) * OMEGA**2
     jerk = curve(np.radians(GRID_DEG[GRID_DEG >= 50]), 3) * OMEGA**3
@@ -171,7 +171,7 @@ def test_cubic_spline_has_the_papers_peak() -> None:
     ("diameter_mm", "peak"), [(80, 6.2e5), (85, 6.8e5), (95, 7.9e5), (100, 8.3e5)]
 )
 def test_cubic_peak_depends_little_on_the_unknown_diameter(diameter_mm: float, peak: float) -> None:
-    """With e = 1.96 kept, other diameters give the peaks that the notes list, to two digits."""
+    """With e = 1.96 kept, other diameters give peaks that differ little, to two digits."""
     e, short = 1.96, diameter_mm / 2 - 0.19 - 0.4
     x = np.radians(np.arange(91.0))
     oval = PAPER.law.evaluate(x, diameter_mm / 2, 0.38).delta
@@ -228,7 +228,7 @@ PRINTED = np.array(PAPER_JERK_MM_S3)
 
 
 def log_rms(shift: int, window_deg: float) -> float:
-    """Return the notes' measure of a rule: rms of log10(ours / paper's) over the 16 deletions.
+    """Return how far a rule is from the paper: rms of log10(ours / paper's) over the 16 deletions.
 
     shift 1 is rule E, the joint as the first of the s1 points; 0 rule A, the joint always goes.
     """

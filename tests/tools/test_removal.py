@@ -1,4 +1,4 @@
-"""Area, equal parts, speed law and forces against the maths notes, sections 4 to 6."""
+"""Area, equal parts, speed law and forces against MATHS.md (20) .. (29)."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ MEAN_RPM = 2500 / PEAKS.ratio_max
 
 
 def ellipse_area(theta: float) -> float:
-    """Return the closed form of 4: annulus and sector less the ellipse's sector."""
+    """Return the closed form of MATHS.md (21)."""
     a, b, blank = 46.0, 45.9, 46.1
     sector = a * b / 2 * np.arctan2(a * np.sin(theta), b * np.cos(theta))
     return float(blank**2 * theta / 2 - sector)
@@ -107,11 +107,11 @@ def test_number_of_parts_is_bounded_on_both_sides() -> None:
 
 
 def test_law_of_constant_rate() -> None:
-    """Ratios, spindle acceleration, speed and acceleration of U with their places (5.4)."""
+    """Ratios, spindle acceleration, speed and acceleration of U with their places."""
     assert f"{PEAKS.ratio_max:.9f} {PEAKS.ratio_min:.9f}" == "1.499457112 0.750543478"
     assert f"{PEAKS.alpha:.9f} {np.degrees(PEAKS.alpha_rad):.4f}" == "1.056453557 23.2942"
     assert f"{PEAKS.u1_mm:.9f}" == "0.106123891"
-    assert f"{np.degrees(PEAKS.u1_rad):.6f}" == "35.194213"  # the root; the notes round to 35.1943
+    assert f"{np.degrees(PEAKS.u1_rad):.6f}" == "35.194213"
     assert f"{PEAKS.u2_max_mm:.9f} {PEAKS.u2_min_mm:.9f}" == "0.451144917 -0.112298815"
     assert f"{np.degrees(PEAKS.u2_min_rad):.3f}" == "85.645"
     square = PEAKS.ratio_max**2 * float(EXACT.delta(np.zeros(1)).d2[0])
@@ -120,7 +120,7 @@ def test_law_of_constant_rate() -> None:
 
 @pytest.mark.parametrize("row", MEAN_SPEEDS)
 def test_mean_speeds(row: str) -> None:
-    """What constant removal needs at the mean speeds of the notes."""
+    """What constant removal needs at several mean speeds."""
     rpm = MEAN_RPM if row.startswith("1667.27") else float(row.split()[0])
     omega = 2 * np.pi * rpm / 60
     found = (
@@ -156,7 +156,7 @@ def test_waves_of_u_in_time() -> None:
 
 
 def test_forces_and_rates() -> None:
-    """Ripples, rate and power of section 6; the chip's section goes from 7 to 14 N."""
+    """Ripples, rate and power of MATHS.md (29); the chip's force goes from 7 to 14 N."""
     rates = rates_of(EXACT, steps_of(EXACT, np.radians(3.0)), 0.1, MEAN_RPM, 700.0)
     assert f"{rates.largest_to_least:.6f} {rates.ripple:.6f}" == "1.997828 0.665460"
     assert f"{rates.steps_largest_to_least:.6f} {rates.steps_ripple:.6f}" == "1.995095 0.664244"

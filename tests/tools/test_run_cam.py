@@ -196,7 +196,7 @@ def test_band_holds_the_extremes_of_each_bin() -> None:
 
 
 def test_speed_of_contact_is_that_of_the_notes(turned: GeneratedCam) -> None:
-    """On the base circle r omega, on the nose what maths.md 9.4 says of a tool: ds/dtheta."""
+    """On the base circle r omega, on the nose ds/dtheta of MATHS.md (31)."""
     lobe = turned.lobes[0]
     found = speed_of_contact(lobe, np.radians([180.0, 0.0]), np.array([2.0, 1.0]))
     assert found.tolist() == pytest.approx([40.0, 28.0])

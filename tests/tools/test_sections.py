@@ -1,4 +1,4 @@
-"""Sections against the worked numbers of the maths notes, section 1."""
+"""Sections against the worked numbers of MATHS.md (1) .. (5)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The speed law of least ripple: numbers of the maths notes, limits, and properties."""
+"""The speed law of least ripple: numbers of MATHS.md (24) .. (29), limits, and properties."""
 
 from __future__ import annotations
 
@@ -39,8 +39,8 @@ LATHE = SpeedLimits(500.0, 3000 * RPM, 400.0, 250_000.0)
 WIDE = SpeedLimits(1e9, 1e6, 1e9, 1e12)
 
 
-def test_full_modulation_has_the_notes_numbers() -> None:
-    """Ratios and peaks of 5.4; uniform ripple of 6."""
+def test_full_modulation_has_the_worked_numbers() -> None:
+    """Ratios and peaks of MATHS.md (24) and (25); ripple of uniform turning."""
     law = full(PAPERS)
     assert (
         f"{float(law.ratio(0.0)):.8f} {float(law.ratio(np.pi / 2)):.8f}" == "1.49945711 0.75054348"
@@ -58,7 +58,7 @@ def test_full_modulation_has_the_notes_numbers() -> None:
     ("alpha", "rpm"), [(100, 92.907), (500, 207.745), (1000, 293.796), (5000, 656.948)]
 )
 def test_highest_speed_of_full_modulation(alpha: float, rpm: float) -> None:
-    """The table of 5.4, to the grid's error of 1e-5."""
+    """Mean speeds that the spindle's acceleration allows, to the grid's error of 1e-5."""
     found = full_mean_rad_s(PAPERS, SpeedLimits(alpha, 1e6, 1e9, 1e12)) / RPM
     assert found == pytest.approx(rpm, rel=1e-5)
 

@@ -70,7 +70,7 @@ def check_roller(touch: Contact, field: str) -> None:
     ------
     GeometryError
         The roller's centre reaches the axis, or the profile is undercut: its radius of curvature
-        falls to 0 where it is convex (maths.md 9.4).
+        falls to 0 where it is convex, MATHS.md (39).
     """
     lowest = int(touch.lift.argmin())
     if touch.lift[lowest] <= -touch.base:

@@ -1,6 +1,6 @@
 """Where a cam is touched: contact, pressure angle, curvature, and the path of a round follower.
 
-The frame is fixed to the cam; angles run as the follower runs round it (maths.md 9). A tool that
+The frame is fixed to the cam; angles run as the follower runs round it. A tool that
 swings about the roller's centre, and a wheel that grinds the same cam, are followers of different
 radius: the same equations give both.
 
@@ -62,7 +62,7 @@ def contact(law: LiftLaw, base_mm: float, roller_mm: float, theta_rad: Floats) -
 
     Notes
     -----
-    Source: maths.md 9.1, 9.4.
+    Source: MATHS.md (30), (31).
     """
     lift, p1, p2, p3 = law.evaluate(theta_rad)
     p = base_mm + roller_mm + lift
@@ -107,7 +107,7 @@ def follow(touch: Contact, radius_mm: float) -> Follower:
 
     Notes
     -----
-    Source: maths.md 9.4; d(lift)/dphi = centre tan(angle), as for the roller.
+    Source: MATHS.md (33) .. (35).
     """
     t, more = touch, radius_mm - touch.roller
     sin, cos = np.sin(t.gamma), np.cos(t.gamma)
@@ -192,7 +192,7 @@ def from_profile(
 
     Notes
     -----
-    Source: maths.md 9.2.
+    Source: MATHS.md (32).
     """
     mu = np.arctan2(slope_mm, rho_mm)
     p = np.sqrt(rho_mm**2 + roller_mm**2 + 2 * rho_mm * roller_mm * np.cos(mu))

@@ -68,7 +68,7 @@ class Poly345:
     half_angle_rad: float
 
     def evaluate(self, theta_rad: Floats) -> Lift:
-        """See `LiftLaw.evaluate`. Source: maths.md 9.5, H = L (10 u^3 - 15 u^4 + 6 u^5)."""
+        """See `LiftLaw.evaluate`. Source: MATHS.md (37)."""
         theta = np.mod(theta_rad + np.pi, 2 * np.pi) - np.pi
         u = np.clip(1 - np.abs(theta) / self.half_angle_rad, 0, 1)
         slope = -np.sign(theta) / self.half_angle_rad
@@ -96,7 +96,7 @@ class Disc:
     offset_mm: float
 
     def evaluate(self, theta_rad: Floats) -> Lift:
-        """See `LiftLaw.evaluate`. Source: maths.md 9.5, with base radius reach - offset - r1."""
+        """See `LiftLaw.evaluate`. Source: MATHS.md (38), base radius reach - offset - r1."""
         e, sin, cos = self.offset_mm, np.sin(theta_rad), np.cos(theta_rad)
         root = np.sqrt(self.reach_mm**2 - (e * sin) ** 2)
         root1 = -(e**2) * sin * cos / root

@@ -90,10 +90,10 @@ class SwingPeaks(NamedTuple):
 
 
 def example_cam(operation: str = "turning", speed: str = "uniform") -> CamPart:
-    """Return the 3-4-5 cam of maths.md 9.5, for examples."""
+    """Return the 3-4-5 cam of the worked numbers, MATHS.md (37), for examples."""
     lobe = Lobe(z_mm=[0, 12], law="poly345", lift_mm=8, half_angle_deg=70)
     return CamPart(
-        part=PartInfo(name="example", kind="cam", source="maths.md 9.5"),
+        part=PartInfo(name="example", kind="cam", source="MATHS.md (37)"),
         cam=Cam(base_radius_mm=20, roller_radius_mm=10, wheel_radius_mm=200, lobe=[lobe]),
         process=CamProcess.model_validate(
             {"operation": operation, "speed": speed, "spindle_rpm": 60}

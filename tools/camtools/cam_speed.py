@@ -1,8 +1,8 @@
 """The spindle's speed over the angle of a cam: constant surface speed within its acceleration.
 
 The contact runs along the cam by ds/dphi; N = n0 r / (ds/dphi) keeps its speed at that of the base
-circle (maths.md 9.4). Where that needs more acceleration than the spindle has, the square of the
-speed rises and falls along straight lines below it: no faster, and no slower than needed.
+circle, MATHS.md (35). Where that needs more acceleration than the spindle has, the square of the
+speed rises and falls along straight lines below it, MATHS.md (36): no slower than needed.
 
 >>> ds_dphi = 20 + 10 * np.sin(np.arange(N_GRID) * 2 * np.pi / N_GRID)
 >>> law = surface_speed(ds_dphi, 20.0, 6.0, SpindleLimits(1e6, 1e3))

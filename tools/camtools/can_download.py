@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Brings a table image to a controller: blocks over ISO-TP, each acknowledged.
 
-firmware/can/README.md describes the protocol. A block whose acknowledgement tells another place is
+firmware/remote/can/README.md describes the protocol. A block whose acknowledgement tells another place is
 repeated from there, as often as blocks may get lost.
 """
 

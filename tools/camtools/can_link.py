@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A controller at the other end of a CAN bus: commands and their answers, the newest status.
 
-The messages are those of firmware/can/camturn.dbc, whose identifiers are those of node 64.
+The messages are those of firmware/remote/can/camturn.dbc, whose identifiers are those of node 64.
 
 >>> NAMES["state"][4]
 'cutting'

@@ -1,4 +1,4 @@
-"""Ellipse and eccentric circle: the section of large-bore pistons (maths.md 7).
+"""Ellipse and eccentric circle: the section of large-bore pistons, MATHS.md (10) .. (13).
 
 From the long axis to the joint the contour is an oval; from there to the short axis it is a
 circle about a point beyond the piston's centre. The circle is derived: it meets the oval at the
@@ -63,7 +63,7 @@ class Joint(NamedTuple):
         return np.asarray(short - at_joint * sine)
 
     def arc(self) -> Arc:
-        """Return the circle that meets the oval at the joint (maths.md 7.2, closed)."""
+        """Return the circle that meets the oval at the joint, MATHS.md (11)."""
         at_joint, short, sine = self._lengths()
         e = (at_joint - short) * (at_joint + short) / (2 * (short - at_joint * sine))
         return Arc(e, short + e)
@@ -116,7 +116,7 @@ def fold(phi_rad: FloatsLike) -> tuple[Floats, Floats]:
 def trim_for(
     a_mm: float, ovality_mm: float, joint_rad: float, eccentricity_mm: float, law: Section
 ) -> float:
-    """Return the trim that goes with a given eccentricity (maths.md 7.2, closed)."""
+    """Return the trim that goes with a given eccentricity, MATHS.md (12)."""
     p = a_mm - float(law.evaluate(joint_rad, a_mm, ovality_mm).delta)
     e, sine = eccentricity_mm, float(np.sin(joint_rad))
     short = -e + float(np.sqrt(e * e + p * p + 2 * e * p * sine))
@@ -126,7 +126,7 @@ def trim_for(
 def diameter_for(
     ovality_mm: float, trim_mm: float, joint_rad: float, eccentricity_mm: float
 ) -> float:
-    """Return the diameter that goes with a given eccentricity, cosine oval (maths.md 7.2).
+    """Return the diameter that goes with a given eccentricity, cosine oval, MATHS.md (12).
 
     Extremely ill-conditioned: 5 um of eccentricity shift it by several millimetres. For checking
     printed numbers, not for making parts.

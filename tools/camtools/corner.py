@@ -1,4 +1,4 @@
-"""The corner of a large-bore skirt over its whole height: where it is and how it is refitted.
+"""The corner of a large-bore skirt over its height, MATHS.md (13): where it is, how it is refitted.
 
 >>> _from_joint(np.radians([0.0, 24.0, 48.0, 69.0, 90.0]), np.radians(48.0)).round(9).tolist()
 [0.0, 0.5, 1.0, 1.5, 2.0]

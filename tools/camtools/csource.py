@@ -10,7 +10,7 @@ _PER_LINE = 16
 
 _HEADER = """\
 // SPDX-License-Identifier: Apache-2.0
-/// {name}: a cam table made by tools/mktables; firmware/TABLE_FORMAT.md describes every byte.
+/// {name}: a cam table made by tools/mktables; firmware/table/TABLE_FORMAT.md describes every byte.
 #ifndef {guard}
 #define {guard}
 

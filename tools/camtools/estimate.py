@@ -25,7 +25,7 @@ _PIECES = 24
 
 
 class HeightError(NamedTuple):
-    """What blending does to u between slices, from the exact geometry."""
+    """What blending does to u between slices, from the exact geometry, MATHS.md (50)."""
 
     curvatures: Floats  # largest |d2u/dz2| of each piece, nm per nm^2, shape (n + 1,)
     worst_nm: Floats  # where that is, above the first slice, shape (n + 1,)

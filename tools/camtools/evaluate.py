@@ -1,4 +1,4 @@
-"""Reference evaluation of a quantised table in double, with the firmware's formula.
+"""Reference evaluation of a quantised table in double by the firmware's formula, MATHS.md (46).
 
 >>> import numpy as np
 >>> coefficients = np.array([[0.0, 0.0, 1.0, 0.0, 0.0, 0.0]])
@@ -123,7 +123,7 @@ def _bernstein_rows(degree: int) -> Floats:
 
 
 def polynomial_bounds(coefficients: Floats) -> tuple[float, float]:
-    """Return true bounds of polynomials on 0 .. 1: Bernstein hull of eight sub-intervals.
+    """Return true bounds of polynomials on 0 .. 1, MATHS.md (51), on eight sub-intervals.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
 """Whether a machine can move U as a table asks, and how fast.
 
 Along the feed U and the swing change with the slices of the table, at a speed that jumps where one
-slice ends: a set-point takes the jump, and what that needs comes on top (cam_demand.h).
+slice ends: a set-point takes the jump, and what that needs comes on top, MATHS.md (61), (63).
 
 >>> peaks = Peaks(u_stroke_mm=0.15, u1_mm=0.15, u2_mm=0.3)
 >>> from camtools.part import Limits

@@ -250,7 +250,7 @@ def turning_at(geometry: Geometry, spindle_rpm: float, z_mm: FloatsLike, turns: 
 def uniform_turning(
     geometry: Geometry, spindle_rpm: float, feed_mm: float, turns: Floats
 ) -> Motion:
-    """Return the axes of uniform four-axis turning from the lowest height up (maths.md 3).
+    """Return the axes of uniform four-axis turning from the lowest height up, MATHS.md (8), (9).
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The table image, bytes <-> dataclasses, exactly as firmware/TABLE_FORMAT.md.
+"""The table image, bytes <-> dataclasses, exactly as firmware/table/TABLE_FORMAT.md.
 
 >>> slices_per_nm_q48(32, 0, 62_000_000)
 140737488
@@ -164,7 +164,7 @@ def slices_per_nm_q48(n_slices: int, z_first_nm: int, z_last_nm: int) -> int:
 
 
 def segment_coefficients(knots: Ints, *, periodic: bool) -> Ints:
-    """Return the quintics between neighbouring knots, exactly.
+    """Return the quintics between neighbouring knots, exactly, MATHS.md (46).
 
     Parameters
     ----------

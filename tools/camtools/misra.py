@@ -30,7 +30,7 @@ FAILED = 1
 IN_PLACE = "in place"
 DEVIATIONS = "firmware/MISRA.md"
 SOURCES = "firmware"
-INCLUDES = ("firmware/include", "hal/include")
+INCLUDES = ("firmware/*/", "hal/include/")
 
 _ROW = re.compile(r"^\| (D\d+) \| ([^|]+) \| ([^|]+) \| ([^|]+) \| ([^|]*) \| ([^|]+) \|$")
 _REMEDY = "write | Dn | rules | category | scope | words | reason |"
@@ -114,10 +114,11 @@ def cppcheck(root: Path) -> list[Finding]:
     CamtoolsError
         It is not installed, or breaks down.
     """
-    sources = sorted(path.relative_to(root).as_posix() for path in root.glob(f"{SOURCES}/*.c"))
+    sources = sorted(path.relative_to(root).as_posix() for path in root.glob(f"{SOURCES}/**/*.c"))
     command = ["cppcheck", "--addon=misra", "--std=c11", "--platform=unix32", "-q"]
     command += ["--enable=warning,style,performance,portability", "--template={file}|{line}|{id}"]
-    command += [*(f"-I{folder}" for folder in INCLUDES), *sources]
+    folders = [path.relative_to(root) for glob in INCLUDES for path in sorted(root.glob(glob))]
+    command += [*(f"-I{folder}" for folder in folders), *sources]
     try:
         done = subprocess.run(command, cwd=root, capture_output=True, text=True, check=False)
     except OSError as error:

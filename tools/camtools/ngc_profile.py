@@ -50,7 +50,7 @@ def _polygon(geometry: Geometry, z_mm: Floats) -> Segments:
 def segments(geometry: Geometry, z_first_mm: float, z_last_mm: float, chord_mm: float) -> Segments:
     """Return the fewest points on the profile whose polygon keeps a chord error.
 
-    Spacing goes with the curvature: h = sqrt(8 error / |a''|).
+    Spacing goes with the curvature, MATHS.md (45).
 
     Parameters
     ----------
@@ -134,7 +134,7 @@ def profile_program(job: Job) -> Iterator[bytes]:
 def _pieces(job: Job, found: Segments) -> Iterator[bytes]:
     x = found.x_mm * job.x_factor
     yield lines([*head(job, _notes(job, found)), *_engage(job, float(x[0]))])
-    # K is measured along the segment; the feed is that of Z.
+    # K is measured along the segment; the feed is that of Z: MATHS.md (45).
     slant = np.hypot(1, np.diff(found.x_mm) / np.diff(found.z_mm))
     lead = job.part.process.feed_mm * slant
     words = [("G33 X", LENGTH_DECIMALS), ("Z", LENGTH_DECIMALS), ("K", 9)]

@@ -210,7 +210,7 @@ class Machine(Table):
 
 
 class Magnify(Table):
-    """[magnify]: the papers' demonstration, all deviations enlarged (maths.md 10.8)."""
+    """[magnify]: the papers' demonstration, all deviations enlarged, MATHS.md (7)."""
 
     factor: Annotated[float, Field(ge=1, le=1000)]
 
@@ -316,10 +316,10 @@ def load_part(path: Path) -> Part:
 
 
 def example_part() -> Part:
-    """Return the Perkins-240-like skirt of maths.md 2 (invented numbers), for examples."""
+    """Return the Perkins-240-like skirt of MATHS.md (6), invented numbers, for examples."""
     return Part.model_validate(
         {
-            "part": {"name": "example", "kind": "piston", "source": "maths.md 2, invented"},
+            "part": {"name": "example", "kind": "piston", "source": "MATHS.md (6), invented"},
             "piston": {
                 "profile": {
                     "height_mm": [0, 10, 20, 30, 40, 50, 62],

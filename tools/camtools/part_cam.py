@@ -28,7 +28,7 @@ from camtools.part_base import HeightMm, Table, beside_the_part, no_truth, risin
 MIN_GAP_MM = 0.2
 MAX_LIFT_MM = 15.0
 MAX_LOBES = 64  # of a part file; fewer where the bytes of a channel do not last
-MAX_CENTRE_MM = 2000.0  # places in a table: firmware/cam_table.c, max_height_nm
+MAX_CENTRE_MM = 2000.0  # places in a table: firmware/table/cam_table.c, max_height_nm
 MIN_POINTS = 8
 MIN_STEP_DEG = 0.01
 SAME_DEG = 1e-6  # decimal angles differ by less from what they are written as

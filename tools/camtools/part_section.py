@@ -62,7 +62,7 @@ _NEEDED = ("trim_mm", "joint_deg", "csv")
 
 
 class Refit(Table):
-    """[piston.section.refit]: the spline that replaces the corner (maths.md 7.5).
+    """[piston.section.refit]: the spline that replaces the corner, MATHS.md (14) .. (16).
 
     The drawing's contour is sampled once per degree; points next to the joint are left out.
     """

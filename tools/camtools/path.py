@@ -1,4 +1,4 @@
-"""How Z follows the turns of the spindle: plain helix and ring-helix (maths.md 8).
+"""How Z follows the turns of the spindle: plain helix and ring-helix, MATHS.md (40) .. (43).
 
 A ring-helix turns a closed ring at every section of the drawing and one turn of a helix between
 two of them ("variable cross-section helix"); section distance and lead are both the feed. As
@@ -116,7 +116,7 @@ class Path:
 def ramp_of(feed_mm: float, spindle_rpm: float, limits: Limits) -> float:
     """Return the shortest ramp of a ring-helix that Z's acceleration allows, as the firmware's.
 
-    At least LEAST_RAMP (firmware/include/cam/cam_feed.h).
+    At least LEAST_RAMP (firmware/tick/cam_feed.h).
     Z's speed is feed n / (1 - r), its acceleration feed n^2 / (r (1 - r)), n in turns per second.
 
     Raises

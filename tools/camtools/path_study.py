@@ -1,4 +1,4 @@
-"""Ring-helix beside plain helices of the same part: turns, time, Z's motion, scallops (maths.md 8).
+"""Ring-helix beside plain helices: turns, time, Z's motion, scallops, MATHS.md (40) .. (43).
 
 >>> study = make_study(0.0, 62.0, 0.2, 1000.0, 0.8, Limits())
 >>> [(one.path.turns, f"{one.scallop_um.max():.4f}") for one in study.rows]

@@ -1,6 +1,6 @@
 """Surfaces of any shape: piecewise polynomials over angle and height, exact by definition.
 
-The reduction of the radius is, on each piece of angle i and height j,
+The reduction of the radius is, on each piece of angle i and height j, MATHS.md (19),
 
     delta = sum over k = 0 .. 5, l = 0 .. 7 of c[j, i, k, l] t^k w^l,   t, w = 0 .. 1
 
@@ -121,7 +121,7 @@ class PolySurface:
         return _horner(np.einsum("pkl,pl->pk", self.coefficients[j, i], powers), t, slope)
 
     def document(self) -> dict[str, Any]:
-        """Return what a gauge needs, as JSON values; host_sim/sim_design.h tells the layout."""
+        """Return what a gauge needs, as JSON values; host_sim/part/sim_design.h tells the layout."""
         joint = self.joint_turn
         kind: dict[str, Any] = {"angle": "turn"}
         if joint is not None:

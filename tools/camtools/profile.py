@@ -17,7 +17,7 @@ from camtools.sections import Floats
 
 
 def profile_spline(profile: Profile) -> PPoly:
-    """Return the long half axis a(z) [mm] as a cubic spline (maths.md 2.1)."""
+    """Return the long half axis a(z) [mm] as a cubic spline, MATHS.md (6)."""
     radius_mm = np.asarray(profile.diameter_mm) / 2
     ends: object = profile.spline
     if profile.end_slopes is not None:
@@ -26,7 +26,7 @@ def profile_spline(profile: Profile) -> PPoly:
 
 
 def polygon_or_spline(z_mm: Sequence[float] | Floats, values: Floats, interpolation: str) -> PPoly:
-    """Return values over height: "linear" a polygon, "spline" a not-a-knot cubic (maths.md 2.2)."""
+    """Return values over height: "linear" a polygon, "spline" a not-a-knot cubic, MATHS.md (6)."""
     heights = np.asarray(z_mm, dtype=np.float64)
     if interpolation == "spline":
         return CubicSpline(heights, values, bc_type="not-a-knot")
@@ -40,13 +40,13 @@ def constant_spline(value: float, first_mm: float, last_mm: float) -> PPoly:
 
 
 def ovality_spline(ovality: Ovality) -> PPoly:
-    """Return G(z) [mm]: polygon or not-a-knot cubic spline (maths.md 2.2)."""
+    """Return G(z) [mm]: polygon or not-a-knot cubic spline, MATHS.md (6)."""
     g_mm = np.asarray(ovality.ovality_mm, dtype=np.float64)
     return polygon_or_spline(ovality.height_mm, g_mm, ovality.interpolation)
 
 
 def magnified(spline: PPoly, factor: float, fixed_mm: float) -> PPoly:
-    """Return fixed - factor (fixed - spline), the papers' demonstration (maths.md 10.8)."""
+    """Return fixed - factor (fixed - spline), the papers' demonstration, MATHS.md (7)."""
     coefficients = np.array(spline.c * factor)
     coefficients[-1] += fixed_mm * (1 - factor)
     return PPoly(coefficients, spline.x)

@@ -1,4 +1,4 @@
-"""From exact functions to channels of integers.
+"""From exact functions to channels of integers; their error is that of MATHS.md (49).
 
 >>> import numpy as np
 >>> knots = np.array([[[0.0, 0, 0], [1000.0, 0, 0], [0, 0, 0], [1000.0, 0, 0]]])
@@ -119,7 +119,7 @@ def balanced(geometry: Geometry, phi_rad: Floats, z_mm: Floats, spacing_mm: floa
     """Return what slices store so that blending errs to both sides alike.
 
     Chords between points of a curve err to one side by spacing^2 / 8 of its curvature; moved by
-    half of that they err by half as much.
+    half of that they err by half as much, MATHS.md (50).
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The spline that replaces the corner of an ellipse-arc section (maths.md 7.5).
+"""The spline that replaces the corner of an ellipse-arc section, MATHS.md (14) .. (17).
 
 One quadrant is sampled once per degree, counted from the joint to both sides; points at the joint
 are left out, and a cubic or quintic spline runs through the rest.
@@ -179,7 +179,7 @@ def jerk_limit_of(ends: str, given_mm_s3: float | None) -> float:
 
 
 def best_of(candidates: list[Candidate], jerk_limit_mm_s3: float) -> Candidate:
-    """Return the candidate of least peak acceleration within the limit of the tail's jerk.
+    """Return the candidate of least peak acceleration within the limit of the tail's jerk, (16).
 
     Raises
     ------

@@ -1,7 +1,7 @@
 """Study of the corner's refit: cubic, quintic, quintic with points left out, beside the paper.
 
 The paper's own numbers stand beside ours only for the section it is about; notes tell what agrees,
-what does not, and why (maths.md 7.5).
+what does not, and why: MATHS.md (14) .. (17).
 
 >>> PAPER_JERK_MM_S3[0], len(PAPER_JERK_MM_S3)
 (1140000000.0, 16)

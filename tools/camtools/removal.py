@@ -1,4 +1,4 @@
-"""Metal removed from one section: area, equal parts, speed law, forces (maths.md 3 to 6).
+"""Metal removed from one section: area, equal parts, speed law, forces, MATHS.md (20) .. (29).
 
 >>> from camtools.sections import Ellipse
 >>> papers = SectionCut(lambda phi: Ellipse().evaluate(phi, 46.0, 0.2), 46.0, 46.1)
@@ -56,7 +56,7 @@ class SectionCut:
         return np.asarray(self.blank_mm - self.a_mm + self.delta(phi_rad).delta, dtype=np.float64)
 
     def area_rate_mm2(self, phi_rad: Floats) -> Floats:
-        """Return dA/dphi = ap (R0 - ap / 2) [mm2/rad]."""
+        """Return dA/dphi = ap (R0 - ap / 2) [mm2/rad], MATHS.md (20)."""
         depth = self.depth_mm(phi_rad)
         return np.asarray(depth * (self.blank_mm - depth / 2), dtype=np.float64)
 
@@ -85,7 +85,7 @@ class SectionCut:
         return np.asarray(sums[cell] + self._between(borders[cell], phi), dtype=np.float64)
 
     def angle_rad(self, area_mm2: Floats) -> Floats:
-        """Return the angles up to which areas 0 .. S are cut (maths.md 5.2)."""
+        """Return the angles up to which areas 0 .. S are cut, MATHS.md (22)."""
         borders, sums = self._cells
         phi = np.interp(area_mm2, sums, borders)
         for _ in range(_NEWTON_STEPS):
@@ -94,7 +94,7 @@ class SectionCut:
         return np.asarray(phi, dtype=np.float64)
 
     def speed_ratio(self, phi_rad: Floats) -> Floats:
-        """Return spindle speed over mean speed at constant removal rate (maths.md 5.4)."""
+        """Return spindle speed over mean speed at constant removal rate, MATHS.md (24)."""
         mean = self.total_mm2 / self.pattern_rad
         return np.asarray(mean / self.area_rate_mm2(phi_rad), dtype=np.float64)
 
@@ -162,7 +162,7 @@ class PartsRange(NamedTuple):
 def parts_range(
     cut: SectionCut, feed_mm: float, rpm: float, volume_mm3: float, cycle_s: float
 ) -> PartsRange:
-    """Return the least and the most parts of a pattern (maths.md 5.1).
+    """Return the least and the most parts of a pattern, MATHS.md (23).
 
     Parameters
     ----------
@@ -211,7 +211,7 @@ def _peak(phi: Floats, values: Floats) -> tuple[float, float]:
 
 
 def speed_peaks(cut: SectionCut) -> SpeedPeaks:
-    """Return the extremes of the law of constant removal rate (maths.md 5.4)."""
+    """Return the extremes of the law of constant removal rate, MATHS.md (25)."""
     phi = cut.pattern_rad * np.arange(_DENSE) / (_DENSE - 1)
     ratio, product, speed, motion = motion_at(cut, phi)
     alpha, u1, least = _peak(phi, np.abs(product)), _peak(phi, np.abs(speed)), _peak(phi, -motion)
@@ -253,7 +253,7 @@ class Rates(NamedTuple):
 
 
 def rates_of(cut: SectionCut, steps: Steps, feed_mm: float, rpm: float, kc_n_mm2: float) -> Rates:
-    """Return rates, power and ripple (maths.md 6)."""
+    """Return rates, power and ripple, MATHS.md (29)."""
     area = cut.area_rate_mm2(cut.pattern_rad * np.arange(_DENSE) / (_DENSE - 1))
     in_steps = steps.area_mm2[1:]
     rate = feed_mm * cut.n_patterns * cut.total_mm2 * rpm / 60
@@ -279,7 +279,7 @@ class Axes(NamedTuple):
 
 
 def axes_at(geometry: Geometry, z_mm: float, feed_mm: float, angles: Floats, t_s: Floats) -> Axes:
-    """Return the axes at unwrapped angles [rad] and their times, Z from a height on (5.3)."""
+    """Return the axes, MATHS.md (8), at unwrapped angles [rad] and their times, Z from a height."""
     z = z_mm + feed_mm * angles / TURN_RAD
     u = geometry.delta(angles, z).delta
     return Axes(t_s, angles, z, geometry.radius_mm(z), u)

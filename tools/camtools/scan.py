@@ -116,7 +116,8 @@ def read_scan(path: Path) -> Scan:
 def filtered(scan: Scan, harmonics: int) -> Scan:
     """Return the sections with harmonics 0 .. n of the turn only, on a uniform grid of angles.
 
-    The waves are fitted to the points by least squares, as a roundness instrument's filter does.
+    The waves are fitted to the points by least squares, as a roundness instrument's filter does,
+    MATHS.md (18).
 
     Raises
     ------

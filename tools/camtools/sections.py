@@ -1,7 +1,7 @@
 """Cross-sections of a skirt: radius reduction over the spindle angle, exact, in double.
 
-The angle is the polar angle from the long axis, which is the spindle angle. A new shape is
-one class with `log2_repeat` and `evaluate`; nothing else has to know it.
+The angle is the polar angle from the long axis, MATHS.md (1), which is the spindle angle. A new
+shape is one class with `log2_repeat` and `evaluate`; nothing else has to know it.
 
 >>> import numpy as np
 >>> values = Ellipse().evaluate(np.radians([0.0, 45.0, 90.0]), 46.0, 0.2)
@@ -55,7 +55,7 @@ class Section(Protocol):
 
 @dataclass(frozen=True)
 class Ellipse:
-    """Exact ellipse in the form without cancellation (maths.md 1.1)."""
+    """Exact ellipse in the form without cancellation, MATHS.md (2)."""
 
     log2_repeat: int = 1
 
@@ -80,7 +80,7 @@ class Ellipse:
 
 @dataclass(frozen=True)
 class DoubleEllipse:
-    """Two harmonics, the quadratic ellipse (maths.md 1.3); beta = 0 is the cosine form (1.2).
+    """Two harmonics, the quadratic ellipse, MATHS.md (4); beta = 0 is the cosine form, (3).
 
     Attributes
     ----------

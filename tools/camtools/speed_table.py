@@ -53,7 +53,7 @@ class SpeedTable(NamedTuple):
     channel: Channel
     z_mm: Floats  # heights of the slices
     laws: tuple[Law, ...]  # of each slice
-    partial: tuple[Law, ...]  # maths.md 5.4, for comparison
+    partial: tuple[Law, ...]  # MATHS.md (26), for comparison
     full_mean_rpm: float  # up to here the rate can be kept constant
     uniform_rpm: float  # highest speed at which the part can be turned uniformly
     peaks: MotionPeaks

@@ -3,8 +3,8 @@
 With r = speed / mean speed and b = r^2 everything the machine limits is linear: the spindle's
 acceleration is mean^2 b'/2, that of U mean^2 (delta'' b + delta' b'/2), the square of the removal
 rate A'^2 b. Only the mean speed is not: the integral of b^(-1/2) is convex, so planes cut it off.
-The law of least ripple is thus found by a few linear programs (maths.md 5; the convex form is
-ours). Partial modulation (maths.md 5.4) blends uniform and full modulation in time.
+The law of least ripple is thus found by a few linear programs, MATHS.md (27),
+(28). Partial modulation, MATHS.md (26), blends uniform and full modulation in time.
 
 >>> phi = np.pi * np.arange(N_GRID) / N_GRID
 >>> load = Load(1 + np.cos(2 * phi) / 3, np.sin(2 * phi) / 10, np.cos(2 * phi) / 5, np.pi)
@@ -67,7 +67,7 @@ class Law:
     load : Load
         Of the section.
     share : float
-        lambda of maths.md 5.4 for partial modulation; 1 full, 0 uniform, NaN optimised.
+        lambda of MATHS.md (26) for partial modulation; 1 full, 0 uniform, NaN optimised.
     """
 
     spline: BSpline
@@ -116,12 +116,12 @@ def _law(load: Load, ratio: Floats, share: float) -> Law:
 
 
 def partial(load: Load, share: float) -> Law:
-    """Return 1/omega = (1 - share)/omega_m + share/omega_full (maths.md 5.4)."""
+    """Return 1/omega = (1 - share)/omega_m + share/omega_full, MATHS.md (26)."""
     return _law(load, 1 / (1 - share + share * load.area_mm2 / load.area_mm2.mean()), share)
 
 
 def full(load: Load) -> Law:
-    """Return the law of constant removal rate, whatever the machine can do (maths.md 5.4)."""
+    """Return the law of constant removal rate, whatever the machine can do, MATHS.md (24)."""
     return partial(load, 1.0)
 
 

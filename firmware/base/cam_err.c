@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cam_err.h"
+#include <stddef.h> // size_t
+
+typedef struct {
+    cam_err_t err;
+    const char *text;
+} err_text_t;
+
+static const err_text_t entries[] = {
+    {cam_ok, "done"},
+    {cam_err_image_address, "the image is not aligned to 4 bytes"},
+    {cam_err_image_size, "the image is cut off or has bytes behind its end"},
+    {cam_err_image_magic, "this is not a cam table"},
+    {cam_err_image_order, "the table has another byte order"},
+    {cam_err_image_version, "the table has a version that this firmware does not know"},
+    {cam_err_image_crc, "the table is damaged: its CRC-32 differs"},
+    {cam_err_image_header, "a field of the table header is out of its range"},
+    {cam_err_image_name, "the part name of the table is not printable text"},
+    {cam_err_image_channel, "a channel of the table is out of its range, twice there or missing"},
+    {cam_err_image_layout, "a channel of the table lies misaligned, overlapping or outside"},
+    {cam_err_image_height, "the heights of a channel of the table are inconsistent"},
+    {cam_err_image_knots, "a knot of the table is beyond the bounds of the evaluation"},
+    {cam_err_image_limits, "knots of the table exceed the limits that it guarantees"},
+    {cam_err_param_id, "there is no such parameter"},
+    {cam_err_param_range, "the value is out of the parameter's range"},
+    {cam_err_param_state, "this parameter cannot change in this state"},
+    {cam_err_param_tick, "lead, bandwidth or feed-forward do not fit the tick rate"},
+    {cam_err_state, "the command is out of order in this state"},
+    {cam_err_busy, "the previous command is still on its way"},
+    {cam_err_no_table, "no valid table is selected"},
+    {cam_err_estop, "the emergency stop is active"},
+    {cam_err_drive, "the drives are not ready"},
+    {cam_err_frame, "the command frame has a wrong length or reserved bytes set"},
+    {cam_err_command, "there is no such command"},
+    {cam_err_u_place, "U stands outside of its stroke: move it by hand or check its zero"},
+    {cam_err_bus, "a node on the bus is silent"},
+    {cam_err_download_room, "the controller has no room for the table"},
+    {cam_err_download_order, "this is not the next block of the download"},
+    {cam_err_download_short, "bytes of the download are missing"},
+    {cam_err_download_crc, "the download is damaged: its CRC-32 differs"},
+    {cam_err_download_store, "the controller could not keep the table"},
+    {cam_err_spindle_speed, "the speed is beyond the spindle's limit"},
+    {cam_err_u_speed, "U would have to move faster than it can"},
+    {cam_err_u_acceleration, "U would have to accelerate more than it can"},
+    {cam_err_u_stroke, "U would have to travel farther than it can"},
+    {cam_err_z_speed, "feed and speed are beyond the speed of Z"},
+    {cam_err_z_acceleration, "feed, speed and ramp are beyond the acceleration of Z"},
+    {cam_err_feed, "the feed per turn is larger than the part is high"},
+    {cam_err_tick_rate, "too many knots or counts pass in one tick"},
+    {cam_err_spindle_acceleration, "the spindle would have to accelerate more than it can"},
+    {cam_err_x_speed, "clearance or barrel at that speed are beyond the speed of X"},
+    {cam_err_x_acceleration, "clearance or barrel at that speed are beyond the acceleration of X"},
+    {cam_err_swing_axis, "the table swings the tool, for which there is no axis"},
+    {cam_err_swing_range, "the tool would have to swing farther than it can"},
+    {cam_err_swing_speed, "the tool would have to swing faster than it can"},
+    {cam_err_swing_acceleration, "the swing of the tool would have to accelerate more than it can"},
+    {cam_err_cam_amplitude, "a cam with an amplitude below 1 would be cut deeper than drawn"},
+};
+
+const char *cam_err_text(cam_err_t err)
+{
+    for (size_t i = 0; i < sizeof entries / sizeof entries[0]; i++) {
+        if (entries[i].err == err) {
+            return entries[i].text;
+        }
+    }
+    return "unknown error";
+}

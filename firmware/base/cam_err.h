@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+/// cam_err: what can go wrong on the slow side, one value each.
+///
+/// The interrupt returns no errors; it latches faults (cam_guard.h). The numbers are part of the
+/// CAN protocol (camturn.dbc): a value keeps its number for good.
+#ifndef CAM_ERR_H
+#define CAM_ERR_H
+
+/// Result of a slow-side function: 0 or a negative value. The first error found is the one
+/// reported.
+typedef enum {
+    cam_ok = 0,
+    // Image (cam_table_check), in the order of the checks
+    cam_err_image_address = -1, ///< the image is not aligned to 4 bytes
+    cam_err_image_size = -2,    ///< fewer bytes than a header, or not the size given in the header
+    cam_err_image_magic = -3,   ///< the image does not begin like a cam table
+    cam_err_image_order = -4,   ///< the image is of the other byte order
+    cam_err_image_version = -5, ///< the image has a version that this firmware does not know
+    cam_err_image_crc = -6,     ///< the image is damaged: its CRC-32 differs
+    cam_err_image_header = -7,  ///< a field of the header is out of its range
+    cam_err_image_name = -8,    ///< the part name is not printable or not terminated
+    cam_err_image_channel = -9, ///< a channel entry is out of its range, twice there or missing
+    cam_err_image_layout =
+        -10, ///< a channel's data is misaligned, overlapping or outside the image
+    cam_err_image_height = -11, ///< the heights of a channel are inconsistent
+    cam_err_image_knots = -12,  ///< a knot exceeds the bounds that make overflow impossible
+    cam_err_image_limits = -13, ///< the knots exceed the limits that the image guarantees
+    // Parameters and commands
+    cam_err_param_id = -20,    ///< there is no such parameter
+    cam_err_param_range = -21, ///< the value is out of the parameter's range
+    cam_err_param_state = -22, ///< the parameter cannot change in this state
+    cam_err_param_tick = -23,  ///< lead, bandwidth or feed-forward do not fit the tick rate
+    cam_err_state = -24,       ///< the command is not accepted in this state
+    cam_err_busy = -25,        ///< the interrupt has not yet taken the previous command
+    cam_err_no_table = -26,    ///< no valid table is selected
+    cam_err_estop = -27,       ///< the emergency stop is active
+    cam_err_drive = -28,       ///< the drives are not ready
+    cam_err_frame = -29,       ///< the command frame has a wrong length or reserved bytes set
+    cam_err_command = -30,     ///< there is no such command
+    cam_err_u_place = -31,     ///< U stands outside of its stroke
+    cam_err_bus = -37,         ///< a node on the field bus is silent
+    // Download of a table
+    cam_err_download_room = -32,  ///< the image is larger than the place for it
+    cam_err_download_order = -33, ///< the block is not the next one, or no download was begun
+    cam_err_download_short = -34, ///< the download was ended before its last byte
+    cam_err_download_crc = -35,   ///< the received bytes are not the sent ones: CRC-32 differs
+    cam_err_download_store = -36, ///< the port could not store the image
+    // Feasibility: table x speed x machine (cam_feasible.h)
+    cam_err_spindle_speed = -40,        ///< the speed exceeds the spindle's limit
+    cam_err_u_speed = -41,              ///< U would exceed its highest speed
+    cam_err_u_acceleration = -42,       ///< U would exceed its highest acceleration
+    cam_err_u_stroke = -43,             ///< U would exceed its stroke
+    cam_err_z_speed = -44,              ///< feed x speed exceeds the speed of Z
+    cam_err_z_acceleration = -45,       ///< feed x speed squared / ramp exceeds Z's acceleration
+    cam_err_feed = -46,                 ///< the feed per turn is larger than the height of the part
+    cam_err_tick_rate = -47,            ///< too many knots or encoder counts pass in one tick
+    cam_err_spindle_acceleration = -48, ///< the modulation exceeds the spindle's acceleration
+    cam_err_x_speed = -49,              ///< clearance or barrel exceed X's speed
+    cam_err_x_acceleration = -50,       ///< clearance or barrel exceed X's acceleration
+    cam_err_swing_axis = -51,           ///< the table swings the tool, but there is no axis for it
+    cam_err_swing_range = -52,          ///< the swing would exceed its range
+    cam_err_swing_speed = -53,          ///< the swing would exceed its highest speed
+    cam_err_swing_acceleration = -54,   ///< the swing would exceed its highest acceleration
+    cam_err_cam_amplitude = -55,        ///< a lobe at an amplitude below 1 is cut deeper than drawn
+} cam_err_t;
+
+/// The compiler refuses a call that ignores the result of such a function.
+#define CAM_MUST_USE __attribute__((warn_unused_result))
+
+/// @return one English clause without a full stop, static; "unknown error" for a foreign value
+/// Context: slow side.
+const char *cam_err_text(cam_err_t err);
+
+#endif

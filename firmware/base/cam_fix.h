@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+/// cam_fix: fixed-point operations, inline, for both sides.
+///
+/// `_q<n>` in a name gives the number of fraction bits: 0.5 in q28 is 2^27. Right shifts of
+/// negative numbers are arithmetic in every compiler that we support (asserted below), so they
+/// round towards minus infinity. Left shifts of signed values are written as multiplications,
+/// because a negative left operand is undefined in C11. Sums that wrap by design are computed in
+/// uint32 for the same reason. Context of all functions: ISR or slow side, unless noted.
+#ifndef CAM_FIX_H
+#define CAM_FIX_H
+
+#include <stdbool.h> // bool
+#include <stdint.h>  // int32_t, int64_t
+
+_Static_assert((-3 >> 1) == -2, "arithmetic right shift");
+
+/// Multiply by a fraction of 2^-32 and add, with rounding: one instruction on Cortex-M4/M7.
+/// @return c + floor(a * b / 2^32 + 1/2), any arguments whose result fits int32
+/// Source: ARMv7-M Architecture Reference Manual, A7.7.147 (SMMLAR).
+static inline int32_t cam_mulhi_add(int32_t c, int32_t a, int32_t b)
+{
+#if defined(__ARM_FEATURE_DSP) && __ARM_FEATURE_DSP
+    int32_t sum;
+    __asm("smmlar %0, %1, %2, %3" : "=r"(sum) : "r"(a), "r"(b), "r"(c));
+    return sum;
+#else
+    return c + (int32_t)(((int64_t)a * b + (INT64_C(1) << 31)) >> 32);
+#endif
+}
+
+/// Multiply by a fraction of 2^-32, rounded to nearest: one instruction on Cortex-M4/M7.
+/// @return floor(a * b / 2^32 + 1/2), any arguments
+/// Source: ARMv7-M Architecture Reference Manual, A7.7.149 (SMMULR).
+static inline int32_t cam_mulhi(int32_t a, int32_t b)
+{
+#if defined(__ARM_FEATURE_DSP) && __ARM_FEATURE_DSP
+    int32_t product;
+    __asm("smmulr %0, %1, %2" : "=r"(product) : "r"(a), "r"(b));
+    return product;
+#else
+    return cam_mulhi_add(0, a, b);
+#endif
+}
+
+/// Multiply unsigned numbers and keep the upper half of the product.
+/// @return floor(a * b / 2^32), any arguments
+static inline uint32_t cam_mulhi_u32(uint32_t a, uint32_t b)
+{
+    return (uint32_t)(((uint64_t)a * b) >> 32);
+}
+
+/// @return a * b / 2^n rounded to nearest, half up; 1 <= n <= 62; the product must fit int32
+static inline int32_t cam_mul_shift(int32_t a, int32_t b, uint32_t n)
+{
+    return (int32_t)(((int64_t)a * b + ((int64_t)1 << (n - 1u))) >> n);
+}
+
+/// Shift 64 bits by a count that is known at run time only. The compiler's own 64-bit shift handles
+/// counts up to 63 and takes twice as many instructions on a Cortex-M.
+/// @param n  1 .. 31
+/// @return   the low 32 bits of floor(v / 2^n), which are its value when that fits int32
+static inline int32_t cam_shift_right(int64_t v, uint32_t n)
+{
+    const uint32_t low = (uint32_t)(uint64_t)v >> n;
+    const uint32_t high = (uint32_t)((uint64_t)v >> 32) << (32u - n);
+    return (int32_t)(low | high);
+}
+
+/// @return v limited to [lo, hi]
+static inline int32_t cam_clamp_i32(int32_t v, int32_t lo, int32_t hi)
+{
+    return v < lo ? lo : v > hi ? hi : v;
+}
+
+/// @return v limited to [lo, hi]
+static inline int64_t cam_clamp_i64(int64_t v, int64_t lo, int64_t hi)
+{
+    return v < lo ? lo : v > hi ? hi : v;
+}
+
+/// @return v limited to the range of int32
+static inline int32_t cam_sat_i32(int64_t v)
+{
+    const int32_t low = (int32_t)v; // v fits when sign extension of its low word gives v again
+    return low == v ? low : v < 0 ? INT32_MIN : INT32_MAX;
+}
+
+/// @return |v|; any v but INT64_MIN
+static inline int64_t cam_abs_i64(int64_t v)
+{
+    return v < 0 ? -v : v;
+}
+
+/// Integer square root, bit by bit. Context: slow side.
+/// @return floor of the root of v, any v
+static inline uint64_t cam_root_u64(uint64_t v)
+{
+    uint64_t r = 0;
+    for (uint64_t bit = UINT64_C(1) << 31; bit != 0u; bit >>= 1) {
+        r = (r + bit) * (r + bit) <= v ? r + bit : r;
+    }
+    return r;
+}
+
+/// Difference a - b of two readings of a counter that wraps at 2^32.
+/// @return [counts] signed distance, correct while the true distance is within +-2^31
+static inline int32_t cam_wrap_diff(uint32_t a, uint32_t b)
+{
+    return (int32_t)(a - b);
+}
+
+/// @return a + b modulo 2^32
+static inline int32_t cam_wrap_add(int32_t a, int32_t b)
+{
+    return (int32_t)((uint32_t)a + (uint32_t)b);
+}
+
+/// @return a - b modulo 2^32
+static inline int32_t cam_wrap_sub(int32_t a, int32_t b)
+{
+    return (int32_t)((uint32_t)a - (uint32_t)b);
+}
+
+/// Test a symmetric range with one comparison instead of two.
+/// @param limit  0 .. 2^31 - 1
+/// @return       whether -limit <= v <= limit
+static inline bool cam_is_within(int32_t v, int32_t limit)
+{
+    return (uint32_t)v + (uint32_t)limit <= 2u * (uint32_t)limit;
+}
+
+/// Convert a derivative over the angle from per turn to per radian: x / 2 pi.
+/// @param x  0 .. 2^41, per turn
+/// @return   the same per rad, rounded down by less than 4e-7 of it and 1
+static inline int64_t cam_per_rad(int64_t x)
+{
+    return (x * 2670176) >> 24; // 2^24 / 2 pi
+}
+
+/// @return whether low <= v <= high
+static inline bool cam_is_between(int64_t v, int64_t low, int64_t high)
+{
+    return v >= low && v <= high;
+}
+
+#endif

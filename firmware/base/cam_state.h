@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+/// cam_state: the vocabulary of every room: states, requests, faults and the senses of a tick.
+#ifndef CAM_STATE_H
+#define CAM_STATE_H
+
+#include <stdbool.h> // bool
+#include <stdint.h>  // int32_t, uint32_t
+
+/// Marks a stage of the tick, which the compiler must not inline. Inlined into one another the
+/// stages run out of registers and spend a third of their instructions on saving them.
+#define CAM_STAGE __attribute__((noinline))
+
+// clang-format off
+/// States of the machine. The interrupt owns the state; the slow side only requests changes.
+///
+///     off --enable--> homing --index--> ready --start--> engaging --> cutting --> disengaging --> ready
+///     homing, ready --disable--> off
+///     engaging, cutting --stop--> disengaging; while the axes approach: ready
+///     any but off --fault--> fault --reset, after the retract--> off
+// clang-format on
+typedef enum {
+    cam_state_off,         ///< drives not enabled, set-points follow the measured axes
+    cam_state_homing,      ///< enabled, U retracts, spindle turns until the index is found
+    cam_state_ready,       ///< angle known, tool retracted from the workpiece
+    cam_state_engaging,    ///< the axes approach, then depth and amplitude rise
+    cam_state_cutting,     ///< full amplitude, Z feeds
+    cam_state_disengaging, ///< depth and amplitude fall while Z stands still
+    cam_state_fault,       ///< retracting or retracted, latched until reset
+    cam_n_states
+} cam_state_t;
+
+/// @return true in engaging, cutting and disengaging, where the axes follow the spindle's angle
+static inline bool cam_state_is_in_work(cam_state_t state)
+{
+    return state == cam_state_engaging || state == cam_state_cutting ||
+           state == cam_state_disengaging;
+}
+
+/// What the slow side requests of the interrupt. The interrupt carries a request out in the next
+/// tick if the state allows it, and ignores it otherwise.
+typedef enum {
+    cam_request_none,
+    cam_request_enable,
+    cam_request_disable,
+    cam_request_start,
+    cam_request_stop,
+    cam_request_reset,
+    cam_request_table_fault, ///< raise fault `table`: the background check found damage
+} cam_request_t;
+
+/// Faults, in the order of their bits, with a clause for people. FAULTS.md lists for each how soon
+/// it is detected and how the controller reacts.
+#define CAM_FAULTS(X)                                                                              \
+    X(estop, "emergency stop")                                                                     \
+    X(drive, "a drive is not ready")                                                               \
+    X(bus, "a node on the bus went silent or frames were lost")                                    \
+    X(late_tick, "the tick came late")                                                             \
+    X(encoder_jump, "encoder counts jumped")                                                       \
+    X(lost_counts, "encoder counts lost or gained between two index edges")                        \
+    X(index_missing, "no index edge where one was due")                                            \
+    X(reverse, "spindle turns against the sense of cutting")                                       \
+    X(spindle_stopped, "spindle stopped in the cut")                                               \
+    X(overspeed, "spindle faster than this table allows")                                          \
+    X(following_error, "U does not follow")                                                        \
+    X(setpoint_speed, "U set-point moves faster than U can")                                       \
+    X(setpoint_acceleration, "U set-point accelerates more than U can")                            \
+    X(setpoint_range, "U set-point leaves the stroke")                                             \
+    X(z_range, "Z left the table")                                                                 \
+    X(table, "table damaged")                                                                      \
+    X(swing, "the tool's swing does not follow")
+
+/// A fault: its bit number in a fault mask.
+typedef enum {
+#define CAM_FAULT_ID(name, what) cam_fault_##name,
+    CAM_FAULTS(CAM_FAULT_ID)
+#undef CAM_FAULT_ID
+        cam_n_faults
+} cam_fault_t;
+
+_Static_assert(cam_n_faults <= 32, "a fault mask is one word");
+
+/// @return the bit of a fault in a fault mask, for example CAM_FAULT_BIT(estop) = 1
+#define CAM_FAULT_BIT(name) (UINT32_C(1) << cam_fault_##name)
+
+/// @return a state's name, lower case, static; "?" for a foreign value
+const char *cam_state_name(cam_state_t state);
+
+/// @return a fault's short name as in the list, static; "?" for a foreign value
+const char *cam_fault_name(cam_fault_t fault);
+
+/// @return a fault's meaning, one clause, static; "?" for a foreign value
+const char *cam_fault_text(cam_fault_t fault);
+
+#endif

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cam_param.h"
+#include <stdbool.h> // bool
+#include <stddef.h>  // NULL, offsetof
+#include <string.h>  // strcmp, memcpy
+
+#define PARAM_INFO(name, min, def, max, what) {#name, what, min, def, max},
+static const cam_param_info_t infos[cam_n_params] = {CAM_PARAMS(PARAM_INFO)};
+
+#define PARAM_OFFSET(name, min, def, max, what) offsetof(cam_params_t, name),
+static const size_t offsets[cam_n_params] = {CAM_PARAMS(PARAM_OFFSET)};
+
+const cam_param_info_t *cam_param_info(cam_param_id_t id)
+{
+    return (unsigned)id < cam_n_params ? &infos[id] : NULL;
+}
+
+cam_param_id_t cam_param_find(const char *name)
+{
+    unsigned id = 0;
+    while (id < cam_n_params && strcmp(infos[id].name, name) != 0) {
+        id++;
+    }
+    return (cam_param_id_t)id;
+}
+
+cam_params_t cam_param_defaults(void)
+{
+#define PARAM_DEFAULT(name, min, def, max, what) .name = (def),
+    return (cam_params_t){CAM_PARAMS(PARAM_DEFAULT)};
+}
+
+int32_t cam_param_get(const cam_params_t *params, cam_param_id_t id)
+{
+    int32_t value = 0;
+    (void)memcpy(&value, (const char *)params + offsets[id], sizeof value);
+    return value;
+}
+
+cam_err_t cam_param_set(cam_params_t *params, cam_param_id_t id, int32_t value)
+{
+    const cam_param_info_t *info = cam_param_info(id);
+    if (info == NULL) {
+        return cam_err_param_id;
+    }
+    const bool is_no_sign = id == cam_param_encoder_sign && value == 0;
+    if (value < info->min || value > info->max || is_no_sign) {
+        return cam_err_param_range;
+    }
+    (void)memcpy((char *)params + offsets[id], &value, sizeof value);
+    return cam_ok;
+}

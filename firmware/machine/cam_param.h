@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+/// cam_param: every number that a machine builder may set, with unit, range and default.
+///
+/// CAM_PARAMS lists X(name, min, default, max, what). The name ends in the unit. Parameters are
+/// int32; they are set on the slow side only and reach the interrupt through cam_config_build().
+#ifndef CAM_PARAM_H
+#define CAM_PARAM_H
+
+#include "cam_err.h" // cam_err_t
+#include <stdint.h>  // int32_t
+
+// clang-format off
+#define CAM_PARAMS(X) \
+    X(counts_per_turn,               64,      10000,   16777216, "encoder counts per turn, four per line") \
+    X(encoder_sign,                  -1,          1,          1, "-1 when counts fall while the spindle turns in its positive sense; 0 is refused") \
+    X(index_offset_udeg,     -180000000,          0,  180000000, "angle of the index, seen from the long axis, in the sense of cutting") \
+    X(index_tolerance_counts,         0,          0,    1000000, "accepted deviation of the index from its place; jitter of the encoder") \
+    X(jump_window_counts,             1,          8,    1000000, "accepted deviation of one tick's counts from what the speed predicts") \
+    X(observer_bandwidth_mHz,      1000,     200000,    5000000, "bandwidth of the angle observer, at most tick rate / 20") \
+    X(lead_ns,                        0,     100000,   20000000, "dead time of the U drive, from tick to motion, half a tick of hold included") \
+    X(k1_ns,                          0,          0,  100000000, "velocity feed-forward of U: 2 damping / natural frequency") \
+    X(k2_us2,                         0,          0, 1000000000, "acceleration feed-forward of U: 1 / natural frequency squared") \
+    X(xz_lag_ns,                      0,          0,  100000000, "lag of the X and Z drives on a ramp, compensated by reading ahead") \
+    X(phase_udeg,            -180000000,          0,  180000000, "rotates the oval on the part in the sense of cutting; ramped") \
+    X(phase_rate_udeg_per_s,       1000,    1000000,  100000000, "rate of that ramp") \
+    X(amplitude_ppm,                  0,    1000000,    1250000, "scale of U; ramped") \
+    X(amplitude_rate_ppm_per_s,    1000,     500000,   10000000, "rate of that ramp") \
+    X(engage_turns,                   1,         10,        100, "turns over which amplitude and depth rise") \
+    X(disengage_turns,                1,         10,        100, "turns over which they fall") \
+    X(feed_ramp_turns,                1,          2,        100, "turns over which the feed rises and falls, for the acceleration of Z") \
+    X(u_stroke_nm,                 1000,    1200000,   30000000, "travel of U peak to peak, centred on U = 0") \
+    X(u_speed_um_per_s,             100,     400000,   10000000, "highest speed of U") \
+    X(u_acceleration_mm_per_s2,     100,     250000,   10000000, "highest acceleration of U") \
+    X(u_retract_nm,           -15000000,    -500000,          0, "place of U out of the work") \
+    X(x_clearance_nm,                 0,    1000000,  100000000, "X off the work before engaging and after a fault") \
+    X(x_speed_um_per_s,             100,     100000,   10000000, "highest speed of X") \
+    X(x_acceleration_mm_per_s2,      10,       2000,    1000000, "highest acceleration of X") \
+    X(z_speed_um_per_s,             100,     200000,   10000000, "highest speed of Z") \
+    X(z_acceleration_mm_per_s2,      10,       2000,    1000000, "highest acceleration of Z") \
+    X(z_is_measured,                  0,          0,          1, "0: Z is geared to the spindle by the feed; 1: Z is led by others and measured") \
+    X(z_margin_nm,                    0,     100000,   10000000, "measured Z may leave the table, or a geared Z its place, by this much") \
+    X(spindle_mrpm,                   0,          0,   60000000, "spindle speed in r/min / 1000; 0: the table's") \
+    X(feed_nm,                        0,          0,   10000000, "feed per revolution; 0: the table's") \
+    X(spindle_limit_mrpm,          1000,    3000000,   60000000, "highest spindle speed in r/min / 1000") \
+    X(spindle_lag_us,                 0,          0,    1000000, "time constant of the spindle's speed loop, compensated while the speed is modulated") \
+    X(spindle_acceleration_mrad_per_s2, 1000, 500000, 2000000000, "highest acceleration of the spindle") \
+    X(stopped_mrpm,                   1,       5000,    1000000, "spindle counts as stopped below, in r/min / 1000") \
+    X(stopped_ms,                     1,        100,      10000, "and is a fault after this time while cutting") \
+    X(following_limit_nm,           100,     100000,   10000000, "accepted following error of U") \
+    X(late_percent,                  10,         50,        900, "a tick is late when it comes this much of a period after its time") \
+    X(trace_on,                       0,          1,          1, "1: record every tick in the trace ring") \
+    X(swing_speed_mdeg_per_s,         0,          0,  100000000, "highest speed of the tool's swing; 0: there is no axis for it") \
+    X(swing_acceleration_deg_per_s2,  1,     100000,  100000000, "highest acceleration of the swing") \
+    X(swing_range_mdeg,               1,      30000,      90000, "the tool swings by at most this to either side") \
+    X(swing_lag_ns,                   0,          0,   20000000, "lag of the swing's drive on a ramp, compensated by reading ahead") \
+    X(swing_following_limit_mdeg,     1,       1000,      90000, "accepted following error of the swing")
+// clang-format on
+
+/// Index of a parameter, in the order of the list.
+typedef enum {
+#define CAM_PARAM_ID(name, min, def, max, what) cam_param_##name,
+    CAM_PARAMS(CAM_PARAM_ID)
+#undef CAM_PARAM_ID
+        cam_n_params
+} cam_param_id_t;
+
+/// One value each, in the unit of its name.
+typedef struct {
+#define CAM_PARAM_FIELD(name, min, def, max, what) int32_t name;
+    CAM_PARAMS(CAM_PARAM_FIELD)
+#undef CAM_PARAM_FIELD
+} cam_params_t;
+
+/// What is known of a parameter.
+typedef struct {
+    const char *name; ///< with the unit as its last word
+    const char *what; ///< one clause
+    int32_t min, def, max;
+} cam_param_info_t;
+
+/// @return description of a parameter, NULL when id is not one. Context: slow side.
+const cam_param_info_t *cam_param_info(cam_param_id_t id);
+
+/// @return id of the parameter with that name, cam_n_params when there is none. Context: slow side.
+cam_param_id_t cam_param_find(const char *name);
+
+/// @return all parameters at their defaults
+cam_params_t cam_param_defaults(void);
+
+/// @return value of a parameter; id < cam_n_params. Context: slow side.
+int32_t cam_param_get(const cam_params_t *params, cam_param_id_t id);
+
+/// Set one parameter after checking its range.
+/// @return cam_ok, cam_err_param_id or cam_err_param_range; *params is unchanged on error
+/// Context: slow side.
+CAM_MUST_USE cam_err_t cam_param_set(cam_params_t *params, cam_param_id_t id, int32_t value);
+
+#endif

@@ -1,0 +1,264 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cam_can.h"
+#include "cam_fix.h" // cam_sat_i32
+#include "camturn.h" // camturn_command_unpack
+#include <stddef.h>  // NULL
+
+/// Bytes 0 and 1 of a frame with a command or an answer: shorter ones are echoed too.
+enum { at_command, at_parameter, n_echoed };
+
+/// Frames that one poll reads.
+enum { max_frames = 8 };
+
+typedef struct {
+    cam_err_t err;
+    int32_t value;
+} outcome_t;
+
+static outcome_t plain(cam_err_t err)
+{
+    return (outcome_t){.err = err};
+}
+
+// Answers
+
+/// The signal that a command's answer has takes the value: pack chooses.
+static void answer(cam_can_t *r, uint8_t command, uint8_t parameter, outcome_t outcome)
+{
+    const struct camturn_answer_t m = {
+        .command = command,
+        .parameter = parameter,
+        .result = (int16_t)outcome.err,
+        .highest_speed = outcome.value,
+        .value = outcome.value,
+        .minimum = outcome.value,
+        .maximum = outcome.value,
+        .speed = outcome.value,
+        .feed = outcome.value,
+        .amplitude = outcome.value,
+        .phase = outcome.value,
+        .received = (uint32_t)outcome.value,
+    };
+    hal_can_frame_t *frame = &r->answers[r->n_answers];
+    frame->id = CAMTURN_ANSWER_FRAME_ID;
+    frame->n = (uint32_t)camturn_answer_pack(frame->data, &m, sizeof frame->data);
+    r->n_answers++;
+}
+
+/// @return whether nothing waits for room any more
+static bool send_answers(cam_can_t *r)
+{
+    while (r->n_answered < r->n_answers && hal_can_write(&r->answers[r->n_answered])) {
+        r->n_answered++;
+    }
+    if (r->n_answered < r->n_answers) {
+        return false;
+    }
+    r->n_answered = 0;
+    r->n_answers = 0;
+    return true;
+}
+
+// Parameters
+
+static outcome_t get(const cam_can_t *r, cam_param_id_t id, cam_err_t err)
+{
+    const bool is_there = cam_param_info(id) != NULL;
+    return (outcome_t){.err = is_there ? err : cam_err_param_id,
+                       .value = is_there ? cam_param_get(&r->machine->params, id) : 0};
+}
+
+static outcome_t limit(cam_param_id_t id, bool is_lower)
+{
+    const cam_param_info_t *info = cam_param_info(id);
+    if (info == NULL) {
+        return plain(cam_err_param_id);
+    }
+    return (outcome_t){.err = cam_ok, .value = is_lower ? info->min : info->max};
+}
+
+static void set(cam_can_t *r, uint8_t command, cam_param_id_t id, int32_t value)
+{
+    const uint8_t index = (uint8_t)id;
+    const outcome_t outcome = get(r, id, cam_machine_set_param(r->machine, id, value));
+    answer(r, command, index, outcome);
+    if (outcome.err == cam_err_param_range) {
+        answer(r, CAMTURN_ANSWER_COMMAND_GET_MINIMUM_CHOICE, index, limit(id, true));
+        answer(r, CAMTURN_ANSWER_COMMAND_GET_MAXIMUM_CHOICE, index, limit(id, false));
+    }
+}
+
+// Commands
+
+static cam_err_t select_and_say(cam_can_t *r)
+{
+    const cam_err_t err = cam_store_select(&r->store);
+    if (!cam_store_is_of_moment(err)) {
+        cam_lines_table(&r->lines, &r->store);
+    }
+    return err;
+}
+
+/// A refusal for want of a table tells why there is none, an infeasible speed which one would do.
+static outcome_t explained(const cam_can_t *r, cam_err_t err)
+{
+    if (err == cam_err_no_table) {
+        return plain(r->store.err);
+    }
+    const cam_feasibility_t why = cam_machine_feasibility(r->machine, 0);
+    const bool is_infeasible = err != cam_ok && err == why.err;
+    return (outcome_t){.err = err, .value = is_infeasible ? cam_sat_i32(why.highest_mrpm) : 0};
+}
+
+static outcome_t received(const cam_can_t *r, cam_err_t err)
+{
+    return (outcome_t){.err = err, .value = (int32_t)r->store.received};
+}
+
+static outcome_t carry_out(cam_can_t *r, const struct camturn_command_t *m)
+{
+    const cam_param_id_t id = (cam_param_id_t)m->parameter;
+    switch (m->command) {
+    case CAMTURN_COMMAND_COMMAND_ENABLE_CHOICE:
+        return explained(r, cam_machine_enable(r->machine));
+    case CAMTURN_COMMAND_COMMAND_HOME_CHOICE:
+        return explained(r, cam_machine_home(r->machine));
+    case CAMTURN_COMMAND_COMMAND_DISABLE_CHOICE:
+        return plain(cam_machine_disable(r->machine));
+    case CAMTURN_COMMAND_COMMAND_START_CHOICE:
+        return explained(r, cam_machine_start(r->machine));
+    case CAMTURN_COMMAND_COMMAND_STOP_CHOICE:
+        return plain(cam_machine_stop(r->machine));
+    case CAMTURN_COMMAND_COMMAND_RESET_CHOICE:
+        return plain(cam_machine_reset(r->machine));
+    case CAMTURN_COMMAND_COMMAND_GET_PARAMETER_CHOICE:
+        return get(r, id, cam_ok);
+    case CAMTURN_COMMAND_COMMAND_GET_MINIMUM_CHOICE:
+        return limit(id, true);
+    case CAMTURN_COMMAND_COMMAND_GET_MAXIMUM_CHOICE:
+        return limit(id, false);
+    case CAMTURN_COMMAND_COMMAND_SELECT_TABLE_CHOICE:
+        return plain(select_and_say(r));
+    case CAMTURN_COMMAND_COMMAND_BEGIN_DOWNLOAD_CHOICE:
+        return received(r, cam_store_begin(&r->store, m->size));
+    case CAMTURN_COMMAND_COMMAND_END_DOWNLOAD_CHOICE:
+        return received(r, cam_store_end(&r->store, m->crc));
+    default:
+        return plain(cam_err_command);
+    }
+}
+
+static void follow(cam_can_t *r, const struct camturn_command_t *m)
+{
+    switch (m->command) {
+    case CAMTURN_COMMAND_COMMAND_SET_PARAMETER_CHOICE:
+        set(r, m->command, (cam_param_id_t)m->parameter, m->value);
+        break;
+    case CAMTURN_COMMAND_COMMAND_SET_SPEED_CHOICE:
+        set(r, m->command, cam_param_spindle_mrpm, m->speed);
+        break;
+    case CAMTURN_COMMAND_COMMAND_SET_FEED_CHOICE:
+        set(r, m->command, cam_param_feed_nm, m->feed);
+        break;
+    case CAMTURN_COMMAND_COMMAND_SET_AMPLITUDE_CHOICE:
+        set(r, m->command, cam_param_amplitude_ppm, m->amplitude);
+        break;
+    case CAMTURN_COMMAND_COMMAND_SET_PHASE_CHOICE:
+        set(r, m->command, cam_param_phase_udeg, m->phase);
+        break;
+    default:
+        answer(r, m->command, m->parameter, carry_out(r, m));
+        break;
+    }
+}
+
+static void take_command(cam_can_t *r, const hal_can_frame_t *frame)
+{
+    struct camturn_command_t m = {.command = 0};
+    const bool is_whole = frame->n == CAMTURN_COMMAND_LENGTH &&
+                          camturn_command_unpack(&m, frame->data, frame->n) == 0;
+    if (is_whole && m.reserved == 0u) {
+        follow(r, &m);
+        return;
+    }
+    uint8_t echo[n_echoed] = {0};
+    for (uint32_t i = 0; i < n_echoed && i < frame->n; i++) {
+        echo[i] = frame->data[i];
+    }
+    answer(r, echo[at_command], echo[at_parameter], plain(cam_err_frame));
+}
+
+// Downloads
+
+static void end_block(cam_can_t *r, cam_isotp_event_t event)
+{
+    if (event != cam_isotp_nothing) {
+        const cam_err_t err = event == cam_isotp_message
+                                  ? cam_store_block(&r->store, r->block, r->isotp.length)
+                                  : cam_err_download_order;
+        answer(r, CAMTURN_ANSWER_COMMAND_DOWNLOAD_BLOCK_CHOICE, 0, received(r, err));
+    }
+}
+
+/// @return whether no flow control waits for room
+static bool send_flow(cam_can_t *r)
+{
+    hal_can_frame_t frame = {.id = CAMTURN_BLOCK_FLOW_FRAME_ID};
+    if (cam_isotp_flow(&r->isotp, &frame)) {
+        if (!hal_can_write(&frame)) {
+            return false;
+        }
+        cam_isotp_flow_sent(&r->isotp);
+    }
+    return true;
+}
+
+// The loop
+
+/// @return false: what is to be sent finds no room
+static bool take_frame(cam_can_t *r, const hal_can_frame_t *frame, uint32_t now)
+{
+    if (frame->id == CAMTURN_COMMAND_FRAME_ID) {
+        take_command(r, frame);
+    } else if (frame->id == CAMTURN_BLOCK_FRAME_ID) {
+        end_block(r, cam_isotp_receive(&r->isotp, frame, now));
+    } else {
+        return true;
+    }
+    return send_flow(r);
+}
+
+/// One command or block per poll, and frames that need no answer.
+static void serve(cam_can_t *r, uint32_t now)
+{
+    hal_can_frame_t frame;
+    if (!send_answers(r) || !send_flow(r)) {
+        return;
+    }
+    bool goes_on = true;
+    for (uint32_t i = 0; i < max_frames && goes_on && hal_can_read(&frame); i++) {
+        goes_on = take_frame(r, &frame, now) && r->n_answers == 0u;
+    }
+    if (goes_on) {
+        end_block(r, cam_isotp_wait(&r->isotp, now));
+    }
+    (void)send_answers(r);
+}
+
+void cam_can_init(cam_can_t *r, cam_machine_t *machine)
+{
+    *r = (cam_can_t){.machine = machine, .report.start = hal_start()};
+    r->isotp =
+        (cam_isotp_t){.bytes = r->block, .capacity = sizeof r->block, .patience = machine->tick_hz};
+    cam_store_init(&r->store, machine);
+    cam_lines_start(&r->report.start);
+    (void)select_and_say(r);
+}
+
+void cam_can_poll(cam_can_t *r)
+{
+    serve(r, cam_machine_status(r->machine).tick);
+    const cam_status_t status = cam_machine_status(r->machine);
+    cam_report_send(&r->report, &r->store, &status);
+    cam_lines_change(&r->lines, &r->store, &status);
+}

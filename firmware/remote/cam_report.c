@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cam_report.h"
+#include "cam_fix.h" // cam_sat_i32, cam_clamp_i32
+#include "camturn.h" // camturn_state_pack
+
+enum { status_hz = 100 };
+
+/// Pages of Detail.
+enum { page_motion, page_load, page_rate, page_table, page_crc, page_name, n_pages = 11 };
+
+enum { name_chars = 6 }; ///< of a page: readers take them as one number of 48 bits
+
+_Static_assert((n_pages - page_name) * name_chars >= cam_table_name_size, "the whole name");
+
+/// What the bus calls a state is what the firmware calls it; a test compares all the other words.
+_Static_assert(CAMTURN_STATE_STATE_FAULT_CHOICE == cam_state_fault,
+               "camturn.dbc is of other sources");
+
+static void send(hal_can_frame_t *frame, uint32_t id, int n)
+{
+    frame->id = id;
+    frame->n = (uint32_t)n;
+    (void)hal_can_write(frame);
+}
+
+static void send_state(const cam_report_t *r, const cam_store_t *store, const cam_status_t *status)
+{
+    struct camturn_state_t m = {
+        .state = (uint8_t)status->state,
+        .reset_reason = (uint8_t)((uint32_t)r->start.reset & 0xFFu),
+        .table_result = (int16_t)store->err,
+    };
+#define FAULT_BIT(name, what)                                                                      \
+    m.fault_##name = (uint8_t)(status->faults >> (uint32_t)cam_fault_##name & 1u);
+    CAM_FAULTS(FAULT_BIT)
+#undef FAULT_BIT
+    hal_can_frame_t frame;
+    send(&frame, CAMTURN_STATE_FRAME_ID, camturn_state_pack(frame.data, &m, sizeof frame.data));
+}
+
+/// @return [r/min / 1000] rounded to nearest, saturated; 60 000 = 1875 * 2^5
+static int32_t speed_mrpm(int32_t speed_q32, uint32_t tick_hz)
+{
+    const int64_t mrpm_q27 = (int64_t)speed_q32 * tick_hz * 1875;
+    return cam_sat_i32((mrpm_q27 + (INT64_C(1) << 26)) >> 27);
+}
+
+static void send_motion(const cam_store_t *store, const cam_status_t *status)
+{
+    const struct camturn_spindle_t spindle = {
+        .speed = speed_mrpm(status->speed_q32, store->machine->tick_hz),
+        .angle = status->is_synced ? (uint32_t)(uint64_t)status->pos_q32 : 0u,
+    };
+    const struct camturn_axis_u_t u = {
+        .u_set = (status->u_set_q6 + 32) >> 6,
+        .u_actual = status->u_actual_nm,
+    };
+    hal_can_frame_t frame;
+    send(&frame, CAMTURN_SPINDLE_FRAME_ID,
+         camturn_spindle_pack(frame.data, &spindle, sizeof frame.data));
+    send(&frame, CAMTURN_AXIS_U_FRAME_ID, camturn_axis_u_pack(frame.data, &u, sizeof frame.data));
+}
+
+/// @return [ns] the longest interrupt, saturated; 0: not measured
+static uint32_t longest_tick_ns(void)
+{
+    const hal_load_t load = hal_load();
+    const uint64_t ns =
+        load.cycles_hz > 0u ? (uint64_t)load.max_cycles * 1000000000u / load.cycles_hz : 0u;
+    return ns < UINT32_MAX ? (uint32_t)ns : UINT32_MAX;
+}
+
+/// @return up to six characters of the name, the first in the lowest byte
+static uint64_t name_part(const char *name, uint32_t part)
+{
+    uint64_t chars = 0;
+    const uint32_t from = part * name_chars;
+    for (uint32_t i = name_chars; i > 0u; i--) {
+        const uint32_t at = from + i - 1u;
+        chars <<= 8;
+        chars |= at < cam_table_name_size ? (uint8_t)name[at] : 0u;
+    }
+    return chars;
+}
+
+static void describe_table(struct camturn_detail_t *m, const cam_store_t *store)
+{
+    const cam_table_t *table = &store->machine->table;
+    if (!store->machine->has_table || m->page < page_table) {
+        return;
+    }
+    m->table_generation = store->generation & 0xFFFFFFu;
+    m->table_size = table->image_size;
+    m->table_crc = table->crc32;
+    const uint64_t chars =
+        m->page >= page_name ? name_part(table->name, (uint32_t)m->page - page_name) : 0u;
+    m->table_name_0 = chars; // pack takes the one of the page
+    m->table_name_1 = chars;
+    m->table_name_2 = chars;
+    m->table_name_3 = chars;
+    m->table_name_4 = chars;
+    m->table_name_5 = chars;
+}
+
+static void send_detail(uint32_t page, const cam_store_t *store, const cam_status_t *status)
+{
+    enum { most = (1 << 23) - 1 };
+    struct camturn_detail_t m = {
+        .page = (uint8_t)page,
+        .following_error = cam_clamp_i32(status->following_nm, -most - 1, most),
+        .z = status->z_nm,
+        .is_synced = status->is_synced ? 1u : 0u,
+        .is_retracted = status->is_retracted ? 1u : 0u,
+        .is_estop = (status->inputs & hal_in_estop) != 0u ? 1u : 0u,
+        .is_drive_ready = (status->inputs & hal_in_drive_ready) != 0u ? 1u : 0u,
+        .tick_rate = store->machine->tick_hz,
+        .late_ticks = status->n_late,
+    };
+    m.tick_time_max = page == page_load ? longest_tick_ns() : 0u;
+    describe_table(&m, store);
+    hal_can_frame_t frame;
+    send(&frame, CAMTURN_DETAIL_FRAME_ID, camturn_detail_pack(frame.data, &m, sizeof frame.data));
+}
+
+/// The rate holds on average; periods that nobody polled in are skipped.
+void cam_report_send(cam_report_t *r, const cam_store_t *store, const cam_status_t *status)
+{
+    const uint32_t period = store->machine->tick_hz / status_hz;
+    if (status->tick - r->status_tick < period) {
+        return;
+    }
+    r->status_tick += period;
+    if (status->tick - r->status_tick >= period) {
+        r->status_tick = status->tick;
+    }
+    r->page = r->page + 1u < n_pages ? r->page + 1u : page_load;
+    send_state(r, store, status);
+    send_motion(store, status);
+    send_detail(page_motion, store, status);
+    send_detail(r->page, store, status);
+}

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+/// cam_report: the status that the controller sends of its own: messages State, Spindle, AxisU and
+/// Detail of can/camturn.dbc, every 10 ms.
+///
+/// Ten milliseconds are counted in ticks: no tick, no status. Of Detail page 0 comes every time,
+/// and one of the others, in turn. A frame that finds no room is lost; the next one tells what it
+/// could not. All functions: slow side, main() only.
+#ifndef CAM_REPORT_H
+#define CAM_REPORT_H
+
+#include "cam_store.h" // cam_store_t
+#include "cam_tick.h"  // cam_status_t
+#include "hal/hal.h"   // hal_start_t
+#include <stdint.h>    // uint32_t
+
+/// State; zero-initialised but for start.
+typedef struct {
+    hal_start_t start;    ///< why the controller started
+    uint32_t status_tick; ///< [ticks] when the last status was due
+    uint32_t page;        ///< of Detail that came last in its turn
+} cam_report_t;
+
+/// Send status when it is due.
+void cam_report_send(cam_report_t *r, const cam_store_t *store, const cam_status_t *status);
+
+#endif

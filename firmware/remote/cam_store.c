@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cam_store.h"
+#include <stddef.h> // NULL
+#include <string.h> // memcmp
+
+/// Offset of the image's size in its header, TABLE_FORMAT.md.
+enum { at_image_size = 16 };
+
+static uint32_t get_u32(const uint8_t *bytes)
+{
+    return (uint32_t)bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 |
+           (uint32_t)bytes[3] << 24;
+}
+
+void cam_store_init(cam_store_t *s, cam_machine_t *machine)
+{
+    *s = (cam_store_t){.machine = machine, .err = cam_err_no_table};
+}
+
+// Select
+
+/// @return [bytes] of the image at a place, which may be larger: as the header tells, the whole
+/// place when that cannot be; cam_table_check() then finds what is wrong
+static uint32_t image_size(const hal_image_t *place)
+{
+    if (place->size < cam_table_header_size) {
+        return place->size;
+    }
+    const uint32_t size = get_u32((const uint8_t *)place->bytes + at_image_size);
+    return size >= cam_table_header_size && size < place->size ? size : place->size;
+}
+
+static cam_err_t select_in_place(cam_machine_t *m)
+{
+    const hal_image_t place = hal_table_image();
+    if (place.bytes == NULL || place.size == 0u) {
+        return cam_err_no_table;
+    }
+    return cam_machine_select_table(m, place.bytes, image_size(&place));
+}
+
+/// The port changes its mind first: behind that, nothing can refuse a table that was checked.
+static cam_err_t take_downloaded(cam_store_t *s)
+{
+    const cam_err_t err = cam_machine_may_exchange(s->machine);
+    if (err != cam_ok) {
+        return err;
+    }
+    // Else the next select would take the old one without a word.
+    s->is_checked = !hal_table_commit();
+    return s->is_checked ? cam_err_download_store : cam_ok;
+}
+
+bool cam_store_is_of_moment(cam_err_t err)
+{
+    return err == cam_err_state || err == cam_err_busy || err == cam_err_download_store;
+}
+
+cam_err_t cam_store_select(cam_store_t *s)
+{
+    cam_err_t err = s->is_checked ? take_downloaded(s) : cam_ok;
+    if (err == cam_ok) {
+        err = select_in_place(s->machine);
+    }
+    if (!cam_store_is_of_moment(err)) {
+        s->err = err;
+    }
+    s->generation += err == cam_ok ? 1u : 0u;
+    return err;
+}
+
+// Download
+
+/// The table in use must not lie where the next one goes: after a commit that no select followed.
+static bool is_in_place(const cam_machine_t *m)
+{
+    return !m->has_table || m->table.image == hal_table_image().bytes;
+}
+
+cam_err_t cam_store_begin(cam_store_t *s, uint32_t size)
+{
+    cam_err_t err = cam_machine_may_exchange(s->machine);
+    if (err == cam_ok && !is_in_place(s->machine)) {
+        err = cam_err_state;
+    }
+    if (err != cam_ok) {
+        return err;
+    }
+    if (size < cam_table_header_size) {
+        return cam_err_image_size;
+    }
+    s->is_checked = false;
+    s->is_open = hal_table_begin(size);
+    s->size = size;
+    s->received = 0;
+    return s->is_open ? cam_ok : cam_err_download_room;
+}
+
+/// A block comes twice when its acknowledgement got lost.
+static bool is_there(const cam_store_t *s, uint32_t offset, const uint8_t *bytes, uint32_t n)
+{
+    const uint8_t *staged = (const uint8_t *)hal_table_staged().bytes;
+    return offset + n <= s->received && memcmp(&staged[offset], bytes, n) == 0;
+}
+
+static cam_err_t store(cam_store_t *s, const uint8_t *bytes, uint32_t n)
+{
+    if (!hal_table_write(s->received, bytes, n)) {
+        s->is_open = false;
+        return cam_err_download_store;
+    }
+    s->received += n;
+    return cam_ok;
+}
+
+cam_err_t cam_store_block(cam_store_t *s, const uint8_t *block, uint32_t n)
+{
+    const cam_err_t err = cam_machine_may_exchange(s->machine);
+    if (err != cam_ok) {
+        return err;
+    }
+    if (!s->is_open || n <= cam_store_block_header) {
+        return cam_err_download_order;
+    }
+    const uint32_t offset = get_u32(block);
+    const uint8_t *bytes = &block[cam_store_block_header];
+    const uint32_t n_bytes = n - cam_store_block_header;
+    if (offset > s->size || n_bytes > s->size - offset) {
+        return cam_err_download_room;
+    }
+    if (is_there(s, offset, bytes, n_bytes)) {
+        return cam_ok;
+    }
+    const bool is_whole = n_bytes % hal_table_grain == 0u || offset + n_bytes == s->size;
+    return offset == s->received && is_whole ? store(s, bytes, n_bytes) : cam_err_download_order;
+}
+
+static cam_err_t check(const cam_store_t *s, uint32_t crc)
+{
+    const hal_image_t staged = hal_table_staged();
+    cam_table_t table;
+    return cam_crc32(0, staged.bytes, s->size) == crc
+               ? cam_table_check(staged.bytes, s->size, &table)
+               : cam_err_download_crc;
+}
+
+cam_err_t cam_store_end(cam_store_t *s, uint32_t crc)
+{
+    cam_err_t err = cam_machine_may_exchange(s->machine);
+    if (err != cam_ok) {
+        return err;
+    }
+    if (!s->is_open) {
+        return cam_err_download_order;
+    }
+    if (s->received < s->size) {
+        return cam_err_download_short;
+    }
+    s->is_open = false;
+    err = check(s, crc);
+    s->is_checked = err == cam_ok;
+    return err;
+}

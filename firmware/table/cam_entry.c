@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cam_entry.h"
+#include "cam_fix.h" // cam_is_between
+#include <stdbool.h> // bool
+
+/// Limits that the arithmetic relies on.
+enum {
+    max_u_offset_nm = (1 << 23) - 1, // in nm / 2^8 it fits int32
+    max_frac_bits = 8,               // of 2^-8 nm: finer helps nobody, and every shift has room
+    min_ratio = CAM_TABLE_RATIO_ONE / 16,
+    max_ratio = CAM_TABLE_RATIO_ONE * 4,
+};
+
+/// Do the bounds of a channel stay within a range of its unit? frac_bits is at most 8.
+static bool is_inside(const cam_entry_t *e, int64_t low, int64_t high)
+{
+    const int64_t one = INT64_C(1) << e->frac_bits;
+    return cam_is_between(e->offset_nm * one + e->p_min, low * one, high * one) &&
+           cam_is_between(e->offset_nm * one + e->p_max, low * one, high * one);
+}
+
+/// Speeds stay within a sixteenth and four times the mean, angles within a quarter turn.
+static bool is_in_unit(const cam_entry_t *e)
+{
+    if (e->kind == cam_kind_speed) {
+        return is_inside(e, min_ratio, max_ratio);
+    }
+    return e->kind < cam_kind_swing || is_inside(e, -CAM_TABLE_ANGLE_MAX, CAM_TABLE_ANGLE_MAX);
+}
+
+static cam_err_t check_shape(const cam_entry_t *e)
+{
+    const bool is_u = e->kind == cam_kind_u;
+    const bool is_turned = e->kind != cam_kind_x;
+    const bool is_sound =
+        cam_is_between(e->kind, cam_kind_u, cam_kind_contact) &&
+        cam_is_between(e->n_slices, 2, cam_table_max_slices) &&
+        cam_is_between(e->log2_knots, is_turned ? 2 : 0, is_turned ? 12 : 0) &&
+        cam_is_between(e->log2_repeat, 0, is_turned ? 4 : 0) && e->frac_bits <= max_frac_bits &&
+        e->path <= (is_turned ? 0u : 1u) &&
+        cam_is_between(e->p_min, -CAM_TABLE_SUM_MAX, e->p_max) && e->p_max <= CAM_TABLE_SUM_MAX &&
+        e->v_max <= CAM_TABLE_SUM_MAX && e->a_max <= CAM_TABLE_SUM_MAX &&
+        (!is_u || cam_is_between(e->offset_nm, -max_u_offset_nm, max_u_offset_nm)) &&
+        cam_is_between(e->offset_nm, -cam_entry_max_height_nm, cam_entry_max_height_nm) &&
+        is_in_unit(e);
+    return is_sound ? cam_ok : cam_err_image_channel;
+}
+
+/// @param used  end of what lies before, moved behind this channel
+static cam_err_t check_layout(const cam_entry_t *e, const cam_entry_place_t *in, uint64_t *used)
+{
+    const uint64_t bytes = ((uint64_t)e->n_slices << e->log2_knots) * sizeof(cam_knot_t);
+    const bool is_sound = e->offset % cam_entry_align == 0u && e->offset >= *used &&
+                          e->size == bytes && e->offset + bytes <= in->image_size;
+    *used = e->offset + bytes;
+    return is_sound ? cam_ok : cam_err_image_layout;
+}
+
+static cam_err_t check_heights(const cam_entry_t *e, const cam_entry_place_t *in)
+{
+    const int64_t span_nm = (int64_t)e->z_last_nm - e->z_first_nm;
+    const bool is_sound =
+        cam_is_between(e->z_first_nm, -cam_entry_max_height_nm / 2, in->z_first_nm) &&
+        cam_is_between(e->z_last_nm, in->z_last_nm, cam_entry_max_height_nm / 2);
+    if (!is_sound) {
+        return cam_err_image_height;
+    }
+    const uint64_t n = e->n_slices - 1u;
+    const bool is_spaced = (uint64_t)span_nm >= n * 65537u && (uint64_t)span_nm <= n * 16777216u;
+    const uint64_t per_nm_q48 = ((n << 48) + (uint64_t)span_nm / 2u) / (uint64_t)span_nm;
+    return is_spaced && per_nm_q48 == e->slices_per_nm_q48 ? cam_ok : cam_err_image_height;
+}
+
+static bool is_bounded(int64_t sum)
+{
+    return sum <= CAM_TABLE_SUM_MAX;
+}
+
+/// The three sums of TABLE_FORMAT.md, in 64 bits. Knots alone are bounded first.
+static bool is_segment_safe(const cam_knot_t *k0, const cam_knot_t *k1)
+{
+    const int64_t p = cam_abs_i64(k0->p);
+    const int64_t v = cam_abs_i64(k0->v);
+    const int64_t a = cam_abs_i64(k0->a);
+    const int64_t dp = (int64_t)k1->p - k0->p - k0->v - k0->a;
+    const int64_t dv = (int64_t)k1->v - k0->v - INT64_C(2) * k0->a;
+    const int64_t da = (int64_t)k1->a - k0->a;
+    const int64_t c3 = cam_abs_i64(10 * dp - 4 * dv + da);
+    const int64_t c4 = cam_abs_i64(-15 * dp + 7 * dv - 2 * da);
+    const int64_t c5 = cam_abs_i64(6 * dp - 3 * dv + da);
+    return is_bounded(p + v + a + c3 + c4 + c5) &&
+           is_bounded(v + 2 * a + 3 * c3 + 4 * c4 + 5 * c5) &&
+           is_bounded(2 * a + 6 * c3 + 12 * c4 + 20 * c5);
+}
+
+static cam_err_t check_knot(const cam_entry_t *e, const cam_knot_t *k)
+{
+    const int64_t v = cam_abs_i64(k->v);
+    const int64_t a = cam_abs_i64(k->a);
+    const bool is_bounded_knot = is_bounded(cam_abs_i64(k->p)) && is_bounded(v) && is_bounded(a);
+    const bool is_in_limits = cam_is_between(k->p, e->p_min, e->p_max) && v <= (int64_t)e->v_max &&
+                              a <= (int64_t)e->a_max;
+    return !is_bounded_knot ? cam_err_image_knots : is_in_limits ? cam_ok : cam_err_image_limits;
+}
+
+/// All but x: every knot with its neighbour of the same slice, cyclic; x: every knot with the
+/// next height.
+static cam_err_t check_knots(const cam_entry_t *e, const cam_knot_t *knots)
+{
+    const uint32_t n_in_slice = UINT32_C(1) << e->log2_knots;
+    const uint32_t n = e->n_slices << e->log2_knots;
+    for (uint32_t i = 0; i < n; i++) {
+        const cam_err_t err = check_knot(e, &knots[i]);
+        if (err != cam_ok) {
+            return err;
+        }
+        const uint32_t in_slice = i & (n_in_slice - 1u);
+        const uint32_t next = e->kind == cam_kind_x
+                                  ? (i + 1u < n ? i + 1u : i)
+                                  : i - in_slice + ((in_slice + 1u) & (n_in_slice - 1u));
+        const bool has_next = e->kind != cam_kind_x || i + 1u < n;
+        if (has_next && !is_segment_safe(&knots[i], &knots[next])) {
+            return cam_err_image_knots;
+        }
+    }
+    return cam_ok;
+}
+
+cam_err_t cam_entry_check(const cam_entry_t *e, const cam_entry_place_t *in, uint64_t *used)
+{
+    cam_err_t err = check_shape(e);
+    if (err == cam_ok) {
+        err = check_layout(e, in, used);
+    }
+    if (err == cam_ok) {
+        err = check_heights(e, in);
+    }
+    return err == cam_ok ? check_knots(e, cam_entry_channel(e, in->image).knots) : err;
+}
+
+cam_channel_t cam_entry_channel(const cam_entry_t *e, const uint8_t *image)
+{
+    return (cam_channel_t){
+        .knots = (const cam_knot_t *)(const void *)(image + e->offset),
+        .n_slices = e->n_slices,
+        .log2_knots = e->log2_knots,
+        .log2_repeat = e->log2_repeat,
+        .frac_bits = e->frac_bits,
+        .z_first_nm = e->z_first_nm,
+        .span_nm = (uint32_t)((int64_t)e->z_last_nm - e->z_first_nm),
+        .slices_per_nm_q48 = e->slices_per_nm_q48,
+        .offset_nm = e->offset_nm,
+    };
+}

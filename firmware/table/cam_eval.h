@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: Apache-2.0
+/// cam_eval: a channel's value and two derivatives, inline, constant time, cannot fail.
+///
+/// Two slices are blended knot by knot, then one quintic runs through the two blended knots, all in
+/// the channel's LSB with four guard bits. The quintic is developed around the middle of its
+/// interval: there the variable is a signed fraction that a rounded multiplication takes as it is.
+/// The bounds that cam_table_check() enforces (CAM_TABLE_SUM_MAX) keep every intermediate below
+/// 2^31; no segment, slice or angle can overflow.
+///
+/// Error against exact arithmetic on the same knots, MATHS.md (49): below 1 LSB for the value, 2
+/// LSB per knot interval for the first and 8 LSB per interval^2 for the second derivative (blending
+/// < 1/16 each knot member, Horner steps < 1/32 each, final rounding 1/2).
+#ifndef CAM_EVAL_H
+#define CAM_EVAL_H
+
+#include "cam_fix.h"     // cam_mulhi_add
+#include "cam_channel.h" // cam_channel_t
+#include <stdbool.h>     // bool
+#include <stddef.h>      // size_t
+
+enum { cam_eval_guard_bits = 4 };
+/// Results stay in registers.
+#define CAM_EVAL_INLINE static inline __attribute__((always_inline))
+
+#define CAM_EVAL_GUARD (INT32_C(1) << cam_eval_guard_bits)
+
+/// A function's value and derivatives with respect to the knot interval h.
+typedef struct {
+    int32_t y;       ///< [LSB] value
+    int32_t d1;      ///< [LSB / h]
+    int32_t d2;      ///< [LSB / h^2]
+    bool is_clamped; ///< height outside the channel: evaluated at its edge
+} cam_value_t;
+
+/// The same before it is rounded.
+typedef struct {
+    int32_t y;  ///< [LSB / 16] below 2^30
+    int32_t d1; ///< [LSB / 16 / h] below 2^30
+    int32_t d2; ///< [LSB / 16 / h^2] below 2^30
+} cam_fine_t;
+
+/// A height between two slices.
+typedef struct {
+    uint32_t i;    ///< lower slice, 0 .. n_slices - 2
+    int32_t w_q31; ///< weight of slice i + 1, 0 .. 2^31 - 1
+    bool is_clamped;
+} cam_height_t;
+
+/// A place on a surface: the knots around it.
+typedef struct {
+    const cam_knot_t *low[2];  ///< of the lower slice: before, behind
+    const cam_knot_t *high[2]; ///< of the upper slice
+    int32_t w_q31;             ///< weight of the upper slice
+    int32_t s_q32;             ///< [h / 2^32] from the middle between the knots
+} cam_place_t;
+
+/// A place on a channel over height alone.
+typedef struct {
+    const cam_knot_t *knots; ///< the one before, then the one behind
+    int32_t s_q32;           ///< [h / 2^32] from the middle between them
+    bool is_clamped;
+} cam_spot_t;
+
+/// What is left of a surface at a place: two knots, blended, and the way between them.
+typedef struct {
+    cam_knot_t k0; ///< in LSB / 16
+    cam_knot_t k1; ///< in LSB / 16
+    int32_t s_q32; ///< [h / 2^32] from the middle of the interval
+} cam_segment_t;
+
+/// Find a height between slices by one multiplication.
+/// @param ch    passed cam_table_check()
+/// @param z_nm  [nm] any value
+/// Context: ISR or slow side, constant time.
+CAM_EVAL_INLINE cam_height_t cam_eval_height(const cam_channel_t *ch, int32_t z_nm)
+{
+    const bool is_below = z_nm < ch->z_first_nm;
+    const uint32_t above_nm = (uint32_t)z_nm - (uint32_t)ch->z_first_nm; // right unless below
+    const bool is_above = !is_below && above_nm > ch->span_nm;
+    const uint32_t rel_nm = is_below ? 0u : is_above ? ch->span_nm : above_nm;
+    const uint64_t slice_q48 = (uint64_t)rel_nm * ch->slices_per_nm_q48;
+    const uint32_t i = (uint32_t)(slice_q48 >> 48);
+    const bool is_last = i >= ch->n_slices - 1u; // the reciprocal is rounded: the end may reach it
+    return (cam_height_t){
+        .i = is_last ? ch->n_slices - 2u : i,
+        .w_q31 = is_last ? INT32_MAX : (int32_t)((slice_q48 >> 17) & 0x7FFFFFFFu),
+        .is_clamped = is_below || is_above,
+    };
+}
+
+/// @return a + (b - a) w, in LSB / 16; |a|, |b| <= CAM_TABLE_SUM_MAX
+static inline int32_t cam_eval_blend(int32_t a, int32_t b, int32_t w_q31)
+{
+    return cam_mulhi_add(a * CAM_EVAL_GUARD, (b - a) * (2 * CAM_EVAL_GUARD), w_q31);
+}
+
+/// @return r rounded from LSB / 16 to LSB
+static inline int32_t cam_eval_round(int32_t r)
+{
+    return (r + CAM_EVAL_GUARD / 2) >> cam_eval_guard_bits;
+}
+
+/// The quintic through two knots, q(s) = e0 + o1 s + e2 s^2 + o3 s^3 + e4 s^4 + o5 s^5.
+/// With w = v0 + v1 - 2 (p1 - p0): o5 = (a1 - a0) - 3 w, o3 = w - o5 / 2,
+/// o1 = (p1 - p0) - o3 / 4 - o5 / 16; and with dv = v1 - v0: e4 = (a0 + a1 - dv) / 2,
+/// e2 = (dv - e4) / 2, e0 = (p0 + p1) / 2 - e2 / 4 - e4 / 16.
+/// @param at  knots within the bounds of cam_table_check(), any s_q32
+/// Source: MATHS.md (46), (47).
+CAM_EVAL_INLINE cam_fine_t cam_eval_quintic(cam_segment_t at)
+{
+    const cam_knot_t k0 = at.k0;
+    const cam_knot_t k1 = at.k1;
+    const int32_t s_q32 = at.s_q32;
+    const int32_t dp = k1.p - k0.p;
+    const int32_t dv = k1.v - k0.v;
+    const int32_t w = k0.v + k1.v - 2 * dp;
+    const int32_t o5 = k1.a - k0.a - 3 * w;
+    const int32_t o3 = w - (o5 >> 1);
+    const int32_t o1 = dp - (o3 >> 2) - (o5 >> 4);
+    const int32_t e4 = (k0.a + k1.a - dv) >> 1;
+    const int32_t e2 = (dv - e4) >> 1;
+    const int32_t e0 = ((k0.p + k1.p) >> 1) - (e2 >> 2) - (e4 >> 4);
+    // Three Horner schemes at once: each takes the running value of the one before.
+    int32_t y = cam_mulhi_add(e4, o5, s_q32);
+    int32_t d1 = cam_mulhi_add(y, o5, s_q32);
+    int32_t d2 = cam_mulhi_add(d1, o5, s_q32);
+    y = cam_mulhi_add(o3, y, s_q32);
+    d1 = cam_mulhi_add(y, d1, s_q32);
+    d2 = cam_mulhi_add(d1, d2, s_q32);
+    y = cam_mulhi_add(e2, y, s_q32);
+    d1 = cam_mulhi_add(y, d1, s_q32);
+    d2 = cam_mulhi_add(d1, d2, s_q32);
+    y = cam_mulhi_add(o1, y, s_q32);
+    d1 = cam_mulhi_add(y, d1, s_q32);
+    y = cam_mulhi_add(e0, y, s_q32);
+    return (cam_fine_t){.y = y, .d1 = d1, .d2 = 2 * d2};
+}
+
+/// @return what lies between two knots, rounded
+static inline cam_value_t cam_eval_rounded(cam_fine_t fine, bool is_clamped)
+{
+    return (cam_value_t){.y = cam_eval_round(fine.y),
+                         .d1 = cam_eval_round(fine.d1),
+                         .d2 = cam_eval_round(fine.d2),
+                         .is_clamped = is_clamped};
+}
+
+/// @return both slices' knot at an end of the interval, blended, in LSB / 16
+CAM_EVAL_INLINE cam_knot_t cam_eval_knot_at(const cam_place_t *place, uint32_t end)
+{
+    const cam_knot_t *low = place->low[end];
+    const cam_knot_t *high = place->high[end];
+    return (cam_knot_t){
+        .p = cam_eval_blend(low->p, high->p, place->w_q31),
+        .v = cam_eval_blend(low->v, high->v, place->w_q31),
+        .a = cam_eval_blend(low->a, high->a, place->w_q31),
+    };
+}
+
+/// @return a stored knot in LSB / 16
+static inline cam_knot_t cam_eval_guarded(const cam_knot_t *k)
+{
+    return (cam_knot_t){
+        .p = k->p * CAM_EVAL_GUARD, .v = k->v * CAM_EVAL_GUARD, .a = k->a * CAM_EVAL_GUARD};
+}
+
+/// Find a place on a channel over angle, at a height that was found before.
+/// @param ch         passed cam_table_check(), kind u or speed
+/// @param theta_q32  [turn / 2^32] any value, 0 = long axis
+/// @param z          of cam_eval_height()
+/// Context: ISR or slow side, constant time. Source: TABLE_FORMAT.md.
+CAM_EVAL_INLINE cam_place_t cam_eval_place(const cam_channel_t *ch, uint32_t theta_q32,
+                                           cam_height_t z)
+{
+    const uint32_t pattern_q32 = theta_q32 << ch->log2_repeat;
+    const uint32_t n_knots = 1u << ch->log2_knots;
+    const uint32_t k = pattern_q32 >> (32u - ch->log2_knots);
+    const uint32_t k_next = (k + 1u) & (n_knots - 1u);
+    const cam_knot_t *low = ch->knots + ((size_t)z.i << ch->log2_knots);
+    const cam_knot_t *high = low + n_knots;
+    return (cam_place_t){
+        .low = {low + k, low + k_next},
+        .high = {high + k, high + k_next},
+        .w_q31 = z.w_q31,
+        .s_q32 = (int32_t)((pattern_q32 << ch->log2_knots) ^ 0x80000000u),
+    };
+}
+
+/// What is left of a place for cam_eval_quintic(), whose derivatives are then per knot interval of
+/// 2^-(log2_knots + log2_repeat) turn. Arguments and context as cam_eval_place().
+CAM_EVAL_INLINE cam_segment_t cam_eval_segment(const cam_channel_t *ch, uint32_t theta_q32,
+                                               cam_height_t z)
+{
+    const cam_place_t place = cam_eval_place(ch, theta_q32, z);
+    return (cam_segment_t){
+        .k0 = cam_eval_knot_at(&place, 0),
+        .k1 = cam_eval_knot_at(&place, 1),
+        .s_q32 = place.s_q32,
+    };
+}
+
+/// Evaluate a channel over angle and height.
+/// @param ch         passed cam_table_check(), kind u or speed
+/// @param theta_q32  [turn / 2^32] any value, 0 = long axis
+/// @param z_nm       [nm] any value
+/// @return           derivatives per knot interval of 2^-(log2_knots + log2_repeat) turn
+/// Context: ISR or slow side, constant time. Source: TABLE_FORMAT.md.
+static inline cam_value_t cam_eval_surface(const cam_channel_t *ch, uint32_t theta_q32,
+                                           int32_t z_nm)
+{
+    const cam_height_t z = cam_eval_height(ch, z_nm);
+    return cam_eval_rounded(cam_eval_quintic(cam_eval_segment(ch, theta_q32, z)), z.is_clamped);
+}
+
+/// Find a place on a channel over height alone.
+/// @param ch    passed cam_table_check(), kind x
+/// @param z_nm  [nm] any value
+/// Context: ISR or slow side, constant time. Source: TABLE_FORMAT.md.
+CAM_EVAL_INLINE cam_spot_t cam_eval_spot(const cam_channel_t *ch, int32_t z_nm)
+{
+    const cam_height_t z = cam_eval_height(ch, z_nm);
+    return (cam_spot_t){
+        .knots = ch->knots + z.i,
+        .s_q32 = (int32_t)(((uint32_t)z.w_q31 << 1) ^ 0x80000000u),
+        .is_clamped = z.is_clamped,
+    };
+}
+
+/// Evaluate a channel over height alone, at a place that was found before.
+/// @return  derivatives per slice spacing
+/// Context: ISR or slow side, constant time. Source: TABLE_FORMAT.md.
+static inline cam_value_t cam_eval_profile_at(cam_spot_t at)
+{
+    const cam_segment_t segment = {
+        .k0 = cam_eval_guarded(at.knots),
+        .k1 = cam_eval_guarded(at.knots + 1),
+        .s_q32 = at.s_q32,
+    };
+    return cam_eval_rounded(cam_eval_quintic(segment), at.is_clamped);
+}
+
+/// Evaluate a channel over height alone.
+/// @param ch    passed cam_table_check(), kind x
+/// @param z_nm  [nm] any value
+/// @return      derivatives per slice spacing
+/// Context: ISR or slow side, constant time. Source: TABLE_FORMAT.md.
+static inline cam_value_t cam_eval_profile(const cam_channel_t *ch, int32_t z_nm)
+{
+    return cam_eval_profile_at(cam_eval_spot(ch, z_nm));
+}
+
+#endif

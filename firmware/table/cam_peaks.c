@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cam_peaks.h"
+#include "cam_bounds.h" // cam_bounds_add
+
+/// Thousandths of a degree in a turn, in a radian, in a radian divided by 2 pi; rounded up.
+enum { mdeg_per_turn = 360000, mdeg_per_rad = 57296, mdeg_per_rad_turn = 9119 };
+
+/// Fraction bits of the unit of an angle, in turns.
+enum { unit_bits = 26 };
+
+/// [1 / 2^20] 1 / 2 pi, rounded up.
+enum { turn_per_rad_q20 = 166887 };
+
+static uint32_t saturated(int64_t v)
+{
+    return v < (int64_t)UINT32_MAX ? (uint32_t)v : UINT32_MAX;
+}
+
+static int64_t per_turn(const cam_channel_t *ch)
+{
+    return INT64_C(1) << (ch->log2_knots + ch->log2_repeat);
+}
+
+cam_swing_peaks_t cam_peaks_of_swing(const cam_channel_t *ch)
+{
+    const uint32_t n = ch->n_slices << ch->log2_knots;
+    const int64_t offset = (int64_t)ch->offset_nm * (INT64_C(1) << ch->frac_bits);
+    cam_bounds_t b = {0};
+    for (uint32_t i = 0; i < n; i++) {
+        const cam_knot_t *at = &ch->knots[i];
+        const cam_knot_t *next = &ch->knots[cam_bounds_next(ch, i)];
+        const cam_wide_knot_t k0 = {at->p + offset, at->v, at->a};
+        const cam_wide_knot_t k1 = {next->p + offset, next->v, next->a};
+        cam_bounds_add(&b, &k0, &k1);
+        cam_bounds_add_second(&b, &k0, &k1);
+    }
+    const uint32_t down = unit_bits + ch->frac_bits;
+    const int64_t second =
+        ((((b.second_8192 >> 13) + 1) * per_turn(ch) * mdeg_per_rad_turn) >> 13) + 1;
+    return (cam_swing_peaks_t){
+        .most_mdeg = saturated(((b.tenfold / 10 + 1) * mdeg_per_turn >> down) + 1),
+        .first_mdeg_per_rad = saturated((b.twice * per_turn(ch) * mdeg_per_rad >> (down + 1u)) + 1),
+        .second_mdeg_per_rad2 = saturated((second * per_turn(ch) >> (down - 13u)) + 1),
+    };
+}
+
+/// @return what a knot of the next slice is above that of this one
+static cam_wide_knot_t slice_step(const cam_channel_t *ch, uint32_t i)
+{
+    const cam_knot_t *from = &ch->knots[i];
+    const cam_knot_t *to = &from[UINT32_C(1) << ch->log2_knots];
+    return (cam_wide_knot_t){(int64_t)to->p - from->p, (int64_t)to->v - from->v,
+                             (int64_t)to->a - from->a};
+}
+
+/// @return how much larger that is than the step to this slice
+static cam_wide_knot_t slice_bend(const cam_channel_t *ch, uint32_t i)
+{
+    const cam_wide_knot_t above = slice_step(ch, i);
+    const cam_wide_knot_t below = slice_step(ch, i - (UINT32_C(1) << ch->log2_knots));
+    return (cam_wide_knot_t){above.p - below.p, above.v - below.v, above.a - below.a};
+}
+
+/// @return [unit] of [LSB], rounded up
+static uint32_t in_unit(const cam_channel_t *ch, int64_t lsb)
+{
+    return saturated((lsb + (INT64_C(1) << ch->frac_bits) - 1) >> ch->frac_bits);
+}
+
+cam_change_t cam_peaks_of_change(const cam_channel_t *ch)
+{
+    const uint32_t n_in_slice = UINT32_C(1) << ch->log2_knots;
+    const uint32_t n = (ch->n_slices - 1u) << ch->log2_knots;
+    cam_bounds_t steps = {0};
+    cam_bounds_t bends = {0};
+    for (uint32_t i = 0; i < n; i++) {
+        const uint32_t next = cam_bounds_next(ch, i);
+        const cam_wide_knot_t k0 = slice_step(ch, i);
+        const cam_wide_knot_t k1 = slice_step(ch, next);
+        cam_bounds_add(&steps, &k0, &k1);
+        if (i >= n_in_slice) {
+            const cam_wide_knot_t b0 = slice_bend(ch, i);
+            const cam_wide_knot_t b1 = slice_bend(ch, next);
+            cam_bounds_add(&bends, &b0, &b1);
+        }
+    }
+    const int64_t slope_q20 = (steps.twice + 1) / 2 * per_turn(ch) * turn_per_rad_q20;
+    return (cam_change_t){
+        .most = in_unit(ch, (steps.tenfold + 9) / 10),
+        .per_rad = in_unit(ch, (slope_q20 + (1 << 20) - 1) >> 20),
+        .kink = in_unit(ch, (bends.tenfold + 9) / 10),
+    };
+}

@@ -1,0 +1,277 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cam_table.h"
+#include "cam_barrel.h"  // cam_barrel_measure
+#include "cam_entry.h"   // cam_entry_check
+#include "cam_fix.h"     // cam_is_between
+#include "cam_peaks.h"   // cam_peaks_of_swing
+#include "cam_promise.h" // cam_promise_check
+#include <stdbool.h>     // bool
+#include <string.h>      // memcpy, memcmp
+
+_Static_assert(sizeof(cam_knot_t) == 12, "a knot is three words of the image");
+
+/// Offsets of TABLE_FORMAT.md.
+enum {
+    at_order = 8,
+    at_version = 12,
+    at_image_size = 16,
+    at_crc = 20,
+    at_header_size = 24,
+    at_n_channels = 28,
+    at_name = 32,
+    at_z_first = 64,
+    crc_from = 24,
+};
+
+/// Header fields from at_z_first on, in the order of the image.
+typedef struct {
+    int32_t z_first_nm, z_last_nm, direction;
+    uint32_t spindle_mrpm, feed_nm, depth_nm;
+    uint32_t limit_u_stroke_nm, limit_u_speed_um_s, limit_u_acceleration_mm_s2, limit_spindle_mrpm;
+    int32_t u_min_nm, u_max_nm;
+    uint32_t u1_peak_nm_per_rad, u2_peak_nm_per_rad2, error_pm, spindle_peak_ppm;
+} header_fields_t;
+_Static_assert(at_z_first + sizeof(header_fields_t) == cam_table_header_size, "as in the format");
+
+/// Limits of the header that the ISR's arithmetic relies on.
+enum {
+    max_u_nm = 1 << 24,           // U set-points in nm / 64 fit int32 with amplitude 1.25
+    max_mrpm = 60000000,          // parameter range of the spindle speed
+    max_feed_nm = 10000000,       // parameter range of the feed
+    max_stroke_nm = 2 * max_u_nm, //
+    max_spindle_ppm = 10000000,   // 10 / rad: |r dr/dturn| stays below 64
+};
+
+uint32_t cam_crc32(uint32_t crc, const void *data, size_t n)
+{
+    // One nibble per step: 64 bytes of table, fast enough for the slow side.
+    static const uint32_t nibble[16] = {
+        0x00000000u, 0x1DB71064u, 0x3B6E20C8u, 0x26D930ACu, 0x76DC4190u, 0x6B6B51F4u,
+        0x4DB26158u, 0x5005713Cu, 0xEDB88320u, 0xF00F9344u, 0xD6D6A3E8u, 0xCB61B38Cu,
+        0x9B64C2B0u, 0x86D3D2D4u, 0xA00AE278u, 0xBDBDF21Cu,
+    };
+    const uint8_t *bytes = data;
+    uint32_t rest = ~crc;
+    for (size_t i = 0; i < n; i++) {
+        rest ^= bytes[i];
+        rest = (rest >> 4) ^ nibble[rest & 15u];
+        rest = (rest >> 4) ^ nibble[rest & 15u];
+    }
+    return ~rest;
+}
+
+static uint32_t word_at(const uint8_t *image, size_t at)
+{
+    uint32_t word = 0;
+    (void)memcpy(&word, image + at, sizeof word);
+    return word;
+}
+
+static cam_err_t check_frame(const uint8_t *image, size_t size)
+{
+    static const uint8_t magic[8] = {0x43, 0x41, 0x4D, 0x54, 0x41, 0x42, 0x1A, 0x0A};
+    if (size < cam_table_header_size) {
+        return cam_err_image_size;
+    }
+    if (memcmp(image, magic, sizeof magic) != 0) {
+        return cam_err_image_magic;
+    }
+    if (word_at(image, at_order) != 0x01020304u) {
+        return cam_err_image_order;
+    }
+    if (word_at(image, at_version) != 1u) { // major 1, minor 0
+        return cam_err_image_version;
+    }
+    if (word_at(image, at_image_size) != size || size % cam_entry_align != 0u) {
+        return cam_err_image_size;
+    }
+    return cam_crc32(0, image + crc_from, size - crc_from) == word_at(image, at_crc)
+               ? cam_ok
+               : cam_err_image_crc;
+}
+
+static cam_err_t check_name(const uint8_t *name)
+{
+    size_t n = 0;
+    while (n < cam_table_name_size && name[n] >= 0x20u && name[n] <= 0x7Eu) {
+        n++;
+    }
+    bool is_padded = n > 0u && n < cam_table_name_size;
+    for (size_t i = n; i < cam_table_name_size; i++) {
+        is_padded = is_padded && name[i] == 0u;
+    }
+    return is_padded ? cam_ok : cam_err_image_name;
+}
+
+static cam_err_t check_header(const uint8_t *image, header_fields_t *h)
+{
+    (void)memcpy(h, image + at_z_first, sizeof *h);
+    const uint32_t n_channels = word_at(image, at_n_channels);
+    const bool is_sound =
+        word_at(image, at_header_size) == cam_table_header_size &&
+        cam_is_between(n_channels, 1, cam_table_max_channels) &&
+        cam_is_between(h->z_first_nm, -cam_entry_max_height_nm / 2, cam_entry_max_height_nm / 2) &&
+        cam_is_between(h->z_last_nm, (int64_t)h->z_first_nm + 1, cam_entry_max_height_nm / 2) &&
+        (h->direction == 1 || h->direction == -1) && cam_is_between(h->spindle_mrpm, 1, max_mrpm) &&
+        cam_is_between(h->feed_nm, 1, max_feed_nm) && cam_is_between(h->depth_nm, 0, INT32_MAX) &&
+        cam_is_between(h->limit_u_stroke_nm, 1, max_stroke_nm) &&
+        cam_is_between(h->limit_u_speed_um_s, 1, INT32_MAX) &&
+        cam_is_between(h->limit_u_acceleration_mm_s2, 1, INT32_MAX) &&
+        cam_is_between(h->limit_spindle_mrpm, 1, max_mrpm) &&
+        cam_is_between(h->u_min_nm, -max_u_nm, max_u_nm) &&
+        cam_is_between(h->u_max_nm, h->u_min_nm, max_u_nm) &&
+        cam_is_between(h->u1_peak_nm_per_rad, 0, INT32_MAX) &&
+        cam_is_between(h->u2_peak_nm_per_rad2, 0, INT32_MAX) &&
+        cam_is_between(h->spindle_peak_ppm, 0, max_spindle_ppm);
+    return is_sound ? check_name(image + at_name) : cam_err_image_header;
+}
+
+/// @return at most: a derivative per knot interval as one per rad
+static int64_t knot_per_rad(int64_t x, uint32_t turn_shift)
+{
+    return cam_per_rad(x) << turn_shift;
+}
+
+/// The stroke that the header promises must cover the bounds of u's knots.
+static cam_err_t check_stroke(const cam_entry_t *e, const header_fields_t *h)
+{
+    const int64_t low_nm = e->offset_nm + (e->p_min >> e->frac_bits);
+    const int64_t high_nm = e->offset_nm + (e->p_max >> e->frac_bits);
+    return low_nm >= h->u_min_nm && high_nm <= h->u_max_nm ? cam_ok : cam_err_image_limits;
+}
+
+/// At uniform speed the peaks that the header promises must cover the bounds of u's knots.
+static cam_err_t check_peaks(const cam_entry_t *e, const header_fields_t *h)
+{
+    const uint32_t turn_shift = e->log2_knots + e->log2_repeat;
+    const int64_t u1 = knot_per_rad(e->v_max, turn_shift) >> e->frac_bits;
+    const int64_t u2 =
+        knot_per_rad(knot_per_rad(INT64_C(2) * e->a_max, turn_shift), turn_shift) >> e->frac_bits;
+    const bool is_covered = u1 <= (int64_t)h->u1_peak_nm_per_rad &&
+                            u2 <= (int64_t)h->u2_peak_nm_per_rad2 && h->spindle_peak_ppm == 0u;
+    return is_covered ? cam_ok : cam_err_image_limits;
+}
+
+static cam_err_t check_entry(const cam_entry_t *e, const header_fields_t *h, const uint8_t *image,
+                             uint64_t *used)
+{
+    const cam_entry_place_t in = {.image = image,
+                                  .image_size = word_at(image, at_image_size),
+                                  .z_first_nm = h->z_first_nm,
+                                  .z_last_nm = h->z_last_nm};
+    const cam_err_t err = cam_entry_check(e, &in, used);
+    return err == cam_ok && e->kind == (uint32_t)cam_kind_u ? check_stroke(e, h) : err;
+}
+
+static cam_channel_t *channel_of(cam_table_t *table, uint32_t kind)
+{
+    switch (kind) {
+    case cam_kind_u:
+        return &table->u;
+    case cam_kind_x:
+        return &table->x;
+    case cam_kind_speed:
+        return &table->speed;
+    default:
+        return &table->angle;
+    }
+}
+
+/// What the header promises of the motion, once all channels are known.
+static cam_err_t check_promise(const cam_entry_t *u, const header_fields_t *h, cam_table_t *table)
+{
+    table->u1_peak_nm_per_rad = h->u1_peak_nm_per_rad;
+    table->u2_peak_nm_per_rad2 = h->u2_peak_nm_per_rad2;
+    table->spindle_peak_ppm = h->spindle_peak_ppm;
+    return table->speed.knots == NULL ? check_peaks(u, h) : cam_promise_check(table);
+}
+
+static cam_err_t check_channels(const uint8_t *image, const header_fields_t *h, cam_table_t *table)
+{
+    const uint32_t n = word_at(image, at_n_channels);
+    uint64_t used = cam_table_header_size + (uint64_t)n * cam_table_entry_size;
+    if (used > word_at(image, at_image_size)) {
+        return cam_err_image_layout;
+    }
+    cam_entry_t u = {0};
+    table->ratio_max_q20 = CAM_TABLE_RATIO_ONE;
+    for (uint32_t i = 0; i < n; i++) {
+        cam_entry_t e;
+        (void)memcpy(&e, image + cam_table_header_size + (size_t)i * cam_table_entry_size,
+                     sizeof e);
+        const cam_err_t err = check_entry(&e, h, image, &used);
+        if (err != cam_ok) {
+            return err;
+        }
+        cam_channel_t *ch = channel_of(table, e.kind);
+        if (ch->knots != NULL) {
+            return cam_err_image_channel;
+        }
+        *ch = cam_entry_channel(&e, image);
+        u = e.kind == cam_kind_u ? e : u;
+        table->is_swung = table->is_swung || e.kind == cam_kind_swing;
+        table->is_ring_helix = table->is_ring_helix || e.path != 0u;
+        if (e.kind == cam_kind_speed) {
+            table->ratio_max_q20 = (uint32_t)(e.offset_nm + (e.p_max >> e.frac_bits) + 2);
+        }
+    }
+    const bool is_steady = table->speed.knots == NULL || !table->is_ring_helix;
+    const bool is_complete = table->u.knots != NULL && table->x.knots != NULL && is_steady;
+    return is_complete ? check_promise(&u, h, table) : cam_err_image_channel;
+}
+
+static void fill(const uint8_t *image, const header_fields_t *h, cam_table_t *table)
+{
+    (void)memcpy(table->name, image + at_name, sizeof table->name);
+    table->z_first_nm = h->z_first_nm;
+    table->z_last_nm = h->z_last_nm;
+    table->direction = h->direction;
+    table->spindle_mrpm = h->spindle_mrpm;
+    table->feed_nm = h->feed_nm;
+    table->depth_nm = h->depth_nm;
+    table->limit_u_stroke_nm = h->limit_u_stroke_nm;
+    table->limit_u_speed_um_s = h->limit_u_speed_um_s;
+    table->limit_u_acceleration_mm_s2 = h->limit_u_acceleration_mm_s2;
+    table->limit_spindle_mrpm = h->limit_spindle_mrpm;
+    table->u_min_nm = h->u_min_nm;
+    table->u_max_nm = h->u_max_nm;
+    table->error_pm = h->error_pm;
+    table->crc32 = word_at(image, at_crc);
+    table->image = image;
+    table->image_size = word_at(image, at_image_size);
+}
+
+/// What the format does not promise is measured.
+static void measure(cam_table_t *table)
+{
+    cam_barrel_measure(table);
+    table->u_change = cam_peaks_of_change(&table->u);
+    if (table->is_swung) {
+        table->swing = cam_peaks_of_swing(&table->angle);
+        table->swing_change = cam_peaks_of_change(&table->angle);
+    }
+}
+
+cam_err_t cam_table_check(const void *image, size_t size, cam_table_t *table)
+{
+    header_fields_t header;
+    cam_table_t found = {0};
+    *table = found;
+    if (image == NULL || (uintptr_t)image % sizeof(uint32_t) != 0u) { // MISRA D18
+        return cam_err_image_address;
+    }
+    cam_err_t err = check_frame(image, size);
+    if (err == cam_ok) {
+        err = check_header(image, &header);
+    }
+    if (err == cam_ok) {
+        err = check_channels(image, &header, &found);
+    }
+    if (err != cam_ok) {
+        return err;
+    }
+    fill(image, &header, &found);
+    measure(&found);
+    *table = found;
+    return cam_ok;
+}

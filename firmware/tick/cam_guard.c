@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cam_guard.h"
+#include "cam_fix.h" // cam_is_within, cam_wrap_sub
+
+#define ARMED_ENABLED                                                                              \
+    (CAM_FAULT_BIT(estop) | CAM_FAULT_BIT(drive) | CAM_FAULT_BIT(bus) | CAM_FAULT_BIT(late_tick) | \
+     CAM_FAULT_BIT(index_missing) | CAM_FAULT_BIT(table))
+#define ARMED_SYNCED                                                                               \
+    (ARMED_ENABLED | CAM_FAULT_BIT(encoder_jump) | CAM_FAULT_BIT(lost_counts) |                    \
+     CAM_FAULT_BIT(following_error) | CAM_FAULT_BIT(setpoint_speed) |                              \
+     CAM_FAULT_BIT(setpoint_acceleration) | CAM_FAULT_BIT(setpoint_range))
+#define ARMED_IN_WORK                                                                              \
+    (ARMED_SYNCED | CAM_FAULT_BIT(reverse) | CAM_FAULT_BIT(spindle_stopped) |                      \
+     CAM_FAULT_BIT(overspeed) | CAM_FAULT_BIT(z_range) | CAM_FAULT_BIT(swing))
+
+/// Bit of the states in which nothing is accepted, fault or not.
+#define AT_REST (UINT32_C(1) << 31)
+_Static_assert(cam_n_faults < 32, "a bit is left");
+
+#define ARMED_IN_FAULT (CAM_FAULT_BIT(estop) | CAM_FAULT_BIT(drive) | CAM_FAULT_BIT(bus))
+
+static const uint32_t armed[cam_n_states] = {
+    [cam_state_off] = AT_REST,
+    [cam_state_homing] = ARMED_ENABLED | CAM_FAULT_BIT(spindle_stopped),
+    [cam_state_ready] = ARMED_SYNCED,
+    [cam_state_engaging] = ARMED_IN_WORK,
+    [cam_state_cutting] = ARMED_IN_WORK,
+    [cam_state_disengaging] = ARMED_IN_WORK,
+    [cam_state_fault] = ARMED_IN_FAULT | AT_REST,
+};
+
+uint32_t cam_guard_armed(cam_state_t state)
+{
+    return (uint32_t)state < cam_n_states ? armed[state] & ~AT_REST : 0u;
+}
+
+static uint32_t bit_if(bool is_set, uint32_t bit)
+{
+    return is_set ? bit : 0u;
+}
+
+_Static_assert(CAM_FAULT_BIT(estop) == hal_in_estop && CAM_FAULT_BIT(drive) == hal_in_drive_ready &&
+                   CAM_FAULT_BIT(bus) == hal_in_bus_lost,
+               "an input is its own fault");
+
+static uint32_t judge_inputs(uint32_t inputs)
+{
+    return (inputs ^ hal_in_drive_ready) & (hal_in_estop | hal_in_drive_ready | hal_in_bus_lost);
+}
+
+/// Slower than stopped or faster than allowed.
+CAM_STAGE static uint32_t judge_odd_speed(cam_guard_t *g, const cam_guard_config_t *cfg,
+                                          int32_t speed_q32, cam_state_t state)
+{
+    // While homing, turning backwards is no better than standing.
+    const bool is_homing = state == cam_state_homing;
+    const bool is_stopped =
+        speed_q32 < cfg->stopped_q32 && (is_homing || speed_q32 > -cfg->stopped_q32);
+    const uint32_t patience = is_homing ? cfg->homing_ticks : cfg->stopped_ticks;
+    const bool is_watched = (cam_guard_armed(state) & CAM_FAULT_BIT(spindle_stopped)) != 0u;
+    g->n_stopped = is_stopped && is_watched ? g->n_stopped + 1u : 0u;
+    return bit_if(speed_q32 < -cfg->stopped_q32, CAM_FAULT_BIT(reverse)) |
+           bit_if(g->n_stopped > patience, CAM_FAULT_BIT(spindle_stopped)) |
+           bit_if(speed_q32 > cfg->overspeed_q32, CAM_FAULT_BIT(overspeed));
+}
+
+static uint32_t judge_spindle(cam_guard_t *g, const cam_guard_config_t *cfg, int32_t speed_q32,
+                              cam_state_t state)
+{
+    if ((uint32_t)speed_q32 - (uint32_t)cfg->stopped_q32 > cfg->speed_span_q32) {
+        return judge_odd_speed(g, cfg, speed_q32, state);
+    }
+    g->n_stopped = 0;
+    return 0;
+}
+
+/// Everything that a tick may be blamed for. Differences of set-points wrap only where they are far
+/// beyond the limits, and what is left of them is so, too.
+static uint32_t blame(cam_guard_t *g, const cam_guard_config_t *cfg, const cam_tick_record_t *r,
+                      int32_t step_q6)
+{
+    const cam_sense_t *in = &r->in;
+    const cam_angle_t *angle = &r->angle;
+    const cam_want_t *want = &r->want;
+    uint32_t faults = judge_inputs(in->inputs) | angle->faults | want->faults |
+                      judge_spindle(g, cfg, angle->speed_q32, want->state);
+    const int32_t off_nm = cam_wrap_sub(in->actual_nm[hal_axis_u], want->u_due_q6 >> 6);
+    if (!cam_is_within(off_nm, cfg->following_nm)) {
+        faults |= CAM_FAULT_BIT(following_error);
+    }
+    if (!cam_is_within(want->u_set_q6, cfg->u_range_q6)) {
+        faults |= CAM_FAULT_BIT(setpoint_range);
+    }
+    if (!cam_is_within(step_q6, cfg->u_vel_q6)) {
+        faults |= CAM_FAULT_BIT(setpoint_speed);
+    }
+    const int32_t change_q6 = cam_wrap_sub(step_q6, g->u_step_q6);
+    if (!cam_is_within(change_q6, cfg->u_acc_q6)) {
+        const int32_t most_q6 = angle->is_off_time ? cfg->u_acc_off_q6 : cfg->u_acc_q6;
+        if (!cam_is_within(change_q6, most_q6)) {
+            faults |= CAM_FAULT_BIT(setpoint_acceleration);
+        }
+    }
+    return faults;
+}
+
+/// What is new is counted, all faults at once: bit i of the words of `count` is the number of fault
+/// i, and the carry of one word is what the next one counts. The tick of the fault is busy enough:
+/// those after it count.
+static void count_new(cam_guard_t *g)
+{
+    uint32_t carry = g->faults & ~g->counted;
+    for (uint32_t k = 0; k < cam_guard_count_bits && carry != 0u; k++) {
+        const uint32_t sum = g->count[k] ^ carry;
+        carry &= g->count[k];
+        g->count[k] = sum;
+    }
+    g->counted = g->faults;
+}
+
+uint32_t cam_guard_first(const cam_guard_t *g)
+{
+    return g->counted == 0u && g->faults != 0u ? g->faults : g->first_faults;
+}
+
+uint32_t cam_guard_count(const cam_guard_t *g, cam_fault_t fault)
+{
+    const uint32_t n = ((g->faults & ~g->counted) >> fault) & 1u; // still to be counted
+    uint32_t counted = 0;
+    for (uint32_t k = 0; k < cam_guard_count_bits; k++) {
+        counted |= ((g->count[k] >> fault) & 1u) << k;
+    }
+    return (counted + n) % (1u << cam_guard_count_bits);
+}
+
+/// In the tick of the fault all axes go on as they did, U from where it was written last. That tick
+/// is busy enough: all the rest is left to the next one.
+static cam_verdict_t enter_fault(cam_guard_t *g, uint32_t faults, const cam_motion_t *m)
+{
+    g->faults = faults;
+    g->u_set_q6 += g->u_step_q6;
+    g->axis[hal_axis_u] = (cam_move_t){.vel_q10 = g->u_step_q6 * 16};
+    g->axis[hal_axis_x] = m->axis[hal_axis_x];
+    g->axis[hal_axis_z] = m->axis[hal_axis_z];
+    const uint32_t is_held = (~faults >> (uint32_t)cam_fault_drive) & 1u;
+    return (cam_verdict_t){
+        .faults = faults,
+        .outputs = hal_out_fault | is_held * hal_out_enable,
+        .is_in_charge = true,
+    };
+}
+
+/// What the tick of the fault had no time for: where the retract begins and X is to go.
+static void begin_retract(cam_guard_t *g, const cam_guard_config_t *cfg)
+{
+    g->first_faults = g->faults;
+    g->x_off_q10 = g->axis[hal_axis_x].pos_q10 + cfg->x_clearance_q10;
+    g->axis[hal_axis_u].pos_q10 = (int64_t)g->u_set_q6 * 16;
+}
+
+static void retract(cam_guard_t *g, const cam_guard_config_t *cfg, bool is_swung_back)
+{
+    const cam_move_limits_t *limits = cfg->limits;
+    cam_move_t *axis = g->axis;
+    const bool is_u_out =
+        cam_move_to_isr(&axis[hal_axis_u], &limits[hal_axis_u], cfg->u_retract_q10);
+    const bool is_x_off = cam_move_to_isr(&axis[hal_axis_x], &limits[hal_axis_x], g->x_off_q10);
+    const bool is_z_at_rest = cam_move_stop_isr(&axis[hal_axis_z], &limits[hal_axis_z]);
+    g->u_set_q6 = cam_sat_i32(axis[hal_axis_u].pos_q10 >> 4);
+    g->is_retracted = g->is_retracted || (is_u_out && is_x_off && is_z_at_rest && is_swung_back);
+}
+
+/// In the ticks after that of the fault. The plan leads the swing back to 0.
+static cam_verdict_t leave_work(cam_guard_t *g, const cam_guard_config_t *cfg, uint32_t faults,
+                                const cam_motion_t *m)
+{
+    if (g->counted == 0u) {
+        begin_retract(g, cfg);
+    }
+    g->faults |= faults;
+    count_new(g);
+    retract(g, cfg, !cfg->is_swung || m->swing.is_there);
+    const bool is_held = !g->is_retracted && (g->faults & CAM_FAULT_BIT(drive)) == 0u;
+    return (cam_verdict_t){
+        .faults = g->faults,
+        .outputs = is_held ? hal_out_fault | hal_out_enable : hal_out_fault,
+        .is_in_charge = true,
+        .is_retracted = g->is_retracted,
+    };
+}
+
+/// Off: set-points follow the axes, which is not a motion, and a reset has ended the latch.
+static cam_verdict_t forget(cam_guard_t *g, int32_t u_set_q6)
+{
+    g->u_set_q6 = u_set_q6;
+    g->u_step_q6 = 0;
+    g->faults = 0;
+    g->counted = 0;
+    g->n_stopped = 0;
+    g->is_retracted = false;
+    return (cam_verdict_t){.is_retracted = true};
+}
+
+CAM_STAGE static cam_verdict_t rest(cam_guard_t *g, const cam_guard_config_t *cfg,
+                                    const cam_tick_record_t *r, const cam_motion_t *m)
+{
+    return r->want.state == cam_state_off
+               ? forget(g, r->want.u_set_q6)
+               : leave_work(g, cfg, judge_inputs(r->in.inputs) & ARMED_IN_FAULT, m);
+}
+
+/// What play wants is written.
+static cam_verdict_t accept(cam_guard_t *g, const cam_want_t *want, int32_t step_q6)
+{
+    g->u_set_q6 = want->u_set_q6;
+    g->u_step_q6 = step_q6;
+    const bool is_in_cut = want->state == cam_state_cutting;
+    return (cam_verdict_t){
+        .outputs = is_in_cut ? hal_out_enable | hal_out_in_cut : hal_out_enable,
+    };
+}
+
+cam_verdict_t cam_guard_step_isr(cam_guard_t *g, const cam_guard_config_t *cfg,
+                                 const cam_tick_record_t *r, const cam_motion_t *m)
+{
+    const cam_want_t *want = &r->want;
+    const uint32_t watched = armed[want->state];
+    if ((watched & AT_REST) != 0u) {
+        return rest(g, cfg, r, m);
+    }
+    const int32_t step_q6 = cam_wrap_sub(want->u_set_q6, g->u_set_q6);
+    const uint32_t faults = blame(g, cfg, r, step_q6) & watched;
+    return faults == 0u ? accept(g, want, step_q6) : enter_fault(g, faults, m);
+}

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+/// cam_guard: nothing wrong reaches the axes.
+///
+/// Every tick the wanted set-points and the machine's answers are compared with the limits. The
+/// guard changes none of them: it returns a verdict, and while it is in charge it has set-points of
+/// its own (cam_guard_t.axis), which the tick writes in the place of play's. A fault that is armed
+/// in the present state is latched, and the guard takes the axes over: in the same tick U is
+/// written where its last speed leads it, not where the fault wants it, the spindle gets set-point
+/// 0; from the next tick on U retracts within its limits, X moves off by the clearance, Z brakes to
+/// rest; then the enable drops. When a drive is not ready, the enable drops at once. FAULTS.md
+/// tells for each fault how soon it is seen, what happens and how to get out. Context: ISR unless
+/// noted.
+#ifndef CAM_GUARD_H
+#define CAM_GUARD_H
+
+#include "cam_config.h" // cam_guard_config_t
+#include "cam_move.h"   // cam_move_t
+#include "cam_record.h" // cam_tick_record_t, cam_motion_t, cam_verdict_t
+#include "cam_state.h"  // cam_fault_t
+#include <stdbool.h>    // bool
+#include <stdint.h>     // int32_t, int64_t
+
+enum { cam_guard_count_bits = 8 }; ///< faults are counted modulo 256
+
+/// State; zero-initialised is: no faults.
+typedef struct {
+    uint32_t faults;                      ///< latched
+    uint32_t counted;                     ///< of those, what `count` knows
+    uint32_t first_faults;                ///< those that entered the fault state, cam_guard_first()
+    uint32_t count[cam_guard_count_bits]; ///< times latched, cam_guard_count()
+    bool is_retracted;
+    uint32_t n_stopped;          ///< [ticks] without rotation
+    int32_t u_set_q6;            ///< [nm / 64] U written last
+    int32_t u_step_q6;           ///< [nm / 64 per tick] its last step
+    int64_t x_off_q10;           ///< target of X in the fault state
+    cam_move_t axis[hal_n_axes]; ///< set-points in the fault state
+} cam_guard_t;
+
+/// Judge one tick.
+/// @param r  record of the tick: what was sensed, the spindle and what play wants, each with the
+///           faults seen there
+/// @param m  set-points that play wants
+/// @return   the verdict; while it is in charge, u_set_q6 and axis are to be written
+/// Constant time.
+CAM_STAGE cam_verdict_t cam_guard_step_isr(cam_guard_t *g, const cam_guard_config_t *cfg,
+                                           const cam_tick_record_t *r, const cam_motion_t *m);
+
+/// @return mask of the faults that entered the fault state last. Context: slow side.
+uint32_t cam_guard_first(const cam_guard_t *g);
+
+/// @return times that a fault was latched, modulo 2^cam_guard_count_bits. Context: slow side.
+uint32_t cam_guard_count(const cam_guard_t *g, cam_fault_t fault);
+
+/// @return mask of the faults that are watched in a state. Context: both sides.
+uint32_t cam_guard_armed(cam_state_t state);
+
+#endif

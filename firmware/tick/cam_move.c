@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cam_move.h"
+#include "cam_fix.h" // cam_is_within
+
+/// Braking by a per tick from v covers v (v - a) / 2a; with the tick at v itself v (v + a) / 2a.
+static bool can_brake(uint32_t vel, uint32_t acceleration, uint32_t distance)
+{
+    const uint32_t sum = vel + acceleration;
+    const uint32_t twice = 2u * acceleration;
+    return (uint64_t)vel * sum <= (uint64_t)twice * distance;
+}
+
+/// Highest of faster, same, slower speed from which the target is not overshot.
+static int32_t choose(int32_t vel, const cam_move_limits_t *limits, uint32_t distance)
+{
+    const int32_t a = limits->acceleration_q10;
+    const int32_t faster = vel + a <= limits->speed_q10 ? vel + a
+                           : vel > limits->speed_q10    ? vel - a
+                                                        : limits->speed_q10;
+    if (faster <= 0 || can_brake((uint32_t)faster, (uint32_t)a, distance)) {
+        return faster;
+    }
+    if (vel <= 0 || (vel <= limits->speed_q10 && can_brake((uint32_t)vel, (uint32_t)a, distance))) {
+        return vel > 0 ? vel : 0;
+    }
+    return vel - a > 0 ? vel - a : 0;
+}
+
+bool cam_move_to_isr(cam_move_t *m, const cam_move_limits_t *limits, int64_t target_q10)
+{
+    const int64_t distance = target_q10 - m->pos_q10;
+    const bool is_backward = distance < 0;
+    const int64_t magnitude = is_backward ? -distance : distance;
+    // Further is as good as infinite for braking.
+    const int32_t ahead = magnitude < INT32_MAX ? (int32_t)magnitude : INT32_MAX;
+    const int32_t vel = is_backward ? -m->vel_q10 : m->vel_q10;
+    const int32_t a = limits->acceleration_q10;
+    const bool is_last = ahead <= a && cam_is_within(ahead - vel, a);
+    const int32_t next = is_last ? ahead : choose(vel, limits, (uint32_t)ahead);
+    const int32_t vel_q10 = is_backward ? -next : next;
+    m->acc_q10 = vel_q10 - m->vel_q10;
+    m->vel_q10 = vel_q10;
+    m->pos_q10 += vel_q10;
+    return m->pos_q10 == target_q10 && next == 0;
+}
+
+bool cam_move_stop_isr(cam_move_t *m, const cam_move_limits_t *limits)
+{
+    const int32_t a = limits->acceleration_q10;
+    m->acc_q10 = -cam_clamp_i32(m->vel_q10, -a, a);
+    m->vel_q10 += m->acc_q10;
+    m->pos_q10 += m->vel_q10;
+    return m->vel_q10 == 0;
+}

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+/// cam_move: bring an axis to a place within speed and acceleration limits, tick by tick.
+///
+/// Used wherever an axis does not follow the spindle: approach, retract, stop after a fault. No
+/// square root, no division: a step is accepted when the axis could still brake to the target,
+/// MATHS.md (60).
+/// Unit of positions: nm / 1024 (q10); of speeds: nm / 1024 per tick.
+#ifndef CAM_MOVE_H
+#define CAM_MOVE_H
+
+#include <stdbool.h> // bool
+#include <stdint.h>  // int32_t, int64_t
+
+/// Limits of an axis.
+typedef struct {
+    int32_t speed_q10;        ///< [nm / 1024 per tick] > 0
+    int32_t acceleration_q10; ///< [nm / 1024 per tick^2] > 0
+} cam_move_limits_t;
+
+/// A set-point in motion.
+typedef struct {
+    int64_t pos_q10;
+    int32_t vel_q10;
+    int32_t acc_q10; ///< [nm / 1024 per tick^2] of the last step
+} cam_move_t;
+
+/// One tick towards a target; speed within limits (after braking, when it starts beyond), change of
+/// speed within the acceleration; passes the target by at most acceleration_q10 / 8 unless the
+/// start speed makes more unavoidable.
+/// @return true when the axis rests on the target
+/// Context: ISR, constant time.
+bool cam_move_to_isr(cam_move_t *m, const cam_move_limits_t *limits, int64_t target_q10);
+
+/// One tick of braking to rest, wherever that is.
+/// @return true when the axis rests
+/// Context: ISR, constant time.
+bool cam_move_stop_isr(cam_move_t *m, const cam_move_limits_t *limits);
+
+#endif

@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cam_play.h"
+#include "cam_angle.h" // cam_angle_of_pos
+#include "cam_eval.h"  // cam_eval_segment
+#include "cam_fix.h"   // cam_mulhi
+#include <stddef.h>    // NULL
+
+/// U with its velocity and acceleration: derivatives per knot times knots per tick. The slow change
+/// of envelope, amplitude and height adds nothing worth naming to them (a skirt: 1e-6 of the
+/// speed). What does not fit is a fault of this tick, which writes nothing of it. The place is kept
+/// by the guard.
+/// @return [nm / 64] U
+CAM_STAGE static int32_t surface(cam_motion_t *m, const cam_play_config_t *cfg, int32_t speed_q32,
+                                 uint32_t theta_q32)
+{
+    const cam_u_scale_t *by = &cfg->u;
+    const cam_channel_t *ch = &cfg->table->u;
+    const uint64_t height_q32 = (uint64_t)m->height_q32;
+    const cam_height_t z = {.i = (uint32_t)(height_q32 >> 32),
+                            .w_q31 = (int32_t)((uint32_t)height_q32 >> 1)};
+    const cam_fine_t fine = cam_eval_quintic(cam_eval_segment(ch, theta_q32, z));
+    const int32_t scale_q30 = m->scale_q30;
+    const int32_t speed = (int32_t)((uint32_t)speed_q32 << by->speed_shift);
+    const int32_t rate = cam_mulhi(speed, scale_q30);
+    const int32_t rate2 = cam_mulhi(speed, rate);
+    const int64_t acceleration =
+        (int64_t)(fine.d2 >> by->a_down) * rate2 + (int64_t)fine.d1 * m->alpha_u;
+    const int32_t offset = cam_mulhi(by->offset, scale_q30);
+    const int32_t y = cam_mulhi_add(offset, fine.y, scale_q30 >> by->scale_down);
+    m->axis[hal_axis_u].vel_q10 = (int32_t)((uint32_t)cam_mulhi(fine.d1, rate) << by->v_up);
+    m->axis[hal_axis_u].acc_q10 = cam_shift_right(acceleration, by->a_shift);
+    return (int32_t)((uint32_t)y << by->y_up);
+}
+
+static void advance(cam_move_t *m)
+{
+    m->pos_q10 += m->vel_q10;
+}
+
+/// What moves linearly until the next plan goes on. @return [nm] height played
+static int32_t move_on(cam_motion_t *m)
+{
+    advance(&m->axis[hal_axis_x]);
+    advance(&m->axis[hal_axis_z]);
+    m->phase_q32 = cam_wrap_add(m->phase_q32, m->phase_step_q32);
+    m->scale_q30 += m->scale_step_q30;
+    m->behind_q4 += m->behind_step_q4;
+    m->height_q32 += m->height_step_q32;
+    const int32_t set_nm = (int32_t)(m->axis[hal_axis_z].pos_q10 >> 10);
+    return set_nm - (m->behind_q4 >> 4);
+}
+
+/// All axes from the angle. When the angle is at fault, U keeps its pace: the guard takes over.
+/// @return [nm / 64] U
+static int32_t play_table(cam_play_t *p, const cam_play_config_t *cfg, const cam_angle_t *angle,
+                          cam_motion_t *m, cam_want_t *want)
+{
+    want->z_nm = move_on(m);
+    if (angle->faults != 0u) {
+        const int32_t last_q6 = p->history_q6[p->n_history % cam_play_history];
+        const int32_t before_q6 = p->history_q6[(p->n_history - 1u) % cam_play_history];
+        return cam_wrap_add(last_q6, cam_wrap_sub(last_q6, before_q6));
+    }
+    const uint32_t angle_q32 = cam_angle_of_pos(cam_angle_ahead(angle, cfg->lead_q16));
+    return surface(m, cfg, angle->speed_q32, angle_q32 - (uint32_t)m->phase_q32);
+}
+
+/// Tool out of the work, feed axes at rest. @return true when all of them rest
+static bool wait_retracted(cam_motion_t *m, const cam_play_config_t *cfg)
+{
+    cam_move_t *axis = m->axis;
+    const cam_move_limits_t *limits = cfg->approach;
+    const bool is_u_there =
+        cam_move_to_isr(&axis[hal_axis_u], &limits[hal_axis_u], cfg->u_retract_q10);
+    const bool is_x_there = cam_move_stop_isr(&axis[hal_axis_x], &limits[hal_axis_x]);
+    const bool is_z_there = cam_move_stop_isr(&axis[hal_axis_z], &limits[hal_axis_z]);
+    return is_u_there && is_x_there && is_z_there && (!cfg->swing.is_swung || m->swing.is_there);
+}
+
+/// Z to the start of the cut, X standing, then X: the tool nears the work where it will cut.
+/// @return true when both are there
+static bool approach_xz(cam_motion_t *m, const cam_play_config_t *cfg)
+{
+    cam_move_t *x = &m->axis[hal_axis_x];
+    cam_move_t *z = &m->axis[hal_axis_z];
+    const int64_t z_q10 = (int64_t)cfg->z_first_nm * 1024;
+    if (z->pos_q10 == z_q10 && z->vel_q10 == 0) {
+        return cam_move_to_isr(x, &cfg->approach[hal_axis_x], m->x_start_q10);
+    }
+    (void)cam_move_to_isr(z, &cfg->approach[hal_axis_z], z_q10);
+    (void)cam_move_stop_isr(x, &cfg->approach[hal_axis_x]);
+    return false;
+}
+
+/// X over a Z that others lead; its set-point is where it is. The tool nears the work when U is
+/// ready. @return true when X is there
+static bool approach_x(cam_motion_t *m, const cam_play_config_t *cfg, int32_t z_nm, bool is_u_there)
+{
+    m->axis[hal_axis_z] = (cam_move_t){.pos_q10 = (int64_t)z_nm * 1024};
+    if (!is_u_there) {
+        (void)cam_move_stop_isr(&m->axis[hal_axis_x], &cfg->approach[hal_axis_x]);
+        return false;
+    }
+    return cam_move_to_isr(&m->axis[hal_axis_x], &cfg->approach[hal_axis_x], m->x_start_q10);
+}
+
+/// Axes to the start of the cut, which the plan then lays. Until it has found where X waits, and a
+/// tool that swings has come to rest at 0, the tool stays out of the work.
+static void approach(cam_motion_t *m, const cam_play_config_t *cfg, const cam_sense_t *in)
+{
+    if (!m->is_x_known) {
+        (void)wait_retracted(m, cfg);
+        return;
+    }
+    const bool is_u_there = cam_move_to_isr(&m->axis[hal_axis_u], &cfg->approach[hal_axis_u], 0);
+    const bool is_xz_there = cfg->is_z_measured
+                                 ? approach_x(m, cfg, in->actual_nm[hal_axis_z], is_u_there)
+                                 : approach_xz(m, cfg);
+    m->is_at_start = is_u_there && is_xz_there;
+}
+
+static void follow_axes(cam_motion_t *m, const cam_sense_t *in)
+{
+    for (uint32_t i = 0; i < hal_n_axes; i++) {
+        m->axis[i] = (cam_move_t){.pos_q10 = (int64_t)in->actual_nm[i] * 1024};
+    }
+}
+
+/// Everything that is not a cut: the axes move by time. @return [nm / 64] U
+CAM_STAGE static int32_t move_axes(cam_motion_t *m, const cam_play_config_t *cfg,
+                                   const cam_sense_t *in, const cam_angle_t *angle)
+{
+    const bool is_idle = m->state == cam_state_off || m->state == cam_state_fault;
+    m->spindle_mrpm = is_idle ? 0 : cfg->spindle_mrpm;
+    m->alpha_q40 = 0;
+    m->alpha_u = 0;
+    if (m->state == cam_state_off) {
+        follow_axes(m, in);
+    } else if (m->state == cam_state_engaging) {
+        approach(m, cfg, in);
+    } else if (m->state != cam_state_fault) {
+        const bool is_out = wait_retracted(m, cfg);
+        const bool is_homed = angle->is_synced && angle->speed_q32 >= cfg->turning_q32;
+        m->state = m->state == cam_state_homing && is_homed && is_out ? cam_state_ready : m->state;
+    }
+    return cam_sat_i32(m->axis[hal_axis_u].pos_q10 >> 4);
+}
+
+/// Stop ends an approach at once; a cut ends where the next plan lays its end.
+static void stop(cam_motion_t *m)
+{
+    if (m->is_playing) {
+        m->is_stopping = true;
+    } else if (m->state == cam_state_engaging) {
+        m->state = cam_state_ready;
+    }
+}
+
+/// Carry out a new request if it fits the state. @return faults that the request reports
+CAM_STAGE static uint32_t obey(cam_play_t *p, const cam_play_config_t *cfg, uint32_t request,
+                               cam_motion_t *m)
+{
+    p->request = request >> 8;
+    switch ((cam_request_t)(request & 0xFFu)) {
+    case cam_request_enable:
+        m->state = m->state == cam_state_off && cfg->table != NULL ? cam_state_homing : m->state;
+        break;
+    case cam_request_disable:
+        m->state = cam_state_is_in_work(m->state) || m->state == cam_state_fault ? m->state
+                                                                                 : cam_state_off;
+        break;
+    case cam_request_start:
+        if (m->state == cam_state_ready) {
+            m->state = cam_state_engaging;
+            m->is_x_known = false;
+            m->is_at_start = false;
+        }
+        break;
+    case cam_request_stop:
+        stop(m);
+        break;
+    case cam_request_reset:
+        m->state = m->state == cam_state_fault && m->is_retracted ? cam_state_off : m->state;
+        break;
+    case cam_request_table_fault:
+        return CAM_FAULT_BIT(table);
+    case cam_request_none:
+        break;
+    }
+    return 0;
+}
+
+/// U set-point of lead ticks ago, between two of them: that is where the drive should be now. What
+/// does not fit 32 bits occurs only while off, where the following error is not judged.
+static int32_t due_q6(cam_play_t *p, const cam_play_config_t *cfg)
+{
+    const int32_t a_q6 = p->history_q6[(p->n_history - cfg->lead_ticks) % cam_play_history];
+    const int32_t b_q6 = p->due_q6;
+    p->due_q6 = a_q6;
+    const uint32_t twice_q6 = 2u * ((uint32_t)b_q6 - (uint32_t)a_q6);
+    return cam_mulhi_add(a_q6, (int32_t)twice_q6, cfg->lead_part_q31);
+}
+
+static void remember(cam_play_t *p, int32_t u_q6)
+{
+    p->n_history++;
+    p->history_q6[p->n_history % cam_play_history] = u_q6;
+}
+
+void cam_play_step_isr(cam_play_t *p, const cam_play_config_t *cfg, const cam_sense_t *in,
+                       const cam_angle_t *angle, cam_motion_t *m, cam_want_t *want)
+{
+    want->faults = m->faults;
+    if (in->request >> 8 != p->request) {
+        want->faults |= obey(p, cfg, in->request, m);
+    }
+    if (m->is_playing) {
+        want->u_set_q6 = play_table(p, cfg, angle, m, want);
+    } else {
+        want->z_nm = in->actual_nm[hal_axis_z];
+        want->u_set_q6 = move_axes(m, cfg, in, angle);
+    }
+    remember(p, want->u_set_q6);
+    want->u_due_q6 = due_q6(p, cfg);
+    want->state = m->state;
+    want->spindle_mrpm = m->spindle_mrpm;
+}

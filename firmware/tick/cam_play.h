@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+/// cam_play: from master position to set-points of all axes, in every tick.
+///
+/// While engaging, cutting and disengaging every axis is a function of the spindle angle:
+///     U = amplitude * envelope * u(angle + lead - phase, Z)
+///     Z = first height + feed * turns since feed start   eased in and out (or measured, or along
+///         the ring-helix of cam_feed.h)
+///     X = x(Z) + (1 - envelope) * clearance
+///     spindle = mean speed, or mean * (1 + envelope * (ratio(angle, Z) - 1)) where the table
+///               modulates it (cam_speed.h)
+/// U is read in every tick, at the angle that the spindle will have when the drive's dead time has
+/// passed. What changes slowly, all the rest, moves on by the increments of the plan (cam_plan.h).
+/// In all other states the axes move to places within their limits (cam_move.h). Requests are
+/// carried out in the tick that senses them. Source: MATHS.md (54), (55). Context: ISR.
+#ifndef CAM_PLAY_H
+#define CAM_PLAY_H
+
+#include "cam_config.h" // cam_play_config_t
+#include "cam_record.h" // cam_sense_t, cam_motion_t
+#include <stdint.h>     // int32_t, uint32_t
+
+enum {
+    cam_play_history = 64, ///< ticks of U kept to know what is due; a power of two
+};
+
+/// State; zero-initialised has carried out no request.
+typedef struct {
+    uint32_t request;                     ///< serial number of the last one carried out
+    uint32_t n_history;                   ///< ticks
+    int32_t due_q6;                       ///< [nm / 64] set-point that was looked up last
+    int32_t history_q6[cam_play_history]; ///< [nm / 64] U set-points
+} cam_play_t;
+
+/// One tick of the sequence.
+/// @param cfg    configuration with a table, unless the state is off or fault
+/// @param in     what this tick sensed, with the request of the slow side
+/// @param angle  the spindle
+/// @param m      increments of the plan: moved on by one tick
+/// @param want   result
+/// Constant time in each state.
+CAM_STAGE void cam_play_step_isr(cam_play_t *p, const cam_play_config_t *cfg, const cam_sense_t *in,
+                                 const cam_angle_t *angle, cam_motion_t *m, cam_want_t *want);
+
+#endif

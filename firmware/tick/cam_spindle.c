@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cam_spindle.h"
+#include "cam_angle.h" // cam_angle_diff_q32
+#include "cam_fix.h"   // cam_clamp_i32
+
+/// Counts in the sense of cutting: ~c = -c - 1 mirrors the half-open interval of a count, so that
+/// adding half a count centres it for both senses.
+static uint32_t sensed_counts(const cam_spindle_config_t *cfg, uint32_t counts)
+{
+    return counts ^ cfg->sign_mask;
+}
+
+/// An index edge lies on the boundary of a count: its mirror image is -c.
+static uint32_t sensed_edge(const cam_spindle_config_t *cfg, uint32_t counts)
+{
+    return (counts ^ cfg->sign_mask) - cfg->sign_mask;
+}
+
+/// in_turn stays within one turn because a tick moves at most a quarter.
+static void move_in_turn(cam_spindle_t *s, const cam_spindle_config_t *cfg, int32_t moved)
+{
+    const int32_t turn = cfg->counts_per_turn;
+    const int32_t from_end = s->in_turn + moved - turn; // -5/4 turn .. 1/4 turn
+    const int32_t in_turn = from_end + (from_end < 0 ? turn : 0);
+    s->in_turn = in_turn + (in_turn < 0 ? turn : 0);
+}
+
+/// Whole and fraction of the reciprocal apart: the truncated fraction costs less than 2^-32 turn.
+static uint32_t measured_q32(const cam_spindle_t *s, const cam_spindle_config_t *cfg)
+{
+    const uint32_t in_turn = (uint32_t)s->in_turn;
+    return in_turn * cfg->turn_per_count_q32 +
+           cam_mulhi_u32(in_turn, cfg->turn_per_count_fraction) + cfg->centre_q32;
+}
+
+CAM_STAGE static void start(cam_spindle_t *s, const cam_spindle_config_t *cfg,
+                            const cam_sense_t *in)
+{
+    s->is_started = true;
+    s->clock = in->clock;
+    s->max_period = cfg->tick_clocks;
+    s->counts = sensed_counts(cfg, in->encoder.counts);
+    s->n_index = in->encoder.n_index;
+    s->pos_q32 = (int64_t)measured_q32(s, cfg);
+}
+
+/// First edge: the angle becomes known; the observer keeps its speed and its small error.
+CAM_STAGE static void sync(cam_spindle_t *s, const cam_spindle_config_t *cfg)
+{
+    const uint32_t before_q32 = measured_q32(s, cfg);
+    const int32_t lag_q32 = cam_angle_diff_q32(cam_angle_of_pos(s->pos_q32), before_q32);
+    s->in_turn = 0;
+    move_in_turn(s, cfg, cam_wrap_diff(s->counts, s->index_counts));
+    s->pos_q32 = (int64_t)measured_q32(s, cfg) + lag_q32;
+    s->is_synced = true;
+}
+
+/// An index edge: the first one tells the angle. The distance of two is 0 (the spindle turned back)
+/// or a turn; what is left is lost counts. Their sum wraps only after it has long been a fault.
+/// @return fault lost_counts or none
+CAM_STAGE static uint32_t take_edge(cam_spindle_t *s, const cam_spindle_config_t *cfg,
+                                    const hal_encoder_t *encoder)
+{
+    const uint32_t edge = sensed_edge(cfg, encoder->index_counts);
+    const int32_t distance = cam_wrap_diff(edge, s->index_counts);
+    s->n_index = encoder->n_index;
+    s->index_counts = edge;
+    s->since_index = cam_wrap_diff(s->counts, edge);
+    if (!s->is_synced) {
+        sync(s, cfg);
+        return 0;
+    }
+    const int32_t turns = distance < -cfg->max_counts ? -1 : distance > cfg->max_counts ? 1 : 0;
+    const int32_t lost = cam_wrap_sub(distance, turns * cfg->counts_per_turn);
+    s->index_error = cam_wrap_add(s->index_error, lost);
+    return cam_is_within(s->index_error, cfg->index_tolerance) ? 0u : CAM_FAULT_BIT(lost_counts);
+}
+
+/// Most ticks see neither an edge nor too long a travel without one.
+static uint32_t watch_index(cam_spindle_t *s, const cam_spindle_config_t *cfg,
+                            const cam_sense_t *in)
+{
+    const int32_t overdue = cfg->index_overdue;
+    if (in->encoder.n_index != s->n_index) {
+        return take_edge(s, cfg, &in->encoder);
+    }
+    if (!cam_is_within(s->since_index, overdue)) {
+        s->since_index = cam_clamp_i32(s->since_index, -overdue - 1, overdue + 1);
+        return CAM_FAULT_BIT(index_missing);
+    }
+    return 0;
+}
+
+/// @return the period that counts
+static uint32_t count_late(cam_spindle_t *s, const cam_spindle_config_t *cfg, uint32_t period,
+                           cam_angle_t *angle)
+{
+    s->n_late++;
+    angle->faults = CAM_FAULT_BIT(late_tick);
+    return period < cfg->most_clocks ? period : cfg->most_clocks;
+}
+
+/// A tick that came off its time: what it is blamed for, and its travel at its time stamp. A travel
+/// beyond half a turn wraps: its counts are a jump anyway.
+CAM_STAGE static int32_t take_off_time(cam_spindle_t *s, const cam_spindle_config_t *cfg,
+                                       uint32_t period, int32_t travel_q32, cam_angle_t *angle)
+{
+    uint32_t counted = period;
+    angle->is_off_time = true;
+    s->is_off_time = true;
+    if (period > s->max_period) {
+        s->max_period = period;
+    }
+    if (period > cfg->late_clocks) {
+        counted = count_late(s, cfg, period, angle);
+    }
+    const int32_t off_q27 = (int32_t)(counted * cfg->ticks_per_clock_q27 - (UINT32_C(1) << 27));
+    return cam_wrap_add(travel_q32, (int32_t)((uint32_t)cam_mulhi(travel_q32, off_q27) << 5));
+}
+
+/// Counts of this tick, limited to a quarter turn. @return encoder_jump when they are not what the
+/// travel says
+static uint32_t take_counts(cam_spindle_t *s, const cam_spindle_config_t *cfg, uint32_t counts,
+                            int32_t travel_q32)
+{
+    const int32_t most = cfg->max_counts;
+    const int32_t expected = cam_mulhi(travel_q32, cfg->counts_per_turn);
+    int32_t moved = cam_wrap_diff(counts, s->counts);
+    uint32_t faults = 0;
+    if (!cam_is_within(cam_wrap_sub(moved, expected), cfg->jump_window)) {
+        faults = CAM_FAULT_BIT(encoder_jump);
+    }
+    if (!cam_is_within(moved, most)) {
+        faults = CAM_FAULT_BIT(encoder_jump);
+        moved = moved < 0 ? -most : most;
+    }
+    s->counts = counts;
+    s->since_index += moved;
+    move_in_turn(s, cfg, moved);
+    return faults;
+}
+
+static int64_t wrap_add_i64(int64_t a, int64_t b)
+{
+    return (int64_t)((uint64_t)a + (uint64_t)b);
+}
+
+/// Tracking loop: the error is taken the short way round, so turns are counted by the position
+/// itself. A speed beyond half a turn per tick is the same as one below zero: it wraps.
+static void track(cam_spindle_t *s, const cam_spindle_config_t *cfg, int32_t travel_q32,
+                  int32_t alpha_q40)
+{
+    const uint32_t predicted = cam_angle_of_pos(s->pos_q32) + (uint32_t)travel_q32;
+    const int32_t error_q32 = cam_angle_diff_q32(measured_q32(s, cfg), predicted);
+    s->pos_q32 += (int64_t)travel_q32 + INT64_C(2) * cam_mulhi(error_q32, cfg->kp_q31);
+    s->speed_q64 = wrap_add_i64(s->speed_q64, (int64_t)error_q32 * cfg->ki_q32);
+    s->speed_q64 = wrap_add_i64(s->speed_q64, alpha_q40 * (INT64_C(1) << 24));
+}
+
+/// The time stamp counts only when the tick came visibly off its time: a coarse clock must not
+/// shake the angle of a steady tick.
+static void step(cam_spindle_t *s, const cam_spindle_config_t *cfg, const cam_sense_t *in,
+                 int32_t alpha_q40, cam_angle_t *angle)
+{
+    const uint32_t period = in->clock - s->clock;
+    int32_t travel_q32 = cam_wrap_add((int32_t)(s->speed_q64 >> 32), alpha_q40 >> 9);
+    angle->is_off_time = s->is_off_time;
+    angle->faults = 0;
+    s->is_off_time = false;
+    s->clock = in->clock;
+    if (period - cfg->early_clocks >= cfg->on_time_clocks) {
+        travel_q32 = take_off_time(s, cfg, period, travel_q32, angle);
+    }
+    angle->faults |= take_counts(s, cfg, sensed_counts(cfg, in->encoder.counts), travel_q32);
+    track(s, cfg, travel_q32, alpha_q40);
+    angle->faults |= watch_index(s, cfg, in);
+    angle->pos_q32 = s->pos_q32;
+    angle->speed_q32 = (int32_t)(s->speed_q64 >> 32);
+    angle->is_synced = s->is_synced;
+}
+
+void cam_spindle_step_isr(cam_spindle_t *s, const cam_spindle_config_t *cfg, const cam_sense_t *in,
+                          int32_t alpha_q40, cam_angle_t *angle)
+{
+    if (s->is_started) {
+        step(s, cfg, in, alpha_q40, angle);
+    } else {
+        start(s, cfg, in);
+        *angle = (cam_angle_t){.pos_q32 = s->pos_q32};
+    }
+}
+
+void cam_spindle_forget_isr(cam_spindle_t *s)
+{
+    s->is_synced = false;
+    s->index_error = 0;
+    s->since_index = 0;
+}

@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cam_tick.h"
+#include "cam_fence.h" // cam_fence_release_isr
+#include "cam_fix.h"   // cam_clamp_i32
+#include "hal/hal.h"   // all reads and writes
+#include <stddef.h>    // NULL
+
+/// The end of a stage, sense .. actuate. Nothing, unless a test that counts the stages defines it
+/// in front of this file (tests/budget/stage_mark.h).
+#ifndef CAM_TICK_MARK
+#define CAM_TICK_MARK(stage) ((void)0)
+#endif
+
+cam_t g_cam;
+
+static void sense_isr(cam_t *c, cam_sense_t *in)
+{
+    in->clock = hal_clock_isr();
+    hal_encoder_read_isr(&in->encoder);
+    const int32_t u_nm = hal_axis_read_nm_isr(hal_axis_u); // two words move at once
+    const int32_t x_nm = hal_axis_read_nm_isr(hal_axis_x);
+    in->actual_nm[hal_axis_u] = u_nm;
+    in->actual_nm[hal_axis_x] = x_nm;
+    const int32_t z_nm = hal_axis_read_nm_isr(hal_axis_z);
+    const int32_t swing_q32 = hal_swing_read_q32_isr();
+    in->actual_nm[hal_axis_z] = z_nm;
+    in->swing_q32 = swing_q32;
+    in->inputs = hal_inputs_read_isr();
+    in->request = atomic_load_explicit(&c->request, memory_order_relaxed);
+    cam_fence_acquire_isr();
+}
+
+/// Inverse of a second-order drive, MATHS.md (56): what must be commanded for the tool to be at
+/// u_q6, inside the stroke: a gain that asks for more is wrong, and the following error will tell.
+static int32_t command_nm(const cam_config_t *cfg, int32_t u_q6, const cam_move_t *u)
+{
+    const int64_t more_q26 = (int64_t)cfg->k1_q16 * u->vel_q10 + (int64_t)cfg->k2_q16 * u->acc_q10;
+    const int32_t most_high = 1 << 18; // of the high word: 2^50 / 2^32, beyond every stroke
+    const int32_t high = cam_clamp_i32((int32_t)(more_q26 >> 32), -most_high, most_high - 1);
+    const uint32_t low = (uint32_t)(uint64_t)more_q26;
+    const int32_t more_q6 = (int32_t)((uint32_t)high << 12 | low >> 20);
+    const int32_t most_q6 = cfg->guard.u_range_q6;
+    return cam_clamp_i32(u_q6 + more_q6 + 32, -most_q6, most_q6) >> 6;
+}
+
+/// Rounded down; the plan has added to X what makes that to the nearest.
+static int32_t plain_nm(const cam_move_t *m)
+{
+    return (int32_t)(m->pos_q10 >> 10);
+}
+
+static hal_setpoint_t setpoint(const cam_move_t *m, int32_t pos_nm)
+{
+    return (hal_setpoint_t){.pos_nm = pos_nm, .vel_q10 = m->vel_q10, .acc_q10 = m->acc_q10};
+}
+
+/// Set-points as the drives want them.
+CAM_STAGE static void command(const cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
+{
+    const cam_move_t *axis = c->motion.axis;
+    const int32_t u_nm = command_nm(cfg, r->want.u_set_q6, &axis[hal_axis_u]);
+    r->out[hal_axis_u] = setpoint(&axis[hal_axis_u], u_nm);
+    r->out[hal_axis_x] = setpoint(&axis[hal_axis_x], plain_nm(&axis[hal_axis_x]));
+    r->out[hal_axis_z] = setpoint(&axis[hal_axis_z], plain_nm(&axis[hal_axis_z]));
+}
+
+/// The guard is in charge: its set-points are written, and the cut has ended.
+CAM_STAGE static void take_over(cam_t *c, cam_want_t *want)
+{
+    for (uint32_t i = 0; i < hal_n_axes; i++) {
+        c->motion.axis[i] = c->guard.axis[i];
+    }
+    c->motion.state = cam_state_fault;
+    c->motion.is_playing = false;
+    c->motion.is_retracted = want->is_retracted;
+    want->state = cam_state_fault;
+    want->spindle_mrpm = 0;
+    want->u_set_q6 = c->guard.u_set_q6;
+}
+
+static void guard_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
+{
+    const cam_verdict_t verdict = cam_guard_step_isr(&c->guard, &cfg->guard, r, &c->motion);
+    r->want.faults = verdict.faults;
+    r->want.outputs = verdict.outputs;
+    r->want.is_retracted = verdict.is_retracted;
+    if (verdict.is_in_charge) {
+        take_over(c, &r->want);
+    }
+}
+
+static inline void steps_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
+{
+    r->config = cfg->generation;
+    cam_spindle_step_isr(&c->spindle, &cfg->spindle, &r->in, c->motion.alpha_q40, &r->angle);
+    CAM_TICK_MARK(angle);
+    cam_play_step_isr(&c->play, &cfg->play, &r->in, &r->angle, &c->motion, &r->want);
+    CAM_TICK_MARK(play);
+    guard_isr(c, cfg, r);
+    CAM_TICK_MARK(guard);
+    command(c, cfg, r);
+}
+
+/// Every n-th tick. While off the angle is of no use: every enable homes anew.
+static void plan_isr(cam_t *c, const cam_config_t *cfg, const cam_tick_record_t *r)
+{
+    if (r->want.state == cam_state_off) {
+        cam_spindle_forget_isr(&c->spindle);
+    }
+    c->until_plan--;
+    if (c->until_plan <= 0) {
+        c->until_plan = cfg->play.plan_ticks;
+        cam_plan_isr(&c->plan, &cfg->play, r, &c->motion);
+    }
+}
+
+void cam_tick_steps_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
+{
+    steps_isr(c, cfg, r);
+    plan_isr(c, cfg, r);
+}
+
+static void actuate_isr(cam_t *c, const cam_tick_record_t *r)
+{
+    hal_outputs_write_isr(r->want.outputs);
+    hal_axis_write_isr(hal_axis_u, &r->out[hal_axis_u]);
+    hal_axis_write_isr(hal_axis_x, &r->out[hal_axis_x]);
+    hal_axis_write_isr(hal_axis_z, &r->out[hal_axis_z]);
+    hal_spindle_write_isr(r->want.spindle_mrpm);
+    if (c->motion.swing.is_new) {
+        c->motion.swing.is_new = false;
+        hal_swing_write_isr(&c->motion.swing.set);
+    }
+}
+
+/// The record is the status; its place is written again two ticks later at the earliest.
+static void publish_isr(cam_t *c, const cam_tick_record_t *r, uint32_t n_ticks)
+{
+    cam_fence_release_isr(); // of the record, for all three that tell of it
+    cam_trace_commit_isr(&c->trace);
+    atomic_store_explicit(&c->newest, r, memory_order_relaxed);
+    atomic_store_explicit(&c->n_ticks, n_ticks, memory_order_relaxed);
+}
+
+void cam_tick_isr(cam_t *c)
+{
+    const cam_config_t *cfg = cam_config_take_isr(&c->config);
+    cam_tick_record_t *r = cam_trace_slot_isr(&c->trace, cfg->trace_room);
+    const uint32_t tick = atomic_load_explicit(&c->n_ticks, memory_order_relaxed);
+    r->tick = tick;
+    sense_isr(c, &r->in);
+    CAM_TICK_MARK(sense);
+    steps_isr(c, cfg, r); // angle -> play -> guard
+    actuate_isr(c, r);
+    CAM_TICK_MARK(actuate);
+    plan_isr(c, cfg, r);
+    CAM_TICK_MARK(plan);
+    publish_isr(c, r, tick + 1u);
+}
+
+void cam_isr(void)
+{
+    cam_tick_isr(&g_cam);
+}
+
+cam_status_t cam_tick_status(const cam_t *c)
+{
+    static const cam_tick_record_t nothing = {.want.state = cam_state_off};
+    cam_tick_record_t r;
+    cam_guard_t guard;
+    cam_spindle_t spindle;
+    uint32_t before = 0;
+    uint32_t after = atomic_load_explicit(&c->n_ticks, memory_order_acquire);
+    do { // a reader that was overtaken reads again
+        before = after;
+        const cam_tick_record_t *newest = atomic_load_explicit(&c->newest, memory_order_acquire);
+        r = newest != NULL ? *newest : nothing;
+        guard = c->guard;
+        spindle = c->spindle;
+        atomic_thread_fence(memory_order_acquire);
+        after = atomic_load_explicit(&c->n_ticks, memory_order_relaxed);
+    } while (after != before);
+    cam_status_t status = {
+        .tick = r.tick,
+        .config = r.config,
+        .request = r.in.request >> 8,
+        .state = r.want.state,
+        .faults = r.want.faults,
+        .first_fault = cam_guard_first(&guard),
+        .is_synced = r.angle.is_synced,
+        .is_retracted = r.want.is_retracted,
+        .inputs = r.in.inputs,
+        .pos_q32 = r.angle.pos_q32,
+        .speed_q32 = r.angle.speed_q32,
+        .z_nm = r.want.z_nm,
+        .u_set_q6 = r.want.u_set_q6,
+        .u_actual_nm = r.in.actual_nm[hal_axis_u],
+        .following_nm = cam_wrap_sub(r.in.actual_nm[hal_axis_u], r.want.u_due_q6 >> 6),
+        .n_late = spindle.n_late,
+        .max_period = spindle.max_period,
+    };
+    for (uint32_t i = 0; i < cam_n_faults; i++) {
+        status.fault_count[i] = cam_guard_count(&guard, (cam_fault_t)i);
+    }
+    return status;
+}

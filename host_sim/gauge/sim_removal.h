@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+/// sim_removal: metal removed per time slice, measured on the workpiece, and the forces of it.
+///
+///     dV = pi (blank^2 - radius^2) dz          of every tick, along the true tool path
+///     rate = V / dt,  power = kc rate          constant in equal-volume turning
+///     rate force = kc V / feed                 the papers' model: area cut in one slice
+///     chip force = kc mean depth feed          physical: section of the chip, whatever the speed
+///
+/// A slice ends with the first tick that is due: slices are dt on average, each counts with the
+/// length that it has.
+/// Ripple is (largest - least) / mean over the slices of one turn; only whole turns of which all
+/// samples were offered with `is_judged` count. Source: MATHS.md (29), (67).
+#ifndef SIM_REMOVAL_H
+#define SIM_REMOVAL_H
+
+#include <stdbool.h> // bool
+#include <stdint.h>  // uint64_t
+
+typedef struct {
+    double blank_mm; ///< radius of the blank
+    double feed_mm;  ///< per turn
+    double slice_s;  ///< [s] > 0
+    double kc_n_mm2; ///< specific cutting force
+} sim_removal_config_t;
+
+/// One finished slice.
+typedef struct {
+    double t_s;  ///< its middle
+    double turn; ///< [turn] spindle angle there, whole turns counted
+    double z_mm; ///< height at its end
+    double volume_mm3, rate_mm3_s, power_w, rate_force_n, chip_force_n;
+} sim_slice_t;
+
+/// Smallest, largest and sum of something.
+typedef struct {
+    double min, max, sum;
+    uint64_t n;
+} sim_spread_t;
+
+typedef struct {
+    sim_removal_config_t config;
+    sim_slice_t slice; ///< the last finished one
+    // the slice in the making
+    double begin_s, due_s, begin_turn, volume_mm3, depth_sum_mm, last_z_mm;
+    uint64_t n; ///< samples in it
+    bool is_running, is_clean;
+    // the turn in the making
+    double turn; ///< whole turns of its slices
+    bool is_whole;
+    sim_spread_t turn_rate, turn_force;
+    // all judged turns
+    double removed_mm3; ///< all samples
+    sim_spread_t rate, power, rate_force, chip_force, rate_ripple, force_ripple;
+} sim_removal_t;
+
+void sim_removal_init(sim_removal_t *r, const sim_removal_config_t *config);
+
+/// The tool cuts at a place.
+/// @param t_s        [s] rising
+/// @param turn       [turn] spindle angle in the sense of cutting, not wrapped
+/// @param is_judged  the feed is at its full value
+/// @return           true when a slice was finished: r->slice
+bool sim_removal_touch(sim_removal_t *r, double t_s, double turn, double z_mm, double radius_mm,
+                       bool is_judged);
+
+/// Count one more value.
+void sim_spread_add(sim_spread_t *s, double value);
+
+/// @return mean, 0 without samples
+double sim_spread_mean(const sim_spread_t *s);
+
+#endif

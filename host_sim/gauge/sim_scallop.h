@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+/// sim_scallop: the surface that a tool with a round nose leaves between its tracks.
+///
+///     left(phi, z) = min over all passes of  tip + r - sqrt(r^2 - (z - z_tip)^2)
+///
+/// on a window of heights, at angles of a 240th of a turn: wherever the tool passes one of them the
+/// circle of its nose cuts what it finds, the blank at first. Between two ticks the tip's height
+/// and its distance from the exact surface go linearly: below 0.01 nm and 1 nm of a skirt. The nose
+/// lies in the plane of the axis, its lowest point is the tip. What is proud of the exact surface
+/// is told for each place; a slope s of the surface lowers it by r s^2 / 2 everywhere (0.02 um for
+/// 0.8 mm and 0.0063) and leaves peak to valley as it is. Source: MATHS.md (65).
+#ifndef SIM_SCALLOP_H
+#define SIM_SCALLOP_H
+
+#include "sim_design.h" // sim_design_t
+#include <stdbool.h>    // bool
+
+enum { sim_scallop_angles = 240, sim_scallop_heights = 401 };
+
+typedef struct {
+    double nose_mm;                                          ///< radius; 0: nothing is made
+    double z_first_mm, z_last_mm;                            ///< the window, both ends in it
+    bool has_last;                                           ///< the pass before
+    double turn, z_mm, proud_mm;                             ///< ... and where it was
+    double left_mm[sim_scallop_angles][sim_scallop_heights]; ///< radius of the surface
+} sim_scallop_t;
+
+/// What the map comes to.
+typedef struct {
+    double highest_um, lowest_um; ///< largest and least peak to valley of an angle
+    double mean_um;               ///< of all places: proud of the exact surface
+} sim_scallop_figures_t;
+
+/// @param s         1 MB: allocate it
+/// @param nose_mm   radius of the nose; 0: all other calls do nothing
+/// @param blank_mm  radius of the blank
+void sim_scallop_init(sim_scallop_t *s, double nose_mm, double z_first_mm, double z_last_mm,
+                      double blank_mm);
+
+/// The tool tip is somewhere; passes less than half a turn apart, in the sense of cutting, cut.
+/// @param turn       [turn] 0 .. 1 from the long axis
+/// @param radius_mm  of the tip
+/// @param exact_mm   exact radius there
+void sim_scallop_touch(sim_scallop_t *s, sim_design_t *design, double turn, double z_mm,
+                       double radius_mm, double exact_mm);
+
+/// @return [mm] height of a row of the map
+double sim_scallop_height_mm(const sim_scallop_t *s, int height);
+
+/// @return [um] what is left above the exact surface at a place of the map
+double sim_scallop_proud_um(const sim_scallop_t *s, sim_design_t *design, int angle, int height);
+
+sim_scallop_figures_t sim_scallop_figures(const sim_scallop_t *s, sim_design_t *design);
+
+#endif

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+/// sim_design: the exact surface of the part in double, which the gauge measures against.
+///
+///     radius(phi, z) = a(z) - delta(phi, z),  phi from the long axis, G(z) = 2a - 2b
+///     ellipse          delta = a k sin^2 phi / (q (q + 1)),
+///                      k = (a^2 - b^2) / b^2, q = sqrt(1 + k sin^2 phi)
+///     cosine           delta = (G / 2) sin^2 phi
+///     double-ellipse   delta = (G / 4) ((1 - cos 2 phi) + (beta / 25) (1 - cos 4 phi))
+///     surface          delta from polynomial pieces (sim_surface.h)
+///     cam              another frame and gauge: sim_cam_design.h
+///
+/// a(z) and G(z) are piecewise cubics, clamped outside. They come from NAME.json, the report that
+/// the generator writes beside NAME.camtab, so the gauge is independent of table and firmware.
+/// Without the report the table itself, evaluated in double, can stand in; then errors of the table
+/// stay unseen. Source: MATHS.md (1) .. (4); rounding below 1e-5 nm.
+#ifndef SIM_DESIGN_H
+#define SIM_DESIGN_H
+
+#include "cam_table.h"      // cam_table_t
+#include "sim_cam_design.h" // sim_cam_design_t
+#include "sim_cubics.h"     // sim_cubics_t
+#include "sim_error.h"      // sim_error_t
+#include "sim_surface.h"    // sim_surface_t
+
+typedef enum {
+    sim_shape_ellipse,
+    sim_shape_cosine,
+    sim_shape_double_ellipse,
+    sim_shape_surface, ///< refitted and measured sections
+    sim_shape_cam,     ///< sim_cam_design.h; the radius over angle and height is not told
+    sim_shape_table,   ///< no report: the table's own quintics
+} sim_shape_t;
+
+typedef struct {
+    sim_shape_t shape;
+    double beta;
+    sim_cubics_t radius_mm, ovality_mm;
+    sim_surface_t surface;    ///< sim_shape_surface only
+    sim_cam_design_t cam;     ///< sim_shape_cam only
+    const cam_table_t *table; ///< sim_shape_table only
+    double z_first_mm, z_last_mm;
+    double largest_mm; ///< largest long half axis; of a cam base circle and lift
+    double at_z_mm;    ///< height of a, g
+    double a_mm, g_mm; ///< last look-up
+} sim_design_t;
+
+/// Read the report of a table.
+/// @param path   of NAME.json
+/// @param table  whose CRC-32 must be the report's
+/// @return       false and *e when it cannot be read, is malformed or belongs to another table
+bool sim_design_load(sim_design_t *d, const char *path, const cam_table_t *table, sim_error_t *e);
+
+/// Take the table's own knots, evaluated in double.
+/// @param table  checked; must outlive the design
+void sim_design_from_table(sim_design_t *d, const cam_table_t *table);
+
+void sim_design_free(sim_design_t *d);
+
+/// Exact radius of the part.
+/// @param turn  [turn] angle from the long axis in the sense of cutting, 0 .. 1
+/// @param z_mm  any; clamped to the part
+double sim_design_radius_mm(sim_design_t *d, double turn, double z_mm);
+
+/// @return [mm] long half axis at a height
+double sim_design_long_mm(sim_design_t *d, double z_mm);
+
+/// Find a(z) of the design's range by dense sampling. @return [mm] its largest value
+double sim_design_find_largest_mm(sim_design_t *d);
+
+/// @param shape  ellipse, cosine or double-ellipse
+/// @return [mm] reduction of the radius; s2 = sin^2 phi
+double sim_design_delta_mm(sim_shape_t shape, double beta, double a_mm, double g_mm, double s2);
+
+#endif

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+/// sim_design_table: a table's own surface in double, the same quintics without fixed-point
+/// rounding.
+#ifndef SIM_DESIGN_TABLE_H
+#define SIM_DESIGN_TABLE_H
+
+#include "cam_table.h" // cam_table_t
+
+/// @param turn  [turn] from the long axis in the sense of cutting
+/// @param z_mm  any; clamped to the channels
+/// @return      [mm] x - u. Source: TABLE_FORMAT.md, "Knots".
+double sim_design_table_radius_mm(const cam_table_t *t, double turn, double z_mm);
+
+/// @return speed of the spindle over its mean speed; 1 without that channel
+double sim_design_table_ratio(const cam_table_t *t, double turn, double z_mm);
+
+/// @return [mm] x alone
+double sim_design_table_long_mm(const cam_table_t *t, double z_mm);
+
+#endif

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+/// sim_controller: the firmware's parameters that fit a machine, and what a user changes of them.
+///
+///     k1 = 2 d / w, k2 = 1 / w^2           the inverse of the U drive (sim_drive.h)
+///     lead = dead time of U + half a tick  the mean age of a held command
+///     xz_lag = dead time + half a tick + 2 d / w of X and Z, mean of both
+///     swing_lag = dead time + half a tick + 2 d / w of the swing
+///     spindle_lag = 1 / bandwidth of the spindle, acceleration = torque / inertia
+///
+/// The limits are those of the machine; the following error may reach 0.1 mm (the firmware's
+/// default is 0.2); jitter widens the windows for the index and for jumps by seven times its rms.
+///
+/// A parameter that is given in [controller] of the machine file or by --set overrules the derived
+/// one, so that a mismatch between machine and controller can be studied.
+#ifndef SIM_CONTROLLER_H
+#define SIM_CONTROLLER_H
+
+#include "cam_param.h"   // cam_n_params
+#include "cam_table.h"   // cam_table_t
+#include "sim_error.h"   // sim_error_t
+#include "sim_machine.h" // sim_machine_config_t
+#include <stdbool.h>     // bool
+
+/// What the user wants; zero-initialised is nothing.
+typedef struct {
+    int32_t value[cam_n_params];
+    bool is_given[cam_n_params];
+} sim_wishes_t;
+
+/// Remember one wish.
+/// @param name    of a parameter of cam_param.h
+/// @param value   whole number within its range
+/// @param origin  for the message: file and section, or the option
+bool sim_wishes_add(sim_wishes_t *w, const char *name, double value, const char *origin,
+                    sim_error_t *e);
+
+/// @param params  filled completely
+/// @return        false and *e when a derived value is outside the range of its parameter
+bool sim_controller_params(cam_params_t *params, const sim_machine_config_t *machine,
+                           const cam_table_t *table, const sim_wishes_t *wishes, sim_error_t *e);
+
+#endif

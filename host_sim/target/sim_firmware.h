@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+/// sim_firmware: the controller as the simulator drives it, wherever it runs.
+///
+/// Either in this process, on the simulator's port, or on a target behind a wire (sim_remote.h):
+/// the same functions, the same answers to the bit. A target can be lost in the middle; then ticks
+/// return false, calls return cam_err_busy, and sim_firmware_is_lost() tells why. One at a time:
+/// the port is one per process.
+#ifndef SIM_FIRMWARE_H
+#define SIM_FIRMWARE_H
+
+#include "cam_machine.h" // cam_machine_t
+#include "cam_trace.h"   // cam_trace_t
+#include "hal_host.h"    // hal_host_tick
+#include "sim_error.h"   // sim_error_t
+#include "sim_remote.h"  // sim_remote_t
+#include <stdbool.h>     // bool
+#include <stddef.h>      // size_t
+
+typedef struct {
+    cam_machine_t machine; ///< in this process
+    sim_remote_t *remote;  ///< NULL: in this process
+    cam_status_t status;   ///< of the last tick
+} sim_firmware_t;
+
+/// Bring the controller into state off, after the machine is initialised.
+/// @param target  of sim_target.h, NULL: in this process
+/// @param image   path of its image, not used without a target
+/// @return        false and *e when the target does not start; nothing to close then
+bool sim_firmware_open(sim_firmware_t *f, const char *target, const char *image, sim_error_t *e);
+
+void sim_firmware_close(sim_firmware_t *f);
+
+/// @return true, and *e says why, when the target does not answer any more
+bool sim_firmware_is_lost(const sim_firmware_t *f, sim_error_t *e);
+
+/// One tick: hal_host.in -> hal_host.out. @return false when the target is lost
+static inline bool sim_firmware_tick(sim_firmware_t *f)
+{
+    if (f->remote != NULL) {
+        return sim_remote_tick(f->remote, &f->status);
+    }
+    hal_host_tick();
+    f->status = cam_machine_status(&f->machine);
+    return true;
+}
+
+/// @return where records of the ticks come from, by cam_trace_pop()
+static inline cam_trace_t *sim_firmware_trace(sim_firmware_t *f)
+{
+    return f->remote != NULL ? &f->remote->trace : &f->machine.core->trace;
+}
+
+// The slow side, as in cam_machine.h
+
+int32_t sim_firmware_param(sim_firmware_t *f, cam_param_id_t id);
+CAM_MUST_USE cam_err_t sim_firmware_set_param(sim_firmware_t *f, cam_param_id_t id, int32_t value);
+CAM_MUST_USE cam_err_t sim_firmware_select_table(sim_firmware_t *f, const void *image, size_t size);
+/// Of the speed that start would use.
+cam_feasibility_t sim_firmware_feasibility(sim_firmware_t *f);
+CAM_MUST_USE cam_err_t sim_firmware_enable(sim_firmware_t *f);
+CAM_MUST_USE cam_err_t sim_firmware_start(sim_firmware_t *f);
+CAM_MUST_USE cam_err_t sim_firmware_stop(sim_firmware_t *f);
+void sim_firmware_poll(sim_firmware_t *f);
+
+/// The lowest bit of a byte of the table image flips in the controller's memory.
+/// @param image  that was selected: the controller's memory when it runs in this process
+/// @param at     place within it
+void sim_firmware_flip(sim_firmware_t *f, uint8_t *image, size_t at);
+
+#endif

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+/// sim_remote: the firmware on a target, one exchange per tick or call (pil_wire.h).
+///
+/// The simulator's port stays the place of the machine: a tick sends what the port would have let
+/// the firmware sense, with its faults, and writes into it what the target answers.
+#ifndef SIM_REMOTE_H
+#define SIM_REMOTE_H
+
+#include "cam_trace.h"    // cam_trace_t
+#include "pil_wire.h"     // pil_answer_t
+#include "sim_emulator.h" // sim_emulator_t
+#include "sim_error.h"    // sim_error_t
+#include <stdbool.h>      // bool
+#include <stddef.h>       // size_t
+
+/// A request and what may stand behind it.
+typedef struct {
+    pil_request_t head;
+    uint8_t bytes[pil_chunk_bytes];
+} sim_remote_request_t;
+
+typedef struct {
+    sim_emulator_t emulator;
+    pil_hello_t hello;
+    sim_remote_request_t request;
+    pil_answer_t answer;
+    cam_trace_t trace; ///< records of the target that nobody has read yet
+    bool is_lost;      ///< error tells why
+    sim_error_t error;
+} sim_remote_t;
+
+/// Start the target with the rates of the simulator's port, its controller in state off.
+/// @param target  of sim_target.h
+/// @param image   path of its image
+/// @return        NULL and *e when it does not start or speaks otherwise
+sim_remote_t *sim_remote_open(const char *target, const char *image, sim_error_t *e);
+
+/// @param r  may be NULL
+void sim_remote_close(sim_remote_t *r);
+
+/// One tick.
+/// @param status  of the controller after it
+/// @return        false when the target is lost; *status is unchanged
+bool sim_remote_tick(sim_remote_t *r, cam_status_t *status);
+
+/// A call of the slow side.
+/// @return what the firmware returned, cam_err_busy when the target is lost
+cam_err_t sim_remote_call(sim_remote_t *r, pil_op_t op, uint32_t a, int32_t b);
+
+/// Send a table image and select it.
+/// @return as cam_machine_select_table(), cam_err_busy when the target is lost; an image that has
+///         no room there loses the target, with that reason
+cam_err_t sim_remote_select_table(sim_remote_t *r, const void *image, size_t size);
+
+#endif

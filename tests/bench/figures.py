@@ -1,0 +1,233 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The exact figures of the documents: how each is measured, and the record that documents quote.
+
+A case makes the table of a part, cuts it on the simulator and names some numbers of the table's
+report and of the cut's summary. Simulator and generator are deterministic, so a case gives the same
+numbers on every machine. The emulated cores write their counts themselves
+(BUILD/PRESET/tests/budget/figures.json); the benchmark of speed writes what depends on the machine.
+
+All of it is recorded in figures.json beside this file. A document quotes a figure as
+NUMBER<!--=KEY-->, which shows as the number alone; test_figures.py compares them all.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import subprocess
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parents[1]
+RECORD = HERE / "figures.json"
+BUILD = Path(os.environ.get("CAMTURN_BUILD", ROOT / "build" / "host")).parent
+CORES = {"m7": "mcu-qemu", "m4": "mcu-qemu-m4"}
+CORE_FIGURES = ("tick_max", "plan_tick_max", "mean", "tick_path", "plan_path", "stack_bytes")
+
+Figures = dict[str, float]
+
+
+@dataclass(frozen=True)
+class Case:
+    """A part, how it is cut, and the figures that are taken from it."""
+
+    name: str
+    part: str
+    arguments: tuple[str, ...] = ()
+    table: Mapping[str, str] = field(default_factory=dict)  # figure: place in NAME.json
+    cut: Mapping[str, str] = field(default_factory=dict)  # figure: place in the summary
+
+
+FORM = {"form_max_um": "form_error_um.max"}
+FORM_RMS = {"form_rms_um": "form_error_um.rms"}
+CAM_MACHINE = ("--machine", str(ROOT / "host_sim" / "machines" / "cam.toml"))
+LOBES = {f"lobe_{i}_max_um": f"cam.lobes.{i}.max_um" for i in range(3)}
+LOBE = {"max_um": "cam.lobes.0.max_um"}
+LOBE_RMS = {"rms_um": "cam.lobes.0.rms_um"}
+RIPPLE = {
+    "ripple_max_percent": "removal.rate_ripple.max",
+    "ripple_mean_percent": "removal.rate_ripple.mean",
+}
+
+CASES = (
+    Case(
+        "perkins240",
+        "perkins240",
+        table={
+            "bytes": "table_bytes",
+            "u_nm": "error.u.value_nm",
+            "x_nm": "error.x.value_nm",
+        },
+        cut=FORM | FORM_RMS | RIPPLE,
+    ),
+    Case("no_lead", "perkins240", ("--no-lead",), cut=FORM),
+    Case("no_feed_forward", "perkins240", ("--no-feed-forward",), cut=FORM),
+    Case("neither", "perkins240", ("--no-lead", "--no-feed-forward"), cut=FORM),
+    Case("k1_wrong", "perkins240", ("--set", "k1_ns=780000"), cut=FORM),
+    Case("rough", "perkins240", ("--machine", f"{ROOT}/host_sim/machines/rough.toml"), cut=FORM),
+    Case("piezo", "perkins240", ("--machine", f"{ROOT}/host_sim/machines/piezo.toml"), cut=FORM),
+    Case(
+        "equal_volume",
+        "perkins240_equal_volume",
+        table={"planned_percent": "equal_volume.ripple"},
+        cut=FORM | RIPPLE,
+    ),
+    Case(
+        "16v240zj",
+        "16v240zj",
+        table={"bytes": "table_bytes", "u_nm": "error.u.value_nm"},
+        cut=FORM,
+    ),
+    Case(
+        "ring_helix",
+        "perkins240_ring_helix",
+        ("--nose-mm", "0.8"),
+        cut=FORM | {"scallop_um": "scallop.peak_to_valley_max_um"},
+    ),
+    Case(
+        "cam_turned",
+        "cam-345",
+        CAM_MACHINE,
+        cut=LOBE
+        | LOBE_RMS
+        | {"rake_deg": "cam.rake_deg.max", "no_swing_deg": "cam.rake_deg.without_swing_max"},
+    ),
+    Case("cam_turned_120", "cam-345", (*CAM_MACHINE, "--rpm", "120"), cut=LOBE),
+    Case(
+        "cam_ground",
+        "cam-345-ground",
+        CAM_MACHINE,
+        cut=LOBE | LOBE_RMS | {"contact_mm_per_s": "cam.surface_speed_mm_s.max"},
+    ),
+    Case("cam_disc", "cam-disc", CAM_MACHINE, cut=LOBE),
+    Case("camshaft", "camshaft", CAM_MACHINE, cut=LOBES),
+)
+
+
+def _value(figure: str, tree: Any, place: str) -> float:  # noqa: ANN401 - JSON values
+    for step in place.split("."):
+        tree = tree[int(step)] if isinstance(tree, list) else tree[step]
+    return float(tree) * (100.0 if figure.endswith("_percent") else 1.0)
+
+
+def _run(*command: str | Path, most: int = 0) -> None:
+    done = subprocess.run([str(word) for word in command], capture_output=True, text=True, cwd=ROOT)
+    if not 0 <= done.returncode <= most:
+        raise SystemExit(f"{' '.join(map(str, command))}: {done.stderr.strip()}")
+
+
+def measure(case: Case) -> Figures:
+    """Return the figures of a case, by key.
+
+    Raises
+    ------
+    SystemExit
+        The table cannot be made, or the cut fails.
+    """
+    with TemporaryDirectory() as name:
+        folder = Path(name)
+        summary = folder / "summary.json"
+        _run(ROOT / "tools" / "mktables", ROOT / "tools/parts" / f"{case.part}.toml", "-o", folder)
+        table = next(folder.glob("*.camtab"))
+        if case.cut:
+            camsim = BUILD / "host" / "host_sim" / "camsim"
+            _run(camsim, "run", table, *case.arguments, "--summary", summary, most=1)
+        report = json.loads(table.with_suffix(".json").read_text())
+        found = {k: _value(k, report, place) for k, place in case.table.items()}
+        if case.cut:
+            told = json.loads(summary.read_text())
+            found |= {k: _value(k, told, place) for k, place in case.cut.items()}
+    return {f"{case.name}.{figure}": value for figure, value in found.items()}
+
+
+def core_figures(core: str) -> Figures:
+    """Return what the budget tests of an emulated core wrote, by key.
+
+    Raises
+    ------
+    FileNotFoundError
+        They have not run.
+    """
+    told = json.loads((BUILD / CORES[core] / "tests" / "budget" / "figures.json").read_text())
+    return {f"{core}.{figure}": float(told[figure]) for figure in CORE_FIGURES}
+
+
+def recorded() -> Figures:
+    """Return the record that documents quote."""
+    figures: Figures = json.loads(RECORD.read_text())
+    return figures
+
+
+def keep(figures: Figures) -> None:
+    """Put figures into the record; those of other keys stay."""
+    before = recorded() if RECORD.exists() else {}
+    RECORD.write_text(json.dumps(before | figures, indent=1, sort_keys=True) + "\n")
+
+
+# A number, spaces between groups of three digits allowed, and the key of its figure.
+_QUOTE = re.compile(r"(-?\d+(?: \d{3})*)(\.\d+)?<!--=([\w.]+)-->")
+
+
+def quotes(text: str) -> list[tuple[str, str]]:
+    """Return what a document quotes: the number as it is printed, and its key.
+
+    >>> quotes("form error 0.093<!--=a.form_um--> um, 436 672<!--=a.bytes--> bytes")
+    [('0.093', 'a.form_um'), ('436 672', 'a.bytes')]
+    """
+    return [(whole + decimals, key) for whole, decimals, key in _QUOTE.findall(text)]
+
+
+def printed(like: str, value: float) -> str:
+    """Return a value as a document prints it: decimals and groups as in another number.
+
+    >>> printed("0.093", 0.08811), printed("436 672", 28512.0)
+    ('0.088', '28 512')
+    """
+    decimals = len(like.partition(".")[2])
+    return f"{value:,.{decimals}f}".replace(",", " " if " " in like or value < 1e4 else "")
+
+
+def requoted(text: str, figures: Figures) -> str:
+    """Return a document with every figure as it is recorded."""
+
+    def one(match: re.Match[str]) -> str:
+        whole, decimals, key = match.groups(default="")
+        return f"{printed(whole + decimals, figures[key])}<!--={key}-->"
+
+    return _QUOTE.sub(one, text)
+
+
+def documents() -> list[Path]:
+    """Return every Markdown file of the repository."""
+    names = subprocess.check_output(("git", "ls-files", "*.md"), cwd=ROOT, text=True)
+    return [ROOT / name for name in names.split()]
+
+
+def main() -> int:
+    """Measure every case, take the cores' own counts, record it all, and mend the documents."""
+    for case in CASES:
+        figures = measure(case)
+        for key, value in figures.items():
+            print(f"{key:32} {value:.6g}")
+        keep(figures)
+    for core in CORES:
+        try:
+            keep(core_figures(core))
+        except FileNotFoundError as error:
+            print(f"not recorded: {error.filename} is not there; run ctest --preset {CORES[core]}")
+    figures = recorded()
+    for document in documents():
+        text = document.read_text()
+        if quotes(text):
+            document.write_text(requoted(text, figures))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Every figure that a document quotes is the recorded one, and the record is what is measured."""
+
+from __future__ import annotations
+
+import pytest
+from figures import CASES, CORES, Case, core_figures, documents, measure, printed, quotes, recorded
+
+
+def test_documents_quote_what_is_recorded() -> None:
+    """A number with a key is the record's, to the digits that are printed."""
+    figures = recorded()
+    wrong = [
+        f"{document.name}: {key} is {printed(number, figures[key])}, not {number}"
+        for document in documents()
+        for number, key in quotes(document.read_text())
+        if printed(number, figures[key]) != number
+    ]
+    assert not wrong, f"{wrong}; tests/bench/figures.py mends the documents"
+
+
+def test_every_recorded_figure_is_quoted() -> None:
+    """Nothing is recorded that no document tells, and no document tells what is not recorded."""
+    quoted = {key for document in documents() for _, key in quotes(document.read_text())}
+    assert quoted == set(recorded())
+
+
+def _assert_recorded(measured: dict[str, float]) -> None:
+    known = recorded()
+    # Decimals of the summary are those of a double: compilers may differ in the last ones.
+    assert {k: known[k] for k in measured} == pytest.approx(measured, rel=1e-6)
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
+def test_the_simulator_still_gives_the_recorded_figures(case: Case) -> None:
+    """Table and cut of a case come out as recorded, on any machine."""
+    _assert_recorded(measure(case))
+
+
+@pytest.mark.parametrize("core", CORES)
+def test_the_cores_still_give_the_recorded_figures(core: str) -> None:
+    """The budget tests of the emulated cores counted what is recorded."""
+    _assert_recorded(core_figures(core))

@@ -1,0 +1,172 @@
+# SPDX-License-Identifier: Apache-2.0
+"""tools/uml without its kernel: what it says of one that breaks down, and which one it takes."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+import kernel
+from camsim_cases import ROOT
+from kernel import UML, BrokenKernelError, NoKernelError
+
+FakeKernel = Callable[[str], None]
+BROKEN = 134
+PANIC = """\
+[    0.010000] Some message at boot
+[    0.620000] userspace - ptrace set fp regs failed, errno = 14
+[    0.620000] Kernel panic - not syncing: Attempted to kill init! exitcode=0x0000000b
+[    0.620000] CPU: 0 PID: 1 Comm: init Not tainted 6.1.0 #1
+"""
+CAUSE = "userspace - ptrace set fp regs failed, errno = 14; "
+DEATH = "Kernel panic - not syncing: Attempted to kill init! exitcode=0x0000000b"
+
+
+def uml(*words: str, root: Path = ROOT) -> subprocess.CompletedProcess[str]:
+    """Run tools/uml of a repository."""
+    command = [str(root / "tools" / "uml"), *words]
+    return subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+
+
+def say_version(folder: Path, version: str) -> None:
+    """Put an apt-cache in front that knows the kernel's source in a version."""
+    program = folder / "apt-cache"
+    program.write_text(f"#!/bin/sh\necho '  Candidate: {version}'\n")
+    program.chmod(0o755)
+
+
+@pytest.fixture
+def programs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Return a folder whose programs are found first; kernels lie in a folder of the test."""
+    folder = tmp_path / "programs"
+    folder.mkdir()
+    monkeypatch.setenv("PATH", f"{folder}:{os.environ['PATH']}")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    say_version(folder, "6.1.0-1")
+    return folder
+
+
+@pytest.fixture
+def fake_kernel(programs: Path) -> FakeKernel:
+    """Return a function that puts a text, executable, where the kernel would lie."""
+
+    def put(text: str) -> None:
+        path = Path(uml("path").stdout.strip())
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+        path.chmod(0o755)
+
+    return put
+
+
+def script(*lines: str) -> str:
+    """Return a kernel that is a shell script; its words set UML_FOLDER, as the real one's do."""
+    return "\n".join(["#!/bin/bash", 'export "${@: -1}"', *lines, ""])
+
+
+def panics(log: str = PANIC) -> str:
+    """Return lines of a kernel that says its log and dies as User-Mode Linux does."""
+    return f"cat >&2 <<'END'\n{log}END\nulimit -c 0\nkill -ABRT $$"
+
+
+@pytest.mark.parametrize(
+    ("log", "last_words"),
+    [
+        (PANIC, CAUSE + DEATH),
+        (PANIC.replace("\n", "\r\n"), CAUSE + DEATH),
+        (f"[    0.1] {DEATH}\n[    0.1] CPU: 0\n", DEATH),
+        ("Checking that ptrace can change system call numbers...\nptrace: no permission\n\n",
+         "ptrace: no permission"),
+        ("", "it said nothing"),
+    ],
+    ids=["panic", "carriage returns", "panic only", "no panic", "silent"],
+)  # fmt: skip
+def test_kernel_that_panics_has_the_last_word(
+    fake_kernel: FakeKernel, log: str, last_words: str
+) -> None:
+    """All that it said is shown, and the last line tells the panic and its cause."""
+    fake_kernel(script(panics(log)))
+    done = uml("run", "true")
+    assert done.returncode == BROKEN
+    assert done.stderr.startswith(log.replace("\r\n", "\n"))
+    said = f"camturn: tools/uml: the kernel broke down (exit status {BROKEN}): {last_words}"
+    assert done.stderr.splitlines()[-1] == said
+
+
+def test_file_that_is_no_kernel_is_said_to_be_none(fake_kernel: FakeKernel) -> None:
+    """A program that ends well without the command's status, and a file of another format."""
+    fake_kernel(script("exit 0"))
+    done = uml("run", "true")
+    assert done.returncode == BROKEN
+    assert done.stderr.endswith("broke down (exit status 0): it said nothing\n")
+    fake_kernel("\x7fELF, but no more than that\n")
+    done = uml("run", "true")
+    assert done.returncode == BROKEN
+    assert "broke down (exit status 12" in done.stderr
+    assert "it said nothing" not in done.stderr
+
+
+def test_status_of_the_command_counts_more_than_the_kernels_end(fake_kernel: FakeKernel) -> None:
+    """A panic when the kernel is switched off does not hide what the command said."""
+    fake_kernel(script('echo 7 >"$UML_FOLDER/status"', panics()))
+    assert uml("run", "true").returncode == 7
+
+
+def test_kernel_that_hangs_is_ended(fake_kernel: FakeKernel) -> None:
+    """Exit status 124, and how to give more time."""
+    fake_kernel(script("exec sleep 600"))
+    done = uml("run", "-t", "1", "true")
+    assert done.returncode == 124
+    assert done.stderr == "camturn: tools/uml: not done after 1 s; give more by -t\n"
+
+
+def test_tests_tell_the_kernels_last_words(
+    fake_kernel: FakeKernel, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """At the trial boot, and of a kernel that breaks down in a scenario."""
+    fake_kernel(script(panics()))
+    monkeypatch.setattr(kernel, "is_direct_possible", lambda: False)
+    with pytest.raises(BrokenKernelError, match="does not boot") as broken:
+        kernel.find_kernel()
+    assert str(broken.value).rstrip().endswith(CAUSE + DEATH)
+    own = kernel.Kernel(is_own=True)
+    result = own.play("whole_cut", {"out": str(tmp_path)}, is_virtual=True)
+    assert result.status == BROKEN
+    assert CAUSE + DEATH in result.report()
+
+
+def test_kernel_that_no_package_brings_is_missing(
+    programs: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The tests of the port are skipped then; the message tells the remedy."""
+    say_version(programs, "(none)")
+    monkeypatch.setattr(kernel, "is_direct_possible", lambda: False)
+    with pytest.raises(NoKernelError, match="run apt-get update"):
+        kernel.find_kernel()
+
+
+def test_version_configuration_and_each_patch_decide_which_kernel(
+    programs: Path, tmp_path: Path
+) -> None:
+    """Another of any of them is another file; the same again is the same file."""
+    root = tmp_path / "copy"
+    (root / "tools").mkdir(parents=True)
+    shutil.copy(UML, root / "tools")
+    shutil.copy(ROOT / "tools" / "setup.sh", root / "tools")
+    recipe = shutil.copytree(ROOT / "tools" / "linux_kernel", root / "tools" / "linux_kernel")
+    path = uml("path", root=root).stdout
+    assert path == uml("path").stdout
+    seen = {path}
+    patches = sorted(recipe.glob("*.patch"))
+    assert [patch.name for patch in patches] == ["gpio_sim.patch", "register_area.patch"]
+    for file in (recipe / "config", *patches):
+        file.write_text(file.read_text() + "\n")
+        seen.add(uml("path", root=root).stdout)
+    say_version(programs, "6.1.0-2")
+    seen.add(uml("path", root=root).stdout)
+    assert len(seen) == 5

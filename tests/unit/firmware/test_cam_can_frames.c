@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Apache-2.0
+// Frames that no tool should send: malformed, foreign, too many, random. The bytes are those of
+// camturn.dbc, written out.
+#include "cam_can.h"
+#include "expect_can.h"
+#include "fixture_can.h"
+#include "fixture_random.h"
+#include "hal_host.h"
+#include "unity.h"
+#include <string.h> // memcpy
+
+enum { enable = 1, get = 7 };
+
+static fixture_can_t f;
+static fixture_part_t part;
+
+void setUp(void)
+{
+    part = fixture_part_short();
+    fixture_can_init(&f, &part, 20000);
+    fixture_can_start(&f);
+}
+
+void tearDown(void) {}
+
+static fixture_answer_t answer_to(const hal_can_frame_t *frame)
+{
+    const uint32_t n_sent = hal_host.slow.n_sent;
+    (void)hal_host_can_receive(frame);
+    cam_can_poll(&f.can);
+    TEST_ASSERT_EQUAL_UINT32(n_sent + 1u, hal_host.slow.n_sent);
+    const hal_can_frame_t sent = fixture_can_sent(0x5C0);
+    TEST_ASSERT_EQUAL_UINT32(8, sent.n);
+    return fixture_can_answer(&sent);
+}
+
+static void test_malformed_frames_are_answered_and_do_nothing(void)
+{
+    static const uint32_t lengths[] = {0, 1, 2, 7, 12, 64};
+    for (uint32_t i = 0; i < sizeof lengths / sizeof lengths[0]; i++) {
+        const uint32_t n = lengths[i];
+        const hal_can_frame_t frame = {.id = 0x640, .n = n, .data = {enable, 9}};
+        const fixture_answer_t answer = answer_to(&frame);
+        TEST_ASSERT_EQUAL_INT32(cam_err_frame, answer.result);
+        TEST_ASSERT_EQUAL_UINT32(n > 0u ? enable : 0, answer.command);
+        TEST_ASSERT_EQUAL_UINT32(n > 1u ? 9 : 0, answer.index);
+        TEST_ASSERT_EQUAL_INT32(0, answer.value);
+    }
+    for (uint32_t at = 2; at < 4u; at++) {
+        hal_can_frame_t frame = {.id = 0x640, .n = 8, .data = {enable}};
+        frame.data[at] = 0x80;
+        TEST_ASSERT_EQUAL_INT32(cam_err_frame, answer_to(&frame).result);
+    }
+    fixture_can_loop(&f, 2);
+    TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_can_state(&f));
+}
+
+static void test_foreign_ids_are_passed_over(void)
+{
+    const uint32_t n_sent = hal_host.slow.n_sent;
+    static const uint32_t ids[] = {0, 0x63F, 0x641, 0x5C0, 0x1C0, 0x6C1, 0x540, 0x7FF};
+    for (uint32_t i = 0; i < sizeof ids / sizeof ids[0]; i++) {
+        fixture_can_receive(ids[i], 8, enable, 0, 0);
+    }
+    cam_can_poll(&f.can);
+    TEST_ASSERT_EQUAL_UINT32(n_sent, hal_host.slow.n_sent);
+    fixture_can_receive(0x123, 8, enable, 0, 0);
+    expect_answer(&f, cam_ok, 0, enable, 0, 0); // behind a foreign one, in the same poll
+}
+
+static void test_a_flood_of_foreign_ids_does_not_hold_up_a_poll(void)
+{
+    for (uint32_t i = 0; i < hal_host_can_frames; i++) {
+        fixture_can_receive(0x123, 8, 0, 0, 0);
+    }
+    const uint32_t n_read = hal_host.slow.n_read;
+    cam_can_poll(&f.can);
+    TEST_ASSERT_EQUAL_UINT32(n_read + 8u, hal_host.slow.n_read);
+    cam_can_poll(&f.can);
+    TEST_ASSERT_EQUAL_UINT32(hal_host.slow.n_received, hal_host.slow.n_read);
+}
+
+static void test_one_command_per_poll(void)
+{
+    fixture_can_receive(0x640, 8, get, 0, 0);
+    fixture_can_receive(0x640, 8, get, 1, 0);
+    const uint32_t n_sent = hal_host.slow.n_sent;
+    cam_can_poll(&f.can);
+    TEST_ASSERT_EQUAL_UINT32(n_sent + 1u, hal_host.slow.n_sent);
+    cam_can_poll(&f.can);
+    TEST_ASSERT_EQUAL_UINT32(n_sent + 2u, hal_host.slow.n_sent);
+}
+
+/// A frame that looks like one of ours, more or less.
+static hal_can_frame_t random_frame(fixture_random_t *r)
+{
+    static const uint32_t lengths[] = {8, 8, 8, 8, 0, 1, 3, 7, 12, 64};
+    hal_can_frame_t frame = {.id = (fixture_random_u32(r) & 1u) != 0u ? 0x640 : 0x6C0};
+    frame.n = lengths[fixture_random_u32(r) % 10u];
+    for (uint32_t i = 0; i < frame.n; i++) {
+        frame.data[i] = (uint8_t)fixture_random_u32(r);
+    }
+    if (frame.id == 0x640u) {
+        frame.data[0] %= 20u;
+        frame.data[1] %= 48u;
+        frame.data[2] &= frame.data[2] % 8u == 0u ? 1u : 0u;
+        frame.data[3] = 0;
+        frame.data[6] &= (fixture_random_u32(r) & 1u) != 0u ? 0u : 0xFFu;
+        frame.data[7] = frame.data[6] == 0u ? 0u : frame.data[7];
+    } else {
+        frame.data[0] &= 0x3Fu;
+    }
+    return frame;
+}
+
+static void test_whatever_comes_is_answered_or_passed_over(void)
+{
+    fixture_random_t r = {.state = 20240607};
+    static uint8_t before[sizeof f.rig.image.bytes];
+    memcpy(before, f.rig.image.bytes, sizeof before);
+    for (uint32_t i = 0; i < 30000u; i++) {
+        const hal_can_frame_t frame = random_frame(&r);
+        const uint32_t n_sent = hal_host.slow.n_sent;
+        TEST_ASSERT_TRUE(hal_host_can_receive(&frame));
+        cam_can_poll(&f.can);
+        if (frame.id == 0x640u) {
+            TEST_ASSERT_GREATER_THAN_UINT32(n_sent, hal_host.slow.n_sent);
+        }
+        fixture_rig_tick(&f.rig);
+        for (int k = 0; k < cam_n_params; k++) { // what was set is in its range
+            const cam_param_info_t *info = cam_param_info((cam_param_id_t)k);
+            const int32_t value = cam_param_get(&f.rig.machine.params, (cam_param_id_t)k);
+            TEST_ASSERT_TRUE(value >= info->min && value <= info->max);
+        }
+        TEST_ASSERT_TRUE(f.can.isotp.n <= f.can.isotp.length || !f.can.isotp.is_receiving);
+        TEST_ASSERT_TRUE(f.can.store.received <= f.can.store.size);
+    }
+    TEST_ASSERT_EQUAL_PTR(f.rig.image.bytes, hal_table_image().bytes);
+    TEST_ASSERT_EQUAL_MEMORY(before, f.rig.image.bytes, sizeof before);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_malformed_frames_are_answered_and_do_nothing);
+    RUN_TEST(test_foreign_ids_are_passed_over);
+    RUN_TEST(test_a_flood_of_foreign_ids_does_not_hold_up_a_poll);
+    RUN_TEST(test_one_command_per_poll);
+    RUN_TEST(test_whatever_comes_is_answered_or_passed_over);
+    return UNITY_END();
+}

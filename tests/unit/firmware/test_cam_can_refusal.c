@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: Apache-2.0
+// Downloads that are refused: too long, damaged, wrong, in a wrong state, into memory that fails.
+// All leave the old table in force.
+#include "cam_can.h"
+#include "expect_can.h"
+#include "fixture_download.h"
+#include "hal_host.h"
+#include "unity.h"
+
+enum { enable = 1, disable = 2 };
+
+static fixture_download_t d;
+
+void setUp(void)
+{
+    fixture_download_init(&d);
+}
+
+void tearDown(void) {}
+
+static void expect_wrong(cam_err_t err, uint32_t crc)
+{
+    expect_begin(&d);
+    expect_blocks(&d, 0, fixture_download_blocks(&d));
+    TEST_ASSERT_EQUAL_INT32(err, fixture_download_send(&d, fixture_end, crc).result);
+    TEST_ASSERT_EQUAL_INT32(cam_err_download_order,
+                            fixture_download_send(&d, fixture_end, crc).result);
+    expect_old_in_force(&d);
+}
+
+static void test_damaged_and_wrong_images_are_refused(void)
+{
+    expect_wrong(cam_err_download_crc, fixture_download_crc(&d) ^ 1u);
+    d.other.bytes[3000] ^= 4u;
+    expect_wrong(cam_err_image_crc, fixture_download_crc(&d));
+    d.other.bytes[3000] ^= 4u;
+    fixture_image_put(&d.other, fixture_at_version, 2);
+    fixture_image_seal(&d.other);
+    expect_wrong(cam_err_image_version, fixture_download_crc(&d));
+    d.other.bytes[0] ^= 1u;
+    expect_wrong(cam_err_image_magic, fixture_download_crc(&d));
+}
+
+static void test_sizes_that_cannot_be_are_refused(void)
+{
+    TEST_ASSERT_EQUAL_INT32(cam_err_image_size, fixture_download_send(&d, fixture_begin, 0).result);
+    TEST_ASSERT_EQUAL_INT32(cam_err_image_size,
+                            fixture_download_send(&d, fixture_begin, 127).result);
+    TEST_ASSERT_EQUAL_INT32(
+        cam_err_download_room,
+        fixture_download_send(&d, fixture_begin, hal_host_place_bytes + 1).result);
+    TEST_ASSERT_EQUAL_INT32(cam_err_download_room,
+                            fixture_download_send(&d, fixture_begin, UINT32_MAX).result);
+    expect_block(&d, cam_err_download_order, 0, 512, 0);
+    expect_old_in_force(&d);
+}
+
+static void test_blocks_beyond_the_end_are_refused(void)
+{
+    TEST_ASSERT_EQUAL_INT32(cam_ok, fixture_download_send(&d, fixture_begin, 1000).result);
+    expect_block(&d, cam_ok, 0, 512, 512);
+    expect_block(&d, cam_err_download_room, 512, 489, 512);
+    expect_block(&d, cam_err_download_room, 1024, 8, 512);
+    uint8_t message[8] = {0xFF, 0xFF, 0xFF, 0xFF, 1};
+    fixture_download_message(&d, message, 8, 0);
+    const hal_can_frame_t frame = fixture_can_sent(0x5C0);
+    TEST_ASSERT_EQUAL_INT32(cam_err_download_room, fixture_can_answer(&frame).result);
+    expect_block(&d, cam_ok, 512, 488, 1000);
+    TEST_ASSERT_EQUAL_INT32(
+        cam_err_image_size,
+        fixture_download_send(&d, fixture_end, cam_crc32(0, d.other.bytes, 1000)).result);
+    expect_old_in_force(&d);
+}
+
+static void test_a_block_too_long_for_the_controller_is_told_by_flow_control(void)
+{
+    expect_begin(&d);
+    static const uint8_t data[8] = {0x10, 0, 0, 0, 0x10, 0x05}; // 4101
+    (void)fixture_download_frame(&d, data, 8);
+    const hal_can_frame_t frame = fixture_can_sent(0x540);
+    TEST_ASSERT_EQUAL_UINT32(3, frame.n);
+    TEST_ASSERT_EQUAL_HEX8(0x32, frame.data[0]);
+}
+
+static void test_memory_that_fails_leaves_the_old_table(void)
+{
+    hal_host.slow.n_store = 0;
+    TEST_ASSERT_EQUAL_INT32(
+        cam_err_download_room,
+        fixture_download_send(&d, fixture_begin, (uint32_t)d.other.size).result);
+    for (uint32_t n = 0; n < fixture_download_blocks(&d); n++) {
+        hal_host.slow.n_store = 1u + n;
+        expect_begin(&d);
+        expect_blocks(&d, 0, n);
+        expect_block(&d, cam_err_download_store, n * fixture_block_bytes,
+                     fixture_download_bytes(&d, n), n * fixture_block_bytes);
+        hal_host.slow.n_store = UINT32_MAX;
+        expect_block(&d, cam_err_download_order, n * fixture_block_bytes,
+                     fixture_download_bytes(&d, n), n * fixture_block_bytes);
+    }
+    expect_begin(&d);
+    expect_blocks(&d, 0, fixture_download_blocks(&d));
+    TEST_ASSERT_EQUAL_INT32(
+        cam_ok, fixture_download_send(&d, fixture_end, fixture_download_crc(&d)).result);
+    hal_host.slow.n_store = 0;
+    for (int i = 0; i < 2; i++) { // never the old one instead
+        TEST_ASSERT_EQUAL_INT32(cam_err_download_store,
+                                fixture_download_send(&d, fixture_select, 0).result);
+        TEST_ASSERT_EQUAL_STRING("short skirt", d.can.rig.machine.table.name);
+    }
+    TEST_ASSERT_EQUAL_PTR(d.can.rig.image.bytes, hal_table_image().bytes);
+    hal_host.slow.n_store = UINT32_MAX;
+    TEST_ASSERT_EQUAL_INT32(cam_ok, fixture_download_send(&d, fixture_select, 0).result);
+    TEST_ASSERT_EQUAL_STRING("other skirt", d.can.rig.machine.table.name);
+}
+
+static void test_a_download_goes_on_in_off_only(void)
+{
+    expect_begin(&d);
+    expect_blocks(&d, 0, 2);
+    TEST_ASSERT_TRUE(fixture_rig_bring(&d.can.rig, cam_state_ready));
+    expect_block(&d, cam_err_state, 2 * fixture_block_bytes, fixture_block_bytes,
+                 2 * fixture_block_bytes);
+    TEST_ASSERT_EQUAL_INT32(
+        cam_err_state, fixture_download_send(&d, fixture_begin, (uint32_t)d.other.size).result);
+    TEST_ASSERT_EQUAL_INT32(
+        cam_err_state, fixture_download_send(&d, fixture_end, fixture_download_crc(&d)).result);
+    TEST_ASSERT_EQUAL_INT32(cam_ok, fixture_download_send(&d, disable, 0).result);
+    fixture_can_loop(&d.can, 2);
+    expect_blocks(&d, 2, fixture_download_blocks(&d));
+    TEST_ASSERT_EQUAL_INT32(
+        cam_ok, fixture_download_send(&d, fixture_end, fixture_download_crc(&d)).result);
+    TEST_ASSERT_TRUE(fixture_rig_bring(&d.can.rig, cam_state_ready));
+    TEST_ASSERT_EQUAL_INT32(cam_err_state, fixture_download_send(&d, fixture_select, 0).result);
+    TEST_ASSERT_EQUAL_STRING("short skirt", d.can.rig.machine.table.name);
+    TEST_ASSERT_EQUAL_INT32(cam_ok, fixture_download_send(&d, disable, 0).result);
+    fixture_can_loop(&d.can, 2);
+    TEST_ASSERT_EQUAL_INT32(cam_ok, fixture_download_send(&d, fixture_select, 0).result);
+    TEST_ASSERT_EQUAL_STRING("other skirt", d.can.rig.machine.table.name);
+}
+
+static void test_the_cut_refuses_everything(void)
+{
+    expect_begin(&d);
+    expect_blocks(&d, 0, fixture_download_blocks(&d));
+    TEST_ASSERT_EQUAL_INT32(
+        cam_ok, fixture_download_send(&d, fixture_end, fixture_download_crc(&d)).result);
+    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&d.can.rig, cam_param_lead_ns, 50000));
+    TEST_ASSERT_TRUE(fixture_rig_bring(&d.can.rig, cam_state_cutting));
+    TEST_ASSERT_EQUAL_INT32(
+        cam_err_state, fixture_download_send(&d, fixture_begin, (uint32_t)d.other.size).result);
+    expect_block(&d, cam_err_state, 0, fixture_block_bytes, (uint32_t)d.other.size);
+    TEST_ASSERT_EQUAL_INT32(
+        cam_err_state, fixture_download_send(&d, fixture_end, fixture_download_crc(&d)).result);
+    TEST_ASSERT_EQUAL_INT32(cam_err_state, fixture_download_send(&d, fixture_select, 0).result);
+    TEST_ASSERT_EQUAL_INT(cam_state_cutting, fixture_rig_status(&d.can.rig).state);
+}
+
+static void test_a_command_on_its_way_makes_it_wait(void)
+{
+    fixture_can_receive(0x640, 8, enable, 0, 0);
+    fixture_can_receive(0x640, 8, fixture_begin, 0, (int32_t)d.other.size);
+    cam_can_poll(&d.can.can);
+    cam_can_poll(&d.can.can); // no tick between them
+    const hal_can_frame_t frame = fixture_can_sent(0x5C0);
+    TEST_ASSERT_EQUAL_INT32(cam_err_busy, fixture_can_answer(&frame).result);
+}
+
+static void test_a_table_in_use_is_not_overwritten_after_a_select_that_failed(void)
+{
+    expect_begin(&d);
+    expect_blocks(&d, 0, fixture_download_blocks(&d));
+    TEST_ASSERT_EQUAL_INT32(
+        cam_ok, fixture_download_send(&d, fixture_end, fixture_download_crc(&d)).result);
+    ((uint8_t *)(uintptr_t)hal_table_staged().bytes)[2000] ^= 1u; // the memory forgets
+    TEST_ASSERT_EQUAL_INT32(cam_err_image_crc, fixture_download_send(&d, fixture_select, 0).result);
+    TEST_ASSERT_EQUAL_STRING("short skirt", d.can.rig.machine.table.name);
+    TEST_ASSERT_EQUAL_INT32(
+        cam_err_state, fixture_download_send(&d, fixture_begin, (uint32_t)d.other.size).result);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_damaged_and_wrong_images_are_refused);
+    RUN_TEST(test_sizes_that_cannot_be_are_refused);
+    RUN_TEST(test_blocks_beyond_the_end_are_refused);
+    RUN_TEST(test_a_block_too_long_for_the_controller_is_told_by_flow_control);
+    RUN_TEST(test_memory_that_fails_leaves_the_old_table);
+    RUN_TEST(test_a_download_goes_on_in_off_only);
+    RUN_TEST(test_the_cut_refuses_everything);
+    RUN_TEST(test_a_command_on_its_way_makes_it_wait);
+    RUN_TEST(test_a_table_in_use_is_not_overwritten_after_a_select_that_failed);
+    return UNITY_END();
+}

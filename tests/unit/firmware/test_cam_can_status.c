@@ -1,0 +1,384 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the controller says of itself: status frames and their period, lines for people.
+#include "cam_can.h"
+#include "fixture_can.h"
+#include "hal_host.h"
+#include "unity.h"
+#include <stdio.h>  // snprintf
+#include <string.h> // strlen, memset
+
+static fixture_can_t f;
+static fixture_part_t part;
+
+static void begin(uint32_t tick_hz)
+{
+    part = fixture_part_short();
+    fixture_can_init(&f, &part, tick_hz);
+    fixture_can_start(&f);
+}
+
+void setUp(void)
+{
+    begin(20000);
+}
+
+void tearDown(void) {}
+
+static void to_cutting(void)
+{
+    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&f.rig, cam_param_lead_ns, 50000));
+    TEST_ASSERT_TRUE(fixture_rig_bring(&f.rig, cam_state_cutting));
+}
+
+/// Five frames, in one poll, with these ids and eight bytes each.
+static void expect_status_at(uint32_t n_sent)
+{
+    static const uint32_t ids[] = {0x1C0, 0x2C0, 0x3C0, 0x4C0, 0x4C0};
+    TEST_ASSERT_EQUAL_UINT32(n_sent + 5u, hal_host.slow.n_sent);
+    for (uint32_t i = 0; i < 5u; i++) {
+        const hal_can_frame_t *frame = &hal_host.slow.sent[(n_sent + i) % hal_host_can_frames];
+        TEST_ASSERT_EQUAL_HEX32(ids[i], frame->id);
+        TEST_ASSERT_EQUAL_UINT32(8, frame->n);
+    }
+}
+
+static void test_status_comes_every_ten_milliseconds(void)
+{
+    static const uint32_t rates_hz[] = {500, 8000, 20000, 100000};
+    for (uint32_t i = 0; i < sizeof rates_hz / sizeof rates_hz[0]; i++) {
+        begin(rates_hz[i]);
+        for (uint32_t k = 0; k < 5u; k++) {
+            const uint32_t n_sent = hal_host.slow.n_sent;
+            for (uint32_t tick = 0; tick < rates_hz[i] / 100u; tick++) {
+                cam_can_poll(&f.can);
+                TEST_ASSERT_EQUAL_UINT32(n_sent, hal_host.slow.n_sent);
+                fixture_rig_tick(&f.rig);
+            }
+            cam_can_poll(&f.can);
+            cam_can_poll(&f.can); // not twice
+            expect_status_at(n_sent);
+        }
+    }
+}
+
+static void test_status_keeps_its_period_across_the_wrap_of_the_tick(void)
+{
+    g_cam.n_ticks = UINT32_MAX - 449u; // ticks of the interrupt
+    f.can.report.status_tick = UINT32_MAX - 449u;
+    fixture_rig_tick(&f.rig);
+    const uint32_t n_sent = hal_host.slow.n_sent;
+    fixture_can_loop(&f, 2001);
+    TEST_ASSERT_EQUAL_UINT32(n_sent + 5u * 10u, hal_host.slow.n_sent);
+}
+
+static void test_periods_without_a_poll_are_skipped(void)
+{
+    fixture_rig_ticks(&f.rig, 1100);
+    const uint32_t n_sent = hal_host.slow.n_sent;
+    cam_can_poll(&f.can);
+    cam_can_poll(&f.can);
+    expect_status_at(n_sent);
+}
+
+static void test_a_late_poll_does_not_stretch_the_period(void)
+{
+    fixture_rig_ticks(&f.rig, 250); // 50 late
+    const uint32_t n_sent = hal_host.slow.n_sent;
+    cam_can_poll(&f.can);
+    fixture_rig_ticks(&f.rig, 150);
+    cam_can_poll(&f.can);
+    TEST_ASSERT_EQUAL_UINT32(n_sent + 10u, hal_host.slow.n_sent);
+}
+
+static void test_status_that_finds_no_room_is_lost_without_harm(void)
+{
+    hal_host.slow.n_room = 1;
+    const uint32_t n_sent = hal_host.slow.n_sent;
+    fixture_can_loop(&f, 400);
+    TEST_ASSERT_EQUAL_UINT32(n_sent + 1u, hal_host.slow.n_sent);
+    hal_host.slow.n_room = 100;
+    fixture_can_loop(&f, 200);
+    expect_status_at(n_sent + 1u);
+}
+
+static void test_status_tells_state_reset_and_faults(void)
+{
+    hal_host.slow.start.reset = hal_reset_brown_out;
+    fixture_can_start(&f);
+    to_cutting();
+    hal_host_fault_estop(true);
+    fixture_can_loop(&f, 300);
+    const hal_can_frame_t frame = fixture_can_sent(0x1C0);
+    TEST_ASSERT_EQUAL_UINT8(cam_state_fault, frame.data[0]);
+    TEST_ASSERT_EQUAL_UINT8(hal_reset_brown_out, frame.data[1]);
+    TEST_ASSERT_EQUAL_INT32(cam_ok, fixture_can_i16(&frame, 2));
+    TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(estop), fixture_can_i32(&frame, 4));
+}
+
+static void test_status_tells_speed_and_height(void)
+{
+    to_cutting();
+    fixture_can_loop(&f, 1000);
+    hal_can_frame_t frame = fixture_can_sent(0x2C0);
+    TEST_ASSERT_INT32_WITHIN(250, 2500000, fixture_can_i32(&frame, 0));
+    frame = fixture_can_detail(0);
+    const int32_t z_nm = fixture_can_i32(&frame, 4);
+    TEST_ASSERT_GREATER_THAN_INT32(part.z_first_nm, z_nm);
+    TEST_ASSERT_LESS_OR_EQUAL_INT32(part.z_last_nm, z_nm);
+}
+
+/// Let the interrupt publish a speed and a height, and read them back from the bus.
+static hal_can_frame_t motion_of(uint32_t tick_hz, int32_t speed_q32, int32_t z_nm)
+{
+    begin(tick_hz);
+    static cam_tick_record_t record;
+    record = *g_cam.newest;
+    record.tick += tick_hz;
+    record.angle.speed_q32 = speed_q32;
+    record.want.z_nm = z_nm;
+    g_cam.newest = &record;
+    g_cam.spindle.n_late = 0x89ABCDEFu;
+    cam_can_poll(&f.can);
+    record.tick += tick_hz;
+    cam_can_poll(&f.can);
+    return fixture_can_sent(0x2C0);
+}
+
+static void test_speed_is_rounded_signed_and_saturated(void)
+{
+    static const struct {
+        uint32_t tick_hz;
+        int32_t speed_q32, mrpm;
+    } cases[] = {
+        {20000, 8947849, 2500000}, // 2 500 000.1
+        {20000, -8947849, -2500000},
+        {20000, 2, 1}, // 0.56
+        {20000, 1, 0}, // 0.28
+        {20000, -1, 0},
+        {20000, -2, -1},
+        {500, INT32_MAX, 15000000},
+        {500, INT32_MIN, -15000000},
+        {100000, INT32_MAX, INT32_MAX},
+        {100000, INT32_MIN, INT32_MIN},
+    };
+    for (uint32_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        const hal_can_frame_t frame = motion_of(cases[i].tick_hz, cases[i].speed_q32, -7654321);
+        TEST_ASSERT_EQUAL_INT32(cases[i].mrpm, fixture_can_i32(&frame, 0));
+        const hal_can_frame_t z = fixture_can_detail(0);
+        TEST_ASSERT_EQUAL_INT32(-7654321, fixture_can_i32(&z, 4));
+        const hal_can_frame_t rate = fixture_can_detail(2);
+        TEST_ASSERT_EQUAL_HEX32(cases[i].tick_hz << 8 | 2u, fixture_can_i32(&rate, 0));
+        TEST_ASSERT_EQUAL_HEX32(0x89ABCDEF, fixture_can_i32(&rate, 4));
+    }
+}
+
+/// Let all pages of Detail come; the port keeps the last of them.
+static void turn_pages(uint8_t page)
+{
+    fixture_can_loop(&f, 1);
+    for (uint32_t i = 0; i < 20u * 200u && fixture_can_detail(page).id == 0u; i++) {
+        fixture_can_loop(&f, 1);
+    }
+    TEST_ASSERT_EQUAL_HEX32(0x4C0, fixture_can_detail(page).id);
+}
+
+static void expect_longest_tick(uint32_t cycles, uint32_t cycles_hz, uint32_t ns)
+{
+    hal_host.slow.load = (hal_load_t){.max_cycles = cycles, .cycles_hz = cycles_hz};
+    hal_host.slow.n_sent = 0;
+    memset(hal_host.slow.sent, 0, sizeof hal_host.slow.sent);
+    turn_pages(1);
+    const hal_can_frame_t frame = fixture_can_detail(1);
+    TEST_ASSERT_EQUAL_HEX32(ns, fixture_can_i32(&frame, 4));
+}
+
+static void test_status_tells_the_longest_tick(void)
+{
+    expect_longest_tick(4800, 480000000, 10000);
+    expect_longest_tick(0xFEDCBA98u, 400000000, UINT32_MAX); // more than can be told
+    expect_longest_tick(1, 480000000, 2);
+    expect_longest_tick(77, 0, 0); // not measured
+}
+
+static void test_status_tells_late_ticks(void)
+{
+    to_cutting();
+    hal_host_fault_late(80);
+    fixture_rig_tick(&f.rig);
+    turn_pages(2);
+    const hal_can_frame_t frame = fixture_can_detail(2);
+    TEST_ASSERT_EQUAL_INT32(1, fixture_can_i32(&frame, 4));
+}
+
+static void test_status_tells_u(void)
+{
+    to_cutting();
+    f.rig.u_error_nm = 4321;
+    fixture_can_loop(&f, 1000);
+    const cam_status_t status = fixture_rig_status(&f.rig);
+    TEST_ASSERT_EQUAL_INT(cam_state_cutting, status.state);
+    static cam_tick_record_t record;
+    record = *g_cam.newest;
+    record.tick += 20000u;
+    g_cam.newest = &record;
+    cam_can_poll(&f.can);
+    const hal_can_frame_t u = fixture_can_sent(0x3C0);
+    TEST_ASSERT_INT32_WITHIN(1, status.u_set_q6 / 64, fixture_can_i32(&u, 0));
+    TEST_ASSERT_EQUAL_INT32(status.u_actual_nm, fixture_can_i32(&u, 4));
+    const hal_can_frame_t detail = fixture_can_detail(0);
+    TEST_ASSERT_EQUAL_INT32(status.following_nm, fixture_can_i32(&detail, 0) >> 8);
+    TEST_ASSERT_INT32_WITHIN(100, 4321, status.following_nm);
+    const hal_can_frame_t spindle = fixture_can_sent(0x2C0);
+    TEST_ASSERT_EQUAL_HEX32((uint32_t)(uint64_t)status.pos_q32, fixture_can_i32(&spindle, 4));
+}
+
+static void test_status_tells_inputs_and_that_the_angle_is_known(void)
+{
+    turn_pages(1);
+    hal_can_frame_t frame = fixture_can_detail(1);
+    TEST_ASSERT_EQUAL_HEX8(8, frame.data[1] & 0xDu); // drives ready, no angle, no stop
+    frame = fixture_can_sent(0x2C0);
+    TEST_ASSERT_EQUAL_HEX32(0, fixture_can_i32(&frame, 4));
+    TEST_ASSERT_TRUE(fixture_rig_bring(&f.rig, cam_state_ready));
+    hal_host.slow.n_sent = 0;
+    memset(hal_host.slow.sent, 0, sizeof hal_host.slow.sent);
+    turn_pages(1);
+    frame = fixture_can_detail(1);
+    TEST_ASSERT_EQUAL_HEX8(9, frame.data[1] & 0xDu);
+}
+
+static void test_status_tells_the_table(void)
+{
+    char name[37] = "";
+    for (uint8_t i = 0; i < 6u; i++) {
+        turn_pages((uint8_t)(5u + i));
+        memcpy(name + 6 * i, fixture_can_detail((uint8_t)(5u + i)).data + 2, 6);
+    }
+    TEST_ASSERT_EQUAL_STRING("short skirt", name);
+    turn_pages(3);
+    hal_can_frame_t frame = fixture_can_detail(3);
+    TEST_ASSERT_EQUAL_HEX32(1u << 8 | 3u, fixture_can_i32(&frame, 0)); // generation
+    TEST_ASSERT_EQUAL_UINT32(f.rig.image.size, fixture_can_i32(&frame, 4));
+    turn_pages(4);
+    frame = fixture_can_detail(4);
+    TEST_ASSERT_EQUAL_HEX32(f.rig.machine.table.crc32, fixture_can_i32(&frame, 4));
+}
+
+static void test_without_a_table_there_is_nothing_to_tell_of_it(void)
+{
+    hal_host.slow.table.size = 0;
+    fixture_can_start(&f);
+    turn_pages(3);
+    const hal_can_frame_t frame = fixture_can_detail(3);
+    static const uint8_t bytes[] = {3, 0, 0, 0, 0, 0, 0, 0};
+    TEST_ASSERT_EQUAL_MEMORY(bytes, frame.data, sizeof bytes);
+}
+
+static void expect_start(const char *line, hal_reset_t reset, const char *why)
+{
+    hal_host.slow.start = (hal_start_t){.reset = reset, .why = why};
+    fixture_can_start(&f);
+    TEST_ASSERT_EQUAL_STRING(line, fixture_can_line(1));
+}
+
+static void test_start_is_told_with_its_reason(void)
+{
+    expect_start("start: power on", hal_reset_power_on, NULL);
+    expect_start("start: reset pin", hal_reset_pin, "");
+    expect_start("start: software reset", hal_reset_software, "");
+    expect_start("start: halt: main: it broke", hal_reset_halt, "main: it broke");
+    expect_start("start: watchdog reset", hal_reset_watchdog, "");
+    expect_start("start: watchdog reset: it broke before", hal_reset_watchdog, "it broke before");
+    expect_start("start: brown-out reset", hal_reset_brown_out, "");
+    expect_start("start: unknown reset", (hal_reset_t)6, "");
+    expect_start("start: unknown reset", (hal_reset_t)0x1234567, "");
+    fixture_can_loop(&f, 300);
+    const hal_can_frame_t frame = fixture_can_sent(0x1C0);
+    TEST_ASSERT_EQUAL_UINT8(0x67, frame.data[1]);
+    TEST_ASSERT_EQUAL_INT32(cam_ok, fixture_can_i16(&frame, 2));
+}
+
+static void test_a_long_line_is_cut_off(void)
+{
+    static char why[300];
+    memset(why, 'w', sizeof why - 1u);
+    hal_host.slow.start = (hal_start_t){.reset = hal_reset_halt, .why = why};
+    fixture_can_start(&f);
+    TEST_ASSERT_EQUAL_size_t(120, strlen(fixture_can_line(1)));
+    TEST_ASSERT_EQUAL_STRING_LEN("start: halt: wwww", fixture_can_line(1), 17);
+}
+
+static void test_every_change_of_state_is_told_once(void)
+{
+    TEST_ASSERT_EQUAL_UINT32(2, hal_host.n_lines); // start, table
+    TEST_ASSERT_TRUE(fixture_rig_bring(&f.rig, cam_state_homing));
+    fixture_can_loop(&f, 10);
+    TEST_ASSERT_EQUAL_UINT32(3, hal_host.n_lines);
+    TEST_ASSERT_EQUAL_STRING("state homing", fixture_can_line(0));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_disable(&f.rig.machine));
+    fixture_can_loop(&f, 10);
+    TEST_ASSERT_EQUAL_UINT32(4, hal_host.n_lines);
+    TEST_ASSERT_EQUAL_STRING("state off", fixture_can_line(0));
+}
+
+static void test_every_fault_is_told_once_and_again_after_a_reset(void)
+{
+    to_cutting();
+    fixture_can_loop(&f, 1);
+    const uint32_t n_lines = hal_host.n_lines;
+    f.rig.u_error_nm = 200000;
+    hal_host_fault_estop(true);
+    fixture_can_loop(&f, 4000);
+    TEST_ASSERT_EQUAL_UINT32(n_lines + 3u, hal_host.n_lines); // one a poll, lowest bit first
+    TEST_ASSERT_EQUAL_STRING("state fault", fixture_can_line(2));
+    TEST_ASSERT_EQUAL_STRING("fault estop: emergency stop", fixture_can_line(1));
+    TEST_ASSERT_EQUAL_STRING("fault following_error: U does not follow", fixture_can_line(0));
+    hal_host_fault_drive(true); // comes on top
+    fixture_can_loop(&f, 2);
+    TEST_ASSERT_EQUAL_STRING("fault drive: a drive is not ready", fixture_can_line(0));
+    hal_host_fault_drive(false);
+    hal_host_fault_estop(false);
+    f.rig.u_error_nm = 0;
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_reset(&f.rig.machine));
+    fixture_can_loop(&f, 3);
+    TEST_ASSERT_EQUAL_STRING("state off", fixture_can_line(0));
+    TEST_ASSERT_TRUE(fixture_rig_bring(&f.rig, cam_state_homing));
+    hal_host_fault_estop(true);
+    fixture_can_loop(&f, 3);
+    TEST_ASSERT_EQUAL_STRING("fault estop: emergency stop", fixture_can_line(0));
+}
+
+static void test_every_text_fits_a_line(void)
+{
+    for (int err = 0; err > -60; err--) {
+        char line[200];
+        (void)snprintf(line, sizeof line, "table: %s - home refused until a table is written",
+                       cam_err_text((cam_err_t)err));
+        TEST_ASSERT_LESS_OR_EQUAL_size_t(120, strlen(line));
+    }
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_status_comes_every_ten_milliseconds);
+    RUN_TEST(test_status_keeps_its_period_across_the_wrap_of_the_tick);
+    RUN_TEST(test_periods_without_a_poll_are_skipped);
+    RUN_TEST(test_a_late_poll_does_not_stretch_the_period);
+    RUN_TEST(test_status_that_finds_no_room_is_lost_without_harm);
+    RUN_TEST(test_status_tells_state_reset_and_faults);
+    RUN_TEST(test_status_tells_speed_and_height);
+    RUN_TEST(test_speed_is_rounded_signed_and_saturated);
+    RUN_TEST(test_status_tells_the_longest_tick);
+    RUN_TEST(test_status_tells_late_ticks);
+    RUN_TEST(test_status_tells_u);
+    RUN_TEST(test_status_tells_inputs_and_that_the_angle_is_known);
+    RUN_TEST(test_status_tells_the_table);
+    RUN_TEST(test_without_a_table_there_is_nothing_to_tell_of_it);
+    RUN_TEST(test_start_is_told_with_its_reason);
+    RUN_TEST(test_a_long_line_is_cut_off);
+    RUN_TEST(test_every_change_of_state_is_told_once);
+    RUN_TEST(test_every_fault_is_told_once_and_again_after_a_reset);
+    RUN_TEST(test_every_text_fits_a_line);
+    return UNITY_END();
+}

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the change from slice to slice demands of U and the swing, against doubles and as played.
+#include "cam_demand.h"
+#include "cam_feasible.h"
+#include "cam_swing.h"
+#include "fixture_play.h"
+#include "unity.h"
+#include <math.h>
+#include <stdlib.h>
+
+static fixture_play_t f;
+static fixture_part_t part;
+static const double pi = 3.14159265358979323846;
+
+void setUp(void)
+{
+    part = fixture_part_short();
+}
+
+void tearDown(void) {}
+
+static cam_feasibility_t judge(void)
+{
+    return cam_feasible(&f.table, &f.params, 2400000, FIXTURE_PLAY_HZ); // 40 turns per second
+}
+
+static void expect_needed(cam_err_t err, double needed)
+{
+    const cam_feasibility_t why = judge();
+    TEST_ASSERT_EQUAL_INT(err, why.err);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3 * needed + 2.0, needed, (double)why.needed);
+}
+
+/// A table whose slices differ by 50 um, by 80 um/rad in slope, and jump by 60 um.
+static void init_changing(void)
+{
+    fixture_play_init(&f, &part);
+    f.table.u_change = (cam_change_t){.most = 50000, .per_rad = 80000, .kink = 60000};
+    f.table.limit_u_acceleration_mm_s2 = 1000;
+    f.params.u_acceleration_mm_per_s2 = 1000;
+    f.params.engage_turns = 10;
+    f.params.disengage_turns = 10;
+    f.params.z_speed_um_per_s = 10000000;
+}
+
+/// u'' omega^2, 2 d2u/dz dphi v omega, the jump within a tick, and du/dz a.
+static void test_acceleration_of_u_has_all_its_terms(void)
+{
+    init_changing();
+    f.params.feed_nm = 100000;
+    f.params.feed_ramp_turns = 1;
+    f.params.z_acceleration_mm_per_s2 = 100000;
+    const double omega = 80.0 * pi;
+    const double rate = 4000000.0 / 100000.0;               // slices per second
+    const double rise = 100.0 * 1600.0 * 1000.0 / 100000.0; // ... per second again
+    const double turning = (double)f.table.u2_peak_nm_per_rad2 * 1e-6 * omega * omega;
+    const double along = 2.0 * 80000e-6 * rate * omega;
+    expect_needed(cam_err_u_acceleration,
+                  turning + along + 60000e-6 * rate * 20000.0 + 50000e-6 * rise);
+    f.params.amplitude_ppm = 500000;
+    expect_needed(cam_err_u_acceleration,
+                  (turning + along + 60000e-6 * rate * 20000.0 + 50000e-6 * rise) / 2.0);
+}
+
+static void test_speed_of_u_has_both_its_terms(void)
+{
+    init_changing();
+    f.params.feed_nm = 1000000;
+    f.params.u_speed_um_per_s = 1000;
+    const double needed = (double)f.table.u1_peak_nm_per_rad * 1e-3 * 80.0 * pi + 50.0 * 400.0;
+    expect_needed(cam_err_u_speed, needed);
+}
+
+/// The largest feed passes, and one of 0.2 % more does not; so does the highest speed.
+static void test_largest_feed_and_highest_speed_are_edges(void)
+{
+    init_changing();
+    f.table.limit_u_acceleration_mm_s2 = 40000;
+    f.params.u_acceleration_mm_per_s2 = 40000;
+    f.params.feed_nm = 500000;
+    const cam_feasibility_t why = judge();
+    TEST_ASSERT_EQUAL_INT(cam_err_u_acceleration, why.err);
+    TEST_ASSERT_GREATER_THAN_UINT32(10000, why.largest_feed_nm);
+    f.params.feed_nm = (int32_t)why.largest_feed_nm;
+    TEST_ASSERT_EQUAL_INT(cam_ok, judge().err);
+    f.params.feed_nm += f.params.feed_nm / 500;
+    TEST_ASSERT_EQUAL_INT(cam_err_u_acceleration, judge().err);
+    f.params.feed_nm = 500000;
+    TEST_ASSERT_EQUAL_INT(cam_ok,
+                          cam_feasible(&f.table, &f.params, why.highest_mrpm, FIXTURE_PLAY_HZ).err);
+    TEST_ASSERT_EQUAL_INT(cam_err_u_acceleration,
+                          cam_feasible(&f.table, &f.params,
+                                       why.highest_mrpm + why.highest_mrpm / 500u, FIXTURE_PLAY_HZ)
+                              .err);
+}
+
+/// A smaller feed does not help against the stroke.
+static void test_no_feed_helps_where_the_feed_does_not_count(void)
+{
+    fixture_play_init(&f, &part);
+    f.params.u_stroke_nm = 100000;
+    const cam_feasibility_t why = judge();
+    TEST_ASSERT_EQUAL_INT(cam_err_u_stroke, why.err);
+    TEST_ASSERT_EQUAL_UINT32(0, why.largest_feed_nm);
+    TEST_ASSERT_EQUAL_UINT32(0, why.highest_mrpm);
+}
+
+/// In 2^-26 turn: a jump of the swing is taken within a pass.
+static void test_swing_has_the_same_terms(void)
+{
+    part = fixture_part_swung();
+    fixture_play_init(&f, &part);
+    f.table.swing_change = (cam_change_t){.most = 4000000, .per_rad = 3000000, .kink = 5000000};
+    f.params.swing_range_mdeg = 30000;
+    f.params.swing_speed_mdeg_per_s = 100000000;
+    f.params.swing_acceleration_deg_per_s2 = 100;
+    f.params.feed_ramp_turns = 100; // longer than the part: that of a turn
+    f.params.feed_nm = 10000;
+    const double omega = 80.0 * pi;
+    const double deg = 360.0 / 67108864.0;
+    const double rate = 400.0 / 500.0; // the channel has three slices
+    const double rise = 10.0 * 1600.0 / 100.0 / 500.0;
+    const double turning = (double)f.table.swing.second_mdeg_per_rad2 * 1e-3 * omega * omega;
+    const double set_points = 20000.0 / FIXTURE_PLAN_TICKS;
+    const double feeding =
+        2.0 * 3e6 * deg * rate * omega + 5e6 * deg * rate * set_points + 4e6 * deg * rise;
+    const cam_feasibility_t why = judge();
+    TEST_ASSERT_EQUAL_INT(cam_err_swing_acceleration, why.err);
+    TEST_ASSERT_DOUBLE_WITHIN(0.003 * feeding + 2e-3 * turning, turning + feeding,
+                              (double)why.needed);
+}
+
+/// The ovality steps by 20 um between two slices.
+static void stepped(double theta, double z_nm, double u[3])
+{
+    fixture_cosine_oval(theta, z_nm > 450000.0 ? 200000.0 : 0.0, u);
+}
+
+/// @return [nm / 64 per tick^2] largest change of U's step in a cut
+static int32_t largest_change(void)
+{
+    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_cutting));
+    int32_t last = f.want.u_set_q6;
+    int32_t step = 0;
+    int32_t most = 0;
+    for (uint32_t n = 0; f.want.state == cam_state_cutting && n < 200000u; n++) {
+        fixture_play_tick(&f);
+        const int32_t change = f.want.u_set_q6 - last - step;
+        most = n > 2u && abs(change) > most ? abs(change) : most;
+        step = f.want.u_set_q6 - last;
+        last = f.want.u_set_q6;
+    }
+    TEST_ASSERT_EQUAL_INT(cam_state_disengaging, f.want.state);
+    return most;
+}
+
+/// At the largest feed the jump is what the bound says, to a fifth: it is not met where u'' is
+/// largest.
+static void test_cut_at_the_largest_feed_stays_within_the_limit(void)
+{
+    part.u = stepped;
+    part.n_slices = 11;
+    part.spindle_mrpm = 2500000;
+    fixture_play_init(&f, &part);
+    f.params.u_acceleration_mm_per_s2 = 40000;
+    f.params.feed_nm = 999999;
+    f.params.z_speed_um_per_s = 10000000;
+    f.params.z_acceleration_mm_per_s2 = 1000000;
+    f.params.x_acceleration_mm_per_s2 = 1000000;
+    const cam_feasibility_t why = cam_feasible(&f.table, &f.params, 2500000, FIXTURE_PLAY_HZ);
+    TEST_ASSERT_EQUAL_INT(cam_err_u_acceleration, why.err);
+    f.params.feed_nm = (int32_t)why.largest_feed_nm;
+    fixture_play_configure(&f);
+    const double limit_q6 = 40000.0 * 1e6 * 64.0 / 20000.0 / 20000.0;
+    const int32_t most_q6 = largest_change();
+    TEST_ASSERT_TRUE(most_q6 <= limit_q6);
+    TEST_ASSERT_TRUE(most_q6 >= 0.6 * limit_q6);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_acceleration_of_u_has_all_its_terms);
+    RUN_TEST(test_speed_of_u_has_both_its_terms);
+    RUN_TEST(test_largest_feed_and_highest_speed_are_edges);
+    RUN_TEST(test_no_feed_helps_where_the_feed_does_not_count);
+    RUN_TEST(test_swing_has_the_same_terms);
+    RUN_TEST(test_cut_at_the_largest_feed_stays_within_the_limit);
+    return UNITY_END();
+}

@@ -1,0 +1,364 @@
+// SPDX-License-Identifier: Apache-2.0
+// Every limit with its numbers, against doubles; what is told as the highest speed passes.
+#include "cam_feasible.h"
+#include "unity.h"
+#include <math.h>
+
+static cam_table_t table;
+static cam_params_t params;
+static const double pi = 3.14159265358979323846;
+
+/// A skirt of 0.3 mm ovality: u' 150 000 nm/rad, u'' 300 000 nm/rad2.
+void setUp(void)
+{
+    params = cam_param_defaults();
+    table = (cam_table_t){
+        .u = {.log2_knots = 3, .log2_repeat = 1, .n_slices = 32, .span_nm = 62000000},
+        .z_last_nm = 62000000,
+        .direction = 1,
+        .spindle_mrpm = 2500000,
+        .feed_nm = 100000,
+        .limit_u_stroke_nm = 2000000,
+        .limit_u_speed_um_s = 10000000,
+        .limit_u_acceleration_mm_s2 = 10000000,
+        .limit_spindle_mrpm = 60000000,
+        .u_max_nm = 150000,
+        .ratio_max_q20 = CAM_TABLE_RATIO_ONE,
+        .u1_peak_nm_per_rad = 150000,
+        .u2_peak_nm_per_rad2 = 300000,
+    };
+    params.spindle_limit_mrpm = 60000000;
+    params.z_speed_um_per_s = 10000000;
+    params.z_acceleration_mm_per_s2 = 1000000;
+    params.feed_ramp_turns = 100;
+    params.u_speed_um_per_s = 10000000;
+    params.u_acceleration_mm_per_s2 = 10000000;
+}
+
+void tearDown(void) {}
+
+static cam_feasibility_t judge(uint32_t mrpm)
+{
+    return cam_feasible(&table, &params, mrpm, 20000);
+}
+
+/// Refused at a speed with these numbers, and the told highest speed is right to 0.3 %.
+static void expect_refused(cam_err_t err, uint32_t mrpm, double needed, double limit,
+                           double highest_mrpm)
+{
+    const cam_feasibility_t why = judge(mrpm);
+    TEST_ASSERT_EQUAL_INT(err, why.err);
+    TEST_ASSERT_EQUAL_UINT32(mrpm, why.speed_mrpm);
+    TEST_ASSERT_DOUBLE_WITHIN(0.002 * needed + 1.0, needed, (double)why.needed);
+    TEST_ASSERT_DOUBLE_WITHIN(0.6, limit, (double)why.limit);
+    TEST_ASSERT_DOUBLE_WITHIN(0.003 * highest_mrpm, highest_mrpm, why.highest_mrpm);
+    if (highest_mrpm > 0.0) {
+        TEST_ASSERT_EQUAL_INT(cam_ok, judge(why.highest_mrpm).err);
+        TEST_ASSERT_EQUAL_INT(err, judge((uint32_t)(highest_mrpm * 1.003)).err);
+    }
+}
+
+static double omega(double mrpm)
+{
+    return mrpm * 2.0 * pi / 60000.0;
+}
+
+static void test_feasible_part_within_all_limits_passes(void)
+{
+    const cam_feasibility_t good = judge(2500000);
+    TEST_ASSERT_EQUAL_INT(cam_ok, good.err);
+    TEST_ASSERT_GREATER_THAN_UINT32(2500000, good.highest_mrpm);
+}
+
+static void test_spindle_limit_is_the_smaller_of_machine_and_table(void)
+{
+    params.spindle_limit_mrpm = 3000000;
+    expect_refused(cam_err_spindle_speed, 3500000, 3500000, 3000000, 3000000);
+    table.limit_spindle_mrpm = 2000000;
+    expect_refused(cam_err_spindle_speed, 3500000, 3500000, 2000000, 2000000);
+}
+
+static void test_u_speed_limit_is_the_smaller_of_machine_and_table(void)
+{
+    params.u_speed_um_per_s = 30000;
+    const double most = 30e6 / 150000 * 60000 / (2 * pi);
+    expect_refused(cam_err_u_speed, 2500000, 150e3 * omega(2500e3) / 1e3, 30000, most);
+    table.limit_u_speed_um_s = 15000;
+    expect_refused(cam_err_u_speed, 2500000, 150e3 * omega(2500e3) / 1e3, 15000, most / 2);
+}
+
+static void test_u_acceleration_limit_is_the_smaller_of_machine_and_table(void)
+{
+    params.u_acceleration_mm_per_s2 = 15000;
+    const double needed = 300e3 * omega(2500e3) * omega(2500e3) / 1e6;
+    const double most = sqrt(15e9 / 300e3) * 60000 / (2 * pi);
+    expect_refused(cam_err_u_acceleration, 2500000, needed, 15000, most);
+    table.limit_u_acceleration_mm_s2 = 3750;
+    expect_refused(cam_err_u_acceleration, 2500000, needed, 3750, most / 2);
+}
+
+static void test_amplitude_scales_what_u_needs(void)
+{
+    params.u_speed_um_per_s = 30000;
+    params.amplitude_ppm = 500000;
+    TEST_ASSERT_EQUAL_INT(cam_ok, judge(2500000).err);
+    params.amplitude_ppm = 1250000;
+    expect_refused(cam_err_u_speed, 2500000, 1.25 * 150e3 * omega(2500e3) / 1e3, 30000,
+                   30e6 / 187500 * 60000 / (2 * pi));
+}
+
+static void test_stroke_counts_retract_and_both_ends(void)
+{
+    table.u_max_nm = 700000;
+    expect_refused(cam_err_u_stroke, 1000000, 700000, 600000, 0);
+    table.u_max_nm = 150000;
+    params.u_retract_nm = -700000;
+    expect_refused(cam_err_u_stroke, 1000000, 700000, 600000, 0);
+    params.u_retract_nm = -100000;
+    table.u_min_nm = -650000;
+    expect_refused(cam_err_u_stroke, 1000000, 650000, 600000, 0);
+    table.u_min_nm = 0;
+    table.limit_u_stroke_nm = 200000;
+    expect_refused(cam_err_u_stroke, 1000000, 150000, 100000, 0);
+}
+
+static void test_feed_larger_than_the_part_is_refused(void)
+{
+    table.z_last_nm = 90000;
+    expect_refused(cam_err_feed, 100000, 100000, 90000, 0);
+    params.z_is_measured = 1;
+    TEST_ASSERT_EQUAL_INT(cam_ok, judge(100000).err);
+}
+
+/// A ring-helix of 0.2 mm: 4 feed n^2 of acceleration, feed n / (1 - r) of speed at least. What is
+/// told as the highest speed has 1 / n = feed / v + v / a.
+static void test_ring_helix_needs_ramps_of_z(void)
+{
+    table.is_ring_helix = true;
+    params.feed_nm = 200000;
+    params.z_acceleration_mm_per_s2 = 1000;
+    const double per_s = 2500.0 / 60.0;
+    expect_refused(cam_err_z_acceleration, 2500000, 0.8 * per_s * per_s, 1000,
+                   sqrt(1000.0 / 0.8) * 60e3);
+    params.z_acceleration_mm_per_s2 = 2000;
+    params.z_speed_um_per_s = 6000;
+    const double r = 0.5 - sqrt(0.25 - 0.2 * per_s * per_s / 2000);
+    expect_refused(cam_err_z_speed, 2500000, 200 * per_s / (1.0 - r), 6000,
+                   60e3 / (0.2 / 6.0 + 6.0 / 2000));
+    params.z_is_measured = 1;
+    TEST_ASSERT_EQUAL_INT(cam_ok, judge(2500000).err);
+}
+
+/// 1 / n = feed / v + v / a, v the lesser of Z's speed and sqrt(feed a), where the ramps meet; v /
+/// a at least 1 / 255 of the rest.
+static double ring_mrpm(double feed_mm, double v_mm_per_s, double a_mm_per_s2)
+{
+    const double v = fmin(v_mm_per_s, sqrt(feed_mm * a_mm_per_s2));
+    const double feed_s = feed_mm / v;
+    return 60e3 / (feed_s + fmax(v / a_mm_per_s2, feed_s / 255.0));
+}
+
+static void test_highest_speed_of_a_ring_helix_is_the_edge_of_both_limits(void)
+{
+    table.is_ring_helix = true;
+    table.u.log2_knots = 2;
+    table.u.log2_repeat = 0;
+    table.z_last_nm = 1000000000;
+    table.u1_peak_nm_per_rad = 0;
+    table.u2_peak_nm_per_rad2 = 0;
+    params.x_clearance_nm = 0;
+    params.x_speed_um_per_s = 10000000;
+    params.x_acceleration_mm_per_s2 = 10000000;
+    for (int i = 0; i < 2000; i++) {
+        params.feed_nm = 1000 + i * i * 2;
+        params.z_speed_um_per_s = 1000 + (i * 7919) % 200000;
+        params.z_acceleration_mm_per_s2 = 10 + (i * 104729) % 5000;
+        const double exact = ring_mrpm(params.feed_nm * 1e-6, params.z_speed_um_per_s * 1e-3,
+                                       params.z_acceleration_mm_per_s2);
+        if (exact < 9e6) { // else the tick decides
+            TEST_ASSERT_DOUBLE_WITHIN(2e-3 * exact + 100.0, exact, judge(1000).highest_mrpm);
+        }
+    }
+}
+
+static void test_z_speed_and_acceleration_limit_feed_times_speed(void)
+{
+    params.feed_nm = 1000000;
+    params.z_speed_um_per_s = 20000;
+    expect_refused(cam_err_z_speed, 2500000, 41666.7, 20000, 1200000);
+    params.z_speed_um_per_s = 10000000;
+    params.feed_ramp_turns = 2;
+    params.z_acceleration_mm_per_s2 = 500;
+    expect_refused(cam_err_z_acceleration, 2500000, 868.06, 500, sqrt(1000.0) * 60000);
+    params.z_is_measured = 1;
+    TEST_ASSERT_EQUAL_INT(cam_ok, judge(2500000).err);
+}
+
+static void test_tick_rate_limits_knots_and_counts_per_tick(void)
+{
+    table.u.log2_knots = 12;
+    table.u.log2_repeat = 2;
+    expect_refused(cam_err_tick_rate, 2500000, 2500000, 20000.0 * 8 * 60000 / 16384,
+                   20000.0 * 8 * 60000 / 16384);
+    table.u.log2_knots = 3;
+    const cam_feasibility_t why = cam_feasible(&table, &params, 5000000, 500);
+    TEST_ASSERT_EQUAL_INT(cam_err_tick_rate, why.err);
+    TEST_ASSERT_EQUAL_INT64(500 * 60000 / 8, why.limit);
+}
+
+/// Equal-volume turning, MATHS.md (25): ratio up to 1.4995, acceleration 1.056 453 557 / rad.
+static void test_modulation_limits_peak_speed_and_spindle_acceleration(void)
+{
+    table.ratio_max_q20 = (uint32_t)(1.499457112 * CAM_TABLE_RATIO_ONE) + 1u;
+    table.spindle_peak_ppm = 1056454u;
+    params.spindle_acceleration_mrad_per_s2 = 2000000000;
+    params.spindle_limit_mrpm = 2500000;
+    TEST_ASSERT_EQUAL_UINT32(2500001, cam_feasible_peak(&table, 1667270));
+    expect_refused(cam_err_spindle_speed, 2000000, 2000000 * 1.499457112, 2500000, 1667270);
+    params.spindle_limit_mrpm = 60000000;
+    params.spindle_acceleration_mrad_per_s2 = 500000;
+    TEST_ASSERT_EQUAL_INT(cam_ok, judge(207000).err);
+    expect_refused(cam_err_spindle_acceleration, 800000, 7414.6e3, 500000, 207745);
+    params.z_speed_um_per_s = 20000;
+    params.feed_nm = 10000000;
+    params.spindle_acceleration_mrad_per_s2 = 2000000000;
+    expect_refused(cam_err_z_speed, 100000, 100.0 / 60 * 1.499457 * 10000, 20000, 80028.98);
+}
+
+/// What is told as the highest speed passes, at slow speeds and small limits, too.
+static void test_highest_speed_passes_where_numbers_are_small(void)
+{
+    for (int32_t limit = 100; limit < 2000; limit += 7) {
+        params.u_acceleration_mm_per_s2 = limit;
+        const cam_feasibility_t why = judge(60000000);
+        TEST_ASSERT_EQUAL_INT(cam_ok, judge(why.highest_mrpm).err);
+        const double rpm = 60.0 / (2.0 * pi) * sqrt(limit / 0.3) * 1000.0;
+        TEST_ASSERT_DOUBLE_WITHIN(0.003 * rpm, rpm, why.highest_mrpm);
+    }
+}
+
+static void test_flat_table_has_a_finite_highest_speed(void)
+{
+    table.u1_peak_nm_per_rad = 0;
+    table.u2_peak_nm_per_rad2 = 0;
+    table.u_max_nm = 0;
+    const cam_feasibility_t good = judge(2500000);
+    TEST_ASSERT_EQUAL_INT(cam_ok, good.err);
+    TEST_ASSERT_LESS_OR_EQUAL_UINT32(60000000, good.highest_mrpm);
+}
+
+static void test_largest_demands_do_not_overflow(void)
+{
+    table.u1_peak_nm_per_rad = INT32_MAX;
+    table.u2_peak_nm_per_rad2 = INT32_MAX;
+    params.amplitude_ppm = 1250000;
+    table.feed_nm = 10000000;
+    const cam_feasibility_t why = judge(60000000);
+    TEST_ASSERT_EQUAL_INT(cam_err_u_speed, why.err);
+    TEST_ASSERT_DOUBLE_WITHIN(0.01 * 1.25 * 2147483647.0 * 6283.185 / 1e3,
+                              1.25 * 2147483647.0 * 6283.185 / 1e3, (double)why.needed);
+}
+
+/// Through the clearance by the smooth step: 15/8 c n / t and 5.774 c (n / t)^2.
+static void test_tool_that_must_swing_is_refused_at_any_speed(void)
+{
+    table.is_swung = true;
+    table.angle = table.u;
+    const cam_feasibility_t found = cam_feasible(&table, &params, 1000, 50000);
+    TEST_ASSERT_EQUAL_INT(cam_err_swing_axis, found.err);
+    TEST_ASSERT_EQUAL_UINT32(0u, found.highest_mrpm);
+}
+
+static void test_x_leaves_its_clearance_within_its_limits(void)
+{
+    params.x_clearance_nm = 100000000;
+    params.x_speed_um_per_s = 100000;
+    params.x_acceleration_mm_per_s2 = 1000000;
+    const double n = 2500.0 / 60.0;
+    expect_refused(cam_err_x_speed, 2500000, 1.875 * 1e5 * n / 10.0, 100000,
+                   100000.0 / (1.875 * 1e5 / 10.0) * 60000.0);
+    params.x_speed_um_per_s = 10000000;
+    params.x_acceleration_mm_per_s2 = 2000;
+    const double highest = sqrt(2000.0 / (5.7735 * 100.0)) * 10.0 * 60000.0;
+    expect_refused(cam_err_x_acceleration, 2500000, 5.7735 * 100.0 * n * n / 100.0, 2000, highest);
+    params.disengage_turns = 5; // the shorter of both counts
+    expect_refused(cam_err_x_acceleration, 2500000, 5.7735 * 100.0 * n * n / 25.0, 2000,
+                   highest / 2.0);
+}
+
+/// A slope of 0.2 and a radius of 10 mm, at a feed of 1 mm whose ramps take 10 turns.
+static void test_x_follows_the_barrel_within_its_limits(void)
+{
+    table.x_slope_ppm = 200000;
+    table.x_bend_ppm_per_m = 100000000;
+    table.feed_nm = 1000000;
+    params.feed_ramp_turns = 10;
+    params.x_clearance_nm = 100000;
+    params.x_speed_um_per_s = 8000;
+    const double n = 2500.0 / 60.0;
+    expect_refused(cam_err_x_speed, 2500000, 200.0 * n, 8000, 8000.0 / 200.0 * 60000.0);
+    params.x_speed_um_per_s = 10000000;
+    params.x_acceleration_mm_per_s2 = 200;
+    const double per_n2 = 100.0 * 1e-6 * 1000.0 + 0.2 * 0.1; // [mm] of n^2
+    expect_refused(cam_err_x_acceleration, 2500000, per_n2 * n * n, 200,
+                   sqrt(200.0 / per_n2) * 60000.0);
+    params.z_is_measured = 1; // others accelerate Z: the bend is left
+    const double bent = 0.1 * n * n;
+    TEST_ASSERT_DOUBLE_WITHIN(0.01 * bent, bent, (double)judge(3000000).needed / 1.44);
+}
+
+/// e u'' + 2 e' u' + e'' u of an oval cosine against its smooth step, over a whole turn of
+/// engaging.
+static double engaging_peak(double turns)
+{
+    double most = 0.0;
+    for (int i = 0; i <= 1000; i++) {
+        const double s = i / 1000.0;
+        const double per = 1.0 / (2.0 * pi * turns);
+        const double e = s * s * s * (10.0 + s * (-15.0 + 6.0 * s));
+        const double e1 = 30.0 * s * s * (1.0 - s) * (1.0 - s) * per;
+        const double e2 = 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) * per * per;
+        most = fmax(most, e * 300000.0 + 2.0 * e1 * 150000.0 + fabs(e2) * 150000.0);
+    }
+    return most;
+}
+
+static void test_short_engaging_adds_to_what_u_needs(void)
+{
+    const double w = 2500.0 * 2.0 * pi / 60.0;
+    for (int turns = 1; turns <= 10; turns++) {
+        params.engage_turns = turns;
+        params.u_acceleration_mm_per_s2 = 10000;
+        const double needed = turns < 3 ? engaging_peak(turns) : 300000.0;
+        const cam_feasibility_t why = judge(2500000);
+        TEST_ASSERT_EQUAL_INT(cam_err_u_acceleration, why.err);
+        const double bound = (double)why.needed * 1e6 / w / w;
+        TEST_ASSERT_TRUE(bound >= needed && bound <= 1.03 * needed);
+        TEST_ASSERT_TRUE(engaging_peak(turns) <= bound * 17.0 / 16.0); // the guard's margin
+    }
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_feasible_part_within_all_limits_passes);
+    RUN_TEST(test_spindle_limit_is_the_smaller_of_machine_and_table);
+    RUN_TEST(test_u_speed_limit_is_the_smaller_of_machine_and_table);
+    RUN_TEST(test_u_acceleration_limit_is_the_smaller_of_machine_and_table);
+    RUN_TEST(test_amplitude_scales_what_u_needs);
+    RUN_TEST(test_stroke_counts_retract_and_both_ends);
+    RUN_TEST(test_feed_larger_than_the_part_is_refused);
+    RUN_TEST(test_ring_helix_needs_ramps_of_z);
+    RUN_TEST(test_highest_speed_of_a_ring_helix_is_the_edge_of_both_limits);
+    RUN_TEST(test_z_speed_and_acceleration_limit_feed_times_speed);
+    RUN_TEST(test_tick_rate_limits_knots_and_counts_per_tick);
+    RUN_TEST(test_modulation_limits_peak_speed_and_spindle_acceleration);
+    RUN_TEST(test_highest_speed_passes_where_numbers_are_small);
+    RUN_TEST(test_flat_table_has_a_finite_highest_speed);
+    RUN_TEST(test_largest_demands_do_not_overflow);
+    RUN_TEST(test_tool_that_must_swing_is_refused_at_any_speed);
+    RUN_TEST(test_x_leaves_its_clearance_within_its_limits);
+    RUN_TEST(test_x_follows_the_barrel_within_its_limits);
+    RUN_TEST(test_short_engaging_adds_to_what_u_needs);
+    return UNITY_END();
+}

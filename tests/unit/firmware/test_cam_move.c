@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+// To a place within speed and acceleration, from any start.
+#include "cam_move.h"
+#include "fixture_random.h"
+#include "unity.h"
+#include <stdlib.h>
+
+static const cam_move_limits_t limits = {.speed_q10 = 2000000, .acceleration_q10 = 64000};
+
+void setUp(void) {}
+
+void tearDown(void) {}
+
+/// Drive to the target and check every step. @return furthest way beyond the target
+static int64_t drive(cam_move_t *m, int64_t target_q10, uint32_t n_max)
+{
+    const bool was_below = m->pos_q10 <= target_q10;
+    int64_t beyond = 0;
+    bool is_there = false;
+    for (uint32_t i = 0; i < n_max && !is_there; i++) {
+        const cam_move_t before = *m;
+        is_there = cam_move_to_isr(m, &limits, target_q10);
+        const int32_t change = m->vel_q10 - before.vel_q10;
+        TEST_ASSERT_EQUAL_INT64(before.pos_q10 + m->vel_q10, m->pos_q10);
+        TEST_ASSERT_EQUAL_INT32(change, m->acc_q10);
+        TEST_ASSERT_LESS_OR_EQUAL_INT32(limits.acceleration_q10, abs(change));
+        const int32_t fastest =
+            abs(before.vel_q10) > limits.speed_q10 ? abs(before.vel_q10) : limits.speed_q10;
+        TEST_ASSERT_LESS_OR_EQUAL_INT32(fastest, abs(m->vel_q10));
+        const int64_t past = was_below ? m->pos_q10 - target_q10 : target_q10 - m->pos_q10;
+        beyond = past > beyond ? past : beyond;
+    }
+    TEST_ASSERT_TRUE(is_there);
+    TEST_ASSERT_EQUAL_INT64(target_q10, m->pos_q10);
+    TEST_ASSERT_EQUAL_INT32(0, m->vel_q10);
+    return beyond;
+}
+
+static void test_move_from_rest_reaches_the_target_without_passing_it(void)
+{
+    static const int64_t targets[] = {0,       1,         -1,        63999,
+                                      64000,   64001,     200000,    -999999,
+                                      5000000, -70000000, 900000000, INT64_C(1) << 40};
+    for (uint32_t i = 0; i < sizeof targets / sizeof targets[0]; i++) {
+        cam_move_t m = {0};
+        TEST_ASSERT_LESS_OR_EQUAL_INT64(limits.acceleration_q10 / 8,
+                                        drive(&m, targets[i], 2000000));
+    }
+}
+
+static void test_move_from_motion_turns_round_and_arrives(void)
+{
+    for (int32_t vel = -2000000; vel <= 2000000; vel += 250000) {
+        cam_move_t m = {.vel_q10 = vel};
+        (void)drive(&m, 1000000, 100000);
+        m = (cam_move_t){.vel_q10 = vel};
+        (void)drive(&m, -1000000, 100000);
+    }
+}
+
+static void test_move_faster_than_allowed_brakes_to_the_limit(void)
+{
+    cam_move_t m = {.vel_q10 = 3 * limits.speed_q10};
+    (void)drive(&m, INT64_C(4000000000), 100000);
+}
+
+static void test_move_random_starts_and_targets_always_arrive(void)
+{
+    fixture_random_t dice = {.state = 5};
+    for (int i = 0; i < 2000; i++) {
+        cam_move_t m = {
+            .pos_q10 = fixture_random_range(&dice, -600000000, 600000000),
+            .vel_q10 = (int32_t)fixture_random_range(&dice, -limits.speed_q10, limits.speed_q10),
+        };
+        (void)drive(&m, fixture_random_range(&dice, -600000000, 600000000), 20000);
+    }
+}
+
+static void test_move_takes_about_the_time_of_a_trapezoid(void)
+{
+    cam_move_t m = {0};
+    uint32_t n = 0;
+    while (!cam_move_to_isr(&m, &limits, 100000000)) { // 50 ticks at full speed, 31 up, 31 down
+        n++;
+    }
+    TEST_ASSERT_UINT32_WITHIN(4, 50 + 31, n);
+}
+
+static void test_stop_brakes_to_rest_wherever_that_is(void)
+{
+    static const int32_t speeds[] = {0, 1, -1, 64000, -64001, 2000000, -2000000};
+    for (uint32_t i = 0; i < sizeof speeds / sizeof speeds[0]; i++) {
+        cam_move_t m = {.vel_q10 = speeds[i]};
+        uint32_t n = 0;
+        int32_t last = abs(speeds[i]);
+        while (!cam_move_stop_isr(&m, &limits)) {
+            TEST_ASSERT_LESS_THAN_INT32(last, abs(m.vel_q10));
+            last = abs(m.vel_q10);
+            n++;
+        }
+        TEST_ASSERT_LESS_OR_EQUAL_UINT32(32, n);
+        TEST_ASSERT_TRUE((int64_t)speeds[i] * m.pos_q10 >= 0);
+    }
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_move_from_rest_reaches_the_target_without_passing_it);
+    RUN_TEST(test_move_from_motion_turns_round_and_arrives);
+    RUN_TEST(test_move_faster_than_allowed_brakes_to_the_limit);
+    RUN_TEST(test_move_random_starts_and_targets_always_arrive);
+    RUN_TEST(test_move_takes_about_the_time_of_a_trapezoid);
+    RUN_TEST(test_stop_brakes_to_rest_wherever_that_is);
+    return UNITY_END();
+}

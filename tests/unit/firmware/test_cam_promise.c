@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+// A table with a speed channel: what is accepted, and every promise that is not kept.
+#include "cam_promise.h"
+#include "fixture_image.h"
+#include "unity.h"
+#include <math.h>
+
+static fixture_image_t image;
+static cam_table_t table;
+static fixture_part_t part;
+
+void setUp(void)
+{
+    part = fixture_part_modulated();
+    fixture_image_make(&image, &part);
+}
+
+void tearDown(void) {}
+
+static cam_err_t check(void)
+{
+    fixture_image_seal(&image);
+    return cam_table_check(image.bytes, image.size, &table);
+}
+
+static cam_err_t with_word(size_t at, uint32_t value)
+{
+    fixture_image_make(&image, &part);
+    fixture_image_put(&image, at, value);
+    return check();
+}
+
+/// A promise lowered by a share of itself.
+static cam_err_t lowered(size_t at, double share)
+{
+    const double promised = fixture_image_get(&image, at);
+    return with_word(at, (uint32_t)floor(promised * (1.0 - share)));
+}
+
+static void test_modulated_table_is_accepted_and_described(void)
+{
+    TEST_ASSERT_EQUAL_INT(cam_ok, check());
+    TEST_ASSERT_NOT_NULL(table.speed.knots);
+    TEST_ASSERT_EQUAL_UINT32(3, table.speed.n_slices);
+    TEST_ASSERT_DOUBLE_WITHIN(3e-6, 1.425, table.ratio_max_q20 / (double)CAM_TABLE_RATIO_ONE);
+    TEST_ASSERT_DOUBLE_WITHIN(2.0, fixture_image_get(&image, fixture_at_spindle_peak),
+                              table.spindle_peak_ppm);
+}
+
+static void test_uniform_table_has_ratio_one(void)
+{
+    part = fixture_part_short();
+    fixture_image_make(&image, &part);
+    TEST_ASSERT_EQUAL_INT(cam_ok, check());
+    TEST_ASSERT_NULL(table.speed.knots);
+    TEST_ASSERT_EQUAL_UINT32(CAM_TABLE_RATIO_ONE, table.ratio_max_q20);
+    TEST_ASSERT_EQUAL_UINT32(0, table.spindle_peak_ppm);
+    TEST_ASSERT_EQUAL_INT(cam_err_image_limits, with_word(fixture_at_spindle_peak, 1u));
+}
+
+static void test_promises_just_kept_pass_and_lower_ones_fail(void)
+{
+    const size_t at[] = {fixture_at_u1_peak, fixture_at_u2_peak, fixture_at_spindle_peak};
+    for (int i = 0; i < 3; i++) {
+        fixture_image_make(&image, &part);
+        TEST_ASSERT_EQUAL_INT(cam_ok, lowered(at[i], 0.0));
+        fixture_image_make(&image, &part);
+        TEST_ASSERT_EQUAL_INT(cam_err_image_limits, lowered(at[i], 0.03)); // knots only are seen
+        TEST_ASSERT_EQUAL_INT(cam_err_image_limits, with_word(at[i], 0u));
+    }
+}
+
+static void test_speed_outside_a_sixteenth_to_four_is_refused(void)
+{
+    const int32_t offsets[] = {CAM_TABLE_RATIO_ONE / 4, CAM_TABLE_RATIO_ONE * 4};
+    for (int i = 0; i < 2; i++) {
+        TEST_ASSERT_EQUAL_INT(
+            cam_err_image_channel,
+            with_word(fixture_image_in(fixture_speed, fixture_in_offset_nm), (uint32_t)offsets[i]));
+    }
+    TEST_ASSERT_EQUAL_INT(
+        cam_err_image_channel,
+        with_word(fixture_image_in(fixture_speed, fixture_in_p_max), (uint32_t)CAM_TABLE_SUM_MAX));
+}
+
+static void test_second_speed_channel_is_refused(void)
+{
+    fixture_image_put(&image, fixture_image_in(fixture_u, fixture_in_kind), 3u);
+    TEST_ASSERT_NOT_EQUAL_INT(cam_ok, check());
+    TEST_ASSERT_EQUAL_INT(cam_err_image_channel,
+                          with_word(fixture_image_in(fixture_x, fixture_in_kind), 3u));
+}
+
+static void test_layout_and_knots_of_speed_are_checked_as_those_of_u(void)
+{
+    TEST_ASSERT_EQUAL_INT(cam_err_image_channel,
+                          with_word(fixture_image_in(fixture_speed, fixture_in_log2_knots), 1u));
+    TEST_ASSERT_EQUAL_INT(cam_err_image_layout,
+                          with_word(fixture_image_in(fixture_speed, fixture_in_size), 12u));
+    TEST_ASSERT_EQUAL_INT(cam_err_image_height,
+                          with_word(fixture_image_in(fixture_speed, fixture_in_reciprocal), 7u));
+    fixture_image_make(&image, &part);
+    fixture_image_knots(&image, fixture_speed)[5].v = 1 << 24;
+    fixture_image_remeasure(&image, fixture_speed);
+    TEST_ASSERT_EQUAL_INT(cam_err_image_knots, check());
+    fixture_image_make(&image, &part);
+    fixture_image_knots(&image, fixture_speed)[0].p += 5;
+    TEST_ASSERT_EQUAL_INT(cam_err_image_limits, check());
+}
+
+static void test_every_flipped_bit_is_refused(void)
+{
+    TEST_ASSERT_EQUAL_INT(cam_ok, check());
+    for (size_t bit = 0; bit < image.size * 8u; bit++) {
+        image.bytes[bit / 8u] ^= (uint8_t)(1u << (bit % 8u));
+        TEST_ASSERT_NOT_EQUAL_INT(cam_ok, cam_table_check(image.bytes, image.size, &table));
+        image.bytes[bit / 8u] ^= (uint8_t)(1u << (bit % 8u));
+    }
+}
+
+static void test_absurd_curvature_is_refused_without_overflow(void)
+{
+    fixture_image_put(&image, fixture_image_in(fixture_u, fixture_in_frac_bits), 0u);
+    TEST_ASSERT_NOT_EQUAL_INT(cam_ok, check());
+    fixture_image_make(&image, &part);
+    cam_knot_t *k = fixture_image_knots(&image, fixture_u);
+    for (uint32_t i = 0; i < fixture_image_n_knots(&image, fixture_u); i++) {
+        k[i].a *= 1000;
+    }
+    fixture_image_remeasure(&image, fixture_u);
+    TEST_ASSERT_NOT_EQUAL_INT(cam_ok, check());
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_modulated_table_is_accepted_and_described);
+    RUN_TEST(test_uniform_table_has_ratio_one);
+    RUN_TEST(test_promises_just_kept_pass_and_lower_ones_fail);
+    RUN_TEST(test_speed_outside_a_sixteenth_to_four_is_refused);
+    RUN_TEST(test_second_speed_channel_is_refused);
+    RUN_TEST(test_layout_and_knots_of_speed_are_checked_as_those_of_u);
+    RUN_TEST(test_every_flipped_bit_is_refused);
+    RUN_TEST(test_absurd_curvature_is_refused_without_overflow);
+    return UNITY_END();
+}

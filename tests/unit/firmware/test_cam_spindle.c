@@ -1,0 +1,355 @@
+// SPDX-License-Identifier: Apache-2.0
+// From counts to angle and speed: any encoder, both senses, every kind of loss.
+#include "cam_build.h"
+#include "cam_config.h"
+#include "cam_spindle.h"
+#include "fixture_encoder.h"
+#include "unity.h"
+#include <math.h>
+
+enum { tick_hz = 20000, clock_hz = 200000000 };
+static const double pi = 3.14159265358979323846;
+
+/// Correction takes place within the tick: what is left of an error, 1 - 2 w T at 200 Hz.
+static const double left = 1.0 - 2.0 * 2.0 * 3.14159265358979323846 * 200.0 / tick_hz;
+
+static cam_params_t params;
+static cam_config_t config;
+static cam_spindle_t spindle;
+static fixture_encoder_t encoder;
+static cam_sense_t in;
+static cam_angle_t angle;
+static uint32_t faults;
+
+void setUp(void)
+{
+    params = cam_param_defaults();
+}
+
+void tearDown(void) {}
+
+/// Controller and encoder at rest; sense of the encoder -1: counts fall while cutting.
+static void start(int32_t counts_per_turn, int32_t sense, uint32_t base)
+{
+    params.counts_per_turn = counts_per_turn;
+    params.encoder_sign = sense;
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_build_config(&config, &params, NULL, 0, tick_hz, clock_hz));
+    spindle = (cam_spindle_t){0};
+    in = (cam_sense_t){.clock = 4294960000u};
+    fixture_encoder_init(&encoder, counts_per_turn, sense, base, counts_per_turn / 3);
+    in.encoder = encoder.reading;
+    cam_spindle_step_isr(&spindle, &config.spindle, &in, 0, &angle);
+}
+
+/// One tick of `share` periods at a speed; faults collect.
+static void step(double turns_per_s, double share)
+{
+    in.clock += (uint32_t)(clock_hz / tick_hz * share + 0.5);
+    in.encoder = fixture_encoder_move(&encoder, turns_per_s / tick_hz * share);
+    cam_spindle_step_isr(&spindle, &config.spindle, &in, 0, &angle);
+    faults |= angle.faults;
+}
+
+/// Smoothly to a speed, then a while at it; faults are forgotten.
+static void run_up(double turns_per_s)
+{
+    for (int i = 1; i <= 4000; i++) {
+        step(turns_per_s * i / 4000.0, 1.0);
+    }
+    for (int i = 0; i < 4000; i++) {
+        step(turns_per_s, 1.0);
+    }
+    faults = 0;
+}
+
+/// @return [turn] observed minus true angle, the short way
+static double error_turn(void)
+{
+    const double observed = (double)(uint32_t)angle.pos_q32 / 4294967296.0;
+    const double off = observed - (double)fixture_encoder_turns(&encoder);
+    return off - floor(off + 0.5);
+}
+
+static void test_step_any_encoder_and_sense_knows_the_angle_within_a_count(void)
+{
+    static const int32_t counts[] = {64, 1000, 1024, 4096, 10000, 65536, 1 << 24};
+    for (uint32_t i = 0; i < 7u; i++) {
+        for (int32_t sense = -1; sense <= 1; sense += 2) {
+            params.jump_window_counts = counts[i] / 1000 + 8;
+            start(counts[i], sense, 0xFFFFFF00u); // the counter wraps on the way
+            run_up(41.0 + 2.0 / 3.0);
+            TEST_ASSERT_TRUE(angle.is_synced);
+            for (int k = 0; k < 2000; k++) {
+                step(41.0 + 2.0 / 3.0, 1.0);
+                TEST_ASSERT_TRUE(fabs(error_turn()) <= 0.75 / counts[i] + 2e-8);
+            }
+            TEST_ASSERT_EQUAL_HEX32(0, faults);
+            TEST_ASSERT_DOUBLE_WITHIN(0.02 + 300.0 / counts[i], 41.0 + 2.0 / 3.0,
+                                      angle.speed_q32 / 4294967296.0 * tick_hz);
+        }
+    }
+}
+
+static void test_step_offset_is_added_to_the_angle(void)
+{
+    params.index_offset_udeg = 90000000;
+    start(10000, 1, 5);
+    run_up(20.0);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-4, 0.25, error_turn());
+    params.index_offset_udeg = -180000000;
+    start(10000, 1, 5);
+    run_up(20.0);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-4, 0.5, fabs(error_turn()));
+}
+
+static void test_step_constant_speed_has_no_mean_error(void)
+{
+    start(10000, 1, 0);
+    run_up(37.123);
+    double sum = 0.0;
+    double worst = 0.0;
+    for (int i = 0; i < 20000; i++) {
+        step(37.123, 1.0);
+        sum += error_turn();
+        worst = fmax(worst, fabs(error_turn()));
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(0.02 / 10000, 0.0, sum / 20000.0);
+    TEST_ASSERT_TRUE(worst < 0.5 / 10000);
+}
+
+static void test_step_constant_acceleration_lags_by_acceleration_over_bandwidth_squared(void)
+{
+    start(1 << 20, 1, 0);
+    params.jump_window_counts = 1000;
+    double speed = 5.0;
+    run_up(speed);
+    const double acceleration = 80.0; // turns per s^2
+    double sum = 0.0;
+    for (int i = 0; i < 8000; i++) {
+        speed += acceleration / tick_hz;
+        step(speed, 1.0);
+        sum += i >= 4000 ? error_turn() : 0.0;
+    }
+    const double w = 2.0 * pi * 200.0;
+    const double lag = left * acceleration / (w * w);
+    TEST_ASSERT_DOUBLE_WITHIN(0.02 * lag, -lag, sum / 4000.0);
+}
+
+static void test_step_speed_ripple_is_missed_by_the_documented_share(void)
+{
+    static const double ripple_hz[] = {20.0, 80.0, 200.0};
+    for (int k = 0; k < 3; k++) {
+        start(1 << 20, 1, 0);
+        run_up(40.0);
+        const double swing = 1e-3; // turns
+        const double w = 2.0 * pi * ripple_hz[k];
+        double worst = 0.0;
+        for (int i = 0; i < 20000; i++) {
+            step(40.0 + swing * w * cos(w * i / tick_hz), 1.0);
+            worst = i > 10000 ? fmax(worst, fabs(error_turn())) : worst;
+        }
+        const double f2 = ripple_hz[k] * ripple_hz[k];
+        const double missed = left * swing * f2 / (f2 + 4e4);
+        TEST_ASSERT_DOUBLE_WITHIN(0.05 * missed + 2e-6, missed, worst);
+    }
+}
+
+static void test_step_lost_or_gained_counts_show_at_the_next_edge(void)
+{
+    static const int32_t lost[] = {1, -1, 2, -2, 7, -7};
+    for (int i = 0; i < 6; i++) {
+        start(10000, 1, 0);
+        run_up(40.0);
+        encoder.lost = lost[i];
+        int n = 0;
+        for (; faults == 0u && n < 1000; n++) {
+            step(40.0, 1.0);
+        }
+        TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(lost_counts), faults);
+        TEST_ASSERT_LESS_OR_EQUAL_INT(501, n); // a turn is 500 ticks
+    }
+}
+
+/// An edge that comes twice must not hide what the first one showed.
+static void test_step_doubled_edge_hides_no_lost_counts(void)
+{
+    start(10000, 1, 0);
+    run_up(40.0);
+    encoder.lost = 5;
+    const uint32_t before = in.encoder.n_index;
+    while (in.encoder.n_index == before) {
+        step(40.0, 1.0);
+    }
+    TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(lost_counts), faults); // in the tick of the edge
+    faults = 0;
+    in.clock += clock_hz / tick_hz;
+    in.encoder = fixture_encoder_move(&encoder, 40.0L / tick_hz);
+    in.encoder.n_index++; // the same edge again
+    cam_spindle_step_isr(&spindle, &config.spindle, &in, 0, &angle);
+    faults |= angle.faults;
+    TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(lost_counts), faults);
+}
+
+static void test_step_index_tolerance_bears_its_counts_in_sum(void)
+{
+    params.index_tolerance_counts = 2;
+    start(10000, 1, 0);
+    run_up(40.0);
+    encoder.lost = 2;
+    for (int i = 0; i < 2000; i++) {
+        step(40.0, 1.0);
+    }
+    TEST_ASSERT_EQUAL_HEX32(0, faults);
+    encoder.lost = 3;
+    for (int i = 0; i < 600; i++) {
+        step(40.0, 1.0);
+    }
+    TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(lost_counts), faults);
+}
+
+static void test_step_jump_shows_in_its_tick(void)
+{
+    static const int32_t jumps[] = {10, -10, 100, -2600, 5000, -5000};
+    for (int i = 0; i < 6; i++) {
+        start(10000, 1, 0);
+        run_up(40.0);
+        encoder.lost = jumps[i];
+        step(40.0, 1.0);
+        TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(encoder_jump), faults);
+    }
+}
+
+static void test_step_missing_index_shows_within_an_eighth_turn(void)
+{
+    start(10000, 1, 0);
+    run_up(40.0);
+    const hal_encoder_t last = encoder.reading;
+    int n = 0;
+    for (; faults == 0u && n < 1000; n++) {
+        in.clock += clock_hz / tick_hz;
+        in.encoder = fixture_encoder_move(&encoder, 40.0L / tick_hz);
+        in.encoder.n_index = last.n_index;
+        in.encoder.index_counts = last.index_counts;
+        cam_spindle_step_isr(&spindle, &config.spindle, &in, 0, &angle);
+        faults |= angle.faults;
+    }
+    TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(index_missing), faults);
+    TEST_ASSERT_LESS_OR_EQUAL_INT(563, n);
+}
+
+static void test_step_turning_back_over_the_index_is_no_fault(void)
+{
+    start(10000, -1, 77);
+    run_up(2.0);
+    for (int i = 0; i < 60000; i++) { // to and fro, some turns
+        step(2.0 * cos(i * 2.0 * pi / 20000.0), 1.0);
+    }
+    TEST_ASSERT_EQUAL_HEX32(0, faults);
+    TEST_ASSERT_TRUE(fabs(error_turn()) < 1.0 / 10000);
+}
+
+static void test_step_standstill_and_creep_are_steady(void)
+{
+    start(10000, 1, 0);
+    run_up(1.0);
+    for (int i = 4000; i >= 0; i--) {
+        step(i / 4000.0, 1.0);
+    }
+    for (int i = 0; i < 20000; i++) {
+        step(0.0, 1.0);
+    }
+    TEST_ASSERT_INT32_WITHIN(50, 0, angle.speed_q32);
+    for (int i = 0; i < 20000; i++) {
+        step(0.01, 1.0);
+        TEST_ASSERT_TRUE(fabs(error_turn()) < 1.0 / 10000);
+    }
+    TEST_ASSERT_EQUAL_HEX32(0, faults);
+}
+
+static void test_step_late_tick_with_its_time_stamp_costs_no_angle(void)
+{
+    static const double shares[] = {1.4, 1.8, 2.5, 0.5};
+    for (int i = 0; i < 4; i++) {
+        start(10000, 1, 0);
+        run_up(41.0);
+        step(41.0, shares[i]);
+        TEST_ASSERT_TRUE(fabs(error_turn()) < 0.75 / 10000);
+        TEST_ASSERT_TRUE(angle.is_off_time);
+        TEST_ASSERT_EQUAL_HEX32(shares[i] > 1.5 ? CAM_FAULT_BIT(late_tick) : 0u, faults);
+        faults = 0;
+        step(41.0, 1.0);
+        TEST_ASSERT_TRUE(angle.is_off_time); // its way is still unusual
+        step(41.0, 1.0);
+        TEST_ASSERT_FALSE(angle.is_off_time);
+        TEST_ASSERT_EQUAL_HEX32(0, faults);
+    }
+}
+
+static void test_step_known_acceleration_causes_no_lag(void)
+{
+    start(1 << 20, 1, 0);
+    params.jump_window_counts = 1000;
+    run_up(3.0);
+    const double acceleration = 80.0; // turns per s^2
+    const int32_t alpha_q40 = (int32_t)(acceleration / tick_hz / tick_hz * 1099511627776.0);
+    double speed = 3.0;
+    double sum = 0.0;
+    for (int i = 0; i < 6000; i++) {
+        in.clock += clock_hz / tick_hz;
+        const double way = (speed + 0.5 * acceleration / tick_hz) / tick_hz;
+        in.encoder = fixture_encoder_move(&encoder, way);
+        speed += acceleration / tick_hz;
+        cam_spindle_step_isr(&spindle, &config.spindle, &in, alpha_q40, &angle);
+        faults |= angle.faults;
+        sum += i >= 2000 ? error_turn() : 0.0;
+    }
+    TEST_ASSERT_EQUAL_HEX32(0, faults);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-7, 0.0, sum / 4000.0); // without it 4e-5
+    TEST_ASSERT_DOUBLE_WITHIN(2e-3 * speed, speed, ldexp(angle.speed_q32, -32) * tick_hz);
+}
+
+static void test_step_first_reading_anywhere_is_no_jump(void)
+{
+    start(10000, 1, 0x80000000u);
+    TEST_ASSERT_EQUAL_HEX32(0, angle.faults);
+    TEST_ASSERT_FALSE(angle.is_synced);
+}
+
+static void test_forget_keeps_the_speed_and_needs_a_new_edge(void)
+{
+    start(10000, 1, 0);
+    run_up(40.0);
+    const int32_t speed_q32 = angle.speed_q32;
+    cam_spindle_forget_isr(&spindle);
+    step(40.0, 1.0);
+    TEST_ASSERT_FALSE(angle.is_synced);
+    TEST_ASSERT_INT32_WITHIN(speed_q32 / 1000, speed_q32, angle.speed_q32);
+    for (int i = 0; i < 501; i++) {
+        step(40.0, 1.0);
+    }
+    TEST_ASSERT_TRUE(angle.is_synced);
+    TEST_ASSERT_EQUAL_HEX32(0, faults);
+    TEST_ASSERT_TRUE(angle.pos_q32 >> 32 <= 1); // turns count from the new edge
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_step_any_encoder_and_sense_knows_the_angle_within_a_count);
+    RUN_TEST(test_step_offset_is_added_to_the_angle);
+    RUN_TEST(test_step_constant_speed_has_no_mean_error);
+    RUN_TEST(test_step_constant_acceleration_lags_by_acceleration_over_bandwidth_squared);
+    RUN_TEST(test_step_speed_ripple_is_missed_by_the_documented_share);
+    RUN_TEST(test_step_lost_or_gained_counts_show_at_the_next_edge);
+    RUN_TEST(test_step_doubled_edge_hides_no_lost_counts);
+    RUN_TEST(test_step_index_tolerance_bears_its_counts_in_sum);
+    RUN_TEST(test_step_jump_shows_in_its_tick);
+    RUN_TEST(test_step_missing_index_shows_within_an_eighth_turn);
+    RUN_TEST(test_step_turning_back_over_the_index_is_no_fault);
+    RUN_TEST(test_step_standstill_and_creep_are_steady);
+    RUN_TEST(test_step_late_tick_with_its_time_stamp_costs_no_angle);
+    RUN_TEST(test_step_known_acceleration_causes_no_lag);
+    RUN_TEST(test_step_first_reading_anywhere_is_no_jump);
+    RUN_TEST(test_forget_keeps_the_speed_and_needs_a_new_edge);
+    return UNITY_END();
+}

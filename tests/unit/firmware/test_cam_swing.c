@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: Apache-2.0
+// The swing of the tool: its lines against the table, its return to 0, its drive, what a table
+// demands of it.
+#include "cam_feasible.h"
+#include "cam_peaks.h"
+#include "cam_swing.h"
+#include "fixture_play.h"
+#include "fixture_random.h"
+#include "unity.h"
+#include <math.h>   // fabs
+#include <stdlib.h> // abs
+
+#define TURN 4294967296.0
+#define PI 3.14159265358979323846
+
+static fixture_play_t f;
+
+void setUp(void)
+{
+    const fixture_part_t part = fixture_part_swung();
+    fixture_play_init(&f, &part);
+    f.params.swing_speed_mdeg_per_s = 100000000;
+    f.params.swing_acceleration_deg_per_s2 = 10000000;
+    f.params.swing_lag_ns = 1250000; // 25 ticks of 50 us
+    f.angle.speed_q32 = 214748;      // 60 r/min
+    fixture_play_configure(&f);
+}
+
+void tearDown(void) {}
+
+/// @return [turn] the table's swing by its formula, at a master position
+static double wanted_turn(double pos_turn, double z_nm)
+{
+    double g[3];
+    fixture_gamma(2.0 * PI * (pos_turn - floor(pos_turn)), z_nm, g);
+    return g[0] / (2.0 * PI);
+}
+
+static hal_swing_t line; ///< that the drive follows
+static int32_t n_since;  ///< [ticks] since it began
+
+/// One tick, of which the drive sees the set-point that was planned before.
+/// @return [turn] where the drive shall be in this tick
+static double tick_turn(void)
+{
+    n_since++;
+    if (f.motion.swing.is_new) {
+        f.motion.swing.is_new = false;
+        line = f.motion.swing.set;
+        n_since = 0;
+    }
+    fixture_play_tick(&f);
+    return (line.pos_q32 + (double)line.vel_q32 * n_since) / TURN;
+}
+
+static double largest_error_turn(uint32_t n_ticks)
+{
+    const double lag_ticks = f.config.play.swing.lag_q16 / 65536.0;
+    double most = 0.0;
+    for (uint32_t i = 0; i < n_ticks; i++) {
+        const double scale = f.motion.scale_q30 / 1073741824.0;
+        const double set = tick_turn();
+        const double pos = ((double)f.angle.pos_q32 + f.angle.speed_q32 * lag_ticks) / TURN;
+        const double off = fabs(set - scale * wanted_turn(pos, f.want.z_nm));
+        most = off > most ? off : most;
+    }
+    return most;
+}
+
+/// @return [turn] a T^2 / 8 of the fixture, 4 * 0.35 / 2 pi turns per rad^2, over n ticks
+static double chord_turn(double n_ticks)
+{
+    const double way_rad = 2.0 * PI * f.angle.speed_q32 / TURN * n_ticks;
+    return 4.0 * 0.35 / (2.0 * PI) * way_rad * way_rad / 8.0;
+}
+
+static void test_lines_leave_the_table_by_their_sagitta_at_most(void)
+{
+    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_cutting));
+    (void)largest_error_turn(200);
+    const double error = largest_error_turn(40000);
+    TEST_ASSERT_TRUE(error < 1.05 * chord_turn(FIXTURE_PLAN_TICKS));
+    TEST_ASSERT_TRUE(error > 0.95 * chord_turn(FIXTURE_PLAN_TICKS));
+}
+
+static void test_swing_follows_phase_amplitude_and_envelope(void)
+{
+    f.params.amplitude_ppm = 500000;
+    fixture_play_configure(&f);
+    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_engaging));
+    TEST_ASSERT_TRUE(fixture_play_approach(&f));
+    // the envelope moves on within a line, and is that of U's lead
+    TEST_ASSERT_TRUE(largest_error_turn(205000) < 2e-5);
+    TEST_ASSERT_EQUAL_INT(cam_state_cutting, f.want.state);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.5, f.motion.scale_q30 / 1073741824.0);
+}
+
+static void test_swing_nears_zero_within_its_limits_from_anywhere(void)
+{
+    fixture_random_t random = {.state = 5};
+    const cam_play_config_t *cfg = &f.config.play;
+    const cam_swing_limits_t *limits = &cfg->swing.gentle;
+    for (int k = 0; k < 200; k++) {
+        cam_swing_t s = {
+            .set = {.pos_q32 = (int32_t)fixture_random_range(&random, -(1 << 29), 1 << 29),
+                    .vel_q32 = (int32_t)fixture_random_range(&random, -limits->speed_q32,
+                                                             limits->speed_q32)}};
+        for (int n = 0; n < 250000 && !s.is_there; n++) {
+            const hal_swing_t before = s.set;
+            s.is_new = false;
+            cam_swing_rest_isr(&s, cfg, limits);
+            TEST_ASSERT_TRUE(s.is_new);
+            TEST_ASSERT_EQUAL_INT32(before.pos_q32 + before.vel_q32 * cfg->plan_ticks,
+                                    s.set.pos_q32);
+            TEST_ASSERT_INT32_WITHIN(limits->step_q32, before.vel_q32, s.set.vel_q32);
+            TEST_ASSERT_INT32_WITHIN(limits->speed_q32, 0, s.set.vel_q32);
+        }
+        TEST_ASSERT_TRUE(s.is_there);
+        TEST_ASSERT_EQUAL_INT32(0, s.set.vel_q32);
+        TEST_ASSERT_INT32_WITHIN(2000, 0, s.set.pos_q32); // 2e-4 degrees
+    }
+}
+
+/// A plan looks at the drive in the tick before its line ends: 7 ticks of the line behind its
+/// begin.
+static void test_drive_beyond_its_limit_is_a_fault(void)
+{
+    const cam_play_config_t *cfg = &f.config.play;
+    const cam_swing_t s = {.set = {.pos_q32 = 1000000, .vel_q32 = 1000}};
+    const int32_t due_q32 = 1000000 + 1000 * (FIXTURE_PLAN_TICKS - 1) - 1000 * 25;
+    const int32_t limit_q32 = 11930465; // one degree
+    TEST_ASSERT_EQUAL_INT32(limit_q32, cfg->swing.following_q32);
+    TEST_ASSERT_EQUAL_HEX32(0, cam_swing_look_isr(&s, cfg, due_q32 + limit_q32));
+    TEST_ASSERT_EQUAL_HEX32(0, cam_swing_look_isr(&s, cfg, due_q32 - limit_q32));
+    const uint32_t fault = CAM_FAULT_BIT(swing);
+    TEST_ASSERT_EQUAL_HEX32(fault, cam_swing_look_isr(&s, cfg, due_q32 + limit_q32 + 1));
+    TEST_ASSERT_EQUAL_HEX32(fault, cam_swing_look_isr(&s, cfg, due_q32 - limit_q32 - 1));
+}
+
+/// The drive follows its lines, a lag behind, until it is blocked.
+static void test_blocked_drive_is_seen_within_one_plan(void)
+{
+    enum { lag_ticks = 25 };
+    int32_t lagged_q32[lag_ticks] = {0};
+    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_cutting));
+    int32_t beyond = 0; // [ticks] since it is off by more than the limit
+    for (uint32_t i = 0; i < 100000u && f.want.faults == 0u; i++) {
+        const int32_t set_q32 = (int32_t)llround(tick_turn() * TURN);
+        const int32_t due_q32 = lagged_q32[i % lag_ticks];
+        lagged_q32[i % lag_ticks] = set_q32;
+        f.in.swing_q32 = i < 300u ? due_q32 : f.in.swing_q32;
+        const int32_t off_q32 = due_q32 - f.in.swing_q32;
+        beyond += abs(off_q32) > f.config.play.swing.following_q32 ? 1 : 0;
+    }
+    TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(swing), f.want.faults);
+    TEST_ASSERT_INT32_WITHIN(FIXTURE_PLAN_TICKS / 2 + 1, FIXTURE_PLAN_TICKS / 2 + 1, beyond);
+}
+
+static void test_cut_waits_for_the_swing_to_come_to_rest(void)
+{
+    f.in.swing_q32 = 1 << 27; // 11 degrees
+    fixture_play_tick(&f);
+    TEST_ASSERT_EQUAL_INT32(1 << 27, f.motion.swing.set.pos_q32); // off: it follows the tool
+    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_ready));
+    TEST_ASSERT_TRUE(f.motion.swing.is_there);
+    f.motion.swing.is_there = false;
+    f.motion.swing.set.pos_q32 = 1 << 27;
+    fixture_play_do(&f, cam_request_start);
+    for (int i = 0; !f.motion.swing.is_there; i++) {
+        TEST_ASSERT_LESS_THAN_INT(100000, i);
+        TEST_ASSERT_FALSE(f.motion.is_x_known);
+        fixture_play_tick(&f);
+    }
+    TEST_ASSERT_TRUE(fixture_play_approach(&f));
+}
+
+static void expect_peak(double exact, uint32_t found)
+{
+    TEST_ASSERT_GREATER_OR_EQUAL_UINT32((uint32_t)exact, found);
+    TEST_ASSERT_TRUE(found < 1.02 * exact);
+}
+
+/// 0.35 sin 2 theta and its derivatives.
+static void test_peaks_are_bounds_within_two_per_cent(void)
+{
+    const double mdeg = 180e3 / PI;
+    expect_peak(0.35 * mdeg, f.table.swing.most_mdeg);
+    expect_peak(0.7 * mdeg, f.table.swing.first_mdeg_per_rad);
+    expect_peak(1.4 * mdeg, f.table.swing.second_mdeg_per_rad2);
+}
+
+static void expect_refused(cam_err_t err, double needed, bool is_any_speed)
+{
+    const cam_feasibility_t why = cam_feasible(&f.table, &f.params, 60000, FIXTURE_PLAY_HZ);
+    TEST_ASSERT_EQUAL_INT(err, why.err);
+    TEST_ASSERT_DOUBLE_WITHIN(0.02 * needed, 1.01 * needed, (double)why.needed);
+    if (is_any_speed) {
+        TEST_ASSERT_EQUAL_UINT32(0, why.highest_mrpm);
+        return;
+    }
+    TEST_ASSERT_EQUAL_INT(cam_ok,
+                          cam_feasible(&f.table, &f.params, why.highest_mrpm, FIXTURE_PLAY_HZ).err);
+    TEST_ASSERT_EQUAL_INT(err,
+                          cam_feasible(&f.table, &f.params,
+                                       why.highest_mrpm + why.highest_mrpm / 500u, FIXTURE_PLAY_HZ)
+                              .err);
+}
+
+static void test_infeasible_swing_is_refused_with_the_numbers(void)
+{
+    const double omega = 2.0 * PI;
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_feasible(&f.table, &f.params, 60000, FIXTURE_PLAY_HZ).err);
+    f.params.swing_range_mdeg = 20000;
+    expect_refused(cam_err_swing_range, 0.35 * 180e3 / PI, true);
+    f.params.swing_range_mdeg = 30000;
+    f.params.swing_speed_mdeg_per_s = 200000;
+    expect_refused(cam_err_swing_speed, 0.7 * omega * 180e3 / PI, false);
+    f.params.swing_speed_mdeg_per_s = 100000000;
+    f.params.swing_acceleration_deg_per_s2 = 2000;
+    expect_refused(cam_err_swing_acceleration, 1.4 * omega * omega * 180.0 / PI, false);
+    f.params.swing_speed_mdeg_per_s = 0;
+    TEST_ASSERT_EQUAL_INT(cam_err_swing_axis,
+                          cam_feasible(&f.table, &f.params, 60000, FIXTURE_PLAY_HZ).err);
+}
+
+/// Out of the work is beyond the highest point: 0.1 mm, and a quarter for the amplitude.
+static void test_tool_leaves_a_cam_beyond_its_lift(void)
+{
+    f.params.u_stroke_nm = 1300000;
+    fixture_play_configure(&f);
+    TEST_ASSERT_INT32_WITHIN(2, 125000, cam_table_rise_nm(&f.table));
+    TEST_ASSERT_EQUAL_INT32(f.params.x_clearance_nm + cam_table_rise_nm(&f.table),
+                            f.config.play.x_clearance_nm);
+    TEST_ASSERT_EQUAL_INT64((int64_t)(f.params.u_retract_nm - cam_table_rise_nm(&f.table)) * 1024,
+                            f.config.guard.u_retract_q10);
+    f.params.u_stroke_nm = 1150000;
+    TEST_ASSERT_EQUAL_INT(cam_err_u_stroke,
+                          cam_feasible(&f.table, &f.params, 60000, FIXTURE_PLAY_HZ).err);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_lines_leave_the_table_by_their_sagitta_at_most);
+    RUN_TEST(test_swing_follows_phase_amplitude_and_envelope);
+    RUN_TEST(test_swing_nears_zero_within_its_limits_from_anywhere);
+    RUN_TEST(test_drive_beyond_its_limit_is_a_fault);
+    RUN_TEST(test_blocked_drive_is_seen_within_one_plan);
+    RUN_TEST(test_cut_waits_for_the_swing_to_come_to_rest);
+    RUN_TEST(test_peaks_are_bounds_within_two_per_cent);
+    RUN_TEST(test_infeasible_swing_is_refused_with_the_numbers);
+    RUN_TEST(test_tool_leaves_a_cam_beyond_its_lift);
+    return UNITY_END();
+}

@@ -1,0 +1,397 @@
+// SPDX-License-Identifier: Apache-2.0
+// An image is untrusted: everything wrong with it is refused, with a code that names it.
+#include "fixture_image.h"
+#include "fixture_random.h"
+#include "fixture_reference.h"
+#include "cam_eval.h"
+#include "unity.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static fixture_image_t image;
+static fixture_part_t part;
+static cam_table_t table;
+
+void setUp(void)
+{
+    part = fixture_part_short();
+    fixture_image_make(&image, &part);
+}
+
+void tearDown(void) {}
+
+static cam_err_t check(void)
+{
+    return cam_table_check(image.bytes, image.size, &table);
+}
+
+/// @return what the check says when one word of the header is changed and the CRC is right
+static cam_err_t with_word(size_t at, uint32_t value)
+{
+    fixture_image_make(&image, &part);
+    fixture_image_put(&image, at, value);
+    fixture_image_seal(&image);
+    return check();
+}
+
+static cam_err_t with_field(uint32_t channel, size_t field, uint32_t value)
+{
+    return with_word(fixture_image_in(channel, field), value);
+}
+
+static uint32_t field(uint32_t channel, size_t name)
+{
+    return fixture_image_get(&image, fixture_image_in(channel, name));
+}
+
+static void test_crc32_gives_the_check_value_whole_and_in_pieces(void)
+{
+    TEST_ASSERT_EQUAL_HEX32(0xCBF43926u, cam_crc32(0, "123456789", 9));
+    TEST_ASSERT_EQUAL_HEX32(0xCBF43926u, cam_crc32(cam_crc32(0, "1234", 4), "56789", 5));
+    TEST_ASSERT_EQUAL_HEX32(0, cam_crc32(0, "", 0));
+}
+
+static void test_check_good_image_is_accepted_and_described(void)
+{
+    TEST_ASSERT_EQUAL_INT(cam_ok, check());
+    TEST_ASSERT_EQUAL_INT32(part.z_first_nm, table.z_first_nm);
+    TEST_ASSERT_EQUAL_INT32(part.z_last_nm, table.z_last_nm);
+    TEST_ASSERT_EQUAL_UINT32(part.spindle_mrpm, table.spindle_mrpm);
+    TEST_ASSERT_EQUAL_UINT32(part.feed_nm, table.feed_nm);
+    TEST_ASSERT_EQUAL_UINT32(part.n_slices, table.u.n_slices);
+    TEST_ASSERT_EQUAL_UINT32(part.n_x, table.x.n_slices);
+    TEST_ASSERT_EQUAL_PTR(fixture_image_knots(&image, fixture_u), table.u.knots);
+    TEST_ASSERT_EQUAL_PTR(fixture_image_knots(&image, fixture_x), table.x.knots);
+    TEST_ASSERT_EQUAL_UINT32(image.size, table.image_size);
+    TEST_ASSERT_EQUAL_HEX32(fixture_image_get(&image, fixture_at_crc), table.crc32);
+}
+
+static void test_check_every_length_but_the_right_one_is_refused(void)
+{
+    for (size_t size = 0; size < image.size + 64u; size++) {
+        const cam_err_t err = cam_table_check(image.bytes, size, &table);
+        TEST_ASSERT_EQUAL_INT(size == image.size ? cam_ok : cam_err_image_size, err);
+    }
+    TEST_ASSERT_NULL(table.u.knots);
+}
+
+static void test_check_every_flipped_bit_is_refused(void)
+{
+    part = fixture_part_smallest();
+    fixture_image_make(&image, &part);
+    TEST_ASSERT_EQUAL_INT(cam_ok, check());
+    for (size_t bit = 0; bit < image.size * 8u; bit++) {
+        image.bytes[bit / 8u] ^= (uint8_t)(1u << (bit % 8u));
+        TEST_ASSERT_NOT_EQUAL_INT(cam_ok, check());
+        image.bytes[bit / 8u] ^= (uint8_t)(1u << (bit % 8u));
+    }
+    TEST_ASSERT_EQUAL_INT(cam_ok, check());
+}
+
+static void test_check_address_is_refused_when_null_or_misaligned(void)
+{
+    TEST_ASSERT_EQUAL_INT(cam_err_image_address, cam_table_check(NULL, 4096, &table));
+    for (size_t off = 1; off < 4u; off++) {
+        TEST_ASSERT_EQUAL_INT(cam_err_image_address,
+                              cam_table_check(image.bytes + off, image.size - off, &table));
+    }
+}
+
+static void test_check_frame_fields_have_their_own_codes(void)
+{
+    TEST_ASSERT_EQUAL_INT(cam_err_image_magic, with_word(fixture_at_magic, 0x544D4142u));
+    TEST_ASSERT_EQUAL_INT(cam_err_image_order, with_word(fixture_at_order, 0x04030201u));
+    TEST_ASSERT_EQUAL_INT(cam_err_image_version, with_word(fixture_at_version, 2u));
+    TEST_ASSERT_EQUAL_INT(cam_err_image_version, with_word(fixture_at_version, 0x00010001u));
+    TEST_ASSERT_EQUAL_INT(cam_err_image_size,
+                          with_word(fixture_at_image_size, (uint32_t)image.size - 32u));
+    fixture_image_make(&image, &part);
+    image.bytes[fixture_at_crc] ^= 1u;
+    TEST_ASSERT_EQUAL_INT(cam_err_image_crc, check());
+}
+
+typedef struct {
+    size_t at;
+    uint32_t value;
+} word_t;
+
+static void test_check_header_fields_out_of_range_are_refused(void)
+{
+    static const word_t bad[] = {
+        {fixture_at_header_size, 124u},       {fixture_at_header_size, 0u},
+        {fixture_at_n_channels, 0u},          {fixture_at_n_channels, 9u},
+        {fixture_at_n_channels, UINT32_MAX},  {fixture_at_z_first, 0x80000000u},
+        {fixture_at_z_first, 1000000u},       {fixture_at_z_last, 0u},
+        {fixture_at_z_last, 0x7FFFFFFFu},     {fixture_at_direction, 0u},
+        {fixture_at_direction, 2u},           {fixture_at_spindle, 0u},
+        {fixture_at_spindle, 60000001u},      {fixture_at_feed, 0u},
+        {fixture_at_feed, 10000001u},         {fixture_at_depth, 0x80000000u},
+        {fixture_at_limit_stroke, 0u},        {fixture_at_limit_stroke, 33554433u},
+        {fixture_at_limit_speed, 0u},         {fixture_at_limit_speed, 0x80000000u},
+        {fixture_at_limit_acceleration, 0u},  {fixture_at_limit_acceleration, 0x80000000u},
+        {fixture_at_limit_spindle, 0u},       {fixture_at_limit_spindle, 60000001u},
+        {fixture_at_u_min, 0x80000000u},      {fixture_at_u_min, 16777217u},
+        {fixture_at_u_max, 0x80000000u},      {fixture_at_u_max, 16777217u},
+        {fixture_at_u1_peak, 0x80000000u},    {fixture_at_u2_peak, 0x80000000u},
+        {fixture_at_spindle_peak, 10000001u},
+    };
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        TEST_ASSERT_EQUAL_INT_MESSAGE(cam_err_image_header, with_word(bad[i].at, bad[i].value),
+                                      "header field");
+    }
+}
+
+static void test_check_name_must_be_printable_and_padded(void)
+{
+    static const char *const bad[] = {"", "new\nline", "0123456789abcdef0123456789abcdef", "\x80"};
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        fixture_image_make(&image, &part);
+        memset(image.bytes + fixture_at_name, 0, cam_table_name_size);
+        memcpy(image.bytes + fixture_at_name, bad[i], strlen(bad[i]));
+        fixture_image_seal(&image);
+        TEST_ASSERT_EQUAL_INT(cam_err_image_name, check());
+    }
+    fixture_image_make(&image, &part);
+    memcpy(image.bytes + fixture_at_name, "a\0b", 3);
+    memset(image.bytes + fixture_at_name + 3, 0, cam_table_name_size - 3);
+    fixture_image_seal(&image);
+    TEST_ASSERT_EQUAL_INT(cam_err_image_name, check());
+}
+
+static void test_check_channel_fields_out_of_range_are_refused(void)
+{
+    static const word_t bad[] = {
+        {fixture_in_kind, 0u},
+        {fixture_in_kind, 3u},
+        {fixture_in_kind, 6u},
+        {fixture_in_n_slices, 1u},
+        {fixture_in_n_slices, 4097u},
+        {fixture_in_log2_knots, 1u},
+        {fixture_in_log2_knots, 13u},
+        {fixture_in_log2_repeat, 5u},
+        {fixture_in_frac_bits, 9u},
+        {fixture_in_path, 1u},
+        {fixture_in_p_min, 0x7FFFFFFFu},
+        {fixture_in_p_min, 0x80000000u},
+        {fixture_in_p_max, 0x02000000u},
+        {fixture_in_v_max, 0x02000000u},
+        {fixture_in_a_max, 0x02000000u},
+        {fixture_in_offset_nm, 8388608u},
+        {fixture_in_offset_nm, 0x80000000u},
+    };
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        TEST_ASSERT_EQUAL_INT_MESSAGE(cam_err_image_channel,
+                                      with_field(fixture_u, bad[i].at, bad[i].value), "u field");
+    }
+    TEST_ASSERT_EQUAL_INT(cam_err_image_channel, with_field(fixture_x, fixture_in_log2_knots, 1u));
+    TEST_ASSERT_EQUAL_INT(cam_err_image_channel, with_field(fixture_x, fixture_in_log2_repeat, 1u));
+    TEST_ASSERT_EQUAL_INT(cam_err_image_channel,
+                          with_field(fixture_x, fixture_in_offset_nm, 2000000001u));
+}
+
+/// How Z follows the turns stands in the entry of x; a modulated spindle has no ring-helix.
+static void test_check_path_is_a_helix_or_a_ring_helix(void)
+{
+    TEST_ASSERT_EQUAL_INT(cam_ok, with_field(fixture_x, fixture_in_path, 0u));
+    TEST_ASSERT_FALSE(table.is_ring_helix);
+    TEST_ASSERT_EQUAL_INT(cam_ok, with_field(fixture_x, fixture_in_path, 1u));
+    TEST_ASSERT_TRUE(table.is_ring_helix);
+    TEST_ASSERT_EQUAL_INT(cam_err_image_channel, with_field(fixture_x, fixture_in_path, 2u));
+    part = fixture_part_modulated();
+    TEST_ASSERT_EQUAL_INT(cam_ok, with_field(fixture_x, fixture_in_path, 0u));
+    TEST_ASSERT_EQUAL_INT(cam_err_image_channel, with_field(fixture_x, fixture_in_path, 1u));
+    TEST_ASSERT_EQUAL_INT(cam_err_image_channel, with_field(fixture_speed, fixture_in_path, 1u));
+}
+
+static void test_check_twice_or_missing_channel_is_refused(void)
+{
+    TEST_ASSERT_EQUAL_INT(cam_err_image_channel, with_word(fixture_at_n_channels, 1u));
+    part.log2_knots = 2;
+    part.n_slices = 5; // x could be read as a second u
+    fixture_image_make(&image, &part);
+    const uint32_t size = field(fixture_x, fixture_in_size);
+    TEST_ASSERT_EQUAL_UINT32(5u * 12u, size);
+    fixture_image_put(&image, fixture_image_in(fixture_u, fixture_in_kind), 2u);
+    fixture_image_seal(&image);
+    TEST_ASSERT_EQUAL_INT(cam_err_image_channel, check());
+}
+
+/// A part with an angle channel in the place of its speed channel.
+static void make_cam(uint32_t kind)
+{
+    part = fixture_part_modulated();
+    fixture_image_make(&image, &part);
+    fixture_image_put(&image, fixture_image_in(fixture_speed, fixture_in_kind), kind);
+    fixture_image_put(&image, fixture_at_spindle_peak, 0u);
+    fixture_image_put(&image, fixture_at_u1_peak, 1000000u);
+    fixture_image_put(&image, fixture_at_u2_peak, 1000000u);
+    fixture_image_seal(&image);
+}
+
+static void test_check_cam_has_one_angle_channel_within_a_quarter_turn(void)
+{
+    for (uint32_t kind = 4; kind <= 5; kind++) { // swing, contact
+        make_cam(kind);
+        TEST_ASSERT_EQUAL_INT(cam_ok, check());
+        TEST_ASSERT_NOT_NULL(table.angle.knots);
+        TEST_ASSERT_NULL(table.speed.knots);
+        TEST_ASSERT_EQUAL_INT(kind == 4u, table.is_swung);
+        fixture_image_put(&image, fixture_image_in(fixture_speed, fixture_in_offset_nm),
+                          (uint32_t)CAM_TABLE_ANGLE_MAX);
+        fixture_image_seal(&image);
+        TEST_ASSERT_EQUAL_INT(cam_err_image_channel, check());
+    }
+    make_cam(4);
+    fixture_image_put(&image, fixture_image_in(fixture_u, fixture_in_kind), 5u);
+    fixture_image_seal(&image);
+    TEST_ASSERT_EQUAL_INT_MESSAGE(cam_err_image_channel, check(), "two angles, no u");
+}
+
+static void test_check_layout_misaligned_overlapping_or_outside_is_refused(void)
+{
+    const uint32_t u_at = field(fixture_u, fixture_in_offset);
+    const uint32_t x_at = field(fixture_x, fixture_in_offset);
+    const uint32_t u_size = field(fixture_u, fixture_in_size);
+    TEST_ASSERT_EQUAL_INT(cam_err_image_layout,
+                          with_field(fixture_u, fixture_in_offset, u_at + 4u));
+    TEST_ASSERT_EQUAL_INT(cam_err_image_layout, with_field(fixture_u, fixture_in_offset, 224u));
+    TEST_ASSERT_EQUAL_INT(cam_err_image_layout,
+                          with_field(fixture_u, fixture_in_offset, 0xFFFFFFE0u));
+    TEST_ASSERT_EQUAL_INT(cam_err_image_layout, with_field(fixture_x, fixture_in_offset, u_at));
+    TEST_ASSERT_EQUAL_INT(cam_err_image_layout,
+                          with_field(fixture_x, fixture_in_offset, x_at + 64u));
+    TEST_ASSERT_EQUAL_INT(cam_err_image_layout,
+                          with_field(fixture_u, fixture_in_size, u_size + 12u));
+    TEST_ASSERT_EQUAL_INT(cam_err_image_layout, with_field(fixture_u, fixture_in_n_slices, 12u));
+    TEST_ASSERT_EQUAL_INT(cam_err_image_layout, with_field(fixture_u, fixture_in_n_slices, 4096u));
+}
+
+static void test_check_directory_beyond_the_image_is_refused(void)
+{
+    part = fixture_part_smallest();
+    fixture_image_make(&image, &part);
+    TEST_ASSERT_EQUAL_INT(cam_err_image_layout, with_word(fixture_at_n_channels, 8u));
+}
+
+static void test_check_heights_that_do_not_fit_are_refused(void)
+{
+    TEST_ASSERT_EQUAL_INT(cam_err_image_height, with_field(fixture_u, fixture_in_z_first, 1u));
+    TEST_ASSERT_EQUAL_INT(cam_err_image_height, with_field(fixture_u, fixture_in_z_last, 999999u));
+    TEST_ASSERT_EQUAL_INT(cam_err_image_height, with_field(fixture_u, fixture_in_z_last, 2000000u));
+    TEST_ASSERT_EQUAL_INT(cam_err_image_height,
+                          with_field(fixture_u, fixture_in_z_last, 0x7FFFFFFFu));
+    const uint32_t reciprocal = field(fixture_u, fixture_in_reciprocal);
+    TEST_ASSERT_EQUAL_INT(cam_err_image_height,
+                          with_field(fixture_u, fixture_in_reciprocal, reciprocal + 1u));
+    TEST_ASSERT_EQUAL_INT(cam_err_image_height, with_field(fixture_u, fixture_in_reciprocal, 0u));
+}
+
+static void test_check_knots_beyond_the_sums_are_refused(void)
+{
+    const cam_knot_t wild[] = {
+        {INT32_MIN, 0, 0},
+        {INT32_MAX, 0, 0},
+        {0, INT32_MIN, 0},
+        {0, 0, INT32_MIN},
+        {CAM_TABLE_SUM_MAX, 0, 0},
+        {0, CAM_TABLE_SUM_MAX / 2, 0},
+        {0, 0, CAM_TABLE_SUM_MAX / 2},
+    };
+    for (size_t i = 0; i < sizeof wild / sizeof wild[0]; i++) {
+        for (uint32_t channel = 0; channel < 2u; channel++) {
+            fixture_image_make(&image, &part);
+            fixture_image_knots(&image, channel)[2] = wild[i];
+            fixture_image_put(&image, fixture_image_in(channel, fixture_in_p_min),
+                              (uint32_t)-CAM_TABLE_SUM_MAX);
+            fixture_image_put(&image, fixture_image_in(channel, fixture_in_p_max),
+                              CAM_TABLE_SUM_MAX);
+            fixture_image_put(&image, fixture_image_in(channel, fixture_in_v_max),
+                              CAM_TABLE_SUM_MAX);
+            fixture_image_put(&image, fixture_image_in(channel, fixture_in_a_max),
+                              CAM_TABLE_SUM_MAX);
+            fixture_image_seal(&image);
+            TEST_ASSERT_EQUAL_INT(cam_err_image_knots, check());
+        }
+    }
+}
+
+static void test_check_knots_beyond_the_promise_are_refused(void)
+{
+    const uint32_t v_max = field(fixture_u, fixture_in_v_max);
+    const uint32_t a_max = field(fixture_u, fixture_in_a_max);
+    const uint32_t p_max = field(fixture_u, fixture_in_p_max);
+    TEST_ASSERT_EQUAL_INT(cam_err_image_limits,
+                          with_field(fixture_u, fixture_in_v_max, v_max - 1u));
+    TEST_ASSERT_EQUAL_INT(cam_err_image_limits,
+                          with_field(fixture_u, fixture_in_a_max, a_max - 1u));
+    TEST_ASSERT_EQUAL_INT(cam_err_image_limits,
+                          with_field(fixture_u, fixture_in_p_max, p_max - 1u));
+    TEST_ASSERT_EQUAL_INT(cam_err_image_limits, with_field(fixture_u, fixture_in_p_min, 1u));
+    TEST_ASSERT_EQUAL_INT(cam_err_image_limits, with_word(fixture_at_u_max, 140000u));
+    TEST_ASSERT_EQUAL_INT(cam_err_image_limits, with_word(fixture_at_u_min, 10u));
+    TEST_ASSERT_EQUAL_INT(cam_err_image_limits, with_word(fixture_at_u1_peak, 140000u));
+    TEST_ASSERT_EQUAL_INT(cam_err_image_limits, with_word(fixture_at_u2_peak, 280000u));
+}
+
+static long double off(int32_t got, long double wanted)
+{
+    return fabsl((long double)got - wanted);
+}
+
+/// Whatever the check lets pass must evaluate without overflow: compare with exact arithmetic.
+static void expect_sound_evaluation(fixture_random_t *random)
+{
+    for (int i = 0; i < 4; i++) {
+        const uint32_t theta_q32 = fixture_random_u32(random);
+        const int32_t z_nm = (int32_t)fixture_random_u32(random);
+        const cam_value_t got = cam_eval_surface(&table.u, theta_q32, z_nm);
+        const fixture_value_t exact = fixture_reference_surface_at(&table.u, theta_q32, z_nm);
+        const long double slack = 2e-4L * CAM_TABLE_SUM_MAX * table.u.span_nm / 2e9L;
+        TEST_ASSERT_TRUE(off(got.y, exact.y) <= 1.0L + slack);
+        (void)cam_eval_profile(&table.x, z_nm);
+    }
+}
+
+static void test_check_random_damage_with_a_right_crc_is_refused_or_harmless(void)
+{
+    fixture_random_t random = {.state = 7};
+    uint32_t n_accepted = 0;
+    for (int i = 0; i < 20000; i++) {
+        if (i % 8 == 0) {
+            fixture_image_make(&image, &part);
+        }
+        const size_t at = (size_t)fixture_random_range(&random, 24, (int64_t)image.size - 1);
+        image.bytes[at] = (uint8_t)fixture_random_u32(&random);
+        fixture_image_seal(&image);
+        if (check() == cam_ok) {
+            n_accepted++;
+            expect_sound_evaluation(&random);
+        }
+    }
+    TEST_ASSERT_GREATER_THAN_UINT32(100, n_accepted);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_crc32_gives_the_check_value_whole_and_in_pieces);
+    RUN_TEST(test_check_good_image_is_accepted_and_described);
+    RUN_TEST(test_check_every_length_but_the_right_one_is_refused);
+    RUN_TEST(test_check_every_flipped_bit_is_refused);
+    RUN_TEST(test_check_address_is_refused_when_null_or_misaligned);
+    RUN_TEST(test_check_frame_fields_have_their_own_codes);
+    RUN_TEST(test_check_header_fields_out_of_range_are_refused);
+    RUN_TEST(test_check_name_must_be_printable_and_padded);
+    RUN_TEST(test_check_channel_fields_out_of_range_are_refused);
+    RUN_TEST(test_check_path_is_a_helix_or_a_ring_helix);
+    RUN_TEST(test_check_twice_or_missing_channel_is_refused);
+    RUN_TEST(test_check_cam_has_one_angle_channel_within_a_quarter_turn);
+    RUN_TEST(test_check_layout_misaligned_overlapping_or_outside_is_refused);
+    RUN_TEST(test_check_directory_beyond_the_image_is_refused);
+    RUN_TEST(test_check_heights_that_do_not_fit_are_refused);
+    RUN_TEST(test_check_knots_beyond_the_sums_are_refused);
+    RUN_TEST(test_check_knots_beyond_the_promise_are_refused);
+    RUN_TEST(test_check_random_damage_with_a_right_crc_is_refused_or_harmless);
+    return UNITY_END();
+}

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+// Names and texts of states, faults, errors and parameters; parameters and their ranges; the trace
+// ring.
+#include "cam_err.h"
+#include "cam_param.h"
+#include "cam_state.h"
+#include "cam_trace.h"
+#include "unity.h"
+#include <string.h>
+
+void setUp(void) {}
+
+void tearDown(void) {}
+
+static void test_names_are_there_and_differ(void)
+{
+    for (int i = 0; i < cam_n_states; i++) {
+        TEST_ASSERT_GREATER_THAN(1, strlen(cam_state_name((cam_state_t)i)));
+        for (int k = 0; k < i; k++) {
+            TEST_ASSERT_NOT_EQUAL_INT(
+                0, strcmp(cam_state_name((cam_state_t)i), cam_state_name((cam_state_t)k)));
+        }
+    }
+    for (int i = 0; i < cam_n_faults; i++) {
+        TEST_ASSERT_GREATER_THAN(2, strlen(cam_fault_name((cam_fault_t)i)));
+        TEST_ASSERT_GREATER_THAN(9, strlen(cam_fault_text((cam_fault_t)i)));
+    }
+    TEST_ASSERT_EQUAL_STRING("lost_counts", cam_fault_name(cam_fault_lost_counts));
+    TEST_ASSERT_EQUAL_STRING("?", cam_state_name(cam_n_states));
+    TEST_ASSERT_EQUAL_STRING("?", cam_fault_name(cam_n_faults));
+    TEST_ASSERT_EQUAL_STRING("?", cam_fault_text((cam_fault_t)-1));
+}
+
+static void test_err_text_knows_every_error(void)
+{
+    int n_known = 0;
+    for (int err = 0; err >= -100; err--) {
+        n_known += strcmp(cam_err_text((cam_err_t)err), "unknown error") != 0 ? 1 : 0;
+    }
+    TEST_ASSERT_EQUAL_INT(48, n_known);
+    TEST_ASSERT_EQUAL_STRING("done", cam_err_text(cam_ok));
+    TEST_ASSERT_EQUAL_STRING("unknown error", cam_err_text((cam_err_t)5));
+}
+
+static void test_param_set_takes_its_range_and_nothing_else(void)
+{
+    for (int i = 0; i < cam_n_params; i++) {
+        const cam_param_id_t id = (cam_param_id_t)i;
+        const cam_param_info_t *info = cam_param_info(id);
+        cam_params_t params = cam_param_defaults();
+        TEST_ASSERT_EQUAL_INT32(info->def, cam_param_get(&params, id));
+        TEST_ASSERT_EQUAL_INT(id, cam_param_find(info->name));
+        TEST_ASSERT_EQUAL_INT(cam_ok, cam_param_set(&params, id, info->min));
+        TEST_ASSERT_EQUAL_INT32(info->min, cam_param_get(&params, id));
+        TEST_ASSERT_EQUAL_INT(cam_ok, cam_param_set(&params, id, info->max));
+        TEST_ASSERT_EQUAL_INT(cam_err_param_range, cam_param_set(&params, id, info->max + 1));
+        TEST_ASSERT_EQUAL_INT(cam_err_param_range, cam_param_set(&params, id, info->min - 1));
+        TEST_ASSERT_EQUAL_INT32(info->max, cam_param_get(&params, id));
+        TEST_ASSERT_GREATER_THAN(9, strlen(info->what));
+    }
+}
+
+static void test_param_foreign_ids_and_names_are_refused(void)
+{
+    cam_params_t params = cam_param_defaults();
+    TEST_ASSERT_NULL(cam_param_info(cam_n_params));
+    TEST_ASSERT_NULL(cam_param_info((cam_param_id_t)-1));
+    TEST_ASSERT_EQUAL_INT(cam_n_params, cam_param_find("k3_ns"));
+    TEST_ASSERT_EQUAL_INT(cam_err_param_id, cam_param_set(&params, cam_n_params, 0));
+    TEST_ASSERT_EQUAL_INT(cam_err_param_range, cam_param_set(&params, cam_param_encoder_sign, 0));
+}
+
+static cam_trace_t trace;
+
+static void push(uint32_t tick, uint32_t room)
+{
+    cam_trace_slot_isr(&trace, room)->tick = tick;
+    cam_trace_commit_isr(&trace);
+}
+
+static void test_trace_keeps_order_and_counts_what_it_drops(void)
+{
+    // start close below the wrap of the counters
+    memset(&trace, 0, sizeof trace);
+    trace.n_written = UINT32_MAX - 100u;
+    trace.n_read = UINT32_MAX - 100u;
+    cam_tick_record_t record;
+    TEST_ASSERT_FALSE(cam_trace_pop(&trace, &record));
+    for (uint32_t tick = 0; tick < cam_trace_capacity + 10u; tick++) {
+        push(tick, cam_trace_capacity);
+    }
+    TEST_ASSERT_EQUAL_UINT32(10, cam_trace_dropped(&trace));
+    for (uint32_t tick = 0; tick < cam_trace_capacity; tick++) {
+        TEST_ASSERT_TRUE(cam_trace_pop(&trace, &record));
+        TEST_ASSERT_EQUAL_UINT32(tick, record.tick);
+    }
+    TEST_ASSERT_FALSE(cam_trace_pop(&trace, &record));
+}
+
+static void test_trace_record_that_nobody_wants_is_not_kept(void)
+{
+    memset(&trace, 0, sizeof trace);
+    cam_tick_record_t record;
+    push(1, 0);
+    TEST_ASSERT_FALSE(cam_trace_pop(&trace, &record));
+    push(2, cam_trace_capacity);
+    TEST_ASSERT_TRUE(cam_trace_pop(&trace, &record));
+    TEST_ASSERT_EQUAL_UINT32(2, record.tick);
+    TEST_ASSERT_EQUAL_UINT32(0, cam_trace_dropped(&trace));
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_names_are_there_and_differ);
+    RUN_TEST(test_err_text_knows_every_error);
+    RUN_TEST(test_param_set_takes_its_range_and_nothing_else);
+    RUN_TEST(test_param_foreign_ids_and_names_are_refused);
+    RUN_TEST(test_trace_keeps_order_and_counts_what_it_drops);
+    RUN_TEST(test_trace_record_that_nobody_wants_is_not_kept);
+    return UNITY_END();
+}

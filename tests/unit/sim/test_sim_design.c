@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cam_eval.h" // cam_eval_surface
+#include "fixture_image.h"
+#include "sim_design.h"
+#include "sim_units.h" // SIM_PI
+#include "unity.h"
+#include <math.h>   // sin
+#include <stdio.h>  // fopen
+#include <string.h> // strstr
+
+static fixture_image_t image;
+static cam_table_t table;
+static sim_design_t design;
+static sim_error_t error;
+static const char path[] = "test_sim_design.json";
+
+void setUp(void)
+{
+    const fixture_part_t part = fixture_part_short();
+    fixture_image_make(&image, &part);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_table_check(image.bytes, image.size, &table));
+}
+
+void tearDown(void)
+{
+    (void)remove(path);
+}
+
+static void write_report(const char *crc, const char *shape, const char *radius,
+                         const char *ovality)
+{
+    FILE *f = fopen(path, "w");
+    TEST_ASSERT_NOT_NULL(f);
+    (void)fprintf(f,
+                  "{\"table_crc32\": %s, \"design\": {\"shape\": \"%s\", \"beta\": 1.0,"
+                  "\"radius_mm\": %s, \"ovality_mm\": %s}}",
+                  crc, shape, radius, ovality);
+    TEST_ASSERT_EQUAL_INT(0, fclose(f));
+}
+
+static const char radius[] =
+    "{\"breaks_mm\": [0, 10, 20], \"coefficients\": [[0, 0, 0.1, 45], [0, -0.01, 0.1, 46]]}";
+static const char ovality[] = "{\"breaks_mm\": [0, 20], \"coefficients\": [[0, 0, 0, 0.2]]}";
+
+static const char *own_crc(void)
+{
+    static char text[16];
+    (void)snprintf(text, sizeof text, "%u", (unsigned)table.crc32);
+    return text;
+}
+
+static bool load(void)
+{
+    return sim_design_load(&design, path, &table, &error);
+}
+
+/// Worked values of MATHS.md (2): a = 46, G = 0.2.
+static void test_delta_has_the_published_values(void)
+{
+    static const double golden[][5] = {
+        {0, 0, 0, 0, 0},
+        {10, 0.003024932, 0.003015369, 0.003483280, 0.002547458},
+        {15, 0.006719165, 0.006698730, 0.007698730, 0.005698730},
+        {30, 0.025061263, 0.025000000, 0.028000000, 0.022000000},
+        {45, 0.050081610, 0.050000000, 0.054000000, 0.046000000},
+        {60, 0.075061152, 0.075000000, 0.078000000, 0.072000000},
+        {75, 0.093321641, 0.093301270, 0.094301270, 0.092301270},
+        {90, 0.1, 0.1, 0.1, 0.1},
+    };
+    for (size_t i = 0; i < sizeof golden / sizeof golden[0]; i++) {
+        const double s = sin(golden[i][0] * SIM_PI / 180.0);
+        const double s2 = s * s;
+        TEST_ASSERT_DOUBLE_WITHIN(6e-10, golden[i][1],
+                                  sim_design_delta_mm(sim_shape_ellipse, 0, 46, 0.2, s2));
+        TEST_ASSERT_DOUBLE_WITHIN(6e-10, golden[i][2],
+                                  sim_design_delta_mm(sim_shape_cosine, 0, 46, 0.2, s2));
+        TEST_ASSERT_DOUBLE_WITHIN(6e-10, golden[i][3],
+                                  sim_design_delta_mm(sim_shape_double_ellipse, 1, 46, 0.2, s2));
+        TEST_ASSERT_DOUBLE_WITHIN(6e-10, golden[i][4],
+                                  sim_design_delta_mm(sim_shape_double_ellipse, -1, 46, 0.2, s2));
+    }
+}
+
+/// A tiny ovality: the cosine form is then exact to 3 G^2 / 32 a, and the plain formula would lose
+/// digits.
+static void test_delta_of_a_tiny_ovality_keeps_its_digits(void)
+{
+    const double g = 1e-9;
+    const double delta = sim_design_delta_mm(sim_shape_ellipse, 0, 46, g, 0.5);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-20, g / 4, delta);
+}
+
+static void test_load_evaluates_piecewise_cubics_and_clamps(void)
+{
+    write_report(own_crc(), "cosine", radius, ovality);
+    TEST_ASSERT_TRUE_MESSAGE(load(), error.text);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 45.5, sim_design_long_mm(&design, 5));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 46.25, sim_design_long_mm(&design, 15));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 46.0, sim_design_long_mm(&design, 10));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 45.0, sim_design_long_mm(&design, -1));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 46.0, sim_design_long_mm(&design, 21));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 45.4, sim_design_radius_mm(&design, 0.25, 5));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 45.4, sim_design_radius_mm(&design, 0.75, 5));
+    sim_design_free(&design);
+}
+
+static void refused(const char *crc, const char *shape, const char *a, const char *g,
+                    const char *why)
+{
+    write_report(crc, shape, a, g);
+    TEST_ASSERT_FALSE(load());
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, why), error.text);
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, path), error.text);
+}
+
+static void test_load_refuses_what_is_wrong(void)
+{
+    refused("12345", "cosine", radius, ovality, "table_crc32");
+    refused("null", "cosine", radius, ovality, "table_crc32");
+    refused(own_crc(), "square", radius, ovality, "design.shape");
+    refused(own_crc(), "cosine", "{}", ovality, "design.radius_mm.breaks_mm");
+    refused(own_crc(), "cosine", radius, "{\"breaks_mm\": [0, 0], \"coefficients\": [[0,0,0,0]]}",
+            "design.ovality_mm.breaks_mm");
+    refused(own_crc(), "cosine", radius, "{\"breaks_mm\": [0, 1], \"coefficients\": [[0,0,0]]}",
+            "design.ovality_mm.coefficients");
+    refused(own_crc(), "cosine", radius,
+            "{\"breaks_mm\": [0, 1], \"coefficients\": [[0,0,0,1e999]]}",
+            "design.ovality_mm.coefficients");
+    refused(own_crc(), "cosine", radius, "", "no JSON");
+}
+
+static void test_load_refuses_a_missing_file(void)
+{
+    TEST_ASSERT_FALSE(load());
+    TEST_ASSERT_NOT_NULL(strstr(error.text, "cannot be opened"));
+}
+
+/// Table in double against the firmware's fixed point: within an LSB of each channel.
+static void test_table_design_is_what_the_firmware_plays(void)
+{
+    sim_design_from_table(&design, &table);
+    for (int i = 0; i < 5000; i++) {
+        const double turn = i * 0.000199;
+        const int32_t z_nm = (int32_t)(i * 200);
+        const uint32_t theta = (uint32_t)(turn * 4294967296.0);
+        const cam_value_t u = cam_eval_surface(&table.u, theta, z_nm);
+        const cam_value_t x = cam_eval_profile(&table.x, z_nm);
+        const double u_nm = table.u.offset_nm + ldexp(u.y, -(int)table.u.frac_bits);
+        const double x_nm = table.x.offset_nm + ldexp(x.y, -(int)table.x.frac_bits);
+        const double lsb =
+            ldexp(1.0, -(int)table.u.frac_bits) + ldexp(1.0, -(int)table.x.frac_bits);
+        TEST_ASSERT_DOUBLE_WITHIN(lsb + 1e-3, x_nm - u_nm,
+                                  1e6 * sim_design_radius_mm(&design, turn, z_nm * 1e-6));
+    }
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_delta_has_the_published_values);
+    RUN_TEST(test_delta_of_a_tiny_ovality_keeps_its_digits);
+    RUN_TEST(test_load_evaluates_piecewise_cubics_and_clamps);
+    RUN_TEST(test_load_refuses_what_is_wrong);
+    RUN_TEST(test_load_refuses_a_missing_file);
+    RUN_TEST(test_table_design_is_what_the_firmware_plays);
+    return UNITY_END();
+}
