@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// main: start-up and background loop of an image for a machine. The simulator has its own.
+/// main: start-up and background loop of an image for a machine. The simulator has a loop of its
+/// own.
 #include "cam_machine.h"
 #include "cam_can.h"
 #include "hal/hal.h"
@@ -12,7 +13,7 @@ int main(void)
         hal_halt("main: the port cannot be used");
     }
     cam_machine_init(&machine, &g_cam, hal_tick_hz(), hal_clock_hz());
-    cam_can_init(&remote, &machine); // with a bad table too: it tells why
+    cam_can_init(&remote, &machine); // selects the table; a bad one is reported, not fatal
     hal_tick_start();
     for (;;) {
         cam_machine_poll(&machine);

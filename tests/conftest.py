@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from camtools.mktables import main as mktables
+from camtools.cli.mktables import main as mktables
 from part_cases import ROOT
 
 PARTS = ROOT / "tools" / "parts"

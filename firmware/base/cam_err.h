@@ -20,8 +20,7 @@ typedef enum {
     cam_err_image_header = -7,  ///< a field of the header is out of its range
     cam_err_image_name = -8,    ///< the part name is not printable or not terminated
     cam_err_image_channel = -9, ///< a channel entry is out of its range, twice there or missing
-    cam_err_image_layout =
-        -10, ///< a channel's data is misaligned, overlapping or outside the image
+    cam_err_image_layout = -10, ///< a channel lies misaligned, overlapping or outside the image
     cam_err_image_height = -11, ///< the heights of a channel are inconsistent
     cam_err_image_knots = -12,  ///< a knot exceeds the bounds that make overflow impossible
     cam_err_image_limits = -13, ///< the knots exceed the limits that the image guarantees

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cam_demand: what a cut demands of every axis, against what the machine can.
+/// cam_demand: what a cut demands of every axis, compared with what the machine can do.
 ///
-/// Limits are the smaller of the machine's parameters and those that the table was made for. The
-/// table guarantees peaks of u, u' and u''; at omega U needs u' omega and u'' omega^2. Along the
-/// feed U and the swing change with the slices of the table, at a speed that jumps where one slice
-/// ends: a set-point takes the jump, and what that needs comes on top. Of a Z that others lead the
-/// feed is what table or parameters tell. Context: slow side.
+/// A limit is the smaller of the machine's parameter and of the limit that the table was made for.
+/// The table guarantees peaks of u, u' and u''; at a spindle speed omega, U needs the speed
+/// u' omega and the acceleration u'' omega^2. While Z feeds, U and the swing also change from slice
+/// to slice of the table. Their rate jumps where one slice ends, and the acceleration of that jump,
+/// spread over one set-point, is added. When Z is led by others, its feed is taken from the
+/// parameters or the table. Context: slow side, integers only.
 #ifndef CAM_DEMAND_H
 #define CAM_DEMAND_H
 
@@ -18,21 +19,22 @@
 typedef struct {
     const cam_table_t *t;
     const cam_params_t *p;
-    uint32_t tick_hz;   ///< [Hz]
-    uint32_t mean_mrpm; ///< [r/min / 1000] below 2^26
-    uint32_t peak_mrpm; ///< [r/min / 1000] highest within a turn, up to four times that
-    uint64_t feed_nm;   ///< [nm] per turn, below 2^24
+    uint32_t tick_hz;   ///< [Hz] rate of the tick
+    uint32_t mean_mrpm; ///< [r/min / 1000] mean speed, below 2^26
+    uint32_t peak_mrpm; ///< [r/min / 1000] highest speed within a turn, up to four times the mean
+    uint64_t feed_nm;   ///< [nm] feed per turn, below 2^24
 } cam_cut_t;
 
-/// Both sides of a limit.
+/// One limit and what the cut needs of it.
 typedef struct {
-    cam_err_t err;   ///< what it means to exceed it
-    int64_t limit;   ///< as cam_feasibility_t has it
-    uint64_t needed; ///< in the same unit, rounded up; it never falls with speed or feed
+    cam_err_t err;   ///< error that reports an excess
+    int64_t limit;   ///< in the unit that cam_feasibility_t gives for err
+    uint64_t needed; ///< in the same unit, rounded up; it never falls with rising speed or feed
 } cam_demand_t;
 
-/// @return the first limit that a cut exceeds, cam_ok with none. Source: MATHS.md (61) .. (64),
-/// (42), (44).
+/// Compare a cut with all limits.
+/// @return the first limit that the cut exceeds; err = cam_ok when it exceeds none
+/// Context: slow side. Source: MATHS.md (61) .. (64), (42), (44).
 cam_demand_t cam_demand_first_exceeded(const cam_cut_t *c);
 
 #endif

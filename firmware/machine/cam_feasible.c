@@ -2,25 +2,48 @@
 #include "cam_feasible.h"
 #include "cam_demand.h" // cam_demand_first_exceeded
 
-/// Ranges in which the highest speed and the largest feed are looked for: all bits set.
+/// Widths of the ranges that are searched: 2^26 / 1000 = 67 109 r/min and 2^24 nm = 16.8 mm.
 enum { speed_bits = 26, feed_bits = 24 };
 
-uint32_t cam_feasible_peak(const cam_table_t *table, uint32_t mean_mrpm)
+uint32_t cam_feasible_peak_mrpm(const cam_table_t *table, uint32_t mean_mrpm)
 {
     const uint64_t peak = ((uint64_t)mean_mrpm * table->ratio_max_q20 + CAM_TABLE_RATIO_ONE - 1u) /
                           (uint32_t)CAM_TABLE_RATIO_ONE;
     return peak < UINT32_MAX ? (uint32_t)peak : UINT32_MAX;
 }
 
+/// Set the mean speed of a cut and the highest speed within a turn that goes with it.
 static void set_speed(cam_cut_t *c, uint32_t mrpm)
 {
     c->mean_mrpm = mrpm;
-    c->peak_mrpm = cam_feasible_peak(c->t, mrpm);
+    c->peak_mrpm = cam_feasible_peak_mrpm(c->t, mrpm);
 }
 
-/// @return the highest speed at which no limit is exceeded, by halving
-static uint32_t highest_mrpm(cam_cut_t c)
+/// @return the cut that table and parameters describe, at a mean speed
+static cam_cut_t cut_of(const cam_table_t *table, const cam_params_t *params, uint32_t speed_mrpm,
+                        uint32_t tick_hz)
 {
+    cam_cut_t c = {.t = table,
+                   .p = params,
+                   .tick_hz = tick_hz,
+                   .feed_nm = params->feed_nm > 0 ? (uint64_t)params->feed_nm : table->feed_nm};
+    set_speed(&c, speed_mrpm);
+    return c;
+}
+
+cam_err_t cam_feasible_check(const cam_table_t *table, const cam_params_t *params,
+                             uint32_t speed_mrpm, uint32_t tick_hz)
+{
+    const cam_cut_t c = cut_of(table, params, speed_mrpm, tick_hz);
+    return cam_demand_first_exceeded(&c).err;
+}
+
+uint32_t cam_feasible_highest_mrpm(const cam_table_t *table, const cam_params_t *params,
+                                   uint32_t tick_hz)
+{
+    // No demand falls with rising speed, so the bits of the highest feasible speed can be found
+    // from the highest one downwards.
+    cam_cut_t c = cut_of(table, params, 0, tick_hz);
     uint32_t highest = 0;
     for (uint32_t bit = UINT32_C(1) << (speed_bits - 1); bit != 0u; bit >>= 1) {
         set_speed(&c, highest + bit);
@@ -29,9 +52,10 @@ static uint32_t highest_mrpm(cam_cut_t c)
     return highest;
 }
 
-/// @return the largest feed
-static uint32_t largest_feed_nm(cam_cut_t c)
+uint32_t cam_feasible_largest_feed_nm(const cam_table_t *table, const cam_params_t *params,
+                                      uint32_t speed_mrpm, uint32_t tick_hz)
 {
+    cam_cut_t c = cut_of(table, params, speed_mrpm, tick_hz);
     uint32_t largest = 0;
     for (uint32_t bit = UINT32_C(1) << (feed_bits - 1); bit != 0u; bit >>= 1) {
         c.feed_nm = (uint64_t)largest + bit;
@@ -43,17 +67,13 @@ static uint32_t largest_feed_nm(cam_cut_t c)
 cam_feasibility_t cam_feasible(const cam_table_t *table, const cam_params_t *params,
                                uint32_t speed_mrpm, uint32_t tick_hz)
 {
-    cam_cut_t c = {.t = table,
-                   .p = params,
-                   .tick_hz = tick_hz,
-                   .feed_nm = params->feed_nm > 0 ? (uint64_t)params->feed_nm : table->feed_nm};
-    set_speed(&c, speed_mrpm);
+    const cam_cut_t c = cut_of(table, params, speed_mrpm, tick_hz);
     const cam_demand_t exceeded = cam_demand_first_exceeded(&c);
     return (cam_feasibility_t){
         .err = exceeded.err,
         .speed_mrpm = speed_mrpm,
-        .highest_mrpm = highest_mrpm(c),
-        .largest_feed_nm = largest_feed_nm(c),
+        .highest_mrpm = cam_feasible_highest_mrpm(table, params, tick_hz),
+        .largest_feed_nm = cam_feasible_largest_feed_nm(table, params, speed_mrpm, tick_hz),
         .needed = (int64_t)exceeded.needed,
         .limit = exceeded.limit,
     };

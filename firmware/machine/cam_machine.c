@@ -6,41 +6,58 @@
 #include <stddef.h>    // NULL
 #include <string.h>    // memset
 
-/// Overspeed is a fault this far above the highest feasible speed: room for speed ripple.
+/// Overspeed becomes a fault this far above the highest feasible speed, so that ripple does not.
 enum { overspeed_percent = 1 };
 
-/// Bytes of the table that one poll looks at.
+/// Bytes of the table that one call of cam_machine_poll() checks.
 enum { scrub_bytes = 1024 };
 
-/// Header bytes in front of what the image's CRC covers.
+/// Offset of the first byte that the image's CRC covers (TABLE_FORMAT.md).
 enum { scrub_from = 24 };
 
-static uint32_t start_speed(const cam_params_t *params, const cam_table_t *table)
+/// @return [r/min / 1000] speed that start uses: that of the parameters, else that of the table
+static uint32_t start_mrpm(const cam_params_t *params, const cam_table_t *table)
 {
     return params->spindle_mrpm > 0 ? (uint32_t)params->spindle_mrpm : table->spindle_mrpm;
 }
 
-static cam_feasibility_t judge(const cam_table_t *table, const cam_params_t *params,
-                               uint32_t speed_mrpm, uint32_t tick_hz)
+/// @return the parameters as this machine can fulfil them: without an axis for the swing its speed
+///         is 0, whatever was set
+static cam_params_t possible(const cam_params_t *params)
 {
-    cam_params_t there = *params;
-    if (!hal_has_swing()) { // whatever was set
-        there.swing_speed_mdeg_per_s = 0;
+    cam_params_t here = *params;
+    if (!hal_has_swing()) {
+        here.swing_speed_mdeg_per_s = 0;
     }
-    return table != NULL ? cam_feasible(table, &there, speed_mrpm, tick_hz)
-                         : (cam_feasibility_t){.err = cam_err_no_table, .speed_mrpm = speed_mrpm};
+    return here;
 }
 
-/// Hand parameters and table over as one. Nothing changes on error.
+/// Judge the speed that start would use with these parameters and this table.
+static cam_err_t check_start(const cam_machine_t *m, const cam_params_t *params,
+                             const cam_table_t *table)
+{
+    const cam_params_t here = possible(params);
+    return cam_feasible_check(table, &here, start_mrpm(params, table), m->tick_hz);
+}
+
+/// @return [r/min / 1000] highest feasible mean speed; 0 without a table
+static uint32_t highest_mrpm(const cam_machine_t *m, const cam_params_t *params,
+                             const cam_table_t *table)
+{
+    const cam_params_t here = possible(params);
+    return table != NULL ? cam_feasible_highest_mrpm(table, &here, m->tick_hz) : 0u;
+}
+
+/// Hand parameters and table to the interrupt as one configuration. Nothing changes on error.
 static cam_err_t hand_over(cam_machine_t *m, const cam_params_t *params, const cam_table_t *table)
 {
     cam_config_t *half = cam_config_free_half(&m->core->config);
     if (half == NULL) {
         return cam_err_busy;
     }
-    const uint32_t highest_mrpm = judge(table, params, 1, m->tick_hz).highest_mrpm;
-    const uint32_t peak_mrpm =
-        table != NULL ? cam_feasible_peak(table, highest_mrpm) : highest_mrpm;
+    // The guard's limit of the speed follows from the highest speed at which all limits hold.
+    const uint32_t mean_mrpm = highest_mrpm(m, params, table);
+    const uint32_t peak_mrpm = table != NULL ? cam_feasible_peak_mrpm(table, mean_mrpm) : 0u;
     const uint32_t limit_mrpm = peak_mrpm + peak_mrpm / 100u * overspeed_percent;
     const cam_err_t err =
         cam_build_config(half, params, table, limit_mrpm, m->tick_hz, m->clock_hz);
@@ -57,8 +74,9 @@ void cam_machine_init(cam_machine_t *m, cam_t *core, uint32_t tick_hz, uint32_t 
     (void)memset(core, 0, sizeof *core);
     *m = (cam_machine_t){
         .core = core, .params = cam_param_defaults(), .tick_hz = tick_hz, .clock_hz = clock_hz};
-    // The tick does not run yet, so both halves are free; defaults fit every tick rate from 500 Hz
-    // on, but for the observer, which is slowed to a twentieth of it.
+    // The tick does not run yet, so both halves of the configuration may be written. The defaults
+    // fit every tick rate from 500 Hz on except for the bandwidth of the observer, which is limited
+    // to a twentieth of the tick rate.
     const int64_t fastest_mHz = (int64_t)tick_hz * 1000 / 20;
     if (m->params.observer_bandwidth_mHz > fastest_mHz) {
         m->params.observer_bandwidth_mHz = (int32_t)fastest_mHz;
@@ -75,12 +93,14 @@ cam_status_t cam_machine_status(const cam_machine_t *m)
     return cam_tick_status(m->core);
 }
 
-/// @return whether the interrupt has yet to carry out the last request, which may change the state
+/// @return whether the interrupt has not yet carried out the last request, so that the state in
+///         *status may be about to change
 static bool is_pending(const cam_machine_t *m, const cam_status_t *status)
 {
     return status->request != (m->n_requests & 0xFFFFFFu);
 }
 
+/// Post a request to the interrupt, which takes it in the next tick.
 static cam_err_t post(cam_machine_t *m, const cam_status_t *status, cam_request_t request)
 {
     if (is_pending(m, status)) {
@@ -92,7 +112,8 @@ static cam_err_t post(cam_machine_t *m, const cam_status_t *status, cam_request_
     return cam_ok;
 }
 
-/// A damaged table is no longer there; while enabled the interrupt retracts.
+/// Stop using a damaged table. While the drives are enabled, the interrupt raises the fault `table`
+/// and retracts; in off and fault it need not be asked.
 static void report_damage(cam_machine_t *m)
 {
     const cam_status_t status = cam_machine_status(m);
@@ -100,7 +121,7 @@ static void report_damage(cam_machine_t *m)
                          (status.state == cam_state_off || status.state == cam_state_fault);
     if (is_idle || post(m, &status, cam_request_table_fault) == cam_ok) {
         m->has_table = false;
-    } // else the next round of the check finds it again
+    } // else a request is pending, and the next round of the check finds the damage again
 }
 
 cam_err_t cam_machine_select_table(cam_machine_t *m, const void *image, size_t size)
@@ -109,12 +130,12 @@ cam_err_t cam_machine_select_table(cam_machine_t *m, const void *image, size_t s
     cam_table_t table;
     cam_err_t err = cam_table_check(image, size, &table);
     if (err != cam_ok) {
-        if (m->has_table && image == m->table.image) { // overwritten where it is read
+        if (m->has_table && image == m->table.image) { // the table in use was overwritten
             report_damage(m);
         }
         return err;
     }
-    // A table for the other sense of rotation changes the angle: only before homing.
+    // The angle counts in the table's sense of rotation, so the other sense needs a new homing.
     const bool is_same_sense = m->has_table && table.direction == m->table.direction;
     if (is_pending(m, &status)) {
         return cam_err_busy;
@@ -122,8 +143,8 @@ cam_err_t cam_machine_select_table(cam_machine_t *m, const void *image, size_t s
     if (status.state != cam_state_off && !(status.state == cam_state_ready && is_same_sense)) {
         return cam_err_state;
     }
-    if (status.state == cam_state_ready) { // the spindle turns: it takes the table's speed at once
-        err = judge(&table, &m->params, start_speed(&m->params, &table), m->tick_hz).err;
+    if (status.state == cam_state_ready) { // the spindle turns, and takes the table's speed at once
+        err = check_start(m, &m->params, &table);
         if (err != cam_ok) {
             return err;
         }
@@ -137,7 +158,7 @@ cam_err_t cam_machine_select_table(cam_machine_t *m, const void *image, size_t s
     return err;
 }
 
-/// What of the parameters may change in a state.
+/// @return whether a parameter may change in a state
 static bool may_change(cam_param_id_t id, cam_state_t state)
 {
     switch (state) {
@@ -173,8 +194,9 @@ cam_err_t cam_machine_set_param(cam_machine_t *m, cam_param_id_t id, int32_t val
     if (!may_change(id, status.state)) {
         return cam_err_param_state;
     }
+    // Enabled, the machine takes a changed parameter at once, so what it leads to must be feasible.
     if (status.state != cam_state_off && m->has_table) {
-        err = judge(&m->table, &params, start_speed(&params, &m->table), m->tick_hz).err;
+        err = check_start(m, &params, &m->table);
     }
     if (err == cam_ok) {
         err = hand_over(m, &params, m->has_table ? &m->table : NULL);
@@ -185,19 +207,35 @@ cam_err_t cam_machine_set_param(cam_machine_t *m, cam_param_id_t id, int32_t val
     return err;
 }
 
-cam_feasibility_t cam_machine_feasibility(const cam_machine_t *m, uint32_t speed_mrpm)
+cam_err_t cam_machine_check_speed(const cam_machine_t *m, uint32_t speed_mrpm)
 {
-    const uint32_t speed = speed_mrpm > 0u ? speed_mrpm : start_speed(&m->params, &m->table);
-    return judge(m->has_table ? &m->table : NULL, &m->params, speed, m->tick_hz);
+    const cam_params_t here = possible(&m->params);
+    const uint32_t mrpm = speed_mrpm > 0u ? speed_mrpm : start_mrpm(&here, &m->table);
+    return m->has_table ? cam_feasible_check(&m->table, &here, mrpm, m->tick_hz) : cam_err_no_table;
 }
 
+uint32_t cam_machine_highest_mrpm(const cam_machine_t *m)
+{
+    return highest_mrpm(m, &m->params, m->has_table ? &m->table : NULL);
+}
+
+cam_feasibility_t cam_machine_feasibility(const cam_machine_t *m, uint32_t speed_mrpm)
+{
+    const cam_params_t here = possible(&m->params);
+    const uint32_t mrpm = speed_mrpm > 0u ? speed_mrpm : start_mrpm(&here, &m->table);
+    return m->has_table ? cam_feasible(&m->table, &here, mrpm, m->tick_hz)
+                        : (cam_feasibility_t){.err = cam_err_no_table, .speed_mrpm = mrpm};
+}
+
+/// Post a request if the state allows it.
 static cam_err_t post_if(cam_machine_t *m, const cam_status_t *status, bool is_allowed,
                          cam_request_t request)
 {
     return is_allowed ? post(m, status, request) : cam_err_state;
 }
 
-/// Inputs, and U: commands stay in its stroke, so that it would jump to the edge from outside.
+/// Check the inputs, and that U stands inside of its stroke: set-points stay in the stroke, so that
+/// from outside U would jump to the edge when it is enabled.
 static cam_err_t check_drives(const cam_params_t *params, const cam_status_t *status)
 {
     if ((status->inputs & hal_in_estop) != 0u) {
@@ -217,7 +255,7 @@ cam_err_t cam_machine_enable(cam_machine_t *m)
     const cam_status_t status = cam_machine_status(m);
     cam_err_t err = status.state == cam_state_off ? cam_ok : cam_err_state;
     if (err == cam_ok) {
-        err = cam_machine_feasibility(m, 0).err;
+        err = cam_machine_check_speed(m, 0);
     }
     if (err == cam_ok) {
         err = check_drives(&m->params, &status);
@@ -243,7 +281,8 @@ cam_err_t cam_machine_home(cam_machine_t *m)
     return err;
 }
 
-/// Behind the disable of cam_machine_home(). Who interferes, a fault too, ends it.
+/// Second half of cam_machine_home(): enable once the disable has been carried out. Any other
+/// command or a fault meanwhile ends the attempt.
 static void home_again(cam_machine_t *m)
 {
     const cam_status_t status = cam_machine_status(m);
@@ -267,7 +306,7 @@ cam_err_t cam_machine_start(cam_machine_t *m)
     if (status.state != cam_state_ready) {
         return cam_err_state;
     }
-    const cam_err_t err = cam_machine_feasibility(m, 0).err;
+    const cam_err_t err = cam_machine_check_speed(m, 0);
     return err == cam_ok ? post(m, &status, cam_request_start) : err;
 }
 
@@ -299,6 +338,7 @@ void cam_machine_poll(cam_machine_t *m)
         m->scrub_at = scrub_from;
         m->scrub_crc = 0;
     }
+    // The CRC of the image is recomputed piece by piece; a round ends with the comparison.
     const uint32_t left = m->table.image_size - m->scrub_at;
     const uint32_t n = left < scrub_bytes ? left : scrub_bytes;
     m->scrub_crc = cam_crc32(m->scrub_crc, bytes + m->scrub_at, n);

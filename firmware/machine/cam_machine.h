@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 /// cam_machine: the slow side's view of the controller: table, parameters, commands, status.
 ///
-/// A command is checked here against the last status, posted to the interrupt and carried out at
-/// the next tick; cam_machine_status() tells the outcome. Parameters and table are gathered here
-/// and handed to the interrupt as one configuration (cam_config.h), so the interrupt never sees
-/// half a change. All functions: slow side, one caller.
+/// A command is checked here against the last status, posted to the interrupt and carried out in
+/// the next tick. cam_ok means that it was posted; cam_machine_status() shows the outcome.
+/// Parameters and table are gathered here and handed to the interrupt as one configuration
+/// (cam_config.h), so that the interrupt never sees half a change. While a posted command or a
+/// configuration has not been taken, further ones are refused with cam_err_busy. All functions:
+/// slow side, one caller.
 #ifndef CAM_MACHINE_H
 #define CAM_MACHINE_H
 
@@ -15,79 +17,92 @@
 #include "cam_tick.h"     // cam_t, cam_status_t
 #include <stdbool.h>      // bool
 
-/// The slow side's state.
+/// The slow side's state. Only has_table, table, params and tick_hz are for others to read.
 typedef struct {
-    cam_t *core;         ///< the interrupt's side
-    cam_params_t params; ///< as last set
-    cam_table_t table;   ///< valid when has_table
-    bool has_table;
+    cam_t *core;                ///< the interrupt's side
+    cam_params_t params;        ///< as last set
+    cam_table_t table;          ///< valid when has_table
+    bool has_table;             ///< a good table is in use
     uint32_t tick_hz, clock_hz; ///< from the port
-    uint32_t generation;        ///< of the configuration
+    uint32_t generation;        ///< number of the newest configuration
     uint32_t n_requests;        ///< serial number of the last request
-    bool homes_again;           ///< enable as soon as off
-    uint32_t scrub_at;          ///< [bytes] progress of the background check
-    uint32_t scrub_crc;
+    bool homes_again;           ///< enable as soon as the state is off
+    uint32_t scrub_at;          ///< [bytes] progress of the background check of the table
+    uint32_t scrub_crc;         ///< CRC-32 of the bytes up to there
 } cam_machine_t;
 
-/// Bring controller and slow side into state off. Call before the tick starts.
+/// Bring interrupt and slow side into state off. To be called before the tick starts.
 /// @param core     the interrupt's state, zeroed here
-/// @param tick_hz  [Hz] 500 .. 100 000, as hal_tick_hz()
-/// @param clock_hz [Hz] as hal_clock_hz()
+/// @param tick_hz  [Hz] result of hal_tick_hz(), 500 .. 100 000
+/// @param clock_hz [Hz] result of hal_clock_hz()
 void cam_machine_init(cam_machine_t *m, cam_t *core, uint32_t tick_hz, uint32_t clock_hz);
 
 /// Check an image and take it into use.
-/// @return cam_ok, an image error, cam_err_state when not off or ready, cam_err_busy. The old table
-///         stays in force on error, unless it is the image at this very address that is bad: then
-///         it is damaged, as if cam_machine_poll() had found it.
+/// @return cam_ok; an image error; cam_err_state when neither off nor ready, or when ready and the
+///         table turns in the other sense; a feasibility error when ready; cam_err_busy. On error
+///         the old table stays in force, unless the bad image is the one at the very address of
+///         the old table: that is then treated as damaged, as if cam_machine_poll() had found it.
+/// Context: lasts as long as cam_table_check().
 CAM_MUST_USE cam_err_t cam_machine_select_table(cam_machine_t *m, const void *image, size_t size);
 
-/// Set a parameter. While engaging, cutting or disengaging only phase_udeg and amplitude_ppm may
-/// change; both are ramped. In state off everything may; in ready all but the encoder's, the
-/// feed-forward of U and whether Z is measured, and what they lead to must be feasible: the spindle
-/// turns.
-/// @return cam_ok, cam_err_param_id, _range, _state, _tick, cam_err_busy, or a feasibility error
-/// for an
-///         amplitude that the running speed does not allow
+/// Set a parameter. In state off every parameter may change. In ready, where the spindle turns, all
+/// may but those of the encoder, the feed-forward of U and z_is_measured, and the result must be
+/// feasible. In engaging, cutting and disengaging only phase_udeg and amplitude_ppm may, and they
+/// are ramped. In the other states none may.
+/// @return cam_ok, cam_err_param_id, _range, _state, _tick, cam_err_busy, or a feasibility error,
+///         for example for an amplitude that the running speed does not allow
 CAM_MUST_USE cam_err_t cam_machine_set_param(cam_machine_t *m, cam_param_id_t id, int32_t value);
 
-/// Judge a speed for the selected table and the present parameters.
+/// Judge a speed for the selected table and the present parameters, the verdict alone.
 /// @param speed_mrpm  [r/min / 1000] 0: the speed that start would use
-/// @return            err = cam_err_no_table when none is selected
+/// @return            cam_ok, a feasibility error, cam_err_no_table when none is selected
+CAM_MUST_USE cam_err_t cam_machine_check_speed(const cam_machine_t *m, uint32_t speed_mrpm);
+
+/// @return [r/min / 1000] highest feasible speed for table and parameters; 0 when there is none
+uint32_t cam_machine_highest_mrpm(const cam_machine_t *m);
+
+/// Judge a speed with all numbers, for a message to people (cam_feasible()).
+/// @param speed_mrpm  [r/min / 1000] 0: the speed that start would use
+/// @return            err = cam_err_no_table when none is selected, all numbers but the speed 0
 cam_feasibility_t cam_machine_feasibility(const cam_machine_t *m, uint32_t speed_mrpm);
 
-/// off -> homing. @return cam_ok, cam_err_state, _busy, _no_table, _estop, _drive, _u_place or a
-/// feasibility error
+/// Enable the drives and search the index: off -> homing.
+/// @return cam_ok, cam_err_state, _busy, _no_table, _estop, _drive, _bus, _u_place or a feasibility
+///         error
 CAM_MUST_USE cam_err_t cam_machine_enable(cam_machine_t *m);
 
-/// off -> homing as cam_machine_enable(); ready -> off -> homing: find the index anew. What refuses
-/// the enable then leaves the machine off.
-/// @return as cam_machine_enable(), cam_machine_disable()
+/// Search the index anew: in off as cam_machine_enable(); in ready -> off -> homing, where
+/// cam_machine_poll() enables again. If that is refused, the machine stays off.
+/// @return as cam_machine_enable() in off, as cam_machine_disable() in ready
 CAM_MUST_USE cam_err_t cam_machine_home(cam_machine_t *m);
 
-/// @return cam_ok when another table may be written and selected: off, and nothing is on its way to
-///         the interrupt; cam_err_state, cam_err_busy
+/// @return cam_ok when another table may be written and selected: the state is off, and the
+///         interrupt has taken all commands and configurations; else cam_err_state, cam_err_busy
 CAM_MUST_USE cam_err_t cam_machine_may_exchange(const cam_machine_t *m);
 
-/// homing, ready -> off. @return cam_ok, cam_err_state, cam_err_busy
+/// Take the enable away: homing, ready -> off. @return cam_ok, cam_err_state, cam_err_busy
 CAM_MUST_USE cam_err_t cam_machine_disable(cam_machine_t *m);
 
-/// ready -> engaging -> cutting -> disengaging -> ready, refused before motion when infeasible.
-/// @return cam_ok, cam_err_state, _busy, or a feasibility error (numbers:
-/// cam_machine_feasibility())
+/// Cut one part: ready -> engaging -> cutting -> disengaging -> ready. What is infeasible is
+/// refused before anything moves.
+/// @return cam_ok, cam_err_state, _busy, or a feasibility error, whose numbers
+///         cam_machine_feasibility() gives
 CAM_MUST_USE cam_err_t cam_machine_start(cam_machine_t *m);
 
-/// engaging, cutting -> disengaging, from the approach -> ready. @return cam_ok, cam_err_state,
-/// cam_err_busy
+/// End the cut early: engaging, cutting -> disengaging; while the axes still approach -> ready.
+/// @return cam_ok, cam_err_state, cam_err_busy
 CAM_MUST_USE cam_err_t cam_machine_stop(cam_machine_t *m);
 
-/// fault -> off, when the retract has ended. @return cam_ok, cam_err_state, cam_err_busy
+/// Acknowledge a fault: fault -> off, once the retract has ended. @return cam_ok, cam_err_state,
+/// cam_err_busy
 CAM_MUST_USE cam_err_t cam_machine_reset(cam_machine_t *m);
 
-/// @return a consistent copy of what the interrupt published last
+/// @return a consistent copy of the status that the interrupt published last
 cam_status_t cam_machine_status(const cam_machine_t *m);
 
-/// Background work: one kilobyte of the continuous table check per call. A damaged table becomes
-/// the fault `table`. Call from the main loop.
+/// Background work, to be called from the main loop: one kilobyte of the continuous check of the
+/// table per call, and the second half of cam_machine_home(). A table found damaged is no longer
+/// used and raises the fault `table`.
 void cam_machine_poll(cam_machine_t *m);
 
 #endif

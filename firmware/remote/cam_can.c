@@ -4,17 +4,19 @@
 #include "camturn.h" // camturn_command_unpack
 #include <stddef.h>  // NULL
 
-/// Bytes 0 and 1 of a frame with a command or an answer: shorter ones are echoed too.
+/// Places of command and parameter in a frame. They are echoed even when the frame is too short.
 enum { at_command, at_parameter, n_echoed };
 
-/// Frames that one poll reads.
+/// Frames that one call of cam_can_poll() reads at most.
 enum { max_frames = 8 };
 
+/// Result of a command with the value that its answer carries.
 typedef struct {
     cam_err_t err;
     int32_t value;
 } outcome_t;
 
+/// @return the outcome of a command whose answer carries no value
 static outcome_t plain(cam_err_t err)
 {
     return (outcome_t){.err = err};
@@ -22,7 +24,8 @@ static outcome_t plain(cam_err_t err)
 
 // Answers
 
-/// The signal that a command's answer has takes the value: pack chooses.
+/// Queue an answer. Which signal carries the value depends on the command: all of them are set, and
+/// the generated pack function takes the one that belongs to the command.
 static void answer(cam_can_t *r, uint8_t command, uint8_t parameter, outcome_t outcome)
 {
     const struct camturn_answer_t m = {
@@ -45,7 +48,8 @@ static void answer(cam_can_t *r, uint8_t command, uint8_t parameter, outcome_t o
     r->n_answers++;
 }
 
-/// @return whether nothing waits for room any more
+/// Send the answers that still wait for room in the transmit queue.
+/// @return whether none is left
 static bool send_answers(cam_can_t *r)
 {
     while (r->n_answered < r->n_answers && hal_can_write(&r->answers[r->n_answered])) {
@@ -61,6 +65,7 @@ static bool send_answers(cam_can_t *r)
 
 // Parameters
 
+/// @return the value in force, with a given error unless the parameter does not exist
 static outcome_t get(const cam_can_t *r, cam_param_id_t id, cam_err_t err)
 {
     const bool is_there = cam_param_info(id) != NULL;
@@ -68,6 +73,7 @@ static outcome_t get(const cam_can_t *r, cam_param_id_t id, cam_err_t err)
                        .value = is_there ? cam_param_get(&r->machine->params, id) : 0};
 }
 
+/// @return the smallest or the largest value that a parameter can take
 static outcome_t limit(cam_param_id_t id, bool is_lower)
 {
     const cam_param_info_t *info = cam_param_info(id);
@@ -77,6 +83,7 @@ static outcome_t limit(cam_param_id_t id, bool is_lower)
     return (outcome_t){.err = cam_ok, .value = is_lower ? info->min : info->max};
 }
 
+/// Set a parameter and answer with the value in force; a value out of its range gets the range too.
 static void set(cam_can_t *r, uint8_t command, cam_param_id_t id, int32_t value)
 {
     const uint8_t index = (uint8_t)id;
@@ -90,6 +97,7 @@ static void set(cam_can_t *r, uint8_t command, cam_param_id_t id, int32_t value)
 
 // Commands
 
+/// Select the table and report it in a line of text, unless the error is of the moment only.
 static cam_err_t select_and_say(cam_can_t *r)
 {
     const cam_err_t err = cam_store_select(&r->store);
@@ -99,22 +107,27 @@ static cam_err_t select_and_say(cam_can_t *r)
     return err;
 }
 
-/// A refusal for want of a table tells why there is none, an infeasible speed which one would do.
+/// Add to a refusal what helps the operator: when no table is selected the error of its check, when
+/// the speed is infeasible the highest feasible speed.
 static outcome_t explained(const cam_can_t *r, cam_err_t err)
 {
     if (err == cam_err_no_table) {
         return plain(r->store.err);
     }
-    const cam_feasibility_t why = cam_machine_feasibility(r->machine, 0);
-    const bool is_infeasible = err != cam_ok && err == why.err;
-    return (outcome_t){.err = err, .value = is_infeasible ? cam_sat_i32(why.highest_mrpm) : 0};
+    const bool is_infeasible = err != cam_ok && err == cam_machine_check_speed(r->machine, 0);
+    return (outcome_t){
+        .err = err,
+        .value = is_infeasible ? cam_sat_i32(cam_machine_highest_mrpm(r->machine)) : 0,
+    };
 }
 
+/// @return an error with the number of bytes that have been stored
 static outcome_t received(const cam_can_t *r, cam_err_t err)
 {
     return (outcome_t){.err = err, .value = (int32_t)r->store.received};
 }
 
+/// Carry out a command that has exactly one answer.
 static outcome_t carry_out(cam_can_t *r, const struct camturn_command_t *m)
 {
     const cam_param_id_t id = (cam_param_id_t)m->parameter;
@@ -148,6 +161,7 @@ static outcome_t carry_out(cam_can_t *r, const struct camturn_command_t *m)
     }
 }
 
+/// Carry out a command and answer it. Setting a parameter may take several answers.
 static void follow(cam_can_t *r, const struct camturn_command_t *m)
 {
     switch (m->command) {
@@ -172,6 +186,7 @@ static void follow(cam_can_t *r, const struct camturn_command_t *m)
     }
 }
 
+/// Check the form of a command frame, then carry it out.
 static void take_command(cam_can_t *r, const hal_can_frame_t *frame)
 {
     struct camturn_command_t m = {.command = 0};
@@ -181,6 +196,7 @@ static void take_command(cam_can_t *r, const hal_can_frame_t *frame)
         follow(r, &m);
         return;
     }
+    // The frame is malformed: echo what has come, so that the sender can assign the answer.
     uint8_t echo[n_echoed] = {0};
     for (uint32_t i = 0; i < n_echoed && i < frame->n; i++) {
         echo[i] = frame->data[i];
@@ -190,6 +206,7 @@ static void take_command(cam_can_t *r, const hal_can_frame_t *frame)
 
 // Downloads
 
+/// Store a block that is complete, or report one that is lost.
 static void end_block(cam_can_t *r, cam_isotp_event_t event)
 {
     if (event != cam_isotp_nothing) {
@@ -200,7 +217,8 @@ static void end_block(cam_can_t *r, cam_isotp_event_t event)
     }
 }
 
-/// @return whether no flow control waits for room
+/// Send the flow control that the block transfer wants to send, if any.
+/// @return whether none is left waiting for room in the transmit queue
 static bool send_flow(cam_can_t *r)
 {
     hal_can_frame_t frame = {.id = CAMTURN_BLOCK_FLOW_FRAME_ID};
@@ -215,21 +233,21 @@ static bool send_flow(cam_can_t *r)
 
 // The loop
 
-/// @return false: what is to be sent finds no room
-static bool take_frame(cam_can_t *r, const hal_can_frame_t *frame, uint32_t now)
+/// @return false when something that must be sent found no room
+static bool take_frame(cam_can_t *r, const hal_can_frame_t *frame, uint32_t tick)
 {
     if (frame->id == CAMTURN_COMMAND_FRAME_ID) {
         take_command(r, frame);
     } else if (frame->id == CAMTURN_BLOCK_FRAME_ID) {
-        end_block(r, cam_isotp_receive(&r->isotp, frame, now));
+        end_block(r, cam_isotp_receive(&r->isotp, frame, tick));
     } else {
         return true;
     }
     return send_flow(r);
 }
 
-/// One command or block per poll, and frames that need no answer.
-static void serve(cam_can_t *r, uint32_t now)
+/// Read frames until one needs an answer: at most one command or block per call.
+static void serve(cam_can_t *r, uint32_t tick)
 {
     hal_can_frame_t frame;
     if (!send_answers(r) || !send_flow(r)) {
@@ -237,10 +255,11 @@ static void serve(cam_can_t *r, uint32_t now)
     }
     bool goes_on = true;
     for (uint32_t i = 0; i < max_frames && goes_on && hal_can_read(&frame); i++) {
-        goes_on = take_frame(r, &frame, now) && r->n_answers == 0u;
+        goes_on = take_frame(r, &frame, tick) && r->n_answers == 0u;
     }
+    // Without a frame that needs an answer, look whether the next frame of a block is overdue.
     if (goes_on) {
-        end_block(r, cam_isotp_wait(&r->isotp, now));
+        end_block(r, cam_isotp_wait(&r->isotp, tick));
     }
     (void)send_answers(r);
 }
@@ -248,8 +267,8 @@ static void serve(cam_can_t *r, uint32_t now)
 void cam_can_init(cam_can_t *r, cam_machine_t *machine)
 {
     *r = (cam_can_t){.machine = machine, .report.start = hal_start()};
-    r->isotp =
-        (cam_isotp_t){.bytes = r->block, .capacity = sizeof r->block, .patience = machine->tick_hz};
+    r->isotp = (cam_isotp_t){
+        .bytes = r->block, .capacity = sizeof r->block, .timeout_ticks = machine->tick_hz};
     cam_store_init(&r->store, machine);
     cam_lines_start(&r->report.start);
     (void)select_and_say(r);

@@ -2,13 +2,17 @@
 #include "cam_isotp.h"
 #include <string.h> // memcpy
 
-/// High nibble of the first byte.
+/// Kind of a frame: the high nibble of its first byte.
 enum { single = 0, first = 1, consecutive = 2 };
 
+/// Bytes of a frame; the longest length that has the short form; the shortest message that may be
+/// sent in more than one frame.
 enum { frame_bytes = 8, longest_short = 4095, shortest_first = 8 };
 
+/// First byte of a flow control.
 enum { flow_go_on = 0x30, flow_overflow = 0x32 };
 
+/// Append received bytes to the message, at most as many as it still lacks.
 static void append(cam_isotp_t *t, const uint8_t *bytes, uint32_t most)
 {
     const uint32_t left = t->length - t->n;
@@ -17,6 +21,7 @@ static void append(cam_isotp_t *t, const uint8_t *bytes, uint32_t most)
     t->n += n;
 }
 
+/// Take a message that fits one frame.
 static cam_isotp_event_t begin_single(cam_isotp_t *t, const hal_can_frame_t *frame)
 {
     const uint32_t length = frame->data[0]; // its high nibble is 0
@@ -31,23 +36,16 @@ static cam_isotp_event_t begin_single(cam_isotp_t *t, const hal_can_frame_t *fra
     return cam_isotp_message;
 }
 
+/// Let a flow control be sent, which allows the sender the next block of frames.
 static void ask_for_block(cam_isotp_t *t)
 {
     t->n_block = cam_isotp_block_size;
     t->has_flow = true;
 }
 
-/// What a first frame has room for, behind either form of the length.
-static void append_first(cam_isotp_t *t, const hal_can_frame_t *frame, bool is_brief)
-{
-    if (is_brief) {
-        append(t, &frame->data[2], frame_bytes - 2u);
-    } else {
-        append(t, &frame->data[6], frame_bytes - 6u);
-    }
-}
-
-static cam_isotp_event_t begin_long(cam_isotp_t *t, const hal_can_frame_t *frame, uint32_t now)
+/// Take the first frame of a longer message. Its length has 12 bits, or 32 bits when these are 0;
+/// behind either form follow the first bytes of the message.
+static cam_isotp_event_t begin_long(cam_isotp_t *t, const hal_can_frame_t *frame, uint32_t tick)
 {
     const uint8_t *d = frame->data;
     const uint32_t brief = (d[0] & 0xFu) * 256u + d[1];
@@ -61,17 +59,23 @@ static cam_isotp_event_t begin_long(cam_isotp_t *t, const hal_can_frame_t *frame
     t->length = length;
     t->n = 0;
     t->next = 1;
-    t->since = now;
+    t->last_tick = tick;
+    // A message beyond the capacity is refused by its flow control and otherwise ignored.
     t->is_too_long = length > t->capacity;
     t->is_receiving = !t->is_too_long;
     ask_for_block(t);
     if (t->is_receiving) {
-        append_first(t, frame, brief != 0u);
+        uint32_t at = 6; // of the first byte behind the length
+        if (brief != 0u) {
+            at = 2;
+        }
+        append(t, &d[at], frame_bytes - at);
     }
     return cam_isotp_nothing;
 }
 
-static cam_isotp_event_t go_on(cam_isotp_t *t, const hal_can_frame_t *frame, uint32_t now)
+/// Take a consecutive frame.
+static cam_isotp_event_t go_on(cam_isotp_t *t, const hal_can_frame_t *frame, uint32_t tick)
 {
     const uint32_t left = t->length - t->n;
     const uint32_t due = left < frame_bytes - 1u ? left : frame_bytes - 1u;
@@ -82,9 +86,10 @@ static cam_isotp_event_t go_on(cam_isotp_t *t, const hal_can_frame_t *frame, uin
         t->is_receiving = false;
         return cam_isotp_broken;
     }
+    // Bytes behind the end of the message are padding; append() leaves them out.
     append(t, &frame->data[1], frame_bytes - 1u);
     t->next = (t->next + 1u) % 16u;
-    t->since = now;
+    t->last_tick = tick;
     t->n_block--;
     if (t->n == t->length) {
         t->is_receiving = false;
@@ -96,7 +101,7 @@ static cam_isotp_event_t go_on(cam_isotp_t *t, const hal_can_frame_t *frame, uin
     return cam_isotp_nothing;
 }
 
-cam_isotp_event_t cam_isotp_receive(cam_isotp_t *t, const hal_can_frame_t *frame, uint32_t now)
+cam_isotp_event_t cam_isotp_receive(cam_isotp_t *t, const hal_can_frame_t *frame, uint32_t tick)
 {
     if (frame->n == 0u || frame->n > frame_bytes) {
         return cam_isotp_nothing;
@@ -105,17 +110,17 @@ cam_isotp_event_t cam_isotp_receive(cam_isotp_t *t, const hal_can_frame_t *frame
     case single:
         return begin_single(t, frame);
     case first:
-        return begin_long(t, frame, now);
+        return begin_long(t, frame, tick);
     case consecutive:
-        return go_on(t, frame, now);
+        return go_on(t, frame, tick);
     default:
         return cam_isotp_nothing; // flow control, reserved
     }
 }
 
-cam_isotp_event_t cam_isotp_wait(cam_isotp_t *t, uint32_t now)
+cam_isotp_event_t cam_isotp_wait(cam_isotp_t *t, uint32_t tick)
 {
-    if (!t->is_receiving || now - t->since <= t->patience) {
+    if (!t->is_receiving || tick - t->last_tick <= t->timeout_ticks) {
         return cam_isotp_nothing;
     }
     t->is_receiving = false;

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_lines.h"
 
-enum { max_line = 120 }; ///< as hal_text() allows
+enum { max_line = 120 }; ///< longest line that hal_text() allows
 
+/// A line that is being put together.
 typedef struct {
     char text[max_line + 1];
     uint32_t n;
 } line_t;
 
+/// Append text; what does not fit is cut off.
 static void add(line_t *line, const char *text)
 {
     for (const char *at = text; *at != '\0' && line->n < max_line; at++) {
@@ -17,7 +19,7 @@ static void add(line_t *line, const char *text)
     line->text[line->n] = '\0';
 }
 
-/// Write the words one behind the other; what does not fit is cut off.
+/// Write four pieces of text as one line.
 static void say(const char *first, const char *second, const char *third, const char *fourth)
 {
     line_t line = {.n = 0};
@@ -51,19 +53,11 @@ void cam_lines_table(cam_lines_t *l, const cam_store_t *store)
     }
 }
 
-/// A table that was there is gone: the background check found it damaged.
-static void say_loss(cam_lines_t *l, cam_store_t *store)
-{
-    if (store->err == cam_ok) {
-        store->err = cam_err_image_crc;
-    }
-    cam_lines_table(l, store);
-}
-
-static void say_fault(cam_lines_t *l, uint32_t untold)
+/// Report the first of the faults that have not been reported.
+static void say_fault(cam_lines_t *l, uint32_t unreported)
 {
     uint32_t i = 0;
-    while ((untold >> i & 1u) == 0u) {
+    while ((unreported >> i & 1u) == 0u) {
         i++;
     }
     say("fault ", cam_fault_name((cam_fault_t)i), ": ", cam_fault_text((cam_fault_t)i));
@@ -73,13 +67,14 @@ static void say_fault(cam_lines_t *l, uint32_t untold)
 void cam_lines_change(cam_lines_t *l, cam_store_t *store, const cam_status_t *status)
 {
     l->faults &= status->faults;
-    const uint32_t untold = status->faults & ~l->faults;
+    const uint32_t unreported = status->faults & ~l->faults;
     if (l->has_table && !store->machine->has_table) {
-        say_loss(l, store);
+        store->err = store->err == cam_ok ? cam_err_image_crc : store->err; // found damaged
+        cam_lines_table(l, store);
     } else if (l->state != status->state) {
         l->state = status->state;
         say("state ", cam_state_name(status->state), "", "");
-    } else if (untold != 0u) {
-        say_fault(l, untold);
+    } else if (unreported != 0u) {
+        say_fault(l, unreported);
     }
 }

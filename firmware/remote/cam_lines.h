@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cam_lines: lines for people: why the controller started, what became of the table, every change
-/// of state, every fault. All functions: slow side, main() only.
+/// cam_lines: lines of text for people: why the controller started, whether the table is in use,
+/// every change of state, every fault. They go to hal_text(). All functions: slow side, main()
+/// only.
 #ifndef CAM_LINES_H
 #define CAM_LINES_H
 
@@ -10,21 +11,22 @@
 #include <stdbool.h>   // bool
 #include <stdint.h>    // uint32_t
 
-/// What was told last; zero-initialised is: nothing.
+/// What has been reported; zero-initialised when nothing has.
 typedef struct {
-    bool has_table; ///< the machine's
-    cam_state_t state;
-    uint32_t faults;
+    bool has_table;    ///< whether the last line about the table said that there is one
+    cam_state_t state; ///< state of the last line about a state
+    uint32_t faults;   ///< mask of the reported faults that still last
 } cam_lines_t;
 
-/// Why the controller started.
+/// Report why the controller started, for example "start: watchdog reset".
 void cam_lines_start(const hal_start_t *start);
 
-/// The result of a check of the table.
+/// Report the result of the last check of the table.
 void cam_lines_table(cam_lines_t *l, const cam_store_t *store);
 
-/// Say at most one change of state, fault or table, so that a slow serial line does not hold up the
-/// rest. A table that is gone, found damaged in the background, is noted in the store too.
+/// Report at most one change of state, fault or table, so that a slow serial line does not hold up
+/// the main loop. When the background check has found the table damaged, the store's error is set
+/// as well.
 void cam_lines_change(cam_lines_t *l, cam_store_t *store, const cam_status_t *status);
 
 #endif

@@ -3,19 +3,22 @@
 #include "cam_fix.h" // cam_sat_i32, cam_clamp_i32
 #include "camturn.h" // camturn_state_pack
 
+/// [Hz] rate of the status.
 enum { status_hz = 100 };
 
 /// Pages of Detail.
 enum { page_motion, page_load, page_rate, page_table, page_crc, page_name, n_pages = 11 };
 
-enum { name_chars = 6 }; ///< of a page: readers take them as one number of 48 bits
+/// Characters of the table's name in a page. Readers see them as one number of 48 bits.
+enum { name_chars = 6 };
 
 _Static_assert((n_pages - page_name) * name_chars >= cam_table_name_size, "the whole name");
 
-/// What the bus calls a state is what the firmware calls it; a test compares all the other words.
+/// States have the same numbers in camturn.dbc and here; a test compares all the other words.
 _Static_assert(CAMTURN_STATE_STATE_FAULT_CHOICE == cam_state_fault,
                "camturn.dbc is of other sources");
 
+/// Send a packed frame of n bytes; without room it is lost.
 static void send(hal_can_frame_t *frame, uint32_t id, int n)
 {
     frame->id = id;
@@ -23,6 +26,7 @@ static void send(hal_can_frame_t *frame, uint32_t id, int n)
     (void)hal_can_write(frame);
 }
 
+/// Send the message State: a bit for each fault, and why the controller is as it is.
 static void send_state(const cam_report_t *r, const cam_store_t *store, const cam_status_t *status)
 {
     struct camturn_state_t m = {
@@ -38,17 +42,13 @@ static void send_state(const cam_report_t *r, const cam_store_t *store, const ca
     send(&frame, CAMTURN_STATE_FRAME_ID, camturn_state_pack(frame.data, &m, sizeof frame.data));
 }
 
-/// @return [r/min / 1000] rounded to nearest, saturated; 60 000 = 1875 * 2^5
-static int32_t speed_mrpm(int32_t speed_q32, uint32_t tick_hz)
-{
-    const int64_t mrpm_q27 = (int64_t)speed_q32 * tick_hz * 1875;
-    return cam_sat_i32((mrpm_q27 + (INT64_C(1) << 26)) >> 27);
-}
-
+/// The speed is [turn / 2^32 per tick]; times ticks per minute it is [r/min / 2^32], and
+/// 60 000 = 1875 * 2^5 makes it [r/min / 1000 / 2^27].
 static void send_motion(const cam_store_t *store, const cam_status_t *status)
 {
+    const int64_t mrpm_q27 = (int64_t)status->speed_q32 * store->machine->tick_hz * 1875;
     const struct camturn_spindle_t spindle = {
-        .speed = speed_mrpm(status->speed_q32, store->machine->tick_hz),
+        .speed = cam_sat_i32((mrpm_q27 + (INT64_C(1) << 26)) >> 27),
         .angle = status->is_synced ? (uint32_t)(uint64_t)status->pos_q32 : 0u,
     };
     const struct camturn_axis_u_t u = {
@@ -70,7 +70,7 @@ static uint32_t longest_tick_ns(void)
     return ns < UINT32_MAX ? (uint32_t)ns : UINT32_MAX;
 }
 
-/// @return up to six characters of the name, the first in the lowest byte
+/// @return characters 6 part .. 6 part + 5 of the name, the first in the lowest byte
 static uint64_t name_part(const char *name, uint32_t part)
 {
     uint64_t chars = 0;
@@ -83,6 +83,7 @@ static uint64_t name_part(const char *name, uint32_t part)
     return chars;
 }
 
+/// Fill in the signals of a page that describes the table; without a table they stay 0.
 static void describe_table(struct camturn_detail_t *m, const cam_store_t *store)
 {
     const cam_table_t *table = &store->machine->table;
@@ -94,7 +95,7 @@ static void describe_table(struct camturn_detail_t *m, const cam_store_t *store)
     m->table_crc = table->crc32;
     const uint64_t chars =
         m->page >= page_name ? name_part(table->name, (uint32_t)m->page - page_name) : 0u;
-    m->table_name_0 = chars; // pack takes the one of the page
+    m->table_name_0 = chars; // the generated pack function takes the one that the page has
     m->table_name_1 = chars;
     m->table_name_2 = chars;
     m->table_name_3 = chars;
@@ -102,6 +103,8 @@ static void describe_table(struct camturn_detail_t *m, const cam_store_t *store)
     m->table_name_5 = chars;
 }
 
+/// Send a page of Detail. All its signals are set; the generated pack function takes those of the
+/// page.
 static void send_detail(uint32_t page, const cam_store_t *store, const cam_status_t *status)
 {
     enum { most = (1 << 23) - 1 };
@@ -122,13 +125,15 @@ static void send_detail(uint32_t page, const cam_store_t *store, const cam_statu
     send(&frame, CAMTURN_DETAIL_FRAME_ID, camturn_detail_pack(frame.data, &m, sizeof frame.data));
 }
 
-/// The rate holds on average; periods that nobody polled in are skipped.
+/// The rate holds on average. Periods during which the main loop did not come here are skipped.
 void cam_report_send(cam_report_t *r, const cam_store_t *store, const cam_status_t *status)
 {
     const uint32_t period = store->machine->tick_hz / status_hz;
     if (status->tick - r->status_tick < period) {
         return;
     }
+    // Adding the period keeps the rate on average; after a pause of more than a period the count
+    // starts anew.
     r->status_tick += period;
     if (status->tick - r->status_tick >= period) {
         r->status_tick = status->tick;

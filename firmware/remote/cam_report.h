@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cam_report: the status that the controller sends of its own: messages State, Spindle, AxisU and
+/// cam_report: the status that the controller sends unasked: messages State, Spindle, AxisU and
 /// Detail of can/camturn.dbc, every 10 ms.
 ///
-/// Ten milliseconds are counted in ticks: no tick, no status. Of Detail page 0 comes every time,
-/// and one of the others, in turn. A frame that finds no room is lost; the next one tells what it
-/// could not. All functions: slow side, main() only.
+/// The 10 ms are counted in ticks, so without ticks there is no status. Of Detail, page 0 is sent
+/// every time and one of the other pages in turn. A frame that finds no room is lost; the next one
+/// has the newer values. All functions: slow side, main() only.
 #ifndef CAM_REPORT_H
 #define CAM_REPORT_H
 
@@ -13,14 +13,14 @@
 #include "hal/hal.h"   // hal_start_t
 #include <stdint.h>    // uint32_t
 
-/// State; zero-initialised but for start.
+/// State; zero-initialised except for start.
 typedef struct {
     hal_start_t start;    ///< why the controller started
     uint32_t status_tick; ///< [ticks] when the last status was due
-    uint32_t page;        ///< of Detail that came last in its turn
+    uint32_t page;        ///< of Detail, the last one that was sent in turn
 } cam_report_t;
 
-/// Send status when it is due.
+/// Send the status if it is due.
 void cam_report_send(cam_report_t *r, const cam_store_t *store, const cam_status_t *status);
 
 #endif

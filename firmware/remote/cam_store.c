@@ -3,9 +3,10 @@
 #include <stddef.h> // NULL
 #include <string.h> // memcmp
 
-/// Offset of the image's size in its header, TABLE_FORMAT.md.
+/// Offset of the field image_size in the header of an image (TABLE_FORMAT.md).
 enum { at_image_size = 16 };
 
+/// @return the little-endian word at some bytes
 static uint32_t get_u32(const uint8_t *bytes)
 {
     return (uint32_t)bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 |
@@ -19,34 +20,33 @@ void cam_store_init(cam_store_t *s, cam_machine_t *machine)
 
 // Select
 
-/// @return [bytes] of the image at a place, which may be larger: as the header tells, the whole
-/// place when that cannot be; cam_table_check() then finds what is wrong
-static uint32_t image_size(const hal_image_t *place)
-{
-    if (place->size < cam_table_header_size) {
-        return place->size;
-    }
-    const uint32_t size = get_u32((const uint8_t *)place->bytes + at_image_size);
-    return size >= cam_table_header_size && size < place->size ? size : place->size;
-}
-
+/// Select the table in the place in use. The place may be larger than the image; its size is then
+/// taken from its header. When that cannot be right, the whole place is offered, and
+/// cam_table_check() finds what is wrong.
 static cam_err_t select_in_place(cam_machine_t *m)
 {
     const hal_image_t place = hal_table_image();
     if (place.bytes == NULL || place.size == 0u) {
         return cam_err_no_table;
     }
-    return cam_machine_select_table(m, place.bytes, image_size(&place));
+    uint32_t size = place.size;
+    if (place.size >= cam_table_header_size) {
+        const uint32_t stored = get_u32((const uint8_t *)place.bytes + at_image_size);
+        size = stored >= cam_table_header_size && stored < place.size ? stored : place.size;
+    }
+    return cam_machine_select_table(m, place.bytes, size);
 }
 
-/// The port changes its mind first: behind that, nothing can refuse a table that was checked.
+/// Make the place of the download the one in use. This comes first, because afterwards nothing can
+/// refuse the table: it has been checked.
 static cam_err_t take_downloaded(cam_store_t *s)
 {
     const cam_err_t err = cam_machine_may_exchange(s->machine);
     if (err != cam_ok) {
         return err;
     }
-    // Else the next select would take the old one without a word.
+    // If the port could not, the download stays due: otherwise the next select would take the old
+    // table without a word.
     s->is_checked = !hal_table_commit();
     return s->is_checked ? cam_err_download_store : cam_ok;
 }
@@ -65,26 +65,23 @@ cam_err_t cam_store_select(cam_store_t *s)
     if (!cam_store_is_of_moment(err)) {
         s->err = err;
     }
+    // The generation counts selects that succeeded, so that a tool can see its own.
     s->generation += err == cam_ok ? 1u : 0u;
     return err;
 }
 
 // Download
 
-/// The table in use must not lie where the next one goes: after a commit that no select followed.
-static bool is_in_place(const cam_machine_t *m)
-{
-    return !m->has_table || m->table.image == hal_table_image().bytes;
-}
-
 cam_err_t cam_store_begin(cam_store_t *s, uint32_t size)
 {
-    cam_err_t err = cam_machine_may_exchange(s->machine);
-    if (err == cam_ok && !is_in_place(s->machine)) {
-        err = cam_err_state;
-    }
+    const cam_err_t err = cam_machine_may_exchange(s->machine);
     if (err != cam_ok) {
         return err;
+    }
+    // After a commit that no select has followed, the machine still uses the table in the place
+    // that would be emptied.
+    if (s->machine->has_table && s->machine->table.image != hal_table_image().bytes) {
+        return cam_err_state;
     }
     if (size < cam_table_header_size) {
         return cam_err_image_size;
@@ -96,21 +93,11 @@ cam_err_t cam_store_begin(cam_store_t *s, uint32_t size)
     return s->is_open ? cam_ok : cam_err_download_room;
 }
 
-/// A block comes twice when its acknowledgement got lost.
+/// @return whether the block is stored already: it is sent again when its acknowledgement was lost
 static bool is_there(const cam_store_t *s, uint32_t offset, const uint8_t *bytes, uint32_t n)
 {
     const uint8_t *staged = (const uint8_t *)hal_table_staged().bytes;
     return offset + n <= s->received && memcmp(&staged[offset], bytes, n) == 0;
-}
-
-static cam_err_t store(cam_store_t *s, const uint8_t *bytes, uint32_t n)
-{
-    if (!hal_table_write(s->received, bytes, n)) {
-        s->is_open = false;
-        return cam_err_download_store;
-    }
-    s->received += n;
-    return cam_ok;
 }
 
 cam_err_t cam_store_block(cam_store_t *s, const uint8_t *block, uint32_t n)
@@ -132,16 +119,15 @@ cam_err_t cam_store_block(cam_store_t *s, const uint8_t *block, uint32_t n)
         return cam_ok;
     }
     const bool is_whole = n_bytes % hal_table_grain == 0u || offset + n_bytes == s->size;
-    return offset == s->received && is_whole ? store(s, bytes, n_bytes) : cam_err_download_order;
-}
-
-static cam_err_t check(const cam_store_t *s, uint32_t crc)
-{
-    const hal_image_t staged = hal_table_staged();
-    cam_table_t table;
-    return cam_crc32(0, staged.bytes, s->size) == crc
-               ? cam_table_check(staged.bytes, s->size, &table)
-               : cam_err_download_crc;
+    if (offset != s->received || !is_whole) {
+        return cam_err_download_order;
+    }
+    if (!hal_table_write(offset, bytes, n_bytes)) {
+        s->is_open = false;
+        return cam_err_download_store;
+    }
+    s->received += n_bytes;
+    return cam_ok;
 }
 
 cam_err_t cam_store_end(cam_store_t *s, uint32_t crc)
@@ -156,8 +142,14 @@ cam_err_t cam_store_end(cam_store_t *s, uint32_t crc)
     if (s->received < s->size) {
         return cam_err_download_short;
     }
+    // Whatever the check finds, this download takes no further blocks.
     s->is_open = false;
-    err = check(s, crc);
+    const hal_image_t staged = hal_table_staged();
+    if (cam_crc32(0, staged.bytes, s->size) != crc) {
+        return cam_err_download_crc;
+    }
+    cam_table_t table;
+    err = cam_table_check(staged.bytes, s->size, &table);
     s->is_checked = err == cam_ok;
     return err;
 }

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cam_store: the table's place: take what is in it into use, and bring a new table beside it.
+/// cam_store: the places of tables: take the table of the place in use into use, and download a new
+/// one into the other place.
 ///
 ///     begin(size) -> block, block, .. -> end(crc) -> select
 ///
-/// Only the last step touches the table in use, and only when the new one is whole: its bytes are
-/// those that were meant (CRC-32), and cam_table_check() finds it good. Whatever goes wrong before,
-/// or a begin anew, leaves the old table in force. A download goes on in state off only.
-/// All functions: slow side, main() only.
+/// Only the last step touches the table in use, and only when the new one is complete: its bytes
+/// are the ones that were sent (CRC-32), and cam_table_check() finds it good. Any error before, or
+/// a new begin, leaves the old table in force. All steps need state off. All functions: slow side,
+/// main() only.
 #ifndef CAM_STORE_H
 #define CAM_STORE_H
 
@@ -17,50 +18,61 @@
 
 enum {
     cam_store_block_header = 4,   ///< [bytes] offset of a block, the lowest byte first
-    cam_store_block_bytes = 4096, ///< [bytes] of image in a block, at most
+    cam_store_block_bytes = 4096, ///< [bytes] of the image in a block, at most
 };
 
 /// State.
 typedef struct {
     cam_machine_t *machine;
-    cam_err_t err;       ///< of the last check of the table in its place
-    uint32_t generation; ///< times that a table was taken into use
-    uint32_t size;       ///< [bytes] of the image that is downloaded
-    uint32_t received;   ///< [bytes] of it that are stored
-    bool is_open;        ///< blocks are taken
-    bool is_checked;     ///< the next select takes the downloaded table
+    cam_err_t err;       ///< result of the last check of the table in use
+    uint32_t generation; ///< how often a table has been taken into use
+    uint32_t size;       ///< [bytes] of the image that is being downloaded
+    uint32_t received;   ///< [bytes] of it that have been stored
+    bool is_open;        ///< a download has begun, blocks are accepted
+    bool is_checked;     ///< the download is complete and good: the next select takes it
 } cam_store_t;
 
+/// Begin without a table.
+/// @param machine  initialised; kept
 void cam_store_init(cam_store_t *s, cam_machine_t *machine);
 
-/// Take into use: the downloaded table, if one is complete; else check the one in its place anew.
-/// @return as cam_machine_select_table(), cam_err_no_table; the downloaded one in state off only.
-///         cam_err_download_store: the port could not keep it, the old one stays in force; so it is
-///         with every select until one succeeds or a download begins anew
-/// Context: lasts as long as cam_table_check(), on a Cortex-M7 about 26 instructions per byte of
-/// the image, 65 with a speed channel; when a download is taken, once more the port's commit.
+/// Take a table into use: the downloaded one if it is complete, which needs state off; otherwise
+/// the one in the place in use, which is checked anew.
+/// @return as cam_machine_select_table(); cam_err_no_table when the place is empty;
+///         cam_err_download_store when the port could not keep the downloaded table: the old one
+///         then stays in force, and every further select tries again until one succeeds or a new
+///         download begins
+/// Context: lasts as long as cam_table_check() takes for the image, and for a download also as long
+/// as hal_table_commit().
 CAM_MUST_USE cam_err_t cam_store_select(cam_store_t *s);
 
-/// @return whether an error of select tells of the moment, not of the table
+/// @return whether an error of cam_store_select() is due to the moment (state, busy, store), so
+/// that
+///         it says nothing about the table
 bool cam_store_is_of_moment(cam_err_t err);
 
-/// Make room; what was downloaded before is lost.
+/// Begin a download: empty the other place. What was downloaded before is lost.
 /// @param size  [bytes] of the image
 /// @return cam_ok, cam_err_state, cam_err_busy, cam_err_image_size (less than a header),
 ///         cam_err_download_room (larger than the place, or the place cannot be emptied)
+/// Context: lasts as long as hal_table_begin().
 CAM_MUST_USE cam_err_t cam_store_begin(cam_store_t *s, uint32_t size);
 
-/// Store the next block, or find that it is stored already.
-/// @param block  n bytes: offset, image; all but the last hold a multiple of hal_table_grain
-/// @return cam_ok, cam_err_state, cam_err_busy, cam_err_download_order (nothing changes; received
-///         tells where to go on), cam_err_download_room (beyond the announced size), _store (begin
-///         anew)
+/// Store the next block. A block that is stored already is accepted without being written again.
+/// @param block  n bytes: the offset, then bytes of the image; every block but the last holds a
+///               multiple of hal_table_grain
+/// @return cam_ok; cam_err_state, cam_err_busy; cam_err_download_order: nothing has changed, and
+///         `received` is the offset of the block that is due; cam_err_download_room: beyond the
+///         announced size; cam_err_download_store: the download has to begin anew
+/// Context: lasts as long as hal_table_write().
 CAM_MUST_USE cam_err_t cam_store_block(cam_store_t *s, const uint8_t *block, uint32_t n);
 
-/// Check what was downloaded.
-/// @param crc  CRC-32 of all its bytes
-/// @return cam_ok: select takes it; cam_err_state, _busy, cam_err_download_order, _short: go on;
-///         cam_err_download_crc or what cam_table_check() found: begin anew
+/// End a download: check what has been stored.
+/// @param crc  CRC-32 of all bytes of the image, as sent
+/// @return cam_ok: the next select takes the table; cam_err_state, _busy, cam_err_download_order,
+///         _short: the download may go on; cam_err_download_crc or an error of cam_table_check():
+///         the download has to begin anew
+/// Context: lasts as long as cam_table_check().
 CAM_MUST_USE cam_err_t cam_store_end(cam_store_t *s, uint32_t crc);
 
 #endif

@@ -3,16 +3,19 @@
 #include "cam_eval.h" // cam_eval_profile
 #include "cam_fix.h"  // cam_abs_i64
 
+/// Samples for each slice.
 enum { per_slice = 4 };
 
-/// @return [2^-frac_bits nm per slice] as [1e-6]
+/// @param per_slice_lsb  [LSB per slice]
+/// @return               [1e-6] its magnitude as a slope
 static uint64_t slope_ppm(const cam_channel_t *x, int64_t per_slice_lsb)
 {
     const uint64_t rise = (uint64_t)cam_abs_i64(per_slice_lsb) * 1000000u * (x->n_slices - 1u);
     return (rise >> x->frac_bits) / x->span_nm;
 }
 
-/// @return [1e-6 per slice] as [1e-6 / m]
+/// @param per_slice_ppm  [1e-6 per slice]
+/// @return               [1e-6 / m] the same per metre, UINT32_MAX where the product would overflow
 static uint64_t bend_ppm_per_m(const cam_channel_t *x, uint64_t per_slice_ppm)
 {
     const uint64_t most_ppm = UINT64_C(1) << 21; // 2^21 10^9 2^12 < 2^63
@@ -20,6 +23,7 @@ static uint64_t bend_ppm_per_m(const cam_channel_t *x, uint64_t per_slice_ppm)
                                     : UINT32_MAX;
 }
 
+/// @return the larger of the two, saturated
 static uint32_t larger(uint32_t most, uint64_t value)
 {
     const uint32_t held = value < UINT32_MAX ? (uint32_t)value : UINT32_MAX;
@@ -29,6 +33,7 @@ static uint32_t larger(uint32_t most, uint64_t value)
 void cam_barrel_measure(cam_table_t *t)
 {
     const cam_channel_t *x = &t->x;
+    // Samples run from the lowest to the highest slice, both included.
     const uint32_t n = (x->n_slices - 1u) * (uint32_t)per_slice;
     t->x_slope_ppm = 0;
     t->x_bend_ppm_per_m = 0;

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cam_barrel: how steep and how bent X's profile is over height. Context: slow side.
+/// cam_barrel: slope and curvature of X's profile over height (the barrel form of a piston).
 #ifndef CAM_BARREL_H
 #define CAM_BARREL_H
 
 #include "cam_channel.h" // cam_table_t
 
-/// Fill in x_slope_ppm and x_bend_ppm_per_m, UINT32_MAX where they are larger still.
-/// @param t  its channel x passed the checks of a channel over height alone. The maxima are over
-///           quarters of the slices: a peak between two of them is missed by at most the square of
-///           an eighth of a slice times half the derivative after the next
-/// Four evaluations for each slice.
+/// Measure the largest |dX/dZ| and |d2X/dZ2| and fill in x_slope_ppm and x_bend_ppm_per_m,
+/// saturated at UINT32_MAX. X and Z must be able to follow them (cam_demand.h).
+/// @param t  has a channel x whose knots have been checked
+/// The profile is sampled at quarters of the slice spacing. A peak of a function f between two
+/// samples is missed by at most (spacing / 8)^2 / 2 times the largest |f''|.
+/// Context: slow side; four evaluations for each slice.
 void cam_barrel_measure(cam_table_t *t);
 
 #endif

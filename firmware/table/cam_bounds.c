@@ -2,17 +2,19 @@
 #include "cam_bounds.h"
 #include "cam_fix.h" // cam_abs_i64
 
+/// Raise a bound to the magnitude of a value.
 static void widen(int64_t *bound, int64_t value)
 {
     const int64_t magnitude = cam_abs_i64(value);
     *bound = magnitude > *bound ? magnitude : *bound;
 }
 
-/// Third, fourth and fifth coefficient of TABLE_FORMAT.md.
+/// Coefficients c3, c4 and c5 of a quintic: TABLE_FORMAT.md, "Knots".
 typedef struct {
     int64_t c3, c4, c5;
 } rest_t;
 
+/// D, V and A of the format are dp, dv and da here.
 static rest_t rest_of(const cam_wide_knot_t *k0, const cam_wide_knot_t *k1)
 {
     const int64_t dp = k1->p - k0->p - k0->v - k0->a;
@@ -22,7 +24,7 @@ static rest_t rest_of(const cam_wide_knot_t *k0, const cam_wide_knot_t *k1)
         .c3 = 10 * dp - 4 * dv + da, .c4 = -15 * dp + 7 * dv - 2 * da, .c5 = 6 * dp - 3 * dv + da};
 }
 
-/// The coefficients at the end of a quintic are the next one's first.
+/// The last coefficient of a segment is the first one of the next, so it is left to that.
 void cam_bounds_add(cam_bounds_t *b, const cam_wide_knot_t *k0, const cam_wide_knot_t *k1)
 {
     const int64_t from = 10 * k0->p;
@@ -38,9 +40,9 @@ void cam_bounds_add(cam_bounds_t *b, const cam_wide_knot_t *k0, const cam_wide_k
     widen(&b->twice, 2 * k1->v - k1->a);
 }
 
-/// 2 a + 6 c3 t + 12 c4 t^2 + 20 c5 t^3 at t = k / 32, and the h^2 / 8 |f''| by which a function
-/// leaves the straight line between two of them: 1/8192 of its own second derivative, which is
-/// largest at an end.
+/// The second derivative is f(t) = 2 a + 6 c3 t + 12 c4 t^2 + 20 c5 t^3, evaluated at t = k / 32.
+/// Between two of these places it leaves the straight line by at most d^2 / 8 |f''| with d = 1/32,
+/// that is by 1/8192 of f''. As f'' is linear in t, it is largest at an end of the interval.
 void cam_bounds_add_second(cam_bounds_t *b, const cam_wide_knot_t *k0, const cam_wide_knot_t *k1)
 {
     const rest_t c = rest_of(k0, k1);

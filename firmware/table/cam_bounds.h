@@ -1,36 +1,40 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cam_bounds: how large a quintic of the table and its derivatives become, between knots too.
+/// cam_bounds: bounds of a quintic of the table and of its derivatives, between the knots too.
 ///
-/// Value and first derivative lie between their Bernstein coefficients, the second derivative is
-/// taken at 32nds of every interval with a bound of what lies between. Source: MATHS.md (51).
-/// Context: slow side.
+/// Value and first derivative lie between their Bernstein coefficients. The second derivative is
+/// evaluated at 32nds of every interval, and a bound of what lies between them is added. Source:
+/// MATHS.md (51); Farouki, "The Bernstein polynomial basis: a centennial retrospective", CAGD 29
+/// (2012). Context: slow side.
 #ifndef CAM_BOUNDS_H
 #define CAM_BOUNDS_H
 
 #include "cam_channel.h" // cam_channel_t
 #include <stdint.h>      // int64_t, uint32_t
 
-/// A knot of TABLE_FORMAT.md, or a sum or difference of some; magnitudes below 2^40.
+/// A knot, or a sum or difference of several; magnitudes below 2^40.
 typedef struct {
     int64_t p, v, a;
 } cam_wide_knot_t;
 
-/// Largest magnitudes so far, in the LSB of the knots and per knot interval; 0 to begin with.
+/// Largest magnitudes found so far, in the LSB of the knots and per knot interval; begin with
+/// zeros. They are scaled so that no division is needed before all segments have been added.
 typedef struct {
     int64_t tenfold;     ///< value, times 10
     int64_t twice;       ///< first derivative, times 2
     int64_t second_8192; ///< second derivative, times 8192
 } cam_bounds_t;
 
-/// Widen value and first derivative by the quintic between two knots. Each bound is at most eight
-/// thirds too large, and within a few per cent where the knots follow a smooth function.
+/// Widen the bounds of value and first derivative by the quintic between two knots. At worst a
+/// bound is 8/3 of the true maximum; where the knots follow a smooth function it is a few per cent
+/// above.
 void cam_bounds_add(cam_bounds_t *b, const cam_wide_knot_t *k0, const cam_wide_knot_t *k1);
 
-/// Widen the second derivative, within 1 % also beside a knot where the third one jumps.
+/// Widen the bound of the second derivative by the quintic between two knots. It is within 1 % of
+/// the true maximum, even beside a knot at which the third derivative jumps.
 void cam_bounds_add_second(cam_bounds_t *b, const cam_wide_knot_t *k0, const cam_wide_knot_t *k1);
 
-/// @param i  of a knot of a channel over angle, counted over all slices
-/// @return   the next one of the same slice, cyclic
+/// @param i  index of a knot of a channel over angle, counted over all slices
+/// @return   index of the next knot of the same slice; behind the last one comes the first
 uint32_t cam_bounds_next(const cam_channel_t *ch, uint32_t i);
 
 #endif

@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_entry.h"
-#include "cam_fix.h" // cam_is_between
-#include <stdbool.h> // bool
+#include "cam_bounds.h" // cam_bounds_next
+#include "cam_fix.h"    // cam_is_between
+#include <stdbool.h>    // bool
 
-/// Limits that the arithmetic relies on.
+/// Limits that the arithmetic of the evaluation relies on.
 enum {
-    max_u_offset_nm = (1 << 23) - 1, // in nm / 2^8 it fits int32
-    max_frac_bits = 8,               // of 2^-8 nm: finer helps nobody, and every shift has room
+    max_u_offset_nm = (1 << 23) - 1, // in units of 2^-8 nm it fits int32
+    max_frac_bits = 8,               // 2^-8 nm is finer than any axis; every shift has room for it
     min_ratio = CAM_TABLE_RATIO_ONE / 16,
     max_ratio = CAM_TABLE_RATIO_ONE * 4,
 };
 
-/// Do the bounds of a channel stay within a range of its unit? frac_bits is at most 8.
+/// @return whether the values that the entry allows lie in [low, high], in the channel's unit
 static bool is_inside(const cam_entry_t *e, int64_t low, int64_t high)
 {
     const int64_t one = INT64_C(1) << e->frac_bits;
@@ -19,7 +20,8 @@ static bool is_inside(const cam_entry_t *e, int64_t low, int64_t high)
            cam_is_between(e->offset_nm * one + e->p_max, low * one, high * one);
 }
 
-/// Speeds stay within a sixteenth and four times the mean, angles within a quarter turn.
+/// A speed ratio lies between 1/16 and 4, an angle within a quarter turn to either side. Lengths
+/// are bounded by the fields of the entry alone.
 static bool is_in_unit(const cam_entry_t *e)
 {
     if (e->kind == cam_kind_speed) {
@@ -28,16 +30,17 @@ static bool is_in_unit(const cam_entry_t *e)
     return e->kind < cam_kind_swing || is_inside(e, -CAM_TABLE_ANGLE_MAX, CAM_TABLE_ANGLE_MAX);
 }
 
+/// Check the fields of the entry, each by itself.
 static cam_err_t check_shape(const cam_entry_t *e)
 {
     const bool is_u = e->kind == cam_kind_u;
-    const bool is_turned = e->kind != cam_kind_x;
+    const bool is_over_angle = e->kind != cam_kind_x;
     const bool is_sound =
         cam_is_between(e->kind, cam_kind_u, cam_kind_contact) &&
         cam_is_between(e->n_slices, 2, cam_table_max_slices) &&
-        cam_is_between(e->log2_knots, is_turned ? 2 : 0, is_turned ? 12 : 0) &&
-        cam_is_between(e->log2_repeat, 0, is_turned ? 4 : 0) && e->frac_bits <= max_frac_bits &&
-        e->path <= (is_turned ? 0u : 1u) &&
+        cam_is_between(e->log2_knots, is_over_angle ? 2 : 0, is_over_angle ? 12 : 0) &&
+        cam_is_between(e->log2_repeat, 0, is_over_angle ? 4 : 0) && e->frac_bits <= max_frac_bits &&
+        e->path <= (is_over_angle ? 0u : 1u) &&
         cam_is_between(e->p_min, -CAM_TABLE_SUM_MAX, e->p_max) && e->p_max <= CAM_TABLE_SUM_MAX &&
         e->v_max <= CAM_TABLE_SUM_MAX && e->a_max <= CAM_TABLE_SUM_MAX &&
         (!is_u || cam_is_between(e->offset_nm, -max_u_offset_nm, max_u_offset_nm)) &&
@@ -46,7 +49,8 @@ static cam_err_t check_shape(const cam_entry_t *e)
     return is_sound ? cam_ok : cam_err_image_channel;
 }
 
-/// @param used  end of what lies before, moved behind this channel
+/// Check where the knots lie in the image.
+/// @param used  [bytes] end of what lies before, moved behind this channel
 static cam_err_t check_layout(const cam_entry_t *e, const cam_entry_place_t *in, uint64_t *used)
 {
     const uint64_t bytes = ((uint64_t)e->n_slices << e->log2_knots) * sizeof(cam_knot_t);
@@ -56,6 +60,8 @@ static cam_err_t check_layout(const cam_entry_t *e, const cam_entry_place_t *in,
     return is_sound ? cam_ok : cam_err_image_layout;
 }
 
+/// Check the range of heights, the spacing of the slices, and that the stored reciprocal of the
+/// spacing is the one that follows from them.
 static cam_err_t check_heights(const cam_entry_t *e, const cam_entry_place_t *in)
 {
     const int64_t span_nm = (int64_t)e->z_last_nm - e->z_first_nm;
@@ -71,12 +77,14 @@ static cam_err_t check_heights(const cam_entry_t *e, const cam_entry_place_t *in
     return is_spaced && per_nm_q48 == e->slices_per_nm_q48 ? cam_ok : cam_err_image_height;
 }
 
+/// @return whether the evaluation cannot overflow by this sum or member of a knot
 static bool is_bounded(int64_t sum)
 {
     return sum <= CAM_TABLE_SUM_MAX;
 }
 
-/// The three sums of TABLE_FORMAT.md, in 64 bits. Knots alone are bounded first.
+/// Check the three sums of TABLE_FORMAT.md ("The bound"), in 64 bits. The knots themselves have
+/// been bounded before, so nothing overflows here.
 static bool is_segment_safe(const cam_knot_t *k0, const cam_knot_t *k1)
 {
     const int64_t p = cam_abs_i64(k0->p);
@@ -93,33 +101,33 @@ static bool is_segment_safe(const cam_knot_t *k0, const cam_knot_t *k1)
            is_bounded(2 * a + 6 * c3 + 12 * c4 + 20 * c5);
 }
 
+/// Check a knot against the bounds of the arithmetic, then against those that the entry promises.
 static cam_err_t check_knot(const cam_entry_t *e, const cam_knot_t *k)
 {
     const int64_t v = cam_abs_i64(k->v);
     const int64_t a = cam_abs_i64(k->a);
-    const bool is_bounded_knot = is_bounded(cam_abs_i64(k->p)) && is_bounded(v) && is_bounded(a);
+    if (!is_bounded(cam_abs_i64(k->p)) || !is_bounded(v) || !is_bounded(a)) {
+        return cam_err_image_knots;
+    }
     const bool is_in_limits = cam_is_between(k->p, e->p_min, e->p_max) && v <= (int64_t)e->v_max &&
                               a <= (int64_t)e->a_max;
-    return !is_bounded_knot ? cam_err_image_knots : is_in_limits ? cam_ok : cam_err_image_limits;
+    return is_in_limits ? cam_ok : cam_err_image_limits;
 }
 
-/// All but x: every knot with its neighbour of the same slice, cyclic; x: every knot with the
-/// next height.
-static cam_err_t check_knots(const cam_entry_t *e, const cam_knot_t *knots)
+/// Check every knot and the segment behind it. Over the angle a segment leads to the next knot of
+/// the same slice, cyclically; over height alone it leads to the next slice, and the last knot has
+/// none.
+static cam_err_t check_knots(const cam_entry_t *e, const cam_channel_t *ch)
 {
-    const uint32_t n_in_slice = UINT32_C(1) << e->log2_knots;
+    const bool is_over_angle = e->kind != cam_kind_x;
     const uint32_t n = e->n_slices << e->log2_knots;
     for (uint32_t i = 0; i < n; i++) {
-        const cam_err_t err = check_knot(e, &knots[i]);
+        const cam_err_t err = check_knot(e, &ch->knots[i]);
         if (err != cam_ok) {
             return err;
         }
-        const uint32_t in_slice = i & (n_in_slice - 1u);
-        const uint32_t next = e->kind == cam_kind_x
-                                  ? (i + 1u < n ? i + 1u : i)
-                                  : i - in_slice + ((in_slice + 1u) & (n_in_slice - 1u));
-        const bool has_next = e->kind != cam_kind_x || i + 1u < n;
-        if (has_next && !is_segment_safe(&knots[i], &knots[next])) {
+        const uint32_t next = is_over_angle ? cam_bounds_next(ch, i) : i + 1u;
+        if (next < n && !is_segment_safe(&ch->knots[i], &ch->knots[next])) {
             return cam_err_image_knots;
         }
     }
@@ -135,7 +143,11 @@ cam_err_t cam_entry_check(const cam_entry_t *e, const cam_entry_place_t *in, uin
     if (err == cam_ok) {
         err = check_heights(e, in);
     }
-    return err == cam_ok ? check_knots(e, cam_entry_channel(e, in->image).knots) : err;
+    if (err != cam_ok) {
+        return err;
+    }
+    const cam_channel_t ch = cam_entry_channel(e, in->image);
+    return check_knots(e, &ch);
 }
 
 cam_channel_t cam_entry_channel(const cam_entry_t *e, const uint8_t *image)

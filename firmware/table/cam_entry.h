@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cam_entry: one channel of an image, its entry in the directory and its knots, checked.
-/// Context: slow side. Source: TABLE_FORMAT.md, Channel entry, Knots, The bound.
+/// cam_entry: one channel of an image, checked: its entry in the directory and its knots.
+///
+/// Used by cam_table_check() only. Context of all functions: slow side.
+/// Source: TABLE_FORMAT.md, "Channel entry", "Knots", "The bound that makes overflow impossible".
 #ifndef CAM_ENTRY_H
 #define CAM_ENTRY_H
 
@@ -8,43 +10,51 @@
 #include "cam_channel.h" // cam_channel_t
 #include <stdint.h>      // uint32_t, int32_t
 
+/// What a channel describes, as stored in its entry.
 enum {
-    cam_kind_u = 1,
-    cam_kind_x = 2,
-    cam_kind_speed = 3,
-    cam_kind_swing = 4,
-    cam_kind_contact = 5,
+    cam_kind_u = 1,       ///< radius reduction over angle and height
+    cam_kind_x = 2,       ///< long half axis over height
+    cam_kind_speed = 3,   ///< speed ratio of the spindle over angle and height
+    cam_kind_swing = 4,   ///< of a lobe: angle by which the tool swings, over angle and height
+    cam_kind_contact = 5, ///< of a lobe: angle of the contact on the wheel, reported, not played
 };
 
 enum {
-    cam_entry_align = 32,                 ///< [bytes] of channels in an image
-    cam_entry_max_height_nm = 2000000000, ///< heights and their differences fit int32
+    cam_entry_align = 32,                 ///< [bytes] a channel begins at a multiple of this
+    cam_entry_max_height_nm = 2000000000, ///< [nm] heights and their differences fit int32
 };
 
-/// A channel entry, in the order of the image.
+/// A channel entry, its fields in the order of the image.
 typedef struct {
-    uint32_t kind, offset, size, n_slices, log2_knots, log2_repeat, frac_bits;
+    uint32_t kind;       ///< cam_kind_*
+    uint32_t offset;     ///< [bytes] of the first knot from the start of the image
+    uint32_t size;       ///< [bytes] of all knots
+    uint32_t n_slices;   ///< 2 .. 4096
+    uint32_t log2_knots; ///< of a pattern: 2 .. 12; x: 0
+    uint32_t log2_repeat, frac_bits;
     int32_t z_first_nm, z_last_nm;
     uint32_t slices_per_nm_q48;
-    int32_t offset_nm, p_min, p_max;
-    uint32_t v_max, a_max, path;
+    int32_t offset_nm;           ///< [unit of the channel] value at p = 0
+    int32_t p_min, p_max;        ///< [LSB] bounds of p of all knots
+    uint32_t v_max, a_max, path; ///< [LSB] bounds of |v| and |a|; path of a geared Z, x only
 } cam_entry_t;
 _Static_assert(sizeof(cam_entry_t) == cam_table_entry_size, "as in the format");
 
-/// Where a channel lies.
+/// What the entry is checked against.
 typedef struct {
-    const uint8_t *image; ///< aligned as cam_table_check() demands
+    const uint8_t *image; ///< aligned to 4 bytes, as cam_table_check() demands
     uint32_t image_size;  ///< [bytes]
-    int32_t z_first_nm;   ///< [nm] heights that the channel has to serve
-    int32_t z_last_nm;    ///< [nm]
+    int32_t z_first_nm;   ///< [nm] lowest height that the channel has to serve
+    int32_t z_last_nm;    ///< [nm] highest one
 } cam_entry_place_t;
 
-/// @param used  [bytes] end of what lies before in the image, moved behind this channel
-/// @return      cam_ok, or the first thing wrong: entry, layout, heights, knots
+/// Check an entry and all its knots.
+/// @param used  [bytes] end of what lies before in the image; moved behind this channel
+/// @return      cam_ok, or the first thing wrong, in the order entry, layout, heights, knots
 CAM_MUST_USE cam_err_t cam_entry_check(const cam_entry_t *e, const cam_entry_place_t *in,
                                        uint64_t *used);
 
-/// @return the channel of a checked entry; its knots lie in the image
+/// @return the channel of an entry whose layout has been checked; its knots lie in the image
 cam_channel_t cam_entry_channel(const cam_entry_t *e, const uint8_t *image);
 
 #endif

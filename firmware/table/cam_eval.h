@@ -1,15 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 /// cam_eval: a channel's value and two derivatives, inline, constant time, cannot fail.
 ///
-/// Two slices are blended knot by knot, then one quintic runs through the two blended knots, all in
-/// the channel's LSB with four guard bits. The quintic is developed around the middle of its
-/// interval: there the variable is a signed fraction that a rounded multiplication takes as it is.
-/// The bounds that cam_table_check() enforces (CAM_TABLE_SUM_MAX) keep every intermediate below
-/// 2^31; no segment, slice or angle can overflow.
+/// A value at an angle and a height is found in three steps: the slices below and above the height
+/// are located (cam_eval_height), their knots before and behind the angle are blended by the height
+/// (cam_eval_segment), and the quintic through the two blended knots is evaluated
+/// (cam_eval_quintic). All is done in the channel's LSB with four guard bits. The quintic is
+/// developed around the middle of its interval, because its variable is then a signed fraction,
+/// which a rounded multiplication takes as it is. The bounds that cam_table_check() enforces
+/// (CAM_TABLE_SUM_MAX) keep every intermediate result below 2^31, so no segment, slice or angle can
+/// overflow.
 ///
 /// Error against exact arithmetic on the same knots, MATHS.md (49): below 1 LSB for the value, 2
-/// LSB per knot interval for the first and 8 LSB per interval^2 for the second derivative (blending
-/// < 1/16 each knot member, Horner steps < 1/32 each, final rounding 1/2).
+/// LSB per knot interval for the first and 8 LSB per interval^2 for the second derivative. Blending
+/// contributes less than 1/16 LSB per knot member, each Horner step less than 1/32, the final
+/// rounding 1/2.
 #ifndef CAM_EVAL_H
 #define CAM_EVAL_H
 
@@ -18,21 +22,23 @@
 #include <stdbool.h>     // bool
 #include <stddef.h>      // size_t
 
+/// Fraction bits below the LSB that intermediate results carry.
 enum { cam_eval_guard_bits = 4 };
-/// Results stay in registers.
+/// Forces a function into its caller, so that structures it returns stay in registers.
 #define CAM_EVAL_INLINE static inline __attribute__((always_inline))
 
+/// One LSB with its guard bits.
 #define CAM_EVAL_GUARD (INT32_C(1) << cam_eval_guard_bits)
 
-/// A function's value and derivatives with respect to the knot interval h.
+/// Value and derivatives of a channel with respect to the knot interval h, in LSB of the channel.
 typedef struct {
     int32_t y;       ///< [LSB] value
     int32_t d1;      ///< [LSB / h]
     int32_t d2;      ///< [LSB / h^2]
-    bool is_clamped; ///< height outside the channel: evaluated at its edge
+    bool is_clamped; ///< the height lies outside the channel, which was evaluated at its edge
 } cam_value_t;
 
-/// The same before it is rounded.
+/// The same with guard bits, before rounding.
 typedef struct {
     int32_t y;  ///< [LSB / 16] below 2^30
     int32_t d1; ///< [LSB / 16 / h] below 2^30
@@ -41,46 +47,46 @@ typedef struct {
 
 /// A height between two slices.
 typedef struct {
-    uint32_t i;    ///< lower slice, 0 .. n_slices - 2
-    int32_t w_q31; ///< weight of slice i + 1, 0 .. 2^31 - 1
-    bool is_clamped;
+    uint32_t i;      ///< lower slice, 0 .. n_slices - 2
+    int32_t w_q31;   ///< weight of slice i + 1, 0 .. 2^31 - 1
+    bool is_clamped; ///< the height lies outside the channel
 } cam_height_t;
 
-/// A place on a surface: the knots around it.
+/// A place on a channel over angle and height: the four knots around it and the weights.
 typedef struct {
-    const cam_knot_t *low[2];  ///< of the lower slice: before, behind
+    const cam_knot_t *low[2];  ///< of the lower slice: before and behind the angle
     const cam_knot_t *high[2]; ///< of the upper slice
     int32_t w_q31;             ///< weight of the upper slice
-    int32_t s_q32;             ///< [h / 2^32] from the middle between the knots
+    int32_t s_q32;             ///< [h / 2^32] distance from the middle between the knots
 } cam_place_t;
 
 /// A place on a channel over height alone.
 typedef struct {
-    const cam_knot_t *knots; ///< the one before, then the one behind
-    int32_t s_q32;           ///< [h / 2^32] from the middle between them
-    bool is_clamped;
+    const cam_knot_t *knots; ///< the knot below, followed by the one above
+    int32_t s_q32;           ///< [h / 2^32] distance from the middle between them
+    bool is_clamped;         ///< the height lies outside the channel
 } cam_spot_t;
 
-/// What is left of a surface at a place: two knots, blended, and the way between them.
+/// A segment at one height: the knots of two slices blended into two, and the place between them.
 typedef struct {
     cam_knot_t k0; ///< in LSB / 16
     cam_knot_t k1; ///< in LSB / 16
-    int32_t s_q32; ///< [h / 2^32] from the middle of the interval
+    int32_t s_q32; ///< [h / 2^32] distance from the middle of the interval
 } cam_segment_t;
 
-/// Find a height between slices by one multiplication.
+/// Find a height between the slices by one multiplication with the stored reciprocal.
 /// @param ch    passed cam_table_check()
 /// @param z_nm  [nm] any value
 /// Context: ISR or slow side, constant time.
 CAM_EVAL_INLINE cam_height_t cam_eval_height(const cam_channel_t *ch, int32_t z_nm)
 {
     const bool is_below = z_nm < ch->z_first_nm;
-    const uint32_t above_nm = (uint32_t)z_nm - (uint32_t)ch->z_first_nm; // right unless below
+    const uint32_t above_nm = (uint32_t)z_nm - (uint32_t)ch->z_first_nm; // used unless is_below
     const bool is_above = !is_below && above_nm > ch->span_nm;
     const uint32_t rel_nm = is_below ? 0u : is_above ? ch->span_nm : above_nm;
     const uint64_t slice_q48 = (uint64_t)rel_nm * ch->slices_per_nm_q48;
     const uint32_t i = (uint32_t)(slice_q48 >> 48);
-    const bool is_last = i >= ch->n_slices - 1u; // the reciprocal is rounded: the end may reach it
+    const bool is_last = i >= ch->n_slices - 1u; // the rounded reciprocal may reach it at the end
     return (cam_height_t){
         .i = is_last ? ch->n_slices - 2u : i,
         .w_q31 = is_last ? INT32_MAX : (int32_t)((slice_q48 >> 17) & 0x7FFFFFFFu),
@@ -88,13 +94,16 @@ CAM_EVAL_INLINE cam_height_t cam_eval_height(const cam_channel_t *ch, int32_t z_
     };
 }
 
-/// @return a + (b - a) w, in LSB / 16; |a|, |b| <= CAM_TABLE_SUM_MAX
+/// Blend two numbers of a knot.
+/// @param a, b   [LSB] magnitudes up to CAM_TABLE_SUM_MAX
+/// @param w_q31  weight of b, 0 .. 2^31 - 1
+/// @return       [LSB / 16] a + (b - a) w
 static inline int32_t cam_eval_blend(int32_t a, int32_t b, int32_t w_q31)
 {
     return cam_mulhi_add(a * CAM_EVAL_GUARD, (b - a) * (2 * CAM_EVAL_GUARD), w_q31);
 }
 
-/// @return r rounded from LSB / 16 to LSB
+/// @return r rounded from LSB / 16 to whole LSB, half up
 static inline int32_t cam_eval_round(int32_t r)
 {
     return (r + CAM_EVAL_GUARD / 2) >> cam_eval_guard_bits;
@@ -136,7 +145,7 @@ CAM_EVAL_INLINE cam_fine_t cam_eval_quintic(cam_segment_t at)
     return (cam_fine_t){.y = y, .d1 = d1, .d2 = 2 * d2};
 }
 
-/// @return what lies between two knots, rounded
+/// @return value and derivatives rounded to whole LSB
 static inline cam_value_t cam_eval_rounded(cam_fine_t fine, bool is_clamped)
 {
     return (cam_value_t){.y = cam_eval_round(fine.y),
@@ -145,7 +154,8 @@ static inline cam_value_t cam_eval_rounded(cam_fine_t fine, bool is_clamped)
                          .is_clamped = is_clamped};
 }
 
-/// @return both slices' knot at an end of the interval, blended, in LSB / 16
+/// @param end  0: the knot before the place, 1: the knot behind it
+/// @return     [LSB / 16] the knots of both slices, blended
 CAM_EVAL_INLINE cam_knot_t cam_eval_knot_at(const cam_place_t *place, uint32_t end)
 {
     const cam_knot_t *low = place->low[end];
@@ -157,7 +167,7 @@ CAM_EVAL_INLINE cam_knot_t cam_eval_knot_at(const cam_place_t *place, uint32_t e
     };
 }
 
-/// @return a stored knot in LSB / 16
+/// @return [LSB / 16] a stored knot with guard bits
 static inline cam_knot_t cam_eval_guarded(const cam_knot_t *k)
 {
     return (cam_knot_t){
@@ -165,9 +175,9 @@ static inline cam_knot_t cam_eval_guarded(const cam_knot_t *k)
 }
 
 /// Find a place on a channel over angle, at a height that was found before.
-/// @param ch         passed cam_table_check(), kind u or speed
+/// @param ch         passed cam_table_check(), any kind but x
 /// @param theta_q32  [turn / 2^32] any value, 0 = long axis
-/// @param z          of cam_eval_height()
+/// @param z          result of cam_eval_height() for the same channel
 /// Context: ISR or slow side, constant time. Source: TABLE_FORMAT.md.
 CAM_EVAL_INLINE cam_place_t cam_eval_place(const cam_channel_t *ch, uint32_t theta_q32,
                                            cam_height_t z)
@@ -186,8 +196,8 @@ CAM_EVAL_INLINE cam_place_t cam_eval_place(const cam_channel_t *ch, uint32_t the
     };
 }
 
-/// What is left of a place for cam_eval_quintic(), whose derivatives are then per knot interval of
-/// 2^-(log2_knots + log2_repeat) turn. Arguments and context as cam_eval_place().
+/// Find a place and blend its knots, ready for cam_eval_quintic(), whose derivatives are then per
+/// knot interval of 2^-(log2_knots + log2_repeat) turn. Arguments and context as cam_eval_place().
 CAM_EVAL_INLINE cam_segment_t cam_eval_segment(const cam_channel_t *ch, uint32_t theta_q32,
                                                cam_height_t z)
 {
@@ -200,7 +210,7 @@ CAM_EVAL_INLINE cam_segment_t cam_eval_segment(const cam_channel_t *ch, uint32_t
 }
 
 /// Evaluate a channel over angle and height.
-/// @param ch         passed cam_table_check(), kind u or speed
+/// @param ch         passed cam_table_check(), any kind but x
 /// @param theta_q32  [turn / 2^32] any value, 0 = long axis
 /// @param z_nm       [nm] any value
 /// @return           derivatives per knot interval of 2^-(log2_knots + log2_repeat) turn

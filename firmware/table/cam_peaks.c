@@ -2,21 +2,24 @@
 #include "cam_peaks.h"
 #include "cam_bounds.h" // cam_bounds_add
 
-/// Thousandths of a degree in a turn, in a radian, in a radian divided by 2 pi; rounded up.
-enum { mdeg_per_turn = 360000, mdeg_per_rad = 57296, mdeg_per_rad_turn = 9119 };
+/// Thousandths of a degree: in a turn, in a turn / 2 pi, in a turn / (2 pi)^2; rounded up. They
+/// convert an angle in turns and its first and second derivative, taken per turn, to per radian.
+enum { mdeg_per_turn = 360000, mdeg_per_turn_rad = 57296, mdeg_per_turn_rad2 = 9119 };
 
-/// Fraction bits of the unit of an angle, in turns.
+/// Fraction bits of the unit of an angle channel, 2^-26 turn.
 enum { unit_bits = 26 };
 
-/// [1 / 2^20] 1 / 2 pi, rounded up.
+/// [2^-20] 1 / 2 pi, rounded up.
 enum { turn_per_rad_q20 = 166887 };
 
+/// @return v >= 0 limited to the range of uint32
 static uint32_t saturated(int64_t v)
 {
     return v < (int64_t)UINT32_MAX ? (uint32_t)v : UINT32_MAX;
 }
 
-static int64_t per_turn(const cam_channel_t *ch)
+/// @return knot intervals of a turn
+static int64_t intervals_per_turn(const cam_channel_t *ch)
 {
     return INT64_C(1) << (ch->log2_knots + ch->log2_repeat);
 }
@@ -34,17 +37,20 @@ cam_swing_peaks_t cam_peaks_of_swing(const cam_channel_t *ch)
         cam_bounds_add(&b, &k0, &k1);
         cam_bounds_add_second(&b, &k0, &k1);
     }
+    // A bound is a number of LSB of 2^-(26 + frac_bits) turn, taken tenfold, twofold or 8192-fold.
+    // Adding 1 before and after each shift rounds it up.
     const uint32_t down = unit_bits + ch->frac_bits;
     const int64_t second =
-        ((((b.second_8192 >> 13) + 1) * per_turn(ch) * mdeg_per_rad_turn) >> 13) + 1;
+        ((((b.second_8192 >> 13) + 1) * intervals_per_turn(ch) * mdeg_per_turn_rad2) >> 13) + 1;
     return (cam_swing_peaks_t){
         .most_mdeg = saturated(((b.tenfold / 10 + 1) * mdeg_per_turn >> down) + 1),
-        .first_mdeg_per_rad = saturated((b.twice * per_turn(ch) * mdeg_per_rad >> (down + 1u)) + 1),
-        .second_mdeg_per_rad2 = saturated((second * per_turn(ch) >> (down - 13u)) + 1),
+        .first_mdeg_per_rad =
+            saturated((b.twice * intervals_per_turn(ch) * mdeg_per_turn_rad >> (down + 1u)) + 1),
+        .second_mdeg_per_rad2 = saturated((second * intervals_per_turn(ch) >> (down - 13u)) + 1),
     };
 }
 
-/// @return what a knot of the next slice is above that of this one
+/// @return difference between knot i and the knot above it in the next slice
 static cam_wide_knot_t slice_step(const cam_channel_t *ch, uint32_t i)
 {
     const cam_knot_t *from = &ch->knots[i];
@@ -53,7 +59,7 @@ static cam_wide_knot_t slice_step(const cam_channel_t *ch, uint32_t i)
                              (int64_t)to->a - from->a};
 }
 
-/// @return how much larger that is than the step to this slice
+/// @return by how much that difference exceeds the one from the slice below to this slice
 static cam_wide_knot_t slice_bend(const cam_channel_t *ch, uint32_t i)
 {
     const cam_wide_knot_t above = slice_step(ch, i);
@@ -61,7 +67,7 @@ static cam_wide_knot_t slice_bend(const cam_channel_t *ch, uint32_t i)
     return (cam_wide_knot_t){above.p - below.p, above.v - below.v, above.a - below.a};
 }
 
-/// @return [unit] of [LSB], rounded up
+/// @return a number of LSB in the unit of the channel, rounded up, saturated
 static uint32_t in_unit(const cam_channel_t *ch, int64_t lsb)
 {
     return saturated((lsb + (INT64_C(1) << ch->frac_bits) - 1) >> ch->frac_bits);
@@ -78,13 +84,14 @@ cam_change_t cam_peaks_of_change(const cam_channel_t *ch)
         const cam_wide_knot_t k0 = slice_step(ch, i);
         const cam_wide_knot_t k1 = slice_step(ch, next);
         cam_bounds_add(&steps, &k0, &k1);
+        // The first slice has no slice below it, so the rate cannot jump there.
         if (i >= n_in_slice) {
             const cam_wide_knot_t b0 = slice_bend(ch, i);
             const cam_wide_knot_t b1 = slice_bend(ch, next);
             cam_bounds_add(&bends, &b0, &b1);
         }
     }
-    const int64_t slope_q20 = (steps.twice + 1) / 2 * per_turn(ch) * turn_per_rad_q20;
+    const int64_t slope_q20 = (steps.twice + 1) / 2 * intervals_per_turn(ch) * turn_per_rad_q20;
     return (cam_change_t){
         .most = in_unit(ch, (steps.tenfold + 9) / 10),
         .per_rad = in_unit(ch, (slope_q20 + (1 << 20) - 1) >> 20),

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cam_speed: the spindle's speed as a function of its angle, for a constant removal rate.
+/// cam_speed: the spindle's speed as a function of its angle (equal-volume cutting).
+///
+/// A table may hold the ratio of the spindle's speed to its mean speed, so that the tool removes
+/// the same volume in the same time all around an oval:
 ///
 ///     speed = mean * r,   r = 1 + envelope * (ratio(angle, Z) - 1)
 ///
@@ -28,18 +31,18 @@ typedef struct {
     int32_t mean_q32;   ///< [turn / 2^32 per tick] mean speed, at most 2^26
 } cam_speed_config_t;
 
-/// Ratio at an angle.
+/// Speed ratio at an angle.
 typedef struct {
-    int32_t ratio_q28; ///< [1] 1/16 .. 4
-    int32_t slope_q20; ///< [1 / turn]
+    int32_t ratio_q28; ///< [2^-28] speed over mean speed, 1/16 .. 4
+    int32_t slope_q20; ///< [1 / turn / 2^20] its derivative over the angle
 } cam_ratio_t;
 
-/// One in the ratio's format.
+/// The ratio 1 in q28.
 #define CAM_RATIO_ONE_Q28 (INT32_C(1) << 28)
 
-/// Ratio and slope in their own units.
+/// Convert a value of a speed channel to the formats of cam_ratio_t.
 /// @param ch     passed cam_table_check(), kind speed: a ratio of 1/16 .. 4
-/// @param value  of that channel
+/// @param value  of that channel, as cam_eval_surface() returns it
 static inline cam_ratio_t cam_speed_scaled(const cam_channel_t *ch, cam_value_t value)
 {
     const uint32_t shift = ch->log2_knots + ch->log2_repeat;
@@ -54,7 +57,8 @@ static inline cam_ratio_t cam_speed_scaled(const cam_channel_t *ch, cam_value_t 
 /// @param ch          passed cam_table_check(), kind speed
 /// @param theta_q32   [turn / 2^32] any value, 0 = long axis
 /// @param z_nm        [nm] any value
-/// Context: ISR or slow side. Error: 2 LSB of the channel, 2 LSB per knot interval of the slope.
+/// @return            ratio within 2 LSB of the channel, slope within 2 LSB per knot interval
+/// Context: ISR or slow side.
 static inline cam_ratio_t cam_speed_ratio(const cam_channel_t *ch, uint32_t theta_q32, int32_t z_nm)
 {
     return cam_speed_scaled(ch, cam_eval_surface(ch, theta_q32, z_nm));

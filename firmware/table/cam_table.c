@@ -10,7 +10,7 @@
 
 _Static_assert(sizeof(cam_knot_t) == 12, "a knot is three words of the image");
 
-/// Offsets of TABLE_FORMAT.md.
+/// Offsets of the header's fields in bytes: TABLE_FORMAT.md, "Header".
 enum {
     at_order = 8,
     at_version = 12,
@@ -27,24 +27,25 @@ enum {
 typedef struct {
     int32_t z_first_nm, z_last_nm, direction;
     uint32_t spindle_mrpm, feed_nm, depth_nm;
-    uint32_t limit_u_stroke_nm, limit_u_speed_um_s, limit_u_acceleration_mm_s2, limit_spindle_mrpm;
+    uint32_t limit_u_stroke_nm, limit_u_speed_um_per_s, limit_u_acceleration_mm_per_s2,
+        limit_spindle_mrpm;
     int32_t u_min_nm, u_max_nm;
-    uint32_t u1_peak_nm_per_rad, u2_peak_nm_per_rad2, error_pm, spindle_peak_ppm;
+    uint32_t u1_peak_nm_per_rad, u2_peak_nm_per_rad2, error_pm, spindle_peak_ppm_per_rad;
 } header_fields_t;
 _Static_assert(at_z_first + sizeof(header_fields_t) == cam_table_header_size, "as in the format");
 
-/// Limits of the header that the ISR's arithmetic relies on.
+/// Limits of header fields that the interrupt's arithmetic relies on.
 enum {
-    max_u_nm = 1 << 24,           // U set-points in nm / 64 fit int32 with amplitude 1.25
-    max_mrpm = 60000000,          // parameter range of the spindle speed
-    max_feed_nm = 10000000,       // parameter range of the feed
-    max_stroke_nm = 2 * max_u_nm, //
-    max_spindle_ppm = 10000000,   // 10 / rad: |r dr/dturn| stays below 64
+    max_u_nm = 1 << 24,           // set-points of U in nm / 64 fit int32 at amplitude 1.25
+    max_mrpm = 60000000,          // the range of the parameter spindle_mrpm
+    max_feed_nm = 10000000,       // the range of the parameter feed_nm
+    max_stroke_nm = 2 * max_u_nm, // from -max_u_nm to max_u_nm
+    max_spindle_ppm = 10000000,   // 10 / rad, so that |r dr/dturn| stays below 64
 };
 
 uint32_t cam_crc32(uint32_t crc, const void *data, size_t n)
 {
-    // One nibble per step: 64 bytes of table, fast enough for the slow side.
+    // One nibble per step needs a table of 64 bytes only and is fast enough for the slow side.
     static const uint32_t nibble[16] = {
         0x00000000u, 0x1DB71064u, 0x3B6E20C8u, 0x26D930ACu, 0x76DC4190u, 0x6B6B51F4u,
         0x4DB26158u, 0x5005713Cu, 0xEDB88320u, 0xF00F9344u, 0xD6D6A3E8u, 0xCB61B38Cu,
@@ -60,6 +61,7 @@ uint32_t cam_crc32(uint32_t crc, const void *data, size_t n)
     return ~rest;
 }
 
+/// @return the word at an offset in bytes, whose alignment does not matter
 static uint32_t word_at(const uint8_t *image, size_t at)
 {
     uint32_t word = 0;
@@ -67,6 +69,7 @@ static uint32_t word_at(const uint8_t *image, size_t at)
     return word;
 }
 
+/// Check what must hold before any field may be trusted: marks, version, size and CRC.
 static cam_err_t check_frame(const uint8_t *image, size_t size)
 {
     static const uint8_t magic[8] = {0x43, 0x41, 0x4D, 0x54, 0x41, 0x42, 0x1A, 0x0A};
@@ -90,6 +93,7 @@ static cam_err_t check_frame(const uint8_t *image, size_t size)
                : cam_err_image_crc;
 }
 
+/// Check that a name has at least one character, only printable ones, and is padded with zeros.
 static cam_err_t check_name(const uint8_t *name)
 {
     size_t n = 0;
@@ -103,6 +107,7 @@ static cam_err_t check_name(const uint8_t *name)
     return is_padded ? cam_ok : cam_err_image_name;
 }
 
+/// Check the ranges of the header's fields, and the part name.
 static cam_err_t check_header(const uint8_t *image, header_fields_t *h)
 {
     (void)memcpy(h, image + at_z_first, sizeof *h);
@@ -115,43 +120,19 @@ static cam_err_t check_header(const uint8_t *image, header_fields_t *h)
         (h->direction == 1 || h->direction == -1) && cam_is_between(h->spindle_mrpm, 1, max_mrpm) &&
         cam_is_between(h->feed_nm, 1, max_feed_nm) && cam_is_between(h->depth_nm, 0, INT32_MAX) &&
         cam_is_between(h->limit_u_stroke_nm, 1, max_stroke_nm) &&
-        cam_is_between(h->limit_u_speed_um_s, 1, INT32_MAX) &&
-        cam_is_between(h->limit_u_acceleration_mm_s2, 1, INT32_MAX) &&
+        cam_is_between(h->limit_u_speed_um_per_s, 1, INT32_MAX) &&
+        cam_is_between(h->limit_u_acceleration_mm_per_s2, 1, INT32_MAX) &&
         cam_is_between(h->limit_spindle_mrpm, 1, max_mrpm) &&
         cam_is_between(h->u_min_nm, -max_u_nm, max_u_nm) &&
         cam_is_between(h->u_max_nm, h->u_min_nm, max_u_nm) &&
         cam_is_between(h->u1_peak_nm_per_rad, 0, INT32_MAX) &&
         cam_is_between(h->u2_peak_nm_per_rad2, 0, INT32_MAX) &&
-        cam_is_between(h->spindle_peak_ppm, 0, max_spindle_ppm);
+        cam_is_between(h->spindle_peak_ppm_per_rad, 0, max_spindle_ppm);
     return is_sound ? check_name(image + at_name) : cam_err_image_header;
 }
 
-/// @return at most: a derivative per knot interval as one per rad
-static int64_t knot_per_rad(int64_t x, uint32_t turn_shift)
-{
-    return cam_per_rad(x) << turn_shift;
-}
-
-/// The stroke that the header promises must cover the bounds of u's knots.
-static cam_err_t check_stroke(const cam_entry_t *e, const header_fields_t *h)
-{
-    const int64_t low_nm = e->offset_nm + (e->p_min >> e->frac_bits);
-    const int64_t high_nm = e->offset_nm + (e->p_max >> e->frac_bits);
-    return low_nm >= h->u_min_nm && high_nm <= h->u_max_nm ? cam_ok : cam_err_image_limits;
-}
-
-/// At uniform speed the peaks that the header promises must cover the bounds of u's knots.
-static cam_err_t check_peaks(const cam_entry_t *e, const header_fields_t *h)
-{
-    const uint32_t turn_shift = e->log2_knots + e->log2_repeat;
-    const int64_t u1 = knot_per_rad(e->v_max, turn_shift) >> e->frac_bits;
-    const int64_t u2 =
-        knot_per_rad(knot_per_rad(INT64_C(2) * e->a_max, turn_shift), turn_shift) >> e->frac_bits;
-    const bool is_covered = u1 <= (int64_t)h->u1_peak_nm_per_rad &&
-                            u2 <= (int64_t)h->u2_peak_nm_per_rad2 && h->spindle_peak_ppm == 0u;
-    return is_covered ? cam_ok : cam_err_image_limits;
-}
-
+/// Check the entry of a channel and its knots. The stroke that the header promises must cover the
+/// bounds of u's knots.
 static cam_err_t check_entry(const cam_entry_t *e, const header_fields_t *h, const uint8_t *image,
                              uint64_t *used)
 {
@@ -160,9 +141,16 @@ static cam_err_t check_entry(const cam_entry_t *e, const header_fields_t *h, con
                                   .z_first_nm = h->z_first_nm,
                                   .z_last_nm = h->z_last_nm};
     const cam_err_t err = cam_entry_check(e, &in, used);
-    return err == cam_ok && e->kind == (uint32_t)cam_kind_u ? check_stroke(e, h) : err;
+    if (err != cam_ok || e->kind != (uint32_t)cam_kind_u) {
+        return err;
+    }
+    const int64_t low_nm = e->offset_nm + (e->p_min >> e->frac_bits);
+    const int64_t high_nm = e->offset_nm + (e->p_max >> e->frac_bits);
+    return low_nm >= h->u_min_nm && high_nm <= h->u_max_nm ? cam_ok : cam_err_image_limits;
 }
 
+/// @return the place of a channel in the table; swing and contact share one, as they exclude each
+/// other
 static cam_channel_t *channel_of(cam_table_t *table, uint32_t kind)
 {
     switch (kind) {
@@ -177,15 +165,34 @@ static cam_channel_t *channel_of(cam_table_t *table, uint32_t kind)
     }
 }
 
-/// What the header promises of the motion, once all channels are known.
+/// @return a derivative per knot interval as one per rad, rounded down
+static int64_t knot_per_rad(int64_t x, uint32_t log2_knots_per_turn)
+{
+    return cam_per_rad(x) << log2_knots_per_turn;
+}
+
+/// Check what the header promises of the motion, once all channels are known. At uniform speed the
+/// promised peaks must cover the bounds of u's knots; with a speed channel every knot is evaluated.
 static cam_err_t check_promise(const cam_entry_t *u, const header_fields_t *h, cam_table_t *table)
 {
     table->u1_peak_nm_per_rad = h->u1_peak_nm_per_rad;
     table->u2_peak_nm_per_rad2 = h->u2_peak_nm_per_rad2;
-    table->spindle_peak_ppm = h->spindle_peak_ppm;
-    return table->speed.knots == NULL ? check_peaks(u, h) : cam_promise_check(table);
+    table->spindle_peak_ppm_per_rad = h->spindle_peak_ppm_per_rad;
+    if (table->speed.knots != NULL) {
+        return cam_promise_check(table);
+    }
+    const uint32_t log2_knots = u->log2_knots + u->log2_repeat; // per turn
+    const int64_t u1 = knot_per_rad(u->v_max, log2_knots) >> u->frac_bits;
+    const int64_t u2 =
+        knot_per_rad(knot_per_rad(INT64_C(2) * u->a_max, log2_knots), log2_knots) >> u->frac_bits;
+    const bool is_covered = u1 <= (int64_t)h->u1_peak_nm_per_rad &&
+                            u2 <= (int64_t)h->u2_peak_nm_per_rad2 &&
+                            h->spindle_peak_ppm_per_rad == 0u;
+    return is_covered ? cam_ok : cam_err_image_limits;
 }
 
+/// Check the channels one after the other, then what only all of them together show: u and x are
+/// there, a ring-helix has a uniform speed, and the header's promises of the motion hold.
 static cam_err_t check_channels(const uint8_t *image, const header_fields_t *h, cam_table_t *table)
 {
     const uint32_t n = word_at(image, at_n_channels);
@@ -204,6 +211,7 @@ static cam_err_t check_channels(const uint8_t *image, const header_fields_t *h, 
             return err;
         }
         cam_channel_t *ch = channel_of(table, e.kind);
+        // A kind that is there already, or swing beside contact.
         if (ch->knots != NULL) {
             return cam_err_image_channel;
         }
@@ -212,6 +220,8 @@ static cam_err_t check_channels(const uint8_t *image, const header_fields_t *h, 
         table->is_swung = table->is_swung || e.kind == cam_kind_swing;
         table->is_ring_helix = table->is_ring_helix || e.path != 0u;
         if (e.kind == cam_kind_speed) {
+            // The shift rounds down, which 1 makes up for; 1 more covers the rounding of the
+            // evaluation.
             table->ratio_max_q20 = (uint32_t)(e.offset_nm + (e.p_max >> e.frac_bits) + 2);
         }
     }
@@ -220,7 +230,9 @@ static cam_err_t check_channels(const uint8_t *image, const header_fields_t *h, 
     return is_complete ? check_promise(&u, h, table) : cam_err_image_channel;
 }
 
-static void fill(const uint8_t *image, const header_fields_t *h, cam_table_t *table)
+/// Describe a table whose header and channels are good. What the format does not promise, and the
+/// judgement of a cut needs, is measured from the knots.
+static void describe(const uint8_t *image, const header_fields_t *h, cam_table_t *table)
 {
     (void)memcpy(table->name, image + at_name, sizeof table->name);
     table->z_first_nm = h->z_first_nm;
@@ -230,8 +242,8 @@ static void fill(const uint8_t *image, const header_fields_t *h, cam_table_t *ta
     table->feed_nm = h->feed_nm;
     table->depth_nm = h->depth_nm;
     table->limit_u_stroke_nm = h->limit_u_stroke_nm;
-    table->limit_u_speed_um_s = h->limit_u_speed_um_s;
-    table->limit_u_acceleration_mm_s2 = h->limit_u_acceleration_mm_s2;
+    table->limit_u_speed_um_per_s = h->limit_u_speed_um_per_s;
+    table->limit_u_acceleration_mm_per_s2 = h->limit_u_acceleration_mm_per_s2;
     table->limit_spindle_mrpm = h->limit_spindle_mrpm;
     table->u_min_nm = h->u_min_nm;
     table->u_max_nm = h->u_max_nm;
@@ -239,11 +251,6 @@ static void fill(const uint8_t *image, const header_fields_t *h, cam_table_t *ta
     table->crc32 = word_at(image, at_crc);
     table->image = image;
     table->image_size = word_at(image, at_image_size);
-}
-
-/// What the format does not promise is measured.
-static void measure(cam_table_t *table)
-{
     cam_barrel_measure(table);
     table->u_change = cam_peaks_of_change(&table->u);
     if (table->is_swung) {
@@ -270,8 +277,7 @@ cam_err_t cam_table_check(const void *image, size_t size, cam_table_t *table)
     if (err != cam_ok) {
         return err;
     }
-    fill(image, &header, &found);
-    measure(&found);
+    describe(image, &header, &found);
     *table = found;
     return cam_ok;
 }

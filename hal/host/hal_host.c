@@ -60,10 +60,10 @@ hal_image_t hal_table_image(void)
     return hal_host.slow.table;
 }
 
-/// Where downloads go, in turn.
+/// The two places for tables: a download takes the one that is not in use.
 _Alignas(hal_table_grain) static uint8_t places[2][hal_host_place_bytes];
 
-/// @return whether the memory behind the tables still works
+/// @return whether this call of the memory behind the tables succeeds (hal_host_t, n_store)
 static bool stores(void)
 {
     const bool is_good = hal_host.slow.n_store > 0u;
@@ -148,13 +148,13 @@ bool hal_can_write(const hal_can_frame_t *frame)
     return true;
 }
 
-/// @return the true reading with the faults of the encoder
+/// @return the true reading, distorted by the faults of the encoder
 static hal_encoder_t distorted(void)
 {
     hal_encoder_t reading = hal_host.in.encoder;
     reading.counts = hal_host.fault.is_encoder_stuck ? hal_host.fault.stuck_counts
                                                      : reading.counts + hal_host.fault.count_offset;
-    // The index latch copies the counter, with its faults.
+    // The index latch copies the distorted counter.
     reading.index_counts = hal_host.fault.is_encoder_stuck
                                ? hal_host.fault.stuck_counts
                                : reading.index_counts + hal_host.fault.count_offset;
@@ -232,6 +232,7 @@ void hal_host_fault_counts(int32_t counts)
 
 void hal_host_fault_encoder_stuck(bool is_stuck)
 {
+    // The counter stays where it reads now, and later moves on from the true position.
     hal_host.fault.stuck_counts = distorted().counts;
     hal_host.fault.is_encoder_stuck = is_stuck;
 }
@@ -248,6 +249,7 @@ void hal_host_fault_late(uint32_t percent)
         (uint32_t)((uint64_t)hal_host_clock_hz * percent / 100u / hal_host.tick_hz);
 }
 
+/// Set or clear a bit of the inputs.
 static void set_input(uint32_t bit, bool is_set)
 {
     hal_host.in.inputs = is_set ? hal_host.in.inputs | bit : hal_host.in.inputs & ~bit;

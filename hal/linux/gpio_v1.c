@@ -50,7 +50,7 @@ lin_gpio_t *lin_gpio_new(void)
 }
 
 bool lin_gpio_take(lin_gpio_t *g, const lin_place_t *where, lin_gpio_way_t way, bool is_active_low,
-                   lin_error_t *e)
+                   common_error_t *e)
 {
     g->chip = gpiod_chip_open(where->chip);
     g->line = g->chip != NULL ? find(g->chip, where) : NULL;

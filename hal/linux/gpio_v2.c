@@ -19,7 +19,7 @@ static bool find(struct gpiod_chip *chip, const lin_place_t *place, unsigned *of
 {
     *offset = place->offset;
     if (place->name == NULL) {
-        return true; // the request tells whether there is such an offset
+        return true; // the request will show whether there is such an offset
     }
     const int found = gpiod_chip_get_line_offset_from_name(chip, place->name);
     if (found < 0) {
@@ -83,7 +83,7 @@ lin_gpio_t *lin_gpio_new(void)
 }
 
 bool lin_gpio_take(lin_gpio_t *g, const lin_place_t *where, lin_gpio_way_t way, bool is_active_low,
-                   lin_error_t *e)
+                   common_error_t *e)
 {
     struct gpiod_chip *from = gpiod_chip_open(where->chip);
     const bool is_found = from != NULL && find(from, where, &g->offset);

@@ -7,12 +7,12 @@
 #ifndef LIN_CAN_H
 #define LIN_CAN_H
 
-#include "hal/hal.h"   // hal_can_frame_t
-#include "lin_error.h" // lin_error_t
-#include "lin_node.h"  // lin_loss_t
-#include <stdatomic.h> // is_gone
-#include <stdbool.h>   // bool
-#include <stdint.h>    // int64_t, uint32_t
+#include "hal/hal.h"      // hal_can_frame_t
+#include "common_error.h" // common_error_t
+#include "lin_node.h"     // lin_loss_t
+#include <stdatomic.h>    // is_gone
+#include <stdbool.h>      // bool
+#include <stdint.h>       // int64_t, uint32_t
 
 enum { lin_can_max_filters = 32 };
 
@@ -41,7 +41,7 @@ typedef struct {
 /// @return        false and *e: no such interface, it is down, cannot carry CAN FD, no CAN at all
 /// Context: main(), before the tick.
 bool lin_can_open(lin_can_t *can, const char *interface, const lin_can_filter_t *filters,
-                  uint32_t n, bool is_fd, lin_error_t *e);
+                  uint32_t n, bool is_fd, common_error_t *e);
 
 /// Who takes the frames of lin_can_receive().
 typedef void lin_can_taker_t(void *user, const hal_can_frame_t *frame, int64_t ns);
@@ -54,7 +54,7 @@ void lin_can_receive(lin_can_t *can, lin_can_taker_t *take, void *user);
 bool lin_can_receive_one(lin_can_t *can, hal_can_frame_t *frame);
 
 /// Queue frames, n <= 32. One system call.
-/// @return number of frames queued; `link` and `event` tell why it is less than n
+/// @return number of frames queued; `link` and `event` say why it is less than n
 uint32_t lin_can_send(lin_can_t *can, const hal_can_frame_t *frames, uint32_t n);
 
 /// @return what happened since the last call: none, overflow or send

@@ -4,7 +4,7 @@
 #include <stddef.h>    // NULL
 
 lin_gpio_t *lin_gpio_open(const char *chip, const char *place, lin_gpio_way_t way,
-                          bool is_active_low, lin_error_t *e)
+                          bool is_active_low, common_error_t *e)
 {
     lin_place_t where;
     if (!lin_place_parse(&where, chip, place, e)) {
@@ -12,7 +12,7 @@ lin_gpio_t *lin_gpio_open(const char *chip, const char *place, lin_gpio_way_t wa
     }
     lin_gpio_t *line = lin_gpio_new();
     if (line == NULL) {
-        (void)lin_error(e, "no memory for a line");
+        (void)common_error(e, "no memory for a line");
     } else if (!lin_gpio_take(line, &where, way, is_active_low, e)) {
         lin_gpio_close(line);
         line = NULL;

@@ -3,14 +3,14 @@
 /// gpio_v1.c or gpio_v2.c is compiled, whichever library is found at configure time; what both have
 /// in common is in lin_gpio.c.
 ///
-/// The line's level is told as active or not: lines that are active low are turned round here.
+/// Levels are active or inactive: lines that are active low are inverted here.
 #ifndef LIN_GPIO_H
 #define LIN_GPIO_H
 
-#include "lin_error.h" // lin_error_t
-#include "lin_place.h" // lin_place_t
-#include <stdbool.h>   // bool
-#include <stdint.h>    // int64_t
+#include "common_error.h" // common_error_t
+#include "lin_place.h"    // lin_place_t
+#include <stdbool.h>      // bool
+#include <stdint.h>       // int64_t
 
 typedef enum {
     lin_gpio_input, ///< read by lin_gpio_read()
@@ -26,7 +26,7 @@ typedef struct lin_gpio lin_gpio_t;
 /// @return       NULL and *e: no such chip or line, line in use (by whom), not permitted
 /// Context: main(), before the tick.
 lin_gpio_t *lin_gpio_open(const char *chip, const char *place, lin_gpio_way_t way,
-                          bool is_active_low, lin_error_t *e);
+                          bool is_active_low, common_error_t *e);
 
 /// @return 1 active, 0 not, -1 the line is lost. Context: tick; one system call, does not wait.
 int lin_gpio_read(lin_gpio_t *line);
@@ -54,6 +54,6 @@ lin_gpio_t *lin_gpio_new(void);
 
 /// Take the line. @return false and *e as lin_gpio_open(); what was got is left to lin_gpio_close()
 bool lin_gpio_take(lin_gpio_t *line, const lin_place_t *where, lin_gpio_way_t way,
-                   bool is_active_low, lin_error_t *e);
+                   bool is_active_low, common_error_t *e);
 
 #endif

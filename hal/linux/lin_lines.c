@@ -6,7 +6,7 @@
 #include <stddef.h>    // NULL
 
 static lin_gpio_t *lines[lin_n_lines];
-static _Atomic uint32_t lost = lin_n_lines; // told by the tick, read by main()
+static _Atomic uint32_t lost = lin_n_lines; // written by the tick, read by main()
 static uint32_t written, unsure;            // hal_out_*; unsure: the last write failed
 
 static const lin_gpio_way_t ways[lin_n_lines] = {
@@ -21,17 +21,17 @@ static const uint32_t out_bits[lin_n_lines] = {
     [lin_line_in_cut] = hal_out_in_cut,
 };
 
-bool lin_lines_open(const lin_config_t *config, lin_error_t *e)
+bool lin_lines_open(const lin_config_t *config, common_error_t *e)
 {
     for (int i = 0; i < lin_n_lines; i++) {
         const lin_line_config_t *c = &config->line[i];
         if (!lin_line_is_there(config, (lin_line_t)i)) {
             continue;
         }
-        lin_error_t why;
+        common_error_t why;
         lines[i] = lin_gpio_open(config->chip, c->place, ways[i], c->is_active_low, &why);
         if (lines[i] == NULL) {
-            return lin_error(e, "gpio.%s: %s", lin_line_name((lin_line_t)i), why.text);
+            return common_error(e, "gpio.%s: %s", lin_line_name((lin_line_t)i), why.text);
         }
     }
     return true;

@@ -6,14 +6,14 @@
 #ifndef LIN_LINES_H
 #define LIN_LINES_H
 
-#include "lin_config.h" // lin_config_t
-#include "lin_error.h"  // lin_error_t
-#include <stdbool.h>    // bool
-#include <stdint.h>     // int64_t, uint32_t
+#include "lin_config.h"   // lin_config_t
+#include "common_error.h" // common_error_t
+#include <stdbool.h>      // bool
+#include <stdint.h>       // int64_t, uint32_t
 
 /// Take all lines that are wired; outputs inactive.
 /// @return false and *e on the first one that cannot be had. Context: main(), once.
-bool lin_lines_open(const lin_config_t *config, lin_error_t *e);
+bool lin_lines_open(const lin_config_t *config, common_error_t *e);
 
 /// @return hal_in_estop, hal_in_drive_ready; lines that are not wired are good. Context: tick.
 uint32_t lin_lines_read(void);

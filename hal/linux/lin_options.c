@@ -31,14 +31,14 @@ static size_t read_words(char *words, size_t size)
     return n > 0 ? (size_t)n : 0u;
 }
 
-static bool take_path(lin_options_t *o, const char *path, lin_error_t *e)
+static bool take_path(lin_options_t *o, const char *path, common_error_t *e)
 {
     return (path[0] != '\0' &&
             (size_t)snprintf(o->config, sizeof o->config, "%s", path) < sizeof o->config) ||
-           lin_error(e, "--config %.40s: no path; write --config FILE", path);
+           common_error(e, "--config %.40s: no path; write --config FILE", path);
 }
 
-bool lin_options_read(lin_options_t *o, lin_error_t *e)
+bool lin_options_read(lin_options_t *o, common_error_t *e)
 {
     char words[2048];
     const size_t size = read_words(words, sizeof words);
@@ -59,7 +59,7 @@ bool lin_options_read(lin_options_t *o, lin_error_t *e)
                 return false;
             }
         } else {
-            return lin_error(e, "%.60s: no such option; --help lists them", word);
+            return common_error(e, "%.60s: no such option; --help lists them", word);
         }
     }
     const char *path = getenv("CAMTURN_CONFIG");
@@ -67,6 +67,6 @@ bool lin_options_read(lin_options_t *o, lin_error_t *e)
         return false;
     }
     return o->is_help || o->config[0] != '\0' ||
-           lin_error(e, "no configuration; write --config FILE (hal/linux/camturn.toml is an "
-                        "example)");
+           common_error(e, "no configuration; write --config FILE (hal/linux/camturn.toml is an "
+                           "example)");
 }

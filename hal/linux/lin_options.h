@@ -4,8 +4,8 @@
 #ifndef LIN_OPTIONS_H
 #define LIN_OPTIONS_H
 
-#include "lin_error.h" // lin_error_t
-#include <stdbool.h>   // bool
+#include "common_error.h" // common_error_t
+#include <stdbool.h>      // bool
 
 typedef struct {
     char config[512]; ///< path; by --config, else by CAMTURN_CONFIG
@@ -14,7 +14,7 @@ typedef struct {
 } lin_options_t;
 
 /// @return false and *e: unknown word, no configuration named
-bool lin_options_read(lin_options_t *o, lin_error_t *e);
+bool lin_options_read(lin_options_t *o, common_error_t *e);
 
 extern const char lin_options_usage[];
 

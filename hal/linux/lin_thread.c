@@ -25,7 +25,7 @@ static struct {
 /// A line for people, with what was refused.
 __attribute__((format(printf, 1, 2))) static void warn(const char *format, ...)
 {
-    lin_error_t line;
+    common_error_t line;
     va_list args;
     va_start(args, format);
     (void)vsnprintf(line.text, sizeof line.text, format, args);
@@ -45,14 +45,15 @@ static int last_allowed_cpu(void)
     return last;
 }
 
-bool lin_thread_prepare(const lin_thread_config_t *config, lin_error_t *e)
+bool lin_thread_prepare(const lin_thread_config_t *config, common_error_t *e)
 {
     const int cpu = config->cpu >= 0 ? (int)config->cpu : last_allowed_cpu();
     cpu_set_t one;
     CPU_ZERO(&one);
     CPU_SET((unsigned)cpu, &one);
     if (sched_setaffinity(0, sizeof one, &one) != 0) {
-        return lin_error(e, "thread.cpu = %d: %s; give one of this machine", cpu, strerror(errno));
+        return common_error(e, "thread.cpu = %d: %s; give one of this machine", cpu,
+                            strerror(errno));
     }
     if (mlockall(MCL_CURRENT | MCL_FUTURE) != 0) {
         warn("warning: memory is not locked (%s): a page fault may make a tick late; raise "
@@ -62,38 +63,23 @@ bool lin_thread_prepare(const lin_thread_config_t *config, lin_error_t *e)
     return true;
 }
 
-static void sleep_until(int64_t ns)
-{
-    const struct timespec at = {.tv_sec = ns / lin_ns_per_s, .tv_nsec = ns % lin_ns_per_s};
-    while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &at, NULL) == EINTR) {
-    }
-}
-
-static uint32_t duration(int64_t ns)
-{
-    return ns > UINT32_MAX ? UINT32_MAX : (uint32_t)ns;
-}
-
-/// One tick, and its measures. @return false: it was the last one
-static bool tick_once(void)
-{
-    const int64_t begin_ns = lin_clock_now();
-    const bool goes_on = thread.tick(begin_ns);
-    const uint32_t took_ns = duration(lin_clock_now() - begin_ns);
-    atomic_store(&thread.last_ns, took_ns);
-    if (took_ns > atomic_load(&thread.max_ns)) {
-        atomic_store(&thread.max_ns, took_ns);
-    }
-    return goes_on;
-}
-
 static void *run(void *unused)
 {
     (void)unused;
     int64_t due_ns = lin_period_next(lin_clock_now(), thread.tick_hz);
     for (bool goes_on = true; goes_on;) {
-        sleep_until(due_ns);
-        goes_on = tick_once();
+        const struct timespec at = {.tv_sec = due_ns / lin_ns_per_s,
+                                    .tv_nsec = due_ns % lin_ns_per_s};
+        while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &at, NULL) == EINTR) {
+        }
+        const int64_t begin_ns = lin_clock_now();
+        goes_on = thread.tick(begin_ns);
+        const int64_t took_ns = lin_clock_now() - begin_ns;
+        const uint32_t shown_ns = took_ns > UINT32_MAX ? UINT32_MAX : (uint32_t)took_ns;
+        atomic_store(&thread.last_ns, shown_ns);
+        if (shown_ns > atomic_load(&thread.max_ns)) {
+            atomic_store(&thread.max_ns, shown_ns);
+        }
         atomic_store(&thread.is_over, !goes_on);
         (void)sem_post(&thread.ended);
         const int64_t last_ns = due_ns;
@@ -111,14 +97,14 @@ static int create(const pthread_attr_t *attributes)
     return err != 0 ? err : pthread_detach(id);
 }
 
-bool lin_thread_start(const lin_thread_config_t *config, lin_thread_tick_t *tick, lin_error_t *e)
+bool lin_thread_start(const lin_thread_config_t *config, lin_thread_tick_t *tick, common_error_t *e)
 {
     const struct sched_param priority = {.sched_priority = (int)config->priority};
     pthread_attr_t attributes;
     thread.tick_hz = config->tick_hz;
     thread.tick = tick;
     if (sem_init(&thread.ended, 0, 0) != 0 || pthread_attr_init(&attributes) != 0) {
-        return lin_error(e, "the tick cannot start: %s", strerror(errno));
+        return common_error(e, "the tick cannot start: %s", strerror(errno));
     }
     (void)pthread_attr_setstacksize(&attributes, stack_bytes);
     int err = EPERM;
@@ -144,7 +130,7 @@ bool lin_thread_start(const lin_thread_config_t *config, lin_thread_tick_t *tick
         err = create(&attributes);
     }
     (void)pthread_attr_destroy(&attributes);
-    return err == 0 || lin_error(e, "the tick cannot start: %s", strerror(err));
+    return err == 0 || common_error(e, "the tick cannot start: %s", strerror(err));
 }
 
 bool lin_thread_wait(void)

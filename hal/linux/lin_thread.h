@@ -8,21 +8,22 @@
 #ifndef LIN_THREAD_H
 #define LIN_THREAD_H
 
-#include "hal/hal.h"    // hal_load_t
-#include "lin_config.h" // lin_thread_config_t
-#include "lin_error.h"  // lin_error_t
-#include <stdbool.h>    // bool
-#include <stdint.h>     // int64_t, uint32_t
+#include "hal/hal.h"      // hal_load_t
+#include "lin_config.h"   // lin_thread_config_t
+#include "common_error.h" // common_error_t
+#include <stdbool.h>      // bool
+#include <stdint.h>       // int64_t, uint32_t
 
 /// One tick. @param now_ns  CLOCK_MONOTONIC when it woke up. @return false: it was the last one
 typedef bool lin_thread_tick_t(int64_t now_ns);
 
-/// Lock memory, go to the CPU; what is not permitted is told by hal_text(), with the remedy.
+/// Lock memory, go to the CPU; what is not permitted is reported by hal_text(), with the remedy.
 /// @return false and *e when the CPU does not exist. Context: main(), before the tick.
-bool lin_thread_prepare(const lin_thread_config_t *config, lin_error_t *e);
+bool lin_thread_prepare(const lin_thread_config_t *config, common_error_t *e);
 
 /// Start the thread, with SCHED_FIFO if that is permitted. @return false and *e. Context: main().
-bool lin_thread_start(const lin_thread_config_t *config, lin_thread_tick_t *tick, lin_error_t *e);
+bool lin_thread_start(const lin_thread_config_t *config, lin_thread_tick_t *tick,
+                      common_error_t *e);
 
 /// Sleep until a tick has ended since the last call. @return false when it was the last one.
 /// Context: main().

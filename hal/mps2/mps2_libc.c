@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What newlib asks of a system, for test programs: output, heap, end. Firmware needs none of it.
+/// mps2_libc: the system calls of newlib, for test programs: output, heap, end. The firmware itself
+/// needs none of them.
 #include "mps2_semihost.h"
 #include <errno.h>    // errno
 #include <stddef.h>   // ptrdiff_t
@@ -8,6 +9,7 @@
 
 extern uint8_t mps2_heap_start, mps2_heap_end;
 
+/// Exit status of a program that calls abort(), as a shell reports it.
 enum { status_abort = 134 };
 
 int _write(int file, const char *bytes, int n);

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The port but for its time, which is mps2_timer.c or whoever ticks the image.
+/// mps2_port: the port of the emulated boards except for its time, which is mps2_timer.c or the
+/// program that ticks the image. Each function reads or writes mps2_machine.
 #include "hal/hal.h"
 #include "mps2_machine.h"
 #include "mps2_semihost.h"
 #include <string.h> // memcpy, memset, strlen
 
-/// Exit status of an image that halted: a machine would restart.
+/// Exit status of an image that halted, where a real machine would restart.
 enum { status_halt = 98 };
 
 mps2_machine_t mps2_machine;
@@ -52,9 +53,10 @@ hal_image_t hal_table_image(void)
     return mps2_machine.slow.table;
 }
 
-/// Where downloads go, in turn: RAM, which forgets.
+/// The two places for tables, in RAM, which forgets them at the end: a download takes the one that
+/// is not in use.
 _Alignas(hal_table_grain) static uint8_t places[2][mps2_place_bytes];
-static uint8_t *staged;
+static uint8_t *staged; ///< place of the download, NULL when none was begun
 
 bool hal_table_begin(uint32_t size)
 {

@@ -2,14 +2,17 @@
 #include "mps2_semihost.h"
 #include <string.h> // strlen
 
+/// Operations.
 enum { sys_open = 0x01, sys_write = 0x05, sys_read = 0x06, sys_exit_extended = 0x20 };
 
-/// Modes of sys_open: "w", "rb", "wb".
+/// Modes of sys_open, in C's words "w", "rb" and "wb".
 enum { open_for_writing = 4, open_bytes_for_reading = 1, open_bytes_for_writing = 5 };
 
-/// Reason of an orderly end: ADP_Stopped_ApplicationExit.
+/// The reason that stands for an orderly end: ADP_Stopped_ApplicationExit.
 enum { application_exit = 0x20026 };
 
+/// Let the emulator carry out an operation, by the breakpoint that semihosting reserves.
+/// @return its result
 static int32_t ask(uint32_t operation, const void *arguments)
 {
     register uint32_t r0 __asm("r0") = operation;
@@ -18,7 +21,7 @@ static int32_t ask(uint32_t operation, const void *arguments)
     return (int32_t)r0;
 }
 
-/// The console ":tt", opened for writing, is the standard output.
+/// @return handle of the standard output, which is the console ":tt", opened for writing
 static int32_t console(void)
 {
     static bool is_open;
@@ -45,7 +48,8 @@ int32_t mps2_file_open(const char *path, bool is_written)
     return ask(sys_open, arguments);
 }
 
-/// The operations return how many bytes are left over; all of them: nothing goes any more.
+/// Read or write all of n bytes. An operation returns how many bytes it has not transferred; if
+/// that is all of them, the file is at its end.
 static bool transfer(uint32_t operation, int32_t file, uintptr_t bytes, size_t n)
 {
     while (n > 0u) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// mps2_semihost: what an emulated image asks of the machine that emulates it.
+/// mps2_semihost: services that an emulated image requests of the emulator: output, files, exit.
 ///
 /// Source: ARM "Semihosting for AArch32 and AArch64", operations 0x01, 0x05, 0x06, 0x20.
 #ifndef MPS2_SEMIHOST_H
@@ -9,20 +9,23 @@
 #include <stddef.h>  // size_t
 #include <stdint.h>  // int32_t
 
-/// Write bytes to the emulator's standard output.
+/// Write n bytes to the standard output of the emulator.
 void mps2_write(const char *bytes, size_t n);
 
-/// End the emulation with an exit status.
+/// End the emulation with an exit status. Does not return.
 _Noreturn void mps2_exit(int status);
 
-/// Open a file of the host, as bytes.
+/// Open a file of the host in binary mode.
 /// @param is_written  true: for writing, false: for reading
-/// @return            handle, or a negative number when it cannot be opened
+/// @return            handle, or a negative number when the file cannot be opened
 int32_t mps2_file_open(const char *path, bool is_written);
 
-/// Read or write exactly n bytes, blocking; the emulated time stands still meanwhile.
+/// Read exactly n bytes. Blocks, while the emulated time stands still.
 /// @return false at the end of the file or on an error
 bool mps2_file_read(int32_t file, void *bytes, size_t n);
+
+/// Write exactly n bytes. Blocks, while the emulated time stands still.
+/// @return false on an error
 bool mps2_file_write(int32_t file, const void *bytes, size_t n);
 
 #endif

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// board_config: what a user of this port adapts to the machine: scales, rates, bits.
+/// board_config: what a user of this port adapts to the machine: scales, rates, wiring.
 #ifndef BOARD_CONFIG_H
 #define BOARD_CONFIG_H
 
@@ -8,35 +8,37 @@
 /// [Hz] rate of cam_isr(); 240 MHz divided by it is a whole number below 65 536.
 #define BOARD_TICK_HZ 20000u
 
-/// [ns] from the start of a tick to the step of all outputs (/LDAC), the same in every tick: a part
-/// of the parameter lead_ns. Later than the longest interrupt plus BOARD_SEND_NS.
+/// [ns] from the start of a tick to the step of all outputs (/LDAC). It is the same in every tick
+/// and a part of the parameter lead_ns. It must be longer than the longest interrupt plus
+/// BOARD_SEND_NS.
 #define BOARD_UPDATE_NS 30000u
 
 /// [ns] that the four frames to the AD5754R take at 20 MHz, gaps included, rounded up.
 #define BOARD_SEND_NS 7000u
 
-/// Values at +10 V of the four outputs: [nm] and, for the spindle, [r/min / 1000]. At least 65 537.
+/// Set-points at which the four outputs reach +10 V, in [nm] and for the spindle in [r/min / 1000].
+/// At least 65 537, so that a code per unit fits BOARD_CODES_Q32().
 #define BOARD_U_FULL_NM 1000000
 #define BOARD_X_FULL_NM 200000000
 #define BOARD_Z_FULL_NM 500000000
 #define BOARD_SPINDLE_FULL_MRPM 5000000
 
-/// [pm] per count (four edges per line) of the linear scales of U and Z. The positions are 0 where
-/// the axes stand when hal_init() runs.
+/// [pm] per count (four edges per line) of the linear scales of U and Z. A position is 0 where the
+/// axis stands when hal_init() runs.
 #define BOARD_U_COUNT_PM 100000
 #define BOARD_Z_COUNT_PM 1000000
 
-/// [counts] added to the index position that is latched in the negative sense. 0 when the index
-/// pulse begins between two counts. Encoders that gate it with A and B begin it where the counter
-/// moves, and the two senses may then differ by one: turn the spindle by hand both ways, and give
-/// the difference.
+/// [counts] added to the index position that is latched in the negative sense. It is 0 when the
+/// index pulse begins between two counts. Encoders that gate the pulse with A and B begin it where
+/// the counter moves, and the two senses may then differ by one count. To find out, turn the
+/// spindle by hand in both senses, and enter the difference.
 #define BOARD_INDEX_FALLING_COUNTS 0
 
-/// 0: there is no scale on U; its last set-point is taken for its position, and the following error
-/// is that of the command with its feed-forward: it tells nothing of the drive.
+/// 1: U has a scale. 0: it has none. The last set-point is then returned as its position, so that
+/// the following error is computed from the command and says nothing about the drive.
 #define BOARD_HAS_U_SCALE 1
 
-/// Codes of a 16-bit converter per unit, in 2^-32: 2^15 codes for the value at +10 V.
+/// Codes of a 16-bit converter per unit, in 2^-32, where 2^15 codes stand for the value at +10 V.
 #define BOARD_CODES_Q32(full) ((int32_t)(((INT64_C(1) << 47) + (full) / 2) / (full)))
 
 /// Nanometres per count, in 2^-16.

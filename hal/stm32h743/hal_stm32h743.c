@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Port for the NUCLEO-H743ZI2: start, end, axes, lines, watchdog, text.
+/// hal_stm32h743: the port for the NUCLEO-H743ZI2: start, halt, axes, lines, watchdog, text.
 #include "board_config.h"
 #include "hal/hal.h"
 #include "stm_can.h"
@@ -13,20 +13,21 @@
 #include "stm_tick.h"
 #include "stm_timers.h"
 
-/// What hal_init() returns when the machine cannot be used.
+/// Results of hal_init() when the machine cannot be used.
 enum { no_revision = -1, no_clock = -2, no_dac = -3, no_can = -4 };
 
 static hal_start_t start;
 static int32_t last_nm[hal_n_axes];
 
-/// Revisions Z and Y run at 400 MHz at most. RM0433 60.5, DBGMCU_IDC.
+/// Devices of revisions Z and Y are limited to 400 MHz. RM0433 60.5, DBGMCU_IDC.
 static bool is_fast_revision(void)
 {
     const uint32_t revision = DBGMCU_IDC >> 16;
     return revision != 0x1001u && revision != 0x1003u;
 }
 
-/// RM0433 48.5: 8 data bits, no parity, one stop bit after reset; kernel clock: APB1.
+/// Set up the serial line: 115 200 bit/s; 8 data bits, no parity and one stop bit are the values
+/// after reset. Its kernel clock is that of APB1. RM0433 48.5.
 static void init_text(void)
 {
     RCC_APB1LENR |= RCC_APB1LENR_USART3;
@@ -35,7 +36,7 @@ static void init_text(void)
     USART3_CR1 = USART_CR1_FIFOEN | USART_CR1_TE | USART_CR1_UE;
 }
 
-/// Why the port refuses, for people: main() only learns that it does.
+/// Report why the port cannot be used, since main() only learns that it cannot.
 static int refuse(int reason, const char *why)
 {
     hal_text(why);
@@ -64,9 +65,9 @@ int hal_init(void)
     return stm_can_init() ? 0 : refuse(no_can, "port: FDCAN1 does not work");
 }
 
-/// One second: longer than the check of the largest table takes the slow side. It stands still
-/// while a debugger holds the core. RM0433 45.3, 60.5.
-static void start_watchdog(void)
+/// The watchdog's second is longer than the slow side needs for the check of the largest table. The
+/// watchdog stands still while a debugger holds the core. RM0433 45.3, 60.5.
+void hal_tick_start(void)
 {
     DBGMCU_APB4FZ1 |= DBGMCU_APB4FZ1_WDGLSD1;
     IWDG_KR = IWDG_KR_START;
@@ -74,15 +75,11 @@ static void start_watchdog(void)
     IWDG_PR = IWDG_PR_DIV8; // 32 kHz / 8
     IWDG_RLR = 4000;
     IWDG_KR = IWDG_KR_RELOAD;
-}
-
-void hal_tick_start(void)
-{
-    start_watchdog();
     stm_timers_start_tick();
 }
 
-static void tell_new_faults(void)
+/// Write a line of text for each of the port's own faults that is new.
+static void report_new_faults(void)
 {
     static const char *const texts[] = {
         "port: no HSE clock, runs from the HSI; drives reported as not ready",
@@ -90,20 +87,22 @@ static void tell_new_faults(void)
         "port: set-points came too late for the outputs' step; drives reported as not ready",
         "port: a transfer to the DAC did not end; drives reported as not ready",
     };
-    static uint32_t told;
-    const uint32_t new_faults = stm_tick_faults() & ~told;
+    static uint32_t reported;
+    const uint32_t new_faults = stm_tick_faults() & ~reported;
     for (uint32_t i = 0; i < sizeof texts / sizeof texts[0]; i++) {
         if ((new_faults & 1u << i) != 0u) {
             hal_text(texts[i]);
         }
     }
-    told |= new_faults;
+    reported |= new_faults;
 }
 
+/// The watchdog is fed only when ticks have come since the last call, so it supervises both the
+/// tick and the main loop.
 void hal_idle(void)
 {
     static uint32_t last_count;
-    tell_new_faults();
+    report_new_faults();
     const uint32_t count = stm_tick_count();
     if (count != last_count) {
         IWDG_KR = IWDG_KR_RELOAD;
@@ -128,7 +127,7 @@ hal_start_t hal_start(void)
     return start;
 }
 
-/// A character takes 87 us; when there is no room for far longer, it is dropped.
+/// A character takes 87 us to send. One that finds no room for a whole millisecond is dropped.
 static void put_char(char c)
 {
     const uint32_t begin = TIM5->CNT;
@@ -160,7 +159,7 @@ int32_t hal_axis_read_nm_isr(hal_axis_t axis)
     return last_nm[axis];
 }
 
-/// All outputs of the DACs are taken: this board has no axis for the swing.
+/// All outputs of the DAC are in use, so this board has no axis for the swing.
 bool hal_has_swing(void)
 {
     return false;

@@ -3,7 +3,7 @@
 #include "hal/hal.h"
 #include "stm_reg.h"
 
-/// Layout of the message RAM, in words: two words of header, 64 bytes of data per element.
+/// Layout of the message RAM in words. An element has two words of header and 64 bytes of data.
 enum {
     element_words = 18,
     n_received = 32,
@@ -14,13 +14,13 @@ enum {
 };
 _Static_assert(used_words <= 2560, "the message RAM has 10 KiB");
 
-/// Header of an element: RM0433 chapter 56, Rx and Tx buffer elements.
+/// Fields in the header of an element: RM0433 chapter 56, Rx and Tx buffer elements.
 enum { at_id = 18, at_length = 16, with_rate = 1 << 20, is_fd = 1 << 21 };
 
-/// Bytes of each length code.
+/// [bytes] of each length code.
 static const uint8_t length[16] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 12, 16, 20, 24, 32, 48, 64};
 
-/// Time segments in periods of 80 MHz, as the registers want them: less one.
+/// Time segments of a bit in periods of 80 MHz. The registers take each of them less one.
 enum {
     nominal_before = 127, // 1 + 127 + 32 = 160: 500 kbit/s
     nominal_after = 32,
@@ -28,7 +28,7 @@ enum {
     data_after = 10,
 };
 
-/// Also at an unlucky bus the state changes within a frame: 0.5 ms.
+/// Enter or leave the initialisation state. Even on a busy bus this takes at most a frame: 0.5 ms.
 static bool set_init(uint32_t wanted)
 {
     FDCAN1_CCCR = wanted;
@@ -40,21 +40,23 @@ static bool set_init(uint32_t wanted)
     return false;
 }
 
+/// Set the bit times of the arbitration and of the data of FD frames.
 static void set_timing(void)
 {
     FDCAN1_NBTP = (nominal_after - 1u) << 25 | (nominal_before - 1u) << 8 | (nominal_after - 1u);
     FDCAN1_DBTP =
         FDCAN_DBTP_TDC | (data_before - 1u) << 8 | (data_after - 1u) << 4 | (data_after - 1u);
-    FDCAN1_TDCR = (data_before + 1u) << 8; // second sample point as far into the bit as the first
+    FDCAN1_TDCR = (data_before + 1u) << 8; // secondary sample point as deep in the bit as the first
 }
 
-/// Its words hold anything after power-on, and what is read must be valid for the ECC.
+/// Clear the message RAM, because after power-on its words are random and invalid for the error
+/// correction, and divide it into the two queues.
 static void set_memory(void)
 {
     for (uint32_t i = 0; i < used_words; i++) {
         FDCAN_RAM[i] = 0;
     }
-    FDCAN1_SIDFC = 0; // no filters: what matches none is accepted
+    FDCAN1_SIDFC = 0; // no filters: frames that match none are accepted
     FDCAN1_XIDFC = 0;
     FDCAN1_GFC = FDCAN_GFC_ANFS_FIFO0 | FDCAN_GFC_ANFE_REJECT | FDCAN_GFC_RRFE | FDCAN_GFC_RRFS;
     FDCAN1_RXF0C = FDCAN_RXF0C_F0S(n_received) | receive_at * 4u;
@@ -78,14 +80,8 @@ bool stm_can_init(void)
     return true;
 }
 
-static void copy_in(hal_can_frame_t *frame, const volatile uint32_t *data)
-{
-    for (uint32_t i = 0; i < frame->n; i++) {
-        frame->data[i] = (uint8_t)(data[i / 4u] >> 8u * (i % 4u));
-    }
-}
-
-/// Off the bus the peripheral sets INIT; clearing it begins the wait for 128 idle sequences.
+/// In bus-off the peripheral has set INIT. Clearing it starts the return to the bus, which takes
+/// 128 idle sequences.
 static bool is_off_bus(void)
 {
     const bool is_off = (FDCAN1_PSR & FDCAN_PSR_BO) != 0u;
@@ -97,7 +93,7 @@ static bool is_off_bus(void)
 
 bool hal_can_read(hal_can_frame_t *frame)
 {
-    (void)is_off_bus(); // the firmware may be waiting for a frame before it sends one
+    (void)is_off_bus(); // returns to the bus even if the firmware only waits for a frame
     const uint32_t state = FDCAN1_RXF0S;
     if ((state & FDCAN_RXF0S_F0FL) == 0u) {
         return false;
@@ -108,12 +104,14 @@ bool hal_can_read(hal_can_frame_t *frame)
     const uint32_t n = length[element[1] >> at_length & 0xFu];
     frame->id = element[0] >> at_id & 0x7FFu;
     frame->n = is_fd_frame || n <= 8u ? n : 8u; // a classic frame may carry codes 9 .. 15
-    copy_in(frame, element + 2);
+    for (uint32_t i = 0; i < frame->n; i++) {
+        frame->data[i] = (uint8_t)(element[2u + i / 4u] >> 8u * (i % 4u));
+    }
     FDCAN1_RXF0A = place;
     return true;
 }
 
-/// @return the code whose length it is, 16 when there is none
+/// @return the code of a length in bytes, 16 when there is none
 static uint32_t length_code(uint32_t n)
 {
     uint32_t code = 0;
@@ -123,6 +121,7 @@ static uint32_t length_code(uint32_t n)
     return code;
 }
 
+/// Write the data of a frame to the message RAM, which takes whole words only.
 static void copy_out(volatile uint32_t *data, const hal_can_frame_t *frame)
 {
     for (uint32_t i = 0; i < frame->n; i += 4u) {

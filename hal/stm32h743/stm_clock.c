@@ -3,9 +3,11 @@
 #include "stm_reg.h"
 #include <stdbool.h> // bool
 
-/// Polls at the reset's 64 MHz before a flag is given up: about 50 ms.
+/// Polls of a flag before it is given up: about 50 ms at the 64 MHz after reset.
 enum { max_polls = 400000 };
 
+/// Poll a register until the bits of a mask have the wanted values.
+/// @return false when they do not take them in time
 static bool wait_for(volatile uint32_t *reg, uint32_t mask, uint32_t wanted)
 {
     for (uint32_t i = 0; i < max_polls; i++) {
@@ -16,7 +18,8 @@ static bool wait_for(volatile uint32_t *reg, uint32_t mask, uint32_t wanted)
     return false;
 }
 
-/// Core supply by the LDO, then the highest voltage scale: 1, and from there 0 by overdrive.
+/// Supply the core by the LDO, then raise its voltage to scale 1 and from there by overdrive to
+/// scale 0, the highest one.
 static bool raise_supply(void)
 {
     PWR_CR3 = (PWR_CR3 & ~(PWR_CR3_BYPASS | PWR_CR3_SCUEN)) | PWR_CR3_LDOEN;
@@ -33,7 +36,7 @@ static bool raise_supply(void)
     return wait_for(&PWR_D3CR, PWR_D3CR_VOSRDY, PWR_D3CR_VOSRDY);
 }
 
-/// The ST-LINK of the board feeds 8 MHz into OSC_IN.
+/// Start the HSE in bypass mode: the ST-LINK of the board feeds 8 MHz into OSC_IN.
 static bool start_hse(void)
 {
     RCC_CR |= RCC_CR_HSEBYP;
@@ -41,7 +44,7 @@ static bool start_hse(void)
     return wait_for(&RCC_CR, RCC_CR_HSERDY, RCC_CR_HSERDY);
 }
 
-/// 8 MHz from either source, times 120; VCO at 960 MHz.
+/// Start PLL1 with 8 MHz from either source; times 120 its VCO runs at 960 MHz.
 static bool start_pll(bool has_hse)
 {
     RCC_PLLCKSELR = has_hse ? RCC_PLLCKSELR_HSE | RCC_PLLCKSELR_DIVM1(1)
@@ -53,7 +56,7 @@ static bool start_pll(bool has_hse)
     return wait_for(&RCC_CR, RCC_CR_PLL1RDY, RCC_CR_PLL1RDY);
 }
 
-/// Wait states and dividers before the frequency rises.
+/// Set wait states and dividers first, then raise the frequency.
 static bool switch_to_pll(void)
 {
     FLASH_ACR = FLASH_ACR_LATENCY_4WS | FLASH_ACR_WRHIGHFREQ_240MHZ;

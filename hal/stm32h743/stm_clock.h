@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-/// stm_clock: 480 MHz from the HSE, or when it does not come, from the HSI.
+/// stm_clock: 480 MHz from the HSE, or from the HSI when the HSE does not start.
 #ifndef STM_CLOCK_H
 #define STM_CLOCK_H
 
 /// What the clocks run from.
 typedef enum {
     stm_clock_hse,  ///< crystal accuracy
-    stm_clock_hsi,  ///< same frequencies within about 1 %: good for diagnosis, not for cutting
-    stm_clock_fail, ///< supply or PLL did not become ready: the reset's 64 MHz
+    stm_clock_hsi,  ///< the same frequencies within about 1 %: for diagnosis, not for cutting
+    stm_clock_fail, ///< supply or PLL did not become ready: still 64 MHz as after reset
 } stm_clock_t;
 
+/// [Hz] frequencies once stm_clock_init() has succeeded.
 enum {
     stm_cpu_hz = 480000000,
     stm_timer_hz = 240000000, ///< of all timers
@@ -17,8 +18,10 @@ enum {
     stm_apb_hz = 120000000,
 };
 
-/// Raise supply and clocks from their state after reset; watch the HSE by the clock security
-/// system. Context: slow side, once, blocks up to 0.2 s. Source: RM0433 6.6 (voltage scaling,
+/// Raise supply and clocks from their state after reset, and let the clock security system
+/// supervise the HSE.
+/// @return what the clocks run from
+/// Context: slow side, once; blocks up to 0.2 s. Source: RM0433 6.6 (voltage scaling,
 /// VOS0), 8.5 (PLLs, CSS), 4.3 (wait states).
 stm_clock_t stm_clock_init(void);
 

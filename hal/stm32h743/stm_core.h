@@ -14,7 +14,7 @@
 #define SCB_AIRCR_SYSRESETREQ (0x05FA0000u | 1u << 2) // with the key
 #define SCB_CCR STM_REG(0xE000ED14u)
 #define SCB_CCR_DIV_0_TRP (1u << 4)
-#define SCB_CCR_BFHFNMIGN (1u << 8) // data that cannot be read is no fault while FAULTMASK is set
+#define SCB_CCR_BFHFNMIGN (1u << 8) // no exception for unreadable data while FAULTMASK is set
 #define SCB_CCR_DC (1u << 16)
 #define SCB_CCR_IC (1u << 17)
 #define SCB_SHCSR STM_REG(0xE000ED24u)
@@ -59,7 +59,8 @@
 #define DWT_LAR STM_REG(0xE0001FB0u)
 #define DWT_LAR_KEY 0xC5ACCE55u
 
-/// All memory accesses before it are complete, and what follows sees their effect.
+/// Barrier: all memory accesses before it are complete, and all instructions behind it see their
+/// effect.
 static inline void stm_barrier(void)
 {
     __asm volatile("dsb\n isb" ::: "memory");

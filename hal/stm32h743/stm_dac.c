@@ -3,7 +3,7 @@
 #include "stm_clock.h" // stm_timer_hz
 #include "stm_reg.h"
 
-/// Bits 19 and up of a frame: register; 16 .. 18: channel.
+/// Words for the AD5754R: the register in bits 19 and up, the channel in bits 16 .. 18.
 enum {
     frame_range_all = 1 << 19 | 4 << 16,
     frame_power = 2 << 19,
@@ -15,10 +15,12 @@ enum {
     control_protect = 1 << 3 | 1 << 2, ///< thermal shutdown, current clamp
 };
 
+/// The four frames that the next transfer sends, one for each output.
 static uint32_t frame[stm_n_dacs];
 
-/// RM0433 50.4: the transfer is configured while SPE is low, the FIFO takes its four frames, and
-/// CSTART lets them go. Off and on again before each transfer, as the manual advises.
+/// Start a transfer of four frames. A transfer is configured while SPE is low; the FIFO then takes
+/// the frames, and CSTART starts it. SPE goes low and high again before each transfer, as the
+/// manual advises. RM0433 50.4.
 static void send_isr(const uint32_t words[stm_n_dacs])
 {
     SPI3_IFCR = SPI_IFCR_EOTC | SPI_IFCR_TXTFC;
@@ -30,9 +32,11 @@ static void send_isr(const uint32_t words[stm_n_dacs])
     SPI3_CR1 = SPI_CR1_SPE | SPI_CR1_CSTART;
 }
 
+/// Wait for the end of a transfer, outside of the tick.
+/// @return false when it does not come
 static bool wait_for_end(void)
 {
-    for (uint32_t i = 0; i < 100000u; i++) { // some hundred times the length of a transfer
+    for (uint32_t i = 0; i < 100000u; i++) { // some hundred times the duration of a transfer
         if ((SPI3_SR & SPI_SR_EOT) != 0u) {
             return true;
         }
@@ -40,7 +44,8 @@ static bool wait_for_end(void)
     return false;
 }
 
-/// 20 MHz; data change on the rising edge, /SYNC is high for four clocks between frames.
+/// Set SPI3 up for 20 MHz. Data change on the rising edge, and /SYNC is high for four clocks
+/// between two frames.
 static void init_spi(void)
 {
     RCC_APB1LENR |= RCC_APB1LENR_SPI3;
@@ -51,7 +56,8 @@ static void init_spi(void)
     SPI3_CR2 = stm_n_dacs;
 }
 
-/// RM0433 chapter 26, DAC_CR: the output follows TIM4's trigger; buffer on (DAC_MCR after reset).
+/// Set the internal DAC up: its output steps with the trigger of TIM4, and its buffer is on, which
+/// is the value of DAC_MCR after reset. RM0433 chapter 26, DAC_CR.
 static void init_internal(void)
 {
     RCC_APB1LENR |= RCC_APB1LENR_DAC12;
@@ -61,20 +67,13 @@ static void init_internal(void)
     DAC_CR |= DAC_CR_EN1;
 }
 
-/// The reference needs 10 us after its power-up: data sheet, "Power control register".
-static void wait_for_power(void)
-{
-    const uint32_t begin = TIM5->CNT;
-    while (TIM5->CNT - begin < stm_timer_hz / 1000000 * 100) {
-    }
-}
-
 bool stm_dac_init(void)
 {
     static const uint32_t setup[stm_n_dacs] = {frame_range_all | range_10v, frame_power | power_all,
                                                frame_control | control_protect, frame_nothing};
     static const uint32_t load[stm_n_dacs] = {frame_load_all, frame_nothing, frame_nothing,
                                               frame_nothing};
+    // Ranges, power and protection first, then 0 V into all outputs, and at last the load command.
     for (uint32_t i = 0; i < stm_n_dacs; i++) {
         stm_dac_set_isr(i, 0);
     }
@@ -82,7 +81,11 @@ bool stm_dac_init(void)
     init_spi();
     send_isr(setup);
     bool is_good = wait_for_end();
-    wait_for_power();
+    // The reference needs 10 us after its power-up (data sheet, "Power control register"): wait
+    // 100.
+    const uint32_t begin = TIM5->CNT;
+    while (TIM5->CNT - begin < stm_timer_hz / 1000000 * 100) {
+    }
     send_isr(frame);
     is_good = wait_for_end() && is_good;
     send_isr(load);

@@ -9,15 +9,17 @@
 
 enum { flash_start = 0x08000000, bank_bytes = 1 << 20 };
 
-/// Far beyond the longest times of the data sheet: 4 s for a sector, 0.5 ms for a flash word.
-enum { most_erase_ticks = 10 * BOARD_TICK_HZ, most_program_loops = 1000000 };
+/// Limits far beyond the longest times of the data sheet, 4 s for a sector and 0.5 ms for a flash
+/// word. An erase is waited for in calls of hal_idle(), which returns at least once a tick.
+enum { most_erase_waits = 10 * BOARD_TICK_HZ, most_program_loops = 1000000 };
 
+/// @return the bank of an address, 0 or 1
 static uint32_t bank_of(uint32_t address)
 {
     return (address - flash_start) / bank_bytes;
 }
 
-/// @return whether the operation has ended well; its flags are cleared
+/// @return whether the operation has ended without an error; its flags are cleared
 static bool ends_well(uint32_t bank)
 {
     const uint32_t flags = FLASH_SR(bank);
@@ -25,6 +27,7 @@ static bool ends_well(uint32_t bank)
     return (flags & (FLASH_SR_QW | FLASH_SR_ERRORS)) == 0u;
 }
 
+/// Make the tables writable and unlock the control register of a bank.
 static void open_bank(uint32_t bank)
 {
     stm_memory_open_tables(true);
@@ -33,19 +36,21 @@ static void open_bank(uint32_t bank)
     FLASH_KEYR(bank) = FLASH_KEYR_SECOND;
 }
 
+/// Lock the control register of a bank and protect the tables again.
 static void close_bank(uint32_t bank)
 {
     FLASH_CR(bank) = FLASH_CR_LOCK;
     stm_memory_open_tables(false);
 }
 
+/// Erase a sector of an open bank, while the main loop idles.
 static bool erase_sector(uint32_t bank, uint32_t sector)
 {
     const uint32_t what = FLASH_CR_SER | FLASH_CR_PSIZE_64 | FLASH_CR_SNB(sector);
     FLASH_CR(bank) = what;
     FLASH_CR(bank) = what | FLASH_CR_START;
     stm_barrier();
-    for (uint32_t i = 0; i < most_erase_ticks && (FLASH_SR(bank) & FLASH_SR_QW) != 0u; i++) {
+    for (uint32_t i = 0; i < most_erase_waits && (FLASH_SR(bank) & FLASH_SR_QW) != 0u; i++) {
         hal_idle();
     }
     return ends_well(bank);
@@ -65,7 +70,7 @@ bool stm_flash_erase(uint32_t address, uint32_t bytes)
     return is_good;
 }
 
-/// @return four bytes from `at` on, FFh behind the end
+/// @return the four bytes from `at` on as a word, FFh behind the end of the n bytes
 static uint32_t word_at(const uint8_t *bytes, uint32_t n, uint32_t at)
 {
     uint32_t word = UINT32_MAX;
@@ -75,6 +80,8 @@ static uint32_t word_at(const uint8_t *bytes, uint32_t n, uint32_t at)
     return word;
 }
 
+/// Program a flash word of an open bank. Its eight words are collected by the flash interface,
+/// which starts to program after the last one.
 static bool program_word(uint32_t bank, uint32_t address, const uint8_t *bytes, uint32_t n)
 {
     volatile uint32_t *to = (volatile uint32_t *)address;
@@ -105,6 +112,8 @@ bool stm_flash_peek(uint32_t address, uint32_t *words)
     const volatile uint32_t *from = (const volatile uint32_t *)address;
     const uint32_t bank = bank_of(address);
     FLASH_CCR(bank) = FLASH_SR_ERRORS;
+    // With FAULTMASK set and BFHFNMIGN the core ignores the bus fault of an unreadable word; the
+    // flash interface reports it in its status instead.
     __asm volatile("cpsid f" ::: "memory");
     SCB_CCR |= SCB_CCR_BFHFNMIGN;
     stm_barrier();

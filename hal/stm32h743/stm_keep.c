@@ -5,7 +5,8 @@
 
 enum { text_words = 30, text_bytes = 4 * text_words };
 
-/// Whole words, because the memory checks and corrects whole words.
+/// The kept text with its seal. It consists of whole words, because the memory's error correction
+/// covers whole words.
 typedef struct {
     uint32_t magic;
     uint32_t text[text_words]; ///< four characters each, the first in the lowest byte
@@ -14,10 +15,12 @@ typedef struct {
 
 __attribute__((section(".keep"))) static volatile keep_t keep;
 
-static const uint32_t keep_magic = 0x48414C54u;
+static const uint32_t keep_magic = 0x48414C54u; // "HALT"
 
+/// The text of the halt before this start.
 static char why[text_bytes + 1];
 
+/// @return the check word that belongs to the kept text
 static uint32_t check_word(void)
 {
     uint32_t check = keep_magic;
@@ -44,7 +47,8 @@ void stm_keep_text(const char *text)
     stm_barrier();
 }
 
-/// @return true when there was a text; it is then in `why`
+/// Copy a kept text to `why`.
+/// @return whether there was one
 static bool take_text(void)
 {
     const bool is_valid = keep.magic == keep_magic && keep.check == check_word();
@@ -54,7 +58,8 @@ static bool take_text(void)
     return is_valid;
 }
 
-/// A power-on sets the brown-out flag too; every reset inside the device pulls the pin.
+/// A power-on sets the brown-out flag as well, and every reset inside the device sets the flag of
+/// the pin. So the flags are asked from the most to the least specific one.
 static hal_reset_t reason(uint32_t flags, bool has_text)
 {
     if ((flags & RCC_RSR_PORRSTF) != 0u) {

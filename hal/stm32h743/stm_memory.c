@@ -9,6 +9,7 @@ typedef struct {
     uint32_t attributes; ///< of MPU_RASR
 } region_t;
 
+/// In the order of their numbers; the table in stm_memory.h says what each is for.
 static const region_t regions[] = {
     {0x60000000u, MPU_RASR_SIZE(29) | MPU_RASR_NO_ACCESS | MPU_RASR_XN},
     {0x80000000u, MPU_RASR_SIZE(29) | MPU_RASR_NO_ACCESS | MPU_RASR_XN},
@@ -25,25 +26,8 @@ static const region_t regions[] = {
 /// Regions that hold tables.
 enum { bank_2_region = 3, bank_1_region = 8 };
 
-static void protect(void)
-{
-    for (size_t i = 0; i < sizeof regions / sizeof regions[0]; i++) {
-        MPU_RBAR = regions[i].base | MPU_RBAR_VALID | (uint32_t)i;
-        MPU_RASR = regions[i].attributes | MPU_RASR_ENABLE;
-    }
-    MPU_CTRL = MPU_CTRL_PRIVDEFENA | MPU_CTRL_ENABLE;
-    stm_barrier();
-}
-
-static void enable_instruction_cache(void)
-{
-    SCB_ICIALLU = 0;
-    stm_barrier();
-    SCB_CCR |= SCB_CCR_IC;
-    stm_barrier();
-}
-
-/// Every line, by set and way: none is newer than its memory.
+/// Invalidate every line of the data cache, by set and way (which is the term of the manual). No
+/// line is newer than its memory, because all cached regions are read-only or written through.
 static void empty_data_cache(void)
 {
     SCB_CSSELR = 0; // level 1, data
@@ -59,14 +43,7 @@ static void empty_data_cache(void)
     stm_barrier();
 }
 
-/// Its content after a reset is random.
-static void enable_data_cache(void)
-{
-    empty_data_cache();
-    SCB_CCR |= SCB_CCR_DC;
-    stm_barrier();
-}
-
+/// Make a region of tables writable and uncached, or protect it again.
 static void set_region(uint32_t i, bool is_open)
 {
     const uint32_t clear = MPU_RASR_WRITE_THROUGH | MPU_RASR_READ_ONLY;
@@ -85,9 +62,21 @@ void stm_memory_open_tables(bool is_open)
     empty_data_cache();
 }
 
+/// The content of both caches is random after a reset, so they are invalidated before they are
+/// enabled.
 void stm_memory_init(void)
 {
-    protect();
-    enable_instruction_cache();
-    enable_data_cache();
+    for (size_t i = 0; i < sizeof regions / sizeof regions[0]; i++) {
+        MPU_RBAR = regions[i].base | MPU_RBAR_VALID | (uint32_t)i;
+        MPU_RASR = regions[i].attributes | MPU_RASR_ENABLE;
+    }
+    MPU_CTRL = MPU_CTRL_PRIVDEFENA | MPU_CTRL_ENABLE;
+    stm_barrier();
+    SCB_ICIALLU = 0;
+    stm_barrier();
+    SCB_CCR |= SCB_CCR_IC;
+    stm_barrier();
+    empty_data_cache();
+    SCB_CCR |= SCB_CCR_DC;
+    stm_barrier();
 }

@@ -11,10 +11,11 @@ typedef struct {
     stm_gpio_t *port;
     uint8_t pin;
     uint8_t mode;
-    uint8_t pull; ///< that of an input keeps a cut wire at the level of rest
+    uint8_t pull; ///< an input's pull brings a cut wire to the level of rest
     uint8_t alternate;
 } pin_t;
 
+/// The outputs enable, fault and "in cut" are missing here: stm_outputs_safe() has set them up.
 static const pin_t pins[] = {
     {GPIOA, 4, mode_analogue, pull_none, 0},   // internal DAC
     {GPIOA, 5, mode_alternate, pull_down, 1},  // TIM2 channel 1: spindle A
@@ -37,12 +38,13 @@ static const pin_t pins[] = {
     {GPIOE, stm_pin_ready, mode_input, pull_down, 0},
 };
 
+/// Overwrite a field of a register.
 static void set_field(volatile uint32_t *reg, uint32_t at, uint32_t width, uint32_t value)
 {
     *reg = (*reg & ~(((1u << width) - 1u) << at)) | value << at;
 }
 
-/// Speed and alternate function first, so that the pin never drives anything else.
+/// Set speed and alternate function before the mode, so that the pin never drives anything else.
 static void set_pin(const pin_t *p)
 {
     enum { high_speed = 2 }; // clean edges at the 20 MHz of SPI3

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-/// stm_pins: which pin does what, and the safe state of the outputs.
+/// stm_pins: the function of each pin, and the safe state of the outputs.
 ///
-/// The table of README.md in code. Source of the alternate functions: datasheet DS12110, tables
-/// "Port x alternate functions".
+/// This is the wiring table of README.md in code. Source of the alternate functions: datasheet
+/// DS12110, tables "Port x alternate functions".
 #ifndef STM_PINS_H
 #define STM_PINS_H
 
 #include "stm_reg.h" // GPIOE, RCC_AHB4ENR
 
+/// Lines on port E.
 enum {
     stm_pin_estop = 10,  ///< PE10 in, 1: the chain is closed
     stm_pin_ready = 12,  ///< PE12 in, 1: all drives ready
@@ -16,11 +17,12 @@ enum {
     stm_pin_in_cut = 15, ///< PE15 out, 1: in cut
 };
 
-/// Bits of BSRR that set and reset a pin.
+/// The bit of register BSRR that sets or resets a pin.
 #define STM_BSRR(pin, is_set) (1u << ((is_set) ? (uint32_t)(pin) : (uint32_t)(pin) + 16u))
 
-/// Enable low, fault high, in cut low. The level is set before the pins become outputs.
-/// Context: any, also before memory is set up: inlined, no constants.
+/// Make the outputs safe: enable low, fault high, "in cut" low. The levels are set before the pins
+/// become outputs.
+/// Context: any, even before memory is set up: it is inlined and reads no constants from memory.
 /// Source: RM0433 11.4, GPIOx_BSRR, GPIOx_MODER; 8.7, RCC_AHB4ENR.
 __attribute__((always_inline)) static inline void stm_outputs_safe(void)
 {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Start-up: outputs safe, memory filled, vectors; and every exception that nobody expects.
-/// Source: ARMv7-M Architecture Reference Manual B1.5.3 (vector table), B3.2.
+/// stm_start: start-up (safe outputs, memory, vectors) and the handlers of all unexpected
+/// exceptions. Source: ARMv7-M Architecture Reference Manual B1.5.3 (vector table), B3.2.
 #include "hal/hal.h"
 #include "stm_core.h"
 #include "stm_memory.h" // stm_memory_init
@@ -18,7 +18,8 @@ typedef void (*vector_t)(void);
 
 enum { n_system = 16, n_vectors = n_system + stm_n_irqs, own_frame_words = 64 };
 
-/// The clock security system calls after it has switched to the HSI. RM0433 8.5, CSS.
+/// The clock security system raises an NMI after it has switched from the failed HSE to the HSI.
+/// RM0433 8.5, CSS.
 static void on_nmi(void)
 {
     stm_outputs_safe();
@@ -54,7 +55,7 @@ static void on_unexpected(void)
     hal_halt("exception: nobody's interrupt");
 }
 
-/// An exception before memory is filled: outputs safe and again from the start.
+/// An exception before memory is filled: make the outputs safe and start again.
 __attribute__((section(".boot"), used)) static void on_boot_fault(void)
 {
     stm_outputs_safe();
@@ -63,7 +64,7 @@ __attribute__((section(".boot"), used)) static void on_boot_fault(void)
     }
 }
 
-/// What the core reads from flash; the interrupts come on later.
+/// The vectors in flash, from which the core starts. Interrupts are enabled later.
 __attribute__((section(".vectors"), used)) static const struct {
     uint32_t *stack_top;
     vector_t system[n_system - 1];
@@ -74,10 +75,11 @@ __attribute__((section(".vectors"), used)) static const struct {
                on_boot_fault, on_boot_fault, on_boot_fault, on_boot_fault},
 };
 
-/// What the core reads while the tick runs, in memory without wait states. The alignment is the
-/// next power of two: B3.2.5.
+/// The vectors that are used while the tick runs, in memory without wait states. Their alignment is
+/// their size rounded up to a power of two: B3.2.5.
 __attribute__((section(".ram_vectors"), aligned(1024))) static vector_t ram_vectors[n_vectors];
 
+/// Fill the vectors in RAM and switch the core to them; each fault gets its own exception.
 static void fill_vectors(void)
 {
     for (uint32_t i = 0; i < n_vectors; i++) {
@@ -110,8 +112,8 @@ __attribute__((always_inline)) static inline void clear(uint32_t *to, const uint
     }
 }
 
-/// The stack is cleared too, but for what this function uses: a byte that is written into a word
-/// without valid error correction would be an error. RM0433 chapter 3.
+/// The stack is cleared as well, except for the part that this function uses, because writing a
+/// byte into a word without a valid error-correction code would be an error. RM0433 chapter 3.
 __attribute__((section(".boot"), used)) void stm_reset(void)
 {
     stm_outputs_safe();

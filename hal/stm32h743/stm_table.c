@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Where tables lie, which of them is in use, and how that changes (hal_table_*()).
+/// stm_table: where tables lie, which of them is in use, and how that changes (hal_table_*()).
 ///
-/// Two places, in different banks. A log in a sector of its own tells which one is in use: a record
-/// is one flash word, so it is there or not. The last good record counts; an empty log means place
-/// 0, where programmers write. The log is erased only while place 0 is in use: then an empty log
-/// says what it said before.
+/// There are two places, in different banks. A log in a sector of its own records which one is in
+/// use. A record is one flash word, so it is written completely or not at all. The last good record
+/// counts; an empty log means place 0, into which programming tools write. The log is erased only
+/// while place 0 is in use, since an empty log then means the same as before.
 #include "hal/hal.h"
 #include "stm_flash.h"
 #include "stm_table.h"
@@ -15,28 +15,32 @@ enum { n_places = 2, n_records = 1024 };
 extern const uint8_t stm_table_start[], stm_table_bytes[];
 extern const uint8_t stm_other_start[], stm_other_bytes[], stm_log_start[];
 
+/// A record of the log: magic, place, its own number, and the complements of these.
 typedef struct {
     uint32_t words[stm_flash_words];
 } record_t;
-_Static_assert(sizeof(record_t) == stm_flash_word_bytes, "written at once");
+_Static_assert(sizeof(record_t) == stm_flash_word_bytes, "a record is written at once");
 _Static_assert(hal_table_grain % stm_flash_word_bytes == 0, "pieces are whole flash words");
 
 static const uint32_t record_magic = 0x4C424154u; // "TABL"
 
-static uint32_t in_use;
-static uint32_t n_written; ///< records, good or torn
-static bool is_begun;
+static uint32_t in_use;    ///< place in use, 0 or 1
+static uint32_t n_written; ///< number of records in the log, good or torn
+static bool is_begun;      ///< a download has begun
 
+/// @return address of record i of the log
 static uint32_t log_address(uint32_t i)
 {
     return (uint32_t)stm_log_start + i * stm_flash_word_bytes;
 }
 
+/// @return record i of the log, which makes a place the one in use
 static record_t record_of(uint32_t place, uint32_t i)
 {
     return (record_t){{record_magic, place, i, ~record_magic, ~place, ~i, 0, 0}};
 }
 
+/// @return whether a flash word is a good record i
 static bool is_record(const record_t *found, uint32_t i)
 {
     const record_t due = record_of(found->words[1], i);
@@ -47,6 +51,7 @@ static bool is_record(const record_t *found, uint32_t i)
     return is_good;
 }
 
+/// @return whether a flash word is erased
 static bool is_empty(const record_t *found)
 {
     uint32_t all = UINT32_MAX;
@@ -68,6 +73,7 @@ void stm_table_init(void)
     }
 }
 
+/// @return place 0 or 1 for a table
 static hal_image_t place(uint32_t i)
 {
     return i == 0u ? (hal_image_t){.bytes = stm_table_start, .size = (uint32_t)stm_table_bytes}
@@ -84,7 +90,7 @@ hal_image_t hal_table_staged(void)
     return is_begun ? place(1u - in_use) : (hal_image_t){.bytes = NULL, .size = 0};
 }
 
-/// @return whether the log has room for this table and for the next one
+/// @return whether the log has room for the record of the next table, after an erase if need be
 static bool make_room_in_log(void)
 {
     if (in_use == 0u && n_written > n_records / 2u) {
@@ -94,7 +100,7 @@ static bool make_room_in_log(void)
     return n_written < n_records;
 }
 
-/// The smaller place counts, so that what fits once fits again.
+/// The size of the smaller place is the limit for both, so that a table that fits once fits again.
 bool hal_table_begin(uint32_t size)
 {
     is_begun = false;
@@ -118,6 +124,8 @@ bool hal_table_commit(void)
     if (!is_begun || n_written == n_records) {
         return false;
     }
+    // The record is counted before it is written, since a torn one occupies its place in the log
+    // too.
     const record_t record = record_of(1u - in_use, n_written);
     const uint32_t address = log_address(n_written);
     n_written++;

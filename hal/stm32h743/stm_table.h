@@ -3,7 +3,7 @@
 #ifndef STM_TABLE_H
 #define STM_TABLE_H
 
-/// Read the log. Context: slow side, once, before hal_table_image().
+/// Read the log of which place is in use. Context: slow side, once, before hal_table_image().
 void stm_table_init(void);
 
 #endif

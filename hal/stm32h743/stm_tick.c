@@ -6,21 +6,14 @@
 #include "stm_dac.h"    // stm_dac_send_isr
 #include "stm_timers.h" // tick timer
 
+/// Written by the interrupt, read by the slow side, one word at a time.
 static volatile struct {
     uint32_t n_ticks;
     uint32_t faults;
     uint32_t last_cycles, max_cycles;
 } tick;
 
-static void measure_isr(uint32_t begin)
-{
-    const uint32_t cycles = DWT_CYCCNT - begin;
-    tick.last_cycles = cycles;
-    if (cycles > tick.max_cycles) {
-        tick.max_cycles = cycles;
-    }
-}
-
+/// Faults are latched last: an overrun during the measurement counts as well.
 void stm_tick_isr(void)
 {
     const uint32_t begin = DWT_CYCCNT;
@@ -29,7 +22,11 @@ void stm_tick_isr(void)
     uint32_t faults = stm_timers_is_late_isr() ? stm_fault_late : 0u;
     faults |= stm_dac_send_isr() ? 0u : stm_fault_dac;
     tick.n_ticks++;
-    measure_isr(begin);
+    const uint32_t cycles = DWT_CYCCNT - begin;
+    tick.last_cycles = cycles;
+    if (cycles > tick.max_cycles) {
+        tick.max_cycles = cycles;
+    }
     faults |= stm_timers_is_overrun_isr() ? stm_fault_overrun : 0u;
     tick.faults |= faults;
 }

@@ -6,6 +6,7 @@
 #include "stm_convert.h" // stm_extend
 #include "stm_core.h"
 
+/// Times in counts of the timers.
 enum {
     tick_counts = stm_timer_hz / BOARD_TICK_HZ,
     update_counts = stm_timer_hz / 1000000 * BOARD_UPDATE_NS / 1000,
@@ -13,14 +14,17 @@ enum {
 };
 _Static_assert(stm_timer_hz % BOARD_TICK_HZ == 0, "the tick rate is exact");
 _Static_assert(tick_counts <= 65536, "TIM4 has 16 bits");
-_Static_assert(send_counts < update_counts && update_counts < tick_counts, "in this order");
+_Static_assert(send_counts < update_counts && update_counts < tick_counts,
+               "sending ends before the step, and that before the tick");
 
+/// Counters extended to 32 bits, and the last index edge.
 static struct {
     int32_t u_counts, z_counts;
     uint32_t index_counts, n_index;
 } position;
 
-/// Both edges of both tracks count; the filter is the same on all inputs, so it delays all alike.
+/// Set a timer up as an encoder interface: both edges of both tracks count. The filter is the same
+/// on all inputs, so it delays all of them alike.
 static void init_encoder(stm_tim_t *tim, uint32_t top)
 {
     tim->ARR = top;
@@ -28,14 +32,8 @@ static void init_encoder(stm_tim_t *tim, uint32_t top)
     tim->SMCR = TIM_SMCR_SMS_ENCODER3;
 }
 
-/// Two captures of one input: channel 3 at its rising edge, channel 4 at its falling one.
-static void init_index(void)
-{
-    TIM2->CCMR2 = TIM_CCMR2_IC3_TI3 | TIM_CCMR2_IC3F_8 | TIM_CCMR2_IC4_TI3;
-    TIM2->CCER = TIM_CCER_CC3E | TIM_CCER_CC4E | TIM_CCER_CC4P;
-}
-
-/// Channel 3 is active from update_counts to the period's end: /LDAC low, OC3REF high.
+/// Set the tick's timer up. Channel 3 is active from update_counts to the end of the period: /LDAC
+/// is low and OC3REF high.
 static void init_tick(void)
 {
     TIM4->CR1 = TIM_CR1_URS; // no update flag from UG
@@ -57,7 +55,9 @@ void stm_timers_init(void)
     init_encoder(TIM1, UINT16_MAX);
     init_encoder(TIM2, UINT32_MAX);
     init_encoder(TIM3, UINT16_MAX);
-    init_index();
+    // Two captures of the index input: channel 3 at its rising edge, channel 4 at its falling one.
+    TIM2->CCMR2 = TIM_CCMR2_IC3_TI3 | TIM_CCMR2_IC3F_8 | TIM_CCMR2_IC4_TI3;
+    TIM2->CCER = TIM_CCER_CC3E | TIM_CCER_CC4E | TIM_CCER_CC4P;
     init_tick();
     TIM5->ARR = UINT32_MAX;
     TIM1->CR1 = TIM_CR1_CEN;
@@ -116,7 +116,7 @@ uint32_t hal_clock_isr(void)
 
 void hal_encoder_read_isr(hal_encoder_t *reading)
 {
-    // Flags before the counter: an index that comes in between is told by the next tick.
+    // The flags are read before the counter: an index edge in between is reported by the next tick.
     const uint32_t flags = TIM2->SR;
     const bool is_falling = (TIM2->CR1 & TIM_CR1_DIR) != 0u;
     const uint32_t wanted = is_falling ? TIM_SR_CC4IF : TIM_SR_CC3IF;

@@ -1,43 +1,44 @@
 // SPDX-License-Identifier: Apache-2.0
-/// hal_template: a port with every function and nothing behind it. Copy the folder, give each
-/// function what its comment asks for. The contract with times and contexts is hal/hal.h, the order
-/// of work and the checks are in hal/PORTING.md.
+/// hal_template: a port whose functions do nothing. Copy the folder and give each function what its
+/// comment asks for. The contract with times and contexts is hal/hal.h; the order of work and the
+/// checks are in hal/PORTING.md.
 #include "hal/hal.h"
 #include <stddef.h> // NULL
 
-/// Outputs safe first: enable low, spindle set-point 0. Then clocks, counters, lines, drives.
-/// Return a negative number when something is missing; the firmware then halts with safe outputs.
+/// Make the outputs safe first: enable low, spindle set-point 0. Then bring up clocks, counters,
+/// lines and drives. Return a negative number when something is missing; the firmware then halts
+/// with safe outputs.
 int hal_init(void)
 {
     return 0;
 }
 
-/// The rate of the timer that calls cam_isr().
+/// Return the rate of the timer that calls cam_isr().
 uint32_t hal_tick_hz(void)
 {
     return 20000;
 }
 
-/// Whether a drive swings the tool. A port that says so implements both functions of the swing.
+/// Return whether a drive swings the tool. If so, implement both functions of the swing.
 bool hal_has_swing(void)
 {
     return false;
 }
 
-/// The rate of the free-running counter that hal_clock_isr() reads.
+/// Return the rate of the free-running counter that hal_clock_isr() reads.
 uint32_t hal_clock_hz(void)
 {
     return 1000000;
 }
 
-/// Let the timer run. Its interrupt must have the highest priority and must not nest.
+/// Start the timer. Its interrupt must have the highest priority and must not nest.
 void hal_tick_start(void) {}
 
-/// Wait for an interrupt, feed the watchdog; it must allow for a check of the whole table
-/// (cam_table_check(), tens of instructions per byte) between two calls.
+/// Wait for an interrupt and feed the watchdog. Between two calls it must allow for a check of the
+/// whole table, cam_table_check().
 void hal_idle(void) {}
 
-/// Enable low by hardware if possible, keep `why` where a reset does not clear it, reset.
+/// Set enable low, by hardware if possible, keep `why` where a reset does not clear it, and reset.
 void hal_halt(const char *why)
 {
     (void)why;
@@ -45,27 +46,28 @@ void hal_halt(const char *why)
     }
 }
 
-/// The reset flags of the processor, and what hal_halt() kept. Clear the flags in hal_init().
+/// Return what the reset flags of the processor say and what hal_halt() kept. Clear the flags in
+/// hal_init().
 hal_start_t hal_start(void)
 {
     return (hal_start_t){.reset = hal_reset_power_on, .why = ""};
 }
 
-/// A flash sector of its own, so that a new part needs no new firmware.
+/// Return a flash sector of its own, so that a new part needs no new firmware.
 hal_image_t hal_table_image(void)
 {
     return (hal_image_t){.bytes = NULL, .size = 0};
 }
 
-/// Erase the other sector, feeding the watchdog as long as ticks go on. The table in use must stay
-/// readable, or not be read: no tick does in state off.
+/// Erase the other sector, and feed the watchdog meanwhile as long as ticks go on. The table in use
+/// may be unreadable during the erase, because no tick reads it in state off.
 bool hal_table_begin(uint32_t size)
 {
     (void)size;
     return false;
 }
 
-/// Program, make the caches forget the place, compare.
+/// Program the piece, invalidate the caches for it, and compare.
 bool hal_table_write(uint32_t offset, const void *bytes, uint32_t n)
 {
     (void)offset;
@@ -74,96 +76,102 @@ bool hal_table_write(uint32_t offset, const void *bytes, uint32_t n)
     return false;
 }
 
-/// The other sector.
+/// Return the other sector once a download has begun.
 hal_image_t hal_table_staged(void)
 {
     return (hal_image_t){.bytes = NULL, .size = 0};
 }
 
-/// One record, written at once, tells which sector is in use; a torn one must not count, nor fault.
+/// Write one record that says which sector is in use. It must be written at once; a torn record
+/// must neither count nor cause an exception when it is read.
 bool hal_table_commit(void)
 {
     return false;
 }
 
-/// Read a cycle counter before and behind cam_isr() in the timer's interrupt.
+/// Return the durations that the timer's interrupt measures: read a cycle counter before and after
+/// cam_isr().
 hal_load_t hal_load(void)
 {
     return (hal_load_t){0};
 }
 
-/// A serial line; may wait for room, never longer than the watchdog allows.
+/// Write to a serial line. It may wait for room, but never longer than the watchdog allows.
 void hal_text(const char *line)
 {
     (void)line;
 }
 
-/// Frames in the order of their arrival; a full queue drops the newest.
+/// Return frames in the order of their arrival. A full queue drops the newest.
 bool hal_can_read(hal_can_frame_t *frame)
 {
     (void)frame;
     return false;
 }
 
-/// Never wait for the bus.
+/// Queue the frame, and never wait for the bus.
 bool hal_can_write(const hal_can_frame_t *frame)
 {
     (void)frame;
     return false;
 }
 
-/// A free-running 32-bit counter; must not stop or jump while the tick runs.
+/// Return a free-running 32-bit counter. It must not stop or jump while the tick runs.
 uint32_t hal_clock_isr(void)
 {
     return 0;
 }
 
-/// Counter, index latch and number of index edges of the same instant. The latch holds the counter
-/// at the edge of the index pulse that is passed first in the positive sense, for both senses.
+/// Return counter, index latch and number of index edges of the same instant. In both senses of
+/// rotation the latch holds the counter at that edge of the index pulse which a positive rotation
+/// passes first.
 void hal_encoder_read_isr(hal_encoder_t *reading)
 {
     *reading = (hal_encoder_t){0};
 }
 
-/// Newest measured position of an axis.
+/// Return the newest measured position of the axis.
 int32_t hal_axis_read_nm_isr(hal_axis_t axis)
 {
     (void)axis;
     return 0;
 }
 
-/// Newest measured swing of the tool; 0 without the axis.
+/// Return the newest measured swing of the tool; 0 without the axis.
 int32_t hal_swing_read_q32_isr(void)
 {
     return 0;
 }
 
-/// Emergency-stop chain and drive-ready line; a cut wire must read as "stop" and "not ready".
+/// Return the emergency-stop chain and the drive-ready line. A cut wire must read as "stop" and as
+/// "not ready".
 uint32_t hal_inputs_read_isr(void)
 {
     return hal_in_estop;
 }
 
-/// Must reach the drive before the next tick, always after the same delay: the parameter lead_ns.
+/// Pass the set-point to the drive before the next tick, and always after the same delay, which is
+/// a part of the parameter lead_ns.
 void hal_axis_write_isr(hal_axis_t axis, const hal_setpoint_t *setpoint)
 {
     (void)axis;
     (void)setpoint;
 }
 
-/// Every 8 or 10 ticks; in between the drive goes on at the speed of the last one.
+/// Pass the set-point to the drive. Until the next one the drive continues at the velocity given.
 void hal_swing_write_isr(const hal_swing_t *setpoint)
 {
     (void)setpoint;
 }
 
-/// Speed set-point of the spindle, signed.
+/// Pass the signed speed set-point to the spindle's drive.
 void hal_spindle_write_isr(int32_t speed_mrpm)
 {
     (void)speed_mrpm;
 }
 
-/// Enable, fault lamp, in cut. Enable low must stop the drives without the firmware's help.
+/// Write enable, fault lamp and "in cut". Enable low must stop the drives without the firmware's
+/// help.
 void hal_outputs_write_isr(uint32_t bits)
 {
     (void)bits;

@@ -31,20 +31,21 @@ static bool grow(sim_file_t *f, size_t capacity)
 
 /// Grows as it reads, so a file that grows is no problem.
 static bool read_all(sim_file_t *f, FILE *stream, const char *path, size_t max_bytes,
-                     sim_error_t *e)
+                     common_error_t *e)
 {
     for (size_t capacity = first_bytes;; capacity *= 2u) {
         if (!grow(f, capacity)) {
-            return sim_error(e, "%s: not enough memory for %zu bytes; use a smaller file", path,
-                             capacity);
+            return common_error(e, "%s: not enough memory for %zu bytes; use a smaller file", path,
+                                capacity);
         }
         f->size += fread(f->bytes + f->size, 1, capacity - f->size, stream);
         if (ferror(stream) != 0) {
-            return sim_error(e, "%s: cannot be read: %s; give a readable file", path,
-                             strerror(errno));
+            return common_error(e, "%s: cannot be read: %s; give a readable file", path,
+                                strerror(errno));
         }
         if (f->size > max_bytes) {
-            return sim_error(e, "%s: larger than %zu bytes; give the right file", path, max_bytes);
+            return common_error(e, "%s: larger than %zu bytes; give the right file", path,
+                                max_bytes);
         }
         if (f->size < capacity) {
             return true;
@@ -53,23 +54,23 @@ static bool read_all(sim_file_t *f, FILE *stream, const char *path, size_t max_b
 }
 
 /// A pipe would be waited for, a device may never end.
-static FILE *open_regular(const char *path, sim_error_t *e)
+static FILE *open_regular(const char *path, common_error_t *e)
 {
     struct stat about;
     const bool is_there = stat(path, &about) == 0;
     if (is_there && !S_ISREG(about.st_mode)) {
-        (void)sim_error(e, "%s: %s; give a file", path,
-                        S_ISDIR(about.st_mode) ? "is a folder" : "is no regular file");
+        (void)common_error(e, "%s: %s; give a file", path,
+                           S_ISDIR(about.st_mode) ? "is a folder" : "is no regular file");
         return NULL;
     }
     FILE *stream = is_there ? fopen(path, "rb") : NULL;
     if (stream == NULL) {
-        (void)sim_error(e, "%s: cannot be opened: %s; check the path", path, strerror(errno));
+        (void)common_error(e, "%s: cannot be opened: %s; check the path", path, strerror(errno));
     }
     return stream;
 }
 
-bool sim_file_read(sim_file_t *f, const char *path, size_t max_bytes, sim_error_t *e)
+bool sim_file_read(sim_file_t *f, const char *path, size_t max_bytes, common_error_t *e)
 {
     *f = (sim_file_t){0};
     FILE *stream = open_regular(path, e);

@@ -3,9 +3,9 @@
 #ifndef SIM_FILE_H
 #define SIM_FILE_H
 
-#include "sim_error.h" // sim_error_t
-#include <stddef.h>    // size_t
-#include <stdint.h>    // uint8_t
+#include "common_error.h" // common_error_t
+#include <stddef.h>       // size_t
+#include <stdint.h>       // uint8_t
 
 typedef struct {
     uint8_t *bytes; ///< aligned to 32
@@ -14,7 +14,7 @@ typedef struct {
 
 /// @param max_bytes  more is refused
 /// @return           false and *e when it is no regular file, cannot be read or is too large
-bool sim_file_read(sim_file_t *f, const char *path, size_t max_bytes, sim_error_t *e);
+bool sim_file_read(sim_file_t *f, const char *path, size_t max_bytes, common_error_t *e);
 
 void sim_file_free(sim_file_t *f);
 

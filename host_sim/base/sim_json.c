@@ -62,11 +62,6 @@ bool sim_json_breaks(const cJSON *list, double **breaks, size_t *n_pieces)
     return false;
 }
 
-static bool read_piece(double c[4], const cJSON *list)
-{
-    return cJSON_IsArray(list) && cJSON_GetArraySize(list) == 4 && copy_numbers(list, c);
-}
-
 static bool read_pieces(sim_cubics_t *p, const cJSON *list)
 {
     if (!cJSON_IsArray(list) || (size_t)cJSON_GetArraySize(list) != p->n) {
@@ -77,7 +72,8 @@ static bool read_pieces(sim_cubics_t *p, const cJSON *list)
     const cJSON *item;
     cJSON_ArrayForEach(item, list)
     {
-        if (p->c == NULL || !read_piece(p->c[i++], item)) {
+        if (p->c == NULL || !cJSON_IsArray(item) || cJSON_GetArraySize(item) != 4 ||
+            !copy_numbers(item, p->c[i++])) {
             return false;
         }
     }
@@ -85,17 +81,17 @@ static bool read_pieces(sim_cubics_t *p, const cJSON *list)
 }
 
 bool sim_json_cubics(sim_cubics_t *p, const cJSON *parent, const char *where, const char *name,
-                     const char *path, sim_error_t *e)
+                     const char *path, common_error_t *e)
 {
     const cJSON *item = cJSON_GetObjectItemCaseSensitive(parent, name);
     if (!sim_json_breaks(cJSON_GetObjectItemCaseSensitive(item, "breaks_mm"), &p->break_mm,
                          &p->n)) {
-        return sim_error(
+        return common_error(
             e, "%s: %s.%s.breaks_mm: wants rising finite numbers, 2 or more; " SIM_JSON_REMEDY,
             path, where, name);
     }
     if (!read_pieces(p, cJSON_GetObjectItemCaseSensitive(item, "coefficients"))) {
-        return sim_error(
+        return common_error(
             e, "%s: %s.%s.coefficients: wants %zu lists of 4 finite numbers; " SIM_JSON_REMEDY,
             path, where, name, p->n);
     }

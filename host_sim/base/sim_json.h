@@ -3,8 +3,8 @@
 #ifndef SIM_JSON_H
 #define SIM_JSON_H
 
-#include "sim_cubics.h" // sim_cubics_t
-#include "sim_error.h"  // sim_error_t
+#include "sim_cubics.h"   // sim_cubics_t
+#include "common_error.h" // common_error_t
 #include <cjson/cJSON.h>
 #include <stdbool.h> // bool
 #include <stddef.h>  // size_t
@@ -31,6 +31,6 @@ bool sim_json_breaks(const cJSON *list, double **breaks, size_t *n_pieces);
 /// @param p      zero-initialised; to be freed in any case
 /// @param where  dotted path of the parent, for messages
 bool sim_json_cubics(sim_cubics_t *p, const cJSON *parent, const char *where, const char *name,
-                     const char *path, sim_error_t *e);
+                     const char *path, common_error_t *e);
 
 #endif

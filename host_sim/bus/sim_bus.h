@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-/// sim_bus: the lathe as the nodes of a CANopen bus: encoder, drives of U, X and Z, spindle.
+/// sim_bus: the nodes of a CANopen bus in front of the lathe: encoder, drives of U, X and Z,
+/// spindle. Frames become set-points of the lathe, its positions become frames.
 ///
 /// The controller is another process. It sends set-points and SYNC at every tick; the nodes speak
-/// half a period before the tick. One step covers the time between two such moments:
+/// half a period before the tick. One step covers the time between two such moments, the lathe
+/// makes two steps of half a period in it:
 ///
 ///     nodes speak   tick: SYNC    nodes speak   tick: SYNC
 ///     ----|------------|-------------|------------|----
@@ -10,19 +12,18 @@
 ///         |  old target   new target |
 ///         |<-------- one step ------>|
 ///
-/// Targets are held from SYNC to SYNC (60C2h: no interpolation). Models and faults are those of
-/// camsim run, the wire is that of sim_node.h. Pure: the sockets, the lines and the clock are in
-/// camsim_link.h.
+/// Targets are held from SYNC to SYNC (60C2h: no interpolation). The wire is that of sim_node.h.
+/// Pure: the sockets, the lines and the clock are in sim_link.h.
 #ifndef SIM_BUS_H
 #define SIM_BUS_H
 
 #include "sim_disturb.h" // sim_disturb_t
 #include "sim_frame.h"   // sim_frames_t
 #include "sim_inject.h"  // sim_inject_t
-#include "sim_machine.h" // sim_machine_config_t
+#include "sim_lathe.h"   // sim_lathe_t
 #include "sim_node.h"    // sim_node_t
 #include <stdbool.h>     // bool
-#include <stdint.h>      // uint64_t
+#include <stdint.h>      // uint32_t, uint64_t
 
 /// Nodes; the axes in the order of hal_axis_t.
 typedef enum {
@@ -37,15 +38,15 @@ typedef enum {
 enum { sim_bus_controller_id = 64 };
 
 typedef struct {
-    sim_machine_config_t machine;     ///< tick_hz: of the controller
+    sim_lathe_config_t lathe;
     double guard_s;                   ///< [s] silence after which a drive stops on its own
     double heartbeat_s;               ///< [s] period of the nodes' heartbeats
     uint32_t encoder_modulus;         ///< [counts] position value wraps there; 0: at 2^32
-    bool is_foreign[sim_bus_n_nodes]; ///< a node made by somebody else: only listened to
+    bool is_foreign[sim_bus_n_nodes]; ///< another process makes this node: it is only listened to
     uint64_t seed;
 } sim_bus_config_t;
 
-/// Lines: what the controller tells and what it is told.
+/// Lines: outputs and inputs of the controller.
 typedef struct {
     bool is_enabled, is_fault, is_in_cut;
 } sim_bus_outputs_t;
@@ -55,42 +56,30 @@ typedef struct {
     bool is_ready; ///< no drive has failed
 } sim_bus_inputs_t;
 
-/// Truth at the instant of the last SYNC.
-typedef struct {
-    double t_s;
-    double turn; ///< [turn] true angle of the spindle, not wrapped
-    double u_nm, x_nm, z_nm;
-} sim_bus_sample_t;
-
 typedef struct {
     sim_bus_config_t config;
     double period_s, time_s; ///< time of the last step's end
     uint64_t n_steps;
-    sim_spindle_t spindle;
-    sim_encoder_t encoder;
-    sim_drive_t axis[hal_n_axes];
+    sim_lathe_t lathe;
     sim_node_t node[sim_bus_n_nodes];
     uint32_t encoder_counts; ///< spoken last
     bool has_sync;           ///< since the last step
     uint64_t n_syncs;
-    double sync_s; ///< of the last SYNC
-    sim_bus_sample_t sample;
+    double sync_s;       ///< of the last SYNC
+    sim_sample_t sample; ///< truth at the instant of the last SYNC
     // what the controller says of itself, in 0x1C0
     bool has_status;
-    uint32_t told_state, told_faults;
+    uint32_t reported_state, reported_faults;
     // what is wrong with the machine
     sim_disturb_t disturb; ///< frames of the encoder
     sim_bus_inputs_t inputs;
     bool is_ready_broken;
-    uint32_t count_offset, stuck_counts;
-    bool is_encoder_stuck, is_index_dead, is_reversed, is_speed_forced;
-    double forced_rad_per_s;
     // what is to be done after the step
     sim_frames_t out;
     double index_s; ///< [s] from now to the index edge, < 0: none within the period
 } sim_bus_t;
 
-/// Bring the machine to rest.
+/// Bring the lathe to rest and the nodes to power on.
 /// @param b  64 KB
 void sim_bus_init(sim_bus_t *b, const sim_bus_config_t *config, double x_nm, double z_nm);
 
@@ -100,7 +89,8 @@ void sim_bus_receive(sim_bus_t *b, const sim_frame_t *frame);
 /// One period passed: move, and say what there is to say.
 void sim_bus_step(sim_bus_t *b);
 
-/// Do to the machine what an --inject says. @param direction  +1 or -1: sense of cutting
+/// Do what an --inject says to nodes, frames and lathe.
+/// @param direction  +1 or -1: sense of cutting
 void sim_bus_inject(sim_bus_t *b, const sim_inject_t *inject, int direction);
 
 /// @return true when nothing moves

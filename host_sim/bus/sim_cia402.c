@@ -1,146 +1,92 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_cia402.h"
+#include <stddef.h> // size_t
 
-/// Bits of the control word, CiA 402-2, object 6040h.
+/// A set of states.
+#define IN(state) (1u << cia402_##state)
+
 enum {
-    switch_on = 1u << 0,
-    enable_voltage = 1u << 1,
-    no_quick_stop = 1u << 2,
-    enable_operation = 1u << 3,
-    fault_reset = 1u << 7,
+    voltage = cia402_bit_enable_voltage,
+    no_stop = cia402_bit_no_quick_stop,
+    on = cia402_bit_switch_on,
+    enable = cia402_bit_enable_operation,
 };
 
-/// Bits of the status word that do not depend on the state alone, object 6041h.
-enum { voltage_enabled = 1u << 4, remote = 1u << 9, follows_command = 1u << 12 };
+/// Steps that a control word takes: its bits of `mask` are `bits`, the state is in `from`.
+static const struct {
+    uint32_t mask, bits, from;
+    cia402_state_t to;
+} steps[] = {
+    // No voltage: no torque, from wherever there may be some.
+    {voltage, 0,
+     IN(ready_to_switch_on) | IN(switched_on) | IN(operation_enabled) | IN(quick_stop_active),
+     cia402_switch_on_disabled},
+    // Quick stop.
+    {voltage | no_stop, voltage, IN(ready_to_switch_on) | IN(switched_on),
+     cia402_switch_on_disabled},
+    {voltage | no_stop, voltage, IN(operation_enabled), cia402_quick_stop_active},
+    // Shutdown.
+    {voltage | no_stop | on, voltage | no_stop,
+     IN(switch_on_disabled) | IN(switched_on) | IN(operation_enabled), cia402_ready_to_switch_on},
+    // Switch on, or disable operation.
+    {voltage | no_stop | on | enable, voltage | no_stop | on,
+     IN(ready_to_switch_on) | IN(operation_enabled), cia402_switched_on},
+    // Enable operation: one step towards it.
+    {voltage | no_stop | on | enable, voltage | no_stop | on | enable, IN(ready_to_switch_on),
+     cia402_switched_on},
+    {voltage | no_stop | on | enable, voltage | no_stop | on | enable,
+     IN(switched_on) | IN(quick_stop_active), cia402_operation_enabled},
+};
 
 void sim_cia402_init(sim_cia402_t *d)
 {
-    *d = (sim_cia402_t){.power = sim_power_not_ready};
+    *d = (sim_cia402_t){.state = cia402_not_ready_to_switch_on};
 }
 
 void sim_cia402_boot(sim_cia402_t *d)
 {
-    if (d->power == sim_power_not_ready) {
-        d->power = sim_power_switch_on_disabled;
-    }
-}
-
-/// Bit 1 low: no torque, from wherever there may be some.
-static sim_power_t without_voltage(sim_power_t power)
-{
-    switch (power) {
-    case sim_power_ready_to_switch_on:
-    case sim_power_switched_on:
-    case sim_power_operation_enabled:
-    case sim_power_quick_stop_active:
-        return sim_power_switch_on_disabled;
-    default:
-        return power;
-    }
-}
-
-/// Bit 2 low.
-static sim_power_t quickly_stopped(sim_power_t power)
-{
-    switch (power) {
-    case sim_power_ready_to_switch_on:
-    case sim_power_switched_on:
-        return sim_power_switch_on_disabled;
-    case sim_power_operation_enabled:
-        return sim_power_quick_stop_active;
-    default:
-        return power;
-    }
-}
-
-/// Bit 0 low, the two above high.
-static sim_power_t shut_down(sim_power_t power)
-{
-    switch (power) {
-    case sim_power_switch_on_disabled:
-    case sim_power_switched_on:
-    case sim_power_operation_enabled:
-        return sim_power_ready_to_switch_on;
-    default:
-        return power;
-    }
-}
-
-/// Bits 0 to 2 high, bit 3 low.
-static sim_power_t switched_on(sim_power_t power)
-{
-    switch (power) {
-    case sim_power_ready_to_switch_on:
-    case sim_power_operation_enabled:
-        return sim_power_switched_on;
-    default:
-        return power;
-    }
-}
-
-/// Bits 0 to 3 high: one step towards operation.
-static sim_power_t enabled(sim_power_t power)
-{
-    switch (power) {
-    case sim_power_ready_to_switch_on:
-        return sim_power_switched_on;
-    case sim_power_switched_on:
-    case sim_power_quick_stop_active:
-        return sim_power_operation_enabled;
-    default:
-        return power;
+    if (d->state == cia402_not_ready_to_switch_on) {
+        d->state = cia402_switch_on_disabled;
     }
 }
 
 void sim_cia402_control(sim_cia402_t *d, uint32_t control_word)
 {
-    const bool is_reset = (control_word & fault_reset) != 0u;
+    const bool is_reset = (control_word & cia402_bit_fault_reset) != 0u;
     const bool is_rising = is_reset && !d->is_reset_held;
     d->is_reset_held = is_reset;
-    if (d->power == sim_power_fault) {
-        d->power = is_rising ? sim_power_switch_on_disabled : sim_power_fault;
-    } else if (is_reset) {
+    if (d->state == cia402_fault) {
+        d->state = is_rising ? cia402_switch_on_disabled : cia402_fault;
         return;
-    } else if ((control_word & enable_voltage) == 0u) {
-        d->power = without_voltage(d->power);
-    } else if ((control_word & no_quick_stop) == 0u) {
-        d->power = quickly_stopped(d->power);
-    } else if ((control_word & switch_on) == 0u) {
-        d->power = shut_down(d->power);
-    } else if ((control_word & enable_operation) == 0u) {
-        d->power = switched_on(d->power);
-    } else {
-        d->power = enabled(d->power);
+    }
+    for (size_t i = 0; !is_reset && i < sizeof steps / sizeof steps[0]; i++) {
+        if ((control_word & steps[i].mask) == steps[i].bits &&
+            (steps[i].from >> d->state & 1u) != 0u) {
+            d->state = steps[i].to;
+            return;
+        }
     }
 }
 
 void sim_cia402_fail(sim_cia402_t *d)
 {
-    if (d->power != sim_power_fault) {
-        d->power = sim_power_fault_reaction_active;
+    if (d->state != cia402_fault) {
+        d->state = cia402_fault_reaction_active;
     }
 }
 
 void sim_cia402_rest(sim_cia402_t *d)
 {
-    if (d->power == sim_power_quick_stop_active) {
-        d->power = sim_power_switch_on_disabled;
-    } else if (d->power == sim_power_fault_reaction_active) {
-        d->power = sim_power_fault;
+    if (d->state == cia402_quick_stop_active) {
+        d->state = cia402_switch_on_disabled;
+    } else if (d->state == cia402_fault_reaction_active) {
+        d->state = cia402_fault;
     }
 }
 
 uint32_t sim_cia402_status(const sim_cia402_t *d)
 {
-    static const uint32_t word[] = {
-        [sim_power_not_ready] = 0x00u,
-        [sim_power_switch_on_disabled] = 0x40u,
-        [sim_power_ready_to_switch_on] = 0x21u,
-        [sim_power_switched_on] = 0x23u,
-        [sim_power_operation_enabled] = 0x27u | follows_command,
-        [sim_power_quick_stop_active] = 0x07u,
-        [sim_power_fault_reaction_active] = 0x0Fu,
-        [sim_power_fault] = 0x08u,
-    };
-    return word[d->power] | voltage_enabled | remote;
+    const uint32_t follows = sim_cia402_is_following(d) ? cia402_bit_follows_command : 0u;
+    return cia402_pattern[d->state].value | follows | cia402_bit_voltage_enabled |
+           cia402_bit_remote;
 }

@@ -5,29 +5,19 @@
 ///     enabled any -13-> fault reaction active -14 at rest-> fault -15 reset-> switch on disabled
 ///     operation enabled -11-> quick stop active -12 at rest-> switch on disabled
 ///
-/// and the ways back: 5 (disable operation), 6 and 8 (shutdown), 7, 9, 10 and 12 (disable voltage;
-/// 7 and 10 by quick stop too), 16 (operation again out of a quick stop). A control word takes one
-/// step; the master repeats it until the status word follows. Numbers are those of the standard's
-/// figure.
+/// and the transitions back: 5 (disable operation), 6 and 8 (shutdown), 7, 9, 10 and 12 (disable
+/// voltage; 7 and 10 by quick stop too), 16 (operation again out of a quick stop). A control word
+/// takes one step; the master repeats it until the status word follows. Numbers are those of the
+/// standard's figure.
 #ifndef SIM_CIA402_H
 #define SIM_CIA402_H
 
+#include "cia402.h"  // cia402_state_t
 #include <stdbool.h> // bool
-#include <stdint.h>  // uint16_t
-
-typedef enum {
-    sim_power_not_ready,
-    sim_power_switch_on_disabled,
-    sim_power_ready_to_switch_on,
-    sim_power_switched_on,
-    sim_power_operation_enabled,
-    sim_power_quick_stop_active,
-    sim_power_fault_reaction_active,
-    sim_power_fault,
-} sim_power_t;
+#include <stdint.h>  // uint32_t
 
 typedef struct {
-    sim_power_t power;
+    cia402_state_t state;
     bool is_reset_held; ///< bit 7 of the last control word: only its rise resets
 } sim_cia402_t;
 
@@ -53,13 +43,13 @@ uint32_t sim_cia402_status(const sim_cia402_t *d);
 /// @return true when the axis follows its target
 static inline bool sim_cia402_is_following(const sim_cia402_t *d)
 {
-    return d->power == sim_power_operation_enabled;
+    return d->state == cia402_operation_enabled;
 }
 
-/// @return true in fault and on the way there
+/// @return true in fault and while the drive brakes before it
 static inline bool sim_cia402_is_failed(const sim_cia402_t *d)
 {
-    return d->power == sim_power_fault_reaction_active || d->power == sim_power_fault;
+    return d->state == cia402_fault_reaction_active || d->state == cia402_fault;
 }
 
 #endif

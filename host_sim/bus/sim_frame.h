@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// sim_frame: a CAN frame and a queue of them, as the simulated nodes see the bus.
 ///
-/// Numbers are little-endian two's complement (CiA 301, 7.1.4).
+/// Numbers are little-endian two's complement; common_bytes.h reads them.
 #ifndef SIM_FRAME_H
 #define SIM_FRAME_H
 
@@ -21,16 +21,6 @@ typedef struct {
     sim_frame_t frame[sim_frame_queue];
     uint32_t n;
 } sim_frames_t;
-
-static inline uint32_t sim_frame_get_u16(const sim_frame_t *f, uint32_t at)
-{
-    return (uint32_t)f->data[at] | (uint32_t)f->data[at + 1u] << 8;
-}
-
-static inline uint32_t sim_frame_get_u32(const sim_frame_t *f, uint32_t at)
-{
-    return sim_frame_get_u16(f, at) | sim_frame_get_u16(f, at + 2u) << 16;
-}
 
 /// Append a number of 1, 2 or 4 bytes.
 static inline void sim_frame_put(sim_frame_t *f, uint32_t value, uint32_t n_bytes)

@@ -17,18 +17,11 @@
 #ifndef SIM_NODE_H
 #define SIM_NODE_H
 
+#include "canopen.h"    // canopen_operational
 #include "sim_cia402.h" // sim_cia402_t
 #include "sim_frame.h"  // sim_frame_t
 #include <stdbool.h>    // bool
 #include <stdint.h>     // int32_t
-
-/// States of a node as its heartbeat tells them.
-enum {
-    sim_nmt_boot_up = 0x00,
-    sim_nmt_stopped = 0x04,
-    sim_nmt_operational = 0x05,
-    sim_nmt_pre_operational = 0x7F,
-};
 
 /// Emergency error codes.
 enum {

@@ -11,17 +11,25 @@
 #ifndef CAMSIM_H
 #define CAMSIM_H
 
-#include "cam_table.h" // cam_table_t
-#include "sim_cut.h"   // sim_cut_options_t, sim_cut_t
-#include "sim_error.h" // sim_error_t
-#include "sim_file.h"  // sim_file_t
-#include <stdbool.h>   // bool
-#include <stddef.h>    // size_t
-
-#define CAMSIM_VERSION "0.1.0"
+#include "common_error.h" // common_error_t
+#include "sim_cut.h"      // sim_cut_options_t, sim_cut_t
+#include "sim_file.h"     // sim_file_t
+#include "sim_out.h"      // sim_out_t
+#include <stdbool.h>      // bool
+#include <stddef.h>       // size_t
 
 enum { camsim_done = 0, camsim_not_good = 1, camsim_wrong = 2 };
 enum { camsim_max_table_bytes = 64 * 1024 * 1024 };
+
+/// Output files, in the order in which they are opened.
+enum {
+    camsim_trace,
+    camsim_surface,
+    camsim_summary,
+    camsim_removal,
+    camsim_scallop,
+    camsim_n_outs
+};
 
 /// The commands; argv[0] is the command's name.
 int camsim_eval(int argc, char **argv);
@@ -29,29 +37,41 @@ int camsim_run(int argc, char **argv);
 int camsim_bus(int argc, char **argv);
 
 /// Print an error line. @return camsim_wrong
-int camsim_complain(const sim_error_t *e);
+int camsim_complain(const common_error_t *e);
 
-/// What `run`, or `bus` as far as they share it, was asked for.
+/// The options of `run`; `bus` shares most of them.
 typedef struct {
     const char *command; ///< for messages
     const char *table_path;
     const char *machine_path;
-    const char *trace_path, *surface_path, *summary_path, *removal_path;
-    const char *scallop_path; ///< all of them NULL: not wanted
-    char design_path[4096];   ///< of the gauge's reference; "" when there is none
-    char target_image[4096];  ///< where it was built; not used when the user gives one
+    const char *out_path[camsim_n_outs]; ///< NULL: not wanted
+    char design_path[4096];              ///< NAME.json beside the table, whether it is there or not
+    char target_image[4096];             ///< where it was built; not used when the user gives one
     bool is_progress_shown;
     bool is_help;
-    double tolerance_um;
     sim_cut_options_t cut;
 } camsim_options_t;
 
 /// Read the options of `run`.
 /// @param argv  argv[0] is the command
 /// @return false and *e when something is wrong
-bool camsim_options_read(camsim_options_t *o, int argc, char **argv, sim_error_t *e);
+bool camsim_options_read(camsim_options_t *o, int argc, char **argv, common_error_t *e);
 
 /// Print the help of `run`.
 void camsim_options_help(void);
+
+/// Open the first n outputs. @return false and *e on the first that cannot be written
+bool camsim_open_outs(sim_out_t *outs, const camsim_options_t *o, int n, common_error_t *e);
+
+/// Warn when the gauge has no design to compare with.
+void camsim_warn_of_design(const camsim_options_t *o);
+
+/// Print what came of a cut by the firmware.
+void camsim_print_cut(const sim_cut_t *cut, double wall_s);
+
+/// Say why a cut by the firmware is not good.
+/// @param table  path of the table
+/// @return       exit status
+int camsim_judge_cut(const sim_cut_t *cut, const char *table);
 
 #endif

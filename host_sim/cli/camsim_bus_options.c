@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "camsim_bus.h"
-#include <stdio.h>  // puts
-#include <stdlib.h> // calloc, free
-#include <string.h> // strcmp
+#include "common_number.h" // common_number_parse
+#include <stdio.h>         // puts
+#include <stdlib.h>        // calloc, free
+#include <string.h>        // strcmp
 
 static const char help[] =
     "camsim bus TABLE --can IFACE [options]     the machine as nodes on a CAN bus (Linux)\n"
@@ -39,72 +40,51 @@ void camsim_bus_options_help(void)
 }
 
 static bool take_number(double *value, const char *option, const char *text, double min, double max,
-                        sim_error_t *e)
+                        common_error_t *e)
 {
-    if (!sim_parse_number(text, value) || *value < min || *value > max) {
-        return sim_error(e, "--%s %.60s: give a number %.12g .. %.12g", option, text, min, max);
+    if (!common_number_parse(text, value) || *value < min || *value > max) {
+        return common_error(e, "--%s %.60s: give a number %.12g .. %.12g", option, text, min, max);
     }
     return true;
 }
 
-static bool take_modulus(camsim_bus_options_t *o, const char *text, sim_error_t *e)
+static bool take_value(sim_watch_options_t *o, const char *name, const char *text,
+                       common_error_t *e)
 {
-    if (!take_number(&o->encoder_modulus, "encoder-modulus", text, 64.0, 4294967295.0, e)) {
-        return false;
+    static const char *const node[sim_bus_n_nodes] = {"encoder", "u", "x", "z", "spindle"};
+    if (strcmp(name, "tick-hz") == 0) {
+        return take_number(&o->tick_hz, name, text, 100.0, 4000.0, e);
     }
-    return o->encoder_modulus == (double)(uint32_t)o->encoder_modulus ||
-           sim_error(e, "--encoder-modulus %.60s: not whole; give a whole number", text);
-}
-
-static bool take_without(camsim_bus_options_t *o, const char *text, sim_error_t *e)
-{
-    static const char *const name[sim_bus_n_nodes] = {"encoder", "u", "x", "z", "spindle"};
+    if (strcmp(name, "guard-ms") == 0) {
+        return take_number(&o->guard_ms, name, text, 1.0, 10000.0, e);
+    }
+    if (strcmp(name, "heartbeat-ms") == 0) {
+        return take_number(&o->heartbeat_ms, name, text, 1.0, 10000.0, e);
+    }
+    if (strcmp(name, "encoder-modulus") == 0) {
+        return take_number(&o->encoder_modulus, name, text, 64.0, 4294967295.0, e) &&
+               (o->encoder_modulus == (double)(uint32_t)o->encoder_modulus ||
+                common_error(e, "--encoder-modulus %.60s: not whole; give a whole number", text));
+    }
+    if (strcmp(name, "without") != 0) {
+        *(strcmp(name, "can") == 0 ? &o->interface : &o->chip) = text;
+        return true;
+    }
     for (int i = 0; i < sim_bus_n_nodes; i++) {
-        if (strcmp(text, name[i]) == 0) {
+        if (strcmp(text, node[i]) == 0) {
             o->is_foreign[i] = true;
             return true;
         }
     }
-    return sim_error(e, "--without %.60s: no such node; give encoder, u, x, z or spindle", text);
-}
-
-/// @return false when the option is not one of the bus
-static bool is_of_bus(const char *name)
-{
-    static const char *const own[] = {"can",          "gpiochip",        "tick-hz", "guard-ms",
-                                      "heartbeat-ms", "encoder-modulus", "without"};
-    for (size_t i = 0; i < sizeof own / sizeof own[0]; i++) {
-        if (strcmp(name, own[i]) == 0) {
-            return true;
-        }
-    }
-    return false;
-}
-
-static bool take_value(camsim_bus_options_t *o, const char *name, const char *text, sim_error_t *e)
-{
-    if (strcmp(name, "can") == 0) {
-        o->interface = text;
-    } else if (strcmp(name, "gpiochip") == 0) {
-        o->chip = text;
-    } else if (strcmp(name, "tick-hz") == 0) {
-        return take_number(&o->tick_hz, name, text, 100.0, 4000.0, e);
-    } else if (strcmp(name, "guard-ms") == 0) {
-        return take_number(&o->guard_ms, name, text, 1.0, 10000.0, e);
-    } else if (strcmp(name, "heartbeat-ms") == 0) {
-        return take_number(&o->heartbeat_ms, name, text, 1.0, 10000.0, e);
-    } else if (strcmp(name, "encoder-modulus") == 0) {
-        return take_modulus(o, text, e);
-    } else {
-        return take_without(o, text, e);
-    }
-    return true;
+    return common_error(e, "--without %.60s: no such node; give encoder, u, x, z or spindle", text);
 }
 
 /// Take an option of the bus, with its value; the others stay for the options of a run.
 /// @return words taken, 0: it is another's, below 0 and *e: it is wrong
-static int take_own(camsim_bus_options_t *o, int n_left, char **words, sim_error_t *e)
+static int take_own(sim_watch_options_t *o, int n_left, char **words, common_error_t *e)
 {
+    static const char *const own[] = {"can",          "gpiochip",        "tick-hz", "guard-ms",
+                                      "heartbeat-ms", "encoder-modulus", "without"};
     char name[24] = "";
     if (strncmp(words[0], "--", 2) != 0) {
         return 0;
@@ -119,11 +99,15 @@ static int take_own(camsim_bus_options_t *o, int n_left, char **words, sim_error
         return 0;
     }
     memcpy(name, words[0] + 2, length);
-    if (!is_of_bus(name)) {
+    bool is_own = false;
+    for (size_t i = 0; i < sizeof own / sizeof own[0]; i++) {
+        is_own = is_own || strcmp(name, own[i]) == 0;
+    }
+    if (!is_own) {
         return 0;
     }
     if (equals == NULL && n_left < 2) {
-        (void)sim_error(e, "bus: --%s: value missing; see camsim bus --help", name);
+        (void)common_error(e, "bus: --%s: value missing; see camsim bus --help", name);
         return -1;
     }
     const char *value = equals != NULL ? equals + 1 : words[1];
@@ -133,32 +117,34 @@ static int take_own(camsim_bus_options_t *o, int n_left, char **words, sim_error
     return equals != NULL ? 1 : 2;
 }
 
-/// What belongs to the controller is told to it, not to the machine.
-static bool check_foreign(const camsim_bus_options_t *o, sim_error_t *e)
+/// What belongs to the controller is given to the controller, not to the lathe.
+static bool check_foreign(const camsim_bus_options_t *o, common_error_t *e)
 {
     const sim_cut_options_t *cut = &o->common.cut;
     bool is_clean = cut->rpm == 0.0 && cut->feed_mm == 0.0 && !cut->is_without_feed_forward &&
                     !cut->is_without_lead && cut->max_turns == 0.0 && cut->target == NULL &&
-                    cut->slice_s == 0.0 && o->common.removal_path == NULL &&
+                    cut->slice_s == 0.0 && o->common.out_path[camsim_removal] == NULL &&
                     !o->common.is_progress_shown;
     for (int i = 0; i < cam_n_params; i++) {
         is_clean = is_clean && !cut->wishes.is_given[i];
     }
-    return is_clean || sim_error(e, "bus: an option of camsim run only (speed, feed, parameters, "
-                                    "removal, target); tell the controller itself");
+    return is_clean ||
+           common_error(e, "bus: an option of camsim run only (speed, feed, parameters, "
+                           "removal, target); tell the controller itself");
 }
 
-bool camsim_bus_options_read(camsim_bus_options_t *o, int argc, char **argv, sim_error_t *e)
+bool camsim_bus_options_read(camsim_bus_options_t *o, int argc, char **argv, common_error_t *e)
 {
-    *o = (camsim_bus_options_t){.tick_hz = 1000.0, .guard_ms = 20.0, .heartbeat_ms = 50.0};
+    *o = (camsim_bus_options_t){
+        .watch = {.tick_hz = 1000.0, .guard_ms = 20.0, .heartbeat_ms = 50.0}};
     char **rest = calloc((size_t)argc + 1u, sizeof *rest);
     if (rest == NULL) {
-        return sim_error(e, "bus: not enough memory; free some");
+        return common_error(e, "bus: not enough memory; free some");
     }
     int n_rest = 0;
     int taken = 1;
     for (int i = 0; i < argc && taken >= 0; i += taken > 0 ? taken : 1) {
-        taken = i > 0 ? take_own(o, argc - i, argv + i, e) : 0;
+        taken = i > 0 ? take_own(&o->watch, argc - i, argv + i, e) : 0;
         if (taken == 0) {
             rest[n_rest++] = argv[i];
         }
@@ -168,11 +154,12 @@ bool camsim_bus_options_read(camsim_bus_options_t *o, int argc, char **argv, sim
     if (!is_good || o->common.is_help) {
         return is_good;
     }
-    if (o->interface == NULL) {
-        return sim_error(e, "bus: no --can; give the CAN interface of the controller");
+    if (o->watch.interface == NULL) {
+        return common_error(e, "bus: no --can; give the CAN interface of the controller");
     }
-    if (o->common.cut.max_s == 0.0) {
-        o->common.cut.max_s = default_max_s;
+    o->watch.session = o->common.cut.session;
+    if (o->watch.session.max_s == 0.0) {
+        o->watch.session.max_s = default_max_s;
     }
     return check_foreign(o, e);
 }

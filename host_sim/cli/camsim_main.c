@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "camsim.h"
-#include <stdio.h>  // puts
-#include <string.h> // strcmp
+#include "sim_summary.h" // SIM_VERSION
+#include <stdio.h>       // puts
+#include <string.h>      // strcmp
 
 static const char help[] =
     "camsim: the camturn controller on a simulated lathe\n"
@@ -14,18 +15,19 @@ static const char help[] =
     "TABLE is a NAME.camtab made by tools/mktables.\n"
     "Exit status: 0 done, 1 fault or out of tolerance, 2 wrong usage or bad input.";
 
-int camsim_complain(const sim_error_t *e)
+int camsim_complain(const common_error_t *e)
 {
     (void)fprintf(stderr, "camsim: %s\n", e->text);
     return camsim_wrong;
 }
 
-/// What was printed has arrived, or the exit status tells.
+/// @return exit status: an output that could not be printed is an error
 static int after_print(void)
 {
-    sim_error_t e;
+    common_error_t e;
     if (fflush(stdout) != 0 || ferror(stdout) != 0) {
-        (void)sim_error(&e, "standard output: cannot be written; make room or give another target");
+        (void)common_error(&e,
+                           "standard output: cannot be written; make room or give another target");
         return camsim_complain(&e);
     }
     return camsim_done;
@@ -48,11 +50,11 @@ int main(int argc, char **argv)
         return after_print();
     }
     if (strcmp(command, "--version") == 0) {
-        (void)puts("camsim " CAMSIM_VERSION);
+        (void)puts("camsim " SIM_VERSION);
         return after_print();
     }
-    sim_error_t e;
-    (void)sim_error(&e, "%.40s: no such command; use eval, run or bus, camsim --help tells more",
-                    argc > 1 ? command : "(nothing)");
+    common_error_t e;
+    (void)common_error(&e, "%.40s: no such command; use eval, run or bus, camsim --help tells more",
+                       argc > 1 ? command : "(nothing)");
     return camsim_complain(&e);
 }

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #define _GNU_SOURCE // NOLINT(bugprone-reserved-identifier): getopt_long
 #include "camsim.h"
-#include "sim_target.h" // sim_target_find
-#include <getopt.h>     // getopt_long
-#include <stdio.h>      // puts
-#include <string.h>     // strrchr
-#include <unistd.h>     // access
+#include "common_number.h" // common_number_parse
+#include "sim_target.h"    // sim_target_find
+#include <getopt.h>        // getopt_long
+#include <stdio.h>         // fprintf, puts
+#include <string.h>        // strrchr
+#include <unistd.h>        // access
 
 static const char help[] =
     "camsim run TABLE [options]\n"
@@ -111,40 +112,21 @@ void camsim_options_help(void)
 
 /// A number of an option within its range, both ends included.
 static bool take_number(double *value, const char *option, const char *text, double min, double max,
-                        const char *unit, sim_error_t *e)
+                        const char *unit, common_error_t *e)
 {
-    if (!sim_parse_number(text, value)) {
-        return sim_error(e, "--%s %.60s: no finite number; give %s, %.12g .. %.12g", option, text,
-                         unit, min, max);
+    if (!common_number_parse(text, value)) {
+        return common_error(e, "--%s %.60s: no finite number; give %s, %.12g .. %.12g", option,
+                            text, unit, min, max);
     }
     if (*value < min || *value > max) {
-        return sim_error(e, "--%s %.60s: out of range; give %s, %.12g .. %.12g", option, text, unit,
-                         min, max);
+        return common_error(e, "--%s %.60s: out of range; give %s, %.12g .. %.12g", option, text,
+                            unit, min, max);
     }
     return true;
 }
 
-static bool take_seed(camsim_options_t *o, const char *text, sim_error_t *e)
-{
-    double value;
-    if (!take_number(&value, "seed", text, 0.0, 9007199254740992.0, "a whole number", e)) {
-        return false;
-    }
-    o->cut.seed = (uint64_t)value;
-    return (double)o->cut.seed == value ||
-           sim_error(e, "--seed %.60s: not whole; give a whole number 0 .. 9007199254740992", text);
-}
-
-static bool take_slice(camsim_options_t *o, const char *text, sim_error_t *e)
-{
-    double slice_us;
-    const bool is_good = take_number(&slice_us, "slice-us", text, 1.0, 1e9, "microseconds", e);
-    o->cut.slice_s = is_good ? slice_us * 1e-6 : 0.0;
-    return is_good;
-}
-
 /// Two heights, the second above the first; whether the part has them is seen later.
-static bool take_window(sim_cut_options_t *cut, const char *text, sim_error_t *e)
+static bool take_window(sim_cut_options_t *cut, const char *text, common_error_t *e)
 {
     char first[40];
     const char *colon = strchr(text, ':');
@@ -152,38 +134,27 @@ static bool take_window(sim_cut_options_t *cut, const char *text, sim_error_t *e
     if (is_split) {
         memcpy(first, text, (size_t)(colon - text));
         first[colon - text] = '\0';
-        cut->has_window = sim_parse_number(first, &cut->window_first_mm) &&
-                          sim_parse_number(colon + 1, &cut->window_last_mm) &&
+        cut->has_window = common_number_parse(first, &cut->window_first_mm) &&
+                          common_number_parse(colon + 1, &cut->window_last_mm) &&
                           cut->window_first_mm < cut->window_last_mm;
     }
     return cut->has_window ||
-           sim_error(e, "--scallop-mm %.60s: no two rising heights; give FROM:TO in mm", text);
+           common_error(e, "--scallop-mm %.60s: no two rising heights; give FROM:TO in mm", text);
 }
 
-static bool take_set(camsim_options_t *o, const char *text, sim_error_t *e)
+static bool take_set(camsim_options_t *o, const char *text, common_error_t *e)
 {
     char name[80];
     double value;
     const char *equals = strchr(text, '=');
     if (equals == NULL || (size_t)(equals - text) >= sizeof name ||
-        !sim_parse_number(equals + 1, &value)) {
-        return sim_error(e, "--set %.80s: wants PARAM=VALUE with a whole number; see cam_param.h",
-                         text);
+        !common_number_parse(equals + 1, &value)) {
+        return common_error(
+            e, "--set %.80s: wants PARAM=VALUE with a whole number; see cam_param.h", text);
     }
     memcpy(name, text, (size_t)(equals - text));
     name[equals - text] = '\0';
     return sim_wishes_add(&o->cut.wishes, name, value, "--set", e);
-}
-
-static bool take_inject(camsim_options_t *o, const char *text, sim_error_t *e)
-{
-    if (o->cut.n_injects == sim_cut_max_injects) {
-        return sim_error(e, "--inject %.60s: one too many; give at most %d", text,
-                         sim_cut_max_injects);
-    }
-    const bool is_bus = strcmp(o->command, "bus") == 0;
-    return sim_inject_parse(&o->cut.inject[o->cut.n_injects++], text,
-                            is_bus ? sim_inject_on_bus : sim_inject_in_run, e);
 }
 
 static bool take_switch(camsim_options_t *o, int option)
@@ -212,17 +183,17 @@ static const char **path_of(camsim_options_t *o, int option)
     case opt_machine:
         return &o->machine_path;
     case opt_trace:
-        return &o->trace_path;
+        return &o->out_path[camsim_trace];
     case opt_surface:
-        return &o->surface_path;
+        return &o->out_path[camsim_surface];
     case opt_summary:
-        return &o->summary_path;
+        return &o->out_path[camsim_summary];
     case opt_removal:
-        return &o->removal_path;
+        return &o->out_path[camsim_removal];
     case opt_scallop:
-        return &o->scallop_path;
+        return &o->out_path[camsim_scallop];
     case opt_design:
-        return &o->cut.design_path;
+        return &o->cut.session.design_path;
     case opt_target:
         return &o->cut.target;
     case opt_target_image:
@@ -232,20 +203,26 @@ static const char **path_of(camsim_options_t *o, int option)
     }
 }
 
-static bool take_value(camsim_options_t *o, int option, const char *text, sim_error_t *e)
+static bool take_value(camsim_options_t *o, int option, const char *text, common_error_t *e)
 {
     sim_cut_options_t *cut = &o->cut;
+    sim_session_options_t *session = &cut->session;
+    double value;
     switch (option) {
     case opt_rpm:
         return take_number(&cut->rpm, "rpm", text, 0.001, 60000.0, "r/min", e);
     case opt_feed:
         return take_number(&cut->feed_mm, "feed", text, 0.000001, 10.0, "mm per turn", e);
     case opt_tolerance:
-        return take_number(&o->tolerance_um, "tolerance-um", text, 0.0, 1e6, "um", e);
+        return take_number(&o->cut.session.tolerance_um, "tolerance-um", text, 0.0, 1e6, "um", e);
     case opt_turns:
         return take_number(&cut->max_turns, "turns-limit", text, 0.001, 1e9, "turns", e);
     case opt_slice:
-        return take_slice(o, text, e);
+        if (!take_number(&value, "slice-us", text, 1.0, 1e9, "microseconds", e)) {
+            return false;
+        }
+        cut->slice_s = value * 1e-6;
+        return true;
     case opt_kc:
         return take_number(&cut->kc_n_mm2, "kc-n-mm2", text, 0.001, 1e6, "N/mm2", e);
     case opt_nose:
@@ -255,21 +232,33 @@ static bool take_value(camsim_options_t *o, int option, const char *text, sim_er
     case opt_tip:
         return take_number(&cut->tip_mm, "tool-tip-mm", text, 0.05, 1000.0, "mm", e);
     case opt_max_seconds:
-        return take_number(&cut->max_s, "max-seconds", text, 0.001, 1e7, "seconds", e);
+        return take_number(&session->max_s, "max-seconds", text, 0.001, 1e7, "seconds", e);
     case opt_seed:
-        return take_seed(o, text, e);
+        if (!take_number(&value, "seed", text, 0.0, 9007199254740992.0, "a whole number", e)) {
+            return false;
+        }
+        session->seed = (uint64_t)value;
+        return (double)session->seed == value ||
+               common_error(e, "--seed %.60s: not whole; give a whole number 0 .. 9007199254740992",
+                            text);
     case opt_set:
         return take_set(o, text, e);
-    default:
-        return take_inject(o, text, e);
+    default: // opt_inject
+        if (session->n_injects == sim_session_max_injects) {
+            return common_error(e, "--inject %.60s: one too many; give at most %d", text,
+                                sim_session_max_injects);
+        }
+        return sim_inject_parse(
+            &session->inject[session->n_injects++], text,
+            strcmp(o->command, "bus") == 0 ? sim_inject_on_bus : sim_inject_in_run, e);
     }
 }
 
-static bool take_option(camsim_options_t *o, int option, char **argv, sim_error_t *e)
+static bool take_option(camsim_options_t *o, int option, char **argv, common_error_t *e)
 {
     if (option == '?' || option == ':') {
-        return sim_error(e, "%s: %.60s: unknown option or value missing; see camsim %s --help",
-                         o->command, argv[optind - 1], o->command);
+        return common_error(e, "%s: %.60s: unknown option or value missing; see camsim %s --help",
+                            o->command, argv[optind - 1], o->command);
     }
     if (take_switch(o, option)) {
         return true;
@@ -279,34 +268,34 @@ static bool take_option(camsim_options_t *o, int option, char **argv, sim_error_
         return take_value(o, option, optarg, e);
     }
     *path = optarg;
-    return optarg[0] != '\0' ||
-           sim_error(e, "%s: %.60s: an empty path; give a file name", o->command, argv[optind - 1]);
+    return optarg[0] != '\0' || common_error(e, "%s: %.60s: an empty path; give a file name",
+                                             o->command, argv[optind - 1]);
 }
 
 /// NAME.json beside NAME.camtab, when it is there.
-static bool find_design(camsim_options_t *o, sim_error_t *e)
+static bool find_design(camsim_options_t *o, common_error_t *e)
 {
     const char *name = strrchr(o->table_path, '/');
     const char *dot = strrchr(name != NULL ? name : o->table_path, '.');
     const size_t stem = dot != NULL ? (size_t)(dot - o->table_path) : strlen(o->table_path);
     if (stem + sizeof ".json" > sizeof o->design_path) {
-        return sim_error(e, "%.60s...: path too long; use a shorter one", o->table_path);
+        return common_error(e, "%.60s...: path too long; use a shorter one", o->table_path);
     }
     memcpy(o->design_path, o->table_path, stem);
     memcpy(o->design_path + stem, ".json", sizeof ".json");
     if (access(o->design_path, F_OK) == 0) {
-        o->cut.design_path = o->design_path;
+        o->cut.session.design_path = o->design_path;
     }
     return true;
 }
 
 /// The target exists; its image is the user's, or the one beside this program.
-static bool find_target(camsim_options_t *o, sim_error_t *e)
+static bool find_target(camsim_options_t *o, common_error_t *e)
 {
     if (o->cut.target == NULL) {
         return o->cut.target_image == NULL ||
-               sim_error(e, "--target-image %.60s: no target for it; give --target",
-                         o->cut.target_image);
+               common_error(e, "--target-image %.60s: no target for it; give --target",
+                            o->cut.target_image);
     }
     const sim_target_t *target = sim_target_find(o->cut.target, e);
     if (target == NULL || o->cut.target_image != NULL) {
@@ -316,37 +305,46 @@ static bool find_target(camsim_options_t *o, sim_error_t *e)
     return sim_target_image(target, o->target_image, sizeof o->target_image, e);
 }
 
-static bool check_scallop(const camsim_options_t *o, sim_error_t *e)
+static bool check_outputs(const camsim_options_t *o, common_error_t *e)
 {
-    const bool is_asked = o->scallop_path != NULL || o->cut.has_window;
-    return !is_asked || o->cut.nose_mm > 0.0 ||
-           sim_error(e, "--scallop, --scallop-mm: no tool for it; give --nose-mm, too");
-}
-
-static bool check_outputs(const camsim_options_t *o, sim_error_t *e)
-{
-    const char *const path[] = {o->table_path,   o->machine_path, o->cut.design_path,
-                                o->trace_path,   o->surface_path, o->summary_path,
-                                o->removal_path, o->scallop_path};
-    for (int i = 3; i < 8; i++) {
+    enum { n_inputs = 3, n_paths = n_inputs + camsim_n_outs };
+    const char *path[n_paths] = {o->table_path, o->machine_path, o->cut.session.design_path};
+    memcpy(path + n_inputs, o->out_path, sizeof o->out_path);
+    for (int i = n_inputs; i < n_paths; i++) {
         for (int k = 0; k < i; k++) {
             if (path[i] != NULL && path[k] != NULL && strcmp(path[i], path[k]) == 0) {
-                return sim_error(e, "%s: named for two purposes; give every output its own path",
-                                 path[i]);
+                return common_error(e, "%s: named for two purposes; give every output its own path",
+                                    path[i]);
             }
         }
     }
     return true;
 }
 
-bool camsim_options_read(camsim_options_t *o, int argc, char **argv, sim_error_t *e)
+bool camsim_open_outs(sim_out_t *outs, const camsim_options_t *o, int n, common_error_t *e)
+{
+    static const char *const option[camsim_n_outs] = {"--trace", "--surface", "--summary",
+                                                      "--removal", "--scallop"};
+    return sim_out_open_all(outs, o->out_path, option, n, e);
+}
+
+void camsim_warn_of_design(const camsim_options_t *o)
+{
+    if (o->cut.session.design_path == NULL) {
+        (void)fprintf(stderr,
+                      "camsim: warning: %s: missing, so the gauge compares with the table itself\n",
+                      o->design_path);
+    }
+}
+
+bool camsim_options_read(camsim_options_t *o, int argc, char **argv, common_error_t *e)
 {
     memset(o, 0, sizeof *o);
     o->command = argv[0];
-    o->tolerance_um = 5.0;
+    o->cut.session.tolerance_um = 5.0;
     o->cut.kc_n_mm2 = 700.0;
-    o->cut.config = sim_config_defaults();
-    o->cut.seed = 1;
+    o->cut.session.config = sim_config_defaults();
+    o->cut.session.seed = 1;
     opterr = 0;
     int option;
     while ((option = getopt_long(argc, argv, ":", options, NULL)) != -1) {
@@ -358,14 +356,19 @@ bool camsim_options_read(camsim_options_t *o, int argc, char **argv, sim_error_t
         }
     }
     if (optind + 1 != argc) {
-        return sim_error(e, "%s: wants one TABLE, got %d; see camsim %s --help", o->command,
-                         argc - optind, o->command);
+        return common_error(e, "%s: wants one TABLE, got %d; see camsim %s --help", o->command,
+                            argc - optind, o->command);
     }
     o->table_path = argv[optind];
-    o->cut.is_traced = o->trace_path != NULL;
-    if (o->machine_path != NULL && !sim_config_load(&o->cut.config, o->machine_path, e)) {
+    o->cut.is_traced = o->out_path[camsim_trace] != NULL;
+    if (o->machine_path != NULL && !sim_config_load(&o->cut.session.config, o->machine_path, e)) {
         return false;
     }
-    return find_target(o, e) && (o->cut.design_path != NULL || find_design(o, e)) &&
-           check_scallop(o, e) && check_outputs(o, e);
+    if (!find_target(o, e) || (o->cut.session.design_path == NULL && !find_design(o, e))) {
+        return false;
+    }
+    if ((o->out_path[camsim_scallop] != NULL || o->cut.has_window) && o->cut.nose_mm <= 0.0) {
+        return common_error(e, "--scallop, --scallop-mm: no tool for it; give --nose-mm, too");
+    }
+    return check_outputs(o, e);
 }

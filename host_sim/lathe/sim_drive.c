@@ -11,9 +11,9 @@ sim_drive_config_t sim_drive_u_defaults(void)
         .bandwidth_hz = 300.0,
         .damping = 0.7,
         .delay_us = 75.0,
-        .quantum_nm = 10.0,
-        .speed_mm_per_s = 400.0,
-        .acceleration_mm_per_s2 = 250000.0,
+        .quantum_micro = 10.0,
+        .speed_units_per_s = 400.0,
+        .acceleration_units_per_s2 = 250000.0,
     };
 }
 
@@ -22,16 +22,16 @@ sim_drive_config_t sim_drive_x_defaults(void)
     return (sim_drive_config_t){
         .bandwidth_hz = 50.0,
         .damping = 1.0,
-        .quantum_nm = 10.0,
-        .speed_mm_per_s = 100.0,
-        .acceleration_mm_per_s2 = 2000.0,
+        .quantum_micro = 10.0,
+        .speed_units_per_s = 100.0,
+        .acceleration_units_per_s2 = 2000.0,
     };
 }
 
 sim_drive_config_t sim_drive_z_defaults(void)
 {
     sim_drive_config_t config = sim_drive_x_defaults();
-    config.speed_mm_per_s = 200.0;
+    config.speed_units_per_s = 200.0;
     return config;
 }
 
@@ -41,14 +41,14 @@ sim_drive_config_t sim_drive_swing_defaults(void)
         .bandwidth_hz = 200.0,
         .damping = 0.7,
         .delay_us = 100.0,
-        .quantum_nm = 100.0,
-        .speed_mm_per_s = 1000.0,
-        .acceleration_mm_per_s2 = 100000.0,
+        .quantum_micro = 100.0,
+        .speed_units_per_s = 1000.0,
+        .acceleration_units_per_s2 = 100000.0,
     };
 }
 
-/// Even and odd part of e^(r t) about -d w: cos and sin(q t)/q, or cosh and sinh(q t)/q, or 1 and
-/// t.
+/// The even and the odd part of e^(r t) about -d w: cos and sin(q t) / q, or cosh and sinh(q t) /
+/// q, or 1 and t.
 static void even_odd(double omega, double damping, double t, double *even, double *odd)
 {
     const double below = 1.0 - damping * damping;
@@ -97,61 +97,63 @@ static void set_dead_time(sim_drive_t *d, const sim_drive_config_t *config)
     d->after = sim_drive_flow(omega, config->damping, (1.0 - part) * d->period_s);
 }
 
-static double quantised(const sim_drive_t *d, double nm)
+static double quantised(const sim_drive_t *d, double micro)
 {
-    return d->quantum_nm > 0.0 ? sim_round(nm * d->per_quantum_nm) * d->quantum_nm : nm;
+    return d->quantum_micro > 0.0 ? sim_round(micro * d->per_quantum_micro) * d->quantum_micro
+                                  : micro;
 }
 
-void sim_drive_init(sim_drive_t *d, const sim_drive_config_t *config, double start_nm,
+void sim_drive_init(sim_drive_t *d, const sim_drive_config_t *config, double start_micro,
                     double period_s)
 {
     const double omega = SIM_TWO_PI * config->bandwidth_hz;
     *d = (sim_drive_t){
-        .pos_nm = start_nm,
+        .pos_micro = start_micro,
         .stiffness_per_s2 = omega * omega,
         .drag_per_s = 2.0 * config->damping * omega,
-        .speed_nm_per_s = config->speed_mm_per_s * SIM_NM_PER_MM,
-        .acceleration_nm_per_s2 = config->acceleration_mm_per_s2 * SIM_NM_PER_MM,
-        .quantum_nm = config->quantum_nm,
-        .per_quantum_nm = config->quantum_nm > 0.0 ? 1.0 / config->quantum_nm : 0.0,
+        .speed_micro_per_s = config->speed_units_per_s * SIM_MICRO,
+        .acceleration_micro_per_s2 = config->acceleration_units_per_s2 * SIM_MICRO,
+        .quantum_micro = config->quantum_micro,
+        .per_quantum_micro = config->quantum_micro > 0.0 ? 1.0 / config->quantum_micro : 0.0,
         .period_s = period_s,
     };
     set_dead_time(d, config);
     for (uint32_t i = 0; i < sim_drive_ring; i++) {
-        d->command_nm[i] = quantised(d, start_nm);
+        d->command_micro[i] = quantised(d, start_micro);
     }
 }
 
-/// What the free system wants at a place and speed.
-static double acceleration(const sim_drive_t *d, double pos_nm, double vel, double command_nm)
+/// The acceleration that the system without limits has at a position and speed.
+static double acceleration(const sim_drive_t *d, double pos_micro, double vel, double command_micro)
 {
-    return d->stiffness_per_s2 * (command_nm - pos_nm) - d->drag_per_s * vel;
+    return d->stiffness_per_s2 * (command_micro - pos_micro) - d->drag_per_s * vel;
 }
 
 /// Constant acceleration for a while, speed kept within its limit.
-static void move(sim_drive_t *d, double acceleration_nm_per_s2, double dt_s)
+static void move(sim_drive_t *d, double acceleration_micro_per_s2, double dt_s)
 {
-    const double wanted = d->vel_nm_per_s + acceleration_nm_per_s2 * dt_s;
-    const double vel = sim_clamp(wanted, -d->speed_nm_per_s, d->speed_nm_per_s);
-    d->pos_nm += 0.5 * (d->vel_nm_per_s + vel) * dt_s;
-    d->vel_nm_per_s = vel;
+    const double wanted = d->vel_micro_per_s + acceleration_micro_per_s2 * dt_s;
+    const double vel = sim_clamp(wanted, -d->speed_micro_per_s, d->speed_micro_per_s);
+    d->pos_micro += 0.5 * (d->vel_micro_per_s + vel) * dt_s;
+    d->vel_micro_per_s = vel;
 }
 
-static double limited_acceleration(const sim_drive_t *d, double pos_nm, double vel,
-                                   double command_nm)
+static double limited_acceleration(const sim_drive_t *d, double pos_micro, double vel,
+                                   double command_micro)
 {
-    return sim_clamp(acceleration(d, pos_nm, vel, command_nm), -d->acceleration_nm_per_s2,
-                     d->acceleration_nm_per_s2);
+    return sim_clamp(acceleration(d, pos_micro, vel, command_micro), -d->acceleration_micro_per_s2,
+                     d->acceleration_micro_per_s2);
 }
 
-static void limited_piece(sim_drive_t *d, double command_nm, double time_s)
+static void limited_piece(sim_drive_t *d, double command_micro, double time_s)
 {
     const double h = time_s / n_sub_steps;
     for (int i = 0; i < n_sub_steps; i++) { // the acceleration of the middle: second order
-        const double first = limited_acceleration(d, d->pos_nm, d->vel_nm_per_s, command_nm);
-        const double pos_nm = d->pos_nm + 0.5 * h * (d->vel_nm_per_s + 0.25 * h * first);
-        const double vel = d->vel_nm_per_s + 0.5 * h * first;
-        move(d, limited_acceleration(d, pos_nm, vel, command_nm), h);
+        const double first =
+            limited_acceleration(d, d->pos_micro, d->vel_micro_per_s, command_micro);
+        const double pos_micro = d->pos_micro + 0.5 * h * (d->vel_micro_per_s + 0.25 * h * first);
+        const double vel = d->vel_micro_per_s + 0.5 * h * first;
+        move(d, limited_acceleration(d, pos_micro, vel, command_micro), h);
     }
 }
 
@@ -160,41 +162,41 @@ static bool is_beyond(double value, double limit)
     return value > limit || value < -limit;
 }
 
-static void piece(sim_drive_t *d, double command_nm, const sim_drive_flow_t *flow)
+static void piece(sim_drive_t *d, double command_micro, const sim_drive_flow_t *flow)
 {
-    const double limit = d->acceleration_nm_per_s2;
-    const double off_nm = d->pos_nm - command_nm;
-    const double pos_nm = command_nm + flow->pp * off_nm + flow->pv * d->vel_nm_per_s;
-    const double vel = flow->vp * off_nm + flow->vv * d->vel_nm_per_s;
-    if (is_beyond(acceleration(d, d->pos_nm, d->vel_nm_per_s, command_nm), limit) ||
-        is_beyond(acceleration(d, pos_nm, vel, command_nm), limit) ||
-        is_beyond(vel, d->speed_nm_per_s)) {
-        limited_piece(d, command_nm, flow->time_s);
+    const double limit = d->acceleration_micro_per_s2;
+    const double off_micro = d->pos_micro - command_micro;
+    const double pos_micro = command_micro + flow->pp * off_micro + flow->pv * d->vel_micro_per_s;
+    const double vel = flow->vp * off_micro + flow->vv * d->vel_micro_per_s;
+    if (is_beyond(acceleration(d, d->pos_micro, d->vel_micro_per_s, command_micro), limit) ||
+        is_beyond(acceleration(d, pos_micro, vel, command_micro), limit) ||
+        is_beyond(vel, d->speed_micro_per_s)) {
+        limited_piece(d, command_micro, flow->time_s);
         return;
     }
-    d->pos_nm = pos_nm;
-    d->vel_nm_per_s = vel;
+    d->pos_micro = pos_micro;
+    d->vel_micro_per_s = vel;
 }
 
 static void brake(sim_drive_t *d, double dt_s)
 {
-    const double limit = d->acceleration_nm_per_s2;
-    if (d->vel_nm_per_s != 0.0) {
-        move(d, sim_clamp(-d->vel_nm_per_s / dt_s, -limit, limit), dt_s);
+    const double limit = d->acceleration_micro_per_s2;
+    if (d->vel_micro_per_s != 0.0) {
+        move(d, sim_clamp(-d->vel_micro_per_s / dt_s, -limit, limit), dt_s);
     }
 }
 
 static double delayed(const sim_drive_t *d, uint32_t ticks)
 {
-    return d->command_nm[(d->i_command - ticks) % sim_drive_ring];
+    return d->command_micro[(d->i_command - ticks) % sim_drive_ring];
 }
 
-void sim_drive_step(sim_drive_t *d, int32_t command_nm, bool is_enabled)
+void sim_drive_step(sim_drive_t *d, int32_t command_micro, bool is_enabled)
 {
     d->i_command++;
-    d->command_nm[d->i_command % sim_drive_ring] = quantised(d, command_nm);
+    d->command_micro[d->i_command % sim_drive_ring] = quantised(d, command_micro);
     if (d->is_blocked) {
-        d->vel_nm_per_s = 0.0;
+        d->vel_micro_per_s = 0.0;
     } else if (!is_enabled) {
         brake(d, d->period_s);
     } else {
@@ -219,7 +221,7 @@ void sim_drive_linger(sim_drive_t *d, double dt_s, bool is_enabled)
     piece(d, delayed(d, d->n_delay), &flow);
 }
 
-int32_t sim_drive_measured_nm(const sim_drive_t *d)
+int32_t sim_drive_measured_micro(const sim_drive_t *d)
 {
-    return (int32_t)sim_round(sim_clamp(quantised(d, d->pos_nm), INT32_MIN, INT32_MAX));
+    return (int32_t)sim_round(sim_clamp(quantised(d, d->pos_micro), INT32_MIN, INT32_MAX));
 }

@@ -3,31 +3,38 @@
 ///
 ///     d2y/dt2 = w^2 (c(t - D) - y) - 2 d w dy/dt,   |dy/dt| <= v_max,  |d2y/dt2| <= a_max
 ///
-/// c is the command, held from tick to tick and rounded to the quantum; the measured position is
+/// c is the command, held from step to step and rounded to the quantum; the measured position is
 /// rounded likewise. Source: MATHS.md (68), the usual model of a closed loop, e.g. Franklin,
 /// Powell, Workman, "Digital Control of Dynamic Systems", 3rd ed., 4.3 (zero-order hold) and 4.3.4
 /// (delay).
 ///
+/// Units: the model serves slides and the swing of the tool. One unit is a millimetre of a slide
+/// and a degree of the swing; positions, commands and speeds are held in millionths of it
+/// ("micro"), so 250 is 250 nm of a slide and 250 micro-degrees of the swing.
+///
 /// Discretisation: between two changes of the command the matrix exponential, exact; a dead time
-/// that is no whole number of ticks splits the tick in two such pieces, exact too. A piece that
-/// meets a limit is redone in 16 sub-steps of constant acceleration: with acceleration at its limit
-/// exact again, otherwise off by less than (w T / 16)^2 / 3 of the way made in the piece (4e-5 for
-/// 300 Hz at 20 kHz). The limit is looked for at the ends of a piece.
+/// that is no whole number of steps splits the step in two such pieces, exact too. A piece that
+/// meets a limit is redone in 16 sub-steps of constant acceleration: with the acceleration at its
+/// limit this is exact again, otherwise it is off by less than (w T / 16)^2 / 3 of the distance
+/// travelled in the piece (4e-5 for 300 Hz at 20 kHz). The limits are checked at the ends of a
+/// piece.
 #ifndef SIM_DRIVE_H
 #define SIM_DRIVE_H
 
 #include <stdbool.h> // bool
 #include <stdint.h>  // int32_t, uint32_t
 
+#define SIM_MICRO 1e6 ///< millionths in a unit
+
 enum { sim_drive_ring = 1024, sim_drive_max_delay_ticks = sim_drive_ring - 2 };
 
 typedef struct {
-    double bandwidth_hz;           ///< w / 2 pi
-    double damping;                ///< d
-    double delay_us;               ///< D, from the write of the command to its effect
-    double quantum_nm;             ///< of command and measurement; 0: none
-    double speed_mm_per_s;         ///< v_max
-    double acceleration_mm_per_s2; ///< a_max
+    double bandwidth_hz;              ///< w / 2 pi
+    double damping;                   ///< d
+    double delay_us;                  ///< D, from the write of the command to its effect
+    double quantum_micro;             ///< of command and measurement; 0: none
+    double speed_units_per_s;         ///< v_max
+    double acceleration_units_per_s2; ///< a_max
 } sim_drive_config_t;
 
 /// U: 300 Hz, damping 0.7, 75 us, 10 nm, 400 mm/s, 250 m/s2.
@@ -37,8 +44,8 @@ sim_drive_config_t sim_drive_u_defaults(void);
 sim_drive_config_t sim_drive_x_defaults(void);
 sim_drive_config_t sim_drive_z_defaults(void);
 
-/// The swing of the tool, a drive of degrees in the place of millimetres: 200 Hz, damping 0.7,
-/// 100 us, 1e-4 degrees, 1000 degrees/s, 100 000 degrees/s2.
+/// The swing of the tool: 200 Hz, damping 0.7, 100 us, 1e-4 degrees, 1000 degrees/s,
+/// 100 000 degrees/s2.
 sim_drive_config_t sim_drive_swing_defaults(void);
 
 /// Where a piece of constant command takes (position - command, speed): a 2 x 2 matrix.
@@ -48,40 +55,40 @@ typedef struct {
 } sim_drive_flow_t;
 
 typedef struct {
-    double pos_nm;
-    double vel_nm_per_s;
-    double stiffness_per_s2; ///< w^2
-    double drag_per_s;       ///< 2 d w
-    double speed_nm_per_s;   ///< limits
-    double acceleration_nm_per_s2;
-    double quantum_nm, per_quantum_nm;
+    double pos_micro;
+    double vel_micro_per_s;
+    double stiffness_per_s2;  ///< w^2
+    double drag_per_s;        ///< 2 d w
+    double speed_micro_per_s; ///< limits
+    double acceleration_micro_per_s2;
+    double quantum_micro, per_quantum_micro;
     double period_s;
-    sim_drive_flow_t before; ///< piece before the delayed command changes
-    sim_drive_flow_t after;  ///< piece after
+    sim_drive_flow_t before; ///< the piece before the delayed command changes
+    sim_drive_flow_t after;  ///< the piece after that
     bool is_split;           ///< `before` is longer than nothing
-    bool is_blocked;         ///< stands still whatever it is told
-    uint32_t n_delay;        ///< whole ticks of dead time
+    bool is_blocked;         ///< stands still whatever is commanded
+    uint32_t n_delay;        ///< whole steps of dead time
     uint32_t i_command;
-    double command_nm[sim_drive_ring];
+    double command_micro[sim_drive_ring];
 } sim_drive_t;
 
-/// @param start_nm  place of rest before the start; earlier commands are taken to be the same
-/// @param period_s  time between two commands; delay / period <= sim_drive_max_delay_ticks
-void sim_drive_init(sim_drive_t *d, const sim_drive_config_t *config, double start_nm,
+/// @param start_micro  position at rest before the start; earlier commands are taken to be the same
+/// @param period_s     time between two commands; delay / period <= sim_drive_max_delay_ticks
+void sim_drive_init(sim_drive_t *d, const sim_drive_config_t *config, double start_micro,
                     double period_s);
 
 /// Take a command and let one period pass.
 /// @param is_enabled  false: brake to rest within the limits and hold
-void sim_drive_step(sim_drive_t *d, int32_t command_nm, bool is_enabled);
+void sim_drive_step(sim_drive_t *d, int32_t command_micro, bool is_enabled);
 
-/// Let more time pass with the last effective command, for a tick that comes late.
+/// Let more time pass with the last effective command, because the next one comes late.
 /// @param dt_s  >= 0, any; slower than a step
 void sim_drive_linger(sim_drive_t *d, double dt_s, bool is_enabled);
 
-/// @return [nm] what the drive reports
-int32_t sim_drive_measured_nm(const sim_drive_t *d);
+/// @return the position that the drive reports
+int32_t sim_drive_measured_micro(const sim_drive_t *d);
 
-/// @return the exact flow of the free second-order system over time_s
+/// @return the exact flow of the second-order system without limits over time_s
 sim_drive_flow_t sim_drive_flow(double omega_rad_per_s, double damping, double time_s);
 
 #endif

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_inject.h"
-#include "hal_host.h"  // hal_host_fault_*
-#include "sim_units.h" // SIM_TWO_PI
-#include <stdio.h>     // snprintf
-#include <string.h>    // strchr
+#include "common_number.h" // common_number_parse
+#include "sim_units.h"     // SIM_TWO_PI
+#include <stdio.h>         // snprintf
+#include <string.h>        // strchr
 
 typedef struct {
     const char *name;
@@ -45,49 +45,35 @@ const char *sim_inject_name(sim_inject_kind_t kind)
     return kinds[kind].name;
 }
 
-static bool find_kind(sim_inject_t *inject, const char *name)
-{
-    for (int i = 0; i < sim_n_injects; i++) {
-        if (strcmp(kinds[i].name, name) == 0) {
-            inject->kind = (sim_inject_kind_t)i;
-            return true;
-        }
-    }
-    return false;
-}
-
-static bool parse_value(sim_inject_t *inject, const char *value, const char *text, sim_error_t *e)
+static bool parse_value(sim_inject_t *inject, const char *value, const char *text,
+                        common_error_t *e)
 {
     const kind_t *k = &kinds[inject->kind];
     if (k->value == NULL) {
         return value == NULL ||
-               sim_error(e, "--inject %.60s: %s takes no value; remove it", text, k->name);
+               common_error(e, "--inject %.60s: %s takes no value; remove it", text, k->name);
     }
-    if (value == NULL || !sim_parse_number(value, &inject->value) || inject->value < k->min ||
+    if (value == NULL || !common_number_parse(value, &inject->value) || inject->value < k->min ||
         inject->value > k->max ||
         (k->is_whole && inject->value != (double)(int64_t)inject->value)) {
-        return sim_error(e, "--inject %.60s: %s wants %s, %.12g .. %.12g; write %s@SECONDS:VALUE",
-                         text, k->name, k->value, k->min, k->max, k->name);
+        return common_error(e,
+                            "--inject %.60s: %s wants %s, %.12g .. %.12g; write %s@SECONDS:VALUE",
+                            text, k->name, k->value, k->min, k->max, k->name);
     }
     return true;
 }
 
-static bool can_happen(sim_inject_kind_t kind, sim_inject_place_t place)
-{
-    return kinds[kind].places == 0u || (kinds[kind].places & (unsigned)place) != 0u;
-}
-
 bool sim_inject_parse(sim_inject_t *inject, const char *text, sim_inject_place_t place,
-                      sim_error_t *e)
+                      common_error_t *e)
 {
     char copy[128];
     *inject = (sim_inject_t){0};
     if ((size_t)snprintf(copy, sizeof copy, "%s", text) >= sizeof copy) {
-        return sim_error(e, "--inject %.60s...: too long; write KIND@SECONDS[:VALUE]", text);
+        return common_error(e, "--inject %.60s...: too long; write KIND@SECONDS[:VALUE]", text);
     }
     char *at = strchr(copy, '@');
     if (at == NULL) {
-        return sim_error(e, "--inject %.60s: no @SECONDS; write KIND@SECONDS[:VALUE]", text);
+        return common_error(e, "--inject %.60s: no @SECONDS; write KIND@SECONDS[:VALUE]", text);
     }
     *at++ = '\0';
     char *value = strchr(at, ':');
@@ -95,73 +81,64 @@ bool sim_inject_parse(sim_inject_t *inject, const char *text, sim_inject_place_t
         *value++ = '\0';
     }
     const char *command = place == sim_inject_on_bus ? "bus" : "run";
-    if (!find_kind(inject, copy)) {
-        return sim_error(e, "--inject %.60s: no such kind; camsim %s --help lists them", text,
-                         command);
+    int kind = 0;
+    while (kind < sim_n_injects && strcmp(kinds[kind].name, copy) != 0) {
+        kind++;
     }
-    if (!can_happen(inject->kind, place)) {
-        return sim_error(e, "--inject %.60s: cannot happen here; camsim %s --help lists what can",
-                         text, command);
+    if (kind == sim_n_injects) {
+        return common_error(e, "--inject %.60s: no such kind; camsim %s --help lists them", text,
+                            command);
+    }
+    inject->kind = (sim_inject_kind_t)kind;
+    if (kinds[kind].places != 0u && (kinds[kind].places & (unsigned)place) == 0u) {
+        return common_error(e,
+                            "--inject %.60s: cannot happen here; camsim %s --help lists what can",
+                            text, command);
     }
     inject->is_absolute = at[0] == 't';
-    if (!sim_parse_number(at + (inject->is_absolute ? 1 : 0), &inject->at_s) ||
+    if (!common_number_parse(at + (inject->is_absolute ? 1 : 0), &inject->at_s) ||
         inject->at_s < 0.0) {
-        return sim_error(e, "--inject %.60s: no time; write KIND@SECONDS with 0 or more seconds",
-                         text);
+        return common_error(e, "--inject %.60s: no time; write KIND@SECONDS with 0 or more seconds",
+                            text);
     }
     return parse_value(inject, value, text, e);
 }
 
-static void force_speed(sim_machine_t *m, double rad_per_s)
+static void force_speed(sim_lathe_t *l, double rad_per_s)
 {
-    m->is_speed_forced = true;
-    m->forced_rad_per_s = rad_per_s;
+    l->is_speed_forced = true;
+    l->forced_rad_per_s = rad_per_s;
 }
 
-void sim_inject_apply(const sim_inject_t *inject, sim_machine_t *m, int direction)
+void sim_inject_apply(const sim_inject_t *inject, sim_lathe_t *l, int direction)
 {
     switch (inject->kind) {
-    case sim_inject_estop:
-        hal_host_fault_estop(true);
-        break;
-    case sim_inject_drive:
-        hal_host_fault_drive(true);
-        break;
-    case sim_inject_bus:
-        hal_host_fault_bus(true);
-        break;
     case sim_inject_lost_counts:
-        hal_host_fault_counts(-(int32_t)inject->value);
+        l->count_offset -= (uint32_t)inject->value;
         break;
     case sim_inject_encoder_jump:
-        hal_host_fault_counts((int32_t)inject->value);
+        l->count_offset += (uint32_t)(int32_t)inject->value;
         break;
     case sim_inject_encoder_stuck:
-        hal_host_fault_encoder_stuck(true);
+        sim_lathe_stick_encoder(l);
         break;
     case sim_inject_index_dead:
-        hal_host_fault_index_dead(true);
-        break;
-    case sim_inject_late_tick:
-        sim_machine_late(m, inject->value);
+        sim_lathe_kill_index(l);
         break;
     case sim_inject_reverse:
-        m->is_reversed = true;
+        l->is_reversed = true;
         break;
     case sim_inject_spindle_speed:
-        force_speed(m, direction * inject->value * (SIM_TWO_PI / 60.0));
+        force_speed(l, direction * inject->value * (SIM_TWO_PI / 60.0));
         break;
     case sim_inject_spindle_stop:
-        force_speed(m, 0.0);
-        break;
-    case sim_inject_z_offset:
-        m->z_offset_nm = (int32_t)(inject->value * SIM_NM_PER_MM);
+        force_speed(l, 0.0);
         break;
     case sim_inject_u_block:
-        m->axis[hal_axis_u].is_blocked = true;
+        l->drive[hal_axis_u].is_blocked = true;
         break;
     case sim_inject_swing_block:
-        m->swing.is_blocked = true;
+        l->drive[sim_lathe_swing].is_blocked = true;
         break;
     default:
         break;

@@ -30,13 +30,13 @@
 /// | node-dead | node | it neither hears nor speaks |
 /// | node-fault | node | the drive with this number fails, with an emergency message |
 ///
-/// Some happen to the machine of camsim run, some to the nodes of camsim bus, most to both.
+/// Some happen only in camsim run, some only to the nodes of camsim bus, most in both.
 #ifndef SIM_INJECT_H
 #define SIM_INJECT_H
 
-#include "sim_error.h"   // sim_error_t
-#include "sim_machine.h" // sim_machine_t
-#include <stdbool.h>     // bool
+#include "common_error.h" // common_error_t
+#include "sim_lathe.h"    // sim_lathe_t
+#include <stdbool.h>      // bool
 
 typedef enum {
     sim_inject_estop,
@@ -80,14 +80,13 @@ typedef struct {
 /// @param place  where it shall happen
 /// @return       false and *e when it is malformed or cannot happen there
 bool sim_inject_parse(sim_inject_t *inject, const char *text, sim_inject_place_t place,
-                      sim_error_t *e);
+                      common_error_t *e);
 
 /// @return the kind's name
 const char *sim_inject_name(sim_inject_kind_t kind);
 
-/// Do to the machine what the kind says. What is not the machine's (table-flip, stop, the nodes'):
-/// nothing happens. Call between sense and advance.
+/// Do to the lathe what the kind says; nothing when the kind is not the lathe's.
 /// @param direction  +1 or -1: sense of cutting
-void sim_inject_apply(const sim_inject_t *inject, sim_machine_t *m, int direction);
+void sim_inject_apply(const sim_inject_t *inject, sim_lathe_t *l, int direction);
 
 #endif

@@ -67,5 +67,5 @@ void sim_design_free(sim_design_t *d)
     sim_cubics_free(&d->radius_mm);
     sim_cubics_free(&d->ovality_mm);
     sim_surface_free(&d->surface);
-    sim_cam_design_free(&d->cam);
+    sim_lobe_design_free(&d->lobes);
 }

@@ -7,7 +7,7 @@
 ///     cosine           delta = (G / 2) sin^2 phi
 ///     double-ellipse   delta = (G / 4) ((1 - cos 2 phi) + (beta / 25) (1 - cos 4 phi))
 ///     surface          delta from polynomial pieces (sim_surface.h)
-///     cam              another frame and gauge: sim_cam_design.h
+///     lobes            another frame and gauge: sim_lobe_design.h
 ///
 /// a(z) and G(z) are piecewise cubics, clamped outside. They come from NAME.json, the report that
 /// the generator writes beside NAME.camtab, so the gauge is independent of table and firmware.
@@ -16,18 +16,18 @@
 #ifndef SIM_DESIGN_H
 #define SIM_DESIGN_H
 
-#include "cam_table.h"      // cam_table_t
-#include "sim_cam_design.h" // sim_cam_design_t
-#include "sim_cubics.h"     // sim_cubics_t
-#include "sim_error.h"      // sim_error_t
-#include "sim_surface.h"    // sim_surface_t
+#include "cam_table.h"       // cam_table_t
+#include "sim_lobe_design.h" // sim_lobe_design_t
+#include "sim_cubics.h"      // sim_cubics_t
+#include "common_error.h"    // common_error_t
+#include "sim_surface.h"     // sim_surface_t
 
 typedef enum {
     sim_shape_ellipse,
     sim_shape_cosine,
     sim_shape_double_ellipse,
     sim_shape_surface, ///< refitted and measured sections
-    sim_shape_cam,     ///< sim_cam_design.h; the radius over angle and height is not told
+    sim_shape_lobes,   ///< sim_lobe_design.h; it has no radius over angle and height
     sim_shape_table,   ///< no report: the table's own quintics
 } sim_shape_t;
 
@@ -36,10 +36,10 @@ typedef struct {
     double beta;
     sim_cubics_t radius_mm, ovality_mm;
     sim_surface_t surface;    ///< sim_shape_surface only
-    sim_cam_design_t cam;     ///< sim_shape_cam only
+    sim_lobe_design_t lobes;  ///< sim_shape_lobes only
     const cam_table_t *table; ///< sim_shape_table only
     double z_first_mm, z_last_mm;
-    double largest_mm; ///< largest long half axis; of a cam base circle and lift
+    double largest_mm; ///< largest long half axis; of lobes base circle and lift
     double at_z_mm;    ///< height of a, g
     double a_mm, g_mm; ///< last look-up
 } sim_design_t;
@@ -48,7 +48,8 @@ typedef struct {
 /// @param path   of NAME.json
 /// @param table  whose CRC-32 must be the report's
 /// @return       false and *e when it cannot be read, is malformed or belongs to another table
-bool sim_design_load(sim_design_t *d, const char *path, const cam_table_t *table, sim_error_t *e);
+bool sim_design_load(sim_design_t *d, const char *path, const cam_table_t *table,
+                     common_error_t *e);
 
 /// Take the table's own knots, evaluated in double.
 /// @param table  checked; must outlive the design

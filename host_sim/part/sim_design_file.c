@@ -12,7 +12,7 @@ enum { max_report_bytes = 64 * 1024 * 1024 };
 
 #define REMEDY SIM_JSON_REMEDY
 
-static bool read_shape(sim_design_t *d, const cJSON *design, const char *path, sim_error_t *e)
+static bool read_shape(sim_design_t *d, const cJSON *design, const char *path, common_error_t *e)
 {
     static const char *const name[] = {"ellipse", "cosine", "double-ellipse", "surface"};
     const cJSON *shape = cJSON_GetObjectItemCaseSensitive(design, "shape");
@@ -22,53 +22,48 @@ static bool read_shape(sim_design_t *d, const cJSON *design, const char *path, s
             d->shape = (sim_shape_t)i;
             const cJSON *beta = cJSON_GetObjectItemCaseSensitive(design, "beta");
             if (d->shape == sim_shape_double_ellipse && !sim_json_number(beta, &d->beta)) {
-                return sim_error(e, "%s: design.beta: wants a finite number; " REMEDY, path);
+                return common_error(e, "%s: design.beta: wants a finite number; " REMEDY, path);
             }
             return true;
         }
     }
-    return sim_error(
+    return common_error(
         e,
         "%s: design.shape = \"%.40s\": wants ellipse, cosine, double-ellipse or surface; " REMEDY,
         path, text);
 }
 
-/// The report's CRC-32: a number, or a string in hexadecimal.
-static bool crc_matches(const cJSON *item, uint32_t crc32)
+/// The CRC-32 in the report, a number or a string in hexadecimal, must be the table's.
+static bool check_crc(const cJSON *root, const cam_table_t *table, const char *path,
+                      common_error_t *e)
 {
+    const cJSON *item = cJSON_GetObjectItemCaseSensitive(root, "table_crc32");
+    bool is_same = cJSON_IsNumber(item) && item->valuedouble == (double)table->crc32;
     if (cJSON_IsString(item)) {
         char *end = NULL;
         const unsigned long value = strtoul(item->valuestring, &end, 16);
-        return end != item->valuestring && *end == '\0' && value == crc32;
+        is_same = end != item->valuestring && *end == '\0' && value == table->crc32;
     }
-    return cJSON_IsNumber(item) && item->valuedouble == (double)crc32;
-}
-
-static bool check_crc(const cJSON *root, const cam_table_t *table, const char *path, sim_error_t *e)
-{
-    const cJSON *item = cJSON_GetObjectItemCaseSensitive(root, "table_crc32");
-    if (!crc_matches(item, table->crc32)) {
-        return sim_error(
-            e, "%s: table_crc32: belongs to another table than this one (0x%08x); " REMEDY, path,
-            (unsigned)table->crc32);
-    }
-    return true;
+    return is_same ||
+           common_error(e,
+                        "%s: table_crc32: belongs to another table than this one (0x%08x); " REMEDY,
+                        path, (unsigned)table->crc32);
 }
 
 static bool read_root(sim_design_t *d, const cJSON *root, const cam_table_t *table,
-                      const char *path, sim_error_t *e)
+                      const char *path, common_error_t *e)
 {
     const cJSON *design = cJSON_GetObjectItemCaseSensitive(root, "design");
     if (!cJSON_IsObject(design)) {
-        return sim_error(e, "%s: design: missing, so there is nothing to gauge against; " REMEDY,
-                         path);
+        return common_error(e, "%s: design: missing, so there is nothing to gauge against; " REMEDY,
+                            path);
     }
     if (!check_crc(root, table, path, e)) {
         return false;
     }
     if (table->angle.knots != NULL) {
-        d->shape = sim_shape_cam;
-        return sim_cam_design_read(&d->cam, design, path, e);
+        d->shape = sim_shape_lobes;
+        return sim_lobe_design_read(&d->lobes, design, path, e);
     }
     if (!read_shape(d, design, path, e) ||
         !sim_json_cubics(&d->radius_mm, design, "design", "radius_mm", path, e)) {
@@ -87,7 +82,7 @@ static void begin(sim_design_t *d, const cam_table_t *table)
     d->z_last_mm = table->z_last_nm / SIM_NM_PER_MM;
 }
 
-bool sim_design_load(sim_design_t *d, const char *path, const cam_table_t *table, sim_error_t *e)
+bool sim_design_load(sim_design_t *d, const char *path, const cam_table_t *table, common_error_t *e)
 {
     begin(d, table);
     sim_file_t file;
@@ -97,14 +92,15 @@ bool sim_design_load(sim_design_t *d, const char *path, const cam_table_t *table
     cJSON *root = cJSON_ParseWithLength((const char *)file.bytes, file.size);
     sim_file_free(&file);
     const bool is_good = root != NULL ? read_root(d, root, table, path, e)
-                                      : sim_error(e, "%s: is no JSON; " REMEDY, path);
+                                      : common_error(e, "%s: is no JSON; " REMEDY, path);
     cJSON_Delete(root);
     if (!is_good) {
         sim_design_free(d);
         return false;
     }
-    d->largest_mm = d->shape == sim_shape_cam ? d->cam.base_mm + sim_cam_design_lift_mm(&d->cam)
-                                              : sim_design_find_largest_mm(d);
+    d->largest_mm = d->shape == sim_shape_lobes
+                        ? d->lobes.base_mm + sim_lobe_design_lift_mm(&d->lobes)
+                        : sim_design_find_largest_mm(d);
     return true;
 }
 

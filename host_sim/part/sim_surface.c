@@ -16,15 +16,6 @@ static double from_joint(sim_surface_t *s, double turn, double z_mm)
     return q < joint ? q / joint : 1.0 + (q - joint) / (0.25 - joint);
 }
 
-static double at_height(const double c[sim_surface_n_height], double w)
-{
-    double sum = 0.0;
-    for (int l = sim_surface_n_height - 1; l >= 0; l--) {
-        sum = sum * w + c[l];
-    }
-    return sum;
-}
-
 /// @return place within piece i, 0 .. 1
 static double share(const double *breaks, size_t i, double v)
 {
@@ -43,18 +34,22 @@ double sim_surface_delta_mm(sim_surface_t *s, double turn, double z_mm)
         (const double(*)[sim_surface_n_height])s->c[s->j_last * s->n + s->i_last];
     double sum = 0.0;
     for (int k = sim_surface_n_angle - 1; k >= 0; k--) {
-        sum = sum * t + at_height(c[k], w);
+        double row = 0.0;
+        for (int l = sim_surface_n_height - 1; l >= 0; l--) {
+            row = row * w + c[k][l];
+        }
+        sum = sum * t + row;
     }
     return sum;
 }
 
-static bool read_angle(sim_surface_t *s, const cJSON *surface, const char *path, sim_error_t *e)
+static bool read_angle(sim_surface_t *s, const cJSON *surface, const char *path, common_error_t *e)
 {
     const cJSON *angle = cJSON_GetObjectItemCaseSensitive(surface, "angle");
     const char *text = cJSON_IsString(angle) ? angle->valuestring : "?";
     s->has_joint = strcmp(text, "joint") == 0;
     if (!s->has_joint && strcmp(text, "turn") != 0) {
-        return sim_error(
+        return common_error(
             e, "%s: design.surface.angle = \"%.40s\": wants turn or joint; " SIM_JSON_REMEDY, path,
             text);
     }
@@ -63,7 +58,7 @@ static bool read_angle(sim_surface_t *s, const cJSON *surface, const char *path,
 }
 
 /// The joint lies between the axes at all its own heights.
-static bool check_joint(sim_surface_t *s, const char *path, sim_error_t *e)
+static bool check_joint(sim_surface_t *s, const char *path, common_error_t *e)
 {
     enum { per_piece = 16 };
     for (size_t i = 0; s->has_joint && i < s->joint_turn.n * per_piece; i++) {
@@ -71,34 +66,34 @@ static bool check_joint(sim_surface_t *s, const char *path, sim_error_t *e)
         const double part = (double)(i % per_piece) / (per_piece - 1);
         const double joint = sim_cubics_at(&s->joint_turn, z_mm[0] + part * (z_mm[1] - z_mm[0]));
         if (!(joint > 0.0 && joint < 0.25)) {
-            return sim_error(e,
-                             "%s: design.surface.joint_turn: %.12g lies outside 0 .. 0.25 "
-                             "turn; " SIM_JSON_REMEDY,
-                             path, joint);
+            return common_error(e,
+                                "%s: design.surface.joint_turn: %.12g lies outside 0 .. 0.25 "
+                                "turn; " SIM_JSON_REMEDY,
+                                path, joint);
         }
     }
     return true;
 }
 
-static bool read_breaks(sim_surface_t *s, const cJSON *surface, const char *path, sim_error_t *e)
+static bool read_breaks(sim_surface_t *s, const cJSON *surface, const char *path, common_error_t *e)
 {
     const double last = s->has_joint ? 2.0 : 1.0;
     if (!sim_json_breaks(cJSON_GetObjectItemCaseSensitive(surface, "breaks"), &s->breaks, &s->n) ||
         s->breaks[0] != 0.0 || s->breaks[s->n] != last) {
-        return sim_error(
+        return common_error(
             e, "%s: design.surface.breaks: wants rising numbers from 0 to %g; " SIM_JSON_REMEDY,
             path, last);
     }
     return sim_json_breaks(cJSON_GetObjectItemCaseSensitive(surface, "breaks_mm"), &s->break_mm,
                            &s->m) ||
-           sim_error(e,
-                     "%s: design.surface.breaks_mm: wants rising finite numbers, 2 or "
-                     "more; " SIM_JSON_REMEDY,
-                     path);
+           common_error(e,
+                        "%s: design.surface.breaks_mm: wants rising finite numbers, 2 or "
+                        "more; " SIM_JSON_REMEDY,
+                        path);
 }
 
 static bool read_coefficients(sim_surface_t *s, const cJSON *surface, const char *path,
-                              sim_error_t *e)
+                              common_error_t *e)
 {
     const cJSON *list = cJSON_GetObjectItemCaseSensitive(surface, "coefficients");
     double *values = NULL;
@@ -106,15 +101,15 @@ static bool read_coefficients(sim_surface_t *s, const cJSON *surface, const char
     const bool is_list = sim_json_numbers(list, &values, &n);
     s->c = (double(*)[sim_surface_n_angle][sim_surface_n_height])(void *)values;
     return (is_list && n == s->m * s->n * n_in_piece) ||
-           sim_error(e,
-                     "%s: design.surface.coefficients: wants %zu finite numbers; " SIM_JSON_REMEDY,
-                     path, s->m * s->n * n_in_piece);
+           common_error(
+               e, "%s: design.surface.coefficients: wants %zu finite numbers; " SIM_JSON_REMEDY,
+               path, s->m * s->n * n_in_piece);
 }
 
-bool sim_surface_read(sim_surface_t *s, const cJSON *surface, const char *path, sim_error_t *e)
+bool sim_surface_read(sim_surface_t *s, const cJSON *surface, const char *path, common_error_t *e)
 {
     if (!cJSON_IsObject(surface)) {
-        return sim_error(e, "%s: design.surface: is missing; " SIM_JSON_REMEDY, path);
+        return common_error(e, "%s: design.surface: is missing; " SIM_JSON_REMEDY, path);
     }
     return read_angle(s, surface, path, e) && check_joint(s, path, e) &&
            read_breaks(s, surface, path, e) && read_coefficients(s, surface, path, e);

@@ -11,8 +11,8 @@
 #ifndef SIM_SURFACE_H
 #define SIM_SURFACE_H
 
-#include "sim_cubics.h" // sim_cubics_t
-#include "sim_error.h"  // sim_error_t
+#include "sim_cubics.h"   // sim_cubics_t
+#include "common_error.h" // common_error_t
 #include <cjson/cJSON.h>
 #include <stdbool.h> // bool
 #include <stddef.h>  // size_t
@@ -33,7 +33,7 @@ typedef struct {
 /// @param s     zero-initialised; to be freed in any case
 /// @param path  for messages
 /// @return      false and *e when something is missing or malformed
-bool sim_surface_read(sim_surface_t *s, const cJSON *surface, const char *path, sim_error_t *e);
+bool sim_surface_read(sim_surface_t *s, const cJSON *surface, const char *path, common_error_t *e);
 
 /// @param turn  [turn] from the long axis in the sense of cutting, any
 /// @param z_mm  any; clamped to the pieces

@@ -13,12 +13,12 @@
 #define SIM_CONFIG_H
 
 #include "sim_controller.h" // sim_wishes_t
-#include "sim_error.h"      // sim_error_t
-#include "sim_machine.h"    // sim_machine_config_t
+#include "common_error.h"   // common_error_t
+#include "sim_lathe.h"      // sim_lathe_config_t
 
 typedef struct {
     char name[64];
-    sim_machine_config_t machine;
+    sim_lathe_config_t lathe;
     sim_wishes_t controller;
 } sim_config_t;
 
@@ -27,6 +27,6 @@ sim_config_t sim_config_defaults(void);
 
 /// Read a machine file of at most 1 MiB, without NUL bytes, over the present content of *config.
 /// @return false and *e on the first thing wrong
-bool sim_config_load(sim_config_t *config, const char *path, sim_error_t *e);
+bool sim_config_load(sim_config_t *config, const char *path, common_error_t *e);
 
 #endif

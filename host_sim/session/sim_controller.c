@@ -4,17 +4,17 @@
 #include <math.h>      // ceil, floor
 
 bool sim_wishes_add(sim_wishes_t *w, const char *name, double value, const char *origin,
-                    sim_error_t *e)
+                    common_error_t *e)
 {
     const cam_param_id_t id = cam_param_find(name);
     if (id >= cam_n_params) {
-        return sim_error(e, "%s: %.60s: no such parameter; see firmware/tick/cam_param.h", origin,
-                         name);
+        return common_error(e, "%s: %.60s: no such parameter; see firmware/tick/cam_param.h",
+                            origin, name);
     }
     const cam_param_info_t *info = cam_param_info(id);
     if (value != floor(value) || value < info->min || value > info->max) {
-        return sim_error(e, "%s: %s = %.12g: out of range; give a whole number %d .. %d", origin,
-                         name, value, (int)info->min, (int)info->max);
+        return common_error(e, "%s: %s = %.12g: out of range; give a whole number %d .. %d", origin,
+                            name, value, (int)info->min, (int)info->max);
     }
     w->value[id] = (int32_t)value;
     w->is_given[id] = true;
@@ -27,7 +27,7 @@ enum { following_limit_um = 100 };
 
 typedef struct {
     cam_params_t *params;
-    sim_error_t *e;
+    common_error_t *e;
     bool is_good;
 } derive_t;
 
@@ -38,10 +38,10 @@ static void put(derive_t *d, cam_param_id_t id, double value)
     if (d->is_good && (!(whole >= info->min && whole <= info->max) ||
                        cam_param_set(d->params, id, (int32_t)whole) != cam_ok)) {
         d->is_good =
-            sim_error(d->e,
-                      "machine file: %s = %.12g follows from the machine but must be %d .. %d; "
-                      "change the machine, or set [controller] %s",
-                      info->name, whole, (int)info->min, (int)info->max, info->name);
+            common_error(d->e,
+                         "machine file: %s = %.12g follows from the machine but must be %d .. %d; "
+                         "change the machine, or set [controller] %s",
+                         info->name, whole, (int)info->min, (int)info->max, info->name);
     }
 }
 
@@ -50,55 +50,53 @@ static double lag_s(const sim_drive_config_t *axis)
     return axis->delay_us * 1e-6 + 2.0 * axis->damping / (SIM_TWO_PI * axis->bandwidth_hz);
 }
 
-static void derive_feed_forward(derive_t *d, const sim_machine_config_t *m)
+static void derive_feed_forward(derive_t *d, const sim_lathe_config_t *m)
 {
-    const sim_drive_config_t *u = &m->axis[hal_axis_u];
+    const sim_drive_config_t *u = &m->drive[hal_axis_u];
     const double omega = SIM_TWO_PI * u->bandwidth_hz;
     const double half_tick_s = 0.5 / m->tick_hz;
     put(d, cam_param_k1_ns, 2.0 * u->damping / omega * 1e9);
     put(d, cam_param_k2_us2, 1e12 / (omega * omega));
     put(d, cam_param_lead_ns, u->delay_us * 1e3 + half_tick_s * 1e9);
     const double xz_s =
-        0.5 * (lag_s(&m->axis[hal_axis_x]) + lag_s(&m->axis[hal_axis_z])) + half_tick_s;
+        0.5 * (lag_s(&m->drive[hal_axis_x]) + lag_s(&m->drive[hal_axis_z])) + half_tick_s;
     put(d, cam_param_xz_lag_ns, xz_s * 1e9);
 }
 
-static void derive_limits(derive_t *d, const sim_machine_config_t *m)
+static void derive_limits(derive_t *d, const sim_lathe_config_t *m)
 {
-    const sim_drive_config_t *axis = m->axis;
+    const sim_drive_config_t *axis = m->drive;
     put(d, cam_param_u_stroke_nm, m->u_stroke_mm * SIM_NM_PER_MM);
-    put(d, cam_param_u_speed_um_per_s, axis[hal_axis_u].speed_mm_per_s * 1e3);
-    put(d, cam_param_u_acceleration_mm_per_s2, axis[hal_axis_u].acceleration_mm_per_s2);
-    put(d, cam_param_x_speed_um_per_s, axis[hal_axis_x].speed_mm_per_s * 1e3);
-    put(d, cam_param_x_acceleration_mm_per_s2, axis[hal_axis_x].acceleration_mm_per_s2);
-    put(d, cam_param_z_speed_um_per_s, axis[hal_axis_z].speed_mm_per_s * 1e3);
-    put(d, cam_param_z_acceleration_mm_per_s2, axis[hal_axis_z].acceleration_mm_per_s2);
+    put(d, cam_param_u_speed_um_per_s, axis[hal_axis_u].speed_units_per_s * 1e3);
+    put(d, cam_param_u_acceleration_mm_per_s2, axis[hal_axis_u].acceleration_units_per_s2);
+    put(d, cam_param_x_speed_um_per_s, axis[hal_axis_x].speed_units_per_s * 1e3);
+    put(d, cam_param_x_acceleration_mm_per_s2, axis[hal_axis_x].acceleration_units_per_s2);
+    put(d, cam_param_z_speed_um_per_s, axis[hal_axis_z].speed_units_per_s * 1e3);
+    put(d, cam_param_z_acceleration_mm_per_s2, axis[hal_axis_z].acceleration_units_per_s2);
     put(d, cam_param_spindle_limit_mrpm, m->spindle_limit_rpm * 1e3);
     put(d, cam_param_following_limit_nm, following_limit_um * 1e3);
-}
-
-/// Without the axis there is nothing to be derived but that.
-static void derive_swing(derive_t *d, const sim_machine_config_t *m)
-{
-    put(d, cam_param_swing_speed_mdeg_per_s, m->swing.speed_mm_per_s * 1e3);
-    if (m->swing.speed_mm_per_s > 0.0) {
-        put(d, cam_param_swing_acceleration_deg_per_s2, m->swing.acceleration_mm_per_s2);
-        put(d, cam_param_swing_range_mdeg, m->swing_range_deg * 1e3);
-        put(d, cam_param_swing_lag_ns, (lag_s(&m->swing) + 0.5 / m->tick_hz) * 1e9);
-    }
-}
-
-/// The speed loop is of first order; what is beyond a parameter's range is beyond any use.
-static void derive_spindle(derive_t *d, const sim_spindle_config_t *s)
-{
+    // The speed loop is of first order; what is beyond a parameter's range is beyond any use.
+    const sim_spindle_config_t *s = &m->spindle;
     put(d, cam_param_spindle_lag_us, sim_clamp(1e6 / s->bandwidth_rad_per_s, 0.0, 1e6));
     put(d, cam_param_spindle_acceleration_mrad_per_s2,
         sim_clamp(s->torque_Nm / s->inertia_kgm2 * 1e3, 1e3, 2e9));
 }
 
+/// Without the axis there is nothing to be derived but that.
+static void derive_swing(derive_t *d, const sim_lathe_config_t *m)
+{
+    const sim_drive_config_t *swing = &m->drive[sim_lathe_swing];
+    put(d, cam_param_swing_speed_mdeg_per_s, swing->speed_units_per_s * 1e3);
+    if (swing->speed_units_per_s > 0.0) {
+        put(d, cam_param_swing_acceleration_deg_per_s2, swing->acceleration_units_per_s2);
+        put(d, cam_param_swing_range_mdeg, m->swing_range_deg * 1e3);
+        put(d, cam_param_swing_lag_ns, (lag_s(swing) + 0.5 / m->tick_hz) * 1e9);
+    }
+}
+
 /// Angle of the index from the long axis in the sense of cutting, and what noise of the edges
 /// demands.
-static void derive_encoder(derive_t *d, const sim_machine_config_t *m, const cam_table_t *table)
+static void derive_encoder(derive_t *d, const sim_lathe_config_t *m, const cam_table_t *table)
 {
     const sim_encoder_config_t *c = &m->encoder;
     const double turn = sim_fraction(table->direction * c->index_turn + 0.5) - 0.5;
@@ -111,15 +109,14 @@ static void derive_encoder(derive_t *d, const sim_machine_config_t *m, const cam
     put(d, cam_param_jump_window_counts, window->def + noise_counts);
 }
 
-bool sim_controller_params(cam_params_t *params, const sim_machine_config_t *machine,
-                           const cam_table_t *table, const sim_wishes_t *wishes, sim_error_t *e)
+bool sim_controller_params(cam_params_t *params, const sim_lathe_config_t *machine,
+                           const cam_table_t *table, const sim_wishes_t *wishes, common_error_t *e)
 {
     derive_t d = {.params = params, .e = e, .is_good = true};
     *params = cam_param_defaults();
     derive_encoder(&d, machine, table);
     derive_feed_forward(&d, machine);
     derive_limits(&d, machine);
-    derive_spindle(&d, &machine->spindle);
     derive_swing(&d, machine);
     for (uint32_t id = 0; id < cam_n_params; id++) {
         if (wishes->is_given[id]) {

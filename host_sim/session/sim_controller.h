@@ -15,11 +15,11 @@
 #ifndef SIM_CONTROLLER_H
 #define SIM_CONTROLLER_H
 
-#include "cam_param.h"   // cam_n_params
-#include "cam_table.h"   // cam_table_t
-#include "sim_error.h"   // sim_error_t
-#include "sim_machine.h" // sim_machine_config_t
-#include <stdbool.h>     // bool
+#include "cam_param.h"    // cam_n_params
+#include "cam_table.h"    // cam_table_t
+#include "common_error.h" // common_error_t
+#include "sim_lathe.h"    // sim_lathe_config_t
+#include <stdbool.h>      // bool
 
 /// What the user wants; zero-initialised is nothing.
 typedef struct {
@@ -32,11 +32,11 @@ typedef struct {
 /// @param value   whole number within its range
 /// @param origin  for the message: file and section, or the option
 bool sim_wishes_add(sim_wishes_t *w, const char *name, double value, const char *origin,
-                    sim_error_t *e);
+                    common_error_t *e);
 
 /// @param params  filled completely
 /// @return        false and *e when a derived value is outside the range of its parameter
-bool sim_controller_params(cam_params_t *params, const sim_machine_config_t *machine,
-                           const cam_table_t *table, const sim_wishes_t *wishes, sim_error_t *e);
+bool sim_controller_params(cam_params_t *params, const sim_lathe_config_t *machine,
+                           const cam_table_t *table, const sim_wishes_t *wishes, common_error_t *e);
 
 #endif

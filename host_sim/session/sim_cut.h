@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// sim_cut: one whole cut in virtual time: table, controller, machine, workpiece and gauge.
+/// sim_cut: one whole cut in virtual time, controlled by the firmware of this process or of a
+/// target.
 ///
 ///     open -> tick, tick, ... until end is not sim_cut_running -> close
 ///
@@ -7,46 +8,36 @@
 /// then do what an operator does, by the firmware's own commands: enable, wait for the angle,
 /// start, wait for the end. After a fault they go on until the tool is retracted. One cut at a
 /// time: the controller and the port are one per process. What a tick did can be read between ticks
-/// (the firmware's status and trace, the machine).
+/// (the firmware's status and trace, the lathe, the session).
 #ifndef SIM_CUT_H
 #define SIM_CUT_H
 
-#include "sim_cam_work.h" // sim_cam_work_t
-#include "sim_config.h"   // sim_config_t
-#include "sim_design.h"   // sim_design_t
 #include "sim_firmware.h" // sim_firmware_t
-#include "sim_inject.h"   // sim_inject_t
-#include "sim_machine.h"  // sim_machine_t
+#include "sim_port.h"     // sim_port_t
 #include "sim_removal.h"  // sim_removal_t
-#include "sim_scallop.h"  // sim_scallop_t
-#include "sim_work.h"     // sim_work_t
+#include "sim_session.h"  // sim_session_t
 #include <stdbool.h>      // bool
 #include <stdint.h>       // uint64_t
 
-enum { sim_cut_max_injects = 32, sim_cut_poll_ticks = 16 };
+enum { sim_cut_poll_ticks = 16 };
 
 typedef struct {
-    sim_config_t config;
-    sim_wishes_t wishes; ///< overrule the machine file's [controller]
-    double rpm;          ///< 0: the table's
-    double feed_mm;      ///< 0: the table's
+    sim_session_options_t session; ///< max_s 0: twice engaging, cut and disengaging, and a minute
+    sim_wishes_t wishes;           ///< overrule the machine file's [controller]
+    double rpm;                    ///< 0: the table's
+    double feed_mm;                ///< 0: the table's
     bool is_without_feed_forward, is_without_lead;
-    bool is_traced; ///< the firmware records every tick; drain sim_firmware_trace()
-    uint64_t seed;
-    double max_s;    ///< [s] of machine time; 0: twice engaging, cut and disengaging, and a minute
+    bool is_traced;  ///< the firmware records every tick; drain sim_firmware_trace()
     double slice_s;  ///< [s] of the removal measured; 0: a 120th of the mean turn
     double kc_n_mm2; ///< specific cutting force
     double nose_mm;  ///< radius of the tool's nose; 0: the surface between tracks is not made
     bool has_window; ///< heights of that surface are given; else four feeds in the middle
     double window_first_mm, window_last_mm;
-    double tip_mm;    ///< radius of a turned cam's tool; 0: SIM_CAM_TIP_MM
-    double max_turns; ///< end the cut (operator's stop) after so many turns of cutting; 0: the
-                      ///< whole part
-    const char *design_path;  ///< NULL: gauge against the table itself, of a cam U alone
-    const char *target;       ///< of sim_target.h; NULL: the firmware runs in this process
+    double tip_mm;      ///< radius of the tool that turns lobes; 0: 0.4 mm
+    double max_turns;   ///< end the cut (operator's stop) after so many turns of cutting; 0: the
+                        ///< whole part
+    const char *target; ///< of sim_target.h; NULL: the firmware runs in this process
     const char *target_image; ///< path of its image
-    sim_inject_t inject[sim_cut_max_injects];
-    uint32_t n_injects;
 } sim_cut_options_t;
 
 typedef enum {
@@ -54,49 +45,32 @@ typedef enum {
     sim_cut_done,    ///< the controller is ready again
     sim_cut_fault,   ///< ended in a fault, tool retracted
     sim_cut_timeout, ///< max_s is over
-    sim_cut_refused, ///< the controller refused a command; `refusal` tells
-    sim_cut_lost,    ///< the target does not answer any more; sim_firmware_is_lost() tells why
+    sim_cut_refused, ///< the controller refused a command; `refusal` says why
+    sim_cut_lost,    ///< the target does not answer any more; sim_firmware_is_lost() says why
 } sim_cut_end_t;
 
 typedef struct {
-    sim_cut_options_t options;
-    uint8_t *image; ///< own copy, so that a bit may flip
-    cam_table_t table;
-    sim_design_t design;
-    sim_machine_t machine;
-    sim_work_t work;
-    sim_scallop_t scallop;
-    sim_cam_work_t cam;    ///< of a cam only
+    sim_cut_options_t options; ///< those of the session are in force there
+    sim_session_t session;
+    sim_port_t port;
     sim_removal_t removal; ///< of a skirt only
     bool has_slice;        ///< the last tick finished a slice of the removal
     sim_firmware_t firmware;
     cam_params_t params; ///< in force
     cam_feasibility_t feasibility;
     double max_s;
-    double phase_turn; ///< [turn] rotates the oval on the part
     // progress
     sim_cut_end_t end;
     cam_err_t refusal;
-    bool is_started; ///< start was accepted
-    bool is_stopped; ///< ended by the operator's stop
+    cam_state_t state; ///< in the last tick
+    bool is_started;   ///< start was accepted
+    bool is_stopped;   ///< ended by the operator's stop
     uint32_t until_poll;
     uint32_t n_polls;
-    uint32_t n_waiting; ///< injections that have not happened
     uint64_t n_ticks;
-    double cut_at_s;         ///< time of the first tick of cutting; below 0: not yet
-    double cut_at_turn;      ///< true angle there
-    double cut_turns, cut_s; ///< of the cutting state
-    double fault_s;          ///< time of the first fault; below 0: none
+    double fault_s; ///< time of the first fault; below 0: none
     double fault_turn, fault_z_mm;
     cam_state_t fault_state; ///< state in which the fault struck
-    // following error of U as the controller sees it, while cutting
-    double following_max_um, following_sum_um2;
-    uint64_t n_following;
-    // last sample
-    cam_state_t state;
-    double sample_s, true_turn; ///< instant, true angle of the spindle
-    double part_turn, z_mm, radius_mm, exact_mm;
-    double swing_deg; ///< true swing of the tool
 } sim_cut_t;
 
 /// @param cut    9 MB: allocate it
@@ -105,7 +79,7 @@ typedef struct {
 /// @return       false and *e when the input is no good or the speed infeasible; nothing to close
 /// then
 bool sim_cut_open(sim_cut_t *cut, const sim_cut_options_t *options, const void *image, size_t size,
-                  const char *name, sim_error_t *e);
+                  const char *name, common_error_t *e);
 
 /// One tick. Sets cut->end when it was the last.
 void sim_cut_tick(sim_cut_t *cut);
@@ -128,15 +102,22 @@ bool sim_cut_has_rings(const sim_cut_t *cut);
 double sim_cut_planned_turns(const sim_cut_t *cut);
 
 /// What no gauge has seen is not known to be good.
-/// @return false when nothing was cut to full depth, or a lobe of a cam that was cut to its end was
-///         not gauged all round; of a cut that the operator ends early what was cut counts
+/// @return false when nothing was cut to full depth, or a lobe of a part that was cut to its end
+///         was not gauged all round; of a cut that the operator ends early what was cut counts
 bool sim_cut_is_gauged(const sim_cut_t *cut);
 
 /// As the contact only goes on, a whole turn has been gauged with a sample per dexel.
-/// @return first lobe of a cam with fewer samples; the number of lobes when there is none
+/// @return first lobe with fewer samples; the number of lobes when there is none
 uint32_t sim_cut_lobe_without_turn(const sim_cut_t *cut);
 
-/// @return [um] rms following error, 0 without samples
-double sim_cut_following_rms_um(const sim_cut_t *cut);
+/// @return true when the cut ended well, all of it was gauged, and the form error is within the
+///         tolerance
+bool sim_cut_is_good(const sim_cut_t *cut);
+
+/// @return [r/min] mean speed of the spindle
+double sim_cut_rpm(const sim_cut_t *cut);
+
+/// @return "done", "stopped", "fault", "timeout", "refused" or "lost"
+const char *sim_cut_end_name(const sim_cut_t *cut);
 
 #endif

@@ -68,7 +68,8 @@ bool sim_slow_is_turning(const cam_table_t *table, const cam_params_t *params, d
 
 /// What is never slower than that is safe from lag and ripple, too.
 /// @return what the user can do
-static sim_error_t remedy(const cam_table_t *t, const cam_params_t *p, const cam_feasibility_t *f)
+static common_error_t remedy(const cam_table_t *t, const cam_params_t *p,
+                             const cam_feasibility_t *f)
 {
     const double ratio = least_ratio(t);
     const double least_rpm = ceil(stopped_rpm(p) / ratio * 10.0) / 10.0;
@@ -77,28 +78,28 @@ static sim_error_t remedy(const cam_table_t *t, const cam_params_t *p, const cam
     if (least_rpm * 1e3 <= f->highest_mrpm) {
         (void)snprintf(speed, sizeof speed, "give at least --rpm %.1f", least_rpm);
     }
-    sim_error_t text;
-    (void)sim_error(&text, "%s, or --set stopped_mrpm=%.0f", speed, slowest_mrpm);
+    common_error_t text;
+    (void)common_error(&text, "%s, or --set stopped_mrpm=%.0f", speed, slowest_mrpm);
     return text;
 }
 
 bool sim_slow_check(const cam_table_t *table, const cam_params_t *params,
-                    const cam_feasibility_t *feasibility, sim_error_t *e)
+                    const cam_feasibility_t *feasibility, common_error_t *e)
 {
     const double mean_rpm = feasibility->speed_mrpm * 1e-3;
     if (sim_slow_is_turning(table, params, mean_rpm)) {
         return true;
     }
-    const sim_error_t what = remedy(table, params, feasibility);
+    const common_error_t what = remedy(table, params, feasibility);
     if (mean_rpm < stopped_rpm(params)) {
-        return sim_error(
+        return common_error(
             e, "--rpm %.12g: below %.12g (stopped_mrpm) the spindle counts as stopped; %s",
             mean_rpm, stopped_rpm(params), what.text);
     }
-    return sim_error(e,
-                     "--rpm %.12g: in a turn it falls to %.4g, and for %.0f ms below %.12g "
-                     "(stopped_mrpm), which is a fault after %d ms (stopped_ms); %s",
-                     mean_rpm, mean_rpm * least_ratio(table),
-                     sim_slow_longest_s(table, params, mean_rpm) * 1e3, stopped_rpm(params),
-                     (int)params->stopped_ms, what.text);
+    return common_error(e,
+                        "--rpm %.12g: in a turn it falls to %.4g, and for %.0f ms below %.12g "
+                        "(stopped_mrpm), which is a fault after %d ms (stopped_ms); %s",
+                        mean_rpm, mean_rpm * least_ratio(table),
+                        sim_slow_longest_s(table, params, mean_rpm) * 1e3, stopped_rpm(params),
+                        (int)params->stopped_ms, what.text);
 }

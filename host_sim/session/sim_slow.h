@@ -3,7 +3,7 @@
 ///
 /// Below stopped_mrpm a spindle counts as stopped: with such a mean speed homing never ends, and a
 /// cut ends in the fault spindle_stopped when the speed stays below for longer than stopped_ms. A
-/// modulated spindle may do that in part of each turn. What the table itself asks for is judged: a
+/// modulated spindle may do that in part of each turn. What the table itself demands is judged: a
 /// little below the limit lag and ripple of the spindle may still end the cut, and the noise of a
 /// coarse encoder may hide a slow spindle from the controller.
 #ifndef SIM_SLOW_H
@@ -12,7 +12,7 @@
 #include "cam_feasible.h" // cam_feasibility_t
 #include "cam_param.h"    // cam_params_t
 #include "cam_table.h"    // cam_table_t
-#include "sim_error.h"    // sim_error_t
+#include "common_error.h" // common_error_t
 #include <stdbool.h>      // bool
 
 /// @return [s] longest time within a turn in which the spindle is slower than stopped_mrpm, over
@@ -25,6 +25,6 @@ bool sim_slow_is_turning(const cam_table_t *table, const cam_params_t *params, d
 /// @param feasibility  of the mean speed, which is within all limits
 /// @return             false and *e, with what would do, when that speed is so slow
 bool sim_slow_check(const cam_table_t *table, const cam_params_t *params,
-                    const cam_feasibility_t *feasibility, sim_error_t *e);
+                    const cam_feasibility_t *feasibility, common_error_t *e);
 
 #endif

@@ -40,7 +40,7 @@ static void unpin(void)
     }
 }
 
-/// Pipes of a start; `report` tells why the emulator cannot be run, `words` takes what it says.
+/// Pipes of a start; `report` says why the emulator cannot be run, `words` takes what it says.
 typedef struct {
     int request[2], answer[2], report[2];
     int words;
@@ -84,7 +84,7 @@ static _Noreturn void become_emulator(const pipes_t *p, char *const *command, in
     _exit(127);
 }
 
-static bool has_started(sim_emulator_t *m, pipes_t *p, sim_error_t *e)
+static bool has_started(sim_emulator_t *m, pipes_t *p, common_error_t *e)
 {
     int number = 0;
     (void)close(p->report[1]);
@@ -97,11 +97,12 @@ static bool has_started(sim_emulator_t *m, pipes_t *p, sim_error_t *e)
         return true;
     }
     sim_emulator_stop(m);
-    return sim_error(e, EMULATOR ": cannot be run: %s; install the Debian package qemu-system-arm",
-                     strerror(number));
+    return common_error(e,
+                        EMULATOR ": cannot be run: %s; install the Debian package qemu-system-arm",
+                        strerror(number));
 }
 
-bool sim_emulator_start(sim_emulator_t *m, const char *board, const char *image, sim_error_t *e)
+bool sim_emulator_start(sim_emulator_t *m, const char *board, const char *image, common_error_t *e)
 {
     const char *const command[] = {
         EMULATOR,  "-M",      board,  "-nographic",          "-monitor",
@@ -109,7 +110,7 @@ bool sim_emulator_start(sim_emulator_t *m, const char *board, const char *image,
         "-kernel", image,     NULL};
     pipes_t p;
     if (!open_pipes(&p)) {
-        return sim_error(e, EMULATOR ": no pipes to it: %s; free some files", strerror(errno));
+        return common_error(e, EMULATOR ": no pipes to it: %s; free some files", strerror(errno));
     }
     pin();
     const int parent = getpid();
@@ -121,7 +122,7 @@ bool sim_emulator_start(sim_emulator_t *m, const char *board, const char *image,
         const int number = errno;
         close_all(&p);
         unpin();
-        return sim_error(e, EMULATOR ": no process for it: %s; end some", strerror(number));
+        return common_error(e, EMULATOR ": no process for it: %s; end some", strerror(number));
     }
     m->request_fd = p.request[1];
     m->spare_fd = p.request[0];
@@ -130,15 +131,15 @@ bool sim_emulator_start(sim_emulator_t *m, const char *board, const char *image,
     return has_started(m, &p, e);
 }
 
-bool sim_emulator_send(sim_emulator_t *m, const void *bytes, size_t n, sim_error_t *e)
+bool sim_emulator_send(sim_emulator_t *m, const void *bytes, size_t n, common_error_t *e)
 {
     ssize_t written;
     do {
         written = write(m->request_fd, bytes, n);
     } while (written < 0 && errno == EINTR);
     return written == (ssize_t)n ||
-           sim_error(e, EMULATOR ": the pipe to it broke: %s; run it again",
-                     written < 0 ? strerror(errno) : "full");
+           common_error(e, EMULATOR ": the pipe to it broke: %s; run it again",
+                        written < 0 ? strerror(errno) : "full");
 }
 
 /// The first line that the emulator, or the program on it, has said.
@@ -150,7 +151,7 @@ static void first_words(const sim_emulator_t *m, char *line, size_t size)
 }
 
 /// The end of its pipe is there: how did it end?
-static bool has_ended(sim_emulator_t *m, sim_error_t *e)
+static bool has_ended(sim_emulator_t *m, common_error_t *e)
 {
     char words[200];
     char how[60];
@@ -163,11 +164,12 @@ static bool has_ended(sim_emulator_t *m, sim_error_t *e)
     } else {
         (void)snprintf(how, sizeof how, "exit status %d", is_reaped ? WEXITSTATUS(status) : -1);
     }
-    return sim_error(e, EMULATOR ": ended before the cut did: %s%s%s; hal/mps2/README.md lists why",
-                     how, words[0] != '\0' ? ": " : "", words);
+    return common_error(e,
+                        EMULATOR ": ended before the cut did: %s%s%s; hal/mps2/README.md lists why",
+                        how, words[0] != '\0' ? ": " : "", words);
 }
 
-bool sim_emulator_receive(sim_emulator_t *m, void *bytes, size_t n, sim_error_t *e)
+bool sim_emulator_receive(sim_emulator_t *m, void *bytes, size_t n, common_error_t *e)
 {
     uint8_t *to = (uint8_t *)bytes;
     while (n > 0u) {
@@ -175,15 +177,15 @@ bool sim_emulator_receive(sim_emulator_t *m, void *bytes, size_t n, sim_error_t 
         const int n_ready = poll(&answer, 1, patience_ms);
         const ssize_t n_read = n_ready > 0 ? read(m->answer_fd, to, n) : -1;
         if (n_ready == 0) {
-            return sim_error(e, EMULATOR ": silent for %d s; is the image the right one?",
-                             patience_ms / 1000);
+            return common_error(e, EMULATOR ": silent for %d s; is the image the right one?",
+                                patience_ms / 1000);
         }
         if (n_read == 0) {
             return has_ended(m, e);
         }
         if (n_read < 0 && errno != EINTR) {
-            return sim_error(e, EMULATOR ": the pipe from it broke: %s; run it again",
-                             strerror(errno));
+            return common_error(e, EMULATOR ": the pipe from it broke: %s; run it again",
+                                strerror(errno));
         }
         to += n_read > 0 ? n_read : 0;
         n -= n_read > 0 ? (size_t)n_read : 0u;

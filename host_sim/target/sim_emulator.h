@@ -7,9 +7,9 @@
 #ifndef SIM_EMULATOR_H
 #define SIM_EMULATOR_H
 
-#include "sim_error.h" // sim_error_t
-#include <stdbool.h>   // bool
-#include <stddef.h>    // size_t
+#include "common_error.h" // common_error_t
+#include <stdbool.h>      // bool
+#include <stddef.h>       // size_t
 
 typedef struct {
     int pid;
@@ -22,13 +22,13 @@ typedef struct {
 /// @param board  as the emulator calls it
 /// @param image  path of the program
 /// @return       false and *e when there is no emulator; nothing to stop then
-bool sim_emulator_start(sim_emulator_t *m, const char *board, const char *image, sim_error_t *e);
+bool sim_emulator_start(sim_emulator_t *m, const char *board, const char *image, common_error_t *e);
 
 /// @param n  [bytes] at most 4096: never blocks, because a request follows an answer
-bool sim_emulator_send(sim_emulator_t *m, const void *bytes, size_t n, sim_error_t *e);
+bool sim_emulator_send(sim_emulator_t *m, const void *bytes, size_t n, common_error_t *e);
 
 /// Wait for exactly n bytes. @return false and *e when the emulator has ended or keeps silent
-bool sim_emulator_receive(sim_emulator_t *m, void *bytes, size_t n, sim_error_t *e);
+bool sim_emulator_receive(sim_emulator_t *m, void *bytes, size_t n, common_error_t *e);
 
 void sim_emulator_stop(sim_emulator_t *m);
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_firmware.h"
 
-bool sim_firmware_open(sim_firmware_t *f, const char *target, const char *image, sim_error_t *e)
+bool sim_firmware_open(sim_firmware_t *f, const char *target, const char *image, common_error_t *e)
 {
     *f = (sim_firmware_t){0};
     if (target == NULL) {
@@ -18,7 +18,7 @@ void sim_firmware_close(sim_firmware_t *f)
     f->remote = NULL;
 }
 
-bool sim_firmware_is_lost(const sim_firmware_t *f, sim_error_t *e)
+bool sim_firmware_is_lost(const sim_firmware_t *f, common_error_t *e)
 {
     if (f->remote == NULL || !f->remote->is_lost) {
         return false;

@@ -3,18 +3,18 @@
 ///
 /// Either in this process, on the simulator's port, or on a target behind a wire (sim_remote.h):
 /// the same functions, the same answers to the bit. A target can be lost in the middle; then ticks
-/// return false, calls return cam_err_busy, and sim_firmware_is_lost() tells why. One at a time:
+/// return false, calls return cam_err_busy, and sim_firmware_is_lost() says why. One at a time:
 /// the port is one per process.
 #ifndef SIM_FIRMWARE_H
 #define SIM_FIRMWARE_H
 
-#include "cam_machine.h" // cam_machine_t
-#include "cam_trace.h"   // cam_trace_t
-#include "hal_host.h"    // hal_host_tick
-#include "sim_error.h"   // sim_error_t
-#include "sim_remote.h"  // sim_remote_t
-#include <stdbool.h>     // bool
-#include <stddef.h>      // size_t
+#include "cam_machine.h"  // cam_machine_t
+#include "cam_trace.h"    // cam_trace_t
+#include "hal_host.h"     // hal_host_tick
+#include "common_error.h" // common_error_t
+#include "sim_remote.h"   // sim_remote_t
+#include <stdbool.h>      // bool
+#include <stddef.h>       // size_t
 
 typedef struct {
     cam_machine_t machine; ///< in this process
@@ -26,12 +26,12 @@ typedef struct {
 /// @param target  of sim_target.h, NULL: in this process
 /// @param image   path of its image, not used without a target
 /// @return        false and *e when the target does not start; nothing to close then
-bool sim_firmware_open(sim_firmware_t *f, const char *target, const char *image, sim_error_t *e);
+bool sim_firmware_open(sim_firmware_t *f, const char *target, const char *image, common_error_t *e);
 
 void sim_firmware_close(sim_firmware_t *f);
 
 /// @return true, and *e says why, when the target does not answer any more
-bool sim_firmware_is_lost(const sim_firmware_t *f, sim_error_t *e);
+bool sim_firmware_is_lost(const sim_firmware_t *f, common_error_t *e);
 
 /// One tick: hal_host.in -> hal_host.out. @return false when the target is lost
 static inline bool sim_firmware_tick(sim_firmware_t *f)

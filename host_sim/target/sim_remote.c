@@ -21,7 +21,7 @@ static bool exchange(sim_remote_t *r, size_t n)
 }
 
 /// A target of other sources would answer something else, or nothing.
-static bool greet(sim_remote_t *r, const sim_target_t *target, const char *image, sim_error_t *e)
+static bool greet(sim_remote_t *r, const sim_target_t *target, const char *image, common_error_t *e)
 {
     if (!sim_emulator_receive(&r->emulator, &r->hello, sizeof r->hello, e)) {
         return false;
@@ -29,13 +29,14 @@ static bool greet(sim_remote_t *r, const sim_target_t *target, const char *image
     const bool is_same = r->hello.magic == pil_magic && r->hello.headers == PIL_HEADERS &&
                          r->hello.request_bytes == sizeof r->request.head &&
                          r->hello.answer_bytes == sizeof r->answer;
-    return is_same || sim_error(e,
-                                "--target %s: %s: made from other sources than camsim; build both "
-                                "again, the image by: cmake --workflow --preset %s",
-                                target->name, image, target->preset);
+    return is_same ||
+           common_error(e,
+                        "--target %s: %s: made from other sources than camsim; build both "
+                        "again, the image by: cmake --workflow --preset %s",
+                        target->name, image, target->preset);
 }
 
-static bool start(sim_remote_t *r, const char *name, const char *image, sim_error_t *e)
+static bool start(sim_remote_t *r, const char *name, const char *image, common_error_t *e)
 {
     const sim_target_t *target = sim_target_find(name, e);
     if (target == NULL || !sim_target_check_image(target, image, e) ||
@@ -54,11 +55,11 @@ static bool start(sim_remote_t *r, const char *name, const char *image, sim_erro
     return !r->is_lost;
 }
 
-sim_remote_t *sim_remote_open(const char *target, const char *image, sim_error_t *e)
+sim_remote_t *sim_remote_open(const char *target, const char *image, common_error_t *e)
 {
     sim_remote_t *r = calloc(1, sizeof *r);
     if (r == NULL) {
-        (void)sim_error(e, "--target %s: not enough memory; free some", target);
+        (void)common_error(e, "--target %s: not enough memory; free some", target);
         return NULL;
     }
     if (!start(r, target, image, e)) {
@@ -141,8 +142,8 @@ cam_err_t sim_remote_select_table(sim_remote_t *r, const void *image, size_t siz
 {
     const uint8_t *bytes = (const uint8_t *)image;
     if (size > r->hello.table_bytes) {
-        (void)sim_error(&r->error, "the target has room for a table of %u bytes, not of %zu",
-                        (unsigned)r->hello.table_bytes, size);
+        (void)common_error(&r->error, "the target has room for a table of %u bytes, not of %zu",
+                           (unsigned)r->hello.table_bytes, size);
         (void)lose(r);
     }
     for (size_t at = 0; at < size && !r->is_lost; at += pil_chunk_bytes) {

@@ -9,7 +9,7 @@
 #include "cam_trace.h"    // cam_trace_t
 #include "pil_wire.h"     // pil_answer_t
 #include "sim_emulator.h" // sim_emulator_t
-#include "sim_error.h"    // sim_error_t
+#include "common_error.h" // common_error_t
 #include <stdbool.h>      // bool
 #include <stddef.h>       // size_t
 
@@ -24,16 +24,16 @@ typedef struct {
     pil_hello_t hello;
     sim_remote_request_t request;
     pil_answer_t answer;
-    cam_trace_t trace; ///< records of the target that nobody has read yet
-    bool is_lost;      ///< error tells why
-    sim_error_t error;
+    cam_trace_t trace; ///< records of the target that are still to be read
+    bool is_lost;      ///< `error` says why
+    common_error_t error;
 } sim_remote_t;
 
 /// Start the target with the rates of the simulator's port, its controller in state off.
 /// @param target  of sim_target.h
 /// @param image   path of its image
 /// @return        NULL and *e when it does not start or speaks otherwise
-sim_remote_t *sim_remote_open(const char *target, const char *image, sim_error_t *e);
+sim_remote_t *sim_remote_open(const char *target, const char *image, common_error_t *e);
 
 /// @param r  may be NULL
 void sim_remote_close(sim_remote_t *r);

@@ -28,7 +28,7 @@ def measure(folder: Path, mode: str, rpm: str, feed_mm: str) -> str:
         assert old in text
         text = text.replace(old, new)
     part.write_text(text)
-    command = [sys.executable, "-m", "camtools.mkgcode", str(part), "-o", str(program)]
+    command = [sys.executable, "-m", "camtools.cli.mkgcode", str(part), "-o", str(program)]
     start_s = time.monotonic()
     child = subprocess.Popen([*command, "--axes", "cxzu"])
     _, status, usage = _wait(child)

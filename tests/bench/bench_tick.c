@@ -33,9 +33,9 @@ static double now_s(void)
 
 static bool open_cut(bench_t *b, bool is_traced)
 {
-    const sim_cut_options_t options = {
-        .config = sim_config_defaults(), .is_traced = is_traced, .seed = 1};
-    sim_error_t e;
+    const sim_cut_options_t options = {.session = {.config = sim_config_defaults(), .seed = 1},
+                                       .is_traced = is_traced};
+    common_error_t e;
     if (!sim_cut_open(&b->cut, &options, b->table.bytes, b->table.size, b->name, &e)) {
         (void)fprintf(stderr, "bench_tick: %s\n", e.text);
         return false;
@@ -67,7 +67,7 @@ static bool record_senses(bench_t *b)
     if (!open_cut(b, true)) {
         return false;
     }
-    while (b->cut.end == sim_cut_running && b->cut.cut_turns < 1.0) {
+    while (b->cut.end == sim_cut_running && b->cut.session.cut_turns < 1.0) {
         sim_cut_tick(&b->cut);
         while (cam_trace_pop(&g_cam.trace, &b->last)) {
         }
@@ -140,7 +140,7 @@ int main(int argc, char **argv)
         (void)fprintf(stderr, "usage: bench_tick TABLE\n");
         return EXIT_FAILURE;
     }
-    sim_error_t e;
+    common_error_t e;
     int status = EXIT_FAILURE;
     bench_t *b = calloc(1, sizeof *b);
     if (b == NULL) {

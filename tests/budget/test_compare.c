@@ -173,7 +173,7 @@ static figures_t row(const way_t *way, const compare_table_t *t, const char *why
     return f;
 }
 
-/// The longest evaluation once more, for camtools.cycles.
+/// The longest evaluation once more, for checks.cycles.
 static void show(const way_t *way, const compare_table_t *t, const figures_t *f)
 {
     compare_value_t value;

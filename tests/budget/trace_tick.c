@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The image through which camtools.cycles steps: every session twice, the first time to find its
+// The image through which checks.cycles steps: every session twice, the first time to find its
 // longest tick by the counter, the second time to stop before it.
 #include "budget_count.h"
 #include "budget_strike.h"

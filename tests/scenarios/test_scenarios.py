@@ -163,7 +163,7 @@ def test_scenario(path: Path, table_of: Callable[[str], Path], tmp_path: Path) -
 def test_every_fault_has_a_scenario() -> None:
     """Each fault that a machine can cause is the first fault of some scenario."""
     shown = {tomllib.loads(p.read_text())["expect"].get("first_fault") for p in SCENARIOS}
-    # Set-point faults cannot be caused from outside: tests/unit/firmware/test_cam_guard*.c cause them.
+    # Set-point faults have no cause outside: tests/unit/firmware/test_cam_guard*.c cause them.
     machine_faults = {
         "estop", "drive", "bus", "late_tick", "encoder_jump", "lost_counts", "index_missing",
         "reverse", "spindle_stopped", "overspeed", "following_error", "z_range", "table",

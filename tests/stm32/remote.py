@@ -14,7 +14,7 @@ from fdcan import Frame
 
 ROOT = Path(__file__).resolve().parents[2]
 DATABASE = Database()
-DATABASE.add_dbc_file(ROOT / "firmware" / "can" / "camturn.dbc")
+DATABASE.add_dbc_file(ROOT / "firmware" / "remote" / "can" / "camturn.dbc")
 
 
 def _table(message: str, signal: str) -> dict[int, str]:

@@ -8,7 +8,7 @@ import zlib
 
 import pytest
 
-from camtools.flash import FIRST_PLACE
+from camtools.cli.flash import FIRST_PLACE
 from fdcan import Frame
 from flash_pwr import SECTOR_BYTES
 from host import make_table

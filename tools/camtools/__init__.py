@@ -2,9 +2,9 @@
 
 From a drawing to the bytes that the firmware plays:
 
->>> from camtools.part import example_part
->>> from camtools.generate import generate
->>> from camtools.image import pack, unpack
+>>> from camtools.skirt.part import example_part
+>>> from camtools.skirt.generate import generate
+>>> from camtools.table.image import pack, unpack
 >>> result = generate(example_part(), tolerance_nm=1.0)
 >>> unpack(pack(result.table)).part_name
 'example'

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-/// hal_host: the simulator's port. What the firmware senses is set here, what it writes is read
-/// here, and every fault that a machine can meet can be caused here.
+/// hal_host: the simulator's port. Tests and machine models set here what the firmware senses, read
+/// what it writes, and cause every fault that a machine can have.
 ///
 /// Time is virtual: hal_host_tick() advances it by one period and calls cam_isr(). A machine model
-/// sets `in` before and reads `out` after. Single-threaded.
+/// sets `in` before and reads `out` afterwards. Only one thread may use the port.
 #ifndef HAL_HOST_H
 #define HAL_HOST_H
 
@@ -12,16 +12,16 @@
 #include <stdint.h>  // uint32_t
 
 enum { hal_host_can_frames = 16 };       ///< depth of the queues, a power of two
-enum { hal_host_place_bytes = 1 << 20 }; ///< of a downloaded table
-enum { hal_host_lines = 8 };             ///< lines for people that are kept, a power of two
-enum { hal_host_line_bytes = 128 };      ///< more than hal_text() allows, so that a test can see it
-enum { hal_host_clock_hz = 200000000 };  ///< [Hz] virtual time stamp: 5 ns
+enum { hal_host_place_bytes = 1 << 20 }; ///< [bytes] of a place for a downloaded table
+enum { hal_host_lines = 8 };             ///< lines of text that are kept, a power of two
+enum { hal_host_line_bytes = 128 };      ///< [bytes] more than hal_text() allows, so a test sees it
+enum { hal_host_clock_hz = 200000000 };  ///< [Hz] rate of the virtual time stamp: 5 ns
 
 /// The machine's side of the port.
 typedef struct {
     struct {
-        hal_encoder_t encoder;       ///< true readings, before faults
-        hal_encoder_t read;          ///< what the interrupt reads: as of the last advance
+        hal_encoder_t encoder;       ///< true reading, before the faults distort it
+        hal_encoder_t read;          ///< what the interrupt reads: distorted at the last advance
         int32_t axis_nm[hal_n_axes]; ///< [nm] measured positions
         int32_t swing_q32;           ///< [turn / 2^32] measured swing
         uint32_t inputs;             ///< hal_in_*
@@ -31,32 +31,32 @@ typedef struct {
         int32_t spindle_mrpm; ///< [r/min / 1000] signed
         uint32_t outputs;     ///< hal_out_*
         hal_swing_t swing;
-        uint32_t n_swing; ///< set-points of the swing so far
+        uint32_t n_swing; ///< number of set-points of the swing so far
     } out;
-    struct {                   ///< distortions, applied to every reading
-        uint32_t count_offset; ///< [counts] added to the counter and what latches it
-        bool is_encoder_stuck; ///< the counter keeps stuck_counts
+    struct {                   ///< distortions, applied to every reading of the encoder
+        uint32_t count_offset; ///< [counts] added to the counter and to its index latch
+        bool is_encoder_stuck; ///< the counter stands still at stuck_counts
         uint32_t stuck_counts;
-        bool is_index_dead;       ///< no index edge arrives any more
+        bool is_index_dead;       ///< no further index edge arrives
         hal_encoder_t last_index; ///< last reading before the index died
     } fault;
-    struct {               ///< what the slow side asks for
-        hal_start_t start; ///< .why == NULL reads as ""
+    struct {               ///< what the functions of the slow side return and take
+        hal_start_t start; ///< .why == NULL is returned as ""
         hal_image_t table;
-        hal_load_t load;                               ///< nothing is measured here
+        hal_load_t load;                               ///< as the test sets it
         hal_can_frame_t received[hal_host_can_frames]; ///< ring, hal_host_can_receive()
         hal_can_frame_t sent[hal_host_can_frames];     ///< ring, newest at n_sent - 1
         uint32_t n_received, n_read, n_sent;
-        hal_image_t staged; ///< place of the download; .bytes == NULL: none was begun
-        uint32_t n_store;   ///< calls of hal_table_begin, _write, _commit that still succeed
-        uint32_t n_room;    ///< frames that the transmit queue still takes
+        hal_image_t staged; ///< place of the download; .bytes == NULL when none was begun
+        uint32_t n_store;   ///< calls of hal_table_begin, _write and _commit that still succeed
+        uint32_t n_room;    ///< frames for which the transmit queue still has room
         bool is_bus_off;    ///< nothing can be sent
         bool has_no_swing;  ///< the machine has no axis for the swing
     } slow;
     uint32_t tick_hz;     ///< [Hz] set before hal_init(), 20 000 when 0
-    uint32_t clock;       ///< virtual time stamp
-    uint32_t late_clocks; ///< next tick comes later by this much
-    uint64_t n_ticks;
+    uint32_t clock;       ///< [1 / hal_host_clock_hz] virtual time stamp, wraps
+    uint32_t late_clocks; ///< [1 / hal_host_clock_hz] delay of the next tick
+    uint64_t n_ticks;     ///< periods so far
     char lines[hal_host_lines][hal_host_line_bytes]; ///< ring of hal_text(), newest at n_lines - 1
     uint32_t n_lines;
 } hal_host_t;
@@ -64,35 +64,39 @@ typedef struct {
 /// The one machine of this process.
 extern hal_host_t hal_host;
 
-/// Forget everything, take a tick rate.
+/// Return to the state after the start, with a new tick rate.
 /// @param tick_hz  [Hz] 500 .. 100 000
 void hal_host_reset(uint32_t tick_hz);
 
-/// Advance virtual time by one period without a tick: the firmware runs elsewhere.
+/// Advance virtual time by one period without a tick, for firmware that runs on an emulator.
 void hal_host_advance(void);
 
 /// Advance virtual time by one period and call cam_isr().
 void hal_host_tick(void);
 
-/// The counter gains (or loses, negative) counts once.
+/// The encoder's counter gains counts once, or loses them when negative.
 void hal_host_fault_counts(int32_t counts);
 
-/// The counter stands still from now on (cable cut), or moves again.
+/// The encoder's counter stands still from now on (a cut cable), or moves again.
 void hal_host_fault_encoder_stuck(bool is_stuck);
 
-/// No further index edges are reported, or again.
+/// Index edges are no longer reported, or are reported again.
 void hal_host_fault_index_dead(bool is_dead);
 
 /// The next tick comes late.
-/// @param percent  of a period
+/// @param percent  delay in per cent of a period
 void hal_host_fault_late(uint32_t percent);
 
-/// Emergency stop pressed or released; drives ready or not; a node on the bus silent or heard.
+/// The emergency stop is pressed, or released.
 void hal_host_fault_estop(bool is_pressed);
+
+/// The drives are not ready, or ready again.
 void hal_host_fault_drive(bool is_failed);
+
+/// A node on the field bus is silent, or heard again.
 void hal_host_fault_bus(bool is_lost);
 
-/// A frame arrives. @return false when the queue is full and the frame is dropped
+/// A CAN frame arrives. @return false when the queue is full and the frame is dropped
 bool hal_host_can_receive(const hal_can_frame_t *frame);
 
 #endif

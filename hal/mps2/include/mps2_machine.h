@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-/// mps2_machine: what stands behind the port of the emulated boards: a structure in RAM.
+/// mps2_machine: the machine behind the port of the emulated boards: a structure in RAM.
 ///
-/// Whoever plays the machine sets `in` and `slow`, and reads `out`: the image's own machine once a
-/// period (mps2_machine_step_isr()), or a program that calls cam_isr() itself and never starts the
-/// tick.
+/// The part that plays the machine sets `in` and `slow` and reads `out`. This is either the image's
+/// own machine, once a period in mps2_machine_step_isr(), or a program that calls cam_isr() itself
+/// and never starts the tick. The structure resembles hal_host_t, but a port does not include the
+/// headers of another one.
 #ifndef MPS2_MACHINE_H
 #define MPS2_MACHINE_H
 
@@ -13,11 +14,12 @@
 
 enum { mps2_can_frames = 16 }; ///< depth of the queues, a power of two
 
-enum { mps2_place_bytes = 1 << 19 }; ///< of a downloaded table
+enum { mps2_place_bytes = 1 << 19 }; ///< [bytes] of a place for a downloaded table
 
+/// The machine's side of the port.
 typedef struct {
     struct {
-        hal_encoder_t encoder;
+        hal_encoder_t encoder;       ///< reading of the spindle encoder
         int32_t axis_nm[hal_n_axes]; ///< [nm] measured positions
         int32_t swing_q32;           ///< [turn / 2^32] measured swing
         uint32_t inputs;             ///< hal_in_*
@@ -27,9 +29,9 @@ typedef struct {
         int32_t spindle_mrpm; ///< [r/min / 1000] signed
         uint32_t outputs;     ///< hal_out_*
         hal_swing_t swing;
-        uint32_t n_swing; ///< set-points of the swing so far
+        uint32_t n_swing; ///< number of set-points of the swing so far
     } out;
-    struct {                                       ///< what the slow side asks for
+    struct {                                       ///< what functions of the slow side return
         hal_image_t table;                         ///< bytes == NULL: no table is kept
         hal_can_frame_t received[mps2_can_frames]; ///< ring, newest at n_received - 1
         hal_can_frame_t sent[mps2_can_frames];     ///< ring, newest at n_sent - 1
@@ -40,13 +42,14 @@ typedef struct {
 /// The one machine of the image.
 extern mps2_machine_t mps2_machine;
 
-/// A frame arrives. @return false when the queue is full; the frame is lost
-/// Context: whoever plays the machine.
+/// A CAN frame arrives. @return false when the queue is full and the frame is lost
+/// Context: the part that plays the machine.
 bool mps2_machine_can_receive(const hal_can_frame_t *frame);
 
-// Image provides, when it starts the tick
+// Image provides, if it starts the tick
 
-/// One period passes: out -> in. Context: the tick's interrupt, after cam_isr().
+/// Play the machine for one period: compute `in` from `out`.
+/// Context: the tick's interrupt, after cam_isr().
 void mps2_machine_step_isr(void);
 
 #endif

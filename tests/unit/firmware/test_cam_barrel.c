@@ -22,7 +22,7 @@ static void make(void)
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_table_check(image.bytes, image.size, &table));
 }
 
-/// Steepest at the upper end, 600 000 nm from the largest radius.
+/// The profile is steepest at the upper end, 600 000 nm from the largest radius.
 static void test_parabola_has_its_peaks_at_its_end(void)
 {
     make();
@@ -45,15 +45,16 @@ static void test_cylinder_has_none(void)
     TEST_ASSERT_EQUAL_UINT32(0, table.x_bend_ppm_per_m);
 }
 
-/// Falls by 1.5 um from one slice to the next, and is level at both.
+/// A profile that falls by 1.5 um from one slice to the next and is level at both.
 static void step(double z_nm, double x[3])
 {
     level(z_nm, x);
     x[0] -= z_nm > 375000.0 ? 1500.0 : 0.0;
 }
 
-/// The quintic between them is steepest in the middle, by 15/8 of the mean, and bent by 5.774, of
-/// which a quarter of the slice has 5.625.
+/// The quintic between them is steepest in the middle, with 15/8 of the mean slope. Its curvature
+/// reaches 5.774 (in the fall per squared spacing), of which the sample at a quarter of the slice
+/// finds 5.625.
 static void test_peak_between_two_slices_is_seen(void)
 {
     part.x = step;

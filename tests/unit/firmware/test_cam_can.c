@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Commands over CAN: every command and refusal, parameters, a queue without room. The bytes
-// are those of camturn.dbc, written out.
+// Commands over CAN: every command and refusal, parameters, a queue without room. The bytes are
+// those of camturn.dbc, written out by hand.
 #include "cam_can.h"
 #include "expect_can.h"
 #include "fixture_can.h"
@@ -84,7 +84,7 @@ static void test_a_command_before_the_last_was_taken_is_busy(void)
     fixture_can_receive(0x640, 8, enable, 0, 0);
     fixture_can_receive(0x640, 8, enable, 0, 0);
     cam_can_poll(&f.can);
-    cam_can_poll(&f.can); // no tick between them
+    cam_can_poll(&f.can); // no tick in between
     const hal_can_frame_t frame = fixture_can_sent(0x5C0);
     TEST_ASSERT_EQUAL_INT32(cam_err_busy, fixture_can_answer(&frame).result);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Download of a table over CAN: what goes well, and interruptions at and within every block,
-// repetition, order, which must leave the old table in force.
+// Download of a table over CAN: complete ones, and interruptions at and within every block,
+// repetitions and wrong orders, all of which must leave the old table in force.
 #include "cam_can.h"
 #include "expect_can.h"
 #include "fixture_download.h"
@@ -54,8 +54,8 @@ static void test_the_places_take_turns(void)
         cam_ok, fixture_download_send(&d, fixture_end, fixture_download_crc(&d)).result);
     TEST_ASSERT_EQUAL_INT32(cam_ok, fixture_download_send(&d, fixture_select, 0).result);
     TEST_ASSERT_EQUAL_STRING("third skirt", d.can.rig.machine.table.name);
-    TEST_ASSERT_EQUAL_INT32(
-        cam_ok, fixture_download_send(&d, fixture_select, 0).result); // again, what is there
+    TEST_ASSERT_EQUAL_INT32(cam_ok, fixture_download_send(&d, fixture_select, 0)
+                                        .result); // once more: the same table is checked anew
 }
 
 static void test_interrupted_at_every_block(void)
@@ -67,7 +67,7 @@ static void test_interrupted_at_every_block(void)
             fixture_download_send(&d, fixture_end, fixture_download_crc(&d));
         TEST_ASSERT_EQUAL_INT32(cam_err_download_short, answer.result);
         TEST_ASSERT_EQUAL_INT32(n * fixture_block_bytes, answer.value);
-        expect_old_in_force(&d); // which restarts
+        expect_old_in_force(&d); // which restarts the controller
         TEST_ASSERT_EQUAL_INT32(
             cam_err_download_order,
             fixture_download_send(&d, fixture_end, fixture_download_crc(&d)).result);
@@ -85,7 +85,7 @@ static void test_interrupted_within_every_block(void)
         const uint32_t n = fixture_download_make(message, d.other.bytes, i * fixture_block_bytes,
                                                  fixture_download_bytes(&d, i));
         fixture_download_message(&d, message, n, 1);
-        fixture_can_loop(&d.can, 20000); // a second and more of silence, then it is answered
+        fixture_can_loop(&d.can, 20000); // more than a second of silence ends the block
         fixture_can_loop(&d.can, 3);
         const uint32_t n_sent = hal_host.slow.n_sent;
         expect_blocks(&d, i, i + 1u); // sent again
@@ -124,7 +124,7 @@ static void test_a_new_begin_forgets_what_came(void)
     }
     TEST_ASSERT_EQUAL_INT32(
         cam_ok, fixture_download_send(&d, fixture_end, fixture_download_crc(&d)).result);
-    expect_begin(&d); // also a whole one
+    expect_begin(&d); // a complete download is lost as well
     expect_old_in_force(&d);
 }
 
@@ -163,9 +163,9 @@ static void test_blocks_out_of_order_are_refused(void)
     expect_block(&d, cam_err_download_order, 2 * fixture_block_bytes, fixture_block_bytes,
                  fixture_block_bytes);
     expect_block(&d, cam_err_download_order, fixture_block_bytes - 32, fixture_block_bytes,
-                 fixture_block_bytes); // overlaps
+                 fixture_block_bytes); // overlaps the last block
     expect_block(&d, cam_err_download_order, fixture_block_bytes, 31,
-                 fixture_block_bytes); // not whole grains
+                 fixture_block_bytes); // not a multiple of hal_table_grain
     expect_block(&d, cam_err_download_order, 0, 0, fixture_block_bytes);
     expect_blocks(&d, 1, fixture_download_blocks(&d));
     TEST_ASSERT_EQUAL_INT32(
@@ -179,10 +179,10 @@ static void test_answers_and_flow_control_wait_for_room(void)
     hal_host.slow.n_room = 0;
     uint8_t message[4 + 32];
     const uint32_t length = fixture_download_make(message, d.other.bytes, 0, 32);
-    fixture_download_message(&d, message, length, 0); // all of it is queued
+    fixture_download_message(&d, message, length, 0); // all frames are queued at once
     fixture_can_loop(&d.can, 5);
     TEST_ASSERT_EQUAL_UINT32(0, d.can.can.store.received);
-    hal_host.slow.n_room = 1; // flow control
+    hal_host.slow.n_room = 1; // room for the flow control only
     fixture_can_loop(&d.can, 5);
     TEST_ASSERT_EQUAL_UINT32(32, d.can.can.store.received);
     hal_host.slow.n_room = 1;

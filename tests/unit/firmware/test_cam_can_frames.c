@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Frames that no tool should send: malformed, foreign, too many, random. The bytes are those of
-// camturn.dbc, written out.
+// camturn.dbc, written out by hand.
 #include "cam_can.h"
 #include "expect_can.h"
 #include "fixture_can.h"
@@ -65,7 +65,7 @@ static void test_foreign_ids_are_passed_over(void)
     cam_can_poll(&f.can);
     TEST_ASSERT_EQUAL_UINT32(n_sent, hal_host.slow.n_sent);
     fixture_can_receive(0x123, 8, enable, 0, 0);
-    expect_answer(&f, cam_ok, 0, enable, 0, 0); // behind a foreign one, in the same poll
+    expect_answer(&f, cam_ok, 0, enable, 0, 0); // follows a foreign frame in the same poll
 }
 
 static void test_a_flood_of_foreign_ids_does_not_hold_up_a_poll(void)
@@ -91,7 +91,7 @@ static void test_one_command_per_poll(void)
     TEST_ASSERT_EQUAL_UINT32(n_sent + 2u, hal_host.slow.n_sent);
 }
 
-/// A frame that looks like one of ours, more or less.
+/// A random frame that resembles a valid one.
 static hal_can_frame_t random_frame(fixture_random_t *r)
 {
     static const uint32_t lengths[] = {8, 8, 8, 8, 0, 1, 3, 7, 12, 64};
@@ -127,7 +127,7 @@ static void test_whatever_comes_is_answered_or_passed_over(void)
             TEST_ASSERT_GREATER_THAN_UINT32(n_sent, hal_host.slow.n_sent);
         }
         fixture_rig_tick(&f.rig);
-        for (int k = 0; k < cam_n_params; k++) { // what was set is in its range
+        for (int k = 0; k < cam_n_params; k++) { // each parameter has stayed in its range
             const cam_param_info_t *info = cam_param_info((cam_param_id_t)k);
             const int32_t value = cam_param_get(&f.rig.machine.params, (cam_param_id_t)k);
             TEST_ASSERT_TRUE(value >= info->min && value <= info->max);

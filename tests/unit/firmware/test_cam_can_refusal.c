@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Downloads that are refused: too long, damaged, wrong, in a wrong state, into memory that fails.
-// All leave the old table in force.
+// Downloads that are refused: too long, damaged, of a bad table, in a wrong state, into memory that
+// fails. All of them leave the old table in force.
 #include "cam_can.h"
 #include "expect_can.h"
 #include "fixture_download.h"
@@ -103,7 +103,7 @@ static void test_memory_that_fails_leaves_the_old_table(void)
     TEST_ASSERT_EQUAL_INT32(
         cam_ok, fixture_download_send(&d, fixture_end, fixture_download_crc(&d)).result);
     hal_host.slow.n_store = 0;
-    for (int i = 0; i < 2; i++) { // never the old one instead
+    for (int i = 0; i < 2; i++) { // select never takes the old table instead
         TEST_ASSERT_EQUAL_INT32(cam_err_download_store,
                                 fixture_download_send(&d, fixture_select, 0).result);
         TEST_ASSERT_EQUAL_STRING("short skirt", d.can.rig.machine.table.name);
@@ -161,7 +161,7 @@ static void test_a_command_on_its_way_makes_it_wait(void)
     fixture_can_receive(0x640, 8, enable, 0, 0);
     fixture_can_receive(0x640, 8, fixture_begin, 0, (int32_t)d.other.size);
     cam_can_poll(&d.can.can);
-    cam_can_poll(&d.can.can); // no tick between them
+    cam_can_poll(&d.can.can); // no tick in between
     const hal_can_frame_t frame = fixture_can_sent(0x5C0);
     TEST_ASSERT_EQUAL_INT32(cam_err_busy, fixture_can_answer(&frame).result);
 }
@@ -172,7 +172,7 @@ static void test_a_table_in_use_is_not_overwritten_after_a_select_that_failed(vo
     expect_blocks(&d, 0, fixture_download_blocks(&d));
     TEST_ASSERT_EQUAL_INT32(
         cam_ok, fixture_download_send(&d, fixture_end, fixture_download_crc(&d)).result);
-    ((uint8_t *)(uintptr_t)hal_table_staged().bytes)[2000] ^= 1u; // the memory forgets
+    ((uint8_t *)(uintptr_t)hal_table_staged().bytes)[2000] ^= 1u; // the memory loses a bit
     TEST_ASSERT_EQUAL_INT32(cam_err_image_crc, fixture_download_send(&d, fixture_select, 0).result);
     TEST_ASSERT_EQUAL_STRING("short skirt", d.can.rig.machine.table.name);
     TEST_ASSERT_EQUAL_INT32(

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the controller says of itself: status frames and their period, lines for people.
+// What the controller sends unasked: status frames and their period, lines of text.
 #include "cam_can.h"
 #include "fixture_can.h"
 #include "hal_host.h"
@@ -30,7 +30,7 @@ static void to_cutting(void)
     TEST_ASSERT_TRUE(fixture_rig_bring(&f.rig, cam_state_cutting));
 }
 
-/// Five frames, in one poll, with these ids and eight bytes each.
+/// One poll sends five frames with these ids and eight bytes each.
 static void expect_status_at(uint32_t n_sent)
 {
     static const uint32_t ids[] = {0x1C0, 0x2C0, 0x3C0, 0x4C0, 0x4C0};
@@ -55,7 +55,7 @@ static void test_status_comes_every_ten_milliseconds(void)
                 fixture_rig_tick(&f.rig);
             }
             cam_can_poll(&f.can);
-            cam_can_poll(&f.can); // not twice
+            cam_can_poll(&f.can); // must not send a second time
             expect_status_at(n_sent);
         }
     }
@@ -82,7 +82,7 @@ static void test_periods_without_a_poll_are_skipped(void)
 
 static void test_a_late_poll_does_not_stretch_the_period(void)
 {
-    fixture_rig_ticks(&f.rig, 250); // 50 late
+    fixture_rig_ticks(&f.rig, 250); // 50 ticks late
     const uint32_t n_sent = hal_host.slow.n_sent;
     cam_can_poll(&f.can);
     fixture_rig_ticks(&f.rig, 150);
@@ -172,7 +172,7 @@ static void test_speed_is_rounded_signed_and_saturated(void)
     }
 }
 
-/// Let all pages of Detail come; the port keeps the last of them.
+/// Let all pages of Detail be sent; the port keeps the newest frames.
 static void turn_pages(uint8_t page)
 {
     fixture_can_loop(&f, 1);
@@ -195,7 +195,7 @@ static void expect_longest_tick(uint32_t cycles, uint32_t cycles_hz, uint32_t ns
 static void test_status_tells_the_longest_tick(void)
 {
     expect_longest_tick(4800, 480000000, 10000);
-    expect_longest_tick(0xFEDCBA98u, 400000000, UINT32_MAX); // more than can be told
+    expect_longest_tick(0xFEDCBA98u, 400000000, UINT32_MAX); // more than the signal can hold
     expect_longest_tick(1, 480000000, 2);
     expect_longest_tick(77, 0, 0); // not measured
 }
@@ -333,7 +333,7 @@ static void test_every_fault_is_told_once_and_again_after_a_reset(void)
     TEST_ASSERT_EQUAL_STRING("state fault", fixture_can_line(2));
     TEST_ASSERT_EQUAL_STRING("fault estop: emergency stop", fixture_can_line(1));
     TEST_ASSERT_EQUAL_STRING("fault following_error: U does not follow", fixture_can_line(0));
-    hal_host_fault_drive(true); // comes on top
+    hal_host_fault_drive(true); // a second fault beside the first
     fixture_can_loop(&f, 2);
     TEST_ASSERT_EQUAL_STRING("fault drive: a drive is not ready", fixture_can_line(0));
     hal_host_fault_drive(false);

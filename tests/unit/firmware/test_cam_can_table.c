@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The place of the table: none, erased, foreign, of another version, cut off, overwritten. The
-// image starts all the same, refuses to home and says why, until a good table is selected.
+// A place without a table, erased, with foreign bytes, another version, a table cut off or
+// overwritten. The controller starts all the same, refuses to home and reports why, until a good
+// table is selected.
 #include "cam_can.h"
 #include "fixture_can.h"
 #include "hal_host.h"
@@ -41,7 +42,7 @@ static void expect_table_result(cam_err_t err)
     TEST_ASSERT_EQUAL_INT32(err, fixture_can_i16(&frame, 2));
 }
 
-/// Starts, refuses to home, says why on the line, in the status and in the answer.
+/// The controller starts, refuses to home, and reports why in a line, the status and the answer.
 static void expect_start_without_table(cam_err_t err)
 {
     fixture_can_start(&f);
@@ -112,12 +113,12 @@ static void test_writing_that_stopped_is_refused_wherever_it_stopped(void)
     const uint32_t size = (uint32_t)f.rig.image.size;
     TEST_ASSERT_LESS_OR_EQUAL_UINT32(sizeof good, size);
     memcpy(good, f.rig.image.bytes, size);
-    for (uint32_t n = 0; n < size; n += 16u) { // what flash programs at once
+    for (uint32_t n = 0; n < size; n += 16u) { // in the pieces that flash programs at once
         memset(f.rig.image.bytes, 0xFF, size);
         memcpy(f.rig.image.bytes, good, n);
         fixture_can_start(&f);
         const cam_err_t err = n == 0u    ? cam_err_image_magic
-                              : n == 16u ? cam_err_image_size // which the header does not tell yet
+                              : n == 16u ? cam_err_image_size // the header's size is not there yet
                                          : cam_err_image_crc;
         TEST_ASSERT_EQUAL_INT32(err, send(enable));
     }
@@ -137,7 +138,7 @@ static void test_place_that_ends_within_the_image(void)
 
 static void test_place_that_ends_within_the_header_is_not_read_beyond(void)
 {
-    _Alignas(uint32_t) static const uint8_t place[8]; // the sanitizer watches its end
+    _Alignas(uint32_t) static const uint8_t place[8]; // the sanitizer detects a read beyond its end
     hal_host.slow.table = (hal_image_t){.bytes = place, .size = sizeof place};
     expect_start_without_table(cam_err_image_size);
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the change from slice to slice demands of U and the swing, against doubles and as played.
+// What the change from slice to slice demands of U and of the swing, compared with doubles and with
+// the set-points of a simulated cut.
 #include "cam_demand.h"
 #include "cam_feasible.h"
 #include "cam_swing.h"
@@ -36,14 +37,14 @@ static void init_changing(void)
 {
     fixture_play_init(&f, &part);
     f.table.u_change = (cam_change_t){.most = 50000, .per_rad = 80000, .kink = 60000};
-    f.table.limit_u_acceleration_mm_s2 = 1000;
+    f.table.limit_u_acceleration_mm_per_s2 = 1000;
     f.params.u_acceleration_mm_per_s2 = 1000;
     f.params.engage_turns = 10;
     f.params.disengage_turns = 10;
     f.params.z_speed_um_per_s = 10000000;
 }
 
-/// u'' omega^2, 2 d2u/dz dphi v omega, the jump within a tick, and du/dz a.
+/// The sum of u'' omega^2, 2 d2u/dz dphi v omega, the jump within a tick, and du/dz a.
 static void test_acceleration_of_u_has_all_its_terms(void)
 {
     init_changing();
@@ -52,7 +53,7 @@ static void test_acceleration_of_u_has_all_its_terms(void)
     f.params.z_acceleration_mm_per_s2 = 100000;
     const double omega = 80.0 * pi;
     const double rate = 4000000.0 / 100000.0;               // slices per second
-    const double rise = 100.0 * 1600.0 * 1000.0 / 100000.0; // ... per second again
+    const double rise = 100.0 * 1600.0 * 1000.0 / 100000.0; // slices per second squared
     const double turning = (double)f.table.u2_peak_nm_per_rad2 * 1e-6 * omega * omega;
     const double along = 2.0 * 80000e-6 * rate * omega;
     expect_needed(cam_err_u_acceleration,
@@ -71,11 +72,11 @@ static void test_speed_of_u_has_both_its_terms(void)
     expect_needed(cam_err_u_speed, needed);
 }
 
-/// The largest feed passes, and one of 0.2 % more does not; so does the highest speed.
+/// The largest feed is feasible, and one of 0.2 % more is not; likewise the highest speed.
 static void test_largest_feed_and_highest_speed_are_edges(void)
 {
     init_changing();
-    f.table.limit_u_acceleration_mm_s2 = 40000;
+    f.table.limit_u_acceleration_mm_per_s2 = 40000;
     f.params.u_acceleration_mm_per_s2 = 40000;
     f.params.feed_nm = 500000;
     const cam_feasibility_t why = judge();
@@ -105,7 +106,7 @@ static void test_no_feed_helps_where_the_feed_does_not_count(void)
     TEST_ASSERT_EQUAL_UINT32(0, why.highest_mrpm);
 }
 
-/// In 2^-26 turn: a jump of the swing is taken within a pass.
+/// In 2^-26 turn: the swing takes a jump within one of its set-points.
 static void test_swing_has_the_same_terms(void)
 {
     part = fixture_part_swung();
@@ -114,7 +115,7 @@ static void test_swing_has_the_same_terms(void)
     f.params.swing_range_mdeg = 30000;
     f.params.swing_speed_mdeg_per_s = 100000000;
     f.params.swing_acceleration_deg_per_s2 = 100;
-    f.params.feed_ramp_turns = 100; // longer than the part: that of a turn
+    f.params.feed_ramp_turns = 100; // longer than the part, so the height limits the ramp
     f.params.feed_nm = 10000;
     const double omega = 80.0 * pi;
     const double deg = 360.0 / 67108864.0;
@@ -154,8 +155,8 @@ static int32_t largest_change(void)
     return most;
 }
 
-/// At the largest feed the jump is what the bound says, to a fifth: it is not met where u'' is
-/// largest.
+/// At the largest feed the acceleration that is played comes within a fifth of the bound. It does
+/// not reach it, because the jump does not occur where u'' is largest.
 static void test_cut_at_the_largest_feed_stays_within_the_limit(void)
 {
     part.u = stepped;

@@ -168,7 +168,7 @@ static void test_surface_exact_ellipse_is_within_a_nanometre(void)
     }
 }
 
-/// Knots that alternate at random between extremes of a scale.
+/// Knots that alternate at random between the extremes of a scale.
 static cam_err_t with_wild_knots(int32_t scale)
 {
     fixture_image_make(&image, &part);
@@ -186,7 +186,7 @@ static cam_err_t with_wild_knots(int32_t scale)
 
 static void test_surface_wildest_accepted_tables_do_not_overflow(void)
 {
-    int32_t scale = 400000; // the highest that passes is within 2 % of the bound
+    int32_t scale = 400000; // the largest accepted one is within 2 % of the bound
     while (with_wild_knots(scale) != cam_ok) {
         scale -= scale / 50;
     }
@@ -203,7 +203,8 @@ static void test_surface_constant_at_the_bound_is_exact(void)
     fixture_image_make(&image, &part);
     cam_knot_t *knots = fixture_image_knots(&image, fixture_u);
     for (uint32_t i = 0; i < fixture_image_n_knots(&image, fixture_u); i++) {
-        const bool is_odd_slice = (i / 32u) % 2u != 0u; // slices differ by the full scale
+        const bool is_odd_slice =
+            (i / 32u) % 2u != 0u; // neighbouring slices differ by the full scale
         knots[i] = (cam_knot_t){is_odd_slice ? CAM_TABLE_SUM_MAX : -CAM_TABLE_SUM_MAX, 0, 0};
     }
     fixture_image_remeasure(&image, fixture_u);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every limit with its numbers, against doubles; what is told as the highest speed passes.
+// Every limit with its numbers, against doubles; the reported highest speed is feasible itself.
 #include "cam_feasible.h"
 #include "unity.h"
 #include <math.h>
@@ -19,8 +19,8 @@ void setUp(void)
         .spindle_mrpm = 2500000,
         .feed_nm = 100000,
         .limit_u_stroke_nm = 2000000,
-        .limit_u_speed_um_s = 10000000,
-        .limit_u_acceleration_mm_s2 = 10000000,
+        .limit_u_speed_um_per_s = 10000000,
+        .limit_u_acceleration_mm_per_s2 = 10000000,
         .limit_spindle_mrpm = 60000000,
         .u_max_nm = 150000,
         .ratio_max_q20 = CAM_TABLE_RATIO_ONE,
@@ -42,7 +42,7 @@ static cam_feasibility_t judge(uint32_t mrpm)
     return cam_feasible(&table, &params, mrpm, 20000);
 }
 
-/// Refused at a speed with these numbers, and the told highest speed is right to 0.3 %.
+/// A speed is refused with these numbers, and the reported highest speed is right to 0.3 %.
 static void expect_refused(cam_err_t err, uint32_t mrpm, double needed, double limit,
                            double highest_mrpm)
 {
@@ -83,7 +83,7 @@ static void test_u_speed_limit_is_the_smaller_of_machine_and_table(void)
     params.u_speed_um_per_s = 30000;
     const double most = 30e6 / 150000 * 60000 / (2 * pi);
     expect_refused(cam_err_u_speed, 2500000, 150e3 * omega(2500e3) / 1e3, 30000, most);
-    table.limit_u_speed_um_s = 15000;
+    table.limit_u_speed_um_per_s = 15000;
     expect_refused(cam_err_u_speed, 2500000, 150e3 * omega(2500e3) / 1e3, 15000, most / 2);
 }
 
@@ -93,7 +93,7 @@ static void test_u_acceleration_limit_is_the_smaller_of_machine_and_table(void)
     const double needed = 300e3 * omega(2500e3) * omega(2500e3) / 1e6;
     const double most = sqrt(15e9 / 300e3) * 60000 / (2 * pi);
     expect_refused(cam_err_u_acceleration, 2500000, needed, 15000, most);
-    table.limit_u_acceleration_mm_s2 = 3750;
+    table.limit_u_acceleration_mm_per_s2 = 3750;
     expect_refused(cam_err_u_acceleration, 2500000, needed, 3750, most / 2);
 }
 
@@ -131,7 +131,7 @@ static void test_feed_larger_than_the_part_is_refused(void)
 }
 
 /// A ring-helix of 0.2 mm: 4 feed n^2 of acceleration, feed n / (1 - r) of speed at least. What is
-/// told as the highest speed has 1 / n = feed / v + v / a.
+/// reported as the highest speed has 1 / n = feed / v + v / a.
 static void test_ring_helix_needs_ramps_of_z(void)
 {
     table.is_ring_helix = true;
@@ -149,8 +149,8 @@ static void test_ring_helix_needs_ramps_of_z(void)
     TEST_ASSERT_EQUAL_INT(cam_ok, judge(2500000).err);
 }
 
-/// 1 / n = feed / v + v / a, v the lesser of Z's speed and sqrt(feed a), where the ramps meet; v /
-/// a at least 1 / 255 of the rest.
+/// 1 / n = feed / v + v / a, where v is the lesser of Z's speed and of sqrt(feed a), at which the
+/// two ramps meet, and v / a is at least 1 / 255 of the rest.
 static double ring_mrpm(double feed_mm, double v_mm_per_s, double a_mm_per_s2)
 {
     const double v = fmin(v_mm_per_s, sqrt(feed_mm * a_mm_per_s2));
@@ -175,7 +175,7 @@ static void test_highest_speed_of_a_ring_helix_is_the_edge_of_both_limits(void)
         params.z_acceleration_mm_per_s2 = 10 + (i * 104729) % 5000;
         const double exact = ring_mrpm(params.feed_nm * 1e-6, params.z_speed_um_per_s * 1e-3,
                                        params.z_acceleration_mm_per_s2);
-        if (exact < 9e6) { // else the tick decides
+        if (exact < 9e6) { // above, the tick rate decides
             TEST_ASSERT_DOUBLE_WITHIN(2e-3 * exact + 100.0, exact, judge(1000).highest_mrpm);
         }
     }
@@ -210,10 +210,10 @@ static void test_tick_rate_limits_knots_and_counts_per_tick(void)
 static void test_modulation_limits_peak_speed_and_spindle_acceleration(void)
 {
     table.ratio_max_q20 = (uint32_t)(1.499457112 * CAM_TABLE_RATIO_ONE) + 1u;
-    table.spindle_peak_ppm = 1056454u;
+    table.spindle_peak_ppm_per_rad = 1056454u;
     params.spindle_acceleration_mrad_per_s2 = 2000000000;
     params.spindle_limit_mrpm = 2500000;
-    TEST_ASSERT_EQUAL_UINT32(2500001, cam_feasible_peak(&table, 1667270));
+    TEST_ASSERT_EQUAL_UINT32(2500001, cam_feasible_peak_mrpm(&table, 1667270));
     expect_refused(cam_err_spindle_speed, 2000000, 2000000 * 1.499457112, 2500000, 1667270);
     params.spindle_limit_mrpm = 60000000;
     params.spindle_acceleration_mrad_per_s2 = 500000;
@@ -225,7 +225,7 @@ static void test_modulation_limits_peak_speed_and_spindle_acceleration(void)
     expect_refused(cam_err_z_speed, 100000, 100.0 / 60 * 1.499457 * 10000, 20000, 80028.98);
 }
 
-/// What is told as the highest speed passes, at slow speeds and small limits, too.
+/// The reported highest speed is feasible itself, at slow speeds and small limits as well.
 static void test_highest_speed_passes_where_numbers_are_small(void)
 {
     for (int32_t limit = 100; limit < 2000; limit += 7) {
@@ -234,6 +234,22 @@ static void test_highest_speed_passes_where_numbers_are_small(void)
         TEST_ASSERT_EQUAL_INT(cam_ok, judge(why.highest_mrpm).err);
         const double rpm = 60.0 / (2.0 * pi) * sqrt(limit / 0.3) * 1000.0;
         TEST_ASSERT_DOUBLE_WITHIN(0.003 * rpm, rpm, why.highest_mrpm);
+    }
+}
+
+/// The verdict alone and the two searches are what the full judgement consists of.
+static void test_verdict_and_searches_agree_with_the_full_judgement(void)
+{
+    params.z_acceleration_mm_per_s2 = 20;
+    params.u_acceleration_mm_per_s2 = 20000;
+    for (uint32_t mrpm = 100000; mrpm <= 6100000; mrpm += 250000) {
+        const cam_feasibility_t all = judge(mrpm);
+        TEST_ASSERT_EQUAL_INT(all.err, cam_feasible_check(&table, &params, mrpm, 20000));
+        TEST_ASSERT_EQUAL_UINT32(all.highest_mrpm,
+                                 cam_feasible_highest_mrpm(&table, &params, 20000));
+        TEST_ASSERT_EQUAL_UINT32(all.largest_feed_nm,
+                                 cam_feasible_largest_feed_nm(&table, &params, mrpm, 20000));
+        TEST_ASSERT_EQUAL(mrpm <= all.highest_mrpm, all.err == cam_ok);
     }
 }
 
@@ -259,7 +275,7 @@ static void test_largest_demands_do_not_overflow(void)
                               1.25 * 2147483647.0 * 6283.185 / 1e3, (double)why.needed);
 }
 
-/// Through the clearance by the smooth step: 15/8 c n / t and 5.774 c (n / t)^2.
+/// No speed helps where an axis is missing.
 static void test_tool_that_must_swing_is_refused_at_any_speed(void)
 {
     table.is_swung = true;
@@ -269,6 +285,7 @@ static void test_tool_that_must_swing_is_refused_at_any_speed(void)
     TEST_ASSERT_EQUAL_UINT32(0u, found.highest_mrpm);
 }
 
+/// X crosses its clearance by the smooth step: 15/8 c n / t and 5.774 c (n / t)^2.
 static void test_x_leaves_its_clearance_within_its_limits(void)
 {
     params.x_clearance_nm = 100000000;
@@ -281,7 +298,7 @@ static void test_x_leaves_its_clearance_within_its_limits(void)
     params.x_acceleration_mm_per_s2 = 2000;
     const double highest = sqrt(2000.0 / (5.7735 * 100.0)) * 10.0 * 60000.0;
     expect_refused(cam_err_x_acceleration, 2500000, 5.7735 * 100.0 * n * n / 100.0, 2000, highest);
-    params.disengage_turns = 5; // the shorter of both counts
+    params.disengage_turns = 5; // the shorter of the two ramps decides
     expect_refused(cam_err_x_acceleration, 2500000, 5.7735 * 100.0 * n * n / 25.0, 2000,
                    highest / 2.0);
 }
@@ -302,13 +319,13 @@ static void test_x_follows_the_barrel_within_its_limits(void)
     const double per_n2 = 100.0 * 1e-6 * 1000.0 + 0.2 * 0.1; // [mm] of n^2
     expect_refused(cam_err_x_acceleration, 2500000, per_n2 * n * n, 200,
                    sqrt(200.0 / per_n2) * 60000.0);
-    params.z_is_measured = 1; // others accelerate Z: the bend is left
+    params.z_is_measured = 1; // others accelerate Z, so only the bend remains
     const double bent = 0.1 * n * n;
     TEST_ASSERT_DOUBLE_WITHIN(0.01 * bent, bent, (double)judge(3000000).needed / 1.44);
 }
 
-/// e u'' + 2 e' u' + e'' u of an oval cosine against its smooth step, over a whole turn of
-/// engaging.
+/// @return the largest e u'' + 2 e' u' + |e''| u over the smooth step e, where u, u' and u'' of the
+///         oval are each at their largest
 static double engaging_peak(double turns)
 {
     double most = 0.0;
@@ -354,6 +371,7 @@ int main(void)
     RUN_TEST(test_tick_rate_limits_knots_and_counts_per_tick);
     RUN_TEST(test_modulation_limits_peak_speed_and_spindle_acceleration);
     RUN_TEST(test_highest_speed_passes_where_numbers_are_small);
+    RUN_TEST(test_verdict_and_searches_agree_with_the_full_judgement);
     RUN_TEST(test_flat_table_has_a_finite_highest_speed);
     RUN_TEST(test_largest_demands_do_not_overflow);
     RUN_TEST(test_tool_that_must_swing_is_refused_at_any_speed);

@@ -1,28 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Every fault is caused on a whole controller, in the states where it is armed and where it is not.
-#include "fixture_rig.h"
-#include "hal_host.h"
-#include "unity.h"
+#include "rig_bench.h"
 #include <string.h>
 
 enum { plan_ticks = 8 }; ///< from plan to plan at 20 kHz
-
-static fixture_rig_t rig;
-static fixture_part_t part;
-
-void setUp(void)
-{
-    part = fixture_part_short();
-    fixture_rig_init(&rig, &part, 20000);
-}
-
-void tearDown(void) {}
-
-static void bring(cam_state_t state)
-{
-    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, state));
-    TEST_ASSERT_EQUAL_HEX32(0, fixture_rig_status(&rig).faults);
-}
 
 /// The very next tick must be the fault state with this fault as the first.
 static void expect_now(cam_fault_t fault)

@@ -1,28 +1,32 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a fault leads to, on a whole controller: retract, brake, enable, lamp, latch, way out.
-#include "fixture_rig.h"
-#include "hal_host.h"
-#include "unity.h"
+#include "rig_bench.h"
 #include <math.h>
 
-static fixture_rig_t rig;
-static fixture_part_t part;
 static const cam_state_t enabled[] = {cam_state_homing, cam_state_ready, cam_state_engaging,
                                       cam_state_cutting, cam_state_disengaging};
 enum { n_enabled = sizeof enabled / sizeof enabled[0], patience = 20000 };
 
-void setUp(void)
+/// Controller, machine and rig at a moment of the cut: what is tried from there need not cut up to
+/// there again.
+static struct {
+    cam_t controller;
+    hal_host_t port;
+    fixture_rig_t rig;
+} moment;
+
+static void keep_moment(void)
 {
-    part = fixture_part_short();
-    fixture_rig_init(&rig, &part, 20000);
+    moment.controller = g_cam;
+    moment.port = hal_host;
+    moment.rig = rig;
 }
 
-void tearDown(void) {}
-
-static void bring(cam_state_t state)
+static void return_to_moment(void)
 {
-    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, state));
-    TEST_ASSERT_EQUAL_HEX32(0, fixture_rig_status(&rig).faults);
+    g_cam = moment.controller;
+    hal_host = moment.port;
+    rig = moment.rig;
 }
 
 static bool is_enabled(void)
@@ -126,12 +130,15 @@ static void test_reaction_in_every_enabled_state_retracts_within_limits(void)
 /// From the steepest places of the section, both ways, and from where it turns.
 static void test_reaction_from_any_speed_of_u_retracts_within_limits(void)
 {
+    bring(cam_state_cutting);
+    fixture_rig_ticks(&rig, 2400);
     for (uint32_t ticks = 0; ticks < 240; ticks += 15) { // a whole period of the oval
-        setUp();
-        bring(cam_state_cutting);
-        fixture_rig_ticks(&rig, 2400 + ticks);
+        keep_moment();
         motion_t m = start_observing();
         expect_retract(&m);
+        return_to_moment();
+        fixture_rig_ticks(&rig, 15);
+        TEST_ASSERT_EQUAL_INT(cam_state_cutting, rig.last.want.state);
     }
 }
 
@@ -294,15 +301,18 @@ static void test_late_tick_of_45_percent_anywhere_in_the_section_is_no_fault(voi
 
 static void test_late_tick_of_80_percent_anywhere_in_the_section_is_that_fault_alone(void)
 {
+    bring(cam_state_cutting);
+    fixture_rig_ticks(&rig, 2400);
     for (uint32_t ticks = 0; ticks < 240; ticks += 24) {
-        setUp();
-        bring(cam_state_cutting);
-        fixture_rig_ticks(&rig, 2400 + ticks);
+        keep_moment();
         hal_host_fault_late(80);
         fixture_rig_tick(&rig);
         TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(late_tick), fixture_rig_status(&rig).first_fault);
         fixture_rig_ticks(&rig, 3);
         TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(late_tick), fixture_rig_status(&rig).faults);
+        return_to_moment();
+        fixture_rig_ticks(&rig, 24);
+        TEST_ASSERT_EQUAL_INT(cam_state_cutting, rig.last.want.state);
     }
 }
 

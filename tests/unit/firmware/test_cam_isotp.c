@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// ISO 15765-2, the receiver: lengths and both forms of them, sequence, flow control, time-out, and
-// every frame that has no place.
+// The receiver of ISO 15765-2: lengths in both forms, sequence, flow control, time-out, and every
+// frame that must be ignored.
 #include "cam_isotp.h"
 #include "unity.h"
 #include <string.h> // memset
 
-enum { capacity = 5000, patience = 1000 };
+enum { capacity = 5000, timeout_ticks = 1000 };
 
 static uint8_t bytes[capacity];
 static cam_isotp_t t;
@@ -14,8 +14,8 @@ static uint32_t now;
 void setUp(void)
 {
     memset(bytes, 0, sizeof bytes);
-    t = (cam_isotp_t){.bytes = bytes, .capacity = capacity, .patience = patience};
-    now = UINT32_MAX - 3u; // it wraps
+    t = (cam_isotp_t){.bytes = bytes, .capacity = capacity, .timeout_ticks = timeout_ticks};
+    now = UINT32_MAX - 3u; // time wraps during each test
 }
 
 void tearDown(void) {}
@@ -80,7 +80,7 @@ static void expect_bytes(uint32_t n)
     }
 }
 
-/// A message as a sender that keeps the rules sends it.
+/// Send a message as a sender that follows the standard does.
 static void send_whole(uint32_t length)
 {
     TEST_ASSERT_EQUAL_INT(cam_isotp_nothing, give_first(length));
@@ -108,7 +108,7 @@ static void test_single_frames(void)
         }
         TEST_ASSERT_EQUAL_INT(cam_isotp_message, give(1u + n, data));
         expect_bytes(n);
-        TEST_ASSERT_EQUAL_INT(cam_isotp_message, give(8, data)); // padded
+        TEST_ASSERT_EQUAL_INT(cam_isotp_message, give(8, data)); // padded to eight bytes
         expect_bytes(n);
     }
 }
@@ -148,7 +148,7 @@ static void test_wrong_sequence_breaks(void)
         TEST_ASSERT_EQUAL_INT(cam_isotp_nothing, give_next(1, 6, 7));
         const cam_isotp_event_t event = give_next(wrong, 13, 7);
         TEST_ASSERT_EQUAL_INT(wrong == 2u ? cam_isotp_nothing : cam_isotp_broken, event);
-        if (wrong != 2u) { // and it is over
+        if (wrong != 2u) { // the message has ended
             TEST_ASSERT_EQUAL_INT(cam_isotp_nothing, give_next(2, 13, 7));
         }
     }
@@ -158,14 +158,14 @@ static void test_a_late_frame_breaks(void)
 {
     TEST_ASSERT_EQUAL_INT(cam_isotp_nothing, give_first(300));
     const uint32_t since = now;
-    TEST_ASSERT_EQUAL_INT(cam_isotp_nothing, cam_isotp_wait(&t, since + patience));
-    TEST_ASSERT_EQUAL_INT(cam_isotp_broken, cam_isotp_wait(&t, since + patience + 1u));
-    TEST_ASSERT_EQUAL_INT(cam_isotp_nothing, cam_isotp_wait(&t, since + patience + 2u));
+    TEST_ASSERT_EQUAL_INT(cam_isotp_nothing, cam_isotp_wait(&t, since + timeout_ticks));
+    TEST_ASSERT_EQUAL_INT(cam_isotp_broken, cam_isotp_wait(&t, since + timeout_ticks + 1u));
+    TEST_ASSERT_EQUAL_INT(cam_isotp_nothing, cam_isotp_wait(&t, since + timeout_ticks + 2u));
     hal_can_frame_t frame;
     TEST_ASSERT_FALSE(cam_isotp_flow(&t, &frame));
     TEST_ASSERT_EQUAL_INT(cam_isotp_nothing, give_next(1, 6, 7));
     send_whole(300);
-    TEST_ASSERT_EQUAL_INT(cam_isotp_nothing, cam_isotp_wait(&t, now + 10u * patience));
+    TEST_ASSERT_EQUAL_INT(cam_isotp_nothing, cam_isotp_wait(&t, now + 10u * timeout_ticks));
 }
 
 static void test_a_new_message_takes_the_place_of_the_old(void)
@@ -187,16 +187,16 @@ static void test_frames_without_a_place_are_passed_over(void)
         uint8_t data[8];
     } frames[] = {
         {0, {0}},
-        {1, {0x00}},                      // single, no byte
-        {8, {0x00, 9}},                   // the escape of FD
+        {1, {0x00}},                      // single frame without a byte
+        {8, {0x00, 9}},                   // the long form of CAN FD
         {8, {0x08}},                      // more than a frame holds
         {3, {0x03, 1, 2}},                // cut off
-        {8, {0x21, 1}},                   // nothing on its way
+        {8, {0x21, 1}},                   // consecutive frame without a message
         {7, {0x10, 20, 1, 2, 3, 4}},      // first frame, cut off
         {8, {0x10, 7}},                   // would have fitted one frame
         {8, {0x10, 0, 0, 0, 0x0F, 0xFF}}, // would have fitted twelve bits
         {8, {0x10, 0, 0, 0, 0, 0}},
-        {3, {0x30, 8, 0}}, // flow control is ours
+        {3, {0x30, 8, 0}}, // flow control, which only the receiver sends
         {8, {0x40}},
         {8, {0xF0}},
     };

@@ -1,26 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The slow side: what it refuses and when, and that nothing changes when it refuses.
+// The slow side: what it refuses in which state, and that a refusal changes nothing.
 #include "cam_machine.h"
-#include "fixture_rig.h"
-#include "hal_host.h"
-#include "unity.h"
+#include "rig_bench.h"
 
-static fixture_rig_t rig;
-static fixture_part_t part;
 static fixture_image_t other;
-
-void setUp(void)
-{
-    part = fixture_part_short();
-    fixture_rig_init(&rig, &part, 20000);
-}
-
-void tearDown(void) {}
-
-static void bring(cam_state_t state)
-{
-    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, state));
-}
 
 static void to_fault(void)
 {
@@ -70,7 +53,7 @@ static void test_requests_that_reach_the_interrupt_out_of_order_are_ignored(void
     to_fault();
     static const cam_request_t no_way[] = {cam_request_enable, cam_request_disable,
                                            cam_request_start, cam_request_stop, cam_request_reset};
-    for (uint32_t i = 0; i < 5u; i++) { // reset too: the retract has not ended
+    for (uint32_t i = 0; i < 5u; i++) { // reset as well, since the retract has not ended
         g_cam.request = (i + 100u) << 8 | (uint32_t)no_way[i];
         fixture_rig_tick(&rig);
         TEST_ASSERT_EQUAL_INT(cam_state_fault, fixture_rig_status(&rig).state);
@@ -102,7 +85,7 @@ static void test_fault_is_left_by_reset_after_the_retract_only(void)
     bring(cam_state_cutting); // homes and cuts anew
 }
 
-/// From outside, the first command would be the edge of the stroke: a jump.
+/// From outside of the stroke the first set-point would be its edge, and U would jump there.
 static void test_enable_is_refused_while_u_stands_outside_its_stroke(void)
 {
     const int32_t half_nm = rig.machine.params.u_stroke_nm / 2;
@@ -219,6 +202,8 @@ static void test_without_a_table_nothing_starts(void)
     fixture_rig_tick(&rig);
     TEST_ASSERT_EQUAL_INT(cam_err_no_table, cam_machine_enable(&rig.machine));
     TEST_ASSERT_EQUAL_INT(cam_err_no_table, cam_machine_feasibility(&rig.machine, 1000).err);
+    TEST_ASSERT_EQUAL_INT(cam_err_no_table, cam_machine_check_speed(&rig.machine, 1000));
+    TEST_ASSERT_EQUAL_UINT32(0, cam_machine_highest_mrpm(&rig.machine));
     g_cam.request = 1u << 8 | cam_request_enable;
     fixture_rig_tick(&rig);
     TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_status(&rig).state);
@@ -271,7 +256,7 @@ static void test_poll_finds_damage_in_every_state(void)
         TEST_ASSERT_TRUE(rig.machine.has_table);
         rig.image.bytes[1000] ^= 8u;
         poll_round();
-        poll_round(); // the first may have passed the byte already
+        poll_round(); // the first round may have passed the byte already
         TEST_ASSERT_FALSE(rig.machine.has_table);
         fixture_rig_tick(&rig);
         const cam_status_t status = fixture_rig_status(&rig);

@@ -1,27 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the slow side refuses because the machine cannot do it, before motion and in it.
+// What the slow side refuses because the machine cannot do it, before and during motion.
 #include "cam_machine.h"
-#include "fixture_rig.h"
-#include "hal_host.h"
-#include "unity.h"
+#include "rig_bench.h"
 
-static fixture_rig_t rig;
-static fixture_part_t part;
-
-void setUp(void)
-{
-    part = fixture_part_short();
-    fixture_rig_init(&rig, &part, 20000);
-}
-
-void tearDown(void) {}
-
-static void bring(cam_state_t state)
-{
-    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, state));
-}
-
-/// In ready the spindle turns: what it must not do is not even taken.
+/// In ready the spindle turns, so a value that it must not take is refused at once.
 static void test_ready_refuses_what_the_spindle_or_u_cannot_do(void)
 {
     bring(cam_state_ready);
@@ -52,6 +34,9 @@ static void test_start_beyond_the_limits_is_refused_before_motion(void)
     TEST_ASSERT_EQUAL_INT64(3500000, why.needed);
     TEST_ASSERT_EQUAL_INT64(3000000, why.limit);
     TEST_ASSERT_EQUAL_UINT32(3000000, why.highest_mrpm);
+    TEST_ASSERT_EQUAL_INT(cam_err_spindle_speed, cam_machine_check_speed(&rig.machine, 0));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_check_speed(&rig.machine, why.highest_mrpm));
+    TEST_ASSERT_EQUAL_UINT32(why.highest_mrpm, cam_machine_highest_mrpm(&rig.machine));
     fixture_rig_tick(&rig);
     TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_status(&rig).state);
 }
@@ -66,8 +51,8 @@ static void test_amplitude_that_the_running_speed_forbids_is_refused_in_the_cut(
                           cam_machine_set_param(&rig.machine, cam_param_amplitude_ppm, 900000));
 }
 
-/// What a cam loses of its lift is cut away from its lobe.
-static void test_cam_is_cut_with_all_of_its_lift_or_not_at_all(void)
+/// With less than its whole lift a lobe would be cut deeper than drawn.
+static void test_lobe_is_cut_with_all_of_its_lift_or_not_at_all(void)
 {
     part = fixture_part_swung();
     part.spindle_mrpm = 2500000;
@@ -93,7 +78,8 @@ static void test_cam_is_cut_with_all_of_its_lift_or_not_at_all(void)
                           cam_machine_set_param(&rig.machine, cam_param_amplitude_ppm, 1100000));
 }
 
-/// The ramps of a ring-helix are made for a speed: another one is judged anew, and never in a cut.
+/// The ramps of a ring-helix are made for one speed. Another speed is judged anew, and is never
+/// taken during a cut.
 static void test_ring_helix_allows_only_speeds_that_z_can_follow(void)
 {
     part.is_ring_helix = true;
@@ -119,7 +105,7 @@ int main(void)
     RUN_TEST(test_ready_refuses_what_the_spindle_or_u_cannot_do);
     RUN_TEST(test_start_beyond_the_limits_is_refused_before_motion);
     RUN_TEST(test_amplitude_that_the_running_speed_forbids_is_refused_in_the_cut);
-    RUN_TEST(test_cam_is_cut_with_all_of_its_lift_or_not_at_all);
+    RUN_TEST(test_lobe_is_cut_with_all_of_its_lift_or_not_at_all);
     RUN_TEST(test_ring_helix_allows_only_speeds_that_z_can_follow);
     return UNITY_END();
 }

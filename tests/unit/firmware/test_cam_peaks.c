@@ -24,14 +24,14 @@ static cam_change_t change(void)
     return table.u_change;
 }
 
-/// A bound, and by 2 % of it at most; rounding of knots counts 2 nm.
+/// Expect an upper bound that is at most 2 % too large; the rounding of knots adds 2 nm.
 static void expect_bound(double exact, uint32_t found)
 {
     TEST_ASSERT_TRUE((double)found >= exact - 0.5);
     TEST_ASSERT_TRUE((double)found <= 1.02 * exact + 2.0);
 }
 
-/// Ovality rises by 10 um a slice: (1 - cos) / 4 is 1/2 at most, its slope too.
+/// The ovality rises by 10 um per slice; (1 - cos) / 4 is at most 1/2, and so is its slope.
 static void test_even_rise_has_no_kink(void)
 {
     const cam_change_t found = change();
@@ -55,8 +55,8 @@ static void test_equal_slices_change_by_nothing(void)
     TEST_ASSERT_EQUAL_UINT32(0, found.kink);
 }
 
-/// Two lobes, 1 radian apart: A cos(2 theta) - A cos(2 theta - 2) is 2 A sin(1) at most, between
-/// two knots.
+/// Two lobes, turned against each other by 1 radian: A cos(2 theta) - A cos(2 theta - 2) reaches
+/// 2 A sin(1) between two knots.
 static void turned_by_a_radian(double theta, double z_nm, double u[3])
 {
     const double at = 2.0 * theta - (z_nm > 450000.0 ? 2.0 : 0.0);
@@ -84,7 +84,7 @@ static void test_repeated_patterns_and_units_count(void)
     expect_bound(400000.0 * sin(1.0), found.per_rad);
 }
 
-/// One slice only: there and back.
+/// A single slice differs from all others: the change goes there and back.
 static void one_slice(double theta, double z_nm, double u[3])
 {
     const bool is_there = z_nm > 450000.0 && z_nm < 550000.0;
@@ -99,7 +99,7 @@ static void test_kink_of_a_peak_is_twice_its_step(void)
     expect_bound(10000.0, found.kink);
 }
 
-/// The swing is measured too, where the tool swings: 1e-10 rad/nm over 500 um.
+/// Where the tool swings, the change of the swing is measured as well: 1e-10 rad/nm over 500 um.
 static void test_swing_changes_in_its_own_unit(void)
 {
     part = fixture_part_swung();

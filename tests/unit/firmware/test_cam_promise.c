@@ -30,7 +30,7 @@ static cam_err_t with_word(size_t at, uint32_t value)
     return check();
 }
 
-/// A promise lowered by a share of itself.
+/// @return result of the check when a promise is lowered by a share of itself
 static cam_err_t lowered(size_t at, double share)
 {
     const double promised = fixture_image_get(&image, at);
@@ -44,7 +44,7 @@ static void test_modulated_table_is_accepted_and_described(void)
     TEST_ASSERT_EQUAL_UINT32(3, table.speed.n_slices);
     TEST_ASSERT_DOUBLE_WITHIN(3e-6, 1.425, table.ratio_max_q20 / (double)CAM_TABLE_RATIO_ONE);
     TEST_ASSERT_DOUBLE_WITHIN(2.0, fixture_image_get(&image, fixture_at_spindle_peak),
-                              table.spindle_peak_ppm);
+                              table.spindle_peak_ppm_per_rad);
 }
 
 static void test_uniform_table_has_ratio_one(void)
@@ -54,7 +54,7 @@ static void test_uniform_table_has_ratio_one(void)
     TEST_ASSERT_EQUAL_INT(cam_ok, check());
     TEST_ASSERT_NULL(table.speed.knots);
     TEST_ASSERT_EQUAL_UINT32(CAM_TABLE_RATIO_ONE, table.ratio_max_q20);
-    TEST_ASSERT_EQUAL_UINT32(0, table.spindle_peak_ppm);
+    TEST_ASSERT_EQUAL_UINT32(0, table.spindle_peak_ppm_per_rad);
     TEST_ASSERT_EQUAL_INT(cam_err_image_limits, with_word(fixture_at_spindle_peak, 1u));
 }
 
@@ -65,7 +65,8 @@ static void test_promises_just_kept_pass_and_lower_ones_fail(void)
         fixture_image_make(&image, &part);
         TEST_ASSERT_EQUAL_INT(cam_ok, lowered(at[i], 0.0));
         fixture_image_make(&image, &part);
-        TEST_ASSERT_EQUAL_INT(cam_err_image_limits, lowered(at[i], 0.03)); // knots only are seen
+        TEST_ASSERT_EQUAL_INT(cam_err_image_limits,
+                              lowered(at[i], 0.03)); // the check sees the knots only
         TEST_ASSERT_EQUAL_INT(cam_err_image_limits, with_word(at[i], 0u));
     }
 }

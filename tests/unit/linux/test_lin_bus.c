@@ -1,107 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// The Linux port's nodes together: who is lost, what is ready, which frames a tick sends.
-#include "lin_bus.h"
-#include "lin_number.h"
-#include "lin_words.h"
-#include "unity.h"
-#include <string.h> // strlen
-
-static const int64_t ms = 1000000;
-
-static lin_config_t config;
-static lin_bus_t bus;
-static lin_wants_t wants;
-static hal_can_frame_t frames[lin_bus_max_frames];
-static uint32_t n_frames;
-static int64_t now;
-
-static void make(void)
-{
-    n_frames = lin_bus_make(&bus, &wants, now, frames);
-    now += ms;
-}
-
-/// It listens for 100 ms, and then sends at least the SYNC.
-static void begin(void)
-{
-    lin_bus_init(&bus, &config);
-    for (int i = 0; i <= 101; i++) {
-        make();
-        TEST_ASSERT_TRUE((n_frames != 0u) == (i == 101));
-    }
-}
+// The Linux port's nodes together: which node is lost, what is ready, who may use the bus.
+#include "lin_bus_bench.h"
 
 void setUp(void)
 {
-    config = lin_config_defaults();
-    config.thread.tick_hz = 1000;
-    wants = (lin_wants_t){.outputs = 0};
-    now = 1000 * ms;
-    begin();
+    bench_begin();
 }
 
 void tearDown(void) {}
-
-static void hear(uint32_t id, uint32_t n, uint32_t low, uint32_t high)
-{
-    hal_can_frame_t frame = {.id = id, .n = n};
-    lin_put_i32(frame.data, (int32_t)low);
-    lin_put_i32(frame.data + 4, (int32_t)high);
-    lin_bus_take(&bus, &frame, now);
-}
-
-static void beat(uint32_t node)
-{
-    hear(0x700 + node, 1, 5, 0);
-}
-
-/// Every node tells what it should, the drives with this status word.
-static void hear_all(uint32_t status)
-{
-    for (uint32_t node = 1; node <= 5u; node++) {
-        beat(node);
-    }
-    hear(0x181, 4, (uint32_t)(now / 20000), 0); // 50 counts a tick
-    for (uint32_t node = 2; node <= 5u; node++) {
-        hear(0x180 + node, 6, status | node << 16, 0);
-    }
-}
-
-static uint32_t judge(void)
-{
-    lin_bus_judge(&bus, now);
-    return bus.inputs;
-}
-
-static const hal_can_frame_t *find(uint32_t id)
-{
-    for (uint32_t i = 0; i < n_frames; i++) {
-        if (frames[i].id == id) {
-            return &frames[i];
-        }
-    }
-    return NULL;
-}
-
-static int32_t i32(const hal_can_frame_t *frame, uint32_t at)
-{
-    return (int32_t)lin_get_u32(frame->data + at);
-}
 
 static void expect_cause(lin_loss_t loss, uint32_t node)
 {
     TEST_ASSERT_EQUAL_INT(loss, bus.cause.loss);
     TEST_ASSERT_EQUAL_UINT32(node, bus.cause.node);
-}
-
-/// In operation, enabled.
-static void enable(void)
-{
-    hear_all(0x237);
-    wants.outputs = hal_out_enable;
-    make();
-    hear_all(0x237);
-    TEST_ASSERT_EQUAL_HEX32(hal_in_drive_ready, judge());
 }
 
 static void test_bus_is_lost_until_all_nodes_were_heard(void)
@@ -215,7 +126,7 @@ static void test_what_only_a_controller_sends_is_another_one(void)
     }
 }
 
-/// From the start and as long as another controller is heard; then it begins.
+/// A controller is silent from the start and as long as another one is heard; then it begins.
 static void test_whoever_comes_second_is_silent(void)
 {
     lin_bus_init(&bus, &config);
@@ -245,7 +156,7 @@ static void test_whoever_comes_second_is_silent(void)
     TEST_ASSERT_EQUAL_HEX32(hal_in_drive_ready, judge());
 }
 
-/// Who has begun leads its drives to rest; then it leaves the bus to the other.
+/// A controller that has begun brings its drives to rest, then it leaves the bus to the other one.
 static void test_whoever_holds_drives_lets_go_before_it_is_silent(void)
 {
     enable();
@@ -254,13 +165,13 @@ static void test_whoever_holds_drives_lets_go_before_it_is_silent(void)
     TEST_ASSERT_NOT_NULL(find(0x080));
     wants.outputs = hal_out_fault;
     make();
-    TEST_ASSERT_EQUAL_HEX16(0x02, lin_get_u16(find(0x202)->data));
+    TEST_ASSERT_EQUAL_HEX16(0x02, common_get_u16(find(0x202)->data));
     hear_all(0x250);
     make();
     TEST_ASSERT_EQUAL_UINT32(0, n_frames);
 }
 
-/// A number is free when no heartbeat came under it for as long as one may stay away.
+/// A node number is unused when no heartbeat of it came for as long as a heartbeat may stay away.
 static void test_number_is_its_own_only_when_no_other_has_it(void)
 {
     static const uint32_t ids[] = {0x740, 0x080};
@@ -288,144 +199,6 @@ static void test_foreign_frames_change_nothing(void)
     TEST_ASSERT_EQUAL_MEMORY(&before, &bus, sizeof bus);
 }
 
-static void test_tick_sends_setpoints_then_sync(void)
-{
-    enable();
-    wants.axis[hal_axis_u] = (hal_setpoint_t){.pos_nm = -123456, .vel_q10 = 2048};
-    wants.axis[hal_axis_z] = (hal_setpoint_t){.pos_nm = 7, .vel_q10 = -1024};
-    wants.spindle_mrpm = -300000;
-    make();
-    TEST_ASSERT_EQUAL_UINT32(8, n_frames); // 3 x 2, spindle, SYNC
-    TEST_ASSERT_EQUAL_HEX32(0x080, frames[7].id);
-    TEST_ASSERT_EQUAL_UINT32(0, frames[7].n);
-    TEST_ASSERT_EQUAL_UINT32(6, find(0x202)->n);
-    TEST_ASSERT_EQUAL_HEX16(0x0F, lin_get_u16(find(0x202)->data));
-    TEST_ASSERT_EQUAL_INT32(-123456, i32(find(0x202), 2));
-    TEST_ASSERT_EQUAL_INT32(2000, i32(find(0x302), 0)); // 2 nm a tick at 1 kHz
-    TEST_ASSERT_EQUAL_INT32(-1000, i32(find(0x304), 0));
-    TEST_ASSERT_EQUAL_INT32(7, i32(find(0x204), 2));
-    TEST_ASSERT_EQUAL_INT32(-300000, i32(find(0x205), 2));
-    TEST_ASSERT_NULL(find(0x305));
-}
-
-static void test_fd_puts_the_velocity_behind_the_position(void)
-{
-    config.can.is_fd = true;
-    begin();
-    enable();
-    wants.axis[hal_axis_x] = (hal_setpoint_t){.pos_nm = 40000000, .vel_q10 = INT32_MAX};
-    make();
-    TEST_ASSERT_EQUAL_UINT32(12, find(0x203)->n);
-    TEST_ASSERT_EQUAL_INT32(40000000, i32(find(0x203), 2));
-    TEST_ASSERT_EQUAL_INT32(2097151999, i32(find(0x203), 6));
-    TEST_ASSERT_EQUAL_HEX16(0, lin_get_u16(find(0x203)->data + 10));
-    TEST_ASSERT_NULL(find(0x303));
-}
-
-static void test_start_tells_all_nodes_and_then_beats(void)
-{
-    begin();
-    TEST_ASSERT_EQUAL_UINT8(0, find(0x740)->data[0]); // boot-up
-    TEST_ASSERT_EQUAL_UINT8(1, find(0x000)->data[0]);
-    TEST_ASSERT_EQUAL_UINT8(0, find(0x000)->data[1]);
-    uint32_t n_beats = 0;
-    for (int i = 0; i < 500; i++) {
-        make();
-        TEST_ASSERT_NULL(find(0x000));
-        const hal_can_frame_t *own = find(0x740);
-        n_beats += own != NULL && own->data[0] == 5u ? 1u : 0u;
-    }
-    TEST_ASSERT_EQUAL_UINT32(10, n_beats);
-}
-
-static void test_node_that_comes_late_is_started_while_disabled_only(void)
-{
-    enable();
-    make();
-    hear(0x703, 1, 0x7F, 0);
-    now += 200 * ms;
-    make();
-    TEST_ASSERT_NULL(find(0x000));
-    wants.outputs = 0;
-    make();
-    TEST_ASSERT_EQUAL_UINT8(3, find(0x000)->data[1]);
-}
-
-static void test_stopping_leads_all_drives_to_rest(void)
-{
-    enable();
-    wants.is_stopping = true;
-    wants.spindle_mrpm = 300000;
-    make();
-    for (uint32_t node = 2; node <= 5u; node++) {
-        TEST_ASSERT_EQUAL_HEX16(0x02, lin_get_u16(find(0x200 + node)->data));
-    }
-    TEST_ASSERT_EQUAL_INT32(0, i32(find(0x205), 2));
-    TEST_ASSERT_FALSE(lin_bus_is_at_rest(&bus));
-    hear_all(0x250);
-    TEST_ASSERT_TRUE(lin_bus_is_at_rest(&bus));
-    make();
-    TEST_ASSERT_EQUAL_HEX16(0x00, lin_get_u16(find(0x202)->data));
-}
-
-static void test_axis_without_a_drive_tells_its_setpoint(void)
-{
-    config.drive[hal_axis_x].node = 0;
-    config.spindle_node = 0;
-    begin();
-    for (uint32_t node = 1; node <= 4u; node++) {
-        beat(node);
-    }
-    hear(0x181, 4, 0, 0);
-    hear(0x182, 6, 0x250 | 9u << 16, 0);
-    hear(0x184, 6, 0x250, 0);
-    TEST_ASSERT_EQUAL_HEX32(hal_in_drive_ready, judge());
-    wants.axis[hal_axis_x].pos_nm = 55;
-    TEST_ASSERT_EQUAL_INT32(55, lin_bus_actual_nm(&bus, hal_axis_x, &wants));
-    TEST_ASSERT_EQUAL_INT32(9, lin_bus_actual_nm(&bus, hal_axis_u, &wants));
-    make();
-    TEST_ASSERT_NULL(find(0x200));
-    TEST_ASSERT_NULL(find(0x203));
-}
-
-static void test_ids_are_those_that_are_taken(void)
-{
-    uint32_t ids[lin_bus_max_ids];
-    const uint32_t n = lin_bus_ids(&bus, ids);
-    TEST_ASSERT_EQUAL_UINT32(2 + 5 * 3 + 4, n);
-    for (uint32_t i = 0; i < n; i++) {
-        for (uint32_t k = 0; k < i; k++) {
-            TEST_ASSERT_NOT_EQUAL_UINT32(ids[i], ids[k]);
-        }
-    }
-}
-
-static void expect_line(lin_cause_t cause, bool is_drives, const char *expected)
-{
-    char line[lin_line_bytes];
-    const lin_cause_t same = lin_words_unpack(lin_words_pack(cause));
-    (is_drives ? lin_words_drives : lin_words_bus)(same, &config, line, sizeof line);
-    TEST_ASSERT_EQUAL_STRING(expected, line);
-}
-
-static void test_words_name_the_node_and_its_error(void)
-{
-    expect_line((lin_cause_t){.loss = lin_loss_none}, false, "bus: all nodes are heard");
-    expect_line((lin_cause_t){.loss = lin_loss_bus_off}, false, "bus: bus-off");
-    expect_line((lin_cause_t){lin_loss_heartbeat, 3, 0}, false,
-                "bus: node 3 (drive x): no heartbeat");
-    expect_line((lin_cause_t){lin_loss_emcy, 1, 0x5000}, false,
-                "bus: node 1 (encoder): reports an error: error code 5000h");
-    expect_line((lin_cause_t){.loss = lin_loss_none}, true, "drives: ready");
-    expect_line((lin_cause_t){lin_loss_none, 5, 0xFF01}, true,
-                "drives: node 5 (spindle) is not ready: error code FF01h");
-    expect_line((lin_cause_t){lin_loss_pdo, 3, 0}, true,
-                "drives: node 3 (drive x) is not ready: no measured values");
-    for (int loss = 0; loss <= lin_loss_spindle; loss++) {
-        TEST_ASSERT_GREATER_THAN(5, strlen(lin_loss_text((lin_loss_t)loss)));
-    }
-}
-
 int main(void)
 {
     UNITY_BEGIN();
@@ -441,13 +214,5 @@ int main(void)
     RUN_TEST(test_whoever_holds_drives_lets_go_before_it_is_silent);
     RUN_TEST(test_number_is_its_own_only_when_no_other_has_it);
     RUN_TEST(test_foreign_frames_change_nothing);
-    RUN_TEST(test_tick_sends_setpoints_then_sync);
-    RUN_TEST(test_fd_puts_the_velocity_behind_the_position);
-    RUN_TEST(test_start_tells_all_nodes_and_then_beats);
-    RUN_TEST(test_node_that_comes_late_is_started_while_disabled_only);
-    RUN_TEST(test_stopping_leads_all_drives_to_rest);
-    RUN_TEST(test_axis_without_a_drive_tells_its_setpoint);
-    RUN_TEST(test_ids_are_those_that_are_taken);
-    RUN_TEST(test_words_name_the_node_and_its_error);
     return UNITY_END();
 }

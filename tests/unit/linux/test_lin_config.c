@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The Linux port's configuration file: the example, and everything that is refused.
-#include "lin_check.h" // lin_check_warn
+#include "lin_check.h" // lin_check_load, lin_check_warn
 #include "lin_config.h"
 #include "unity.h"
 #include <stdio.h>  // fopen
@@ -9,7 +9,7 @@
 #include <unistd.h> // unlink
 
 static lin_config_t config;
-static lin_error_t error;
+static common_error_t error;
 static char path[] = "/tmp/test_lin_config.XXXXXX";
 
 void setUp(void)
@@ -26,7 +26,7 @@ static bool load(const char *text)
     (void)fputs(text, file);
     (void)fclose(file);
     config = lin_config_defaults();
-    return lin_config_load(&config, path, &error);
+    return lin_check_load(&config, path, &error);
 }
 
 static void refused(const char *text, const char *why)
@@ -40,7 +40,7 @@ static void refused(const char *text, const char *why)
 static void test_example_file_tells_every_default(void)
 {
     memset(&config, 0x5a, sizeof config);
-    TEST_ASSERT_TRUE_MESSAGE(lin_config_load(&config, HAL_LINUX_DIR "/camturn.toml", &error),
+    TEST_ASSERT_TRUE_MESSAGE(lin_check_load(&config, HAL_LINUX_DIR "/camturn.toml", &error),
                              error.text);
     lin_config_t expected;
     memset(&expected, 0x5a, sizeof expected);
@@ -77,7 +77,7 @@ static void test_example_file_tells_every_default(void)
 
 static void test_desk_file_is_right(void)
 {
-    TEST_ASSERT_TRUE_MESSAGE(lin_config_load(&config, HAL_LINUX_DIR "/desk.toml", &error),
+    TEST_ASSERT_TRUE_MESSAGE(lin_check_load(&config, HAL_LINUX_DIR "/desk.toml", &error),
                              error.text);
     for (int i = 0; i < lin_n_lines; i++) {
         TEST_ASSERT_FALSE(lin_line_is_there(&config, (lin_line_t)i));
@@ -221,9 +221,9 @@ static void test_what_is_doubtful_is_told(void)
 
 static void test_file_that_is_not_there_or_no_text_is_refused(void)
 {
-    TEST_ASSERT_FALSE(lin_config_load(&config, "/nowhere/camturn.toml", &error));
+    TEST_ASSERT_FALSE(lin_check_load(&config, "/nowhere/camturn.toml", &error));
     TEST_ASSERT_NOT_NULL(strstr(error.text, "/nowhere/camturn.toml: cannot be opened: No such"));
-    TEST_ASSERT_FALSE(lin_config_load(&config, "/tmp", &error));
+    TEST_ASSERT_FALSE(lin_check_load(&config, "/tmp", &error));
     TEST_ASSERT_NOT_NULL(strstr(error.text, "cannot be read"));
     char line[600];
     memset(line, 'x', sizeof line);

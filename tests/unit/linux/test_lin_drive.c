@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The Linux port's drives: states and control words of CiA 402, readiness, scales.
 #include "lin_drive.h"
-#include "lin_number.h" // lin_put_u16
+#include "common_bytes.h" // common_put_u16
 #include "unity.h"
 
 enum { node = 2 };
@@ -20,18 +20,18 @@ void tearDown(void) {}
 
 static void hear(uint16_t status, int32_t actual, int64_t ns)
 {
-    hal_can_frame_t frame = {.id = lin_id_tpdo1 + node, .n = 6};
-    lin_put_u16(frame.data, status);
-    lin_put_i32(frame.data + 2, actual);
+    hal_can_frame_t frame = {.id = canopen_id_tpdo1 + node, .n = 6};
+    common_put_u16(frame.data, status);
+    common_put_i32(frame.data + 2, actual);
     TEST_ASSERT_TRUE(lin_drive_take(&d, &frame, ns));
-    const hal_can_frame_t beat = {.id = lin_id_heartbeat + node, .n = 1, .data = {5}};
+    const hal_can_frame_t beat = {.id = canopen_id_heartbeat + node, .n = 1, .data = {5}};
     TEST_ASSERT_TRUE(lin_drive_take(&d, &beat, ns));
 }
 
 static void emcy(uint16_t code)
 {
-    hal_can_frame_t frame = {.id = lin_id_emcy + node, .n = 8};
-    lin_put_u16(frame.data, code);
+    hal_can_frame_t frame = {.id = canopen_id_emcy + node, .n = 8};
+    common_put_u16(frame.data, code);
     TEST_ASSERT_TRUE(lin_drive_take(&d, &frame, 0));
 }
 
@@ -61,7 +61,7 @@ static void test_states_are_those_of_the_standard(void)
             }
             expected = fits ? rows[i].state : expected;
         }
-        TEST_ASSERT_EQUAL_INT(expected, cia402_state((uint16_t)status));
+        TEST_ASSERT_EQUAL_INT(expected, lin_cia402_state((uint16_t)status));
     }
 }
 
@@ -79,11 +79,11 @@ static void test_control_words_lead_to_the_goal(void)
                 {cia402_fault_reaction_active, 0x06, 0x00, 0x00, 0x06},
                 {cia402_fault, 0x06, 0x00, 0x00, 0x80}};
     for (uint32_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
-        TEST_ASSERT_EQUAL_HEX16(rows[i].rest, cia402_control(rows[i].state, cia402_goal_rest));
+        TEST_ASSERT_EQUAL_HEX16(rows[i].rest, lin_cia402_control(rows[i].state, lin_cia402_rest));
         TEST_ASSERT_EQUAL_HEX16(rows[i].enabled,
-                                cia402_control(rows[i].state, cia402_goal_enabled));
-        TEST_ASSERT_EQUAL_HEX16(rows[i].off, cia402_control(rows[i].state, cia402_goal_off));
-        TEST_ASSERT_EQUAL_HEX16(rows[i].reset, cia402_control(rows[i].state, cia402_goal_reset));
+                                lin_cia402_control(rows[i].state, lin_cia402_enabled));
+        TEST_ASSERT_EQUAL_HEX16(rows[i].off, lin_cia402_control(rows[i].state, lin_cia402_off));
+        TEST_ASSERT_EQUAL_HEX16(rows[i].reset, lin_cia402_control(rows[i].state, lin_cia402_reset));
     }
 }
 
@@ -166,7 +166,7 @@ static void test_node_that_boots_or_stops_is_lost_and_told_to_start(void)
 {
     hal_can_frame_t frame;
     hear(0x250, 0, 0);
-    hal_can_frame_t beat = {.id = lin_id_heartbeat + node, .n = 1, .data = {0}};
+    hal_can_frame_t beat = {.id = canopen_id_heartbeat + node, .n = 1, .data = {0}};
     TEST_ASSERT_FALSE(lin_node_start(&d.node, 200 * ms, &frame));
     (void)lin_drive_take(&d, &beat, 1);
     beat.data[0] = 5;
@@ -190,16 +190,16 @@ static void test_node_that_boots_or_stops_is_lost_and_told_to_start(void)
 static void test_foreign_and_malformed_frames_are_left_alone(void)
 {
     hear(0x237, 5, 0);
-    hal_can_frame_t frame = {.id = lin_id_tpdo1 + node, .n = 5};
+    hal_can_frame_t frame = {.id = canopen_id_tpdo1 + node, .n = 5};
     TEST_ASSERT_FALSE(lin_drive_take(&d, &frame, 1));
-    frame.id = lin_id_tpdo1 + node + 1;
+    frame.id = canopen_id_tpdo1 + node + 1;
     frame.n = 6;
     TEST_ASSERT_FALSE(lin_drive_take(&d, &frame, 1));
-    frame.id = lin_id_heartbeat + node; // six bytes
+    frame.id = canopen_id_heartbeat + node; // six bytes
     TEST_ASSERT_FALSE(lin_drive_take(&d, &frame, 1));
     TEST_ASSERT_EQUAL_INT(cia402_operation_enabled, d.state);
     lin_drive_init(&d, 0, 1, 1);
-    frame.id = lin_id_tpdo1;
+    frame.id = canopen_id_tpdo1;
     TEST_ASSERT_FALSE(lin_drive_take(&d, &frame, 1));
     TEST_ASSERT_TRUE(is_ready(0)); // none there: never in the way
 }

@@ -23,7 +23,7 @@ static lin_gpio_t chip[n_places] = {{.place = "ESTOP", .is_high = true},
 static lin_gpio_t *const estop = &chip[0], *const enable = &chip[3], *const fault = &chip[4];
 
 lin_gpio_t *lin_gpio_open(const char *name, const char *place, lin_gpio_way_t way,
-                          bool is_active_low, lin_error_t *e)
+                          bool is_active_low, common_error_t *e)
 {
     TEST_ASSERT_EQUAL_STRING("gpiochip0", name);
     TEST_ASSERT_FALSE(is_active_low);
@@ -33,7 +33,7 @@ lin_gpio_t *lin_gpio_open(const char *name, const char *place, lin_gpio_way_t wa
             return &chip[i];
         }
     }
-    (void)lin_error(e, "no such line");
+    (void)common_error(e, "no such line");
     return NULL;
 }
 
@@ -127,7 +127,7 @@ static void test_line_that_was_lost_is_an_emergency_stop_for_good(void)
 static void test_line_that_is_not_there_is_told_by_its_key(void)
 {
     lin_config_t config = lin_config_defaults();
-    lin_error_t error;
+    common_error_t error;
     (void)strcpy(config.line[lin_line_fault].place, "LAMP");
     TEST_ASSERT_FALSE(lin_lines_open(&config, &error));
     TEST_ASSERT_EQUAL_STRING("gpio.fault: no such line", error.text);
@@ -136,7 +136,7 @@ static void test_line_that_is_not_there_is_told_by_its_key(void)
 int main(void)
 {
     const lin_config_t config = lin_config_defaults();
-    lin_error_t error;
+    common_error_t error;
     if (!lin_lines_open(&config, &error)) {
         return 1;
     }

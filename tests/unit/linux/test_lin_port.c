@@ -13,7 +13,7 @@
 #include <string.h> // strstr
 #include <unistd.h> // unlink
 
-static lin_error_t error;
+static common_error_t error;
 static char folder[] = "/tmp/test_lin_port.XXXXXX";
 static char path[100];
 

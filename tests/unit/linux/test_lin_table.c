@@ -10,7 +10,7 @@
 #include <sys/syscall.h> // SYS_fsync
 #include <unistd.h>      // unlink, syscall
 
-static lin_error_t error;
+static common_error_t error;
 static char folder[] = "/tmp/test_lin_table.XXXXXX";
 static char path[100], fresh[110];
 static int n_good_syncs;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "common_bytes.h" // common_get_u32
 #include "sim_bus.h"
 #include "sim_units.h" // sim_abs
 #include "unity.h"
@@ -13,9 +14,9 @@ static sim_bus_config_t config;
 void setUp(void)
 {
     config = (sim_bus_config_t){
-        .machine = sim_machine_defaults(), .guard_s = 0.02, .heartbeat_s = 0.05, .seed = 1};
-    config.machine.tick_hz = 1000.0;
-    config.machine.spindle.ripple = 0.0;
+        .lathe = sim_lathe_defaults(), .guard_s = 0.02, .heartbeat_s = 0.05, .seed = 1};
+    config.lathe.tick_hz = 1000.0;
+    config.lathe.spindle.ripple = 0.0;
     sim_bus_init(&bus, &config, X_NM, Z_NM);
 }
 
@@ -71,20 +72,20 @@ static void test_enabled_axis_goes_where_it_is_told(void)
     for (int i = 0; i < 100; i++) {
         tick(0x0F, 100000, 0);
     }
-    TEST_ASSERT_EQUAL_INT32(100000, (int32_t)sim_frame_get_u32(said(0x182), 2));
-    TEST_ASSERT_EQUAL_INT32((int32_t)X_NM, (int32_t)sim_frame_get_u32(said(0x183), 2));
+    TEST_ASSERT_EQUAL_INT32(100000, (int32_t)common_get_u32(said(0x182)->data + 2));
+    TEST_ASSERT_EQUAL_INT32((int32_t)X_NM, (int32_t)common_get_u32(said(0x183)->data + 2));
     TEST_ASSERT_DOUBLE_WITHIN(1.0, 100000.0, bus.sample.u_nm);
 }
 
 static void test_axis_moves_as_in_a_run_with_the_same_commands(void)
 {
     sim_drive_t reference;
-    sim_drive_init(&reference, &config.machine.axis[0], 0.0, 1e-3);
+    sim_drive_init(&reference, &config.lathe.drive[0], 0.0, 1e-3);
     enable();
     for (int i = 0; i < 50; i++) { // commands of the tick act from the SYNC on
         const int32_t target = i < 20 ? 20000 : -30000;
         tick(0x0F, target, 0);
-        TEST_ASSERT_DOUBLE_WITHIN(1.0, reference.pos_nm, bus.sample.u_nm);
+        TEST_ASSERT_DOUBLE_WITHIN(1.0, reference.pos_micro, bus.sample.u_nm);
         sim_drive_step(&reference, target, true);
     }
 }
@@ -97,8 +98,8 @@ static void test_encoder_speaks_of_the_middle_between_two_ticks(void)
     }
     const double turn = bus.sample.turn + 5.0 * 0.5e-3;
     const uint32_t counts =
-        (uint32_t)(uint64_t)(config.machine.encoder.start_counts + turn * 10000.0);
-    TEST_ASSERT_INT32_WITHIN(1, counts, sim_frame_get_u32(said(0x181), 0));
+        (uint32_t)(uint64_t)(config.lathe.encoder.start_counts + turn * 10000.0);
+    TEST_ASSERT_INT32_WITHIN(1, counts, common_get_u32(said(0x181)->data));
 }
 
 static void test_encoder_wraps_at_its_modulus(void)
@@ -109,7 +110,7 @@ static void test_encoder_wraps_at_its_modulus(void)
     uint32_t largest = 0;
     for (int i = 0; i < 1500; i++) {
         tick(0x0F, 0, 300000);
-        const uint32_t counts = sim_frame_get_u32(said(0x181), 0);
+        const uint32_t counts = common_get_u32(said(0x181)->data);
         largest = counts > largest ? counts : largest;
     }
     TEST_ASSERT_GREATER_THAN_UINT32(9900, largest);
@@ -123,8 +124,8 @@ static void test_index_is_foreseen_once_per_turn_at_its_place(void)
     for (int i = 0; i < 4000; i++) {
         tick(0x0F, 0, 300000);
         if (bus.index_s >= 0.0 && i > 1000) {
-            const double turn = bus.spindle.turn + bus.index_s * 5.0;
-            const double place = sim_fraction(turn - config.machine.encoder.index_turn + 0.5) - 0.5;
+            const double turn = bus.lathe.spindle.turn + bus.index_s * 5.0;
+            const double place = sim_fraction(turn - config.lathe.encoder.index_turn + 0.5) - 0.5;
             TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.0, place);
             n++;
         }
@@ -138,16 +139,16 @@ static void test_silence_brakes_within_the_limits_and_ends_in_fault(void)
     for (int i = 0; i < 5; i++) {
         tick(0x0F, 20000 * i, 0);
     }
-    double last = bus.axis[0].vel_nm_per_s;
+    double last = bus.lathe.drive[0].vel_micro_per_s;
     TEST_ASSERT_TRUE(last > 1e6);
     int n = 0;
-    while (bus.node[sim_bus_u].power.power != sim_power_fault) {
+    while (bus.node[sim_bus_u].power.state != cia402_fault) {
         sim_bus_step(&bus);
-        if (bus.node[sim_bus_u].power.power != sim_power_operation_enabled) {
-            const double change = sim_abs(bus.axis[0].vel_nm_per_s - last);
+        if (bus.node[sim_bus_u].power.state != cia402_operation_enabled) {
+            const double change = sim_abs(bus.lathe.drive[0].vel_micro_per_s - last);
             TEST_ASSERT_TRUE(change <= U_BRAKE_NM_PER_S2 * 1e-3 * 1.0001);
         }
-        last = bus.axis[0].vel_nm_per_s;
+        last = bus.lathe.drive[0].vel_micro_per_s;
         TEST_ASSERT_LESS_THAN_INT(25, ++n);
     }
     TEST_ASSERT_GREATER_THAN_INT(19, n);
@@ -170,7 +171,7 @@ static void test_foreign_drive_is_followed_by_its_own_word(void)
 static sim_inject_t parsed(const char *text)
 {
     sim_inject_t inject;
-    sim_error_t e;
+    common_error_t e;
     TEST_ASSERT_TRUE_MESSAGE(sim_inject_parse(&inject, text, sim_inject_on_bus, &e), e.text);
     return inject;
 }
@@ -186,10 +187,10 @@ static void test_failed_drive_tells_by_emergency_status_and_line(void)
     enable();
     inject("node-fault@0:3");
     tick(0x0F, 0, 0);
-    TEST_ASSERT_EQUAL_HEX32(sim_emcy_internal, sim_frame_get_u16(said(0x083), 0));
+    TEST_ASSERT_EQUAL_HEX32(sim_emcy_internal, common_get_u16(said(0x083)->data));
     TEST_ASSERT_FALSE(bus.inputs.is_ready);
     tick(0x0F, 0, 0);
-    TEST_ASSERT_EQUAL_HEX32(0x08, sim_frame_get_u16(said(0x183), 0) & 0x4Fu);
+    TEST_ASSERT_EQUAL_HEX32(0x08, common_get_u16(said(0x183)->data) & 0x4Fu);
 }
 
 static void test_missing_encoder_frames_are_missing(void)
@@ -207,7 +208,7 @@ static void test_missing_encoder_frames_are_missing(void)
 static void test_what_only_a_run_can_do_is_refused(void)
 {
     sim_inject_t what;
-    sim_error_t e;
+    common_error_t e;
     TEST_ASSERT_FALSE(sim_inject_parse(&what, "late-tick@0:100", sim_inject_on_bus, &e));
     TEST_ASSERT_FALSE(sim_inject_parse(&what, "node-dead@0:1", sim_inject_in_run, &e));
     TEST_ASSERT_FALSE(sim_inject_parse(&what, "node-fault@0:1", sim_inject_on_bus, &e));
@@ -217,8 +218,8 @@ static void test_status_of_the_controller_is_remembered(void)
 {
     const sim_frame_t status = {.id = 0x1C0, .n = 8, .data = {3, 0, 0, 0, 0x10}};
     sim_bus_receive(&bus, &status);
-    TEST_ASSERT_EQUAL_UINT32(3, bus.told_state);
-    TEST_ASSERT_EQUAL_HEX32(0x10, bus.told_faults);
+    TEST_ASSERT_EQUAL_UINT32(3, bus.reported_state);
+    TEST_ASSERT_EQUAL_HEX32(0x10, bus.reported_faults);
 }
 
 int main(void)

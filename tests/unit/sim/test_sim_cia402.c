@@ -64,38 +64,37 @@ static void test_status_words_of_the_ways_out_are_those_of_the_standard(void)
 static void test_enable_operation_takes_one_step_per_word(void)
 {
     sim_cia402_control(&drive, enable_operation);
-    TEST_ASSERT_EQUAL(sim_power_switch_on_disabled, drive.power);
+    TEST_ASSERT_EQUAL(cia402_switch_on_disabled, drive.state);
     sim_cia402_control(&drive, shutdown);
     sim_cia402_control(&drive, enable_operation);
-    TEST_ASSERT_EQUAL(sim_power_switched_on, drive.power);
+    TEST_ASSERT_EQUAL(cia402_switched_on, drive.state);
     sim_cia402_control(&drive, enable_operation);
-    TEST_ASSERT_EQUAL(sim_power_operation_enabled, drive.power);
+    TEST_ASSERT_EQUAL(cia402_operation_enabled, drive.state);
 }
 
 static void test_ways_down_follow_the_figure(void)
 {
     static const struct {
         uint32_t word;
-        sim_power_t from_operation, from_switched_on, from_ready;
+        cia402_state_t from_operation, from_switched_on, from_ready;
     } row[] = {
-        {switch_on, sim_power_switched_on, sim_power_switched_on, sim_power_switched_on},
-        {shutdown, sim_power_ready_to_switch_on, sim_power_ready_to_switch_on,
-         sim_power_ready_to_switch_on},
-        {disable_voltage, sim_power_switch_on_disabled, sim_power_switch_on_disabled,
-         sim_power_switch_on_disabled},
-        {quick_stop, sim_power_quick_stop_active, sim_power_switch_on_disabled,
-         sim_power_switch_on_disabled},
+        {switch_on, cia402_switched_on, cia402_switched_on, cia402_switched_on},
+        {shutdown, cia402_ready_to_switch_on, cia402_ready_to_switch_on, cia402_ready_to_switch_on},
+        {disable_voltage, cia402_switch_on_disabled, cia402_switch_on_disabled,
+         cia402_switch_on_disabled},
+        {quick_stop, cia402_quick_stop_active, cia402_switch_on_disabled,
+         cia402_switch_on_disabled},
     };
     for (int i = 0; i < 4; i++) {
-        drive.power = sim_power_operation_enabled;
+        drive.state = cia402_operation_enabled;
         sim_cia402_control(&drive, row[i].word);
-        TEST_ASSERT_EQUAL(row[i].from_operation, drive.power);
-        drive.power = sim_power_switched_on;
+        TEST_ASSERT_EQUAL(row[i].from_operation, drive.state);
+        drive.state = cia402_switched_on;
         sim_cia402_control(&drive, row[i].word);
-        TEST_ASSERT_EQUAL(row[i].from_switched_on, drive.power);
-        drive.power = sim_power_ready_to_switch_on;
+        TEST_ASSERT_EQUAL(row[i].from_switched_on, drive.state);
+        drive.state = cia402_ready_to_switch_on;
         sim_cia402_control(&drive, row[i].word);
-        TEST_ASSERT_EQUAL(row[i].from_ready, drive.power);
+        TEST_ASSERT_EQUAL(row[i].from_ready, drive.state);
     }
 }
 
@@ -104,25 +103,25 @@ static void test_quick_stop_ends_disabled_at_rest_or_in_operation_again(void)
     enable();
     sim_cia402_control(&drive, quick_stop);
     sim_cia402_control(&drive, enable_operation);
-    TEST_ASSERT_EQUAL(sim_power_operation_enabled, drive.power);
+    TEST_ASSERT_EQUAL(cia402_operation_enabled, drive.state);
     sim_cia402_control(&drive, quick_stop);
     sim_cia402_rest(&drive);
-    TEST_ASSERT_EQUAL(sim_power_switch_on_disabled, drive.power);
+    TEST_ASSERT_EQUAL(cia402_switch_on_disabled, drive.state);
 }
 
 static void test_fault_stays_until_reset_rises(void)
 {
     enable();
     sim_cia402_control(&drive, fault_reset); // no fault: nothing
-    TEST_ASSERT_EQUAL(sim_power_operation_enabled, drive.power);
+    TEST_ASSERT_EQUAL(cia402_operation_enabled, drive.state);
     sim_cia402_fail(&drive);
     sim_cia402_rest(&drive);
     sim_cia402_control(&drive, fault_reset); // still held
-    TEST_ASSERT_EQUAL(sim_power_fault, drive.power);
+    TEST_ASSERT_EQUAL(cia402_fault, drive.state);
     sim_cia402_control(&drive, enable_operation);
-    TEST_ASSERT_EQUAL(sim_power_fault, drive.power);
+    TEST_ASSERT_EQUAL(cia402_fault, drive.state);
     sim_cia402_control(&drive, fault_reset);
-    TEST_ASSERT_EQUAL(sim_power_switch_on_disabled, drive.power);
+    TEST_ASSERT_EQUAL(cia402_switch_on_disabled, drive.state);
 }
 
 static void test_rest_changes_nothing_in_operation(void)

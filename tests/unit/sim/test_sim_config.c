@@ -5,7 +5,7 @@
 #include <string.h> // memcmp
 
 static sim_config_t config;
-static sim_error_t error;
+static common_error_t error;
 static const char path[] = "test_sim_config.toml";
 
 void setUp(void)
@@ -43,12 +43,12 @@ static void refused(const char *text, const char *why)
 /// A key that the file tells with a value that the code does not have shows here.
 static void test_default_file_is_the_built_in_machine(void)
 {
-    memset(&config.machine, 0, sizeof config.machine); // every key must come from the file
+    memset(&config.lathe, 0, sizeof config.lathe); // every key must come from the file
     config.name[0] = '\0';
     TEST_ASSERT_TRUE_MESSAGE(
         sim_config_load(&config, HOST_SIM_DIR "/machines/default.toml", &error), error.text);
     const sim_config_t built_in = sim_config_defaults();
-    TEST_ASSERT_EQUAL_MEMORY(&built_in.machine, &config.machine, sizeof config.machine);
+    TEST_ASSERT_EQUAL_MEMORY(&built_in.lathe, &config.lathe, sizeof config.lathe);
     TEST_ASSERT_EQUAL_STRING(built_in.name, config.name);
 }
 
@@ -67,8 +67,8 @@ static void test_load_takes_comments_blanks_and_indentation(void)
              "[u]\ndelay_us = 1.5e1\n"),
         error.text);
     TEST_ASSERT_EQUAL_STRING("a # b", config.name);
-    TEST_ASSERT_TRUE(config.machine.tick_hz == 10000.0);
-    TEST_ASSERT_TRUE(config.machine.axis[0].delay_us == 15.0);
+    TEST_ASSERT_TRUE(config.lathe.tick_hz == 10000.0);
+    TEST_ASSERT_TRUE(config.lathe.drive[0].delay_us == 15.0);
 }
 
 static void test_load_takes_firmware_parameters(void)
@@ -118,7 +118,7 @@ static void test_load_takes_a_last_line_without_an_end(void)
 {
     TEST_ASSERT_TRUE_MESSAGE(load(""), error.text);
     TEST_ASSERT_TRUE_MESSAGE(load("[u]\r\n\ndelay_us = 15"), error.text);
-    TEST_ASSERT_TRUE(config.machine.axis[0].delay_us == 15.0);
+    TEST_ASSERT_TRUE(config.lathe.drive[0].delay_us == 15.0);
 }
 
 static void test_load_refuses_a_nul_byte(void)

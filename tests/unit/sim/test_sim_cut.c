@@ -8,13 +8,13 @@
 static fixture_image_t image;
 static sim_cut_options_t options;
 static sim_cut_t cut;
-static sim_error_t error;
+static common_error_t error;
 
 void setUp(void)
 {
     const fixture_part_t part = fixture_part_short();
     fixture_image_make(&image, &part);
-    options = (sim_cut_options_t){.config = sim_config_defaults(), .seed = 1};
+    options = (sim_cut_options_t){.session = {.config = sim_config_defaults(), .seed = 1}};
 }
 
 void tearDown(void)
@@ -38,45 +38,45 @@ static sim_cut_end_t run(void)
 
 static void inject(const char *text)
 {
-    TEST_ASSERT_TRUE_MESSAGE(
-        sim_inject_parse(&options.inject[options.n_injects++], text, sim_inject_in_run, &error),
-        error.text);
+    TEST_ASSERT_TRUE_MESSAGE(sim_inject_parse(&options.session.inject[options.session.n_injects++],
+                                              text, sim_inject_in_run, &error),
+                             error.text);
 }
 
 static void test_matched_machine_cuts_within_a_micrometre(void)
 {
     TEST_ASSERT_EQUAL_INT(sim_cut_done, run());
-    TEST_ASSERT_DOUBLE_WITHIN(0.05, 12.0, cut.cut_turns); // a round
-    TEST_ASSERT_TRUE(cut.work.n > 4000u);
-    TEST_ASSERT_TRUE(cut.work.max_um < 1.0);
+    TEST_ASSERT_DOUBLE_WITHIN(0.05, 12.0, cut.session.cut_turns); // a round
+    TEST_ASSERT_TRUE(cut.session.work.n > 4000u);
+    TEST_ASSERT_TRUE(cut.session.work.max_um < 1.0);
 }
 
 static void test_without_feed_forward_and_lead_it_is_off_by_tens_of_micrometres(void)
 {
     options.is_without_feed_forward = true;
     TEST_ASSERT_EQUAL_INT(sim_cut_done, run());
-    TEST_ASSERT_TRUE(cut.work.max_um > 15.0 && cut.work.max_um < 45.0);
+    TEST_ASSERT_TRUE(cut.session.work.max_um > 15.0 && cut.session.work.max_um < 45.0);
     sim_cut_close(&cut);
     options.is_without_feed_forward = false;
     options.is_without_lead = true;
     TEST_ASSERT_EQUAL_INT(sim_cut_done, run());
     // 100 us at 262 rad/s on a slope of up to 0.15 mm/rad: 3.9 um
-    TEST_ASSERT_TRUE(cut.work.max_um > 2.5 && cut.work.max_um < 5.0);
+    TEST_ASSERT_TRUE(cut.session.work.max_um > 2.5 && cut.session.work.max_um < 5.0);
 }
 
 static void test_same_seed_repeats_bit_for_bit(void)
 {
-    options.config.machine.encoder.jitter_counts = 0.3;
+    options.session.config.lathe.encoder.jitter_counts = 0.3;
     (void)run();
-    const double first_um = cut.work.sum_um2;
+    const double first_um = cut.session.work.sum_um2;
     const uint64_t n_ticks = cut.n_ticks;
     sim_cut_close(&cut);
     (void)run();
-    TEST_ASSERT_TRUE(first_um == cut.work.sum_um2 && n_ticks == cut.n_ticks);
+    TEST_ASSERT_TRUE(first_um == cut.session.work.sum_um2 && n_ticks == cut.n_ticks);
     sim_cut_close(&cut);
-    options.seed = 2;
+    options.session.seed = 2;
     (void)run();
-    TEST_ASSERT_TRUE(first_um != cut.work.sum_um2);
+    TEST_ASSERT_TRUE(first_um != cut.session.work.sum_um2);
 }
 
 static void test_reversed_encoder_and_direction_cut_the_same_part(void)
@@ -85,9 +85,9 @@ static void test_reversed_encoder_and_direction_cut_the_same_part(void)
         fixture_part_t part = fixture_part_short();
         part.direction = (i & 1) != 0 ? -1 : 1;
         fixture_image_make(&image, &part);
-        options.config.machine.encoder.sign = (i & 2) != 0 ? -1.0 : 1.0;
+        options.session.config.lathe.encoder.sign = (i & 2) != 0 ? -1.0 : 1.0;
         TEST_ASSERT_EQUAL_INT(sim_cut_done, run());
-        TEST_ASSERT_TRUE(cut.work.max_um < 1.0);
+        TEST_ASSERT_TRUE(cut.session.work.max_um < 1.0);
         sim_cut_close(&cut);
     }
 }
@@ -96,15 +96,15 @@ static void test_phase_turns_the_oval_on_the_part(void)
 {
     TEST_ASSERT_TRUE(sim_wishes_add(&options.wishes, "phase_udeg", 30e6, "test", &error));
     TEST_ASSERT_EQUAL_INT(sim_cut_done, run());
-    TEST_ASSERT_TRUE(cut.work.max_um < 1.0);
+    TEST_ASSERT_TRUE(cut.session.work.max_um < 1.0);
 }
 
 static void test_measured_z_is_led_by_the_feed(void)
 {
     TEST_ASSERT_TRUE(sim_wishes_add(&options.wishes, "z_is_measured", 1, "test", &error));
     TEST_ASSERT_EQUAL_INT(sim_cut_done, run());
-    TEST_ASSERT_TRUE(cut.is_stopped && cut.cut_turns >= 10.0);
-    TEST_ASSERT_TRUE(cut.work.max_um < 1.0);
+    TEST_ASSERT_TRUE(cut.is_stopped && cut.session.cut_turns >= 10.0);
+    TEST_ASSERT_TRUE(cut.session.work.max_um < 1.0);
 }
 
 static void test_estop_ends_in_a_fault_with_the_tool_out(void)
@@ -112,9 +112,9 @@ static void test_estop_ends_in_a_fault_with_the_tool_out(void)
     inject("estop@0.1");
     TEST_ASSERT_EQUAL_INT(sim_cut_fault, run());
     TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(estop), sim_cut_status(&cut)->faults);
-    TEST_ASSERT_DOUBLE_WITHIN(100e-6, 0.1, cut.fault_s - cut.cut_at_s);
-    TEST_ASSERT_TRUE(cut.radius_mm > cut.work.blank_mm);
-    TEST_ASSERT_TRUE(cut.work.gouge_um < 1.0);
+    TEST_ASSERT_DOUBLE_WITHIN(100e-6, 0.1, cut.fault_s - cut.session.cut_at_s);
+    TEST_ASSERT_TRUE(cut.session.radius_mm > cut.session.work.blank_mm);
+    TEST_ASSERT_TRUE(cut.session.work.gouge_um < 1.0);
 }
 
 static void test_flipped_table_byte_is_found(void)
@@ -135,7 +135,8 @@ static void test_stop_ends_the_cut_early(void)
 {
     options.max_turns = 3.0;
     TEST_ASSERT_EQUAL_INT(sim_cut_done, run());
-    TEST_ASSERT_TRUE(cut.is_stopped && cut.cut_turns < 7.0); // next whole turn, falling ramp
+    TEST_ASSERT_TRUE(cut.is_stopped &&
+                     cut.session.cut_turns < 7.0); // next whole turn, falling ramp
 }
 
 static void test_cut_that_is_stopped_before_it_begins_is_not_gauged(void)
@@ -143,40 +144,40 @@ static void test_cut_that_is_stopped_before_it_begins_is_not_gauged(void)
     inject("stop@t1");
     options.rpm = 60.0;
     TEST_ASSERT_EQUAL_INT(sim_cut_done, run());
-    TEST_ASSERT_TRUE(cut.is_stopped && cut.work.n == 0u);
+    TEST_ASSERT_TRUE(cut.is_stopped && cut.session.work.n == 0u);
     TEST_ASSERT_FALSE(sim_cut_is_gauged(&cut));
     sim_cut_close(&cut);
-    options.n_injects = 0;
+    options.session.n_injects = 0;
     options.rpm = 0.0;
     options.max_turns = 3.0;
     TEST_ASSERT_EQUAL_INT(sim_cut_done, run());
     TEST_ASSERT_TRUE(sim_cut_is_gauged(&cut));
 }
 
-static void test_whole_cam_has_a_whole_turn_of_every_lobe(void)
+static void test_whole_camshaft_has_a_whole_turn_of_every_lobe(void)
 {
     memset(&cut, 0, sizeof cut);
-    cut.design.shape = sim_shape_cam;
-    cut.design.cam.n_lobes = 2;
-    cut.table.z_last_nm = 10000000;
-    cut.table.feed_nm = 1000000;
-    cut.work.n = cut.cam.gauge[0].n = sim_cam_dexels;
-    cut.cam.gauge[1].n = sim_cam_dexels - 1;
+    cut.session.design.shape = sim_shape_lobes;
+    cut.session.design.lobes.n_lobes = 2;
+    cut.session.table.z_last_nm = 10000000;
+    cut.session.table.feed_nm = 1000000;
+    cut.session.work.n = cut.session.lobes.gauge[0].n = sim_lobe_dexels;
+    cut.session.lobes.gauge[1].n = sim_lobe_dexels - 1;
     TEST_ASSERT_FALSE(sim_cut_is_gauged(&cut));
     TEST_ASSERT_EQUAL_UINT32(1, sim_cut_lobe_without_turn(&cut));
     cut.is_stopped = true;
-    cut.cut_turns = 9.0;
+    cut.session.cut_turns = 9.0;
     TEST_ASSERT_TRUE(sim_cut_is_gauged(&cut)); // it ended before that lobe
-    cut.cut_turns = 10.0;
+    cut.session.cut_turns = 10.0;
     TEST_ASSERT_FALSE(sim_cut_is_gauged(&cut)); // Z led by others: their stop is the end
-    cut.cam.gauge[1].n = sim_cam_dexels;
+    cut.session.lobes.gauge[1].n = sim_lobe_dexels;
     TEST_ASSERT_TRUE(sim_cut_is_gauged(&cut));
     TEST_ASSERT_EQUAL_UINT32(2, sim_cut_lobe_without_turn(&cut));
 }
 
 static void test_time_is_limited(void)
 {
-    options.max_s = 0.01;
+    options.session.max_s = 0.01;
     TEST_ASSERT_EQUAL_INT(sim_cut_timeout, run());
 }
 
@@ -187,7 +188,7 @@ static void test_time_is_enough_for_engaging_and_disengaging(void)
     TEST_ASSERT_TRUE(sim_wishes_add(&options.wishes, "disengage_turns", 70, "test", &error));
     TEST_ASSERT_EQUAL_INT(sim_cut_done, run());
     TEST_ASSERT_DOUBLE_WITHIN(0.1, 2.0 * 112.0 + 60.0, cut.max_s);
-    TEST_ASSERT_TRUE(cut.machine.time_s > 2.0 * 12.0 + 60.0);
+    TEST_ASSERT_TRUE(cut.port.time_s > 2.0 * 12.0 + 60.0);
 }
 
 static void test_infeasible_speed_is_refused_with_numbers(void)
@@ -201,7 +202,7 @@ static void test_infeasible_speed_is_refused_with_numbers(void)
 
 static void test_speed_that_counts_as_stopped_is_no_remedy(void)
 {
-    options.config.machine.spindle_limit_rpm = 900.0;
+    options.session.config.lathe.spindle_limit_rpm = 900.0;
     TEST_ASSERT_FALSE(open_cut());
     TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, "; give at most --rpm 900.000"), error.text);
     TEST_ASSERT_TRUE(sim_wishes_add(&options.wishes, "stopped_mrpm", 900001, "test", &error));
@@ -222,7 +223,7 @@ static void test_late_tick_lets_the_machine_live_longer(void)
     TEST_ASSERT_EQUAL_INT(sim_cut_fault, run());
     TEST_ASSERT_TRUE((sim_cut_status(&cut)->first_fault & CAM_FAULT_BIT(late_tick)) != 0u);
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 40e-6,
-                              cut.machine.time_s - (double)hal_host.n_ticks * cut.machine.period_s);
+                              cut.port.time_s - (double)hal_host.n_ticks * cut.port.lathe.step_s);
 }
 
 int main(void)
@@ -239,7 +240,7 @@ int main(void)
     RUN_TEST(test_flip_outside_the_table_is_refused);
     RUN_TEST(test_stop_ends_the_cut_early);
     RUN_TEST(test_cut_that_is_stopped_before_it_begins_is_not_gauged);
-    RUN_TEST(test_whole_cam_has_a_whole_turn_of_every_lobe);
+    RUN_TEST(test_whole_camshaft_has_a_whole_turn_of_every_lobe);
     RUN_TEST(test_time_is_limited);
     RUN_TEST(test_time_is_enough_for_engaging_and_disengaging);
     RUN_TEST(test_infeasible_speed_is_refused_with_numbers);

@@ -11,7 +11,7 @@
 static fixture_image_t image;
 static cam_table_t table;
 static sim_design_t design;
-static sim_error_t error;
+static common_error_t error;
 static const char path[] = "test_sim_design.json";
 
 void setUp(void)

@@ -14,7 +14,7 @@ void setUp(void)
 {
     config = sim_drive_u_defaults();
     config.delay_us = 0.0;
-    config.quantum_nm = 0.0;
+    config.quantum_micro = 0.0;
 }
 
 void tearDown(void) {}
@@ -47,7 +47,7 @@ static void check_step_response(double delay_us)
     for (int i = 1; i <= 400; i++) {
         sim_drive_step(&drive, (int32_t)STEP_NM, true);
         const double t_s = i * PERIOD_S - delay_us * 1e-6;
-        TEST_ASSERT_DOUBLE_WITHIN(1e-7, STEP_NM * step_response(t_s), drive.pos_nm);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-7, STEP_NM * step_response(t_s), drive.pos_micro);
     }
 }
 
@@ -87,8 +87,8 @@ static void test_inverse_of_the_drive_makes_it_follow(void)
     double worst_nm = 0.0;
     for (int i = 0; i < 4000; i++) {
         const double t_s = i * PERIOD_S;
-        const double off_nm = fabs(drive.pos_nm - a_nm * sin(f * t_s));
-        worst_nm = i > 2000 && off_nm > worst_nm ? off_nm : worst_nm;
+        const double off_micro = fabs(drive.pos_micro - a_nm * sin(f * t_s));
+        worst_nm = i > 2000 && off_micro > worst_nm ? off_micro : worst_nm;
         const double ahead = f * (t_s + 75e-6 + 0.5 * PERIOD_S);
         const double command = a_nm * ((1.0 - f * f / (w * w)) * sin(ahead) +
                                        2.0 * config.damping * f / w * cos(ahead));
@@ -99,8 +99,8 @@ static void test_inverse_of_the_drive_makes_it_follow(void)
 
 static void test_limits_are_kept_and_the_way_is_right(void)
 {
-    config.speed_mm_per_s = 100.0;
-    config.acceleration_mm_per_s2 = 20000.0;
+    config.speed_units_per_s = 100.0;
+    config.acceleration_units_per_s2 = 20000.0;
     sim_drive_init(&drive, &config, 0.0, PERIOD_S);
     sim_drive_t fine;
     sim_drive_init(&fine, &config, 0.0, PERIOD_S / 50);
@@ -110,23 +110,23 @@ static void test_limits_are_kept_and_the_way_is_right(void)
         for (int k = 0; k < 50; k++) {
             sim_drive_step(&fine, 2000000, true);
         }
-        TEST_ASSERT_TRUE(fabs(drive.vel_nm_per_s) <= 100e6);
-        TEST_ASSERT_TRUE(fabs(drive.vel_nm_per_s - before) <= 20e9 * PERIOD_S * (1.0 + 1e-9));
-        TEST_ASSERT_DOUBLE_WITHIN(100.0, fine.pos_nm, drive.pos_nm); // of 2 mm
-        before = drive.vel_nm_per_s;
+        TEST_ASSERT_TRUE(fabs(drive.vel_micro_per_s) <= 100e6);
+        TEST_ASSERT_TRUE(fabs(drive.vel_micro_per_s - before) <= 20e9 * PERIOD_S * (1.0 + 1e-9));
+        TEST_ASSERT_DOUBLE_WITHIN(100.0, fine.pos_micro, drive.pos_micro); // of 2 mm
+        before = drive.vel_micro_per_s;
     }
-    TEST_ASSERT_DOUBLE_WITHIN(1.0, 2000000.0, drive.pos_nm);
+    TEST_ASSERT_DOUBLE_WITHIN(1.0, 2000000.0, drive.pos_micro);
 }
 
 static void test_disabled_drive_brakes_to_rest_and_holds(void)
 {
     sim_drive_init(&drive, &config, 0.0, PERIOD_S);
-    drive.vel_nm_per_s = 40e6;
+    drive.vel_micro_per_s = 40e6;
     for (int i = 0; i < 100; i++) {
         sim_drive_step(&drive, 12345, false);
     }
-    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.0, drive.vel_nm_per_s);
-    TEST_ASSERT_DOUBLE_WITHIN(160.0, 3200.0, drive.pos_nm); // v^2 / 2a, ends inside a tick
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.0, drive.vel_micro_per_s);
+    TEST_ASSERT_DOUBLE_WITHIN(160.0, 3200.0, drive.pos_micro); // v^2 / 2a, ends inside a tick
 }
 
 static void test_blocked_drive_stands_still(void)
@@ -135,21 +135,21 @@ static void test_blocked_drive_stands_still(void)
     drive.is_blocked = true;
     sim_drive_step(&drive, 100000, true);
     sim_drive_linger(&drive, PERIOD_S, true);
-    TEST_ASSERT_TRUE(drive.pos_nm == 500.0);
+    TEST_ASSERT_TRUE(drive.pos_micro == 500.0);
 }
 
 static void test_quantum_rounds_command_and_measurement(void)
 {
-    config.quantum_nm = 10.0;
+    config.quantum_micro = 10.0;
     sim_drive_init(&drive, &config, 0.0, PERIOD_S);
     for (int i = 0; i < 2000; i++) {
         sim_drive_step(&drive, 1234, true);
     }
-    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 1230.0, drive.pos_nm);
-    drive.pos_nm = 1226.0;
-    TEST_ASSERT_EQUAL_INT32(1230, sim_drive_measured_nm(&drive));
-    drive.pos_nm = -1e12;
-    TEST_ASSERT_EQUAL_INT32(INT32_MIN, sim_drive_measured_nm(&drive));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 1230.0, drive.pos_micro);
+    drive.pos_micro = 1226.0;
+    TEST_ASSERT_EQUAL_INT32(1230, sim_drive_measured_micro(&drive));
+    drive.pos_micro = -1e12;
+    TEST_ASSERT_EQUAL_INT32(INT32_MIN, sim_drive_measured_micro(&drive));
 }
 
 static void test_linger_goes_on_exactly(void)
@@ -157,7 +157,7 @@ static void test_linger_goes_on_exactly(void)
     sim_drive_init(&drive, &config, 0.0, PERIOD_S);
     sim_drive_step(&drive, (int32_t)STEP_NM, true);
     sim_drive_linger(&drive, 33e-6, true);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-7, STEP_NM * step_response(PERIOD_S + 33e-6), drive.pos_nm);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-7, STEP_NM * step_response(PERIOD_S + 33e-6), drive.pos_micro);
 }
 
 int main(void)

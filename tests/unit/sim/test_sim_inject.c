@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hal_host.h" // hal_host
-#include "sim_inject.h"
+#include "sim_port.h"
 #include "sim_units.h" // SIM_TWO_PI
 #include "unity.h"
 #include <string.h> // strstr
 
 static sim_inject_t inject;
-static sim_error_t error;
-static sim_machine_t machine;
+static common_error_t error;
+static sim_port_t port;
 
 void setUp(void)
 {
-    const sim_machine_config_t config = sim_machine_defaults();
-    sim_machine_init(&machine, &config, 50e6, 0.0, 1);
+    const sim_lathe_config_t config = sim_lathe_defaults();
+    sim_port_init(&port, &config, 50e6, 0.0, 1);
+    sim_port_sense(&port);
 }
 
 void tearDown(void) {}
@@ -27,7 +28,7 @@ static void happen(const char *text)
 {
     TEST_ASSERT_TRUE_MESSAGE(sim_inject_parse(&inject, text, sim_inject_in_run, &error),
                              error.text);
-    sim_inject_apply(&inject, &machine, -1);
+    sim_port_inject(&port, &inject, -1);
 }
 
 static void test_parse_takes_kind_time_and_value(void)
@@ -61,31 +62,61 @@ static void test_apply_reaches_the_port(void)
     happen("drive@0");
     happen("bus@0");
     TEST_ASSERT_EQUAL_HEX32(hal_in_estop | hal_in_bus_lost, hal_host.in.inputs);
-    happen("lost-counts@0:7");
-    TEST_ASSERT_EQUAL_UINT32((uint32_t)-7, hal_host.fault.count_offset);
-    happen("encoder-jump@0:9");
-    TEST_ASSERT_EQUAL_UINT32(2u, hal_host.fault.count_offset);
-    happen("encoder-stuck@0");
-    happen("index-dead@0");
-    TEST_ASSERT_TRUE(hal_host.fault.is_encoder_stuck && hal_host.fault.is_index_dead);
     happen("late-tick@0:80");
     TEST_ASSERT_EQUAL_UINT32(8000u, hal_host.late_clocks);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 40e-6, machine.late_s);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 40e-6, port.late_s);
 }
 
-static void test_apply_reaches_the_machine(void)
+/// @return the encoder's reading a hundredth of a turn further on
+static hal_encoder_t read_on(void)
+{
+    port.lathe.spindle.turn += 0.01; // 100 counts
+    return sim_lathe_encoder(&port.lathe);
+}
+
+static void test_apply_reaches_the_encoder(void)
+{
+    const uint32_t counts = sim_lathe_encoder(&port.lathe).counts;
+    happen("lost-counts@0:7");
+    TEST_ASSERT_EQUAL_UINT32(counts + 100u - 7u, read_on().counts);
+    happen("encoder-jump@0:9");
+    TEST_ASSERT_EQUAL_UINT32(counts + 200u + 2u, read_on().counts);
+    happen("encoder-stuck@0");
+    TEST_ASSERT_EQUAL_UINT32(counts + 200u + 2u, read_on().counts);
+}
+
+static void test_index_copies_the_counter_with_its_faults_until_it_dies(void)
+{
+    port.lathe.spindle.turn = 1.29; // the index lies at 0.3
+    (void)sim_lathe_encoder(&port.lathe);
+    happen("encoder-jump@0:9");
+    const hal_encoder_t before = read_on();
+    const hal_encoder_t behind = read_on();
+    TEST_ASSERT_EQUAL_UINT32(before.n_index, behind.n_index);
+    TEST_ASSERT_EQUAL_UINT32(4294467296u + 13000u + 9u, behind.index_counts);
+    happen("index-dead@0");
+    port.lathe.spindle.turn = 2.31;
+    const hal_encoder_t dead = sim_lathe_encoder(&port.lathe);
+    TEST_ASSERT_EQUAL_UINT32(behind.n_index, dead.n_index);
+    TEST_ASSERT_EQUAL_UINT32(behind.index_counts, dead.index_counts);
+}
+
+static void test_apply_reaches_the_lathe(void)
 {
     happen("z-offset@0:-0.5");
-    TEST_ASSERT_EQUAL_INT32(-500000, machine.z_offset_nm);
+    sim_port_sense(&port);
+    TEST_ASSERT_EQUAL_INT32(-500000, hal_host.in.axis_nm[hal_axis_z]);
     happen("u-block@0");
-    TEST_ASSERT_TRUE(machine.axis[hal_axis_u].is_blocked);
+    TEST_ASSERT_TRUE(port.lathe.drive[hal_axis_u].is_blocked);
+    happen("swing-block@0");
+    TEST_ASSERT_TRUE(port.lathe.drive[sim_lathe_swing].is_blocked);
     happen("spindle-speed@0:60");
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, -SIM_TWO_PI,
-                              machine.forced_rad_per_s); // sense of cutting is -1
+                              port.lathe.forced_rad_per_s); // sense of cutting is -1
     happen("spindle-stop@0");
-    TEST_ASSERT_TRUE(machine.is_speed_forced && machine.forced_rad_per_s == 0.0);
+    TEST_ASSERT_TRUE(port.lathe.is_speed_forced && port.lathe.forced_rad_per_s == 0.0);
     happen("reverse@0");
-    TEST_ASSERT_TRUE(machine.is_reversed);
+    TEST_ASSERT_TRUE(port.lathe.is_reversed);
 }
 
 int main(void)
@@ -94,6 +125,8 @@ int main(void)
     RUN_TEST(test_parse_takes_kind_time_and_value);
     RUN_TEST(test_parse_refuses_what_is_wrong);
     RUN_TEST(test_apply_reaches_the_port);
-    RUN_TEST(test_apply_reaches_the_machine);
+    RUN_TEST(test_apply_reaches_the_encoder);
+    RUN_TEST(test_index_copies_the_counter_with_its_faults_until_it_dies);
+    RUN_TEST(test_apply_reaches_the_lathe);
     return UNITY_END();
 }

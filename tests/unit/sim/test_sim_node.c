@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "common_bytes.h" // common_get_u32
 #include "sim_node.h"
 #include "unity.h"
 
@@ -64,12 +65,12 @@ static void test_node_boots_up_and_tells_its_state_at_the_heartbeat_rate(void)
 {
     uint32_t n_beats = 0;
     speak(0.0);
-    TEST_ASSERT_EQUAL_UINT8(sim_nmt_boot_up, said(0x702)->data[0]);
+    TEST_ASSERT_EQUAL_UINT8(canopen_boot_up, said(0x702)->data[0]);
     for (int i = 1; i <= 500; i++) {
         speak(i * 1e-3);
         if (said(0x702) != NULL) {
             n_beats++;
-            TEST_ASSERT_EQUAL_UINT8(sim_nmt_pre_operational, said(0x702)->data[0]);
+            TEST_ASSERT_EQUAL_UINT8(canopen_pre_operational, said(0x702)->data[0]);
         }
     }
     TEST_ASSERT_EQUAL_UINT32(10, n_beats);
@@ -78,17 +79,17 @@ static void test_node_boots_up_and_tells_its_state_at_the_heartbeat_rate(void)
 static void test_network_management_reaches_the_addressed_node(void)
 {
     manage(0x01, 3);
-    TEST_ASSERT_EQUAL_UINT32(sim_nmt_pre_operational, node.nmt);
+    TEST_ASSERT_EQUAL_UINT32(canopen_pre_operational, node.nmt);
     manage(0x01, id);
-    TEST_ASSERT_EQUAL_UINT32(sim_nmt_operational, node.nmt);
+    TEST_ASSERT_EQUAL_UINT32(canopen_operational, node.nmt);
     manage(0x02, 0);
-    TEST_ASSERT_EQUAL_UINT32(sim_nmt_stopped, node.nmt);
+    TEST_ASSERT_EQUAL_UINT32(canopen_stopped, node.nmt);
     manage(0x80, 0);
-    TEST_ASSERT_EQUAL_UINT32(sim_nmt_pre_operational, node.nmt);
+    TEST_ASSERT_EQUAL_UINT32(canopen_pre_operational, node.nmt);
     speak(0.0);
     manage(0x81, 0);
     speak(0.001);
-    TEST_ASSERT_EQUAL_UINT8(sim_nmt_boot_up, said(0x702)->data[0]);
+    TEST_ASSERT_EQUAL_UINT8(canopen_boot_up, said(0x702)->data[0]);
 }
 
 static void test_pdos_need_the_state_operational(void)
@@ -167,9 +168,9 @@ static void test_drive_fails_when_its_rpdo_stays_away_longer_than_the_guard_time
     sim_node_guard(&node, 0.02, GUARD_S);
     TEST_ASSERT_TRUE(sim_cia402_is_following(&node.power));
     sim_node_guard(&node, 0.021, GUARD_S);
-    TEST_ASSERT_EQUAL(sim_power_fault_reaction_active, node.power.power);
+    TEST_ASSERT_EQUAL(cia402_fault_reaction_active, node.power.state);
     speak(0.021);
-    TEST_ASSERT_EQUAL_HEX32(sim_emcy_rpdo_timeout, sim_frame_get_u16(said(0x082), 0));
+    TEST_ASSERT_EQUAL_HEX32(sim_emcy_rpdo_timeout, common_get_u16(said(0x082)->data));
 }
 
 static void test_drive_fails_when_sync_stays_away_though_rpdos_come(void)
@@ -178,9 +179,9 @@ static void test_drive_fails_when_sync_stays_away_though_rpdos_come(void)
     const sim_frame_t rpdo = {.id = 0x202, .n = 6, .data = {0x0F}};
     sim_node_receive(&node, &rpdo, 0.021);
     sim_node_guard(&node, 0.021, GUARD_S);
-    TEST_ASSERT_EQUAL(sim_power_fault_reaction_active, node.power.power);
+    TEST_ASSERT_EQUAL(cia402_fault_reaction_active, node.power.state);
     speak(0.021);
-    TEST_ASSERT_EQUAL_HEX32(sim_emcy_sync_lost, sim_frame_get_u16(said(0x082), 0));
+    TEST_ASSERT_EQUAL_HEX32(sim_emcy_sync_lost, common_get_u16(said(0x082)->data));
 }
 
 static void test_drive_out_of_operation_may_wait_for_ever(void)
@@ -189,7 +190,7 @@ static void test_drive_out_of_operation_may_wait_for_ever(void)
     manage(0x01, 0);
     wish(0x06, 0, 0.0);
     sim_node_guard(&node, 1000.0, GUARD_S);
-    TEST_ASSERT_EQUAL(sim_power_ready_to_switch_on, node.power.power);
+    TEST_ASSERT_EQUAL(cia402_ready_to_switch_on, node.power.state);
 }
 
 static void test_drive_stopped_by_the_network_fails(void)
@@ -216,7 +217,7 @@ static void test_broken_heartbeat_leaves_the_pdos(void)
     node.is_heartbeat_broken = true;
     speak(0.2);
     TEST_ASSERT_NULL(said(0x702));
-    TEST_ASSERT_EQUAL_HEX32(drive_following, sim_frame_get_u16(said(0x182), 0) & 0x6Fu);
+    TEST_ASSERT_EQUAL_HEX32(drive_following, common_get_u16(said(0x182)->data) & 0x6Fu);
 }
 
 int main(void)

@@ -14,7 +14,7 @@
 static fixture_image_t image;
 static cam_table_t table;
 static cam_params_t params;
-static sim_error_t error;
+static common_error_t error;
 
 void setUp(void)
 {

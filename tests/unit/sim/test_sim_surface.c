@@ -8,7 +8,7 @@
 #include <string.h> // strstr
 
 static sim_surface_t surface;
-static sim_error_t error;
+static common_error_t error;
 static char text[65536];
 
 void setUp(void)

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lin_stop.h"
+#include "hal/hal.h" // hal_out_enable
+
+/// The slowest machine is out of its work within this; drives stop within that.
+#define RETRACT_NS INT64_C(2000000000)
+#define RELEASE_NS INT64_C(1000000000)
+
+enum { least_release_ticks = 3 }; // each drive gets the command more than once
+
+static void go(lin_stop_t *s, lin_stop_phase_t phase, int64_t now_ns)
+{
+    s->phase = phase;
+    s->since_ns = now_ns;
+}
+
+lin_stop_phase_t lin_stop_step(lin_stop_t *s, uint32_t n_signals, uint32_t outputs, bool is_at_rest,
+                               int64_t now_ns)
+{
+    if (s->phase == lin_stop_run && n_signals > 0u) {
+        go(s, lin_stop_retract, now_ns);
+    }
+    if (s->phase == lin_stop_retract &&
+        ((outputs & hal_out_enable) == 0u || n_signals > 1u || now_ns - s->since_ns > RETRACT_NS)) {
+        go(s, lin_stop_release, now_ns);
+    }
+    if (s->phase == lin_stop_release) {
+        s->n_ticks++;
+        const bool is_done = is_at_rest && s->n_ticks > (uint32_t)least_release_ticks;
+        if (is_done || now_ns - s->since_ns > RELEASE_NS) {
+            go(s, lin_stop_over, now_ns);
+        }
+    }
+    return s->phase;
+}

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "camsim.h"
+#include "sim_lobe_cut.h"     // sim_lobe_cut_due_mm_s
+#include "sim_lobe_summary.h" // sim_lobe_off_plan_percent
+#include <stdio.h>            // printf
+
+static void print_lobe(const sim_session_t *s, uint32_t i)
+{
+    const sim_lobe_gauge_t *g = &s->lobes.gauge[i];
+    const sim_lobe_t *lobe = &s->design.lobes.lobe[i];
+    if (g->n == 0u) {
+        (void)printf("lobe %u          %.6g .. %.6g mm: not cut\n", (unsigned)i, lobe->z_first_mm,
+                     lobe->z_last_mm);
+        return;
+    }
+    (void)printf("lobe %u          %.6g .. %.6g mm: max %.4f um at %.1f degrees, rms %.4f um\n",
+                 (unsigned)i, lobe->z_first_mm, lobe->z_last_mm, g->max_um, 360.0 * g->max_turn,
+                 sim_lobe_gauge_rms_um(g));
+}
+
+static void print_lobes(const sim_session_t *s)
+{
+    if (s->design.shape != sim_shape_lobes || s->work.n == 0u) {
+        return;
+    }
+    const sim_lobe_work_t *w = &s->lobes;
+    for (uint32_t i = 0; s->design.lobes.n_lobes > 1u && i < s->design.lobes.n_lobes; i++) {
+        print_lobe(s, i);
+    }
+    (void)printf(
+        "surface speed   %.3f .. %.3f mm/s, base circle %.3f; off the table's by %.2f %%\n",
+        w->speed_mm_s.min, w->speed_mm_s.max, sim_lobe_cut_due_mm_s(s),
+        sim_lobe_off_plan_percent(s));
+    if (s->design.lobes.is_turned) {
+        (void)printf("effective rake  varies by %.4f .. %.4f degrees; without the swing by "
+                     "%.2f .. %.2f\n",
+                     w->rake_deg.min, w->rake_deg.max, w->unswung_deg.min, w->unswung_deg.max);
+    }
+}
+
+void camsim_print_cut(const sim_cut_t *cut, double wall_s)
+{
+    const sim_session_t *s = &cut->session;
+    const char *reference = s->options.design_path != NULL ? "exact design" : "table";
+    (void)printf("%s on machine %s: %.6g r/min, feed %.6g mm, %.1f of %.1f turns, %s\n",
+                 s->table.name, s->options.config.name, sim_cut_rpm(cut), sim_cut_feed_mm(cut),
+                 s->cut_turns, sim_cut_planned_turns(cut), sim_cut_end_name(cut));
+    if (s->work.n > 0u) {
+        (void)printf(
+            "form error      max %.4f um, rms %.4f um against the %s (tolerance %.6g um)\n",
+            s->work.max_um, sim_work_rms_um(&s->work), reference, s->options.tolerance_um);
+        (void)printf("following error max %.4f um, rms %.4f um\n", s->following_max_um,
+                     sim_session_following_rms_um(s));
+    } else {
+        (void)printf("form error      not gauged: nothing was cut to full depth\n");
+    }
+    print_lobes(s);
+    (void)printf("machine time    %.3f s in %.3f s, %.2f million ticks/s\n", cut->port.time_s,
+                 wall_s, wall_s > 0.0 ? (double)cut->n_ticks / wall_s * 1e-6 : 0.0);
+}
+
+/// Why the first fault struck; of several at once the first in the list is named.
+static void explain_fault(const sim_cut_t *cut, const char *table, common_error_t *e)
+{
+    const uint32_t first = sim_cut_status(cut)->first_fault;
+    int i = 0;
+    while (i + 1 < cam_n_faults && (first >> i & 1u) == 0u) {
+        i++;
+    }
+    (void)common_error(
+        e, "%s: fault %s: %s, %.6f s after the start, %s at %.3f mm; FAULTS.md tells the remedy",
+        table, cam_fault_name((cam_fault_t)i), cam_fault_text((cam_fault_t)i), cut->fault_s,
+        cam_state_name(cut->fault_state), cut->fault_z_mm);
+}
+
+/// Which surface the gauge has not seen, and the remedy: half the height of a lobe, or half of the
+/// present feed, is a feed that leaves a whole turn on the lobe.
+static void explain_not_gauged(const sim_cut_t *cut, const char *table, common_error_t *e)
+{
+    if (cut->session.work.n == 0u) {
+        (void)common_error(e,
+                           "%s: not gauged: nothing was cut to full depth before the cut was %s; "
+                           "leave the stop out, or stop later",
+                           table, sim_cut_end_name(cut));
+        return;
+    }
+    const uint32_t i = sim_cut_lobe_without_turn(cut);
+    const sim_lobe_t *lobe = &cut->session.design.lobes.lobe[i];
+    const double high_mm = lobe->z_last_mm - lobe->z_first_mm;
+    const double feed_mm = sim_cut_feed_mm(cut);
+    (void)common_error(e,
+                       "%s: not gauged: lobe %u has %llu samples of the %d of a whole turn; "
+                       "give at most --feed %.4g",
+                       table, (unsigned)i, (unsigned long long)cut->session.lobes.gauge[i].n,
+                       sim_lobe_dexels, 0.5 * (high_mm < feed_mm ? high_mm : feed_mm));
+}
+
+int camsim_judge_cut(const sim_cut_t *cut, const char *table)
+{
+    const sim_session_t *s = &cut->session;
+    common_error_t e;
+    if (sim_cut_is_good(cut)) {
+        return camsim_done;
+    }
+    if (cut->end == sim_cut_fault) {
+        explain_fault(cut, table, &e);
+    } else if (cut->end == sim_cut_refused) {
+        (void)common_error(&e,
+                           "%s: refused: %s; remove the cause (parameters, machine file, --inject)",
+                           table, cam_err_text(cut->refusal));
+        return camsim_complain(&e);
+    } else if (cut->end == sim_cut_timeout) {
+        (void)common_error(&e,
+                           "%s: not at the end after %.6g s in state %s; give more --max-seconds",
+                           table, cut->max_s, cam_state_name(cut->state));
+    } else if (!sim_cut_is_gauged(cut)) {
+        explain_not_gauged(cut, table, &e);
+    } else {
+        (void)common_error(
+            &e,
+            "%s: form error %.3f um is beyond --tolerance-um %.6g; match the controller to "
+            "the machine, or cut slower",
+            table, s->work.max_um, s->options.tolerance_um);
+    }
+    (void)camsim_complain(&e);
+    return camsim_not_good;
+}

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+/// sim_lobe_work: the profiles of lobes as a wheel or a swinging tool leaves them, and a gauge.
+///
+/// The work is held as dexels: straight lines along the normals of the exact profile, a tenth of a
+/// degree of the roller's direction apart. Each is cut off where the tool's circle reaches deepest,
+///
+///     left = min over time of  w.n - sqrt(R^2 - (w x n)^2),   w = centre of the circle - foot
+///
+/// so what is left on a line is the error of the profile along its normal, MATHS.md (66). The
+/// circle is the wheel, or the tip of the tool; the tip stands so that the tool reaches r1 from the
+/// swing's centre:
+///
+///     centre of the wheel  (X - U) at the spindle's angle
+///     centre of the tip    the same, minus (r1 - tip) along the tool's line, which the swing turns
+///
+/// Between ticks the machine moves along the parabola through three ticks, and the cut of each
+/// dexel along the parabola through both ends and the middle, in as many pieces as keep the travel
+/// of the contact below a quarter of R: off by less than 3e-6 R or 1 nm. A dexel is done when the
+/// contact has passed it and the circle is more than `reach` above it; each turn cuts its own ring
+/// of the feed's width, as in sim_work, and the next one begins with a fresh line. Cut is looked
+/// for around the contact only: wheels that would cut elsewhere are refused by the generator.
+#ifndef SIM_LOBE_WORK_H
+#define SIM_LOBE_WORK_H
+
+#include "sim_lobe_design.h" // sim_lobe_design_t
+#include "sim_removal.h"     // sim_spread_t
+#include "sim_work.h"        // sim_work_t
+#include <stdbool.h>         // bool
+#include <stdint.h>          // int64_t, uint64_t
+
+enum { sim_lobe_dexels = 3600 };
+
+/// Where the machine is at an instant.
+typedef struct {
+    double t_s;
+    double turn;      ///< [turn] spindle in the sense of cutting, phase taken off, not wrapped
+    double centre_mm; ///< X - U: distance of the follower's centre from the axis
+    double swing_deg; ///< of the tool from the line of centres; not used by a wheel
+    double z_mm;      ///< height of the tool
+    double due_rad_s; ///< speed that the table demands of the spindle here
+    bool is_counted;  ///< belongs to the surface that is judged
+} sim_lobe_tool_t;
+
+/// A line along the normal of the profile.
+typedef struct {
+    double x_mm, y_mm, nx, ny; ///< foot on the exact profile and direction
+    double turn;               ///< polar angle of the foot on the shaft, 0 .. 1
+    double radius_mm;          ///< of the foot
+    double left_mm;            ///< cut off so far above the foot
+    bool is_clean;             ///< every cut of it was counted
+} sim_lobe_dexel_t;
+
+/// Gauge of a lobe.
+typedef struct {
+    double max_um, sum_um2;
+    double max_turn, max_z_mm; ///< where the largest was
+    uint64_t n;
+} sim_lobe_gauge_t;
+
+typedef struct {
+    sim_lobe_design_t *design;
+    sim_work_t *work;          ///< finished dexels go there too
+    double circle_mm;          ///< radius of wheel or tip
+    uint32_t i_lobe;           ///< n_lobes: none
+    double theta_rad;          ///< contact of the last instant, not wrapped
+    double gap_mm;             ///< of the circle above the exact profile there
+    double contact_turn;       ///< polar angle of the contact on the shaft, 0 .. 1
+    double contact_mm;         ///< its radius on the exact profile
+    uint32_t n_before;         ///< instants in `before`, 0 .. 2
+    sim_lobe_tool_t before[2]; ///< the last instant, and the one before that
+    sim_lobe_spot_t spot;      ///< of the last contact
+    int64_t first, end;        ///< dexels that the circle is at, not wrapped
+    sim_lobe_gauge_t gauge[sim_lobe_design_max];
+    sim_spread_t speed_mm_s;  ///< of the contact along the profile
+    sim_spread_t off_plan;    ///< that speed over what table and profile ask for, minus 1
+    sim_spread_t rake_deg;    ///< tool's line from the normal at the contact
+    sim_spread_t unswung_deg; ///< the same of a tool that does not swing
+    sim_lobe_dexel_t dexel[sim_lobe_dexels];
+} sim_lobe_work_t;
+
+/// @param w       300 KB: allocate it
+/// @param design  outlives the work
+/// @param work    initialised; takes the samples
+/// @param tip_mm  radius of the tool's tip, at most the roller's; not used by a wheel
+void sim_lobe_work_init(sim_lobe_work_t *w, sim_lobe_design_t *design, sim_work_t *work,
+                        double tip_mm);
+
+/// The tool goes on to a place.
+/// @param tool  t_s rises from call to call
+void sim_lobe_work_cut(sim_lobe_work_t *w, const sim_lobe_tool_t *tool);
+
+/// @return [um] rms error of a lobe, 0 without samples
+double sim_lobe_gauge_rms_um(const sim_lobe_gauge_t *g);
+
+#endif

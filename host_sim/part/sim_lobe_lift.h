@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+/// sim_lobe_lift: how far a lobe lifts the centre of its roller, over the follower's angle.
+///
+///     poly345   H = L (10 u^3 - 15 u^4 + 6 u^5),  u = 1 - |theta| / half angle, 0 outside
+///     disc      H = sqrt(reach^2 - (e sin theta)^2) + e cos theta - (reach - e)
+///     pieces    quintic over each piece of one turn, periodic
+///
+/// Written from the equations, not from the generator: MATHS.md (37), (38). Error: rounding only.
+#ifndef SIM_LOBE_LIFT_H
+#define SIM_LOBE_LIFT_H
+
+#include "common_error.h" // common_error_t
+#include <cjson/cJSON.h>
+#include <stdbool.h> // bool
+#include <stddef.h>  // size_t
+
+enum { sim_lobe_lift_terms = 6 };
+
+typedef enum { sim_lobe_lift_poly345, sim_lobe_lift_disc, sim_lobe_lift_pieces } sim_lobe_law_t;
+
+typedef struct {
+    sim_lobe_law_t law;
+    double lift_mm, half_angle_rad;   ///< poly345
+    double reach_mm, offset_mm;       ///< disc: its radius plus the roller's; place of its centre
+    double *break_rad;                ///< pieces: n + 1, rising, one turn
+    double (*c)[sim_lobe_lift_terms]; ///< [mm/rad^k] n pieces, highest power first
+    size_t n;
+    size_t i_last; ///< piece of the last look-up: the next one is near
+} sim_lobe_lift_t;
+
+/// Lift and its derivatives by the angle.
+typedef struct {
+    double h_mm;
+    double h1_mm; ///< [mm/rad]
+    double h2_mm; ///< [mm/rad2]
+} sim_lobe_rise_t;
+
+/// Read a law from a lobe of a report.
+/// @param lift   zero-initialised; to be freed in any case
+/// @param where  dotted path of the lobe, for messages
+/// @return       false and *e when something is missing or malformed
+bool sim_lobe_lift_read(sim_lobe_lift_t *lift, const cJSON *lobe, const char *where,
+                        const char *path, common_error_t *e);
+
+/// @param theta_rad  any
+sim_lobe_rise_t sim_lobe_lift_at(sim_lobe_lift_t *lift, double theta_rad);
+
+void sim_lobe_lift_free(sim_lobe_lift_t *lift);
+
+#endif

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+/// sim_cut_summary: what came of a cut by the firmware, as JSON.
+#ifndef SIM_CUT_SUMMARY_H
+#define SIM_CUT_SUMMARY_H
+
+#include "sim_cut.h" // sim_cut_t
+#include "sim_out.h" // sim_out_t
+
+/// @param cut         the scallop looks its design up
+/// @param table_path  of the table file
+/// @param wall_s      [s] that the cut took on this computer
+/// @return            false when memory is short
+bool sim_cut_summary(sim_out_t *o, sim_cut_t *cut, const char *table_path, double wall_s);
+
+#endif

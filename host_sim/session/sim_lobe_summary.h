@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+/// sim_lobe_summary: what the summary of a cut says of lobes.
+#ifndef SIM_LOBE_SUMMARY_H
+#define SIM_LOBE_SUMMARY_H
+
+#include "sim_session.h" // sim_session_t
+#include <cjson/cJSON.h>
+
+/// Add "cam": lobes, surface speed, effective rake. Nothing is added for a skirt, nor for lobes
+/// without their report: then the gauge compares X - U with the table.
+void sim_lobe_summary(cJSON *root, const sim_session_t *s);
+
+/// @return [%] largest deviation of the surface speed from what table and profile ask for
+double sim_lobe_off_plan_percent(const sim_session_t *s);
+
+#endif

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+/// sim_map: what is left of the work and what was taken off it, as files.
+#ifndef SIM_MAP_H
+#define SIM_MAP_H
+
+#include "sim_design.h"  // sim_design_t
+#include "sim_out.h"     // sim_out_t
+#include "sim_removal.h" // sim_slice_t
+#include "sim_scallop.h" // sim_scallop_t
+#include "sim_work.h"    // sim_work_t
+
+/// Write the worst sample of each cell: turn (0 .. 1 from the long axis in the sense of cutting),
+/// z_mm, radius_mm, error_nm.
+void sim_map_surface(sim_out_t *o, const sim_work_t *work);
+
+/// Write the surface between tracks: turn, z_mm, proud_um above the exact surface; the angles one
+/// after the other, heights rising.
+void sim_map_scallop(sim_out_t *o, const sim_scallop_t *scallop, sim_design_t *design);
+
+void sim_map_removal_header(sim_out_t *o);
+
+/// Write one slice: t_s, turn (spindle angle in the sense of cutting, from the long axis, whole
+/// turns counted), z_mm, volume_mm3, rate_mm3_s, power_w, rate_force_n, chip_force_n.
+void sim_map_removal(sim_out_t *o, const sim_slice_t *slice);
+
+#endif

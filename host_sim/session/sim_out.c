@@ -1,0 +1,287 @@
+// SPDX-License-Identifier: Apache-2.0
+#define _XOPEN_SOURCE 700 // NOLINT(bugprone-reserved-identifier): mkstemp, realpath
+#include "sim_out.h"
+#include <errno.h>    // errno
+#include <math.h>     // floor
+#include <signal.h>   // sigaction
+#include <stdlib.h>   // mkstemp, realpath
+#include <string.h>   // strlen
+#include <sys/stat.h> // stat
+#include <unistd.h>   // fsync, unlink
+
+enum { max_pending = 5 };
+
+/// Temporaries for the signal handler, which can reach nothing else.
+static const char *volatile pending[max_pending];
+
+static void on_signal(int number)
+{
+    for (int i = 0; i < max_pending; i++) {
+        const char *path = pending[i];
+        if (path != NULL) {
+            (void)unlink(path);
+        }
+    }
+    (void)signal(number, SIG_DFL);
+    (void)raise(number);
+}
+
+void sim_out_watch_signals(void)
+{
+    static const int numbers[] = {SIGINT, SIGTERM, SIGHUP, SIGPIPE};
+    struct sigaction action = {.sa_handler = on_signal};
+    (void)sigemptyset(&action.sa_mask);
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
+        (void)sigaction(numbers[i], &action, NULL);
+    }
+    (void)signal(SIGXFSZ, SIG_IGN); // a file-size limit becomes a write error
+}
+
+static void set_pending(const char *old, const char *path)
+{
+    for (int i = 0; i < max_pending; i++) {
+        if (pending[i] == old) {
+            pending[i] = path;
+            return;
+        }
+    }
+}
+
+static bool cannot(const sim_out_t *o, int number, common_error_t *e)
+{
+    return common_error(e, "%s: cannot be written: %s; make room or give another path", o->name,
+                        strerror(number));
+}
+
+static bool open_temporary(sim_out_t *o)
+{
+    (void)snprintf(o->temporary, sizeof o->temporary, "%s.XXXXXX", o->final);
+    const mode_t mask = umask(0);
+    (void)umask(mask);
+    const int fd = mkstemp(o->temporary);
+    if (fd < 0) {
+        o->temporary[0] = '\0';
+        return false;
+    }
+    set_pending(NULL, o->temporary);
+    (void)fchmod(fd, (mode_t)(0666u & ~mask));
+    o->stream = fdopen(fd, "wb");
+    if (o->stream == NULL) {
+        (void)close(fd);
+    }
+    return o->stream != NULL;
+}
+
+/// Resolve links, so that a link to a file stays a link.
+static bool find_target(sim_out_t *o, bool *is_regular)
+{
+    struct stat about;
+    *is_regular = true;
+    if (stat(o->name, &about) == 0) {
+        *is_regular = S_ISREG(about.st_mode);
+        if (S_ISDIR(about.st_mode)) {
+            errno = EISDIR;
+            return false;
+        }
+        if (*is_regular) {
+            char *real = realpath(o->name, NULL);
+            const bool fits = real != NULL && strlen(real) < sizeof o->final;
+            (void)snprintf(o->final, sizeof o->final, "%s", fits ? real : "");
+            free(real);
+            return fits && access(o->final, W_OK) == 0;
+        }
+    }
+    errno = ENAMETOOLONG;
+    return (size_t)snprintf(o->final, sizeof o->final, "%s", o->name) < sizeof o->final;
+}
+
+bool sim_out_open(sim_out_t *o, const char *name, const char *option, common_error_t *e)
+{
+    o->name = name;
+    o->stream = NULL;
+    o->temporary[0] = '\0';
+    o->error = 0;
+    o->n = 0;
+    if (name == NULL) {
+        return true;
+    }
+    bool is_regular;
+    errno = 0;
+    bool is_open = find_target(o, &is_regular);
+    if (is_open && is_regular) {
+        is_open = open_temporary(o);
+    } else if (is_open) {
+        o->stream = fopen(o->final, "wb");
+        is_open = o->stream != NULL;
+    }
+    if (!is_open) {
+        const int number = errno;
+        sim_out_drop(o);
+        return common_error(e, "%s %s: cannot be written: %s; give a path in a writable folder",
+                            option, name, strerror(number));
+    }
+    return true;
+}
+
+static void flush(sim_out_t *o)
+{
+    if (o->stream != NULL && o->error == 0 && o->n > 0u &&
+        fwrite(o->buffer, 1, o->n, o->stream) != o->n) {
+        o->error = errno;
+    }
+    o->n = 0;
+}
+
+bool sim_out_finish(sim_out_t *o, common_error_t *e)
+{
+    if (o->name == NULL) {
+        return true;
+    }
+    flush(o);
+    if (o->error == 0 && fflush(o->stream) != 0) {
+        o->error = errno;
+    }
+    if (o->error == 0 && o->temporary[0] != '\0' && fsync(fileno(o->stream)) != 0) {
+        o->error = errno;
+    }
+    if (fclose(o->stream) != 0 && o->error == 0) {
+        o->error = errno;
+    }
+    o->stream = NULL;
+    return o->error == 0 || cannot(o, o->error, e);
+}
+
+bool sim_out_publish(sim_out_t *o, common_error_t *e)
+{
+    if (o->name == NULL || o->temporary[0] == '\0') {
+        return true;
+    }
+    if (rename(o->temporary, o->final) != 0) {
+        return cannot(o, errno, e);
+    }
+    set_pending(o->temporary, NULL);
+    o->temporary[0] = '\0';
+    return true;
+}
+
+void sim_out_drop(sim_out_t *o)
+{
+    if (o->stream != NULL) {
+        (void)fclose(o->stream);
+        o->stream = NULL;
+    }
+    if (o->temporary[0] != '\0') {
+        (void)unlink(o->temporary);
+        set_pending(o->temporary, NULL);
+        o->temporary[0] = '\0';
+    }
+}
+
+bool sim_out_open_all(sim_out_t *outs, const char *const *names, const char *const *options, int n,
+                      common_error_t *e)
+{
+    bool is_good = true;
+    for (int i = 0; i < n && is_good; i++) {
+        is_good = sim_out_open(&outs[i], names[i], options[i], e);
+    }
+    return is_good;
+}
+
+bool sim_out_publish_all(sim_out_t *outs, int n, common_error_t *e)
+{
+    bool is_good = true;
+    for (int i = 0; i < n && is_good; i++) {
+        is_good = sim_out_finish(&outs[i], e);
+    }
+    for (int i = 0; i < n && is_good; i++) {
+        is_good = sim_out_publish(&outs[i], e);
+    }
+    return is_good;
+}
+
+void sim_out_drop_all(sim_out_t *outs, int n)
+{
+    for (int i = 0; i < n; i++) {
+        sim_out_drop(&outs[i]);
+    }
+}
+
+void sim_out_char(sim_out_t *o, char c)
+{
+    if (o->n == sim_out_buffer) {
+        flush(o);
+    }
+    o->buffer[o->n++] = c;
+}
+
+void sim_out_text(sim_out_t *o, const char *text)
+{
+    for (; *text != '\0'; text++) {
+        sim_out_char(o, *text);
+    }
+}
+
+void sim_out_decimal(sim_out_t *o, int64_t value, int decimals)
+{
+    char digits[40];
+    int n = 0;
+    uint64_t rest = value < 0 ? -(uint64_t)value : (uint64_t)value;
+    do {
+        digits[n++] = (char)('0' + rest % 10u);
+        rest /= 10u;
+    } while (rest > 0u || n <= decimals);
+    if (value < 0) {
+        sim_out_char(o, '-');
+    }
+    while (n > 0) {
+        sim_out_char(o, digits[--n]);
+        if (n == decimals && n > 0) {
+            sim_out_char(o, '.');
+        }
+    }
+}
+
+void sim_out_integer(sim_out_t *o, int64_t value)
+{
+    sim_out_decimal(o, value, 0);
+}
+
+void sim_out_real(sim_out_t *o, double value, int decimals)
+{
+    static const double power[] = {1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9};
+    sim_out_decimal(o, (int64_t)floor(value * power[decimals] + 0.5), decimals);
+}
+
+void sim_out_integer_column(sim_out_t *o, int64_t value)
+{
+    sim_out_char(o, ',');
+    sim_out_integer(o, value);
+}
+
+void sim_out_decimal_column(sim_out_t *o, int64_t value, int decimals)
+{
+    sim_out_char(o, ',');
+    sim_out_decimal(o, value, decimals);
+}
+
+void sim_out_real_column(sim_out_t *o, double value, int decimals)
+{
+    sim_out_char(o, ',');
+    sim_out_real(o, value, decimals);
+}
+
+void sim_out_text_column(sim_out_t *o, const char *text)
+{
+    sim_out_char(o, ',');
+    sim_out_text(o, text);
+}
+
+void sim_out_hex_column(sim_out_t *o, uint32_t value, int n_digits)
+{
+    sim_out_text(o, ",0x");
+    for (int i = 7; i >= 0; i--) {
+        if (i < n_digits || value >> (4 * n_digits) != 0u) {
+            sim_out_char(o, "0123456789abcdef"[(value >> (4 * i)) & 15u]);
+        }
+    }
+}

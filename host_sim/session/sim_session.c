@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sim_session.h"
+#include "sim_lobe_cut.h" // sim_lobe_cut_gauge
+#include "sim_units.h"    // sim_abs, sim_fraction
+#include <math.h>         // sqrt
+#include <stdlib.h>       // aligned_alloc, free
+#include <string.h>       // memcpy
+
+bool sim_session_open(sim_session_t *s, const sim_session_options_t *options, const void *image,
+                      size_t size, const char *name, common_error_t *e)
+{
+    s->options = *options;
+    s->n_waiting = options->n_injects;
+    s->cut_at_s = -1.0;
+    s->image = aligned_alloc(32, (size + 31u) / 32u * 32u + 32u);
+    if (s->image == NULL) {
+        return common_error(e, "%s: not enough memory for %zu bytes; use a smaller table", name,
+                            size);
+    }
+    memcpy(s->image, image, size);
+    const cam_err_t err = cam_table_check(s->image, size, &s->table);
+    return err == cam_ok ||
+           common_error(e, "%s: table refused: %s; make it again with tools/mktables", name,
+                        cam_err_text(err));
+}
+
+bool sim_session_load_design(sim_session_t *s, common_error_t *e)
+{
+    if (s->options.design_path != NULL) {
+        return sim_design_load(&s->design, s->options.design_path, &s->table, e);
+    }
+    sim_design_from_table(&s->design, &s->table);
+    return true;
+}
+
+void sim_session_place(sim_session_t *s, double *x_nm, double *z_nm)
+{
+    const sim_lathe_config_t *lathe = &s->options.config.lathe;
+    const double blank_mm = s->design.largest_mm + s->table.depth_nm / SIM_NM_PER_MM;
+    const double tool_mm = s->design.lobes.follower_mm; // X carries the centre of a lobe's follower
+    *x_nm = (blank_mm + tool_mm + lathe->x_start_mm) * SIM_NM_PER_MM;
+    *z_nm = s->table.z_first_nm - lathe->z_start_mm * SIM_NM_PER_MM;
+    sim_work_init(&s->work, blank_mm, s->design.z_first_mm, s->design.z_last_mm);
+}
+
+double sim_session_turn(const sim_session_t *s)
+{
+    return (s->table.direction > 0 ? s->at.turn : -s->at.turn) - s->phase_turn;
+}
+
+/// The tool tip against the exact surface at its true angle and height.
+static void gauge(sim_session_t *s)
+{
+    const double turn = sim_session_turn(s);
+    s->part_turn = sim_fraction(turn);
+    s->z_mm = s->at.z_nm * 1e-6;
+    if (s->design.shape == sim_shape_lobes) {
+        sim_lobe_cut_gauge(s, turn);
+        return;
+    }
+    s->radius_mm = (s->at.x_nm - s->at.u_nm) * 1e-6;
+    s->exact_mm = sim_design_radius_mm(&s->design, s->part_turn, s->z_mm);
+    sim_work_touch(&s->work, s->part_turn, s->z_mm, s->radius_mm, s->exact_mm, s->is_cutting);
+    sim_scallop_touch(&s->scallop, &s->design, s->part_turn, s->z_mm, s->radius_mm, s->exact_mm);
+}
+
+void sim_session_touch(sim_session_t *s, const sim_sample_t *at, bool is_cutting,
+                       double following_nm)
+{
+    s->at = *at;
+    s->is_cutting = is_cutting;
+    gauge(s);
+    if (!is_cutting) {
+        return;
+    }
+    if (s->cut_at_s < 0.0) {
+        s->cut_at_s = at->t_s;
+        s->cut_at_turn = at->turn;
+    }
+    s->cut_s = at->t_s - s->cut_at_s;
+    s->cut_turns = sim_abs(at->turn - s->cut_at_turn);
+    const double off_um = sim_abs(following_nm * 1e-3);
+    s->following_max_um = off_um > s->following_max_um ? off_um : s->following_max_um;
+    s->following_sum_um2 += off_um * off_um;
+    s->n_following++;
+}
+
+const sim_inject_t *sim_session_next_inject(sim_session_t *s, double now_s)
+{
+    for (uint32_t i = 0; s->n_waiting > 0u && i < s->options.n_injects; i++) {
+        sim_inject_t *what = &s->options.inject[i];
+        const double zero_s = what->is_absolute ? 0.0 : s->cut_at_s;
+        if (!what->is_done && zero_s >= 0.0 && now_s >= zero_s + what->at_s) {
+            what->is_done = true;
+            s->n_waiting--;
+            return what;
+        }
+    }
+    return NULL;
+}
+
+double sim_session_following_rms_um(const sim_session_t *s)
+{
+    return s->n_following > 0u ? sqrt(s->following_sum_um2 / (double)s->n_following) : 0.0;
+}
+
+void sim_session_close(sim_session_t *s)
+{
+    sim_design_free(&s->design);
+    free(s->image);
+    s->image = NULL;
+}

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sim_summary.h"
+#include "cam_state.h" // cam_fault_name
+
+void sim_summary_number(cJSON *object, const char *key, double value)
+{
+    (void)cJSON_AddNumberToObject(object, key, value);
+}
+
+void sim_summary_text(cJSON *object, const char *key, const char *text)
+{
+    (void)cJSON_AddStringToObject(object, key, text);
+}
+
+void sim_summary_sampled(cJSON *object, const sim_session_t *s, const char *key, double value)
+{
+    if (s->work.n > 0u) {
+        sim_summary_number(object, key, value);
+    } else {
+        (void)cJSON_AddNullToObject(object, key);
+    }
+}
+
+void sim_summary_faults(cJSON *root, const char *key, uint32_t faults)
+{
+    cJSON *list = cJSON_AddArrayToObject(root, key);
+    for (int i = 0; i < cam_n_faults; i++) {
+        if ((faults >> i & 1u) != 0u) {
+            (void)cJSON_AddItemToArray(list, cJSON_CreateString(cam_fault_name((cam_fault_t)i)));
+        }
+    }
+}
+
+void sim_summary_errors(cJSON *root, const sim_session_t *s)
+{
+    cJSON *form = cJSON_AddObjectToObject(root, "form_error_um");
+    sim_summary_sampled(form, s, "max", s->work.max_um);
+    sim_summary_sampled(form, s, "rms", sim_work_rms_um(&s->work));
+    sim_summary_sampled(form, s, "roundness", sim_work_roundness_um(&s->work));
+    sim_summary_sampled(form, s, "max_at_turn", s->work.max_turn);
+    sim_summary_sampled(form, s, "max_at_z_mm", s->work.max_z_mm);
+    sim_summary_number(form, "tolerance", s->options.tolerance_um);
+    cJSON *following = cJSON_AddObjectToObject(root, "following_error_um");
+    sim_summary_sampled(following, s, "max", s->following_max_um);
+    sim_summary_sampled(following, s, "rms", sim_session_following_rms_um(s));
+}
+
+void sim_summary_progress(cJSON *cut, const sim_session_t *s)
+{
+    sim_summary_number(cut, "turns", s->cut_turns);
+    sim_summary_number(cut, "seconds", s->cut_s);
+    sim_summary_number(cut, "samples", (double)s->work.n);
+    sim_summary_number(cut, "blank_radius_mm", s->work.blank_mm);
+}
+
+void sim_summary_metal(cJSON *cut, const sim_session_t *s)
+{
+    sim_summary_number(cut, "removed_mm3", s->work.removed_mm3);
+    sim_summary_number(cut, "gouge_um", s->work.gouge_um);
+}
+
+bool sim_summary_write(sim_out_t *o, cJSON *root)
+{
+    char *text = cJSON_Print(root);
+    cJSON_Delete(root);
+    if (text == NULL) {
+        return false;
+    }
+    sim_out_text(o, text);
+    sim_out_char(o, '\n');
+    cJSON_free(text);
+    return true;
+}

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+/// sim_watch_out: trace and summary of a cut on a bus.
+///
+/// Trace: one line per period, columns as in a run (sim_trace.h) first (`state` and `faults` as the
+/// controller reported them last, "-" and 0 before), then
+///     true_turn,true_z_mm,radius_mm,error_nm   the truth at the SYNC
+///     enable,fault,in_cut                      lines of the controller
+///     syncs                                    SYNCs until then
+///     encoder_counts                           spoken last before the SYNC
+///     A_control,A_status,A_target,A_actual,A_offset for A = u, x, z, spindle; control and status
+///     words in hexadecimal; the spindle without offset, its speeds in r/min / 1000
+#ifndef SIM_WATCH_OUT_H
+#define SIM_WATCH_OUT_H
+
+#include "sim_out.h"   // sim_out_t
+#include "sim_watch.h" // sim_watch_t
+
+void sim_watch_trace_header(sim_out_t *o);
+
+/// Write the line of the last period.
+void sim_watch_trace_line(sim_out_t *o, const sim_watch_t *w);
+
+/// Write the JSON summary. @return false when memory is short
+bool sim_watch_summary(sim_out_t *o, const sim_watch_t *w);
+
+#endif

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sim_port.h"
+#include "hal_host.h"  // hal_host
+#include "sim_units.h" // SIM_TWO_PI
+
+void sim_port_init(sim_port_t *p, const sim_lathe_config_t *config, double x_nm, double z_nm,
+                   uint64_t seed)
+{
+    *p = (sim_port_t){0};
+    sim_lathe_init(&p->lathe, config, 1.0 / config->tick_hz, x_nm, z_nm, seed);
+    hal_host.tick_hz = (uint32_t)config->tick_hz;
+    (void)hal_init(); // the host port cannot fail
+}
+
+void sim_port_sense(sim_port_t *p)
+{
+    const sim_drive_t *drive = p->lathe.drive;
+    const double swing_udeg = sim_drive_measured_micro(&drive[sim_lathe_swing]);
+    hal_host.in.encoder = sim_lathe_encoder(&p->lathe);
+    hal_host.in.swing_q32 = (int32_t)sim_round(swing_udeg * SIM_Q32_PER_UDEG);
+    for (int i = 0; i < hal_n_axes; i++) {
+        hal_host.in.axis_nm[i] = sim_drive_measured_micro(&drive[i]);
+    }
+    hal_host.in.axis_nm[hal_axis_z] += p->z_offset_nm;
+}
+
+/// What the firmware wrote. Without a new set-point the drive of the swing goes on at the speed of
+/// the last one; its angle may wrap.
+static sim_setpoints_t wanted(sim_port_t *p)
+{
+    const hal_swing_t *swing = &hal_host.out.swing;
+    const uint32_t gone_on_q32 = (uint32_t)p->swing_set_q32 + (uint32_t)swing->vel_q32;
+    p->swing_set_q32 = p->n_swing != hal_host.out.n_swing ? swing->pos_q32 : (int32_t)gone_on_q32;
+    p->n_swing = hal_host.out.n_swing;
+    sim_setpoints_t set = {
+        .spindle_rad_per_s = (double)hal_host.out.spindle_mrpm * (SIM_TWO_PI / 60000.0),
+    };
+    for (int i = 0; i < sim_lathe_n_drives; i++) {
+        set.micro[i] = i == sim_lathe_swing
+                           ? (int32_t)sim_round(p->swing_set_q32 / SIM_Q32_PER_UDEG)
+                           : hal_host.out.axis[i].pos_nm;
+        set.is_enabled[i] = (hal_host.out.outputs & hal_out_enable) != 0u;
+    }
+    return set;
+}
+
+void sim_port_advance(sim_port_t *p)
+{
+    const sim_setpoints_t set = wanted(p);
+    sim_lathe_step(&p->lathe, &set);
+    p->time_s = (double)hal_host.n_ticks * p->lathe.step_s + p->lost_s;
+    if (p->late_s > 0.0) {
+        sim_lathe_linger(&p->lathe, &set, p->late_s);
+        p->lost_s += p->late_s;
+        p->time_s += p->late_s;
+        p->late_s = 0.0;
+    }
+}
+
+void sim_port_inject(sim_port_t *p, const sim_inject_t *inject, int direction)
+{
+    switch (inject->kind) {
+    case sim_inject_estop:
+        hal_host_fault_estop(true);
+        break;
+    case sim_inject_drive:
+        hal_host_fault_drive(true);
+        break;
+    case sim_inject_bus:
+        hal_host_fault_bus(true);
+        break;
+    case sim_inject_late_tick:
+        hal_host_fault_late((uint32_t)inject->value);
+        p->late_s += (double)hal_host.late_clocks / hal_host_clock_hz;
+        break;
+    case sim_inject_z_offset:
+        p->z_offset_nm = (int32_t)(inject->value * SIM_NM_PER_MM);
+        break;
+    default:
+        sim_inject_apply(inject, &p->lathe, direction);
+        break;
+    }
+}

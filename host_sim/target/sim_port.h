@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+/// sim_port: the lathe behind hal/host: what the firmware senses of it and commands it to do.
+///
+/// Time advances in ticks. At the start of a tick the true state is put into hal_host.in; the
+/// firmware runs; the lathe takes what it wrote and everything moves on by one period.
+///
+///     sense: lathe -> hal_host.in     tick (sim_firmware.h)     advance: hal_host.out -> lathe
+///
+/// Between the first and the last the true state is that of the instant of sensing.
+#ifndef SIM_PORT_H
+#define SIM_PORT_H
+
+#include "sim_inject.h" // sim_inject_t
+#include "sim_lathe.h"  // sim_lathe_t
+#include <stdint.h>     // int32_t, uint32_t, uint64_t
+
+typedef struct {
+    sim_lathe_t lathe;
+    double time_s;
+    uint32_t n_swing;      ///< set-points of the swing that were taken
+    int32_t swing_set_q32; ///< [turn / 2^32] set-point in force
+    int32_t z_offset_nm;   ///< added to the measured Z
+    double late_s;         ///< the next tick comes later by this
+    double lost_s;         ///< sum of all delays of late ticks
+} sim_port_t;
+
+/// Bring the lathe to rest and reset hal/host.
+/// @param x_nm, z_nm  positions at the start
+/// @param seed        of all noise
+void sim_port_init(sim_port_t *p, const sim_lathe_config_t *config, double x_nm, double z_nm,
+                   uint64_t seed);
+
+/// Before a tick: what the firmware will sense.
+void sim_port_sense(sim_port_t *p);
+
+/// After it: let one period pass.
+void sim_port_advance(sim_port_t *p);
+
+/// Do what an --inject says to lathe and port. What is neither's (table-flip, stop, the nodes'):
+/// nothing happens. Call between sense and advance.
+/// @param direction  +1 or -1: sense of cutting
+void sim_port_inject(sim_port_t *p, const sim_inject_t *inject, int direction);
+
+/// @return [degrees] set-point of the swing in the last tick
+static inline double sim_port_swing_set_deg(const sim_port_t *p)
+{
+    return p->swing_set_q32 * (360.0 / 4294967296.0);
+}
+
+#endif

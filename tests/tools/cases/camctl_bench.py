@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The firmware with an ideal machine, over a bus within this process, for tests of camctl."""
+
+from __future__ import annotations
+
+import io
+import os
+import struct
+import subprocess
+import threading
+from collections.abc import Callable
+from pathlib import Path
+
+import can
+
+from camtools.cli.camctl import main
+
+ROOT = Path(__file__).resolve().parents[3]
+BENCH = ROOT / os.environ.get("CAMTURN_BUILD", "build/host") / "tests" / "camctl" / "can_bench"
+FRAME = struct.Struct("<IB3x8s")
+ESTOP_ID = 0x10000
+
+
+class Bench:
+    """The firmware in a process of its own, its frames on a virtual bus.
+
+    Attributes
+    ----------
+    channel : str
+        of the virtual bus
+    drop : callable
+        tells of a frame for the controller whether it gets lost
+    node : int
+        number of the controller; the firmware knows itself as 64
+    """
+
+    def __init__(self, channel: str, node: int = 64) -> None:
+        assert BENCH.exists(), f"{BENCH} is missing: build the preset host, or let tools/test do it"
+        self.channel, self.node = channel, node
+        self.drop: Callable[[can.Message], bool] = lambda frame: False
+        self._bus = can.Bus(interface="virtual", channel=channel)
+        self._process = subprocess.Popen(
+            [str(BENCH)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL
+        )
+        self._stopping = False
+        self._threads = [threading.Thread(target=loop) for loop in (self._forth, self._back)]
+        for thread in self._threads:
+            thread.start()
+
+    def _write(self, identifier: int, data: bytes) -> None:
+        assert self._process.stdin is not None
+        self._process.stdin.write(FRAME.pack(identifier, len(data), data))
+        self._process.stdin.flush()
+
+    def _forth(self) -> None:
+        while not self._stopping:
+            frame = self._bus.recv(0.05)
+            if frame is not None and not self.drop(frame):
+                self._write(frame.arbitration_id - self.node + 64, bytes(frame.data))
+
+    def _back(self) -> None:
+        assert self._process.stdout is not None
+        while len(record := self._process.stdout.read(FRAME.size)) == FRAME.size:
+            identifier, n, data = FRAME.unpack(record)
+            own = identifier - 64 + self.node
+            self._bus.send(can.Message(arbitration_id=own, data=data[:n], is_extended_id=False))
+
+    def estop(self, is_pressed: bool) -> None:
+        """Press or release the emergency stop."""
+        self._write(ESTOP_ID, bytes([is_pressed]))
+
+    def close(self) -> None:
+        """End the process and the threads."""
+        self._stopping = True
+        self._threads[0].join()
+        assert self._process.stdin is not None and self._process.stdout is not None
+        self._process.stdin.close()
+        self._threads[1].join()
+        self._process.wait(10)
+        self._process.stdout.close()
+        self._bus.shutdown()
+
+    def run(self, *words: str | Path) -> tuple[int, str]:
+        """Run camctl; return its status and what it printed."""
+        out = io.StringIO()
+        bus = ["--interface", "virtual", "--channel", self.channel, "--node", str(self.node)]
+        return main([*bus, *map(str, words)], out), out.getvalue()
+
+    def do(self, *words: str | Path) -> str:
+        """Run camctl, which must succeed."""
+        status, text = self.run(*words)
+        assert status == 0, text
+        return text

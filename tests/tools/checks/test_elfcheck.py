@@ -1,0 +1,158 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The command line of elfcheck: exit status, messages, the record of sizes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from camtools.base.errors import InputError
+from checks.elf_loops import parse_bounds
+from checks.elf_sizes import Size, compare, emit_sizes, measure, parse_sizes
+from checks.elfcheck import main
+from elf_cases import LOOP, link, needs_gcc
+
+SIZED = """
+    static const int squares[16] = {1, 4, 9, 16, 25, 36, 49, 64, 81, 100, 121, 144, 169, 196, 225};
+    int counted = 5; int zeroed[25];
+    int root(int n) { zeroed[n & 7] = counted++; return squares[n & 15]; }
+"""
+
+
+def loops_file(folder: Path, rounds: int) -> Path:
+    """Write a table of one bound."""
+    path = folder / "loops.toml"
+    text = f'[[loop]]\nfunction = "root"\nrounds = {rounds}\nwhy = "counts r0 down"\n'
+    path.write_text(text, "utf-8")
+    return path
+
+
+def isr(folder: Path, *words: str) -> int:
+    """Check the interrupt root() of the image that lies in a folder."""
+    return main(["isr", str(folder / "tiny.elf"), "--root", "root", *words])
+
+
+@needs_gcc
+def test_bound_is_compared_with_the_measured_maximum(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The bound of 12 instructions holds for 12, not for 13."""
+    link(tmp_path, LOOP)
+    loops = str(loops_file(tmp_path, 5))
+    measured = tmp_path / "out.txt"
+    for most, status in ((12, 0), (13, 1)):
+        measured.write_text(f"other\nbudget-max {most}\n", "utf-8")
+        assert isr(tmp_path, "--loops", loops, "--measured", str(measured)) == status
+    told = capsys.readouterr().out
+    assert "isr-bound 12 instructions" in told
+    assert "FAILED: the bound 12 lies below the measured 13" in told
+
+
+@needs_gcc
+def test_limit_of_the_stack(tmp_path: Path) -> None:
+    """36 bytes of entry and none besides."""
+    link(tmp_path, LOOP)
+    words = ("--loops", str(loops_file(tmp_path, 5)), "--stack-limit")
+    assert isr(tmp_path, *words, "36") == 0
+    assert isr(tmp_path, *words, "35") == 1
+    assert isr(tmp_path, "--frame", "float", *words, "107") == 1
+
+
+@needs_gcc
+def test_problems_fail(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A loop that nobody bounded."""
+    link(tmp_path, LOOP)
+    assert isr(tmp_path) == 1
+    assert "FAILED: root: loop at" in capsys.readouterr().out
+
+
+@needs_gcc
+def test_bound_without_loop_is_noted(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """It may be needed on another core, so it is no failure."""
+    link(tmp_path, "void root(void) {}")
+    assert isr(tmp_path, "--loops", str(loops_file(tmp_path, 5))) == 0
+    assert "note: no loop of root is reached" in capsys.readouterr().out
+
+
+@needs_gcc
+def test_bad_input_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A missing symbol, a missing image, an output without the measured line: status 2."""
+    link(tmp_path, LOOP)
+    empty = tmp_path / "empty.txt"
+    empty.write_text("", "utf-8")
+    assert main(["isr", str(tmp_path / "tiny.elf"), "--root", "nobody"]) == 2
+    assert main(["isr", str(tmp_path / "missing.elf")]) == 2
+    assert isr(tmp_path, "--measured", str(empty)) == 2
+    told = capsys.readouterr().err.splitlines()
+    assert len(told) == 3
+    assert all(line.startswith("elfcheck: ") for line in told)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "[[loop]]\nfunction = 'f'\nrounds = 0\nwhy = 'x'",
+        "[[loop]]\nfunction = 'f'\nrounds = true\nwhy = 'x'",
+        "[[loop]]\nfunction = 'f'\nrounds = 3\nwhy = ' '",
+        "[[loop]]\nfunction = 'f'\nrounds = 3",
+        "[[loop]]\nfunction = 'f'\nrounds = 3\nwhy = 'x'\nmore = 1",
+        "[[loop]]\nfunction = 'f'\nrounds = 3\nwhy = 'x'\n" * 2,
+        "loop = 3",
+        "loop = [3]",
+        "[[loop]",
+    ],
+)
+def test_bad_bounds_are_refused(text: str) -> None:
+    """Each bound has a function, a number and a reason, once."""
+    with pytest.raises(InputError):
+        parse_bounds("loops.toml", text)
+
+
+@needs_gcc
+def test_sizes_by_source_file(tmp_path: Path) -> None:
+    """Constants, data and zeroed data are those of the source; code is all of the function."""
+    image = link(tmp_path, SIZED)
+    (size,) = measure(image, [tmp_path.name]).values()
+    assert size[1:] == (64, 4, 100)
+    listed = image.ask("nm", "-S", str(image.path)).splitlines()
+    (root,) = (line.split() for line in listed if line.endswith(" root"))
+    assert size.code == int(root[1], 16)
+    assert measure(image, ["firmware"]) == {}
+
+
+@needs_gcc
+def test_record_of_sizes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """What was recorded passes; code that grew does not, and the remedy is told."""
+    record = tmp_path / "sizes.toml"
+    words = [str(tmp_path / "tiny.elf"), "--source", tmp_path.name, "--recorded", str(record)]
+    link(tmp_path, SIZED)
+    assert main(["sizes", *words, "--build", "m7"]) == 2
+    assert main(["sizes", *words, "--build", "m7", "--record"]) == 0
+    assert main(["sizes", *words, "--build", "m4", "--record"]) == 0
+    assert main(["sizes", *words, "--build", "m7"]) == 0
+    link(tmp_path, SIZED.replace("zeroed[25]", "zeroed[42]"))
+    assert main(["sizes", *words, "--build", "m7"]) == 1
+    told = capsys.readouterr().out
+    assert "bss 100 -> 168 bytes" in told
+    assert "--build m7 --record" in told
+    link(tmp_path, SIZED.replace("zeroed[25]", "zeroed[41]"))
+    assert main(["sizes", *words, "--build", "m7"]) == 0
+
+
+def test_growth_and_shrinking() -> None:
+    """More than 64 bytes and more than 2 %; a new module is growth, a lost one is not."""
+    assert compare({"a": Size(code=5100)}, {"a": Size(code=5000)}) == []
+    (grown,) = compare({"a": Size(code=5101)}, {"a": Size(code=5000)})
+    (new,) = compare({"b": Size(bss=65)}, {})
+    (lost,) = compare({}, {"b": Size(bss=65)})
+    assert (grown.is_growth, new.is_growth, lost.is_growth) == (True, True, False)
+
+
+def test_record_reads_as_written() -> None:
+    """Text and sizes are the same thing; other text is refused."""
+    builds = {"m7": {"firmware/a.c": Size(1, 2, 3, 4)}, "m4": {"b.c": Size(5)}}
+    assert parse_sizes("sizes.toml", emit_sizes(builds)) == builds
+    for text in ("m7 = 3", "[m7]\n'a.c' = 3", "[m7]\n'a.c' = { more = 3 }", "[m7"):
+        with pytest.raises(InputError):
+            parse_sizes("sizes.toml", text)

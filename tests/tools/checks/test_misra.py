@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The MISRA gate: deviations cover what they say and nothing else."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from camtools.base.errors import InputError
+from checks.misra import Finding, check, judge, parse_deviations, parse_findings
+from part_cases import ROOT
+
+TABLE = """
+| | rule | category | scope | words | reason |
+|---|---|---|---|---|---|
+| D1 | 10.1, shiftNegativeLHS | required | `firmware/*` | `<<` `>>` | arithmetic shifts |
+| D2 | 15.5 | advisory | `firmware/a.c` `firmware/b.c` |  | guards |
+| D3 | 11.6 | required | in place |  | alignment |
+"""
+LINES = ["a = b >> 1;", "return;", "// MISRA D3", "p = q;", "p = q; // MISRA D33", "p = q;"]
+
+
+@pytest.mark.parametrize(
+    ("finding", "number"),
+    [
+        (("firmware/a.c", 1, "10.1"), "D1"),
+        (("firmware/tick/a.h", 1, "shiftNegativeLHS"), "D1"),
+        (("firmware/a.c", 2, "10.1"), None),
+        (("hal/a.h", 1, "10.1"), None),
+        (("firmware/b.c", 2, "15.5"), "D2"),
+        (("firmware/c.c", 2, "15.5"), None),
+        (("firmware/c.c", 3, "11.6"), "D3"),
+        (("firmware/c.c", 4, "11.6"), "D3"),
+        (("firmware/c.c", 5, "11.6"), None),
+        (("firmware/c.c", 6, "11.6"), None),
+        (("firmware/c.c", 4, "11.5"), None),
+    ],
+)
+def test_scope_of_a_deviation(finding: tuple[str, int, str], number: str | None) -> None:
+    """Rule, file, words of the line or the mark must all fit."""
+    found = Finding(*finding)
+    left, covered = judge([found], parse_deviations("MISRA.md", TABLE), {found.file: LINES})
+    assert left == ([] if number else [found])
+    assert list(covered) == ([number] if number else [])
+
+
+@pytest.mark.parametrize(
+    "row",
+    [
+        "| D2 | 10.1 | required | `*` |  | the first is D1 |",
+        "| D1 | 10.1 | mandatory | `*` |  | nothing deviates from those |",
+        "| D1 | 10.1 | required | everywhere |  | no scope |",
+        "| D1 | 10.1 | required | `*` |  |",
+    ],
+)
+def test_bad_rows_are_refused(row: str) -> None:
+    """A row is understood wholly or not at all."""
+    with pytest.raises(InputError):
+        parse_deviations("MISRA.md", row)
+
+
+def test_findings_are_counted_once() -> None:
+    """A header is found in every file that includes it."""
+    text = "firmware/a.h|3|misra-c2012-10.1\nfirmware/a.h|3|misra-c2012-10.1\na.c|1|uninitvar\n"
+    assert parse_findings(text) == [("a.c", 1, "uninitvar"), ("firmware/a.h", 3, "10.1")]
+
+
+@pytest.mark.skipif(shutil.which("cppcheck") is None, reason="cppcheck is not installed")
+def test_gate(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A breach fails, its deviation passes, a deviation without a breach fails."""
+    folder = tmp_path / "firmware"
+    folder.mkdir()
+    source, table = folder / "a.c", folder / "MISRA.md"
+    source.write_text("int f(int a);\nint f(int a)\n{\n    return a >> 1;\n}\n", "utf-8")
+    table.write_text("", "utf-8")
+    assert check(tmp_path) == 1
+    assert "firmware/a.c:4: rule 10.1: return a >> 1;" in capsys.readouterr().out
+    rows = "| D1 | 10.1 | required | `firmware/*` | `>>` | x |\n"
+    table.write_text(rows, "utf-8")
+    assert check(tmp_path) == 0
+    source.write_text("int f(int a);\nint f(int a)\n{\n    return a + 1;\n}\n", "utf-8")
+    assert check(tmp_path) == 1
+    assert "D1 covers nothing any more" in capsys.readouterr().out
+
+
+def test_table_of_the_firmware_is_understood() -> None:
+    """Every row of the firmware's own table is a deviation with a reason."""
+    text = (ROOT / "firmware" / "MISRA.md").read_text("utf-8")
+    found = parse_deviations("MISRA.md", text)
+    assert len(found) == text.count("\n| D")
+    assert all(len(one.reason) > 20 for one in found)

@@ -1,0 +1,171 @@
+"""The command line of the analysis: files, figures, and everything that must be refused."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+
+from camtools.cli.analyse import main, products
+from camtools.skirt.part import SkirtPart
+from camtools.study.section import AnalysisWishes
+from maths_tables import TABLE_1, TABLE_4
+from part_cases import PERKINS, ROOT, environment, load_part
+
+WEICHAI = ROOT / "tools" / "parts" / "weichai3a.toml"
+
+
+@pytest.fixture(scope="module")
+def files(perkins: SkirtPart) -> dict[str, bytes]:
+    """Analyse the Perkins skirt as the papers do."""
+    return products(perkins, AnalysisWishes(rpm=1667.27), with_pictures=False)
+
+
+def rows(data: bytes) -> list[dict[str, str]]:
+    """Return the rows of a CSV file."""
+    return list(csv.DictReader(data.decode().splitlines()))
+
+
+def test_tables_are_those_of_the_papers(files: dict[str, bytes]) -> None:
+    """Table 1 and Table 4 of the part's own section at height 20 mm, six digits."""
+    for row, printed in zip(rows(files["depth_and_area.csv"]), TABLE_1, strict=True):
+        assert f"{float(row['area_mm2']):.6f}" == printed.split()[3]
+        assert f"{float(row['depth_mm']):.6f}" == printed.split()[1]
+    for row, printed in zip(rows(files["equal_parts.csv"]), TABLE_4, strict=True):
+        assert row["angle_deg"][:-2] == printed.split()[1][:-2]
+        assert row["speed_ratio"] == printed.split()[5]
+
+
+def test_axes_follow_the_angle_not_the_time(files: dict[str, bytes]) -> None:
+    """Table 5: equal times, Z from C, X the profile at Z, U the section there; 120 slices."""
+    uniform, even = rows(files["axes_uniform.csv"]), rows(files["axes_equal_volume.csv"])
+    assert len(uniform) == len(even) == 121
+    for one in (uniform, even):
+        steps = {round(float(b["t_s"]) - float(a["t_s"]), 8) for a, b in pairwise(one)}
+        assert len(steps) <= 2
+        for row in one:
+            assert float(row["z_mm"]) == pytest.approx(20 + float(row["c_deg"]) / 3600, abs=1e-6)
+    assert float(even[30]["c_deg"]) == pytest.approx(90, abs=1e-6)
+    assert float(even[1]["c_deg"]) == pytest.approx(4.489177, abs=2e-6)
+    assert float(even[30]["u_mm"]) == pytest.approx(0.1, abs=1e-4)
+    assert float(uniform[-1]["t_s"]) == pytest.approx(60 / 1667.27, abs=1e-8)
+
+
+def test_figures_and_notes(files: dict[str, bytes]) -> None:
+    """The figures of MATHS.md (25) and (29), and the honest sentences."""
+    told = json.loads(files["analysis.json"])
+    assert told["parts"] == {
+        "n": 30,
+        "area_mm2": pytest.approx(0.36154495, abs=1e-7),
+        "least": 28,
+        "most": 179,
+        "largest_depth_change_in_part": 9,
+    }
+    assert told["removal"]["rate_mm3_s"] == pytest.approx(120.5586, abs=1e-3)
+    assert told["speed"]["highest_mean_rpm"] == pytest.approx(207.745, abs=1e-2)
+    text = files["notes.md"].decode()
+    for sentence in ("1 : 2.000", "number of the slice", "28 .. 179"):
+        assert sentence in text
+
+
+def test_constant_is_constant(files: dict[str, bytes]) -> None:
+    """Rate and rate-proportional force are even; the chip force is not."""
+    law = [float(row["removal_rate_mm3_s"]) for row in rows(files["speed_law.csv"])]
+    assert max(law) == pytest.approx(min(law), rel=1e-7)
+    force = rows(files["forces.csv"])
+    assert len({row["equal_volume_rate_force_n"] for row in force}) == 1
+    chip = [float(row["equal_volume_chip_force_n"]) for row in force]
+    assert max(chip) > 1.9 * min(chip)
+
+
+def test_corner_is_studied_too() -> None:
+    """A part with a corner gets the study of its refit beside the paper."""
+    found = products(load_part(WEICHAI), AnalysisWishes(), with_pictures=False)
+    assert b"Beside the paper" in found["refit_notes.md"]
+    assert len(rows(found["refit_candidates.csv"])) == 16
+
+
+def test_same_input_same_bytes(perkins: SkirtPart, files: dict[str, bytes]) -> None:
+    """Everything again is the same."""
+    assert products(perkins, AnalysisWishes(rpm=1667.27), with_pictures=False) == files
+
+
+def test_pictures_are_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The command writes tables and pictures and tells the essentials."""
+    assert main([str(PERKINS), "-o", str(tmp_path / "out")]) == 0
+    names = {path.name for path in (tmp_path / "out").iterdir()}
+    assert {"area.png", "parts.png", "speed.png", "motion.png", "forces.png"} <= names
+    assert {"paths.csv", "path_unrolled.png", "path_scallop.png"} <= names
+    assert "NOT constant: the force of the chip" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("words", "named"),
+    [
+        (["--height", "63"], "--height 63.0: lies outside the part; give 0 .. 62 mm"),
+        (["--height", "nan"], "--height nan"),
+        (["--step-deg", "7"], "--step-deg 7.0: does not divide 90 degrees"),
+        (["--parts", "1"], "--parts 1: out of range; give 2 .. 1000"),
+        (["--rpm", "0"], "--rpm 0.0: out of range"),
+        (["--kc-n-mm2", "inf"], "--kc-n-mm2 inf: out of range"),
+        (["--cycle-us", "x"], "argument --cycle-us"),
+        (["--turns", "0"], "--turns 0"),
+        (["--slice-volume-mm3", "-1"], "--slice-volume-mm3 -1.0"),
+        (["--nose-mm", "0"], "--nose-mm 0.0: out of range; give 0.01 .. 100"),
+    ],
+)
+def test_bad_wishes_are_refused(
+    words: list[str], named: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """One line that names the option; nothing written."""
+    try:
+        status = main([str(PERKINS), "-o", str(tmp_path / "out"), *words])
+    except SystemExit as stop:
+        status = int(stop.code or 0)
+    error = capsys.readouterr().err
+    assert status == 2
+    assert named in error
+    assert len(error.splitlines()) == 1
+    assert not (tmp_path / "out").exists()
+
+
+def test_part_without_depth_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """At depth 0 nothing is cut at the long axis."""
+    path = tmp_path / "p.toml"
+    path.write_text(PERKINS.read_text().replace("depth_mm = 0.1", "depth_mm = 0"))
+    assert main([str(path), "-o", str(tmp_path / "out")]) == 2
+    assert "process.depth_mm: nothing is cut" in capsys.readouterr().err
+
+
+def is_caught(pid: int, number: signal.Signals) -> bool:
+    """Tell whether a process has a handler for a signal."""
+    status = Path(f"/proc/{pid}/status").read_text()
+    caught = next(line for line in status.splitlines() if line.startswith("SigCgt:"))
+    return bool(int(caught.split()[1], 16) >> (number - 1) & 1)
+
+
+def test_interrupted_run_leaves_nothing(tmp_path: Path) -> None:
+    """A signal in the middle ends it with 128 + n; the folder stays away."""
+    command = [
+        sys.executable,
+        "-m",
+        "camtools.cli.analyse",
+        str(WEICHAI),
+        "-o",
+        str(tmp_path / "out"),
+    ]
+    with subprocess.Popen(command, env=environment(), stderr=subprocess.PIPE) as process:
+        while not is_caught(process.pid, signal.SIGTERM):
+            time.sleep(0.01)
+        os.kill(process.pid, signal.SIGTERM)
+        status = process.wait(30)
+    assert status in (0, 143)
+    assert status == 0 or not (tmp_path / "out").exists()

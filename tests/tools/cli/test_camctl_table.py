@@ -1,0 +1,119 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Tables over the bus by tools/camctl: downloaded, selected, refused, repeated."""
+
+from __future__ import annotations
+
+import struct
+import zlib
+from collections.abc import Callable
+from pathlib import Path
+
+import can
+import pytest
+
+from camctl_bench import ROOT, Bench
+from camtools.cli.mktables import main as mktables
+from camtools.link.download import BLOCK_BYTES
+from camtools.link.link import BLOCK_ID
+
+pytestmark = pytest.mark.alone  # the controller keeps pace with the clock
+
+
+def named(table: bytes, name: str) -> bytes:
+    """Return the table with another name and a checksum that fits: TABLE_FORMAT.md."""
+    body = bytearray(table)
+    body[32:64] = name.encode().ljust(32, b"\0")
+    struct.pack_into("<I", body, 20, zlib.crc32(body[24:]))
+    return bytes(body)
+
+
+@pytest.fixture(scope="module")
+def fine_table(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Make a table that is finer than it need be."""
+    folder = tmp_path_factory.mktemp("fine")
+    part = ROOT / "tools" / "parts" / "perkins240.toml"
+    assert mktables([str(part), "-o", str(folder), "--tolerance-nm", "0.03"]) == 0
+    return folder / "perkins240.camtab"
+
+
+@pytest.fixture
+def other(fine_table: Path, tmp_path: Path) -> Path:
+    """Return the table of a real part, of more than one block."""
+    file = tmp_path / "other.camtab"
+    file.write_bytes(named(fine_table.read_bytes(), "other part"))
+    assert file.stat().st_size > BLOCK_BYTES
+    return file
+
+
+def test_a_table_is_downloaded_and_selected(bench: Bench, other: Path) -> None:
+    """Progress is told; the old table stays in use until select."""
+    crc = struct.unpack_from("<I", other.read_bytes(), 20)[0]
+    before = bench.do("table", "info")
+    assert "short skirt" in before
+    assert "generation 1" in before
+    text = bench.do("table", "download", other)
+    assert f"{other.stat().st_size} of {other.stat().st_size} bytes, 100 %" in text
+    assert "short skirt" in bench.do("table", "info")
+    selected = bench.do("select")
+    assert "other part" in selected
+    assert f"CRC-32 {crc:08x}, generation 2" in selected
+    assert "other part" in bench.do("table", "info")
+
+
+def test_neighbours_on_one_bus_do_not_hear_one_another(bench: Bench, other: Path) -> None:
+    """Each is commanded and gets its table by its own number; the next numbers are the hardest."""
+    after, before = Bench(bench.channel, 65), Bench(bench.channel, 63)
+    try:
+        assert "other part" in bench.do("table", "download", other, "--select")
+        for one in (after, before):
+            assert "short skirt" in one.do("table", "info")
+        assert after.do("home") == "home: ready\n"
+        for one in (bench, before):
+            assert "state             off" in one.do("status")
+        assert "other part" in before.do("table", "download", other, "--select")
+    finally:
+        after.close()
+        before.close()
+
+
+def test_lost_frames_are_repeated(bench: Bench, other: Path) -> None:
+    """A first frame and two in the middle of blocks get lost: the download goes on."""
+    seen = 0
+
+    def drop(frame: can.Message) -> bool:
+        nonlocal seen
+        seen += frame.arbitration_id == BLOCK_ID
+        return frame.arbitration_id == BLOCK_ID and seen in (1, 50, 1000)
+
+    bench.drop = drop
+    assert "other part" in bench.do("table", "download", other, "--select")
+
+
+def test_a_download_that_cannot_go_on_leaves_the_old_table(
+    bench: Bench,
+    other: Path,
+    refusal: Callable[[Bench, int, str], str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The line says that nothing is lost; a damaged table is refused by the controller."""
+    monkeypatch.setattr("camtools.link.download.MOST_REPEATS", 1)
+    bench.drop = lambda frame: frame.arbitration_id == BLOCK_ID
+    assert "old table stays in force" in refusal(bench, 1, f"table download {other}")
+    bench.drop = lambda frame: False
+    bad = other.with_name("bad.camtab")
+    bad.write_bytes(other.read_bytes()[:-1] + b"\x55")
+    assert "image crc" in refusal(bench, 1, f"table download {bad}")
+    assert "short skirt" in bench.do("select")
+    bench.do("home")
+    assert "begin download: refused: state" in refusal(bench, 1, f"table download {other}")
+
+
+def test_files_that_are_no_tables_are_bad_input(
+    bench: Bench, tmp_path: Path, refusal: Callable[[Bench, int, str], str]
+) -> None:
+    """Neither a missing file nor a text is sent."""
+    assert "check the path" in refusal(bench, 2, f"table download {tmp_path / 'none'}")
+    text = tmp_path / "text"
+    text.write_text("no table" * 100)
+    assert "not a cam table" in refusal(bench, 2, f"table download {text}")
+    assert "check the path" in refusal(bench, 2, f"record {tmp_path / 'none' / 'x.csv'}")

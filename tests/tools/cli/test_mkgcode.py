@@ -1,0 +1,397 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The command line tools/mkgcode: programs read back, files whole or absent, refusals."""
+
+from __future__ import annotations
+
+import os
+import re
+import resource
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from camtools.base.quantities import Floats
+from camtools.ngc.full import ENGAGE_TURNS
+from camtools.ngc.words import CLEARANCE_MM
+from camtools.skirt.blank import section_cut
+from camtools.skirt.geometry import Geometry, make_geometry, path_of
+from linuxcnc import AXES, Interpreter, NotHereError, interpreter
+from maths_tables import TABLE_4
+from part_cases import PERKINS, ROOT, environment, load_part
+
+EVEN = PERKINS.with_name("perkins240_equal_volume.toml")
+WORD = re.compile(r"([A-Z])(-?[0-9.]+)")
+
+
+def words_of(*words: str | Path) -> list[str]:
+    """Return the words of a process of its own."""
+    return [sys.executable, "-m", "camtools.cli.mkgcode", *map(str, words)]
+
+
+def mkgcode(*words: str | Path) -> subprocess.CompletedProcess[str]:
+    """Run the command."""
+    env = environment()
+    return subprocess.run(
+        words_of(*words), env=env, capture_output=True, text=True, timeout=120, check=False
+    )
+
+
+def made(folder: Path, part: Path, *words: str) -> Path:
+    """Return a program of a part."""
+    path = folder / "part.ngc"
+    done = mkgcode(part, "-o", path, *words)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+    return path
+
+
+def changed(folder: Path, part: Path, **values: str) -> Path:
+    """Return a copy of a part file with values of [process] replaced, or added."""
+    text = part.read_text()
+    for key, value in values.items():
+        line = re.compile(rf"^{key} = .*$", re.MULTILINE)
+        text, n = line.subn(f"{key} = {value}", text, count=1)
+        if n == 0:
+            text = text.replace("[process]", f"[process]\n{key} = {value}")
+    path = folder / "part.toml"
+    path.write_text(text)
+    return path
+
+
+def moves(program: Path, code: str, axes: str) -> Floats:
+    """Return the words of all blocks of a motion code, our own way of reading."""
+    rows = []
+    for line in program.read_text().splitlines():
+        if line.startswith(f"{code} "):
+            words = dict(WORD.findall(line.partition(" ")[2]))
+            rows.append([float(words[axis]) for axis in axes])
+    return np.array(rows)
+
+
+@pytest.fixture(scope="session")
+def linuxcnc() -> Interpreter:
+    """Return LinuxCNC's interpreter, or skip with the reason and what helps."""
+    try:
+        return interpreter()
+    except NotHereError as error:
+        pytest.skip(f"LinuxCNC's interpreter: {error}")
+
+
+@pytest.mark.parametrize("chord_um", [0.01, 0.1, 5.0])
+def test_segments_keep_the_chord_error(tmp_path: Path, geometry: Geometry, chord_um: float) -> None:
+    """Points lie on the profile, the polygon within the stated error, with no point too many."""
+    program = made(tmp_path, PERKINS, "--chord-um", str(chord_um))
+    x, z, lead = moves(program, "G33", "XZK").T
+    z, x = np.append(0.0, z), np.append(float(geometry.radius_mm(0.0)), x)
+    assert z[-1] == 62
+    assert np.abs(x - geometry.radius_mm(z)).max() <= 0.51e-6
+    dense = np.linspace(0, 62, 100_001)
+    off_um = np.abs(np.interp(dense, z, x) - geometry.radius_mm(dense)).max() * 1000
+    assert off_um <= chord_um
+    stated = re.search(r"; (\d+) segments, chord error ([0-9.]+) um", program.read_text())
+    assert stated is not None
+    assert int(stated[1]) == z.size - 1
+    assert float(stated[2]) == pytest.approx(off_um, abs=2e-4)
+    longest = np.sqrt(8 * chord_um / 1000 / np.abs(geometry.radius_mm(dense, 2)).min())
+    assert z.size - 1 >= 62 / longest
+    # Z is fed by the feed: K is measured along the segment.
+    along = np.hypot(np.diff(x), np.diff(z))
+    np.testing.assert_allclose(lead * np.diff(z) / along, 0.1, rtol=1e-8)
+
+
+def test_profile_program_engages_and_retracts(tmp_path: Path) -> None:
+    """Tool off the blank before and after; camturn is asked to start and stop, and waited for."""
+    lines = made(tmp_path, PERKINS).read_text().splitlines()
+    program = [line for line in lines if not line.startswith(";")]
+    clear = f"G0 X{46.1 + CLEARANCE_MM:.6f}"
+    assert program[2:6] == ["S2500 M3", clear, "G0 Z0.000000", "G95 G1 X45.970000 F0.100000"]
+    first = next(i for i, line in enumerate(program) if line.startswith("G33"))
+    assert program[6].startswith("M64 P0")
+    assert program[7].startswith("M66 P0 L3")
+    assert program[8:first][1].strip() == clear
+    assert program[-5] == clear
+    assert [line[:6] for line in program[-4:-2]] == ["M65 P0", "M66 P0"]
+    assert program[-1] == "M2"
+
+
+def test_opposite_rotation_and_diameters(tmp_path: Path) -> None:
+    """Direction -1 turns by M4 and falling C; G7 doubles X and nothing else."""
+    part = changed(tmp_path, PERKINS, direction="-1")
+    assert "S2500 M4\n" in made(tmp_path, part).read_text()
+    radius = moves(made(tmp_path, part, "--axes", "cxzu", "--to-mm", "1"), "G1", "CXZU")
+    program = made(tmp_path, part, "--axes", "cxzu", "--to-mm", "1", "--diameter")
+    diameter = moves(program, "G1", "CXZU")
+    assert " G7\n" in program.read_text()
+    assert np.diff(radius[:, 0]).max() < 0
+    np.testing.assert_allclose(diameter, radius * [1, 2, 1, 1], atol=1.01e-6)
+
+
+@pytest.mark.parametrize(
+    ("name", "changes"),
+    [
+        ("perkins240", {}),
+        ("perkins240", {"path": '"ring-helix"', "feed_mm": "0.2"}),
+        ("perkins240_equal_volume", {"spindle_rpm": "200"}),
+        ("16v240zj", {}),
+        ("scan90", {}),
+    ],
+)
+def test_full_program_is_the_geometry(tmp_path: Path, name: str, changes: dict[str, str]) -> None:
+    """X - U at each C and Z is the radius of the part; Z is the path; times are equal."""
+    source = PERKINS.with_name(f"{name}.toml")
+    part_file = changed(tmp_path, source, **changes)
+    if name == "scan90":
+        (tmp_path / "scan90.csv").write_bytes(source.with_name("scan90.csv").read_bytes())
+    part = load_part(part_file)
+    geometry = make_geometry(part)
+    first, last = geometry.z_first_mm + 3, geometry.z_first_mm + 7
+    words = ("--axes", "cxzu", "--from-mm", f"{first}", "--to-mm", f"{last}")
+    c, x, z, u, f = moves(made(tmp_path, part_file, *words), "G1", "CXZUF").T
+    path = path_of(part, first, last)
+    turns = part.process.direction * c / 360
+    n = 4 * part.process.parts
+    assert turns.size % n == 0
+    np.testing.assert_allclose(z, path.height_mm(turns), atol=1e-6)
+    np.testing.assert_allclose(f, part.process.spindle_rpm * n, rtol=1e-9)
+    cut = (turns >= 0) & (turns <= path.turns)
+    rho = geometry.radius_mm(z[cut]) - geometry.delta(2 * np.pi * turns[cut], z[cut]).delta
+    assert np.abs(x[cut] - u[cut] - rho).max() < 3e-6
+    clear = x.max()
+    assert (x[-1], u[-1]) == (clear, 0)
+    assert (x[cut] < clear - CLEARANCE_MM).all()
+    outside = geometry.radius_mm(z) - geometry.delta(2 * np.pi * turns, z).delta
+    assert (x - u >= outside - 3e-6).all()  # never a gouge
+
+
+def test_equal_volume_blocks_cut_equal_areas(tmp_path: Path) -> None:
+    """At every height the 120 blocks of a turn cut the same area of its section, to 1e-6."""
+    part_file = changed(tmp_path, EVEN, spindle_rpm="200")
+    part = load_part(part_file)
+    geometry = make_geometry(part)
+    words = ("--axes", "cxzu", "--from-mm", "18", "--to-mm", "24")
+    c = moves(made(tmp_path, part_file, *words), "G1", "C")[:, 0] / 360
+    for turn in (0, 13, 21, 37, 59):
+        cut = section_cut(geometry, 0.1, 18 + 0.1 * (turn + 0.5))
+        row = (turn + ENGAGE_TURNS) * 120 + np.arange(30)
+        angles = np.append(0.0, 2 * np.pi * (c[row] - turn))
+        areas = np.diff(cut.area_mm2(np.minimum(angles, np.pi / 2)))
+        np.testing.assert_allclose(areas, cut.total_mm2 / 30, rtol=1e-5)
+
+
+def test_papers_table_of_equal_parts(tmp_path: Path) -> None:
+    """At height 20 the first quarter turn has the angles of MATHS.md (22), digit by digit."""
+    part_file = changed(tmp_path, EVEN, spindle_rpm="200", feed_mm="0.0001")
+    words = ("--axes", "cxzu", "--from-mm", "20", "--to-mm", "20.01")
+    c = moves(made(tmp_path, part_file, *words), "G1", "C")[ENGAGE_TURNS * 120 :, 0]
+    printed = [float(line.split()[1]) for line in TABLE_4]
+    np.testing.assert_allclose(c[:30], printed, atol=1e-5)
+
+
+def test_profile_program_by_linuxcnc(tmp_path: Path, linuxcnc: Interpreter) -> None:
+    """LinuxCNC's interpreter accepts the X/Z program and goes where our reading goes."""
+    program = made(tmp_path, PERKINS)
+    done = linuxcnc.rs274(program)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.count("START_SPEED_FEED_SYNC(") == 27
+    message, points = linuxcnc.points(program)
+    assert message == ""
+    feeds = points[points[:, 0] == 1][1:]  # behind the infeed
+    np.testing.assert_allclose(feeds[:, [1, 3]], moves(program, "G33", "XZ"), atol=1e-9)
+
+
+@pytest.mark.parametrize("diameter", [(), ("--diameter",)])
+def test_full_program_by_linuxcnc(
+    tmp_path: Path, linuxcnc: Interpreter, geometry: Geometry, diameter: tuple[str, ...]
+) -> None:
+    """The points that LinuxCNC's interpreter understands lie on the part, to 3 nm."""
+    words = ("--axes", "cxzu", "--from-mm", "30", "--to-mm", "33", *diameter)
+    message, points = linuxcnc.points(made(tmp_path, PERKINS, *words))
+    assert message == ""
+    at = dict(zip(AXES, points[points[:, 0] == 1][:, 1:].T, strict=True))
+    cut = (at["C"] >= 0) & (at["C"] <= 30 * 360)
+    assert cut.sum() == 30 * 120 + 1
+    z, u = at["Z"][cut], at["U"][cut]
+    delta = geometry.delta(np.radians(at["C"][cut]), z).delta
+    assert np.abs(at["X"][cut] - u - geometry.radius_mm(z) + delta).max() < 3e-6
+
+
+def test_linuxcnc_refuses_a_wrong_program(tmp_path: Path, linuxcnc: Interpreter) -> None:
+    """The check can fail: a block without its feed in inverse time is told."""
+    program = made(tmp_path, PERKINS, "--axes", "cxzu", "--to-mm", "1")
+    text = program.read_text()
+    program.write_text(re.sub(r" F300000\.0000\n", "\n", text, count=1))
+    message, _ = linuxcnc.points(program)
+    assert "F word missing" in message
+    profile = made(tmp_path, PERKINS)
+    profile.write_text(profile.read_text().replace("G33 X", "G33 Q", 1))
+    done = linuxcnc.rs274(profile)
+    assert done.returncode == 1
+    assert done.stderr
+
+
+def test_two_runs_give_the_same_bytes(tmp_path: Path) -> None:
+    """Both programs are the same from run to run."""
+    for axes in ("xz", "cxzu"):
+        first = made(tmp_path, PERKINS, "--axes", axes).read_bytes()
+        assert made(tmp_path, PERKINS, "--axes", axes).read_bytes() == first
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_interrupted_program_leaves_nothing(tmp_path: Path, number: int) -> None:
+    """A signal while blocks are written: no new file, an older program as it was."""
+    part = changed(tmp_path, PERKINS, feed_mm="0.0005")
+    folder = tmp_path / "out"
+    folder.mkdir()
+    (folder / "part.ngc").write_text("old")
+    command = words_of(part, "-o", folder / "part.ngc", "--axes", "cxzu")
+    child = subprocess.Popen(command, env=environment(), stderr=subprocess.PIPE, text=True)
+    while not any(p.stat().st_size > 1_000_000 for p in folder.glob(".part.ngc.*")):
+        assert child.poll() is None
+        time.sleep(0.01)
+    child.send_signal(number)
+    _, told = child.communicate(timeout=60)
+    assert (child.returncode, told) == (128 + number, "mkgcode: interrupted; nothing was written\n")
+    assert [path.name for path in folder.iterdir()] == ["part.ngc"]
+    assert (folder / "part.ngc").read_text() == "old"
+
+
+def test_full_disk_leaves_nothing(tmp_path: Path) -> None:
+    """A program that does not fit is refused with status 2 and leaves no file."""
+
+    def small_files() -> None:
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000))
+
+    folder = tmp_path / "out"
+    folder.mkdir()
+    done = subprocess.run(
+        words_of(PERKINS, "-o", folder / "p.ngc", "--axes", "cxzu"),
+        env=environment(),
+        preexec_fn=small_files,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 2
+    assert "cannot write: File too large" in done.stderr
+    assert list(folder.iterdir()) == []
+
+
+def test_memory_does_not_grow_with_the_program(tmp_path: Path) -> None:
+    """Ten times the blocks take at most 5 MB more."""
+    peaks_kb = []
+    for feed in ("0.05", "0.005"):
+        part = changed(tmp_path, PERKINS, feed_mm=feed)
+        command = words_of(part, "-o", tmp_path / "p.ngc", "--axes", "cxzu")
+        child = subprocess.Popen(command, env=environment())
+        _, status, usage = os.wait4(child.pid, 0)
+        child.returncode = os.waitstatus_to_exitcode(status)
+        assert child.returncode == 0
+        peaks_kb.append(usage.ru_maxrss)
+    assert peaks_kb[1] - peaks_kb[0] < 5000
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (("--from-mm", "-1"), r"--from-mm -1: must be a height of the part; give 0 \.\. 62 mm"),
+        (("--to-mm", "62.5"), r"--to-mm 62\.5: must be a height"),
+        (("--to-mm", "nan"), r"--to-mm nan: must be a height"),
+        (("--from-mm", "9", "--to-mm", "9"), r"--to-mm 9: must be at least 0\.01 mm above"),
+        (("--chord-um", "0"), r"--chord-um 0: must be 0\.002 \.\. 1000; give micrometres"),
+        (("--chord-um", "inf"), r"--chord-um inf: must be"),
+        (("--axes", "xy"), r"argument --axes: invalid choice: 'xy'"),
+        (("--chords", "1"), r"unrecognized arguments: --chords"),
+    ],
+)
+def test_bad_options_are_refused(tmp_path: Path, words: tuple[str, ...], told: str) -> None:
+    """One line, what is wrong and what to give, status 2, no file."""
+    done = mkgcode(PERKINS, "-o", tmp_path / "p.ngc", *words)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert re.fullmatch(rf"mkgcode: .*{told}.*\n", done.stderr)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("name", "changes", "axes", "told"),
+    [
+        ("perkins240", {"path": '"ring-helix"'}, "xz", r"process\.path: .*G33; give --axes cxzu"),
+        (
+            "perkins240",
+            {"path": '"ring-helix"', "feed_mm": "1"},
+            "cxzu",
+            r"needs at least 6944\.4\d+ mm/s2 of Z, .* turn at 1341\.6 r/min at most",
+        ),
+        (
+            "perkins240_equal_volume",
+            {},
+            "cxzu",
+            r"spindle_acceleration_rad_s2 = 500 rad/s2: the part needs .* at most 202\.5 r/min",
+        ),
+        (
+            "perkins240",
+            {"u_acceleration_mm_s2": "1000"},
+            "cxzu",
+            r"u_acceleration_mm_s2 = 1000 mm/s2: the part needs 20\d+\.\d+ .* at most 549\.9 r/min",
+        ),
+        *(
+            (
+                "perkins240",
+                {"height_mm": "[0, 1, 2, 3, 4, 6, 8]", "feed_mm": "8.000001"},
+                axes,
+                r"process\.feed_mm = 8\.000001: must be at most 8, the height of the part; give mm",
+            )
+            for axes in ("xz", "cxzu")
+        ),
+        ("weichai3a_plain", {}, "cxzu", r"piston\.section\.refit: is missing"),
+    ],
+)
+def test_impossible_parts_are_refused(
+    tmp_path: Path, name: str, changes: dict[str, str], axes: str, told: str
+) -> None:
+    """The line tells the field, the numbers and the highest speed that would do."""
+    part = changed(tmp_path, PERKINS.with_name(f"{name.removesuffix('_plain')}.toml"), **changes)
+    if name.endswith("_plain"):
+        text = part.read_text()
+        part.write_text(re.sub(r"\[piston\.section\.refit\][^\[]*", "", text))
+    done = mkgcode(part, "-o", tmp_path / "p.ngc", "--axes", axes)
+    assert done.returncode == 2
+    assert re.fullmatch(rf"mkgcode: .*part\.toml: .*{told}.*\n", done.stderr)
+    assert not (tmp_path / "p.ngc").exists()
+
+
+def test_a_folder_is_no_program(tmp_path: Path) -> None:
+    """The name of a folder is refused before anything is worked out."""
+    done = mkgcode(PERKINS, "-o", tmp_path)
+    assert done.returncode == 2
+    assert "is a folder; give the name of a file" in done.stderr
+
+
+def test_only_files_are_replaced(tmp_path: Path) -> None:
+    """A pipe, also behind a link, stays what it is; a link to a file stays a link."""
+    pipe, link, program = tmp_path / "pipe", tmp_path / "link", tmp_path / "part.ngc"
+    os.mkfifo(pipe)
+    link.symlink_to(pipe)
+    for path in (pipe, link):
+        done = mkgcode(PERKINS, "-o", path)
+        told = f"mkgcode: {path}: cannot write: not a regular file; give the name of a file\n"
+        assert (done.returncode, done.stderr) == (2, told)
+    assert pipe.is_fifo()
+    link.unlink()
+    link.symlink_to(program)
+    assert mkgcode(PERKINS, "-o", link).returncode == 0
+    assert link.is_symlink()
+    assert program.read_text().endswith("M2\n")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["link", "part.ngc", "pipe"]
+
+
+def test_script_sets_itself_up(tmp_path: Path) -> None:
+    """tools/mkgcode works from any folder."""
+    command = [str(ROOT / "tools" / "mkgcode"), str(PERKINS), "-o", "p.ngc"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "p.ngc").read_text().endswith("M2\n")

@@ -1,0 +1,334 @@
+"""The command line: files complete or absent, exit status, C that compiles."""
+
+from __future__ import annotations
+
+import filecmp
+import json
+import os
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+import time
+import zlib
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from camtools.base.errors import CamtoolsError
+from camtools.base.output import write_all
+from camtools.cli.mktables import main
+from camtools.pipeline.make import Made
+from camtools.skirt.generate import GeneratedSkirt
+from camtools.skirt.kind import KIND
+from camtools.skirt.plots import draw_all
+from camtools.table.csource import emit_header, emit_source, identifier
+from part_cases import PERKINS, ROOT, Mktables, environment
+
+STRICT_C = ["-std=c11", "-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-Wpedantic", "-Werror"]
+NAMES = ["perkins240.camtab", "perkins240.json", "perkins240_table.c", "perkins240_table.h"]
+
+
+def listing(folder: Path) -> list[str]:
+    """Return all names in a folder, hidden ones too."""
+    return sorted(path.name for path in folder.iterdir())
+
+
+def test_all_files_are_written(mktables: Mktables, tmp_path: Path) -> None:
+    """A good part gives exit status 0, four files, a summary, and nothing on stderr."""
+    run = mktables(PERKINS, "-o", tmp_path / "new" / "deep")
+    assert (run.returncode, run.stderr) == (0, "")
+    assert listing(tmp_path / "new" / "deep") == NAMES
+    assert run.stdout.startswith("perkins240: table of 3456 bytes\n")
+
+
+def test_two_runs_give_the_same_bytes(mktables: Mktables, tmp_path: Path) -> None:
+    """Every file, plots too, is the same from run to run and from folder to folder."""
+    for name in ("one", "two"):
+        assert mktables(PERKINS, "-o", tmp_path / name, "--plot").returncode == 0
+    assert len(listing(tmp_path / "one")) == 7
+    for name in listing(tmp_path / "one"):
+        assert filecmp.cmp(tmp_path / "one" / name, tmp_path / "two" / name, shallow=False), name
+
+
+def test_plots_are_pictures(generated: GeneratedSkirt) -> None:
+    """Section, motion and profile are PNG images."""
+    plots = draw_all(generated)
+    assert sorted(plots) == ["motion", "profile", "section"]
+    assert all(png.startswith(b"\x89PNG\r\n\x1a\n") for png in plots.values())
+
+
+def test_json_tells_what_was_chosen(generated: GeneratedSkirt) -> None:
+    """The report is JSON with sorted keys, and agrees with the image."""
+    files = Made(KIND, generated).files(with_plots=False)
+    text, image = files["perkins240.json"].decode(), files["perkins240.camtab"]
+    report = json.loads(text)
+    assert text == json.dumps(report, indent=1, sort_keys=True) + "\n"
+    assert report["table_bytes"] == len(image)
+    assert report["table_crc32"] == zlib.crc32(image[24:])
+    assert report["channels"]["u"]["n_slices"] == 32
+    assert report["error"]["u"]["value_nm"] <= 1.0
+    assert report["motion"]["velocity_mm_s"] == pytest.approx(39.27, abs=0.001)
+    assert report["feasibility"]["decided_by"] == "spindle_rpm"
+    assert report["process"]["magnify"] == 1.0
+    assert report["guaranteed"]["u_min_nm"] in (-1, 0)
+
+
+def test_design_evaluates_to_the_exact_geometry(generated: GeneratedSkirt) -> None:
+    """Piecewise cubics of the report give a(z) and G(z) without our package."""
+    design = json.loads(Made(KIND, generated).files(with_plots=False)["perkins240.json"])["design"]
+    assert (design["shape"], design["beta"]) == ("ellipse", 0.0)
+    for name, exact in (
+        ("radius_mm", generated.geometry.radius_mm),
+        ("ovality_mm", generated.geometry.ovality_mm),
+    ):
+        breaks = np.array(design[name]["breaks_mm"])
+        z_mm = np.linspace(0, 62, 1001)
+        piece = np.clip(np.searchsorted(breaks, z_mm, "right") - 1, 0, breaks.size - 2)
+        c3, c2, c1, c0 = np.array(design[name]["coefficients"])[piece].T
+        t = z_mm - breaks[piece]
+        np.testing.assert_allclose(((c3 * t + c2) * t + c1) * t + c0, exact(z_mm), rtol=1e-14)
+
+
+def bad_parts() -> dict[str, tuple[bytes, str]]:
+    """Return bad part files and the words that stderr must contain."""
+    good = PERKINS.read_bytes()
+    return {
+        "empty": (b"", "part: is missing"),
+        "binary": (b"\xff\x00", "not UTF-8"),
+        "text": (b"hello\n", "not TOML"),
+        "unknown": (good + b"[extra]\n", "extra = {}"),
+        "nan": (good.replace(b"91.940", b"nan"), "piston.profile.diameter_mm.0 = nan"),
+        "slow": (good.replace(b"= 400", b"= 10"), "machine.limits.u_speed_mm_s = 10 mm/s"),
+        "short": (good.replace(b"= 1.2", b"= 0.1"), "machine.limits.u_stroke_mm = 0.1 mm"),
+        "fast": (good.replace(b"= 2500", b"= 3001"), "machine.limits.spindle_rpm = 3000 r/min"),
+        "coarse": (
+            good.replace(b"[0, 10, 20, 30, 40, 50, 62]", b"[0, 1, 2, 3, 4, 6, 8]").replace(
+                b"feed_mm = 0.1", b"feed_mm = 8.000001"
+            ),
+            "process.feed_mm = 8.000001: must be at most 8, the height of the part; give mm per",
+        ),
+        "coarse-cam": (
+            PERKINS.with_name("cam-345.toml")
+            .read_bytes()
+            .replace(b"[0, 12]", b"[0.5, 4]")
+            .replace(b"[process]", b"[process]\nfeed_mm = 5"),
+            "process.feed_mm = 5: must be at most 3.5, the height of the part; give mm per turn",
+        ),
+        "inside-out": (good + b"[magnify]\nfactor = 1000\n", "magnify.factor: "),
+    }
+
+
+@pytest.mark.parametrize("name", list(bad_parts()))
+def test_bad_part_leaves_nothing(
+    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A bad part gives exit status 2, lines with file and field, and no output folder."""
+    data, words = bad_parts()[name]
+    part = tmp_path / f"{name}.toml"
+    part.write_bytes(data)
+    assert main([str(part), "-o", str(tmp_path / "out")]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert words in err
+    assert all(line.startswith(f"mktables: {part}: ") for line in err.splitlines())
+    assert listing(tmp_path) == [part.name]
+
+
+@pytest.mark.parametrize(
+    ("words", "named"),
+    [
+        ([], "required"),
+        (["x.toml"], "-o"),
+        (["x.toml", "-o", "d", "--tolerance-nm", "much"], "--tolerance-nm"),
+        (["x.toml", "-o", "d", "--tolerance-nm", "0"], "tolerance_nm = 0"),
+        (["x.toml", "-o", "d", "--tolerance-nm", "nan"], "tolerance_nm = nan"),
+        (["x.toml", "-o", "d", "--colour"], "--colour"),
+        (["missing.toml", "-o", "d"], "missing.toml: cannot be read: No such file"),
+        ([str(ROOT), "-o", "d"], "cannot be read: Is a directory"),
+        ([str(PERKINS), "-o", "d", "--tolerance-nm", "1e-9"], "tolerance_nm = 1e-09: unreach"),
+        ([str(PERKINS), "-o", str(PERKINS)], "perkins240.toml: cannot write"),
+        ([str(PERKINS), "-o", "/proc/none"], "/proc/none: cannot write"),
+    ],
+)
+def test_wrong_usage_is_one_line(mktables: Mktables, words: list[str], named: str) -> None:
+    """Wrong usage gives exit status 2 and one line that names what is wrong."""
+    run = mktables(*words)
+    assert (run.returncode, run.stdout) == (2, "")
+    assert named in run.stderr
+    assert run.stderr.count("\n") == 1
+
+
+def test_generated_c_is_the_image(tmp_path: Path, generated: GeneratedSkirt) -> None:
+    """The C source compiles without a warning and holds the image's bytes, aligned to 32."""
+    compiler = shutil.which("gcc") or shutil.which("cc")
+    assert compiler is not None
+    for name, data in Made(KIND, generated).files(with_plots=False).items():
+        (tmp_path / name).write_bytes(data)
+    (tmp_path / "main.c").write_text(
+        '#include "perkins240_table.h"\n#include <stdio.h>\nint main(void)\n{\n'
+        "    if (((uintptr_t)perkins240_table % 32u) != 0u) { return 1; }\n"
+        "    return fwrite(perkins240_table, perkins240_table_size, 1, stdout) == 1u ? 0 : 2;\n}\n"
+    )
+    sources = ["main.c", "perkins240_table.c"]
+    command = [compiler, *STRICT_C, *sources, "-o", "show"]
+    built = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert (built.returncode, built.stderr) == (0, "")
+    shown = subprocess.run([tmp_path / "show"], capture_output=True, check=True).stdout
+    assert shown == (tmp_path / "perkins240.camtab").read_bytes()
+
+
+@pytest.mark.parametrize("name", ["16V240-ZJ", "int", "a-b", "9"])
+def test_every_part_name_makes_valid_c(tmp_path: Path, name: str) -> None:
+    """Digits first, hyphens and keywords still give sources that compile."""
+    assert identifier(name).isidentifier()
+    (tmp_path / f"{name}_table.h").write_text(emit_header(name, 32))
+    (tmp_path / f"{name}_table.c").write_text(emit_source(name, bytes(range(32))))
+    command = ["gcc", *STRICT_C, "-c", f"./{name}_table.c", "-o", "out.o"]
+    built = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert (built.returncode, built.stderr) == (0, "")
+
+
+def _small_files_only() -> None:
+    signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (8192, 8192))
+
+
+def test_full_disk_leaves_the_old_set(mktables: Mktables, tmp_path: Path) -> None:
+    """When writing fails half-way, older files are as they were and nothing is added."""
+    for name in NAMES:
+        (tmp_path / name).write_text("older")
+    command = [sys.executable, "-m", "camtools.cli.mktables", str(PERKINS), "-o", str(tmp_path)]
+    run = subprocess.run(
+        command,
+        env=environment(),
+        preexec_fn=_small_files_only,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert run.returncode == 2
+    assert "cannot write: File too large; " in run.stderr
+    assert run.stderr.count("\n") == 1
+    assert listing(tmp_path) == NAMES
+    assert {path.read_text() for path in tmp_path.iterdir()} == {"older"}
+
+
+def test_name_taken_by_a_folder_changes_nothing(tmp_path: Path) -> None:
+    """When one name cannot be given, none is."""
+    (tmp_path / "b").mkdir()
+    (tmp_path / "a").write_text("older")
+    with pytest.raises(CamtoolsError, match="Is a directory"):
+        write_all(tmp_path, {"a": b"new", "b": b"new"})
+    assert listing(tmp_path) == ["a", "b"]
+    assert (tmp_path / "a").read_text() == "older"
+
+
+@pytest.mark.parametrize("target", ["missing", "older", "pipe", "folder", "circle"])
+def test_symbolic_links_stay(tmp_path: Path, target: str) -> None:
+    """The file that a link points to is replaced, in its own folder; nothing else ever is."""
+    there, here = tmp_path / "there", tmp_path / "here"
+    (there / "folder").mkdir(parents=True)
+    (there / "older").write_text("older")
+    os.mkfifo(there / "pipe")
+    (there / "circle").symlink_to("circle")
+    here.mkdir()
+    (here / "b").symlink_to(Path("..") / "there" / target)
+    before = listing(there)
+    if target in ("missing", "older"):
+        write_all(here, {"a": b"new", "b": b"new"})
+        assert (there / target).read_bytes() == b"new"
+        assert listing(there) == sorted({*before, target})
+    else:
+        with pytest.raises(CamtoolsError, match=r"^\S*: cannot write: [^;]*; give "):
+            write_all(here, {"a": b"new", "b": b"new"})
+        assert (listing(here), listing(there)) == (["b"], before)
+    assert (here / "b").is_symlink()
+    assert (there / "pipe").is_fifo()
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_interrupted_run_leaves_nothing(tmp_path: Path, number: signal.Signals) -> None:
+    """A signal while writing removes temporaries and the new folder; the status tells it."""
+    script = (
+        "import sys, os, time, camtools.cli.mktables as m, camtools.base.output as o\n"
+        "def slow(handle):\n    print('writing', flush=True)\n    time.sleep(30)\n"
+        "o.os.fsync = slow\n"
+        "sys.exit(m.main(sys.argv[1:]))\n"
+    )
+    command = [sys.executable, "-c", script, str(PERKINS), "-o", str(tmp_path / "out")]
+    with subprocess.Popen(
+        command, env=environment(), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as run:
+        assert run.stdout is not None
+        assert run.stdout.readline() == "writing\n"
+        assert any(name.endswith(".tmp") for name in listing(tmp_path / "out"))
+        run.send_signal(number)
+        _, err = run.communicate(timeout=20)
+    assert run.returncode == 128 + number
+    assert err == "mktables: interrupted; nothing was written\n"
+    assert listing(tmp_path) == []
+
+
+def _default_interrupt() -> None:
+    signal.signal(signal.SIGINT, signal.SIG_DFL)  # a shell's background jobs ignore it
+
+
+def _interrupted_import(folder: Path, *words: str) -> tuple[int, str]:
+    """Return status and complaint of a Python that is interrupted while it imports numpy."""
+    (folder / "numpy.py").write_text("import time\nprint('here', flush=True)\ntime.sleep(30)\n")
+    env = environment()
+    env["PYTHONPATH"] = f"{folder}:{env['PYTHONPATH']}"
+    with subprocess.Popen(
+        [sys.executable, *words],
+        env=env,
+        preexec_fn=_default_interrupt,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    ) as run:
+        assert run.stdout is not None
+        assert run.stdout.readline() == "here\n"
+        run.send_signal(signal.SIGINT)
+        _, err = run.communicate(timeout=20)
+    return run.returncode, err
+
+
+def test_interrupted_loading_is_silent(tmp_path: Path) -> None:
+    """Ctrl-C before a tool has its handlers ends it without a traceback."""
+    status, err = _interrupted_import(tmp_path, "-m", "camtools.cli.mktables", "--help")
+    assert (status, err) == (-signal.SIGINT, "")
+
+
+def test_library_leaves_the_interrupt_alone(tmp_path: Path) -> None:
+    """Whoever imports the package gets KeyboardInterrupt as ever."""
+    _, err = _interrupted_import(tmp_path, "-c", "import camtools.cli.mktables")
+    assert err.endswith("KeyboardInterrupt\n")
+
+
+@pytest.mark.alone
+def test_whole_command_takes_two_seconds(mktables: Mktables, tmp_path: Path) -> None:
+    """Perkins 240 takes at most 2 s, the interpreter's start included (measured as CPU time)."""
+    before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+    start_s = time.monotonic()
+    assert mktables(PERKINS, "-o", tmp_path).returncode == 0
+    used_s = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
+    assert min(used_s, time.monotonic() - start_s) <= 2.0
+
+
+def test_script_runs_from_anywhere(tmp_path: Path) -> None:
+    """tools/mktables works through a symbolic link, from another folder, with spaces."""
+    if not (ROOT / "build" / "venv" / "bin" / "python").exists():
+        pytest.skip("build/venv is not set up")
+    folder = tmp_path / "a folder"
+    folder.mkdir()
+    (folder / "my tables").symlink_to(ROOT / "tools" / "mktables")
+    shutil.copy(PERKINS, folder / "my part.toml")
+    command = ["./my tables", "my part.toml", "-o", "my out"]
+    run = subprocess.run(
+        command, cwd=folder, env=dict(os.environ), capture_output=True, text=True, check=False
+    )
+    assert run.returncode == 0, run.stderr
+    assert listing(folder / "my out") == NAMES

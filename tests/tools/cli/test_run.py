@@ -1,0 +1,388 @@
+"""The command line tools/run: results complete or not at all, exit status, one line per error."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.image import imread
+
+from camtools.base.errors import CamtoolsError
+from camtools.base.stage import Stage
+from camtools.cli.run import main
+from camtools.part.common import MachineLimits
+from camtools.pipeline.job import RunJob, without_faults
+from camtools.pipeline.load import load
+from camtools.sim.camsim import machine_text, traced_turns, variant_of
+from camtools.sim.results import read_surface, read_trace
+from part_cases import PERKINS, ROOT, environment
+
+BUILD = Path(os.environ.get("CAMTURN_BUILD") or ROOT / "build" / "host").resolve()
+CAMSIM = BUILD / "host_sim" / "camsim"
+built = pytest.mark.skipif(not CAMSIM.exists(), reason="camsim is not built")
+
+Run = Callable[..., subprocess.CompletedProcess[str]]
+Command = Callable[..., tuple[int, str, str]]
+SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+WALL_CLOCK = ("wall_time_s", "ticks_per_s", "run_wall_time_s")
+RESULTS = [
+    *(f"cut_{key}.png" for key in ("compare", "following", "height", "map", "motion", "overview")),
+    *(
+        "cut_sections.png",
+        "cut_sequence.png",
+        "cut_skirt.png",
+        "perkins240.camtab",
+        "perkins240.json",
+    ),
+    *("perkins240_machine.toml", "perkins240_table.c", "perkins240_table.h", "report.html"),
+    *("summary.json", "surface.csv", "trace.csv"),
+]
+
+
+@pytest.fixture
+def run(tmp_path: Path) -> Run:
+    """Run the command in a process of its own, in a folder of its own."""
+
+    def start(*words: str | Path, **settings: str) -> subprocess.CompletedProcess[str]:
+        command = [sys.executable, "-m", "camtools.cli.run", *map(str, words)]
+        env = environment() | {"CAMTURN_BUILD": str(BUILD)} | settings
+        return subprocess.run(
+            command, cwd=tmp_path, env=env, capture_output=True, text=True, timeout=120, check=False
+        )
+
+    return start
+
+
+@pytest.fixture
+def command(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> Iterator[Command]:
+    """Run the command in this process, in a folder of its own; return status and output."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("CAMTURN_BUILD", str(BUILD))
+    handlers = {number: signal.getsignal(number) for number in SIGNALS}
+
+    def start(*words: str) -> tuple[int, str, str]:
+        try:
+            status = main(words)
+        except SystemExit as end:
+            status = int(end.code or 0)
+        return status, *capfd.readouterr()
+
+    yield start
+    for number, handler in handlers.items():
+        signal.signal(number, handler)
+
+
+def listing(folder: Path) -> list[str]:
+    """Return all names in a folder, hidden ones too."""
+    return sorted(path.name for path in folder.iterdir())
+
+
+def complaints(stderr: str) -> list[str]:
+    """Return stderr without the lines that tell what is going on."""
+    steps = re.compile(r"run: (making the table of|cutting [\d.e+]+ turns on|drawing the report)")
+    return [line for line in stderr.splitlines() if not steps.match(line)]
+
+
+@built
+def test_default_cut_is_within_a_micrometre(run: Run, tmp_path: Path) -> None:
+    """The Perkins skirt at 2500 r/min gives all results, a table on stdout, and status 0."""
+    folder = tmp_path / "ein Ordner für Kolben"
+    done = run("-o", folder)
+    assert (done.returncode, complaints(done.stderr)) == (0, [])
+    assert listing(folder) == RESULTS
+    assert done.stdout.startswith("perkins240: within tolerance\n")
+    summary = json.loads((folder / "summary.json").read_text())
+    assert summary["form_error_um"]["max"] < 1
+    assert summary["table_error_nm"]["u"] <= 1
+    assert summary["cut"]["spindle_rpm"] == 2500
+    assert summary["feasibility"]["u_speed_mm_s"]["limit"] == 400
+    complete, *worse = summary["comparison"]
+    assert complete["max_um"] == pytest.approx(summary["form_error_um"]["max"])
+    assert worse[-1]["max_um"] > 30
+    trace, surface = read_trace(folder / "trace.csv"), read_surface(folder / "surface.csv")
+    assert summary["trace"] == {"file": "trace.csv", "ticks": trace.t_s.size, "is_complete": True}
+    assert float(np.abs(surface.error_um).max()) < 1
+
+
+def same_picture(one: Path, two: Path) -> bool:
+    """Tell whether two pictures show the same; a line may round to another pixel here and there."""
+    a, b = imread(one), imread(two)
+    return a.shape == b.shape and float(np.abs(a - b).mean()) < 1e-3
+
+
+def without_clock(name: str, content: bytes) -> object:
+    """Return a result without what the wall clock and its pictures put into it."""
+    if name == "summary.json":
+        return {k: v for k, v in json.loads(content).items() if k not in WALL_CLOCK}
+    if name == "report.html":
+        content = re.sub(rb"data:image/png;base64,[\w+/=]*", b"", content)
+        return re.sub(rb"[\d.]+ s for the cut with its trace", b"", content)
+    return content
+
+
+@built
+def test_two_cuts_differ_in_clock_times_only(run: Run, tmp_path: Path) -> None:
+    """Tables, trace and surface are the same bytes, pictures show the same; so does the report."""
+    for name in ("one", "two"):
+        assert run("--feed", "2", "-o", tmp_path / name).returncode == 0
+    for name in RESULTS:
+        one, two = tmp_path / "one" / name, tmp_path / "two" / name
+        if name.endswith(".png"):
+            is_same = same_picture(one, two)
+        else:
+            a, b = (without_clock(name, path.read_bytes()) for path in (one, two))
+            is_same = a == b  # asserted by itself: pytest would show the difference for minutes
+        assert is_same, name
+
+
+@built
+def test_fault_gives_a_report_and_status_1(run: Run, tmp_path: Path) -> None:
+    """An emergency stop in the cut is told by camsim's line, by the table and by the report."""
+    done = run("--feed", "2", "-o", tmp_path / "out", "--", "--inject", "estop@0.3")
+    assert done.returncode == 1
+    assert [line for line in complaints(done.stderr) if "fault estop" in line]
+    assert done.stdout.startswith("perkins240: fault: estop\n")
+    assert "FAULT: ESTOP" in (tmp_path / "out" / "report.html").read_text()
+    assert json.loads((tmp_path / "out" / "summary.json").read_text())["faults"] == ["estop"]
+
+
+@built
+def test_out_of_tolerance_is_status_1(run: Run, tmp_path: Path) -> None:
+    """A cut that is too far off is reported all the same."""
+    done = run("--feed", "2", "-o", tmp_path / "out", "--", "--no-feed-forward")
+    assert done.returncode == 1
+    assert done.stdout.startswith("perkins240: out of tolerance\n")
+    assert "report.html" in listing(tmp_path / "out")
+
+
+@built
+@pytest.mark.parametrize(
+    ("words", "named"),
+    [
+        (["--rpm", "0"], "--rpm 0: must be a finite number above 0; give r/min"),
+        (["--rpm=-5"], "--rpm -5: must be"),
+        (["--rpm", "nan"], "--rpm nan: must be"),
+        (["--rpm", "inf"], "--rpm inf: must be"),
+        (["--rpm", "fast"], "--rpm fast: must be"),
+        (["--rpm", ""], "--rpm : must be"),
+        (["--rpm", "1e9"], "--rpm 1000000000.0: out of range"),
+        (["--rpm", "4000"], "give at most --rpm 3000"),
+        (["--feed", "0"], "--feed 0: must be a finite number above 0; give mm per turn"),
+        (["--feed", "500"], "--feed 500: must be at most 10 mm, what the firmware takes; give"),
+        (["-o", ""], "-o: an empty path"),
+        (["-o", "older"], "older: cannot write: File exists"),
+        (["-o", "older/below"], "older/below: cannot write: Not a directory"),
+        (["-o", "/proc/none"], "/proc/none: cannot write"),
+        (["-o", "x" * 300], "cannot write: File name too long"),
+        (["missing.toml"], "missing.toml: cannot be read: No such file"),
+        (["older"], "older: not TOML"),
+        (["--colour"], "--colour"),
+        (["a.toml", "b.toml"], "unrecognized arguments: b.toml"),
+        (["--", "--trace", "t.csv"], "-- --trace: is set by tools/run itself"),
+        (["--", "--inject", "flood@1"], "--inject flood@1: no such kind"),
+        (["--", "--machine", "missing.toml"], "missing.toml: cannot be opened"),
+    ],
+)
+def test_wrong_usage_is_one_line(
+    command: Command, tmp_path: Path, words: list[str], named: str
+) -> None:
+    """Bad input gives exit status 2, one line that names it, and no file."""
+    (tmp_path / "older").write_text("older, not a folder\n")
+    output = [] if "-o" in words else ["-o", "out"]
+    status, out, err = command(*output, *words)
+    assert (status, out) == (2, "")
+    assert len(complaints(err)) == 1
+    assert named in err
+    assert listing(tmp_path) == ["older"]
+
+
+@built
+def test_failed_run_leaves_earlier_results(run: Run, tmp_path: Path) -> None:
+    """What an earlier run wrote stays as it was, byte for byte and nothing beside it."""
+    for name in ("report.html", "summary.json", "notes.txt"):
+        (tmp_path / name).write_text("older")
+    assert run("--rpm", "4000", "-o", tmp_path).returncode == 2
+    assert listing(tmp_path) == ["notes.txt", "report.html", "summary.json"]
+    assert {path.read_text() for path in tmp_path.iterdir()} == {"older"}
+
+
+def test_missing_simulator_is_told(run: Run, tmp_path: Path) -> None:
+    """Without a build the remedy is named."""
+    done = run("-o", tmp_path / "out", CAMTURN_BUILD=str(tmp_path / "nowhere"))
+    assert done.returncode == 2
+    assert "cannot be started: No such file or directory; start tools/run" in done.stderr
+    assert listing(tmp_path) == []
+
+
+def _small_files_only() -> None:
+    signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (200_000, 200_000))
+
+
+@built
+def test_full_disk_leaves_nothing(tmp_path: Path) -> None:
+    """When the trace does not fit, nothing appears and the status is 2."""
+    command = [sys.executable, "-m", "camtools.cli.run", "--feed", "2", "-o", "out"]
+    done = subprocess.run(
+        command,
+        cwd=tmp_path,
+        env=environment() | {"CAMTURN_BUILD": str(BUILD)},
+        preexec_fn=_small_files_only,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (done.returncode, done.stdout) == (2, "")
+    assert "File too large" in done.stderr
+    assert listing(tmp_path) == []
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_interrupted_run_leaves_nothing(tmp_path: Path, number: signal.Signals) -> None:
+    """A signal ends the simulator too, removes the stage and the new folder."""
+    camsim = tmp_path / "build" / "host_sim" / "camsim"
+    camsim.parent.mkdir(parents=True)
+    camsim.write_text('#!/bin/sh\necho $$ > "$0.pid"\nexec sleep 60\n')
+    camsim.chmod(0o755)
+    command = [sys.executable, "-m", "camtools.cli.run", "-o", str(tmp_path / "out")]
+    env = environment() | {"CAMTURN_BUILD": str(tmp_path / "build")}
+    with subprocess.Popen(command, env=env, stderr=subprocess.PIPE, text=True) as job:
+        pid_file = camsim.with_name("camsim.pid")
+        end_s = time.monotonic() + 30
+        while not (pid_file.exists() and pid_file.read_text()) and time.monotonic() < end_s:
+            time.sleep(0.05)
+        job.send_signal(number)
+        _, err = job.communicate(timeout=20)
+    assert job.returncode == 128 + number
+    assert err.endswith("run: interrupted; nothing was written\n")
+    assert listing(tmp_path) == ["build"]
+    with pytest.raises(ProcessLookupError):
+        os.kill(int(pid_file.read_text()), 0)
+
+
+def test_crashed_simulator_is_told(run: Run, tmp_path: Path) -> None:
+    """A simulator that dies of a signal gives one line and status 2."""
+    camsim = tmp_path / "build" / "host_sim" / "camsim"
+    camsim.parent.mkdir(parents=True)
+    camsim.write_text("#!/bin/sh\nkill -SEGV $$\n")
+    camsim.chmod(0o755)
+    done = run("-o", tmp_path / "out", CAMTURN_BUILD=str(tmp_path / "build"))
+    assert done.returncode == 2
+    assert "camsim: ended by signal 11" in done.stderr
+    assert listing(tmp_path) == ["build"]
+
+
+def test_stage_publishes_over_earlier_files(tmp_path: Path) -> None:
+    """Files of the stage replace those of the same name; others stay."""
+    (tmp_path / "a").write_text("older")
+    (tmp_path / "b").write_text("older")
+    with Stage(tmp_path) as stage:
+        (stage.folder / "a").write_text("new")
+        assert (tmp_path / "a").read_text() == "older"
+        stage.publish()
+    assert {path.name: path.read_text() for path in tmp_path.iterdir()} == {
+        "a": "new",
+        "b": "older",
+    }
+
+
+def test_name_taken_by_a_folder_changes_nothing(tmp_path: Path) -> None:
+    """When one name cannot be given, none is."""
+    (tmp_path / "b").mkdir()
+    with (
+        pytest.raises(CamtoolsError, match="/b: cannot write: Is a directory; "),
+        Stage(tmp_path) as stage,
+    ):
+        (stage.folder / "a").write_text("new")
+        (stage.folder / "b").write_text("new")
+        stage.publish()
+    assert listing(tmp_path) == ["b"]
+
+
+@pytest.mark.parametrize("kind", ["piston", "cam"])
+def test_feed_beyond_the_part_is_refused_first(
+    kind: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """One line tells the largest feed that would do; no table is made before."""
+    name, heights, shorter = {
+        "piston": ("perkins240", "[0, 10, 20, 30, 40, 50, 62]", "[0, 1, 2, 3, 4, 6, 8]"),
+        "cam": ("cam-345", "[0, 12]", "[4, 12]"),
+    }[kind]
+    path = tmp_path / "low.toml"
+    text = PERKINS.with_name(f"{name}.toml").read_text()
+    path.write_text(text.replace(heights, shorter))
+    part = load(path).part
+    RunJob(["--feed", "8"]).check_feed(part)
+    RunJob([]).check_feed(part)
+    for feed in ("8.000001", "20"):
+        told = f"--feed {feed}: must be at most 8 mm, the height of the part; give at most --feed 8"
+        with pytest.raises(CamtoolsError) as info:
+            RunJob(["--feed", feed]).check_feed(part)
+        assert info.value.lines == [told]
+    assert main([str(path), "--feed", "20", "-o", str(tmp_path / "out")]) == 2
+    assert capfd.readouterr().err == f"run: {told}\n"  # nothing of a table that is made
+    assert listing(tmp_path) == ["low.toml"]
+
+
+def test_limits_of_the_part_become_the_machine() -> None:
+    """The machine file carries the part's limits, within the simulator's ranges."""
+    text = machine_text(
+        MachineLimits(u_stroke_mm=0.9, u_speed_mm_s=350.5, u_acceleration_mm_s2=1e9)
+    )
+    assert "stroke_mm = 0.9\n" in text
+    assert "speed_mm_per_s = 350.5\n" in text
+    assert "acceleration_mm_per_s2 = 10000000.0\n" in text
+    assert "limit_rpm = 3000.0\n" in text
+
+
+def test_long_cuts_are_traced_in_part() -> None:
+    """Up to 500 000 ticks all are traced; slow spindles get fewer turns."""
+    assert traced_turns(620, 2500) is None
+    assert traced_turns(62_000, 2500) == 200
+    assert traced_turns(620, 6) == pytest.approx(1.25)
+
+
+def test_job_takes_options_apart() -> None:
+    """What follows -- goes to camsim; files keep their place, faults can be left out."""
+    job = RunJob(["x.toml", "--rpm", "600", "--", "--inject", "estop@1", "--seed", "3"])
+    assert (job.part_path, job.rpm, job.feed_mm) == (Path("x.toml"), 600.0, None)
+    assert job.extra == ["--inject", "estop@1", "--seed", "3"]
+    assert without_faults(job.extra) == ["--seed", "3"]
+    assert without_faults(["--inject=estop@1", "--seed", "3"]) == ["--seed", "3"]
+    assert RunJob(["--", "--machine", os.path.relpath(PERKINS)]).extra[1] == str(PERKINS)
+
+
+def test_comparison_tells_a_cut_that_ended_early() -> None:
+    """A variant that faulted is named so, one that cut nothing is left out."""
+    form = {"max": 3.0, "rms": 1.0}
+    early = variant_of("x", {"end": "fault", "form_error_um": form})
+    assert early is not None
+    assert early.name == "x (ended early: fault)"
+    nothing = {"max": None, "rms": None}
+    assert variant_of("x", {"end": "fault", "form_error_um": nothing}) is None
+
+
+@built
+def test_script_runs_from_anywhere(tmp_path: Path) -> None:
+    """tools/run works through a symbolic link, from another folder, with spaces."""
+    if BUILD != ROOT / "build" / "host":
+        pytest.skip("the script builds build/host")
+    (tmp_path / "my run").symlink_to(ROOT / "tools" / "run")
+    shutil.copy(PERKINS, tmp_path / "my part.toml")
+    command = ["./my run", "my part.toml", "--feed", "2", "-o", "my out"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert "  results               my out/report.html" in done.stdout

@@ -1,0 +1,227 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The ring-helix on the simulator: Z against its path, the surface between tracks."""
+
+from __future__ import annotations
+
+import csv as csv_module
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from camsim_cases import CAMSIM, camsim, only_error
+from camtools.cli.scallop import main
+from camtools.cut.path import ToolPath, ramp_of
+from camtools.part.common import MachineLimits
+from camtools.skirt.geometry import make_geometry
+from camtools.study.path import PathStudy
+from camtools.study.path_cut import PathCut, cut_paths, predicted_scallop_um, read_scallop
+from part_cases import ROOT, load_part
+
+PART = ROOT / "tools" / "parts" / "perkins240_ring_helix.toml"
+NOSE_MM = 0.8
+Z_DRIVE_HZ = 50.0  # of the default machine, two equal poles
+LAG_S = 2 / (2 * np.pi * Z_DRIVE_HZ) + 25e-6  # compensated by reading ahead: half a tick of hold
+ROUND_S = 21 * 50e-6
+# Two equal poles of w delay by a gamma distribution of mean 2 / w; where the speed jumps by v they
+# are off by v E[(2 / w - T)+] = 4 / e^2 v / w.
+CORNER = 4 * np.exp(-2) / (2 * np.pi * Z_DRIVE_HZ)
+ROOT_UM = 1000.0
+
+
+def z_error_um(rpm: float, path: ToolPath) -> float:
+    """Return how far Z of the default machine may be off: rounded corners, and a round."""
+    per_s = rpm / 60
+    speed = path.feed_mm * per_s / (1 - path.ramp)
+    return float(speed * CORNER * 1000) + planned_error_um(rpm, path)
+
+
+def planned_error_um(rpm: float, path: ToolPath) -> float:
+    """Return how far the set-point of Z may be off: a''(round)^2 / 8, lag times speed ripple."""
+    per_s = rpm / 60
+    acceleration = path.feed_mm * per_s**2 / (path.ramp * (1 - path.ramp))
+    ripple = path.feed_mm * per_s / (1 - path.ramp) * 0.004 * (LAG_S + 2 * ROUND_S)
+    return float(acceleration * ROUND_S**2 / 8 + ripple) * 1000 + 0.02
+
+
+def columns(path: Path, *names: str) -> list[NDArray[Any]]:
+    """Return columns of a trace while the state is cutting."""
+    with path.open() as stream:
+        rows = [row for row in csv_module.DictReader(stream) if row["state"] == "cutting"]
+    return [np.array([float(row[name]) for row in rows]) for name in names]
+
+
+@pytest.mark.parametrize("rpm", [500.0, 2500.0])
+def test_z_follows_the_path(rpm: float, table_of: Callable[[str], Path], tmp_path: Path) -> None:
+    """Set-point and true Z over the turns are those of path.py, within derived bounds."""
+    trace = tmp_path / "trace.csv"
+    words = ("--rpm", str(rpm), "--turns-limit", "6", "--trace", trace)
+    assert camsim("run", table_of(PART.stem), *words).returncode == 0
+    turn, true_z, set_z = columns(trace, "turn", "true_z_mm", "out_z_nm")
+    path = ToolPath("ring-helix", 0.0, 62.0, 0.1, ramp_of(0.1, rpm, MachineLimits()))
+    turns = turn - np.round(turn[0])
+    inside = turns < 6  # the operator's stop goes on to the end of a ring
+    off_um = (true_z - path.height_mm(turns))[inside] * ROOT_UM
+    ahead = path.height_mm(turns + rpm / 60 * LAG_S)
+    set_off_um = (set_z * 1e-6 - ahead)[inside] * ROOT_UM
+    assert np.abs(set_off_um).max() <= planned_error_um(rpm, path)
+    assert np.abs(off_um).max() <= z_error_um(rpm, path)
+    assert np.abs(off_um).max() >= z_error_um(rpm, path) / 3  # the bound is no room for errors
+    assert np.round(turn[-1]) - np.round(turn[0]) == 7  # four rings, three turns of a helix
+    assert true_z[-1] == pytest.approx(0.3, abs=z_error_um(rpm, path) / 1000)
+
+
+def test_rings_are_closed(table_of: Callable[[str], Path], tmp_path: Path) -> None:
+    """In the middle of every ring Z stands at the drawing's height, at 500 r/min to 0.1 um."""
+    trace = tmp_path / "trace.csv"
+    words = ("--turns-limit", "6", "--trace", trace)
+    assert camsim("run", table_of(PART.stem), *words).returncode == 0
+    turn, true_z = columns(trace, "turn", "true_z_mm")
+    turns = turn - np.round(turn[0])
+    for ring in range(4):
+        inside = (turns > 2 * ring + 0.25) & (turns < 2 * ring + 0.75)
+        assert inside.any()
+        assert np.abs(true_z[inside] - 0.1 * ring).max() < 1e-4
+
+
+Measured = tuple[PathStudy, tuple[PathCut, ...]]
+
+
+@pytest.fixture(scope="module")
+def measured(tmp_path_factory: pytest.TempPathFactory) -> Measured:
+    """Cut the part along all three paths at its own 500 r/min."""
+    return cut_paths(load_part(PART), NOSE_MM, CAMSIM, tmp_path_factory.mktemp("paths"))
+
+
+# Half a spacing d of tracks that are e off leaves d e / nose more or less; the form error is added
+# twice, and the peak may lie between two heights of the map, 0.5 um d / nose off.
+def scallop_error_um(one: PathCut, z_error: float) -> float:
+    """Return how far measured and predicted peak to valley may differ."""
+    half_mm = one.row.path.feed_mm / 2
+    return float(half_mm / NOSE_MM * (z_error + 0.5) + 2 * one.form_error_um)
+
+
+def test_scallops_are_the_predicted_ones(measured: Measured) -> None:
+    """At every angle, within what Z's error, the form error and the map's spacing come to."""
+    _, (ring, half, same) = measured
+    for one, z_um in ((ring, z_error_um(500, ring.row.path)), (half, 0.0), (same, 0.0)):
+        off_um = np.abs(one.scallop_um - predicted_scallop_um(one.row))
+        assert off_um.max() <= scallop_error_um(one, z_um)
+    assert scallop_error_um(ring, z_error_um(500, ring.row.path)) < 0.19
+    assert scallop_error_um(half, 0.0) < 0.04
+
+
+def test_ring_helix_leaves_nearly_four_times_the_scallop_of_a_helix(measured: Measured) -> None:
+    """Of as many turns; opposite the long axis both leave the same."""
+    _, (ring, half, same) = measured
+    assert ring.scallop_um.max() / half.scallop_um.max() == pytest.approx(4, abs=0.3)
+    assert ring.scallop_um[120] == pytest.approx(half.scallop_um[120], abs=0.03)
+    assert same.scallop_um.mean() == pytest.approx(0.1**2 / 8 / NOSE_MM * 1000, abs=0.03)
+
+
+def test_times_are_those_of_the_turns(measured: Measured) -> None:
+    """A ring-helix of m rings takes 2 m - 1 turns, a helix its feeds and its ramp."""
+    _, (ring, half, same) = measured
+    turns = [one.turns for one in (ring, half, same)]
+    assert turns == pytest.approx([1241, 1242, 622], abs=0.05)
+    times = [one.time_s for one in (ring, half, same)]
+    assert times == pytest.approx([turn * 60 / 500 for turn in turns], rel=1e-3)
+
+
+def test_map_is_that_of_the_exact_tracks(table_of: Callable[[str], Path], tmp_path: Path) -> None:
+    """Circles on the exact tracks of a helix, cut out of the exact surface, to 0.03 um."""
+    out = tmp_path / "scallop.csv"
+    words = ("--rpm", "500", "--nose-mm", "2", "--scallop", out)
+    assert camsim("run", table_of("perkins240"), *words).returncode == 0
+    geometry = make_geometry(load_part(PART))
+    first = np.genfromtxt(out, delimiter=",", names=True, max_rows=401)
+    z_mm, proud_um = first["z_mm"], read_scallop(out)[0]
+    assert (z_mm[0], z_mm[-1]) == pytest.approx((30.8, 31.2))
+    # Ramped up over two turns, the helix lags by one: at the long axis the tracks are whole feeds.
+    tracks = np.arange(28.0, 34.0, 0.1)
+    tip = geometry.radius_mm(tracks)
+    off = z_mm[:, None] - tracks
+    near = np.abs(off) < 2
+    left = np.where(near, tip + 2 - np.sqrt(np.where(near, 4 - off**2, 4)), np.inf).min(axis=1)
+    np.testing.assert_allclose(proud_um, (left - geometry.radius_mm(z_mm)) * 1000, atol=0.03)
+
+
+def test_summary_tells_the_scallop(table_of: Callable[[str], Path], tmp_path: Path) -> None:
+    """Only with a nose; the path stands there, too."""
+    summary = tmp_path / "s.json"
+    table = table_of(PART.stem)
+    words = ("--summary", summary, "--rpm", "900", "--feed", "2", "--set", "z_margin_nm=1000000")
+    assert camsim("run", table, *words).returncode == 0
+    found = json.loads(summary.read_text())
+    assert "scallop" not in found
+    assert found["cut"]["path"] == "ring-helix"
+    assert found["cut"]["planned_turns"] == 63
+    assert camsim("run", table, *words, "--nose-mm", "5").returncode == 0
+    scallop = json.loads(summary.read_text())["scallop"]
+    assert scallop["z_last_mm"] - scallop["z_first_mm"] == pytest.approx(8)
+    assert 0 < scallop["peak_to_valley_min_um"] < scallop["peak_to_valley_max_um"] < 110
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (("--nose-mm", "0"), "--nose-mm 0: out of range; give mm, 0.01 .. 100"),
+        (("--scallop", "x.csv"), "no tool for it; give --nose-mm, too"),
+        (("--nose-mm", "1", "--scallop-mm", "5:4"), "--scallop-mm 5:4: no two rising heights"),
+        (("--nose-mm", "1", "--scallop-mm", "5"), "--scallop-mm 5: no two rising heights"),
+        (("--nose-mm", "1", "--scallop-mm", "a:b"), "--scallop-mm a:b: no two rising heights"),
+        (("--nose-mm", "1", "--scallop-mm", "61:63"), "beyond the part; give heights 0 .. 62"),
+        (("--nose-mm", "1", "--scallop", "x.csv", "--trace", "x.csv"), "named for two purposes"),
+    ],
+)
+def test_bad_options_are_refused(
+    words: tuple[str, ...], told: str, table_of: Callable[[str], Path]
+) -> None:
+    """One line with the option and the remedy, and nothing written."""
+    assert told in only_error(camsim("run", table_of("perkins240"), *words))
+    assert not Path("x.csv").exists()
+
+
+def test_command_writes_table_and_picture(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Both appear together; the text has a line per path."""
+    assert main([str(PART), "-o", str(tmp_path / "out"), "--nose-mm", "1.6"]) == 0
+    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == [
+        "scallop.csv",
+        "scallop.png",
+    ]
+    told = capsys.readouterr().out.splitlines()
+    assert [line.split("  ")[0] for line in told[2:]] == [
+        "ring-helix",
+        "helix, half the feed",
+        "helix",
+    ]
+    with (tmp_path / "out" / "scallop.csv").open() as stream:
+        rows = list(csv_module.DictReader(stream))
+    assert [float(row["scallop_max_um"]) for row in rows] == pytest.approx(
+        [0.7813, 0.1953, 0.7813], abs=1e-3
+    )
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["--nose-mm", "200"], "--nose-mm 200.0: out of range; give 0.01 .. 100"),
+        (["--rpm", "0"], "--rpm 0.0: out of range; give 1 .. 60000"),
+        (["--rpm", "5000"], 'process.path = "ring-helix": needs at least 2777.77778 mm/s2 of Z'),
+    ],
+)
+def test_command_refuses(
+    words: list[str], told: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Status 2, one line, no folder."""
+    assert main([str(PART), "-o", str(tmp_path / "out"), *words]) == 2
+    lines = capsys.readouterr().err.splitlines()
+    assert len(lines) == 1
+    assert told in lines[0]
+    assert not (tmp_path / "out").exists()

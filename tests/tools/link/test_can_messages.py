@@ -1,0 +1,190 @@
+# SPDX-License-Identifier: Apache-2.0
+"""camturn.dbc against the C sources that it describes, and the C made of it."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+from pathlib import Path
+
+import cantools
+import pytest
+from cantools.database.can import Database, Message
+
+from camtools.cli.can_source import generate, main
+
+ROOT = Path(__file__).resolve().parents[3]
+DBC = ROOT / "firmware" / "remote" / "can" / "camturn.dbc"
+FIRMWARE = ROOT / "firmware"
+HAL = ROOT / "hal" / "include" / "hal" / "hal.h"
+QUICK = {
+    "speed": ("spindle_mrpm", 1e-3),
+    "feed": ("feed_nm", 1e-6),
+    "amplitude": ("amplitude_ppm", 1e-4),
+    "phase": ("phase_udeg", 1e-6),
+}
+
+
+@pytest.fixture(scope="module")
+def database() -> Database:
+    """Return the DBC, loaded strictly: no overlap, nothing outside of its message."""
+    loaded = cantools.database.load_file(DBC, strict=True)
+    assert isinstance(loaded, Database)
+    return loaded
+
+
+def choices(message: Message, signal: str) -> dict[int, str]:
+    """Return a value table as plain names."""
+    table = message.get_signal_by_name(signal).choices
+    assert table is not None
+    return {int(number): str(name) for number, name in table.items()}
+
+
+def header_of(name: str) -> str:
+    """Return the text of a header of the firmware, whichever room it is in."""
+    [path] = FIRMWARE.rglob(name)
+    return path.read_text("utf-8")
+
+
+def rows(header: str, macro: str) -> list[list[str]]:
+    """Return the arguments of every X() of an X-macro."""
+    body = header_of(header).split(f"#define {macro}(X)")[1].split("\n\n")[0]
+    found = re.findall(r"X\(([^\n]*)\)\s*\\?\n?", body + "\n")
+    return [[word.strip().strip('"') for word in row.split(",")] for row in found]
+
+
+def enumerators(text: str, type_name: str, prefix: str) -> dict[int, str]:
+    """Return the enumerators of a C enumeration by their numbers, without their prefix."""
+    body = text.split(f"}} {type_name};")[0].rpartition("typedef enum")[2]
+    body = re.sub(r"//[^\n]*", "", body)
+    number, found = -1, {}
+    for name, value in re.findall(
+        r"(\w+)\s*(?:=\s*(-?\d+))?\s*[,}\n]", body.split("{", 1)[1] + ","
+    ):
+        number = int(value) if value else number + 1
+        found[number] = name.removeprefix(prefix)
+    return found
+
+
+def test_states_are_those_of_the_firmware(database: Database) -> None:
+    """Every state has its name, and there are no others."""
+    text = header_of("cam_state.h")
+    states = enumerators(text, "cam_state_t", "cam_state_")
+    count = next(number for number, name in states.items() if name == "cam_n_states")
+    del states[count]
+    assert choices(database.get_message_by_name("State"), "state") == states
+
+
+def test_errors_are_those_of_the_firmware(database: Database) -> None:
+    """Results of commands and of the table's check are cam_err_t."""
+    text = header_of("cam_err.h")
+    errors = enumerators(text, "cam_err_t", "cam_err_")
+    assert len(errors) > 30
+    errors[0] = "done"
+    assert choices(database.get_message_by_name("Answer"), "result") == errors
+    assert choices(database.get_message_by_name("State"), "table_result") == errors
+
+
+def test_reset_reasons_are_those_of_the_port(database: Database) -> None:
+    """hal_reset_t by its names."""
+    reasons = enumerators(HAL.read_text("utf-8"), "hal_reset_t", "hal_reset_")
+    assert choices(database.get_message_by_name("State"), "reset_reason") == reasons
+
+
+def test_faults_are_those_of_the_firmware(database: Database) -> None:
+    """One signal for each fault, with its text, and no other."""
+    state = database.get_message_by_name("State")
+    texts = {
+        signal.name.removeprefix("fault_"): str(signal.comment)
+        for signal in state.signals
+        if signal.name.startswith("fault_")
+    }
+    told = {
+        name: f"{what[0].upper()}{what[1:]}." for name, what in rows("cam_state.h", "CAM_FAULTS")
+    }
+    assert len(told) > 10
+    assert texts == told
+
+
+def test_parameters_are_those_of_the_firmware(database: Database) -> None:
+    """Indices of commands and answers are in the order of CAM_PARAMS."""
+    names = {i: row[0] for i, row in enumerate(rows("cam_param.h", "CAM_PARAMS"))}
+    assert len(names) > 30
+    for message in ("Command", "Answer"):
+        assert choices(database.get_message_by_name(message), "parameter") == names
+
+
+def test_quick_commands_have_the_ranges_of_their_parameters(database: Database) -> None:
+    """Speed, feed, amplitude, phase: factor and range are those of the parameter behind."""
+    ranges = {row[0]: (int(row[1]), int(row[3])) for row in rows("cam_param.h", "CAM_PARAMS")}
+    command = database.get_message_by_name("Command")
+    for name, (parameter, factor) in QUICK.items():
+        signal = command.get_signal_by_name(name)
+        low, high = ranges[parameter]
+        assert signal.scale == pytest.approx(factor)
+        assert signal.minimum == pytest.approx(low * factor)
+        assert signal.maximum == pytest.approx(high * factor)
+
+
+def test_commands_and_answers_agree(database: Database) -> None:
+    """Both messages number the commands alike, and every command with a value has its signal."""
+    command = database.get_message_by_name("Command")
+    answer = database.get_message_by_name("Answer")
+    assert choices(command, "command") == choices(answer, "command")
+    numbers = set(choices(command, "command"))
+    for message in (command, answer):
+        for signal in message.signals:
+            assert set(signal.multiplexer_ids or []) <= numbers
+
+
+def test_every_message_and_unit_is_told(database: Database) -> None:
+    """Messages carry a comment; ids are those of node 64 and collide with no PDO of others."""
+    assert all(message.comment for message in database.messages)
+    ids = {message.frame_id for message in database.messages}
+    assert ids == {0x640, 0x5C0, 0x1C0, 0x2C0, 0x3C0, 0x4C0, 0x540, 0x6C0}
+
+
+def test_nodes_of_every_number_stand_on_one_bus(database: Database) -> None:
+    """No id of one node is another's, nor SYNC, NMT, an emergency message or a heartbeat."""
+    shifts = [message.frame_id - 64 for message in database.messages]
+    taken = [shift + node for node in range(1, 128) for shift in shifts]
+    others = [0, *range(0x80, 0x100), *range(0x700, 0x780)]
+    assert len(set(taken + others)) == len(taken) + len(others)
+
+
+def test_same_dbc_gives_the_same_bytes_without_floating_point() -> None:
+    """Twice the same; no day, no version, no double."""
+    text = DBC.read_text("utf-8")
+    first, second = generate(text, "camturn"), generate(text, "camturn")
+    assert first == second
+    for made in first:
+        assert not re.search(r"\b(double|float|20\d\d \d|version)\b", made.split("*/", 1)[1])
+        assert not re.search(r"cantools version|\b20[2-9]\d\b", made)
+        assert "phys_range" not in made
+    assert "int camturn_state_pack(" in first[0]
+    assert "int camturn_state_pack(" in first[1]
+
+
+def test_made_source_compiles_with_our_warnings(tmp_path: Path) -> None:
+    """As firmware does, and for a core without floating point."""
+    assert main([str(DBC), str(tmp_path)]) == 0
+    flags = ["-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Werror"]
+    subprocess.run(["gcc", *flags, "-c", "camturn.c", "-o", "camturn.o"], cwd=tmp_path, check=True)
+
+
+@pytest.mark.parametrize("text", ["BO_ rubbish", 'BO_ 1 A: 8 X\n SG_ a : 60|8@1+ (1,0) [0|0] "" X'])
+def test_bad_dbc_is_bad_input(
+    text: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """What is no DBC ends with status 2 and one line."""
+    file = tmp_path / "bad.dbc"
+    file.write_text(text)
+    assert main([str(file), str(tmp_path)]) == 2
+    assert "bad.dbc" in capsys.readouterr().err
+    assert not (tmp_path / "bad.c").exists()
+
+
+def test_missing_dbc_is_bad_input(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The path is told."""
+    assert main([str(tmp_path / "none.dbc"), str(tmp_path)]) == 2
+    assert "none.dbc" in capsys.readouterr().err

@@ -1,0 +1,271 @@
+"""Part files of cams: what is read, and what is refused with field and remedy."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from camtools.base.errors import CamtoolsError, GeometryError, InputError
+from camtools.lobe.channels import slices_of
+from camtools.lobe.lift import Poly345, make_lift, parse_points
+from camtools.lobe.motion import make_lobes
+from camtools.lobe.part import MAX_LOBES, LobePart
+from camtools.pipeline.load import load, parse
+from part_cases import PERKINS, ROOT, parse_part
+
+PARTS = ROOT / "tools" / "parts"
+GOOD = (PARTS / "cam-345.toml").read_text()
+DISC = (PARTS / "cam-disc.toml").read_text()
+LOBE = "cam.lobe.0"
+LAW = 'law = "poly345"\nlift_mm = 8\nhalf_angle_deg = 70\n'
+POINTS = "angle_deg = [0, 45, 90, 135, 180, 225, 270, 315]\n"
+LIST = f'law = "list"\n{POINTS}lift_mm = [0, 1, 2, 3, 4, 3, 2, 1]\n'
+
+
+def with_law(text: str) -> str:
+    """Return the good file with another law."""
+    return GOOD.replace(LAW, text)
+
+
+def lines_of(text: str) -> list[str]:
+    """Return the messages that a part file's text is refused with."""
+    with pytest.raises(CamtoolsError) as info:
+        parse(text.encode(), "c.toml")
+    return info.value.lines
+
+
+def cam_of(text: str) -> LobePart:
+    """Return the cam of a text."""
+    part = parse(text.encode(), "c.toml").part
+    assert isinstance(part, LobePart)
+    return part
+
+
+def test_cam_has_its_defaults() -> None:
+    """Turning follows the roller, grinding the wheel; phase, feed and limits have defaults."""
+    short = GOOD[: GOOD.index("[machine")].replace("phase_deg = 0", "")
+    part = cam_of(short)
+    assert (part.cam.lobe[0].phase_deg, part.process.feed_mm, part.process.direction) == (0, 0.1, 1)
+    assert part.follower_radius_mm == 10
+    assert cam_of(DISC).follower_radius_mm == 200
+    assert part.machine.limits.u_stroke_mm == 30
+
+
+def test_pistons_are_read_as_before() -> None:
+    """A part file says itself what it is; what takes pistons only says so of a cam."""
+    assert not isinstance(load(PERKINS).part, LobePart)
+    with pytest.raises(CamtoolsError) as info:
+        parse_part(GOOD.encode(), "c.toml")
+    assert info.value.lines == [
+        "c.toml: part.kind = 'cam': cams are for mktables and run; give the part file of a piston"
+    ]
+
+
+@pytest.mark.parametrize("kind", ['"Cam"', '["cam"]', "1", "{}"])
+def test_a_wrong_kind_is_all_that_is_told(kind: str) -> None:
+    """Nobody knows which keys belong to it: the rest of a cam is no mistake in a piston."""
+    with pytest.raises(CamtoolsError) as info:
+        parse(GOOD.replace('kind = "cam"', f"kind = {kind}").encode(), "c.toml")
+    assert len(info.value.lines) == 1
+    assert info.value.lines[0].startswith("c.toml: part.kind = ")
+    assert info.value.lines[0].endswith("; use one of: 'piston' or 'cam'")
+
+
+BAD = [
+    (GOOD.replace('kind = "cam"', 'kind = "gear"'), "part.kind = 'gear'", "'piston' or 'cam'"),
+    (GOOD.replace("base_radius_mm = 20", ""), "cam.base_radius_mm", "add it"),
+    (GOOD.replace("roller_radius_mm = 10", "roller_radius_mm = 0"), "cam.roller_rad", "at least"),
+    (GOOD.replace("z_mm = [0, 12]", "z_mm = [0]"), f"{LOBE}.z_mm", "at least 2 entries"),
+    (GOOD.replace("z_mm = [0, 12]", "z_mm = [12, 0]"), f"{LOBE}.z_mm", "list the points upwards"),
+    (GOOD.replace("phase_deg = 0", "phase_deg = 400"), f"{LOBE}.phase_deg = 400", "at most 360"),
+    (with_law('law = "sine"\n'), f"{LOBE}.law = 'sine'", "'poly345', 'disc' or 'list'"),
+    (with_law('law = "poly345"\nhalf_angle_deg = 70\n'), f"{LOBE}.lift_mm", "add it"),
+    (with_law(LAW.replace("8", "[8]")), f"{LOBE}.lift_mm", "at least 8 entries"),
+    (with_law(LAW.replace("= 8", f"= {[1] * 8}")), f"{LOBE}.lift_mm", "largest lift"),
+    (with_law(LAW.replace("= 8", "= 16")), f"{LOBE}.lift_mm = 16", "at most 15"),
+    (with_law(LAW.replace("= 8", "= 0")), f"{LOBE}.lift_mm = 0:", "give more than 0"),
+    (with_law(LAW.replace("= 8", "= -1")), f"{LOBE}.lift_mm = -1:", "give more than 0"),
+    (with_law(LAW.replace("= 8", "= nan")), f"{LOBE}.lift_mm = nan", "finite"),
+    (with_law(LAW + "offset_mm = 1\n"), f"{LOBE}.offset_mm = 1", 'law = "disc"'),
+    (with_law(LAW + 'csv = "a"\n'), f"{LOBE}.csv = 'a'", 'law = "list"'),
+    (with_law(LAW + "lft = 1\n"), f"{LOBE}.lft = 1", "spelling"),
+    (with_law('law = "list"\n'), f"{LOBE}.csv", "give one of them"),
+    (with_law(LIST + 'csv = "a"\n'), f"{LOBE}.csv = 'a'", "give one of them"),
+    (with_law(f'law = "list"\n{POINTS}'), f"{LOBE}: angle_deg", "give both"),
+    (with_law(LIST.replace("[0, 1,", "[")), f"{LOBE}.lift_mm", "at least 8 entries"),
+    (with_law(LIST.replace("[0, 1,", "[0, 0, 1,")), f"{LOBE}.lift_mm", "one value for each"),
+    (with_law(LIST.replace("lift_mm = [", "lift_mm = 8 #")), f"{LOBE}.lift_mm = 8", "give a list"),
+    (with_law(LIST.replace("45", "95")), f"{LOBE}.angle_deg", "sort the points"),
+    (with_law(LIST.replace("315", "361")), f"{LOBE}.angle_deg", "list one turn"),
+    (DISC.replace("offset_mm = 5", "offset_mm = 4"), f"{LOBE}.disc_radius_mm = 25", "make them eq"),
+    (DISC.replace("wheel_radius_mm = 200", ""), "cam.wheel_radius_mm: is missing", "add it"),
+    (DISC.replace('"grinding"', '"milling"'), "process.operation", "'turning' or 'grinding'"),
+    (DISC.replace('"constant-surface"', '"even"'), "process.speed", "'uniform' or 'constant-sur"),
+    (GOOD.replace("= 60\n\n[machine", "= 0\n\n[machine"), "process.spindle_rpm = 0", "at least 1"),
+    (GOOD.replace("swing_deg = 30", "swing_deg = 90"), "machine.limits.swing_deg", "at most 80"),
+    (GOOD.replace("[[cam.lobe]]", "[cam.lobe]"), "cam.lobe", "give a list"),
+]
+
+
+@pytest.mark.parametrize(("text", "field", "remedy"), BAD)
+def test_bad_field_is_named(text: str, field: str, remedy: str) -> None:
+    """One of the lines names field and remedy."""
+    lines = lines_of(text)
+    first = next((line for line in lines if line.startswith(f"c.toml: {field}")), None)
+    assert first is not None, lines
+    assert remedy in first.split("; ", 1)[1], first
+
+
+def test_lobes_stand_apart() -> None:
+    """Lobes are listed upwards with a gap in which U changes over."""
+    second = GOOD[GOOD.index("[[cam.lobe]]") : GOOD.index("[process]")]
+    text = GOOD.replace("[process]", second.replace("[0, 12]", "[12.1, 20]") + "[process]")
+    assert any("cam.lobe" in line and "apart" in line for line in lines_of(text))
+    assert len(cam_of(text.replace("12.1", "13")).cam.lobe) == 2
+
+
+@pytest.mark.parametrize(("end", "start"), [(1, 1.2), (3, 3.2), (12.1, 12.3), (20.7, 20.9)])
+def test_gap_is_compared_in_nanometres(end: float, start: float) -> None:
+    """1.2 - 1 is less than 0.2 in binary; a gap of 0.2 mm is one, a micrometre less is told."""
+    second = GOOD[GOOD.index("[[cam.lobe]]") : GOOD.index("[process]")]
+    text = GOOD.replace("[0, 12]", f"[0, {end}]")
+    text = text.replace("[process]", second.replace("[0, 12]", f"[{start}, 30]") + "[process]")
+    assert len(cam_of(text).cam.lobe) == 2
+    near = start - 0.001
+    assert lines_of(text.replace(f"[{start},", f"[{near:.4f},")) == [
+        f"c.toml: cam.lobe.1.z_mm = [{near:g}, 30.0]: a lobe from {near:g} mm follows one that "
+        f"ends at {end:g} mm: the gap must be at least 0.2 mm; list the lobes upwards, apart from "
+        "each other"
+    ]
+
+
+def test_part_file_takes_the_lobes_that_a_table_holds() -> None:
+    """64 lobes are read, make slices and keep their places; one more is refused as read."""
+    lobe = GOOD[GOOD.index("[[cam.lobe]]") : GOOD.index("[process]")]
+    rest = GOOD.replace(lobe, "")
+
+    def with_lobes(n: int) -> str:
+        places = (lobe.replace("[0, 12]", f"[{10 * i}, {10 * i + 3}]") for i in range(n))
+        return rest.replace("[process]", "".join(places) + "[process]")
+
+    assert slices_of(make_lobes(cam_of(with_lobes(64)))).max() == MAX_LOBES - 1
+    told = "has 65 lobes, a part file at most 64; make tables of fewer lobes each"
+    assert lines_of(with_lobes(65)) == [f"c.toml: cam.lobe: {told}"]
+
+
+@pytest.mark.parametrize(("text", "field"), [(GOOD, "roller"), (DISC, "wheel")])
+def test_follower_stays_within_the_table(text: str, field: str) -> None:
+    """A table holds 2000 mm; what is asked for instead is taken."""
+    text = text.replace("base_radius_mm = 20", "base_radius_mm = 200")
+    text = text.replace("disc_radius_mm = 25", "disc_radius_mm = 205")
+    before = f"{field}_radius_mm = {'10' if field == 'roller' else '200'}\n"
+    [line] = lines_of(text.replace(before, f"{field}_radius_mm = 1990\n"))
+    assert line.startswith(f"c.toml: cam.{field}_radius_mm = 1990.0: with base_radius_mm")
+    most = line.partition("; give at most ")[2].partition(",")[0]
+    most_mm = float(most)
+    part = cam_of(text.replace(before, f"{field}_radius_mm = {most}\n"))
+    assert part.follower_radius_mm == most_mm
+
+
+def closing(first: float, last: float) -> list[float]:
+    """Return angles every 30 degrees as a drawing writes them, with a last one."""
+    return [*(round(first + angle, 3) for angle in range(0, 360, 30)), last]
+
+
+@pytest.mark.parametrize(("first", "last"), [(152.3, 512.3), (152.2, 512.2), (0.0, 359.99)])
+def test_turn_closes_with_decimal_angles(first: float, last: float, tmp_path: Path) -> None:
+    """512.3 - 152.3 is not 360 in binary; part file and CSV file take it for a turn."""
+    angles = closing(first, last)
+    lifts = [*(1 - np.cos(np.radians(np.arange(0, 360, 30)))).tolist(), 0.0]
+    listed = cam_of(with_law(f'law = "list"\nangle_deg = {angles}\nlift_mm = {lifts}\n'))
+    rows = "".join(f"{a},{h}\n" for a, h in zip(angles, lifts, strict=True))
+    (tmp_path / "lift.csv").write_text("angle_deg,lift_mm\n" + rows)
+    from_csv = cam_of(with_law(f'law = "list"\ncsv = "{tmp_path / "lift.csv"}"\n'))
+    for part in (listed, from_csv):
+        law = make_lift(part.cam, part.cam.lobe[0], LOBE)
+        top = law.evaluate(np.radians([first + 180, first + 540])).lift
+        assert top == pytest.approx([2, 2], abs=1e-9)
+
+
+@pytest.mark.parametrize("last", [359.995, 360.001])
+def test_end_of_a_turn_is_a_step_away_or_none(last: float, tmp_path: Path) -> None:
+    """What is neither closed nor open is refused in both places."""
+    angles = closing(0.0, last)
+    text = f'law = "list"\nangle_deg = {angles}\nlift_mm = {[0] * len(angles)}\n'
+    assert any(f"span {last} degrees" in line for line in lines_of(with_law(text)))
+    table = "angle_deg,lift_mm\n" + "".join(f"{angle},0\n" for angle in angles)
+    with pytest.raises(InputError, match=f"line 14 = '{last},0': angles must rise"):
+        parse_points(table, "lift.csv")
+
+
+def test_spline_stays_between_the_given_lifts() -> None:
+    """Few points: the spline dips below the base circle, or rises over the nose; told where."""
+    angles = [*range(-80, 81, 10), 180]
+    lifts = Poly345(8.0, np.radians(70.0)).evaluate(np.radians(angles)).lift.clip(0)
+    no_nose = [*range(5, 360, 10)]
+    waves = (2 - 2 * np.cos(np.radians(no_nose))).tolist()
+    cases = (
+        (angles, lifts.tolist(), "-0.1436 mm at ", "0 .. 8 mm"),
+        (no_nose, waves, "4 mm at 1", "0 .. 3.99239 mm"),
+    )
+    for degrees, values, found, given in cases:
+        text = f'law = "list"\nangle_deg = {degrees}\nlift_mm = {values}\n'
+        part = cam_of(with_law(text))
+        with pytest.raises(GeometryError) as info:
+            make_lift(part.cam, part.cam.lobe[0], LOBE)
+        [line] = info.value.lines
+        assert line.startswith(f"{LOBE}.lift_mm: between the points the lift comes to {found}")
+        assert given in line and "; give more points there" in line
+
+
+def test_points_come_from_a_file_too(tmp_path: Path) -> None:
+    """A CSV file beside the part file, read line by line."""
+    path, table = tmp_path / "c.toml", tmp_path / "lift.csv"
+    path.write_text(with_law('law = "list"\ncsv = "lift.csv"\n'))
+    rows = [f"{angle},{1 - np.cos(np.radians(angle))}\n" for angle in range(0, 360, 30)]
+    table.write_text("angle_deg,lift_mm\n" + "".join(rows))
+    part = load(path).part
+    assert isinstance(part, LobePart)
+    law = make_lift(part.cam, part.cam.lobe[0], LOBE)
+    assert float(law.evaluate(np.array(np.pi / 6)).lift) == pytest.approx(1 - np.sqrt(0.75))
+    for text, problem in (
+        ("angle,lift\n", "line 1 = 'angle,lift': wrong header"),
+        ("angle_deg,lift_mm\n0,1\n0,2\n", "line 3 = '0,2': angles must rise"),
+        ("angle_deg,lift_mm\n0,x\n", "line 2 = '0,x': not two numbers"),
+        ("angle_deg,lift_mm\n0,nan\n", "line 2 = '0,nan': angle not"),
+        ("angle_deg,lift_mm\n0,1\n", "has 1 points"),
+    ):
+        table.write_text(text)
+        with pytest.raises(GeometryError) as info:
+            make_lift(part.cam, part.cam.lobe[0], LOBE)
+        assert info.value.lines[0].startswith(f"{LOBE}.csv: lift.csv: ")
+        assert problem in info.value.lines[0]
+    table.unlink()
+    with pytest.raises(GeometryError, match="No such file"):
+        make_lift(part.cam, part.cam.lobe[0], LOBE)
+
+
+def test_points_come_from_files_only(tmp_path: Path) -> None:
+    """A pipe is not waited for, a file without end not read; a spreadsheet's mark is no matter."""
+    table = tmp_path / "lift.csv"
+    part = cam_of(with_law(f'law = "list"\ncsv = "{table}"\n'))
+
+    def problem() -> str:
+        with pytest.raises(GeometryError) as info:
+            make_lift(part.cam, part.cam.lobe[0], LOBE)
+        return info.value.lines[0]
+
+    os.mkfifo(table)
+    assert problem().startswith(f"{LOBE}.csv: lift.csv cannot be read: not a file; give a CSV")
+    table.unlink()
+    table.write_bytes(b"0" * 1_000_001)
+    assert "larger than 1000000 bytes; " in problem()
+    table.write_bytes(b"angle_deg,lift_mm\n\xff\n")
+    assert "not UTF-8 text; " in problem()
+    rows = "".join(f"{angle},1\n" for angle in range(0, 360, 30))
+    table.write_text("angle_deg,lift_mm\n" + rows, encoding="utf-8-sig")
+    law = make_lift(part.cam, part.cam.lobe[0], LOBE)
+    assert law.evaluate(np.zeros(1)).lift == pytest.approx([1])

@@ -1,0 +1,212 @@
+# SPDX-License-Identifier: Apache-2.0
+"""tools/run with a cam: results complete, figures in words, errors as for a skirt."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from camtools.lobe.generate import GeneratedLobes, generate_lobes
+from camtools.lobe.machine import lobe_machine_text
+from camtools.lobe.motion import example_lobe
+from camtools.lobe.report import band, draw_rake, make_lobe_report, speed_of_contact
+from camtools.lobe.report_text import LobeOutcome, lobe_rows
+from camtools.report.text import page_text
+from camtools.sim.results import STATES, CutTrace, GaugedSurface
+from part_cases import ROOT, environment
+
+BUILD = Path(os.environ.get("CAMTURN_BUILD") or ROOT / "build" / "host").resolve()
+PARTS = ROOT / "tools" / "parts"
+SHORT = ("--feed", "4", "--", "--set", "engage_turns=1", "--set", "disengage_turns=1")
+PICTURES = ("cam", "compare", "following", "motion", "profile", "sequence", "speed")
+
+Run = Callable[..., subprocess.CompletedProcess[str]]
+
+
+@pytest.fixture
+def run(tmp_path: Path) -> Run:
+    """Run the command in a process of its own, in a folder of its own."""
+
+    def start(*words: str | Path) -> subprocess.CompletedProcess[str]:
+        command = [sys.executable, "-m", "camtools.cli.run", *map(str, words)]
+        env = environment() | {"CAMTURN_BUILD": str(BUILD)}
+        return subprocess.run(
+            command, cwd=tmp_path, env=env, capture_output=True, text=True, timeout=120, check=False
+        )
+
+    return start
+
+
+def test_disc_is_ground_and_reported(run: Run, tmp_path: Path) -> None:
+    """All results appear, the profile is good, the page holds every picture and no link."""
+    done = run(PARTS / "cam-disc.toml", "-o", "out", *SHORT)
+    assert done.returncode == 0, done.stderr
+    names = sorted(path.name for path in (tmp_path / "out").iterdir())
+    tables = [f"cam-disc{end}" for end in (".camtab", ".json", "_machine.toml", "_table.c")]
+    results = ["report.html", "summary.json", "surface.csv", "trace.csv", "cam-disc_table.h"]
+    assert names == sorted([*(f"cut_{key}.png" for key in PICTURES), *tables, *results])
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert summary["is_good"] and summary["form_error_um"]["tolerance"] == 1.0
+    assert summary["form_error_um"]["max"] <= 0.05
+    assert summary["table_error"]["u_nm"] <= 10
+    assert summary["comparison"][0]["name"] == "complete controller"
+    assert summary["comparison"][-1]["max_um"] > 10
+    page = (tmp_path / "out" / "report.html").read_text()
+    assert page.count("data:image/png;base64,") == len(PICTURES)
+    assert "WITHIN TOLERANCE" in page and "The wheel is a whole cylinder" in page
+    assert done.stdout.startswith("cam-disc: within tolerance\n")
+    assert "base circle 125.7 mm/s" in done.stdout and "µ" not in done.stdout
+
+
+def test_rpm_is_the_speed_on_the_base_circle(run: Run, tmp_path: Path) -> None:
+    """The law of a constant surface speed is made anew for it; the table carries it."""
+    done = run(PARTS / "cam-disc.toml", "--rpm", "30", "-o", "out", *SHORT)
+    assert done.returncode == 0, done.stderr
+    cam = json.loads((tmp_path / "out" / "summary.json").read_text())["cam"]
+    assert cam["surface_speed_mm_s"]["base_circle"] == pytest.approx(np.pi * 20, rel=1e-5)
+
+
+def test_turned_cam_is_reported_with_its_rake(run: Run, tmp_path: Path) -> None:
+    """The swing is measured: its picture and its row are there."""
+    done = run(PARTS / "cam-345.toml", "-o", "out", *SHORT)
+    assert done.returncode == 0, done.stderr
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert summary["form_error_um"]["max"] <= 0.05
+    assert summary["cam"]["rake_deg"]["max"] <= 0.02
+    assert (tmp_path / "out" / "cut_rake.png").exists()
+    assert "effective rake" in done.stdout
+
+
+def test_fault_is_told_and_drawn(run: Run, tmp_path: Path) -> None:
+    """An emergency stop ends the cut with status 1 and a page that explains it."""
+    done = run(PARTS / "cam-disc.toml", "-o", "out", *SHORT, "--inject", "estop@1")
+    assert done.returncode == 1, done.stderr
+    page = (tmp_path / "out" / "report.html").read_text()
+    assert "FAULT: ESTOP" in page and "What happened" in page
+    assert (tmp_path / "out" / "cut_fault.png").exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "named"),
+    [
+        (["--rpm", "0.5"], "--rpm 0.5: out of range; give r/min, 1 .. 60000"),
+        (["--rpm", "900"], "cam-disc.toml: "),
+        (["--", "--removal", "r.csv"], "--removal r.csv: forces are told of skirts only"),
+    ],
+)
+def test_bad_request_leaves_nothing(words: list[str], named: str, run: Run, tmp_path: Path) -> None:
+    """One line says what is wrong; status 2, no folder."""
+    done = run(PARTS / "cam-disc.toml", "-o", "out", *words)
+    lines = [line for line in done.stderr.splitlines() if not line.startswith("run: making")]
+    assert done.returncode == 2 and named in lines[-1], done.stderr
+    assert not (tmp_path / "out").exists()
+
+
+def made_up(generated: GeneratedLobes, cam: dict[str, Any]) -> LobeOutcome:
+    """Return the outcome of a cut that nobody made."""
+    one = {"needed": 1.0, "limit": 4.0}
+    limits = ("spindle_rpm", "u_speed_mm_s", "u_acceleration_mm_s2", "u_stroke_mm")
+    summary = {
+        "is_good": True, "end": "done", "table_bytes": 5000, "seed": 1, "tick_hz": 20000,
+        "machine": "m", "machine_time_s": 3.0, "wall_time_s": 1.0, "gauge": {"reference": "design"},
+        "form_error_um": {"max": 0.5, "rms": 0.1, "tolerance": 1.0},
+        "following_error_um": {"max": 0.2, "rms": 0.1},
+        "cut": {"spindle_rpm": 60, "feed_mm": 0.1, "turns": 3.0, "planned_turns": 3.0},
+        "feasibility": {"highest_rpm": 99.0} | dict.fromkeys(limits, one),
+        "cam": cam, "injected": [],
+    }  # fmt: skip
+    turn = np.linspace(0, 1, 50, endpoint=False)
+    surface = GaugedSurface(
+        turn, np.full(50, 5.0), np.full(50, 25.0), 0.3 * np.sin(2 * np.pi * turn)
+    )
+    tick = np.arange(2000.0)
+    columns = {name: np.zeros(2000) for name in CutTrace._fields}
+    columns |= {"t_s": tick * 50e-6, "turn": tick * 1e-3, "z_mm": np.full(2000, 5.0)}
+    columns["state"] = np.full(2000, float(STATES.index("cutting")))
+    return LobeOutcome(generated, summary, surface, CutTrace(**columns))
+
+
+@pytest.fixture(scope="module")
+def turned() -> GeneratedLobes:
+    """Make the table of the turned 3-4-5 cam."""
+    return generate_lobes(example_lobe())
+
+
+LOBE = {"z_first_mm": 0, "z_last_mm": 12, "samples": 9, "max_um": 0.5, "rms_um": 0.1}
+TURNED = {
+    "operation": "turning", "tip_mm": 0.4, "lobes": [LOBE],
+    "rake_deg": {
+        "min": -0.002, "max": 0.0013, "without_swing_min": -19.97, "without_swing_max": 19.96
+    },
+}  # fmt: skip
+
+
+def test_rake_is_told_beside_that_without_swing(turned: GeneratedLobes) -> None:
+    """The larger of both sides is the bound; the rest of the summary is that of a turned cam."""
+    rows = dict(lobe_rows(made_up(turned, TURNED)))
+    assert rows["effective rake"] == "constant within 0.002°; without the swing -19.97 .. 19.96°"
+    assert rows["cut"].startswith("cam turned, tip of 0.4 mm, at 60 r/min, feed 0.1 mm")
+    assert "surface speed" not in rows
+    outcome = made_up(turned, TURNED)
+    text = page_text(outcome, lobe_rows(outcome), "out", 2.0)
+    assert "needs U stroke" in text and "constant within 0.002 deg" in text
+
+
+def test_lobes_are_told_apart(turned: GeneratedLobes) -> None:
+    """Each lobe has its row; one that was not reached says so."""
+    missing = {"z_first_mm": 14, "z_last_mm": 20, "samples": 0}
+    rows = dict(lobe_rows(made_up(turned, TURNED | {"lobes": [LOBE, missing]})))
+    assert rows["lobe 0"] == "0 .. 12 mm: max 500 nm, rms 100 nm"
+    assert rows["lobe 1"] == "14 .. 20 mm: not cut"
+
+
+def test_report_of_a_turned_cam_names_its_tool(turned: GeneratedLobes) -> None:
+    """The page is drawn without the keys that only grinding has."""
+    files = make_lobe_report(made_up(turned, TURNED))
+    assert {"cut_profile.png", "cut_speed.png", "cut_cam.png", "report.html"} <= set(files)
+    assert "The tip of the tool is a circle" in files["report.html"].decode()
+    assert all(data[1:4] == b"PNG" for name, data in files.items() if name.endswith("png"))
+
+
+def test_rake_is_drawn_of_a_tool_that_swings(turned: GeneratedLobes) -> None:
+    """With the trace's swing the picture is there, and its numbers are those of the exact angle."""
+    outcome = made_up(turned, TURNED)
+    exact_deg = np.degrees(turned.lobes[0].at(2 * np.pi * outcome.trace.turn).angle)
+    figure = draw_rake(outcome, exact_deg - 0.25)
+    above, below = figure.axes
+    without, with_swing = (np.asarray(line.get_ydata()) for line in above.lines[:2])
+    assert np.abs(without).max() == pytest.approx(19.967, abs=0.01)
+    assert with_swing == pytest.approx(0.25)
+    assert below.get_ylim()[0] < 0.25 < below.get_ylim()[1]
+    files = make_lobe_report(replace(outcome, swing_deg=exact_deg))
+    assert "cut_rake.png" in files and "Effective rake" in files["report.html"].decode()
+
+
+def test_band_holds_the_extremes_of_each_bin() -> None:
+    """Two values at one angle are both ends of the band there; empty bins are left out."""
+    degrees, least, most = band(np.array([0.5, 0.5001, 1.0]), np.array([-1.0, 2.0, 3.0]))
+    assert degrees.tolist() == [0.25, 180.25]
+    assert least.tolist() == [3.0, -1.0]
+    assert most.tolist() == [3.0, 2.0]
+
+
+def test_speed_of_contact_is_that_of_the_notes(turned: GeneratedLobes) -> None:
+    """On the base circle r omega, on the nose ds/dtheta of MATHS.md (31)."""
+    lobe = turned.lobes[0]
+    found = speed_of_contact(lobe, np.radians([180.0, 0.0]), np.array([2.0, 1.0]))
+    assert found.tolist() == pytest.approx([40.0, 28.0])
+
+
+def test_machine_of_a_cam_has_the_encoder_of_a_c_axis(turned: GeneratedLobes) -> None:
+    """A thousand times finer than a lathe's would have to be for its lift."""
+    text = lobe_machine_text(turned.part.machine.limits)
+    assert "counts_per_turn = 1000000" in text and "stroke_mm = 30" in text

@@ -1,0 +1,281 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The command line of camsim run: results, determinism, and everything that must be refused."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import resource
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from camsim_cases import CAMSIM, camsim, first_difference, only_error
+from camtools.cli.mktables import main as mktables
+from part_cases import PERKINS
+
+CUT = ("--rpm", "2500", "--feed", "1")
+
+
+@pytest.fixture(scope="session")
+def table(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Make the Perkins table with its report beside it."""
+    folder = tmp_path_factory.mktemp("run")
+    assert mktables([str(PERKINS), "-o", str(folder)]) == 0
+    return folder / "perkins240.camtab"
+
+
+@pytest.fixture(scope="session")
+def rings(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Make the table of the Perkins skirt cut along a ring-helix."""
+    folder = tmp_path_factory.mktemp("rings")
+    part = PERKINS.with_name("perkins240_ring_helix.toml")
+    assert mktables([str(part), "-o", str(folder)]) == 0
+    return folder / "perkins240_ring_helix.camtab"
+
+
+def summary_of(table: Path, path: Path, *words: str) -> dict[str, Any]:
+    """Return the summary of a cut, whatever its end."""
+    assert camsim("run", table, *words, "--summary", path).returncode in (0, 1)
+    loaded: dict[str, Any] = json.loads(path.read_text())
+    return loaded
+
+
+def test_run_cuts_within_a_micrometre(table: Path, tmp_path: Path) -> None:
+    """Cut the skirt at 2500 r/min on the default machine, gauged against the exact design."""
+    summary = summary_of(table, tmp_path / "s.json", "--rpm", "2500")
+    assert summary["gauge"]["reference"] == "design"
+    assert summary["faults"] == []
+    assert summary["form_error_um"]["max"] <= 1.0
+    assert summary["form_error_um"]["rms"] <= summary["form_error_um"]["max"]
+    assert summary["machine_time_s"] == pytest.approx(16, abs=1.5)
+    assert {"following_error_um", "wall_time_s", "ticks", "ticks_per_s"} <= summary.keys()
+
+
+def test_run_without_feed_forward_shows_what_the_drive_costs(table: Path, tmp_path: Path) -> None:
+    """Expect what a 300 Hz drive misses of a 150 um sweep at 83 Hz: |1 - H| with its dead time."""
+    omega, natural, damping = 2 * 2500 / 60 * 6.283185307, 300 * 6.283185307, 0.7
+    s = 1j * omega
+    drive = natural**2 / (s * s + 2 * damping * natural * s + natural**2)
+    swing_um = 75.0  # amplitude of U at G = 0.3 mm
+    bare = abs(1 - drive) * swing_um
+    summary = summary_of(table, tmp_path / "s.json", *CUT, "--no-feed-forward")
+    assert summary["form_error_um"]["max"] == pytest.approx(bare, rel=0.05)
+    late = swing_um * omega * 100e-6
+    summary = summary_of(table, tmp_path / "t.json", *CUT, "--no-lead")
+    assert summary["form_error_um"]["max"] == pytest.approx(late, rel=0.05)
+
+
+def test_cut_that_nothing_gauged_is_not_good(table: Path, tmp_path: Path) -> None:
+    """An operator's stop before the cut leaves no sample: status 1, and the line says why."""
+    words = ("--rpm", "600", "--inject", "stop@t1", "--summary", tmp_path / "s.json")
+    done = camsim("run", table, *words)
+    summary = json.loads((tmp_path / "s.json").read_text())
+    assert (summary["cut"]["samples"], summary["end"]) == (0, "stopped")
+    assert (done.returncode, summary["is_good"]) == (1, False)
+    assert "form error      not gauged: nothing was cut to full depth\n" in done.stdout
+    told = "not gauged: nothing was cut to full depth before the cut was stopped; leave the stop"
+    assert done.stderr == f"camsim: {table}: {told} out, or stop later\n"
+
+
+def test_run_is_deterministic(table: Path, tmp_path: Path) -> None:
+    """Give the same bytes twice, but for the wall clock."""
+    names = ("trace", "surface", "summary")
+    for turn in ("a", "b"):
+        outputs = [w for n in names for w in (f"--{n}", str(tmp_path / f"{turn}.{n}"))]
+        assert camsim("run", table, *CUT, "--turns-limit", "3", *outputs).returncode == 0
+    for name in names[:2]:
+        assert first_difference(tmp_path / f"a.{name}", tmp_path / f"b.{name}") == ""
+    a, b = (json.loads((tmp_path / f"{turn}.summary").read_text()) for turn in ("a", "b"))
+    for summary in (a, b):
+        del summary["wall_time_s"], summary["ticks_per_s"]
+    assert a == b
+
+
+def test_outputs_begin_with_the_promised_columns(table: Path, tmp_path: Path) -> None:
+    """Keep the columns that other programs rely on."""
+    trace, surface = tmp_path / "t.csv", tmp_path / "s.csv"
+    words = ("--turns-limit", "3", "--trace", trace, "--surface", surface)
+    assert camsim("run", table, *CUT, *words).returncode == 0
+    promised = "tick,t_s,turn,z_mm,u_set_nm,u_act_nm,state,faults"
+    assert trace.read_text().startswith(promised)
+    assert surface.read_text().splitlines()[0] == "turn,z_mm,radius_mm,error_nm"
+    assert len(surface.read_text().splitlines()) > 100
+
+
+@pytest.mark.parametrize(
+    ("words", "named"),
+    [
+        (("--rpm", "0"), "--rpm"),
+        (("--rpm", "-2500"), "--rpm"),
+        (("--rpm", "nan"), "--rpm"),
+        (("--rpm", "fast"), "--rpm"),
+        (("--rpm",), "--rpm"),
+        (("--feed", "0"), "--feed"),
+        (("--feed", "-0.1"), "--feed"),
+        (("--feed", "inf"), "--feed"),
+        (("--rpm", "5000"), "3000"),
+        (("--feed", "70"), "feed"),
+        (("--seed", "x"), "--seed"),
+        (("--machine", "none.toml"), "none.toml"),
+        (("--inject", "earthquake@1"), "earthquake"),
+        (("--set", "no_such=1"), "no_such"),
+        (("--set", "lead_ns=-1"), "lead_ns"),
+        (("--frobnicate",), "frobnicate"),
+        (("surplus",), "one TABLE"),
+    ],
+)
+def test_run_refuses_bad_options(
+    table: Path, tmp_path: Path, words: tuple[str, ...], named: str
+) -> None:
+    """Refuse with one line that names the option or the numbers, and write nothing."""
+    out = tmp_path / "s.json"
+    assert named in only_error(camsim("run", table, "--summary", out, *words))
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("words", "field"),
+    [
+        (("--feed", "0.000003"), "--feed 3e-06"),
+        (("--set", "feed_nm=1"), "feed_nm = 1"),
+        (("--feed", "0.0000034"), "--feed 3.4e-06"),
+    ],
+)
+def test_run_refuses_rings_nearer_than_the_firmware_cuts(
+    rings: Path, words: tuple[str, ...], field: str
+) -> None:
+    """Below 4 nm it would cut other turns than planned; a Z that others lead has no rings."""
+    told = f"{field}: rings of a ring-helix are at least 0.000004 mm apart; give at least "
+    line = only_error(camsim("run", rings, "--rpm", "900", *words))
+    assert line == f'camsim: {told}--feed 0.000004, or a table with path = "helix"'
+    short = ("--rpm", "900", "--turns-limit", "1")
+    assert camsim("run", rings, *short, "--feed", "0.000004").returncode == 0
+    assert camsim("run", rings, *short, *words, "--set", "z_is_measured=1").returncode == 0
+
+
+def corrupted(image: bytes) -> dict[str, bytes]:
+    """Return images with something wrong, by what it is."""
+    flipped = bytearray(image)
+    flipped[len(image) // 2] ^= 0x10
+    return {
+        "empty": b"",
+        "short": image[:100],
+        "cut": image[:-32],
+        "longer": image + bytes(32),
+        "flipped": bytes(flipped),
+        "text": b"this is not a table\n" * 50,
+        "order": image[:8] + image[11:7:-1] + image[12:],
+        "version": image[:12] + b"\x02" + image[13:],
+    }
+
+
+@pytest.mark.parametrize("what", list(corrupted(bytes(200))))
+def test_run_refuses_a_damaged_table(table: Path, tmp_path: Path, what: str) -> None:
+    """Refuse each kind of damage, naming the file."""
+    bad = tmp_path / "bad.camtab"
+    bad.write_bytes(corrupted(table.read_bytes())[what])
+    for command in ("run", "eval"):
+        assert "bad.camtab" in only_error(camsim(command, bad, stdin="turn,z_mm\n0,0\n"))
+
+
+def test_run_refuses_a_missing_table(tmp_path: Path) -> None:
+    """Name the file that is not there."""
+    assert "none.camtab" in only_error(camsim("run", tmp_path / "none.camtab"))
+    assert "table" in only_error(camsim("run")).lower()
+
+
+@pytest.mark.parametrize("what", ["pipe", "folder"])
+def test_what_is_no_regular_file_is_refused(table: Path, tmp_path: Path, what: str) -> None:
+    """A pipe without a writer is not waited for, whatever it is given as."""
+    path = tmp_path / what
+    if what == "pipe":
+        os.mkfifo(path)
+    else:
+        path.mkdir()
+    told = {"pipe": "is no regular file", "folder": "is a folder"}[what]
+    calls: list[tuple[str | Path, ...]] = [
+        ("run", path),
+        ("eval", path),
+        ("bus", path, "--can", "none0", "--gpiochip", "none0"),
+        ("run", table, "--machine", path),
+        ("run", table, "--design", path),
+    ]
+    for words in calls:
+        assert only_error(camsim(*words)) == f"camsim: {path}: {told}; give a file"
+
+
+def test_run_refuses_a_report_of_another_table(table: Path, tmp_path: Path) -> None:
+    """Do not gauge against the design of another table."""
+    report = json.loads(table.with_suffix(".json").read_text())
+    report["table_crc32"] ^= 1
+    other = tmp_path / "other.json"
+    other.write_text(json.dumps(report))
+    assert "other.json" in only_error(camsim("run", table, "--design", other))
+
+
+def test_run_without_a_report_says_what_it_gauges_against(table: Path, tmp_path: Path) -> None:
+    """Fall back to the table itself, with a warning and a word in the summary."""
+    lonely = tmp_path / "lonely.camtab"
+    lonely.write_bytes(table.read_bytes())
+    done = camsim("run", lonely, *CUT, "--summary", tmp_path / "s.json")
+    assert done.returncode == 0
+    assert "lonely.json" in done.stderr
+    assert json.loads((tmp_path / "s.json").read_text())["gauge"]["reference"] == "table"
+
+
+def test_run_measures_what_is_removed(table: Path, tmp_path: Path) -> None:
+    """Slices hold volume, rate, power and both forces; the summary their spread and ripple."""
+    slices, words = tmp_path / "r.csv", ("--rpm", "600", "--feed", "1", "--kc-n-mm2", "800")
+    summary = summary_of(table, tmp_path / "s.json", *words, "--removal", str(slices))
+    with slices.open() as stream:
+        rows = list(csv.DictReader(stream))
+    assert len(rows) == pytest.approx(120 * summary["cut"]["turns"], rel=0.01)
+    total = sum(float(row["volume_mm3"]) for row in rows)
+    assert total == pytest.approx(summary["removal"]["volume_mm3"], rel=1e-3)
+    assert summary["removal"]["slice_s"] == pytest.approx(0.1 / 120)
+    for row in rows[1000:1010]:
+        rate, volume = float(row["rate_mm3_s"]), float(row["volume_mm3"])
+        assert float(row["power_w"]) == pytest.approx(0.8 * rate, abs=1e-5)
+        assert float(row["rate_force_n"]) == pytest.approx(800 * volume, abs=1e-3)
+    ripple = summary["removal"]["rate_ripple"]
+    assert 0.4 < ripple["min"] <= ripple["mean"] <= ripple["max"] < 0.75
+    assert summary["removal"]["turns"] == pytest.approx(58, abs=3)
+
+
+def test_run_takes_other_slices(table: Path, tmp_path: Path) -> None:
+    """Longer slices are fewer; senseless ones are refused."""
+    slices = tmp_path / "r.csv"
+    summary_of(table, tmp_path / "s.json", *CUT, "--slice-us", "2000", "--removal", str(slices))
+    t_s = [float(line.split(",")[0]) for line in slices.read_text().splitlines()[1:]]
+    assert t_s[1] - t_s[0] == pytest.approx(0.002, abs=1e-9)
+    for option in (("--slice-us", "0"), ("--slice-us", "x"), ("--kc-n-mm2", "-1")):
+        assert option[0] in only_error(camsim("run", table, *option))
+
+
+@pytest.mark.parametrize("option", ["--trace", "--surface", "--summary", "--removal"])
+def test_run_refuses_an_unwritable_output_before_the_cut(
+    table: Path, tmp_path: Path, option: str
+) -> None:
+    """Refuse a folder that does not exist, and a folder in place of a file."""
+    assert option in only_error(camsim("run", table, *CUT, option, tmp_path / "no" / "file"))
+    assert option in only_error(camsim("run", table, *CUT, option, tmp_path))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_run_leaves_nothing_when_the_disk_is_full(table: Path, tmp_path: Path) -> None:
+    """Stop at a size limit, as at a full disk: one line, status 2, no file under any name."""
+
+    def small_files_only() -> None:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000))
+
+    trace = tmp_path / "t.csv"
+    done = subprocess.run(
+        [CAMSIM, "run", table, *CUT, "--trace", trace],
+        capture_output=True, text=True, preexec_fn=small_files_only, check=False,
+    )  # fmt: skip
+    assert "t.csv" in only_error(done)
+    assert list(tmp_path.iterdir()) == []

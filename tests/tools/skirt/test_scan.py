@@ -1,0 +1,150 @@
+"""Measured sections: reading, filtering, and the surface through the points."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from camtools.base.errors import CamtoolsError
+from camtools.skirt.geometry import Geometry, make_geometry
+from camtools.skirt.scan import (
+    HEADER,
+    MAX_POINTS,
+    Scan,
+    filtered,
+    ovality_of,
+    parse_scan,
+    read_scan,
+    scan_surface,
+)
+from part_cases import ROOT, load_part
+
+MEASURED = ROOT / "tools" / "parts" / "scan90.toml"
+ANGLES = range(0, 360, 10)
+
+
+def csv_of(heights: tuple[float, ...] = (0.0,), first: str = HEADER) -> str:
+    """Return a good scan: an oval of 0.1 mm with three waves, deeper with height."""
+    rows = [
+        f"{a},{z},{50 * (1 - np.cos(np.radians(2 * a))) + 5 * np.sin(np.radians(3 * a)) + z:.4f}"
+        for z in heights
+        for a in ANGLES
+    ]
+    return "\n".join([first, *rows]) + "\n"
+
+
+def geometry_of(folder: Path, scan: str, more: str = "") -> Geometry:
+    """Make the geometry of a part with this scan beside it."""
+    text = MEASURED.read_text().replace("harmonics = 15 ", f"{more} #")
+    (folder / "scan90.csv").write_text(scan)
+    (folder / "part.toml").write_text(text)
+    return make_geometry(load_part(folder / "part.toml"))
+
+
+def test_surface_runs_through_all_points() -> None:
+    """Unfiltered points of every height lie on the surface."""
+    scan = read_scan(ROOT / "tools" / "parts" / "scan90.csv")
+    found = scan_surface(scan).delta(np.radians(scan.angle_deg), scan.z_mm[:, None]).delta
+    np.testing.assert_allclose(found, scan.reduction_mm, atol=1e-13)
+
+
+@settings(max_examples=20)
+@given(st.integers(1, 4), st.floats(0, 6.28), st.sampled_from([1, 2, 3, 5]))
+def test_smooth_sections_come_back_between_their_points(
+    waves: int, phase: float, n_heights: int
+) -> None:
+    """Waves sampled every 3 degrees are met in between; derivatives agree with differences."""
+    angle = np.arange(0.0, 360, 3)
+    rows = [0.1 * np.cos(waves * np.radians(angle) + phase) for _ in range(n_heights)]
+    scan = Scan(angle, 10.0 * np.arange(n_heights, dtype=np.float64), np.stack(rows))
+    phi = np.linspace(-1, 9, 400)
+    found = scan_surface(scan).delta(phi, 3.3)
+    np.testing.assert_allclose(found.delta, 0.1 * np.cos(waves * phi + phase), atol=1e-7)
+    np.testing.assert_allclose(found.d1, -0.1 * waves * np.sin(waves * phi + phase), atol=2e-6)
+
+
+def test_heights_are_joined_linearly_or_smoothly(tmp_path: Path) -> None:
+    """One height serves all, two are joined linearly, five by a spline that meets each."""
+    one = geometry_of(tmp_path, csv_of((30.0,)))
+    np.testing.assert_array_equal(one.delta(1.0, 0.0).delta, one.delta(1.0, 60.0).delta)
+    two = geometry_of(tmp_path, csv_of((0.0, 60.0)))
+    middle = two.delta(0.5, np.array([0.0, 30.0, 60.0])).delta
+    assert middle[1] == pytest.approx((middle[0] + middle[2]) / 2, abs=1e-14)
+    assert middle[2] - middle[0] == pytest.approx(0.06, abs=1e-12)
+
+
+def test_filter_keeps_waves_and_removes_noise(tmp_path: Path) -> None:
+    """Waves below the limit stay exactly, those above go; the distance to the points is told."""
+    scan = parse_scan(csv_of(), "s.csv")
+    kept = scan_surface(filtered(scan, 4)).delta(np.radians(scan.angle_deg), 0.0).delta
+    np.testing.assert_allclose(kept, scan.reduction_mm[0], atol=1e-6)
+    gone = scan_surface(filtered(scan, 2)).delta(np.radians(scan.angle_deg), 0.0).delta
+    oval_um = 50 * (1 - np.cos(np.radians(2 * scan.angle_deg)))
+    np.testing.assert_allclose(gone * 1000, oval_um, atol=1e-2)
+    geometry = geometry_of(tmp_path, csv_of(), "harmonics = 2")
+    assert geometry.off_points_um == pytest.approx(5.0, abs=0.1)
+    assert geometry_of(tmp_path, csv_of()).off_points_um == pytest.approx(0, abs=1e-9)
+
+
+def test_ovality_is_a_difference_of_diameters() -> None:
+    """Odd waves cancel in a diameter; the oval of 0.1 mm remains."""
+    spline = ovality_of(parse_scan(csv_of((0.0, 60.0)), "s.csv"))
+    assert float(spline(30.0)) == pytest.approx(0.2, abs=1e-9)
+
+
+GOOD = csv_of((0.0, 60.0))
+BAD = {
+    "header": (csv_of(first="angle,z,r"), "line 1 = 'angle,z,r': wrong header"),
+    "empty": ("", "line 1 = '': wrong header"),
+    "words": (GOOD + "a,b,c\n", "line 74 = 'a,b,c': not three numbers"),
+    "columns": (GOOD + "1,2\n", "line 74 = '1,2': not three numbers"),
+    "nan": (GOOD + "1,2,nan\n", "line 74 = '1,2,nan'"),
+    "angle": (GOOD + "360,0,1\n", "no angle of 0 .. 360"),
+    "millimetres": (GOOD + "5,0,99999\n", "beyond 15000 um"),
+    "twice": (GOOD + "10,0,1\n", "this point is there already"),
+    "gap": (GOOD + "5,0,1\n", "height 60 mm: no point at 5 degrees"),
+    "few": (HEADER + "\n" + "".join(f"{a},0,1\n" for a in range(0, 330, 30)), "has 11 angles"),
+    "cover": (csv_of((0.0, 50.0)), "heights 0 .. 50 mm do not cover the profile's"),
+}
+
+
+@pytest.mark.parametrize("name", list(BAD))
+def test_bad_scans_are_refused(name: str, tmp_path: Path) -> None:
+    """One line that names the line or height, and what to do."""
+    text, problem = BAD[name]
+    with pytest.raises(CamtoolsError) as info:
+        geometry_of(tmp_path, text)
+    (line,) = info.value.lines
+    assert problem in line
+    assert "; " in line
+
+
+def test_too_many_waves_are_refused(tmp_path: Path) -> None:
+    """36 points tell 17 waves apart, not 18."""
+    geometry_of(tmp_path, GOOD, "harmonics = 17")
+    with pytest.raises(CamtoolsError, match=r"harmonics: 36 points .* 18 waves .* at most 17"):
+        geometry_of(tmp_path, GOOD, "harmonics = 18")
+
+
+def test_scans_come_from_files_only(tmp_path: Path) -> None:
+    """A device, a pipe and a file without end are not read; a spreadsheet's mark is no matter."""
+    pipe, table = tmp_path / "pipe.csv", tmp_path / "scan.csv"
+    os.mkfifo(pipe)
+    table.write_bytes(b"0" * (100 * MAX_POINTS + 1))
+    for path, problem in (
+        (tmp_path, "Is a directory"),
+        (Path("/dev/null"), "not a file"),
+        (table, "larger than 20000000 bytes"),
+        (pipe, "not a file"),
+    ):
+        with pytest.raises(CamtoolsError) as info:
+            read_scan(path)
+        told = f"piston.section.csv: {path.name}: cannot be read: {problem}; give a CSV file, its "
+        assert info.value.lines == [f"{told}place seen from the part file"]
+    table.write_text(GOOD, encoding="utf-8-sig")
+    assert read_scan(table).z_mm.tolist() == [0, 60]

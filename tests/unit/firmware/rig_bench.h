@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+/// rig_bench: a whole controller on the ideal machine of fixture_rig, with the short skirt at 20
+/// kHz, started anew for each test. Each program that includes it has one bench.
+#ifndef RIG_BENCH_H
+#define RIG_BENCH_H
+
+#include "fixture_rig.h" // fixture_rig_t
+#include "hal_host.h"    // hal_host_fault_estop
+#include "unity.h"       // TEST_ASSERT_TRUE
+
+static fixture_rig_t rig;
+static fixture_part_t part;
+
+/// Called by Unity before each test.
+void setUp(void)
+{
+    part = fixture_part_short();
+    fixture_rig_init(&rig, &part, 20000);
+}
+
+/// Called by Unity after each test.
+void tearDown(void) {}
+
+/// Bring the controller from off into a state, without a fault.
+static inline void bring(cam_state_t state)
+{
+    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, state));
+    TEST_ASSERT_EQUAL_HEX32(0, fixture_rig_status(&rig).faults);
+}
+
+#endif

@@ -1,0 +1,1 @@
+"""What every command shares: errors of one line, exit states, files that appear whole."""

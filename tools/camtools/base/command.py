@@ -1,0 +1,64 @@
+"""What all command lines share: one-line errors, exit status, signals.
+
+>>> run_command("demo", lambda: 0)
+0
+"""
+
+from __future__ import annotations
+
+import argparse
+import signal
+import sys
+from collections.abc import Callable
+from types import FrameType
+from typing import NoReturn
+
+from camtools.base.errors import CamtoolsError, one_line
+
+BAD_INPUT = 2
+_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+
+
+class Parser(argparse.ArgumentParser):
+    """A parser whose complaint is one line that names the command."""
+
+    def error(self, message: str) -> NoReturn:
+        """End with status 2."""
+        name = self.prog.removeprefix("tools/")
+        self.exit(BAD_INPUT, f"{name}: {one_line(message)}; see {self.prog} --help\n")
+
+
+class Interrupted(BaseException):
+    """A signal asks us to stop; unwinding removes what is unfinished."""
+
+
+def _interrupt(number: int, _frame: FrameType | None) -> None:
+    raise Interrupted(number)
+
+
+def run_command(name: str, action: Callable[[], int]) -> int:
+    """Carry a command out; return its exit status.
+
+    Parameters
+    ----------
+    name : str
+        Begins every line on stderr.
+    action : callable
+        Returns the status; may raise CamtoolsError.
+
+    Returns
+    -------
+    int
+        That of the action; 2 on bad input, told line by line; 128 + n on signal n.
+    """
+    for number in _SIGNALS:
+        signal.signal(number, _interrupt)
+    try:
+        return action()
+    except CamtoolsError as error:
+        for line in error.lines:
+            sys.stderr.write(f"{name}: {line}\n")
+        return BAD_INPUT
+    except Interrupted as stop:
+        sys.stderr.write(f"{name}: interrupted; nothing was written\n")
+        return 128 + int(stop.args[0])

@@ -1,0 +1,112 @@
+"""Results of a run appear in their folder all together, or not at all.
+
+>>> import tempfile
+>>> with tempfile.TemporaryDirectory() as name:
+...     with Stage(Path(name) / "new") as stage:
+...         _ = (stage.folder / "a.txt").write_text("1")
+...         stage.publish()
+...     sorted(path.name for path in (Path(name) / "new").iterdir())
+['a.txt']
+"""
+
+from __future__ import annotations
+
+import errno
+import os
+import shutil
+import tempfile
+from contextlib import suppress
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+from camtools.base.errors import CamtoolsError
+from camtools.base.output import file_target, signals_held
+
+
+def cannot_write(place: Path, error: OSError) -> CamtoolsError:
+    """Return the one line that tells that a place cannot be written."""
+    reason = error.strerror or str(error)
+    remedy = "give a folder that can be written and has room"
+    return CamtoolsError([f"{place}: cannot write: {reason}; {remedy}"])
+
+
+class Stage:
+    """A hidden folder inside the output folder, gone at the end.
+
+    Parameters
+    ----------
+    output : Path
+        Where the results go; made when missing, removed again when nothing is published.
+
+    Attributes
+    ----------
+    folder : Path
+        Absolute; write everything here.
+
+    Raises
+    ------
+    CamtoolsError
+        On entering and publishing: the output folder cannot be written.
+    """
+
+    def __init__(self, output: Path) -> None:
+        self.output = output
+        self.folder = Path()
+        self._made: list[Path] = []
+
+    def __enter__(self) -> Self:
+        try:
+            with signals_held():
+                self._made = self._missing()
+                self.output.mkdir(parents=True, exist_ok=True)
+                name = tempfile.mkdtemp(prefix=".run.", suffix=".tmp", dir=self.output)
+                self.folder = Path(name).resolve()
+        except OSError as error:
+            self._remove_empty()
+            raise cannot_write(self.output, error) from error
+        return self
+
+    def _missing(self) -> list[Path]:
+        """Return what has to be made, innermost first."""
+        return [path for path in (self.output, *self.output.parents) if not path.exists()]
+
+    def publish(self) -> None:
+        """Move every file into the output folder, over those of earlier runs."""
+        files = sorted(path for path in self.folder.iterdir() if path.is_file())
+        try:
+            targets = [self._target(path.name) for path in files]
+            self._synchronise(files)
+            with signals_held():
+                for path, target in zip(files, targets, strict=True):
+                    path.replace(target)
+        except OSError as error:
+            raise cannot_write(self.output, error) from error
+
+    def _target(self, name: str) -> Path:
+        """Return the file that gets a name, or refuse before the first file moves."""
+        target = file_target(self.output / name)
+        if target.parent.stat().st_dev != self.folder.stat().st_dev:
+            raise OSError(errno.EXDEV, f"{os.strerror(errno.EXDEV)}: {name}")
+        return target
+
+    def _synchronise(self, files: list[Path]) -> None:
+        """Bring all files to the disk before the first one moves."""
+        for path in files:
+            with path.open("rb") as stream:
+                os.fsync(stream.fileno())
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        with signals_held():
+            shutil.rmtree(self.folder, ignore_errors=True)
+            self._remove_empty()
+
+    def _remove_empty(self) -> None:
+        for path in self._made:
+            with suppress(OSError):
+                path.rmdir()

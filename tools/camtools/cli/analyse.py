@@ -1,0 +1,123 @@
+"""Command line of the analysis: areas, equal parts, speed law, forces, refit of the corner.
+
+>>> from camtools.skirt.part import example_part
+>>> sorted(products(example_part(), AnalysisWishes(), with_pictures=False))[:3]
+['analysis.json', 'axes_equal_volume.csv', 'axes_uniform.csv']
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from pathlib import Path
+
+from camtools.base.command import Parser, run_command
+from camtools.base.errors import CamtoolsError
+from camtools.base.output import write_all
+from camtools.pipeline.load import load_for
+from camtools.skirt.part import SkirtPart
+from camtools.study.path import csv, make_study
+from camtools.study.refit import candidates_csv, comparison_csv, study
+from camtools.study.refit import notes as refit_notes
+from camtools.study.section import Analysis, AnalysisWishes, make_analysis
+from camtools.study.section_tables import all_tables
+from camtools.study.section_text import figures, notes, summary
+
+
+def _arguments(argv: list[str] | None) -> argparse.Namespace:
+    parser = Parser(
+        prog="analyse",
+        description="Work out areas, equal parts, speed law and forces of one section of a part; "
+        "of a section with a corner also its refit.",
+        allow_abbrev=False,
+    )
+    add = parser.add_argument
+    add("part", type=Path, metavar="PART.toml", help="part file")
+    add("-o", "--output", type=Path, required=True, metavar="DIR", help="folder")
+    add("--height", type=float, metavar="MM", help="default: that of the largest diameter")
+    add("--step-deg", type=float, default=3.0, metavar="D", help="of Table 1, default 3")
+    add("--parts", type=int, metavar="N", help="equal parts of a quarter turn, default the part's")
+    add("--turns", type=int, default=1, metavar="N", help="of the axis positions, default 1")
+    add("--slice-volume-mm3", type=float, default=0.04, metavar="V", help="largest, default 0.04")
+    add("--cycle-us", type=float, default=50.0, metavar="T", help="controller's, default 50")
+    add("--kc-n-mm2", type=float, default=700.0, metavar="K", help="cutting force, default 700")
+    add("--nose-mm", type=float, default=0.8, metavar="R", help="tool's nose radius, default 0.8")
+    add("--rpm", type=float, metavar="N", help="mean speed, default the part's")
+    return parser.parse_args(argv)
+
+
+def _wishes(arguments: argparse.Namespace) -> AnalysisWishes:
+    return AnalysisWishes(
+        height_mm=arguments.height,
+        step_deg=arguments.step_deg,
+        parts=arguments.parts,
+        slice_volume_mm3=arguments.slice_volume_mm3,
+        cycle_us=arguments.cycle_us,
+        kc_n_mm2=arguments.kc_n_mm2,
+        rpm=arguments.rpm,
+        turns=arguments.turns,
+        nose_mm=arguments.nose_mm,
+    )
+
+
+def products(
+    part: SkirtPart, wishes: AnalysisWishes, *, with_pictures: bool = True
+) -> dict[str, bytes]:
+    """Return the content of every file of an analysis, by file name.
+
+    Raises
+    ------
+    CamtoolsError
+        A wish is out of range, or the part impossible.
+    """
+    return _files(make_analysis(part, wishes), wishes.nose_mm, with_pictures=with_pictures)
+
+
+def _files(found: Analysis, nose_mm: float, *, with_pictures: bool) -> dict[str, bytes]:
+    texts = all_tables(found) | {"notes.md": notes(found)}
+    texts["analysis.json"] = json.dumps(figures(found), indent=1, sort_keys=True) + "\n"
+    ends = found.geometry.z_first_mm, found.geometry.z_last_mm
+    limits = found.part.machine.limits
+    paths = make_study(*ends, found.feed_mm, found.rpm, nose_mm, limits)
+    texts["paths.csv"] = csv(paths)
+    pictures: dict[str, bytes] = {}
+    if with_pictures:
+        from camtools.study.path_plots import draw_all as draw_paths
+        from camtools.study.section_plots import draw_all  # matplotlib is slow to load
+
+        pictures = draw_all(found) | draw_paths(found.name, paths)
+    if found.geometry.corner is not None:
+        corner = study(found.geometry.corner, found.height_mm, found.rpm)
+        texts["refit_comparison.csv"] = comparison_csv(corner)
+        texts["refit_candidates.csv"] = candidates_csv(corner)
+        texts["refit_notes.md"] = refit_notes(corner)
+        if with_pictures:
+            from camtools.study.refit_plots import draw_all as draw_refit
+
+            pictures |= draw_refit(corner)
+    files = {name: text.encode("utf-8") for name, text in texts.items()}
+    return files | {f"{topic}.png": png for topic, png in pictures.items()}
+
+
+def _run(arguments: argparse.Namespace) -> int:
+    part, wishes = load_for("analyse", SkirtPart, arguments.part), _wishes(arguments)
+    try:
+        found = make_analysis(part, wishes)
+    except CamtoolsError as error:
+        raise CamtoolsError([f"{arguments.part}: {line}" for line in error.lines]) from error
+    files = _files(found, wishes.nose_mm, with_pictures=True)
+    write_all(arguments.output, files)
+    sys.stdout.write(summary(found))
+    if "refit_notes.md" in files:
+        sys.stdout.write("\n" + files["refit_notes.md"].decode("utf-8"))
+    return 0
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Run the command; return its exit status: 0 done, 2 bad input, 128 + n on signal n."""
+    return run_command("analyse", lambda: _run(_arguments(argv)))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,395 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Command line that commands and watches a controller over CAN.
+
+The bus is any of python-can; what is not given comes from CAN_INTERFACE, CAN_CHANNEL, CAN_BITRATE
+or its configuration files.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import csv
+import fnmatch
+import math
+import shutil
+import sys
+import time
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TextIO
+
+import can
+from cantools.database import EncodeError
+
+from camtools.base.command import Interrupted, Parser, run_command
+from camtools.base.errors import CamtoolsError
+from camtools.base.output import growing
+from camtools.link.download import CHECK_S, download
+from camtools.link.link import DBC_NODE, NAMES, NUMBERS, Answer, Link, Refused, Status, value_text
+from camtools.link.watch import COLUMNS, Dashboard, line, report, row, table_report
+
+REFUSED = 1
+_PLAIN = ("enable", "disable", "home", "start", "stop", "reset")
+_QUICK = {
+    "speed": "spindle speed in r/min from the next start on; 0: the table's",
+    "feed": "feed in mm per turn from the next start on; 0: the table's",
+    "amplitude": "scale of U in %%, ramped",
+    "phase": "turns the oval on the part, in degrees, ramped",
+}
+_WHAT = {
+    "enable": "enable the drives and home",
+    "disable": "drives off",
+    "home": "find the index, anew when ready, and wait until ready",
+    "start": "cut a part",
+    "stop": "end the cut: disengage",
+    "reset": "leave the fault state",
+}
+_EPILOG = """\
+The bus: --interface, --channel and --bitrate of python-can, for example
+  tools/camctl --interface socketcan --channel can0 status
+or the environment: CAN_INTERFACE, CAN_CHANNEL, CAN_BITRATE.
+Exit status: 0 done, 1 refused by the controller or no answer, 2 wrong usage or bad input."""
+_REMEDIES = {
+    "state": "see status; the order is enable, start, stop, disable, and reset behind a fault",
+    "param_state": "only phase_udeg and amplitude_ppm change while cutting, most others in ready, "
+    "all in off",
+    "estop": "release the emergency stop",
+    "drive": "see that all drives are ready",
+    "no_table": "download a table and select it",
+    "u_place": "move U into its stroke",
+    "download_room": "make the table with a larger --tolerance-nm",
+    "download_crc": "download again",
+    "download_store": "its memory failed, the old table stays in force; try again",
+    "busy": "try again",
+    "cam_amplitude": "set the amplitude to 100 % or more",
+}
+HOME_S, CUT_S = 60.0, 3600.0
+
+
+def _explain(answer: Answer) -> str:
+    """Return why a command was refused and what to do."""
+    what = answer.result.replace("_", " ")
+    if answer.limits is not None:
+        low, high = answer.limits
+        name = NAMES["parameter"].get(answer.parameter, str(answer.parameter))
+        return f"out of range; {name} is {low:.9g} .. {high:.9g}"
+    if answer.command in ("enable", "home", "start") and answer.value:
+        return f"refused: {what}; the highest feasible speed is {answer.value:g} r/min"
+    remedy = _REMEDIES.get(answer.result)
+    return f"refused: {what}" + (f"; {remedy}" if remedy else "")
+
+
+def _is_out_of_work(status: Status) -> bool:
+    return status.state not in ("engaging", "cutting", "disengaging")
+
+
+class Control:
+    """What the subcommands do, over one link."""
+
+    def __init__(self, link: Link, out: TextIO) -> None:
+        self.link, self.out = link, out
+
+    def say(self, text: str) -> None:
+        """Print a line, at once."""
+        self.out.write(f"{text}\n")
+        self.out.flush()
+
+    def require(self, command: str, result: str) -> None:
+        """Raise when a step was not accepted."""
+        if result != "done":
+            raise Refused(f"{command.replace('_', ' ')}: {_explain(Answer(command, result, 0, 0))}")
+
+    def ask(self, command: str, parameter: int = 0, **value: float) -> Answer:
+        """Send a command that must be accepted.
+
+        Raises
+        ------
+        Refused
+            It is not.
+        CamtoolsError
+            The value has no place in the message.
+        """
+        try:
+            answer = self.link.ask(command, parameter=parameter, **value)
+        except EncodeError as error:
+            raise CamtoolsError([f"{command}: {error}"]) from error
+        if answer.result != "done":
+            told = "".join(f" = {number:.9g}" for number in value.values())
+            raise Refused(f"{command.replace('_', ' ')}{told}: {_explain(answer)}")
+        return answer
+
+    def wait_state(self, wanted: Sequence[str], timeout_s: float) -> str:
+        """Wait for one of some states; a fault is refused."""
+        status = self.link.status
+        self.link.listen()
+        if not self.link.wait(lambda: status.state in (*wanted, "fault"), timeout_s):
+            raise Refused(f"{self.link.where}: still {status.state} after {timeout_s:.0f} s")
+        if status.state == "fault":
+            self.link.wait(lambda: bool(status.faults), 0.1)
+            raise Refused(f"fault: {', '.join(status.faults)}; see status, then reset")
+        return status.state
+
+    # Subcommands
+
+    def plain(self, arguments: argparse.Namespace) -> None:
+        """Carry out a command without a value."""
+        command: str = arguments.command
+        self.ask(command)
+        # The state of before is in the status until the next tick's.
+        self.link.wait(lambda: False, 0.05)
+        self.link.status.signals.pop("state", None)
+        if command == "home":
+            self.wait_state(["ready"], HOME_S)
+        elif command == "start" and arguments.wait:
+            self.wait_state(["ready", "off"], CUT_S)
+        self.say(f"{command}: {self.link.listen().state}")
+
+    def quick(self, arguments: argparse.Namespace) -> None:
+        """Set speed, feed, amplitude or phase."""
+        name: str = arguments.command
+        answer = self.ask(f"set_{name}", **{name: arguments.value})
+        self.say(f"{name} = {value_text(name, answer.value)}")
+
+    def _index(self, name: str) -> int:
+        if name not in NUMBERS["parameter"]:
+            raise CamtoolsError([f"{name}: no such parameter; tools/camctl list tells them"])
+        return NUMBERS["parameter"][name]
+
+    def get(self, arguments: argparse.Namespace) -> None:
+        """Print parameters."""
+        indices = [self._index(name) for name in arguments.names]
+        for name, index in zip(arguments.names, indices, strict=True):
+            self.say(f"{name} = {self.ask('get_parameter', index).value:.0f}")
+
+    def set(self, arguments: argparse.Namespace) -> None:
+        """Set a parameter; what does not fit the message is out of range for sure."""
+        index = self._index(arguments.name)
+        if not -(2**31) <= arguments.value < 2**31:
+            low, high = (self.ask(f"get_{end}", index).value for end in ("minimum", "maximum"))
+            told = f"set parameter = {arguments.value}"
+            raise Refused(f"{told}: out of range; {arguments.name} is {low:.0f} .. {high:.0f}")
+        answer = self.ask("set_parameter", index, value=arguments.value)
+        self.say(f"{arguments.name} = {answer.value:.0f}")
+
+    def list(self, arguments: argparse.Namespace) -> None:
+        """Print parameters with their ranges."""
+        names = [n for n in NUMBERS["parameter"] if fnmatch.fnmatch(n, arguments.pattern)]
+        if not names:
+            raise CamtoolsError([f"{arguments.pattern}: no parameter is called so"])
+        for name in names:
+            index = NUMBERS["parameter"][name]
+            value, low, high = (
+                self.ask(f"get_{what}", index).value for what in ("parameter", "minimum", "maximum")
+            )
+            self.say(f"{name:<34}{value:12.0f}   {low:.0f} .. {high:.0f}")
+
+    def status(self, _arguments: argparse.Namespace) -> None:
+        """Print all of the status."""
+        for text in report(self.link.listen()):
+            self.say(text)
+
+    def _follow(
+        self,
+        seconds: float | None,
+        on_row: Callable[[Status, float], None],
+        is_over: Callable[[Status], bool] = lambda status: False,
+    ) -> None:
+        """Call for every row of status, until it is over, time is up or the user interrupts."""
+        start_s = time.monotonic()
+        self.link.listen()
+        self.link.on_row = lambda status: on_row(status, time.monotonic() - start_s)
+        with contextlib.suppress(Interrupted):
+            while not is_over(self.link.status) and (
+                seconds is None or time.monotonic() - start_s < seconds
+            ):
+                if not self.link.next_row(2.0):
+                    raise Refused(f"{self.link.where}: the status stopped; is the controller on?")
+
+    def watch(self, arguments: argparse.Namespace) -> None:
+        """Draw the dashboard, or print lines where nobody can draw."""
+        is_drawn = self.out.isatty()
+        board = Dashboard(shutil.get_terminal_size().columns)
+        due_s, every_s = 0.0, arguments.every or (0.1 if is_drawn else 1.0)
+
+        def show(status: Status, t_s: float) -> None:
+            nonlocal due_s
+            board.add(status)
+            if t_s >= due_s:
+                due_s = t_s + every_s
+                self.out.write(board.page(status) if is_drawn else f"{line(status)}\n")
+                self.out.flush()
+
+        if is_drawn:
+            self.out.write("\x1b[2J")
+        self._follow(arguments.seconds, show)
+
+    def record(self, arguments: argparse.Namespace) -> None:
+        """Write the status into a CSV file, a row every 10 ms."""
+        self.link.listen()  # before a file is touched
+        n = 0
+
+        def write(status: Status, t_s: float) -> None:
+            nonlocal n
+            if n == 0:
+                writer.writerow(COLUMNS)
+            n += 1
+            writer.writerow(row(status, t_s))
+
+        is_over = _is_out_of_work if arguments.cut else lambda status: False
+        try:
+            with growing(arguments.file) as file:
+                writer = csv.writer(file, lineterminator="\n")
+                self._follow(arguments.seconds, write, is_over)
+        except OSError as error:
+            raise CamtoolsError([f"{arguments.file}: {error.strerror}; check the path"]) from error
+        self.say(f"{arguments.file}: {n} rows" if n else f"{arguments.file}: no rows, not written")
+        if arguments.cut and self.link.status.faults:
+            raise Refused(f"the cut ended in a fault: {', '.join(self.link.status.faults)}")
+
+    def table(self, arguments: argparse.Namespace) -> None:
+        """Tell of the table in use, or download another one."""
+        if arguments.table == "info":
+            for text in table_report(self.link.listen()):
+                self.say(text)
+            return
+        try:
+            image = arguments.file.read_bytes()
+        except OSError as error:
+            raise CamtoolsError([f"{arguments.file}: {error.strerror}; check the path"]) from error
+        if len(image) < 128 or not image.startswith(b"CAMTAB"):
+            raise CamtoolsError([f"{arguments.file}: not a cam table; make one by tools/mktables"])
+        self._download(image)
+        if arguments.select:
+            self.select(arguments)
+
+    def _download(self, image: bytes) -> None:
+        last_percent = -1
+
+        def progress(stored: int, seconds: float) -> None:
+            nonlocal last_percent
+            percent = stored * 100 // len(image)
+            if self.out.isatty() or percent // 10 > last_percent // 10 or stored == len(image):
+                end = "\r" if self.out.isatty() and stored < len(image) else "\n"
+                rate = stored / seconds / 1000 if seconds > 0 else 0.0
+                self.out.write(f"{stored} of {len(image)} bytes, {percent} %, {rate:.1f} kB/s{end}")
+                self.out.flush()
+            last_percent = percent
+
+        download(self.link, image, self.require, progress)
+        self.say("downloaded and checked; select takes it into use")
+
+    def select(self, _arguments: argparse.Namespace) -> None:
+        """Take the downloaded table into use, or check the one in its place anew."""
+        answer = self.link.ask("select_table", timeout_s=CHECK_S)
+        self.require("select_table", answer.result)
+        self.link.status.signals.clear()
+        for text in table_report(self.link.listen()):
+            self.say(text)
+
+
+def _finite(text: str) -> float:
+    value = float(text)
+    if not math.isfinite(value):
+        raise argparse.ArgumentTypeError(f"{text}: give a finite number")
+    return value
+
+
+def _positive(text: str) -> float:
+    value = _finite(text)
+    if value <= 0:
+        raise argparse.ArgumentTypeError(f"{text}: give more than 0")
+    return value
+
+
+def _node(text: str) -> int:
+    value = int(text)
+    if not 1 <= value <= 127:
+        raise argparse.ArgumentTypeError(f"{text}: give 1 .. 127")
+    return value
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = Parser(
+        prog="tools/camctl",
+        description="Command and watch a camturn controller over CAN.",
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+    )
+    parser.add_argument("--interface", "-i", help="of python-can: socketcan, pcan, slcan, ...")
+    parser.add_argument("--channel", "-c", help="of that interface, for example can0")
+    parser.add_argument("--bitrate", "-b", type=int, help="in bit/s, where the interface sets it")
+    parser.add_argument(
+        "--node", "-n", type=_node, default=DBC_NODE, help="of the controller, 1 .. 127; 64"
+    )
+    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    for name in _PLAIN:
+        one = commands.add_parser(name, help=_WHAT[name])
+        if name == "start":
+            one.add_argument("--wait", action="store_true", help="until the part is cut")
+    for name, what in _QUICK.items():
+        commands.add_parser(name, help=what).add_argument("value", type=_finite)
+    commands.add_parser("get", help="print parameters").add_argument("names", nargs="+")
+    one = commands.add_parser("set", help="set a parameter")
+    one.add_argument("name")
+    one.add_argument("value", type=int)
+    one = commands.add_parser("list", help="print parameters with their ranges")
+    one.add_argument("pattern", nargs="?", default="*", help="with * and ?")
+    commands.add_parser("status", help="print the status once")
+    one = commands.add_parser("watch", help="live view: angle, U, following error, faults")
+    one.add_argument("--seconds", type=_positive, help="how long; default: until interrupted")
+    one.add_argument("--every", type=_positive, help="seconds between two pictures")
+    one = commands.add_parser("record", help="write the status into a CSV file, every 10 ms")
+    one.add_argument("file", type=Path)
+    one.add_argument("--seconds", type=_positive, help="how long; default: until interrupted")
+    one.add_argument("--cut", action="store_true", help="until the cut that runs is over")
+    table = commands.add_parser("table", help="the table in use, download of another")
+    actions = table.add_subparsers(dest="table", required=True, metavar="ACTION")
+    actions.add_parser("info", help="name, size, CRC-32, generation")
+    one = actions.add_parser("download", help="bring a table beside the one in use, check it there")
+    one.add_argument("file", type=Path)
+    one.add_argument("--select", action="store_true", help="take it into use at once")
+    commands.add_parser("select", help="take the downloaded table into use")
+    return parser
+
+
+def _open(arguments: argparse.Namespace) -> tuple[can.BusABC, str]:
+    given = {
+        name: value
+        for name in ("interface", "channel", "bitrate")
+        if (value := getattr(arguments, name)) is not None
+    }
+    try:
+        bus = can.Bus(**given)
+    except (can.CanError, OSError, ValueError, ImportError) as error:
+        told = " ".join(f"{name}={value}" for name, value in given.items()) or "no bus given"
+        remedy = "give --interface and --channel, or set CAN_INTERFACE and CAN_CHANNEL"
+        raise CamtoolsError([f"{told}: the bus cannot be opened: {error}; {remedy}"]) from error
+    return bus, bus.channel_info
+
+
+def _run(arguments: argparse.Namespace, out: TextIO) -> int:
+    bus, where = _open(arguments)
+    try:
+        control = Control(Link(bus, where, arguments.node), out)
+        command: str = arguments.command
+        group = "plain" if command in _PLAIN else "quick" if command in _QUICK else command
+        getattr(control, group)(arguments)
+    except Refused as refused:
+        sys.stderr.write(f"camctl: {refused}\n")
+        return REFUSED
+    finally:
+        bus.shutdown()
+    return 0
+
+
+def main(argv: Sequence[str] | None = None, out: TextIO | None = None) -> int:
+    """Run the command; 0 done, 1 refused or no answer, 2 wrong usage or bad input."""
+    arguments = _parser().parse_args(argv)
+    to = sys.stdout if out is None else out
+    return run_command("camctl", lambda: _run(arguments, to))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,248 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Command line that writes firmware and table into the flash memory of a NUCLEO-H743ZI2.
+
+A table goes the way of every table: the firmware's own check judges it before anything is written.
+
+>>> print(*command_lines("st-flash", [Write(Path("a.camtab"), TABLE.address)])[0])
+st-flash --connect-under-reset --reset write a.camtab 0x08100000
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import shlex
+import shutil
+import struct
+import subprocess
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from camtools.base.command import Parser, run_command
+from camtools.base.errors import CamtoolsError
+
+ROOT = Path(__file__).resolve().parents[3]
+PROGRAMMERS = ("openocd", "st-flash", "pyocd")
+_FIRMWARE_FILE = ROOT / "build" / "mcu-stm32h743" / "hal" / "stm32h743" / "firmware.bin"
+_EPILOG = """\
+Without --programmer the first of openocd, st-flash and pyocd that is installed is used.
+Exit status: 0 written, 1 the programmer failed, 2 wrong usage or bad input."""
+_TCL_SPECIAL = frozenset("{}\\")
+
+
+@dataclass(frozen=True)
+class Region:
+    """A range of the flash memory, as hal/stm32h743/stm32h743.ld divides it."""
+
+    name: str
+    address: int
+    size: int
+
+
+FIRMWARE = Region("the first sector", 0x0800_0000, 1 << 17)
+LOG = Region("the log of places", 0x080E_0000, 1 << 17)
+FIRST_PLACE = ROOT / "hal" / "stm32h743" / "first_place.bin"  # record: TABLE is in use
+TABLE = Region("bank 2", 0x0810_0000, 1 << 20)
+_DTCM = range(0x2000_0000, 0x2002_0001)
+
+
+@dataclass(frozen=True)
+class Write:
+    """A file and the address of its first byte."""
+
+    file: Path
+    address: int
+
+
+def _refusal(file: Path, problem: str, remedy: str) -> CamtoolsError:
+    return CamtoolsError([f"{file}: {problem}; {remedy}"])
+
+
+def _read(file: Path) -> bytes:
+    try:
+        return file.read_bytes()
+    except OSError as error:
+        raise _refusal(file, f"cannot be read: {error.strerror}", "check the path") from error
+
+
+def _check_size(file: Path, size: int, region: Region) -> None:
+    if size > region.size:
+        problem = f"{size} bytes do not fit into the {region.size} bytes of {region.name}"
+        raise _refusal(file, problem, "make it smaller")
+
+
+def check_firmware(file: Path) -> None:
+    """Refuse what cannot be firmware for this board.
+
+    Parameters
+    ----------
+    file : Path
+        Raw image of its sector.
+
+    Raises
+    ------
+    CamtoolsError
+        It cannot be read, is too long, or does not begin with a stack in DTCM and a reset vector
+        inside itself.
+    """
+    image = _read(file)
+    _check_size(file, len(image), FIRMWARE)
+    stack, reset = struct.unpack_from("<II", image) if len(image) >= 8 else (0, 0)
+    is_inside = FIRMWARE.address <= reset < FIRMWARE.address + len(image)
+    if stack not in _DTCM or not is_inside or reset % 2 == 0:
+        raise _refusal(file, "not firmware for this board", "build the preset mcu-stm32h743")
+
+
+def check_table(file: Path) -> None:
+    """Refuse a table that the firmware would refuse, in its words.
+
+    Parameters
+    ----------
+    file : Path
+        Table image.
+
+    Raises
+    ------
+    CamtoolsError
+        It does not fit, or the firmware's check, run by camsim, refuses it.
+    """
+    _check_size(file, len(_read(file)), TABLE)
+    build = Path(os.environ.get("CAMTURN_BUILD") or ROOT / "build" / "host")
+    camsim = build / "host_sim" / "camsim"
+    command = [str(camsim), "eval", str(file.absolute())]
+    try:
+        done = subprocess.run(
+            command, input="turn,z_mm\n", capture_output=True, text=True, check=False
+        )
+    except OSError as error:
+        problem = f"cannot be started: {error.strerror}"
+        raise _refusal(camsim, problem, "start tools/flash, which builds it") from error
+    if done.returncode != 0:
+        lines = done.stderr.replace(str(file.absolute()), str(file)).splitlines()
+        told = [line.removeprefix("camsim: ") for line in lines]
+        raise CamtoolsError(told or [f"{file}: the check ended with status {done.returncode}"])
+
+
+def _openocd(writes: Sequence[Write]) -> list[list[str]]:
+    words = ["openocd", "-f", "board/st_nucleo_h743zi.cfg"]
+    for write in writes:
+        words += ["-c", f"program {{{write.file}}} verify 0x{write.address:08X}"]
+    return [[*words, "-c", "reset run", "-c", "shutdown"]]
+
+
+def _st_flash(writes: Sequence[Write]) -> list[list[str]]:
+    lines = []
+    for write in writes:
+        reset = ["--reset"] if write is writes[-1] else []
+        place = [str(write.file), f"0x{write.address:08X}"]
+        lines.append(["st-flash", "--connect-under-reset", *reset, "write", *place])
+    return lines
+
+
+def _pyocd(writes: Sequence[Write]) -> list[list[str]]:
+    words = ["pyocd", "flash", "--target", "stm32h743zitx", "--format", "bin", "--base-address"]
+    return [[*words, f"0x{write.address:08X}", str(write.file)] for write in writes]
+
+
+def command_lines(programmer: str, writes: Sequence[Write]) -> list[list[str]]:
+    """Return the command lines that write files and start the firmware.
+
+    Parameters
+    ----------
+    programmer : str
+        One of PROGRAMMERS.
+    writes : sequence of Write
+        In this order.
+
+    Returns
+    -------
+    list of list of str
+        Commands, each as its words, to be run one after the other.
+
+    Raises
+    ------
+    CamtoolsError
+        openocd cannot be given a name with braces or backslashes.
+    """
+    if programmer == "st-flash":
+        return _st_flash(writes)
+    if programmer == "pyocd":
+        return _pyocd(writes)
+    for write in writes:
+        if _TCL_SPECIAL & set(str(write.file)):
+            raise _refusal(write.file, "a name that openocd cannot take", "rename it")
+    return _openocd(writes)
+
+
+def _choose(wanted: str | None, *, is_dry: bool) -> str:
+    """Return the programmer to use; for a dry run any will do."""
+    installed = [name for name in PROGRAMMERS if shutil.which(name)]
+    if wanted is not None and (is_dry or wanted in installed):
+        return wanted
+    if wanted is not None:
+        raise CamtoolsError([f"{wanted}: not installed; install it, or choose another one"])
+    if installed or is_dry:
+        return (installed or list(PROGRAMMERS))[0]
+    names = ", ".join(PROGRAMMERS)
+    raise CamtoolsError([f"no programmer is installed; install one of {names}, or use --dry-run"])
+
+
+def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
+    parser = Parser(
+        prog="tools/flash",
+        usage="tools/flash [--firmware] [--table TABLE.camtab] [--programmer NAME] [--dry-run]",
+        description="Write firmware, table, or both into a NUCLEO-H743ZI2.",
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+    )
+    parser.add_argument("--firmware", action="store_true", help="build and write the firmware")
+    parser.add_argument(
+        "--table", type=Path, metavar="TABLE.camtab", help="check and write a table"
+    )
+    parser.add_argument("--programmer", choices=PROGRAMMERS, help="which program writes")
+    parser.add_argument(
+        "--dry-run", action="store_true", help="check, print the command lines only"
+    )
+    arguments = parser.parse_args(argv)
+    if not arguments.firmware and arguments.table is None:
+        parser.error("nothing to write: give --firmware, --table or both")
+    return arguments
+
+
+def _checked(arguments: argparse.Namespace) -> list[Write]:
+    """Return what is to be written; everything is checked before anything is."""
+    writes = []
+    if arguments.firmware:
+        file = Path(os.environ.get("CAMTURN_FIRMWARE") or _FIRMWARE_FILE)
+        check_firmware(file)
+        writes.append(Write(file, FIRMWARE.address))
+    if arguments.table is not None:
+        check_table(arguments.table)
+        writes += [Write(arguments.table, TABLE.address), Write(FIRST_PLACE, LOG.address)]
+    return writes
+
+
+def _run(arguments: argparse.Namespace) -> int:
+    writes = _checked(arguments)
+    programmer = _choose(arguments.programmer, is_dry=arguments.dry_run)
+    for line in command_lines(programmer, writes):
+        sys.stdout.write(f"{shlex.join(line)}\n")
+        sys.stdout.flush()
+        if not arguments.dry_run and (status := subprocess.run(line, check=False).returncode) != 0:
+            sys.stderr.write(
+                f"flash: {programmer} ended with status {status}; nothing is certain\n"
+            )
+            return 1
+    return 0
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command; return its exit status: 0 written, 1 the programmer failed, 2 bad input."""
+    return run_command("flash", lambda: _run(_arguments(argv)))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,82 @@
+"""Command line of the comparison of paths on the simulated surface.
+
+>>> _arguments(["part.toml", "-o", "out"]).nose_mm
+0.8
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import tempfile
+from pathlib import Path
+
+from camtools.base.command import Parser, run_command
+from camtools.base.errors import CamtoolsError
+from camtools.base.output import write_all
+from camtools.pipeline.load import load_for
+from camtools.sim.camsim import camsim_path
+from camtools.skirt.part import SkirtPart
+from camtools.study.path_cut import csv, cut_paths, text
+
+_NOSE_MM = (0.01, 100.0)
+_RPM = (1.0, 60_000.0)
+
+
+def _arguments(argv: list[str] | None) -> argparse.Namespace:
+    parser = Parser(
+        prog="scallop",
+        description="Cut a part on the simulator along a ring-helix and along helices, with a tool "
+        "of a nose radius; compare surface and time with what theory says.",
+        allow_abbrev=False,
+    )
+    add = parser.add_argument
+    add("part", type=Path, metavar="PART.toml", help="part file; process.path does not matter")
+    add("-o", "--output", type=Path, required=True, metavar="DIR", help="folder")
+    add("--nose-mm", type=float, default=0.8, metavar="R", help="tool's nose radius, default 0.8")
+    add("--rpm", type=float, metavar="N", help="speed, default the part's")
+    return parser.parse_args(argv)
+
+
+def _check(option: str, value: float, limits: tuple[float, float]) -> None:
+    low, high = limits
+    if not low <= value <= high:
+        raise CamtoolsError([f"{option} {value}: out of range; give {low:g} .. {high:g}"])
+
+
+def _part(arguments: argparse.Namespace) -> SkirtPart:
+    """Return the part at the speed asked for."""
+    part = load_for("scallop", SkirtPart, arguments.part)
+    rpm = part.process.spindle_rpm if arguments.rpm is None else arguments.rpm
+    _check("--rpm", rpm, _RPM)
+    _check("--nose-mm", arguments.nose_mm, _NOSE_MM)
+    process = part.process.model_copy(update={"spindle_rpm": rpm})
+    return part.model_copy(update={"process": process})
+
+
+def _run(arguments: argparse.Namespace) -> int:
+    part = _part(arguments)
+    with tempfile.TemporaryDirectory(prefix="camturn-scallop.") as folder:
+        try:
+            study, cuts = cut_paths(part, arguments.nose_mm, camsim_path(), Path(folder))
+        except CamtoolsError as error:
+            raise CamtoolsError([f"{arguments.part}: {line}" for line in error.lines]) from error
+    from camtools.study.path_cut_plots import draw_measured  # matplotlib is slow to load
+
+    name = part.part.name
+    files = {
+        "scallop.csv": csv(cuts).encode("utf-8"),
+        "scallop.png": draw_measured(name, study, cuts),
+    }
+    write_all(arguments.output, files)
+    sys.stdout.write(text(cuts))
+    return 0
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Run the command; return its exit status: 0 done, 2 bad input, 128 + n on signal n."""
+    return run_command("scallop", lambda: _run(_arguments(argv)))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,267 @@
+"""Whether a machine can move U as a table asks, and how fast.
+
+Along the feed U and the swing change with the slices of the table, at a speed that jumps where one
+slice ends: a set-point takes the jump, and what that needs comes on top, MATHS.md (61), (63).
+
+>>> peaks = Peaks(u_stroke_mm=0.15, u1_mm=0.15, u2_mm=0.3)
+>>> from camtools.part.common import MachineLimits
+>>> best = highest_speed(peaks, MachineLimits())
+>>> f"{best.rpm:.0f} r/min, decided by {best.decides}"
+'3000 r/min, decided by spindle_rpm'
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from camtools.base.errors import CamtoolsError
+from camtools.base.quantities import NM_PER_MM, omega_rad_s
+from camtools.part.common import MachineLimits, SwingLimits
+from camtools.table.evaluate import PLACES, evaluate_u_grid
+from camtools.table.image import Bounds, Channel
+
+UNITS = {
+    "u_stroke_mm": "mm",
+    "spindle_rpm": "r/min",
+    "spindle_acceleration_rad_s2": "rad/s2",
+    "u_speed_mm_s": "mm/s",
+    "u_acceleration_mm_s2": "mm/s2",
+    "z_speed_mm_s": "mm/s",
+    "swing_deg": "degrees",
+    "swing_speed_deg_s": "degrees/s",
+    "swing_acceleration_deg_s2": "degrees/s2",
+}
+_DRIFT_MARGIN = 1.015  # the firmware's bounds of it are larger by up to that
+SWING_TICKS = 5  # a set-point of the swing takes more: cam_swing_aim_ticks
+
+
+class Drift(NamedTuple):
+    """What an axis does because the slices of its channel change along the feed, at its peak."""
+
+    step: float = 0.0  # per radian: speed
+    twist: float = 0.0  # per radian^2: of a step that differs over the angle
+    kink: float = 0.0  # per radian: the speed jumps by it where slices change
+
+    def at(self, ratio: float) -> Drift:
+        """Return it over the mean speed, of a spindle that turns faster than that by a ratio."""
+        return Drift(self.step * ratio, self.twist * ratio**2, self.kink * ratio)
+
+
+class Peaks(NamedTuple):
+    """Guaranteed peaks of U over the table, per radian of the spindle."""
+
+    u_stroke_mm: float  # travel, centred on u = 0 as the firmware centres it
+    u1_mm: float  # mm/rad, of u' r where the spindle is modulated
+    u2_mm: float  # mm/rad^2, of u'' r^2 + u' r r'
+    ratio: float = 1.0  # largest speed over mean speed
+    spindle_rad2: float = 0.0  # |r r'|
+    swing_deg: float = 0.0  # of a tool that swings
+    swing1_deg: float = 0.0  # degrees/rad
+    swing2_deg: float = 0.0  # degrees/rad^2
+    u_drift: Drift = Drift()  # mm
+    swing_drift: Drift = Drift()  # degrees
+    feed_mm: float = 0.0  # per turn, of Z
+
+
+class HighestSpeed(NamedTuple):
+    """Highest spindle speed within all limits, and the limit that decides."""
+
+    rpm: float
+    decides: str
+
+
+def peaks_of(bounds: Bounds, ratio: float = 1.0) -> Peaks:
+    """Return the peaks that an image's header guarantees, in mm, with its largest speed ratio."""
+    return Peaks(
+        2 * max(bounds.u_max_nm, -bounds.u_min_nm) * 1e-6,
+        bounds.u1_peak_nm_per_rad * 1e-6,
+        bounds.u2_peak_nm_per_rad2 * 1e-6,
+        ratio,
+        bounds.spindle_peak_ppm * 1e-6,
+    )
+
+
+def drift_of(channel: Channel, unit: float, feed_mm: float) -> Drift:
+    """Return what the feed adds to the motion of an axis, at uniform speed.
+
+    Parameters
+    ----------
+    channel : Channel
+        Over angle and height.
+    unit : float
+        One of the channel's units in those of the result.
+    feed_mm : float
+        Per turn.
+    """
+    spacing_nm = (channel.z_last_nm - channel.z_first_nm) / (channel.n_slices - 1)
+    z_nm = np.linspace(channel.z_first_nm, channel.z_last_nm, channel.n_slices)
+    slices = evaluate_u_grid(channel, z_nm, PLACES)
+    steps, slopes = np.diff(slices.value, axis=0), np.diff(slices.d1, axis=0)
+    kinks = np.diff(steps, axis=0)
+    per_rad = _DRIFT_MARGIN * unit * feed_mm * NM_PER_MM / (2 * np.pi * spacing_nm)
+    return Drift(
+        float(np.abs(steps).max()) * per_rad,
+        2 * float(np.abs(slopes).max()) * per_rad,
+        float(np.abs(kinks).max(initial=0.0)) * per_rad,
+    )
+
+
+class AxisDemand(NamedTuple):
+    """What one axis needs at a mean speed omega: first * omega, second * omega^2 + kink * omega."""
+
+    first: float
+    second: float
+    kink: float  # per s: taken within one set-point
+
+    def speed(self, omega: float) -> float:
+        """Return the highest speed."""
+        return self.first * omega
+
+    def acceleration(self, omega: float) -> float:
+        """Return the highest acceleration."""
+        return (self.second * omega + self.kink) * omega
+
+    def omega_of_speed(self, limit: float) -> float:
+        """Return at which omega the speed meets a limit."""
+        return limit / self.first if self.first > 0 else float("inf")
+
+    def omega_of_acceleration(self, limit: float) -> float:
+        """Return at which omega the acceleration does."""
+        root = self.kink + float(np.sqrt(self.kink**2 + 4 * self.second * limit))
+        return 2 * limit / root if root > 0 else float("inf")
+
+
+def _motion(first: float, second: float, drift: Drift, set_point_hz: float) -> AxisDemand:
+    return AxisDemand(first + drift.step, second + drift.twist, drift.kink * set_point_hz)
+
+
+def u_motion(peaks: Peaks, limits: MachineLimits) -> AxisDemand:
+    """Return what U needs, in mm."""
+    return _motion(peaks.u1_mm, peaks.u2_mm, peaks.u_drift, limits.tick_hz)
+
+
+def swing_motion(peaks: Peaks, limits: MachineLimits) -> AxisDemand:
+    """Return what the swing needs, in degrees."""
+    rate_hz = limits.tick_hz / SWING_TICKS
+    return _motion(peaks.swing1_deg, peaks.swing2_deg, peaks.swing_drift, rate_hz)
+
+
+def highest_speed(peaks: Peaks, limits: MachineLimits) -> HighestSpeed:
+    """Return the highest spindle speed [r/min] at which U stays within its limits."""
+    per_omega, u = 60 / (2 * np.pi), u_motion(peaks, limits)
+    speeds = {
+        "spindle_rpm": limits.spindle_rpm / peaks.ratio,
+        "u_speed_mm_s": per_omega * u.omega_of_speed(limits.u_speed_mm_s),
+        "u_acceleration_mm_s2": per_omega * u.omega_of_acceleration(limits.u_acceleration_mm_s2),
+    }
+    if peaks.feed_mm > 0:
+        speeds["z_speed_mm_s"] = 60 * limits.z_speed_mm_s / (peaks.feed_mm * peaks.ratio)
+    if peaks.spindle_rad2 > 0:
+        root = np.sqrt(limits.alpha_rad_s2 / peaks.spindle_rad2)
+        speeds["spindle_acceleration_rad_s2"] = float(per_omega * root)
+    if isinstance(limits, SwingLimits) and peaks.swing1_deg > 0:
+        swing, most = swing_motion(peaks, limits), limits.swing_acceleration_deg_s2
+        speeds["swing_speed_deg_s"] = per_omega * swing.omega_of_speed(limits.swing_speed_deg_s)
+        speeds["swing_acceleration_deg_s2"] = per_omega * swing.omega_of_acceleration(most)
+    decides = min(speeds, key=lambda name: speeds[name])
+    return HighestSpeed(speeds[decides], decides)
+
+
+def needed_of(peaks: Peaks, limits: MachineLimits, omega: float) -> dict[str, float]:
+    """Return what the part needs at a mean speed [rad/s], by the name of its limit."""
+    u, swing = u_motion(peaks, limits), swing_motion(peaks, limits)
+    return {
+        "u_stroke_mm": peaks.u_stroke_mm,
+        "u_speed_mm_s": u.speed(omega),
+        "u_acceleration_mm_s2": u.acceleration(omega),
+        "spindle_rpm": omega * 60 / (2 * np.pi) * peaks.ratio,
+        "spindle_acceleration_rad_s2": peaks.spindle_rad2 * omega**2,
+        "z_speed_mm_s": peaks.feed_mm * omega / (2 * np.pi) * peaks.ratio,
+        "swing_deg": peaks.swing_deg,
+        "swing_speed_deg_s": swing.speed(omega),
+        "swing_acceleration_deg_s2": swing.acceleration(omega),
+    }
+
+
+def given_of(limits: MachineLimits) -> dict[str, float]:
+    """Return the limits by their names; of a lathe without a swing none for it."""
+    given = limits.model_dump() | {"spindle_acceleration_rad_s2": limits.alpha_rad_s2}
+    return {name: float(given[name]) for name in UNITS if name in given}
+
+
+def tenth_below(rpm: float) -> str:
+    """Return a highest speed as text, never more than it is."""
+    return f"{np.floor(rpm * 10 + 1e-6) / 10:.1f}"
+
+
+def _largest_feed_mm(peaks: Peaks, limits: MachineLimits, omega: float) -> float | None:
+    """Return the feed that would do at this speed; nothing where no feed helps."""
+    given, needed = given_of(limits), needed_of(peaks, limits, omega)
+    standing = peaks._replace(u_drift=Drift(), swing_drift=Drift(), feed_mm=0.0)
+    still = needed_of(standing, limits, omega)
+    if any(still[name] > limit for name, limit in given.items()):
+        return None
+    shares = [
+        (limit - still[name]) / (needed[name] - still[name])
+        for name, limit in given.items()
+        if needed[name] > limit
+    ]
+    return peaks.feed_mm * min(shares) if shares and peaks.feed_mm > 0 else None
+
+
+def _remedy(best: HighestSpeed, asked_rpm: float, feed_mm: float | None) -> str:
+    speed = "turn more slowly"
+    if best.rpm < asked_rpm:
+        speed = (
+            f"with these limits process.spindle_rpm = {asked_rpm:g} may be at most "
+            f"{tenth_below(best.rpm)} r/min ({best.decides} decides)"
+        )
+    if feed_mm is None:
+        return speed
+    return f"{speed}, or process.feed_mm at most {np.floor(feed_mm * 1e4) / 1e4:.4f}"
+
+
+def check_feasible(
+    peaks: Peaks,
+    limits: MachineLimits,
+    spindle_rpm: float,
+    best: HighestSpeed | None = None,
+    asked_rpm: float | None = None,
+) -> HighestSpeed:
+    """Return the highest speed, or refuse a part that the machine cannot cut.
+
+    Parameters
+    ----------
+    spindle_rpm : float
+        Mean speed.
+    best : HighestSpeed, optional
+        Highest speed asked for that would do, where it is not the highest mean speed.
+    asked_rpm : float, optional
+        Speed of the part file, where it is not the mean speed.
+
+    Raises
+    ------
+    CamtoolsError
+        One line for each limit exceeded: needed, limit, highest speed that would do.
+    """
+    omega, best = omega_rad_s(spindle_rpm), best or highest_speed(peaks, limits)
+    asked_rpm = spindle_rpm if asked_rpm is None else asked_rpm
+    remedy = _remedy(best, asked_rpm, _largest_feed_mm(peaks, limits, omega))
+    shape = "lift" if isinstance(limits, SwingLimits) else "ovality"
+    at_any_speed = {
+        "u_stroke_mm": f"no speed would do: less {shape}, or a longer stroke",
+        "swing_deg": "no speed would do: less steep a lift",
+    }
+    needed, given = needed_of(peaks, limits, omega), given_of(limits)
+    needed["spindle_rpm"] = max(asked_rpm, spindle_rpm * peaks.ratio)
+    lines = [
+        f"machine.limits.{name} = {limit:.9g} {UNITS[name]}: the part needs "
+        f"{needed[name]:.9g} {UNITS[name]}; {at_any_speed.get(name, remedy)}"
+        for name, limit in given.items()
+        if needed[name] > limit
+    ]
+    if lines:
+        raise CamtoolsError(lines)
+    return best if best.rpm >= asked_rpm else HighestSpeed(asked_rpm, best.decides)

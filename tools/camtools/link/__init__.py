@@ -1,0 +1,1 @@
+"""The controller at the other end of a CAN bus."""

@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Brings a table image to a controller: blocks over ISO-TP, each acknowledged.
+
+firmware/remote/can/README.md describes the protocol. A block whose acknowledgement tells another
+place is repeated from there, as often as blocks may get lost.
+"""
+
+from __future__ import annotations
+
+import time
+import zlib
+from collections.abc import Callable
+
+import isotp
+
+from camtools.link.link import BLOCK_ID, FLOW_ID, Link, Refused
+
+BLOCK_BYTES = 4096
+BEGIN_S = 60.0  # erasing flash: up to 4 s for each 128 KiB
+CHECK_S = 10.0
+BLOCK_S = 5.0
+MOST_REPEATS = 5
+
+
+def send_block(link: Link, block: bytes) -> None:
+    """Send one message by ISO 15765-2.
+
+    Raises
+    ------
+    Refused
+        The controller gives no flow control, or wants none of it.
+    """
+    problems: list[Exception] = []
+
+    def receive(timeout_s: float) -> isotp.CanMessage | None:
+        link.wait(lambda: bool(link.flows), timeout_s)
+        if not link.flows:
+            return None
+        frame = link.flows.popleft()
+        return isotp.CanMessage(frame.arbitration_id, frame.dlc, bytes(frame.data))
+
+    layer = isotp.TransportLayerLogic(
+        receive,
+        lambda frame: link.send_frame(frame.arbitration_id, bytes(frame.data)),
+        isotp.Address(isotp.AddressingMode.Normal_11bits, txid=BLOCK_ID, rxid=FLOW_ID),
+        error_handler=problems.append,
+    )
+    link.flows.clear()
+    layer.send(block)
+    while layer.transmitting() and not problems:
+        layer.process(rx_timeout=0.001 if layer.is_tx_transmitting_cf() else 0.01)
+    if problems:
+        layer.stop_sending()
+        raise Refused(f"{link.where}: block not sent: {problems[0]}")
+
+
+def _give(link: Link, image: bytes, at: int) -> int:
+    """Send a block; return where to go on."""
+    for _ in range(MOST_REPEATS):
+        part = image[at : at + BLOCK_BYTES]
+        try:
+            send_block(link, at.to_bytes(4, "little") + part)
+            answer = link.next_answer("download_block", BLOCK_S)
+        except Refused as error:
+            problem = str(error)
+            link.wait(lambda: False, 1.2)  # the controller gives the rest of the block up
+            continue
+        if answer.result == "done":
+            return at + len(part)
+        problem = f"{link.where}: block at {at}: {answer.result}"
+        if answer.result != "download_order" or answer.value > at:
+            break
+        at = int(answer.value)
+    raise Refused(f"{problem}; the old table stays in force, download again")
+
+
+def download(
+    link: Link,
+    image: bytes,
+    require: Callable[[str, str], None],
+    progress: Callable[[int, float], None],
+) -> None:
+    """Bring an image into the place that is not in use, and have it checked there.
+
+    Parameters
+    ----------
+    link : Link
+        to the controller
+    image : bytes
+        whole table image
+    require : callable
+        told command and result of each answer; raises when it is not "done"
+    progress : callable
+        told [bytes] that are stored and [s] since the begin
+
+    Raises
+    ------
+    Refused
+        The controller refuses, or the bus loses too much. The old table stays in force.
+    """
+    begin = link.ask("begin_download", timeout_s=BEGIN_S, size=len(image))
+    require("begin_download", begin.result)
+    start_s, at = time.monotonic(), 0
+    while at < len(image):
+        at = _give(link, image, at)
+        progress(at, time.monotonic() - start_s)
+    end = link.ask("end_download", timeout_s=CHECK_S, crc=zlib.crc32(image))
+    require("end_download", end.result)

@@ -1,0 +1,300 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A controller at the other end of a CAN bus: commands and their answers, the newest status.
+
+The messages are those of firmware/remote/can/camturn.dbc, whose identifiers are those of node 64.
+
+>>> NAMES["state"][4]
+'cutting'
+>>> value_text("speed", 2500.0)
+'2500 r/min'
+"""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import can
+from cantools.database.can import Database, Message
+
+DBC = Path(__file__).resolve().parents[3] / "firmware" / "remote" / "can" / "camturn.dbc"
+DATABASE = Database()
+DATABASE.add_dbc_file(DBC)
+COMMAND, ANSWER = (DATABASE.get_message_by_name(name) for name in ("Command", "Answer"))
+_STATUS = {
+    DATABASE.get_message_by_name(name).frame_id: DATABASE.get_message_by_name(name)
+    for name in ("State", "Spindle", "AxisU", "Detail")
+}
+BLOCK_ID, FLOW_ID = (DATABASE.get_message_by_name(name).frame_id for name in ("Block", "BlockFlow"))
+
+DBC_NODE = 64  # the node whose identifiers the DBC tells
+ANSWER_S = 1.0
+BUSY_TRIES, BUSY_S = 20, 0.01
+PERIOD_S = 0.01  # of the status
+SILENT_S = 0.5  # without status: nobody is there
+
+
+def _choices(message: Message, signal: str) -> dict[int, str]:
+    table = message.get_signal_by_name(signal).choices
+    assert table is not None
+    return {number: str(name) for number, name in table.items()}
+
+
+_STATE = DATABASE.get_message_by_name("State")
+NAMES = {
+    "command": _choices(COMMAND, "command"),
+    "parameter": _choices(COMMAND, "parameter"),
+    "result": _choices(ANSWER, "result"),
+    "state": _choices(_STATE, "state"),
+    "reset_reason": _choices(_STATE, "reset_reason"),
+}
+NUMBERS = {table: {name: i for i, name in names.items()} for table, names in NAMES.items()}
+FAULT_TEXTS = {
+    signal.name.removeprefix("fault_"): str(signal.comment)
+    for signal in _STATE.signals
+    if signal.name.startswith("fault_")
+}
+_VALUE_SIGNALS = {
+    number: signal for signal in ANSWER.signals for number in signal.multiplexer_ids or []
+}
+
+
+def value_text(signal: str, value: float) -> str:
+    """Return a value of a command with the unit of its signal."""
+    unit = COMMAND.get_signal_by_name(signal).unit
+    return f"{value:.9g}" + (f" {unit}" if unit else "")
+
+
+class Refused(Exception):  # noqa: N818 - a controller that says no is no error of the program
+    """The controller said no, or nothing; the text is one line for people."""
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What a controller answered.
+
+    Attributes
+    ----------
+    result : str
+        name of a cam_err_t, "done" when accepted
+    value : float
+        of the signal that the command's answer has, scaled; 0 without one
+    parameter : int
+        index, as told
+    limits : tuple of float or None
+        lowest and highest value, when the value was out of its range
+    """
+
+    command: str
+    result: str
+    value: float
+    parameter: int
+    limits: tuple[float, float] | None = None
+
+
+@dataclass
+class Status:
+    """Newest signals of the status by their names, and when [s] their message came."""
+
+    signals: dict[str, float] = field(default_factory=dict)
+    at_s: float = -1e9
+    n_rows: int = 0
+
+    @property
+    def state(self) -> str:
+        """Name of the state."""
+        return NAMES["state"].get(int(self.signals.get("state", -1)), "unknown")
+
+    @property
+    def faults(self) -> list[str]:
+        """Names of the latched faults."""
+        return [name for name in FAULT_TEXTS if self.signals.get(f"fault_{name}")]
+
+    @property
+    def table_name(self) -> str:
+        """Name of the part whose table is in use, as far as it was told."""
+        parts = (int(self.signals.get(f"table_name_{i}", 0)) for i in range(6))
+        raw = b"".join(part.to_bytes(6, "little") for part in parts)
+        return raw.split(b"\0")[0].decode("ascii", "replace")
+
+
+def _frame(identifier: int, data: bytes) -> can.Message:
+    return can.Message(arbitration_id=identifier, data=data, is_extended_id=False)
+
+
+class Link:
+    """A bus with one controller.
+
+    Parameters
+    ----------
+    bus : can.BusABC
+        open
+    where : str
+        how the user named the bus, for messages
+    node : int
+        number of the controller, 1 .. 127; identifiers here are those of node 64, as in the DBC
+
+    Attributes
+    ----------
+    status : Status
+        newest that came
+    on_row : callable
+        called with the status whenever a set of its messages is complete
+    """
+
+    def __init__(self, bus: can.BusABC, where: str, node: int = DBC_NODE) -> None:
+        self.bus, self.where = bus, where
+        self._shift = node - DBC_NODE
+        self.status = Status()
+        self.on_row: Callable[[Status], None] = lambda status: None
+        self._answers: deque[can.Message] = deque()
+        self.flows: deque[can.Message] = deque()
+
+    # Frames
+
+    def pump(self, timeout_s: float) -> bool:
+        """Take one frame; tell whether one came."""
+        try:
+            frame = self.bus.recv(timeout_s)
+        except can.CanError as error:
+            raise Refused(f"{self.where}: the bus is gone: {error}") from error
+        if frame is None:
+            return False
+        if not (frame.is_error_frame or frame.is_remote_frame or frame.is_extended_id):
+            self._take(frame)
+        return True
+
+    def _take(self, frame: can.Message) -> None:
+        identifier = frame.arbitration_id - self._shift
+        if identifier == ANSWER.frame_id and len(frame.data) == ANSWER.length:
+            self._answers.append(frame)
+        elif identifier == FLOW_ID:
+            self.flows.append(_frame(identifier, bytes(frame.data)))
+        elif (message := _STATUS.get(identifier)) and len(frame.data) == message.length:
+            self._take_status(message, bytes(frame.data))
+
+    def _take_status(self, message: Message, data: bytes) -> None:
+        said = message.decode_simple(data, decode_choices=False, allow_truncated=False)
+        self.status.signals |= {name: float(str(value)) for name, value in said.items()}
+        self.status.at_s = time.monotonic()
+        if message.name == "Detail" and said["page"] == 0 and "state" in self.status.signals:
+            self.status.n_rows += 1
+            self.on_row(self.status)
+
+    def send_frame(self, identifier: int, data: bytes) -> None:
+        """Send a frame."""
+        try:
+            self.bus.send(_frame(identifier + self._shift, data), timeout=ANSWER_S)
+        except can.CanError as error:
+            raise Refused(
+                f"{self.where}: the frame cannot be sent: {error}; is the bus up, with somebody "
+                "else on it at the same bit rate?"
+            ) from error
+
+    def wait(self, is_done: Callable[[], bool], timeout_s: float) -> bool:
+        """Take frames until a condition holds; tell whether it did in time."""
+        end_s = time.monotonic() + timeout_s
+        while not is_done():
+            left_s = end_s - time.monotonic()
+            if left_s <= 0:
+                return False
+            self.pump(min(left_s, 0.1))
+        return True
+
+    def next_row(self, timeout_s: float) -> bool:
+        """Wait for the next set of status messages; tell whether it came in time."""
+        n_rows = self.status.n_rows
+        return self.wait(lambda: self.status.n_rows > n_rows, timeout_s)
+
+    def _silence(self) -> Refused:
+        if time.monotonic() - self.status.at_s < SILENT_S:
+            return Refused(
+                f"{self.where}: no answer, though status comes; is another program sending "
+                "commands, or the bus too busy?"
+            )
+        return Refused(
+            f"{self.where}: no answer and no status from a controller; check its power, the "
+            "wiring with both terminators, --interface, --channel, --bitrate and --node"
+        )
+
+    # Commands
+
+    def next_answer(self, command: str, timeout_s: float) -> Answer:
+        """Return the next answer to a command.
+
+        Raises
+        ------
+        Refused
+            None comes in time.
+        """
+        end_s = time.monotonic() + timeout_s
+        while True:
+            if not self.wait(lambda: bool(self._answers), end_s - time.monotonic()):
+                raise self._silence()
+            answer = _answer_of(bytes(self._answers.popleft().data))
+            if answer.command == command:
+                return answer
+
+    def ask(
+        self, command: str, *, timeout_s: float = ANSWER_S, parameter: int = 0, **value: float
+    ) -> Answer:
+        """Send a command, again while the controller is busy, and return its answer.
+
+        Parameters
+        ----------
+        command : str
+            name of the DBC's value table
+        value : float
+            at most one signal of the message Command, in its unit
+        """
+        for _ in range(BUSY_TRIES):
+            while self.pump(0):
+                pass
+            self._answers.clear()
+            self.send_frame(COMMAND.frame_id, _command(command, parameter, value))
+            answer = self.next_answer(command, timeout_s)
+            if answer.result == "param_range":
+                low = self.next_answer("get_minimum", ANSWER_S).value
+                high = self.next_answer("get_maximum", ANSWER_S).value
+                return Answer(**(vars(answer) | {"limits": (low, high)}))
+            if answer.result != "busy":
+                break
+            self.wait(lambda: False, BUSY_S)
+        return answer
+
+    def listen(self) -> Status:
+        """Wait until every message and page of the status came once.
+
+        Raises
+        ------
+        Refused
+            No status comes.
+        """
+        wanted = {signal.name for message in _STATUS.values() for signal in message.signals}
+        if not self.wait(lambda: wanted <= self.status.signals.keys(), ANSWER_S):
+            raise self._silence()
+        return self.status
+
+
+def _command(command: str, parameter: int, value: dict[str, float]) -> bytes:
+    number = NUMBERS["command"][command]
+    signals: dict[str, float] = {"command": number, "parameter": parameter, "reserved": 0}
+    needed = {s.name for s in COMMAND.signals if number in (s.multiplexer_ids or [])}
+    return COMMAND.encode(signals | dict.fromkeys(needed, 0.0) | value, strict=True)
+
+
+def _answer_of(data: bytes) -> Answer:
+    """Values that depend on the command are scaled by its signal."""
+    said = {name: int(str(raw)) for name, raw in ANSWER.decode_simple(
+        data, decode_choices=False, scaling=False).items()}  # fmt: skip
+    signal = _VALUE_SIGNALS.get(said["command"])
+    value = said[signal.name] * signal.scale if signal else 0
+    return Answer(
+        command=NAMES["command"].get(said["command"], str(said["command"])),
+        result=NAMES["result"].get(said["result"], f"error {said['result']}"),
+        value=value,
+        parameter=said["parameter"],
+    )

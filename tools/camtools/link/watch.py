@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Status of a controller as text: lines, a dashboard for a terminal, rows of a CSV file.
+
+>>> gauge(0.0, 1.0, 9)
+'    |    '
+>>> sparkline([0.0, 1.0, 2.0], 2.0)
+' ▄█'
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterable
+
+from camtools.link.link import FAULT_TEXTS, NAMES, Status
+
+_BARS = " ▁▂▃▄▅▆▇█"
+_HOME, _BELOW, _RIGHT = "\x1b[H", "\x1b[J", "\x1b[K"
+COLUMNS = (
+    *("t_s", "state", "faults", "angle_deg", "speed_rpm", "z_mm"),
+    *("u_set_mm", "u_actual_mm", "following_error_mm"),
+)
+
+
+def gauge(value: float, full: float, width: int) -> str:
+    """Return a scale from -full to full with a mark at the value."""
+    share = max(-1.0, min(1.0, value / full if full > 0 else 0.0))
+    at = round((share + 1) / 2 * (width - 1))
+    return " " * at + "|" + " " * (width - 1 - at)
+
+
+def sparkline(values: Iterable[float], full: float) -> str:
+    """Return a bar for each value, from 0 to full."""
+    top = len(_BARS) - 1
+    return "".join(_BARS[round(min(abs(v) / full, 1.0) * top) if full > 0 else 0] for v in values)
+
+
+def row(status: Status, t_s: float) -> list[str]:
+    """Return the cells of COLUMNS."""
+    s = status.signals
+    return [
+        f"{t_s:.4f}",
+        status.state,
+        "+".join(status.faults),
+        f"{s['angle']:.4f}",
+        f"{s['speed']:.3f}",
+        f"{s['z']:.6f}",
+        f"{s['u_set']:.6f}",
+        f"{s['u_actual']:.6f}",
+        f"{s['following_error']:.6f}",
+    ]
+
+
+def line(status: Status) -> str:
+    """Return what matters in one line."""
+    s = status.signals
+    faults = f"  faults: {', '.join(status.faults)}" if status.faults else ""
+    return (
+        f"{status.state:<11} {s['speed']:9.1f} r/min  angle {s['angle']:6.1f} deg  "
+        f"Z {s['z']:9.4f} mm  U set {s['u_set']:8.4f} actual {s['u_actual']:8.4f} mm  "
+        f"following error {s['following_error'] * 1e3:+8.2f} um{faults}"
+    )
+
+
+class Dashboard:
+    """The same as a page that a terminal draws over and over, with the past of what moves."""
+
+    def __init__(self, width: int) -> None:
+        self.width = max(width, 40)
+        self._errors: deque[float] = deque(maxlen=self.width - 24)
+        self._u_full = 0.05
+
+    def add(self, status: Status) -> None:
+        """Remember a row."""
+        s = status.signals
+        self._errors.append(s["following_error"])
+        self._u_full = max(self._u_full, abs(s["u_set"]), abs(s["u_actual"]))
+
+    def page(self, status: Status) -> str:
+        """Return the page, with the codes that draw it in place."""
+        return _HOME + "".join(f"{text}{_RIGHT}\n" for text in self.lines(status)) + _BELOW
+
+    def lines(self, status: Status) -> list[str]:
+        """Return the lines of the page."""
+        s, room = status.signals, self.width - 24
+        full_um = max((abs(e) for e in self._errors), default=0.0) * 1e3
+        full_u = f"-{self._u_full:.3f} .. {self._u_full:.3f} mm"
+        faults = [f"  {name}: {FAULT_TEXTS[name]}" for name in status.faults]
+        return [
+            f"{status.table_name or 'no table'}   state: {status.state.upper()}",
+            "",
+            f"speed     {s['speed']:9.1f} r/min   Z {s['z']:10.4f} mm",
+            f"angle     {s['angle']:9.1f} deg [{gauge(s['angle'] / 180 - 1, 1.0, room)}]",
+            f"U set     {s['u_set']:9.4f} mm  [{gauge(s['u_set'], self._u_full, room)}]",
+            f"U actual  {s['u_actual']:9.4f} mm  [{gauge(s['u_actual'], self._u_full, room)}]",
+            f"                       {full_u}",
+            f"following {s['following_error'] * 1e3:+9.2f} um  "
+            f"[{sparkline(self._errors, full_um / 1e3):>{room}}]",
+            f"                       0 .. {full_um:.2f} um",
+            "",
+            "faults: " + ("" if faults else "none"),
+            *faults,
+        ]
+
+
+def report(status: Status) -> list[str]:
+    """Return everything that the status tells, a line each."""
+    s = status.signals
+    table_err = NAMES["result"].get(int(s["table_result"]), str(int(s["table_result"])))
+    yes = {0.0: "no", 1.0: "yes"}
+    return [
+        f"state             {status.state}",
+        f"faults            {', '.join(status.faults) or 'none'}",
+        *(f"  {name}: {FAULT_TEXTS[name]}" for name in status.faults),
+        f"angle             {s['angle']:.3f} deg, known: {yes[s['is_synced']]}",
+        f"speed             {s['speed']:.3f} r/min",
+        f"Z                 {s['z']:.6f} mm",
+        f"U set, actual     {s['u_set']:.6f} mm, {s['u_actual']:.6f} mm, "
+        f"retracted: {yes[s['is_retracted']]}",
+        f"following error   {s['following_error'] * 1e3:+.3f} um",
+        f"emergency stop    {yes[s['is_estop']]}; drives ready: {yes[s['is_drive_ready']]}",
+        f"tick              {s['tick_rate']:.0f} Hz, longest {s['tick_time_max']:.3f} us, "
+        f"late {s['late_ticks']:.0f}",
+        f"last start        {NAMES['reset_reason'].get(int(s['reset_reason']), 'unknown')}",
+        *table_report(status),
+        f"table check       {table_err}",
+    ]
+
+
+def table_report(status: Status) -> list[str]:
+    """Return what is known of the table in use."""
+    s = status.signals
+    if not s["table_size"]:
+        return ["table             none"]
+    return [
+        f"table             {status.table_name}",
+        f"table image       {s['table_size']:.0f} bytes, CRC-32 {int(s['table_crc']):08x}, "
+        f"generation {s['table_generation']:.0f}",
+    ]

@@ -1,0 +1,1 @@
+"""A kind of part: lobes and camshafts, turned with a swinging tool or ground with a wheel."""

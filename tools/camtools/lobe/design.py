@@ -1,0 +1,57 @@
+"""The exact design of a cam for the simulator's gauge, independent of the table.
+
+>>> from camtools.lobe.generate import generate_lobes
+>>> from camtools.lobe.motion import example_lobe
+>>> design_of_lobes(generate_lobes(example_lobe()))["lobes"][0]["law"]
+'poly345'
+"""
+
+from __future__ import annotations
+
+from scipy.interpolate import PPoly
+
+from camtools.base.json_text import Json
+from camtools.lobe.generate import GeneratedLobes
+from camtools.lobe.lift import Disc, LiftLaw, Listed, Poly345
+from camtools.lobe.motion import ShaftLobe
+
+_FIELDS = {"poly345": ("lift_mm", "half_angle_rad"), "disc": ("reach_mm", "offset_mm")}
+
+
+def _law(law: LiftLaw) -> Json:
+    """Return a law of lift as numbers; a list as the pieces of its spline."""
+    if isinstance(law, Poly345):
+        return {"law": "poly345", "lift_mm": law.lift_mm, "half_angle_rad": law.half_angle_rad}
+    if isinstance(law, Disc):
+        return {"law": "disc", "reach_mm": law.reach_mm, "offset_mm": law.offset_mm}
+    assert isinstance(law, Listed)
+    pieces = PPoly.from_spline(law.spline)
+    k = law.spline.k  # as many knots at each end lie outside of the turn
+    breaks, coefficients = pieces.x[k:-k], pieces.c[:, k:-k]
+    return {
+        "law": "pieces",
+        "breaks_rad": breaks.tolist(),
+        "coefficients": coefficients.T.ravel().tolist(),
+    }
+
+
+def _lobe(lobe: ShaftLobe) -> Json:
+    return {"z_mm": list(lobe.z_mm), "phase_rad": lobe.phase_rad} | _law(lobe.law)
+
+
+def design_of_lobes(result: GeneratedLobes) -> Json:
+    """Return the shape for programs that measure: laws in radians and millimetres, no table.
+
+    Pieces of a list are quintics, highest power first, of the angle above each break.
+    """
+    process, cam = result.part.process, result.part.cam
+    return {
+        "shape": "cam",
+        "operation": process.operation,
+        "speed": process.speed,
+        "base_mm": float(cam.base_radius_mm),
+        "roller_mm": float(cam.roller_radius_mm),
+        "follower_mm": float(result.part.follower_radius_mm),
+        "base_speed": float(process.spindle_rpm) / result.mean_rpm,
+        "lobes": [_lobe(lobe) for lobe in result.lobes],
+    }

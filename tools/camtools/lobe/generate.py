@@ -1,0 +1,264 @@
+"""From the part file of a cam to its table, checked against the machine's limits.
+
+>>> from camtools.lobe.motion import example_lobe
+>>> result = generate_lobes(example_lobe())
+>>> result.lift.error <= 10.0, result.angle.error <= 1e-4
+(True, True)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from camtools.base.quantities import NM_PER_MM, Floats, omega_rad_s
+from camtools.cut.feasibility import (
+    Drift,
+    HighestSpeed,
+    Peaks,
+    check_feasible,
+    drift_of,
+    given_of,
+    needed_of,
+    peaks_of,
+)
+from camtools.lobe.channels import (
+    MadeChannel,
+    centre_channel,
+    choose_angle,
+    choose_lift,
+    speed_channel,
+)
+from camtools.lobe.contact import Follower
+from camtools.lobe.motion import ShaftLobe, make_lobes
+from camtools.lobe.part import LobePart
+from camtools.lobe.speed import N_GRID, SpindleLimits, acceleration_of, mean_of, surface_speed
+from camtools.part.common import check_feed
+from camtools.table.evaluate import knot_interval, raw_bounds
+from camtools.table.header import check_tolerance, table_of, u_bounds
+from camtools.table.image import ANGLE_TURN, Channel, Table
+from camtools.table.modulation import MotionPeaks, moving_bounds, peaks_together
+
+DEFAULT_TOLERANCE_NM = 10.0
+_BISECTIONS = 40
+_EASINGS = 12  # steps in which laws are made for less acceleration
+_MIXED_MARGIN = 0.98  # of the limit: what the table promises is a little above its samples
+_SHARES = (0.25, 0.5, 0.75)
+_SEARCH_MARGIN = 0.99  # of every limit: the table's own bounds are a little above its samples
+_MAX_SPINDLE_RAD2 = 8.5  # |r r'|: a table promises at most 10, of a mean that limits make slower
+_DEG_PER_UNIT = 360 / ANGLE_TURN
+
+
+@dataclass(frozen=True, eq=False)
+class GeneratedLobes:
+    """A table of a cam and everything that is known about it.
+
+    Attributes
+    ----------
+    lobes : list of ShaftLobe
+        Exact geometry.
+    lift, angle : MadeChannel
+        Channels of u and of swing or contact, with their errors in nm and degrees.
+    speed : MadeChannel or None
+        Channel of the speed ratio, error of the ratio.
+    mean_rpm : float
+        Mean speed of a turn.
+    peaks : Peaks
+        What the axes need.
+    """
+
+    part: LobePart
+    lobes: list[ShaftLobe]
+    tolerance_nm: float
+    table: Table
+    lift: MadeChannel
+    angle: MadeChannel
+    speed: MadeChannel | None
+    mean_rpm: float
+    peaks: Peaks
+    highest_speed: HighestSpeed
+
+
+def generate_lobes(part: LobePart, tolerance_nm: float | None = None) -> GeneratedLobes:
+    """Return the smallest table of a cam that keeps the tolerances.
+
+    Parameters
+    ----------
+    part : LobePart
+        A validated part.
+    tolerance_nm : float, optional
+        Largest error of the lift [nm], 10 by default; angles are within 1e-4 degrees.
+
+    Raises
+    ------
+    CamtoolsError
+        The shape is impossible, the tolerance is out of reach, or the machine is too weak.
+    """
+    tolerance_nm = DEFAULT_TOLERANCE_NM if tolerance_nm is None else tolerance_nm
+    check_tolerance(tolerance_nm)
+    check_feed(part)
+    lobes = make_lobes(part)
+    is_swung = part.process.operation == "turning"
+    lift, angle = choose_lift(lobes, tolerance_nm), choose_angle(lobes, is_swung=is_swung)
+    speed, mean_rpm = _modulation(part, lobes)
+    bounds = u_bounds(lift.channel, lift.error)
+    channels = [lift.channel, centre_channel(lobes), angle.channel]
+    together = peaks_together(lift.channel, speed.channel) if speed else None
+    if speed is not None and together is not None:
+        bounds = moving_bounds(bounds, together)
+        channels.append(speed.channel)
+    table = table_of(part, mean_rpm, bounds, tuple(channels))
+    ratio = together.ratio if together else 1.0
+    peaks = peaks_of(bounds, ratio)
+    if is_swung:
+        peaks = _with_swing(peaks, angle.channel, speed.channel if speed else None)
+    fed = _feeding(part, lift.channel, angle.channel)
+    peaks = peaks._replace(
+        u_drift=fed.u_drift.at(ratio), swing_drift=fed.swing_drift.at(ratio), feed_mm=fed.feed_mm
+    )
+    best = _judge(part, lobes, peaks, fed, mean_rpm)
+    return GeneratedLobes(
+        part, lobes, tolerance_nm, table, lift, angle, speed, mean_rpm, peaks, best
+    )
+
+
+def _paths(lobes: list[ShaftLobe]) -> list[Follower]:
+    """Return all lobes at the angles at which the spindle's speed is planned."""
+    phi = 2 * np.pi * np.arange(N_GRID, dtype=np.float64) / N_GRID
+    return [lobe.at(phi) for lobe in lobes]
+
+
+def _laws(part: LobePart, paths: list[Follower], rpm: float) -> list[Floats]:
+    """Return the spindle's speed over its angle for each lobe [rad/s].
+
+    Between two lobes the table mixes their laws, which may ask for more acceleration than either:
+    the laws are then made for less, until all mixes keep the limit.
+    """
+    limits, base_rad_s = part.machine.limits, omega_rad_s(rpm)
+    base_mm = part.cam.base_radius_mm
+    slowest = min(mean_of(base_rad_s * base_mm / path.ds_dphi) for path in paths)
+    most = alpha = min(limits.alpha_rad_s2, _MAX_SPINDLE_RAD2 * slowest**2)
+    for _ in range(_EASINGS):
+        spindle = SpindleLimits(alpha, omega_rad_s(limits.spindle_rpm))
+        laws = [surface_speed(path.ds_dphi, base_mm, base_rad_s, spindle) for path in paths]
+        mixed = max((_peak(acceleration_of(mix)) for mix in _mixes(laws)), default=0.0)
+        if mixed <= _MIXED_MARGIN * most:
+            break
+        alpha *= 0.99 * _MIXED_MARGIN * most / mixed
+    return laws
+
+
+def _mixes(of_lobes: list[Floats]) -> Iterator[Floats]:
+    """Return what the table holds between two lobes, at a quarter, half, three quarters."""
+    for below, above in pairwise(of_lobes):
+        for share in _SHARES:
+            yield (1 - share) * below + share * above
+
+
+def _peak(values: Floats) -> float:
+    return float(np.abs(values).max())
+
+
+def _modulation(part: LobePart, lobes: list[ShaftLobe]) -> tuple[MadeChannel | None, float]:
+    """Return the speed channel, where there is one, and the mean speed [r/min]."""
+    rpm = part.process.spindle_rpm
+    if part.process.speed == "uniform":
+        return None, rpm
+    laws = _laws(part, _paths(lobes), rpm)
+    mean_rad_s = float(np.mean([mean_of(law) for law in laws]))
+    return speed_channel(lobes, laws, mean_rad_s), mean_rad_s * 60 / (2 * np.pi)
+
+
+def _with_swing(peaks: Peaks, angle: Channel, speed: Channel | None) -> Peaks:
+    raw, h = raw_bounds(angle), knot_interval(angle)
+    unit = angle.lsb * _DEG_PER_UNIT
+    extremes = (angle.origin + one * angle.lsb for one in (raw.low, raw.high))
+    largest = max(abs(one) for one in extremes) * _DEG_PER_UNIT
+    first, second = raw.first * unit / h, raw.second * unit / h**2
+    if speed is not None:
+        moved: MotionPeaks = peaks_together(angle, speed)
+        first, second = (one * NM_PER_MM * _DEG_PER_UNIT for one in (moved.u1_mm, moved.u2_mm))
+    return peaks._replace(swing_deg=largest, swing1_deg=first, swing2_deg=second)
+
+
+def _feeding(part: LobePart, lift: Channel, angle: Channel) -> Peaks:
+    """Return what the change from lobe to lobe alone adds at a uniform speed."""
+    feed_mm, is_swung = part.process.feed_mm, part.process.operation == "turning"
+    u_drift = drift_of(lift, 1 / NM_PER_MM, feed_mm)
+    swing_drift = drift_of(angle, _DEG_PER_UNIT, feed_mm) if is_swung else Drift()
+    return Peaks(0.0, 0.0, 0.0, u_drift=u_drift, swing_drift=swing_drift, feed_mm=feed_mm)
+
+
+def _judge(
+    part: LobePart, lobes: list[ShaftLobe], peaks: Peaks, fed: Peaks, mean_rpm: float
+) -> HighestSpeed:
+    """Return the highest speed of the part file that would do, or refuse."""
+    limits, asked_rpm = part.machine.limits, part.process.spindle_rpm
+    if part.process.speed == "uniform":
+        return check_feasible(peaks, limits, mean_rpm)
+    best = _highest_surface_speed(part, _paths(lobes), fed)
+    return check_feasible(peaks, limits, mean_rpm, best, asked_rpm)
+
+
+class _Turn(NamedTuple):
+    """What decides the motion of the axes over a turn: of a lobe, or between two."""
+
+    d1: Floats
+    d2: Floats
+    angle1: Floats
+    angle2: Floats
+    omega: Floats
+
+
+def _turns(paths: list[Follower], laws: list[Floats]) -> list[_Turn]:
+    turns = [
+        np.stack([path.d1, path.d2, path.angle1, path.angle2, law])
+        for path, law in zip(paths, laws, strict=True)
+    ]
+    return [_Turn(*turn) for turn in (*turns, *_mixes(turns))]
+
+
+def _needs(part: LobePart, paths: list[Follower], fed: Peaks, rpm: float) -> dict[str, float]:
+    """Return needed over limit of every axis at a speed on the base circle, by limit."""
+    limits = part.machine.limits
+    given, shares = given_of(limits), {"spindle_rpm": rpm / limits.spindle_rpm}
+    for turn in _turns(paths, _laws(part, paths, rpm)):
+        feeding = needed_of(fed, limits, float(turn.omega.max()))
+        for name, needed in _needed(turn, part.process.operation).items():
+            share = (needed + feeding[name]) / given[name]
+            shares[name] = max(share, shares.get(name, 0.0))
+    return shares
+
+
+def _needed(turn: _Turn, operation: str) -> dict[str, float]:
+    omega, alpha = turn.omega, acceleration_of(turn.omega)
+    needed = {
+        "u_speed_mm_s": _peak(turn.d1 * omega),
+        "u_acceleration_mm_s2": _peak(turn.d2 * omega**2 + turn.d1 * alpha),
+        "spindle_acceleration_rad_s2": _peak(alpha),
+        "z_speed_mm_s": 0.0,
+    }
+    if operation == "turning":
+        bend = turn.angle2 * omega**2 + turn.angle1 * alpha
+        needed["swing_speed_deg_s"] = _peak(np.degrees(turn.angle1 * omega))
+        needed["swing_acceleration_deg_s2"] = _peak(np.degrees(bend))
+    return needed
+
+
+def _highest_surface_speed(part: LobePart, paths: list[Follower], fed: Peaks) -> HighestSpeed:
+    """Return the highest speed on the base circle, its law planned anew for every speed."""
+    low, high, decides = 0.0, part.machine.limits.spindle_rpm, "spindle_rpm"
+    for _ in range(_BISECTIONS):
+        middle = high if low == 0.0 and decides == "spindle_rpm" else (low + high) / 2
+        shares = _needs(part, paths, fed, middle)
+        name = max(shares, key=lambda one: shares[one])
+        is_kept = shares[name] <= (1.0 if name == "spindle_rpm" else _SEARCH_MARGIN)
+        if is_kept and middle == high:
+            return HighestSpeed(high, decides)
+        low, high = (middle, high) if is_kept else (low, middle)
+        decides = decides if is_kept else name
+    return HighestSpeed(low, decides)

@@ -1,0 +1,255 @@
+"""Laws of lift: how far a cam lifts the centre of its roller, over the follower's angle.
+
+A new law is one class with `evaluate`; nothing else has to know it.
+
+>>> law = Poly345(8.0, np.radians(70.0))
+>>> [f"{mm:.7f}" for mm in law.evaluate(np.radians([-60.0, 0.0, 80.0])).lift]
+['0.1861129', '8.0000000', '0.0000000']
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple, Protocol
+
+import numpy as np
+from scipy.interpolate import BSpline, make_interp_spline
+
+from camtools.base.errors import GeometryError, InputError
+from camtools.base.input_file import read_limited
+from camtools.base.quantities import Floats
+from camtools.lobe.part import (
+    MAX_LIFT_MM,
+    MIN_POINTS,
+    MIN_STEP_DEG,
+    Camshaft,
+    Lobe,
+    fits_turn,
+    is_step,
+    is_turn,
+)
+from camtools.part.file import MAX_FILE_BYTES
+from camtools.part.model import SAME_MM
+
+CSV_HEADER = "angle_deg,lift_mm"
+_MAX_ROWS = 10_000
+_STRAY_MM = 1e-3  # of a spline from what its points promise
+_PER_PIECE = 64
+
+
+class Lift(NamedTuple):
+    """Lift of the roller's centre and its derivatives by the follower's angle."""
+
+    lift: Floats  # mm
+    d1: Floats  # mm/rad
+    d2: Floats  # mm/rad^2
+    d3: Floats  # mm/rad^3
+
+
+class LiftLaw(Protocol):
+    """A law of lift over one turn."""
+
+    def evaluate(self, theta_rad: Floats) -> Lift:
+        """Return lift and derivatives at angles [rad] of any size and shape."""
+
+
+@dataclass(frozen=True)
+class Poly345:
+    """The 3-4-5 polynomial: speed and acceleration 0 at the ends and at the nose.
+
+    Attributes
+    ----------
+    lift_mm, half_angle_rad : float
+        Lift at the nose, angle 0, and the angle from the nose to the base circle.
+    """
+
+    lift_mm: float
+    half_angle_rad: float
+
+    def evaluate(self, theta_rad: Floats) -> Lift:
+        """See `LiftLaw.evaluate`. Source: MATHS.md (37)."""
+        theta = np.mod(theta_rad + np.pi, 2 * np.pi) - np.pi
+        u = np.clip(1 - np.abs(theta) / self.half_angle_rad, 0, 1)
+        slope = -np.sign(theta) / self.half_angle_rad
+        return Lift(
+            self.lift_mm * u**3 * (10 - 15 * u + 6 * u**2),
+            self.lift_mm * slope * 30 * u**2 * (1 - u) ** 2,
+            self.lift_mm * slope**2 * 60 * u * (1 - u) * (1 - 2 * u),
+            self.lift_mm * slope**3 * 60 * (1 - 6 * u + 6 * u**2) * (u > 0),
+        )
+
+
+@dataclass(frozen=True)
+class Disc:
+    """An eccentric disc: the roller's centre runs on a circle about the disc's centre.
+
+    Attributes
+    ----------
+    reach_mm : float
+        Radius of the disc plus that of the roller.
+    offset_mm : float
+        Distance of the disc's centre from the axis, towards angle 0.
+    """
+
+    reach_mm: float
+    offset_mm: float
+
+    def evaluate(self, theta_rad: Floats) -> Lift:
+        """See `LiftLaw.evaluate`. Source: MATHS.md (38), base radius reach - offset - r1."""
+        e, sin, cos = self.offset_mm, np.sin(theta_rad), np.cos(theta_rad)
+        root = np.sqrt(self.reach_mm**2 - (e * sin) ** 2)
+        root1 = -(e**2) * sin * cos / root
+        root2 = -(e**2 * (cos**2 - sin**2) + root1**2) / root
+        root3 = (4 * e**2 * sin * cos - 3 * root1 * root2) / root
+        # reach - root without cancellation, and offset (1 + cos) as it stands
+        lift = e * (1 + cos) - (e * sin) ** 2 / (self.reach_mm + root)
+        return Lift(lift, root1 - e * sin, root2 - e * cos, root3 + e * sin)
+
+
+@dataclass(frozen=True, eq=False)
+class Listed:
+    """Points joined by a periodic quintic spline: four continuous derivatives.
+
+    Attributes
+    ----------
+    spline : BSpline
+        Lift [mm] over the angle [rad], periodic.
+    """
+
+    spline: BSpline
+
+    def evaluate(self, theta_rad: Floats) -> Lift:
+        """See `LiftLaw.evaluate`."""
+        values = (np.asarray(self.spline(theta_rad, nu=n), dtype=np.float64) for n in range(4))
+        return Lift(*values)
+
+
+def periodic_spline(angle_deg: Floats, lift_mm: Floats) -> BSpline:
+    """Return the periodic quintic spline through points of one turn.
+
+    Parameters
+    ----------
+    angle_deg, lift_mm : ndarray, shape (n,)
+        Rising angles that span at most a turn; where they span it, both ends have the same lift.
+    """
+    n = lift_mm.size - is_turn(angle_deg[-1] - angle_deg[0])
+    # the end is made from the beginning: written out, both differ in the last digits
+    angle_deg = np.append(angle_deg[:n], angle_deg[0] + 360)
+    lift_mm = np.append(lift_mm[:n], lift_mm[0])
+    return make_interp_spline(np.radians(angle_deg), lift_mm, k=5, bc_type="periodic")
+
+
+def parse_points(text: str, file: str) -> tuple[Floats, Floats]:
+    """Return angles [degrees] and lifts [mm] of a CSV text.
+
+    Raises
+    ------
+    InputError
+        With the line: wrong header, no two numbers, angles that do not rise, lifts out of range.
+    """
+    lines = text.splitlines()
+    if not lines or lines[0].strip() != CSV_HEADER:
+        found = lines[0][:60] if lines else ""
+        raise InputError(file, "line 1", found, "wrong header", f'write "{CSV_HEADER}"')
+    rows: list[tuple[float, float]] = []
+    for number, line in enumerate(lines[1 : _MAX_ROWS + 1], start=2):
+        if line.strip():
+            rows.append(_row(file, number, line, rows))
+    if len(rows) < MIN_POINTS or len(lines) > _MAX_ROWS + 1:
+        problem = f"has {len(lines) - 1} points, wants {MIN_POINTS} .. {_MAX_ROWS}"
+        raise InputError(file, "angle_deg", None, problem, "list one turn of the cam")
+    angle_deg, lift_mm = np.array(rows).T
+    return angle_deg, lift_mm
+
+
+def _row(
+    file: str, number: int, line: str, before: list[tuple[float, float]]
+) -> tuple[float, float]:
+    """Return a row that follows the ones before."""
+    place = f"line {number}"
+    try:
+        angle, lift_mm = (float(cell) for cell in line.split(","))
+    except ValueError as error:
+        problem = "not two numbers"
+        raise InputError(file, place, line, problem, f"write {CSV_HEADER}") from error
+    if not (-360 <= angle <= 720 and 0 <= lift_mm <= MAX_LIFT_MM):
+        problem = f"angle not -360 .. 720 or lift not 0 .. {MAX_LIFT_MM:g}"
+        raise InputError(file, place, line, problem, "give degrees and mm above the base circle")
+    if before and not (is_step(angle - before[-1][0]) and fits_turn(angle - before[0][0])):
+        problem = f"angles must rise by at least {MIN_STEP_DEG} degrees within one turn"
+        raise InputError(file, place, line, problem, "sort the points")
+    return angle, lift_mm
+
+
+def _points(lobe: Lobe, field: str) -> tuple[Floats, Floats]:
+    """Return the points of a listed lobe, from the part file or from its CSV file."""
+    if lobe.csv is None:
+        assert lobe.angle_deg is not None
+        return np.asarray(lobe.angle_deg, dtype=float), np.asarray(lobe.lift_mm, dtype=float)
+    path = Path(lobe.csv)
+    try:
+        return parse_points(_read(path), path.name)
+    except InputError as error:
+        raise GeometryError(f"{field}.csv", *_split(error)) from error
+    except (OSError, UnicodeDecodeError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or "not UTF-8 text"
+        remedy = "give a CSV file, its place seen from the part file"
+        raise GeometryError(
+            f"{field}.csv", f"{path.name} cannot be read: {reason}", remedy
+        ) from error
+
+
+def _read(path: Path) -> str:
+    """Return the text of a CSV file, without the mark that spreadsheets put before it."""
+    return read_limited(path, MAX_FILE_BYTES).decode("utf-8-sig")
+
+
+def _split(error: InputError) -> tuple[str, str]:
+    problem, _, remedy = error.lines[0].rpartition("; ")
+    return problem, remedy
+
+
+def make_lift(cam: Camshaft, lobe: Lobe, field: str) -> LiftLaw:
+    """Return the law of a lobe.
+
+    Parameters
+    ----------
+    field : str
+        Dotted path of the lobe, for error messages.
+
+    Raises
+    ------
+    GeometryError
+        The points are no good.
+    """
+    if lobe.law == "poly345":
+        assert isinstance(lobe.lift_mm, float | int)
+        assert lobe.half_angle_deg is not None
+        return Poly345(float(lobe.lift_mm), float(np.radians(lobe.half_angle_deg)))
+    if lobe.law == "disc":
+        assert lobe.disc_radius_mm is not None
+        assert lobe.offset_mm is not None
+        return Disc(lobe.disc_radius_mm + cam.roller_radius_mm, lobe.offset_mm)
+    angle_deg, lift_mm = _points(lobe, field)
+    if is_turn(angle_deg[-1] - angle_deg[0]) and abs(lift_mm[0] - lift_mm[-1]) > SAME_MM:
+        problem = f"first and last point are a turn apart, {lift_mm[0]:g} and {lift_mm[-1]:g} mm"
+        raise GeometryError(f"{field}.lift_mm", problem, "leave the last one out")
+    law = Listed(periodic_spline(angle_deg, lift_mm))
+    _check_between(law, float(lift_mm.max()), f"{field}.{'csv' if lobe.csv else 'lift_mm'}")
+    return law
+
+
+def _check_between(law: Listed, largest_mm: float, field: str) -> None:
+    """Refuse a spline that leaves the lifts that its points give: nobody drew that."""
+    knots = law.spline.t[law.spline.k : -law.spline.k]  # the points, without a turn's repetition
+    pieces = np.linspace(knots[:-1], knots[1:], _PER_PIECE, axis=-1).ravel()
+    lift_mm = np.asarray(law.spline(pieces), dtype=np.float64)
+    stray_mm = np.maximum(-lift_mm, lift_mm - largest_mm)
+    worst = int(stray_mm.argmax())
+    if stray_mm[worst] > _STRAY_MM:
+        problem = (
+            f"between the points the lift comes to {lift_mm[worst]:.4g} mm at "
+            f"{np.degrees(pieces[worst]):.4g} degrees, but they give 0 .. {largest_mm:g} mm"
+        )
+        raise GeometryError(field, problem, "give more points there, the nose one of them")

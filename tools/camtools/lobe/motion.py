@@ -1,0 +1,101 @@
+"""What a cam asks of the axes: lobes at angles of the shaft, demands, highest speed.
+
+>>> part = example_lobe()
+>>> [lobe] = make_lobes(part)
+>>> f"{lobe.at(np.zeros(1)).lift[0]:.1f}"
+'8.0'
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from camtools.base.quantities import Floats
+from camtools.lobe.check import Shape, all_round, check_roller, check_wheel, shape_of
+from camtools.lobe.contact import Contact, Follower, at_angles
+from camtools.lobe.lift import LiftLaw, make_lift
+from camtools.lobe.part import Camshaft, Lobe, LobePart, LobeProcess
+from camtools.part.common import PartInfo
+
+
+@dataclass(frozen=True, eq=False)
+class ShaftLobe:
+    """One lobe on its shaft, with what follows it.
+
+    Attributes
+    ----------
+    law : LiftLaw
+        Of the lobe itself.
+    base_mm, roller_mm, follower_mm : float
+        Radii of the base circle, of the roller that defines the lift, and of what touches the cam.
+    phase_rad : float
+        Spindle angle at which the lobe's own angle is 0.
+    z_mm : tuple of float
+        Where it begins and ends.
+    shape : Shape
+        Its extremes.
+    """
+
+    law: LiftLaw
+    base_mm: float
+    roller_mm: float
+    follower_mm: float
+    phase_rad: float
+    z_mm: tuple[float, float]
+    shape: Shape
+
+    def contacts(self, phi_rad: Floats) -> tuple[Contact, Follower]:
+        """Return contacts and follower at spindle angles [rad], in the frame of the lobe."""
+        turned = np.mod(phi_rad - self.phase_rad + np.pi, 2 * np.pi) - np.pi
+        return at_angles(self.law, self.base_mm, self.roller_mm, self.follower_mm, turned)
+
+    def at(self, phi_rad: Floats) -> Follower:
+        """Return the follower at spindle angles [rad]."""
+        return self.contacts(phi_rad)[1]
+
+
+def make_lobes(part: LobePart) -> list[ShaftLobe]:
+    """Return the lobes of a cam, upwards.
+
+    Raises
+    ------
+    GeometryError
+        Points are no good, a lobe is undercut, or the wheel cannot reach a flank.
+    """
+    lobes: list[ShaftLobe] = []
+    base_mm, roller_mm = part.cam.base_radius_mm, part.cam.roller_radius_mm
+    for i, lobe in enumerate(part.cam.lobe):
+        field = f"cam.lobe.{i}"
+        law = make_lift(part.cam, lobe, field)
+        touch = all_round(law, base_mm, roller_mm)
+        check_roller(touch, field)
+        if part.process.operation == "grinding":
+            check_wheel(touch, part.follower_radius_mm, field)
+        radii = (base_mm, roller_mm, part.follower_radius_mm)
+        z_mm = (lobe.z_mm[0], lobe.z_mm[1])
+        shape = shape_of(law, base_mm, roller_mm)
+        lobes.append(ShaftLobe(law, *radii, float(np.radians(lobe.phase_deg)), z_mm, shape))
+    return lobes
+
+
+class SwingPeaks(NamedTuple):
+    """Peaks of the swing in degrees, per mean speed and its square in rad/s."""
+
+    deg: float
+    deg_per_rad: float
+    deg_per_rad2: float
+
+
+def example_lobe(operation: str = "turning", speed: str = "uniform") -> LobePart:
+    """Return the 3-4-5 cam of the worked numbers, MATHS.md (37), for examples."""
+    lobe = Lobe(z_mm=[0, 12], law="poly345", lift_mm=8, half_angle_deg=70)
+    return LobePart(
+        part=PartInfo(name="example", kind="cam", source="MATHS.md (37)"),
+        cam=Camshaft(base_radius_mm=20, roller_radius_mm=10, wheel_radius_mm=200, lobe=[lobe]),
+        process=LobeProcess.model_validate(
+            {"operation": operation, "speed": speed, "spindle_rpm": 60}
+        ),
+    )

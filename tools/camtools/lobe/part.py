@@ -1,0 +1,281 @@
+"""The part file of a cam: base circle, roller, lobes, and how they are turned or ground.
+
+>>> lobe = Lobe(z_mm=[0, 12], law="poly345", lift_mm=8, half_angle_deg=70)
+>>> lobe.phase_deg, lobe.law
+(0.0, 'poly345')
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from math import floor
+from typing import Annotated, Literal, Self
+
+from pydantic import (
+    Discriminator,
+    Field,
+    StringConstraints,
+    Tag,
+    ValidationInfo,
+    field_validator,
+    model_validator,
+)
+
+from camtools.base.quantities import NM_PER_MM
+from camtools.part.common import PartInfo, SwingLimits
+from camtools.part.model import HeightMm, TomlTable, beside_the_part, no_truth, rising, wrong
+
+MIN_GAP_MM = 0.2
+MAX_LIFT_MM = 15.0
+MAX_LOBES = 64  # of a part file; fewer where the bytes of a channel do not last
+MAX_CENTRE_MM = 2000.0  # places in a table: firmware/table/cam_table.c, max_height_nm
+MIN_POINTS = 8
+MIN_STEP_DEG = 0.01
+SAME_DEG = 1e-6  # decimal angles differ by less from what they are written as
+MIN_RPM, MAX_RPM = 1.0, 60_000.0
+
+RadiusMm = Annotated[float, Field(ge=0.1, le=2000)]
+LiftMm = Annotated[float, Field(gt=0, le=MAX_LIFT_MM)]
+PointLiftMm = Annotated[float, Field(ge=0, le=MAX_LIFT_MM)]
+PointDeg = Annotated[float, Field(ge=-360, le=720)]
+
+
+def is_turn(span_deg: float) -> bool:
+    """Return whether points of this span end where they began."""
+    return abs(span_deg - 360) < SAME_DEG
+
+
+def is_step(step_deg: float) -> bool:
+    """Return whether two angles are far enough apart for a spline."""
+    return step_deg >= MIN_STEP_DEG - SAME_DEG
+
+
+def fits_turn(span_deg: float) -> bool:
+    """Return whether points of this span close a turn, or leave a step of it."""
+    return is_turn(span_deg) or is_step(360 - span_deg)
+
+
+def _list_or_one(value: object) -> str:
+    return "(list)" if isinstance(value, list) else "(one)"
+
+
+_LONG = Field(min_length=MIN_POINTS, max_length=10_000)
+Lifts = Annotated[
+    Annotated[list[PointLiftMm], _LONG, Tag("(list)")] | Annotated[LiftMm, Tag("(one)")],
+    Discriminator(_list_or_one),
+]
+
+_BELONGS_TO = {
+    "lift_mm": ("poly345", "list"),
+    "half_angle_deg": ("poly345",),
+    "disc_radius_mm": ("disc",),
+    "offset_mm": ("disc",),
+    "angle_deg": ("list",),
+    "csv": ("list",),
+}
+_NEEDED = {"poly345": ("lift_mm", "half_angle_deg"), "disc": ("disc_radius_mm", "offset_mm")}
+
+
+class Lobe(TomlTable):
+    """[[cam.lobe]]: one lobe, where it sits on the shaft, and its law of lift.
+
+    The angle of a law is counted from its nose (poly345), from its largest radius (disc) or from
+    the zero of the list, in the sense in which the follower runs round the cam.
+    """
+
+    z_mm: Annotated[list[HeightMm], Field(min_length=2, max_length=2)]
+    phase_deg: Annotated[float, Field(ge=-360, le=360)] = 0.0
+    law: Literal["poly345", "disc", "list"]
+    lift_mm: Annotated[Lifts | None, Field(validate_default=True)] = None
+    half_angle_deg: Annotated[
+        Annotated[float, Field(ge=5, le=180)] | None, Field(validate_default=True)
+    ] = None
+    disc_radius_mm: Annotated[RadiusMm | None, Field(validate_default=True)] = None
+    offset_mm: Annotated[LiftMm | None, Field(validate_default=True)] = None
+    angle_deg: Annotated[list[PointDeg] | None, _LONG] = None
+    csv: Annotated[str, StringConstraints(min_length=1, max_length=1000)] | None = None
+
+    _check_z = field_validator("z_mm")(rising)
+
+    @field_validator("lift_mm", "half_angle_deg", "disc_radius_mm", "offset_mm", "angle_deg", "csv")
+    @classmethod
+    def _check_key(cls, value: object, info: ValidationInfo) -> object:
+        law, key = info.data.get("law"), str(info.field_name)
+        owners = _BELONGS_TO[key]
+        if law is None:
+            return value
+        if value is not None and law not in owners:
+            problem = f'{key} has no meaning for law = "{law}"'
+            raise wrong("foreign", problem, f'remove it, or set law = "{owners[0]}"')
+        if value is None and key in _NEEDED.get(law, ()):
+            raise wrong("needed", f'is missing for law = "{law}"', "add it")
+        return value
+
+    @field_validator("lift_mm")
+    @classmethod
+    def _check_lift(cls, value: object, info: ValidationInfo) -> object:
+        law = info.data.get("law")
+        if law == "poly345" and isinstance(value, list):
+            raise wrong("one", 'is a list, law = "poly345" has one lift', "give the largest lift")
+        if law == "list" and isinstance(value, float):
+            raise wrong("many", 'is one number, law = "list" needs one per angle', "give a list")
+        return value
+
+    @field_validator("angle_deg")
+    @classmethod
+    def _check_angles(cls, value: list[float] | None) -> list[float] | None:
+        for before, behind in pairwise(value or []):
+            if not is_step(behind - before):
+                problem = f"angles must rise by at least {MIN_STEP_DEG} degrees, but {behind:g} "
+                raise wrong("rising", problem + f"follows {before:g}", "sort the points")
+        if value and not fits_turn(value[-1] - value[0]):
+            problem = (
+                f"the points span {value[-1] - value[0]:.9g} degrees, neither a turn "
+                f"nor {MIN_STEP_DEG} degrees less"
+            )
+            raise wrong("turn", problem, "list one turn")
+        return value
+
+    _beside_the_part = field_validator("csv")(beside_the_part)
+
+    @model_validator(mode="after")
+    def _check_points(self) -> Self:
+        if self.law != "list":
+            return self
+        is_listed = self.lift_mm is not None or self.angle_deg is not None
+        if is_listed == (self.csv is not None):
+            problem = 'law = "list" needs either angle_deg and lift_mm, or csv'
+            raise wrong("points", problem, "give one of them", field="csv", value=self.csv)
+        if not is_listed:
+            return self
+        if not isinstance(self.lift_mm, list) or self.angle_deg is None:
+            problem = "angle_deg and lift_mm belong together"
+            raise wrong("half", problem, "give both", value=None)
+        if len(self.lift_mm) != len(self.angle_deg):
+            problem = f"has {len(self.lift_mm)} entries, angle_deg has {len(self.angle_deg)}"
+            context = {"field": "lift_mm", "value": self.lift_mm}
+            raise wrong("length", problem, "give one value for each angle", **context)
+        return self
+
+    @property
+    def largest_mm(self) -> float:
+        """Return the largest lift; of a CSV file, which is read later, the largest there may be."""
+        if self.law == "disc":
+            return 2 * (self.offset_mm or 0.0)
+        if self.csv is not None or self.lift_mm is None:
+            return MAX_LIFT_MM
+        return max(self.lift_mm) if isinstance(self.lift_mm, list) else self.lift_mm
+
+
+class Camshaft(TomlTable):
+    """[cam]: the shaft's base circle, the follower, the wheel, and the lobes."""
+
+    base_radius_mm: RadiusMm
+    roller_radius_mm: RadiusMm
+    wheel_radius_mm: RadiusMm | None = None
+    lobe: Annotated[list[Lobe], Field(min_length=1)]
+
+    @field_validator("lobe")
+    @classmethod
+    def _check_number(cls, value: list[Lobe]) -> list[Lobe]:
+        if len(value) > MAX_LOBES:
+            problem = f"has {len(value)} lobes, a part file at most {MAX_LOBES}"
+            raise wrong("lobes", problem, "make tables of fewer lobes each", value=None)
+        return value
+
+    @field_validator("lobe")
+    @classmethod
+    def _check_places(cls, value: list[Lobe]) -> list[Lobe]:
+        for i, (lower, upper) in enumerate(pairwise(value), start=1):
+            gap_nm = round(upper.z_mm[0] * NM_PER_MM) - round(lower.z_mm[1] * NM_PER_MM)
+            if gap_nm < round(MIN_GAP_MM * NM_PER_MM):
+                problem = (
+                    f"a lobe from {upper.z_mm[0]:g} mm follows one that ends at "
+                    f"{lower.z_mm[1]:g} mm: the gap must be at least {MIN_GAP_MM} mm"
+                )
+                context = {"field": f"{i}.z_mm", "value": upper.z_mm}
+                raise wrong(
+                    "gap", problem, "list the lobes upwards, apart from each other", **context
+                )
+        return value
+
+    @field_validator("lobe")
+    @classmethod
+    def _check_discs(cls, value: list[Lobe], info: ValidationInfo) -> list[Lobe]:
+        base_mm = info.data.get("base_radius_mm")
+        for i, lobe in enumerate(value):
+            if base_mm is None or lobe.disc_radius_mm is None or lobe.offset_mm is None:
+                continue
+            least_mm = lobe.disc_radius_mm - lobe.offset_mm
+            if abs(least_mm - base_mm) > 1e-6:
+                problem = (
+                    f"disc_radius_mm - offset_mm is {least_mm:g} mm, but base_radius_mm is "
+                    f"{base_mm:g} mm"
+                )
+                context = {"field": f"{i}.disc_radius_mm", "value": lobe.disc_radius_mm}
+                raise wrong("disc", problem, "make them equal", **context)
+        return value
+
+
+class LobeProcess(TomlTable):
+    """[process]: turned with a swinging tool, or ground by a wheel."""
+
+    operation: Literal["turning", "grinding"]
+    speed: Literal["uniform", "constant-surface"] = "uniform"
+    spindle_rpm: Annotated[float, Field(ge=MIN_RPM, le=MAX_RPM)]
+    feed_mm: Annotated[float, Field(ge=0.000_1, le=10)] = 0.1
+    depth_mm: Annotated[float, Field(ge=0, le=100)] = 0.1
+    direction: Literal[1, -1] = 1
+
+    _check_direction = field_validator("direction", mode="before")(no_truth)
+
+
+class LobeMachine(TomlTable):
+    """[machine]: the machine for which the table is made."""
+
+    limits: SwingLimits = Field(default_factory=SwingLimits)
+
+
+class LobePart(TomlTable):
+    """The whole part file of a cam."""
+
+    part: PartInfo
+    cam: Camshaft
+    process: LobeProcess
+    machine: LobeMachine = Field(default_factory=LobeMachine)
+
+    @model_validator(mode="after")
+    def _check_wheel(self) -> Self:
+        wheel_mm, operation = self.cam.wheel_radius_mm, self.process.operation
+        if operation == "grinding" and wheel_mm is None:
+            context = {"field": "cam.wheel_radius_mm", "value": None}
+            raise wrong("wheel", 'is missing for operation = "grinding"', "add it", **context)
+        return self
+
+    @model_validator(mode="after")
+    def _check_centre(self) -> Self:
+        key = "roller_radius_mm" if self.process.operation == "turning" else "wheel_radius_mm"
+        rest_mm = self.cam.base_radius_mm + max(lobe.largest_mm for lobe in self.cam.lobe)
+        if rest_mm + self.follower_radius_mm > MAX_CENTRE_MM + 1e-9:  # of a nanometre at most
+            problem = (
+                f"with base_radius_mm and the largest lift it is "
+                f"{rest_mm + self.follower_radius_mm:.7g} mm, a table holds {MAX_CENTRE_MM:g} mm"
+            )
+            context = {"field": f"cam.{key}", "value": self.follower_radius_mm}
+            most_mm = floor((MAX_CENTRE_MM - rest_mm) * 1000) / 1000
+            remedy = f"give at most {most_mm:.7g}, or a smaller base circle"
+            raise wrong("centre", problem, remedy, **context)
+        return self
+
+    @property
+    def height_mm(self) -> float:
+        """Return the height from the first lobe to the last [mm]."""
+        return self.cam.lobe[-1].z_mm[1] - self.cam.lobe[0].z_mm[0]
+
+    @property
+    def follower_radius_mm(self) -> float:
+        """Return the radius of what touches the cam: the wheel, or for turning the roller."""
+        if self.process.operation == "turning":
+            return self.cam.roller_radius_mm
+        assert self.cam.wheel_radius_mm is not None
+        return self.cam.wheel_radius_mm

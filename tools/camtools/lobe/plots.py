@@ -1,0 +1,137 @@
+"""Pictures of a cam: tool or wheel around it, and what the axes do over a turn.
+
+>>> from camtools.lobe.generate import generate_lobes
+>>> from camtools.lobe.motion import example_lobe
+>>> draw_lobes(generate_lobes(example_lobe()))["cam"][1:4]
+b'PNG'
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from camtools.base.quantities import NM_PER_MM, Floats
+from camtools.lobe.contact import Contact, Follower
+from camtools.lobe.generate import GeneratedLobes
+from camtools.lobe.motion import ShaftLobe
+from camtools.plots.style import png_of, titled_figure
+from camtools.table.evaluate import evaluate_u
+from camtools.table.image import RATIO_ONE
+
+_N_ANGLES = 3601
+_TOOLS_DEG = (-60, -40, -20, 0, 20, 40, 60, 120, 180, 240)
+_WHEELS_DEG = (-70, -55, -35, -15, 0, 15, 35, 55, 70, 180)
+_CAM, _LINE, _NORMAL, _PATH = "#dfe6ee", "#2a4d77", "#c0392b", "#7f8c8d"
+
+
+def _turned(radius: Floats, angle_rad: Floats) -> tuple[Floats, Floats]:
+    return radius * np.cos(angle_rad), radius * np.sin(angle_rad)
+
+
+def _outline(axes: Axes, lobe: ShaftLobe) -> None:
+    """Draw the cam and the path of the follower's centre, nose upwards."""
+    phi = np.linspace(0, 2 * np.pi, _N_ANGLES) + lobe.phase_rad
+    touch, path = lobe.contacts(phi)
+    axes.fill(*_turned(touch.radius, touch.alpha + np.pi / 2), fc=_CAM, ec=_LINE, lw=1.5, zorder=2)
+    axes.plot(*_turned(path.centre, path.phi + np.pi / 2), color=_PATH, lw=0.8, ls="--")
+    axes.plot([0], [0], marker="+", color=_LINE, zorder=4)
+
+
+def _at(touch: Contact, path: Follower, i: int) -> tuple[complex, complex]:
+    """Return contact and centre of the follower in the plane, nose upwards."""
+    contact = touch.radius[i] * np.exp(1j * (touch.alpha[i] + np.pi / 2))
+    return complex(contact), complex(path.centre[i] * np.exp(1j * (path.phi[i] + np.pi / 2)))
+
+
+def _segment(axes: Axes, start: complex, end: complex, colour: str, width: float) -> None:
+    axes.plot([start.real, end.real], [start.imag, end.imag], color=colour, lw=width, zorder=3)
+
+
+def _followers(axes: Axes, lobe: ShaftLobe, *, is_turned: bool) -> None:
+    """Draw the tool swung about the roller's centre, or the wheel, at some angles."""
+    degrees = np.array(_TOOLS_DEG if is_turned else _WHEELS_DEG, dtype=float)
+    touch, path = lobe.contacts(np.radians(degrees) + lobe.phase_rad)
+    around = np.exp(1j * np.linspace(0, 2 * np.pi, _N_ANGLES))
+    for i in range(degrees.size):
+        contact, centre = _at(touch, path, i)
+        circle = centre + lobe.follower_mm * around
+        axes.plot(circle.real, circle.imag, color=_LINE, lw=0.5, alpha=0.5)
+        _segment(axes, contact, centre, _NORMAL, 1.6 if is_turned else 0.7)
+        if is_turned:
+            _segment(axes, 0j, centre, _PATH, 0.5)
+            out = centre + 3 * centre / abs(centre)
+            label = f"{round(float(np.degrees(path.angle[i])), 1) + 0.0:.1f}°"
+            axes.text(out.real, out.imag, label, fontsize=8, ha="center", va="center")
+        axes.plot([contact.real], [contact.imag], "o", color=_NORMAL, ms=3.5, zorder=5)
+
+
+def draw_positions(result: GeneratedLobes) -> bytes:
+    """Return the cam of the first lobe with tool or wheel around it."""
+    lobe, is_turned = result.lobes[0], result.part.process.operation == "turning"
+    what = "tool (red) about the roller's centre, with its swing"
+    if not is_turned:
+        what = f"wheel of {lobe.follower_mm:g} mm; contacts and normals red"
+    figure = titled_figure(7.5, 7.5, f"{result.table.part_name}: {what}")
+    axes = figure.add_subplot()
+    _outline(axes, lobe)
+    _followers(axes, lobe, is_turned=is_turned)
+    reach = 1.35 * float(lobe.contacts(np.linspace(-np.pi, np.pi, 361))[0].radius.max())
+    reach += 2 * lobe.roller_mm if is_turned else 0
+    axes.set_xlim(-reach, reach)
+    axes.set_ylim(-reach, reach)
+    axes.set_aspect("equal")
+    axes.set_xlabel("mm")
+    axes.set_ylabel("mm")
+    return png_of(figure)
+
+
+def _panels(figure: Figure, names: list[str]) -> list[Axes]:
+    grid = figure.subplots(len(names), 1, sharex=True)
+    for axes, name in zip(grid, names, strict=True):
+        axes.set_ylabel(name)
+        axes.grid(alpha=0.3)
+    grid[-1].set_xlabel("spindle angle, degrees")
+    grid[-1].set_xticks(range(-180, 181, 30))
+    grid[-1].set_xlim(-180, 180)
+    return list(grid)
+
+
+def _omega(result: GeneratedLobes, phi: Floats, z_mm: float) -> Floats:
+    """Return the spindle's speed [r/min] as the table tells it."""
+    if result.speed is None:
+        return np.full(phi.size, result.mean_rpm)
+    z_nm = np.full(phi.size, z_mm * NM_PER_MM)
+    told = evaluate_u(result.speed.channel, phi / (2 * np.pi), z_nm).value
+    return np.asarray(told / RATIO_ONE * result.mean_rpm, dtype=np.float64)
+
+
+def draw_motion(result: GeneratedLobes) -> bytes:
+    """Return lift, pressure angle, radius of curvature, spindle and surface speed over a turn."""
+    what = "turned" if result.part.process.operation == "turning" else "ground"
+    figure = titled_figure(
+        8.5, 10, f"{result.table.part_name}, {what}: over one turn of the spindle"
+    )
+    panels = _panels(
+        figure, ["lift, mm", "pressure angle, °", "radius, mm", "spindle, r/min", "surface, mm/s"]
+    )
+    panels[2].set_yscale("log")
+    degrees = np.linspace(-180, 180, _N_ANGLES)
+    for i, lobe in enumerate(result.lobes):
+        phi = np.radians(degrees)
+        touch, path = lobe.contacts(phi)
+        rpm = _omega(result, phi, lobe.z_mm[0])
+        radius = np.where(touch.curvature > 1e-3, 1 / touch.curvature, np.nan)
+        surface = path.ds_dphi * rpm * 2 * np.pi / 60
+        curves = (path.lift, np.degrees(path.angle), radius, rpm, surface)
+        for axes, values in zip(panels, curves, strict=True):
+            axes.plot(degrees, values, color=f"C{i}", label=f"lobe {i}", lw=1.4)
+    if len(result.lobes) > 1:
+        panels[0].legend(frameon=False)
+    return png_of(figure)
+
+
+def draw_lobes(result: GeneratedLobes) -> dict[str, bytes]:
+    """Return all pictures of a cam as PNG, by topic."""
+    return {"cam": draw_positions(result), "motion": draw_motion(result)}

@@ -1,0 +1,233 @@
+"""The report of a cam: error over the angle, surface speed, and the pictures of its table.
+
+>>> from camtools.lobe.motion import example_lobe, make_lobes
+>>> [lobe] = make_lobes(example_lobe())
+>>> speed_of_contact(lobe, np.zeros(1), np.ones(1)).tolist()
+[28.0]
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from camtools.base.quantities import Floats
+from camtools.lobe.motion import ShaftLobe
+from camtools.lobe.plots import draw_lobes
+from camtools.lobe.report_text import LobeOutcome, lobe_rows
+from camtools.plots.style import (
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    RED,
+    angle_axis,
+    drawing,
+    length_unit,
+    new_figure,
+    png_of,
+)
+from camtools.report import compare as report_compare
+from camtools.report import motion as report_motion
+from camtools.report.page import Caption, Page, render_page
+from camtools.sim.results import CUTTING, FAULT, CutTrace
+
+_N_BINS = 720
+_SPEED_TICKS = 10
+_TEXTS = {
+    "fault": (
+        "The fault",
+        "U must leave the work first, beyond the nose of the cam, and nothing may move towards the "
+        "axis after the dashed line. X follows more slowly; the spindle runs down by itself.",
+    ),
+    "profile": (
+        "Error of the profile",
+        "What was left on the profile, measured along its normal: above 0 metal left, below 0 cut "
+        "too deep; the band holds all turns. An error that follows the slope of the lift is one of "
+        "angle or dead time, one that follows its curvature comes from U's feed-forward.",
+    ),
+    "cam": (
+        "Cam and tool",
+        "The profile with the tool or the wheel at some angles. The red lines are the normals at "
+        "the contacts; the numbers beside a tool are its swing, which is the pressure angle.",
+    ),
+    "motion": (
+        "Lift, pressure angle, curvature and speeds",
+        "Over one turn of the spindle as the table asks for it. Where the flank is flat the "
+        "contact runs far within a degree: there a constant surface speed needs a slow spindle.",
+    ),
+    "speed": (
+        "Surface speed",
+        "How fast the contact runs along the profile, from the spindle's measured speed. Where it "
+        "shall be constant it stays near that of the base circle, dashed, and is lower where the "
+        "spindle cannot slow down or speed up fast enough.",
+    ),
+    "rake": (
+        "Effective rake",
+        "The angle of the tool's line from the normal of the profile, by which its ground rake "
+        "changes. With the swing it stays at 0; without it would be the pressure angle. Below is "
+        "what the swing's drive and the steps of its set-points leave, enlarged.",
+    ),
+    "following": (
+        "Following error of U",
+        "How far U was from where it should have been at that moment; the band holds every turn. "
+        "The shape of the lift's slope means a wrong dead time or k1, that of its curvature a "
+        "wrong k2.",
+    ),
+    "sequence": (
+        "How the cut begins, goes on and ends",
+        "X comes in from clear of the lobes while the lift grows from nothing, so that the nose is "
+        "never cut; disengaging is the reverse. Only the green stretch is judged.",
+    ),
+    "compare": (
+        "What each part of the controller is worth",
+        "The same cut with parts of the controller switched off; mind the scale, which grows "
+        "tenfold from number to number.",
+    ),
+}
+
+
+def band(turn: Floats, values: Floats) -> tuple[Floats, Floats, Floats]:
+    """Return angle [degrees], smallest and largest value of every bin of a turn that has any."""
+    place = (np.mod(turn, 1) * _N_BINS).astype(np.int64).clip(0, _N_BINS - 1)
+    least, most = np.full(_N_BINS, np.inf), np.full(_N_BINS, -np.inf)
+    np.minimum.at(least, place, values)
+    np.maximum.at(most, place, values)
+    some = least <= most
+    degrees: Floats = (np.arange(_N_BINS, dtype=np.float64) + 0.5) * (360 / _N_BINS)
+    return degrees[some], least[some], most[some]
+
+
+def _heights(lobe: ShaftLobe, z_mm: Floats) -> Floats:
+    return np.asarray((z_mm >= lobe.z_mm[0]) & (z_mm <= lobe.z_mm[1]))
+
+
+def draw_profile(outcome: LobeOutcome) -> Figure:
+    """Return the error of every lobe's profile against the polar angle."""
+    lobes, surface = outcome.generated.lobes, outcome.surface
+    figure = new_figure(10, 1.2 + 2.4 * len(lobes))
+    panels = figure.subplots(len(lobes), 1, sharex=True, squeeze=False)[:, 0]
+    for i, (axes, lobe) in enumerate(zip(panels, lobes, strict=True)):
+        rows = _heights(lobe, surface.z_mm)
+        degrees, least, most = band(surface.turn[rows], surface.error_um[rows])
+        largest_um = float(np.abs(np.concatenate([least, most])).max(initial=0.0))
+        factor, unit = length_unit(largest_um)
+        axes.fill_between(degrees, least * factor, most * factor, color=ORANGE, alpha=0.4, lw=0)
+        axes.plot(degrees, most * factor, color=ORANGE, lw=1)
+        axes.plot(degrees, least * factor, color=BLUE, lw=1)
+        axes.axhline(0, color=GREY, lw=0.8)
+        axes.axvline(np.degrees(lobe.phase_rad) % 360, color=GREEN, lw=1, ls="--")
+        name = f"lobe {i}, {lobe.z_mm[0]:g} .. {lobe.z_mm[1]:g} mm; dashed: zero of its law"
+        axes.set_title(name, loc="left")
+        axes.set_ylabel(f"error, {unit}")
+        axes.grid(alpha=0.3)
+    angle_axis(panels[-1])
+    panels[-1].set_xlabel("polar angle on the shaft, degrees")
+    return figure
+
+
+def speed_of_contact(lobe: ShaftLobe, phi_rad: Floats, omega_rad_s: Floats) -> Floats:
+    """Return the speed of the contact along the profile [mm/s] at spindle angles."""
+    return np.asarray(lobe.at(phi_rad).ds_dphi * omega_rad_s)
+
+
+def _speed_of(trace: CutTrace) -> Floats:
+    """Return the spindle's speed from its angle over some ticks to both sides [rad/s]."""
+    k, speed = _SPEED_TICKS, np.full(trace.t_s.size, np.nan)
+    if trace.t_s.size > 2 * k:
+        turned = trace.turn[2 * k :] - trace.turn[: -2 * k]
+        speed[k:-k] = 2 * np.pi * turned / (trace.t_s[2 * k :] - trace.t_s[: -2 * k])
+    return speed
+
+
+def draw_speed(outcome: LobeOutcome) -> Figure:
+    """Return the speed of the contact against the spindle's angle, all turns of cutting."""
+    figure = new_figure(10, 3.8)
+    axes, trace = figure.add_subplot(), outcome.trace
+    omega = _speed_of(trace)
+    for i, lobe in enumerate(outcome.generated.lobes):
+        rows = (trace.state == CUTTING) & _heights(lobe, trace.z_mm) & np.isfinite(omega)
+        if not rows.any():
+            continue
+        phi = 2 * np.pi * np.mod(trace.turn[rows], 1)
+        degrees, least, most = band(phi / (2 * np.pi), speed_of_contact(lobe, phi, omega[rows]))
+        axes.fill_between(degrees, least, most, color=f"C{i}", alpha=0.4, lw=0)
+        axes.plot(degrees, most, color=f"C{i}", lw=1.2, label=f"lobe {i}")
+    speed = outcome.summary["cam"].get("surface_speed_mm_s")
+    if speed is not None:
+        axes.axhline(speed["base_circle"], color=RED, lw=1.2, ls="--", label="base circle")
+    axes.set_ylim(bottom=0)
+    axes.set_ylabel("surface speed, mm/s")
+    axes.grid(alpha=0.3)
+    axes.legend(frameon=False, loc="upper left", bbox_to_anchor=(0, 1.16), ncols=4)
+    angle_axis(axes)
+    axes.set_xlabel("spindle angle, degrees")
+    return figure
+
+
+def draw_rake(outcome: LobeOutcome, swing_deg: Floats) -> Figure:
+    """Return the tool's line from the normal over the angle, with and without the swing."""
+    figure, trace = new_figure(10, 5.4), outcome.trace
+    above, below = figure.subplots(2, 1, sharex=True)
+    rows = trace.state == CUTTING
+    lobe = outcome.generated.lobes[0]  # one is enough to see it
+    rows &= _heights(lobe, trace.z_mm)
+    pressure_deg = np.degrees(lobe.at(2 * np.pi * np.mod(trace.turn[rows], 1)).angle)
+    turn, off_deg = trace.turn[rows], swing_deg[rows] - pressure_deg
+    degrees, least, most = band(turn, -pressure_deg)
+    above.plot(degrees, (least + most) / 2, color=ORANGE, lw=1.4, label="without the swing")
+    degrees, least, most = band(turn, -off_deg)
+    above.plot(degrees, (least + most) / 2, color=BLUE, lw=1.6, label="with the swing")
+    below.fill_between(degrees, least, most, color=BLUE, alpha=0.5, lw=0.8)
+    for axes in (above, below):
+        axes.axhline(0, color=GREY, lw=0.8)
+        axes.set_ylabel("degrees")
+        axes.grid(alpha=0.3)
+    above.legend(frameon=False, loc="upper left", bbox_to_anchor=(0, 1.22), ncols=2)
+    angle_axis(below)
+    below.set_xlabel("spindle angle, degrees")
+    return figure
+
+
+def _drawers(outcome: LobeOutcome) -> dict[str, Callable[[], Figure]]:
+    """Return what the cut lets be drawn, in the order of the report."""
+    trace, form, swing_deg = outcome.trace, outcome.summary["form_error_um"], outcome.swing_deg
+    drawers: dict[str, Callable[[], Figure]] = {}
+    if (trace.state == FAULT).any():
+        retract_s = outcome.summary.get("fault", {}).get("retract_s", 0.0)
+        drawers["fault"] = lambda: report_motion.draw_fault(trace, retract_s)
+    if outcome.surface.turn.size:
+        drawers["profile"] = lambda: draw_profile(outcome)
+    if (trace.state == CUTTING).any():
+        drawers["speed"] = lambda: draw_speed(outcome)
+        if swing_deg is not None:
+            drawers["rake"] = lambda: draw_rake(outcome, swing_deg)
+        drawers["following"] = lambda: report_motion.draw_following(trace)
+    if trace.t_s.size > 1:
+        drawers["sequence"] = lambda: report_motion.draw_sequence(trace)
+    if len(outcome.variants) > 1:
+        variants, tolerance_um = outcome.variants, form["tolerance"]
+        drawers["compare"] = lambda: report_compare.draw_variants(variants, tolerance_um)
+    return drawers
+
+
+def make_lobe_report(outcome: LobeOutcome) -> dict[str, bytes]:
+    """Return the page and its pictures, by file name."""
+    pngs = draw_lobes(outcome.generated)
+    with drawing():
+        pngs |= {key: png_of(draw()) for key, draw in _drawers(outcome).items()}
+    tool = "a circle" if outcome.is_turned else "a whole cylinder"
+    shown = [(Caption(*text), pngs[key]) for key, text in _TEXTS.items() if key in pngs]
+    page = Page(
+        outcome.generated.part.part.source,
+        lobe_rows(outcome),
+        shown,
+        f"{'The tip of the tool' if outcome.is_turned else 'The wheel'} is {tool} that takes off "
+        "what it sweeps; forces, wear and bending are not modelled.",
+        "what it leaves, along the normals of the profile,",
+        "cam",
+    )
+    html = render_page(outcome, page).encode("utf-8")
+    return {f"cut_{key}.png": png for key, png in pngs.items()} | {"report.html": html}

@@ -1,0 +1,108 @@
+"""What the cut of a cam came to, in words and numbers.
+
+>>> _degrees(0.00012)
+'0.0001°'
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from camtools.base.json_text import Json
+from camtools.base.quantities import Floats
+from camtools.lobe.generate import GeneratedLobes
+from camtools.plots.style import length_text
+from camtools.report.text import ReportRow, error_pair
+from camtools.sim.results import Cut
+
+
+@dataclass(frozen=True, eq=False)
+class LobeOutcome(Cut[GeneratedLobes]):
+    """All that is known about the cut of lobes.
+
+    Attributes
+    ----------
+    swing_deg : ndarray or None
+        True swing of the tool in every tick of the trace; None for a wheel.
+    """
+
+    swing_deg: Floats | None = None
+
+    @property
+    def is_turned(self) -> bool:
+        """Return whether a swung tool turned it; a wheel ground it otherwise."""
+        return self.generated.part.process.operation == "turning"
+
+
+def _degrees(value: float) -> str:
+    return f"{value:.1g}°" if abs(value) < 1 else f"{value:.2f}°"
+
+
+def _lobe_rows(cam: Json) -> list[ReportRow]:
+    """Return the error of each lobe, where there are several."""
+    if len(cam["lobes"]) < 2:
+        return []
+    return [
+        ReportRow(
+            f"lobe {i}",
+            f"{lobe['z_first_mm']:g} .. {lobe['z_last_mm']:g} mm: "
+            + ("not cut" if "max_um" not in lobe else f"max {length_text(lobe['max_um'])}, ")
+            + ("" if "max_um" not in lobe else f"rms {length_text(lobe['rms_um'])}"),
+        )
+        for i, lobe in enumerate(cam["lobes"])
+    ]
+
+
+def _speed_rows(cam: Json) -> list[ReportRow]:
+    if "surface_speed_mm_s" not in cam:
+        return []
+    speed = cam["surface_speed_mm_s"]
+    share = [100 * (speed[key] / speed["base_circle"] - 1) for key in ("min", "mean", "max")]
+    text = (
+        f"{speed['min']:.1f} .. {speed['max']:.1f} mm/s along the profile, base circle "
+        f"{speed['base_circle']:.1f} mm/s: {share[0]:+.1f} % .. {share[2]:+.1f} %, mean "
+        f"{share[1]:+.1f} %"
+    )
+    plan = f"within {speed['off_plan_percent']:.2f} % at every place"
+    return [ReportRow("surface speed", text), ReportRow("of what the table plans", plan)]
+
+
+def _rake_rows(cam: Json) -> list[ReportRow]:
+    if "rake_deg" not in cam:
+        return []
+    rake = cam["rake_deg"]
+    largest = max(abs(rake["min"]), abs(rake["max"]))
+    bare = f"{rake['without_swing_min']:.2f} .. {rake['without_swing_max']:.2f}°"
+    return [
+        ReportRow(
+            "effective rake", f"constant within {_degrees(largest)}; without the swing {bare}"
+        ),
+    ]
+
+
+def lobe_rows(outcome: LobeOutcome) -> list[ReportRow]:
+    """Return the summary of a cam, machine limits apart."""
+    summary, cam, found = outcome.summary, outcome.generated, outcome.summary["cam"]
+    cut, form = summary["cut"], summary["form_error_um"]
+    how = (
+        f"tip of {found['tip_mm']:g} mm" if outcome.is_turned else f"wheel {found['wheel_mm']:g} mm"
+    )
+    mean = "mean " if outcome.is_modulated else ""
+    what = (
+        f"cam {'turned' if outcome.is_turned else 'ground'}, {how}, at {mean}"
+        f"{cut['spindle_rpm']:g} r/min, feed {cut['feed_mm']:g} mm, "
+        f"{cut['turns']:.0f} of {cut['planned_turns']:.0f} turns"
+    )
+    return [
+        ReportRow("cut", what),
+        ReportRow("form error", f"{error_pair(form)} (tolerance {length_text(form['tolerance'])})"),
+        *_lobe_rows(found),
+        *_speed_rows(found),
+        *_rake_rows(found),
+        ReportRow("following error of U", error_pair(summary["following_error_um"])),
+        ReportRow(
+            "table", f"{summary['table_bytes']} bytes, error at most {cam.lift.error:.2g} nm"
+        ),
+        ReportRow("machine time", f"{summary['machine_time_s']:.1f} s"),
+        ReportRow("computing time", f"{summary['wall_time_s']:.2f} s for the cut with its trace"),
+    ]

@@ -1,0 +1,81 @@
+"""The spindle's speed over the angle of a cam: constant surface speed within its acceleration.
+
+The contact runs along the cam by ds/dphi; N = n0 r / (ds/dphi) keeps its speed at that of the base
+circle, MATHS.md (35). Where that needs more acceleration than the spindle has, the square of the
+speed rises and falls along straight lines below it, MATHS.md (36): no slower than needed.
+
+>>> ds_dphi = 20 + 10 * np.sin(np.arange(N_GRID) * 2 * np.pi / N_GRID)
+>>> law = surface_speed(ds_dphi, 20.0, 6.0, SpindleLimits(1e6, 1e3))
+>>> bool(np.abs(law * ds_dphi / 120 - 1).max() < 1e-4)
+True
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from camtools.base.quantities import Floats
+
+N_GRID = 1 << 15  # places of a turn
+_MARGIN = 0.94  # of the acceleration: the table overshoots where straight lines meet
+_TOP_MARGIN = 0.995  # of the highest speed
+_SMOOTHED = 8  # places over which those corners are rounded, on either side
+
+
+class SpindleLimits(NamedTuple):
+    """What the spindle can do."""
+
+    alpha_rad_s2: float
+    highest_rad_s: float
+
+
+def surface_speed(
+    ds_dphi: Floats, base_mm: float, base_rad_s: float, limits: SpindleLimits
+) -> Floats:
+    """Return the spindle's speed [rad/s] at N_GRID angles of a turn.
+
+    Parameters
+    ----------
+    ds_dphi : ndarray, shape (N_GRID,)
+        Way of the contact along the cam [mm/rad], above 0.
+    base_mm : float
+        Radius of the base circle.
+    base_rad_s : float
+        Speed of the spindle on the base circle.
+    limits : SpindleLimits
+        Speed and acceleration are kept everywhere.
+
+    Notes
+    -----
+    With b = omega^2 the acceleration is b' / 2, so its limit bounds a slope. The largest function
+    below a given one with bounded slope is found in one pass each way, twice round. Averages over
+    a few places keep the bound of slope; where the speed has a corner downwards they are up to 2 %
+    above it.
+    """
+    wanted = np.minimum(base_rad_s * base_mm / ds_dphi, _TOP_MARGIN * limits.highest_rad_s)
+    step = 2 * _MARGIN * limits.alpha_rad_s2 * 2 * np.pi / N_GRID
+    square = _below(_below(wanted**2, step)[::-1], step)[::-1]
+    kernel = np.ones(2 * _SMOOTHED + 1) / (2 * _SMOOTHED + 1)
+    padded = np.concatenate([square[-_SMOOTHED:], square, square[:_SMOOTHED]])
+    return np.asarray(np.sqrt(np.convolve(padded, kernel, "valid")), dtype=np.float64)
+
+
+def _below(square: Floats, step: float) -> Floats:
+    """Return the largest cyclic function below another that rises by at most `step` per place."""
+    n = square.size
+    ramp = step * np.arange(2 * n)
+    lowest = np.minimum.accumulate(np.tile(square, 2) - ramp) + ramp
+    return np.asarray(lowest[n:], dtype=np.float64)
+
+
+def acceleration_of(omega_rad_s: Floats) -> Floats:
+    """Return the acceleration of the spindle [rad/s2] at N_GRID angles of a turn."""
+    square = omega_rad_s**2 / 2
+    return (np.roll(square, -1) - np.roll(square, 1)) * (N_GRID / (4 * np.pi))
+
+
+def mean_of(omega_rad_s: Floats) -> float:
+    """Return the mean speed of a turn: one turn over its time."""
+    return float(1 / np.mean(1 / omega_rad_s))

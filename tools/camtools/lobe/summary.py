@@ -1,0 +1,105 @@
+"""What is known about the table of a cam, for programs and for people.
+
+>>> from camtools.lobe.generate import generate_lobes
+>>> from camtools.lobe.motion import example_lobe
+>>> emit_lobe_text(make_lobe_summary(generate_lobes(example_lobe()))).splitlines()[0]
+'example: table of 55648 bytes, for turning'
+"""
+
+from __future__ import annotations
+
+from camtools.base.json_text import Json
+from camtools.base.quantities import omega_rad_s
+from camtools.cut.feasibility import given_of, needed_of, tenth_below
+from camtools.lobe.design import design_of_lobes
+from camtools.lobe.generate import GeneratedLobes
+from camtools.lobe.motion import ShaftLobe
+from camtools.table.summary import about_image, describe_channel
+
+_NAMES = {1: "u", 2: "x", 3: "speed", 4: "swing", 5: "contact"}
+
+
+def _lobe(lobe: ShaftLobe) -> Json:
+    shape = lobe.shape
+    is_hollow = shape.hollow_radius_mm < float("inf")
+    return {
+        "z_mm": list(lobe.z_mm),
+        "least_radius_mm": shape.least_radius_mm,
+        "hollow_radius_mm": shape.hollow_radius_mm if is_hollow else None,
+        "largest_pressure_angle_deg": shape.largest_swing_deg,
+    }
+
+
+def _feasibility(result: GeneratedLobes) -> Json:
+    limits = result.part.machine.limits
+    return {
+        "limits": given_of(limits),
+        "needed": needed_of(result.peaks, limits, omega_rad_s(result.mean_rpm)),
+        "highest_spindle_rpm": result.highest_speed.rpm,
+        "decided_by": result.highest_speed.decides,
+    }
+
+
+def make_lobe_summary(result: GeneratedLobes) -> Json:
+    """Return everything that is known about the table of a cam; no dates, no paths."""
+    table, process = result.table, result.part.process
+    return about_image(table, result.tolerance_nm) | {
+        "part": {"name": table.part_name, "kind": "cam", "source": result.part.part.source},
+        "process": {
+            "operation": process.operation,
+            "speed": process.speed,
+            "spindle_rpm": float(process.spindle_rpm),
+            "mean_spindle_rpm": result.mean_rpm,
+            "feed_mm": float(process.feed_mm),
+            "depth_mm": float(process.depth_mm),
+            "direction": process.direction,
+        },
+        "channels": {_NAMES[one.kind]: describe_channel(one) for one in table.channels},
+        "error": {
+            "u_nm": result.lift.error,
+            "angle_deg": result.angle.error,
+            "speed_ratio": result.speed.error if result.speed else 0.0,
+        },
+        "feasibility": _feasibility(result),
+        "lobes": [_lobe(lobe) for lobe in result.lobes],
+        "design": design_of_lobes(result),
+    }
+
+
+def emit_lobe_text(summary: Json) -> str:
+    """Return a summary as a few lines for people."""
+    process, feasible, error = summary["process"], summary["feasibility"], summary["error"]
+    needed = feasible["needed"]
+    lines = [
+        f"{summary['part']['name']}: table of {summary['table_bytes']} bytes, for "
+        f"{process['operation']}",
+        f"  error u {error['u_nm']:.3f} nm (tolerance {summary['tolerance_nm']:g} nm), angle of "
+        f"the contact {error['angle_deg']:.1e} degrees, speed ratio {error['speed_ratio']:.1e}",
+        f"  U: stroke {needed['u_stroke_mm']:.4f} mm, {needed['u_speed_mm_s']:.3f} mm/s, "
+        f"{needed['u_acceleration_mm_s2']:.1f} mm/s2",
+    ]
+    if needed["swing_deg"] > 0:
+        lines.append(
+            f"  swing {needed['swing_deg']:.4f} degrees, {needed['swing_speed_deg_s']:.2f} "
+            f"degrees/s, {needed['swing_acceleration_deg_s2']:.0f} degrees/s2"
+        )
+    lines.append(
+        f"  spindle {process['spindle_rpm']:g} r/min, mean {process['mean_spindle_rpm']:.4f}, "
+        f"peak {needed['spindle_rpm']:.3f}, {needed['spindle_acceleration_rad_s2']:.2f} rad/s2"
+    )
+    lines += [_lobe_text(i, lobe) for i, lobe in enumerate(summary["lobes"])]
+    lines.append(
+        f"  highest speed {tenth_below(feasible['highest_spindle_rpm'])} r/min, "
+        f"decided by {feasible['decided_by']}"
+    )
+    return "\n".join(lines) + "\n"
+
+
+def _lobe_text(i: int, lobe: Json) -> str:
+    hollow = lobe["hollow_radius_mm"]
+    flank = "convex all round" if hollow is None else f"hollow with {hollow:.2f} mm"
+    return (
+        f"  lobe {i}, {lobe['z_mm'][0]:g} .. {lobe['z_mm'][1]:g} mm: pressure angle up to "
+        f"{lobe['largest_pressure_angle_deg']:.3f} degrees, sharpest radius "
+        f"{lobe['least_radius_mm']:.3f} mm, {flank}"
+    )

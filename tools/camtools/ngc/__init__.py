@@ -1,0 +1,1 @@
+"""NC programs for machines that have a controller of their own."""

@@ -1,0 +1,1 @@
+"""What every part file has, of whatever kind, and how one is read."""

@@ -1,0 +1,66 @@
+"""What all tables of a part file share: strictness, number types, findings with a remedy.
+
+>>> str(wrong("demo", "is {odd}", "make it even").message())
+'is (odd)'
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationInfo
+from pydantic_core import PydanticCustomError
+
+MIN_SPAN_MM = 1.0
+MIN_STEP_MM = 0.01
+SAME_MM = 1e-9  # decimal heights differ by less from what they are written as
+
+HeightMm = Annotated[float, Field(ge=-1000, le=1000)]
+
+
+class TomlTable(BaseModel):
+    """A TOML table that knows all its keys."""
+
+    model_config = ConfigDict(strict=True, extra="forbid", frozen=True, allow_inf_nan=False)
+
+
+def wrong(kind: str, problem: str, remedy: str, **context: Any) -> PydanticCustomError:  # noqa: ANN401
+    """Return a finding that tells the user what to do."""
+    text = problem.replace("{", "(").replace("}", ")")
+    return PydanticCustomError(kind, text, {"remedy": remedy, **context})
+
+
+def rising(height_mm: list[float]) -> list[float]:
+    """Return heights that increase in steps and over a span that a lathe can tell apart."""
+    for lower, upper in pairwise(height_mm):
+        if upper - lower < MIN_STEP_MM - SAME_MM:
+            problem = f"heights must increase by at least {MIN_STEP_MM} mm, but {upper} mm "
+            raise wrong("rising", problem + f"follows {lower} mm", "list the points upwards")
+    if height_mm[-1] - height_mm[0] < MIN_SPAN_MM - SAME_MM:
+        problem = f"the height range must be at least {MIN_SPAN_MM} mm"
+        raise wrong("span", problem, "give heights in mm")
+    return height_mm
+
+
+def as_long(values: list[float], info: ValidationInfo) -> list[float]:
+    """Return values, one for each of the heights given before them."""
+    height_mm = info.data.get("height_mm")
+    if height_mm is not None and len(values) != len(height_mm):
+        problem = f"has {len(values)} entries, height_mm has {len(height_mm)}"
+        raise wrong("length", problem, "give one value for each height")
+    return values
+
+
+def no_truth(value: object) -> object:
+    """Refuse true for a direction: it equals 1 in Python, but not on a drawing."""
+    if isinstance(value, bool):
+        raise wrong("direction", "must be 1 or -1", "use one of: 1 or -1")
+    return value
+
+
+def beside_the_part(value: str | None, info: ValidationInfo) -> str | None:
+    """Return a path that the part file tells as seen from the part file's folder."""
+    folder = (info.context or {}).get("folder")
+    return value if value is None or folder is None else str(Path(folder) / value)

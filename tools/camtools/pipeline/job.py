@@ -1,0 +1,173 @@
+"""What tools/run was asked for, whatever the kind of the part.
+
+>>> RunJob(["--feed", "0.5"]).feed_words()
+['--feed', '0.5']
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from math import isfinite
+from pathlib import Path
+
+from camtools.base.command import Parser
+from camtools.base.errors import CamtoolsError
+from camtools.base.places import ROOT
+from camtools.base.stage import cannot_write
+from camtools.part.common import PartFile, is_feed_within
+
+_MAX_FEED_MM = 10.0  # range of the firmware's parameter
+_DEFAULT_PART = ROOT / "tools" / "parts" / "perkins240.toml"
+_OURS = ("--rpm", "--feed", "--trace", "--surface", "--summary", "--design", "--progress", "--help")
+_EPILOG = """\
+What follows -- goes to `camsim run`, for example to see how a fault is met:
+  tools/run -o build/run/estop -- --inject estop@5
+Exit status: 0 done, 1 the cut ended in a fault, out of tolerance or not gauged, 2 wrong usage
+or bad input."""
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = Parser(
+        prog="tools/run",
+        usage="tools/run [PART.toml] [--rpm N] [--feed MM] [-o DIR] [-- CAMSIM-OPTIONS]",
+        description="Make the table of a part, cut it on the host simulator, write a report.",
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+    )
+    parser.add_argument(
+        "part", type=Path, nargs="?", metavar="PART.toml", help="default: the Perkins 240 skirt"
+    )
+    parser.add_argument("--rpm", metavar="N", help="spindle speed, r/min; default: the part's")
+    parser.add_argument("--feed", metavar="MM", help="feed per turn, mm; default: the part's")
+    parser.add_argument(
+        "-o", "--output", metavar="DIR", help="folder of the results; default build/run/NAME"
+    )
+    return parser
+
+
+def _positive(option: str, text: str | None, unit: str) -> float | None:
+    """Return the number of an option, None when it is not given.
+
+    Raises
+    ------
+    CamtoolsError
+        Not a finite number above 0.
+    """
+    if text is None:
+        return None
+    try:
+        value = float(text)
+    except ValueError:
+        value = float("nan")
+    if not (isfinite(value) and value > 0):
+        problem = f"{option} {text}: must be a finite number above 0"
+        raise CamtoolsError([f"{problem}; give {unit}, or leave it out for the part's own"])
+    return value
+
+
+def _for_camsim(words: Sequence[str]) -> list[str]:
+    """Return the user's words for camsim, which works in another folder.
+
+    Raises
+    ------
+    CamtoolsError
+        An option that this command sets itself.
+    """
+    for word in words:
+        if word.split("=")[0] in _OURS:
+            raise CamtoolsError([f"-- {word}: is set by tools/run itself; leave it out"])
+    return [str(Path(word).resolve()) if Path(word).is_file() else word for word in words]
+
+
+class RunJob:
+    """What was asked for, checked as far as this is possible without the part.
+
+    Parameters
+    ----------
+    argv : list of str
+        Command line without the program's name.
+    """
+
+    def __init__(self, argv: Sequence[str]) -> None:
+        words = list(argv)
+        split = words.index("--") if "--" in words else len(words)
+        arguments = _parser().parse_args(words[:split])
+        self.part_path: Path = arguments.part or _DEFAULT_PART
+        self.rpm = _positive("--rpm", arguments.rpm, "r/min")
+        self.feed_mm = _positive("--feed", arguments.feed, "mm per turn")
+        self.extra = _for_camsim(words[split + 1 :])
+        if arguments.output == "":
+            raise CamtoolsError(["-o: an empty path; give a folder"])
+        self.output: Path | None = Path(arguments.output) if arguments.output else None
+
+    def check_feed(self, part: PartFile) -> None:
+        """Refuse a feed that camsim would refuse, before anything is made.
+
+        Raises
+        ------
+        CamtoolsError
+            Beyond the height of the part, or beyond what the firmware takes.
+        """
+        feed_mm = self.feed_mm
+        if feed_mm is None or (feed_mm <= _MAX_FEED_MM and is_feed_within(part, feed_mm)):
+            return
+        most_mm = min(part.height_mm, _MAX_FEED_MM)
+        why = "the height of the part" if most_mm < _MAX_FEED_MM else "what the firmware takes"
+        problem = f"--feed {feed_mm:.9g}: must be at most {most_mm:.9g} mm, {why}"
+        raise CamtoolsError([f"{problem}; give at most --feed {most_mm:.9g}"])
+
+    def folder(self, name: str) -> Path:
+        """Return the output folder for a part's name."""
+        return self.output or ROOT / "build" / "run" / name
+
+    def tolerance(self, form_error_um: float) -> list[str]:
+        """Return the part's own form error for camsim, unless another is given."""
+        if any(word.split("=")[0] == "--tolerance-um" for word in self.extra):
+            return []
+        return ["--tolerance-um", repr(form_error_um)]
+
+    def feed_words(self) -> list[str]:
+        """Return camsim's options for the feed, when one is given."""
+        return [] if self.feed_mm is None else ["--feed", repr(self.feed_mm)]
+
+
+def without_faults(words: Sequence[str]) -> list[str]:
+    """Return camsim's words without --inject and its value."""
+    kept, skips = [], False
+    for word in words:
+        if not skips and not word.startswith("--inject"):
+            kept.append(word)
+        skips = not skips and word == "--inject"
+    return kept
+
+
+def say(text: str) -> None:
+    """Tell on standard error what goes on."""
+    sys.stderr.write(f"run: {text}\n")
+    sys.stderr.flush()
+
+
+def write_files(folder: Path, files: dict[str, bytes]) -> None:
+    """Write files into a folder.
+
+    Raises
+    ------
+    CamtoolsError
+        A file cannot be written.
+    """
+    try:
+        for name, data in files.items():
+            (folder / name).write_bytes(data)
+    except OSError as error:
+        raise cannot_write(folder.parent, error) from error
+
+
+def shown(folder: Path) -> str:
+    """Return a folder as the user may type it, relative when it lies below."""
+    try:
+        return str(folder.resolve().relative_to(Path.cwd()))
+    except ValueError:
+        return str(folder)

@@ -1,0 +1,103 @@
+"""What all pictures share: size, colours, units, PNG bytes without a date.
+
+>>> nice_limit(0.031), nice_limit(7.0), nice_limit(0.0)
+(0.05, 10.0, 1.0)
+>>> length_unit(0.4), length_unit(12.0)
+((1000.0, 'nm'), (1.0, 'µm'))
+"""
+
+from __future__ import annotations
+
+from contextlib import AbstractContextManager
+from io import BytesIO
+from math import floor, log10
+from typing import Any
+
+from matplotlib import rc_context
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+# Okabe and Ito, "Color Universal Design" (2008): told apart by every kind of colour vision.
+BLUE, ORANGE, GREEN, RED, SKY, PURPLE = (
+    "#0072B2",
+    "#E69F00",
+    "#009E73",
+    "#D55E00",
+    "#56B4E9",
+    "#CC79A7",
+)
+GREY, PALE = "#666666", "#dddddd"
+ERROR_COLOURS = "RdBu_r"  # red: metal left, blue: cut too deep; safe for red-green blindness
+
+_DPI, _TITLED_DPI = 100, 120
+_FONT: dict[Any, Any] = {
+    "font.size": 10,
+    "axes.titlesize": 10.5,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "path.simplify_threshold": 0.5,
+}
+
+
+def new_figure(width_in: float, height_in: float) -> Figure:
+    """Return an empty figure that arranges itself."""
+    return Figure(figsize=(width_in, height_in), dpi=_DPI, layout="constrained")
+
+
+def titled_figure(width_in: float, height_in: float, title: str) -> Figure:
+    """Return an empty figure of its own, with a title; the pictures of a table are such."""
+    figure = Figure(figsize=(width_in, height_in), dpi=_TITLED_DPI, layout="constrained")
+    figure.suptitle(title, fontsize=13)
+    return figure
+
+
+def png_of(figure: Figure) -> bytes:
+    """Return a figure as PNG; the same figure gives the same bytes."""
+    stream = BytesIO()
+    FigureCanvasAgg(figure)
+    figure.savefig(stream, format="png", metadata={"Software": None})
+    return stream.getvalue()
+
+
+def drawing() -> AbstractContextManager[None]:
+    """Return the context in which figures are made."""
+    return rc_context(_FONT)
+
+
+def nice_limit(value: float) -> float:
+    """Return the smallest 1, 2 or 5 times a power of ten that is not below value; 1 for 0."""
+    if value <= 0:
+        return 1.0
+    power = floor(log10(value))
+    steps = (float(f"{step}e{power}") for step in (1, 2, 5, 10))
+    return next(step for step in steps if step >= value * (1 - 1e-9))
+
+
+def nice_floor(value: float) -> float:
+    """Return the largest 1, 2 or 5 times a power of ten that is not above a value above 0."""
+    power = floor(log10(value))
+    steps = (float(f"{step}e{power}") for step in (5, 2, 1))
+    return next((step for step in steps if step <= value), float(f"1e{power}"))
+
+
+def length_unit(largest_um: float) -> tuple[float, str]:
+    """Return the factor from um and the unit in which lengths up to largest_um read well."""
+    return (1.0, "µm") if largest_um >= 1 else (1000.0, "nm")
+
+
+def length_text(value_um: float) -> str:
+    """Return a length with the unit in which it reads well, four digits at most.
+
+    >>> length_text(0.0312), length_text(31.24), length_text(1.0)
+    ('31.2 nm', '31.2 µm', '1 µm')
+    """
+    factor, unit = length_unit(abs(value_um))
+    return f"{value_um * factor:.3g} {unit}"
+
+
+def angle_axis(axes: Axes) -> None:
+    """Make x the spindle angle of one turn, in degrees."""
+    axes.set_xlim(0, 360)
+    axes.set_xticks(range(0, 361, 45))
+    axes.set_xlabel("spindle angle from the long axis, degrees")

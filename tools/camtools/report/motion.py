@@ -1,0 +1,187 @@
+"""Pictures of the axes: U over one turn, following error, the sequence in time, a fault.
+
+>>> thin(np.array([0.0, 5.0, 1.0, -3.0]), 2).tolist()
+[[0.0, -3.0], [5.0, 1.0]]
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from camtools.base.quantities import Floats
+from camtools.plots.style import (
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    PALE,
+    PURPLE,
+    RED,
+    SKY,
+    angle_axis,
+    length_unit,
+    new_figure,
+)
+from camtools.sim.results import CUTTING, FAULT, STATES, CutTrace
+
+STATE_COLOURS = (PALE, PURPLE, SKY, ORANGE, GREEN, ORANGE, RED)
+_N_BINS = 360
+_N_POINTS = 600  # across a picture: more cannot be seen
+_UM_PER_MM, _MM_PER_M, _NM_PER_MM = 1000.0, 1000.0, 1e6
+_MS_PER_S = 1000.0
+
+
+def thin(values: Floats, n: int) -> Floats:
+    """Return smallest and largest of n stretches of values, shape (2, n or fewer)."""
+    n = max(1, min(n, values.size))
+    starts = np.linspace(0, values.size, n, endpoint=False).astype(np.int64)
+    return np.stack([np.minimum.reduceat(values, starts), np.maximum.reduceat(values, starts)])
+
+
+def following_by_angle(trace: CutTrace) -> Floats:
+    """Return the following error while cutting against the angle.
+
+    Returns
+    -------
+    ndarray, shape (4, n)
+        Angle [degrees], smallest, largest and mean error [um] of every bin that has ticks.
+    """
+    rows = trace.state == CUTTING
+    error_um = trace.following_um[rows]
+    place = ((trace.turn[rows] % 1) * _N_BINS).astype(np.int64).clip(0, _N_BINS - 1)
+    count = np.bincount(place, minlength=_N_BINS)
+    mean = np.bincount(place, error_um, minlength=_N_BINS) / np.maximum(count, 1)
+    least, most = np.full(_N_BINS, np.inf), np.full(_N_BINS, -np.inf)
+    np.minimum.at(least, place, error_um)
+    np.maximum.at(most, place, error_um)
+    some = count > 0
+    degrees = (np.arange(_N_BINS) + 0.5) * (360 / _N_BINS)
+    return np.stack([degrees[some], least[some], most[some], mean[some]])
+
+
+def draw_following(trace: CutTrace) -> Figure:
+    """Return the following error of U against the spindle angle, over all turns of cutting."""
+    figure = new_figure(10, 3.6)
+    axes = figure.add_subplot()
+    degrees, least, most, mean = following_by_angle(trace)
+    factor, unit = length_unit(float(np.abs([least, most]).max(initial=0.0)))
+    axes.fill_between(degrees, least * factor, most * factor, color=ORANGE, alpha=0.35, lw=0)
+    axes.plot(degrees, most * factor, color=ORANGE, lw=1, label="largest and smallest of all turns")
+    axes.plot(degrees, least * factor, color=ORANGE, lw=1)
+    axes.plot(degrees, mean * factor, color=BLUE, lw=1.6, ls="--", label="mean of all turns")
+    axes.axhline(0, color=GREY, lw=0.8)
+    axes.set_ylabel(f"following error of U, {unit}")
+    axes.legend(frameon=False, loc="upper left", bbox_to_anchor=(0, 1.16), ncols=2)
+    angle_axis(axes)
+    return figure
+
+
+def state_spans(trace: CutTrace) -> list[tuple[float, float, int]]:
+    """Return begin [s], end [s] and number of every stretch of one state."""
+    edges = np.flatnonzero(np.diff(trace.state)) + 1
+    begins = np.concatenate(([0], edges))
+    ends = np.concatenate((edges, [trace.t_s.size - 1]))
+    return [
+        (float(trace.t_s[begin]), float(trace.t_s[end]), int(trace.state[begin]))
+        for begin, end in zip(begins, ends, strict=True)
+        if end > begin
+    ]
+
+
+def windows_s(trace: CutTrace) -> list[tuple[str, float, float]]:
+    """Return title, begin and end [s] of the begin, the whole and the end of a cut."""
+    cutting = trace.t_s[trace.state == CUTTING]
+    last_s = float(trace.t_s[-1])
+    if not cutting.size:
+        return [("whole run", 0.0, last_s)]
+    begin_s = min(last_s, float(cutting[0]) + 0.15)
+    end_s = max(0.0, float(cutting[-1]) - 0.15)
+    return [("begin", 0.0, begin_s), ("all of it", 0.0, last_s), ("end", end_s, last_s)]
+
+
+def _strip(axes: Axes, spans: list[tuple[float, float, int]], begin_s: float, end_s: float) -> None:
+    """Draw the states as a coloured strip, named where there is room."""
+    for low, high, state in spans:
+        axes.axvspan(low, high, color=STATE_COLOURS[state], lw=0, alpha=0.75)
+        middle = (max(low, begin_s) + min(high, end_s)) / 2
+        if min(high, end_s) - max(low, begin_s) > 0.16 * (end_s - begin_s):
+            axes.text(middle, 0.5, STATES[state], ha="center", va="center", fontsize=8.5)
+    axes.set_yticks([])
+    axes.set_ylim(0, 1)
+    axes.spines["left"].set_visible(False)
+
+
+def _envelope(axes: Axes, t_s: Floats, values: Floats, colour: str) -> None:
+    low, high = thin(values, _N_POINTS)
+    middle_s = thin(t_s, _N_POINTS).mean(axis=0)
+    axes.fill_between(middle_s, low, high, color=colour, lw=0.8)
+
+
+def _between(trace: CutTrace, begin_s: float, end_s: float) -> CutTrace:
+    return trace.pick(slice(*np.searchsorted(trace.t_s, [begin_s, end_s])))
+
+
+def draw_sequence(trace: CutTrace) -> Figure:
+    """Return states, Z, X and U against time: how the cut begins, goes on and ends."""
+    windows = windows_s(trace)
+    figure = new_figure(10, 6.6)
+    ratios = {"height_ratios": [0.28, 1, 1, 1]}
+    panels = figure.subplots(4, len(windows), sharex="col", squeeze=False, gridspec_kw=ratios)
+    spans = state_spans(trace)
+    for column, (title, begin_s, end_s) in enumerate(windows):
+        part = _between(trace, begin_s, end_s)
+        strip, z, x, u = panels[:, column]
+        _strip(strip, spans, begin_s, end_s)
+        strip.set_title(title)
+        _envelope(z, part.t_s, part.z_mm, GREEN)
+        _envelope(x, part.t_s, part.x_nm / _NM_PER_MM, BLUE)
+        _envelope(u, part.t_s, part.u_act_nm / _NM_PER_MM * _UM_PER_MM, RED)
+        u.set_xlim(begin_s, end_s)
+        u.set_xlabel("time, s")
+    panels[0, 0].set_ylabel("state", rotation=0, ha="right", va="center")
+    for row, name in enumerate(("Z, mm", "X, mm", "U, µm"), start=1):
+        panels[row, 0].set_ylabel(name)
+    figure.align_ylabels(panels[1:, 0])
+    return figure
+
+
+class _FaultView:
+    """The time around the first fault, in ms from it."""
+
+    def __init__(self, trace: CutTrace, retract_s: float) -> None:
+        self.fault_s = float(trace.t_s[np.flatnonzero(trace.state == FAULT)[0]])
+        room_s = max(0.02, 0.5 * retract_s)
+        part = _between(trace, self.fault_s - room_s, self.fault_s + retract_s + room_s)
+        self.trace = part
+        self.ms = (part.t_s - self.fault_s) * _MS_PER_S
+
+
+def draw_fault(trace: CutTrace, retract_s: float) -> Figure:
+    """Return U, X, the gap to the part and the spindle around the first fault.
+
+    Parameters
+    ----------
+    trace : CutTrace
+        With at least one tick in state fault.
+    retract_s : float
+        How long the retract took [s].
+    """
+    view = _FaultView(trace, retract_s)
+    figure = new_figure(10, 6.6)
+    panels = list(figure.subplots(4, 1, sharex=True))
+    part, ms = view.trace, view.ms
+    panels[0].plot(ms, part.u_act_nm / 1e3, color=RED, lw=1.4)
+    panels[1].plot(ms, part.x_nm / _NM_PER_MM, color=BLUE, lw=1.4)
+    panels[2].plot(ms, part.error_nm / _NM_PER_MM, color=GREEN, lw=1.4)
+    panels[3].plot(ms, part.speed_rpm, color=PURPLE, lw=1.4)
+    names = ("U, µm", "X, mm", "tool tip off\nthe drawing, mm", "spindle, r/min")
+    for axes, name in zip(panels, names, strict=True):
+        axes.set_ylabel(name)
+        axes.axvline(0, color=GREY, lw=1.2, ls="--")
+        axes.grid(alpha=0.3)
+    panels[0].set_title("dashed line: the tick in which the controller saw the fault")
+    panels[-1].set_xlabel("time from the fault, ms")
+    panels[-1].set_xlim(ms[0], ms[-1])
+    return figure

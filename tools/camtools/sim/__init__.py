@@ -1,0 +1,1 @@
+"""The host simulator: how it is run, and what it wrote."""

@@ -1,0 +1,177 @@
+"""The simulator as a process: one cut, its files, its errors.
+
+>>> simulator = Simulator(Path("camsim"), Path(), "a.camtab")
+>>> simulator.command(["--rpm", "600"])
+['camsim', 'run', 'a.camtab', '--rpm', '600']
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from camtools.base.errors import CamtoolsError
+from camtools.base.json_text import Json
+from camtools.base.places import ROOT
+from camtools.part.common import MachineLimits
+from camtools.sim.results import CutVariant, read_summary
+
+TRACE, SURFACE, SUMMARY = "trace.csv", "surface.csv", "summary.json"
+MAX_TRACED_TICKS = 500_000  # about 150 MB of trace
+_WINDOW_TURNS = 200  # at most of a longer cut, for trace and comparison
+_TICK_HZ = 20_000  # of the default machine; good enough for an estimate
+_INERTIA_KGM2 = 0.1  # of the default machine
+_VARIANTS = {
+    "complete controller": [],
+    "without dead-time lead": ["--no-lead"],
+    "without feed-forward": ["--no-feed-forward"],
+    "without both": ["--no-lead", "--no-feed-forward"],
+}
+
+_MACHINE = """\
+# The simulator's default machine with the limits of the part file.
+[machine]
+name = "{name}"
+tick_hz = {tick_hz!r}
+[spindle]
+limit_rpm = {rpm!r}
+torque_Nm = {torque!r}
+inertia_kgm2 = {inertia!r}
+[u]
+speed_mm_per_s = {speed!r}
+acceleration_mm_per_s2 = {acceleration!r}
+stroke_mm = {stroke!r}
+[z]
+speed_mm_per_s = {z_speed!r}
+acceleration_mm_per_s2 = {z_acceleration!r}
+"""
+
+
+def camsim_path() -> Path:
+    """Return where the simulator is built: the folder that CAMTURN_BUILD names, or build/host."""
+    build = os.environ.get("CAMTURN_BUILD") or str(ROOT / "build" / "host")
+    return Path(build).resolve() / "host_sim" / "camsim"
+
+
+def machine_text(limits: MachineLimits) -> str:
+    """Return a machine file with a part's limits, as far as the simulator's ranges go."""
+    inertia = limits.spindle_inertia_kgm2 or _INERTIA_KGM2
+    return _MACHINE.format(
+        name="default, limits of the part file",
+        tick_hz=limits.tick_hz,
+        rpm=limits.spindle_rpm,
+        torque=inertia * limits.alpha_rad_s2,
+        inertia=inertia,
+        speed=min(max(limits.u_speed_mm_s, 0.1), 10_000.0),
+        acceleration=min(max(limits.u_acceleration_mm_s2, 10.0), 1e7),
+        stroke=limits.u_stroke_mm,
+        z_speed=limits.z_speed_mm_s,
+        z_acceleration=limits.z_acceleration_mm_s2,
+    )
+
+
+def traced_turns(turns: float, speed_rpm: float) -> float | None:
+    """Return how many turns of a cut too long to trace are traced, nothing when all of it is.
+
+    >>> traced_turns(620, 2500), traced_turns(62000, 2500), traced_turns(620, 60)
+    (None, 200, 12.5)
+    """
+    ticks_per_turn = 60 / speed_rpm * _TICK_HZ
+    if turns * ticks_per_turn <= MAX_TRACED_TICKS:
+        return None
+    return min(_WINDOW_TURNS, MAX_TRACED_TICKS / 2 / ticks_per_turn)
+
+
+@dataclass(frozen=True)
+class Simulator:
+    """Where camsim is and where it works.
+
+    Attributes
+    ----------
+    program : Path
+        The executable.
+    folder : Path
+        Working folder: names of tables and results are relative to it.
+    table : str
+        Name of the table.
+    """
+
+    program: Path
+    folder: Path
+    table: str
+
+    def command(self, words: Sequence[str]) -> list[str]:
+        """Return the command line of a cut."""
+        return [str(self.program), "run", self.table, *words]
+
+    def run(self, words: Sequence[str], *, is_quiet: bool = False) -> int:
+        """Cut; return camsim's exit status. Its messages go to our standard error.
+
+        Raises
+        ------
+        CamtoolsError
+            It cannot be started, or a signal ended it.
+        """
+        silent = subprocess.DEVNULL
+        stderr = silent if is_quiet else None
+        try:
+            done = subprocess.run(
+                self.command(words), cwd=self.folder, stdout=silent, stderr=stderr, check=False
+            )
+        except OSError as error:
+            problem = f"{self.program}: cannot be started: {error.strerror}"
+            raise CamtoolsError([f"{problem}; start tools/run, which builds it"]) from error
+        if done.returncode < 0:
+            problem = f"{self.program}: ended by signal {-done.returncode}"
+            raise CamtoolsError([f"{problem}; run it again, and report it when it comes back"])
+        return done.returncode
+
+
+def cut(simulator: Simulator, words: Sequence[str], window_turns: float | None) -> int:
+    """Cut a part; write surface, summary and trace; return camsim's exit status.
+
+    Parameters
+    ----------
+    words : list of str
+        Options of camsim.
+    window_turns : float or None
+        The trace is of a second run that ends after so many turns; None: of the cut itself.
+    """
+    results = ["--surface", SURFACE, "--summary", SUMMARY]
+    if window_turns is None:
+        return simulator.run([*words, *results, "--trace", TRACE])
+    progress = ["--progress"] if sys.stderr.isatty() else []
+    status = simulator.run([*words, *results, *progress])
+    if status != 2:
+        window = ["--turns-limit", repr(window_turns), "--trace", TRACE]
+        simulator.run([*words, *window], is_quiet=True)
+    return status
+
+
+def variant_of(name: str, summary: Json) -> CutVariant | None:
+    """Return what a comparison cut came to, nothing when it cut nothing."""
+    form = summary["form_error_um"]
+    if form["max"] is None:
+        return None
+    ended = "" if summary["end"] in ("done", "stopped") else f" (ended early: {summary['end']})"
+    return CutVariant(name + ended, form["max"], form["rms"])
+
+
+def compare(
+    simulator: Simulator, words: Sequence[str], window_turns: float | None
+) -> tuple[CutVariant, ...]:
+    """Return the same cut with parts of the controller switched off, the complete one first."""
+    if window_turns is not None:
+        words = [*words, "--turns-limit", repr(window_turns)]
+    found = []
+    for name, switches in _VARIANTS.items():
+        path = simulator.folder / "variant.json"
+        status = simulator.run([*words, *switches, "--summary", path.name], is_quiet=True)
+        if status != 2 and path.exists():
+            found.append(variant_of(name, read_summary(path)))
+            path.unlink()
+    return tuple(variant for variant in found if variant is not None)

@@ -1,0 +1,226 @@
+r"""What the simulator wrote, as arrays: trace, surface, summary.
+
+>>> import tempfile
+>>> with tempfile.TemporaryDirectory() as name:
+...     path = Path(name) / "surface.csv"
+...     _ = path.write_text("turn,z_mm,radius_mm,error_nm\n0.25,10,46,-30\n")
+...     read_surface(path).error_um.tolist()
+[-0.03]
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Generic, NamedTuple, TypeVar
+
+import numpy as np
+import numpy.typing as npt
+
+from camtools.base.errors import InputError
+from camtools.base.json_text import Json
+from camtools.base.quantities import Floats
+from camtools.table.header import MadeTable
+
+STATES = ("off", "homing", "ready", "engaging", "cutting", "disengaging", "fault")
+CUTTING, FAULT = STATES.index("cutting"), STATES.index("fault")
+_TURNS_PER_Q32 = 2.0**-32
+
+
+class GaugedSurface(NamedTuple):
+    """Gauged points of the surface, each of shape (n,)."""
+
+    turn: Floats  # 0 .. 1 from the long axis, in the sense of cutting
+    z_mm: Floats
+    radius_mm: Floats
+    error_um: Floats  # above 0: metal left standing
+
+
+class CutTrace(NamedTuple):
+    """Every tick of the controller, each of shape (n,)."""
+
+    t_s: Floats
+    turn: Floats  # since the index was found; whole turns are at the long axis
+    z_mm: Floats
+    u_set_nm: Floats  # where U shall be when the command has taken effect
+    u_act_nm: Floats  # measured
+    state: Floats  # index into STATES
+    u_due_nm: Floats  # where U should be now
+    error_nm: Floats  # true radius of the tool tip minus that of the drawing
+    x_nm: Floats  # measured
+    turns_per_tick: Floats
+
+    @property
+    def following_um(self) -> Floats:
+        """Return the following error of U [um]."""
+        return (self.u_act_nm - self.u_due_nm) * 1e-3
+
+    @property
+    def speed_rpm(self) -> Floats:
+        """Return the spindle speed as the controller sees it [r/min]."""
+        tick_s = float(np.median(np.diff(self.t_s))) if self.t_s.size > 1 else 1.0
+        return self.turns_per_tick * (60 / tick_s)
+
+    def pick(self, rows: slice | npt.NDArray[Any]) -> CutTrace:
+        """Return some of the ticks."""
+        return CutTrace(*(column[rows] for column in self))
+
+
+class Removal(NamedTuple):
+    """Metal removed in time slices, each of shape (n,)."""
+
+    t_s: Floats  # middle of the slice
+    turn: Floats  # spindle angle there; whole turns are at the long axis
+    z_mm: Floats
+    rate_mm3_s: Floats
+    power_w: Floats
+    rate_force_n: Floats  # the papers' model: area cut in the slice
+    chip_force_n: Floats  # physical: section of the chip
+
+
+MadeT = TypeVar("MadeT", bound=MadeTable, covariant=True)
+_SURFACE_COLUMNS = ("turn", "z_mm", "radius_mm", "error_nm")
+_TRACE_COLUMNS = (
+    "t_s",
+    "turn",
+    "z_mm",
+    "u_set_nm",
+    "u_act_nm",
+    "state",
+    "u_due_nm",
+    "error_nm",
+    "in_x_nm",
+    "speed_q32",
+)
+
+
+def _columns(path: Path, names: tuple[str, ...]) -> Floats:
+    """Return the named columns of a CSV file, shape (len(names), n); states as numbers."""
+    with path.open(encoding="ascii") as stream:
+        header = stream.readline().strip().split(",")
+        is_empty = not stream.read(1)
+    missing = [name for name in names if name not in header]
+    if missing:
+        problem = f"has no column {missing[0]}"
+        raise InputError(path.name, "", None, problem, "build camsim afresh: tools/run does")
+    if is_empty:
+        return np.empty((len(names), 0))
+    return _rows(path, [header.index(name) for name in names], header)
+
+
+def _state_number(name: str) -> float:
+    return float(STATES.index(name))
+
+
+def _rows(path: Path, places: list[int], header: list[str]) -> Floats:
+    states: dict[int | str, Callable[[str], float]] = {
+        place: _state_number for place in places if header[place] == "state"
+    }
+    rows = np.loadtxt(
+        path,
+        delimiter=",",
+        skiprows=1,
+        usecols=places,
+        converters=states,
+        encoding="ascii",
+        ndmin=2,
+    )
+    return np.ascontiguousarray(rows.T)
+
+
+def read_surface(path: Path) -> GaugedSurface:
+    """Return the surface of a CSV file of camsim; without a point when nothing was cut."""
+    turn, z_mm, radius_mm, error_nm = _columns(path, _SURFACE_COLUMNS)
+    return GaugedSurface(turn, z_mm, radius_mm, error_nm * 1e-3)
+
+
+def read_trace(path: Path) -> CutTrace:
+    """Return the trace of a CSV file of camsim."""
+    columns = _columns(path, _TRACE_COLUMNS)
+    columns[-1] *= _TURNS_PER_Q32
+    return CutTrace(*columns)
+
+
+def read_swing(path: Path) -> Floats | None:
+    """Return the true swing of the tool [degrees] from a trace, nothing when there is none."""
+    with path.open(encoding="ascii") as stream:
+        names = stream.readline().strip().split(",")
+    return _columns(path, ("swing_act_deg",))[0] if "swing_act_deg" in names else None
+
+
+def read_removal(path: Path) -> Removal:
+    """Return the slices of a CSV file of camsim."""
+    return Removal(*_columns(path, Removal._fields))
+
+
+def read_summary(path: Path) -> Json:
+    """Return a summary of camsim."""
+    summary: Json = json.loads(path.read_text(encoding="utf-8"))
+    return summary
+
+
+class CutVariant(NamedTuple):
+    """The same cut with a part of the controller switched off."""
+
+    name: str
+    max_um: float  # form error
+    rms_um: float
+
+
+class Measured(NamedTuple):
+    """What the simulator wrote of a cut."""
+
+    summary: Json
+    surface: GaugedSurface
+    trace: CutTrace
+    is_trace_complete: bool
+    variants: tuple[CutVariant, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Cut(Generic[MadeT]):
+    """What is known about the cut of a part of any kind.
+
+    Attributes
+    ----------
+    generated : MadeTable
+        The part and its table.
+    summary : dict
+        Of camsim.
+    is_trace_complete : bool
+        The trace holds the whole cut, not its first turns only.
+    variants : tuple of CutVariant
+        Comparison cuts, the matched one first; may be empty.
+    """
+
+    generated: MadeT
+    summary: Json
+    surface: GaugedSurface
+    trace: CutTrace
+    is_trace_complete: bool = True
+    variants: tuple[CutVariant, ...] = ()
+
+    @property
+    def name(self) -> str:
+        """Return the part's name."""
+        return self.generated.part.part.name
+
+    @property
+    def is_modulated(self) -> bool:
+        """Return whether the table changes the spindle's speed over its angle."""
+        return self.generated.table.speed is not None
+
+    @property
+    def has_fault(self) -> bool:
+        """Return whether the controller ended the cut by itself."""
+        return "fault" in self.summary
+
+    @property
+    def is_good(self) -> bool:
+        """Return whether the whole part was cut within tolerance."""
+        return bool(self.summary["is_good"])
+
+
+AnyCut = Cut[Any]

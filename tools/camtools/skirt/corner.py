@@ -1,0 +1,201 @@
+"""The corner of a large-bore skirt over its height, MATHS.md (13): where it is, how it is refitted.
+
+>>> _from_joint(np.radians([0.0, 24.0, 48.0, 69.0, 90.0]), np.radians(48.0)).round(9).tolist()
+[0.0, 0.5, 1.0, 1.5, 2.0]
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import PPoly
+
+from camtools.base.errors import GeometryError
+from camtools.base.quantities import Floats, FloatsLike, SectionValues
+from camtools.skirt.composite import QUARTER_RAD, Joint
+from camtools.skirt.part import Ovality, SkirtPart
+from camtools.skirt.part_section import Refit
+from camtools.skirt.poly_surface import TURN_RAD, PolySurface, angle_pieces, over_height
+from camtools.skirt.profile import constant_spline, polygon_or_spline
+from camtools.skirt.refit import (
+    Recipe,
+    RefitCandidate,
+    best_of,
+    ellipse_steps,
+    jerk_limit_of,
+    judge_all,
+    kept_sites,
+    refit,
+    sites_rad,
+)
+from camtools.skirt.sections import Section, make_section
+
+MAX_STEP_MM = 0.001
+_UM_PER_MM = 1000.0
+
+
+@dataclass(frozen=True, eq=False)
+class Corner:
+    """A composite section over height, before and after its refit.
+
+    Attributes
+    ----------
+    radius, ovality, trim, joint_deg : PPoly
+        Over height [mm, mm, mm, degrees].
+    law : Section
+        The oval's.
+    recipe : Recipe or None
+        None: the corner is left as drawn.
+    worst_mm : float
+        Height of the sharpest corner, for which the candidates are judged.
+    candidates : tuple of RefitCandidate
+        All deletions the paper tries, at the part's speed; empty without a refit.
+    """
+
+    radius: PPoly
+    ovality: PPoly
+    trim: PPoly
+    joint_deg: PPoly
+    law: Section
+    recipe: Recipe | None = None
+    worst_mm: float = 0.0
+    candidates: tuple[RefitCandidate, ...] = ()
+    log2_repeat: int = 1
+
+    def joint(self, z_mm: FloatsLike) -> Joint:
+        """Return what decides the section at heights; numbers for a number."""
+        a, g, h = self.radius(z_mm), self.ovality(z_mm), self.trim(z_mm)
+        return Joint(a, g, h, np.radians(self.joint_deg(z_mm)), self.law)
+
+    def delta(self, phi_rad: FloatsLike, z_mm: FloatsLike) -> SectionValues:
+        """Return the reduction as drawn, corner included; shapes as broadcast."""
+        return self.joint(np.asarray(z_mm, dtype=np.float64)).reduction(phi_rad)
+
+    @property
+    def n_ellipse(self) -> int:
+        """Return the degree steps from the long axis to the joint."""
+        return ellipse_steps(float(np.radians(self.joint_deg(self.worst_mm))))
+
+    def surface(self, breaks_mm: Floats) -> PolySurface:
+        """Return the refitted skirt; breaks_mm are the heights where a spline may kink."""
+        assert self.recipe is not None
+        breaks_rad = self._breaks_rad(self.worst_mm)
+        joint_rad = float(np.radians(self.joint_deg(self.worst_mm)))
+
+        def pieces(z_mm: float) -> Floats:
+            assert self.recipe is not None
+            curve = refit(self.joint(z_mm), self.recipe, self.n_ellipse)
+            return angle_pieces(curve, self._breaks_rad(z_mm))
+
+        heights, coefficients = over_height(pieces, breaks_mm)
+        turns = PPoly(np.radians(self.joint_deg.c) / TURN_RAD, self.joint_deg.x)
+        return PolySurface(_from_joint(breaks_rad, joint_rad), heights, coefficients, turns)
+
+    def _breaks_rad(self, z_mm: float) -> Floats:
+        """Return all breaks of the refit at a height, the joint among them."""
+        assert self.recipe is not None
+        joint_rad = float(np.radians(self.joint_deg(z_mm)))
+        if self.recipe.ends == "mirror":
+            sites = sites_rad(joint_rad, self.n_ellipse)[kept_sites(self.recipe, self.n_ellipse)]
+        else:
+            sites = refit(self.joint(z_mm), self.recipe, self.n_ellipse).x
+        apart = np.unique(np.concatenate([sites, [0.0, QUARTER_RAD]]))
+        off = np.abs(apart - joint_rad) > 1e-9
+        return np.asarray(np.unique(np.append(apart[off], joint_rad)), dtype=np.float64)
+
+
+def _from_joint(phi_rad: Floats, joint_rad: float) -> Floats:
+    """Return angles counted 0 .. 1 to the joint and 1 .. 2 to the short axis."""
+    beyond = 1 + (phi_rad - joint_rad) / (QUARTER_RAD - joint_rad)
+    return np.where(phi_rad < joint_rad, phi_rad / joint_rad, beyond)
+
+
+def _over_ovality(value: list[float] | float, ovality: Ovality, factor: float = 1.0) -> PPoly:
+    """Return a number, or a list over the ovality's heights, as a spline."""
+    if isinstance(value, list):
+        return polygon_or_spline(ovality.height_mm, factor * np.array(value), ovality.interpolation)
+    return constant_spline(factor * value, ovality.height_mm[0], ovality.height_mm[-1])
+
+
+def make_corner(part: SkirtPart, radius: PPoly, ovality: PPoly, heights_mm: Floats) -> Corner:
+    """Return the corner of a part of shape "ellipse-arc".
+
+    Parameters
+    ----------
+    radius, ovality : PPoly
+        Of the part, magnified already.
+    heights_mm : ndarray
+        Dense heights at which the shape is checked, both ends among them.
+
+    Raises
+    ------
+    GeometryError
+        No circle reaches from the joint to the short axis, or a given eccentricity does not fit.
+    """
+    section, drawn = part.piston.section, part.piston.ovality
+    assert drawn is not None
+    assert section.trim_mm is not None
+    assert section.joint_deg is not None
+    factor = part.magnify.factor if part.magnify else 1.0
+    corner = Corner(
+        radius,
+        ovality,
+        _over_ovality(section.trim_mm, drawn, factor),
+        _over_ovality(section.joint_deg, drawn),
+        make_section(section.base or "cosine", section.beta),
+    )
+    _check_room(corner, heights_mm)
+    if section.eccentricity_mm is not None and factor == 1:
+        _check_eccentricity(corner, section.eccentricity_mm, drawn)
+    sharpest = float(heights_mm[int(np.argmax(corner.joint(heights_mm).corner_mm_rad()))])
+    return _with_recipe(corner, section.refit, sharpest, part.process.spindle_rpm)
+
+
+def _with_recipe(corner: Corner, wish: Refit | None, z_mm: float, spindle_rpm: float) -> Corner:
+    parts = corner.radius, corner.ovality, corner.trim, corner.joint_deg, corner.law
+    if wish is None:
+        return Corner(*parts, None, z_mm)
+    if wish.ends == "as-paper" and np.ptp(corner.joint_deg(corner.joint_deg.x)) > 0:
+        problem = 'ends = "as-paper" is defined for one joint angle only'
+        raise GeometryError("piston.section.refit.ends", problem, 'use "mirror"')
+    found = judge_all(corner.joint(z_mm), wish.spline, wish.ends, spindle_rpm)
+    if wish.delete == "optimise":
+        best = best_of(found, jerk_limit_of(wish.ends, wish.jerk_limit_mm_s3))
+        s1, s2 = best.s1, best.s2
+    else:
+        s1, s2 = wish.delete
+    recipe = Recipe(wish.spline, s1, s2, wish.ends)
+    return Corner(*parts, recipe, z_mm, tuple(found))
+
+
+def _check_room(corner: Corner, heights_mm: Floats) -> None:
+    joint = corner.joint(heights_mm)
+    room, arc = joint.room_mm(), joint.arc()
+    worst = int(np.argmin(room))
+    if room[worst] <= 0:
+        problem = f"no circle reaches from the joint to the short axis at {heights_mm[worst]:.6g}"
+        remedy = "trim less, or put the joint nearer to the short axis"
+        raise GeometryError("piston.section.trim_mm", problem + " mm of height", remedy)
+    least = int(np.argmin(arc.eccentricity_mm))
+    if arc.eccentricity_mm[least] <= 0:
+        problem = f"the circle would bulge beyond the piston at height {heights_mm[least]:.6g} mm"
+        raise GeometryError("piston.section.trim_mm", problem, "trim more")
+
+
+def _check_eccentricity(corner: Corner, given: list[float] | float, drawn: Ovality) -> None:
+    """Demand that a given eccentricity is that of the circle, to 1 um of contour at the joint."""
+    heights = np.array(drawn.height_mm)
+    inside = (heights >= corner.radius.x[0]) & (heights <= corner.radius.x[-1])
+    joint = corner.joint(heights)
+    right, step = joint.arc().eccentricity_mm, joint.step_mm(np.asarray(given))
+    off = np.where(inside, np.abs(step), 0.0)
+    worst = int(np.argmax(off))
+    if off[worst] > MAX_STEP_MM:
+        here = np.broadcast_to(np.asarray(given), heights.shape)[worst]
+        problem = (
+            f"{here:g} mm leaves a step of {step[worst] * _UM_PER_MM:.3f} um at the joint at "
+            f"height {heights[worst]:g} mm"
+        )
+        remedy = f"the consistent value there is {right[worst]:.6f} mm; give it, or remove the key"
+        raise GeometryError("piston.section.eccentricity_mm", problem, remedy)

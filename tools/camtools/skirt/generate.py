@@ -1,0 +1,150 @@
+"""From a part to its table, checked against the exact geometry and the machine's limits.
+
+>>> from camtools.skirt.part import example_part
+>>> result = generate(example_part(), tolerance_nm=1.0)
+>>> result.accuracy_u.value_nm < 1.0, result.accuracy_x.value_nm < 1.0
+(True, True)
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from camtools.base.errors import CamtoolsError, GeometryError
+from camtools.base.quantities import NM_PER_MM
+from camtools.cut.feasibility import (
+    HighestSpeed,
+    Peaks,
+    check_feasible,
+    drift_of,
+    highest_speed,
+    peaks_of,
+)
+from camtools.part.common import check_feed
+from camtools.skirt.accuracy import Accuracy
+from camtools.skirt.corner import Corner
+from camtools.skirt.geometry import Geometry, make_geometry, path_of
+from camtools.skirt.part import SkirtPart
+from camtools.skirt.search import choose_u, choose_x
+from camtools.skirt.speed import SpeedTable, make_speed
+from camtools.table.header import check_tolerance, table_of, u_bounds
+from camtools.table.image import Channel, Table
+from camtools.table.modulation import moving_bounds
+from camtools.table.quantise import with_bounds
+
+DEFAULT_TOLERANCE_NM = 1.0
+REFIT_TOLERANCE_NM = 5.0  # of u, where a spline replaces a corner
+
+
+@dataclass(frozen=True, eq=False)
+class GeneratedSkirt:
+    """A table and everything that is known about it."""
+
+    part: SkirtPart
+    geometry: Geometry
+    tolerance_nm: float
+    table: Table
+    accuracy_u: Accuracy
+    accuracy_x: Accuracy
+    highest_speed: HighestSpeed
+    speed: SpeedTable | None = None
+
+
+def make_table(
+    part: SkirtPart, u: Channel, x: Channel, error_nm: float, speed: SpeedTable | None = None
+) -> Table:
+    """Return the table of a part with its channels, bounds filled in."""
+    bounds = u_bounds(u, error_nm)
+    channels: tuple[Channel, ...] = (with_bounds(u), with_bounds(x))
+    if speed is not None:
+        bounds, channels = moving_bounds(bounds, speed.peaks), (*channels, speed.channel)
+    table = table_of(part, part.process.spindle_rpm, bounds, channels)
+    return replace(table, is_ring_helix=part.process.path == "ring-helix")
+
+
+def refuse_corner(geometry: Geometry) -> None:
+    """Refuse a composite section whose corner nobody smoothed: no axis can follow it."""
+    corner = geometry.corner
+    if corner is None or corner.recipe is not None:
+        return
+    jump = float(corner.joint(corner.worst_mm).corner_mm_rad())
+    angle_deg = float(corner.joint_deg(corner.worst_mm))
+    problem = (
+        f"is missing: the slope jumps by {jump:.4g} mm/rad at {angle_deg:g} degrees (height "
+        f"{corner.worst_mm:.4g} mm), so U would need infinite acceleration"
+    )
+    raise GeometryError("piston.section.refit", problem, "add the table [piston.section.refit]")
+
+
+def default_tolerance_nm(geometry: Geometry) -> float:
+    """Return the tolerance of u that applies when none is asked for [nm]."""
+    return DEFAULT_TOLERANCE_NM if geometry.corner is None else REFIT_TOLERANCE_NM
+
+
+def generate(part: SkirtPart, tolerance_nm: float | None = None) -> GeneratedSkirt:
+    """Return the smallest table of a part that keeps the tolerance.
+
+    Parameters
+    ----------
+    part : SkirtPart
+        A validated part.
+    tolerance_nm : float, optional
+        Largest error of u and of x anywhere on the skirt [nm], the firmware's rounding included;
+        by default 1 nm, for u of a refitted composite section 5 nm.
+
+    Raises
+    ------
+    CamtoolsError
+        The shape is impossible, the tolerance is out of reach, or the machine is too weak.
+    """
+    if tolerance_nm is not None:
+        check_tolerance(tolerance_nm)
+    check_feed(part)
+    geometry = make_geometry(part)
+    path_of(part, geometry.z_first_mm, geometry.z_last_mm)  # or refuse: Z cannot follow it
+    refuse_corner(geometry)
+    tolerance_u_nm = tolerance_nm or default_tolerance_nm(geometry)
+    u, accuracy_u = choose_u(geometry, tolerance_u_nm)
+    x, accuracy_x = choose_x(geometry, tolerance_nm or DEFAULT_TOLERANCE_NM)
+    error_nm = max(accuracy_u.value_nm, accuracy_x.value_nm)
+    speed = _modulation(part, geometry, u, error_nm)
+    table = make_table(part, u, x, error_nm, speed)
+    best = _judge(part, geometry, peaks_of_table(table, speed))
+    return GeneratedSkirt(
+        part, geometry, tolerance_u_nm, table, accuracy_u, accuracy_x, best, speed
+    )
+
+
+def _modulation(
+    part: SkirtPart, geometry: Geometry, u: Channel, error_nm: float
+) -> SpeedTable | None:
+    """Return the speed channel of a part that is turned with an even removal rate."""
+    if part.process.mode == "uniform":
+        return None
+    uniform = highest_speed(peaks_of(u_bounds(u, error_nm)), part.machine.limits)
+    return make_speed(part, geometry, u, uniform.rpm)
+
+
+def peaks_of_table(table: Table, speed: SpeedTable | None) -> Peaks:
+    """Return what the axes need of the table of a skirt."""
+    ratio, feed_mm = speed.peaks.ratio if speed else 1.0, table.feed_nm / NM_PER_MM
+    drift = drift_of(table.channels[0], 1 / NM_PER_MM, feed_mm)
+    return peaks_of(table.bounds, ratio)._replace(u_drift=drift.at(ratio), feed_mm=feed_mm)
+
+
+def _judge(part: SkirtPart, geometry: Geometry, peaks: Peaks) -> HighestSpeed:
+    """Return the highest speed, or refuse; of a corner tell what another refit would need."""
+    try:
+        return check_feasible(peaks, part.machine.limits, part.process.spindle_rpm)
+    except CamtoolsError as error:
+        if geometry.corner is None or not any("u_acceleration" in line for line in error.lines):
+            raise
+        raise CamtoolsError([*error.lines, _corner_hint(geometry.corner)]) from error
+
+
+def _corner_hint(corner: Corner) -> str:
+    best = min(corner.candidates, key=lambda one: one.acceleration_mm_s2)
+    return (
+        f"piston.section.refit.delete: the corner decides; of all deletions [{best.s1}, {best.s2}] "
+        f"needs least, {best.acceleration_mm_s2:.6g} mm/s2 at this speed; trim less or turn slower"
+    )

@@ -1,0 +1,277 @@
+"""Exact geometry of a piston skirt and the motion that cuts it, in double.
+
+>>> from camtools.skirt.part import example_part
+>>> geometry = make_geometry(example_part())
+>>> [f"{mm:.9f}" for mm in geometry.radius_mm([5.0, 35.0])]
+['45.983096898', '45.983079419']
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple, Protocol
+
+import numpy as np
+from scipy.interpolate import PPoly
+
+from camtools.base.errors import GeometryError
+from camtools.base.quantities import Floats, FloatsLike, SectionValues, omega_rad_s
+from camtools.cut.path import ToolPath, ramp_of
+from camtools.skirt.corner import Corner, make_corner
+from camtools.skirt.part import SkirtPart
+from camtools.skirt.profile import magnified, ovality_spline, profile_spline
+from camtools.skirt.scan import Scan, filtered, ovality_of, read_scan, scan_surface
+from camtools.skirt.sections import Section, make_section
+
+_CHECKS_PER_PIECE = 64
+_UM_PER_MM = 1000.0
+_ALL_AROUND_RAD = np.radians(np.arange(0, 360, 0.5))
+
+
+class SkirtSurface(Protocol):
+    """The reduction of the radius over the whole skirt."""
+
+    @property
+    def log2_repeat(self) -> int:
+        """The pattern repeats 2^log2_repeat times per turn, exactly."""
+
+    def delta(self, phi_rad: FloatsLike, z_mm: FloatsLike) -> SectionValues:
+        """Return radius reduction and angle derivatives at fixed height; see `Geometry.delta`."""
+
+
+@dataclass(frozen=True, eq=False)
+class OvalSurface:
+    """One law for all heights; only half axis and ovality change."""
+
+    law: Section
+    radius: PPoly
+    ovality: PPoly
+
+    @property
+    def log2_repeat(self) -> int:
+        """See `SkirtSurface`."""
+        return self.law.log2_repeat
+
+    def delta(self, phi_rad: FloatsLike, z_mm: FloatsLike) -> SectionValues:
+        """See `SkirtSurface`."""
+        return self.law.evaluate(phi_rad, self.radius(z_mm), self.ovality(z_mm))
+
+
+@dataclass(frozen=True, eq=False)
+class Geometry:
+    """The part's exact surface: tool tip radius = radius_mm(z) - delta(phi, z).
+
+    Attributes
+    ----------
+    radius, ovality : scipy.interpolate.PPoly
+        Long half axis a(z) and diametral ovality G(z) [mm] over height [mm], magnified already.
+        Of a measured part the ovality is the largest minus the least diameter.
+    surface : SkirtSurface
+        Reduction of the radius; of a refitted part that of the refit.
+    z_first_mm, z_last_mm : float
+        Height range, that of the profile.
+    corner : Corner or None
+        Of shape "ellipse-arc": the section as drawn, and its refit.
+    off_points_um : float or None
+        Of shape "table": how far the surface is from the measured points, 0 without a filter.
+    """
+
+    radius: PPoly
+    ovality: PPoly
+    surface: SkirtSurface
+    z_first_mm: float
+    z_last_mm: float
+    corner: Corner | None = None
+    off_points_um: float | None = None
+
+    def radius_mm(self, z_mm: FloatsLike | Sequence[float], derivative: int = 0) -> Floats:
+        """Return a(z), a'(z) or a''(z) [mm, mm/mm, mm/mm^2] with the shape of z_mm."""
+        return np.asarray(self.radius(z_mm, nu=derivative), dtype=np.float64)
+
+    def ovality_mm(self, z_mm: FloatsLike | Sequence[float]) -> Floats:
+        """Return G(z) [mm] with the shape of z_mm."""
+        return np.asarray(self.ovality(z_mm), dtype=np.float64)
+
+    def delta(self, phi_rad: FloatsLike, z_mm: FloatsLike) -> SectionValues:
+        """Return radius reduction and angle derivatives at fixed height [mm, mm/rad^n].
+
+        Parameters
+        ----------
+        phi_rad, z_mm : float or ndarray
+            Angle from the long axis [rad] and height [mm]; broadcast against each other.
+        """
+        return self.surface.delta(phi_rad, z_mm)
+
+    def deepest_mm(self, z_mm: float) -> float:
+        """Return the largest reduction of a section [mm], to the step of half a degree."""
+        return float(self.delta(_ALL_AROUND_RAD, z_mm).delta.max())
+
+    def breaks_mm(self) -> Floats:
+        """Return the heights where a piece of the shape ends, rising, both ends included."""
+        heights = np.union1d(self.radius.x, self.ovality.x)
+        inside = (heights > self.z_first_mm) & (heights < self.z_last_mm)
+        return np.concatenate(([self.z_first_mm], heights[inside], [self.z_last_mm]))
+
+
+class AxesMotion(NamedTuple):
+    """Set-points of uniform turning, all of the shape of the turns asked for."""
+
+    c_rad: Floats
+    z_mm: Floats
+    x_mm: Floats
+    u_mm: Floats
+    velocity_mm_s: Floats
+    acceleration_mm_s2: Floats
+    jerk_mm_s3: Floats
+
+
+def make_geometry(part: SkirtPart) -> Geometry:
+    """Return the exact geometry of a part.
+
+    Raises
+    ------
+    CamtoolsError
+        A spline overshoots into ovality below 0 or half axes not above 0; the corner of a
+        composite section is impossible; the file of a measured section is no good.
+    """
+    piston = part.piston
+    factor = part.magnify.factor if part.magnify else 1.0
+    radius = magnified(profile_spline(piston.profile), factor, max(piston.profile.diameter_mm) / 2)
+    ends = float(piston.profile.height_mm[0]), float(piston.profile.height_mm[-1])
+    if piston.section.shape == "table":
+        geometry = _measured(part, radius, factor)
+    else:
+        assert piston.ovality is not None
+        oval = magnified(ovality_spline(piston.ovality), factor, 0.0)
+        law = make_section("ellipse", 0.0)
+        if piston.section.shape != "ellipse-arc":
+            law = make_section(piston.section.shape, piston.section.beta)
+        geometry = Geometry(radius, oval, OvalSurface(law, radius, oval), *ends)
+        _check_ovality(geometry, factor)
+    if piston.section.shape == "ellipse-arc":
+        geometry = _with_corner(part, geometry)
+    _check_shape(geometry, factor)
+    return geometry
+
+
+def _measured(part: SkirtPart, radius: PPoly, factor: float) -> Geometry:
+    """Return the geometry of a measured part, filtered if asked for."""
+    section, heights = part.piston.section, part.piston.profile.height_mm
+    ends = float(heights[0]), float(heights[-1])
+    scan = _read(part, *ends)
+    kept = scan if section.harmonics is None else filtered(scan, section.harmonics)
+    surface = scan_surface(kept, factor)
+    points = surface.delta(np.radians(scan.angle_deg), scan.z_mm[:, None]).delta
+    off_mm = float(np.abs(points - factor * scan.reduction_mm).max())
+    oval = magnified(ovality_of(scan), factor, 0.0)
+    return Geometry(radius, oval, surface, *ends, None, off_mm * _UM_PER_MM)
+
+
+def _read(part: SkirtPart, first_mm: float, last_mm: float) -> Scan:
+    assert part.piston.section.csv is not None
+    scan = read_scan(Path(part.piston.section.csv))
+    if scan.z_mm.size > 1 and (scan.z_mm[0] > first_mm or scan.z_mm[-1] < last_mm):
+        problem = f"heights {scan.z_mm[0]:g} .. {scan.z_mm[-1]:g} mm do not cover the profile's"
+        remedy = f"measure {first_mm:g} .. {last_mm:g} mm, or one height that serves all"
+        raise GeometryError("piston.section.csv", problem, remedy)
+    return scan
+
+
+def _with_corner(part: SkirtPart, geometry: Geometry) -> Geometry:
+    heights_mm = dense_heights_mm(geometry, _CHECKS_PER_PIECE)
+    corner = make_corner(part, geometry.radius, geometry.ovality, heights_mm)
+    surface = corner if corner.recipe is None else corner.surface(geometry.breaks_mm())
+    ends = geometry.z_first_mm, geometry.z_last_mm
+    return Geometry(geometry.radius, geometry.ovality, surface, *ends, corner)
+
+
+def dense_heights_mm(geometry: Geometry, per_piece: int) -> Floats:
+    """Return heights inside every polynomial piece and at all its ends, rising."""
+    breaks = geometry.breaks_mm()
+    inside = breaks[:-1, None] + np.diff(breaks)[:, None] * np.arange(per_piece) / per_piece
+    return np.append(inside.ravel(), breaks[-1])
+
+
+def _check_ovality(geometry: Geometry, factor: float) -> None:
+    z_mm = dense_heights_mm(geometry, _CHECKS_PER_PIECE)
+    g_mm = geometry.ovality_mm(z_mm)
+    lowest = int(np.argmin(g_mm))
+    if g_mm[lowest] < 0:
+        problem = f"the spline falls to {g_mm[lowest]:.6g} mm at height {z_mm[lowest]:.6g} mm"
+        raise GeometryError("piston.ovality.interpolation", problem, 'use "linear" or more points')
+    _check_half_axis(z_mm, geometry.radius_mm(z_mm) - g_mm / 2, factor)
+
+
+def _check_half_axis(z_mm: Floats, half_axis_mm: Floats, factor: float) -> None:
+    thinnest = int(np.argmin(half_axis_mm))
+    if half_axis_mm[thinnest] <= 0:
+        field = "magnify.factor" if factor > 1 else "piston.profile.spline"
+        at = f"at height {z_mm[thinnest]:.6g} mm"
+        problem = f"the short half axis becomes {half_axis_mm[thinnest]:.6g} mm {at}"
+        raise GeometryError(field, problem, "magnify less, or give points without such a step")
+
+
+def _check_shape(geometry: Geometry, factor: float) -> None:
+    z_mm = dense_heights_mm(geometry, _CHECKS_PER_PIECE // 16)
+    deepest_mm = np.array([geometry.deepest_mm(float(z)) for z in z_mm])
+    _check_half_axis(z_mm, geometry.radius_mm(z_mm) - deepest_mm, factor)
+
+
+def turning_at(
+    geometry: Geometry, spindle_rpm: float, z_mm: FloatsLike, turns: Floats
+) -> AxesMotion:
+    """Return the axes of turning at constant speed, at given angles and heights.
+
+    Parameters
+    ----------
+    spindle_rpm : float
+        Speed [r/min].
+    z_mm : float or ndarray, shape (n,)
+        Height(s) [mm].
+    turns : ndarray, shape (n,)
+        Spindle angle from the long axis, in turns.
+
+    Returns
+    -------
+    Motion
+        Velocity, acceleration and jerk of U at fixed height; the feed adds dU/dz feed n/60.
+    """
+    c_rad, omega = 2 * np.pi * turns, omega_rad_s(spindle_rpm)
+    u = geometry.delta(c_rad, z_mm)
+    z_all_mm = np.broadcast_to(np.asarray(z_mm, dtype=np.float64), c_rad.shape)
+    x_mm = geometry.radius_mm(z_all_mm)
+    return AxesMotion(
+        c_rad, z_all_mm, x_mm, u.delta, u.d1 * omega, u.d2 * omega**2, u.d3 * omega**3
+    )
+
+
+def uniform_turning(
+    geometry: Geometry, spindle_rpm: float, feed_mm: float, turns: Floats
+) -> AxesMotion:
+    """Return the axes of uniform four-axis turning from the lowest height up, MATHS.md (8), (9).
+
+    Parameters
+    ----------
+    spindle_rpm, feed_mm : float
+        Speed [r/min] and feed per turn [mm].
+    turns : ndarray, shape (n,)
+        Spindle angle since the lowest height, in turns; Z follows the angle.
+    """
+    return turning_at(geometry, spindle_rpm, geometry.z_first_mm + feed_mm * turns, turns)
+
+
+def path_of(part: SkirtPart, z_first_mm: float, z_last_mm: float) -> ToolPath:
+    """Return the path of a part between two heights, with the shortest ramp.
+
+    Raises
+    ------
+    CamtoolsError
+        See `ramp_of`.
+    """
+    process, limits = part.process, part.machine.limits
+    if process.path == "helix":
+        return ToolPath("helix", z_first_mm, z_last_mm, process.feed_mm)
+    ramp = ramp_of(process.feed_mm, process.spindle_rpm, limits)
+    return ToolPath("ring-helix", z_first_mm, z_last_mm, process.feed_mm, ramp)

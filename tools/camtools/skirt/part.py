@@ -1,0 +1,197 @@
+"""The part file: what a TOML file may say, with units, ranges and defaults.
+
+>>> part = example_part()
+>>> part.part.name, part.process.spindle_rpm, part.machine.limits.u_stroke_mm
+('example', 2500.0, 1.2)
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, Self
+
+from pydantic import (
+    Field,
+    ValidationInfo,
+    field_validator,
+    model_validator,
+)
+
+from camtools.part.common import MachineLimits, PartInfo
+from camtools.part.model import HeightMm, TomlTable, as_long, no_truth, rising, wrong
+from camtools.skirt.part_section import SectionShape
+
+DiameterMm = Annotated[float, Field(ge=1, le=4000)]
+OvalityMm = Annotated[float, Field(ge=0, le=4000)]
+SlopeMmPerMm = Annotated[float, Field(ge=-100, le=100)]
+
+
+class Profile(TomlTable):
+    """[piston.profile]: long-axis diameter over skirt height."""
+
+    height_mm: Annotated[list[HeightMm], Field(min_length=2, max_length=1000)]
+    diameter_mm: Annotated[list[DiameterMm], Field(min_length=2, max_length=1000)]
+    spline: Literal["clamped", "not-a-knot", "natural"] = "not-a-knot"
+    end_slopes: Annotated[list[SlopeMmPerMm], Field(min_length=2, max_length=2)] | None = Field(
+        None, validate_default=True
+    )
+
+    _check_height = field_validator("height_mm")(rising)
+    _check_length = field_validator("diameter_mm")(as_long)
+
+    @field_validator("end_slopes")
+    @classmethod
+    def _check_slopes(cls, value: list[float] | None, info: ValidationInfo) -> list[float] | None:
+        spline = info.data.get("spline")
+        if spline == "clamped" and value is None:
+            remedy = 'give [lower, upper] slope of the radius in mm/mm, or spline = "not-a-knot"'
+            raise wrong("slopes_missing", "a clamped spline needs end slopes", remedy)
+        if spline is not None and spline != "clamped" and value is not None:
+            problem = f'end slopes have no meaning for spline = "{spline}"'
+            raise wrong("slopes_extra", problem, 'remove them, or set spline = "clamped"')
+        return value
+
+
+class Ovality(TomlTable):
+    """[piston.ovality]: diametral ovality G = 2a - 2b over height."""
+
+    height_mm: Annotated[list[HeightMm], Field(min_length=2, max_length=1000)]
+    ovality_mm: Annotated[list[OvalityMm], Field(min_length=2, max_length=1000)]
+    interpolation: Literal["linear", "spline"] = "linear"
+
+    _check_height = field_validator("height_mm")(rising)
+    _check_length = field_validator("ovality_mm")(as_long)
+
+
+class Piston(TomlTable):
+    """[piston]: the skirt."""
+
+    profile: Profile
+    section: SectionShape = Field(default_factory=SectionShape)
+    ovality: Annotated[Ovality | None, Field(validate_default=True)] = None
+
+    @field_validator("ovality")
+    @classmethod
+    def _check_ovality(cls, value: Ovality | None, info: ValidationInfo) -> Ovality | None:
+        section = info.data.get("section")
+        is_measured = section is not None and section.shape == "table"
+        if value is None and section is not None and not is_measured:
+            raise wrong("no_ovality", "is missing", f'add it: shape = "{section.shape}" needs it')
+        if value is not None and is_measured:
+            problem = 'has no meaning for shape = "table": the points tell it'
+            raise wrong("extra_ovality", problem, "remove [piston.ovality]")
+        return value
+
+    @model_validator(mode="after")
+    def _check_together(self) -> Self:
+        if self.ovality is not None:
+            _check_cover(self.profile, self.ovality)
+            _check_size(self.profile, self.ovality)
+            _check_lists(self.section, self.ovality)
+        return self
+
+
+def _check_cover(profile: Profile, ovality: Ovality) -> None:
+    first, last = profile.height_mm[0], profile.height_mm[-1]
+    if ovality.height_mm[0] > first or ovality.height_mm[-1] < last:
+        problem = f"must cover the profile's heights {first} .. {last} mm"
+        remedy = "add points of ovality at the ends"
+        context = {"field": "ovality.height_mm", "value": ovality.height_mm}
+        raise wrong("cover", problem, remedy, **context)
+
+
+def _check_size(profile: Profile, ovality: Ovality) -> None:
+    smallest = min(profile.diameter_mm)
+    if max(ovality.ovality_mm) >= smallest:
+        problem = f"must be smaller than the smallest diameter, {smallest} mm"
+        remedy = "give long minus short axis in mm"
+        context = {"field": "ovality.ovality_mm", "value": ovality.ovality_mm}
+        raise wrong("ovality", problem, remedy, **context)
+
+
+def _check_lists(section: SectionShape, ovality: Ovality) -> None:
+    """Demand that a list of the section goes with the heights of the ovality."""
+    n = len(ovality.height_mm)
+    for key in ("trim_mm", "joint_deg", "eccentricity_mm"):
+        value = getattr(section, key)
+        if isinstance(value, list) and len(value) != n:
+            problem = f"has {len(value)} entries, ovality.height_mm has {n}"
+            context = {"field": f"section.{key}", "value": value}
+            raise wrong("length", problem, "give one number, or one for each height", **context)
+
+
+class SkirtProcess(TomlTable):
+    """[process]: how the part is cut."""
+
+    spindle_rpm: Annotated[float, Field(ge=1, le=60_000)]
+    feed_mm: Annotated[float, Field(ge=0.000_1, le=10)]
+    depth_mm: Annotated[float, Field(ge=0, le=100)] = 0.1
+    direction: Literal[1, -1] = 1
+    mode: Literal["uniform", "equal-volume"] = "uniform"
+    parts: Annotated[int, Field(ge=2, le=1000)] = 30
+    path: Literal["helix", "ring-helix"] = "helix"
+    form_error_um: Annotated[float, Field(ge=0.01, le=1000)] = 5.0
+
+    @field_validator("mode")
+    @classmethod
+    def _check_mode(cls, value: str, info: ValidationInfo) -> str:
+        if value == "equal-volume" and info.data.get("depth_mm") == 0:
+            problem = "needs a cutting depth: without it the spindle would have to run infinitely"
+            raise wrong("mode", f"{problem} fast at the long axis", "set process.depth_mm above 0")
+        return value
+
+    @field_validator("path")
+    @classmethod
+    def _check_path(cls, value: str, info: ValidationInfo) -> str:
+        if value == "ring-helix" and info.data.get("mode") == "equal-volume":
+            problem = "is for a constant spindle speed: Z's ramps are made for one"
+            raise wrong("path", problem, 'set process.mode = "uniform", or path = "helix"')
+        return value
+
+    _check_direction = field_validator("direction", mode="before")(no_truth)
+
+
+class SkirtMachine(TomlTable):
+    """[machine]: the machine for which the table is made."""
+
+    limits: MachineLimits = Field(default_factory=MachineLimits)
+
+
+class Magnify(TomlTable):
+    """[magnify]: the papers' demonstration, all deviations enlarged, MATHS.md (7)."""
+
+    factor: Annotated[float, Field(ge=1, le=1000)]
+
+
+class SkirtPart(TomlTable):
+    """The whole part file."""
+
+    part: PartInfo
+    piston: Piston
+    process: SkirtProcess
+    machine: SkirtMachine = Field(default_factory=SkirtMachine)
+    magnify: Magnify | None = None
+
+    @property
+    def height_mm(self) -> float:
+        """Return the height of the skirt [mm]."""
+        heights_mm = self.piston.profile.height_mm
+        return heights_mm[-1] - heights_mm[0]
+
+
+def example_part() -> SkirtPart:
+    """Return the Perkins-240-like skirt of MATHS.md (6), invented numbers, for examples."""
+    return SkirtPart.model_validate(
+        {
+            "part": {"name": "example", "kind": "piston", "source": "MATHS.md (6), invented"},
+            "piston": {
+                "profile": {
+                    "height_mm": [0, 10, 20, 30, 40, 50, 62],
+                    "diameter_mm": [91.940, 91.985, 92.0, 91.985, 91.940, 91.866, 91.737],
+                    "spline": "clamped",
+                    "end_slopes": [0.0029818594, -0.0062619048],
+                },
+                "ovality": {"height_mm": [0, 20, 62], "ovality_mm": [0.15, 0.20, 0.30]},
+            },
+            "process": {"spindle_rpm": 2500, "feed_mm": 0.1},
+        }
+    )

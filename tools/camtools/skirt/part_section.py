@@ -1,0 +1,120 @@
+"""[piston.section] of a part file: the shape of the cross-sections.
+
+>>> SectionShape(shape="ellipse-arc", trim_mm=0.3, joint_deg=50).base
+'cosine'
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import (
+    Discriminator,
+    Field,
+    StringConstraints,
+    Tag,
+    ValidationInfo,
+    field_validator,
+)
+
+from camtools.part.model import TomlTable, beside_the_part, wrong
+
+MAX_DELETE = 6
+
+TrimMm = Annotated[float, Field(ge=-100, le=100)]
+JointDeg = Annotated[float, Field(ge=10, le=80)]
+EccentricityMm = Annotated[float, Field(ge=-1000, le=1000)]
+DeleteCount = Annotated[int, Field(ge=0, le=MAX_DELETE)]
+
+
+def _list_or_one(value: object) -> str:
+    return "(list)" if isinstance(value, list) else "(one)"
+
+
+_BY_TYPE = Discriminator(_list_or_one)
+_LONG = Field(min_length=2, max_length=1000)
+Trims = Annotated[
+    Annotated[list[TrimMm], _LONG, Tag("(list)")] | Annotated[TrimMm, Tag("(one)")], _BY_TYPE
+]
+Joints = Annotated[
+    Annotated[list[JointDeg], _LONG, Tag("(list)")] | Annotated[JointDeg, Tag("(one)")], _BY_TYPE
+]
+Eccentricities = Annotated[
+    Annotated[list[EccentricityMm], _LONG, Tag("(list)")] | Annotated[EccentricityMm, Tag("(one)")],
+    _BY_TYPE,
+]
+Delete = Annotated[
+    Annotated[list[DeleteCount], Field(min_length=2, max_length=2), Tag("(list)")]
+    | Annotated[Literal["optimise"], Tag("(one)")],
+    _BY_TYPE,
+]
+
+_BELONGS_TO = {
+    "base": ("ellipse-arc",),
+    "trim_mm": ("ellipse-arc",),
+    "joint_deg": ("ellipse-arc",),
+    "eccentricity_mm": ("ellipse-arc",),
+    "refit": ("ellipse-arc",),
+    "csv": ("table",),
+    "harmonics": ("table",),
+}
+_NEEDED = ("trim_mm", "joint_deg", "csv")
+
+
+class Refit(TomlTable):
+    """[piston.section.refit]: the spline that replaces the corner, MATHS.md (14) .. (16).
+
+    The drawing's contour is sampled once per degree; points next to the joint are left out.
+    """
+
+    spline: Literal["cubic", "quintic"] = "quintic"
+    delete: Delete = "optimise"
+    ends: Literal["mirror", "as-paper"] = "mirror"
+    jerk_limit_mm_s3: Annotated[float, Field(gt=0, le=1e15)] | None = None
+
+
+class SectionShape(TomlTable):
+    """[piston.section]: shape of every cross-section."""
+
+    shape: Literal["ellipse", "cosine", "double-ellipse", "ellipse-arc", "table"] = "ellipse"
+    base: Annotated[
+        Literal["cosine", "ellipse", "double-ellipse"] | None, Field(validate_default=True)
+    ] = None
+    beta: Annotated[float, Field(ge=-6.25, le=6.25)] = 0.0
+    trim_mm: Annotated[Trims | None, Field(validate_default=True)] = None
+    joint_deg: Annotated[Joints | None, Field(validate_default=True)] = None
+    eccentricity_mm: Eccentricities | None = None
+    refit: Refit | None = None
+    csv: Annotated[
+        Annotated[str, StringConstraints(min_length=1, max_length=1000)] | None,
+        Field(validate_default=True),
+    ] = None
+    harmonics: Annotated[int, Field(ge=1, le=500)] | None = None
+
+    @field_validator("base", "trim_mm", "joint_deg", "eccentricity_mm", "refit", "csv", "harmonics")
+    @classmethod
+    def _check_key(cls, value: object, info: ValidationInfo) -> object:
+        shape, key = info.data.get("shape"), str(info.field_name)
+        owners = _BELONGS_TO[key]
+        if value is not None and shape is not None and shape not in owners:
+            problem = f'{key} has no meaning for shape = "{shape}"'
+            raise wrong("foreign", problem, f'remove it, or set shape = "{owners[0]}"')
+        if value is None and shape in owners and key in _NEEDED:
+            raise wrong("needed", f'is missing for shape = "{shape}"', "add it")
+        return value
+
+    @field_validator("base")
+    @classmethod
+    def _default_base(cls, value: str | None, info: ValidationInfo) -> str | None:
+        return "cosine" if value is None and info.data.get("shape") == "ellipse-arc" else value
+
+    @field_validator("beta")
+    @classmethod
+    def _check_beta(cls, value: float, info: ValidationInfo) -> float:
+        shape = info.data.get("shape", "double-ellipse")
+        if value != 0 and "double-ellipse" not in (shape, info.data.get("base")):
+            problem = f'beta has no meaning for shape = "{shape}"'
+            raise wrong("beta", problem, 'set it to 0, or shape = "double-ellipse"')
+        return value
+
+    _beside_the_part = field_validator("csv")(beside_the_part)

@@ -1,0 +1,135 @@
+"""Pictures of a part: sections, motion of U, profile and ovality, as PNG bytes.
+
+>>> from camtools.skirt.generate import generate
+>>> from camtools.skirt.part import example_part
+>>> draw_profile(generate(example_part()))[1:4]
+b'PNG'
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.projections.polar import PolarAxes
+from scipy.interpolate import PPoly
+
+from camtools.base.quantities import Floats
+from camtools.plots.style import png_of, titled_figure
+from camtools.skirt.generate import GeneratedSkirt
+from camtools.skirt.geometry import Geometry, dense_heights_mm, turning_at
+
+_N_ANGLES = 1441
+_N_SECTIONS = 4
+_UM_PER_MM = 1000.0
+_MM_PER_M = 1000.0
+
+
+def _title(result: GeneratedSkirt, what: str) -> str:
+    magnify = result.part.magnify
+    enlarged = f", deviations enlarged {magnify.factor:g} times" if magnify else ""
+    return f"{result.part.part.name}: {what}{enlarged}"
+
+
+def _heights_mm(geometry: Geometry) -> Floats:
+    return np.linspace(geometry.z_first_mm, geometry.z_last_mm, _N_SECTIONS)
+
+
+def _colour(i: int) -> tuple[float, float, float, float]:
+    red, green, blue, alpha = colormaps["viridis"](0.9 * i / (_N_SECTIONS - 1))
+    return float(red), float(green), float(blue), float(alpha)
+
+
+def draw_section(result: GeneratedSkirt) -> bytes:
+    """Return a polar picture of sections: radius reduction, hugely magnified."""
+    geometry = result.geometry
+    figure = titled_figure(7.5, 7.5, _title(result, "radius reduction in µm"))
+    axes = figure.add_subplot(projection="polar")
+    assert isinstance(axes, PolarAxes)
+    phi = 2 * np.pi * np.linspace(0, 1, _N_ANGLES)
+    deepest_um = 0.0
+    for i, z_mm in enumerate(_heights_mm(geometry)):
+        u_um = geometry.delta(phi, float(z_mm)).delta * _UM_PER_MM
+        deepest_um = max(deepest_um, float(u_um.max()))
+        g_um = float(geometry.ovality_mm(float(z_mm))) * _UM_PER_MM
+        label = f"height {z_mm:.1f} mm, ovality {g_um:.0f} µm"
+        axes.plot(phi, -u_um, color=_colour(i), label=label, clip_on=False)
+    _polar_scale(axes, max(deepest_um, 1.0))
+    figure.legend(loc="outside lower center", ncols=2, frameon=False)
+    return png_of(figure)
+
+
+def _polar_scale(axes: PolarAxes, deepest_um: float) -> None:
+    """Put 0 on the outer circle; the centre three times as deep as U goes."""
+    axes.set_rlim(-3 * deepest_um, 0)
+    ticks = [deepest_um / 2, deepest_um]
+    axes.set_rgrids([-tick for tick in ticks], [f"{tick:.4g}" for tick in ticks], angle=184)
+    angles = list(range(0, 360, 30))
+    names = {0: "0°\nlong axis", 90: "90° short axis"}
+    axes.set_thetagrids(angles, [names.get(angle, f"{angle}°") for angle in angles])
+    axes.tick_params(axis="x", pad=14)
+
+
+def _motion_curves(panels: list[Axes], result: GeneratedSkirt, z_mm: float, i: int) -> None:
+    turns = np.linspace(0, 1, _N_ANGLES)
+    motion = turning_at(result.geometry, result.part.process.spindle_rpm, z_mm, turns)
+    curves = (
+        motion.u_mm * _UM_PER_MM,
+        motion.velocity_mm_s,
+        motion.acceleration_mm_s2 / _MM_PER_M,
+    )
+    for axes, values in zip(panels, curves, strict=True):
+        axes.plot(360 * turns, values, color=_colour(i), label=f"height {z_mm:.1f} mm")
+
+
+def draw_motion(result: GeneratedSkirt) -> bytes:
+    """Return U, its velocity and acceleration over one turn at the part's speed."""
+    speed_rpm = result.part.process.spindle_rpm
+    figure = titled_figure(8.5, 8.5, _title(result, f"motion of U at {speed_rpm:g} r/min"))
+    panels: list[Axes] = list(figure.subplots(3, 1, sharex=True))
+    for i, z_mm in enumerate(_heights_mm(result.geometry)):
+        _motion_curves(panels, result, float(z_mm), i)
+    names = ("U towards the axis, µm", "velocity, mm/s", "acceleration, m/s²")
+    for axes, name in zip(panels, names, strict=True):
+        axes.set_ylabel(name)
+        axes.grid(alpha=0.3)
+    panels[-1].set_xlabel("spindle angle from the long axis, degrees")
+    panels[-1].set_xticks(range(0, 361, 45))
+    panels[-1].set_xlim(0, 360)
+    handles, labels = panels[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=_N_SECTIONS, frameon=False)
+    return png_of(figure)
+
+
+def _against_height(axes: Axes, z_mm: Floats, curve: Floats, spline: PPoly, scale: float) -> None:
+    axes.plot(curve, z_mm, color=_colour(1))
+    inside = (spline.x >= z_mm[0]) & (spline.x <= z_mm[-1])
+    nodes = spline.x[inside]
+    axes.plot(scale * spline(nodes), nodes, "o", color=_colour(1), label="points of the drawing")
+    axes.grid(alpha=0.3)
+    axes.ticklabel_format(useOffset=False)
+    axes.tick_params(axis="x", rotation=30)
+    axes.legend(frameon=False)
+
+
+def draw_profile(result: GeneratedSkirt) -> bytes:
+    """Return long-axis diameter and ovality over height, with the points of the drawing."""
+    geometry = result.geometry
+    figure = titled_figure(8.5, 6.0, _title(result, "profile and ovality"))
+    left, right = figure.subplots(1, 2, sharey=True)
+    z_mm = dense_heights_mm(geometry, 32)
+    _against_height(left, z_mm, 2 * geometry.radius_mm(z_mm), geometry.radius, 2)
+    _against_height(right, z_mm, geometry.ovality_mm(z_mm), geometry.ovality, 1)
+    left.set_ylabel("skirt height, mm")
+    left.set_xlabel("long-axis diameter, mm")
+    right.set_xlabel("ovality (long minus short axis), mm")
+    return png_of(figure)
+
+
+def draw_all(result: GeneratedSkirt) -> dict[str, bytes]:
+    """Return all pictures by topic."""
+    return {
+        "section": draw_section(result),
+        "motion": draw_motion(result),
+        "profile": draw_profile(result),
+    }

@@ -1,0 +1,194 @@
+"""Surfaces of any shape: piecewise polynomials over angle and height, exact by definition.
+
+The reduction of the radius is, on each piece of angle i and height j, MATHS.md (19),
+
+    delta = sum over k = 0 .. 5, l = 0 .. 7 of c[j, i, k, l] t^k w^l,   t, w = 0 .. 1
+
+A refitted or measured skirt is defined by these numbers; the gauge of the simulator reads the
+same ones. The angle coordinate s is the turn (0 .. 1), or counts from the joint of a two-fold
+section: 0 at the long axis, 1 at the joint, 2 at the short axis, whatever the joint's angle.
+
+>>> flat = PolySurface(np.array([0.0, 1.0]), np.array([0.0, 10.0]), np.full((1, 1, 6, 8), 0.0))
+>>> flat.delta(np.array([0.1, 0.2]), 5.0).delta.tolist()
+[0.0, 0.0]
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from scipy.interpolate import PPoly
+
+from camtools.base.quantities import Floats, FloatsLike, Ints, SectionValues
+from camtools.skirt.composite import fold
+
+N_ANGLE, N_HEIGHT = 6, 8  # coefficients of a piece
+TURN_RAD = 2 * np.pi
+_QUARTER_TURN = 0.25
+_FACTORS = np.array(
+    [[1, 1, 1, 1, 1, 1], [0, 1, 2, 3, 4, 5], [0, 0, 2, 6, 12, 20], [0, 0, 0, 6, 24, 60]]
+)
+_CHUNK = 20_000
+_NODES = (1 - np.cos(np.pi * np.arange(N_HEIGHT) / (N_HEIGHT - 1))) / 2
+_TO_POWERS = np.linalg.inv(np.vander(_NODES, N_HEIGHT, increasing=True))
+_BETWEEN = (_NODES[1:] + _NODES[:-1]) / 2
+_FIT_MM = 1e-10  # a ten-thousandth of a nanometre
+_MAX_HALVINGS = 8
+
+Pieces = Callable[[float], Floats]
+"""Coefficients of all angle pieces at a height [mm], shape (n, 6)."""
+
+
+@dataclass(frozen=True, eq=False)
+class PolySurface:
+    """A surface of polynomial pieces.
+
+    Attributes
+    ----------
+    breaks : ndarray, shape (n + 1,)
+        Angle coordinate, rising; 0 .. 1, or 0 .. 2 with a joint.
+    breaks_mm : ndarray, shape (m + 1,)
+        Heights, rising; beyond them the surface goes on as at the end.
+    coefficients : ndarray, shape (m, n, 6, 8)
+        c[j, i, k, l] [mm].
+    joint_turn : PPoly or None
+        Joint [turn] over height.
+    """
+
+    breaks: Floats
+    breaks_mm: Floats
+    coefficients: Floats
+    joint_turn: PPoly | None = None
+
+    @property
+    def log2_repeat(self) -> int:
+        """Return 1 for two-fold sections, 0 for those that need the whole turn."""
+        return 0 if self.joint_turn is None else 1
+
+    def delta(self, phi_rad: FloatsLike, z_mm: FloatsLike) -> SectionValues:
+        """Return radius reduction and angle derivatives; shapes as broadcast.
+
+        Fast when all angles of a row share their height: z_mm a scalar or of shape (n, 1).
+        """
+        phi, z = np.asarray(phi_rad, dtype=np.float64), np.asarray(z_mm, dtype=np.float64)
+        shape = np.broadcast_shapes(phi.shape, z.shape)
+        if phi.ndim <= 1 and (z.ndim == 0 or z.shape[-1] == 1):
+            rows = [self._row(np.atleast_1d(phi), float(one)) for one in z.ravel()]
+            return SectionValues(*np.stack(rows, axis=1).reshape(4, *shape))
+        flat_phi, flat_z = (np.broadcast_to(one, shape).ravel() for one in (phi, z))
+        parts = [
+            self._points(flat_phi[i : i + _CHUNK], flat_z[i : i + _CHUNK])
+            for i in range(0, max(1, flat_phi.size), _CHUNK)
+        ]
+        return SectionValues(*np.concatenate(parts, axis=1).reshape(4, *shape))
+
+    def _place(self, phi: Floats, z: FloatsLike) -> tuple[Ints, Floats, Floats]:
+        """Return piece, place in it and its slope dt/dphi [1/rad] for angles."""
+        if self.joint_turn is None:
+            s, slope = np.mod(phi / TURN_RAD, 1.0), np.full(phi.shape, 1 / TURN_RAD)
+        else:
+            folded, sign = fold(phi)
+            q, th = folded / TURN_RAD, self.joint_turn(z)
+            is_near = q < th
+            rest = _QUARTER_TURN - th
+            s = np.where(is_near, q / th, 1 + (q - th) / rest)
+            slope = sign * np.where(is_near, 1 / th, 1 / rest) / TURN_RAD
+        i = np.clip(np.searchsorted(self.breaks, s, side="right") - 1, 0, self.breaks.size - 2)
+        width = np.diff(self.breaks)[i]
+        return i, (s - self.breaks[i]) / width, slope / width
+
+    def _height(self, z: FloatsLike) -> tuple[Ints, Floats]:
+        clamped = np.clip(z, self.breaks_mm[0], self.breaks_mm[-1])
+        last = self.breaks_mm.size - 2
+        j = np.clip(np.searchsorted(self.breaks_mm, clamped, side="right") - 1, 0, last)
+        return j, (clamped - self.breaks_mm[j]) / np.diff(self.breaks_mm)[j]
+
+    def _row(self, phi: Floats, z: float) -> Floats:
+        j, w = self._height(z)
+        at_z = self.coefficients[j] @ w ** np.arange(N_HEIGHT)
+        i, t, slope = self._place(phi, z)
+        return _horner(at_z[i], t, slope)
+
+    def _points(self, phi: Floats, z: Floats) -> Floats:
+        j, w = self._height(z)
+        i, t, slope = self._place(phi, z)
+        powers = w[:, None] ** np.arange(N_HEIGHT)
+        return _horner(np.einsum("pkl,pl->pk", self.coefficients[j, i], powers), t, slope)
+
+    def document(self) -> dict[str, Any]:
+        """Return what a gauge needs as JSON values (layout: host_sim/part/sim_design.h)."""
+        joint = self.joint_turn
+        kind: dict[str, Any] = {"angle": "turn"}
+        if joint is not None:
+            cubics = {"breaks_mm": joint.x.tolist(), "coefficients": joint.c.T.tolist()}
+            kind = {"angle": "joint", "joint_turn": cubics}
+        return kind | {
+            "breaks": self.breaks.tolist(),
+            "breaks_mm": self.breaks_mm.tolist(),
+            "coefficients": self.coefficients.ravel().tolist(),
+        }
+
+
+def _horner(c: Floats, t: Floats, slope: Floats) -> Floats:
+    """Return value and three derivatives by angle, shape (4, n), of rows of coefficients."""
+    found = np.empty((4, t.size))
+    for n in range(4):
+        value = np.zeros(t.size)
+        for k in range(N_ANGLE - 1, n - 1, -1):
+            value = value * t + _FACTORS[n, k] * c[:, k]
+        found[n] = value * slope**n
+    return found
+
+
+def angle_pieces(curve: PPoly, breaks_rad: Floats) -> Floats:
+    """Return a curve's coefficients in t = 0 .. 1 of each stretch between breaks, (n, 6).
+
+    Every break of the curve must be among breaks_rad.
+    """
+    left, width = breaks_rad[:-1], np.diff(breaks_rad)
+    found = np.zeros((left.size, N_ANGLE))
+    piece = np.searchsorted(curve.x, (left + breaks_rad[1:]) / 2, side="right") - 1
+    piece = np.clip(piece, 0, curve.x.size - 2)
+    start, factorial = left - curve.x[piece], 1.0
+    for k in range(curve.c.shape[0]):
+        factorial *= max(1, k)
+        nth = curve.derivative(k).c if k else curve.c
+        value = np.zeros(left.size)
+        for row in nth[:, piece]:
+            value = value * start + row
+        found[:, k] = value / factorial * width**k
+    return found
+
+
+def over_height(pieces: Pieces, breaks_mm: Floats) -> tuple[Floats, Floats]:
+    """Return heights and coefficients (m, n, 6, 8) that follow `pieces` to 1e-4 nm.
+
+    Stretches between the heights given are halved until their polynomials fit.
+    """
+    heights, found = [float(breaks_mm[0])], []
+    todo = [(float(a), float(b), 0) for a, b in pairwise(breaks_mm)]
+    todo.reverse()
+    while todo:
+        low, high, n_halved = todo.pop()
+        nodes = np.stack([pieces(low + (high - low) * w) for w in _NODES], axis=-1)
+        c = nodes @ _TO_POWERS.T
+        if n_halved < _MAX_HALVINGS and _misfit_mm(pieces, c, low, high) > _FIT_MM:
+            middle = (low + high) / 2
+            todo += [(middle, high, n_halved + 1), (low, middle, n_halved + 1)]
+            continue
+        heights.append(high)
+        found.append(c)
+    return np.array(heights), np.stack(found)
+
+
+def _misfit_mm(pieces: Pieces, c: Floats, low: float, high: float) -> float:
+    """Return a bound of the error of delta between the nodes: |t| is at most 1."""
+    worst = 0.0
+    for w in _BETWEEN[:: N_HEIGHT // 3]:
+        off = pieces(low + (high - low) * float(w)) - c @ float(w) ** np.arange(N_HEIGHT)
+        worst = max(worst, float(np.abs(off).sum(axis=-1).max()))
+    return worst

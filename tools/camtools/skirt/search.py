@@ -1,0 +1,169 @@
+"""The fewest bytes that keep the tolerance.
+
+Candidates are ordered by size and sieved by estimates of the error in height and in angle;
+the first one whose measured error is small enough wins.
+
+>>> from camtools.skirt.geometry import make_geometry
+>>> from camtools.skirt.part import example_part
+>>> channel, accuracy = choose_u(make_geometry(example_part()), tolerance_nm=1.0)
+>>> channel.n_slices, channel.log2_knots
+(32, 3)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import islice
+from math import ceil, floor, inf
+from typing import NamedTuple
+
+import numpy as np
+
+from camtools.base.errors import CamtoolsError
+from camtools.base.quantities import Ints
+from camtools.skirt.accuracy import Accuracy, measure_u, measure_x
+from camtools.skirt.channels import height_range_nm, u_channel, x_channel
+from camtools.skirt.estimate import height_error, probe
+from camtools.skirt.geometry import Geometry
+from camtools.table.evaluate import GRID_MARGIN
+from camtools.table.image import (
+    MAX_CHANNEL_BYTES,
+    MAX_LOG2_KNOTS,
+    MAX_SLICES,
+    MAX_SPACING_NM,
+    MIN_LOG2_KNOTS,
+    MIN_SPACING_NM,
+    Channel,
+)
+from camtools.table.quantise import TooLargeError
+from camtools.table.records import KNOT_SIZE
+
+DERIVATIVE_SHARE = 1e-3
+_MAX_PROBES, _MAX_MEASURES = 4000, 20
+_AT_FLOOR_LSB = 2.5
+
+
+class UnreachableError(CamtoolsError):
+    """No table within the format's and the generator's limits keeps the tolerance."""
+
+    def __init__(self, channel: str, tolerance_nm: float, best_nm: float) -> None:
+        self.best_nm = best_nm
+        best, remedy = "nothing fits the format", "magnify less"
+        if best_nm < inf:
+            best = f"best achievable is {best_nm:.3g} nm"
+            remedy = f"ask for at least {best_nm * 1.05:.2g} nm"
+        if channel == "u":
+            remedy += ', or put linear ovality nodes on a common grid, or use "spline" ovality'
+        super().__init__(
+            [f"tolerance_nm = {tolerance_nm:g}: unreachable for {channel}, {best}; {remedy}"]
+        )
+
+
+def slice_counts(geometry: Geometry) -> Ints:
+    """Return all numbers of slices whose spacing the format allows, rising."""
+    first, last = height_range_nm(geometry)
+    fewest = max(2, ceil((last - first) / MAX_SPACING_NM) + 1)
+    most = min(MAX_SLICES, floor((last - first) / MIN_SPACING_NM) + 1)
+    return np.arange(fewest, most + 1)
+
+
+def angle_error(geometry: Geometry, log2_knots: int) -> Accuracy:
+    """Return the error of u at slices alone: interpolation in angle and quantisation."""
+    n_slices = int(slice_counts(geometry)[0])
+    first, last = height_range_nm(geometry)
+    channel = u_channel(geometry, log2_knots, n_slices, is_balanced=False)
+    return measure_u(geometry, channel, np.linspace(first, last, n_slices))
+
+
+class SizeCandidate(NamedTuple):
+    """A size of the u channel and what its error might be."""
+
+    size: int
+    log2_knots: int
+    n_slices: int
+    estimate_nm: float
+
+
+def u_candidates(geometry: Geometry) -> list[SizeCandidate]:
+    """Return all sizes that can satisfy the derivatives, smallest first."""
+    counts = slice_counts(geometry)
+    in_height = height_error(geometry).estimate_nm(counts)
+    found: list[SizeCandidate] = []
+    for log2_knots in range(MIN_LOG2_KNOTS, MAX_LOG2_KNOTS + 1):
+        fits = (counts << log2_knots) * KNOT_SIZE <= MAX_CHANNEL_BYTES
+        if not fits.any():
+            break
+        try:
+            in_angle = angle_error(geometry, log2_knots)
+        except TooLargeError:
+            continue
+        if max(in_angle.first_share, in_angle.second_share) > DERIVATIVE_SHARE:
+            continue
+        estimates = np.maximum(in_height, in_angle.value_nm)[fits]
+        sizes = (counts[fits] << log2_knots) * KNOT_SIZE
+        found += [
+            SizeCandidate(int(size), log2_knots, int(n), float(estimate))
+            for size, n, estimate in zip(sizes, counts[fits], estimates, strict=True)
+        ]
+        if in_angle.value_nm <= _AT_FLOOR_LSB * in_angle.lsb_nm:
+            break  # more knots cannot help any more
+    return sorted(found)
+
+
+def _hopeful(geometry: Geometry, tolerance_nm: float) -> Iterator[SizeCandidate]:
+    """Yield the sizes whose estimates are within the tolerance, smallest first.
+
+    The best estimate of all comes last, so that a failed search still measures it.
+    """
+    candidates, in_height = u_candidates(geometry), height_error(geometry)
+    within = (one for one in candidates if one.estimate_nm <= tolerance_nm)
+    for one in islice(within, _MAX_PROBES):
+        found = probe(geometry, in_height, one.log2_knots, one.n_slices)
+        value_nm, share = GRID_MARGIN * found.value_nm, GRID_MARGIN * found.share
+        if value_nm <= tolerance_nm and share <= DERIVATIVE_SHARE:
+            yield one
+    yield from sorted(candidates, key=lambda one: one.estimate_nm)[:1]
+
+
+def _passes(accuracy: Accuracy, tolerance_nm: float) -> bool:
+    shares = max(accuracy.first_share, accuracy.second_share)
+    return accuracy.value_nm <= tolerance_nm and shares <= DERIVATIVE_SHARE
+
+
+def choose_u(geometry: Geometry, tolerance_nm: float) -> tuple[Channel, Accuracy]:
+    """Return the smallest u channel within the tolerance, and its measured error.
+
+    Raises
+    ------
+    UnreachableError
+        With the best error that was found.
+    """
+    best_nm = inf
+    for candidate in islice(_hopeful(geometry, tolerance_nm), _MAX_MEASURES):
+        channel = u_channel(geometry, candidate.log2_knots, candidate.n_slices)
+        accuracy = measure_u(geometry, channel)
+        if _passes(accuracy, tolerance_nm):
+            return channel, accuracy
+        best_nm = min(best_nm, accuracy.value_nm)
+    raise UnreachableError("u", tolerance_nm, best_nm)
+
+
+def choose_x(geometry: Geometry, tolerance_nm: float) -> tuple[Channel, Accuracy]:
+    """Return the smallest x channel within the tolerance, and its measured error.
+
+    Raises
+    ------
+    UnreachableError
+        With the best error that was found.
+    """
+    best_nm = inf
+    for n_knots in slice_counts(geometry):
+        try:
+            channel = x_channel(geometry, int(n_knots))
+        except TooLargeError:
+            continue
+        accuracy = measure_x(geometry, channel)
+        if accuracy.value_nm <= tolerance_nm:
+            return channel, accuracy
+        best_nm = min(best_nm, accuracy.value_nm)
+    raise UnreachableError("x", tolerance_nm, best_nm)

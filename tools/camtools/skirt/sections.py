@@ -1,0 +1,108 @@
+"""Cross-sections of a skirt: radius reduction over the spindle angle, exact, in double.
+
+The angle is the polar angle from the long axis, MATHS.md (1), which is the spindle angle. A new
+shape is one class with `log2_repeat` and `evaluate`; nothing else has to know it.
+
+>>> import numpy as np
+>>> values = Ellipse().evaluate(np.radians([0.0, 45.0, 90.0]), 46.0, 0.2)
+>>> [f"{mm:.9f}" for mm in values.delta]
+['0.000000000', '0.050081610', '0.100000000']
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from camtools.base.quantities import FloatsLike, SectionValues
+
+
+class Section(Protocol):
+    """A family of closed curves, one for each long half axis and ovality."""
+
+    @property
+    def log2_repeat(self) -> int:
+        """The pattern repeats 2^log2_repeat times per turn, exactly."""
+
+    def evaluate(
+        self, phi_rad: FloatsLike, radius_mm: FloatsLike, ovality_mm: FloatsLike
+    ) -> SectionValues:
+        """Return radius reduction and derivatives.
+
+        Parameters
+        ----------
+        phi_rad : float or ndarray
+            Angle from the long axis [rad], any value.
+        radius_mm : float or ndarray
+            Long half axis a [mm], broadcast with the angle.
+        ovality_mm : float or ndarray
+            Diametral ovality G = 2a - 2b [mm], below 2a.
+        """
+
+
+@dataclass(frozen=True)
+class Ellipse:
+    """Exact ellipse in the form without cancellation, MATHS.md (2)."""
+
+    log2_repeat: int = 1
+
+    def evaluate(
+        self, phi_rad: FloatsLike, radius_mm: FloatsLike, ovality_mm: FloatsLike
+    ) -> SectionValues:
+        """Return radius reduction and derivatives; see `Section.evaluate`."""
+        phi, a, g = np.asarray(phi_rad), np.asarray(radius_mm), np.asarray(ovality_mm)
+        b = a - g / 2
+        k = (g / 2) * (a + b) / b**2
+        sin2 = np.sin(phi) ** 2
+        w1, w2 = k * np.sin(2 * phi), 2 * k * np.cos(2 * phi)
+        root = np.sqrt(1 + k * sin2)
+        r3, r5, r7 = root**-3, root**-5, root**-7
+        return SectionValues(
+            a * k * sin2 / (root * (root + 1)),
+            a * r3 * w1 / 2,
+            a * (r3 * w2 / 2 - 0.75 * r5 * w1**2),
+            a * (-2 * r3 * w1 - 2.25 * r5 * w1 * w2 + 1.875 * r7 * w1**3),
+        )
+
+
+@dataclass(frozen=True)
+class DoubleEllipse:
+    """Two harmonics, the quadratic ellipse, MATHS.md (4); beta = 0 is the cosine form.
+
+    MATHS.md (3) is the cosine form, MATHS.md (5) how far inside of it the exact ellipse lies.
+
+    Attributes
+    ----------
+    beta : float
+        Weight of the fourth harmonic; the flank is monotone for |beta| <= 6.25.
+    """
+
+    beta: float = 0.0
+    log2_repeat: int = 1
+
+    def evaluate(
+        self, phi_rad: FloatsLike, radius_mm: FloatsLike, ovality_mm: FloatsLike
+    ) -> SectionValues:
+        """Return radius reduction and derivatives; the long half axis only sets the shape."""
+        phi, g = np.asarray(phi_rad), np.asarray(ovality_mm)
+        half_g = g / 2 + 0 * np.asarray(radius_mm)
+        q = 4 * self.beta / 25
+        sin2, cos2 = np.sin(2 * phi), np.cos(2 * phi)
+        return SectionValues(
+            half_g * (np.sin(phi) ** 2 + q / 4 * sin2**2),
+            half_g * sin2 * (1 + q * cos2),
+            half_g * (2 * cos2 + 2 * q * (cos2**2 - sin2**2)),
+            half_g * (-4 * sin2 - 16 * q * sin2 * cos2),
+        )
+
+
+def make_section(shape: str, beta: float) -> Section:
+    """Return the section of a part file's `shape`; beta counts for "double-ellipse" only."""
+    sections: dict[str, Section] = {
+        "ellipse": Ellipse(),
+        "cosine": DoubleEllipse(0.0),
+        "double-ellipse": DoubleEllipse(beta),
+    }
+    return sections[shape]

@@ -1,0 +1,140 @@
+"""The speed-ratio channel of a part that is turned with an even removal rate.
+
+>>> from camtools.skirt.part import example_part
+>>> from camtools.skirt.geometry import make_geometry
+>>> load = load_at(make_geometry(example_part()), 46.1, 20.0)
+>>> f"{load.area_mm2[0]:.6f} {load.area_mm2[N_GRID // 2]:.6f}"
+'4.605000 9.200000'
+"""
+
+from __future__ import annotations
+
+from math import ceil
+from typing import NamedTuple
+
+import numpy as np
+
+from camtools.base.quantities import Floats, omega_rad_s
+from camtools.cut.speedlaw import (
+    N_GRID,
+    Law,
+    Load,
+    SpeedLimits,
+    full_mean_rad_s,
+    largest_partial,
+    optimise,
+    uniform,
+)
+from camtools.part.common import MachineLimits
+from camtools.skirt.blank import blank_radius_mm
+from camtools.skirt.channels import height_range_nm
+from camtools.skirt.geometry import Geometry
+from camtools.skirt.part import SkirtPart
+from camtools.table.evaluate import knot_interval
+from camtools.table.image import KIND_SPEED, MAX_SPACING_NM, RATIO_ONE, Channel
+from camtools.table.modulation import MotionPeaks, peaks_together
+from camtools.table.quantise import quantise, slice_heights_mm, with_bounds
+
+_LOG2_KNOTS = 7  # per pattern: the table is within 1e-6 of laws of 32 control points
+_SLICES = 17
+
+
+class SpeedTable(NamedTuple):
+    """A speed channel and what it is worth."""
+
+    channel: Channel
+    z_mm: Floats  # heights of the slices
+    laws: tuple[Law, ...]  # of each slice
+    partial: tuple[Law, ...]  # MATHS.md (26), for comparison
+    full_mean_rpm: float  # up to here the rate can be kept constant
+    uniform_rpm: float  # highest speed at which the part can be turned uniformly
+    peaks: MotionPeaks
+
+
+def load_at(geometry: Geometry, blank_mm: float, z_mm: float) -> Load:
+    """Return the section at a height as a load of the spindle."""
+    pattern_rad = 2 * np.pi / (1 << geometry.surface.log2_repeat)
+    u = geometry.delta(pattern_rad * np.arange(N_GRID) / N_GRID, z_mm)
+    rho = float(geometry.radius_mm(z_mm)) - u.delta
+    return Load((blank_mm - rho) * (blank_mm + rho) / 2, u.d1, u.d2, pattern_rad)
+
+
+def limits_of(limits: MachineLimits) -> SpeedLimits:
+    """Return a part's limits as the speed law takes them."""
+    return SpeedLimits(
+        limits.alpha_rad_s2,
+        omega_rad_s(limits.spindle_rpm),
+        limits.u_speed_mm_s,
+        limits.u_acceleration_mm_s2,
+    )
+
+
+def _channel(laws: list[Law], range_nm: tuple[int, int], repeat: int) -> Channel:
+    h = 2 * np.pi / (1 << (_LOG2_KNOTS + repeat))
+    phi = h * np.arange(1 << _LOG2_KNOTS, dtype=np.float64)
+    triple = [
+        np.stack([law.ratio(phi, n) * h**n / max(1, n) for n in range(3)], axis=-1) for law in laws
+    ]
+    return with_bounds(quantise(KIND_SPEED, np.stack(triple) * RATIO_ONE, repeat, range_nm))
+
+
+def make_speed(part: SkirtPart, geometry: Geometry, u: Channel, uniform_rpm: float) -> SpeedTable:
+    """Return the speed channel of least ripple for a part, at its own mean speed.
+
+    Parameters
+    ----------
+    u : Channel
+        Of the part.
+    uniform_rpm : float
+        Highest speed of uniform turning, for comparison [r/min].
+
+    Raises
+    ------
+    InfeasibleError
+        Uniform speed is beyond a limit already.
+    """
+    range_nm = height_range_nm(geometry)
+    n = max(_SLICES, ceil((range_nm[1] - range_nm[0]) / MAX_SPACING_NM) + 1)
+    z_mm = slice_heights_mm(range_nm, n)
+    limits, mean = limits_of(part.machine.limits), omega_rad_s(part.process.spindle_rpm)
+    blank_mm = blank_radius_mm(part, geometry)
+    loads = [load_at(geometry, blank_mm, float(z)) for z in z_mm]
+    laws = [optimise(load, limits, mean) for load in loads]
+    channel = _channel(laws, range_nm, geometry.surface.log2_repeat)
+    return SpeedTable(
+        channel,
+        z_mm,
+        tuple(laws),
+        tuple(largest_partial(load, limits, mean) for load in loads),
+        min(full_mean_rad_s(load, limits) for load in loads) * 60 / (2 * np.pi),
+        uniform_rpm,
+        peaks_together(u, channel),
+    )
+
+
+def worst_of(laws: tuple[Law, ...]) -> int:
+    """Return the index of the height with the largest ripple."""
+    return int(np.argmax([law.ripple for law in laws]))
+
+
+def summary_of(speed: SpeedTable, part: SkirtPart, geometry: Geometry) -> dict[str, object]:
+    """Return what modulation brings, as JSON values."""
+    worst = worst_of(speed.laws)
+    turns = (geometry.z_last_mm - geometry.z_first_mm) / part.process.feed_mm
+    rpm = part.process.spindle_rpm
+    return {
+        "mean_spindle_rpm": float(rpm),
+        "ripple_uniform": uniform(speed.laws[worst].load).ripple,
+        "ripple_partial": speed.partial[worst].ripple,
+        "partial_share": speed.partial[worst].share,
+        "ripple": speed.laws[worst].ripple,
+        "height_mm": float(speed.z_mm[worst]),
+        "full_modulation_up_to_rpm": speed.full_mean_rpm,
+        "ratio_max": speed.peaks.ratio,
+        "spindle_acceleration_rad_s2": speed.peaks.spindle_rad2 * omega_rad_s(rpm) ** 2,
+        "time_per_part_s": turns * 60 / rpm,
+        "uniform_highest_rpm": speed.uniform_rpm,
+        "time_uniform_at_highest_speed_s": turns * 60 / speed.uniform_rpm,
+        "bytes": speed.channel.size,
+        "knot_interval_deg": float(np.degrees(knot_interval(speed.channel))),
+    }

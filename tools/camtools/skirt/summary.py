@@ -1,0 +1,152 @@
+"""What is known about a table, as JSON for programs.
+
+>>> from camtools.skirt.generate import generate
+>>> from camtools.skirt.part import example_part
+>>> sorted(make_summary(generate(example_part())))[:4]
+['channels', 'continuity', 'design', 'error']
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.interpolate import PPoly
+
+from camtools.base.json_text import Json
+from camtools.base.quantities import omega_rad_s
+from camtools.cut.feasibility import given_of, needed_of
+from camtools.skirt.accuracy import Accuracy
+from camtools.skirt.corner import Corner
+from camtools.skirt.generate import GeneratedSkirt, peaks_of_table
+from camtools.skirt.geometry import Geometry, dense_heights_mm
+from camtools.skirt.poly_surface import PolySurface
+from camtools.skirt.speed import summary_of
+from camtools.table.evaluate import Continuity, jumps
+from camtools.table.image import KIND_U, KIND_X, Channel
+from camtools.table.summary import about_image, describe_channel
+
+_PEAK_ANGLES = 1440
+_PEAK_HEIGHTS_PER_PIECE = 16
+
+
+def _piecewise(spline: PPoly) -> Json:
+    return {"breaks_mm": spline.x.tolist(), "coefficients": spline.c.T.tolist()}
+
+
+def design_of(result: GeneratedSkirt) -> Json:
+    """Return the exact geometry, independent of the table: what a gauge compares with."""
+    section, surface = result.part.piston.section, result.geometry.surface
+    if isinstance(surface, PolySurface):
+        radius = _piecewise(result.geometry.radius)
+        return {"shape": "surface", "radius_mm": radius, "surface": surface.document()}
+    return {
+        "shape": section.shape,
+        "beta": float(section.beta),
+        "radius_mm": _piecewise(result.geometry.radius),
+        "ovality_mm": _piecewise(result.geometry.ovality),
+    }
+
+
+def motion_peaks(geometry: Geometry, spindle_rpm: float, feed_mm: float) -> Json:
+    """Return the peaks of U of the exact geometry at a spindle speed."""
+    z_mm = dense_heights_mm(geometry, _PEAK_HEIGHTS_PER_PIECE)
+    phi_rad = 2 * np.pi * np.arange(_PEAK_ANGLES) / _PEAK_ANGLES
+    u, omega = geometry.delta(phi_rad, z_mm[:, None]), omega_rad_s(spindle_rpm)
+    rise = np.diff(u.delta, axis=0) / np.diff(z_mm)[:, None]
+    return {
+        "stroke_mm": float(np.ptp(u.delta)),
+        "velocity_mm_s": float(np.abs(u.d1).max()) * omega,
+        "acceleration_mm_s2": float(np.abs(u.d2).max()) * omega**2,
+        "jerk_mm_s3": float(np.abs(u.d3).max()) * omega**3,
+        "velocity_from_feed_mm_s": float(np.abs(rise).max()) * feed_mm * spindle_rpm / 60,
+    }
+
+
+def _error(accuracy: Accuracy, per: str) -> Json:
+    return {
+        "value_nm": accuracy.value_nm,
+        f"first_nm_per_{per}": accuracy.first,
+        f"second_nm_per_{per}2": accuracy.second,
+        "first_share_of_peak": accuracy.first_share,
+        "second_share_of_peak": accuracy.second_share,
+    }
+
+
+def _jumps(channel: Channel) -> Json:
+    names = Continuity._fields
+    knots, wrap = jumps(channel)
+    return {
+        "at_knots": dict(zip(names, knots, strict=True)),
+        "at_wrap": dict(zip(names, wrap, strict=True)),
+    }
+
+
+def _process(result: GeneratedSkirt) -> Json:
+    process, magnify = result.part.process, result.part.magnify
+    return {
+        "spindle_rpm": float(process.spindle_rpm),
+        "feed_mm": float(process.feed_mm),
+        "depth_mm": float(process.depth_mm),
+        "direction": process.direction,
+        "magnify": float(magnify.factor) if magnify else 1.0,
+    }
+
+
+def _feasibility(result: GeneratedSkirt) -> Json:
+    limits = result.part.machine.limits
+    peaks, given = peaks_of_table(result.table, result.speed), given_of(limits)
+    needed = needed_of(peaks, limits, omega_rad_s(result.part.process.spindle_rpm))
+    return {
+        "limits": given,
+        "needed": {name: needed[name] for name in given},
+        "highest_spindle_rpm": result.highest_speed.rpm,
+        "decided_by": result.highest_speed.decides,
+    }
+
+
+def _refit(corner: Corner) -> Json:
+    """Return what a refit came to, and what all deletions would come to at the part's speed."""
+    recipe, at = corner.recipe, corner.joint(corner.worst_mm)
+    assert recipe is not None
+    arc = at.arc()
+    return {
+        "recipe": recipe._asdict(),
+        "height_mm": corner.worst_mm,
+        "joint_deg": float(np.degrees(at.joint_rad)),
+        "eccentricity_mm": float(arc.eccentricity_mm),
+        "radius_mm": float(arc.radius_mm),
+        "corner_mm_per_rad": float(at.corner_mm_rad()),
+        "candidates": [one._asdict() for one in corner.candidates],
+    }
+
+
+def _extras(result: GeneratedSkirt) -> Json:
+    """Return what only some parts have: a corner, measured points, a modulated spindle."""
+    extras: Json = {}
+    if result.geometry.corner is not None:
+        extras["refit"] = _refit(result.geometry.corner)
+    if result.geometry.off_points_um is not None:
+        extras["scan"] = {"off_points_um": result.geometry.off_points_um}
+    if result.speed is not None:
+        extras["equal_volume"] = summary_of(result.speed, result.part, result.geometry)
+    return extras
+
+
+def make_summary(result: GeneratedSkirt) -> Json:
+    """Return everything that is known about a table, ready for JSON; no dates, no paths."""
+    table = result.table
+    u, x = table.channel(KIND_U), table.channel(KIND_X)
+    process = result.part.process
+    return (
+        _extras(result)
+        | about_image(table, result.tolerance_nm)
+        | {
+            "part": {"name": table.part_name, "source": result.part.part.source},
+            "process": _process(result),
+            "channels": {"u": describe_channel(u), "x": describe_channel(x)},
+            "error": {"u": _error(result.accuracy_u, "rad"), "x": _error(result.accuracy_x, "mm")},
+            "continuity": {"u": _jumps(u), "x": _jumps(x)},
+            "motion": motion_peaks(result.geometry, process.spindle_rpm, process.feed_mm),
+            "feasibility": _feasibility(result),
+            "design": design_of(result),
+        }
+    )

@@ -1,0 +1,180 @@
+"""Ring-helix and plain helices of a part, cut on the simulator with a round nose, beside theory.
+
+>>> grid(np.arange(N_ANGLES * N_HEIGHTS, dtype=np.float64)).shape == (N_ANGLES, N_HEIGHTS)
+True
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from camtools.base.errors import CamtoolsError
+from camtools.base.json_text import Json
+from camtools.base.quantities import Floats
+from camtools.sim.camsim import Simulator, machine_text
+from camtools.sim.results import read_summary
+from camtools.skirt.generate import GeneratedSkirt, generate
+from camtools.skirt.part import SkirtPart
+from camtools.skirt.summary import make_summary
+from camtools.study.path import N_ANGLES, N_HEIGHTS, PathRow, PathStudy, make_study
+from camtools.table.summary import table_files
+
+_MACHINE = "machine.toml"
+_UM_PER_MM = 1000.0
+
+
+def peak_to_valley(map_um: Floats) -> Floats:
+    """Return the height of the scallops at every angle of a map."""
+    return np.asarray(map_um.max(axis=1) - map_um.min(axis=1), dtype=np.float64)
+
+
+class PathCut(NamedTuple):
+    """One way of turning the part: what theory says of it, and what the simulator measured."""
+
+    row: PathRow
+    turns: float  # of the state cutting
+    time_s: float
+    form_error_um: float
+    proud_um: Floats  # shape (N_ANGLES, N_HEIGHTS), above the exact surface
+
+    @property
+    def scallop_um(self) -> Floats:
+        """Return the measured peak to valley at every angle."""
+        return peak_to_valley(self.proud_um)
+
+    @property
+    def mean_um(self) -> float:
+        """Return the mean height above the deepest place of each angle."""
+        return float((self.proud_um - self.proud_um.min(axis=1)[:, None]).mean())
+
+
+def grid(column: Floats) -> Floats:
+    """Return a column of camsim's table of the surface as a map."""
+    return column.reshape(N_ANGLES, N_HEIGHTS)
+
+
+def read_scallop(path: Path) -> Floats:
+    """Return the map of a table that `camsim run --scallop` wrote [um]."""
+    return grid(np.loadtxt(path, delimiter=",", skiprows=1, usecols=2))
+
+
+def with_path(part: SkirtPart, path: str) -> SkirtPart:
+    """Return the part along another path."""
+    process = part.process.model_copy(update={"path": path, "mode": "uniform"})
+    return part.model_copy(update={"process": process})
+
+
+def _write_tables(generated: GeneratedSkirt, folder: Path) -> dict[str, Path]:
+    """Write the table of each path into a folder of its own; return the tables."""
+    found = {}
+    for path in ("ring-helix", "helix"):
+        one = replace(generated, part=with_path(generated.part, path))
+        table = replace(generated.table, is_ring_helix=path == "ring-helix")
+        (folder / path).mkdir()
+        for name, data in table_files(table, make_summary(replace(one, table=table))).items():
+            (folder / path / name).write_bytes(data)
+        found[path] = Path(path) / f"{generated.table.part_name}.camtab"
+    return found
+
+
+def _words(study: PathStudy, row: PathRow) -> list[str]:
+    low, high = float(study.z_mm[0]), float(study.z_mm[-1])
+    return [
+        *("--machine", _MACHINE, "--rpm", repr(row.rpm), "--feed", repr(row.path.feed_mm)),
+        *("--nose-mm", repr(study.nose_mm), "--scallop-mm", f"{low:.9g}:{high:.9g}"),
+    ]
+
+
+def _cut(simulator: Simulator, study: PathStudy, row: PathRow) -> PathCut:
+    """Cut one way.
+
+    Raises
+    ------
+    CamtoolsError
+        The cut did not come to its end; camsim has told why.
+    """
+    outputs = ["--scallop", "scallop.csv", "--summary", "summary.json"]
+    status = simulator.run([*_words(study, row), *outputs])
+    if status != 0:
+        problem = f"{row.name}: camsim ended with status {status}, its line above tells why"
+        raise CamtoolsError([f"{problem}; change the part or give another --rpm"])
+    summary: Json = read_summary(simulator.folder / "summary.json")
+    done = summary["cut"]
+    proud_um = read_scallop(simulator.folder / "scallop.csv")
+    form_um = summary["form_error_um"]["max"]
+    return PathCut(row, done["turns"], done["seconds"], form_um, proud_um)
+
+
+def cut_paths(
+    part: SkirtPart, nose_mm: float, program: Path, folder: Path
+) -> tuple[PathStudy, tuple[PathCut, ...]]:
+    """Cut a part along a ring-helix and along helices of as many turns and of the same lead.
+
+    Parameters
+    ----------
+    nose_mm : float
+        Radius of the tool's nose.
+    program : Path
+        camsim.
+    folder : Path
+        Empty; tables and results of the simulator go there.
+
+    Raises
+    ------
+    CamtoolsError
+        The part is impossible, Z cannot follow the ring-helix, or a cut failed.
+    """
+    generated = generate(with_path(part, "ring-helix"))
+    geometry, process = generated.geometry, part.process
+    study = make_study(
+        *(geometry.z_first_mm, geometry.z_last_mm, process.feed_mm, process.spindle_rpm),
+        *(nose_mm, part.machine.limits),
+    )
+    tables = _write_tables(generated, folder)
+    (folder / _MACHINE).write_text(machine_text(part.machine.limits), encoding="ascii")
+    cuts = [
+        _cut(Simulator(program, folder, str(tables[row.path.kind])), study, row)
+        for row in study.rows
+    ]
+    return study, tuple(cuts)
+
+
+def predicted_scallop_um(row: PathRow) -> Floats:
+    """Return the predicted peak to valley at every angle."""
+    return peak_to_valley(row.scallop_um)
+
+
+def csv(cuts: Sequence[PathCut]) -> str:
+    """Return both figures of every way as CSV."""
+    lines = [
+        "path,feed_mm,rpm,turns,turns_measured,time_s,time_measured_s,scallop_max_um,"
+        "scallop_max_measured_um,scallop_mean_um,scallop_mean_measured_um,form_error_um"
+    ]
+    for one in cuts:
+        row = one.row
+        numbers = (
+            *(row.path.feed_mm, row.rpm, row.path.turns, one.turns, row.time_s, one.time_s),
+            *(predicted_scallop_um(row).max(), one.scallop_um.max()),
+            *(row.scallop_um.mean(), one.mean_um, one.form_error_um),
+        )
+        lines.append(f'"{row.name}",' + ",".join(f"{number:.4f}" for number in numbers))
+    return "\n".join(lines) + "\n"
+
+
+def text(cuts: Sequence[PathCut]) -> str:
+    """Return the table for people."""
+    lines = [f"{'path':21s} {'turns':>8s} {'time':>8s} {'scallop, largest':>20s} {'mean':>16s}"]
+    lines.append(f"{'':21s} {'cut':>8s} {'s':>8s} {'measured (worked out)':>23s} um")
+    for one in cuts:
+        row = one.row
+        most, mean = predicted_scallop_um(row).max(), row.scallop_um.mean()
+        lines.append(
+            f"{row.name:21s} {one.turns:8.1f} {one.time_s:8.2f} "
+            f"{one.scallop_um.max():10.3f} ({most:.3f}) {one.mean_um:10.3f} ({mean:.3f})"
+        )
+    return "\n".join(lines) + "\n"

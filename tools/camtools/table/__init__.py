@@ -1,0 +1,1 @@
+"""The table image: its bytes, its evaluation, its quantisation, its C source."""

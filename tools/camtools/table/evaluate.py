@@ -1,0 +1,190 @@
+"""Reference evaluation of a quantised table in double by the firmware's formula, MATHS.md (46).
+
+>>> import numpy as np
+>>> coefficients = np.array([[0.0, 0.0, 1.0, 0.0, 0.0, 0.0]])
+>>> polynomial_bounds(coefficients)  # t^2 on 0 .. 1
+(0.0, 1.0)
+"""
+
+from __future__ import annotations
+
+from math import comb
+from typing import NamedTuple
+
+import numpy as np
+
+from camtools.base.quantities import Floats, Ints
+from camtools.table.image import KIND_X, Channel, channel_coefficients
+from camtools.table.quintics import segment_coefficients
+
+_SUBDIVISIONS = 8
+
+
+class Values(NamedTuple):
+    """Value and two derivatives; nm, nm/rad, nm/rad^2 for u, nm, nm/nm, nm/nm^2 for x."""
+
+    value: Floats
+    d1: Floats
+    d2: Floats
+
+
+def knot_interval(channel: Channel) -> float:
+    """Return one knot interval h: rad for u, nm for x."""
+    if channel.kind == KIND_X:
+        return (channel.z_last_nm - channel.z_first_nm) / (channel.n_slices - 1)
+    return float(2 * np.pi / (1 << (channel.log2_knots + channel.log2_repeat)))
+
+
+def locate(channel: Channel, z_nm: Floats) -> tuple[Ints, Floats]:
+    """Return slice index and weight of the next slice; heights outside are clamped."""
+    span = (z_nm - channel.z_first_nm) * (channel.slices_per_nm_q48 * 2.0**-48)
+    place = np.clip(span, 0, channel.n_slices - 1)
+    i_slice = np.minimum(place.astype(np.int64), channel.n_slices - 2)
+    return i_slice, place - i_slice
+
+
+def power_rows(t: Floats) -> Floats:
+    """Return weights of c0 .. c5 for value, first and second derivative, shape (3, 6, n)."""
+    n, zero = np.arange(6)[:, None], np.zeros_like(t)
+    value = t**n
+    first = np.vstack([zero, n[1:] * value[:-1]])
+    second = np.vstack([zero, zero, n[2:] * n[1:-1] * value[:-2]])
+    return np.stack([value, first, second])
+
+
+def _scaled(channel: Channel, raw: Floats) -> Values:
+    h, lsb = knot_interval(channel), channel.lsb
+    return Values(channel.origin + raw[0] * lsb, raw[1] * (lsb / h), raw[2] * (lsb / h**2))
+
+
+def evaluate_u_grid(channel: Channel, z_nm: Floats, t: Floats) -> Values:
+    """Return u on a grid of all segments of a pattern.
+
+    Parameters
+    ----------
+    channel : Channel
+        Of kind u.
+    z_nm : ndarray, shape (n_z,)
+        Heights.
+    t : ndarray, shape (n_t,)
+        Places inside each segment, 0 .. 1.
+
+    Returns
+    -------
+    Values
+        Each of shape (n_z, n_knots * n_t), angle rising.
+    """
+    i_slice, weight = locate(channel, z_nm)
+    w = weight[:, None, None]
+    blended = (1 - w) * channel.knots[i_slice] + w * channel.knots[i_slice + 1]
+    coefficients = segment_coefficients(blended, periodic=True)
+    raw = np.einsum("zkc,dct->dzkt", coefficients, power_rows(t), optimize=True)
+    return _scaled(channel, raw.reshape(3, z_nm.size, -1))
+
+
+def evaluate_u(channel: Channel, turn: Floats, z_nm: Floats) -> Values:
+    """Return u at points.
+
+    Parameters
+    ----------
+    turn, z_nm : ndarray, shape (n,)
+        Spindle angle in turns (any value) and height.
+
+    Returns
+    -------
+    Values
+        Each of shape (n,).
+    """
+    place = np.mod(turn * (1 << channel.log2_repeat), 1.0) * channel.knots.shape[1]
+    i_knot = np.minimum(place.astype(np.int64), channel.knots.shape[1] - 1)
+    i_slice, weight = locate(channel, z_nm)
+    coefficients = channel_coefficients(channel)
+    blended = (1 - weight)[:, None] * coefficients[i_slice, i_knot]
+    blended += weight[:, None] * coefficients[i_slice + 1, i_knot]
+    return _scaled(channel, np.einsum("nc,dcn->dn", blended, power_rows(place - i_knot)))
+
+
+def evaluate_x(channel: Channel, z_nm: Floats) -> Values:
+    """Return the long half axis and its height derivatives at heights of shape (n,)."""
+    i_knot, t = locate(channel, z_nm)
+    coefficients = channel_coefficients(channel)[i_knot].astype(np.float64)
+    return _scaled(channel, np.einsum("nc,dcn->dn", coefficients, power_rows(t)))
+
+
+def _bernstein_rows(degree: int) -> Floats:
+    """Return the matrix from power coefficients to control points of all sub-intervals."""
+    n, m = degree + 1, _SUBDIVISIONS
+    shift = np.zeros((m, n, n))  # c_i -> coefficient of tau^j in sub-interval s
+    for s in range(m):
+        for i in range(n):
+            for j in range(i + 1):
+                shift[s, i, j] = comb(i, j) * (s / m) ** (i - j) / m**j
+    control = np.array([[comb(k, j) / comb(degree, j) for k in range(n)] for j in range(n)])
+    return np.asarray(np.concatenate(list(shift @ control), axis=1), dtype=np.float64)
+
+
+def polynomial_bounds(coefficients: Floats) -> tuple[float, float]:
+    """Return true bounds of polynomials on 0 .. 1, MATHS.md (51), on eight sub-intervals.
+
+    Parameters
+    ----------
+    coefficients : ndarray, shape (..., degree + 1)
+        Lowest power first.
+    """
+    points = coefficients @ _bernstein_rows(coefficients.shape[-1] - 1)
+    return float(points.min()), float(points.max())
+
+
+class RawBounds(NamedTuple):
+    """Bounds over all segments, in LSB: value, and magnitudes of the two t-derivatives."""
+
+    low: float
+    high: float
+    first: float
+    second: float
+
+
+def raw_bounds(channel: Channel) -> RawBounds:
+    """Return true bounds of a channel between its knots too; blended slices lie inside."""
+    c = channel_coefficients(channel).astype(np.float64)
+    first = c[..., 1:] * np.arange(1, 6)
+    second = first[..., 1:] * np.arange(1, 5)
+    low, high = polynomial_bounds(c)
+    d1, d2 = polynomial_bounds(first), polynomial_bounds(second)
+    return RawBounds(low, high, max(-d1[0], d1[1]), max(-d2[0], d2[1]))
+
+
+class Continuity(NamedTuple):
+    """Largest jumps between neighbouring segments, nm and per knot unit of angle or height."""
+
+    value: float
+    first: float
+    second: float
+
+
+_AT_END = np.array([[1, 1, 1, 1, 1, 1], [0, 1, 2, 3, 4, 5], [0, 0, 2, 6, 12, 20]])
+_AT_START = np.array([[1, 0, 0, 0, 0, 0], [0, 1, 0, 0, 0, 0], [0, 0, 2, 0, 0, 0]])
+
+
+def jumps(channel: Channel) -> tuple[Continuity, Continuity]:
+    """Return the jumps at knots inside the pattern, and at its wrap, in exact integers.
+
+    The wrap of x, which has none, is reported as 0.
+    """
+    c = channel_coefficients(channel)
+    ends, starts = c @ _AT_END.T, np.roll(c, -1, axis=-2) @ _AT_START.T
+    gap = np.abs(ends - starts).reshape(-1, c.shape[-2], 3).max(axis=0)
+    h, lsb = knot_interval(channel), channel.lsb
+    scale = np.array([lsb, lsb / h, lsb / h**2])
+    inside = gap[:-1].max(axis=0, initial=0) * scale
+    wrap = gap[-1] * scale if channel.kind != KIND_X else np.zeros(3)
+    return Continuity(*map(float, inside)), Continuity(*map(float, wrap))
+
+
+ROUNDING_LSB = 1.0  # what the firmware's arithmetic may add to the table's own error
+
+
+GRID_MARGIN = 1.01  # the worst place may lie between the points of the grid
+
+
+PLACES = np.array([0.0, 0.03, 0.11, 0.21, 0.31, 0.41, 0.5, 0.62, 0.73, 0.83, 0.93, 0.98])

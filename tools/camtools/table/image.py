@@ -1,0 +1,417 @@
+"""The table image, bytes <-> dataclasses, exactly as firmware/table/TABLE_FORMAT.md.
+
+Every record is packed and read by the names of its fields, which are those of that document.
+
+>>> slices_per_nm_q48(32, 0, 62_000_000)
+140737488
+"""
+
+from __future__ import annotations
+
+import re
+import zlib
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from camtools.base.quantities import Ints
+from camtools.table.quintics import segment_coefficients
+from camtools.table.records import (
+    CRC_START,
+    ENTRY,
+    ENTRY_SIZE,
+    HEADER,
+    HEADER_SIZE,
+    KNOT,
+    KNOT_SIZE,
+    bytes_of,
+    fields_of,
+)
+
+Knots = npt.NDArray[np.int32]
+
+MAGIC = b"CAMTAB\x1a\n"
+BYTE_ORDER, VERSION = 0x01020304, (1, 0)
+KIND_U, KIND_X, KIND_SPEED, KIND_SWING, KIND_CONTACT = 1, 2, 3, 4, 5
+RATIO_ONE = 1 << 20  # unit of a speed ratio's values, where u and x count nanometres
+MIN_RATIO, MAX_RATIO = RATIO_ONE // 16, RATIO_ONE * 4
+ANGLE_TURN, ANGLE_MAX = 1 << 26, 1 << 24  # unit of swing and contact; a quarter turn
+ALIGN = 32
+MAX_CHANNEL_BYTES = 1 << 20  # the generators make no larger one
+SUM_LIMIT = 2**25 - 1
+MIN_SPACING_NM, MAX_SPACING_NM = 65_537, 16_777_216
+MAX_SLICES, MAX_LOG2_KNOTS, MIN_LOG2_KNOTS, MAX_LOG2_REPEAT, MAX_FRAC_BITS = 4096, 12, 2, 4, 8
+
+
+class ImageError(Exception):
+    """An image that the firmware would refuse; says which rule it breaks first."""
+
+
+@dataclass(frozen=True)
+class ImageLimits:
+    """U limits and spindle limit of the machine the table was made for, in the image's units."""
+
+    u_stroke_nm: int
+    u_speed_um_per_s: int
+    u_acceleration_mm_per_s2: int
+    spindle_mrpm: int
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """What the generator guarantees of u over the whole table, and the error it achieved.
+
+    The peaks are velocity and acceleration of U over mean speed and its square; where the spindle
+    speed is modulated, its ratio r is in them: u' r and u'' r^2 + u' r r'.
+    """
+
+    u_min_nm: int
+    u_max_nm: int
+    u1_peak_nm_per_rad: int
+    u2_peak_nm_per_rad2: int
+    error_pm: int
+    spindle_peak_ppm: int = 0  # of r r', in 1e-6 per rad; 0 without modulation
+
+
+@dataclass(frozen=True, eq=False)
+class Channel:
+    """One channel of a table.
+
+    Attributes
+    ----------
+    kind : int
+        KIND_U, KIND_X, KIND_SPEED, KIND_SWING or KIND_CONTACT.
+    knots : ndarray of int32, shape (n_slices, n_knots, 3)
+        (p, v, a) of each knot, LSB 2^-frac_bits nm, of speed 2^-frac_bits 2^-20, of
+        swing and contact 2^-frac_bits 2^-26 turn; n_knots = 1 for x.
+    log2_repeat : int
+        The pattern repeats 2^log2_repeat times per turn; 0 for x.
+    frac_bits : int
+        0 .. 16.
+    z_first_nm, z_last_nm : int
+        Heights of the first and the last slice.
+    origin : int
+        Value at p = 0, in the unit of the channel.
+    p_min, p_max, v_max, a_max : int
+        Bounds of p and of the magnitudes of v and a.
+    """
+
+    kind: int
+    knots: Knots
+    log2_repeat: int
+    frac_bits: int
+    z_first_nm: int
+    z_last_nm: int
+    origin: int
+    p_min: int
+    p_max: int
+    v_max: int
+    a_max: int
+
+    @property
+    def n_slices(self) -> int:
+        """Number of slices (of knots over height for x)."""
+        return int(self.knots.shape[0])
+
+    @property
+    def log2_knots(self) -> int:
+        """Base-2 logarithm of the knots per slice."""
+        return int(self.knots.shape[1]).bit_length() - 1
+
+    @property
+    def size(self) -> int:
+        """Bytes of knots."""
+        return int(self.knots.size) * 4
+
+    @property
+    def lsb(self) -> float:
+        """Value of one unit of the knots, in the unit of the channel: nm for u and x."""
+        return float(2.0**-self.frac_bits)
+
+    @property
+    def slices_per_nm_q48(self) -> int:
+        """Reciprocal of the slice spacing."""
+        return slices_per_nm_q48(self.n_slices, self.z_first_nm, self.z_last_nm)
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """A whole table image without its redundancies."""
+
+    part_name: str
+    z_first_nm: int
+    z_last_nm: int
+    direction: int
+    spindle_mrpm: int
+    feed_nm: int
+    depth_nm: int
+    limits: ImageLimits
+    bounds: Bounds
+    channels: tuple[Channel, ...]
+    is_ring_helix: bool = False  # a geared Z follows a ring-helix, not a helix
+
+    def channel(self, kind: int) -> Channel:
+        """Return the channel of this kind; `unpack` makes sure that u and x exist."""
+        return next(channel for channel in self.channels if channel.kind == kind)
+
+    @property
+    def speed(self) -> Channel | None:
+        """Return the speed ratio, when the table modulates the spindle."""
+        return next((one for one in self.channels if one.kind == KIND_SPEED), None)
+
+    @property
+    def angle(self) -> Channel | None:
+        """Return the angle of the normal at the contact, when the table is that of a cam."""
+        kinds = (KIND_SWING, KIND_CONTACT)
+        return next((one for one in self.channels if one.kind in kinds), None)
+
+
+def slices_per_nm_q48(n_slices: int, z_first_nm: int, z_last_nm: int) -> int:
+    """Return round((n - 1) 2^48 / (z_last - z_first)), half up, in exact integers."""
+    span_nm = z_last_nm - z_first_nm
+    return (((n_slices - 1) << 49) + span_nm) // (2 * span_nm)
+
+
+def channel_coefficients(channel: Channel) -> Ints:
+    """Return the quintics of a channel: u (n_slices, n_knots, 6), x (n_slices - 1, 6)."""
+    knots = channel.knots.astype(np.int64)
+    if channel.kind == KIND_X:
+        return segment_coefficients(knots[:, 0], periodic=False)
+    return segment_coefficients(knots, periodic=True)
+
+
+_SUM_WEIGHTS = np.array([[1, 1, 1, 1, 1, 1], [0, 1, 2, 3, 4, 5], [0, 0, 2, 6, 12, 20]])
+
+
+def largest_sum(coefficients: Ints) -> int:
+    """Return the largest of the three sums of TABLE_FORMAT.md over all segments."""
+    return int((np.abs(coefficients) @ _SUM_WEIGHTS.T).max())
+
+
+def _aligned(size: int) -> int:
+    return -(-size // ALIGN) * ALIGN
+
+
+def _offsets(channels: tuple[Channel, ...]) -> list[int]:
+    offsets = [_aligned(HEADER_SIZE + ENTRY_SIZE * len(channels))]
+    for channel in channels:
+        offsets.append(_aligned(offsets[-1] + channel.size))
+    return offsets
+
+
+def _header_of(table: Table, image_size: int, crc32: int) -> bytes:
+    values = {
+        "magic": MAGIC,
+        "byte_order": BYTE_ORDER,
+        "version_major": VERSION[0],
+        "version_minor": VERSION[1],
+        "image_size": image_size,
+        "crc32": crc32,
+        "header_size": HEADER_SIZE,
+        "n_channels": len(table.channels),
+        "part_name": table.part_name.encode("ascii"),
+        "z_first_nm": table.z_first_nm,
+        "z_last_nm": table.z_last_nm,
+        "direction": table.direction,
+        "spindle_mrpm": table.spindle_mrpm,
+        "feed_nm": table.feed_nm,
+        "depth_nm": table.depth_nm,
+    }
+    limits = {f"limit_{name}": value for name, value in vars(table.limits).items()}
+    return bytes_of(HEADER, values | limits | vars(table.bounds))
+
+
+def _entry_of(channel: Channel, offset: int, *, is_ring_helix: bool) -> bytes:
+    values = {
+        "kind": channel.kind,
+        "offset": offset,
+        "size": channel.size,
+        "n_slices": channel.n_slices,
+        "log2_knots": channel.log2_knots,
+        "log2_repeat": channel.log2_repeat,
+        "frac_bits": channel.frac_bits,
+        "z_first_nm": channel.z_first_nm,
+        "z_last_nm": channel.z_last_nm,
+        "slices_per_nm_q48": channel.slices_per_nm_q48,
+        "offset_nm": channel.origin,
+        "p_min": channel.p_min,
+        "p_max": channel.p_max,
+        "v_max": channel.v_max,
+        "a_max": channel.a_max,
+        "path": int(is_ring_helix and channel.kind == KIND_X),
+    }
+    return bytes_of(ENTRY, values)
+
+
+def crc32_of(image: bytes) -> int:
+    """Return the CRC-32 that belongs into an image's header."""
+    return zlib.crc32(image[CRC_START:])
+
+
+def pack(table: Table) -> bytes:
+    """Return the image of a table; a valid table gives an image that `unpack` accepts.
+
+    Raises
+    ------
+    OverflowError
+        A number does not fit its field.
+    """
+    offsets = _offsets(table.channels)
+    image = bytearray(offsets[-1])
+    for i, (channel, offset) in enumerate(zip(table.channels, offsets, strict=False)):
+        entry = HEADER_SIZE + ENTRY_SIZE * i
+        image[entry : entry + ENTRY_SIZE] = _entry_of(
+            channel, offset, is_ring_helix=table.is_ring_helix
+        )
+        image[offset : offset + channel.size] = channel.knots.astype("<i4").tobytes()
+    image[:HEADER_SIZE] = _header_of(table, len(image), 0)
+    image[:HEADER_SIZE] = _header_of(table, len(image), crc32_of(bytes(image)))
+    return bytes(image)
+
+
+def _demand(condition: bool, rule: str) -> None:
+    if not condition:
+        raise ImageError(rule)
+
+
+def unpack(image: bytes) -> Table:
+    """Return the table of an image, checked as the firmware checks it.
+
+    Raises
+    ------
+    ImageError
+        The first rule of TABLE_FORMAT.md that the image breaks.
+    """
+    _demand(len(image) >= HEADER_SIZE, "size: shorter than a header")
+    header = fields_of(HEADER, image, 0)
+    _demand(header["magic"] == MAGIC, "magic: not a cam table")
+    _demand(header["byte_order"] == BYTE_ORDER, "byte_order: image of another byte order")
+    version = header["version_major"], header["version_minor"]
+    _demand(version == VERSION, "version: not 1.0")
+    is_whole = header["image_size"] == len(image) and len(image) % ALIGN == 0
+    _demand(is_whole, "image_size: not that of the file")
+    _demand(header["crc32"] == crc32_of(image), "crc32: the image is damaged")
+    table = _table_of(header)
+    n_channels = header["n_channels"]
+    _demand(
+        HEADER_SIZE + ENTRY_SIZE * n_channels <= len(image),
+        "n_channels: directory outside the image",
+    )
+    starts = [HEADER_SIZE + ENTRY_SIZE * i for i in range(n_channels)]
+    entries = [fields_of(ENTRY, image, start) for start in starts]
+    path = any(entry["path"] for entry in entries)
+    table = replace(table, channels=_channels_of(image, table, entries), is_ring_helix=path)
+    _demand(table.speed is None or not path, "path: a ring-helix is for one speed")
+    return table
+
+
+def _table_of(header: dict[str, Any]) -> Table:
+    """Return the table of a header, without its channels."""
+    _demand(header["header_size"] == HEADER_SIZE, "header_size: not 128")
+    _demand(1 <= header["n_channels"] <= 8, "n_channels: not 1 .. 8")
+    found = re.fullmatch(rb"[\x20-\x7e]{1,31}", header["part_name"])
+    _demand(found is not None, "part_name: not 1 .. 31 printable ASCII characters")
+    _demand(header["z_last_nm"] > header["z_first_nm"], "z_last_nm: not above z_first_nm")
+    _demand(header["direction"] in (1, -1), "direction: not 1 or -1")
+    is_moving = header["spindle_mrpm"] > 0 and header["feed_nm"] > 0
+    _demand(is_moving, "spindle_mrpm, feed_nm: not above 0")
+    limits = ImageLimits(**{one.name: header[f"limit_{one.name}"] for one in fields(ImageLimits)})
+    _demand(all(limit > 0 for limit in vars(limits).values()), "limits: not above 0")
+    bounds = Bounds(**{one.name: header[one.name] for one in fields(Bounds)})
+    _demand(bounds.u_max_nm >= bounds.u_min_nm, "u_max_nm: below u_min_nm")
+    return Table(
+        part_name=header["part_name"].decode("ascii"),
+        z_first_nm=header["z_first_nm"],
+        z_last_nm=header["z_last_nm"],
+        direction=header["direction"],
+        spindle_mrpm=header["spindle_mrpm"],
+        feed_nm=header["feed_nm"],
+        depth_nm=header["depth_nm"],
+        limits=limits,
+        bounds=bounds,
+        channels=(),
+    )
+
+
+def _channels_of(
+    image: bytes, table: Table, entries: Sequence[dict[str, Any]]
+) -> tuple[Channel, ...]:
+    """Return the channels of the directory, checked one by one and together."""
+    free = HEADER_SIZE + ENTRY_SIZE * len(entries)
+    channels: list[Channel] = []
+    for entry in entries:
+        _check_entry(entry, table)
+        offset, size = entry["offset"], entry["size"]
+        _demand(offset % ALIGN == 0 and offset >= free, "offset: misplaced")
+        _demand(offset + size <= len(image), "size: beyond the image")
+        free = offset + size
+        channels.append(_make_channel(image, entry))
+    kinds = [channel.kind for channel in channels]
+    _demand(len(set(kinds)) == len(kinds), "kind: a channel is there twice")
+    _demand(not {KIND_SWING, KIND_CONTACT} <= set(kinds), "kind: swing and contact are there")
+    _demand({KIND_U, KIND_X} <= set(kinds), "kind: u or x is missing")
+    has_speed = KIND_SPEED in kinds
+    _demand(has_speed or table.bounds.spindle_peak_ppm == 0, "spindle_peak_ppm: not 0")
+    for channel in channels:
+        _check_knots(channel)
+    return tuple(channels)
+
+
+def _check_entry(entry: dict[str, Any], table: Table) -> None:
+    kind, n_slices, log2_knots = entry["kind"], entry["n_slices"], entry["log2_knots"]
+    z_first, z_last, frac_bits = entry["z_first_nm"], entry["z_last_nm"], entry["frac_bits"]
+    _demand(KIND_U <= kind <= KIND_CONTACT, "kind: unknown")
+    _demand(2 <= n_slices <= MAX_SLICES, "n_slices: not 2 .. 4096")
+    if kind != KIND_X:
+        _demand(MIN_LOG2_KNOTS <= log2_knots <= MAX_LOG2_KNOTS, "log2_knots: not 2 .. 12")
+        _demand(entry["log2_repeat"] <= MAX_LOG2_REPEAT, "log2_repeat: not 0 .. 4")
+    else:
+        is_flat = log2_knots == 0 and entry["log2_repeat"] == 0
+        _demand(is_flat, "log2_knots, log2_repeat: not 0 for x")
+    is_sized = entry["size"] == (n_slices << log2_knots) * KNOT_SIZE
+    _demand(is_sized, "size: not that of the knots")
+    _demand(frac_bits <= MAX_FRAC_BITS, "frac_bits: not 0 .. 8")
+    _demand(z_first <= table.z_first_nm and z_last >= table.z_last_nm, "z: range not covered")
+    span_nm, n = z_last - z_first, n_slices - 1
+    _demand(n * MIN_SPACING_NM <= span_nm <= n * MAX_SPACING_NM, "spacing: not 65537 .. 16777216")
+    q48 = slices_per_nm_q48(n_slices, z_first, z_last)
+    _demand(entry["slices_per_nm_q48"] == q48, "slices_per_nm_q48: wrong")
+    _demand(entry["path"] <= int(kind == KIND_X), "path: not 0 or, of x, 1")
+    low, high = ((entry["offset_nm"] << frac_bits) + entry[name] for name in ("p_min", "p_max"))
+    if kind == KIND_SPEED:
+        is_ratio = low >= MIN_RATIO << frac_bits and high <= MAX_RATIO << frac_bits
+        _demand(is_ratio, "p_min, p_max: no speed ratio of 1/16 .. 4")
+    if kind in (KIND_SWING, KIND_CONTACT):
+        is_angle = low >= -ANGLE_MAX << frac_bits and high <= ANGLE_MAX << frac_bits
+        _demand(is_angle, "p_min, p_max: beyond a quarter turn")
+
+
+def _make_channel(image: bytes, entry: dict[str, Any]) -> Channel:
+    n_knots = entry["n_slices"] << entry["log2_knots"]
+    knots = np.frombuffer(image, KNOT, count=n_knots, offset=entry["offset"])
+    triples = np.stack([knots[name] for name in ("p", "v", "a")], axis=-1).astype(np.int32)
+    return Channel(
+        kind=entry["kind"],
+        knots=triples.reshape(entry["n_slices"], -1, 3),
+        log2_repeat=entry["log2_repeat"],
+        frac_bits=entry["frac_bits"],
+        z_first_nm=entry["z_first_nm"],
+        z_last_nm=entry["z_last_nm"],
+        origin=entry["offset_nm"],
+        p_min=entry["p_min"],
+        p_max=entry["p_max"],
+        v_max=entry["v_max"],
+        a_max=entry["a_max"],
+    )
+
+
+def _check_knots(channel: Channel) -> None:
+    knots = channel.knots.astype(np.int64)
+    p, v, a = knots[..., 0], np.abs(knots[..., 1]), np.abs(knots[..., 2])
+    _demand(int(np.abs(knots).max()) <= SUM_LIMIT, "knots: beyond 2^25 - 1")
+    _demand(channel.p_min <= int(p.min()) and int(p.max()) <= channel.p_max, "p_min, p_max: wrong")
+    _demand(int(v.max()) <= channel.v_max and int(a.max()) <= channel.a_max, "v_max, a_max: wrong")
+    _demand(largest_sum(channel_coefficients(channel)) <= SUM_LIMIT, "knots: could overflow")

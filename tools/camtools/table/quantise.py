@@ -1,0 +1,95 @@
+"""From exact functions to channels of integers; their error is that of MATHS.md (49).
+
+>>> from camtools.table.image import KIND_U
+>>> knots = np.array([[[0.0, 0, 0], [1000.0, 0, 0], [0, 0, 0], [1000.0, 0, 0]]])
+>>> channel = quantise(KIND_U, knots, 1, (0, 1_000_000))
+>>> channel.origin, channel.frac_bits
+(500, 6)
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import ceil, floor, log2
+
+import numpy as np
+
+from camtools.base.quantities import NM_PER_MM, Floats
+from camtools.table.evaluate import raw_bounds
+from camtools.table.image import (
+    MAX_FRAC_BITS,
+    SUM_LIMIT,
+    Channel,
+    channel_coefficients,
+    largest_sum,
+)
+
+
+class TooLargeError(Exception):
+    """No frac_bits of 0 .. 8 keeps the bound of TABLE_FORMAT.md."""
+
+
+def _integers(
+    kind: int, knots_nm: Floats, log2_repeat: int, range_nm: tuple[int, int], frac_bits: int
+) -> Channel:
+    """Return the channel for given frac_bits; its bounds are not filled in."""
+    p = knots_nm[..., 0]
+    offset_nm = round((float(p.max()) + float(p.min())) / 2)
+    scaled = (knots_nm - np.array([offset_nm, 0, 0])) * 2.0**frac_bits
+    if np.abs(scaled).max() > SUM_LIMIT:
+        raise TooLargeError
+    knots = np.rint(scaled).astype(np.int32)
+    return Channel(kind, knots, log2_repeat, frac_bits, *range_nm, offset_nm, 0, 0, 0, 0)
+
+
+def _start_bits(kind: int, knots_nm: Floats) -> int:
+    """Return frac_bits from the size of the numbers, at most one too many."""
+    coarse = _integers(kind, knots_nm / 2**16, 0, (0, 1), 8)
+    size = max(1, largest_sum(channel_coefficients(coarse))) * 2.0**8
+    return min(MAX_FRAC_BITS, floor(log2(SUM_LIMIT / size)) + 1)
+
+
+def quantise(kind: int, knots_nm: Floats, log2_repeat: int, range_nm: tuple[int, int]) -> Channel:
+    """Return a channel with as many fraction bits as the format's bound allows.
+
+    Parameters
+    ----------
+    kind : int
+        KIND_U or KIND_X.
+    knots_nm : ndarray, shape (n_slices, n_knots, 3)
+        Exact triples (value, h value', h^2 value'' / 2) [nm].
+    log2_repeat : int
+        Of the channel.
+    range_nm : (int, int)
+        Height of the first and of the last slice.
+
+    Raises
+    ------
+    TooLargeError
+        Even whole nanometres are too fine.
+    """
+    for frac_bits in range(_start_bits(kind, knots_nm), -1, -1):
+        try:
+            channel = _integers(kind, knots_nm, log2_repeat, range_nm, frac_bits)
+        except TooLargeError:
+            continue
+        if largest_sum(channel_coefficients(channel)) <= SUM_LIMIT:
+            return channel
+    raise TooLargeError
+
+
+def with_bounds(channel: Channel) -> Channel:
+    """Return the channel with true bounds, between its knots too, rounded outwards."""
+    bounds = raw_bounds(channel)
+    return replace(
+        channel,
+        p_min=floor(bounds.low),
+        p_max=ceil(bounds.high),
+        v_max=ceil(bounds.first),
+        a_max=ceil(bounds.second / 2),
+    )
+
+
+def slice_heights_mm(range_nm: tuple[int, int], n_slices: int) -> Floats:
+    """Return the heights of equally spaced slices, shape (n_slices,)."""
+    return np.linspace(range_nm[0], range_nm[1], n_slices) / NM_PER_MM

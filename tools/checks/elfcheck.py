@@ -1,0 +1,154 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Command line of the checks of an ARM image: its interrupt, its sizes.
+
+>>> measured_max("ctest.log", "budget-max 2803")
+2803
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+import sys
+from pathlib import Path
+
+from camtools.base.command import Parser, run_command
+from camtools.base.errors import CamtoolsError, InputError
+from camtools.base.output import write_all
+from checks.elf_image import PREFIX, Image
+from checks.elf_isr import IsrReport, examine
+from checks.elf_loops import load_bounds
+from checks.elf_sizes import Sizes, compare, emit_sizes, measure, parse_sizes, table
+
+FAILED = 1
+STACK_LIMIT_BYTES = 512
+
+
+def _isr_arguments(parser: argparse.ArgumentParser) -> None:
+    add = parser.add_argument
+    add("--root", default="cam_isr", metavar="SYMBOL", help="of the interrupt, default cam_isr")
+    add("--loops", type=Path, metavar="TOML", help="how often loops run")
+    add("--measured", type=Path, metavar="FILE", help='output with a line "budget-max N"')
+    limit = f"entry of the interrupt included, default {STACK_LIMIT_BYTES}"
+    add("--stack-limit", type=int, default=STACK_LIMIT_BYTES, metavar="BYTES", help=limit)
+    frame = "what the core stacks on entry, default by whether the image uses floating point"
+    add("--frame", choices=("basic", "float"), help=frame)
+
+
+def _sizes_arguments(parser: argparse.ArgumentParser) -> None:
+    add = parser.add_argument
+    add("--recorded", type=Path, required=True, metavar="TOML", help="recorded sizes")
+    add("--build", required=True, metavar="NAME", help="whose sizes, a name in the record")
+    add("--record", action="store_true", help="write the sizes into the record")
+
+
+def _arguments(argv: list[str] | None) -> argparse.Namespace:
+    parser = Parser(prog="tools/elfcheck", description="Check an ARM image.", allow_abbrev=False)
+    commands = parser.add_subparsers(dest="command", required=True, metavar="isr | sizes")
+    isr = commands.add_parser("isr", help="what the interrupt can reach and take")
+    sizes = commands.add_parser("sizes", help="bytes of every module")
+    for one in (isr, sizes):
+        one.add_argument("image", type=Path, metavar="IMAGE.elf")
+        folders = "folder of our sources; all code of the interrupt comes from them; repeatable"
+        one.add_argument("--source", action="append", default=[], metavar="DIR", help=folders)
+        one.add_argument("--prefix", default=PREFIX, help=f"of the binary utilities: {PREFIX}")
+    _isr_arguments(isr)
+    _sizes_arguments(sizes)
+    return parser.parse_args(argv)
+
+
+def measured_max(file: str, text: str) -> int:
+    """Return the number of the one line "budget-max N".
+
+    Raises
+    ------
+    InputError
+        There is no such line, or several.
+    """
+    found = re.findall(r"^budget-max (\d+)\r?$", text, re.MULTILINE)
+    if len(found) != 1:
+        remedy = "give the output of tests/budget"
+        raise InputError(file, "", None, f'{len(found)} lines "budget-max N"', remedy)
+    return int(found[0])
+
+
+def _read(path: Path) -> str:
+    try:
+        return path.read_text("utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(str(path), "", None, "cannot be read", "give another file") from error
+
+
+def _print_isr(report: IsrReport) -> None:
+    print(f"{'longest path and stack, callees included':42} instructions  stack bytes  (own)")
+    for cost in report.functions:
+        sizes = f"{cost.instructions:>12} {cost.stack_bytes:>12} {cost.own_stack_bytes:>6}"
+        print(f"{cost.name:42} {sizes}")
+    for loop in report.loops:
+        print(f"loop: {loop}")
+    print(f"call frames of the compiler agree with {report.n_frames_compared} functions")
+
+
+def _check_isr(arguments: argparse.Namespace) -> int:
+    image = Image(arguments.image, arguments.prefix)
+    bounds = load_bounds(arguments.loops) if arguments.loops else {}
+    has_float = image.has_float if arguments.frame is None else arguments.frame == "float"
+    report = examine(image, arguments.root, bounds, arguments.source, has_float=has_float)
+    _print_isr(report)
+    frame = "with" if has_float else "without"
+    entry = f"{report.entry_bytes} of them for the interrupt's entry {frame} floating point"
+    print(f"isr-bound {report.instructions} instructions")
+    print(f"isr-stack {report.stack_bytes} bytes, {entry}, limit {arguments.stack_limit}")
+    failures = list(report.problems)
+    if report.stack_bytes > arguments.stack_limit:
+        failures.append(f"{report.stack_bytes} bytes of stack, limit {arguments.stack_limit}")
+    if arguments.measured:
+        most = measured_max(str(arguments.measured), _read(arguments.measured))
+        print(f"measured maximum {most} instructions")
+        if report.instructions < most:
+            failures.append(f"the bound {report.instructions} lies below the measured {most}")
+    for name in sorted(bounds.keys() - report.bounds_used):
+        print(f"note: no loop of {name} is reached, its bound is not needed here")
+    for failure in failures:
+        print(f"FAILED: {failure}")
+    return FAILED if failures else 0
+
+
+def _record(path: Path, build: str, sizes: Sizes) -> None:
+    builds = parse_sizes(str(path), _read(path)) if path.exists() else {}
+    text = emit_sizes(builds | {build: sizes})
+    write_all(path.parent, {path.name: text.encode()})
+
+
+def _check_sizes(arguments: argparse.Namespace) -> int:
+    sizes = measure(Image(arguments.image, arguments.prefix), arguments.source)
+    if not sizes:
+        remedy = "build with -g, and name the folders with --source"
+        raise CamtoolsError([f"{arguments.image}: no module of our sources in it; {remedy}"])
+    print(table(sizes))
+    if arguments.record:
+        _record(arguments.recorded, arguments.build, sizes)
+        return 0
+    builds = parse_sizes(str(arguments.recorded), _read(arguments.recorded))
+    if arguments.build not in builds:
+        remedy = "record it with --record"
+        raise InputError(str(arguments.recorded), arguments.build, None, "not there", remedy)
+    changes = compare(sizes, builds[arguments.build])
+    for change in changes:
+        print(f"{'FAILED' if change.is_growth else 'smaller'}: {change}")
+    if changes:
+        folders = " ".join(f"--source {folder}" for folder in arguments.source)
+        where = f"--recorded {arguments.recorded} --build {arguments.build}"
+        print(f"to record anew: tools/elfcheck sizes {arguments.image} {folders} {where} --record")
+    return FAILED if any(change.is_growth for change in changes) else 0
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Run a check; 0 it holds, 1 it does not, 2 wrong usage or unreadable input."""
+    arguments = _arguments(argv)
+    check = {"isr": _check_isr, "sizes": _check_sizes}[arguments.command]
+    return run_command("elfcheck", lambda: check(arguments))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
