@@ -15,16 +15,19 @@ enum { min_ticks_per_turn = 8 };
 /// [um/s] larger speeds of Z are judged as this one: 6.5 m/s, far beyond any slide.
 enum { max_z_um_per_s = 6553400 };
 
+/// @return the smaller of the two
 static int64_t smaller(int64_t a, int64_t b)
 {
     return a < b ? a : b;
 }
 
+/// @return the greater of the two
 static uint64_t greater(uint64_t a, uint64_t b)
 {
     return a > b ? a : b;
 }
 
+/// @return a / b, rounded up, so that a demand is never taken too small
 static uint64_t divided_up(uint64_t a, uint64_t b)
 {
     return (a + b - 1u) / b;
@@ -43,6 +46,7 @@ static uint64_t at_amplitude(const cam_cut_t *c, uint64_t peak)
     return divided_up(peak * (uint32_t)c->p->amplitude_ppm, 1000000);
 }
 
+/// @return [nm] height of the part, over which Z feeds
 static uint64_t span_nm(const cam_cut_t *c)
 {
     return (uint64_t)((int64_t)c->t->z_last_nm - c->t->z_first_nm);
@@ -54,7 +58,7 @@ static cam_demand_t spindle_acceleration_demand(const cam_cut_t *c)
     const uint64_t omega = omega_mrad_per_s(c->mean_mrpm);
     const uint64_t omega2 = divided_up(omega * omega, 1000); // [0.001 rad2/s2]
     return (cam_demand_t){cam_err_spindle_acceleration, c->p->spindle_acceleration_mrad_per_s2,
-                          divided_up(omega2 * c->t->spindle_peak_ppm, 1000000)};
+                          divided_up(omega2 * c->t->spindle_peak_ppm_per_rad, 1000000)};
 }
 
 /// The speed must not let more knots or more of a turn pass in a tick than the interrupt can
@@ -147,6 +151,7 @@ static uint64_t drift_acceleration(const cam_cut_t *c, const drift_t *d)
     return divided_up(2u * d->speed_per_rad * omega_crad_per_s, 100) + d->acceleration;
 }
 
+/// U gets a set-point in every tick.
 static drift_t u_drift(const cam_cut_t *c)
 {
     return drift(c, &c->t->u, &c->t->u_change, c->tick_hz);
@@ -259,7 +264,7 @@ static cam_demand_t swing_acceleration_demand(const cam_cut_t *c)
     const uint64_t ratio_q20 = t->ratio_max_q20;
     const uint64_t bend = (((t->swing.second_mdeg_per_rad2 * ratio_q20) >> 20) * ratio_q20) >> 20;
     const uint64_t second_mdeg_per_rad2 =
-        bend + (uint64_t)t->swing.first_mdeg_per_rad * t->spindle_peak_ppm / 1000000u + 1u;
+        bend + (uint64_t)t->swing.first_mdeg_per_rad * t->spindle_peak_ppm_per_rad / 1000000u + 1u;
     const uint64_t second =
         at_amplitude(c, engaging(c->p, t->swing.most_mdeg, swing_first(t), second_mdeg_per_rad2));
     const uint64_t omega = omega_mrad_per_s(c->mean_mrpm);
@@ -338,6 +343,7 @@ cam_demand_t cam_demand_first_exceeded(const cam_cut_t *c)
         x_speed_demand(c),
         x_acceleration_demand(c),
     };
+    // The order of the demands decides which of several excesses is reported.
     for (size_t i = 0; i < sizeof demands / sizeof demands[0]; i++) {
         if (demands[i].needed > (uint64_t)demands[i].limit) {
             return demands[i];

@@ -12,6 +12,7 @@ uint32_t cam_feasible_peak_mrpm(const cam_table_t *table, uint32_t mean_mrpm)
     return peak < UINT32_MAX ? (uint32_t)peak : UINT32_MAX;
 }
 
+/// Set the mean speed of a cut and the highest speed within a turn that goes with it.
 static void set_speed(cam_cut_t *c, uint32_t mrpm)
 {
     c->mean_mrpm = mrpm;
@@ -40,6 +41,8 @@ cam_err_t cam_feasible_check(const cam_table_t *table, const cam_params_t *param
 uint32_t cam_feasible_highest_mrpm(const cam_table_t *table, const cam_params_t *params,
                                    uint32_t tick_hz)
 {
+    // No demand falls with rising speed, so the bits of the highest feasible speed can be found
+    // from the highest one downwards.
     cam_cut_t c = cut_of(table, params, 0, tick_hz);
     uint32_t highest = 0;
     for (uint32_t bit = UINT32_C(1) << (speed_bits - 1); bit != 0u; bit >>= 1) {

@@ -54,6 +54,7 @@ static cam_err_t hand_over(cam_machine_t *m, const cam_params_t *params, const c
     if (half == NULL) {
         return cam_err_busy;
     }
+    // The guard's limit of the speed follows from the highest speed at which all limits hold.
     const uint32_t mean_mrpm = highest_mrpm(m, params, table);
     const uint32_t peak_mrpm = table != NULL ? cam_feasible_peak_mrpm(table, mean_mrpm) : 0u;
     const uint32_t limit_mrpm = peak_mrpm + peak_mrpm / 100u * overspeed_percent;
@@ -192,6 +193,7 @@ cam_err_t cam_machine_set_param(cam_machine_t *m, cam_param_id_t id, int32_t val
     if (!may_change(id, status.state)) {
         return cam_err_param_state;
     }
+    // Enabled, the machine takes a changed parameter at once, so what it leads to must be feasible.
     if (status.state != cam_state_off && m->has_table) {
         err = check_start(m, &params, &m->table);
     }
@@ -224,6 +226,7 @@ cam_feasibility_t cam_machine_feasibility(const cam_machine_t *m, uint32_t speed
                         : (cam_feasibility_t){.err = cam_err_no_table, .speed_mrpm = mrpm};
 }
 
+/// Post a request if the state allows it.
 static cam_err_t post_if(cam_machine_t *m, const cam_status_t *status, bool is_allowed,
                          cam_request_t request)
 {
@@ -334,6 +337,7 @@ void cam_machine_poll(cam_machine_t *m)
         m->scrub_at = scrub_from;
         m->scrub_crc = 0;
     }
+    // The CRC of the image is recomputed piece by piece; a round ends with the comparison.
     const uint32_t left = m->table.image_size - m->scrub_at;
     const uint32_t n = left < scrub_bytes ? left : scrub_bytes;
     m->scrub_crc = cam_crc32(m->scrub_crc, bytes + m->scrub_at, n);

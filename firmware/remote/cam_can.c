@@ -16,6 +16,7 @@ typedef struct {
     int32_t value;
 } outcome_t;
 
+/// @return the outcome of a command whose answer carries no value
 static outcome_t plain(cam_err_t err)
 {
     return (outcome_t){.err = err};
@@ -72,6 +73,7 @@ static outcome_t get(const cam_can_t *r, cam_param_id_t id, cam_err_t err)
                        .value = is_there ? cam_param_get(&r->machine->params, id) : 0};
 }
 
+/// @return the smallest or the largest value that a parameter can take
 static outcome_t limit(cam_param_id_t id, bool is_lower)
 {
     const cam_param_info_t *info = cam_param_info(id);
@@ -81,6 +83,7 @@ static outcome_t limit(cam_param_id_t id, bool is_lower)
     return (outcome_t){.err = cam_ok, .value = is_lower ? info->min : info->max};
 }
 
+/// Set a parameter and answer with the value in force; a value out of its range gets the range too.
 static void set(cam_can_t *r, uint8_t command, cam_param_id_t id, int32_t value)
 {
     const uint8_t index = (uint8_t)id;
@@ -193,6 +196,7 @@ static void take_command(cam_can_t *r, const hal_can_frame_t *frame)
         follow(r, &m);
         return;
     }
+    // The frame is malformed: echo what has come, so that the sender can assign the answer.
     uint8_t echo[n_echoed] = {0};
     for (uint32_t i = 0; i < n_echoed && i < frame->n; i++) {
         echo[i] = frame->data[i];
@@ -253,6 +257,7 @@ static void serve(cam_can_t *r, uint32_t tick)
     for (uint32_t i = 0; i < max_frames && goes_on && hal_can_read(&frame); i++) {
         goes_on = take_frame(r, &frame, tick) && r->n_answers == 0u;
     }
+    // Without a frame that needs an answer, look whether the next frame of a block is overdue.
     if (goes_on) {
         end_block(r, cam_isotp_wait(&r->isotp, tick));
     }

@@ -60,6 +60,7 @@ static cam_isotp_event_t begin_long(cam_isotp_t *t, const hal_can_frame_t *frame
     t->n = 0;
     t->next = 1;
     t->last_tick = tick;
+    // A message beyond the capacity is refused by its flow control and otherwise ignored.
     t->is_too_long = length > t->capacity;
     t->is_receiving = !t->is_too_long;
     ask_for_block(t);
@@ -85,6 +86,7 @@ static cam_isotp_event_t go_on(cam_isotp_t *t, const hal_can_frame_t *frame, uin
         t->is_receiving = false;
         return cam_isotp_broken;
     }
+    // Bytes behind the end of the message are padding; append() leaves them out.
     append(t, &frame->data[1], frame_bytes - 1u);
     t->next = (t->next + 1u) % 16u;
     t->last_tick = tick;

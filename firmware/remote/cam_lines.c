@@ -3,6 +3,7 @@
 
 enum { max_line = 120 }; ///< longest line that hal_text() allows
 
+/// A line that is being put together.
 typedef struct {
     char text[max_line + 1];
     uint32_t n;

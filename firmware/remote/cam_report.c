@@ -26,6 +26,7 @@ static void send(hal_can_frame_t *frame, uint32_t id, int n)
     (void)hal_can_write(frame);
 }
 
+/// Send the message State: a bit for each fault, and why the controller is as it is.
 static void send_state(const cam_report_t *r, const cam_store_t *store, const cam_status_t *status)
 {
     struct camturn_state_t m = {
@@ -102,6 +103,8 @@ static void describe_table(struct camturn_detail_t *m, const cam_store_t *store)
     m->table_name_5 = chars;
 }
 
+/// Send a page of Detail. All its signals are set; the generated pack function takes those of the
+/// page.
 static void send_detail(uint32_t page, const cam_store_t *store, const cam_status_t *status)
 {
     enum { most = (1 << 23) - 1 };
@@ -129,6 +132,8 @@ void cam_report_send(cam_report_t *r, const cam_store_t *store, const cam_status
     if (status->tick - r->status_tick < period) {
         return;
     }
+    // Adding the period keeps the rate on average; after a pause of more than a period the count
+    // starts anew.
     r->status_tick += period;
     if (status->tick - r->status_tick >= period) {
         r->status_tick = status->tick;

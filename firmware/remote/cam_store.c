@@ -6,6 +6,7 @@
 /// Offset of the field image_size in the header of an image (TABLE_FORMAT.md).
 enum { at_image_size = 16 };
 
+/// @return the little-endian word at some bytes
 static uint32_t get_u32(const uint8_t *bytes)
 {
     return (uint32_t)bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 |
@@ -64,6 +65,7 @@ cam_err_t cam_store_select(cam_store_t *s)
     if (!cam_store_is_of_moment(err)) {
         s->err = err;
     }
+    // The generation counts selects that succeeded, so that a tool can see its own.
     s->generation += err == cam_ok ? 1u : 0u;
     return err;
 }
@@ -140,6 +142,7 @@ cam_err_t cam_store_end(cam_store_t *s, uint32_t crc)
     if (s->received < s->size) {
         return cam_err_download_short;
     }
+    // Whatever the check finds, this download takes no further blocks.
     s->is_open = false;
     const hal_image_t staged = hal_table_staged();
     if (cam_crc32(0, staged.bytes, s->size) != crc) {

@@ -33,6 +33,7 @@ static uint32_t larger(uint32_t most, uint64_t value)
 void cam_barrel_measure(cam_table_t *t)
 {
     const cam_channel_t *x = &t->x;
+    // Samples run from the lowest to the highest slice, both included.
     const uint32_t n = (x->n_slices - 1u) * (uint32_t)per_slice;
     t->x_slope_ppm = 0;
     t->x_bend_ppm_per_m = 0;

@@ -14,6 +14,7 @@ typedef struct {
     int64_t c3, c4, c5;
 } rest_t;
 
+/// D, V and A of the format are dp, dv and da here.
 static rest_t rest_of(const cam_wide_knot_t *k0, const cam_wide_knot_t *k1)
 {
     const int64_t dp = k1->p - k0->p - k0->v - k0->a;

@@ -77,6 +77,7 @@ static cam_err_t check_heights(const cam_entry_t *e, const cam_entry_place_t *in
     return is_spaced && per_nm_q48 == e->slices_per_nm_q48 ? cam_ok : cam_err_image_height;
 }
 
+/// @return whether the evaluation cannot overflow by this sum or member of a knot
 static bool is_bounded(int64_t sum)
 {
     return sum <= CAM_TABLE_SUM_MAX;

@@ -12,6 +12,7 @@ enum { unit_bits = 26 };
 /// [2^-20] 1 / 2 pi, rounded up.
 enum { turn_per_rad_q20 = 166887 };
 
+/// @return v >= 0 limited to the range of uint32
 static uint32_t saturated(int64_t v)
 {
     return v < (int64_t)UINT32_MAX ? (uint32_t)v : UINT32_MAX;
@@ -36,6 +37,8 @@ cam_swing_peaks_t cam_peaks_of_swing(const cam_channel_t *ch)
         cam_bounds_add(&b, &k0, &k1);
         cam_bounds_add_second(&b, &k0, &k1);
     }
+    // A bound is a number of LSB of 2^-(26 + frac_bits) turn, taken tenfold, twofold or 8192-fold.
+    // Adding 1 before and after each shift rounds it up.
     const uint32_t down = unit_bits + ch->frac_bits;
     const int64_t second =
         ((((b.second_8192 >> 13) + 1) * intervals_per_turn(ch) * mdeg_per_turn_rad2) >> 13) + 1;
@@ -81,6 +84,7 @@ cam_change_t cam_peaks_of_change(const cam_channel_t *ch)
         const cam_wide_knot_t k0 = slice_step(ch, i);
         const cam_wide_knot_t k1 = slice_step(ch, next);
         cam_bounds_add(&steps, &k0, &k1);
+        // The first slice has no slice below it, so the rate cannot jump there.
         if (i >= n_in_slice) {
             const cam_wide_knot_t b0 = slice_bend(ch, i);
             const cam_wide_knot_t b1 = slice_bend(ch, next);

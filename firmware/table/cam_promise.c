@@ -42,6 +42,7 @@ static bool is_motion_kept(const cam_table_t *t, uint32_t k)
     if (cam_abs_i64(curve_turn) > MAX_CURVE >> shift) {
         return false;
     }
+    // u'' r^2 + u' r r', with r in q14 so that the products fit 64 bits.
     const int64_t bend = (curve_turn * (INT64_C(1) << shift) * ((r_q14 * r_q14) >> 14)) >> 14;
     const int64_t rr_q14 = (r_q14 * (ratio.slope_q20 >> 6)) >> 14;
     const int64_t acceleration = bend + ((slope * rr_q14) >> 14);
@@ -54,7 +55,7 @@ static bool is_spindle_kept(const cam_table_t *t, uint32_t k)
 {
     const cam_ratio_t ratio = ratio_at(t, &t->speed, k);
     const int64_t rr_q20 = ((int64_t)ratio.ratio_q28 * ratio.slope_q20) >> 28;
-    return is_kept((per_rad(rr_q20) * 1000000) >> 20, t->spindle_peak_ppm);
+    return is_kept((per_rad(rr_q20) * 1000000) >> 20, t->spindle_peak_ppm_per_rad);
 }
 
 cam_err_t cam_promise_check(const cam_table_t *t)

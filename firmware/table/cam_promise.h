@@ -10,7 +10,8 @@
 #include "cam_err.h"   // cam_err_t
 #include "cam_table.h" // cam_table_t
 
-/// @param t  has u, speed, u1_peak_nm_per_rad, u2_peak_nm_per_rad2 and spindle_peak_ppm filled in;
+/// @param t  has u, speed, u1_peak_nm_per_rad, u2_peak_nm_per_rad2 and spindle_peak_ppm_per_rad
+/// filled in;
 ///           each channel has been checked by itself
 /// @return   cam_ok or cam_err_image_limits
 CAM_MUST_USE cam_err_t cam_promise_check(const cam_table_t *t);

@@ -30,7 +30,7 @@ typedef struct {
     uint32_t limit_u_stroke_nm, limit_u_speed_um_per_s, limit_u_acceleration_mm_per_s2,
         limit_spindle_mrpm;
     int32_t u_min_nm, u_max_nm;
-    uint32_t u1_peak_nm_per_rad, u2_peak_nm_per_rad2, error_pm, spindle_peak_ppm;
+    uint32_t u1_peak_nm_per_rad, u2_peak_nm_per_rad2, error_pm, spindle_peak_ppm_per_rad;
 } header_fields_t;
 _Static_assert(at_z_first + sizeof(header_fields_t) == cam_table_header_size, "as in the format");
 
@@ -61,6 +61,7 @@ uint32_t cam_crc32(uint32_t crc, const void *data, size_t n)
     return ~rest;
 }
 
+/// @return the word at an offset in bytes, whose alignment does not matter
 static uint32_t word_at(const uint8_t *image, size_t at)
 {
     uint32_t word = 0;
@@ -126,7 +127,7 @@ static cam_err_t check_header(const uint8_t *image, header_fields_t *h)
         cam_is_between(h->u_max_nm, h->u_min_nm, max_u_nm) &&
         cam_is_between(h->u1_peak_nm_per_rad, 0, INT32_MAX) &&
         cam_is_between(h->u2_peak_nm_per_rad2, 0, INT32_MAX) &&
-        cam_is_between(h->spindle_peak_ppm, 0, max_spindle_ppm);
+        cam_is_between(h->spindle_peak_ppm_per_rad, 0, max_spindle_ppm);
     return is_sound ? check_name(image + at_name) : cam_err_image_header;
 }
 
@@ -148,6 +149,8 @@ static cam_err_t check_entry(const cam_entry_t *e, const header_fields_t *h, con
     return low_nm >= h->u_min_nm && high_nm <= h->u_max_nm ? cam_ok : cam_err_image_limits;
 }
 
+/// @return the place of a channel in the table; swing and contact share one, as they exclude each
+/// other
 static cam_channel_t *channel_of(cam_table_t *table, uint32_t kind)
 {
     switch (kind) {
@@ -174,7 +177,7 @@ static cam_err_t check_promise(const cam_entry_t *u, const header_fields_t *h, c
 {
     table->u1_peak_nm_per_rad = h->u1_peak_nm_per_rad;
     table->u2_peak_nm_per_rad2 = h->u2_peak_nm_per_rad2;
-    table->spindle_peak_ppm = h->spindle_peak_ppm;
+    table->spindle_peak_ppm_per_rad = h->spindle_peak_ppm_per_rad;
     if (table->speed.knots != NULL) {
         return cam_promise_check(table);
     }
@@ -183,7 +186,8 @@ static cam_err_t check_promise(const cam_entry_t *u, const header_fields_t *h, c
     const int64_t u2 =
         knot_per_rad(knot_per_rad(INT64_C(2) * u->a_max, log2_knots), log2_knots) >> u->frac_bits;
     const bool is_covered = u1 <= (int64_t)h->u1_peak_nm_per_rad &&
-                            u2 <= (int64_t)h->u2_peak_nm_per_rad2 && h->spindle_peak_ppm == 0u;
+                            u2 <= (int64_t)h->u2_peak_nm_per_rad2 &&
+                            h->spindle_peak_ppm_per_rad == 0u;
     return is_covered ? cam_ok : cam_err_image_limits;
 }
 
@@ -207,6 +211,7 @@ static cam_err_t check_channels(const uint8_t *image, const header_fields_t *h, 
             return err;
         }
         cam_channel_t *ch = channel_of(table, e.kind);
+        // A kind that is there already, or swing beside contact.
         if (ch->knots != NULL) {
             return cam_err_image_channel;
         }
@@ -215,6 +220,8 @@ static cam_err_t check_channels(const uint8_t *image, const header_fields_t *h, 
         table->is_swung = table->is_swung || e.kind == cam_kind_swing;
         table->is_ring_helix = table->is_ring_helix || e.path != 0u;
         if (e.kind == cam_kind_speed) {
+            // The shift rounds down, which 1 makes up for; 1 more covers the rounding of the
+            // evaluation.
             table->ratio_max_q20 = (uint32_t)(e.offset_nm + (e.p_max >> e.frac_bits) + 2);
         }
     }

@@ -232,6 +232,7 @@ void hal_host_fault_counts(int32_t counts)
 
 void hal_host_fault_encoder_stuck(bool is_stuck)
 {
+    // The counter stays where it reads now, and later moves on from the true position.
     hal_host.fault.stuck_counts = distorted().counts;
     hal_host.fault.is_encoder_stuck = is_stuck;
 }
@@ -248,6 +249,7 @@ void hal_host_fault_late(uint32_t percent)
         (uint32_t)((uint64_t)hal_host_clock_hz * percent / 100u / hal_host.tick_hz);
 }
 
+/// Set or clear a bit of the inputs.
 static void set_input(uint32_t bit, bool is_set)
 {
     hal_host.in.inputs = is_set ? hal_host.in.inputs | bit : hal_host.in.inputs & ~bit;

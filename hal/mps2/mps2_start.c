@@ -18,6 +18,7 @@ enum { n_core_vectors = 16, n_board_vectors = 32, timer0_vector = n_core_vectors
 #define CPACR (*(volatile uint32_t *)0xE000ED88u)
 #define CPACR_FPU (0xFu << 20)
 
+/// Every exception but the timer's ends the image.
 static void on_exception(void)
 {
     static const char text[] = "exception\n";

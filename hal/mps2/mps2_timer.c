@@ -7,10 +7,12 @@
 
 enum { board_hz = 25000000, tick_hz = 20000 };
 
+/// Registers of an APB timer.
 typedef struct {
     uint32_t control, value, reload, interrupt; ///< writing 1 to interrupt clears it
 } apb_timer_t;
 
+/// Registers of one half of the dual timer.
 typedef struct {
     uint32_t load, value, control;
 } dual_timer_t;

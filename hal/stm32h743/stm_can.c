@@ -40,6 +40,7 @@ static bool set_init(uint32_t wanted)
     return false;
 }
 
+/// Set the bit times of the arbitration and of the data of FD frames.
 static void set_timing(void)
 {
     FDCAN1_NBTP = (nominal_after - 1u) << 25 | (nominal_before - 1u) << 8 | (nominal_after - 1u);
@@ -120,6 +121,7 @@ static uint32_t length_code(uint32_t n)
     return code;
 }
 
+/// Write the data of a frame to the message RAM, which takes whole words only.
 static void copy_out(volatile uint32_t *data, const hal_can_frame_t *frame)
 {
     for (uint32_t i = 0; i < frame->n; i += 4u) {

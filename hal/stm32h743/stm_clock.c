@@ -6,6 +6,8 @@
 /// Polls of a flag before it is given up: about 50 ms at the 64 MHz after reset.
 enum { max_polls = 400000 };
 
+/// Poll a register until the bits of a mask have the wanted values.
+/// @return false when they do not take them in time
 static bool wait_for(volatile uint32_t *reg, uint32_t mask, uint32_t wanted)
 {
     for (uint32_t i = 0; i < max_polls; i++) {

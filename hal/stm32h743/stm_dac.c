@@ -32,6 +32,8 @@ static void send_isr(const uint32_t words[stm_n_dacs])
     SPI3_CR1 = SPI_CR1_SPE | SPI_CR1_CSTART;
 }
 
+/// Wait for the end of a transfer, outside of the tick.
+/// @return false when it does not come
 static bool wait_for_end(void)
 {
     for (uint32_t i = 0; i < 100000u; i++) { // some hundred times the duration of a transfer
@@ -71,6 +73,7 @@ bool stm_dac_init(void)
                                                frame_control | control_protect, frame_nothing};
     static const uint32_t load[stm_n_dacs] = {frame_load_all, frame_nothing, frame_nothing,
                                               frame_nothing};
+    // Ranges, power and protection first, then 0 V into all outputs, and at last the load command.
     for (uint32_t i = 0; i < stm_n_dacs; i++) {
         stm_dac_set_isr(i, 0);
     }

@@ -13,6 +13,7 @@ enum { flash_start = 0x08000000, bank_bytes = 1 << 20 };
 /// word. An erase is waited for in calls of hal_idle(), which returns at least once a tick.
 enum { most_erase_waits = 10 * BOARD_TICK_HZ, most_program_loops = 1000000 };
 
+/// @return the bank of an address, 0 or 1
 static uint32_t bank_of(uint32_t address)
 {
     return (address - flash_start) / bank_bytes;
@@ -35,12 +36,14 @@ static void open_bank(uint32_t bank)
     FLASH_KEYR(bank) = FLASH_KEYR_SECOND;
 }
 
+/// Lock the control register of a bank and protect the tables again.
 static void close_bank(uint32_t bank)
 {
     FLASH_CR(bank) = FLASH_CR_LOCK;
     stm_memory_open_tables(false);
 }
 
+/// Erase a sector of an open bank, while the main loop idles.
 static bool erase_sector(uint32_t bank, uint32_t sector)
 {
     const uint32_t what = FLASH_CR_SER | FLASH_CR_PSIZE_64 | FLASH_CR_SNB(sector);
@@ -77,6 +80,8 @@ static uint32_t word_at(const uint8_t *bytes, uint32_t n, uint32_t at)
     return word;
 }
 
+/// Program a flash word of an open bank. Its eight words are collected by the flash interface,
+/// which starts to program after the last one.
 static bool program_word(uint32_t bank, uint32_t address, const uint8_t *bytes, uint32_t n)
 {
     volatile uint32_t *to = (volatile uint32_t *)address;
@@ -107,6 +112,8 @@ bool stm_flash_peek(uint32_t address, uint32_t *words)
     const volatile uint32_t *from = (const volatile uint32_t *)address;
     const uint32_t bank = bank_of(address);
     FLASH_CCR(bank) = FLASH_SR_ERRORS;
+    // With FAULTMASK set and BFHFNMIGN the core ignores the bus fault of an unreadable word; the
+    // flash interface reports it in its status instead.
     __asm volatile("cpsid f" ::: "memory");
     SCB_CCR |= SCB_CCR_BFHFNMIGN;
     stm_barrier();

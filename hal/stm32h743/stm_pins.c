@@ -15,6 +15,7 @@ typedef struct {
     uint8_t alternate;
 } pin_t;
 
+/// The outputs enable, fault and "in cut" are missing here: stm_outputs_safe() has set them up.
 static const pin_t pins[] = {
     {GPIOA, 4, mode_analogue, pull_none, 0},   // internal DAC
     {GPIOA, 5, mode_alternate, pull_down, 1},  // TIM2 channel 1: spindle A
@@ -37,6 +38,7 @@ static const pin_t pins[] = {
     {GPIOE, stm_pin_ready, mode_input, pull_down, 0},
 };
 
+/// Overwrite a field of a register.
 static void set_field(volatile uint32_t *reg, uint32_t at, uint32_t width, uint32_t value)
 {
     *reg = (*reg & ~(((1u << width) - 1u) << at)) | value << at;

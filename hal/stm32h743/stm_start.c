@@ -79,6 +79,7 @@ __attribute__((section(".vectors"), used)) static const struct {
 /// their size rounded up to a power of two: B3.2.5.
 __attribute__((section(".ram_vectors"), aligned(1024))) static vector_t ram_vectors[n_vectors];
 
+/// Fill the vectors in RAM and switch the core to them; each fault gets its own exception.
 static void fill_vectors(void)
 {
     for (uint32_t i = 0; i < n_vectors; i++) {

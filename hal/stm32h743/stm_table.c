@@ -28,16 +28,19 @@ static uint32_t in_use;    ///< place in use, 0 or 1
 static uint32_t n_written; ///< number of records in the log, good or torn
 static bool is_begun;      ///< a download has begun
 
+/// @return address of record i of the log
 static uint32_t log_address(uint32_t i)
 {
     return (uint32_t)stm_log_start + i * stm_flash_word_bytes;
 }
 
+/// @return record i of the log, which makes a place the one in use
 static record_t record_of(uint32_t place, uint32_t i)
 {
     return (record_t){{record_magic, place, i, ~record_magic, ~place, ~i, 0, 0}};
 }
 
+/// @return whether a flash word is a good record i
 static bool is_record(const record_t *found, uint32_t i)
 {
     const record_t due = record_of(found->words[1], i);
@@ -48,6 +51,7 @@ static bool is_record(const record_t *found, uint32_t i)
     return is_good;
 }
 
+/// @return whether a flash word is erased
 static bool is_empty(const record_t *found)
 {
     uint32_t all = UINT32_MAX;
@@ -69,6 +73,7 @@ void stm_table_init(void)
     }
 }
 
+/// @return place 0 or 1 for a table
 static hal_image_t place(uint32_t i)
 {
     return i == 0u ? (hal_image_t){.bytes = stm_table_start, .size = (uint32_t)stm_table_bytes}
@@ -119,6 +124,8 @@ bool hal_table_commit(void)
     if (!is_begun || n_written == n_records) {
         return false;
     }
+    // The record is counted before it is written, since a torn one occupies its place in the log
+    // too.
     const record_t record = record_of(1u - in_use, n_written);
     const uint32_t address = log_address(n_written);
     n_written++;

@@ -6,6 +6,7 @@
 #include "stm_dac.h"    // stm_dac_send_isr
 #include "stm_timers.h" // tick timer
 
+/// Written by the interrupt, read by the slow side, one word at a time.
 static volatile struct {
     uint32_t n_ticks;
     uint32_t faults;

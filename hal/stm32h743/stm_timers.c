@@ -6,6 +6,7 @@
 #include "stm_convert.h" // stm_extend
 #include "stm_core.h"
 
+/// Times in counts of the timers.
 enum {
     tick_counts = stm_timer_hz / BOARD_TICK_HZ,
     update_counts = stm_timer_hz / 1000000 * BOARD_UPDATE_NS / 1000,

@@ -210,7 +210,7 @@ static void test_tick_rate_limits_knots_and_counts_per_tick(void)
 static void test_modulation_limits_peak_speed_and_spindle_acceleration(void)
 {
     table.ratio_max_q20 = (uint32_t)(1.499457112 * CAM_TABLE_RATIO_ONE) + 1u;
-    table.spindle_peak_ppm = 1056454u;
+    table.spindle_peak_ppm_per_rad = 1056454u;
     params.spindle_acceleration_mrad_per_s2 = 2000000000;
     params.spindle_limit_mrpm = 2500000;
     TEST_ASSERT_EQUAL_UINT32(2500001, cam_feasible_peak_mrpm(&table, 1667270));
@@ -324,8 +324,8 @@ static void test_x_follows_the_barrel_within_its_limits(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.01 * bent, bent, (double)judge(3000000).needed / 1.44);
 }
 
-/// @return the largest e u'' + 2 e' u' + e'' u of a cosine oval under the smooth step, over all
-///         angles at which engaging may begin
+/// @return the largest e u'' + 2 e' u' + |e''| u over the smooth step e, where u, u' and u'' of the
+///         oval are each at their largest
 static double engaging_peak(double turns)
 {
     double most = 0.0;

@@ -44,7 +44,7 @@ static void test_modulated_table_is_accepted_and_described(void)
     TEST_ASSERT_EQUAL_UINT32(3, table.speed.n_slices);
     TEST_ASSERT_DOUBLE_WITHIN(3e-6, 1.425, table.ratio_max_q20 / (double)CAM_TABLE_RATIO_ONE);
     TEST_ASSERT_DOUBLE_WITHIN(2.0, fixture_image_get(&image, fixture_at_spindle_peak),
-                              table.spindle_peak_ppm);
+                              table.spindle_peak_ppm_per_rad);
 }
 
 static void test_uniform_table_has_ratio_one(void)
@@ -54,7 +54,7 @@ static void test_uniform_table_has_ratio_one(void)
     TEST_ASSERT_EQUAL_INT(cam_ok, check());
     TEST_ASSERT_NULL(table.speed.knots);
     TEST_ASSERT_EQUAL_UINT32(CAM_TABLE_RATIO_ONE, table.ratio_max_q20);
-    TEST_ASSERT_EQUAL_UINT32(0, table.spindle_peak_ppm);
+    TEST_ASSERT_EQUAL_UINT32(0, table.spindle_peak_ppm_per_rad);
     TEST_ASSERT_EQUAL_INT(cam_err_image_limits, with_word(fixture_at_spindle_peak, 1u));
 }
 
