@@ -23,9 +23,9 @@ __attribute__((noipa)) void stage_mark(stage_t stage)
 const char *stages_name(stage_t stage)
 {
     static const char *const names[stage_n_marks] = {
-        [stage_begin] = "begin",     [stage_sense] = "sense", [stage_angle] = "angle",
-        [stage_play] = "play",       [stage_guard] = "guard", [stage_actuate] = "actuate",
-        [stage_publish] = "publish",
+        [stage_begin] = "begin", [stage_sense] = "sense",     [stage_angle] = "angle",
+        [stage_play] = "play",   [stage_guard] = "guard",     [stage_actuate] = "actuate",
+        [stage_plan] = "plan",   [stage_publish] = "publish",
     };
     return names[stage];
 }
