@@ -50,7 +50,7 @@ typedef struct {
     int32_t z_first_nm;         ///< [nm] height of slice 0
     uint32_t span_nm;           ///< [nm] height of the last slice above slice 0
     uint32_t slices_per_nm_q48; ///< [slices/nm / 2^48] reciprocal of the spacing, >= 2^24
-    int32_t offset_nm;          ///< [unit of the channel] value at p = 0
+    int32_t value_offset;       ///< [unit of the channel] value at p = 0
 } cam_channel_t;
 
 /// Upper bounds of the motion that a table demands of the tool's swing, at full amplitude.

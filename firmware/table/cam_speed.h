@@ -49,7 +49,7 @@ static inline cam_ratio_t cam_speed_scaled(const cam_channel_t *ch, cam_value_t 
     const uint32_t shift = ch->log2_knots + ch->log2_repeat;
     const int32_t above_q28 = (int32_t)((uint32_t)value.y << (8u - ch->frac_bits));
     return (cam_ratio_t){
-        .ratio_q28 = cam_wrap_add(ch->offset_nm * 256, above_q28),
+        .ratio_q28 = cam_wrap_add(ch->value_offset * 256, above_q28),
         .slope_q20 = cam_sat_i32(((int64_t)value.d1 * (INT64_C(1) << shift)) >> ch->frac_bits),
     };
 }
