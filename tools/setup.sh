@@ -6,6 +6,10 @@
 camturn_root=$(cd -P "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.." && pwd)
 mkdir -p "$camturn_root/build"
 
+# The matrices here are small: threads of the linear algebra would only wait for each other, and how
+# many there are would show in last digits.
+export OPENBLAS_NUM_THREADS=1
+
 camturn_say() { printf 'camturn: %s\n' "$*" >&2; }
 
 # What proves that a Debian package is not needed: its command or library, wherever it came from.

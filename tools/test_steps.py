@@ -1,242 +1,227 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The steps of tools/test: run each, go on after a failure, add everything up.
+"""The steps of tools/test, a line each; step_runner.py runs them and adds everything up.
 
 A gate (a build, a formatter, a linter) counts as one test; ctest and pytest tell their own
-numbers in JUnit files.
+numbers in JUnit files. A step is added by one line in the list that it belongs to.
 """
 
 from __future__ import annotations
 
-import contextlib
 import os
-import signal
-import subprocess
 import sys
-import time
-from collections.abc import Iterable
-from dataclasses import dataclass, field
 from pathlib import Path
-from xml.etree import ElementTree
+
+from step_runner import Runner, Step
 
 ROOT = Path(__file__).resolve().parent.parent
 BUILD = ROOT / "build"
 PYTHON = sys.executable
 PYPROJECT = "tools/pyproject.toml"
 C_FOLDERS = ("firmware", "hal", "host_sim", "tests")
-PYTEST_PATHS = ("tests/tools", "tests/scenarios", "tests/outside")
-PIL_PATHS = ("tests/pil",)
-# What drives the simulator, once more under the sanitizers.
-SIMULATOR_PATHS = (
-    "tests/scenarios",
-    "tests/tools/sim/test_camsim_run.py",
-    "tests/tools/sim/test_camsim_eval.py",
-)
-# The flashable image in an emulator, compared with a program of the host build.
-IMAGE_PATHS = ("tests/stm32",)
-# The port for Linux on a real kernel.
-LINUX_PATHS = (
-    "tests/linux/test_uml.py",
-    "tests/linux/test_linux_start.py",
-    "tests/linux/test_linux.py",
-)
-N_JOBS = "2"
+Command = tuple[str | Path, ...]
+MAX_CORES = 8
+N_CORES = min(len(os.sched_getaffinity(0)), MAX_CORES)
 # A process per core; all tests of a file in one process, since they share what is costly to make.
-# A crash is told and ends that process for good. What judges the clock is marked and comes
-# afterwards by itself.
-PARALLEL = ("-n", N_JOBS, "--dist", "loadfile", "--max-worker-restart=0")
-NOT_ALONE, ALONE = ("-m", "not alone"), ("-m", "alone")
-STEP_LIMIT_S = 900  # ten times what the longest takes; a step that hangs is a failure
-KILL_AFTER_S = 10
+# A crash is told and ends that process for good.
+PARALLEL = ("-n", str(N_CORES), "--dist", "loadfile", "--max-worker-restart=0")
+NOTHING = r"^\b$"  # closing line of a step that has none worth reading
 MIN_LINE_PERCENT = "95"
 MIN_BRANCH_PERCENT = "90"
 
 
-@dataclass
-class Tally:
-    """Counts over all runners, and the names of the steps that failed."""
-
-    passed: int = 0
-    failed: int = 0
-    skipped: int = 0
-    failed_steps: list[str] = field(default_factory=list)
-
-    def summary(self) -> str:
-        """Return the last line that tools/test prints."""
-        line = f"{self.passed} passed, {self.failed} failed"
-        return line + f", {self.skipped} skipped" if self.skipped else line
-
-    def fail(self, step: str, count: int = 1) -> None:
-        """Count failures of one step."""
-        self.failed += count
-        self.failed_steps.append(step)
-
-    def add_junit(self, step: str, report: Path, status: int) -> None:
-        """Add the counts of a JUnit file; a runner that broke down counts as one failure."""
-        try:
-            suites = list(ElementTree.parse(report).getroot().iter("testsuite"))
-        except (OSError, ElementTree.ParseError):
-            self.fail(step)
-            return
-
-        def total(*names: str) -> int:
-            return sum(int(suite.get(name, "0")) for suite in suites for name in names)
-
-        failed, skipped = total("failures", "errors"), total("skipped", "disabled")
-        self.passed += total("tests") - failed - skipped
-        self.skipped += skipped
-        if failed or status:
-            self.fail(step, max(failed, 1))
+def gate(
+    name: str,
+    *command: str | Path,
+    needs: tuple[str, ...] = (),
+    closing: str | None = None,
+    wide: bool = False,
+) -> Step:
+    """Return a step that counts as one test."""
+    return Step(name, command, needs, is_wide=wide, closing=closing)
 
 
-def wait(process: subprocess.Popen[bytes], limit_s: float) -> int:
-    """Return a step's exit status, 124 when it took too long; nothing that it started goes on."""
-    try:
-        return process.wait(limit_s)
-    except subprocess.TimeoutExpired:
-        print(f"not done after {limit_s:g} s: stopped", flush=True)
-        return 124
-    finally:
-        if process.poll() is None:
-            os.killpg(process.pid, signal.SIGTERM)
-            with contextlib.suppress(subprocess.TimeoutExpired):
-                process.wait(KILL_AFTER_S)
-            with contextlib.suppress(ProcessLookupError):
-                os.killpg(process.pid, signal.SIGKILL)
-            process.wait()
+def tool(
+    name: str,
+    module: str,
+    *words: str | Path,
+    needs: tuple[str, ...] = (),
+    closing: str | None = None,
+) -> Step:
+    """Return a step that is a Python module of ours or of others."""
+    return gate(name, PYTHON, "-m", module, *words, needs=needs, closing=closing)
 
 
-def run(step: str, command: Iterable[str | Path], limit_s: float = STEP_LIMIT_S) -> int:
-    """Run one step from the root of the repository; its output passes through."""
-    print(f"--- {step}", flush=True)
-    start_s = time.monotonic()
-    try:
-        # One stream, so that messages stand where they belong; a group, so that all can be stopped.
-        process = subprocess.Popen(
-            [str(word) for word in command],
-            cwd=ROOT,
-            stderr=subprocess.STDOUT,
-            start_new_session=True,
-        )
-        status = wait(process, limit_s)
-    except OSError as err:
-        print(err)
-        status = 127
-    verdict = "ok" if status == 0 else f"FAILED (exit status {status})"
-    print(f"--- {step}: {verdict}, {time.monotonic() - start_s:.1f} s\n", flush=True)
-    return status
+def build(preset: str, target: str = "") -> Step:
+    """Return the build of a preset by the function that tools/run uses too."""
+    script = 'set -euo pipefail; source "$1/tools/setup.sh"; camturn_build "$2" ${3:+"$3"}'
+    words = ("bash", "-c", script, "bash", ROOT, preset, target)
+    return gate(f"build {preset}", *words, wide=True, closing=NOTHING)
 
 
-def gate(tally: Tally, step: str, *command: str | Path) -> bool:
-    """Run a step that counts as one test; tell whether it passed."""
-    if run(step, command) == 0:
-        tally.passed += 1
-        return True
-    tally.fail(step)
-    return False
+def ctest(preset: str, *options: str, clears: str = "") -> Step:
+    """Return the C tests of a preset."""
+    report = BUILD / "reports" / f"ctest-{preset}.xml"
+    words: Command = ("ctest", "--preset", preset, "-j", str(N_CORES), "--output-junit", report)
+    needs = (f"build {preset}",)
+    said = "tests passed"
+    return Step(
+        f"ctest {preset}",
+        (*words, *options),
+        needs,
+        is_wide=True,
+        report=report,
+        closing=said,
+        clears=clears,
+    )
 
 
-def build(tally: Tally, preset: str) -> bool:
-    """Build a preset by the function that tools/run uses too."""
-    script = 'set -euo pipefail; source "$1/tools/setup.sh"; camturn_build "$2"'
-    return gate(tally, f"build {preset}", "bash", "-c", script, "bash", ROOT, preset)
+def pytest(
+    name: str,
+    *words: str,
+    needs: tuple[str, ...],
+    preset: str = "host",
+    wide: bool = False,
+    alone: bool = False,
+) -> Step:
+    """Return tests in Python; those that start the simulator take it from a preset."""
+    report = BUILD / "reports" / f"pytest-{name.replace(' ', '-')}.xml"
+    runner = (PYTHON, "-m", "pytest", "-c", PYPROJECT, f"--rootdir={ROOT}", "-q")
+    return Step(
+        f"pytest {name}",
+        (*runner, f"--junitxml={report}", *(PARALLEL if wide else ()), *words),
+        needs,
+        is_wide=wide,
+        is_alone=alone,
+        report=report,
+        environment={"CAMTURN_BUILD": str(BUILD / preset)},
+    )
 
 
-def build_and_ctest(tally: Tally, preset: str) -> bool:
-    """Build a preset and run its C tests; tell whether the build passed."""
-    if not build(tally, preset):
-        return False
-    report = BUILD / preset / "ctest.xml"
-    report.unlink(missing_ok=True)
-    step = f"ctest {preset}"
-    status = run(step, ["ctest", "--preset", preset, "-j", N_JOBS, "--output-junit", report])
-    tally.add_junit(step, report, status)
-    return True
+def sources() -> list[Path]:
+    """Return our C files."""
+    return sorted(p for f in C_FOLDERS for p in (ROOT / f).rglob("*.[ch]"))
 
 
-def pytest(tally: Tally, preset: str, paths: Iterable[str], *options: str) -> None:
-    """Run tests in Python against the simulator of a preset."""
-    step = f"pytest {preset}"
-    report = BUILD / preset / "pytest.xml"
-    report.unlink(missing_ok=True)
-    os.environ["CAMTURN_BUILD"] = str(BUILD / preset)
-    command = [PYTHON, "-m", "pytest", "-c", PYPROJECT, f"--rootdir={ROOT}", "-q", *options]
-    tally.add_junit(step, report, run(step, [*command, f"--junitxml={report}", *paths]))
+def files_with(mark: str) -> list[str]:
+    """Return the files of tests that use a mark of pytest: no others need be imported for it."""
+    files = sorted((ROOT / "tests").rglob("test_*.py"))
+    return [str(f.relative_to(ROOT)) for f in files if f"pytest.mark.{mark}" in f.read_text()]
 
 
-def source_checks(tally: Tally) -> None:
-    """Check formatting, lint and types: what needs no build."""
-    sources = sorted(p for f in C_FOLDERS for p in (ROOT / f).rglob("*.[ch]"))
-    gate(tally, "clang-format", "clang-format-14", "--dry-run", "--Werror", *sources)
-    ruff = (PYTHON, "-m", "ruff")
-    gate(tally, "ruff format", *ruff, "format", "--check", "--config", PYPROJECT, "tools", "tests")
-    gate(tally, "ruff check", *ruff, "check", "--config", PYPROJECT, "tools", "tests")
-    gate(tally, "mypy", PYTHON, "-m", "mypy", "--config-file", PYPROJECT, "tools", "tests")
-    gate(tally, "misra", ROOT / "tools" / "misra")
+def tools_steps(is_fast: bool) -> list[Step]:
+    """Return the tests of the tools, and the scenarios, with the simulator of the host."""
+    paths, needs = ("tests/tools", "tests/scenarios"), ("build host",)
+    marks = "not alone and not slow" if is_fast else "not alone"
+    # Those that judge the clock mostly wait, so that several of them do not disturb one another.
+    alone = ("-m", "alone", "-n", "3", "--dist", "load", *files_with("alone"))
+    return [
+        pytest("tools", *paths, "-m", marks, needs=needs, wide=True),
+        pytest("alone", *alone, needs=needs, alone=True),
+    ]
 
 
-def coverage(tally: Tally) -> None:
-    """Run the C tests with counters, and hold the firmware to its coverage."""
-    for counters in (BUILD / "host-cov").rglob("*.gcda"):
-        counters.unlink()  # of earlier runs
-    if build_and_ctest(tally, "host-cov"):
-        # main() never returns and runs on machines only.
-        files = ("--filter", "firmware/", "--exclude", r"firmware/main\.c")
-        gcovr = (PYTHON, "-m", "gcovr", "--root", ROOT, *files)
-        limits = ("--fail-under-line", MIN_LINE_PERCENT, "--fail-under-branch", MIN_BRANCH_PERCENT)
-        gate(tally, "coverage of firmware", *gcovr, *limits, "--print-summary", BUILD / "host-cov")
+def fast_steps() -> list[Step]:
+    """Return the steps of tools/test --fast: build, unit tests, tests of the tools, scenarios."""
+    return [build("host"), ctest("host"), *tools_steps(is_fast=True)]
 
 
-def clang_tidy(tally: Tally) -> None:
-    """Analyse firmware, ports and simulator, with the compile commands of the clang build."""
-    tidy = ("run-clang-tidy-14", "-quiet", "-j", N_JOBS, "-p", BUILD / "host-clang")
-    gate(tally, "clang-tidy", *tidy, r"/(firmware|hal|host_sim)/.*\.c$")
+def source_steps() -> list[Step]:
+    """Return the checks that need no build."""
+    ruff = ("--config", PYPROJECT, "tools", "tests")
+    return [
+        gate("clang-format", "clang-format-14", "--dry-run", "--Werror", *sources()),
+        tool("ruff format", "ruff", "format", "--check", *ruff),
+        tool("ruff check", "ruff", "check", *ruff),
+        tool("mypy", "mypy", "--config-file", PYPROJECT, "tools", "tests"),
+        gate("misra", ROOT / "tools" / "misra"),
+    ]
 
 
-def linux_port(tally: Tally) -> None:
-    """Build the Linux port with the system's libgpiod and with version 2, analyse both, run it."""
-    for preset in ("linux", "linux-gpiod2"):
-        if build(tally, preset):
-            # The compile commands are gcc's: clang does not know all of its optimisations.
-            tidy = ("run-clang-tidy-14", "-quiet", "-j", N_JOBS, "-p", BUILD / preset)
-            more = "-extra-arg=-Wno-ignored-optimization-argument"
-            gate(tally, f"clang-tidy {preset}", *tidy, more, r"/hal/linux/.*\.c$")
-    pytest(tally, "host", LINUX_PATHS)
+def clang_tidy(preset: str, files: str, *options: str) -> Step:
+    """Return an analysis with the compile commands of a build."""
+    tidy: Command = ("run-clang-tidy-14", "-quiet", "-j", "1", "-p", BUILD / preset)
+    needs = (f"build {preset}",)
+    return gate(f"clang-tidy {preset}", *tidy, *options, files, needs=needs, closing=NOTHING)
+
+
+def host_steps() -> list[Step]:
+    """Return what the builds for this computer are for."""
+    simulator = (
+        "tests/scenarios",
+        "tests/tools/sim/test_camsim_run.py",
+        "tests/tools/sim/test_camsim_eval.py",
+    )
+    # main() never returns and runs on machines only.
+    files = ("--filter", "firmware/", "--exclude", r"firmware/main\.c")
+    limits = ("--fail-under-line", MIN_LINE_PERCENT, "--fail-under-branch", MIN_BRANCH_PERCENT)
+    gcovr = ("--root", ROOT, *files, *limits, "--print-summary", BUILD / "host-cov")
+    # The firmware is covered by its own tests; the simulator's run in three other builds.
+    own_tests = ("-R", r"^unit\.test_cam_")
+    return [
+        *tools_steps(is_fast=False),
+        pytest("outside", "tests/outside", needs=("build host",), wide=True),
+        build("host-asan"),
+        ctest("host-asan"),
+        pytest("host-asan", *simulator, needs=("build host-asan",), preset="host-asan", wide=True),
+        build("host-clang"),
+        ctest("host-clang"),
+        clang_tidy("host-clang", r"/(firmware|hal|host_sim)/.*\.c$"),
+        build("host-cov"),
+        ctest("host-cov", *own_tests, clears="build/host-cov/**/*.gcda"),
+        tool("coverage of firmware", "gcovr", *gcovr, needs=("ctest host-cov",), closing="%"),
+    ]
+
+
+def linux_steps() -> list[Step]:
+    """Return the port for Linux: with the system's libgpiod and with version 2, and on a kernel."""
+    # The compile commands are gcc's: clang does not know all of its optimisations.
+    files = (r"/hal/linux/.*\.c$", "-extra-arg=-Wno-ignored-optimization-argument")
+    start = ("tests/linux/test_uml.py", "tests/linux/test_linux_start.py")
+    needs = ("build host", "build linux")
+    return [
+        build("linux"),
+        pytest("linux kernel", *start, "tests/linux/test_kernel.py", needs=needs),
+        pytest("linux", "tests/linux/test_linux.py", needs=(*needs, "pytest linux kernel")),
+        clang_tidy("linux", *files),
+        build("linux-gpiod2"),
+        clang_tidy("linux-gpiod2", *files),
+    ]
+
+
+def board_steps() -> list[Step]:
+    """Return what runs on emulated cores: tests, images, their bytes and cycles."""
+    boards = ("mcu-qemu", "mcu-qemu-m4")
+    built = tuple(f"build {board}" for board in boards)
+    same = {board: ("checks.same_bytes", board, "test_budget") for board in boards}
+    return [
+        build("mcu-stm32h743"),
+        # The flashable image in an emulator, compared with a program of the host build.
+        pytest("stm32", "tests/stm32", needs=("build host", "build mcu-stm32h743"), wide=True),
+        *(build(board) for board in boards),
+        *(ctest(board) for board in boards),
+        *(tool(f"same bytes {b}", *same[b], needs=(f"build {b}",)) for b in boards),
+        pytest("figures", "tests/bench", needs=("build host", *(f"ctest {b}" for b in boards))),
+        tool("cycles", "checks.cycles", BUILD, needs=built),
+        pytest("pil", "tests/pil", needs=("build host", *built)),
+    ]
+
+
+def all_steps() -> list[Step]:
+    """Return every step, in the order in which they begin as far as there is room.
+
+    Builds come first, with checks that need none beside them; then what takes long.
+    """
+    steps = [build("host"), ctest("host")]
+    steps += [*source_steps(), *linux_steps(), *host_steps(), *board_steps()]
+    return sorted(steps, key=lambda step: not step.name.startswith("build "))
 
 
 def main() -> int:
     """Run all steps, or with --fast the quick ones; return the exit status."""
-    tally = Tally()
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # stops the step, too
-    start_s = time.monotonic()
     os.environ.setdefault("CTEST_OUTPUT_ON_FAILURE", "1")
-    fast = "--fast" in sys.argv[1:]
-
-    if not fast:
-        source_checks(tally)
-    build_and_ctest(tally, "host")
-    pytest(tally, "host", PYTEST_PATHS, *PARALLEL, *NOT_ALONE)
-    pytest(tally, "host", PYTEST_PATHS, *ALONE)
-    if not fast:
-        if build_and_ctest(tally, "host-clang"):
-            clang_tidy(tally)
-        if build_and_ctest(tally, "host-asan"):
-            pytest(tally, "host-asan", SIMULATOR_PATHS, *PARALLEL)
-        linux_port(tally)
-        coverage(tally)
-        for board in ("mcu-qemu", "mcu-qemu-m4"):
-            if build_and_ctest(tally, board):
-                same = (PYTHON, "-m", "checks.same_bytes", board, "test_budget")
-                gate(tally, f"same bytes {board}", *same)
-        gate(tally, "cycles", PYTHON, "-m", "checks.cycles", BUILD)
-        if build(tally, "mcu-stm32h743"):
-            pytest(tally, "host", IMAGE_PATHS, *PARALLEL)
-        pytest(tally, "host", PIL_PATHS)  # the simulator of the host, the images of both boards
-
-    for step in tally.failed_steps:
-        print(f"failed: {step}")
-    print(f"{time.monotonic() - start_s:.0f} s")
-    print(tally.summary(), flush=True)
-    return 1 if tally.failed else 0
+    steps = fast_steps() if "--fast" in sys.argv[1:] else all_steps()
+    print(f"{len(steps)} steps, {N_CORES} at a time; build/steps holds what each says", flush=True)
+    return Runner(steps, ROOT, BUILD / "steps", N_CORES).run()
 
 
 if __name__ == "__main__":

@@ -19,7 +19,7 @@ static bool find(struct gpiod_chip *chip, const lin_place_t *place, unsigned *of
 {
     *offset = place->offset;
     if (place->name == NULL) {
-        return true; // the request tells whether there is such an offset
+        return true; // the request will show whether there is such an offset
     }
     const int found = gpiod_chip_get_line_offset_from_name(chip, place->name);
     if (found < 0) {

@@ -16,7 +16,7 @@
 #include "lin_thread.h"
 #include "lin_words.h"
 #include <signal.h>    // sigaction
-#include <stdatomic.h> // what the tick tells main()
+#include <stdatomic.h> // what the tick hands over to main()
 #include <stdio.h>     // fprintf
 #include <stdlib.h>    // exit
 #include <string.h>    // memset, strcmp
@@ -88,7 +88,9 @@ static void catch_signals(void)
     }
 }
 
-static bool open_bus(common_error_t *e)
+/// The bus of the machine, and the commands and the transport of tables; the other functions of a
+/// node are answers.
+static bool open_can(common_error_t *e)
 {
     uint32_t ids[lin_bus_max_ids];
     lin_can_filter_t filters[lin_can_max_filters];
@@ -96,15 +98,11 @@ static bool open_bus(common_error_t *e)
     for (uint32_t i = 0; i < n; i++) {
         filters[i] = (lin_can_filter_t){.id = ids[i], .mask = 0x7FF};
     }
-    return lin_can_open(&port.can, port.config.can.interface, filters, n, port.config.can.is_fd, e);
-}
-
-/// Commands and the transport of tables; a node's other functions are answers.
-static bool open_remote(common_error_t *e)
-{
     const uint32_t node = (uint32_t)port.config.can.node;
-    const lin_can_filter_t filters[] = {{0x600 + node, 0x7FF}, {0x680 + node, 0x7FF}};
-    return lin_can_open(&port.remote, port.config.can.remote, filters, 2, false, e);
+    const lin_can_filter_t remote[] = {{0x600 + node, 0x7FF}, {0x680 + node, 0x7FF}};
+    return lin_can_open(&port.can, port.config.can.interface, filters, n, port.config.can.is_fd,
+                        e) &&
+           lin_can_open(&port.remote, port.config.can.remote, remote, 2, false, e);
 }
 
 static void start_or_end(const lin_options_t *options)
@@ -133,7 +131,7 @@ static bool bring_up(common_error_t *e)
     lin_bus_init(&port.bus, &port.config);
     port.is_remote_shared = strcmp(port.config.can.remote, port.config.can.interface) == 0;
     atomic_store(&port.is_mute, port.is_remote_shared);
-    return lin_lines_open(&port.config, e) && open_bus(e) && open_remote(e) &&
+    return lin_lines_open(&port.config, e) && open_can(e) &&
            lin_table_open(port.config.table_file, port.config.table_max_bytes, e) &&
            lin_thread_prepare(&port.config.thread, e);
 }
@@ -156,7 +154,7 @@ static void take_frame(void *user, const hal_can_frame_t *frame, int64_t ns)
     lin_bus_take(user, frame, ns);
 }
 
-/// Everything that the tick is to know of the world.
+/// Take everything that the tick senses of the machine.
 static void sense(int64_t now_ns)
 {
     int64_t edge_ns;
@@ -217,7 +215,8 @@ void hal_tick_start(void)
     lin_notify_ready();
 }
 
-/// Alive; once a second overruns since the last time, an interface that came back.
+/// Report that the program is alive; once a second look for overruns and for an interface that came
+/// back.
 static void look_after(void)
 {
     static int64_t last_ns;
@@ -249,7 +248,7 @@ void hal_idle(void)
 void hal_halt(const char *why)
 {
     make_safe();
-    if (port.is_up) { // else it is told already
+    if (port.is_up) { // otherwise the reason was printed already
         lin_kept_halt(why);
         (void)fprintf(stderr, "camturn-linux: halted: %s\n", why);
     }
@@ -301,7 +300,8 @@ void hal_text(const char *line)
     (void)fprintf(stderr, "%s\n", line);
 }
 
-/// The firmware knows itself as node 64. What comes for a number that is another's is not meant.
+/// The firmware knows itself as node 64. While another node has the number of this one, its frames
+/// are meant for that node.
 bool hal_can_read(hal_can_frame_t *frame)
 {
     if (!lin_can_receive_one(&port.remote, frame) || atomic_load(&port.is_mute)) {

@@ -14,7 +14,7 @@
 
 enum { batch = 32, max_batches = 4, control_bytes = 128 };
 
-/// A stamp further away than these is not believed: somebody set the clock.
+/// A stamp further away than these is not believed: the clock was set meanwhile.
 enum { oldest_ns = 1000000000, newest_ns = 10000000 };
 
 static bool refuse(lin_can_t *can, const char *what, common_error_t *e)
@@ -42,14 +42,6 @@ static bool set_filters(const lin_can_t *can)
            setsockopt(can->fd, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, &errors, sizeof errors) == 0;
 }
 
-static bool set_options(int fd, bool is_fd)
-{
-    const int on = 1;
-    return setsockopt(fd, SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on) == 0 &&
-           setsockopt(fd, SOL_SOCKET, SO_RXQ_OVFL, &on, sizeof on) == 0 &&
-           (!is_fd || setsockopt(fd, SOL_CAN_RAW, CAN_RAW_FD_FRAMES, &on, sizeof on) == 0);
-}
-
 static bool bind_to(lin_can_t *can)
 {
     struct sockaddr_can address = {.can_family = AF_CAN,
@@ -58,7 +50,8 @@ static bool bind_to(lin_can_t *can)
            bind(can->fd, (struct sockaddr *)&address, sizeof address) == 0;
 }
 
-/// Up, and able to carry FD: said at the start, not by frames that do not go out.
+/// The interface is up and able to carry FD. A wrong one is refused at the start, before frames
+/// fail.
 static bool check_interface(lin_can_t *can, bool is_fd, common_error_t *e)
 {
     struct ifreq request;
@@ -92,7 +85,11 @@ bool lin_can_open(lin_can_t *can, const char *interface, const lin_can_filter_t 
     if (!check_interface(can, is_fd, e)) {
         return false;
     }
-    if (!set_options(can->fd, is_fd) || !set_filters(can)) {
+    const int on = 1;
+    if (setsockopt(can->fd, SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on) != 0 ||
+        setsockopt(can->fd, SOL_SOCKET, SO_RXQ_OVFL, &on, sizeof on) != 0 ||
+        (is_fd && setsockopt(can->fd, SOL_CAN_RAW, CAN_RAW_FD_FRAMES, &on, sizeof on) != 0) ||
+        !set_filters(can)) {
         return refuse(can, "the kernel refuses an option of the socket", e);
     }
     return bind_to(can) || refuse(can, "is no CAN interface; give another one", e);
@@ -116,7 +113,7 @@ static void note_errno(lin_can_t *can, int err)
     }
 }
 
-/// Error frames tell bus-off and restart; a controller that overflowed has lost frames, too.
+/// Error frames report bus-off and restart; a CAN controller that overflowed has lost frames, too.
 static void take_error(lin_can_t *can, const struct canfd_frame *frame)
 {
     if ((frame->can_id & CAN_ERR_BUSOFF) != 0u) {
@@ -130,7 +127,7 @@ static void take_error(lin_can_t *can, const struct canfd_frame *frame)
     }
 }
 
-/// @return arrival in CLOCK_REALTIME, 0: not told; overflows are noted
+/// @return arrival in CLOCK_REALTIME, 0: unknown; overflows are noted
 static int64_t read_control(lin_can_t *can, struct msghdr *header)
 {
     int64_t ns = 0;
@@ -246,7 +243,7 @@ uint32_t lin_can_send(lin_can_t *can, const hal_can_frame_t *frames, uint32_t n)
         can->link = can->link == lin_loss_interface_down ? lin_loss_none : can->link;
         return n;
     }
-    if (sent >= 0) { // why the next one did not go tells the next call
+    if (sent >= 0) { // the next call reports why the next frame was not taken
         can->event = lin_loss_send;
         return (uint32_t)sent;
     }
@@ -264,7 +261,7 @@ lin_loss_t lin_can_take_event(lin_can_t *can)
 
 void lin_can_rebind(lin_can_t *can)
 {
-    // Taken first: a removal that the tick tells from here on is not forgotten. The kernel dropped
+    // Taken first: a removal that the tick reports from here on is not lost. The kernel dropped
     // the filters with the interface.
     if (atomic_exchange(&can->is_gone, false) && !(set_filters(can) && bind_to(can))) {
         atomic_store(&can->is_gone, true);

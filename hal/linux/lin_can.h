@@ -54,7 +54,7 @@ void lin_can_receive(lin_can_t *can, lin_can_taker_t *take, void *user);
 bool lin_can_receive_one(lin_can_t *can, hal_can_frame_t *frame);
 
 /// Queue frames, n <= 32. One system call.
-/// @return number of frames queued; `link` and `event` tell why it is less than n
+/// @return number of frames queued; `link` and `event` say why it is less than n
 uint32_t lin_can_send(lin_can_t *can, const hal_can_frame_t *frames, uint32_t n);
 
 /// @return what happened since the last call: none, overflow or send

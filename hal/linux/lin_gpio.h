@@ -3,7 +3,7 @@
 /// gpio_v1.c or gpio_v2.c is compiled, whichever library is found at configure time; what both have
 /// in common is in lin_gpio.c.
 ///
-/// The line's level is told as active or not: lines that are active low are turned round here.
+/// Levels are active or inactive: lines that are active low are inverted here.
 #ifndef LIN_GPIO_H
 #define LIN_GPIO_H
 

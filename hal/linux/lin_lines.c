@@ -6,7 +6,7 @@
 #include <stddef.h>    // NULL
 
 static lin_gpio_t *lines[lin_n_lines];
-static _Atomic uint32_t lost = lin_n_lines; // told by the tick, read by main()
+static _Atomic uint32_t lost = lin_n_lines; // written by the tick, read by main()
 static uint32_t written, unsure;            // hal_out_*; unsure: the last write failed
 
 static const lin_gpio_way_t ways[lin_n_lines] = {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// lin_notify: tells systemd that the program is ready and alive; nothing where systemd does not
-/// ask. Source: sd_notify(3), "Notes": one datagram to the socket NOTIFY_SOCKET.
+/// lin_notify: reports to systemd that the program is ready and alive; without systemd it does
+/// nothing. Source: sd_notify(3), "Notes": one datagram to the socket NOTIFY_SOCKET.
 #ifndef LIN_NOTIFY_H
 #define LIN_NOTIFY_H
 

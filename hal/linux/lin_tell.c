@@ -7,21 +7,6 @@
 #include <stdbool.h>   // bool
 #include <stdio.h>     // snprintf
 
-/// A tick sends its frames in one go, the status comes on top.
-static void tell_short_queue(const lin_config_t *config, uint32_t n_room)
-{
-    const uint32_t n_needed = (uint32_t)lin_load_of(config).n_queued;
-    common_error_t line;
-    if (n_room != 0u && n_room < n_needed) {
-        (void)common_error(
-            &line,
-            "warning: %s: its queue takes %u frames, a tick may send %u: what finds no "
-            "room is the fault bus; `ip link set %s txqueuelen 100`",
-            config->can.interface, n_room, n_needed, config->can.interface);
-        hal_text(line.text);
-    }
-}
-
 void lin_tell_set_up(const lin_config_t *config, uint32_t n_room)
 {
     char line[lin_line_bytes];
@@ -30,7 +15,16 @@ void lin_tell_set_up(const lin_config_t *config, uint32_t n_room)
                    config->can.is_fd ? " (FD)" : "", lin_lines_library());
     hal_text(line);
     lin_check_warn(config, hal_text);
-    tell_short_queue(config, n_room);
+    // A tick sends its frames in one go, the status may come on top.
+    const uint32_t n_needed = (uint32_t)lin_load_of(config).n_queued;
+    if (n_room != 0u && n_room < n_needed) {
+        common_error_t warning;
+        (void)common_error(&warning,
+                           "warning: %s: its queue takes %u frames, a tick may send %u: what finds "
+                           "no room is the fault bus; `ip link set %s txqueuelen 100`",
+                           config->can.interface, n_room, n_needed, config->can.interface);
+        hal_text(warning.text);
+    }
 }
 
 void lin_tell_change(uint32_t *told, uint32_t word, lin_tell_put_t *put, const lin_config_t *config)

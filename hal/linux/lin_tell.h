@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// lin_tell: what the port says of itself, a line for people each, by hal_text(). Context: main().
+/// lin_tell: what the port reports of itself, each a line for people, by hal_text(). Context:
+/// main().
 #ifndef LIN_TELL_H
 #define LIN_TELL_H
 
@@ -8,21 +9,21 @@
 #include <stddef.h>     // size_t
 #include <stdint.h>     // uint32_t
 
-/// The machine as it was set up, and what is doubtful about it.
+/// Report the machine as it was set up, and what is doubtful about it.
 /// @param n_room  [frames] that the queue of can.interface takes, 0: it has none
 void lin_tell_set_up(const lin_config_t *config, uint32_t n_room);
 
 /// Makes a line of a cause: lin_words_bus, lin_words_drives.
 typedef void lin_tell_put_t(lin_cause_t cause, const lin_config_t *config, char *line, size_t size);
 
-/// A word of lin_words_pack() that changed since it was told.
+/// Report a word of lin_words_pack() that changed since it was reported last.
 void lin_tell_change(uint32_t *told, uint32_t word, lin_tell_put_t *put,
                      const lin_config_t *config);
 
-/// The GPIO line that was lost, once.
+/// Report the GPIO line that was lost, once.
 void lin_tell_lost_line(void);
 
-/// Ticks that were left out since the last call.
+/// Report the ticks that were left out since the last call.
 /// @param n  since the start
 void lin_tell_overruns(uint32_t n);
 

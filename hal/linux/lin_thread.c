@@ -63,38 +63,23 @@ bool lin_thread_prepare(const lin_thread_config_t *config, common_error_t *e)
     return true;
 }
 
-static void sleep_until(int64_t ns)
-{
-    const struct timespec at = {.tv_sec = ns / lin_ns_per_s, .tv_nsec = ns % lin_ns_per_s};
-    while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &at, NULL) == EINTR) {
-    }
-}
-
-static uint32_t duration(int64_t ns)
-{
-    return ns > UINT32_MAX ? UINT32_MAX : (uint32_t)ns;
-}
-
-/// One tick, and its measures. @return false: it was the last one
-static bool tick_once(void)
-{
-    const int64_t begin_ns = lin_clock_now();
-    const bool goes_on = thread.tick(begin_ns);
-    const uint32_t took_ns = duration(lin_clock_now() - begin_ns);
-    atomic_store(&thread.last_ns, took_ns);
-    if (took_ns > atomic_load(&thread.max_ns)) {
-        atomic_store(&thread.max_ns, took_ns);
-    }
-    return goes_on;
-}
-
 static void *run(void *unused)
 {
     (void)unused;
     int64_t due_ns = lin_period_next(lin_clock_now(), thread.tick_hz);
     for (bool goes_on = true; goes_on;) {
-        sleep_until(due_ns);
-        goes_on = tick_once();
+        const struct timespec at = {.tv_sec = due_ns / lin_ns_per_s,
+                                    .tv_nsec = due_ns % lin_ns_per_s};
+        while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &at, NULL) == EINTR) {
+        }
+        const int64_t begin_ns = lin_clock_now();
+        goes_on = thread.tick(begin_ns);
+        const int64_t took_ns = lin_clock_now() - begin_ns;
+        const uint32_t shown_ns = took_ns > UINT32_MAX ? UINT32_MAX : (uint32_t)took_ns;
+        atomic_store(&thread.last_ns, shown_ns);
+        if (shown_ns > atomic_load(&thread.max_ns)) {
+            atomic_store(&thread.max_ns, shown_ns);
+        }
         atomic_store(&thread.is_over, !goes_on);
         (void)sem_post(&thread.ended);
         const int64_t last_ns = due_ns;

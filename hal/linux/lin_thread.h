@@ -17,7 +17,7 @@
 /// One tick. @param now_ns  CLOCK_MONOTONIC when it woke up. @return false: it was the last one
 typedef bool lin_thread_tick_t(int64_t now_ns);
 
-/// Lock memory, go to the CPU; what is not permitted is told by hal_text(), with the remedy.
+/// Lock memory, go to the CPU; what is not permitted is reported by hal_text(), with the remedy.
 /// @return false and *e when the CPU does not exist. Context: main(), before the tick.
 bool lin_thread_prepare(const lin_thread_config_t *config, common_error_t *e);
 

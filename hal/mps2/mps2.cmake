@@ -4,8 +4,7 @@
 # Enumerations are as wide as the host's, so that structures mean the same on both sides of a wire;
 # newlib's are not, and none of them crosses a call.
 add_compile_options(${board_cpu} -mthumb -ffunction-sections -fdata-sections -fno-short-enums)
-add_link_options(${board_cpu} -mthumb -nostartfiles -Wl,--no-enum-size-warning
-    $<$<NOT:$<BOOL:$<TARGET_PROPERTY:CAM_LTO>>>:-fno-lto>)
+add_link_options(${board_cpu} -mthumb -nostartfiles -Wl,--no-enum-size-warning)
 
 add_library(board OBJECT
     ${CMAKE_CURRENT_LIST_DIR}/mps2_start.c ${CMAKE_CURRENT_LIST_DIR}/mps2_semihost.c

@@ -62,11 +62,6 @@ bool sim_json_breaks(const cJSON *list, double **breaks, size_t *n_pieces)
     return false;
 }
 
-static bool read_piece(double c[4], const cJSON *list)
-{
-    return cJSON_IsArray(list) && cJSON_GetArraySize(list) == 4 && copy_numbers(list, c);
-}
-
 static bool read_pieces(sim_cubics_t *p, const cJSON *list)
 {
     if (!cJSON_IsArray(list) || (size_t)cJSON_GetArraySize(list) != p->n) {
@@ -77,7 +72,8 @@ static bool read_pieces(sim_cubics_t *p, const cJSON *list)
     const cJSON *item;
     cJSON_ArrayForEach(item, list)
     {
-        if (p->c == NULL || !read_piece(p->c[i++], item)) {
+        if (p->c == NULL || !cJSON_IsArray(item) || cJSON_GetArraySize(item) != 4 ||
+            !copy_numbers(item, p->c[i++])) {
             return false;
         }
     }

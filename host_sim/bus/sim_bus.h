@@ -46,7 +46,7 @@ typedef struct {
     uint64_t seed;
 } sim_bus_config_t;
 
-/// Lines: what the controller reports and what it is told.
+/// Lines: outputs and inputs of the controller.
 typedef struct {
     bool is_enabled, is_fault, is_in_cut;
 } sim_bus_outputs_t;

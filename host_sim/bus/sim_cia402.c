@@ -1,5 +1,42 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_cia402.h"
+#include <stddef.h> // size_t
+
+/// A set of states.
+#define IN(state) (1u << cia402_##state)
+
+enum {
+    voltage = cia402_bit_enable_voltage,
+    no_stop = cia402_bit_no_quick_stop,
+    on = cia402_bit_switch_on,
+    enable = cia402_bit_enable_operation,
+};
+
+/// Steps that a control word takes: its bits of `mask` are `bits`, the state is in `from`.
+static const struct {
+    uint32_t mask, bits, from;
+    cia402_state_t to;
+} steps[] = {
+    // No voltage: no torque, from wherever there may be some.
+    {voltage, 0,
+     IN(ready_to_switch_on) | IN(switched_on) | IN(operation_enabled) | IN(quick_stop_active),
+     cia402_switch_on_disabled},
+    // Quick stop.
+    {voltage | no_stop, voltage, IN(ready_to_switch_on) | IN(switched_on),
+     cia402_switch_on_disabled},
+    {voltage | no_stop, voltage, IN(operation_enabled), cia402_quick_stop_active},
+    // Shutdown.
+    {voltage | no_stop | on, voltage | no_stop,
+     IN(switch_on_disabled) | IN(switched_on) | IN(operation_enabled), cia402_ready_to_switch_on},
+    // Switch on, or disable operation.
+    {voltage | no_stop | on | enable, voltage | no_stop | on,
+     IN(ready_to_switch_on) | IN(operation_enabled), cia402_switched_on},
+    // Enable operation: one step towards it.
+    {voltage | no_stop | on | enable, voltage | no_stop | on | enable, IN(ready_to_switch_on),
+     cia402_switched_on},
+    {voltage | no_stop | on | enable, voltage | no_stop | on | enable,
+     IN(switched_on) | IN(quick_stop_active), cia402_operation_enabled},
+};
 
 void sim_cia402_init(sim_cia402_t *d)
 {
@@ -13,73 +50,6 @@ void sim_cia402_boot(sim_cia402_t *d)
     }
 }
 
-/// Bit 1 low: no torque, from wherever there may be some.
-static cia402_state_t without_voltage(cia402_state_t state)
-{
-    switch (state) {
-    case cia402_ready_to_switch_on:
-    case cia402_switched_on:
-    case cia402_operation_enabled:
-    case cia402_quick_stop_active:
-        return cia402_switch_on_disabled;
-    default:
-        return state;
-    }
-}
-
-/// Bit 2 low.
-static cia402_state_t quickly_stopped(cia402_state_t state)
-{
-    switch (state) {
-    case cia402_ready_to_switch_on:
-    case cia402_switched_on:
-        return cia402_switch_on_disabled;
-    case cia402_operation_enabled:
-        return cia402_quick_stop_active;
-    default:
-        return state;
-    }
-}
-
-/// Bit 0 low, the two above high.
-static cia402_state_t shut_down(cia402_state_t state)
-{
-    switch (state) {
-    case cia402_switch_on_disabled:
-    case cia402_switched_on:
-    case cia402_operation_enabled:
-        return cia402_ready_to_switch_on;
-    default:
-        return state;
-    }
-}
-
-/// Bits 0 to 2 high, bit 3 low.
-static cia402_state_t switched_on(cia402_state_t state)
-{
-    switch (state) {
-    case cia402_ready_to_switch_on:
-    case cia402_operation_enabled:
-        return cia402_switched_on;
-    default:
-        return state;
-    }
-}
-
-/// Bits 0 to 3 high: one step towards operation.
-static cia402_state_t enabled(cia402_state_t state)
-{
-    switch (state) {
-    case cia402_ready_to_switch_on:
-        return cia402_switched_on;
-    case cia402_switched_on:
-    case cia402_quick_stop_active:
-        return cia402_operation_enabled;
-    default:
-        return state;
-    }
-}
-
 void sim_cia402_control(sim_cia402_t *d, uint32_t control_word)
 {
     const bool is_reset = (control_word & cia402_bit_fault_reset) != 0u;
@@ -87,18 +57,14 @@ void sim_cia402_control(sim_cia402_t *d, uint32_t control_word)
     d->is_reset_held = is_reset;
     if (d->state == cia402_fault) {
         d->state = is_rising ? cia402_switch_on_disabled : cia402_fault;
-    } else if (is_reset) {
         return;
-    } else if ((control_word & cia402_bit_enable_voltage) == 0u) {
-        d->state = without_voltage(d->state);
-    } else if ((control_word & cia402_bit_no_quick_stop) == 0u) {
-        d->state = quickly_stopped(d->state);
-    } else if ((control_word & cia402_bit_switch_on) == 0u) {
-        d->state = shut_down(d->state);
-    } else if ((control_word & cia402_bit_enable_operation) == 0u) {
-        d->state = switched_on(d->state);
-    } else {
-        d->state = enabled(d->state);
+    }
+    for (size_t i = 0; !is_reset && i < sizeof steps / sizeof steps[0]; i++) {
+        if ((control_word & steps[i].mask) == steps[i].bits &&
+            (steps[i].from >> d->state & 1u) != 0u) {
+            d->state = steps[i].to;
+            return;
+        }
     }
 }
 

@@ -5,10 +5,10 @@
 ///     enabled any -13-> fault reaction active -14 at rest-> fault -15 reset-> switch on disabled
 ///     operation enabled -11-> quick stop active -12 at rest-> switch on disabled
 ///
-/// and the ways back: 5 (disable operation), 6 and 8 (shutdown), 7, 9, 10 and 12 (disable voltage;
-/// 7 and 10 by quick stop too), 16 (operation again out of a quick stop). A control word takes one
-/// step; the master repeats it until the status word follows. Numbers are those of the standard's
-/// figure.
+/// and the transitions back: 5 (disable operation), 6 and 8 (shutdown), 7, 9, 10 and 12 (disable
+/// voltage; 7 and 10 by quick stop too), 16 (operation again out of a quick stop). A control word
+/// takes one step; the master repeats it until the status word follows. Numbers are those of the
+/// standard's figure.
 #ifndef SIM_CIA402_H
 #define SIM_CIA402_H
 
@@ -46,7 +46,7 @@ static inline bool sim_cia402_is_following(const sim_cia402_t *d)
     return d->state == cia402_operation_enabled;
 }
 
-/// @return true in fault and on the way there
+/// @return true in fault and while the drive brakes before it
 static inline bool sim_cia402_is_failed(const sim_cia402_t *d)
 {
     return d->state == cia402_fault_reaction_active || d->state == cia402_fault;

@@ -6,7 +6,7 @@
 /// SYNC that is due next: the first SYNC seen (or the first after 0.1 s without one) sets the
 /// phase. Lines of the chip, found by name, moved by the simulator's files in sysfs: ESTOP (high:
 /// chain closed), READY (high: drives ready), INDEX (rises at the index, at its exact time) are
-/// told to the controller; ENABLE, FAULT, INCUT (high: true) are what it tells.
+/// inputs of the controller; ENABLE, FAULT, INCUT (high: true) are its outputs.
 #ifndef SIM_LINK_H
 #define SIM_LINK_H
 

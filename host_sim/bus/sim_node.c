@@ -57,15 +57,6 @@ static void take_rpdo1(sim_node_t *n, const sim_frame_t *frame, double t_s)
     n->rpdo_s = t_s;
 }
 
-static void take_rpdo2(sim_node_t *n, const sim_frame_t *frame)
-{
-    if (frame->n != rpdo2_bytes) {
-        n->emcy = sim_emcy_pdo_length;
-        return;
-    }
-    n->heard.velocity_offset = (int32_t)common_get_u32(frame->data);
-}
-
 void sim_node_receive(sim_node_t *n, const sim_frame_t *frame, double t_s)
 {
     if (n->is_dead) {
@@ -80,7 +71,11 @@ void sim_node_receive(sim_node_t *n, const sim_frame_t *frame, double t_s)
     if (frame->id == canopen_id_rpdo1 + n->id) {
         take_rpdo1(n, frame, t_s);
     } else if (frame->id == canopen_id_rpdo2 + n->id) {
-        take_rpdo2(n, frame);
+        if (frame->n == rpdo2_bytes) {
+            n->heard.velocity_offset = (int32_t)common_get_u32(frame->data);
+        } else {
+            n->emcy = sim_emcy_pdo_length;
+        }
     }
 }
 
@@ -115,25 +110,6 @@ void sim_node_fail(sim_node_t *n, uint32_t emcy)
     n->emcy = emcy;
 }
 
-static void say_emcy(sim_node_t *n, sim_frames_t *out)
-{
-    enum { generic_error = 1 }; // bit 0 of the error register, CiA 301, object 1001h
-    sim_frame_t *frame = sim_frames_add(out, canopen_id_emcy + n->id);
-    sim_frame_put(frame, n->emcy, 2);
-    sim_frame_put(frame, n->emcy != sim_emcy_none ? generic_error : 0u, 1);
-    frame->n = 8;
-    n->emcy = sim_emcy_none;
-}
-
-static void say_tpdo(const sim_node_t *n, sim_frames_t *out, uint32_t actual)
-{
-    sim_frame_t *frame = sim_frames_add(out, canopen_id_tpdo1 + n->id);
-    if (n->is_drive) {
-        sim_frame_put(frame, sim_cia402_status(&n->power), 2);
-    }
-    sim_frame_put(frame, actual, 4);
-}
-
 static void say_state(sim_node_t *n, sim_frames_t *out, double t_s)
 {
     if (!n->has_booted) {
@@ -157,10 +133,19 @@ void sim_node_speak(sim_node_t *n, sim_frames_t *out, uint32_t actual, double t_
         return;
     }
     if (n->nmt == canopen_operational) {
-        say_tpdo(n, out, actual);
+        sim_frame_t *frame = sim_frames_add(out, canopen_id_tpdo1 + n->id);
+        if (n->is_drive) {
+            sim_frame_put(frame, sim_cia402_status(&n->power), 2);
+        }
+        sim_frame_put(frame, actual, 4);
     }
     if (n->emcy != sim_emcy_none) {
-        say_emcy(n, out);
+        enum { generic_error = 1 }; // bit 0 of the error register, CiA 301, object 1001h
+        sim_frame_t *frame = sim_frames_add(out, canopen_id_emcy + n->id);
+        sim_frame_put(frame, n->emcy, 2);
+        sim_frame_put(frame, generic_error, 1);
+        frame->n = 8;
+        n->emcy = sim_emcy_none;
     }
     say_state(n, out, t_s);
 }

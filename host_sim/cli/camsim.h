@@ -39,7 +39,7 @@ int camsim_bus(int argc, char **argv);
 /// Print an error line. @return camsim_wrong
 int camsim_complain(const common_error_t *e);
 
-/// What `run`, or `bus` as far as they share it, was asked for.
+/// The options of `run`; `bus` shares most of them.
 typedef struct {
     const char *command; ///< for messages
     const char *table_path;

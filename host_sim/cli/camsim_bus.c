@@ -3,7 +3,6 @@
 #include "sim_map.h"       // sim_map_surface
 #include "sim_watch_out.h" // sim_watch_summary
 #include <stdio.h>         // printf
-#include <stdlib.h>        // calloc, free
 
 /// Trace, surface and summary.
 enum { n_outs = camsim_summary + 1 };
@@ -87,46 +86,38 @@ static int judge(const sim_watch_t *w, const char *table)
     return camsim_not_good;
 }
 
-static int prepare_and_watch(bus_t *b, common_error_t *e)
+/// The whole cut on the bus. @return exit status
+static int watch(bus_t *b, common_error_t *e)
 {
     const camsim_options_t *o = &b->options.common;
-    if (!open_watch(b, e)) {
+    if (!sim_watch_connect(&b->watch, e) || !camsim_open_outs(b->out, o, n_outs, e)) {
         return camsim_complain(e);
     }
-    camsim_warn_of_design(o);
-    bool is_good = sim_watch_connect(&b->watch, e) && camsim_open_outs(b->out, o, n_outs, e);
-    if (is_good) {
-        watch_to_the_end(b);
-        is_good = write_results(b, e);
+    watch_to_the_end(b);
+    if (!write_results(b, e)) {
+        return camsim_complain(e);
     }
-    int status = camsim_wrong;
-    if (is_good) {
-        print_summary(&b->watch);
-        status = fflush(stdout) == 0 ? judge(&b->watch, o->table_path) : camsim_wrong;
-    } else {
-        (void)camsim_complain(e);
-    }
-    sim_out_drop_all(b->out, n_outs);
-    sim_watch_close(&b->watch);
-    return status;
+    print_summary(&b->watch);
+    return fflush(stdout) == 0 ? judge(&b->watch, o->table_path) : camsim_wrong;
 }
 
 int camsim_bus(int argc, char **argv)
 {
+    static bus_t b; // 10 MB
     common_error_t e;
-    bus_t *b = calloc(1, sizeof *b);
-    if (b == NULL) {
-        (void)common_error(&e, "bus: not enough memory; free 10 MB");
+    if (!camsim_bus_options_read(&b.options, argc, argv, &e)) {
         return camsim_complain(&e);
     }
-    int status = camsim_done;
-    if (!camsim_bus_options_read(&b->options, argc, argv, &e)) {
-        status = camsim_complain(&e);
-    } else if (b->options.common.is_help) {
+    if (b.options.common.is_help) {
         camsim_bus_options_help();
-    } else {
-        status = prepare_and_watch(b, &e);
+        return camsim_done;
     }
-    free(b);
+    if (!open_watch(&b, &e)) {
+        return camsim_complain(&e);
+    }
+    camsim_warn_of_design(&b.options.common);
+    const int status = watch(&b, &e);
+    sim_out_drop_all(b.out, n_outs);
+    sim_watch_close(&b.watch);
     return status;
 }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "common_number.h" // common_number_parse
 #include "camsim_bus.h"
-#include <stdio.h>  // puts
-#include <stdlib.h> // calloc, free
-#include <string.h> // strcmp
+#include "common_number.h" // common_number_parse
+#include <stdio.h>         // puts
+#include <stdlib.h>        // calloc, free
+#include <string.h>        // strcmp
 
 static const char help[] =
     "camsim bus TABLE --can IFACE [options]     the machine as nodes on a CAN bus (Linux)\n"
@@ -48,20 +48,30 @@ static bool take_number(double *value, const char *option, const char *text, dou
     return true;
 }
 
-static bool take_modulus(sim_watch_options_t *o, const char *text, common_error_t *e)
+static bool take_value(sim_watch_options_t *o, const char *name, const char *text,
+                       common_error_t *e)
 {
-    if (!take_number(&o->encoder_modulus, "encoder-modulus", text, 64.0, 4294967295.0, e)) {
-        return false;
+    static const char *const node[sim_bus_n_nodes] = {"encoder", "u", "x", "z", "spindle"};
+    if (strcmp(name, "tick-hz") == 0) {
+        return take_number(&o->tick_hz, name, text, 100.0, 4000.0, e);
     }
-    return o->encoder_modulus == (double)(uint32_t)o->encoder_modulus ||
-           common_error(e, "--encoder-modulus %.60s: not whole; give a whole number", text);
-}
-
-static bool take_without(sim_watch_options_t *o, const char *text, common_error_t *e)
-{
-    static const char *const name[sim_bus_n_nodes] = {"encoder", "u", "x", "z", "spindle"};
+    if (strcmp(name, "guard-ms") == 0) {
+        return take_number(&o->guard_ms, name, text, 1.0, 10000.0, e);
+    }
+    if (strcmp(name, "heartbeat-ms") == 0) {
+        return take_number(&o->heartbeat_ms, name, text, 1.0, 10000.0, e);
+    }
+    if (strcmp(name, "encoder-modulus") == 0) {
+        return take_number(&o->encoder_modulus, name, text, 64.0, 4294967295.0, e) &&
+               (o->encoder_modulus == (double)(uint32_t)o->encoder_modulus ||
+                common_error(e, "--encoder-modulus %.60s: not whole; give a whole number", text));
+    }
+    if (strcmp(name, "without") != 0) {
+        *(strcmp(name, "can") == 0 ? &o->interface : &o->chip) = text;
+        return true;
+    }
     for (int i = 0; i < sim_bus_n_nodes; i++) {
-        if (strcmp(text, name[i]) == 0) {
+        if (strcmp(text, node[i]) == 0) {
             o->is_foreign[i] = true;
             return true;
         }
@@ -69,44 +79,12 @@ static bool take_without(sim_watch_options_t *o, const char *text, common_error_
     return common_error(e, "--without %.60s: no such node; give encoder, u, x, z or spindle", text);
 }
 
-/// @return false when the option is not one of the bus
-static bool is_of_bus(const char *name)
-{
-    static const char *const own[] = {"can",          "gpiochip",        "tick-hz", "guard-ms",
-                                      "heartbeat-ms", "encoder-modulus", "without"};
-    for (size_t i = 0; i < sizeof own / sizeof own[0]; i++) {
-        if (strcmp(name, own[i]) == 0) {
-            return true;
-        }
-    }
-    return false;
-}
-
-static bool take_value(sim_watch_options_t *o, const char *name, const char *text,
-                       common_error_t *e)
-{
-    if (strcmp(name, "can") == 0) {
-        o->interface = text;
-    } else if (strcmp(name, "gpiochip") == 0) {
-        o->chip = text;
-    } else if (strcmp(name, "tick-hz") == 0) {
-        return take_number(&o->tick_hz, name, text, 100.0, 4000.0, e);
-    } else if (strcmp(name, "guard-ms") == 0) {
-        return take_number(&o->guard_ms, name, text, 1.0, 10000.0, e);
-    } else if (strcmp(name, "heartbeat-ms") == 0) {
-        return take_number(&o->heartbeat_ms, name, text, 1.0, 10000.0, e);
-    } else if (strcmp(name, "encoder-modulus") == 0) {
-        return take_modulus(o, text, e);
-    } else {
-        return take_without(o, text, e);
-    }
-    return true;
-}
-
 /// Take an option of the bus, with its value; the others stay for the options of a run.
 /// @return words taken, 0: it is another's, below 0 and *e: it is wrong
 static int take_own(sim_watch_options_t *o, int n_left, char **words, common_error_t *e)
 {
+    static const char *const own[] = {"can",          "gpiochip",        "tick-hz", "guard-ms",
+                                      "heartbeat-ms", "encoder-modulus", "without"};
     char name[24] = "";
     if (strncmp(words[0], "--", 2) != 0) {
         return 0;
@@ -121,7 +99,11 @@ static int take_own(sim_watch_options_t *o, int n_left, char **words, common_err
         return 0;
     }
     memcpy(name, words[0] + 2, length);
-    if (!is_of_bus(name)) {
+    bool is_own = false;
+    for (size_t i = 0; i < sizeof own / sizeof own[0]; i++) {
+        is_own = is_own || strcmp(name, own[i]) == 0;
+    }
+    if (!is_own) {
         return 0;
     }
     if (equals == NULL && n_left < 2) {
@@ -135,7 +117,7 @@ static int take_own(sim_watch_options_t *o, int n_left, char **words, common_err
     return equals != NULL ? 1 : 2;
 }
 
-/// What belongs to the controller is told to it, not to the machine.
+/// What belongs to the controller is given to the controller, not to the lathe.
 static bool check_foreign(const camsim_bus_options_t *o, common_error_t *e)
 {
     const sim_cut_options_t *cut = &o->common.cut;

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #define _POSIX_C_SOURCE 200809L // NOLINT(bugprone-reserved-identifier): getline
-#include "common_number.h"      // common_number_parse
-#include "cam_eval.h"           // cam_eval_surface
-#include "cam_speed.h"          // cam_speed_ratio
 #include "camsim.h"
-#include "sim_units.h" // sim_clamp
-#include <errno.h>     // errno
-#include <math.h>      // floor, ldexp
-#include <stdio.h>     // printf
-#include <stdlib.h>    // free
-#include <string.h>    // strlen, strerror
+#include "cam_eval.h"      // cam_eval_surface
+#include "cam_speed.h"     // cam_speed_ratio
+#include "common_number.h" // common_number_parse
+#include "sim_units.h"     // sim_clamp
+#include <errno.h>         // errno
+#include <math.h>          // floor, ldexp
+#include <stdio.h>         // printf
+#include <stdlib.h>        // free
+#include <string.h>        // strlen, strerror
 
 static const char help[] =
     "camsim eval TABLE < points.csv > values.csv\n"
@@ -31,7 +31,7 @@ static const char help[] =
 static const char header_in[] = "turn,z_mm";
 static const char header_out[] =
     "turn,z_mm,u_nm,u1_nm_per_rad,u2_nm_per_rad2,x_nm,speed_ratio,clamped";
-static const char header_cam[] = ",swing_deg,contact_deg";
+static const char header_lobes[] = ",swing_deg,contact_deg";
 
 static bool has_lobes(const cam_table_t *t)
 {
@@ -50,33 +50,11 @@ static int32_t height_nm(double z_mm)
     return (int32_t)floor(sim_clamp(z_mm * SIM_NM_PER_MM, INT32_MIN, INT32_MAX) + 0.5);
 }
 
-static double knot_rad(const cam_channel_t *ch)
-{
-    return ldexp(SIM_TWO_PI, -(int)(ch->log2_knots + ch->log2_repeat));
-}
-
 static double speed_ratio(const cam_table_t *t, uint32_t theta_q32, int32_t z_nm)
 {
     return t->speed.knots != NULL
                ? ldexp(cam_speed_ratio(&t->speed, theta_q32, z_nm).ratio_q28, -28)
                : 1.0;
-}
-
-/// Angle between the line of centres and the normal at the contact.
-static double contact_deg(const cam_table_t *t, uint32_t theta_q32, int32_t z_nm)
-{
-    const cam_value_t angle = cam_eval_surface(&t->angle, theta_q32, z_nm);
-    const double units = t->angle.value_offset + ldexp(angle.y, -(int)t->angle.frac_bits);
-    return ldexp(units * 90.0, -24); // CAM_TABLE_ANGLE_MAX is a quarter turn
-}
-
-static bool print_cam(const cam_table_t *t, double turn, double z_mm)
-{
-    if (!has_lobes(t)) {
-        return putchar('\n') != EOF;
-    }
-    const double deg = contact_deg(t, angle_q32(turn), height_nm(z_mm));
-    return printf(",%.17g,%.17g\n", t->is_swung ? deg : 0.0, deg) > 0;
 }
 
 static bool print_value(const cam_table_t *t, const char *point, double turn, double z_mm)
@@ -85,18 +63,28 @@ static bool print_value(const cam_table_t *t, const char *point, double turn, do
     const cam_value_t u = cam_eval_surface(&t->u, angle_q32(turn), z_nm);
     const cam_value_t x = cam_eval_profile(&t->x, z_nm);
     const double ratio = speed_ratio(t, angle_q32(turn), z_nm);
-    const double h = knot_rad(&t->u);
+    const double h = ldexp(SIM_TWO_PI, -(int)(t->u.log2_knots + t->u.log2_repeat));
     const int frac = -(int)t->u.frac_bits;
     const bool is_outside = z_mm * SIM_NM_PER_MM < (double)t->z_first_nm - 0.5 ||
                             z_mm * SIM_NM_PER_MM > (double)t->z_last_nm + 0.5;
     const double sense = has_lobes(t) ? -1.0 : 1.0; // a lift is a negative reduction
-    return printf("%s,%.17g,%.17g,%.17g,%.17g,%.17g,%d", point,
-                  0.0 + sense * (t->u.value_offset + ldexp(u.y, frac)),
-                  0.0 + sense * ldexp(u.d1, frac) / h,
-                  0.0 + sense * ldexp(u.d2, frac) / (h * h), // + 0: no "-0"
-                  t->x.value_offset + ldexp(x.y, -(int)t->x.frac_bits), ratio,
-                  is_outside || u.is_clamped || x.is_clamped ? 1 : 0) > 0 &&
-           print_cam(t, turn, z_mm);
+    if (printf("%s,%.17g,%.17g,%.17g,%.17g,%.17g,%d", point,
+               0.0 + sense * (t->u.value_offset + ldexp(u.y, frac)),
+               0.0 + sense * ldexp(u.d1, frac) / h,
+               0.0 + sense * ldexp(u.d2, frac) / (h * h), // + 0: no "-0"
+               t->x.value_offset + ldexp(x.y, -(int)t->x.frac_bits), ratio,
+               is_outside || u.is_clamped || x.is_clamped ? 1 : 0) <= 0) {
+        return false;
+    }
+    if (!has_lobes(t)) {
+        return putchar('\n') != EOF;
+    }
+    // Angle between the line of centres and the normal at the contact, in units of which
+    // CAM_TABLE_ANGLE_MAX is a quarter turn.
+    const cam_value_t angle = cam_eval_surface(&t->angle, angle_q32(turn), z_nm);
+    const double units = t->angle.value_offset + ldexp(angle.y, -(int)t->angle.frac_bits);
+    const double deg = ldexp(units * 90.0, -24);
+    return printf(",%.17g,%.17g\n", t->is_swung ? deg : 0.0, deg) > 0;
 }
 
 /// Split "turn,z_mm", which stays as it is for the echo.
@@ -115,18 +103,11 @@ static bool parse_point(const char *line, double *turn, double *z_mm)
     return common_number_parse(copy, turn) && common_number_parse(comma + 1, z_mm);
 }
 
-static void cut_end_of_line(char *line, ssize_t length)
-{
-    while (length > 0 && (line[length - 1] == '\n' || line[length - 1] == '\r')) {
-        line[--length] = '\0';
-    }
-}
-
 static bool take_line(const cam_table_t *t, const char *line, size_t i_line, common_error_t *e)
 {
     if (i_line == 1u) {
         return strcmp(line, header_in) == 0
-                   ? printf("%s%s\n", header_out, has_lobes(t) ? header_cam : "") > 0
+                   ? printf("%s%s\n", header_out, has_lobes(t) ? header_lobes : "") > 0
                    : common_error(e,
                                   "standard input: line 1: \"%.60s\": wrong header; write \"%s\"",
                                   line, header_in);
@@ -158,7 +139,9 @@ static bool take_lines(const cam_table_t *t, common_error_t *e)
                 common_error(e, "standard input: line %zu: holds a zero byte; give text", i_line);
             break;
         }
-        cut_end_of_line(line, length);
+        while (length > 0 && (line[length - 1] == '\n' || line[length - 1] == '\r')) {
+            line[--length] = '\0';
+        }
         is_good = take_line(t, line, i_line, e);
     }
     free(line);

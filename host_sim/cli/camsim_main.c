@@ -21,7 +21,7 @@ int camsim_complain(const common_error_t *e)
     return camsim_wrong;
 }
 
-/// What was printed has arrived, or the exit status tells.
+/// @return exit status: an output that could not be printed is an error
 static int after_print(void)
 {
     common_error_t e;

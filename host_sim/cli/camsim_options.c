@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#define _GNU_SOURCE        // NOLINT(bugprone-reserved-identifier): getopt_long
-#include "common_number.h" // common_number_parse
+#define _GNU_SOURCE // NOLINT(bugprone-reserved-identifier): getopt_long
 #include "camsim.h"
-#include "sim_target.h" // sim_target_find
-#include <getopt.h>     // getopt_long
-#include <stdio.h>      // fprintf, puts
-#include <string.h>     // strrchr
-#include <unistd.h>     // access
+#include "common_number.h" // common_number_parse
+#include "sim_target.h"    // sim_target_find
+#include <getopt.h>        // getopt_long
+#include <stdio.h>         // fprintf, puts
+#include <string.h>        // strrchr
+#include <unistd.h>        // access
 
 static const char help[] =
     "camsim run TABLE [options]\n"
@@ -125,26 +125,6 @@ static bool take_number(double *value, const char *option, const char *text, dou
     return true;
 }
 
-static bool take_seed(camsim_options_t *o, const char *text, common_error_t *e)
-{
-    double value;
-    if (!take_number(&value, "seed", text, 0.0, 9007199254740992.0, "a whole number", e)) {
-        return false;
-    }
-    o->cut.session.seed = (uint64_t)value;
-    return (double)o->cut.session.seed == value ||
-           common_error(e, "--seed %.60s: not whole; give a whole number 0 .. 9007199254740992",
-                        text);
-}
-
-static bool take_slice(camsim_options_t *o, const char *text, common_error_t *e)
-{
-    double slice_us;
-    const bool is_good = take_number(&slice_us, "slice-us", text, 1.0, 1e9, "microseconds", e);
-    o->cut.slice_s = is_good ? slice_us * 1e-6 : 0.0;
-    return is_good;
-}
-
 /// Two heights, the second above the first; whether the part has them is seen later.
 static bool take_window(sim_cut_options_t *cut, const char *text, common_error_t *e)
 {
@@ -175,17 +155,6 @@ static bool take_set(camsim_options_t *o, const char *text, common_error_t *e)
     memcpy(name, text, (size_t)(equals - text));
     name[equals - text] = '\0';
     return sim_wishes_add(&o->cut.wishes, name, value, "--set", e);
-}
-
-static bool take_inject(camsim_options_t *o, const char *text, common_error_t *e)
-{
-    if (o->cut.session.n_injects == sim_session_max_injects) {
-        return common_error(e, "--inject %.60s: one too many; give at most %d", text,
-                            sim_session_max_injects);
-    }
-    const bool is_bus = strcmp(o->command, "bus") == 0;
-    return sim_inject_parse(&o->cut.session.inject[o->cut.session.n_injects++], text,
-                            is_bus ? sim_inject_on_bus : sim_inject_in_run, e);
 }
 
 static bool take_switch(camsim_options_t *o, int option)
@@ -237,6 +206,8 @@ static const char **path_of(camsim_options_t *o, int option)
 static bool take_value(camsim_options_t *o, int option, const char *text, common_error_t *e)
 {
     sim_cut_options_t *cut = &o->cut;
+    sim_session_options_t *session = &cut->session;
+    double value;
     switch (option) {
     case opt_rpm:
         return take_number(&cut->rpm, "rpm", text, 0.001, 60000.0, "r/min", e);
@@ -247,7 +218,11 @@ static bool take_value(camsim_options_t *o, int option, const char *text, common
     case opt_turns:
         return take_number(&cut->max_turns, "turns-limit", text, 0.001, 1e9, "turns", e);
     case opt_slice:
-        return take_slice(o, text, e);
+        if (!take_number(&value, "slice-us", text, 1.0, 1e9, "microseconds", e)) {
+            return false;
+        }
+        cut->slice_s = value * 1e-6;
+        return true;
     case opt_kc:
         return take_number(&cut->kc_n_mm2, "kc-n-mm2", text, 0.001, 1e6, "N/mm2", e);
     case opt_nose:
@@ -257,13 +232,25 @@ static bool take_value(camsim_options_t *o, int option, const char *text, common
     case opt_tip:
         return take_number(&cut->tip_mm, "tool-tip-mm", text, 0.05, 1000.0, "mm", e);
     case opt_max_seconds:
-        return take_number(&cut->session.max_s, "max-seconds", text, 0.001, 1e7, "seconds", e);
+        return take_number(&session->max_s, "max-seconds", text, 0.001, 1e7, "seconds", e);
     case opt_seed:
-        return take_seed(o, text, e);
+        if (!take_number(&value, "seed", text, 0.0, 9007199254740992.0, "a whole number", e)) {
+            return false;
+        }
+        session->seed = (uint64_t)value;
+        return (double)session->seed == value ||
+               common_error(e, "--seed %.60s: not whole; give a whole number 0 .. 9007199254740992",
+                            text);
     case opt_set:
         return take_set(o, text, e);
-    default:
-        return take_inject(o, text, e);
+    default: // opt_inject
+        if (session->n_injects == sim_session_max_injects) {
+            return common_error(e, "--inject %.60s: one too many; give at most %d", text,
+                                sim_session_max_injects);
+        }
+        return sim_inject_parse(
+            &session->inject[session->n_injects++], text,
+            strcmp(o->command, "bus") == 0 ? sim_inject_on_bus : sim_inject_in_run, e);
     }
 }
 
@@ -316,13 +303,6 @@ static bool find_target(camsim_options_t *o, common_error_t *e)
     }
     o->cut.target_image = o->target_image;
     return sim_target_image(target, o->target_image, sizeof o->target_image, e);
-}
-
-static bool check_scallop(const camsim_options_t *o, common_error_t *e)
-{
-    const bool is_asked = o->out_path[camsim_scallop] != NULL || o->cut.has_window;
-    return !is_asked || o->cut.nose_mm > 0.0 ||
-           common_error(e, "--scallop, --scallop-mm: no tool for it; give --nose-mm, too");
 }
 
 static bool check_outputs(const camsim_options_t *o, common_error_t *e)
@@ -384,6 +364,11 @@ bool camsim_options_read(camsim_options_t *o, int argc, char **argv, common_erro
     if (o->machine_path != NULL && !sim_config_load(&o->cut.session.config, o->machine_path, e)) {
         return false;
     }
-    return find_target(o, e) && (o->cut.session.design_path != NULL || find_design(o, e)) &&
-           check_scallop(o, e) && check_outputs(o, e);
+    if (!find_target(o, e) || (o->cut.session.design_path == NULL && !find_design(o, e))) {
+        return false;
+    }
+    if ((o->out_path[camsim_scallop] != NULL || o->cut.has_window) && o->cut.nose_mm <= 0.0) {
+        return common_error(e, "--scallop, --scallop-mm: no tool for it; give --nose-mm, too");
+    }
+    return check_outputs(o, e);
 }

@@ -59,7 +59,7 @@ void camsim_print_cut(const sim_cut_t *cut, double wall_s)
                  wall_s, wall_s > 0.0 ? (double)cut->n_ticks / wall_s * 1e-6 : 0.0);
 }
 
-/// Why the first fault struck; several at once are told by the first in the list.
+/// Why the first fault struck; of several at once the first in the list is named.
 static void explain_fault(const sim_cut_t *cut, const char *table, common_error_t *e)
 {
     const uint32_t first = sim_cut_status(cut)->first_fault;
@@ -73,21 +73,8 @@ static void explain_fault(const sim_cut_t *cut, const char *table, common_error_
         cam_state_name(cut->fault_state), cut->fault_z_mm);
 }
 
-/// A feed of half a lobe, or of half the present one, leaves a whole turn on it.
-static void explain_lobe(const sim_cut_t *cut, const char *table, common_error_t *e)
-{
-    const uint32_t i = sim_cut_lobe_without_turn(cut);
-    const sim_lobe_t *lobe = &cut->session.design.lobes.lobe[i];
-    const double high_mm = lobe->z_last_mm - lobe->z_first_mm;
-    const double feed_mm = sim_cut_feed_mm(cut);
-    (void)common_error(e,
-                       "%s: not gauged: lobe %u has %llu samples of the %d of a whole turn; "
-                       "give at most --feed %.4g",
-                       table, (unsigned)i, (unsigned long long)cut->session.lobes.gauge[i].n,
-                       sim_lobe_dexels, 0.5 * (high_mm < feed_mm ? high_mm : feed_mm));
-}
-
-/// Which surface the gauge has not seen.
+/// Which surface the gauge has not seen, and the remedy: half the height of a lobe, or half of the
+/// present feed, is a feed that leaves a whole turn on the lobe.
 static void explain_not_gauged(const sim_cut_t *cut, const char *table, common_error_t *e)
 {
     if (cut->session.work.n == 0u) {
@@ -97,7 +84,15 @@ static void explain_not_gauged(const sim_cut_t *cut, const char *table, common_e
                            table, sim_cut_end_name(cut));
         return;
     }
-    explain_lobe(cut, table, e);
+    const uint32_t i = sim_cut_lobe_without_turn(cut);
+    const sim_lobe_t *lobe = &cut->session.design.lobes.lobe[i];
+    const double high_mm = lobe->z_last_mm - lobe->z_first_mm;
+    const double feed_mm = sim_cut_feed_mm(cut);
+    (void)common_error(e,
+                       "%s: not gauged: lobe %u has %llu samples of the %d of a whole turn; "
+                       "give at most --feed %.4g",
+                       table, (unsigned)i, (unsigned long long)cut->session.lobes.gauge[i].n,
+                       sim_lobe_dexels, 0.5 * (high_mm < feed_mm ? high_mm : feed_mm));
 }
 
 int camsim_judge_cut(const sim_cut_t *cut, const char *table)

@@ -5,7 +5,6 @@
 #include "sim_map.h"         // sim_map_surface
 #include "sim_trace.h"       // sim_trace_drain
 #include <stdio.h>           // fprintf
-#include <stdlib.h>          // calloc, free
 #include <time.h>            // clock_gettime
 
 enum { progress_ticks = 1 << 17 };
@@ -133,34 +132,23 @@ static int run(run_t *r, common_error_t *e)
     return camsim_judge_cut(&r->cut, r->options.table_path);
 }
 
-static int prepare_and_run(run_t *r, common_error_t *e)
-{
-    if (!open_cut(r, e)) {
-        return camsim_complain(e);
-    }
-    camsim_warn_of_design(&r->options);
-    const int status = open_outputs(r, e) ? run(r, e) : camsim_complain(e);
-    sim_out_drop_all(r->out, camsim_n_outs);
-    sim_cut_close(&r->cut);
-    return status;
-}
-
 int camsim_run(int argc, char **argv)
 {
+    static run_t r; // 10 MB
     common_error_t e;
-    run_t *r = calloc(1, sizeof *r);
-    if (r == NULL) {
-        (void)common_error(&e, "run: not enough memory; free 10 MB");
+    if (!camsim_options_read(&r.options, argc, argv, &e)) {
         return camsim_complain(&e);
     }
-    int status = camsim_done;
-    if (!camsim_options_read(&r->options, argc, argv, &e)) {
-        status = camsim_complain(&e);
-    } else if (r->options.is_help) {
+    if (r.options.is_help) {
         camsim_options_help();
-    } else {
-        status = prepare_and_run(r, &e);
+        return camsim_done;
     }
-    free(r);
+    if (!open_cut(&r, &e)) {
+        return camsim_complain(&e);
+    }
+    camsim_warn_of_design(&r.options);
+    const int status = open_outputs(&r, &e) ? run(&r, &e) : camsim_complain(&e);
+    sim_out_drop_all(r.out, camsim_n_outs);
+    sim_cut_close(&r.cut);
     return status;
 }

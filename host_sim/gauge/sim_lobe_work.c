@@ -83,9 +83,9 @@ static double search(sim_lobe_work_t *w, point_t c)
     int best = 0;
     double least_mm = HUGE_VAL;
     for (int i = 0; i < sim_lobe_dexels; i++) {
-        const double away_mm = hypot(c.x_mm - w->dexel[i].x_mm, c.y_mm - w->dexel[i].y_mm);
-        if (away_mm < least_mm) {
-            least_mm = away_mm;
+        const double atravel_mm = hypot(c.x_mm - w->dexel[i].x_mm, c.y_mm - w->dexel[i].y_mm);
+        if (atravel_mm < least_mm) {
+            least_mm = atravel_mm;
             best = i;
         }
     }
@@ -126,28 +126,8 @@ static void find_contact(sim_lobe_work_t *w, point_t c)
     w->contact_turn = sim_fraction((atan2(w->spot.y_mm, w->spot.x_mm) + phase_of(w)) / SIM_TWO_PI);
 }
 
-static void judge(sim_lobe_work_t *w, const sim_lobe_dexel_t *d, double z_mm)
-{
-    sim_lobe_gauge_t *g = &w->gauge[w->i_lobe];
-    const double error_um = d->left_mm * 1e3;
-    if (sim_abs(error_um) > g->max_um) {
-        g->max_um = sim_abs(error_um);
-        g->max_turn = d->turn;
-        g->max_z_mm = z_mm;
-    }
-    g->sum_um2 += error_um * error_um;
-    g->n++;
-}
-
-/// Metal taken off since this line was cut a turn ago.
-static double removed_mm3(sim_lobe_work_t *w, int64_t i, double fed_mm)
-{
-    const sim_lobe_dexel_t *d = dexel_at(w, i);
-    const double wide = sim_fraction(dexel_at(w, i + 1)->turn - d->turn) * SIM_TWO_PI;
-    const double blank_mm = w->work->blank_mm;
-    return 0.5 * (blank_mm * blank_mm - d->radius_mm * d->radius_mm) * wide * fed_mm;
-}
-
+/// Nothing cuts this line any more: gauge what is left on it.
+/// @param fed_mm  feed of the turn, which is the height of the ring that was cut
 static void finish(sim_lobe_work_t *w, int64_t i, const sim_lobe_tool_t *tool, double fed_mm)
 {
     const sim_lobe_dexel_t *d = dexel_at(w, i);
@@ -157,10 +137,22 @@ static void finish(sim_lobe_work_t *w, int64_t i, const sim_lobe_tool_t *tool, d
     }
     sim_work_judge(w->work, d->turn, tool->z_mm, d->radius_mm + d->left_mm, d->radius_mm,
                    is_counted);
-    if (is_counted) {
-        w->work->removed_mm3 += removed_mm3(w, i, fed_mm);
-        judge(w, d, tool->z_mm);
+    if (!is_counted) {
+        return;
     }
+    const double wide = sim_fraction(dexel_at(w, i + 1)->turn - d->turn) * SIM_TWO_PI;
+    const double blank_mm = w->work->blank_mm;
+    w->work->removed_mm3 +=
+        0.5 * (blank_mm * blank_mm - d->radius_mm * d->radius_mm) * wide * fed_mm;
+    sim_lobe_gauge_t *g = &w->gauge[w->i_lobe];
+    const double error_um = d->left_mm * 1e3;
+    if (sim_abs(error_um) > g->max_um) {
+        g->max_um = sim_abs(error_um);
+        g->max_turn = d->turn;
+        g->max_z_mm = tool->z_mm;
+    }
+    g->sum_um2 += error_um * error_um;
+    g->n++;
 }
 
 /// Lines that the circle comes to and leaves. It passes them upwards; a spindle that turns back
@@ -239,10 +231,10 @@ static point_t centre_between(const sim_lobe_work_t *w, const sim_lobe_tool_t *n
     return centre_of(w, &at);
 }
 
-static void sweep(sim_lobe_work_t *w, const sim_lobe_tool_t *now, double way_mm, point_t last,
+static void sweep(sim_lobe_work_t *w, const sim_lobe_tool_t *now, double travel_mm, point_t last,
                   point_t here)
 {
-    const double wanted = ceil(4.0 * way_mm / w->circle_mm);
+    const double wanted = ceil(4.0 * travel_mm / w->circle_mm);
     const int n = (int)sim_clamp(wanted, 1.0, most_pieces);
     point_t begin = last;
     for (int k = 0; k < n; k++) {
@@ -262,22 +254,18 @@ static double off_normal_deg(const sim_lobe_spot_t *s, double direction_rad)
     return atan2(s->nx * y - s->ny * x, s->nx * x + s->ny * y) / RAD_PER_DEG;
 }
 
-/// [mm] way of the contact per radian of the spindle: ds/dphi = ds (centre) / (cos (ds + R bend)).
-static double way_per_rad(const sim_lobe_work_t *w, const sim_lobe_tool_t *tool)
+static void measure(sim_lobe_work_t *w, const sim_lobe_tool_t *tool, double travel_mm)
 {
     const double phi = SIM_TWO_PI * sim_fraction(tool->turn) - phase_of(w);
     const double slant = cos(phi) * w->spot.nx + sin(phi) * w->spot.ny;
     const double follower_mm = w->design->follower_mm;
-    return w->spot.ds_mm * tool->centre_mm / (slant * (w->spot.ds_mm + follower_mm * w->spot.bend));
-}
-
-static void measure(sim_lobe_work_t *w, const sim_lobe_tool_t *tool, double way_mm)
-{
-    const double speed_mm_s = way_mm / (tool->t_s - w->before[0].t_s);
+    // Travel of the contact per radian of the spindle: ds/dphi = ds (centre) / (cos (ds + R bend)).
+    const double mm_per_rad =
+        w->spot.ds_mm * tool->centre_mm / (slant * (w->spot.ds_mm + follower_mm * w->spot.bend));
+    const double speed_mm_s = travel_mm / (tool->t_s - w->before[0].t_s);
     sim_spread_add(&w->speed_mm_s, speed_mm_s);
-    sim_spread_add(&w->off_plan, speed_mm_s / (way_per_rad(w, tool) * tool->due_rad_s) - 1.0);
+    sim_spread_add(&w->off_plan, speed_mm_s / (mm_per_rad * tool->due_rad_s) - 1.0);
     if (w->design->is_turned) {
-        const double phi = SIM_TWO_PI * sim_fraction(tool->turn) - phase_of(w);
         sim_spread_add(&w->rake_deg, off_normal_deg(&w->spot, phi - tool->swing_deg * RAD_PER_DEG));
         sim_spread_add(&w->unswung_deg, off_normal_deg(&w->spot, phi));
     }
@@ -300,12 +288,12 @@ void sim_lobe_work_cut(sim_lobe_work_t *w, const sim_lobe_tool_t *tool)
     const point_t here = centre_of(w, &now);
     find_contact(w, here);
     if (w->n_before == 2u) {
-        const double way_mm = 0.5 * (w->spot.ds_mm + ds_before) * (w->theta_rad - theta_before);
+        const double travel_mm = 0.5 * (w->spot.ds_mm + ds_before) * (w->theta_rad - theta_before);
         const point_t last = centre_of(w, &w->before[0]);
         move_window(w, &now, last, here);
-        sweep(w, &now, sim_abs(way_mm), last, here);
+        sweep(w, &now, sim_abs(travel_mm), last, here);
         if (now.is_counted && w->before[0].is_counted) {
-            measure(w, &now, way_mm);
+            measure(w, &now, travel_mm);
         }
     }
     w->n_before = w->n_before < 2u ? w->n_before + 1u : 2u;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// sim_lobe_work: the profile of a cam as a wheel or a swinging tool leaves it, and a gauge on it.
+/// sim_lobe_work: the profiles of lobes as a wheel or a swinging tool leaves them, and a gauge.
 ///
 /// The work is held as dexels: straight lines along the normals of the exact profile, a tenth of a
 /// degree of the roller's direction apart. Each is cut off where the tool's circle reaches deepest,
@@ -14,8 +14,8 @@
 ///     centre of the tip    the same, minus (r1 - tip) along the tool's line, which the swing turns
 ///
 /// Between ticks the machine moves along the parabola through three ticks, and the cut of each
-/// dexel along the parabola through both ends and the middle, in as many pieces as keep the way of
-/// the contact below a quarter of R: off by less than 3e-6 R or 1 nm. A dexel is done when the
+/// dexel along the parabola through both ends and the middle, in as many pieces as keep the travel
+/// of the contact below a quarter of R: off by less than 3e-6 R or 1 nm. A dexel is done when the
 /// contact has passed it and the circle is more than `reach` above it; each turn cuts its own ring
 /// of the feed's width, as in sim_work, and the next one begins with a fresh line. Cut is looked
 /// for around the contact only: wheels that would cut elsewhere are refused by the generator.
@@ -37,7 +37,7 @@ typedef struct {
     double centre_mm; ///< X - U: distance of the follower's centre from the axis
     double swing_deg; ///< of the tool from the line of centres; not used by a wheel
     double z_mm;      ///< height of the tool
-    double due_rad_s; ///< speed that the table asks of the spindle here
+    double due_rad_s; ///< speed that the table demands of the spindle here
     bool is_counted;  ///< belongs to the surface that is judged
 } sim_lobe_tool_t;
 

@@ -45,20 +45,15 @@ static void begin_turn(sim_removal_t *r, double whole, bool is_whole)
     r->turn_force = (sim_spread_t){0};
 }
 
-static void end_turn(sim_removal_t *r)
-{
-    if (r->is_whole && r->turn_rate.n > 0u) {
-        sim_spread_add(&r->rate_ripple, ripple_of(&r->turn_rate));
-        sim_spread_add(&r->force_ripple, ripple_of(&r->turn_force));
-    }
-}
-
 static void judge_slice(sim_removal_t *r)
 {
     const sim_slice_t *s = &r->slice;
     const double whole = (double)sim_floor(s->turn);
     if (whole != r->turn) {
-        end_turn(r);
+        if (r->is_whole && r->turn_rate.n > 0u) {
+            sim_spread_add(&r->rate_ripple, ripple_of(&r->turn_rate));
+            sim_spread_add(&r->force_ripple, ripple_of(&r->turn_force));
+        }
         begin_turn(r, whole, whole == r->turn + 1.0);
     }
     r->is_whole = r->is_whole && r->is_clean;

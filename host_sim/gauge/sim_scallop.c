@@ -37,12 +37,13 @@ static void cut(sim_scallop_t *s, int angle, double z_mm, double tip_mm)
 }
 
 /// All angles of the map between the pass before and this one.
-static void pass(sim_scallop_t *s, sim_design_t *design, double way, double z_mm, double proud_mm)
+static void pass(sim_scallop_t *s, sim_design_t *design, double turned, double z_mm,
+                 double proud_mm)
 {
     const int first = (int)ceil(s->turn * sim_scallop_angles);
-    const int n = (int)ceil((s->turn + way) * sim_scallop_angles) - first;
+    const int n = (int)ceil((s->turn + turned) * sim_scallop_angles) - first;
     for (int i = 0; i < n; i++) {
-        const double share = ((double)(first + i) / sim_scallop_angles - s->turn) / way;
+        const double share = ((double)(first + i) / sim_scallop_angles - s->turn) / turned;
         const double here_mm = s->z_mm + share * (z_mm - s->z_mm);
         const double here_proud_mm = s->proud_mm + share * (proud_mm - s->proud_mm);
         const int angle = (first + i) % sim_scallop_angles;
@@ -61,9 +62,9 @@ void sim_scallop_touch(sim_scallop_t *s, sim_design_t *design, double turn, doub
         return;
     }
     const double proud_mm = radius_mm - exact_mm;
-    const double way = sim_fraction(turn - s->turn);
-    if (s->has_last && way > 0.0 && way < 0.5) {
-        pass(s, design, way, z_mm, proud_mm);
+    const double turned = sim_fraction(turn - s->turn);
+    if (s->has_last && turned > 0.0 && turned < 0.5) {
+        pass(s, design, turned, z_mm, proud_mm);
     }
     s->has_last = true;
     s->turn = turn;

@@ -7,7 +7,7 @@
 /// circle of its nose cuts what it finds, the blank at first. Between two ticks the tip's height
 /// and its distance from the exact surface go linearly: below 0.01 nm and 1 nm of a skirt. The nose
 /// lies in the plane of the axis, its lowest point is the tip. What is proud of the exact surface
-/// is told for each place; a slope s of the surface lowers it by r s^2 / 2 everywhere (0.02 um for
+/// is given for each place; a slope s of the surface lowers it by r s^2 / 2 everywhere (0.02 um for
 /// 0.8 mm and 0.0063) and leaves peak to valley as it is. Source: MATHS.md (65).
 #ifndef SIM_SCALLOP_H
 #define SIM_SCALLOP_H

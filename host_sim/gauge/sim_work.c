@@ -13,23 +13,26 @@ void sim_work_init(sim_work_t *w, double blank_mm, double z_first_mm, double z_l
     w->rows_per_mm = sim_work_rows / (z_last_mm - z_first_mm);
 }
 
-static size_t row_of(const sim_work_t *w, double z_mm)
+/// Take a sample into the sums, the row of its height and its cell of the map.
+static void count_error(sim_work_t *w, double turn, double z_mm, double radius_mm, double error_mm)
 {
-    const double row = (z_mm - w->z_first_mm) * w->rows_per_mm;
-    return (size_t)sim_clamp(row, 0.0, sim_work_rows - 1);
-}
-
-static void count_row(sim_row_t *row, double error_um)
-{
+    const double error_um = error_mm * 1e3;
+    const double error_nm = error_mm * SIM_NM_PER_MM;
+    const double height = (z_mm - w->z_first_mm) * w->rows_per_mm;
+    const size_t i_row = (size_t)sim_clamp(height, 0.0, sim_work_rows - 1);
+    const size_t i_column = (size_t)sim_clamp(turn * sim_work_columns, 0.0, sim_work_columns - 1);
+    if (sim_abs(error_um) > w->max_um) {
+        w->max_um = sim_abs(error_um);
+        w->max_turn = turn;
+        w->max_z_mm = z_mm;
+    }
+    w->sum_um2 += error_um * error_um;
+    sim_row_t *row = &w->row[i_row];
     row->min_um = row->n == 0u || error_um < row->min_um ? error_um : row->min_um;
     row->max_um = row->n == 0u || error_um > row->max_um ? error_um : row->max_um;
     row->sum_um2 += error_um * error_um;
     row->n++;
-}
-
-static void count_cell(sim_cell_t *cell, double turn, double z_mm, double radius_mm,
-                       double error_nm)
-{
+    sim_cell_t *cell = &w->cell[i_row][i_column];
     if (cell->n == 0u || sim_abs(error_nm) > sim_abs((double)cell->error_nm)) {
         cell->turn = (float)turn;
         cell->z_mm = z_mm;
@@ -39,37 +42,6 @@ static void count_cell(sim_cell_t *cell, double turn, double z_mm, double radius
     cell->n += cell->n < UINT32_MAX ? 1u : 0u;
 }
 
-static void count_error(sim_work_t *w, double turn, double z_mm, double radius_mm, double error_mm)
-{
-    const double error_um = error_mm * 1e3;
-    const size_t i_row = row_of(w, z_mm);
-    const size_t i_column = (size_t)sim_clamp(turn * sim_work_columns, 0.0, sim_work_columns - 1);
-    if (sim_abs(error_um) > w->max_um) {
-        w->max_um = sim_abs(error_um);
-        w->max_turn = turn;
-        w->max_z_mm = z_mm;
-    }
-    w->sum_um2 += error_um * error_um;
-    count_row(&w->row[i_row], error_um);
-    count_cell(&w->cell[i_row][i_column], turn, z_mm, radius_mm, error_mm * SIM_NM_PER_MM);
-}
-
-static void count_depth(sim_work_t *w, double radius_mm)
-{
-    const double depth_mm = w->blank_mm - radius_mm;
-    const bool is_first = w->n == 0u;
-    w->depth_min_mm = is_first || depth_mm < w->depth_min_mm ? depth_mm : w->depth_min_mm;
-    w->depth_max_mm = is_first || depth_mm > w->depth_max_mm ? depth_mm : w->depth_max_mm;
-}
-
-static void count_chip(sim_work_t *w, double z_mm, double radius_mm)
-{
-    const double fed_mm = w->n == 0u ? 0.0 : sim_abs(z_mm - w->last_z_mm);
-    const double depth_mm = w->blank_mm - radius_mm;
-    w->removed_mm3 += SIM_PI * depth_mm * (w->blank_mm + radius_mm) * fed_mm;
-    w->last_z_mm = z_mm;
-}
-
 void sim_work_judge(sim_work_t *w, double turn, double z_mm, double radius_mm, double exact_mm,
                     bool is_counted)
 {
@@ -77,18 +49,25 @@ void sim_work_judge(sim_work_t *w, double turn, double z_mm, double radius_mm, d
     if (-error_mm * 1e3 > w->gouge_um && z_mm >= w->z_first_mm && z_mm <= w->z_last_mm) {
         w->gouge_um = -error_mm * 1e3;
     }
-    if (is_counted) {
-        count_error(w, turn, z_mm, radius_mm, error_mm);
-        count_depth(w, radius_mm);
-        w->n++;
+    if (!is_counted) {
+        return;
     }
+    const double depth_mm = w->blank_mm - radius_mm;
+    const bool is_first = w->n == 0u;
+    w->depth_min_mm = is_first || depth_mm < w->depth_min_mm ? depth_mm : w->depth_min_mm;
+    w->depth_max_mm = is_first || depth_mm > w->depth_max_mm ? depth_mm : w->depth_max_mm;
+    count_error(w, turn, z_mm, radius_mm, error_mm);
+    w->n++;
 }
 
 void sim_work_touch(sim_work_t *w, double turn, double z_mm, double radius_mm, double exact_mm,
                     bool is_counted)
 {
     if (is_counted) {
-        count_chip(w, z_mm, radius_mm);
+        const double fed_mm = w->n == 0u ? 0.0 : sim_abs(z_mm - w->last_z_mm);
+        const double depth_mm = w->blank_mm - radius_mm;
+        w->removed_mm3 += SIM_PI * depth_mm * (w->blank_mm + radius_mm) * fed_mm;
+        w->last_z_mm = z_mm;
     }
     sim_work_judge(w, turn, z_mm, radius_mm, exact_mm, is_counted);
 }

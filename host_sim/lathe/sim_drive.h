@@ -4,9 +4,9 @@
 ///     d2y/dt2 = w^2 (c(t - D) - y) - 2 d w dy/dt,   |dy/dt| <= v_max,  |d2y/dt2| <= a_max
 ///
 /// c is the command, held from step to step and rounded to the quantum; the measured position is
-/// rounded likewise. Source: MATHS.md (68), the usual model of a closed position loop, e.g.
-/// Franklin, Powell, Workman, "Digital Control of Dynamic Systems", 3rd ed., 4.3 (zero-order hold)
-/// and 4.3.4 (delay).
+/// rounded likewise. Source: MATHS.md (68), the usual model of a closed loop, e.g. Franklin,
+/// Powell, Workman, "Digital Control of Dynamic Systems", 3rd ed., 4.3 (zero-order hold) and 4.3.4
+/// (delay).
 ///
 /// Units: the model serves slides and the swing of the tool. One unit is a millimetre of a slide
 /// and a degree of the swing; positions, commands and speeds are held in millionths of it

@@ -49,19 +49,15 @@ void sim_encoder_init(sim_encoder_t *e, const sim_encoder_config_t *config, doub
     (void)sim_encoder_read(e, turn);
 }
 
-static void latch_index(sim_encoder_t *e, int64_t i_edge)
-{
-    const int64_t whole = i_edge * (int64_t)(e->config.sign * e->config.counts_per_turn);
-    const int64_t moved = sim_floor(jitter(e) + 0.5);
-    e->reading.index_counts = counter(&e->config, whole + e->index_counts + moved);
-    e->reading.n_index++;
-}
-
 hal_encoder_t sim_encoder_read(sim_encoder_t *e, double turn)
 {
     const int64_t n_turns = turns_below(e, turn);
-    if (n_turns != e->n_turns) {
-        latch_index(e, n_turns > e->n_turns ? n_turns : e->n_turns); // the edge between the two
+    if (n_turns != e->n_turns) { // the index lies between the two
+        const int64_t i_edge = n_turns > e->n_turns ? n_turns : e->n_turns;
+        const int64_t whole = i_edge * (int64_t)(e->config.sign * e->config.counts_per_turn);
+        const int64_t moved = sim_floor(jitter(e) + 0.5);
+        e->reading.index_counts = counter(&e->config, whole + e->index_counts + moved);
+        e->reading.n_index++;
         e->n_turns = n_turns;
     }
     const int64_t counts = sim_floor(place_counts(&e->config, turn) + jitter(e));

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "common_number.h" // common_number_parse
 #include "sim_inject.h"
-#include "sim_units.h" // SIM_TWO_PI
-#include <stdio.h>     // snprintf
-#include <string.h>    // strchr
+#include "common_number.h" // common_number_parse
+#include "sim_units.h"     // SIM_TWO_PI
+#include <stdio.h>         // snprintf
+#include <string.h>        // strchr
 
 typedef struct {
     const char *name;
@@ -45,17 +45,6 @@ const char *sim_inject_name(sim_inject_kind_t kind)
     return kinds[kind].name;
 }
 
-static bool find_kind(sim_inject_t *inject, const char *name)
-{
-    for (int i = 0; i < sim_n_injects; i++) {
-        if (strcmp(kinds[i].name, name) == 0) {
-            inject->kind = (sim_inject_kind_t)i;
-            return true;
-        }
-    }
-    return false;
-}
-
 static bool parse_value(sim_inject_t *inject, const char *value, const char *text,
                         common_error_t *e)
 {
@@ -72,11 +61,6 @@ static bool parse_value(sim_inject_t *inject, const char *value, const char *tex
                             text, k->name, k->value, k->min, k->max, k->name);
     }
     return true;
-}
-
-static bool can_happen(sim_inject_kind_t kind, sim_inject_place_t place)
-{
-    return kinds[kind].places == 0u || (kinds[kind].places & (unsigned)place) != 0u;
 }
 
 bool sim_inject_parse(sim_inject_t *inject, const char *text, sim_inject_place_t place,
@@ -97,11 +81,16 @@ bool sim_inject_parse(sim_inject_t *inject, const char *text, sim_inject_place_t
         *value++ = '\0';
     }
     const char *command = place == sim_inject_on_bus ? "bus" : "run";
-    if (!find_kind(inject, copy)) {
+    int kind = 0;
+    while (kind < sim_n_injects && strcmp(kinds[kind].name, copy) != 0) {
+        kind++;
+    }
+    if (kind == sim_n_injects) {
         return common_error(e, "--inject %.60s: no such kind; camsim %s --help lists them", text,
                             command);
     }
-    if (!can_happen(inject->kind, place)) {
+    inject->kind = (sim_inject_kind_t)kind;
+    if (kinds[kind].places != 0u && (kinds[kind].places & (unsigned)place) == 0u) {
         return common_error(e,
                             "--inject %.60s: cannot happen here; camsim %s --help lists what can",
                             text, command);

@@ -30,7 +30,7 @@
 /// | node-dead | node | it neither hears nor speaks |
 /// | node-fault | node | the drive with this number fails, with an emergency message |
 ///
-/// Some happen to the machine of camsim run, some to the nodes of camsim bus, most to both.
+/// Some happen only in camsim run, some only to the nodes of camsim bus, most in both.
 #ifndef SIM_INJECT_H
 #define SIM_INJECT_H
 

@@ -7,7 +7,7 @@
 ///     cosine           delta = (G / 2) sin^2 phi
 ///     double-ellipse   delta = (G / 4) ((1 - cos 2 phi) + (beta / 25) (1 - cos 4 phi))
 ///     surface          delta from polynomial pieces (sim_surface.h)
-///     cam              another frame and gauge: sim_lobe_design.h
+///     lobes            another frame and gauge: sim_lobe_design.h
 ///
 /// a(z) and G(z) are piecewise cubics, clamped outside. They come from NAME.json, the report that
 /// the generator writes beside NAME.camtab, so the gauge is independent of table and firmware.
@@ -27,7 +27,7 @@ typedef enum {
     sim_shape_cosine,
     sim_shape_double_ellipse,
     sim_shape_surface, ///< refitted and measured sections
-    sim_shape_lobes,   ///< sim_lobe_design.h; the radius over angle and height is not told
+    sim_shape_lobes,   ///< sim_lobe_design.h; it has no radius over angle and height
     sim_shape_table,   ///< no report: the table's own quintics
 } sim_shape_t;
 
@@ -39,7 +39,7 @@ typedef struct {
     sim_lobe_design_t lobes;  ///< sim_shape_lobes only
     const cam_table_t *table; ///< sim_shape_table only
     double z_first_mm, z_last_mm;
-    double largest_mm; ///< largest long half axis; of a cam base circle and lift
+    double largest_mm; ///< largest long half axis; of lobes base circle and lift
     double at_z_mm;    ///< height of a, g
     double a_mm, g_mm; ///< last look-up
 } sim_design_t;

@@ -33,27 +33,21 @@ static bool read_shape(sim_design_t *d, const cJSON *design, const char *path, c
         path, text);
 }
 
-/// The report's CRC-32: a number, or a string in hexadecimal.
-static bool crc_matches(const cJSON *item, uint32_t crc32)
-{
-    if (cJSON_IsString(item)) {
-        char *end = NULL;
-        const unsigned long value = strtoul(item->valuestring, &end, 16);
-        return end != item->valuestring && *end == '\0' && value == crc32;
-    }
-    return cJSON_IsNumber(item) && item->valuedouble == (double)crc32;
-}
-
+/// The CRC-32 in the report, a number or a string in hexadecimal, must be the table's.
 static bool check_crc(const cJSON *root, const cam_table_t *table, const char *path,
                       common_error_t *e)
 {
     const cJSON *item = cJSON_GetObjectItemCaseSensitive(root, "table_crc32");
-    if (!crc_matches(item, table->crc32)) {
-        return common_error(
-            e, "%s: table_crc32: belongs to another table than this one (0x%08x); " REMEDY, path,
-            (unsigned)table->crc32);
+    bool is_same = cJSON_IsNumber(item) && item->valuedouble == (double)table->crc32;
+    if (cJSON_IsString(item)) {
+        char *end = NULL;
+        const unsigned long value = strtoul(item->valuestring, &end, 16);
+        is_same = end != item->valuestring && *end == '\0' && value == table->crc32;
     }
-    return true;
+    return is_same ||
+           common_error(e,
+                        "%s: table_crc32: belongs to another table than this one (0x%08x); " REMEDY,
+                        path, (unsigned)table->crc32);
 }
 
 static bool read_root(sim_design_t *d, const cJSON *root, const cam_table_t *table,

@@ -13,9 +13,9 @@ sim_lobe_spot_t sim_lobe_design_at(sim_lobe_design_t *d, uint32_t i_lobe, double
     const sim_lobe_rise_t rise = sim_lobe_lift_at(&d->lobe[i_lobe].lift, theta_rad);
     const double p = d->base_mm + d->roller_mm + rise.h_mm;
     const double square = p * p + rise.h1_mm * rise.h1_mm;
-    const double way = sqrt(square);
-    const double cos_gamma = p / way;
-    const double sin_gamma = rise.h1_mm / way;
+    const double travel = sqrt(square);
+    const double cos_gamma = p / travel;
+    const double sin_gamma = rise.h1_mm / travel;
     const double c = cos(theta_rad);
     const double s = sin(theta_rad);
     const double nx = c * cos_gamma + s * sin_gamma; // direction theta - gamma
@@ -26,7 +26,7 @@ sim_lobe_spot_t sim_lobe_design_at(sim_lobe_design_t *d, uint32_t i_lobe, double
         .y_mm = p * s - d->roller_mm * ny,
         .nx = nx,
         .ny = ny,
-        .ds_mm = way - d->roller_mm * bend,
+        .ds_mm = travel - d->roller_mm * bend,
         .bend = bend,
     };
 }
@@ -81,16 +81,6 @@ static bool read_word(bool *is_second, const cJSON *design, const char *name,
                         word[0], word[1]);
 }
 
-/// Heights rise, from lobe to lobe too.
-static bool read_heights(sim_lobe_t *lobe, const cJSON *item, double above_mm)
-{
-    const cJSON *z = cJSON_GetObjectItemCaseSensitive(item, "z_mm");
-    return cJSON_IsArray(z) && cJSON_GetArraySize(z) == 2 &&
-           sim_json_number(cJSON_GetArrayItem(z, 0), &lobe->z_first_mm) &&
-           sim_json_number(cJSON_GetArrayItem(z, 1), &lobe->z_last_mm) &&
-           lobe->z_first_mm > above_mm && lobe->z_last_mm > lobe->z_first_mm;
-}
-
 static bool read_lobe(sim_lobe_design_t *d, const cJSON *item, const char *path, common_error_t *e)
 {
     const uint32_t i = d->n_lobes;
@@ -98,7 +88,11 @@ static bool read_lobe(sim_lobe_design_t *d, const cJSON *item, const char *path,
     const double above_mm = i > 0u ? d->lobe[i - 1u].z_last_mm : -HUGE_VAL;
     char where[32];
     (void)snprintf(where, sizeof where, "design.lobes.%u", (unsigned)i);
-    if (!read_heights(lobe, item, above_mm)) {
+    const cJSON *z = cJSON_GetObjectItemCaseSensitive(item, "z_mm");
+    const bool are_numbers = cJSON_IsArray(z) && cJSON_GetArraySize(z) == 2 &&
+                             sim_json_number(cJSON_GetArrayItem(z, 0), &lobe->z_first_mm) &&
+                             sim_json_number(cJSON_GetArrayItem(z, 1), &lobe->z_last_mm);
+    if (!are_numbers || lobe->z_first_mm <= above_mm || lobe->z_last_mm <= lobe->z_first_mm) {
         return common_error(
             e, "%s: %s.z_mm: wants two rising numbers above the lobe before; " REMEDY, path, where);
     }
@@ -106,7 +100,7 @@ static bool read_lobe(sim_lobe_design_t *d, const cJSON *item, const char *path,
     if (!sim_json_number(phase, &lobe->phase_rad)) {
         return common_error(e, "%s: %s.phase_rad: wants a finite number; " REMEDY, path, where);
     }
-    d->n_lobes++; // from here on there is something to free
+    d->n_lobes++; // from here on sim_lobe_design_free() finds the lobe
     if (!sim_lobe_lift_read(&lobe->lift, item, where, path, e)) {
         return false;
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// sim_lobe_design: the exact profile of a cam, for the gauge.
+/// sim_lobe_design: the exact profiles of the lobes of a part, for the gauge.
 ///
 /// Frame: fixed to the lobe, angles in the sense in which the follower runs round it, 0 at the zero
 /// of the law. With theta the direction of the roller's line, r the base circle, r1 the roller:
@@ -42,7 +42,7 @@ typedef struct {
 typedef struct {
     double x_mm, y_mm;
     double nx, ny; ///< normal outwards, of length 1
-    double ds_mm;  ///< [mm/rad] way along the profile by theta
+    double ds_mm;  ///< [mm/rad] arc length of the profile by theta
     double bend;   ///< turning of the normal by theta, 1 on the base circle
 } sim_lobe_spot_t;
 

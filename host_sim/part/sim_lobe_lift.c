@@ -9,15 +9,10 @@
 
 #define REMEDY SIM_JSON_REMEDY
 
-/// @return [rad] the same angle, -pi .. pi
-static double around_zero(double theta_rad)
-{
-    return (sim_fraction(theta_rad / SIM_TWO_PI + 0.5) - 0.5) * SIM_TWO_PI;
-}
-
 static sim_lobe_rise_t poly345(const sim_lobe_lift_t *lift, double theta_rad)
 {
-    const double theta = around_zero(theta_rad);
+    const double theta = // the same angle, -pi .. pi
+        (sim_fraction(theta_rad / SIM_TWO_PI + 0.5) - 0.5) * SIM_TWO_PI;
     const double u = 1.0 - sim_abs(theta) / lift->half_angle_rad;
     if (u <= 0.0) {
         return (sim_lobe_rise_t){0};
@@ -85,18 +80,6 @@ static bool read_number(double *value, const cJSON *lobe, const char *where, con
            common_error(e, "%s: %s.%s: wants a number above 0; " REMEDY, path, where, name);
 }
 
-static bool read_disc(sim_lobe_lift_t *lift, const cJSON *lobe, const char *where, const char *path,
-                      common_error_t *e)
-{
-    if (!read_number(&lift->reach_mm, lobe, where, "reach_mm", path, e) ||
-        !read_number(&lift->offset_mm, lobe, where, "offset_mm", path, e)) {
-        return false;
-    }
-    return lift->offset_mm < lift->reach_mm ||
-           common_error(e, "%s: %s.offset_mm = %.12g: must be below reach_mm; " REMEDY, path, where,
-                        lift->offset_mm);
-}
-
 static bool read_pieces(sim_lobe_lift_t *lift, const cJSON *lobe, const char *where,
                         const char *path, common_error_t *e)
 {
@@ -128,7 +111,13 @@ bool sim_lobe_lift_read(sim_lobe_lift_t *lift, const cJSON *lobe, const char *wh
     }
     if (strcmp(law, "disc") == 0) {
         lift->law = sim_lobe_lift_disc;
-        return read_disc(lift, lobe, where, path, e);
+        if (!read_number(&lift->reach_mm, lobe, where, "reach_mm", path, e) ||
+            !read_number(&lift->offset_mm, lobe, where, "offset_mm", path, e)) {
+            return false;
+        }
+        return lift->offset_mm < lift->reach_mm ||
+               common_error(e, "%s: %s.offset_mm = %.12g: must be below reach_mm; " REMEDY, path,
+                            where, lift->offset_mm);
     }
     if (strcmp(law, "pieces") == 0) {
         lift->law = sim_lobe_lift_pieces;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// sim_lobe_lift: how far a cam lifts the centre of its roller, over the follower's angle.
+/// sim_lobe_lift: how far a lobe lifts the centre of its roller, over the follower's angle.
 ///
 ///     poly345   H = L (10 u^3 - 15 u^4 + 6 u^5),  u = 1 - |theta| / half angle, 0 outside
 ///     disc      H = sqrt(reach^2 - (e sin theta)^2) + e cos theta - (reach - e)

@@ -16,15 +16,6 @@ static double from_joint(sim_surface_t *s, double turn, double z_mm)
     return q < joint ? q / joint : 1.0 + (q - joint) / (0.25 - joint);
 }
 
-static double at_height(const double c[sim_surface_n_height], double w)
-{
-    double sum = 0.0;
-    for (int l = sim_surface_n_height - 1; l >= 0; l--) {
-        sum = sum * w + c[l];
-    }
-    return sum;
-}
-
 /// @return place within piece i, 0 .. 1
 static double share(const double *breaks, size_t i, double v)
 {
@@ -43,7 +34,11 @@ double sim_surface_delta_mm(sim_surface_t *s, double turn, double z_mm)
         (const double(*)[sim_surface_n_height])s->c[s->j_last * s->n + s->i_last];
     double sum = 0.0;
     for (int k = sim_surface_n_angle - 1; k >= 0; k--) {
-        sum = sum * t + at_height(c[k], w);
+        double row = 0.0;
+        for (int l = sim_surface_n_height - 1; l >= 0; l--) {
+            row = row * w + c[k][l];
+        }
+        sum = sum * t + row;
     }
     return sum;
 }

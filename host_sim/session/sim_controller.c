@@ -75,6 +75,11 @@ static void derive_limits(derive_t *d, const sim_lathe_config_t *m)
     put(d, cam_param_z_acceleration_mm_per_s2, axis[hal_axis_z].acceleration_units_per_s2);
     put(d, cam_param_spindle_limit_mrpm, m->spindle_limit_rpm * 1e3);
     put(d, cam_param_following_limit_nm, following_limit_um * 1e3);
+    // The speed loop is of first order; what is beyond a parameter's range is beyond any use.
+    const sim_spindle_config_t *s = &m->spindle;
+    put(d, cam_param_spindle_lag_us, sim_clamp(1e6 / s->bandwidth_rad_per_s, 0.0, 1e6));
+    put(d, cam_param_spindle_acceleration_mrad_per_s2,
+        sim_clamp(s->torque_Nm / s->inertia_kgm2 * 1e3, 1e3, 2e9));
 }
 
 /// Without the axis there is nothing to be derived but that.
@@ -87,14 +92,6 @@ static void derive_swing(derive_t *d, const sim_lathe_config_t *m)
         put(d, cam_param_swing_range_mdeg, m->swing_range_deg * 1e3);
         put(d, cam_param_swing_lag_ns, (lag_s(swing) + 0.5 / m->tick_hz) * 1e9);
     }
-}
-
-/// The speed loop is of first order; what is beyond a parameter's range is beyond any use.
-static void derive_spindle(derive_t *d, const sim_spindle_config_t *s)
-{
-    put(d, cam_param_spindle_lag_us, sim_clamp(1e6 / s->bandwidth_rad_per_s, 0.0, 1e6));
-    put(d, cam_param_spindle_acceleration_mrad_per_s2,
-        sim_clamp(s->torque_Nm / s->inertia_kgm2 * 1e3, 1e3, 2e9));
 }
 
 /// Angle of the index from the long axis in the sense of cutting, and what noise of the edges
@@ -120,7 +117,6 @@ bool sim_controller_params(cam_params_t *params, const sim_lathe_config_t *machi
     derive_encoder(&d, machine, table);
     derive_feed_forward(&d, machine);
     derive_limits(&d, machine);
-    derive_spindle(&d, &machine->spindle);
     derive_swing(&d, machine);
     for (uint32_t id = 0; id < cam_n_params; id++) {
         if (wishes->is_given[id]) {

@@ -45,8 +45,8 @@ typedef enum {
     sim_cut_done,    ///< the controller is ready again
     sim_cut_fault,   ///< ended in a fault, tool retracted
     sim_cut_timeout, ///< max_s is over
-    sim_cut_refused, ///< the controller refused a command; `refusal` tells
-    sim_cut_lost,    ///< the target does not answer any more; sim_firmware_is_lost() tells why
+    sim_cut_refused, ///< the controller refused a command; `refusal` says why
+    sim_cut_lost,    ///< the target does not answer any more; sim_firmware_is_lost() says why
 } sim_cut_end_t;
 
 typedef struct {

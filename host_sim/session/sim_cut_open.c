@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "sim_cut.h"
 #include "cam_feed.h"     // cam_feed_least_nm
 #include "sim_lobe_cut.h" // sim_lobe_cut_begin
-#include "sim_cut.h"
-#include "sim_slow.h"  // sim_slow_check
-#include "sim_units.h" // SIM_NM_PER_MM
-#include <math.h>      // floor
-#include <stdio.h>     // snprintf
-#include <string.h>    // memset
+#include "sim_slow.h"     // sim_slow_check
+#include "sim_units.h"    // SIM_NM_PER_MM
+#include <math.h>         // floor
+#include <stdio.h>        // snprintf
+#include <string.h>       // memset
 
 static void wish(sim_wishes_t *w, cam_param_id_t id, double value)
 {
@@ -41,7 +41,8 @@ static sim_wishes_t all_wishes(const sim_cut_options_t *o)
     return w;
 }
 
-/// The firmware takes rings that are nearer as so far apart: it would cut other turns than planned.
+/// The firmware would cut rings that are nearer than cam_feed_least_nm at that distance, which are
+/// other turns than planned.
 static bool check_rings(const sim_cut_t *cut, common_error_t *e)
 {
     const double feed_nm = sim_cut_feed_mm(cut) * SIM_NM_PER_MM;
@@ -59,7 +60,7 @@ static bool check_rings(const sim_cut_t *cut, common_error_t *e)
                         field, least_mm, least_mm);
 }
 
-/// Set what differs; each change is taken by the next tick, so the next finds a free half.
+/// Set the parameters that differ; one tick takes each change, so that the next can be made.
 static bool apply_params(sim_cut_t *cut, common_error_t *e)
 {
     for (uint32_t i = 0; i < cam_n_params; i++) {
@@ -116,13 +117,7 @@ static const char *unit_of(cam_err_t err, double *per_unit)
     }
 }
 
-/// A speed that the machine can, and that does not count as stopped.
-static bool is_speed(const sim_cut_t *cut, uint32_t mrpm)
-{
-    return mrpm > 0u && sim_slow_is_turning(&cut->session.table, &cut->params, mrpm * 1e-3);
-}
-
-/// What would do: a lower speed, a smaller feed.
+/// The remedy: a lower speed or a smaller feed.
 static void put_remedy(const sim_cut_t *cut, char *to, size_t size)
 {
     const cam_feasibility_t *f = &cut->feasibility;
@@ -130,7 +125,10 @@ static void put_remedy(const sim_cut_t *cut, char *to, size_t size)
     if (f->largest_feed_nm > 0u) {
         (void)snprintf(feed, sizeof feed, "--feed %.12g", f->largest_feed_nm * 1e-6);
     }
-    if (is_speed(cut, f->highest_mrpm)) {
+    const bool is_speed = // that the lathe reaches, and that does not count as stopped
+        f->highest_mrpm > 0u &&
+        sim_slow_is_turning(&cut->session.table, &cut->params, f->highest_mrpm * 1e-3);
+    if (is_speed) {
         (void)snprintf(to, size, "give at most --rpm %.3f%s%s", f->highest_mrpm * 1e-3,
                        feed[0] != '\0' ? " or " : "", feed);
     } else if (feed[0] != '\0') {
@@ -140,7 +138,7 @@ static void put_remedy(const sim_cut_t *cut, char *to, size_t size)
     }
 }
 
-/// Asked, needed, limit, and what would do.
+/// The speed that was asked for, what it needs, the limit, and a remedy.
 static bool infeasible(const sim_cut_t *cut, common_error_t *e)
 {
     const cam_feasibility_t *f = &cut->feasibility;

@@ -133,15 +133,6 @@ static void add_scallop(cJSON *root, sim_cut_t *cut)
     sim_summary_number(object, "mean_um", f.mean_um);
 }
 
-static void add_parameters(cJSON *root, const sim_cut_t *cut)
-{
-    cJSON *object = cJSON_AddObjectToObject(root, "parameters");
-    for (int i = 0; i < cam_n_params; i++) {
-        const cam_param_id_t id = (cam_param_id_t)i;
-        sim_summary_number(object, cam_param_info(id)->name, cam_param_get(&cut->params, id));
-    }
-}
-
 static void add_injects(cJSON *root, const sim_cut_t *cut)
 {
     cJSON *list = cJSON_AddArrayToObject(root, "injected");
@@ -154,15 +145,6 @@ static void add_injects(cJSON *root, const sim_cut_t *cut)
         (void)cJSON_AddBoolToObject(object, "happened", what->is_done);
         (void)cJSON_AddItemToArray(list, object);
     }
-}
-
-static void add_time(cJSON *root, const sim_cut_t *cut, double wall_s)
-{
-    sim_summary_number(root, "machine_time_s", cut->port.time_s);
-    sim_summary_number(root, "ticks", (double)cut->n_ticks);
-    sim_summary_number(root, "tick_hz", 1.0 / cut->port.lathe.step_s);
-    sim_summary_number(root, "wall_time_s", wall_s);
-    sim_summary_number(root, "ticks_per_s", wall_s > 0.0 ? (double)cut->n_ticks / wall_s : 0.0);
 }
 
 bool sim_cut_summary(sim_out_t *o, sim_cut_t *cut, const char *table_path, double wall_s)
@@ -181,8 +163,16 @@ bool sim_cut_summary(sim_out_t *o, sim_cut_t *cut, const char *table_path, doubl
         add_removal(root, cut);
     }
     add_scallop(root, cut);
-    add_time(root, cut, wall_s);
+    sim_summary_number(root, "machine_time_s", cut->port.time_s);
+    sim_summary_number(root, "ticks", (double)cut->n_ticks);
+    sim_summary_number(root, "tick_hz", 1.0 / cut->port.lathe.step_s);
+    sim_summary_number(root, "wall_time_s", wall_s);
+    sim_summary_number(root, "ticks_per_s", wall_s > 0.0 ? (double)cut->n_ticks / wall_s : 0.0);
     add_injects(root, cut);
-    add_parameters(root, cut);
+    cJSON *parameters = cJSON_AddObjectToObject(root, "parameters");
+    for (int i = 0; i < cam_n_params; i++) {
+        const cam_param_id_t id = (cam_param_id_t)i;
+        sim_summary_number(parameters, cam_param_info(id)->name, cam_param_get(&cut->params, id));
+    }
     return sim_summary_write(o, root);
 }

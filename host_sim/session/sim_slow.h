@@ -3,7 +3,7 @@
 ///
 /// Below stopped_mrpm a spindle counts as stopped: with such a mean speed homing never ends, and a
 /// cut ends in the fault spindle_stopped when the speed stays below for longer than stopped_ms. A
-/// modulated spindle may do that in part of each turn. What the table itself asks for is judged: a
+/// modulated spindle may do that in part of each turn. What the table itself demands is judged: a
 /// little below the limit lag and ripple of the spindle may still end the cut, and the noise of a
 /// coarse encoder may hide a slow spindle from the controller.
 #ifndef SIM_SLOW_H

@@ -43,7 +43,8 @@ static void reading_columns(sim_out_t *o, const cam_tick_record_t *r, const sim_
     sim_out_real_column(o, (s->radius_mm - s->exact_mm) * SIM_NM_PER_MM, 3);
 }
 
-static void sensed_columns(sim_out_t *o, const cam_tick_record_t *r)
+/// What the tick sensed and what it wrote.
+static void record_columns(sim_out_t *o, const cam_tick_record_t *r)
 {
     sim_out_integer_column(o, r->config);
     sim_out_integer_column(o, r->angle.pos_q32);
@@ -60,10 +61,6 @@ static void sensed_columns(sim_out_t *o, const cam_tick_record_t *r)
     }
     sim_out_integer_column(o, r->in.inputs);
     sim_out_integer_column(o, r->in.request);
-}
-
-static void written_columns(sim_out_t *o, const cam_tick_record_t *r)
-{
     for (int i = 0; i < hal_n_axes; i++) {
         sim_out_integer_column(o, r->out[i].pos_nm);
         sim_out_integer_column(o, r->out[i].vel_q10);
@@ -78,8 +75,7 @@ void sim_trace_drain(sim_out_t *o, sim_cut_t *cut)
     cam_tick_record_t record;
     while (cam_trace_pop(sim_firmware_trace(&cut->firmware), &record)) {
         reading_columns(o, &record, cut);
-        sensed_columns(o, &record);
-        written_columns(o, &record);
+        record_columns(o, &record);
         if (cut->session.table.is_swung) {
             sim_out_real_column(o, sim_port_swing_set_deg(&cut->port), 7);
             sim_out_real_column(o, cut->session.at.swing_deg, 7);

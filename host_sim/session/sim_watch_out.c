@@ -54,17 +54,9 @@ void sim_watch_trace_line(sim_out_t *o, const sim_watch_t *w)
     sim_out_char(o, '\n');
 }
 
-static void add_drives(cJSON *root, const sim_watch_t *w)
-{
-    static const char *const name[] = {"encoder", "u", "x", "z", "spindle"};
-    cJSON *drives = cJSON_AddObjectToObject(root, "status_words");
-    for (int i = sim_bus_u; i < sim_bus_n_nodes; i++) {
-        sim_summary_number(drives, name[i], sim_cia402_status(&w->bus.node[i].power));
-    }
-}
-
 bool sim_watch_summary(sim_out_t *o, const sim_watch_t *w)
 {
+    static const char *const name[] = {"encoder", "u", "x", "z", "spindle"};
     const sim_session_t *s = &w->session;
     cJSON *root = cJSON_CreateObject();
     sim_summary_text(root, "camsim", SIM_VERSION);
@@ -84,7 +76,10 @@ bool sim_watch_summary(sim_out_t *o, const sim_watch_t *w)
     cJSON *cut = cJSON_AddObjectToObject(root, "cut");
     sim_summary_progress(cut, s);
     sim_summary_metal(cut, s);
-    add_drives(root, w);
+    cJSON *drives = cJSON_AddObjectToObject(root, "status_words");
+    for (int i = sim_bus_u; i < sim_bus_n_nodes; i++) {
+        sim_summary_number(drives, name[i], sim_cia402_status(&w->bus.node[i].power));
+    }
     sim_summary_number(root, "machine_time_s", w->bus.time_s);
     sim_summary_number(root, "ticks", (double)w->bus.n_steps);
     sim_summary_number(root, "syncs", (double)w->bus.n_syncs);

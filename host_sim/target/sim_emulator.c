@@ -40,7 +40,7 @@ static void unpin(void)
     }
 }
 
-/// Pipes of a start; `report` tells why the emulator cannot be run, `words` takes what it says.
+/// Pipes of a start; `report` says why the emulator cannot be run, `words` takes what it says.
 typedef struct {
     int request[2], answer[2], report[2];
     int words;

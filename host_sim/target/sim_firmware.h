@@ -3,7 +3,7 @@
 ///
 /// Either in this process, on the simulator's port, or on a target behind a wire (sim_remote.h):
 /// the same functions, the same answers to the bit. A target can be lost in the middle; then ticks
-/// return false, calls return cam_err_busy, and sim_firmware_is_lost() tells why. One at a time:
+/// return false, calls return cam_err_busy, and sim_firmware_is_lost() says why. One at a time:
 /// the port is one per process.
 #ifndef SIM_FIRMWARE_H
 #define SIM_FIRMWARE_H

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// sim_port: the lathe behind hal/host: what the firmware senses of it and what it wants of it.
+/// sim_port: the lathe behind hal/host: what the firmware senses of it and commands it to do.
 ///
 /// Time advances in ticks. At the start of a tick the true state is put into hal_host.in; the
 /// firmware runs; the lathe takes what it wrote and everything moves on by one period.

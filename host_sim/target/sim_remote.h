@@ -24,8 +24,8 @@ typedef struct {
     pil_hello_t hello;
     sim_remote_request_t request;
     pil_answer_t answer;
-    cam_trace_t trace; ///< records of the target that nobody has read yet
-    bool is_lost;      ///< error tells why
+    cam_trace_t trace; ///< records of the target that are still to be read
+    bool is_lost;      ///< `error` says why
     common_error_t error;
 } sim_remote_t;
 

@@ -15,12 +15,12 @@ typedef struct {
 /// @return NULL and *e when there is no such target
 const sim_target_t *sim_target_find(const char *name, common_error_t *e);
 
-/// @return false and *e, which tells how to build it, when the image cannot be read
+/// @return false and *e, which says how to build it, when the image cannot be read
 bool sim_target_check_image(const sim_target_t *target, const char *image, common_error_t *e);
 
 /// Where the image lies when it was built beside this program: in the build folder of its preset.
 /// @param path  of `size` bytes
-/// @return      false and *e when the place of this program cannot be told
+/// @return      false and *e when the place of this program is not known
 bool sim_target_image(const sim_target_t *target, char *path, size_t size, common_error_t *e);
 
 #endif

@@ -33,6 +33,7 @@ WHOLE_LINE = re.compile(r"^camturn: .*\n", re.MULTILINE)  # progress of the set-
 NUMBER = re.compile(r" *[+-]? *\b\d+(?:\.\d+)?(?:e[+-]?\d+)?\b")
 DECIMAL = re.compile(r" *[+-]? *\b\d+\.\d+(?:e[+-]?\d+)?\b")
 PATH = re.compile(r"\b(?:[\w-]+/)+([\w-]+\.(?:h|c|md|py|toml|dbc))\b")
+SOURCE = re.compile(r'"source": "(.*)"')  # words about the part in its report
 PORT = re.compile(r"(?<=@127\.0\.0\.1:)\d+")
 
 _CAM = ("--machine", "cam.machine", "--set", "engage_turns=1", "--set", "disengage_turns=1")
@@ -72,7 +73,7 @@ def command_of(tool: str) -> list[str]:
     if tool == "camsim":
         return [str(built("camsim"))]
     script = ROOT / "tools" / tool
-    module = re.search(r"-m (\S+) ", script.read_text())
+    module = re.search(r"^exec .* -m ([\w.]+) ", script.read_text(), re.MULTILINE)
     if module is None or (ROOT / "build" / "venv").exists():
         return [str(script)]
     return [sys.executable, "-m", module[1]]
@@ -90,8 +91,14 @@ def plain(text: str, folder: Path) -> str:
     """Return output without what differs from place to place."""
     for path, name in ((folder, "<TMP>"), (BUILD, "<BUILD>"), (ROOT, "<ROOT>")):
         text = text.replace(f"{path}/", f"{name}/").replace(str(path), name)
-    text = PORT.sub("PORT", WHOLE_LINE.sub("", text))
-    # Files of the repository may move as long as the name that is told leads to them.
+    return without_folders(PORT.sub("PORT", WHOLE_LINE.sub("", text)))
+
+
+def without_folders(text: str) -> str:
+    """Return text with the names only of files of the repository.
+
+    They may move as long as the path that is told leads to them.
+    """
     return PATH.sub(lambda one: f"<{one[1]}>" if (ROOT / one[0]).exists() else one[0], text)
 
 
@@ -250,7 +257,12 @@ def part_facts(shop: Shop, part: str) -> Facts:
     told, files = shop.run(["mktables", f"{part}.toml", "-o", "."])
     shop.keep(part, files)
     facts: Facts = {f"table {part}: status and output": told}
-    facts |= {f"table {part}: {name}": digest(data) for name, data in sorted(files.items())}
+    for name, data in sorted(files.items()):
+        if not name.endswith(".camtab"):
+            text, sources = data.decode(), re.findall(SOURCE, data.decode())
+            data = without_folders(re.sub(SOURCE, "", text)).encode()
+            facts |= {f"table {part}: source in {name}": one for one in sources}
+        facts[f"table {part}: {name}"] = digest(data)
     return facts | cut_facts(shop, f"cut {part}", part, CUTS.get(part, ()))
 
 

@@ -2,7 +2,7 @@
 """The outside sees what it saw before the house was rebuilt, or something better.
 
 outside.json holds what `python tests/outside/record.py` found at the commit before. It is not
-recorded again: what changes on purpose has an entry in `improved`, with the reason.
+recorded again: what changes on purpose has an entry in improved.py, with the reason.
 """
 
 from __future__ import annotations
@@ -12,48 +12,17 @@ import json
 import re
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import pytest
 
 from tests.outside.facts import GROUPS, Fact, Facts, Shop
+from tests.outside.improved import Improved, improved
 
 GOLDEN: dict[str, Facts] = json.loads(Path(__file__).with_name("outside.json").read_text())
 AT_ONCE = 3  # groups that run side by side; one of them mostly waits
 
-
-@dataclass(frozen=True)
-class Improved:
-    """Facts that changed on purpose.
-
-    Attributes
-    ----------
-    facts : str
-        names of the facts, with * and ?; a [ stands for itself
-    reason : str
-        why, in a sentence
-    at_most : float
-        what a figure is now at most; it must be below the recorded one
-    old, new : str
-        what is replaced in the recorded text, in each line of it
-    is_now : list of str, str, number
-        the whole fact as it is now
-    presence : str
-        "new" or "gone": facts that were not there, or are not there any more
-    """
-
-    facts: str
-    reason: str
-    at_most: float | None = None
-    old: str = ""
-    new: str = ""
-    is_now: Fact = None
-    presence: Literal["", "new", "gone"] = ""
-
-
-improved: tuple[Improved, ...] = ()
 
 # Figures of a cut, by the end of their names. What is in no list must be equal.
 ANYWHERE = re.compile(r"\.max_at_\w+$")
@@ -101,7 +70,7 @@ def entries_for(name: str) -> list[Improved]:
 def replaced(fact: Fact, old: str, new: str) -> Fact:
     """Return a recorded text with words replaced."""
     if isinstance(fact, list):
-        return [line.replace(old, new) for line in fact]
+        return "\n".join(fact).replace(old, new).split("\n")
     return fact.replace(old, new) if isinstance(fact, str) else fact
 
 
@@ -181,12 +150,13 @@ def test_every_group_is_recorded() -> None:
 
 
 def test_improvements_have_reasons_and_facts() -> None:
-    """Each entry names facts that are there, unless they are new, and a reason."""
-    names = {name for facts in GOLDEN.values() for name in facts}
+    """Each entry has a reason and names facts that are there and hold what it replaces."""
+    facts = {name: fact for group in GOLDEN.values() for name, fact in group.items()}
     for one in improved:
         assert one.reason.endswith("."), one
-        hit = [name for name in names if one in entries_for(name)]
+        hit = [fact for name, fact in facts.items() if one in entries_for(name)]
         assert hit or one.presence == "new", one
+        assert not one.old or any(replaced(fact, one.old, "") != fact for fact in hit), one
 
 
 @pytest.mark.parametrize(

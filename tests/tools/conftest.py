@@ -11,10 +11,10 @@ import pytest
 from hypothesis import settings
 
 from camctl_bench import Bench
-from camtools.skirt.generate import Generated, generate
+from camtools.skirt.generate import GeneratedSkirt, generate
 from camtools.skirt.geometry import Geometry, make_geometry
-from camtools.skirt.part import Part, load_part
-from part_cases import PERKINS, Mktables, environment
+from camtools.skirt.part import SkirtPart
+from part_cases import PERKINS, Mktables, environment, load_part
 
 # The same examples every time, however busy the machine is: what fails once fails again.
 settings.register_profile("repeatable", derandomize=True, deadline=None)
@@ -22,19 +22,19 @@ settings.load_profile("repeatable")
 
 
 @pytest.fixture(scope="session")
-def perkins() -> Part:
+def perkins() -> SkirtPart:
     """Load the Perkins 240 skirt, the example of MATHS.md (6)."""
     return load_part(PERKINS)
 
 
 @pytest.fixture(scope="session")
-def geometry(perkins: Part) -> Geometry:
+def geometry(perkins: SkirtPart) -> Geometry:
     """Make its exact geometry."""
     return make_geometry(perkins)
 
 
 @pytest.fixture(scope="session")
-def generated(perkins: Part) -> Generated:
+def generated(perkins: SkirtPart) -> GeneratedSkirt:
     """Make its table at 1 nm."""
     return generate(perkins, 1.0)
 

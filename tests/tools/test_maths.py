@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Worked numbers of the equations that no test of a module asserts, each found by a second method."""
+"""Worked numbers of the equations that no module's test asserts, each by a second method."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from scipy.interpolate import CubicSpline, make_interp_spline
 from scipy.optimize import brentq
 from scipy.signal import lsim
 
+from camtools.base.quantities import Floats
 from camtools.lobe.contact import contact, follow
 from camtools.lobe.lift import Disc, LiftLaw, Poly345
 from camtools.lobe.speed import N_GRID, SpindleLimits, surface_speed
 from camtools.skirt.composite import Joint
 from camtools.skirt.geometry import make_geometry
-from camtools.skirt.part import load_part
 from camtools.skirt.refit import CANDIDATES, Recipe, judge, kept_sites, sites_rad
-from camtools.skirt.sections import DoubleEllipse, Ellipse, Floats
-from camtools.table.image import segment_coefficients
-from part_cases import PERKINS
+from camtools.skirt.sections import DoubleEllipse, Ellipse
+from camtools.table.quintics import segment_coefficients
+from part_cases import PERKINS, load_part
 
 A_MM, G_MM = 46.0, 0.2
 JOINT_RAD = float(np.radians(48.0))
@@ -96,7 +96,7 @@ def test_smooth_blend_of_both_branches(left_deg: int, mean: str, too_much: str) 
 
 def between_knots(knots: Floats) -> Floats:
     """Return value and two derivatives of one interval at T, by MATHS.md (46)."""
-    c = segment_coefficients(knots, periodic=False)[0]  # type: ignore[arg-type]
+    c = segment_coefficients(knots, periodic=False)[0]
     return np.stack([np.polynomial.Polynomial(c).deriv(n)(T) for n in range(3)])
 
 

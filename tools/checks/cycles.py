@@ -17,10 +17,10 @@ from pathlib import Path
 
 from camtools.base.command import Parser, run_command
 from camtools.base.errors import CamtoolsError
-from checks.pipeline import mca_cycles, straight_line, table_cycles, taken_branches
+from checks.mca import mca_cycles, straight_line, table_cycles, taken_branches
 from checks.stepper import (
-    Instruction,
-    Trace,
+    InstructionTrace,
+    Step,
     parse_listing,
     parse_symbols,
     run_tool,
@@ -37,7 +37,7 @@ _HAL_FUNCTION = re.compile(r"^\w+ (hal_\w+_isr)\(", re.MULTILINE)
 
 
 @dataclass(frozen=True)
-class Machine:
+class Processor:
     """A processor, and the emulated board that has its core.
 
     Attributes
@@ -73,11 +73,11 @@ class Machine:
 
 # 4 wait states at 240 MHz (RM0433, flash latency), then four beats of 64 bits, at two cycles of the
 # core each: 18; the rest is an allowance for the bus. Refill: LLVM's note for the Cortex-M7.
-STM32H743 = Machine(
+STM32H743 = Processor(
     "STM32H743", "cortex-m7", "mcu-qemu", "mps2-an500", 480_000_000, 2, 6, 32, 28, True
 )
 # 4 wait states at 170 MHz, 64 bits wide with two banks (RM0440, flash latency).
-STM32G474 = Machine(
+STM32G474 = Processor(
     "STM32G474", "cortex-m4", "mcu-qemu-m4", "mps2-an386", 170_000_000, 0, 0, 8, 4, False
 )
 
@@ -117,7 +117,7 @@ class Estimate:
         return self.core + self.port + self.interrupt
 
 
-def load_percent(cycles: float, machine: Machine) -> float:
+def load_percent(cycles: float, machine: Processor) -> float:
     """Return the share of a tick period, per cent."""
     return 100.0 * cycles * TICK_HZ / machine.clock_hz
 
@@ -144,7 +144,7 @@ def allowances(header: str) -> dict[str, int]:
     return found
 
 
-def fetch_cycles(executed: Sequence[Instruction], machine: Machine) -> int:
+def fetch_cycles(executed: Sequence[Step], machine: Processor) -> int:
     """Return what the core waits for code that comes from flash, nothing fetched ahead.
 
     With a cache that holds a whole tick every unit is fetched once, else whenever the program
@@ -170,7 +170,7 @@ def _hal_of(addresses: Sequence[int], symbols: Mapping[str, tuple[int, int]]) ->
     return [name_of.get(a, "") for a in addresses]
 
 
-def _core_cycles(executed: Sequence[Instruction], machine: Machine) -> Span:
+def _core_cycles(executed: Sequence[Step], machine: Processor) -> Span:
     low = mca_cycles(straight_line(executed), machine.cpu)
     if machine.refill_cycles:
         return Span(low, low + machine.refill_cycles * taken_branches(executed))
@@ -178,21 +178,21 @@ def _core_cycles(executed: Sequence[Instruction], machine: Machine) -> Span:
 
 
 def estimate(
-    trace: Trace,
-    listing: Mapping[int, Instruction],
+    trace: InstructionTrace,
+    listing: Mapping[int, Step],
     symbols: Mapping[str, tuple[int, int]],
-    machine: Machine,
+    machine: Processor,
     allowed: Mapping[str, int],
 ) -> Estimate:
     """Estimate the cycles of one tick.
 
     Parameters
     ----------
-    trace : Trace
+    trace : InstructionTrace
         What was executed.
     listing, symbols : mapping
         Instructions and functions of the image.
-    machine : Machine
+    machine : Processor
         Where it would run.
     allowed : mapping
         Longest times of the HAL functions, from `allowances`.
@@ -235,7 +235,7 @@ def estimate(
     )
 
 
-def table(machine: Machine, estimates: Sequence[Estimate]) -> str:
+def table(machine: Processor, estimates: Sequence[Estimate]) -> str:
     """Return the estimates of one machine as a table in Markdown."""
     heads = [f"{machine.name} at {machine.clock_hz / 1e6:.0f} MHz", *(e.session for e in estimates)]
     rows = [
@@ -254,17 +254,17 @@ def table(machine: Machine, estimates: Sequence[Estimate]) -> str:
     return "".join(f"| {' | '.join(line)} |\n" for line in lines)
 
 
-def _load(cycles: Span, machine: Machine) -> str:
+def _load(cycles: Span, machine: Processor) -> str:
     low, high = load_percent(cycles.low, machine), load_percent(cycles.high, machine)
     return f"{low:.1f} .. {high:.1f}"
 
 
-def _cold_load(e: Estimate, machine: Machine) -> str:
+def _cold_load(e: Estimate, machine: Processor) -> str:
     return f"{load_percent(e.total.high + e.fetch, machine):.1f}"
 
 
 def evaluation_table(
-    machine: Machine, traces: Sequence[Trace], listing: Mapping[int, Instruction]
+    machine: Processor, traces: Sequence[InstructionTrace], listing: Mapping[int, Step]
 ) -> str:
     """Return instructions and cycles of single evaluations as a table in Markdown."""
     lines = [f"| evaluation, {machine.name} | instructions | cycles |\n", "|---|---|---|\n"]
@@ -279,18 +279,18 @@ class _Stepped:
     """An image of a preset, and what was seen of it."""
 
     symbols: Mapping[str, tuple[int, int]]
-    listing: Mapping[int, Instruction]
-    traces: Sequence[Trace]
+    listing: Mapping[int, Step]
+    traces: Sequence[InstructionTrace]
 
 
-def _step(build: Path, machine: Machine, name: str) -> _Stepped:
+def _step(build: Path, machine: Processor, name: str) -> _Stepped:
     image = build / machine.preset / "tests" / "budget" / name
     symbols = parse_symbols(run_tool(["arm-none-eabi-nm", "-S", image]))
     listing = parse_listing(run_tool(["arm-none-eabi-objdump", "-d", image]))
     return _Stepped(symbols, listing, trace_calls(image, machine.board, symbols))
 
 
-def report(build: Path, machine: Machine) -> str:
+def report(build: Path, machine: Processor) -> str:
     """Step through the images of a preset; return the tables of ticks and of evaluations."""
     allowed = allowances(HAL_HEADER.read_text(encoding="utf-8"))
     seen = _step(build, machine, "trace_tick")

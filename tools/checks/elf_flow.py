@@ -20,7 +20,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass, field
 
-from checks.elf_image import Code, Function, Instruction
+from checks.elf_image import Code, Function, ImageInstruction
 
 _CONDITION = re.compile("eq|ne|cs|cc|hs|lo|mi|pl|vs|vc|hi|ls|ge|lt|gt|le")
 _LOADS = frozenset({"pop", "ldm", "ldmia", "ldmdb", "ldr", "ldrd"})
@@ -55,12 +55,12 @@ class Flow:
         last = {address for address, after in self.successors.items() if not after}
         return last | self.returns or set(self.successors)
 
-    def complain(self, one: Instruction, problem: str) -> None:
+    def complain(self, one: ImageInstruction, problem: str) -> None:
         """Note what the graph cannot show."""
         self.problems.append(f"{self.function.name}: {one}: {problem}")
 
 
-def _branch(one: Instruction) -> str:
+def _branch(one: ImageInstruction) -> str:
     """Return "b", "bcond", "bl" or "" for anything else."""
     base = one.base
     if base in ("b", "bl"):
@@ -68,7 +68,7 @@ def _branch(one: Instruction) -> str:
     return "bcond" if base[:1] == "b" and _CONDITION.fullmatch(base[1:]) else ""
 
 
-def _is_return(one: Instruction) -> bool:
+def _is_return(one: ImageInstruction) -> bool:
     if one.base in ("bx", "mov"):
         return one.operands in ("lr", "pc, lr")
     if one.base == "ldr":
@@ -76,7 +76,7 @@ def _is_return(one: Instruction) -> bool:
     return re.match(r"(sp!, )?\{", one.operands) is not None
 
 
-def _writes_pc(one: Instruction) -> bool:
+def _writes_pc(one: ImageInstruction) -> bool:
     if one.base in ("bx", "bxj"):
         return True
     listed = re.search(r"\{.*\bpc\b.*\}", one.operands) is not None
@@ -85,7 +85,7 @@ def _writes_pc(one: Instruction) -> bool:
     )
 
 
-def _table_targets(flow: Flow, one: Instruction) -> list[int]:
+def _table_targets(flow: Flow, one: ImageInstruction) -> list[int]:
     """Return where a jump table leads: the data that stands behind the instruction."""
     function, width = flow.function, 2 if one.base == "tbh" else 1
     start = function.following.get(one.address, one.address)
@@ -103,7 +103,7 @@ def _table_targets(flow: Flow, one: Instruction) -> list[int]:
     return sorted({target for target in targets if target in function.at})
 
 
-def _jump(flow: Flow, code: Code, one: Instruction, target: int) -> list[int]:
+def _jump(flow: Flow, code: Code, one: ImageInstruction, target: int) -> list[int]:
     """Return the successor of a jump, or note the tail call that it is."""
     if target in flow.function.at:
         return [target]
@@ -114,7 +114,7 @@ def _jump(flow: Flow, code: Code, one: Instruction, target: int) -> list[int]:
     return []
 
 
-def _next(flow: Flow, one: Instruction) -> list[int]:
+def _next(flow: Flow, one: ImageInstruction) -> list[int]:
     after = flow.function.following.get(one.address)
     if after is None or after not in flow.function.at:
         flow.complain(one, "runs on into what is no instruction of the function")
@@ -122,14 +122,14 @@ def _next(flow: Flow, one: Instruction) -> list[int]:
     return [after]
 
 
-def _call(flow: Flow, code: Code, one: Instruction) -> None:
+def _call(flow: Flow, code: Code, one: ImageInstruction) -> None:
     if one.target is None or one.target not in code:
         flow.complain(one, "calls what is no function")
     else:
         flow.calls[one.address] = one.target
 
 
-def _leave(flow: Flow, one: Instruction) -> list[int]:
+def _leave(flow: Flow, one: ImageInstruction) -> list[int]:
     """Treat an instruction that writes the program counter from a register or memory."""
     if _is_return(one):
         flow.returns.add(one.address)
@@ -138,7 +138,7 @@ def _leave(flow: Flow, one: Instruction) -> list[int]:
     return _next(flow, one) if one.is_conditional else []
 
 
-def _go(flow: Flow, code: Code, one: Instruction) -> list[int]:
+def _go(flow: Flow, code: Code, one: ImageInstruction) -> list[int]:
     kind = _branch(one)
     if kind == "bl":
         _call(flow, code, one)

@@ -37,7 +37,7 @@ _FRAME = re.compile(r"^(.*):(\d+|\?)(?: \(discriminator \d+\))?$")
 
 
 @dataclass(frozen=True)
-class Instruction:
+class ImageInstruction:
     """One line of a disassembly.
 
     Attributes
@@ -70,11 +70,11 @@ class Function:
 
     name: str
     address: int
-    instructions: list[Instruction] = field(default_factory=list)
+    instructions: list[ImageInstruction] = field(default_factory=list)
     data: dict[int, int] = field(default_factory=dict)
 
     @cached_property
-    def at(self) -> dict[int, Instruction]:
+    def at(self) -> dict[int, ImageInstruction]:
         """Instructions by address."""
         return {one.address: one for one in self.instructions}
 
@@ -138,7 +138,7 @@ def parse_code(text: str) -> Code:
                 function.data.update(enumerate(data, address))
                 continue
             base = _base(mnemonic, is_conditional=in_block > 0)
-            one = Instruction(address, mnemonic, operands, base, in_block > 0)
+            one = ImageInstruction(address, mnemonic, operands, base, in_block > 0)
             function.instructions.append(one)
             in_block = len(base) - 1 if re.fullmatch(r"it[te]{0,3}", base) else max(in_block - 1, 0)
     return code

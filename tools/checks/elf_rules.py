@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 
-from checks.elf_image import Instruction
+from checks.elf_image import ImageInstruction
 
 _NAMES = (
     ("64-bit or software division", r"__aeabi_u?l?i?div(mod)?|__u?(div|mod|divmod)[sdt]i[34]"),
@@ -40,6 +40,6 @@ def forbidden_name(name: str) -> str | None:
     return next((why for why, names in _FORBIDDEN_NAMES if names.fullmatch(plain)), None)
 
 
-def forbidden_instruction(one: Instruction) -> str | None:
+def forbidden_instruction(one: ImageInstruction) -> str | None:
     """Return why an instruction may not stand there, if so."""
     return next((why for why, names in _FORBIDDEN_INSTRUCTIONS if names.fullmatch(one.base)), None)

@@ -19,7 +19,7 @@ import re
 from collections.abc import Mapping
 
 from checks.elf_flow import Flow, make_flow
-from checks.elf_image import Image, Instruction
+from checks.elf_image import Image, ImageInstruction
 
 __all__ = ["deepest_frames", "depths", "make_flow"]
 
@@ -41,7 +41,7 @@ def _list_bytes(registers: str) -> int:
     return total
 
 
-def _taken(one: Instruction) -> int | None:
+def _taken(one: ImageInstruction) -> int | None:
     """Return by how many bytes an instruction deepens the stack; None: it cannot be told."""
     base, operands = one.base, one.operands
     if base in _PUSHES | _POPS:

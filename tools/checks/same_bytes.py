@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Command line: the same sources, built twice in different folders, give the same image.
+"""Command line: the same sources, built in another folder, give the same image as in build/PRESET.
 
 >>> difference(b"same bytes", b"same bytes") is None
 True
@@ -22,8 +22,7 @@ from camtools.base.errors import CamtoolsError
 
 FAILED = 1
 ROOT = Path(__file__).resolve().parents[2]
-# Of different lengths, so that a path in the image moves what stands behind it.
-FOLDERS = ("one", "another/place")
+VENV = ROOT / "build" / "venv"
 
 
 def difference(one: bytes, other: bytes) -> str | None:
@@ -35,14 +34,28 @@ def difference(one: bytes, other: bytes) -> str | None:
     return f"{n_same} of {len(one)} and {len(other)} bytes agree, then they differ"
 
 
+def other_folder(temporary: Path, root: Path = ROOT) -> Path:
+    """Return a folder whose path is of another length, so that a path in the image moves bytes.
+
+    >>> str(other_folder(Path("/tmp"), Path("/home/root")))
+    '/tmp/place_'
+    >>> str(other_folder(Path("/tmp"), Path("/root")))
+    '/tmp/place'
+    """
+    folder = temporary / "place"
+    return folder if len(str(folder)) != len(str(root)) else temporary / "place_"
+
+
 def _copy(unity: Path, folder: Path) -> None:
-    """Copy the sources, and Unity to where a build of them looks for it."""
+    """Copy the sources, Unity and the Python packages to where a build of them looks for these."""
 
     def not_sources(_folder: str, names: list[str]) -> set[str]:
         return {name for name in names if name == "build" or name.startswith(".git")}
 
     shutil.copytree(ROOT, folder, ignore=not_sources, symlinks=True)
     shutil.copytree(unity, folder / "build" / "_unity")
+    if VENV.is_dir():
+        (folder / "build" / "venv").symlink_to(VENV)
 
 
 def _run(*words: str, folder: Path) -> None:
@@ -70,15 +83,13 @@ def build(preset: str, target: str, folder: Path) -> bytes:
 
 
 def check(preset: str, target: str, unity: Path) -> int:
-    """Build twice and compare; 0 if every byte is the same, debug information included."""
+    """Build here and elsewhere and compare; 0 if every byte is the same, debug information too."""
     if not unity.is_dir():
         raise CamtoolsError([f"{unity}: not there; build a preset first, or name it with --unity"])
     with tempfile.TemporaryDirectory(prefix="camturn_") as temporary:
-        images = []
-        for name in FOLDERS:
-            folder = Path(temporary) / name
-            _copy(unity, folder)
-            images.append(build(preset, target, folder))
+        folder = other_folder(Path(temporary))
+        _copy(unity, folder)
+        images = [build(preset, target, ROOT), build(preset, target, folder)]
     for image in images:
         print(f"{hashlib.sha256(image).hexdigest()} {len(image)} bytes")
     found = difference(*images)
@@ -89,7 +100,7 @@ def check(preset: str, target: str, unity: Path) -> int:
 
 def main(argv: list[str] | None = None) -> int:
     """Compare two builds; 0 the same, 1 not, 2 a build fails."""
-    parser = Parser(prog="same_bytes", description="Build twice in different folders; compare.")
+    parser = Parser(prog="same_bytes", description="Build here and in another folder; compare.")
     parser.add_argument("preset")
     parser.add_argument("target")
     parser.add_argument("--unity", type=Path, default=ROOT / "build" / "_unity", metavar="DIR")

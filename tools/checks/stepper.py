@@ -1,7 +1,7 @@
 r"""Step an image through the emulator and write down what it executes.
 
 >>> parse_listing("    3bd4:\t4801      \tldr\tr0, [pc, #4]\t@ (3bdc)")
-{15316: Instruction(address=15316, size=2, name='ldr', operands='r0, [pc, #4]')}
+{15316: Step(address=15316, size=2, name='ldr', operands='r0, [pc, #4]')}
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ _R0, _R1, _R2, _LR, _PC = 0, 1, 2, 14, 15
 
 
 @dataclass(frozen=True)
-class Instruction:
+class Step:
     """One line of a disassembly.
 
     Attributes
@@ -45,7 +45,7 @@ class Instruction:
 
 
 @dataclass(frozen=True)
-class Trace:
+class InstructionTrace:
     """One call of a function, instruction by instruction.
 
     Attributes
@@ -83,13 +83,13 @@ def run_tool(command: Sequence[str | Path], text: str = "") -> str:
     return done.stdout
 
 
-def parse_listing(text: str) -> dict[int, Instruction]:
+def parse_listing(text: str) -> dict[int, Step]:
     """Return the instructions of `objdump -d` by address."""
     found = {}
     for address, code, name, operands in _LINE.findall(text):
         size = len(code.replace(" ", "")) // 2
         at = int(address, 16)
-        found[at] = Instruction(at, size, name, operands.strip())
+        found[at] = Step(at, size, name, operands.strip())
     return found
 
 
@@ -177,7 +177,9 @@ def _emulator(image: Path, machine: str) -> Iterator[_Debugger]:
             process.wait()
 
 
-def trace_calls(image: Path, machine: str, symbols: Mapping[str, tuple[int, int]]) -> list[Trace]:
+def trace_calls(
+    image: Path, machine: str, symbols: Mapping[str, tuple[int, int]]
+) -> list[InstructionTrace]:
     """Step through the calls that an image announces by budget_trace().
 
     Parameters
@@ -204,5 +206,5 @@ def trace_calls(image: Path, machine: str, symbols: Mapping[str, tuple[int, int]
             if abs(len(steps) - counted) > _CALL:
                 msg = f"{name}: {len(steps)} instructions stepped, {counted} counted"
                 raise CamtoolsError([msg])
-            traces.append(Trace(name, counted, steps))
+            traces.append(InstructionTrace(name, counted, steps))
     return traces

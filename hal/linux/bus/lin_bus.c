@@ -30,7 +30,7 @@ static uint32_t own_heartbeat(const lin_bus_t *b)
     return canopen_id_heartbeat + (uint32_t)b->config.can.node;
 }
 
-/// What only a controller sends: heard from somebody else, there are two.
+/// Frames that only a controller sends: when one arrives, there is a second controller.
 static bool is_controllers(const lin_bus_t *b, uint32_t id)
 {
     bool is = id == canopen_id_sync || id == own_heartbeat(b);
@@ -103,8 +103,8 @@ static lin_loss_t encoder_loss(lin_bus_t *b, int64_t now_ns)
     return lin_encoder_is_fresh(&b->encoder, now_ns) ? lin_loss_none : lin_loss_pdo;
 }
 
-/// While enabled, a spindle drive that fails shall not keep U from retracting: it is told as a
-/// loss.
+/// A drive that is not ready ends the enabling of all drives. A spindle drive that fails while
+/// enabled must not do that, since U could not retract any more: its failure counts as a loss.
 static lin_loss_t drive_loss(const lin_bus_t *b, int i)
 {
     const lin_drive_t *d = &b->drive[i];
@@ -119,7 +119,7 @@ static bool is_other_there(const lin_bus_t *b, int64_t now_ns)
     return b->is_other_heard && now_ns - b->other_ns <= b->patience.node_ns;
 }
 
-/// Of several causes the first.
+/// Several causes may hold at once; the first in the order of lin_loss_t is reported.
 static lin_cause_t find_cause(lin_bus_t *b, int64_t now_ns)
 {
     const lin_loss_t encoder = encoder_loss(b, now_ns);
@@ -201,7 +201,7 @@ static uint16_t control(lin_bus_t *b, int i, const lin_wants_t *wants, int64_t n
     return lin_drive_control(&b->drive[i], now_ns, may_reset, wants->is_stopping);
 }
 
-/// Position and velocity offset of one axis: one frame with FD, else two.
+/// The position and the velocity offset of one axis: one frame with FD, otherwise two.
 static uint32_t make_axis(lin_bus_t *b, int i, const lin_wants_t *wants, int64_t now_ns,
                           hal_can_frame_t *frames)
 {
@@ -221,16 +221,7 @@ static uint32_t make_axis(lin_bus_t *b, int i, const lin_wants_t *wants, int64_t
     return 2;
 }
 
-static uint32_t make_spindle(lin_bus_t *b, const lin_wants_t *wants, int64_t now_ns,
-                             hal_can_frame_t *frame)
-{
-    *frame = (hal_can_frame_t){.id = canopen_id_rpdo1 + b->drive[lin_bus_spindle].node.id, .n = 6};
-    common_put_u16(frame->data, control(b, lin_bus_spindle, wants, now_ns));
-    common_put_i32(frame->data + 2, wants->is_stopping ? 0 : wants->spindle_mrpm);
-    return 1;
-}
-
-/// Network management: start of all nodes, own heartbeat, start of nodes that came late.
+/// Network management: the start of all nodes, the own heartbeat, the start of late nodes.
 static uint32_t make_management(lin_bus_t *b, int64_t now_ns, hal_can_frame_t *frames)
 {
     uint32_t n = 0;
@@ -255,8 +246,8 @@ static uint32_t make_management(lin_bus_t *b, int64_t now_ns, hal_can_frame_t *f
     return n;
 }
 
-/// Listening begins with the start, and again when another is heard while no drive is in operation;
-/// it ends when nobody was heard for long enough.
+/// Listening begins with the start, and again when another controller is heard while no drive is in
+/// operation; it ends when no other was heard for node_timeout_ms.
 static void listen(lin_bus_t *b, int64_t now_ns)
 {
     if (!b->is_begun) {
@@ -273,7 +264,8 @@ static void listen(lin_bus_t *b, int64_t now_ns)
         b->is_other_heard = false;
         b->is_twin_heard = false;
     }
-    // A heartbeat is due within node_ns: only then is a number known to be free.
+    // A heartbeat is due within node_ns: only after that is it known that no other node has the
+    // number.
     const bool is_known = now_ns - b->begin_ns > b->patience.node_ns;
     b->has_twin = b->is_silent && (b->is_twin_heard || !is_known);
 }
@@ -292,8 +284,12 @@ uint32_t lin_bus_make(lin_bus_t *b, const lin_wants_t *wants, int64_t now_ns,
             n += make_axis(b, i, wants, now_ns, &frames[n]);
         }
     }
-    if (b->drive[lin_bus_spindle].node.id != 0u) {
-        n += make_spindle(b, wants, now_ns, &frames[n]);
+    const uint32_t spindle = b->drive[lin_bus_spindle].node.id;
+    if (spindle != 0u) {
+        frames[n] = (hal_can_frame_t){.id = canopen_id_rpdo1 + spindle, .n = 6};
+        common_put_u16(frames[n].data, control(b, lin_bus_spindle, wants, now_ns));
+        common_put_i32(frames[n].data + 2, wants->is_stopping ? 0 : wants->spindle_mrpm);
+        n++;
     }
     frames[n++] = (hal_can_frame_t){.id = canopen_id_sync};
     return n + make_management(b, now_ns, &frames[n]);

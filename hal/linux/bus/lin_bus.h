@@ -6,8 +6,8 @@
 ///     set-points -> lin_bus_make() -> frames     what the tick sends, SYNC behind them
 ///
 /// There is one controller on a bus. A new one first listens for node_timeout_ms and sends nothing;
-/// it begins when nobody else was heard to do a controller's work for that long. One that has begun
-/// and hears another goes on until its drives are let go, then it listens, too.
+/// it begins when no other controller was heard in that time. A controller that works and hears
+/// another goes on until its drives are disabled, then it listens, too.
 ///
 /// Pure; the tick's thread only. Times are ns of one clock.
 #ifndef LIN_BUS_H
@@ -23,14 +23,14 @@
 enum { lin_bus_spindle = hal_n_axes, lin_bus_n_drives }; ///< drives: the axes, then the spindle
 enum { lin_bus_max_frames = 24, lin_bus_max_ids = 32 };
 
-/// What is wrong, and with whom.
+/// What is wrong, and with which node.
 typedef struct {
     lin_loss_t loss;
     uint32_t node;   ///< 0: the bus itself
     uint16_t detail; ///< error code of an emergency message
 } lin_cause_t;
 
-/// What the firmware wants.
+/// What the firmware commands.
 typedef struct {
     hal_setpoint_t axis[hal_n_axes];
     int32_t spindle_mrpm;
@@ -49,12 +49,12 @@ typedef struct {
     bool is_other_heard;
     int64_t other_ns;   ///< another controller was heard
     bool is_twin_heard; ///< with this one's node number
-    bool is_begun;      ///< lin_bus_make() was called,
-    int64_t begin_ns;   ///< at first then
-    bool is_silent;     ///< listens: nothing is sent
-    int64_t silent_ns;  ///< since then, or since another was heard last
-    bool has_twin;      ///< listens, and its node number is another's or not known to be its own:
-                        ///< nothing is to be sent under it
+    bool is_begun;      ///< lin_bus_make() was called
+    int64_t begin_ns;   ///< time of its first call
+    bool is_silent;     ///< it listens: nothing is sent
+    int64_t silent_ns;  ///< since when, or when another controller was heard last
+    bool has_twin;      ///< it listens, and another node has its number or may have it: nothing may
+                        ///< be sent under that number
     lin_cause_t cause;  ///< of the input hal_in_bus_lost; kept with it
     lin_cause_t not_ready; ///< first drive that is not ready: node, error code
     uint32_t inputs;       ///< hal_in_drive_ready, hal_in_bus_lost
@@ -69,13 +69,13 @@ void lin_bus_init(lin_bus_t *b, const lin_config_t *config);
 /// @return     their number
 uint32_t lin_bus_ids(const lin_bus_t *b, uint32_t *ids);
 
-/// A frame arrived; foreign ones are ignored.
+/// A frame arrived; frames of unknown nodes are ignored.
 void lin_bus_take(lin_bus_t *b, const hal_can_frame_t *frame, int64_t ns);
 
 /// State of the interface from now on: lin_loss_none, bus_off or interface_down.
 void lin_bus_link(lin_bus_t *b, lin_loss_t link);
 
-/// Something happened once: overflow, send.
+/// Something happened once: lin_loss_overflow or lin_loss_send.
 void lin_bus_event(lin_bus_t *b, lin_loss_t event);
 
 /// Make `inputs` and `cause`. hal_in_bus_lost stays while the fault output is high.

@@ -26,16 +26,6 @@ bool lin_drive_take(lin_drive_t *d, const hal_can_frame_t *frame, int64_t ns)
     return lin_node_take(&d->node, frame, ns);
 }
 
-static bool is_able(const lin_drive_t *d, int64_t now_ns, int64_t enable_ns)
-{
-    if (d->node.emcy != 0u || d->state == cia402_not_ready_to_switch_on ||
-        d->state == cia402_fault_reaction_active || d->state == cia402_fault) {
-        return false;
-    }
-    return !d->is_enabled || d->state == cia402_operation_enabled ||
-           (!d->has_followed && now_ns - d->enabled_ns < enable_ns);
-}
-
 void lin_drive_judge(lin_drive_t *d, int64_t now_ns, const lin_patience_t *patience)
 {
     if (d->node.id == 0u) {
@@ -45,7 +35,12 @@ void lin_drive_judge(lin_drive_t *d, int64_t now_ns, const lin_patience_t *patie
     if (d->loss == lin_loss_none && (!d->has_status || now_ns - d->status_ns > patience->pdo_ns)) {
         d->loss = lin_loss_pdo;
     }
-    d->is_ready = d->loss == lin_loss_none && is_able(d, now_ns, patience->enable_ns);
+    const bool is_failed = d->node.emcy != 0u || d->state == cia402_not_ready_to_switch_on ||
+                           d->state == cia402_fault_reaction_active || d->state == cia402_fault;
+    const bool is_following = d->state == cia402_operation_enabled;
+    const bool has_time = !d->has_followed && now_ns - d->enabled_ns < patience->enable_ns;
+    d->is_ready =
+        d->loss == lin_loss_none && !is_failed && (!d->is_enabled || is_following || has_time);
     d->has_followed = d->is_enabled && (d->has_followed || d->state == cia402_operation_enabled);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// lin_drive: one CiA 402 drive: what its process data say, what is sent to it.
+/// lin_drive: one CiA 402 drive: what its process data mean, and what is sent to it.
 ///
 ///     TPDO1  6041h status word u16, measured i32 (6064h position or 606Ch velocity)
 ///     RPDO1  6040h control word u16, wanted i32 (607Ah position or 60FFh velocity)
@@ -29,9 +29,9 @@ typedef struct {
     int32_t actual; ///< [drive units]
     lin_loss_t loss;
     bool is_ready;         ///< able to follow; false when lost
-    bool is_enabled;       ///< wanted
-    int64_t enabled_ns;    ///< when that was told
-    bool has_followed;     ///< operation enabled since then
+    bool is_enabled;       ///< commanded
+    int64_t enabled_ns;    ///< when enabling was commanded
+    bool has_followed;     ///< it reached operation enabled since then
     int64_t reset_ns;      ///< last fault reset
     int64_t quick_stop_ns; ///< quick stop active since, 0: is not
 } lin_drive_t;
@@ -42,14 +42,15 @@ void lin_drive_init(lin_drive_t *d, int64_t node, int64_t counts, int64_t nm);
 /// @return whether the frame was this drive's
 bool lin_drive_take(lin_drive_t *d, const hal_can_frame_t *frame, int64_t ns);
 
-/// Make loss and is_ready. Not lost, no error, and: while not wanted enabled, in any state but not
-/// ready to switch on and fault; else operation enabled, at first within enable_ns.
+/// Make loss and is_ready. A drive is ready when it is heard and has no error; a disabled drive
+/// must also be in a state other than not ready to switch on and fault, an enabled one in operation
+/// enabled, which it may reach within enable_ns.
 void lin_drive_judge(lin_drive_t *d, int64_t now_ns, const lin_patience_t *patience);
 
-/// Wanted enabled or not, from now on.
+/// Command the drive to be enabled or disabled from now on.
 void lin_drive_enable(lin_drive_t *d, bool is_enabled, int64_t now_ns);
 
-/// The operator's reset: errors that were told are forgotten.
+/// The operator's reset: errors that the drive reported are forgotten.
 void lin_drive_forget(lin_drive_t *d);
 
 /// Control word of this tick.

@@ -8,8 +8,8 @@ void lin_encoder_init(lin_encoder_t *e, const lin_encoder_config_t *config, int6
     e->config.max_age_us = lin_config_age_us(config, tick_hz);
 }
 
-/// Way from one raw position to the next: the shorter one.
-static int64_t way(const lin_encoder_t *e, uint32_t raw)
+/// The increment from the last raw position to this one: of both directions the shorter.
+static int64_t increment(const lin_encoder_t *e, uint32_t raw)
 {
     const int64_t modulus = e->config.modulus_counts;
     if (modulus == 0) {
@@ -35,7 +35,7 @@ static void close_edge(lin_encoder_t *e)
     }
 }
 
-/// Passing index_counts + k turns, either way: the same number for both senses.
+/// The position passes index_counts + k turns; both senses of rotation latch the same number.
 static void look_for_index(lin_encoder_t *e, int64_t from)
 {
     const int64_t turn = e->config.counts_per_turn;
@@ -49,8 +49,8 @@ static void look_for_index(lin_encoder_t *e, int64_t from)
     }
 }
 
-/// The speed is told by the last frame that is least_ns old; where frames come closer together than
-/// that, by one that is not older than twice as long.
+/// The speed is measured from the last frame that is at least least_ns old. Where frames follow
+/// each other faster than that, the frame used is at most twice as old.
 static void choose_base(lin_encoder_t *e, int64_t at_ns)
 {
     if (at_ns - e->ns >= e->least_ns) {
@@ -78,7 +78,7 @@ void lin_encoder_take(lin_encoder_t *e, uint32_t raw, int64_t ns)
     } else {
         const int64_t from = e->counts;
         choose_base(e, at_ns);
-        e->counts += way(e, raw);
+        e->counts += increment(e, raw);
         if (e->config.index == lin_index_position) {
             look_for_index(e, from);
         }

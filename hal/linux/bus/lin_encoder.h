@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// lin_encoder: positions that arrive in frames, made a counter that can be read at any instant.
+/// lin_encoder: positions that arrive in frames become a counter that can be read at any instant.
 ///
 ///     frame   before        last                  tick
 ///     -----------+------------+---------------------+----> time        counts(tick) =
@@ -18,9 +18,9 @@
 
 typedef struct {
     lin_encoder_config_t config;
-    int64_t least_ns; ///< frames closer together than this tell no speed
+    int64_t least_ns; ///< no speed is measured between frames that are closer together
     bool has_frame;
-    uint32_t raw;              ///< position as it came
+    uint32_t raw;              ///< position as it arrived
     int64_t counts, ns;        ///< newest
     int64_t before, before_ns; ///< earlier one, at least least_ns apart; the same at first
     int64_t mark, mark_ns;     ///< between them: the next `before` once it is least_ns old

@@ -59,10 +59,10 @@ lin_loss_t lin_node_judge(lin_node_t *n, int64_t now_ns, int64_t timeout_ns)
 bool lin_node_start(lin_node_t *n, int64_t now_ns, hal_can_frame_t *frame)
 {
     if (n->id == 0u || !n->is_heard || n->nmt == canopen_operational ||
-        now_ns - n->told_ns < start_interval_ns) {
+        now_ns - n->start_ns < start_interval_ns) {
         return false;
     }
-    n->told_ns = now_ns;
+    n->start_ns = now_ns;
     *frame =
         (hal_can_frame_t){.id = canopen_id_nmt, .n = 2, .data = {canopen_start, (uint8_t)n->id}};
     return true;

@@ -9,15 +9,15 @@
 #include <stdbool.h> // bool
 #include <stdint.h>  // int64_t, uint8_t, uint16_t, uint32_t
 
-/// Why the bus is not what it should be. The order is that of importance.
+/// Why the bus does not work as it should, the most important reason first.
 typedef enum {
     lin_loss_none,
     lin_loss_bus_off,
     lin_loss_interface_down,
     lin_loss_overflow,         ///< the kernel threw received frames away
     lin_loss_send,             ///< a frame could not be queued
-    lin_loss_other_controller, ///< somebody else sends what only the controller may
-    lin_loss_listening,        ///< whether there is another is not known yet
+    lin_loss_other_controller, ///< another node sends what only a controller may send
+    lin_loss_listening,        ///< it is not known yet whether there is another
     lin_loss_heartbeat,
     lin_loss_restarted, ///< a node booted
     lin_loss_not_operational,
@@ -36,7 +36,7 @@ typedef struct {
     uint8_t nmt;
     uint16_t emcy;     ///< error code, 0: none
     bool is_restarted; ///< since the last lin_node_judge()
-    int64_t told_ns;   ///< NMT start sent
+    int64_t start_ns;  ///< NMT start was sent last
 } lin_node_t;
 
 /// @return whether the frame was the node's heartbeat or emergency message
@@ -45,7 +45,7 @@ bool lin_node_take(lin_node_t *n, const hal_can_frame_t *frame, int64_t ns);
 /// @return lin_loss_none, heartbeat, restarted or not_operational
 lin_loss_t lin_node_judge(lin_node_t *n, int64_t now_ns, int64_t timeout_ns);
 
-/// A node that is alive but not operational is told to start, ten times a second.
+/// A node that is alive but not operational gets the command to start, ten times a second.
 /// @return whether *frame is to be sent
 bool lin_node_start(lin_node_t *n, int64_t now_ns, hal_can_frame_t *frame);
 

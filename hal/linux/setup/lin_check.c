@@ -31,7 +31,8 @@ static bool check_nodes(const lin_config_t *c, const char *path, common_error_t 
     return true;
 }
 
-/// A frame comes once a tick; at the next tick it is as old as that and its delay.
+/// A frame arrives once in a tick; at the next tick its age is one period and the delay of the
+/// encoder, so a shorter limit would refuse every frame.
 static bool check_age(const lin_config_t *c, const char *path, common_error_t *e)
 {
     const int64_t age_ns = lin_config_age_us(&c->encoder, c->thread.tick_hz) * 1000;
@@ -67,13 +68,6 @@ static bool check_encoder(const lin_config_t *c, const char *path, common_error_
             path);
     }
     return true;
-}
-
-static bool check_texts(const lin_config_t *c, const char *path, common_error_t *e)
-{
-    return (c->can.interface[0] != '\0' && c->table_file[0] != '\0' && c->chip[0] != '\0') ||
-           common_error(e, "%s: can.interface, gpio.chip or table.file is empty; give a name",
-                        path);
 }
 
 static bool check_place(const lin_config_t *c, lin_line_t i, lin_place_t *at, const char *path,
@@ -130,13 +124,7 @@ static bool check_times(const lin_config_t *c, const char *path, common_error_t 
                         (long long)(2000 + hz - 1) / hz);
 }
 
-/// A virtual bus has no bit rate; whoever takes one knows it for a trial.
-static bool is_virtual(const lin_config_t *c)
-{
-    return strncmp(c->can.interface, "vcan", 4) == 0;
-}
-
-/// What the bus would have to bear, and what it does.
+/// The load that the configuration puts on the bus, and the highest rate that the bus carries.
 static void put_load(const lin_config_t *c, const lin_load_t *load, common_error_t *e)
 {
     const int64_t most_hz = lin_load_most_hz(load);
@@ -160,7 +148,8 @@ static void put_load(const lin_config_t *c, const lin_load_t *load, common_error
 static bool check_load(const lin_config_t *c, const char *path, common_error_t *e)
 {
     const lin_load_t load = lin_load_of(c);
-    if (lin_load_percent(&load, c->thread.tick_hz) <= most_percent || is_virtual(c)) {
+    const bool is_virtual = strncmp(c->can.interface, "vcan", 4) == 0; // it has no bit rate
+    if (lin_load_percent(&load, c->thread.tick_hz) <= most_percent || is_virtual) {
         return true;
     }
     common_error_t why;
@@ -168,16 +157,19 @@ static bool check_load(const lin_config_t *c, const char *path, common_error_t *
     return common_error(e, "%s: %s", path, why.text);
 }
 
-static bool check(const lin_config_t *c, const char *path, common_error_t *e)
-{
-    return check_texts(c, path, e) && check_lines(c, path, e) && check_nodes(c, path, e) &&
-           check_encoder(c, path, e) && check_age(c, path, e) && check_drives(c, path, e) &&
-           check_times(c, path, e) && check_load(c, path, e);
-}
-
 bool lin_check_load(lin_config_t *config, const char *path, common_error_t *e)
 {
-    return lin_config_read(config, path, e) && check(config, path, e);
+    const lin_config_t *c = config;
+    if (!lin_config_read(config, path, e)) {
+        return false;
+    }
+    if (c->can.interface[0] == '\0' || c->table_file[0] == '\0' || c->chip[0] == '\0') {
+        return common_error(e, "%s: can.interface, gpio.chip or table.file is empty; give a name",
+                            path);
+    }
+    return check_lines(c, path, e) && check_nodes(c, path, e) && check_encoder(c, path, e) &&
+           check_age(c, path, e) && check_drives(c, path, e) && check_times(c, path, e) &&
+           check_load(c, path, e);
 }
 
 void lin_check_warn(const lin_config_t *c, lin_check_tell_t *tell)

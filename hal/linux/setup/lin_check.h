@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// lin_check: do the values of a configuration fit one another, and can a machine work by them?
-/// The machine itself is not asked.
+/// Only the file is looked at, not the machine.
 #ifndef LIN_CHECK_H
 #define LIN_CHECK_H
 

@@ -26,7 +26,7 @@ typedef enum { lin_index_line, lin_index_position } lin_index_t;
 
 typedef struct {
     int64_t tick_hz;
-    int64_t priority; ///< of SCHED_FIFO, 0: not asked for
+    int64_t priority; ///< of SCHED_FIFO; 0: the thread stays an ordinary one
     int64_t cpu;      ///< -1: the last one allowed
 } lin_thread_config_t;
 

@@ -6,7 +6,7 @@
 #define RETRACT_NS INT64_C(2000000000)
 #define RELEASE_NS INT64_C(1000000000)
 
-enum { least_release_ticks = 3 }; // each drive is told more than once
+enum { least_release_ticks = 3 }; // each drive gets the command more than once
 
 static void go(lin_stop_t *s, lin_stop_phase_t phase, int64_t now_ns)
 {

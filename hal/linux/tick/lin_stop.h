@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-/// lin_stop: how the program ends when it is asked to.
+/// lin_stop: how the program ends after a signal.
 ///
 ///     run --signal--> retract --enable is low--> release --drives rest--> over
 ///
 /// Retract is the firmware's own reaction to an emergency stop: the tool leaves the work. After a
-/// second signal, or when it takes too long, the drives are let go at once: they stop on their own.
+/// second signal, or when retracting takes too long, the drives are disabled at once and stop by
+/// themselves.
 /// Pure.
 #ifndef LIN_STOP_H
 #define LIN_STOP_H

@@ -170,19 +170,7 @@ void sim_link_close(sim_link_t *l)
 
 // Frames
 
-static void hand_over(sim_bus_t *bus, const struct canfd_frame *raw, bool *is_sync)
-{
-    sim_frame_t frame = {.id = raw->can_id & CAN_SFF_MASK, .n = raw->len};
-    if ((raw->can_id & (CAN_EFF_FLAG | CAN_RTR_FLAG | CAN_ERR_FLAG)) != 0u ||
-        raw->len > sim_frame_max_bytes) {
-        return;
-    }
-    memcpy(frame.data, raw->data, raw->len);
-    *is_sync = *is_sync || frame.id == canopen_id_sync;
-    sim_bus_receive(bus, &frame);
-}
-
-/// @return true when there was a SYNC among what has arrived
+/// Hand all frames that arrived to the nodes. @return true when there was a SYNC among them
 static bool receive(const sim_link_t *l, sim_bus_t *bus)
 {
     struct canfd_frame raw[batch];
@@ -199,16 +187,16 @@ static bool receive(const sim_link_t *l, sim_bus_t *bus)
     while (n == batch) {
         n = recvmmsg(l->can, message, batch, 0, NULL);
         for (int i = 0; i < n; i++) {
-            hand_over(bus, &raw[i], &is_sync);
+            sim_frame_t frame = {.id = raw[i].can_id & CAN_SFF_MASK, .n = raw[i].len};
+            const uint32_t foreign = CAN_EFF_FLAG | CAN_RTR_FLAG | CAN_ERR_FLAG;
+            if ((raw[i].can_id & foreign) == 0u && frame.n <= sim_frame_max_bytes) {
+                memcpy(frame.data, raw[i].data, frame.n);
+                is_sync = is_sync || frame.id == canopen_id_sync;
+                sim_bus_receive(bus, &frame);
+            }
         }
     }
     return is_sync;
-}
-
-static void pack(struct canfd_frame *raw, const sim_frame_t *frame)
-{
-    *raw = (struct canfd_frame){.can_id = frame->id, .len = (uint8_t)frame->n};
-    memcpy(raw->data, frame->data, frame->n);
 }
 
 static void send_frames(sim_link_t *l, const sim_frame_t *frames, uint32_t n)
@@ -218,7 +206,8 @@ static void send_frames(sim_link_t *l, const sim_frame_t *frames, uint32_t n)
     struct mmsghdr message[sim_frame_queue];
     memset(message, 0, sizeof message);
     for (uint32_t i = 0; i < n; i++) {
-        pack(&raw[i], &frames[i]);
+        raw[i] = (struct canfd_frame){.can_id = frames[i].id, .len = (uint8_t)frames[i].n};
+        memcpy(raw[i].data, frames[i].data, frames[i].n);
         part[i] = (struct iovec){.iov_base = &raw[i],
                                  .iov_len = frames[i].n > CAN_MAX_DLEN ? CANFD_MTU : CAN_MTU};
         message[i].msg_hdr.msg_iov = &part[i];
@@ -237,7 +226,7 @@ static void sleep_until(int64_t ns)
     }
 }
 
-/// What is due before the next moment, in its order: the index edge, the late frame.
+/// Do what is due before the next moment in the order of time: the index edge, the late frame.
 static void do_timed(sim_link_t *l)
 {
     for (;;) {
@@ -258,7 +247,7 @@ static void do_timed(sim_link_t *l)
     }
 }
 
-/// Not locked: look out for a SYNC until the next moment; the one found sets the phase.
+/// Without a lock, look for a SYNC until the next moment; the one that is found sets the phase.
 static void look_out(sim_link_t *l, sim_bus_t *bus)
 {
     while (!l->is_locked && !is_stopped) {

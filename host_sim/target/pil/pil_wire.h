@@ -33,7 +33,7 @@ typedef struct {
     uint32_t table_bytes; ///< room for a table image
 } pil_hello_t;
 
-/// What is asked; a and b are members of the request.
+/// What is requested; a and b are members of the request.
 typedef enum {
     pil_op_init,         ///< hal_init(), cam_machine_init(); a: [Hz] tick, b: [Hz] clock
     pil_op_tick,         ///< cam_isr() with what was sensed

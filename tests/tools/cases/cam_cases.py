@@ -8,23 +8,23 @@ from pathlib import Path
 import numpy as np
 
 from camsim_cases import camsim
-from camtools.lobe.generate import GeneratedCam
-from camtools.lobe.part import CamPart
-from camtools.part.file import parse_any
-from camtools.skirt.sections import Floats
+from camtools.base.quantities import Floats
+from camtools.lobe.generate import GeneratedLobes
+from camtools.lobe.part import LobePart
+from camtools.pipeline.load import parse
 from camtools.table.image import pack
 
 NM = 1e-6  # mm
 
 
-def cam(text: str) -> CamPart:
+def cam(text: str) -> LobePart:
     """Return the cam of a text."""
-    part = parse_any(text.encode(), "c.toml")
-    assert isinstance(part, CamPart)
+    part = parse(text.encode(), "c.toml").part
+    assert isinstance(part, LobePart)
     return part
 
 
-def evaluate(folder: Path, result: GeneratedCam, turn: Floats, z_mm: Floats) -> dict[str, Floats]:
+def evaluate(folder: Path, result: GeneratedLobes, turn: Floats, z_mm: Floats) -> dict[str, Floats]:
     """Return the columns that camsim eval gives at points."""
     path = folder / "cam.camtab"
     path.write_bytes(pack(result.table))

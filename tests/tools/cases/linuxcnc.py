@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from camtools.skirt.sections import Floats
+from camtools.base.quantities import Floats
 from linuxcnc_reader import REFUSED
 from part_cases import ROOT
 

@@ -7,6 +7,9 @@ import subprocess
 from collections.abc import Callable
 from pathlib import Path
 
+from camtools.pipeline.load import load_for, parse_for
+from camtools.skirt.part import SkirtPart
+
 ROOT = Path(__file__).resolve().parents[3]
 PERKINS = ROOT / "tools" / "parts" / "perkins240.toml"
 
@@ -16,3 +19,13 @@ Mktables = Callable[..., subprocess.CompletedProcess[str]]
 def environment() -> dict[str, str]:
     """Return the environment in which a child finds camtools."""
     return os.environ | {"PYTHONPATH": str(ROOT / "tools")}
+
+
+def load_part(path: Path) -> SkirtPart:
+    """Return the skirt of a part file, as the commands for skirts alone read it."""
+    return load_for("analyse", SkirtPart, path)
+
+
+def parse_part(data: bytes, file: str, folder: Path = Path()) -> SkirtPart:
+    """Return the skirt that the bytes of a part file describe."""
+    return parse_for("analyse", SkirtPart, data, file, folder)

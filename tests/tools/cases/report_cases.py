@@ -6,16 +6,16 @@ from typing import Any
 
 import numpy as np
 
-from camtools.sim.results import CUTTING, FAULT, STATES, Surface, Trace
+from camtools.base.quantities import Floats
+from camtools.sim.results import CUTTING, FAULT, STATES, CutTrace, GaugedSurface
 from camtools.skirt.geometry import Geometry
-from camtools.skirt.sections import Floats
 
 TICK_S = 50e-6
 TURNS_PER_TICK = 2500 / 60 * TICK_S
 FIRST_CUT, LAST_CUT = 1000, 9000  # ticks
 
 
-def made_up_trace(geometry: Geometry, *, fault_at: int | None = None) -> Trace:
+def made_up_trace(geometry: Geometry, *, fault_at: int | None = None) -> CutTrace:
     """Return a short cut: homing, engaging, cutting, then disengaging or a fault."""
     tick = np.arange(10_000, dtype=np.float64)
     turn: Floats = tick * TURNS_PER_TICK
@@ -31,16 +31,16 @@ def made_up_trace(geometry: Geometry, *, fault_at: int | None = None) -> Trace:
         error_nm[fault_at:] = (tick[fault_at:] - fault_at) * 1e4
     speed = np.full(tick.size, TURNS_PER_TICK)
     x_nm = geometry.radius_mm(z_mm) * 1e6
-    return Trace(tick * TICK_S, turn, z_mm, u_nm, u_nm + 20, state, u_nm, error_nm, x_nm, speed)
+    return CutTrace(tick * TICK_S, turn, z_mm, u_nm, u_nm + 20, state, u_nm, error_nm, x_nm, speed)
 
 
-def made_up_surface(geometry: Geometry) -> Surface:
+def made_up_surface(geometry: Geometry) -> GaugedSurface:
     """Return a surface in the simulator's cells with four lobes of 40 nm."""
     z_mm, turn = np.meshgrid(np.linspace(0, 62, 256), (np.arange(720) + 0.5) / 720, indexing="ij")
     z, phi = z_mm.ravel(), turn.ravel()
     error_um = 0.04 * np.sin(8 * np.pi * phi)
     exact_mm = geometry.radius_mm(z) - geometry.delta(2 * np.pi * phi, z).delta
-    return Surface(phi, z, exact_mm + error_um * 1e-3, error_um)
+    return GaugedSurface(phi, z, exact_mm + error_um * 1e-3, error_um)
 
 
 def made_up_summary(**changes: Any) -> dict[str, Any]:  # noqa: ANN401

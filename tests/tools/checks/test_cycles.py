@@ -21,8 +21,14 @@ from checks.cycles import (
     load_percent,
     table,
 )
-from checks.pipeline import mca_cycles, straight_line, table_cycles, taken_branches
-from checks.stepper import Instruction, Trace, parse_listing, parse_symbols, run_tool
+from checks.mca import mca_cycles, straight_line, table_cycles, taken_branches
+from checks.stepper import (
+    InstructionTrace,
+    Step,
+    parse_listing,
+    parse_symbols,
+    run_tool,
+)
 
 needs_mca = pytest.mark.skipif(which("llvm-mca-14") is None, reason="llvm-14 is not installed")
 
@@ -48,7 +54,7 @@ SYMBOLS = "00000100 00000018 T cam_isr\n00000200 0000000c T hal_clock_isr\n20000
 PATH = (0x100, 0x102, 0x200, 0x202, 0x204, 0x106, 0x108, 0x10A, 0x10E, 0x110, 0x114)
 
 
-def executed() -> list[Instruction]:
+def executed() -> list[Step]:
     """Return the instructions of the small interrupt in the order of its run."""
     listing = parse_listing(LISTING)
     return [listing[a] for a in PATH]
@@ -58,8 +64,8 @@ def test_listing_gives_address_size_and_text() -> None:
     """Data words and comments are no instructions."""
     listing = parse_listing(LISTING)
     assert len(listing) == 12
-    assert listing[0x10A] == Instruction(0x10A, 4, "movlt.w", "r0, #4294967295")
-    assert listing[0x116] == Instruction(0x116, 2, "nop", "")
+    assert listing[0x10A] == Step(0x10A, 4, "movlt.w", "r0, #4294967295")
+    assert listing[0x116] == Step(0x116, 2, "nop", "")
     assert 0x118 not in listing
 
 
@@ -89,19 +95,22 @@ def test_straight_line_has_no_condition_no_call_and_no_list() -> None:
 def test_straight_line_keeps_conditional_branches() -> None:
     """Outside an IT block a condition belongs to the branch; only the target changes."""
     lines = straight_line(
-        [Instruction(0, 2, "bls.n", "40 <f+0x4>"), Instruction(2, 2, "cbnz", "r3, 50 <f>")]
+        [
+            Step(0, 2, "bls.n", "40 <f+0x4>"),
+            Step(2, 2, "cbnz", "r3, 50 <f>"),
+        ]
     )
     assert lines == ["bls target", "cbnz r3, target"]
 
 
 def test_straight_line_spells_out_ranges() -> None:
     """Registers of the floating-point unit come as ranges."""
-    assert straight_line([Instruction(0, 4, "vpush", "{d8-d10}")]) == [
+    assert straight_line([Step(0, 4, "vpush", "{d8-d10}")]) == [
         "vstr d8, [sp]",
         "vstr d9, [sp]",
         "vstr d10, [sp]",
     ]
-    assert straight_line([Instruction(0, 4, "ldmia.w", "r1, {r2, r3}")]) == [
+    assert straight_line([Step(0, 4, "ldmia.w", "r1, {r2, r3}")]) == [
         "ldr r2, [r1]",
         "ldr r3, [r1]",
     ]
@@ -109,9 +118,9 @@ def test_straight_line_spells_out_ranges() -> None:
 
 def test_straight_line_has_floating_point_constants() -> None:
     """Objdump writes the eight bits of their code; any constant takes the same time."""
-    constant = Instruction(0, 4, "vmov.f32", "s11, #8")
+    constant = Step(0, 4, "vmov.f32", "s11, #8")
     assert straight_line([constant]) == ["vmov.f32 s11, #1.0"]
-    assert straight_line([Instruction(0, 4, "vmov", "s14, r3")]) == ["vmov s14, r3"]
+    assert straight_line([Step(0, 4, "vmov", "s14, r3")]) == ["vmov s14, r3"]
 
 
 def test_taken_branches_count_calls_and_returns() -> None:
@@ -151,7 +160,7 @@ def test_function_without_allowance_is_an_error() -> None:
 def test_estimate_tells_port_and_firmware_apart() -> None:
     """The port's three instructions become the allowance of hal.h at the upper end."""
     symbols = parse_symbols(SYMBOLS)
-    trace = Trace("small", len(PATH), PATH)
+    trace = InstructionTrace("small", len(PATH), PATH)
     e = estimate(trace, parse_listing(LISTING), symbols, STM32G474, {"hal_clock_isr": 1000})
     assert (e.instructions, e.port_instructions) == (11, 3)
     assert e.port.high == 1000
@@ -165,7 +174,7 @@ def test_estimate_charges_for_floating_point_state() -> None:
     """One instruction of the floating-point unit makes the core save its registers."""
     listing = parse_listing(LISTING.replace("ldr\tr0, [r0, #0]", "vldr\ts0, [r0]"))
     symbols = parse_symbols(SYMBOLS)
-    trace = Trace("small", len(PATH), PATH)
+    trace = InstructionTrace("small", len(PATH), PATH)
     e = estimate(trace, listing, symbols, STM32H743, {"hal_clock_isr": 10})
     assert e.interrupt == Span(22, 22 + 2 + 34)
 
@@ -174,13 +183,13 @@ def test_estimate_charges_for_floating_point_state() -> None:
 def test_estimate_needs_a_visible_port() -> None:
     """With the port inlined nothing could be said of it."""
     with pytest.raises(CamtoolsError, match="link-time"):
-        estimate(Trace("s", 1, (0x106,)), parse_listing(LISTING), {}, STM32H743, {})
+        estimate(InstructionTrace("s", 1, (0x106,)), parse_listing(LISTING), {}, STM32H743, {})
 
 
 @needs_mca
 def test_evaluation_is_the_core_alone() -> None:
     """Neither port nor interrupt is charged to a function."""
-    text = evaluation_table(STM32G474, [Trace("ours", 11, PATH)], parse_listing(LISTING))
+    text = evaluation_table(STM32G474, [InstructionTrace("ours", 11, PATH)], parse_listing(LISTING))
     assert text.splitlines()[0] == "| evaluation, STM32G474 | instructions | cycles |"
     line = text.splitlines()[2]
     assert line.startswith("| ours | 11 | ")

@@ -15,18 +15,18 @@ from pathlib import Path
 import pytest
 
 from camtools.cli.analyse import main, products
-from camtools.skirt.part import Part, load_part
-from camtools.study.section import Wishes
+from camtools.skirt.part import SkirtPart
+from camtools.study.section import AnalysisWishes
 from maths_tables import TABLE_1, TABLE_4
-from part_cases import PERKINS, ROOT, environment
+from part_cases import PERKINS, ROOT, environment, load_part
 
 WEICHAI = ROOT / "tools" / "parts" / "weichai3a.toml"
 
 
 @pytest.fixture(scope="module")
-def files(perkins: Part) -> dict[str, bytes]:
+def files(perkins: SkirtPart) -> dict[str, bytes]:
     """Analyse the Perkins skirt as the papers do."""
-    return products(perkins, Wishes(rpm=1667.27), with_pictures=False)
+    return products(perkins, AnalysisWishes(rpm=1667.27), with_pictures=False)
 
 
 def rows(data: bytes) -> list[dict[str, str]]:
@@ -88,14 +88,14 @@ def test_constant_is_constant(files: dict[str, bytes]) -> None:
 
 def test_corner_is_studied_too() -> None:
     """A part with a corner gets the study of its refit beside the paper."""
-    found = products(load_part(WEICHAI), Wishes(), with_pictures=False)
+    found = products(load_part(WEICHAI), AnalysisWishes(), with_pictures=False)
     assert b"Beside the paper" in found["refit_notes.md"]
     assert len(rows(found["refit_candidates.csv"])) == 16
 
 
-def test_same_input_same_bytes(perkins: Part, files: dict[str, bytes]) -> None:
+def test_same_input_same_bytes(perkins: SkirtPart, files: dict[str, bytes]) -> None:
     """Everything again is the same."""
-    assert products(perkins, Wishes(rpm=1667.27), with_pictures=False) == files
+    assert products(perkins, AnalysisWishes(rpm=1667.27), with_pictures=False) == files
 
 
 def test_pictures_are_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -15,7 +15,7 @@ import pytest
 
 from camsim_cases import camsim, only_error
 from camtools.cli.flash import FIRMWARE, FIRST_PLACE, LOG, TABLE
-from camtools.skirt.generate import Generated
+from camtools.skirt.generate import GeneratedSkirt
 from camtools.table.image import pack
 from part_cases import ROOT, environment
 
@@ -25,7 +25,7 @@ Flash = Callable[..., subprocess.CompletedProcess[str]]
 
 
 @pytest.fixture
-def table(generated: Generated, tmp_path: Path) -> Path:
+def table(generated: GeneratedSkirt, tmp_path: Path) -> Path:
     """Write the Perkins table."""
     path = tmp_path / "perkins240.camtab"
     path.write_bytes(pack(generated.table))

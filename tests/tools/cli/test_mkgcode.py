@@ -15,16 +15,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from camtools.cut.path import path_of
-from camtools.cut.removal import section_cut
+from camtools.base.quantities import Floats
 from camtools.ngc.full import ENGAGE_TURNS
 from camtools.ngc.words import CLEARANCE_MM
-from camtools.skirt.geometry import Geometry, make_geometry
-from camtools.skirt.part import load_part
-from camtools.skirt.sections import Floats
+from camtools.skirt.blank import section_cut
+from camtools.skirt.geometry import Geometry, make_geometry, path_of
 from linuxcnc import AXES, Interpreter, NotHereError, interpreter
 from maths_tables import TABLE_4
-from part_cases import PERKINS, ROOT, environment
+from part_cases import PERKINS, ROOT, environment, load_part
 
 EVEN = PERKINS.with_name("perkins240_equal_volume.toml")
 WORD = re.compile(r"([A-Z])(-?[0-9.]+)")

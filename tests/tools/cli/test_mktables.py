@@ -19,8 +19,10 @@ import pytest
 
 from camtools.base.errors import CamtoolsError
 from camtools.base.output import write_all
-from camtools.cli.mktables import main, products
-from camtools.skirt.generate import Generated
+from camtools.cli.mktables import main
+from camtools.pipeline.make import Made
+from camtools.skirt.generate import GeneratedSkirt
+from camtools.skirt.kind import KIND
 from camtools.skirt.plots import draw_all
 from camtools.table.csource import emit_header, emit_source, identifier
 from part_cases import PERKINS, ROOT, Mktables, environment
@@ -51,16 +53,16 @@ def test_two_runs_give_the_same_bytes(mktables: Mktables, tmp_path: Path) -> Non
         assert filecmp.cmp(tmp_path / "one" / name, tmp_path / "two" / name, shallow=False), name
 
 
-def test_plots_are_pictures(generated: Generated) -> None:
+def test_plots_are_pictures(generated: GeneratedSkirt) -> None:
     """Section, motion and profile are PNG images."""
     plots = draw_all(generated)
     assert sorted(plots) == ["motion", "profile", "section"]
     assert all(png.startswith(b"\x89PNG\r\n\x1a\n") for png in plots.values())
 
 
-def test_json_tells_what_was_chosen(generated: Generated) -> None:
+def test_json_tells_what_was_chosen(generated: GeneratedSkirt) -> None:
     """The report is JSON with sorted keys, and agrees with the image."""
-    files = products(generated, with_plots=False)
+    files = Made(KIND, generated).files(with_plots=False)
     text, image = files["perkins240.json"].decode(), files["perkins240.camtab"]
     report = json.loads(text)
     assert text == json.dumps(report, indent=1, sort_keys=True) + "\n"
@@ -74,9 +76,9 @@ def test_json_tells_what_was_chosen(generated: Generated) -> None:
     assert report["guaranteed"]["u_min_nm"] in (-1, 0)
 
 
-def test_design_evaluates_to_the_exact_geometry(generated: Generated) -> None:
+def test_design_evaluates_to_the_exact_geometry(generated: GeneratedSkirt) -> None:
     """Piecewise cubics of the report give a(z) and G(z) without our package."""
-    design = json.loads(products(generated, with_plots=False)["perkins240.json"])["design"]
+    design = json.loads(Made(KIND, generated).files(with_plots=False)["perkins240.json"])["design"]
     assert (design["shape"], design["beta"]) == ("ellipse", 0.0)
     for name, exact in (
         ("radius_mm", generated.geometry.radius_mm),
@@ -159,11 +161,11 @@ def test_wrong_usage_is_one_line(mktables: Mktables, words: list[str], named: st
     assert run.stderr.count("\n") == 1
 
 
-def test_generated_c_is_the_image(tmp_path: Path, generated: Generated) -> None:
+def test_generated_c_is_the_image(tmp_path: Path, generated: GeneratedSkirt) -> None:
     """The C source compiles without a warning and holds the image's bytes, aligned to 32."""
     compiler = shutil.which("gcc") or shutil.which("cc")
     assert compiler is not None
-    for name, data in products(generated, with_plots=False).items():
+    for name, data in Made(KIND, generated).files(with_plots=False).items():
         (tmp_path / name).write_bytes(data)
     (tmp_path / "main.c").write_text(
         '#include "perkins240_table.h"\n#include <stdio.h>\nint main(void)\n{\n'

@@ -20,12 +20,12 @@ from matplotlib.image import imread
 
 from camtools.base.errors import CamtoolsError
 from camtools.base.stage import Stage
-from camtools.cli.job import Job, without_faults
 from camtools.cli.run import main
-from camtools.part.file import load_any
+from camtools.part.common import MachineLimits
+from camtools.pipeline.job import RunJob, without_faults
+from camtools.pipeline.load import load
 from camtools.sim.camsim import machine_text, traced_turns, variant_of
 from camtools.sim.results import read_surface, read_trace
-from camtools.skirt.part import Limits
 from part_cases import PERKINS, ROOT, environment
 
 BUILD = Path(os.environ.get("CAMTURN_BUILD") or ROOT / "build" / "host").resolve()
@@ -324,13 +324,13 @@ def test_feed_beyond_the_part_is_refused_first(
     path = tmp_path / "low.toml"
     text = PERKINS.with_name(f"{name}.toml").read_text()
     path.write_text(text.replace(heights, shorter))
-    part = load_any(path)
-    Job(["--feed", "8"]).check_feed(part)
-    Job([]).check_feed(part)
+    part = load(path).part
+    RunJob(["--feed", "8"]).check_feed(part)
+    RunJob([]).check_feed(part)
     for feed in ("8.000001", "20"):
         told = f"--feed {feed}: must be at most 8 mm, the height of the part; give at most --feed 8"
         with pytest.raises(CamtoolsError) as info:
-            Job(["--feed", feed]).check_feed(part)
+            RunJob(["--feed", feed]).check_feed(part)
         assert info.value.lines == [told]
     assert main([str(path), "--feed", "20", "-o", str(tmp_path / "out")]) == 2
     assert capfd.readouterr().err == f"run: {told}\n"  # nothing of a table that is made
@@ -339,7 +339,9 @@ def test_feed_beyond_the_part_is_refused_first(
 
 def test_limits_of_the_part_become_the_machine() -> None:
     """The machine file carries the part's limits, within the simulator's ranges."""
-    text = machine_text(Limits(u_stroke_mm=0.9, u_speed_mm_s=350.5, u_acceleration_mm_s2=1e9))
+    text = machine_text(
+        MachineLimits(u_stroke_mm=0.9, u_speed_mm_s=350.5, u_acceleration_mm_s2=1e9)
+    )
     assert "stroke_mm = 0.9\n" in text
     assert "speed_mm_per_s = 350.5\n" in text
     assert "acceleration_mm_per_s2 = 10000000.0\n" in text
@@ -355,12 +357,12 @@ def test_long_cuts_are_traced_in_part() -> None:
 
 def test_job_takes_options_apart() -> None:
     """What follows -- goes to camsim; files keep their place, faults can be left out."""
-    job = Job(["x.toml", "--rpm", "600", "--", "--inject", "estop@1", "--seed", "3"])
+    job = RunJob(["x.toml", "--rpm", "600", "--", "--inject", "estop@1", "--seed", "3"])
     assert (job.part_path, job.rpm, job.feed_mm) == (Path("x.toml"), 600.0, None)
     assert job.extra == ["--inject", "estop@1", "--seed", "3"]
     assert without_faults(job.extra) == ["--seed", "3"]
     assert without_faults(["--inject=estop@1", "--seed", "3"]) == ["--seed", "3"]
-    assert Job(["--", "--machine", os.path.relpath(PERKINS)]).extra[1] == str(PERKINS)
+    assert RunJob(["--", "--machine", os.path.relpath(PERKINS)]).extra[1] == str(PERKINS)
 
 
 def test_comparison_tells_a_cut_that_ended_early() -> None:

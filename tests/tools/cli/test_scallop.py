@@ -15,13 +15,12 @@ from numpy.typing import NDArray
 
 from camsim_cases import CAMSIM, camsim, only_error
 from camtools.cli.scallop import main
-from camtools.cut.path import Path as ToolPath
-from camtools.cut.path import ramp_of
+from camtools.cut.path import ToolPath, ramp_of
+from camtools.part.common import MachineLimits
 from camtools.skirt.geometry import make_geometry
-from camtools.skirt.part import Limits, load_part
 from camtools.study.path import PathStudy
 from camtools.study.path_cut import PathCut, cut_paths, predicted_scallop_um, read_scallop
-from part_cases import ROOT
+from part_cases import ROOT, load_part
 
 PART = ROOT / "tools" / "parts" / "perkins240_ring_helix.toml"
 NOSE_MM = 0.8
@@ -63,7 +62,7 @@ def test_z_follows_the_path(rpm: float, table_of: Callable[[str], Path], tmp_pat
     words = ("--rpm", str(rpm), "--turns-limit", "6", "--trace", trace)
     assert camsim("run", table_of(PART.stem), *words).returncode == 0
     turn, true_z, set_z = columns(trace, "turn", "true_z_mm", "out_z_nm")
-    path = ToolPath("ring-helix", 0.0, 62.0, 0.1, ramp_of(0.1, rpm, Limits()))
+    path = ToolPath("ring-helix", 0.0, 62.0, 0.1, ramp_of(0.1, rpm, MachineLimits()))
     turns = turn - np.round(turn[0])
     inside = turns < 6  # the operator's stop goes on to the end of a ring
     off_um = (true_z - path.height_mm(turns))[inside] * ROOT_UM

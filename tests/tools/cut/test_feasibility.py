@@ -13,14 +13,13 @@ import pytest
 from cam_cases import cam
 from camsim_cases import ROOT, camsim
 from camtools.base.errors import CamtoolsError
+from camtools.base.quantities import omega_rad_s
 from camtools.cut.feasibility import drift_of, highest_speed, needed_of
-from camtools.lobe.generate import GeneratedCam, generate_cam
-from camtools.lobe.summary import emit_cam_text, make_cam_summary
-from camtools.sim.camsim import cam_machine_text
+from camtools.lobe.generate import GeneratedLobes, generate_lobes
+from camtools.lobe.machine import lobe_machine_text
+from camtools.lobe.summary import emit_lobe_text, make_lobe_summary
 from camtools.skirt.generate import generate, peaks_of_table
-from camtools.skirt.geometry import omega_rad_s
-from camtools.skirt.part import load_part
-from part_cases import PERKINS
+from part_cases import PERKINS, load_part
 
 SHAFT = (ROOT / "tools" / "parts" / "camshaft.toml").read_text()
 TURNED = SHAFT.replace('"grinding"', '"turning"')
@@ -33,9 +32,9 @@ def with_feed(text: str, feed_mm: float) -> str:
     return re.sub(r'(\nspeed = "[a-z-]+"\n)', rf"\g<1>feed_mm = {feed_mm}\n", text)
 
 
-def made(text: str) -> GeneratedCam:
+def made(text: str) -> GeneratedLobes:
     """Return the table of a part file's text."""
-    return generate_cam(cam(text))
+    return generate_lobes(cam(text))
 
 
 def refusal(text: str) -> str:
@@ -165,7 +164,7 @@ def test_feed_beyond_the_speed_of_z_is_refused() -> None:
 def test_highest_speed_that_is_printed_is_accepted() -> None:
     """Rounded down, for cams and skirts."""
     result = made(SHAFT)
-    text = emit_cam_text(make_cam_summary(result))
+    text = emit_lobe_text(make_lobe_summary(result))
     rpm = told(text, "highest speed")
     assert rpm <= result.highest_speed.rpm
     assert made(SHAFT.replace("rpm = 40", f"rpm = {rpm}")).highest_speed.rpm >= rpm
@@ -185,7 +184,7 @@ def test_slower_controller_takes_the_jump_in_more_time() -> None:
     slower = refusal(with_feed(slow, 3.0))
     feed_mm = "process.feed_mm at most"
     assert told(slower, feed_mm) == pytest.approx(10 * told(line, feed_mm), rel=0.01)
-    assert "tick_hz = 2000\n" in cam_machine_text(made(slow).part.machine.limits)
+    assert "tick_hz = 2000\n" in lobe_machine_text(made(slow).part.machine.limits)
 
 
 def test_skirts_are_judged_alike() -> None:

@@ -7,13 +7,14 @@ import numpy as np
 import pytest
 
 from camtools.base.errors import CamtoolsError
-from camtools.cut.path import LEAST_RAMP, Path, highest_rpm, largest_feed_mm, path_of, ramp_of
+from camtools.cut.path import LEAST_RAMP, ToolPath, highest_rpm, largest_feed_mm, ramp_of
+from camtools.part.common import MachineLimits
 from camtools.skirt.generate import generate
-from camtools.skirt.geometry import Geometry, make_geometry
-from camtools.skirt.part import Limits, Part, load_part, parse_part
+from camtools.skirt.geometry import Geometry, make_geometry, path_of
+from camtools.skirt.part import SkirtPart
 from camtools.study.path import make_study
 from camtools.table.image import pack, unpack
-from part_cases import PERKINS, ROOT
+from part_cases import PERKINS, ROOT, load_part, parse_part
 
 # turns since the start, height of the ring-helix (0.2 mm), height of a plain helix (0.1 mm)
 GOLDEN = """\
@@ -31,8 +32,8 @@ GOLDEN = """\
 3.5 0.300000 0.350000
 4 0.400000 0.400000
 """
-RING = Path("ring-helix", 0.0, 62.0, 0.2)
-PLAIN = Path("helix", 0.0, 62.0, 0.1)
+RING = ToolPath("ring-helix", 0.0, 62.0, 0.2)
+PLAIN = ToolPath("helix", 0.0, 62.0, 0.1)
 
 
 def test_worked_numbers() -> None:
@@ -51,7 +52,7 @@ def test_m_rings_take_2m_minus_1_turns() -> None:
 
 def test_a_rest_of_the_skirt_gets_its_ring() -> None:
     """A height range that is no whole number of sections ends with a shorter step."""
-    path = Path("ring-helix", 0.0, 0.5, 0.2)
+    path = ToolPath("ring-helix", 0.0, 0.5, 0.2)
     assert (path.n_rings, path.turns) == (4, 7.0)
     assert path.height_mm(np.array([4.5, 6.0, 6.9])).tolist() == [0.4, 0.5, 0.5]
     assert path.height_mm(np.array([5.25, 5.5])) == pytest.approx([0.425, 0.45])
@@ -60,7 +61,7 @@ def test_a_rest_of_the_skirt_gets_its_ring() -> None:
 def test_rings_are_closed_and_at_the_drawings_heights() -> None:
     """In every even turn Z stands, with a ramp too."""
     for ramp in (0.0, 0.2):
-        path = Path("ring-helix", 0.0, 62.0, 0.2, ramp)
+        path = ToolPath("ring-helix", 0.0, 62.0, 0.2, ramp)
         turns = np.arange(0, 620, 2)[:, None] + np.linspace(0, 1, 9)
         heights = 0.2 * np.arange(310)[:, None] + np.zeros(9)
         np.testing.assert_allclose(path.height_mm(turns), heights, atol=1e-9)
@@ -69,7 +70,7 @@ def test_rings_are_closed_and_at_the_drawings_heights() -> None:
 @pytest.mark.parametrize("ramp", [0.05, 0.3, 0.5])
 def test_ramp_has_its_speed_and_acceleration(ramp: float) -> None:
     """Speed never jumps; its highest and the acceleration are those of the formulas."""
-    path = Path("ring-helix", 0.0, 1.0, 0.2, ramp)
+    path = ToolPath("ring-helix", 0.0, 1.0, 0.2, ramp)
     turns = np.linspace(0, 3, 300_001)
     speed = np.gradient(path.height_mm(turns), turns)
     acceleration = np.gradient(speed, turns)
@@ -83,7 +84,7 @@ def test_ramp_has_its_speed_and_acceleration(ramp: float) -> None:
 )
 def test_highest_speed_is_the_edge(speed_mm_s: float, acceleration_mm_s2: float) -> None:
     """Just below the speed that a refusal names there is a ramp, just above there is none."""
-    limits = Limits(z_speed_mm_s=speed_mm_s, z_acceleration_mm_s2=acceleration_mm_s2)
+    limits = MachineLimits(z_speed_mm_s=speed_mm_s, z_acceleration_mm_s2=acceleration_mm_s2)
     rpm = highest_rpm(0.2, limits)
     ramp = ramp_of(0.2, rpm * 0.9999, limits)
     assert 0 < ramp <= 0.5
@@ -94,7 +95,7 @@ def test_highest_speed_is_the_edge(speed_mm_s: float, acceleration_mm_s2: float)
 
 def test_ramp_is_the_shortest() -> None:
     """Z's acceleration is used to the full."""
-    limits = Limits()
+    limits = MachineLimits()
     ramp = ramp_of(0.2, 2500, limits)
     acceleration = 0.2 * (2500 / 60) ** 2 / (ramp * (1 - ramp))
     assert acceleration == pytest.approx(limits.z_acceleration_mm_s2)
@@ -139,7 +140,7 @@ def rho(geometry: Geometry, turns: np.ndarray, z_mm: np.ndarray) -> np.ndarray:
     return np.asarray(radius)
 
 
-def with_process(text: str) -> Part:
+def with_process(text: str) -> SkirtPart:
     """Return the Perkins part with more lines in [process]."""
     good = PERKINS.read_text()
     return parse_part(good.replace("[process]", f"[process]\n{text}").encode(), "p.toml")
@@ -147,7 +148,7 @@ def with_process(text: str) -> Part:
 
 def test_comparison_of_paths() -> None:
     """Turns, times and scallops are those of the formulas; means by integrals over the map."""
-    ring, half, same = make_study(0.0, 62.0, 0.2, 1000.0, 0.8, Limits()).rows
+    ring, half, same = make_study(0.0, 62.0, 0.2, 1000.0, 0.8, MachineLimits()).rows
     assert [one.path.turns for one in (ring, half, same)] == [621, 620, 310]
     assert [one.time_s for one in (ring, half, same)] == pytest.approx([37.26, 37.2, 18.6])
     highest = [one.scallop_um.max() for one in (ring, half, same)]
@@ -163,18 +164,18 @@ def test_comparison_of_paths() -> None:
 
 def test_comparison_turns_as_fast_as_z_can() -> None:
     """Where Z cannot follow a ring-helix it is compared at its highest speed."""
-    ring, half, _ = make_study(0.0, 62.0, 1.0, 2500.0, 0.8, Limits()).rows
-    assert ring.rpm == pytest.approx(highest_rpm(1.0, Limits()))
+    ring, half, _ = make_study(0.0, 62.0, 1.0, 2500.0, 0.8, MachineLimits()).rows
+    assert ring.rpm == pytest.approx(highest_rpm(1.0, MachineLimits()))
     assert half.rpm == 2500
     assert ring.path.ramp == pytest.approx(0.5, abs=1e-3)
 
 
 def test_path_of_a_part() -> None:
     """The part file chooses the path; its limits choose the ramp."""
-    assert path_of(with_process(""), 0, 62) == Path("helix", 0, 62, 0.1)
+    assert path_of(with_process(""), 0, 62) == ToolPath("helix", 0, 62, 0.1)
     path = path_of(with_process('path = "ring-helix"'), 0, 62)
     assert (path.kind, path.n_rings) == ("ring-helix", 621)
-    assert path.ramp == ramp_of(0.1, 2500, Limits())
+    assert path.ramp == ramp_of(0.1, 2500, MachineLimits())
 
 
 @pytest.mark.parametrize(
@@ -218,7 +219,7 @@ def test_no_table_for_a_path_that_z_cannot_follow() -> None:
         generate(with_limits(z_speed_mm_s=4))
 
 
-def with_limits(**limits: float) -> Part:
+def with_limits(**limits: float) -> SkirtPart:
     """Return the Perkins part along a ring-helix on another machine."""
     part = with_process('path = "ring-helix"')
     machine = part.machine.model_copy(
@@ -233,7 +234,7 @@ def with_limits(**limits: float) -> Part:
 )
 def test_largest_feed_is_the_edge(rpm: float, speed_mm_s: float, acceleration_mm_s2: float) -> None:
     """Just below the feed that a refusal names there is a ramp, just above there is none."""
-    limits = Limits(z_speed_mm_s=speed_mm_s, z_acceleration_mm_s2=acceleration_mm_s2)
+    limits = MachineLimits(z_speed_mm_s=speed_mm_s, z_acceleration_mm_s2=acceleration_mm_s2)
     feed_mm = largest_feed_mm(rpm, limits)
     assert LEAST_RAMP <= ramp_of(feed_mm * 0.9999, rpm, limits) <= 0.5
     with pytest.raises(CamtoolsError, match="needs at least"):
@@ -242,13 +243,13 @@ def test_largest_feed_is_the_edge(rpm: float, speed_mm_s: float, acceleration_mm
 
 def test_ramp_is_at_least_a_256th_of_a_turn() -> None:
     """As the firmware's: slowly turned parts have room for it."""
-    assert ramp_of(0.1, 10, Limits()) == LEAST_RAMP == 1 / 256
+    assert ramp_of(0.1, 10, MachineLimits()) == LEAST_RAMP == 1 / 256
 
 
 def test_limits_of_z_are_documented() -> None:
     """Keys and defaults stand in the manual of part files."""
     text = (ROOT / "tools" / "README.md").read_text()
-    limits = Limits()
+    limits = MachineLimits()
     assert f"| `z_speed_mm_s` | mm/s | 0.1 .. 10000 | {limits.z_speed_mm_s:g} |" in text
     assert f"mm/s2 | 10 .. 1e6 | {limits.z_acceleration_mm_s2:g} |" in text
     assert '| `path` | | `"helix"`, `"ring-helix"` | `"helix"` |' in text

@@ -16,10 +16,10 @@ from camtools.cut.removal import (
     parts_of,
     parts_range,
     rates_of,
-    section_cut,
     speed_peaks,
     steps_of,
 )
+from camtools.skirt.blank import section_cut
 from camtools.skirt.geometry import Geometry
 from camtools.skirt.sections import DoubleEllipse, Ellipse, Section
 from maths_tables import MEAN_SPEEDS, SPINDLE_LIMITS, TABLE_1, TABLE_4

@@ -13,8 +13,8 @@ import pytest
 from cam_cases import NM, cam, evaluate
 from camtools.base.errors import GeometryError
 from camtools.lobe.channels import choose_angle, choose_lift, slices_of
-from camtools.lobe.generate import generate_cam
-from camtools.lobe.motion import ShaftLobe, example_cam, make_lobes
+from camtools.lobe.generate import generate_lobes
+from camtools.lobe.motion import ShaftLobe, example_lobe, make_lobes
 from camtools.table.image import MAX_CHANNEL_BYTES
 from part_cases import ROOT
 
@@ -24,7 +24,7 @@ TEXT = (PARTS / "cam-345.toml").read_text()
 
 def shaft(*places: tuple[float, float]) -> list[ShaftLobe]:
     """Return the worked lobe at several places of a shaft."""
-    [lobe] = make_lobes(example_cam())
+    [lobe] = make_lobes(example_lobe())
     return [replace(lobe, z_mm=z_mm) for z_mm in places]
 
 
@@ -56,7 +56,7 @@ def test_ordinary_camshafts_fit(
         for i, z_mm in enumerate(places)
     )
     text = TEXT[:start] + lobes + TEXT[end:].replace("spindle_rpm = 60", "spindle_rpm = 10")
-    result = generate_cam(cam(text))
+    result = generate_lobes(cam(text))
     assert max(channel.size for channel in result.table.channels) <= MAX_CHANNEL_BYTES
     assert {channel.n_slices for channel in result.table.channels} == {n_slices}
     turn = np.linspace(0, 1, 101)
@@ -140,7 +140,7 @@ def test_long_lobe_is_told_how_long_one_may_be() -> None:
 
 def test_larger_tolerance_is_told_where_it_helps() -> None:
     """Where u alone is too large; not where the angle would be too."""
-    [lobe] = make_lobes(example_cam("grinding"))
+    [lobe] = make_lobes(example_lobe("grinding"))
     lobes = [replace(lobe, z_mm=z_mm) for z_mm in pitched(12, 12, 6)]
     with pytest.raises(GeometryError, match="the u channel needs 48 slices of 2048") as info:
         choose_lift(lobes, 0.205)

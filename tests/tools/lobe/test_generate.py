@@ -12,18 +12,17 @@ from cam_cases import NM, cam, evaluate
 from cam_tables import DISC, POLY345, POLY345_WHEEL
 from camsim_cases import camsim, only_error
 from camtools.base.errors import CamtoolsError
+from camtools.base.quantities import Floats
 from camtools.lobe.contact import contact, follow
-from camtools.lobe.generate import generate_cam
+from camtools.lobe.generate import generate_lobes
 from camtools.lobe.lift import Disc, LiftLaw, Poly345
-from camtools.lobe.motion import example_cam, make_lobes
-from camtools.lobe.part import CamPart
+from camtools.lobe.motion import example_lobe, make_lobes
+from camtools.lobe.part import LobePart
 from camtools.lobe.speed import N_GRID, SpindleLimits, mean_of, surface_speed
-from camtools.part.file import load_any
+from camtools.pipeline.load import load
 from camtools.skirt.generate import generate
-from camtools.skirt.part import load_part
-from camtools.skirt.sections import Floats
 from camtools.table.image import KIND_SPEED, KIND_U, pack, unpack
-from part_cases import PERKINS, ROOT, Mktables
+from part_cases import PERKINS, ROOT, Mktables, load_part
 
 PARTS = ROOT / "tools" / "parts"
 TEXT = (PARTS / "cam-345.toml").read_text()
@@ -44,7 +43,7 @@ def columns(lines: list[str]) -> Floats:
 def test_eval_gives_the_turned_cam_of_the_notes(tmp_path: Path) -> None:
     """Golden B: lift to 10 nm, swing to 1e-4 degrees, in the firmware's own evaluation."""
     theta, lift, swing = columns(POLY345)[:3]
-    result = generate_cam(cam(TEXT))
+    result = generate_lobes(cam(TEXT))
     got = evaluate(tmp_path, result, theta / 360, np.full(theta.size, 5.0))
     assert got["u_nm"] * NM == pytest.approx(lift, abs=10e-6)
     assert got["swing_deg"] == pytest.approx(swing, abs=1e-4)
@@ -56,9 +55,9 @@ def test_eval_gives_the_turned_cam_of_the_notes(tmp_path: Path) -> None:
 def test_eval_gives_the_ground_disc_of_the_notes(tmp_path: Path) -> None:
     """Golden A: S against the cam angle to 10 nm, and speeds that are N_C at n0 = 60."""
     table = columns(DISC)
-    part = load_any(PARTS / "cam-disc.toml")
-    assert isinstance(part, CamPart)
-    result = generate_cam(part)
+    part = load(PARTS / "cam-disc.toml").part
+    assert isinstance(part, LobePart)
+    result = generate_lobes(part)
     got = evaluate(tmp_path, result, table[4] / 360, np.full(13, 6.0))
     assert got["u_nm"] * NM == pytest.approx(table[3], abs=10e-6)
     assert got["speed_ratio"] * result.mean_rpm == pytest.approx(table[8], rel=1e-6)
@@ -73,7 +72,7 @@ def test_eval_gives_the_ground_poly345_of_the_notes(tmp_path: Path) -> None:
     """Golden B ground: S at the printed cam angles, speeds where the spindle can follow them."""
     _, s_mm, phi, _, n_c = columns(POLY345_WHEEL)
     text = ground(TEXT).replace("spindle_acceleration_rad_s2 = 60", "spindle_torque_nm = 5e4")
-    result = generate_cam(cam(text + "spindle_inertia_kgm2 = 0.1\n"))
+    result = generate_lobes(cam(text + "spindle_inertia_kgm2 = 0.1\n"))
     got = evaluate(tmp_path, result, phi / 360, np.full(phi.size, 6.0))
     assert got["u_nm"] * NM == pytest.approx(s_mm, abs=20e-6)  # phi is printed to 1e-6 degrees
     speed = got["speed_ratio"] * result.mean_rpm
@@ -86,7 +85,7 @@ def test_eval_gives_the_ground_poly345_of_the_notes(tmp_path: Path) -> None:
 def test_cam_of_10_mm_is_within_its_tolerances(text: str, tmp_path: Path) -> None:
     """Judge lift (10 nm) and angle (1e-4 degrees) on random points, many turns out."""
     part = cam(text)
-    result, [lobe] = generate_cam(part), make_lobes(part)
+    result, [lobe] = generate_lobes(part), make_lobes(part)
     assert result.lift.error <= 10
     assert result.angle.error <= 1e-4
     rng = np.random.default_rng(9)
@@ -108,7 +107,7 @@ def test_lobes_keep_their_phases_and_places(tmp_path: Path) -> None:
     disc = 'z_mm = [16, 24]\nphase_deg = 120\nlaw = "disc"\ndisc_radius_mm = 24\noffset_mm = 4\n'
     third = 'z_mm = [28, 40]\nphase_deg = -95\nlaw = "poly345"\nlift_mm = 6\nhalf_angle_deg = 90\n'
     more = f"[[cam.lobe]]\n{disc}\n[[cam.lobe]]\n{third}\n[process]"
-    result = generate_cam(cam(TEXT.replace("[process]", more)))
+    result = generate_lobes(cam(TEXT.replace("[process]", more)))
     turn = np.linspace(0, 1, 401)
     laws: tuple[tuple[int, LiftLaw], ...] = (
         (0, Poly345(8, np.radians(70))),
@@ -126,7 +125,7 @@ def test_lobes_keep_their_phases_and_places(tmp_path: Path) -> None:
 def test_largest_centre_of_a_part_file_is_in_the_firmwares_range(tmp_path: Path) -> None:
     """A wheel as large as the part file takes makes a table that the firmware reads."""
     text = DISC_TEXT.replace("wheel_radius_mm = 200", "wheel_radius_mm = 1970")
-    got = evaluate(tmp_path, generate_cam(cam(text)), np.zeros(1), np.ones(1))
+    got = evaluate(tmp_path, generate_lobes(cam(text)), np.zeros(1), np.ones(1))
     assert got["x_nm"] == pytest.approx([1990e6])
     with pytest.raises(CamtoolsError, match=r"a table holds 2000 mm; give at most 1970, or a sm"):
         cam(text.replace("1970", "1970.001"))
@@ -142,10 +141,10 @@ def test_listed_cam_is_that_of_its_law(tmp_path: Path) -> None:
     text = DISC_TEXT.replace(law, 'law = "list"\ncsv = "lift.csv"\n')
     text = text.replace("phase_deg = 0", "phase_deg = 90")
     (tmp_path / "c.toml").write_text(text)
-    part = load_any(tmp_path / "c.toml")
-    assert isinstance(part, CamPart)
+    part = load(tmp_path / "c.toml").part
+    assert isinstance(part, LobePart)
     turn = np.linspace(0, 1, 361)
-    got = evaluate(tmp_path, generate_cam(part), turn, np.full(361, 1.0))
+    got = evaluate(tmp_path, generate_lobes(part), turn, np.full(361, 1.0))
     phi = 2 * np.pi * turn - np.pi / 2
     exact = 5 * np.cos(phi) + np.sqrt(225**2 - 25 * np.sin(phi) ** 2) - 220
     assert np.abs(got["u_nm"] * NM - exact).max() <= 12e-6  # 1 nm of it is the spline's
@@ -164,7 +163,7 @@ def test_surface_speed_is_constant_where_the_spindle_can() -> None:
 @pytest.mark.parametrize("alpha", [2.0, 20.0, 200.0])
 def test_surface_speed_keeps_the_spindles_acceleration(alpha: float) -> None:
     """A weak spindle is never faster than the constant-speed law, and never beyond its limit."""
-    lobe = make_lobes(example_cam("grinding"))[0]
+    lobe = make_lobes(example_lobe("grinding"))[0]
     path = lobe.at(2 * np.pi * np.arange(N_GRID, dtype=float) / N_GRID)
     wanted = 2 * np.pi * 20 / path.ds_dphi
     law = surface_speed(path.ds_dphi, 20, 2 * np.pi, SpindleLimits(alpha, 1e3))
@@ -178,12 +177,12 @@ def test_surface_speed_keeps_the_spindles_acceleration(alpha: float) -> None:
 
 def test_modulated_table_keeps_the_machines_limits() -> None:
     """The header's promises of a constant-surface table are within the machine's limits."""
-    result = generate_cam(cam(ground(TEXT)))
+    result = generate_lobes(cam(ground(TEXT)))
     omega = result.mean_rpm * 2 * np.pi / 60
     assert result.peaks.spindle_rad2 * omega**2 <= 60
     assert result.table.bounds.spindle_peak_ppm <= 10_000_000
     speed = result.table.channel(KIND_SPEED)
-    assert speed.p_max / 2**speed.frac_bits + speed.offset_nm <= 4 * 2**20
+    assert speed.p_max / 2**speed.frac_bits + speed.origin <= 4 * 2**20
     assert result.table.channel(KIND_U).knots.shape[0] == 2
     assert result.mean_rpm < 60  # the flanks are longer than the base circle
 
@@ -211,7 +210,7 @@ def test_weak_machine_is_told_the_speed_that_would_do(
     """Refused with needed, limit and highest speed; that speed is accepted then."""
     text = TEXT.replace('"uniform"', f'"{speed}"').replace(limit, weaker)
     with pytest.raises(CamtoolsError) as info:
-        generate_cam(cam(text))
+        generate_lobes(cam(text))
     name = weaker.partition(" ")[0]
     line = next(line for line in info.value.lines if line.startswith(f"machine.limits.{name} ="))
     assert "the part needs" in line
@@ -219,7 +218,7 @@ def test_weak_machine_is_told_the_speed_that_would_do(
     if "at most" in line:
         rpm = line.partition("may be at most ")[2].partition(" ")[0]
         before, after = "spindle_rpm = 60\n", f"spindle_rpm = {rpm}\n"
-        slower = generate_cam(cam(text.replace(before, after, 1)))
+        slower = generate_lobes(cam(text.replace(before, after, 1)))
         assert slower.highest_speed.rpm == pytest.approx(float(rpm), rel=0.02)
 
 

@@ -12,10 +12,9 @@ from camtools.base.errors import CamtoolsError, GeometryError, InputError
 from camtools.lobe.channels import slices_of
 from camtools.lobe.lift import Poly345, make_lift, parse_points
 from camtools.lobe.motion import make_lobes
-from camtools.lobe.part import MAX_LOBES, CamPart
-from camtools.part.file import load_any, parse_any
-from camtools.skirt.part import parse_part
-from part_cases import PERKINS, ROOT
+from camtools.lobe.part import MAX_LOBES, LobePart
+from camtools.pipeline.load import load, parse
+from part_cases import PERKINS, ROOT, parse_part
 
 PARTS = ROOT / "tools" / "parts"
 GOOD = (PARTS / "cam-345.toml").read_text()
@@ -34,14 +33,14 @@ def with_law(text: str) -> str:
 def lines_of(text: str) -> list[str]:
     """Return the messages that a part file's text is refused with."""
     with pytest.raises(CamtoolsError) as info:
-        parse_any(text.encode(), "c.toml")
+        parse(text.encode(), "c.toml")
     return info.value.lines
 
 
-def cam_of(text: str) -> CamPart:
+def cam_of(text: str) -> LobePart:
     """Return the cam of a text."""
-    part = parse_any(text.encode(), "c.toml")
-    assert isinstance(part, CamPart)
+    part = parse(text.encode(), "c.toml").part
+    assert isinstance(part, LobePart)
     return part
 
 
@@ -57,7 +56,7 @@ def test_cam_has_its_defaults() -> None:
 
 def test_pistons_are_read_as_before() -> None:
     """A part file says itself what it is; what takes pistons only says so of a cam."""
-    assert not isinstance(load_any(PERKINS), CamPart)
+    assert not isinstance(load(PERKINS).part, LobePart)
     with pytest.raises(CamtoolsError) as info:
         parse_part(GOOD.encode(), "c.toml")
     assert info.value.lines == [
@@ -69,7 +68,7 @@ def test_pistons_are_read_as_before() -> None:
 def test_a_wrong_kind_is_all_that_is_told(kind: str) -> None:
     """Nobody knows which keys belong to it: the rest of a cam is no mistake in a piston."""
     with pytest.raises(CamtoolsError) as info:
-        parse_any(GOOD.replace('kind = "cam"', f"kind = {kind}").encode(), "c.toml")
+        parse(GOOD.replace('kind = "cam"', f"kind = {kind}").encode(), "c.toml")
     assert len(info.value.lines) == 1
     assert info.value.lines[0].startswith("c.toml: part.kind = ")
     assert info.value.lines[0].endswith("; use one of: 'piston' or 'cam'")
@@ -228,8 +227,8 @@ def test_points_come_from_a_file_too(tmp_path: Path) -> None:
     path.write_text(with_law('law = "list"\ncsv = "lift.csv"\n'))
     rows = [f"{angle},{1 - np.cos(np.radians(angle))}\n" for angle in range(0, 360, 30)]
     table.write_text("angle_deg,lift_mm\n" + "".join(rows))
-    part = load_any(path)
-    assert isinstance(part, CamPart)
+    part = load(path).part
+    assert isinstance(part, LobePart)
     law = make_lift(part.cam, part.cam.lobe[0], LOBE)
     assert float(law.evaluate(np.array(np.pi / 6)).lift) == pytest.approx(1 - np.sqrt(0.75))
     for text, problem in (

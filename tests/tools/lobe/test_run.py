@@ -15,12 +15,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from camtools.lobe.generate import GeneratedCam, generate_cam
-from camtools.lobe.motion import example_cam
-from camtools.lobe.report import band, draw_rake, make_cam_report, speed_of_contact
-from camtools.lobe.report_text import CamOutcome, cam_rows, cam_text
-from camtools.sim.camsim import cam_machine_text
-from camtools.sim.results import STATES, Surface, Trace
+from camtools.lobe.generate import GeneratedLobes, generate_lobes
+from camtools.lobe.machine import lobe_machine_text
+from camtools.lobe.motion import example_lobe
+from camtools.lobe.report import band, draw_rake, make_lobe_report, speed_of_contact
+from camtools.lobe.report_text import LobeOutcome, lobe_rows
+from camtools.report.text import page_text
+from camtools.sim.results import STATES, CutTrace, GaugedSurface
 from part_cases import ROOT, environment
 
 BUILD = Path(os.environ.get("CAMTURN_BUILD") or ROOT / "build" / "host").resolve()
@@ -110,7 +111,7 @@ def test_bad_request_leaves_nothing(words: list[str], named: str, run: Run, tmp_
     assert not (tmp_path / "out").exists()
 
 
-def made_up(generated: GeneratedCam, cam: dict[str, Any]) -> CamOutcome:
+def made_up(generated: GeneratedLobes, cam: dict[str, Any]) -> LobeOutcome:
     """Return the outcome of a cut that nobody made."""
     one = {"needed": 1.0, "limit": 4.0}
     limits = ("spindle_rpm", "u_speed_mm_s", "u_acceleration_mm_s2", "u_stroke_mm")
@@ -124,18 +125,20 @@ def made_up(generated: GeneratedCam, cam: dict[str, Any]) -> CamOutcome:
         "cam": cam, "injected": [],
     }  # fmt: skip
     turn = np.linspace(0, 1, 50, endpoint=False)
-    surface = Surface(turn, np.full(50, 5.0), np.full(50, 25.0), 0.3 * np.sin(2 * np.pi * turn))
+    surface = GaugedSurface(
+        turn, np.full(50, 5.0), np.full(50, 25.0), 0.3 * np.sin(2 * np.pi * turn)
+    )
     tick = np.arange(2000.0)
-    columns = {name: np.zeros(2000) for name in Trace._fields}
+    columns = {name: np.zeros(2000) for name in CutTrace._fields}
     columns |= {"t_s": tick * 50e-6, "turn": tick * 1e-3, "z_mm": np.full(2000, 5.0)}
     columns["state"] = np.full(2000, float(STATES.index("cutting")))
-    return CamOutcome(generated, summary, surface, Trace(**columns))
+    return LobeOutcome(generated, summary, surface, CutTrace(**columns))
 
 
 @pytest.fixture(scope="module")
-def turned() -> GeneratedCam:
+def turned() -> GeneratedLobes:
     """Make the table of the turned 3-4-5 cam."""
-    return generate_cam(example_cam())
+    return generate_lobes(example_lobe())
 
 
 LOBE = {"z_first_mm": 0, "z_last_mm": 12, "samples": 9, "max_um": 0.5, "rms_um": 0.1}
@@ -147,33 +150,34 @@ TURNED = {
 }  # fmt: skip
 
 
-def test_rake_is_told_beside_that_without_swing(turned: GeneratedCam) -> None:
+def test_rake_is_told_beside_that_without_swing(turned: GeneratedLobes) -> None:
     """The larger of both sides is the bound; the rest of the summary is that of a turned cam."""
-    rows = dict(cam_rows(made_up(turned, TURNED)))
+    rows = dict(lobe_rows(made_up(turned, TURNED)))
     assert rows["effective rake"] == "constant within 0.002°; without the swing -19.97 .. 19.96°"
     assert rows["cut"].startswith("cam turned, tip of 0.4 mm, at 60 r/min, feed 0.1 mm")
     assert "surface speed" not in rows
-    text = cam_text(made_up(turned, TURNED), "out", 2.0)
+    outcome = made_up(turned, TURNED)
+    text = page_text(outcome, lobe_rows(outcome), "out", 2.0)
     assert "needs U stroke" in text and "constant within 0.002 deg" in text
 
 
-def test_lobes_are_told_apart(turned: GeneratedCam) -> None:
+def test_lobes_are_told_apart(turned: GeneratedLobes) -> None:
     """Each lobe has its row; one that was not reached says so."""
     missing = {"z_first_mm": 14, "z_last_mm": 20, "samples": 0}
-    rows = dict(cam_rows(made_up(turned, TURNED | {"lobes": [LOBE, missing]})))
+    rows = dict(lobe_rows(made_up(turned, TURNED | {"lobes": [LOBE, missing]})))
     assert rows["lobe 0"] == "0 .. 12 mm: max 500 nm, rms 100 nm"
     assert rows["lobe 1"] == "14 .. 20 mm: not cut"
 
 
-def test_report_of_a_turned_cam_names_its_tool(turned: GeneratedCam) -> None:
+def test_report_of_a_turned_cam_names_its_tool(turned: GeneratedLobes) -> None:
     """The page is drawn without the keys that only grinding has."""
-    files = make_cam_report(made_up(turned, TURNED))
+    files = make_lobe_report(made_up(turned, TURNED))
     assert {"cut_profile.png", "cut_speed.png", "cut_cam.png", "report.html"} <= set(files)
     assert "The tip of the tool is a circle" in files["report.html"].decode()
     assert all(data[1:4] == b"PNG" for name, data in files.items() if name.endswith("png"))
 
 
-def test_rake_is_drawn_of_a_tool_that_swings(turned: GeneratedCam) -> None:
+def test_rake_is_drawn_of_a_tool_that_swings(turned: GeneratedLobes) -> None:
     """With the trace's swing the picture is there, and its numbers are those of the exact angle."""
     outcome = made_up(turned, TURNED)
     exact_deg = np.degrees(turned.lobes[0].at(2 * np.pi * outcome.trace.turn).angle)
@@ -183,7 +187,7 @@ def test_rake_is_drawn_of_a_tool_that_swings(turned: GeneratedCam) -> None:
     assert np.abs(without).max() == pytest.approx(19.967, abs=0.01)
     assert with_swing == pytest.approx(0.25)
     assert below.get_ylim()[0] < 0.25 < below.get_ylim()[1]
-    files = make_cam_report(replace(outcome, swing_deg=exact_deg))
+    files = make_lobe_report(replace(outcome, swing_deg=exact_deg))
     assert "cut_rake.png" in files and "Effective rake" in files["report.html"].decode()
 
 
@@ -195,14 +199,14 @@ def test_band_holds_the_extremes_of_each_bin() -> None:
     assert most.tolist() == [3.0, 2.0]
 
 
-def test_speed_of_contact_is_that_of_the_notes(turned: GeneratedCam) -> None:
+def test_speed_of_contact_is_that_of_the_notes(turned: GeneratedLobes) -> None:
     """On the base circle r omega, on the nose ds/dtheta of MATHS.md (31)."""
     lobe = turned.lobes[0]
     found = speed_of_contact(lobe, np.radians([180.0, 0.0]), np.array([2.0, 1.0]))
     assert found.tolist() == pytest.approx([40.0, 28.0])
 
 
-def test_machine_of_a_cam_has_the_encoder_of_a_c_axis(turned: GeneratedCam) -> None:
+def test_machine_of_a_cam_has_the_encoder_of_a_c_axis(turned: GeneratedLobes) -> None:
     """A thousand times finer than a lathe's would have to be for its lift."""
-    text = cam_machine_text(turned.part.machine.limits)
+    text = lobe_machine_text(turned.part.machine.limits)
     assert "counts_per_turn = 1000000" in text and "stroke_mm = 30" in text

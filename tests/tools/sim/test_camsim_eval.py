@@ -10,7 +10,7 @@ import pytest
 from numpy.typing import NDArray
 
 from camsim_cases import camsim, only_error
-from camtools.skirt.generate import Generated
+from camtools.skirt.generate import GeneratedSkirt
 from camtools.skirt.geometry import Geometry
 from camtools.table.image import pack
 
@@ -20,7 +20,7 @@ NM_PER_MM = 1e6
 
 
 @pytest.fixture(scope="session")
-def table(generated: Generated, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def table(generated: GeneratedSkirt, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Write the Perkins table at 1 nm."""
     path = tmp_path_factory.mktemp("eval") / "perkins240.camtab"
     path.write_bytes(pack(generated.table))

@@ -9,9 +9,8 @@ from hypothesis import strategies as st
 
 from camtools.skirt.composite import Joint, diameter_for, fold, trim_for
 from camtools.skirt.geometry import make_geometry
-from camtools.skirt.part import load_part
 from camtools.skirt.sections import DoubleEllipse, Ellipse
-from part_cases import ROOT
+from part_cases import ROOT, load_part
 
 JOINT_RAD = float(np.radians(48.0))
 DIAMETER_MM = 90.929096914

@@ -10,16 +10,16 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from camtools.base.errors import CamtoolsError
-from camtools.skirt.generate import Generated, generate
-from camtools.skirt.geometry import omega_rad_s
-from camtools.skirt.part import Part, load_part
+from camtools.base.quantities import omega_rad_s
+from camtools.skirt.generate import GeneratedSkirt, generate
+from camtools.skirt.part import SkirtPart
 from camtools.skirt.search import DERIVATIVE_SHARE, UnreachableError
 from camtools.table.evaluate import evaluate_u, evaluate_x, jumps
 from camtools.table.image import KIND_U, KIND_X, pack, unpack
-from part_cases import PERKINS
+from part_cases import PERKINS, load_part
 
 
-def random_points(result: Generated, n: int = 4000) -> tuple[np.ndarray, np.ndarray]:
+def random_points(result: GeneratedSkirt, n: int = 4000) -> tuple[np.ndarray, np.ndarray]:
     """Return turns (any sign) and heights in mm, both ends and the drawing's nodes included."""
     random = np.random.default_rng(7)
     first, last = result.geometry.z_first_mm, result.geometry.z_last_mm
@@ -29,7 +29,7 @@ def random_points(result: Generated, n: int = 4000) -> tuple[np.ndarray, np.ndar
     return random.uniform(-3, 3, n), z_mm
 
 
-def errors_nm(result: Generated) -> tuple[float, float, float, float]:
+def errors_nm(result: GeneratedSkirt) -> tuple[float, float, float, float]:
     """Return errors of u, u' share, u'' share and x at random points, apart from the generator."""
     turn, z_mm = random_points(result)
     table = unpack(pack(result.table))
@@ -45,7 +45,7 @@ def errors_nm(result: Generated) -> tuple[float, float, float, float]:
     )
 
 
-def test_perkins_keeps_1_nm_in_16_kib(generated: Generated) -> None:
+def test_perkins_keeps_1_nm_in_16_kib(generated: GeneratedSkirt) -> None:
     """The Perkins 240 table is within 1 nm of the exact geometry in at most 16 KiB."""
     u_nm, first, second, x_nm = errors_nm(generated)
     assert max(u_nm, x_nm) <= 1.0
@@ -53,7 +53,7 @@ def test_perkins_keeps_1_nm_in_16_kib(generated: Generated) -> None:
     assert len(pack(generated.table)) <= 16 * 1024
 
 
-def test_reported_error_covers_random_points(generated: Generated) -> None:
+def test_reported_error_covers_random_points(generated: GeneratedSkirt) -> None:
     """The achieved error in header and report is not smaller than what random points show."""
     u_nm, _, _, x_nm = errors_nm(generated)
     assert u_nm <= generated.accuracy_u.value_nm <= 1.0
@@ -62,34 +62,34 @@ def test_reported_error_covers_random_points(generated: Generated) -> None:
 
 
 @pytest.mark.alone
-def test_perkins_is_made_in_two_seconds(perkins: Part) -> None:
+def test_perkins_is_made_in_two_seconds(perkins: SkirtPart) -> None:
     """Generating the Perkins 240 table takes at most 2 s."""
     start_s = time.monotonic()
     generate(perkins, 1.0)
     assert time.monotonic() - start_s <= 2.0
 
 
-def test_same_part_gives_same_bytes(perkins: Part, generated: Generated) -> None:
+def test_same_part_gives_same_bytes(perkins: SkirtPart, generated: GeneratedSkirt) -> None:
     """Two runs give the same image."""
     assert pack(generate(perkins, 1.0).table) == pack(generated.table)
 
 
 @pytest.mark.parametrize("tolerance_nm", [100.0, 10.0, 0.1, 0.05])
-def test_tolerance_is_kept(perkins: Part, tolerance_nm: float) -> None:
+def test_tolerance_is_kept(perkins: SkirtPart, tolerance_nm: float) -> None:
     """Each tolerance is kept, for values and derivatives."""
     u_nm, first, second, x_nm = errors_nm(generate(perkins, tolerance_nm))
     assert max(u_nm, x_nm) <= tolerance_nm
     assert max(first, second) <= DERIVATIVE_SHARE
 
 
-def test_smaller_tolerance_needs_no_fewer_bytes(perkins: Part) -> None:
+def test_smaller_tolerance_needs_no_fewer_bytes(perkins: SkirtPart) -> None:
     """Bytes never fall when the tolerance does."""
     sizes = [len(pack(generate(perkins, nm).table)) for nm in (100.0, 10.0, 1.0, 0.3, 0.05)]
     assert sizes == sorted(sizes)
 
 
 @pytest.mark.parametrize("tolerance_nm", [1e-9, 0.001])
-def test_unreachable_tolerance_tells_the_best(perkins: Part, tolerance_nm: float) -> None:
+def test_unreachable_tolerance_tells_the_best(perkins: SkirtPart, tolerance_nm: float) -> None:
     """A tolerance below what the format can do is refused, and the named best is reachable."""
     with pytest.raises(UnreachableError, match=r"tolerance_nm = .*best achievable is") as info:
         generate(perkins, tolerance_nm)
@@ -99,13 +99,13 @@ def test_unreachable_tolerance_tells_the_best(perkins: Part, tolerance_nm: float
 
 
 @pytest.mark.parametrize("tolerance_nm", [0.0, -1.0, float("nan"), float("inf"), 1e7])
-def test_senseless_tolerance_is_refused(perkins: Part, tolerance_nm: float) -> None:
+def test_senseless_tolerance_is_refused(perkins: SkirtPart, tolerance_nm: float) -> None:
     """A tolerance that is no length is refused by name."""
     with pytest.raises(CamtoolsError, match="tolerance_nm"):
         generate(perkins, tolerance_nm)
 
 
-def test_guaranteed_bounds_are_true(generated: Generated) -> None:
+def test_guaranteed_bounds_are_true(generated: GeneratedSkirt) -> None:
     """No evaluated value, slope or curvature lies beyond the header's bounds, nor far inside."""
     bounds = generated.table.bounds
     turn, z_mm = random_points(generated, 20_000)
@@ -117,20 +117,20 @@ def test_guaranteed_bounds_are_true(generated: Generated) -> None:
     assert np.abs(u.d2).max() <= bounds.u2_peak_nm_per_rad2 <= 1.001 * np.abs(u.d2).max()
 
 
-def test_quantised_table_is_continuous(generated: Generated) -> None:
+def test_quantised_table_is_continuous(generated: GeneratedSkirt) -> None:
     """Value, first and second derivative do not jump at knots nor at the wrap, exactly."""
     for channel in generated.table.channels:
         for place in jumps(channel):
             assert place == (0.0, 0.0, 0.0)
 
 
-def part_of(**changes: object) -> Part:
+def part_of(**changes: object) -> SkirtPart:
     """Return a short skirt with some tables of the part file changed."""
     tree = load_part(PERKINS).model_dump()
     tree["piston"] |= changes
     tree["machine"]["limits"] |= {"u_stroke_mm": 30.0, "u_speed_mm_s": 1e5}
     tree["machine"]["limits"] |= {"u_acceleration_mm_s2": 1e9}
-    return Part.model_validate(tree)
+    return SkirtPart.model_validate(tree)
 
 
 def test_round_piston_is_possible() -> None:
@@ -197,11 +197,11 @@ def test_random_parts_keep_the_tolerance(
     assert max(first, second) <= DERIVATIVE_SHARE
 
 
-def limited(**limits: float) -> Part:
+def limited(**limits: float) -> SkirtPart:
     """Return the Perkins skirt for a weaker machine."""
     tree = load_part(PERKINS).model_dump()
     tree["machine"]["limits"] |= limits
-    return Part.model_validate(tree)
+    return SkirtPart.model_validate(tree)
 
 
 @pytest.mark.parametrize(
@@ -230,10 +230,10 @@ def test_highest_speed_is_where_the_limit_is_met(limit: str, value: float) -> No
     """The reported highest speed makes the deciding peak equal to its limit, and is accepted."""
     tree = limited(**{limit: value}).model_dump()
     tree["process"]["spindle_rpm"] = 600.0
-    best = generate(Part.model_validate(tree)).highest_speed
+    best = generate(SkirtPart.model_validate(tree)).highest_speed
     assert best.decides == limit
     peak_mm = {"u_speed_mm_s": 0.15, "u_acceleration_mm_s2": 0.30148}[limit]
     power = {"u_speed_mm_s": 1, "u_acceleration_mm_s2": 2}[limit]
     assert peak_mm * omega_rad_s(best.rpm) ** power == pytest.approx(value, rel=1e-3)
     tree["process"]["spindle_rpm"] = float(np.floor(best.rpm))
-    generate(Part.model_validate(tree))
+    generate(SkirtPart.model_validate(tree))

@@ -14,10 +14,10 @@ from camtools.skirt.geometry import (
     turning_at,
     uniform_turning,
 )
-from camtools.skirt.part import Ovality, Part, Profile, load_part
+from camtools.skirt.part import Ovality, Profile, SkirtPart
 from camtools.skirt.profile import ovality_spline, profile_spline
 from camtools.skirt.sections import DoubleEllipse, Ellipse, Section
-from part_cases import PERKINS
+from part_cases import PERKINS, load_part
 
 HEIGHTS = [5.0, 15.0, 25.0, 35.0, 45.0, 56.0]
 MOMENTS = (
@@ -64,7 +64,7 @@ def test_spline_slopes_are_golden(geometry: Geometry) -> None:
     np.testing.assert_allclose(ends, [0.0029818594, -0.0062619048], atol=1e-15)
 
 
-def test_spline_moments_are_golden(geometry: Geometry, perkins: Part) -> None:
+def test_spline_moments_are_golden(geometry: Geometry, perkins: SkirtPart) -> None:
     """a''(z) at the nodes has the printed values; the part's slopes are rounded ones."""
     z = np.asarray(perkins.piston.profile.height_mm, dtype=float)
     curve = (91.737 - 92.0) / 2 / (62 - 20) ** 2  # of the parabola about height 20
@@ -75,7 +75,7 @@ def test_spline_moments_are_golden(geometry: Geometry, perkins: Part) -> None:
     np.testing.assert_allclose(geometry.radius_mm(z, 2), moments, atol=1e-11)
 
 
-def test_spline_moments_solve_the_equations(geometry: Geometry, perkins: Part) -> None:
+def test_spline_moments_solve_the_equations(geometry: Geometry, perkins: SkirtPart) -> None:
     """a''(z) at the nodes satisfies the moment equations of a clamped spline."""
     z = np.asarray(perkins.piston.profile.height_mm, dtype=float)
     moments = geometry.radius_mm(z, 2)
@@ -185,13 +185,13 @@ def test_magnified_part_has_the_papers_numbers() -> None:
     assert 2 * float(geometry.radius_mm(20.0)) == pytest.approx(92.0, abs=1e-12)
 
 
-def _changed(part: Part, **piston: object) -> Part:
+def _changed(part: SkirtPart, **piston: object) -> SkirtPart:
     tree = part.model_dump()
     tree["piston"] |= piston
-    return Part.model_validate(tree)
+    return SkirtPart.model_validate(tree)
 
 
-def test_overshooting_ovality_spline_is_refused(perkins: Part) -> None:
+def test_overshooting_ovality_spline_is_refused(perkins: SkirtPart) -> None:
     """A spline that would fall below zero between its points is refused, naming the field."""
     steep = {"height_mm": [0, 20, 30, 62], "ovality_mm": [0.3, 0.0, 0.0, 0.3]}
     part = _changed(perkins, ovality={**steep, "interpolation": "spline"})
@@ -200,8 +200,8 @@ def test_overshooting_ovality_spline_is_refused(perkins: Part) -> None:
     assert info.value.field == "piston.ovality.interpolation"
 
 
-def test_magnifying_below_zero_is_refused(perkins: Part) -> None:
+def test_magnifying_below_zero_is_refused(perkins: SkirtPart) -> None:
     """A factor that turns the piston inside out is refused, naming the factor."""
-    part = Part.model_validate(perkins.model_dump() | {"magnify": {"factor": 1000.0}})
+    part = SkirtPart.model_validate(perkins.model_dump() | {"magnify": {"factor": 1000.0}})
     with pytest.raises(GeometryError, match=r"magnify\.factor.*half axis"):
         make_geometry(part)

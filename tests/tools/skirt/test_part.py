@@ -9,9 +9,10 @@ from pathlib import Path
 import pytest
 
 from camtools.base.errors import CamtoolsError
+from camtools.part.file import MAX_FILE_BYTES
 from camtools.part.model import rising
-from camtools.skirt.part import MAX_FILE_BYTES, Part, load_part, parse_part
-from part_cases import PERKINS
+from camtools.skirt.part import SkirtPart
+from part_cases import PERKINS, load_part, parse_part
 
 GOOD = PERKINS.read_text()
 
@@ -54,7 +55,7 @@ def test_defaults_are_the_documented_ones() -> None:
     for key in ("interpolation", "shape", "depth_mm", "direction"):
         short = re.sub(rf"^{key} = .*$", "", short, flags=re.MULTILINE)
     part = parse_part(short.encode(), "p.toml")
-    assert part == Part.model_validate(part.model_dump())
+    assert part == SkirtPart.model_validate(part.model_dump())
     assert part.piston.ovality is not None
     assert (part.piston.ovality.interpolation, part.piston.section.shape) == ("linear", "ellipse")
     assert (part.process.depth_mm, part.process.direction) == (0.1, 1)

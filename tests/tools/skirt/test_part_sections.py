@@ -7,8 +7,9 @@ from pathlib import Path
 import pytest
 
 from camtools.base.errors import CamtoolsError
-from camtools.skirt.part import DEFAULT_ALPHA_RAD_S2, Part, load_part, parse_part
-from part_cases import PERKINS, ROOT
+from camtools.part.common import DEFAULT_ALPHA_RAD_S2
+from camtools.skirt.part import SkirtPart
+from part_cases import PERKINS, ROOT, load_part, parse_part
 
 GOOD = PERKINS.read_text()
 ARC = 'shape = "ellipse-arc"\ntrim_mm = 0.3\njoint_deg = 50\n'
@@ -37,7 +38,7 @@ def lines_of(text: str) -> list[str]:
     return info.value.lines
 
 
-def read(text: str) -> Part:
+def read(text: str) -> SkirtPart:
     """Return the part of a text."""
     return parse_part(text.encode(), "p.toml")
 

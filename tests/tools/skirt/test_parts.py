@@ -12,26 +12,29 @@ import numpy as np
 import pytest
 
 from camsim_cases import camsim
-from camtools.cli.mktables import products
+from camtools.base.quantities import omega_rad_s
 from camtools.cut.speedlaw import uniform
-from camtools.part.file import load_any
+from camtools.pipeline.load import load
+from camtools.pipeline.make import Made
 from camtools.sim.camsim import machine_text
-from camtools.skirt.generate import Generated, generate
-from camtools.skirt.geometry import omega_rad_s
-from camtools.skirt.part import Part, load_part, parse_part
+from camtools.skirt.generate import GeneratedSkirt, generate
+from camtools.skirt.kind import KIND
+from camtools.skirt.part import SkirtPart
 from camtools.table.image import KIND_U, pack
-from part_cases import ROOT
+from part_cases import ROOT, load_part, parse_part
 
 ALL_PARTS = sorted((ROOT / "tools" / "parts").glob("*.toml"))
-PARTS = [path for path in ALL_PARTS if isinstance(load_any(path), Part)]  # cams: test_camsim_cam.py
+PARTS = [
+    path for path in ALL_PARTS if isinstance(load(path).part, SkirtPart)
+]  # cams: test_camsim_cam.py
 EQUAL_VOLUME = ROOT / "tools" / "parts" / "perkins240_equal_volume.toml"
 MAX_TABLE_BYTES = 512 * 1024
 
 
-def cut(result: Generated, folder: Path, *words: str | Path) -> dict[str, Any]:
+def cut(result: GeneratedSkirt, folder: Path, *words: str | Path) -> dict[str, Any]:
     """Cut a part on the simulator with its machine's limits; return the summary."""
     name = result.part.part.name
-    for file, data in products(result, with_plots=False).items():
+    for file, data in Made(KIND, result).files(with_plots=False).items():
         (folder / file).write_bytes(data)
     (folder / "machine.toml").write_text(machine_text(result.part.machine.limits))
     tolerance = repr(result.part.process.form_error_um)
@@ -61,12 +64,12 @@ def test_part_is_cut_within_its_stated_form_error(path: Path, tmp_path: Path) ->
 
 
 @pytest.fixture(scope="module")
-def modulated() -> Generated:
+def modulated() -> GeneratedSkirt:
     """Make the table of the part that is turned with an even removal rate."""
     return generate(load_part(EQUAL_VOLUME))
 
 
-def test_equal_volume_evens_the_removal_rate(modulated: Generated, tmp_path: Path) -> None:
+def test_equal_volume_evens_the_removal_rate(modulated: GeneratedSkirt, tmp_path: Path) -> None:
     """Rate and power become even on the workpiece, the chip force does not; no form is lost."""
     text = EQUAL_VOLUME.read_text().replace('mode = "equal-volume"', 'mode = "uniform"')
     plain = generate(parse_part(text.encode(), "uniform.toml"))
@@ -91,7 +94,7 @@ def test_equal_volume_evens_the_removal_rate(modulated: Generated, tmp_path: Pat
     assert even["cut"]["seconds"] == pytest.approx(rough["cut"]["seconds"], rel=2e-3)
 
 
-def test_spindle_stays_within_its_acceleration(modulated: Generated, tmp_path: Path) -> None:
+def test_spindle_stays_within_its_acceleration(modulated: GeneratedSkirt, tmp_path: Path) -> None:
     """The set-points of the trace, seen as a speed, never exceed what the spindle can do."""
     cut(modulated, tmp_path, "--turns-limit", "8", "--trace", str(tmp_path / "t.csv"))
     with (tmp_path / "t.csv").open() as stream:
@@ -109,10 +112,10 @@ def test_spindle_stays_within_its_acceleration(modulated: Generated, tmp_path: P
     assert low - ripple < float(np.abs(alpha).max()) < high + ripple < limit
 
 
-def test_eval_gives_the_speed_ratio(modulated: Generated, tmp_path: Path) -> None:
+def test_eval_gives_the_speed_ratio(modulated: GeneratedSkirt, tmp_path: Path) -> None:
     """The firmware's own ratio is the law's, at the slices and in the sense of cutting."""
     assert modulated.speed is not None
-    for file, data in products(modulated, with_plots=False).items():
+    for file, data in Made(KIND, modulated).files(with_plots=False).items():
         (tmp_path / file).write_bytes(data)
     turn, z_mm = np.linspace(-1, 2, 61), float(modulated.speed.z_mm[4])
     points = "turn,z_mm\n" + "".join(f"{one:.9f},{z_mm:.9f}\n" for one in turn)
@@ -125,7 +128,7 @@ def test_eval_gives_the_speed_ratio(modulated: Generated, tmp_path: Path) -> Non
     assert float(times.mean()) == pytest.approx(1.0, abs=1e-9)
 
 
-def test_laws_beat_partial_modulation_at_every_height(modulated: Generated) -> None:
+def test_laws_beat_partial_modulation_at_every_height(modulated: GeneratedSkirt) -> None:
     """Uniform is worst, partial better, the optimised law best; the table grows by its channel."""
     assert modulated.speed is not None
     for law, blended in zip(modulated.speed.laws, modulated.speed.partial, strict=True):

@@ -11,10 +11,9 @@ from scipy.interpolate import PPoly
 
 from camtools.base.errors import CamtoolsError, GeometryError
 from camtools.skirt.geometry import Geometry, make_geometry
-from camtools.skirt.part import load_part, parse_part
 from camtools.skirt.poly_surface import PolySurface, angle_pieces, over_height
 from camtools.skirt.refit import refit
-from part_cases import ROOT
+from part_cases import ROOT, load_part, parse_part
 
 LARGE_BORE = ROOT / "tools" / "parts" / "16v240zj.toml"
 SECTION = """shape = "ellipse-arc"

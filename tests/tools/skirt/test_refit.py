@@ -11,8 +11,8 @@ from camtools.base.errors import GeometryError
 from camtools.skirt.composite import Joint
 from camtools.skirt.refit import (
     CANDIDATES,
-    Candidate,
     Recipe,
+    RefitCandidate,
     best_of,
     deviation_mm,
     fit,
@@ -153,7 +153,7 @@ def on_grid(recipe: Recipe) -> tuple[float, float, float, float]:
 
 
 @pytest.fixture(scope="module")
-def as_paper() -> list[Candidate]:
+def as_paper() -> list[RefitCandidate]:
     """Judge the 16 candidates of the paper."""
     return judge_all(PAPER, "quintic", "as-paper", RPM)
 
@@ -190,7 +190,7 @@ def test_quintic_without_deletion() -> None:
 
 
 @pytest.mark.parametrize("i", range(16))
-def test_candidates_of_the_paper(i: int, as_paper: list[Candidate]) -> None:
+def test_candidates_of_the_paper(i: int, as_paper: list[RefitCandidate]) -> None:
     """Peak, its angle, jerk from 50 degrees on and deviation of all 16 deletions."""
     s2, s1 = CANDIDATES[i]
     peak, at_deg, _, jerk = on_grid(Recipe("quintic", s1, s2, "as-paper"))
@@ -212,7 +212,7 @@ def test_production_variant(i: int) -> None:
     assert f"{judge(PAPER, recipe, RPM).deviation_um:.2f}" == MIRROR_DEVIATIONS[i]
 
 
-def test_jerk_limit_decides_the_optimum(as_paper: list[Candidate]) -> None:
+def test_jerk_limit_decides_the_optimum(as_paper: list[RefitCandidate]) -> None:
     """The least peak is that of (3, 2); the paper's jerk limit excludes it and (3, 3) wins."""
     free, limited = best_of(as_paper, np.inf), best_of(as_paper, jerk_limit_of("as-paper", None))
     assert (free.s1, free.s2) == (3, 2)
@@ -276,7 +276,7 @@ def test_production_variant_has_no_limit_unless_asked() -> None:
 
 @pytest.mark.parametrize("gap_deg", [7, 8])
 def test_no_refit_falls_below_the_corner_over_its_gap(
-    gap_deg: int, as_paper: list[Candidate]
+    gap_deg: int, as_paper: list[RefitCandidate]
 ) -> None:
     """Every refit needs more than J omega^2 / w, which is no bound by itself: MATHS.md (17)."""
     bound = float(PAPER.corner_mm_rad()) * OMEGA**2 / np.radians(gap_deg)

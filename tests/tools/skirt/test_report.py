@@ -14,30 +14,32 @@ from camtools.base.errors import InputError
 from camtools.plots.style import drawing, nice_floor, nice_limit, png_of
 from camtools.report import motion as report_motion
 from camtools.report.compare import draw_variants
-from camtools.sim.results import (
-    CUTTING,
-    FAULT,
-    STATES,
-    Outcome,
-    Surface,
-    Trace,
-    Variant,
-    read_surface,
-    read_trace,
-)
-from camtools.skirt import report_surface
-from camtools.skirt.generate import Generated
-from camtools.skirt.report import make_report, trace_text
-from camtools.skirt.report_text import (
+from camtools.report.page import trace_text
+from camtools.report.text import (
     clear_after_s,
     fault_facts,
     fault_story,
     margins_of,
+    page_text,
     plain,
-    rows_of,
-    terminal_text,
     verdict_of,
 )
+from camtools.sim.results import (
+    CUTTING,
+    FAULT,
+    STATES,
+    CutTrace,
+    CutVariant,
+    GaugedSurface,
+    read_surface,
+    read_trace,
+)
+from camtools.skirt import report_surface
+from camtools.skirt.generate import GeneratedSkirt
+from camtools.skirt.outcome import SkirtOutcome
+from camtools.skirt.report import make_report
+from camtools.skirt.report_motion import hardest_turn
+from camtools.skirt.report_text import rows_of
 from part_cases import ROOT
 from report_cases import (
     LAST_CUT,
@@ -66,21 +68,21 @@ FAULTY = {
 
 
 @pytest.fixture
-def good(generated: Generated) -> Outcome:
+def good(generated: GeneratedSkirt) -> SkirtOutcome:
     """Return a cut without anything wrong."""
     geometry = generated.geometry
-    variants = (Variant("complete", 0.04, 0.02), Variant("without <lead>", 4.0, 2.0))
+    variants = (CutVariant("complete", 0.04, 0.02), CutVariant("without <lead>", 4.0, 2.0))
     trace = made_up_trace(geometry)
     surface = made_up_surface(geometry)
-    return Outcome(generated, made_up_summary(), surface, trace, variants=variants)
+    return SkirtOutcome(generated, made_up_summary(), surface, trace, variants=variants)
 
 
 @pytest.fixture
-def faulty(generated: Generated) -> Outcome:
+def faulty(generated: GeneratedSkirt) -> SkirtOutcome:
     """Return a cut that an emergency stop ended."""
     trace = made_up_trace(generated.geometry, fault_at=6000)
     surface = made_up_surface(generated.geometry)
-    return Outcome(generated, made_up_summary(**FAULTY), surface, trace)
+    return SkirtOutcome(generated, made_up_summary(**FAULTY), surface, trace)
 
 
 def test_trace_is_read_by_the_names_of_its_columns(tmp_path: Path) -> None:
@@ -124,19 +126,19 @@ def test_round_limits_enclose(value: float) -> None:
 
 def test_map_shows_the_worst_point_of_each_cell() -> None:
     """Of several points in a cell the largest magnitude wins, whatever the order."""
-    surface = Surface(*np.array([[0.5, 0.5, 0.5], [1, 1, 1], [46, 46, 46], [0.1, -0.3, 0.2]]))
+    surface = GaugedSurface(*np.array([[0.5, 0.5, 0.5], [1, 1, 1], [46, 46, 46], [0.1, -0.3, 0.2]]))
     grid = report_surface.error_grid(surface, (0.0, 62.0), 64)
     assert grid[1, 180] == -0.3
     assert np.isnan(grid).sum() == grid.size - 1
 
 
-def test_map_of_a_whole_cut_has_no_gaps(good: Outcome) -> None:
+def test_map_of_a_whole_cut_has_no_gaps(good: SkirtOutcome) -> None:
     """The simulator's cells and those of the map fit together."""
     grid = report_surface.error_grid(good.surface, (0.0, 62.0), report_surface.map_rows(62, 0.1))
     assert not np.isnan(grid).any()
 
 
-def test_section_is_that_of_the_height(good: Outcome) -> None:
+def test_section_is_that_of_the_height(good: SkirtOutcome) -> None:
     """A section holds the worst point of each direction within its band, by rising angle."""
     near = report_surface.section_at(good.surface, 31.0, 0.4)
     assert near.turn.size == report_surface.N_BINS
@@ -145,7 +147,7 @@ def test_section_is_that_of_the_height(good: Outcome) -> None:
     assert report_surface.closed(near).turn[-1] == near.turn[0] + 1
 
 
-def test_bands_by_height_enclose_the_error(good: Outcome) -> None:
+def test_bands_by_height_enclose_the_error(good: SkirtOutcome) -> None:
     """Range and rms of four sine lobes are those of a sine."""
     z_mm, least, most, rms = report_surface.bands_by_height(good.surface, (0.0, 62.0))
     assert z_mm[0] == pytest.approx(0.25)
@@ -154,7 +156,7 @@ def test_bands_by_height_enclose_the_error(good: Outcome) -> None:
     assert rms == pytest.approx(0.04 / np.sqrt(2), rel=1e-3)
 
 
-def test_following_error_is_of_the_cut_only(good: Outcome) -> None:
+def test_following_error_is_of_the_cut_only(good: SkirtOutcome) -> None:
     """The constant 20 nm of the made-up trace come back at every angle."""
     degrees, least, most, mean = report_motion.following_by_angle(good.trace)
     assert degrees.size == 360
@@ -162,15 +164,15 @@ def test_following_error_is_of_the_cut_only(good: Outcome) -> None:
         assert curve == pytest.approx(0.02)
 
 
-def test_hardest_turn_is_whole_and_last(good: Outcome) -> None:
+def test_hardest_turn_is_whole_and_last(good: SkirtOutcome) -> None:
     """Ovality rises with height, so the last whole turn of cutting is shown."""
-    rows = report_motion.hardest_turn(good.trace, good.generated.geometry)
+    rows = hardest_turn(good.trace, good.generated.geometry)
     turns = good.trace.turn[rows]
     assert np.ptp(turns) == pytest.approx(1, abs=2 * TURNS_PER_TICK)
     assert np.floor(turns[0]) == np.floor(LAST_CUT * TURNS_PER_TICK) - 1
 
 
-def test_states_over_time(good: Outcome) -> None:
+def test_states_over_time(good: SkirtOutcome) -> None:
     """Stretches of one state follow each other without gap."""
     spans = report_motion.state_spans(good.trace)
     assert [STATES[number] for _, _, number in spans] == [
@@ -182,7 +184,7 @@ def test_states_over_time(good: Outcome) -> None:
     assert all(before[1] == after[0] for before, after in pairwise(spans))
 
 
-def test_good_report_has_every_picture(good: Outcome) -> None:
+def test_good_report_has_every_picture(good: SkirtOutcome) -> None:
     """A whole cut gives all pictures, embedded, and a page that needs nothing from outside."""
     files = make_report(good)
     assert sorted(files) == [
@@ -197,12 +199,12 @@ def test_good_report_has_every_picture(good: Outcome) -> None:
     assert "Invented" not in page
 
 
-def test_report_is_the_same_twice(good: Outcome) -> None:
+def test_report_is_the_same_twice(good: SkirtOutcome) -> None:
     """Pictures and page hold no dates."""
     assert make_report(good) == make_report(good)
 
 
-def test_faulty_report_tells_what_happened(faulty: Outcome) -> None:
+def test_faulty_report_tells_what_happened(faulty: SkirtOutcome) -> None:
     """A fault gets its picture and its story: what, when, reaction, remedy."""
     files = make_report(faulty)
     assert "cut_fault.png" in files
@@ -213,41 +215,45 @@ def test_faulty_report_tells_what_happened(faulty: Outcome) -> None:
         assert words in page
 
 
-def test_time_to_clear_comes_from_the_trace(faulty: Outcome) -> None:
+def test_time_to_clear_comes_from_the_trace(faulty: SkirtOutcome) -> None:
     """0.2 mm at 10 um per tick are 20 ticks and the one after."""
     assert clear_after_s(faulty) == pytest.approx(21 * TICK_S)
 
 
-def test_tool_that_was_out_already_is_told_so(faulty: Outcome) -> None:
+def test_tool_that_was_out_already_is_told_so(faulty: SkirtOutcome) -> None:
     """A fault far from the work claims no retract time."""
     trace = faulty.trace._replace(error_nm=np.full(faulty.trace.t_s.size, 2e6))
-    outcome = Outcome(faulty.generated, faulty.summary, faulty.surface, trace)
+    outcome = SkirtOutcome(faulty.generated, faulty.summary, faulty.surface, trace)
     assert "out of the work already" in dict(fault_story(outcome))["reaction"]
 
 
-def test_drive_fault_claims_no_retract(faulty: Outcome) -> None:
+def test_drive_fault_claims_no_retract(faulty: SkirtOutcome) -> None:
     """What cannot be retracted is not told as retracted."""
     summary = faulty.summary | {"first_faults": ["drive"], "faults": ["drive"]}
-    outcome = Outcome(faulty.generated, summary, faulty.surface, faulty.trace)
+    outcome = SkirtOutcome(faulty.generated, summary, faulty.surface, faulty.trace)
     assert "cannot retract" in dict(fault_story(outcome))["reaction"]
 
 
-def test_cut_without_surface_and_trace_still_reports(faulty: Outcome) -> None:
+def test_cut_without_surface_and_trace_still_reports(faulty: SkirtOutcome) -> None:
     """A fault before the first chip leaves a page without pictures of the surface."""
     nothing = {"max": None, "rms": None, "tolerance": 5.0}
     summary = faulty.summary | {"form_error_um": nothing, "following_error_um": nothing}
-    surface = Surface(*np.empty((4, 0)))
-    files = make_report(Outcome(faulty.generated, summary, surface, Trace(*np.empty((10, 0)))))
+    surface = GaugedSurface(*np.empty((4, 0)))
+    files = make_report(
+        SkirtOutcome(faulty.generated, summary, surface, CutTrace(*np.empty((10, 0))))
+    )
     assert sorted(files) == ["cut_motion.png", "report.html"]
     assert b"nothing was cut to full depth" in files["report.html"]
 
 
-def test_part_source_is_escaped(good: Outcome) -> None:
+def test_part_source_is_escaped(good: SkirtOutcome) -> None:
     """Text of the part file and of options cannot become markup."""
     info = good.generated.part.part.model_copy(update={"source": "<b>&"})
     part = good.generated.part.model_copy(update={"part": info})
-    generated = Generated(**(vars(good.generated) | {"part": part}))
-    page = make_report(Outcome(generated, good.summary, good.surface, good.trace))["report.html"]
+    generated = GeneratedSkirt(**(vars(good.generated) | {"part": part}))
+    page = make_report(SkirtOutcome(generated, good.summary, good.surface, good.trace))[
+        "report.html"
+    ]
     assert b"&lt;b&gt;&amp;" in page
     assert b"<b>" not in page
 
@@ -263,23 +269,23 @@ def test_part_source_is_escaped(good: Outcome) -> None:
         (FAULTY, "fault", "fault: estop"),
     ],
 )
-def test_verdict(good: Outcome, changes: dict[str, Any], kind: str, title: str) -> None:
+def test_verdict(good: SkirtOutcome, changes: dict[str, Any], kind: str, title: str) -> None:
     """The headline says what the summary says."""
     summary = made_up_summary(**changes)
-    verdict = verdict_of(Outcome(good.generated, summary, good.surface, good.trace))
+    verdict = verdict_of(SkirtOutcome(good.generated, summary, good.surface, good.trace))
     assert (verdict.kind, verdict.title) == (kind, title)
 
 
-def test_margins_are_shares_of_the_limit(good: Outcome) -> None:
+def test_margins_are_shares_of_the_limit(good: SkirtOutcome) -> None:
     """39.3 of 400 are 9.8 percent, and accelerations are shown in m/s2."""
     margins = margins_of(good)
     assert [one.percent for one in margins] == [pytest.approx(9.825)] * 4
     assert margins[2].needed == "0.0393 m/s²"
 
 
-def test_terminal_table_is_aligned_ascii(good: Outcome) -> None:
+def test_terminal_table_is_aligned_ascii(good: SkirtOutcome) -> None:
     """All values start in one column, and every terminal can show them."""
-    lines = terminal_text(good, "out", 4.0).splitlines()
+    lines = page_text(good, rows_of(good), "out", 4.0).splitlines()
     assert lines[0] == "perkins240: within tolerance"
     starts = {re.match(r"  \S.*?  +", line).end() for line in lines[1:]}  # type: ignore[union-attr]
     assert len(starts) == 1
@@ -302,10 +308,10 @@ def test_states_are_those_of_the_firmware() -> None:
     assert tuple(re.findall(r"^    cam_state_(\w+),", header, re.MULTILINE)) == STATES
 
 
-def test_windowed_trace_is_said_so(good: Outcome) -> None:
+def test_windowed_trace_is_said_so(good: SkirtOutcome) -> None:
     """The report tells when the trace holds the first turns only."""
     whole = trace_text(good)
-    part = trace_text(Outcome(good.generated, good.summary, good.surface, good.trace, False))
+    part = trace_text(SkirtOutcome(good.generated, good.summary, good.surface, good.trace, False))
     assert "every tick" in whole
     assert "first 0.5 s only" in part
 
@@ -313,5 +319,5 @@ def test_windowed_trace_is_said_so(good: Outcome) -> None:
 def test_bars_of_cuts_without_error() -> None:
     """An error of exactly 0 does not break the logarithmic scale."""
     with drawing():
-        png = png_of(draw_variants((Variant("a", 0.0, 0.0), Variant("b", 1.0, 1.0)), 5.0))
+        png = png_of(draw_variants((CutVariant("a", 0.0, 0.0), CutVariant("b", 1.0, 1.0)), 5.0))
     assert png.startswith(b"\x89PNG")

@@ -8,30 +8,31 @@ import numpy as np
 import pytest
 
 from camtools.plots.style import drawing, png_of
-from camtools.sim.results import CUTTING, Even, Outcome, Removal, Surface, Trace, read_removal
+from camtools.report.text import margins_of
+from camtools.sim.results import CUTTING, CutTrace, GaugedSurface, Removal, read_removal
 from camtools.skirt.composite import fold
-from camtools.skirt.generate import Generated, generate
-from camtools.skirt.part import load_part
+from camtools.skirt.even import limited_turns, uniform_twin
+from camtools.skirt.generate import GeneratedSkirt, generate
+from camtools.skirt.outcome import Even, SkirtOutcome
 from camtools.skirt.report import make_report
 from camtools.skirt.report_corner import around_joint, draw_corner, lines_at
 from camtools.skirt.report_even import draw_even, draw_ripple, ripple_by_turn, turn_near
 from camtools.skirt.report_shape import draw_skirt, enlargement_of, radius_grid
-from camtools.skirt.report_text import margins_of, rows_of
-from camtools.skirt.run_even import limited_turns, uniform_twin
-from part_cases import ROOT
+from camtools.skirt.report_text import rows_of
+from part_cases import ROOT, load_part
 from report_cases import made_up_summary, made_up_surface, made_up_trace
 
 PARTS = ROOT / "tools" / "parts"
 
 
 @pytest.fixture(scope="module")
-def weichai() -> Generated:
+def weichai() -> GeneratedSkirt:
     """Make the table of a part with a corner."""
     return generate(load_part(PARTS / "weichai3a.toml"))
 
 
 @pytest.fixture(scope="module")
-def modulated() -> Generated:
+def modulated() -> GeneratedSkirt:
     """Make the table of a part with a modulated spindle."""
     return generate(load_part(PARTS / "perkins240_equal_volume.toml"))
 
@@ -64,7 +65,7 @@ def test_joint_is_seen_from_all_quadrants() -> None:
     assert float(np.degrees(fold(np.radians(227.0))[0])) == pytest.approx(47)
 
 
-def test_lines_show_what_the_refit_costs(weichai: Generated) -> None:
+def test_lines_show_what_the_refit_costs(weichai: GeneratedSkirt) -> None:
     """Drawing and refit are apart by the deviation that mktables tells, at the joint."""
     corner = weichai.geometry.corner
     assert corner is not None
@@ -77,20 +78,20 @@ def test_lines_show_what_the_refit_costs(weichai: Generated) -> None:
     assert peak == pytest.approx(told.acceleration_mm_s2, rel=1e-4)
 
 
-def on_the_refit(generated: Generated) -> tuple[Surface, Trace]:
+def on_the_refit(generated: GeneratedSkirt) -> tuple[GaugedSurface, CutTrace]:
     """Return a surface and a trace made up on a part's own geometry."""
     geometry = generated.geometry
     z_mm, turn = np.meshgrid(np.linspace(0, 80, 100), (np.arange(720) + 0.5) / 720, indexing="ij")
     z, phi = z_mm.ravel(), turn.ravel()
     exact = geometry.radius_mm(z) - geometry.delta(2 * np.pi * phi, z).delta
-    surface = Surface(phi, z, exact, np.zeros(z.size))
+    surface = GaugedSurface(phi, z, exact, np.zeros(z.size))
     return surface, made_up_trace(geometry)
 
 
-def test_part_with_a_corner_gets_its_picture(weichai: Generated) -> None:
+def test_part_with_a_corner_gets_its_picture(weichai: GeneratedSkirt) -> None:
     """The report of such a part shows the corner; the picture differs when the cut does."""
     surface, trace = on_the_refit(weichai)
-    outcome = Outcome(weichai, made_up_summary(), surface, trace)
+    outcome = SkirtOutcome(weichai, made_up_summary(), surface, trace)
     files = make_report(outcome)
     assert "cut_corner.png" in files
     rows = {row.name: row.value for row in rows_of(outcome)}
@@ -102,7 +103,7 @@ def test_part_with_a_corner_gets_its_picture(weichai: Generated) -> None:
     assert other != files["cut_corner.png"]
 
 
-def test_corner_without_any_cutting_is_drawn(weichai: Generated) -> None:
+def test_corner_without_any_cutting_is_drawn(weichai: GeneratedSkirt) -> None:
     """A trace that never cut leaves the lines of the drawing."""
     surface, trace = on_the_refit(weichai)
     idle = trace._replace(state=np.where(trace.state == CUTTING, 0.0, trace.state))
@@ -110,7 +111,7 @@ def test_corner_without_any_cutting_is_drawn(weichai: Generated) -> None:
         assert png_of(draw_corner(surface, idle, weichai.geometry, 800.0))[1:4] == b"PNG"
 
 
-def test_skirt_in_space_is_enlarged_once(generated: Generated) -> None:
+def test_skirt_in_space_is_enlarged_once(generated: GeneratedSkirt) -> None:
     """A real part is enlarged thirtyfold, one that is enlarged already not again."""
     assert (enlargement_of(1.0), enlargement_of(30.0), enlargement_of(100.0)) == (30, 1, 1)
     surface = made_up_surface(generated.geometry)
@@ -119,7 +120,7 @@ def test_skirt_in_space_is_enlarged_once(generated: Generated) -> None:
         generated.geometry.delta(2 * np.pi * turns, heights[:, None]).delta
     )
     np.testing.assert_allclose(radius, exact, atol=2e-3)
-    few = Surface(*(column[:50] for column in surface))
+    few = GaugedSurface(*(column[:50] for column in surface))
     with drawing():
         assert png_of(draw_skirt(few, generated.geometry, 1.0))[1:4] == b"PNG"
 
@@ -134,17 +135,17 @@ def test_ripple_is_that_of_each_turn() -> None:
     assert abs(float(near.z_mm.mean()) - 27.0) <= 0.5
 
 
-def made_up_outcome(modulated: Generated, even: Even) -> Outcome:
+def made_up_outcome(modulated: GeneratedSkirt, even: Even) -> SkirtOutcome:
     """Return a good cut with an even removal rate, beside uniform turning."""
     geometry = modulated.geometry
     one = {"needed": 499.0, "limit": 500.0, "margin": 1.0}
     summary = made_up_summary()
     summary["feasibility"]["spindle_acceleration_rad_s2"] = one
     surface, trace = made_up_surface(geometry), made_up_trace(geometry)
-    return Outcome(modulated, summary, surface, trace, even=even)
+    return SkirtOutcome(modulated, summary, surface, trace, even=even)
 
 
-def test_equal_volume_part_shows_both_ways_of_turning(modulated: Generated) -> None:
+def test_equal_volume_part_shows_both_ways_of_turning(modulated: GeneratedSkirt) -> None:
     """Two pictures, the rows of ripple and force, the spindle's margin."""
     outcome = made_up_outcome(modulated, made_up_even(0.04, 0.66))
     files = make_report(outcome)
@@ -160,7 +161,7 @@ def test_equal_volume_part_shows_both_ways_of_turning(modulated: Generated) -> N
         assert png_of(draw_ripple(made_up_even(0.0, 0.66), modulated.speed))
 
 
-def test_removal_without_a_whole_turn_is_told(modulated: Generated) -> None:
+def test_removal_without_a_whole_turn_is_told(modulated: GeneratedSkirt) -> None:
     """What was not measured has a row that says so, not no row."""
     even = made_up_even(0.04, 0.66)
     even.summary["removal"] = {"turns": 0.0}
@@ -170,17 +171,17 @@ def test_removal_without_a_whole_turn_is_told(modulated: Generated) -> None:
     assert "ripple of the chip's force" not in rows
 
 
-def test_uniform_parts_have_none_of_it(generated: Generated) -> None:
+def test_uniform_parts_have_none_of_it(generated: GeneratedSkirt) -> None:
     """No rows, no margin of the spindle's acceleration."""
     geometry = generated.geometry
-    outcome = Outcome(
+    outcome = SkirtOutcome(
         generated, made_up_summary(), made_up_surface(geometry), made_up_trace(geometry)
     )
     assert not [row for row in rows_of(outcome) if "ripple" in row.name]
     assert "spindle acceleration" not in {margin.name for margin in margins_of(outcome)}
 
 
-def test_twin_is_the_same_part_at_constant_speed(modulated: Generated) -> None:
+def test_twin_is_the_same_part_at_constant_speed(modulated: GeneratedSkirt) -> None:
     """Only the speed channel goes."""
     twin = uniform_twin(modulated)
     assert twin.speed is None

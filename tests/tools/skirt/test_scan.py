@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 
 from camtools.base.errors import CamtoolsError
 from camtools.skirt.geometry import Geometry, make_geometry
-from camtools.skirt.part import load_part
 from camtools.skirt.scan import (
     HEADER,
     MAX_POINTS,
@@ -23,7 +22,7 @@ from camtools.skirt.scan import (
     read_scan,
     scan_surface,
 )
-from part_cases import ROOT
+from part_cases import ROOT, load_part
 
 MEASURED = ROOT / "tools" / "parts" / "scan90.toml"
 ANGLES = range(0, 360, 10)

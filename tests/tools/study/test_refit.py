@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from camtools.skirt.geometry import make_geometry
-from camtools.skirt.part import load_part
 from camtools.study.refit import (
     PAPER_JERK_MM_S3,
     Study,
@@ -19,7 +18,7 @@ from camtools.study.refit import (
     study,
 )
 from camtools.study.refit_plots import draw_all
-from part_cases import ROOT
+from part_cases import ROOT, load_part
 
 
 def of(part: str, height_mm: float, spindle_rpm: float) -> Study:

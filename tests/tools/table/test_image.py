@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import struct
 import zlib
 from dataclasses import fields, replace
@@ -11,7 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camtools.skirt.generate import Generated
+from camtools.skirt.generate import GeneratedSkirt
 from camtools.table.image import (
     KIND_U,
     KIND_X,
@@ -19,15 +20,17 @@ from camtools.table.image import (
     Bounds,
     Channel,
     ImageError,
-    Limits,
+    ImageLimits,
     Table,
     channel_coefficients,
     largest_sum,
     pack,
-    segment_coefficients,
     slices_per_nm_q48,
     unpack,
 )
+from camtools.table.quintics import segment_coefficients
+from camtools.table.records import ENTRY, HEADER
+from part_cases import ROOT
 
 
 def small_table(seed: int = 1, n_slices: int = 3, log2_knots: int = 2) -> Table:
@@ -41,7 +44,7 @@ def small_table(seed: int = 1, n_slices: int = 3, log2_knots: int = 2) -> Table:
         return Channel(kind, knots, int(kind == KIND_U), 4, *z, 77, *p, 9000, 9000)
 
     channels = (channel(KIND_U, 1 << log2_knots), channel(KIND_X, 1))
-    limits, bounds = Limits(1, 2, 3, 4), Bounds(-5, 6, 7, 8, 9)
+    limits, bounds = ImageLimits(1, 2, 3, 4), Bounds(-5, 6, 7, 8, 9)
     return Table(f"t{seed}", *z, -1, 2_500_000, 100_000, 0, limits, bounds, channels)
 
 
@@ -67,7 +70,7 @@ def test_image_round_trip(seed: int, n_slices: int, log2_knots: int) -> None:
     assert len(image) % 32 == 0
 
 
-def test_header_bytes_are_where_the_format_says(generated: Generated) -> None:
+def test_header_bytes_are_where_the_format_says(generated: GeneratedSkirt) -> None:
     """Magic, byte order, version, sizes, CRC and name stand at their offsets."""
     image = pack(generated.table)
     assert image[:8] == bytes.fromhex("43414d5441421a0a")
@@ -189,8 +192,26 @@ def test_segments_end_exactly_on_the_next_knot(seed: int) -> None:
     np.testing.assert_array_equal((c * n * (n - 1)).sum(axis=1), 2 * following[:, 2])
 
 
-def test_generated_table_keeps_the_overflow_bound(generated: Generated) -> None:
+def test_generated_table_keeps_the_overflow_bound(generated: GeneratedSkirt) -> None:
     """All three sums of every segment are at most 2^25 - 1, and one bit more would not fit."""
     for channel in generated.table.channels:
         most = largest_sum(channel_coefficients(channel))
         assert SUM_LIMIT / 2.1 < most <= SUM_LIMIT
+
+
+FORMAT = ROOT / "firmware" / "table" / "TABLE_FORMAT.md"
+TYPES = {"u8[8]": "S8", "u8[32]": "S32", "u16": "<u2", "u32": "<u4", "i32": "<i4"}
+
+
+@pytest.mark.parametrize(
+    ("title", "record"),
+    [("## Header", HEADER), ("## Channel entry", ENTRY)],
+    ids=["header", "entry"],
+)
+def test_records_are_those_of_the_document(title: str, record: np.dtype[np.void]) -> None:
+    """Offset, type and name of every field stand in TABLE_FORMAT.md, and nothing else does."""
+    section = FORMAT.read_text("utf-8").split(f"\n{title} ", 1)[1].split("\n## ", 1)[0]
+    rows = re.findall(r"^\| (\d+) \| (\S+) \| (\w+) \|", section, re.MULTILINE)
+    told = [(int(offset), np.dtype(TYPES[kind]), name) for offset, kind, name in rows]
+    assert record.fields is not None
+    assert told == [(field[1], field[0], name) for name, field in record.fields.items()]

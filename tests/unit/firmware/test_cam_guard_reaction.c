@@ -7,6 +7,28 @@ static const cam_state_t enabled[] = {cam_state_homing, cam_state_ready, cam_sta
                                       cam_state_cutting, cam_state_disengaging};
 enum { n_enabled = sizeof enabled / sizeof enabled[0], patience = 20000 };
 
+/// Controller, machine and rig at a moment of the cut: what is tried from there need not cut up to
+/// there again.
+static struct {
+    cam_t controller;
+    hal_host_t port;
+    fixture_rig_t rig;
+} moment;
+
+static void keep_moment(void)
+{
+    moment.controller = g_cam;
+    moment.port = hal_host;
+    moment.rig = rig;
+}
+
+static void return_to_moment(void)
+{
+    g_cam = moment.controller;
+    hal_host = moment.port;
+    rig = moment.rig;
+}
+
 static bool is_enabled(void)
 {
     return (hal_host.out.outputs & hal_out_enable) != 0u;
@@ -95,12 +117,15 @@ static void test_reaction_in_every_enabled_state_retracts_within_limits(void)
 /// From the steepest places of the section, both ways, and from where it turns.
 static void test_reaction_from_any_speed_of_u_retracts_within_limits(void)
 {
+    bring(cam_state_cutting);
+    fixture_rig_ticks(&rig, 2400);
     for (uint32_t ticks = 0; ticks < 240; ticks += 15) { // a whole period of the oval
-        setUp();
-        bring(cam_state_cutting);
-        fixture_rig_ticks(&rig, 2400 + ticks);
+        keep_moment();
         motion_t m = start_observing();
         expect_retract(&m);
+        return_to_moment();
+        fixture_rig_ticks(&rig, 15);
+        TEST_ASSERT_EQUAL_INT(cam_state_cutting, rig.last.want.state);
     }
 }
 
@@ -263,15 +288,18 @@ static void test_late_tick_of_45_percent_anywhere_in_the_section_is_no_fault(voi
 
 static void test_late_tick_of_80_percent_anywhere_in_the_section_is_that_fault_alone(void)
 {
+    bring(cam_state_cutting);
+    fixture_rig_ticks(&rig, 2400);
     for (uint32_t ticks = 0; ticks < 240; ticks += 24) {
-        setUp();
-        bring(cam_state_cutting);
-        fixture_rig_ticks(&rig, 2400 + ticks);
+        keep_moment();
         hal_host_fault_late(80);
         fixture_rig_tick(&rig);
         TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(late_tick), fixture_rig_status(&rig).first_fault);
         fixture_rig_ticks(&rig, 3);
         TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(late_tick), fixture_rig_status(&rig).faults);
+        return_to_moment();
+        fixture_rig_ticks(&rig, 24);
+        TEST_ASSERT_EQUAL_INT(cam_state_cutting, rig.last.want.state);
     }
 }
 

@@ -1,7 +1,7 @@
 """Command line of the analysis: areas, equal parts, speed law, forces, refit of the corner.
 
 >>> from camtools.skirt.part import example_part
->>> sorted(products(example_part(), Wishes(), with_pictures=False))[:3]
+>>> sorted(products(example_part(), AnalysisWishes(), with_pictures=False))[:3]
 ['analysis.json', 'axes_equal_volume.csv', 'axes_uniform.csv']
 """
 
@@ -15,11 +15,12 @@ from pathlib import Path
 from camtools.base.command import Parser, run_command
 from camtools.base.errors import CamtoolsError
 from camtools.base.output import write_all
-from camtools.skirt.part import Part, load_part
+from camtools.pipeline.load import load_for
+from camtools.skirt.part import SkirtPart
 from camtools.study.path import csv, make_study
 from camtools.study.refit import candidates_csv, comparison_csv, study
 from camtools.study.refit import notes as refit_notes
-from camtools.study.section import Analysis, Wishes, make_analysis
+from camtools.study.section import Analysis, AnalysisWishes, make_analysis
 from camtools.study.section_tables import all_tables
 from camtools.study.section_text import figures, notes, summary
 
@@ -46,8 +47,8 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
     return parser.parse_args(argv)
 
 
-def _wishes(arguments: argparse.Namespace) -> Wishes:
-    return Wishes(
+def _wishes(arguments: argparse.Namespace) -> AnalysisWishes:
+    return AnalysisWishes(
         height_mm=arguments.height,
         step_deg=arguments.step_deg,
         parts=arguments.parts,
@@ -60,7 +61,9 @@ def _wishes(arguments: argparse.Namespace) -> Wishes:
     )
 
 
-def products(part: Part, wishes: Wishes, *, with_pictures: bool = True) -> dict[str, bytes]:
+def products(
+    part: SkirtPart, wishes: AnalysisWishes, *, with_pictures: bool = True
+) -> dict[str, bytes]:
     """Return the content of every file of an analysis, by file name.
 
     Raises
@@ -98,7 +101,7 @@ def _files(found: Analysis, nose_mm: float, *, with_pictures: bool) -> dict[str,
 
 
 def _run(arguments: argparse.Namespace) -> int:
-    part, wishes = load_part(arguments.part), _wishes(arguments)
+    part, wishes = load_for("analyse", SkirtPart, arguments.part), _wishes(arguments)
     try:
         found = make_analysis(part, wishes)
     except CamtoolsError as error:

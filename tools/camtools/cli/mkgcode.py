@@ -1,7 +1,7 @@
 """Command line that writes NC programs for existing machines.
 
 >>> from camtools.skirt.part import example_part
->>> job = make_job(example_part(), Wishes("xz", None, None, 0.1, False))
+>>> job = make_job(example_part(), ProgramWishes("xz", None, None, 0.1, False))
 >>> b"".join(program(job, "xz")).splitlines()[-1]
 b'M2'
 """
@@ -20,18 +20,19 @@ from camtools.base.errors import CamtoolsError, InputError
 from camtools.base.output import write_all
 from camtools.ngc.full import full_program
 from camtools.ngc.profile import profile_program
-from camtools.ngc.words import Job
+from camtools.ngc.words import ProgramJob
+from camtools.part.common import check_feed
 from camtools.part.model import MIN_STEP_MM
-from camtools.skirt.generate import check_feed
+from camtools.pipeline.load import load_for
 from camtools.skirt.geometry import make_geometry
-from camtools.skirt.part import Part, load_part
+from camtools.skirt.part import SkirtPart
 
 MIN_CHORD_UM, MAX_CHORD_UM = 0.002, 1000.0
 DEFAULT_CHORD_UM = 0.1
 _UM_PER_MM = 1000.0
 
 
-class Wishes(NamedTuple):
+class ProgramWishes(NamedTuple):
     """Options of the command."""
 
     axes: str  # "xz" or "cxzu"
@@ -70,7 +71,7 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
     return parser.parse_args(argv)
 
 
-def make_job(part: Part, wishes: Wishes) -> Job:
+def make_job(part: SkirtPart, wishes: ProgramWishes) -> ProgramJob:
     """Return what a program is made of.
 
     Raises
@@ -94,10 +95,10 @@ def make_job(part: Part, wishes: Wishes) -> Job:
     if not MIN_CHORD_UM <= wishes.chord_um <= MAX_CHORD_UM:
         problem = f"--chord-um {wishes.chord_um:g}: must be {MIN_CHORD_UM:g} .. {MAX_CHORD_UM:g}"
         raise CamtoolsError([f"{problem}; give micrometres"])
-    return Job(part, geometry, first, last, wishes.chord_um / _UM_PER_MM, wishes.is_diameter)
+    return ProgramJob(part, geometry, first, last, wishes.chord_um / _UM_PER_MM, wishes.is_diameter)
 
 
-def program(job: Job, axes: str) -> Iterator[bytes]:
+def program(job: ProgramJob, axes: str) -> Iterator[bytes]:
     """Return the program in pieces; see `profile_program` and `full_program`."""
     return profile_program(job) if axes == "xz" else full_program(job)
 
@@ -107,8 +108,8 @@ def _run(arguments: argparse.Namespace) -> int:
     if not output.name or output.is_dir():
         problem, remedy = "is a folder", "give the name of a file, say part.ngc"
         raise InputError(str(output), "", None, problem, remedy)
-    part = load_part(arguments.part)
-    wishes = Wishes(
+    part = load_for("mkgcode", SkirtPart, arguments.part)
+    wishes = ProgramWishes(
         arguments.axes,
         arguments.from_mm,
         arguments.to_mm,

@@ -14,8 +14,9 @@ from pathlib import Path
 from camtools.base.command import Parser, run_command
 from camtools.base.errors import CamtoolsError
 from camtools.base.output import write_all
+from camtools.pipeline.load import load_for
 from camtools.sim.camsim import camsim_path
-from camtools.skirt.part import Part, load_part
+from camtools.skirt.part import SkirtPart
 from camtools.study.path_cut import csv, cut_paths, text
 
 _NOSE_MM = (0.01, 100.0)
@@ -43,9 +44,9 @@ def _check(option: str, value: float, limits: tuple[float, float]) -> None:
         raise CamtoolsError([f"{option} {value}: out of range; give {low:g} .. {high:g}"])
 
 
-def _part(arguments: argparse.Namespace) -> Part:
+def _part(arguments: argparse.Namespace) -> SkirtPart:
     """Return the part at the speed asked for."""
-    part = load_part(arguments.part)
+    part = load_for("scallop", SkirtPart, arguments.part)
     rpm = part.process.spindle_rpm if arguments.rpm is None else arguments.rpm
     _check("--rpm", rpm, _RPM)
     _check("--nose-mm", arguments.nose_mm, _NOSE_MM)

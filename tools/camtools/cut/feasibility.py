@@ -4,8 +4,8 @@ Along the feed U and the swing change with the slices of the table, at a speed t
 slice ends: a set-point takes the jump, and what that needs comes on top, MATHS.md (61), (63).
 
 >>> peaks = Peaks(u_stroke_mm=0.15, u1_mm=0.15, u2_mm=0.3)
->>> from camtools.skirt.part import Limits
->>> best = highest_speed(peaks, Limits())
+>>> from camtools.part.common import MachineLimits
+>>> best = highest_speed(peaks, MachineLimits())
 >>> f"{best.rpm:.0f} r/min, decided by {best.decides}"
 '3000 r/min, decided by spindle_rpm'
 """
@@ -17,11 +17,9 @@ from typing import NamedTuple
 import numpy as np
 
 from camtools.base.errors import CamtoolsError
-from camtools.lobe.part import CamLimits
-from camtools.skirt.accuracy import PLACES
-from camtools.skirt.geometry import NM_PER_MM, omega_rad_s
-from camtools.skirt.part import Limits
-from camtools.table.evaluate import evaluate_u_grid
+from camtools.base.quantities import NM_PER_MM, omega_rad_s
+from camtools.part.common import MachineLimits, SwingLimits
+from camtools.table.evaluate import PLACES, evaluate_u_grid
 from camtools.table.image import Bounds, Channel
 
 UNITS = {
@@ -110,7 +108,7 @@ def drift_of(channel: Channel, unit: float, feed_mm: float) -> Drift:
     )
 
 
-class Motion(NamedTuple):
+class AxisDemand(NamedTuple):
     """What one axis needs at a mean speed omega: first * omega, second * omega^2 + kink * omega."""
 
     first: float
@@ -135,22 +133,22 @@ class Motion(NamedTuple):
         return 2 * limit / root if root > 0 else float("inf")
 
 
-def _motion(first: float, second: float, drift: Drift, set_point_hz: float) -> Motion:
-    return Motion(first + drift.step, second + drift.twist, drift.kink * set_point_hz)
+def _motion(first: float, second: float, drift: Drift, set_point_hz: float) -> AxisDemand:
+    return AxisDemand(first + drift.step, second + drift.twist, drift.kink * set_point_hz)
 
 
-def u_motion(peaks: Peaks, limits: Limits) -> Motion:
+def u_motion(peaks: Peaks, limits: MachineLimits) -> AxisDemand:
     """Return what U needs, in mm."""
     return _motion(peaks.u1_mm, peaks.u2_mm, peaks.u_drift, limits.tick_hz)
 
 
-def swing_motion(peaks: Peaks, limits: Limits) -> Motion:
+def swing_motion(peaks: Peaks, limits: MachineLimits) -> AxisDemand:
     """Return what the swing needs, in degrees."""
     rate_hz = limits.tick_hz / SWING_TICKS
     return _motion(peaks.swing1_deg, peaks.swing2_deg, peaks.swing_drift, rate_hz)
 
 
-def highest_speed(peaks: Peaks, limits: Limits) -> HighestSpeed:
+def highest_speed(peaks: Peaks, limits: MachineLimits) -> HighestSpeed:
     """Return the highest spindle speed [r/min] at which U stays within its limits."""
     per_omega, u = 60 / (2 * np.pi), u_motion(peaks, limits)
     speeds = {
@@ -163,7 +161,7 @@ def highest_speed(peaks: Peaks, limits: Limits) -> HighestSpeed:
     if peaks.spindle_rad2 > 0:
         root = np.sqrt(limits.alpha_rad_s2 / peaks.spindle_rad2)
         speeds["spindle_acceleration_rad_s2"] = float(per_omega * root)
-    if isinstance(limits, CamLimits) and peaks.swing1_deg > 0:
+    if isinstance(limits, SwingLimits) and peaks.swing1_deg > 0:
         swing, most = swing_motion(peaks, limits), limits.swing_acceleration_deg_s2
         speeds["swing_speed_deg_s"] = per_omega * swing.omega_of_speed(limits.swing_speed_deg_s)
         speeds["swing_acceleration_deg_s2"] = per_omega * swing.omega_of_acceleration(most)
@@ -171,7 +169,7 @@ def highest_speed(peaks: Peaks, limits: Limits) -> HighestSpeed:
     return HighestSpeed(speeds[decides], decides)
 
 
-def needed_of(peaks: Peaks, limits: Limits, omega: float) -> dict[str, float]:
+def needed_of(peaks: Peaks, limits: MachineLimits, omega: float) -> dict[str, float]:
     """Return what the part needs at a mean speed [rad/s], by the name of its limit."""
     u, swing = u_motion(peaks, limits), swing_motion(peaks, limits)
     return {
@@ -187,7 +185,7 @@ def needed_of(peaks: Peaks, limits: Limits, omega: float) -> dict[str, float]:
     }
 
 
-def given_of(limits: Limits) -> dict[str, float]:
+def given_of(limits: MachineLimits) -> dict[str, float]:
     """Return the limits by their names; of a lathe without a swing none for it."""
     given = limits.model_dump() | {"spindle_acceleration_rad_s2": limits.alpha_rad_s2}
     return {name: float(given[name]) for name in UNITS if name in given}
@@ -198,7 +196,7 @@ def tenth_below(rpm: float) -> str:
     return f"{np.floor(rpm * 10 + 1e-6) / 10:.1f}"
 
 
-def _largest_feed_mm(peaks: Peaks, limits: Limits, omega: float) -> float | None:
+def _largest_feed_mm(peaks: Peaks, limits: MachineLimits, omega: float) -> float | None:
     """Return the feed that would do at this speed; nothing where no feed helps."""
     given, needed = given_of(limits), needed_of(peaks, limits, omega)
     standing = peaks._replace(u_drift=Drift(), swing_drift=Drift(), feed_mm=0.0)
@@ -227,7 +225,7 @@ def _remedy(best: HighestSpeed, asked_rpm: float, feed_mm: float | None) -> str:
 
 def check_feasible(
     peaks: Peaks,
-    limits: Limits,
+    limits: MachineLimits,
     spindle_rpm: float,
     best: HighestSpeed | None = None,
     asked_rpm: float | None = None,
@@ -251,7 +249,7 @@ def check_feasible(
     omega, best = omega_rad_s(spindle_rpm), best or highest_speed(peaks, limits)
     asked_rpm = spindle_rpm if asked_rpm is None else asked_rpm
     remedy = _remedy(best, asked_rpm, _largest_feed_mm(peaks, limits, omega))
-    shape = "lift" if isinstance(limits, CamLimits) else "ovality"
+    shape = "lift" if isinstance(limits, SwingLimits) else "ovality"
     at_any_speed = {
         "u_stroke_mm": f"no speed would do: less {shape}, or a longer stroke",
         "swing_deg": "no speed would do: less steep a lift",

@@ -5,7 +5,7 @@ two of them ("variable cross-section helix"); section distance and lead are both
 printed, Z's speed jumps twice per two turns. With a ramp, Z moves with trapezoidal speed within
 the turn of the helix: the rings stay whole.
 
->>> path = Path("ring-helix", 0.0, 0.4, 0.2)
+>>> path = ToolPath("ring-helix", 0.0, 0.4, 0.2)
 >>> [f"{mm:.3f}" for mm in path.height_mm(np.array([0.5, 1.25, 2.0, 3.5]))], path.turns
 (['0.000', '0.050', '0.200', '0.300'], 5.0)
 """
@@ -18,15 +18,15 @@ from math import ceil, sqrt
 import numpy as np
 
 from camtools.base.errors import CamtoolsError
-from camtools.skirt.part import Limits, Part
-from camtools.skirt.sections import Floats
+from camtools.base.quantities import Floats
+from camtools.part.common import MachineLimits
 
 _WHOLE = 1e-9  # of a feed: a height range is a whole number of feeds
 LEAST_RAMP = 1 / 256  # of a turn: a shorter one would win nothing
 
 
 @dataclass(frozen=True)
-class Path:
+class ToolPath:
     """A path along the skirt.
 
     Attributes
@@ -113,7 +113,7 @@ class Path:
         return np.asarray(off**2 / (2 * nose_mm), dtype=np.float64)
 
 
-def ramp_of(feed_mm: float, spindle_rpm: float, limits: Limits) -> float:
+def ramp_of(feed_mm: float, spindle_rpm: float, limits: MachineLimits) -> float:
     """Return the shortest ramp of a ring-helix that Z's acceleration allows, as the firmware's.
 
     At least LEAST_RAMP (firmware/tick/cam_feed.h).
@@ -137,7 +137,9 @@ def ramp_of(feed_mm: float, spindle_rpm: float, limits: Limits) -> float:
     return ramp
 
 
-def _refusal(needed: str, feed_mm: float, spindle_rpm: float, limits: Limits) -> CamtoolsError:
+def _refusal(
+    needed: str, feed_mm: float, spindle_rpm: float, limits: MachineLimits
+) -> CamtoolsError:
     best = np.floor(highest_rpm(feed_mm, limits) * 10) / 10
     most = np.floor(largest_feed_mm(spindle_rpm, limits) * 10_000) / 10_000
     remedy = f"turn at {best:.1f} r/min at most, with a feed of {most:.4f} mm at most, "
@@ -145,7 +147,7 @@ def _refusal(needed: str, feed_mm: float, spindle_rpm: float, limits: Limits) ->
     return CamtoolsError([f'process.path = "ring-helix": needs {needed}; {remedy}'])
 
 
-def highest_rpm(feed_mm: float, limits: Limits) -> float:
+def highest_rpm(feed_mm: float, limits: MachineLimits) -> float:
     """Return the highest spindle speed at which Z can follow a ring-helix [r/min].
 
     The ramp that meets both limits: 1 / n = feed / v + v / a, v at most sqrt(feed a) where the
@@ -156,24 +158,9 @@ def highest_rpm(feed_mm: float, limits: Limits) -> float:
     return 60 / (feed_mm / v + ramp_s)
 
 
-def largest_feed_mm(spindle_rpm: float, limits: Limits) -> float:
+def largest_feed_mm(spindle_rpm: float, limits: MachineLimits) -> float:
     """Return the largest feed of a ring-helix that Z can follow at a speed of the spindle [mm]."""
     turn_s = 60 / spindle_rpm
     acceleration = limits.z_acceleration_mm_s2
     v = min(limits.z_speed_mm_s, acceleration * turn_s / 2)
     return v * (turn_s - max(v / acceleration, LEAST_RAMP * turn_s))
-
-
-def path_of(part: Part, z_first_mm: float, z_last_mm: float) -> Path:
-    """Return the path of a part between two heights, with the shortest ramp.
-
-    Raises
-    ------
-    CamtoolsError
-        See `ramp_of`.
-    """
-    process, limits = part.process, part.machine.limits
-    if process.path == "helix":
-        return Path("helix", z_first_mm, z_last_mm, process.feed_mm)
-    ramp = ramp_of(process.feed_mm, process.spindle_rpm, limits)
-    return Path("ring-helix", z_first_mm, z_last_mm, process.feed_mm, ramp)

@@ -16,15 +16,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from camtools.skirt.geometry import Geometry
-from camtools.skirt.sections import Floats, SectionValues
+from camtools.base.quantities import Floats, SectionValues
 
 QUARTER_RAD, TURN_RAD = np.pi / 2, 2 * np.pi
 _CELLS = 720  # of the quadrature; eight places each
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
 _NEWTON_STEPS = 6
 _DENSE = 20_001
-_SYMMETRIC_MM = 1e-9
 
 
 @dataclass(frozen=True)
@@ -97,23 +95,6 @@ class SectionCut:
         """Return spindle speed over mean speed at constant removal rate, MATHS.md (24)."""
         mean = self.total_mm2 / self.pattern_rad
         return np.asarray(mean / self.area_rate_mm2(phi_rad), dtype=np.float64)
-
-
-def section_cut(geometry: Geometry, depth_mm: float, z_mm: float) -> SectionCut:
-    """Return a part's section at a height [mm], out of a cylindrical blank."""
-    heights = np.linspace(geometry.z_first_mm, geometry.z_last_mm, 4097)
-    blank_mm = float(geometry.radius_mm(heights).max()) + depth_mm
-
-    def shaped(phi_rad: Floats) -> SectionValues:
-        flat = geometry.delta(phi_rad.ravel(), z_mm)
-        return SectionValues(*(one.reshape(phi_rad.shape) for one in flat))
-
-    phi = np.linspace(0, QUARTER_RAD, 181)
-    here = shaped(phi).delta
-    mirrored = [shaped(other).delta for other in (np.pi - phi, phi + np.pi, -phi)]
-    is_quarter = all(np.abs(one - here).max() < _SYMMETRIC_MM for one in mirrored)
-    pattern = QUARTER_RAD if is_quarter else TURN_RAD
-    return SectionCut(shaped, float(geometry.radius_mm(z_mm)), blank_mm, pattern)
 
 
 class Steps(NamedTuple):
@@ -266,23 +247,6 @@ def rates_of(cut: SectionCut, steps: Steps, feed_mm: float, rpm: float, kc_n_mm2
         float(in_steps.max() / in_steps.min()),
         float(np.ptp(in_steps) / in_steps.mean()),
     )
-
-
-class Axes(NamedTuple):
-    """Table 5: axis positions at the borders of the parts, from the long axis on."""
-
-    t_s: Floats
-    c_rad: Floats  # unwrapped
-    z_mm: Floats
-    x_mm: Floats
-    u_mm: Floats
-
-
-def axes_at(geometry: Geometry, z_mm: float, feed_mm: float, angles: Floats, t_s: Floats) -> Axes:
-    """Return the axes, MATHS.md (8), at unwrapped angles [rad] and their times, Z from a height."""
-    z = z_mm + feed_mm * angles / TURN_RAD
-    u = geometry.delta(angles, z).delta
-    return Axes(t_s, angles, z, geometry.radius_mm(z), u)
 
 
 def equal_volume_angles(cut: SectionCut, n: int, n_turns: int) -> Floats:

@@ -23,7 +23,7 @@ from scipy.interpolate import BSpline, make_interp_spline
 from scipy.optimize import linprog
 
 from camtools.base.errors import CamtoolsError
-from camtools.skirt.sections import Floats, FloatsLike
+from camtools.base.quantities import Floats, FloatsLike
 
 N_GRID = 512  # places of a pattern at which limits are watched
 MIN_RATIO, MAX_RATIO = 0.25, 4.0  # slower is no use to a piston; what a table holds

@@ -1,7 +1,7 @@
 """From lobes to channels of integers, each as small as its tolerance allows.
 
->>> from camtools.lobe.motion import example_cam, make_lobes
->>> made = choose_lift(make_lobes(example_cam()), 10.0)
+>>> from camtools.lobe.motion import example_lobe, make_lobes
+>>> made = choose_lift(make_lobes(example_lobe()), 10.0)
 >>> made.channel.log2_knots, made.error <= 10.0
 (8, True)
 """
@@ -17,12 +17,10 @@ import numpy.typing as npt
 from scipy.interpolate import make_interp_spline
 
 from camtools.base.errors import CamtoolsError, GeometryError
+from camtools.base.quantities import NM_PER_MM, Floats, Ints
 from camtools.lobe.motion import ShaftLobe
 from camtools.lobe.speed import N_GRID
-from camtools.skirt.accuracy import GRID_MARGIN, PLACES, ROUNDING_LSB
-from camtools.skirt.geometry import NM_PER_MM
-from camtools.skirt.sections import Floats
-from camtools.table.evaluate import evaluate_u_grid
+from camtools.table.evaluate import GRID_MARGIN, PLACES, ROUNDING_LSB, evaluate_u_grid
 from camtools.table.image import (
     ANGLE_TURN,
     KIND_CONTACT,
@@ -30,7 +28,6 @@ from camtools.table.image import (
     KIND_SWING,
     KIND_U,
     KIND_X,
-    KNOT_SIZE,
     MAX_CHANNEL_BYTES,
     MAX_LOG2_KNOTS,
     MAX_RATIO,
@@ -40,9 +37,9 @@ from camtools.table.image import (
     MIN_SPACING_NM,
     RATIO_ONE,
     Channel,
-    Ints,
 )
 from camtools.table.quantise import TooLargeError, quantise, with_bounds
+from camtools.table.records import KNOT_SIZE
 
 ANGLE_TOLERANCE_DEG = 1e-4
 _RATIO_TOLERANCE = 1e-5
@@ -56,7 +53,7 @@ _UNIT_PER_DEG = ANGLE_TURN / 360
 Function = Callable[[ShaftLobe, Floats], tuple[Floats, Floats, Floats]]
 
 
-class Made(NamedTuple):
+class MadeChannel(NamedTuple):
     """A channel and its largest error against the exact function, the firmware's included."""
 
     channel: Channel
@@ -182,22 +179,22 @@ def _error(function: Function, lobes: list[ShaftLobe], channel: Channel) -> floa
     """Return the largest error in units of the channel, which has one slice for each lobe."""
     alone = (replace(channel, knots=channel.knots[[i, i]]) for i in range(len(lobes)))
     largest = max(_off(function, *one) for one in zip(lobes, alone, strict=True))
-    return GRID_MARGIN * largest + ROUNDING_LSB * channel.lsb_nm
+    return GRID_MARGIN * largest + ROUNDING_LSB * channel.lsb
 
 
 def _measured(
     kind: int, function: Function, lobes: list[ShaftLobe], log2_knots: int
-) -> Made | None:
+) -> MadeChannel | None:
     """Return a channel of one slice for each lobe, where the format holds it."""
     try:
         channel = quantise(kind, _knots(function, lobes, log2_knots), 0, range_of(lobes))
     except TooLargeError:
         return None
-    return Made(channel, _error(function, lobes, channel))
+    return MadeChannel(channel, _error(function, lobes, channel))
 
 
 def _too_large(
-    kind: int, lobes: list[ShaftLobe], log2_knots: int, best: Made | None
+    kind: int, lobes: list[ShaftLobe], log2_knots: int, best: MadeChannel | None
 ) -> GeometryError:
     """Return what to tell of a channel of more bytes than there may be."""
     n, size = slices_of(lobes).size, KNOT_SIZE << log2_knots
@@ -211,7 +208,9 @@ def _too_large(
     return _refusal(lobes, MAX_CHANNEL_BYTES // size, problem, remedies)
 
 
-def _chosen(kind: int, function: Function, lobes: list[ShaftLobe], tolerance: float) -> Made | None:
+def _chosen(
+    kind: int, function: Function, lobes: list[ShaftLobe], tolerance: float
+) -> MadeChannel | None:
     """Return the channel of the lobes that `_smallest` takes; none where the format has none."""
     n_slices, best = slices_of(lobes).size, None
     for log2_knots in range(_FEWEST_LOG2, MAX_LOG2_KNOTS + 1):
@@ -229,13 +228,15 @@ def _chosen(kind: int, function: Function, lobes: list[ShaftLobe], tolerance: fl
     return best
 
 
-def _smallest(kind: int, function: Function, lobes: list[ShaftLobe], tolerance: float) -> Made:
+def _smallest(
+    kind: int, function: Function, lobes: list[ShaftLobe], tolerance: float
+) -> MadeChannel:
     """Return the smallest channel within a tolerance, or the best one there is."""
     best = _chosen(kind, function, lobes, tolerance)
     if best is None:
         raise CamtoolsError([f"cam.lobe: channel {kind} does not fit the format; give less lift"])
     channel = with_bounds(best.channel)
-    return Made(replace(channel, knots=channel.knots[slices_of(lobes)]), best.error)
+    return MadeChannel(replace(channel, knots=channel.knots[slices_of(lobes)]), best.error)
 
 
 def _lift(lobe: ShaftLobe, phi_rad: Floats) -> tuple[Floats, Floats, Floats]:
@@ -249,7 +250,7 @@ def _angle(lobe: ShaftLobe, phi_rad: Floats) -> tuple[Floats, Floats, Floats]:
     return path.angle * unit, path.angle1 * unit, path.angle2 * unit
 
 
-def choose_lift(lobes: list[ShaftLobe], tolerance_nm: float) -> Made:
+def choose_lift(lobes: list[ShaftLobe], tolerance_nm: float) -> MadeChannel:
     """Return the smallest u channel within a tolerance; error in nm.
 
     Raises
@@ -265,7 +266,7 @@ def choose_lift(lobes: list[ShaftLobe], tolerance_nm: float) -> Made:
     return made
 
 
-def choose_angle(lobes: list[ShaftLobe], *, is_swung: bool) -> Made:
+def choose_angle(lobes: list[ShaftLobe], *, is_swung: bool) -> MadeChannel:
     """Return the smallest channel of swing or contact within 1e-4 degrees; error in degrees.
 
     Raises
@@ -279,7 +280,7 @@ def choose_angle(lobes: list[ShaftLobe], *, is_swung: bool) -> Made:
     if error_deg > ANGLE_TOLERANCE_DEG:
         problem = f"the angle of the contact changes too fast, {error_deg:.2g} degrees are left"
         raise CamtoolsError([f"cam.lobe: {problem}; give a lift with less jerk"])
-    return Made(made.channel, error_deg)
+    return MadeChannel(made.channel, error_deg)
 
 
 def centre_channel(lobes: list[ShaftLobe]) -> Channel:
@@ -289,7 +290,7 @@ def centre_channel(lobes: list[ShaftLobe]) -> Channel:
     return with_bounds(quantise(KIND_X, knots, 0, range_of(lobes)))
 
 
-def speed_channel(lobes: list[ShaftLobe], laws: list[Floats], mean_rad_s: float) -> Made:
+def speed_channel(lobes: list[ShaftLobe], laws: list[Floats], mean_rad_s: float) -> MadeChannel:
     """Return the channel of speed ratios; error of the ratio.
 
     Parameters
@@ -320,4 +321,4 @@ def speed_channel(lobes: list[ShaftLobe], laws: list[Floats], mean_rad_s: float)
         return y, y1, y2
 
     made = _smallest(KIND_SPEED, ratio, lobes, _RATIO_TOLERANCE * RATIO_ONE)
-    return Made(made.channel, made.error / RATIO_ONE)
+    return MadeChannel(made.channel, made.error / RATIO_ONE)

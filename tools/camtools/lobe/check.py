@@ -13,9 +13,9 @@ from typing import NamedTuple
 import numpy as np
 
 from camtools.base.errors import GeometryError
+from camtools.base.quantities import Floats
 from camtools.lobe.contact import Contact, contact, follow
 from camtools.lobe.lift import LiftLaw
-from camtools.skirt.sections import Floats
 
 _N_ANGLES = 72_000
 _N_WHEELS = 720

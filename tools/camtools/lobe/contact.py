@@ -17,8 +17,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from camtools.base.quantities import Floats
 from camtools.lobe.lift import Disc, LiftLaw
-from camtools.skirt.sections import Floats
 
 __all__ = ["Contact", "Disc", "Follower", "at_angles", "contact", "follow", "from_profile"]
 

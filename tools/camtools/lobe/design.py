@@ -1,8 +1,8 @@
 """The exact design of a cam for the simulator's gauge, independent of the table.
 
->>> from camtools.lobe.generate import generate_cam
->>> from camtools.lobe.motion import example_cam
->>> design_of_cam(generate_cam(example_cam()))["lobes"][0]["law"]
+>>> from camtools.lobe.generate import generate_lobes
+>>> from camtools.lobe.motion import example_lobe
+>>> design_of_lobes(generate_lobes(example_lobe()))["lobes"][0]["law"]
 'poly345'
 """
 
@@ -10,10 +10,10 @@ from __future__ import annotations
 
 from scipy.interpolate import PPoly
 
-from camtools.lobe.generate import GeneratedCam
+from camtools.base.json_text import Json
+from camtools.lobe.generate import GeneratedLobes
 from camtools.lobe.lift import Disc, LiftLaw, Listed, Poly345
 from camtools.lobe.motion import ShaftLobe
-from camtools.skirt.summary import Json
 
 _FIELDS = {"poly345": ("lift_mm", "half_angle_rad"), "disc": ("reach_mm", "offset_mm")}
 
@@ -39,7 +39,7 @@ def _lobe(lobe: ShaftLobe) -> Json:
     return {"z_mm": list(lobe.z_mm), "phase_rad": lobe.phase_rad} | _law(lobe.law)
 
 
-def design_of_cam(result: GeneratedCam) -> Json:
+def design_of_lobes(result: GeneratedLobes) -> Json:
     """Return the shape for programs that measure: laws in radians and millimetres, no table.
 
     Pieces of a list are quintics, highest power first, of the angle above each break.

@@ -1,7 +1,7 @@
 """From the part file of a cam to its table, checked against the machine's limits.
 
->>> from camtools.lobe.motion import example_cam
->>> result = generate_cam(example_cam())
+>>> from camtools.lobe.motion import example_lobe
+>>> result = generate_lobes(example_lobe())
 >>> result.lift.error <= 10.0, result.angle.error <= 1e-4
 (True, True)
 """
@@ -15,6 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from camtools.base.quantities import NM_PER_MM, Floats, omega_rad_s
 from camtools.cut.feasibility import (
     Drift,
     HighestSpeed,
@@ -26,7 +27,7 @@ from camtools.cut.feasibility import (
     peaks_of,
 )
 from camtools.lobe.channels import (
-    Made,
+    MadeChannel,
     centre_channel,
     choose_angle,
     choose_lift,
@@ -34,14 +35,13 @@ from camtools.lobe.channels import (
 )
 from camtools.lobe.contact import Follower
 from camtools.lobe.motion import ShaftLobe, make_lobes
-from camtools.lobe.part import CamPart
+from camtools.lobe.part import LobePart
 from camtools.lobe.speed import N_GRID, SpindleLimits, acceleration_of, mean_of, surface_speed
-from camtools.skirt.generate import check_feed, check_tolerance, moving_bounds, table_of, u_bounds
-from camtools.skirt.geometry import NM_PER_MM, omega_rad_s
-from camtools.skirt.sections import Floats
-from camtools.skirt.speed import MotionPeaks, peaks_together
+from camtools.part.common import check_feed
 from camtools.table.evaluate import knot_interval, raw_bounds
+from camtools.table.header import check_tolerance, table_of, u_bounds
 from camtools.table.image import ANGLE_TURN, Channel, Table
+from camtools.table.modulation import MotionPeaks, moving_bounds, peaks_together
 
 DEFAULT_TOLERANCE_NM = 10.0
 _BISECTIONS = 40
@@ -54,16 +54,16 @@ _DEG_PER_UNIT = 360 / ANGLE_TURN
 
 
 @dataclass(frozen=True, eq=False)
-class GeneratedCam:
+class GeneratedLobes:
     """A table of a cam and everything that is known about it.
 
     Attributes
     ----------
     lobes : list of ShaftLobe
         Exact geometry.
-    lift, angle : Made
+    lift, angle : MadeChannel
         Channels of u and of swing or contact, with their errors in nm and degrees.
-    speed : Made or None
+    speed : MadeChannel or None
         Channel of the speed ratio, error of the ratio.
     mean_rpm : float
         Mean speed of a turn.
@@ -71,24 +71,24 @@ class GeneratedCam:
         What the axes need.
     """
 
-    part: CamPart
+    part: LobePart
     lobes: list[ShaftLobe]
     tolerance_nm: float
     table: Table
-    lift: Made
-    angle: Made
-    speed: Made | None
+    lift: MadeChannel
+    angle: MadeChannel
+    speed: MadeChannel | None
     mean_rpm: float
     peaks: Peaks
     highest_speed: HighestSpeed
 
 
-def generate_cam(part: CamPart, tolerance_nm: float | None = None) -> GeneratedCam:
+def generate_lobes(part: LobePart, tolerance_nm: float | None = None) -> GeneratedLobes:
     """Return the smallest table of a cam that keeps the tolerances.
 
     Parameters
     ----------
-    part : CamPart
+    part : LobePart
         A validated part.
     tolerance_nm : float, optional
         Largest error of the lift [nm], 10 by default; angles are within 1e-4 degrees.
@@ -121,7 +121,9 @@ def generate_cam(part: CamPart, tolerance_nm: float | None = None) -> GeneratedC
         u_drift=fed.u_drift.at(ratio), swing_drift=fed.swing_drift.at(ratio), feed_mm=fed.feed_mm
     )
     best = _judge(part, lobes, peaks, fed, mean_rpm)
-    return GeneratedCam(part, lobes, tolerance_nm, table, lift, angle, speed, mean_rpm, peaks, best)
+    return GeneratedLobes(
+        part, lobes, tolerance_nm, table, lift, angle, speed, mean_rpm, peaks, best
+    )
 
 
 def _paths(lobes: list[ShaftLobe]) -> list[Follower]:
@@ -130,7 +132,7 @@ def _paths(lobes: list[ShaftLobe]) -> list[Follower]:
     return [lobe.at(phi) for lobe in lobes]
 
 
-def _laws(part: CamPart, paths: list[Follower], rpm: float) -> list[Floats]:
+def _laws(part: LobePart, paths: list[Follower], rpm: float) -> list[Floats]:
     """Return the spindle's speed over its angle for each lobe [rad/s].
 
     Between two lobes the table mixes their laws, which may ask for more acceleration than either:
@@ -161,7 +163,7 @@ def _peak(values: Floats) -> float:
     return float(np.abs(values).max())
 
 
-def _modulation(part: CamPart, lobes: list[ShaftLobe]) -> tuple[Made | None, float]:
+def _modulation(part: LobePart, lobes: list[ShaftLobe]) -> tuple[MadeChannel | None, float]:
     """Return the speed channel, where there is one, and the mean speed [r/min]."""
     rpm = part.process.spindle_rpm
     if part.process.speed == "uniform":
@@ -173,8 +175,8 @@ def _modulation(part: CamPart, lobes: list[ShaftLobe]) -> tuple[Made | None, flo
 
 def _with_swing(peaks: Peaks, angle: Channel, speed: Channel | None) -> Peaks:
     raw, h = raw_bounds(angle), knot_interval(angle)
-    unit = angle.lsb_nm * _DEG_PER_UNIT
-    extremes = (angle.offset_nm + one * angle.lsb_nm for one in (raw.low, raw.high))
+    unit = angle.lsb * _DEG_PER_UNIT
+    extremes = (angle.origin + one * angle.lsb for one in (raw.low, raw.high))
     largest = max(abs(one) for one in extremes) * _DEG_PER_UNIT
     first, second = raw.first * unit / h, raw.second * unit / h**2
     if speed is not None:
@@ -183,7 +185,7 @@ def _with_swing(peaks: Peaks, angle: Channel, speed: Channel | None) -> Peaks:
     return peaks._replace(swing_deg=largest, swing1_deg=first, swing2_deg=second)
 
 
-def _feeding(part: CamPart, lift: Channel, angle: Channel) -> Peaks:
+def _feeding(part: LobePart, lift: Channel, angle: Channel) -> Peaks:
     """Return what the change from lobe to lobe alone adds at a uniform speed."""
     feed_mm, is_swung = part.process.feed_mm, part.process.operation == "turning"
     u_drift = drift_of(lift, 1 / NM_PER_MM, feed_mm)
@@ -192,7 +194,7 @@ def _feeding(part: CamPart, lift: Channel, angle: Channel) -> Peaks:
 
 
 def _judge(
-    part: CamPart, lobes: list[ShaftLobe], peaks: Peaks, fed: Peaks, mean_rpm: float
+    part: LobePart, lobes: list[ShaftLobe], peaks: Peaks, fed: Peaks, mean_rpm: float
 ) -> HighestSpeed:
     """Return the highest speed of the part file that would do, or refuse."""
     limits, asked_rpm = part.machine.limits, part.process.spindle_rpm
@@ -220,7 +222,7 @@ def _turns(paths: list[Follower], laws: list[Floats]) -> list[_Turn]:
     return [_Turn(*turn) for turn in (*turns, *_mixes(turns))]
 
 
-def _needs(part: CamPart, paths: list[Follower], fed: Peaks, rpm: float) -> dict[str, float]:
+def _needs(part: LobePart, paths: list[Follower], fed: Peaks, rpm: float) -> dict[str, float]:
     """Return needed over limit of every axis at a speed on the base circle, by limit."""
     limits = part.machine.limits
     given, shares = given_of(limits), {"spindle_rpm": rpm / limits.spindle_rpm}
@@ -247,7 +249,7 @@ def _needed(turn: _Turn, operation: str) -> dict[str, float]:
     return needed
 
 
-def _highest_surface_speed(part: CamPart, paths: list[Follower], fed: Peaks) -> HighestSpeed:
+def _highest_surface_speed(part: LobePart, paths: list[Follower], fed: Peaks) -> HighestSpeed:
     """Return the highest speed on the base circle, its law planned anew for every speed."""
     low, high, decides = 0.0, part.machine.limits.spindle_rpm, "spindle_rpm"
     for _ in range(_BISECTIONS):

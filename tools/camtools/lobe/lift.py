@@ -18,19 +18,19 @@ from scipy.interpolate import BSpline, make_interp_spline
 
 from camtools.base.errors import GeometryError, InputError
 from camtools.base.input_file import read_limited
+from camtools.base.quantities import Floats
 from camtools.lobe.part import (
     MAX_LIFT_MM,
     MIN_POINTS,
     MIN_STEP_DEG,
-    Cam,
+    Camshaft,
     Lobe,
     fits_turn,
     is_step,
     is_turn,
 )
+from camtools.part.file import MAX_FILE_BYTES
 from camtools.part.model import SAME_MM
-from camtools.skirt.part import MAX_FILE_BYTES
-from camtools.skirt.sections import Floats
 
 CSV_HEADER = "angle_deg,lift_mm"
 _MAX_ROWS = 10_000
@@ -210,7 +210,7 @@ def _split(error: InputError) -> tuple[str, str]:
     return problem, remedy
 
 
-def make_lift(cam: Cam, lobe: Lobe, field: str) -> LiftLaw:
+def make_lift(cam: Camshaft, lobe: Lobe, field: str) -> LiftLaw:
     """Return the law of a lobe.
 
     Parameters

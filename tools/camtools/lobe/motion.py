@@ -1,6 +1,6 @@
 """What a cam asks of the axes: lobes at angles of the shaft, demands, highest speed.
 
->>> part = example_cam()
+>>> part = example_lobe()
 >>> [lobe] = make_lobes(part)
 >>> f"{lobe.at(np.zeros(1)).lift[0]:.1f}"
 '8.0'
@@ -13,12 +13,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from camtools.base.quantities import Floats
 from camtools.lobe.check import Shape, all_round, check_roller, check_wheel, shape_of
 from camtools.lobe.contact import Contact, Follower, at_angles
 from camtools.lobe.lift import LiftLaw, make_lift
-from camtools.lobe.part import Cam, CamPart, CamProcess, Lobe
-from camtools.skirt.part import PartInfo
-from camtools.skirt.sections import Floats
+from camtools.lobe.part import Camshaft, Lobe, LobePart, LobeProcess
+from camtools.part.common import PartInfo
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +57,7 @@ class ShaftLobe:
         return self.contacts(phi_rad)[1]
 
 
-def make_lobes(part: CamPart) -> list[ShaftLobe]:
+def make_lobes(part: LobePart) -> list[ShaftLobe]:
     """Return the lobes of a cam, upwards.
 
     Raises
@@ -89,13 +89,13 @@ class SwingPeaks(NamedTuple):
     deg_per_rad2: float
 
 
-def example_cam(operation: str = "turning", speed: str = "uniform") -> CamPart:
+def example_lobe(operation: str = "turning", speed: str = "uniform") -> LobePart:
     """Return the 3-4-5 cam of the worked numbers, MATHS.md (37), for examples."""
     lobe = Lobe(z_mm=[0, 12], law="poly345", lift_mm=8, half_angle_deg=70)
-    return CamPart(
+    return LobePart(
         part=PartInfo(name="example", kind="cam", source="MATHS.md (37)"),
-        cam=Cam(base_radius_mm=20, roller_radius_mm=10, wheel_radius_mm=200, lobe=[lobe]),
-        process=CamProcess.model_validate(
+        cam=Camshaft(base_radius_mm=20, roller_radius_mm=10, wheel_radius_mm=200, lobe=[lobe]),
+        process=LobeProcess.model_validate(
             {"operation": operation, "speed": speed, "spindle_rpm": 60}
         ),
     )

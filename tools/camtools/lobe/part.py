@@ -21,9 +21,9 @@ from pydantic import (
     model_validator,
 )
 
-from camtools.part.model import HeightMm, Table, beside_the_part, no_truth, rising, wrong
-from camtools.skirt.geometry import NM_PER_MM
-from camtools.skirt.part import Limits, PartInfo
+from camtools.base.quantities import NM_PER_MM
+from camtools.part.common import PartInfo, SwingLimits
+from camtools.part.model import HeightMm, TomlTable, beside_the_part, no_truth, rising, wrong
 
 MIN_GAP_MM = 0.2
 MAX_LIFT_MM = 15.0
@@ -76,7 +76,7 @@ _BELONGS_TO = {
 _NEEDED = {"poly345": ("lift_mm", "half_angle_deg"), "disc": ("disc_radius_mm", "offset_mm")}
 
 
-class Lobe(Table):
+class Lobe(TomlTable):
     """[[cam.lobe]]: one lobe, where it sits on the shaft, and its law of lift.
 
     The angle of a law is counted from its nose (poly345), from its largest radius (disc) or from
@@ -167,7 +167,7 @@ class Lobe(Table):
         return max(self.lift_mm) if isinstance(self.lift_mm, list) else self.lift_mm
 
 
-class Cam(Table):
+class Camshaft(TomlTable):
     """[cam]: the shaft's base circle, the follower, the wheel, and the lobes."""
 
     base_radius_mm: RadiusMm
@@ -217,7 +217,7 @@ class Cam(Table):
         return value
 
 
-class CamProcess(Table):
+class LobeProcess(TomlTable):
     """[process]: turned with a swinging tool, or ground by a wheel."""
 
     operation: Literal["turning", "grinding"]
@@ -230,28 +230,19 @@ class CamProcess(Table):
     _check_direction = field_validator("direction", mode="before")(no_truth)
 
 
-class CamLimits(Limits):
-    """[machine.limits]: a cam lathe or grinder; its stroke is that of a cam."""
-
-    u_stroke_mm: Annotated[float, Field(ge=0.001, le=30)] = 30.0
-    swing_deg: Annotated[float, Field(ge=0.1, le=80)] = 30.0
-    swing_speed_deg_s: Annotated[float, Field(ge=0.1, le=1e6)] = 1000.0
-    swing_acceleration_deg_s2: Annotated[float, Field(ge=1, le=1e9)] = 100_000.0
-
-
-class CamMachine(Table):
+class LobeMachine(TomlTable):
     """[machine]: the machine for which the table is made."""
 
-    limits: CamLimits = Field(default_factory=CamLimits)
+    limits: SwingLimits = Field(default_factory=SwingLimits)
 
 
-class CamPart(Table):
+class LobePart(TomlTable):
     """The whole part file of a cam."""
 
     part: PartInfo
-    cam: Cam
-    process: CamProcess
-    machine: CamMachine = Field(default_factory=CamMachine)
+    cam: Camshaft
+    process: LobeProcess
+    machine: LobeMachine = Field(default_factory=LobeMachine)
 
     @model_validator(mode="after")
     def _check_wheel(self) -> Self:
@@ -275,6 +266,11 @@ class CamPart(Table):
             remedy = f"give at most {most_mm:.7g}, or a smaller base circle"
             raise wrong("centre", problem, remedy, **context)
         return self
+
+    @property
+    def height_mm(self) -> float:
+        """Return the height from the first lobe to the last [mm]."""
+        return self.cam.lobe[-1].z_mm[1] - self.cam.lobe[0].z_mm[0]
 
     @property
     def follower_radius_mm(self) -> float:

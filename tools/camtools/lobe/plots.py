@@ -1,8 +1,8 @@
 """Pictures of a cam: tool or wheel around it, and what the axes do over a turn.
 
->>> from camtools.lobe.generate import generate_cam
->>> from camtools.lobe.motion import example_cam
->>> draw_cam(generate_cam(example_cam()))["cam"][1:4]
+>>> from camtools.lobe.generate import generate_lobes
+>>> from camtools.lobe.motion import example_lobe
+>>> draw_lobes(generate_lobes(example_lobe()))["cam"][1:4]
 b'PNG'
 """
 
@@ -12,12 +12,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from camtools.base.quantities import NM_PER_MM, Floats
 from camtools.lobe.contact import Contact, Follower
-from camtools.lobe.generate import GeneratedCam
+from camtools.lobe.generate import GeneratedLobes
 from camtools.lobe.motion import ShaftLobe
-from camtools.skirt.geometry import NM_PER_MM
-from camtools.skirt.plots import new_figure, png_of
-from camtools.skirt.sections import Floats
+from camtools.plots.style import png_of, titled_figure
 from camtools.table.evaluate import evaluate_u
 from camtools.table.image import RATIO_ONE
 
@@ -68,13 +67,13 @@ def _followers(axes: Axes, lobe: ShaftLobe, *, is_turned: bool) -> None:
         axes.plot([contact.real], [contact.imag], "o", color=_NORMAL, ms=3.5, zorder=5)
 
 
-def draw_positions(result: GeneratedCam) -> bytes:
+def draw_positions(result: GeneratedLobes) -> bytes:
     """Return the cam of the first lobe with tool or wheel around it."""
     lobe, is_turned = result.lobes[0], result.part.process.operation == "turning"
     what = "tool (red) about the roller's centre, with its swing"
     if not is_turned:
         what = f"wheel of {lobe.follower_mm:g} mm; contacts and normals red"
-    figure = new_figure(7.5, 7.5, f"{result.table.part_name}: {what}")
+    figure = titled_figure(7.5, 7.5, f"{result.table.part_name}: {what}")
     axes = figure.add_subplot()
     _outline(axes, lobe)
     _followers(axes, lobe, is_turned=is_turned)
@@ -99,7 +98,7 @@ def _panels(figure: Figure, names: list[str]) -> list[Axes]:
     return list(grid)
 
 
-def _omega(result: GeneratedCam, phi: Floats, z_mm: float) -> Floats:
+def _omega(result: GeneratedLobes, phi: Floats, z_mm: float) -> Floats:
     """Return the spindle's speed [r/min] as the table tells it."""
     if result.speed is None:
         return np.full(phi.size, result.mean_rpm)
@@ -108,10 +107,12 @@ def _omega(result: GeneratedCam, phi: Floats, z_mm: float) -> Floats:
     return np.asarray(told / RATIO_ONE * result.mean_rpm, dtype=np.float64)
 
 
-def draw_motion(result: GeneratedCam) -> bytes:
+def draw_motion(result: GeneratedLobes) -> bytes:
     """Return lift, pressure angle, radius of curvature, spindle and surface speed over a turn."""
     what = "turned" if result.part.process.operation == "turning" else "ground"
-    figure = new_figure(8.5, 10, f"{result.table.part_name}, {what}: over one turn of the spindle")
+    figure = titled_figure(
+        8.5, 10, f"{result.table.part_name}, {what}: over one turn of the spindle"
+    )
     panels = _panels(
         figure, ["lift, mm", "pressure angle, °", "radius, mm", "spindle, r/min", "surface, mm/s"]
     )
@@ -131,6 +132,6 @@ def draw_motion(result: GeneratedCam) -> bytes:
     return png_of(figure)
 
 
-def draw_cam(result: GeneratedCam) -> dict[str, bytes]:
+def draw_lobes(result: GeneratedLobes) -> dict[str, bytes]:
     """Return all pictures of a cam as PNG, by topic."""
     return {"cam": draw_positions(result), "motion": draw_motion(result)}

@@ -1,7 +1,7 @@
 """The report of a cam: error over the angle, surface speed, and the pictures of its table.
 
->>> from camtools.lobe.motion import example_cam, make_lobes
->>> [lobe] = make_lobes(example_cam())
+>>> from camtools.lobe.motion import example_lobe, make_lobes
+>>> [lobe] = make_lobes(example_lobe())
 >>> speed_of_contact(lobe, np.zeros(1), np.ones(1)).tolist()
 [28.0]
 """
@@ -13,9 +13,10 @@ from collections.abc import Callable
 import numpy as np
 from matplotlib.figure import Figure
 
+from camtools.base.quantities import Floats
 from camtools.lobe.motion import ShaftLobe
-from camtools.lobe.plots import draw_cam
-from camtools.lobe.report_text import CamOutcome, cam_margins, cam_rows
+from camtools.lobe.plots import draw_lobes
+from camtools.lobe.report_text import LobeOutcome, lobe_rows
 from camtools.plots.style import (
     BLUE,
     GREEN,
@@ -30,9 +31,8 @@ from camtools.plots.style import (
 )
 from camtools.report import compare as report_compare
 from camtools.report import motion as report_motion
-from camtools.sim.results import CUTTING, FAULT, Trace
-from camtools.skirt.report import Caption, Page, render_page
-from camtools.skirt.sections import Floats
+from camtools.report.page import Caption, Page, render_page
+from camtools.sim.results import CUTTING, FAULT, CutTrace
 
 _N_BINS = 720
 _SPEED_TICKS = 10
@@ -104,7 +104,7 @@ def _heights(lobe: ShaftLobe, z_mm: Floats) -> Floats:
     return np.asarray((z_mm >= lobe.z_mm[0]) & (z_mm <= lobe.z_mm[1]))
 
 
-def draw_profile(outcome: CamOutcome) -> Figure:
+def draw_profile(outcome: LobeOutcome) -> Figure:
     """Return the error of every lobe's profile against the polar angle."""
     lobes, surface = outcome.generated.lobes, outcome.surface
     figure = new_figure(10, 1.2 + 2.4 * len(lobes))
@@ -133,7 +133,7 @@ def speed_of_contact(lobe: ShaftLobe, phi_rad: Floats, omega_rad_s: Floats) -> F
     return np.asarray(lobe.at(phi_rad).ds_dphi * omega_rad_s)
 
 
-def _speed_of(trace: Trace) -> Floats:
+def _speed_of(trace: CutTrace) -> Floats:
     """Return the spindle's speed from its angle over some ticks to both sides [rad/s]."""
     k, speed = _SPEED_TICKS, np.full(trace.t_s.size, np.nan)
     if trace.t_s.size > 2 * k:
@@ -142,7 +142,7 @@ def _speed_of(trace: Trace) -> Floats:
     return speed
 
 
-def draw_speed(outcome: CamOutcome) -> Figure:
+def draw_speed(outcome: LobeOutcome) -> Figure:
     """Return the speed of the contact against the spindle's angle, all turns of cutting."""
     figure = new_figure(10, 3.8)
     axes, trace = figure.add_subplot(), outcome.trace
@@ -167,7 +167,7 @@ def draw_speed(outcome: CamOutcome) -> Figure:
     return figure
 
 
-def draw_rake(outcome: CamOutcome, swing_deg: Floats) -> Figure:
+def draw_rake(outcome: LobeOutcome, swing_deg: Floats) -> Figure:
     """Return the tool's line from the normal over the angle, with and without the swing."""
     figure, trace = new_figure(10, 5.4), outcome.trace
     above, below = figure.subplots(2, 1, sharex=True)
@@ -191,7 +191,7 @@ def draw_rake(outcome: CamOutcome, swing_deg: Floats) -> Figure:
     return figure
 
 
-def _drawers(outcome: CamOutcome) -> dict[str, Callable[[], Figure]]:
+def _drawers(outcome: LobeOutcome) -> dict[str, Callable[[], Figure]]:
     """Return what the cut lets be drawn, in the order of the report."""
     trace, form, swing_deg = outcome.trace, outcome.summary["form_error_um"], outcome.swing_deg
     drawers: dict[str, Callable[[], Figure]] = {}
@@ -213,17 +213,16 @@ def _drawers(outcome: CamOutcome) -> dict[str, Callable[[], Figure]]:
     return drawers
 
 
-def make_cam_report(outcome: CamOutcome) -> dict[str, bytes]:
+def make_lobe_report(outcome: LobeOutcome) -> dict[str, bytes]:
     """Return the page and its pictures, by file name."""
-    pngs = draw_cam(outcome.generated)
+    pngs = draw_lobes(outcome.generated)
     with drawing():
         pngs |= {key: png_of(draw()) for key, draw in _drawers(outcome).items()}
     tool = "a circle" if outcome.is_turned else "a whole cylinder"
     shown = [(Caption(*text), pngs[key]) for key, text in _TEXTS.items() if key in pngs]
     page = Page(
         outcome.generated.part.part.source,
-        cam_rows(outcome),
-        cam_margins(outcome),
+        lobe_rows(outcome),
         shown,
         f"{'The tip of the tool' if outcome.is_turned else 'The wheel'} is {tool} that takes off "
         "what it sweeps; forces, wear and bending are not modelled.",

@@ -8,37 +8,25 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from camtools.lobe.generate import GeneratedCam
+from camtools.base.json_text import Json
+from camtools.base.quantities import Floats
+from camtools.lobe.generate import GeneratedLobes
 from camtools.plots.style import length_text
-from camtools.sim.results import Cut, Json, Surface, Trace, Variant
-from camtools.skirt.report_text import Margin, Row, error_pair, margins_in, page_text
-from camtools.skirt.sections import Floats
+from camtools.report.text import ReportRow, error_pair
+from camtools.sim.results import Cut
 
 
 @dataclass(frozen=True, eq=False)
-class CamOutcome(Cut):
-    """All that is known about the cut of a cam.
+class LobeOutcome(Cut[GeneratedLobes]):
+    """All that is known about the cut of lobes.
 
     Attributes
     ----------
-    generated : GeneratedCam
-        The part, its exact geometry and its table.
     swing_deg : ndarray or None
         True swing of the tool in every tick of the trace; None for a wheel.
     """
 
-    generated: GeneratedCam
-    summary: Json
-    surface: Surface
-    trace: Trace
-    is_trace_complete: bool = True
-    variants: tuple[Variant, ...] = ()
     swing_deg: Floats | None = None
-
-    @property
-    def name(self) -> str:
-        """Return the part's name."""
-        return self.generated.part.part.name
 
     @property
     def is_turned(self) -> bool:
@@ -50,12 +38,12 @@ def _degrees(value: float) -> str:
     return f"{value:.1g}°" if abs(value) < 1 else f"{value:.2f}°"
 
 
-def _lobe_rows(cam: Json) -> list[Row]:
+def _lobe_rows(cam: Json) -> list[ReportRow]:
     """Return the error of each lobe, where there are several."""
     if len(cam["lobes"]) < 2:
         return []
     return [
-        Row(
+        ReportRow(
             f"lobe {i}",
             f"{lobe['z_first_mm']:g} .. {lobe['z_last_mm']:g} mm: "
             + ("not cut" if "max_um" not in lobe else f"max {length_text(lobe['max_um'])}, ")
@@ -65,7 +53,7 @@ def _lobe_rows(cam: Json) -> list[Row]:
     ]
 
 
-def _speed_rows(cam: Json) -> list[Row]:
+def _speed_rows(cam: Json) -> list[ReportRow]:
     if "surface_speed_mm_s" not in cam:
         return []
     speed = cam["surface_speed_mm_s"]
@@ -76,51 +64,45 @@ def _speed_rows(cam: Json) -> list[Row]:
         f"{share[1]:+.1f} %"
     )
     plan = f"within {speed['off_plan_percent']:.2f} % at every place"
-    return [Row("surface speed", text), Row("of what the table plans", plan)]
+    return [ReportRow("surface speed", text), ReportRow("of what the table plans", plan)]
 
 
-def _rake_rows(cam: Json) -> list[Row]:
+def _rake_rows(cam: Json) -> list[ReportRow]:
     if "rake_deg" not in cam:
         return []
     rake = cam["rake_deg"]
     largest = max(abs(rake["min"]), abs(rake["max"]))
     bare = f"{rake['without_swing_min']:.2f} .. {rake['without_swing_max']:.2f}°"
     return [
-        Row("effective rake", f"constant within {_degrees(largest)}; without the swing {bare}"),
+        ReportRow(
+            "effective rake", f"constant within {_degrees(largest)}; without the swing {bare}"
+        ),
     ]
 
 
-def cam_rows(outcome: CamOutcome) -> list[Row]:
+def lobe_rows(outcome: LobeOutcome) -> list[ReportRow]:
     """Return the summary of a cam, machine limits apart."""
     summary, cam, found = outcome.summary, outcome.generated, outcome.summary["cam"]
     cut, form = summary["cut"], summary["form_error_um"]
     how = (
         f"tip of {found['tip_mm']:g} mm" if outcome.is_turned else f"wheel {found['wheel_mm']:g} mm"
     )
-    mean = "mean " if cam.speed is not None else ""
+    mean = "mean " if outcome.is_modulated else ""
     what = (
         f"cam {'turned' if outcome.is_turned else 'ground'}, {how}, at {mean}"
         f"{cut['spindle_rpm']:g} r/min, feed {cut['feed_mm']:g} mm, "
         f"{cut['turns']:.0f} of {cut['planned_turns']:.0f} turns"
     )
     return [
-        Row("cut", what),
-        Row("form error", f"{error_pair(form)} (tolerance {length_text(form['tolerance'])})"),
+        ReportRow("cut", what),
+        ReportRow("form error", f"{error_pair(form)} (tolerance {length_text(form['tolerance'])})"),
         *_lobe_rows(found),
         *_speed_rows(found),
         *_rake_rows(found),
-        Row("following error of U", error_pair(summary["following_error_um"])),
-        Row("table", f"{summary['table_bytes']} bytes, error at most {cam.lift.error:.2g} nm"),
-        Row("machine time", f"{summary['machine_time_s']:.1f} s"),
-        Row("computing time", f"{summary['wall_time_s']:.2f} s for the cut with its trace"),
+        ReportRow("following error of U", error_pair(summary["following_error_um"])),
+        ReportRow(
+            "table", f"{summary['table_bytes']} bytes, error at most {cam.lift.error:.2g} nm"
+        ),
+        ReportRow("machine time", f"{summary['machine_time_s']:.1f} s"),
+        ReportRow("computing time", f"{summary['wall_time_s']:.2f} s for the cut with its trace"),
     ]
-
-
-def cam_margins(outcome: CamOutcome) -> list[Margin]:
-    """Return needed and limit of every axis."""
-    return margins_in(outcome.summary, is_modulated=outcome.generated.speed is not None)
-
-
-def cam_text(outcome: CamOutcome, place: str, total_s: float) -> str:
-    """Return the summary for the terminal, as `terminal_text` for a skirt."""
-    return page_text(outcome, cam_rows(outcome), cam_margins(outcome), place, total_s)

@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from camtools.skirt.sections import Floats
+from camtools.base.quantities import Floats
 
 N_GRID = 1 << 15  # places of a turn
 _MARGIN = 0.94  # of the acceleration: the table overshoots where straight lines meet

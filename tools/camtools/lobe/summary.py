@@ -1,22 +1,20 @@
 """What is known about the table of a cam, for programs and for people.
 
->>> from camtools.lobe.generate import generate_cam
->>> from camtools.lobe.motion import example_cam
->>> emit_cam_text(make_cam_summary(generate_cam(example_cam()))).splitlines()[0]
+>>> from camtools.lobe.generate import generate_lobes
+>>> from camtools.lobe.motion import example_lobe
+>>> emit_lobe_text(make_lobe_summary(generate_lobes(example_lobe()))).splitlines()[0]
 'example: table of 55648 bytes, for turning'
 """
 
 from __future__ import annotations
 
-import struct
-
+from camtools.base.json_text import Json
+from camtools.base.quantities import omega_rad_s
 from camtools.cut.feasibility import given_of, needed_of, tenth_below
-from camtools.lobe.design import design_of_cam
-from camtools.lobe.generate import GeneratedCam
+from camtools.lobe.design import design_of_lobes
+from camtools.lobe.generate import GeneratedLobes
 from camtools.lobe.motion import ShaftLobe
-from camtools.skirt.geometry import NM_PER_MM, omega_rad_s
-from camtools.skirt.summary import Json, describe_channel
-from camtools.table.image import CRC_OFFSET, pack
+from camtools.table.summary import about_image, describe_channel
 
 _NAMES = {1: "u", 2: "x", 3: "speed", 4: "swing", 5: "contact"}
 
@@ -32,7 +30,7 @@ def _lobe(lobe: ShaftLobe) -> Json:
     }
 
 
-def _feasibility(result: GeneratedCam) -> Json:
+def _feasibility(result: GeneratedLobes) -> Json:
     limits = result.part.machine.limits
     return {
         "limits": given_of(limits),
@@ -42,10 +40,10 @@ def _feasibility(result: GeneratedCam) -> Json:
     }
 
 
-def make_cam_summary(result: GeneratedCam) -> Json:
+def make_lobe_summary(result: GeneratedLobes) -> Json:
     """Return everything that is known about the table of a cam; no dates, no paths."""
-    table, image, process = result.table, pack(result.table), result.part.process
-    return {
+    table, process = result.table, result.part.process
+    return about_image(table, result.tolerance_nm) | {
         "part": {"name": table.part_name, "kind": "cam", "source": result.part.part.source},
         "process": {
             "operation": process.operation,
@@ -56,24 +54,19 @@ def make_cam_summary(result: GeneratedCam) -> Json:
             "depth_mm": float(process.depth_mm),
             "direction": process.direction,
         },
-        "table_bytes": len(image),
-        "table_crc32": struct.unpack_from("<I", image, CRC_OFFSET)[0],
-        "tolerance_nm": float(result.tolerance_nm),
-        "height_range_mm": [table.z_first_nm / NM_PER_MM, table.z_last_nm / NM_PER_MM],
         "channels": {_NAMES[one.kind]: describe_channel(one) for one in table.channels},
         "error": {
             "u_nm": result.lift.error,
             "angle_deg": result.angle.error,
             "speed_ratio": result.speed.error if result.speed else 0.0,
         },
-        "guaranteed": vars(table.bounds),
         "feasibility": _feasibility(result),
         "lobes": [_lobe(lobe) for lobe in result.lobes],
-        "design": design_of_cam(result),
+        "design": design_of_lobes(result),
     }
 
 
-def emit_cam_text(summary: Json) -> str:
+def emit_lobe_text(summary: Json) -> str:
     """Return a summary as a few lines for people."""
     process, feasible, error = summary["process"], summary["feasibility"], summary["error"]
     needed = feasible["needed"]

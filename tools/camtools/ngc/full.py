@@ -14,15 +14,24 @@ from typing import NamedTuple
 import numpy as np
 from scipy.interpolate import CubicSpline, PPoly
 
+from camtools.base.quantities import Floats
 from camtools.cut.feasibility import Peaks, check_feasible
-from camtools.cut.path import Path, path_of
-from camtools.cut.removal import TURN_RAD, equal_volume_angles, section_cut
+from camtools.cut.path import ToolPath
+from camtools.cut.removal import TURN_RAD, equal_volume_angles
 from camtools.cut.speedlaw import full, uniform
-from camtools.ngc.words import ANGLE_DECIMALS, LENGTH_DECIMALS, Job, blocks, head, length, lines
+from camtools.ngc.words import (
+    ANGLE_DECIMALS,
+    LENGTH_DECIMALS,
+    ProgramJob,
+    blocks,
+    head,
+    length,
+    lines,
+)
+from camtools.skirt.blank import blank_radius_mm, section_cut
 from camtools.skirt.generate import refuse_corner
-from camtools.skirt.geometry import dense_heights_mm
-from camtools.skirt.sections import Floats
-from camtools.skirt.speed import blank_radius_mm, load_at
+from camtools.skirt.geometry import dense_heights_mm, path_of
+from camtools.skirt.speed import load_at
 
 ENGAGE_TURNS = 10  # as the controller's engage_turns
 _QUARTERS = 4
@@ -44,12 +53,12 @@ class Points(NamedTuple):
     u_mm: Floats
 
 
-def points_per_turn(job: Job) -> int:
+def points_per_turn(job: ProgramJob) -> int:
     """Return the number of blocks of a turn."""
     return _QUARTERS * job.part.process.parts
 
 
-def _equal_area(job: Job) -> Shares:
+def _equal_area(job: ProgramJob) -> Shares:
     """Return the borders of equal areas: cubic over height between the breaks of the shape."""
     n = points_per_turn(job)
     breaks = job.geometry.breaks_mm()
@@ -66,7 +75,7 @@ def _equal_area(job: Job) -> Shares:
     return lambda z_mm: np.asarray(spline(z_mm), dtype=np.float64)
 
 
-def shares_of(job: Job) -> Shares:
+def shares_of(job: ProgramJob) -> Shares:
     """Return where the blocks of a turn end, by its height."""
     if job.part.process.mode == "equal-volume":
         return _equal_area(job)
@@ -75,13 +84,13 @@ def shares_of(job: Job) -> Shares:
     return lambda z_mm: np.broadcast_to(equal, (z_mm.size, n))
 
 
-def _envelope(path: Path, turns: Floats) -> Floats:
+def _envelope(path: ToolPath, turns: Floats) -> Floats:
     """Return the quintic smooth step of depth and amplitude before and after the path."""
     s = np.clip(np.minimum(turns, ceil(path.turns) - turns) / ENGAGE_TURNS + 1, 0, 1)
     return np.asarray(s**3 * (10 - 15 * s + 6 * s**2), dtype=np.float64)
 
 
-def points_at(job: Job, path: Path, turns: Floats) -> Points:
+def points_at(job: ProgramJob, path: ToolPath, turns: Floats) -> Points:
     """Return the axes at turns since the start of the path, engaging and retracting included."""
     z = path.height_mm(turns)
     a = job.geometry.radius_mm(z)
@@ -90,12 +99,12 @@ def points_at(job: Job, path: Path, turns: Floats) -> Points:
     return Points(turns, a + (1 - depth) * (job.clear_mm - a), z, depth * u)
 
 
-def n_blocks(job: Job, path: Path) -> int:
+def n_blocks(job: ProgramJob, path: ToolPath) -> int:
     """Return the number of blocks that move."""
     return (ceil(path.turns) + 2 * ENGAGE_TURNS) * points_per_turn(job)
 
 
-def chord_error_mm(job: Job, path: Path, shares: Shares) -> float:
+def chord_error_mm(job: ProgramJob, path: ToolPath, shares: Shares) -> float:
     """Return the largest distance of U between two points from the section, at break heights."""
     t = np.arange(1, _BETWEEN) / _BETWEEN
     worst = 0.0
@@ -111,7 +120,7 @@ def chord_error_mm(job: Job, path: Path, shares: Shares) -> float:
     return worst
 
 
-def _check(job: Job) -> None:
+def _check(job: ProgramJob) -> None:
     """Refuse what the machine cannot follow, with the numbers; see `check_feasible`."""
     part, geometry = job.part, job.geometry
     refuse_corner(geometry)
@@ -127,7 +136,7 @@ def _check(job: Job) -> None:
     check_feasible(peaks, part.machine.limits, part.process.spindle_rpm)
 
 
-def _notes(job: Job, path: Path, shares: Shares) -> list[str]:
+def _notes(job: ProgramJob, path: ToolPath, shares: Shares) -> list[str]:
     process, n = job.part.process, points_per_turn(job)
     error_um = chord_error_mm(job, path, shares) * 1000
     return [
@@ -140,7 +149,7 @@ def _notes(job: Job, path: Path, shares: Shares) -> list[str]:
     ]
 
 
-def full_program(job: Job) -> Iterator[bytes]:
+def full_program(job: ProgramJob) -> Iterator[bytes]:
     """Return the program in pieces, made one by one.
 
     Raises
@@ -153,7 +162,7 @@ def full_program(job: Job) -> Iterator[bytes]:
     return _pieces(job, path, shares_of(job))
 
 
-def _pieces(job: Job, path: Path, shares: Shares) -> Iterator[bytes]:
+def _pieces(job: ProgramJob, path: ToolPath, shares: Shares) -> Iterator[bytes]:
     process, n = job.part.process, points_per_turn(job)
     clear = length("X", job.clear_mm * job.x_factor)
     first_deg = -360 * ENGAGE_TURNS * process.direction
@@ -167,7 +176,7 @@ def _pieces(job: Job, path: Path, shares: Shares) -> Iterator[bytes]:
     yield lines([f"G94 G0 {clear}", "M2"])
 
 
-def _moves(job: Job, path: Path, shares: Shares, per_min: float) -> Iterator[bytes]:
+def _moves(job: ProgramJob, path: ToolPath, shares: Shares, per_min: float) -> Iterator[bytes]:
     sign = 360 * job.part.process.direction
     micro = LENGTH_DECIMALS
     words = [("G1 C", ANGLE_DECIMALS), ("X", micro), ("Z", micro), ("U", micro)]

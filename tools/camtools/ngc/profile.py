@@ -20,9 +20,9 @@ from typing import NamedTuple
 import numpy as np
 
 from camtools.base.errors import GeometryError
-from camtools.ngc.words import LENGTH_DECIMALS, Job, blocks, head, length, lines
+from camtools.base.quantities import Floats
+from camtools.ngc.words import LENGTH_DECIMALS, ProgramJob, blocks, head, length, lines
 from camtools.skirt.geometry import Geometry
-from camtools.skirt.sections import Floats
 
 _DENSE = 20_001
 _MAX_SEGMENTS = 5000
@@ -76,7 +76,7 @@ def segments(geometry: Geometry, z_first_mm: float, z_last_mm: float, chord_mm: 
     raise GeometryError("--chord-um", problem, "allow a larger one")
 
 
-def _engage(job: Job, x_mm: float) -> list[str]:
+def _engage(job: ProgramJob, x_mm: float) -> list[str]:
     """Return approach and engagement; without its answer nothing is cut."""
     process = job.part.process
     clear = length("X", job.clear_mm * job.x_factor)
@@ -93,7 +93,7 @@ def _engage(job: Job, x_mm: float) -> list[str]:
     ]
 
 
-def _retract(job: Job) -> list[str]:
+def _retract(job: ProgramJob) -> list[str]:
     return [
         f"G0 {length('X', job.clear_mm * job.x_factor)}",
         "M65 P0 ; camturn: stop",
@@ -103,7 +103,7 @@ def _retract(job: Job) -> list[str]:
     ]
 
 
-def _notes(job: Job, found: Segments) -> list[str]:
+def _notes(job: ProgramJob, found: Segments) -> list[str]:
     process = job.part.process
     notes = [
         f"U: camturn, parameter z_is_measured = 1, table {job.part.part.name}.camtab",
@@ -116,7 +116,7 @@ def _notes(job: Job, found: Segments) -> list[str]:
     return notes
 
 
-def profile_program(job: Job) -> Iterator[bytes]:
+def profile_program(job: ProgramJob) -> Iterator[bytes]:
     """Return the program in pieces.
 
     Raises
@@ -131,7 +131,7 @@ def profile_program(job: Job) -> Iterator[bytes]:
     return _pieces(job, found)
 
 
-def _pieces(job: Job, found: Segments) -> Iterator[bytes]:
+def _pieces(job: ProgramJob, found: Segments) -> Iterator[bytes]:
     x = found.x_mm * job.x_factor
     yield lines([*head(job, _notes(job, found)), *_engage(job, float(x[0]))])
     # K is measured along the segment; the feed is that of Z: MATHS.md (45).

@@ -11,10 +11,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from camtools.base.quantities import Floats
+from camtools.skirt.blank import blank_radius_mm
 from camtools.skirt.geometry import Geometry
-from camtools.skirt.part import Part
-from camtools.skirt.sections import Floats
-from camtools.skirt.speed import blank_radius_mm
+from camtools.skirt.part import SkirtPart
 
 LENGTH_DECIMALS = 6  # of millimetres: a nanometre
 ANGLE_DECIMALS = 5  # of degrees
@@ -24,10 +24,10 @@ Word = tuple[str, int]
 """Letter and decimals."""
 
 
-class Job(NamedTuple):
+class ProgramJob(NamedTuple):
     """What a program is made of."""
 
-    part: Part
+    part: SkirtPart
     geometry: Geometry
     z_first_mm: float
     z_last_mm: float
@@ -73,7 +73,7 @@ def lines(text: Iterable[str]) -> bytes:
     return "".join(f"{one}\n" for one in text).encode("ascii")
 
 
-def head(job: Job, notes: Iterable[str]) -> list[str]:
+def head(job: ProgramJob, notes: Iterable[str]) -> list[str]:
     """Return the lines that every program begins with."""
     x = "twice the radius" if job.is_diameter else "radius"
     told = (

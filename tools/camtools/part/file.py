@@ -1,56 +1,87 @@
-r"""A part file of either kind: the skirt of a piston, or a cam.
+r"""A part file as it lies on the disk: read within bounds, parsed once, checked against a model.
 
->>> text = b'[part]\nname = "a"\nkind = "cam"\nsource = "b"\n'
->>> try:
-...     parse_any(text, "a.toml")
-... except CamtoolsError as error:
-...     print(error.lines[0])
-a.toml: cam: is missing; add it
+>>> read_tree(b'[part]\nname = "a"\n', "a.toml")
+{'part': {'name': 'a'}}
 """
 
 from __future__ import annotations
 
 from pathlib import Path
+from tomllib import TOMLDecodeError, loads
+from typing import Any, TypeVar
 
-from camtools.base.errors import CamtoolsError
-from camtools.lobe.part import CamPart
-from camtools.skirt.part import Part, is_cam, parse_part, read_part_file, read_tree, validated
+from pydantic import (
+    ValidationError,
+)
 
-__all__ = ["CamtoolsError", "height_mm", "is_feed_within", "load_any", "parse_any"]
+from camtools.base.errors import CamtoolsError, InputError
+from camtools.base.input_file import read_limited
+from camtools.part.findings import describe_all
+from camtools.part.model import TomlTable
 
-_NM_PER_MM = 1_000_000
+Model = TypeVar("Model", bound=TomlTable)
 
 
-def parse_any(data: bytes, file: str, folder: Path = Path()) -> Part | CamPart:
-    """Return the piston or the cam that the bytes of a TOML file describe.
+MAX_FILE_BYTES = 1_000_000
 
-    Parameters and errors as `camtools.skirt.part.parse_part`.
+
+def read_tree(data: bytes, file: str) -> dict[str, Any]:
+    """Return the tables of a TOML file.
+
+    Parameters
+    ----------
+    data : bytes
+        Whole content of the file, UTF-8.
+    file : str
+        Name for error messages.
+
+    Raises
+    ------
+    InputError
+        Not UTF-8 or not TOML.
     """
-    tree = read_tree(data, file)
-    return (
-        validated(CamPart, tree, file, folder) if is_cam(tree) else parse_part(data, file, folder)
-    )
+    try:
+        return loads(data.decode("utf-8"))
+    except UnicodeDecodeError as error:
+        problem = f"not UTF-8 text (byte {error.start} is 0x{data[error.start]:02x})"
+        raise InputError(file, "", None, problem, "save the file as UTF-8") from error
+    except (TOMLDecodeError, RecursionError, ValueError) as error:
+        problem = f"not TOML: {error}"
+        raise InputError(file, "", None, problem, "correct it; see tools/README.md") from error
 
 
-def height_mm(part: Part | CamPart) -> float:
-    """Return how high a part is [mm], of a cam from its first lobe to its last."""
-    if isinstance(part, CamPart):
-        return part.cam.lobe[-1].z_mm[1] - part.cam.lobe[0].z_mm[0]
-    heights_mm = part.piston.profile.height_mm
-    return heights_mm[-1] - heights_mm[0]
+def validated(
+    model: type[Model], tree: dict[str, Any], file: str, context: dict[str, object]
+) -> Model:
+    """Return the tables of a part file as a model.
 
-
-def is_feed_within(part: Part | CamPart, feed_mm: float) -> bool:
-    """Tell whether a part is cut in a turn at least, to the nanometre as the firmware asks it."""
-    return round(feed_mm * _NM_PER_MM) <= round(height_mm(part) * _NM_PER_MM)
-
-
-def load_any(path: Path) -> Part | CamPart:
-    """Return the piston or the cam described by a TOML file.
+    Parameters
+    ----------
+    context : dict
+        What the fields are checked against: the folder of the file, the names of all kinds.
 
     Raises
     ------
     CamtoolsError
-        The file cannot be read, or its fields are wrong.
+        Fields are wrong: one line each, in the file's order of tables.
     """
-    return parse_any(read_part_file(path), str(path), path.parent)
+    try:
+        return model.model_validate(tree, context=context)
+    except ValidationError as error:
+        raise CamtoolsError(describe_all(file, error)) from error
+
+
+def read_part_file(path: Path) -> bytes:
+    """Return the content of a part file.
+
+    Raises
+    ------
+    InputError
+        It cannot be read, is no file, or is too large.
+    """
+    try:
+        return read_limited(path, MAX_FILE_BYTES)
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        remedy = "give the path of a part file (TOML)"
+        raise InputError(str(path), "", None, f"cannot be read: {reason}", remedy) from error

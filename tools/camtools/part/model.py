@@ -20,7 +20,7 @@ SAME_MM = 1e-9  # decimal heights differ by less from what they are written as
 HeightMm = Annotated[float, Field(ge=-1000, le=1000)]
 
 
-class Table(BaseModel):
+class TomlTable(BaseModel):
     """A TOML table that knows all its keys."""
 
     model_config = ConfigDict(strict=True, extra="forbid", frozen=True, allow_inf_nan=False)

@@ -1,4 +1,4 @@
-"""What all pictures of the report share: size, colours, units, PNG bytes without a date.
+"""What all pictures share: size, colours, units, PNG bytes without a date.
 
 >>> nice_limit(0.031), nice_limit(7.0), nice_limit(0.0)
 (0.05, 10.0, 1.0)
@@ -30,7 +30,7 @@ BLUE, ORANGE, GREEN, RED, SKY, PURPLE = (
 GREY, PALE = "#666666", "#dddddd"
 ERROR_COLOURS = "RdBu_r"  # red: metal left, blue: cut too deep; safe for red-green blindness
 
-_DPI = 100
+_DPI, _TITLED_DPI = 100, 120
 _FONT: dict[Any, Any] = {
     "font.size": 10,
     "axes.titlesize": 10.5,
@@ -43,6 +43,13 @@ _FONT: dict[Any, Any] = {
 def new_figure(width_in: float, height_in: float) -> Figure:
     """Return an empty figure that arranges itself."""
     return Figure(figsize=(width_in, height_in), dpi=_DPI, layout="constrained")
+
+
+def titled_figure(width_in: float, height_in: float, title: str) -> Figure:
+    """Return an empty figure of its own, with a title; the pictures of a table are such."""
+    figure = Figure(figsize=(width_in, height_in), dpi=_TITLED_DPI, layout="constrained")
+    figure.suptitle(title, fontsize=13)
+    return figure
 
 
 def png_of(figure: Figure) -> bytes:

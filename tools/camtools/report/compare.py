@@ -1,6 +1,6 @@
 """What each part of the controller is worth: the same cut with parts of it switched off.
 
->>> worth_text((Variant("a", 0.1, 0.03), Variant("b", 3.0, 1.0)))
+>>> worth_text((CutVariant("a", 0.1, 0.03), CutVariant("b", 3.0, 1.0)))
 ['', '30 times worse']
 """
 
@@ -11,12 +11,12 @@ from collections.abc import Sequence
 from matplotlib.figure import Figure
 
 from camtools.plots.style import BLUE, GREEN, RED, length_text, new_figure
-from camtools.sim.results import Variant
+from camtools.sim.results import CutVariant
 
 _WHITE = {"facecolor": "white", "edgecolor": "none", "pad": 1.0}
 
 
-def worth_text(variants: Sequence[Variant]) -> list[str]:
+def worth_text(variants: Sequence[CutVariant]) -> list[str]:
     """Return how much worse each variant is than the first."""
     best_um = variants[0].max_um if variants else 0.0
     texts = [""]
@@ -26,7 +26,7 @@ def worth_text(variants: Sequence[Variant]) -> list[str]:
     return texts[: len(variants)]
 
 
-def draw_variants(variants: Sequence[Variant], tolerance_um: float) -> Figure:
+def draw_variants(variants: Sequence[CutVariant], tolerance_um: float) -> Figure:
     """Return bars of the largest form error on a logarithmic scale, beside the tolerance."""
     figure = new_figure(10, 0.9 + 0.5 * len(variants))
     axes = figure.add_subplot()

@@ -10,6 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from camtools.base.quantities import Floats
 from camtools.plots.style import (
     BLUE,
     GREEN,
@@ -23,16 +24,11 @@ from camtools.plots.style import (
     length_unit,
     new_figure,
 )
-from camtools.sim.results import CUTTING, FAULT, STATES, Trace
-from camtools.skirt.geometry import Geometry, turning_at
-from camtools.skirt.sections import Floats
-from camtools.table.image import Ints
+from camtools.sim.results import CUTTING, FAULT, STATES, CutTrace
 
 STATE_COLOURS = (PALE, PURPLE, SKY, ORANGE, GREEN, ORANGE, RED)
-_N_ANGLES = 721
 _N_BINS = 360
 _N_POINTS = 600  # across a picture: more cannot be seen
-_DERIVATIVE_TICKS = 4  # the measured position is quantised, so the slope is taken over 2 x 4 ticks
 _UM_PER_MM, _MM_PER_M, _NM_PER_MM = 1000.0, 1000.0, 1e6
 _MS_PER_S = 1000.0
 
@@ -44,65 +40,7 @@ def thin(values: Floats, n: int) -> Floats:
     return np.stack([np.minimum.reduceat(values, starts), np.maximum.reduceat(values, starts)])
 
 
-def hardest_turn(trace: Trace, geometry: Geometry) -> Ints:
-    """Return the ticks of the whole turn of cutting in which U moves most."""
-    cutting = np.flatnonzero(trace.state == CUTTING)
-    if not cutting.size:
-        return cutting
-    whole = np.floor(trace.turn[cutting]).astype(np.int64)
-    turns = np.arange(whole[0] + 1, whole[-1])
-    if not turns.size:
-        return cutting[:0]
-    first = np.searchsorted(trace.turn[cutting], turns)
-    moves_mm = geometry.ovality_mm(trace.z_mm[cutting[first]])
-    best = turns[int(np.argmax(moves_mm))]
-    return np.asarray(cutting[whole == best], dtype=np.int64)
-
-
-def _slope(values: Floats, t_s: Floats) -> Floats:
-    """Return the slope of values over a few ticks to both sides; NaN at the ends."""
-    k = _DERIVATIVE_TICKS
-    slope = np.full(values.size, np.nan)
-    slope[k:-k] = (values[2 * k :] - values[: -2 * k]) / (t_s[2 * k :] - t_s[: -2 * k])
-    return slope
-
-
-def draw_motion(trace: Trace, geometry: Geometry, speed_rpm: float) -> Figure:
-    """Return U, its velocity and acceleration over the turn in which U moves most."""
-    figure = new_figure(10, 6.6)
-    panels: list[Axes] = list(figure.subplots(3, 1, sharex=True))
-    rows = hardest_turn(trace, geometry)
-    z_mm = float(trace.z_mm[rows].mean()) if rows.size else geometry.z_last_mm
-    turns = np.linspace(0, 1, _N_ANGLES)
-    wanted = turning_at(geometry, speed_rpm, z_mm, turns)
-    curves = (
-        (wanted.u_mm * _UM_PER_MM, "U towards the axis, µm"),
-        (wanted.velocity_mm_s, "velocity, mm/s"),
-        (wanted.acceleration_mm_s2 / _MM_PER_M, "acceleration, m/s²"),
-    )
-    for axes, (curve, name) in zip(panels, curves, strict=True):
-        axes.plot(360 * turns, curve, color=BLUE, lw=1.6, label="drawing")
-        axes.set_ylabel(name)
-        axes.grid(alpha=0.3)
-    if rows.size:
-        _measured(panels, trace.pick(rows))
-    panels[0].set_title(f"height {z_mm:.1f} mm, {speed_rpm:g} r/min")
-    panels[0].legend(frameon=False, loc="upper right", bbox_to_anchor=(1, 1.25), ncols=2)
-    angle_axis(panels[-1])
-    return figure
-
-
-def _measured(panels: list[Axes], turn: Trace) -> None:
-    u_mm = turn.u_act_nm / _NM_PER_MM
-    velocity = _slope(u_mm, turn.t_s)
-    step = max(1, u_mm.size // 60)
-    for axes, values in zip(panels, (u_mm * _UM_PER_MM, velocity), strict=False):
-        degrees = 360 * (turn.turn[::step] % 1)
-        style = {"color": RED, "ls": "", "marker": "o", "ms": 3.2, "mfc": "none"}
-        axes.plot(degrees, values[::step], label="measured on U", **style)  # type: ignore[arg-type]
-
-
-def following_by_angle(trace: Trace) -> Floats:
+def following_by_angle(trace: CutTrace) -> Floats:
     """Return the following error while cutting against the angle.
 
     Returns
@@ -123,7 +61,7 @@ def following_by_angle(trace: Trace) -> Floats:
     return np.stack([degrees[some], least[some], most[some], mean[some]])
 
 
-def draw_following(trace: Trace) -> Figure:
+def draw_following(trace: CutTrace) -> Figure:
     """Return the following error of U against the spindle angle, over all turns of cutting."""
     figure = new_figure(10, 3.6)
     axes = figure.add_subplot()
@@ -140,7 +78,7 @@ def draw_following(trace: Trace) -> Figure:
     return figure
 
 
-def state_spans(trace: Trace) -> list[tuple[float, float, int]]:
+def state_spans(trace: CutTrace) -> list[tuple[float, float, int]]:
     """Return begin [s], end [s] and number of every stretch of one state."""
     edges = np.flatnonzero(np.diff(trace.state)) + 1
     begins = np.concatenate(([0], edges))
@@ -152,7 +90,7 @@ def state_spans(trace: Trace) -> list[tuple[float, float, int]]:
     ]
 
 
-def windows_s(trace: Trace) -> list[tuple[str, float, float]]:
+def windows_s(trace: CutTrace) -> list[tuple[str, float, float]]:
     """Return title, begin and end [s] of the begin, the whole and the end of a cut."""
     cutting = trace.t_s[trace.state == CUTTING]
     last_s = float(trace.t_s[-1])
@@ -181,11 +119,11 @@ def _envelope(axes: Axes, t_s: Floats, values: Floats, colour: str) -> None:
     axes.fill_between(middle_s, low, high, color=colour, lw=0.8)
 
 
-def _between(trace: Trace, begin_s: float, end_s: float) -> Trace:
+def _between(trace: CutTrace, begin_s: float, end_s: float) -> CutTrace:
     return trace.pick(slice(*np.searchsorted(trace.t_s, [begin_s, end_s])))
 
 
-def draw_sequence(trace: Trace) -> Figure:
+def draw_sequence(trace: CutTrace) -> Figure:
     """Return states, Z, X and U against time: how the cut begins, goes on and ends."""
     windows = windows_s(trace)
     figure = new_figure(10, 6.6)
@@ -212,7 +150,7 @@ def draw_sequence(trace: Trace) -> Figure:
 class _FaultView:
     """The time around the first fault, in ms from it."""
 
-    def __init__(self, trace: Trace, retract_s: float) -> None:
+    def __init__(self, trace: CutTrace, retract_s: float) -> None:
         self.fault_s = float(trace.t_s[np.flatnonzero(trace.state == FAULT)[0]])
         room_s = max(0.02, 0.5 * retract_s)
         part = _between(trace, self.fault_s - room_s, self.fault_s + retract_s + room_s)
@@ -220,12 +158,12 @@ class _FaultView:
         self.ms = (part.t_s - self.fault_s) * _MS_PER_S
 
 
-def draw_fault(trace: Trace, retract_s: float) -> Figure:
+def draw_fault(trace: CutTrace, retract_s: float) -> Figure:
     """Return U, X, the gap to the part and the spindle around the first fault.
 
     Parameters
     ----------
-    trace : Trace
+    trace : CutTrace
         With at least one tick in state fault.
     retract_s : float
         How long the retract took [s].

@@ -15,11 +15,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from camtools.base.errors import CamtoolsError
-from camtools.lobe.part import CamLimits
-from camtools.sim.results import Json, Variant, read_summary
-from camtools.skirt.part import Limits
+from camtools.base.json_text import Json
+from camtools.base.places import ROOT
+from camtools.part.common import MachineLimits
+from camtools.sim.results import CutVariant, read_summary
 
-ROOT = Path(__file__).resolve().parents[3]
 TRACE, SURFACE, SUMMARY = "trace.csv", "surface.csv", "summary.json"
 MAX_TRACED_TICKS = 500_000  # about 150 MB of trace
 _WINDOW_TURNS = 200  # at most of a longer cut, for trace and comparison
@@ -50,15 +50,6 @@ speed_mm_per_s = {z_speed!r}
 acceleration_mm_per_s2 = {z_acceleration!r}
 """
 
-_CAM_MACHINE = """\
-[encoder]
-counts_per_turn = 1000000
-[swing]
-speed_deg_per_s = {speed!r}
-acceleration_deg_per_s2 = {acceleration!r}
-range_deg = {range!r}
-"""
-
 
 def camsim_path() -> Path:
     """Return where the simulator is built: the folder that CAMTURN_BUILD names, or build/host."""
@@ -66,7 +57,7 @@ def camsim_path() -> Path:
     return Path(build).resolve() / "host_sim" / "camsim"
 
 
-def machine_text(limits: Limits) -> str:
+def machine_text(limits: MachineLimits) -> str:
     """Return a machine file with a part's limits, as far as the simulator's ranges go."""
     inertia = limits.spindle_inertia_kgm2 or _INERTIA_KGM2
     return _MACHINE.format(
@@ -80,15 +71,6 @@ def machine_text(limits: Limits) -> str:
         stroke=limits.u_stroke_mm,
         z_speed=limits.z_speed_mm_s,
         z_acceleration=limits.z_acceleration_mm_s2,
-    )
-
-
-def cam_machine_text(limits: CamLimits) -> str:
-    """Return a machine file for a cam: its lift over the angle wants an encoder as of a C axis."""
-    return machine_text(limits) + _CAM_MACHINE.format(
-        speed=min(limits.swing_speed_deg_s, 1e5),
-        acceleration=min(max(limits.swing_acceleration_deg_s2, 10.0), 1e8),
-        range=limits.swing_deg,
     )
 
 
@@ -170,18 +152,18 @@ def cut(simulator: Simulator, words: Sequence[str], window_turns: float | None) 
     return status
 
 
-def variant_of(name: str, summary: Json) -> Variant | None:
+def variant_of(name: str, summary: Json) -> CutVariant | None:
     """Return what a comparison cut came to, nothing when it cut nothing."""
     form = summary["form_error_um"]
     if form["max"] is None:
         return None
     ended = "" if summary["end"] in ("done", "stopped") else f" (ended early: {summary['end']})"
-    return Variant(name + ended, form["max"], form["rms"])
+    return CutVariant(name + ended, form["max"], form["rms"])
 
 
 def compare(
     simulator: Simulator, words: Sequence[str], window_turns: float | None
-) -> tuple[Variant, ...]:
+) -> tuple[CutVariant, ...]:
     """Return the same cut with parts of the controller switched off, the complete one first."""
     if window_turns is not None:
         words = [*words, "--turns-limit", repr(window_turns)]

@@ -14,23 +14,22 @@ import json
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
 from camtools.base.errors import InputError
-from camtools.skirt.generate import Generated
-from camtools.skirt.sections import Floats
+from camtools.base.json_text import Json
+from camtools.base.quantities import Floats
+from camtools.table.header import MadeTable
 
 STATES = ("off", "homing", "ready", "engaging", "cutting", "disengaging", "fault")
 CUTTING, FAULT = STATES.index("cutting"), STATES.index("fault")
 _TURNS_PER_Q32 = 2.0**-32
 
-Json = dict[str, Any]
 
-
-class Surface(NamedTuple):
+class GaugedSurface(NamedTuple):
     """Gauged points of the surface, each of shape (n,)."""
 
     turn: Floats  # 0 .. 1 from the long axis, in the sense of cutting
@@ -39,7 +38,7 @@ class Surface(NamedTuple):
     error_um: Floats  # above 0: metal left standing
 
 
-class Trace(NamedTuple):
+class CutTrace(NamedTuple):
     """Every tick of the controller, each of shape (n,)."""
 
     t_s: Floats
@@ -64,9 +63,9 @@ class Trace(NamedTuple):
         tick_s = float(np.median(np.diff(self.t_s))) if self.t_s.size > 1 else 1.0
         return self.turns_per_tick * (60 / tick_s)
 
-    def pick(self, rows: slice | npt.NDArray[Any]) -> Trace:
+    def pick(self, rows: slice | npt.NDArray[Any]) -> CutTrace:
         """Return some of the ticks."""
-        return Trace(*(column[rows] for column in self))
+        return CutTrace(*(column[rows] for column in self))
 
 
 class Removal(NamedTuple):
@@ -81,15 +80,7 @@ class Removal(NamedTuple):
     chip_force_n: Floats  # physical: section of the chip
 
 
-class Even(NamedTuple):
-    """Equal-volume turning beside uniform turning of the same part at the same mean speed."""
-
-    summary: Json
-    uniform_summary: Json
-    removal: Removal
-    uniform_removal: Removal
-
-
+MadeT = TypeVar("MadeT", bound=MadeTable, covariant=True)
 _SURFACE_COLUMNS = ("turn", "z_mm", "radius_mm", "error_nm")
 _TRACE_COLUMNS = (
     "t_s",
@@ -139,17 +130,17 @@ def _rows(path: Path, places: list[int], header: list[str]) -> Floats:
     return np.ascontiguousarray(rows.T)
 
 
-def read_surface(path: Path) -> Surface:
+def read_surface(path: Path) -> GaugedSurface:
     """Return the surface of a CSV file of camsim; without a point when nothing was cut."""
     turn, z_mm, radius_mm, error_nm = _columns(path, _SURFACE_COLUMNS)
-    return Surface(turn, z_mm, radius_mm, error_nm * 1e-3)
+    return GaugedSurface(turn, z_mm, radius_mm, error_nm * 1e-3)
 
 
-def read_trace(path: Path) -> Trace:
+def read_trace(path: Path) -> CutTrace:
     """Return the trace of a CSV file of camsim."""
     columns = _columns(path, _TRACE_COLUMNS)
     columns[-1] *= _TURNS_PER_Q32
-    return Trace(*columns)
+    return CutTrace(*columns)
 
 
 def read_swing(path: Path) -> Floats | None:
@@ -170,7 +161,7 @@ def read_summary(path: Path) -> Json:
     return summary
 
 
-class Variant(NamedTuple):
+class CutVariant(NamedTuple):
     """The same cut with a part of the controller switched off."""
 
     name: str
@@ -178,29 +169,48 @@ class Variant(NamedTuple):
     rms_um: float
 
 
-class Cut:
+class Measured(NamedTuple):
+    """What the simulator wrote of a cut."""
+
+    summary: Json
+    surface: GaugedSurface
+    trace: CutTrace
+    is_trace_complete: bool
+    variants: tuple[CutVariant, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Cut(Generic[MadeT]):
     """What is known about the cut of a part of any kind.
 
     Attributes
     ----------
+    generated : MadeTable
+        The part and its table.
     summary : dict
         Of camsim.
     is_trace_complete : bool
         The trace holds the whole cut, not its first turns only.
-    variants : tuple of Variant
+    variants : tuple of CutVariant
         Comparison cuts, the matched one first; may be empty.
     """
 
+    generated: MadeT
     summary: Json
-    surface: Surface
-    trace: Trace
-    is_trace_complete: bool
-    variants: tuple[Variant, ...]
+    surface: GaugedSurface
+    trace: CutTrace
+    is_trace_complete: bool = True
+    variants: tuple[CutVariant, ...] = ()
 
     @property
     def name(self) -> str:
         """Return the part's name."""
-        raise NotImplementedError
+        return self.generated.part.part.name
+
+    @property
+    def is_modulated(self) -> bool:
+        """Return whether the table changes the spindle's speed over its angle."""
+        return self.generated.table.speed is not None
 
     @property
     def has_fault(self) -> bool:
@@ -213,27 +223,4 @@ class Cut:
         return bool(self.summary["is_good"])
 
 
-@dataclass(frozen=True, eq=False)
-class Outcome(Cut):
-    """All that is known about the cut of a skirt.
-
-    Attributes
-    ----------
-    generated : Generated
-        The part, its exact geometry and its table.
-    even : Even or None
-        Removal rate and forces of a part that is turned with equal volumes.
-    """
-
-    generated: Generated
-    summary: Json
-    surface: Surface
-    trace: Trace
-    is_trace_complete: bool = True
-    variants: tuple[Variant, ...] = ()
-    even: Even | None = None
-
-    @property
-    def name(self) -> str:
-        """Return the part's name."""
-        return self.generated.part.part.name
+AnyCut = Cut[Any]

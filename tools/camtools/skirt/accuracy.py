@@ -4,7 +4,7 @@ What is measured here is bounded by MATHS.md (48) .. (50).
 
 >>> from camtools.skirt.geometry import make_geometry
 >>> from camtools.skirt.part import example_part
->>> from camtools.table.quantise import u_channel
+>>> from camtools.skirt.channels import u_channel
 >>> geometry = make_geometry(example_part())
 >>> accuracy = measure_u(geometry, u_channel(geometry, 3, 32))
 >>> accuracy.value_nm < 1.0, accuracy.first_share < 1e-3, accuracy.second_share < 1e-3
@@ -17,15 +17,20 @@ from typing import NamedTuple
 
 import numpy as np
 
-from camtools.skirt.geometry import NM_PER_MM, Geometry
-from camtools.skirt.sections import Floats
-from camtools.table.evaluate import Values, evaluate_u_grid, evaluate_x
+from camtools.base.quantities import NM_PER_MM, Floats
+from camtools.skirt.channels import height_range_nm
+from camtools.skirt.geometry import Geometry
+from camtools.table.evaluate import (
+    GRID_MARGIN,
+    PLACES,
+    ROUNDING_LSB,
+    Values,
+    evaluate_u_grid,
+    evaluate_x,
+)
 from camtools.table.image import Channel
-from camtools.table.quantise import height_range_nm, slice_heights_mm
+from camtools.table.quantise import slice_heights_mm
 
-ROUNDING_LSB = 1.0  # what the firmware's arithmetic may add to the table's own error
-GRID_MARGIN = 1.01  # the worst place may lie between the points of the grid
-PLACES = np.array([0.0, 0.03, 0.11, 0.21, 0.31, 0.41, 0.5, 0.62, 0.73, 0.83, 0.93, 0.98])
 _W = np.array([0.0, 0.13, 0.27, 0.5, 0.71, 0.91])
 _W_X = np.arange(32) / 32
 
@@ -54,7 +59,7 @@ class Accuracy(NamedTuple):
 def _accuracy(channel: Channel, got: Values, exact: Values) -> Accuracy:
     errors = [float(np.abs(a - b).max()) for a, b in zip(got, exact, strict=True)]
     peaks = [float(np.abs(values).max()) for values in exact]
-    lsb_nm = channel.lsb_nm
+    lsb_nm = channel.lsb
     value_nm = GRID_MARGIN * errors[0] + ROUNDING_LSB * lsb_nm
     first, second = GRID_MARGIN * errors[1], GRID_MARGIN * errors[2]
     return Accuracy(value_nm, first, second, peaks[1], peaks[2], lsb_nm)

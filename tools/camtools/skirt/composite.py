@@ -16,7 +16,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from camtools.skirt.sections import DoubleEllipse, Floats, FloatsLike, Section, SectionValues
+from camtools.base.quantities import Floats, FloatsLike, SectionValues
+from camtools.skirt.sections import DoubleEllipse, Section
 
 QUARTER_RAD = np.pi / 2
 

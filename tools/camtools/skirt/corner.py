@@ -12,14 +12,15 @@ import numpy as np
 from scipy.interpolate import PPoly
 
 from camtools.base.errors import GeometryError
+from camtools.base.quantities import Floats, FloatsLike, SectionValues
 from camtools.skirt.composite import QUARTER_RAD, Joint
-from camtools.skirt.part import Ovality, Part
+from camtools.skirt.part import Ovality, SkirtPart
 from camtools.skirt.part_section import Refit
 from camtools.skirt.poly_surface import TURN_RAD, PolySurface, angle_pieces, over_height
 from camtools.skirt.profile import constant_spline, polygon_or_spline
 from camtools.skirt.refit import (
-    Candidate,
     Recipe,
+    RefitCandidate,
     best_of,
     ellipse_steps,
     jerk_limit_of,
@@ -28,7 +29,7 @@ from camtools.skirt.refit import (
     refit,
     sites_rad,
 )
-from camtools.skirt.sections import Floats, FloatsLike, Section, SectionValues, make_section
+from camtools.skirt.sections import Section, make_section
 
 MAX_STEP_MM = 0.001
 _UM_PER_MM = 1000.0
@@ -48,7 +49,7 @@ class Corner:
         None: the corner is left as drawn.
     worst_mm : float
         Height of the sharpest corner, for which the candidates are judged.
-    candidates : tuple of Candidate
+    candidates : tuple of RefitCandidate
         All deletions the paper tries, at the part's speed; empty without a refit.
     """
 
@@ -59,7 +60,7 @@ class Corner:
     law: Section
     recipe: Recipe | None = None
     worst_mm: float = 0.0
-    candidates: tuple[Candidate, ...] = ()
+    candidates: tuple[RefitCandidate, ...] = ()
     log2_repeat: int = 1
 
     def joint(self, z_mm: FloatsLike) -> Joint:
@@ -117,7 +118,7 @@ def _over_ovality(value: list[float] | float, ovality: Ovality, factor: float = 
     return constant_spline(factor * value, ovality.height_mm[0], ovality.height_mm[-1])
 
 
-def make_corner(part: Part, radius: PPoly, ovality: PPoly, heights_mm: Floats) -> Corner:
+def make_corner(part: SkirtPart, radius: PPoly, ovality: PPoly, heights_mm: Floats) -> Corner:
     """Return the corner of a part of shape "ellipse-arc".
 
     Parameters

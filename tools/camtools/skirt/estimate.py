@@ -13,12 +13,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from camtools.skirt.accuracy import PLACES
-from camtools.skirt.geometry import NM_PER_MM, Geometry
-from camtools.skirt.sections import Floats
-from camtools.table.evaluate import power_rows
-from camtools.table.image import Ints, segment_coefficients
-from camtools.table.quantise import balanced, height_range_nm
+from camtools.base.quantities import NM_PER_MM, Floats, Ints
+from camtools.skirt.channels import balanced, height_range_nm
+from camtools.skirt.geometry import Geometry
+from camtools.table.evaluate import PLACES, power_rows
+from camtools.table.quintics import segment_coefficients
 
 _ANGLES = 33
 _PIECES = 24

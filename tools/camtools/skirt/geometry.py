@@ -17,19 +17,20 @@ import numpy as np
 from scipy.interpolate import PPoly
 
 from camtools.base.errors import GeometryError
+from camtools.base.quantities import Floats, FloatsLike, SectionValues, omega_rad_s
+from camtools.cut.path import ToolPath, ramp_of
 from camtools.skirt.corner import Corner, make_corner
-from camtools.skirt.part import Part
+from camtools.skirt.part import SkirtPart
 from camtools.skirt.profile import magnified, ovality_spline, profile_spline
 from camtools.skirt.scan import Scan, filtered, ovality_of, read_scan, scan_surface
-from camtools.skirt.sections import Floats, FloatsLike, Section, SectionValues, make_section
+from camtools.skirt.sections import Section, make_section
 
-NM_PER_MM = 1_000_000
 _CHECKS_PER_PIECE = 64
 _UM_PER_MM = 1000.0
 _ALL_AROUND_RAD = np.radians(np.arange(0, 360, 0.5))
 
 
-class Surface(Protocol):
+class SkirtSurface(Protocol):
     """The reduction of the radius over the whole skirt."""
 
     @property
@@ -50,11 +51,11 @@ class OvalSurface:
 
     @property
     def log2_repeat(self) -> int:
-        """See `Surface`."""
+        """See `SkirtSurface`."""
         return self.law.log2_repeat
 
     def delta(self, phi_rad: FloatsLike, z_mm: FloatsLike) -> SectionValues:
-        """See `Surface`."""
+        """See `SkirtSurface`."""
         return self.law.evaluate(phi_rad, self.radius(z_mm), self.ovality(z_mm))
 
 
@@ -67,7 +68,7 @@ class Geometry:
     radius, ovality : scipy.interpolate.PPoly
         Long half axis a(z) and diametral ovality G(z) [mm] over height [mm], magnified already.
         Of a measured part the ovality is the largest minus the least diameter.
-    surface : Surface
+    surface : SkirtSurface
         Reduction of the radius; of a refitted part that of the refit.
     z_first_mm, z_last_mm : float
         Height range, that of the profile.
@@ -79,7 +80,7 @@ class Geometry:
 
     radius: PPoly
     ovality: PPoly
-    surface: Surface
+    surface: SkirtSurface
     z_first_mm: float
     z_last_mm: float
     corner: Corner | None = None
@@ -114,7 +115,7 @@ class Geometry:
         return np.concatenate(([self.z_first_mm], heights[inside], [self.z_last_mm]))
 
 
-class Motion(NamedTuple):
+class AxesMotion(NamedTuple):
     """Set-points of uniform turning, all of the shape of the turns asked for."""
 
     c_rad: Floats
@@ -126,7 +127,7 @@ class Motion(NamedTuple):
     jerk_mm_s3: Floats
 
 
-def make_geometry(part: Part) -> Geometry:
+def make_geometry(part: SkirtPart) -> Geometry:
     """Return the exact geometry of a part.
 
     Raises
@@ -155,7 +156,7 @@ def make_geometry(part: Part) -> Geometry:
     return geometry
 
 
-def _measured(part: Part, radius: PPoly, factor: float) -> Geometry:
+def _measured(part: SkirtPart, radius: PPoly, factor: float) -> Geometry:
     """Return the geometry of a measured part, filtered if asked for."""
     section, heights = part.piston.section, part.piston.profile.height_mm
     ends = float(heights[0]), float(heights[-1])
@@ -168,7 +169,7 @@ def _measured(part: Part, radius: PPoly, factor: float) -> Geometry:
     return Geometry(radius, oval, surface, *ends, None, off_mm * _UM_PER_MM)
 
 
-def _read(part: Part, first_mm: float, last_mm: float) -> Scan:
+def _read(part: SkirtPart, first_mm: float, last_mm: float) -> Scan:
     assert part.piston.section.csv is not None
     scan = read_scan(Path(part.piston.section.csv))
     if scan.z_mm.size > 1 and (scan.z_mm[0] > first_mm or scan.z_mm[-1] < last_mm):
@@ -178,7 +179,7 @@ def _read(part: Part, first_mm: float, last_mm: float) -> Scan:
     return scan
 
 
-def _with_corner(part: Part, geometry: Geometry) -> Geometry:
+def _with_corner(part: SkirtPart, geometry: Geometry) -> Geometry:
     heights_mm = dense_heights_mm(geometry, _CHECKS_PER_PIECE)
     corner = make_corner(part, geometry.radius, geometry.ovality, heights_mm)
     surface = corner if corner.recipe is None else corner.surface(geometry.breaks_mm())
@@ -218,12 +219,9 @@ def _check_shape(geometry: Geometry, factor: float) -> None:
     _check_half_axis(z_mm, geometry.radius_mm(z_mm) - deepest_mm, factor)
 
 
-def omega_rad_s(spindle_rpm: float) -> float:
-    """Return the angular speed [rad/s] of a spindle speed [r/min]."""
-    return 2 * np.pi * spindle_rpm / 60
-
-
-def turning_at(geometry: Geometry, spindle_rpm: float, z_mm: FloatsLike, turns: Floats) -> Motion:
+def turning_at(
+    geometry: Geometry, spindle_rpm: float, z_mm: FloatsLike, turns: Floats
+) -> AxesMotion:
     """Return the axes of turning at constant speed, at given angles and heights.
 
     Parameters
@@ -244,12 +242,14 @@ def turning_at(geometry: Geometry, spindle_rpm: float, z_mm: FloatsLike, turns: 
     u = geometry.delta(c_rad, z_mm)
     z_all_mm = np.broadcast_to(np.asarray(z_mm, dtype=np.float64), c_rad.shape)
     x_mm = geometry.radius_mm(z_all_mm)
-    return Motion(c_rad, z_all_mm, x_mm, u.delta, u.d1 * omega, u.d2 * omega**2, u.d3 * omega**3)
+    return AxesMotion(
+        c_rad, z_all_mm, x_mm, u.delta, u.d1 * omega, u.d2 * omega**2, u.d3 * omega**3
+    )
 
 
 def uniform_turning(
     geometry: Geometry, spindle_rpm: float, feed_mm: float, turns: Floats
-) -> Motion:
+) -> AxesMotion:
     """Return the axes of uniform four-axis turning from the lowest height up, MATHS.md (8), (9).
 
     Parameters
@@ -260,3 +260,18 @@ def uniform_turning(
         Spindle angle since the lowest height, in turns; Z follows the angle.
     """
     return turning_at(geometry, spindle_rpm, geometry.z_first_mm + feed_mm * turns, turns)
+
+
+def path_of(part: SkirtPart, z_first_mm: float, z_last_mm: float) -> ToolPath:
+    """Return the path of a part between two heights, with the shortest ramp.
+
+    Raises
+    ------
+    CamtoolsError
+        See `ramp_of`.
+    """
+    process, limits = part.process, part.machine.limits
+    if process.path == "helix":
+        return ToolPath("helix", z_first_mm, z_last_mm, process.feed_mm)
+    ramp = ramp_of(process.feed_mm, process.spindle_rpm, limits)
+    return ToolPath("ring-helix", z_first_mm, z_last_mm, process.feed_mm, ramp)

@@ -7,45 +7,25 @@
 
 from __future__ import annotations
 
-import tomllib
-from pathlib import Path
-from typing import Annotated, Any, Literal, Self, TypeVar
+from typing import Annotated, Literal, Self
 
 from pydantic import (
     Field,
-    StringConstraints,
-    ValidationError,
     ValidationInfo,
     field_validator,
     model_validator,
 )
 
-from camtools.base.errors import CamtoolsError, InputError
-from camtools.base.input_file import read_limited
-from camtools.part.findings import describe_all
-from camtools.part.model import HeightMm, Table, as_long, no_truth, rising, wrong
+from camtools.part.common import MachineLimits, PartInfo
+from camtools.part.model import HeightMm, TomlTable, as_long, no_truth, rising, wrong
 from camtools.skirt.part_section import SectionShape
-
-Model = TypeVar("Model", bound=Table)
-
-MAX_FILE_BYTES = 1_000_000
-DEFAULT_ALPHA_RAD_S2 = 500.0  # 50 Nm on 0.1 kg m2
 
 DiameterMm = Annotated[float, Field(ge=1, le=4000)]
 OvalityMm = Annotated[float, Field(ge=0, le=4000)]
 SlopeMmPerMm = Annotated[float, Field(ge=-100, le=100)]
-PartName = Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,30}\z")]
 
 
-class PartInfo(Table):
-    """[part]: which part this is."""
-
-    name: PartName
-    kind: Literal["piston", "cam"]
-    source: Annotated[str, StringConstraints(min_length=1, max_length=1000)]
-
-
-class Profile(Table):
+class Profile(TomlTable):
     """[piston.profile]: long-axis diameter over skirt height."""
 
     height_mm: Annotated[list[HeightMm], Field(min_length=2, max_length=1000)]
@@ -71,7 +51,7 @@ class Profile(Table):
         return value
 
 
-class Ovality(Table):
+class Ovality(TomlTable):
     """[piston.ovality]: diametral ovality G = 2a - 2b over height."""
 
     height_mm: Annotated[list[HeightMm], Field(min_length=2, max_length=1000)]
@@ -82,7 +62,7 @@ class Ovality(Table):
     _check_length = field_validator("ovality_mm")(as_long)
 
 
-class Piston(Table):
+class Piston(TomlTable):
     """[piston]: the skirt."""
 
     profile: Profile
@@ -139,7 +119,7 @@ def _check_lists(section: SectionShape, ovality: Ovality) -> None:
             raise wrong("length", problem, "give one number, or one for each height", **context)
 
 
-class Process(Table):
+class SkirtProcess(TomlTable):
     """[process]: how the part is cut."""
 
     spindle_rpm: Annotated[float, Field(ge=1, le=60_000)]
@@ -170,154 +150,37 @@ class Process(Table):
     _check_direction = field_validator("direction", mode="before")(no_truth)
 
 
-class Limits(Table):
-    """[machine.limits]: what the machine can do; feasibility is judged against it."""
-
-    u_stroke_mm: Annotated[float, Field(ge=0.001, le=30)] = 1.2
-    u_speed_mm_s: Annotated[float, Field(ge=0.001, le=100_000)] = 400.0
-    u_acceleration_mm_s2: Annotated[float, Field(ge=1, le=1_000_000_000)] = 250_000.0
-    z_speed_mm_s: Annotated[float, Field(ge=0.1, le=10_000)] = 200.0
-    z_acceleration_mm_s2: Annotated[float, Field(ge=10, le=1_000_000)] = 2000.0
-    spindle_rpm: Annotated[float, Field(ge=1, le=60_000)] = 3000.0
-    tick_hz: Annotated[int, Field(ge=500, le=100_000)] = 20_000
-    spindle_torque_nm: Annotated[float, Field(gt=0, le=100_000)] | None = None
-    spindle_inertia_kgm2: Annotated[float, Field(gt=0, le=10_000)] | None = None
-    spindle_acceleration_rad_s2: Annotated[float, Field(ge=1, le=1_000_000)] | None = None
-
-    @model_validator(mode="after")
-    def _check_spindle(self) -> Self:
-        pair = (self.spindle_torque_nm, self.spindle_inertia_kgm2)
-        is_half, is_double = pair.count(None) == 1, self.spindle_acceleration_rad_s2 is not None
-        if is_half or (is_double and None not in pair):
-            context = {"field": "spindle_torque_nm", "value": self.spindle_torque_nm}
-            remedy = "give torque and inertia, or spindle_acceleration_rad_s2 alone"
-            raise wrong("spindle", "does not tell the spindle's acceleration", remedy, **context)
-        return self
-
-    @property
-    def alpha_rad_s2(self) -> float:
-        """Return the spindle's highest acceleration [rad/s2]; 500 where nothing is given."""
-        if self.spindle_torque_nm is not None and self.spindle_inertia_kgm2 is not None:
-            return self.spindle_torque_nm / self.spindle_inertia_kgm2
-        given = self.spindle_acceleration_rad_s2
-        return DEFAULT_ALPHA_RAD_S2 if given is None else given
-
-
-class Machine(Table):
+class SkirtMachine(TomlTable):
     """[machine]: the machine for which the table is made."""
 
-    limits: Limits = Field(default_factory=Limits)
+    limits: MachineLimits = Field(default_factory=MachineLimits)
 
 
-class Magnify(Table):
+class Magnify(TomlTable):
     """[magnify]: the papers' demonstration, all deviations enlarged, MATHS.md (7)."""
 
     factor: Annotated[float, Field(ge=1, le=1000)]
 
 
-class Part(Table):
+class SkirtPart(TomlTable):
     """The whole part file."""
 
     part: PartInfo
     piston: Piston
-    process: Process
-    machine: Machine = Field(default_factory=Machine)
+    process: SkirtProcess
+    machine: SkirtMachine = Field(default_factory=SkirtMachine)
     magnify: Magnify | None = None
 
-
-def read_tree(data: bytes, file: str) -> dict[str, Any]:
-    """Return the tables of a TOML file.
-
-    Parameters
-    ----------
-    data : bytes
-        Whole content of the file, UTF-8.
-    file : str
-        Name for error messages.
-
-    Raises
-    ------
-    InputError
-        Not UTF-8 or not TOML.
-    """
-    try:
-        return tomllib.loads(data.decode("utf-8"))
-    except UnicodeDecodeError as error:
-        problem = f"not UTF-8 text (byte {error.start} is 0x{data[error.start]:02x})"
-        raise InputError(file, "", None, problem, "save the file as UTF-8") from error
-    except (tomllib.TOMLDecodeError, RecursionError, ValueError) as error:
-        problem = f"not TOML: {error}"
-        raise InputError(file, "", None, problem, "correct it; see tools/README.md") from error
+    @property
+    def height_mm(self) -> float:
+        """Return the height of the skirt [mm]."""
+        heights_mm = self.piston.profile.height_mm
+        return heights_mm[-1] - heights_mm[0]
 
 
-def is_cam(tree: dict[str, Any]) -> bool:
-    """Tell whether the tables of a part file say that it is a cam."""
-    part = tree.get("part")
-    return isinstance(part, dict) and part.get("kind") == "cam"
-
-
-def validated(model: type[Model], tree: dict[str, Any], file: str, folder: Path) -> Model:
-    """Return the tables of a part file as a model; see `parse_part`."""
-    try:
-        return model.model_validate(tree, context={"folder": folder})
-    except ValidationError as error:
-        raise CamtoolsError(describe_all(file, error)) from error
-
-
-def parse_part(data: bytes, file: str, folder: Path = Path()) -> Part:
-    """Return the piston that the bytes of a TOML file describe.
-
-    Parameters
-    ----------
-    data : bytes
-        Whole content of the file, UTF-8.
-    file : str
-        Name for error messages.
-    folder : Path
-        Where files that the part names are looked for.
-
-    Raises
-    ------
-    CamtoolsError
-        Not UTF-8, not TOML, a cam, or fields wrong: one line each, in the file's order of tables.
-    """
-    tree = read_tree(data, file)
-    if is_cam(tree):
-        problem, remedy = "cams are for mktables and run", "give the part file of a piston"
-        raise InputError(file, "part.kind", "cam", problem, remedy)
-    return validated(Part, tree, file, folder)
-
-
-def read_part_file(path: Path) -> bytes:
-    """Return the content of a part file.
-
-    Raises
-    ------
-    InputError
-        It cannot be read, is no file, or is too large.
-    """
-    try:
-        return read_limited(path, MAX_FILE_BYTES)
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        remedy = "give the path of a part file (TOML)"
-        raise InputError(str(path), "", None, f"cannot be read: {reason}", remedy) from error
-
-
-def load_part(path: Path) -> Part:
-    """Return the piston described by a TOML file.
-
-    Raises
-    ------
-    CamtoolsError
-        The file cannot be read, or see `parse_part`.
-    """
-    return parse_part(read_part_file(path), str(path), path.parent)
-
-
-def example_part() -> Part:
+def example_part() -> SkirtPart:
     """Return the Perkins-240-like skirt of MATHS.md (6), invented numbers, for examples."""
-    return Part.model_validate(
+    return SkirtPart.model_validate(
         {
             "part": {"name": "example", "kind": "piston", "source": "MATHS.md (6), invented"},
             "piston": {

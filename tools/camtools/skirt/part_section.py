@@ -17,7 +17,7 @@ from pydantic import (
     field_validator,
 )
 
-from camtools.part.model import Table, beside_the_part, wrong
+from camtools.part.model import TomlTable, beside_the_part, wrong
 
 MAX_DELETE = 6
 
@@ -61,7 +61,7 @@ _BELONGS_TO = {
 _NEEDED = ("trim_mm", "joint_deg", "csv")
 
 
-class Refit(Table):
+class Refit(TomlTable):
     """[piston.section.refit]: the spline that replaces the corner, MATHS.md (14) .. (16).
 
     The drawing's contour is sampled once per degree; points next to the joint are left out.
@@ -73,7 +73,7 @@ class Refit(Table):
     jerk_limit_mm_s3: Annotated[float, Field(gt=0, le=1e15)] | None = None
 
 
-class SectionShape(Table):
+class SectionShape(TomlTable):
     """[piston.section]: shape of every cross-section."""
 
     shape: Literal["ellipse", "cosine", "double-ellipse", "ellipse-arc", "table"] = "ellipse"

@@ -8,43 +8,24 @@ b'PNG'
 
 from __future__ import annotations
 
-from io import BytesIO
-
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 from matplotlib.projections.polar import PolarAxes
 from scipy.interpolate import PPoly
 
-from camtools.skirt.generate import Generated
+from camtools.base.quantities import Floats
+from camtools.plots.style import png_of, titled_figure
+from camtools.skirt.generate import GeneratedSkirt
 from camtools.skirt.geometry import Geometry, dense_heights_mm, turning_at
-from camtools.skirt.sections import Floats
 
 _N_ANGLES = 1441
 _N_SECTIONS = 4
-_DPI = 120
 _UM_PER_MM = 1000.0
 _MM_PER_M = 1000.0
 
 
-def png_of(figure: Figure) -> bytes:
-    """Return a figure as PNG, the same bytes for the same figure."""
-    stream = BytesIO()
-    FigureCanvasAgg(figure)
-    figure.savefig(stream, format="png", metadata={"Software": None})
-    return stream.getvalue()
-
-
-def new_figure(width_in: float, height_in: float, title: str) -> Figure:
-    """Return an empty figure with a title."""
-    figure = Figure(figsize=(width_in, height_in), dpi=_DPI, layout="constrained")
-    figure.suptitle(title, fontsize=13)
-    return figure
-
-
-def _title(result: Generated, what: str) -> str:
+def _title(result: GeneratedSkirt, what: str) -> str:
     magnify = result.part.magnify
     enlarged = f", deviations enlarged {magnify.factor:g} times" if magnify else ""
     return f"{result.part.part.name}: {what}{enlarged}"
@@ -59,10 +40,10 @@ def _colour(i: int) -> tuple[float, float, float, float]:
     return float(red), float(green), float(blue), float(alpha)
 
 
-def draw_section(result: Generated) -> bytes:
+def draw_section(result: GeneratedSkirt) -> bytes:
     """Return a polar picture of sections: radius reduction, hugely magnified."""
     geometry = result.geometry
-    figure = new_figure(7.5, 7.5, _title(result, "radius reduction in µm"))
+    figure = titled_figure(7.5, 7.5, _title(result, "radius reduction in µm"))
     axes = figure.add_subplot(projection="polar")
     assert isinstance(axes, PolarAxes)
     phi = 2 * np.pi * np.linspace(0, 1, _N_ANGLES)
@@ -89,7 +70,7 @@ def _polar_scale(axes: PolarAxes, deepest_um: float) -> None:
     axes.tick_params(axis="x", pad=14)
 
 
-def _motion_curves(panels: list[Axes], result: Generated, z_mm: float, i: int) -> None:
+def _motion_curves(panels: list[Axes], result: GeneratedSkirt, z_mm: float, i: int) -> None:
     turns = np.linspace(0, 1, _N_ANGLES)
     motion = turning_at(result.geometry, result.part.process.spindle_rpm, z_mm, turns)
     curves = (
@@ -101,10 +82,10 @@ def _motion_curves(panels: list[Axes], result: Generated, z_mm: float, i: int) -
         axes.plot(360 * turns, values, color=_colour(i), label=f"height {z_mm:.1f} mm")
 
 
-def draw_motion(result: Generated) -> bytes:
+def draw_motion(result: GeneratedSkirt) -> bytes:
     """Return U, its velocity and acceleration over one turn at the part's speed."""
     speed_rpm = result.part.process.spindle_rpm
-    figure = new_figure(8.5, 8.5, _title(result, f"motion of U at {speed_rpm:g} r/min"))
+    figure = titled_figure(8.5, 8.5, _title(result, f"motion of U at {speed_rpm:g} r/min"))
     panels: list[Axes] = list(figure.subplots(3, 1, sharex=True))
     for i, z_mm in enumerate(_heights_mm(result.geometry)):
         _motion_curves(panels, result, float(z_mm), i)
@@ -131,10 +112,10 @@ def _against_height(axes: Axes, z_mm: Floats, curve: Floats, spline: PPoly, scal
     axes.legend(frameon=False)
 
 
-def draw_profile(result: Generated) -> bytes:
+def draw_profile(result: GeneratedSkirt) -> bytes:
     """Return long-axis diameter and ovality over height, with the points of the drawing."""
     geometry = result.geometry
-    figure = new_figure(8.5, 6.0, _title(result, "profile and ovality"))
+    figure = titled_figure(8.5, 6.0, _title(result, "profile and ovality"))
     left, right = figure.subplots(1, 2, sharey=True)
     z_mm = dense_heights_mm(geometry, 32)
     _against_height(left, z_mm, 2 * geometry.radius_mm(z_mm), geometry.radius, 2)
@@ -145,7 +126,7 @@ def draw_profile(result: Generated) -> bytes:
     return png_of(figure)
 
 
-def draw_all(result: Generated) -> dict[str, bytes]:
+def draw_all(result: GeneratedSkirt) -> dict[str, bytes]:
     """Return all pictures by topic."""
     return {
         "section": draw_section(result),

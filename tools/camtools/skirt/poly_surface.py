@@ -23,9 +23,8 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import PPoly
 
+from camtools.base.quantities import Floats, FloatsLike, Ints, SectionValues
 from camtools.skirt.composite import fold
-from camtools.skirt.sections import Floats, FloatsLike, SectionValues
-from camtools.table.image import Ints
 
 N_ANGLE, N_HEIGHT = 6, 8  # coefficients of a piece
 TURN_RAD = 2 * np.pi

@@ -12,8 +12,8 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.interpolate import CubicSpline, PPoly
 
+from camtools.base.quantities import Floats
 from camtools.skirt.part import Ovality, Profile
-from camtools.skirt.sections import Floats
 
 
 def profile_spline(profile: Profile) -> PPoly:

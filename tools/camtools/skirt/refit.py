@@ -24,8 +24,8 @@ import numpy.typing as npt
 from scipy.interpolate import CubicSpline, PPoly, make_interp_spline
 
 from camtools.base.errors import GeometryError
+from camtools.base.quantities import Floats
 from camtools.skirt.composite import QUARTER_RAD, Joint
-from camtools.skirt.sections import Floats
 
 N_SITES = 91
 CANDIDATES = tuple(product(range(4), range(4)))  # (s1, s2) as the paper tries them
@@ -44,7 +44,7 @@ class Recipe(NamedTuple):
     ends: str  # mirror | as-paper
 
 
-class Candidate(NamedTuple):
+class RefitCandidate(NamedTuple):
     """What a refit does to the motion of U at a spindle speed, and to the contour."""
 
     s1: int
@@ -142,7 +142,7 @@ def deviation_mm(joint: Joint, curve: PPoly) -> tuple[Floats, Floats]:
     return phi, np.asarray(curve(phi) - joint.reduction(phi).delta, dtype=np.float64)
 
 
-def judge(joint: Joint, recipe: Recipe, spindle_rpm: float) -> Candidate:
+def judge(joint: Joint, recipe: Recipe, spindle_rpm: float) -> RefitCandidate:
     """Return what a refit does to one section at a speed [r/min]."""
     joint_rad, omega = float(joint.joint_rad), 2 * np.pi * spindle_rpm / 60
     curve = _pieces(refit(joint, recipe, ellipse_steps(joint_rad)))
@@ -153,7 +153,7 @@ def judge(joint: Joint, recipe: Recipe, spindle_rpm: float) -> Candidate:
     jerk = twist(extremes(twist, 0.0, QUARTER_RAD)) * omega**3
     phi, off_mm = deviation_mm(joint, curve)
     worst = int(np.argmax(np.abs(off_mm)))
-    return Candidate(
+    return RefitCandidate(
         recipe.s1,
         recipe.s2,
         float(bends.max()),
@@ -166,7 +166,7 @@ def judge(joint: Joint, recipe: Recipe, spindle_rpm: float) -> Candidate:
     )
 
 
-def judge_all(joint: Joint, spline: str, ends: str, spindle_rpm: float) -> list[Candidate]:
+def judge_all(joint: Joint, spline: str, ends: str, spindle_rpm: float) -> list[RefitCandidate]:
     """Return all 16 candidates of the paper, s1 rising fastest."""
     return [judge(joint, Recipe(spline, s1, s2, ends), spindle_rpm) for s2, s1 in CANDIDATES]
 
@@ -178,7 +178,7 @@ def jerk_limit_of(ends: str, given_mm_s3: float | None) -> float:
     return PAPER_JERK_LIMIT_MM_S3 if ends == "as-paper" else float("inf")
 
 
-def best_of(candidates: list[Candidate], jerk_limit_mm_s3: float) -> Candidate:
+def best_of(candidates: list[RefitCandidate], jerk_limit_mm_s3: float) -> RefitCandidate:
     """Return the candidate of least peak acceleration within the limit of the tail's jerk, (16).
 
     Raises

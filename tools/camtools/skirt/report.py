@@ -1,40 +1,28 @@
-"""The report of a cut: pictures and one self-contained HTML page.
+"""The report of a skirt: its pictures, in order, and its page.
 
->>> data_uri(b"abc")
-'data:image/png;base64,YWJj'
+>>> list(_TEXTS)[:3]
+['fault', 'map', 'sections']
 """
 
 from __future__ import annotations
 
-from base64 import b64encode
-from collections.abc import Callable, Sequence
-from pathlib import Path
-from typing import NamedTuple
+from collections.abc import Callable
 
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from matplotlib.figure import Figure
 
+from camtools.base.json_text import Json
 from camtools.plots.style import drawing, png_of
 from camtools.report import compare as report_compare
 from camtools.report import motion as report_motion
-from camtools.sim.results import CUTTING, FAULT, Cut, Json, Outcome
+from camtools.report.page import Page, Picture, render_page
+from camtools.sim.results import CUTTING, FAULT
 from camtools.skirt import report_surface
+from camtools.skirt.outcome import SkirtOutcome
 from camtools.skirt.report_corner import draw_corner
 from camtools.skirt.report_even import draw_even, draw_ripple
+from camtools.skirt.report_motion import draw_motion
 from camtools.skirt.report_shape import draw_skirt
-from camtools.skirt.report_text import Margin, Row, fault_story, margins_of, rows_of, verdict_of
-
-_TEMPLATE = "page.html.j2"
-
-
-class Picture(NamedTuple):
-    """A picture with its title and what to look for."""
-
-    key: str  # names the file: cut_KEY.png
-    title: str
-    text: str
-    draw: Callable[[], Figure]
-
+from camtools.skirt.report_text import rows_of
 
 _TEXTS = {
     "fault": (
@@ -113,7 +101,7 @@ _TEXTS = {
 }
 
 
-def _drawers(outcome: Outcome) -> dict[str, Callable[[], Figure]]:
+def _drawers(outcome: SkirtOutcome) -> dict[str, Callable[[], Figure]]:
     """Return what can be drawn of a cut, in the order of the report."""
     geometry, cut = outcome.generated.geometry, outcome.summary["cut"]
     surface, trace = outcome.surface, outcome.trace
@@ -131,7 +119,7 @@ def _drawers(outcome: Outcome) -> dict[str, Callable[[], Figure]]:
             drawers["corner"] = lambda: draw_corner(surface, trace, geometry, speed_rpm)
         drawers["height"] = lambda: report_surface.draw_height(surface, geometry)
         drawers["skirt"] = lambda: draw_skirt(surface, geometry, factor)
-    drawers["motion"] = lambda: report_motion.draw_motion(trace, geometry, speed_rpm)
+    drawers["motion"] = lambda: draw_motion(trace, geometry, speed_rpm)
     even, speed = outcome.even, outcome.generated.speed
     if even is not None and speed is not None and even.removal.turn.size:
         drawers["even"] = lambda: draw_even(even, speed, speed_rpm)
@@ -143,55 +131,19 @@ def _drawers(outcome: Outcome) -> dict[str, Callable[[], Figure]]:
     return drawers | _comparison(outcome)
 
 
-def _comparison(outcome: Outcome) -> dict[str, Callable[[], Figure]]:
+def _comparison(outcome: SkirtOutcome) -> dict[str, Callable[[], Figure]]:
     tolerance_um = outcome.summary["form_error_um"]["tolerance"]
     if len(outcome.variants) < 2:
         return {}
     return {"compare": lambda: report_compare.draw_variants(outcome.variants, tolerance_um)}
 
 
-def pictures_of(outcome: Outcome) -> list[Picture]:
+def pictures_of(outcome: SkirtOutcome) -> list[Picture]:
     """Return the pictures of a cut, not drawn yet."""
     return [Picture(key, *_TEXTS[key], draw) for key, draw in _drawers(outcome).items()]
 
 
-def data_uri(png: bytes) -> str:
-    """Return an image as text that a page can hold."""
-    return "data:image/png;base64," + b64encode(png).decode("ascii")
-
-
-def trace_text(outcome: Cut) -> str:
-    """Return what the trace holds, in one sentence."""
-    ticks = f"{outcome.trace.t_s.size:,}".replace(",", "\u2009")
-    if outcome.is_trace_complete:
-        return f"trace.csv holds every tick of the run, {ticks} of them."
-    last_s = float(outcome.trace.t_s[-1]) if outcome.trace.t_s.size else 0.0
-    return (
-        "This cut is long, so trace.csv, the pictures of U, following error and sequence, and the "
-        f"comparison hold the first {last_s:.1f} s only: {ticks} ticks of a run ended there."
-    )
-
-
-class Caption(NamedTuple):
-    """Title of a picture and what to look for."""
-
-    title: str
-    text: str
-
-
-class Page(NamedTuple):
-    """What a report says of a part of one kind."""
-
-    source: str
-    rows: list[Row]
-    margins: list[Margin]
-    shown: Sequence[tuple[Picture | Caption, bytes]]  # pictures and their PNGs, in order
-    modelled: str  # what the simulator leaves out of the tool, a sentence
-    compared: str  # what the gauge compares
-    what: str  # what was cut
-
-
-def render(outcome: Outcome, pngs: dict[str, bytes]) -> str:
+def render(outcome: SkirtOutcome, pngs: dict[str, bytes]) -> str:
     """Return the HTML page.
 
     Parameters
@@ -202,7 +154,6 @@ def render(outcome: Outcome, pngs: dict[str, bytes]) -> str:
     page = Page(
         outcome.generated.part.part.source,
         rows_of(outcome),
-        margins_of(outcome),
         [(one, pngs[one.key]) for one in pictures_of(outcome) if one.key in pngs],
         "The tool is a point; feed marks, tool nose and bending are not modelled.",
         "the tool's true path",
@@ -211,33 +162,7 @@ def render(outcome: Outcome, pngs: dict[str, bytes]) -> str:
     return render_page(outcome, page)
 
 
-def render_page(outcome: Cut, page: Page) -> str:
-    """Return the HTML page of a part of any kind."""
-    environment = Environment(
-        loader=FileSystemLoader(Path(__file__).resolve().parents[1] / "report"),
-        undefined=StrictUndefined,
-        autoescape=True,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    return environment.get_template(_TEMPLATE).render(
-        name=outcome.name,
-        source=page.source,
-        summary=outcome.summary,
-        verdict=verdict_of(outcome),
-        rows=page.rows,
-        margins=page.margins,
-        story=fault_story(outcome) if outcome.has_fault else [],
-        shown=[(picture, data_uri(png)) for picture, png in page.shown],
-        modelled=page.modelled,
-        compared=page.compared,
-        what=page.what,
-        trace=trace_text(outcome),
-        is_trace_complete=outcome.is_trace_complete,
-    )
-
-
-def make_report(outcome: Outcome) -> dict[str, bytes]:
+def make_report(outcome: SkirtOutcome) -> dict[str, bytes]:
     """Return the page, its pictures and an overview picture, by file name."""
     with drawing():
         pngs = {picture.key: png_of(picture.draw()) for picture in pictures_of(outcome)}
@@ -247,7 +172,7 @@ def make_report(outcome: Outcome) -> dict[str, bytes]:
     return files | {"report.html": render(outcome, pngs).encode("utf-8")}
 
 
-def _overview(outcome: Outcome) -> Figure:
+def _overview(outcome: SkirtOutcome) -> Figure:
     cut: Json = outcome.summary["cut"]
     title = f"{outcome.name} at {cut['spindle_rpm']:g} r/min on the simulator"
     geometry = outcome.generated.geometry

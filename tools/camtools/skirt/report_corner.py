@@ -13,12 +13,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from camtools.base.quantities import Floats, omega_rad_s
 from camtools.plots.style import BLUE, GREEN, GREY, RED, new_figure
-from camtools.sim.results import CUTTING, Surface, Trace
+from camtools.sim.results import CUTTING, CutTrace, GaugedSurface
 from camtools.skirt.composite import fold
 from camtools.skirt.corner import Corner
-from camtools.skirt.geometry import Geometry, omega_rad_s
-from camtools.skirt.sections import Floats
+from camtools.skirt.geometry import Geometry
 
 _ROOM_DEG = 14.0
 _N_ANGLES = 1401
@@ -60,7 +60,7 @@ def lines_at(geometry: Geometry, corner: Corner, z_mm: float, spindle_rpm: float
 
 
 def _cut_points(
-    geometry: Geometry, corner: Corner, cut: Surface, z_mm: float
+    geometry: Geometry, corner: Corner, cut: GaugedSurface, z_mm: float
 ) -> tuple[Floats, Floats]:
     """Return angle [deg] and distance from the refit [um] of gauged points near a height."""
     joint_deg = float(corner.joint_deg(z_mm))
@@ -73,7 +73,7 @@ def _cut_points(
     return joint_deg + off_deg[rows], -cut.error_um[rows]
 
 
-def _measured(trace: Trace, corner: Corner, z_mm: float) -> tuple[Floats, Floats]:
+def _measured(trace: CutTrace, corner: Corner, z_mm: float) -> tuple[Floats, Floats]:
     """Return angle [deg] and velocity of U [mm/s] in the first quadrant's corner near a height."""
     cutting = np.flatnonzero(trace.state == CUTTING)
     if cutting.size < 2 * _DERIVATIVE_TICKS + 1:
@@ -89,7 +89,9 @@ def _measured(trace: Trace, corner: Corner, z_mm: float) -> tuple[Floats, Floats
     return deg[rows], speed
 
 
-def draw_corner(cut: Surface, trace: Trace, geometry: Geometry, spindle_rpm: float) -> Figure:
+def draw_corner(
+    cut: GaugedSurface, trace: CutTrace, geometry: Geometry, spindle_rpm: float
+) -> Figure:
     """Return contour, deviation from the drawing, velocity and acceleration around the joint.
 
     Parameters

@@ -14,9 +14,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from camtools.base.quantities import Floats
 from camtools.plots.style import BLUE, GREY, ORANGE, RED, angle_axis, new_figure
-from camtools.sim.results import Even, Removal
-from camtools.skirt.sections import Floats
+from camtools.sim.results import Removal
+from camtools.skirt.outcome import Even
 from camtools.skirt.speed import SpeedTable, worst_of
 
 _PERCENT = 100.0

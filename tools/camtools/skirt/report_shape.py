@@ -13,10 +13,10 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d.axes3d import Axes3D  # type: ignore[import-untyped]
 
+from camtools.base.quantities import Floats
 from camtools.plots.style import new_figure
-from camtools.sim.results import Surface
+from camtools.sim.results import GaugedSurface
 from camtools.skirt.geometry import Geometry
-from camtools.skirt.sections import Floats
 
 _ENLARGED = 30.0
 _N_ROWS, _N_COLUMNS = 48, 180
@@ -28,7 +28,7 @@ def enlargement_of(factor: float) -> int:
     return max(1, round(_ENLARGED / factor))
 
 
-def radius_grid(surface: Surface, geometry: Geometry) -> tuple[Floats, Floats, Floats]:
+def radius_grid(surface: GaugedSurface, geometry: Geometry) -> tuple[Floats, Floats, Floats]:
     """Return heights (n,), turns (m,) and the mean cut radius (n, m) [mm]; NaN where uncut."""
     low, high = geometry.z_first_mm, geometry.z_last_mm
     row = ((surface.z_mm - low) / (high - low) * _N_ROWS).astype(np.int64).clip(0, _N_ROWS - 1)
@@ -41,7 +41,7 @@ def radius_grid(surface: Surface, geometry: Geometry) -> tuple[Floats, Floats, F
     return heights, (np.arange(_N_COLUMNS) + 0.5) / _N_COLUMNS, mean.reshape(_N_ROWS, _N_COLUMNS)
 
 
-def draw_skirt(surface: Surface, geometry: Geometry, factor: float) -> Figure:
+def draw_skirt(surface: GaugedSurface, geometry: Geometry, factor: float) -> Figure:
     """Return the cut skirt, deviations from its largest radius enlarged.
 
     Parameters

@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from camtools.base.quantities import Floats, Ints
 from camtools.plots.style import (
     BLUE,
     ERROR_COLOURS,
@@ -25,10 +26,8 @@ from camtools.plots.style import (
     nice_floor,
     nice_limit,
 )
-from camtools.sim.results import Surface
+from camtools.sim.results import GaugedSurface
 from camtools.skirt.geometry import Geometry
-from camtools.skirt.sections import Floats
-from camtools.table.image import Ints
 
 N_COLUMNS, MAX_ROWS = 360, 256  # of the map
 N_BINS = 180  # of a section
@@ -65,7 +64,7 @@ def _worst_of(index: Ints, error_um: Floats, n: int) -> Ints:
     return worst
 
 
-def error_grid(surface: Surface, z_range_mm: tuple[float, float], n_rows: int) -> Floats:
+def error_grid(surface: GaugedSurface, z_range_mm: tuple[float, float], n_rows: int) -> Floats:
     """Return the worst error of every cell.
 
     Returns
@@ -86,7 +85,7 @@ def heights_range_mm(geometry: Geometry) -> tuple[float, float]:
     return geometry.z_first_mm, geometry.z_last_mm
 
 
-def draw_map(surface: Surface, geometry: Geometry, feed_mm: float) -> Figure:
+def draw_map(surface: GaugedSurface, geometry: Geometry, feed_mm: float) -> Figure:
     """Return the unrolled skirt coloured by its error; limits symmetric about zero."""
     figure = new_figure(10, 5.2)
     _paint_map(figure, figure.add_subplot(), surface, geometry, feed_mm)
@@ -94,7 +93,7 @@ def draw_map(surface: Surface, geometry: Geometry, feed_mm: float) -> Figure:
 
 
 def _paint_map(
-    figure: Figure, axes: Axes, surface: Surface, geometry: Geometry, feed_mm: float
+    figure: Figure, axes: Axes, surface: GaugedSurface, geometry: Geometry, feed_mm: float
 ) -> None:
     limit_um = nice_limit(float(np.abs(surface.error_um).max(initial=0.0)))
     factor, unit = length_unit(limit_um)
@@ -117,21 +116,21 @@ def _paint_map(
     axes.set_ylabel("skirt height, mm")
 
 
-def section_at(surface: Surface, z_mm: float, half_band_mm: float) -> Surface:
+def section_at(surface: GaugedSurface, z_mm: float, half_band_mm: float) -> GaugedSurface:
     """Return the worst point of every `N_BINS`-th of a turn near a height, by rising angle."""
     near = np.flatnonzero(np.abs(surface.z_mm - z_mm) <= half_band_mm)
     index = (surface.turn[near] * N_BINS).astype(np.int64).clip(0, N_BINS - 1)
     worst = _worst_of(index, surface.error_um[near], N_BINS)
     rows = near[worst[worst >= 0]]
-    return Surface(*(column[rows] for column in surface))
+    return GaugedSurface(*(column[rows] for column in surface))
 
 
-def closed(near: Surface) -> Surface:
+def closed(near: GaugedSurface) -> GaugedSurface:
     """Return a section with its first point again at the end when it goes all around."""
     if near.turn.size < N_BINS:
         return near
     again = near.turn[:1] + 1
-    return Surface(
+    return GaugedSurface(
         np.append(near.turn, again), *(np.append(column, column[:1]) for column in near[1:])
     )
 
@@ -155,7 +154,9 @@ def _clock(axes: Axes, title: str, middle: str, names_at: float) -> None:
     axes.text(0, 0, middle, ha="center", va="center", color=GREY)
 
 
-def draw_shape(axes: Axes, near: Surface, geometry: Geometry, z_mm: float, factor: int) -> None:
+def draw_shape(
+    axes: Axes, near: GaugedSurface, geometry: Geometry, z_mm: float, factor: int
+) -> None:
     """Draw one section, its deviation from the long-axis circle enlarged by a factor."""
     a_mm = float(geometry.radius_mm(z_mm))
     delta_mm = geometry.delta(2 * np.pi * _TURN, z_mm).delta
@@ -171,7 +172,7 @@ def draw_shape(axes: Axes, near: Surface, geometry: Geometry, z_mm: float, facto
     _clock(axes, title, f"oval enlarged\n{factor}-fold", 1.17)
 
 
-def draw_roundness(axes: Axes, near: Surface, a_mm: float, limit_um: float) -> None:
+def draw_roundness(axes: Axes, near: GaugedSurface, a_mm: float, limit_um: float) -> None:
     """Draw one section's error like a roundness instrument: zero is the middle circle."""
     factor = round_to_two_digits(_ROOM * a_mm * _UM_PER_MM / limit_um)
     for ring, style in ((1 - _ROOM, ":"), (1.0, "-"), (1 + _ROOM, ":")):
@@ -202,7 +203,7 @@ def section_heights_mm(geometry: Geometry) -> Floats:
     return np.asarray(low + (high - low) * np.linspace(0.05, 0.95, N_SECTIONS), dtype=np.float64)
 
 
-def draw_sections(surface: Surface, geometry: Geometry, feed_mm: float) -> Figure:
+def draw_sections(surface: GaugedSurface, geometry: Geometry, feed_mm: float) -> Figure:
     """Return sections: above with the oval enlarged, below the error alone, enlarged far more."""
     low, high = heights_range_mm(geometry)
     heights = section_heights_mm(geometry)
@@ -230,7 +231,7 @@ def _section_handles() -> list[Line2D]:
     ]
 
 
-def bands_by_height(surface: Surface, z_range_mm: tuple[float, float]) -> Floats:
+def bands_by_height(surface: GaugedSurface, z_range_mm: tuple[float, float]) -> Floats:
     """Return the error in bands of height.
 
     Returns
@@ -252,7 +253,7 @@ def bands_by_height(surface: Surface, z_range_mm: tuple[float, float]) -> Floats
     return np.stack([centre_mm[some], least[some], most[some], rms])
 
 
-def draw_height(surface: Surface, geometry: Geometry) -> Figure:
+def draw_height(surface: GaugedSurface, geometry: Geometry) -> Figure:
     """Return the error of the surface over height: range and rms."""
     figure = new_figure(10, 3.6)
     axes = figure.add_subplot()
@@ -270,7 +271,7 @@ def draw_height(surface: Surface, geometry: Geometry) -> Figure:
     return figure
 
 
-def draw_overview(surface: Surface, geometry: Geometry, feed_mm: float, title: str) -> Figure:
+def draw_overview(surface: GaugedSurface, geometry: Geometry, feed_mm: float, title: str) -> Figure:
     """Return error map and one section side by side: the result at a glance."""
     figure = new_figure(11, 4.4)
     figure.suptitle(title)

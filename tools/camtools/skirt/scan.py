@@ -15,9 +15,9 @@ from scipy.interpolate import PPoly, make_interp_spline
 
 from camtools.base.errors import CamtoolsError, GeometryError, InputError
 from camtools.base.input_file import read_limited
+from camtools.base.quantities import Floats
 from camtools.skirt.poly_surface import N_ANGLE, N_HEIGHT, PolySurface, angle_pieces
 from camtools.skirt.profile import constant_spline, polygon_or_spline
-from camtools.skirt.sections import Floats
 
 HEADER = "angle_deg,z_mm,reduction_um"
 MIN_ANGLES, MAX_POINTS = 12, 200_000

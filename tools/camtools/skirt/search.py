@@ -20,11 +20,13 @@ from typing import NamedTuple
 import numpy as np
 
 from camtools.base.errors import CamtoolsError
-from camtools.skirt.accuracy import GRID_MARGIN, Accuracy, measure_u, measure_x
+from camtools.base.quantities import Ints
+from camtools.skirt.accuracy import Accuracy, measure_u, measure_x
+from camtools.skirt.channels import height_range_nm, u_channel, x_channel
 from camtools.skirt.estimate import height_error, probe
 from camtools.skirt.geometry import Geometry
+from camtools.table.evaluate import GRID_MARGIN
 from camtools.table.image import (
-    KNOT_SIZE,
     MAX_CHANNEL_BYTES,
     MAX_LOG2_KNOTS,
     MAX_SLICES,
@@ -32,9 +34,9 @@ from camtools.table.image import (
     MIN_LOG2_KNOTS,
     MIN_SPACING_NM,
     Channel,
-    Ints,
 )
-from camtools.table.quantise import TooLargeError, height_range_nm, u_channel, x_channel
+from camtools.table.quantise import TooLargeError
+from camtools.table.records import KNOT_SIZE
 
 DERIVATIVE_SHARE = 1e-3
 _MAX_PROBES, _MAX_MEASURES = 4000, 20
@@ -73,7 +75,7 @@ def angle_error(geometry: Geometry, log2_knots: int) -> Accuracy:
     return measure_u(geometry, channel, np.linspace(first, last, n_slices))
 
 
-class Candidate(NamedTuple):
+class SizeCandidate(NamedTuple):
     """A size of the u channel and what its error might be."""
 
     size: int
@@ -82,11 +84,11 @@ class Candidate(NamedTuple):
     estimate_nm: float
 
 
-def u_candidates(geometry: Geometry) -> list[Candidate]:
+def u_candidates(geometry: Geometry) -> list[SizeCandidate]:
     """Return all sizes that can satisfy the derivatives, smallest first."""
     counts = slice_counts(geometry)
     in_height = height_error(geometry).estimate_nm(counts)
-    found: list[Candidate] = []
+    found: list[SizeCandidate] = []
     for log2_knots in range(MIN_LOG2_KNOTS, MAX_LOG2_KNOTS + 1):
         fits = (counts << log2_knots) * KNOT_SIZE <= MAX_CHANNEL_BYTES
         if not fits.any():
@@ -100,7 +102,7 @@ def u_candidates(geometry: Geometry) -> list[Candidate]:
         estimates = np.maximum(in_height, in_angle.value_nm)[fits]
         sizes = (counts[fits] << log2_knots) * KNOT_SIZE
         found += [
-            Candidate(int(size), log2_knots, int(n), float(estimate))
+            SizeCandidate(int(size), log2_knots, int(n), float(estimate))
             for size, n, estimate in zip(sizes, counts[fits], estimates, strict=True)
         ]
         if in_angle.value_nm <= _AT_FLOOR_LSB * in_angle.lsb_nm:
@@ -108,7 +110,7 @@ def u_candidates(geometry: Geometry) -> list[Candidate]:
     return sorted(found)
 
 
-def _hopeful(geometry: Geometry, tolerance_nm: float) -> Iterator[Candidate]:
+def _hopeful(geometry: Geometry, tolerance_nm: float) -> Iterator[SizeCandidate]:
     """Yield the sizes whose estimates are within the tolerance, smallest first.
 
     The best estimate of all comes last, so that a failed search still measures it.

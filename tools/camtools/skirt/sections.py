@@ -12,22 +12,11 @@ shape is one class with `log2_repeat` and `evaluate`; nothing else has to know i
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol
+from typing import Protocol
 
 import numpy as np
-import numpy.typing as npt
 
-Floats = npt.NDArray[np.float64]
-FloatsLike = Floats | float
-
-
-class SectionValues(NamedTuple):
-    """Radius reduction and its derivatives with respect to the angle; shapes as broadcast."""
-
-    delta: Floats  # mm, 0 at the long axis
-    d1: Floats  # mm/rad
-    d2: Floats  # mm/rad^2
-    d3: Floats  # mm/rad^3
+from camtools.base.quantities import FloatsLike, SectionValues
 
 
 class Section(Protocol):

@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from camtools.base.quantities import Floats, omega_rad_s
 from camtools.cut.speedlaw import (
     N_GRID,
     Law,
@@ -24,27 +25,18 @@ from camtools.cut.speedlaw import (
     optimise,
     uniform,
 )
-from camtools.skirt.geometry import NM_PER_MM, Geometry, omega_rad_s
-from camtools.skirt.part import Limits, Part
-from camtools.skirt.sections import Floats
-from camtools.table.evaluate import evaluate_u_grid, knot_interval
+from camtools.part.common import MachineLimits
+from camtools.skirt.blank import blank_radius_mm
+from camtools.skirt.channels import height_range_nm
+from camtools.skirt.geometry import Geometry
+from camtools.skirt.part import SkirtPart
+from camtools.table.evaluate import knot_interval
 from camtools.table.image import KIND_SPEED, MAX_SPACING_NM, RATIO_ONE, Channel
-from camtools.table.quantise import height_range_nm, quantise, slice_heights_mm, with_bounds
+from camtools.table.modulation import MotionPeaks, peaks_together
+from camtools.table.quantise import quantise, slice_heights_mm, with_bounds
 
 _LOG2_KNOTS = 7  # per pattern: the table is within 1e-6 of laws of 32 control points
 _SLICES = 17
-_PLACES_PER_KNOT = 8
-_PEAK_MARGIN = 1.002  # between the places, and the firmware's rounding
-_HEIGHTS_BETWEEN = 4
-
-
-class MotionPeaks(NamedTuple):
-    """Peaks of a table with modulation, per mean speed and its square."""
-
-    ratio: float
-    spindle_rad2: float  # |r r'|
-    u1_mm: float  # |u' r|
-    u2_mm: float  # |u'' r^2 + u' r r'|
 
 
 class SpeedTable(NamedTuple):
@@ -59,12 +51,6 @@ class SpeedTable(NamedTuple):
     peaks: MotionPeaks
 
 
-def blank_radius_mm(part: Part, geometry: Geometry) -> float:
-    """Return the radius of the blank, a cylinder: largest long half axis plus cutting depth."""
-    z_mm = np.linspace(geometry.z_first_mm, geometry.z_last_mm, 4097)
-    return float(geometry.radius_mm(z_mm).max()) + part.process.depth_mm
-
-
 def load_at(geometry: Geometry, blank_mm: float, z_mm: float) -> Load:
     """Return the section at a height as a load of the spindle."""
     pattern_rad = 2 * np.pi / (1 << geometry.surface.log2_repeat)
@@ -73,7 +59,7 @@ def load_at(geometry: Geometry, blank_mm: float, z_mm: float) -> Load:
     return Load((blank_mm - rho) * (blank_mm + rho) / 2, u.d1, u.d2, pattern_rad)
 
 
-def limits_of(limits: Limits) -> SpeedLimits:
+def limits_of(limits: MachineLimits) -> SpeedLimits:
     """Return a part's limits as the speed law takes them."""
     return SpeedLimits(
         limits.alpha_rad_s2,
@@ -92,29 +78,7 @@ def _channel(laws: list[Law], range_nm: tuple[int, int], repeat: int) -> Channel
     return with_bounds(quantise(KIND_SPEED, np.stack(triple) * RATIO_ONE, repeat, range_nm))
 
 
-def _common_grid(channel: Channel, n_places: int) -> Floats:
-    per_knot = n_places // channel.knots.shape[1]
-    return np.asarray(np.arange(per_knot) / per_knot, dtype=np.float64)
-
-
-def peaks_together(u: Channel, speed: Channel) -> MotionPeaks:
-    """Return what both channels do together, on a grid finer than the knots of either."""
-    n = _PLACES_PER_KNOT * max(u.knots.shape[1], speed.knots.shape[1])
-    n_z = _HEIGHTS_BETWEEN * max(u.n_slices, speed.n_slices) + 1
-    z_nm = np.linspace(u.z_first_nm, u.z_last_nm, n_z)
-    found = np.zeros(4)
-    for some in np.array_split(z_nm, max(1, n_z * n // 500_000)):
-        motion = evaluate_u_grid(u, some, _common_grid(u, n))
-        told = evaluate_u_grid(speed, some, _common_grid(speed, n))
-        r, r1 = told.value / RATIO_ONE, told.d1 / RATIO_ONE
-        here = (r, r * r1, motion.d1 * r, motion.d2 * r**2 + motion.d1 * r * r1)
-        found = np.maximum(found, [float(np.abs(one).max()) for one in here])
-    nm, margin = NM_PER_MM, _PEAK_MARGIN
-    ratio, spindle, u1, u2 = (float(one) for one in found)
-    return MotionPeaks(ratio * margin, spindle * margin, u1 / nm * margin, u2 / nm * margin)
-
-
-def make_speed(part: Part, geometry: Geometry, u: Channel, uniform_rpm: float) -> SpeedTable:
+def make_speed(part: SkirtPart, geometry: Geometry, u: Channel, uniform_rpm: float) -> SpeedTable:
     """Return the speed channel of least ripple for a part, at its own mean speed.
 
     Parameters
@@ -153,7 +117,7 @@ def worst_of(laws: tuple[Law, ...]) -> int:
     return int(np.argmax([law.ripple for law in laws]))
 
 
-def summary_of(speed: SpeedTable, part: Part, geometry: Geometry) -> dict[str, object]:
+def summary_of(speed: SpeedTable, part: SkirtPart, geometry: Geometry) -> dict[str, object]:
     """Return what modulation brings, as JSON values."""
     worst = worst_of(speed.laws)
     turns = (geometry.z_last_mm - geometry.z_first_mm) / part.process.feed_mm

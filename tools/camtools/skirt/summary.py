@@ -8,34 +8,31 @@
 
 from __future__ import annotations
 
-import json
-import struct
-from typing import Any
-
 import numpy as np
 from scipy.interpolate import PPoly
 
+from camtools.base.json_text import Json
+from camtools.base.quantities import omega_rad_s
 from camtools.cut.feasibility import given_of, needed_of
 from camtools.skirt.accuracy import Accuracy
 from camtools.skirt.corner import Corner
-from camtools.skirt.generate import Generated, peaks_of_table
-from camtools.skirt.geometry import NM_PER_MM, Geometry, dense_heights_mm, omega_rad_s
+from camtools.skirt.generate import GeneratedSkirt, peaks_of_table
+from camtools.skirt.geometry import Geometry, dense_heights_mm
 from camtools.skirt.poly_surface import PolySurface
 from camtools.skirt.speed import summary_of
-from camtools.table.evaluate import Continuity, jumps, knot_interval
-from camtools.table.image import CRC_OFFSET, KIND_U, KIND_X, Channel, pack
+from camtools.table.evaluate import Continuity, jumps
+from camtools.table.image import KIND_U, KIND_X, Channel
+from camtools.table.summary import about_image, describe_channel
 
 _PEAK_ANGLES = 1440
 _PEAK_HEIGHTS_PER_PIECE = 16
-
-Json = dict[str, Any]
 
 
 def _piecewise(spline: PPoly) -> Json:
     return {"breaks_mm": spline.x.tolist(), "coefficients": spline.c.T.tolist()}
 
 
-def design_of(result: Generated) -> Json:
+def design_of(result: GeneratedSkirt) -> Json:
     """Return the exact geometry, independent of the table: what a gauge compares with."""
     section, surface = result.part.piston.section, result.geometry.surface
     if isinstance(surface, PolySurface):
@@ -64,23 +61,6 @@ def motion_peaks(geometry: Geometry, spindle_rpm: float, feed_mm: float) -> Json
     }
 
 
-def describe_channel(channel: Channel) -> Json:
-    """Return the size of a channel and the bounds of its knots."""
-    interval = knot_interval(channel)
-    return {
-        "bytes": channel.size,
-        "n_slices": channel.n_slices,
-        "knots_per_pattern": int(channel.knots.shape[1]),
-        "patterns_per_turn": 1 << channel.log2_repeat,
-        "frac_bits": channel.frac_bits,
-        "lsb_nm": channel.lsb_nm,
-        "knot_interval": interval / NM_PER_MM if channel.kind == KIND_X else np.degrees(interval),
-        "knot_interval_unit": "mm" if channel.kind == KIND_X else "degrees",
-        "spacing_mm": (channel.z_last_nm - channel.z_first_nm) / (channel.n_slices - 1) / NM_PER_MM,
-        "bounds": {name: getattr(channel, name) for name in ("p_min", "p_max", "v_max", "a_max")},
-    }
-
-
 def _error(accuracy: Accuracy, per: str) -> Json:
     return {
         "value_nm": accuracy.value_nm,
@@ -100,7 +80,7 @@ def _jumps(channel: Channel) -> Json:
     }
 
 
-def _process(result: Generated) -> Json:
+def _process(result: GeneratedSkirt) -> Json:
     process, magnify = result.part.process, result.part.magnify
     return {
         "spindle_rpm": float(process.spindle_rpm),
@@ -111,7 +91,7 @@ def _process(result: Generated) -> Json:
     }
 
 
-def _feasibility(result: Generated) -> Json:
+def _feasibility(result: GeneratedSkirt) -> Json:
     limits = result.part.machine.limits
     peaks, given = peaks_of_table(result.table, result.speed), given_of(limits)
     needed = needed_of(peaks, limits, omega_rad_s(result.part.process.spindle_rpm))
@@ -139,7 +119,7 @@ def _refit(corner: Corner) -> Json:
     }
 
 
-def _extras(result: Generated) -> Json:
+def _extras(result: GeneratedSkirt) -> Json:
     """Return what only some parts have: a corner, measured points, a modulated spindle."""
     extras: Json = {}
     if result.geometry.corner is not None:
@@ -151,28 +131,22 @@ def _extras(result: Generated) -> Json:
     return extras
 
 
-def make_summary(result: Generated) -> Json:
+def make_summary(result: GeneratedSkirt) -> Json:
     """Return everything that is known about a table, ready for JSON; no dates, no paths."""
-    table, image = result.table, pack(result.table)
+    table = result.table
     u, x = table.channel(KIND_U), table.channel(KIND_X)
     process = result.part.process
-    return _extras(result) | {
-        "part": {"name": table.part_name, "source": result.part.part.source},
-        "process": _process(result),
-        "table_bytes": len(image),
-        "table_crc32": struct.unpack_from("<I", image, CRC_OFFSET)[0],
-        "tolerance_nm": float(result.tolerance_nm),
-        "height_range_mm": [table.z_first_nm / NM_PER_MM, table.z_last_nm / NM_PER_MM],
-        "channels": {"u": describe_channel(u), "x": describe_channel(x)},
-        "error": {"u": _error(result.accuracy_u, "rad"), "x": _error(result.accuracy_x, "mm")},
-        "continuity": {"u": _jumps(u), "x": _jumps(x)},
-        "guaranteed": vars(table.bounds),
-        "motion": motion_peaks(result.geometry, process.spindle_rpm, process.feed_mm),
-        "feasibility": _feasibility(result),
-        "design": design_of(result),
-    }
-
-
-def emit_json(summary: Json) -> str:
-    """Return a summary as JSON text: sorted keys, full double precision, deterministic."""
-    return json.dumps(summary, indent=1, sort_keys=True, allow_nan=False) + "\n"
+    return (
+        _extras(result)
+        | about_image(table, result.tolerance_nm)
+        | {
+            "part": {"name": table.part_name, "source": result.part.part.source},
+            "process": _process(result),
+            "channels": {"u": describe_channel(u), "x": describe_channel(x)},
+            "error": {"u": _error(result.accuracy_u, "rad"), "x": _error(result.accuracy_x, "mm")},
+            "continuity": {"u": _jumps(u), "x": _jumps(x)},
+            "motion": motion_peaks(result.geometry, process.spindle_rpm, process.feed_mm),
+            "feasibility": _feasibility(result),
+            "design": design_of(result),
+        }
+    )

@@ -9,8 +9,8 @@
 
 from __future__ import annotations
 
+from camtools.base.json_text import Json
 from camtools.cut.feasibility import tenth_below
-from camtools.skirt.summary import Json
 
 
 def emit_text(summary: Json) -> str:

@@ -1,6 +1,6 @@
 """Ring-helix beside plain helices: turns, time, Z's motion, scallops, MATHS.md (40) .. (43).
 
->>> study = make_study(0.0, 62.0, 0.2, 1000.0, 0.8, Limits())
+>>> study = make_study(0.0, 62.0, 0.2, 1000.0, 0.8, MachineLimits())
 >>> [(one.path.turns, f"{one.scallop_um.max():.4f}") for one in study.rows]
 [(621.0, '6.2500'), (620.0, '1.5625'), (310.0, '6.2500')]
 """
@@ -11,20 +11,20 @@ from typing import NamedTuple
 
 import numpy as np
 
-from camtools.cut.path import Path, highest_rpm, ramp_of
-from camtools.skirt.part import Limits
-from camtools.skirt.sections import Floats
+from camtools.base.quantities import Floats
+from camtools.cut.path import ToolPath, highest_rpm, ramp_of
+from camtools.part.common import MachineLimits
 
 N_ANGLES, N_HEIGHTS = 240, 401
 _SECTIONS = 4  # of the map
 _UM_PER_MM = 1000.0
 
 
-class Row(NamedTuple):
+class PathRow(NamedTuple):
     """One way of turning the part."""
 
     name: str
-    path: Path
+    path: ToolPath
     rpm: float
     z_speed_mm_s: float  # largest
     z_acceleration_mm_s2: float  # within the path, its ends not counted
@@ -39,19 +39,19 @@ class Row(NamedTuple):
 class PathStudy(NamedTuple):
     """The comparison, and the heights of its maps."""
 
-    rows: tuple[Row, ...]
+    rows: tuple[PathRow, ...]
     z_mm: Floats  # shape (N_HEIGHTS,)
     nose_mm: float
     wanted_rpm: float
 
 
-def _row(name: str, path: Path, rpm: float, z_mm: Floats, nose_mm: float) -> Row:
+def _row(name: str, path: ToolPath, rpm: float, z_mm: Floats, nose_mm: float) -> PathRow:
     per_s, r = rpm / 60, path.ramp
     acceleration = path.feed_mm * per_s**2 / (r * (1 - r)) if r > 0 else 0.0
     angles = np.arange(N_ANGLES) / N_ANGLES
     scallop = np.stack([path.scallop_mm(float(angle), z_mm, nose_mm) for angle in angles])
     speed = path.feed_mm * per_s / (1 - r)
-    return Row(name, path, rpm, speed, acceleration, scallop * _UM_PER_MM)
+    return PathRow(name, path, rpm, speed, acceleration, scallop * _UM_PER_MM)
 
 
 def make_study(
@@ -60,7 +60,7 @@ def make_study(
     feed_mm: float,
     rpm: float,
     nose_mm: float,
-    limits: Limits,
+    limits: MachineLimits,
 ) -> PathStudy:
     """Return the comparison of a ring-helix with helices of as many turns and of the same lead.
 
@@ -80,9 +80,9 @@ def make_study(
     z_mm = np.linspace(low, min(low + _SECTIONS * feed_mm, z_last_mm), N_HEIGHTS)
     ends = z_first_mm, z_last_mm
     rows = (
-        _row("ring-helix", Path("ring-helix", *ends, feed_mm, ramp), ring_rpm, z_mm, nose_mm),
-        _row("helix, half the feed", Path("helix", *ends, feed_mm / 2), rpm, z_mm, nose_mm),
-        _row("helix", Path("helix", *ends, feed_mm), rpm, z_mm, nose_mm),
+        _row("ring-helix", ToolPath("ring-helix", *ends, feed_mm, ramp), ring_rpm, z_mm, nose_mm),
+        _row("helix, half the feed", ToolPath("helix", *ends, feed_mm / 2), rpm, z_mm, nose_mm),
+        _row("helix", ToolPath("helix", *ends, feed_mm), rpm, z_mm, nose_mm),
     )
     return PathStudy(rows, z_mm, nose_mm, rpm)
 

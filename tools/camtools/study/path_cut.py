@@ -14,13 +14,15 @@ from typing import NamedTuple
 import numpy as np
 
 from camtools.base.errors import CamtoolsError
-from camtools.cli.mktables import products
+from camtools.base.json_text import Json
+from camtools.base.quantities import Floats
 from camtools.sim.camsim import Simulator, machine_text
-from camtools.sim.results import Json, read_summary
-from camtools.skirt.generate import Generated, generate
-from camtools.skirt.part import Part
-from camtools.skirt.sections import Floats
-from camtools.study.path import N_ANGLES, N_HEIGHTS, PathStudy, Row, make_study
+from camtools.sim.results import read_summary
+from camtools.skirt.generate import GeneratedSkirt, generate
+from camtools.skirt.part import SkirtPart
+from camtools.skirt.summary import make_summary
+from camtools.study.path import N_ANGLES, N_HEIGHTS, PathRow, PathStudy, make_study
+from camtools.table.summary import table_files
 
 _MACHINE = "machine.toml"
 _UM_PER_MM = 1000.0
@@ -34,7 +36,7 @@ def peak_to_valley(map_um: Floats) -> Floats:
 class PathCut(NamedTuple):
     """One way of turning the part: what theory says of it, and what the simulator measured."""
 
-    row: Row
+    row: PathRow
     turns: float  # of the state cutting
     time_s: float
     form_error_um: float
@@ -61,26 +63,26 @@ def read_scallop(path: Path) -> Floats:
     return grid(np.loadtxt(path, delimiter=",", skiprows=1, usecols=2))
 
 
-def with_path(part: Part, path: str) -> Part:
+def with_path(part: SkirtPart, path: str) -> SkirtPart:
     """Return the part along another path."""
     process = part.process.model_copy(update={"path": path, "mode": "uniform"})
     return part.model_copy(update={"process": process})
 
 
-def _write_tables(generated: Generated, folder: Path) -> dict[str, Path]:
+def _write_tables(generated: GeneratedSkirt, folder: Path) -> dict[str, Path]:
     """Write the table of each path into a folder of its own; return the tables."""
     found = {}
     for path in ("ring-helix", "helix"):
         one = replace(generated, part=with_path(generated.part, path))
         table = replace(generated.table, is_ring_helix=path == "ring-helix")
         (folder / path).mkdir()
-        for name, data in products(replace(one, table=table), with_plots=False).items():
+        for name, data in table_files(table, make_summary(replace(one, table=table))).items():
             (folder / path / name).write_bytes(data)
         found[path] = Path(path) / f"{generated.table.part_name}.camtab"
     return found
 
 
-def _words(study: PathStudy, row: Row) -> list[str]:
+def _words(study: PathStudy, row: PathRow) -> list[str]:
     low, high = float(study.z_mm[0]), float(study.z_mm[-1])
     return [
         *("--machine", _MACHINE, "--rpm", repr(row.rpm), "--feed", repr(row.path.feed_mm)),
@@ -88,7 +90,7 @@ def _words(study: PathStudy, row: Row) -> list[str]:
     ]
 
 
-def _cut(simulator: Simulator, study: PathStudy, row: Row) -> PathCut:
+def _cut(simulator: Simulator, study: PathStudy, row: PathRow) -> PathCut:
     """Cut one way.
 
     Raises
@@ -109,7 +111,7 @@ def _cut(simulator: Simulator, study: PathStudy, row: Row) -> PathCut:
 
 
 def cut_paths(
-    part: Part, nose_mm: float, program: Path, folder: Path
+    part: SkirtPart, nose_mm: float, program: Path, folder: Path
 ) -> tuple[PathStudy, tuple[PathCut, ...]]:
     """Cut a part along a ring-helix and along helices of as many turns and of the same lead.
 
@@ -142,7 +144,7 @@ def cut_paths(
     return study, tuple(cuts)
 
 
-def predicted_scallop_um(row: Row) -> Floats:
+def predicted_scallop_um(row: PathRow) -> Floats:
     """Return the predicted peak to valley at every angle."""
     return peak_to_valley(row.scallop_um)
 

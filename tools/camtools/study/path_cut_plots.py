@@ -12,8 +12,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from camtools.base.quantities import Floats
 from camtools.plots.style import BLUE, GREY, ORANGE, angle_axis, drawing, new_figure, png_of
-from camtools.skirt.sections import Floats
 from camtools.study.path import PathStudy
 from camtools.study.path_cut import PathCut, predicted_scallop_um
 from camtools.study.path_plots import paint_map

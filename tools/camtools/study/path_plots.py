@@ -1,8 +1,8 @@
 """Pictures of paths: unrolled, and the scallops they leave.
 
->>> from camtools.skirt.part import Limits
+>>> from camtools.part.common import MachineLimits
 >>> from camtools.study.path import make_study
->>> sorted(draw_all("example", make_study(0.0, 62.0, 0.2, 1000.0, 0.8, Limits())))
+>>> sorted(draw_all("example", make_study(0.0, 62.0, 0.2, 1000.0, 0.8, MachineLimits())))
 ['path_scallop', 'path_unrolled']
 """
 
@@ -13,16 +13,16 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 
-from camtools.cut.path import Path
+from camtools.base.quantities import Floats
+from camtools.cut.path import ToolPath
 from camtools.plots.style import BLUE, GREY, ORANGE, angle_axis, drawing, new_figure, png_of
-from camtools.skirt.sections import Floats
 from camtools.study.path import PathStudy
 
 _POINTS = 361
 _DEG = np.linspace(0, 360, _POINTS)
 
 
-def _tracks(axes: Axes, path: Path, low_mm: float, high_mm: float) -> None:
+def _tracks(axes: Axes, path: ToolPath, low_mm: float, high_mm: float) -> None:
     """Draw every turn that touches the heights: rings blue, helix turns orange."""
     named: set[str] = set()
     for turn in range(int(np.ceil(path.turns))):
@@ -49,7 +49,9 @@ def draw_unrolled(name: str, study: PathStudy) -> Figure:
         axes.set_title(f"{row.name}, {row.path.feed_mm:g} mm")
         axes.set_ylim(low - 0.1 * ring.path.feed_mm, high + 0.1 * ring.path.feed_mm)
         axes.grid(alpha=0.3)
-    straight = Path(ring.path.kind, ring.path.z_first_mm, ring.path.z_last_mm, ring.path.feed_mm)
+    straight = ToolPath(
+        ring.path.kind, ring.path.z_first_mm, ring.path.z_last_mm, ring.path.feed_mm
+    )
     first = 2 * round((low - straight.z_first_mm) / straight.feed_mm) + 1
     as_printed = straight.height_mm(first + _DEG / 360)
     panels[0].plot(_DEG, as_printed, color=GREY, ls="--", lw=1, label="as printed, without ramps")

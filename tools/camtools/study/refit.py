@@ -17,7 +17,7 @@ import numpy as np
 
 from camtools.skirt.composite import Joint
 from camtools.skirt.corner import Corner
-from camtools.skirt.refit import Candidate, Recipe, judge, judge_all
+from camtools.skirt.refit import Recipe, RefitCandidate, judge, judge_all
 
 # The paper's Table 1, largest jerk, rows s2 = 0 .. 3, columns s1 = 0 .. 3.
 PAPER_JERK_MM_S3 = (
@@ -32,12 +32,12 @@ _PAPER_DIAMETER_MM = 90.929096914
 _NEAR_MM, _NEAR = 0.2, 1e-9
 
 
-class Variant(NamedTuple):
+class RefitVariant(NamedTuple):
     """One way to go round the corner."""
 
     name: str
     recipe: Recipe
-    found: Candidate
+    found: RefitCandidate
     paper_mm_s2: float | None  # peak acceleration
 
 
@@ -48,9 +48,9 @@ class Study(NamedTuple):
     height_mm: float
     spindle_rpm: float
     is_papers: bool
-    variants: tuple[Variant, ...]
-    as_paper: tuple[Candidate, ...]
-    mirror: tuple[Candidate, ...]
+    variants: tuple[RefitVariant, ...]
+    as_paper: tuple[RefitCandidate, ...]
+    mirror: tuple[RefitCandidate, ...]
 
 
 def is_papers_section(joint: Joint, spindle_rpm: float) -> bool:
@@ -78,7 +78,7 @@ def study(corner: Corner, height_mm: float, spindle_rpm: float) -> Study:
         ("quintic, (3, 3) deleted, mirror ends", Recipe("quintic", 3, 3, "mirror"), None),
     )
     variants = tuple(
-        Variant(name, recipe, judge(joint, recipe, spindle_rpm), peak if is_papers else None)
+        RefitVariant(name, recipe, judge(joint, recipe, spindle_rpm), peak if is_papers else None)
         for name, recipe, peak in ways
     )
     found = tuple(as_paper), tuple(mirror)

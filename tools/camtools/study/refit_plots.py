@@ -13,6 +13,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from camtools.base.quantities import omega_rad_s
 from camtools.plots.style import (
     BLUE,
     GREEN,
@@ -24,7 +25,6 @@ from camtools.plots.style import (
     new_figure,
     png_of,
 )
-from camtools.skirt.geometry import omega_rad_s
 from camtools.skirt.refit import PAPER_JERK_LIMIT_MM_S3, ellipse_steps, refit
 from camtools.study.refit import PAPER_JERK_MM_S3, Study
 

@@ -1,7 +1,7 @@
 """What is worked out about one section of a part: the numbers behind tables and pictures.
 
 >>> from camtools.skirt.part import example_part
->>> study = make_analysis(example_part(), Wishes())
+>>> study = make_analysis(example_part(), AnalysisWishes())
 >>> study.height_mm, study.steps.area_mm2.size
 (20.0, 31)
 """
@@ -14,6 +14,7 @@ from math import isfinite
 import numpy as np
 
 from camtools.base.errors import CamtoolsError
+from camtools.base.quantities import Floats
 from camtools.cut.removal import (
     TURN_RAD,
     Parts,
@@ -26,20 +27,19 @@ from camtools.cut.removal import (
     parts_of,
     parts_range,
     rates_of,
-    section_cut,
     speed_peaks,
     steps_of,
 )
+from camtools.skirt.blank import section_cut
 from camtools.skirt.geometry import Geometry, make_geometry
-from camtools.skirt.part import Part
-from camtools.skirt.sections import Floats
+from camtools.skirt.part import SkirtPart
 
 N_HARMONICS = 12
 MAX_PARTS, MAX_TURNS = 1000, 100
 
 
 @dataclass(frozen=True)
-class Wishes:
+class AnalysisWishes:
     """What the user may choose; None is the part's own."""
 
     height_mm: float | None = None
@@ -58,7 +58,7 @@ class Analysis:
     """Everything about one section; see `removal` for the parts."""
 
     name: str
-    part: Part
+    part: SkirtPart
     geometry: Geometry
     cut: SectionCut
     height_mm: float
@@ -80,7 +80,7 @@ def _refuse(option: str, value: object, problem: str, remedy: str) -> CamtoolsEr
     return CamtoolsError([f"{option} {value}: {problem}; {remedy}"])
 
 
-def _check(wishes: Wishes) -> None:
+def _check(wishes: AnalysisWishes) -> None:
     numbers = {
         "--step-deg": (wishes.step_deg, 0.01, 45.0),
         "--slice-volume-mm3": (wishes.slice_volume_mm3, 1e-9, 1e6),
@@ -99,7 +99,7 @@ def _check(wishes: Wishes) -> None:
         raise _refuse("--step-deg", wishes.step_deg, problem, "give 1, 2, 3, 5 ...")
 
 
-def _height_of(part: Part, wishes: Wishes) -> float:
+def _height_of(part: SkirtPart, wishes: AnalysisWishes) -> float:
     profile = part.piston.profile
     low, high = float(profile.height_mm[0]), float(profile.height_mm[-1])
     if wishes.height_mm is None:
@@ -111,7 +111,7 @@ def _height_of(part: Part, wishes: Wishes) -> float:
     return wishes.height_mm
 
 
-def make_analysis(part: Part, wishes: Wishes) -> Analysis:
+def make_analysis(part: SkirtPart, wishes: AnalysisWishes) -> Analysis:
     """Return the analysis of a part's section.
 
     Raises

@@ -1,8 +1,8 @@
 """Pictures of the analysis of one section.
 
->>> from camtools.study.section import Wishes, make_analysis
+>>> from camtools.study.section import AnalysisWishes, make_analysis
 >>> from camtools.skirt.part import example_part
->>> sorted(draw_all(make_analysis(example_part(), Wishes())))[:2]
+>>> sorted(draw_all(make_analysis(example_part(), AnalysisWishes())))[:2]
 ['area', 'forces']
 """
 
@@ -12,6 +12,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from camtools.base.quantities import Floats
 from camtools.cut.removal import TURN_RAD, motion_at
 from camtools.plots.style import (
     BLUE,
@@ -24,7 +25,6 @@ from camtools.plots.style import (
     new_figure,
     png_of,
 )
-from camtools.skirt.sections import Floats
 from camtools.study.section import Analysis
 
 _TURN_DEG = np.linspace(0, 360, 1441)

@@ -10,8 +10,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from camtools.cut.removal import TURN_RAD, axes_at, equal_volume_angles, mean_rpm_for, motion_at
-from camtools.skirt.sections import Floats
+from camtools.base.quantities import Floats
+from camtools.cut.removal import TURN_RAD, equal_volume_angles, mean_rpm_for, motion_at
+from camtools.skirt.blank import axes_at
 from camtools.study.section import Analysis
 
 _MEAN_RPM = (300.0, 800.0, 1500.0, 2500.0)

@@ -1,8 +1,9 @@
 """What the analysis of a section comes to, as JSON values and in words.
 
->>> from camtools.study.section import Wishes, make_analysis
+>>> from camtools.study.section import AnalysisWishes, make_analysis
 >>> from camtools.skirt.part import example_part
->>> figures(make_analysis(example_part(), Wishes()))["parts"]["largest_depth_change_in_part"]
+>>> parts = figures(make_analysis(example_part(), AnalysisWishes()))["parts"]
+>>> parts["largest_depth_change_in_part"]
 9
 """
 

@@ -11,8 +11,9 @@ import sys
 from pathlib import Path
 
 from camtools.base.errors import CamtoolsError
+from camtools.pipeline.load import load_for
 from camtools.skirt.generate import generate
-from camtools.skirt.part import Part, load_part
+from camtools.skirt.part import SkirtPart
 from camtools.table.image import KIND_U, KIND_X, pack
 
 TOLERANCES_NM = (100.0, 10.0, 3.0, 1.0, 0.3, 0.1, 0.03, 0.01)
@@ -22,7 +23,7 @@ _HEADER = """\
 """
 
 
-def row(part: Part, tolerance_nm: float) -> str:
+def row(part: SkirtPart, tolerance_nm: float) -> str:
     """Return one line of the table: what this tolerance takes."""
     result = generate(part, tolerance_nm)
     u, x = result.table.channel(KIND_U), result.table.channel(KIND_X)
@@ -41,7 +42,7 @@ def main(argv: list[str]) -> int:
         sys.stderr.write("usage: python -m camtools.study.trade PART.toml\n")
         return 2
     try:
-        part = load_part(Path(argv[0]))
+        part = load_for("trade", SkirtPart, Path(argv[0]))
         rows = [row(part, tolerance_nm) for tolerance_nm in TOLERANCES_NM]
     except CamtoolsError as error:
         sys.stderr.write(f"{error}\n")

@@ -13,8 +13,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from camtools.skirt.sections import Floats
-from camtools.table.image import KIND_X, Channel, Ints, channel_coefficients, segment_coefficients
+from camtools.base.quantities import Floats, Ints
+from camtools.table.image import KIND_X, Channel, channel_coefficients
+from camtools.table.quintics import segment_coefficients
 
 _SUBDIVISIONS = 8
 
@@ -52,8 +53,8 @@ def power_rows(t: Floats) -> Floats:
 
 
 def _scaled(channel: Channel, raw: Floats) -> Values:
-    h, lsb = knot_interval(channel), channel.lsb_nm
-    return Values(channel.offset_nm + raw[0] * lsb, raw[1] * (lsb / h), raw[2] * (lsb / h**2))
+    h, lsb = knot_interval(channel), channel.lsb
+    return Values(channel.origin + raw[0] * lsb, raw[1] * (lsb / h), raw[2] * (lsb / h**2))
 
 
 def evaluate_u_grid(channel: Channel, z_nm: Floats, t: Floats) -> Values:
@@ -76,7 +77,7 @@ def evaluate_u_grid(channel: Channel, z_nm: Floats, t: Floats) -> Values:
     i_slice, weight = locate(channel, z_nm)
     w = weight[:, None, None]
     blended = (1 - w) * channel.knots[i_slice] + w * channel.knots[i_slice + 1]
-    coefficients = segment_coefficients(blended, periodic=True)  # type: ignore[arg-type]
+    coefficients = segment_coefficients(blended, periodic=True)
     raw = np.einsum("zkc,dct->dzkt", coefficients, power_rows(t), optimize=True)
     return _scaled(channel, raw.reshape(3, z_nm.size, -1))
 
@@ -173,8 +174,17 @@ def jumps(channel: Channel) -> tuple[Continuity, Continuity]:
     c = channel_coefficients(channel)
     ends, starts = c @ _AT_END.T, np.roll(c, -1, axis=-2) @ _AT_START.T
     gap = np.abs(ends - starts).reshape(-1, c.shape[-2], 3).max(axis=0)
-    h, lsb = knot_interval(channel), channel.lsb_nm
+    h, lsb = knot_interval(channel), channel.lsb
     scale = np.array([lsb, lsb / h, lsb / h**2])
     inside = gap[:-1].max(axis=0, initial=0) * scale
     wrap = gap[-1] * scale if channel.kind != KIND_X else np.zeros(3)
     return Continuity(*map(float, inside)), Continuity(*map(float, wrap))
+
+
+ROUNDING_LSB = 1.0  # what the firmware's arithmetic may add to the table's own error
+
+
+GRID_MARGIN = 1.01  # the worst place may lie between the points of the grid
+
+
+PLACES = np.array([0.0, 0.03, 0.11, 0.21, 0.31, 0.41, 0.5, 0.62, 0.73, 0.83, 0.93, 0.98])

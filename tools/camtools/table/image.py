@@ -1,5 +1,7 @@
 """The table image, bytes <-> dataclasses, exactly as firmware/table/TABLE_FORMAT.md.
 
+Every record is packed and read by the names of its fields, which are those of that document.
+
 >>> slices_per_nm_q48(32, 0, 62_000_000)
 140737488
 """
@@ -7,31 +9,41 @@
 from __future__ import annotations
 
 import re
-import struct
 import zlib
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from camtools.base.quantities import Ints
+from camtools.table.quintics import segment_coefficients
+from camtools.table.records import (
+    CRC_START,
+    ENTRY,
+    ENTRY_SIZE,
+    HEADER,
+    HEADER_SIZE,
+    KNOT,
+    KNOT_SIZE,
+    bytes_of,
+    fields_of,
+)
+
 Knots = npt.NDArray[np.int32]
-Ints = npt.NDArray[np.int64]
 
 MAGIC = b"CAMTAB\x1a\n"
-BYTE_ORDER = 0x01020304
+BYTE_ORDER, VERSION = 0x01020304, (1, 0)
 KIND_U, KIND_X, KIND_SPEED, KIND_SWING, KIND_CONTACT = 1, 2, 3, 4, 5
 RATIO_ONE = 1 << 20  # unit of a speed ratio's values, where u and x count nanometres
 MIN_RATIO, MAX_RATIO = RATIO_ONE // 16, RATIO_ONE * 4
 ANGLE_TURN, ANGLE_MAX = 1 << 26, 1 << 24  # unit of swing and contact; a quarter turn
-HEADER_SIZE, ENTRY_SIZE, ALIGN, KNOT_SIZE = 128, 64, 32, 12
-CRC_OFFSET, CRC_START = 20, 24
+ALIGN = 32
 MAX_CHANNEL_BYTES = 1 << 20  # the generators make no larger one
 SUM_LIMIT = 2**25 - 1
 MIN_SPACING_NM, MAX_SPACING_NM = 65_537, 16_777_216
 MAX_SLICES, MAX_LOG2_KNOTS, MIN_LOG2_KNOTS, MAX_LOG2_REPEAT, MAX_FRAC_BITS = 4096, 12, 2, 4, 8
-_HEADER = struct.Struct("<8sIHHIIII32siiiIIIIIIIiiIIII")
-_ENTRY = struct.Struct("<IIIIIIIiiIiiiIII")
 
 
 class ImageError(Exception):
@@ -39,12 +51,12 @@ class ImageError(Exception):
 
 
 @dataclass(frozen=True)
-class Limits:
+class ImageLimits:
     """U limits and spindle limit of the machine the table was made for, in the image's units."""
 
     u_stroke_nm: int
-    u_speed_um_s: int
-    u_acceleration_mm_s2: int
+    u_speed_um_per_s: int
+    u_acceleration_mm_per_s2: int
     spindle_mrpm: int
 
 
@@ -81,8 +93,8 @@ class Channel:
         0 .. 16.
     z_first_nm, z_last_nm : int
         Heights of the first and the last slice.
-    offset_nm : int
-        Value at p = 0.
+    origin : int
+        Value at p = 0, in the unit of the channel.
     p_min, p_max, v_max, a_max : int
         Bounds of p and of the magnitudes of v and a.
     """
@@ -93,7 +105,7 @@ class Channel:
     frac_bits: int
     z_first_nm: int
     z_last_nm: int
-    offset_nm: int
+    origin: int
     p_min: int
     p_max: int
     v_max: int
@@ -115,8 +127,8 @@ class Channel:
         return int(self.knots.size) * 4
 
     @property
-    def lsb_nm(self) -> float:
-        """Value of one unit of the knots."""
+    def lsb(self) -> float:
+        """Value of one unit of the knots, in the unit of the channel: nm for u and x."""
         return float(2.0**-self.frac_bits)
 
     @property
@@ -136,7 +148,7 @@ class Table:
     spindle_mrpm: int
     feed_nm: int
     depth_nm: int
-    limits: Limits
+    limits: ImageLimits
     bounds: Bounds
     channels: tuple[Channel, ...]
     is_ring_helix: bool = False  # a geared Z follows a ring-helix, not a helix
@@ -161,31 +173,6 @@ def slices_per_nm_q48(n_slices: int, z_first_nm: int, z_last_nm: int) -> int:
     """Return round((n - 1) 2^48 / (z_last - z_first)), half up, in exact integers."""
     span_nm = z_last_nm - z_first_nm
     return (((n_slices - 1) << 49) + span_nm) // (2 * span_nm)
-
-
-def segment_coefficients(knots: Ints, *, periodic: bool) -> Ints:
-    """Return the quintics between neighbouring knots, exactly, MATHS.md (46).
-
-    Parameters
-    ----------
-    knots : ndarray of int64, shape (..., n, 3)
-        Triples (p, v, a) along the second last axis.
-    periodic : bool
-        Whether the first knot follows the last one.
-
-    Returns
-    -------
-    ndarray of int64, shape (..., n, 6) or (..., n - 1, 6)
-        c0 .. c5 of each segment in t = 0 .. 1, LSB as the knots.
-    """
-    left = knots if periodic else knots[..., :-1, :]
-    right = np.roll(knots, -1, axis=-2) if periodic else knots[..., 1:, :]
-    p, v, a = left[..., 0], left[..., 1], left[..., 2]
-    dp = right[..., 0] - p - v - a
-    dv = right[..., 1] - v - 2 * a
-    da = right[..., 2] - a
-    c3, c4, c5 = 10 * dp - 4 * dv + da, -15 * dp + 7 * dv - 2 * da, 6 * dp - 3 * dv + da
-    return np.stack([p, v, a, c3, c4, c5], axis=-1)
 
 
 def channel_coefficients(channel: Channel) -> Ints:
@@ -215,26 +202,48 @@ def _offsets(channels: tuple[Channel, ...]) -> list[int]:
     return offsets
 
 
-def _pack_header(table: Table, image_size: int, crc32: int) -> bytes:
-    limits, bounds = table.limits, table.bounds
-    return _HEADER.pack(
-        *(MAGIC, BYTE_ORDER, 1, 0, image_size, crc32, HEADER_SIZE, len(table.channels)),
-        *(table.part_name.encode("ascii"), table.z_first_nm, table.z_last_nm, table.direction),
-        *(table.spindle_mrpm, table.feed_nm, table.depth_nm, limits.u_stroke_nm),
-        *(limits.u_speed_um_s, limits.u_acceleration_mm_s2, limits.spindle_mrpm),
-        *(bounds.u_min_nm, bounds.u_max_nm, bounds.u1_peak_nm_per_rad),
-        *(bounds.u2_peak_nm_per_rad2, bounds.error_pm, bounds.spindle_peak_ppm),
-    )
+def _header_of(table: Table, image_size: int, crc32: int) -> bytes:
+    values = {
+        "magic": MAGIC,
+        "byte_order": BYTE_ORDER,
+        "version_major": VERSION[0],
+        "version_minor": VERSION[1],
+        "image_size": image_size,
+        "crc32": crc32,
+        "header_size": HEADER_SIZE,
+        "n_channels": len(table.channels),
+        "part_name": table.part_name.encode("ascii"),
+        "z_first_nm": table.z_first_nm,
+        "z_last_nm": table.z_last_nm,
+        "direction": table.direction,
+        "spindle_mrpm": table.spindle_mrpm,
+        "feed_nm": table.feed_nm,
+        "depth_nm": table.depth_nm,
+    }
+    limits = {f"limit_{name}": value for name, value in vars(table.limits).items()}
+    return bytes_of(HEADER, values | limits | vars(table.bounds))
 
 
-def _pack_entry(channel: Channel, offset: int, *, is_ring_helix: bool) -> bytes:
-    path = int(is_ring_helix and channel.kind == KIND_X)
-    return _ENTRY.pack(
-        *(channel.kind, offset, channel.size, channel.n_slices, channel.log2_knots),
-        *(channel.log2_repeat, channel.frac_bits, channel.z_first_nm, channel.z_last_nm),
-        *(channel.slices_per_nm_q48, channel.offset_nm, channel.p_min, channel.p_max),
-        *(channel.v_max, channel.a_max, path),
-    )
+def _entry_of(channel: Channel, offset: int, *, is_ring_helix: bool) -> bytes:
+    values = {
+        "kind": channel.kind,
+        "offset": offset,
+        "size": channel.size,
+        "n_slices": channel.n_slices,
+        "log2_knots": channel.log2_knots,
+        "log2_repeat": channel.log2_repeat,
+        "frac_bits": channel.frac_bits,
+        "z_first_nm": channel.z_first_nm,
+        "z_last_nm": channel.z_last_nm,
+        "slices_per_nm_q48": channel.slices_per_nm_q48,
+        "offset_nm": channel.origin,
+        "p_min": channel.p_min,
+        "p_max": channel.p_max,
+        "v_max": channel.v_max,
+        "a_max": channel.a_max,
+        "path": int(is_ring_helix and channel.kind == KIND_X),
+    }
+    return bytes_of(ENTRY, values)
 
 
 def crc32_of(image: bytes) -> int:
@@ -247,19 +256,19 @@ def pack(table: Table) -> bytes:
 
     Raises
     ------
-    struct.error
+    OverflowError
         A number does not fit its field.
     """
     offsets = _offsets(table.channels)
     image = bytearray(offsets[-1])
-    image[:HEADER_SIZE] = _pack_header(table, len(image), 0)
     for i, (channel, offset) in enumerate(zip(table.channels, offsets, strict=False)):
         entry = HEADER_SIZE + ENTRY_SIZE * i
-        image[entry : entry + ENTRY_SIZE] = _pack_entry(
+        image[entry : entry + ENTRY_SIZE] = _entry_of(
             channel, offset, is_ring_helix=table.is_ring_helix
         )
         image[offset : offset + channel.size] = channel.knots.astype("<i4").tobytes()
-    struct.pack_into("<I", image, CRC_OFFSET, crc32_of(bytes(image)))
+    image[:HEADER_SIZE] = _header_of(table, len(image), 0)
+    image[:HEADER_SIZE] = _header_of(table, len(image), crc32_of(bytes(image)))
     return bytes(image)
 
 
@@ -277,46 +286,65 @@ def unpack(image: bytes) -> Table:
         The first rule of TABLE_FORMAT.md that the image breaks.
     """
     _demand(len(image) >= HEADER_SIZE, "size: shorter than a header")
-    fields = _HEADER.unpack_from(image)
-    _demand(fields[0] == MAGIC, "magic: not a cam table")
-    _demand(fields[1] == BYTE_ORDER, "byte_order: image of another byte order")
-    _demand(fields[2:4] == (1, 0), "version: not 1.0")
-    _demand(fields[4] == len(image) and len(image) % ALIGN == 0, "image_size: not that of the file")
-    _demand(fields[5] == crc32_of(image), "crc32: the image is damaged")
-    table = _unpack_header(fields)
-    channels = _unpack_channels(image, table, fields[7])
-    path = any(
-        _ENTRY.unpack_from(image, HEADER_SIZE + ENTRY_SIZE * i)[15] for i in range(fields[7])
+    header = fields_of(HEADER, image, 0)
+    _demand(header["magic"] == MAGIC, "magic: not a cam table")
+    _demand(header["byte_order"] == BYTE_ORDER, "byte_order: image of another byte order")
+    version = header["version_major"], header["version_minor"]
+    _demand(version == VERSION, "version: not 1.0")
+    is_whole = header["image_size"] == len(image) and len(image) % ALIGN == 0
+    _demand(is_whole, "image_size: not that of the file")
+    _demand(header["crc32"] == crc32_of(image), "crc32: the image is damaged")
+    table = _table_of(header)
+    n_channels = header["n_channels"]
+    _demand(
+        HEADER_SIZE + ENTRY_SIZE * n_channels <= len(image),
+        "n_channels: directory outside the image",
     )
-    table = replace(table, channels=channels, is_ring_helix=path)
+    starts = [HEADER_SIZE + ENTRY_SIZE * i for i in range(n_channels)]
+    entries = [fields_of(ENTRY, image, start) for start in starts]
+    path = any(entry["path"] for entry in entries)
+    table = replace(table, channels=_channels_of(image, table, entries), is_ring_helix=path)
     _demand(table.speed is None or not path, "path: a ring-helix is for one speed")
     return table
 
 
-def _unpack_header(fields: tuple[Any, ...]) -> Table:
-    _demand(fields[6] == HEADER_SIZE, "header_size: not 128")
-    _demand(1 <= fields[7] <= 8, "n_channels: not 1 .. 8")
-    found = re.fullmatch(rb"[\x20-\x7e]{1,31}\x00+", fields[8])
+def _table_of(header: dict[str, Any]) -> Table:
+    """Return the table of a header, without its channels."""
+    _demand(header["header_size"] == HEADER_SIZE, "header_size: not 128")
+    _demand(1 <= header["n_channels"] <= 8, "n_channels: not 1 .. 8")
+    found = re.fullmatch(rb"[\x20-\x7e]{1,31}", header["part_name"])
     _demand(found is not None, "part_name: not 1 .. 31 printable ASCII characters")
-    name = fields[8].rstrip(b"\0").decode("ascii")
-    _demand(fields[10] > fields[9], "z_last_nm: not above z_first_nm")
-    _demand(fields[11] in (1, -1), "direction: not 1 or -1")
-    _demand(fields[12] > 0 and fields[13] > 0, "spindle_mrpm, feed_nm: not above 0")
-    _demand(all(limit > 0 for limit in fields[15:19]), "limits: not above 0")
-    _demand(fields[20] >= fields[19], "u_max_nm: below u_min_nm")
-    limits, bounds = Limits(*fields[15:19]), Bounds(*fields[19:25])
-    z_first, z_last, direction, mrpm, feed, depth = fields[9:15]
-    return Table(name, z_first, z_last, direction, mrpm, feed, depth, limits, bounds, ())
+    _demand(header["z_last_nm"] > header["z_first_nm"], "z_last_nm: not above z_first_nm")
+    _demand(header["direction"] in (1, -1), "direction: not 1 or -1")
+    is_moving = header["spindle_mrpm"] > 0 and header["feed_nm"] > 0
+    _demand(is_moving, "spindle_mrpm, feed_nm: not above 0")
+    limits = ImageLimits(**{one.name: header[f"limit_{one.name}"] for one in fields(ImageLimits)})
+    _demand(all(limit > 0 for limit in vars(limits).values()), "limits: not above 0")
+    bounds = Bounds(**{one.name: header[one.name] for one in fields(Bounds)})
+    _demand(bounds.u_max_nm >= bounds.u_min_nm, "u_max_nm: below u_min_nm")
+    return Table(
+        part_name=header["part_name"].decode("ascii"),
+        z_first_nm=header["z_first_nm"],
+        z_last_nm=header["z_last_nm"],
+        direction=header["direction"],
+        spindle_mrpm=header["spindle_mrpm"],
+        feed_nm=header["feed_nm"],
+        depth_nm=header["depth_nm"],
+        limits=limits,
+        bounds=bounds,
+        channels=(),
+    )
 
 
-def _unpack_channels(image: bytes, table: Table, n_channels: int) -> tuple[Channel, ...]:
-    free = HEADER_SIZE + ENTRY_SIZE * n_channels
-    _demand(free <= len(image), "n_channels: directory outside the image")
+def _channels_of(
+    image: bytes, table: Table, entries: Sequence[dict[str, Any]]
+) -> tuple[Channel, ...]:
+    """Return the channels of the directory, checked one by one and together."""
+    free = HEADER_SIZE + ENTRY_SIZE * len(entries)
     channels: list[Channel] = []
-    for i in range(n_channels):
-        entry = _ENTRY.unpack_from(image, HEADER_SIZE + ENTRY_SIZE * i)
-        offset, size = entry[1], entry[2]
+    for entry in entries:
         _check_entry(entry, table)
+        offset, size = entry["offset"], entry["size"]
         _demand(offset % ALIGN == 0 and offset >= free, "offset: misplaced")
         _demand(offset + size <= len(image), "size: beyond the image")
         free = offset + size
@@ -332,23 +360,27 @@ def _unpack_channels(image: bytes, table: Table, n_channels: int) -> tuple[Chann
     return tuple(channels)
 
 
-def _check_entry(entry: tuple[Any, ...], table: Table) -> None:
-    kind, _, size, n_slices, log2_knots, log2_repeat, frac_bits, z_first, z_last, q48 = entry[:10]
+def _check_entry(entry: dict[str, Any], table: Table) -> None:
+    kind, n_slices, log2_knots = entry["kind"], entry["n_slices"], entry["log2_knots"]
+    z_first, z_last, frac_bits = entry["z_first_nm"], entry["z_last_nm"], entry["frac_bits"]
     _demand(KIND_U <= kind <= KIND_CONTACT, "kind: unknown")
     _demand(2 <= n_slices <= MAX_SLICES, "n_slices: not 2 .. 4096")
     if kind != KIND_X:
         _demand(MIN_LOG2_KNOTS <= log2_knots <= MAX_LOG2_KNOTS, "log2_knots: not 2 .. 12")
-        _demand(log2_repeat <= MAX_LOG2_REPEAT, "log2_repeat: not 0 .. 4")
+        _demand(entry["log2_repeat"] <= MAX_LOG2_REPEAT, "log2_repeat: not 0 .. 4")
     else:
-        _demand(log2_knots == 0 and log2_repeat == 0, "log2_knots, log2_repeat: not 0 for x")
-    _demand(size == (n_slices << log2_knots) * KNOT_SIZE, "size: not that of the knots")
+        is_flat = log2_knots == 0 and entry["log2_repeat"] == 0
+        _demand(is_flat, "log2_knots, log2_repeat: not 0 for x")
+    is_sized = entry["size"] == (n_slices << log2_knots) * KNOT_SIZE
+    _demand(is_sized, "size: not that of the knots")
     _demand(frac_bits <= MAX_FRAC_BITS, "frac_bits: not 0 .. 8")
     _demand(z_first <= table.z_first_nm and z_last >= table.z_last_nm, "z: range not covered")
     span_nm, n = z_last - z_first, n_slices - 1
     _demand(n * MIN_SPACING_NM <= span_nm <= n * MAX_SPACING_NM, "spacing: not 65537 .. 16777216")
-    _demand(q48 == slices_per_nm_q48(n_slices, z_first, z_last), "slices_per_nm_q48: wrong")
-    _demand(entry[15] <= int(kind == KIND_X), "path: not 0 or, of x, 1")
-    low, high = (entry[10] * 2**frac_bits + p for p in entry[11:13])
+    q48 = slices_per_nm_q48(n_slices, z_first, z_last)
+    _demand(entry["slices_per_nm_q48"] == q48, "slices_per_nm_q48: wrong")
+    _demand(entry["path"] <= int(kind == KIND_X), "path: not 0 or, of x, 1")
+    low, high = ((entry["offset_nm"] << frac_bits) + entry[name] for name in ("p_min", "p_max"))
     if kind == KIND_SPEED:
         is_ratio = low >= MIN_RATIO << frac_bits and high <= MAX_RATIO << frac_bits
         _demand(is_ratio, "p_min, p_max: no speed ratio of 1/16 .. 4")
@@ -357,10 +389,23 @@ def _check_entry(entry: tuple[Any, ...], table: Table) -> None:
         _demand(is_angle, "p_min, p_max: beyond a quarter turn")
 
 
-def _make_channel(image: bytes, entry: tuple[Any, ...]) -> Channel:
-    knots = np.frombuffer(image, dtype="<i4", count=entry[2] // 4, offset=entry[1])
-    shape = (entry[3], 1 << entry[4], 3)
-    return Channel(*(entry[0], knots.astype(np.int32).reshape(shape)), *entry[5:9], *entry[10:15])
+def _make_channel(image: bytes, entry: dict[str, Any]) -> Channel:
+    n_knots = entry["n_slices"] << entry["log2_knots"]
+    knots = np.frombuffer(image, KNOT, count=n_knots, offset=entry["offset"])
+    triples = np.stack([knots[name] for name in ("p", "v", "a")], axis=-1).astype(np.int32)
+    return Channel(
+        kind=entry["kind"],
+        knots=triples.reshape(entry["n_slices"], -1, 3),
+        log2_repeat=entry["log2_repeat"],
+        frac_bits=entry["frac_bits"],
+        z_first_nm=entry["z_first_nm"],
+        z_last_nm=entry["z_last_nm"],
+        origin=entry["offset_nm"],
+        p_min=entry["p_min"],
+        p_max=entry["p_max"],
+        v_max=entry["v_max"],
+        a_max=entry["a_max"],
+    )
 
 
 def _check_knots(channel: Channel) -> None:

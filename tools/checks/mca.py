@@ -1,6 +1,6 @@
 """Executed instructions as llvm-mca and Arm's cycle table see them.
 
->>> straight_line([Instruction(0, 4, "bl", "80 <f>"), Instruction(128, 2, "pop", "{r4, pc}")])
+>>> straight_line([Step(0, 4, "bl", "80 <f>"), Step(128, 2, "pop", "{r4, pc}")])
 ['b target', 'ldr r4, [sp]', 'bx lr']
 """
 
@@ -10,7 +10,7 @@ import re
 from collections.abc import Sequence
 
 from camtools.base.errors import CamtoolsError
-from checks.stepper import Instruction, run_tool
+from checks.stepper import Step, run_tool
 
 _CONDITION = "eq|ne|cs|hs|cc|lo|mi|pl|vs|vc|hi|ls|ge|lt|gt|le"
 _IT = re.compile(r"it([te]{0,3})")
@@ -36,7 +36,7 @@ def _base(operands: str) -> str:
     return "sp" if operands[0] == "{" else operands.split(",")[0].rstrip("! ")
 
 
-def _one_by_one(instruction: Instruction) -> list[str]:
+def _one_by_one(instruction: Step) -> list[str]:
     """Return the transfers of several registers as single ones: one slot each, as Arm states."""
     name, operands = instruction.name, instruction.operands
     is_load = "pop" in name or "ldm" in name
@@ -46,7 +46,7 @@ def _one_by_one(instruction: Instruction) -> list[str]:
     return ["bx lr" if r == "pc" else f"{verb} {r}, {place}" for r in registers]
 
 
-def straight_line(executed: Sequence[Instruction]) -> list[str]:
+def straight_line(executed: Sequence[Step]) -> list[str]:
     """Return what was executed as assembly that llvm-mca takes.
 
     Its model stops at `it` and charges 100 cycles for every call, so predicated instructions lose
@@ -55,7 +55,7 @@ def straight_line(executed: Sequence[Instruction]) -> list[str]:
 
     Parameters
     ----------
-    executed : sequence of Instruction
+    executed : sequence of Step
         In order; those whose condition failed among them.
 
     Returns
@@ -75,7 +75,7 @@ def straight_line(executed: Sequence[Instruction]) -> list[str]:
             if bare := _PREDICATED.fullmatch(name):
                 name = bare[1] + bare[2]
         if _MANY.match(name):
-            lines += _one_by_one(Instruction(instruction.address, instruction.size, name, operands))
+            lines += _one_by_one(Step(instruction.address, instruction.size, name, operands))
             continue
         if name.startswith("vmov.f"):  # objdump shows the code of a constant, not the constant
             operands = re.sub(r"#.*", "#1.0", operands)
@@ -103,14 +103,14 @@ def mca_cycles(lines: Sequence[str], cpu: str) -> int:
     return int(found[1])
 
 
-def taken_branches(executed: Sequence[Instruction]) -> int:
+def taken_branches(executed: Sequence[Step]) -> int:
     """Count the places where the program went elsewhere, the return of the last one included."""
     here = executed[:-1]
     jumps = sum(i.address + i.size != n.address for i, n in zip(here, executed[1:], strict=True))
     return jumps + 1
 
 
-def table_cycles(executed: Sequence[Instruction]) -> int:
+def table_cycles(executed: Sequence[Step]) -> int:
     """Return the cycles of Arm's table for the Cortex-M4, nothing overlapping.
 
     Loads and stores two cycles although most pipeline to one, a division 12, three cycles to
@@ -121,7 +121,7 @@ def table_cycles(executed: Sequence[Instruction]) -> int:
     return sum(map(_table, executed)) + _REFILL * taken_branches(executed)
 
 
-def _table(instruction: Instruction) -> int:
+def _table(instruction: Step) -> int:
     name = instruction.name
     if _MANY.match(name):
         return 1 + len(_registers(instruction.operands))

@@ -1,7 +1,7 @@
 """What tools/run was asked for, whatever the kind of the part.
 
->>> Job(["--rpm", "600"]).options()
-['--rpm', '600.0']
+>>> RunJob(["--feed", "0.5"]).feed_words()
+['--feed', '0.5']
 """
 
 from __future__ import annotations
@@ -14,11 +14,9 @@ from pathlib import Path
 
 from camtools.base.command import Parser
 from camtools.base.errors import CamtoolsError
+from camtools.base.places import ROOT
 from camtools.base.stage import cannot_write
-from camtools.lobe.part import CamPart
-from camtools.part.file import height_mm, is_feed_within
-from camtools.sim.camsim import ROOT
-from camtools.skirt.part import Part
+from camtools.part.common import PartFile, is_feed_within
 
 _MAX_FEED_MM = 10.0  # range of the firmware's parameter
 _DEFAULT_PART = ROOT / "tools" / "parts" / "perkins240.toml"
@@ -84,7 +82,7 @@ def _for_camsim(words: Sequence[str]) -> list[str]:
     return [str(Path(word).resolve()) if Path(word).is_file() else word for word in words]
 
 
-class Job:
+class RunJob:
     """What was asked for, checked as far as this is possible without the part.
 
     Parameters
@@ -105,7 +103,7 @@ class Job:
             raise CamtoolsError(["-o: an empty path; give a folder"])
         self.output: Path | None = Path(arguments.output) if arguments.output else None
 
-    def check_feed(self, part: Part | CamPart) -> None:
+    def check_feed(self, part: PartFile) -> None:
         """Refuse a feed that camsim would refuse, before anything is made.
 
         Raises
@@ -116,7 +114,7 @@ class Job:
         feed_mm = self.feed_mm
         if feed_mm is None or (feed_mm <= _MAX_FEED_MM and is_feed_within(part, feed_mm)):
             return
-        most_mm = min(height_mm(part), _MAX_FEED_MM)
+        most_mm = min(part.height_mm, _MAX_FEED_MM)
         why = "the height of the part" if most_mm < _MAX_FEED_MM else "what the firmware takes"
         problem = f"--feed {feed_mm:.9g}: must be at most {most_mm:.9g} mm, {why}"
         raise CamtoolsError([f"{problem}; give at most --feed {most_mm:.9g}"])
@@ -131,10 +129,9 @@ class Job:
             return []
         return ["--tolerance-um", repr(form_error_um)]
 
-    def options(self) -> list[str]:
-        """Return speed and feed for camsim, when they are given."""
-        words = [] if self.rpm is None else ["--rpm", repr(self.rpm)]
-        return words + ([] if self.feed_mm is None else ["--feed", repr(self.feed_mm)])
+    def feed_words(self) -> list[str]:
+        """Return camsim's options for the feed, when one is given."""
+        return [] if self.feed_mm is None else ["--feed", repr(self.feed_mm)]
 
 
 def without_faults(words: Sequence[str]) -> list[str]:

@@ -9,10 +9,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from camtools.cli.mktables import products
+from camtools.base.json_text import Json
+from camtools.pipeline.kind import Rig
 from camtools.sim.camsim import Simulator
-from camtools.sim.results import Even, Json, read_removal, read_summary
-from camtools.skirt.generate import Generated, generate
+from camtools.sim.results import read_removal, read_summary
+from camtools.skirt.generate import GeneratedSkirt, generate
+from camtools.skirt.outcome import Even
+from camtools.skirt.summary import make_summary
+from camtools.table.summary import table_files
 
 REMOVAL, REMOVAL_UNIFORM = "removal.csv", "removal_uniform.csv"
 _TWIN, _TWIN_SUMMARY = "uniform", "uniform.json"
@@ -24,7 +28,7 @@ def limited_turns(turns: float) -> list[str]:
     return [] if turns <= _MAX_TURNS else ["--turns-limit", str(_MAX_TURNS)]
 
 
-def uniform_twin(generated: Generated) -> Generated:
+def uniform_twin(generated: GeneratedSkirt) -> GeneratedSkirt:
     """Return the table of the same part at a constant spindle speed."""
     part = generated.part
     process = part.process.model_copy(update={"mode": "uniform"})
@@ -36,20 +40,20 @@ def _measure(simulator: Simulator, words: Sequence[str], removal: str, summary: 
     return read_summary(simulator.folder / summary)
 
 
-def compare_removal(
-    simulator: Simulator, generated: Generated, words: Sequence[str], turns: float
-) -> Even | None:
+def compare_removal(rig: Rig, generated: GeneratedSkirt) -> Even | None:
     """Return removal rate and forces of both ways of turning, nothing for uniform parts.
 
     Leaves removal.csv and removal_uniform.csv in the simulator's folder.
     """
     if generated.speed is None:
         return None
+    simulator = rig.simulator
     folder = simulator.folder / _TWIN
     folder.mkdir()
-    for name, data in products(uniform_twin(generated), with_plots=False).items():
+    twin_table = uniform_twin(generated)
+    for name, data in table_files(twin_table.table, make_summary(twin_table)).items():
         (folder / name).write_bytes(data)
-    words = [*words, *limited_turns(turns)]
+    words = [*rig.words, *limited_turns(rig.turns)]
     even = _measure(simulator, words, REMOVAL, f"{_TWIN}/even.json")
     twin = replace(simulator, table=f"{_TWIN}/{simulator.table}")
     uniform = _measure(twin, words, REMOVAL_UNIFORM, f"{_TWIN}/{_TWIN_SUMMARY}")

@@ -1,0 +1,18 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The kernel for the Linux port: this computer's, or one of our own, which is built here."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from kernel import Kernel
+
+pytest_plugins = ["linux_fixtures"]
+
+
+def test_kernel_runs_a_command(kernel: Kernel, tmp_path: Path) -> None:
+    """It has both CAN interfaces and the chip with the lines."""
+    process = kernel.start(tmp_path, "sh", "-c", "ls /sys/class/net; cat $CAMTURN_GPIOSIM/*/value")
+    said, _ = process.communicate(timeout=120)
+    assert process.returncode == 0, said
+    assert {"vcan0", "vcan1", "0"} <= set(said.split())

@@ -1,0 +1,189 @@
+"""A ring whose outside is a circle off the axis: u = e (1 - cos phi), the same at every height.
+
+All that a kind brings stands in this one file; nothing of camtools names it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field, field_validator
+
+from camtools.base.json_text import Json
+from camtools.base.quantities import NM_PER_MM, Floats
+from camtools.cut.feasibility import check_feasible, peaks_of
+from camtools.part.common import MachineLimits, PartInfo, check_feed
+from camtools.part.model import HeightMm, TomlTable, rising
+from camtools.pipeline.kind import Kind, Rig
+from camtools.report.page import Page, render_page
+from camtools.report.text import ReportRow, error_pair
+from camtools.sim.camsim import machine_text
+from camtools.sim.results import Cut, Measured
+from camtools.table.header import check_tolerance, table_of, u_bounds
+from camtools.table.image import KIND_U, KIND_X, Table
+from camtools.table.quantise import quantise, with_bounds
+from camtools.table.quintics import segment_coefficients
+from camtools.table.summary import about_image
+
+_LOG2_KNOTS = 6
+_ERROR_NM = 1.0  # of 64 knots, and more than enough for offsets of a few millimetres
+
+
+class Ring(TomlTable):
+    """[ring]: the outside circle and its heights."""
+
+    radius_mm: Annotated[float, Field(ge=1, le=1000)]
+    offset_mm: Annotated[float, Field(gt=0, le=5)]
+    z_mm: Annotated[list[HeightMm], Field(min_length=2, max_length=2)]
+
+    _check_z = field_validator("z_mm")(rising)
+
+
+class RingProcess(TomlTable):
+    """[process]: how the ring is turned."""
+
+    spindle_rpm: Annotated[float, Field(ge=1, le=60_000)]
+    feed_mm: Annotated[float, Field(ge=0.000_1, le=10)]
+    depth_mm: Annotated[float, Field(ge=0, le=100)] = 0.1
+    direction: Literal[1, -1] = 1
+
+
+class RingMachine(TomlTable):
+    """[machine]: the lathe."""
+
+    limits: MachineLimits = Field(default_factory=MachineLimits)
+
+
+class RingPart(TomlTable):
+    """The whole part file of a ring."""
+
+    part: PartInfo
+    ring: Ring
+    process: RingProcess
+    machine: RingMachine = Field(default_factory=RingMachine)
+
+    @property
+    def height_mm(self) -> float:
+        """Return the height of the ring [mm]."""
+        return self.ring.z_mm[1] - self.ring.z_mm[0]
+
+
+@dataclass(frozen=True, eq=False)
+class MadeRing:
+    """A ring and its table."""
+
+    part: RingPart
+    table: Table
+    tolerance_nm: float
+
+
+RingCut = Cut[MadeRing]
+
+
+def _knots_mm(offset_mm: float) -> Floats:
+    """Return (u, h u', h^2 u'' / 2) around the ring [mm], shape (64, 3)."""
+    h = 2 * np.pi / (1 << _LOG2_KNOTS)
+    phi = h * np.arange(1 << _LOG2_KNOTS)
+    triple = (1 - np.cos(phi), h * np.sin(phi), h**2 / 2 * np.cos(phi))
+    return offset_mm * np.stack(triple, axis=-1)
+
+
+def _design(ring: Ring) -> Json:
+    """Return what the gauge compares with: polynomials around the ring, the same at all heights."""
+    pieces = np.zeros((1 << _LOG2_KNOTS, 6, 8))
+    pieces[..., 0] = segment_coefficients(_knots_mm(ring.offset_mm), periodic=True)
+    surface = {
+        "angle": "turn",
+        "breaks": np.linspace(0, 1, pieces.shape[0] + 1).tolist(),
+        "breaks_mm": ring.z_mm,
+        "coefficients": pieces.ravel().tolist(),
+    }
+    axis = {"breaks_mm": ring.z_mm, "coefficients": [[0, 0, 0, ring.radius_mm + ring.offset_mm]]}
+    return {"shape": "surface", "radius_mm": axis, "surface": surface}
+
+
+class RingKind(Kind[RingPart, MadeRing, RingCut]):
+    """Rings with an eccentric outside."""
+
+    name = "ring"
+    plural = "rings"
+    rank = 2
+    commands = ("mktables", "run")
+    model = RingPart
+
+    def make(self, part: RingPart, tolerance_nm: float | None = None) -> MadeRing:
+        """Return the table: two slices that are alike, 64 knots around."""
+        tolerance_nm = _ERROR_NM if tolerance_nm is None else tolerance_nm
+        check_tolerance(tolerance_nm)
+        check_feed(part)
+        ring = part.ring
+        first_nm, last_nm = (round(z * NM_PER_MM) for z in ring.z_mm)
+        turn = _knots_mm(ring.offset_mm) * NM_PER_MM
+        axis = np.array([[(ring.radius_mm + ring.offset_mm) * NM_PER_MM, 0.0, 0.0]])
+        span = (first_nm, last_nm)
+        u = with_bounds(quantise(KIND_U, np.stack([turn, turn]), 0, span))
+        x = with_bounds(quantise(KIND_X, np.stack([axis, axis]), 0, span))
+        table = table_of(part, part.process.spindle_rpm, u_bounds(u, _ERROR_NM), (u, x))
+        check_feasible(peaks_of(table.bounds), part.machine.limits, part.process.spindle_rpm)
+        return MadeRing(part, table, tolerance_nm)
+
+    def summary(self, made: MadeRing) -> Json:
+        """See `Kind.summary`."""
+        part = {"name": made.part.part.name, "kind": self.name, "source": made.part.part.source}
+        own = {"part": part, "design": _design(made.part.ring)}
+        return about_image(made.table, made.tolerance_nm) | own
+
+    def text(self, summary: Json) -> str:
+        """See `Kind.text`."""
+        return f"{summary['part']['name']}: ring, table of {summary['table_bytes']} bytes\n"
+
+    def plots(self, made: MadeRing) -> dict[str, bytes]:
+        """Return nothing: a circle needs no picture."""
+        return {}
+
+    def at_speed(self, part: RingPart, rpm: float | None) -> RingPart:
+        """Return the part: its table is the same at every speed."""
+        return part
+
+    def mean_rpm(self, made: MadeRing, rpm: float | None) -> float:
+        """See `Kind.mean_rpm`."""
+        return rpm or made.part.process.spindle_rpm
+
+    def speed_words(self, rpm: float | None) -> list[str]:
+        """See `Kind.speed_words`."""
+        return [] if rpm is None else ["--rpm", repr(rpm)]
+
+    def turns(self, made: MadeRing, feed_mm: float) -> float:
+        """See `Kind.turns`."""
+        return made.part.height_mm / feed_mm
+
+    def form_error_um(self, part: RingPart) -> float:
+        """See `Kind.form_error_um`."""
+        return 2.0
+
+    def machine(self, part: RingPart) -> str:
+        """See `Kind.machine`."""
+        return machine_text(part.machine.limits)
+
+    def outcome(self, made: MadeRing, measured: Measured, rig: Rig) -> RingCut:
+        """See `Kind.outcome`."""
+        return Cut(made, *measured)
+
+    def facts(self, made: MadeRing) -> Json:
+        """See `Kind.facts`."""
+        return {"table_error": {"tolerance_nm": made.tolerance_nm}}
+
+    def rows(self, outcome: RingCut) -> list[ReportRow]:
+        """See `Kind.rows`."""
+        return [ReportRow("form error", error_pair(outcome.summary["form_error_um"]))]
+
+    def report(self, outcome: RingCut) -> dict[str, bytes]:
+        """Return the page, without pictures."""
+        source, rows = outcome.generated.part.part.source, self.rows(outcome)
+        page = Page(source, rows, [], "The tool is a point.", "the tool's true path", "ring")
+        return {"report.html": render_page(outcome, page).encode("utf-8")}
+
+
+KIND = RingKind()

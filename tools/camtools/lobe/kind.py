@@ -1,0 +1,109 @@
+"""Lobes and camshafts as a kind of part.
+
+>>> from camtools.lobe.motion import example_lobe
+>>> KIND.at_speed(example_lobe(), 30.0).process.spindle_rpm
+30.0
+"""
+
+from __future__ import annotations
+
+from camtools.base.errors import CamtoolsError
+from camtools.base.json_text import Json
+from camtools.base.quantities import NM_PER_MM
+from camtools.lobe.generate import GeneratedLobes, generate_lobes
+from camtools.lobe.machine import lobe_machine_text
+from camtools.lobe.part import MAX_RPM, MIN_RPM, LobePart
+from camtools.lobe.report_text import LobeOutcome, lobe_rows
+from camtools.lobe.summary import emit_lobe_text, make_lobe_summary
+from camtools.pipeline.kind import Kind, Rig
+from camtools.report.text import ReportRow
+from camtools.sim.camsim import TRACE
+from camtools.sim.results import Measured, read_swing
+
+_FORM_ERROR_UM = 1.0  # the profile of a lobe is good within this
+
+
+class LobeKind(Kind[LobePart, GeneratedLobes, LobeOutcome]):
+    """Lobes: lift over the angle, turned with a swinging tool or ground with a wheel."""
+
+    name = "cam"
+    plural = "cams"
+    rank = 1
+    commands = ("mktables", "run")
+    model = LobePart
+
+    def make(self, part: LobePart, tolerance_nm: float | None = None) -> GeneratedLobes:
+        """See `Kind.make`."""
+        return generate_lobes(part, tolerance_nm)
+
+    def summary(self, made: GeneratedLobes) -> Json:
+        """See `Kind.summary`."""
+        return make_lobe_summary(made)
+
+    def text(self, summary: Json) -> str:
+        """See `Kind.text`."""
+        return emit_lobe_text(summary)
+
+    def plots(self, made: GeneratedLobes) -> dict[str, bytes]:
+        """See `Kind.plots`."""
+        from camtools.lobe.plots import draw_lobes  # matplotlib loads longer than all the rest
+
+        return draw_lobes(made)
+
+    def at_speed(self, part: LobePart, rpm: float | None) -> LobePart:
+        """Return the part for another speed on the base circle.
+
+        Raises
+        ------
+        CamtoolsError
+            Out of the range of a part file.
+        """
+        if rpm is None:
+            return part
+        if not MIN_RPM <= rpm <= MAX_RPM:
+            problem = f"--rpm {rpm:g}: out of range"
+            raise CamtoolsError([f"{problem}; give r/min, {MIN_RPM:g} .. {MAX_RPM:g}"])
+        process = part.process.model_copy(update={"spindle_rpm": rpm})
+        return part.model_copy(update={"process": process})
+
+    def mean_rpm(self, made: GeneratedLobes, rpm: float | None) -> float:
+        """Return the mean speed; the table is made for the speed asked for already."""
+        return made.mean_rpm
+
+    def speed_words(self, rpm: float | None) -> list[str]:
+        """Return nothing: the table carries the speed."""
+        return []
+
+    def turns(self, made: GeneratedLobes, feed_mm: float) -> float:
+        """See `Kind.turns`."""
+        return (made.table.z_last_nm - made.table.z_first_nm) / NM_PER_MM / feed_mm
+
+    def form_error_um(self, part: LobePart) -> float:
+        """See `Kind.form_error_um`."""
+        return _FORM_ERROR_UM
+
+    def machine(self, part: LobePart) -> str:
+        """See `Kind.machine`."""
+        return lobe_machine_text(part.machine.limits)
+
+    def outcome(self, made: GeneratedLobes, measured: Measured, rig: Rig) -> LobeOutcome:
+        """Return the cut with the swing of the tool that the trace holds."""
+        return LobeOutcome(made, *measured, read_swing(rig.simulator.folder / TRACE))
+
+    def facts(self, made: GeneratedLobes) -> Json:
+        """See `Kind.facts`."""
+        error = {"u_nm": made.lift.error, "angle_deg": made.angle.error}
+        return {"table_error": error | {"tolerance_nm": made.tolerance_nm}}
+
+    def rows(self, outcome: LobeOutcome) -> list[ReportRow]:
+        """See `Kind.rows`."""
+        return lobe_rows(outcome)
+
+    def report(self, outcome: LobeOutcome) -> dict[str, bytes]:
+        """See `Kind.report`."""
+        from camtools.lobe.report import make_lobe_report  # matplotlib, see above
+
+        return make_lobe_report(outcome)
+
+
+KIND = LobeKind()

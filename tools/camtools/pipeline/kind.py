@@ -1,0 +1,116 @@
+"""What a kind of part brings: its model, its table, what it measures, its report.
+
+A kind is one package of camtools with a module `kind` that holds an instance, KIND, of a class
+derived from `Kind`. The registry finds it; nothing else names it.
+
+>>> sorted(Kind.__abstractmethods__)[:3]
+['at_speed', 'facts', 'form_error_um']
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import Any, ClassVar, Generic, NamedTuple, TypeVar
+
+from camtools.base.json_text import Json
+from camtools.part.common import PartFile
+from camtools.part.model import TomlTable
+from camtools.report.text import ReportRow
+from camtools.sim.camsim import Simulator
+from camtools.sim.results import AnyCut, Measured
+from camtools.table.header import MadeTable
+
+PartT = TypeVar("PartT", bound=PartFile)
+MadeT = TypeVar("MadeT", bound=MadeTable)
+CutT = TypeVar("CutT", bound=AnyCut)
+
+
+class Rig(NamedTuple):
+    """The simulator as it cut a part, for what a kind measures besides."""
+
+    simulator: Simulator
+    words: list[str]  # options of camsim, faults left out
+    turns: float  # that the cut takes, about
+
+
+class Kind(ABC, Generic[PartT, MadeT, CutT]):
+    """A kind of part.
+
+    Attributes
+    ----------
+    name : str
+        `part.kind` of its part files.
+    plural : str
+        Many of them, for messages.
+    rank : int
+        Place in lists of kinds; the first one judges a part file that names none.
+    commands : tuple of str
+        Commands of the project that can do something with such a part.
+    model : type
+        Of its part file: a TomlTable that is a PartFile.
+    """
+
+    name: ClassVar[str]
+    plural: ClassVar[str]
+    rank: ClassVar[int]
+    commands: ClassVar[tuple[str, ...]]
+    model: ClassVar[type[TomlTable]]
+
+    @abstractmethod
+    def make(self, part: PartT, tolerance_nm: float | None = None) -> MadeT:
+        """Return the table of a part, or refuse what cannot be cut."""
+
+    @abstractmethod
+    def summary(self, made: MadeT) -> Json:
+        """Return everything that is known about a table; no dates, no paths."""
+
+    @abstractmethod
+    def text(self, summary: Json) -> str:
+        """Return a summary as a few lines for people."""
+
+    @abstractmethod
+    def plots(self, made: MadeT) -> dict[str, bytes]:
+        """Return pictures of a table, as PNG by topic."""
+
+    @abstractmethod
+    def at_speed(self, part: PartT, rpm: float | None) -> PartT:
+        """Return the part for another speed, where its table depends on it."""
+
+    @abstractmethod
+    def mean_rpm(self, made: MadeT, rpm: float | None) -> float:
+        """Return the mean speed of the cut [r/min] when this speed, or none, is asked for."""
+
+    @abstractmethod
+    def speed_words(self, rpm: float | None) -> list[str]:
+        """Return camsim's options for the speed that is asked for."""
+
+    @abstractmethod
+    def turns(self, made: MadeT, feed_mm: float) -> float:
+        """Return how many turns the cut takes, about."""
+
+    @abstractmethod
+    def form_error_um(self, part: PartT) -> float:
+        """Return the largest form error that a good part may have [um]."""
+
+    @abstractmethod
+    def machine(self, part: PartT) -> str:
+        """Return camsim's machine file: a machine with the limits of the part."""
+
+    @abstractmethod
+    def outcome(self, made: MadeT, measured: Measured, rig: Rig) -> CutT:
+        """Return all that is known about a cut; what the kind measures besides is done here."""
+
+    @abstractmethod
+    def facts(self, made: MadeT) -> Json:
+        """Return what the summary of a cut says of the table's errors."""
+
+    @abstractmethod
+    def rows(self, outcome: CutT) -> list[ReportRow]:
+        """Return what the cut came to, in words and numbers."""
+
+    @abstractmethod
+    def report(self, outcome: CutT) -> dict[str, bytes]:
+        """Return the page of the cut and its pictures, by file name."""
+
+
+AnyKind = Kind[Any, Any, Any]

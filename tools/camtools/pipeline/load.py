@@ -1,0 +1,95 @@
+r"""From a part file to its kind and its part.
+
+>>> text = b'[part]\nname = "a"\nkind = "cam"\nsource = "b"\n'
+>>> try:
+...     parse(text, "a.toml")
+... except CamtoolsError as error:
+...     print(error.lines[0])
+a.toml: cam: is missing; add it
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, NamedTuple, TypeVar
+
+from camtools.base.errors import CamtoolsError, InputError
+from camtools.part.common import PartFile
+from camtools.part.file import read_part_file, read_tree, validated
+from camtools.pipeline.kind import AnyKind
+from camtools.pipeline.registry import kind_of, kinds
+
+__all__ = ["CamtoolsError", "Loaded", "load", "load_for", "parse", "parse_for"]
+
+PartT = TypeVar("PartT", bound=PartFile)
+
+
+class Loaded(NamedTuple):
+    """A part with its kind."""
+
+    kind: AnyKind
+    part: Any  # of the kind's model
+
+
+def parse(data: bytes, file: str, folder: Path = Path()) -> Loaded:
+    """Return the part that the bytes of a TOML file describe.
+
+    Parameters
+    ----------
+    data : bytes
+        Whole content of the file, UTF-8.
+    file : str
+        Name for error messages.
+    folder : Path
+        Where files that the part names are looked for.
+
+    Raises
+    ------
+    CamtoolsError
+        Not UTF-8, not TOML, or fields wrong: one line each, in the file's order of tables.
+    """
+    return _checked(read_tree(data, file), file, folder)
+
+
+def parse_for(
+    command: str, model: type[PartT], data: bytes, file: str, folder: Path = Path()
+) -> PartT:
+    """Return the part for a command that not every kind can do.
+
+    Parameters
+    ----------
+    command : str
+        Name of the command; the kinds tell theirs.
+    model : type
+        Of the parts that the command works on.
+
+    Raises
+    ------
+    CamtoolsError
+        The command has no use for this kind, or see `parse`.
+    """
+    tree = read_tree(data, file)
+    kind = kind_of(tree)
+    if command not in kind.commands:
+        able = " or ".join(f"a {other.name}" for other in kinds() if command in other.commands)
+        problem = f"{kind.plural} are for {' and '.join(kind.commands)}"
+        raise InputError(file, "part.kind", kind.name, problem, f"give the part file of {able}")
+    part = _checked(tree, file, folder).part
+    assert isinstance(part, model)
+    return part
+
+
+def _checked(tree: dict[str, Any], file: str, folder: Path) -> Loaded:
+    kind = kind_of(tree)
+    context = {"folder": folder, "kinds": [one.name for one in kinds()]}
+    return Loaded(kind, validated(kind.model, tree, file, context))
+
+
+def load(path: Path) -> Loaded:
+    """Return the part of a file; errors as `parse`, or the file cannot be read."""
+    return parse(read_part_file(path), str(path), path.parent)
+
+
+def load_for(command: str, model: type[PartT], path: Path) -> PartT:
+    """Return the part of a file for a command; errors as `parse_for`."""
+    return parse_for(command, model, read_part_file(path), str(path), path.parent)

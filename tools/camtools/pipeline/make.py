@@ -1,0 +1,60 @@
+"""The first half of the pipeline: from a part file to the files of its table.
+
+>>> from camtools.base.places import ROOT
+>>> made = make(load(ROOT / "tools" / "parts" / "cam-disc.toml"), "cam-disc.toml")
+>>> sorted(made.files(with_plots=False))
+['cam-disc.camtab', 'cam-disc.json', 'cam-disc_table.c', 'cam-disc_table.h']
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from camtools.base.errors import CamtoolsError
+from camtools.pipeline.kind import AnyKind
+from camtools.pipeline.load import Loaded, load
+from camtools.table.summary import table_files
+
+__all__ = ["Made", "load", "make"]
+
+
+class Made(NamedTuple):
+    """A table with its kind."""
+
+    kind: AnyKind
+    table: Any  # what the kind knows about it
+
+    def text(self) -> str:
+        """Return what is known about the table, in a few lines for people."""
+        return self.kind.text(self.kind.summary(self.table))
+
+    def files(self, *, with_plots: bool) -> dict[str, bytes]:
+        """Return the content of every file of the table, by file name."""
+        image = self.table.table
+        files = table_files(image, self.kind.summary(self.table))
+        if with_plots:
+            plots = self.kind.plots(self.table)
+            files |= {f"{image.part_name}_{topic}.png": png for topic, png in plots.items()}
+        return files
+
+
+def make(
+    loaded: Loaded,
+    file: Path | str,
+    *,
+    tolerance_nm: float | None = None,
+    rpm: float | None = None,
+) -> Made:
+    """Return the table of a part, made for another speed where the kind's tables depend on it.
+
+    Raises
+    ------
+    CamtoolsError
+        It cannot be made; the file's name is in every line.
+    """
+    kind, part = loaded
+    try:
+        return Made(kind, kind.make(kind.at_speed(part, rpm), tolerance_nm))
+    except CamtoolsError as error:
+        raise CamtoolsError([f"{file}: {line}" for line in error.lines]) from error

@@ -1,0 +1,34 @@
+"""All kinds of parts: every package of camtools with a module `kind`.
+
+>>> [kind.name for kind in kinds()]
+['piston', 'cam']
+"""
+
+from __future__ import annotations
+
+import pkgutil
+from importlib import import_module
+from importlib.util import find_spec
+from typing import Any
+
+import camtools
+from camtools.pipeline.kind import AnyKind, Kind
+
+
+def kinds() -> list[AnyKind]:
+    """Return all kinds by their rank."""
+    found: list[AnyKind] = []
+    for package in pkgutil.iter_modules(camtools.__path__, "camtools."):
+        name = f"{package.name}.kind"
+        if package.ispkg and name != Kind.__module__ and find_spec(name) is not None:
+            kind = import_module(name).KIND
+            assert isinstance(kind, Kind), name
+            found.append(kind)
+    return sorted(found, key=lambda kind: (kind.rank, kind.name))
+
+
+def kind_of(tree: dict[str, Any]) -> AnyKind:
+    """Return the kind that the tables of a part file name, the first one where they name none."""
+    part, known = tree.get("part"), kinds()
+    name = part.get("kind") if isinstance(part, dict) else None
+    return next((kind for kind in known if kind.name == name), known[0])

@@ -1,0 +1,117 @@
+"""The whole pipeline: table, cut on the host simulator, gauge, report, for every kind of part.
+
+>>> from camtools.pipeline.load import load
+>>> job = RunJob(["--feed", "0.5"])
+>>> made = make(load(job.part_path), job.part_path)
+>>> turns_of(job, made)
+124.0
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+from camtools.base.command import BAD_INPUT
+from camtools.base.json_text import Json
+from camtools.base.stage import Stage
+from camtools.pipeline.job import RunJob, say, shown, without_faults, write_files
+from camtools.pipeline.kind import Rig
+from camtools.pipeline.load import load
+from camtools.pipeline.make import Made, make
+from camtools.report.text import page_text
+from camtools.sim.camsim import (
+    SUMMARY,
+    SURFACE,
+    TRACE,
+    Simulator,
+    camsim_path,
+    compare,
+    cut,
+    traced_turns,
+)
+from camtools.sim.results import AnyCut, Measured, read_summary, read_surface, read_trace
+
+
+def turns_of(job: RunJob, made: Made) -> float:
+    """Return how many turns the cut takes, about."""
+    return made.kind.turns(made.table, job.feed_mm or made.table.part.process.feed_mm)
+
+
+def _simulate(job: RunJob, made: Made, folder: Path) -> AnyCut | None:
+    """Cut and gauge in a folder; return nothing when camsim refused and said why."""
+    kind, part, name = made.kind, made.table.part, made.table.part.part.name
+    machine, turns = f"{name}_machine.toml", turns_of(job, made)
+    window = traced_turns(turns, kind.mean_rpm(made.table, job.rpm))
+    files = made.files(with_plots=False)
+    write_files(folder, files | {machine: kind.machine(part).encode("ascii")})
+    simulator = Simulator(camsim_path(), folder, f"{name}.camtab")
+    words = [
+        *("--machine", machine, *job.tolerance(kind.form_error_um(part))),
+        *(*kind.speed_words(job.rpm), *job.feed_words(), *job.extra),
+    ]
+    if cut(simulator, words, window) == BAD_INPUT:
+        return None
+    plain = without_faults(words)
+    measured = Measured(
+        read_summary(folder / SUMMARY),
+        read_surface(folder / SURFACE),
+        read_trace(folder / TRACE),
+        window is None,
+        compare(simulator, plain, window),
+    )
+    outcome: AnyCut = kind.outcome(made.table, measured, Rig(simulator, plain, turns))
+    return outcome
+
+
+def complete_summary(made: Made, outcome: AnyCut, total_s: float) -> Json:
+    """Return camsim's summary with what else is known."""
+    ticks = int(outcome.trace.t_s.size)
+    return (
+        outcome.summary
+        | made.kind.facts(made.table)
+        | {
+            "trace": {"file": TRACE, "ticks": ticks, "is_complete": outcome.is_trace_complete},
+            "comparison": [variant._asdict() for variant in outcome.variants],
+            "run_wall_time_s": total_s,
+        }
+    )
+
+
+def run(argv: Sequence[str]) -> int:
+    """Make, cut and report a part; return the exit status.
+
+    Returns
+    -------
+    int
+        0 done, 1 fault or out of tolerance, 2 camsim refused and said why.
+
+    Raises
+    ------
+    CamtoolsError
+        Wrong usage, or a part that cannot be made.
+    """
+    begin_s = time.monotonic()
+    job = RunJob(argv)
+    loaded = load(job.part_path)
+    job.check_feed(loaded.part)
+    say(f"making the table of {job.part_path.name}")
+    made = make(loaded, job.part_path, rpm=job.rpm)
+    folder = job.folder(loaded.part.part.name)
+    with Stage(folder) as stage:
+        say(f"cutting {turns_of(job, made):.0f} turns on the host simulator")
+        outcome = _simulate(job, made, stage.folder)
+        if outcome is None:
+            return BAD_INPUT
+        say("drawing the report")
+        write_files(stage.folder, made.kind.report(outcome))
+        summary = complete_summary(made, outcome, time.monotonic() - begin_s)
+        text = json.dumps(summary, indent=1, allow_nan=False) + "\n"
+        write_files(stage.folder, {SUMMARY: text.encode("ascii")})
+        stage.publish()
+    rows, total_s = made.kind.rows(outcome), time.monotonic() - begin_s
+    sys.stdout.write(page_text(outcome, rows, shown(folder), total_s))
+    return 0 if outcome.is_good else 1

@@ -1,0 +1,232 @@
+"""What a cut of any kind came to, in words and numbers, for the terminal and the report.
+
+>>> share(30.0, 120.0)
+'25 %'
+>>> plain("0.1 µm, 3 m/s²")
+'0.1 um, 3 m/s2'
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from camtools.base.errors import InputError
+from camtools.base.json_text import Json
+from camtools.plots.style import length_text
+from camtools.sim.results import FAULT, AnyCut
+
+_FAULTS = Path(__file__).resolve().parents[3] / "firmware" / "FAULTS.md"
+
+
+_FAULT_ROW = re.compile(r"^\| `(\w+)` \|(.*)\|$", re.MULTILINE)
+
+
+_CLEAR_MM = 0.2  # the tool counts as out of the work: twice the usual depth of cut
+
+
+_MARGINS = {
+    "spindle_rpm": ("spindle speed", "r/min", 1.0),
+    "u_speed_mm_s": ("U speed", "mm/s", 1.0),
+    "u_acceleration_mm_s2": ("U acceleration", "m/s²", 1e-3),
+    "u_stroke_mm": ("U stroke", "mm", 1.0),
+    "spindle_acceleration_rad_s2": ("spindle acceleration", "rad/s²", 1.0),
+}
+
+
+class ReportRow(NamedTuple):
+    """One line of a summary."""
+
+    name: str
+    value: str
+
+
+class Verdict(NamedTuple):
+    """The result in one word for the eye and one sentence."""
+
+    kind: str  # good, poor or fault
+    title: str
+    sentence: str
+
+
+class Margin(NamedTuple):
+    """How much of a limit of the machine a cut needs."""
+
+    name: str
+    needed: str
+    limit: str
+    percent: float
+
+
+class FaultFacts(NamedTuple):
+    """A line of firmware/FAULTS.md."""
+
+    cause: str
+    seen_within: str
+    armed_in: str
+    remedy: str
+
+
+def share(needed: float, limit: float) -> str:
+    """Return needed as a percentage of limit."""
+    return f"{100 * needed / limit:.0f} %"
+
+
+def plain(text: str) -> str:
+    """Return text with the few characters that not every terminal shows replaced."""
+    for wide, ascii_text in (("µ", "u"), ("²", "2"), ("°", " deg"), ("±", "+-")):
+        text = text.replace(wide, ascii_text)
+    return text
+
+
+def verdict_of(outcome: AnyCut) -> Verdict:
+    """Return whether the part is good, and why not."""
+    summary = outcome.summary
+    form = summary["form_error_um"]
+    if outcome.has_fault:
+        first = ", ".join(summary["first_faults"])
+        return Verdict("fault", f"fault: {first}", "The controller ended the cut by itself.")
+    if form["max"] is None:
+        return Verdict(
+            "poor", f"nothing cut ({summary['end']})", "No surface was cut to full depth."
+        )
+    found = f"largest form error {length_text(form['max'])}"
+    allowed = f"tolerance of {length_text(form['tolerance'])}"
+    if form["max"] > form["tolerance"]:
+        return Verdict("poor", "out of tolerance", f"The {found} is above the {allowed}.")
+    if summary["end"] != "done":
+        return Verdict("poor", f"incomplete: {summary['end']}", "The cut did not reach the end.")
+    if not outcome.is_good:  # a lobe of a cam
+        return Verdict("poor", "not gauged", f"The {found}, but the gauge has not seen all of it.")
+    return Verdict("good", "within tolerance", f"The {found} is within the {allowed}.")
+
+
+def error_pair(error: Json) -> str:
+    """Return largest and rms of an error [um] in words."""
+    if error["max"] is None:
+        return "none: nothing was cut to full depth"
+    return f"max {length_text(error['max'])}, rms {length_text(error['rms'])}"
+
+
+def margins_of(outcome: AnyCut) -> list[Margin]:
+    """Return needed and limit of spindle and U; of its acceleration when the speed changes."""
+    found = []
+    for key, (name, unit, scale) in _MARGINS.items():
+        if key == "spindle_acceleration_rad_s2" and not outcome.is_modulated:
+            continue
+        one = outcome.summary["feasibility"][key]
+        needed, limit = one["needed"] * scale, one["limit"] * scale
+        percent = 100 * needed / limit
+        found.append(Margin(name, f"{needed:.4g} {unit}", f"{limit:.4g} {unit}", percent))
+    return found
+
+
+def page_text(outcome: AnyCut, about: list[ReportRow], place: str, total_s: float) -> str:
+    """Return the summary table for the terminal.
+
+    Parameters
+    ----------
+    about : list of ReportRow
+        What the kind of the part says of the cut.
+    place : str
+        Folder of the results, as the user may type it.
+    total_s : float
+        Computing time of everything [s].
+    """
+    rows = [row for row in about if row.name != "computing time"]
+    for margin in margins_of(outcome):
+        value = f"{margin.needed} of {margin.limit} ({margin.percent:.0f} %)"
+        rows.append(ReportRow(f"needs {margin.name}", value))
+    cut_s = outcome.summary["wall_time_s"]
+    rows.append(ReportRow("computing time", f"{total_s:.1f} s in all, {cut_s:.2f} s for the cut"))
+    rows.append(ReportRow("results", f"{place}/report.html and the files beside it"))
+    width = max(len(row.name) for row in rows)
+    lines = [f"{outcome.name}: {verdict_of(outcome).title}"]
+    lines += [f"  {row.name:<{width}}  {plain(row.value)}" for row in rows]
+    return "\n".join(lines) + "\n"
+
+
+def fault_facts(path: Path = _FAULTS) -> dict[str, FaultFacts]:
+    """Return the table of faults of the firmware's manual.
+
+    Raises
+    ------
+    InputError
+        The manual cannot be read.
+    """
+    try:
+        text = path.read_text(encoding="utf-8")
+    except OSError as error:
+        problem = f"cannot be read: {error.strerror}"
+        raise InputError(path.name, "", None, problem, "restore it from the repository") from error
+    rows = {name: rest.split(" | ") for name, rest in _FAULT_ROW.findall(text)}
+    return {
+        name: FaultFacts(*(_spelled_out(cell) for cell in cells))
+        for name, cells in rows.items()
+        if len(cells) == len(FaultFacts._fields)
+    }
+
+
+def _spelled_out(cell: str) -> str:
+    """Return a cell of the manual without its short symbols: T, T_o."""
+    text = cell.strip().replace("`", "").replace("T_o", "the settling time of the speed reading")
+    return re.sub(r"\bT\b", "tick", text)
+
+
+def clear_after_s(outcome: AnyCut) -> float | None:
+    """Return how long after the fault the tool was out of the work [s], if the trace tells."""
+    trace = outcome.trace
+    after = np.flatnonzero(trace.state == FAULT)
+    clear = after[trace.error_nm[after] > _CLEAR_MM * 1e6]
+    if not clear.size:
+        return None
+    return float(trace.t_s[clear[0]] - trace.t_s[after[0]])
+
+
+def fault_story(outcome: AnyCut) -> list[ReportRow]:
+    """Return what happened, when, and what the controller did, in the order of time."""
+    fault, facts = outcome.summary["fault"], fault_facts()
+    rows = [
+        ReportRow(name, f"{facts[name].cause}; seen within {facts[name].seen_within}")
+        for name in outcome.summary["first_faults"]
+        if name in facts
+    ]
+    rows += [ReportRow("when", _when(fault)), ReportRow("reaction", _reaction(outcome))]
+    later = [
+        name for name in outcome.summary["faults"] if name not in outcome.summary["first_faults"]
+    ]
+    if later:
+        rows.append(ReportRow("came on top", ", ".join(later)))
+    rows += [
+        ReportRow("before the next try", facts[name].remedy)
+        for name in outcome.summary["first_faults"]
+        if name in facts
+    ]
+    return rows
+
+
+def _when(fault: Json) -> str:
+    since = fault.get("time_of_cutting_s")
+    cutting = "" if since is None else f" ({since:.3f} s into the cut)"
+    place = f"height {fault['z_mm']:.3f} mm, angle {360 * fault['turn']:.1f}°"
+    return f"{fault['time_s']:.4f} s after the start{cutting}, {fault['state']}, {place}"
+
+
+def _reaction(outcome: AnyCut) -> str:
+    if "drive" in outcome.summary["first_faults"]:
+        return "A drive that is not ready cannot retract: its enable was dropped in the same tick."
+    clear_s = clear_after_s(outcome)
+    if clear_s is None:
+        clear = ""
+    elif clear_s > 0:
+        clear = f" The tool was {_CLEAR_MM} mm clear after {clear_s * 1e3:.1f} ms."
+    else:
+        clear = " The tool was out of the work already."
+    rest_ms = outcome.summary["fault"]["retract_s"] * 1e3
+    return (
+        "In the same tick the controller took the axes over: U was told to retract, X to move off, "
+        f"Z to brake, the spindle to stop.{clear} Enable was dropped after {rest_ms:.1f} ms."
+    )

@@ -1,0 +1,99 @@
+"""The skirt of a piston as a kind of part.
+
+>>> KIND.speed_words(600.0)
+['--rpm', '600.0']
+"""
+
+from __future__ import annotations
+
+from camtools.base.json_text import Json
+from camtools.cut.path import ToolPath
+from camtools.pipeline.kind import Kind, Rig
+from camtools.report.text import ReportRow
+from camtools.sim.camsim import machine_text
+from camtools.sim.results import Measured
+from camtools.skirt.even import compare_removal
+from camtools.skirt.generate import GeneratedSkirt, generate
+from camtools.skirt.outcome import SkirtOutcome
+from camtools.skirt.part import SkirtPart
+from camtools.skirt.report_text import rows_of
+from camtools.skirt.summary import make_summary
+from camtools.skirt.summary_text import emit_text
+
+
+class SkirtKind(Kind[SkirtPart, GeneratedSkirt, SkirtOutcome]):
+    """Skirts of pistons: ovals over the height."""
+
+    name = "piston"
+    plural = "pistons"
+    rank = 0
+    commands = ("mktables", "run", "mkgcode", "analyse", "scallop", "trade")
+    model = SkirtPart
+
+    def make(self, part: SkirtPart, tolerance_nm: float | None = None) -> GeneratedSkirt:
+        """See `Kind.make`."""
+        return generate(part, tolerance_nm)
+
+    def summary(self, made: GeneratedSkirt) -> Json:
+        """See `Kind.summary`."""
+        return make_summary(made)
+
+    def text(self, summary: Json) -> str:
+        """See `Kind.text`."""
+        return emit_text(summary)
+
+    def plots(self, made: GeneratedSkirt) -> dict[str, bytes]:
+        """See `Kind.plots`."""
+        from camtools.skirt.plots import draw_all  # matplotlib loads longer than all the rest
+
+        return draw_all(made)
+
+    def at_speed(self, part: SkirtPart, rpm: float | None) -> SkirtPart:
+        """Return the part for another mean speed: only a modulated spindle's law depends on it."""
+        if rpm is None or part.process.mode == "uniform":
+            return part
+        process = part.process.model_copy(update={"spindle_rpm": rpm})
+        return part.model_copy(update={"process": process})
+
+    def mean_rpm(self, made: GeneratedSkirt, rpm: float | None) -> float:
+        """See `Kind.mean_rpm`."""
+        return rpm or made.part.process.spindle_rpm
+
+    def speed_words(self, rpm: float | None) -> list[str]:
+        """See `Kind.speed_words`."""
+        return [] if rpm is None else ["--rpm", repr(rpm)]
+
+    def turns(self, made: GeneratedSkirt, feed_mm: float) -> float:
+        """See `Kind.turns`."""
+        ends = made.geometry.z_first_mm, made.geometry.z_last_mm
+        return ToolPath(made.part.process.path, *ends, feed_mm).turns
+
+    def form_error_um(self, part: SkirtPart) -> float:
+        """See `Kind.form_error_um`."""
+        return part.process.form_error_um
+
+    def machine(self, part: SkirtPart) -> str:
+        """See `Kind.machine`."""
+        return machine_text(part.machine.limits)
+
+    def outcome(self, made: GeneratedSkirt, measured: Measured, rig: Rig) -> SkirtOutcome:
+        """Return the cut; a part with a modulated spindle is cut uniformly for comparison."""
+        return SkirtOutcome(made, *measured, compare_removal(rig, made))
+
+    def facts(self, made: GeneratedSkirt) -> Json:
+        """See `Kind.facts`."""
+        error = {"u": made.accuracy_u.value_nm, "x": made.accuracy_x.value_nm}
+        return {"table_error_nm": error | {"tolerance": made.tolerance_nm}}
+
+    def rows(self, outcome: SkirtOutcome) -> list[ReportRow]:
+        """See `Kind.rows`."""
+        return rows_of(outcome)
+
+    def report(self, outcome: SkirtOutcome) -> dict[str, bytes]:
+        """See `Kind.report`."""
+        from camtools.skirt.report import make_report  # matplotlib, see above
+
+        return make_report(outcome)
+
+
+KIND = SkirtKind()

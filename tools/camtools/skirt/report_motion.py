@@ -1,0 +1,85 @@
+"""Picture of U over one turn of a skirt: drawing beside measurement.
+
+>>> callable(draw_motion)
+True
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from camtools.base.quantities import NM_PER_MM, Floats, Ints
+from camtools.plots.style import (
+    BLUE,
+    RED,
+    angle_axis,
+    new_figure,
+)
+from camtools.sim.results import CUTTING, CutTrace
+from camtools.skirt.geometry import Geometry, turning_at
+
+_UM_PER_MM, _MM_PER_M = 1000.0, 1000.0
+_N_ANGLES = 721
+
+
+_DERIVATIVE_TICKS = 4  # the measured position is quantised, so the slope is taken over 2 x 4 ticks
+
+
+def hardest_turn(trace: CutTrace, geometry: Geometry) -> Ints:
+    """Return the ticks of the whole turn of cutting in which U moves most."""
+    cutting = np.flatnonzero(trace.state == CUTTING)
+    if not cutting.size:
+        return cutting
+    whole = np.floor(trace.turn[cutting]).astype(np.int64)
+    turns = np.arange(whole[0] + 1, whole[-1])
+    if not turns.size:
+        return cutting[:0]
+    first = np.searchsorted(trace.turn[cutting], turns)
+    moves_mm = geometry.ovality_mm(trace.z_mm[cutting[first]])
+    best = turns[int(np.argmax(moves_mm))]
+    return np.asarray(cutting[whole == best], dtype=np.int64)
+
+
+def _slope(values: Floats, t_s: Floats) -> Floats:
+    """Return the slope of values over a few ticks to both sides; NaN at the ends."""
+    k = _DERIVATIVE_TICKS
+    slope = np.full(values.size, np.nan)
+    slope[k:-k] = (values[2 * k :] - values[: -2 * k]) / (t_s[2 * k :] - t_s[: -2 * k])
+    return slope
+
+
+def draw_motion(trace: CutTrace, geometry: Geometry, speed_rpm: float) -> Figure:
+    """Return U, its velocity and acceleration over the turn in which U moves most."""
+    figure = new_figure(10, 6.6)
+    panels: list[Axes] = list(figure.subplots(3, 1, sharex=True))
+    rows = hardest_turn(trace, geometry)
+    z_mm = float(trace.z_mm[rows].mean()) if rows.size else geometry.z_last_mm
+    turns = np.linspace(0, 1, _N_ANGLES)
+    wanted = turning_at(geometry, speed_rpm, z_mm, turns)
+    curves = (
+        (wanted.u_mm * _UM_PER_MM, "U towards the axis, µm"),
+        (wanted.velocity_mm_s, "velocity, mm/s"),
+        (wanted.acceleration_mm_s2 / _MM_PER_M, "acceleration, m/s²"),
+    )
+    for axes, (curve, name) in zip(panels, curves, strict=True):
+        axes.plot(360 * turns, curve, color=BLUE, lw=1.6, label="drawing")
+        axes.set_ylabel(name)
+        axes.grid(alpha=0.3)
+    if rows.size:
+        _measured(panels, trace.pick(rows))
+    panels[0].set_title(f"height {z_mm:.1f} mm, {speed_rpm:g} r/min")
+    panels[0].legend(frameon=False, loc="upper right", bbox_to_anchor=(1, 1.25), ncols=2)
+    angle_axis(panels[-1])
+    return figure
+
+
+def _measured(panels: list[Axes], turn: CutTrace) -> None:
+    u_mm = turn.u_act_nm / NM_PER_MM
+    velocity = _slope(u_mm, turn.t_s)
+    step = max(1, u_mm.size // 60)
+    for axes, values in zip(panels, (u_mm * _UM_PER_MM, velocity), strict=False):
+        degrees = 360 * (turn.turn[::step] % 1)
+        style = {"color": RED, "ls": "", "marker": "o", "ms": 3.2, "mfc": "none"}
+        axes.plot(degrees, values[::step], label="measured on U", **style)  # type: ignore[arg-type]

@@ -1,0 +1,55 @@
+"""What every table tells of itself, as JSON values.
+
+>>> callable(describe_channel)
+True
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from camtools.base.json_text import Json, emit_json
+from camtools.base.quantities import NM_PER_MM
+from camtools.table.csource import emit_header, emit_source
+from camtools.table.evaluate import knot_interval
+from camtools.table.image import KIND_X, Channel, Table, crc32_of, pack
+
+
+def describe_channel(channel: Channel) -> Json:
+    """Return the size of a channel and the bounds of its knots."""
+    interval = knot_interval(channel)
+    return {
+        "bytes": channel.size,
+        "n_slices": channel.n_slices,
+        "knots_per_pattern": int(channel.knots.shape[1]),
+        "patterns_per_turn": 1 << channel.log2_repeat,
+        "frac_bits": channel.frac_bits,
+        "lsb_nm": channel.lsb,
+        "knot_interval": interval / NM_PER_MM if channel.kind == KIND_X else np.degrees(interval),
+        "knot_interval_unit": "mm" if channel.kind == KIND_X else "degrees",
+        "spacing_mm": (channel.z_last_nm - channel.z_first_nm) / (channel.n_slices - 1) / NM_PER_MM,
+        "bounds": {name: getattr(channel, name) for name in ("p_min", "p_max", "v_max", "a_max")},
+    }
+
+
+def about_image(table: Table, tolerance_nm: float) -> Json:
+    """Return what the summary of every table says of its image."""
+    image = pack(table)
+    return {
+        "table_bytes": len(image),
+        "table_crc32": crc32_of(image),
+        "tolerance_nm": float(tolerance_nm),
+        "height_range_mm": [table.z_first_nm / NM_PER_MM, table.z_last_nm / NM_PER_MM],
+        "guaranteed": vars(table.bounds),
+    }
+
+
+def table_files(table: Table, summary: Json) -> dict[str, bytes]:
+    """Return the files of every table by their names: image, C source, summary."""
+    name, image = table.part_name, pack(table)
+    return {
+        f"{name}.camtab": image,
+        f"{name}_table.h": emit_header(name, len(image)).encode("ascii"),
+        f"{name}_table.c": emit_source(name, image).encode("ascii"),
+        f"{name}.json": emit_json(summary).encode("ascii"),
+    }
