@@ -62,5 +62,5 @@ def moving_bounds(uniform: Bounds, peaks: MotionPeaks) -> Bounds:
         uniform,
         u1_peak_nm_per_rad=ceil(peaks.u1_mm * NM_PER_MM),
         u2_peak_nm_per_rad2=ceil(peaks.u2_mm * NM_PER_MM),
-        spindle_peak_ppm=ceil(peaks.spindle_rad2 * 1e6),
+        spindle_peak_ppm_per_rad=ceil(peaks.spindle_rad2 * 1e6),
     )
