@@ -236,7 +236,7 @@ def _entry_of(channel: Channel, offset: int, *, is_ring_helix: bool) -> bytes:
         "z_first_nm": channel.z_first_nm,
         "z_last_nm": channel.z_last_nm,
         "slices_per_nm_q48": channel.slices_per_nm_q48,
-        "offset_nm": channel.origin,
+        "value_offset": channel.origin,
         "p_min": channel.p_min,
         "p_max": channel.p_max,
         "v_max": channel.v_max,
@@ -382,7 +382,7 @@ def _check_entry(entry: dict[str, Any], table: Table) -> None:
     q48 = slices_per_nm_q48(n_slices, z_first, z_last)
     _demand(entry["slices_per_nm_q48"] == q48, "slices_per_nm_q48: wrong")
     _demand(entry["path"] <= int(kind == KIND_X), "path: not 0 or, of x, 1")
-    low, high = ((entry["offset_nm"] << frac_bits) + entry[name] for name in ("p_min", "p_max"))
+    low, high = ((entry["value_offset"] << frac_bits) + entry[name] for name in ("p_min", "p_max"))
     if kind == KIND_SPEED:
         is_ratio = low >= MIN_RATIO << frac_bits and high <= MAX_RATIO << frac_bits
         _demand(is_ratio, "p_min, p_max: no speed ratio of 1/16 .. 4")
@@ -402,7 +402,7 @@ def _make_channel(image: bytes, entry: dict[str, Any]) -> Channel:
         frac_bits=entry["frac_bits"],
         z_first_nm=entry["z_first_nm"],
         z_last_nm=entry["z_last_nm"],
-        origin=entry["offset_nm"],
+        origin=entry["value_offset"],
         p_min=entry["p_min"],
         p_max=entry["p_max"],
         v_max=entry["v_max"],
