@@ -294,24 +294,42 @@ static void build_play(cam_play_config_t *c, const cam_params_t *p, int32_t rise
     build_plan(c, tick_hz);
 }
 
+/// @return limits per plan instead of per tick
+static cam_move_limits_t per_plan(cam_move_limits_t limits, int32_t plan_ticks)
+{
+    const int64_t most = INT64_C(1) << 29;
+    const int64_t speed = (int64_t)limits.speed_q10 * plan_ticks;
+    const int64_t acceleration = (int64_t)limits.acceleration_q10 * plan_ticks * plan_ticks;
+    return (cam_move_limits_t){
+        .speed_q10 = (int32_t)cam_clamp_i64(speed, 1, most),
+        .acceleration_q10 = (int32_t)cam_clamp_i64(acceleration, 1, most),
+    };
+}
+
+/// U moves tick by tick, X and Z plan by plan.
 static void build_limits(cam_config_t *c, const cam_params_t *p, uint32_t tick_hz)
 {
-    cam_move_limits_t *full = c->guard.limits;
-    full[hal_axis_u] = limits(p->u_speed_um_per_s, p->u_acceleration_mm_per_s2, tick_hz);
-    full[hal_axis_x] = limits(p->x_speed_um_per_s, p->x_acceleration_mm_per_s2, tick_hz);
-    full[hal_axis_z] = limits(p->z_speed_um_per_s, p->z_acceleration_mm_per_s2, tick_hz);
+    const cam_move_limits_t full[hal_n_axes] = {
+        [hal_axis_u] = limits(p->u_speed_um_per_s, p->u_acceleration_mm_per_s2, tick_hz),
+        [hal_axis_x] = limits(p->x_speed_um_per_s, p->x_acceleration_mm_per_s2, tick_hz),
+        [hal_axis_z] = limits(p->z_speed_um_per_s, p->z_acceleration_mm_per_s2, tick_hz),
+    };
+    c->guard.u = full[hal_axis_u];
     for (uint32_t i = 0; i < hal_n_axes; i++) {
-        c->play.approach[i] = (cam_move_limits_t){
+        const int32_t ticks = i == (uint32_t)hal_axis_u ? 1 : c->play.plan_ticks;
+        const cam_move_limits_t gentle = {
             .speed_q10 = full[i].speed_q10 / approach_share + 1,
             .acceleration_q10 = full[i].acceleration_q10 / approach_share + 1,
         };
+        c->play.approach[i] = per_plan(gentle, ticks);
+        c->play.leave[i] = per_plan(full[i], ticks);
     }
 }
 
 static void build_guard(cam_guard_config_t *c, const cam_params_t *p, uint32_t speed_limit_mrpm,
                         int32_t rise_nm, uint32_t tick_hz)
 {
-    const cam_move_limits_t *u = &c->limits[hal_axis_u];
+    const cam_move_limits_t *u = &c->u;
     c->overspeed_q32 = cam_build_speed_q32(speed_limit_mrpm, tick_hz);
     c->stopped_q32 = cam_build_speed_q32((uint32_t)p->stopped_mrpm, tick_hz);
     c->speed_span_q32 = c->overspeed_q32 > c->stopped_q32
@@ -325,7 +343,6 @@ static void build_guard(cam_guard_config_t *c, const cam_params_t *p, uint32_t s
     c->u_acc_off_q6 = c->u_acc_q6 + c->u_vel_q6;
     c->u_range_q6 = p->u_stroke_nm * 32;
     c->u_retract_q10 = retract_q10(p, rise_nm);
-    c->x_clearance_q10 = ((int64_t)p->x_clearance_nm + rise_nm) * 1024;
 }
 
 /// What the interrupt can count on: history reaches back over the lead, the observer is slower than
@@ -369,7 +386,6 @@ cam_err_t cam_build_config(cam_config_t *config, const cam_params_t *params,
     }
     build_limits(config, params, tick_hz);
     build_guard(&config->guard, params, speed_limit_mrpm, rise_nm, tick_hz);
-    config->guard.is_swung = is_swung;
     config->k1_q16 = ticks_of_ns(params->k1_ns, tick_hz);
     config->k2_q16 = ticks2_of_us2(params->k2_us2, tick_hz);
     config->trace_room = params->trace_on != 0 ? (uint32_t)cam_trace_capacity : 0u;

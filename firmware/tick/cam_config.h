@@ -101,7 +101,8 @@ typedef struct {
     bool is_z_measured;
     int64_t u_retract_q10;                  ///< [nm / 1024]
     int32_t x_clearance_nm;                 ///< [nm]
-    cam_move_limits_t approach[hal_n_axes]; ///< gentle limits outside the cut
+    cam_move_limits_t approach[hal_n_axes]; ///< gentle limits outside the cut; X, Z: per plan
+    cam_move_limits_t leave[hal_n_axes];    ///< full limits per plan, of X and Z in state fault
     int32_t spindle_mrpm;                   ///< mean set-point, signed by the table's direction
     cam_speed_config_t speed;               ///< modulation, of a table with a speed channel
     cam_swing_config_t swing;               ///< of a table that swings the tool
@@ -117,12 +118,10 @@ typedef struct {
     int32_t following_nm;       ///< [nm]
     int32_t u_vel_q6, u_acc_q6; ///< [nm / 64 per tick, per tick^2] of the set-point
     int32_t
-        u_acc_off_q6;   ///< [nm / 64 per tick^2] around a tick off its time, whose step is another
-    int32_t u_range_q6; ///< [nm / 64] half the stroke
-    cam_move_limits_t limits[hal_n_axes]; ///< for the retract
-    int64_t u_retract_q10;                ///< [nm / 1024] place of U out of the work
-    int64_t x_clearance_q10;              ///< [nm / 1024] X moves off by this much
-    bool is_swung;                        ///< the tool swings
+        u_acc_off_q6;    ///< [nm / 64 per tick^2] around a tick off its time, whose step is another
+    int32_t u_range_q6;  ///< [nm / 64] half the stroke
+    cam_move_limits_t u; ///< for the retract
+    int64_t u_retract_q10; ///< [nm / 1024] place of U out of the work
 } cam_guard_config_t;
 
 /// Everything that a tick reads and does not change.

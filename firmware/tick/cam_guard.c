@@ -104,10 +104,9 @@ static uint32_t blame(cam_guard_t *g, const cam_guard_config_t *cfg, const cam_t
     return faults;
 }
 
-/// What is new is counted, all faults at once: bit i of the words of `count` is the number of fault
-/// i, and the carry of one word is what the next one counts. The tick of the fault is busy enough:
-/// those after it count.
-static void count_new(cam_guard_t *g)
+/// All faults at once: bit i of the words of `count` is the number of fault i, and the carry of one
+/// word is what the next one counts.
+void cam_guard_count_isr(cam_guard_t *g)
 {
     uint32_t carry = g->faults & ~g->counted;
     for (uint32_t k = 0; k < cam_guard_count_bits && carry != 0u; k++) {
@@ -116,11 +115,6 @@ static void count_new(cam_guard_t *g)
         g->count[k] = sum;
     }
     g->counted = g->faults;
-}
-
-uint32_t cam_guard_first(const cam_guard_t *g)
-{
-    return g->counted == 0u && g->faults != 0u ? g->faults : g->first_faults;
 }
 
 uint32_t cam_guard_count(const cam_guard_t *g, cam_fault_t fault)
@@ -133,15 +127,13 @@ uint32_t cam_guard_count(const cam_guard_t *g, cam_fault_t fault)
     return (counted + n) % (1u << cam_guard_count_bits);
 }
 
-/// In the tick of the fault all axes go on as they did, U from where it was written last. That tick
-/// is busy enough: all the rest is left to the next one.
-static cam_verdict_t enter_fault(cam_guard_t *g, uint32_t faults, const cam_motion_t *m)
+/// In the tick of the fault U goes on as it did, from where it was written last.
+static cam_verdict_t enter_fault(cam_guard_t *g, uint32_t faults)
 {
     g->faults = faults;
+    g->first_faults = faults;
     g->u_set_q6 += g->u_step_q6;
-    g->axis[hal_axis_u] = (cam_move_t){.vel_q10 = g->u_step_q6 * 16};
-    g->axis[hal_axis_x] = m->axis[hal_axis_x];
-    g->axis[hal_axis_z] = m->axis[hal_axis_z];
+    g->u = (cam_move_t){.pos_q10 = (int64_t)g->u_set_q6 * 16, .vel_q10 = g->u_step_q6 * 16};
     const uint32_t is_held = (~faults >> (uint32_t)cam_fault_drive) & 1u;
     return (cam_verdict_t){
         .faults = faults,
@@ -150,36 +142,14 @@ static cam_verdict_t enter_fault(cam_guard_t *g, uint32_t faults, const cam_moti
     };
 }
 
-/// What the tick of the fault had no time for: where the retract begins and X is to go.
-static void begin_retract(cam_guard_t *g, const cam_guard_config_t *cfg)
-{
-    g->first_faults = g->faults;
-    g->x_off_q10 = g->axis[hal_axis_x].pos_q10 + cfg->x_clearance_q10;
-    g->axis[hal_axis_u].pos_q10 = (int64_t)g->u_set_q6 * 16;
-}
-
-static void retract(cam_guard_t *g, const cam_guard_config_t *cfg, bool is_swung_back)
-{
-    const cam_move_limits_t *limits = cfg->limits;
-    cam_move_t *axis = g->axis;
-    const bool is_u_out =
-        cam_move_to_isr(&axis[hal_axis_u], &limits[hal_axis_u], cfg->u_retract_q10);
-    const bool is_x_off = cam_move_to_isr(&axis[hal_axis_x], &limits[hal_axis_x], g->x_off_q10);
-    const bool is_z_at_rest = cam_move_stop_isr(&axis[hal_axis_z], &limits[hal_axis_z]);
-    g->u_set_q6 = cam_sat_i32(axis[hal_axis_u].pos_q10 >> 4);
-    g->is_retracted = g->is_retracted || (is_u_out && is_x_off && is_z_at_rest && is_swung_back);
-}
-
-/// In the ticks after that of the fault. The plan leads the swing back to 0.
+/// In the ticks after that of the fault. The plan leads the other axes away.
 static cam_verdict_t leave_work(cam_guard_t *g, const cam_guard_config_t *cfg, uint32_t faults,
-                                const cam_motion_t *m)
+                                bool is_clear)
 {
-    if (g->counted == 0u) {
-        begin_retract(g, cfg);
-    }
     g->faults |= faults;
-    count_new(g);
-    retract(g, cfg, !cfg->is_swung || m->swing.is_there);
+    const bool is_u_out = cam_move_to_isr(&g->u, &cfg->u, cfg->u_retract_q10);
+    g->u_set_q6 = cam_sat_i32(g->u.pos_q10 >> 4);
+    g->is_retracted = g->is_retracted || (is_u_out && is_clear);
     const bool is_held = !g->is_retracted && (g->faults & CAM_FAULT_BIT(drive)) == 0u;
     return (cam_verdict_t){
         .faults = g->faults,
@@ -206,7 +176,7 @@ CAM_STAGE static cam_verdict_t rest(cam_guard_t *g, const cam_guard_config_t *cf
 {
     return r->want.state == cam_state_off
                ? forget(g, r->want.u_set_q6)
-               : leave_work(g, cfg, judge_inputs(r->in.inputs) & ARMED_IN_FAULT, m);
+               : leave_work(g, cfg, judge_inputs(r->in.inputs) & ARMED_IN_FAULT, m->is_clear);
 }
 
 /// What play wants is written.
@@ -230,5 +200,5 @@ cam_verdict_t cam_guard_step_isr(cam_guard_t *g, const cam_guard_config_t *cfg,
     }
     const int32_t step_q6 = cam_wrap_sub(want->u_set_q6, g->u_set_q6);
     const uint32_t faults = blame(g, cfg, r, step_q6) & watched;
-    return faults == 0u ? accept(g, want, step_q6) : enter_fault(g, faults, m);
+    return faults == 0u ? accept(g, want, step_q6) : enter_fault(g, faults);
 }

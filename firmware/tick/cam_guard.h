@@ -26,27 +26,26 @@ enum { cam_guard_count_bits = 8 }; ///< faults are counted modulo 256
 typedef struct {
     uint32_t faults;                      ///< latched
     uint32_t counted;                     ///< of those, what `count` knows
-    uint32_t first_faults;                ///< those that entered the fault state, cam_guard_first()
+    uint32_t first_faults;                ///< those that entered the fault state last
     uint32_t count[cam_guard_count_bits]; ///< times latched, cam_guard_count()
     bool is_retracted;
-    uint32_t n_stopped;          ///< [ticks] without rotation
-    int32_t u_set_q6;            ///< [nm / 64] U written last
-    int32_t u_step_q6;           ///< [nm / 64 per tick] its last step
-    int64_t x_off_q10;           ///< target of X in the fault state
-    cam_move_t axis[hal_n_axes]; ///< set-points in the fault state
+    uint32_t n_stopped; ///< [ticks] without rotation
+    int32_t u_set_q6;   ///< [nm / 64] U written last
+    int32_t u_step_q6;  ///< [nm / 64 per tick] its last step
+    cam_move_t u;       ///< set-point in the fault state
 } cam_guard_t;
 
 /// Judge one tick.
 /// @param r  record of the tick: what was sensed, the spindle and what play wants, each with the
 ///           faults seen there
 /// @param m  set-points that play wants
-/// @return   the verdict; while it is in charge, u_set_q6 and axis are to be written
+/// @return   the verdict; while it is in charge, u_set_q6 and u are to be written
 /// Constant time.
-CAM_STAGE cam_verdict_t cam_guard_step_isr(cam_guard_t *g, const cam_guard_config_t *cfg,
-                                           const cam_tick_record_t *r, const cam_motion_t *m);
+cam_verdict_t cam_guard_step_isr(cam_guard_t *g, const cam_guard_config_t *cfg,
+                                 const cam_tick_record_t *r, const cam_motion_t *m);
 
-/// @return mask of the faults that entered the fault state last. Context: slow side.
-uint32_t cam_guard_first(const cam_guard_t *g);
+/// Count the faults that are new, to be called by the plan: a tick that has a fault is busy enough.
+void cam_guard_count_isr(cam_guard_t *g);
 
 /// @return times that a fault was latched, modulo 2^cam_guard_count_bits. Context: slow side.
 uint32_t cam_guard_count(const cam_guard_t *g, cam_fault_t fault);

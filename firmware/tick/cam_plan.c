@@ -321,39 +321,137 @@ static void plan_cut(cam_plan_t *p, const cam_play_config_t *cfg, const cam_tick
     m->state = state_at(p, cfg, r->angle.pos_q32);
     if (m->state == cam_state_ready) { // scale 0: U has come to rest at 0
         m->axis[hal_axis_u] = (cam_move_t){0};
+        m->u_target_q10 = cfg->u_retract_q10;
         m->is_playing = false;
     }
 }
 
-/// Where X waits for the cut, found again while the axes move: others may lead Z. When all axes are
-/// there the cut is laid.
+static bool is_at(const cam_move_t *m, int64_t place_q10)
+{
+    return m->pos_q10 == place_q10 && m->vel_q10 == 0;
+}
+
+/// One plan towards a place, or to rest, within limits per plan. @return true when it rests there
+static bool move_to(cam_move_t *m, const cam_play_config_t *cfg, const cam_move_limits_t *limits,
+                    int64_t place_q10)
+{
+    cam_move_t next = {.pos_q10 = m->pos_q10, .vel_q10 = m->vel_q10 * cfg->plan_ticks};
+    const bool is_there = cam_move_to_isr(&next, limits, place_q10);
+    aim(m, cfg, next.pos_q10);
+    return is_there;
+}
+
+static bool brake(cam_move_t *m, const cam_play_config_t *cfg, const cam_move_limits_t *limits)
+{
+    cam_move_t next = {.pos_q10 = m->pos_q10, .vel_q10 = m->vel_q10 * cfg->plan_ticks};
+    const bool is_at_rest = cam_move_stop_isr(&next, limits);
+    aim(m, cfg, next.pos_q10);
+    return is_at_rest;
+}
+
+/// Tool out of the work, feed axes at rest. @return true when all of them rest
+static bool stay_out(const cam_play_config_t *cfg, cam_motion_t *m)
+{
+    m->u_target_q10 = cfg->u_retract_q10;
+    const bool is_x_at_rest = brake(&m->axis[hal_axis_x], cfg, &cfg->approach[hal_axis_x]);
+    const bool is_z_at_rest = brake(&m->axis[hal_axis_z], cfg, &cfg->approach[hal_axis_z]);
+    if (cfg->swing.is_swung) {
+        cam_swing_rest_isr(&m->swing, cfg, &cfg->swing.gentle);
+    }
+    return is_at(&m->axis[hal_axis_u], cfg->u_retract_q10) && is_x_at_rest && is_z_at_rest &&
+           (!cfg->swing.is_swung || m->swing.is_there);
+}
+
+/// Z to the start of the cut, X standing, then X: the tool nears the work where it will cut.
+/// @return true when both are there
+static bool approach_xz(const cam_play_config_t *cfg, cam_motion_t *m)
+{
+    cam_move_t *x = &m->axis[hal_axis_x];
+    const int64_t z_q10 = (int64_t)cfg->z_first_nm * 1024;
+    if (is_at(&m->axis[hal_axis_z], z_q10)) {
+        return move_to(x, cfg, &cfg->approach[hal_axis_x], profile_q10(cfg, cfg->z_first_nm, 0));
+    }
+    (void)move_to(&m->axis[hal_axis_z], cfg, &cfg->approach[hal_axis_z], z_q10);
+    (void)brake(x, cfg, &cfg->approach[hal_axis_x]);
+    return false;
+}
+
+/// X over a Z that others lead; its set-point is where it is. The tool nears the work when U is
+/// ready. @return true when X is there
+static bool approach_x(const cam_play_config_t *cfg, int32_t z_nm, bool is_u_there, cam_motion_t *m)
+{
+    cam_move_t *x = &m->axis[hal_axis_x];
+    m->axis[hal_axis_z] = (cam_move_t){.pos_q10 = (int64_t)z_nm * 1024};
+    if (!is_u_there) {
+        (void)brake(x, cfg, &cfg->approach[hal_axis_x]);
+        return false;
+    }
+    return move_to(x, cfg, &cfg->approach[hal_axis_x], profile_q10(cfg, z_nm, 0));
+}
+
+/// Axes to the start of the cut, which is laid when all are there. A tool that swings comes to rest
+/// at 0 first.
 static void plan_approach(cam_plan_t *p, const cam_play_config_t *cfg, const cam_tick_record_t *r,
                           cam_motion_t *m)
 {
-    const int32_t z_nm = cfg->is_z_measured ? r->in.actual_nm[hal_axis_z] : cfg->z_first_nm;
-    m->x_start_q10 = profile_q10(cfg, z_nm, 0);
-    if (m->is_x_known && m->is_at_start) {
+    if (cfg->swing.is_swung && !m->swing.is_there) {
+        (void)stay_out(cfg, m);
+        return;
+    }
+    m->u_target_q10 = 0;
+    const bool is_u_there = is_at(&m->axis[hal_axis_u], 0);
+    const bool is_xz_there = cfg->is_z_measured
+                                 ? approach_x(cfg, r->in.actual_nm[hal_axis_z], is_u_there, m)
+                                 : approach_xz(cfg, m);
+    if (is_u_there && is_xz_there) {
         lay(p, cfg, r, m);
         aim_axes(p, cfg, r, m);
     }
-    m->is_x_known = true;
 }
 
-/// The tool is out of the work, or on its way to or from it.
+/// A fault: the guard retracts U, X moves off from where it was led in that tick, Z brakes to rest.
+static void leave_work(const cam_play_config_t *cfg, cam_motion_t *m)
+{
+    const int64_t off_q10 = m->x_left_q10 + (int64_t)cfg->x_clearance_nm * 1024;
+    if (cfg->swing.is_swung) {
+        cam_swing_rest_isr(&m->swing, cfg, &cfg->swing.full);
+    }
+    const bool is_x_off = move_to(&m->axis[hal_axis_x], cfg, &cfg->leave[hal_axis_x], off_q10);
+    const bool is_z_at_rest = brake(&m->axis[hal_axis_z], cfg, &cfg->leave[hal_axis_z]);
+    m->is_clear = is_x_off && is_z_at_rest && (!cfg->swing.is_swung || m->swing.is_there);
+}
+
+/// Homing ends when the angle is known, the spindle turns and the tool is out of the work.
+static void plan_homing(const cam_play_config_t *cfg, const cam_angle_t *angle, cam_motion_t *m)
+{
+    const bool is_out = stay_out(cfg, m);
+    if (is_out && angle->is_synced && angle->speed_q32 >= cfg->turning_q32) {
+        m->state = cam_state_ready;
+    }
+}
+
+/// The tool is out of the work, or moves from or to it.
 static void plan_rest(cam_plan_t *p, const cam_play_config_t *cfg, const cam_tick_record_t *r,
                       cam_motion_t *m)
 {
-    const cam_swing_config_t *swing = &cfg->swing;
+    const bool is_idle = m->state == cam_state_off || m->state == cam_state_fault;
+    m->spindle_mrpm = is_idle ? 0 : cfg->spindle_mrpm;
+    m->alpha_q40 = 0;
+    m->alpha_u = 0;
     m->faults = 0;
+    if (m->state == cam_state_fault) {
+        leave_work(cfg, m);
+        return;
+    }
+    m->is_clear = false;
     if (m->state == cam_state_off) {
         cam_swing_follow_isr(&m->swing, r->in.swing_q32);
-    } else if (m->state == cam_state_engaging && (!swing->is_swung || m->swing.is_there)) {
+    } else if (m->state == cam_state_engaging) {
         plan_approach(p, cfg, r, m);
-    } else if (swing->is_swung) {
-        cam_swing_rest_isr(&m->swing, cfg,
-                           m->state == cam_state_fault ? &swing->full : &swing->gentle);
+    } else if (m->state == cam_state_homing) {
+        plan_homing(cfg, &r->angle, m);
     } else {
-        // nothing moves by plan
+        (void)stay_out(cfg, m);
     }
 }
 

@@ -37,8 +37,8 @@ static void advance(cam_move_t *m)
     m->pos_q10 += m->vel_q10;
 }
 
-/// What moves linearly until the next plan goes on. @return [nm] height played
-static int32_t move_on(cam_motion_t *m)
+/// What moves linearly until the next plan goes on.
+static void move_on(cam_motion_t *m)
 {
     advance(&m->axis[hal_axis_x]);
     advance(&m->axis[hal_axis_z]);
@@ -46,16 +46,13 @@ static int32_t move_on(cam_motion_t *m)
     m->scale_q30 += m->scale_step_q30;
     m->behind_q4 += m->behind_step_q4;
     m->height_q32 += m->height_step_q32;
-    const int32_t set_nm = (int32_t)(m->axis[hal_axis_z].pos_q10 >> 10);
-    return set_nm - (m->behind_q4 >> 4);
 }
 
-/// All axes from the angle. When the angle is at fault, U keeps its pace: the guard takes over.
+/// U from the angle. When the angle is at fault, U keeps its pace: the guard takes over.
 /// @return [nm / 64] U
 static int32_t play_table(cam_play_t *p, const cam_play_config_t *cfg, const cam_angle_t *angle,
-                          cam_motion_t *m, cam_want_t *want)
+                          cam_motion_t *m)
 {
-    want->z_nm = move_on(m);
     if (angle->faults != 0u) {
         const int32_t last_q6 = p->history_q6[p->n_history % cam_play_history];
         const int32_t before_q6 = p->history_q6[(p->n_history - 1u) % cam_play_history];
@@ -65,85 +62,28 @@ static int32_t play_table(cam_play_t *p, const cam_play_config_t *cfg, const cam
     return surface(m, cfg, angle->speed_q32, angle_q32 - (uint32_t)m->phase_q32);
 }
 
-/// Tool out of the work, feed axes at rest. @return true when all of them rest
-static bool wait_retracted(cam_motion_t *m, const cam_play_config_t *cfg)
-{
-    cam_move_t *axis = m->axis;
-    const cam_move_limits_t *limits = cfg->approach;
-    const bool is_u_there =
-        cam_move_to_isr(&axis[hal_axis_u], &limits[hal_axis_u], cfg->u_retract_q10);
-    const bool is_x_there = cam_move_stop_isr(&axis[hal_axis_x], &limits[hal_axis_x]);
-    const bool is_z_there = cam_move_stop_isr(&axis[hal_axis_z], &limits[hal_axis_z]);
-    return is_u_there && is_x_there && is_z_there && (!cfg->swing.is_swung || m->swing.is_there);
-}
-
-/// Z to the start of the cut, X standing, then X: the tool nears the work where it will cut.
-/// @return true when both are there
-static bool approach_xz(cam_motion_t *m, const cam_play_config_t *cfg)
-{
-    cam_move_t *x = &m->axis[hal_axis_x];
-    cam_move_t *z = &m->axis[hal_axis_z];
-    const int64_t z_q10 = (int64_t)cfg->z_first_nm * 1024;
-    if (z->pos_q10 == z_q10 && z->vel_q10 == 0) {
-        return cam_move_to_isr(x, &cfg->approach[hal_axis_x], m->x_start_q10);
-    }
-    (void)cam_move_to_isr(z, &cfg->approach[hal_axis_z], z_q10);
-    (void)cam_move_stop_isr(x, &cfg->approach[hal_axis_x]);
-    return false;
-}
-
-/// X over a Z that others lead; its set-point is where it is. The tool nears the work when U is
-/// ready. @return true when X is there
-static bool approach_x(cam_motion_t *m, const cam_play_config_t *cfg, int32_t z_nm, bool is_u_there)
-{
-    m->axis[hal_axis_z] = (cam_move_t){.pos_q10 = (int64_t)z_nm * 1024};
-    if (!is_u_there) {
-        (void)cam_move_stop_isr(&m->axis[hal_axis_x], &cfg->approach[hal_axis_x]);
-        return false;
-    }
-    return cam_move_to_isr(&m->axis[hal_axis_x], &cfg->approach[hal_axis_x], m->x_start_q10);
-}
-
-/// Axes to the start of the cut, which the plan then lays. Until it has found where X waits, and a
-/// tool that swings has come to rest at 0, the tool stays out of the work.
-static void approach(cam_motion_t *m, const cam_play_config_t *cfg, const cam_sense_t *in)
-{
-    if (!m->is_x_known) {
-        (void)wait_retracted(m, cfg);
-        return;
-    }
-    const bool is_u_there = cam_move_to_isr(&m->axis[hal_axis_u], &cfg->approach[hal_axis_u], 0);
-    const bool is_xz_there = cfg->is_z_measured
-                                 ? approach_x(m, cfg, in->actual_nm[hal_axis_z], is_u_there)
-                                 : approach_xz(m, cfg);
-    m->is_at_start = is_u_there && is_xz_there;
-}
-
+/// Without enable all set-points are where the axes are.
 static void follow_axes(cam_motion_t *m, const cam_sense_t *in)
 {
     for (uint32_t i = 0; i < hal_n_axes; i++) {
         m->axis[i] = (cam_move_t){.pos_q10 = (int64_t)in->actual_nm[i] * 1024};
     }
+    m->spindle_mrpm = 0;
 }
 
-/// Everything that is not a cut: the axes move by time. @return [nm / 64] U
-CAM_STAGE static int32_t move_axes(cam_motion_t *m, const cam_play_config_t *cfg,
-                                   const cam_sense_t *in, const cam_angle_t *angle)
+/// Out of the cut U moves by time, in state fault the guard moves it. @return [nm / 64] U
+CAM_STAGE static int32_t move_u(cam_motion_t *m, const cam_play_config_t *cfg,
+                                const cam_sense_t *in)
 {
-    const bool is_idle = m->state == cam_state_off || m->state == cam_state_fault;
-    m->spindle_mrpm = is_idle ? 0 : cfg->spindle_mrpm;
-    m->alpha_q40 = 0;
-    m->alpha_u = 0;
+    cam_move_t *u = &m->axis[hal_axis_u];
     if (m->state == cam_state_off) {
         follow_axes(m, in);
-    } else if (m->state == cam_state_engaging) {
-        approach(m, cfg, in);
     } else if (m->state != cam_state_fault) {
-        const bool is_out = wait_retracted(m, cfg);
-        const bool is_homed = angle->is_synced && angle->speed_q32 >= cfg->turning_q32;
-        m->state = m->state == cam_state_homing && is_homed && is_out ? cam_state_ready : m->state;
+        (void)cam_move_to_isr(u, &cfg->approach[hal_axis_u], m->u_target_q10);
+    } else { // it is where the guard has led it
+        m->spindle_mrpm = 0;
     }
-    return cam_sat_i32(m->axis[hal_axis_u].pos_q10 >> 4);
+    return cam_sat_i32(u->pos_q10 >> 4);
 }
 
 /// Stop ends an approach at once; a cut ends where the next plan lays its end.
@@ -163,7 +103,10 @@ CAM_STAGE static uint32_t obey(cam_play_t *p, const cam_play_config_t *cfg, uint
     p->request = request >> 8;
     switch ((cam_request_t)(request & 0xFFu)) {
     case cam_request_enable:
-        m->state = m->state == cam_state_off && cfg->table != NULL ? cam_state_homing : m->state;
+        if (m->state == cam_state_off && cfg->table != NULL) {
+            m->state = cam_state_homing;
+            m->u_target_q10 = cfg->u_retract_q10;
+        }
         break;
     case cam_request_disable:
         m->state = cam_state_is_in_work(m->state) || m->state == cam_state_fault ? m->state
@@ -172,8 +115,6 @@ CAM_STAGE static uint32_t obey(cam_play_t *p, const cam_play_config_t *cfg, uint
     case cam_request_start:
         if (m->state == cam_state_ready) {
             m->state = cam_state_engaging;
-            m->is_x_known = false;
-            m->is_at_start = false;
         }
         break;
     case cam_request_stop:
@@ -214,11 +155,13 @@ void cam_play_step_isr(cam_play_t *p, const cam_play_config_t *cfg, const cam_se
     if (in->request >> 8 != p->request) {
         want->faults |= obey(p, cfg, in->request, m);
     }
+    move_on(m);
     if (m->is_playing) {
-        want->u_set_q6 = play_table(p, cfg, angle, m, want);
+        want->z_nm = (int32_t)(m->axis[hal_axis_z].pos_q10 >> 10) - (m->behind_q4 >> 4);
+        want->u_set_q6 = play_table(p, cfg, angle, m);
     } else {
         want->z_nm = in->actual_nm[hal_axis_z];
-        want->u_set_q6 = move_axes(m, cfg, in, angle);
+        want->u_set_q6 = move_u(m, cfg, in);
     }
     remember(p, want->u_set_q6);
     want->u_due_q6 = due_q6(p, cfg);

@@ -10,8 +10,9 @@
 ///               modulates it (cam_speed.h)
 /// U is read in every tick, at the angle that the spindle will have when the drive's dead time has
 /// passed. What changes slowly, all the rest, moves on by the increments of the plan (cam_plan.h).
-/// In all other states the axes move to places within their limits (cam_move.h). Requests are
-/// carried out in the tick that senses them. Source: MATHS.md (54), (55). Context: ISR.
+/// In all other states U moves to a place within its limits (cam_move.h), X and Z by the plan.
+/// Requests are /// carried out in the tick that senses them. Source: MATHS.md (54), (55). Context:
+/// ISR.
 #ifndef CAM_PLAY_H
 #define CAM_PLAY_H
 
@@ -38,7 +39,7 @@ typedef struct {
 /// @param m      increments of the plan: moved on by one tick
 /// @param want   result
 /// Constant time in each state.
-CAM_STAGE void cam_play_step_isr(cam_play_t *p, const cam_play_config_t *cfg, const cam_sense_t *in,
-                                 const cam_angle_t *angle, cam_motion_t *m, cam_want_t *want);
+void cam_play_step_isr(cam_play_t *p, const cam_play_config_t *cfg, const cam_sense_t *in,
+                       const cam_angle_t *angle, cam_motion_t *m, cam_want_t *want);
 
 #endif

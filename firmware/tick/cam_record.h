@@ -32,7 +32,7 @@ typedef struct {
     int32_t speed_q32; ///< [turn / 2^32 per tick]
     bool is_off_time;  ///< this tick or the last one came visibly off its time
     bool is_synced;    ///< the angle is known
-    uint32_t faults;   ///< late_tick, encoder_jump, lost_counts, index_missing
+    uint32_t faults;   ///< late_tick, encoder_jump
 } cam_angle_t;
 
 /// @param ticks_q16  [ticks / 2^16] 0 .. 2^31 - 1
@@ -53,16 +53,16 @@ typedef struct {
 /// per tick. The set-points of X, Z and the swing are those that are written.
 typedef struct {
     cam_state_t state;
-    bool is_playing;             ///< in the work and not approaching it: axes follow the table
-    bool is_stopping;            ///< a stop was requested; the next plan lays the end of the cut
-    bool is_x_known;             ///< approach: x_start_q10 was found
-    bool is_at_start;            ///< approach: U, X and Z rest where the cut begins
-    bool is_retracted;           ///< in state fault: the guard's retract has ended
-    uint32_t faults;             ///< seen by the plan: table, z_range, swing
-    cam_move_t axis[hal_n_axes]; ///< while playing U's place is in cam_want_t
-    int64_t x_start_q10;         ///< [nm / 1024] approach: where X waits for the cut
-    int64_t height_q32;          ///< [slices] U's height on the table
-    int32_t height_step_q32;     ///< per tick
+    bool is_playing;   ///< in the work and not approaching it: axes follow the table
+    bool is_stopping;  ///< a stop was requested; the next plan lays the end of the cut
+    bool is_clear;     ///< state fault: X has moved off, Z and the swing have come to rest
+    bool is_retracted; ///< state fault: the guard's retract has ended
+    uint32_t faults;   ///< seen by the plan: lost_counts, index_missing, z_range, swing
+    cam_move_t axis[hal_n_axes];       ///< while playing U's place is in cam_want_t
+    int64_t u_target_q10;              ///< [nm / 1024] where U goes while it does not play
+    int64_t x_left_q10;                ///< [nm / 1024] X in the tick of the fault
+    int64_t height_q32;                ///< [slices] U's height on the table
+    int32_t height_step_q32;           ///< per tick
     int32_t scale_q30, scale_step_q30; ///< [1] amplitude * envelope of U, per tick
     int32_t behind_q4, behind_step_q4; ///< [nm / 16] U is played this much behind Z, per tick
     int32_t phase_q32, phase_step_q32; ///< [turn / 2^32], per tick
@@ -80,7 +80,7 @@ typedef struct {
     int32_t u_set_q6;  ///< [nm / 64] U at the tool
     int32_t u_due_q6;  ///< [nm / 64] where U should be now
     int32_t spindle_mrpm;
-    uint32_t faults;  ///< play: z_range, table, swing; guard: latched
+    uint32_t faults;  ///< of the plan, table; then what the guard has latched
     uint32_t outputs; ///< guard: hal_out_*
 } cam_want_t;
 

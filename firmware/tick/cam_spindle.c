@@ -34,7 +34,7 @@ static uint32_t measured_q32(const cam_spindle_t *s, const cam_spindle_config_t 
 }
 
 CAM_STAGE static void start(cam_spindle_t *s, const cam_spindle_config_t *cfg,
-                            const cam_sense_t *in)
+                            const cam_sense_t *in, cam_angle_t *angle)
 {
     s->is_started = true;
     s->clock = in->clock;
@@ -42,6 +42,7 @@ CAM_STAGE static void start(cam_spindle_t *s, const cam_spindle_config_t *cfg,
     s->counts = sensed_counts(cfg, in->encoder.counts);
     s->n_index = in->encoder.n_index;
     s->pos_q32 = (int64_t)measured_q32(s, cfg);
+    *angle = (cam_angle_t){.pos_q32 = s->pos_q32};
 }
 
 /// First edge: the angle becomes known; the observer keeps its speed and its small error.
@@ -55,65 +56,15 @@ CAM_STAGE static void sync(cam_spindle_t *s, const cam_spindle_config_t *cfg)
     s->is_synced = true;
 }
 
-/// An index edge: the first one tells the angle. The distance of two is 0 (the spindle turned back)
-/// or a turn; what is left is lost counts. Their sum wraps only after it has long been a fault.
-/// @return fault lost_counts or none
-CAM_STAGE static uint32_t take_edge(cam_spindle_t *s, const cam_spindle_config_t *cfg,
-                                    const hal_encoder_t *encoder)
-{
-    const uint32_t edge = sensed_edge(cfg, encoder->index_counts);
-    const int32_t distance = cam_wrap_diff(edge, s->index_counts);
-    s->n_index = encoder->n_index;
-    s->index_counts = edge;
-    s->since_index = cam_wrap_diff(s->counts, edge);
-    if (!s->is_synced) {
-        sync(s, cfg);
-        return 0;
-    }
-    const int32_t turns = distance < -cfg->max_counts ? -1 : distance > cfg->max_counts ? 1 : 0;
-    const int32_t lost = cam_wrap_sub(distance, turns * cfg->counts_per_turn);
-    s->index_error = cam_wrap_add(s->index_error, lost);
-    return cam_is_within(s->index_error, cfg->index_tolerance) ? 0u : CAM_FAULT_BIT(lost_counts);
-}
-
-/// Most ticks see neither an edge nor too long a travel without one.
-static uint32_t watch_index(cam_spindle_t *s, const cam_spindle_config_t *cfg,
-                            const cam_sense_t *in)
-{
-    const int32_t overdue = cfg->index_overdue;
-    if (in->encoder.n_index != s->n_index) {
-        return take_edge(s, cfg, &in->encoder);
-    }
-    if (!cam_is_within(s->since_index, overdue)) {
-        s->since_index = cam_clamp_i32(s->since_index, -overdue - 1, overdue + 1);
-        return CAM_FAULT_BIT(index_missing);
-    }
-    return 0;
-}
-
-/// @return the period that counts
-static uint32_t count_late(cam_spindle_t *s, const cam_spindle_config_t *cfg, uint32_t period,
-                           cam_angle_t *angle)
-{
-    s->n_late++;
-    angle->faults = CAM_FAULT_BIT(late_tick);
-    return period < cfg->most_clocks ? period : cfg->most_clocks;
-}
-
-/// A tick that came off its time: what it is blamed for, and its travel at its time stamp. A travel
-/// beyond half a turn wraps: its counts are a jump anyway.
+/// A tick that came off its time. A travel beyond half a turn wraps: its counts are a jump anyway.
+/// @return [turn / 2^32] travel at its time stamp
 CAM_STAGE static int32_t take_off_time(cam_spindle_t *s, const cam_spindle_config_t *cfg,
-                                       uint32_t period, int32_t travel_q32, cam_angle_t *angle)
+                                       uint32_t period, int32_t travel_q32)
 {
-    uint32_t counted = period;
-    angle->is_off_time = true;
     s->is_off_time = true;
-    if (period > s->max_period) {
-        s->max_period = period;
-    }
-    if (period > cfg->late_clocks) {
-        counted = count_late(s, cfg, period, angle);
-    }
+    s->n_late += period > cfg->late_clocks ? 1u : 0u;
+    s->max_period = period > s->max_period ? period : s->max_period;
+    const uint32_t counted = period < cfg->most_clocks ? period : cfg->most_clocks;
     const int32_t off_q27 = (int32_t)(counted * cfg->ticks_per_clock_q27 - (UINT32_C(1) << 27));
     return cam_wrap_add(travel_q32, (int32_t)((uint32_t)cam_mulhi(travel_q32, off_q27) << 5));
 }
@@ -135,7 +86,6 @@ static uint32_t take_counts(cam_spindle_t *s, const cam_spindle_config_t *cfg, u
         moved = moved < 0 ? -most : most;
     }
     s->counts = counts;
-    s->since_index += moved;
     move_in_turn(s, cfg, moved);
     return faults;
 }
@@ -159,40 +109,64 @@ static void track(cam_spindle_t *s, const cam_spindle_config_t *cfg, int32_t tra
 
 /// The time stamp counts only when the tick came visibly off its time: a coarse clock must not
 /// shake the angle of a steady tick.
-static void step(cam_spindle_t *s, const cam_spindle_config_t *cfg, const cam_sense_t *in,
-                 int32_t alpha_q40, cam_angle_t *angle)
+void cam_spindle_step_isr(cam_spindle_t *s, const cam_spindle_config_t *cfg, const cam_sense_t *in,
+                          int32_t alpha_q40, cam_angle_t *angle)
 {
+    if (!s->is_started) {
+        start(s, cfg, in, angle);
+        return;
+    }
     const uint32_t period = in->clock - s->clock;
     int32_t travel_q32 = cam_wrap_add((int32_t)(s->speed_q64 >> 32), alpha_q40 >> 9);
-    angle->is_off_time = s->is_off_time;
-    angle->faults = 0;
-    s->is_off_time = false;
+    uint32_t faults = 0;
     s->clock = in->clock;
+    angle->is_off_time = s->is_off_time;
+    s->is_off_time = false;
     if (period - cfg->early_clocks >= cfg->on_time_clocks) {
-        travel_q32 = take_off_time(s, cfg, period, travel_q32, angle);
+        angle->is_off_time = true;
+        faults = period > cfg->late_clocks ? CAM_FAULT_BIT(late_tick) : 0u;
+        travel_q32 = take_off_time(s, cfg, period, travel_q32);
     }
-    angle->faults |= take_counts(s, cfg, sensed_counts(cfg, in->encoder.counts), travel_q32);
+    faults |= take_counts(s, cfg, sensed_counts(cfg, in->encoder.counts), travel_q32);
     track(s, cfg, travel_q32, alpha_q40);
-    angle->faults |= watch_index(s, cfg, in);
+    angle->faults = faults;
     angle->pos_q32 = s->pos_q32;
     angle->speed_q32 = (int32_t)(s->speed_q64 >> 32);
     angle->is_synced = s->is_synced;
 }
 
-void cam_spindle_step_isr(cam_spindle_t *s, const cam_spindle_config_t *cfg, const cam_sense_t *in,
-                          int32_t alpha_q40, cam_angle_t *angle)
+/// An index edge: the first one tells the angle. The distance of two is 0 (the spindle turned back)
+/// or a turn; what is left is lost counts. Their sum wraps only after it has long been a fault.
+/// @return fault lost_counts or none
+static uint32_t take_edge(cam_spindle_t *s, const cam_spindle_config_t *cfg, uint32_t edge)
 {
-    if (s->is_started) {
-        step(s, cfg, in, alpha_q40, angle);
-    } else {
-        start(s, cfg, in);
-        *angle = (cam_angle_t){.pos_q32 = s->pos_q32};
+    const int32_t distance = cam_wrap_diff(edge, s->index_counts);
+    s->index_counts = edge;
+    if (!s->is_synced) {
+        sync(s, cfg);
+        return 0;
     }
+    const int32_t turns = distance < -cfg->max_counts ? -1 : distance > cfg->max_counts ? 1 : 0;
+    const int32_t lost = cam_wrap_sub(distance, turns * cfg->counts_per_turn);
+    s->index_error = cam_wrap_add(s->index_error, lost);
+    return cam_is_within(s->index_error, cfg->index_tolerance) ? 0u : CAM_FAULT_BIT(lost_counts);
 }
 
-void cam_spindle_forget_isr(cam_spindle_t *s)
+uint32_t cam_spindle_watch_isr(cam_spindle_t *s, const cam_spindle_config_t *cfg,
+                               const hal_encoder_t *encoder)
+{
+    if (encoder->n_index != s->n_index) {
+        s->n_index = encoder->n_index;
+        return take_edge(s, cfg, sensed_edge(cfg, encoder->index_counts));
+    }
+    const int32_t since = cam_wrap_diff(s->counts, s->index_counts);
+    return cam_is_within(since, cfg->index_overdue) ? 0u : CAM_FAULT_BIT(index_missing);
+}
+
+void cam_spindle_forget_isr(cam_spindle_t *s, const hal_encoder_t *encoder)
 {
     s->is_synced = false;
     s->index_error = 0;
-    s->since_index = 0;
+    s->index_counts = s->counts;
+    s->n_index = encoder->n_index;
 }

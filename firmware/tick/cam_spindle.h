@@ -29,9 +29,8 @@ typedef struct {
     uint32_t clock;        ///< time stamp of the last tick
     uint32_t counts;       ///< [counts] of the last tick, in the sense of cutting
     uint32_t n_index;      ///< of the last tick
-    uint32_t index_counts; ///< [counts] of the last edge, in the sense of cutting
+    uint32_t index_counts; ///< [counts] of the last edge, before it where the angle was forgotten
     int32_t index_error;   ///< [counts] sum of deviations since the first edge
-    int32_t since_index;   ///< [counts] travel since the last edge
     int32_t in_turn;       ///< [counts] 0 .. counts_per_turn - 1 since the index
     bool is_off_time;      ///< the last tick came visibly off its time
     uint32_t max_period;   ///< [1 / clock_hz] longest distance of two ticks
@@ -48,10 +47,16 @@ typedef struct {
 ///             last tick, 0 at uniform speed: known, it causes no lag
 /// @param angle      result
 /// Constant time.
-CAM_STAGE void cam_spindle_step_isr(cam_spindle_t *s, const cam_spindle_config_t *cfg,
-                                    const cam_sense_t *in, int32_t alpha_q40, cam_angle_t *angle);
+void cam_spindle_step_isr(cam_spindle_t *s, const cam_spindle_config_t *cfg, const cam_sense_t *in,
+                          int32_t alpha_q40, cam_angle_t *angle);
 
-/// Forget the index; counts, angle observer and speed go on.
-void cam_spindle_forget_isr(cam_spindle_t *s);
+/// What an index edge since the last plan tells: the angle, or lost counts; and whether one is
+/// overdue. To be called by the plan, in which an edge is at most a plan old.
+/// @return fault lost_counts, index_missing or none
+uint32_t cam_spindle_watch_isr(cam_spindle_t *s, const cam_spindle_config_t *cfg,
+                               const hal_encoder_t *encoder);
+
+/// Forget the index, and edges up to now; counts, angle observer and speed go on.
+void cam_spindle_forget_isr(cam_spindle_t *s, const hal_encoder_t *encoder);
 
 #endif

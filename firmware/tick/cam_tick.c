@@ -55,7 +55,7 @@ static hal_setpoint_t setpoint(const cam_move_t *m, int32_t pos_nm)
 }
 
 /// Set-points as the drives want them.
-CAM_STAGE static void command(const cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
+static void command(const cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
 {
     const cam_move_t *axis = c->motion.axis;
     const int32_t u_nm = command_nm(cfg, r->want.u_set_q6, &axis[hal_axis_u]);
@@ -64,12 +64,13 @@ CAM_STAGE static void command(const cam_t *c, const cam_config_t *cfg, cam_tick_
     r->out[hal_axis_z] = setpoint(&axis[hal_axis_z], plain_nm(&axis[hal_axis_z]));
 }
 
-/// The guard is in charge: its set-points are written, and the cut has ended.
+/// The guard is in charge: its set-point of U is written, and the cut has ended.
 CAM_STAGE static void take_over(cam_t *c, cam_want_t *want)
 {
-    for (uint32_t i = 0; i < hal_n_axes; i++) {
-        c->motion.axis[i] = c->guard.axis[i];
+    if (c->motion.state != cam_state_fault) {
+        c->motion.x_left_q10 = c->motion.axis[hal_axis_x].pos_q10;
     }
+    c->motion.axis[hal_axis_u] = c->guard.u;
     c->motion.state = cam_state_fault;
     c->motion.is_playing = false;
     c->motion.is_retracted = want->is_retracted;
@@ -101,23 +102,37 @@ static inline void steps_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_
     command(c, cfg, r);
 }
 
-/// Every n-th tick. While off the angle is of no use: every enable homes anew.
-static void plan_isr(cam_t *c, const cam_config_t *cfg, const cam_tick_record_t *r)
+/// While off the angle is of no use: every enable homes anew.
+static uint32_t watch_index(cam_t *c, const cam_config_t *cfg, const cam_tick_record_t *r)
 {
-    if (r->want.state == cam_state_off) {
-        cam_spindle_forget_isr(&c->spindle);
+    if (c->motion.state != cam_state_off) {
+        return cam_spindle_watch_isr(&c->spindle, &cfg->spindle, &r->in.encoder);
     }
+    cam_spindle_forget_isr(&c->spindle, &r->in.encoder);
+    return 0;
+}
+
+/// What only every n-th tick does.
+CAM_STAGE static void plan_isr(cam_t *c, const cam_config_t *cfg, const cam_tick_record_t *r)
+{
+    c->until_plan = cfg->play.plan_ticks;
+    cam_plan_isr(&c->plan, &cfg->play, r, &c->motion);
+    c->motion.faults |= watch_index(c, cfg, r);
+    cam_guard_count_isr(&c->guard);
+}
+
+static bool is_plan_due(cam_t *c)
+{
     c->until_plan--;
-    if (c->until_plan <= 0) {
-        c->until_plan = cfg->play.plan_ticks;
-        cam_plan_isr(&c->plan, &cfg->play, r, &c->motion);
-    }
+    return c->until_plan <= 0;
 }
 
 void cam_tick_steps_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
 {
     steps_isr(c, cfg, r);
-    plan_isr(c, cfg, r);
+    if (is_plan_due(c)) {
+        plan_isr(c, cfg, r);
+    }
 }
 
 static void actuate_isr(cam_t *c, const cam_tick_record_t *r)
@@ -153,7 +168,9 @@ void cam_tick_isr(cam_t *c)
     steps_isr(c, cfg, r); // angle -> play -> guard
     actuate_isr(c, r);
     CAM_TICK_MARK(actuate);
-    plan_isr(c, cfg, r);
+    if (is_plan_due(c)) {
+        plan_isr(c, cfg, r);
+    }
     CAM_TICK_MARK(plan);
     publish_isr(c, r, tick + 1u);
 }
@@ -186,7 +203,7 @@ cam_status_t cam_tick_status(const cam_t *c)
         .request = r.in.request >> 8,
         .state = r.want.state,
         .faults = r.want.faults,
-        .first_fault = cam_guard_first(&guard),
+        .first_fault = guard.first_faults,
         .is_synced = r.angle.is_synced,
         .is_retracted = r.want.is_retracted,
         .inputs = r.in.inputs,

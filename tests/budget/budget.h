@@ -8,7 +8,7 @@
 
 /// Both cores: the compiler makes nearly the same of the firmware for either.
 enum {
-    budget_tick = 450,       ///< every state, every fault, without the plan
+    budget_tick = 600,       ///< every state, every fault, without the plan
     budget_plan_tick = 2500, ///< ... with it
 };
 

@@ -51,7 +51,7 @@ stages_t stages_count(void (*interrupt)(void))
     const uint32_t whole = budget_instructions(from, budget_count());
     stages_t n = {
         .whole = whole - per_frame - n_inner * per_mark,
-        .is_in_order = marks.order == 0x0123456u,
+        .is_in_order = marks.order == 0x01234567u,
     };
     for (int stage = stage_sense; stage < stage_n_marks; stage++) {
         n.of[stage] = budget_instructions(marks.at[stage - 1], marks.at[stage]) - per_mark;

