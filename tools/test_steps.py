@@ -17,6 +17,7 @@ ROOT = Path(__file__).resolve().parent.parent
 BUILD = ROOT / "build"
 PYTHON = sys.executable
 PYPROJECT = "tools/pyproject.toml"
+LINT_IMPORTS = Path(PYTHON).with_name("lint-imports")
 C_FOLDERS = ("firmware", "hal", "host_sim", "tests")
 Command = tuple[str | Path, ...]
 MAX_CORES = 8
@@ -134,6 +135,7 @@ def source_steps() -> list[Step]:
         tool("ruff check", "ruff", "check", *ruff),
         tool("mypy", "mypy", "--config-file", PYPROJECT, "tools", "tests"),
         gate("misra", ROOT / "tools" / "misra"),
+        gate("imports", LINT_IMPORTS, "--config", PYPROJECT, "--no-cache", closing="Contracts:"),
     ]
 
 
