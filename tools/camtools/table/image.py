@@ -347,7 +347,9 @@ def _channels_of(
     _demand(not {KIND_SWING, KIND_CONTACT} <= set(kinds), "kind: swing and contact are there")
     _demand({KIND_U, KIND_X} <= set(kinds), "kind: u or x is missing")
     has_speed = KIND_SPEED in kinds
-    _demand(has_speed or table.bounds.spindle_peak_ppm_per_rad == 0, "spindle_peak_ppm_per_rad: not 0")
+    _demand(
+        has_speed or table.bounds.spindle_peak_ppm_per_rad == 0, "spindle_peak_ppm_per_rad: not 0"
+    )
     for channel in channels:
         _check_knots(channel)
     return tuple(channels)
