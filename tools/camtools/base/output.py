@@ -31,7 +31,7 @@ def file_target(path: Path) -> Path:
     CamtoolsError
         There is something that is no regular file: a name put in its place would destroy it.
     OSError
-        The links lead round in a circle, or nobody may follow them.
+        The links lead round in a circle, or may not be followed.
     """
     with suppress(FileNotFoundError):
         mode = path.stat().st_mode

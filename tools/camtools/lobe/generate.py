@@ -1,4 +1,4 @@
-"""From the part file of a cam to its table, checked against the machine's limits.
+"""From the part file of a camshaft to its table, checked against the machine's limits.
 
 >>> from camtools.lobe.motion import example_lobe
 >>> result = generate_lobes(example_lobe())
@@ -55,7 +55,7 @@ _DEG_PER_UNIT = 360 / ANGLE_TURN
 
 @dataclass(frozen=True, eq=False)
 class GeneratedLobes:
-    """A table of a cam and everything that is known about it.
+    """A table of a camshaft and everything that is known about it.
 
     Attributes
     ----------
@@ -84,7 +84,7 @@ class GeneratedLobes:
 
 
 def generate_lobes(part: LobePart, tolerance_nm: float | None = None) -> GeneratedLobes:
-    """Return the smallest table of a cam that keeps the tolerances.
+    """Return the smallest table of a camshaft that keeps the tolerances.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What the cut of a cam came to, in words and numbers.
+"""What the cut of a camshaft came to, in words and numbers.
 
 >>> _degrees(0.00012)
 '0.0001°'
@@ -81,7 +81,7 @@ def _rake_rows(cam: Json) -> list[ReportRow]:
 
 
 def lobe_rows(outcome: LobeOutcome) -> list[ReportRow]:
-    """Return the summary of a cam, machine limits apart."""
+    """Return the summary of a camshaft, machine limits apart."""
     summary, cam, found = outcome.summary, outcome.generated, outcome.summary["cam"]
     cut, form = summary["cut"], summary["form_error_um"]
     how = (

@@ -63,7 +63,7 @@ def make_table(
 
 
 def refuse_corner(geometry: Geometry) -> None:
-    """Refuse a composite section whose corner nobody smoothed: no axis can follow it."""
+    """Refuse a composite section whose corner has no refit: no axis can follow it."""
     corner = geometry.corner
     if corner is None or corner.recipe is not None:
         return
@@ -126,7 +126,7 @@ def peaks_of_table(table: Table, speed: SpeedTable | None) -> Peaks:
 
 
 def _judge(part: SkirtPart, geometry: Geometry, peaks: Peaks) -> HighestSpeed:
-    """Return the highest speed, or refuse; of a corner tell what another refit would need."""
+    """Return the highest speed, or refuse; of a corner with what another refit would need."""
     try:
         return check_feasible(peaks, part.machine.limits, part.process.spindle_rpm)
     except CamtoolsError as error:

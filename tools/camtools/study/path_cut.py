@@ -34,7 +34,7 @@ def peak_to_valley(map_um: Floats) -> Floats:
 
 
 class PathCut(NamedTuple):
-    """One way of turning the part: what theory says of it, and what the simulator measured."""
+    """A path of the part: what theory says of it, and what the simulator measured."""
 
     row: PathRow
     turns: float  # of the state cutting
@@ -91,12 +91,12 @@ def _words(study: PathStudy, row: PathRow) -> list[str]:
 
 
 def _cut(simulator: Simulator, study: PathStudy, row: PathRow) -> PathCut:
-    """Cut one way.
+    """Cut along one path.
 
     Raises
     ------
     CamtoolsError
-        The cut did not come to its end; camsim has told why.
+        The cut did not come to its end; camsim has said why.
     """
     outputs = ["--scallop", "scallop.csv", "--summary", "summary.json"]
     status = simulator.run([*_words(study, row), *outputs])
@@ -150,7 +150,7 @@ def predicted_scallop_um(row: PathRow) -> Floats:
 
 
 def csv(cuts: Sequence[PathCut]) -> str:
-    """Return both figures of every way as CSV."""
+    """Return both figures of every path as CSV."""
     lines = [
         "path,feed_mm,rpm,turns,turns_measured,time_s,time_measured_s,scallop_max_um,"
         "scallop_max_measured_um,scallop_mean_um,scallop_mean_measured_um,form_error_um"

@@ -164,7 +164,7 @@ class Table:
 
     @property
     def angle(self) -> Channel | None:
-        """Return the angle of the normal at the contact, when the table is that of a cam."""
+        """Return the angle of the normal at the contact, when the table is that of a lobe."""
         kinds = (KIND_SWING, KIND_CONTACT)
         return next((one for one in self.channels if one.kind in kinds), None)
 
