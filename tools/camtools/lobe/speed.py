@@ -50,9 +50,9 @@ def surface_speed(
     Notes
     -----
     With b = omega^2 the acceleration is b' / 2, so its limit bounds a slope. The largest function
-    below a given one with bounded slope is found in one pass in each direction, twice round. Averages
-    over a few places keep the bound of slope; where the speed has a corner downwards they are up to
-    2 % above it.
+    below a given one with bounded slope is found in one pass in each direction, twice round.
+    Averages over a few places keep the bound of slope; where the speed has a corner downwards they
+    are up to 2 % above it.
     """
     wanted = np.minimum(base_rad_s * base_mm / ds_dphi, _TOP_MARGIN * limits.highest_rad_s)
     step = 2 * _MARGIN * limits.alpha_rad_s2 * 2 * np.pi / N_GRID
