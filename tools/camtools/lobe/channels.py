@@ -139,19 +139,15 @@ def _most_for_angle(lobes: list[ShaftLobe]) -> int:
     return MAX_CHANNEL_BYTES // (KNOT_SIZE << MAX_LOG2_KNOTS)
 
 
-def _too_long(span_nm: int, most: int, problem: str, remedies: list[str]) -> GeometryError:
-    longest_mm = (most - 1) * MAX_SPACING_NM // 1000 / 1000
-    remedy = " or ".join([f"make tables of pieces of at most {longest_mm:g} mm", *remedies])
-    problem = f"reaches over {span_nm / NM_PER_MM:.7g} mm, {problem}"
-    return GeometryError("cam.lobe", problem, remedy)
-
-
 def _refusal(lobes: list[ShaftLobe], most: int, problem: str, remedies: list[str]) -> GeometryError:
     """Return the refusal of a shaft that needs more slices than there may be."""
     edges, most = _edges(lobes), min(most, _most_for_angle(lobes))
     counts = _counts(edges, most)
     if len(lobes) == 1 or not counts.size:
-        return _too_long(int(edges[-1, 1]), most, problem, remedies)
+        longest_mm = (most - 1) * MAX_SPACING_NM // 1000 / 1000
+        remedy = " or ".join([f"make tables of pieces of at most {longest_mm:g} mm", *remedies])
+        problem = f"reaches over {int(edges[-1, 1]) / NM_PER_MM:.7g} mm, {problem}"
+        return GeometryError("cam.lobe", problem, remedy)
     i = int(_in_gaps(edges, counts).mean(axis=0).argmin())
     gap_mm, wide_mm = (edges[i + 1, 0] - edges[i, 1]) / NM_PER_MM, _wide_gap_mm(edges, most)
     wider = [] if wide_mm is None else [f"make every gap at least {wide_mm:g} mm wide"]

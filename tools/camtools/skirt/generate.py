@@ -22,7 +22,6 @@ from camtools.cut.feasibility import (
 )
 from camtools.part.common import check_feed
 from camtools.skirt.accuracy import Accuracy
-from camtools.skirt.corner import Corner
 from camtools.skirt.geometry import Geometry, make_geometry, path_of
 from camtools.skirt.part import SkirtPart
 from camtools.skirt.search import choose_u, choose_x
@@ -132,12 +131,10 @@ def _judge(part: SkirtPart, geometry: Geometry, peaks: Peaks) -> HighestSpeed:
     except CamtoolsError as error:
         if geometry.corner is None or not any("u_acceleration" in line for line in error.lines):
             raise
-        raise CamtoolsError([*error.lines, _corner_hint(geometry.corner)]) from error
-
-
-def _corner_hint(corner: Corner) -> str:
-    best = min(corner.candidates, key=lambda one: one.acceleration_mm_s2)
-    return (
-        f"piston.section.refit.delete: the corner decides; of all deletions [{best.s1}, {best.s2}] "
-        f"needs least, {best.acceleration_mm_s2:.6g} mm/s2 at this speed; trim less or turn slower"
-    )
+        best = min(geometry.corner.candidates, key=lambda one: one.acceleration_mm_s2)
+        hint = (
+            "piston.section.refit.delete: the corner decides; of all deletions "
+            f"[{best.s1}, {best.s2}] needs least, {best.acceleration_mm_s2:.6g} mm/s2 at this "
+            "speed; trim less or turn slower"
+        )
+        raise CamtoolsError([*error.lines, hint]) from error

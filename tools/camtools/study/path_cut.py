@@ -82,14 +82,6 @@ def _write_tables(generated: GeneratedSkirt, folder: Path) -> dict[str, Path]:
     return found
 
 
-def _words(study: PathStudy, row: PathRow) -> list[str]:
-    low, high = float(study.z_mm[0]), float(study.z_mm[-1])
-    return [
-        *("--machine", _MACHINE, "--rpm", repr(row.rpm), "--feed", repr(row.path.feed_mm)),
-        *("--nose-mm", repr(study.nose_mm), "--scallop-mm", f"{low:.9g}:{high:.9g}"),
-    ]
-
-
 def _cut(simulator: Simulator, study: PathStudy, row: PathRow) -> PathCut:
     """Cut along one path.
 
@@ -98,8 +90,13 @@ def _cut(simulator: Simulator, study: PathStudy, row: PathRow) -> PathCut:
     CamtoolsError
         The cut did not come to its end; camsim has said why.
     """
-    outputs = ["--scallop", "scallop.csv", "--summary", "summary.json"]
-    status = simulator.run([*_words(study, row), *outputs])
+    low, high = float(study.z_mm[0]), float(study.z_mm[-1])
+    words = [
+        *("--machine", _MACHINE, "--rpm", repr(row.rpm), "--feed", repr(row.path.feed_mm)),
+        *("--nose-mm", repr(study.nose_mm), "--scallop-mm", f"{low:.9g}:{high:.9g}"),
+        *("--scallop", "scallop.csv", "--summary", "summary.json"),
+    ]
+    status = simulator.run(words)
     if status != 0:
         problem = f"{row.name}: camsim ended with status {status}, its line above tells why"
         raise CamtoolsError([f"{problem}; change the part or give another --rpm"])
