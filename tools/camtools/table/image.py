@@ -164,7 +164,7 @@ class Table:
 
     @property
     def angle(self) -> Channel | None:
-        """Return the angle of the normal at the contact, when the table is that of a cam."""
+        """Return the angle of the normal at the contact, when the table is that of a lobe."""
         kinds = (KIND_SWING, KIND_CONTACT)
         return next((one for one in self.channels if one.kind in kinds), None)
 
@@ -193,13 +193,6 @@ def largest_sum(coefficients: Ints) -> int:
 
 def _aligned(size: int) -> int:
     return -(-size // ALIGN) * ALIGN
-
-
-def _offsets(channels: tuple[Channel, ...]) -> list[int]:
-    offsets = [_aligned(HEADER_SIZE + ENTRY_SIZE * len(channels))]
-    for channel in channels:
-        offsets.append(_aligned(offsets[-1] + channel.size))
-    return offsets
 
 
 def _header_of(table: Table, image_size: int, crc32: int) -> bytes:
@@ -252,7 +245,9 @@ def pack(table: Table) -> bytes:
     OverflowError
         A number does not fit its field.
     """
-    offsets = _offsets(table.channels)
+    offsets = [_aligned(HEADER_SIZE + ENTRY_SIZE * len(table.channels))]
+    for channel in table.channels:
+        offsets.append(_aligned(offsets[-1] + channel.size))
     image = bytearray(offsets[-1])
     for i, (channel, offset) in enumerate(zip(table.channels, offsets, strict=False)):
         entry = HEADER_SIZE + ENTRY_SIZE * i
