@@ -125,13 +125,6 @@ def check_table(file: Path) -> None:
         raise CamtoolsError(told or [f"{file}: the check ended with status {done.returncode}"])
 
 
-def _openocd(writes: Sequence[Write]) -> list[list[str]]:
-    words = ["openocd", "-f", "board/st_nucleo_h743zi.cfg"]
-    for write in writes:
-        words += ["-c", f"program {{{write.file}}} verify 0x{write.address:08X}"]
-    return [[*words, "-c", "reset run", "-c", "shutdown"]]
-
-
 def _st_flash(writes: Sequence[Write]) -> list[list[str]]:
     lines = []
     for write in writes:
@@ -139,11 +132,6 @@ def _st_flash(writes: Sequence[Write]) -> list[list[str]]:
         place = [str(write.file), f"0x{write.address:08X}"]
         lines.append(["st-flash", "--connect-under-reset", *reset, "write", *place])
     return lines
-
-
-def _pyocd(writes: Sequence[Write]) -> list[list[str]]:
-    words = ["pyocd", "flash", "--target", "stm32h743zitx", "--format", "bin", "--base-address"]
-    return [[*words, f"0x{write.address:08X}", str(write.file)] for write in writes]
 
 
 def command_lines(programmer: str, writes: Sequence[Write]) -> list[list[str]]:
@@ -169,11 +157,15 @@ def command_lines(programmer: str, writes: Sequence[Write]) -> list[list[str]]:
     if programmer == "st-flash":
         return _st_flash(writes)
     if programmer == "pyocd":
-        return _pyocd(writes)
+        words = ["pyocd", "flash", "--target", "stm32h743zitx", "--format", "bin", "--base-address"]
+        return [[*words, f"0x{write.address:08X}", str(write.file)] for write in writes]
     for write in writes:
         if _TCL_SPECIAL & set(str(write.file)):
             raise _refusal(write.file, "a name that openocd cannot take", "rename it")
-    return _openocd(writes)
+    words = ["openocd", "-f", "board/st_nucleo_h743zi.cfg"]
+    for write in writes:
+        words += ["-c", f"program {{{write.file}}} verify 0x{write.address:08X}"]
+    return [[*words, "-c", "reset run", "-c", "shutdown"]]
 
 
 def _choose(wanted: str | None, *, is_dry: bool) -> str:

@@ -19,7 +19,7 @@ import numpy as np
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import NM_PER_MM, omega_rad_s
 from camtools.part.common import MachineLimits, SwingLimits
-from camtools.table.evaluate import PLACES, evaluate_u_grid
+from camtools.table.evaluate import PLACES, evaluate_grid
 from camtools.table.image import Bounds, Channel
 
 UNITS = {
@@ -97,7 +97,7 @@ def drift_of(channel: Channel, unit: float, feed_mm: float) -> Drift:
     """
     spacing_nm = (channel.z_last_nm - channel.z_first_nm) / (channel.n_slices - 1)
     z_nm = np.linspace(channel.z_first_nm, channel.z_last_nm, channel.n_slices)
-    slices = evaluate_u_grid(channel, z_nm, PLACES)
+    slices = evaluate_grid(channel, z_nm, PLACES)
     steps, slopes = np.diff(slices.value, axis=0), np.diff(slices.d1, axis=0)
     kinks = np.diff(steps, axis=0)
     per_rad = _DRIFT_MARGIN * unit * feed_mm * NM_PER_MM / (2 * np.pi * spacing_nm)

@@ -20,7 +20,7 @@ from camtools.base.errors import CamtoolsError, GeometryError
 from camtools.base.quantities import NM_PER_MM, Floats, Ints
 from camtools.lobe.motion import ShaftLobe
 from camtools.lobe.speed import N_GRID
-from camtools.table.evaluate import GRID_MARGIN, PLACES, ROUNDING_LSB, evaluate_u_grid
+from camtools.table.evaluate import GRID_MARGIN, PLACES, ROUNDING_LSB, evaluate_grid
 from camtools.table.image import (
     ANGLE_TURN,
     KIND_CONTACT,
@@ -171,7 +171,7 @@ def _off(function: Function, lobe: ShaftLobe, alone: Channel) -> float:
     """Return the largest difference in units of a channel of one lobe, on a dense grid."""
     n = alone.knots.shape[1]
     phi = ((np.arange(n)[:, None] + PLACES).ravel() / n) * 2 * np.pi
-    got = evaluate_u_grid(alone, np.array([float(alone.z_first_nm)]), PLACES).value[0]
+    got = evaluate_grid(alone, np.array([float(alone.z_first_nm)]), PLACES).value[0]
     return float(np.abs(got - function(lobe, phi)[0]).max())
 
 

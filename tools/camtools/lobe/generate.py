@@ -41,7 +41,7 @@ from camtools.part.common import check_feed
 from camtools.table.evaluate import knot_interval, raw_bounds
 from camtools.table.header import check_tolerance, table_of, u_bounds
 from camtools.table.image import ANGLE_TURN, Channel, Table
-from camtools.table.modulation import MotionPeaks, moving_bounds, peaks_together
+from camtools.table.modulation import moving_bounds, peaks_together
 
 DEFAULT_TOLERANCE_NM = 10.0
 _BISECTIONS = 40
@@ -180,8 +180,8 @@ def _with_swing(peaks: Peaks, angle: Channel, speed: Channel | None) -> Peaks:
     largest = max(abs(one) for one in extremes) * _DEG_PER_UNIT
     first, second = raw.first * unit / h, raw.second * unit / h**2
     if speed is not None:
-        moved: MotionPeaks = peaks_together(angle, speed)
-        first, second = (one * NM_PER_MM * _DEG_PER_UNIT for one in (moved.u1_mm, moved.u2_mm))
+        moved = peaks_together(angle, speed)
+        first, second = moved.first * _DEG_PER_UNIT, moved.second * _DEG_PER_UNIT
     return peaks._replace(swing_deg=largest, swing1_deg=first, swing2_deg=second)
 
 

@@ -17,7 +17,7 @@ from camtools.lobe.contact import Contact, Follower
 from camtools.lobe.generate import GeneratedLobes
 from camtools.lobe.motion import ShaftLobe
 from camtools.plots.style import png_of, titled_figure
-from camtools.table.evaluate import evaluate_u
+from camtools.table.evaluate import evaluate_at
 from camtools.table.image import RATIO_ONE
 
 _N_ANGLES = 3601
@@ -103,7 +103,7 @@ def _omega(result: GeneratedLobes, phi: Floats, z_mm: float) -> Floats:
     if result.speed is None:
         return np.full(phi.size, result.mean_rpm)
     z_nm = np.full(phi.size, z_mm * NM_PER_MM)
-    told = evaluate_u(result.speed.channel, phi / (2 * np.pi), z_nm).value
+    told = evaluate_at(result.speed.channel, phi / (2 * np.pi), z_nm).value
     return np.asarray(told / RATIO_ONE * result.mean_rpm, dtype=np.float64)
 
 

@@ -34,14 +34,7 @@ class Loaded(NamedTuple):
 def parse(data: bytes, file: str, folder: Path = Path()) -> Loaded:
     """Return the part that the bytes of a TOML file describe.
 
-    Parameters
-    ----------
-    data : bytes
-        Whole content of the file, UTF-8.
-    file : str
-        Name for error messages.
-    folder : Path
-        Where files that the part names are looked for.
+    Files that the part names are looked for in the folder; `file` names it in messages.
 
     Raises
     ------

@@ -107,22 +107,15 @@ def generate(part: SkirtPart, tolerance_nm: float | None = None) -> GeneratedSki
     u, accuracy_u = choose_u(geometry, tolerance_u_nm)
     x, accuracy_x = choose_x(geometry, tolerance_nm or DEFAULT_TOLERANCE_NM)
     error_nm = max(accuracy_u.value_nm, accuracy_x.value_nm)
-    speed = _modulation(part, geometry, u, error_nm)
+    speed = None
+    if part.process.mode != "uniform":
+        uniform = highest_speed(peaks_of(u_bounds(u, error_nm)), part.machine.limits)
+        speed = make_speed(part, geometry, u, uniform.rpm)
     table = make_table(part, u, x, error_nm, speed)
     best = _judge(part, geometry, peaks_of_table(table, speed))
     return GeneratedSkirt(
         part, geometry, tolerance_u_nm, table, accuracy_u, accuracy_x, best, speed
     )
-
-
-def _modulation(
-    part: SkirtPart, geometry: Geometry, u: Channel, error_nm: float
-) -> SpeedTable | None:
-    """Return the speed channel of a part that is turned with an even removal rate."""
-    if part.process.mode == "uniform":
-        return None
-    uniform = highest_speed(peaks_of(u_bounds(u, error_nm)), part.machine.limits)
-    return make_speed(part, geometry, u, uniform.rpm)
 
 
 def peaks_of_table(table: Table, speed: SpeedTable | None) -> Peaks:

@@ -128,14 +128,11 @@ def _drawers(outcome: SkirtOutcome) -> dict[str, Callable[[], Figure]]:
         drawers["following"] = lambda: report_motion.draw_following(trace)
     if trace.t_s.size > 1:
         drawers["sequence"] = lambda: report_motion.draw_sequence(trace)
-    return drawers | _comparison(outcome)
-
-
-def _comparison(outcome: SkirtOutcome) -> dict[str, Callable[[], Figure]]:
-    tolerance_um = outcome.summary["form_error_um"]["tolerance"]
-    if len(outcome.variants) < 2:
-        return {}
-    return {"compare": lambda: report_compare.draw_variants(outcome.variants, tolerance_um)}
+    if len(outcome.variants) > 1:
+        tolerance_um = outcome.summary["form_error_um"]["tolerance"]
+        variants = outcome.variants
+        drawers["compare"] = lambda: report_compare.draw_variants(variants, tolerance_um)
+    return drawers
 
 
 def pictures_of(outcome: SkirtOutcome) -> list[Picture]:

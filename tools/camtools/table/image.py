@@ -224,25 +224,18 @@ def _header_of(table: Table, image_size: int, crc32: int) -> bytes:
     return bytes_of(HEADER, values | limits | vars(table.bounds))
 
 
+# Fields of an entry that a channel has by the same name: its own, and worked out from its knots.
+_OWN = (
+    *("kind", "log2_repeat", "frac_bits", "z_first_nm", "z_last_nm"),
+    *("p_min", "p_max", "v_max", "a_max"),
+)
+_WORKED_OUT = ("size", "n_slices", "log2_knots", "slices_per_nm_q48")
+
+
 def _entry_of(channel: Channel, offset: int, *, is_ring_helix: bool) -> bytes:
-    values = {
-        "kind": channel.kind,
-        "offset": offset,
-        "size": channel.size,
-        "n_slices": channel.n_slices,
-        "log2_knots": channel.log2_knots,
-        "log2_repeat": channel.log2_repeat,
-        "frac_bits": channel.frac_bits,
-        "z_first_nm": channel.z_first_nm,
-        "z_last_nm": channel.z_last_nm,
-        "slices_per_nm_q48": channel.slices_per_nm_q48,
-        "offset_nm": channel.origin,
-        "p_min": channel.p_min,
-        "p_max": channel.p_max,
-        "v_max": channel.v_max,
-        "a_max": channel.a_max,
-        "path": int(is_ring_helix and channel.kind == KIND_X),
-    }
+    same = {name: getattr(channel, name) for name in _OWN + _WORKED_OUT}
+    path = int(is_ring_helix and channel.kind == KIND_X)
+    values = same | {"offset": offset, "offset_nm": channel.origin, "path": path}
     return bytes_of(ENTRY, values)
 
 
@@ -393,18 +386,9 @@ def _make_channel(image: bytes, entry: dict[str, Any]) -> Channel:
     n_knots = entry["n_slices"] << entry["log2_knots"]
     knots = np.frombuffer(image, KNOT, count=n_knots, offset=entry["offset"])
     triples = np.stack([knots[name] for name in ("p", "v", "a")], axis=-1).astype(np.int32)
+    own = {name: entry[name] for name in _OWN}
     return Channel(
-        kind=entry["kind"],
-        knots=triples.reshape(entry["n_slices"], -1, 3),
-        log2_repeat=entry["log2_repeat"],
-        frac_bits=entry["frac_bits"],
-        z_first_nm=entry["z_first_nm"],
-        z_last_nm=entry["z_last_nm"],
-        origin=entry["offset_nm"],
-        p_min=entry["p_min"],
-        p_max=entry["p_max"],
-        v_max=entry["v_max"],
-        a_max=entry["a_max"],
+        knots=triples.reshape(entry["n_slices"], -1, 3), origin=entry["offset_nm"], **own
     )
 
 
