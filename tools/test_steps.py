@@ -112,12 +112,12 @@ def files_with(mark: str) -> list[str]:
 def tools_steps(is_fast: bool) -> list[Step]:
     """Return the tests of the tools, and the scenarios, with the simulator of the host."""
     paths, needs = ("tests/tools", "tests/scenarios"), ("build host",)
-    marks = "not alone and not slow" if is_fast else "not alone"
+    rest = " and not slow" if is_fast else ""
     # Those that judge the clock mostly wait, so that several of them do not disturb one another.
-    alone = ("-m", "alone", "-n", "3", "--dist", "load", *files_with("alone"))
+    alone = ("-n", "3", "--dist", "load", *files_with("alone"))
     return [
-        pytest("tools", *paths, "-m", marks, needs=needs, wide=True),
-        pytest("alone", *alone, needs=needs, alone=True),
+        pytest("tools", *paths, "-m", f"not alone{rest}", needs=needs, wide=True),
+        pytest("alone", "-m", f"alone{rest}", *alone, needs=needs, alone=True),
     ]
 
 

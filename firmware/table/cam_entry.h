@@ -6,9 +6,9 @@
 #ifndef CAM_ENTRY_H
 #define CAM_ENTRY_H
 
-#include "cam_err.h"   // cam_err_t
-#include "cam_table.h" // cam_channel_t
-#include <stdint.h>    // uint32_t, int32_t
+#include "cam_err.h"     // cam_err_t
+#include "cam_channel.h" // cam_channel_t
+#include <stdint.h>      // uint32_t, int32_t
 
 /// What a channel describes, as stored in its entry.
 enum {

@@ -24,7 +24,7 @@ static void hold(sim_disturb_t *d, sim_frames_t *queue, uint32_t i, double until
     remove_frame(queue, i);
 }
 
-/// The first of a pair waits, the second lets it out behind itself.
+/// The first frame of a pair waits; the second is sent, and the first behind it.
 static void swap(sim_disturb_t *d, sim_frames_t *queue, uint32_t i, double t_s)
 {
     if (!d->is_held) {

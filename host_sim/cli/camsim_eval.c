@@ -38,7 +38,7 @@ static bool has_lobes(const cam_table_t *t)
     return t->angle.knots != NULL;
 }
 
-/// Angle inside the turn, rounded to 2^-32; a huge number of turns is a whole number.
+/// @return the angle inside the turn, rounded to 2^-32; a huge number of turns is a whole number
 static uint32_t angle_q32(double turn)
 {
     const double part = turn - floor(turn);

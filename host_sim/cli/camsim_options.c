@@ -110,7 +110,7 @@ void camsim_options_help(void)
     (void)puts(help);
 }
 
-/// A number of an option within its range, both ends included.
+/// Take a number of an option within its range, both ends included.
 static bool take_number(double *value, const char *option, const char *text, double min, double max,
                         const char *unit, common_error_t *e)
 {
@@ -125,7 +125,7 @@ static bool take_number(double *value, const char *option, const char *text, dou
     return true;
 }
 
-/// Two heights, the second above the first; whether the part has them is seen later.
+/// Take two heights, the second above the first; whether the part has them is checked later.
 static bool take_window(sim_cut_options_t *cut, const char *text, common_error_t *e)
 {
     char first[40];
@@ -272,7 +272,7 @@ static bool take_option(camsim_options_t *o, int option, char **argv, common_err
                                              o->command, argv[optind - 1]);
 }
 
-/// NAME.json beside NAME.camtab, when it is there.
+/// Find NAME.json beside NAME.camtab.
 static bool find_design(camsim_options_t *o, common_error_t *e)
 {
     const char *name = strrchr(o->table_path, '/');
@@ -289,7 +289,7 @@ static bool find_design(camsim_options_t *o, common_error_t *e)
     return true;
 }
 
-/// The target exists; its image is the user's, or the one beside this program.
+/// Check the target and find its image: that of the user, or the one beside this program.
 static bool find_target(camsim_options_t *o, common_error_t *e)
 {
     if (o->cut.target == NULL) {

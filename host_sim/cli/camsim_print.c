@@ -59,7 +59,7 @@ void camsim_print_cut(const sim_cut_t *cut, double wall_s)
                  wall_s, wall_s > 0.0 ? (double)cut->n_ticks / wall_s * 1e-6 : 0.0);
 }
 
-/// Why the first fault struck; of several at once the first in the list is named.
+/// Explain the first fault; of several at once the first in the list is named.
 static void explain_fault(const sim_cut_t *cut, const char *table, common_error_t *e)
 {
     const uint32_t first = sim_cut_status(cut)->first_fault;
@@ -73,8 +73,8 @@ static void explain_fault(const sim_cut_t *cut, const char *table, common_error_
         cam_state_name(cut->fault_state), cut->fault_z_mm);
 }
 
-/// Which surface the gauge has not seen, and the remedy: half the height of a lobe, or half of the
-/// present feed, is a feed that leaves a whole turn on the lobe.
+/// Name the surface that the gauge has not seen, and the remedy: a feed of half the height of a
+/// lobe, or of half the present feed, leaves a whole turn on the lobe.
 static void explain_not_gauged(const sim_cut_t *cut, const char *table, common_error_t *e)
 {
     if (cut->session.work.n == 0u) {

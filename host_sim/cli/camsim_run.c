@@ -24,7 +24,8 @@ static double now_s(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/// Lobes are known by their table: the design may be missing.
+/// Refuse options that have no meaning for lobes, which are known by their table, since the design
+/// may be missing.
 static bool check_lobes(const run_t *r, common_error_t *e)
 {
     const sim_cut_options_t *o = &r->options.cut;

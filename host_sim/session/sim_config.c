@@ -59,7 +59,7 @@ static const common_setting_t fields[] = {
 enum { n_fields = sizeof fields / sizeof fields[0] };
 _Static_assert((int)n_fields <= (int)common_settings_max, "one flag for each key");
 
-/// What the list of numbers does not hold.
+/// The settings that are not in the list of numbers.
 typedef struct {
     sim_config_t *config;
     bool is_name_seen;

@@ -48,7 +48,7 @@ double sim_session_turn(const sim_session_t *s)
     return (s->table.direction > 0 ? s->at.turn : -s->at.turn) - s->phase_turn;
 }
 
-/// The tool tip against the exact surface at its true angle and height.
+/// Compare the tool tip with the exact surface at its true angle and height.
 static void gauge(sim_session_t *s)
 {
     const double turn = sim_session_turn(s);

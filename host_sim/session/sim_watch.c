@@ -4,10 +4,10 @@
 #include "sim_units.h" // SIM_NM_PER_MM
 #include <string.h>    // memcpy, memset
 
-/// How long the end must last: a controller that only restarts goes on within this.
+/// [s] for which the end must last: a controller that only restarts goes on sooner.
 #define QUIET_S 0.25
 
-/// No SYNC for so long: the controller has gone.
+/// [s] without SYNC after which the controller has gone.
 #define LOST_S 0.1
 
 static bool prepare(sim_watch_t *w, const void *image, size_t size, const char *name,
@@ -58,7 +58,7 @@ bool sim_watch_connect(sim_watch_t *w, common_error_t *e)
     return sim_link_open(&w->link, w->options.interface, w->options.chip, w->bus.period_s, e);
 }
 
-/// Without lines what the controller says of itself counts.
+/// Without lines the status frame of the controller counts.
 static sim_bus_outputs_t outputs_of(const sim_watch_t *w)
 {
     const sim_bus_t *bus = &w->bus;
@@ -77,7 +77,7 @@ static bool is_gone(const sim_watch_t *w)
     return w->bus.n_syncs > 0u && w->bus.time_s - w->bus.sync_s > LOST_S;
 }
 
-/// What the end would be if nothing more happened.
+/// @return the end of the cut if nothing more happened
 static sim_watch_end_t end_in_sight(const sim_watch_t *w)
 {
     const sim_bus_t *bus = &w->bus;

@@ -90,6 +90,7 @@ def test_needs_are_sums_of_turning_and_feeding() -> None:
     assert jump > 0.5 * limits.u_acceleration_mm_s2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("text", [SHAFT, TURNED, SURFACE], ids=["uniform", "turned", "surface"])
 def test_feed_too_fast_for_the_gaps_is_refused(text: str) -> None:
     """With needed, limit, and a speed and a feed each of which is accepted; 1 % more is not."""

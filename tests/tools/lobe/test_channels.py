@@ -138,6 +138,7 @@ def test_long_lobe_is_told_how_long_one_may_be() -> None:
     assert choose_angle(shaft((0, 687.865)), is_swung=True).channel.n_slices == 42
 
 
+@pytest.mark.slow
 def test_larger_tolerance_is_told_where_it_helps() -> None:
     """Where u alone is too large; not where the angle would be too."""
     [lobe] = make_lobes(example_lobe("grinding"))

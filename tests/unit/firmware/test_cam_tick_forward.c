@@ -79,9 +79,9 @@ static void test_command_of_x_and_z_is_their_setpoint(void)
     TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_cutting));
     for (int i = 0; i < 3000; i++) {
         fixture_rig_tick(&rig);
-        TEST_ASSERT_INT32_WITHIN(1, g_cam.play.axis[hal_axis_z].pos_q10 / 1024,
+        TEST_ASSERT_INT32_WITHIN(1, g_cam.motion.axis[hal_axis_z].pos_q10 / 1024,
                                  hal_host.out.axis[hal_axis_z].pos_nm);
-        TEST_ASSERT_INT32_WITHIN(1, g_cam.play.axis[hal_axis_x].pos_q10 / 1024,
+        TEST_ASSERT_INT32_WITHIN(1, g_cam.motion.axis[hal_axis_x].pos_q10 / 1024,
                                  hal_host.out.axis[hal_axis_x].pos_nm);
     }
 }

@@ -79,7 +79,7 @@ def peaks_of(bounds: Bounds, ratio: float = 1.0) -> Peaks:
         bounds.u1_peak_nm_per_rad * 1e-6,
         bounds.u2_peak_nm_per_rad2 * 1e-6,
         ratio,
-        bounds.spindle_peak_ppm * 1e-6,
+        bounds.spindle_peak_ppm_per_rad * 1e-6,
     )
 
 

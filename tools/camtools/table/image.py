@@ -73,7 +73,7 @@ class Bounds:
     u1_peak_nm_per_rad: int
     u2_peak_nm_per_rad2: int
     error_pm: int
-    spindle_peak_ppm: int = 0  # of r r', in 1e-6 per rad; 0 without modulation
+    spindle_peak_ppm_per_rad: int = 0  # of r r', in 1e-6 per rad; 0 without modulation
 
 
 @dataclass(frozen=True, eq=False)
@@ -347,7 +347,9 @@ def _channels_of(
     _demand(not {KIND_SWING, KIND_CONTACT} <= set(kinds), "kind: swing and contact are there")
     _demand({KIND_U, KIND_X} <= set(kinds), "kind: u or x is missing")
     has_speed = KIND_SPEED in kinds
-    _demand(has_speed or table.bounds.spindle_peak_ppm == 0, "spindle_peak_ppm: not 0")
+    _demand(
+        has_speed or table.bounds.spindle_peak_ppm_per_rad == 0, "spindle_peak_ppm_per_rad: not 0"
+    )
     for channel in channels:
         _check_knots(channel)
     return tuple(channels)

@@ -63,5 +63,5 @@ def moving_bounds(uniform: Bounds, peaks: MotionPeaks) -> Bounds:
         uniform,
         u1_peak_nm_per_rad=ceil(peaks.first),
         u2_peak_nm_per_rad2=ceil(peaks.second),
-        spindle_peak_ppm=ceil(peaks.spindle_rad2 * 1e6),
+        spindle_peak_ppm_per_rad=ceil(peaks.spindle_rad2 * 1e6),
     )

@@ -39,7 +39,7 @@ HEADER = np.dtype(
         ("u1_peak_nm_per_rad", "<u4"),
         ("u2_peak_nm_per_rad2", "<u4"),
         ("error_pm", "<u4"),
-        ("spindle_peak_ppm", "<u4"),
+        ("spindle_peak_ppm_per_rad", "<u4"),
     ]
 )
 
