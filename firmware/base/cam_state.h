@@ -3,7 +3,6 @@
 #ifndef CAM_STATE_H
 #define CAM_STATE_H
 
-#include "hal/hal.h" // hal_encoder_t, hal_n_axes
 #include <stdbool.h> // bool
 #include <stdint.h>  // int32_t, uint32_t
 
@@ -91,16 +90,5 @@ const char *cam_fault_name(cam_fault_t fault);
 
 /// @return a fault's meaning, one clause, static; "?" for a foreign value
 const char *cam_fault_text(cam_fault_t fault);
-
-/// Everything that a tick learns from outside. The stages behind sense see only this and their own
-/// state, so a recorded tick replays bit for bit.
-typedef struct {
-    uint32_t clock;                ///< [1 / hal_clock_hz()] time stamp of the tick's start, wraps
-    hal_encoder_t encoder;         ///< the spindle's encoder
-    int32_t actual_nm[hal_n_axes]; ///< [nm] measured positions, by hal_axis_t
-    int32_t swing_q32;             ///< [turn / 2^32] measured swing of the tool
-    uint32_t inputs;               ///< bits hal_in_*
-    uint32_t request;              ///< serial number << 8 | cam_request_t; a new number is new
-} cam_sense_t;
 
 #endif

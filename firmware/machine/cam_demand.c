@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_demand.h"
-#include "cam_feed.h"  // cam_feed_ramp_q32
-#include "cam_fix.h"   // cam_abs_i64
-#include "cam_swing.h" // cam_swing_aim_ticks
-#include <stdbool.h>   // bool
-#include <stddef.h>    // size_t
+#include "cam_feed.h" // cam_feed_ramp_q32
+#include "cam_fix.h"  // cam_abs_i64
+#include "cam_plan.h" // cam_plan_ticks
+#include <stdbool.h>  // bool
+#include <stddef.h>   // size_t
 
 /// The interrupt's arithmetic holds up to 16 knots per tick; half of that leaves room for
 /// overspeed.
@@ -225,10 +225,10 @@ static uint64_t mdeg_of(uint64_t thousands)
     return divided_up(thousands * 43u, 8);
 }
 
-/// The swing gets its set-points at a lower rate than U: one every few ticks (hal_swing_write_isr).
+/// The swing gets a set-point from every plan.
 static drift_t swing_drift(const cam_cut_t *c)
 {
-    const uint32_t set_point_hz = c->tick_hz / (uint32_t)cam_swing_aim_ticks + 1u;
+    const uint32_t set_point_hz = c->tick_hz / (uint32_t)cam_plan_ticks(c->tick_hz) + 1u;
     return drift(c, &c->t->angle, &c->t->swing_change, set_point_hz);
 }
 

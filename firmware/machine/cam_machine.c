@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_machine.h"
-#include "cam_fix.h" // cam_is_within
-#include "hal/hal.h" // hal_halt, hal_has_swing
-#include <stddef.h>  // NULL
-#include <string.h>  // memset
+#include "cam_build.h" // cam_build_config
+#include "cam_fix.h"   // cam_is_within
+#include "hal/hal.h"   // hal_halt, hal_has_swing
+#include <stddef.h>    // NULL
+#include <string.h>    // memset
 
 /// Overspeed becomes a fault this far above the highest feasible speed, so that ripple does not.
 enum { overspeed_percent = 1 };
@@ -59,7 +60,7 @@ static cam_err_t hand_over(cam_machine_t *m, const cam_params_t *params, const c
     const uint32_t peak_mrpm = table != NULL ? cam_feasible_peak_mrpm(table, mean_mrpm) : 0u;
     const uint32_t limit_mrpm = peak_mrpm + peak_mrpm / 100u * overspeed_percent;
     const cam_err_t err =
-        cam_config_build(half, params, table, limit_mrpm, m->tick_hz, m->clock_hz);
+        cam_build_config(half, params, table, limit_mrpm, m->tick_hz, m->clock_hz);
     if (err == cam_ok) {
         m->generation++;
         half->generation = m->generation;

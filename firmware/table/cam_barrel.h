@@ -3,7 +3,7 @@
 #ifndef CAM_BARREL_H
 #define CAM_BARREL_H
 
-#include "cam_table.h" // cam_table_t
+#include "cam_channel.h" // cam_table_t
 
 /// Measure the largest |dX/dZ| and |d2X/dZ2| and fill in x_slope_ppm and x_bend_ppm_per_m,
 /// saturated at UINT32_MAX. X and Z must be able to follow them (cam_demand.h).

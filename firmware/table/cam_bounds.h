@@ -8,8 +8,8 @@
 #ifndef CAM_BOUNDS_H
 #define CAM_BOUNDS_H
 
-#include "cam_table.h" // cam_channel_t
-#include <stdint.h>    // int64_t, uint32_t
+#include "cam_channel.h" // cam_channel_t
+#include <stdint.h>      // int64_t, uint32_t
 
 /// A knot, or a sum or difference of several; magnitudes below 2^40.
 typedef struct {

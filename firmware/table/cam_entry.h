@@ -6,9 +6,9 @@
 #ifndef CAM_ENTRY_H
 #define CAM_ENTRY_H
 
-#include "cam_err.h"   // cam_err_t
-#include "cam_table.h" // cam_channel_t
-#include <stdint.h>    // uint32_t, int32_t
+#include "cam_err.h"     // cam_err_t
+#include "cam_channel.h" // cam_channel_t
+#include <stdint.h>      // uint32_t, int32_t
 
 /// What a channel describes, as stored in its entry.
 enum {
@@ -34,7 +34,7 @@ typedef struct {
     uint32_t log2_repeat, frac_bits;
     int32_t z_first_nm, z_last_nm;
     uint32_t slices_per_nm_q48;
-    int32_t offset_nm;           ///< [unit of the channel] value at p = 0
+    int32_t value_offset;        ///< [unit of the channel] value at p = 0
     int32_t p_min, p_max;        ///< [LSB] bounds of p of all knots
     uint32_t v_max, a_max, path; ///< [LSB] bounds of |v| and |a|; path of a geared Z, x only
 } cam_entry_t;

@@ -17,9 +17,10 @@
 #ifndef CAM_EVAL_H
 #define CAM_EVAL_H
 
-#include "cam_fix.h"   // cam_mulhi_add
-#include "cam_table.h" // cam_channel_t
-#include <stdbool.h>   // bool
+#include "cam_fix.h"     // cam_mulhi_add
+#include "cam_channel.h" // cam_channel_t
+#include <stdbool.h>     // bool
+#include <stddef.h>      // size_t
 
 /// Fraction bits below the LSB that intermediate results carry.
 enum { cam_eval_guard_bits = 4 };

@@ -9,7 +9,7 @@
 #ifndef CAM_PEAKS_H
 #define CAM_PEAKS_H
 
-#include "cam_table.h" // cam_channel_t, cam_swing_peaks_t
+#include "cam_channel.h" // cam_channel_t, cam_swing_peaks_t
 
 /// Bound the swing of the tool.
 /// @param ch  kind swing, its knots checked

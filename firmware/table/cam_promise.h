@@ -7,8 +7,8 @@
 #ifndef CAM_PROMISE_H
 #define CAM_PROMISE_H
 
-#include "cam_err.h"   // cam_err_t
-#include "cam_table.h" // cam_table_t
+#include "cam_err.h"     // cam_err_t
+#include "cam_channel.h" // cam_table_t
 
 /// @param t  has u, speed, u1_peak_nm_per_rad, u2_peak_nm_per_rad2 and spindle_peak_ppm_per_rad
 /// filled in;

@@ -1,20 +1,128 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cam_config: parameters and table turned into what the interrupt needs, and the hand-over.
+/// cam_config: what the interrupt reads and never changes, and how it is handed over.
 ///
-/// cam_config_build() does all divisions and all checks of fit on the slow side. The result goes
-/// into the half of the bank that the interrupt does not use; the interrupt takes it at the start
-/// of a tick and keeps it for that tick. No lock: one atomic index each way.
+/// cam_build.h makes a configuration of parameters and table on the slow side, with all divisions
+/// and all checks of fit, in the half of the bank that the interrupt does not use; the interrupt
+/// takes it at the start of a tick and keeps it for that tick. No lock: one atomic index each way.
 #ifndef CAM_CONFIG_H
 #define CAM_CONFIG_H
 
-#include "cam_err.h"     // cam_err_t
+#include "cam_channel.h" // cam_table_t
+#include "cam_feed.h"    // cam_rings_t
 #include "cam_fence.h"   // cam_fence_acquire_isr
-#include "cam_guard.h"   // cam_guard_config_t
-#include "cam_param.h"   // cam_params_t
-#include "cam_play.h"    // cam_play_config_t
-#include "cam_spindle.h" // cam_spindle_config_t
+#include "cam_move.h"    // cam_move_limits_t
+#include "cam_speed.h"   // cam_speed_config_t
+#include "hal/hal.h"     // hal_n_axes
 #include <stdatomic.h>   // offered, in_use
-#include <stdint.h>      // uint32_t
+#include <stdbool.h>     // bool
+#include <stdint.h>      // int32_t, int64_t, uint32_t
+
+/// What the angle needs (cam_spindle.h).
+typedef struct {
+    uint32_t sign_mask;               ///< 0, or ~0 when counts fall while cutting
+    int32_t counts_per_turn;          ///< 64 .. 2^24
+    uint32_t turn_per_count_q32;      ///< [turn / 2^32 per count] whole part of 2^32 / counts
+    uint32_t turn_per_count_fraction; ///< ... and 2^32 times what is left
+    uint32_t centre_q32;              ///< [turn / 2^32] offset of the index and half a count
+    int32_t kp_q31;                   ///< observer gain of the position per tick
+    int32_t ki_q32;                   ///< ... of the speed, below 1/2
+    int32_t index_tolerance;          ///< [counts]
+    int32_t index_overdue;            ///< [counts] travel without an index edge that is too far
+    int32_t jump_window;              ///< [counts]
+    int32_t max_counts;               ///< [counts / tick] a quarter turn
+    uint32_t tick_clocks;             ///< [1 / clock_hz] period
+    uint32_t early_clocks;            ///< [1 / clock_hz] shortest period that counts as on time
+    uint32_t on_time_clocks;          ///< [1 / clock_hz] width of what counts as on time
+    uint32_t late_clocks;             ///< [1 / clock_hz] a longer period is a fault
+    uint32_t most_clocks;             ///< [1 / clock_hz] a longer period counts as this one
+    uint32_t ticks_per_clock_q27;     ///< [ticks per unit of the time stamp]
+} cam_spindle_config_t;
+
+/// Powers of two that bring what the table says of U to nm / 64 and nm / 1024.
+typedef struct {
+    uint32_t speed_shift; ///< speed << this is below 2^30
+    int32_t offset;       ///< value at p = 0 in the unit of y
+    uint32_t scale_down;  ///< scale_q30 >> this makes the factor of y
+    uint32_t y_up, v_up;  ///< shifts of the high words of the products
+    uint32_t a_down;      ///< of d2 before, and
+    uint32_t a_shift;     ///< of the product
+    uint32_t alpha_shift;
+} cam_u_scale_t;
+
+/// Limits of the return to 0.
+typedef struct {
+    int32_t speed_q32; ///< [turn / 2^32 per tick]
+    int32_t step_q32;  ///< ... by which it may change from one set-point to the next
+    int32_t gain_q32;  ///< [1 / tick] speed over distance, at most a quarter per plan
+} cam_swing_limits_t;
+
+/// What the plan needs of the tool's swing (cam_swing.h).
+typedef struct {
+    bool is_swung;             ///< the table swings the tool and there is an axis for it
+    int32_t ahead_q16;         ///< [ticks] from a plan to the end of its line, lag included
+    int32_t lag_q16;           ///< [ticks] of the drive
+    int32_t ahead2;            ///< [ticks^2] what the acceleration of the spindle adds until then
+    int32_t following_q32;     ///< [turn / 2^32] accepted following error
+    int32_t offset_q30;        ///< [turn / 2^30] value at 0 of the channel
+    int32_t unit_q30;          ///< what is read, twice LSB / 16, times this / 2^32 is turn / 2^30
+    cam_swing_limits_t gentle; ///< of the return to 0: a quarter of the machine's limits
+    cam_swing_limits_t full;   ///< ... in state fault: all of them
+} cam_swing_config_t;
+
+/// What play and plan need (cam_play.h, cam_plan.h).
+typedef struct {
+    const cam_table_t *table; ///< NULL: none, enable is refused
+    cam_u_scale_t u;
+    int32_t lead_q16;                ///< [ticks] dead time of U, below cam_play_history - 2
+    uint32_t lead_ticks;             ///< [ticks] whole ones of it
+    int32_t lead_part_q31;           ///< [ticks / 2^31] the rest
+    int32_t plan_ticks;              ///< [ticks] from plan to plan, 1 .. 80
+    int32_t per_plan_q30;            ///< [1 / ticks] its reciprocal, rounded down
+    int32_t xz_lag_q16;              ///< [ticks] lag of X and Z
+    int32_t u_plan_q16, xz_plan_q16; ///< [ticks] lead and lag, and to the end of a plan
+    int32_t commanded_q16;           ///< [ticks] what any axis was commanded of before this plan
+    int32_t ratio_q16;               ///< [ticks] the speed ratio is read this much ahead
+    int32_t u_behind_q16;            ///< [ticks] U is read this much behind X and Z
+    int32_t xz_lag2;                 ///< [ticks^2] what the spindle's acceleration adds to X and Z
+    int64_t height_max_q32;          ///< [slices] end of the table for U
+    int32_t phase_q32, phase_step_q32;          ///< [turn / 2^32], per tick
+    int32_t amplitude_q30, amplitude_step_q30;  ///< [1], per tick
+    int64_t engage_q32, disengage_q32;          ///< [turn] lengths
+    uint32_t per_engage_q31, per_disengage_q31; ///< [1/turn] their reciprocals
+    int64_t feed_q32;            ///< [turn] from first to last height, ramps included
+    int64_t ramp_q32;            ///< [turn] over which the feed rises, and falls
+    uint32_t per_ramp_q31;       ///< [1/turn] its reciprocal
+    cam_rings_t rings;           ///< off: the feed is that of a helix
+    int32_t feed_nm;             ///< [nm] per turn
+    int32_t z_first_nm;          ///< [nm] where the feed starts
+    int32_t z_low_nm, z_high_nm; ///< [nm] range accepted from a measured Z
+    int32_t z_margin_nm;         ///< [nm] accepted distance of a geared Z from its place
+    int32_t turning_q32;         ///< [turn / 2^32 per tick] slower does not count as turning
+    bool is_z_measured;
+    int64_t u_retract_q10;                  ///< [nm / 1024]
+    int32_t x_clearance_nm;                 ///< [nm]
+    cam_move_limits_t approach[hal_n_axes]; ///< gentle limits outside the cut; X, Z: per plan
+    cam_move_limits_t leave[hal_n_axes];    ///< full limits per plan, of X and Z in state fault
+    int32_t spindle_mrpm;                   ///< mean set-point, signed by the table's direction
+    cam_speed_config_t speed;               ///< modulation, of a table with a speed channel
+    cam_swing_config_t swing;               ///< of a table that swings the tool
+} cam_play_config_t;
+
+/// What the guard needs (cam_guard.h).
+typedef struct {
+    int32_t overspeed_q32;      ///< [turn / 2^32 per tick]
+    int32_t stopped_q32;        ///< [turn / 2^32 per tick]
+    uint32_t speed_span_q32;    ///< [turn / 2^32 per tick] from stopped to overspeed
+    uint32_t stopped_ticks;     ///< [ticks] in the cut
+    uint32_t homing_ticks;      ///< [ticks] for the spindle to turn while homing
+    int32_t following_nm;       ///< [nm]
+    int32_t u_vel_q6, u_acc_q6; ///< [nm / 64 per tick, per tick^2] of the set-point
+    int32_t
+        u_acc_off_q6;    ///< [nm / 64 per tick^2] around a tick off its time, whose step is another
+    int32_t u_range_q6;  ///< [nm / 64] half the stroke
+    cam_move_limits_t u; ///< for the retract
+    int64_t u_retract_q10; ///< [nm / 1024] place of U out of the work
+} cam_guard_config_t;
 
 /// Everything that a tick reads and does not change.
 typedef struct {
@@ -35,19 +143,7 @@ typedef struct {
     cam_config_t half[2];
 } cam_config_bank_t;
 
-/// Derive a configuration.
-/// @param config      result, complete on success
-/// @param params      within their ranges
-/// @param table       NULL when none is selected
-/// @param speed_limit_mrpm  [r/min / 1000] beyond which overspeed is a fault
-/// @param tick_hz,clock_hz  [Hz] of the port
-/// @return cam_ok, or cam_err_param_tick when lead, bandwidth or feed-forward do not fit the tick
-/// rate Context: slow side.
-CAM_MUST_USE cam_err_t cam_config_build(cam_config_t *config, const cam_params_t *params,
-                                        const cam_table_t *table, uint32_t speed_limit_mrpm,
-                                        uint32_t tick_hz, uint32_t clock_hz);
-
-/// @return the half that may be written now, NULL while the interrupt has not taken the last one.
+/// @return the half that may be written, NULL while the interrupt has not taken the last one.
 /// Context: slow side.
 cam_config_t *cam_config_free_half(cam_config_bank_t *bank);
 
@@ -64,8 +160,5 @@ cam_config_take_isr(cam_config_bank_t *bank)
     atomic_store_explicit(&bank->in_use, offered, memory_order_relaxed);
     return offered;
 }
-
-/// @return [turn / 2^32 per tick] of a speed, rounded, saturated. Context: slow side.
-int32_t cam_config_speed_q32(uint32_t speed_mrpm, uint32_t tick_hz);
 
 #endif

@@ -104,10 +104,9 @@ static uint32_t blame(cam_guard_t *g, const cam_guard_config_t *cfg, const cam_t
     return faults;
 }
 
-/// What is new is counted, all faults at once: bit i of the words of `count` is the number of fault
-/// i, and the carry of one word is what the next one counts. The tick of the fault is busy enough:
-/// those after it count.
-static void count_new(cam_guard_t *g)
+/// All faults at once: bit i of the words of `count` is the number of fault i, and the carry of one
+/// word is what the next one counts.
+void cam_guard_count_isr(cam_guard_t *g)
 {
     uint32_t carry = g->faults & ~g->counted;
     for (uint32_t k = 0; k < cam_guard_count_bits && carry != 0u; k++) {
@@ -116,11 +115,6 @@ static void count_new(cam_guard_t *g)
         g->count[k] = sum;
     }
     g->counted = g->faults;
-}
-
-uint32_t cam_guard_first(const cam_guard_t *g)
-{
-    return g->counted == 0u && g->faults != 0u ? g->faults : g->first_faults;
 }
 
 uint32_t cam_guard_count(const cam_guard_t *g, cam_fault_t fault)
@@ -133,114 +127,78 @@ uint32_t cam_guard_count(const cam_guard_t *g, cam_fault_t fault)
     return (counted + n) % (1u << cam_guard_count_bits);
 }
 
-/// In the tick of the fault all axes go on as they did, U from where it was written last. That tick
-/// is busy enough: all the rest is left to the next one.
-static void enter_fault(cam_guard_t *g, uint32_t faults, cam_want_t *want, cam_play_t *play)
+/// In the tick of the fault U goes on as it did, from where it was written last.
+static cam_verdict_t enter_fault(cam_guard_t *g, uint32_t faults)
 {
     g->faults = faults;
+    g->first_faults = faults;
     g->u_set_q6 += g->u_step_q6;
-    play->axis[hal_axis_u].vel_q10 = g->u_step_q6 * 16;
-    play->axis[hal_axis_u].acc_q10 = 0;
-    cam_play_settle_isr(play, false);
-    want->state = cam_state_fault;
-    want->spindle_mrpm = 0;
-    want->u_set_q6 = g->u_set_q6;
-    want->faults = faults;
-    want->is_retracted = false;
+    g->u = (cam_move_t){.pos_q10 = (int64_t)g->u_set_q6 * 16, .vel_q10 = g->u_step_q6 * 16};
     const uint32_t is_held = (~faults >> (uint32_t)cam_fault_drive) & 1u;
-    want->outputs = hal_out_fault | is_held * hal_out_enable;
+    return (cam_verdict_t){
+        .faults = faults,
+        .outputs = hal_out_fault | is_held * hal_out_enable,
+        .is_in_charge = true,
+    };
 }
 
-/// What the tick of the fault had no time for: where the retract begins and X is to go.
-static void begin_retract(cam_guard_t *g, const cam_guard_config_t *cfg, cam_move_t *axis)
+/// In the ticks after that of the fault. The plan leads the other axes away.
+static cam_verdict_t leave_work(cam_guard_t *g, const cam_guard_config_t *cfg, uint32_t faults,
+                                bool is_clear)
 {
-    g->first_faults = g->faults;
-    g->x_off_q10 = axis[hal_axis_x].pos_q10 + cfg->x_clearance_q10;
-    axis[hal_axis_u].pos_q10 = (int64_t)g->u_set_q6 * 16;
-}
-
-static void retract(cam_guard_t *g, const cam_guard_config_t *cfg, cam_play_t *play)
-{
-    const cam_move_limits_t *limits = cfg->limits;
-    cam_move_t *axis = play->axis;
-    const bool is_u_out =
-        cam_move_to_isr(&axis[hal_axis_u], &limits[hal_axis_u], cfg->u_retract_q10);
-    const bool is_x_off = cam_move_to_isr(&axis[hal_axis_x], &limits[hal_axis_x], g->x_off_q10);
-    const bool is_z_at_rest = cam_move_stop_isr(&axis[hal_axis_z], &limits[hal_axis_z]);
-    g->u_set_q6 = cam_sat_i32(axis[hal_axis_u].pos_q10 >> 4);
-    const bool is_swung_back = // play has counted this tick already
-        !cfg->is_swung || cam_swing_rest_isr(&play->swing, &cfg->swing, play->n_history - 1u);
-    g->is_retracted = g->is_retracted || (is_u_out && is_x_off && is_z_at_rest && is_swung_back);
-}
-
-/// In the ticks after that of the fault.
-static void leave_work(cam_guard_t *g, const cam_guard_config_t *cfg, uint32_t faults,
-                       cam_want_t *want, cam_play_t *play)
-{
-    if (g->counted == 0u) {
-        begin_retract(g, cfg, play->axis);
-    }
     g->faults |= faults;
-    count_new(g);
-    retract(g, cfg, play);
-    play->is_retracted = g->is_retracted;
-    want->spindle_mrpm = 0;
-    want->u_set_q6 = g->u_set_q6;
-    want->faults = g->faults;
-    want->is_retracted = g->is_retracted;
+    const bool is_u_out = cam_move_to_isr(&g->u, &cfg->u, cfg->u_retract_q10);
+    g->u_set_q6 = cam_sat_i32(g->u.pos_q10 >> 4);
+    g->is_retracted = g->is_retracted || (is_u_out && is_clear);
     const bool is_held = !g->is_retracted && (g->faults & CAM_FAULT_BIT(drive)) == 0u;
-    want->outputs = is_held ? hal_out_fault | hal_out_enable : hal_out_fault;
+    return (cam_verdict_t){
+        .faults = g->faults,
+        .outputs = is_held ? hal_out_fault | hal_out_enable : hal_out_fault,
+        .is_in_charge = true,
+        .is_retracted = g->is_retracted,
+    };
 }
 
 /// Off: set-points follow the axes, which is not a motion, and a reset has ended the latch.
-static void forget(cam_guard_t *g, cam_want_t *want)
+static cam_verdict_t forget(cam_guard_t *g, int32_t u_set_q6)
 {
-    g->u_set_q6 = want->u_set_q6;
+    g->u_set_q6 = u_set_q6;
     g->u_step_q6 = 0;
     g->faults = 0;
     g->counted = 0;
     g->n_stopped = 0;
     g->is_retracted = false;
-    want->faults = 0;
-    want->is_retracted = true;
-    want->outputs = 0;
+    return (cam_verdict_t){.is_retracted = true};
 }
 
-CAM_STAGE static void rest(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_record_t *r,
-                           cam_play_t *play)
+CAM_STAGE static cam_verdict_t rest(cam_guard_t *g, const cam_guard_config_t *cfg,
+                                    const cam_tick_record_t *r, const cam_motion_t *m)
 {
-    if (r->want.state == cam_state_off) {
-        forget(g, &r->want);
-    } else {
-        leave_work(g, cfg, judge_inputs(r->in.inputs) & ARMED_IN_FAULT, &r->want, play);
-    }
+    return r->want.state == cam_state_off
+               ? forget(g, r->want.u_set_q6)
+               : leave_work(g, cfg, judge_inputs(r->in.inputs) & ARMED_IN_FAULT, m->is_clear);
 }
 
 /// What play wants is written.
-static void accept(cam_guard_t *g, cam_want_t *want, int32_t step_q6)
+static cam_verdict_t accept(cam_guard_t *g, const cam_want_t *want, int32_t step_q6)
 {
     g->u_set_q6 = want->u_set_q6;
     g->u_step_q6 = step_q6;
-    want->faults = 0;
-    want->is_retracted = false;
-    want->outputs =
-        want->state == cam_state_cutting ? hal_out_enable | hal_out_in_cut : hal_out_enable;
+    const bool is_in_cut = want->state == cam_state_cutting;
+    return (cam_verdict_t){
+        .outputs = is_in_cut ? hal_out_enable | hal_out_in_cut : hal_out_enable,
+    };
 }
 
-void cam_guard_step_isr(cam_guard_t *g, const cam_guard_config_t *cfg, cam_tick_record_t *r,
-                        cam_play_t *play)
+cam_verdict_t cam_guard_step_isr(cam_guard_t *g, const cam_guard_config_t *cfg,
+                                 const cam_tick_record_t *r, const cam_motion_t *m)
 {
-    cam_want_t *want = &r->want;
+    const cam_want_t *want = &r->want;
     const uint32_t watched = armed[want->state];
     if ((watched & AT_REST) != 0u) {
-        rest(g, cfg, r, play);
-        return;
+        return rest(g, cfg, r, m);
     }
     const int32_t step_q6 = cam_wrap_sub(want->u_set_q6, g->u_set_q6);
     const uint32_t faults = blame(g, cfg, r, step_q6) & watched;
-    if (faults == 0u) {
-        accept(g, want, step_q6);
-    } else {
-        enter_fault(g, faults, want, play);
-    }
+    return faults == 0u ? accept(g, want, step_q6) : enter_fault(g, faults);
 }

@@ -1,37 +1,57 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cam_plan: what changes slowly in a cut, planned ahead by one task per tick.
+/// cam_plan: what changes slowly in a cut, planned ahead every n-th tick.
 ///
-/// A round of 21 ticks, 43 where the spindle is modulated: heights and envelopes, then the ways of
-/// all axes to the planned instant, then the speed of the spindle, the state, and the place of Z.
-/// The instant is the end of those ways, so between two rounds envelope, X and Z move linearly and
-/// arrive exactly. In between they are off the true course by at most its second derivative times
-/// (round)^2 / 8. Context: ISR.
+/// n = max(1, round(cam_plan_period_us * tick rate)): 8 ticks at 20 kHz, every tick at 1 kHz. A
+/// plan reads the record of its tick and writes the increments (cam_motion_t) that are in force
+/// from the next tick to that of the next plan: heights and envelopes, X and Z, U's amplitude and
+/// height, the swing, the speed of the spindle, the state, and the faults that need no exact tick
+/// (z_range, swing). It plans for the instant of the next plan, so that X, Z and U's envelope move
+/// linearly from plan to plan and arrive exactly; in between they are off the true course by at
+/// most its second derivative times T^2 / 8, T the period of the plan.
+///
+/// It is the last step of its tick, behind the writes: the outputs of a tick never wait for it, and
+/// what it plans has the whole period to take effect. A replay runs it in the same place.
+/// Context: ISR unless noted.
 #ifndef CAM_PLAN_H
 #define CAM_PLAN_H
 
-#include "cam_play.h"    // cam_play_t, cam_play_config_t
-#include "cam_spindle.h" // cam_angle_t
-#include "cam_state.h"   // cam_sense_t
-#include <stdint.h>      // int32_t, int64_t
+#include "cam_config.h" // cam_play_config_t
+#include "cam_record.h" // cam_tick_record_t, cam_motion_t
+#include <stdint.h>     // int32_t, int64_t
 
-/// The task of this tick.
-/// @return fault z_range or none
-/// Constant time in each task.
-CAM_STAGE uint32_t cam_plan_task_isr(cam_play_t *p, const cam_play_config_t *cfg,
-                                     const cam_sense_t *in, const cam_angle_t *angle);
+/// Chosen by measurement: README.md, "Two rates".
+enum { cam_plan_period_us = 400 };
+
+/// State; zero-initialised is before the first cut.
+typedef struct {
+    int64_t engage_at_q32;    ///< [turn] master position where the envelope starts to rise
+    int64_t feed_at_q32;      ///< ... where Z starts
+    int64_t disengage_at_q32; ///< ... where the envelope starts to fall
+    int64_t feed_turns_q32;   ///< [turn] length of the feed, shorter after a stop
+    int32_t measured_nm;      ///< [nm] Z of the last plan
+    int32_t amplitude_q30;    ///< [1] ramped
+    int32_t ratio_q28;        ///< [1] speed ratio at the end of the last plan
+} cam_plan_t;
+
+/// One plan.
+/// @param r  record of the tick, with everything but the plan done
+/// @param m  increments up to now, replaced by those from the next tick on
+/// Constant time in each state.
+CAM_STAGE void cam_plan_isr(cam_plan_t *p, const cam_play_config_t *cfg, const cam_tick_record_t *r,
+                            cam_motion_t *m);
+
+/// @return [ticks] from plan to plan, at least 1. Context: slow side.
+static inline int32_t cam_plan_ticks(uint32_t tick_hz)
+{
+    const uint32_t ticks = (tick_hz * (uint32_t)cam_plan_period_us + 500000u) / 1000000u;
+    return ticks > 1u ? (int32_t)ticks : 1;
+}
 
 /// @param value  [LSB] of the channel x
 /// @return       [nm / 1024] X where the tool tip lies on the long half axis
 static inline int64_t cam_plan_profile_q10(const cam_channel_t *x, int32_t value)
 {
-    return ((int64_t)value * 1024 >> x->frac_bits) + (int64_t)x->offset_nm * 1024;
-}
-
-/// Nobody asks in the work whether a height was clamped.
-static inline void cam_plan_keep_height(cam_height_t *kept, cam_height_t at)
-{
-    kept->i = at.i;
-    kept->w_q31 = at.w_q31;
+    return ((int64_t)value * 1024 >> x->frac_bits) + (int64_t)x->value_offset * 1024;
 }
 
 /// Quintic smooth step 10 s^3 - 15 s^4 + 6 s^5.

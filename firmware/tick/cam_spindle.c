@@ -34,7 +34,7 @@ static uint32_t measured_q32(const cam_spindle_t *s, const cam_spindle_config_t 
 }
 
 CAM_STAGE static void start(cam_spindle_t *s, const cam_spindle_config_t *cfg,
-                            const cam_sense_t *in)
+                            const cam_sense_t *in, cam_angle_t *angle)
 {
     s->is_started = true;
     s->clock = in->clock;
@@ -42,6 +42,7 @@ CAM_STAGE static void start(cam_spindle_t *s, const cam_spindle_config_t *cfg,
     s->counts = sensed_counts(cfg, in->encoder.counts);
     s->n_index = in->encoder.n_index;
     s->pos_q32 = (int64_t)measured_q32(s, cfg);
+    *angle = (cam_angle_t){.pos_q32 = s->pos_q32};
 }
 
 /// First edge: the angle becomes known; the observer keeps its speed and its small error.
@@ -55,138 +56,26 @@ CAM_STAGE static void sync(cam_spindle_t *s, const cam_spindle_config_t *cfg)
     s->is_synced = true;
 }
 
-/// What an index edge tells: the angle, when it is the first one, or how far it is from the last
-/// one.
-static void take_edge(cam_spindle_t *s, const cam_spindle_config_t *cfg)
-{
-    s->edge_step = cam_edge_to_measure - 1;
-    s->edge = sensed_edge(cfg, s->edge);
-    s->since_index = cam_wrap_diff(s->counts, s->edge);
-}
-
-static void measure_edge(cam_spindle_t *s, const cam_spindle_config_t *cfg)
-{
-    s->edge_step = cam_edge_to_add - 1;
-    s->edge_distance = cam_wrap_diff(s->edge, s->index_counts);
-    s->index_counts = s->edge;
-    if (!s->is_synced) {
-        s->edge_step = cam_edge_none;
-        sync(s, cfg);
-    }
-}
-
-/// Distance of two edges is 0 (the spindle turned back) or a turn; what is left is lost counts.
-/// Their sum wraps only after it has been a fault all the way.
-static void add_edge(cam_spindle_t *s, const cam_spindle_config_t *cfg)
-{
-    s->edge_step = cam_edge_to_compare - 1;
-    s->index_error = cam_wrap_add(s->index_error, s->edge_distance);
-    if (s->edge_distance < -cfg->max_counts) {
-        s->index_error = cam_wrap_add(s->index_error, cfg->counts_per_turn);
-    }
-}
-
-static void compare_edges(cam_spindle_t *s, const cam_spindle_config_t *cfg)
-{
-    s->edge_step = cam_edge_to_judge - 1;
-    if (s->edge_distance > cfg->max_counts) {
-        s->index_error = cam_wrap_sub(s->index_error, cfg->counts_per_turn);
-    }
-}
-
-static void judge_edges(cam_spindle_t *s, const cam_spindle_config_t *cfg, cam_angle_t *angle)
-{
-    s->edge_step = cam_edge_none;
-    if (!cam_is_within(s->index_error, cfg->index_tolerance)) {
-        angle->faults |= CAM_FAULT_BIT(lost_counts);
-    }
-}
-
-/// The ticks after that of an edge.
-CAM_STAGE static void follow_edge(cam_spindle_t *s, const cam_spindle_config_t *cfg,
-                                  cam_angle_t *angle)
-{
-    if ((s->edge_step & 1u) == 0u) {
-        s->edge_step++;
-        return;
-    }
-    if (angle->faults != 0u) { // busy already
-        return;
-    }
-    angle->faults |= cfg->off_time_told;
-    switch (s->edge_step) {
-    case cam_edge_to_take:
-        take_edge(s, cfg);
-        break;
-    case cam_edge_to_measure:
-        measure_edge(s, cfg);
-        break;
-    case cam_edge_to_add:
-        add_edge(s, cfg);
-        break;
-    case cam_edge_to_compare:
-        compare_edges(s, cfg);
-        break;
-    default:
-        judge_edges(s, cfg, angle);
-        break;
-    }
-}
-
-/// Most ticks see neither an edge nor too long a way without one.
-static void watch_index(cam_spindle_t *s, const cam_spindle_config_t *cfg, const cam_sense_t *in,
-                        cam_angle_t *angle)
-{
-    const int32_t overdue = cfg->index_overdue;
-    if (s->edge_step != cam_edge_none) {
-        follow_edge(s, cfg, angle);
-    } else if (in->encoder.n_index != s->n_index) {
-        s->n_index = in->encoder.n_index;
-        s->edge = in->encoder.index_counts;
-        s->edge_step = cam_edge_to_take;
-    } else if (!cam_is_within(s->since_index, overdue)) {
-        s->since_index = cam_clamp_i32(s->since_index, -overdue - 1, overdue + 1);
-        angle->faults |= CAM_FAULT_BIT(index_missing);
-    } else {
-        // the index is where it should be
-    }
-}
-
-/// @return the period that counts
-CAM_STAGE static uint32_t count_late(cam_spindle_t *s, const cam_spindle_config_t *cfg,
-                                     uint32_t period, cam_angle_t *angle)
-{
-    s->n_late++;
-    angle->faults = CAM_FAULT_BIT(late_tick);
-    return period < cfg->most_clocks ? period : cfg->most_clocks;
-}
-
-/// A tick that came off its time: what it is blamed for, and its way at its time stamp. A way
-/// beyond half a turn wraps: its counts are a jump anyway.
+/// A tick that came off its time. A travel beyond half a turn wraps: its counts are a jump anyway.
+/// @return [turn / 2^32] travel at its time stamp
 CAM_STAGE static int32_t take_off_time(cam_spindle_t *s, const cam_spindle_config_t *cfg,
-                                       uint32_t period, int32_t way_q32, cam_angle_t *angle)
+                                       uint32_t period, int32_t travel_q32)
 {
-    uint32_t counted = period;
-    angle->is_off_time = true;
     s->is_off_time = true;
-    if (period > s->max_period) {
-        s->max_period = period;
-    }
-    angle->faults = cfg->off_time_told;
-    if (period > cfg->late_clocks) {
-        counted = count_late(s, cfg, period, angle);
-    }
+    s->n_late += period > cfg->late_clocks ? 1u : 0u;
+    s->max_period = period > s->max_period ? period : s->max_period;
+    const uint32_t counted = period < cfg->most_clocks ? period : cfg->most_clocks;
     const int32_t off_q27 = (int32_t)(counted * cfg->ticks_per_clock_q27 - (UINT32_C(1) << 27));
-    return cam_wrap_add(way_q32, (int32_t)((uint32_t)cam_mulhi(way_q32, off_q27) << 5));
+    return cam_wrap_add(travel_q32, (int32_t)((uint32_t)cam_mulhi(travel_q32, off_q27) << 5));
 }
 
 /// Counts of this tick, limited to a quarter turn. @return encoder_jump when they are not what the
-/// way says
+/// travel says
 static uint32_t take_counts(cam_spindle_t *s, const cam_spindle_config_t *cfg, uint32_t counts,
-                            int32_t way_q32)
+                            int32_t travel_q32)
 {
     const int32_t most = cfg->max_counts;
-    const int32_t expected = cam_mulhi(way_q32, cfg->counts_per_turn);
+    const int32_t expected = cam_mulhi(travel_q32, cfg->counts_per_turn);
     int32_t moved = cam_wrap_diff(counts, s->counts);
     uint32_t faults = 0;
     if (!cam_is_within(cam_wrap_sub(moved, expected), cfg->jump_window)) {
@@ -197,7 +86,6 @@ static uint32_t take_counts(cam_spindle_t *s, const cam_spindle_config_t *cfg, u
         moved = moved < 0 ? -most : most;
     }
     s->counts = counts;
-    s->since_index += moved;
     move_in_turn(s, cfg, moved);
     return faults;
 }
@@ -209,55 +97,76 @@ static int64_t wrap_add_i64(int64_t a, int64_t b)
 
 /// Tracking loop: the error is taken the short way round, so turns are counted by the position
 /// itself. A speed beyond half a turn per tick is the same as one below zero: it wraps.
-static void track(cam_spindle_t *s, const cam_spindle_config_t *cfg, int32_t way_q32,
+static void track(cam_spindle_t *s, const cam_spindle_config_t *cfg, int32_t travel_q32,
                   int32_t alpha_q40)
 {
-    const uint32_t predicted = cam_angle_of_pos(s->pos_q32) + (uint32_t)way_q32;
+    const uint32_t predicted = cam_angle_of_pos(s->pos_q32) + (uint32_t)travel_q32;
     const int32_t error_q32 = cam_angle_diff_q32(measured_q32(s, cfg), predicted);
-    s->pos_q32 += (int64_t)way_q32 + INT64_C(2) * cam_mulhi(error_q32, cfg->kp_q31);
+    s->pos_q32 += (int64_t)travel_q32 + INT64_C(2) * cam_mulhi(error_q32, cfg->kp_q31);
     s->speed_q64 = wrap_add_i64(s->speed_q64, (int64_t)error_q32 * cfg->ki_q32);
     s->speed_q64 = wrap_add_i64(s->speed_q64, alpha_q40 * (INT64_C(1) << 24));
 }
 
 /// The time stamp counts only when the tick came visibly off its time: a coarse clock must not
 /// shake the angle of a steady tick.
-static void step(cam_spindle_t *s, const cam_spindle_config_t *cfg, const cam_sense_t *in,
-                 int32_t alpha_q40, cam_angle_t *angle)
-{
-    const uint32_t period = in->clock - s->clock;
-    int32_t way_q32 = cam_wrap_add((int32_t)(s->speed_q64 >> 32), alpha_q40 >> 9);
-    uint32_t faults = 0;
-    angle->is_off_time = s->is_off_time;
-    angle->is_synced = s->is_synced;
-    s->is_off_time = false;
-    s->clock = in->clock;
-    if (period - cfg->early_clocks >= cfg->on_time_clocks) {
-        way_q32 = take_off_time(s, cfg, period, way_q32, angle);
-        faults = angle->faults;
-    }
-    faults |= take_counts(s, cfg, sensed_counts(cfg, in->encoder.counts), way_q32);
-    track(s, cfg, way_q32, alpha_q40);
-    angle->pos_q32 = s->pos_q32;
-    angle->speed_q32 = (int32_t)(s->speed_q64 >> 32);
-    angle->faults = faults;
-    watch_index(s, cfg, in, angle);
-}
-
 void cam_spindle_step_isr(cam_spindle_t *s, const cam_spindle_config_t *cfg, const cam_sense_t *in,
                           int32_t alpha_q40, cam_angle_t *angle)
 {
-    if (s->is_started) {
-        step(s, cfg, in, alpha_q40, angle);
-    } else {
-        start(s, cfg, in);
-        *angle = (cam_angle_t){.pos_q32 = s->pos_q32};
+    if (!s->is_started) {
+        start(s, cfg, in, angle);
+        return;
     }
+    const uint32_t period = in->clock - s->clock;
+    int32_t travel_q32 = cam_wrap_add((int32_t)(s->speed_q64 >> 32), alpha_q40 >> 9);
+    uint32_t faults = 0;
+    s->clock = in->clock;
+    angle->is_off_time = s->is_off_time;
+    s->is_off_time = false;
+    if (period - cfg->early_clocks >= cfg->on_time_clocks) {
+        angle->is_off_time = true;
+        faults = period > cfg->late_clocks ? CAM_FAULT_BIT(late_tick) : 0u;
+        travel_q32 = take_off_time(s, cfg, period, travel_q32);
+    }
+    faults |= take_counts(s, cfg, sensed_counts(cfg, in->encoder.counts), travel_q32);
+    track(s, cfg, travel_q32, alpha_q40);
+    angle->faults = faults;
+    angle->pos_q32 = s->pos_q32;
+    angle->speed_q32 = (int32_t)(s->speed_q64 >> 32);
+    angle->is_synced = s->is_synced;
 }
 
-void cam_spindle_forget_isr(cam_spindle_t *s)
+/// An index edge: the first one tells the angle. The distance of two is 0 (the spindle turned back)
+/// or a turn; what is left is lost counts. Their sum wraps only after it has long been a fault.
+/// @return fault lost_counts or none
+static uint32_t take_edge(cam_spindle_t *s, const cam_spindle_config_t *cfg, uint32_t edge)
+{
+    const int32_t distance = cam_wrap_diff(edge, s->index_counts);
+    s->index_counts = edge;
+    if (!s->is_synced) {
+        sync(s, cfg);
+        return 0;
+    }
+    const int32_t turns = distance < -cfg->max_counts ? -1 : distance > cfg->max_counts ? 1 : 0;
+    const int32_t lost = cam_wrap_sub(distance, turns * cfg->counts_per_turn);
+    s->index_error = cam_wrap_add(s->index_error, lost);
+    return cam_is_within(s->index_error, cfg->index_tolerance) ? 0u : CAM_FAULT_BIT(lost_counts);
+}
+
+uint32_t cam_spindle_watch_isr(cam_spindle_t *s, const cam_spindle_config_t *cfg,
+                               const hal_encoder_t *encoder)
+{
+    if (encoder->n_index != s->n_index) {
+        s->n_index = encoder->n_index;
+        return take_edge(s, cfg, sensed_edge(cfg, encoder->index_counts));
+    }
+    const int32_t since = cam_wrap_diff(s->counts, s->index_counts);
+    return cam_is_within(since, cfg->index_overdue) ? 0u : CAM_FAULT_BIT(index_missing);
+}
+
+void cam_spindle_forget_isr(cam_spindle_t *s, const hal_encoder_t *encoder)
 {
     s->is_synced = false;
     s->index_error = 0;
-    s->edge_step = cam_edge_none;
-    s->since_index = 0;
+    s->index_counts = s->counts;
+    s->n_index = encoder->n_index;
 }

@@ -55,47 +55,84 @@ static hal_setpoint_t setpoint(const cam_move_t *m, int32_t pos_nm)
 }
 
 /// Set-points as the drives want them.
-CAM_STAGE static void command(const cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
+static void command(const cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
 {
-    const cam_move_t *axis = c->play.axis;
+    const cam_move_t *axis = c->motion.axis;
     const int32_t u_nm = command_nm(cfg, r->want.u_set_q6, &axis[hal_axis_u]);
     r->out[hal_axis_u] = setpoint(&axis[hal_axis_u], u_nm);
     r->out[hal_axis_x] = setpoint(&axis[hal_axis_x], plain_nm(&axis[hal_axis_x]));
     r->out[hal_axis_z] = setpoint(&axis[hal_axis_z], plain_nm(&axis[hal_axis_z]));
 }
 
+/// The guard is in charge: its set-point of U is written, and the cut has ended.
+CAM_STAGE static void take_over(cam_t *c, cam_want_t *want)
+{
+    if (c->motion.state != cam_state_fault) {
+        c->motion.x_left_q10 = c->motion.axis[hal_axis_x].pos_q10;
+    }
+    c->motion.axis[hal_axis_u] = c->guard.u;
+    c->motion.state = cam_state_fault;
+    c->motion.is_playing = false;
+    c->motion.is_retracted = want->is_retracted;
+    want->state = cam_state_fault;
+    want->spindle_mrpm = 0;
+    want->u_set_q6 = c->guard.u_set_q6;
+}
+
+static void guard_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
+{
+    const cam_verdict_t verdict = cam_guard_step_isr(&c->guard, &cfg->guard, r, &c->motion);
+    r->want.faults = verdict.faults;
+    r->want.outputs = verdict.outputs;
+    r->want.is_retracted = verdict.is_retracted;
+    if (verdict.is_in_charge) {
+        take_over(c, &r->want);
+    }
+}
+
 static inline void steps_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
 {
     r->config = cfg->generation;
-    cam_spindle_step_isr(&c->spindle, &cfg->spindle, &r->in, c->play.speed.alpha_q40, &r->angle);
+    cam_spindle_step_isr(&c->spindle, &cfg->spindle, &r->in, c->motion.alpha_q40, &r->angle);
     CAM_TICK_MARK(angle);
-    cam_play_step_isr(&c->play, &cfg->play, &r->in, &r->angle, &r->want);
+    cam_play_step_isr(&c->play, &cfg->play, &r->in, &r->angle, &c->motion, &r->want);
     CAM_TICK_MARK(play);
-    cam_guard_step_isr(&c->guard, &cfg->guard, r, &c->play);
+    guard_isr(c, cfg, r);
     CAM_TICK_MARK(guard);
     command(c, cfg, r);
 }
 
-/// While off nobody relies on the angle: every enable homes anew.
-static void forget_if_off(cam_t *c, const cam_tick_record_t *r)
+/// While off the angle is of no use: every enable homes anew.
+static uint32_t watch_index(cam_t *c, const cam_config_t *cfg, const cam_tick_record_t *r)
 {
-    if (r->want.state == cam_state_off) {
-        cam_spindle_forget_isr(&c->spindle);
+    if (c->motion.state != cam_state_off) {
+        return cam_spindle_watch_isr(&c->spindle, &cfg->spindle, &r->in.encoder);
     }
+    cam_spindle_forget_isr(&c->spindle, &r->in.encoder);
+    return 0;
+}
+
+/// What only every n-th tick does.
+CAM_STAGE static void plan_isr(cam_t *c, const cam_config_t *cfg, const cam_tick_record_t *r)
+{
+    c->until_plan = cfg->play.plan_ticks;
+    cam_plan_isr(&c->plan, &cfg->play, r, &c->motion);
+    c->motion.faults |= watch_index(c, cfg, r);
+    cam_guard_count_isr(&c->guard);
+}
+
+static bool is_plan_due(cam_t *c)
+{
+    c->until_plan--;
+    return c->until_plan <= 0;
 }
 
 void cam_tick_steps_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
 {
     steps_isr(c, cfg, r);
-    forget_if_off(c, r);
-}
-
-/// What only some ticks do: those with a set-point for the swing, and all that are off.
-CAM_STAGE static void actuate_swing_isr(cam_t *c, const cam_tick_record_t *r)
-{
-    c->play.swing.is_new = false;
-    hal_swing_write_isr(&c->play.swing.set);
-    forget_if_off(c, r);
+    if (is_plan_due(c)) {
+        plan_isr(c, cfg, r);
+    }
 }
 
 static void actuate_isr(cam_t *c, const cam_tick_record_t *r)
@@ -105,8 +142,9 @@ static void actuate_isr(cam_t *c, const cam_tick_record_t *r)
     hal_axis_write_isr(hal_axis_x, &r->out[hal_axis_x]);
     hal_axis_write_isr(hal_axis_z, &r->out[hal_axis_z]);
     hal_spindle_write_isr(r->want.spindle_mrpm);
-    if (c->play.swing.is_new) {
-        actuate_swing_isr(c, r);
+    if (c->motion.swing.is_new) {
+        c->motion.swing.is_new = false;
+        hal_swing_write_isr(&c->motion.swing.set);
     }
 }
 
@@ -130,6 +168,10 @@ void cam_tick_isr(cam_t *c)
     steps_isr(c, cfg, r); // angle -> play -> guard
     actuate_isr(c, r);
     CAM_TICK_MARK(actuate);
+    if (is_plan_due(c)) {
+        plan_isr(c, cfg, r);
+    }
+    CAM_TICK_MARK(plan);
     publish_isr(c, r, tick + 1u);
 }
 
@@ -161,7 +203,7 @@ cam_status_t cam_tick_status(const cam_t *c)
         .request = r.in.request >> 8,
         .state = r.want.state,
         .faults = r.want.faults,
-        .first_fault = cam_guard_first(&guard),
+        .first_fault = guard.first_faults,
         .is_synced = r.angle.is_synced,
         .is_retracted = r.want.is_retracted,
         .inputs = r.in.inputs,

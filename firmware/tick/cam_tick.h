@@ -3,14 +3,18 @@
 ///
 ///     sense -> angle -> play -> guard -> actuate -> publish
 ///
-/// HAL reads only in sense, HAL writes only in actuate. The state is one struct, so that several
-/// controllers fit into a test.
+/// and in every n-th tick, before it is published, the plan (cam_plan.h). HAL reads only in sense,
+/// HAL writes only in actuate. The tick owns the set-points: play moves them on, the guard judges
+/// them, the plan writes their increments, and none of the three knows of another. The state is one
+/// struct, so that several controllers fit into a test.
 #ifndef CAM_TICK_H
 #define CAM_TICK_H
 
 #include "cam_config.h"  // cam_config_bank_t
 #include "cam_guard.h"   // cam_guard_t
+#include "cam_plan.h"    // cam_plan_t
 #include "cam_play.h"    // cam_play_t
+#include "cam_record.h"  // cam_motion_t, cam_tick_record_t
 #include "cam_spindle.h" // cam_spindle_t
 #include "cam_trace.h"   // cam_trace_t
 #include <stdatomic.h>   // request, status sequence
@@ -42,8 +46,11 @@ typedef struct {
 typedef struct {
     // interrupt writes
     cam_spindle_t spindle;
+    cam_motion_t motion; ///< set-points and their increments
     cam_play_t play;
+    cam_plan_t plan;
     cam_guard_t guard;
+    int32_t until_plan;                      ///< [ticks] to the next plan, that tick included
     const cam_tick_record_t *_Atomic newest; ///< NULL before the first tick
     _Atomic uint32_t n_ticks;                ///< that are complete; wraps
     // interrupt reads
@@ -60,13 +67,14 @@ extern cam_t g_cam;
 /// Context: slow side.
 cam_status_t cam_tick_status(const cam_t *c);
 
-/// One tick. Context: ISR; constant time, loops of constant bounds, no division, no lock.
+/// One tick. Context: ISR; constant time with and without a plan, loops of constant bounds, no
+/// division, no lock.
 void cam_tick_isr(cam_t *c);
 
-/// Steps between sense and actuate, without the HAL: what a replay calls.
+/// Steps between sense and actuate, and the plan, without the HAL: what a replay calls.
 /// @param cfg  configuration of the tick
 /// @param r    its number and what it sensed; all the rest is written
-/// Context: ISR (called by cam_tick_isr()) or a replay of a trace.
-CAM_STAGE void cam_tick_steps_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r);
+/// Context: a replay of a trace.
+void cam_tick_steps_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r);
 
 #endif

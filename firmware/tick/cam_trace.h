@@ -6,26 +6,13 @@
 #ifndef CAM_TRACE_H
 #define CAM_TRACE_H
 
-#include "cam_play.h"    // cam_want_t
-#include "cam_spindle.h" // cam_angle_t
-#include "cam_state.h"   // cam_sense_t
-#include <stdatomic.h>   // the counters
-#include <stdbool.h>     // bool
-#include <stdint.h>      // int32_t, int64_t
+#include "cam_record.h" // cam_tick_record_t
+#include <stdatomic.h>  // the counters
+#include <stdbool.h>    // bool
+#include <stdint.h>     // uint32_t
 
 enum { cam_trace_capacity = 256 }; // a power of two: 12.8 ms at 20 kHz
 _Static_assert((cam_trace_capacity & (cam_trace_capacity - 1)) == 0, "index by mask");
-
-/// What one tick did: inputs and outputs complete, so that it can be replayed. Each stage writes
-/// its result in here, where the next one reads it.
-typedef struct {
-    uint32_t tick;                  ///< ticks since start, wraps
-    uint32_t config;                ///< generation of the configuration in force
-    cam_sense_t in;                 ///< sense
-    cam_angle_t angle;              ///< angle
-    cam_want_t want;                ///< play, guard
-    hal_setpoint_t out[hal_n_axes]; ///< what was written to the axes
-} cam_tick_record_t;
 
 typedef struct {
     uint32_t n_spared;          ///< interrupt only

@@ -8,11 +8,11 @@
 
 /// Both cores: the compiler makes nearly the same of the firmware for either.
 enum {
-    budget_tick = 600, ///< every state, every fault
-    budget_idle = 600, ///< off, homing
+    budget_tick = 600,       ///< every state, every fault, without the plan
+    budget_plan_tick = 2500, ///< ... with it
 };
 
-/// Largest spread of a tick in the state cutting, per cent of the largest.
+/// Largest spread of a tick without the plan in the state cutting, per cent of the largest.
 enum { budget_spread_percent = 25 };
 
 #endif

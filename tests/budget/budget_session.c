@@ -10,15 +10,23 @@ void budget_spread_add(budget_spread_t *s, uint32_t n_instructions)
     s->min = s->n == 0u || n_instructions < s->min ? n_instructions : s->min;
     s->max = s->n == 0u || n_instructions > s->max ? n_instructions : s->max;
     s->n++;
+    s->sum += n_instructions;
 }
 
-void budget_spread_print(const char *session, const budget_spread_t ticks[cam_n_states])
+uint32_t budget_spread_mean(const budget_spread_t *s)
+{
+    return s->n > 0u ? (uint32_t)((s->sum + s->n / 2u) / s->n) : 0u;
+}
+
+void budget_spread_print(const char *session, const char *what,
+                         const budget_spread_t ticks[cam_n_states])
 {
     for (int state = 0; state < cam_n_states; state++) {
         const budget_spread_t *s = &ticks[state];
         if (s->n > 0u) {
-            printf("%-10s %-14s %4lu .. %4lu instructions, %lu ticks\n", session,
-                   cam_state_name((cam_state_t)state), (unsigned long)s->min, (unsigned long)s->max,
+            printf("%-10s %-4s %-12s %4lu .. %4lu, mean %4lu instructions, %lu ticks\n", session,
+                   what, cam_state_name((cam_state_t)state), (unsigned long)s->min,
+                   (unsigned long)s->max, (unsigned long)budget_spread_mean(s),
                    (unsigned long)s->n);
         }
     }

@@ -12,12 +12,18 @@
 /// Instructions of n ticks; min and max have no meaning while n is 0.
 typedef struct {
     uint32_t min, max, n;
+    uint64_t sum;
 } budget_spread_t;
 
 void budget_spread_add(budget_spread_t *s, uint32_t n_instructions);
 
+/// @return mean, rounded; 0 of no ticks
+uint32_t budget_spread_mean(const budget_spread_t *s);
+
 /// A line per state that has ticks.
-void budget_spread_print(const char *session, const budget_spread_t ticks[cam_n_states]);
+/// @param what  of the ticks
+void budget_spread_print(const char *session, const char *what,
+                         const budget_spread_t ticks[cam_n_states]);
 
 /// Set a machine up for a part, off.
 /// @param isr           called instead of cam_isr()

@@ -15,6 +15,7 @@ typedef enum {
     stage_play,    ///< sequence, set-points
     stage_guard,   ///< limits, faults, what a fault leaves of the set-points
     stage_actuate, ///< set-points as the drives want them, all writes
+    stage_plan,    ///< every n-th tick: what changes slowly
     stage_publish, ///< status and trace, the interrupt's end
     stage_n_marks
 } stage_t;

@@ -23,9 +23,9 @@ __attribute__((noipa)) void stage_mark(stage_t stage)
 const char *stages_name(stage_t stage)
 {
     static const char *const names[stage_n_marks] = {
-        [stage_begin] = "begin",     [stage_sense] = "sense", [stage_angle] = "angle",
-        [stage_play] = "play",       [stage_guard] = "guard", [stage_actuate] = "actuate",
-        [stage_publish] = "publish",
+        [stage_begin] = "begin", [stage_sense] = "sense",     [stage_angle] = "angle",
+        [stage_play] = "play",   [stage_guard] = "guard",     [stage_actuate] = "actuate",
+        [stage_plan] = "plan",   [stage_publish] = "publish",
     };
     return names[stage];
 }
@@ -51,7 +51,7 @@ stages_t stages_count(void (*interrupt)(void))
     const uint32_t whole = budget_instructions(from, budget_count());
     stages_t n = {
         .whole = whole - per_frame - n_inner * per_mark,
-        .is_in_order = marks.order == 0x0123456u,
+        .is_in_order = marks.order == 0x01234567u,
     };
     for (int stage = stage_sense; stage < stage_n_marks; stage++) {
         n.of[stage] = budget_instructions(marks.at[stage - 1], marks.at[stage]) - per_mark;

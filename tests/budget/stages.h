@@ -2,8 +2,7 @@
 /// stages: exact instructions of one interrupt, stage by stage.
 ///
 /// What the marks cost is measured without an interrupt and taken off. What is left of them is how
-/// they change the compiled tick: the test budget.stages_agree compares its sum with the tick that
-/// has none.
+/// they change the compiled tick: some instructions, so test_budget.c judges the tick without them.
 #ifndef STAGES_H
 #define STAGES_H
 

@@ -44,6 +44,7 @@ def test_all_files_are_written(mktables: Mktables, tmp_path: Path) -> None:
     assert run.stdout.startswith("perkins240: table of 3456 bytes\n")
 
 
+@pytest.mark.slow
 def test_two_runs_give_the_same_bytes(mktables: Mktables, tmp_path: Path) -> None:
     """Every file, plots too, is the same from run to run and from folder to folder."""
     for name in ("one", "two"):

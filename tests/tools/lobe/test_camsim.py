@@ -128,6 +128,7 @@ def test_each_lobe_is_gauged_by_itself(table_of: Callable[[str], Path], tmp_path
     assert summary["cut"]["gouge_um"] <= 0.05
 
 
+@pytest.mark.slow
 def test_lobe_that_was_not_cut_all_round_is_not_good(
     table_of: Callable[[str], Path], tmp_path: Path
 ) -> None:
@@ -305,6 +306,7 @@ def test_feed_beyond_the_height_names_the_feed(tmp_path: Path) -> None:
     assert line.startswith("camsim: --feed 10: infeasible:") and "at most --feed 5" in line
 
 
+@pytest.mark.slow
 def test_speed_that_counts_as_stopped_is_not_recommended(
     table_of: Callable[[str], Path],
 ) -> None:

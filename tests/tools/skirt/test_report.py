@@ -199,6 +199,7 @@ def test_good_report_has_every_picture(good: SkirtOutcome) -> None:
     assert "Invented" not in page
 
 
+@pytest.mark.slow
 def test_report_is_the_same_twice(good: SkirtOutcome) -> None:
     """Pictures and page hold no dates."""
     assert make_report(good) == make_report(good)

@@ -122,7 +122,7 @@ static void test_swing_has_the_same_terms(void)
     const double rate = 400.0 / 500.0; // the channel has three slices
     const double rise = 10.0 * 1600.0 / 100.0 / 500.0;
     const double turning = (double)f.table.swing.second_mdeg_per_rad2 * 1e-3 * omega * omega;
-    const double set_points = 20000.0 / cam_swing_aim_ticks;
+    const double set_points = 20000.0 / FIXTURE_PLAN_TICKS;
     const double feeding =
         2.0 * 3e6 * deg * rate * omega + 5e6 * deg * rate * set_points + 4e6 * deg * rise;
     const cam_feasibility_t why = judge();

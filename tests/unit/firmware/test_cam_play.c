@@ -87,10 +87,10 @@ static void test_u_of_a_geared_cut_is_read_at_the_height_of_its_angle(void)
     TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_cutting));
     fixture_play_ticks(&f, 10);
     while (f.want.state == cam_state_cutting &&
-           f.angle.pos_q32 < f.play.disengage_at_q32 - 99999999) {
+           f.angle.pos_q32 < f.plan.disengage_at_q32 - 99999999) {
         fixture_play_tick(&f);
         const int64_t at = f.angle.pos_q32 + (int64_t)f.angle.speed_q32 * 9 / 2;
-        // While the feed rises U's way is aimed three ticks after Z's: 15 nm of Z.
+        // While the feed rises U's height is found from Z's last increment: 5 nm of Z.
         TEST_ASSERT_DOUBLE_WITHIN(0.8, fixture_play_u_nm(&f, at, f.want.z_nm),
                                   nm(f.axis, hal_axis_u));
     }
@@ -107,12 +107,22 @@ static double height(double turns)
     return 100000.0 * fed;
 }
 
-/// Between two plans the envelope is straight: four ticks of 480 a turn below the smooth step,
-/// whose second derivative is at most 5.774.
+/// Between two plans the envelope is straight: 8 ticks of 480 a turn below the smooth step, whose
+/// second derivative is at most 5.774.
 static double sagitta(int32_t turns)
 {
-    const double way = cam_plan_ticks_uniform / 480.0 / turns;
-    return 5.774 * way * way / 8.0;
+    const double travel = FIXTURE_PLAN_TICKS / 480.0 / turns;
+    return 5.774 * travel * travel / 8.0;
+}
+
+/// @return smooth step as X is commanded whose drive has a lag, both as shares of the step: up to a
+/// sixteenth is inverted, the rest is read ahead
+static double commanded(double s, double lag)
+{
+    const double d = fmin(lag, 1.0 / 16.0);
+    const double at = s + lag - d;
+    const double q = at <= 0.0 || at >= 1.0 ? 0.0 : at * (1.0 - at);
+    return fixture_play_smooth(at) + d * (30.0 * q * q + 15.0 * d * q * (1.0 - 2.0 * at));
 }
 
 static void test_xz_with_lag_are_read_ahead(void)
@@ -127,15 +137,14 @@ static void test_xz_with_lag_are_read_ahead(void)
         while (f.want.state != cam_state_disengaging) {
             fixture_play_tick(&f);
             const double at = (double)f.angle.pos_q32 + f.angle.speed_q32 * (lag_ns[i] / 50000.0);
-            const double turns = (at - (double)f.play.feed_at_q32) / 4294967296.0;
-            const double envelope = fixture_play_smooth(turns / 10.0 + 1.0) *
-                                    (1.0 - fixture_play_smooth((turns - 12.0) / 10.0));
+            const double turns = (at - (double)f.plan.feed_at_q32) / 4294967296.0;
+            const double lag = lag_ns[i] / 50000.0 / 480.0; // turns
+            const double envelope = commanded((turns - lag) / 10.0 + 1.0, lag / 10.0) *
+                                    (1.0 - commanded((turns - lag - 12.0) / 10.0, lag / 10.0));
             const double z_nm = nm(f.axis, hal_axis_z);
             // whole nanometres, and the sagitta of the ramps: 0.22 nm per tick^2
-            TEST_ASSERT_DOUBLE_WITHIN(1.0 + 0.22 * cam_plan_ticks_uniform * cam_plan_ticks_uniform /
-                                                8.0,
+            TEST_ASSERT_DOUBLE_WITHIN(1.0 + 0.22 * FIXTURE_PLAN_TICKS * FIXTURE_PLAN_TICKS / 8.0,
                                       height(turns), z_nm);
-            // X's way is aimed a tick before Z's
             TEST_ASSERT_DOUBLE_WITHIN(0.05 + 2e6 * sagitta(10),
                                       fixture_play_x_nm(&f, z_nm) + 1e6 * (1.0 - envelope),
                                       nm(f.axis, hal_axis_x));
@@ -154,10 +163,9 @@ static void test_envelope_while_engaging_and_disengaging_is_the_smooth_step(void
         fixture_play_configure(&f);
         TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_engaging));
         TEST_ASSERT_TRUE(fixture_play_approach(&f));
-        while (f.want.state != cam_state_ready) {
-            fixture_play_tick(&f);
-            const double since = fixture_play_turns(f.angle.pos_q32 - f.play.engage_at_q32);
-            const double left = fixture_play_turns(f.angle.pos_q32 - f.play.disengage_at_q32);
+        for (fixture_play_tick(&f); f.want.state != cam_state_ready; fixture_play_tick(&f)) {
+            const double since = fixture_play_turns(f.angle.pos_q32 - f.plan.engage_at_q32);
+            const double left = fixture_play_turns(f.angle.pos_q32 - f.plan.disengage_at_q32);
             const double envelope = fixture_play_smooth(since / turns[i]) *
                                     (1.0 - fixture_play_smooth(left / turns[2 - i]));
             const double u_nm = fixture_play_u_nm(&f, f.angle.pos_q32, f.want.z_nm);
@@ -177,14 +185,14 @@ static void test_phase_changed_in_the_cut_is_ramped_the_short_way(void)
     fixture_play_configure(&f);
     const double step = 100.0 / 360.0 / FIXTURE_PLAY_HZ * 4294967296.0;
     uint32_t n = 0;
-    while (f.play.phase_q32 != f.config.play.phase_q32 && n < 5000) {
-        const uint32_t before = (uint32_t)f.play.phase_q32;
+    while (f.motion.phase_q32 != f.config.play.phase_q32 && n < 5000) {
+        const uint32_t before = (uint32_t)f.motion.phase_q32;
         fixture_play_tick(&f);
-        const int32_t moved = cam_angle_diff_q32((uint32_t)f.play.phase_q32, before);
-        TEST_ASSERT_TRUE(moved >= -cam_plan_ticks_uniform && moved <= step + 1.0); // rounded ways
+        const int32_t moved = cam_angle_diff_q32((uint32_t)f.motion.phase_q32, before);
+        TEST_ASSERT_TRUE(moved >= -FIXTURE_PLAN_TICKS && moved <= step + 1.0); // rounded
         n++;
     }
-    TEST_ASSERT_UINT32_WITHIN(2 * cam_plan_ticks_uniform, 4000, n);
+    TEST_ASSERT_UINT32_WITHIN(2 * FIXTURE_PLAN_TICKS, 4000, n);
 }
 
 static void test_amplitude_changed_in_the_cut_is_ramped(void)
@@ -197,16 +205,16 @@ static void test_amplitude_changed_in_the_cut_is_ramped(void)
         f.params.amplitude_rate_ppm_per_s = 10000000;
         fixture_play_configure(&f);
         uint32_t n = 0;
-        while (f.play.amplitude_q30 != f.config.play.amplitude_q30 && n < 5000) {
-            const int32_t before = f.play.amplitude_q30;
+        while (f.plan.amplitude_q30 != f.config.play.amplitude_q30 && n < 5000) {
+            const int32_t before = f.plan.amplitude_q30;
             fixture_play_tick(&f);
             // 10 / 20 000 per tick
-            TEST_ASSERT_INT32_WITHIN(536872 * cam_plan_ticks_uniform, before, f.play.amplitude_q30);
+            TEST_ASSERT_INT32_WITHIN(536872 * FIXTURE_PLAN_TICKS, before, f.plan.amplitude_q30);
             n++;
         }
-        TEST_ASSERT_UINT32_WITHIN(2 * cam_plan_ticks_uniform,
+        TEST_ASSERT_UINT32_WITHIN(2 * FIXTURE_PLAN_TICKS,
                                   (uint32_t)abs(goal_ppm[i] - from_ppm) / 500u, n);
-        fixture_play_ticks(&f, 2 * cam_plan_ticks_uniform);
+        fixture_play_ticks(&f, 2 * FIXTURE_PLAN_TICKS);
         const double u_nm = fixture_play_u_nm(&f, f.angle.pos_q32, 0);
         TEST_ASSERT_DOUBLE_WITHIN(0.05, goal_ppm[i] * 1e-6 * u_nm, nm(f.axis, hal_axis_u));
     }

@@ -29,7 +29,7 @@ static void engage(void)
 /// @return [turn] since the path began
 static double turns_of(int64_t pos_q32)
 {
-    return (double)(pos_q32 - f.play.feed_at_q32) / turn_q32;
+    return (double)(pos_q32 - f.plan.feed_at_q32) / turn_q32;
 }
 
 /// @return [nm] Z of the law in double
@@ -47,10 +47,9 @@ static double exact_nm(double turns)
     return part.z_first_nm + ring_nm + step_nm * (share <= 0.5 ? fed : 1.0 - fed);
 }
 
-/// Between the ends of two rounds Z moves linearly: off by the acceleration times (21 ticks)^2 / 8
-/// at most, 2000 mm/s2 * (1.05 ms)^2 / 8 = 276 nm, and two roundings. A round whose end was planned
-/// is met to a nanometre.
-static void test_whole_path_in_ticks_is_within_a_round_of_the_exact_one(void)
+/// Between two plans Z moves linearly: off by the acceleration times (8 ticks)^2 / 8 at most,
+/// 2000 mm/s2 * (0.4 ms)^2 / 8 = 40 nm, and two roundings.
+static void test_whole_path_in_ticks_is_within_a_plan_of_the_exact_one(void)
 {
     engage();
     double worst_nm = 0.0;
@@ -60,19 +59,19 @@ static void test_whole_path_in_ticks_is_within_a_round_of_the_exact_one(void)
         worst_nm = fmax(worst_nm, fabs(z_nm - exact_nm(turns_of(f.angle.pos_q32))));
         TEST_ASSERT_EQUAL_HEX32(0, f.want.faults);
     }
-    TEST_ASSERT_TRUE(worst_nm < 278.0);
-    TEST_ASSERT_TRUE(worst_nm > 200.0); // the bound is no room for errors
+    TEST_ASSERT_TRUE(worst_nm < 42.0);
+    TEST_ASSERT_TRUE(worst_nm > 30.0); // the bound is no room for errors
     TEST_ASSERT_EQUAL_INT64((int64_t)part.z_last_nm * 1024, f.axis[hal_axis_z].pos_q10);
 }
 
 /// Ticks after which every axis has reached what was planned for a spindle that stands.
-enum { rounds = 4 * cam_plan_ticks_uniform };
+enum { rounds = 4 * FIXTURE_PLAN_TICKS };
 
 /// @return [nm] Z wanted when the spindle stands at `turns`
 static double z_at(double turns)
 {
     const int32_t speed_q32 = f.angle.speed_q32;
-    f.angle.pos_q32 = f.play.feed_at_q32 + (int64_t)floor(turns * turn_q32 + 0.5);
+    f.angle.pos_q32 = f.plan.feed_at_q32 + (int64_t)floor(turns * turn_q32 + 0.5);
     f.angle.speed_q32 = 0;
     fixture_play_ticks(&f, rounds);
     f.angle.speed_q32 = speed_q32;
@@ -82,7 +81,7 @@ static double z_at(double turns)
 static void check_places(int64_t turns)
 {
     engage();
-    TEST_ASSERT_EQUAL_INT64(turns * CAM_TURN_Q32, f.play.disengage_at_q32 - f.play.feed_at_q32);
+    TEST_ASSERT_EQUAL_INT64(turns * CAM_TURN_Q32, f.plan.disengage_at_q32 - f.plan.feed_at_q32);
     for (double at = -0.5; at < (double)turns; at += 0.00713) {
         TEST_ASSERT_DOUBLE_WITHIN(0.6, exact_nm(at), z_at(at));
         TEST_ASSERT_EQUAL_INT(at < 0.0 ? cam_state_engaging : cam_state_cutting, f.want.state);
@@ -108,21 +107,21 @@ static void test_first_and_last_ring_are_whole(void)
     int32_t n_last = 0;
     while (f.want.state != cam_state_disengaging) {
         fixture_play_tick(&f);
-        const bool is_full = f.play.scale_q30 >= (1 << 30) - 1024;
+        const bool is_full = f.motion.scale_q30 >= (1 << 30) - 1024;
         const int64_t z_q10 = f.axis[hal_axis_z].pos_q10;
         const double turns = turns_of(f.angle.pos_q32);
-        // A way that ends behind the ring has begun up to a round before.
-        const double round = cam_plan_ticks_uniform / 480.0;
-        if (turns > round && turns < 1.0 - round) {
+        // An increment that ends behind the ring has begun up to a plan before.
+        const double plan = FIXTURE_PLAN_TICKS / 480.0;
+        if (turns > plan && turns < 1.0 - plan) {
             TEST_ASSERT_TRUE(is_full && z_q10 == (int64_t)part.z_first_nm * 1024);
             n_first++;
-        } else if (turns > 20.0 + round && turns < 21.0 - round) {
+        } else if (turns > 20.0 + plan && turns < 21.0 - plan) {
             TEST_ASSERT_TRUE(is_full && z_q10 == (int64_t)part.z_last_nm * 1024);
             n_last++;
         }
     }
-    TEST_ASSERT_INT32_WITHIN(2, 480 - 2 * cam_plan_ticks_uniform, n_first);
-    TEST_ASSERT_INT32_WITHIN(2, 480 - 2 * cam_plan_ticks_uniform, n_last);
+    TEST_ASSERT_INT32_WITHIN(2, 480 - 2 * FIXTURE_PLAN_TICKS, n_first);
+    TEST_ASSERT_INT32_WITHIN(2, 480 - 2 * FIXTURE_PLAN_TICKS, n_last);
 }
 
 /// @return [turn] length of the path after a stop at `turns`
@@ -133,7 +132,7 @@ static double stopped_at(double turns)
         fixture_play_tick(&f);
     }
     fixture_play_do(&f, cam_request_stop);
-    return (double)(f.play.disengage_at_q32 - f.play.feed_at_q32) / turn_q32;
+    return (double)(f.plan.disengage_at_q32 - f.plan.feed_at_q32) / turn_q32;
 }
 
 static void test_stop_goes_on_to_the_end_of_a_ring(void)
@@ -204,7 +203,7 @@ static void test_ramps_fit_the_speed_in_force(void)
 int main(void)
 {
     UNITY_BEGIN();
-    RUN_TEST(test_whole_path_in_ticks_is_within_a_round_of_the_exact_one);
+    RUN_TEST(test_whole_path_in_ticks_is_within_a_plan_of_the_exact_one);
     RUN_TEST(test_every_place_is_exact_to_a_nanometre);
     RUN_TEST(test_first_and_last_ring_are_whole);
     RUN_TEST(test_stop_goes_on_to_the_end_of_a_ring);

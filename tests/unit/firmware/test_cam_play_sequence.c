@@ -51,7 +51,7 @@ static void expect_smooth_until(cam_state_t state)
 /// Tick until the spindle is that far behind the start of the feed.
 static void turn_to(double turns)
 {
-    const int64_t goal_q32 = f.play.feed_at_q32 + llround(turns * 4294967296.0);
+    const int64_t goal_q32 = f.plan.feed_at_q32 + llround(turns * 4294967296.0);
     while (f.angle.pos_q32 < goal_q32) {
         fixture_play_tick(&f);
     }
@@ -129,16 +129,16 @@ static void test_requests_out_of_order_are_ignored(void)
 static void test_reset_before_the_retract_has_ended_is_ignored(void)
 {
     bring(cam_state_cutting);
-    cam_play_settle_isr(&f.play, false);
+    fixture_play_settle(&f, false);
     fixture_play_do(&f, cam_request_reset);
     TEST_ASSERT_EQUAL_INT(cam_state_fault, f.want.state);
     TEST_ASSERT_EQUAL_INT32(0, f.want.spindle_mrpm);
     for (int request = cam_request_none; request <= cam_request_stop; request++) {
-        cam_play_settle_isr(&f.play, true);
+        fixture_play_settle(&f, true);
         fixture_play_do(&f, (cam_request_t)request);
         TEST_ASSERT_EQUAL_INT(cam_state_fault, f.want.state);
     }
-    cam_play_settle_isr(&f.play, true);
+    fixture_play_settle(&f, true);
     fixture_play_do(&f, cam_request_reset);
     TEST_ASSERT_EQUAL_INT(cam_state_off, f.want.state);
 }
@@ -170,19 +170,19 @@ static void test_engage_begins_at_a_whole_turn_that_no_axis_was_told_of(void)
         engage();
         const double most = (ahead_ns[i][0] > ahead_ns[i][1] ? ahead_ns[i][0] : ahead_ns[i][1]);
         const double told = (double)f.angle.pos_q32 + most / 50000.0 * f.angle.speed_q32;
-        TEST_ASSERT_EQUAL_UINT32(0, cam_angle_of_pos(f.play.engage_at_q32));
-        TEST_ASSERT_TRUE((double)f.play.engage_at_q32 >= told - 1e3);
+        TEST_ASSERT_EQUAL_UINT32(0, cam_angle_of_pos(f.plan.engage_at_q32));
+        TEST_ASSERT_TRUE((double)f.plan.engage_at_q32 >= told - 1e3);
         // not before the plan after the next one
-        const double margin = 2.0 * cam_plan_ticks_uniform * f.angle.speed_q32;
-        TEST_ASSERT_TRUE((double)f.play.engage_at_q32 < told + margin + 4294967296.0);
-        TEST_ASSERT_EQUAL_INT64(f.play.engage_at_q32 + 10 * CAM_TURN_Q32, f.play.feed_at_q32);
+        const double margin = 2.0 * FIXTURE_PLAN_TICKS * f.angle.speed_q32;
+        TEST_ASSERT_TRUE((double)f.plan.engage_at_q32 < told + margin + 4294967296.0);
+        TEST_ASSERT_EQUAL_INT64(f.plan.engage_at_q32 + 10 * CAM_TURN_Q32, f.plan.feed_at_q32);
         expect_smooth_until(cam_state_cutting);
-        TEST_ASSERT_TRUE(f.angle.pos_q32 >= f.play.feed_at_q32);
+        TEST_ASSERT_TRUE(f.angle.pos_q32 >= f.plan.feed_at_q32);
         TEST_ASSERT_TRUE(f.angle.pos_q32 <
-                         f.play.feed_at_q32 + cam_plan_ticks_uniform * (int64_t)f.angle.speed_q32);
+                         f.plan.feed_at_q32 + FIXTURE_PLAN_TICKS * (int64_t)f.angle.speed_q32);
         expect_smooth_until(cam_state_disengaging);
         expect_smooth_until(cam_state_ready);
-        TEST_ASSERT_EQUAL_INT64(f.play.feed_at_q32 + 12 * CAM_TURN_Q32, f.play.disengage_at_q32);
+        TEST_ASSERT_EQUAL_INT64(f.plan.feed_at_q32 + 12 * CAM_TURN_Q32, f.plan.disengage_at_q32);
     }
 }
 
@@ -203,7 +203,7 @@ static void test_stop_while_approaching_goes_back_to_ready(void)
     bring(cam_state_ready);
     fixture_play_do(&f, cam_request_start);
     fixture_play_ticks(&f, 2000);
-    TEST_ASSERT_FALSE(f.play.is_playing);
+    TEST_ASSERT_FALSE(f.motion.is_playing);
     fixture_play_do(&f, cam_request_stop);
     TEST_ASSERT_EQUAL_INT(cam_state_ready, f.want.state);
     fixture_play_ticks(&f, 20000);
@@ -211,7 +211,7 @@ static void test_stop_while_approaching_goes_back_to_ready(void)
     TEST_ASSERT_EQUAL_INT64(-500000 * 1024, f.axis[hal_axis_u].pos_q10);
     fixture_play_do(&f, cam_request_start); // and again
     TEST_ASSERT_EQUAL_INT(cam_state_engaging, f.want.state);
-    TEST_ASSERT_FALSE(f.play.is_playing);
+    TEST_ASSERT_FALSE(f.motion.is_playing);
 }
 
 /// Stop when `turns` are fed. @return [turn] after the start of the feed where it disengages
@@ -225,7 +225,7 @@ static double stop_at(double turns)
     turn_to(turns);
     fixture_play_ask(&f, cam_request_stop);
     expect_smooth_until(cam_state_disengaging);
-    const double end = fixture_play_turns(f.play.disengage_at_q32 - f.play.feed_at_q32);
+    const double end = fixture_play_turns(f.plan.disengage_at_q32 - f.plan.feed_at_q32);
     const int64_t z_q10 = f.axis[hal_axis_z].pos_q10;
     fixture_play_tick(&f);
     TEST_ASSERT_EQUAL_INT64(z_q10, f.axis[hal_axis_z].pos_q10); // Z stands
@@ -274,21 +274,21 @@ static void test_stop_twice_does_not_lengthen_the_feed(void)
     engage();
     turn_to(4.5);
     fixture_play_do(&f, cam_request_stop);
-    const int64_t end_q32 = f.play.disengage_at_q32;
+    const int64_t end_q32 = f.plan.disengage_at_q32;
     turn_to(5.5);
     fixture_play_do(&f, cam_request_stop);
-    TEST_ASSERT_EQUAL_INT64(end_q32, f.play.disengage_at_q32);
-    TEST_ASSERT_EQUAL_INT64(7 * CAM_TURN_Q32, f.play.feed_turns_q32);
+    TEST_ASSERT_EQUAL_INT64(end_q32, f.plan.disengage_at_q32);
+    TEST_ASSERT_EQUAL_INT64(7 * CAM_TURN_Q32, f.plan.feed_turns_q32);
 }
 
 static void test_stop_while_disengaging_is_ignored(void)
 {
     bring(cam_state_disengaging);
     fixture_play_ticks(&f, 700);
-    const int64_t end_q32 = f.play.disengage_at_q32;
+    const int64_t end_q32 = f.plan.disengage_at_q32;
     fixture_play_ask(&f, cam_request_stop);
     expect_smooth_until(cam_state_ready);
-    TEST_ASSERT_EQUAL_INT64(end_q32, f.play.disengage_at_q32);
+    TEST_ASSERT_EQUAL_INT64(end_q32, f.plan.disengage_at_q32);
 }
 
 static void test_stop_of_a_measured_cut_disengages_at_the_next_turn(void)
@@ -300,7 +300,7 @@ static void test_stop_of_a_measured_cut_disengages_at_the_next_turn(void)
     TEST_ASSERT_EQUAL_INT(cam_state_cutting, f.want.state);
     fixture_play_ask(&f, cam_request_stop);
     expect_smooth_until(cam_state_disengaging);
-    TEST_ASSERT_EQUAL_INT64(21 * CAM_TURN_Q32, f.play.disengage_at_q32 - f.play.feed_at_q32);
+    TEST_ASSERT_EQUAL_INT64(21 * CAM_TURN_Q32, f.plan.disengage_at_q32 - f.plan.feed_at_q32);
     expect_smooth_until(cam_state_ready);
 }
 

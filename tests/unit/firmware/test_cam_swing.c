@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// The swing of the tool: its lines against the table, its way back to 0, its drive, what a table
-// demands of it, and the rounds that it is planned in.
-#include "cam_config.h"
+// The swing of the tool: its lines against the table, its return to 0, its drive, what a table
+// demands of it.
 #include "cam_feasible.h"
 #include "cam_peaks.h"
-#include "cam_round.h"
+#include "cam_swing.h"
 #include "fixture_play.h"
 #include "fixture_random.h"
 #include "unity.h"
 #include <math.h>   // fabs
-#include <string.h> // memset
+#include <stdlib.h> // abs
 
 #define TURN 4294967296.0
 #define PI 3.14159265358979323846
@@ -37,11 +36,21 @@ static double wanted_turn(double pos_turn, double z_nm)
     return g[0] / (2.0 * PI);
 }
 
-/// @return [turn] set-point of this tick, whoever wrote the last one when
-static double set_turn(void)
+static hal_swing_t line; ///< that the drive follows
+static int32_t n_since;  ///< [ticks] since it began
+
+/// One tick, of which the drive sees the set-point that was planned before.
+/// @return [turn] where the drive shall be in this tick
+static double tick_turn(void)
 {
-    const cam_swing_t *s = &f.play.swing;
-    return (s->set.pos_q32 + (double)s->set.vel_q32 * (f.play.n_history - 1u - s->at)) / TURN;
+    n_since++;
+    if (f.motion.swing.is_new) {
+        f.motion.swing.is_new = false;
+        line = f.motion.swing.set;
+        n_since = 0;
+    }
+    fixture_play_tick(&f);
+    return (line.pos_q32 + (double)line.vel_q32 * n_since) / TURN;
 }
 
 static double largest_error_turn(uint32_t n_ticks)
@@ -49,10 +58,10 @@ static double largest_error_turn(uint32_t n_ticks)
     const double lag_ticks = f.config.play.swing.lag_q16 / 65536.0;
     double most = 0.0;
     for (uint32_t i = 0; i < n_ticks; i++) {
-        fixture_play_tick(&f);
+        const double scale = f.motion.scale_q30 / 1073741824.0;
+        const double set = tick_turn();
         const double pos = ((double)f.angle.pos_q32 + f.angle.speed_q32 * lag_ticks) / TURN;
-        const double scale = f.play.scale_q30 / 1073741824.0;
-        const double off = fabs(set_turn() - scale * wanted_turn(pos, f.want.z_nm));
+        const double off = fabs(set - scale * wanted_turn(pos, f.want.z_nm));
         most = off > most ? off : most;
     }
     return most;
@@ -68,25 +77,10 @@ static double chord_turn(double n_ticks)
 static void test_lines_leave_the_table_by_their_sagitta_at_most(void)
 {
     TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_cutting));
-    fixture_play_ticks(&f, 200);
+    (void)largest_error_turn(200);
     const double error = largest_error_turn(40000);
-    // the last line of a round is a tick shorter, and the next one begins where that one was
-    TEST_ASSERT_TRUE(error < 1.3 * chord_turn(8.0));
-    TEST_ASSERT_TRUE(error > 0.9 * chord_turn(8.0));
-}
-
-static void test_busy_ticks_lengthen_a_line(void)
-{
-    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_cutting));
-    double most = 0.0;
-    for (int i = 0; i < 2000; i++) { // five of ten put off, as by an index edge
-        f.angle.faults = i % 40 < 10 && i % 2 == 0 ? CAM_ANGLE_BUSY : 0u;
-        const double error = largest_error_turn(1);
-        most = error > most ? error : most;
-    }
-    // from 8 ticks on straight ahead for 5 more, then beside the line that was meant
-    TEST_ASSERT_TRUE(most < 9.0 * chord_turn(8.0));
-    TEST_ASSERT_EQUAL_HEX32(0, f.want.faults);
+    TEST_ASSERT_TRUE(error < 1.05 * chord_turn(FIXTURE_PLAN_TICKS));
+    TEST_ASSERT_TRUE(error > 0.95 * chord_turn(FIXTURE_PLAN_TICKS));
 }
 
 static void test_swing_follows_phase_amplitude_and_envelope(void)
@@ -98,61 +92,83 @@ static void test_swing_follows_phase_amplitude_and_envelope(void)
     // the envelope moves on within a line, and is that of U's lead
     TEST_ASSERT_TRUE(largest_error_turn(205000) < 2e-5);
     TEST_ASSERT_EQUAL_INT(cam_state_cutting, f.want.state);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.5, f.play.scale_q30 / 1073741824.0);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.5, f.motion.scale_q30 / 1073741824.0);
 }
 
 static void test_swing_nears_zero_within_its_limits_from_anywhere(void)
 {
     fixture_random_t random = {.state = 5};
-    const cam_swing_limits_t *limits = &f.config.play.swing.gentle;
+    const cam_play_config_t *cfg = &f.config.play;
+    const cam_swing_limits_t *limits = &cfg->swing.gentle;
     for (int k = 0; k < 200; k++) {
         cam_swing_t s = {
             .set = {.pos_q32 = (int32_t)fixture_random_range(&random, -(1 << 29), 1 << 29),
                     .vel_q32 = (int32_t)fixture_random_range(&random, -limits->speed_q32,
                                                              limits->speed_q32)}};
-        uint32_t now = 1;
-        bool is_there = false;
-        for (; now < 2000000u && !is_there; now++) {
+        for (int n = 0; n < 250000 && !s.is_there; n++) {
             const hal_swing_t before = s.set;
             s.is_new = false;
-            is_there = cam_swing_rest_isr(&s, limits, now);
-            TEST_ASSERT_EQUAL(now % cam_swing_rest_ticks == 0u, s.is_new);
+            cam_swing_rest_isr(&s, cfg, limits);
+            TEST_ASSERT_TRUE(s.is_new);
+            TEST_ASSERT_EQUAL_INT32(before.pos_q32 + before.vel_q32 * cfg->plan_ticks,
+                                    s.set.pos_q32);
             TEST_ASSERT_INT32_WITHIN(limits->step_q32, before.vel_q32, s.set.vel_q32);
             TEST_ASSERT_INT32_WITHIN(limits->speed_q32, 0, s.set.vel_q32);
         }
-        TEST_ASSERT_TRUE(is_there);
+        TEST_ASSERT_TRUE(s.is_there);
         TEST_ASSERT_EQUAL_INT32(0, s.set.vel_q32);
         TEST_ASSERT_INT32_WITHIN(2000, 0, s.set.pos_q32); // 2e-4 degrees
     }
 }
 
+/// A plan looks at the drive in the tick before its line ends: 7 ticks of the line behind its
+/// begin.
 static void test_drive_beyond_its_limit_is_a_fault(void)
 {
-    const cam_swing_config_t *cfg = &f.config.play.swing;
-    const cam_swing_t s = {.set = {.pos_q32 = 1000000, .vel_q32 = 1000}, .at = 10};
-    const int32_t due_q32 = 1000000 + 1000 * 3 - 1000 * 25;
+    const cam_play_config_t *cfg = &f.config.play;
+    const cam_swing_t s = {.set = {.pos_q32 = 1000000, .vel_q32 = 1000}};
+    const int32_t due_q32 = 1000000 + 1000 * (FIXTURE_PLAN_TICKS - 1) - 1000 * 25;
     const int32_t limit_q32 = 11930465; // one degree
-    TEST_ASSERT_EQUAL_INT32(limit_q32, cfg->following_q32);
-    TEST_ASSERT_EQUAL_HEX32(0, cam_swing_look_isr(&s, cfg, due_q32 + limit_q32, 13));
-    TEST_ASSERT_EQUAL_HEX32(0, cam_swing_look_isr(&s, cfg, due_q32 - limit_q32, 13));
+    TEST_ASSERT_EQUAL_INT32(limit_q32, cfg->swing.following_q32);
+    TEST_ASSERT_EQUAL_HEX32(0, cam_swing_look_isr(&s, cfg, due_q32 + limit_q32));
+    TEST_ASSERT_EQUAL_HEX32(0, cam_swing_look_isr(&s, cfg, due_q32 - limit_q32));
     const uint32_t fault = CAM_FAULT_BIT(swing);
-    TEST_ASSERT_EQUAL_HEX32(fault, cam_swing_look_isr(&s, cfg, due_q32 + limit_q32 + 1, 13));
-    TEST_ASSERT_EQUAL_HEX32(fault, cam_swing_look_isr(&s, cfg, due_q32 - limit_q32 - 1, 13));
+    TEST_ASSERT_EQUAL_HEX32(fault, cam_swing_look_isr(&s, cfg, due_q32 + limit_q32 + 1));
+    TEST_ASSERT_EQUAL_HEX32(fault, cam_swing_look_isr(&s, cfg, due_q32 - limit_q32 - 1));
+}
+
+/// The drive follows its lines, a lag behind, until it is blocked.
+static void test_blocked_drive_is_seen_within_one_plan(void)
+{
+    enum { lag_ticks = 25 };
+    int32_t lagged_q32[lag_ticks] = {0};
+    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_cutting));
+    int32_t beyond = 0; // [ticks] since it is off by more than the limit
+    for (uint32_t i = 0; i < 100000u && f.want.faults == 0u; i++) {
+        const int32_t set_q32 = (int32_t)llround(tick_turn() * TURN);
+        const int32_t due_q32 = lagged_q32[i % lag_ticks];
+        lagged_q32[i % lag_ticks] = set_q32;
+        f.in.swing_q32 = i < 300u ? due_q32 : f.in.swing_q32;
+        const int32_t off_q32 = due_q32 - f.in.swing_q32;
+        beyond += abs(off_q32) > f.config.play.swing.following_q32 ? 1 : 0;
+    }
+    TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(swing), f.want.faults);
+    TEST_ASSERT_INT32_WITHIN(FIXTURE_PLAN_TICKS / 2 + 1, FIXTURE_PLAN_TICKS / 2 + 1, beyond);
 }
 
 static void test_cut_waits_for_the_swing_to_come_to_rest(void)
 {
     f.in.swing_q32 = 1 << 27; // 11 degrees
     fixture_play_tick(&f);
-    TEST_ASSERT_EQUAL_INT32(1 << 27, f.play.swing.set.pos_q32); // off: it follows the tool
+    TEST_ASSERT_EQUAL_INT32(1 << 27, f.motion.swing.set.pos_q32); // off: it follows the tool
     TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_ready));
-    TEST_ASSERT_TRUE(f.play.swing.is_there);
-    f.play.swing.is_there = false;
-    f.play.swing.set.pos_q32 = 1 << 27;
+    TEST_ASSERT_TRUE(f.motion.swing.is_there);
+    f.motion.swing.is_there = false;
+    f.motion.swing.set.pos_q32 = 1 << 27;
     fixture_play_do(&f, cam_request_start);
-    for (int i = 0; !f.play.swing.is_there; i++) {
+    for (int i = 0; !f.motion.swing.is_there; i++) {
         TEST_ASSERT_LESS_THAN_INT(100000, i);
-        TEST_ASSERT_EQUAL_UINT32(0, f.play.task);
+        TEST_ASSERT_EQUAL_INT64(f.config.play.u_retract_q10, f.motion.u_target_q10);
         fixture_play_tick(&f);
     }
     TEST_ASSERT_TRUE(fixture_play_approach(&f));
@@ -222,53 +238,17 @@ static void test_tool_leaves_a_cam_beyond_its_lift(void)
                           cam_feasible(&f.table, &f.params, 60000, FIXTURE_PLAY_HZ).err);
 }
 
-static uint32_t times(const cam_play_config_t *c, uint32_t task)
-{
-    uint32_t n = 0;
-    for (int32_t i = 0; i < c->round_ticks; i++) {
-        n += c->schedule[i] == task ? 1u : 0u;
-    }
-    return n;
-}
-
-static void expect_round(bool is_modulated, bool is_swung, int32_t ticks)
-{
-    cam_play_config_t c;
-    memset(&c, 0, sizeof c);
-    cam_round_build(&c, is_modulated, is_swung);
-    TEST_ASSERT_EQUAL_INT32(ticks, c.round_ticks);
-    TEST_ASSERT_EQUAL_UINT8(cam_plan_task_positions, c.schedule[0]);
-    TEST_ASSERT_EQUAL_UINT8(cam_plan_task_positions, c.schedule[ticks]);
-    for (uint32_t task = 0; task <= cam_plan_task_aim_swing; task++) {
-        const bool is_ratio =
-            task >= cam_plan_task_find_slices && task < cam_plan_task_read_profile;
-        const bool is_pass = task >= cam_plan_task_find_swing;
-        const bool is_of_swing = task >= cam_plan_task_height_swing;
-        const uint32_t n = is_ratio ? (is_modulated ? 2u : 0u) : is_pass ? 12u : 1u;
-        TEST_ASSERT_EQUAL_UINT32(is_of_swing && !is_swung ? 0u : n, times(&c, task));
-    }
-}
-
-static void test_rounds_hold_every_task(void)
-{
-    expect_round(false, false, cam_plan_ticks_uniform);
-    expect_round(true, false, cam_plan_ticks_modulated);
-    expect_round(false, true, cam_plan_ticks_swung);
-    expect_round(true, true, cam_plan_most_ticks);
-}
-
 int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_lines_leave_the_table_by_their_sagitta_at_most);
-    RUN_TEST(test_busy_ticks_lengthen_a_line);
     RUN_TEST(test_swing_follows_phase_amplitude_and_envelope);
     RUN_TEST(test_swing_nears_zero_within_its_limits_from_anywhere);
     RUN_TEST(test_drive_beyond_its_limit_is_a_fault);
+    RUN_TEST(test_blocked_drive_is_seen_within_one_plan);
     RUN_TEST(test_cut_waits_for_the_swing_to_come_to_rest);
     RUN_TEST(test_peaks_are_bounds_within_two_per_cent);
     RUN_TEST(test_infeasible_swing_is_refused_with_the_numbers);
     RUN_TEST(test_tool_leaves_a_cam_beyond_its_lift);
-    RUN_TEST(test_rounds_hold_every_task);
     return UNITY_END();
 }

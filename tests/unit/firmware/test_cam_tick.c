@@ -116,7 +116,7 @@ static void test_tick_cut_visits_every_height_at_full_amplitude(void)
     }
     TEST_ASSERT_INT32_WITHIN(200, part.z_first_nm, lowest_nm);
     TEST_ASSERT_INT32_WITHIN(200, part.z_last_nm, highest_nm);
-    TEST_ASSERT_UINT32_WITHIN(cam_plan_ticks_uniform, 12 * 480,
+    TEST_ASSERT_UINT32_WITHIN(g_cam.config.offered->play.plan_ticks, 12 * 480,
                               n_cutting); // 10 turns of feed, 2 of ramps
 }
 
@@ -168,6 +168,8 @@ static void expect_replay(void)
         start++;
     }
     TEST_ASSERT_TRUE(records[start].want.state <= cam_state_homing); // the spindle stands still
+    const uint32_t n = (uint32_t)replayed.config.half[0].play.plan_ticks;
+    replayed.until_plan = (int32_t)(n - (records[start].tick + n - 1u) % n); // tick 0 has a plan
     for (uint32_t i = start; i < rig.n_log; i++) {
         cam_tick_record_t done = {.tick = records[i].tick, .in = records[i].in};
         cam_tick_steps_isr(&replayed, &replayed.config.half[0], &done);

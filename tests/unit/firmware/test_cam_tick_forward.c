@@ -44,7 +44,7 @@ static void expected(const cam_tick_record_t *r, double u[3])
     const fixture_value_t v = fixture_reference_surface_at(ch, theta_q32, r->want.z_nm);
     const double knots_per_s = ldexp(r->angle.speed_q32, (int)ch->log2_knots - 32) * tick_hz;
     const double nm = ldexp(1.0, -(int)ch->frac_bits);
-    u[0] = (double)v.y * nm + ch->offset_nm;
+    u[0] = (double)v.y * nm + ch->value_offset;
     u[1] = (double)v.d1 * nm * knots_per_s;
     u[2] = (double)v.d2 * nm * knots_per_s * knots_per_s;
 }
@@ -79,9 +79,9 @@ static void test_command_of_x_and_z_is_their_setpoint(void)
     TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_cutting));
     for (int i = 0; i < 3000; i++) {
         fixture_rig_tick(&rig);
-        TEST_ASSERT_INT32_WITHIN(1, g_cam.play.axis[hal_axis_z].pos_q10 / 1024,
+        TEST_ASSERT_INT32_WITHIN(1, g_cam.motion.axis[hal_axis_z].pos_q10 / 1024,
                                  hal_host.out.axis[hal_axis_z].pos_nm);
-        TEST_ASSERT_INT32_WITHIN(1, g_cam.play.axis[hal_axis_x].pos_q10 / 1024,
+        TEST_ASSERT_INT32_WITHIN(1, g_cam.motion.axis[hal_axis_x].pos_q10 / 1024,
                                  hal_host.out.axis[hal_axis_x].pos_nm);
     }
 }

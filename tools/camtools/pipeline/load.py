@@ -34,14 +34,7 @@ class Loaded(NamedTuple):
 def parse(data: bytes, file: str, folder: Path = Path()) -> Loaded:
     """Return the part that the bytes of a TOML file describe.
 
-    Parameters
-    ----------
-    data : bytes
-        Whole content of the file, UTF-8.
-    file : str
-        Name for error messages.
-    folder : Path
-        Where files that the part names are looked for.
+    Files that the part names are looked for in the folder; `file` names it in messages.
 
     Raises
     ------
@@ -59,7 +52,7 @@ def parse_for(
     Parameters
     ----------
     command : str
-        Name of the command; the kinds tell theirs.
+        Name of the command, as in `Kind.commands`.
     model : type
         Of the parts that the command works on.
 

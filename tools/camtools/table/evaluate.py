@@ -21,7 +21,7 @@ _SUBDIVISIONS = 8
 
 
 class Values(NamedTuple):
-    """Value and two derivatives; nm, nm/rad, nm/rad^2 for u, nm, nm/nm, nm/nm^2 for x."""
+    """Value and two derivatives: in the unit of the channel, per rad; of x in nm, per nm."""
 
     value: Floats
     d1: Floats
@@ -57,13 +57,13 @@ def _scaled(channel: Channel, raw: Floats) -> Values:
     return Values(channel.origin + raw[0] * lsb, raw[1] * (lsb / h), raw[2] * (lsb / h**2))
 
 
-def evaluate_u_grid(channel: Channel, z_nm: Floats, t: Floats) -> Values:
-    """Return u on a grid of all segments of a pattern.
+def evaluate_grid(channel: Channel, z_nm: Floats, t: Floats) -> Values:
+    """Return a channel over angle on a grid of all segments of a pattern.
 
     Parameters
     ----------
     channel : Channel
-        Of kind u.
+        Of any kind but x.
     z_nm : ndarray, shape (n_z,)
         Heights.
     t : ndarray, shape (n_t,)
@@ -82,8 +82,8 @@ def evaluate_u_grid(channel: Channel, z_nm: Floats, t: Floats) -> Values:
     return _scaled(channel, raw.reshape(3, z_nm.size, -1))
 
 
-def evaluate_u(channel: Channel, turn: Floats, z_nm: Floats) -> Values:
-    """Return u at points.
+def evaluate_at(channel: Channel, turn: Floats, z_nm: Floats) -> Values:
+    """Return a channel over angle at points.
 
     Parameters
     ----------

@@ -2,7 +2,7 @@
 /// cam_param: every number that a machine builder may set, with unit, range and default.
 ///
 /// CAM_PARAMS lists X(name, min, default, max, what). The name ends in the unit. Parameters are
-/// int32; they are set on the slow side only and reach the interrupt through cam_config_build().
+/// int32; they are set on the slow side only and reach the interrupt through cam_build_config().
 #ifndef CAM_PARAM_H
 #define CAM_PARAM_H
 

@@ -1,0 +1,393 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cam_build.h"
+#include "cam_angle.h" // CAM_TURN_Q32
+#include "cam_fix.h"   // cam_sat_i32
+#include "cam_plan.h"  // cam_plan_ticks
+#include "cam_play.h"  // cam_play_history
+#include "cam_trace.h" // cam_trace_capacity
+#include <stddef.h>    // NULL
+
+/// 2 pi * 2^24, for gains of the observer.
+#define TWO_PI_Q24 INT64_C(105414357)
+
+/// Set-point checks allow 1/16 over the limits for encoder noise, and the rounding of three
+/// nanometres.
+#define CHECK_MARGIN_Q10 (3 * 1024)
+
+/// [2^-32 slices] from the last slice: U's height stays between two slices, rounded ways and all.
+enum { height_end = 64 };
+
+/// Knots per tick up to which derivatives are taken: 2^4. Start refuses speeds beyond.
+enum { max_rate_bits = 4 };
+
+/// One turn in 2^22 ticks is slower than any spindle turns.
+enum { most_speed_shift = 20 };
+
+/// Gentle approach: a quarter of each limit.
+enum { approach_share = 4 };
+
+/// Homing waits this many times longer for the spindle to turn than the cut does.
+enum { homing_patience = 100 };
+
+/// @return a * b / c rounded to nearest; a * b must fit 62 bits; a, b >= 0, c > 0
+static int64_t scale(int64_t a, int64_t b, int64_t c)
+{
+    return (a * b + c / 2) / c;
+}
+
+/// @return [turn / 2^32] of micro-degrees
+static int32_t turn_of_udeg(int32_t udeg)
+{
+    const int64_t magnitude = scale(cam_abs_i64(udeg), CAM_TURN_Q32, 360000000);
+    return (int32_t)(uint32_t)(uint64_t)(udeg < 0 ? -magnitude : magnitude); // +180 deg is -2^31
+}
+
+/// @return [ticks / 2^16] of nanoseconds, saturated
+static int32_t ticks_of_ns(int32_t ns, uint32_t tick_hz)
+{
+    return cam_sat_i32(scale(ns, (int64_t)tick_hz * 65536, 1000000000));
+}
+
+/// @return [ticks^2 / 2^16] of square microseconds that check_fit() accepted; 2^16 / 10^12 is
+/// reduced
+static int32_t ticks2_of_us2(int32_t us2, uint32_t tick_hz)
+{
+    return cam_sat_i32(scale((int64_t)us2 * tick_hz, (int64_t)tick_hz * 16, 244140625));
+}
+
+int32_t cam_build_speed_q32(uint32_t speed_mrpm, uint32_t tick_hz)
+{
+    return cam_sat_i32(scale(speed_mrpm, CAM_TURN_Q32 / 4, (int64_t)tick_hz * 15000));
+}
+
+/// Speeds and accelerations beyond 2^29 per tick are limited: slower than allowed is safe.
+static cam_move_limits_t limits(int32_t speed_um_per_s, int32_t acceleration_mm_per_s2,
+                                uint32_t tick_hz)
+{
+    const int64_t most = INT64_C(1) << 29; // a speed and an acceleration fit a word together
+    const int64_t vel = scale(speed_um_per_s, 1024000, tick_hz);
+    const int64_t acc = scale(acceleration_mm_per_s2, 1024000000, (int64_t)tick_hz * tick_hz);
+    return (cam_move_limits_t){
+        .speed_q10 = (int32_t)cam_clamp_i64(vel, 1, most),
+        .acceleration_q10 = (int32_t)cam_clamp_i64(acc, 1, most),
+    };
+}
+
+/// @return [nm / 1024] place of U out of the work, of a cam beyond its highest point, inside the
+/// stroke whatever was set
+static int64_t retract_q10(const cam_params_t *p, int32_t rise_nm)
+{
+    const int32_t half_nm = p->u_stroke_nm / 2;
+    return (int64_t)cam_clamp_i32(p->u_retract_nm - rise_nm, -half_nm, half_nm) * 1024;
+}
+
+/// Double pole at w = 2 pi f: kp = 2 w T, ki = (w T)^2.
+static void build_observer(cam_spindle_config_t *c, const cam_params_t *p, uint32_t tick_hz)
+{
+    const int64_t wt_q24 = scale(TWO_PI_Q24, p->observer_bandwidth_mHz, (int64_t)tick_hz * 1000);
+    c->kp_q31 = cam_sat_i32(wt_q24 * 256);
+    c->ki_q32 = cam_sat_i32((wt_q24 * wt_q24) >> 16);
+}
+
+/// As late as a parameter can bear, as a tick after a pause is not.
+enum { most_periods = 10 };
+
+/// On time is within a sixteenth of the period, or within one unit of a coarse clock.
+static void build_clock(cam_spindle_config_t *c, int32_t late_percent, uint32_t tick_hz,
+                        uint32_t clock_hz)
+{
+    c->tick_clocks = (uint32_t)scale(clock_hz, 1, tick_hz);
+    c->ticks_per_clock_q27 = (uint32_t)scale(tick_hz, INT64_C(1) << 27, clock_hz);
+    c->most_clocks = most_periods * c->tick_clocks;
+    const uint32_t off = 1u + (c->tick_clocks - 1u) / 16u;
+    c->late_clocks = (uint32_t)scale(clock_hz, 100 + late_percent, (int64_t)tick_hz * 100);
+    c->early_clocks = c->tick_clocks - off;
+    c->on_time_clocks = 2u * off + 1u;
+}
+
+static void build_spindle(cam_spindle_config_t *c, const cam_params_t *p, const cam_table_t *table,
+                          uint32_t tick_hz, uint32_t clock_hz)
+{
+    const int32_t sense = table != NULL ? table->direction : 1;
+    const int32_t turn = p->counts_per_turn;
+    const uint64_t count_q32 = (uint64_t)CAM_TURN_Q32 / (uint32_t)turn;
+    const uint64_t left = (uint64_t)CAM_TURN_Q32 % (uint32_t)turn;
+    c->sign_mask = sense == p->encoder_sign ? 0u : ~0u;
+    c->counts_per_turn = turn;
+    c->turn_per_count_q32 = (uint32_t)count_q32;
+    c->turn_per_count_fraction = (uint32_t)(left * (uint64_t)CAM_TURN_Q32 / (uint32_t)turn);
+    c->centre_q32 = (uint32_t)turn_of_udeg(p->index_offset_udeg) + (uint32_t)(count_q32 / 2u);
+    c->index_tolerance = p->index_tolerance_counts;
+    c->index_overdue = turn + turn / 8;
+    c->jump_window = p->jump_window_counts;
+    c->max_counts = turn / 4;
+    build_clock(c, p->late_percent, tick_hz, clock_hz);
+    build_observer(c, p, tick_hz);
+}
+
+/// Mean speeds beyond 1/64 turn per tick are beyond what any spindle can be modulated at: its
+/// acceleration is limited to that of 1/64.
+static void build_speed(cam_speed_config_t *c, const cam_params_t *p, int32_t direction,
+                        int32_t mean_mrpm, uint32_t tick_hz)
+{
+    const int64_t plan_us_hz = cam_plan_ticks(tick_hz) * INT64_C(1000000);
+    const int64_t mean_q32 = cam_build_speed_q32((uint32_t)mean_mrpm, tick_hz);
+    c->mean_mrpm = mean_mrpm;
+    c->limit_mrpm = p->spindle_limit_mrpm;
+    c->sense = direction;
+    c->lag_q16 =
+        cam_sat_i32(scale((int64_t)p->spindle_lag_us * tick_hz, INT64_C(1) << 16, plan_us_hz));
+    c->mean_q32 = (int32_t)cam_clamp_i64(mean_q32, 0, INT64_C(1) << 26);
+}
+
+/// Z along a ring-helix instead. Its ramps are made for the speed that the spindle is commanded.
+static void build_rings(cam_play_config_t *c, const cam_params_t *p, const cam_table_t *table,
+                        uint32_t speed_mrpm)
+{
+    if (table->is_ring_helix && !c->is_z_measured) {
+        const int32_t span_nm = table->z_last_nm - table->z_first_nm;
+        c->rings = cam_feed_rings((uint32_t)c->feed_nm, span_nm, speed_mrpm,
+                                  (uint32_t)p->z_acceleration_mm_per_s2);
+        c->feed_q32 = cam_feed_turns_q32(&c->rings);
+    }
+}
+
+/// Feed in turns rounded down by less than 2^-32; heights are rounded, so the last one is reached.
+static void build_feed(cam_play_config_t *c, const cam_params_t *p, const cam_table_t *table,
+                       uint32_t tick_hz)
+{
+    const int64_t span_nm = (int64_t)table->z_last_nm - table->z_first_nm;
+    c->feed_nm = p->feed_nm > 0 ? p->feed_nm : (int32_t)table->feed_nm;
+    const int64_t fed_q32 =
+        span_nm / c->feed_nm * CAM_TURN_Q32 + span_nm % c->feed_nm * CAM_TURN_Q32 / c->feed_nm;
+    c->ramp_q32 = cam_clamp_i64(fed_q32, CAM_TURN_Q32 / 2, p->feed_ramp_turns * CAM_TURN_Q32);
+    c->per_ramp_q31 = (uint32_t)(((UINT64_C(1) << 63) - 1u) / (uint64_t)c->ramp_q32);
+    c->feed_q32 = fed_q32 + c->ramp_q32;
+    c->z_margin_nm = p->z_margin_nm;
+    c->z_first_nm = table->z_first_nm;
+    c->z_low_nm = cam_sat_i32((int64_t)table->z_first_nm - p->z_margin_nm);
+    c->z_high_nm = cam_sat_i32((int64_t)table->z_last_nm + p->z_margin_nm);
+    const int64_t wanted_mrpm =
+        p->spindle_mrpm > 0 ? p->spindle_mrpm : (int64_t)table->spindle_mrpm;
+    const uint32_t speed_mrpm = (uint32_t)cam_clamp_i64(wanted_mrpm, 0, p->spindle_limit_mrpm);
+    c->spindle_mrpm = (int32_t)speed_mrpm * table->direction;
+    build_speed(&c->speed, p, table->direction, (int32_t)speed_mrpm, tick_hz);
+    build_rings(c, p, table, speed_mrpm);
+}
+
+/// Shifts so that products fill their words: k bits bring the speed to 2^30, R = knots per tick.
+///     y:   nm / 2^(4 + frac), times scale_q30 / 2^32, to nm / 2^6
+///     d1:  nm / 2^(4 + frac) per knot, times R scale = rate 2^(log2 knots - k - 30), to nm / 2^10
+///     d2:  ... times R^2 scale = rate2 2^(2 log2 knots - 2 k - 30), to nm / 2^10
+/// k is small enough that the high word of d1 rate is never shifted down; frac <= 8 leaves room.
+static void build_u_scale(cam_u_scale_t *c, const cam_channel_t *u, int32_t speed_max_q32)
+{
+    const int32_t knots = (int32_t)(u->log2_knots + u->log2_repeat);
+    const int32_t frac = (int32_t)u->frac_bits;
+    const int32_t least_k = knots > max_rate_bits + 2 ? knots - max_rate_bits - 2 : 0;
+    const int32_t v_bits = 8 + knots - frac;
+    int32_t k = cam_clamp_i32(v_bits, least_k, most_speed_shift);
+    while (k > least_k && (int64_t)speed_max_q32 << k >= INT64_C(1) << 30) {
+        k--;
+    }
+    const int32_t a_bits = 24 + frac + 2 * k - 2 * knots;
+    c->speed_shift = (uint32_t)k;
+    c->y_up = (uint32_t)(frac < 4 ? 4 - frac : 0);
+    c->scale_down = (uint32_t)(frac > 4 ? frac - 4 : 0);
+    c->offset = u->value_offset * (256 >> c->y_up);
+    c->v_up = (uint32_t)(v_bits - k);
+    c->a_down = (uint32_t)(a_bits > 31 ? a_bits - 31 : 0);
+    c->a_shift = (uint32_t)a_bits - c->a_down;
+    const int32_t alpha_bits = 40 - 2 * k + knots + (int32_t)c->a_down;
+    c->alpha_shift = (uint32_t)cam_clamp_i32(alpha_bits, 1, 62);
+}
+
+/// @return [turn / 2^32] of thousandths of a degree below 90 degrees
+static int32_t turn_of_mdeg(int32_t mdeg)
+{
+    return (int32_t)scale(mdeg, CAM_TURN_Q32, 360000);
+}
+
+/// Speed over distance such that slowing down by it takes no more than the acceleration, and one
+/// set-point does not lead past a quarter of the distance.
+static cam_swing_limits_t swing_limits(int64_t speed_mdeg_per_s, int64_t acceleration_deg_per_s2,
+                                       uint32_t tick_hz)
+{
+    const int64_t most = INT64_C(1) << 24; // a turn in 256 ticks
+    const int64_t plan_ticks = cam_plan_ticks(tick_hz);
+    const int64_t speed = scale(speed_mdeg_per_s, CAM_TURN_Q32 / 64, (int64_t)tick_hz * 5625);
+    const int64_t per_tick2 = scale(acceleration_deg_per_s2 * plan_ticks, CAM_TURN_Q32 / 8,
+                                    (int64_t)tick_hz * tick_hz * 45);
+    const int64_t speed_q32 = cam_clamp_i64(speed, 1, most);
+    const int64_t step_q32 = cam_clamp_i64(per_tick2, 1, most);
+    const int64_t gain = step_q32 * (CAM_TURN_Q32 / plan_ticks) / speed_q32;
+    return (cam_swing_limits_t){
+        .speed_q32 = (int32_t)speed_q32,
+        .step_q32 = (int32_t)step_q32,
+        .gain_q32 = (int32_t)cam_clamp_i64(gain, 1, CAM_TURN_Q32 / (4 * plan_ticks)),
+    };
+}
+
+/// @return [ticks^2] half the square, as of an acceleration, below 2^21: products with it fit 62
+/// bits
+static int32_t half_square(int64_t ticks_q16)
+{
+    const int64_t ticks_q8 = ticks_q16 >> 8;
+    return (int32_t)cam_clamp_i64((ticks_q8 * ticks_q8) >> 17, 0, 1 << 21);
+}
+
+/// What is read is in LSB / 16, which are 2^-(30 + frac) turn.
+static void build_swing(cam_swing_config_t *c, const cam_params_t *p, const cam_channel_t *ch,
+                        uint32_t tick_hz)
+{
+    c->lag_q16 = ticks_of_ns(p->swing_lag_ns, tick_hz);
+    c->following_q32 = turn_of_mdeg(p->swing_following_limit_mdeg);
+    c->unit_q30 = cam_sat_i32((INT64_C(1) << 31) >> ch->frac_bits);
+    c->offset_q30 = ch->value_offset * 16;
+    const int32_t line_q16 = (cam_plan_ticks(tick_hz) + 1) * 65536;
+    c->is_swung = true;
+    c->ahead_q16 = c->lag_q16 + line_q16;
+    c->ahead2 = half_square(c->ahead_q16);
+    c->full = swing_limits(p->swing_speed_mdeg_per_s, p->swing_acceleration_deg_per_s2, tick_hz);
+    c->gentle = swing_limits(p->swing_speed_mdeg_per_s / approach_share,
+                             p->swing_acceleration_deg_per_s2 / approach_share, tick_hz);
+}
+
+/// How far ahead X and Z, U and the speed ratio are planned: to the next plan and their lag. U is
+/// at the height that a geared Z reaches after its own lag, and a measured Z has reached. While the
+/// spindle accelerates two equal poles lag by the square of half their lag more.
+static void build_plan(cam_play_config_t *c, uint32_t tick_hz)
+{
+    const int32_t ticks = cam_plan_ticks(tick_hz);
+    const int32_t lag_q16 = c->xz_lag_q16;
+    c->plan_ticks = ticks;
+    c->per_plan_q30 = (INT32_C(1) << 30) / ticks;
+    c->xz_plan_q16 = lag_q16 + ticks * 65536;
+    c->u_plan_q16 = c->lead_q16 + ticks * 65536;
+    c->commanded_q16 = lag_q16 > c->lead_q16 ? lag_q16 : c->lead_q16;
+    c->ratio_q16 = (ticks + 1) * 65536; // in force from the next tick to the one behind the plan
+    c->u_behind_q16 = (c->is_z_measured ? 0 : lag_q16) - c->lead_q16;
+    c->xz_lag2 = half_square(c->xz_plan_q16) - half_square(lag_q16) / 2;
+}
+
+static void build_play(cam_play_config_t *c, const cam_params_t *p, int32_t rise_nm,
+                       uint32_t tick_hz)
+{
+    c->lead_q16 = ticks_of_ns(p->lead_ns, tick_hz);
+    c->xz_lag_q16 = ticks_of_ns(p->xz_lag_ns, tick_hz);
+    c->lead_ticks = (uint32_t)c->lead_q16 >> 16;
+    c->lead_part_q31 = (c->lead_q16 & 0xFFFF) * 32768;
+    c->phase_q32 = turn_of_udeg(p->phase_udeg);
+    c->phase_step_q32 = (int32_t)(turn_of_udeg(p->phase_rate_udeg_per_s) / (int64_t)tick_hz) + 1;
+    c->amplitude_q30 = (int32_t)scale(p->amplitude_ppm, INT64_C(1) << 30, 1000000);
+    c->amplitude_step_q30 =
+        (int32_t)scale(p->amplitude_rate_ppm_per_s, INT64_C(1) << 30, (int64_t)tick_hz * 1000000) +
+        1;
+    c->engage_q32 = p->engage_turns * CAM_TURN_Q32;
+    c->disengage_q32 = p->disengage_turns * CAM_TURN_Q32;
+    c->per_engage_q31 = (uint32_t)((UINT32_C(1) << 31) / (uint32_t)p->engage_turns);
+    c->per_disengage_q31 = (uint32_t)((UINT32_C(1) << 31) / (uint32_t)p->disengage_turns);
+    c->is_z_measured = p->z_is_measured != 0;
+    c->u_retract_q10 = retract_q10(p, rise_nm);
+    c->x_clearance_nm = p->x_clearance_nm + rise_nm;
+    c->turning_q32 = cam_build_speed_q32((uint32_t)p->stopped_mrpm, tick_hz);
+    build_plan(c, tick_hz);
+}
+
+/// @return limits per plan instead of per tick
+static cam_move_limits_t per_plan(cam_move_limits_t limits, int32_t plan_ticks)
+{
+    const int64_t most = INT64_C(1) << 29;
+    const int64_t speed = (int64_t)limits.speed_q10 * plan_ticks;
+    const int64_t acceleration = (int64_t)limits.acceleration_q10 * plan_ticks * plan_ticks;
+    return (cam_move_limits_t){
+        .speed_q10 = (int32_t)cam_clamp_i64(speed, 1, most),
+        .acceleration_q10 = (int32_t)cam_clamp_i64(acceleration, 1, most),
+    };
+}
+
+/// U moves tick by tick, X and Z plan by plan.
+static void build_limits(cam_config_t *c, const cam_params_t *p, uint32_t tick_hz)
+{
+    const cam_move_limits_t full[hal_n_axes] = {
+        [hal_axis_u] = limits(p->u_speed_um_per_s, p->u_acceleration_mm_per_s2, tick_hz),
+        [hal_axis_x] = limits(p->x_speed_um_per_s, p->x_acceleration_mm_per_s2, tick_hz),
+        [hal_axis_z] = limits(p->z_speed_um_per_s, p->z_acceleration_mm_per_s2, tick_hz),
+    };
+    c->guard.u = full[hal_axis_u];
+    for (uint32_t i = 0; i < hal_n_axes; i++) {
+        const int32_t ticks = i == (uint32_t)hal_axis_u ? 1 : c->play.plan_ticks;
+        const cam_move_limits_t gentle = {
+            .speed_q10 = full[i].speed_q10 / approach_share + 1,
+            .acceleration_q10 = full[i].acceleration_q10 / approach_share + 1,
+        };
+        c->play.approach[i] = per_plan(gentle, ticks);
+        c->play.leave[i] = per_plan(full[i], ticks);
+    }
+}
+
+static void build_guard(cam_guard_config_t *c, const cam_params_t *p, uint32_t speed_limit_mrpm,
+                        int32_t rise_nm, uint32_t tick_hz)
+{
+    const cam_move_limits_t *u = &c->u;
+    c->overspeed_q32 = cam_build_speed_q32(speed_limit_mrpm, tick_hz);
+    c->stopped_q32 = cam_build_speed_q32((uint32_t)p->stopped_mrpm, tick_hz);
+    c->speed_span_q32 = c->overspeed_q32 > c->stopped_q32
+                            ? (uint32_t)c->overspeed_q32 - (uint32_t)c->stopped_q32
+                            : 0u;
+    c->stopped_ticks = (uint32_t)scale(p->stopped_ms, tick_hz, 1000);
+    c->homing_ticks = c->stopped_ticks * homing_patience;
+    c->following_nm = p->following_limit_nm;
+    c->u_vel_q6 = (u->speed_q10 + u->speed_q10 / 16 + CHECK_MARGIN_Q10) / 16;
+    c->u_acc_q6 = (u->acceleration_q10 + u->acceleration_q10 / 16 + CHECK_MARGIN_Q10) / 16;
+    c->u_acc_off_q6 = c->u_acc_q6 + c->u_vel_q6;
+    c->u_range_q6 = p->u_stroke_nm * 32;
+    c->u_retract_q10 = retract_q10(p, rise_nm);
+}
+
+/// What the interrupt can count on: history reaches back over the lead, the observer is slower than
+/// the tick, feed-forward gains fit 15 integer bits.
+static cam_err_t check_fit(const cam_params_t *p, uint32_t tick_hz)
+{
+    const int64_t lead_q16 = scale(p->lead_ns, (int64_t)tick_hz * 65536, 1000000000);
+    const int64_t k2_ticks2 = (int64_t)p->k2_us2 * tick_hz / 1000000 * tick_hz / 1000000;
+    const int64_t k1_ticks = (int64_t)p->k1_ns * tick_hz / 1000000000;
+    const bool is_slow = (int64_t)p->observer_bandwidth_mHz * 20 <= (int64_t)tick_hz * 1000;
+    const bool is_short = lead_q16 < (int64_t)(cam_play_history - 2) * 65536;
+    return is_slow && is_short && k1_ticks < 32767 && k2_ticks2 < 32767 ? cam_ok
+                                                                        : cam_err_param_tick;
+}
+
+cam_err_t cam_build_config(cam_config_t *config, const cam_params_t *params,
+                           const cam_table_t *table, uint32_t speed_limit_mrpm, uint32_t tick_hz,
+                           uint32_t clock_hz)
+{
+    const cam_err_t err = check_fit(params, tick_hz);
+    if (err != cam_ok) {
+        return err;
+    }
+    *config = (cam_config_t){.generation = config->generation};
+    build_spindle(&config->spindle, params, table, tick_hz, clock_hz);
+    const int32_t rise_nm = table != NULL ? cam_table_rise_nm(table) : 0;
+    const bool is_swung = table != NULL && table->is_swung && params->swing_speed_mdeg_per_s > 0;
+    build_play(&config->play, params, rise_nm, tick_hz);
+    if (is_swung) {
+        build_swing(&config->play.swing, params, &table->angle, tick_hz);
+    }
+    if (table != NULL) {
+        config->table = *table;
+        config->play.table = &config->table;
+        build_feed(&config->play, params, table, tick_hz);
+        // From a speed that no change in the work moves: the scale is state of the plan, too.
+        const int32_t limit_q32 =
+            cam_build_speed_q32((uint32_t)params->spindle_limit_mrpm, tick_hz);
+        config->play.height_max_q32 = ((int64_t)table->u.n_slices - 1) * CAM_TURN_Q32 - height_end;
+        build_u_scale(&config->play.u, &table->u, cam_sat_i32(INT64_C(5) * limit_q32 / 4));
+    }
+    build_limits(config, params, tick_hz);
+    build_guard(&config->guard, params, speed_limit_mrpm, rise_nm, tick_hz);
+    config->k1_q16 = ticks_of_ns(params->k1_ns, tick_hz);
+    config->k2_q16 = ticks2_of_us2(params->k2_us2, tick_hz);
+    config->trace_room = params->trace_on != 0 ? (uint32_t)cam_trace_capacity : 0u;
+    return cam_ok;
+}

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+/// cam_build: parameters and table turned into the configuration that the interrupt needs.
+///
+/// All divisions and all checks of fit are done here. Context: slow side.
+#ifndef CAM_BUILD_H
+#define CAM_BUILD_H
+
+#include "cam_config.h" // cam_config_t
+#include "cam_err.h"    // cam_err_t
+#include "cam_param.h"  // cam_params_t
+#include <stdint.h>     // uint32_t
+
+/// Derive a configuration.
+/// @param config      result, complete on success
+/// @param params      within their ranges
+/// @param table       NULL when none is selected
+/// @param speed_limit_mrpm  [r/min / 1000] beyond which overspeed is a fault
+/// @param tick_hz,clock_hz  [Hz] of the port
+/// @return cam_ok, or cam_err_param_tick when lead, bandwidth or feed-forward do not fit the tick
+/// rate
+CAM_MUST_USE cam_err_t cam_build_config(cam_config_t *config, const cam_params_t *params,
+                                        const cam_table_t *table, uint32_t speed_limit_mrpm,
+                                        uint32_t tick_hz, uint32_t clock_hz);
+
+/// @return [turn / 2^32 per tick] of a speed, rounded, saturated
+int32_t cam_build_speed_q32(uint32_t speed_mrpm, uint32_t tick_hz);
+
+#endif

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+/// cam_channel: what a table consists of once it has been checked: knots, channels, bounds.
+///
+/// Types only; cam_table_check() fills them in. The format of the image is TABLE_FORMAT.md. "cam"
+/// is the name of this project; a part whose lobes are turned is called a lobe here, any other part
+/// (a piston, a ring) a skirt.
+#ifndef CAM_CHANNEL_H
+#define CAM_CHANNEL_H
+
+#include <stdbool.h> // bool
+#include <stddef.h>  // NULL
+#include <stdint.h>  // int32_t, uint32_t
+
+/// Sizes in bytes and largest counts of the format.
+enum {
+    cam_table_header_size = 128,
+    cam_table_entry_size = 64,
+    cam_table_max_channels = 8,
+    cam_table_name_size = 32,
+    cam_table_max_slices = 4096,
+};
+
+/// The ratio 1 in the unit of a speed channel, 2^-20 of the mean speed.
+#define CAM_TABLE_RATIO_ONE (INT32_C(1) << 20)
+
+/// A quarter turn in the unit of an angle channel, 2^-26 turn. No angle of a table is larger.
+#define CAM_TABLE_ANGLE_MAX (INT32_C(1) << 24)
+
+/// [LSB] bound of the three sums of TABLE_FORMAT.md, "The bound". With four guard bits a sum stays
+/// below 16 * 2^25 = 2^29 and a difference of two slices below 2^30, so int32 holds both.
+#define CAM_TABLE_SUM_MAX ((INT32_C(1) << 25) - 1)
+
+/// A knot: value and two derivatives at one place, all in the LSB of the channel. h is the distance
+/// to the next knot. Two neighbouring knots define the quintic between them.
+typedef struct {
+    int32_t p; ///< value
+    int32_t v; ///< first derivative * h
+    int32_t a; ///< second derivative * h^2 / 2
+} cam_knot_t;
+
+/// A channel: a function of angle and height (u, speed, angle), or of height alone (x, with one
+/// knot per slice). The unit of its values depends on its kind: nm for u and x, 2^-20 of the mean
+/// speed for speed, 2^-26 turn for angle. The LSB of the knots is the unit times 2^-frac_bits.
+typedef struct {
+    const cam_knot_t *knots;    ///< [n_slices][1 << log2_knots], inside the image; NULL: absent
+    uint32_t n_slices;          ///< 2 .. 4096
+    uint32_t log2_knots;        ///< u, speed, angle: 2 .. 12; x: 0
+    uint32_t log2_repeat;       ///< the pattern is repeated 2^this times per turn, 0 .. 4; x: 0
+    uint32_t frac_bits;         ///< LSB = unit of the channel * 2^-frac_bits, 0 .. 8
+    int32_t z_first_nm;         ///< [nm] height of slice 0
+    uint32_t span_nm;           ///< [nm] height of the last slice above slice 0
+    uint32_t slices_per_nm_q48; ///< [slices/nm / 2^48] reciprocal of the spacing, >= 2^24
+    int32_t value_offset;       ///< [unit of the channel] value at p = 0
+} cam_channel_t;
+
+/// Upper bounds of the motion that a table demands of the tool's swing, at full amplitude.
+typedef struct {
+    uint32_t most_mdeg;          ///< [degrees / 1000] angle to either side
+    uint32_t first_mdeg_per_rad; ///< [degrees / 1000 / rad] |swing'|: speed over spindle speed
+    uint32_t
+        second_mdeg_per_rad2; ///< [degrees / 1000 / rad2] |swing''|: acceleration over its square
+} cam_swing_peaks_t;
+
+/// Upper bounds of how a channel changes from slice to slice, in the unit of the channel. They
+/// bound what the feed along Z adds to the motion.
+typedef struct {
+    uint32_t most;    ///< difference of two neighbouring slices at the same angle
+    uint32_t per_rad; ///< [1/rad] difference of their slopes over the angle
+    uint32_t kink;    ///< by how much the difference jumps where one slice ends
+} cam_change_t;
+
+/// A checked table. All members are read-only after cam_table_check().
+typedef struct {
+    cam_channel_t u;                 ///< radius reduction, positive towards the axis
+    cam_channel_t x;                 ///< long half axis
+    cam_channel_t speed;             ///< speed ratio; knots == NULL: the speed is uniform
+    cam_channel_t angle;             ///< of a lobe: normal at the contact; knots == NULL: a skirt
+    bool is_swung;                   ///< the tool must swing by `angle` (kind 4)
+    bool is_ring_helix;              ///< a geared Z follows a ring-helix (cam_feed.h), not a helix
+    cam_swing_peaks_t swing;         ///< of the swing at uniform speed; all 0 without a swing
+    cam_change_t u_change;           ///< [nm] of u over height, at every angle
+    cam_change_t swing_change;       ///< [turn / 2^26] of the swing over height; 0 without a swing
+    char name[cam_table_name_size];  ///< printable ASCII, zero-terminated
+    int32_t z_first_nm, z_last_nm;   ///< [nm] range of heights that every channel serves
+    int32_t direction;               ///< +1 (M3) or -1: sense of the spindle while cutting
+    uint32_t spindle_mrpm;           ///< [r/min / 1000] spindle speed that the part asks for
+    uint32_t feed_nm;                ///< [nm] feed per turn
+    uint32_t depth_nm;               ///< [nm] depth of cut at the long axis
+    uint32_t limit_u_stroke_nm;      ///< [nm] peak to peak; limit_*: of the machine it was made for
+    uint32_t limit_u_speed_um_per_s; ///< [um/s]
+    uint32_t limit_u_acceleration_mm_per_s2; ///< [mm/s2]
+    uint32_t limit_spindle_mrpm;             ///< [r/min / 1000] highest spindle speed
+    int32_t u_min_nm, u_max_nm;              ///< [nm] bounds of u over the whole table
+    uint32_t u1_peak_nm_per_rad;       ///< [nm/rad] bound of |u' r|: speed of U over mean speed
+    uint32_t u2_peak_nm_per_rad2;      ///< [nm/rad2] bound of |u'' r^2 + u' r r'|
+    uint32_t spindle_peak_ppm_per_rad; ///< [1e-6 / rad] bound of |r r'|; 0: uniform speed
+    uint32_t ratio_max_q20;            ///< [2^-20] bound of the speed ratio r; uniform: 2^20
+    uint32_t x_slope_ppm;              ///< [1e-6] largest |dX/dZ|, measured by the check
+    uint32_t x_bend_ppm_per_m;         ///< [1e-6 / m] largest |d2X/dZ2|, measured too
+    uint32_t error_pm;                 ///< [pm] total error that the generator measured
+    uint32_t crc32;                    ///< of the image's bytes from 24 on
+    const void *image;                 ///< start of the image
+    uint32_t image_size;               ///< [bytes] of the whole image
+} cam_table_t;
+
+/// @return whether the part is a lobe, whose u is minus the lift above the base circle
+static inline bool cam_table_is_lobe(const cam_table_t *table)
+{
+    return table->angle.knots != NULL;
+}
+
+/// Height of a lobe above its base circle, on which u is 0. A tool that leaves the work has to
+/// travel this much further. It is taken at 1.25, the largest amplitude that the parameter allows.
+/// @return [nm] 0 for a skirt
+/// Context: slow side.
+static inline int32_t cam_table_rise_nm(const cam_table_t *table)
+{
+    const bool is_risen = cam_table_is_lobe(table) && table->u_min_nm < 0;
+    return is_risen ? -(table->u_min_nm + table->u_min_nm / 4) : 0;
+}
+
+#endif

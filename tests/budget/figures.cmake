@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: Apache-2.0
+# Writes what a run has measured as JSON: instructions of a tick without and with the plan, their
+# mean in the cut, the longest paths of both through the code, bytes of stack.
+# usage: cmake -D MEASURED=test_budget.txt -D PATHS=interrupt.txt -D OUTPUT=figures.json
+#              -P figures.cmake
+cmake_minimum_required(VERSION 3.25)
+
+# The one number that a pattern finds in a file.
+function(find_number file pattern variable)
+    file(STRINGS ${file} lines REGEX "${pattern}")
+    list(LENGTH lines n)
+    if(NOT n EQUAL 1)
+        message(FATAL_ERROR "${file}: ${n} lines \"${pattern}\"")
+    endif()
+    string(REGEX MATCH "${pattern}" matched "${lines}")
+    set(${variable} ${CMAKE_MATCH_1} PARENT_SCOPE)
+endfunction()
+
+find_number(${PATHS} "^isr-bound ([0-9]+) instructions" plan_path)
+find_number(${PATHS} "^isr-stack ([0-9]+) bytes" stack_bytes)
+find_number(${PATHS} "^cam_plan_isr +([0-9]+) +[0-9]+ +[0-9]+" plan)
+math(EXPR tick_path "${plan_path} - ${plan}") # every longer path of the tick calls the plan
+
+set(json "{}")
+file(STRINGS ${MEASURED} figures REGEX "^figure [a-z_]+ [0-9]+")
+foreach(figure IN LISTS figures)
+    string(REGEX MATCH "^figure ([a-z_]+) ([0-9]+)" matched "${figure}")
+    string(JSON json SET "${json}" "${CMAKE_MATCH_1}" "${CMAKE_MATCH_2}")
+endforeach()
+foreach(name tick_max plan_tick_max mean)
+    string(JSON value ERROR_VARIABLE missing GET "${json}" ${name})
+    if(missing)
+        message(FATAL_ERROR "${MEASURED}: no figure ${name}")
+    endif()
+endforeach()
+foreach(name tick_path plan_path stack_bytes)
+    string(JSON json SET "${json}" ${name} "${${name}}")
+endforeach()
+
+set(states "{}")
+set(line "^([a-z0-9 ]+[a-z0-9]) +(tick|plan) +([a-z]+) +([0-9]+) [.][.] +([0-9]+), mean +([0-9]+) instructions, ([0-9]+) ticks")
+file(STRINGS ${MEASURED} counted REGEX "${line}")
+foreach(one IN LISTS counted)
+    string(REGEX MATCH "${line}" matched "${one}")
+    set(key "${CMAKE_MATCH_1}, ${CMAKE_MATCH_3}, ${CMAKE_MATCH_2}")
+    string(JSON states SET "${states}" "${key}"
+        "{\"min\": ${CMAKE_MATCH_4}, \"max\": ${CMAKE_MATCH_5}, \"mean\": ${CMAKE_MATCH_6}, \"ticks\": ${CMAKE_MATCH_7}}")
+endforeach()
+string(JSON json SET "${json}" sessions "${states}")
+
+file(WRITE ${OUTPUT} "${json}\n")
+message("${json}")
