@@ -19,7 +19,7 @@ static sim_lobe_design_t design;
 static sim_work_t work;
 static sim_lobe_work_t lobes;
 
-/// What is wrong with the motion.
+/// An error of the motion.
 typedef struct {
     double far_mm;     ///< centre too far out
     double behind_rad; ///< lift behind the spindle
@@ -57,13 +57,14 @@ static double centre_mm(double phi)
     return OFFSET_MM * cos(phi) + sqrt(far_mm * far_mm - across * across);
 }
 
-/// Angle between the line of centres and the normal, which goes through the disc's centre.
+/// @return the angle between the line of centres and the normal, which goes through the disc's
+/// centre
 static double pressure_rad(double phi)
 {
     return -asin(OFFSET_MM * sin(phi) / (DISC_MM + design.follower_mm));
 }
 
-/// Half a turn that is not counted, then whole ones.
+/// Turn by half a turn that is not counted, then by whole turns.
 static void turn_lobe(int n_turns, int ticks_per_turn, flaw_t flaw)
 {
     for (int i = 0; i <= n_turns * ticks_per_turn + ticks_per_turn / 2; i++) {
@@ -178,7 +179,7 @@ static void test_heights_beside_the_lobe_are_not_cut(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.0, lobes.gauge[0].max_um);
 }
 
-/// A lobe that the tool comes to in the middle of a turn: what it has half passed is not judged.
+/// The tool reaches a lobe in the middle of a turn: lines that it has passed half are not judged.
 static void test_lobe_entered_anywhere_is_judged_where_it_was_cut(void)
 {
     for (int i = 0; i < 40; i++) {
