@@ -1,4 +1,4 @@
-"""Estimate the cycles of a tick and the load of the processor; tests/bench/README.md tells how.
+"""Estimate the cycles of a tick and the load of the processor; tests/bench/README.md explains how.
 
 >>> load_percent(2400.0, STM32H743)
 10.0
@@ -207,7 +207,7 @@ def estimate(
     Raises
     ------
     CamtoolsError
-        The trace shows no HAL function, so the port cannot be told from the firmware.
+        The trace shows no HAL function, so port and firmware cannot be separated.
     """
     hal = _hal_of(trace.addresses, symbols)
     everything = [listing[a] for a in trace.addresses]

@@ -138,7 +138,7 @@ def parse_code(text: str) -> Code:
 
 @dataclass(frozen=True)
 class Image:
-    """An ELF file, and what the binary utilities of `prefix` tell of it."""
+    """An ELF file, and what the binary utilities of `prefix` print of it."""
 
     path: Path
     prefix: str = PREFIX

@@ -10,7 +10,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cam_cases import cam
 from camsim_cases import ROOT, camsim
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import omega_rad_s
@@ -19,6 +18,7 @@ from camtools.lobe.generate import GeneratedLobes, generate_lobes
 from camtools.lobe.machine import lobe_machine_text
 from camtools.lobe.summary import emit_lobe_text, make_lobe_summary
 from camtools.skirt.generate import generate, peaks_of_table
+from lobe_cases import cam
 from part_cases import PERKINS, load_part
 
 SHAFT = (ROOT / "tools" / "parts" / "camshaft.toml").read_text()

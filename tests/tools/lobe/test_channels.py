@@ -10,12 +10,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cam_cases import NM, cam, evaluate
 from camtools.base.errors import GeometryError
 from camtools.lobe.channels import choose_angle, choose_lift, slices_of
 from camtools.lobe.generate import generate_lobes
 from camtools.lobe.motion import ShaftLobe, example_lobe, make_lobes
 from camtools.table.image import MAX_CHANNEL_BYTES
+from lobe_cases import NM, cam, evaluate
 from part_cases import ROOT
 
 PARTS = ROOT / "tools" / "parts"

@@ -8,8 +8,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cam_cases import NM, cam, evaluate
-from cam_tables import DISC, POLY345, POLY345_WHEEL
 from camsim_cases import camsim, only_error
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats
@@ -22,6 +20,8 @@ from camtools.lobe.speed import N_GRID, SpindleLimits, mean_of, surface_speed
 from camtools.pipeline.load import load
 from camtools.skirt.generate import generate
 from camtools.table.image import KIND_SPEED, KIND_U, pack, unpack
+from lobe_cases import NM, cam, evaluate
+from lobe_tables import DISC, POLY345, POLY345_WHEEL
 from part_cases import PERKINS, ROOT, Mktables, load_part
 
 PARTS = ROOT / "tools" / "parts"

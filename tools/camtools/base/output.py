@@ -31,7 +31,7 @@ def file_target(path: Path) -> Path:
     CamtoolsError
         There is something that is no regular file: a name put in its place would destroy it.
     OSError
-        The links lead round in a circle, or nobody may follow them.
+        The links lead round in a circle, or may not be followed.
     """
     with suppress(FileNotFoundError):
         mode = path.stat().st_mode
@@ -114,7 +114,12 @@ def write_all(folder: Path, files: Mapping[str, bytes | Iterable[bytes]]) -> Non
         raise CamtoolsError([f"{folder}: cannot write: {reason}; {remedy}"]) from error
     finally:
         if not done:
-            _remove(made, folders)
+            for path in made:
+                with suppress(OSError):
+                    path.unlink()
+            for path in folders:
+                with suppress(OSError):
+                    path.rmdir()
 
 
 @contextmanager
@@ -145,12 +150,3 @@ def growing(path: Path) -> Iterator[TextIO]:
                 Path(name).replace(path)
             else:
                 Path(name).unlink()
-
-
-def _remove(files: list[Path], folders: list[Path]) -> None:
-    for path in files:
-        with suppress(OSError):
-            path.unlink()
-    for path in folders:
-        with suppress(OSError):
-            path.rmdir()

@@ -25,7 +25,7 @@ from camtools.base.output import file_target, signals_held
 
 
 def cannot_write(place: Path, error: OSError) -> CamtoolsError:
-    """Return the one line that tells that a place cannot be written."""
+    """Return the error of a place that cannot be written, in one line."""
     reason = error.strerror or str(error)
     remedy = "give a folder that can be written and has room"
     return CamtoolsError([f"{place}: cannot write: {reason}; {remedy}"])

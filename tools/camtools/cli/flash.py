@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Command line that writes firmware and table into the flash memory of a NUCLEO-H743ZI2.
 
-A table goes the way of every table: the firmware's own check judges it before anything is written.
+A table is judged by the firmware's own check before anything is written, as every table is.
 
 >>> print(*command_lines("st-flash", [Write(Path("a.camtab"), TABLE.address)])[0])
 st-flash --connect-under-reset --reset write a.camtab 0x08100000
@@ -121,8 +121,10 @@ def check_table(file: Path) -> None:
         raise _refusal(camsim, problem, "start tools/flash, which builds it") from error
     if done.returncode != 0:
         lines = done.stderr.replace(str(file.absolute()), str(file)).splitlines()
-        told = [line.removeprefix("camsim: ") for line in lines]
-        raise CamtoolsError(told or [f"{file}: the check ended with status {done.returncode}"])
+        lines_shown = [line.removeprefix("camsim: ") for line in lines]
+        raise CamtoolsError(
+            lines_shown or [f"{file}: the check ended with status {done.returncode}"]
+        )
 
 
 def _st_flash(writes: Sequence[Write]) -> list[list[str]]:

@@ -1,4 +1,4 @@
-"""Whether a machine can move U as a table asks, and how fast.
+"""Whether a machine can move its axes as a table demands, and how fast.
 
 Along the feed U and the swing change with the slices of the table, at a speed that jumps where one
 slice ends: a set-point takes the jump, and what that needs comes on top, MATHS.md (61), (63).

@@ -1,4 +1,4 @@
-"""The exact design of a cam for the simulator's gauge, independent of the table.
+"""The exact design of a camshaft for the simulator's gauge, independent of the table.
 
 >>> from camtools.lobe.generate import generate_lobes
 >>> from camtools.lobe.motion import example_lobe

@@ -1,4 +1,4 @@
-"""From the part file of a cam to its table, checked against the machine's limits.
+"""From the part file of a camshaft to its table, checked against the machine's limits.
 
 >>> from camtools.lobe.motion import example_lobe
 >>> result = generate_lobes(example_lobe())
@@ -55,7 +55,7 @@ _DEG_PER_UNIT = 360 / ANGLE_TURN
 
 @dataclass(frozen=True, eq=False)
 class GeneratedLobes:
-    """A table of a cam and everything that is known about it.
+    """A table of a camshaft and everything that is known about it.
 
     Attributes
     ----------
@@ -84,7 +84,7 @@ class GeneratedLobes:
 
 
 def generate_lobes(part: LobePart, tolerance_nm: float | None = None) -> GeneratedLobes:
-    """Return the smallest table of a cam that keeps the tolerances.
+    """Return the smallest table of a camshaft that keeps the tolerances.
 
     Parameters
     ----------
@@ -214,19 +214,15 @@ class _Turn(NamedTuple):
     omega: Floats
 
 
-def _turns(paths: list[Follower], laws: list[Floats]) -> list[_Turn]:
-    turns = [
-        np.stack([path.d1, path.d2, path.angle1, path.angle2, law])
-        for path, law in zip(paths, laws, strict=True)
-    ]
-    return [_Turn(*turn) for turn in (*turns, *_mixes(turns))]
-
-
 def _needs(part: LobePart, paths: list[Follower], fed: Peaks, rpm: float) -> dict[str, float]:
     """Return needed over limit of every axis at a speed on the base circle, by limit."""
     limits = part.machine.limits
     given, shares = given_of(limits), {"spindle_rpm": rpm / limits.spindle_rpm}
-    for turn in _turns(paths, _laws(part, paths, rpm)):
+    alone = [
+        np.stack([path.d1, path.d2, path.angle1, path.angle2, law])
+        for path, law in zip(paths, _laws(part, paths, rpm), strict=True)
+    ]
+    for turn in (_Turn(*one) for one in (*alone, *_mixes(alone))):
         feeding = needed_of(fed, limits, float(turn.omega.max()))
         for name, needed in _needed(turn, part.process.operation).items():
             share = (needed + feeding[name]) / given[name]

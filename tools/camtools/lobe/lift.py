@@ -1,4 +1,4 @@
-"""Laws of lift: how far a cam lifts the centre of its roller, over the follower's angle.
+"""Laws of lift: how far a lobe lifts the centre of its roller, over the follower's angle.
 
 A new law is one class with `evaluate`; nothing else has to know it.
 
@@ -233,7 +233,7 @@ def make_lift(cam: Camshaft, lobe: Lobe, field: str) -> LiftLaw:
 
 
 def _check_between(law: Listed, largest_mm: float, field: str) -> None:
-    """Refuse a spline that leaves the lifts that its points give: nobody drew that."""
+    """Refuse a spline that leaves the range of its points: the drawing has no such lift."""
     knots = law.spline.t[law.spline.k : -law.spline.k]  # the points, without a turn's repetition
     pieces = np.linspace(knots[:-1], knots[1:], _PER_PIECE, axis=-1).ravel()
     lift_mm = np.asarray(law.spline(pieces), dtype=np.float64)

@@ -1,4 +1,4 @@
-"""The part file of a cam: base circle, roller, lobes, and how they are turned or ground.
+"""The part file of a camshaft: base circle, roller, lobes, and how they are turned or ground.
 
 >>> lobe = Lobe(z_mm=[0, 12], law="poly345", lift_mm=8, half_angle_deg=70)
 >>> lobe.phase_deg, lobe.law
@@ -237,7 +237,7 @@ class LobeMachine(TomlTable):
 
 
 class LobePart(TomlTable):
-    """The whole part file of a cam."""
+    """The whole part file of a camshaft."""
 
     part: PartInfo
     cam: Camshaft
@@ -274,7 +274,7 @@ class LobePart(TomlTable):
 
     @property
     def follower_radius_mm(self) -> float:
-        """Return the radius of what touches the cam: the wheel, or for turning the roller."""
+        """Return the radius of what touches the lobe: the wheel, or for turning the roller."""
         if self.process.operation == "turning":
             return self.cam.roller_radius_mm
         assert self.cam.wheel_radius_mm is not None

@@ -1,4 +1,4 @@
-"""The report of a cam: error over the angle, surface speed, and the pictures of its table.
+"""The report of a camshaft: error over the angle, surface speed, and the pictures of its table.
 
 >>> from camtools.lobe.motion import example_lobe, make_lobes
 >>> [lobe] = make_lobes(example_lobe())

@@ -78,7 +78,7 @@ class MachineLimits(TomlTable):
 
 
 class SwingLimits(MachineLimits):
-    """[machine.limits]: a cam lathe or grinder; its stroke is that of a cam."""
+    """[machine.limits]: a lathe or grinder for lobes, whose stroke is that of a lift."""
 
     u_stroke_mm: Annotated[float, Field(ge=0.001, le=30)] = 30.0
     swing_deg: Annotated[float, Field(ge=0.1, le=80)] = 30.0
@@ -87,7 +87,7 @@ class SwingLimits(MachineLimits):
 
 
 class Process(Protocol):
-    """What [process] of every kind tells; a kind has more."""
+    """The keys of [process] that every kind has; a kind may have more."""
 
     @property
     def spindle_rpm(self) -> float:

@@ -27,13 +27,13 @@ class TomlTable(BaseModel):
 
 
 def wrong(kind: str, problem: str, remedy: str, **context: Any) -> PydanticCustomError:  # noqa: ANN401
-    """Return a finding that tells the user what to do."""
+    """Return a finding with its remedy."""
     text = problem.replace("{", "(").replace("}", ")")
     return PydanticCustomError(kind, text, {"remedy": remedy, **context})
 
 
 def rising(height_mm: list[float]) -> list[float]:
-    """Return heights that increase in steps and over a span that a lathe can tell apart."""
+    """Return heights that increase in steps and over a span that a lathe can resolve."""
     for lower, upper in pairwise(height_mm):
         if upper - lower < MIN_STEP_MM - SAME_MM:
             problem = f"heights must increase by at least {MIN_STEP_MM} mm, but {upper} mm "
@@ -61,6 +61,6 @@ def no_truth(value: object) -> object:
 
 
 def beside_the_part(value: str | None, info: ValidationInfo) -> str | None:
-    """Return a path that the part file tells as seen from the part file's folder."""
+    """Return a path that the part file gives relative to the part file's folder."""
     folder = (info.context or {}).get("folder")
     return value if value is None or folder is None else str(Path(folder) / value)

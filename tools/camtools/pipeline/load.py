@@ -52,7 +52,7 @@ def parse_for(
     Parameters
     ----------
     command : str
-        Name of the command; the kinds tell theirs.
+        Name of the command, as in `Kind.commands`.
     model : type
         Of the parts that the command works on.
 

@@ -18,7 +18,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-# Okabe and Ito, "Color Universal Design" (2008): told apart by every kind of colour vision.
+# Okabe and Ito, "Color Universal Design" (2008): distinct for every kind of colour vision.
 BLUE, ORANGE, GREEN, RED, SKY, PURPLE = (
     "#0072B2",
     "#E69F00",

@@ -99,7 +99,7 @@ def verdict_of(outcome: AnyCut) -> Verdict:
         return Verdict("poor", "out of tolerance", f"The {found} is above the {allowed}.")
     if summary["end"] != "done":
         return Verdict("poor", f"incomplete: {summary['end']}", "The cut did not reach the end.")
-    if not outcome.is_good:  # a lobe of a cam
+    if not outcome.is_good:  # a lobe of a camshaft
         return Verdict("poor", "not gauged", f"The {found}, but the gauge has not seen all of it.")
     return Verdict("good", "within tolerance", f"The {found} is within the {allowed}.")
 
@@ -177,7 +177,7 @@ def _spelled_out(cell: str) -> str:
 
 
 def clear_after_s(outcome: AnyCut) -> float | None:
-    """Return how long after the fault the tool was out of the work [s], if the trace tells."""
+    """Return how long after the fault the tool was out of the work [s], none if it never was."""
     trace = outcome.trace
     after = np.flatnonzero(trace.state == FAULT)
     clear = after[trace.error_nm[after] > _CLEAR_MM * 1e6]

@@ -1,4 +1,4 @@
-"""What every table tells of itself, as JSON values.
+"""What the summary of every table holds, and the files that every table has.
 
 >>> callable(describe_channel)
 True
