@@ -8,10 +8,11 @@ numbers in JUnit files. A step is added by one line in the list that it belongs 
 from __future__ import annotations
 
 import os
+import re
 import sys
 from pathlib import Path
 
-from step_runner import Runner, Step
+from step_runner import STEP_LIMIT_S, Runner, Step
 
 ROOT = Path(__file__).resolve().parent.parent
 BUILD = ROOT / "build"
@@ -83,6 +84,7 @@ def pytest(
     preset: str = "host",
     wide: bool = False,
     alone: bool = False,
+    limit_s: float = STEP_LIMIT_S,
 ) -> Step:
     """Return tests in Python; those that start the simulator take it from a preset."""
     report = BUILD / "reports" / f"pytest-{name.replace(' ', '-')}.xml"
@@ -95,6 +97,7 @@ def pytest(
         is_alone=alone,
         report=report,
         environment={"CAMTURN_BUILD": str(BUILD / preset)},
+        limit_s=limit_s,
     )
 
 
@@ -167,7 +170,7 @@ def host_steps() -> list[Step]:
         pytest("host-asan", *simulator, needs=("build host-asan",), preset="host-asan", wide=True),
         build("host-clang"),
         ctest("host-clang"),
-        clang_tidy("host-clang", r"/(firmware|hal|host_sim)/.*\.c$"),
+        clang_tidy("host-clang", rf"^{re.escape(str(ROOT))}/(firmware|hal|host_sim)/.*\.c$"),
         build("host-cov"),
         ctest("host-cov", *own_tests, clears="build/host-cov/**/*.gcda"),
         tool("coverage of firmware", "gcovr", *gcovr, needs=("ctest host-cov",), closing="%"),
@@ -182,7 +185,8 @@ def linux_steps() -> list[Step]:
     needs = ("build host", "build linux")
     return [
         build("linux"),
-        pytest("linux kernel", *start, "tests/linux/test_kernel.py", needs=needs),
+        # The first time it builds the kernel, beside other steps.
+        pytest("linux kernel", *start, "tests/linux/test_kernel.py", needs=needs, limit_s=1800),
         pytest("linux", "tests/linux/test_linux.py", needs=(*needs, "pytest linux kernel")),
         clang_tidy("linux", *files),
         build("linux-gpiod2"),

@@ -157,6 +157,18 @@ static bool take_set(camsim_options_t *o, const char *text, common_error_t *e)
     return sim_wishes_add(&o->cut.wishes, name, value, "--set", e);
 }
 
+static bool take_inject(camsim_options_t *o, const char *text, common_error_t *e)
+{
+    sim_session_options_t *session = &o->cut.session;
+    if (session->n_injects == sim_session_max_injects) {
+        return common_error(e, "--inject %.60s: one too many; give at most %d", text,
+                            sim_session_max_injects);
+    }
+    const bool is_bus = strcmp(o->command, "bus") == 0;
+    return sim_inject_parse(&session->inject[session->n_injects++], text,
+                            is_bus ? sim_inject_on_bus : sim_inject_in_run, e);
+}
+
 static bool take_switch(camsim_options_t *o, int option)
 {
     switch (option) {
@@ -244,13 +256,7 @@ static bool take_value(camsim_options_t *o, int option, const char *text, common
     case opt_set:
         return take_set(o, text, e);
     default: // opt_inject
-        if (session->n_injects == sim_session_max_injects) {
-            return common_error(e, "--inject %.60s: one too many; give at most %d", text,
-                                sim_session_max_injects);
-        }
-        return sim_inject_parse(
-            &session->inject[session->n_injects++], text,
-            strcmp(o->command, "bus") == 0 ? sim_inject_on_bus : sim_inject_in_run, e);
+        return take_inject(o, text, e);
     }
 }
 

@@ -42,18 +42,6 @@ static bool check_lobes(const run_t *r, common_error_t *e)
                         removal_path, table->name);
 }
 
-static bool open_cut(run_t *r, common_error_t *e)
-{
-    sim_file_t file;
-    const char *path = r->options.table_path;
-    if (!sim_file_read(&file, path, camsim_max_table_bytes, e)) {
-        return false;
-    }
-    const bool is_good = sim_cut_open(&r->cut, &r->options.cut, file.bytes, file.size, path, e);
-    sim_file_free(&file);
-    return is_good;
-}
-
 static bool open_outputs(run_t *r, common_error_t *e)
 {
     sim_out_watch_signals();
@@ -144,7 +132,14 @@ int camsim_run(int argc, char **argv)
         camsim_options_help();
         return camsim_done;
     }
-    if (!open_cut(&r, &e)) {
+    sim_file_t file;
+    const char *path = r.options.table_path;
+    if (!sim_file_read(&file, path, camsim_max_table_bytes, &e)) {
+        return camsim_complain(&e);
+    }
+    const bool is_open = sim_cut_open(&r.cut, &r.options.cut, file.bytes, file.size, path, &e);
+    sim_file_free(&file);
+    if (!is_open) {
         return camsim_complain(&e);
     }
     camsim_warn_of_design(&r.options);

@@ -41,7 +41,7 @@ static size_t slice_below(const cam_channel_t *ch, double z_mm, double *w)
 
 static double scaled(const cam_channel_t *ch, double lsb)
 {
-    return ch->offset_nm + ldexp(lsb, -(int)ch->frac_bits);
+    return ch->value_offset + ldexp(lsb, -(int)ch->frac_bits);
 }
 
 double sim_design_table_long_mm(const cam_table_t *t, double z_mm)

@@ -10,28 +10,20 @@
 /// [s] without SYNC after which the controller has gone.
 #define LOST_S 0.1
 
-static bool prepare(sim_watch_t *w, const void *image, size_t size, const char *name,
-                    common_error_t *e)
-{
-    sim_session_t *s = &w->session;
-    if (!sim_session_open(s, &w->options.session, image, size, name, e)) {
-        return false;
-    }
-    if (s->table.angle.knots != NULL) {
-        return common_error(
-            e, "%s: is the table of a cam, for which the bus has no gauge; use camsim run", name);
-    }
-    return sim_session_load_design(s, e);
-}
-
 bool sim_watch_open(sim_watch_t *w, const sim_watch_options_t *options, const void *image,
                     size_t size, const char *name, common_error_t *e)
 {
     memset(w, 0, sizeof *w);
     w->options = *options;
     w->link = sim_link_closed();
-    if (!prepare(w, image, size, name, e)) {
-        sim_session_close(&w->session);
+    sim_session_t *s = &w->session;
+    bool is_good = sim_session_open(s, &options->session, image, size, name, e);
+    if (is_good && s->table.angle.knots != NULL) {
+        is_good = common_error(
+            e, "%s: is the table of a cam, for which the bus has no gauge; use camsim run", name);
+    }
+    if (!is_good || !sim_session_load_design(s, e)) {
+        sim_session_close(s);
         return false;
     }
     sim_bus_config_t config = {
@@ -45,7 +37,7 @@ bool sim_watch_open(sim_watch_t *w, const sim_watch_options_t *options, const vo
     memcpy(config.is_foreign, options->is_foreign, sizeof config.is_foreign);
     double x_nm;
     double z_nm;
-    sim_session_place(&w->session, &x_nm, &z_nm);
+    sim_session_place(s, &x_nm, &z_nm);
     sim_bus_init(&w->bus, &config, x_nm, z_nm);
     w->quiet_s = -1.0;
     w->fault_s = -1.0;

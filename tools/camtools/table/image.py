@@ -228,7 +228,7 @@ _WORKED_OUT = ("size", "n_slices", "log2_knots", "slices_per_nm_q48")
 def _entry_of(channel: Channel, offset: int, *, is_ring_helix: bool) -> bytes:
     same = {name: getattr(channel, name) for name in _OWN + _WORKED_OUT}
     path = int(is_ring_helix and channel.kind == KIND_X)
-    values = same | {"offset": offset, "offset_nm": channel.origin, "path": path}
+    values = same | {"offset": offset, "value_offset": channel.origin, "path": path}
     return bytes_of(ENTRY, values)
 
 
@@ -370,7 +370,7 @@ def _check_entry(entry: dict[str, Any], table: Table) -> None:
     q48 = slices_per_nm_q48(n_slices, z_first, z_last)
     _demand(entry["slices_per_nm_q48"] == q48, "slices_per_nm_q48: wrong")
     _demand(entry["path"] <= int(kind == KIND_X), "path: not 0 or, of x, 1")
-    low, high = ((entry["offset_nm"] << frac_bits) + entry[name] for name in ("p_min", "p_max"))
+    low, high = ((entry["value_offset"] << frac_bits) + entry[name] for name in ("p_min", "p_max"))
     if kind == KIND_SPEED:
         is_ratio = low >= MIN_RATIO << frac_bits and high <= MAX_RATIO << frac_bits
         _demand(is_ratio, "p_min, p_max: no speed ratio of 1/16 .. 4")
@@ -385,7 +385,7 @@ def _make_channel(image: bytes, entry: dict[str, Any]) -> Channel:
     triples = np.stack([knots[name] for name in ("p", "v", "a")], axis=-1).astype(np.int32)
     own = {name: entry[name] for name in _OWN}
     return Channel(
-        knots=triples.reshape(entry["n_slices"], -1, 3), origin=entry["offset_nm"], **own
+        knots=triples.reshape(entry["n_slices"], -1, 3), origin=entry["value_offset"], **own
     )
 
 

@@ -56,7 +56,7 @@ ENTRY = np.dtype(
         ("z_first_nm", "<i4"),
         ("z_last_nm", "<i4"),
         ("slices_per_nm_q48", "<u4"),
-        ("offset_nm", "<i4"),
+        ("value_offset", "<i4"),
         ("p_min", "<i4"),
         ("p_max", "<i4"),
         ("v_max", "<u4"),
