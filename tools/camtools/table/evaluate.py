@@ -54,7 +54,7 @@ def power_rows(t: Floats) -> Floats:
 
 def _scaled(channel: Channel, raw: Floats) -> Values:
     h, lsb = knot_interval(channel), channel.lsb
-    return Values(channel.origin + raw[0] * lsb, raw[1] * (lsb / h), raw[2] * (lsb / h**2))
+    return Values(channel.value_offset + raw[0] * lsb, raw[1] * (lsb / h), raw[2] * (lsb / h**2))
 
 
 def evaluate_grid(channel: Channel, z_nm: Floats, t: Floats) -> Values:
