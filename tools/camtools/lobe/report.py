@@ -14,7 +14,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from camtools.base.quantities import Floats
+from camtools.base.quantities import Floats, length_unit
 from camtools.lobe.motion import ShaftLobe
 from camtools.lobe.plots import draw_lobes
 from camtools.lobe.report_text import LobeOutcome, lobe_rows
@@ -26,7 +26,6 @@ from camtools.plots.style import (
     RED,
     angle_axis,
     drawing,
-    length_unit,
     new_figure,
     png_of,
 )

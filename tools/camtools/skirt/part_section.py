@@ -24,8 +24,6 @@ TrimMm = Annotated[float, Field(ge=-100, le=100)]
 JointDeg = Annotated[float, Field(ge=10, le=80)]
 EccentricityMm = Annotated[float, Field(ge=-1000, le=1000)]
 DeleteCount = Annotated[int, Field(ge=0, le=MAX_DELETE)]
-
-
 _LONG = Field(min_length=2, max_length=1000)
 Trims = Annotated[
     Annotated[list[TrimMm], _LONG, Tag("(list)")] | Annotated[TrimMm, Tag("(one)")], LIST_OR_ONE

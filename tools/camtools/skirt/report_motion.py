@@ -22,8 +22,6 @@ from camtools.skirt.geometry import Geometry, turning_at
 
 _UM_PER_MM, _MM_PER_M = 1000.0, 1000.0
 _N_ANGLES = 721
-
-
 _DERIVATIVE_TICKS = 4  # the measured position is quantised, so the slope is taken over 2 x 4 ticks
 
 

@@ -6,7 +6,7 @@ True
 
 from __future__ import annotations
 
-from camtools.plots.style import length_text
+from camtools.base.quantities import length_text
 from camtools.report.text import ReportRow, error_pair
 from camtools.skirt.outcome import SkirtOutcome
 from camtools.skirt.refit import judge
