@@ -1,7 +1,8 @@
 """Picture of U over one turn of a skirt: drawing beside measurement.
 
->>> callable(draw_motion)
-True
+>>> steady = np.arange(12.0)
+>>> _slope(2 * steady, steady)[5]
+np.float64(2.0)
 """
 
 from __future__ import annotations

@@ -1,8 +1,4 @@
-"""What the cut of a skirt came to, in words and numbers.
-
->>> callable(rows_of)
-True
-"""
+"""What the cut of a skirt came to, in words and numbers."""
 
 from __future__ import annotations
 
