@@ -16,9 +16,6 @@ from camtools.table.csource import emit_header, emit_source
 from camtools.table.evaluate import knot_interval
 from camtools.table.image import KIND_X, Channel, Table, crc32_of, pack
 
-# Keys of NAME.json that programs rely on, where the image has a longer name.
-_KEYS = {"spindle_peak_ppm_per_rad": "spindle_peak_ppm"}
-
 
 def describe_channel(channel: Channel) -> Json:
     """Return the size of a channel and the bounds of its knots."""
