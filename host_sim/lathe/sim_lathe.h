@@ -58,13 +58,13 @@ typedef struct {
     // faults that were caused
     bool is_speed_forced; ///< the spindle runs at forced_rad_per_s, whatever is commanded
     double forced_rad_per_s;
-    bool is_reversed;          ///< the spindle turns against its set-point
-    uint32_t count_offset;     ///< [counts] added to the counter and to what latches it
-    bool is_encoder_stuck;     ///< the counter keeps stuck_counts
-    bool is_index_dead;        ///< no index edge arrives any more
-    uint32_t stuck_counts;     ///< counter when it got stuck
-    hal_encoder_t last_index;  ///< reading when the index died
-    hal_encoder_t true_counts; ///< last reading without the faults
+    bool is_reversed;           ///< the spindle turns against its set-point
+    uint32_t count_offset;      ///< [counts] added to the counter and to what latches it
+    bool is_encoder_stuck;      ///< the counter keeps stuck_counts
+    bool is_index_dead;         ///< no index edge arrives any more
+    uint32_t stuck_counts;      ///< counter when it got stuck
+    hal_encoder_t last_index;   ///< reading when the index died
+    hal_encoder_t true_reading; ///< last reading without the faults
 } sim_lathe_t;
 
 /// Bring the lathe to rest.

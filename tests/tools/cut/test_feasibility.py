@@ -145,6 +145,7 @@ def test_laws_of_neighbours_are_made_for_what_lies_between_them(phase_deg: int, 
     assert 40 < together <= 60
 
 
+@pytest.mark.slow
 def test_highest_surface_speed_of_a_shaft_is_accepted() -> None:
     """Also where U decides; a tenth more is not."""
     weak = PAIR.replace("u_acceleration_mm_s2 = 20000", "u_acceleration_mm_s2 = 1200")
@@ -200,6 +201,7 @@ def test_skirts_are_judged_alike() -> None:
     assert slower.decides == "u_acceleration_mm_s2"
 
 
+@pytest.mark.slow
 def test_firmware_and_tool_judge_alike(table_of: Callable[[str], Path], tmp_path: Path) -> None:
     """Largest feed within 2 %, told before motion; the cut at it has no fault."""
     table = table_of("camshaft")

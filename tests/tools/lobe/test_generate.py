@@ -182,7 +182,7 @@ def test_modulated_table_keeps_the_machines_limits() -> None:
     assert result.peaks.spindle_rad2 * omega**2 <= 60
     assert result.table.bounds.spindle_peak_ppm_per_rad <= 10_000_000
     speed = result.table.channel(KIND_SPEED)
-    assert speed.p_max / 2**speed.frac_bits + speed.origin <= 4 * 2**20
+    assert speed.p_max / 2**speed.frac_bits + speed.value_offset <= 4 * 2**20
     assert result.table.channel(KIND_U).knots.shape[0] == 2
     assert result.mean_rpm < 60  # the flanks are longer than the base circle
 

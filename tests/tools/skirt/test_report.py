@@ -205,6 +205,7 @@ def test_report_is_the_same_twice(good: SkirtOutcome) -> None:
     assert make_report(good) == make_report(good)
 
 
+@pytest.mark.slow
 def test_faulty_report_tells_what_happened(faulty: SkirtOutcome) -> None:
     """A fault gets its picture and its story: what, when, reaction, remedy."""
     files = make_report(faulty)
@@ -247,6 +248,7 @@ def test_cut_without_surface_and_trace_still_reports(faulty: SkirtOutcome) -> No
     assert b"nothing was cut to full depth" in files["report.html"]
 
 
+@pytest.mark.slow
 def test_part_source_is_escaped(good: SkirtOutcome) -> None:
     """Text of the part file and of options cannot become markup."""
     info = good.generated.part.part.model_copy(update={"source": "<b>&"})

@@ -36,7 +36,7 @@ static void refused(const char *text, const char *why)
     TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, path), error.text);
 }
 
-/// A field that the example misses or tells differently would stand out.
+/// The example must name every field with its default.
 static void test_example_file_tells_every_default(void)
 {
     memset(&config, 0x5a, sizeof config);
@@ -149,7 +149,7 @@ static void test_values_that_do_not_fit_one_another_are_refused(void)
     TEST_ASSERT_TRUE(load("[drive.x]\nnode = 0\n[drive.z]\nnode = 0\n[spindle]\nnode = 0\n"));
 }
 
-/// Every text was taken once, and the machine could not work or did something else.
+/// Values that a reader of keys alone would accept, although no machine can work by them.
 static void test_what_cannot_work_is_refused(void)
 {
     refused("[gpio]\nestop = \"gpiochip0:x\"\n", "gpio.estop = gpiochip0:x: no number behind");

@@ -107,7 +107,7 @@ static void test_enable_low_is_repeated_until_it_is_written(void)
     TEST_ASSERT_EQUAL_UINT32(1, fault->n_writes);
 }
 
-/// Whether a write that failed did something is not known: low is written though it was low before.
+/// A write that failed may have taken effect, so low is written although it was low before.
 static void test_enable_that_could_not_be_set_is_taken_back(void)
 {
     enable->is_broken = true;

@@ -176,7 +176,7 @@ def _modulation(part: LobePart, lobes: list[ShaftLobe]) -> tuple[MadeChannel | N
 def _with_swing(peaks: Peaks, angle: Channel, speed: Channel | None) -> Peaks:
     raw, h = raw_bounds(angle), knot_interval(angle)
     unit = angle.lsb * _DEG_PER_UNIT
-    extremes = (angle.origin + one * angle.lsb for one in (raw.low, raw.high))
+    extremes = (angle.value_offset + one * angle.lsb for one in (raw.low, raw.high))
     largest = max(abs(one) for one in extremes) * _DEG_PER_UNIT
     first, second = raw.first * unit / h, raw.second * unit / h**2
     if speed is not None:

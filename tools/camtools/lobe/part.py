@@ -12,7 +12,6 @@ from math import floor
 from typing import Annotated, Literal, Self
 
 from pydantic import (
-    Discriminator,
     Field,
     StringConstraints,
     Tag,
@@ -23,7 +22,15 @@ from pydantic import (
 
 from camtools.base.quantities import NM_PER_MM
 from camtools.part.common import PartInfo, SwingLimits
-from camtools.part.model import HeightMm, TomlTable, beside_the_part, no_truth, rising, wrong
+from camtools.part.model import (
+    LIST_OR_ONE,
+    HeightMm,
+    TomlTable,
+    beside_the_part,
+    no_truth,
+    rising,
+    wrong,
+)
 
 MIN_GAP_MM = 0.2
 MAX_LIFT_MM = 15.0
@@ -55,14 +62,10 @@ def fits_turn(span_deg: float) -> bool:
     return is_turn(span_deg) or is_step(360 - span_deg)
 
 
-def _list_or_one(value: object) -> str:
-    return "(list)" if isinstance(value, list) else "(one)"
-
-
 _LONG = Field(min_length=MIN_POINTS, max_length=10_000)
 Lifts = Annotated[
     Annotated[list[PointLiftMm], _LONG, Tag("(list)")] | Annotated[LiftMm, Tag("(one)")],
-    Discriminator(_list_or_one),
+    LIST_OR_ONE,
 ]
 
 _BELONGS_TO = {

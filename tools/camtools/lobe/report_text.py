@@ -9,9 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from camtools.base.json_text import Json
-from camtools.base.quantities import Floats
+from camtools.base.quantities import Floats, length_text
 from camtools.lobe.generate import GeneratedLobes
-from camtools.plots.style import length_text
 from camtools.report.text import ReportRow, error_pair
 from camtools.sim.results import Cut
 

@@ -42,7 +42,7 @@ class ProgramJob(NamedTuple):
     @property
     def clear_mm(self) -> float:
         """Return the radius at which the tool is off the blank."""
-        return blank_radius_mm(self.part, self.geometry) + CLEARANCE_MM
+        return blank_radius_mm(self.geometry, self.part.process.depth_mm) + CLEARANCE_MM
 
 
 def blocks(words: Sequence[Word], values: Floats) -> bytes:

@@ -21,8 +21,6 @@ from camtools.base.quantities import NM_PER_MM
 from camtools.part.model import TomlTable, wrong
 
 DEFAULT_ALPHA_RAD_S2 = 500.0  # 50 Nm on 0.1 kg m2
-
-
 PartName = Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,30}\z")]
 
 

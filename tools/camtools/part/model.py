@@ -10,7 +10,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationInfo
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, ValidationInfo
 from pydantic_core import PydanticCustomError
 
 MIN_SPAN_MM = 1.0
@@ -18,6 +18,13 @@ MIN_STEP_MM = 0.01
 SAME_MM = 1e-9  # decimal heights differ by less from what they are written as
 
 HeightMm = Annotated[float, Field(ge=-1000, le=1000)]
+
+
+def _list_or_one(value: object) -> str:
+    return "(list)" if isinstance(value, list) else "(one)"
+
+
+LIST_OR_ONE = Discriminator(_list_or_one)  # members have these tags: findings leave them out
 
 
 class TomlTable(BaseModel):

@@ -1,11 +1,11 @@
 r"""From a part file to its kind and its part.
 
 >>> text = b'[part]\nname = "a"\nkind = "cam"\nsource = "b"\n'
->>> try:
-...     parse(text, "a.toml")
-... except CamtoolsError as error:
-...     print(error.lines[0])
-a.toml: cam: is missing; add it
+>>> parse(text, "a.toml")
+Traceback (most recent call last):
+    ...
+camtools.base.errors.CamtoolsError: a.toml: cam: is missing; add it
+a.toml: process: is missing; add it
 """
 
 from __future__ import annotations
@@ -13,13 +13,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
-from camtools.base.errors import CamtoolsError, InputError
+from camtools.base.errors import InputError
 from camtools.part.common import PartFile
 from camtools.part.file import read_part_file, read_tree, validated
 from camtools.pipeline.kind import AnyKind
 from camtools.pipeline.registry import kind_of, kinds
-
-__all__ = ["CamtoolsError", "Loaded", "load", "load_for", "parse", "parse_for"]
 
 PartT = TypeVar("PartT", bound=PartFile)
 

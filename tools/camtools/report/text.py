@@ -16,18 +16,12 @@ import numpy as np
 
 from camtools.base.errors import InputError
 from camtools.base.json_text import Json
-from camtools.plots.style import length_text
+from camtools.base.quantities import length_text
 from camtools.sim.results import FAULT, AnyCut
 
 _FAULTS = Path(__file__).resolve().parents[3] / "firmware" / "FAULTS.md"
-
-
 _FAULT_ROW = re.compile(r"^\| `(\w+)` \|(.*)\|$", re.MULTILINE)
-
-
 _CLEAR_MM = 0.2  # the tool counts as out of the work: twice the usual depth of cut
-
-
 _MARGINS = {
     "spindle_rpm": ("spindle speed", "r/min", 1.0),
     "u_speed_mm_s": ("U speed", "mm/s", 1.0),

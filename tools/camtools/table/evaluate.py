@@ -54,7 +54,7 @@ def power_rows(t: Floats) -> Floats:
 
 def _scaled(channel: Channel, raw: Floats) -> Values:
     h, lsb = knot_interval(channel), channel.lsb
-    return Values(channel.origin + raw[0] * lsb, raw[1] * (lsb / h), raw[2] * (lsb / h**2))
+    return Values(channel.value_offset + raw[0] * lsb, raw[1] * (lsb / h), raw[2] * (lsb / h**2))
 
 
 def evaluate_grid(channel: Channel, z_nm: Floats, t: Floats) -> Values:
@@ -182,9 +182,5 @@ def jumps(channel: Channel) -> tuple[Continuity, Continuity]:
 
 
 ROUNDING_LSB = 1.0  # what the firmware's arithmetic may add to the table's own error
-
-
 GRID_MARGIN = 1.01  # the worst place may lie between the points of the grid
-
-
 PLACES = np.array([0.0, 0.03, 0.11, 0.21, 0.31, 0.41, 0.5, 0.62, 0.73, 0.83, 0.93, 0.98])

@@ -93,7 +93,7 @@ class Channel:
         0 .. 16.
     z_first_nm, z_last_nm : int
         Heights of the first and the last slice.
-    origin : int
+    value_offset : int
         Value at p = 0, in the unit of the channel.
     p_min, p_max, v_max, a_max : int
         Bounds of p and of the magnitudes of v and a.
@@ -105,7 +105,7 @@ class Channel:
     frac_bits: int
     z_first_nm: int
     z_last_nm: int
-    origin: int
+    value_offset: int
     p_min: int
     p_max: int
     v_max: int
@@ -220,7 +220,7 @@ def _header_of(table: Table, image_size: int, crc32: int) -> bytes:
 # Fields of an entry that a channel has by the same name: its own, and worked out from its knots.
 _OWN = (
     *("kind", "log2_repeat", "frac_bits", "z_first_nm", "z_last_nm"),
-    *("p_min", "p_max", "v_max", "a_max"),
+    *("value_offset", "p_min", "p_max", "v_max", "a_max"),
 )
 _WORKED_OUT = ("size", "n_slices", "log2_knots", "slices_per_nm_q48")
 
@@ -228,7 +228,7 @@ _WORKED_OUT = ("size", "n_slices", "log2_knots", "slices_per_nm_q48")
 def _entry_of(channel: Channel, offset: int, *, is_ring_helix: bool) -> bytes:
     same = {name: getattr(channel, name) for name in _OWN + _WORKED_OUT}
     path = int(is_ring_helix and channel.kind == KIND_X)
-    values = same | {"offset": offset, "value_offset": channel.origin, "path": path}
+    values = same | {"offset": offset, "path": path}
     return bytes_of(ENTRY, values)
 
 
@@ -384,9 +384,7 @@ def _make_channel(image: bytes, entry: dict[str, Any]) -> Channel:
     knots = np.frombuffer(image, KNOT, count=n_knots, offset=entry["offset"])
     triples = np.stack([knots[name] for name in ("p", "v", "a")], axis=-1).astype(np.int32)
     own = {name: entry[name] for name in _OWN}
-    return Channel(
-        knots=triples.reshape(entry["n_slices"], -1, 3), origin=entry["value_offset"], **own
-    )
+    return Channel(knots=triples.reshape(entry["n_slices"], -1, 3), **own)
 
 
 def _check_knots(channel: Channel) -> None:

@@ -17,11 +17,7 @@ from camtools.table.evaluate import evaluate_grid
 from camtools.table.image import RATIO_ONE, Bounds, Channel
 
 _PLACES_PER_KNOT = 8
-
-
 _PEAK_MARGIN = 1.002  # between the places, and the firmware's rounding
-
-
 _HEIGHTS_BETWEEN = 4
 
 

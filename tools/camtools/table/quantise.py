@@ -3,7 +3,7 @@
 >>> from camtools.table.image import KIND_U
 >>> knots = np.array([[[0.0, 0, 0], [1000.0, 0, 0], [0, 0, 0], [1000.0, 0, 0]]])
 >>> channel = quantise(KIND_U, knots, 1, (0, 1_000_000))
->>> channel.origin, channel.frac_bits
+>>> channel.value_offset, channel.frac_bits
 (500, 6)
 """
 
@@ -34,12 +34,12 @@ def _integers(
 ) -> Channel:
     """Return the channel for given frac_bits; its bounds are not filled in."""
     p = exact[..., 0]
-    origin = round((float(p.max()) + float(p.min())) / 2)
-    scaled = (exact - np.array([origin, 0, 0])) * 2.0**frac_bits
+    value_offset = round((float(p.max()) + float(p.min())) / 2)
+    scaled = (exact - np.array([value_offset, 0, 0])) * 2.0**frac_bits
     if np.abs(scaled).max() > SUM_LIMIT:
         raise TooLargeError
     knots = np.rint(scaled).astype(np.int32)
-    return Channel(kind, knots, log2_repeat, frac_bits, *range_nm, origin, 0, 0, 0, 0)
+    return Channel(kind, knots, log2_repeat, frac_bits, *range_nm, value_offset, 0, 0, 0, 0)
 
 
 def _start_bits(kind: int, exact: Floats) -> int:

@@ -67,11 +67,7 @@ ENTRY = np.dtype(
 
 
 KNOT = np.dtype([("p", "<i4"), ("v", "<i4"), ("a", "<i4")])
-
-
 HEADER_SIZE, ENTRY_SIZE, KNOT_SIZE = HEADER.itemsize, ENTRY.itemsize, KNOT.itemsize
-
-
 CRC_START = HEADER.fields["crc32"][1] + 4  # type: ignore[index]
 
 
