@@ -119,8 +119,8 @@ static void build_spindle(cam_spindle_config_t *c, const cam_params_t *p, const 
     c->centre_q32 = (uint32_t)turn_of_udeg(p->index_offset_udeg) + (uint32_t)(count_q32 / 2u);
     c->index_tolerance = p->index_tolerance_counts;
     c->index_overdue = turn + turn / 8;
-    c->jump_window = p->jump_window_counts;
     c->max_counts = turn / 4;
+    c->jump_window = cam_clamp_i32(p->jump_window_counts, 0, c->max_counts);
     build_clock(c, p->late_percent, tick_hz, clock_hz);
     build_observer(c, p, tick_hz);
 }

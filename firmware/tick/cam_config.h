@@ -28,7 +28,7 @@ typedef struct {
     int32_t ki_q32;                   ///< ... of the speed, below 1/2
     int32_t index_tolerance;          ///< [counts]
     int32_t index_overdue;            ///< [counts] travel without an index edge that is too far
-    int32_t jump_window;              ///< [counts]
+    int32_t jump_window;              ///< [counts] at most a quarter turn
     int32_t max_counts;               ///< [counts / tick] a quarter turn
     uint32_t tick_clocks;             ///< [1 / clock_hz] period
     uint32_t early_clocks;            ///< [1 / clock_hz] shortest period that counts as on time
