@@ -112,7 +112,7 @@ typedef struct {
 typedef struct {
     int32_t overspeed_q32;      ///< [turn / 2^32 per tick]
     int32_t stopped_q32;        ///< [turn / 2^32 per tick]
-    uint32_t speed_span_q32;    ///< [turn / 2^32 per tick] from stopped to overspeed
+    uint32_t plan_ticks;        ///< [ticks] from plan to plan
     uint32_t stopped_ticks;     ///< [ticks] in the cut
     uint32_t homing_ticks;      ///< [ticks] for the spindle to turn while homing
     int32_t following_nm;       ///< [nm]

@@ -16,7 +16,8 @@ static uint32_t sensed_edge(const cam_spindle_config_t *cfg, uint32_t counts)
     return (counts ^ cfg->sign_mask) - cfg->sign_mask;
 }
 
-/// A tick moves less than a turn: at most half a turn, which no speed is beyond, and the jump window.
+/// A tick moves less than a turn: at most half a turn, which no speed is beyond, and the jump
+/// window.
 static void move_in_turn(cam_spindle_t *s, const cam_spindle_config_t *cfg, int32_t moved)
 {
     const int32_t turn = cfg->counts_per_turn;
@@ -60,8 +61,8 @@ CAM_STAGE static void sync(cam_spindle_t *s, const cam_spindle_config_t *cfg)
 
 /// A tick that came off its time. A travel beyond half a turn wraps: its counts are a jump anyway.
 /// @return [turn / 2^32] travel at its time stamp
-CAM_STAGE static int32_t take_off_time(cam_spindle_t *s, const cam_spindle_config_t *cfg,
-                                       uint32_t period, int32_t travel_q32)
+static int32_t take_off_time(cam_spindle_t *s, const cam_spindle_config_t *cfg, uint32_t period,
+                             int32_t travel_q32)
 {
     s->is_off_time = true;
     s->n_late += period > cfg->late_clocks ? 1u : 0u;
