@@ -8,15 +8,17 @@ numbers in JUnit files. A step is added by one line in the list that it belongs 
 from __future__ import annotations
 
 import os
+import re
 import sys
 from pathlib import Path
 
-from step_runner import Runner, Step
+from step_runner import STEP_LIMIT_S, Runner, Step
 
 ROOT = Path(__file__).resolve().parent.parent
 BUILD = ROOT / "build"
 PYTHON = sys.executable
 PYPROJECT = "tools/pyproject.toml"
+LINT_IMPORTS = Path(PYTHON).with_name("lint-imports")
 C_FOLDERS = ("firmware", "hal", "host_sim", "tests")
 Command = tuple[str | Path, ...]
 MAX_CORES = 8
@@ -82,6 +84,7 @@ def pytest(
     preset: str = "host",
     wide: bool = False,
     alone: bool = False,
+    limit_s: float = STEP_LIMIT_S,
 ) -> Step:
     """Return tests in Python; those that start the simulator take it from a preset."""
     report = BUILD / "reports" / f"pytest-{name.replace(' ', '-')}.xml"
@@ -94,6 +97,7 @@ def pytest(
         is_alone=alone,
         report=report,
         environment={"CAMTURN_BUILD": str(BUILD / preset)},
+        limit_s=limit_s,
     )
 
 
@@ -111,12 +115,12 @@ def files_with(mark: str) -> list[str]:
 def tools_steps(is_fast: bool) -> list[Step]:
     """Return the tests of the tools, and the scenarios, with the simulator of the host."""
     paths, needs = ("tests/tools", "tests/scenarios"), ("build host",)
-    marks = "not alone and not slow" if is_fast else "not alone"
+    rest = " and not slow" if is_fast else ""
     # Those that judge the clock mostly wait, so that several of them do not disturb one another.
-    alone = ("-m", "alone", "-n", "3", "--dist", "load", *files_with("alone"))
+    alone = ("-n", "3", "--dist", "load", *files_with("alone"))
     return [
-        pytest("tools", *paths, "-m", marks, needs=needs, wide=True),
-        pytest("alone", *alone, needs=needs, alone=True),
+        pytest("tools", *paths, "-m", f"not alone{rest}", needs=needs, wide=True),
+        pytest("alone", "-m", f"alone{rest}", *alone, needs=needs, alone=True),
     ]
 
 
@@ -134,6 +138,7 @@ def source_steps() -> list[Step]:
         tool("ruff check", "ruff", "check", *ruff),
         tool("mypy", "mypy", "--config-file", PYPROJECT, "tools", "tests"),
         gate("misra", ROOT / "tools" / "misra"),
+        gate("imports", LINT_IMPORTS, "--config", PYPROJECT, "--no-cache", closing="Contracts:"),
     ]
 
 
@@ -165,7 +170,7 @@ def host_steps() -> list[Step]:
         pytest("host-asan", *simulator, needs=("build host-asan",), preset="host-asan", wide=True),
         build("host-clang"),
         ctest("host-clang"),
-        clang_tidy("host-clang", r"/(firmware|hal|host_sim)/.*\.c$"),
+        clang_tidy("host-clang", rf"^{re.escape(str(ROOT))}/(firmware|hal|host_sim)/.*\.c$"),
         build("host-cov"),
         ctest("host-cov", *own_tests, clears="build/host-cov/**/*.gcda"),
         tool("coverage of firmware", "gcovr", *gcovr, needs=("ctest host-cov",), closing="%"),
@@ -180,7 +185,8 @@ def linux_steps() -> list[Step]:
     needs = ("build host", "build linux")
     return [
         build("linux"),
-        pytest("linux kernel", *start, "tests/linux/test_kernel.py", needs=needs),
+        # The first time it builds the kernel, beside other steps.
+        pytest("linux kernel", *start, "tests/linux/test_kernel.py", needs=needs, limit_s=1800),
         pytest("linux", "tests/linux/test_linux.py", needs=(*needs, "pytest linux kernel")),
         clang_tidy("linux", *files),
         build("linux-gpiod2"),

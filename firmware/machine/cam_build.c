@@ -194,7 +194,7 @@ static void build_u_scale(cam_u_scale_t *c, const cam_channel_t *u, int32_t spee
     c->speed_shift = (uint32_t)k;
     c->y_up = (uint32_t)(frac < 4 ? 4 - frac : 0);
     c->scale_down = (uint32_t)(frac > 4 ? frac - 4 : 0);
-    c->offset = u->offset_nm * (256 >> c->y_up);
+    c->offset = u->value_offset * (256 >> c->y_up);
     c->v_up = (uint32_t)(v_bits - k);
     c->a_down = (uint32_t)(a_bits > 31 ? a_bits - 31 : 0);
     c->a_shift = (uint32_t)a_bits - c->a_down;
@@ -243,7 +243,7 @@ static void build_swing(cam_swing_config_t *c, const cam_params_t *p, const cam_
     c->lag_q16 = ticks_of_ns(p->swing_lag_ns, tick_hz);
     c->following_q32 = turn_of_mdeg(p->swing_following_limit_mdeg);
     c->unit_q30 = cam_sat_i32((INT64_C(1) << 31) >> ch->frac_bits);
-    c->offset_q30 = ch->offset_nm * 16;
+    c->offset_q30 = ch->value_offset * 16;
     const int32_t line_q16 = (cam_plan_ticks(tick_hz) + 1) * 65536;
     c->is_swung = true;
     c->ahead_q16 = c->lag_q16 + line_q16;

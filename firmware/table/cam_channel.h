@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 /// cam_channel: what a table consists of once it has been checked: knots, channels, bounds.
 ///
-/// Types only; cam_table_check() fills them in. "cam" is the name of this project; a part whose
-/// lobes are turned is called a lobe here, any other part (a piston, a ring) a skirt.
+/// Types only; cam_table_check() fills them in. The format of the image is TABLE_FORMAT.md. "cam"
+/// is the name of this project; a part whose lobes are turned is called a lobe here, any other part
+/// (a piston, a ring) a skirt.
 #ifndef CAM_CHANNEL_H
 #define CAM_CHANNEL_H
 
@@ -49,7 +50,7 @@ typedef struct {
     int32_t z_first_nm;         ///< [nm] height of slice 0
     uint32_t span_nm;           ///< [nm] height of the last slice above slice 0
     uint32_t slices_per_nm_q48; ///< [slices/nm / 2^48] reciprocal of the spacing, >= 2^24
-    int32_t offset_nm;          ///< [unit of the channel] value at p = 0
+    int32_t value_offset;       ///< [unit of the channel] value at p = 0
 } cam_channel_t;
 
 /// Upper bounds of the motion that a table demands of the tool's swing, at full amplitude.

@@ -16,8 +16,8 @@ enum {
 static bool is_inside(const cam_entry_t *e, int64_t low, int64_t high)
 {
     const int64_t one = INT64_C(1) << e->frac_bits;
-    return cam_is_between(e->offset_nm * one + e->p_min, low * one, high * one) &&
-           cam_is_between(e->offset_nm * one + e->p_max, low * one, high * one);
+    return cam_is_between(e->value_offset * one + e->p_min, low * one, high * one) &&
+           cam_is_between(e->value_offset * one + e->p_max, low * one, high * one);
 }
 
 /// A speed ratio lies between 1/16 and 4, an angle within a quarter turn to either side. Lengths
@@ -43,8 +43,8 @@ static cam_err_t check_shape(const cam_entry_t *e)
         e->path <= (is_over_angle ? 0u : 1u) &&
         cam_is_between(e->p_min, -CAM_TABLE_SUM_MAX, e->p_max) && e->p_max <= CAM_TABLE_SUM_MAX &&
         e->v_max <= CAM_TABLE_SUM_MAX && e->a_max <= CAM_TABLE_SUM_MAX &&
-        (!is_u || cam_is_between(e->offset_nm, -max_u_offset_nm, max_u_offset_nm)) &&
-        cam_is_between(e->offset_nm, -cam_entry_max_height_nm, cam_entry_max_height_nm) &&
+        (!is_u || cam_is_between(e->value_offset, -max_u_offset_nm, max_u_offset_nm)) &&
+        cam_is_between(e->value_offset, -cam_entry_max_height_nm, cam_entry_max_height_nm) &&
         is_in_unit(e);
     return is_sound ? cam_ok : cam_err_image_channel;
 }
@@ -161,6 +161,6 @@ cam_channel_t cam_entry_channel(const cam_entry_t *e, const uint8_t *image)
         .z_first_nm = e->z_first_nm,
         .span_nm = (uint32_t)((int64_t)e->z_last_nm - e->z_first_nm),
         .slices_per_nm_q48 = e->slices_per_nm_q48,
-        .offset_nm = e->offset_nm,
+        .value_offset = e->value_offset,
     };
 }

@@ -34,7 +34,7 @@ typedef struct {
     uint32_t log2_repeat, frac_bits;
     int32_t z_first_nm, z_last_nm;
     uint32_t slices_per_nm_q48;
-    int32_t offset_nm;           ///< [unit of the channel] value at p = 0
+    int32_t value_offset;        ///< [unit of the channel] value at p = 0
     int32_t p_min, p_max;        ///< [LSB] bounds of p of all knots
     uint32_t v_max, a_max, path; ///< [LSB] bounds of |v| and |a|; path of a geared Z, x only
 } cam_entry_t;

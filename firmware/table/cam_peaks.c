@@ -27,7 +27,7 @@ static int64_t intervals_per_turn(const cam_channel_t *ch)
 cam_swing_peaks_t cam_peaks_of_swing(const cam_channel_t *ch)
 {
     const uint32_t n = ch->n_slices << ch->log2_knots;
-    const int64_t offset = (int64_t)ch->offset_nm * (INT64_C(1) << ch->frac_bits);
+    const int64_t offset = (int64_t)ch->value_offset * (INT64_C(1) << ch->frac_bits);
     cam_bounds_t b = {0};
     for (uint32_t i = 0; i < n; i++) {
         const cam_knot_t *at = &ch->knots[i];

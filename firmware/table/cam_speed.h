@@ -7,12 +7,13 @@
 ///     speed = mean * r,   r = 1 + envelope * (ratio(angle, Z) - 1)
 ///
 /// From plan to plan (cam_plan.h) r rises linearly from r0 to r1, whatever the table does in
-/// between, so that the speed is right at every plan, also where the acceleration of the table
-/// turns over:
+/// between. The speed is therefore right at every plan, even where the acceleration of the table
+/// changes its sign:
 ///     acceleration = mean * (r1 - r0) / T
 ///     set-point = mean * ((r0 + r1) / 2 + (r1 - r0) * lag / T)
-/// T is the period of the plan, lag the time constant of a speed loop of first order; the set-point
-/// is the inverse of that loop, so the spindle itself follows r. Source: MATHS.md (57).
+/// T is the period of the plan, and lag the time constant of a speed loop of first order. The
+/// set-point is the inverse of that loop, so that the spindle itself follows r, MATHS.md (57). The
+/// envelope rises from 0 to 1 while the tool engages.
 /// Inline, constant time, cannot fail. Context: ISR unless noted.
 #ifndef CAM_SPEED_H
 #define CAM_SPEED_H
@@ -22,7 +23,7 @@
 #include "cam_channel.h" // cam_channel_t
 #include <stdint.h>      // int32_t, int64_t
 
-/// What the law needs besides the table.
+/// Configuration, made when the parameters are taken; constant while it is in force.
 typedef struct {
     int32_t mean_mrpm;  ///< [r/min / 1000] > 0
     int32_t limit_mrpm; ///< [r/min / 1000] highest set-point
@@ -48,7 +49,7 @@ static inline cam_ratio_t cam_speed_scaled(const cam_channel_t *ch, cam_value_t 
     const uint32_t shift = ch->log2_knots + ch->log2_repeat;
     const int32_t above_q28 = (int32_t)((uint32_t)value.y << (8u - ch->frac_bits));
     return (cam_ratio_t){
-        .ratio_q28 = cam_wrap_add(ch->offset_nm * 256, above_q28),
+        .ratio_q28 = cam_wrap_add(ch->value_offset * 256, above_q28),
         .slope_q20 = cam_sat_i32(((int64_t)value.d1 * (INT64_C(1) << shift)) >> ch->frac_bits),
     };
 }
@@ -64,18 +65,19 @@ static inline cam_ratio_t cam_speed_ratio(const cam_channel_t *ch, uint32_t thet
     return cam_speed_scaled(ch, cam_eval_surface(ch, theta_q32, z_nm));
 }
 
-/// What of the ratio is in force at an envelope.
-/// @param ratio_q28     [1] of the table
-/// @param envelope_q30  [1 / 2^30] 0 out of the work, 2^30 at full depth
-/// @return              [1] 1/16 .. 4
+/// Blend from uniform speed to the ratio of the table.
+/// @param ratio_q28     [2^-28] ratio of the table
+/// @param envelope_q30  [2^-30] 0: uniform (tool out of the work), 2^30: ratio of the table
+/// @return              [2^-28] ratio in force, 1/16 .. 4
 static inline int32_t cam_speed_eased_q28(int32_t ratio_q28, int32_t envelope_q30)
 {
     const int32_t above_q28 = ratio_q28 - CAM_RATIO_ONE_Q28;
     return CAM_RATIO_ONE_Q28 + (int32_t)(((int64_t)above_q28 * envelope_q30) >> 30);
 }
 
-/// @param from_q28,to_q28  [1] r0 and r1, 1/16 .. 4
-/// @return                 [r/min / 1000] set-point, signed
+/// Set-point from one plan to the next.
+/// @param from_q28,to_q28  [2^-28] r0 and r1, 1/16 .. 4
+/// @return                 [r/min / 1000] set-point, signed, limited to limit_mrpm
 static inline int32_t cam_speed_mrpm(const cam_speed_config_t *cfg, int32_t from_q28,
                                      int32_t to_q28)
 {

@@ -144,8 +144,8 @@ static cam_err_t check_entry(const cam_entry_t *e, const header_fields_t *h, con
     if (err != cam_ok || e->kind != (uint32_t)cam_kind_u) {
         return err;
     }
-    const int64_t low_nm = e->offset_nm + (e->p_min >> e->frac_bits);
-    const int64_t high_nm = e->offset_nm + (e->p_max >> e->frac_bits);
+    const int64_t low_nm = e->value_offset + (e->p_min >> e->frac_bits);
+    const int64_t high_nm = e->value_offset + (e->p_max >> e->frac_bits);
     return low_nm >= h->u_min_nm && high_nm <= h->u_max_nm ? cam_ok : cam_err_image_limits;
 }
 
@@ -222,7 +222,7 @@ static cam_err_t check_channels(const uint8_t *image, const header_fields_t *h, 
         if (e.kind == cam_kind_speed) {
             // The shift rounds down, which 1 makes up for; 1 more covers the rounding of the
             // evaluation.
-            table->ratio_max_q20 = (uint32_t)(e.offset_nm + (e.p_max >> e.frac_bits) + 2);
+            table->ratio_max_q20 = (uint32_t)(e.value_offset + (e.p_max >> e.frac_bits) + 2);
         }
     }
     const bool is_steady = table->speed.knots == NULL || !table->is_ring_helix;

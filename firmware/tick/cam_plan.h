@@ -51,7 +51,7 @@ static inline int32_t cam_plan_ticks(uint32_t tick_hz)
 /// @return       [nm / 1024] X where the tool tip lies on the long half axis
 static inline int64_t cam_plan_profile_q10(const cam_channel_t *x, int32_t value)
 {
-    return ((int64_t)value * 1024 >> x->frac_bits) + (int64_t)x->offset_nm * 1024;
+    return ((int64_t)value * 1024 >> x->frac_bits) + (int64_t)x->value_offset * 1024;
 }
 
 /// Quintic smooth step 10 s^3 - 15 s^4 + 6 s^5.

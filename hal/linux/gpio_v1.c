@@ -25,19 +25,19 @@ static struct gpiod_line *find(struct gpiod_chip *chip, const lin_place_t *place
     return line;
 }
 
-static bool request(lin_gpio_t *g, lin_gpio_way_t way, bool is_active_low)
+static bool request(lin_gpio_t *g, lin_gpio_use_t use, bool is_active_low)
 {
     const struct gpiod_line_request_config config = {
         .consumer = "camturn",
-        .request_type = way == lin_gpio_output  ? GPIOD_LINE_REQUEST_DIRECTION_OUTPUT
-                        : way == lin_gpio_edges ? GPIOD_LINE_REQUEST_EVENT_BOTH_EDGES
+        .request_type = use == lin_gpio_output  ? GPIOD_LINE_REQUEST_DIRECTION_OUTPUT
+                        : use == lin_gpio_edges ? GPIOD_LINE_REQUEST_EVENT_BOTH_EDGES
                                                 : GPIOD_LINE_REQUEST_DIRECTION_INPUT,
         .flags = is_active_low ? GPIOD_LINE_REQUEST_FLAG_ACTIVE_LOW : 0,
     };
     if (gpiod_line_request(g->line, &config, 0) != 0) {
         return false;
     }
-    if (way == lin_gpio_edges) {
+    if (use == lin_gpio_edges) {
         g->edge_fd = gpiod_line_event_get_fd(g->line);
         return fcntl(g->edge_fd, F_SETFL, O_NONBLOCK) == 0;
     }
@@ -49,12 +49,12 @@ lin_gpio_t *lin_gpio_new(void)
     return calloc(1, sizeof(lin_gpio_t));
 }
 
-bool lin_gpio_take(lin_gpio_t *g, const lin_place_t *where, lin_gpio_way_t way, bool is_active_low,
+bool lin_gpio_take(lin_gpio_t *g, const lin_place_t *where, lin_gpio_use_t use, bool is_active_low,
                    common_error_t *e)
 {
     g->chip = gpiod_chip_open(where->chip);
     g->line = g->chip != NULL ? find(g->chip, where) : NULL;
-    if (g->line == NULL || !request(g, way, is_active_low)) {
+    if (g->line == NULL || !request(g, use, is_active_low)) {
         const int err = errno;
         const char *who = g->line != NULL ? gpiod_line_consumer(g->line) : NULL;
         return lin_place_refuse(where, err, who != NULL ? who : "", e);

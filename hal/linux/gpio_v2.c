@@ -40,24 +40,24 @@ static void find_user(struct gpiod_chip *chip, unsigned offset, char *who)
     }
 }
 
-static bool set(struct gpiod_line_settings *settings, lin_gpio_way_t way, bool is_active_low)
+static bool set(struct gpiod_line_settings *settings, lin_gpio_use_t use, bool is_active_low)
 {
     gpiod_line_settings_set_active_low(settings, is_active_low);
-    if (way == lin_gpio_output) {
+    if (use == lin_gpio_output) {
         return gpiod_line_settings_set_direction(settings, GPIOD_LINE_DIRECTION_OUTPUT) == 0 &&
                gpiod_line_settings_set_output_value(settings, GPIOD_LINE_VALUE_INACTIVE) == 0;
     }
     return gpiod_line_settings_set_direction(settings, GPIOD_LINE_DIRECTION_INPUT) == 0 &&
-           (way != lin_gpio_edges ||
+           (use != lin_gpio_edges ||
             gpiod_line_settings_set_edge_detection(settings, GPIOD_LINE_EDGE_BOTH) == 0);
 }
 
-static bool request(lin_gpio_t *g, struct gpiod_chip *chip, lin_gpio_way_t way, bool is_active_low)
+static bool request(lin_gpio_t *g, struct gpiod_chip *chip, lin_gpio_use_t use, bool is_active_low)
 {
     struct gpiod_line_settings *settings = gpiod_line_settings_new();
     struct gpiod_line_config *lines = gpiod_line_config_new();
     struct gpiod_request_config *config = gpiod_request_config_new();
-    if (settings != NULL && lines != NULL && config != NULL && set(settings, way, is_active_low) &&
+    if (settings != NULL && lines != NULL && config != NULL && set(settings, use, is_active_low) &&
         gpiod_line_config_add_line_settings(lines, &g->offset, 1, settings) == 0) {
         gpiod_request_config_set_consumer(config, "camturn");
         g->request = gpiod_chip_request_lines(chip, config, lines);
@@ -82,13 +82,13 @@ lin_gpio_t *lin_gpio_new(void)
     return calloc(1, sizeof(lin_gpio_t));
 }
 
-bool lin_gpio_take(lin_gpio_t *g, const lin_place_t *where, lin_gpio_way_t way, bool is_active_low,
+bool lin_gpio_take(lin_gpio_t *g, const lin_place_t *where, lin_gpio_use_t use, bool is_active_low,
                    common_error_t *e)
 {
     struct gpiod_chip *from = gpiod_chip_open(where->chip);
     const bool is_found = from != NULL && find(from, where, &g->offset);
-    const bool is_ours = is_found && request(g, from, way, is_active_low) &&
-                         (way != lin_gpio_edges || want_edges(g));
+    const bool is_ours = is_found && request(g, from, use, is_active_low) &&
+                         (use != lin_gpio_edges || want_edges(g));
     if (!is_ours) {
         const int err = errno;
         char who[who_bytes] = "";

@@ -25,7 +25,7 @@
 enum { clock_hz = 10000000, clock_ns = 100, remote_node = 64, max_edges = 8 };
 enum { exit_fault = 1, exit_usage = 2 };
 
-/// The port. The tick writes `bus`, `wants`, `now_ns` and `inputs`; main() all the rest.
+/// The port. The tick writes `bus`, `wants`, `now_ns` and `inputs`, main() writes the rest.
 static struct {
     lin_config_t config;
     hal_start_t start;
@@ -50,7 +50,7 @@ static void on_end(int signal)
     n_signals = n_signals + 1;
 }
 
-/// Enable off, drives to a stop by one frame each, whatever state the program is in.
+/// Switch enable off and stop the drives by one frame each, whatever state the program is in.
 static void make_safe(void)
 {
     static hal_can_frame_t frames[lin_bus_max_frames];
@@ -166,7 +166,8 @@ static void sense(int64_t now_ns)
     lin_bus_link(&port.bus, port.can.link);
     lin_bus_event(&port.bus, lin_can_take_event(&port.can));
     lin_bus_judge(&port.bus, now_ns);
-    // Ready: the lines and the bus. Lost: the bus. Emergency stop: the lines.
+    // Drives are ready when lines and bus say so; the bus alone decides on its loss, and the lines
+    // alone on the emergency stop.
     const uint32_t lines = lin_lines_read();
     port.inputs = (lines & hal_in_estop) | (lines & port.bus.inputs & hal_in_drive_ready) |
                   (port.bus.inputs & hal_in_bus_lost);

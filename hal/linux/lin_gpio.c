@@ -3,7 +3,7 @@
 #include "lin_place.h" // lin_place_parse
 #include <stddef.h>    // NULL
 
-lin_gpio_t *lin_gpio_open(const char *chip, const char *place, lin_gpio_way_t way,
+lin_gpio_t *lin_gpio_open(const char *chip, const char *place, lin_gpio_use_t use,
                           bool is_active_low, common_error_t *e)
 {
     lin_place_t where;
@@ -13,7 +13,7 @@ lin_gpio_t *lin_gpio_open(const char *chip, const char *place, lin_gpio_way_t wa
     lin_gpio_t *line = lin_gpio_new();
     if (line == NULL) {
         (void)common_error(e, "no memory for a line");
-    } else if (!lin_gpio_take(line, &where, way, is_active_low, e)) {
+    } else if (!lin_gpio_take(line, &where, use, is_active_low, e)) {
         lin_gpio_close(line);
         line = NULL;
     }

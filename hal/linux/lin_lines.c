@@ -9,7 +9,7 @@ static lin_gpio_t *lines[lin_n_lines];
 static _Atomic uint32_t lost = lin_n_lines; // written by the tick, read by main()
 static uint32_t written, unsure;            // hal_out_*; unsure: the last write failed
 
-static const lin_gpio_way_t ways[lin_n_lines] = {
+static const lin_gpio_use_t uses[lin_n_lines] = {
     [lin_line_estop] = lin_gpio_input,  [lin_line_ready] = lin_gpio_input,
     [lin_line_index] = lin_gpio_edges,  [lin_line_enable] = lin_gpio_output,
     [lin_line_fault] = lin_gpio_output, [lin_line_in_cut] = lin_gpio_output,
@@ -29,7 +29,7 @@ bool lin_lines_open(const lin_config_t *config, common_error_t *e)
             continue;
         }
         common_error_t why;
-        lines[i] = lin_gpio_open(config->chip, c->place, ways[i], c->is_active_low, &why);
+        lines[i] = lin_gpio_open(config->chip, c->place, uses[i], c->is_active_low, &why);
         if (lines[i] == NULL) {
             return common_error(e, "gpio.%s: %s", lin_line_name((lin_line_t)i), why.text);
         }

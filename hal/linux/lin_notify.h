@@ -6,11 +6,11 @@
 
 #include <stdint.h> // int64_t
 
-/// The tick runs. Context: main(), once.
+/// Report that the tick runs. Context: main(), once.
 void lin_notify_ready(void);
 
-/// A tick has ended and main() came round. Sent four times per WATCHDOG_USEC at most: without it
-/// systemd ends the program by SIGABRT, which lets the drives go. Context: main().
+/// Report that a tick has ended and main() works, at most four times per WATCHDOG_USEC. Without it
+/// systemd ends the program by SIGABRT, which disables the drives. Context: main().
 void lin_notify_alive(int64_t now_ns);
 
 #endif

@@ -19,7 +19,7 @@ const char lin_options_usage[] =
     "Exit status: 0 ended by a signal, 1 by a fault of its own, 2 wrong usage, configuration or\n"
     "machine.\n";
 
-/// Words as they stand in memory, each with its end. @return bytes
+/// Read the words of the command line, each with its terminating 0. @return [bytes]
 static size_t read_words(char *words, size_t size)
 {
     const int fd = open("/proc/self/cmdline", O_RDONLY | O_CLOEXEC);

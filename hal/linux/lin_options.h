@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// lin_options: the command line. main() is the same for all ports and has none, so the port reads
-/// its own from /proc/self/cmdline.
+/// lin_options: the command line. main() is the same for all ports and takes no arguments, so the
+/// port reads them from /proc/self/cmdline.
 #ifndef LIN_OPTIONS_H
 #define LIN_OPTIONS_H
 

@@ -22,7 +22,7 @@ static struct {
     _Atomic uint32_t n_overruns, last_ns, max_ns;
 } thread;
 
-/// A line for people, with what was refused.
+/// Print a warning: a line for people with the reason of a refusal.
 __attribute__((format(printf, 1, 2))) static void warn(const char *format, ...)
 {
     common_error_t line;

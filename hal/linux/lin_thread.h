@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 /// lin_thread: calls the tick at a constant rate from a thread of real-time priority.
 ///
-/// Ticks fall on the multiples of the period within each second of CLOCK_MONOTONIC. A tick that
-/// ends behind the next one's time is an overrun: those that were missed are left out, never made
-/// up. Both threads run on one CPU, the tick with the higher priority: for the firmware's hand-over
-/// that is an interrupt. Without the right to that priority it still runs, and says what is lost.
+/// Ticks fall on the multiples of the period within each second of CLOCK_MONOTONIC. When a tick
+/// ends behind the time of the next one, that is an overrun: the missed ticks are left out and
+/// never made up. Both threads run on one CPU, the tick with the higher priority, so for the
+/// hand-over of the firmware the tick is an interrupt. Without the right to that priority the port
+/// still runs, and reports what is lost.
 #ifndef LIN_THREAD_H
 #define LIN_THREAD_H
 
@@ -14,7 +15,8 @@
 #include <stdbool.h>      // bool
 #include <stdint.h>       // int64_t, uint32_t
 
-/// One tick. @param now_ns  CLOCK_MONOTONIC when it woke up. @return false: it was the last one
+/// Runs one tick. @param now_ns  CLOCK_MONOTONIC when it woke up. @return false: it was the last
+/// one
 typedef bool lin_thread_tick_t(int64_t now_ns);
 
 /// Lock memory, go to the CPU; what is not permitted is reported by hal_text(), with the remedy.
@@ -25,8 +27,8 @@ bool lin_thread_prepare(const lin_thread_config_t *config, common_error_t *e);
 bool lin_thread_start(const lin_thread_config_t *config, lin_thread_tick_t *tick,
                       common_error_t *e);
 
-/// Sleep until a tick has ended since the last call. @return false when it was the last one.
-/// Context: main().
+/// Sleep until a tick has ended that the last call did not see. @return false when it was the last
+/// one. Context: main().
 bool lin_thread_wait(void);
 
 /// @return how long ticks took, in ns. Context: main().

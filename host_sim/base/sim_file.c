@@ -29,7 +29,7 @@ static bool grow(sim_file_t *f, size_t capacity)
     return true;
 }
 
-/// Grows as it reads, so a file that grows is no problem.
+/// The buffer grows while the file is read, so that a growing file is read, too.
 static bool read_all(sim_file_t *f, FILE *stream, const char *path, size_t max_bytes,
                      common_error_t *e)
 {
@@ -53,7 +53,7 @@ static bool read_all(sim_file_t *f, FILE *stream, const char *path, size_t max_b
     }
 }
 
-/// A pipe would be waited for, a device may never end.
+/// Open a regular file only: a pipe would block, and a device may never end.
 static FILE *open_regular(const char *path, common_error_t *e)
 {
     struct stat about;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// sim_file: a whole file in memory.
+/// sim_file: a whole file is read into memory.
 #ifndef SIM_FILE_H
 #define SIM_FILE_H
 
@@ -8,11 +8,12 @@
 #include <stdint.h>       // uint8_t
 
 typedef struct {
-    uint8_t *bytes; ///< aligned to 32
+    uint8_t *bytes; ///< aligned to 32 bytes, as a table image must be
     size_t size;
 } sim_file_t;
 
-/// @param max_bytes  more is refused
+/// Read a regular file; pipes and devices, which may never end, are refused.
+/// @param max_bytes  a larger file is refused
 /// @return           false and *e when it is no regular file, cannot be read or is too large
 bool sim_file_read(sim_file_t *f, const char *path, size_t max_bytes, common_error_t *e);
 

@@ -37,16 +37,6 @@ bool sim_json_numbers(const cJSON *list, double **values, size_t *n)
     return false;
 }
 
-static bool is_rising(const double *values, size_t n)
-{
-    for (size_t i = 1; i < n; i++) {
-        if (values[i] <= values[i - 1u]) {
-            return false;
-        }
-    }
-    return true;
-}
-
 bool sim_json_breaks(const cJSON *list, double **breaks, size_t *n_pieces)
 {
     size_t n;
@@ -54,7 +44,11 @@ bool sim_json_breaks(const cJSON *list, double **breaks, size_t *n_pieces)
         return false;
     }
     *n_pieces = n - 1u;
-    if (n >= 2u && n <= sim_json_max_pieces && is_rising(*breaks, n)) {
+    bool is_good = n >= 2u && n <= sim_json_max_pieces;
+    for (size_t i = 1; i < n && is_good; i++) {
+        is_good = (*breaks)[i] > (*breaks)[i - 1u];
+    }
+    if (is_good) {
         return true;
     }
     free(*breaks);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// sim_json: numbers of a report; every message names file and field.
+/// sim_json: numbers are read from the report of a table; every message names file and field.
 #ifndef SIM_JSON_H
 #define SIM_JSON_H
 
@@ -9,22 +9,22 @@
 #include <stdbool.h> // bool
 #include <stddef.h>  // size_t
 
-/// What a user can do about a report that is no good.
+/// The remedy when a report cannot be used.
 #define SIM_JSON_REMEDY "make the table again with tools/mktables, or give --design"
 
 enum { sim_json_max_pieces = 100000 };
 
-/// @return false when the item is no finite number
+/// Read one number. @return false when the item is no finite number
 bool sim_json_number(const cJSON *item, double *value);
 
 /// Read a list of finite numbers.
 /// @param values  allocated, to be freed; NULL on failure
-/// @param n       how many
+/// @param n       their count
 /// @return        false when it is no such list, or there is no memory
 bool sim_json_numbers(const cJSON *list, double **values, size_t *n);
 
-/// Read a list of rising finite numbers, 2 or more.
-/// @param n_pieces  one less than numbers
+/// Read a list of two or more rising finite numbers.
+/// @param n_pieces  one less than the numbers
 bool sim_json_breaks(const cJSON *list, double **breaks, size_t *n_pieces);
 
 /// Read parent.name as a piecewise cubic.

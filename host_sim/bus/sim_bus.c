@@ -48,7 +48,7 @@ void sim_bus_receive(sim_bus_t *b, const sim_frame_t *frame)
     }
 }
 
-/// Half a period with the targets that the last SYNC made active.
+/// Let half a period pass with the targets that the last SYNC put in force.
 static void half(sim_bus_t *b)
 {
     sim_node_t *spindle = &b->node[sim_bus_spindle];
@@ -72,7 +72,7 @@ static void half(sim_bus_t *b)
     }
 }
 
-/// What a node measures, as it stands in its TPDO.
+/// @return the measured value of a node as its TPDO carries it
 static uint32_t actual_of(sim_bus_t *b, int node)
 {
     if (node == sim_bus_encoder) {
@@ -102,7 +102,8 @@ static void speak(sim_bus_t *b)
     sim_disturb_pass(&b->disturb, &b->out, canopen_id_tpdo1 + node_id[sim_bus_encoder], b->time_s);
 }
 
-/// The speed of this moment holds for a period within a millionth of a turn.
+/// Foresee the index edge: the speed of this moment holds for a period within a millionth of a
+/// turn.
 static void foresee_index(sim_bus_t *b)
 {
     const sim_spindle_t *spindle = &b->lathe.spindle;

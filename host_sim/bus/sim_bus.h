@@ -39,7 +39,7 @@ enum { sim_bus_controller_id = 64 };
 
 typedef struct {
     sim_lathe_config_t lathe;
-    double guard_s;                   ///< [s] silence after which a drive stops on its own
+    double guard_s;                   ///< [s] silence after which a drive stops by itself
     double heartbeat_s;               ///< [s] period of the nodes' heartbeats
     uint32_t encoder_modulus;         ///< [counts] position value wraps there; 0: at 2^32
     bool is_foreign[sim_bus_n_nodes]; ///< another process makes this node: it is only listened to
@@ -62,19 +62,19 @@ typedef struct {
     uint64_t n_steps;
     sim_lathe_t lathe;
     sim_node_t node[sim_bus_n_nodes];
-    uint32_t encoder_counts; ///< spoken last
-    bool has_sync;           ///< since the last step
+    uint32_t encoder_counts; ///< position in the last frame of the encoder
+    bool has_sync;           ///< a SYNC arrived since the last step
     uint64_t n_syncs;
     double sync_s;       ///< of the last SYNC
     sim_sample_t sample; ///< truth at the instant of the last SYNC
-    // what the controller says of itself, in 0x1C0
+    // what the controller reports of itself in its status frame 0x1C0
     bool has_status;
     uint32_t reported_state, reported_faults;
-    // what is wrong with the machine
-    sim_disturb_t disturb; ///< frames of the encoder
+    // faults that were caused
+    sim_disturb_t disturb; ///< of the frames of the encoder
     sim_bus_inputs_t inputs;
     bool is_ready_broken;
-    // what is to be done after the step
+    // what is to be sent after the step
     sim_frames_t out;
     double index_s; ///< [s] from now to the index edge, < 0: none within the period
 } sim_bus_t;
@@ -83,17 +83,17 @@ typedef struct {
 /// @param b  64 KB
 void sim_bus_init(sim_bus_t *b, const sim_bus_config_t *config, double x_nm, double z_nm);
 
-/// A frame was on the bus.
+/// Hand over a frame that was on the bus.
 void sim_bus_receive(sim_bus_t *b, const sim_frame_t *frame);
 
-/// One period passed: move, and say what there is to say.
+/// Let one period pass: the lathe moves, and the nodes queue their frames in `out`.
 void sim_bus_step(sim_bus_t *b);
 
 /// Do what an --inject says to nodes, frames and lathe.
 /// @param direction  +1 or -1: sense of cutting
 void sim_bus_inject(sim_bus_t *b, const sim_inject_t *inject, int direction);
 
-/// @return true when nothing moves
+/// @return true when neither the spindle nor an axis moves
 bool sim_bus_is_at_rest(const sim_bus_t *b);
 
 #endif

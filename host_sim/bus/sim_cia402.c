@@ -2,7 +2,7 @@
 #include "sim_cia402.h"
 #include <stddef.h> // size_t
 
-/// A set of states.
+/// The state as a member of a set of states.
 #define IN(state) (1u << cia402_##state)
 
 enum {
@@ -12,12 +12,13 @@ enum {
     enable = cia402_bit_enable_operation,
 };
 
-/// Steps that a control word takes: its bits of `mask` are `bits`, the state is in `from`.
+/// A control word takes the first step whose `bits` it has in `mask` and whose `from` holds the
+/// present state.
 static const struct {
     uint32_t mask, bits, from;
     cia402_state_t to;
 } steps[] = {
-    // No voltage: no torque, from wherever there may be some.
+    // Disable voltage: from every state in which there may be torque.
     {voltage, 0,
      IN(ready_to_switch_on) | IN(switched_on) | IN(operation_enabled) | IN(quick_stop_active),
      cia402_switch_on_disabled},
@@ -31,7 +32,7 @@ static const struct {
     // Switch on, or disable operation.
     {voltage | no_stop | on | enable, voltage | no_stop | on,
      IN(ready_to_switch_on) | IN(operation_enabled), cia402_switched_on},
-    // Enable operation: one step towards it.
+    // Enable operation: one step towards it at a time.
     {voltage | no_stop | on | enable, voltage | no_stop | on | enable, IN(ready_to_switch_on),
      cia402_switched_on},
     {voltage | no_stop | on | enable, voltage | no_stop | on | enable,

@@ -21,16 +21,16 @@ typedef struct {
     bool is_reset_held; ///< bit 7 of the last control word: only its rise resets
 } sim_cia402_t;
 
-/// Power on.
+/// Switch the power on.
 void sim_cia402_init(sim_cia402_t *d);
 
-/// The self-test is over: transition 1.
+/// End the self-test: transition 1.
 void sim_cia402_boot(sim_cia402_t *d);
 
-/// Object 6040h was received.
+/// Take a control word (6040h).
 void sim_cia402_control(sim_cia402_t *d, uint32_t control_word);
 
-/// Something is wrong with the drive: transition 13. It brakes, then it is in fault.
+/// The drive itself fails: transition 13. It brakes, then it is in fault.
 void sim_cia402_fail(sim_cia402_t *d);
 
 /// The axis has come to rest: transitions 12 and 14.

@@ -24,18 +24,6 @@ static void hold(sim_disturb_t *d, sim_frames_t *queue, uint32_t i, double until
     remove_frame(queue, i);
 }
 
-/// The first of a pair waits, the second lets it out behind itself.
-static void swap(sim_disturb_t *d, sim_frames_t *queue, uint32_t i, double t_s)
-{
-    if (!d->is_held) {
-        d->n_left++; // the pair is not complete
-        hold(d, queue, i, t_s);
-        return;
-    }
-    *sim_frames_add(queue, d->held.id) = d->held;
-    d->is_held = false;
-}
-
 static void disturb(sim_disturb_t *d, sim_frames_t *queue, uint32_t i, double t_s)
 {
     d->n_left--;
@@ -47,7 +35,13 @@ static void disturb(sim_disturb_t *d, sim_frames_t *queue, uint32_t i, double t_
         queue->frame[i] = d->has_last ? d->last : queue->frame[i];
         break;
     case sim_disturb_swapped:
-        swap(d, queue, i, t_s);
+        if (!d->is_held) { // the first frame of a pair waits
+            d->n_left++;   // the pair is not complete
+            hold(d, queue, i, t_s);
+        } else { // the second one is sent, and the first behind it
+            *sim_frames_add(queue, d->held.id) = d->held;
+            d->is_held = false;
+        }
         break;
     case sim_disturb_late:
         hold(d, queue, i, t_s + d->late_s);

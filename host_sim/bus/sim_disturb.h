@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// sim_disturb: what a bad bus does to the frames of one identifier.
+/// sim_disturb: a bad bus disturbs the frames of one identifier.
 ///
 ///     sent      a b c d e f g
 ///     missing   a b     e f g    2 at c        the frame is not sent
@@ -7,7 +7,7 @@
 ///     swapped   a b d c e f g    1 at c        behind its successor
 ///     late      a b  c d e f g   at c          once, by a time
 ///
-/// One disturbance at a time: a new one replaces what is left of the old.
+/// There is one disturbance at a time: a new one replaces the rest of the old one.
 #ifndef SIM_DISTURB_H
 #define SIM_DISTURB_H
 
@@ -26,24 +26,24 @@ typedef enum {
 typedef struct {
     sim_disturb_kind_t kind;
     uint32_t n_left;  ///< frames still to be disturbed
-    double late_s;    ///< [s] of a late one
-    sim_frame_t last; ///< sent last
+    double late_s;    ///< [s] delay of a late frame
+    sim_frame_t last; ///< the frame that was sent last
     bool has_last;
-    sim_frame_t held; ///< waits for its time or its successor
+    sim_frame_t held; ///< the frame that waits for its time or for its successor
     bool is_held;
     double held_until_s;
 } sim_disturb_t;
 
-/// From the next frame on.
+/// Disturb from the next frame on.
 /// @param n       frames; swapped: pairs
 /// @param late_s  [s] sim_disturb_late only
 void sim_disturb_begin(sim_disturb_t *d, sim_disturb_kind_t kind, uint32_t n, double late_s);
 
-/// Do it to the one frame in the queue that has the identifier.
+/// Disturb the one frame in the queue that has the identifier.
 /// @param t_s  [s] now
 void sim_disturb_pass(sim_disturb_t *d, sim_frames_t *queue, uint32_t id, double t_s);
 
-/// Take the late frame when its time comes before another. @return false when there is none
+/// Take the late frame when it is due before a time. @return false when there is none
 bool sim_disturb_due(sim_disturb_t *d, double before_s, sim_frame_t *frame, double *at_s);
 
 #endif

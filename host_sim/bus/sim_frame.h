@@ -9,14 +9,14 @@
 
 enum { sim_frame_max_bytes = 64, sim_frame_queue = 32 };
 
-/// Classic (n <= 8) or FD, 11-bit identifier.
+/// A classic (n <= 8) or FD frame with an 11-bit identifier.
 typedef struct {
     uint32_t id;
     uint32_t n; ///< [bytes]
     uint8_t data[sim_frame_max_bytes];
 } sim_frame_t;
 
-/// What is to be sent now, oldest first.
+/// Frames to be sent, the oldest first.
 typedef struct {
     sim_frame_t frame[sim_frame_queue];
     uint32_t n;

@@ -42,21 +42,6 @@ static void manage(sim_node_t *n, const sim_frame_t *frame)
     }
 }
 
-static void take_rpdo1(sim_node_t *n, const sim_frame_t *frame, double t_s)
-{
-    if (frame->n != rpdo1_bytes && frame->n != rpdo1_fd_bytes) {
-        n->emcy = sim_emcy_pdo_length;
-        return;
-    }
-    n->heard.control_word = common_get_u16(frame->data);
-    n->heard.target = (int32_t)common_get_u32(frame->data + 2);
-    if (frame->n == rpdo1_fd_bytes) {
-        n->heard.velocity_offset = (int32_t)common_get_u32(frame->data + 6);
-    }
-    n->has_rpdo = true;
-    n->rpdo_s = t_s;
-}
-
 void sim_node_receive(sim_node_t *n, const sim_frame_t *frame, double t_s)
 {
     if (n->is_dead) {
@@ -69,7 +54,17 @@ void sim_node_receive(sim_node_t *n, const sim_frame_t *frame, double t_s)
         return;
     }
     if (frame->id == canopen_id_rpdo1 + n->id) {
-        take_rpdo1(n, frame, t_s);
+        if (frame->n != rpdo1_bytes && frame->n != rpdo1_fd_bytes) {
+            n->emcy = sim_emcy_pdo_length;
+            return;
+        }
+        n->heard.control_word = common_get_u16(frame->data);
+        n->heard.target = (int32_t)common_get_u32(frame->data + 2);
+        if (frame->n == rpdo1_fd_bytes) {
+            n->heard.velocity_offset = (int32_t)common_get_u32(frame->data + 6);
+        }
+        n->has_rpdo = true;
+        n->rpdo_s = t_s;
     } else if (frame->id == canopen_id_rpdo2 + n->id) {
         if (frame->n == rpdo2_bytes) {
             n->heard.velocity_offset = (int32_t)common_get_u32(frame->data);

@@ -2,7 +2,7 @@
 /// sim_node: a CANopen node of the machine: network management, heartbeat, PDOs, emergency.
 ///
 ///     NMT       0x000        start, stop, pre-operational, reset (CiA 301, 7.2.8)
-///     SYNC      0x080        what RPDOs brought takes effect
+///     SYNC      0x080        the contents of the RPDOs take effect
 ///     EMCY      0x080 + n    error code u16, error register u8, 0 (CiA 301, 7.2.7)
 ///     TPDO1     0x180 + n    encoder: 6004h position u32; others: 6041h status word u16,
 ///                            6064h position or 606Ch velocity actual value i32
@@ -11,9 +11,9 @@
 ///     RPDO2     0x300 + n    60B1h velocity offset i32
 ///     heartbeat 0x700 + n    state of the node; 0 once after a reset
 ///
-/// PDOs are sent and taken in the state operational only. A drive whose RPDO1 or SYNC stays away
-/// for longer than its guard time while it is in operation fails: it brakes within its limits and
-/// is in fault when it rests. Pure: frames in, frames out, no clock but the argument.
+/// PDOs are sent and taken in the state operational only. A drive in operation fails when RPDO1 or
+/// SYNC stays away for longer than its guard time: it brakes within its limits and is in fault when
+/// it rests. Pure: frames in, frames out, no clock but the argument.
 #ifndef SIM_NODE_H
 #define SIM_NODE_H
 
@@ -32,7 +32,7 @@ enum {
     sim_emcy_sync_lost = 0x8700,
 };
 
-/// What a master wants of a drive.
+/// What a master commands a drive to do.
 typedef struct {
     uint32_t control_word;
     int32_t target;          ///< 607Ah or 60FFh
@@ -42,17 +42,17 @@ typedef struct {
 typedef struct {
     uint32_t id; ///< 1 .. 127
     bool is_drive;
-    bool is_dead;             ///< neither hears nor speaks
-    bool is_heartbeat_broken; ///< the rest goes on
+    bool is_dead;             ///< it neither hears nor speaks
+    bool is_heartbeat_broken; ///< it sends no heartbeat but works otherwise
     uint32_t nmt;
     bool has_booted;
     double heartbeat_s, heartbeat_due_s;
     sim_cia402_t power; ///< of a drive
-    sim_wish_t heard;   ///< by the last RPDOs
-    sim_wish_t active;  ///< since the last SYNC
+    sim_wish_t heard;   ///< contents of the last RPDOs
+    sim_wish_t active;  ///< in force since the last SYNC
     bool has_rpdo;      ///< RPDO1 came since the last SYNC
     double rpdo_s, sync_s;
-    uint32_t emcy; ///< to be sent
+    uint32_t emcy; ///< error code to be sent
 } sim_node_t;
 
 /// @param id           of the node
@@ -60,20 +60,20 @@ typedef struct {
 /// @param heartbeat_s  [s] period
 void sim_node_init(sim_node_t *n, uint32_t id, bool is_drive, double heartbeat_s);
 
-/// A frame was on the bus; all but SYNC.
+/// Take a frame other than SYNC that was on the bus.
 /// @param t_s  [s] now
 void sim_node_receive(sim_node_t *n, const sim_frame_t *frame, double t_s);
 
-/// SYNC was on the bus: the target of the RPDOs and the control word take effect.
+/// Take a SYNC: the target of the RPDOs and the control word take effect.
 void sim_node_sync(sim_node_t *n, double t_s);
 
-/// Has the master gone? @param guard_s  [s] longest silence
+/// Let a drive fail whose master has gone. @param guard_s  [s] longest silence
 void sim_node_guard(sim_node_t *n, double t_s, double guard_s);
 
-/// The drive itself has failed.
+/// Let the drive itself fail.
 void sim_node_fail(sim_node_t *n, uint32_t emcy);
 
-/// Queue what the node has to say now.
+/// Queue the frames that the node sends now.
 /// @param actual  position or velocity, two's complement
 void sim_node_speak(sim_node_t *n, sim_frames_t *out, uint32_t actual, double t_s);
 

@@ -13,19 +13,6 @@ typedef struct {
     sim_out_t out[n_outs];
 } bus_t;
 
-static bool open_watch(bus_t *b, common_error_t *e)
-{
-    sim_file_t file;
-    const char *path = b->options.common.table_path;
-    if (!sim_file_read(&file, path, camsim_max_table_bytes, e)) {
-        return false;
-    }
-    const bool is_good =
-        sim_watch_open(&b->watch, &b->options.watch, file.bytes, file.size, path, e);
-    sim_file_free(&file);
-    return is_good;
-}
-
 static void watch_to_the_end(bus_t *b)
 {
     sim_out_t *trace = &b->out[camsim_trace];
@@ -39,18 +26,6 @@ static void watch_to_the_end(bus_t *b)
             sim_watch_trace_line(trace, &b->watch);
         }
     }
-}
-
-static bool write_results(bus_t *b, common_error_t *e)
-{
-    sim_out_t *summary = &b->out[camsim_summary];
-    if (b->out[camsim_surface].name != NULL) {
-        sim_map_surface(&b->out[camsim_surface], &b->watch.session.work);
-    }
-    if (summary->name != NULL && !sim_watch_summary(summary, &b->watch)) {
-        return common_error(e, "%s: not enough memory for the summary; free some", summary->name);
-    }
-    return sim_out_publish_all(b->out, n_outs, e);
 }
 
 static void print_summary(const sim_watch_t *w)
@@ -94,7 +69,15 @@ static int watch(bus_t *b, common_error_t *e)
         return camsim_complain(e);
     }
     watch_to_the_end(b);
-    if (!write_results(b, e)) {
+    sim_out_t *summary = &b->out[camsim_summary];
+    if (b->out[camsim_surface].name != NULL) {
+        sim_map_surface(&b->out[camsim_surface], &b->watch.session.work);
+    }
+    if (summary->name != NULL && !sim_watch_summary(summary, &b->watch)) {
+        (void)common_error(e, "%s: not enough memory for the summary; free some", summary->name);
+        return camsim_complain(e);
+    }
+    if (!sim_out_publish_all(b->out, n_outs, e)) {
         return camsim_complain(e);
     }
     print_summary(&b->watch);
@@ -112,7 +95,15 @@ int camsim_bus(int argc, char **argv)
         camsim_bus_options_help();
         return camsim_done;
     }
-    if (!open_watch(&b, &e)) {
+    sim_file_t file;
+    const char *path = b.options.common.table_path;
+    if (!sim_file_read(&file, path, camsim_max_table_bytes, &e)) {
+        return camsim_complain(&e);
+    }
+    const bool is_open =
+        sim_watch_open(&b.watch, &b.options.watch, file.bytes, file.size, path, &e);
+    sim_file_free(&file);
+    if (!is_open) {
         return camsim_complain(&e);
     }
     camsim_warn_of_design(&b.options.common);

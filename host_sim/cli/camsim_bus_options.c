@@ -79,8 +79,8 @@ static bool take_value(sim_watch_options_t *o, const char *name, const char *tex
     return common_error(e, "--without %.60s: no such node; give encoder, u, x, z or spindle", text);
 }
 
-/// Take an option of the bus, with its value; the others stay for the options of a run.
-/// @return words taken, 0: it is another's, below 0 and *e: it is wrong
+/// Take an option of the bus with its value; other options stay for those of a run.
+/// @return words taken; 0: it is an option of a run; below 0 and *e: it is wrong
 static int take_own(sim_watch_options_t *o, int n_left, char **words, common_error_t *e)
 {
     static const char *const own[] = {"can",          "gpiochip",        "tick-hz", "guard-ms",

@@ -38,7 +38,7 @@ static bool has_lobes(const cam_table_t *t)
     return t->angle.knots != NULL;
 }
 
-/// Angle inside the turn, rounded to 2^-32; a huge number of turns is a whole number.
+/// @return the angle inside the turn, rounded to 2^-32; a huge number of turns is a whole number
 static uint32_t angle_q32(double turn)
 {
     const double part = turn - floor(turn);
@@ -69,10 +69,10 @@ static bool print_value(const cam_table_t *t, const char *point, double turn, do
                             z_mm * SIM_NM_PER_MM > (double)t->z_last_nm + 0.5;
     const double sense = has_lobes(t) ? -1.0 : 1.0; // a lift is a negative reduction
     if (printf("%s,%.17g,%.17g,%.17g,%.17g,%.17g,%d", point,
-               0.0 + sense * (t->u.offset_nm + ldexp(u.y, frac)),
+               0.0 + sense * (t->u.value_offset + ldexp(u.y, frac)),
                0.0 + sense * ldexp(u.d1, frac) / h,
                0.0 + sense * ldexp(u.d2, frac) / (h * h), // + 0: no "-0"
-               t->x.offset_nm + ldexp(x.y, -(int)t->x.frac_bits), ratio,
+               t->x.value_offset + ldexp(x.y, -(int)t->x.frac_bits), ratio,
                is_outside || u.is_clamped || x.is_clamped ? 1 : 0) <= 0) {
         return false;
     }
@@ -82,7 +82,7 @@ static bool print_value(const cam_table_t *t, const char *point, double turn, do
     // Angle between the line of centres and the normal at the contact, in units of which
     // CAM_TABLE_ANGLE_MAX is a quarter turn.
     const cam_value_t angle = cam_eval_surface(&t->angle, angle_q32(turn), z_nm);
-    const double units = t->angle.offset_nm + ldexp(angle.y, -(int)t->angle.frac_bits);
+    const double units = t->angle.value_offset + ldexp(angle.y, -(int)t->angle.frac_bits);
     const double deg = ldexp(units * 90.0, -24);
     return printf(",%.17g,%.17g\n", t->is_swung ? deg : 0.0, deg) > 0;
 }

@@ -110,7 +110,7 @@ void camsim_options_help(void)
     (void)puts(help);
 }
 
-/// A number of an option within its range, both ends included.
+/// Take a number of an option within its range, both ends included.
 static bool take_number(double *value, const char *option, const char *text, double min, double max,
                         const char *unit, common_error_t *e)
 {
@@ -125,7 +125,7 @@ static bool take_number(double *value, const char *option, const char *text, dou
     return true;
 }
 
-/// Two heights, the second above the first; whether the part has them is seen later.
+/// Take two heights, the second above the first; whether the part has them is checked later.
 static bool take_window(sim_cut_options_t *cut, const char *text, common_error_t *e)
 {
     char first[40];
@@ -155,6 +155,18 @@ static bool take_set(camsim_options_t *o, const char *text, common_error_t *e)
     memcpy(name, text, (size_t)(equals - text));
     name[equals - text] = '\0';
     return sim_wishes_add(&o->cut.wishes, name, value, "--set", e);
+}
+
+static bool take_inject(camsim_options_t *o, const char *text, common_error_t *e)
+{
+    sim_session_options_t *session = &o->cut.session;
+    if (session->n_injects == sim_session_max_injects) {
+        return common_error(e, "--inject %.60s: one too many; give at most %d", text,
+                            sim_session_max_injects);
+    }
+    const bool is_bus = strcmp(o->command, "bus") == 0;
+    return sim_inject_parse(&session->inject[session->n_injects++], text,
+                            is_bus ? sim_inject_on_bus : sim_inject_in_run, e);
 }
 
 static bool take_switch(camsim_options_t *o, int option)
@@ -244,13 +256,7 @@ static bool take_value(camsim_options_t *o, int option, const char *text, common
     case opt_set:
         return take_set(o, text, e);
     default: // opt_inject
-        if (session->n_injects == sim_session_max_injects) {
-            return common_error(e, "--inject %.60s: one too many; give at most %d", text,
-                                sim_session_max_injects);
-        }
-        return sim_inject_parse(
-            &session->inject[session->n_injects++], text,
-            strcmp(o->command, "bus") == 0 ? sim_inject_on_bus : sim_inject_in_run, e);
+        return take_inject(o, text, e);
     }
 }
 
@@ -272,7 +278,7 @@ static bool take_option(camsim_options_t *o, int option, char **argv, common_err
                                              o->command, argv[optind - 1]);
 }
 
-/// NAME.json beside NAME.camtab, when it is there.
+/// Find NAME.json beside NAME.camtab.
 static bool find_design(camsim_options_t *o, common_error_t *e)
 {
     const char *name = strrchr(o->table_path, '/');
@@ -289,7 +295,7 @@ static bool find_design(camsim_options_t *o, common_error_t *e)
     return true;
 }
 
-/// The target exists; its image is the user's, or the one beside this program.
+/// Check the target and find its image: that of the user, or the one beside this program.
 static bool find_target(camsim_options_t *o, common_error_t *e)
 {
     if (o->cut.target == NULL) {

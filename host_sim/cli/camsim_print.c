@@ -4,20 +4,6 @@
 #include "sim_lobe_summary.h" // sim_lobe_off_plan_percent
 #include <stdio.h>            // printf
 
-static void print_lobe(const sim_session_t *s, uint32_t i)
-{
-    const sim_lobe_gauge_t *g = &s->lobes.gauge[i];
-    const sim_lobe_t *lobe = &s->design.lobes.lobe[i];
-    if (g->n == 0u) {
-        (void)printf("lobe %u          %.6g .. %.6g mm: not cut\n", (unsigned)i, lobe->z_first_mm,
-                     lobe->z_last_mm);
-        return;
-    }
-    (void)printf("lobe %u          %.6g .. %.6g mm: max %.4f um at %.1f degrees, rms %.4f um\n",
-                 (unsigned)i, lobe->z_first_mm, lobe->z_last_mm, g->max_um, 360.0 * g->max_turn,
-                 sim_lobe_gauge_rms_um(g));
-}
-
 static void print_lobes(const sim_session_t *s)
 {
     if (s->design.shape != sim_shape_lobes || s->work.n == 0u) {
@@ -25,7 +11,16 @@ static void print_lobes(const sim_session_t *s)
     }
     const sim_lobe_work_t *w = &s->lobes;
     for (uint32_t i = 0; s->design.lobes.n_lobes > 1u && i < s->design.lobes.n_lobes; i++) {
-        print_lobe(s, i);
+        const sim_lobe_gauge_t *g = &w->gauge[i];
+        const sim_lobe_t *lobe = &s->design.lobes.lobe[i];
+        (void)printf("lobe %u          %.6g .. %.6g mm: ", (unsigned)i, lobe->z_first_mm,
+                     lobe->z_last_mm);
+        if (g->n > 0u) {
+            (void)printf("max %.4f um at %.1f degrees, rms %.4f um\n", g->max_um,
+                         360.0 * g->max_turn, sim_lobe_gauge_rms_um(g));
+        } else {
+            (void)printf("not cut\n");
+        }
     }
     (void)printf(
         "surface speed   %.3f .. %.3f mm/s, base circle %.3f; off the table's by %.2f %%\n",
@@ -59,7 +54,7 @@ void camsim_print_cut(const sim_cut_t *cut, double wall_s)
                  wall_s, wall_s > 0.0 ? (double)cut->n_ticks / wall_s * 1e-6 : 0.0);
 }
 
-/// Why the first fault struck; of several at once the first in the list is named.
+/// Explain the first fault; of several at once the first in the list is named.
 static void explain_fault(const sim_cut_t *cut, const char *table, common_error_t *e)
 {
     const uint32_t first = sim_cut_status(cut)->first_fault;
@@ -73,8 +68,8 @@ static void explain_fault(const sim_cut_t *cut, const char *table, common_error_
         cam_state_name(cut->fault_state), cut->fault_z_mm);
 }
 
-/// Which surface the gauge has not seen, and the remedy: half the height of a lobe, or half of the
-/// present feed, is a feed that leaves a whole turn on the lobe.
+/// Name the surface that the gauge has not seen, and the remedy: a feed of half the height of a
+/// lobe, or of half the present feed, leaves a whole turn on the lobe.
 static void explain_not_gauged(const sim_cut_t *cut, const char *table, common_error_t *e)
 {
     if (cut->session.work.n == 0u) {

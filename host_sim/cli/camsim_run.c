@@ -24,7 +24,8 @@ static double now_s(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/// Lobes are known by their table: the design may be missing.
+/// Refuse options that have no meaning for lobes, which are known by their table, since the design
+/// may be missing.
 static bool check_lobes(const run_t *r, common_error_t *e)
 {
     const sim_cut_options_t *o = &r->options.cut;
@@ -39,18 +40,6 @@ static bool check_lobes(const run_t *r, common_error_t *e)
            common_error(e,
                         "--removal %s: forces are told of skirts only, %s is a cam; leave it out",
                         removal_path, table->name);
-}
-
-static bool open_cut(run_t *r, common_error_t *e)
-{
-    sim_file_t file;
-    const char *path = r->options.table_path;
-    if (!sim_file_read(&file, path, camsim_max_table_bytes, e)) {
-        return false;
-    }
-    const bool is_good = sim_cut_open(&r->cut, &r->options.cut, file.bytes, file.size, path, e);
-    sim_file_free(&file);
-    return is_good;
 }
 
 static bool open_outputs(run_t *r, common_error_t *e)
@@ -143,7 +132,14 @@ int camsim_run(int argc, char **argv)
         camsim_options_help();
         return camsim_done;
     }
-    if (!open_cut(&r, &e)) {
+    sim_file_t file;
+    const char *path = r.options.table_path;
+    if (!sim_file_read(&file, path, camsim_max_table_bytes, &e)) {
+        return camsim_complain(&e);
+    }
+    const bool is_open = sim_cut_open(&r.cut, &r.options.cut, file.bytes, file.size, path, &e);
+    sim_file_free(&file);
+    if (!is_open) {
         return camsim_complain(&e);
     }
     camsim_warn_of_design(&r.options);

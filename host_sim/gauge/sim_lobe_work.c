@@ -77,7 +77,7 @@ static void load_lobe(sim_lobe_work_t *w, uint32_t i_lobe)
     }
 }
 
-/// The line that the circle is nearest to, all round.
+/// Find the line that is nearest to the circle, all round. @return [rad] its angle
 static double search(sim_lobe_work_t *w, point_t c)
 {
     int best = 0;
@@ -92,7 +92,7 @@ static double search(sim_lobe_work_t *w, point_t c)
     return best / DEXELS_PER_RAD;
 }
 
-/// Newton's method for the place whose normal goes through the centre.
+/// Find the point whose normal goes through the centre, by Newton's method.
 /// @return false when the place is not found near `theta`
 static bool refine(sim_lobe_work_t *w, point_t c, double *theta)
 {
@@ -155,8 +155,8 @@ static void finish(sim_lobe_work_t *w, int64_t i, const sim_lobe_tool_t *tool, d
     g->n++;
 }
 
-/// Lines that the circle comes to and leaves. It passes them upwards; a spindle that turns back
-/// begins anew.
+/// Begin the lines that the circle reaches and finish those that it leaves. It passes them upwards;
+/// after a spindle has turned back, the window begins anew.
 static void move_window(sim_lobe_work_t *w, const sim_lobe_tool_t *tool, point_t before,
                         point_t now)
 {
@@ -190,7 +190,7 @@ static void move_window(sim_lobe_work_t *w, const sim_lobe_tool_t *tool, point_t
     w->end = end;
 }
 
-/// Lowest point of the parabola through three cuts at 0, 1/2 and 1, as far as it lies there.
+/// @return the lowest point, within 0 .. 1, of the parabola through three cuts at 0, 1/2 and 1
 static double lowest(double s0, double s1, double s2)
 {
     const double rise = s2 - s0;
@@ -215,7 +215,8 @@ static void cut_piece(sim_lobe_work_t *w, int64_t first, int64_t end, const poin
     }
 }
 
-/// @param f  0 .. 1 from the last instant to this one; y: before that, last, now
+/// Interpolate on the parabola through three instants.
+/// @param f  0 .. 1 from the last instant to this one
 static double between(double f, double y_before, double y_last, double y_now)
 {
     return y_last + f * (0.5 * (y_now - y_before) + f * (0.5 * (y_now + y_before) - y_last));

@@ -13,12 +13,13 @@
 ///     centre of the wheel  (X - U) at the spindle's angle
 ///     centre of the tip    the same, minus (r1 - tip) along the tool's line, which the swing turns
 ///
-/// Between ticks the machine moves along the parabola through three ticks, and the cut of each
-/// dexel along the parabola through both ends and the middle, in as many pieces as keep the travel
-/// of the contact below a quarter of R: off by less than 3e-6 R or 1 nm. A dexel is done when the
-/// contact has passed it and the circle is more than `reach` above it; each turn cuts its own ring
-/// of the feed's width, as in sim_work, and the next one begins with a fresh line. Cut is looked
-/// for around the contact only: wheels that would cut elsewhere are refused by the generator.
+/// Between ticks the lathe moves along the parabola through three ticks. The cut of each dexel runs
+/// along the parabola through both ends and the middle of a piece; the pieces are so short that the
+/// contact travels less than a quarter of R in each, which is off by less than 3e-6 R or 1 nm. A
+/// dexel is done when the contact has passed it and the circle is more than 5 um above it. Each
+/// turn cuts its own ring, as wide as the feed (as in sim_work), and the next turn begins with a
+/// fresh line. Only the surroundings of the contact are searched for cuts: wheels that would cut
+/// elsewhere are refused by the generator.
 #ifndef SIM_LOBE_WORK_H
 #define SIM_LOBE_WORK_H
 
@@ -38,7 +39,7 @@ typedef struct {
     double swing_deg; ///< of the tool from the line of centres; not used by a wheel
     double z_mm;      ///< height of the tool
     double due_rad_s; ///< speed that the table demands of the spindle here
-    bool is_counted;  ///< belongs to the surface that is judged
+    bool is_counted;  ///< the sample belongs to the surface that is judged
 } sim_lobe_tool_t;
 
 /// A line along the normal of the profile.
@@ -47,13 +48,13 @@ typedef struct {
     double turn;               ///< polar angle of the foot on the shaft, 0 .. 1
     double radius_mm;          ///< of the foot
     double left_mm;            ///< cut off so far above the foot
-    bool is_clean;             ///< every cut of it was counted
+    bool is_clean;             ///< every sample that cut it was counted
 } sim_lobe_dexel_t;
 
 /// Gauge of a lobe.
 typedef struct {
     double max_um, sum_um2;
-    double max_turn, max_z_mm; ///< where the largest was
+    double max_turn, max_z_mm; ///< place of the largest
     uint64_t n;
 } sim_lobe_gauge_t;
 
@@ -69,12 +70,12 @@ typedef struct {
     uint32_t n_before;         ///< instants in `before`, 0 .. 2
     sim_lobe_tool_t before[2]; ///< the last instant, and the one before that
     sim_lobe_spot_t spot;      ///< of the last contact
-    int64_t first, end;        ///< dexels that the circle is at, not wrapped
+    int64_t first, end;        ///< dexels that the circle may still cut, not wrapped
     sim_lobe_gauge_t gauge[sim_lobe_design_max];
     sim_spread_t speed_mm_s;  ///< of the contact along the profile
-    sim_spread_t off_plan;    ///< that speed over what table and profile ask for, minus 1
+    sim_spread_t off_plan;    ///< that speed over what table and profile demand, minus 1
     sim_spread_t rake_deg;    ///< tool's line from the normal at the contact
-    sim_spread_t unswung_deg; ///< the same of a tool that does not swing
+    sim_spread_t unswung_deg; ///< the same for a tool that does not swing
     sim_lobe_dexel_t dexel[sim_lobe_dexels];
 } sim_lobe_work_t;
 
@@ -85,7 +86,7 @@ typedef struct {
 void sim_lobe_work_init(sim_lobe_work_t *w, sim_lobe_design_t *design, sim_work_t *work,
                         double tip_mm);
 
-/// The tool goes on to a place.
+/// The tool moves on to a place.
 /// @param tool  t_s rises from call to call
 void sim_lobe_work_cut(sim_lobe_work_t *w, const sim_lobe_tool_t *tool);
 

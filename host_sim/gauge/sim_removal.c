@@ -45,8 +45,21 @@ static void begin_turn(sim_removal_t *r, double whole, bool is_whole)
     r->turn_force = (sim_spread_t){0};
 }
 
-static void judge_slice(sim_removal_t *r)
+/// Make the slice and judge it.
+static void end_slice(sim_removal_t *r, double t_s, double turn, double z_mm)
 {
+    const double kc = r->config.kc_n_mm2;
+    const double dt_s = t_s - r->begin_s;
+    r->slice = (sim_slice_t){
+        .t_s = r->begin_s + 0.5 * dt_s,
+        .turn = 0.5 * (r->begin_turn + turn),
+        .z_mm = z_mm,
+        .volume_mm3 = r->volume_mm3,
+        .rate_mm3_s = r->volume_mm3 / dt_s,
+        .power_w = kc * r->volume_mm3 / dt_s * 1e-3,
+        .rate_force_n = kc * r->volume_mm3 / r->config.feed_mm,
+        .chip_force_n = kc * r->depth_sum_mm / (double)r->n * r->config.feed_mm,
+    };
     const sim_slice_t *s = &r->slice;
     const double whole = (double)sim_floor(s->turn);
     if (whole != r->turn) {
@@ -65,23 +78,6 @@ static void judge_slice(sim_removal_t *r)
         sim_spread_add(&r->turn_rate, s->rate_mm3_s);
         sim_spread_add(&r->turn_force, s->chip_force_n);
     }
-}
-
-static void end_slice(sim_removal_t *r, double t_s, double turn, double z_mm)
-{
-    const double kc = r->config.kc_n_mm2;
-    const double dt_s = t_s - r->begin_s;
-    r->slice = (sim_slice_t){
-        .t_s = r->begin_s + 0.5 * dt_s,
-        .turn = 0.5 * (r->begin_turn + turn),
-        .z_mm = z_mm,
-        .volume_mm3 = r->volume_mm3,
-        .rate_mm3_s = r->volume_mm3 / dt_s,
-        .power_w = kc * r->volume_mm3 / dt_s * 1e-3,
-        .rate_force_n = kc * r->volume_mm3 / r->config.feed_mm,
-        .chip_force_n = kc * r->depth_sum_mm / (double)r->n * r->config.feed_mm,
-    };
-    judge_slice(r);
 }
 
 bool sim_removal_touch(sim_removal_t *r, double t_s, double turn, double z_mm, double radius_mm,

@@ -6,8 +6,8 @@
 ///     rate force = kc V / feed                 the papers' model: area cut in one slice
 ///     chip force = kc mean depth feed          physical: section of the chip, whatever the speed
 ///
-/// A slice ends with the first tick that is due: slices are dt on average, each counts with the
-/// length that it has.
+/// A slice ends with the first tick at or after its due time: on average slices last dt, and each
+/// counts with its true length.
 /// Ripple is (largest - least) / mean over the slices of one turn; only whole turns of which all
 /// samples were offered with `is_judged` count. Source: MATHS.md (29), (67).
 #ifndef SIM_REMOVAL_H
@@ -31,7 +31,7 @@ typedef struct {
     double volume_mm3, rate_mm3_s, power_w, rate_force_n, chip_force_n;
 } sim_slice_t;
 
-/// Smallest, largest and sum of something.
+/// The smallest, the largest and the sum of some values.
 typedef struct {
     double min, max, sum;
     uint64_t n;
@@ -40,11 +40,11 @@ typedef struct {
 typedef struct {
     sim_removal_config_t config;
     sim_slice_t slice; ///< the last finished one
-    // the slice in the making
+    // the slice that is being made
     double begin_s, due_s, begin_turn, volume_mm3, depth_sum_mm, last_z_mm;
     uint64_t n; ///< samples in it
     bool is_running, is_clean;
-    // the turn in the making
+    // the turn that is being made
     double turn; ///< whole turns of its slices
     bool is_whole;
     sim_spread_t turn_rate, turn_force;

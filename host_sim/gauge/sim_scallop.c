@@ -23,7 +23,7 @@ double sim_scallop_height_mm(const sim_scallop_t *s, int height)
     return s->z_first_mm + share * (s->z_last_mm - s->z_first_mm);
 }
 
-/// The circle of the nose cuts at one angle.
+/// Let the circle of the nose cut at one angle.
 static void cut(sim_scallop_t *s, int angle, double z_mm, double tip_mm)
 {
     const double nose_mm = s->nose_mm;
@@ -36,7 +36,7 @@ static void cut(sim_scallop_t *s, int angle, double z_mm, double tip_mm)
     }
 }
 
-/// All angles of the map between the pass before and this one.
+/// Cut at all angles of the map between the last sample and this one.
 static void pass(sim_scallop_t *s, sim_design_t *design, double turned, double z_mm,
                  double proud_mm)
 {

@@ -3,12 +3,13 @@
 ///
 ///     left(phi, z) = min over all passes of  tip + r - sqrt(r^2 - (z - z_tip)^2)
 ///
-/// on a window of heights, at angles of a 240th of a turn: wherever the tool passes one of them the
-/// circle of its nose cuts what it finds, the blank at first. Between two ticks the tip's height
-/// and its distance from the exact surface go linearly: below 0.01 nm and 1 nm of a skirt. The nose
-/// lies in the plane of the axis, its lowest point is the tip. What is proud of the exact surface
-/// is given for each place; a slope s of the surface lowers it by r s^2 / 2 everywhere (0.02 um for
-/// 0.8 mm and 0.0063) and leaves peak to valley as it is. Source: MATHS.md (65).
+/// on a window of heights, at 240 angles of the turn: wherever the tool passes one of them the
+/// circle of its nose cuts what it finds, the blank at first. Between two ticks the height of the
+/// tip and its distance from the exact surface are taken as linear, which errs by less than 0.01 nm
+/// and 1 nm on a skirt. The nose lies in the plane of the axis, its lowest point is the tip. For
+/// each place the map gives what is left above the exact surface; a slope s of the surface lowers
+/// it by r s^2 / 2 everywhere (0.02 um for 0.8 mm and 0.0063) and leaves peak to valley as it is.
+/// Source: MATHS.md (65).
 #ifndef SIM_SCALLOP_H
 #define SIM_SCALLOP_H
 
@@ -20,15 +21,15 @@ enum { sim_scallop_angles = 240, sim_scallop_heights = 401 };
 typedef struct {
     double nose_mm;                                          ///< radius; 0: nothing is made
     double z_first_mm, z_last_mm;                            ///< the window, both ends in it
-    bool has_last;                                           ///< the pass before
-    double turn, z_mm, proud_mm;                             ///< ... and where it was
+    bool has_last;                                           ///< there was a pass before
+    double turn, z_mm, proud_mm;                             ///< ... at this place
     double left_mm[sim_scallop_angles][sim_scallop_heights]; ///< radius of the surface
 } sim_scallop_t;
 
-/// What the map comes to.
+/// The figures of the map.
 typedef struct {
     double highest_um, lowest_um; ///< largest and least peak to valley of an angle
-    double mean_um;               ///< of all places: proud of the exact surface
+    double mean_um;               ///< mean over all places of what is left above the exact surface
 } sim_scallop_figures_t;
 
 /// @param s         1 MB: allocate it
@@ -37,7 +38,8 @@ typedef struct {
 void sim_scallop_init(sim_scallop_t *s, double nose_mm, double z_first_mm, double z_last_mm,
                       double blank_mm);
 
-/// The tool tip is somewhere; passes less than half a turn apart, in the sense of cutting, cut.
+/// Take a sample of the tool tip. Two samples that are less than half a turn apart, in the sense of
+/// cutting, make a pass that cuts.
 /// @param turn       [turn] 0 .. 1 from the long axis
 /// @param radius_mm  of the tip
 /// @param exact_mm   exact radius there

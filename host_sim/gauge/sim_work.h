@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-/// sim_work: the blank, the tool tip on it, and a roundness gauge. Bounded memory for any length of
-/// cut.
+/// sim_work: the blank, the tool tip on it, and a roundness gauge. The memory is bounded, however
+/// long the cut.
 ///
 ///     error = radius of the tool tip - exact radius at the tool's true angle and height
 ///     cut depth = blank radius - radius,  removed volume: dV = pi (blank^2 - radius^2) dz
 ///
 /// The tip is a point at centre height (a nose of 0.8 mm shifts a piston's contact by 5 um along Z
 /// and 0.02 um across). One turn removes a ring of the feed's width, so every sample stands for the
-/// share dz of it; feed marks between turns are the business of sim_scallop.h.
+/// share dz of it; feed marks between turns are made by sim_scallop.h.
 /// The map keeps, per cell of angle and height, the sample with the largest |error|; each row of
 /// heights keeps the extremes, from which its roundness (largest - smallest error) follows.
 #ifndef SIM_WORK_H
@@ -25,7 +25,7 @@ typedef struct {
     float error_nm;
     double z_mm;
     double radius_mm;
-    uint32_t n; ///< samples seen; 0: never touched
+    uint32_t n; ///< samples seen; 0: none
 } sim_cell_t;
 
 /// One band of heights.
@@ -38,7 +38,7 @@ typedef struct {
     double blank_mm; ///< radius of the blank
     double z_first_mm, z_last_mm, rows_per_mm;
     double max_um, sum_um2;    ///< form error: largest magnitude, sum of squares
-    double max_turn, max_z_mm; ///< where the largest was
+    double max_turn, max_z_mm; ///< place of the largest
     double depth_min_mm, depth_max_mm;
     double removed_mm3;
     double gouge_um;  ///< deepest cut below the exact surface in any state, above 0
@@ -52,14 +52,14 @@ typedef struct {
 /// @param blank_mm  radius of the blank
 void sim_work_init(sim_work_t *w, double blank_mm, double z_first_mm, double z_last_mm);
 
-/// The tool tip is somewhere.
+/// Take a sample of the tool tip.
 /// @param turn        [turn] 0 .. 1 from the long axis
 /// @param exact_mm    exact radius there
 /// @param is_counted  the sample belongs to the surface that is judged: full amplitude and depth
 void sim_work_touch(sim_work_t *w, double turn, double z_mm, double radius_mm, double exact_mm,
                     bool is_counted);
 
-/// The same without the metal that was removed, for those who know better how much it was.
+/// Judge a sample without counting removed metal, which sim_lobe_work counts by its own dexels.
 void sim_work_judge(sim_work_t *w, double turn, double z_mm, double radius_mm, double exact_mm,
                     bool is_counted);
 

@@ -129,7 +129,7 @@ static double acceleration(const sim_drive_t *d, double pos_micro, double vel, d
     return d->stiffness_per_s2 * (command_micro - pos_micro) - d->drag_per_s * vel;
 }
 
-/// Constant acceleration for a while, speed kept within its limit.
+/// Move with constant acceleration, the speed kept within its limit.
 static void move(sim_drive_t *d, double acceleration_micro_per_s2, double dt_s)
 {
     const double wanted = d->vel_micro_per_s + acceleration_micro_per_s2 * dt_s;

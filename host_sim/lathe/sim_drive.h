@@ -12,7 +12,7 @@
 /// and a degree of the swing; positions, commands and speeds are held in millionths of it
 /// ("micro"), so 250 is 250 nm of a slide and 250 micro-degrees of the swing.
 ///
-/// Discretisation: between two changes of the command the matrix exponential, exact; a dead time
+/// Discretisation: between two changes of the command the matrix exponential is exact; a dead time
 /// that is no whole number of steps splits the step in two such pieces, exact too. A piece that
 /// meets a limit is redone in 16 sub-steps of constant acceleration: with the acceleration at its
 /// limit this is exact again, otherwise it is off by less than (w T / 16)^2 / 3 of the distance
@@ -48,7 +48,7 @@ sim_drive_config_t sim_drive_z_defaults(void);
 /// 100 000 degrees/s2.
 sim_drive_config_t sim_drive_swing_defaults(void);
 
-/// Where a piece of constant command takes (position - command, speed): a 2 x 2 matrix.
+/// The 2 x 2 matrix that takes (position - command, speed) over a piece of constant command.
 typedef struct {
     double pp, pv, vp, vv;
     double time_s;
@@ -65,8 +65,8 @@ typedef struct {
     double period_s;
     sim_drive_flow_t before; ///< the piece before the delayed command changes
     sim_drive_flow_t after;  ///< the piece after that
-    bool is_split;           ///< `before` is longer than nothing
-    bool is_blocked;         ///< stands still whatever is commanded
+    bool is_split;           ///< the dead time is no whole number of steps: `before` takes time
+    bool is_blocked;         ///< the axis stands still whatever is commanded
     uint32_t n_delay;        ///< whole steps of dead time
     uint32_t i_command;
     double command_micro[sim_drive_ring];
@@ -78,7 +78,7 @@ void sim_drive_init(sim_drive_t *d, const sim_drive_config_t *config, double sta
                     double period_s);
 
 /// Take a command and let one period pass.
-/// @param is_enabled  false: brake to rest within the limits and hold
+/// @param is_enabled  false: the drive brakes to rest within its limits and holds
 void sim_drive_step(sim_drive_t *d, int32_t command_micro, bool is_enabled);
 
 /// Let more time pass with the last effective command, because the next one comes late.

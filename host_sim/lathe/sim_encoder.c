@@ -13,7 +13,8 @@ sim_encoder_config_t sim_encoder_defaults(void)
     };
 }
 
-/// Where the disc says that it is, as a real number of counts, in the sense of rising counts.
+/// @return the position that the disc shows, as a real number of counts in the sense of rising
+/// counts
 static double place_counts(const sim_encoder_config_t *c, double turn)
 {
     double counts = c->counts_per_turn * turn;

@@ -4,7 +4,7 @@
 ///     counts = start + floor(sign (N turn + e sin(2 pi (turn - p))) + jitter)
 ///
 /// N counts per turn, eccentricity e in counts (a disc off centre by d on a track of radius R
-/// shifts by e = N d / (2 pi R)), p the place of no error, jitter bell-shaped noise of the edges.
+/// shifts by e = N d / (2 pi R)), p the angle without error, jitter bell-shaped noise of the edges.
 /// The index lies at a fixed angle; crossing it latches the counter where the edge is, so both
 /// senses of rotation latch the same number (modulo a turn), as hal.h demands. The jitter moves the
 /// latch too.
@@ -22,7 +22,8 @@ typedef struct {
     double eccentricity_counts; ///< [counts] amplitude of the error once per turn
     double eccentricity_turn;   ///< [turn] angle of no error, where it rises
     double jitter_counts;       ///< [counts] rms
-    double start_counts;        ///< counter at angle 0, whole number, so that the wrap is met
+    double start_counts; ///< counter at angle 0, a whole number; chosen so that the counter wraps
+                         ///< during a cut
 } sim_encoder_config_t;
 
 /// 10 000 counts per turn, no eccentricity, no jitter, index at 0.3 turn; the counter wraps after
@@ -42,7 +43,7 @@ typedef struct {
 void sim_encoder_init(sim_encoder_t *e, const sim_encoder_config_t *config, double turn,
                       uint64_t seed);
 
-/// Take a reading. Not more than a turn may pass between two readings.
+/// Take a reading. At most one turn may pass between two readings.
 /// @param turn  [turn] true angle of the spindle, not wrapped
 hal_encoder_t sim_encoder_read(sim_encoder_t *e, double turn);
 

@@ -8,7 +8,7 @@
 /// |---|---|---|
 /// | estop | | the emergency-stop chain opens |
 /// | drive | | the drives report that they are not ready |
-/// | bus | | a node on the bus goes silent, the drives are still heard |
+/// | bus | | a node of the bus goes silent, the drives are still heard |
 /// | lost-counts | counts | the encoder loses that many |
 /// | encoder-jump | counts | the encoder gains that many |
 /// | encoder-stuck | | the counter stands still |
@@ -65,7 +65,7 @@ typedef enum {
     sim_n_injects
 } sim_inject_kind_t;
 
-/// Where it can happen.
+/// Where a kind can happen.
 typedef enum { sim_inject_in_run = 1, sim_inject_on_bus = 2 } sim_inject_place_t;
 
 typedef struct {

@@ -57,7 +57,7 @@ void sim_lathe_linger(sim_lathe_t *l, const sim_setpoints_t *set, double late_s)
 /// The last reading with the faults of the encoder; the index latch copies the counter with them.
 static hal_encoder_t distorted(const sim_lathe_t *l)
 {
-    hal_encoder_t reading = l->true_counts;
+    hal_encoder_t reading = l->true_reading;
     reading.counts = l->is_encoder_stuck ? l->stuck_counts : reading.counts + l->count_offset;
     reading.index_counts =
         l->is_encoder_stuck ? l->stuck_counts : reading.index_counts + l->count_offset;
@@ -70,7 +70,7 @@ static hal_encoder_t distorted(const sim_lathe_t *l)
 
 hal_encoder_t sim_lathe_encoder(sim_lathe_t *l)
 {
-    l->true_counts = sim_encoder_read(&l->encoder, l->spindle.turn);
+    l->true_reading = sim_encoder_read(&l->encoder, l->spindle.turn);
     return distorted(l);
 }
 

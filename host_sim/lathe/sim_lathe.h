@@ -35,7 +35,7 @@ typedef struct {
 /// the part.
 sim_lathe_config_t sim_lathe_defaults(void);
 
-/// What a controller wants of one step.
+/// What a controller commands for one step.
 typedef struct {
     double spindle_rad_per_s;
     int32_t micro[sim_lathe_n_drives];   ///< positions: nm of the axes, micro-degrees of the swing
@@ -55,16 +55,16 @@ typedef struct {
     sim_spindle_t spindle;
     sim_encoder_t encoder;
     sim_drive_t drive[sim_lathe_n_drives];
-    // what is wrong with it
+    // faults that were caused
     bool is_speed_forced; ///< the spindle runs at forced_rad_per_s, whatever is commanded
     double forced_rad_per_s;
-    bool is_reversed;          ///< the spindle turns against its set-point
-    uint32_t count_offset;     ///< [counts] added to the counter and to what latches it
-    bool is_encoder_stuck;     ///< the counter keeps stuck_counts
-    bool is_index_dead;        ///< no index edge arrives any more
-    uint32_t stuck_counts;     ///< counter when it got stuck
-    hal_encoder_t last_index;  ///< reading when the index died
-    hal_encoder_t true_counts; ///< last reading without what is wrong
+    bool is_reversed;           ///< the spindle turns against its set-point
+    uint32_t count_offset;      ///< [counts] added to the counter and to what latches it
+    bool is_encoder_stuck;      ///< the counter keeps stuck_counts
+    bool is_index_dead;         ///< no index edge arrives any more
+    uint32_t stuck_counts;      ///< counter when it got stuck
+    hal_encoder_t last_index;   ///< reading when the index died
+    hal_encoder_t true_reading; ///< last reading without the faults
 } sim_lathe_t;
 
 /// Bring the lathe to rest.
@@ -82,7 +82,7 @@ void sim_lathe_step(sim_lathe_t *l, const sim_setpoints_t *set);
 /// of the drives is held meanwhile, so a command takes effect later by the same amount.
 void sim_lathe_linger(sim_lathe_t *l, const sim_setpoints_t *set, double late_s);
 
-/// Read the encoder, with its faults. Not more than a turn may pass between two readings.
+/// Read the encoder with its faults. At most one turn may pass between two readings.
 hal_encoder_t sim_lathe_encoder(sim_lathe_t *l);
 
 /// The counter stands still from now on.

@@ -4,11 +4,11 @@
 ///     J dw/dt = clamp(J b (w_set - w), -M, M)          mean speed w, speed loop of bandwidth b
 ///     dturn/dt = w (1 + r sin(2 pi k turn)) / (2 pi)   kinematic ripple: belt, motor poles
 ///
-/// Discretisation: w exactly (an exponential, or a ramp while the torque is at its limit), its
-/// angle by the trapezium: error < b^2 |w_set - w| T^3 / 12 per step, 5e-12 turn in a run-up with
-/// the defaults. The ripple by the midpoint rule: the speed is off by r (k w T)^2 / 24, 6e-8 of it
-/// at 2500 r/min and 20 kHz. Both only mean a slightly different spindle: encoder and gauge see the
-/// angle that results. Source: MATHS.md (69).
+/// Discretisation: w is exact (an exponential, or a ramp while the torque is at its limit); its
+/// angle follows by the trapezium rule with an error below b^2 |w_set - w| T^3 / 12 per step, 5e-12
+/// turn in a run-up with the defaults. The ripple follows by the midpoint rule: the speed is off by
+/// r (k w T)^2 / 24, 6e-8 of it at 2500 r/min and 20 kHz. Both only mean a slightly different
+/// spindle: encoder and gauge see the angle that results. Source: MATHS.md (69).
 #ifndef SIM_SPINDLE_H
 #define SIM_SPINDLE_H
 
@@ -35,7 +35,7 @@ typedef struct {
 void sim_spindle_init(sim_spindle_t *s, const sim_spindle_config_t *config);
 
 /// Let time pass.
-/// @param set_rad_per_s  speed wanted, signed
+/// @param set_rad_per_s  commanded speed, signed
 /// @param dt_s           >= 0
 void sim_spindle_step(sim_spindle_t *s, double set_rad_per_s, double dt_s);
 

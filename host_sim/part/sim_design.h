@@ -11,8 +11,8 @@
 ///
 /// a(z) and G(z) are piecewise cubics, clamped outside. They come from NAME.json, the report that
 /// the generator writes beside NAME.camtab, so the gauge is independent of table and firmware.
-/// Without the report the table itself, evaluated in double, can stand in; then errors of the table
-/// stay unseen. Source: MATHS.md (1) .. (4); rounding below 1e-5 nm.
+/// Without the report the table itself, evaluated in double, takes its place; then errors of the
+/// table stay unseen. Source: MATHS.md (1) .. (4); rounding below 1e-5 nm.
 #ifndef SIM_DESIGN_H
 #define SIM_DESIGN_H
 
@@ -40,8 +40,8 @@ typedef struct {
     const cam_table_t *table; ///< sim_shape_table only
     double z_first_mm, z_last_mm;
     double largest_mm; ///< largest long half axis; of lobes base circle and lift
-    double at_z_mm;    ///< height of a, g
-    double a_mm, g_mm; ///< last look-up
+    double at_z_mm;    ///< height of the last look-up
+    double a_mm, g_mm; ///< a(z) and G(z) there
 } sim_design_t;
 
 /// Read the report of a table.
@@ -51,13 +51,13 @@ typedef struct {
 bool sim_design_load(sim_design_t *d, const char *path, const cam_table_t *table,
                      common_error_t *e);
 
-/// Take the table's own knots, evaluated in double.
+/// Take the table itself as the design: its knots are evaluated in double.
 /// @param table  checked; must outlive the design
 void sim_design_from_table(sim_design_t *d, const cam_table_t *table);
 
 void sim_design_free(sim_design_t *d);
 
-/// Exact radius of the part.
+/// Look the exact radius of the part up.
 /// @param turn  [turn] angle from the long axis in the sense of cutting, 0 .. 1
 /// @param z_mm  any; clamped to the part
 double sim_design_radius_mm(sim_design_t *d, double turn, double z_mm);
@@ -65,7 +65,7 @@ double sim_design_radius_mm(sim_design_t *d, double turn, double z_mm);
 /// @return [mm] long half axis at a height
 double sim_design_long_mm(sim_design_t *d, double z_mm);
 
-/// Find a(z) of the design's range by dense sampling. @return [mm] its largest value
+/// Sample a(z) densely over the range of the design. @return [mm] its largest value
 double sim_design_find_largest_mm(sim_design_t *d);
 
 /// @param shape  ellipse, cosine or double-ellipse

@@ -28,7 +28,7 @@ static double quintic(knot_t k0, knot_t k1, double t)
     return k0.p + t * (k0.v + t * (k0.a + t * (c3 + t * (c4 + t * c5))));
 }
 
-/// Slice below a height; *w is the weight of the one above.
+/// Find the slice below a height; *w is the weight of the slice above it.
 static size_t slice_below(const cam_channel_t *ch, double z_mm, double *w)
 {
     const double n = ch->n_slices - 1.0;
@@ -41,7 +41,7 @@ static size_t slice_below(const cam_channel_t *ch, double z_mm, double *w)
 
 static double scaled(const cam_channel_t *ch, double lsb)
 {
-    return ch->offset_nm + ldexp(lsb, -(int)ch->frac_bits);
+    return ch->value_offset + ldexp(lsb, -(int)ch->frac_bits);
 }
 
 double sim_design_table_long_mm(const cam_table_t *t, double z_mm)
@@ -52,7 +52,7 @@ double sim_design_table_long_mm(const cam_table_t *t, double z_mm)
            SIM_NM_PER_MM;
 }
 
-/// Value of a channel over angle and height, in its unit.
+/// Look up a channel over angle and height. @return the value in the unit of the channel
 static double value_at(const cam_channel_t *ch, double turn, double z_mm)
 {
     double w;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// sim_design_table: a table's own surface in double, the same quintics without fixed-point
-/// rounding.
+/// sim_design_table: the surface of a table in double: the same quintics as in the firmware,
+/// without the rounding of fixed point.
 #ifndef SIM_DESIGN_TABLE_H
 #define SIM_DESIGN_TABLE_H
 
@@ -14,7 +14,7 @@ double sim_design_table_radius_mm(const cam_table_t *t, double turn, double z_mm
 /// @return speed of the spindle over its mean speed; 1 without that channel
 double sim_design_table_ratio(const cam_table_t *t, double turn, double z_mm);
 
-/// @return [mm] x alone
+/// @return [mm] the long half axis x alone
 double sim_design_table_long_mm(const cam_table_t *t, double z_mm);
 
 #endif

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 /// sim_lobe_design: the exact profiles of the lobes of a part, for the gauge.
 ///
-/// Frame: fixed to the lobe, angles in the sense in which the follower runs round it, 0 at the zero
-/// of the law. With theta the direction of the roller's line, r the base circle, r1 the roller:
+/// The frame is fixed to the lobe; angles count in the sense in which the follower runs round it,
+/// from the zero of the law. With theta the direction of the roller's line, r the base circle, r1
+/// the roller:
 ///
 ///     p = r + r1 + H,  gamma = atan(H' / p),  the normal at the contact points to theta - gamma
 ///     contact = (p cos gamma - r1) along the normal, p sin gamma across it
 ///     ds/dtheta = sqrt(p^2 + H'^2) - r1 (1 - gamma')
 ///
-/// Source: MATHS.md (30), (31). It comes from NAME.json, so the gauge knows neither table nor
-/// firmware. Error: rounding, below 1e-6 nm.
+/// Source: MATHS.md (30), (31). The design comes from NAME.json, so the gauge knows neither
+/// table nor firmware. Error: rounding, below 1e-6 nm.
 #ifndef SIM_LOBE_DESIGN_H
 #define SIM_LOBE_DESIGN_H
 
@@ -23,7 +24,7 @@ enum { sim_lobe_design_max = 64 };
 
 typedef struct {
     double z_first_mm, z_last_mm;
-    double phase_rad; ///< spindle angle at which the law's angle is 0
+    double phase_rad; ///< angle of the spindle at which the law's angle is 0
     sim_lobe_lift_t lift;
     double largest_mm; ///< largest lift of the roller's centre, by dense sampling
 } sim_lobe_t;
@@ -34,11 +35,11 @@ typedef struct {
     double base_speed;  ///< speed that is due on the base circle over the mean speed
     bool is_turned;
     bool is_even;     ///< made for a constant surface speed
-    uint32_t n_lobes; ///< upwards
+    uint32_t n_lobes; ///< in the order of their heights
     sim_lobe_t lobe[sim_lobe_design_max];
 } sim_lobe_design_t;
 
-/// A place of the profile.
+/// A point of the profile.
 typedef struct {
     double x_mm, y_mm;
     double nx, ny; ///< normal outwards, of length 1
@@ -53,11 +54,13 @@ typedef struct {
 bool sim_lobe_design_read(sim_lobe_design_t *d, const cJSON *design, const char *path,
                           common_error_t *e);
 
+/// Find the contact of the roller.
 /// @param theta_rad  any: direction of the roller's line in the frame of the lobe
 sim_lobe_spot_t sim_lobe_design_at(sim_lobe_design_t *d, uint32_t i_lobe, double theta_rad);
 
+/// Find the lobe at a height.
 /// @param edge_mm  by which a lobe is taken to be longer at both ends
-/// @return         lobe at a height, n_lobes in the gaps and beyond the ends
+/// @return         its number, n_lobes in the gaps and beyond the ends
 uint32_t sim_lobe_design_find(const sim_lobe_design_t *d, double z_mm, double edge_mm);
 
 /// @return [mm] largest lift of all lobes

@@ -26,7 +26,7 @@ static sim_lobe_rise_t poly345(const sim_lobe_lift_t *lift, double theta_rad)
     };
 }
 
-/// The roller's centre runs on a circle about the disc's centre.
+/// Eccentric disc: the roller's centre runs on a circle about the disc's centre.
 static sim_lobe_rise_t disc(const sim_lobe_lift_t *lift, double theta_rad)
 {
     const double e = lift->offset_mm;
@@ -71,7 +71,7 @@ sim_lobe_rise_t sim_lobe_lift_at(sim_lobe_lift_t *lift, double theta_rad)
     }
 }
 
-/// A number above 0.
+/// Read a number above 0.
 static bool read_number(double *value, const cJSON *lobe, const char *where, const char *name,
                         const char *path, common_error_t *e)
 {

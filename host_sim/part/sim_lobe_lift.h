@@ -5,7 +5,8 @@
 ///     disc      H = sqrt(reach^2 - (e sin theta)^2) + e cos theta - (reach - e)
 ///     pieces    quintic over each piece of one turn, periodic
 ///
-/// Written from the equations, not from the generator: MATHS.md (37), (38). Error: rounding only.
+/// The laws are written from the equations MATHS.md (37), (38), not from the generator, so that an
+/// error of the generator shows. Error: rounding only.
 #ifndef SIM_LOBE_LIFT_H
 #define SIM_LOBE_LIFT_H
 
@@ -21,11 +22,12 @@ typedef enum { sim_lobe_lift_poly345, sim_lobe_lift_disc, sim_lobe_lift_pieces }
 typedef struct {
     sim_lobe_law_t law;
     double lift_mm, half_angle_rad;   ///< poly345
-    double reach_mm, offset_mm;       ///< disc: its radius plus the roller's; place of its centre
-    double *break_rad;                ///< pieces: n + 1, rising, one turn
+    double reach_mm, offset_mm;       ///< disc: its radius plus the roller's; distance of its
+                                      ///< centre from the axis
+    double *break_rad;                ///< pieces: n + 1 rising angles over one turn
     double (*c)[sim_lobe_lift_terms]; ///< [mm/rad^k] n pieces, highest power first
     size_t n;
-    size_t i_last; ///< piece of the last look-up: the next one is near
+    size_t i_last; ///< piece of the last look-up, from which the next search starts
 } sim_lobe_lift_t;
 
 /// Lift and its derivatives by the angle.
@@ -42,7 +44,7 @@ typedef struct {
 bool sim_lobe_lift_read(sim_lobe_lift_t *lift, const cJSON *lobe, const char *where,
                         const char *path, common_error_t *e);
 
-/// @param theta_rad  any
+/// @param theta_rad  any angle of the follower
 sim_lobe_rise_t sim_lobe_lift_at(sim_lobe_lift_t *lift, double theta_rad);
 
 void sim_lobe_lift_free(sim_lobe_lift_t *lift);

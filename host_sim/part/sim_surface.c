@@ -7,7 +7,7 @@
 
 enum { n_in_piece = sim_surface_n_angle * sim_surface_n_height };
 
-/// Angle coordinate from the joint: the quadrants are mirror images.
+/// The angle coordinate of a section with a joint; the quadrants are mirror images.
 static double from_joint(sim_surface_t *s, double turn, double z_mm)
 {
     const double half = 0.5 * sim_fraction(2.0 * turn);
@@ -57,7 +57,7 @@ static bool read_angle(sim_surface_t *s, const cJSON *surface, const char *path,
            sim_json_cubics(&s->joint_turn, surface, "design.surface", "joint_turn", path, e);
 }
 
-/// The joint lies between the axes at all its own heights.
+/// The joint must lie between the axes at all its heights.
 static bool check_joint(sim_surface_t *s, const char *path, common_error_t *e)
 {
     enum { per_piece = 16 };

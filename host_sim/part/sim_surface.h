@@ -26,7 +26,7 @@ typedef struct {
     double *break_mm;        ///< m + 1, rising
     double (*c)[sim_surface_n_angle][sim_surface_n_height]; ///< [mm] m * n pieces
     size_t n, m;
-    size_t i_last, j_last; ///< pieces of the last look-up: the next ones are near
+    size_t i_last, j_last; ///< pieces of the last look-up, from which the next search starts
 } sim_surface_t;
 
 /// Read "design.surface" of a report.
@@ -35,6 +35,7 @@ typedef struct {
 /// @return      false and *e when something is missing or malformed
 bool sim_surface_read(sim_surface_t *s, const cJSON *surface, const char *path, common_error_t *e);
 
+/// Look the surface up.
 /// @param turn  [turn] from the long axis in the sense of cutting, any
 /// @param z_mm  any; clamped to the pieces
 /// @return      [mm] reduction of the radius

@@ -59,7 +59,7 @@ static const common_setting_t fields[] = {
 enum { n_fields = sizeof fields / sizeof fields[0] };
 _Static_assert((int)n_fields <= (int)common_settings_max, "one flag for each key");
 
-/// What the list of numbers does not hold.
+/// The settings that are not in the list of numbers.
 typedef struct {
     sim_config_t *config;
     bool is_name_seen;
@@ -68,19 +68,6 @@ typedef struct {
 sim_config_t sim_config_defaults(void)
 {
     return (sim_config_t){.name = "default", .lathe = sim_lathe_defaults()};
-}
-
-static bool take_name(const common_settings_t *s, const char *text)
-{
-    others_t *others = s->user;
-    char *name = others->config->name;
-    if (others->is_name_seen ||
-        !common_settings_text(text, name, sizeof others->config->name - 1u)) {
-        return common_settings_refuse(s, "machine", "name", text,
-                                      "give one \"text\" of at most 63 characters, once");
-    }
-    others->is_name_seen = true;
-    return true;
 }
 
 static bool take_parameter(const common_settings_t *s, const char *key, const char *text)
@@ -106,7 +93,15 @@ static bool take_other(const common_settings_t *s, const char *section, const ch
         return take_parameter(s, key, text);
     }
     if (strcmp(section, "machine") == 0 && strcmp(key, "name") == 0) {
-        return take_name(s, text);
+        others_t *others = s->user;
+        char *name = others->config->name;
+        if (others->is_name_seen ||
+            !common_settings_text(text, name, sizeof others->config->name - 1u)) {
+            return common_settings_refuse(s, section, key, text,
+                                          "give one \"text\" of at most 63 characters, once");
+        }
+        others->is_name_seen = true;
+        return true;
     }
     return common_settings_refuse(s, section, key, text,
                                   "unknown; see host_sim/machines/default.toml for all keys");

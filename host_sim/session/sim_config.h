@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-/// sim_config: the machine file. TOML as far as a machine needs it:
+/// sim_config: the machine file is read. It is TOML as far as a machine needs it:
 ///
 ///     # comment
 ///     [section]
 ///     key = 1.5          # number, true, false or "string"
 ///
-/// Every key has a default (machines/default.toml lists and explains them all), unknown keys and
-/// sections, keys given twice, values that are no number or out of range are refused, and the
-/// message names file, line, key, value and remedy. [controller] takes any parameter of
-/// cam_param.h.
+/// Every key has a default; machines/default.toml lists and explains them all. Unknown keys, keys
+/// given twice, and values that are no number or out of range are refused, and the message names
+/// file, line, key, value and remedy. [controller] takes any parameter of cam_param.h.
 #ifndef SIM_CONFIG_H
 #define SIM_CONFIG_H
 

@@ -21,8 +21,9 @@ bool sim_wishes_add(sim_wishes_t *w, const char *name, double value, const char 
     return true;
 }
 
-/// Above the lag of U in its approach without feed-forward (100 mm/s for 0.74 ms on the default
-/// machine), below the stroke of an oval worth cutting, so that a U that stands still is noticed.
+/// The limit of the following error lies above the lag of U in its approach without feed-forward
+/// (100 mm/s for 0.74 ms on the default machine) and below the stroke of an oval worth cutting, so
+/// that a U that stands still is noticed.
 enum { following_limit_um = 100 };
 
 typedef struct {
@@ -82,7 +83,7 @@ static void derive_limits(derive_t *d, const sim_lathe_config_t *m)
         sim_clamp(s->torque_Nm / s->inertia_kgm2 * 1e3, 1e3, 2e9));
 }
 
-/// Without the axis there is nothing to be derived but that.
+/// A machine without a swing has the speed 0; nothing else is derived then.
 static void derive_swing(derive_t *d, const sim_lathe_config_t *m)
 {
     const sim_drive_config_t *swing = &m->drive[sim_lathe_swing];
@@ -94,8 +95,8 @@ static void derive_swing(derive_t *d, const sim_lathe_config_t *m)
     }
 }
 
-/// Angle of the index from the long axis in the sense of cutting, and what noise of the edges
-/// demands.
+/// Derive the angle of the index from the long axis in the sense of cutting, and windows that are
+/// wide enough for the noise of the edges.
 static void derive_encoder(derive_t *d, const sim_lathe_config_t *m, const cam_table_t *table)
 {
     const sim_encoder_config_t *c = &m->encoder;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// sim_controller: the firmware's parameters that fit a machine, and what a user changes of them.
+/// sim_controller: the parameters of the firmware that fit a lathe, and the changes of the user.
 ///
 ///     k1 = 2 d / w, k2 = 1 / w^2           the inverse of the U drive (sim_drive.h)
 ///     lead = dead time of U + half a tick  the mean age of a held command
@@ -7,8 +7,8 @@
 ///     swing_lag = dead time + half a tick + 2 d / w of the swing
 ///     spindle_lag = 1 / bandwidth of the spindle, acceleration = torque / inertia
 ///
-/// The limits are those of the machine; the following error may reach 0.1 mm (the firmware's
-/// default is 0.2); jitter widens the windows for the index and for jumps by seven times its rms.
+/// The limits are those of the lathe; the following error may reach 0.1 mm (the firmware's default
+/// is 0.2 mm); jitter widens the windows for the index and for jumps by seven times its rms.
 ///
 /// A parameter that is given in [controller] of the machine file or by --set overrules the derived
 /// one, so that a mismatch between machine and controller can be studied.
@@ -21,13 +21,13 @@
 #include "sim_lathe.h"    // sim_lathe_config_t
 #include <stdbool.h>      // bool
 
-/// What the user wants; zero-initialised is nothing.
+/// Parameters that the user gave; zero-initialised there are none.
 typedef struct {
     int32_t value[cam_n_params];
     bool is_given[cam_n_params];
 } sim_wishes_t;
 
-/// Remember one wish.
+/// Remember one parameter.
 /// @param name    of a parameter of cam_param.h
 /// @param value   whole number within its range
 /// @param origin  for the message: file and section, or the option

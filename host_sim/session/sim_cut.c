@@ -4,9 +4,9 @@
 #include <math.h>      // ceil, sqrt
 #include <stdlib.h>    // free
 
-/// A real main loop does its background work whenever the interrupt leaves time; here rarely, since
-/// a kilobyte of CRC costs as much as 10 ticks. A damaged table of 16 KB is found within 0.8 s at
-/// 20 kHz.
+/// A real main loop does its background work whenever the interrupt leaves time. Here it is done
+/// rarely, since a kilobyte of CRC costs as much as 10 ticks: a damaged table of 16 KB is found
+/// within 0.8 s at 20 kHz.
 enum { background_polls = 64 };
 
 const cam_status_t *sim_cut_status(const sim_cut_t *cut)
@@ -49,7 +49,7 @@ uint32_t sim_cut_lobe_without_turn(const sim_cut_t *cut)
 
 bool sim_cut_is_gauged(const sim_cut_t *cut)
 {
-    // A Z that others lead ends with a stop, too.
+    // A cut whose Z others lead ends with a stop, too.
     const bool is_whole = !cut->is_stopped || cut->session.cut_turns >= sim_cut_planned_turns(cut);
     const bool has_lobes = cut->session.design.shape == sim_shape_lobes && is_whole;
     return cut->session.work.n > 0u &&
@@ -73,7 +73,8 @@ const char *sim_cut_end_name(const sim_cut_t *cut)
     return cut->end == sim_cut_done && cut->is_stopped ? "stopped" : name[cut->end];
 }
 
-/// Of a skirt, while cutting. Turns in which the feed eases are not judged, nor is a ring-helix.
+/// Measure the removal of a skirt while cutting. Turns in which the feed rises or falls are not
+/// judged, nor is a ring-helix. @return true when a slice was finished
 static bool measure_removal(sim_cut_t *cut)
 {
     const sim_session_t *s = &cut->session;
@@ -121,8 +122,8 @@ static void inject_what_is_due(sim_cut_t *cut)
     }
 }
 
-/// Z led by others: at the first height until the cut, then by the feed, and stop at the last
-/// height.
+/// Lead Z as others would: it stays at the first height until the cut, then follows the feed; the
+/// cut is stopped at the last height.
 static void lead_z(sim_cut_t *cut)
 {
     const cam_table_t *t = &cut->session.table;
@@ -136,7 +137,7 @@ static void lead_z(sim_cut_t *cut)
     }
 }
 
-/// A command was answered: a controller that is busy is asked again later.
+/// Take the answer to a command. A controller that is busy gets the command again later.
 static void take_answer(sim_cut_t *cut, cam_err_t err)
 {
     if (err != cam_ok && err != cam_err_busy) {
@@ -145,7 +146,7 @@ static void take_answer(sim_cut_t *cut, cam_err_t err)
     }
 }
 
-/// What an operator does: enable, start, wait.
+/// Do what an operator does: enable, start, wait.
 static void operate(sim_cut_t *cut)
 {
     const sim_session_t *s = &cut->session;

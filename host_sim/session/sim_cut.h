@@ -4,11 +4,11 @@
 ///
 ///     open -> tick, tick, ... until end is not sim_cut_running -> close
 ///
-/// open loads the table into the firmware, sets its parameters and asks for feasibility. The ticks
-/// then do what an operator does, by the firmware's own commands: enable, wait for the angle,
-/// start, wait for the end. After a fault they go on until the tool is retracted. One cut at a
-/// time: the controller and the port are one per process. What a tick did can be read between ticks
-/// (the firmware's status and trace, the lathe, the session).
+/// Opening loads the table into the firmware, sets its parameters and checks the feasibility. The
+/// ticks then do what an operator does, by the firmware's own commands: enable, wait for the angle,
+/// start, wait for the end. After a fault they go on until the tool is retracted. There is one cut
+/// at a time, because controller and port are one per process. Between ticks the firmware's status
+/// and trace, the lathe and the session show what the last tick did.
 #ifndef SIM_CUT_H
 #define SIM_CUT_H
 
@@ -81,10 +81,10 @@ typedef struct {
 bool sim_cut_open(sim_cut_t *cut, const sim_cut_options_t *options, const void *image, size_t size,
                   const char *name, common_error_t *e);
 
-/// One tick. Sets cut->end when it was the last.
+/// Run one tick. Sets cut->end when it was the last.
 void sim_cut_tick(sim_cut_t *cut);
 
-/// One tick without an operator.
+/// Run one tick without an operator.
 void sim_cut_idle(sim_cut_t *cut);
 
 void sim_cut_close(sim_cut_t *cut);
@@ -101,12 +101,13 @@ bool sim_cut_has_rings(const sim_cut_t *cut);
 /// @return [turn] length of the cutting state as planned
 double sim_cut_planned_turns(const sim_cut_t *cut);
 
-/// What no gauge has seen is not known to be good.
+/// A surface that no gauge has seen is not known to be good.
 /// @return false when nothing was cut to full depth, or a lobe of a part that was cut to its end
 ///         was not gauged all round; of a cut that the operator ends early what was cut counts
 bool sim_cut_is_gauged(const sim_cut_t *cut);
 
-/// As the contact only goes on, a whole turn has been gauged with a sample per dexel.
+/// The contact never returns to a dexel within a turn, so a lobe with as many samples as dexels has
+/// been gauged over a whole turn.
 /// @return first lobe with fewer samples; the number of lobes when there is none
 uint32_t sim_cut_lobe_without_turn(const sim_cut_t *cut);
 

@@ -14,7 +14,7 @@ static void wish(sim_wishes_t *w, cam_param_id_t id, double value)
     w->is_given[id] = true;
 }
 
-/// The machine file's wishes, overruled by the command line's.
+/// @return the parameters of the machine file, overruled by those of the command line
 static sim_wishes_t all_wishes(const sim_cut_options_t *o)
 {
     sim_wishes_t w = o->session.config.controller;
@@ -41,8 +41,8 @@ static sim_wishes_t all_wishes(const sim_cut_options_t *o)
     return w;
 }
 
-/// The firmware would cut rings that are nearer than cam_feed_least_nm at that distance, which are
-/// other turns than planned.
+/// Refuse rings that are closer than cam_feed_least_nm: the firmware would cut them at that
+/// distance, which makes other turns than planned.
 static bool check_rings(const sim_cut_t *cut, common_error_t *e)
 {
     const double feed_nm = sim_cut_feed_mm(cut) * SIM_NM_PER_MM;
@@ -117,7 +117,7 @@ static const char *unit_of(cam_err_t err, double *per_unit)
     }
 }
 
-/// The remedy: a lower speed or a smaller feed.
+/// Word the remedy: a lower speed or a smaller feed.
 static void put_remedy(const sim_cut_t *cut, char *to, size_t size)
 {
     const cam_feasibility_t *f = &cut->feasibility;
@@ -138,7 +138,7 @@ static void put_remedy(const sim_cut_t *cut, char *to, size_t size)
     }
 }
 
-/// The speed that was asked for, what it needs, the limit, and a remedy.
+/// Refuse an infeasible speed with what it needs, the limit and a remedy. @return false
 static bool infeasible(const sim_cut_t *cut, common_error_t *e)
 {
     const cam_feasibility_t *f = &cut->feasibility;
@@ -173,14 +173,14 @@ static bool check_injects(const sim_session_t *s, size_t size, common_error_t *e
     return true;
 }
 
-/// 30 slices in a quarter turn, as the papers.
+/// The papers measure 30 slices in a quarter turn.
 enum { slices_per_turn = 120 };
 
-/// Sections of the map where no window is given.
+/// Feeds in the window of the map when none is given.
 enum { scallop_feeds = 4 };
 
-/// The window of the surface between tracks: given, or from a whole number of feeds on, so that a
-/// ring-helix begins in it with a ring.
+/// Place the window of the surface between tracks. When none is given, it begins at a whole number
+/// of feeds, so that a ring-helix begins in it with a ring.
 static bool place_scallop(sim_cut_t *cut, common_error_t *e)
 {
     const sim_cut_options_t *o = &cut->options;
@@ -205,7 +205,7 @@ static bool place_scallop(sim_cut_t *cut, common_error_t *e)
     return true;
 }
 
-/// The blank into the lathe, the lathe behind the port; what the gauges are to know of the cut.
+/// Put the blank into the lathe and the lathe behind the port, and prepare the gauges.
 static bool place(sim_cut_t *cut, common_error_t *e)
 {
     sim_session_t *s = &cut->session;
@@ -239,7 +239,7 @@ static bool set_up_firmware(sim_cut_t *cut, size_t size, const char *name, commo
     return sim_slow_check(&cut->session.table, &cut->params, &cut->feasibility, e);
 }
 
-/// What follows from the speed that the firmware takes.
+/// Derive times and slices from the speed that the firmware takes.
 static void plan(sim_cut_t *cut)
 {
     const sim_cut_options_t *o = &cut->options;

@@ -5,7 +5,7 @@
 #include "sim_units.h"        // SIM_TWO_PI
 #include <string.h>           // strrchr
 
-/// Folders differ between machines and runs, names do not.
+/// @return the name alone: folders differ between computers and runs, names do not
 static const char *base_name(const char *path)
 {
     const char *slash = strrchr(path, '/');

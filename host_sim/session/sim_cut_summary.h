@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// sim_cut_summary: what came of a cut by the firmware, as JSON.
+/// sim_cut_summary: the result of a cut by the firmware, as JSON.
 #ifndef SIM_CUT_SUMMARY_H
 #define SIM_CUT_SUMMARY_H
 

@@ -3,7 +3,7 @@
 #include "sim_design_table.h" // sim_design_table_ratio
 #include "sim_units.h"        // sim_fraction
 
-/// What a user can do about a table without its report.
+/// The remedy for a table without its report.
 #define REMEDY "make the table again with tools/mktables, or give --design"
 
 /// [mm] radius of the tool's tip, when none is given.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// sim_lobe_cut: what is different in the cut of lobes.
+/// sim_lobe_cut: the differences between the cut of lobes and that of a skirt.
 ///
 /// Instead of the tool tip of sim_session the wheel, or the tip of the swung tool, of sim_lobe_work
 /// cuts. In sim_session_t then part_turn is the polar angle of the contact, exact_mm the radius of

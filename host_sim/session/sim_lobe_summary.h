@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// sim_lobe_summary: what the summary of a cut says of lobes.
+/// sim_lobe_summary: the part of a summary that is about lobes.
 #ifndef SIM_LOBE_SUMMARY_H
 #define SIM_LOBE_SUMMARY_H
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// sim_map: what is left of the work and what was taken off it, as files.
+/// sim_map: the surface that is left of the work and the metal that was taken off, as files.
 #ifndef SIM_MAP_H
 #define SIM_MAP_H
 

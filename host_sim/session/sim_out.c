@@ -11,7 +11,7 @@
 
 enum { max_pending = 5 };
 
-/// Temporaries for the signal handler, which can reach nothing else.
+/// Temporary files, where the signal handler finds them.
 static const char *volatile pending[max_pending];
 
 static void on_signal(int number)

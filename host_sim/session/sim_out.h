@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /// sim_out: output files that appear complete or not at all, and the text in them.
 ///
-/// Everything goes to a temporary file beside the target; when all of it is on the disk, the file
-/// takes its final name. Interrupted or failed runs leave nothing behind. A target that is no
+/// The output goes to a temporary file beside the target; when all of it is on the disk, the file
+/// takes its final name. Interrupted and failed runs leave nothing behind. A target that is no
 /// regular file (a pipe, /dev/stdout) is written directly.
 #ifndef SIM_OUT_H
 #define SIM_OUT_H
@@ -38,10 +38,10 @@ bool sim_out_finish(sim_out_t *o, common_error_t *e);
 /// Give the finished file its name. @return false and *e on failure
 bool sim_out_publish(sim_out_t *o, common_error_t *e);
 
-/// Remove what is not published.
+/// Remove a file that is not published.
 void sim_out_drop(sim_out_t *o);
 
-// The same for the outputs of one command: all appear or none.
+// The same for all outputs of one command, which appear together or not at all.
 
 /// Open one after the other. @return false and *e on the first that cannot be written
 bool sim_out_open_all(sim_out_t *outs, const char *const *names, const char *const *options, int n,

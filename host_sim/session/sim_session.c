@@ -48,28 +48,23 @@ double sim_session_turn(const sim_session_t *s)
     return (s->table.direction > 0 ? s->at.turn : -s->at.turn) - s->phase_turn;
 }
 
-/// The tool tip against the exact surface at its true angle and height.
-static void gauge(sim_session_t *s)
-{
-    const double turn = sim_session_turn(s);
-    s->part_turn = sim_fraction(turn);
-    s->z_mm = s->at.z_nm * 1e-6;
-    if (s->design.shape == sim_shape_lobes) {
-        sim_lobe_cut_gauge(s, turn);
-        return;
-    }
-    s->radius_mm = (s->at.x_nm - s->at.u_nm) * 1e-6;
-    s->exact_mm = sim_design_radius_mm(&s->design, s->part_turn, s->z_mm);
-    sim_work_touch(&s->work, s->part_turn, s->z_mm, s->radius_mm, s->exact_mm, s->is_cutting);
-    sim_scallop_touch(&s->scallop, &s->design, s->part_turn, s->z_mm, s->radius_mm, s->exact_mm);
-}
-
 void sim_session_touch(sim_session_t *s, const sim_sample_t *at, bool is_cutting,
                        double following_nm)
 {
     s->at = *at;
     s->is_cutting = is_cutting;
-    gauge(s);
+    const double turn = sim_session_turn(s);
+    s->part_turn = sim_fraction(turn);
+    s->z_mm = at->z_nm * 1e-6;
+    if (s->design.shape == sim_shape_lobes) {
+        sim_lobe_cut_gauge(s, turn);
+    } else { // the tool tip against the exact surface at its true angle and height
+        s->radius_mm = (at->x_nm - at->u_nm) * 1e-6;
+        s->exact_mm = sim_design_radius_mm(&s->design, s->part_turn, s->z_mm);
+        sim_work_touch(&s->work, s->part_turn, s->z_mm, s->radius_mm, s->exact_mm, is_cutting);
+        sim_scallop_touch(&s->scallop, &s->design, s->part_turn, s->z_mm, s->radius_mm,
+                          s->exact_mm);
+    }
     if (!is_cutting) {
         return;
     }

@@ -23,7 +23,7 @@
 
 enum { sim_session_max_injects = 32 };
 
-/// What a user wants of any cut.
+/// Options of any cut.
 typedef struct {
     sim_config_t config;
     const char *design_path; ///< NULL: gauge against the table itself, lobes by U alone
@@ -40,7 +40,7 @@ typedef struct {
     cam_table_t table;
     sim_design_t design;
     sim_work_t work;
-    sim_scallop_t scallop; ///< only made when the tool has a nose
+    sim_scallop_t scallop; ///< made only when the tool has a nose
     sim_lobe_work_t lobes; ///< of lobes only
     double phase_turn;     ///< [turn] rotates the oval on the part
     double mean_rad_s;     ///< [rad/s] mean speed of the spindle that was commanded; 0: not known
@@ -48,7 +48,7 @@ typedef struct {
     uint32_t n_waiting;      ///< injections that have not happened
     double cut_at_s;         ///< time of the first sample of cutting; below 0: not yet
     double cut_at_turn;      ///< true angle there
-    double cut_turns, cut_s; ///< angle and time in the cutting state
+    double cut_turns, cut_s; ///< angle and time since then, while cutting
     // following error of U while cutting
     double following_max_um, following_sum_um2;
     uint64_t n_following;
@@ -73,7 +73,7 @@ bool sim_session_load_design(sim_session_t *s, common_error_t *e);
 /// @param x_nm, z_nm  where X and Z stand at the start: off the blank, before the first height
 void sim_session_place(sim_session_t *s, double *x_nm, double *z_nm);
 
-/// The tool is somewhere: gauge it and count the progress.
+/// Take a sample of the tool: gauge it and count the progress.
 /// @param is_cutting    the sample belongs to the surface that is judged: full amplitude and depth
 /// @param following_nm  following error of U; counted while cutting
 void sim_session_touch(sim_session_t *s, const sim_sample_t *at, bool is_cutting,

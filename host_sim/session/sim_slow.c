@@ -12,7 +12,7 @@ static double stopped_rpm(const cam_params_t *p)
     return p->stopped_mrpm * 1e-3;
 }
 
-/// Heights at which a table is looked at: without modulation one says all.
+/// @return number of heights at which a table is examined; without modulation one is enough
 static uint32_t n_heights(const cam_table_t *t)
 {
     return t->speed.knots != NULL ? heights_per_slice * (t->speed.n_slices - 1u) + 1u : 1u;
@@ -25,7 +25,8 @@ static double height_mm(const cam_table_t *t, uint32_t i)
     return (t->z_first_nm + share * ((double)t->z_last_nm - t->z_first_nm)) / SIM_NM_PER_MM;
 }
 
-/// Longest time at a height, twice round: the slow part may lie over the beginning of the turn.
+/// @return the longest slow time at a height, over two turns: the slow part may lie across the
+///         beginning of the turn
 static double longest_at_s(const cam_table_t *t, double z_mm, double mean_rpm, double slow_rpm)
 {
     double run_s = 0.0;
@@ -66,8 +67,8 @@ bool sim_slow_is_turning(const cam_table_t *table, const cam_params_t *params, d
            sim_slow_longest_s(table, params, mean_rpm) * 1e3 <= params->stopped_ms;
 }
 
-/// What is never slower than that is safe from lag and ripple, too.
-/// @return what the user can do
+/// A spindle that is never slower than stopped_mrpm is safe from lag and ripple, too.
+/// @return the remedy
 static common_error_t remedy(const cam_table_t *t, const cam_params_t *p,
                              const cam_feasibility_t *f)
 {

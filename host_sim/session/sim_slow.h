@@ -2,10 +2,10 @@
 /// sim_slow: whether the controller would take a slow spindle for one that stands.
 ///
 /// Below stopped_mrpm a spindle counts as stopped: with such a mean speed homing never ends, and a
-/// cut ends in the fault spindle_stopped when the speed stays below for longer than stopped_ms. A
-/// modulated spindle may do that in part of each turn. What the table itself demands is judged: a
-/// little below the limit lag and ripple of the spindle may still end the cut, and the noise of a
-/// coarse encoder may hide a slow spindle from the controller.
+/// cut ends in the fault spindle_stopped when the speed stays below it for longer than stopped_ms.
+/// A modulated spindle may be so slow in a part of each turn. The speed that the table demands is
+/// judged. Just below the limit, lag and ripple of the spindle may still end the cut, and the noise
+/// of a coarse encoder may hide a slow spindle from the controller.
 #ifndef SIM_SLOW_H
 #define SIM_SLOW_H
 
@@ -23,7 +23,7 @@ double sim_slow_longest_s(const cam_table_t *table, const cam_params_t *params, 
 bool sim_slow_is_turning(const cam_table_t *table, const cam_params_t *params, double mean_rpm);
 
 /// @param feasibility  of the mean speed, which is within all limits
-/// @return             false and *e, with what would do, when that speed is so slow
+/// @return             false and *e, with the remedy, when that speed is so slow
 bool sim_slow_check(const cam_table_t *table, const cam_params_t *params,
                     const cam_feasibility_t *feasibility, common_error_t *e);
 

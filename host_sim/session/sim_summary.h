@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-/// sim_summary: what the summaries of all cuts have in common, as JSON.
+/// sim_summary: the part that the summaries of all cuts have in common, as JSON.
 ///
-/// All of it is the same for the same input and seed, but wall_time_s and ticks_per_s.
+/// The same input and seed give the same bytes, except for wall_time_s and ticks_per_s.
 #ifndef SIM_SUMMARY_H
 #define SIM_SUMMARY_H
 
@@ -17,7 +17,7 @@ void sim_summary_number(cJSON *object, const char *key, double value);
 
 void sim_summary_text(cJSON *object, const char *key, const char *text);
 
-/// Add a number that exists only when something was gauged; else null.
+/// Add a number that exists only when something was gauged; otherwise null.
 void sim_summary_sampled(cJSON *object, const sim_session_t *s, const char *key, double value);
 
 /// Add a list of the names of faults. @param faults  a bit for each of CAM_FAULTS
@@ -26,10 +26,10 @@ void sim_summary_faults(cJSON *root, const char *key, uint32_t faults);
 /// Add "form_error_um" and "following_error_um".
 void sim_summary_errors(cJSON *root, const sim_session_t *s);
 
-/// Add to "cut" how far it went.
+/// Add the progress of the cut to "cut".
 void sim_summary_progress(cJSON *cut, const sim_session_t *s);
 
-/// Add to "cut" what was taken off.
+/// Add the removed metal to "cut".
 void sim_summary_metal(cJSON *cut, const sim_session_t *s);
 
 /// Write a summary and free it. @return false when memory is short

@@ -17,7 +17,7 @@ void sim_trace_header(sim_out_t *o, const sim_cut_t *cut)
     sim_out_text(o, cut->session.table.is_swung ? ",swing_set_deg,swing_act_deg\n" : "\n");
 }
 
-/// Q6 has exactly six decimals at most: 1/64 = 0.015625.
+/// Write a Q6 number, which has at most six decimals: 1/64 = 0.015625.
 static void q6(sim_out_t *o, int32_t value_q6)
 {
     sim_out_decimal_column(o, (int64_t)value_q6 * 15625, 6);
@@ -43,7 +43,7 @@ static void reading_columns(sim_out_t *o, const cam_tick_record_t *r, const sim_
     sim_out_real_column(o, (s->radius_mm - s->exact_mm) * SIM_NM_PER_MM, 3);
 }
 
-/// What the tick sensed and what it wrote.
+/// Write what the tick sensed and what it wrote.
 static void record_columns(sim_out_t *o, const cam_tick_record_t *r)
 {
     sim_out_integer_column(o, r->config);

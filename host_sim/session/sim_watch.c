@@ -4,25 +4,11 @@
 #include "sim_units.h" // SIM_NM_PER_MM
 #include <string.h>    // memcpy, memset
 
-/// How long the end must last: a controller that only restarts goes on within this.
+/// [s] for which the end must last: a controller that only restarts goes on sooner.
 #define QUIET_S 0.25
 
-/// No SYNC for so long: the controller has gone.
+/// [s] without SYNC after which the controller has gone.
 #define LOST_S 0.1
-
-static bool prepare(sim_watch_t *w, const void *image, size_t size, const char *name,
-                    common_error_t *e)
-{
-    sim_session_t *s = &w->session;
-    if (!sim_session_open(s, &w->options.session, image, size, name, e)) {
-        return false;
-    }
-    if (s->table.angle.knots != NULL) {
-        return common_error(
-            e, "%s: is the table of a cam, for which the bus has no gauge; use camsim run", name);
-    }
-    return sim_session_load_design(s, e);
-}
 
 bool sim_watch_open(sim_watch_t *w, const sim_watch_options_t *options, const void *image,
                     size_t size, const char *name, common_error_t *e)
@@ -30,8 +16,14 @@ bool sim_watch_open(sim_watch_t *w, const sim_watch_options_t *options, const vo
     memset(w, 0, sizeof *w);
     w->options = *options;
     w->link = sim_link_closed();
-    if (!prepare(w, image, size, name, e)) {
-        sim_session_close(&w->session);
+    sim_session_t *s = &w->session;
+    bool is_good = sim_session_open(s, &options->session, image, size, name, e);
+    if (is_good && s->table.angle.knots != NULL) {
+        is_good = common_error(
+            e, "%s: is the table of a cam, for which the bus has no gauge; use camsim run", name);
+    }
+    if (!is_good || !sim_session_load_design(s, e)) {
+        sim_session_close(s);
         return false;
     }
     sim_bus_config_t config = {
@@ -45,7 +37,7 @@ bool sim_watch_open(sim_watch_t *w, const sim_watch_options_t *options, const vo
     memcpy(config.is_foreign, options->is_foreign, sizeof config.is_foreign);
     double x_nm;
     double z_nm;
-    sim_session_place(&w->session, &x_nm, &z_nm);
+    sim_session_place(s, &x_nm, &z_nm);
     sim_bus_init(&w->bus, &config, x_nm, z_nm);
     w->quiet_s = -1.0;
     w->fault_s = -1.0;
@@ -58,7 +50,7 @@ bool sim_watch_connect(sim_watch_t *w, common_error_t *e)
     return sim_link_open(&w->link, w->options.interface, w->options.chip, w->bus.period_s, e);
 }
 
-/// Without lines what the controller says of itself counts.
+/// Without lines the status frame of the controller counts.
 static sim_bus_outputs_t outputs_of(const sim_watch_t *w)
 {
     const sim_bus_t *bus = &w->bus;
@@ -77,7 +69,7 @@ static bool is_gone(const sim_watch_t *w)
     return w->bus.n_syncs > 0u && w->bus.time_s - w->bus.sync_s > LOST_S;
 }
 
-/// What the end would be if nothing more happened.
+/// @return the end of the cut if nothing more happened
 static sim_watch_end_t end_in_sight(const sim_watch_t *w)
 {
     const sim_bus_t *bus = &w->bus;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// sim_watch: one whole cut on a CAN bus: the lathe is made of nodes, the controller is another
-/// process. What it does is watched, not commanded.
+/// sim_watch: one whole cut on a CAN bus. The lathe is made of nodes, the controller is another
+/// process; its work is watched, not commanded.
 ///
 ///     open -> connect -> tick, tick, ... until end is not sim_watch_running -> close
 ///
@@ -21,10 +21,10 @@ typedef struct {
     double guard_ms, heartbeat_ms;
     double encoder_modulus; ///< [counts]
     bool is_foreign[sim_bus_n_nodes];
-    bool is_staying; ///< goes on after the end until a signal
+    bool is_staying; ///< the nodes go on after the end of the cut until a signal
 } sim_watch_options_t;
 
-/// How it ended.
+/// How the cut ended.
 typedef enum {
     sim_watch_running,
     sim_watch_done,    ///< cut, and the controller is ready again
@@ -55,10 +55,10 @@ typedef struct {
 bool sim_watch_open(sim_watch_t *w, const sim_watch_options_t *options, const void *image,
                     size_t size, const char *name, common_error_t *e);
 
-/// Go on the bus. @return false and *e when it is not there
+/// Connect the nodes to the bus. @return false and *e when it is not there
 bool sim_watch_connect(sim_watch_t *w, common_error_t *e);
 
-/// One period: wait for its end, move, speak, gauge. Sets w->end when it was the last.
+/// Run one period: wait for its end, move, speak, gauge. Sets w->end when it was the last.
 void sim_watch_tick(sim_watch_t *w);
 
 void sim_watch_close(sim_watch_t *w);

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 /// sim_emulator: a Cortex-M in a process of its own, and two pipes to the program on it.
 ///
-/// The program opens the pipes by number (pil_wire.h), so no file lies anywhere, and whichever side
-/// dies, the other one sees the end of a pipe. Both run on one CPU: the hand-over is then a switch
-/// of processes and no waking of another CPU, seven times as fast. One at a time.
+/// The program opens the pipes by number (pil_wire.h), so no file is needed, and whichever side
+/// ends first, the other one sees the end of a pipe. Both run on one CPU: the hand-over is then a
+/// switch of processes instead of the waking of another CPU, which is seven times as fast. There is
+/// one emulator at a time.
 #ifndef SIM_EMULATOR_H
 #define SIM_EMULATOR_H
 
@@ -16,7 +17,7 @@ typedef struct {
     int request_fd; ///< towards the target
     int answer_fd;  ///< from it
     int spare_fd;   ///< the reading end of requests: held, so that writing never raises SIGPIPE
-    int words_fd;   ///< memory with what the emulator says, for the message when it ends
+    int words_fd;   ///< memory with the output of the emulator, for the message when it ends
 } sim_emulator_t;
 
 /// @param board  as the emulator calls it

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 /// sim_firmware: the controller as the simulator drives it, wherever it runs.
 ///
-/// Either in this process, on the simulator's port, or on a target behind a wire (sim_remote.h):
-/// the same functions, the same answers to the bit. A target can be lost in the middle; then ticks
-/// return false, calls return cam_err_busy, and sim_firmware_is_lost() says why. One at a time:
-/// the port is one per process.
+/// It runs in this process, on the port of the simulator, or on a target behind a wire
+/// (sim_remote.h), with the same functions and the same answers to the bit. A target can be lost in
+/// the middle; then ticks return false, calls return cam_err_busy, and sim_firmware_is_lost() says
+/// why. There is one controller at a time, because the port is one per process.
 #ifndef SIM_FIRMWARE_H
 #define SIM_FIRMWARE_H
 

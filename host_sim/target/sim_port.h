@@ -6,7 +6,7 @@
 ///
 ///     sense: lathe -> hal_host.in     tick (sim_firmware.h)     advance: hal_host.out -> lathe
 ///
-/// Between the first and the last the true state is that of the instant of sensing.
+/// Between sense and advance the true state is that of the instant of sensing.
 #ifndef SIM_PORT_H
 #define SIM_PORT_H
 
@@ -36,8 +36,8 @@ void sim_port_sense(sim_port_t *p);
 /// After it: let one period pass.
 void sim_port_advance(sim_port_t *p);
 
-/// Do what an --inject says to lathe and port. What is neither's (table-flip, stop, the nodes'):
-/// nothing happens. Call between sense and advance.
+/// Do what an --inject says to lathe and port; kinds that concern neither (table-flip, stop, those
+/// of the nodes) do nothing. Call it between sense and advance.
 /// @param direction  +1 or -1: sense of cutting
 void sim_port_inject(sim_port_t *p, const sim_inject_t *inject, int direction);
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /// sim_remote: the firmware on a target, one exchange per tick or call (pil_wire.h).
 ///
-/// The simulator's port stays the place of the machine: a tick sends what the port would have let
-/// the firmware sense, with its faults, and writes into it what the target answers.
+/// The port of the simulator stays the place of the machine: a tick sends the readings that the
+/// port gives, with their faults, and writes the answer of the target into the port.
 #ifndef SIM_REMOTE_H
 #define SIM_REMOTE_H
 
@@ -13,7 +13,7 @@
 #include <stdbool.h>      // bool
 #include <stddef.h>       // size_t
 
-/// A request and what may stand behind it.
+/// A request and the bytes that may follow it.
 typedef struct {
     pil_request_t head;
     uint8_t bytes[pil_chunk_bytes];

@@ -67,7 +67,7 @@ static void read_ours(const compare_table_t *t, const compare_value_t *value, do
 {
     const double lsb_nm = 1.0 / (double)(1u << t->ours->frac_bits);
     const double per_rad = 1.0 / rad_per_interval(t);
-    u[0] = value->ours.y * lsb_nm + t->ours->offset_nm;
+    u[0] = value->ours.y * lsb_nm + t->ours->value_offset;
     u[1] = value->ours.d1 * lsb_nm * per_rad;
     u[2] = value->ours.d2 * lsb_nm * per_rad * per_rad;
 }

@@ -40,6 +40,27 @@ class Improved:
 
 improved: tuple[Improved, ...] = (
     Improved(
+        "test --help",
+        "Steps run side by side, with progress and a table of the slowest; slow tests are marked.",
+        old='4 minutes). Ends with the line "N passed, N failed"; exits 1 if any failed.\n',
+        new="4 minutes).\n"
+        "> \n"
+        "> Independent steps run side by side, one per core; what judges the clock runs by itself. "
+        "A line tells\n"
+        "> which step begins or has ended, and after how long. What a step says stands in "
+        "build/steps; all of\n"
+        '> it is shown of a step that fails. Ends with a table of the slowest steps and the line "'
+        "N passed,\n"
+        '> N failed[, N skipped]"; exits 1 if any failed, 130 or 143 when it is stopped (no '
+        "process goes on).\n",
+    ),
+    Improved(
+        "test --help",
+        "As above.",
+        old="tools and scenarios only",
+        new="tools and scenarios only, without those marked slow",
+    ),
+    Improved(
         "uml --help",
         "The words of a kernel that cannot boot are shown, and a command prints where it lies.",
         old="uml build\n",

@@ -19,6 +19,7 @@ from camsim_cases import ROOT, camsim
 HERE = Path(__file__).parent
 HOST_SIM = str(ROOT / "host_sim")
 SCENARIOS = sorted(HERE.glob("*.toml"))
+SLOW = {"homing_backwards", "modulated_spindle_weak", "ring_helix"}  # seconds each
 TICK_S = 50e-6
 ENABLE, FAULT_LAMP, IN_CUT = 1, 2, 4
 # Limits of U as camsim sets them for the default machine, with the 1/16 that the guard allows for
@@ -134,7 +135,13 @@ def states_of(trace: Columns) -> list[str]:
     return [str(states[0]), *(str(state) for state in states[changes])]
 
 
-@pytest.mark.parametrize("path", SCENARIOS, ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "path",
+    [
+        pytest.param(path, id=path.stem, marks=[pytest.mark.slow] * (path.stem in SLOW))
+        for path in SCENARIOS
+    ],
+)
 def test_scenario(path: Path, table_of: Callable[[str], Path], tmp_path: Path) -> None:
     """The scenario happens as its prose tells."""
     scenario = tomllib.loads(path.read_text())

@@ -12,11 +12,12 @@ import pytest
 import camtools
 import checks
 
-# They show nothing without a bus, an image of a controller, or a whole program.
+# They show nothing without a bus, an image of a controller, a whole program or a cut.
 WITHOUT = {
     "camtools.cli.camctl",
     "camtools.link.download",
     "camtools.ngc.full",
+    "camtools.skirt.report_text",
     "checks.elf_isr",
 }
 

@@ -37,17 +37,19 @@ DESIGN = {
     "firmware/remote": ("firmware/machine",),
     "firmware": ("firmware/remote",),
     "host_sim/base": ("hal/common",),
-    "host_sim/lathe": ("host_sim/base", "hal/host"),
+    "host_sim/lathe": ("host_sim/base", "hal/include"),
     "host_sim/part": ("host_sim/base", "firmware/table"),
     "host_sim/gauge": ("host_sim/part",),
     "host_sim/bus": ("host_sim/lathe",),
     "host_sim/target/pil": ("hal/include",),
-    "host_sim/target": ("host_sim/base", "firmware/machine", "hal/host", "host_sim/target/pil"),
-    "host_sim/session": ("host_sim/lathe", "host_sim/gauge", "host_sim/target"),
-    "host_sim/cli": ("host_sim/session", "host_sim/bus"),
+    "host_sim/target": ("host_sim/lathe", "firmware/machine", "hal/host", "host_sim/target/pil"),
+    "host_sim/session": ("host_sim/gauge", "host_sim/target", "host_sim/bus"),
+    "host_sim/cli": ("host_sim/session",),
 }
 # Ports that the host does not build: nobody there sees their headers.
 FOREIGN = ("hal/linux", "hal/mps2", "hal/stm32h743")
+# Sources of the room above them, one for each kind of computer.
+PARTS = {"host_sim/bus/linux", "host_sim/bus/none"}
 WITHOUT_HEADERS = {"hal/template", "firmware"}
 WITHOUT_SOURCES = {"hal/include", "host_sim/target/pil"}  # in the build of the host
 
@@ -114,7 +116,7 @@ def test_every_folder_of_c_is_a_room_of_the_design() -> None:
     folders = {str(Path(name).parent) for name in held}
     rooms = {*DESIGN, *FOREIGN} - {"hal/include"} | {"hal/include/hal"}
     within = {f"{room}/include" for room in rooms if (ROOT / room / "include").is_dir()}
-    assert folders == rooms | within
+    assert folders - PARTS == rooms | within
 
 
 @pytest.mark.parametrize("room", sorted({*DESIGN} - WITHOUT_SOURCES))

@@ -1,4 +1,4 @@
-"""Estimate the cycles of a tick and the load of the processor; tests/bench/README.md tells how.
+"""Estimate the cycles of a tick and the load of the processor; tests/bench/README.md explains how.
 
 >>> load_percent(2400.0, STM32H743)
 10.0
@@ -207,7 +207,7 @@ def estimate(
     Raises
     ------
     CamtoolsError
-        The trace shows no HAL function, so the port cannot be told from the firmware.
+        The trace shows no HAL function, so port and firmware cannot be separated.
     """
     hal = _hal_of(trace.addresses, symbols)
     everything = [listing[a] for a in trace.addresses]
@@ -248,7 +248,10 @@ def table(machine: Processor, estimates: Sequence[Estimate]) -> str:
         ("sum, code in memory without wait states", [str(e.total) for e in estimates]),
         (f"load at {TICK_HZ // 1000} kHz, %", [_load(e.total, machine) for e in estimates]),
         ("cycles more, all code cold in flash", [str(e.fetch) for e in estimates]),
-        ("load with these, at most, %", [_cold_load(e, machine) for e in estimates]),
+        (
+            "load with these, at most, %",
+            [f"{load_percent(e.total.high + e.fetch, machine):.1f}" for e in estimates],
+        ),
     ]
     lines = [heads, ["---"] * len(heads), *([name, *cells] for name, cells in rows)]
     return "".join(f"| {' | '.join(line)} |\n" for line in lines)
@@ -257,10 +260,6 @@ def table(machine: Processor, estimates: Sequence[Estimate]) -> str:
 def _load(cycles: Span, machine: Processor) -> str:
     low, high = load_percent(cycles.low, machine), load_percent(cycles.high, machine)
     return f"{low:.1f} .. {high:.1f}"
-
-
-def _cold_load(e: Estimate, machine: Processor) -> str:
-    return f"{load_percent(e.total.high + e.fetch, machine):.1f}"
 
 
 def evaluation_table(

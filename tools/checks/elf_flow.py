@@ -122,13 +122,6 @@ def _next(flow: Flow, one: ImageInstruction) -> list[int]:
     return [after]
 
 
-def _call(flow: Flow, code: Code, one: ImageInstruction) -> None:
-    if one.target is None or one.target not in code:
-        flow.complain(one, "calls what is no function")
-    else:
-        flow.calls[one.address] = one.target
-
-
 def _leave(flow: Flow, one: ImageInstruction) -> list[int]:
     """Treat an instruction that writes the program counter from a register or memory."""
     if _is_return(one):
@@ -141,7 +134,10 @@ def _leave(flow: Flow, one: ImageInstruction) -> list[int]:
 def _go(flow: Flow, code: Code, one: ImageInstruction) -> list[int]:
     kind = _branch(one)
     if kind == "bl":
-        _call(flow, code, one)
+        if one.target is None or one.target not in code:
+            flow.complain(one, "calls what is no function")
+        else:
+            flow.calls[one.address] = one.target
     elif kind or one.base in ("cbz", "cbnz"):
         if one.target is None:
             flow.complain(one, "jump without a label")

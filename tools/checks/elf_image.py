@@ -99,15 +99,6 @@ class Place(NamedTuple):
         return f"{self.function} ({Path(self.file).name}:{self.line})"
 
 
-def _base(mnemonic: str, *, is_conditional: bool) -> str:
-    word = mnemonic.split(".")[0]
-    return word[:-2] if is_conditional else word
-
-
-def _data_bytes(directive: str, value: str) -> bytes:
-    return int(value, 16).to_bytes(_DATA_BYTES[directive], "little")
-
-
 def _start(code: Code, address: int, name: str) -> Function:
     """Return the function that a symbol begins; the cold part belongs to what it was cut from."""
     whole = [one for one in code.values() if one.name == _COLD.sub("", name)]
@@ -134,10 +125,11 @@ def parse_code(text: str) -> Code:
             address, mnemonic = int(found[1], 16), found[2]
             operands = re.split(r"\s*[@;]", found[3] or "", maxsplit=1)[0].strip()
             if mnemonic in _DATA_BYTES:
-                data = _data_bytes(mnemonic, operands)
+                data = int(operands, 16).to_bytes(_DATA_BYTES[mnemonic], "little")
                 function.data.update(enumerate(data, address))
                 continue
-            base = _base(mnemonic, is_conditional=in_block > 0)
+            word = mnemonic.split(".")[0]
+            base = word[:-2] if in_block > 0 else word
             one = ImageInstruction(address, mnemonic, operands, base, in_block > 0)
             function.instructions.append(one)
             in_block = len(base) - 1 if re.fullmatch(r"it[te]{0,3}", base) else max(in_block - 1, 0)
@@ -146,7 +138,7 @@ def parse_code(text: str) -> Code:
 
 @dataclass(frozen=True)
 class Image:
-    """An ELF file, and what the binary utilities of `prefix` tell of it."""
+    """An ELF file, and what the binary utilities of `prefix` print of it."""
 
     path: Path
     prefix: str = PREFIX

@@ -95,19 +95,16 @@ class _Walk:
             elif target not in self.costs:
                 self.visit(callee)
         self.chain.pop()
-        self._check_instructions(flow)
+        for address in sorted(flow.successors):
+            one = flow.function.at[address]
+            if why := forbidden_instruction(one):
+                self.report.problems.append(f"{self._chain_to(flow.function)}: {one}: {why}")
         self.costs[function.address] = cost = self._cost(flow)
         self.report.functions.append(cost)
         self.report.problems += flow.problems
 
     def _chain_to(self, function: Function) -> str:
         return " -> ".join(one.name for one in [*self.chain, function])
-
-    def _check_instructions(self, flow: Flow) -> None:
-        for address in sorted(flow.successors):
-            one = flow.function.at[address]
-            if why := forbidden_instruction(one):
-                self.report.problems.append(f"{self._chain_to(flow.function)}: {one}: {why}")
 
     def _cost(self, flow: Flow) -> FunctionCost:
         taken = depths(flow)

@@ -74,10 +74,6 @@ def components(graph: Graph) -> list[list[int]]:
     return found
 
 
-def _without_edges_to(graph: Graph, nodes: frozenset[int], head: int) -> Graph:
-    return {n: [s for s in graph[n] if s in nodes and s != head] for n in graph if n in nodes}
-
-
 def distances(
     graph: Graph, entry: int, cost: Mapping[int, int], rounds: Callable[[Loop], int]
 ) -> dict[int, int]:
@@ -122,7 +118,8 @@ def _through_loop(
     if len(heads) != 1:
         raise IrreducibleError(heads)
     head = heads[0]
-    one_round = distances(_without_edges_to(graph, nodes, head), head, cost, rounds)
+    inside = {n: [s for s in graph[n] if s in nodes and s != head] for n in graph if n in nodes}
+    one_round = distances(inside, head, cost, rounds)
     latches = sorted(node for node in nodes if head in graph[node])
     n_rounds = rounds(Loop(head, nodes, latches))
     before = arrival[head] + (n_rounds - 1) * max(one_round[latch] for latch in latches)

@@ -78,7 +78,7 @@ def places_of(image: Image, loop: Loop) -> list[Place]:
 
 
 def tests_at_top(flow: Flow, loop: Loop) -> bool:
-    """Tell whether the head runs once more than the body: it decides before the body begins."""
+    """Return whether the head runs once more than the body: it decides before the body begins."""
     at = loop.head
     while len(flow.successors[at]) == 1 and flow.successors[at][0] in loop.nodes:
         at = flow.successors[at][0]

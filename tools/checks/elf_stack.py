@@ -42,7 +42,7 @@ def _list_bytes(registers: str) -> int:
 
 
 def _taken(one: ImageInstruction) -> int | None:
-    """Return by how many bytes an instruction deepens the stack; None: it cannot be told."""
+    """Return by how many bytes an instruction deepens the stack; None: it is not known."""
     base, operands = one.base, one.operands
     if base in _PUSHES | _POPS:
         return _list_bytes(operands) * (1 if base in _PUSHES else -1)
@@ -61,7 +61,7 @@ def _taken(one: ImageInstruction) -> int | None:
 def depths(flow: Flow) -> dict[int, int]:
     """Return how many bytes the function itself has taken behind each instruction.
 
-    What cannot be told is added to the problems of the flow.
+    What is not known is added to the problems of the flow.
     """
     entry, behind = flow.function.address, dict[int, int]()
     before, todo = {entry: 0}, [entry]
@@ -96,7 +96,7 @@ def deepest_frames(image: Image) -> Mapping[int, int]:
         elif not line.strip():
             function = None
         elif function is not None and (row := _FRAME_LINE.match(line)):
-            # Relative to another register than the stack pointer it tells nothing of the depth.
+            # Relative to another register than the stack pointer it says nothing of the depth.
             n_bytes = int(row[2]) if row[1] == "r13" else 0
             deepest[function] = max(deepest.get(function, 0), n_bytes)
     return deepest

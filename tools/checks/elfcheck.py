@@ -18,7 +18,7 @@ from camtools.base.output import write_all
 from checks.elf_image import PREFIX, Image
 from checks.elf_isr import IsrReport, examine
 from checks.elf_loops import load_bounds
-from checks.elf_sizes import Sizes, compare, emit_sizes, measure, parse_sizes, table
+from checks.elf_sizes import compare, emit_sizes, measure, parse_sizes, table
 
 FAILED = 1
 STACK_LIMIT_BYTES = 512
@@ -35,13 +35,6 @@ def _isr_arguments(parser: argparse.ArgumentParser) -> None:
     add("--frame", choices=("basic", "float"), help=frame)
 
 
-def _sizes_arguments(parser: argparse.ArgumentParser) -> None:
-    add = parser.add_argument
-    add("--recorded", type=Path, required=True, metavar="TOML", help="recorded sizes")
-    add("--build", required=True, metavar="NAME", help="whose sizes, a name in the record")
-    add("--record", action="store_true", help="write the sizes into the record")
-
-
 def _arguments(argv: list[str] | None) -> argparse.Namespace:
     parser = Parser(prog="tools/elfcheck", description="Check an ARM image.", allow_abbrev=False)
     commands = parser.add_subparsers(dest="command", required=True, metavar="isr | sizes")
@@ -53,7 +46,10 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
         one.add_argument("--source", action="append", default=[], metavar="DIR", help=folders)
         one.add_argument("--prefix", default=PREFIX, help=f"of the binary utilities: {PREFIX}")
     _isr_arguments(isr)
-    _sizes_arguments(sizes)
+    add = sizes.add_argument
+    add("--recorded", type=Path, required=True, metavar="TOML", help="recorded sizes")
+    add("--build", required=True, metavar="NAME", help="whose sizes, a name in the record")
+    add("--record", action="store_true", help="write the sizes into the record")
     return parser.parse_args(argv)
 
 
@@ -114,12 +110,6 @@ def _check_isr(arguments: argparse.Namespace) -> int:
     return FAILED if failures else 0
 
 
-def _record(path: Path, build: str, sizes: Sizes) -> None:
-    builds = parse_sizes(str(path), _read(path)) if path.exists() else {}
-    text = emit_sizes(builds | {build: sizes})
-    write_all(path.parent, {path.name: text.encode()})
-
-
 def _check_sizes(arguments: argparse.Namespace) -> int:
     sizes = measure(Image(arguments.image, arguments.prefix), arguments.source)
     if not sizes:
@@ -127,7 +117,10 @@ def _check_sizes(arguments: argparse.Namespace) -> int:
         raise CamtoolsError([f"{arguments.image}: no module of our sources in it; {remedy}"])
     print(table(sizes))
     if arguments.record:
-        _record(arguments.recorded, arguments.build, sizes)
+        path = arguments.recorded
+        builds = parse_sizes(str(path), _read(path)) if path.exists() else {}
+        text = emit_sizes(builds | {arguments.build: sizes})
+        write_all(path.parent, {path.name: text.encode()})
         return 0
     builds = parse_sizes(str(arguments.recorded), _read(arguments.recorded))
     if arguments.build not in builds:

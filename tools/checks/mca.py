@@ -31,17 +31,14 @@ def _registers(operands: str) -> list[str]:
     return found
 
 
-def _base(operands: str) -> str:
-    """Return the register that points to memory; push and pop name none."""
-    return "sp" if operands[0] == "{" else operands.split(",")[0].rstrip("! ")
-
-
 def _one_by_one(instruction: Step) -> list[str]:
     """Return the transfers of several registers as single ones: one slot each, as Arm states."""
     name, operands = instruction.name, instruction.operands
     is_load = "pop" in name or "ldm" in name
     verb = ("v" if name[0] == "v" else "") + ("ldr" if is_load else "str")
-    place = f"[{_base(operands)}]"
+    # The register that points to memory; push and pop name none.
+    base = "sp" if operands[0] == "{" else operands.split(",")[0].rstrip("! ")
+    place = f"[{base}]"
     registers = _registers(operands)
     return ["bx lr" if r == "pc" else f"{verb} {r}, {place}" for r in registers]
 

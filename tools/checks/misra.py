@@ -58,7 +58,7 @@ class Deviation(NamedTuple):
     reason: str
 
     def covers(self, finding: Finding, lines: list[str]) -> bool:
-        """Tell whether a finding in a file of these lines is allowed."""
+        """Return whether a finding in a file of these lines is allowed."""
         if finding.rule not in self.rules:
             return False
         near = lines[max(finding.line - 2, 0) : finding.line]

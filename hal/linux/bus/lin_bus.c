@@ -103,8 +103,8 @@ static lin_loss_t encoder_loss(lin_bus_t *b, int64_t now_ns)
     return lin_encoder_is_fresh(&b->encoder, now_ns) ? lin_loss_none : lin_loss_pdo;
 }
 
-/// A drive that is not ready ends the enabling of all drives. A spindle drive that fails while
-/// enabled must not do that, since U could not retract any more: its failure counts as a loss.
+/// A drive that is not ready keeps U from retracting. A spindle drive that fails while enabled must
+/// not do so: its failure counts as a loss of the bus instead.
 static lin_loss_t drive_loss(const lin_bus_t *b, int i)
 {
     const lin_drive_t *d = &b->drive[i];
@@ -119,7 +119,8 @@ static bool is_other_there(const lin_bus_t *b, int64_t now_ns)
     return b->is_other_heard && now_ns - b->other_ns <= b->patience.node_ns;
 }
 
-/// Several causes may hold at once; the first in the order of lin_loss_t is reported.
+/// Several causes may hold at once; that of the bus itself comes first, then that of the encoder,
+/// then those of the drives.
 static lin_cause_t find_cause(lin_bus_t *b, int64_t now_ns)
 {
     const lin_loss_t encoder = encoder_loss(b, now_ns);

@@ -3,7 +3,7 @@
 ///
 ///     received frames -> lin_bus_take()          while a tick begins
 ///     lin_bus_judge() -> inputs, readings        what cam_isr() senses
-///     set-points -> lin_bus_make() -> frames     what the tick sends, SYNC behind them
+///     set-points -> lin_bus_make() -> frames     what the tick sends, SYNC at the end
 ///
 /// There is one controller on a bus. A new one first listens for node_timeout_ms and sends nothing;
 /// it begins when no other controller was heard in that time. A controller that works and hears
@@ -35,7 +35,7 @@ typedef struct {
     hal_setpoint_t axis[hal_n_axes];
     int32_t spindle_mrpm;
     uint32_t outputs; ///< hal_out_*
-    bool is_stopping; ///< the program ends: drives to without voltage
+    bool is_stopping; ///< the program ends: the drives go to the state without voltage
 } lin_wants_t;
 
 typedef struct {
@@ -47,8 +47,8 @@ typedef struct {
     lin_loss_t link;  ///< lin_bus_link()
     lin_loss_t event; ///< lin_bus_event(), until the next judgement
     bool is_other_heard;
-    int64_t other_ns;   ///< another controller was heard
-    bool is_twin_heard; ///< with this one's node number
+    int64_t other_ns;   ///< time at which another controller was heard
+    bool is_twin_heard; ///< ... with the node number of this one
     bool is_begun;      ///< lin_bus_make() was called
     int64_t begin_ns;   ///< time of its first call
     bool is_silent;     ///< it listens: nothing is sent
@@ -58,8 +58,8 @@ typedef struct {
     lin_cause_t cause;  ///< of the input hal_in_bus_lost; kept with it
     lin_cause_t not_ready; ///< first drive that is not ready: node, error code
     uint32_t inputs;       ///< hal_in_drive_ready, hal_in_bus_lost
-    uint32_t outputs;      ///< last wanted
-    int64_t heartbeat_ns;  ///< own, sent last
+    uint32_t outputs;      ///< commanded last
+    int64_t heartbeat_ns;  ///< the own heartbeat was sent last
     bool is_started;
 } lin_bus_t;
 
@@ -69,22 +69,22 @@ void lin_bus_init(lin_bus_t *b, const lin_config_t *config);
 /// @return     their number
 uint32_t lin_bus_ids(const lin_bus_t *b, uint32_t *ids);
 
-/// A frame arrived; frames of unknown nodes are ignored.
+/// Take a frame that arrived; frames of unknown nodes are ignored.
 void lin_bus_take(lin_bus_t *b, const hal_can_frame_t *frame, int64_t ns);
 
-/// State of the interface from now on: lin_loss_none, bus_off or interface_down.
+/// Set the state of the interface from now on: lin_loss_none, bus_off or interface_down.
 void lin_bus_link(lin_bus_t *b, lin_loss_t link);
 
-/// Something happened once: lin_loss_overflow or lin_loss_send.
+/// Note an event that happened once: lin_loss_overflow or lin_loss_send.
 void lin_bus_event(lin_bus_t *b, lin_loss_t event);
 
 /// Make `inputs` and `cause`. hal_in_bus_lost stays while the fault output is high.
 void lin_bus_judge(lin_bus_t *b, int64_t now_ns);
 
-/// @return [nm] measured; of an axis without a drive the last set-point
+/// @return [nm] measured position; the last set-point of an axis without a drive
 int32_t lin_bus_actual_nm(const lin_bus_t *b, hal_axis_t axis, const lin_wants_t *wants);
 
-/// Frames of this tick, in the order in which they are to be sent.
+/// Make the frames of this tick, in the order in which they are to be sent.
 /// @param frames  [lin_bus_max_frames]
 /// @return        their number, 0 while it listens
 uint32_t lin_bus_make(lin_bus_t *b, const lin_wants_t *wants, int64_t now_ns,

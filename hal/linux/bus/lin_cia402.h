@@ -17,7 +17,7 @@ enum {
     lin_cia402_fault_reset = cia402_bit_fault_reset,
 };
 
-/// The state to which a drive shall be led.
+/// The state to which the control words lead a drive.
 typedef enum {
     lin_cia402_rest, ///< without torque, one step before switched on; a motion ends by quick stop
     lin_cia402_enabled, ///< following its set-point

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// lin_node: is a node of the bus alive, operational and content? By its heartbeat and its
-/// emergency messages. Pure. Source: CiA 301, "Heartbeat", "NMT", "EMCY".
+/// lin_node: whether a node of the bus is alive, operational and without error, by its heartbeat
+/// and its emergency messages. Pure. Source: CiA 301, "Heartbeat", "NMT", "EMCY".
 #ifndef LIN_NODE_H
 #define LIN_NODE_H
 
@@ -14,7 +14,7 @@ typedef enum {
     lin_loss_none,
     lin_loss_bus_off,
     lin_loss_interface_down,
-    lin_loss_overflow,         ///< the kernel threw received frames away
+    lin_loss_overflow,         ///< the kernel dropped received frames
     lin_loss_send,             ///< a frame could not be queued
     lin_loss_other_controller, ///< another node sends what only a controller may send
     lin_loss_listening,        ///< it is not known yet whether there is another

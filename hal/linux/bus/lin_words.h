@@ -7,9 +7,9 @@
 #include <stddef.h>  // size_t
 #include <stdint.h>  // uint32_t
 
-enum { lin_line_bytes = 120 }; ///< most that hal_text() takes, with the end
+enum { lin_line_bytes = 120 }; ///< the most that hal_text() takes, with the end
 
-/// A cause in one word, for a hand-over by one atomic store; 0: nothing wrong.
+/// Pack a cause into one word, for a hand-over by one atomic store; 0: nothing is wrong.
 uint32_t lin_words_pack(lin_cause_t cause);
 lin_cause_t lin_words_unpack(uint32_t word);
 

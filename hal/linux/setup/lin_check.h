@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// lin_check: do the values of a configuration fit one another, and can a machine work by them?
-/// Only the file is looked at, not the machine.
+/// lin_check: whether the values of a configuration fit one another, and whether a machine can work
+/// by them. Only the file is checked, not the machine.
 #ifndef LIN_CHECK_H
 #define LIN_CHECK_H
 
@@ -12,7 +12,7 @@
 /// @return false and *e on the first thing that is wrong or cannot work: field, value, remedy
 bool lin_check_load(lin_config_t *config, const char *path, common_error_t *e);
 
-/// Who takes a line for people.
+/// A function that takes a line for people.
 typedef void lin_check_tell_t(const char *line);
 
 /// Report what works but is doubtful: a line each, beginning with "warning: ".

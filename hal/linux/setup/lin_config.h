@@ -34,7 +34,7 @@ typedef struct {
     char interface[lin_interface_max + 1];
     char remote[lin_interface_max + 1]; ///< never empty after loading
     int64_t node;
-    int64_t bitrate; ///< [bit/s] what the interface was set to; for the load of the bus only
+    int64_t bitrate; ///< [bit/s] to which the interface was set; used for the load of the bus only
     bool is_fd;
     int64_t data_bitrate; ///< [bit/s] likewise, of the data of FD frames
     int64_t heartbeat_ms, node_timeout_ms, pdo_timeout_ms, enable_ms;
@@ -72,10 +72,10 @@ typedef struct {
     int64_t table_max_bytes;
 } lin_config_t;
 
-/// What holds where the file says nothing.
+/// @return the values of keys that a file leaves out
 lin_config_t lin_config_defaults(void);
 
-/// Read a file over *config; whether its values fit one another is lin_check's to say.
+/// Read a file over *config. Whether its values fit one another is checked by lin_check_load().
 /// @return false and *e on the first thing wrong
 bool lin_config_read(lin_config_t *config, const char *path, common_error_t *e);
 
@@ -86,7 +86,7 @@ int64_t lin_config_age_us(const lin_encoder_config_t *config, int64_t tick_hz);
 /// @return the key of a line in [gpio], static
 const char *lin_line_name(lin_line_t line);
 
-/// @return whether a line is wired at all
+/// @return whether a line is wired
 bool lin_line_is_there(const lin_config_t *config, lin_line_t line);
 
 #endif

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// lin_kept: what the program says to its next start: the reason of a hal_halt(), in a file beside
+/// lin_kept: the reason of a hal_halt() is kept for the next start of the program, in a file beside
 /// the table.
 #ifndef LIN_KEPT_H
 #define LIN_KEPT_H
@@ -8,11 +8,11 @@
 
 enum { lin_kept_bytes = 100 }; ///< a longer reason is cut off
 
-/// Read what the last run left, and remove it.
+/// Read the reason that the last run left, and remove it.
 /// @param table_file  the reason is kept in this path with ".halt" behind it
 hal_start_t lin_kept_start(const char *table_file);
 
-/// Leave a reason. Context: any.
+/// Leave a reason for the next start. Context: any.
 void lin_kept_halt(const char *why);
 
 #endif

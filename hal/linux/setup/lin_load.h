@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-/// lin_load: how full the bus of a configuration is.
+/// lin_load: the load that a configuration puts on its bus.
 ///
 /// Every frame is counted with the most stuff bits that it can have, the encoder and each drive
 /// with one frame a tick, each node with two heartbeats in node_timeout_ms. Repetitions after
-/// errors and the frames of others are not in it. Pure. Source: ISO 11898-1, frame formats; stuff
+/// errors and the frames of others are not counted. Pure. Source: ISO 11898-1, frame formats; stuff
 /// bits after each five equal ones.
 #ifndef LIN_LOAD_H
 #define LIN_LOAD_H
@@ -13,9 +13,10 @@
 #include <stdint.h>     // int64_t
 
 typedef struct {
-    int64_t tick_ns;   ///< bus time of what is sent in every tick
-    int64_t second_ns; ///< bus time of what comes by time in a second: heartbeats, status
-    int64_t n_queued;  ///< [frames] that this computer sends in one tick at most, but for answers
+    int64_t tick_ns;   ///< bus time of the frames of one tick
+    int64_t second_ns; ///< bus time of heartbeats and status in a second
+    int64_t n_queued;  ///< [frames] that this computer sends in one tick at most, without
+                       ///< answers
 } lin_load_t;
 
 lin_load_t lin_load_of(const lin_config_t *config);

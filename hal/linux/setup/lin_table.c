@@ -132,7 +132,7 @@ static bool write_all(int fd, const uint8_t *bytes, size_t size)
     return true;
 }
 
-/// Close; errno stays that of what failed before.
+/// Close a file; errno stays that of an earlier failure.
 static bool close_well(int fd, bool is_good)
 {
     const int err = errno;
@@ -151,7 +151,7 @@ static bool store(const char *path, const bank_t *bank)
     return close_well(fd, is_written);
 }
 
-/// The folder's entry must reach the disk, too.
+/// Bring the entry in the folder to the disk, too.
 static bool sync_folder(void)
 {
     char path[path_bytes];

@@ -27,12 +27,12 @@ bool lin_table_begin(uint32_t size);
 /// Write a piece of it. @return false: outside of it, or not begun
 bool lin_table_write(uint32_t offset, const void *bytes, uint32_t n);
 
-/// @return what was begun; size 0: nothing
+/// @return the table that was begun; size 0: none
 hal_image_t lin_table_staged(void);
 
-/// What was begun becomes the table in force, here and in the file; waits for the disk. The
-/// renaming decides: before it the old one stays, here and in the file, and what was begun may be
-/// committed again; behind it the new one is in force, also when the disk does not confirm its
+/// Put the table that was begun in force, here and in the file, and wait for the disk. The renaming
+/// of the file decides: before it the old table stays, here and in the file, and the new one may be
+/// committed again; behind it the new table is in force, also when the disk does not confirm the
 /// folder.
 /// @param e  text "" when all is well
 /// @return   false and *e: nothing was begun, or the file cannot be written; the old one stays.

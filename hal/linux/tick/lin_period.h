@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-/// lin_period: when ticks are due: at i / tick_hz behind each full second, i = 0, 1, 2 ...
+/// lin_period: ticks are due at i / tick_hz behind each full second, i = 0, 1, 2 ...
 ///
-/// So a rate that divides no second into whole nanoseconds does not drift either. Pure.
+/// Therefore a rate whose period is no whole number of nanoseconds does not drift either. Pure.
 #ifndef LIN_PERIOD_H
 #define LIN_PERIOD_H
 
@@ -9,7 +9,7 @@
 
 #define LIN_PERIOD_SECOND_NS INT64_C(1000000000)
 
-/// @return [ns] the first tick's time later than now, now >= 0
+/// @return [ns] time of the first tick later than now; now >= 0
 static inline int64_t lin_period_next(int64_t now_ns, int64_t tick_hz)
 {
     const int64_t second_ns = now_ns / LIN_PERIOD_SECOND_NS * LIN_PERIOD_SECOND_NS;

@@ -2,7 +2,8 @@
 #include "lin_stop.h"
 #include "hal/hal.h" // hal_out_enable
 
-/// The slowest machine is out of its work within this; drives stop within that.
+/// The tool of the slowest machine has left the work within the first time; drives stop within the
+/// second.
 #define RETRACT_NS INT64_C(2000000000)
 #define RELEASE_NS INT64_C(1000000000)
 

@@ -21,7 +21,7 @@ typedef struct {
     uint32_t n_ticks; ///< in release
 } lin_stop_t;
 
-/// Zero-initialised is: run.
+/// One step of the end; a zero-initialised state is lin_stop_run.
 /// @param n_signals   so far
 /// @param outputs     hal_out_* of the last tick
 /// @param is_at_rest  no drive is in operation

@@ -38,8 +38,6 @@ static struct timespec timespec_of(int64_t ns)
     return (struct timespec){.tv_sec = ns / NS_PER_S, .tv_nsec = ns % NS_PER_S};
 }
 
-// Opening
-
 static bool open_can(sim_link_t *l, const char *interface, common_error_t *e)
 {
     const int on = 1;
@@ -61,7 +59,7 @@ static bool open_can(sim_link_t *l, const char *interface, common_error_t *e)
     return true;
 }
 
-/// @return number of the line, below 0 when the chip has none of that name
+/// @return number of the line, below 0 when the chip has no line of that name
 static int find_line(int chip, const char *name)
 {
     struct gpiochip_info info = {0};
@@ -141,7 +139,7 @@ bool sim_link_open(sim_link_t *l, const char *interface, const char *chip, doubl
         l->is_high[i] = true;
         pull(l, i, false);
     }
-    // Without the right to it the nodes are a little late now and then; nothing else changes.
+    // Without the right to real-time priority the nodes are sometimes a little late.
     const struct sched_param fifo = {.sched_priority = priority};
     (void)sched_setscheduler(0, SCHED_FIFO, &fifo);
     (void)prctl(PR_SET_TIMERSLACK, 1ul, 0ul, 0ul, 0ul);
@@ -167,8 +165,6 @@ void sim_link_close(sim_link_t *l)
     }
     *l = sim_link_closed();
 }
-
-// Frames
 
 /// Hand all frames that arrived to the nodes. @return true when there was a SYNC among them
 static bool receive(const sim_link_t *l, sim_bus_t *bus)
@@ -216,8 +212,6 @@ static void send_frames(sim_link_t *l, const sim_frame_t *frames, uint32_t n)
     const int n_sent = n > 0u ? sendmmsg(l->can, message, n, 0) : 0;
     l->n_unsent += n - (uint32_t)(n_sent > 0 ? n_sent : 0);
 }
-
-// Time
 
 static void sleep_until(int64_t ns)
 {
@@ -281,8 +275,6 @@ void sim_link_wait(sim_link_t *l, sim_bus_t *bus)
     }
 }
 
-// Lines
-
 static bool is_line_high(const sim_link_t *l, int line)
 {
     char c = '0';
@@ -311,8 +303,6 @@ void sim_link_speak(sim_link_t *l, sim_bus_t *bus)
         l->late_ns = l->wake_ns + (int64_t)((late_s - bus->time_s) * 1e9);
     }
 }
-
-// Signals
 
 static void on_signal(int number)
 {

@@ -98,6 +98,7 @@ def test_same_input_same_bytes(perkins: SkirtPart, files: dict[str, bytes]) -> N
     assert products(perkins, AnalysisWishes(rpm=1667.27), with_pictures=False) == files
 
 
+@pytest.mark.slow
 def test_pictures_are_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """The command writes tables and pictures and tells the essentials."""
     assert main([str(PERKINS), "-o", str(tmp_path / "out")]) == 0

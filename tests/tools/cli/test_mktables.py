@@ -44,6 +44,7 @@ def test_all_files_are_written(mktables: Mktables, tmp_path: Path) -> None:
     assert run.stdout.startswith("perkins240: table of 3456 bytes\n")
 
 
+@pytest.mark.slow
 def test_two_runs_give_the_same_bytes(mktables: Mktables, tmp_path: Path) -> None:
     """Every file, plots too, is the same from run to run and from folder to folder."""
     for name in ("one", "two"):
@@ -332,3 +333,18 @@ def test_script_runs_from_anywhere(tmp_path: Path) -> None:
     )
     assert run.returncode == 0, run.stderr
     assert listing(folder / "my out") == NAMES
+
+
+def test_tables_are_made_without_the_libraries_of_pictures() -> None:
+    """No kind of part loads matplotlib before a picture is drawn: it takes longer than a table."""
+    script = "import sys; import camtools.pipeline.registry as r; r.kinds(); print(*sys.modules)"
+    done = subprocess.run(
+        [sys.executable, "-c", script],
+        env=environment(),
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    loaded = done.stdout.split()
+    assert "camtools.skirt.kind" in loaded and "camtools.lobe.kind" in loaded
+    assert not [name for name in loaded if name.startswith(("matplotlib", "jinja2"))]

@@ -133,6 +133,7 @@ def without_clock(name: str, content: bytes) -> object:
     return content
 
 
+@pytest.mark.slow
 @built
 def test_two_cuts_differ_in_clock_times_only(run: Run, tmp_path: Path) -> None:
     """Tables, trace and surface are the same bytes, pictures show the same; so does the report."""
@@ -148,6 +149,7 @@ def test_two_cuts_differ_in_clock_times_only(run: Run, tmp_path: Path) -> None:
         assert is_same, name
 
 
+@pytest.mark.slow
 @built
 def test_fault_gives_a_report_and_status_1(run: Run, tmp_path: Path) -> None:
     """An emergency stop in the cut is told by camsim's line, by the table and by the report."""
@@ -159,6 +161,7 @@ def test_fault_gives_a_report_and_status_1(run: Run, tmp_path: Path) -> None:
     assert json.loads((tmp_path / "out" / "summary.json").read_text())["faults"] == ["estop"]
 
 
+@pytest.mark.slow
 @built
 def test_out_of_tolerance_is_status_1(run: Run, tmp_path: Path) -> None:
     """A cut that is too far off is reported all the same."""
@@ -375,6 +378,7 @@ def test_comparison_tells_a_cut_that_ended_early() -> None:
     assert variant_of("x", {"end": "fault", "form_error_um": nothing}) is None
 
 
+@pytest.mark.slow
 @built
 def test_script_runs_from_anywhere(tmp_path: Path) -> None:
     """tools/run works through a symbolic link, from another folder, with spaces."""

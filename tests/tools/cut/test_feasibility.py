@@ -10,7 +10,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cam_cases import cam
 from camsim_cases import ROOT, camsim
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import omega_rad_s
@@ -19,6 +18,7 @@ from camtools.lobe.generate import GeneratedLobes, generate_lobes
 from camtools.lobe.machine import lobe_machine_text
 from camtools.lobe.summary import emit_lobe_text, make_lobe_summary
 from camtools.skirt.generate import generate, peaks_of_table
+from lobe_cases import cam
 from part_cases import PERKINS, load_part
 
 SHAFT = (ROOT / "tools" / "parts" / "camshaft.toml").read_text()
@@ -90,6 +90,7 @@ def test_needs_are_sums_of_turning_and_feeding() -> None:
     assert jump > 0.5 * limits.u_acceleration_mm_s2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("text", [SHAFT, TURNED, SURFACE], ids=["uniform", "turned", "surface"])
 def test_feed_too_fast_for_the_gaps_is_refused(text: str) -> None:
     """With needed, limit, and a speed and a feed each of which is accepted; 1 % more is not."""
@@ -144,6 +145,7 @@ def test_laws_of_neighbours_are_made_for_what_lies_between_them(phase_deg: int, 
     assert 40 < together <= 60
 
 
+@pytest.mark.slow
 def test_highest_surface_speed_of_a_shaft_is_accepted() -> None:
     """Also where U decides; a tenth more is not."""
     weak = PAIR.replace("u_acceleration_mm_s2 = 20000", "u_acceleration_mm_s2 = 1200")
@@ -199,6 +201,7 @@ def test_skirts_are_judged_alike() -> None:
     assert slower.decides == "u_acceleration_mm_s2"
 
 
+@pytest.mark.slow
 def test_firmware_and_tool_judge_alike(table_of: Callable[[str], Path], tmp_path: Path) -> None:
     """Largest feed within 2 %, told before motion; the cut at it has no fault."""
     table = table_of("camshaft")

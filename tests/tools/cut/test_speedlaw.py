@@ -148,6 +148,7 @@ def test_uniform_speed_beyond_a_limit_is_refused_with_numbers() -> None:
         optimise(PAPERS, slow_u, 1000 * RPM)
 
 
+@pytest.mark.slow
 def test_attainable_speed_for_a_ripple() -> None:
     """For a ripple of 20 % the optimised law is the faster one, and keeps it."""
     blended = highest_mean_rad_s(PAPERS, LATHE, 0.2, is_optimised=False)

@@ -114,6 +114,7 @@ def test_surface_file_holds_the_profile(table_of: Callable[[str], Path], tmp_pat
     assert np.abs(error_nm).max() < 150
 
 
+@pytest.mark.slow
 def test_each_lobe_is_gauged_by_itself(table_of: Callable[[str], Path], tmp_path: Path) -> None:
     """Three lobes of two laws in one go; the change-over touches none of them."""
     words = ("--feed", "0.2", "--set", "engage_turns=1", "--set", "disengage_turns=1")
@@ -128,6 +129,7 @@ def test_each_lobe_is_gauged_by_itself(table_of: Callable[[str], Path], tmp_path
     assert summary["cut"]["gouge_um"] <= 0.05
 
 
+@pytest.mark.slow
 def test_lobe_that_was_not_cut_all_round_is_not_good(
     table_of: Callable[[str], Path], tmp_path: Path
 ) -> None:
@@ -305,6 +307,7 @@ def test_feed_beyond_the_height_names_the_feed(tmp_path: Path) -> None:
     assert line.startswith("camsim: --feed 10: infeasible:") and "at most --feed 5" in line
 
 
+@pytest.mark.slow
 def test_speed_that_counts_as_stopped_is_not_recommended(
     table_of: Callable[[str], Path],
 ) -> None:
@@ -329,6 +332,7 @@ def test_weak_machine_is_refused_with_the_numbers(table_of: Callable[[str], Path
     assert "travel farther than it can: needs 10.500001 mm, limit 0.6 mm" in line
 
 
+@pytest.mark.slow
 def test_spindle_that_counts_as_stopped_is_refused_before_motion(tmp_path: Path) -> None:
     """A slow cam ground at constant surface speed: what the line tells instead is cut."""
     text = (ROOT / "tools" / "parts" / "cam-345-ground.toml").read_text()

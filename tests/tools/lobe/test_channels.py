@@ -10,12 +10,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cam_cases import NM, cam, evaluate
 from camtools.base.errors import GeometryError
 from camtools.lobe.channels import choose_angle, choose_lift, slices_of
 from camtools.lobe.generate import generate_lobes
 from camtools.lobe.motion import ShaftLobe, example_lobe, make_lobes
 from camtools.table.image import MAX_CHANNEL_BYTES
+from lobe_cases import NM, cam, evaluate
 from part_cases import ROOT
 
 PARTS = ROOT / "tools" / "parts"
@@ -138,6 +138,7 @@ def test_long_lobe_is_told_how_long_one_may_be() -> None:
     assert choose_angle(shaft((0, 687.865)), is_swung=True).channel.n_slices == 42
 
 
+@pytest.mark.slow
 def test_larger_tolerance_is_told_where_it_helps() -> None:
     """Where u alone is too large; not where the angle would be too."""
     [lobe] = make_lobes(example_lobe("grinding"))

@@ -6,12 +6,12 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from cam_tables import DISC, POLY345, POLY345_WHEEL
 from camtools.base.errors import GeometryError
 from camtools.base.quantities import Floats
 from camtools.lobe.check import all_round, check_roller, check_wheel, shape_of
 from camtools.lobe.contact import Contact, at_angles, contact, follow, from_profile
 from camtools.lobe.lift import Disc, LiftLaw, Listed, Poly345, periodic_spline
+from lobe_tables import DISC, POLY345, POLY345_WHEEL
 
 BASE_MM, ROLLER_MM, WHEEL_MM, N0_RPM = 20.0, 10.0, 200.0, 60.0
 DISC_LAW = Disc(35.0, 5.0)

@@ -1,12 +1,48 @@
-"""Every package stands in the layers of pyproject.toml, or is a kind."""
+"""Each package of camtools sees only those below it, as pyproject.toml draws the layers."""
 
 from __future__ import annotations
 
+import subprocess
+import sys
 import tomllib
+from pathlib import Path
 
-from part_cases import ROOT
+from part_cases import ROOT, environment
 
 TOOLS = ROOT / "tools"
+LINT = "from importlinter.cli import lint_imports_command; lint_imports_command()"
+
+
+def lint(config: Path, tools: Path = TOOLS) -> subprocess.CompletedProcess[str]:
+    """Run import-linter on the packages of a folder."""
+    return subprocess.run(
+        [sys.executable, "-c", LINT, "--config", str(config), "--no-cache"],
+        env=environment() | {"PYTHONPATH": str(tools)},
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+
+
+def test_no_package_sees_one_above_it() -> None:
+    """All contracts of import-linter are kept."""
+    done = lint(TOOLS / "pyproject.toml")
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_a_wrong_arrow_is_found(tmp_path: Path) -> None:
+    """The base that imports a kind breaks the contract, and the message names both modules."""
+    for package in ("camtools", "checks"):
+        for path in (TOOLS / package).rglob("*.py"):
+            copy = tmp_path / path.relative_to(TOOLS)
+            copy.parent.mkdir(parents=True, exist_ok=True)
+            copy.write_bytes(path.read_bytes())
+    with (tmp_path / "camtools" / "base" / "places.py").open("a") as stream:
+        stream.write("from camtools.lobe.lift import Disc\n")
+    done = lint(TOOLS / "pyproject.toml", tmp_path)
+    assert done.returncode == 1
+    assert "camtools.base.places -> camtools.lobe.lift" in done.stdout
 
 
 def test_every_package_has_its_layer() -> None:

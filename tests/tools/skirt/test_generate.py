@@ -14,7 +14,7 @@ from camtools.base.quantities import omega_rad_s
 from camtools.skirt.generate import GeneratedSkirt, generate
 from camtools.skirt.part import SkirtPart
 from camtools.skirt.search import DERIVATIVE_SHARE, UnreachableError
-from camtools.table.evaluate import evaluate_u, evaluate_x, jumps
+from camtools.table.evaluate import evaluate_at, evaluate_x, jumps
 from camtools.table.image import KIND_U, KIND_X, pack, unpack
 from part_cases import PERKINS, load_part
 
@@ -33,7 +33,7 @@ def errors_nm(result: GeneratedSkirt) -> tuple[float, float, float, float]:
     """Return errors of u, u' share, u'' share and x at random points, apart from the generator."""
     turn, z_mm = random_points(result)
     table = unpack(pack(result.table))
-    u = evaluate_u(table.channel(KIND_U), turn, z_mm * 1e6)
+    u = evaluate_at(table.channel(KIND_U), turn, z_mm * 1e6)
     exact = result.geometry.delta(2 * np.pi * turn, z_mm)
     x = evaluate_x(table.channel(KIND_X), z_mm * 1e6).value - result.geometry.radius_mm(z_mm) * 1e6
     first, second = np.abs(exact.d1).max() * 1e6, np.abs(exact.d2).max() * 1e6
@@ -110,7 +110,7 @@ def test_guaranteed_bounds_are_true(generated: GeneratedSkirt) -> None:
     bounds = generated.table.bounds
     turn, z_mm = random_points(generated, 20_000)
     turn[:1000], z_mm[:500], z_mm[500:1000] = np.linspace(0, 1, 1000), 62.0, 0.0
-    u = evaluate_u(generated.table.channel(KIND_U), turn, z_mm * 1e6)
+    u = evaluate_at(generated.table.channel(KIND_U), turn, z_mm * 1e6)
     assert bounds.u_min_nm <= u.value.min()
     assert u.value.max() <= bounds.u_max_nm <= u.value.max() + 3
     assert np.abs(u.d1).max() <= bounds.u1_peak_nm_per_rad <= 1.001 * np.abs(u.d1).max()
@@ -152,7 +152,7 @@ def test_beta_is_in_the_table() -> None:
     """A double ellipse keeps the tolerance and is deeper at 45 degrees by G beta / 50."""
     result = generate(part_of(section={"shape": "double-ellipse", "beta": 2.0}))
     assert errors_nm(result)[0] <= 1.0
-    u = evaluate_u(result.table.channel(KIND_U), np.array([0.125]), np.array([62e6]))
+    u = evaluate_at(result.table.channel(KIND_U), np.array([0.125]), np.array([62e6]))
     assert u.value[0] == pytest.approx((0.3 / 4 + 0.3 * 2 / 50) * 1e6, abs=1.0)
 
 

@@ -69,6 +69,7 @@ def modulated() -> GeneratedSkirt:
     return generate(load_part(EQUAL_VOLUME))
 
 
+@pytest.mark.slow
 def test_equal_volume_evens_the_removal_rate(modulated: GeneratedSkirt, tmp_path: Path) -> None:
     """Rate and power become even on the workpiece, the chip force does not; no form is lost."""
     text = EQUAL_VOLUME.read_text().replace('mode = "equal-volume"', 'mode = "uniform"')

@@ -199,11 +199,13 @@ def test_good_report_has_every_picture(good: SkirtOutcome) -> None:
     assert "Invented" not in page
 
 
+@pytest.mark.slow
 def test_report_is_the_same_twice(good: SkirtOutcome) -> None:
     """Pictures and page hold no dates."""
     assert make_report(good) == make_report(good)
 
 
+@pytest.mark.slow
 def test_faulty_report_tells_what_happened(faulty: SkirtOutcome) -> None:
     """A fault gets its picture and its story: what, when, reaction, remedy."""
     files = make_report(faulty)
@@ -246,6 +248,7 @@ def test_cut_without_surface_and_trace_still_reports(faulty: SkirtOutcome) -> No
     assert b"nothing was cut to full depth" in files["report.html"]
 
 
+@pytest.mark.slow
 def test_part_source_is_escaped(good: SkirtOutcome) -> None:
     """Text of the part file and of options cannot become markup."""
     info = good.generated.part.part.model_copy(update={"source": "<b>&"})

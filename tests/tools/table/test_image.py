@@ -131,7 +131,7 @@ WRONG_FIELDS = [
     (80, "<I", 0, "feed_nm"),
     (88, "<I", 0, "limits"),
     (108, "<i", -6, "u_max_nm"),
-    (124, "<I", 1, "spindle_peak_ppm"),
+    (124, "<I", 1, "spindle_peak_ppm_per_rad"),
     (128, "<I", 4, "kind"),
     (128, "<I", 2, "log2_knots"),
     (132, "<I", 2**32 - 32, "size: beyond"),

@@ -162,7 +162,7 @@ static void test_surface_exact_ellipse_is_within_a_nanometre(void)
         fixture_ellipse(theta_q32 / 4294967296.0 * 6.283185307179586, 0.0, exact);
         const cam_value_t got = cam_eval_surface(&table.u, theta_q32, (int32_t)(i * 10u));
         const double h = 6.283185307179586 / 32.0;
-        TEST_ASSERT_DOUBLE_WITHIN(0.1, exact[0], got.y * lsb_nm + table.u.offset_nm);
+        TEST_ASSERT_DOUBLE_WITHIN(0.1, exact[0], got.y * lsb_nm + table.u.value_offset);
         TEST_ASSERT_DOUBLE_WITHIN(10.0, exact[1], got.d1 * lsb_nm / h);
         TEST_ASSERT_DOUBLE_WITHIN(200.0, exact[2], got.d2 * lsb_nm / h / h);
     }

@@ -75,9 +75,9 @@ static void test_speed_outside_a_sixteenth_to_four_is_refused(void)
 {
     const int32_t offsets[] = {CAM_TABLE_RATIO_ONE / 4, CAM_TABLE_RATIO_ONE * 4};
     for (int i = 0; i < 2; i++) {
-        TEST_ASSERT_EQUAL_INT(
-            cam_err_image_channel,
-            with_word(fixture_image_in(fixture_speed, fixture_in_offset_nm), (uint32_t)offsets[i]));
+        TEST_ASSERT_EQUAL_INT(cam_err_image_channel,
+                              with_word(fixture_image_in(fixture_speed, fixture_in_value_offset),
+                                        (uint32_t)offsets[i]));
     }
     TEST_ASSERT_EQUAL_INT(
         cam_err_image_channel,

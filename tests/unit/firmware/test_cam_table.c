@@ -177,8 +177,8 @@ static void test_check_channel_fields_out_of_range_are_refused(void)
         {fixture_in_p_max, 0x02000000u},
         {fixture_in_v_max, 0x02000000u},
         {fixture_in_a_max, 0x02000000u},
-        {fixture_in_offset_nm, 8388608u},
-        {fixture_in_offset_nm, 0x80000000u},
+        {fixture_in_value_offset, 8388608u},
+        {fixture_in_value_offset, 0x80000000u},
     };
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         TEST_ASSERT_EQUAL_INT_MESSAGE(cam_err_image_channel,
@@ -187,7 +187,7 @@ static void test_check_channel_fields_out_of_range_are_refused(void)
     TEST_ASSERT_EQUAL_INT(cam_err_image_channel, with_field(fixture_x, fixture_in_log2_knots, 1u));
     TEST_ASSERT_EQUAL_INT(cam_err_image_channel, with_field(fixture_x, fixture_in_log2_repeat, 1u));
     TEST_ASSERT_EQUAL_INT(cam_err_image_channel,
-                          with_field(fixture_x, fixture_in_offset_nm, 2000000001u));
+                          with_field(fixture_x, fixture_in_value_offset, 2000000001u));
 }
 
 /// The entry of x says how Z follows the turns; a modulated spindle allows no ring-helix.
@@ -237,7 +237,7 @@ static void test_check_cam_has_one_angle_channel_within_a_quarter_turn(void)
         TEST_ASSERT_NOT_NULL(table.angle.knots);
         TEST_ASSERT_NULL(table.speed.knots);
         TEST_ASSERT_EQUAL_INT(kind == 4u, table.is_swung);
-        fixture_image_put(&image, fixture_image_in(fixture_speed, fixture_in_offset_nm),
+        fixture_image_put(&image, fixture_image_in(fixture_speed, fixture_in_value_offset),
                           (uint32_t)CAM_TABLE_ANGLE_MAX);
         fixture_image_seal(&image);
         TEST_ASSERT_EQUAL_INT(cam_err_image_channel, check());

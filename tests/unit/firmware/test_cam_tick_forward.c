@@ -44,7 +44,7 @@ static void expected(const cam_tick_record_t *r, double u[3])
     const fixture_value_t v = fixture_reference_surface_at(ch, theta_q32, r->want.z_nm);
     const double knots_per_s = ldexp(r->angle.speed_q32, (int)ch->log2_knots - 32) * tick_hz;
     const double nm = ldexp(1.0, -(int)ch->frac_bits);
-    u[0] = (double)v.y * nm + ch->offset_nm;
+    u[0] = (double)v.y * nm + ch->value_offset;
     u[1] = (double)v.d1 * nm * knots_per_s;
     u[2] = (double)v.d2 * nm * knots_per_s * knots_per_s;
 }

@@ -11,7 +11,7 @@ static lin_can_t can;
 static bool is_there, is_removed_again;
 static uint32_t n_binds;
 
-// In front of the library's.
+// These functions stand in front of those of the library.
 
 unsigned if_nametoindex(const char *name)
 {
@@ -29,7 +29,7 @@ int setsockopt(int fd, int level, int name, const void *value, socklen_t size)
     return 0;
 }
 
-/// The tick may tell a removal at any time, here in the middle of the binding.
+/// The tick may report a removal at any time, here in the middle of the binding.
 int bind(int fd, __CONST_SOCKADDR_ARG address, socklen_t size)
 {
     (void)fd;

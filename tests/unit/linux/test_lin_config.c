@@ -36,7 +36,7 @@ static void refused(const char *text, const char *why)
     TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, path), error.text);
 }
 
-/// A field that the example misses or tells differently would stand out.
+/// The example must name every field with its default.
 static void test_example_file_tells_every_default(void)
 {
     memset(&config, 0x5a, sizeof config);
@@ -149,7 +149,7 @@ static void test_values_that_do_not_fit_one_another_are_refused(void)
     TEST_ASSERT_TRUE(load("[drive.x]\nnode = 0\n[drive.z]\nnode = 0\n[spindle]\nnode = 0\n"));
 }
 
-/// Every text was taken once, and the machine could not work or did something else.
+/// Values that a reader of keys alone would accept, although no machine can work by them.
 static void test_what_cannot_work_is_refused(void)
 {
     refused("[gpio]\nestop = \"gpiochip0:x\"\n", "gpio.estop = gpiochip0:x: no number behind");
@@ -233,6 +233,18 @@ static void test_file_that_is_not_there_or_no_text_is_refused(void)
     TEST_ASSERT_NULL(strchr(error.text, '\x01'));
 }
 
+/// Behind the NUL byte the line would be lost without a word.
+static void test_file_with_a_nul_byte_is_refused(void)
+{
+    static const char text[] = "[can]\nnode = 9\0 and more\n";
+    FILE *file = fopen(path, "w");
+    TEST_ASSERT_NOT_NULL(file);
+    TEST_ASSERT_EQUAL_size_t(sizeof text - 1u, fwrite(text, 1, sizeof text - 1u, file));
+    (void)fclose(file);
+    TEST_ASSERT_FALSE(lin_check_load(&config, path, &error));
+    TEST_ASSERT_NOT_NULL(strstr(error.text, ":2: has a NUL byte; give a text file"));
+}
+
 int main(void)
 {
     (void)close(mkstemp(path));
@@ -248,6 +260,7 @@ int main(void)
     RUN_TEST(test_bus_that_cannot_bear_the_ticks_is_refused_with_the_rate);
     RUN_TEST(test_what_is_doubtful_is_told);
     RUN_TEST(test_file_that_is_not_there_or_no_text_is_refused);
+    RUN_TEST(test_file_with_a_nul_byte_is_refused);
     (void)unlink(path);
     return UNITY_END();
 }

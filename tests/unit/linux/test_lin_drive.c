@@ -41,7 +41,7 @@ static bool is_ready(int64_t now_ns)
     return d.is_ready;
 }
 
-/// Every status word there is, against the table of the standard.
+/// All status words are compared with the table of the standard.
 static void test_states_are_those_of_the_standard(void)
 {
     static const struct {
@@ -201,7 +201,7 @@ static void test_foreign_and_malformed_frames_are_left_alone(void)
     lin_drive_init(&d, 0, 1, 1);
     frame.id = canopen_id_tpdo1;
     TEST_ASSERT_FALSE(lin_drive_take(&d, &frame, 1));
-    TEST_ASSERT_TRUE(is_ready(0)); // none there: never in the way
+    TEST_ASSERT_TRUE(is_ready(0)); // a drive that does not exist is ready
 }
 
 static void test_scales_round_clamp_and_turn_round(void)

@@ -70,7 +70,7 @@ static void test_delay_of_the_frame_is_taken_off(void)
     TEST_ASSERT_EQUAL_UINT32(110, at(11 * ms));
 }
 
-/// A frame that waited in a queue comes close behind its neighbour: no speed is made of that.
+/// A frame that waited in a queue arrives close behind its neighbour: no speed is measured by it.
 static void test_frames_close_together_tell_no_speed(void)
 {
     lin_encoder_take(&e, 0, 10 * ms);
@@ -121,7 +121,7 @@ static void test_edge_is_brought_to_counts_between_its_frames(void)
     const hal_encoder_t now = lin_encoder_at(&e, 12 * ms);
     TEST_ASSERT_EQUAL_UINT32(1, now.n_index);
     TEST_ASSERT_EQUAL_UINT32(1074, now.index_counts); // 1050 + 0.4 * 60
-    lin_encoder_edge(&e, 11 * ms + 900 * us, true);   // told late: between frames that are there
+    lin_encoder_edge(&e, 11 * ms + 900 * us, true);   // reported late: between frames that arrived
     TEST_ASSERT_EQUAL_UINT32(2, lin_encoder_at(&e, 12 * ms).n_index);
     TEST_ASSERT_EQUAL_UINT32(1104, lin_encoder_at(&e, 12 * ms).index_counts);
 }
@@ -162,7 +162,7 @@ static void test_place_of_the_position_is_an_index_for_both_senses(void)
                  {1200, 2, 1200}, {1199, 3, 1200}, {150, 4, 200}, {1250, 6, 1200}};
     begin(2000, lin_index_position);
     for (uint32_t i = 0; i < sizeof steps / sizeof steps[0]; i++) {
-        e.config.modulus_counts = 0; // so that the long ways stay what they are
+        e.config.modulus_counts = 0; // so that long increments are not wrapped
         lin_encoder_take(&e, steps[i].raw, (10 + (int64_t)i) * ms);
         const hal_encoder_t now = lin_encoder_at(&e, (10 + (int64_t)i) * ms);
         TEST_ASSERT_EQUAL_UINT32(steps[i].n_index, now.n_index);

@@ -22,14 +22,14 @@ static lin_gpio_t chip[n_places] = {{.place = "ESTOP", .is_high = true},
                                     {.place = "INCUT"}};
 static lin_gpio_t *const estop = &chip[0], *const enable = &chip[3], *const fault = &chip[4];
 
-lin_gpio_t *lin_gpio_open(const char *name, const char *place, lin_gpio_way_t way,
+lin_gpio_t *lin_gpio_open(const char *name, const char *place, lin_gpio_use_t use,
                           bool is_active_low, common_error_t *e)
 {
     TEST_ASSERT_EQUAL_STRING("gpiochip0", name);
     TEST_ASSERT_FALSE(is_active_low);
     for (int i = 0; i < n_places; i++) {
         if (strcmp(place, chip[i].place) == 0) {
-            TEST_ASSERT_TRUE((way == lin_gpio_output) == (i >= 3));
+            TEST_ASSERT_TRUE((use == lin_gpio_output) == (i >= 3));
             return &chip[i];
         }
     }
@@ -107,7 +107,7 @@ static void test_enable_low_is_repeated_until_it_is_written(void)
     TEST_ASSERT_EQUAL_UINT32(1, fault->n_writes);
 }
 
-/// Whether a write that failed did something is not known: low is written though it was low before.
+/// A write that failed may have taken effect, so low is written although it was low before.
 static void test_enable_that_could_not_be_set_is_taken_back(void)
 {
     enable->is_broken = true;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Small parts of the Linux port: due times, places of lines, the way to an end, the reason of a
+// Small parts of the Linux port: due times, places of lines, the phases of the end, the reason of a
 // halt.
 #include "hal/hal.h"
 #include "lin_kept.h"

@@ -24,7 +24,7 @@ void setUp(void)
 
 void tearDown(void) {}
 
-/// In front of the library's: a disk that confirms a number of times.
+/// Stands in front of the library's function: a disk that confirms a number of times.
 int fsync(int fd)
 {
     if (n_good_syncs-- <= 0) {
@@ -121,7 +121,7 @@ static void test_table_that_cannot_be_stored_leaves_the_old_one(void)
     TEST_ASSERT_TRUE(lin_table_open(path, 64, &error));
     TEST_ASSERT_TRUE(lin_table_begin(1));
     TEST_ASSERT_TRUE(lin_table_write(0, "x", 1));
-    TEST_ASSERT_EQUAL_INT(0, mkdir(fresh, 0700)); // in the way, also of root
+    TEST_ASSERT_EQUAL_INT(0, mkdir(fresh, 0700)); // a folder blocks the path, also for root
     TEST_ASSERT_FALSE(lin_table_commit(&error));
     TEST_ASSERT_NOT_NULL(strstr(error.text, "not written"));
     expect_image("first");
@@ -153,7 +153,7 @@ static void test_disk_that_does_not_take_the_file_leaves_the_old_one(void)
     expect_file("second");
 }
 
-/// Renamed is renamed: memory and file must not differ, whatever the folder's disk says.
+/// After the renaming memory and file must agree, even when the disk does not confirm the folder.
 static void test_folder_that_is_not_confirmed_is_told(void)
 {
     begin_second();

@@ -36,7 +36,7 @@ static void start_nodes(void)
     sim_bus_receive(&bus, &start);
 }
 
-/// One tick of a controller that wants places of the axes and a speed.
+/// Run one tick of a controller that commands positions of the axes and a speed.
 static void tick(uint32_t control_word, int32_t u_nm, int32_t spindle_mrpm)
 {
     send(0x202, control_word, u_nm);

@@ -29,7 +29,7 @@ static void enable(void)
     sim_cia402_control(&drive, enable_operation);
 }
 
-/// The standard tells the states apart by these bits.
+/// The bits by which the standard distinguishes the states.
 static void check_status(uint32_t mask, uint32_t value)
 {
     TEST_ASSERT_EQUAL_HEX32(value, sim_cia402_status(&drive) & mask);

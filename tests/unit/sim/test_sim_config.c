@@ -40,7 +40,7 @@ static void refused(const char *text, const char *why)
     TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, path), error.text);
 }
 
-/// A key that the file tells with a value that the code does not have shows here.
+/// The file and the code must agree on the default of every key.
 static void test_default_file_is_the_built_in_machine(void)
 {
     memset(&config.lathe, 0, sizeof config.lathe); // every key must come from the file

@@ -145,8 +145,8 @@ static void test_table_design_is_what_the_firmware_plays(void)
         const uint32_t theta = (uint32_t)(turn * 4294967296.0);
         const cam_value_t u = cam_eval_surface(&table.u, theta, z_nm);
         const cam_value_t x = cam_eval_profile(&table.x, z_nm);
-        const double u_nm = table.u.offset_nm + ldexp(u.y, -(int)table.u.frac_bits);
-        const double x_nm = table.x.offset_nm + ldexp(x.y, -(int)table.x.frac_bits);
+        const double u_nm = table.u.value_offset + ldexp(u.y, -(int)table.u.frac_bits);
+        const double x_nm = table.x.value_offset + ldexp(x.y, -(int)table.x.frac_bits);
         const double lsb =
             ldexp(1.0, -(int)table.u.frac_bits) + ldexp(1.0, -(int)table.x.frac_bits);
         TEST_ASSERT_DOUBLE_WITHIN(lsb + 1e-3, x_nm - u_nm,

@@ -18,7 +18,7 @@ void setUp(void)
 
 void tearDown(void) {}
 
-/// One period: the encoder says a letter, another node speaks too.
+/// Run one period: the encoder sends a letter, another node sends, too.
 static void say(char letter, double t_s)
 {
     sim_frames_t queue = {.n = 0};

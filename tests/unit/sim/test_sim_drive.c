@@ -76,7 +76,7 @@ static void test_dead_time_of_whole_ticks_is_found_in_spite_of_rounding(void)
     TEST_ASSERT_FALSE(drive.is_split);
 }
 
-/// What the firmware relies on: c = u + k1 u' + k2 u'' read ahead by dead time and half a tick.
+/// The firmware relies on c = u + k1 u' + k2 u'', read ahead by the dead time and half a tick.
 static void test_inverse_of_the_drive_makes_it_follow(void)
 {
     config.delay_us = 75.0;

@@ -18,7 +18,7 @@ static void init_at(double turn)
     sim_encoder_init(&encoder, &config, turn, 1);
 }
 
-/// Go there in steps of a tick at high speed.
+/// Turn to an angle in steps of a tick at high speed.
 static hal_encoder_t go(double from, double to)
 {
     const int n = 1 + (int)(fabs(to - from) / 0.003);

@@ -92,7 +92,7 @@ static void test_pieces_are_evaluated_from_the_highest_power(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, 1.0, down.h2_mm);
 }
 
-/// Tangent, way and turning of the normal are what differences of neighbours say.
+/// Tangent, arc length and turning of the normal agree with the differences of neighbours.
 static void test_derivatives_agree_with_differences(void)
 {
     const double step = 1e-5;

@@ -19,7 +19,7 @@ static sim_lobe_design_t design;
 static sim_work_t work;
 static sim_lobe_work_t lobes;
 
-/// What is wrong with the motion.
+/// An error of the motion.
 typedef struct {
     double far_mm;     ///< centre too far out
     double behind_rad; ///< lift behind the spindle
@@ -57,14 +57,15 @@ static double centre_mm(double phi)
     return OFFSET_MM * cos(phi) + sqrt(far_mm * far_mm - across * across);
 }
 
-/// Angle between the line of centres and the normal, which goes through the disc's centre.
+/// @return the angle between the line of centres and the normal, which goes through the disc's
+/// centre
 static double pressure_rad(double phi)
 {
     return -asin(OFFSET_MM * sin(phi) / (DISC_MM + design.follower_mm));
 }
 
-/// Half a turn that is not counted, then whole ones.
-static void turn_cam(int n_turns, int ticks_per_turn, flaw_t flaw)
+/// Turn by half a turn that is not counted, then by whole turns.
+static void turn_lobe(int n_turns, int ticks_per_turn, flaw_t flaw)
 {
     for (int i = 0; i <= n_turns * ticks_per_turn + ticks_per_turn / 2; i++) {
         const double turn = (double)i / ticks_per_turn;
@@ -85,7 +86,7 @@ static void turn_cam(int n_turns, int ticks_per_turn, flaw_t flaw)
 static void test_ground_disc_is_a_circle(void)
 {
     begin(false);
-    turn_cam(3, 20000, (flaw_t){0});
+    turn_lobe(3, 20000, (flaw_t){0});
     TEST_ASSERT_GREATER_THAN_UINT64(2u * sim_lobe_dexels, lobes.gauge[0].n);
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.0, lobes.gauge[0].max_um); // um: a thousandth of a nanometre
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.0, work.max_um);
@@ -98,14 +99,14 @@ static void test_ground_disc_is_a_circle(void)
 static void test_wheel_is_swept_between_ticks(void)
 {
     begin(false);
-    turn_cam(3, 360, (flaw_t){0});
+    turn_lobe(3, 360, (flaw_t){0});
     TEST_ASSERT_DOUBLE_WITHIN(0.01, 0.0, lobes.gauge[0].max_um);
 }
 
 static void test_turned_disc_is_a_circle_and_its_rake_constant(void)
 {
     begin(true);
-    turn_cam(3, 20000, (flaw_t){.swung = 1.0});
+    turn_lobe(3, 20000, (flaw_t){.swung = 1.0});
     TEST_ASSERT_DOUBLE_WITHIN(1e-3, 0.0, lobes.gauge[0].max_um);
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.0, lobes.rake_deg.min);
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.0, lobes.rake_deg.max);
@@ -117,10 +118,10 @@ static void test_turned_disc_is_a_circle_and_its_rake_constant(void)
 /// The tip at r1 - tip from the swing's centre, straight below it: D - (r1 - tip) over phi. What it
 /// leaves is the parallel curve of that path, far from the disc, and never too deep: the tip lies
 /// inside of the roller's circle.
-static void test_tool_that_does_not_swing_leaves_another_cam(void)
+static void test_tool_that_does_not_swing_leaves_another_lobe(void)
 {
     begin(true);
-    turn_cam(3, 20000, (flaw_t){.swung = 0.0});
+    turn_lobe(3, 20000, (flaw_t){.swung = 0.0});
     TEST_ASSERT_TRUE(lobes.gauge[0].max_um > 50.0);
     TEST_ASSERT_DOUBLE_WITHIN(1e-3, 0.0, work.gouge_um);
 }
@@ -129,7 +130,7 @@ static void test_tool_that_does_not_swing_leaves_another_cam(void)
 static void test_error_of_the_wheels_distance_shows_along_the_normal(void)
 {
     begin(false);
-    turn_cam(3, 20000, (flaw_t){.far_mm = 0.005});
+    turn_lobe(3, 20000, (flaw_t){.far_mm = 0.005});
     const double least_um = 5.0 * cos(asin(OFFSET_MM / (DISC_MM + WHEEL_MM)));
     TEST_ASSERT_DOUBLE_WITHIN(1e-3, 5.0, lobes.gauge[0].max_um);
     const sim_row_t *row = &work.row[sim_work_rows * 5 / 12 + 3];
@@ -142,14 +143,14 @@ static void test_lift_that_lags_turns_the_profile(void)
 {
     const double lag_rad = 1e-4;
     begin(false);
-    turn_cam(3, 20000, (flaw_t){.behind_rad = lag_rad});
+    turn_lobe(3, 20000, (flaw_t){.behind_rad = lag_rad});
     TEST_ASSERT_DOUBLE_WITHIN(2e-3, OFFSET_MM * lag_rad * 1e3, lobes.gauge[0].max_um);
 }
 
 static void test_speed_of_the_contact_is_that_of_the_geometry(void)
 {
     begin(false);
-    turn_cam(3, 20000, (flaw_t){0});
+    turn_lobe(3, 20000, (flaw_t){0});
     const double omega = SIM_TWO_PI; // one turn per second; ds/dphi of MATHS.md (35)
     TEST_ASSERT_DOUBLE_WITHIN(1e-5, 25.5555556 * omega, lobes.speed_mm_s.max);
     TEST_ASSERT_DOUBLE_WITHIN(1e-5, 24.4444444 * omega, lobes.speed_mm_s.min);
@@ -161,7 +162,7 @@ static void test_speed_of_the_contact_is_that_of_the_geometry(void)
 static void test_removed_metal_is_the_blank_around_the_disc(void)
 {
     begin(false);
-    turn_cam(4, 20000, (flaw_t){0});
+    turn_lobe(4, 20000, (flaw_t){0});
     const double ring_mm2 = SIM_PI * (30.1 * 30.1 - DISC_MM * DISC_MM);
     const double turns = (double)lobes.gauge[0].n / sim_lobe_dexels;
     TEST_ASSERT_DOUBLE_WITHIN(1e-3 * ring_mm2, ring_mm2 * 0.1 * turns, work.removed_mm3);
@@ -173,18 +174,18 @@ static void test_heights_beside_the_lobe_are_not_cut(void)
     const sim_lobe_tool_t beside = {.centre_mm = 225.0, .z_mm = 13.0, .is_counted = true};
     sim_lobe_work_cut(&lobes, &beside);
     TEST_ASSERT_EQUAL_UINT32(design.n_lobes, lobes.i_lobe);
-    turn_cam(2, 20000, (flaw_t){0});
+    turn_lobe(2, 20000, (flaw_t){0});
     TEST_ASSERT_EQUAL_UINT32(0u, lobes.i_lobe);
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.0, lobes.gauge[0].max_um);
 }
 
-/// A lobe that the tool comes to in the middle of a turn: what it has half passed is not judged.
+/// The tool reaches a lobe in the middle of a turn: lines that it has passed half are not judged.
 static void test_lobe_entered_anywhere_is_judged_where_it_was_cut(void)
 {
     for (int i = 0; i < 40; i++) {
         begin(true);
         design.lobe[0].z_first_mm = 5.07 + i * 1e-5;
-        turn_cam(1, 20000, (flaw_t){.swung = 1.0});
+        turn_lobe(1, 20000, (flaw_t){.swung = 1.0});
         TEST_ASSERT_GREATER_THAN_UINT64(sim_lobe_dexels / 2u, lobes.gauge[0].n);
         TEST_ASSERT_DOUBLE_WITHIN(1e-3, 0.0, lobes.gauge[0].max_um);
     }
@@ -196,7 +197,7 @@ int main(void)
     RUN_TEST(test_ground_disc_is_a_circle);
     RUN_TEST(test_wheel_is_swept_between_ticks);
     RUN_TEST(test_turned_disc_is_a_circle_and_its_rake_constant);
-    RUN_TEST(test_tool_that_does_not_swing_leaves_another_cam);
+    RUN_TEST(test_tool_that_does_not_swing_leaves_another_lobe);
     RUN_TEST(test_error_of_the_wheels_distance_shows_along_the_normal);
     RUN_TEST(test_lift_that_lags_turns_the_profile);
     RUN_TEST(test_speed_of_the_contact_is_that_of_the_geometry);

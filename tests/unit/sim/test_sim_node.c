@@ -25,7 +25,7 @@ static void speak(double t_s)
     sim_node_speak(&node, &out, 0x80000001u, t_s);
 }
 
-/// @return the frame with an identifier among what was said, NULL when there is none
+/// @return the queued frame with an identifier, NULL when there is none
 static const sim_frame_t *said(uint32_t frame_id)
 {
     for (uint32_t i = 0; i < out.n; i++) {

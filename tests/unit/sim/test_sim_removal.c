@@ -29,7 +29,7 @@ static double ellipse_mm(double turn)
     return 46.0 - u[0] * 1e-6;
 }
 
-/// Uniform turning from an angle on, one sample every 2 % of a slice.
+/// Turn uniformly from an angle on, with one sample every 2 % of a slice.
 static int turn_uniformly(double from, double turns, bool is_judged)
 {
     const int n = (int)(turns * slices_per_turn * ticks_per_slice + 0.5);
@@ -74,7 +74,7 @@ static void test_power_and_forces_belong_together(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 700.0 * s->volume_mm3 / 0.1, s->rate_force_n);
 }
 
-/// Slices of equal volume last equally long: rate even, chip force not (the physical objection).
+/// Slices of equal volume last equally long, so the rate is even, but the chip force is not.
 static void test_equal_volume_has_no_ripple_of_rate_but_of_force(void)
 {
     double t_s = 0.0;

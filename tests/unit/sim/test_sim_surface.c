@@ -30,7 +30,7 @@ static bool read(const char *json)
     return is_good;
 }
 
-/// A coefficient that tells its place apart.
+/// @return a coefficient that differs for every place
 static double coefficient(int j, int i, int k, int l)
 {
     return 0.001 * (1 + j) + 0.01 * (1 + i) / (1 + k) - 0.02 / (1 + l + k);

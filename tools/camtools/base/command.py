@@ -29,7 +29,7 @@ class Parser(argparse.ArgumentParser):
 
 
 class Interrupted(BaseException):
-    """A signal asks us to stop; unwinding removes what is unfinished."""
+    """A signal demands the end; unwinding removes what is unfinished."""
 
 
 def _interrupt(number: int, _frame: FrameType | None) -> None:
@@ -49,7 +49,7 @@ def run_command(name: str, action: Callable[[], int]) -> int:
     Returns
     -------
     int
-        That of the action; 2 on bad input, told line by line; 128 + n on signal n.
+        That of the action; 2 on bad input, reported line by line; 128 + n on signal n.
     """
     for number in _SIGNALS:
         signal.signal(number, _interrupt)

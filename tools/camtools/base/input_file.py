@@ -22,7 +22,7 @@ def read_limited(path: Path, most_bytes: int) -> bytes:
     ------
     OSError
         It cannot be read, is no regular file (a pipe would be waited for, a device may never end),
-        or is larger; `strerror` tells which.
+        or is larger; `strerror` says which.
     """
     mode = path.stat().st_mode
     if stat.S_ISDIR(mode):

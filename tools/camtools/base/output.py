@@ -31,7 +31,7 @@ def file_target(path: Path) -> Path:
     CamtoolsError
         There is something that is no regular file: a name put in its place would destroy it.
     OSError
-        The links lead round in a circle, or nobody may follow them.
+        The links lead round in a circle, or may not be followed.
     """
     with suppress(FileNotFoundError):
         mode = path.stat().st_mode
@@ -69,21 +69,6 @@ def signals_held() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
-def _rename_all(temporaries: Mapping[Path, Path]) -> None:
-    for target in temporaries:
-        file_target(target)  # again: writing may have taken long
-    with signals_held():
-        for target, path in temporaries.items():
-            path.replace(target)
-
-
-def _make_folder(folder: Path) -> list[Path]:
-    """Make a folder; return what was missing, innermost first."""
-    missing = [path for path in (folder, *folder.parents) if not path.exists()]
-    folder.mkdir(parents=True, exist_ok=True)
-    return missing
-
-
 def write_all(folder: Path, files: Mapping[str, bytes | Iterable[bytes]]) -> None:
     """Write files into a folder so that either all get their names or none does.
 
@@ -107,7 +92,9 @@ def write_all(folder: Path, files: Mapping[str, bytes | Iterable[bytes]]) -> Non
     folders: list[Path] = []
     done = False
     try:
-        folders = _make_folder(folder)
+        missing = [path for path in (folder, *folder.parents) if not path.exists()]
+        folder.mkdir(parents=True, exist_ok=True)
+        folders = missing  # innermost first
         targets = {name: file_target(folder / name) for name in files}
         finals = {
             targets[name]: _write_temporary(
@@ -115,7 +102,11 @@ def write_all(folder: Path, files: Mapping[str, bytes | Iterable[bytes]]) -> Non
             )
             for name, data in files.items()
         }
-        _rename_all(finals)
+        for target in finals:
+            file_target(target)  # again: writing may have taken long
+        with signals_held():
+            for target, path in finals.items():
+                path.replace(target)
         done = True
     except OSError as error:
         remedy = "give a folder that can be written and has room"
@@ -123,7 +114,12 @@ def write_all(folder: Path, files: Mapping[str, bytes | Iterable[bytes]]) -> Non
         raise CamtoolsError([f"{folder}: cannot write: {reason}; {remedy}"]) from error
     finally:
         if not done:
-            _remove(made, folders)
+            for path in made:
+                with suppress(OSError):
+                    path.unlink()
+            for path in folders:
+                with suppress(OSError):
+                    path.rmdir()
 
 
 @contextmanager
@@ -154,12 +150,3 @@ def growing(path: Path) -> Iterator[TextIO]:
                 Path(name).replace(path)
             else:
                 Path(name).unlink()
-
-
-def _remove(files: list[Path], folders: list[Path]) -> None:
-    for path in files:
-        with suppress(OSError):
-            path.unlink()
-    for path in folders:
-        with suppress(OSError):
-            path.rmdir()

@@ -2,6 +2,8 @@
 
 >>> f"{omega_rad_s(60.0):.6f}"
 '6.283185'
+>>> length_unit(0.4), length_unit(12.0)
+((1000.0, 'nm'), (1.0, 'µm'))
 """
 
 from __future__ import annotations
@@ -12,11 +14,8 @@ import numpy as np
 import numpy.typing as npt
 
 Floats = npt.NDArray[np.float64]
-
-
+Ints = npt.NDArray[np.int64]
 FloatsLike = Floats | float
-
-
 NM_PER_MM = 1_000_000
 
 
@@ -34,4 +33,16 @@ class SectionValues(NamedTuple):
     d3: Floats  # mm/rad^3
 
 
-Ints = npt.NDArray[np.int64]
+def length_unit(largest_um: float) -> tuple[float, str]:
+    """Return the factor from um and the unit in which lengths up to largest_um read well."""
+    return (1.0, "µm") if largest_um >= 1 else (1000.0, "nm")
+
+
+def length_text(value_um: float) -> str:
+    """Return a length with the unit in which it reads well, four digits at most.
+
+    >>> length_text(0.0312), length_text(31.24), length_text(1.0)
+    ('31.2 nm', '31.2 µm', '1 µm')
+    """
+    factor, unit = length_unit(abs(value_um))
+    return f"{value_um * factor:.3g} {unit}"

@@ -25,7 +25,7 @@ from camtools.base.output import file_target, signals_held
 
 
 def cannot_write(place: Path, error: OSError) -> CamtoolsError:
-    """Return the one line that tells that a place cannot be written."""
+    """Return the error of a place that cannot be written, in one line."""
     reason = error.strerror or str(error)
     remedy = "give a folder that can be written and has room"
     return CamtoolsError([f"{place}: cannot write: {reason}; {remedy}"])
@@ -58,7 +58,8 @@ class Stage:
     def __enter__(self) -> Self:
         try:
             with signals_held():
-                self._made = self._missing()
+                paths = (self.output, *self.output.parents)
+                self._made = [path for path in paths if not path.exists()]  # innermost first
                 self.output.mkdir(parents=True, exist_ok=True)
                 name = tempfile.mkdtemp(prefix=".run.", suffix=".tmp", dir=self.output)
                 self.folder = Path(name).resolve()
@@ -67,16 +68,14 @@ class Stage:
             raise cannot_write(self.output, error) from error
         return self
 
-    def _missing(self) -> list[Path]:
-        """Return what has to be made, innermost first."""
-        return [path for path in (self.output, *self.output.parents) if not path.exists()]
-
     def publish(self) -> None:
         """Move every file into the output folder, over those of earlier runs."""
         files = sorted(path for path in self.folder.iterdir() if path.is_file())
         try:
             targets = [self._target(path.name) for path in files]
-            self._synchronise(files)
+            for path in files:  # all of them are on the disk before the first one moves
+                with path.open("rb") as stream:
+                    os.fsync(stream.fileno())
             with signals_held():
                 for path, target in zip(files, targets, strict=True):
                     path.replace(target)
@@ -89,12 +88,6 @@ class Stage:
         if target.parent.stat().st_dev != self.folder.stat().st_dev:
             raise OSError(errno.EXDEV, f"{os.strerror(errno.EXDEV)}: {name}")
         return target
-
-    def _synchronise(self, files: list[Path]) -> None:
-        """Bring all files to the disk before the first one moves."""
-        for path in files:
-            with path.open("rb") as stream:
-                os.fsync(stream.fileno())
 
     def __exit__(
         self,

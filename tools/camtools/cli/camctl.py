@@ -115,8 +115,8 @@ class Control:
         except EncodeError as error:
             raise CamtoolsError([f"{command}: {error}"]) from error
         if answer.result != "done":
-            told = "".join(f" = {number:.9g}" for number in value.values())
-            raise Refused(f"{command.replace('_', ' ')}{told}: {_explain(answer)}")
+            values = "".join(f" = {number:.9g}" for number in value.values())
+            raise Refused(f"{command.replace('_', ' ')}{values}: {_explain(answer)}")
         return answer
 
     def wait_state(self, wanted: Sequence[str], timeout_s: float) -> str:
@@ -167,8 +167,8 @@ class Control:
         index = self._index(arguments.name)
         if not -(2**31) <= arguments.value < 2**31:
             low, high = (self.ask(f"get_{end}", index).value for end in ("minimum", "maximum"))
-            told = f"set parameter = {arguments.value}"
-            raise Refused(f"{told}: out of range; {arguments.name} is {low:.0f} .. {high:.0f}")
+            what = f"set parameter = {arguments.value}"
+            raise Refused(f"{what}: out of range; {arguments.name} is {low:.0f} .. {high:.0f}")
         answer = self.ask("set_parameter", index, value=arguments.value)
         self.say(f"{arguments.name} = {answer.value:.0f}")
 
@@ -207,7 +207,7 @@ class Control:
                     raise Refused(f"{self.link.where}: the status stopped; is the controller on?")
 
     def watch(self, arguments: argparse.Namespace) -> None:
-        """Draw the dashboard, or print lines where nobody can draw."""
+        """Draw the dashboard, or print lines where the output is no terminal."""
         is_drawn = self.out.isatty()
         board = Dashboard(shutil.get_terminal_size().columns)
         due_s, every_s = 0.0, arguments.every or (0.1 if is_drawn else 1.0)
@@ -248,7 +248,7 @@ class Control:
             raise Refused(f"the cut ended in a fault: {', '.join(self.link.status.faults)}")
 
     def table(self, arguments: argparse.Namespace) -> None:
-        """Tell of the table in use, or download another one."""
+        """Print what is known about the table in use, or download another one."""
         if arguments.table == "info":
             for text in table_report(self.link.listen()):
                 self.say(text)
@@ -363,9 +363,9 @@ def _open(arguments: argparse.Namespace) -> tuple[can.BusABC, str]:
     try:
         bus = can.Bus(**given)
     except (can.CanError, OSError, ValueError, ImportError) as error:
-        told = " ".join(f"{name}={value}" for name, value in given.items()) or "no bus given"
+        place = " ".join(f"{name}={value}" for name, value in given.items()) or "no bus given"
         remedy = "give --interface and --channel, or set CAN_INTERFACE and CAN_CHANNEL"
-        raise CamtoolsError([f"{told}: the bus cannot be opened: {error}; {remedy}"]) from error
+        raise CamtoolsError([f"{place}: the bus cannot be opened: {error}; {remedy}"]) from error
     return bus, bus.channel_info
 
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Command line that writes firmware and table into the flash memory of a NUCLEO-H743ZI2.
 
-A table goes the way of every table: the firmware's own check judges it before anything is written.
+A table is judged by the firmware's own check before anything is written, as every table is.
 
 >>> print(*command_lines("st-flash", [Write(Path("a.camtab"), TABLE.address)])[0])
 st-flash --connect-under-reset --reset write a.camtab 0x08100000
@@ -121,15 +121,10 @@ def check_table(file: Path) -> None:
         raise _refusal(camsim, problem, "start tools/flash, which builds it") from error
     if done.returncode != 0:
         lines = done.stderr.replace(str(file.absolute()), str(file)).splitlines()
-        told = [line.removeprefix("camsim: ") for line in lines]
-        raise CamtoolsError(told or [f"{file}: the check ended with status {done.returncode}"])
-
-
-def _openocd(writes: Sequence[Write]) -> list[list[str]]:
-    words = ["openocd", "-f", "board/st_nucleo_h743zi.cfg"]
-    for write in writes:
-        words += ["-c", f"program {{{write.file}}} verify 0x{write.address:08X}"]
-    return [[*words, "-c", "reset run", "-c", "shutdown"]]
+        lines_shown = [line.removeprefix("camsim: ") for line in lines]
+        raise CamtoolsError(
+            lines_shown or [f"{file}: the check ended with status {done.returncode}"]
+        )
 
 
 def _st_flash(writes: Sequence[Write]) -> list[list[str]]:
@@ -139,11 +134,6 @@ def _st_flash(writes: Sequence[Write]) -> list[list[str]]:
         place = [str(write.file), f"0x{write.address:08X}"]
         lines.append(["st-flash", "--connect-under-reset", *reset, "write", *place])
     return lines
-
-
-def _pyocd(writes: Sequence[Write]) -> list[list[str]]:
-    words = ["pyocd", "flash", "--target", "stm32h743zitx", "--format", "bin", "--base-address"]
-    return [[*words, f"0x{write.address:08X}", str(write.file)] for write in writes]
 
 
 def command_lines(programmer: str, writes: Sequence[Write]) -> list[list[str]]:
@@ -169,11 +159,15 @@ def command_lines(programmer: str, writes: Sequence[Write]) -> list[list[str]]:
     if programmer == "st-flash":
         return _st_flash(writes)
     if programmer == "pyocd":
-        return _pyocd(writes)
+        words = ["pyocd", "flash", "--target", "stm32h743zitx", "--format", "bin", "--base-address"]
+        return [[*words, f"0x{write.address:08X}", str(write.file)] for write in writes]
     for write in writes:
         if _TCL_SPECIAL & set(str(write.file)):
             raise _refusal(write.file, "a name that openocd cannot take", "rename it")
-    return _openocd(writes)
+    words = ["openocd", "-f", "board/st_nucleo_h743zi.cfg"]
+    for write in writes:
+        words += ["-c", f"program {{{write.file}}} verify 0x{write.address:08X}"]
+    return [[*words, "-c", "reset run", "-c", "shutdown"]]
 
 
 def _choose(wanted: str | None, *, is_dry: bool) -> str:

@@ -1,4 +1,4 @@
-"""Whether a machine can move U as a table asks, and how fast.
+"""Whether a machine can move its axes as a table demands, and how fast.
 
 Along the feed U and the swing change with the slices of the table, at a speed that jumps where one
 slice ends: a set-point takes the jump, and what that needs comes on top, MATHS.md (61), (63).
@@ -19,7 +19,7 @@ import numpy as np
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import NM_PER_MM, omega_rad_s
 from camtools.part.common import MachineLimits, SwingLimits
-from camtools.table.evaluate import PLACES, evaluate_u_grid
+from camtools.table.evaluate import PLACES, evaluate_grid
 from camtools.table.image import Bounds, Channel
 
 UNITS = {
@@ -79,7 +79,7 @@ def peaks_of(bounds: Bounds, ratio: float = 1.0) -> Peaks:
         bounds.u1_peak_nm_per_rad * 1e-6,
         bounds.u2_peak_nm_per_rad2 * 1e-6,
         ratio,
-        bounds.spindle_peak_ppm * 1e-6,
+        bounds.spindle_peak_ppm_per_rad * 1e-6,
     )
 
 
@@ -97,7 +97,7 @@ def drift_of(channel: Channel, unit: float, feed_mm: float) -> Drift:
     """
     spacing_nm = (channel.z_last_nm - channel.z_first_nm) / (channel.n_slices - 1)
     z_nm = np.linspace(channel.z_first_nm, channel.z_last_nm, channel.n_slices)
-    slices = evaluate_u_grid(channel, z_nm, PLACES)
+    slices = evaluate_grid(channel, z_nm, PLACES)
     steps, slopes = np.diff(slices.value, axis=0), np.diff(slices.d1, axis=0)
     kinks = np.diff(steps, axis=0)
     per_rad = _DRIFT_MARGIN * unit * feed_mm * NM_PER_MM / (2 * np.pi * spacing_nm)

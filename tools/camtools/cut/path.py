@@ -122,7 +122,7 @@ def ramp_of(feed_mm: float, spindle_rpm: float, limits: MachineLimits) -> float:
     Raises
     ------
     CamtoolsError
-        No ramp keeps both limits; the message tells the highest speed of the spindle.
+        No ramp keeps both limits; the message has the highest speed of the spindle.
     """
     per_s = spindle_rpm / 60
     speed, acceleration = limits.z_speed_mm_s, limits.z_acceleration_mm_s2

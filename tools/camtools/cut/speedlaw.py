@@ -249,16 +249,12 @@ def _basis(load: Load) -> tuple[Floats, Floats, Floats]:
         slope[:, i] = np.nan_to_num(base.derivative()(off)) / step
     eye = np.eye(n)
     second = np.roll(eye, 1, axis=1) - 2 * eye + np.roll(eye, -1, axis=1)
-    if _is_mirrored(load):
+    area = load.area_mm2
+    if np.allclose(area[1:], area[:0:-1], rtol=1e-9, atol=0):  # mirrored
         fold = np.zeros((n, n // 2 + 1))
         fold[np.arange(n), np.minimum(np.arange(n), n - np.arange(n))] = 1
         value, slope, second = value @ fold, slope @ fold, (second @ fold)[: n // 2 + 1]
     return value, slope, second
-
-
-def _is_mirrored(load: Load) -> bool:
-    area = load.area_mm2
-    return bool(np.allclose(area[1:], area[:0:-1], rtol=1e-9, atol=0))
 
 
 def optimise(load: Load, limits: SpeedLimits, mean_rad_s: float) -> Law:

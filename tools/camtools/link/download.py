@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Brings a table image to a controller: blocks over ISO-TP, each acknowledged.
 
-firmware/remote/can/README.md describes the protocol. A block whose acknowledgement tells another
+firmware/remote/can/README.md describes the protocol. A block whose acknowledgement names another
 place is repeated from there, as often as blocks may get lost.
 """
 
@@ -89,9 +89,9 @@ def download(
     image : bytes
         whole table image
     require : callable
-        told command and result of each answer; raises when it is not "done"
+        called with command and result of each answer; raises when it is not "done"
     progress : callable
-        told [bytes] that are stored and [s] since the begin
+        called with [bytes] that are stored and [s] since the begin
 
     Raises
     ------

@@ -30,11 +30,11 @@ _STATUS = {
 }
 BLOCK_ID, FLOW_ID = (DATABASE.get_message_by_name(name).frame_id for name in ("Block", "BlockFlow"))
 
-DBC_NODE = 64  # the node whose identifiers the DBC tells
+DBC_NODE = 64  # the node whose identifiers the DBC has
 ANSWER_S = 1.0
 BUSY_TRIES, BUSY_S = 20, 0.01
 PERIOD_S = 0.01  # of the status
-SILENT_S = 0.5  # without status: nobody is there
+SILENT_S = 0.5  # without status: no controller is there
 
 
 def _choices(message: Message, signal: str) -> dict[int, str]:
@@ -83,7 +83,7 @@ class Answer:
     value : float
         of the signal that the command's answer has, scaled; 0 without one
     parameter : int
-        index, as told
+        index, as reported
     limits : tuple of float or None
         lowest and highest value, when the value was out of its range
     """
@@ -115,7 +115,7 @@ class Status:
 
     @property
     def table_name(self) -> str:
-        """Name of the part whose table is in use, as far as it was told."""
+        """Name of the part whose table is in use, as far as it was reported."""
         parts = (int(self.signals.get(f"table_name_{i}", 0)) for i in range(6))
         raw = b"".join(part.to_bytes(6, "little") for part in parts)
         return raw.split(b"\0")[0].decode("ascii", "replace")
@@ -156,7 +156,7 @@ class Link:
     # Frames
 
     def pump(self, timeout_s: float) -> bool:
-        """Take one frame; tell whether one came."""
+        """Take one frame; return whether one came."""
         try:
             frame = self.bus.recv(timeout_s)
         except can.CanError as error:
@@ -195,7 +195,7 @@ class Link:
             ) from error
 
     def wait(self, is_done: Callable[[], bool], timeout_s: float) -> bool:
-        """Take frames until a condition holds; tell whether it did in time."""
+        """Take frames until a condition holds; return whether it did in time."""
         end_s = time.monotonic() + timeout_s
         while not is_done():
             left_s = end_s - time.monotonic()
@@ -205,7 +205,7 @@ class Link:
         return True
 
     def next_row(self, timeout_s: float) -> bool:
-        """Wait for the next set of status messages; tell whether it came in time."""
+        """Wait for the next set of status messages; return whether it came in time."""
         n_rows = self.status.n_rows
         return self.wait(lambda: self.status.n_rows > n_rows, timeout_s)
 

@@ -104,7 +104,7 @@ class Dashboard:
 
 
 def report(status: Status) -> list[str]:
-    """Return everything that the status tells, a line each."""
+    """Return everything in the status, a line each."""
     s = status.signals
     table_err = NAMES["result"].get(int(s["table_result"]), str(int(s["table_result"])))
     yes = {0.0: "no", 1.0: "yes"}

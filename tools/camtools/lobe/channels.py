@@ -20,7 +20,7 @@ from camtools.base.errors import CamtoolsError, GeometryError
 from camtools.base.quantities import NM_PER_MM, Floats, Ints
 from camtools.lobe.motion import ShaftLobe
 from camtools.lobe.speed import N_GRID
-from camtools.table.evaluate import GRID_MARGIN, PLACES, ROUNDING_LSB, evaluate_u_grid
+from camtools.table.evaluate import GRID_MARGIN, PLACES, ROUNDING_LSB, evaluate_grid
 from camtools.table.image import (
     ANGLE_TURN,
     KIND_CONTACT,
@@ -139,19 +139,15 @@ def _most_for_angle(lobes: list[ShaftLobe]) -> int:
     return MAX_CHANNEL_BYTES // (KNOT_SIZE << MAX_LOG2_KNOTS)
 
 
-def _too_long(span_nm: int, most: int, problem: str, remedies: list[str]) -> GeometryError:
-    longest_mm = (most - 1) * MAX_SPACING_NM // 1000 / 1000
-    remedy = " or ".join([f"make tables of pieces of at most {longest_mm:g} mm", *remedies])
-    problem = f"reaches over {span_nm / NM_PER_MM:.7g} mm, {problem}"
-    return GeometryError("cam.lobe", problem, remedy)
-
-
 def _refusal(lobes: list[ShaftLobe], most: int, problem: str, remedies: list[str]) -> GeometryError:
-    """Return what to tell of a shaft that needs more slices than there may be."""
+    """Return the refusal of a shaft that needs more slices than there may be."""
     edges, most = _edges(lobes), min(most, _most_for_angle(lobes))
     counts = _counts(edges, most)
     if len(lobes) == 1 or not counts.size:
-        return _too_long(int(edges[-1, 1]), most, problem, remedies)
+        longest_mm = (most - 1) * MAX_SPACING_NM // 1000 / 1000
+        remedy = " or ".join([f"make tables of pieces of at most {longest_mm:g} mm", *remedies])
+        problem = f"reaches over {int(edges[-1, 1]) / NM_PER_MM:.7g} mm, {problem}"
+        return GeometryError("cam.lobe", problem, remedy)
     i = int(_in_gaps(edges, counts).mean(axis=0).argmin())
     gap_mm, wide_mm = (edges[i + 1, 0] - edges[i, 1]) / NM_PER_MM, _wide_gap_mm(edges, most)
     wider = [] if wide_mm is None else [f"make every gap at least {wide_mm:g} mm wide"]
@@ -171,7 +167,7 @@ def _off(function: Function, lobe: ShaftLobe, alone: Channel) -> float:
     """Return the largest difference in units of a channel of one lobe, on a dense grid."""
     n = alone.knots.shape[1]
     phi = ((np.arange(n)[:, None] + PLACES).ravel() / n) * 2 * np.pi
-    got = evaluate_u_grid(alone, np.array([float(alone.z_first_nm)]), PLACES).value[0]
+    got = evaluate_grid(alone, np.array([float(alone.z_first_nm)]), PLACES).value[0]
     return float(np.abs(got - function(lobe, phi)[0]).max())
 
 
@@ -196,7 +192,7 @@ def _measured(
 def _too_large(
     kind: int, lobes: list[ShaftLobe], log2_knots: int, best: MadeChannel | None
 ) -> GeometryError:
-    """Return what to tell of a channel of more bytes than there may be."""
+    """Return the refusal of a channel of more bytes than there may be."""
     n, size = slices_of(lobes).size, KNOT_SIZE << log2_knots
     remedies = ['set process.speed = "uniform"'] if kind == KIND_SPEED else []
     if kind == KIND_U and best is not None and n <= _most_for_angle(lobes):
@@ -240,7 +236,7 @@ def _smallest(
 
 
 def _lift(lobe: ShaftLobe, phi_rad: Floats) -> tuple[Floats, Floats, Floats]:
-    """Return u [nm]: minus the lift (TABLE_FORMAT.md, Cams)."""
+    """Return u [nm]: minus the lift (TABLE_FORMAT.md, Lobes)."""
     path = lobe.at(phi_rad)
     return -path.lift * NM_PER_MM, -path.d1 * NM_PER_MM, -path.d2 * NM_PER_MM
 
@@ -256,7 +252,7 @@ def choose_lift(lobes: list[ShaftLobe], tolerance_nm: float) -> MadeChannel:
     Raises
     ------
     CamtoolsError
-        Out of reach; tells what can be had.
+        Out of reach; the message has the best that is possible.
     """
     made = _smallest(KIND_U, _lift, lobes, tolerance_nm)
     if made.error > tolerance_nm:
@@ -272,7 +268,7 @@ def choose_angle(lobes: list[ShaftLobe], *, is_swung: bool) -> MadeChannel:
     Raises
     ------
     CamtoolsError
-        Out of reach; tells what can be had.
+        Out of reach; the message has the best that is possible.
     """
     kind = KIND_SWING if is_swung else KIND_CONTACT
     made = _smallest(kind, _angle, lobes, ANGLE_TOLERANCE_DEG * _UNIT_PER_DEG)

@@ -103,7 +103,7 @@ def check_wheel(touch: Contact, wheel_mm: float, field: str) -> None:
     Raises
     ------
     GeometryError
-        A hollow flank is more curved than the wheel, the cam would have to turn back, or the
+        A hollow flank is more curved than the wheel, the lobe would have to turn back, or the
         wheel would cut elsewhere.
     """
     curved = int(touch.curvature.argmin())

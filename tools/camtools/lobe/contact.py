@@ -1,7 +1,7 @@
-"""Where a cam is touched: contact, pressure angle, curvature, and the path of a round follower.
+"""Where a lobe is touched: contact, pressure angle, curvature, and the path of a round follower.
 
-The frame is fixed to the cam; angles run as the follower runs round it. A tool that
-swings about the roller's centre, and a wheel that grinds the same cam, are followers of different
+The frame is fixed to the lobe; angles run as the follower runs round it. A tool that
+swings about the roller's centre, and a wheel that grinds the same lobe, are followers of different
 radius: the same equations give both.
 
 >>> law = Disc(35.0, 5.0)
@@ -27,7 +27,7 @@ _ANGLE_ERROR_RAD = 1e-13
 
 
 class Contact(NamedTuple):
-    """Contacts of a cam with its roller, each of the shape of the angles asked for.
+    """Contacts of a lobe with its roller, each of the shape of the angles asked for.
 
     All members are functions of the direction theta of the follower's line.
     """
@@ -46,12 +46,12 @@ class Contact(NamedTuple):
     reach: Floats  # mm, QC: from that foot along the normal to the contact
     radius: Floats  # mm, OC: of the profile
     alpha: Floats  # rad, polar angle of the contact
-    ds: Floats  # mm/rad, way of the contact along the profile
+    ds: Floats  # mm/rad, travel of the contact along the profile
     curvature: Floats  # 1/mm, of the profile, positive where it is convex
 
 
 def contact(law: LiftLaw, base_mm: float, roller_mm: float, theta_rad: Floats) -> Contact:
-    """Return the contacts of a cam with its roller.
+    """Return the contacts of a lobe with its roller.
 
     Parameters
     ----------
@@ -81,9 +81,9 @@ def contact(law: LiftLaw, base_mm: float, roller_mm: float, theta_rad: Floats) -
 
 
 class Follower(NamedTuple):
-    """The path of a round follower's centre, and its derivatives by the cam's angle."""
+    """The path of a round follower's centre, and its derivatives by the lobe's angle."""
 
-    phi: Floats  # rad, cam angle: direction of the follower's centre
+    phi: Floats  # rad, lobe angle: direction of the follower's centre
     centre: Floats  # mm, its distance from the axis
     lift: Floats  # mm, of the centre above where it is on the base circle
     d1: Floats  # mm/rad
@@ -91,7 +91,7 @@ class Follower(NamedTuple):
     angle: Floats  # rad, between the line of centres and the normal at the contact
     angle1: Floats  # 1, by phi
     angle2: Floats  # 1/rad
-    ds_dphi: Floats  # mm/rad, way of the contact along the profile
+    ds_dphi: Floats  # mm/rad, travel of the contact along the profile
     phi1: Floats  # 1, dphi/dtheta
 
 
@@ -101,7 +101,7 @@ def follow(touch: Contact, radius_mm: float) -> Follower:
     Parameters
     ----------
     touch : Contact
-        Of the cam with its own roller.
+        Of the lobe with its own roller.
     radius_mm : float
         Of the wheel, or of the roller itself: then phi is theta and the angle is gamma.
 
@@ -146,14 +146,14 @@ def _sagged(t: Contact) -> Floats:
 def at_angles(
     law: LiftLaw, base_mm: float, roller_mm: float, radius_mm: float, phi_rad: Floats
 ) -> tuple[Contact, Follower]:
-    """Return contacts and path of a follower at given cam angles.
+    """Return contacts and path of a follower at given lobe angles.
 
     Parameters
     ----------
     radius_mm : float
         Of the follower.
     phi_rad : ndarray, shape (n,)
-        Cam angles [rad]; dphi/dtheta must be above 0 all round (`camtools.lobe.check`).
+        Angles of the lobe [rad]; dphi/dtheta must be above 0 all round (`camtools.lobe.check`).
 
     Notes
     -----

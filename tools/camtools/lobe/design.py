@@ -1,4 +1,4 @@
-"""The exact design of a cam for the simulator's gauge, independent of the table.
+"""The exact design of a camshaft for the simulator's gauge, independent of the table.
 
 >>> from camtools.lobe.generate import generate_lobes
 >>> from camtools.lobe.motion import example_lobe
@@ -13,7 +13,6 @@ from scipy.interpolate import PPoly
 from camtools.base.json_text import Json
 from camtools.lobe.generate import GeneratedLobes
 from camtools.lobe.lift import Disc, LiftLaw, Listed, Poly345
-from camtools.lobe.motion import ShaftLobe
 
 _FIELDS = {"poly345": ("lift_mm", "half_angle_rad"), "disc": ("reach_mm", "offset_mm")}
 
@@ -35,10 +34,6 @@ def _law(law: LiftLaw) -> Json:
     }
 
 
-def _lobe(lobe: ShaftLobe) -> Json:
-    return {"z_mm": list(lobe.z_mm), "phase_rad": lobe.phase_rad} | _law(lobe.law)
-
-
 def design_of_lobes(result: GeneratedLobes) -> Json:
     """Return the shape for programs that measure: laws in radians and millimetres, no table.
 
@@ -53,5 +48,8 @@ def design_of_lobes(result: GeneratedLobes) -> Json:
         "roller_mm": float(cam.roller_radius_mm),
         "follower_mm": float(result.part.follower_radius_mm),
         "base_speed": float(process.spindle_rpm) / result.mean_rpm,
-        "lobes": [_lobe(lobe) for lobe in result.lobes],
+        "lobes": [
+            {"z_mm": list(lobe.z_mm), "phase_rad": lobe.phase_rad} | _law(lobe.law)
+            for lobe in result.lobes
+        ],
     }

@@ -1,4 +1,4 @@
-"""From the part file of a cam to its table, checked against the machine's limits.
+"""From the part file of a camshaft to its table, checked against the machine's limits.
 
 >>> from camtools.lobe.motion import example_lobe
 >>> result = generate_lobes(example_lobe())
@@ -41,7 +41,7 @@ from camtools.part.common import check_feed
 from camtools.table.evaluate import knot_interval, raw_bounds
 from camtools.table.header import check_tolerance, table_of, u_bounds
 from camtools.table.image import ANGLE_TURN, Channel, Table
-from camtools.table.modulation import MotionPeaks, moving_bounds, peaks_together
+from camtools.table.modulation import moving_bounds, peaks_together
 
 DEFAULT_TOLERANCE_NM = 10.0
 _BISECTIONS = 40
@@ -55,7 +55,7 @@ _DEG_PER_UNIT = 360 / ANGLE_TURN
 
 @dataclass(frozen=True, eq=False)
 class GeneratedLobes:
-    """A table of a cam and everything that is known about it.
+    """A table of a camshaft and everything that is known about it.
 
     Attributes
     ----------
@@ -84,7 +84,7 @@ class GeneratedLobes:
 
 
 def generate_lobes(part: LobePart, tolerance_nm: float | None = None) -> GeneratedLobes:
-    """Return the smallest table of a cam that keeps the tolerances.
+    """Return the smallest table of a camshaft that keeps the tolerances.
 
     Parameters
     ----------
@@ -176,12 +176,12 @@ def _modulation(part: LobePart, lobes: list[ShaftLobe]) -> tuple[MadeChannel | N
 def _with_swing(peaks: Peaks, angle: Channel, speed: Channel | None) -> Peaks:
     raw, h = raw_bounds(angle), knot_interval(angle)
     unit = angle.lsb * _DEG_PER_UNIT
-    extremes = (angle.origin + one * angle.lsb for one in (raw.low, raw.high))
+    extremes = (angle.value_offset + one * angle.lsb for one in (raw.low, raw.high))
     largest = max(abs(one) for one in extremes) * _DEG_PER_UNIT
     first, second = raw.first * unit / h, raw.second * unit / h**2
     if speed is not None:
-        moved: MotionPeaks = peaks_together(angle, speed)
-        first, second = (one * NM_PER_MM * _DEG_PER_UNIT for one in (moved.u1_mm, moved.u2_mm))
+        moved = peaks_together(angle, speed)
+        first, second = moved.first * _DEG_PER_UNIT, moved.second * _DEG_PER_UNIT
     return peaks._replace(swing_deg=largest, swing1_deg=first, swing2_deg=second)
 
 
@@ -214,19 +214,15 @@ class _Turn(NamedTuple):
     omega: Floats
 
 
-def _turns(paths: list[Follower], laws: list[Floats]) -> list[_Turn]:
-    turns = [
-        np.stack([path.d1, path.d2, path.angle1, path.angle2, law])
-        for path, law in zip(paths, laws, strict=True)
-    ]
-    return [_Turn(*turn) for turn in (*turns, *_mixes(turns))]
-
-
 def _needs(part: LobePart, paths: list[Follower], fed: Peaks, rpm: float) -> dict[str, float]:
     """Return needed over limit of every axis at a speed on the base circle, by limit."""
     limits = part.machine.limits
     given, shares = given_of(limits), {"spindle_rpm": rpm / limits.spindle_rpm}
-    for turn in _turns(paths, _laws(part, paths, rpm)):
+    alone = [
+        np.stack([path.d1, path.d2, path.angle1, path.angle2, law])
+        for path, law in zip(paths, _laws(part, paths, rpm), strict=True)
+    ]
+    for turn in (_Turn(*one) for one in (*alone, *_mixes(alone))):
         feeding = needed_of(fed, limits, float(turn.omega.max()))
         for name, needed in _needed(turn, part.process.operation).items():
             share = (needed + feeding[name]) / given[name]

@@ -1,4 +1,4 @@
-"""Laws of lift: how far a cam lifts the centre of its roller, over the follower's angle.
+"""Laws of lift: how far a lobe lifts the centre of its roller, over the follower's angle.
 
 A new law is one class with `evaluate`; nothing else has to know it.
 
@@ -189,25 +189,17 @@ def _points(lobe: Lobe, field: str) -> tuple[Floats, Floats]:
         return np.asarray(lobe.angle_deg, dtype=float), np.asarray(lobe.lift_mm, dtype=float)
     path = Path(lobe.csv)
     try:
-        return parse_points(_read(path), path.name)
+        text = read_limited(path, MAX_FILE_BYTES).decode("utf-8-sig")  # as spreadsheets write it
+        return parse_points(text, path.name)
     except InputError as error:
-        raise GeometryError(f"{field}.csv", *_split(error)) from error
+        problem, _, remedy = error.lines[0].rpartition("; ")
+        raise GeometryError(f"{field}.csv", problem, remedy) from error
     except (OSError, UnicodeDecodeError, ValueError) as error:
         reason = getattr(error, "strerror", None) or "not UTF-8 text"
         remedy = "give a CSV file, its place seen from the part file"
         raise GeometryError(
             f"{field}.csv", f"{path.name} cannot be read: {reason}", remedy
         ) from error
-
-
-def _read(path: Path) -> str:
-    """Return the text of a CSV file, without the mark that spreadsheets put before it."""
-    return read_limited(path, MAX_FILE_BYTES).decode("utf-8-sig")
-
-
-def _split(error: InputError) -> tuple[str, str]:
-    problem, _, remedy = error.lines[0].rpartition("; ")
-    return problem, remedy
 
 
 def make_lift(cam: Camshaft, lobe: Lobe, field: str) -> LiftLaw:
@@ -241,7 +233,7 @@ def make_lift(cam: Camshaft, lobe: Lobe, field: str) -> LiftLaw:
 
 
 def _check_between(law: Listed, largest_mm: float, field: str) -> None:
-    """Refuse a spline that leaves the lifts that its points give: nobody drew that."""
+    """Refuse a spline that leaves the range of its points: the drawing has no such lift."""
     knots = law.spline.t[law.spline.k : -law.spline.k]  # the points, without a turn's repetition
     pieces = np.linspace(knots[:-1], knots[1:], _PER_PIECE, axis=-1).ravel()
     lift_mm = np.asarray(law.spline(pieces), dtype=np.float64)

@@ -21,7 +21,7 @@ range_deg = {range!r}
 
 
 def lobe_machine_text(limits: SwingLimits) -> str:
-    """Return a machine file for a cam: its lift over the angle wants an encoder as of a C axis."""
+    """Return a machine file for lobes: their lift over the angle needs the encoder of a C axis."""
     return machine_text(limits) + _CAM_MACHINE.format(
         speed=min(limits.swing_speed_deg_s, 1e5),
         acceleration=min(max(limits.swing_acceleration_deg_s2, 10.0), 1e8),

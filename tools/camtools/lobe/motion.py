@@ -1,4 +1,4 @@
-"""What a cam asks of the axes: lobes at angles of the shaft, demands, highest speed.
+"""Lobes at their angles of the shaft, and what follows them.
 
 >>> part = example_lobe()
 >>> [lobe] = make_lobes(part)
@@ -58,7 +58,7 @@ class ShaftLobe:
 
 
 def make_lobes(part: LobePart) -> list[ShaftLobe]:
-    """Return the lobes of a cam, upwards.
+    """Return the lobes of a camshaft, upwards.
 
     Raises
     ------
@@ -90,7 +90,7 @@ class SwingPeaks(NamedTuple):
 
 
 def example_lobe(operation: str = "turning", speed: str = "uniform") -> LobePart:
-    """Return the 3-4-5 cam of the worked numbers, MATHS.md (37), for examples."""
+    """Return the 3-4-5 lobe of the worked numbers, MATHS.md (37), for examples."""
     lobe = Lobe(z_mm=[0, 12], law="poly345", lift_mm=8, half_angle_deg=70)
     return LobePart(
         part=PartInfo(name="example", kind="cam", source="MATHS.md (37)"),

@@ -1,4 +1,4 @@
-"""The part file of a cam: base circle, roller, lobes, and how they are turned or ground.
+"""The part file of a camshaft: base circle, roller, lobes, and how they are turned or ground.
 
 >>> lobe = Lobe(z_mm=[0, 12], law="poly345", lift_mm=8, half_angle_deg=70)
 >>> lobe.phase_deg, lobe.law
@@ -12,7 +12,6 @@ from math import floor
 from typing import Annotated, Literal, Self
 
 from pydantic import (
-    Discriminator,
     Field,
     StringConstraints,
     Tag,
@@ -23,7 +22,15 @@ from pydantic import (
 
 from camtools.base.quantities import NM_PER_MM
 from camtools.part.common import PartInfo, SwingLimits
-from camtools.part.model import HeightMm, TomlTable, beside_the_part, no_truth, rising, wrong
+from camtools.part.model import (
+    LIST_OR_ONE,
+    HeightMm,
+    TomlTable,
+    beside_the_part,
+    no_truth,
+    rising,
+    wrong,
+)
 
 MIN_GAP_MM = 0.2
 MAX_LIFT_MM = 15.0
@@ -55,14 +62,10 @@ def fits_turn(span_deg: float) -> bool:
     return is_turn(span_deg) or is_step(360 - span_deg)
 
 
-def _list_or_one(value: object) -> str:
-    return "(list)" if isinstance(value, list) else "(one)"
-
-
 _LONG = Field(min_length=MIN_POINTS, max_length=10_000)
 Lifts = Annotated[
     Annotated[list[PointLiftMm], _LONG, Tag("(list)")] | Annotated[LiftMm, Tag("(one)")],
-    Discriminator(_list_or_one),
+    LIST_OR_ONE,
 ]
 
 _BELONGS_TO = {
@@ -237,7 +240,7 @@ class LobeMachine(TomlTable):
 
 
 class LobePart(TomlTable):
-    """The whole part file of a cam."""
+    """The whole part file of a camshaft."""
 
     part: PartInfo
     cam: Camshaft
@@ -274,7 +277,7 @@ class LobePart(TomlTable):
 
     @property
     def follower_radius_mm(self) -> float:
-        """Return the radius of what touches the cam: the wheel, or for turning the roller."""
+        """Return the radius of what touches the lobe: the wheel, or for turning the roller."""
         if self.process.operation == "turning":
             return self.cam.roller_radius_mm
         assert self.cam.wheel_radius_mm is not None

@@ -1,4 +1,4 @@
-"""Pictures of a cam: tool or wheel around it, and what the axes do over a turn.
+"""Pictures of a camshaft: tool or wheel around a lobe, and what the axes do over a turn.
 
 >>> from camtools.lobe.generate import generate_lobes
 >>> from camtools.lobe.motion import example_lobe
@@ -17,7 +17,7 @@ from camtools.lobe.contact import Contact, Follower
 from camtools.lobe.generate import GeneratedLobes
 from camtools.lobe.motion import ShaftLobe
 from camtools.plots.style import png_of, titled_figure
-from camtools.table.evaluate import evaluate_u
+from camtools.table.evaluate import evaluate_at
 from camtools.table.image import RATIO_ONE
 
 _N_ANGLES = 3601
@@ -31,7 +31,7 @@ def _turned(radius: Floats, angle_rad: Floats) -> tuple[Floats, Floats]:
 
 
 def _outline(axes: Axes, lobe: ShaftLobe) -> None:
-    """Draw the cam and the path of the follower's centre, nose upwards."""
+    """Draw the lobe and the path of the follower's centre, nose upwards."""
     phi = np.linspace(0, 2 * np.pi, _N_ANGLES) + lobe.phase_rad
     touch, path = lobe.contacts(phi)
     axes.fill(*_turned(touch.radius, touch.alpha + np.pi / 2), fc=_CAM, ec=_LINE, lw=1.5, zorder=2)
@@ -68,7 +68,7 @@ def _followers(axes: Axes, lobe: ShaftLobe, *, is_turned: bool) -> None:
 
 
 def draw_positions(result: GeneratedLobes) -> bytes:
-    """Return the cam of the first lobe with tool or wheel around it."""
+    """Return the first lobe with tool or wheel around it."""
     lobe, is_turned = result.lobes[0], result.part.process.operation == "turning"
     what = "tool (red) about the roller's centre, with its swing"
     if not is_turned:
@@ -99,12 +99,12 @@ def _panels(figure: Figure, names: list[str]) -> list[Axes]:
 
 
 def _omega(result: GeneratedLobes, phi: Floats, z_mm: float) -> Floats:
-    """Return the spindle's speed [r/min] as the table tells it."""
+    """Return the spindle's speed [r/min] as the table has it."""
     if result.speed is None:
         return np.full(phi.size, result.mean_rpm)
     z_nm = np.full(phi.size, z_mm * NM_PER_MM)
-    told = evaluate_u(result.speed.channel, phi / (2 * np.pi), z_nm).value
-    return np.asarray(told / RATIO_ONE * result.mean_rpm, dtype=np.float64)
+    ratio = evaluate_at(result.speed.channel, phi / (2 * np.pi), z_nm).value
+    return np.asarray(ratio / RATIO_ONE * result.mean_rpm, dtype=np.float64)
 
 
 def draw_motion(result: GeneratedLobes) -> bytes:
@@ -133,5 +133,5 @@ def draw_motion(result: GeneratedLobes) -> bytes:
 
 
 def draw_lobes(result: GeneratedLobes) -> dict[str, bytes]:
-    """Return all pictures of a cam as PNG, by topic."""
+    """Return all pictures of a camshaft as PNG, by topic."""
     return {"cam": draw_positions(result), "motion": draw_motion(result)}

@@ -1,4 +1,4 @@
-"""The report of a cam: error over the angle, surface speed, and the pictures of its table.
+"""The report of a camshaft: error over the angle, surface speed, and the pictures of its table.
 
 >>> from camtools.lobe.motion import example_lobe, make_lobes
 >>> [lobe] = make_lobes(example_lobe())
@@ -11,9 +11,10 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from camtools.base.quantities import Floats
+from camtools.base.quantities import Floats, length_unit
 from camtools.lobe.motion import ShaftLobe
 from camtools.lobe.plots import draw_lobes
 from camtools.lobe.report_text import LobeOutcome, lobe_rows
@@ -25,7 +26,6 @@ from camtools.plots.style import (
     RED,
     angle_axis,
     drawing,
-    length_unit,
     new_figure,
     png_of,
 )
@@ -142,6 +142,13 @@ def _speed_of(trace: CutTrace) -> Floats:
     return speed
 
 
+def _over_the_angle(lowest: Axes, named: Axes, height: float) -> None:
+    """Make x the spindle's angle, and put the names of the curves above the panels."""
+    named.legend(frameon=False, loc="upper left", bbox_to_anchor=(0, height), ncols=4)
+    angle_axis(lowest)
+    lowest.set_xlabel("spindle angle, degrees")
+
+
 def draw_speed(outcome: LobeOutcome) -> Figure:
     """Return the speed of the contact against the spindle's angle, all turns of cutting."""
     figure = new_figure(10, 3.8)
@@ -161,9 +168,7 @@ def draw_speed(outcome: LobeOutcome) -> Figure:
     axes.set_ylim(bottom=0)
     axes.set_ylabel("surface speed, mm/s")
     axes.grid(alpha=0.3)
-    axes.legend(frameon=False, loc="upper left", bbox_to_anchor=(0, 1.16), ncols=4)
-    angle_axis(axes)
-    axes.set_xlabel("spindle angle, degrees")
+    _over_the_angle(axes, axes, 1.16)
     return figure
 
 
@@ -185,9 +190,7 @@ def draw_rake(outcome: LobeOutcome, swing_deg: Floats) -> Figure:
         axes.axhline(0, color=GREY, lw=0.8)
         axes.set_ylabel("degrees")
         axes.grid(alpha=0.3)
-    above.legend(frameon=False, loc="upper left", bbox_to_anchor=(0, 1.22), ncols=2)
-    angle_axis(below)
-    below.set_xlabel("spindle angle, degrees")
+    _over_the_angle(below, above, 1.22)
     return figure
 
 

@@ -1,4 +1,4 @@
-"""What the cut of a cam came to, in words and numbers.
+"""What the cut of a camshaft came to, in words and numbers.
 
 >>> _degrees(0.00012)
 '0.0001°'
@@ -9,9 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from camtools.base.json_text import Json
-from camtools.base.quantities import Floats
+from camtools.base.quantities import Floats, length_text
 from camtools.lobe.generate import GeneratedLobes
-from camtools.plots.style import length_text
 from camtools.report.text import ReportRow, error_pair
 from camtools.sim.results import Cut
 
@@ -38,9 +37,9 @@ def _degrees(value: float) -> str:
     return f"{value:.1g}°" if abs(value) < 1 else f"{value:.2f}°"
 
 
-def _lobe_rows(cam: Json) -> list[ReportRow]:
+def _lobe_rows(found: Json) -> list[ReportRow]:
     """Return the error of each lobe, where there are several."""
-    if len(cam["lobes"]) < 2:
+    if len(found["lobes"]) < 2:
         return []
     return [
         ReportRow(
@@ -49,14 +48,14 @@ def _lobe_rows(cam: Json) -> list[ReportRow]:
             + ("not cut" if "max_um" not in lobe else f"max {length_text(lobe['max_um'])}, ")
             + ("" if "max_um" not in lobe else f"rms {length_text(lobe['rms_um'])}"),
         )
-        for i, lobe in enumerate(cam["lobes"])
+        for i, lobe in enumerate(found["lobes"])
     ]
 
 
-def _speed_rows(cam: Json) -> list[ReportRow]:
-    if "surface_speed_mm_s" not in cam:
+def _speed_rows(found: Json) -> list[ReportRow]:
+    if "surface_speed_mm_s" not in found:
         return []
-    speed = cam["surface_speed_mm_s"]
+    speed = found["surface_speed_mm_s"]
     share = [100 * (speed[key] / speed["base_circle"] - 1) for key in ("min", "mean", "max")]
     text = (
         f"{speed['min']:.1f} .. {speed['max']:.1f} mm/s along the profile, base circle "
@@ -67,10 +66,10 @@ def _speed_rows(cam: Json) -> list[ReportRow]:
     return [ReportRow("surface speed", text), ReportRow("of what the table plans", plan)]
 
 
-def _rake_rows(cam: Json) -> list[ReportRow]:
-    if "rake_deg" not in cam:
+def _rake_rows(found: Json) -> list[ReportRow]:
+    if "rake_deg" not in found:
         return []
-    rake = cam["rake_deg"]
+    rake = found["rake_deg"]
     largest = max(abs(rake["min"]), abs(rake["max"]))
     bare = f"{rake['without_swing_min']:.2f} .. {rake['without_swing_max']:.2f}°"
     return [
@@ -81,8 +80,8 @@ def _rake_rows(cam: Json) -> list[ReportRow]:
 
 
 def lobe_rows(outcome: LobeOutcome) -> list[ReportRow]:
-    """Return the summary of a cam, machine limits apart."""
-    summary, cam, found = outcome.summary, outcome.generated, outcome.summary["cam"]
+    """Return the summary of a camshaft, machine limits apart."""
+    summary, made, found = outcome.summary, outcome.generated, outcome.summary["cam"]
     cut, form = summary["cut"], summary["form_error_um"]
     how = (
         f"tip of {found['tip_mm']:g} mm" if outcome.is_turned else f"wheel {found['wheel_mm']:g} mm"
@@ -101,7 +100,7 @@ def lobe_rows(outcome: LobeOutcome) -> list[ReportRow]:
         *_rake_rows(found),
         ReportRow("following error of U", error_pair(summary["following_error_um"])),
         ReportRow(
-            "table", f"{summary['table_bytes']} bytes, error at most {cam.lift.error:.2g} nm"
+            "table", f"{summary['table_bytes']} bytes, error at most {made.lift.error:.2g} nm"
         ),
         ReportRow("machine time", f"{summary['machine_time_s']:.1f} s"),
         ReportRow("computing time", f"{summary['wall_time_s']:.2f} s for the cut with its trace"),

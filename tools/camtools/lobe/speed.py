@@ -1,6 +1,6 @@
-"""The spindle's speed over the angle of a cam: constant surface speed within its acceleration.
+"""The spindle's speed over the angle of a lobe: constant surface speed within its acceleration.
 
-The contact runs along the cam by ds/dphi; N = n0 r / (ds/dphi) keeps its speed at that of the base
+The contact runs along the lobe by ds/dphi; N = n0 r / (ds/dphi) keeps its speed at that of the base
 circle, MATHS.md (35). Where that needs more acceleration than the spindle has, the square of the
 speed rises and falls along straight lines below it, MATHS.md (36): no slower than needed.
 
@@ -39,7 +39,7 @@ def surface_speed(
     Parameters
     ----------
     ds_dphi : ndarray, shape (N_GRID,)
-        Way of the contact along the cam [mm/rad], above 0.
+        Travel of the contact along the profile [mm/rad], above 0.
     base_mm : float
         Radius of the base circle.
     base_rad_s : float
@@ -50,9 +50,9 @@ def surface_speed(
     Notes
     -----
     With b = omega^2 the acceleration is b' / 2, so its limit bounds a slope. The largest function
-    below a given one with bounded slope is found in one pass each way, twice round. Averages over
-    a few places keep the bound of slope; where the speed has a corner downwards they are up to 2 %
-    above it.
+    below a given one with bounded slope is found in one pass in each direction, twice round.
+    Averages over a few places keep the bound of slope; where the speed has a corner downwards they
+    are up to 2 % above it.
     """
     wanted = np.minimum(base_rad_s * base_mm / ds_dphi, _TOP_MARGIN * limits.highest_rad_s)
     step = 2 * _MARGIN * limits.alpha_rad_s2 * 2 * np.pi / N_GRID

@@ -1,4 +1,4 @@
-"""What is known about the table of a cam, for programs and for people.
+"""What is known about the table of a camshaft, for programs and for people.
 
 >>> from camtools.lobe.generate import generate_lobes
 >>> from camtools.lobe.motion import example_lobe
@@ -41,7 +41,7 @@ def _feasibility(result: GeneratedLobes) -> Json:
 
 
 def make_lobe_summary(result: GeneratedLobes) -> Json:
-    """Return everything that is known about the table of a cam; no dates, no paths."""
+    """Return everything that is known about the table of a camshaft; no dates, no paths."""
     table, process = result.table, result.part.process
     return about_image(table, result.tolerance_nm) | {
         "part": {"name": table.part_name, "kind": "cam", "source": result.part.part.source},

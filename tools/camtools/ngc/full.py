@@ -124,7 +124,7 @@ def _check(job: ProgramJob) -> None:
     """Refuse what the machine cannot follow, with the numbers; see `check_feasible`."""
     part, geometry = job.part, job.geometry
     refuse_corner(geometry)
-    blank_mm = blank_radius_mm(part, geometry)
+    blank_mm = blank_radius_mm(geometry, part.process.depth_mm)
     heights = dense_heights_mm(geometry, 2)
     heights = heights[(heights >= job.z_first_mm) & (heights <= job.z_last_mm)]
     heights = np.union1d(heights, [job.z_first_mm, job.z_last_mm])

@@ -26,7 +26,7 @@ from camtools.skirt.geometry import Geometry
 
 _DENSE = 20_001
 _MAX_SEGMENTS = 5000
-_FLATTEST = 1e-9  # 1/mm, so that places on a straight line are told apart
+_FLATTEST = 1e-9  # 1/mm, so that places on a straight line stay distinct
 _WAIT_S = 60  # for camturn to engage and to disengage
 
 

@@ -42,7 +42,7 @@ class ProgramJob(NamedTuple):
     @property
     def clear_mm(self) -> float:
         """Return the radius at which the tool is off the blank."""
-        return blank_radius_mm(self.part, self.geometry) + CLEARANCE_MM
+        return blank_radius_mm(self.geometry, self.part.process.depth_mm) + CLEARANCE_MM
 
 
 def blocks(words: Sequence[Word], values: Floats) -> bytes:
@@ -76,7 +76,7 @@ def lines(text: Iterable[str]) -> bytes:
 def head(job: ProgramJob, notes: Iterable[str]) -> list[str]:
     """Return the lines that every program begins with."""
     x = "twice the radius" if job.is_diameter else "radius"
-    told = (
+    comments = (
         f"{job.part.part.name}: made by mkgcode for LinuxCNC, lengths in mm",
         f"Z: height of the skirt on the drawing, {job.z_first_mm:g} .. {job.z_last_mm:g}",
         f"X: {x} that the tool tip turns at U 0, the long half axis",
@@ -84,4 +84,4 @@ def head(job: ProgramJob, notes: Iterable[str]) -> list[str]:
     )
     radius = "G7" if job.is_diameter else "G8"
     setting = (f"G18 G21 G40 G49 G80 G90 {radius}", f"G64 P{job.chord_mm:.{LENGTH_DECIMALS}f} Q0")
-    return [f"; {one}" for one in told] + list(setting)
+    return [f"; {one}" for one in comments] + list(setting)

@@ -21,8 +21,6 @@ from camtools.base.quantities import NM_PER_MM
 from camtools.part.model import TomlTable, wrong
 
 DEFAULT_ALPHA_RAD_S2 = 500.0  # 50 Nm on 0.1 kg m2
-
-
 PartName = Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,30}\z")]
 
 
@@ -78,7 +76,7 @@ class MachineLimits(TomlTable):
 
 
 class SwingLimits(MachineLimits):
-    """[machine.limits]: a cam lathe or grinder; its stroke is that of a cam."""
+    """[machine.limits]: a lathe or grinder for lobes, whose stroke is that of a lift."""
 
     u_stroke_mm: Annotated[float, Field(ge=0.001, le=30)] = 30.0
     swing_deg: Annotated[float, Field(ge=0.1, le=80)] = 30.0
@@ -87,7 +85,7 @@ class SwingLimits(MachineLimits):
 
 
 class Process(Protocol):
-    """What [process] of every kind tells; a kind has more."""
+    """The keys of [process] that every kind has; a kind may have more."""
 
     @property
     def spindle_rpm(self) -> float:

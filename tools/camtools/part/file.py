@@ -20,8 +20,6 @@ from camtools.part.findings import describe_all
 from camtools.part.model import TomlTable
 
 Model = TypeVar("Model", bound=TomlTable)
-
-
 MAX_FILE_BYTES = 1_000_000
 
 

@@ -63,7 +63,7 @@ def describe(file: str, finding: ErrorDetails) -> str:
 def describe_all(file: str, error: ValidationError) -> list[str]:
     """Return all findings of a validation, one line each, pydantic's order kept.
 
-    Of a part of unknown kind only that is told: which keys it may have hangs on it.
+    Of a part of unknown kind only the kind is reported, because the keys depend on it.
     """
     findings = error.errors(include_url=False)
     of_kind = [finding for finding in findings if finding["loc"] == ("part", "kind")]

@@ -10,7 +10,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationInfo
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, ValidationInfo
 from pydantic_core import PydanticCustomError
 
 MIN_SPAN_MM = 1.0
@@ -20,6 +20,13 @@ SAME_MM = 1e-9  # decimal heights differ by less from what they are written as
 HeightMm = Annotated[float, Field(ge=-1000, le=1000)]
 
 
+def _list_or_one(value: object) -> str:
+    return "(list)" if isinstance(value, list) else "(one)"
+
+
+LIST_OR_ONE = Discriminator(_list_or_one)  # members have these tags: findings leave them out
+
+
 class TomlTable(BaseModel):
     """A TOML table that knows all its keys."""
 
@@ -27,13 +34,13 @@ class TomlTable(BaseModel):
 
 
 def wrong(kind: str, problem: str, remedy: str, **context: Any) -> PydanticCustomError:  # noqa: ANN401
-    """Return a finding that tells the user what to do."""
+    """Return a finding with its remedy."""
     text = problem.replace("{", "(").replace("}", ")")
     return PydanticCustomError(kind, text, {"remedy": remedy, **context})
 
 
 def rising(height_mm: list[float]) -> list[float]:
-    """Return heights that increase in steps and over a span that a lathe can tell apart."""
+    """Return heights that increase in steps and over a span that a lathe can resolve."""
     for lower, upper in pairwise(height_mm):
         if upper - lower < MIN_STEP_MM - SAME_MM:
             problem = f"heights must increase by at least {MIN_STEP_MM} mm, but {upper} mm "
@@ -61,6 +68,6 @@ def no_truth(value: object) -> object:
 
 
 def beside_the_part(value: str | None, info: ValidationInfo) -> str | None:
-    """Return a path that the part file tells as seen from the part file's folder."""
+    """Return a path that the part file gives relative to the part file's folder."""
     folder = (info.context or {}).get("folder")
     return value if value is None or folder is None else str(Path(folder) / value)

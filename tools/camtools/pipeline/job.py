@@ -145,7 +145,7 @@ def without_faults(words: Sequence[str]) -> list[str]:
 
 
 def say(text: str) -> None:
-    """Tell on standard error what goes on."""
+    """Report progress on standard error."""
     sys.stderr.write(f"run: {text}\n")
     sys.stderr.flush()
 

@@ -1,11 +1,11 @@
 r"""From a part file to its kind and its part.
 
 >>> text = b'[part]\nname = "a"\nkind = "cam"\nsource = "b"\n'
->>> try:
-...     parse(text, "a.toml")
-... except CamtoolsError as error:
-...     print(error.lines[0])
-a.toml: cam: is missing; add it
+>>> parse(text, "a.toml")
+Traceback (most recent call last):
+    ...
+camtools.base.errors.CamtoolsError: a.toml: cam: is missing; add it
+a.toml: process: is missing; add it
 """
 
 from __future__ import annotations
@@ -13,13 +13,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
-from camtools.base.errors import CamtoolsError, InputError
+from camtools.base.errors import InputError
 from camtools.part.common import PartFile
 from camtools.part.file import read_part_file, read_tree, validated
 from camtools.pipeline.kind import AnyKind
 from camtools.pipeline.registry import kind_of, kinds
-
-__all__ = ["CamtoolsError", "Loaded", "load", "load_for", "parse", "parse_for"]
 
 PartT = TypeVar("PartT", bound=PartFile)
 
@@ -34,14 +32,7 @@ class Loaded(NamedTuple):
 def parse(data: bytes, file: str, folder: Path = Path()) -> Loaded:
     """Return the part that the bytes of a TOML file describe.
 
-    Parameters
-    ----------
-    data : bytes
-        Whole content of the file, UTF-8.
-    file : str
-        Name for error messages.
-    folder : Path
-        Where files that the part names are looked for.
+    Files that the part names are looked for in the folder; `file` names it in messages.
 
     Raises
     ------
@@ -59,7 +50,7 @@ def parse_for(
     Parameters
     ----------
     command : str
-        Name of the command; the kinds tell theirs.
+        Name of the command, as in `Kind.commands`.
     model : type
         Of the parts that the command works on.
 

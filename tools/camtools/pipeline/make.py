@@ -1,6 +1,7 @@
 """The first half of the pipeline: from a part file to the files of its table.
 
 >>> from camtools.base.places import ROOT
+>>> from camtools.pipeline.load import load
 >>> made = make(load(ROOT / "tools" / "parts" / "cam-disc.toml"), "cam-disc.toml")
 >>> sorted(made.files(with_plots=False))
 ['cam-disc.camtab', 'cam-disc.json', 'cam-disc_table.c', 'cam-disc_table.h']
@@ -13,10 +14,8 @@ from typing import Any, NamedTuple
 
 from camtools.base.errors import CamtoolsError
 from camtools.pipeline.kind import AnyKind
-from camtools.pipeline.load import Loaded, load
+from camtools.pipeline.load import Loaded
 from camtools.table.summary import table_files
-
-__all__ = ["Made", "load", "make"]
 
 
 class Made(NamedTuple):

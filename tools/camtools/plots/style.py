@@ -2,8 +2,6 @@
 
 >>> nice_limit(0.031), nice_limit(7.0), nice_limit(0.0)
 (0.05, 10.0, 1.0)
->>> length_unit(0.4), length_unit(12.0)
-((1000.0, 'nm'), (1.0, 'µm'))
 """
 
 from __future__ import annotations
@@ -18,7 +16,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-# Okabe and Ito, "Color Universal Design" (2008): told apart by every kind of colour vision.
+# Okabe and Ito, "Color Universal Design" (2008): distinct for every kind of colour vision.
 BLUE, ORANGE, GREEN, RED, SKY, PURPLE = (
     "#0072B2",
     "#E69F00",
@@ -79,21 +77,6 @@ def nice_floor(value: float) -> float:
     power = floor(log10(value))
     steps = (float(f"{step}e{power}") for step in (5, 2, 1))
     return next((step for step in steps if step <= value), float(f"1e{power}"))
-
-
-def length_unit(largest_um: float) -> tuple[float, str]:
-    """Return the factor from um and the unit in which lengths up to largest_um read well."""
-    return (1.0, "µm") if largest_um >= 1 else (1000.0, "nm")
-
-
-def length_text(value_um: float) -> str:
-    """Return a length with the unit in which it reads well, four digits at most.
-
-    >>> length_text(0.0312), length_text(31.24), length_text(1.0)
-    ('31.2 nm', '31.2 µm', '1 µm')
-    """
-    factor, unit = length_unit(abs(value_um))
-    return f"{value_um * factor:.3g} {unit}"
 
 
 def angle_axis(axes: Axes) -> None:

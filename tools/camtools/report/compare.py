@@ -10,7 +10,8 @@ from collections.abc import Sequence
 
 from matplotlib.figure import Figure
 
-from camtools.plots.style import BLUE, GREEN, RED, length_text, new_figure
+from camtools.base.quantities import length_text
+from camtools.plots.style import BLUE, GREEN, RED, new_figure
 from camtools.sim.results import CutVariant
 
 _WHITE = {"facecolor": "white", "edgecolor": "none", "pad": 1.0}

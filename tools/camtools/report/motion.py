@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from camtools.base.quantities import Floats
+from camtools.base.quantities import Floats, length_unit
 from camtools.plots.style import (
     BLUE,
     GREEN,
@@ -21,7 +21,6 @@ from camtools.plots.style import (
     RED,
     SKY,
     angle_axis,
-    length_unit,
     new_figure,
 )
 from camtools.sim.results import CUTTING, FAULT, STATES, CutTrace

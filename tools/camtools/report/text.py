@@ -16,18 +16,12 @@ import numpy as np
 
 from camtools.base.errors import InputError
 from camtools.base.json_text import Json
-from camtools.plots.style import length_text
+from camtools.base.quantities import length_text
 from camtools.sim.results import FAULT, AnyCut
 
 _FAULTS = Path(__file__).resolve().parents[3] / "firmware" / "FAULTS.md"
-
-
 _FAULT_ROW = re.compile(r"^\| `(\w+)` \|(.*)\|$", re.MULTILINE)
-
-
 _CLEAR_MM = 0.2  # the tool counts as out of the work: twice the usual depth of cut
-
-
 _MARGINS = {
     "spindle_rpm": ("spindle speed", "r/min", 1.0),
     "u_speed_mm_s": ("U speed", "mm/s", 1.0),
@@ -99,7 +93,7 @@ def verdict_of(outcome: AnyCut) -> Verdict:
         return Verdict("poor", "out of tolerance", f"The {found} is above the {allowed}.")
     if summary["end"] != "done":
         return Verdict("poor", f"incomplete: {summary['end']}", "The cut did not reach the end.")
-    if not outcome.is_good:  # a lobe of a cam
+    if not outcome.is_good:  # a lobe of a camshaft
         return Verdict("poor", "not gauged", f"The {found}, but the gauge has not seen all of it.")
     return Verdict("good", "within tolerance", f"The {found} is within the {allowed}.")
 
@@ -177,7 +171,7 @@ def _spelled_out(cell: str) -> str:
 
 
 def clear_after_s(outcome: AnyCut) -> float | None:
-    """Return how long after the fault the tool was out of the work [s], if the trace tells."""
+    """Return how long after the fault the tool was out of the work [s], none if it never was."""
     trace = outcome.trace
     after = np.flatnonzero(trace.state == FAULT)
     clear = after[trace.error_nm[after] > _CLEAR_MM * 1e6]

@@ -110,13 +110,11 @@ def _columns(path: Path, names: tuple[str, ...]) -> Floats:
     return _rows(path, [header.index(name) for name in names], header)
 
 
-def _state_number(name: str) -> float:
-    return float(STATES.index(name))
-
-
 def _rows(path: Path, places: list[int], header: list[str]) -> Floats:
     states: dict[int | str, Callable[[str], float]] = {
-        place: _state_number for place in places if header[place] == "state"
+        place: lambda name: float(STATES.index(name))
+        for place in places
+        if header[place] == "state"
     }
     rows = np.loadtxt(
         path,

@@ -25,7 +25,7 @@ from camtools.table.evaluate import (
     PLACES,
     ROUNDING_LSB,
     Values,
-    evaluate_u_grid,
+    evaluate_grid,
     evaluate_x,
 )
 from camtools.table.image import Channel
@@ -92,7 +92,7 @@ def measure_u(geometry: Geometry, channel: Channel, z_nm: Floats | None = None) 
     phi_rad = pattern * (2 * np.pi / (1 << channel.log2_repeat))
     u = geometry.delta(phi_rad, z_nm[:, None] / NM_PER_MM)
     exact = Values(u.delta * NM_PER_MM, u.d1 * NM_PER_MM, u.d2 * NM_PER_MM)
-    return _accuracy(channel, evaluate_u_grid(channel, z_nm, PLACES), exact)
+    return _accuracy(channel, evaluate_grid(channel, z_nm, PLACES), exact)
 
 
 def measure_x(geometry: Geometry, channel: Channel) -> Accuracy:

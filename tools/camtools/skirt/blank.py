@@ -2,8 +2,7 @@
 
 >>> from camtools.skirt.geometry import make_geometry
 >>> from camtools.skirt.part import example_part
->>> part = example_part()
->>> round(blank_radius_mm(part, make_geometry(part)), 9)
+>>> round(blank_radius_mm(make_geometry(example_part()), 0.1), 9)
 46.1
 """
 
@@ -16,21 +15,18 @@ import numpy as np
 from camtools.base.quantities import Floats, SectionValues
 from camtools.cut.removal import QUARTER_RAD, TURN_RAD, SectionCut
 from camtools.skirt.geometry import Geometry
-from camtools.skirt.part import SkirtPart
 
 _SYMMETRIC_MM = 1e-9  # sections that differ by less are mirror images
 
 
-def blank_radius_mm(part: SkirtPart, geometry: Geometry) -> float:
+def blank_radius_mm(geometry: Geometry, depth_mm: float) -> float:
     """Return the radius of the blank, a cylinder: largest long half axis plus cutting depth."""
     z_mm = np.linspace(geometry.z_first_mm, geometry.z_last_mm, 4097)
-    return float(geometry.radius_mm(z_mm).max()) + part.process.depth_mm
+    return float(geometry.radius_mm(z_mm).max()) + depth_mm
 
 
 def section_cut(geometry: Geometry, depth_mm: float, z_mm: float) -> SectionCut:
     """Return a part's section at a height [mm], out of a cylindrical blank."""
-    heights = np.linspace(geometry.z_first_mm, geometry.z_last_mm, 4097)
-    blank_mm = float(geometry.radius_mm(heights).max()) + depth_mm
 
     def shaped(phi_rad: Floats) -> SectionValues:
         flat = geometry.delta(phi_rad.ravel(), z_mm)
@@ -41,7 +37,8 @@ def section_cut(geometry: Geometry, depth_mm: float, z_mm: float) -> SectionCut:
     mirrored = [shaped(other).delta for other in (np.pi - phi, phi + np.pi, -phi)]
     is_quarter = all(np.abs(one - here).max() < _SYMMETRIC_MM for one in mirrored)
     pattern = QUARTER_RAD if is_quarter else TURN_RAD
-    return SectionCut(shaped, float(geometry.radius_mm(z_mm)), blank_mm, pattern)
+    a_mm, blank_mm = float(geometry.radius_mm(z_mm)), blank_radius_mm(geometry, depth_mm)
+    return SectionCut(shaped, a_mm, blank_mm, pattern)
 
 
 class Axes(NamedTuple):

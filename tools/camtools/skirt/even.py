@@ -41,7 +41,7 @@ def _measure(simulator: Simulator, words: Sequence[str], removal: str, summary: 
 
 
 def compare_removal(rig: Rig, generated: GeneratedSkirt) -> Even | None:
-    """Return removal rate and forces of both ways of turning, nothing for uniform parts.
+    """Return removal rate and forces beside those of uniform turning; none of uniform parts.
 
     Leaves removal.csv and removal_uniform.csv in the simulator's folder.
     """

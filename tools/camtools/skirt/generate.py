@@ -22,7 +22,6 @@ from camtools.cut.feasibility import (
 )
 from camtools.part.common import check_feed
 from camtools.skirt.accuracy import Accuracy
-from camtools.skirt.corner import Corner
 from camtools.skirt.geometry import Geometry, make_geometry, path_of
 from camtools.skirt.part import SkirtPart
 from camtools.skirt.search import choose_u, choose_x
@@ -63,7 +62,7 @@ def make_table(
 
 
 def refuse_corner(geometry: Geometry) -> None:
-    """Refuse a composite section whose corner nobody smoothed: no axis can follow it."""
+    """Refuse a composite section whose corner has no refit: no axis can follow it."""
     corner = geometry.corner
     if corner is None or corner.recipe is not None:
         return
@@ -107,22 +106,15 @@ def generate(part: SkirtPart, tolerance_nm: float | None = None) -> GeneratedSki
     u, accuracy_u = choose_u(geometry, tolerance_u_nm)
     x, accuracy_x = choose_x(geometry, tolerance_nm or DEFAULT_TOLERANCE_NM)
     error_nm = max(accuracy_u.value_nm, accuracy_x.value_nm)
-    speed = _modulation(part, geometry, u, error_nm)
+    speed = None
+    if part.process.mode != "uniform":
+        uniform = highest_speed(peaks_of(u_bounds(u, error_nm)), part.machine.limits)
+        speed = make_speed(part, geometry, u, uniform.rpm)
     table = make_table(part, u, x, error_nm, speed)
     best = _judge(part, geometry, peaks_of_table(table, speed))
     return GeneratedSkirt(
         part, geometry, tolerance_u_nm, table, accuracy_u, accuracy_x, best, speed
     )
-
-
-def _modulation(
-    part: SkirtPart, geometry: Geometry, u: Channel, error_nm: float
-) -> SpeedTable | None:
-    """Return the speed channel of a part that is turned with an even removal rate."""
-    if part.process.mode == "uniform":
-        return None
-    uniform = highest_speed(peaks_of(u_bounds(u, error_nm)), part.machine.limits)
-    return make_speed(part, geometry, u, uniform.rpm)
 
 
 def peaks_of_table(table: Table, speed: SpeedTable | None) -> Peaks:
@@ -133,18 +125,16 @@ def peaks_of_table(table: Table, speed: SpeedTable | None) -> Peaks:
 
 
 def _judge(part: SkirtPart, geometry: Geometry, peaks: Peaks) -> HighestSpeed:
-    """Return the highest speed, or refuse; of a corner tell what another refit would need."""
+    """Return the highest speed, or refuse; of a corner with what another refit would need."""
     try:
         return check_feasible(peaks, part.machine.limits, part.process.spindle_rpm)
     except CamtoolsError as error:
         if geometry.corner is None or not any("u_acceleration" in line for line in error.lines):
             raise
-        raise CamtoolsError([*error.lines, _corner_hint(geometry.corner)]) from error
-
-
-def _corner_hint(corner: Corner) -> str:
-    best = min(corner.candidates, key=lambda one: one.acceleration_mm_s2)
-    return (
-        f"piston.section.refit.delete: the corner decides; of all deletions [{best.s1}, {best.s2}] "
-        f"needs least, {best.acceleration_mm_s2:.6g} mm/s2 at this speed; trim less or turn slower"
-    )
+        best = min(geometry.corner.candidates, key=lambda one: one.acceleration_mm_s2)
+        hint = (
+            "piston.section.refit.delete: the corner decides; of all deletions "
+            f"[{best.s1}, {best.s2}] needs least, {best.acceleration_mm_s2:.6g} mm/s2 at this "
+            "speed; trim less or turn slower"
+        )
+        raise CamtoolsError([*error.lines, hint]) from error

@@ -152,7 +152,9 @@ def make_geometry(part: SkirtPart) -> Geometry:
         _check_ovality(geometry, factor)
     if piston.section.shape == "ellipse-arc":
         geometry = _with_corner(part, geometry)
-    _check_shape(geometry, factor)
+    z_mm = dense_heights_mm(geometry, _CHECKS_PER_PIECE // 16)
+    deepest_mm = np.array([geometry.deepest_mm(float(z)) for z in z_mm])
+    _check_half_axis(z_mm, geometry.radius_mm(z_mm) - deepest_mm, factor)
     return geometry
 
 
@@ -211,12 +213,6 @@ def _check_half_axis(z_mm: Floats, half_axis_mm: Floats, factor: float) -> None:
         at = f"at height {z_mm[thinnest]:.6g} mm"
         problem = f"the short half axis becomes {half_axis_mm[thinnest]:.6g} mm {at}"
         raise GeometryError(field, problem, "magnify less, or give points without such a step")
-
-
-def _check_shape(geometry: Geometry, factor: float) -> None:
-    z_mm = dense_heights_mm(geometry, _CHECKS_PER_PIECE // 16)
-    deepest_mm = np.array([geometry.deepest_mm(float(z)) for z in z_mm])
-    _check_half_axis(z_mm, geometry.radius_mm(z_mm) - deepest_mm, factor)
 
 
 def turning_at(

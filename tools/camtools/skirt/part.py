@@ -83,40 +83,30 @@ class Piston(TomlTable):
 
     @model_validator(mode="after")
     def _check_together(self) -> Self:
-        if self.ovality is not None:
-            _check_cover(self.profile, self.ovality)
-            _check_size(self.profile, self.ovality)
-            _check_lists(self.section, self.ovality)
+        if self.ovality is None:
+            return self
+        first, last = self.profile.height_mm[0], self.profile.height_mm[-1]
+        heights_mm = self.ovality.height_mm
+        if heights_mm[0] > first or heights_mm[-1] < last:
+            problem = f"must cover the profile's heights {first} .. {last} mm"
+            context = {"field": "ovality.height_mm", "value": heights_mm}
+            raise wrong("cover", problem, "add points of ovality at the ends", **context)
+        smallest = min(self.profile.diameter_mm)
+        if max(self.ovality.ovality_mm) >= smallest:
+            problem = f"must be smaller than the smallest diameter, {smallest} mm"
+            context = {"field": "ovality.ovality_mm", "value": self.ovality.ovality_mm}
+            raise wrong("ovality", problem, "give long minus short axis in mm", **context)
+        self._check_lists(len(heights_mm))
         return self
 
-
-def _check_cover(profile: Profile, ovality: Ovality) -> None:
-    first, last = profile.height_mm[0], profile.height_mm[-1]
-    if ovality.height_mm[0] > first or ovality.height_mm[-1] < last:
-        problem = f"must cover the profile's heights {first} .. {last} mm"
-        remedy = "add points of ovality at the ends"
-        context = {"field": "ovality.height_mm", "value": ovality.height_mm}
-        raise wrong("cover", problem, remedy, **context)
-
-
-def _check_size(profile: Profile, ovality: Ovality) -> None:
-    smallest = min(profile.diameter_mm)
-    if max(ovality.ovality_mm) >= smallest:
-        problem = f"must be smaller than the smallest diameter, {smallest} mm"
-        remedy = "give long minus short axis in mm"
-        context = {"field": "ovality.ovality_mm", "value": ovality.ovality_mm}
-        raise wrong("ovality", problem, remedy, **context)
-
-
-def _check_lists(section: SectionShape, ovality: Ovality) -> None:
-    """Demand that a list of the section goes with the heights of the ovality."""
-    n = len(ovality.height_mm)
-    for key in ("trim_mm", "joint_deg", "eccentricity_mm"):
-        value = getattr(section, key)
-        if isinstance(value, list) and len(value) != n:
-            problem = f"has {len(value)} entries, ovality.height_mm has {n}"
-            context = {"field": f"section.{key}", "value": value}
-            raise wrong("length", problem, "give one number, or one for each height", **context)
+    def _check_lists(self, n: int) -> None:
+        """Demand that a list of the section has an entry for each height of the ovality."""
+        for key in ("trim_mm", "joint_deg", "eccentricity_mm"):
+            value = getattr(self.section, key)
+            if isinstance(value, list) and len(value) != n:
+                problem = f"has {len(value)} entries, ovality.height_mm has {n}"
+                context = {"field": f"section.{key}", "value": value}
+                raise wrong("length", problem, "give one number, or one for each height", **context)
 
 
 class SkirtProcess(TomlTable):

@@ -9,7 +9,6 @@ from __future__ import annotations
 from typing import Annotated, Literal
 
 from pydantic import (
-    Discriminator,
     Field,
     StringConstraints,
     Tag,
@@ -17,7 +16,7 @@ from pydantic import (
     field_validator,
 )
 
-from camtools.part.model import TomlTable, beside_the_part, wrong
+from camtools.part.model import LIST_OR_ONE, TomlTable, beside_the_part, wrong
 
 MAX_DELETE = 6
 
@@ -25,28 +24,21 @@ TrimMm = Annotated[float, Field(ge=-100, le=100)]
 JointDeg = Annotated[float, Field(ge=10, le=80)]
 EccentricityMm = Annotated[float, Field(ge=-1000, le=1000)]
 DeleteCount = Annotated[int, Field(ge=0, le=MAX_DELETE)]
-
-
-def _list_or_one(value: object) -> str:
-    return "(list)" if isinstance(value, list) else "(one)"
-
-
-_BY_TYPE = Discriminator(_list_or_one)
 _LONG = Field(min_length=2, max_length=1000)
 Trims = Annotated[
-    Annotated[list[TrimMm], _LONG, Tag("(list)")] | Annotated[TrimMm, Tag("(one)")], _BY_TYPE
+    Annotated[list[TrimMm], _LONG, Tag("(list)")] | Annotated[TrimMm, Tag("(one)")], LIST_OR_ONE
 ]
 Joints = Annotated[
-    Annotated[list[JointDeg], _LONG, Tag("(list)")] | Annotated[JointDeg, Tag("(one)")], _BY_TYPE
+    Annotated[list[JointDeg], _LONG, Tag("(list)")] | Annotated[JointDeg, Tag("(one)")], LIST_OR_ONE
 ]
 Eccentricities = Annotated[
     Annotated[list[EccentricityMm], _LONG, Tag("(list)")] | Annotated[EccentricityMm, Tag("(one)")],
-    _BY_TYPE,
+    LIST_OR_ONE,
 ]
 Delete = Annotated[
     Annotated[list[DeleteCount], Field(min_length=2, max_length=2), Tag("(list)")]
     | Annotated[Literal["optimise"], Tag("(one)")],
-    _BY_TYPE,
+    LIST_OR_ONE,
 ]
 
 _BELONGS_TO = {

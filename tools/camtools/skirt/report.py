@@ -10,7 +10,6 @@ from collections.abc import Callable
 
 from matplotlib.figure import Figure
 
-from camtools.base.json_text import Json
 from camtools.plots.style import drawing, png_of
 from camtools.report import compare as report_compare
 from camtools.report import motion as report_motion
@@ -128,14 +127,11 @@ def _drawers(outcome: SkirtOutcome) -> dict[str, Callable[[], Figure]]:
         drawers["following"] = lambda: report_motion.draw_following(trace)
     if trace.t_s.size > 1:
         drawers["sequence"] = lambda: report_motion.draw_sequence(trace)
-    return drawers | _comparison(outcome)
-
-
-def _comparison(outcome: SkirtOutcome) -> dict[str, Callable[[], Figure]]:
-    tolerance_um = outcome.summary["form_error_um"]["tolerance"]
-    if len(outcome.variants) < 2:
-        return {}
-    return {"compare": lambda: report_compare.draw_variants(outcome.variants, tolerance_um)}
+    if len(outcome.variants) > 1:
+        tolerance_um = outcome.summary["form_error_um"]["tolerance"]
+        variants = outcome.variants
+        drawers["compare"] = lambda: report_compare.draw_variants(variants, tolerance_um)
+    return drawers
 
 
 def pictures_of(outcome: SkirtOutcome) -> list[Picture]:
@@ -168,12 +164,10 @@ def make_report(outcome: SkirtOutcome) -> dict[str, bytes]:
         pngs = {picture.key: png_of(picture.draw()) for picture in pictures_of(outcome)}
         files = {f"cut_{key}.png": png for key, png in pngs.items()}
         if outcome.surface.turn.size:
-            files["cut_overview.png"] = png_of(_overview(outcome))
+            cut, geometry = outcome.summary["cut"], outcome.generated.geometry
+            title = f"{outcome.name} at {cut['spindle_rpm']:g} r/min on the simulator"
+            overview = report_surface.draw_overview(
+                outcome.surface, geometry, cut["feed_mm"], title
+            )
+            files["cut_overview.png"] = png_of(overview)
     return files | {"report.html": render(outcome, pngs).encode("utf-8")}
-
-
-def _overview(outcome: SkirtOutcome) -> Figure:
-    cut: Json = outcome.summary["cut"]
-    title = f"{outcome.name} at {cut['spindle_rpm']:g} r/min on the simulator"
-    geometry = outcome.generated.geometry
-    return report_surface.draw_overview(outcome.surface, geometry, cut["feed_mm"], title)

@@ -55,7 +55,9 @@ def draw_even(even: Even, speed: SpeedTable, spindle_rpm: float) -> Figure:
     ours, theirs = turn_near(even.removal, z_mm), turn_near(even.uniform_removal, z_mm)
     deg = np.linspace(0, 360, 721)
     panels[0].plot(deg, spindle_rpm * law.ratio(np.radians(deg)), color=BLUE, label="law")
-    panels[0].plot(360 * (ours.turn % 1), _speed_rpm(ours), **_dots())
+    measured_rpm = 60 * np.gradient(ours.turn, ours.t_s)  # between the middles of the slices
+    style: dict[str, Any] = {"color": RED, "ls": "", "marker": "o", "ms": 3.2, "mfc": "none"}
+    panels[0].plot(360 * (ours.turn % 1), measured_rpm, **style)
     panels[0].axhline(spindle_rpm, color=GREY, ls="--")
     _pair(panels[1], theirs, ours, "rate_mm3_s")
     _pair(panels[2], theirs, ours, "power_w")
@@ -77,15 +79,6 @@ def draw_even(even: Even, speed: SpeedTable, spindle_rpm: float) -> Figure:
     figure.align_ylabels(panels)
     angle_axis(panels[-1])
     return figure
-
-
-def _dots() -> dict[str, Any]:
-    return {"color": RED, "ls": "", "marker": "o", "ms": 3.2, "mfc": "none"}
-
-
-def _speed_rpm(removal: Removal) -> Floats:
-    """Return the measured speed between the middles of the slices."""
-    return np.asarray(60 * np.gradient(removal.turn, removal.t_s), dtype=np.float64)
 
 
 def _pair(axes: Axes, uniform: Removal, even: Removal, name: str) -> None:

@@ -1,7 +1,8 @@
 """Picture of U over one turn of a skirt: drawing beside measurement.
 
->>> callable(draw_motion)
-True
+>>> steady = np.arange(12.0)
+>>> _slope(2 * steady, steady)[5]
+np.float64(2.0)
 """
 
 from __future__ import annotations
@@ -22,8 +23,6 @@ from camtools.skirt.geometry import Geometry, turning_at
 
 _UM_PER_MM, _MM_PER_M = 1000.0, 1000.0
 _N_ANGLES = 721
-
-
 _DERIVATIVE_TICKS = 4  # the measured position is quantised, so the slope is taken over 2 x 4 ticks
 
 

@@ -71,16 +71,13 @@ def draw_skirt(surface: GaugedSurface, geometry: Geometry, factor: float) -> Fig
         antialiased=False,
         shade=False,
     )
-    _dress(axes, enlarged, float(heights[-1] - heights[0]) / (2 * largest))
-    bar = figure.colorbar(ScalarMappable(colour_of, "viridis_r"), ax=axes, shrink=0.6, pad=0.1)
-    bar.set_label("below the largest radius, µm")
-    return figure
-
-
-def _dress(axes: Axes3D, enlarged: int, height_to_width: float) -> None:
+    height_to_width = float(heights[-1] - heights[0]) / (2 * largest)
     axes.set_box_aspect((1, 1, max(0.4, height_to_width)))
     axes.view_init(elev=24, azim=-58)
     axes.set_xlabel("long axis, mm")
     axes.set_ylabel("short axis, mm")
     axes.set_zlabel("skirt height, mm")
     axes.set_title(f"deviations enlarged {enlarged} times" if enlarged > 1 else "as drawn")
+    bar = figure.colorbar(ScalarMappable(colour_of, "viridis_r"), ax=axes, shrink=0.6, pad=0.1)
+    bar.set_label("below the largest radius, µm")
+    return figure

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from camtools.base.quantities import Floats, Ints
+from camtools.base.quantities import Floats, Ints, length_text, length_unit
 from camtools.plots.style import (
     BLUE,
     ERROR_COLOURS,
@@ -20,8 +20,6 @@ from camtools.plots.style import (
     PALE,
     RED,
     angle_axis,
-    length_text,
-    length_unit,
     new_figure,
     nice_floor,
     nice_limit,

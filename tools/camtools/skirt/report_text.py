@@ -1,12 +1,8 @@
-"""What the cut of a skirt came to, in words and numbers.
-
->>> callable(rows_of)
-True
-"""
+"""What the cut of a skirt came to, in words and numbers."""
 
 from __future__ import annotations
 
-from camtools.plots.style import length_text
+from camtools.base.quantities import length_text
 from camtools.report.text import ReportRow, error_pair
 from camtools.skirt.outcome import SkirtOutcome
 from camtools.skirt.refit import judge

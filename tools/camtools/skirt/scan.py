@@ -122,7 +122,7 @@ def filtered(scan: Scan, harmonics: int) -> Scan:
     Raises
     ------
     GeometryError
-        More waves than the points can tell apart.
+        More waves than the points resolve.
     """
     n_points = scan.angle_deg.size
     if 2 * harmonics + 1 > n_points:

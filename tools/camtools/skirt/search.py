@@ -125,11 +125,6 @@ def _hopeful(geometry: Geometry, tolerance_nm: float) -> Iterator[SizeCandidate]
     yield from sorted(candidates, key=lambda one: one.estimate_nm)[:1]
 
 
-def _passes(accuracy: Accuracy, tolerance_nm: float) -> bool:
-    shares = max(accuracy.first_share, accuracy.second_share)
-    return accuracy.value_nm <= tolerance_nm and shares <= DERIVATIVE_SHARE
-
-
 def choose_u(geometry: Geometry, tolerance_nm: float) -> tuple[Channel, Accuracy]:
     """Return the smallest u channel within the tolerance, and its measured error.
 
@@ -142,7 +137,8 @@ def choose_u(geometry: Geometry, tolerance_nm: float) -> tuple[Channel, Accuracy
     for candidate in islice(_hopeful(geometry, tolerance_nm), _MAX_MEASURES):
         channel = u_channel(geometry, candidate.log2_knots, candidate.n_slices)
         accuracy = measure_u(geometry, channel)
-        if _passes(accuracy, tolerance_nm):
+        share = max(accuracy.first_share, accuracy.second_share)
+        if accuracy.value_nm <= tolerance_nm and share <= DERIVATIVE_SHARE:
             return channel, accuracy
         best_nm = min(best_nm, accuracy.value_nm)
     raise UnreachableError("u", tolerance_nm, best_nm)

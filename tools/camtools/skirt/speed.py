@@ -97,7 +97,7 @@ def make_speed(part: SkirtPart, geometry: Geometry, u: Channel, uniform_rpm: flo
     n = max(_SLICES, ceil((range_nm[1] - range_nm[0]) / MAX_SPACING_NM) + 1)
     z_mm = slice_heights_mm(range_nm, n)
     limits, mean = limits_of(part.machine.limits), omega_rad_s(part.process.spindle_rpm)
-    blank_mm = blank_radius_mm(part, geometry)
+    blank_mm = blank_radius_mm(geometry, part.process.depth_mm)
     loads = [load_at(geometry, blank_mm, float(z)) for z in z_mm]
     laws = [optimise(load, limits, mean) for load in loads]
     channel = _channel(laws, range_nm, geometry.surface.log2_repeat)

@@ -21,7 +21,7 @@ _UM_PER_MM = 1000.0
 
 
 class PathRow(NamedTuple):
-    """One way of turning the part."""
+    """A path of the part with what theory says of it."""
 
     name: str
     path: ToolPath

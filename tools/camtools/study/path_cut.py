@@ -34,7 +34,7 @@ def peak_to_valley(map_um: Floats) -> Floats:
 
 
 class PathCut(NamedTuple):
-    """One way of turning the part: what theory says of it, and what the simulator measured."""
+    """A path of the part: what theory says of it, and what the simulator measured."""
 
     row: PathRow
     turns: float  # of the state cutting
@@ -82,24 +82,21 @@ def _write_tables(generated: GeneratedSkirt, folder: Path) -> dict[str, Path]:
     return found
 
 
-def _words(study: PathStudy, row: PathRow) -> list[str]:
-    low, high = float(study.z_mm[0]), float(study.z_mm[-1])
-    return [
-        *("--machine", _MACHINE, "--rpm", repr(row.rpm), "--feed", repr(row.path.feed_mm)),
-        *("--nose-mm", repr(study.nose_mm), "--scallop-mm", f"{low:.9g}:{high:.9g}"),
-    ]
-
-
 def _cut(simulator: Simulator, study: PathStudy, row: PathRow) -> PathCut:
-    """Cut one way.
+    """Cut along one path.
 
     Raises
     ------
     CamtoolsError
-        The cut did not come to its end; camsim has told why.
+        The cut did not come to its end; camsim has said why.
     """
-    outputs = ["--scallop", "scallop.csv", "--summary", "summary.json"]
-    status = simulator.run([*_words(study, row), *outputs])
+    low, high = float(study.z_mm[0]), float(study.z_mm[-1])
+    words = [
+        *("--machine", _MACHINE, "--rpm", repr(row.rpm), "--feed", repr(row.path.feed_mm)),
+        *("--nose-mm", repr(study.nose_mm), "--scallop-mm", f"{low:.9g}:{high:.9g}"),
+        *("--scallop", "scallop.csv", "--summary", "summary.json"),
+    ]
+    status = simulator.run(words)
     if status != 0:
         problem = f"{row.name}: camsim ended with status {status}, its line above tells why"
         raise CamtoolsError([f"{problem}; change the part or give another --rpm"])
@@ -150,7 +147,7 @@ def predicted_scallop_um(row: PathRow) -> Floats:
 
 
 def csv(cuts: Sequence[PathCut]) -> str:
-    """Return both figures of every way as CSV."""
+    """Return both figures of every path as CSV."""
     lines = [
         "path,feed_mm,rpm,turns,turns_measured,time_s,time_measured_s,scallop_max_um,"
         "scallop_max_measured_um,scallop_mean_um,scallop_mean_measured_um,form_error_um"

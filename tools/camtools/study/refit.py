@@ -1,6 +1,6 @@
 """Study of the corner's refit: cubic, quintic, quintic with points left out, beside the paper.
 
-The paper's own numbers stand beside ours only for the section it is about; notes tell what agrees,
+The paper's own numbers stand beside ours only for the section it is about; notes say what agrees,
 what does not, and why: MATHS.md (14) .. (17).
 
 >>> PAPER_JERK_MM_S3[0], len(PAPER_JERK_MM_S3)
@@ -33,7 +33,7 @@ _NEAR_MM, _NEAR = 0.2, 1e-9
 
 
 class RefitVariant(NamedTuple):
-    """One way to go round the corner."""
+    """A refit of the corner."""
 
     name: str
     recipe: Recipe
@@ -71,7 +71,7 @@ def study(corner: Corner, height_mm: float, spindle_rpm: float) -> Study:
     is_papers = is_papers_section(joint, spindle_rpm)
     as_paper = judge_all(joint, "quintic", "as-paper", spindle_rpm)
     mirror = judge_all(joint, "quintic", "mirror", spindle_rpm)
-    ways = (
+    recipes = (
         ("cubic", Recipe("cubic", 0, 0, "as-paper"), PAPER_PEAK_MM_S2["cubic"]),
         ("quintic", Recipe("quintic", 0, 0, "as-paper"), PAPER_PEAK_MM_S2["quintic"]),
         ("quintic, (3, 3) deleted", Recipe("quintic", 3, 3, "as-paper"), None),
@@ -79,7 +79,7 @@ def study(corner: Corner, height_mm: float, spindle_rpm: float) -> Study:
     )
     variants = tuple(
         RefitVariant(name, recipe, judge(joint, recipe, spindle_rpm), peak if is_papers else None)
-        for name, recipe, peak in ways
+        for name, recipe, peak in recipes
     )
     found = tuple(as_paper), tuple(mirror)
     return Study(joint, height_mm, spindle_rpm, is_papers, variants, *found)

@@ -64,28 +64,22 @@ def figures(study: Analysis) -> dict[str, Any]:
     }
 
 
-def _range_text(study: Analysis) -> str:
+def summary(study: Analysis) -> str:
+    """Return the essentials as a few lines for people."""
+    cut, rates, speed = study.cut, study.rates, figures(study)["speed"]
+    chip = study.kc_n_mm2 * study.feed_mm * cut.depth_mm(np.linspace(0, cut.pattern_rad, 2001))
     n, allowed = study.parts.phi_rad.size, study.range
     verdict = "fit" if allowed.least <= n <= allowed.most else "DO NOT FIT"
     return (
-        f"  {n} parts {verdict}: at least {allowed.least} (volume of a part), at most "
-        f"{allowed.most} (controller's cycle)\n"
-    )
-
-
-def summary(study: Analysis) -> str:
-    """Return the essentials as a few lines for people."""
-    cut, rates, told = study.cut, study.rates, figures(study)["speed"]
-    chip = study.kc_n_mm2 * study.feed_mm * cut.depth_mm(np.linspace(0, cut.pattern_rad, 2001))
-    return (
         f"{study.name}: section at height {study.height_mm:g} mm, blank radius {cut.blank_mm:.4f} "
         f"mm, {np.degrees(cut.pattern_rad):g} degrees cut {cut.total_mm2:.6f} mm2\n"
-        + _range_text(study)
-        + f"  uniform turning: removal rate goes 1 : {rates.largest_to_least:.3f}, ripple "
+        f"  {n} parts {verdict}: at least {allowed.least} (volume of a part), at most "
+        f"{allowed.most} (controller's cycle)\n"
+        f"  uniform turning: removal rate goes 1 : {rates.largest_to_least:.3f}, ripple "
         f"{100 * rates.ripple:.2f} % of its mean\n"
-        f"  equal volume at mean {study.rpm:g} r/min: {told['least_rpm']:.1f} .. "
-        f"{told['largest_rpm']:.1f} r/min, {told['spindle_acceleration_rad_s2']:.0f} rad/s2; the "
-        f"machine's {study.alpha_rad_s2:g} rad/s2 allow {told['highest_mean_rpm']:.1f} r/min\n"
+        f"  equal volume at mean {study.rpm:g} r/min: {speed['least_rpm']:.1f} .. "
+        f"{speed['largest_rpm']:.1f} r/min, {speed['spindle_acceleration_rad_s2']:.0f} rad/s2; the "
+        f"machine's {study.alpha_rad_s2:g} rad/s2 allow {speed['highest_mean_rpm']:.1f} r/min\n"
         f"  constant then: {rates.rate_mm3_s:.3f} mm3/s and {rates.power_w:.3f} W; NOT constant: "
         f"the force of the chip, {chip.min():.2f} .. {chip.max():.2f} N at any speed law\n"
     )

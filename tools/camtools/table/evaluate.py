@@ -21,7 +21,7 @@ _SUBDIVISIONS = 8
 
 
 class Values(NamedTuple):
-    """Value and two derivatives; nm, nm/rad, nm/rad^2 for u, nm, nm/nm, nm/nm^2 for x."""
+    """Value and two derivatives: in the unit of the channel, per rad; of x in nm, per nm."""
 
     value: Floats
     d1: Floats
@@ -54,16 +54,16 @@ def power_rows(t: Floats) -> Floats:
 
 def _scaled(channel: Channel, raw: Floats) -> Values:
     h, lsb = knot_interval(channel), channel.lsb
-    return Values(channel.origin + raw[0] * lsb, raw[1] * (lsb / h), raw[2] * (lsb / h**2))
+    return Values(channel.value_offset + raw[0] * lsb, raw[1] * (lsb / h), raw[2] * (lsb / h**2))
 
 
-def evaluate_u_grid(channel: Channel, z_nm: Floats, t: Floats) -> Values:
-    """Return u on a grid of all segments of a pattern.
+def evaluate_grid(channel: Channel, z_nm: Floats, t: Floats) -> Values:
+    """Return a channel over angle on a grid of all segments of a pattern.
 
     Parameters
     ----------
     channel : Channel
-        Of kind u.
+        Of any kind but x.
     z_nm : ndarray, shape (n_z,)
         Heights.
     t : ndarray, shape (n_t,)
@@ -82,8 +82,8 @@ def evaluate_u_grid(channel: Channel, z_nm: Floats, t: Floats) -> Values:
     return _scaled(channel, raw.reshape(3, z_nm.size, -1))
 
 
-def evaluate_u(channel: Channel, turn: Floats, z_nm: Floats) -> Values:
-    """Return u at points.
+def evaluate_at(channel: Channel, turn: Floats, z_nm: Floats) -> Values:
+    """Return a channel over angle at points.
 
     Parameters
     ----------
@@ -182,9 +182,5 @@ def jumps(channel: Channel) -> tuple[Continuity, Continuity]:
 
 
 ROUNDING_LSB = 1.0  # what the firmware's arithmetic may add to the table's own error
-
-
 GRID_MARGIN = 1.01  # the worst place may lie between the points of the grid
-
-
 PLACES = np.array([0.0, 0.03, 0.11, 0.21, 0.31, 0.41, 0.5, 0.62, 0.73, 0.83, 0.93, 0.98])

@@ -39,8 +39,8 @@ def u_bounds(channel: Channel, error_nm: float) -> Bounds:
     """Return true bounds of u, the firmware's rounding included."""
     raw, h, lsb = raw_bounds(channel), knot_interval(channel), channel.lsb
     return Bounds(
-        u_min_nm=floor(channel.origin + (raw.low - _ROUNDING_LSB[0]) * lsb),
-        u_max_nm=ceil(channel.origin + (raw.high + _ROUNDING_LSB[0]) * lsb),
+        u_min_nm=floor(channel.value_offset + (raw.low - _ROUNDING_LSB[0]) * lsb),
+        u_max_nm=ceil(channel.value_offset + (raw.high + _ROUNDING_LSB[0]) * lsb),
         u1_peak_nm_per_rad=ceil((raw.first + _ROUNDING_LSB[1]) * lsb / h),
         u2_peak_nm_per_rad2=ceil((raw.second + _ROUNDING_LSB[2]) * lsb / h**2),
         error_pm=ceil(error_nm * 1000),

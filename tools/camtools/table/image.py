@@ -73,7 +73,7 @@ class Bounds:
     u1_peak_nm_per_rad: int
     u2_peak_nm_per_rad2: int
     error_pm: int
-    spindle_peak_ppm: int = 0  # of r r', in 1e-6 per rad; 0 without modulation
+    spindle_peak_ppm_per_rad: int = 0  # of r r', in 1e-6 per rad; 0 without modulation
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,7 +93,7 @@ class Channel:
         0 .. 16.
     z_first_nm, z_last_nm : int
         Heights of the first and the last slice.
-    origin : int
+    value_offset : int
         Value at p = 0, in the unit of the channel.
     p_min, p_max, v_max, a_max : int
         Bounds of p and of the magnitudes of v and a.
@@ -105,7 +105,7 @@ class Channel:
     frac_bits: int
     z_first_nm: int
     z_last_nm: int
-    origin: int
+    value_offset: int
     p_min: int
     p_max: int
     v_max: int
@@ -164,7 +164,7 @@ class Table:
 
     @property
     def angle(self) -> Channel | None:
-        """Return the angle of the normal at the contact, when the table is that of a cam."""
+        """Return the angle of the normal at the contact, when the table is that of a lobe."""
         kinds = (KIND_SWING, KIND_CONTACT)
         return next((one for one in self.channels if one.kind in kinds), None)
 
@@ -195,13 +195,6 @@ def _aligned(size: int) -> int:
     return -(-size // ALIGN) * ALIGN
 
 
-def _offsets(channels: tuple[Channel, ...]) -> list[int]:
-    offsets = [_aligned(HEADER_SIZE + ENTRY_SIZE * len(channels))]
-    for channel in channels:
-        offsets.append(_aligned(offsets[-1] + channel.size))
-    return offsets
-
-
 def _header_of(table: Table, image_size: int, crc32: int) -> bytes:
     values = {
         "magic": MAGIC,
@@ -224,25 +217,18 @@ def _header_of(table: Table, image_size: int, crc32: int) -> bytes:
     return bytes_of(HEADER, values | limits | vars(table.bounds))
 
 
+# Fields of an entry that a channel has by the same name: its own, and worked out from its knots.
+_OWN = (
+    *("kind", "log2_repeat", "frac_bits", "z_first_nm", "z_last_nm"),
+    *("value_offset", "p_min", "p_max", "v_max", "a_max"),
+)
+_WORKED_OUT = ("size", "n_slices", "log2_knots", "slices_per_nm_q48")
+
+
 def _entry_of(channel: Channel, offset: int, *, is_ring_helix: bool) -> bytes:
-    values = {
-        "kind": channel.kind,
-        "offset": offset,
-        "size": channel.size,
-        "n_slices": channel.n_slices,
-        "log2_knots": channel.log2_knots,
-        "log2_repeat": channel.log2_repeat,
-        "frac_bits": channel.frac_bits,
-        "z_first_nm": channel.z_first_nm,
-        "z_last_nm": channel.z_last_nm,
-        "slices_per_nm_q48": channel.slices_per_nm_q48,
-        "offset_nm": channel.origin,
-        "p_min": channel.p_min,
-        "p_max": channel.p_max,
-        "v_max": channel.v_max,
-        "a_max": channel.a_max,
-        "path": int(is_ring_helix and channel.kind == KIND_X),
-    }
+    same = {name: getattr(channel, name) for name in _OWN + _WORKED_OUT}
+    path = int(is_ring_helix and channel.kind == KIND_X)
+    values = same | {"offset": offset, "path": path}
     return bytes_of(ENTRY, values)
 
 
@@ -259,7 +245,9 @@ def pack(table: Table) -> bytes:
     OverflowError
         A number does not fit its field.
     """
-    offsets = _offsets(table.channels)
+    offsets = [_aligned(HEADER_SIZE + ENTRY_SIZE * len(table.channels))]
+    for channel in table.channels:
+        offsets.append(_aligned(offsets[-1] + channel.size))
     image = bytearray(offsets[-1])
     for i, (channel, offset) in enumerate(zip(table.channels, offsets, strict=False)):
         entry = HEADER_SIZE + ENTRY_SIZE * i
@@ -354,7 +342,9 @@ def _channels_of(
     _demand(not {KIND_SWING, KIND_CONTACT} <= set(kinds), "kind: swing and contact are there")
     _demand({KIND_U, KIND_X} <= set(kinds), "kind: u or x is missing")
     has_speed = KIND_SPEED in kinds
-    _demand(has_speed or table.bounds.spindle_peak_ppm == 0, "spindle_peak_ppm: not 0")
+    _demand(
+        has_speed or table.bounds.spindle_peak_ppm_per_rad == 0, "spindle_peak_ppm_per_rad: not 0"
+    )
     for channel in channels:
         _check_knots(channel)
     return tuple(channels)
@@ -380,7 +370,7 @@ def _check_entry(entry: dict[str, Any], table: Table) -> None:
     q48 = slices_per_nm_q48(n_slices, z_first, z_last)
     _demand(entry["slices_per_nm_q48"] == q48, "slices_per_nm_q48: wrong")
     _demand(entry["path"] <= int(kind == KIND_X), "path: not 0 or, of x, 1")
-    low, high = ((entry["offset_nm"] << frac_bits) + entry[name] for name in ("p_min", "p_max"))
+    low, high = ((entry["value_offset"] << frac_bits) + entry[name] for name in ("p_min", "p_max"))
     if kind == KIND_SPEED:
         is_ratio = low >= MIN_RATIO << frac_bits and high <= MAX_RATIO << frac_bits
         _demand(is_ratio, "p_min, p_max: no speed ratio of 1/16 .. 4")
@@ -393,19 +383,8 @@ def _make_channel(image: bytes, entry: dict[str, Any]) -> Channel:
     n_knots = entry["n_slices"] << entry["log2_knots"]
     knots = np.frombuffer(image, KNOT, count=n_knots, offset=entry["offset"])
     triples = np.stack([knots[name] for name in ("p", "v", "a")], axis=-1).astype(np.int32)
-    return Channel(
-        kind=entry["kind"],
-        knots=triples.reshape(entry["n_slices"], -1, 3),
-        log2_repeat=entry["log2_repeat"],
-        frac_bits=entry["frac_bits"],
-        z_first_nm=entry["z_first_nm"],
-        z_last_nm=entry["z_last_nm"],
-        origin=entry["offset_nm"],
-        p_min=entry["p_min"],
-        p_max=entry["p_max"],
-        v_max=entry["v_max"],
-        a_max=entry["a_max"],
-    )
+    own = {name: entry[name] for name in _OWN}
+    return Channel(knots=triples.reshape(entry["n_slices"], -1, 3), **own)
 
 
 def _check_knots(channel: Channel) -> None:

@@ -12,16 +12,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from camtools.base.quantities import NM_PER_MM, Floats
-from camtools.table.evaluate import evaluate_u_grid
+from camtools.base.quantities import Floats
+from camtools.table.evaluate import evaluate_grid
 from camtools.table.image import RATIO_ONE, Bounds, Channel
 
 _PLACES_PER_KNOT = 8
-
-
 _PEAK_MARGIN = 1.002  # between the places, and the firmware's rounding
-
-
 _HEIGHTS_BETWEEN = 4
 
 
@@ -30,8 +26,8 @@ class MotionPeaks(NamedTuple):
 
     ratio: float
     spindle_rad2: float  # |r r'|
-    u1_mm: float  # |u' r|
-    u2_mm: float  # |u'' r^2 + u' r r'|
+    first: float  # |y' r| of the other channel y, in its unit
+    second: float  # |y'' r^2 + y' r r'|
 
 
 def _common_grid(channel: Channel, n_places: int) -> Floats:
@@ -39,28 +35,29 @@ def _common_grid(channel: Channel, n_places: int) -> Floats:
     return np.asarray(np.arange(per_knot) / per_knot, dtype=np.float64)
 
 
-def peaks_together(u: Channel, speed: Channel) -> MotionPeaks:
-    """Return what both channels do together, on a grid finer than the knots of either."""
-    n = _PLACES_PER_KNOT * max(u.knots.shape[1], speed.knots.shape[1])
-    n_z = _HEIGHTS_BETWEEN * max(u.n_slices, speed.n_slices) + 1
-    z_nm = np.linspace(u.z_first_nm, u.z_last_nm, n_z)
+def peaks_together(y: Channel, speed: Channel) -> MotionPeaks:
+    """Return what a channel of an axis and the spindle's speed do together.
+
+    They are looked at on a grid finer than the knots of either.
+    """
+    n = _PLACES_PER_KNOT * max(y.knots.shape[1], speed.knots.shape[1])
+    n_z = _HEIGHTS_BETWEEN * max(y.n_slices, speed.n_slices) + 1
+    z_nm = np.linspace(y.z_first_nm, y.z_last_nm, n_z)
     found = np.zeros(4)
     for some in np.array_split(z_nm, max(1, n_z * n // 500_000)):
-        motion = evaluate_u_grid(u, some, _common_grid(u, n))
-        told = evaluate_u_grid(speed, some, _common_grid(speed, n))
-        r, r1 = told.value / RATIO_ONE, told.d1 / RATIO_ONE
+        motion = evaluate_grid(y, some, _common_grid(y, n))
+        ratio = evaluate_grid(speed, some, _common_grid(speed, n))
+        r, r1 = ratio.value / RATIO_ONE, ratio.d1 / RATIO_ONE
         here = (r, r * r1, motion.d1 * r, motion.d2 * r**2 + motion.d1 * r * r1)
         found = np.maximum(found, [float(np.abs(one).max()) for one in here])
-    nm, margin = NM_PER_MM, _PEAK_MARGIN
-    ratio, spindle, u1, u2 = (float(one) for one in found)
-    return MotionPeaks(ratio * margin, spindle * margin, u1 / nm * margin, u2 / nm * margin)
+    return MotionPeaks(*(float(one) * _PEAK_MARGIN for one in found))
 
 
 def moving_bounds(uniform: Bounds, peaks: MotionPeaks) -> Bounds:
     """Return the bounds of u where the spindle is modulated: TABLE_FORMAT.md, header."""
     return replace(
         uniform,
-        u1_peak_nm_per_rad=ceil(peaks.u1_mm * NM_PER_MM),
-        u2_peak_nm_per_rad2=ceil(peaks.u2_mm * NM_PER_MM),
-        spindle_peak_ppm=ceil(peaks.spindle_rad2 * 1e6),
+        u1_peak_nm_per_rad=ceil(peaks.first),
+        u2_peak_nm_per_rad2=ceil(peaks.second),
+        spindle_peak_ppm_per_rad=ceil(peaks.spindle_rad2 * 1e6),
     )

@@ -3,7 +3,7 @@
 >>> from camtools.table.image import KIND_U
 >>> knots = np.array([[[0.0, 0, 0], [1000.0, 0, 0], [0, 0, 0], [1000.0, 0, 0]]])
 >>> channel = quantise(KIND_U, knots, 1, (0, 1_000_000))
->>> channel.origin, channel.frac_bits
+>>> channel.value_offset, channel.frac_bits
 (500, 6)
 """
 
@@ -30,34 +30,34 @@ class TooLargeError(Exception):
 
 
 def _integers(
-    kind: int, knots_nm: Floats, log2_repeat: int, range_nm: tuple[int, int], frac_bits: int
+    kind: int, exact: Floats, log2_repeat: int, range_nm: tuple[int, int], frac_bits: int
 ) -> Channel:
     """Return the channel for given frac_bits; its bounds are not filled in."""
-    p = knots_nm[..., 0]
-    offset_nm = round((float(p.max()) + float(p.min())) / 2)
-    scaled = (knots_nm - np.array([offset_nm, 0, 0])) * 2.0**frac_bits
+    p = exact[..., 0]
+    value_offset = round((float(p.max()) + float(p.min())) / 2)
+    scaled = (exact - np.array([value_offset, 0, 0])) * 2.0**frac_bits
     if np.abs(scaled).max() > SUM_LIMIT:
         raise TooLargeError
     knots = np.rint(scaled).astype(np.int32)
-    return Channel(kind, knots, log2_repeat, frac_bits, *range_nm, offset_nm, 0, 0, 0, 0)
+    return Channel(kind, knots, log2_repeat, frac_bits, *range_nm, value_offset, 0, 0, 0, 0)
 
 
-def _start_bits(kind: int, knots_nm: Floats) -> int:
+def _start_bits(kind: int, exact: Floats) -> int:
     """Return frac_bits from the size of the numbers, at most one too many."""
-    coarse = _integers(kind, knots_nm / 2**16, 0, (0, 1), 8)
+    coarse = _integers(kind, exact / 2**16, 0, (0, 1), 8)
     size = max(1, largest_sum(channel_coefficients(coarse))) * 2.0**8
     return min(MAX_FRAC_BITS, floor(log2(SUM_LIMIT / size)) + 1)
 
 
-def quantise(kind: int, knots_nm: Floats, log2_repeat: int, range_nm: tuple[int, int]) -> Channel:
+def quantise(kind: int, exact: Floats, log2_repeat: int, range_nm: tuple[int, int]) -> Channel:
     """Return a channel with as many fraction bits as the format's bound allows.
 
     Parameters
     ----------
     kind : int
-        KIND_U or KIND_X.
-    knots_nm : ndarray, shape (n_slices, n_knots, 3)
-        Exact triples (value, h value', h^2 value'' / 2) [nm].
+        Of the channel.
+    exact : ndarray, shape (n_slices, n_knots, 3)
+        Triples (value, h value', h^2 value'' / 2) in the unit of the channel.
     log2_repeat : int
         Of the channel.
     range_nm : (int, int)
@@ -68,9 +68,9 @@ def quantise(kind: int, knots_nm: Floats, log2_repeat: int, range_nm: tuple[int,
     TooLargeError
         Even whole nanometres are too fine.
     """
-    for frac_bits in range(_start_bits(kind, knots_nm), -1, -1):
+    for frac_bits in range(_start_bits(kind, exact), -1, -1):
         try:
-            channel = _integers(kind, knots_nm, log2_repeat, range_nm, frac_bits)
+            channel = _integers(kind, exact, log2_repeat, range_nm, frac_bits)
         except TooLargeError:
             continue
         if largest_sum(channel_coefficients(channel)) <= SUM_LIMIT:

@@ -39,7 +39,7 @@ HEADER = np.dtype(
         ("u1_peak_nm_per_rad", "<u4"),
         ("u2_peak_nm_per_rad2", "<u4"),
         ("error_pm", "<u4"),
-        ("spindle_peak_ppm", "<u4"),
+        ("spindle_peak_ppm_per_rad", "<u4"),
     ]
 )
 
@@ -56,7 +56,7 @@ ENTRY = np.dtype(
         ("z_first_nm", "<i4"),
         ("z_last_nm", "<i4"),
         ("slices_per_nm_q48", "<u4"),
-        ("offset_nm", "<i4"),
+        ("value_offset", "<i4"),
         ("p_min", "<i4"),
         ("p_max", "<i4"),
         ("v_max", "<u4"),
@@ -67,11 +67,7 @@ ENTRY = np.dtype(
 
 
 KNOT = np.dtype([("p", "<i4"), ("v", "<i4"), ("a", "<i4")])
-
-
 HEADER_SIZE, ENTRY_SIZE, KNOT_SIZE = HEADER.itemsize, ENTRY.itemsize, KNOT.itemsize
-
-
 CRC_START = HEADER.fields["crc32"][1] + 4  # type: ignore[index]
 
 

@@ -1,7 +1,9 @@
-"""What every table tells of itself, as JSON values.
+"""What the summary of every table holds, and the files that every table has.
 
->>> callable(describe_channel)
-True
+>>> from camtools.skirt.generate import generate
+>>> from camtools.skirt.part import example_part
+>>> about_image(generate(example_part()).table, 1.0)["table_bytes"]
+3456
 """
 
 from __future__ import annotations
