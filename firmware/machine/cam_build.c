@@ -119,8 +119,8 @@ static void build_spindle(cam_spindle_config_t *c, const cam_params_t *p, const 
     c->centre_q32 = (uint32_t)turn_of_udeg(p->index_offset_udeg) + (uint32_t)(count_q32 / 2u);
     c->index_tolerance = p->index_tolerance_counts;
     c->index_overdue = turn + turn / 8;
-    c->jump_window = p->jump_window_counts;
     c->max_counts = turn / 4;
+    c->jump_window = cam_clamp_i32(p->jump_window_counts, 0, c->max_counts);
     build_clock(c, p->late_percent, tick_hz, clock_hz);
     build_observer(c, p, tick_hz);
 }
@@ -332,9 +332,7 @@ static void build_guard(cam_guard_config_t *c, const cam_params_t *p, uint32_t s
     const cam_move_limits_t *u = &c->u;
     c->overspeed_q32 = cam_build_speed_q32(speed_limit_mrpm, tick_hz);
     c->stopped_q32 = cam_build_speed_q32((uint32_t)p->stopped_mrpm, tick_hz);
-    c->speed_span_q32 = c->overspeed_q32 > c->stopped_q32
-                            ? (uint32_t)c->overspeed_q32 - (uint32_t)c->stopped_q32
-                            : 0u;
+    c->plan_ticks = (uint32_t)cam_plan_ticks(tick_hz);
     c->stopped_ticks = (uint32_t)scale(p->stopped_ms, tick_hz, 1000);
     c->homing_ticks = c->stopped_ticks * homing_patience;
     c->following_nm = p->following_limit_nm;

@@ -28,7 +28,7 @@ typedef struct {
     int32_t ki_q32;                   ///< ... of the speed, below 1/2
     int32_t index_tolerance;          ///< [counts]
     int32_t index_overdue;            ///< [counts] travel without an index edge that is too far
-    int32_t jump_window;              ///< [counts]
+    int32_t jump_window;              ///< [counts] at most a quarter turn
     int32_t max_counts;               ///< [counts / tick] a quarter turn
     uint32_t tick_clocks;             ///< [1 / clock_hz] period
     uint32_t early_clocks;            ///< [1 / clock_hz] shortest period that counts as on time
@@ -112,7 +112,7 @@ typedef struct {
 typedef struct {
     int32_t overspeed_q32;      ///< [turn / 2^32 per tick]
     int32_t stopped_q32;        ///< [turn / 2^32 per tick]
-    uint32_t speed_span_q32;    ///< [turn / 2^32 per tick] from stopped to overspeed
+    uint32_t plan_ticks;        ///< [ticks] from plan to plan
     uint32_t stopped_ticks;     ///< [ticks] in the cut
     uint32_t homing_ticks;      ///< [ticks] for the spindle to turn while homing
     int32_t following_nm;       ///< [nm]

@@ -39,39 +39,40 @@ static uint32_t bit_if(bool is_set, uint32_t bit)
     return is_set ? bit : 0u;
 }
 
-_Static_assert(CAM_FAULT_BIT(estop) == hal_in_estop && CAM_FAULT_BIT(drive) == hal_in_drive_ready &&
-                   CAM_FAULT_BIT(bus) == hal_in_bus_lost,
-               "an input is its own fault");
-
-static uint32_t judge_inputs(uint32_t inputs)
+/// All faults at once: bit i of the words of `count` is the number of fault i, and the carry of one
+/// word is what the next one counts.
+static void count_new(cam_guard_t *g)
 {
-    return (inputs ^ hal_in_drive_ready) & (hal_in_estop | hal_in_drive_ready | hal_in_bus_lost);
+    uint32_t carry = g->faults & ~g->counted;
+    for (uint32_t k = 0; k < cam_guard_count_bits && carry != 0u; k++) {
+        const uint32_t sum = g->count[k] ^ carry;
+        carry &= g->count[k];
+        g->count[k] = sum;
+    }
+    g->counted = g->faults;
 }
 
-/// Slower than stopped or faster than allowed.
-CAM_STAGE static uint32_t judge_odd_speed(cam_guard_t *g, const cam_guard_config_t *cfg,
-                                          int32_t speed_q32, cam_state_t state)
+/// Standing still counts in the states that watch it; while homing, turning backwards is no better.
+static bool is_standing(const cam_guard_config_t *cfg, const cam_tick_record_t *r)
 {
-    // While homing, turning backwards is no better than standing.
-    const bool is_homing = state == cam_state_homing;
-    const bool is_stopped =
-        speed_q32 < cfg->stopped_q32 && (is_homing || speed_q32 > -cfg->stopped_q32);
+    const int32_t speed_q32 = r->angle.speed_q32;
+    const bool is_homing = r->want.state == cam_state_homing;
+    const bool is_watched = (cam_guard_armed(r->want.state) & CAM_FAULT_BIT(spindle_stopped)) != 0u;
+    return is_watched && speed_q32 < cfg->stopped_q32 &&
+           (is_homing || speed_q32 > -cfg->stopped_q32);
+}
+
+uint32_t cam_guard_plan_isr(cam_guard_t *g, const cam_guard_config_t *cfg,
+                            const cam_tick_record_t *r)
+{
+    const int32_t speed_q32 = r->angle.speed_q32;
+    const bool is_homing = r->want.state == cam_state_homing;
     const uint32_t patience = is_homing ? cfg->homing_ticks : cfg->stopped_ticks;
-    const bool is_watched = (cam_guard_armed(state) & CAM_FAULT_BIT(spindle_stopped)) != 0u;
-    g->n_stopped = is_stopped && is_watched ? g->n_stopped + 1u : 0u;
+    count_new(g);
+    g->n_stopped = is_standing(cfg, r) ? g->n_stopped + cfg->plan_ticks : 0u;
     return bit_if(speed_q32 < -cfg->stopped_q32, CAM_FAULT_BIT(reverse)) |
            bit_if(g->n_stopped > patience, CAM_FAULT_BIT(spindle_stopped)) |
            bit_if(speed_q32 > cfg->overspeed_q32, CAM_FAULT_BIT(overspeed));
-}
-
-static uint32_t judge_spindle(cam_guard_t *g, const cam_guard_config_t *cfg, int32_t speed_q32,
-                              cam_state_t state)
-{
-    if ((uint32_t)speed_q32 - (uint32_t)cfg->stopped_q32 > cfg->speed_span_q32) {
-        return judge_odd_speed(g, cfg, speed_q32, state);
-    }
-    g->n_stopped = 0;
-    return 0;
 }
 
 /// Everything that a tick may be blamed for. Differences of set-points wrap only where they are far
@@ -82,8 +83,7 @@ static uint32_t blame(cam_guard_t *g, const cam_guard_config_t *cfg, const cam_t
     const cam_sense_t *in = &r->in;
     const cam_angle_t *angle = &r->angle;
     const cam_want_t *want = &r->want;
-    uint32_t faults = judge_inputs(in->inputs) | angle->faults | want->faults |
-                      judge_spindle(g, cfg, angle->speed_q32, want->state);
+    uint32_t faults = want->faults;
     const int32_t off_nm = cam_wrap_sub(in->actual_nm[hal_axis_u], want->u_due_q6 >> 6);
     if (!cam_is_within(off_nm, cfg->following_nm)) {
         faults |= CAM_FAULT_BIT(following_error);
@@ -102,19 +102,6 @@ static uint32_t blame(cam_guard_t *g, const cam_guard_config_t *cfg, const cam_t
         }
     }
     return faults;
-}
-
-/// All faults at once: bit i of the words of `count` is the number of fault i, and the carry of one
-/// word is what the next one counts.
-void cam_guard_count_isr(cam_guard_t *g)
-{
-    uint32_t carry = g->faults & ~g->counted;
-    for (uint32_t k = 0; k < cam_guard_count_bits && carry != 0u; k++) {
-        const uint32_t sum = g->count[k] ^ carry;
-        carry &= g->count[k];
-        g->count[k] = sum;
-    }
-    g->counted = g->faults;
 }
 
 uint32_t cam_guard_count(const cam_guard_t *g, cam_fault_t fault)
@@ -176,7 +163,7 @@ CAM_STAGE static cam_verdict_t rest(cam_guard_t *g, const cam_guard_config_t *cf
 {
     return r->want.state == cam_state_off
                ? forget(g, r->want.u_set_q6)
-               : leave_work(g, cfg, judge_inputs(r->in.inputs) & ARMED_IN_FAULT, m->is_clear);
+               : leave_work(g, cfg, r->want.faults & ARMED_IN_FAULT, m->is_clear);
 }
 
 /// What play wants is written.

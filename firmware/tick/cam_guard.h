@@ -36,16 +36,19 @@ typedef struct {
 } cam_guard_t;
 
 /// Judge one tick.
-/// @param r  record of the tick: what was sensed, the spindle and what play wants, each with the
-///           faults seen there
+/// @param r  record of the tick: what was sensed, the spindle and what play wants, with all faults
+///           that were seen before
 /// @param m  set-points that play wants
 /// @return   the verdict; while it is in charge, u_set_q6 and u are to be written
 /// Constant time.
 cam_verdict_t cam_guard_step_isr(cam_guard_t *g, const cam_guard_config_t *cfg,
                                  const cam_tick_record_t *r, const cam_motion_t *m);
 
-/// Count the faults that are new, to be called by the plan: a tick that has a fault is busy enough.
-void cam_guard_count_isr(cam_guard_t *g);
+/// What of the guard only the plan does: it judges the speed of the spindle, and counts the faults
+/// that are new, for which the tick of a fault has no time.
+/// @return faults for the next tick: reverse, spindle_stopped, overspeed
+uint32_t cam_guard_plan_isr(cam_guard_t *g, const cam_guard_config_t *cfg,
+                            const cam_tick_record_t *r);
 
 /// @return times that a fault was latched, modulo 2^cam_guard_count_bits. Context: slow side.
 uint32_t cam_guard_count(const cam_guard_t *g, cam_fault_t fault);

@@ -48,12 +48,12 @@ static void move_on(cam_motion_t *m)
     m->height_q32 += m->height_step_q32;
 }
 
-/// U from the angle. When the angle is at fault, U keeps its pace: the guard takes over.
+/// U from the angle. In the tick of a fault U keeps its pace: the guard takes over.
 /// @return [nm / 64] U
 static int32_t play_table(cam_play_t *p, const cam_play_config_t *cfg, const cam_angle_t *angle,
-                          cam_motion_t *m)
+                          cam_motion_t *m, uint32_t faults)
 {
-    if (angle->faults != 0u) {
+    if (faults != 0u) {
         const int32_t last_q6 = p->history_q6[p->n_history % cam_play_history];
         const int32_t before_q6 = p->history_q6[(p->n_history - 1u) % cam_play_history];
         return cam_wrap_add(last_q6, cam_wrap_sub(last_q6, before_q6));
@@ -86,18 +86,24 @@ CAM_STAGE static int32_t move_u(cam_motion_t *m, const cam_play_config_t *cfg,
     return cam_sat_i32(u->pos_q10 >> 4);
 }
 
-/// Stop ends an approach at once; a cut ends where the next plan lays its end.
-static void stop(cam_motion_t *m)
+/// While the axes follow the table there is nothing else to request: stop ends the cut where the
+/// next plan lays its end.
+static void obey_in_cut(cam_play_t *p, uint32_t request, cam_motion_t *m, cam_want_t *want)
 {
-    if (m->is_playing) {
+    const uint32_t what = request & 0xFFu;
+    p->request = request >> 8;
+    if (what == (uint32_t)cam_request_stop) {
         m->is_stopping = true;
-    } else if (m->state == cam_state_engaging) {
-        m->state = cam_state_ready;
+    } else if (what == (uint32_t)cam_request_table_fault) {
+        want->faults |= CAM_FAULT_BIT(table);
+    } else {
+        // it does not fit the state
     }
 }
 
-/// Carry out a new request if it fits the state. @return faults that the request reports
-CAM_STAGE static uint32_t obey(cam_play_t *p, const cam_play_config_t *cfg, uint32_t request,
+/// Carry out a new request if it fits the state, out of the cut. @return faults that the request
+/// reports
+static uint32_t obey(cam_play_t *p, const cam_play_config_t *cfg, uint32_t request,
                                cam_motion_t *m)
 {
     p->request = request >> 8;
@@ -117,8 +123,8 @@ CAM_STAGE static uint32_t obey(cam_play_t *p, const cam_play_config_t *cfg, uint
             m->state = cam_state_engaging;
         }
         break;
-    case cam_request_stop:
-        stop(m);
+    case cam_request_stop: // an approach has nothing to end
+        m->state = m->state == cam_state_engaging ? cam_state_ready : m->state;
         break;
     case cam_request_reset:
         m->state = m->state == cam_state_fault && m->is_retracted ? cam_state_off : m->state;
@@ -151,15 +157,18 @@ static void remember(cam_play_t *p, int32_t u_q6)
 void cam_play_step_isr(cam_play_t *p, const cam_play_config_t *cfg, const cam_sense_t *in,
                        const cam_angle_t *angle, cam_motion_t *m, cam_want_t *want)
 {
-    want->faults = m->faults;
-    if (in->request >> 8 != p->request) {
-        want->faults |= obey(p, cfg, in->request, m);
-    }
+    const bool is_new = in->request >> 8 != p->request;
     move_on(m);
     if (m->is_playing) {
+        if (is_new) {
+            obey_in_cut(p, in->request, m, want);
+        }
         want->z_nm = (int32_t)(m->axis[hal_axis_z].pos_q10 >> 10) - (m->behind_q4 >> 4);
-        want->u_set_q6 = play_table(p, cfg, angle, m);
+        want->u_set_q6 = play_table(p, cfg, angle, m, want->faults);
     } else {
+        if (is_new) {
+            want->faults |= obey(p, cfg, in->request, m);
+        }
         want->z_nm = in->actual_nm[hal_axis_z];
         want->u_set_q6 = move_u(m, cfg, in);
     }

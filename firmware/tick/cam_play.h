@@ -37,7 +37,7 @@ typedef struct {
 /// @param in     what this tick sensed, with the request of the slow side
 /// @param angle  the spindle
 /// @param m      increments of the plan: moved on by one tick
-/// @param want   result
+/// @param want   faults that were seen before; result, with those that the request reports
 /// Constant time in each state.
 void cam_play_step_isr(cam_play_t *p, const cam_play_config_t *cfg, const cam_sense_t *in,
                        const cam_angle_t *angle, cam_motion_t *m, cam_want_t *want);

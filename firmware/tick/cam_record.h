@@ -26,6 +26,17 @@ typedef struct {
     uint32_t request;              ///< serial number << 8 | cam_request_t
 } cam_sense_t;
 
+_Static_assert(CAM_FAULT_BIT(estop) == hal_in_estop && CAM_FAULT_BIT(drive) == hal_in_drive_ready &&
+                   CAM_FAULT_BIT(bus) == hal_in_bus_lost,
+               "an input is its own fault");
+
+/// @return faults that the inputs tell of
+static inline uint32_t cam_sense_faults(const cam_sense_t *in)
+{
+    return (in->inputs ^ hal_in_drive_ready) &
+           (hal_in_estop | hal_in_drive_ready | hal_in_bus_lost);
+}
+
 /// What is known of the spindle after this tick's reading.
 typedef struct {
     int64_t pos_q32;   ///< [turn, Q32.32] master position at the instant of sensing
@@ -53,11 +64,12 @@ typedef struct {
 /// per tick. The set-points of X, Z and the swing are those that are written.
 typedef struct {
     cam_state_t state;
-    bool is_playing;   ///< in the work and not approaching it: axes follow the table
-    bool is_stopping;  ///< a stop was requested; the next plan lays the end of the cut
-    bool is_clear;     ///< state fault: X has moved off, Z and the swing have come to rest
-    bool is_retracted; ///< state fault: the guard's retract has ended
-    uint32_t faults;   ///< seen by the plan: lost_counts, index_missing, z_range, swing
+    int32_t spindle_mrpm; ///< [r/min / 1000] set-point, signed
+    bool is_playing;      ///< in the work and not approaching it: axes follow the table
+    bool is_stopping;     ///< a stop was requested; the next plan lays the end of the cut
+    bool is_clear;        ///< state fault: X has moved off, Z and the swing have come to rest
+    bool is_retracted;    ///< state fault: the guard's retract has ended
+    uint32_t faults;      ///< seen by the plan, for the ticks up to the next one
     cam_move_t axis[hal_n_axes];       ///< while playing U's place is in cam_want_t
     int64_t u_target_q10;              ///< [nm / 1024] where U goes while it does not play
     int64_t x_left_q10;                ///< [nm / 1024] X in the tick of the fault
@@ -66,7 +78,6 @@ typedef struct {
     int32_t scale_q30, scale_step_q30; ///< [1] amplitude * envelope of U, per tick
     int32_t behind_q4, behind_step_q4; ///< [nm / 16] U is played this much behind Z, per tick
     int32_t phase_q32, phase_step_q32; ///< [turn / 2^32], per tick
-    int32_t spindle_mrpm;              ///< [r/min / 1000] set-point, signed
     int32_t alpha_q40; ///< [turn / 2^40 per tick^2] acceleration that the set-point demands
     int32_t alpha_u;   ///< the same in the unit of U's
     cam_swing_t swing;
@@ -75,13 +86,13 @@ typedef struct {
 /// What play wants of the machine, besides the axes; then what the guard left of it.
 typedef struct {
     cam_state_t state;
-    bool is_retracted; ///< guard: tool at rest out of the work
-    int32_t z_nm;      ///< [nm] height played
-    int32_t u_set_q6;  ///< [nm / 64] U at the tool
-    int32_t u_due_q6;  ///< [nm / 64] where U should be now
-    int32_t spindle_mrpm;
-    uint32_t faults;  ///< of the plan, table; then what the guard has latched
-    uint32_t outputs; ///< guard: hal_out_*
+    int32_t spindle_mrpm; ///< [r/min / 1000] set-point, signed
+    int32_t z_nm;         ///< [nm] height played
+    int32_t u_set_q6;     ///< [nm / 64] U at the tool
+    int32_t u_due_q6;     ///< [nm / 64] where U should be now
+    uint32_t faults;      ///< seen before the guard; then what the guard has latched
+    uint32_t outputs;     ///< guard: hal_out_*
+    bool is_retracted;    ///< guard: tool at rest out of the work
 } cam_want_t;
 
 /// What the guard makes of a tick.

@@ -16,13 +16,16 @@ static uint32_t sensed_edge(const cam_spindle_config_t *cfg, uint32_t counts)
     return (counts ^ cfg->sign_mask) - cfg->sign_mask;
 }
 
-/// in_turn stays within one turn because a tick moves at most a quarter.
+/// A tick moves less than a turn: at most half a turn, which no speed is beyond, and the jump
+/// window.
 static void move_in_turn(cam_spindle_t *s, const cam_spindle_config_t *cfg, int32_t moved)
 {
     const int32_t turn = cfg->counts_per_turn;
-    const int32_t from_end = s->in_turn + moved - turn; // -5/4 turn .. 1/4 turn
-    const int32_t in_turn = from_end + (from_end < 0 ? turn : 0);
-    s->in_turn = in_turn + (in_turn < 0 ? turn : 0);
+    int32_t in_turn = s->in_turn + moved;
+    if ((uint32_t)in_turn >= (uint32_t)turn) {
+        in_turn += in_turn < 0 ? turn : -turn;
+    }
+    s->in_turn = in_turn;
 }
 
 /// Whole and fraction of the reciprocal apart: the truncated fraction costs less than 2^-32 turn.
@@ -58,8 +61,8 @@ CAM_STAGE static void sync(cam_spindle_t *s, const cam_spindle_config_t *cfg)
 
 /// A tick that came off its time. A travel beyond half a turn wraps: its counts are a jump anyway.
 /// @return [turn / 2^32] travel at its time stamp
-CAM_STAGE static int32_t take_off_time(cam_spindle_t *s, const cam_spindle_config_t *cfg,
-                                       uint32_t period, int32_t travel_q32)
+static int32_t take_off_time(cam_spindle_t *s, const cam_spindle_config_t *cfg, uint32_t period,
+                             int32_t travel_q32)
 {
     s->is_off_time = true;
     s->n_late += period > cfg->late_clocks ? 1u : 0u;
@@ -69,21 +72,17 @@ CAM_STAGE static int32_t take_off_time(cam_spindle_t *s, const cam_spindle_confi
     return cam_wrap_add(travel_q32, (int32_t)((uint32_t)cam_mulhi(travel_q32, off_q27) << 5));
 }
 
-/// Counts of this tick, limited to a quarter turn. @return encoder_jump when they are not what the
-/// travel says
+/// Counts of this tick. Those that are not what the travel says are a fault, and are limited to a
+/// quarter turn. @return encoder_jump or none
 static uint32_t take_counts(cam_spindle_t *s, const cam_spindle_config_t *cfg, uint32_t counts,
                             int32_t travel_q32)
 {
-    const int32_t most = cfg->max_counts;
     const int32_t expected = cam_mulhi(travel_q32, cfg->counts_per_turn);
     int32_t moved = cam_wrap_diff(counts, s->counts);
     uint32_t faults = 0;
     if (!cam_is_within(cam_wrap_sub(moved, expected), cfg->jump_window)) {
         faults = CAM_FAULT_BIT(encoder_jump);
-    }
-    if (!cam_is_within(moved, most)) {
-        faults = CAM_FAULT_BIT(encoder_jump);
-        moved = moved < 0 ? -most : most;
+        moved = cam_clamp_i32(moved, -cfg->max_counts, cfg->max_counts);
     }
     s->counts = counts;
     move_in_turn(s, cfg, moved);

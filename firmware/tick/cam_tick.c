@@ -65,7 +65,7 @@ static void command(const cam_t *c, const cam_config_t *cfg, cam_tick_record_t *
 }
 
 /// The guard is in charge: its set-point of U is written, and the cut has ended.
-CAM_STAGE static void take_over(cam_t *c, cam_want_t *want)
+static void take_over(cam_t *c, cam_want_t *want)
 {
     if (c->motion.state != cam_state_fault) {
         c->motion.x_left_q10 = c->motion.axis[hal_axis_x].pos_q10;
@@ -95,6 +95,7 @@ static inline void steps_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_
     r->config = cfg->generation;
     cam_spindle_step_isr(&c->spindle, &cfg->spindle, &r->in, c->motion.alpha_q40, &r->angle);
     CAM_TICK_MARK(angle);
+    r->want.faults = c->motion.faults | r->angle.faults | cam_sense_faults(&r->in);
     cam_play_step_isr(&c->play, &cfg->play, &r->in, &r->angle, &c->motion, &r->want);
     CAM_TICK_MARK(play);
     guard_isr(c, cfg, r);
@@ -117,8 +118,7 @@ CAM_STAGE static void plan_isr(cam_t *c, const cam_config_t *cfg, const cam_tick
 {
     c->until_plan = cfg->play.plan_ticks;
     cam_plan_isr(&c->plan, &cfg->play, r, &c->motion);
-    c->motion.faults |= watch_index(c, cfg, r);
-    cam_guard_count_isr(&c->guard);
+    c->motion.faults |= watch_index(c, cfg, r) | cam_guard_plan_isr(&c->guard, &cfg->guard, r);
 }
 
 static bool is_plan_due(cam_t *c)
@@ -149,20 +149,19 @@ static void actuate_isr(cam_t *c, const cam_tick_record_t *r)
 }
 
 /// The record is the status; its place is written again two ticks later at the earliest.
-static void publish_isr(cam_t *c, const cam_tick_record_t *r, uint32_t n_ticks)
+static void publish_isr(cam_t *c, const cam_tick_record_t *r)
 {
     cam_fence_release_isr(); // of the record, for all three that tell of it
     cam_trace_commit_isr(&c->trace);
     atomic_store_explicit(&c->newest, r, memory_order_relaxed);
-    atomic_store_explicit(&c->n_ticks, n_ticks, memory_order_relaxed);
+    atomic_store_explicit(&c->n_ticks, r->tick + 1u, memory_order_relaxed);
 }
 
 void cam_tick_isr(cam_t *c)
 {
     const cam_config_t *cfg = cam_config_take_isr(&c->config);
     cam_tick_record_t *r = cam_trace_slot_isr(&c->trace, cfg->trace_room);
-    const uint32_t tick = atomic_load_explicit(&c->n_ticks, memory_order_relaxed);
-    r->tick = tick;
+    r->tick = atomic_load_explicit(&c->n_ticks, memory_order_relaxed);
     sense_isr(c, &r->in);
     CAM_TICK_MARK(sense);
     steps_isr(c, cfg, r); // angle -> play -> guard
@@ -172,7 +171,7 @@ void cam_tick_isr(cam_t *c)
         plan_isr(c, cfg, r);
     }
     CAM_TICK_MARK(plan);
-    publish_isr(c, r, tick + 1u);
+    publish_isr(c, r);
 }
 
 void cam_isr(void)

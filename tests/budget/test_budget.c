@@ -17,15 +17,19 @@ enum { tick_hz = 20000, least_ticks = 100000 };
 static fixture_rig_t rig;
 static budget_spread_t ticks[cam_n_states]; ///< without a plan, of one session, by the state after
 static budget_spread_t plans[cam_n_states]; ///< ... with one
+static budget_spread_t combined;            ///< without a plan, of several rare things at once
+static bool is_combination;                 ///< the next tick is such a one
 static uint32_t per_reading;                ///< [instructions] what measuring costs
 static uint32_t n_measured;                 ///< ticks of all sessions
 static uint32_t most;                       ///< [instructions] of any tick without a plan
 static uint32_t most_with_plan;             ///< [instructions] of any tick with one
+static uint32_t most_combined;              ///< [instructions] of any combination
 
 void setUp(void)
 {
     memset(ticks, 0, sizeof ticks);
     memset(plans, 0, sizeof plans);
+    combined = (budget_spread_t){0};
     budget_count_start();
     const uint32_t from = budget_count();
     per_reading = budget_instructions(from, budget_count());
@@ -44,8 +48,12 @@ static void counted(void)
     interrupt();
     const uint32_t n = budget_instructions(from, budget_count()) - per_reading;
     const bool is_planned = g_cam.until_plan == g_cam.config.in_use->play.plan_ticks;
-    uint32_t *largest = is_planned ? &most_with_plan : &most;
-    budget_spread_add(is_planned ? &plans[g_cam.motion.state] : &ticks[g_cam.motion.state], n);
+    const bool is_combined = is_combination && !is_planned;
+    uint32_t *largest = is_planned ? &most_with_plan : is_combined ? &most_combined : &most;
+    budget_spread_t *of = is_planned    ? &plans[g_cam.motion.state]
+                          : is_combined ? &combined
+                                        : &ticks[g_cam.motion.state];
+    budget_spread_add(of, n);
     *largest = n > *largest ? n : *largest;
     n_measured++;
 }
@@ -69,6 +77,7 @@ static void expect_budget(const char *session)
         TEST_ASSERT_LESS_OR_EQUAL_UINT32_MESSAGE(budget_tick, ticks[state].max, name);
         TEST_ASSERT_LESS_OR_EQUAL_UINT32_MESSAGE(budget_plan_tick, plans[state].max, name);
     }
+    TEST_ASSERT_LESS_OR_EQUAL_UINT32_MESSAGE(budget_combined, combined.max, "combined");
     const budget_spread_t *cutting = &ticks[cam_state_cutting];
     TEST_ASSERT_GREATER_THAN_UINT32(0, cutting->n);
 }
@@ -131,6 +140,7 @@ static void test_other_sense_and_wrapping_counter(void)
     rig.isr = counted;
     fixture_encoder_init(&rig.encoder, 10000, 1, 60000u, 1234);
     set(cam_param_following_limit_nm, 10000000);
+    fixture_rig_ticks(&rig, 10); // a plan forgets what the other encoder has told
     TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_cutting));
     TEST_ASSERT_LESS_THAN_UINT32(60000, fixture_rig_until(&rig, cam_state_ready, 60000));
     expect_budget("reverse");
@@ -160,7 +170,7 @@ static void test_faults_in_the_cut(void)
 
 /// One tick from where the session stands, then back: with or without a plan, with an index edge or
 /// without, and a cause of a fault.
-static void try_tick(bool is_planned, bool is_edge, void (*cause)(void))
+static void try_tick(bool is_planned, bool is_edge, void (*cause)(void), bool is_combined)
 {
     static cam_t controller;
     static hal_host_t port;
@@ -170,7 +180,9 @@ static void try_tick(bool is_planned, bool is_edge, void (*cause)(void))
     g_cam.until_plan = is_planned ? 1 : 2;
     g_cam.spindle.n_index -= is_edge ? 1u : 0u;
     cause();
+    is_combination = is_combined;
     fixture_rig_tick(&rig);
+    is_combination = false;
     rig = before;
     hal_host = port;
     g_cam = controller;
@@ -248,27 +260,27 @@ static void stop_off_time(void)
     come_off_time();
 }
 
-/// The most that can come together, by force: every tick with and without a plan and an index edge,
-/// without a fault and with those that take the longest paths.
-static void try_all_causes(void)
+typedef void (*cause_t)(void);
+
+static void try_causes(const cause_t *causes, uint32_t n_causes, bool is_combined)
 {
-    static void (*const causes[])(void) = {no_fault,
-                                           press_estop,
-                                           break_u,
-                                           break_z,
-                                           turn_back,
-                                           forget_index,
-                                           come_late,
-                                           come_off_time,
-                                           break_u_off_time,
-                                           ask_to_stop,
-                                           break_u_while_stopping,
-                                           stop_off_time};
-    for (uint32_t i = 0; i < sizeof causes / sizeof causes[0]; i++) {
+    for (uint32_t i = 0; i < n_causes; i++) {
         for (int k = 0; k < 4; k++) {
-            try_tick(k % 2 == 1, k / 2 == 1, causes[i]);
+            try_tick(k % 2 == 1, k / 2 == 1, causes[i], is_combined);
         }
     }
+}
+
+/// By force: every tick with and without a plan and an index edge, without a fault and with those
+/// that take the longest paths. Then what makes a tick long, together.
+static void try_all_causes(void)
+{
+    static const cause_t causes[] = {no_fault,  press_estop,  break_u,   break_z,
+                                     turn_back, forget_index, come_late, ask_to_stop};
+    static const cause_t combinations[] = {come_off_time, break_u_off_time, break_u_while_stopping,
+                                           stop_off_time};
+    try_causes(causes, sizeof causes / sizeof causes[0], false);
+    try_causes(combinations, sizeof combinations / sizeof combinations[0], true);
 }
 
 /// In the first ticks of the fault state, too: the retract begins.
@@ -417,6 +429,7 @@ static void test_enough_ticks_were_measured(void)
 {
     TEST_ASSERT_GREATER_THAN_UINT32(least_ticks, n_measured);
     printf("figure tick_max %lu\n", (unsigned long)most);
+    printf("figure tick_combined_max %lu\n", (unsigned long)most_combined);
     printf("figure plan_tick_max %lu\n", (unsigned long)most_with_plan);
     printf("budget-max %lu\n", (unsigned long)most_with_plan); // tools/elfcheck compares its bound
 }

@@ -30,10 +30,11 @@ void setUp(void)
 
 void tearDown(void) {}
 
-/// @return what is written
+/// A tick behind a plan. @return what is written
 static cam_want_t tick(void)
 {
-    const cam_tick_record_t r = {.in = in, .angle = angle, .want = want};
+    cam_tick_record_t r = {.in = in, .angle = angle, .want = want};
+    r.want.faults |= angle.faults | cam_sense_faults(&in) | cam_guard_plan_isr(&guard, cfg, &r);
     const cam_verdict_t verdict = cam_guard_step_isr(&guard, cfg, &r, &motion);
     cam_want_t safe = want;
     if (verdict.is_in_charge) {
@@ -85,7 +86,7 @@ static void cause(cam_fault_t fault, int32_t beyond)
     case cam_fault_spindle_stopped:
         angle.speed_q32 = 17895;
         guard.n_stopped =
-            (want.state == cam_state_homing ? 200000u : 2000u) - 1u + (uint32_t)beyond;
+            (want.state == cam_state_homing ? 200000u : 2000u) - cfg->plan_ticks + (uint32_t)beyond;
         break;
     case cam_fault_overspeed:
         angle.speed_q32 = 10844792 + beyond; // 3030 r/min

@@ -166,6 +166,7 @@ static void test_engage_begins_at_a_whole_turn_that_no_axis_was_told_of(void)
         setUp();
         f.params.lead_ns = ahead_ns[i][0];
         f.params.xz_lag_ns = ahead_ns[i][1];
+        f.params.z_margin_nm = 1000000; // axes without a lag are ahead of what it expects
         fixture_play_configure(&f);
         engage();
         const double most = (ahead_ns[i][0] > ahead_ns[i][1] ? ahead_ns[i][0] : ahead_ns[i][1]);
