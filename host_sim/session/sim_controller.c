@@ -8,7 +8,7 @@ bool sim_wishes_add(sim_wishes_t *w, const char *name, double value, const char 
 {
     const cam_param_id_t id = cam_param_find(name);
     if (id >= cam_n_params) {
-        return common_error(e, "%s: %.60s: no such parameter; see firmware/tick/cam_param.h",
+        return common_error(e, "%s: %.60s: no such parameter; see firmware/machine/cam_param.h",
                             origin, name);
     }
     const cam_param_info_t *info = cam_param_info(id);

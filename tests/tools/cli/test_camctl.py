@@ -15,7 +15,7 @@ import pytest
 
 from camctl_bench import Bench
 from camtools.cli.camctl import main
-from camtools.link.link import COMMAND, NAMES
+from camtools.link.controller import COMMAND, NAMES
 from camtools.link.watch import COLUMNS
 
 pytestmark = pytest.mark.alone  # the controller keeps pace with the clock

@@ -13,8 +13,8 @@ import pytest
 
 from camctl_bench import ROOT, Bench
 from camtools.cli.mktables import main as mktables
+from camtools.link.controller import BLOCK_ID
 from camtools.link.download import BLOCK_BYTES
-from camtools.link.link import BLOCK_ID
 
 pytestmark = pytest.mark.alone  # the controller keeps pace with the clock
 

@@ -25,8 +25,17 @@ from cantools.database import EncodeError
 from camtools.base.command import Interrupted, Parser, run_command
 from camtools.base.errors import CamtoolsError
 from camtools.base.output import growing
+from camtools.link.controller import (
+    DBC_NODE,
+    NAMES,
+    NUMBERS,
+    Answer,
+    Link,
+    Refused,
+    Status,
+    value_text,
+)
 from camtools.link.download import CHECK_S, download
-from camtools.link.link import DBC_NODE, NAMES, NUMBERS, Answer, Link, Refused, Status, value_text
 from camtools.link.watch import COLUMNS, Dashboard, line, report, row, table_report
 
 REFUSED = 1

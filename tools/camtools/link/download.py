@@ -13,7 +13,7 @@ from collections.abc import Callable
 
 import isotp
 
-from camtools.link.link import BLOCK_ID, FLOW_ID, Link, Refused
+from camtools.link.controller import BLOCK_ID, FLOW_ID, Link, Refused
 
 BLOCK_BYTES = 4096
 BEGIN_S = 60.0  # erasing flash: up to 4 s for each 128 KiB

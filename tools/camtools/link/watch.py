@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Iterable
 
-from camtools.link.link import FAULT_TEXTS, NAMES, Status
+from camtools.link.controller import FAULT_TEXTS, NAMES, Status
 
 _BARS = " ▁▂▃▄▅▆▇█"
 _HOME, _BELOW, _RIGHT = "\x1b[H", "\x1b[J", "\x1b[K"

@@ -34,6 +34,10 @@ def describe_channel(channel: Channel) -> Json:
     }
 
 
+# Bounds that reports call otherwise than the image does: programs that read reports rely on it.
+_REPORTED = {"spindle_peak_ppm_per_rad": "spindle_peak_ppm"}
+
+
 def about_image(table: Table, tolerance_nm: float) -> Json:
     """Return what the summary of every table says of its image."""
     image = pack(table)
@@ -42,7 +46,7 @@ def about_image(table: Table, tolerance_nm: float) -> Json:
         "table_crc32": crc32_of(image),
         "tolerance_nm": float(tolerance_nm),
         "height_range_mm": [table.z_first_nm / NM_PER_MM, table.z_last_nm / NM_PER_MM],
-        "guaranteed": vars(table.bounds),
+        "guaranteed": {_REPORTED.get(k, k): v for k, v in vars(table.bounds).items()},
     }
 
 
