@@ -145,8 +145,9 @@ static uint32_t take_edge(cam_spindle_t *s, const cam_spindle_config_t *cfg, uin
         sync(s, cfg);
         return 0;
     }
-    const int32_t turns = distance < -cfg->max_counts ? -1 : distance > cfg->max_counts ? 1 : 0;
-    const int32_t lost = cam_wrap_sub(distance, turns * cfg->counts_per_turn);
+    const int32_t turn = distance < 0 ? -cfg->counts_per_turn : cfg->counts_per_turn;
+    const int32_t lost =
+        cam_is_within(distance, cfg->max_counts) ? distance : cam_wrap_sub(distance, turn);
     s->index_error = cam_wrap_add(s->index_error, lost);
     return cam_is_within(s->index_error, cfg->index_tolerance) ? 0u : CAM_FAULT_BIT(lost_counts);
 }
