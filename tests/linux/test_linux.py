@@ -31,7 +31,7 @@ BUS, NO_ANSWER = -37, None  # cam_err_bus
 COLUMNS, ROWS = 720, 256  # cells of camsim's map
 # Form error of either way away from the ends; thus their surfaces differ by less than twice that.
 BODY_NM, RMS_UM = 150, 0.08
-# X leaves the part at its end; rounds of 21 ticks fall otherwise (firmware/README.md, "Two paces").
+# X leaves the part at its end; plans fall at other instants (firmware/README.md, "Two rates").
 END_MM, END_NM = 0.5, 3000
 SAME_CELL_NM = 200
 U_STROKE_UM = 150  # of the part

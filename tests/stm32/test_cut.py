@@ -57,7 +57,7 @@ def test_cut_is_whole(cut: Session) -> None:
     in_cut = [record for record, seen in ticks_of(cut) if seen.in_cut]
     assert {seen.words[3] for _, seen in ticks_of(cut) if seen.in_cut} == {0x4000}  # 2500 of 5000
     assert min(record["out_z_nm"] for record in in_cut) < 2000
-    # Rounded down on its way; a task that was put off lets the last way of Z last a tick longer.
+    # Set-points are rounded down to whole nanometres; the last increment of Z may end beyond 1 mm.
     assert 999_999 <= max(record["out_z_nm"] for record in in_cut) <= 1_000_010
 
 

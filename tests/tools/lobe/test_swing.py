@@ -143,7 +143,7 @@ def test_stop_of_the_operator_ends_at_rest(cam: Path, tmp_path: Path) -> None:
 
 
 def test_blocked_swing_is_a_fault(cam: Path, tmp_path: Path) -> None:
-    """It is seen a round after it is off by its limit of a degree; the tool leaves the work."""
+    """It is detected a plan after it is off by its limit of a degree; the tool leaves the work."""
     trace = cut(cam, tmp_path, "--inject", "swing-block@0.85", status=1)
     cut_s = trace["t_s"][int(np.argmax(trace["state"] == "cutting"))]
     start = int(np.argmax(trace["state"] == "fault"))

@@ -63,7 +63,7 @@ static void test_command_in_the_cut_is_the_control_law(void)
         expected(&records[i], u);
         const hal_setpoint_t *out = &records[i].out[hal_axis_u];
         TEST_ASSERT_EQUAL_INT(cam_state_cutting, records[i].want.state);
-        // U's way over the table and Z's are not put off alike: 50 nm of Z where the feed rises
+        // U's height is linear between two plans, the expected one is not where the feed rises.
         TEST_ASSERT_DOUBLE_WITHIN(2.5, u[0], records[i].want.u_set_q6 / 64.0);
         TEST_ASSERT_DOUBLE_WITHIN(4.0, u[1] * 1e-3, out->vel_q10 * um_per_s);  // of 40 000 um/s
         TEST_ASSERT_DOUBLE_WITHIN(6.0, u[2] * 1e-6, out->acc_q10 * mm_per_s2); // of 20 000 mm/s2
