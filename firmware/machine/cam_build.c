@@ -266,7 +266,6 @@ static void build_plan(cam_play_config_t *c, uint32_t tick_hz)
     c->u_plan_q16 = c->lead_q16 + ticks * 65536;
     c->commanded_q16 = lag_q16 > c->lead_q16 ? lag_q16 : c->lead_q16;
     c->ratio_q16 = (ticks + 1) * 65536; // in force from the next tick to the one behind the plan
-    c->u_behind_q16 = (c->is_z_measured ? 0 : lag_q16) - c->lead_q16;
     c->xz_lag2 = half_square(c->xz_plan_q16) - half_square(lag_q16) / 2;
 }
 

@@ -82,7 +82,6 @@ typedef struct {
     int32_t u_plan_q16, xz_plan_q16; ///< [ticks] lead and lag, and to the end of a plan
     int32_t commanded_q16;           ///< [ticks] what any axis was commanded of before this plan
     int32_t ratio_q16;               ///< [ticks] the speed ratio is read this much ahead
-    int32_t u_behind_q16;            ///< [ticks] U is read this much behind X and Z
     int32_t xz_lag2;                 ///< [ticks^2] what the spindle's acceleration adds to X and Z
     int64_t height_max_q32;          ///< [slices] end of the table for U
     int32_t phase_q32, phase_step_q32;          ///< [turn / 2^32], per tick

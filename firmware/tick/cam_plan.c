@@ -158,16 +158,28 @@ static void aim_height(cam_motion_t *m, const cam_play_config_t *cfg, int64_t ta
     m->height_q32 = target_q32 - (int64_t)m->height_step_q32 * cfg->plan_ticks;
 }
 
-/// U's amplitude, how far behind Z's set-point U is played, and its height there.
-static void aim_u(cam_motion_t *m, const cam_play_config_t *cfg, int32_t scale_q30, int32_t z_nm)
+/// @return [nm] where Z itself will be when U has moved to what it is commanded at the next plan.
+/// It is read off the feed at that instant. Taking Z's set-point less its speed times its lag comes
+/// to the same, but it multiplies the noise of the observed speed by the lag once more, which U
+/// shows where the table is steep over the height.
+static int32_t u_height_nm(const cam_plan_t *p, const cam_play_config_t *cfg, int64_t pos_q32,
+                           int32_t z_nm, int32_t z_vel_q10)
 {
+    return cfg->is_z_measured
+               ? cam_wrap_add(z_nm, (int32_t)(((int64_t)z_vel_q10 * cfg->lead_q16) >> 26))
+               : cfg->z_first_nm + fed_nm(p, cfg, pos_q32);
+}
+
+/// U's amplitude, its height on the table, and how far that is behind Z's set-point.
+static void aim_u(cam_motion_t *m, const cam_play_config_t *cfg, int32_t scale_q30, int32_t z_nm,
+                  int32_t u_z_nm)
+{
+    const int32_t behind_q4 = cam_sat_i32((int64_t)cam_wrap_sub(z_nm, u_z_nm) * 16);
     m->scale_step_q30 = share(cfg, scale_q30 - m->scale_q30);
     m->scale_q30 = scale_q30 - m->scale_step_q30 * cfg->plan_ticks;
-    const int64_t behind_q26 = (int64_t)m->axis[hal_axis_z].vel_q10 * cfg->u_behind_q16;
-    const int32_t behind_q4 = (int32_t)(behind_q26 >> 22);
-    m->behind_step_q4 = share(cfg, behind_q4 - m->behind_q4);
+    m->behind_step_q4 = share(cfg, cam_wrap_sub(behind_q4, m->behind_q4));
     m->behind_q4 = behind_q4 - m->behind_step_q4 * cfg->plan_ticks;
-    aim_height(m, cfg, slice_q32(cfg, cam_wrap_sub(z_nm, (int32_t)(behind_q26 >> 26))));
+    aim_height(m, cfg, slice_q32(cfg, u_z_nm));
 }
 
 /// @return [turn / 2^32] the operator's phase at the next plan
@@ -292,14 +304,15 @@ static void aim_axes(cam_plan_t *p, const cam_play_config_t *cfg, const cam_tick
     const int64_t xz_q32 = ahead_q32(angle, cfg->xz_plan_q16, m->alpha_q40, cfg->xz_lag2);
     const int32_t z_nm = height_nm(p, cfg, r->in.actual_nm[hal_axis_z], xz_q32);
     const int64_t lag_q32 = ((int64_t)angle->speed_q32 * cfg->xz_lag_q16) >> 16;
-    const int32_t u_envelope = envelope_q30(p, cfg, cam_angle_ahead(angle, cfg->u_plan_q16), 0);
+    const int64_t u_q32 = cam_angle_ahead(angle, cfg->u_plan_q16);
+    const int32_t u_envelope = envelope_q30(p, cfg, u_q32, 0);
     ramp(p, cfg, m);
     const int32_t scale_q30 = cam_mul_shift(u_envelope, p->amplitude_q30, 30);
     aim(&m->axis[hal_axis_z], cfg, (int64_t)z_nm * 1024);
     aim(&m->axis[hal_axis_x], cfg,
         profile_q10(cfg, z_nm, envelope_q30(p, cfg, xz_q32 - lag_q32, lag_q32)) + HALF_NM_Q10);
     aim_speed(p, cfg, angle, z_nm, u_envelope, m);
-    aim_u(m, cfg, scale_q30, z_nm);
+    aim_u(m, cfg, scale_q30, z_nm, u_height_nm(p, cfg, u_q32, z_nm, m->axis[hal_axis_z].vel_q10));
     if (cfg->swing.is_swung) {
         aim_swing(cfg, angle, z_nm, scale_q30, m);
     }

@@ -89,10 +89,6 @@ def _explain(answer: Answer) -> str:
     return f"refused: {what}" + (f"; {remedy}" if remedy else "")
 
 
-def _is_out_of_work(status: Status) -> bool:
-    return status.state not in ("engaging", "cutting", "disengaging")
-
-
 class Control:
     """What the subcommands do, over one link."""
 
@@ -245,7 +241,9 @@ class Control:
             n += 1
             writer.writerow(row(status, t_s))
 
-        is_over = _is_out_of_work if arguments.cut else lambda status: False
+        def is_over(status: Status) -> bool:
+            return arguments.cut and status.state not in ("engaging", "cutting", "disengaging")
+
         try:
             with growing(arguments.file) as file:
                 writer = csv.writer(file, lineterminator="\n")
@@ -364,11 +362,8 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _open(arguments: argparse.Namespace) -> tuple[can.BusABC, str]:
-    given = {
-        name: value
-        for name in ("interface", "channel", "bitrate")
-        if (value := getattr(arguments, name)) is not None
-    }
+    asked = {name: getattr(arguments, name) for name in ("interface", "channel", "bitrate")}
+    given = {name: value for name, value in asked.items() if value is not None}
     try:
         bus = can.Bus(**given)
     except (can.CanError, OSError, ValueError, ImportError) as error:
