@@ -18,7 +18,7 @@ endfunction()
 
 find_number(${PATHS} "^isr-bound ([0-9]+) instructions" plan_path)
 find_number(${PATHS} "^isr-stack ([0-9]+) bytes" stack_bytes)
-find_number(${PATHS} "^cam_plan_isr +([0-9]+) +[0-9]+ +[0-9]+" plan)
+find_number(${PATHS} "^plan_isr[.a-z0-9]* +([0-9]+) +[0-9]+ +[0-9]+" plan)
 math(EXPR tick_path "${plan_path} - ${plan}") # every longer path of the tick calls the plan
 
 set(json "{}")

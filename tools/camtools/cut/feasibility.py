@@ -34,7 +34,7 @@ UNITS = {
     "swing_acceleration_deg_s2": "degrees/s2",
 }
 _DRIFT_MARGIN = 1.015  # the firmware's bounds of it are larger by up to that
-PLAN_S = 400e-6  # from one set-point of the swing to the next: cam_plan_period_us
+PLAN_PERIOD_S = 400e-6  # from set-point to set-point of the swing: cam_plan_period_us
 
 
 class Drift(NamedTuple):
@@ -144,7 +144,7 @@ def u_motion(peaks: Peaks, limits: MachineLimits) -> AxisDemand:
 
 def swing_motion(peaks: Peaks, limits: MachineLimits) -> AxisDemand:
     """Return what the swing needs, in degrees."""
-    rate_hz = limits.tick_hz / max(1, round(PLAN_S * limits.tick_hz))
+    rate_hz = limits.tick_hz / max(1, round(PLAN_PERIOD_S * limits.tick_hz))
     return _motion(peaks.swing1_deg, peaks.swing2_deg, peaks.swing_drift, rate_hz)
 
 
