@@ -145,9 +145,11 @@ static uint32_t take_edge(cam_spindle_t *s, const cam_spindle_config_t *cfg, uin
         sync(s, cfg);
         return 0;
     }
-    const int32_t turns = distance < -cfg->max_counts ? -1 : distance > cfg->max_counts ? 1 : 0;
-    const int32_t lost = cam_wrap_sub(distance, turns * cfg->counts_per_turn);
-    s->index_error = cam_wrap_add(s->index_error, lost);
+    int32_t turn = 0; // 0 where the spindle turned back
+    if (!cam_is_within(distance, cfg->max_counts)) {
+        turn = distance < 0 ? -cfg->counts_per_turn : cfg->counts_per_turn;
+    }
+    s->index_error = cam_wrap_add(s->index_error, cam_wrap_sub(distance, turn));
     return cam_is_within(s->index_error, cfg->index_tolerance) ? 0u : CAM_FAULT_BIT(lost_counts);
 }
 

@@ -11,18 +11,14 @@ import sys
 from pathlib import Path
 
 TICK_S = 50e-6
-LAG_S = (
-    100e-6 + 2 * 0.7 / (2 * math.pi * 200) + TICK_S / 2
-)  # of the default drive of the swing
+LAG_S = 100e-6 + 2 * 0.7 / (2 * math.pi * 200) + TICK_S / 2  # of the default drive of the swing
 
 
 def swing_errors_deg(camsim: str, folder: Path) -> list[float]:
     """Return set-point minus table in every tick of the cut, at 60 r/min."""
     with (folder / "t.csv").open() as file:
         rows = [row for row in csv.DictReader(file) if row["state"] == "cutting"]
-    points = "".join(
-        f"{float(row['turn']) + LAG_S:.12f},{row['z_mm']}\n" for row in rows
-    )
+    points = "".join(f"{float(row['turn']) + LAG_S:.12f},{row['z_mm']}\n" for row in rows)
     command = [camsim, "eval", str(folder / "cam.camtab")]
     done = subprocess.run(
         command,
