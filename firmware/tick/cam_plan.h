@@ -47,16 +47,4 @@ static inline int32_t cam_plan_ticks(uint32_t tick_hz)
     return ticks > 1u ? (int32_t)ticks : 1;
 }
 
-/// @param value  [LSB] of the channel x
-/// @return       [nm / 1024] X where the tool tip lies on the long half axis
-static inline int64_t cam_plan_profile_q10(const cam_channel_t *x, int32_t value)
-{
-    return ((int64_t)value * 1024 >> x->frac_bits) + (int64_t)x->value_offset * 1024;
-}
-
-/// Quintic smooth step 10 s^3 - 15 s^4 + 6 s^5.
-/// @param s_q31  [1 / 2^31] 0 .. 2^31 - 1
-/// @return       [1 / 2^30] 0 .. 2^30, error below 2^-24
-int32_t cam_plan_smooth_q30(int32_t s_q31);
-
 #endif

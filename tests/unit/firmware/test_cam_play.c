@@ -36,19 +36,6 @@ static void cut_at(int32_t z_nm)
     fixture_play_ticks(&f, 70); // what is read ahead is beyond the engagement, too
 }
 
-static void test_smooth_everywhere_is_the_polynomial(void)
-{
-    const double bound = ldexp(1.0, -24);
-    for (int64_t s = 0; s <= INT32_MAX; s += 1789) {
-        const int32_t y = cam_plan_smooth_q30((int32_t)s);
-        const double want = fixture_play_smooth((double)s / 2147483648.0);
-        TEST_ASSERT_TRUE(y >= 0 && y <= INT32_C(1) << 30);
-        TEST_ASSERT_TRUE(fabs(y / 1073741824.0 - want) < bound);
-    }
-    TEST_ASSERT_EQUAL_INT32(0, cam_plan_smooth_q30(0));
-    TEST_ASSERT_EQUAL_INT32(INT32_C(1) << 30, cam_plan_smooth_q30(INT32_MAX));
-}
-
 static void test_u_with_lead_is_read_at_the_angle_to_come(void)
 {
     static const int32_t lead_ns[] = {0, 50000, 137500, 3000000};
@@ -262,7 +249,6 @@ static void test_due_is_the_setpoint_of_lead_ago(void)
 int main(void)
 {
     UNITY_BEGIN();
-    RUN_TEST(test_smooth_everywhere_is_the_polynomial);
     RUN_TEST(test_u_with_lead_is_read_at_the_angle_to_come);
     RUN_TEST(test_u_while_the_speed_differs_is_read_at_that_speed);
     RUN_TEST(test_u_of_a_geared_cut_is_read_at_the_height_of_its_angle);

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+/// cam_aim: equal increments of a set-point from one plan to the next, and X over a height.
+///
+/// Inline, constant time, cannot fail. Context: ISR.
+#ifndef CAM_AIM_H
+#define CAM_AIM_H
+
+#include "cam_config.h" // cam_play_config_t
+#include "cam_eval.h"   // cam_eval_profile
+#include "cam_fix.h"    // cam_mul_shift
+#include "cam_move.h"   // cam_move_t
+#include <stdint.h>     // int32_t, int64_t
+
+/// @return the share of one tick in what is left until the next plan
+static inline int32_t cam_aim_share(const cam_play_config_t *cfg, int32_t left)
+{
+    return cam_mul_shift(left, cfg->per_plan_q30, 30);
+}
+
+/// Equal increments to a target; what does not divide is gone at once. Two millimetres per plan are
+/// the most: a Z that others move faster is followed later.
+static inline void cam_aim_isr(cam_move_t *m, const cam_play_config_t *cfg, int64_t target_q10)
+{
+    const int32_t left_q10 = cam_sat_i32(target_q10 - m->pos_q10);
+    m->vel_q10 = cam_aim_share(cfg, left_q10);
+    m->acc_q10 = 0;
+    m->pos_q10 += left_q10 - (int64_t)m->vel_q10 * cfg->plan_ticks;
+}
+
+/// @return [nm / 1024] X over a height, clear of the work by what the envelope leaves
+static inline int64_t cam_aim_profile_q10(const cam_play_config_t *cfg, int32_t z_nm,
+                                          int32_t envelope)
+{
+    const cam_channel_t *x = &cfg->table->x;
+    const int64_t clear_q10 =
+        ((int64_t)cfg->x_clearance_nm * ((INT32_C(1) << 30) - envelope)) >> 20;
+    return ((int64_t)cam_eval_profile(x, z_nm).y * 1024 >> x->frac_bits) +
+           (int64_t)x->value_offset * 1024 + clear_q10;
+}
+
+#endif

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cam_rest.h"
+#include "cam_aim.h"   // cam_aim_isr
+#include "cam_move.h"  // cam_move_to_isr
+#include "cam_swing.h" // cam_swing_rest_isr
+
+static bool is_at(const cam_move_t *m, int64_t place_q10)
+{
+    return m->pos_q10 == place_q10 && m->vel_q10 == 0;
+}
+
+/// One plan towards a place, or to rest, within limits per plan. @return true when it rests there
+static bool move_to(cam_move_t *m, const cam_play_config_t *cfg, const cam_move_limits_t *limits,
+                    int64_t place_q10)
+{
+    cam_move_t next = {.pos_q10 = m->pos_q10, .vel_q10 = m->vel_q10 * cfg->plan_ticks};
+    const bool is_there = cam_move_to_isr(&next, limits, place_q10);
+    cam_aim_isr(m, cfg, next.pos_q10);
+    return is_there;
+}
+
+static bool brake(cam_move_t *m, const cam_play_config_t *cfg, const cam_move_limits_t *limits)
+{
+    cam_move_t next = {.pos_q10 = m->pos_q10, .vel_q10 = m->vel_q10 * cfg->plan_ticks};
+    const bool is_at_rest = cam_move_stop_isr(&next, limits);
+    cam_aim_isr(m, cfg, next.pos_q10);
+    return is_at_rest;
+}
+
+/// Tool out of the work, feed axes at rest. @return true when all of them rest
+static bool stay_out(const cam_play_config_t *cfg, cam_motion_t *m)
+{
+    m->u_target_q10 = cfg->u_retract_q10;
+    const bool is_x_at_rest = brake(&m->axis[hal_axis_x], cfg, &cfg->approach[hal_axis_x]);
+    const bool is_z_at_rest = brake(&m->axis[hal_axis_z], cfg, &cfg->approach[hal_axis_z]);
+    if (cfg->swing.is_swung) {
+        cam_swing_rest_isr(&m->swing, cfg, &cfg->swing.gentle);
+    }
+    return is_at(&m->axis[hal_axis_u], cfg->u_retract_q10) && is_x_at_rest && is_z_at_rest &&
+           (!cfg->swing.is_swung || m->swing.is_there);
+}
+
+/// Z to the start of the cut, X standing, then X: the tool nears the work where it will cut.
+/// @return true when both are there
+static bool approach_xz(const cam_play_config_t *cfg, cam_motion_t *m)
+{
+    cam_move_t *x = &m->axis[hal_axis_x];
+    const int64_t z_q10 = (int64_t)cfg->z_first_nm * 1024;
+    if (is_at(&m->axis[hal_axis_z], z_q10)) {
+        return move_to(x, cfg, &cfg->approach[hal_axis_x],
+                       cam_aim_profile_q10(cfg, cfg->z_first_nm, 0));
+    }
+    (void)move_to(&m->axis[hal_axis_z], cfg, &cfg->approach[hal_axis_z], z_q10);
+    (void)brake(x, cfg, &cfg->approach[hal_axis_x]);
+    return false;
+}
+
+/// X over a Z that others lead; its set-point is where it is. The tool nears the work when U is
+/// ready. @return true when X is there
+static bool approach_x(const cam_play_config_t *cfg, int32_t z_nm, bool is_u_there, cam_motion_t *m)
+{
+    cam_move_t *x = &m->axis[hal_axis_x];
+    m->axis[hal_axis_z] = (cam_move_t){.pos_q10 = (int64_t)z_nm * 1024};
+    if (!is_u_there) {
+        (void)brake(x, cfg, &cfg->approach[hal_axis_x]);
+        return false;
+    }
+    return move_to(x, cfg, &cfg->approach[hal_axis_x], cam_aim_profile_q10(cfg, z_nm, 0));
+}
+
+/// Axes to the start of the cut; a tool that swings comes to rest at 0 first.
+/// @return true when all are there
+static bool approach(const cam_play_config_t *cfg, int32_t z_nm, cam_motion_t *m)
+{
+    if (cfg->swing.is_swung && !m->swing.is_there) {
+        (void)stay_out(cfg, m);
+        return false;
+    }
+    m->u_target_q10 = 0;
+    const bool is_u_there = is_at(&m->axis[hal_axis_u], 0);
+    const bool is_xz_there =
+        cfg->is_z_measured ? approach_x(cfg, z_nm, is_u_there, m) : approach_xz(cfg, m);
+    return is_u_there && is_xz_there;
+}
+
+/// A fault: the guard retracts U, X moves off from where it was led in that tick, Z brakes to rest.
+static void move_off(const cam_play_config_t *cfg, cam_motion_t *m)
+{
+    const int64_t off_q10 = m->x_left_q10 + (int64_t)cfg->x_clearance_nm * 1024;
+    if (cfg->swing.is_swung) {
+        cam_swing_rest_isr(&m->swing, cfg, &cfg->swing.full);
+    }
+    const bool is_x_off = move_to(&m->axis[hal_axis_x], cfg, &cfg->leave[hal_axis_x], off_q10);
+    const bool is_z_at_rest = brake(&m->axis[hal_axis_z], cfg, &cfg->leave[hal_axis_z]);
+    m->is_clear = is_x_off && is_z_at_rest && (!cfg->swing.is_swung || m->swing.is_there);
+}
+
+/// Homing ends when the angle is known, the spindle turns and the tool is out of the work.
+static void home(const cam_play_config_t *cfg, const cam_angle_t *angle, cam_motion_t *m)
+{
+    const bool is_out = stay_out(cfg, m);
+    if (is_out && angle->is_synced && angle->speed_q32 >= cfg->turning_q32) {
+        m->state = cam_state_ready;
+    }
+}
+
+bool cam_rest_isr(const cam_play_config_t *cfg, const cam_tick_record_t *r, cam_motion_t *m)
+{
+    const bool is_idle = m->state == cam_state_off || m->state == cam_state_fault;
+    m->spindle_mrpm = is_idle ? 0 : cfg->spindle_mrpm;
+    m->alpha_q40 = 0;
+    m->alpha_u = 0;
+    m->faults = 0;
+    if (m->state == cam_state_fault) {
+        move_off(cfg, m);
+        return false;
+    }
+    m->is_clear = false;
+    if (m->state == cam_state_engaging) {
+        return approach(cfg, r->in.actual_nm[hal_axis_z], m);
+    }
+    if (m->state == cam_state_off) {
+        cam_swing_follow_isr(&m->swing, r->in.swing_q32);
+    } else if (m->state == cam_state_homing) {
+        home(cfg, &r->angle, m);
+    } else {
+        (void)stay_out(cfg, m);
+    }
+    return false;
+}
