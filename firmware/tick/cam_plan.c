@@ -423,7 +423,7 @@ static void plan_approach(cam_plan_t *p, const cam_play_config_t *cfg, const cam
 }
 
 /// A fault: the guard retracts U, X moves off from where it was led in that tick, Z brakes to rest.
-static void clear_work(const cam_play_config_t *cfg, cam_motion_t *m)
+static void move_off(const cam_play_config_t *cfg, cam_motion_t *m)
 {
     const int64_t off_q10 = m->x_left_q10 + (int64_t)cfg->x_clearance_nm * 1024;
     if (cfg->swing.is_swung) {
@@ -453,7 +453,7 @@ static void plan_rest(cam_plan_t *p, const cam_play_config_t *cfg, const cam_tic
     m->alpha_u = 0;
     m->faults = 0;
     if (m->state == cam_state_fault) {
-        clear_work(cfg, m);
+        move_off(cfg, m);
         return;
     }
     m->is_clear = false;

@@ -103,8 +103,7 @@ static void obey_in_cut(cam_play_t *p, uint32_t request, cam_motion_t *m, cam_wa
 
 /// Carry out a new request if it fits the state, out of the cut. @return faults that the request
 /// reports
-static uint32_t obey(cam_play_t *p, const cam_play_config_t *cfg, uint32_t request,
-                               cam_motion_t *m)
+static uint32_t obey(cam_play_t *p, const cam_play_config_t *cfg, uint32_t request, cam_motion_t *m)
 {
     p->request = request >> 8;
     switch ((cam_request_t)(request & 0xFFu)) {

@@ -145,11 +145,10 @@ static uint32_t take_edge(cam_spindle_t *s, const cam_spindle_config_t *cfg, uin
         sync(s, cfg);
         return 0;
     }
-    int32_t turn = 0; // 0 where the spindle turned back
-    if (!cam_is_within(distance, cfg->max_counts)) {
-        turn = distance < 0 ? -cfg->counts_per_turn : cfg->counts_per_turn;
-    }
-    s->index_error = cam_wrap_add(s->index_error, cam_wrap_sub(distance, turn));
+    const int32_t turn = distance < 0 ? -cfg->counts_per_turn : cfg->counts_per_turn;
+    const int32_t lost =
+        cam_is_within(distance, cfg->max_counts) ? distance : cam_wrap_sub(distance, turn);
+    s->index_error = cam_wrap_add(s->index_error, lost);
     return cam_is_within(s->index_error, cfg->index_tolerance) ? 0u : CAM_FAULT_BIT(lost_counts);
 }
 

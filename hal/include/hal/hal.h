@@ -210,11 +210,11 @@ uint32_t hal_inputs_read_isr(void);
 /// ignore it. Simulator: keeps it for the machine models.
 void hal_axis_write_isr(hal_axis_t axis, const hal_setpoint_t *setpoint);
 
-/// Give the swing its set-point, valid from this tick; <= 60 cycles. In state off it is called every
-/// 0.4 ms, or in every tick where that is longer, with the measured angle. With a table that swings
-/// the tool it is then called at the same rate, as over a field bus; with other tables it is not
-/// called again, and the drive must hold its place. While enable is low the port may ignore it. Simulator: counts the
-/// set-points and keeps the last one for the machine models.
+/// Give the swing its set-point, valid from this tick; <= 60 cycles. In state off it is called
+/// every 0.4 ms, or in every tick where that is longer, with the measured angle. With a table that
+/// swings the tool it is then called at the same rate, as over a field bus; with other tables it is
+/// not called again, and the drive must hold its place. While enable is low the port may ignore it.
+/// Simulator: counts the set-points and keeps the last one for the machine models.
 void hal_swing_write_isr(const hal_swing_t *setpoint);
 
 /// Give the spindle its speed set-point; <= 30 cycles.
