@@ -32,7 +32,7 @@ COLUMNS, ROWS = 720, 256  # cells of camsim's map
 # Form error of either way away from the ends; thus their surfaces differ by less than twice that.
 BODY_NM, RMS_UM = 150, 0.08
 # X leaves the part at its end; plans fall at other instants (firmware/README.md, "Two rates").
-END_MM, END_NM = 0.5, 3000
+END_MM, END_NM = 0.5, 300
 SAME_CELL_NM = 200
 U_STROKE_UM = 150  # of the part
 FOLLOWING, FAULT, DISABLED = 0x27, 0x08, 0x40
