@@ -14,7 +14,7 @@
 /// nanometres.
 #define CHECK_MARGIN_Q10 (3 * 1024)
 
-/// [2^-32 slices] from the last slice: U's height stays between two slices, rounded ways and all.
+/// [slices / 2^32] that U's height stays below the last slice, rounding of its increments included.
 enum { height_end = 64 };
 
 /// Knots per tick up to which derivatives are taken: 2^4. Start refuses speeds beyond.
@@ -89,7 +89,8 @@ static void build_observer(cam_spindle_config_t *c, const cam_params_t *p, uint3
     c->ki_q32 = cam_sat_i32((wt_q24 * wt_q24) >> 16);
 }
 
-/// As late as a parameter can bear, as a tick after a pause is not.
+/// Periods that a tick may take by late_percent at its largest; after a longer pause it counts as
+/// that long.
 enum { most_periods = 10 };
 
 /// On time is within a sixteenth of the period, or within one unit of a coarse clock.
@@ -140,7 +141,8 @@ static void build_speed(cam_speed_config_t *c, const cam_params_t *p, int32_t di
     c->mean_q32 = (int32_t)cam_clamp_i64(mean_q32, 0, INT64_C(1) << 26);
 }
 
-/// Z along a ring-helix instead. Its ramps are made for the speed that the spindle is commanded.
+/// A table may demand a ring-helix of a geared Z instead. Its ramps are made for the speed that the
+/// spindle is commanded.
 static void build_rings(cam_play_config_t *c, const cam_params_t *p, const cam_table_t *table,
                         uint32_t speed_mrpm)
 {
@@ -236,7 +238,7 @@ static int32_t half_square(int64_t ticks_q16)
     return (int32_t)cam_clamp_i64((ticks_q8 * ticks_q8) >> 17, 0, 1 << 21);
 }
 
-/// What is read is in LSB / 16, which are 2^-(30 + frac) turn.
+/// The channel is read in LSB / 16, each of which is 2^-(30 + frac) turn.
 static void build_swing(cam_swing_config_t *c, const cam_params_t *p, const cam_channel_t *ch,
                         uint32_t tick_hz)
 {
@@ -253,7 +255,7 @@ static void build_swing(cam_swing_config_t *c, const cam_params_t *p, const cam_
                              p->swing_acceleration_deg_per_s2 / approach_share, tick_hz);
 }
 
-/// How far ahead X and Z, U and the speed ratio are planned: to the next plan and their lag. U is
+/// X and Z, U and the speed ratio are planned ahead, to the next plan and by their lag. U is
 /// at the height that a geared Z reaches after its own lag, and a measured Z has reached. While the
 /// spindle accelerates two equal poles lag by the square of half their lag more.
 static void build_plan(cam_play_config_t *c, uint32_t tick_hz)
@@ -342,8 +344,8 @@ static void build_guard(cam_guard_config_t *c, const cam_params_t *p, uint32_t s
     c->u_retract_q10 = retract_q10(p, rise_nm);
 }
 
-/// What the interrupt can count on: history reaches back over the lead, the observer is slower than
-/// the tick, feed-forward gains fit 15 integer bits.
+/// Check what the interrupt relies on: the history reaches back over the lead, the observer is
+/// slower than the tick, feed-forward gains fit 15 integer bits.
 static cam_err_t check_fit(const cam_params_t *p, uint32_t tick_hz)
 {
     const int64_t lead_q16 = scale(p->lead_ns, (int64_t)tick_hz * 65536, 1000000000);
@@ -375,7 +377,8 @@ cam_err_t cam_build_config(cam_config_t *config, const cam_params_t *params,
         config->table = *table;
         config->play.table = &config->table;
         build_feed(&config->play, params, table, tick_hz);
-        // From a speed that no change in the work moves: the scale is state of the plan, too.
+        // Made for the limit of the spindle, not for its speed: the plan keeps values in this
+        // scale, which must not change while it cuts.
         const int32_t limit_q32 =
             cam_build_speed_q32((uint32_t)params->spindle_limit_mrpm, tick_hz);
         config->play.height_max_q32 = ((int64_t)table->u.n_slices - 1) * CAM_TURN_Q32 - height_end;

@@ -17,8 +17,8 @@ static inline int32_t cam_aim_share(const cam_play_config_t *cfg, int32_t left)
     return cam_mul_shift(left, cfg->per_plan_q30, 30);
 }
 
-/// Equal increments to a target; what does not divide is gone at once. Two millimetres per plan are
-/// the most: a Z that others move faster is followed later.
+/// Plan equal increments to a target; the remainder of the division is added at once. The distance
+/// saturates at two millimetres per plan: a Z that others move faster is followed later.
 static inline void cam_aim_isr(cam_move_t *m, const cam_play_config_t *cfg, int64_t target_q10)
 {
     const int32_t left_q10 = cam_sat_i32(target_q10 - m->pos_q10);
@@ -27,7 +27,7 @@ static inline void cam_aim_isr(cam_move_t *m, const cam_play_config_t *cfg, int6
     m->pos_q10 += left_q10 - (int64_t)m->vel_q10 * cfg->plan_ticks;
 }
 
-/// @return [nm / 1024] X over a height, clear of the work by what the envelope leaves
+/// @return [nm / 1024] X over a height, and off the work by 1 - envelope of the clearance
 static inline int64_t cam_aim_profile_q10(const cam_play_config_t *cfg, int32_t z_nm,
                                           int32_t envelope)
 {

@@ -3,7 +3,8 @@
 ///
 /// cam_build.h makes a configuration of parameters and table on the slow side, with all divisions
 /// and all checks of fit, in the half of the bank that the interrupt does not use; the interrupt
-/// takes it at the start of a tick and keeps it for that tick. No lock: one atomic index each way.
+/// takes it at the start of a tick and keeps it for that tick. There is no lock, but one atomic
+/// pointer in each direction.
 #ifndef CAM_CONFIG_H
 #define CAM_CONFIG_H
 
@@ -46,7 +47,7 @@ typedef struct {
     uint32_t y_up, v_up;  ///< shifts of the high words of the products
     uint32_t a_down;      ///< of d2 before, and
     uint32_t a_shift;     ///< of the product
-    uint32_t alpha_shift;
+    uint32_t alpha_shift; ///< of the acceleration that the spindle is commanded
 } cam_u_scale_t;
 
 /// Limits of the return to 0.
@@ -80,10 +81,10 @@ typedef struct {
     int32_t per_plan_q30;            ///< [1 / ticks] its reciprocal, rounded down
     int32_t xz_lag_q16;              ///< [ticks] lag of X and Z
     int32_t u_plan_q16, xz_plan_q16; ///< [ticks] lead and lag, and to the end of a plan
-    int32_t commanded_q16;           ///< [ticks] what any axis was commanded of before this plan
-    int32_t ratio_q16;               ///< [ticks] the speed ratio is read this much ahead
-    int32_t xz_lag2;                 ///< [ticks^2] what the spindle's acceleration adds to X and Z
-    int64_t height_max_q32;          ///< [slices] end of the table for U
+    int32_t commanded_q16;  ///< [ticks] ahead of the master: no axis was commanded beyond it
+    int32_t ratio_q16;      ///< [ticks] the speed ratio is read this much ahead
+    int32_t xz_lag2;        ///< [ticks^2] what the spindle's acceleration adds to X and Z
+    int64_t height_max_q32; ///< [slices] end of the table for U
     int32_t phase_q32, phase_step_q32;          ///< [turn / 2^32], per tick
     int32_t amplitude_q30, amplitude_step_q30;  ///< [1], per tick
     int64_t engage_q32, disengage_q32;          ///< [turn] lengths
@@ -116,11 +117,10 @@ typedef struct {
     uint32_t homing_ticks;      ///< [ticks] for the spindle to turn while homing
     int32_t following_nm;       ///< [nm]
     int32_t u_vel_q6, u_acc_q6; ///< [nm / 64 per tick, per tick^2] of the set-point
-    int32_t
-        u_acc_off_q6;    ///< [nm / 64 per tick^2] around a tick off its time, whose step is another
-    int32_t u_range_q6;  ///< [nm / 64] half the stroke
-    cam_move_limits_t u; ///< for the retract
-    int64_t u_retract_q10; ///< [nm / 1024] place of U out of the work
+    int32_t u_acc_off_q6;       ///< [nm / 64 per tick^2] of a tick off its time, whose step differs
+    int32_t u_range_q6;         ///< [nm / 64] half the stroke
+    cam_move_limits_t u;        ///< for the retract
+    int64_t u_retract_q10;      ///< [nm / 1024] place of U out of the work
 } cam_guard_config_t;
 
 /// Everything that a tick reads and does not change.

@@ -17,8 +17,8 @@ int32_t cam_envelope_smooth_q30(int32_t s_q31);
 
 /// The smooth step over a length, as a drive must be commanded to follow it. Up to a sixteenth of
 /// the length is inverted, then the command overshoots the end by at most 12 / 16^3 of the step;
-/// what the lag has more is made up for by reading ahead.
-/// @param done_q32        [turn] behind the begin of the step; any value
+/// the rest of a longer lag is compensated for by reading ahead.
+/// @param done_q32        [turn] behind the start of the step; any value
 /// @param lag_q32         [turn] travelled during the lag of the drive, 0 where it has none
 /// @param length_q32      [turn] of the step, up to 100 turns
 /// @param per_length_q31  [1/turn] its reciprocal

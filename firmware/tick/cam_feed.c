@@ -6,11 +6,11 @@
 /// [1 / 2^32] one.
 #define ONE_Q32 (UINT64_C(1) << 32)
 
-/// [turn / 2^32] a shorter ramp would win nothing: a degree and a half.
+/// [turn / 2^32] a shorter ramp would gain nothing: a degree and a half.
 #define LEAST_RAMP_Q32 (UINT32_C(1) << 24)
 
-/// A turn's way over Z's acceleration, in nm s2/mm and units of 10^-4 (r/min / 1000)^2.
-#define WAY_PER_ACCELERATION UINT64_C(360000000000)
+/// 1 mm/s2 in the unit of feed_speed2(): 10^6 nm/mm (60000 (r/min / 1000) per turn/s)^2 10^-4.
+#define ONE_MM_PER_S2 UINT64_C(360000000000)
 
 static uint64_t at_least(uint64_t v, uint64_t least)
 {
@@ -27,8 +27,8 @@ static uint64_t section_nm(uint32_t feed_nm)
     return at_least(feed_nm, cam_feed_least_nm);
 }
 
-/// @return feed n^2, rounded up, below 2^62
-static uint64_t way_per_turn2(uint32_t feed_nm, uint32_t speed_mrpm)
+/// @return [nm * 10^4 (r/min / 1000)^2] feed n^2, rounded up, below 2^62
+static uint64_t feed_speed2(uint32_t feed_nm, uint32_t speed_mrpm)
 {
     const uint64_t speed2 = ((uint64_t)speed_mrpm * speed_mrpm + 9999u) / 10000u;
     return section_nm(feed_nm) * speed2;
@@ -37,16 +37,16 @@ static uint64_t way_per_turn2(uint32_t feed_nm, uint32_t speed_mrpm)
 /// r = (1 - sqrt(1 - 4 feed n^2 / a)) / 2; both sides of the quotient are brought to 31 bits.
 uint32_t cam_feed_ramp_q32(uint32_t feed_nm, uint32_t speed_mrpm, uint32_t acceleration_mm_per_s2)
 {
-    uint64_t way = way_per_turn2(feed_nm, speed_mrpm);
-    uint64_t whole = WAY_PER_ACCELERATION * acceleration_mm_per_s2;
+    uint64_t part = feed_speed2(feed_nm, speed_mrpm);
+    uint64_t whole = ONE_MM_PER_S2 * acceleration_mm_per_s2;
     while (whole >> 31 != 0u) {
         whole >>= 1;
-        way = (way + 1u) >> 1;
+        part = (part + 1u) >> 1;
     }
-    if (4u * way >= whole) {
+    if (4u * part >= whole) {
         return (uint32_t)(ONE_Q32 / 2u);
     }
-    const uint64_t inner_q32 = ((whole - at_least(4u * way, 1u)) << 32) / whole;
+    const uint64_t inner_q32 = ((whole - at_least(4u * part, 1u)) << 32) / whole;
     const uint64_t ramp_q32 = (ONE_Q32 - cam_root_u64(inner_q32 << 32) + 1u) / 2u;
     return (uint32_t)at_least(ramp_q32, LEAST_RAMP_Q32);
 }
@@ -60,8 +60,8 @@ uint64_t cam_feed_speed_um_per_s(uint32_t feed_nm, uint32_t speed_mrpm, uint32_t
 
 uint64_t cam_feed_least_acceleration(uint32_t feed_nm, uint32_t speed_mrpm)
 {
-    const uint64_t per = WAY_PER_ACCELERATION / 4u;
-    return (way_per_turn2(feed_nm, speed_mrpm) + per - 1u) / per;
+    const uint64_t per = ONE_MM_PER_S2 / 4u;
+    return (feed_speed2(feed_nm, speed_mrpm) + per - 1u) / per;
 }
 
 cam_rings_t cam_feed_rings(uint32_t feed_nm, int32_t span_nm, uint32_t speed_mrpm,

@@ -50,7 +50,7 @@ cam_rings_t cam_feed_rings(uint32_t feed_nm, int32_t span_nm, uint32_t speed_mrp
 /// @return [turn / 2^32] length: 2 m - 1 turns, below 2^62. Context: slow side.
 int64_t cam_feed_turns_q32(const cam_rings_t *rings);
 
-/// What of a step is fed.
+/// Share of a step to the next ring that is fed.
 /// @param done_q32  [turn / 2^32] since the first ring began, 0 .. the length
 /// @return          [1 / 2^30] 0 .. 2^30, 0 in a ring; error below 2^-26
 /// Context: ISR.

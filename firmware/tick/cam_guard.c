@@ -52,7 +52,8 @@ static void count_new(cam_guard_t *g)
     g->counted = g->faults;
 }
 
-/// Standing still counts in the states that watch it; while homing, turning backwards is no better.
+/// @return whether the spindle stands, in the states that watch for it; while homing, turning
+/// backwards counts as standing
 static bool is_standing(const cam_guard_config_t *cfg, const cam_tick_record_t *r)
 {
     const int32_t speed_q32 = r->angle.speed_q32;
@@ -75,8 +76,8 @@ uint32_t cam_guard_plan_isr(cam_guard_t *g, const cam_guard_config_t *cfg,
            bit_if(speed_q32 > cfg->overspeed_q32, CAM_FAULT_BIT(overspeed));
 }
 
-/// Everything that a tick may be blamed for. Differences of set-points wrap only where they are far
-/// beyond the limits, and what is left of them is so, too.
+/// @return all faults of a tick, armed or not. Differences of set-points wrap only where they are
+/// far beyond the limits, and then the wrapped value is beyond them, too
 static uint32_t blame(cam_guard_t *g, const cam_guard_config_t *cfg, const cam_tick_record_t *r,
                       int32_t step_q6)
 {
@@ -114,7 +115,7 @@ uint32_t cam_guard_count(const cam_guard_t *g, cam_fault_t fault)
     return (counted + n) % (1u << cam_guard_count_bits);
 }
 
-/// In the tick of the fault U goes on as it did, from where it was written last.
+/// In the tick of the fault U continues from its last set-point at the speed of its last step.
 static cam_verdict_t enter_fault(cam_guard_t *g, uint32_t faults)
 {
     g->faults = faults;
@@ -129,7 +130,7 @@ static cam_verdict_t enter_fault(cam_guard_t *g, uint32_t faults)
     };
 }
 
-/// In the ticks after that of the fault. The plan leads the other axes away.
+/// In the ticks after that of the fault U retracts, while the plan leads the other axes away.
 static cam_verdict_t leave_work(cam_guard_t *g, const cam_guard_config_t *cfg, uint32_t faults,
                                 bool is_clear)
 {
@@ -166,7 +167,7 @@ CAM_STAGE static cam_verdict_t rest(cam_guard_t *g, const cam_guard_config_t *cf
                : leave_work(g, cfg, r->want.faults & ARMED_IN_FAULT, m->is_clear);
 }
 
-/// What play wants is written.
+/// There is no fault: the set-point of play is written.
 static cam_verdict_t accept(cam_guard_t *g, const cam_want_t *want, int32_t step_q6)
 {
     g->u_set_q6 = want->u_set_q6;

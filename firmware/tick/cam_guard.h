@@ -3,13 +3,13 @@
 ///
 /// Every tick the wanted set-points and the machine's answers are compared with the limits. The
 /// guard changes none of them: it returns a verdict, and while it is in charge it has set-points of
-/// its own (cam_guard_t.axis), which the tick writes in the place of play's. A fault that is armed
-/// in the present state is latched, and the guard takes the axes over: in the same tick U is
-/// written where its last speed leads it, not where the fault wants it, the spindle gets set-point
-/// 0; from the next tick on U retracts within its limits, X moves off by the clearance, Z brakes to
-/// rest; then the enable drops. When a drive is not ready, the enable drops at once. FAULTS.md
-/// tells for each fault how soon it is seen, what happens and how to get out. Context: ISR unless
-/// noted.
+/// its own (cam_guard_t.u), which the tick writes in the place of play's. A fault that is armed
+/// in the present state is latched, and the guard takes the axes over: in the same tick U
+/// continues at the speed of its last step, because the set-point of that tick is not trusted, and
+/// the spindle gets set-point 0; from the next tick on U retracts within its limits, X moves off by
+/// the clearance, Z brakes to rest; then the enable drops. When a drive is not ready, the enable
+/// drops at once. FAULTS.md states for each fault how soon it is detected, the reaction and the
+/// remedy. Context: ISR unless noted.
 #ifndef CAM_GUARD_H
 #define CAM_GUARD_H
 
@@ -44,8 +44,8 @@ typedef struct {
 cam_verdict_t cam_guard_step_isr(cam_guard_t *g, const cam_guard_config_t *cfg,
                                  const cam_tick_record_t *r, const cam_motion_t *m);
 
-/// What of the guard only the plan does: it judges the speed of the spindle, and counts the faults
-/// that are new, for which the tick of a fault has no time.
+/// The part of the guard that runs once per plan: it judges the speed of the spindle and counts the
+/// new faults, which would make the tick of a fault longer.
 /// @return faults for the next tick: reverse, spindle_stopped, overspeed
 uint32_t cam_guard_plan_isr(cam_guard_t *g, const cam_guard_config_t *cfg,
                             const cam_tick_record_t *r);

@@ -31,7 +31,7 @@ bool cam_move_to_isr(cam_move_t *m, const cam_move_limits_t *limits, int64_t tar
     const int64_t distance = target_q10 - m->pos_q10;
     const bool is_backward = distance < 0;
     const int64_t magnitude = is_backward ? -distance : distance;
-    // Further is as good as infinite for braking.
+    // A longer distance never limits the speed: the axis can always brake within it.
     const int32_t ahead = magnitude < INT32_MAX ? (int32_t)magnitude : INT32_MAX;
     const int32_t vel = is_backward ? -m->vel_q10 : m->vel_q10;
     const int32_t a = limits->acceleration_q10;

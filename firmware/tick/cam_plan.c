@@ -8,7 +8,7 @@
 #include "cam_rest.h"     // cam_rest_isr
 #include "cam_swing.h"    // cam_swing_aim_isr
 
-/// Half a nanometre: what is read in whole ones is then rounded.
+/// [nm / 1024] half a nanometre: the tick takes whole ones of X, which are thus rounded to nearest.
 #define HALF_NM_Q10 512
 
 /// [1] in the unit of envelopes.
@@ -62,7 +62,7 @@ static int32_t fed_nm(const cam_plan_t *p, const cam_play_config_t *cfg, int64_t
     return (int32_t)((fed_q32 * cfg->feed_nm + (INT64_C(1) << 31)) >> 32);
 }
 
-/// @return [nm] Z at the next plan; one that others lead goes on as it did since the last plan
+/// @return [nm] Z at the next plan; a measured Z is extrapolated by its travel since the last plan
 static int32_t height_nm(cam_plan_t *p, const cam_play_config_t *cfg, int32_t actual_nm,
                          int64_t pos_q32)
 {
@@ -80,9 +80,9 @@ static int64_t slice_q32(const cam_play_config_t *cfg, int32_t z_nm)
     return cam_clamp_i64(found_q32, 0, cfg->height_max_q32);
 }
 
-/// U's height on the table. Eight slices per plan are the most: no feed is as fast. The increment
-/// is rounded towards 0, so that what is gone at once is gone towards the target: U never leaves
-/// the table.
+/// Plan U's height on the table. The increment saturates at eight slices per plan, which is faster
+/// than any feed. It is rounded towards 0, so that the remainder, which is added at once, points
+/// towards the target as well: U never leaves the table.
 static void aim_height(cam_motion_t *m, const cam_play_config_t *cfg, int64_t target_q32)
 {
     const int32_t left_q28 = cam_sat_i32((target_q32 - m->height_q32) >> 4);
@@ -104,7 +104,8 @@ static int32_t u_height_nm(const cam_plan_t *p, const cam_play_config_t *cfg, in
                : cfg->z_first_nm + fed_nm(p, cfg, pos_q32);
 }
 
-/// U's amplitude, its height on the table, and how far that is behind Z's set-point.
+/// Plan U's amplitude, its height on the table, and the distance of that height behind Z's
+/// set-point.
 static void aim_u(cam_motion_t *m, const cam_play_config_t *cfg, int32_t scale_q30, int32_t z_nm,
                   int32_t u_z_nm)
 {
@@ -122,8 +123,8 @@ static uint32_t phase_then_q32(const cam_motion_t *m, const cam_play_config_t *c
     return (uint32_t)m->phase_q32 + (uint32_t)m->phase_step_q32 * (uint32_t)cfg->plan_ticks;
 }
 
-/// Spindle: the speed ratio moves linearly to that of the next plan, and the set-point is what
-/// makes a spindle with its lag do so. Without a speed channel the ratio is 1.
+/// Plan the spindle: the speed ratio moves linearly to that of the next plan, and the set-point is
+/// what makes a spindle with its lag do so. Without a speed channel the ratio is 1.
 static void aim_speed(cam_plan_t *p, const cam_play_config_t *cfg, const cam_angle_t *angle,
                       int32_t z_nm, int32_t envelope, cam_motion_t *m)
 {
@@ -149,8 +150,8 @@ static void aim_swing(const cam_play_config_t *cfg, const cam_angle_t *angle, in
                       scale_q30);
 }
 
-/// Phase and amplitude towards what the operator set, as far as their rates allow until the next
-/// plan.
+/// Move phase and amplitude towards the operator's values, as far as their rates allow until the
+/// next plan.
 static void ramp(cam_plan_t *p, const cam_play_config_t *cfg, cam_motion_t *m)
 {
     const int32_t left_q32 = cam_angle_diff_q32((uint32_t)cfg->phase_q32, (uint32_t)m->phase_q32);
@@ -164,7 +165,8 @@ static void ramp(cam_plan_t *p, const cam_play_config_t *cfg, cam_motion_t *m)
 }
 
 /// Measured Z must lie on the table, a geared one moreover where its set-point was one lag ago.
-static uint32_t look_at_z(const cam_play_config_t *cfg, int32_t z_nm, const cam_move_t *z)
+/// @return fault z_range or none
+static uint32_t check_z(const cam_play_config_t *cfg, int32_t z_nm, const cam_move_t *z)
 {
     const int64_t due_q10 = z->pos_q10 - (((int64_t)z->vel_q10 * cfg->xz_lag_q16) >> 16);
     const int64_t off_nm = z_nm - (due_q10 >> 10);
@@ -184,19 +186,19 @@ static cam_state_t state_at(const cam_plan_t *p, const cam_play_config_t *cfg, i
 }
 
 /// @return [turn] the first whole turn that no axis was commanded to
-static int64_t free_turn_q32(const cam_play_config_t *cfg, const cam_angle_t *angle)
+static int64_t next_turn_q32(const cam_play_config_t *cfg, const cam_angle_t *angle)
 {
     return cam_angle_next_turn(cam_angle_ahead(angle, cfg->commanded_q16));
 }
 
-/// The end of the feed, and behind it that of the cut, on a whole turn that no axis was commanded
-/// to. A feed in motion falls over its ramp, a ring-helix goes on to the end of the next ring, a
-/// feed that has not begun does not begin.
+/// Lay the end of the feed, and behind it that of the cut, onto a whole turn that no axis was
+/// commanded to. A feed in motion falls over its ramp, a ring-helix goes on to the end of the next
+/// ring, a feed that has not begun does not begin.
 static void lay_end(cam_plan_t *p, const cam_play_config_t *cfg, const cam_angle_t *angle)
 {
     const int64_t ramp_q32 = cfg->ramp_q32;
     int64_t turns_q32 = 0;
-    int64_t end_q32 = free_turn_q32(cfg, angle);
+    int64_t end_q32 = next_turn_q32(cfg, angle);
     const int64_t fed_q32 = end_q32 - p->feed_at_q32;
     if (fed_q32 > 0 && !cfg->is_z_measured) {
         turns_q32 = cfg->rings.is_on     ? cam_feed_ring_end_q32(fed_q32)
@@ -210,12 +212,12 @@ static void lay_end(cam_plan_t *p, const cam_play_config_t *cfg, const cam_angle
     }
 }
 
-/// The cut is laid onto whole turns of the master; everything is at its start.
+/// Lay the cut onto whole turns of the master, and set all that changes in it to its first value.
 static void lay(cam_plan_t *p, const cam_play_config_t *cfg, const cam_tick_record_t *r,
                 cam_motion_t *m)
 {
     const int32_t actual_nm = r->in.actual_nm[hal_axis_z];
-    p->engage_at_q32 = free_turn_q32(cfg, &r->angle);
+    p->engage_at_q32 = next_turn_q32(cfg, &r->angle);
     p->feed_at_q32 = p->engage_at_q32 + cfg->engage_q32;
     p->feed_turns_q32 = cfg->feed_q32;
     p->disengage_at_q32 = cfg->is_z_measured ? NEVER_Q32 : p->feed_at_q32 + cfg->feed_q32;
@@ -230,7 +232,7 @@ static void lay(cam_plan_t *p, const cam_play_config_t *cfg, const cam_tick_reco
     m->is_playing = true;
 }
 
-/// All axes for the instant of the next plan.
+/// Plan all axes for the instant of the next plan.
 static void aim_axes(cam_plan_t *p, const cam_play_config_t *cfg, const cam_tick_record_t *r,
                      cam_motion_t *m)
 {
@@ -253,13 +255,13 @@ static void aim_axes(cam_plan_t *p, const cam_play_config_t *cfg, const cam_tick
     }
 }
 
-/// While the axes follow the table.
+/// One plan while the axes follow the table.
 static void plan_cut(cam_plan_t *p, const cam_play_config_t *cfg, const cam_tick_record_t *r,
                      cam_motion_t *m)
 {
-    m->faults = look_at_z(cfg, r->in.actual_nm[hal_axis_z], &m->axis[hal_axis_z]);
+    m->faults = check_z(cfg, r->in.actual_nm[hal_axis_z], &m->axis[hal_axis_z]);
     if (cfg->swing.is_swung) {
-        m->faults |= cam_swing_look_isr(&m->swing, cfg, r->in.swing_q32);
+        m->faults |= cam_swing_check_isr(&m->swing, cfg, r->in.swing_q32);
     }
     if (m->is_stopping) {
         lay_end(p, cfg, &r->angle);

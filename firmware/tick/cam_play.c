@@ -7,8 +7,8 @@
 
 /// U with its velocity and acceleration: derivatives per knot times knots per tick. The slow change
 /// of envelope, amplitude and height adds nothing worth naming to them (a skirt: 1e-6 of the
-/// speed). What does not fit is a fault of this tick, which writes nothing of it. The place is kept
-/// by the guard.
+/// speed). A value that does not fit its word is a fault of this tick, and the guard writes a
+/// set-point of its own instead. The guard also keeps the position of U that was written last.
 /// @return [nm / 64] U
 CAM_STAGE static int32_t surface(cam_motion_t *m, const cam_play_config_t *cfg, int32_t speed_q32,
                                  uint32_t theta_q32)
@@ -37,7 +37,7 @@ static void advance(cam_move_t *m)
     m->pos_q10 += m->vel_q10;
 }
 
-/// What moves linearly until the next plan goes on.
+/// Move everything that is linear between two plans on by one tick.
 static void move_on(cam_motion_t *m)
 {
     advance(&m->axis[hal_axis_x]);
@@ -48,7 +48,8 @@ static void move_on(cam_motion_t *m)
     m->height_q32 += m->height_step_q32;
 }
 
-/// U from the angle. In the tick of a fault U keeps its pace: the guard takes over.
+/// Take U from the angle. In the tick of a fault U continues at the speed of its last step, and the
+/// guard takes over.
 /// @return [nm / 64] U
 static int32_t play_table(cam_play_t *p, const cam_play_config_t *cfg, const cam_angle_t *angle,
                           cam_motion_t *m, uint32_t faults)
@@ -80,7 +81,7 @@ CAM_STAGE static int32_t move_u(cam_motion_t *m, const cam_play_config_t *cfg,
         follow_axes(m, in);
     } else if (m->state != cam_state_fault) {
         (void)cam_move_to_isr(u, &cfg->approach[hal_axis_u], m->u_target_q10);
-    } else { // it is where the guard has led it
+    } else { // U is where the guard has led it
         m->spindle_mrpm = 0;
     }
     return cam_sat_i32(u->pos_q10 >> 4);
@@ -136,8 +137,9 @@ static uint32_t obey(cam_play_t *p, const cam_play_config_t *cfg, uint32_t reque
     return 0;
 }
 
-/// U set-point of lead ticks ago, between two of them: that is where the drive should be now. What
-/// does not fit 32 bits occurs only while off, where the following error is not judged.
+/// @return [nm / 64] U's set-point of lead ticks ago, interpolated between two of them, which is
+/// where the drive should be now. The difference overflows only in the state off, in which the
+/// following error is not judged
 static int32_t due_q6(cam_play_t *p, const cam_play_config_t *cfg)
 {
     const int32_t a_q6 = p->history_q6[(p->n_history - cfg->lead_ticks) % cam_play_history];

@@ -9,10 +9,10 @@
 ///     spindle = mean speed, or mean * (1 + envelope * (ratio(angle, Z) - 1)) where the table
 ///               modulates it (cam_speed.h)
 /// U is read in every tick, at the angle that the spindle will have when the drive's dead time has
-/// passed. What changes slowly, all the rest, moves on by the increments of the plan (cam_plan.h).
-/// In all other states U moves to a place within its limits (cam_move.h), X and Z by the plan.
-/// Requests are /// carried out in the tick that senses them. Source: MATHS.md (54), (55). Context:
-/// ISR.
+/// passed. All the rest changes slowly and moves on by the increments of the plan (cam_plan.h). In
+/// all other states U moves to a place within its limits (cam_move.h), X and Z by the plan.
+/// Requests are carried out in the tick that senses them.
+/// Source: MATHS.md (54), (55). Context: ISR.
 #ifndef CAM_PLAY_H
 #define CAM_PLAY_H
 

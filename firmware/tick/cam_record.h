@@ -30,7 +30,7 @@ _Static_assert(CAM_FAULT_BIT(estop) == hal_in_estop && CAM_FAULT_BIT(drive) == h
                    CAM_FAULT_BIT(bus) == hal_in_bus_lost,
                "an input is its own fault");
 
-/// @return faults that the inputs tell of
+/// @return faults that the inputs report
 static inline uint32_t cam_sense_faults(const cam_sense_t *in)
 {
     return (in->inputs ^ hal_in_drive_ready) &
@@ -70,20 +70,20 @@ typedef struct {
     bool is_clear;        ///< state fault: X has moved off, Z and the swing have come to rest
     bool is_retracted;    ///< state fault: the guard's retract has ended
     uint32_t faults;      ///< seen by the plan, for the ticks up to the next one
-    cam_move_t axis[hal_n_axes];       ///< while playing U's place is in cam_want_t
+    cam_move_t axis[hal_n_axes];       ///< while playing, U's position is in cam_want_t
     int64_t u_target_q10;              ///< [nm / 1024] where U goes while it does not play
     int64_t x_left_q10;                ///< [nm / 1024] X in the tick of the fault
     int64_t height_q32;                ///< [slices] U's height on the table
     int32_t height_step_q32;           ///< per tick
     int32_t scale_q30, scale_step_q30; ///< [1] amplitude * envelope of U, per tick
-    int32_t behind_q4, behind_step_q4; ///< [nm / 16] U is played this much behind Z, per tick
+    int32_t behind_q4, behind_step_q4; ///< [nm / 16] U's height is this far behind Z, per tick
     int32_t phase_q32, phase_step_q32; ///< [turn / 2^32], per tick
     int32_t alpha_q40; ///< [turn / 2^40 per tick^2] acceleration that the set-point demands
     int32_t alpha_u;   ///< the same in the unit of U's
     cam_swing_t swing;
 } cam_motion_t;
 
-/// What play wants of the machine, besides the axes; then what the guard left of it.
+/// What play wants of the machine besides the axes; the guard replaces what it does not accept.
 typedef struct {
     cam_state_t state;
     int32_t spindle_mrpm; ///< [r/min / 1000] set-point, signed
@@ -95,7 +95,7 @@ typedef struct {
     bool is_retracted;    ///< guard: tool at rest out of the work
 } cam_want_t;
 
-/// What the guard makes of a tick.
+/// The guard's judgement of a tick.
 typedef struct {
     uint32_t faults;   ///< latched
     uint32_t outputs;  ///< hal_out_*

@@ -16,8 +16,8 @@ static uint32_t sensed_edge(const cam_spindle_config_t *cfg, uint32_t counts)
     return (counts ^ cfg->sign_mask) - cfg->sign_mask;
 }
 
-/// A tick moves less than a turn: at most half a turn, which no speed is beyond, and the jump
-/// window.
+/// A tick moves less than a turn: at most half a turn, beyond which no speed can be represented,
+/// and the jump window, a quarter of a turn.
 static void move_in_turn(cam_spindle_t *s, const cam_spindle_config_t *cfg, int32_t moved)
 {
     const int32_t turn = cfg->counts_per_turn;
@@ -28,7 +28,8 @@ static void move_in_turn(cam_spindle_t *s, const cam_spindle_config_t *cfg, int3
     s->in_turn = in_turn;
 }
 
-/// Whole and fraction of the reciprocal apart: the truncated fraction costs less than 2^-32 turn.
+/// The whole part and the fraction of the reciprocal are multiplied apart: the truncated fraction
+/// costs less than 2^-32 turn.
 static uint32_t measured_q32(const cam_spindle_t *s, const cam_spindle_config_t *cfg)
 {
     const uint32_t in_turn = (uint32_t)s->in_turn;
@@ -94,7 +95,7 @@ static int64_t wrap_add_i64(int64_t a, int64_t b)
     return (int64_t)((uint64_t)a + (uint64_t)b);
 }
 
-/// Tracking loop: the error is taken the short way round, so turns are counted by the position
+/// Tracking loop: the error is the shorter of the two angles, so turns are counted by the position
 /// itself. A speed beyond half a turn per tick is the same as one below zero: it wraps.
 static void track(cam_spindle_t *s, const cam_spindle_config_t *cfg, int32_t travel_q32,
                   int32_t alpha_q40)
@@ -134,8 +135,9 @@ void cam_spindle_step_isr(cam_spindle_t *s, const cam_spindle_config_t *cfg, con
     angle->is_synced = s->is_synced;
 }
 
-/// An index edge: the first one tells the angle. The distance of two is 0 (the spindle turned back)
-/// or a turn; what is left is lost counts. Their sum wraps only after it has long been a fault.
+/// Take an index edge. The first one makes the angle known. The distance of two is 0 (the spindle
+/// turned back) or a turn; what is left is lost counts. Their sum wraps only after it has long been
+/// a fault.
 /// @return fault lost_counts or none
 static uint32_t take_edge(cam_spindle_t *s, const cam_spindle_config_t *cfg, uint32_t edge)
 {

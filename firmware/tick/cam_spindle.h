@@ -50,8 +50,8 @@ typedef struct {
 void cam_spindle_step_isr(cam_spindle_t *s, const cam_spindle_config_t *cfg, const cam_sense_t *in,
                           int32_t alpha_q40, cam_angle_t *angle);
 
-/// What an index edge since the last plan tells: the angle, or lost counts; and whether one is
-/// overdue. To be called by the plan, in which an edge is at most a plan old.
+/// Judge the index: the first edge makes the angle known, a later one shows lost counts, and an
+/// edge may be overdue. Called once per plan, so that an edge is at most one plan old.
 /// @return fault lost_counts, index_missing or none
 uint32_t cam_spindle_watch_isr(cam_spindle_t *s, const cam_spindle_config_t *cfg,
                                const hal_encoder_t *encoder);

@@ -38,7 +38,7 @@ void cam_swing_aim_isr(cam_swing_t *s, const cam_play_config_t *cfg, uint32_t th
     write_down(s, from_q32, cam_mul_shift(left_q32, cfg->per_plan_q30, 30));
 }
 
-uint32_t cam_swing_look_isr(const cam_swing_t *s, const cam_play_config_t *cfg, int32_t actual_q32)
+uint32_t cam_swing_check_isr(const cam_swing_t *s, const cam_play_config_t *cfg, int32_t actual_q32)
 {
     const int32_t behind_q32 = (int32_t)(((int64_t)s->set.vel_q32 * cfg->swing.lag_q16) >> 16);
     const int32_t due_q32 = cam_wrap_sub(led_to(s, cfg->plan_ticks - 1), behind_q32);

@@ -23,7 +23,7 @@
 #include "cam_record.h" // cam_swing_t
 #include <stdint.h>     // int32_t, uint32_t
 
-/// The next line, from where the last one leads.
+/// Plan the next line, which starts where the last one ends.
 /// @param theta_q32  [turn / 2^32] angle of the spindle at its end, lag included, less the phase
 /// @param z_nm       [nm] height then
 /// @param scale_q30  amplitude * envelope then
@@ -34,13 +34,14 @@ void cam_swing_aim_isr(cam_swing_t *s, const cam_play_config_t *cfg, uint32_t th
 /// the limit. To be called before the next line is made.
 /// @param actual_q32  [turn / 2^32] measured
 /// @return            fault swing or none
-uint32_t cam_swing_look_isr(const cam_swing_t *s, const cam_play_config_t *cfg, int32_t actual_q32);
+uint32_t cam_swing_check_isr(const cam_swing_t *s, const cam_play_config_t *cfg,
+                             int32_t actual_q32);
 
-/// Out of the work: one plan towards 0.
+/// One plan out of the work: the swing nears 0 within its limits.
 void cam_swing_rest_isr(cam_swing_t *s, const cam_play_config_t *cfg,
                         const cam_swing_limits_t *limits);
 
-/// Without enable: the set-point is where the tool is.
+/// Without enable the set-point follows the measured swing.
 void cam_swing_follow_isr(cam_swing_t *s, int32_t actual_q32);
 
 #endif

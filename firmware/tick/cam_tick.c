@@ -17,7 +17,8 @@ static void sense_isr(cam_t *c, cam_sense_t *in)
 {
     in->clock = hal_clock_isr();
     hal_encoder_read_isr(&in->encoder);
-    const int32_t u_nm = hal_axis_read_nm_isr(hal_axis_u); // two words move at once
+    const int32_t u_nm =
+        hal_axis_read_nm_isr(hal_axis_u); // in pairs: two words are stored by one instruction
     const int32_t x_nm = hal_axis_read_nm_isr(hal_axis_x);
     in->actual_nm[hal_axis_u] = u_nm;
     in->actual_nm[hal_axis_x] = x_nm;
@@ -30,8 +31,8 @@ static void sense_isr(cam_t *c, cam_sense_t *in)
     cam_fence_acquire_isr();
 }
 
-/// Inverse of a second-order drive, MATHS.md (56): what must be commanded for the tool to be at
-/// u_q6, inside the stroke: a gain that asks for more is wrong, and the following error will tell.
+/// Inverse of a second-order drive, MATHS.md (56): the command that brings the tool to u_q6. It is
+/// limited to the stroke: only a wrong gain demands more, and the following error shows that.
 static int32_t command_nm(const cam_config_t *cfg, int32_t u_q6, const cam_move_t *u)
 {
     const int64_t more_q26 = (int64_t)cfg->k1_q16 * u->vel_q10 + (int64_t)cfg->k2_q16 * u->acc_q10;
@@ -43,7 +44,8 @@ static int32_t command_nm(const cam_config_t *cfg, int32_t u_q6, const cam_move_
     return cam_clamp_i32(u_q6 + more_q6 + 32, -most_q6, most_q6) >> 6;
 }
 
-/// Rounded down; the plan has added to X what makes that to the nearest.
+/// Round a position down; the plan has added half a nanometre to X, which is thus rounded to
+/// nearest.
 static int32_t plain_nm(const cam_move_t *m)
 {
     return (int32_t)(m->pos_q10 >> 10);
@@ -54,7 +56,7 @@ static hal_setpoint_t setpoint(const cam_move_t *m, int32_t pos_nm)
     return (hal_setpoint_t){.pos_nm = pos_nm, .vel_q10 = m->vel_q10, .acc_q10 = m->acc_q10};
 }
 
-/// Set-points as the drives want them.
+/// Write the set-points into the record, in the form that the drives take.
 static void command(const cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
 {
     const cam_move_t *axis = c->motion.axis;
@@ -103,7 +105,7 @@ static inline void steps_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_
     command(c, cfg, r);
 }
 
-/// While off the angle is of no use: every enable homes anew.
+/// In the state off the angle is forgotten, because every enable homes anew.
 static uint32_t watch_index(cam_t *c, const cam_config_t *cfg, const cam_tick_record_t *r)
 {
     if (c->motion.state != cam_state_off) {
@@ -113,7 +115,7 @@ static uint32_t watch_index(cam_t *c, const cam_config_t *cfg, const cam_tick_re
     return 0;
 }
 
-/// What only every n-th tick does.
+/// Do what belongs to every n-th tick only.
 CAM_STAGE static void plan_isr(cam_t *c, const cam_config_t *cfg, const cam_tick_record_t *r)
 {
     c->until_plan = cfg->play.plan_ticks;
@@ -148,10 +150,11 @@ static void actuate_isr(cam_t *c, const cam_tick_record_t *r)
     }
 }
 
-/// The record is the status; its place is written again two ticks later at the earliest.
+/// The slow side reads the status from the record, whose place is written again two ticks later at
+/// the earliest.
 static void publish_isr(cam_t *c, const cam_tick_record_t *r)
 {
-    cam_fence_release_isr(); // of the record, for all three that tell of it
+    cam_fence_release_isr(); // the record is complete before all three words that refer to it
     cam_trace_commit_isr(&c->trace);
     atomic_store_explicit(&c->newest, r, memory_order_relaxed);
     atomic_store_explicit(&c->n_ticks, r->tick + 1u, memory_order_relaxed);
@@ -187,7 +190,7 @@ cam_status_t cam_tick_status(const cam_t *c)
     cam_spindle_t spindle;
     uint32_t before = 0;
     uint32_t after = atomic_load_explicit(&c->n_ticks, memory_order_acquire);
-    do { // a reader that was overtaken reads again
+    do { // when a tick has ended meanwhile, all is read again
         before = after;
         const cam_tick_record_t *newest = atomic_load_explicit(&c->newest, memory_order_acquire);
         r = newest != NULL ? *newest : nothing;

@@ -34,9 +34,9 @@ typedef struct {
     int64_t pos_q32;      ///< [turn, Q32.32] master position
     int32_t speed_q32;    ///< [turn / 2^32 per tick]
     int32_t z_nm;         ///< [nm] height played
-    int32_t u_set_q6;     ///< [nm / 64] wanted
+    int32_t u_set_q6;     ///< [nm / 64] set-point of U at the tool
     int32_t u_actual_nm;  ///< [nm] measured
-    int32_t following_nm; ///< [nm] measured minus due
+    int32_t following_nm; ///< [nm] following error: measured minus due
     uint32_t n_late;      ///< late ticks since start
     uint32_t max_period;  ///< [1 / clock_hz] longest distance of two ticks since start
     uint32_t fault_count[cam_n_faults]; ///< times that each fault was latched
@@ -52,18 +52,18 @@ typedef struct {
     cam_guard_t guard;
     int32_t until_plan;                      ///< [ticks] to the next plan, that tick included
     const cam_tick_record_t *_Atomic newest; ///< NULL before the first tick
-    _Atomic uint32_t n_ticks;                ///< that are complete; wraps
+    _Atomic uint32_t n_ticks;                ///< ticks that are complete; wraps
     // interrupt reads
     _Atomic uint32_t request; ///< serial number << 8 | cam_request_t
     cam_config_bank_t config; ///< slow side writes the half that is not in use
-    // interrupt writes, slow side reads; the largest is the last: what lies near is reached soonest
+    // interrupt writes, slow side reads; the largest is the last member, which keeps offsets short
     cam_trace_t trace;
 } cam_t;
 
 /// The controller that cam_isr() ticks.
 extern cam_t g_cam;
 
-/// @return what the newest tick left, consistent
+/// @return the status of the newest tick; all fields belong to the same tick
 /// Context: slow side.
 cam_status_t cam_tick_status(const cam_t *c);
 

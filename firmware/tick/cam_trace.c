@@ -2,7 +2,7 @@
 #include "cam_trace.h"
 #include "cam_fence.h" // cam_fence_acquire_isr
 
-/// A full ring and a trace that nobody wants end up at the same place.
+/// A record goes to a spare place when the ring is full, and when the trace is switched off.
 static cam_tick_record_t *spare(cam_trace_t *trace, uint32_t room)
 {
     if (room != 0u) {

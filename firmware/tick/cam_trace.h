@@ -20,11 +20,11 @@ typedef struct {
     _Atomic uint32_t n_written; ///< interrupt writes
     _Atomic uint32_t n_read;    ///< slow side writes
     _Atomic uint32_t n_dropped; ///< interrupt writes
-    cam_tick_record_t spare[2]; ///< take in turns what is not kept
+    cam_tick_record_t spare[2]; ///< take in turn the records that are not kept
     cam_tick_record_t ring[cam_trace_capacity];
 } cam_trace_t;
 
-/// @param room  [records] that may wait in the ring: cam_trace_capacity, 0 when nobody reads
+/// @param room  [records] that may wait in the ring: cam_trace_capacity, or 0 for no trace
 /// @return where this tick's record is written: the next free place, or a spare one; never where
 /// the last record lies. Context: ISR, constant time.
 cam_tick_record_t *cam_trace_slot_isr(cam_trace_t *trace, uint32_t room);
@@ -37,7 +37,7 @@ void cam_trace_commit_isr(cam_trace_t *trace);
 /// @return false when the ring is empty. Context: slow side.
 bool cam_trace_pop(cam_trace_t *trace, cam_tick_record_t *record);
 
-/// @return records lost since start because nobody read. Context: slow side.
+/// @return records lost since start because the ring was full. Context: slow side.
 uint32_t cam_trace_dropped(cam_trace_t *trace);
 
 #endif
