@@ -140,7 +140,7 @@ static void test_other_sense_and_wrapping_counter(void)
     rig.isr = counted;
     fixture_encoder_init(&rig.encoder, 10000, 1, 60000u, 1234);
     set(cam_param_following_limit_nm, 10000000);
-    fixture_rig_ticks(&rig, 10); // a plan forgets what the other encoder has told
+    fixture_rig_ticks(&rig, 10); // a plan forgets the index of the other encoder
     TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_cutting));
     TEST_ASSERT_LESS_THAN_UINT32(60000, fixture_rig_until(&rig, cam_state_ready, 60000));
     expect_budget("reverse");
@@ -211,7 +211,7 @@ static void break_z(void)
     hal_host.in.swing_q32 += 1 << 30;
 }
 
-/// The spindle turns the other way.
+/// The spindle turns in the other sense.
 static void turn_back(void)
 {
     g_cam.spindle.speed_q64 = -g_cam.spindle.speed_q64;
@@ -229,7 +229,7 @@ static void come_late(void)
     hal_host_fault_estop(true);
 }
 
-/// No fault, but the long way through the angle.
+/// There is no fault, but the longest path through the angle.
 static void come_off_time(void)
 {
     hal_host_fault_late(40);

@@ -26,7 +26,7 @@ from part_cases import ROOT, load_part, parse_part
 ALL_PARTS = sorted((ROOT / "tools" / "parts").glob("*.toml"))
 PARTS = [
     path for path in ALL_PARTS if isinstance(load(path).part, SkirtPart)
-]  # cams: test_camsim_cam.py
+]  # camshafts: tests/tools/lobe/test_camsim.py
 EQUAL_VOLUME = ROOT / "tools" / "parts" / "perkins240_equal_volume.toml"
 MAX_TABLE_BYTES = 512 * 1024
 

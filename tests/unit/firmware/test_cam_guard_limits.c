@@ -44,7 +44,7 @@ static cam_want_t tick(void)
     return safe;
 }
 
-/// A quiet machine in a state.
+/// Set up a machine in a state without any fault.
 static void begin(cam_state_t state)
 {
     setUp();
@@ -55,7 +55,7 @@ static void begin(cam_state_t state)
     TEST_ASSERT_EQUAL_HEX32(0, guard.faults);
 }
 
-/// Make one fault appear in this tick, by `beyond` = 1, or be just not there, by 0.
+/// Bring the machine to the limit of one fault with `beyond` = 0, or one step beyond it with 1.
 static void cause(cam_fault_t fault, int32_t beyond)
 {
     const uint32_t mask = beyond != 0 ? UINT32_C(1) << fault : 0u;
@@ -213,7 +213,7 @@ static void test_fault_with_a_set_point_far_off_writes_from_the_last_good_place(
     for (int i = 0; i < 4; i++) {
         begin(cam_state_cutting);
         want.u_set_q6 = far_q6[i];
-        motion.axis[hal_axis_u].vel_q10 = INT32_MAX; // would be fed forward
+        motion.axis[hal_axis_u].vel_q10 = INT32_MAX; // the feed-forward would multiply it
         const cam_want_t safe = tick();
         TEST_ASSERT_EQUAL_INT(cam_state_fault, safe.state);
         TEST_ASSERT_BITS_HIGH(CAM_FAULT_BIT(setpoint_speed), guard.faults);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a fault leads to, on a whole controller: retract, brake, enable, lamp, latch, way out.
+// What a fault leads to, on a whole controller: retract, brake, enable, lamp, latch, reset.
 #include "rig_bench.h"
 #include <math.h>
 
@@ -7,8 +7,8 @@ static const cam_state_t enabled[] = {cam_state_homing, cam_state_ready, cam_sta
                                       cam_state_cutting, cam_state_disengaging};
 enum { n_enabled = sizeof enabled / sizeof enabled[0], patience = 20000 };
 
-/// Controller, machine and rig at a moment of the cut: what is tried from there need not cut up to
-/// there again.
+/// Controller, machine and rig at a moment of the cut, from which several tests start without
+/// cutting up to it again.
 static struct {
     cam_t controller;
     hal_host_t port;
@@ -127,7 +127,7 @@ static void test_reaction_in_every_enabled_state_retracts_within_limits(void)
     }
 }
 
-/// From the steepest places of the section, both ways, and from where it turns.
+/// From the steepest places of the section, rising and falling, and from its extremes.
 static void test_reaction_from_any_speed_of_u_retracts_within_limits(void)
 {
     bring(cam_state_cutting);
@@ -154,13 +154,13 @@ static void test_reaction_at_full_speed_is_tried_inwards_and_outwards(void)
         fastest = m.step[hal_axis_u] > fastest ? m.step[hal_axis_u] : fastest;
         slowest = m.step[hal_axis_u] < slowest ? m.step[hal_axis_u] : slowest;
     }
-    for (int way = -1; way <= 1; way += 2) {
+    for (int sense = -1; sense <= 1; sense += 2) {
         setUp();
         bring(cam_state_cutting);
         fixture_rig_ticks(&rig, 2399);
         m = start_observing();
-        const double wanted = 0.98 * (way > 0 ? fastest : slowest);
-        while (m.step[hal_axis_u] * way < wanted * way) {
+        const double wanted = 0.98 * (sense > 0 ? fastest : slowest);
+        while (m.step[hal_axis_u] * sense < wanted * sense) {
             tick_within_limits(&m);
         }
         TEST_ASSERT_TRUE(fabs(m.step[hal_axis_u]) > 1000.0);
@@ -178,7 +178,7 @@ static void test_reaction_to_a_lost_drive_drops_enable_at_once(void)
         TEST_ASSERT_EQUAL_HEX32(hal_out_fault, hal_host.out.outputs);
         TEST_ASSERT_EQUAL_INT32(0, hal_host.out.spindle_mrpm);
         TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(drive), fixture_rig_status(&rig).first_fault);
-        hal_host_fault_drive(false); // it comes back: the latch holds
+        hal_host_fault_drive(false); // the drive is ready again, but the latch holds
         fixture_rig_ticks(&rig, 10);
         TEST_ASSERT_EQUAL_HEX32(hal_out_fault, hal_host.out.outputs);
     }
@@ -250,7 +250,8 @@ static void test_latch_holds_until_reset_after_the_retract(void)
     TEST_ASSERT_EQUAL_INT(cam_state_off, status.state);
     TEST_ASSERT_EQUAL_HEX32(0, status.faults);
     TEST_ASSERT_EQUAL_HEX32(0, hal_host.out.outputs);
-    TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(estop), status.first_fault); // what it was is still told
+    TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(estop),
+                            status.first_fault); // the cause is still reported
     TEST_ASSERT_EQUAL_UINT32(1, status.fault_count[cam_fault_estop]);
 }
 

@@ -11,7 +11,7 @@ void setUp(void) {}
 
 void tearDown(void) {}
 
-/// Drive to the target and check every step. @return furthest way beyond the target
+/// Drive to the target and check every step. @return largest travel beyond the target
 static int64_t drive(cam_move_t *m, int64_t target_q10, uint32_t n_max)
 {
     const bool was_below = m->pos_q10 <= target_q10;

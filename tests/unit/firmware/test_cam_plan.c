@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The plan: how often it comes, that its increments arrive exactly, what a drive makes of X, the
-// speed of the spindle, slow ports.
+// The plan: its period, its increments, which arrive exactly, X behind a real drive, the speed of
+// the spindle, ports with slow ticks.
 #include "cam_angle.h"
 #include "fixture_play.h"
 #include "unity.h"
@@ -44,7 +44,7 @@ static void test_plan_comes_every_400_us_or_in_every_tick(void)
     TEST_ASSERT_EQUAL_INT32(FIXTURE_PLAN_TICKS, f.config.play.plan_ticks);
 }
 
-/// Z is aimed at whole nanometres, and what moves linearly is there in the tick of the next plan.
+/// Z is aimed at whole nanometres, and all linear motion arrives in the tick of the next plan.
 static void test_increments_arrive_exactly(void)
 {
     engage();
@@ -59,7 +59,7 @@ static void test_increments_arrive_exactly(void)
         }
         const int32_t ticks = f.config.play.plan_ticks;
         const cam_motion_t *m = &f.motion;
-        if (n > 0u) { // of this tick, as it was played before the plan
+        if (n > 0u) { // the height of this tick, which was played before the plan
             TEST_ASSERT_EQUAL_INT64(0, f.axis[hal_axis_z].pos_q10 % 1024);
             TEST_ASSERT_EQUAL_INT64(x_q10, f.axis[hal_axis_x].pos_q10);
         }

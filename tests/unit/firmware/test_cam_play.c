@@ -23,7 +23,7 @@ static double nm(const cam_move_t *axes, hal_axis_t axis)
     return (double)axes[axis].pos_q10 / 1024.0;
 }
 
-/// Cutting at a height that others lead, so that angle and time are the only variables.
+/// Cut at a measured Z that stands, so that angle and time are the only variables.
 static void cut_at(int32_t z_nm)
 {
     f.params.z_is_measured = 1;
@@ -33,7 +33,7 @@ static void cut_at(int32_t z_nm)
     f.in.actual_nm[hal_axis_x] = 46500000;
     f.in.actual_nm[hal_axis_z] = z_nm;
     TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_cutting));
-    fixture_play_ticks(&f, 70); // what is read ahead is beyond the engagement, too
+    fixture_play_ticks(&f, 70); // the instant that is read ahead lies behind the engagement as well
 }
 
 static void test_u_with_lead_is_read_at_the_angle_to_come(void)
@@ -102,8 +102,8 @@ static double sagitta(int32_t turns)
     return 5.774 * travel * travel / 8.0;
 }
 
-/// @return smooth step as X is commanded whose drive has a lag, both as shares of the step: up to a
-/// sixteenth is inverted, the rest is read ahead
+/// @return the smooth step as a drive X with a lag is commanded it, both as shares of the step: a
+/// lag of up to a sixteenth is inverted, the rest is compensated for by reading ahead
 static double commanded(double s, double lag)
 {
     const double d = fmin(lag, 1.0 / 16.0);

@@ -124,7 +124,7 @@ static void test_feed_in_ticks_never_steps(void)
         fixture_play_tick(&f);
         const double nm =
             (double)(f.axis[hal_axis_z].pos_q10 - f.before[hal_axis_z].pos_q10) / 1024.0;
-        // feed / ramp / (480 ticks)^2 = 0.22 nm per tick^2, all of a round at once, whole
+        // feed / ramp / (480 ticks)^2 = 0.22 nm per tick^2, that of a plan at once, in whole
         // nanometres
         TEST_ASSERT_DOUBLE_WITHIN(0.22 * FIXTURE_PLAN_TICKS + 2.0, step_nm, nm);
         TEST_ASSERT_TRUE(nm >= 0.0);
@@ -134,7 +134,7 @@ static void test_feed_in_ticks_never_steps(void)
     TEST_ASSERT_DOUBLE_WITHIN(1.0, 100000.0 / 480.0, highest_nm);
 }
 
-/// What is refused as too fast for Z must know the ramp that is really used.
+/// The check that refuses a feed as too fast for Z must judge the ramp that is really used.
 static void test_feed_ramp_shortened_to_the_feed_is_what_feasibility_judges(void)
 {
     part.feed_nm = 1000000; // one turn is fed, so the ramp is one turn, too
@@ -149,7 +149,7 @@ static void test_feed_ramp_shortened_to_the_feed_is_what_feasibility_judges(void
     TEST_ASSERT_EQUAL_INT(cam_ok, ok.err);
 }
 
-/// A Z that others lead sets no limit, whatever the ramp says.
+/// A measured Z sets no limit, whatever the ramp is.
 static void test_feed_ramp_of_a_measured_z_limits_no_speed(void)
 {
     fixture_play_init(&f, &part);
@@ -182,11 +182,11 @@ static void test_measured_z_is_what_is_played(void)
                                   (double)f.axis[hal_axis_u].pos_q10 / 1024.0);
         TEST_ASSERT_EQUAL_HEX32(0, f.want.faults);
     }
-    fixture_play_ticks(&f, 20000); // nobody ends it but stop
+    fixture_play_ticks(&f, 20000); // only stop ends the cut
     TEST_ASSERT_EQUAL_INT(cam_state_cutting, f.want.state);
 }
 
-/// An angle that is not to be believed moves nothing by itself: U keeps its pace for that tick.
+/// An angle that has jumped moves nothing: in that tick U continues at the speed of its last step.
 static void test_angle_at_fault_leaves_u_its_pace(void)
 {
     fixture_play_init(&f, &part);
@@ -200,13 +200,13 @@ static void test_angle_at_fault_leaves_u_its_pace(void)
     TEST_ASSERT_EQUAL_INT64(last_q10 + step_q10, f.axis[hal_axis_u].pos_q10);
 }
 
-/// @return what is seen within one plan, and in the tick that tells of it
+/// @return the faults that one plan detects, reported in the ticks up to the next one
 static uint32_t faults_within_a_plan(void)
 {
     uint32_t faults = 0;
     for (int i = 0; i <= FIXTURE_PLAN_TICKS; i++) {
         fixture_play_tick(&f);
-        faults |= i > 0 ? f.want.faults : 0u; // the first may still be told of the plan before
+        faults |= i > 0 ? f.want.faults : 0u; // the first tick may still report the plan before
     }
     return faults;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Z along a ring-helix: the whole path against exact values, its ends, stop, who leads Z.
+// Z along a ring-helix: the whole path against exact values, its ends, stop, and a measured Z.
 #include "cam_angle.h"
 #include "fixture_play.h"
 #include "unity.h"
@@ -60,7 +60,7 @@ static void test_whole_path_in_ticks_is_within_a_plan_of_the_exact_one(void)
         TEST_ASSERT_EQUAL_HEX32(0, f.want.faults);
     }
     TEST_ASSERT_TRUE(worst_nm < 42.0);
-    TEST_ASSERT_TRUE(worst_nm > 30.0); // the bound is no room for errors
+    TEST_ASSERT_TRUE(worst_nm > 30.0); // the bound is nearly reached, so it hides no error
     TEST_ASSERT_EQUAL_INT64((int64_t)part.z_last_nm * 1024, f.axis[hal_axis_z].pos_q10);
 }
 
@@ -110,7 +110,7 @@ static void test_first_and_last_ring_are_whole(void)
         const bool is_full = f.motion.scale_q30 >= (1 << 30) - 1024;
         const int64_t z_q10 = f.axis[hal_axis_z].pos_q10;
         const double turns = turns_of(f.angle.pos_q32);
-        // An increment that ends behind the ring has begun up to a plan before.
+        // An increment that ends behind the ring began up to one plan before its end.
         const double plan = FIXTURE_PLAN_TICKS / 480.0;
         if (turns > plan && turns < 1.0 - plan) {
             TEST_ASSERT_TRUE(is_full && z_q10 == (int64_t)part.z_first_nm * 1024);
@@ -162,7 +162,7 @@ static void test_stop_before_the_first_ring_leaves_z_where_it_is(void)
     }
 }
 
-/// The path is what a geared Z follows; a Z that others lead goes its own way.
+/// Only a geared Z follows the path; a measured Z is led by others.
 static void test_measured_z_knows_no_path(void)
 {
     fixture_play_init(&f, &part);
@@ -174,7 +174,7 @@ static void test_measured_z_knows_no_path(void)
     f.in.actual_nm[hal_axis_x] = 46500000;
     f.in.actual_nm[hal_axis_z] = 123457;
     TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_cutting));
-    fixture_play_ticks(&f, 20000); // nobody ends it but stop
+    fixture_play_ticks(&f, 20000); // only stop ends the cut
     TEST_ASSERT_EQUAL_INT(cam_state_cutting, f.want.state);
     TEST_ASSERT_EQUAL_INT32(123457, f.want.z_nm);
     fixture_play_do(&f, cam_request_stop);
@@ -182,7 +182,7 @@ static void test_measured_z_knows_no_path(void)
     TEST_ASSERT_EQUAL_INT(cam_state_ready, f.want.state);
 }
 
-/// Its ramps are made anew for another speed and feed.
+/// The ramps of the path are made anew for another speed and feed.
 static void test_ramps_fit_the_speed_in_force(void)
 {
     fixture_play_init(&f, &part);

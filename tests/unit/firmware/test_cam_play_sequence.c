@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// States and requests: what is carried out when, and that no way through a cut steps an axis.
+// States and requests: what is carried out when, and that no course of a cut makes an axis jump.
 #include "cam_angle.h"
 #include "fixture_play.h"
 #include "unity.h"
@@ -31,7 +31,7 @@ static void expect_smooth_until(cam_state_t state)
 {
     static const double speed[hal_n_axes] = {5001.0, 1251.0, 2501.0};
     static const double acceleration[hal_n_axes] = {
-        170.0, 12.0, 5.2}; // ways change once in a round, with them the height of U
+        170.0, 12.0, 5.2}; // increments change once per plan, and with them the height of U
     double before[hal_n_axes];
     for (uint32_t i = 0; i < hal_n_axes; i++) {
         before[i] = step_nm((hal_axis_t)i);
@@ -83,7 +83,7 @@ static void test_homing_needs_index_and_rotation_in_the_sense_of_cutting(void)
     for (int i = 0; i < 6; i++) {
         f.angle.is_synced = cases[i].is_synced;
         f.angle.speed_q32 = cases[i].speed_q32; // 5 r/min is 17 895.7
-        fixture_play_ticks(&f, 5000);           // U has long retracted
+        fixture_play_ticks(&f, 5000);           // U has retracted meanwhile
         TEST_ASSERT_EQUAL_INT(cases[i].state, f.want.state);
         TEST_ASSERT_EQUAL_INT32(2500000, f.want.spindle_mrpm);
     }
@@ -151,7 +151,7 @@ static void test_request_that_stands_is_carried_out_once(void)
     while (f.want.state != cam_state_ready) {
         fixture_play_tick(&f);
     }
-    fixture_play_ticks(&f, 3000); // the word still says start
+    fixture_play_ticks(&f, 3000); // the request word still holds start
     TEST_ASSERT_EQUAL_INT(cam_state_ready, f.want.state);
     fixture_play_do(&f, cam_request_table_fault);
     TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(table), f.want.faults);
@@ -166,16 +166,17 @@ static void test_engage_begins_at_a_whole_turn_that_no_axis_was_told_of(void)
         setUp();
         f.params.lead_ns = ahead_ns[i][0];
         f.params.xz_lag_ns = ahead_ns[i][1];
-        f.params.z_margin_nm = 1000000; // axes without a lag are ahead of what it expects
+        f.params.z_margin_nm =
+            1000000; // axes without a lag lead the set-point that is expected of them
         fixture_play_configure(&f);
         engage();
         const double most = (ahead_ns[i][0] > ahead_ns[i][1] ? ahead_ns[i][0] : ahead_ns[i][1]);
-        const double told = (double)f.angle.pos_q32 + most / 50000.0 * f.angle.speed_q32;
+        const double commanded = (double)f.angle.pos_q32 + most / 50000.0 * f.angle.speed_q32;
         TEST_ASSERT_EQUAL_UINT32(0, cam_angle_of_pos(f.plan.engage_at_q32));
-        TEST_ASSERT_TRUE((double)f.plan.engage_at_q32 >= told - 1e3);
+        TEST_ASSERT_TRUE((double)f.plan.engage_at_q32 >= commanded - 1e3);
         // not before the plan after the next one
         const double margin = 2.0 * FIXTURE_PLAN_TICKS * f.angle.speed_q32;
-        TEST_ASSERT_TRUE((double)f.plan.engage_at_q32 < told + margin + 4294967296.0);
+        TEST_ASSERT_TRUE((double)f.plan.engage_at_q32 < commanded + margin + 4294967296.0);
         TEST_ASSERT_EQUAL_INT64(f.plan.engage_at_q32 + 10 * CAM_TURN_Q32, f.plan.feed_at_q32);
         expect_smooth_until(cam_state_cutting);
         TEST_ASSERT_TRUE(f.angle.pos_q32 >= f.plan.feed_at_q32);
@@ -258,7 +259,7 @@ static void test_stop_in_the_steady_feed_falls_from_the_next_turn_on(void)
 {
     TEST_ASSERT_EQUAL_DOUBLE(8.0, stop_at(5.5));
     TEST_ASSERT_EQUAL_INT64(600000 * 1024, f.axis[hal_axis_z].pos_q10);
-    TEST_ASSERT_EQUAL_DOUBLE(9.0, stop_at(5.99)); // axes were told of turn 6 before
+    TEST_ASSERT_EQUAL_DOUBLE(9.0, stop_at(5.99)); // axes were commanded into turn 6 before
     TEST_ASSERT_EQUAL_INT64(700000 * 1024, f.axis[hal_axis_z].pos_q10);
     TEST_ASSERT_EQUAL_DOUBLE(12.0, stop_at(9.5));
 }

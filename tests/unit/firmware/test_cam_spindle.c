@@ -10,7 +10,7 @@
 enum { tick_hz = 20000, clock_hz = 200000000 };
 static const double pi = 3.14159265358979323846;
 
-/// Correction takes place within the tick: what is left of an error, 1 - 2 w T at 200 Hz.
+/// The share of an error that is left after the correction in its tick: 1 - 2 w T at 200 Hz.
 static const double left = 1.0 - 2.0 * 2.0 * 3.14159265358979323846 * 200.0 / tick_hz;
 
 static cam_params_t params;
@@ -53,7 +53,7 @@ static void observe(int32_t alpha_q40)
     }
 }
 
-/// One tick of `share` periods at a speed; faults collect.
+/// One tick of `share` periods at a speed; its faults are added to those seen before.
 static void step(double turns_per_s, double share)
 {
     in.clock += (uint32_t)(clock_hz / tick_hz * share + 0.5);
@@ -61,7 +61,7 @@ static void step(double turns_per_s, double share)
     observe(0);
 }
 
-/// Smoothly to a speed, then a while at it; faults are forgotten.
+/// Bring the spindle smoothly to a speed and keep it for a while; faults are forgotten.
 static void run_up(double turns_per_s)
 {
     for (int i = 1; i <= 4000; i++) {
@@ -73,7 +73,7 @@ static void run_up(double turns_per_s)
     faults = 0;
 }
 
-/// @return [turn] observed minus true angle, the short way
+/// @return [turn] observed minus true angle, the shorter of the two
 static double error_turn(void)
 {
     const double observed = (double)(uint32_t)angle.pos_q32 / 4294967296.0;
@@ -87,7 +87,7 @@ static void test_step_any_encoder_and_sense_knows_the_angle_within_a_count(void)
     for (uint32_t i = 0; i < 7u; i++) {
         for (int32_t sense = -1; sense <= 1; sense += 2) {
             params.jump_window_counts = counts[i] / 1000 + 8;
-            start(counts[i], sense, 0xFFFFFF00u); // the counter wraps on the way
+            start(counts[i], sense, 0xFFFFFF00u); // the counter wraps within the test
             run_up(41.0 + 2.0 / 3.0);
             TEST_ASSERT_TRUE(angle.is_synced);
             for (int k = 0; k < 2000; k++) {
@@ -288,7 +288,7 @@ static void test_step_late_tick_with_its_time_stamp_costs_no_angle(void)
         TEST_ASSERT_EQUAL_HEX32(shares[i] > 1.5 ? CAM_FAULT_BIT(late_tick) : 0u, faults);
         faults = 0;
         step(41.0, 1.0);
-        TEST_ASSERT_TRUE(angle.is_off_time); // its way is still unusual
+        TEST_ASSERT_TRUE(angle.is_off_time); // its travel still differs
         step(41.0, 1.0);
         TEST_ASSERT_FALSE(angle.is_off_time);
         TEST_ASSERT_EQUAL_HEX32(0, faults);
@@ -306,14 +306,14 @@ static void test_step_known_acceleration_causes_no_lag(void)
     double sum = 0.0;
     for (int i = 0; i < 6000; i++) {
         in.clock += clock_hz / tick_hz;
-        const double way = (speed + 0.5 * acceleration / tick_hz) / tick_hz;
-        in.encoder = fixture_encoder_move(&encoder, way);
+        const double travel = (speed + 0.5 * acceleration / tick_hz) / tick_hz;
+        in.encoder = fixture_encoder_move(&encoder, travel);
         speed += acceleration / tick_hz;
         observe(alpha_q40);
         sum += i >= 2000 ? error_turn() : 0.0;
     }
     TEST_ASSERT_EQUAL_HEX32(0, faults);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-7, 0.0, sum / 4000.0); // without it 4e-5
+    TEST_ASSERT_DOUBLE_WITHIN(1e-7, 0.0, sum / 4000.0); // 4e-5 without the commanded acceleration
     TEST_ASSERT_DOUBLE_WITHIN(2e-3 * speed, speed, ldexp(angle.speed_q32, -32) * tick_hz);
 }
 

@@ -36,7 +36,7 @@ static double wanted_turn(double pos_turn, double z_nm)
     return g[0] / (2.0 * PI);
 }
 
-static hal_swing_t line; ///< that the drive follows
+static hal_swing_t line; ///< followed by the drive
 static int32_t n_since;  ///< [ticks] since it began
 
 /// One tick, of which the drive sees the set-point that was planned before.
@@ -121,8 +121,7 @@ static void test_swing_nears_zero_within_its_limits_from_anywhere(void)
     }
 }
 
-/// A plan looks at the drive in the tick before its line ends: 7 ticks of the line behind its
-/// begin.
+/// A plan judges the drive in the tick before its line ends, 7 ticks behind the start of the line.
 static void test_drive_beyond_its_limit_is_a_fault(void)
 {
     const cam_play_config_t *cfg = &f.config.play;

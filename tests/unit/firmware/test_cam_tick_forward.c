@@ -35,7 +35,7 @@ void tearDown(void)
     free(records);
 }
 
-/// Value and its derivatives to time [nm, nm/s, nm/s2] at the angle that a record leads to.
+/// Value and derivatives by time [nm, nm/s, nm/s2] at the angle of a record, read ahead.
 static void expected(const cam_tick_record_t *r, double u[3])
 {
     const cam_channel_t *ch = &rig.machine.table.u;
@@ -71,7 +71,7 @@ static void test_command_in_the_cut_is_the_control_law(void)
         TEST_ASSERT_DOUBLE_WITHIN(8.0, u[0] + forward_nm, out->pos_nm);
         largest_nm = fabs(forward_nm) > largest_nm ? fabs(forward_nm) : largest_nm;
     }
-    TEST_ASSERT_TRUE(largest_nm > 20000.0); // it is no small thing
+    TEST_ASSERT_TRUE(largest_nm > 20000.0); // the feed-forward is large enough to be judged
 }
 
 static void test_command_of_x_and_z_is_their_setpoint(void)
@@ -86,7 +86,7 @@ static void test_command_of_x_and_z_is_their_setpoint(void)
     }
 }
 
-/// Whatever the gains say, U is not told to leave its stroke.
+/// Whatever the gains are, U is not commanded to leave its stroke.
 static void test_command_of_a_wrong_gain_stays_inside_the_stroke(void)
 {
     fixture_rig_init(&rig, &part, tick_hz);
@@ -113,7 +113,7 @@ static void test_command_at_rest_is_the_place_itself(void)
     TEST_ASSERT_EQUAL_INT32(0, hal_host.out.axis[hal_axis_u].acc_q10);
 }
 
-/// Due is what was wanted two and a half ticks ago.
+/// Due is the set-point of two and a half ticks ago.
 static void test_due_in_the_record_is_the_setpoint_of_lead_ago(void)
 {
     TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_cutting));

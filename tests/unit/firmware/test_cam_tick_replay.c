@@ -34,7 +34,7 @@ void tearDown(void)
     free(rig.log);
 }
 
-/// What is offered now is what the next tick takes.
+/// Keep the configuration that is offered: the next tick takes it.
 static void keep_config(void)
 {
     const cam_config_t *now = g_cam.config.offered;
