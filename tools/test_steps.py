@@ -24,7 +24,7 @@ Command = tuple[str | Path, ...]
 MAX_CORES = 8
 N_CORES = min(len(os.sched_getaffinity(0)), MAX_CORES)
 # A process per core; all tests of a file in one process, since they share what is costly to make.
-# A crash is told and ends that process for good.
+# A crash is reported and ends its process for good.
 PARALLEL = ("-n", str(N_CORES), "--dist", "loadfile", "--max-worker-restart=0")
 NOTHING = r"^\b$"  # closing line of a step that has none worth reading
 MIN_LINE_PERCENT = "95"

@@ -226,7 +226,7 @@ static bool take_value(camsim_options_t *o, int option, const char *text, common
     case opt_feed:
         return take_number(&cut->feed_mm, "feed", text, 0.000001, 10.0, "mm per turn", e);
     case opt_tolerance:
-        return take_number(&o->cut.session.tolerance_um, "tolerance-um", text, 0.0, 1e6, "um", e);
+        return take_number(&session->tolerance_um, "tolerance-um", text, 0.0, 1e6, "um", e);
     case opt_turns:
         return take_number(&cut->max_turns, "turns-limit", text, 0.001, 1e9, "turns", e);
     case opt_slice:

@@ -141,8 +141,8 @@ def measure(case: Case) -> Figures:
         report = json.loads(table.with_suffix(".json").read_text())
         found = {k: _value(k, report, place) for k, place in case.table.items()}
         if case.cut:
-            told = json.loads(summary.read_text())
-            found |= {k: _value(k, told, place) for k, place in case.cut.items()}
+            record = json.loads(summary.read_text())
+            found |= {k: _value(k, record, place) for k, place in case.cut.items()}
     return {f"{case.name}.{figure}": value for figure, value in found.items()}
 
 
@@ -154,8 +154,8 @@ def core_figures(core: str) -> Figures:
     FileNotFoundError
         They have not run.
     """
-    told = json.loads((BUILD / CORES[core] / "tests" / "budget" / "figures.json").read_text())
-    return {f"{core}.{figure}": float(told[figure]) for figure in CORE_FIGURES}
+    record = json.loads((BUILD / CORES[core] / "tests" / "budget" / "figures.json").read_text())
+    return {f"{core}.{figure}": float(record[figure]) for figure in CORE_FIGURES}
 
 
 def recorded() -> Figures:

@@ -71,7 +71,7 @@ def depths(flow: Flow) -> dict[int, int]:
         change = _taken(one)
         is_conditional_return = one.is_conditional and address in flow.returns
         if change is None or (change and one.is_conditional and not is_conditional_return):
-            flow.complain(one, "changes the stack by what cannot be told")
+            flow.complain(one, "changes the stack by an unknown amount")
             change = 0
         behind[address] = before[address] + change
         if address in flow.returns and behind[address]:

@@ -77,7 +77,7 @@ def test_recursion_is_refused(tmp_path: Path, body: str) -> None:
     ("body", "problem"), [("return f(n) + 1;", "indirect call"), ("return f(n);", "indirect jump")]
 )
 def test_function_pointers_are_refused(tmp_path: Path, body: str, problem: str) -> None:
-    """Where a pointer leads cannot be told, called or jumped through."""
+    """The target of a pointer is unknown, whether called or jumped to."""
     source = f"int (*volatile f)(int); int root(int n) {{ {body} }}"
     assert only_problem(examined(link(tmp_path, source))).endswith(problem)
 
