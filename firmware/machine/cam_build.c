@@ -73,7 +73,7 @@ static cam_move_limits_t limits(int32_t speed_um_per_s, int32_t acceleration_mm_
     };
 }
 
-/// @return [nm / 1024] place of U out of the work, of a cam beyond its highest point, inside the
+/// @return [nm / 1024] place of U out of the work, of a lobe beyond its highest point, inside the
 /// stroke whatever was set
 static int64_t retract_q10(const cam_params_t *p, int32_t rise_nm)
 {

@@ -32,6 +32,8 @@ void cam_swing_aim_isr(cam_swing_t *s, const cam_play_config_t *cfg, uint32_t th
 {
     const int32_t target_q30 = cam_mulhi(read(cfg, theta_q32, z_nm), scale_q30);
     const int32_t target_q32 = (int32_t)((uint32_t)target_q30 * 4u);
+    // The new line starts where the drive has been led, not where the last plan aimed: the speed is
+    // rounded, and no step may remain at the joint of two lines.
     const int32_t from_q32 = led_to(s, cfg->plan_ticks);
     const int32_t left_q32 = cam_wrap_sub(target_q32, from_q32);
     s->is_there = false;
@@ -40,6 +42,7 @@ void cam_swing_aim_isr(cam_swing_t *s, const cam_play_config_t *cfg, uint32_t th
 
 uint32_t cam_swing_check_isr(const cam_swing_t *s, const cam_play_config_t *cfg, int32_t actual_q32)
 {
+    // The set-point took effect one tick after its plan, so that one tick of the line is left.
     const int32_t behind_q32 = (int32_t)(((int64_t)s->set.vel_q32 * cfg->swing.lag_q16) >> 16);
     const int32_t due_q32 = cam_wrap_sub(led_to(s, cfg->plan_ticks - 1), behind_q32);
     const int32_t off_q32 = cam_wrap_sub(actual_q32, due_q32);
@@ -51,6 +54,8 @@ void cam_swing_rest_isr(cam_swing_t *s, const cam_play_config_t *cfg,
 {
     const int32_t pos_q32 = led_to(s, cfg->plan_ticks);
     const int32_t most_q32 = limits->speed_q32;
+    // A speed in proportion to the distance needs no square root, and falls within the limit of the
+    // acceleration as the swing nears 0 (cam_build.c chooses the gain so).
     const int32_t home_q32 = cam_mulhi(pos_q32, -limits->gain_q32);
     const int32_t change_q32 = cam_clamp_i32(home_q32, -most_q32, most_q32) - s->set.vel_q32;
     const int32_t step_q32 = cam_clamp_i32(change_q32, -limits->step_q32, limits->step_q32);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cam_swing: the tool's swing of a cam's table, one straight line from plan to plan.
+/// cam_swing: the tool's swing about a lobe, one straight line from plan to plan.
 ///
 ///     swing = amplitude * envelope * swing(angle + lag - phase, Z)
 ///
@@ -9,10 +9,10 @@
 /// and 0.4 ms are 0.00043 degrees, MATHS.md (59).
 ///
 /// Why it may rise and fall with the amplitude of U: the tool's tip runs on the roller's circle,
-/// whatever the swing, and that circle touches the cam from outside as soon as U and X are where
+/// whatever the swing, and that circle touches the lobe from outside as soon as U and X are where
 /// they shall be. A wrong swing leaves material standing; it never cuts too deep. So the tool
 /// leaves the work by U and X alone, and the swing returns to 0 at its own pace. To the first order
-/// it is right meanwhile, too: a cam of the lift e H has the pressure angle e gamma.
+/// it is right meanwhile, too: a lobe of the lift e H has the pressure angle e gamma.
 ///
 /// Out of the work the swing nears 0 with a speed that falls with the distance, within its limits.
 /// Context: ISR, called by the plan only.

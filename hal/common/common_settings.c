@@ -46,6 +46,7 @@ static size_t before(const char *text, const char *ends)
     return n;
 }
 
+/// Check that a section stands alone on its line and is one of the list.
 static bool check_section(const common_settings_t *s, const char *line)
 {
     const size_t n = strcspn(line + 1, "]#");
@@ -117,6 +118,7 @@ static char *read_line(char *line, int size, void *user)
     return is_good ? line : NULL;
 }
 
+/// Take a whole number in decimal digits, exact up to the 64 bits of the variable.
 static bool take_whole(const common_settings_t *s, const common_setting_t *f, const char *text)
 {
     char *end = NULL;
@@ -155,6 +157,7 @@ static bool take_text(const common_settings_t *s, const common_setting_t *f, con
     return true;
 }
 
+/// Take one of the listed words, each compared with its quotation marks.
 static bool take_choice(const common_settings_t *s, const common_setting_t *f, const char *text)
 {
     uint32_t i = 0;
@@ -171,6 +174,7 @@ static bool take_choice(const common_settings_t *s, const common_setting_t *f, c
     return common_settings_refuse(s, f->section, f->key, text, why);
 }
 
+/// Take a number; what must be whole or other than 0 is refused by the same message as its range.
 static bool take_real(const common_settings_t *s, const common_setting_t *f, const char *text)
 {
     const bool is_whole = f->kind != common_setting_real;
@@ -192,6 +196,7 @@ static bool take_real(const common_settings_t *s, const common_setting_t *f, con
     return true;
 }
 
+/// Find a key in the list and take its value; a second value for the same key is refused.
 static bool take(reader_t *r, const char *section, const char *key, const char *text)
 {
     static bool (*const takers[])(const common_settings_t *, const common_setting_t *,

@@ -24,6 +24,7 @@ void sim_bus_init(sim_bus_t *b, const sim_bus_config_t *config, double x_nm, dou
 
 void sim_bus_receive(sim_bus_t *b, const sim_frame_t *frame)
 {
+    // Whatever the controller sends belongs to the tick in the middle of the step.
     const double tick_s = b->time_s + 0.5 * b->period_s;
     if (frame->id == canopen_id_sync) {
         b->has_sync = true;
@@ -88,6 +89,7 @@ static uint32_t actual_of(sim_bus_t *b, int node)
     return (uint32_t)sim_drive_measured_micro(&b->lathe.drive[node - sim_bus_u]);
 }
 
+/// Queue the frames of all nodes; the encoder's pass through the faults of the bus.
 static void speak(sim_bus_t *b)
 {
     b->out.n = 0;
@@ -134,6 +136,7 @@ void sim_bus_step(sim_bus_t *b)
     foresee_index(b);
 }
 
+/// Cause a fault of the node whose number is the value of the injection.
 static void inject_node(sim_bus_t *b, const sim_inject_t *inject)
 {
     int i = 0;

@@ -46,6 +46,7 @@ void sim_work_judge(sim_work_t *w, double turn, double z_mm, double radius_mm, d
                     bool is_counted)
 {
     const double error_mm = radius_mm - exact_mm;
+    // A gouge remains in the part whenever it is cut, so engaging and disengaging count, too.
     if (-error_mm * 1e3 > w->gouge_um && z_mm >= w->z_first_mm && z_mm <= w->z_last_mm) {
         w->gouge_um = -error_mm * 1e3;
     }
@@ -66,6 +67,8 @@ void sim_work_touch(sim_work_t *w, double turn, double z_mm, double radius_mm, d
     if (is_counted) {
         const double fed_mm = w->n == 0u ? 0.0 : sim_abs(z_mm - w->last_z_mm);
         const double depth_mm = w->blank_mm - radius_mm;
+        // Rings of the area pi (R^2 - r^2) = pi (R - r) (R + r), as high as the feed since the last
+        // sample.
         w->removed_mm3 += SIM_PI * depth_mm * (w->blank_mm + radius_mm) * fed_mm;
         w->last_z_mm = z_mm;
     }

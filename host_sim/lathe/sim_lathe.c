@@ -32,6 +32,7 @@ void sim_lathe_init(sim_lathe_t *l, const sim_lathe_config_t *config, double ste
     }
 }
 
+/// @return the speed that the spindle is led to: an injected fault goes before the set-point
 static double spindle_rad_per_s(const sim_lathe_t *l, const sim_setpoints_t *set)
 {
     const double wanted = l->is_speed_forced ? l->forced_rad_per_s : set->spindle_rad_per_s;
@@ -76,6 +77,7 @@ hal_encoder_t sim_lathe_encoder(sim_lathe_t *l)
 
 void sim_lathe_stick_encoder(sim_lathe_t *l)
 {
+    // Faults add up: what was lost before the counter got stuck stays lost.
     l->stuck_counts = distorted(l).counts;
     l->is_encoder_stuck = true;
 }

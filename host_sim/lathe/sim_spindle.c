@@ -26,6 +26,7 @@ void sim_spindle_init(sim_spindle_t *s, const sim_spindle_config_t *config)
     };
 }
 
+/// The loop of first order is solved exactly; the torque limits the change of the speed.
 static double speed_after(const sim_spindle_t *s, double set_rad_per_s, double dt_s)
 {
     const double gap = set_rad_per_s - s->speed_rad_per_s;
@@ -37,6 +38,7 @@ static double speed_after(const sim_spindle_t *s, double set_rad_per_s, double d
     return s->speed_rad_per_s + sim_clamp(wanted, -limit, limit);
 }
 
+/// The ripple multiplies the speed by a sine of the angle, not of time.
 static double rippled(const sim_spindle_t *s, double turn)
 {
     const double period = sim_fraction(s->ripple_per_turn * turn);
@@ -48,6 +50,7 @@ void sim_spindle_step(sim_spindle_t *s, double set_rad_per_s, double dt_s)
     const double after = speed_after(s, set_rad_per_s, dt_s);
     const double mean_turns = 0.5 * (s->speed_rad_per_s + after) * dt_s / SIM_TWO_PI;
     s->speed_rad_per_s = after;
+    // The ripple is taken in the middle of the step, which makes the angle right to second order.
     s->turn += s->ripple > 0.0 ? mean_turns * rippled(s, s->turn + 0.5 * mean_turns) : mean_turns;
 }
 

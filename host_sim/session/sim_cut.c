@@ -49,7 +49,7 @@ uint32_t sim_cut_lobe_without_turn(const sim_cut_t *cut)
 
 bool sim_cut_is_gauged(const sim_cut_t *cut)
 {
-    // A cut whose Z others lead ends with a stop, too.
+    // A cut at a measured Z also ends with a stop, which must not count as an early end.
     const bool is_whole = !cut->is_stopped || cut->session.cut_turns >= sim_cut_planned_turns(cut);
     const bool has_lobes = cut->session.design.shape == sim_shape_lobes && is_whole;
     return cut->session.work.n > 0u &&
@@ -85,6 +85,7 @@ static bool measure_removal(sim_cut_t *cut)
                              is_full && !cut->is_stopped);
 }
 
+/// Take what the tick did to the tool, and the state in which a fault struck.
 static void observe(sim_cut_t *cut)
 {
     sim_session_t *s = &cut->session;

@@ -12,6 +12,7 @@ bool sim_session_open(sim_session_t *s, const sim_session_options_t *options, co
     s->options = *options;
     s->n_waiting = options->n_injects;
     s->cut_at_s = -1.0;
+    // The firmware demands an aligned image, aligned_alloc() a size that is a multiple of it.
     s->image = aligned_alloc(32, (size + 31u) / 32u * 32u + 32u);
     if (s->image == NULL) {
         return common_error(e, "%s: not enough memory for %zu bytes; use a smaller table", name,
@@ -36,6 +37,7 @@ bool sim_session_load_design(sim_session_t *s, common_error_t *e)
 void sim_session_place(sim_session_t *s, double *x_nm, double *z_nm)
 {
     const sim_lathe_config_t *lathe = &s->options.config.lathe;
+    // The blank is a cylinder, thicker than the largest radius of the part by the depth of cut.
     const double blank_mm = s->design.largest_mm + s->table.depth_nm / SIM_NM_PER_MM;
     const double tool_mm = s->design.lobes.follower_mm; // X carries the centre of a lobe's follower
     *x_nm = (blank_mm + tool_mm + lathe->x_start_mm) * SIM_NM_PER_MM;
@@ -84,6 +86,7 @@ const sim_inject_t *sim_session_next_inject(sim_session_t *s, double now_s)
 {
     for (uint32_t i = 0; s->n_waiting > 0u && i < s->options.n_injects; i++) {
         sim_inject_t *what = &s->options.inject[i];
+        // Times count from the first sample of cutting; before it none of these is due.
         const double zero_s = what->is_absolute ? 0.0 : s->cut_at_s;
         if (!what->is_done && zero_s >= 0.0 && now_s >= zero_s + what->at_s) {
             what->is_done = true;

@@ -40,6 +40,7 @@ static bool is_controllers(const lin_bus_t *b, uint32_t id)
     return is;
 }
 
+/// List the identifiers of the frames that a node sends. @return their number, 0 without a node
 static uint32_t ids_of_node(uint32_t node, uint32_t *ids)
 {
     ids[0] = canopen_id_emcy + node;
@@ -114,6 +115,7 @@ static lin_loss_t drive_loss(const lin_bus_t *b, int i)
     return d->node.emcy != 0u ? lin_loss_emcy : lin_loss_spindle;
 }
 
+/// @return whether another controller was heard within the time in which a node must be heard
 static bool is_other_there(const lin_bus_t *b, int64_t now_ns)
 {
     return b->is_other_heard && now_ns - b->other_ns <= b->patience.node_ns;
@@ -145,6 +147,8 @@ static lin_cause_t find_cause(lin_bus_t *b, int64_t now_ns)
     return (lin_cause_t){.loss = lin_loss_none};
 }
 
+/// Judge all drives. The first one that is not ready is named, so they are judged from the last on.
+/// @return hal_in_drive_ready or 0
 static uint32_t judge_drives(lin_bus_t *b, int64_t now_ns)
 {
     b->not_ready = (lin_cause_t){.loss = lin_loss_none};
@@ -165,6 +169,7 @@ void lin_bus_judge(lin_bus_t *b, int64_t now_ns)
 {
     const uint32_t ready = judge_drives(b, now_ns);
     const lin_cause_t cause = find_cause(b, now_ns);
+    // While the fault is shown, the cause that led to it is kept, whatever follows from it.
     const bool is_kept = (b->inputs & hal_in_bus_lost) != 0u && (b->outputs & hal_out_fault) != 0u;
     b->event = lin_loss_none;
     if (!is_kept) {
@@ -179,6 +184,8 @@ int32_t lin_bus_actual_nm(const lin_bus_t *b, hal_axis_t axis, const lin_wants_t
     return d->node.id != 0u ? lin_drive_actual_nm(d) : wants->axis[axis].pos_nm;
 }
 
+/// Take the outputs of the tick: the drives are enabled or disabled, and when the operator has
+/// reset the fault, the emergency messages of all nodes are forgotten.
 static void note_outputs(lin_bus_t *b, const lin_wants_t *wants, int64_t now_ns)
 {
     const bool was_fault = (b->outputs & hal_out_fault) != 0u;
@@ -196,6 +203,7 @@ static void note_outputs(lin_bus_t *b, const lin_wants_t *wants, int64_t now_ns)
     b->outputs = wants->outputs;
 }
 
+/// @return the control word; a fault of the drive is reset only in the state off
 static uint16_t control(lin_bus_t *b, int i, const lin_wants_t *wants, int64_t now_ns)
 {
     const bool may_reset = (wants->outputs & (hal_out_enable | hal_out_fault)) == 0u;

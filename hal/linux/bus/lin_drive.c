@@ -38,6 +38,7 @@ void lin_drive_judge(lin_drive_t *d, int64_t now_ns, const lin_patience_t *patie
     const bool is_failed = d->node.emcy != 0u || d->state == cia402_not_ready_to_switch_on ||
                            d->state == cia402_fault_reaction_active || d->state == cia402_fault;
     const bool is_following = d->state == cia402_operation_enabled;
+    // A drive needs some time to get into operation; once it was there, it must stay there.
     const bool has_time = !d->has_followed && now_ns - d->enabled_ns < patience->enable_ns;
     d->is_ready =
         d->loss == lin_loss_none && !is_failed && (!d->is_enabled || is_following || has_time);
@@ -58,6 +59,8 @@ void lin_drive_forget(lin_drive_t *d)
     d->node.emcy = 0;
 }
 
+/// Choose where to lead the drive. A reset is repeated only after an interval, since it is the
+/// rising edge of a bit.
 static lin_cia402_goal_t goal_of(lin_drive_t *d, int64_t now_ns, bool may_reset, bool is_stopping)
 {
     if (is_stopping) {

@@ -221,6 +221,6 @@ def _reaction(outcome: AnyCut) -> str:
         clear = " The tool was out of the work already."
     rest_ms = outcome.summary["fault"]["retract_s"] * 1e3
     return (
-        "In the same tick the controller took the axes over: U was commanded to retract, X to move off, "
-        f"Z to brake, the spindle to stop.{clear} Enable was dropped after {rest_ms:.1f} ms."
+        "In the same tick the controller took the axes over: U was commanded to retract, X to move "
+        f"off, Z to brake, the spindle to stop.{clear} Enable was dropped after {rest_ms:.1f} ms."
     )
