@@ -59,8 +59,8 @@ void lin_drive_forget(lin_drive_t *d)
     d->node.emcy = 0;
 }
 
-/// Choose where to lead the drive. A reset is repeated only after an interval, since it is the
-/// rising edge of a bit.
+/// Choose where to lead the drive. A fault reset is repeated once a second at most; its bit falls
+/// in between, because a drive takes the rising edge.
 static lin_cia402_goal_t goal_of(lin_drive_t *d, int64_t now_ns, bool may_reset, bool is_stopping)
 {
     if (is_stopping) {
