@@ -90,8 +90,8 @@ static void aim_height(cam_motion_t *m, const cam_play_config_t *cfg, int64_t ta
 {
     const int32_t left_q28 = cam_sat_i32((target_q32 - m->height_q32) >> 4);
     const int64_t step_q58 = (int64_t)left_q28 * cfg->per_plan_q30;
-    const int64_t exact_q28 = (step_q58 < 0 ? step_q58 + ONE_Q30 - 1 : step_q58) >> 30;
-    const int32_t step_q28 = (int32_t)cam_clamp_i64(exact_q28, -MOST_STEP_Q28, MOST_STEP_Q28);
+    const int32_t exact_q28 = (int32_t)((step_q58 < 0 ? step_q58 + ONE_Q30 - 1 : step_q58) >> 30);
+    const int32_t step_q28 = cam_clamp_i32(exact_q28, -MOST_STEP_Q28, MOST_STEP_Q28);
     m->height_step_q32 = step_q28 * 16;
     m->height_q32 = target_q32 - (int64_t)m->height_step_q32 * cfg->plan_ticks;
 }
