@@ -14,6 +14,9 @@
 /// [1] in the unit of envelopes.
 #define ONE_Q30 (INT32_C(1) << 30)
 
+/// [slices] half of one: sixteen times as much still fits 32 bits.
+#define MOST_STEP_Q28 ((INT32_C(1) << 27) - 1)
+
 /// Disengage position of a cut that only stop ends.
 #define NEVER_Q32 (INT64_MAX / 2)
 
@@ -80,14 +83,15 @@ static int64_t slice_q32(const cam_play_config_t *cfg, int32_t z_nm)
     return cam_clamp_i64(found_q32, 0, cfg->height_max_q32);
 }
 
-/// Plan U's height on the table. The increment saturates at eight slices per plan, which is faster
+/// Plan U's height on the table. The increment saturates at half a slice per tick, which is faster
 /// than any feed. It is rounded towards 0, so that the remainder, which is added at once, points
 /// towards the target as well: U never leaves the table.
 static void aim_height(cam_motion_t *m, const cam_play_config_t *cfg, int64_t target_q32)
 {
     const int32_t left_q28 = cam_sat_i32((target_q32 - m->height_q32) >> 4);
     const int64_t step_q58 = (int64_t)left_q28 * cfg->per_plan_q30;
-    const int32_t step_q28 = (int32_t)((step_q58 < 0 ? step_q58 + ONE_Q30 - 1 : step_q58) >> 30);
+    const int32_t exact_q28 = (int32_t)((step_q58 < 0 ? step_q58 + ONE_Q30 - 1 : step_q58) >> 30);
+    const int32_t step_q28 = cam_clamp_i32(exact_q28, -MOST_STEP_Q28, MOST_STEP_Q28);
     m->height_step_q32 = step_q28 * 16;
     m->height_q32 = target_q32 - (int64_t)m->height_step_q32 * cfg->plan_ticks;
 }

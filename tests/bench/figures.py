@@ -28,7 +28,17 @@ ROOT = HERE.parents[1]
 RECORD = HERE / "figures.json"
 BUILD = Path(os.environ.get("CAMTURN_BUILD", ROOT / "build" / "host")).parent
 CORES = {"m7": "mcu-qemu", "m4": "mcu-qemu-m4"}
-CORE_FIGURES = ("tick_max", "plan_tick_max", "mean", "tick_path", "plan_path", "stack_bytes")
+CORE_FIGURES = (
+    "tick_max",
+    "tick_combined_max",
+    "plan_tick_max",
+    "mean",
+    "mean_uniform",
+    "mean_modulated",
+    "tick_path",
+    "plan_path",
+    "stack_bytes",
+)
 
 Figures = dict[str, float]
 
