@@ -74,7 +74,7 @@ class Tally:
         return line + f", {self.skipped} skipped" if self.skipped else line
 
     def add(self, step: Step, status: int) -> bool:
-        """Count the end of a step; tell whether it passed."""
+        """Count the end of a step; return whether it passed."""
         failed_before = self.failed
         if step.report is not None:
             self._add_junit(step.report, status)
@@ -116,7 +116,7 @@ class Running:
     is_late: bool = False
 
     def look(self) -> bool:
-        """Tell whether it has ended; take its status and the time that it used."""
+        """Return whether it has ended; take its status and the time that it used."""
         if self.status is None:
             pid, status, used = os.wait4(self.process.pid, os.WNOHANG)
             if pid:
@@ -159,7 +159,7 @@ def send(number: int, processes: Iterable[int]) -> None:
 
 
 def have_ended(running: Sequence[Running]) -> bool:
-    """Look at each; tell whether none is left."""
+    """Look at each; return whether none is left."""
     return sum(one.look() for one in running) == len(running)
 
 
@@ -257,7 +257,7 @@ class Runner:
         self._say(f"[{clock(self._news_s - self._start_s)}] {text}")
 
     def _fits(self, step: Step) -> bool:
-        """Tell whether there is room for a step.
+        """Return whether there is room for a step.
 
         As many steps run as there are cores, at most one of them wide: what it leaves of the cores
         when it links or waits is used by the others.

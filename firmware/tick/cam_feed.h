@@ -20,7 +20,7 @@ enum {
 
 /// A ring-helix, made by cam_feed_rings().
 typedef struct {
-    bool is_on;            ///< false: Z follows a plain helix, or others lead it
+    bool is_on;            ///< false: Z follows a plain helix, or is measured
     uint32_t ramp_q32;     ///< [turn] r, 1/256 .. 1/2
     uint32_t per_ramp_q24; ///< [1/turn] its reciprocal
     uint32_t per_rest_q30; ///< [1] 1 / (1 - r)

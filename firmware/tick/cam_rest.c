@@ -9,7 +9,8 @@ static bool is_at(const cam_move_t *m, int64_t place_q10)
     return m->pos_q10 == place_q10 && m->vel_q10 == 0;
 }
 
-/// One plan towards a place, or to rest, within limits per plan. @return true when it rests there
+/// Move an axis towards a place by one step per plan, within limits per plan. @return true when it
+/// rests there
 static bool move_to(cam_move_t *m, const cam_play_config_t *cfg, const cam_move_limits_t *limits,
                     int64_t place_q10)
 {
@@ -19,6 +20,7 @@ static bool move_to(cam_move_t *m, const cam_play_config_t *cfg, const cam_move_
     return is_there;
 }
 
+/// Brake an axis to rest, wherever that is. @return true when it rests
 static bool brake(cam_move_t *m, const cam_play_config_t *cfg, const cam_move_limits_t *limits)
 {
     cam_move_t next = {.pos_q10 = m->pos_q10, .vel_q10 = m->vel_q10 * cfg->plan_ticks};
@@ -27,7 +29,8 @@ static bool brake(cam_move_t *m, const cam_play_config_t *cfg, const cam_move_li
     return is_at_rest;
 }
 
-/// Tool out of the work, feed axes at rest. @return true when all of them rest
+/// Keep the tool out of the work and bring the feed axes to rest. @return true when all of them
+/// rest
 static bool stay_out(const cam_play_config_t *cfg, cam_motion_t *m)
 {
     m->u_target_q10 = cfg->u_retract_q10;
@@ -40,7 +43,8 @@ static bool stay_out(const cam_play_config_t *cfg, cam_motion_t *m)
            (!cfg->swing.is_swung || m->swing.is_there);
 }
 
-/// Z to the start of the cut, X standing, then X: the tool nears the work where it will cut.
+/// Move Z to the start of the cut while X stands, then X: the tool nears the work only where it
+/// will cut.
 /// @return true when both are there
 static bool approach_xz(const cam_play_config_t *cfg, cam_motion_t *m)
 {
@@ -55,8 +59,8 @@ static bool approach_xz(const cam_play_config_t *cfg, cam_motion_t *m)
     return false;
 }
 
-/// X over a Z that others lead; its set-point is where it is. The tool nears the work when U is
-/// ready. @return true when X is there
+/// Move X to its place over a measured Z, whose set-point is where it is. X nears the work only
+/// when U is ready. @return true when X is there
 static bool approach_x(const cam_play_config_t *cfg, int32_t z_nm, bool is_u_there, cam_motion_t *m)
 {
     cam_move_t *x = &m->axis[hal_axis_x];
@@ -68,7 +72,7 @@ static bool approach_x(const cam_play_config_t *cfg, int32_t z_nm, bool is_u_the
     return move_to(x, cfg, &cfg->approach[hal_axis_x], cam_aim_profile_q10(cfg, z_nm, 0));
 }
 
-/// Axes to the start of the cut; a tool that swings comes to rest at 0 first.
+/// Move all axes to the start of the cut; a tool that swings comes to rest at 0 first.
 /// @return true when all are there
 static bool approach(const cam_play_config_t *cfg, int32_t z_nm, cam_motion_t *m)
 {
@@ -83,7 +87,8 @@ static bool approach(const cam_play_config_t *cfg, int32_t z_nm, cam_motion_t *m
     return is_u_there && is_xz_there;
 }
 
-/// A fault: the guard retracts U, X moves off from where it was led in that tick, Z brakes to rest.
+/// In the state fault the guard retracts U, X moves off from its set-point in the tick of the
+/// fault, and Z brakes to rest.
 static void move_off(const cam_play_config_t *cfg, cam_motion_t *m)
 {
     const int64_t off_q10 = m->x_left_q10 + (int64_t)cfg->x_clearance_nm * 1024;

@@ -217,7 +217,7 @@ static void turn_back(void)
     g_cam.spindle.speed_q64 = -g_cam.spindle.speed_q64;
 }
 
-/// The first edge tells the angle.
+/// The first edge makes the angle known.
 static void forget_index(void)
 {
     g_cam.spindle.is_synced = false;

@@ -141,7 +141,7 @@ class Kernel:
 
 
 def is_direct_possible() -> bool:
-    """Tell whether this computer's kernel will do, by trying."""
+    """Return whether this computer's kernel will do, by trying."""
     if os.geteuid() != 0 or not shutil.which("unshare"):
         return False
     trial = ["unshare", "-n", str(MACHINE), "true"]

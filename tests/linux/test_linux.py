@@ -56,7 +56,7 @@ def fault_after_s(result: Result, cause_s: float) -> float:
 
 
 def is_drive_in(result: Result, axis: str, state: int) -> bool:
-    """Tell whether a drive ended in a state of CiA 402."""
+    """Return whether a drive ended in a state of CiA 402."""
     mask = 0x4F if state in (FAULT, DISABLED) else 0x6F
     return int(result.trace[-1][f"{axis}_status"], 0) & mask == state
 
@@ -72,7 +72,7 @@ def stop_s(result: Result, axis: str) -> float:
 
 
 def contains(whole: list[int], part: list[int]) -> bool:
-    """Tell whether the part stands in the whole, without gaps."""
+    """Return whether the part stands in the whole, without gaps."""
     n = len(part)
     return any(whole[i : i + n] == part for i in range(len(whole) - n + 1))
 

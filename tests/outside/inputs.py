@@ -259,7 +259,7 @@ def spoilt_designs(report: str) -> dict[str, bytes]:
 
 
 def _write_special(name: str, path: Path) -> bool:
-    """Make what is no plain file; tell whether the name was one of those."""
+    """Make what is no plain file; return whether the name was one of those."""
     if name == "folder":
         path.mkdir()
     elif name == "pipe":

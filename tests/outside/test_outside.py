@@ -42,7 +42,7 @@ ABOUT_SHARE = 0.01
 
 
 def is_as_good(name: str, was: float, now: float) -> bool:
-    """Tell whether a figure of a cut is at least as good as it was."""
+    """Return whether a figure of a cut is at least as good as it was."""
     if ANYWHERE.search(name):
         return True
     room = SHARE * abs(was) + SLACK
@@ -58,7 +58,7 @@ def is_as_good(name: str, was: float, now: float) -> bool:
 
 
 def is_number(value: object) -> bool:
-    """Tell whether a fact is a figure."""
+    """Return whether a fact is a figure."""
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 

@@ -206,7 +206,7 @@ class Board:
     # The bus and the table
 
     def send(self, frame: Frame) -> bool:
-        """Send a frame to the chip; tell whether it took it."""
+        """Send a frame to the chip; return whether it took it."""
         self.chip.gpio.require("PD0", 9)
         self.chip.gpio.require("PD1", 9)
         if round(self.chip.fdcan1.bit_hz()) != 500_000:

@@ -98,7 +98,7 @@ class Nvic(Device):
         return best if self.priority(best) < now else None
 
     def wakes(self) -> bool:
-        """Tell whether WFI ends: an exception would be due if nothing were masked."""
+        """Return whether WFI ends: an exception would be due if nothing were masked."""
         return self.due(0, 0) is not None
 
     # Registers

@@ -348,7 +348,7 @@ class Chip:
         self.run_until(lambda: False, cycles)
 
     def run_until(self, is_done: Callable[[], bool], most_cycles: int) -> bool:
-        """Let time pass until a condition holds; tell whether it did in time."""
+        """Let time pass until a condition holds; return whether it did in time."""
         end = self.clock.now + most_cycles
         while True:
             self._settle()

@@ -220,7 +220,7 @@ class Fdcan(Device):
         return non_matching == 0
 
     def deliver(self, frame: Frame) -> bool:
-        """Let the bench send a frame; tell whether it went into receive FIFO 0."""
+        """Let the bench send a frame; return whether it went into receive FIFO 0."""
         if not self._is_on_bus() or not self._accepts(frame.id):
             return False
         first, words, n = self._rx_words()

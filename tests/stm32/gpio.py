@@ -135,7 +135,7 @@ class Gpio:
         port.drive(pin, level)
 
     def has_function(self, name: str, function: int) -> bool:
-        """Tell whether a pin is switched to an alternate function."""
+        """Return whether a pin is switched to an alternate function."""
         port, pin = self.pin(name)
         return port.function(pin) == function
 

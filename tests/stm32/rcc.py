@@ -119,7 +119,7 @@ class Rcc(Device):
         self._forget()
 
     def is_on(self, gate: tuple[str, int]) -> bool:
-        """Tell whether a peripheral has its clock; gate: enable register and bit."""
+        """Return whether a peripheral has its clock; gate: enable register and bit."""
         return bool(self.v[gate[0]] >> gate[1] & 1)
 
     # Frequencies

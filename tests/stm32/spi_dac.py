@@ -87,7 +87,7 @@ class Spi(Device):
         return (2 if cfg2 & CPOL else 0) + (1 if cfg2 & CPHA else 0)
 
     def pulses_select(self) -> bool:
-        """Tell whether the slave select rises between two frames."""
+        """Return whether the slave select rises between two frames."""
         midi = self.v["cfg2"] >> 4 & 15
         return bool(self.v["cfg2"] & SSOE and self.v["cfg2"] & SSOM and midi)
 
@@ -225,7 +225,7 @@ class Ad5754r:
         self._answer = 0
 
     def is_on(self, channel: int) -> bool:
-        """Tell whether an output is powered; if not it is tied to ground."""
+        """Return whether an output is powered; if not it is tied to ground."""
         return bool(self.power >> channel & 1)
 
     def ldac(self, level: int) -> None:

@@ -98,7 +98,7 @@ class Timer(Device):
         self._outputs = {3: 0, 4: 0}
 
     def irq(self) -> bool:
-        """Tell whether the interrupt line is raised."""
+        """Return whether the interrupt line is raised."""
         return bool(self.v["sr"] & self.v["dier"] & UIF)
 
     def write(self, offset: int, size: int, value: int) -> None:

@@ -90,7 +90,7 @@ def options(room: str) -> list[str]:
 
 
 def sees(room: str, header: str, folder: Path) -> bool:
-    """Tell whether a file of one line that includes a header compiles in a room."""
+    """Return whether a file of one line that includes a header compiles in a room."""
     source = folder / "one_line.c"
     done = subprocess.run(
         [*options(room), "-fsyntax-only", str(source)],

@@ -23,7 +23,7 @@ ONE_FAILED = '<testsuite tests="5" failures="1" errors="0" skipped="0"/>'
 
 
 def is_running(pid: int) -> bool:
-    """Tell whether a process is there and no zombie."""
+    """Return whether a process is there and no zombie."""
     try:
         return ") Z " not in Path(f"/proc/{pid}/stat").read_text()
     except OSError:
@@ -31,7 +31,7 @@ def is_running(pid: int) -> bool:
 
 
 def is_gone_soon(pid: int) -> bool:
-    """Tell whether a process that was sent a signal ends."""
+    """Return whether a process that was sent a signal ends."""
     end_s = time.monotonic() + 10.0
     while is_running(pid) and time.monotonic() < end_s:
         time.sleep(0.02)

@@ -147,7 +147,7 @@ def test_part_without_depth_is_refused(tmp_path: Path, capsys: pytest.CaptureFix
 
 
 def is_caught(pid: int, number: signal.Signals) -> bool:
-    """Tell whether a process has a handler for a signal."""
+    """Return whether a process has a handler for a signal."""
     status = Path(f"/proc/{pid}/status").read_text()
     caught = next(line for line in status.splitlines() if line.startswith("SigCgt:"))
     return bool(int(caught.split()[1], 16) >> (number - 1) & 1)

@@ -118,7 +118,7 @@ def test_default_cut_is_within_a_micrometre(run: Run, tmp_path: Path) -> None:
 
 
 def same_picture(one: Path, two: Path) -> bool:
-    """Tell whether two pictures show the same; a line may round to another pixel here and there."""
+    """Return whether two pictures show the same; a line may round to another pixel."""
     a, b = imread(one), imread(two)
     return a.shape == b.shape and float(np.abs(a - b).mean()) < 1e-3
 
