@@ -255,11 +255,6 @@ static void build_swing(cam_swing_config_t *c, const cam_params_t *p, const cam_
                              p->swing_acceleration_deg_per_s2 / approach_share, tick_hz);
 }
 
-/// [ns] A spindle drive reads its set-point once in a cycle of its own, and acts on it in the next:
-/// two cycles of 20 kHz. Of 0 to 500 us this gives the least ripple of equal volume on average, and
-/// the contact speed of a ground lobe that is nearest to the table's.
-#define SPINDLE_TAKES_NS 100000
-
 /// X and Z, U and the speed ratio are planned ahead, to the next plan and by their lag. U is
 /// at the height that a geared Z reaches after its own lag, and a measured Z has reached. While the
 /// spindle accelerates two equal poles lag by the square of half their lag more.
@@ -272,8 +267,9 @@ static void build_plan(cam_play_config_t *c, uint32_t tick_hz)
     c->xz_plan_q16 = lag_q16 + ticks * 65536;
     c->u_plan_q16 = c->lead_q16 + ticks * 65536;
     c->commanded_q16 = lag_q16 > c->lead_q16 ? lag_q16 : c->lead_q16;
-    // In force from the next tick to the one behind the plan, as soon as the spindle has taken it.
-    c->ratio_q16 = (ticks + 1) * 65536 + ticks_of_ns(SPINDLE_TAKES_NS, tick_hz);
+    // In force from the next tick to the one behind the plan, and read ahead by U's lead as U is:
+    // the acceleration of the spindle goes into U's command.
+    c->ratio_q16 = c->lead_q16 + (ticks + 1) * 65536;
     c->xz_lag2 = half_square(c->xz_plan_q16) - half_square(lag_q16) / 2;
 }
 
