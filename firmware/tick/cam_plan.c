@@ -113,7 +113,8 @@ static int32_t u_height_nm(const cam_plan_t *p, const cam_play_config_t *cfg, in
 static void aim_u(cam_motion_t *m, const cam_play_config_t *cfg, int32_t scale_q30, int32_t z_nm,
                   int32_t u_z_nm)
 {
-    const int32_t behind_q4 = cam_sat_i32((int64_t)cam_wrap_sub(z_nm, u_z_nm) * 16);
+    // Only the reported height uses it, so beyond 134 mm it may wrap.
+    const int32_t behind_q4 = (int32_t)(((uint32_t)z_nm - (uint32_t)u_z_nm) * 16u);
     m->scale_step_q30 = cam_aim_share(cfg, scale_q30 - m->scale_q30);
     m->scale_q30 = scale_q30 - m->scale_step_q30 * cfg->plan_ticks;
     m->behind_step_q4 = cam_aim_share(cfg, cam_wrap_sub(behind_q4, m->behind_q4));
@@ -168,13 +169,17 @@ static void ramp(cam_plan_t *p, const cam_play_config_t *cfg, cam_motion_t *m)
     p->amplitude_q30 += cam_clamp_i32(cfg->amplitude_q30 - p->amplitude_q30, -most_q30, most_q30);
 }
 
-/// Measured Z must lie on the table, a geared one moreover where its set-point was one lag ago.
-/// @return fault z_range or none
-static uint32_t check_z(const cam_play_config_t *cfg, int32_t z_nm, const cam_move_t *z)
+/// Compare the measured Z with where it must be: on the table, a geared Z moreover where its
+/// set-point was one lag ago, and a measured Z near where the last plan found it. A Z that jumps
+/// further within a plan is no motion that U and X could follow.
+/// @param last_nm  [nm] measured Z of the last plan
+/// @return         fault z_range or none
+static uint32_t check_z(const cam_play_config_t *cfg, int32_t z_nm, int32_t last_nm,
+                        const cam_move_t *z)
 {
     const int64_t due_q10 = z->pos_q10 - (((int64_t)z->vel_q10 * cfg->xz_lag_q16) >> 16);
-    const int64_t off_nm = z_nm - (due_q10 >> 10);
-    const bool is_off = !cfg->is_z_measured && cam_abs_i64(off_nm) > cfg->z_margin_nm;
+    const int64_t due_nm = cfg->is_z_measured ? last_nm : due_q10 >> 10;
+    const bool is_off = cam_abs_i64(z_nm - due_nm) > cfg->z_margin_nm;
     const bool is_out = z_nm < cfg->z_low_nm || z_nm > cfg->z_high_nm;
     return is_off || is_out ? CAM_FAULT_BIT(z_range) : 0u;
 }
@@ -263,13 +268,16 @@ static void aim_axes(cam_plan_t *p, const cam_play_config_t *cfg, const cam_tick
 static void plan_cut(cam_plan_t *p, const cam_play_config_t *cfg, const cam_tick_record_t *r,
                      cam_motion_t *m)
 {
-    m->faults = check_z(cfg, r->in.actual_nm[hal_axis_z], &m->axis[hal_axis_z]);
+    m->faults = check_z(cfg, r->in.actual_nm[hal_axis_z], p->measured_nm, &m->axis[hal_axis_z]);
     if (cfg->swing.is_swung) {
         m->faults |= cam_swing_check_isr(&m->swing, cfg, r->in.swing_q32);
     }
     if (m->is_stopping) {
         lay_end(p, cfg, &r->angle);
         m->is_stopping = false;
+    }
+    if ((m->faults & CAM_FAULT_BIT(z_range)) != 0u) {
+        return; // The guard takes over in the next tick; until then nothing aims at a wrong height.
     }
     aim_axes(p, cfg, r, m);
     m->state = state_at(p, cfg, r->angle.pos_q32);

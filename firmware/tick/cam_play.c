@@ -70,6 +70,8 @@ static void follow_axes(cam_motion_t *m, const cam_sense_t *in)
         m->axis[i] = (cam_move_t){.pos_q10 = (int64_t)in->actual_nm[i] * 1024};
     }
     m->spindle_mrpm = 0;
+    m->faults = 0;
+    m->was_off = true;
 }
 
 /// Out of the cut U moves by time, in state fault the guard moves it. @return [nm / 64] U

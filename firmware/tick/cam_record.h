@@ -67,6 +67,7 @@ typedef struct {
     int32_t spindle_mrpm; ///< [r/min / 1000] set-point, signed
     bool is_playing;      ///< in the work and not approaching it: axes follow the table
     bool is_stopping;     ///< a stop was requested; the next plan lays the end of the cut
+    bool was_off;         ///< off since the last plan: the angle must be found anew
     bool is_clear;        ///< state fault: X has moved off, Z and the swing have come to rest
     bool is_retracted;    ///< state fault: the guard's retract has ended
     uint32_t faults;      ///< seen by the plan, for the ticks up to the next one

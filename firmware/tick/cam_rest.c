@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_rest.h"
 #include "cam_aim.h"   // cam_aim_isr
+#include "cam_fix.h"   // cam_sat_i32
 #include "cam_move.h"  // cam_move_to_isr
 #include "cam_swing.h" // cam_swing_rest_isr
 
@@ -9,12 +10,19 @@ static bool is_at(const cam_move_t *m, int64_t place_q10)
     return m->pos_q10 == place_q10 && m->vel_q10 == 0;
 }
 
+/// @return an axis as it moves from plan to plan; a speed that no limit per plan holds is saturated
+static cam_move_t plan_by_plan(const cam_move_t *m, const cam_play_config_t *cfg)
+{
+    return (cam_move_t){.pos_q10 = m->pos_q10,
+                        .vel_q10 = cam_sat_i32((int64_t)m->vel_q10 * cfg->plan_ticks)};
+}
+
 /// Move an axis towards a place by one step per plan, within limits per plan. @return true when it
 /// rests there
 static bool move_to(cam_move_t *m, const cam_play_config_t *cfg, const cam_move_limits_t *limits,
                     int64_t place_q10)
 {
-    cam_move_t next = {.pos_q10 = m->pos_q10, .vel_q10 = m->vel_q10 * cfg->plan_ticks};
+    cam_move_t next = plan_by_plan(m, cfg);
     const bool is_there = cam_move_to_isr(&next, limits, place_q10);
     cam_aim_isr(m, cfg, next.pos_q10);
     return is_there;
@@ -23,7 +31,7 @@ static bool move_to(cam_move_t *m, const cam_play_config_t *cfg, const cam_move_
 /// Brake an axis to rest, wherever that is. @return true when it rests
 static bool brake(cam_move_t *m, const cam_play_config_t *cfg, const cam_move_limits_t *limits)
 {
-    cam_move_t next = {.pos_q10 = m->pos_q10, .vel_q10 = m->vel_q10 * cfg->plan_ticks};
+    cam_move_t next = plan_by_plan(m, cfg);
     const bool is_at_rest = cam_move_stop_isr(&next, limits);
     cam_aim_isr(m, cfg, next.pos_q10);
     return is_at_rest;
@@ -89,14 +97,19 @@ static bool approach(const cam_play_config_t *cfg, int32_t z_nm, cam_motion_t *m
 
 /// In the state fault the guard retracts U, X moves off from its set-point in the tick of the
 /// fault, and Z brakes to rest.
-static void move_off(const cam_play_config_t *cfg, cam_motion_t *m)
+static void move_off(const cam_play_config_t *cfg, int32_t z_nm, cam_motion_t *m)
 {
     const int64_t off_q10 = m->x_left_q10 + (int64_t)cfg->x_clearance_nm * 1024;
     if (cfg->swing.is_swung) {
         cam_swing_rest_isr(&m->swing, cfg, &cfg->swing.full);
     }
     const bool is_x_off = move_to(&m->axis[hal_axis_x], cfg, &cfg->leave[hal_axis_x], off_q10);
-    const bool is_z_at_rest = brake(&m->axis[hal_axis_z], cfg, &cfg->leave[hal_axis_z]);
+    bool is_z_at_rest = true;
+    if (cfg->is_z_measured) {
+        m->axis[hal_axis_z] = (cam_move_t){.pos_q10 = (int64_t)z_nm * 1024};
+    } else {
+        is_z_at_rest = brake(&m->axis[hal_axis_z], cfg, &cfg->leave[hal_axis_z]);
+    }
     m->is_clear = is_x_off && is_z_at_rest && (!cfg->swing.is_swung || m->swing.is_there);
 }
 
@@ -104,7 +117,7 @@ static void move_off(const cam_play_config_t *cfg, cam_motion_t *m)
 static void home(const cam_play_config_t *cfg, const cam_angle_t *angle, cam_motion_t *m)
 {
     const bool is_out = stay_out(cfg, m);
-    if (is_out && angle->is_synced && angle->speed_q32 >= cfg->turning_q32) {
+    if (is_out && !m->was_off && angle->is_synced && angle->speed_q32 >= cfg->turning_q32) {
         m->state = cam_state_ready;
     }
 }
@@ -117,7 +130,7 @@ bool cam_rest_isr(const cam_play_config_t *cfg, const cam_tick_record_t *r, cam_
     m->alpha_u = 0;
     m->faults = 0;
     if (m->state == cam_state_fault) {
-        move_off(cfg, m);
+        move_off(cfg, r->in.actual_nm[hal_axis_z], m);
         return false;
     }
     m->is_clear = false;

@@ -105,12 +105,14 @@ static inline void steps_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_
     command(c, cfg, r);
 }
 
-/// In the state off the angle is forgotten, because every enable homes anew.
+/// The angle is forgotten where the state was off in any tick since the last plan, because every
+/// enable homes anew; an off as short as that of the command home counts, too.
 static uint32_t watch_index(cam_t *c, const cam_config_t *cfg, const cam_tick_record_t *r)
 {
-    if (c->motion.state != cam_state_off) {
+    if (!c->motion.was_off) {
         return cam_spindle_watch_isr(&c->spindle, &cfg->spindle, &r->in.encoder);
     }
+    c->motion.was_off = false;
     cam_spindle_forget_isr(&c->spindle, &r->in.encoder);
     return 0;
 }

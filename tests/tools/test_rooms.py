@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shlex
 import subprocess
 from concurrent.futures import ThreadPoolExecutor
@@ -141,3 +142,14 @@ def test_wrong_arrow_would_be_found(tmp_path: Path) -> None:
     (tmp_path / "one_line.c").write_text('#include "cam_machine.h"\n')
     assert not sees("firmware/table", "cam_machine.h", tmp_path)
     assert sees("firmware/remote", "cam_machine.h", tmp_path)
+
+
+def test_no_include_climbs_out_of_its_room() -> None:
+    """A path with ".." would go round the include paths, so no file of ours has one."""
+    folders = ("firmware", "hal", "host_sim", "tests")
+    sources = [path for folder in folders for path in (ROOT / folder).rglob("*.[ch]")]
+    climbing = [
+        str(path) for path in sources if re.search(r'#include "[^"]*\.\.', path.read_text())
+    ]
+    assert sources
+    assert not climbing

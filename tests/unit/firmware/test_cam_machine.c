@@ -281,6 +281,30 @@ static void test_poll_tries_again_when_the_interrupt_is_busy(void)
     TEST_ASSERT_FALSE(rig.machine.has_table);
 }
 
+/// The command home is an off of a tick or two. The plan forgets the angle, wherever between two
+/// plans that off falls, so that ready always rests on an index that was seen anew.
+static void test_home_finds_the_index_anew_in_every_phase_of_the_plan(void)
+{
+    for (uint32_t phase = 0; phase < 16u; phase++) {
+        setUp();
+        bring(cam_state_ready);
+        fixture_rig_ticks(&rig, phase);
+        TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home(&rig.machine));
+        bool was_homing = false;
+        bool was_forgotten = false;
+        cam_status_t status = {0};
+        for (int i = 0; i < 5000 && !(was_homing && status.state == cam_state_ready); i++) {
+            fixture_rig_tick(&rig);
+            cam_machine_poll(&rig.machine);
+            status = fixture_rig_status(&rig);
+            was_homing = was_homing || status.state == cam_state_homing;
+            was_forgotten = was_forgotten || (was_homing && !status.is_synced);
+        }
+        TEST_ASSERT_EQUAL_INT(cam_state_ready, status.state);
+        TEST_ASSERT_TRUE(was_homing && was_forgotten && status.is_synced);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -299,5 +323,6 @@ int main(void)
     RUN_TEST(test_select_table_needs_a_good_one_and_the_right_state);
     RUN_TEST(test_poll_finds_damage_in_every_state);
     RUN_TEST(test_poll_tries_again_when_the_interrupt_is_busy);
+    RUN_TEST(test_home_finds_the_index_anew_in_every_phase_of_the_plan);
     return UNITY_END();
 }

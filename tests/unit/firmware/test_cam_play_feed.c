@@ -211,7 +211,7 @@ static uint32_t faults_within_a_plan(void)
     return faults;
 }
 
-static void test_measured_z_beyond_table_and_margin_is_a_fault(void)
+static void start_with_measured_z(void)
 {
     fixture_play_init(&f, &part);
     f.params.z_is_measured = 1;
@@ -220,10 +220,53 @@ static void test_measured_z_beyond_table_and_margin_is_a_fault(void)
     f.in.actual_nm[hal_axis_u] = -400000;
     f.in.actual_nm[hal_axis_x] = 46500000;
     TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_cutting));
-    static const int32_t z_nm[] = {-100000, 1100000, -100001, 1100001, INT32_MIN, INT32_MAX};
+}
+
+/// Z moves to a place by a few micrometres per plan. @return faults on the way there
+static uint32_t carry_z_to(int32_t z_nm)
+{
+    int32_t *const at_nm = &f.in.actual_nm[hal_axis_z];
+    uint32_t faults = 0;
+    while (*at_nm != z_nm) {
+        const int32_t left_nm = z_nm - *at_nm;
+        *at_nm += left_nm > 20000 ? 20000 : left_nm < -20000 ? -20000 : left_nm;
+        faults |= faults_within_a_plan();
+    }
+    return faults;
+}
+
+static void test_measured_z_beyond_table_and_margin_is_a_fault(void)
+{
+    static const int32_t z_nm[] = {-100000, 1100000};
+    for (int i = 0; i < 2; i++) {
+        start_with_measured_z();
+        TEST_ASSERT_EQUAL_HEX32(0, carry_z_to(z_nm[i]));
+        TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(z_range), carry_z_to(z_nm[i] + (i == 0 ? -1 : 1)));
+    }
+}
+
+/// A jump further than the margin within a plan is a fault, in either direction and however far,
+/// and X is led to no place of the wrong height before the guard takes over.
+static void test_measured_z_that_jumps_is_a_fault(void)
+{
+    static const int32_t step_nm[] = {100000, -100000, 100001, -100001, 900000, -400000};
     for (int i = 0; i < 6; i++) {
-        f.in.actual_nm[hal_axis_z] = z_nm[i];
+        start_with_measured_z();
+        TEST_ASSERT_EQUAL_HEX32(0, carry_z_to(500000));
+        TEST_ASSERT_EQUAL_HEX32(0, faults_within_a_plan() | faults_within_a_plan()); // Z rests
+        const int64_t x_q10 = f.motion.axis[hal_axis_x].pos_q10;
+        f.in.actual_nm[hal_axis_z] += step_nm[i];
         TEST_ASSERT_EQUAL_HEX32(i < 2 ? 0u : CAM_FAULT_BIT(z_range), faults_within_a_plan());
+        if (i >= 2) {
+            TEST_ASSERT_INT64_WITHIN(1024 * 100, x_q10, f.motion.axis[hal_axis_x].pos_q10);
+            TEST_ASSERT_EQUAL_INT32(0, f.motion.axis[hal_axis_z].vel_q10);
+        }
+    }
+    static const int32_t far_nm[] = {INT32_MIN, INT32_MAX};
+    for (int i = 0; i < 2; i++) {
+        start_with_measured_z();
+        f.in.actual_nm[hal_axis_z] = far_nm[i];
+        TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(z_range), faults_within_a_plan());
     }
 }
 
@@ -254,6 +297,7 @@ int main(void)
     RUN_TEST(test_measured_z_is_what_is_played);
     RUN_TEST(test_angle_at_fault_leaves_u_its_pace);
     RUN_TEST(test_measured_z_beyond_table_and_margin_is_a_fault);
+    RUN_TEST(test_measured_z_that_jumps_is_a_fault);
     RUN_TEST(test_geared_z_off_its_place_by_more_than_the_margin_is_a_fault);
     return UNITY_END();
 }
