@@ -164,7 +164,6 @@ def host_steps() -> list[Step]:
     own_tests = ("-R", r"^unit\.test_cam_")
     return [
         *tools_steps(is_fast=False),
-        pytest("outside", "tests/outside", needs=("build host",), wide=True),
         build("host-asan"),
         ctest("host-asan"),
         pytest("host-asan", *simulator, needs=("build host-asan",), preset="host-asan", wide=True),
