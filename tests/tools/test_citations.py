@@ -127,7 +127,7 @@ def test_documents_that_are_named_exist() -> None:
     stray = [
         f"{name}: {found}"
         for name, text in texts().items()
-        if name != OWN and not name.startswith("tests/outside/")  # what was said before
+        if name != OWN
         for found in DOCUMENT.findall(text)
         if found.rpartition("/")[2] not in WRITTEN
         and not any(f"/{one}".endswith(f"/{found}") for one in documents)
