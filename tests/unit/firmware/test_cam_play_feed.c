@@ -164,7 +164,7 @@ static void test_feed_ramp_of_a_measured_z_limits_no_speed(void)
     }
 }
 
-static void test_measured_z_is_what_is_played(void)
+static void start_with_measured_z(void)
 {
     fixture_play_init(&f, &part);
     f.params.z_is_measured = 1;
@@ -173,6 +173,11 @@ static void test_measured_z_is_what_is_played(void)
     f.in.actual_nm[hal_axis_u] = -400000;
     f.in.actual_nm[hal_axis_x] = 46500000;
     TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_cutting));
+}
+
+static void test_measured_z_is_what_is_played(void)
+{
+    start_with_measured_z();
     for (int32_t z_nm = 0; z_nm < 1000000; z_nm += 771) {
         f.in.actual_nm[hal_axis_z] = z_nm;
         fixture_play_ticks(&f, rounds);
@@ -209,17 +214,6 @@ static uint32_t faults_within_a_plan(void)
         faults |= i > 0 ? f.want.faults : 0u; // the first tick may still report the plan before
     }
     return faults;
-}
-
-static void start_with_measured_z(void)
-{
-    fixture_play_init(&f, &part);
-    f.params.z_is_measured = 1;
-    fixture_play_configure(&f);
-    f.is_axes_held = true;
-    f.in.actual_nm[hal_axis_u] = -400000;
-    f.in.actual_nm[hal_axis_x] = 46500000;
-    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_cutting));
 }
 
 /// Z moves to a place by a few micrometres per plan. @return faults on the way there
