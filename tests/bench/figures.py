@@ -145,14 +145,12 @@ def measure(case: Case) -> Figures:
         summary = folder / "summary.json"
         _run(ROOT / "tools" / "mktables", ROOT / "tools/parts" / f"{case.part}.toml", "-o", folder)
         table = next(folder.glob("*.camtab"))
-        if case.cut:
-            camsim = BUILD / "host" / "host_sim" / "camsim"
-            _run(camsim, "run", table, *case.arguments, "--summary", summary, most=1)
+        camsim = BUILD / "host" / "host_sim" / "camsim"
+        _run(camsim, "run", table, *case.arguments, "--summary", summary, most=1)
         report = json.loads(table.with_suffix(".json").read_text())
+        record = json.loads(summary.read_text())
         found = {k: _value(k, report, place) for k, place in case.table.items()}
-        if case.cut:
-            record = json.loads(summary.read_text())
-            found |= {k: _value(k, record, place) for k, place in case.cut.items()}
+        found |= {k: _value(k, record, place) for k, place in case.cut.items()}
     return {f"{case.name}.{figure}": value for figure, value in found.items()}
 
 

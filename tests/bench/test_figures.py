@@ -3,18 +3,28 @@
 
 from __future__ import annotations
 
+import doctest
+
+import figures
 import pytest
 from figures import CASES, CORES, Case, core_figures, documents, measure, printed, quotes, recorded
 
 
+def test_examples_are_true() -> None:
+    """What the examples of the module show is what it does."""
+    result = doctest.testmod(figures)
+    assert result.attempted
+    assert not result.failed
+
+
 def test_documents_quote_what_is_recorded() -> None:
     """A number with a key is the record's, to the digits that are printed."""
-    figures = recorded()
+    known = recorded()
     wrong = [
-        f"{document.name}: {key} is {printed(number, figures[key])}, not {number}"
+        f"{document.name}: {key} is {printed(number, known[key])}, not {number}"
         for document in documents()
         for number, key in quotes(document.read_text())
-        if printed(number, figures[key]) != number
+        if printed(number, known[key]) != number
     ]
     assert not wrong, f"{wrong}; tests/bench/figures.py mends the documents"
 
