@@ -378,6 +378,7 @@ cam_err_t cam_build_config(cam_config_t *config, const cam_params_t *params,
     if (table != NULL) {
         config->table = *table;
         config->play.table = &config->table;
+        config->play.x_offset_q10 = ((int64_t)table->x.value_offset + params->x_offset_nm) * 1024;
         build_feed(&config->play, params, table, tick_hz);
         // Made for the limit of the spindle, not for its speed: the plan keeps values in this
         // scale, which must not change while it cuts.

@@ -99,8 +99,9 @@ typedef struct {
     int32_t z_margin_nm;         ///< [nm] accepted distance of a geared Z from its place
     int32_t turning_q32;         ///< [turn / 2^32 per tick] slower does not count as turning
     bool is_z_measured;
-    int64_t u_retract_q10;                  ///< [nm / 1024]
-    int32_t x_clearance_nm;                 ///< [nm]
+    int64_t u_retract_q10;  ///< [nm / 1024]
+    int32_t x_clearance_nm; ///< [nm]
+    int64_t x_offset_q10;   ///< [nm / 1024] X where its knots are 0: offset of the channel and own
     cam_move_limits_t approach[hal_n_axes]; ///< gentle limits outside the cut; X, Z: per plan
     cam_move_limits_t leave[hal_n_axes];    ///< full limits per plan, of X and Z in state fault
     int32_t spindle_mrpm;                   ///< mean set-point, signed by the table's direction

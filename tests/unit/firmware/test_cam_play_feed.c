@@ -175,6 +175,25 @@ static void start_with_measured_z(void)
     TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_cutting));
 }
 
+/// The offset moves X as a whole, in the approach as in the cut.
+static void test_x_offset_moves_every_place_of_x(void)
+{
+    const int32_t offset_nm[] = {-1000000, 0, 123457, 1000000};
+    for (size_t i = 0; i < sizeof offset_nm / sizeof offset_nm[0]; i++) {
+        fixture_play_init(&f, &part);
+        f.params.x_offset_nm = offset_nm[i];
+        fixture_play_configure(&f);
+        engage();
+        const double clear_nm = fixture_play_x_nm(&f, part.z_first_nm) + f.params.x_clearance_nm;
+        TEST_ASSERT_DOUBLE_WITHIN(1.0, clear_nm + offset_nm[i],
+                                  (double)f.axis[hal_axis_x].pos_q10 / 1024.0);
+        for (double turns = 0.0; turns < 9.0; turns += 0.37) {
+            const double x_nm = fixture_play_x_nm(&f, z_at(turns)) + offset_nm[i];
+            TEST_ASSERT_DOUBLE_WITHIN(1.5, x_nm, (double)f.axis[hal_axis_x].pos_q10 / 1024.0);
+        }
+    }
+}
+
 static void test_measured_z_is_what_is_played(void)
 {
     start_with_measured_z();
@@ -288,6 +307,7 @@ int main(void)
     RUN_TEST(test_feed_in_ticks_never_steps);
     RUN_TEST(test_feed_ramp_shortened_to_the_feed_is_what_feasibility_judges);
     RUN_TEST(test_feed_ramp_of_a_measured_z_limits_no_speed);
+    RUN_TEST(test_x_offset_moves_every_place_of_x);
     RUN_TEST(test_measured_z_is_what_is_played);
     RUN_TEST(test_angle_at_fault_leaves_u_its_pace);
     RUN_TEST(test_measured_z_beyond_table_and_margin_is_a_fault);
