@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -16,7 +17,8 @@ import pytest
 
 from camtools.cli.analyse import main, products
 from camtools.skirt.part import SkirtPart
-from camtools.study.section import AnalysisWishes
+from camtools.study.section import AnalysisWishes, make_analysis
+from camtools.study.section_text import summary
 from maths_tables import TABLE_1, TABLE_4
 from part_cases import PERKINS, ROOT, environment, load_part
 
@@ -105,7 +107,30 @@ def test_pictures_are_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]
     names = {path.name for path in (tmp_path / "out").iterdir()}
     assert {"area.png", "parts.png", "speed.png", "motion.png", "forces.png"} <= names
     assert {"paths.csv", "path_unrolled.png", "path_scallop.png"} <= names
-    assert "NOT constant: the force of the chip" in capsys.readouterr().out
+    assert "not constant: the force of the chip" in capsys.readouterr().out
+
+
+def told_of(part: SkirtPart, wishes: AnalysisWishes) -> str:
+    """Return what the command prints of a part."""
+    return summary(make_analysis(part, wishes))
+
+
+def test_uniform_part_is_not_judged_by_equal_parts(perkins: SkirtPart) -> None:
+    """Equal parts are judged only where they are turned or asked for; nothing is shouted."""
+    for name in ("weichai3a", "16v240zj", "scan90", "double_ellipse", "perkins240_x30"):
+        text = told_of(load_part(PERKINS.with_name(f"{name}.toml")), AnalysisWishes())
+        assert "the part is turned uniformly; equal volume would take" in text
+        assert not re.search(r"not possible|NOT", text)
+    assert "30 equal parts are possible, as 28 (volume" in told_of(
+        perkins, AnalysisWishes(parts=30)
+    )
+    even = load_part(PERKINS.with_name("perkins240_equal_volume.toml"))
+    assert "30 equal parts are possible" in told_of(even, AnalysisWishes())
+    asked = told_of(perkins, AnalysisWishes(parts=500))
+    assert "500 equal parts are not possible: 28 (volume of a part) .. 120" in asked
+    assert "give --parts or process.parts" in asked
+    none = told_of(even, AnalysisWishes(slice_volume_mm3=1e-6))
+    assert "30 equal parts: no number is possible" in none
 
 
 @pytest.mark.parametrize(

@@ -185,6 +185,19 @@ def test_magnified_part_has_the_papers_numbers() -> None:
     assert 2 * float(geometry.radius_mm(20.0)) == pytest.approx(92.0, abs=1e-12)
 
 
+def test_ovality_alone_may_be_magnified(perkins: SkirtPart) -> None:
+    """The other reading of the demonstration: ovality 9 mm at 62 mm, the diameter as drawn."""
+    magnify = {"factor": 30.0, "of": "ovality"}
+    part = SkirtPart.model_validate(perkins.model_dump() | {"magnify": magnify})
+    geometry = make_geometry(part)
+    assert 2 * float(geometry.radius_mm(62.0)) == pytest.approx(91.737, abs=1e-12)
+    assert float(geometry.ovality_mm(62.0)) == pytest.approx(9.0, abs=1e-12)
+    short_mm = float(geometry.radius_mm(62.0) - geometry.delta(np.pi / 2, 62.0).delta)
+    assert short_mm == pytest.approx(91.737 / 2 - 4.5, abs=1e-12)
+    assert part.magnify is not None
+    assert part.magnify.words == "ovality enlarged 30 times"
+
+
 def _changed(part: SkirtPart, **piston: object) -> SkirtPart:
     tree = part.model_dump()
     tree["piston"] |= piston

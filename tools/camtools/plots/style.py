@@ -15,6 +15,7 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.ticker import ScalarFormatter
 
 # Okabe and Ito, "Color Universal Design" (2008): distinct for every kind of colour vision.
 BLUE, ORANGE, GREEN, RED, SKY, PURPLE = (
@@ -50,8 +51,19 @@ def titled_figure(width_in: float, height_in: float, title: str) -> Figure:
     return figure
 
 
+def plain_numbers(figure: Figure) -> None:
+    """Write every number of every axis in full: no offset and no power of ten beside the axis."""
+    for axes in figure.axes:
+        for name in ("xaxis", "yaxis", "zaxis"):
+            formatter = getattr(axes, name).get_major_formatter() if hasattr(axes, name) else None
+            if isinstance(formatter, ScalarFormatter):
+                formatter.set_useOffset(False)
+                formatter.set_scientific(False)
+
+
 def png_of(figure: Figure) -> bytes:
     """Return a figure as PNG; the same figure gives the same bytes."""
+    plain_numbers(figure)
     stream = BytesIO()
     FigureCanvasAgg(figure)
     figure.savefig(stream, format="png", metadata={"Software": None})

@@ -138,7 +138,9 @@ def make_geometry(part: SkirtPart) -> Geometry:
     """
     piston = part.piston
     factor = part.magnify.factor if part.magnify else 1.0
-    radius = magnified(profile_spline(piston.profile), factor, max(piston.profile.diameter_mm) / 2)
+    of_profile = part.magnify.profile_factor if part.magnify else 1.0
+    largest_mm = max(piston.profile.diameter_mm) / 2
+    radius = magnified(profile_spline(piston.profile), of_profile, largest_mm)
     ends = float(piston.profile.height_mm[0]), float(piston.profile.height_mm[-1])
     if piston.section.shape == "table":
         geometry = _measured(part, radius, factor)

@@ -147,9 +147,20 @@ class SkirtMachine(TomlTable):
 
 
 class Magnify(TomlTable):
-    """[magnify]: the papers' demonstration, all deviations enlarged, MATHS.md (7)."""
+    """[magnify]: the papers' demonstration in both their readings, MATHS.md (7)."""
 
     factor: Annotated[float, Field(ge=1, le=1000)]
+    of: Literal["all", "ovality"] = "all"
+
+    @property
+    def profile_factor(self) -> float:
+        """Return how many times the profile's deviation from its largest diameter is enlarged."""
+        return self.factor if self.of == "all" else 1.0
+
+    @property
+    def words(self) -> str:
+        """Return what is enlarged, for titles."""
+        return f"{'deviations' if self.of == 'all' else 'ovality'} enlarged {self.factor:g} times"
 
 
 class SkirtPart(TomlTable):

@@ -27,7 +27,7 @@ _MM_PER_M = 1000.0
 
 def _title(result: GeneratedSkirt, what: str) -> str:
     magnify = result.part.magnify
-    enlarged = f", deviations enlarged {magnify.factor:g} times" if magnify else ""
+    enlarged = f", {magnify.words}" if magnify else ""
     return f"{result.part.part.name}: {what}{enlarged}"
 
 
@@ -107,7 +107,6 @@ def _against_height(axes: Axes, z_mm: Floats, curve: Floats, spline: PPoly, scal
     nodes = spline.x[inside]
     axes.plot(scale * spline(nodes), nodes, "o", color=_colour(1), label="points of the drawing")
     axes.grid(alpha=0.3)
-    axes.ticklabel_format(useOffset=False)
     axes.tick_params(axis="x", rotation=30)
     axes.legend(frameon=False)
 

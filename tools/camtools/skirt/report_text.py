@@ -13,7 +13,7 @@ def what_was_cut(outcome: SkirtOutcome) -> str:
     cut, geometry = outcome.summary["cut"], outcome.generated.geometry
     span_mm = geometry.z_last_mm - geometry.z_first_mm
     magnify = outcome.generated.part.magnify
-    enlarged = f", deviations enlarged {magnify.factor:g} times" if magnify else ""
+    enlarged = f", {magnify.words}" if magnify else ""
     mean = "mean " if outcome.generated.speed is not None else ""
     return (
         f"skirt of {span_mm:g} mm at {mean}{cut['spindle_rpm']:g} r/min, "

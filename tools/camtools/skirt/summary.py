@@ -88,6 +88,7 @@ def _process(result: GeneratedSkirt) -> Json:
         "depth_mm": float(process.depth_mm),
         "direction": process.direction,
         "magnify": float(magnify.factor) if magnify else 1.0,
+        "magnify_profile": magnify.profile_factor if magnify else 1.0,
     }
 
 

@@ -69,6 +69,7 @@ class Analysis:
     alpha_rad_s2: float
     steps: Steps
     parts: Parts
+    is_even: bool  # turned at equal volume, or parts were asked for
     range: PartsRange
     peaks: SpeedPeaks
     rates: Rates
@@ -141,6 +142,7 @@ def make_analysis(part: SkirtPart, wishes: AnalysisWishes) -> Analysis:
         alpha_rad_s2=part.machine.limits.alpha_rad_s2,
         steps=steps,
         parts=parts_of(cut, part.process.parts if wishes.parts is None else wishes.parts),
+        is_even=part.process.mode == "equal-volume" or wishes.parts is not None,
         range=parts_range(cut, feed, rpm, volume, cycle_s),
         peaks=speed_peaks(cut),
         rates=rates_of(cut, steps, feed, rpm, wishes.kc_n_mm2),

@@ -68,21 +68,32 @@ def summary(study: Analysis) -> str:
     """Return the essentials as a few lines for people."""
     cut, rates, speed = study.cut, study.rates, figures(study)["speed"]
     chip = study.kc_n_mm2 * study.feed_mm * cut.depth_mm(np.linspace(0, cut.pattern_rad, 2001))
-    n, allowed = study.parts.phi_rad.size, study.range
-    verdict = "fit" if allowed.least <= n <= allowed.most else "DO NOT FIT"
     return (
         f"{study.name}: section at height {study.height_mm:g} mm, blank radius {cut.blank_mm:.4f} "
         f"mm, {np.degrees(cut.pattern_rad):g} degrees cut {cut.total_mm2:.6f} mm2\n"
-        f"  {n} parts {verdict}: at least {allowed.least} (volume of a part), at most "
-        f"{allowed.most} (controller's cycle)\n"
         f"  uniform turning: removal rate goes 1 : {rates.largest_to_least:.3f}, ripple "
         f"{100 * rates.ripple:.2f} % of its mean\n"
+        f"  {_parts_line(study)}\n"
         f"  equal volume at mean {study.rpm:g} r/min: {speed['least_rpm']:.1f} .. "
         f"{speed['largest_rpm']:.1f} r/min, {speed['spindle_acceleration_rad_s2']:.0f} rad/s2; the "
         f"machine's {study.alpha_rad_s2:g} rad/s2 allow {speed['highest_mean_rpm']:.1f} r/min\n"
-        f"  constant then: {rates.rate_mm3_s:.3f} mm3/s and {rates.power_w:.3f} W; NOT constant: "
+        f"  constant then: {rates.rate_mm3_s:.3f} mm3/s and {rates.power_w:.3f} W; not constant: "
         f"the force of the chip, {chip.min():.2f} .. {chip.max():.2f} N at any speed law\n"
     )
+
+
+def _parts_line(study: Analysis) -> str:
+    """Return how many equal parts are possible; judged where the part is turned in such parts."""
+    n, allowed = study.parts.phi_rad.size, study.range
+    bounds = f"{allowed.least} (volume of a part) .. {allowed.most} (controller's cycle)"
+    if not study.is_even:
+        return f"the part is turned uniformly; equal volume would take {bounds} parts"
+    if allowed.least > allowed.most:
+        remedy = "turn more slowly, feed less, or allow --slice-volume-mm3"
+        return f"{n} equal parts: no number is possible, {bounds}; {remedy}"
+    if allowed.least <= n <= allowed.most:
+        return f"{n} equal parts are possible, as {bounds} are"
+    return f"{n} equal parts are not possible: {bounds} are; give --parts or process.parts"
 
 
 def notes(study: Analysis) -> str:
