@@ -255,9 +255,9 @@ static void build_swing(cam_swing_config_t *c, const cam_params_t *p, const cam_
                              p->swing_acceleration_deg_per_s2 / approach_share, tick_hz);
 }
 
-/// X and Z, U and the speed ratio are planned ahead, to the next plan and by their lag. U is
-/// at the height that a geared Z reaches after its own lag, and a measured Z has reached. While the
-/// spindle accelerates two equal poles lag by the square of half their lag more.
+/// X, Z and U are planned ahead, to the next plan and by their lag, the speed ratio to the next
+/// plan alone. U is at the height that a geared Z reaches after its own lag, and a measured Z has
+/// reached. While the spindle accelerates two equal poles lag by the square of half their lag more.
 static void build_plan(cam_play_config_t *c, uint32_t tick_hz)
 {
     const int32_t ticks = cam_plan_ticks(tick_hz);
@@ -267,9 +267,10 @@ static void build_plan(cam_play_config_t *c, uint32_t tick_hz)
     c->xz_plan_q16 = lag_q16 + ticks * 65536;
     c->u_plan_q16 = c->lead_q16 + ticks * 65536;
     c->commanded_q16 = lag_q16 > c->lead_q16 ? lag_q16 : c->lead_q16;
-    // In force from the next tick to the one behind the plan, and read ahead by U's lead as U is:
-    // the acceleration of the spindle goes into U's command.
-    c->ratio_q16 = c->lead_q16 + (ticks + 1) * 65536;
+    // In force from the next tick to the one behind the plan, where the spindle itself has the
+    // ratio of that angle: read ahead by more, the removal rate would ripple by twice that angle
+    // times the largest r' / r.
+    c->ratio_q16 = (ticks + 1) * 65536;
     c->xz_lag2 = half_square(c->xz_plan_q16) - half_square(lag_q16) / 2;
 }
 

@@ -1,26 +1,32 @@
 // SPDX-License-Identifier: Apache-2.0
 /// sim_removal: metal removed per time slice, measured on the workpiece, and the forces of it.
 ///
-///     dV = pi (blank^2 - radius^2) dz          of every tick, along the true tool path
+///     dV = (blank^2 - radius^2) / 2 h dphi     of every tick, along the true tool path
 ///     rate = V / dt,  power = kc rate          constant in equal-volume turning
 ///     rate force = kc V / feed                 the papers' model: area cut in one slice
-///     chip force = kc mean depth feed          physical: section of the chip, whatever the speed
+///     chip force = kc mean (depth h)           physical: section of the chip, whatever the speed
+///
+/// h is what Z has moved since the last pass over this angle (sim_pass.h). kc is constant, or with
+/// an exponent of the size effect (Kienzle) kc1.1 h^-mc.
 ///
 /// A slice ends with the first tick at or after its due time: on average slices last dt, and each
 /// counts with its true length.
 /// Ripple is (largest - least) / mean over the slices of one turn; only whole turns of which all
-/// samples were offered with `is_judged` count. Source: MATHS.md (29), (67).
+/// samples were offered with `is_judged` count. Source: MATHS.md (29), (67), (86).
 #ifndef SIM_REMOVAL_H
 #define SIM_REMOVAL_H
 
-#include <stdbool.h> // bool
-#include <stdint.h>  // uint64_t
+#include "sim_pass.h" // sim_pass_t
+#include <stdbool.h>  // bool
+#include <stdint.h>   // uint64_t
 
 typedef struct {
-    double blank_mm; ///< radius of the blank
-    double feed_mm;  ///< per turn
-    double slice_s;  ///< [s] > 0
-    double kc_n_mm2; ///< specific cutting force
+    double blank_mm;      ///< radius of the blank
+    double feed_mm;       ///< per turn
+    double slice_s;       ///< [s] > 0
+    double kc_n_mm2;      ///< specific cutting force, with a size effect that of a chip of 1 mm
+    double size_exponent; ///< mc of Kienzle, 0 .. 1; 0: no size effect
+    double nose_mm;       ///< radius of the tool's nose for the size effect; 0: a square edge
 } sim_removal_config_t;
 
 /// One finished slice.
@@ -41,7 +47,9 @@ typedef struct {
     sim_removal_config_t config;
     sim_slice_t slice; ///< the last finished one
     // the slice that is being made
-    double begin_s, due_s, begin_turn, volume_mm3, depth_sum_mm, last_z_mm;
+    double begin_s, due_s, begin_turn, volume_mm3, work_nmm, force_sum_n, last_turn;
+    double last_cut_mm3; ///< [mm3/turn] of the last sample
+    sim_pass_t pass;
     uint64_t n; ///< samples in it
     bool is_running, is_clean;
     // the turn that is being made

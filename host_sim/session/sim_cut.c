@@ -74,12 +74,13 @@ const char *sim_cut_end_name(const sim_cut_t *cut)
 }
 
 /// Measure the removal of a skirt while cutting. Turns in which the feed rises or falls are not
-/// judged, nor is a ring-helix. @return true when a slice was finished
+/// judged, nor the one after, whose chips the rising feed left; nor is a ring-helix. @return true
+/// when a slice was finished
 static bool measure_removal(sim_cut_t *cut)
 {
     const sim_session_t *s = &cut->session;
     const double ramp = cut->params.feed_ramp_turns;
-    const bool is_full = !sim_cut_has_rings(cut) && s->cut_turns > ramp &&
+    const bool is_full = !sim_cut_has_rings(cut) && s->cut_turns > ramp + 1.0 &&
                          s->cut_turns < sim_cut_planned_turns(cut) - ramp;
     return sim_removal_touch(&cut->removal, s->at.t_s, sim_session_turn(s), s->z_mm, s->radius_mm,
                              is_full && !cut->is_stopped);

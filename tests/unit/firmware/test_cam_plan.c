@@ -105,6 +105,7 @@ static void test_spindle_goes_from_the_ratio_of_one_plan_to_that_of_the_next(voi
     part = fixture_part_modulated();
     fixture_play_init(&f, &part);
     f.params.spindle_lag_us = 25000;
+    f.params.lead_ns = 100000; // of U: it does not lead the spindle
     fixture_play_configure(&f);
     f.angle.speed_q32 = 715828; // 200 r/min
     TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_cutting));
@@ -117,10 +118,9 @@ static void test_spindle_goes_from_the_ratio_of_one_plan_to_that_of_the_next(voi
             TEST_ASSERT_EQUAL_INT32(from_q28, f.plan.ratio_q28);
             continue;
         }
-        double r[3]; // at the angle at which U will be read when the next plan's set-point begins
-        const int64_t ahead_q16 = (FIXTURE_PLAN_TICKS + 1) * 65536 + cfg->lead_q16;
+        double r[3]; // at the angle of the spindle itself when the next plan's set-point begins
         const double turn =
-            fixture_play_turns(f.angle.pos_q32 + (((int64_t)f.angle.speed_q32 * ahead_q16) >> 16));
+            fixture_play_turns(f.angle.pos_q32 + (FIXTURE_PLAN_TICKS + 1) * f.angle.speed_q32);
         const cam_move_t *z = &f.motion.axis[hal_axis_z];
         const double z_nm = (double)(z->pos_q10 + z->vel_q10 * FIXTURE_PLAN_TICKS) / 1024.0;
         fixture_ratio(2.0 * PI * (turn - floor(turn)), z_nm, r);

@@ -29,7 +29,8 @@ static double ellipse_mm(double turn)
     return 46.0 - u[0] * 1e-6;
 }
 
-/// Turn uniformly from an angle on, with one sample every 2 % of a slice.
+/// Turn uniformly from an angle on, with one sample every 2 % of a slice. The first turn of all
+/// cuts thinner chips and is not judged.
 static int turn_uniformly(double from, double turns, bool is_judged)
 {
     const int n = (int)(turns * slices_per_turn * ticks_per_slice + 0.5);
@@ -37,27 +38,80 @@ static int turn_uniformly(double from, double turns, bool is_judged)
     for (int i = 0; i <= n; i++) {
         const double turn = from + (double)i / (slices_per_turn * ticks_per_slice);
         const double t_s = turn * 0.12 + 1e-9 * i / n;
+        const bool is_full = is_judged && turn > 1.0;
         n_slices +=
-            sim_removal_touch(&removal, t_s, turn, 0.1 * turn, ellipse_mm(turn), is_judged) ? 1 : 0;
+            sim_removal_touch(&removal, t_s, turn, 0.1 * turn, ellipse_mm(turn), is_full) ? 1 : 0;
     }
     return n_slices;
 }
 
+/// Feed from 0.05 turns on over two turns, then turn once more at the same height.
 static void test_volume_of_a_ring_is_exact(void)
 {
-    for (int i = 0; i <= 6000; i++) {
-        (void)sim_removal_touch(&removal, i * 2e-5, i / 6000.0, 0.1 * i / 6000.0, 46.0, true);
+    for (int i = 0; i <= 19000; i++) {
+        const double fed = i < 300 ? 0.0 : i < 12300 ? i / 6000.0 - 0.05 : 2.0;
+        (void)sim_removal_touch(&removal, i * 2e-5, i / 6000.0, 0.1 * fed, 46.0, i > 6300);
     }
-    TEST_ASSERT_DOUBLE_WITHIN(1e-9, SIM_PI * (46.1 * 46.1 - 46.0 * 46.0) * 0.1,
+    TEST_ASSERT_DOUBLE_WITHIN(1e-5, SIM_PI * (46.1 * 46.1 - 46.0 * 46.0) * 0.2,
                               removal.removed_mm3);
+}
+
+static void test_force_of_a_chip_is_that_of_its_section(void)
+{
+    for (int i = 0; i <= 12000; i++) {
+        (void)sim_removal_touch(&removal, i * 2e-5, i / 6000.0, 0.1 * i / 6000.0, 46.0, i > 6000);
+    }
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 700.0 * 0.1 * 0.1, sim_spread_mean(&removal.chip_force));
+}
+
+/// Z is ahead and behind its helix by 2 um three times a turn, so that its speed changes by a
+/// third: every chip is as thick as the feed, because the last pass was ahead and behind there as
+/// well.
+static void test_z_that_repeats_each_turn_does_not_ripple(void)
+{
+    for (int i = 0; i <= 6 * 6000; i++) {
+        const double turn = i / 6000.0;
+        const double z_mm = 0.1 * turn + 0.002 * sin(6.0 * SIM_PI * turn);
+        (void)sim_removal_touch(&removal, i * 2e-5, turn, z_mm, 46.0, turn > 1.01);
+    }
+    TEST_ASSERT_EQUAL_UINT64(3, removal.rate_ripple.n);
+    TEST_ASSERT_TRUE(removal.rate_ripple.max < 1e-3);
+}
+
+/// F = kc1.1 b h^(1 - mc): b = 0.1 mm, h = 0.1 mm, 700 N/mm2 and mc = 0.25 give 12.448 N, and the
+/// power is as much larger than that of a constant 700 N/mm2 as the force.
+static void test_thin_chips_take_more_force_per_area(void)
+{
+    sim_removal_config_t config = papers;
+    config.size_exponent = 0.25;
+    sim_removal_init(&removal, &config);
+    for (int i = 0; i <= 18000; i++) {
+        (void)sim_removal_touch(&removal, i * 2e-5, i / 6000.0, 0.1 * i / 6000.0, 46.0, i > 6000);
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3, 12.448, sim_spread_mean(&removal.chip_force));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3, 12.448 / 7.0 * 0.7 * sim_spread_mean(&removal.rate),
+                              sim_spread_mean(&removal.power));
+}
+
+/// A nose of 0.8 mm cuts 0.1 mm deep along an arc of 0.8 acos(0.875) = 0.404288 mm, so that the
+/// chip is 0.0247349 mm thick on average: 700 0.0247349^-0.25 0.01 = 17.6511 N.
+static void test_nose_cuts_thinner_chips(void)
+{
+    sim_removal_config_t config = papers;
+    config.size_exponent = 0.25;
+    config.nose_mm = 0.8;
+    sim_removal_init(&removal, &config);
+    for (int i = 0; i <= 18000; i++) {
+        (void)sim_removal_touch(&removal, i * 2e-5, i / 6000.0, 0.1 * i / 6000.0, 46.0, i > 6000);
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3, 17.6511, sim_spread_mean(&removal.chip_force));
 }
 
 /// MATHS.md (29): over 3 degree intervals ripple 0.664244; the chip's section goes 1 : 2.
 static void test_ripple_of_uniform_turning_is_the_published_one(void)
 {
-    TEST_ASSERT_INT_WITHIN(1, 480, turn_uniformly(0.0, 4.0, true));
-    TEST_ASSERT_EQUAL_UINT64(2, removal.rate_ripple.n); // the first is half, the last not ended
+    TEST_ASSERT_INT_WITHIN(1, 600, turn_uniformly(0.0, 5.0, true));
+    TEST_ASSERT_EQUAL_UINT64(3, removal.rate_ripple.n); // 1, 2 and 3: 4 is not over
     TEST_ASSERT_DOUBLE_WITHIN(2e-4, 0.664244, sim_spread_mean(&removal.rate_ripple));
     const double area_mm2 = 4.0 * 10.846348637;
     TEST_ASSERT_DOUBLE_WITHIN(2e-4 * area_mm2, area_mm2 * 0.1 / 0.12,
@@ -87,7 +141,7 @@ static void test_equal_volume_has_no_ripple_of_rate_but_of_force(void)
         t_s += area / 6.9 * 2e-5;
     }
     TEST_ASSERT_GREATER_THAN_UINT64(1, removal.rate_ripple.n);
-    TEST_ASSERT_TRUE(removal.rate_ripple.max < 3e-3); // samples end a tick, not halve it
+    TEST_ASSERT_TRUE(removal.rate_ripple.max < 3e-3);
     TEST_ASSERT_TRUE(removal.force_ripple.min > 0.6);
 }
 
@@ -105,6 +159,10 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_volume_of_a_ring_is_exact);
+    RUN_TEST(test_force_of_a_chip_is_that_of_its_section);
+    RUN_TEST(test_z_that_repeats_each_turn_does_not_ripple);
+    RUN_TEST(test_thin_chips_take_more_force_per_area);
+    RUN_TEST(test_nose_cuts_thinner_chips);
     RUN_TEST(test_ripple_of_uniform_turning_is_the_published_one);
     RUN_TEST(test_power_and_forces_belong_together);
     RUN_TEST(test_equal_volume_has_no_ripple_of_rate_but_of_force);
