@@ -50,6 +50,7 @@ static const err_text_t entries[] = {
     {cam_err_tick_rate, "too many knots or counts pass in one tick"},
     {cam_err_spindle_acceleration, "the spindle would have to accelerate more than it can"},
     {cam_err_x_speed, "clearance or barrel at that speed are beyond the speed of X"},
+    {cam_err_u_retract, "the retract that was set leaves the stroke of U"},
     {cam_err_x_acceleration, "clearance or barrel at that speed are beyond the acceleration of X"},
     {cam_err_swing_axis, "the table swings the tool, for which there is no axis"},
     {cam_err_swing_range, "the tool would have to swing farther than it can"},

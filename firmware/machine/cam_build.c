@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_build.h"
-#include "cam_angle.h" // CAM_TURN_Q32
-#include "cam_fix.h"   // cam_sat_i32
-#include "cam_plan.h"  // cam_plan_ticks
-#include "cam_play.h"  // cam_play_history
-#include "cam_trace.h" // cam_trace_capacity
-#include <stddef.h>    // NULL
+#include "cam_angle.h"  // CAM_TURN_Q32
+#include "cam_demand.h" // cam_demand_half_stroke_nm
+#include "cam_fix.h"    // cam_sat_i32
+#include "cam_plan.h"   // cam_plan_ticks
+#include "cam_play.h"   // cam_play_history
+#include "cam_trace.h"  // cam_trace_capacity
+#include <stddef.h>     // NULL
 
 /// 2 pi * 2^24, for gains of the observer.
 #define TWO_PI_Q24 INT64_C(105414357)
@@ -73,11 +74,13 @@ static cam_move_limits_t limits(int32_t speed_um_per_s, int32_t acceleration_mm_
     };
 }
 
-/// @return [nm / 1024] place of U out of the work, of a lobe beyond its highest point, inside the
-/// stroke whatever was set
-static int64_t retract_q10(const cam_params_t *p, int32_t rise_nm)
+/// @return [nm / 1024] place of U out of the work, beyond the outermost place of the cut, inside
+/// the stroke whatever was set
+static int64_t retract_q10(const cam_params_t *p, const cam_table_t *table)
 {
-    const int32_t half_nm = p->u_stroke_nm / 2;
+    const int32_t rise_nm = table != NULL ? cam_table_rise_nm(table) : 0;
+    const int32_t half_nm =
+        table != NULL ? cam_demand_half_stroke_nm(table, p) : p->u_stroke_nm / 2;
     return (int64_t)cam_clamp_i32(p->u_retract_nm - rise_nm, -half_nm, half_nm) * 1024;
 }
 
@@ -292,7 +295,6 @@ static void build_play(cam_play_config_t *c, const cam_params_t *p, int32_t rise
     c->per_engage_q31 = (uint32_t)((UINT32_C(1) << 31) / (uint32_t)p->engage_turns);
     c->per_disengage_q31 = (uint32_t)((UINT32_C(1) << 31) / (uint32_t)p->disengage_turns);
     c->is_z_measured = p->z_is_measured != 0;
-    c->u_retract_q10 = retract_q10(p, rise_nm);
     c->x_clearance_nm = p->x_clearance_nm + rise_nm;
     c->turning_q32 = cam_build_speed_q32((uint32_t)p->stopped_mrpm, tick_hz);
     build_plan(c, tick_hz);
@@ -331,7 +333,7 @@ static void build_limits(cam_config_t *c, const cam_params_t *p, uint32_t tick_h
 }
 
 static void build_guard(cam_guard_config_t *c, const cam_params_t *p, uint32_t speed_limit_mrpm,
-                        int32_t rise_nm, uint32_t tick_hz)
+                        uint32_t tick_hz)
 {
     const cam_move_limits_t *u = &c->u;
     c->overspeed_q32 = cam_build_speed_q32(speed_limit_mrpm, tick_hz);
@@ -344,7 +346,6 @@ static void build_guard(cam_guard_config_t *c, const cam_params_t *p, uint32_t s
     c->u_acc_q6 = (u->acceleration_q10 + u->acceleration_q10 / 16 + CHECK_MARGIN_Q10) / 16;
     c->u_acc_off_q6 = c->u_acc_q6 + c->u_vel_q6;
     c->u_range_q6 = p->u_stroke_nm * 32;
-    c->u_retract_q10 = retract_q10(p, rise_nm);
 }
 
 /// Check what the interrupt relies on: the history reaches back over the lead, the observer is
@@ -389,7 +390,9 @@ cam_err_t cam_build_config(cam_config_t *config, const cam_params_t *params,
         build_u_scale(&config->play.u, &table->u, cam_sat_i32(INT64_C(5) * limit_q32 / 4));
     }
     build_limits(config, params, tick_hz);
-    build_guard(&config->guard, params, speed_limit_mrpm, rise_nm, tick_hz);
+    build_guard(&config->guard, params, speed_limit_mrpm, tick_hz);
+    config->play.u_retract_q10 = retract_q10(params, table);
+    config->guard.u_retract_q10 = config->play.u_retract_q10;
     config->k1_q16 = ticks_of_ns(params->k1_ns, tick_hz);
     config->k2_q16 = ticks2_of_us2(params->k2_us2, tick_hz);
     config->trace_room = params->trace_on != 0 ? (uint32_t)cam_trace_capacity : 0u;

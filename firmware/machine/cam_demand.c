@@ -157,19 +157,31 @@ static drift_t u_drift(const cam_cut_t *c)
     return drift(c, &c->t->u, &c->t->u_change, c->tick_hz);
 }
 
-/// U moves between its retracted place and its highest point, each taken from the middle of the
-/// stroke. The retract of a lobe begins at the highest point of the lobe.
+/// @return [nm] how far U travels outwards from the middle of its stroke in the cut, rounded up
+static uint64_t outwards_nm(const cam_cut_t *c)
+{
+    const int64_t out_nm = -(int64_t)c->t->u_min_nm;
+    return at_amplitude(c, (uint64_t)(out_nm > 0 ? out_nm : 0));
+}
+
+/// In the cut U travels to both sides of the middle of its stroke, inwards by the largest u and
+/// outwards by the least.
 static cam_demand_t stroke_demand(const cam_cut_t *c)
 {
-    const cam_table_t *t = c->t;
-    const cam_params_t *p = c->p;
-    const int64_t half_nm = smaller(p->u_stroke_nm, t->limit_u_stroke_nm) / 2;
-    const int64_t high_nm = ((int64_t)t->u_max_nm * p->amplitude_ppm + 999999) / 1000000;
-    const int64_t least_nm = (int64_t)t->u_min_nm * p->amplitude_ppm / 1000000;
-    const int64_t low_nm = cam_table_is_lobe(t) ? -(smaller(least_nm, 0) + p->u_retract_nm)
-                                                : -smaller(least_nm, p->u_retract_nm);
-    const int64_t needed = low_nm > high_nm ? low_nm : high_nm;
-    return (cam_demand_t){cam_err_u_stroke, half_nm, (uint64_t)(needed > 0 ? needed : 0)};
+    const int64_t in_nm = c->t->u_max_nm;
+    const uint64_t inwards_nm = at_amplitude(c, (uint64_t)(in_nm > 0 ? in_nm : 0));
+    return (cam_demand_t){cam_err_u_stroke, cam_demand_half_stroke_nm(c->t, c->p),
+                          greater(inwards_nm, outwards_nm(c))};
+}
+
+/// A retract that was set begins at the outermost place of the cut. The default goes as far as the
+/// stroke allows, and X takes the tool away from the work in any case.
+static cam_demand_t retract_demand(const cam_cut_t *c)
+{
+    const int32_t retract_nm = c->p->u_retract_nm;
+    const bool is_set = retract_nm != cam_param_info(cam_param_u_retract_nm)->def;
+    return (cam_demand_t){cam_err_u_retract, cam_demand_half_stroke_nm(c->t, c->p),
+                          is_set ? outwards_nm(c) + (uint64_t) - (int64_t)retract_nm : 0u};
 }
 
 /// The second derivative over the angle while engaging, when the envelope e, a smooth step over t
@@ -316,6 +328,11 @@ static cam_demand_t x_acceleration_demand(const cam_cut_t *c)
                           greater(bend + along + 1u, clearing)};
 }
 
+int32_t cam_demand_half_stroke_nm(const cam_table_t *t, const cam_params_t *p)
+{
+    return (int32_t)(smaller(p->u_stroke_nm, t->limit_u_stroke_nm) / 2);
+}
+
 cam_demand_t cam_demand_first_exceeded(const cam_cut_t *c)
 {
     const cam_table_t *t = c->t;
@@ -333,6 +350,7 @@ cam_demand_t cam_demand_first_exceeded(const cam_cut_t *c)
         {cam_err_spindle_speed, smaller(p->spindle_limit_mrpm, t->limit_spindle_mrpm),
          c->peak_mrpm},
         stroke_demand(c),
+        retract_demand(c),
         u_speed_demand(c),
         u_acceleration_demand(c),
         {cam_err_feed, (int64_t)span_nm(c), is_led ? 0u : c->feed_nm},

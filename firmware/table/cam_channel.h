@@ -109,14 +109,15 @@ static inline bool cam_table_is_lobe(const cam_table_t *table)
     return table->angle.knots != NULL;
 }
 
-/// Height of a lobe above its base circle, on which u is 0. A tool that leaves the work has to
-/// travel this much further. It is taken at 1.25, the largest amplitude that the parameter allows.
-/// @return [nm] 0 for a skirt
+/// How far the surface rises above u = 0: a lobe above its base circle, a skirt above the radius
+/// about which its u swings. While engaging, the tool is at u = 0 before the amplitude has risen,
+/// so a tool out of the work has to be this much further away. It is taken at 1.25, the largest
+/// amplitude that the parameter allows. A bound of -1 nm is one of 0, rounded down.
+/// @return [nm] 0 where no u is below 0
 /// Context: slow side.
 static inline int32_t cam_table_rise_nm(const cam_table_t *table)
 {
-    const bool is_risen = cam_table_is_lobe(table) && table->u_min_nm < 0;
-    return is_risen ? -(table->u_min_nm + table->u_min_nm / 4) : 0;
+    return table->u_min_nm < -1 ? -(table->u_min_nm + table->u_min_nm / 4) : 0;
 }
 
 #endif

@@ -96,6 +96,7 @@ static const char *unit_of(cam_err_t err, double *per_unit)
         *per_unit = 1e-3;
         return "rad/s2";
     case cam_err_u_stroke:
+    case cam_err_u_retract:
         *per_unit = 1e-6;
         return "mm";
     case cam_err_u_acceleration:

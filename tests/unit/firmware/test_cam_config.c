@@ -22,6 +22,7 @@ void setUp(void)
         .direction = -1,
         .spindle_mrpm = 2500000,
         .feed_nm = 100000,
+        .limit_u_stroke_nm = 1200000,
     };
     memset(&bank, 0, sizeof bank);
 }
@@ -132,11 +133,15 @@ static void test_build_feed_and_speed_of_the_parameters_overrule_the_table(void)
 static void test_build_cam_keeps_clear_of_its_lobes(void)
 {
     static const cam_knot_t some = {0};
-    table.u_min_nm = -8000001;
+    table.u_min_nm = 0;
     build(20000);
-    TEST_ASSERT_EQUAL_INT32(1000000, config.play.x_clearance_nm); // a skirt
-    table.angle.knots = &some;
+    TEST_ASSERT_EQUAL_INT32(1000000, config.play.x_clearance_nm); // a skirt from its long axis
+    table.u_min_nm = -8000001;
     params.u_stroke_nm = 24000000;
+    table.limit_u_stroke_nm = 24000000;
+    build(20000);
+    TEST_ASSERT_EQUAL_INT32(11000001, config.play.x_clearance_nm); // a skirt about its mean
+    table.angle.knots = &some;
     build(20000);
     TEST_ASSERT_EQUAL_INT32(11000001, config.play.x_clearance_nm); // of 1.25 times its amplitude
     TEST_ASSERT_EQUAL_INT32(11000001, config.play.x_clearance_nm);

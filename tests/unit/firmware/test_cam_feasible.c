@@ -107,19 +107,42 @@ static void test_amplitude_scales_what_u_needs(void)
                    30e6 / 187500 * 60000 / (2 * pi));
 }
 
-static void test_stroke_counts_retract_and_both_ends(void)
+static void test_stroke_counts_the_travel_to_both_sides(void)
 {
     table.u_max_nm = 700000;
     expect_refused(cam_err_u_stroke, 1000000, 700000, 600000, 0);
     table.u_max_nm = 150000;
-    params.u_retract_nm = -700000;
-    expect_refused(cam_err_u_stroke, 1000000, 700000, 600000, 0);
-    params.u_retract_nm = -100000;
     table.u_min_nm = -650000;
     expect_refused(cam_err_u_stroke, 1000000, 650000, 600000, 0);
     table.u_min_nm = 0;
     table.limit_u_stroke_nm = 200000;
     expect_refused(cam_err_u_stroke, 1000000, 150000, 100000, 0);
+}
+
+/// A retract that was set must fit behind the outermost place of the cut, and is blamed itself.
+static void test_retract_that_was_set_counts_from_the_outermost_place(void)
+{
+    params.u_retract_nm = -700000;
+    expect_refused(cam_err_u_retract, 1000000, 700000, 600000, 0);
+    table.u_min_nm = -250000;
+    params.u_retract_nm = -350001;
+    expect_refused(cam_err_u_retract, 1000000, 600001, 600000, 0);
+    params.u_retract_nm = -350000;
+    TEST_ASSERT_EQUAL_INT(cam_ok, judge(1000000).err);
+}
+
+/// A part of 0.5 mm about its mean fits a stroke of 0.8 mm at the default retract of 0.5 mm.
+static void test_default_retract_blocks_no_part_that_fits_the_stroke(void)
+{
+    params.u_stroke_nm = 800000;
+    table.u_min_nm = -250000;
+    table.u_max_nm = 250000;
+    TEST_ASSERT_EQUAL_INT(cam_ok, judge(1000000).err);
+    table.u_min_nm = -400000;
+    table.u_max_nm = 400000;
+    TEST_ASSERT_EQUAL_INT(cam_ok, judge(1000000).err);
+    table.u_min_nm = -400001;
+    expect_refused(cam_err_u_stroke, 1000000, 400001, 400000, 0);
 }
 
 static void test_feed_larger_than_the_part_is_refused(void)
@@ -363,7 +386,9 @@ int main(void)
     RUN_TEST(test_u_speed_limit_is_the_smaller_of_machine_and_table);
     RUN_TEST(test_u_acceleration_limit_is_the_smaller_of_machine_and_table);
     RUN_TEST(test_amplitude_scales_what_u_needs);
-    RUN_TEST(test_stroke_counts_retract_and_both_ends);
+    RUN_TEST(test_stroke_counts_the_travel_to_both_sides);
+    RUN_TEST(test_retract_that_was_set_counts_from_the_outermost_place);
+    RUN_TEST(test_default_retract_blocks_no_part_that_fits_the_stroke);
     RUN_TEST(test_feed_larger_than_the_part_is_refused);
     RUN_TEST(test_ring_helix_needs_ramps_of_z);
     RUN_TEST(test_highest_speed_of_a_ring_helix_is_the_edge_of_both_limits);

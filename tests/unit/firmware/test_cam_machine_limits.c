@@ -7,7 +7,7 @@
 static void test_ready_refuses_what_the_spindle_or_u_cannot_do(void)
 {
     bring(cam_state_ready);
-    TEST_ASSERT_EQUAL_INT(cam_err_u_stroke,
+    TEST_ASSERT_EQUAL_INT(cam_err_u_retract,
                           fixture_rig_set(&rig, cam_param_u_retract_nm, -15000000));
     TEST_ASSERT_EQUAL_INT(cam_err_spindle_speed,
                           fixture_rig_set(&rig, cam_param_spindle_mrpm, 30000000));

@@ -226,13 +226,14 @@ static void test_infeasible_swing_is_refused_with_the_numbers(void)
 static void test_tool_leaves_a_cam_beyond_its_lift(void)
 {
     f.params.u_stroke_nm = 1300000;
+    f.table.limit_u_stroke_nm = 1300000;
     fixture_play_configure(&f);
     TEST_ASSERT_INT32_WITHIN(2, 125000, cam_table_rise_nm(&f.table));
     TEST_ASSERT_EQUAL_INT32(f.params.x_clearance_nm + cam_table_rise_nm(&f.table),
                             f.config.play.x_clearance_nm);
     TEST_ASSERT_EQUAL_INT64((int64_t)(f.params.u_retract_nm - cam_table_rise_nm(&f.table)) * 1024,
                             f.config.guard.u_retract_q10);
-    f.params.u_stroke_nm = 1150000;
+    f.params.u_stroke_nm = 198000;
     TEST_ASSERT_EQUAL_INT(cam_err_u_stroke,
                           cam_feasible(&f.table, &f.params, 60000, FIXTURE_PLAY_HZ).err);
 }

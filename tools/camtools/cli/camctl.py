@@ -72,6 +72,7 @@ _REMEDIES = {
     "download_store": "its memory failed, the old table stays in force; try again",
     "busy": "try again",
     "cam_amplitude": "set the amplitude to 100 % or more",
+    "u_retract": "set u_retract_nm nearer to 0, or to its default, which fits every stroke",
 }
 HOME_S, CUT_S = 60.0, 3600.0
 
