@@ -10,6 +10,7 @@ import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -136,7 +137,9 @@ def test_opposite_rotation_and_diameters(tmp_path: Path) -> None:
     [
         ("perkins240", {}),
         ("perkins240", {"path": '"ring-helix"', "feed_mm": "0.2"}),
+        ("perkins240", {"path": '"stepped"', "feed_mm": "0.2", "spindle_rpm": "500"}),
         ("perkins240_equal_volume", {"spindle_rpm": "200"}),
+        ("perkins240_equal_volume", {"spindle_rpm": "200", "path": '"stepped"'}),
         ("16v240zj", {}),
         ("scan90", {}),
     ],
@@ -151,8 +154,18 @@ def test_full_program_is_the_geometry(tmp_path: Path, name: str, changes: dict[s
     geometry = make_geometry(part)
     first, last = geometry.z_first_mm + 3, geometry.z_first_mm + 7
     words = ("--axes", "cxzu", "--from-mm", f"{first}", "--to-mm", f"{last}")
-    c, x, z, u, f = moves(made(tmp_path, part_file, *words), "G1", "CXZUF").T
-    path = path_of(part, first, last)
+    program = made(tmp_path, part_file, *words)
+    c, x, z, u, f = moves(program, "G1", "CXZUF").T
+    modulated = part.process.mode == "equal-volume"
+    path = path_of(part, first, last, 2.0 if modulated else 1.0)
+    if path.kind == "stepped":  # the step's share of a turn depends on the fastest spindle: as told
+        told = re.search(r"steps of ([0-9.]+) turns", program.read_text())
+        assert told is not None
+        assert path.step * (0.6 if modulated else 1) - 1e-8 <= float(told[1]) <= path.step + 1e-8
+        per_s = part.process.spindle_rpm * 4 * part.process.parts / 60
+        v_mm_s = np.sqrt(part.process.feed_mm * part.machine.limits.z_acceleration_mm_s2)
+        assert np.abs(np.diff(z)).max() * per_s <= v_mm_s * (1 + 1e-3)
+        path = replace(path, step=float(told[1]))
     turns = part.process.direction * c / 360
     n = 4 * part.process.parts
     assert turns.size % n == 0

@@ -7,7 +7,14 @@ import numpy as np
 import pytest
 
 from camtools.base.errors import CamtoolsError
-from camtools.cut.path import LEAST_RAMP, ToolPath, highest_rpm, largest_feed_mm, ramp_of
+from camtools.cut.path import (
+    LEAST_RAMP,
+    ToolPath,
+    highest_rpm,
+    largest_feed_mm,
+    ramp_of,
+    step_of,
+)
 from camtools.part.common import MachineLimits
 from camtools.skirt.generate import generate
 from camtools.skirt.geometry import Geometry, make_geometry, path_of
@@ -181,7 +188,7 @@ def test_path_of_a_part() -> None:
 @pytest.mark.parametrize(
     ("lines", "told"),
     [
-        ('path = "spiral"', "process.path = 'spiral': Input should be 'helix' or 'ring-helix'"),
+        ('path = "spiral"', "process.path = 'spiral': Input should be 'helix', 'ring-helix' or"),
         (
             'path = "ring-helix"\nmode = "equal-volume"',
             "process.path = 'ring-helix': is for a constant spindle speed",
@@ -252,4 +259,53 @@ def test_limits_of_z_are_documented() -> None:
     limits = MachineLimits()
     assert f"| `z_speed_mm_s` | mm/s | 0.1 .. 10000 | {limits.z_speed_mm_s:g} |" in text
     assert f"mm/s2 | 10 .. 1e6 | {limits.z_acceleration_mm_s2:g} |" in text
-    assert '| `path` | | `"helix"`, `"ring-helix"` | `"helix"` |' in text
+    assert '| `path` | | `"helix"`, `"ring-helix"`, `"stepped"` | `"helix"` |' in text
+
+
+def test_stepped_path_keeps_the_section_during_a_turn() -> None:
+    """As printed Z stands for every turn and jumps at its end; the last turn is at the last z."""
+    path = ToolPath("stepped", 1.0, 1.5, 0.2)
+    assert (path.n_rings, path.turns) == (4, 4.0)
+    turns = np.array([0.0, 0.5, 0.999, 1.0, 1.999, 2.0, 3.0, 3.999, 4.0, 9.0])
+    assert path.height_mm(turns) == pytest.approx([1, 1, 1, 1.2, 1.2, 1.4, 1.5, 1.5, 1.5, 1.5])
+
+
+def test_step_is_the_quickest_within_the_limits() -> None:
+    """Speed and acceleration of Z, differenced from its heights, reach their limits, not more."""
+    for feed_mm, rpm in ((0.1, 500.0), (2.0, 300.0)):
+        limits = MachineLimits(z_speed_mm_s=40.0, z_acceleration_mm_s2=2000.0)
+        share, ramp = step_of(feed_mm, rpm, limits)
+        path = ToolPath("stepped", 0.0, 3 * feed_mm, feed_mm, ramp, share)
+        t_s = np.linspace(0, 60 / rpm, 200_001)
+        z = path.height_mm(t_s * rpm / 60)
+        assert z[t_s * rpm / 60 < 1 - share - 1e-6] == pytest.approx(0.0)
+        assert path.height_mm(np.array([1.0, 1.5])) == pytest.approx([feed_mm, feed_mm])
+        speed = np.diff(z) / np.diff(t_s)
+        bend = np.diff(z[::100], 2) / (t_s[100] - t_s[0]) ** 2
+        v = min(40.0, np.sqrt(feed_mm * 2000))
+        assert speed.max() == pytest.approx(v, rel=1e-3)
+        assert np.abs(bend).max() == pytest.approx(2000, rel=1e-2)
+        assert share == pytest.approx(rpm / 60 * (feed_mm / v + v / 2000), rel=1e-12)
+
+
+def test_step_that_is_none_is_refused() -> None:
+    """More than half a turn for a step: refused with the highest speed, which then does."""
+    with pytest.raises(CamtoolsError, match=r"turn at 2121\.3 r/min at most, feed less") as info:
+        step_of(0.1, 2500.0, MachineLimits())
+    assert "14.1 ms" in str(info.value)
+    assert step_of(0.1, 2121.3, MachineLimits())[0] <= 0.5
+
+
+def test_stepped_path_has_the_scallop_of_a_helix_of_its_lead() -> None:
+    """Everywhere the largest is D^2 / 8 r, as of a helix of the same lead."""
+    path = ToolPath("stepped", 0.0, 2.0, 0.1)
+    z = np.linspace(0.5, 1.5, 2001)
+    for angle in (0.0, 0.3, 0.7):
+        assert path.scallop_mm(angle, z, 0.8).max() == pytest.approx(0.1**2 / 6.4, rel=1e-3)
+
+
+def test_controller_is_not_asked_to_step(perkins: SkirtPart) -> None:
+    """A table of a stepped path is refused; the message names what plays it."""
+    process = perkins.process.model_copy(update={"path": "stepped", "spindle_rpm": 500.0})
+    with pytest.raises(CamtoolsError, match=r"process\.path: .*mkgcode.*ring-helix"):
+        generate(perkins.model_copy(update={"process": process}))

@@ -1,9 +1,10 @@
-"""How Z follows the turns of the spindle: plain helix and ring-helix, MATHS.md (40) .. (43).
+"""How Z follows the turns: plain helix, ring-helix, steps, MATHS.md (40) .. (43), (100).
 
 A ring-helix turns a closed ring at every section of the drawing and one turn of a helix between
 two of them ("variable cross-section helix"); section distance and lead are both the feed. As
 printed, Z's speed jumps twice per two turns. With a ramp, Z moves with trapezoidal speed within
-the turn of the helix: the rings stay whole.
+the turn of the helix: the rings stay whole. A stepped path keeps the section during each turn and
+steps to the next one at its end.
 
 >>> path = ToolPath("ring-helix", 0.0, 0.4, 0.2)
 >>> [f"{mm:.3f}" for mm in path.height_mm(np.array([0.5, 1.25, 2.0, 3.5]))], path.turns
@@ -23,6 +24,7 @@ from camtools.part.common import MachineLimits
 
 _WHOLE = 1e-9  # of a feed: a height range is a whole number of feeds
 LEAST_RAMP = 1 / 256  # of a turn: a shorter one would win nothing
+MOST_STEP = 0.5  # of a turn: a longer step is no step
 
 
 @dataclass(frozen=True)
@@ -32,15 +34,18 @@ class ToolPath:
     Attributes
     ----------
     kind : str
-        "helix" or "ring-helix".
+        "helix", "ring-helix" or "stepped".
     z_first_mm, z_last_mm : float
         Heights where it begins and ends.
     feed_mm : float
-        Lead of the helix; of a ring-helix the distance of its sections, too, but for the last
+        Lead of the helix; of the other paths the distance of their sections, but for the last
         step, which is what is left of the range.
     ramp : float
-        Share of a helix turn over which Z gathers speed, and again over which it loses it,
-        0 .. 0.5; 0 is the path as printed. Of a ring-helix only.
+        Share of a helix turn, or of a step, over which Z gathers speed, and again over which it
+        loses it, 0 .. 0.5; 0 is the path as printed. Not of a helix.
+    step : float
+        Share of a turn, at its end, that a step takes, 0 .. 0.5; 0 is a jump, as printed. Of a
+        stepped path only.
     """
 
     kind: str
@@ -48,6 +53,7 @@ class ToolPath:
     z_last_mm: float
     feed_mm: float
     ramp: float = 0.0
+    step: float = 0.0
 
     @property
     def feeds(self) -> float:
@@ -64,6 +70,8 @@ class ToolPath:
     @property
     def turns(self) -> float:
         """Return the length of the path; m rings take 2 m - 1 turns."""
+        if self.kind == "stepped":
+            return float(self.n_rings)
         return self.feeds if self.kind == "helix" else float(2 * self.n_rings - 1)
 
     def height_mm(self, turns: Floats) -> Floats:
@@ -74,6 +82,10 @@ class ToolPath:
             ring = np.floor(whole / 2)
             step = np.minimum(1.0, self.feeds - ring)
             done = ring + step * np.where(whole % 2 == 1, self._risen(done - whole), 0.0)
+        if self.kind == "stepped":
+            whole = np.floor(done)
+            into = np.clip((done - whole - 1 + self.step) / (self.step or 1.0), 0.0, 1.0)
+            done = whole + np.clip(self.feeds - whole, 0.0, 1.0) * self._risen(into)
         return np.minimum(self.z_first_mm + self.feed_mm * done, self.z_last_mm)
 
     def _risen(self, share: Floats) -> Floats:
@@ -135,6 +147,25 @@ def ramp_of(feed_mm: float, spindle_rpm: float, limits: MachineLimits) -> float:
         needed = f"at least {feed_mm * per_s / (1 - ramp):.9g} mm/s of Z, z_speed_mm_s is "
         raise _refusal(needed + f"{speed:g}", feed_mm, spindle_rpm, limits)
     return ramp
+
+
+def step_of(feed_mm: float, spindle_rpm: float, limits: MachineLimits) -> tuple[float, float]:
+    """Return the quickest step of a stepped path: its share of a turn and its ramp, MATHS.md (100).
+
+    Raises
+    ------
+    CamtoolsError
+        It would take more than half a turn; the message has the highest speed of the spindle.
+    """
+    v = min(limits.z_speed_mm_s, sqrt(feed_mm * limits.z_acceleration_mm_s2))
+    step_s = feed_mm / v + v / limits.z_acceleration_mm_s2
+    share = step_s * spindle_rpm / 60
+    if share > MOST_STEP:
+        problem = f"a step of {feed_mm:g} mm takes {step_s * 1000:.3g} ms, {share:.3g} of a turn"
+        best = np.floor(10 * 60 * MOST_STEP / step_s) / 10
+        remedy = f'turn at {best:.1f} r/min at most, feed less, or set path = "helix"'
+        raise CamtoolsError([f'process.path = "stepped": {problem}; {remedy}'])
+    return share, v / limits.z_acceleration_mm_s2 / step_s
 
 
 def _refusal(

@@ -120,8 +120,8 @@ def chord_error_mm(job: ProgramJob, path: ToolPath, shares: Shares) -> float:
     return worst
 
 
-def _check(job: ProgramJob) -> None:
-    """Refuse what the machine cannot follow, with the numbers; see `check_feasible`."""
+def _check(job: ProgramJob) -> float:
+    """Return the spindle's highest speed over its mean; refuse what the machine cannot follow."""
     part, geometry = job.part, job.geometry
     refuse_corner(geometry)
     blank_mm = blank_radius_mm(geometry, part.process.depth_mm)
@@ -134,6 +134,7 @@ def _check(job: ProgramJob) -> None:
     stroke = 2 * max(geometry.deepest_mm(float(z)) for z in heights)
     peaks = Peaks(stroke, speed, motion, ratio, alpha if law is full else 0.0)
     check_feasible(peaks, part.machine.limits, part.process.spindle_rpm)
+    return ratio
 
 
 def _notes(job: ProgramJob, path: ToolPath, shares: Shares) -> list[str]:
@@ -143,7 +144,8 @@ def _notes(job: ProgramJob, path: ToolPath, shares: Shares) -> list[str]:
         "C: spindle as an axis, degrees from the long axis, unwrapped, 0 where the path begins",
         "U: reduction of the radius",
         f"{process.mode}, {path.kind}, feed {process.feed_mm:g} mm per turn"
-        + (f", ramps of {path.ramp:.6f} turns" if path.ramp else ""),
+        + (f", steps of {path.step:.9f} turns" if path.step else "")
+        + (f", ramps of {path.ramp:.6f} turns" if path.ramp and not path.step else ""),
         f"{n_blocks(job, path)} blocks, {n} per turn, {n * process.spindle_rpm / 60:.1f} per s",
         f"chord error of U between points {error_um:.4f} um",
     ]
@@ -157,8 +159,7 @@ def full_program(job: ProgramJob) -> Iterator[bytes]:
     CamtoolsError
         The machine cannot follow: limits, numbers, highest speed that would do.
     """
-    _check(job)
-    path = path_of(job.part, job.z_first_mm, job.z_last_mm)
+    path = path_of(job.part, job.z_first_mm, job.z_last_mm, _check(job))
     return _pieces(job, path, shares_of(job))
 
 

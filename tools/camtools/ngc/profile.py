@@ -125,7 +125,7 @@ def profile_program(job: ProgramJob) -> Iterator[bytes]:
         The path is no helix, or see `segments`.
     """
     if job.part.process.path != "helix":
-        problem = "a CNC cannot feed Z in every second turn of its spindle by G33"
+        problem = "a CNC cannot let Z stand for turns of its spindle by G33"
         raise GeometryError("process.path", problem, 'give --axes cxzu, or path = "helix"')
     found = segments(job.geometry, job.z_first_mm, job.z_last_mm, job.chord_mm)
     return _pieces(job, found)

@@ -17,6 +17,7 @@ from camtools.skirt.composite import QUARTER_RAD, Joint
 from camtools.skirt.part import Ovality, SkirtPart
 from camtools.skirt.part_section import Refit
 from camtools.skirt.poly_surface import TURN_RAD, PolySurface, angle_pieces, over_height
+from camtools.skirt.power_law import PeakOvality
 from camtools.skirt.profile import constant_spline, polygon_or_spline
 from camtools.skirt.refit import (
     Recipe,
@@ -111,7 +112,9 @@ def _from_joint(phi_rad: Floats, joint_rad: float) -> Floats:
     return np.where(phi_rad < joint_rad, phi_rad / joint_rad, beyond)
 
 
-def _over_ovality(value: list[float] | float, ovality: Ovality, factor: float = 1.0) -> PPoly:
+def _over_ovality(
+    value: list[float] | float, ovality: Ovality | PeakOvality, factor: float = 1.0
+) -> PPoly:
     """Return a number, or a list over the ovality's heights, as a spline."""
     if isinstance(value, list):
         return polygon_or_spline(ovality.height_mm, factor * np.array(value), ovality.interpolation)
@@ -183,7 +186,9 @@ def _check_room(corner: Corner, heights_mm: Floats) -> None:
         raise GeometryError("piston.section.trim_mm", problem, "trim more")
 
 
-def _check_eccentricity(corner: Corner, given: list[float] | float, drawn: Ovality) -> None:
+def _check_eccentricity(
+    corner: Corner, given: list[float] | float, drawn: Ovality | PeakOvality
+) -> None:
     """Demand that a given eccentricity is that of the circle, to 1 um of contour at the joint."""
     heights = np.array(drawn.height_mm)
     inside = (heights >= corner.radius.x[0]) & (heights <= corner.radius.x[-1])

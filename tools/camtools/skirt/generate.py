@@ -61,6 +61,14 @@ def make_table(
     return replace(table, is_ring_helix=part.process.path == "ring-helix")
 
 
+def refuse_steps(part: SkirtPart) -> None:
+    """Refuse a stepped path: a controller plays helices and ring-helices."""
+    if part.process.path == "stepped":
+        problem = "is for analyse and mkgcode, a controller does not play it"
+        remedy = 'give --axes cxzu to mkgcode, or set path = "ring-helix" or "helix"'
+        raise GeometryError("process.path", problem, remedy)
+
+
 def refuse_corner(geometry: Geometry) -> None:
     """Refuse a composite section whose corner has no refit: no axis can follow it."""
     corner = geometry.corner
@@ -99,6 +107,7 @@ def generate(part: SkirtPart, tolerance_nm: float | None = None) -> GeneratedSki
     if tolerance_nm is not None:
         check_tolerance(tolerance_nm)
     check_feed(part)
+    refuse_steps(part)
     geometry = make_geometry(part)
     path_of(part, geometry.z_first_mm, geometry.z_last_mm)  # or refuse: Z cannot follow it
     refuse_corner(geometry)

@@ -18,7 +18,7 @@ from scipy.interpolate import PPoly
 
 from camtools.base.errors import GeometryError
 from camtools.base.quantities import Floats, FloatsLike, SectionValues, omega_rad_s
-from camtools.cut.path import ToolPath, ramp_of
+from camtools.cut.path import ToolPath, ramp_of, step_of
 from camtools.skirt.corner import Corner, make_corner
 from camtools.skirt.part import SkirtPart
 from camtools.skirt.profile import magnified, ovality_spline, profile_spline
@@ -260,15 +260,26 @@ def uniform_turning(
     return turning_at(geometry, spindle_rpm, geometry.z_first_mm + feed_mm * turns, turns)
 
 
-def path_of(part: SkirtPart, z_first_mm: float, z_last_mm: float) -> ToolPath:
-    """Return the path of a part between two heights, with the shortest ramp.
+def path_of(
+    part: SkirtPart, z_first_mm: float, z_last_mm: float, speed_ratio: float = 1.0
+) -> ToolPath:
+    """Return the path of a part between two heights, with the shortest ramp or step.
+
+    Parameters
+    ----------
+    speed_ratio : float
+        Highest speed of a modulated spindle over its mean; a step is made for that speed.
 
     Raises
     ------
     CamtoolsError
-        See `ramp_of`.
+        See `ramp_of`, `step_of`.
     """
     process, limits = part.process, part.machine.limits
+    ends = z_first_mm, z_last_mm
+    if process.path == "stepped":
+        step, ramp = step_of(process.feed_mm, process.spindle_rpm * speed_ratio, limits)
+        return ToolPath("stepped", *ends, process.feed_mm, ramp, step)
     if process.path == "helix":
         return ToolPath("helix", z_first_mm, z_last_mm, process.feed_mm)
     ramp = ramp_of(process.feed_mm, process.spindle_rpm, limits)

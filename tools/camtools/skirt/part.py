@@ -11,6 +11,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import (
     Field,
+    Tag,
     ValidationInfo,
     field_validator,
     model_validator,
@@ -19,6 +20,7 @@ from pydantic import (
 from camtools.part.common import MachineLimits, PartInfo
 from camtools.part.model import HeightMm, TomlTable, as_long, no_truth, rising, wrong
 from camtools.skirt.part_section import SectionShape
+from camtools.skirt.power_law import LAW_OR_POINTS, PeakOvality, PowerProfile
 
 DiameterMm = Annotated[float, Field(ge=1, le=4000)]
 OvalityMm = Annotated[float, Field(ge=0, le=4000)]
@@ -65,13 +67,24 @@ class Ovality(TomlTable):
 class Piston(TomlTable):
     """[piston]: the skirt."""
 
-    profile: Profile
+    profile: Annotated[
+        Annotated[PowerProfile, Tag("(law)")] | Annotated[Profile, Tag("(points)")], LAW_OR_POINTS
+    ]
     section: SectionShape = Field(default_factory=SectionShape)
-    ovality: Annotated[Ovality | None, Field(validate_default=True)] = None
+    ovality: Annotated[
+        Annotated[
+            Annotated[PeakOvality, Tag("(law)")] | Annotated[Ovality, Tag("(points)")],
+            LAW_OR_POINTS,
+        ]
+        | None,
+        Field(validate_default=True),
+    ] = None
 
     @field_validator("ovality")
     @classmethod
-    def _check_ovality(cls, value: Ovality | None, info: ValidationInfo) -> Ovality | None:
+    def _check_ovality(
+        cls, value: Ovality | PeakOvality | None, info: ValidationInfo
+    ) -> Ovality | PeakOvality | None:
         section = info.data.get("section")
         is_measured = section is not None and section.shape == "table"
         if value is None and section is not None and not is_measured:
@@ -118,7 +131,7 @@ class SkirtProcess(TomlTable):
     direction: Literal[1, -1] = 1
     mode: Literal["uniform", "equal-volume"] = "uniform"
     parts: Annotated[int, Field(ge=2, le=1000)] = 30
-    path: Literal["helix", "ring-helix"] = "helix"
+    path: Literal["helix", "ring-helix", "stepped"] = "helix"
     form_error_um: Annotated[float, Field(ge=0.01, le=1000)] = 5.0
 
     @field_validator("mode")

@@ -14,10 +14,13 @@ from scipy.interpolate import CubicSpline, PPoly
 
 from camtools.base.quantities import Floats
 from camtools.skirt.part import Ovality, Profile
+from camtools.skirt.power_law import PeakOvality, PowerProfile
 
 
-def profile_spline(profile: Profile) -> PPoly:
-    """Return the long half axis a(z) [mm] as a cubic spline, MATHS.md (6)."""
+def profile_spline(profile: Profile | PowerProfile) -> PPoly:
+    """Return the long half axis a(z) [mm] as a cubic spline, MATHS.md (6), or a formula, (98)."""
+    if isinstance(profile, PowerProfile):
+        return profile.curve()
     radius_mm = np.asarray(profile.diameter_mm) / 2
     ends: object = profile.spline
     if profile.end_slopes is not None:
@@ -39,7 +42,7 @@ def constant_spline(value: float, first_mm: float, last_mm: float) -> PPoly:
     return PPoly(np.array([[0.0], [0.0], [0.0], [value]]), np.array([first_mm, last_mm]))
 
 
-def ovality_spline(ovality: Ovality) -> PPoly:
+def ovality_spline(ovality: Ovality | PeakOvality) -> PPoly:
     """Return G(z) [mm]: polygon or not-a-knot cubic spline, MATHS.md (6)."""
     g_mm = np.asarray(ovality.ovality_mm, dtype=np.float64)
     return polygon_or_spline(ovality.height_mm, g_mm, ovality.interpolation)
