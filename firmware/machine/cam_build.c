@@ -109,10 +109,9 @@ static void build_clock(cam_spindle_config_t *c, int32_t late_percent, uint32_t 
     c->on_time_clocks = 2u * off + 1u;
 }
 
-static void build_spindle(cam_spindle_config_t *c, const cam_params_t *p, const cam_table_t *table,
+static void build_spindle(cam_spindle_config_t *c, const cam_params_t *p, int32_t sense,
                           uint32_t tick_hz, uint32_t clock_hz)
 {
-    const int32_t sense = table != NULL ? table->direction : 1;
     const int32_t turn = p->counts_per_turn;
     const uint64_t count_q32 = (uint64_t)CAM_TURN_Q32 / (uint32_t)turn;
     const uint64_t left = (uint64_t)CAM_TURN_Q32 % (uint32_t)turn;
@@ -120,7 +119,8 @@ static void build_spindle(cam_spindle_config_t *c, const cam_params_t *p, const 
     c->counts_per_turn = turn;
     c->turn_per_count_q32 = (uint32_t)count_q32;
     c->turn_per_count_fraction = (uint32_t)(left * (uint64_t)CAM_TURN_Q32 / (uint32_t)turn);
-    c->centre_q32 = (uint32_t)turn_of_udeg(p->index_offset_udeg) + (uint32_t)(count_q32 / 2u);
+    c->centre_q32 =
+        (uint32_t)turn_of_udeg(sense * p->index_offset_udeg) + (uint32_t)(count_q32 / 2u);
     c->index_tolerance = p->index_tolerance_counts;
     c->index_overdue = turn + turn / 8;
     c->max_counts = turn / 4;
@@ -277,14 +277,14 @@ static void build_plan(cam_play_config_t *c, uint32_t tick_hz)
     c->xz_lag2 = half_square(c->xz_plan_q16) - half_square(lag_q16) / 2;
 }
 
-static void build_play(cam_play_config_t *c, const cam_params_t *p, int32_t rise_nm,
+static void build_play(cam_play_config_t *c, const cam_params_t *p, int32_t sense, int32_t rise_nm,
                        uint32_t tick_hz)
 {
     c->lead_q16 = ticks_of_ns(p->lead_ns, tick_hz);
     c->xz_lag_q16 = ticks_of_ns(p->xz_lag_ns, tick_hz);
     c->lead_ticks = (uint32_t)c->lead_q16 >> 16;
     c->lead_part_q31 = (c->lead_q16 & 0xFFFF) * 32768;
-    c->phase_q32 = turn_of_udeg(p->phase_udeg);
+    c->phase_q32 = turn_of_udeg(sense * p->phase_udeg);
     c->phase_step_q32 = (int32_t)(turn_of_udeg(p->phase_rate_udeg_per_s) / (int64_t)tick_hz) + 1;
     c->amplitude_q30 = (int32_t)scale(p->amplitude_ppm, INT64_C(1) << 30, 1000000);
     c->amplitude_step_q30 =
@@ -370,10 +370,12 @@ cam_err_t cam_build_config(cam_config_t *config, const cam_params_t *params,
         return err;
     }
     *config = (cam_config_t){.generation = config->generation};
-    build_spindle(&config->spindle, params, table, tick_hz, clock_hz);
+    // Tables and observer count angles in the sense of cutting; parameters those of the drawing.
+    const int32_t sense = table != NULL ? table->direction : 1;
+    build_spindle(&config->spindle, params, sense, tick_hz, clock_hz);
     const int32_t rise_nm = table != NULL ? cam_table_rise_nm(table) : 0;
     const bool is_swung = table != NULL && table->is_swung && params->swing_speed_mdeg_per_s > 0;
-    build_play(&config->play, params, rise_nm, tick_hz);
+    build_play(&config->play, params, sense, rise_nm, tick_hz);
     if (is_swung) {
         build_swing(&config->play.swing, params, &table->angle, tick_hz);
     }

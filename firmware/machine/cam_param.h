@@ -13,7 +13,7 @@
 #define CAM_PARAMS(X) \
     X(counts_per_turn,               64,      10000,   16777216, "encoder counts per turn, four per line") \
     X(encoder_sign,                  -1,          1,          1, "-1 when counts fall while the spindle turns in its positive sense; 0 is refused") \
-    X(index_offset_udeg,     -180000000,          0,  180000000, "angle of the index, seen from the long axis, in the sense of cutting") \
+    X(index_offset_udeg,     -180000000,          0,  180000000, "drawing's angle before the tool at the index, whatever the sense of cutting") \
     X(index_tolerance_counts,         0,          0,    1000000, "accepted deviation of the index from its place; jitter of the encoder") \
     X(jump_window_counts,             1,          8,    1000000, "accepted deviation of one tick's counts from what the speed predicts") \
     X(observer_bandwidth_mHz,      1000,     200000,    5000000, "bandwidth of the angle observer, at most tick rate / 20") \
@@ -21,7 +21,7 @@
     X(k1_ns,                          0,          0,  100000000, "velocity feed-forward of U: 2 damping / natural frequency") \
     X(k2_us2,                         0,          0, 1000000000, "acceleration feed-forward of U: 1 / natural frequency squared") \
     X(xz_lag_ns,                      0,          0,  100000000, "lag of the X and Z drives on a ramp, compensated by reading ahead") \
-    X(phase_udeg,            -180000000,          0,  180000000, "rotates the oval on the part in the sense of cutting; ramped") \
+    X(phase_udeg,            -180000000,          0,  180000000, "rotates the shape on the part, by the drawing's angle; ramped") \
     X(phase_rate_udeg_per_s,       1000,    1000000,  100000000, "rate of that ramp") \
     X(amplitude_ppm,                  0,    1000000,    1250000, "scale of U; ramped") \
     X(amplitude_rate_ppm_per_s,    1000,     500000,   10000000, "rate of that ramp") \

@@ -42,6 +42,14 @@ static void send_state(const cam_report_t *r, const cam_store_t *store, const ca
     send(&frame, CAMTURN_STATE_FRAME_ID, camturn_state_pack(frame.data, &m, sizeof frame.data));
 }
 
+/// @return [turn / 2^32] drawing's angle before the tool; the firmware's own counts in the sense of
+/// cutting
+static uint32_t drawing_angle_q32(const cam_machine_t *m, const cam_status_t *status)
+{
+    const uint32_t theta_q32 = (uint32_t)(uint64_t)status->pos_q32;
+    return m->has_table && m->table.direction < 0 ? 0u - theta_q32 : theta_q32;
+}
+
 /// The speed is [turn / 2^32 per tick]; times ticks per minute it is [r/min / 2^32], and
 /// 60 000 = 1875 * 2^5 makes it [r/min / 1000 / 2^27].
 static void send_motion(const cam_store_t *store, const cam_status_t *status)
@@ -49,7 +57,7 @@ static void send_motion(const cam_store_t *store, const cam_status_t *status)
     const int64_t mrpm_q27 = (int64_t)status->speed_q32 * store->machine->tick_hz * 1875;
     const struct camturn_spindle_t spindle = {
         .speed = cam_sat_i32((mrpm_q27 + (INT64_C(1) << 26)) >> 27),
-        .angle = status->is_synced ? (uint32_t)(uint64_t)status->pos_q32 : 0u,
+        .angle = status->is_synced ? drawing_angle_q32(store->machine, status) : 0u,
     };
     const struct camturn_axis_u_t u = {
         .u_set = (status->u_set_q6 + 32) >> 6,

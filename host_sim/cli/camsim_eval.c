@@ -14,12 +14,13 @@
 static const char help[] =
     "camsim eval TABLE < points.csv > values.csv\n"
     "\n"
-    "in:  turn,z_mm   turn: spindle angle / one turn, any number, 0 = long axis, in the sense of "
-    "cutting;\n"
+    "in:  turn,z_mm   turn: drawing's angle / one turn, any number, 0 = long axis; it counts the "
+    "same\n"
+    "                 way round for tables of M3 and of M4;\n"
     "                 z_mm: skirt height of the drawing, rounded to 1 nm\n"
     "out: turn,z_mm,u_nm,u1_nm_per_rad,u2_nm_per_rad2,x_nm,speed_ratio,clamped\n"
-    "     u: radius reduction, with its derivatives by the angle; x: long half axis; tip radius = "
-    "x - u;\n"
+    "     u: radius reduction, with its derivatives by the drawing's angle; x: long half axis;\n"
+    "     tip radius = x - u;\n"
     "     speed_ratio: spindle speed / mean speed; clamped: 1 where z lies outside the table\n"
     "a cam has two columns more, swing_deg,contact_deg:\n"
     "     u: lift, away from the axis, of the roller's centre (turning) or of the wheel's "
@@ -32,6 +33,12 @@ static const char header_in[] = "turn,z_mm";
 static const char header_out[] =
     "turn,z_mm,u_nm,u1_nm_per_rad,u2_nm_per_rad2,x_nm,speed_ratio,clamped";
 static const char header_lobes[] = ",swing_deg,contact_deg";
+
+/// A table counts angles in the sense of cutting: with M4 it is the mirror image of the drawing.
+static double sense_of(const cam_table_t *t)
+{
+    return t->direction;
+}
 
 static bool has_lobes(const cam_table_t *t)
 {
@@ -60,9 +67,10 @@ static double speed_ratio(const cam_table_t *t, uint32_t theta_q32, int32_t z_nm
 static bool print_value(const cam_table_t *t, const char *point, double turn, double z_mm)
 {
     const int32_t z_nm = height_nm(z_mm);
-    const cam_value_t u = cam_eval_surface(&t->u, angle_q32(turn), z_nm);
+    const uint32_t theta_q32 = angle_q32(sense_of(t) * turn);
+    const cam_value_t u = cam_eval_surface(&t->u, theta_q32, z_nm);
     const cam_value_t x = cam_eval_profile(&t->x, z_nm);
-    const double ratio = speed_ratio(t, angle_q32(turn), z_nm);
+    const double ratio = speed_ratio(t, theta_q32, z_nm);
     const double h = ldexp(SIM_TWO_PI, -(int)(t->u.log2_knots + t->u.log2_repeat));
     const int frac = -(int)t->u.frac_bits;
     const bool is_outside = z_mm * SIM_NM_PER_MM < (double)t->z_first_nm - 0.5 ||
@@ -70,7 +78,7 @@ static bool print_value(const cam_table_t *t, const char *point, double turn, do
     const double sense = has_lobes(t) ? -1.0 : 1.0; // a lift is a negative reduction
     if (printf("%s,%.17g,%.17g,%.17g,%.17g,%.17g,%d", point,
                0.0 + sense * (t->u.value_offset + ldexp(u.y, frac)),
-               0.0 + sense * ldexp(u.d1, frac) / h,
+               0.0 + sense * sense_of(t) * ldexp(u.d1, frac) / h,
                0.0 + sense * ldexp(u.d2, frac) / (h * h), // + 0: no "-0"
                t->x.value_offset + ldexp(x.y, -(int)t->x.frac_bits), ratio,
                is_outside || u.is_clamped || x.is_clamped ? 1 : 0) <= 0) {
@@ -81,7 +89,7 @@ static bool print_value(const cam_table_t *t, const char *point, double turn, do
     }
     // Angle between the line of centres and the normal at the contact, in units of which
     // CAM_TABLE_ANGLE_MAX is a quarter turn.
-    const cam_value_t angle = cam_eval_surface(&t->angle, angle_q32(turn), z_nm);
+    const cam_value_t angle = cam_eval_surface(&t->angle, theta_q32, z_nm);
     const double units = t->angle.value_offset + ldexp(angle.y, -(int)t->angle.frac_bits);
     const double deg = ldexp(units * 90.0, -24);
     return printf(",%.17g,%.17g\n", t->is_swung ? deg : 0.0, deg) > 0;

@@ -17,9 +17,10 @@ typedef struct {
 } point_t;
 
 void sim_lobe_work_init(sim_lobe_work_t *w, sim_lobe_design_t *design, sim_work_t *work,
-                        double tip_mm)
+                        int direction, double tip_mm)
 {
     *w = (sim_lobe_work_t){.design = design, .work = work, .i_lobe = design->n_lobes};
+    w->sense = direction;
     w->circle_mm = design->is_turned ? tip_mm : design->follower_mm;
 }
 
@@ -28,12 +29,41 @@ static double phase_of(const sim_lobe_work_t *w)
     return w->design->lobe[w->i_lobe].phase_rad;
 }
 
+/// The frame of this gauge is that of the lobe, seen from the side from which angles rise in the
+/// sense of cutting: with M4 it is the mirror image of the drawing's.
+/// @return [rad] drawing's angle of the tool in this frame
+static double in_frame(const sim_lobe_work_t *w, double turn)
+{
+    return w->sense * (SIM_TWO_PI * sim_fraction(turn) - phase_of(w));
+}
+
+/// @return a point of the exact profile by its angle in this frame
+static sim_lobe_spot_t spot_at(const sim_lobe_work_t *w, double theta_rad)
+{
+    sim_lobe_spot_t s = sim_lobe_design_at(w->design, w->i_lobe, w->sense * theta_rad);
+    s.y_mm *= w->sense;
+    s.ny *= w->sense;
+    return s;
+}
+
+/// @return [turn] drawing's angle of a point of this frame on the shaft, 0 .. 1
+static double turn_of(const sim_lobe_work_t *w, const sim_lobe_spot_t *s)
+{
+    return sim_fraction((w->sense * atan2(s->y_mm, s->x_mm) + phase_of(w)) / SIM_TWO_PI);
+}
+
+/// @return [deg] swing of the tool in this frame; the axis turns the same way whatever the sense
+static double swing_deg(const sim_lobe_work_t *w, const sim_lobe_tool_t *tool)
+{
+    return w->sense * tool->swing_deg;
+}
+
 static point_t centre_of(const sim_lobe_work_t *w, const sim_lobe_tool_t *tool)
 {
-    const double phi = SIM_TWO_PI * sim_fraction(tool->turn) - phase_of(w);
+    const double phi = in_frame(w, tool->turn);
     point_t c = {tool->centre_mm * cos(phi), tool->centre_mm * sin(phi)};
     if (w->design->is_turned) {
-        const double line = phi - tool->swing_deg * RAD_PER_DEG;
+        const double line = phi - swing_deg(w, tool) * RAD_PER_DEG;
         const double back_mm = w->design->roller_mm - w->circle_mm;
         c.x_mm -= back_mm * cos(line);
         c.y_mm -= back_mm * sin(line);
@@ -63,14 +93,13 @@ static void load_lobe(sim_lobe_work_t *w, uint32_t i_lobe)
     w->n_before = 0;
     w->first = w->end = 0;
     for (int i = 0; i_lobe < w->design->n_lobes && i < sim_lobe_dexels; i++) {
-        const sim_lobe_spot_t s = sim_lobe_design_at(w->design, i_lobe, i / DEXELS_PER_RAD);
-        const double polar_rad = atan2(s.y_mm, s.x_mm) + phase_of(w);
+        const sim_lobe_spot_t s = spot_at(w, i / DEXELS_PER_RAD);
         w->dexel[i] = (sim_lobe_dexel_t){
             .x_mm = s.x_mm,
             .y_mm = s.y_mm,
             .nx = s.nx,
             .ny = s.ny,
-            .turn = sim_fraction(polar_rad / SIM_TWO_PI),
+            .turn = turn_of(w, &s),
             .radius_mm = hypot(s.x_mm, s.y_mm),
             .left_mm = FAR_MM,
         };
@@ -97,7 +126,7 @@ static double search(sim_lobe_work_t *w, point_t c)
 static bool refine(sim_lobe_work_t *w, point_t c, double *theta)
 {
     for (int i = 0; i < most_steps; i++) {
-        const sim_lobe_spot_t s = sim_lobe_design_at(w->design, w->i_lobe, *theta);
+        const sim_lobe_spot_t s = spot_at(w, *theta);
         const double x = c.x_mm - s.x_mm;
         const double y = c.y_mm - s.y_mm;
         const double along = x * s.nx + y * s.ny;
@@ -123,7 +152,7 @@ static void find_contact(sim_lobe_work_t *w, point_t c)
     }
     w->theta_rad = theta;
     w->contact_mm = hypot(w->spot.x_mm, w->spot.y_mm);
-    w->contact_turn = sim_fraction((atan2(w->spot.y_mm, w->spot.x_mm) + phase_of(w)) / SIM_TWO_PI);
+    w->contact_turn = turn_of(w, &w->spot);
 }
 
 /// Nothing cuts this line any more: gauge what is left on it.
@@ -140,7 +169,7 @@ static void finish(sim_lobe_work_t *w, int64_t i, const sim_lobe_tool_t *tool, d
     if (!is_counted) {
         return;
     }
-    const double wide = sim_fraction(dexel_at(w, i + 1)->turn - d->turn) * SIM_TWO_PI;
+    const double wide = sim_fraction(w->sense * (dexel_at(w, i + 1)->turn - d->turn)) * SIM_TWO_PI;
     const double blank_mm = w->work->blank_mm;
     w->work->removed_mm3 +=
         0.5 * (blank_mm * blank_mm - d->radius_mm * d->radius_mm) * wide * fed_mm;
@@ -180,7 +209,7 @@ static void move_window(sim_lobe_work_t *w, const sim_lobe_tool_t *tool, point_t
         dexel_at(w, i)->left_mm = FAR_MM;
         dexel_at(w, i)->is_clean = tool->is_counted && !is_anew; // else half of its cut is unknown
     }
-    const double turned = tool->turn - w->before[0].turn;
+    const double turned = w->sense * (tool->turn - w->before[0].turn);
     const double per_turn = turned > 0.0 ? 1.0 / turned : 0.0;
     const double fed_mm = sim_abs(tool->z_mm - w->before[0].z_mm) * per_turn;
     for (int64_t i = old_first; i < first; i++) {
@@ -257,7 +286,7 @@ static double off_normal_deg(const sim_lobe_spot_t *s, double direction_rad)
 
 static void measure(sim_lobe_work_t *w, const sim_lobe_tool_t *tool, double travel_mm)
 {
-    const double phi = SIM_TWO_PI * sim_fraction(tool->turn) - phase_of(w);
+    const double phi = in_frame(w, tool->turn);
     const double slant = cos(phi) * w->spot.nx + sin(phi) * w->spot.ny;
     const double follower_mm = w->design->follower_mm;
     // Travel of the contact per radian of the spindle: ds/dphi = ds (centre) / (cos (ds + R bend)).
@@ -267,8 +296,9 @@ static void measure(sim_lobe_work_t *w, const sim_lobe_tool_t *tool, double trav
     sim_spread_add(&w->speed_mm_s, speed_mm_s);
     sim_spread_add(&w->off_plan, speed_mm_s / (mm_per_rad * tool->due_rad_s) - 1.0);
     if (w->design->is_turned) {
-        sim_spread_add(&w->rake_deg, off_normal_deg(&w->spot, phi - tool->swing_deg * RAD_PER_DEG));
-        sim_spread_add(&w->unswung_deg, off_normal_deg(&w->spot, phi));
+        const double line = phi - swing_deg(w, tool) * RAD_PER_DEG;
+        sim_spread_add(&w->rake_deg, w->sense * off_normal_deg(&w->spot, line));
+        sim_spread_add(&w->unswung_deg, w->sense * off_normal_deg(&w->spot, phi));
     }
 }
 

@@ -34,7 +34,7 @@ enum { sim_lobe_dexels = 3600 };
 /// Where the machine is at an instant.
 typedef struct {
     double t_s;
-    double turn;      ///< [turn] spindle in the sense of cutting, phase taken off, not wrapped
+    double turn;      ///< [turn] drawing's angle, phase of the operator taken off, not wrapped
     double centre_mm; ///< X - U: distance of the follower's centre from the axis
     double swing_deg; ///< of the tool from the line of centres; not used by a wheel
     double z_mm;      ///< height of the tool
@@ -62,8 +62,9 @@ typedef struct {
     sim_lobe_design_t *design;
     sim_work_t *work;          ///< finished dexels go there too
     double circle_mm;          ///< radius of wheel or tip
+    double sense;              ///< of cutting: 1 (M3), -1 (M4)
     uint32_t i_lobe;           ///< n_lobes: none
-    double theta_rad;          ///< contact of the last instant, not wrapped
+    double theta_rad;          ///< contact of the last instant in the sense of cutting, not wrapped
     double gap_mm;             ///< of the circle above the exact profile there
     double contact_turn;       ///< polar angle of the contact on the shaft, 0 .. 1
     double contact_mm;         ///< its radius on the exact profile
@@ -82,9 +83,10 @@ typedef struct {
 /// @param w       300 KB: allocate it
 /// @param design  outlives the work
 /// @param work    initialised; takes the samples
+/// @param direction  1 (M3) or -1 (M4): sense of cutting
 /// @param tip_mm  radius of the tool's tip, at most the roller's; not used by a wheel
 void sim_lobe_work_init(sim_lobe_work_t *w, sim_lobe_design_t *design, sim_work_t *work,
-                        double tip_mm);
+                        int direction, double tip_mm);
 
 /// The tool moves on to a place.
 /// @param tool  t_s rises from call to call

@@ -36,16 +36,16 @@ static void cut(sim_scallop_t *s, int angle, double z_mm, double tip_mm)
     }
 }
 
-/// Cut at all angles of the map between the last sample and this one.
-static void pass(sim_scallop_t *s, sim_design_t *design, double turned, double z_mm,
-                 double proud_mm)
+/// Cut at all angles of the map between two samples, of which the first lies at the lesser angle.
+static void pass(sim_scallop_t *s, sim_design_t *design, const sim_scallop_tip_t *from,
+                 const sim_scallop_tip_t *to, double turned)
 {
-    const int first = (int)ceil(s->turn * sim_scallop_angles);
-    const int n = (int)ceil((s->turn + turned) * sim_scallop_angles) - first;
+    const int first = (int)ceil(from->turn * sim_scallop_angles);
+    const int n = (int)ceil((from->turn + turned) * sim_scallop_angles) - first;
     for (int i = 0; i < n; i++) {
-        const double share = ((double)(first + i) / sim_scallop_angles - s->turn) / turned;
-        const double here_mm = s->z_mm + share * (z_mm - s->z_mm);
-        const double here_proud_mm = s->proud_mm + share * (proud_mm - s->proud_mm);
+        const double share = ((double)(first + i) / sim_scallop_angles - from->turn) / turned;
+        const double here_mm = from->z_mm + share * (to->z_mm - from->z_mm);
+        const double here_proud_mm = from->proud_mm + share * (to->proud_mm - from->proud_mm);
         const int angle = (first + i) % sim_scallop_angles;
         const double exact_mm =
             sim_design_radius_mm(design, (double)angle / sim_scallop_angles, here_mm);
@@ -61,15 +61,15 @@ void sim_scallop_touch(sim_scallop_t *s, sim_design_t *design, double turn, doub
         s->has_last = false;
         return;
     }
-    const double proud_mm = radius_mm - exact_mm;
-    const double turned = sim_fraction(turn - s->turn);
+    const sim_scallop_tip_t now = {.turn = turn, .z_mm = z_mm, .proud_mm = radius_mm - exact_mm};
+    const double turned = sim_fraction(turn - s->last.turn);
     if (s->has_last && turned > 0.0 && turned < 0.5) {
-        pass(s, design, turned, z_mm, proud_mm);
+        pass(s, design, &s->last, &now, turned);
+    } else if (s->has_last && turned > 0.5) { // M4 counts down
+        pass(s, design, &now, &s->last, 1.0 - turned);
     }
     s->has_last = true;
-    s->turn = turn;
-    s->z_mm = z_mm;
-    s->proud_mm = proud_mm;
+    s->last = now;
 }
 
 double sim_scallop_proud_um(const sim_scallop_t *s, sim_design_t *design, int angle, int height)

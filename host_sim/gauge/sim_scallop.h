@@ -18,11 +18,17 @@
 
 enum { sim_scallop_angles = 240, sim_scallop_heights = 401 };
 
+/// The tip at an instant.
+typedef struct {
+    double turn, z_mm;
+    double proud_mm; ///< above the exact surface
+} sim_scallop_tip_t;
+
 typedef struct {
     double nose_mm;                                          ///< radius; 0: nothing is made
     double z_first_mm, z_last_mm;                            ///< the window, both ends in it
     bool has_last;                                           ///< there was a pass before
-    double turn, z_mm, proud_mm;                             ///< ... at this place
+    sim_scallop_tip_t last;                                  ///< ... at this place
     double left_mm[sim_scallop_angles][sim_scallop_heights]; ///< radius of the surface
 } sim_scallop_t;
 
@@ -38,9 +44,9 @@ typedef struct {
 void sim_scallop_init(sim_scallop_t *s, double nose_mm, double z_first_mm, double z_last_mm,
                       double blank_mm);
 
-/// Take a sample of the tool tip. Two samples that are less than half a turn apart, in the sense of
-/// cutting, make a pass that cuts.
-/// @param turn       [turn] 0 .. 1 from the long axis
+/// Take a sample of the tool tip. Two samples that are less than half a turn apart, whichever comes
+/// first, make a pass that cuts.
+/// @param turn       [turn] drawing's angle, 0 .. 1
 /// @param radius_mm  of the tip
 /// @param exact_mm   exact radius there
 void sim_scallop_touch(sim_scallop_t *s, sim_design_t *design, double turn, double z_mm,

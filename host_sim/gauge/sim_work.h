@@ -21,7 +21,7 @@ enum { sim_work_columns = 720, sim_work_rows = 256 };
 
 /// The worst sample of a cell.
 typedef struct {
-    float turn; ///< [turn] from the long axis in the sense of cutting, 0 .. 1
+    float turn; ///< [turn] drawing's angle, 0 .. 1
     float error_nm;
     double z_mm;
     double radius_mm;

@@ -2,9 +2,9 @@
 /// sim_lathe: spindle, encoder and four drives: the one lathe behind every controller.
 ///
 /// The lathe knows set-points and time, neither ports nor frames: target/sim_port.h ties it to the
-/// firmware of this process, bus/sim_bus.h to the nodes of a CAN bus. Convention: turn 0 is the
-/// long axis, positive turn is the machine's positive sense, into which a positive set-point of the
-/// spindle turns.
+/// firmware of this process, bus/sim_bus.h to the nodes of a CAN bus. Convention: turn is the
+/// drawing's angle before the tool (tools/README.md), which rises in the machine's positive sense
+/// (M3), into which a positive set-point of the spindle turns.
 #ifndef SIM_LATHE_H
 #define SIM_LATHE_H
 

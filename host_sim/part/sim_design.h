@@ -58,7 +58,7 @@ void sim_design_from_table(sim_design_t *d, const cam_table_t *table);
 void sim_design_free(sim_design_t *d);
 
 /// Look the exact radius of the part up.
-/// @param turn  [turn] angle from the long axis in the sense of cutting, 0 .. 1
+/// @param turn  [turn] drawing's angle, 0 .. 1
 /// @param z_mm  any; clamped to the part
 double sim_design_radius_mm(sim_design_t *d, double turn, double z_mm);
 

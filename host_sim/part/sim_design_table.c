@@ -68,12 +68,21 @@ static double value_at(const cam_channel_t *ch, double turn, double z_mm)
     return scaled(ch, lsb);
 }
 
+/// @return [turn] a drawing's angle in the sense of cutting, in which tables count
+static double in_sense(const cam_table_t *t, double turn)
+{
+    return t->direction < 0 ? -turn : turn;
+}
+
 double sim_design_table_radius_mm(const cam_table_t *t, double turn, double z_mm)
 {
-    return sim_design_table_long_mm(t, z_mm) - value_at(&t->u, turn, z_mm) / SIM_NM_PER_MM;
+    const double u_nm = value_at(&t->u, in_sense(t, turn), z_mm);
+    return sim_design_table_long_mm(t, z_mm) - u_nm / SIM_NM_PER_MM;
 }
 
 double sim_design_table_ratio(const cam_table_t *t, double turn, double z_mm)
 {
-    return t->speed.knots != NULL ? value_at(&t->speed, turn, z_mm) / CAM_TABLE_RATIO_ONE : 1.0;
+    return t->speed.knots != NULL
+               ? value_at(&t->speed, in_sense(t, turn), z_mm) / CAM_TABLE_RATIO_ONE
+               : 1.0;
 }

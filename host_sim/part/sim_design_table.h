@@ -6,12 +6,13 @@
 
 #include "cam_table.h" // cam_table_t
 
-/// @param turn  [turn] from the long axis in the sense of cutting
+/// @param turn  [turn] drawing's angle, any
 /// @param z_mm  any; clamped to the channels
 /// @return      [mm] x - u. Source: TABLE_FORMAT.md, "Knots".
 double sim_design_table_radius_mm(const cam_table_t *t, double turn, double z_mm);
 
-/// @return speed of the spindle over its mean speed; 1 without that channel
+/// @param turn  [turn] drawing's angle, any
+/// @return      speed of the spindle over its mean speed; 1 without that channel
 double sim_design_table_ratio(const cam_table_t *t, double turn, double z_mm);
 
 /// @return [mm] the long half axis x alone

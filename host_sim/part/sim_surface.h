@@ -36,7 +36,7 @@ typedef struct {
 bool sim_surface_read(sim_surface_t *s, const cJSON *surface, const char *path, common_error_t *e);
 
 /// Look the surface up.
-/// @param turn  [turn] from the long axis in the sense of cutting, any
+/// @param turn  [turn] drawing's angle, any
 /// @param z_mm  any; clamped to the pieces
 /// @return      [mm] reduction of the radius
 double sim_surface_delta_mm(sim_surface_t *s, double turn, double z_mm);

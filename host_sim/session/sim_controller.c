@@ -95,12 +95,12 @@ static void derive_swing(derive_t *d, const sim_lathe_config_t *m)
     }
 }
 
-/// Derive the angle of the index from the long axis in the sense of cutting, and windows that are
-/// wide enough for the noise of the edges.
-static void derive_encoder(derive_t *d, const sim_lathe_config_t *m, const cam_table_t *table)
+/// Derive the drawing's angle of the index, and windows that are wide enough for the noise of the
+/// edges.
+static void derive_encoder(derive_t *d, const sim_lathe_config_t *m)
 {
     const sim_encoder_config_t *c = &m->encoder;
-    const double turn = sim_fraction(table->direction * c->index_turn + 0.5) - 0.5;
+    const double turn = sim_fraction(c->index_turn + 0.5) - 0.5;
     const double noise_counts = ceil(7.0 * c->jitter_counts); // two readings of +-3.47 rms each
     const cam_param_info_t *window = cam_param_info(cam_param_jump_window_counts);
     put(d, cam_param_counts_per_turn, c->counts_per_turn);
@@ -111,11 +111,11 @@ static void derive_encoder(derive_t *d, const sim_lathe_config_t *m, const cam_t
 }
 
 bool sim_controller_params(cam_params_t *params, const sim_lathe_config_t *machine,
-                           const cam_table_t *table, const sim_wishes_t *wishes, common_error_t *e)
+                           const sim_wishes_t *wishes, common_error_t *e)
 {
     derive_t d = {.params = params, .e = e, .is_good = true};
     *params = cam_param_defaults();
-    derive_encoder(&d, machine, table);
+    derive_encoder(&d, machine);
     derive_feed_forward(&d, machine);
     derive_limits(&d, machine);
     derive_swing(&d, machine);

@@ -37,6 +37,6 @@ bool sim_wishes_add(sim_wishes_t *w, const char *name, double value, const char 
 /// @param params  filled completely
 /// @return        false and *e when a derived value is outside the range of its parameter
 bool sim_controller_params(cam_params_t *params, const sim_lathe_config_t *machine,
-                           const cam_table_t *table, const sim_wishes_t *wishes, common_error_t *e);
+                           const sim_wishes_t *wishes, common_error_t *e);
 
 #endif

@@ -82,8 +82,11 @@ static bool measure_removal(sim_cut_t *cut)
     const double ramp = cut->params.feed_ramp_turns;
     const bool is_full = !sim_cut_has_rings(cut) && s->cut_turns > ramp + 1.0 &&
                          s->cut_turns < sim_cut_planned_turns(cut) - ramp;
-    return sim_removal_touch(&cut->removal, s->at.t_s, sim_session_turn(s), s->z_mm, s->radius_mm,
-                             is_full && !cut->is_stopped);
+    const double sense = s->table.direction; // the measurement wants an angle that rises
+    const bool has_slice = sim_removal_touch(&cut->removal, s->at.t_s, sense * sim_session_turn(s),
+                                             s->z_mm, s->radius_mm, is_full && !cut->is_stopped);
+    cut->removal.slice.turn *= has_slice ? sense : 1.0; // back to the drawing's
+    return has_slice;
 }
 
 /// Take what the tick did to the tool, and the state in which a fault struck.

@@ -271,7 +271,7 @@ static bool prepare(sim_cut_t *cut, const void *image, size_t size, const char *
     return sim_session_open(s, &cut->options.session, image, size, name, e) &&
            check_injects(s, size, e) && sim_session_load_design(s, e) &&
            sim_lobe_cut_check(s, cut->options.tip_mm, name, e) &&
-           sim_controller_params(&cut->params, &s->options.config.lathe, &s->table, &wishes, e) &&
+           sim_controller_params(&cut->params, &s->options.config.lathe, &wishes, e) &&
            check_rings(cut, e) && place(cut, e) && set_up_firmware(cut, size, name, e);
 }
 

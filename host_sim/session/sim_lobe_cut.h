@@ -19,7 +19,7 @@ bool sim_lobe_cut_check(const sim_session_t *s, double tip_mm, const char *name,
 void sim_lobe_cut_begin(sim_session_t *s, double tip_mm);
 
 /// For every sample of a part with lobes, instead of the gauge of a skirt.
-/// @param turn  [turn] spindle in the sense of cutting, phase taken off, not wrapped
+/// @param turn  [turn] drawing's angle, phase taken off, not wrapped
 void sim_lobe_cut_gauge(sim_session_t *s, double turn);
 
 /// @return [mm/s] surface speed that is due on the base circle

@@ -9,8 +9,8 @@
 #include "sim_scallop.h" // sim_scallop_t
 #include "sim_work.h"    // sim_work_t
 
-/// Write the worst sample of each cell: turn (0 .. 1 from the long axis in the sense of cutting),
-/// z_mm, radius_mm, error_nm.
+/// Write the worst sample of each cell: turn (drawing's angle, 0 .. 1), z_mm,
+/// radius_mm, error_nm.
 void sim_map_surface(sim_out_t *o, const sim_work_t *work);
 
 /// Write the surface between tracks: turn, z_mm, proud_um above the exact surface; the angles one
@@ -19,8 +19,8 @@ void sim_map_scallop(sim_out_t *o, const sim_scallop_t *scallop, sim_design_t *d
 
 void sim_map_removal_header(sim_out_t *o);
 
-/// Write one slice: t_s, turn (spindle angle in the sense of cutting, from the long axis, whole
-/// turns counted), z_mm, volume_mm3, rate_mm3_s, power_w, rate_force_n, chip_force_n.
+/// Write one slice: t_s, turn (drawing's angle, whole turns counted), z_mm,
+/// volume_mm3, rate_mm3_s, power_w, rate_force_n, chip_force_n.
 void sim_map_removal(sim_out_t *o, const sim_slice_t *slice);
 
 #endif

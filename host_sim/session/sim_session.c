@@ -47,7 +47,7 @@ void sim_session_place(sim_session_t *s, double *x_nm, double *z_nm)
 
 double sim_session_turn(const sim_session_t *s)
 {
-    return (s->table.direction > 0 ? s->at.turn : -s->at.turn) - s->phase_turn;
+    return s->at.turn - s->phase_turn;
 }
 
 void sim_session_touch(sim_session_t *s, const sim_sample_t *at, bool is_cutting,

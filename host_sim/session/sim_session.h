@@ -79,7 +79,8 @@ void sim_session_place(sim_session_t *s, double *x_nm, double *z_nm);
 void sim_session_touch(sim_session_t *s, const sim_sample_t *at, bool is_cutting,
                        double following_nm);
 
-/// @return [turn] angle of the last sample in the sense of cutting, phase taken off, not wrapped
+/// @return [turn] drawing's angle of the last sample, phase taken off, not wrapped: rises with M3,
+///         falls with M4
 double sim_session_turn(const sim_session_t *s);
 
 /// Take the next injection that is due; each happens once. @return NULL when there is none

@@ -30,7 +30,7 @@ static void reading_columns(sim_out_t *o, const cam_tick_record_t *r, const sim_
         (double)(sim_cut_status(cut)->tick - r->tick); // records made before the first tick
     sim_out_integer(o, r->tick);
     sim_out_real_column(o, s->at.t_s - behind * cut->port.lathe.step_s, 9);
-    sim_out_real_column(o, (double)r->angle.pos_q32 / 4294967296.0, 9);
+    sim_out_real_column(o, s->table.direction * ((double)r->angle.pos_q32 / 4294967296.0), 9);
     sim_out_decimal_column(o, r->want.z_nm, 6);
     q6(o, r->want.u_set_q6);
     sim_out_integer_column(o, r->in.actual_nm[hal_axis_u]);

@@ -2,12 +2,12 @@
 /// sim_trace: one line for each tick of a cut.
 ///
 /// The first columns are for people; then follows everything that the firmware's record holds, so
-/// that a tick can be replayed. `turn` is the master position (whole turns since the index was
-/// found), `faults` the latched faults as a hexadecimal mask in the order of CAM_FAULTS in
-/// cam_state.h; true_turn .. error_nm are the lathe's truth at the instant of sensing; the rest is
-/// named as in cam_trace.h with in_ and out_ for what the tick sensed and wrote. A table that
-/// swings the tool has two columns more: the set-point of the swing in force and the true swing, in
-/// degrees.
+/// that a tick can be replayed. `turn` is the master position as the
+/// drawing's angle (whole turns since the index was found; falls with M4), `faults` the latched
+/// faults as a hexadecimal mask in the order of CAM_FAULTS in cam_state.h; true_turn .. error_nm
+/// are the lathe's truth at the instant of sensing; the rest is named as in cam_trace.h with in_
+/// and out_ for what the tick sensed and wrote. A table that swings the tool has two columns more:
+/// the set-point of the swing in force and the true swing, in degrees.
 #ifndef SIM_TRACE_H
 #define SIM_TRACE_H
 

@@ -30,7 +30,7 @@ void sim_watch_trace_line(sim_out_t *o, const sim_watch_t *w)
     const double actual[] = {s->at.u_nm, s->at.x_nm, s->at.z_nm};
     sim_out_integer(o, (int64_t)bus->n_steps);
     sim_out_real_column(o, s->at.t_s, 9);
-    sim_out_real_column(o, s->at.turn * s->table.direction, 9);
+    sim_out_real_column(o, s->at.turn, 9);
     sim_out_real_column(o, s->z_mm, 6);
     sim_out_integer_column(o, bus->node[sim_bus_u].active.target);
     sim_out_integer_column(o, (int64_t)sim_round(s->at.u_nm));

@@ -54,8 +54,8 @@ typedef struct {
 } hal_setpoint_t;
 
 /// Set-point of the swing axis: the angle of the tool about the centre of the swing. It is 0 along
-/// the line of centres and rises in the sense in which the follower runs round the lobe
-/// (TABLE_FORMAT.md, "Lobes").
+/// the line of centres and positive where the tool is turned against the drawing's angle, which is
+/// clockwise seen from the headstock, with M3 and M4 alike (TABLE_FORMAT.md, "Lobes").
 typedef struct {
     int32_t pos_q32; ///< [turn / 2^32] angle at the tick in which it is written
     int32_t vel_q32; ///< [turn / 2^32 per tick] velocity until the next set-point

@@ -142,6 +142,8 @@ def test_opposite_rotation_and_diameters(tmp_path: Path) -> None:
         ("perkins240_equal_volume", {"spindle_rpm": "200", "path": '"stepped"'}),
         ("16v240zj", {}),
         ("scan90", {}),
+        ("scan90", {"direction": "-1"}),
+        ("perkins240_equal_volume", {"spindle_rpm": "200", "direction": "-1"}),
     ],
 )
 def test_full_program_is_the_geometry(tmp_path: Path, name: str, changes: dict[str, str]) -> None:
@@ -172,12 +174,12 @@ def test_full_program_is_the_geometry(tmp_path: Path, name: str, changes: dict[s
     np.testing.assert_allclose(z, path.height_mm(turns), atol=1e-6)
     np.testing.assert_allclose(f, part.process.spindle_rpm * n, rtol=1e-9)
     cut = (turns >= 0) & (turns <= path.turns)
-    rho = geometry.radius_mm(z[cut]) - geometry.delta(2 * np.pi * turns[cut], z[cut]).delta
+    rho = geometry.radius_mm(z[cut]) - geometry.delta(np.radians(c[cut]), z[cut]).delta
     assert np.abs(x[cut] - u[cut] - rho).max() < 3e-6
     clear = x.max()
     assert (x[-1], u[-1]) == (clear, 0)
     assert (x[cut] < clear - CLEARANCE_MM).all()
-    outside = geometry.radius_mm(z) - geometry.delta(2 * np.pi * turns, z).delta
+    outside = geometry.radius_mm(z) - geometry.delta(np.radians(c), z).delta
     assert (x - u >= outside - 3e-6).all()  # never a gouge
 
 

@@ -88,17 +88,20 @@ static void test_build_limits_too_fast_for_a_slow_tick_are_lowered(void)
     TEST_ASSERT_EQUAL_INT32(1 << 29, config.guard.u.acceleration_q10);
 }
 
+/// Parameters are the drawing's angles, the configuration counts in the sense of cutting.
 static void test_build_angles_turn_and_wrap(void)
 {
     static const int32_t udeg[] = {0, 90000000, -90000000, 180000000, -180000000, 1};
     static const uint32_t wanted[] = {0, 1u << 30, 3u << 30, 1u << 31, 1u << 31, 12};
-    for (int i = 0; i < 6; i++) {
-        params.phase_udeg = udeg[i];
-        params.index_offset_udeg = udeg[i];
+    for (int i = 0; i < 12; i++) {
+        table.direction = i < 6 ? 1 : -1;
+        const uint32_t angle_q32 = i < 6 ? wanted[i] : 0u - wanted[i - 6];
+        params.phase_udeg = udeg[i % 6];
+        params.index_offset_udeg = udeg[i % 6];
         build(20000);
-        TEST_ASSERT_EQUAL_HEX32(wanted[i], (uint32_t)config.play.phase_q32);
+        TEST_ASSERT_EQUAL_HEX32(angle_q32, (uint32_t)config.play.phase_q32);
         const uint32_t half_count = (uint32_t)(turn_q32 / params.counts_per_turn / 2.0);
-        TEST_ASSERT_EQUAL_HEX32(wanted[i] + half_count, config.spindle.centre_q32);
+        TEST_ASSERT_EQUAL_HEX32(angle_q32 + half_count, config.spindle.centre_q32);
     }
 }
 

@@ -46,7 +46,7 @@ static void begin(bool is_turned)
                  .offset_mm = OFFSET_MM},
     };
     sim_work_init(&work, 30.1, 0.0, 12.0);
-    sim_lobe_work_init(&lobes, &design, &work, TIP_MM);
+    sim_lobe_work_init(&lobes, &design, &work, 1, TIP_MM);
 }
 
 /// The follower's centre runs on a circle about the disc's centre.

@@ -75,12 +75,28 @@ def _equal_area(job: ProgramJob) -> Shares:
     return lambda z_mm: np.asarray(spline(z_mm), dtype=np.float64)
 
 
+def _counted_down(shares: Shares) -> Shares:
+    """Return the same borders in the order in which M4 passes them."""
+
+    def borders(z_mm: Floats) -> Floats:
+        inside = shares(z_mm)[:, :-1]
+        return np.hstack([1 - inside[:, ::-1], np.ones((z_mm.size, 1))])
+
+    return borders
+
+
+def drawing_rad(job: ProgramJob, turns: Floats) -> Floats:
+    """Return the drawing's angle [rad, within a turn] before the tool after so many turns."""
+    return np.asarray(TURN_RAD * np.mod(job.part.process.direction * turns, 1), dtype=np.float64)
+
+
 def shares_of(job: ProgramJob) -> Shares:
     """Return where the blocks of a turn end, by its height."""
-    if job.part.process.mode == "equal-volume":
-        return _equal_area(job)
+    process = job.part.process
+    if process.mode == "equal-volume":
+        return _equal_area(job) if process.direction == 1 else _counted_down(_equal_area(job))
     n = points_per_turn(job)
-    equal = np.arange(1, n + 1) / n
+    equal = np.arange(1, n + 1) / n  # the same for both senses
     return lambda z_mm: np.broadcast_to(equal, (z_mm.size, n))
 
 
@@ -95,7 +111,7 @@ def points_at(job: ProgramJob, path: ToolPath, turns: Floats) -> Points:
     z = path.height_mm(turns)
     a = job.geometry.radius_mm(z)
     depth = _envelope(path, turns)
-    u = job.geometry.delta(TURN_RAD * (turns % 1), z).delta
+    u = job.geometry.delta(drawing_rad(job, turns), z).delta
     return Points(turns, a + (1 - depth) * (job.clear_mm - a), z, depth * u)
 
 
@@ -111,11 +127,11 @@ def chord_error_mm(job: ProgramJob, path: ToolPath, shares: Shares) -> float:
     for z_mm in np.append(job.geometry.breaks_mm(), path.z_last_mm):
         if not path.z_first_mm <= z_mm <= path.z_last_mm:
             continue
-        ends = TURN_RAD * np.append(0.0, shares(np.array([z_mm]))[0])
-        u = job.geometry.delta(ends, float(z_mm)).delta
+        ends = np.append(0.0, shares(np.array([z_mm]))[0])
+        u = job.geometry.delta(drawing_rad(job, ends), float(z_mm)).delta
         middle = ends[:-1, None] + np.diff(ends)[:, None] * t
         chord = u[:-1, None] + np.diff(u)[:, None] * t
-        exact = job.geometry.delta(middle.ravel(), float(z_mm)).delta
+        exact = job.geometry.delta(drawing_rad(job, middle.ravel()), float(z_mm)).delta
         worst = max(worst, float(np.abs(chord.ravel() - exact).max()))
     return worst
 
@@ -141,7 +157,7 @@ def _notes(job: ProgramJob, path: ToolPath, shares: Shares) -> list[str]:
     process, n = job.part.process, points_per_turn(job)
     error_um = chord_error_mm(job, path, shares) * 1000
     return [
-        "C: spindle as an axis, degrees from the long axis, unwrapped, 0 where the path begins",
+        "C: spindle as an axis, the drawing's angle in degrees, unwrapped, 0 where the path begins",
         "U: reduction of the radius",
         f"{process.mode}, {path.kind}, feed {process.feed_mm:g} mm per turn"
         + (f", steps of {path.step:.9f} turns" if path.step else "")

@@ -32,7 +32,7 @@ _TURNS_PER_Q32 = 2.0**-32
 class GaugedSurface(NamedTuple):
     """Gauged points of the surface, each of shape (n,)."""
 
-    turn: Floats  # 0 .. 1 from the long axis, in the sense of cutting
+    turn: Floats  # drawing's angle, 0 .. 1
     z_mm: Floats
     radius_mm: Floats
     error_um: Floats  # above 0: metal left standing
@@ -42,7 +42,7 @@ class CutTrace(NamedTuple):
     """Every tick of the controller, each of shape (n,)."""
 
     t_s: Floats
-    turn: Floats  # since the index was found; whole turns are at the long axis
+    turn: Floats  # drawing's angle since the index was found; falls with M4
     z_mm: Floats
     u_set_nm: Floats  # where U shall be when the command has taken effect
     u_act_nm: Floats  # measured
@@ -63,6 +63,11 @@ class CutTrace(NamedTuple):
         tick_s = float(np.median(np.diff(self.t_s))) if self.t_s.size > 1 else 1.0
         return self.turns_per_tick * (60 / tick_s)
 
+    @property
+    def sense(self) -> int:
+        """Return 1 where the drawing's angle rises in time (M3), -1 where it falls (M4)."""
+        return -1 if self.turn.size and self.turn[-1] < self.turn[0] else 1
+
     def pick(self, rows: slice | npt.NDArray[Any]) -> CutTrace:
         """Return some of the ticks."""
         return CutTrace(*(column[rows] for column in self))
@@ -72,7 +77,7 @@ class Removal(NamedTuple):
     """Metal removed in time slices, each of shape (n,)."""
 
     t_s: Floats  # middle of the slice
-    turn: Floats  # spindle angle there; whole turns are at the long axis
+    turn: Floats  # drawing's angle there; falls with M4
     z_mm: Floats
     rate_mm3_s: Floats
     power_w: Floats

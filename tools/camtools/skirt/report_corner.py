@@ -79,7 +79,8 @@ def _measured(trace: CutTrace, corner: Corner, z_mm: float) -> tuple[Floats, Flo
     if cutting.size < 2 * _DERIVATIVE_TICKS + 1:
         return np.empty(0), np.empty(0)
     nearest = cutting[int(np.argmin(np.abs(trace.z_mm[cutting] - z_mm)))]
-    whole = np.floor(trace.turn[nearest]) - (1 if z_mm >= trace.z_mm[cutting[-1]] else 0)
+    before = trace.sense if z_mm >= trace.z_mm[cutting[-1]] else 0
+    whole = np.floor(trace.turn[nearest]) - before
     deg = 360 * (trace.turn - whole)
     joint_deg, k = float(corner.joint_deg(z_mm)), _DERIVATIVE_TICKS
     rows = np.flatnonzero((np.abs(deg - joint_deg) < _ROOM_DEG) & (trace.state == CUTTING))
@@ -108,7 +109,7 @@ def draw_corner(
     deg, off_um = _cut_points(geometry, corner, cut, z_mm)
     refit_um = np.interp(deg, lines.deg, lines.refit_um)
     _contour(panels, lines, deg, refit_um + off_um)
-    panels[2].plot(lines.deg, lines.velocity_mm_s, color=BLUE, lw=1.6)
+    panels[2].plot(lines.deg, trace.sense * lines.velocity_mm_s, color=BLUE, lw=1.6)
     panels[2].plot(*_measured(trace, corner, z_mm), **_DOTS, label="measured on U")
     panels[3].plot(lines.deg, lines.acceleration_m_s2, color=BLUE, lw=1.6)
     names = ("reduction, µm", "off the\ndrawing, µm", "U velocity,\nmm/s", "U acceleration,\nm/s²")

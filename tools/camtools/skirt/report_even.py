@@ -55,7 +55,8 @@ def draw_even(even: Even, speed: SpeedTable, spindle_rpm: float) -> Figure:
     ours, theirs = turn_near(even.removal, z_mm), turn_near(even.uniform_removal, z_mm)
     deg = np.linspace(0, 360, 721)
     panels[0].plot(deg, spindle_rpm * law.ratio(np.radians(deg)), color=BLUE, label="law")
-    measured_rpm = 60 * np.gradient(ours.turn, ours.t_s)  # between the middles of the slices
+    # between the middles of the slices; with M4 the drawing's angle falls
+    measured_rpm = 60 * np.abs(np.gradient(ours.turn, ours.t_s))
     style: dict[str, Any] = {"color": RED, "ls": "", "marker": "o", "ms": 3.2, "mfc": "none"}
     panels[0].plot(360 * (ours.turn % 1), measured_rpm, **style)
     panels[0].axhline(spindle_rpm, color=GREY, ls="--")

@@ -31,11 +31,12 @@ def hardest_turn(trace: CutTrace, geometry: Geometry) -> Ints:
     cutting = np.flatnonzero(trace.state == CUTTING)
     if not cutting.size:
         return cutting
-    whole = np.floor(trace.turn[cutting]).astype(np.int64)
+    turned = trace.sense * trace.turn[cutting]
+    whole = np.floor(turned).astype(np.int64)
     turns = np.arange(whole[0] + 1, whole[-1])
     if not turns.size:
         return cutting[:0]
-    first = np.searchsorted(trace.turn[cutting], turns)
+    first = np.searchsorted(turned, turns)
     moves_mm = geometry.ovality_mm(trace.z_mm[cutting[first]])
     best = turns[int(np.argmax(moves_mm))]
     return np.asarray(cutting[whole == best], dtype=np.int64)
@@ -59,7 +60,7 @@ def draw_motion(trace: CutTrace, geometry: Geometry, speed_rpm: float) -> Figure
     wanted = turning_at(geometry, speed_rpm, z_mm, turns)
     curves = (
         (wanted.u_mm * _UM_PER_MM, "U towards the axis, µm"),
-        (wanted.velocity_mm_s, "velocity, mm/s"),
+        (trace.sense * wanted.velocity_mm_s, "velocity, mm/s"),
         (wanted.acceleration_mm_s2 / _MM_PER_M, "acceleration, m/s²"),
     )
     for axes, (curve, name) in zip(panels, curves, strict=True):

@@ -16,6 +16,7 @@ from camtools.base.quantities import NM_PER_MM
 from camtools.part.common import MachineLimits, PartFile
 from camtools.table.evaluate import knot_interval, raw_bounds
 from camtools.table.image import Bounds, Channel, ImageLimits, Table
+from camtools.table.mirror import in_sense
 
 MAX_TOLERANCE_NM = 1_000_000.0
 
@@ -65,7 +66,15 @@ def _units(value: float, per_unit: int) -> int:
 def table_of(
     part: PartFile, spindle_rpm: float, bounds: Bounds, channels: tuple[Channel, ...]
 ) -> Table:
-    """Return a table with the header of a part; u comes first, `spindle_rpm` is the mean speed."""
+    """Return a table with the header of a part and its channels in the sense of cutting.
+
+    Parameters
+    ----------
+    spindle_rpm : float
+        Mean speed [r/min].
+    channels : tuple of Channel
+        Over the drawing's angle; u comes first.
+    """
     process, u = part.process, channels[0]
     return Table(
         part.part.name,
@@ -77,7 +86,7 @@ def table_of(
         round(process.depth_mm * NM_PER_MM),
         image_limits(part.machine.limits),
         bounds,
-        channels,
+        tuple(in_sense(channel, process.direction) for channel in channels),
     )
 
 

@@ -23,6 +23,7 @@ from camtools.table.image import (
     channel_coefficients,
     largest_sum,
 )
+from camtools.table.mirror import in_sense
 
 
 class TooLargeError(Exception):
@@ -45,8 +46,14 @@ def _integers(
 def _start_bits(kind: int, exact: Floats) -> int:
     """Return frac_bits from the size of the numbers, at most one too many."""
     coarse = _integers(kind, exact / 2**16, 0, (0, 1), 8)
-    size = max(1, largest_sum(channel_coefficients(coarse))) * 2.0**8
+    size = max(1, _largest_sum(coarse)) * 2.0**8
     return min(MAX_FRAC_BITS, floor(log2(SUM_LIMIT / size)) + 1)
+
+
+def _largest_sum(channel: Channel) -> int:
+    """Return the largest sum of both senses: a table must not depend on M3 or M4."""
+    senses = (in_sense(channel, direction) for direction in (1, -1))
+    return max(largest_sum(channel_coefficients(one)) for one in senses)
 
 
 def quantise(kind: int, exact: Floats, log2_repeat: int, range_nm: tuple[int, int]) -> Channel:
@@ -73,7 +80,7 @@ def quantise(kind: int, exact: Floats, log2_repeat: int, range_nm: tuple[int, in
             channel = _integers(kind, exact, log2_repeat, range_nm, frac_bits)
         except TooLargeError:
             continue
-        if largest_sum(channel_coefficients(channel)) <= SUM_LIMIT:
+        if _largest_sum(channel) <= SUM_LIMIT:
             return channel
     raise TooLargeError
 

@@ -1,0 +1,253 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The same part with M3 and M4: every surface against a formula of the drawing, both ways round.
+
+The formulas stand here, in the drawing's angle (tools/README.md, "The drawing's angle"); neither
+the table nor NAME.json takes part in the judgement, except where the gauge itself is on trial.
+"""
+
+from __future__ import annotations
+
+import csv
+import json
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from camsim_cases import ROOT, camsim
+from camtools.base.quantities import Floats
+from camtools.cli.mkgcode import main as mkgcode
+from camtools.cli.mktables import main as mktables
+from camtools.table.image import pack, unpack
+from camtools.table.mirror import in_sense
+
+SENSES = (1, -1)
+RADIUS_MM, LAST_MM = 45.0, 12.0
+MARK_DEG, MARK_WIDTH_DEG, MARK_MM = 30.0, 9.0, 0.02
+SKIRT = """\
+[part]
+name = "mark"
+kind = "piston"
+source = "Invented: an oval of 0.2 mm with a mark at 30 degrees."
+
+[piston.profile]
+height_mm = [0, {last:g}]
+diameter_mm = [{diameter:g}, {diameter:g}]
+
+[piston.section]
+shape = "table"
+csv = "mark.csv"
+
+[process]
+spindle_rpm = {rpm:g}
+feed_mm = 0.5
+depth_mm = 0.1
+direction = {direction}
+mode = "{mode}"
+"""
+CAM = """\
+[part]
+name = "two"
+kind = "cam"
+source = "Invented: two discs at phases of their own."
+
+[cam]
+base_radius_mm = 20
+roller_radius_mm = 10
+wheel_radius_mm = 200
+
+[[cam.lobe]]
+z_mm = [0, 1]
+phase_deg = 40
+law = "disc"
+disc_radius_mm = 24
+offset_mm = 4
+
+[[cam.lobe]]
+z_mm = [2, 3]
+phase_deg = -110
+law = "disc"
+disc_radius_mm = 23
+offset_mm = 3
+
+[process]
+operation = "{operation}"
+spindle_rpm = 40
+feed_mm = 0.2
+direction = {direction}
+
+[machine.limits]
+u_stroke_mm = 24
+u_acceleration_mm_s2 = 100000
+spindle_rpm = 300
+"""
+
+
+def reduction_mm(deg: Floats, derivative: int = 0) -> Floats:
+    """Return the reduction of the radius by the drawing's angle: an oval and a mark."""
+    phi = np.radians(deg)
+    off = (np.mod(deg - MARK_DEG + 180, 360) - 180) / MARK_WIDTH_DEG
+    bell = MARK_MM * np.exp(-(off**2) / 2)
+    per_rad = np.degrees(1.0) / MARK_WIDTH_DEG
+    oval = (0.05 * (1 - np.cos(2 * phi)), 0.1 * np.sin(2 * phi), 0.2 * np.cos(2 * phi))
+    mark = (bell, -off * bell * per_rad, (off**2 - 1) * bell * per_rad**2)
+    return np.asarray(oval[derivative] + mark[derivative])
+
+
+def made(folder: Path, text: str, name: str) -> Path:
+    """Return the table of a part file's text, beside a scan of the marked oval."""
+    deg = np.arange(0, 360, 1.5)
+    points = zip(deg.tolist(), (1e3 * reduction_mm(deg)).tolist(), strict=True)
+    rows = [f"{angle!r},0,{um!r}" for angle, um in points]
+    (folder / "mark.csv").write_text("\n".join(["angle_deg,z_mm,reduction_um", *rows]) + "\n")
+    (folder / f"{name}.toml").write_text(text)
+    assert mktables([str(folder / f"{name}.toml"), "-o", str(folder)]) == 0
+    return folder / f"{name}.camtab"
+
+
+def skirt(folder: Path, direction: int, mode: str = "uniform", rpm: float = 600) -> Path:
+    """Return the table of the marked skirt."""
+    values = {"last": LAST_MM, "diameter": 2 * RADIUS_MM, "direction": direction}
+    return made(folder, SKIRT.format(**values, mode=mode, rpm=rpm), "mark")
+
+
+def surface(table: Path, *words: str, status: int = 0) -> tuple[Floats, Floats, Floats]:
+    """Cut a part; return turn, height and radius of its surface."""
+    path, summary = table.with_name("s.csv"), table.with_name("s.json")
+    done = camsim("run", table, "--surface", path, "--summary", summary, *words)
+    assert done.returncode == status, done.stderr
+    rows = np.loadtxt(path, delimiter=",", skiprows=1).T
+    return rows[0], rows[1], rows[2]
+
+
+@pytest.mark.parametrize("direction", SENSES)
+@pytest.mark.parametrize("more", [(), ("--set", "phase_udeg=25000000")])
+def test_marked_skirt_is_the_drawing(tmp_path: Path, direction: int, more: tuple[str, ...]) -> None:
+    """The mark lies at 30 degrees, not at 330, on a part that was turned by M3 or by M4."""
+    turn, _, radius_mm = surface(skirt(tmp_path, direction), *more)
+    assert turn.size > 10_000
+    off_um = 1e3 * (radius_mm - RADIUS_MM + reduction_mm(360 * turn))
+    assert np.abs(off_um).max() < 0.3
+    mirrored_um = 1e3 * (radius_mm - RADIUS_MM + reduction_mm(-360 * turn))
+    assert np.abs(mirrored_um).max() > 15  # the formula tells the two apart
+
+
+@pytest.mark.parametrize("direction", SENSES)
+def test_eval_takes_and_gives_the_drawings_angle(tmp_path: Path, direction: int) -> None:
+    """Value and both derivatives by the drawing's angle, whatever the sense of the table."""
+    turn = np.random.default_rng(30).uniform(-3, 3, 2000)
+    text = "turn,z_mm\n" + "".join(f"{one!r},7\n" for one in turn.tolist())
+    done = camsim("eval", skirt(tmp_path, direction), stdin=text)
+    got = np.loadtxt(done.stdout.splitlines(), delimiter=",", skiprows=1).T
+    for column, most_nm in ((2, 2.0), (3, 40.0), (4, 3000.0)):
+        exact_nm = 1e6 * reduction_mm(360 * turn, column - 2)
+        assert np.abs(got[column] - exact_nm).max() < most_nm
+
+
+def test_gauge_sees_a_mirror_image(tmp_path: Path) -> None:
+    """A table that was not mirrored for M4 is out of tolerance against the design."""
+    table = skirt(tmp_path, -1)
+    assert camsim("run", table).returncode == 0
+    image = unpack(table.read_bytes())
+    wrong = replace(image, channels=tuple(in_sense(one, -1) for one in image.channels))
+    table.write_bytes(pack(wrong))
+    report = json.loads(table.with_suffix(".json").read_text())
+    report["table_crc32"] = int.from_bytes(table.read_bytes()[20:24], "little")
+    table.with_suffix(".json").write_text(json.dumps(report))
+    summary = table.with_name("s.json")
+    done = camsim("run", table, "--design", table.with_suffix(".json"), "--summary", summary)
+    assert done.returncode == 1, done.stderr
+    assert json.loads(summary.read_text())["form_error_um"]["max"] > 15
+
+
+def words_of(program: Path, axes: str) -> Floats:
+    """Return the words of all moves of a program."""
+    rows = [
+        dict(re.findall(r"([A-Z])(-?[0-9.]+)", line.partition(" ")[2]))
+        for line in program.read_text().splitlines()
+        if line.startswith("G1 C")
+    ]
+    return np.array([[float(row[axis]) for axis in axes] for row in rows])
+
+
+@pytest.mark.parametrize("direction", SENSES)
+@pytest.mark.parametrize("mode", ["uniform", "equal-volume"])
+def test_program_cuts_the_drawing(tmp_path: Path, direction: int, mode: str) -> None:
+    """C falls with M4, the point cut at C is the drawing's angle C; equal areas stay equal."""
+    rpm = 600 if mode == "uniform" else 40
+    part = skirt(tmp_path, direction, mode, rpm).with_suffix(".toml")
+    program = tmp_path / "part.ngc"
+    words = [str(part), "-o", str(program), "--axes", "cxzu", "--to-mm", "2"]
+    assert mkgcode(words) == 0
+    c, x, u = words_of(program, "CXU").T
+    assert (np.sign(np.diff(c)) == direction).all()
+    cut = (direction * c >= 0) & (direction * c <= 4 * 360)
+    off_mm = x[cut] - u[cut] - RADIUS_MM + reduction_mm(c[cut])
+    assert np.abs(off_mm).max() < 1e-5
+    if mode == "equal-volume":
+        at = c[(direction * c >= 720) & (direction * c <= 1080.00001)]
+        deg = np.linspace(at.min(), at.max(), 100_001)
+        area = np.cumsum((RADIUS_MM + 0.1) ** 2 - (RADIUS_MM - reduction_mm(deg)) ** 2)
+        parts = np.diff(np.interp(np.sort(at), deg, area))
+        np.testing.assert_allclose(parts, parts.mean(), rtol=2e-3)
+
+
+@pytest.mark.parametrize("direction", SENSES)
+@pytest.mark.parametrize("operation", ["grinding", "turning"])
+def test_two_lobes_at_their_phases(tmp_path: Path, direction: int, operation: str) -> None:
+    """Both discs stand at 40 and -110 degrees; the tool keeps its rake whatever the sense."""
+    table = made(tmp_path, CAM.format(direction=direction, operation=operation), "two")
+    machine = ROOT / "host_sim" / "machines" / "cam.toml"
+    words = (
+        "--machine",
+        str(machine),
+        "--design",
+        str(table.with_suffix(".json")),
+        "--rpm",
+        "23",
+    )
+    turn, z_mm, radius_mm = surface(table, *words)
+    for low_mm, high_mm, phase_deg, disc_mm, off_mm in (
+        (0, 1, 40, 24, 4),
+        (2, 3, -110, 23, 3),
+    ):
+        here = (z_mm > low_mm) & (z_mm < high_mm)
+        psi = 2 * np.pi * turn[here] - np.radians(phase_deg)
+        exact_mm = off_mm * np.cos(psi) + np.sqrt(disc_mm**2 - off_mm**2 * np.sin(psi) ** 2)
+        assert here.sum() > 1000
+        assert np.abs(radius_mm[here] - exact_mm).max() < 2e-4
+    cam = json.loads(table.with_name("s.json").read_text())["cam"]
+    if operation == "turning":
+        rake = cam["rake_deg"]
+        assert max(abs(rake["min"]), abs(rake["max"])) < 0.05
+
+
+@pytest.mark.parametrize("direction", SENSES)
+def test_eval_of_a_lobe_is_the_disc(tmp_path: Path, direction: int) -> None:
+    """Lift and swing of a disc by its exact solution: the swing keeps its sign with M4."""
+    table = made(tmp_path, CAM.format(direction=direction, operation="turning"), "two")
+    turn = np.linspace(0, 1, 101)
+    text = "turn,z_mm\n" + "".join(f"{one!r},0.5\n" for one in turn.tolist())
+    rows = list(csv.DictReader(camsim("eval", table, stdin=text).stdout.splitlines()))
+    psi = 2 * np.pi * turn - np.radians(40)
+    centre_mm = 4 * np.cos(psi) + np.sqrt(34**2 - 16 * np.sin(psi) ** 2)
+    slope = -4 * np.sin(psi) - 16 * np.sin(psi) * np.cos(psi) / (centre_mm - 4 * np.cos(psi))
+    lift_nm = np.array([float(row["u_nm"]) for row in rows])
+    slope_nm = np.array([float(row["u1_nm_per_rad"]) for row in rows])
+    swing = np.array([float(row["swing_deg"]) for row in rows])
+    assert np.abs(lift_nm - 1e6 * (centre_mm - 30)).max() < 20
+    assert np.abs(slope_nm - 1e6 * slope).max() < 1e3
+    np.testing.assert_allclose(swing, np.degrees(np.arctan2(slope, centre_mm)), atol=3e-4)
+
+
+def test_even_volume_is_as_even_with_m4(tmp_path: Path) -> None:
+    """The law of the speed is mirrored with the section: the ripple of both senses is the same."""
+    found = []
+    for direction in SENSES:
+        table = skirt(tmp_path, direction, "equal-volume", 120)
+        surface(table, "--set", "stopped_mrpm=3000")
+        found.append(json.loads((tmp_path / "s.json").read_text())["removal"]["rate_ripple"])
+    assert found[1]["mean"] == pytest.approx(found[0]["mean"], rel=0.2)
+    assert max(one["mean"] for one in found) < 0.02
