@@ -36,7 +36,9 @@ enum {
     hal_out_in_cut = 1u << 2, ///< 1: the tool cuts at full amplitude
 };
 
-/// One reading of the spindle encoder. All members are of the same instant.
+/// One reading of the spindle encoder. All members are of the same instant. Counts may rise in
+/// either sense: the parameter encoder_sign says whether they rise with M3, in which the drawing's
+/// angle before the tool rises (tools/README.md, "The drawing's angle").
 typedef struct {
     uint32_t counts;       ///< [counts] free-running, four edges per line, wraps by design
     uint32_t index_counts; ///< [counts] position of the last index edge. Both senses of rotation
