@@ -179,8 +179,10 @@ def test_random_parts_keep_the_tolerance(
         "height_mm": z,
         "diameter_mm": [diameter_mm - drop for drop in drop_mm[: len(z)]],
         "spline": "natural",
+        "overshoot_um": 1e6,
     }
     ovality = {
+        "overshoot_um": 1e6,
         "height_mm": z,
         "ovality_mm": ovality_mm[: len(z)],
         "interpolation": interpolation,

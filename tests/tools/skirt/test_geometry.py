@@ -14,7 +14,8 @@ from camtools.skirt.geometry import (
     turning_at,
     uniform_turning,
 )
-from camtools.skirt.part import Ovality, Profile, SkirtPart
+from camtools.skirt.part import SkirtPart
+from camtools.skirt.part_profile import Ovality, Profile
 from camtools.skirt.profile import ovality_spline, profile_spline
 from camtools.skirt.sections import DoubleEllipse, Ellipse, Section
 from part_cases import PERKINS, load_part

@@ -107,7 +107,7 @@ BAD = [
     (with_line("height_mm", "[0, 20, 61]", OVALITY), f"{OVALITY}.height_mm", "add points"),
     (with_line("height_mm", "[1, 20, 62]", OVALITY), f"{OVALITY}.height_mm", "add points"),
     (with_line("height_mm", "[0, 20, 20]", OVALITY), f"{OVALITY}.height_mm", "upwards"),
-    (with_line("interpolation", '"none"'), f"{OVALITY}.interpolation", "'linear' or 'spline'"),
+    (with_line("interpolation", '"none"'), f"{OVALITY}.interpolation", "'linear', 'pchip'"),
     (with_line("shape", '"round"'), "piston.section.shape = 'round'", "use one of"),
     (with_line("shape", '"ellipse"\nbeta = 1'), "piston.section.beta", "double-ellipse"),
     (with_line("shape", '"double-ellipse"\nbeta = 6.26'), "piston.section.beta", "at most 6.25"),

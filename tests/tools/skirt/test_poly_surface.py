@@ -29,6 +29,7 @@ source = "invented"
 [piston.profile]
 height_mm = [0, 30, 60]
 diameter_mm = [119.9, 120.0, 119.8]
+overshoot_um = 10
 [piston.ovality]
 height_mm = [0, 30, 60]
 ovality_mm = [0.3, 0.35, 0.45]

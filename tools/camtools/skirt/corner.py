@@ -14,11 +14,19 @@ from scipy.interpolate import PPoly
 from camtools.base.errors import GeometryError
 from camtools.base.quantities import Floats, FloatsLike, SectionValues
 from camtools.skirt.composite import QUARTER_RAD, Joint
-from camtools.skirt.part import Ovality, SkirtPart
+from camtools.skirt.part import SkirtPart
+from camtools.skirt.part_profile import Ovality
 from camtools.skirt.part_section import Refit
 from camtools.skirt.poly_surface import TURN_RAD, PolySurface, angle_pieces, over_height
 from camtools.skirt.power_law import PeakOvality
-from camtools.skirt.profile import constant_spline, polygon_or_spline
+from camtools.skirt.profile import (
+    Allowance,
+    check_overshoot,
+    constant_spline,
+    in_um,
+    magnified,
+    polygon_or_spline,
+)
 from camtools.skirt.refit import (
     Recipe,
     RefitCandidate,
@@ -34,6 +42,7 @@ from camtools.skirt.sections import Section, make_section
 
 MAX_STEP_MM = 0.001
 _UM_PER_MM = 1000.0
+_JOINT = Allowance("joint_deg over height", 1.0, "degrees", 0.1, None)
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,13 +121,22 @@ def _from_joint(phi_rad: Floats, joint_rad: float) -> Floats:
     return np.where(phi_rad < joint_rad, phi_rad / joint_rad, beyond)
 
 
-def _over_ovality(
-    value: list[float] | float, ovality: Ovality | PeakOvality, factor: float = 1.0
-) -> PPoly:
-    """Return a number, or a list over the ovality's heights, as a spline."""
+def _over_ovality(value: list[float] | float, ovality: Ovality | PeakOvality) -> PPoly:
+    """Return a number, or a list over the ovality's heights, as cubics; a polygon of segments."""
     if isinstance(value, list):
-        return polygon_or_spline(ovality.height_mm, factor * np.array(value), ovality.interpolation)
-    return constant_spline(factor * value, ovality.height_mm[0], ovality.height_mm[-1])
+        kind = "linear" if ovality.interpolation == "segments" else ovality.interpolation
+        return polygon_or_spline(ovality.height_mm, np.array(value), kind)
+    return constant_spline(value, ovality.height_mm[0], ovality.height_mm[-1])
+
+
+def _check_lists(trim: PPoly, joint_deg: PPoly, drawn: Ovality | PeakOvality) -> None:
+    """Refuse lists whose curves leave their points: they are interpolated as the ovality is."""
+    if isinstance(drawn, PeakOvality):
+        return  # lists are polygons then
+    heights_mm = np.asarray(drawn.height_mm, dtype=np.float64)
+    allowed = in_um(drawn.overshoot_um, "trim_mm over height")
+    check_overshoot("piston.ovality.interpolation", trim, allowed, heights_mm)
+    check_overshoot("piston.ovality.interpolation", joint_deg, _JOINT, heights_mm)
 
 
 def make_corner(part: SkirtPart, radius: PPoly, ovality: PPoly, heights_mm: Floats) -> Corner:
@@ -141,13 +159,15 @@ def make_corner(part: SkirtPart, radius: PPoly, ovality: PPoly, heights_mm: Floa
     assert section.trim_mm is not None
     assert section.joint_deg is not None
     factor = part.magnify.factor if part.magnify else 1.0
+    trim = _over_ovality(section.trim_mm, drawn)
     corner = Corner(
         radius,
         ovality,
-        _over_ovality(section.trim_mm, drawn, factor),
+        magnified(trim, factor, 0.0),
         _over_ovality(section.joint_deg, drawn),
         make_section(section.base or "cosine", section.beta),
     )
+    _check_lists(trim, corner.joint_deg, drawn)
     _check_room(corner, heights_mm)
     if section.eccentricity_mm is not None and factor == 1:
         _check_eccentricity(corner, section.eccentricity_mm, drawn)

@@ -33,6 +33,8 @@ from camtools.table.quantise import with_bounds
 
 DEFAULT_TOLERANCE_NM = 1.0
 REFIT_TOLERANCE_NM = 5.0  # of u, where a spline replaces a corner
+CORNER_SHARE = 0.5  # of the form error that a profile with corners may cost
+NM_PER_UM = 1000.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,7 +99,8 @@ def generate(part: SkirtPart, tolerance_nm: float | None = None) -> GeneratedSki
         A validated part.
     tolerance_nm : float, optional
         Largest error of u and of x anywhere on the skirt [nm], the firmware's rounding included;
-        by default 1 nm, for u of a refitted composite section 5 nm.
+        by default 1 nm, for u of a refitted composite section 5 nm, and for x of a profile with
+        corners what can be reached, at most half of the accepted form error.
 
     Raises
     ------
@@ -113,7 +116,8 @@ def generate(part: SkirtPart, tolerance_nm: float | None = None) -> GeneratedSki
     refuse_corner(geometry)
     tolerance_u_nm = tolerance_nm or default_tolerance_nm(geometry)
     u, accuracy_u = choose_u(geometry, tolerance_u_nm)
-    x, accuracy_x = choose_x(geometry, tolerance_nm or DEFAULT_TOLERANCE_NM)
+    most_nm = 0.0 if tolerance_nm else part.process.form_error_um * NM_PER_UM * CORNER_SHARE
+    x, accuracy_x = choose_x(geometry, tolerance_nm or DEFAULT_TOLERANCE_NM, most_nm)
     error_nm = max(accuracy_u.value_nm, accuracy_x.value_nm)
     speed = None
     if part.process.mode != "uniform":

@@ -21,7 +21,13 @@ from camtools.base.quantities import Floats, FloatsLike, SectionValues, omega_ra
 from camtools.cut.path import ToolPath, ramp_of, step_of
 from camtools.skirt.corner import Corner, make_corner
 from camtools.skirt.part import SkirtPart
-from camtools.skirt.profile import magnified, ovality_spline, profile_spline
+from camtools.skirt.profile import (
+    check_ovality,
+    check_profile,
+    magnified,
+    ovality_spline,
+    profile_spline,
+)
 from camtools.skirt.scan import Scan, filtered, ovality_of, read_scan, scan_surface
 from camtools.skirt.sections import Section, make_section
 
@@ -140,18 +146,22 @@ def make_geometry(part: SkirtPart) -> Geometry:
     factor = part.magnify.factor if part.magnify else 1.0
     of_profile = part.magnify.profile_factor if part.magnify else 1.0
     largest_mm = max(piston.profile.diameter_mm) / 2
-    radius = magnified(profile_spline(piston.profile), of_profile, largest_mm)
+    drawn = profile_spline(piston.profile)
+    check_profile(piston.profile, drawn)
+    radius = magnified(drawn, of_profile, largest_mm)
     ends = float(piston.profile.height_mm[0]), float(piston.profile.height_mm[-1])
     if piston.section.shape == "table":
         geometry = _measured(part, radius, factor)
     else:
         assert piston.ovality is not None
-        oval = magnified(ovality_spline(piston.ovality), factor, 0.0)
+        curve = ovality_spline(piston.ovality)
+        oval = magnified(curve, factor, 0.0)
         law = make_section("ellipse", 0.0)
         if piston.section.shape != "ellipse-arc":
             law = make_section(piston.section.shape, piston.section.beta)
         geometry = Geometry(radius, oval, OvalSurface(law, radius, oval), *ends)
         _check_ovality(geometry, factor)
+        check_ovality(piston.ovality, curve)
     if piston.section.shape == "ellipse-arc":
         geometry = _with_corner(part, geometry)
     z_mm = dense_heights_mm(geometry, _CHECKS_PER_PIECE // 16)

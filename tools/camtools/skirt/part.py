@@ -18,50 +18,10 @@ from pydantic import (
 )
 
 from camtools.part.common import MachineLimits, PartInfo
-from camtools.part.model import HeightMm, TomlTable, as_long, no_truth, rising, wrong
+from camtools.part.model import TomlTable, no_truth, wrong
+from camtools.skirt.part_profile import Ovality, Profile
 from camtools.skirt.part_section import SectionShape
 from camtools.skirt.power_law import LAW_OR_POINTS, PeakOvality, PowerProfile
-
-DiameterMm = Annotated[float, Field(ge=1, le=4000)]
-OvalityMm = Annotated[float, Field(ge=0, le=4000)]
-SlopeMmPerMm = Annotated[float, Field(ge=-100, le=100)]
-
-
-class Profile(TomlTable):
-    """[piston.profile]: long-axis diameter over skirt height."""
-
-    height_mm: Annotated[list[HeightMm], Field(min_length=2, max_length=1000)]
-    diameter_mm: Annotated[list[DiameterMm], Field(min_length=2, max_length=1000)]
-    spline: Literal["clamped", "not-a-knot", "natural"] = "not-a-knot"
-    end_slopes: Annotated[list[SlopeMmPerMm], Field(min_length=2, max_length=2)] | None = Field(
-        None, validate_default=True
-    )
-
-    _check_height = field_validator("height_mm")(rising)
-    _check_length = field_validator("diameter_mm")(as_long)
-
-    @field_validator("end_slopes")
-    @classmethod
-    def _check_slopes(cls, value: list[float] | None, info: ValidationInfo) -> list[float] | None:
-        spline = info.data.get("spline")
-        if spline == "clamped" and value is None:
-            remedy = 'give [lower, upper] slope of the radius in mm/mm, or spline = "not-a-knot"'
-            raise wrong("slopes_missing", "a clamped spline needs end slopes", remedy)
-        if spline is not None and spline != "clamped" and value is not None:
-            problem = f'end slopes have no meaning for spline = "{spline}"'
-            raise wrong("slopes_extra", problem, 'remove them, or set spline = "clamped"')
-        return value
-
-
-class Ovality(TomlTable):
-    """[piston.ovality]: diametral ovality G = 2a - 2b over height."""
-
-    height_mm: Annotated[list[HeightMm], Field(min_length=2, max_length=1000)]
-    ovality_mm: Annotated[list[OvalityMm], Field(min_length=2, max_length=1000)]
-    interpolation: Literal["linear", "spline"] = "linear"
-
-    _check_height = field_validator("height_mm")(rising)
-    _check_length = field_validator("ovality_mm")(as_long)
 
 
 class Piston(TomlTable):

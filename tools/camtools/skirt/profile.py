@@ -1,4 +1,4 @@
-"""Splines over the height of a part: long half axis, ovality, and what else varies with it.
+"""Curves over the height of a part: long half axis, ovality, and what else varies with it.
 
 >>> from camtools.skirt.part import example_part
 >>> f"{profile_spline(example_part().piston.profile)(5.0):.9f}"
@@ -8,33 +8,43 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
-from scipy.interpolate import CubicSpline, PPoly
+from scipy.interpolate import PPoly
 
+from camtools.base.errors import GeometryError
 from camtools.base.quantities import Floats
-from camtools.skirt.part import Ovality, Profile
+from camtools.skirt.curves import overshoot, through
+from camtools.skirt.part_profile import Ovality, Profile, joined
 from camtools.skirt.power_law import PeakOvality, PowerProfile
+from camtools.skirt.segments import Piece, curve_of
+
+_UM_PER_MM = 1000.0
 
 
 def profile_spline(profile: Profile | PowerProfile) -> PPoly:
-    """Return the long half axis a(z) [mm] as a cubic spline, MATHS.md (6), or a formula, (98)."""
+    """Return the long half axis a(z) [mm] as cubics, MATHS.md (6), (70) .. (72), (98)."""
     if isinstance(profile, PowerProfile):
         return profile.curve()
-    radius_mm = np.asarray(profile.diameter_mm) / 2
+    if profile.segment:
+        return curve_of(profile_pieces(profile))
     ends: object = profile.spline
     if profile.end_slopes is not None:
         ends = ((1, profile.end_slopes[0]), (1, profile.end_slopes[1]))
-    return CubicSpline(np.asarray(profile.height_mm, dtype=np.float64), radius_mm, bc_type=ends)
+    radius_mm = np.asarray(profile.diameter_mm) / 2
+    return through(profile.height_mm, radius_mm, profile.interpolation, ends)
+
+
+def profile_pieces(profile: Profile) -> tuple[Piece, ...]:
+    """Return the segments of a profile, their values being radii; none without segments."""
+    start = profile.height_mm[0], profile.diameter_mm[0]
+    return joined(*start, profile.segment, 2) if profile.segment else ()
 
 
 def polygon_or_spline(z_mm: Sequence[float] | Floats, values: Floats, interpolation: str) -> PPoly:
-    """Return values over height: "linear" a polygon, "spline" a not-a-knot cubic, MATHS.md (6)."""
-    heights = np.asarray(z_mm, dtype=np.float64)
-    if interpolation == "spline":
-        return CubicSpline(heights, values, bc_type="not-a-knot")
-    zero = np.zeros(heights.size - 1)
-    return PPoly(np.array([zero, zero, np.diff(values) / np.diff(heights), values[:-1]]), heights)
+    """Return values over height as cubics, see `curves.through`."""
+    return through(z_mm, values, interpolation)
 
 
 def constant_spline(value: float, first_mm: float, last_mm: float) -> PPoly:
@@ -43,9 +53,108 @@ def constant_spline(value: float, first_mm: float, last_mm: float) -> PPoly:
 
 
 def ovality_spline(ovality: Ovality | PeakOvality) -> PPoly:
-    """Return G(z) [mm]: polygon or not-a-knot cubic spline, MATHS.md (6)."""
-    g_mm = np.asarray(ovality.ovality_mm, dtype=np.float64)
-    return polygon_or_spline(ovality.height_mm, g_mm, ovality.interpolation)
+    """Return G(z) [mm] as cubics, MATHS.md (6), (70) .. (72)."""
+    if isinstance(ovality, Ovality) and ovality.segment:
+        return curve_of(ovality_pieces(ovality))
+    return through(ovality.height_mm, ovality.ovality_mm, ovality.interpolation)
+
+
+def ovality_pieces(ovality: Ovality) -> tuple[Piece, ...]:
+    """Return the segments of an ovality; none without segments."""
+    start = ovality.height_mm[0], ovality.ovality_mm[0]
+    return joined(*start, ovality.segment, 1) if ovality.segment else ()
+
+
+class Allowance(NamedTuple):
+    """How far a curve may leave the values of its points."""
+
+    what: str  # the curve's name in messages
+    scale: float  # from the curve's unit to that of the limit
+    unit: str
+    limit: float
+    key: str | None  # of the part file, that allows more
+
+
+def in_um(limit_um: float, what: str, scale: float = 1.0) -> Allowance:
+    """Return an allowance in um for a curve in mm, or in a share of it."""
+    return Allowance(what, scale * _UM_PER_MM, "um", limit_um, "overshoot_um")
+
+
+def check_overshoot(field: str, curve: PPoly, allowed: Allowance, points_mm: Floats) -> None:
+    """Refuse a curve that leaves the values of two neighbouring points too far, MATHS.md (73).
+
+    Parameters
+    ----------
+    field : str
+        Dotted path of the key "interpolation".
+
+    Raises
+    ------
+    GeometryError
+        With place, size and remedy.
+    """
+    worst = overshoot(curve, points_mm)
+    beyond = worst.beyond * allowed.scale
+    if beyond <= allowed.limit:
+        return
+    problem = (
+        f"between the points at {worst.low_mm:g} and {worst.high_mm:g} mm {allowed.what} goes "
+        f"{beyond:.4g} {allowed.unit} beyond both, at height {worst.z_mm:.6g} mm"
+    )
+    remedy = 'set interpolation = "pchip", or give more points there'
+    if allowed.key is not None:
+        remedy += f", or allow it: {allowed.key} = {_above(beyond)}"
+    raise GeometryError(field, problem, remedy)
+
+
+def _above(value: float) -> str:
+    """Return a value rounded up to two digits, for a remedy.
+
+    >>> _above(421.4), _above(1.2345)
+    ('430', '1.3')
+    """
+    step = 10.0 ** (np.floor(np.log10(value)) - 1)
+    return f"{np.ceil(value / step) * step:g}"
+
+
+def check_profile(profile: Profile | PowerProfile, curve: PPoly) -> None:
+    """Refuse a profile that leaves its points' diameters by more than overshoot_um."""
+    if isinstance(profile, Profile):
+        _check(profile, profile_pieces(profile), curve, 2, "piston.profile")
+
+
+def check_ovality(ovality: Ovality | PeakOvality, curve: PPoly) -> None:
+    """Refuse an ovality that leaves its points' values by more than overshoot_um."""
+    if isinstance(ovality, Ovality):
+        _check(ovality, ovality_pieces(ovality), curve, 1, "piston.ovality")
+
+
+def _check(
+    drawn: Profile | Ovality, pieces: tuple[Piece, ...], curve: PPoly, scale: int, table: str
+) -> None:
+    what = "the diameter" if isinstance(drawn, Profile) else "the ovality"
+    allowed = in_um(drawn.overshoot_um, what, scale)
+    if pieces:
+        _check_derived(allowed, pieces, curve, table)
+        return
+    points_mm = np.asarray(drawn.height_mm, dtype=np.float64)
+    check_overshoot(f"{table}.interpolation", curve, allowed, points_mm)
+
+
+def _check_derived(allowed: Allowance, pieces: tuple[Piece, ...], curve: PPoly, table: str) -> None:
+    """Check the arcs whose radius is derived: one that is given is meant as it is."""
+    for i, piece in enumerate(pieces):
+        if not piece.is_derived:
+            continue
+        worst = overshoot(curve, np.array([piece.from_mm, piece.to_mm]))
+        beyond = worst.beyond * allowed.scale
+        if beyond > allowed.limit:
+            problem = (
+                f"{allowed.what} of the tangent arc of radius {piece.radius_mm:.6g} mm goes "
+                f"{beyond:.4g} um beyond both its ends, at height {worst.z_mm:.6g} mm"
+            )
+            remedy = "give its radius_mm if it is meant, or allow it: overshoot_um = "
+            raise GeometryError(f"{table}.segment.{i}.tangent", problem, remedy + _above(beyond))
 
 
 def magnified(spline: PPoly, factor: float, fixed_mm: float) -> PPoly:

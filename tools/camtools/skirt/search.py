@@ -41,6 +41,7 @@ from camtools.table.records import KNOT_SIZE
 DERIVATIVE_SHARE = 1e-3
 _MAX_PROBES, _MAX_MEASURES = 4000, 20
 _AT_FLOOR_LSB = 2.5
+_NEAR_BEST = 1.25
 
 
 class UnreachableError(CamtoolsError):
@@ -144,15 +145,21 @@ def choose_u(geometry: Geometry, tolerance_nm: float) -> tuple[Channel, Accuracy
     raise UnreachableError("u", tolerance_nm, best_nm)
 
 
-def choose_x(geometry: Geometry, tolerance_nm: float) -> tuple[Channel, Accuracy]:
+def choose_x(
+    geometry: Geometry, tolerance_nm: float, most_nm: float = 0.0
+) -> tuple[Channel, Accuracy]:
     """Return the smallest x channel within the tolerance, and its measured error.
+
+    No quintic with knots at equal distances follows a corner of the drawing, or a step of its
+    curvature, within any tolerance. Where the best channel misses the tolerance, the smallest one
+    that comes near the best is taken instead, as long as its error is at most most_nm.
 
     Raises
     ------
     UnreachableError
         With the best error that was found.
     """
-    best_nm = inf
+    found: list[tuple[Channel, Accuracy]] = []
     for n_knots in slice_counts(geometry):
         try:
             channel = x_channel(geometry, int(n_knots))
@@ -161,5 +168,8 @@ def choose_x(geometry: Geometry, tolerance_nm: float) -> tuple[Channel, Accuracy
         accuracy = measure_x(geometry, channel)
         if accuracy.value_nm <= tolerance_nm:
             return channel, accuracy
-        best_nm = min(best_nm, accuracy.value_nm)
-    raise UnreachableError("x", tolerance_nm, best_nm)
+        found.append((channel, accuracy))
+    best_nm = min((accuracy.value_nm for _, accuracy in found), default=inf)
+    if best_nm > most_nm:
+        raise UnreachableError("x", tolerance_nm, best_nm)
+    return next(one for one in found if one[1].value_nm <= min(most_nm, _NEAR_BEST * best_nm))

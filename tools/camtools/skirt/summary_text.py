@@ -32,6 +32,7 @@ def emit_text(summary: Json) -> str:
         f"{motion['jerk_mm_s3']:.4g} mm/s3\n"
         f"  highest speed {tenth_below(feasible['highest_spindle_rpm'])} r/min, "
         f"decided by {feasible['decided_by']}\n"
+        + _profile_text(summary)
         + _scan_text(summary)
         + _refit_text(summary)
         + _speed_text(summary)
@@ -53,6 +54,17 @@ def _speed_text(summary: Json) -> str:
         f"  {speed['time_per_part_s']:.1f} s for the part; uniform turning at its highest speed, "
         f"{speed['uniform_highest_rpm']:.0f} r/min, "
         f"{speed['time_uniform_at_highest_speed_s']:.1f} s\n"
+    )
+
+
+def _profile_text(summary: Json) -> str:
+    """Return what corners of the profile cost, nothing for profiles without."""
+    error_nm = summary["error"]["x"]["value_nm"]
+    if error_nm <= summary["tolerance_nm"]:
+        return ""
+    return (
+        "  the profile has corners or steps of curvature, which x follows to "
+        f"{error_nm:.3g} nm at best\n"
     )
 
 
