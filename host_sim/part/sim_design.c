@@ -62,6 +62,12 @@ double sim_design_find_largest_mm(sim_design_t *d)
     return largest_mm;
 }
 
+bool sim_design_is_on_part(const sim_design_t *d, double z_mm)
+{
+    return (!d->is_run_into || z_mm >= d->z_first_mm) &&
+           (!d->is_run_out_of || z_mm <= d->z_last_mm);
+}
+
 void sim_design_free(sim_design_t *d)
 {
     sim_cubics_free(&d->radius_mm);

@@ -21,6 +21,7 @@
 #include "sim_cubics.h"      // sim_cubics_t
 #include "common_error.h"    // common_error_t
 #include "sim_surface.h"     // sim_surface_t
+#include <stdbool.h>         // bool
 
 typedef enum {
     sim_shape_ellipse,
@@ -35,13 +36,15 @@ typedef struct {
     sim_shape_t shape;
     double beta;
     sim_cubics_t radius_mm, ovality_mm;
-    sim_surface_t surface;    ///< sim_shape_surface only
-    sim_lobe_design_t lobes;  ///< sim_shape_lobes only
-    const cam_table_t *table; ///< sim_shape_table only
-    double z_first_mm, z_last_mm;
-    double largest_mm; ///< largest long half axis; of lobes base circle and lift
-    double at_z_mm;    ///< height of the last look-up
-    double a_mm, g_mm; ///< a(z) and G(z) there
+    sim_surface_t surface;        ///< sim_shape_surface only
+    sim_lobe_design_t lobes;      ///< sim_shape_lobes only
+    const cam_table_t *table;     ///< sim_shape_table only
+    double z_first_mm, z_last_mm; ///< ends of the part; the table may reach beyond them
+    bool is_run_into;             ///< the tool enters along Z, from below the part
+    bool is_run_out_of;           ///< ... and leaves above it
+    double largest_mm;            ///< largest long half axis; of lobes base circle and lift
+    double at_z_mm;               ///< height of the last look-up
+    double a_mm, g_mm;            ///< a(z) and G(z) there
 } sim_design_t;
 
 /// Read the report of a table.
@@ -67,6 +70,10 @@ double sim_design_long_mm(sim_design_t *d, double z_mm);
 
 /// Sample a(z) densely over the range of the design. @return [mm] its largest value
 double sim_design_find_largest_mm(sim_design_t *d);
+
+/// @return whether the tool at a height touches the part; where the table ends with the part, it
+///         does so beyond its end as well
+bool sim_design_is_on_part(const sim_design_t *d, double z_mm);
 
 /// @param shape  ellipse, cosine or double-ellipse
 /// @return [mm] reduction of the radius; s2 = sin^2 phi

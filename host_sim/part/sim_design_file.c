@@ -12,6 +12,9 @@ enum { max_report_bytes = 64 * 1024 * 1024 };
 
 #define REMEDY SIM_JSON_REMEDY
 
+/// [mm] heights of a table are whole nanometres.
+#define ROUNDING_MM 2e-6
+
 static bool read_shape(sim_design_t *d, const cJSON *design, const char *path, common_error_t *e)
 {
     static const char *const name[] = {"ellipse", "cosine", "double-ellipse", "surface"};
@@ -50,6 +53,30 @@ static bool check_crc(const cJSON *root, const cam_table_t *table, const char *p
                         path, (unsigned)table->crc32);
 }
 
+/// Read the ends of the part where the table reaches beyond them; without them it ends with the
+/// table.
+static bool read_gauge(sim_design_t *d, const cJSON *design, const char *path, common_error_t *e)
+{
+    const cJSON *gauge = cJSON_GetObjectItemCaseSensitive(design, "gauge_mm");
+    if (gauge == NULL) {
+        return true;
+    }
+    const double first_mm = d->z_first_mm;
+    const double last_mm = d->z_last_mm;
+    const bool is_good = cJSON_GetArraySize(gauge) == 2 &&
+                         sim_json_number(cJSON_GetArrayItem(gauge, 0), &d->z_first_mm) &&
+                         sim_json_number(cJSON_GetArrayItem(gauge, 1), &d->z_last_mm) &&
+                         d->z_first_mm >= first_mm - ROUNDING_MM &&
+                         d->z_last_mm <= last_mm + ROUNDING_MM && d->z_first_mm < d->z_last_mm;
+    d->is_run_into = d->z_first_mm > first_mm + ROUNDING_MM;
+    d->is_run_out_of = d->z_last_mm < last_mm - ROUNDING_MM;
+    return is_good ||
+           common_error(e,
+                        "%s: design.gauge_mm: wants two rising heights inside the table's, "
+                        "%.12g .. %.12g mm; " REMEDY,
+                        path, first_mm, last_mm);
+}
+
 static bool read_root(sim_design_t *d, const cJSON *root, const cam_table_t *table,
                       const char *path, common_error_t *e)
 {
@@ -65,7 +92,7 @@ static bool read_root(sim_design_t *d, const cJSON *root, const cam_table_t *tab
         d->shape = sim_shape_lobes;
         return sim_lobe_design_read(&d->lobes, design, path, e);
     }
-    if (!read_shape(d, design, path, e) ||
+    if (!read_gauge(d, design, path, e) || !read_shape(d, design, path, e) ||
         !sim_json_cubics(&d->radius_mm, design, "design", "radius_mm", path, e)) {
         return false;
     }
@@ -108,5 +135,7 @@ void sim_design_from_table(sim_design_t *d, const cam_table_t *table)
 {
     begin(d, table);
     d->shape = sim_shape_table;
-    d->largest_mm = sim_design_find_largest_mm(d);
+    // X is the largest radius, or where u swings about a mean, less than that by the least u.
+    const double above_nm = table->u_min_nm < -1 ? -(double)table->u_min_nm : 0.0;
+    d->largest_mm = sim_design_find_largest_mm(d) + above_nm / SIM_NM_PER_MM;
 }

@@ -74,13 +74,14 @@ const char *sim_cut_end_name(const sim_cut_t *cut)
 }
 
 /// Measure the removal of a skirt while cutting. Turns in which the feed rises or falls are not
-/// judged, nor the one after, whose chips the rising feed left; nor is a ring-helix. @return true
-/// when a slice was finished
+/// judged, nor the one after, whose chips the rising feed left, nor the first one on a part that
+/// the tool enters along Z; nor is a ring-helix. @return true when a slice was finished
 static bool measure_removal(sim_cut_t *cut)
 {
     const sim_session_t *s = &cut->session;
     const double ramp = cut->params.feed_ramp_turns;
     const bool is_full = !sim_cut_has_rings(cut) && s->cut_turns > ramp + 1.0 &&
+                         sim_abs(sim_session_turn(s) - s->touched_at_turn) > 1.0 &&
                          s->cut_turns < sim_cut_planned_turns(cut) - ramp;
     const double sense = s->table.direction; // the measurement wants an angle that rises
     const bool has_slice = sim_removal_touch(&cut->removal, s->at.t_s, sense * sim_session_turn(s),
@@ -104,7 +105,7 @@ static void observe(sim_cut_t *cut)
     }
     cut->state = status->state;
     sim_session_touch(s, &at, is_cutting, status->following_nm);
-    cut->has_slice = is_cutting && s->design.shape != sim_shape_lobes && measure_removal(cut);
+    cut->has_slice = s->is_cutting && s->design.shape != sim_shape_lobes && measure_removal(cut);
 }
 
 static void operator_stop(sim_cut_t *cut)

@@ -54,16 +54,21 @@ void sim_session_touch(sim_session_t *s, const sim_sample_t *at, bool is_cutting
                        double following_nm)
 {
     s->at = *at;
-    s->is_cutting = is_cutting;
+    s->z_mm = at->z_nm * 1e-6;
+    s->is_on_part = sim_design_is_on_part(&s->design, s->z_mm);
+    s->is_cutting = is_cutting && s->is_on_part;
     const double turn = sim_session_turn(s);
     s->part_turn = sim_fraction(turn);
-    s->z_mm = at->z_nm * 1e-6;
+    if (s->is_cutting && !s->has_touched) {
+        s->has_touched = true;
+        s->touched_at_turn = turn;
+    }
     if (s->design.shape == sim_shape_lobes) {
         sim_lobe_cut_gauge(s, turn);
     } else { // the tool tip against the exact surface at its true angle and height
         s->radius_mm = (at->x_nm - at->u_nm) * 1e-6;
         s->exact_mm = sim_design_radius_mm(&s->design, s->part_turn, s->z_mm);
-        sim_work_touch(&s->work, s->part_turn, s->z_mm, s->radius_mm, s->exact_mm, is_cutting);
+        sim_work_touch(&s->work, s->part_turn, s->z_mm, s->radius_mm, s->exact_mm, s->is_cutting);
         sim_scallop_touch(&s->scallop, &s->design, s->part_turn, s->z_mm, s->radius_mm,
                           s->exact_mm);
     }

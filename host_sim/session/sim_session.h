@@ -54,7 +54,10 @@ typedef struct {
     uint64_t n_following;
     // last sample
     sim_sample_t at;
-    bool is_cutting; ///< the sample belongs to the surface that is judged
+    bool is_on_part;        ///< at the height of the part, not in the air before or behind it
+    bool is_cutting;        ///< the sample belongs to the surface that is judged
+    bool has_touched;       ///< a sample has belonged to it
+    double touched_at_turn; ///< angle of the first one in the sense of cutting
     double part_turn, z_mm, radius_mm, exact_mm;
 } sim_session_t;
 
@@ -74,7 +77,9 @@ bool sim_session_load_design(sim_session_t *s, common_error_t *e);
 void sim_session_place(sim_session_t *s, double *x_nm, double *z_nm);
 
 /// Take a sample of the tool: gauge it and count the progress.
-/// @param is_cutting    the sample belongs to the surface that is judged: full amplitude and depth
+/// @param is_cutting    full amplitude and depth; on the part the sample belongs to the surface
+/// that
+///                      is judged
 /// @param following_nm  following error of U; counted while cutting
 void sim_session_touch(sim_session_t *s, const sim_sample_t *at, bool is_cutting,
                        double following_nm);

@@ -26,6 +26,7 @@ from camtools.part.model import MIN_STEP_MM
 from camtools.pipeline.load import load_for
 from camtools.skirt.geometry import make_geometry
 from camtools.skirt.part import SkirtPart
+from camtools.skirt.run_in import with_run
 
 MIN_CHORD_UM, MAX_CHORD_UM = 0.002, 1000.0
 DEFAULT_CHORD_UM = 0.1
@@ -81,7 +82,7 @@ def make_job(part: SkirtPart, wishes: ProgramWishes) -> ProgramJob:
         an impossible part.
     """
     check_feed(part)
-    geometry = make_geometry(part)
+    geometry = with_run(make_geometry(part), part.process.run_in_mm, part.process.run_out_mm)
     low, high = geometry.z_first_mm, geometry.z_last_mm
     first = low if wishes.first_mm is None else wishes.first_mm
     last = high if wishes.last_mm is None else wishes.last_mm

@@ -109,9 +109,10 @@ def _envelope(path: ToolPath, turns: Floats) -> Floats:
 def points_at(job: ProgramJob, path: ToolPath, turns: Floats) -> Points:
     """Return the axes at turns since the start of the path, engaging and retracting included."""
     z = path.height_mm(turns)
-    a = job.geometry.radius_mm(z)
+    middle = job.middle_mm
+    a = job.geometry.radius_mm(z) - middle
     depth = _envelope(path, turns)
-    u = job.geometry.delta(drawing_rad(job, turns), z).delta
+    u = job.geometry.delta(drawing_rad(job, turns), z).delta - middle
     return Points(turns, a + (1 - depth) * (job.clear_mm - a), z, depth * u)
 
 
@@ -147,7 +148,8 @@ def _check(job: ProgramJob) -> float:
     law = full if part.process.mode == "equal-volume" else uniform
     found = [law(load_at(geometry, blank_mm, float(z))).peaks for z in heights]
     alpha, ratio, speed, motion = (float(one) for one in np.max(found, axis=0))
-    stroke = 2 * max(geometry.deepest_mm(float(z)) for z in heights)
+    deepest = max(geometry.deepest_mm(float(z)) for z in heights)
+    stroke = 2 * max(job.middle_mm, deepest - job.middle_mm)
     peaks = Peaks(stroke, speed, motion, ratio, alpha if law is full else 0.0)
     check_feasible(peaks, part.machine.limits, part.process.spindle_rpm)
     return ratio

@@ -38,16 +38,22 @@ class Segments(NamedTuple):
     error_mm: float  # largest distance in X from the profile
 
 
-def _polygon(geometry: Geometry, z_mm: Floats) -> Segments:
+def _polygon(geometry: Geometry, z_mm: Floats, middle_mm: float) -> Segments:
     """Return the polygon through rounded points of the profile, its error measured."""
     z = np.round(z_mm, LENGTH_DECIMALS)
-    x = np.round(geometry.radius_mm(z), LENGTH_DECIMALS)
+    x = np.round(geometry.radius_mm(z) - middle_mm, LENGTH_DECIMALS)
     dense = np.linspace(z[0], z[-1], _DENSE)
-    off = np.abs(np.interp(dense, z, x) - geometry.radius_mm(dense))
+    off = np.abs(np.interp(dense, z, x) - (geometry.radius_mm(dense) - middle_mm))
     return Segments(z, x, float(off.max()))
 
 
-def segments(geometry: Geometry, z_first_mm: float, z_last_mm: float, chord_mm: float) -> Segments:
+def segments(
+    geometry: Geometry,
+    z_first_mm: float,
+    z_last_mm: float,
+    chord_mm: float,
+    middle_mm: float = 0.0,
+) -> Segments:
     """Return the fewest points on the profile whose polygon keeps a chord error.
 
     Spacing goes with the curvature, MATHS.md (45).
@@ -56,6 +62,8 @@ def segments(geometry: Geometry, z_first_mm: float, z_last_mm: float, chord_mm: 
     ----------
     chord_mm : float
         Largest distance from the profile in X.
+    middle_mm : float
+        How far X is below the long half axis.
 
     Raises
     ------
@@ -68,7 +76,8 @@ def segments(geometry: Geometry, z_first_mm: float, z_last_mm: float, chord_mm: 
     sums = np.concatenate([[0.0], np.cumsum(steps)])
     n = ceil(sums[-1])
     while n <= _MAX_SEGMENTS:
-        found = _polygon(geometry, np.interp(sums[-1] * np.arange(n + 1) / n, sums, dense))
+        places = np.interp(sums[-1] * np.arange(n + 1) / n, sums, dense)
+        found = _polygon(geometry, places, middle_mm)
         if found.error_mm <= chord_mm:
             return found
         n += 1 + n // 50
@@ -77,19 +86,25 @@ def segments(geometry: Geometry, z_first_mm: float, z_last_mm: float, chord_mm: 
 
 
 def _engage(job: ProgramJob, x_mm: float) -> list[str]:
-    """Return approach and engagement; without its answer nothing is cut."""
+    """Return approach and engagement; without its answer nothing is cut.
+
+    Where U swings about X, the tool comes in at full amplitude: at U 0 it would be in the part.
+    """
     process = job.part.process
     clear = length("X", job.clear_mm * job.x_factor)
-    return [
-        f"S{process.spindle_rpm:g} {'M3' if process.direction == 1 else 'M4'}",
-        f"G0 {clear}",
-        f"G0 {length('Z', job.z_first_mm)}",
-        f"G95 G1 {length('X', x_mm)} F{process.feed_mm:.6f}",
+    inwards = [f"G95 G1 {length('X', x_mm)} F{process.feed_mm:.6f}"]
+    answer = [
         "M64 P0 ; camturn: start",
         f"M66 P0 L3 Q{_WAIT_S} ; camturn: at full amplitude",
         "o100 if [#<_task> AND [#5399 LT 0]]",
         *(f"  {one}" for one in (f"G0 {clear}", "M65 P0", "M5", "M2")),
         "o100 endif",
+    ]
+    return [
+        f"S{process.spindle_rpm:g} {'M3' if process.direction == 1 else 'M4'}",
+        f"G0 {clear}",
+        f"G0 {length('Z', job.z_first_mm)}",
+        *(answer + inwards if job.middle_mm > 0 else inwards + answer),
     ]
 
 
@@ -127,7 +142,8 @@ def profile_program(job: ProgramJob) -> Iterator[bytes]:
     if job.part.process.path != "helix":
         problem = "a CNC cannot let Z stand for turns of its spindle by G33"
         raise GeometryError("process.path", problem, 'give --axes cxzu, or path = "helix"')
-    found = segments(job.geometry, job.z_first_mm, job.z_last_mm, job.chord_mm)
+    ends = job.z_first_mm, job.z_last_mm
+    found = segments(job.geometry, *ends, job.chord_mm, job.middle_mm)
     return _pieces(job, found)
 
 

@@ -11,10 +11,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from camtools.base.quantities import Floats
+from camtools.base.quantities import NM_PER_MM, Floats
 from camtools.skirt.blank import blank_radius_mm
 from camtools.skirt.geometry import Geometry
 from camtools.skirt.part import SkirtPart
+from camtools.skirt.zero import middle_nm
 
 LENGTH_DECIMALS = 6  # of millimetres: a nanometre
 ANGLE_DECIMALS = 5  # of degrees
@@ -38,6 +39,11 @@ class ProgramJob(NamedTuple):
     def x_factor(self) -> float:
         """Return X per radius."""
         return 2.0 if self.is_diameter else 1.0
+
+    @property
+    def middle_mm(self) -> float:
+        """Return the reduction of the radius that X carries instead of U."""
+        return middle_nm(self.geometry, self.part.process.u_zero) / NM_PER_MM
 
     @property
     def clear_mm(self) -> float:
@@ -76,10 +82,11 @@ def lines(text: Iterable[str]) -> bytes:
 def head(job: ProgramJob, notes: Iterable[str]) -> list[str]:
     """Return the lines that every program begins with."""
     x = "twice the radius" if job.is_diameter else "radius"
+    of = "the long half axis" if job.part.process.u_zero == "long-axis" else "U swings about it"
     comments = (
         f"{job.part.part.name}: made by mkgcode for LinuxCNC, lengths in mm",
         f"Z: height of the skirt on the drawing, {job.z_first_mm:g} .. {job.z_last_mm:g}",
-        f"X: {x} that the tool tip turns at U 0, the long half axis",
+        f"X: {x} that the tool tip turns at U 0, {of}",
         *notes,
     )
     radius = "G7" if job.is_diameter else "G8"

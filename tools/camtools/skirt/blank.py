@@ -21,7 +21,7 @@ _SYMMETRIC_MM = 1e-9  # sections that differ by less are mirror images
 
 def blank_radius_mm(geometry: Geometry, depth_mm: float) -> float:
     """Return the radius of the blank, a cylinder: largest long half axis plus cutting depth."""
-    z_mm = np.linspace(geometry.z_first_mm, geometry.z_last_mm, 4097)
+    z_mm = np.linspace(*geometry.skirt_mm, 4097)
     return float(geometry.radius_mm(z_mm).max()) + depth_mm
 
 

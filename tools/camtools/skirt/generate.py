@@ -24,10 +24,12 @@ from camtools.part.common import check_feed
 from camtools.skirt.accuracy import Accuracy
 from camtools.skirt.geometry import Geometry, make_geometry, path_of
 from camtools.skirt.part import SkirtPart
+from camtools.skirt.run_in import with_run
 from camtools.skirt.search import choose_u, choose_x
 from camtools.skirt.speed import SpeedTable, make_speed
+from camtools.skirt.zero import middle_nm, moved
 from camtools.table.header import check_tolerance, table_of, u_bounds
-from camtools.table.image import Channel, Table
+from camtools.table.image import Bounds, Channel, Table
 from camtools.table.modulation import moving_bounds
 from camtools.table.quantise import with_bounds
 
@@ -49,6 +51,7 @@ class GeneratedSkirt:
     accuracy_x: Accuracy
     highest_speed: HighestSpeed
     speed: SpeedTable | None = None
+    middle_nm: int = 0  # of the reduction, carried by X
 
 
 def make_table(
@@ -112,21 +115,25 @@ def generate(part: SkirtPart, tolerance_nm: float | None = None) -> GeneratedSki
     check_feed(part)
     refuse_steps(part)
     geometry = make_geometry(part)
-    path_of(part, geometry.z_first_mm, geometry.z_last_mm)  # or refuse: Z cannot follow it
+    process = part.process
+    air = with_run(geometry, process.run_in_mm, process.run_out_mm)
+    path_of(part, air.z_first_mm, air.z_last_mm)  # or refuse: Z cannot follow it
     refuse_corner(geometry)
     tolerance_u_nm = tolerance_nm or default_tolerance_nm(geometry)
-    u, accuracy_u = choose_u(geometry, tolerance_u_nm)
-    most_nm = 0.0 if tolerance_nm else part.process.form_error_um * NM_PER_UM * CORNER_SHARE
-    x, accuracy_x = choose_x(geometry, tolerance_nm or DEFAULT_TOLERANCE_NM, most_nm)
+    u, accuracy_u = choose_u(air, tolerance_u_nm)
+    most_nm = 0.0 if tolerance_nm else process.form_error_um * NM_PER_UM * CORNER_SHARE
+    x, accuracy_x = choose_x(air, tolerance_nm or DEFAULT_TOLERANCE_NM, most_nm)
+    middle = middle_nm(air, process.u_zero)
+    u, x = moved(u, middle), moved(x, middle)
     error_nm = max(accuracy_u.value_nm, accuracy_x.value_nm)
     speed = None
-    if part.process.mode != "uniform":
+    if process.mode != "uniform":
         uniform = highest_speed(peaks_of(u_bounds(u, error_nm)), part.machine.limits)
-        speed = make_speed(part, geometry, u, uniform.rpm)
+        speed = make_speed(part, air, u, uniform.rpm)
     table = make_table(part, u, x, error_nm, speed)
-    best = _judge(part, geometry, peaks_of_table(table, speed))
+    best = _judge(part, geometry, peaks_of_table(table, speed), table.bounds)
     return GeneratedSkirt(
-        part, geometry, tolerance_u_nm, table, accuracy_u, accuracy_x, best, speed
+        part, geometry, tolerance_u_nm, table, accuracy_u, accuracy_x, best, speed, middle
     )
 
 
@@ -137,17 +144,26 @@ def peaks_of_table(table: Table, speed: SpeedTable | None) -> Peaks:
     return peaks_of(table.bounds, ratio)._replace(u_drift=drift.at(ratio), feed_mm=feed_mm)
 
 
-def _judge(part: SkirtPart, geometry: Geometry, peaks: Peaks) -> HighestSpeed:
+def _with_mean(line: str, part: SkirtPart, bounds: Bounds) -> str:
+    """Return a refusal; of the stroke with what it would be about the mean."""
+    travel_mm = (bounds.u_max_nm - bounds.u_min_nm) / NM_PER_MM
+    if part.process.u_zero == "mean" or ".u_stroke_mm" not in line:
+        return line
+    return f'{line}; or set process.u_zero = "mean", which needs {travel_mm:.9g} mm'
+
+
+def _judge(part: SkirtPart, geometry: Geometry, peaks: Peaks, bounds: Bounds) -> HighestSpeed:
     """Return the highest speed, or refuse; of a corner with what another refit would need."""
     try:
         return check_feasible(peaks, part.machine.limits, part.process.spindle_rpm)
     except CamtoolsError as error:
-        if geometry.corner is None or not any("u_acceleration" in line for line in error.lines):
-            raise
+        lines = [_with_mean(line, part, bounds) for line in error.lines]
+        if geometry.corner is None or not any("u_acceleration" in line for line in lines):
+            raise CamtoolsError(lines) from error
         best = min(geometry.corner.candidates, key=lambda one: one.acceleration_mm_s2)
         hint = (
             "piston.section.refit.delete: the corner decides; of all deletions "
             f"[{best.s1}, {best.s2}] needs least, {best.acceleration_mm_s2:.6g} mm/s2 at this "
             "speed; trim less or turn slower"
         )
-        raise CamtoolsError([*error.lines, hint]) from error
+        raise CamtoolsError([*lines, hint]) from error

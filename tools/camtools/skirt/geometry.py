@@ -82,6 +82,8 @@ class Geometry:
         Of shape "ellipse-arc": the section as drawn, and its refit.
     off_points_um : float or None
         Of shape "table": how far the surface is from the measured points, 0 without a filter.
+    gauge_mm : tuple of float or None
+        Ends of the skirt [mm], where the height range contains a run-in or run-out.
     """
 
     radius: PPoly
@@ -91,6 +93,12 @@ class Geometry:
     z_last_mm: float
     corner: Corner | None = None
     off_points_um: float | None = None
+    gauge_mm: tuple[float, float] | None = None
+
+    @property
+    def skirt_mm(self) -> tuple[float, float]:
+        """Return the ends of the skirt [mm], without run-in and run-out."""
+        return self.gauge_mm or (self.z_first_mm, self.z_last_mm)
 
     def radius_mm(self, z_mm: FloatsLike | Sequence[float], derivative: int = 0) -> Floats:
         """Return a(z), a'(z) or a''(z) [mm, mm/mm, mm/mm^2] with the shape of z_mm."""

@@ -7,6 +7,7 @@
 from __future__ import annotations
 
 from camtools.base.json_text import Json
+from camtools.base.quantities import NM_PER_MM
 from camtools.cut.path import ToolPath
 from camtools.pipeline.kind import Kind, Rig
 from camtools.report.text import ReportRow
@@ -65,7 +66,7 @@ class SkirtKind(Kind[SkirtPart, GeneratedSkirt, SkirtOutcome]):
 
     def turns(self, made: GeneratedSkirt, feed_mm: float) -> float:
         """See `Kind.turns`."""
-        ends = made.geometry.z_first_mm, made.geometry.z_last_mm
+        ends = made.table.z_first_nm / NM_PER_MM, made.table.z_last_nm / NM_PER_MM
         return ToolPath(made.part.process.path, *ends, feed_mm).turns
 
     def form_error_um(self, part: SkirtPart) -> float:

@@ -23,6 +23,8 @@ from camtools.skirt.part_profile import Ovality, Profile
 from camtools.skirt.part_section import SectionShape
 from camtools.skirt.power_law import LAW_OR_POINTS, PeakOvality, PowerProfile
 
+RunMm = Annotated[float, Field(ge=0, le=200)]
+
 
 class Piston(TomlTable):
     """[piston]: the skirt."""
@@ -93,6 +95,9 @@ class SkirtProcess(TomlTable):
     parts: Annotated[int, Field(ge=2, le=1000)] = 30
     path: Literal["helix", "ring-helix", "stepped"] = "helix"
     form_error_um: Annotated[float, Field(ge=0.01, le=1000)] = 5.0
+    u_zero: Literal["long-axis", "mean"] = "long-axis"
+    run_in_mm: RunMm = 0.0
+    run_out_mm: RunMm = 0.0
 
     @field_validator("mode")
     @classmethod
@@ -147,9 +152,9 @@ class SkirtPart(TomlTable):
 
     @property
     def height_mm(self) -> float:
-        """Return the height of the skirt [mm]."""
+        """Return the height over which the tool is fed [mm], run-in and run-out included."""
         heights_mm = self.piston.profile.height_mm
-        return heights_mm[-1] - heights_mm[0]
+        return heights_mm[-1] - heights_mm[0] + self.process.run_in_mm + self.process.run_out_mm
 
 
 def example_part() -> SkirtPart:

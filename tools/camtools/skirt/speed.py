@@ -95,7 +95,7 @@ def make_speed(part: SkirtPart, geometry: Geometry, u: Channel, uniform_rpm: flo
     """
     range_nm = height_range_nm(geometry)
     n = max(_SLICES, ceil((range_nm[1] - range_nm[0]) / MAX_SPACING_NM) + 1)
-    z_mm = slice_heights_mm(range_nm, n)
+    z_mm = np.clip(slice_heights_mm(range_nm, n), *geometry.skirt_mm)  # held while it runs in
     limits, mean = limits_of(part.machine.limits), omega_rad_s(part.process.spindle_rpm)
     blank_mm = blank_radius_mm(geometry, part.process.depth_mm)
     loads = [load_at(geometry, blank_mm, float(z)) for z in z_mm]

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.interpolate import PPoly
 
 from camtools.base.json_text import Json
-from camtools.base.quantities import omega_rad_s
+from camtools.base.quantities import NM_PER_MM, omega_rad_s
 from camtools.cut.feasibility import given_of, needed_of
 from camtools.skirt.accuracy import Accuracy
 from camtools.skirt.corner import Corner
@@ -87,6 +87,10 @@ def _process(result: GeneratedSkirt) -> Json:
         "feed_mm": float(process.feed_mm),
         "depth_mm": float(process.depth_mm),
         "direction": process.direction,
+        "u_zero": process.u_zero,
+        "u_zero_mm": result.middle_nm / NM_PER_MM,
+        "run_in_mm": float(process.run_in_mm),
+        "run_out_mm": float(process.run_out_mm),
         "magnify": float(magnify.factor) if magnify else 1.0,
         "magnify_profile": magnify.profile_factor if magnify else 1.0,
     }
@@ -148,6 +152,6 @@ def make_summary(result: GeneratedSkirt) -> Json:
             "continuity": {"u": _jumps(u), "x": _jumps(x)},
             "motion": motion_peaks(result.geometry, process.spindle_rpm, process.feed_mm),
             "feasibility": _feasibility(result),
-            "design": design_of(result),
+            "design": design_of(result) | {"gauge_mm": list(result.geometry.skirt_mm)},
         }
     )

@@ -1,0 +1,197 @@
+# SPDX-License-Identifier: Apache-2.0
+"""U about its mean, run-in and run-out: cuts on the simulated lathe, judged by the drawing."""
+
+from __future__ import annotations
+
+import csv
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from camsim_cases import camsim
+from camtools.cli.mktables import main as mktables
+
+MACHINES = Path(__file__).parents[3] / "host_sim" / "machines"
+PART = """
+[part]
+name = "{name}"
+kind = "piston"
+source = "invented"
+[piston.profile]
+height_mm = [0, 10, 20, 30]
+diameter_mm = [60.0, 60.05, 60.04, 59.98]
+[piston.section]
+shape = "cosine"
+[piston.ovality]
+height_mm = [0, 30]
+ovality_mm = [0.8, 0.9]
+[process]
+spindle_rpm = 600
+feed_mm = 0.5
+{process}
+[machine.limits]
+u_stroke_mm = {stroke}
+"""
+GOUGE_UM = 0.5  # the form error of the machine, on both sides of the drawing
+
+
+def table_of(folder: Path, name: str, process: str, stroke_mm: float = 0.8) -> Path:
+    """Make the table of an oval of 0.45 mm of travel."""
+    toml = folder / f"{name}.toml"
+    toml.write_text(PART.format(name=name, process=process, stroke=stroke_mm))
+    assert mktables([str(toml), "-o", str(folder)]) == 0
+    return folder / f"{name}.camtab"
+
+
+@pytest.fixture(scope="module")
+def machine(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the default machine with a stroke of 0.8 mm."""
+    path = tmp_path_factory.mktemp("machine") / "short.toml"
+    text = (MACHINES / "default.toml").read_text()
+    assert "stroke_mm = 1.2 " in text
+    path.write_text(text.replace("stroke_mm = 1.2 ", "stroke_mm = 0.8 "))
+    return path
+
+
+@pytest.fixture(scope="module")
+def mean(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Make the table whose U swings about its mean."""
+    return table_of(tmp_path_factory.mktemp("mean"), "mean", 'u_zero = "mean"')
+
+
+def cut(table: Path, *words: str | Path) -> dict[str, Any]:
+    """Return the summary of a cut."""
+    path = table.with_name("s.json")
+    done = camsim("run", table, *words, "--summary", path)
+    assert done.returncode in (0, 1), done.stderr
+    loaded: dict[str, Any] = json.loads(path.read_text())
+    return loaded
+
+
+def rows(path: Path) -> list[dict[str, str]]:
+    """Return the rows of a file that camsim wrote."""
+    with path.open() as stream:
+        return list(csv.DictReader(stream))
+
+
+def test_part_of_045_mm_is_cut_on_a_stroke_of_08_mm(mean: Path, machine: Path) -> None:
+    """The travel fits; the default retract of 0.5 mm does not and blocks nothing."""
+    summary = cut(mean, "--machine", machine, "--seed", "3")
+    assert (summary["end"], summary["is_good"]) == ("done", True)
+    assert summary["form_error_um"]["max"] < GOUGE_UM
+    assert summary["cut"]["gouge_um"] < GOUGE_UM
+    assert summary["feasibility"]["u_stroke_mm"]["needed"] == pytest.approx(0.45, abs=1e-4)
+
+
+def test_retract_that_was_set_is_blamed_itself(mean: Path, machine: Path) -> None:
+    """A value that does not fit is refused by its name, with what it needs."""
+    done = camsim("run", mean, "--machine", machine, "--set", "u_retract_nm=-300000")
+    assert done.returncode == 2
+    assert "retract" in done.stderr
+    assert "0.525" in done.stderr
+
+
+def test_stroke_is_refused_with_what_the_mean_would_need(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """About the long axis half of the stroke is wasted, and the message says so."""
+    toml = tmp_path / "long.toml"
+    toml.write_text(PART.format(name="long", process="", stroke=0.8))
+    assert mktables([str(toml), "-o", str(tmp_path)]) == 2
+    told = capsys.readouterr().err
+    assert 'process.u_zero = "mean", which needs 0.45' in told
+
+
+def test_both_zeros_give_the_same_surface(mean: Path, tmp_path: Path) -> None:
+    """X less U of both tables agree at random places to their rounding."""
+    long = table_of(tmp_path, "long", "", 1.0)
+    rng = np.random.default_rng(5)
+    places = "turn,z_mm\n" + "".join(
+        f"{turn},{z}\n" for turn, z in zip(rng.random(500), rng.uniform(0, 30, 500), strict=True)
+    )
+    tips = []
+    for table in (mean, long):
+        got = camsim("eval", table, stdin=places)
+        lines = list(csv.DictReader(got.stdout.splitlines()))
+        tips.append(np.array([float(one["x_nm"]) - float(one["u_nm"]) for one in lines]))
+        if table == mean:
+            u = np.array([float(one["u_nm"]) for one in lines])
+    assert np.abs(tips[0] - tips[1]).max() <= 0.1
+    assert -u.min() == pytest.approx(225e3, abs=500)
+    assert u.max() < 225e3 + 1
+    assert mean.stat().st_size == long.stat().st_size
+
+
+@pytest.mark.slow
+def test_tool_is_never_in_the_part_whatever_fails_when(mean: Path, machine: Path) -> None:
+    """Emergency stops all over the approach, engaging, the cut, disengaging.
+
+    With and without clearance of X, and at a stroke that leaves U 0.025 mm to retract.
+    """
+    rng = np.random.default_rng(11)
+    for clearance_nm, stroke_nm in ((0, 800_000), (1_000_000, 800_000), (10**6, 500_000)):
+        words: list[str | Path] = [
+            "--machine",
+            machine,
+            "--rpm",
+            "1800",
+            "--set",
+            f"u_stroke_nm={stroke_nm}",
+        ]
+        words += ["--set", f"x_clearance_nm={clearance_nm}"]
+        whole_s = cut(mean, *words)["machine_time_s"]
+        found = set()
+        for at_s in np.sort(rng.uniform(0.2, whole_s, 60)):
+            summary = cut(mean, *words, "--inject", f"estop@t{at_s:.6f}")
+            assert summary["cut"]["gouge_um"] < GOUGE_UM, at_s
+            found.add(summary.get("fault", {}).get("state"))
+        assert {"engaging", "cutting", "disengaging"} <= found
+
+
+def test_tool_runs_in_and_out_through_the_air(tmp_path: Path, machine: Path) -> None:
+    """The part is gauged from end to end and only there, the first turns included."""
+    run = 'u_zero = "mean"\nrun_in_mm = 3\nrun_out_mm = 2'
+    table = table_of(tmp_path, "run", run)
+    surface = tmp_path / "surface.csv"
+    summary = cut(table, "--machine", machine, "--surface", surface)
+    assert summary["is_good"]
+    assert summary["form_error_um"]["max"] < GOUGE_UM
+    assert summary["cut"]["gouge_um"] < GOUGE_UM
+    heights = np.array([float(row["z_mm"]) for row in rows(surface)])
+    assert 0 <= heights.min() < 0.06
+    assert 29.94 < heights.max() <= 30
+    design = json.loads((tmp_path / "run.json").read_text())["design"]
+    assert design["gauge_mm"] == [0, 30]
+    # 35 mm at 0.5 mm and the two halves of the feed ramps
+    assert summary["cut"]["planned_turns"] == pytest.approx(72)
+    trace = tmp_path / "trace.csv"
+    cut(table, "--machine", machine, "--trace", trace, "--rpm", "1200", "--feed", "2")
+    u = [row for row in rows(trace) if 0 <= float(row["z_mm"]) < 2]
+    assert {row["state"] for row in u} == {"cutting"}, "full amplitude over the whole part"
+
+
+def test_ring_helix_has_rings_in_the_air(tmp_path: Path, machine: Path) -> None:
+    """Rings stand every feed from the start of the run-in on, so the first on the part is whole."""
+    run = 'u_zero = "mean"\nrun_in_mm = 1\nrun_out_mm = 1\npath = "ring-helix"'
+    table = table_of(tmp_path, "rings", run)
+    summary = cut(table, "--machine", machine)
+    assert summary["is_good"]
+    assert summary["cut"]["planned_turns"] == 2 * 64 + 1
+    assert summary["cut"]["gouge_um"] < GOUGE_UM
+
+
+def test_removal_is_that_of_the_part_alone(tmp_path: Path, machine: Path) -> None:
+    """The volume is that between blank and drawing, and the first judged turn is a whole one."""
+    run = 'u_zero = "mean"\nrun_in_mm = 3\nrun_out_mm = 2'
+    summary = cut(table_of(tmp_path, "run", run), "--machine", machine)
+    z = np.linspace(0, 30, 3001)
+    spline = np.polynomial.Polynomial.fit([0, 10, 20, 30], [60.0, 60.05, 60.04, 59.98], 3)
+    a, g = spline(z) / 2, 0.8 + 0.1 * z / 30
+    blank = a.max() + 0.1
+    mean_square = (a - g / 4) ** 2 + (g / 4) ** 2 / 2  # of a cosine oval over the angle
+    volume = np.pi * np.trapezoid(blank**2 - mean_square, z)
+    assert summary["removal"]["volume_mm3"] == pytest.approx(volume, rel=0.02)
+    assert summary["removal"]["turns"] >= 56
