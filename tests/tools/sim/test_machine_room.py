@@ -23,6 +23,7 @@ source = "invented"
 [piston.profile]
 height_mm = [0, 10, 20, 30]
 diameter_mm = [60.0, 60.05, 60.04, 59.98]
+overshoot_um = 5
 [piston.section]
 shape = "cosine"
 [piston.ovality]
