@@ -71,11 +71,15 @@ def test_a_wrong_kind_is_all_that_is_told(kind: str) -> None:
         parse(GOOD.replace('kind = "cam"', f"kind = {kind}").encode(), "c.toml")
     assert len(info.value.lines) == 1
     assert info.value.lines[0].startswith("c.toml: part.kind = ")
-    assert info.value.lines[0].endswith("; use one of: 'piston' or 'cam'")
+    assert info.value.lines[0].endswith("; use one of: 'piston', 'cam' or 'polygon'")
 
 
 BAD = [
-    (GOOD.replace('kind = "cam"', 'kind = "gear"'), "part.kind = 'gear'", "'piston' or 'cam'"),
+    (
+        GOOD.replace('kind = "cam"', 'kind = "gear"'),
+        "part.kind = 'gear'",
+        "'piston', 'cam' or 'polygon'",
+    ),
     (GOOD.replace("base_radius_mm = 20", ""), "cam.base_radius_mm", "add it"),
     (GOOD.replace("roller_radius_mm = 10", "roller_radius_mm = 0"), "cam.roller_rad", "at least"),
     (GOOD.replace("z_mm = [0, 12]", "z_mm = [0]"), f"{LOBE}.z_mm", "at least 2 entries"),

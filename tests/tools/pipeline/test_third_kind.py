@@ -55,7 +55,7 @@ def only_line(capsys: pytest.CaptureFixture[str]) -> str:
 
 def test_kinds_are_those_of_the_packages(ring: Path) -> None:
     """The registry finds the package by its place alone."""
-    assert [kind.name for kind in kinds()] == ["piston", "cam", "ring"]
+    assert [kind.name for kind in kinds()] == ["piston", "cam", "polygon", "ring"]
 
 
 def test_table_of_the_third_kind(ring: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -88,7 +88,7 @@ def test_errors_name_the_third_kind(ring: Path, capsys: pytest.CaptureFixture[st
     assert "ring.offset_mm = 9: " in only_line(capsys)
     ring.write_text(RING.replace('kind = "ring"', 'kind = "gear"'))
     assert mktables([str(ring), "-o", "out"]) == 2
-    assert "use one of: 'piston', 'cam' or 'ring'" in only_line(capsys)
+    assert "use one of: 'piston', 'cam', 'polygon' or 'ring'" in only_line(capsys)
     ring.write_text(RING)
     assert mkgcode([str(ring), "-o", "ring.ngc"]) == 2
     refusal = "part.kind = 'ring': rings are for mktables and run; give the part file of a piston"

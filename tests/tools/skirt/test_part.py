@@ -77,7 +77,7 @@ BAD = [
     (with_line("name", '"ä"'), "part.name = '\\xe4'", "use 1 to 31 letters"),
     (with_line("name", f'"{"n" * 32}"'), "part.name", "use 1 to 31 letters"),
     (with_line("name", "7"), "part.name = 7", 'give text in "quotes"'),
-    (with_line("kind", '"gear"'), "part.kind = 'gear'", "use one of: 'piston' or 'cam'"),
+    (with_line("kind", '"gear"'), "part.kind = 'gear'", "use one of: 'piston', 'cam' or 'polygon'"),
     (with_line("source", '""'), "part.source", "at least 1 characters"),
     (without_line("source"), "part.source", "add it"),
     (without_line("diameter_mm"), "piston.profile.diameter_mm", "add it"),

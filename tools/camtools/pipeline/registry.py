@@ -1,7 +1,7 @@
 """All kinds of parts: every package of camtools with a module `kind`.
 
 >>> [kind.name for kind in kinds()]
-['piston', 'cam']
+['piston', 'cam', 'polygon']
 """
 
 from __future__ import annotations

@@ -61,7 +61,8 @@ def motion_peaks(geometry: Geometry, spindle_rpm: float, feed_mm: float) -> Json
     }
 
 
-def _error(accuracy: Accuracy, per: str) -> Json:
+def error_of(accuracy: Accuracy, per: str) -> Json:
+    """Return the errors of a channel as the summary says them; derivatives by `per`."""
     return {
         "value_nm": accuracy.value_nm,
         f"first_nm_per_{per}": accuracy.first,
@@ -71,7 +72,8 @@ def _error(accuracy: Accuracy, per: str) -> Json:
     }
 
 
-def _jumps(channel: Channel) -> Json:
+def jumps_of(channel: Channel) -> Json:
+    """Return the jumps of a channel at its knots and at the wrap."""
     names = Continuity._fields
     knots, wrap = jumps(channel)
     return {
@@ -148,8 +150,11 @@ def make_summary(result: GeneratedSkirt) -> Json:
             "part": {"name": table.part_name, "source": result.part.part.source},
             "process": _process(result),
             "channels": {"u": describe_channel(u), "x": describe_channel(x)},
-            "error": {"u": _error(result.accuracy_u, "rad"), "x": _error(result.accuracy_x, "mm")},
-            "continuity": {"u": _jumps(u), "x": _jumps(x)},
+            "error": {
+                "u": error_of(result.accuracy_u, "rad"),
+                "x": error_of(result.accuracy_x, "mm"),
+            },
+            "continuity": {"u": jumps_of(u), "x": jumps_of(x)},
             "motion": motion_peaks(result.geometry, process.spindle_rpm, process.feed_mm),
             "feasibility": _feasibility(result),
             "design": design_of(result) | {"gauge_mm": list(result.geometry.skirt_mm)},

@@ -109,7 +109,7 @@ class RingKind(Kind[RingPart, MadeRing, RingCut]):
 
     name = "ring"
     plural = "rings"
-    rank = 2
+    rank = 9
     commands = ("mktables", "run")
     model = RingPart
 

@@ -1,0 +1,209 @@
+"""Tables of polygons: the firmware's evaluation, the cut, what is refused."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import polygon_cases as cases
+from camsim_cases import camsim
+from camtools.base.errors import CamtoolsError
+from camtools.cli.mktables import main as mktables
+from camtools.cli.run import main as run
+from camtools.pipeline.load import load, parse
+from camtools.polygon.blend import bend_of, blended
+from camtools.polygon.generate import GeneratedPolygon, generate_polygon
+from camtools.polygon.outline import measures_of
+from camtools.polygon.part import PolygonPart
+from camtools.polygon.shapes import p3g
+from camtools.table.image import pack
+from part_cases import ROOT
+
+PARTS = ROOT / "tools" / "parts"
+NAMES = ("p3g-25", "p4c-35", "hexagon")
+HEAD = '[part]\nname = "a"\nkind = "polygon"\nsource = "s"\n[polygon]\n'
+TAIL = "[process]\nspindle_rpm = 100\nfeed_mm = 0.2\n[machine.limits]\nu_stroke_mm = 12\n"
+
+
+def radius_of(name: str, phi: cases.Floats) -> cases.Floats:
+    """Return the radius of an example's drawing by another method."""
+    if name == "p3g-25":
+        return cases.p3g_mm(phi, 25.0, 0.8)
+    if name == "p4c-35":
+        return cases.p4c_mm(phi, 35.0, 30.0, 5.0)
+    return cases.rounded_mm(phi, cases.regular_corners(6, 20.0), 1.0)
+
+
+def part_of(polygon: str, tail: str = TAIL) -> PolygonPart:
+    """Return the part of the lines of [polygon]."""
+    part = parse((HEAD + polygon + tail).encode(), "a.toml").part
+    assert isinstance(part, PolygonPart)
+    return part
+
+
+@pytest.fixture(scope="module", params=NAMES)
+def made(request: pytest.FixtureRequest) -> GeneratedPolygon:
+    """Make the table of an example."""
+    return generate_polygon(load(PARTS / f"{request.param}.toml").part)
+
+
+def test_firmware_plays_the_drawing(made: GeneratedPolygon, tmp_path: Path) -> None:
+    """Tip = x - u of the firmware is the drawing's radius, off by the table and by the blends."""
+    name = made.part.part.name
+    (tmp_path / "a.camtab").write_bytes(pack(made.table))
+    rng = np.random.default_rng(3271)
+    low, high = made.part.polygon.z_mm
+    turn, z = rng.uniform(-3, 3, 400), rng.uniform(low, high, 400)
+    rows = "".join(f"{a!r},{b!r}\n" for a, b in zip(turn.tolist(), z.tolist(), strict=True))
+    done = camsim("eval", tmp_path / "a.camtab", stdin=f"turn,z_mm\n{rows}")
+    assert done.returncode == 0, done.stderr
+    got = np.array([[float(word) for word in line.split(",")] for line in done.stdout.split()[1:]])
+    off_um = (got[:, 5] - got[:, 2]) / 1e3 - 1e3 * radius_of(name, 2 * np.pi * (turn % 1))
+    near = np.zeros(turn.size, dtype=bool)
+    for blend in made.blended.blends:
+        away = np.mod(2 * np.pi * turn - blend.joint_rad + np.pi, 2 * np.pi) - np.pi
+        near |= np.abs(away) <= blend.half_rad
+    assert np.abs(off_um[~near]).max() < 1.2e-3
+    assert np.abs(off_um).max() <= made.blended.deviation_um + 1.2e-3
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", NAMES)
+def test_cut_surface_is_the_drawing(name: str, tmp_path: Path) -> None:
+    """The radius that the simulator cut is the drawing's, off by what the verdict says."""
+    assert run([str(PARTS / f"{name}.toml"), "-o", str(tmp_path)]) == 0
+    turn, _, radius, error_nm = np.loadtxt(
+        tmp_path / "surface.csv", delimiter=",", skiprows=1, unpack=True
+    )
+    some = np.random.default_rng(1).choice(turn.size, 300, replace=False)
+    own_um = 1e3 * (radius[some] - radius_of(name, 2 * np.pi * turn[some]))
+    summary: dict[str, Any] = json.loads((tmp_path / "summary.json").read_text())
+    assert np.abs(own_um - error_nm[some] / 1e3).max() < 4e-3  # turn has 7 digits
+    assert np.abs(own_um).max() <= summary["form_error_um"]["max"] + 4e-3
+    page = (tmp_path / "report.html").read_text()
+    assert "inner circle" in page and "WITHIN TOLERANCE" in page
+
+
+def test_verdict_is_against_the_drawing(tmp_path: Path) -> None:
+    """A blend beyond the tolerance makes a bad part, however well the controller plays it."""
+    text = (PARTS / "p4c-35.toml").read_text()
+    path = tmp_path / "p.toml"
+    path.write_text(text.replace("form_error_um = 15.0", "form_error_um = 5.0"))
+    assert run([str(path), "-o", str(tmp_path / "out")]) == 1
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert summary["form_error_um"]["max"] == pytest.approx(12.0, abs=0.2)
+    assert not summary["is_good"]
+
+
+def test_table_is_judged_by_the_joints(made: GeneratedPolygon) -> None:
+    """The header promises at least the acceleration that dense samples of the blends show."""
+    bounds = made.table.bounds
+    assert bounds.u2_peak_nm_per_rad2 >= 1e6 * bend_of(made.blended) * (1 - 1e-6)
+    assert bounds.u2_peak_nm_per_rad2 <= 1e6 * bend_of(made.blended) * 1.01
+    assert made.accuracy_u.value_nm <= 1.0
+    assert max(made.accuracy_u.first_share, made.accuracy_u.second_share) <= 1e-3
+
+
+def test_taper_makes_all_sections_alike() -> None:
+    """The outer circle grows by taper x length, the inner one in proportion."""
+    lines = "sides = 5\nacross_flats_mm = 20\ncorner_radius_mm = 2\nz_mm = [0, 20]\ntaper = 0.05\n"
+    made = generate_polygon(part_of('form = "regular"\n' + lines))
+    phi = np.linspace(0, 6, 50)
+    first, last = (
+        made.geometry.radius_mm(z) - made.geometry.delta(phi, z).delta for z in (0.0, 20.0)
+    )
+    grown = 2 * float(made.geometry.radius_mm(20.0) - made.geometry.radius_mm(0.0))
+    assert grown == pytest.approx(1.0, abs=1e-12)
+    assert np.ptp(last / first) < 1e-12
+
+
+def test_too_sharp_names_the_blend_that_would_do(tmp_path: Path) -> None:
+    """With the advised blend the part is accepted; with a little less it is not."""
+    lines = 'form = "p4c"\nsize_mm = 35\nz_mm = [0, 20]\nblend_um = {}\n'
+    tail = TAIL.replace("100\n", "200\n") + "u_acceleration_mm_s2 = 400000\nu_speed_mm_s = 800\n"
+    with pytest.raises(CamtoolsError) as info:
+        generate_polygon(part_of(lines.format(2.0), tail))
+    *_, line = info.value.lines
+    assert line.startswith("polygon.blend_um = 2: at this speed ")
+    least = float(line.split("speed ")[1].split(" would")[0])
+    generate_polygon(part_of(lines.format(least), tail))
+    with pytest.raises(CamtoolsError, match="u_acceleration_mm_s2"):
+        generate_polygon(part_of(lines.format(0.95 * least), tail))
+
+
+def test_corner_that_no_blend_helps() -> None:
+    """The arc of the corner itself needs more than there is."""
+    lines = (
+        'form = "regular"\nsides = 6\nacross_flats_mm = 20\ncorner_radius_mm = 0.2\nz_mm = [0, 9]\n'
+    )
+    with pytest.raises(CamtoolsError, match="no blend helps"):
+        generate_polygon(part_of(lines, TAIL + "u_acceleration_mm_s2 = 1000\n"))
+
+
+P3G = 'form = "p3g"\nz_mm = [0, 9]\n'
+WRONG = [
+    (P3G + "size_mm = 26\n", "polygon.size_mm = 26: no nominal size of p3g; use one of 14, 16"),
+    (P3G + "mean_diameter_mm = 25\n", "polygon.eccentricity_mm: is missing for form"),
+    (P3G + "size_mm = 25\neccentricity_mm = 1\n", "polygon.eccentricity_mm = 1: stands beside"),
+    (P3G + "size_mm = 25\nsides = 3\n", "polygon.sides = 3: sides has no meaning"),
+    ('form = "hexagon"\nz_mm = [0, 9]\n', "polygon.form = 'hexagon'"),
+    (P3G.replace("[0, 9]", "[9, 0]") + "size_mm = 25\n", "polygon.z_mm"),
+    (P3G + "size_mm = 25\nblend_um = 0\n", "polygon.blend_um = 0: "),
+    (
+        'form = "corners"\nz_mm = [0, 9]\ncorners_mm = [[9, 0], [0, 9], [-9, -9]]\n'
+        "corner_radius_mm = [1, 1, 1, 1]\n",
+        "polygon.corner_radius_mm = [1.0, 1.0, 1.0, 1.0]: has 4 entries, corners_mm has 3",
+    ),
+    (P3G + "size_mm = 25\ntaper = -3\n", "polygon.taper = -3: "),
+]
+
+
+@pytest.mark.parametrize(("lines", "message"), WRONG, ids=[message for _, message in WRONG])
+def test_wrong_part_files(
+    lines: str, message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """One line with file, field, value and remedy, exit status 2, nothing written."""
+    path = tmp_path / "a.toml"
+    path.write_text(HEAD + lines + TAIL)
+    assert mktables([str(path), "-o", str(tmp_path / "out")]) == 2
+    [line] = capsys.readouterr().err.splitlines()
+    assert f"a.toml: {message}" in line and "; " in line
+    assert not (tmp_path / "out").exists()
+
+
+def test_blends_of_repeated_sides_are_alike() -> None:
+    """The pattern repeats exactly: all blends have the width of the first side's."""
+    made = generate_polygon(load(PARTS / "hexagon.toml").part)
+    assert len({blend.half_rad for blend in made.blended.blends}) == 1
+    assert blended(made.drawing, 2.0).outline.repeat == 6
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("direction", [1, -1])
+def test_both_senses_cut_the_drawing(direction: int, tmp_path: Path) -> None:
+    """A triangle without symmetry, turned with M3 and with M4, is the one of the drawing."""
+    corners = [[10.0, -8.0], [12.0, 9.0], [-12.0, 1.0]]
+    lines = f'form = "corners"\nz_mm = [0, 4]\ncorner_radius_mm = 2\ncorners_mm = {corners}\n'
+    tail = TAIL.replace("100\n", f"100\ndirection = {direction}\n").replace("12\n", "20\n")
+    path = tmp_path / "a.toml"
+    path.write_text(HEAD + lines + tail)
+    assert run([str(path), "-o", str(tmp_path)]) == 0
+    turn, _, radius, _ = np.loadtxt(
+        tmp_path / "surface.csv", delimiter=",", skiprows=1, unpack=True
+    )
+    some = np.random.default_rng(1).choice(turn.size, 500, replace=False)
+    drawn = cases.rounded_mm(2 * np.pi * turn[some], np.array(corners), 2.0)
+    assert np.abs(radius[some] - drawn).max() < 2.5e-3
+
+
+def test_area_and_inch_sizes() -> None:
+    """A = pi dm^2 / 4 - 4 pi e^2; Stoffel prints 1.330 and 1.170 for 1.250 and 0.040 inches."""
+    e, dm = 0.04 * 25.4, 1.25 * 25.4
+    measures = measures_of(p3g(dm, e, 0.0))
+    assert measures.area_mm2 == pytest.approx(np.pi * dm**2 / 4 - 4 * np.pi * e**2, rel=1e-9)
+    assert measures.outer_circle_mm == pytest.approx(1.330 * 25.4, abs=1e-9)
+    assert measures.inner_circle_mm == pytest.approx(1.170 * 25.4, abs=1e-9)

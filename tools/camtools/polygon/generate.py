@@ -1,0 +1,245 @@
+"""From a polygon to its table, checked against the outline and the machine's limits.
+
+>>> from camtools.polygon.part import example_polygon
+>>> made = generate_polygon(example_polygon())
+>>> made.accuracy_u.value_nm < 1.0, made.blended.deviation_um
+(True, 0.0)
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import PPoly
+
+from camtools.base.errors import CamtoolsError
+from camtools.base.quantities import NM_PER_MM, omega_rad_s
+from camtools.cut.feasibility import HighestSpeed, Peaks, check_feasible, drift_of, peaks_of
+from camtools.part.common import check_feed
+from camtools.polygon.blend import Blended, bend_of, blended
+from camtools.polygon.outline import Outline, extremes_of, measures_of
+from camtools.polygon.part import PolygonPart, PolygonSection
+from camtools.polygon.shapes import cornered, p3g, p4c, regular
+from camtools.polygon.surface import Prism, prism_of
+from camtools.skirt.accuracy import Accuracy, measure_u, measure_x
+from camtools.skirt.channels import u_channel, x_channel
+from camtools.skirt.geometry import Geometry
+from camtools.skirt.search import DERIVATIVE_SHARE, slice_counts
+from camtools.table.header import check_tolerance, table_of, u_bounds
+from camtools.table.image import (
+    MAX_CHANNEL_BYTES,
+    MAX_LOG2_KNOTS,
+    MIN_LOG2_KNOTS,
+    Channel,
+    Table,
+)
+from camtools.table.quantise import TooLargeError, with_bounds
+from camtools.table.records import KNOT_SIZE
+
+DEFAULT_TOLERANCE_NM = 1.0
+_MOST_BLEND_UM = 1000.0
+_BISECTIONS, _SHARP = 30, 1e-3
+_HINT_MARGIN = 1.02  # what is advised is a little more than what is needed
+
+
+@dataclass(frozen=True, eq=False)
+class GeneratedPolygon:
+    """A table of a polygon and everything that is known about it.
+
+    Attributes
+    ----------
+    drawing : Outline
+        The section of the first height, as drawn.
+    blended : Blended
+        The section as it is cut, with what the blends of its joints cost.
+    design : Prism
+        Surface of the drawing.
+    geometry : Geometry
+        Surface that the table holds.
+    """
+
+    part: PolygonPart
+    drawing: Outline
+    blended: Blended
+    design: Prism
+    geometry: Geometry
+    tolerance_nm: float
+    table: Table
+    accuracy_u: Accuracy
+    accuracy_x: Accuracy
+    peaks: Peaks
+    highest_speed: HighestSpeed
+
+
+def outline_of(section: PolygonSection) -> Outline:
+    """Return the section of the first height as the part file draws it.
+
+    Raises
+    ------
+    GeometryError
+        The numbers make no polygon.
+    """
+    phase, radii = float(np.radians(section.phase_deg)), section.corner_radius_mm or 0.0
+    if section.form == "p3g":
+        assert section.mean_diameter_mm is not None
+        assert section.eccentricity_mm is not None
+        return p3g(section.mean_diameter_mm, section.eccentricity_mm, phase)
+    if section.form == "p4c":
+        assert section.outer_diameter_mm is not None
+        assert section.inner_diameter_mm is not None
+        assert section.eccentricity_mm is not None
+        diameters = section.outer_diameter_mm, section.inner_diameter_mm
+        return p4c(*diameters, section.eccentricity_mm, phase)
+    if section.form == "regular":
+        assert section.sides is not None
+        assert section.across_flats_mm is not None
+        assert not isinstance(radii, list)
+        return regular(section.sides, section.across_flats_mm, radii, phase)
+    assert section.corners_mm is not None
+    many = radii if isinstance(radii, list) else [radii] * len(section.corners_mm)
+    return cornered(section.corners_mm, many, phase)
+
+
+def end_factor(section: PolygonSection, outer_mm: float) -> float:
+    """Return the size of the last section over that of the first, MATHS.md (118).
+
+    Raises
+    ------
+    CamtoolsError
+        Nothing is left of the last section.
+    """
+    factor = 1 + section.taper * section.length_mm / outer_mm
+    if factor <= 0:
+        most = outer_mm / section.length_mm
+        problem = f"polygon.taper = {section.taper:g}: comes to a point"
+        raise CamtoolsError([f"{problem}; give more than {-most:.4g}"])
+    return factor
+
+
+def _surfaces(section: PolygonSection, drawing: Outline, cut: Outline) -> tuple[Geometry, Prism]:
+    """Return what the table holds, and the drawing's surface."""
+    _, largest = extremes_of(drawing)
+    heights = float(section.z_mm[0]), float(section.z_mm[1])
+    factor = end_factor(section, 2 * largest)
+    design = prism_of(drawing, largest, heights, factor)
+    target = design if cut is drawing else prism_of(cut, largest, heights, factor)
+    length, breaks = section.length_mm, np.array(heights)
+    zero = 0.0
+    slope = largest * (factor - 1) / length
+    radius = PPoly(np.array([[zero], [zero], [slope], [largest]]), breaks)
+    measures = measures_of(drawing)
+    oval = (measures.outer_circle_mm - measures.inner_circle_mm) * factor
+    ovality = PPoly(np.array([[zero], [zero], [zero], [oval]]), breaks)
+    return Geometry(radius, ovality, target, *heights), design
+
+
+def choose_channel(geometry: Geometry, tolerance_nm: float) -> tuple[Channel, Accuracy]:
+    """Return the smallest u channel within a tolerance: over height a polygon is straight.
+
+    Raises
+    ------
+    CamtoolsError
+        No table follows the outline so closely.
+    """
+    n_slices = int(slice_counts(geometry)[0])
+    z_nm = np.linspace(geometry.z_first_mm, geometry.z_last_mm, 3) * NM_PER_MM
+    best: Accuracy | None = None
+    for log2_knots in range(MIN_LOG2_KNOTS, MAX_LOG2_KNOTS + 1):
+        if (n_slices << log2_knots) * KNOT_SIZE > MAX_CHANNEL_BYTES:
+            break
+        try:
+            channel = u_channel(geometry, log2_knots, n_slices, is_balanced=False)
+        except TooLargeError:
+            continue
+        best = measure_u(geometry, channel, z_nm)
+        share = max(best.first_share, best.second_share)
+        if best.value_nm <= tolerance_nm and share <= DERIVATIVE_SHARE:
+            return channel, best
+    found = "nothing fits the format" if best is None else _what_is_left(best)
+    problem = f"tolerance_nm = {tolerance_nm:g}: unreachable for u, {found}"
+    raise CamtoolsError([f"{problem}; allow more polygon.blend_um, or a larger tolerance"])
+
+
+def _what_is_left(best: Accuracy) -> str:
+    share = max(best.first_share, best.second_share)
+    return (
+        f"the largest table is off by {best.value_nm:.3g} nm, and by {100 * share:.2g} % of the "
+        f"peak acceleration, of which {100 * DERIVATIVE_SHARE:g} % is allowed"
+    )
+
+
+def generate_polygon(part: PolygonPart, tolerance_nm: float | None = None) -> GeneratedPolygon:
+    """Return the smallest table of a polygon that keeps the tolerance.
+
+    Parameters
+    ----------
+    part : PolygonPart
+        A validated part.
+    tolerance_nm : float, optional
+        Largest error of u and of x anywhere [nm], 1 by default, against the blended outline.
+
+    Raises
+    ------
+    CamtoolsError
+        The numbers make no polygon, the tolerance is out of reach, or the machine is too weak.
+    """
+    tolerance_nm = DEFAULT_TOLERANCE_NM if tolerance_nm is None else tolerance_nm
+    check_tolerance(tolerance_nm)
+    check_feed(part)
+    drawing = outline_of(part.polygon)
+    cut = blended(drawing, part.polygon.blend_um)
+    geometry, design = _surfaces(part.polygon, drawing, cut.outline)
+    u, accuracy_u = choose_channel(geometry, tolerance_nm)
+    x = x_channel(geometry, int(slice_counts(geometry)[0]))
+    accuracy_x = measure_x(geometry, x)
+    bounds = u_bounds(u, max(accuracy_u.value_nm, accuracy_x.value_nm))
+    table = table_of(part, part.process.spindle_rpm, bounds, (with_bounds(u), with_bounds(x)))
+    feed_mm = part.process.feed_mm
+    drift = drift_of(table.channels[0], 1 / NM_PER_MM, feed_mm)
+    peaks = peaks_of(bounds)._replace(u_drift=drift, feed_mm=feed_mm)
+    best = _judge(part, drawing, peaks)
+    return GeneratedPolygon(
+        *(part, drawing, cut, design, geometry, tolerance_nm, table),
+        *(accuracy_u, accuracy_x, peaks, best),
+    )
+
+
+def _judge(part: PolygonPart, drawing: Outline, peaks: Peaks) -> HighestSpeed:
+    """Return the highest speed, or refuse; of joints with the least blend that would do."""
+    try:
+        return check_feasible(peaks, part.machine.limits, part.process.spindle_rpm)
+    except CamtoolsError as error:
+        if not any("u_acceleration" in line for line in error.lines):
+            raise
+        raise CamtoolsError([*error.lines, *_advice(part, drawing)]) from error
+
+
+def _advice(part: PolygonPart, drawing: Outline) -> list[str]:
+    """Return which blend would keep the acceleration within its limit, if any does."""
+    if not blended(drawing, _MOST_BLEND_UM).blends:
+        return []
+    allowed = part.machine.limits.u_acceleration_mm_s2
+    omega = omega_rad_s(part.process.spindle_rpm)
+    least = least_blend_um(drawing, allowed / omega**2 / _HINT_MARGIN)
+    if least is None:
+        return ["polygon.blend_um: no blend helps, the outline itself is too sharp; turn slower"]
+    given = part.polygon.blend_um
+    return [f"polygon.blend_um = {given:g}: at this speed {least:.4g} would do; allow that much"]
+
+
+def least_blend_um(drawing: Outline, most_mm: float) -> float | None:
+    """Return the least deviation whose blends keep r'' below a limit [mm/rad^2], if there is."""
+
+    def is_enough(deviation_um: float) -> bool:
+        return bend_of(blended(drawing, deviation_um)) <= most_mm
+
+    low, high = 0.0, _MOST_BLEND_UM
+    if not is_enough(high):
+        return None
+    for _ in range(_BISECTIONS):
+        middle = (low + high) / 2
+        low, high = (low, middle) if is_enough(middle) else (middle, high)
+        if high - low < _SHARP * high:
+            break
+    return high

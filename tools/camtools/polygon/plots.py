@@ -1,0 +1,135 @@
+"""Pictures of a polygon: its section, the motion of U over a turn, and the blend of a joint.
+
+>>> from camtools.polygon.generate import generate_polygon
+>>> from camtools.polygon.part import example_polygon
+>>> sorted(draw_polygon(generate_polygon(example_polygon())))
+['motion', 'section']
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from camtools.base.quantities import Floats, omega_rad_s
+from camtools.plots.style import BLUE, GREY, ORANGE, PALE, RED, angle_axis, png_of, titled_figure
+from camtools.polygon.blend import Blend
+from camtools.polygon.generate import GeneratedPolygon
+from camtools.polygon.outline import measures_of
+from camtools.polygon.report_text import name_of
+from camtools.polygon.summary import angles_of
+
+_UM_PER_MM, _MM_PER_M = 1000.0, 1000.0
+_WINDOW = 2.2  # half width of the picture of a blend over that of the blend
+_N_WINDOW = 801
+
+
+def _closed(phi: Floats, r: Floats) -> tuple[Floats, Floats]:
+    x, y = r * np.cos(phi), r * np.sin(phi)
+    return np.append(x, x[0]), np.append(y, y[0])
+
+
+def paint_section(axes: Axes, made: GeneratedPolygon) -> None:
+    """Draw the first section to scale between its circles, joints marked."""
+    measures, phi = measures_of(made.drawing), angles_of(made)
+    turn = np.linspace(0, 2 * np.pi, 361)
+    circles = (
+        (measures.inner_circle_mm, f"inner circle {measures.inner_circle_mm:.6g} mm", ":"),
+        (measures.outer_circle_mm, f"outer circle {measures.outer_circle_mm:.6g} mm", "--"),
+    )
+    for diameter, label, style in circles:
+        x, y = diameter / 2 * np.cos(turn), diameter / 2 * np.sin(turn)
+        axes.plot(x, y, color=GREY, lw=0.9, ls=style, label=label)
+    axes.fill(*_closed(phi, made.drawing.polar(phi).r), color=PALE, alpha=0.5, lw=0)
+    axes.plot(*_closed(phi, made.drawing.polar(phi).r), color=BLUE, lw=1.8, label="drawing")
+    joints = np.array([blend.joint_rad for blend in made.blended.blends])
+    if joints.size:
+        r = made.drawing.polar(joints).r
+        axes.plot(r * np.cos(joints), r * np.sin(joints), "o", color=RED, ms=4, label="joints")
+    room = 1.2 * measures.outer_circle_mm / 2
+    axes.set(xlim=(-room, room), ylim=(-room, room))
+    for degrees in (0, 90, 180, 270):
+        where = 1.1 * measures.outer_circle_mm / 2
+        x, y = where * np.cos(np.radians(degrees)), where * np.sin(np.radians(degrees))
+        axes.text(x, y, f"{degrees}°", ha="center", va="center", color=GREY, fontsize=9)
+    axes.set_aspect("equal")
+    axes.set_xlabel("mm, seen along Z from the headstock")
+    axes.grid(alpha=0.2)
+
+
+def draw_section(made: GeneratedPolygon) -> Figure:
+    """Return the section to scale."""
+    figure = titled_figure(7.5, 7.9, f"{made.part.part.name}: {name_of(made.part.polygon)}")
+    paint_section(figure.add_subplot(), made)
+    figure.legend(loc="outside lower center", ncols=2, frameon=False)
+    return figure
+
+
+def draw_motion(made: GeneratedPolygon) -> Figure:
+    """Return U, its velocity and acceleration over a turn at the part's speed."""
+    rpm, z_mm = made.part.process.spindle_rpm, made.geometry.z_first_mm
+    title = f"{made.part.part.name}: motion of U at {rpm:g} r/min"
+    figure = titled_figure(8.5, 8.0, title)
+    panels: list[Axes] = list(figure.subplots(3, 1, sharex=True))
+    phi, omega = angles_of(made), omega_rad_s(rpm)
+    u = made.geometry.delta(phi, z_mm)
+    curves = (u.delta, u.d1 * omega, u.d2 * omega**2 / _MM_PER_M)
+    names = ("U towards the axis, mm", "velocity, mm/s", "acceleration, m/s²")
+    for axes, curve, name in zip(panels, curves, names, strict=True):
+        axes.plot(np.degrees(phi), curve, color=BLUE, lw=1.4)
+        axes.set_ylabel(name)
+        axes.grid(alpha=0.3)
+    limit = made.part.machine.limits.u_acceleration_mm_s2 / _MM_PER_M
+    for sign in (1, -1):
+        panels[2].axhline(sign * limit, color=RED, lw=1, ls="--")
+    panels[2].set_title("dashed: limit of the machine")
+    angle_axis(panels[-1])
+    panels[-1].set_xlabel("angle of the drawing, degrees")
+    return figure
+
+
+def hardest_blend(made: GeneratedPolygon) -> Blend:
+    """Return the blend with the highest acceleration."""
+    return max(made.blended.blends, key=lambda one: one.acceleration_mm())
+
+
+def paint_blend(panels: list[Axes], made: GeneratedPolygon, blend: Blend) -> None:
+    """Draw what a blend does to radius and acceleration around its joint."""
+    half = _WINDOW * blend.half_rad
+    phi = blend.joint_rad + half * np.linspace(-1, 1, _N_WINDOW)
+    drawn, cut = made.drawing.polar(phi), made.blended.outline.polar(phi)
+    degrees, omega = np.degrees(phi), omega_rad_s(made.part.process.spindle_rpm)
+    panels[0].plot(degrees, drawn.r * 0, color=BLUE, lw=1.6, label="drawing")
+    off_um = (cut.r - drawn.r) * _UM_PER_MM
+    panels[0].plot(degrees, off_um, color=ORANGE, lw=1.6, label="blend")
+    panels[0].set_ylabel("off the drawing, µm\n(above 0: metal left)")
+    behind, before = phi > blend.joint_rad, phi < blend.joint_rad
+    unit = -(omega**2) / _MM_PER_M
+    for side in (before, behind):
+        panels[1].plot(degrees[side], drawn.d2[side] * unit, color=BLUE, lw=1.6)
+    panels[1].plot(degrees, cut.d2 * unit, color=ORANGE, lw=1.6)
+    panels[1].set_ylabel("acceleration of U, m/s²")
+    for axes in panels:
+        axes.axvline(float(np.degrees(blend.joint_rad)), color=GREY, lw=0.8, ls=":")
+        axes.grid(alpha=0.3)
+        axes.ticklabel_format(useOffset=False)
+    panels[1].set_xlabel("angle of the drawing, degrees; dotted: the joint")
+    panels[1].set_xlim(float(degrees[0]), float(degrees[-1]))
+
+
+def draw_blend(made: GeneratedPolygon) -> Figure:
+    """Return the hardest joint: deviation from the drawing and acceleration."""
+    figure = titled_figure(8.5, 6.4, f"{made.part.part.name}: blend of a joint")
+    panels: list[Axes] = list(figure.subplots(2, 1, sharex=True))
+    paint_blend(panels, made, hardest_blend(made))
+    panels[0].legend(frameon=False)
+    return figure
+
+
+def draw_polygon(made: GeneratedPolygon) -> dict[str, bytes]:
+    """Return all pictures by topic."""
+    figures = {"section": draw_section(made), "motion": draw_motion(made)}
+    if made.blended.blends:
+        figures["blend"] = draw_blend(made)
+    return {topic: png_of(figure) for topic, figure in figures.items()}

@@ -1,0 +1,213 @@
+"""The report of a polygon: its pictures, in order, and its page.
+
+>>> list(_TEXTS)[:3]
+['fault', 'section', 'blend']
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from camtools.base.quantities import NM_PER_MM, omega_rad_s
+from camtools.plots.style import (
+    BLUE,
+    GREY,
+    RED,
+    angle_axis,
+    drawing,
+    new_figure,
+    nice_limit,
+    png_of,
+)
+from camtools.polygon.plots import hardest_blend, paint_blend, paint_section
+from camtools.polygon.report_text import PolygonCut, name_of, polygon_rows
+from camtools.polygon.summary import angles_of
+from camtools.report import compare as report_compare
+from camtools.report import motion as report_motion
+from camtools.report.page import Page, Picture, render_page
+from camtools.sim.results import CUTTING, FAULT, GaugedSurface
+from camtools.skirt import report_surface
+
+_MARKS = {"color": RED, "ls": "", "marker": "o", "ms": 3.0, "mfc": "none"}
+_UM_PER_MM, _MM_PER_M = 1000.0, 1000.0
+_MOST_MARKS = 240
+_TEXTS = {
+    "fault": (
+        "The fault",
+        "U must leave the work first, within a few milliseconds, and the tool tip must never move "
+        "towards the axis (below 0) after the dashed line.",
+    ),
+    "section": (
+        "The section",
+        "Left the drawing to scale between its two circles, with cut points of the middle height. "
+        "Right their error alone, enlarged as on a roundness instrument: away from the joints the "
+        "line should stay on the middle circle, and at the joints it shows the blends.",
+    ),
+    "blend": (
+        "The hardest joint",
+        "Where two curves of the outline meet, U would need an acceleration that jumps or is "
+        "infinite. The blend keeps it finite and costs the deviation above; the cut points must "
+        "lie on the blend, and none of them beyond the tolerance.",
+    ),
+    "map": (
+        "Error map",
+        "The shaft unrolled: red is metal left standing, blue is cut too deep. Stripes at the "
+        "joints are the blends, which the drawing is judged with; anything else is the machine.",
+    ),
+    "height": (
+        "Error over height",
+        "The band should be narrow and even from end to end: all sections are alike.",
+    ),
+    "motion": (
+        "Motion of U over one turn",
+        "The measured points must lie on the curve of the table in position and velocity; the "
+        "peaks are what the limits of the machine above are compared with.",
+    ),
+    "following": (
+        "Following error of U",
+        "How far U was from where it should have been at that moment; the band holds every turn of "
+        "the cut.",
+    ),
+    "sequence": (
+        "How the cut begins, goes on and ends",
+        "Homing finds the index with U out of the work; engaging brings X to depth and lets the "
+        "swing of U grow smoothly from nothing; disengaging is the reverse.",
+    ),
+    "compare": (
+        "What each part of the controller is worth",
+        "The same cut with parts of the controller switched off; mind the scale, which grows "
+        "tenfold from number to number.",
+    ),
+}
+
+
+def _band(outcome: PolygonCut) -> tuple[GaugedSurface, float]:
+    """Return the gauged points near the middle height, and that height."""
+    geometry, feed_mm = outcome.generated.geometry, outcome.summary["cut"]["feed_mm"]
+    low, high = geometry.z_first_mm, geometry.z_last_mm
+    middle = (low + high) / 2
+    rows = report_surface.map_rows(high - low, feed_mm)
+    return report_surface.section_at(outcome.surface, middle, 1.5 * (high - low) / rows), middle
+
+
+def draw_cut_section(outcome: PolygonCut) -> Figure:
+    """Return the section with cut points, and their error enlarged."""
+    made = outcome.generated
+    near, z_mm = _band(outcome)
+    figure = new_figure(11, 6.0)
+    figure.suptitle(name_of(made.part.polygon))
+    left, right = figure.subplots(1, 2)
+    paint_section(left, made)
+    factor = float(
+        made.geometry.radius_mm(z_mm) / made.geometry.radius_mm(made.geometry.z_first_mm)
+    )
+    step, phi = max(1, near.turn.size // 90), 2 * np.pi * near.turn
+    r = near.radius_mm / factor
+    left.plot((r * np.cos(phi))[::step], (r * np.sin(phi))[::step], label="cut", **_MARKS)
+    limit_um = nice_limit(float(np.abs(near.error_um).max(initial=0.0)))
+    report_surface.draw_roundness(right, near, float(made.geometry.radius_mm(z_mm)), limit_um)
+    figure.legend(loc="outside lower center", ncols=5, frameon=False)
+    return figure
+
+
+def draw_cut_blend(outcome: PolygonCut) -> Figure:
+    """Return the hardest joint with the points cut there."""
+    made, surface = outcome.generated, outcome.surface
+    blend = hardest_blend(made)
+    figure = new_figure(10, 6.0)
+    panels: list[Axes] = list(figure.subplots(2, 1, sharex=True))
+    paint_blend(panels, made, blend)
+    off = 2 * np.pi * surface.turn - blend.joint_rad
+    off = np.mod(off + np.pi, 2 * np.pi) - np.pi
+    near = np.flatnonzero(np.abs(off) < 2.2 * blend.half_rad)
+    near = near[:: max(1, near.size // _MOST_MARKS)]
+    degrees = np.degrees(blend.joint_rad + off[near])
+    panels[0].plot(degrees, surface.error_um[near], label="cut", **_MARKS)  # type: ignore[arg-type]
+    panels[0].legend(frameon=False)
+    return figure
+
+
+def draw_cut_motion(outcome: PolygonCut) -> Figure:
+    """Return U, its velocity and acceleration over a turn in the middle of the cut."""
+    made, trace = outcome.generated, outcome.trace
+    omega = omega_rad_s(outcome.summary["cut"]["spindle_rpm"])
+    figure = new_figure(10, 6.6)
+    panels: list[Axes] = list(figure.subplots(3, 1, sharex=True))
+    cutting = np.flatnonzero(trace.state == CUTTING)
+    whole = np.floor(trace.turn[cutting])
+    rows = cutting[whole == np.median(whole)] if cutting.size else cutting
+    z_mm = float(trace.z_mm[rows].mean()) if rows.size else made.geometry.z_first_mm
+    phi = angles_of(made)
+    u = made.geometry.delta(phi, z_mm)
+    curves = (u.delta, u.d1 * omega, u.d2 * omega**2 / _MM_PER_M)
+    names = ("U towards the axis, mm", "velocity, mm/s", "acceleration, m/s²")
+    for axes, curve, name in zip(panels, curves, names, strict=True):
+        axes.plot(np.degrees(phi), curve, color=BLUE, lw=1.4, label="table")
+        axes.set_ylabel(name)
+        axes.grid(alpha=0.3)
+    if rows.size > 2:
+        turn = trace.pick(rows)
+        u_mm, step = turn.u_act_nm / NM_PER_MM, max(1, rows.size // 180)
+        for axes, values in zip(panels, (u_mm, np.gradient(u_mm, turn.t_s)), strict=False):
+            degrees = 360 * (turn.turn[::step] % 1)
+            axes.plot(degrees, values[::step], label="measured on U", **_MARKS)  # type: ignore[arg-type]
+    panels[0].legend(frameon=False, loc="upper right", bbox_to_anchor=(1, 1.25), ncols=2)
+    panels[0].set_title(f"height {z_mm:.1f} mm", color=GREY)
+    angle_axis(panels[-1])
+    panels[-1].set_xlabel("angle of the drawing, degrees")
+    return figure
+
+
+def _named(figure: Figure) -> Figure:
+    """Return a picture of a surface with the words of a shaft."""
+    for axes in figure.axes:
+        axes.set_xlabel(axes.get_xlabel().replace("skirt ", "").replace("long axis", "corner"))
+        axes.set_ylabel(axes.get_ylabel().replace("skirt ", ""))
+    return figure
+
+
+def _drawers(outcome: PolygonCut) -> dict[str, Callable[[], Figure]]:
+    """Return what can be drawn of a cut, in the order of the report."""
+    geometry, surface, trace = outcome.generated.geometry, outcome.surface, outcome.trace
+    feed_mm = outcome.summary["cut"]["feed_mm"]
+    drawers: dict[str, Callable[[], Figure]] = {}
+    if (trace.state == FAULT).any():
+        retract_s = outcome.summary.get("fault", {}).get("retract_s", 0.0)
+        drawers["fault"] = lambda: report_motion.draw_fault(trace, retract_s)
+    if surface.turn.size:
+        drawers["section"] = lambda: draw_cut_section(outcome)
+        if outcome.generated.blended.blends:
+            drawers["blend"] = lambda: draw_cut_blend(outcome)
+        drawers["map"] = lambda: _named(report_surface.draw_map(surface, geometry, feed_mm))
+        drawers["height"] = lambda: _named(report_surface.draw_height(surface, geometry))
+    drawers["motion"] = lambda: draw_cut_motion(outcome)
+    if (trace.state == CUTTING).any():
+        drawers["following"] = lambda: _named(report_motion.draw_following(trace))
+    if trace.t_s.size > 1:
+        drawers["sequence"] = lambda: report_motion.draw_sequence(trace)
+    if len(outcome.variants) > 1:
+        tolerance_um = outcome.summary["form_error_um"]["tolerance"]
+        variants = outcome.variants
+        drawers["compare"] = lambda: report_compare.draw_variants(variants, tolerance_um)
+    return drawers
+
+
+def make_polygon_report(outcome: PolygonCut) -> dict[str, bytes]:
+    """Return the page and its pictures by file name."""
+    with drawing():
+        pictures = [Picture(key, *_TEXTS[key], draw) for key, draw in _drawers(outcome).items()]
+        shown = [(picture, png_of(picture.draw())) for picture in pictures]
+    page = Page(
+        outcome.generated.part.part.source,
+        polygon_rows(outcome),
+        shown,
+        "The tool is a point; feed marks, tool nose and bending are not modelled.",
+        "the tool's true path",
+        "shaft",
+    )
+    files = {f"cut_{picture.key}.png": png for picture, png in shown}
+    return files | {"report.html": render_page(outcome, page).encode("utf-8")}
