@@ -17,8 +17,7 @@ import numpy as np
 import pytest
 
 from camtools.base.quantities import Floats
-from camtools.ngc.full import ENGAGE_TURNS
-from camtools.ngc.words import CLEARANCE_MM
+from camtools.ngc.words import CLEARANCE_MM, ENGAGE_TURNS
 from camtools.skirt.blank import section_cut
 from camtools.skirt.geometry import Geometry, make_geometry, path_of
 from linuxcnc import AXES, Interpreter, NotHereError, interpreter

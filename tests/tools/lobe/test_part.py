@@ -13,7 +13,8 @@ from camtools.lobe.channels import slices_of
 from camtools.lobe.lift import Poly345, make_lift, parse_points
 from camtools.lobe.motion import make_lobes
 from camtools.lobe.part import MAX_LOBES, LobePart
-from camtools.pipeline.load import load, parse
+from camtools.pipeline.load import load, parse, parse_for
+from camtools.skirt.part import SkirtPart
 from part_cases import PERKINS, ROOT, parse_part
 
 PARTS = ROOT / "tools" / "parts"
@@ -58,10 +59,13 @@ def test_pistons_are_read_as_before() -> None:
     """A part file says itself what it is; what takes pistons only says so of a cam."""
     assert not isinstance(load(PERKINS).part, LobePart)
     with pytest.raises(CamtoolsError) as info:
-        parse_part(GOOD.encode(), "c.toml")
+        parse_for("scallop", SkirtPart, GOOD.encode(), "c.toml")
     assert info.value.lines == [
-        "c.toml: part.kind = 'cam': cams are for mktables and run; give the part file of a piston"
+        "c.toml: part.kind = 'cam': cams are for mktables, run, analyse and mkgcode; give the part "
+        "file of a piston"
     ]
+    with pytest.raises(CamtoolsError, match=r"part\.kind = 'cam': is of the wrong kind"):
+        parse_part(GOOD.encode(), "c.toml")
 
 
 @pytest.mark.parametrize("kind", ['"Cam"', '["cam"]', "1", "{}"])

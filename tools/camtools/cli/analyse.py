@@ -1,4 +1,4 @@
-"""Command line of the analysis: areas, equal parts, speed law, forces, refit of the corner.
+"""Command line of the analysis: areas, equal parts, speed law, forces, refit; motion of lobes.
 
 >>> from camtools.skirt.part import example_part
 >>> sorted(products(example_part(), AnalysisWishes(), with_pictures=False))[:3]
@@ -15,8 +15,10 @@ from pathlib import Path
 from camtools.base.command import Parser, run_command
 from camtools.base.errors import CamtoolsError
 from camtools.base.output import write_all
-from camtools.pipeline.load import load_for
+from camtools.lobe.part import LobePart
+from camtools.pipeline.load import load_able
 from camtools.skirt.part import SkirtPart
+from camtools.study.lobe import LobeWishes, lobe_figures, lobe_table, lobe_text, study_lobes
 from camtools.study.path import csv, make_study
 from camtools.study.refit import candidates_csv, comparison_csv, study
 from camtools.study.refit import notes as refit_notes
@@ -28,8 +30,9 @@ from camtools.study.section_text import figures, notes, summary
 def _arguments(argv: list[str] | None) -> argparse.Namespace:
     parser = Parser(
         prog="analyse",
-        description="Work out areas, equal parts, speed law and forces of one section of a part; "
-        "of a section with a corner also its refit.",
+        description="Work out areas, equal parts, speed law and forces of one section of a piston, "
+        "of a section with a corner also its refit; of a cam the motion of tool or wheel, speed, "
+        "contact and curvature. A cam takes --step-deg and --rpm only.",
         allow_abbrev=False,
     )
     add = parser.add_argument
@@ -100,17 +103,59 @@ def _files(found: Analysis, nose_mm: float, *, with_pictures: bool) -> dict[str,
     return files | {f"{topic}.png": png for topic, png in pictures.items()}
 
 
+def lobe_products(
+    part: LobePart, wishes: LobeWishes, *, with_pictures: bool = True
+) -> tuple[str, dict[str, bytes]]:
+    """Return what is printed of a cam, and the content of every file by its name.
+
+    Raises
+    ------
+    CamtoolsError
+        A wish is out of range, or the part impossible.
+    """
+    studies = study_lobes(part, wishes)
+    figures = lobe_figures(part, studies)
+    files = {f"lobe_{one.number}.csv": lobe_table(one).encode("utf-8") for one in studies}
+    files["analysis.json"] = (json.dumps(figures, indent=1, sort_keys=True) + "\n").encode()
+    if with_pictures:
+        from camtools.study.lobe_plots import draw_all as draw_lobes
+
+        files |= {f"{key}.png": png for key, png in draw_lobes(part.part.name, studies).items()}
+    return lobe_text(figures), files
+
+
+def _lobe_wishes(arguments: argparse.Namespace) -> LobeWishes:
+    """Return the wishes for a cam; refuse options that it has no use for."""
+    given, plain = vars(arguments), vars(_arguments([str(arguments.part), "-o", "x"]))
+    for name, value in given.items():
+        if name not in ("part", "output", "step_deg", "rpm") and value != plain[name]:
+            option = f"--{name.replace('_', '-')}"
+            problem = f"{option} {value}: has no meaning for a cam"
+            raise CamtoolsError([f"{problem}; leave it out"])
+    return LobeWishes(arguments.step_deg, arguments.rpm)
+
+
+def _skirt_products(part: SkirtPart, wishes: AnalysisWishes) -> tuple[str, dict[str, bytes]]:
+    found = make_analysis(part, wishes)
+    files = _files(found, wishes.nose_mm, with_pictures=True)
+    told = summary(found)
+    if "refit_notes.md" in files:
+        told += "\n" + files["refit_notes.md"].decode("utf-8")
+    return told, files
+
+
 def _run(arguments: argparse.Namespace) -> int:
-    part, wishes = load_for("analyse", SkirtPart, arguments.part), _wishes(arguments)
+    part = load_able("analyse", arguments.part)
     try:
-        found = make_analysis(part, wishes)
+        if isinstance(part, LobePart):
+            told, files = lobe_products(part, _lobe_wishes(arguments))
+        else:
+            assert isinstance(part, SkirtPart)
+            told, files = _skirt_products(part, _wishes(arguments))
     except CamtoolsError as error:
         raise CamtoolsError([f"{arguments.part}: {line}" for line in error.lines]) from error
-    files = _files(found, wishes.nose_mm, with_pictures=True)
     write_all(arguments.output, files)
-    sys.stdout.write(summary(found))
-    if "refit_notes.md" in files:
-        sys.stdout.write("\n" + files["refit_notes.md"].decode("utf-8"))
+    sys.stdout.write(told)
     return 0
 
 

@@ -18,12 +18,14 @@ from typing import NamedTuple
 from camtools.base.command import Parser, run_command
 from camtools.base.errors import CamtoolsError, InputError
 from camtools.base.output import write_all
+from camtools.lobe.part import LobePart
 from camtools.ngc.full import full_program
+from camtools.ngc.lobe import LobeJob, lobe_program
 from camtools.ngc.profile import profile_program
 from camtools.ngc.words import ProgramJob
-from camtools.part.common import check_feed
+from camtools.part.common import PartFile, check_feed
 from camtools.part.model import MIN_STEP_MM
-from camtools.pipeline.load import load_for
+from camtools.pipeline.load import load_able
 from camtools.skirt.geometry import make_geometry
 from camtools.skirt.part import SkirtPart
 from camtools.skirt.run_in import with_run
@@ -36,7 +38,7 @@ _UM_PER_MM = 1000.0
 class ProgramWishes(NamedTuple):
     """Options of the command."""
 
-    axes: str  # "xz" or "cxzu"
+    axes: str  # "xz", "cxzu" or "cxz"
     first_mm: float | None  # None: of the part
     last_mm: float | None
     chord_um: float
@@ -54,9 +56,9 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
     add("-o", "--output", type=Path, required=True, metavar="FILE", help="program, say part.ngc")
     add(
         "--axes",
-        choices=("xz", "cxzu"),
-        default="xz",
-        help="xz: camturn carries U (default); cxzu: all axes point by point",
+        choices=("xz", "cxzu", "cxz"),
+        help="xz: camturn carries U (default of pistons); cxzu: all axes point by point; cxz: X "
+        "follows the lift over C (cams), with B for a tool that swings",
     )
     add("--from-mm", type=float, metavar="MM", help="height where it begins, default the part's")
     add("--to-mm", type=float, metavar="MM", help="height where it ends, default the part's")
@@ -70,6 +72,28 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
     )
     add("--diameter", action="store_true", help="X is a diameter (G7), not a radius (G8)")
     return parser.parse_args(argv)
+
+
+def _check_chord(chord_um: float) -> None:
+    if not MIN_CHORD_UM <= chord_um <= MAX_CHORD_UM:
+        problem = f"--chord-um {chord_um:g}: must be {MIN_CHORD_UM:g} .. {MAX_CHORD_UM:g}"
+        raise CamtoolsError([f"{problem}; give micrometres"])
+
+
+def make_lobe_job(part: LobePart, wishes: ProgramWishes) -> LobeJob:
+    """Return what a program of a cam is made of.
+
+    Raises
+    ------
+    CamtoolsError
+        A chord error out of range, or heights, which a cam does not take.
+    """
+    for option, value in (("--from-mm", wishes.first_mm), ("--to-mm", wishes.last_mm)):
+        if value is not None:
+            problem = f"{option} {value:g}: has no meaning for a cam, whose lobes are cut whole"
+            raise CamtoolsError([f"{problem}; leave it out"])
+    _check_chord(wishes.chord_um)
+    return LobeJob(part, wishes.chord_um / _UM_PER_MM, wishes.is_diameter)
 
 
 def make_job(part: SkirtPart, wishes: ProgramWishes) -> ProgramJob:
@@ -93,9 +117,7 @@ def make_job(part: SkirtPart, wishes: ProgramWishes) -> ProgramJob:
     if last - first < MIN_STEP_MM:
         problem = f"--to-mm {last:g}: must be at least {MIN_STEP_MM} mm above --from-mm {first:g}"
         raise CamtoolsError([f"{problem}; programs go upwards, give the lower height first"])
-    if not MIN_CHORD_UM <= wishes.chord_um <= MAX_CHORD_UM:
-        problem = f"--chord-um {wishes.chord_um:g}: must be {MIN_CHORD_UM:g} .. {MAX_CHORD_UM:g}"
-        raise CamtoolsError([f"{problem}; give micrometres"])
+    _check_chord(wishes.chord_um)
     return ProgramJob(part, geometry, first, last, wishes.chord_um / _UM_PER_MM, wishes.is_diameter)
 
 
@@ -104,21 +126,33 @@ def program(job: ProgramJob, axes: str) -> Iterator[bytes]:
     return profile_program(job) if axes == "xz" else full_program(job)
 
 
+def _program(part: PartFile, wishes: ProgramWishes) -> Iterator[bytes]:
+    if isinstance(part, LobePart):
+        return lobe_program(make_lobe_job(part, wishes))
+    assert isinstance(part, SkirtPart)
+    return program(make_job(part, wishes), wishes.axes)
+
+
 def _run(arguments: argparse.Namespace) -> int:
     output: Path = arguments.output
     if not output.name or output.is_dir():
         problem, remedy = "is a folder", "give the name of a file, say part.ngc"
         raise InputError(str(output), "", None, problem, remedy)
-    part = load_for("mkgcode", SkirtPart, arguments.part)
+    part = load_able("mkgcode", arguments.part)
+    able = ("cxz",) if isinstance(part, LobePart) else ("xz", "cxzu")
+    axes = arguments.axes or able[0]
+    if axes not in able:
+        problem = f"--axes {axes}: not for a {part.part.kind}; give {' or '.join(able)}"
+        raise CamtoolsError([f"{arguments.part}: {problem}"])
     wishes = ProgramWishes(
-        arguments.axes,
+        axes,
         arguments.from_mm,
         arguments.to_mm,
         arguments.chord_um,
         arguments.diameter,
     )
     try:
-        pieces = program(make_job(part, wishes), wishes.axes)
+        pieces = _program(part, wishes)
     except CamtoolsError as error:
         raise CamtoolsError([f"{arguments.part}: {line}" for line in error.lines]) from error
     write_all(output.parent, {output.name: pieces})

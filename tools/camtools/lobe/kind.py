@@ -29,7 +29,7 @@ class LobeKind(Kind[LobePart, GeneratedLobes, LobeOutcome]):
     name = "cam"
     plural = "cams"
     rank = 1
-    commands = ("mktables", "run")
+    commands = ("mktables", "run", "analyse", "mkgcode")
     model = LobePart
 
     def make(self, part: LobePart, tolerance_nm: float | None = None) -> GeneratedLobes:

@@ -21,9 +21,11 @@ from camtools.cut.removal import TURN_RAD, equal_volume_angles
 from camtools.cut.speedlaw import full, uniform
 from camtools.ngc.words import (
     ANGLE_DECIMALS,
+    ENGAGE_TURNS,
     LENGTH_DECIMALS,
     ProgramJob,
     blocks,
+    envelope,
     head,
     length,
     lines,
@@ -33,7 +35,6 @@ from camtools.skirt.generate import refuse_corner
 from camtools.skirt.geometry import dense_heights_mm, path_of
 from camtools.skirt.speed import load_at
 
-ENGAGE_TURNS = 10  # as the controller's engage_turns
 _QUARTERS = 4
 _BLOCKS_AT_ONCE = 30_000
 _PER_PIECE = 8  # intervals of height between breaks
@@ -100,18 +101,12 @@ def shares_of(job: ProgramJob) -> Shares:
     return lambda z_mm: np.broadcast_to(equal, (z_mm.size, n))
 
 
-def _envelope(path: ToolPath, turns: Floats) -> Floats:
-    """Return the quintic smooth step of depth and amplitude before and after the path."""
-    s = np.clip(np.minimum(turns, ceil(path.turns) - turns) / ENGAGE_TURNS + 1, 0, 1)
-    return np.asarray(s**3 * (10 - 15 * s + 6 * s**2), dtype=np.float64)
-
-
 def points_at(job: ProgramJob, path: ToolPath, turns: Floats) -> Points:
     """Return the axes at turns since the start of the path, engaging and retracting included."""
     z = path.height_mm(turns)
     middle = job.middle_mm
     a = job.geometry.radius_mm(z) - middle
-    depth = _envelope(path, turns)
+    depth = envelope(path, turns)
     u = job.geometry.delta(drawing_rad(job, turns), z).delta - middle
     return Points(turns, a + (1 - depth) * (job.clear_mm - a), z, depth * u)
 

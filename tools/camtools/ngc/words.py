@@ -7,11 +7,13 @@ b'X1.000\nX0.000\n'
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from math import ceil
 from typing import NamedTuple
 
 import numpy as np
 
 from camtools.base.quantities import NM_PER_MM, Floats
+from camtools.cut.path import ToolPath
 from camtools.skirt.blank import blank_radius_mm
 from camtools.skirt.geometry import Geometry
 from camtools.skirt.part import SkirtPart
@@ -20,6 +22,8 @@ from camtools.skirt.zero import middle_nm
 LENGTH_DECIMALS = 6  # of millimetres: a nanometre
 ANGLE_DECIMALS = 5  # of degrees
 CLEARANCE_MM = 2.0  # tool off the blank before and after
+
+ENGAGE_TURNS = 10  # as the controller's engage_turns
 
 Word = tuple[str, int]
 """Letter and decimals."""
@@ -51,6 +55,12 @@ class ProgramJob(NamedTuple):
         return blank_radius_mm(self.geometry, self.part.process.depth_mm) + CLEARANCE_MM
 
 
+def envelope(path: ToolPath, turns: Floats) -> Floats:
+    """Return the quintic smooth step of depth and amplitude before and after the path."""
+    s = np.clip(np.minimum(turns, ceil(path.turns) - turns) / ENGAGE_TURNS + 1, 0, 1)
+    return np.asarray(s**3 * (10 - 15 * s + 6 * s**2), dtype=np.float64)
+
+
 def blocks(words: Sequence[Word], values: Floats) -> bytes:
     """Return many blocks of the same words.
 
@@ -80,7 +90,7 @@ def lines(text: Iterable[str]) -> bytes:
 
 
 def head(job: ProgramJob, notes: Iterable[str]) -> list[str]:
-    """Return the lines that every program begins with."""
+    """Return the lines that a program of a skirt begins with."""
     x = "twice the radius" if job.is_diameter else "radius"
     of = "the long half axis" if job.part.process.u_zero == "long-axis" else "U swings about it"
     comments = (
@@ -89,6 +99,11 @@ def head(job: ProgramJob, notes: Iterable[str]) -> list[str]:
         f"X: {x} that the tool tip turns at U 0, {of}",
         *notes,
     )
-    radius = "G7" if job.is_diameter else "G8"
-    setting = (f"G18 G21 G40 G49 G80 G90 {radius}", f"G64 P{job.chord_mm:.{LENGTH_DECIMALS}f} Q0")
+    return opening(comments, job.chord_mm, is_diameter=job.is_diameter)
+
+
+def opening(comments: Iterable[str], chord_mm: float, *, is_diameter: bool) -> list[str]:
+    """Return comments, and the modes in which every program runs."""
+    radius = "G7" if is_diameter else "G8"
+    setting = (f"G18 G21 G40 G49 G80 G90 {radius}", f"G64 P{chord_mm:.{LENGTH_DECIMALS}f} Q0")
     return [f"; {one}" for one in comments] + list(setting)

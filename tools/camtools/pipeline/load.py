@@ -59,14 +59,22 @@ def parse_for(
     CamtoolsError
         The command has no use for this kind, or see `parse`.
     """
+    part = parse_able(command, data, file, folder)
+    if not isinstance(part, model):
+        raise InputError(file, "part.kind", part.part.kind, "is of the wrong kind", "give another")
+    return part
+
+
+def parse_able(command: str, data: bytes, file: str, folder: Path = Path()) -> PartFile:
+    """Return the part, of whatever kind the command can do; errors as `parse_for`."""
     tree = read_tree(data, file)
     kind = kind_of(tree)
     if command not in kind.commands:
         able = " or ".join(f"a {other.name}" for other in kinds() if command in other.commands)
-        problem = f"{kind.plural} are for {' and '.join(kind.commands)}"
+        *others, last = kind.commands
+        problem = f"{kind.plural} are for {', '.join(others)} and {last}"
         raise InputError(file, "part.kind", kind.name, problem, f"give the part file of {able}")
-    part = _checked(tree, file, folder).part
-    assert isinstance(part, model)
+    part: PartFile = _checked(tree, file, folder).part
     return part
 
 
@@ -84,3 +92,8 @@ def load(path: Path) -> Loaded:
 def load_for(command: str, model: type[PartT], path: Path) -> PartT:
     """Return the part of a file for a command; errors as `parse_for`."""
     return parse_for(command, model, read_part_file(path), str(path), path.parent)
+
+
+def load_able(command: str, path: Path) -> PartFile:
+    """Return the part of a file, of whatever kind the command can do; errors as `parse_for`."""
+    return parse_able(command, read_part_file(path), str(path), path.parent)
