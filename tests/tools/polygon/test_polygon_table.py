@@ -207,3 +207,24 @@ def test_area_and_inch_sizes() -> None:
     assert measures.area_mm2 == pytest.approx(np.pi * dm**2 / 4 - 4 * np.pi * e**2, rel=1e-9)
     assert measures.outer_circle_mm == pytest.approx(1.330 * 25.4, abs=1e-9)
     assert measures.inner_circle_mm == pytest.approx(1.170 * 25.4, abs=1e-9)
+
+
+@pytest.mark.slow
+def test_about_the_mean_with_run_in(tmp_path: Path) -> None:
+    """U needs half of the travel, the tool enters and leaves through the air, the part is good."""
+    text = (PARTS / "p3g-25.toml").read_text()
+    text = text.replace("u_stroke_mm = 8", "u_stroke_mm = 2").replace("[0, 30]", "[0, 4]")
+    path = tmp_path / "a.toml"
+    path.write_text(text)
+    with pytest.raises(CamtoolsError, match=r'process\.u_zero = "mean", which needs 1\.6'):
+        generate_polygon(load(path).part)
+    more = 'u_zero = "mean"\nrun_in_mm = 1.5\nrun_out_mm = 1.0\n[machine.limits]'
+    path.write_text(text.replace("[machine.limits]", more))
+    assert run([str(path), "-o", str(tmp_path)]) == 0
+    turn, z, radius, _ = np.loadtxt(
+        tmp_path / "surface.csv", delimiter=",", skiprows=1, unpack=True
+    )
+    assert z.min() >= 0 and z.max() <= 4
+    some = np.random.default_rng(2).choice(turn.size, 200, replace=False)
+    drawn = radius_of("p3g-25", 2 * np.pi * turn[some])
+    assert np.abs(radius[some] - drawn).max() < 2e-4

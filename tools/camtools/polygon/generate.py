@@ -18,14 +18,16 @@ from camtools.base.quantities import NM_PER_MM, omega_rad_s
 from camtools.cut.feasibility import HighestSpeed, Peaks, check_feasible, drift_of, peaks_of
 from camtools.part.common import check_feed
 from camtools.polygon.blend import Blended, bend_of, blended
-from camtools.polygon.outline import Outline, extremes_of, measures_of
+from camtools.polygon.outline import Outline, extremes_of
 from camtools.polygon.part import PolygonPart, PolygonSection
 from camtools.polygon.shapes import cornered, p3g, p4c, regular
 from camtools.polygon.surface import Prism, prism_of
 from camtools.skirt.accuracy import Accuracy, measure_u, measure_x
 from camtools.skirt.channels import u_channel, x_channel
+from camtools.skirt.generate import with_mean
 from camtools.skirt.geometry import Geometry
 from camtools.skirt.search import DERIVATIVE_SHARE, slice_counts
+from camtools.skirt.zero import middle_nm, moved
 from camtools.table.header import check_tolerance, table_of, u_bounds
 from camtools.table.image import (
     MAX_CHANNEL_BYTES,
@@ -57,6 +59,8 @@ class GeneratedPolygon:
         Surface of the drawing.
     geometry : Geometry
         Surface that the table holds.
+    middle_nm : int
+        What X takes over from U, `process.u_zero`.
     """
 
     part: PolygonPart
@@ -70,6 +74,7 @@ class GeneratedPolygon:
     accuracy_x: Accuracy
     peaks: Peaks
     highest_speed: HighestSpeed
+    middle_nm: int
 
 
 def outline_of(section: PolygonSection) -> Outline:
@@ -101,37 +106,38 @@ def outline_of(section: PolygonSection) -> Outline:
     return cornered(section.corners_mm, many, phase)
 
 
-def end_factor(section: PolygonSection, outer_mm: float) -> float:
-    """Return the size of the last section over that of the first, MATHS.md (118).
+def factors_of(part: PolygonPart, outer_mm: float) -> tuple[float, float]:
+    """Return the size of the sections where the tool begins and ends, MATHS.md (118).
 
     Raises
     ------
     CamtoolsError
-        Nothing is left of the last section.
+        Nothing is left of one of them.
     """
-    factor = 1 + section.taper * section.length_mm / outer_mm
-    if factor <= 0:
-        most = outer_mm / section.length_mm
-        problem = f"polygon.taper = {section.taper:g}: comes to a point"
-        raise CamtoolsError([f"{problem}; give more than {-most:.4g}"])
-    return factor
+    section = part.polygon
+    first, last = (1 + section.taper * (z - section.z_mm[0]) / outer_mm for z in part.heights_mm)
+    if min(first, last) <= 0:
+        problem = f"polygon.taper = {section.taper:g}: comes to a point on the way of the tool"
+        raise CamtoolsError([f"{problem}; give less taper, or less run-in and run-out"])
+    return first, last
 
 
-def _surfaces(section: PolygonSection, drawing: Outline, cut: Outline) -> tuple[Geometry, Prism]:
+def _surfaces(part: PolygonPart, drawing: Outline, cut: Outline) -> tuple[Geometry, Prism]:
     """Return what the table holds, and the drawing's surface."""
-    _, largest = extremes_of(drawing)
-    heights = float(section.z_mm[0]), float(section.z_mm[1])
-    factor = end_factor(section, 2 * largest)
-    design = prism_of(drawing, largest, heights, factor)
-    target = design if cut is drawing else prism_of(cut, largest, heights, factor)
-    length, breaks = section.length_mm, np.array(heights)
-    zero = 0.0
-    slope = largest * (factor - 1) / length
-    radius = PPoly(np.array([[zero], [zero], [slope], [largest]]), breaks)
-    measures = measures_of(drawing)
-    oval = (measures.outer_circle_mm - measures.inner_circle_mm) * factor
-    ovality = PPoly(np.array([[zero], [zero], [zero], [oval]]), breaks)
-    return Geometry(radius, ovality, target, *heights), design
+    least, largest = extremes_of(drawing)
+    heights = part.heights_mm
+    factors = factors_of(part, 2 * largest)
+    design = prism_of(drawing, largest, heights, factors)
+    target = design if cut is drawing else prism_of(cut, largest, heights, factors)
+    first, last = (largest * factor for factor in factors)
+    radius = _over_height((last - first) / part.height_mm, first, heights)
+    ovality = _over_height(0.0, 2 * (largest - least) * max(factors), heights)
+    ends = float(part.polygon.z_mm[0]), float(part.polygon.z_mm[1])
+    return Geometry(radius, ovality, target, *heights, gauge_mm=ends), design
+
+
+def _over_height(slope: float, first: float, heights_mm: tuple[float, float]) -> PPoly:
+    return PPoly(np.array([[0.0], [0.0], [slope], [first]]), np.array(heights_mm))
 
 
 def choose_channel(geometry: Geometry, tolerance_nm: float) -> tuple[Channel, Accuracy]:
@@ -189,30 +195,33 @@ def generate_polygon(part: PolygonPart, tolerance_nm: float | None = None) -> Ge
     check_feed(part)
     drawing = outline_of(part.polygon)
     cut = blended(drawing, part.polygon.blend_um)
-    geometry, design = _surfaces(part.polygon, drawing, cut.outline)
+    geometry, design = _surfaces(part, drawing, cut.outline)
     u, accuracy_u = choose_channel(geometry, tolerance_nm)
     x = x_channel(geometry, int(slice_counts(geometry)[0]))
     accuracy_x = measure_x(geometry, x)
+    middle = middle_nm(geometry, part.process.u_zero)
+    u, x = moved(u, middle), moved(x, middle)
     bounds = u_bounds(u, max(accuracy_u.value_nm, accuracy_x.value_nm))
     table = table_of(part, part.process.spindle_rpm, bounds, (with_bounds(u), with_bounds(x)))
     feed_mm = part.process.feed_mm
     drift = drift_of(table.channels[0], 1 / NM_PER_MM, feed_mm)
     peaks = peaks_of(bounds)._replace(u_drift=drift, feed_mm=feed_mm)
-    best = _judge(part, drawing, peaks)
+    best = _judge(part, drawing, peaks, (bounds.u_max_nm - bounds.u_min_nm) / NM_PER_MM)
     return GeneratedPolygon(
         *(part, drawing, cut, design, geometry, tolerance_nm, table),
-        *(accuracy_u, accuracy_x, peaks, best),
+        *(accuracy_u, accuracy_x, peaks, best, middle),
     )
 
 
-def _judge(part: PolygonPart, drawing: Outline, peaks: Peaks) -> HighestSpeed:
+def _judge(part: PolygonPart, drawing: Outline, peaks: Peaks, travel_mm: float) -> HighestSpeed:
     """Return the highest speed, or refuse; of joints with the least blend that would do."""
     try:
         return check_feasible(peaks, part.machine.limits, part.process.spindle_rpm)
     except CamtoolsError as error:
-        if not any("u_acceleration" in line for line in error.lines):
-            raise
-        raise CamtoolsError([*error.lines, *_advice(part, drawing)]) from error
+        lines = [with_mean(line, part.process.u_zero, travel_mm) for line in error.lines]
+        if any("u_acceleration" in line for line in lines):
+            lines += _advice(part, drawing)
+        raise CamtoolsError(lines) from error
 
 
 def _advice(part: PolygonPart, drawing: Outline) -> list[str]:

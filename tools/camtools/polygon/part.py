@@ -23,6 +23,7 @@ MAX_SIDES = 16
 DiameterMm = Annotated[float, Field(ge=1, le=4000)]
 EccentricityMm = Annotated[float, Field(gt=0, le=100)]
 CornerMm = Annotated[float, Field(ge=0, le=2000)]
+RunMm = Annotated[float, Field(ge=0, le=200)]
 PlaceMm = Annotated[float, Field(ge=-2000, le=2000)]
 Point = Annotated[list[PlaceMm], Field(min_length=2, max_length=2)]
 Corners = Annotated[list[Point], Field(min_length=3, max_length=64)]
@@ -146,6 +147,9 @@ class PolygonProcess(TomlTable):
     depth_mm: Annotated[float, Field(ge=0, le=100)] = 0.1
     direction: Literal[1, -1] = 1
     form_error_um: Annotated[float, Field(ge=0.01, le=1000)] = 5.0
+    u_zero: Literal["long-axis", "mean"] = "long-axis"
+    run_in_mm: RunMm = 0.0
+    run_out_mm: RunMm = 0.0
 
     _check_direction = field_validator("direction", mode="before")(no_truth)
 
@@ -165,9 +169,16 @@ class PolygonPart(TomlTable):
     machine: PolygonMachine = Field(default_factory=PolygonMachine)
 
     @property
+    def heights_mm(self) -> tuple[float, float]:
+        """Return between which heights the tool follows the polygon, the air included [mm]."""
+        low, high = self.polygon.z_mm
+        return low - self.process.run_in_mm, high + self.process.run_out_mm
+
+    @property
     def height_mm(self) -> float:
-        """Return the length of the polygon [mm]."""
-        return self.polygon.length_mm
+        """Return the length of the tool's path along Z [mm]."""
+        low, high = self.heights_mm
+        return high - low
 
 
 def example_polygon() -> PolygonPart:

@@ -9,10 +9,9 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.interpolate import PPoly
 
 from camtools.base.json_text import Json
-from camtools.base.quantities import omega_rad_s
+from camtools.base.quantities import NM_PER_MM, omega_rad_s
 from camtools.cut.feasibility import given_of, needed_of
 from camtools.polygon.blend import widest_rad
 from camtools.polygon.generate import GeneratedPolygon
@@ -24,10 +23,16 @@ from camtools.table.image import KIND_U, KIND_X
 from camtools.table.summary import about_image, describe_channel
 
 
-def surface_of(prism: Prism, radius: PPoly) -> Json:
+def surface_of(prism: Prism, made: GeneratedPolygon) -> Json:
     """Return a surface as the gauge reads it."""
+    radius = made.geometry.radius
     axis = {"breaks_mm": radius.x.tolist(), "coefficients": radius.c.T.tolist()}
-    return {"shape": "surface", "radius_mm": axis, "surface": prism.pieces.document()}
+    return {
+        "shape": "surface",
+        "radius_mm": axis,
+        "surface": prism.pieces.document(),
+        "gauge_mm": list(made.geometry.skirt_mm),
+    }
 
 
 def angles_of(made: GeneratedPolygon) -> np.ndarray:
@@ -102,21 +107,20 @@ def make_polygon_summary(made: GeneratedPolygon) -> Json:
     """Return everything that is known about a table, ready for JSON; no dates, no paths."""
     table, process = made.table, made.part.process
     u, x = table.channel(KIND_U), table.channel(KIND_X)
-    radius = made.geometry.radius
     own = {
         "part": {"name": table.part_name, "kind": "polygon", "source": made.part.part.source},
-        "process": process.model_dump(),
+        "process": process.model_dump() | {"u_zero_mm": made.middle_nm / NM_PER_MM},
         "polygon": _about(made),
         "channels": {"u": describe_channel(u), "x": describe_channel(x)},
         "error": {"u": error_of(made.accuracy_u, "rad"), "x": error_of(made.accuracy_x, "mm")},
         "continuity": {"u": jumps_of(u), "x": jumps_of(x)},
         "motion": _motion(made),
         "feasibility": _feasibility(made),
-        "design": surface_of(made.design, radius),
+        "design": surface_of(made.design, made),
     }
     if made.geometry.surface is not made.design:
         assert isinstance(made.geometry.surface, Prism)
-        own["target"] = surface_of(made.geometry.surface, radius)
+        own["target"] = surface_of(made.geometry.surface, made)
     return about_image(table, made.tolerance_nm) | own
 
 

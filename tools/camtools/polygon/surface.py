@@ -4,7 +4,7 @@ All sections are similar: the radius at a height is that of the first height tim
 grows linearly, 1 without a taper, MATHS.md (118).
 
 >>> from camtools.polygon.shapes import p4c
->>> prism = prism_of(p4c(35.0, 30.0, 5.0, 0.0), 17.5, (0.0, 10.0), 1.0)
+>>> prism = prism_of(p4c(35.0, 30.0, 5.0, 0.0), 17.5, (0.0, 10.0), (1.0, 1.0))
 >>> prism.log2_repeat, f"{float(prism.delta(np.pi / 4, 5.0).delta):.9f}"
 (2, '2.500000000')
 """
@@ -62,7 +62,10 @@ def _fitted(outline: Outline, first_rad: float, last_rad: float) -> tuple[Floats
 
 
 def prism_of(
-    outline: Outline, largest_mm: float, heights_mm: tuple[float, float], end_factor: float
+    outline: Outline,
+    largest_mm: float,
+    heights_mm: tuple[float, float],
+    factors: tuple[float, float],
 ) -> Prism:
     """Return the surface of an outline.
 
@@ -70,8 +73,8 @@ def prism_of(
     ----------
     largest_mm : float
         Radius from which the reduction counts.
-    end_factor : float
-        Size of the last section over that of the first.
+    factors : tuple of float
+        Size of the sections at both heights over that of the outline.
     """
     joints = np.mod(np.array(outline.starts_rad), TURN_RAD)
     borders = np.unique(np.concatenate([[0.0, TURN_RAD], joints]))
@@ -83,7 +86,7 @@ def prism_of(
     quintics = -np.concatenate([one[1] for one in found])
     quintics[:, 0] += largest_mm
     coefficients = np.zeros((1, quintics.shape[0], N_ANGLE, N_HEIGHT))
-    coefficients[0, ..., 0] = quintics
-    coefficients[0, ..., 1] = (end_factor - 1) * quintics
+    coefficients[0, ..., 0] = factors[0] * quintics
+    coefficients[0, ..., 1] = (factors[1] - factors[0]) * quintics
     log2 = min(MAX_LOG2_REPEAT, (outline.repeat & -outline.repeat).bit_length() - 1)
     return Prism(PolySurface(breaks, np.asarray(heights_mm, dtype=float), coefficients), log2)

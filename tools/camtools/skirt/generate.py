@@ -144,10 +144,9 @@ def peaks_of_table(table: Table, speed: SpeedTable | None) -> Peaks:
     return peaks_of(table.bounds, ratio)._replace(u_drift=drift.at(ratio), feed_mm=feed_mm)
 
 
-def _with_mean(line: str, part: SkirtPart, bounds: Bounds) -> str:
+def with_mean(line: str, u_zero: str, travel_mm: float) -> str:
     """Return a refusal; of the stroke with what it would be about the mean."""
-    travel_mm = (bounds.u_max_nm - bounds.u_min_nm) / NM_PER_MM
-    if part.process.u_zero == "mean" or ".u_stroke_mm" not in line:
+    if u_zero == "mean" or ".u_stroke_mm" not in line:
         return line
     return f'{line}; or set process.u_zero = "mean", which needs {travel_mm:.9g} mm'
 
@@ -157,7 +156,8 @@ def _judge(part: SkirtPart, geometry: Geometry, peaks: Peaks, bounds: Bounds) ->
     try:
         return check_feasible(peaks, part.machine.limits, part.process.spindle_rpm)
     except CamtoolsError as error:
-        lines = [_with_mean(line, part, bounds) for line in error.lines]
+        travel_mm = (bounds.u_max_nm - bounds.u_min_nm) / NM_PER_MM
+        lines = [with_mean(line, part.process.u_zero, travel_mm) for line in error.lines]
         if geometry.corner is None or not any("u_acceleration" in line for line in lines):
             raise CamtoolsError(lines) from error
         best = min(geometry.corner.candidates, key=lambda one: one.acceleration_mm_s2)
