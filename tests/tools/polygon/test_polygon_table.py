@@ -224,7 +224,7 @@ def test_about_the_mean_with_run_in(tmp_path: Path) -> None:
     turn, z, radius, _ = np.loadtxt(
         tmp_path / "surface.csv", delimiter=",", skiprows=1, unpack=True
     )
-    assert z.min() >= 0 and z.max() <= 4
+    assert z.min() < -1.4 and z.max() > 4.9  # the air is written, too, but not judged
     some = np.random.default_rng(2).choice(turn.size, 200, replace=False)
     drawn = radius_of("p3g-25", 2 * np.pi * turn[some])
     assert np.abs(radius[some] - drawn).max() < 2e-4
