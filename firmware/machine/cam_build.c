@@ -11,8 +11,7 @@
 /// 2 pi * 2^24, for gains of the observer.
 #define TWO_PI_Q24 INT64_C(105414357)
 
-/// Set-point checks allow 1/16 over the limits for encoder noise, and the rounding of three
-/// nanometres.
+/// Set-point checks allow 1/16 over the limits for encoder noise, and three nanometres of rounding.
 #define CHECK_MARGIN_Q10 (3 * 1024)
 
 /// [slices / 2^32] that U's height stays below the last slice, rounding of its increments included.
@@ -76,11 +75,9 @@ static cam_move_limits_t limits(int32_t speed_um_per_s, int32_t acceleration_mm_
 
 /// @return [nm / 1024] place of U out of the work, beyond the outermost place of the cut, inside
 /// the stroke whatever was set
-static int64_t retract_q10(const cam_params_t *p, const cam_table_t *table)
+static int64_t retract_q10(const cam_params_t *p, const cam_table_t *table, int32_t rise_nm)
 {
-    const int32_t rise_nm = table != NULL ? cam_table_rise_nm(table) : 0;
-    const int32_t half_nm =
-        table != NULL ? cam_demand_half_stroke_nm(table, p) : p->u_stroke_nm / 2;
+    const int32_t half_nm = cam_demand_half_stroke_nm(table, p);
     return (int64_t)cam_clamp_i32(p->u_retract_nm - rise_nm, -half_nm, half_nm) * 1024;
 }
 
@@ -393,7 +390,7 @@ cam_err_t cam_build_config(cam_config_t *config, const cam_params_t *params,
     }
     build_limits(config, params, tick_hz);
     build_guard(&config->guard, params, speed_limit_mrpm, tick_hz);
-    config->play.u_retract_q10 = retract_q10(params, table);
+    config->play.u_retract_q10 = retract_q10(params, table, rise_nm);
     config->guard.u_retract_q10 = config->play.u_retract_q10;
     config->k1_q16 = ticks_of_ns(params->k1_ns, tick_hz);
     config->k2_q16 = ticks2_of_us2(params->k2_us2, tick_hz);

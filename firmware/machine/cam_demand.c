@@ -78,11 +78,35 @@ static bool has_rings(const cam_cut_t *c)
     return c->t->is_ring_helix && c->p->z_is_measured == 0;
 }
 
+/// @return [um/s] speed of Z along a helix with the mean feed, below 2^44
+static uint64_t plain_um_per_s(const cam_cut_t *c)
+{
+    return divided_up(c->feed_nm * c->peak_mrpm, 60000000);
+}
+
+/// @return [1e-6] largest feed over its mean
+static uint64_t way_slope_ppm(const cam_cut_t *c)
+{
+    return c->p->z_is_measured == 0 && c->t->way.knots != NULL ? c->t->way_slope_ppm : 1000000u;
+}
+
+/// Where the feed changes with the height, Z accelerates by that change times the square of its
+/// mean speed. @return [mm/s2]
+static uint64_t way_mm_per_s2(const cam_cut_t *c)
+{
+    if (c->t->way.knots == NULL) {
+        return 0;
+    }
+    const int64_t v_um_per_s = smaller((int64_t)plain_um_per_s(c), max_z_um_per_s);
+    const uint64_t v_tenth_mm_per_s = (uint64_t)v_um_per_s / 100u + 1u;
+    return v_tenth_mm_per_s * v_tenth_mm_per_s * c->t->way_bend_ppm_per_m / 100000000000u + 1u;
+}
+
 /// @return [um/s] highest speed of Z; on a ring-helix that between its ramps
 static uint64_t z_um_per_s(const cam_cut_t *c)
 {
     if (!has_rings(c)) {
-        return divided_up(c->feed_nm * c->peak_mrpm, 60000000);
+        return divided_up(plain_um_per_s(c) * way_slope_ppm(c), 1000000);
     }
     const uint32_t feed_nm = (uint32_t)c->feed_nm;
     const uint32_t ramp_q32 =
@@ -104,7 +128,8 @@ static uint64_t z_mm_per_s2(const cam_cut_t *c)
     const uint64_t per = turns * c->feed_nm <= span_nm(c)
                              ? UINT64_C(3600000000) * turns
                              : UINT64_C(3600000000) * span_nm(c) / c->feed_nm;
-    return divided_up(c->feed_nm * rpm * rpm, per);
+    const uint64_t ramp = divided_up(c->feed_nm * rpm * rpm, per);
+    return divided_up(ramp * way_slope_ppm(c), 1000000) + way_mm_per_s2(c);
 }
 
 /// @return [mm/s2] acceleration of Z that the other axes have to follow. A measured Z is not
@@ -330,7 +355,8 @@ static cam_demand_t x_acceleration_demand(const cam_cut_t *c)
 
 int32_t cam_demand_half_stroke_nm(const cam_table_t *t, const cam_params_t *p)
 {
-    return (int32_t)(smaller(p->u_stroke_nm, t->limit_u_stroke_nm) / 2);
+    const int64_t made_for_nm = t != NULL ? t->limit_u_stroke_nm : INT32_MAX;
+    return (int32_t)(smaller(p->u_stroke_nm, made_for_nm) / 2);
 }
 
 cam_demand_t cam_demand_first_exceeded(const cam_cut_t *c)

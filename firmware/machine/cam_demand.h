@@ -32,7 +32,8 @@ typedef struct {
     uint64_t needed; ///< in the same unit, rounded up; it never falls with rising speed or feed
 } cam_demand_t;
 
-/// @return [nm] travel of U to either side of the middle of its stroke
+/// @param t  NULL: without a table
+/// @return   [nm] travel of U to either side of the middle of its stroke
 /// Context: slow side.
 int32_t cam_demand_half_stroke_nm(const cam_table_t *t, const cam_params_t *p);
 

@@ -18,6 +18,7 @@ typedef struct {
     uint32_t speed_mrpm;      ///< [r/min / 1000] the speed that was judged
     uint32_t highest_mrpm;    ///< [r/min / 1000] cam_feasible_highest_mrpm()
     uint32_t largest_feed_nm; ///< [nm] cam_feasible_largest_feed_nm()
+    uint32_t pass;            ///< number of the pass that was judged; 0: the table has none
     int64_t needed;           ///< what the motion needs, in the unit of the limit
     int64_t limit; ///< [r/min / 1000], [um/s], [mm/s2], [nm], [degrees / 1000], [degrees /
                    ///< 1000 / s], [degrees / s2], [1e-6] or per tick, depending on err

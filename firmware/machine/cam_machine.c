@@ -2,6 +2,7 @@
 #include "cam_machine.h"
 #include "cam_build.h" // cam_build_config
 #include "cam_fix.h"   // cam_is_within
+#include "cam_pass.h"  // cam_pass_params
 #include "hal/hal.h"   // hal_halt, hal_has_swing
 #include <stddef.h>    // NULL
 #include <string.h>    // memset
@@ -15,54 +16,34 @@ enum { scrub_bytes = 1024 };
 /// Offset of the first byte that the image's CRC covers (TABLE_FORMAT.md).
 enum { scrub_from = 24 };
 
-/// @return [r/min / 1000] speed that start uses: that of the parameters, else that of the table
-static uint32_t start_mrpm(const cam_params_t *params, const cam_table_t *table)
-{
-    return params->spindle_mrpm > 0 ? (uint32_t)params->spindle_mrpm : table->spindle_mrpm;
-}
-
-/// @return the parameters as this machine can fulfil them: without an axis for the swing its speed
-///         is 0, whatever was set
-static cam_params_t possible(const cam_params_t *params)
-{
-    cam_params_t here = *params;
-    if (!hal_has_swing()) {
-        here.swing_speed_mdeg_per_s = 0;
-    }
-    return here;
-}
-
-/// Judge the speed that start would use with these parameters and this table.
+/// Judge the speeds that start would use with these parameters and this table.
 static cam_err_t check_start(const cam_machine_t *m, const cam_params_t *params,
                              const cam_table_t *table)
 {
-    const cam_params_t here = possible(params);
-    return cam_feasible_check(table, &here, start_mrpm(params, table), m->tick_hz);
-}
-
-/// @return [r/min / 1000] highest feasible mean speed; 0 without a table
-static uint32_t highest_mrpm(const cam_machine_t *m, const cam_params_t *params,
-                             const cam_table_t *table)
-{
-    const cam_params_t here = possible(params);
-    return table != NULL ? cam_feasible_highest_mrpm(table, &here, m->tick_hz) : 0u;
+    uint32_t pass = 0;
+    return cam_pass_check(table, params, 0, m->tick_hz, &pass);
 }
 
 /// Hand parameters and table to the interrupt as one configuration. Nothing changes on error.
-static cam_err_t hand_over(cam_machine_t *m, const cam_params_t *params, const cam_table_t *table)
+/// @param pass  of the table that start cuts with it
+static cam_err_t hand_over(cam_machine_t *m, const cam_params_t *params, const cam_table_t *table,
+                           uint32_t pass)
 {
     cam_config_t *half = cam_config_free_half(&m->core->config);
     if (half == NULL) {
         return cam_err_busy;
     }
     // The guard's limit of the speed follows from the highest speed at which all limits hold.
-    const uint32_t mean_mrpm = highest_mrpm(m, params, table);
+    const cam_params_t here = cam_pass_params(params, table, pass);
+    const uint32_t mean_mrpm =
+        table != NULL ? cam_feasible_highest_mrpm(table, &here, m->tick_hz) : 0u;
     const uint32_t peak_mrpm = table != NULL ? cam_feasible_peak_mrpm(table, mean_mrpm) : 0u;
     const uint32_t limit_mrpm = peak_mrpm + peak_mrpm / 100u * overspeed_percent;
-    const cam_err_t err =
-        cam_build_config(half, params, table, limit_mrpm, m->tick_hz, m->clock_hz);
+    const cam_err_t err = cam_build_config(half, &here, table, limit_mrpm, m->tick_hz, m->clock_hz);
     if (err == cam_ok) {
         m->generation++;
+        m->pass = pass;
+        m->limit_mrpm = limit_mrpm;
         half->generation = m->generation;
         cam_config_offer(&m->core->config);
     }
@@ -81,7 +62,7 @@ void cam_machine_init(cam_machine_t *m, cam_t *core, uint32_t tick_hz, uint32_t 
     if (m->params.observer_bandwidth_mHz > fastest_mHz) {
         m->params.observer_bandwidth_mHz = (int32_t)fastest_mHz;
     }
-    const cam_err_t err = hand_over(m, &m->params, NULL);
+    const cam_err_t err = hand_over(m, &m->params, NULL, 0);
     (void)cam_config_take_isr(&core->config);
     if (err != cam_ok) {
         hal_halt("cam_machine_init: defaults do not fit the tick rate");
@@ -149,7 +130,7 @@ cam_err_t cam_machine_select_table(cam_machine_t *m, const void *image, size_t s
             return err;
         }
     }
-    err = hand_over(m, &m->params, &table);
+    err = hand_over(m, &m->params, &table, cam_pass_first(&m->params, &table));
     if (err == cam_ok) {
         m->table = table;
         m->has_table = true;
@@ -199,7 +180,9 @@ cam_err_t cam_machine_set_param(cam_machine_t *m, cam_param_id_t id, int32_t val
         err = check_start(m, &params, &m->table);
     }
     if (err == cam_ok) {
-        err = hand_over(m, &params, m->has_table ? &m->table : NULL);
+        const cam_table_t *table = m->has_table ? &m->table : NULL;
+        const uint32_t pass = id == cam_param_pass ? cam_pass_first(&params, table) : m->pass;
+        err = hand_over(m, &params, table, pass);
     }
     if (err == cam_ok) {
         m->params = params;
@@ -209,22 +192,27 @@ cam_err_t cam_machine_set_param(cam_machine_t *m, cam_param_id_t id, int32_t val
 
 cam_err_t cam_machine_check_speed(const cam_machine_t *m, uint32_t speed_mrpm)
 {
-    const cam_params_t here = possible(&m->params);
-    const uint32_t mrpm = speed_mrpm > 0u ? speed_mrpm : start_mrpm(&here, &m->table);
-    return m->has_table ? cam_feasible_check(&m->table, &here, mrpm, m->tick_hz) : cam_err_no_table;
+    uint32_t pass = 0;
+    return m->has_table ? cam_pass_check(&m->table, &m->params, speed_mrpm, m->tick_hz, &pass)
+                        : cam_err_no_table;
 }
 
 uint32_t cam_machine_highest_mrpm(const cam_machine_t *m)
 {
-    return highest_mrpm(m, &m->params, m->has_table ? &m->table : NULL);
+    return m->has_table ? cam_pass_highest_mrpm(&m->table, &m->params, m->tick_hz) : 0u;
 }
 
 cam_feasibility_t cam_machine_feasibility(const cam_machine_t *m, uint32_t speed_mrpm)
 {
-    const cam_params_t here = possible(&m->params);
-    const uint32_t mrpm = speed_mrpm > 0u ? speed_mrpm : start_mrpm(&here, &m->table);
-    return m->has_table ? cam_feasible(&m->table, &here, mrpm, m->tick_hz)
-                        : (cam_feasibility_t){.err = cam_err_no_table, .speed_mrpm = mrpm};
+    if (!m->has_table) {
+        const uint32_t asked_mrpm = (uint32_t)m->params.spindle_mrpm;
+        return (cam_feasibility_t){.err = cam_err_no_table,
+                                   .speed_mrpm = speed_mrpm > 0u ? speed_mrpm : asked_mrpm};
+    }
+    uint32_t pass = 0;
+    const cam_err_t err = cam_pass_check(&m->table, &m->params, speed_mrpm, m->tick_hz, &pass);
+    return cam_pass_feasibility(&m->table, &m->params, speed_mrpm, m->tick_hz,
+                                err == cam_ok ? m->pass : pass);
 }
 
 /// Post a request if the state allows it.
@@ -300,22 +288,57 @@ cam_err_t cam_machine_may_exchange(const cam_machine_t *m)
     return status.state == cam_state_off ? cam_ok : cam_err_state;
 }
 
+/// See whether the pass has ended, and make the next one ready when it was cut to its end. While
+/// the last configuration has not been taken this is tried again.
+static void end_pass(cam_machine_t *m, const cam_status_t *status)
+{
+    if (!m->is_in_pass || is_pending(m, status) || cam_state_is_in_work(status->state)) {
+        return;
+    }
+    const bool is_done = status->state == cam_state_ready && !m->is_cut_short;
+    const uint32_t next = cam_pass_next(&m->params, &m->table, m->pass);
+    const bool is_changed = is_done && m->has_table && next != m->pass;
+    m->is_in_pass = is_changed && hand_over(m, &m->params, &m->table, next) != cam_ok;
+}
+
+/// @return whether the spindle is still faster than the pass to come allows, as after one that was
+///         faster
+static bool is_too_fast(const cam_machine_t *m, const cam_status_t *status)
+{
+    return status->speed_q32 > cam_build_speed_q32(m->limit_mrpm, m->tick_hz);
+}
+
 cam_err_t cam_machine_start(cam_machine_t *m)
 {
     const cam_status_t status = cam_machine_status(m);
+    end_pass(m, &status);
     if (status.state != cam_state_ready) {
         return cam_err_state;
     }
-    const cam_err_t err = cam_machine_check_speed(m, 0);
-    return err == cam_ok ? post(m, &status, cam_request_start) : err;
+    cam_err_t err = cam_machine_check_speed(m, 0);
+    if (err == cam_ok && (m->is_in_pass || is_too_fast(m, &status))) {
+        err = cam_err_busy;
+    }
+    if (err == cam_ok) {
+        err = post(m, &status, cam_request_start);
+    }
+    if (err == cam_ok) {
+        m->is_in_pass = true;
+        m->is_cut_short = false;
+    }
+    return err;
 }
 
 cam_err_t cam_machine_stop(cam_machine_t *m)
 {
     const cam_status_t status = cam_machine_status(m);
-    return post_if(m, &status,
-                   status.state == cam_state_engaging || status.state == cam_state_cutting,
-                   cam_request_stop);
+    const cam_err_t err =
+        post_if(m, &status, status.state == cam_state_engaging || status.state == cam_state_cutting,
+                cam_request_stop);
+    // A cut over a measured Z has no other end.
+    const bool is_end = m->params.z_is_measured != 0 && status.state == cam_state_cutting;
+    m->is_cut_short = m->is_cut_short || (err == cam_ok && !is_end);
+    return err;
 }
 
 cam_err_t cam_machine_reset(cam_machine_t *m)
@@ -330,6 +353,8 @@ void cam_machine_poll(cam_machine_t *m)
     if (m->homes_again) {
         home_again(m);
     }
+    const cam_status_t status = cam_machine_status(m);
+    end_pass(m, &status);
     if (!m->has_table) {
         return;
     }

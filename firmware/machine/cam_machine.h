@@ -17,7 +17,7 @@
 #include "cam_tick.h"     // cam_t, cam_status_t
 #include <stdbool.h>      // bool
 
-/// The slow side's state. Only has_table, table, params and tick_hz are for others to read.
+/// The slow side's state. Only has_table, table, params, pass and tick_hz are for others to read.
 typedef struct {
     cam_t *core;                ///< the interrupt's side
     cam_params_t params;        ///< as last set
@@ -27,6 +27,10 @@ typedef struct {
     uint32_t generation;        ///< number of the newest configuration
     uint32_t n_requests;        ///< serial number of the last request
     bool homes_again;           ///< enable as soon as the state is off
+    uint32_t pass;              ///< the pass that is cut, or that start cuts next; from 0
+    bool is_in_pass;            ///< start was accepted, and the end of the pass not yet seen
+    bool is_cut_short;          ///< stopped before its end: start cuts the same pass again
+    uint32_t limit_mrpm;        ///< [r/min / 1000] overspeed of the newest configuration
     uint32_t scrub_at;          ///< [bytes] progress of the background check of the table
     uint32_t scrub_crc;         ///< CRC-32 of the bytes up to there
 } cam_machine_t;
@@ -53,15 +57,17 @@ CAM_MUST_USE cam_err_t cam_machine_select_table(cam_machine_t *m, const void *im
 ///         for example for an amplitude that the running speed does not allow
 CAM_MUST_USE cam_err_t cam_machine_set_param(cam_machine_t *m, cam_param_id_t id, int32_t value);
 
-/// Judge a speed for the selected table and the present parameters, the verdict alone.
+/// Judge a speed for the selected table and the present parameters, the verdict alone: of all
+/// passes, each at its own speed where none is given.
 /// @param speed_mrpm  [r/min / 1000] 0: the speed that start would use
 /// @return            cam_ok, a feasibility error, cam_err_no_table when none is selected
 CAM_MUST_USE cam_err_t cam_machine_check_speed(const cam_machine_t *m, uint32_t speed_mrpm);
 
-/// @return [r/min / 1000] highest feasible speed for table and parameters; 0 when there is none
+/// @return [r/min / 1000] highest speed feasible for all passes; 0 when there is none
 uint32_t cam_machine_highest_mrpm(const cam_machine_t *m);
 
-/// Judge a speed with all numbers, for a message to people (cam_feasible()).
+/// Judge a speed with all numbers, for a message to people (cam_feasible()): of the first pass that
+/// is infeasible, or of the one that start cuts next.
 /// @param speed_mrpm  [r/min / 1000] 0: the speed that start would use
 /// @return            err = cam_err_no_table when none is selected, all numbers but the speed 0
 cam_feasibility_t cam_machine_feasibility(const cam_machine_t *m, uint32_t speed_mrpm);
@@ -83,9 +89,11 @@ CAM_MUST_USE cam_err_t cam_machine_may_exchange(const cam_machine_t *m);
 /// Take the enable away: homing, ready -> off. @return cam_ok, cam_err_state, cam_err_busy
 CAM_MUST_USE cam_err_t cam_machine_disable(cam_machine_t *m);
 
-/// Cut one part: ready -> engaging -> cutting -> disengaging -> ready. What is infeasible is
-/// refused before anything moves.
-/// @return cam_ok, cam_err_state, _busy, or a feasibility error, whose numbers
+/// Cut one pass: ready -> engaging -> cutting -> disengaging -> ready. The next start cuts the next
+/// pass, after the last one the first. A pass that ended in a stop or a fault is cut again. What is
+/// infeasible in any pass is refused before anything moves.
+/// @return cam_ok, cam_err_state, _busy (also while the spindle is faster than the pass allows), or
+///         a feasibility error, whose numbers
 ///         cam_machine_feasibility() gives
 CAM_MUST_USE cam_err_t cam_machine_start(cam_machine_t *m);
 
@@ -101,8 +109,8 @@ CAM_MUST_USE cam_err_t cam_machine_reset(cam_machine_t *m);
 cam_status_t cam_machine_status(const cam_machine_t *m);
 
 /// Background work, to be called from the main loop: one kilobyte of the continuous check of the
-/// table per call, and the second half of cam_machine_home(). A table found damaged is no longer
-/// used and raises the fault `table`.
+/// table per call, the second half of cam_machine_home(), and the step to the next pass. A table
+/// found damaged is no longer used and raises the fault `table`.
 void cam_machine_poll(cam_machine_t *m);
 
 #endif

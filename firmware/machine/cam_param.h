@@ -54,7 +54,8 @@
     X(swing_range_mdeg,               1,      30000,      90000, "the tool swings by at most this to either side") \
     X(swing_lag_ns,                   0,          0,   20000000, "lag of the swing's drive on a ramp, compensated by reading ahead") \
     X(swing_following_limit_mdeg,     1,       1000,      90000, "accepted following error of the swing") \
-    X(x_offset_nm,             -1000000,          0,    1000000, "offset of X, positive away from the axis, for the wear of the tool; taken at start")
+    X(x_offset_nm,             -1000000,          0,    1000000, "offset of X, positive away from the axis, for the wear of the tool; taken at start") \
+    X(pass,                           0,          0,         16, "0: passes in their order, setting it begins with the first; else every start cuts this one")
 // clang-format on
 
 /// Index of a parameter, in the order of the list.

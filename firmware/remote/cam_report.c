@@ -111,6 +111,13 @@ static void describe_table(struct camturn_detail_t *m, const cam_store_t *store)
     m->table_name_5 = chars;
 }
 
+/// @return number of the pass that is cut or that start cuts next; 0 of a table without passes
+static uint8_t pass_of(const cam_machine_t *m)
+{
+    const bool has_passes = m->has_table && m->table.n_passes > 0u;
+    return has_passes ? (uint8_t)((m->pass + 1u) & 0xFFu) : 0u;
+}
+
 /// Send a page of Detail. All its signals are set; the generated pack function takes those of the
 /// page.
 static void send_detail(uint32_t page, const cam_store_t *store, const cam_status_t *status)
@@ -124,6 +131,9 @@ static void send_detail(uint32_t page, const cam_store_t *store, const cam_statu
         .is_retracted = status->is_retracted ? 1u : 0u,
         .is_estop = (status->inputs & hal_in_estop) != 0u ? 1u : 0u,
         .is_drive_ready = (status->inputs & hal_in_drive_ready) != 0u ? 1u : 0u,
+        .pass = pass_of(store->machine),
+        .passes =
+            (uint8_t)(store->machine->has_table ? store->machine->table.n_passes & 0xFFu : 0u),
         .tick_rate = store->machine->tick_hz,
         .late_ticks = status->n_late,
     };

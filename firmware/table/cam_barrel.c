@@ -30,18 +30,25 @@ static uint32_t larger(uint32_t most, uint64_t value)
     return held > most ? held : most;
 }
 
-void cam_barrel_measure(cam_table_t *t)
+cam_barrel_t cam_barrel_of(const cam_channel_t *x)
 {
-    const cam_channel_t *x = &t->x;
     // Samples run from the lowest to the highest slice, both included.
     const uint32_t n = (x->n_slices - 1u) * (uint32_t)per_slice;
-    t->x_slope_ppm = 0;
-    t->x_bend_ppm_per_m = 0;
+    cam_barrel_t most = {0};
     for (uint32_t i = 0; i <= n; i++) {
         const int32_t up_nm = (int32_t)((uint64_t)x->span_nm * i / n);
         const cam_value_t at = cam_eval_profile(x, x->z_first_nm + up_nm);
         const uint64_t bend = bend_ppm_per_m(x, slope_ppm(x, at.d2));
-        t->x_slope_ppm = larger(t->x_slope_ppm, slope_ppm(x, at.d1));
-        t->x_bend_ppm_per_m = larger(t->x_bend_ppm_per_m, bend);
+        most.slope_ppm = larger(most.slope_ppm, slope_ppm(x, at.d1));
+        most.rise_ppm = larger(most.rise_ppm, at.d1 > 0 ? slope_ppm(x, at.d1) : 0u);
+        most.bend_ppm_per_m = larger(most.bend_ppm_per_m, bend);
     }
+    return most;
+}
+
+void cam_barrel_measure(cam_table_t *t)
+{
+    const cam_barrel_t most = cam_barrel_of(&t->x);
+    t->x_slope_ppm = most.slope_ppm;
+    t->x_bend_ppm_per_m = most.bend_ppm_per_m;
 }

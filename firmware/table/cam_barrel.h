@@ -5,6 +5,17 @@
 
 #include "cam_channel.h" // cam_table_t
 
+/// Largest slope and curvature of a channel over height, saturated at UINT32_MAX.
+typedef struct {
+    uint32_t slope_ppm;      ///< [1e-6] magnitude of the slope
+    uint32_t rise_ppm;       ///< [1e-6] largest slope; 0 where none is above 0
+    uint32_t bend_ppm_per_m; ///< [1e-6 / m] magnitude of the second derivative
+} cam_barrel_t;
+
+/// @param x  a channel over height alone whose knots have been checked
+/// Sampled as in cam_barrel_measure(). Context: slow side; four evaluations for each slice.
+cam_barrel_t cam_barrel_of(const cam_channel_t *x);
+
 /// Measure the largest |dX/dZ| and |d2X/dZ2| and fill in x_slope_ppm and x_bend_ppm_per_m,
 /// saturated at UINT32_MAX. X and Z must be able to follow them (cam_demand.h).
 /// @param t  has a channel x whose knots have been checked

@@ -18,6 +18,9 @@ enum {
     cam_table_max_channels = 8,
     cam_table_name_size = 32,
     cam_table_max_slices = 4096,
+    cam_table_max_passes = 16,
+    cam_table_max_mrpm = 60000000,    ///< [r/min / 1000] the range of the parameter spindle_mrpm
+    cam_table_max_feed_nm = 10000000, ///< [nm] the range of the parameter feed_nm
 };
 
 /// The ratio 1 in the unit of a speed channel, 2^-20 of the mean speed.
@@ -53,6 +56,14 @@ typedef struct {
     int32_t value_offset;       ///< [unit of the channel] value at p = 0
 } cam_channel_t;
 
+/// A pass, as the image holds it.
+typedef struct {
+    int32_t allowance_nm;  ///< [nm] stock on the radius that it leaves
+    uint32_t feed_nm;      ///< [nm] feed per turn, with a way its mean
+    uint32_t spindle_mrpm; ///< [r/min / 1000]
+    uint32_t reserved;     ///< 0
+} cam_pass_t;
+
 /// Upper bounds of the motion that a table demands of the tool's swing, at full amplitude.
 typedef struct {
     uint32_t most_mdeg;          ///< [degrees / 1000] angle to either side
@@ -75,6 +86,9 @@ typedef struct {
     cam_channel_t x;                 ///< long half axis
     cam_channel_t speed;             ///< speed ratio; knots == NULL: the speed is uniform
     cam_channel_t angle;             ///< of a lobe: normal at the contact; knots == NULL: a skirt
+    cam_channel_t way;               ///< how far Z is ahead of a plain helix; knots == NULL: 0
+    const cam_pass_t *passes;        ///< in the order of cutting; NULL: one, as the header has it
+    uint32_t n_passes;               ///< 1 .. 16; 0 without passes
     bool is_swung;                   ///< the tool must swing by `angle` (kind 4)
     bool is_ring_helix;              ///< a geared Z follows a ring-helix (cam_feed.h), not a helix
     cam_swing_peaks_t swing;         ///< of the swing at uniform speed; all 0 without a swing
@@ -97,6 +111,8 @@ typedef struct {
     uint32_t ratio_max_q20;            ///< [2^-20] bound of the speed ratio r; uniform: 2^20
     uint32_t x_slope_ppm;              ///< [1e-6] largest |dX/dZ|, measured by the check
     uint32_t x_bend_ppm_per_m;         ///< [1e-6 / m] largest |d2X/dZ2|, measured too
+    uint32_t way_slope_ppm;            ///< [1e-6] largest feed over its mean; helix: 10^6
+    uint32_t way_bend_ppm_per_m;       ///< [1e-6 / m] largest change of that with the height
     uint32_t error_pm;                 ///< [pm] total error that the generator measured
     uint32_t crc32;                    ///< of the image's bytes from 24 on
     const void *image;                 ///< start of the image

@@ -20,6 +20,12 @@ static bool is_inside(const cam_entry_t *e, int64_t low, int64_t high)
            cam_is_between(e->value_offset * one + e->p_max, low * one, high * one);
 }
 
+/// @return whether a channel is over angle and height, not over height alone
+static bool is_over_angle(const cam_entry_t *e)
+{
+    return e->kind != (uint32_t)cam_kind_x && e->kind != (uint32_t)cam_kind_way;
+}
+
 /// A speed ratio lies between 1/16 and 4, an angle within a quarter turn to either side. Lengths
 /// are bounded by the fields of the entry alone.
 static bool is_in_unit(const cam_entry_t *e)
@@ -27,20 +33,22 @@ static bool is_in_unit(const cam_entry_t *e)
     if (e->kind == cam_kind_speed) {
         return is_inside(e, min_ratio, max_ratio);
     }
-    return e->kind < cam_kind_swing || is_inside(e, -CAM_TABLE_ANGLE_MAX, CAM_TABLE_ANGLE_MAX);
+    const bool is_angle = e->kind == cam_kind_swing || e->kind == cam_kind_contact;
+    return !is_angle || is_inside(e, -CAM_TABLE_ANGLE_MAX, CAM_TABLE_ANGLE_MAX);
 }
 
 /// Check the fields of the entry, each by itself.
 static cam_err_t check_shape(const cam_entry_t *e)
 {
     const bool is_u = e->kind == cam_kind_u;
-    const bool is_over_angle = e->kind != cam_kind_x;
+    const bool is_around = is_over_angle(e);
+    const bool is_known =
+        cam_is_between(e->kind, cam_kind_u, cam_kind_contact) || e->kind == cam_kind_way;
     const bool is_sound =
-        cam_is_between(e->kind, cam_kind_u, cam_kind_contact) &&
-        cam_is_between(e->n_slices, 2, cam_table_max_slices) &&
-        cam_is_between(e->log2_knots, is_over_angle ? 2 : 0, is_over_angle ? 12 : 0) &&
-        cam_is_between(e->log2_repeat, 0, is_over_angle ? 4 : 0) && e->frac_bits <= max_frac_bits &&
-        e->path <= (is_over_angle ? 0u : 1u) &&
+        is_known && cam_is_between(e->n_slices, 2, cam_table_max_slices) &&
+        cam_is_between(e->log2_knots, is_around ? 2 : 0, is_around ? 12 : 0) &&
+        cam_is_between(e->log2_repeat, 0, is_around ? 4 : 0) && e->frac_bits <= max_frac_bits &&
+        e->path <= (e->kind == cam_kind_x ? 1u : 0u) &&
         cam_is_between(e->p_min, -CAM_TABLE_SUM_MAX, e->p_max) && e->p_max <= CAM_TABLE_SUM_MAX &&
         e->v_max <= CAM_TABLE_SUM_MAX && e->a_max <= CAM_TABLE_SUM_MAX &&
         (!is_u || cam_is_between(e->value_offset, -max_u_offset_nm, max_u_offset_nm)) &&
@@ -49,15 +57,19 @@ static cam_err_t check_shape(const cam_entry_t *e)
     return is_sound ? cam_ok : cam_err_image_channel;
 }
 
-/// Check where the knots lie in the image.
-/// @param used  [bytes] end of what lies before, moved behind this channel
-static cam_err_t check_layout(const cam_entry_t *e, const cam_entry_place_t *in, uint64_t *used)
+cam_err_t cam_entry_check_layout(const cam_entry_t *e, uint64_t bytes, const cam_entry_place_t *in,
+                                 uint64_t *used)
 {
-    const uint64_t bytes = ((uint64_t)e->n_slices << e->log2_knots) * sizeof(cam_knot_t);
     const bool is_sound = e->offset % cam_entry_align == 0u && e->offset >= *used &&
                           e->size == bytes && e->offset + bytes <= in->image_size;
     *used = e->offset + bytes;
     return is_sound ? cam_ok : cam_err_image_layout;
+}
+
+/// @return [bytes] of the knots of an entry
+static uint64_t bytes_of(const cam_entry_t *e)
+{
+    return ((uint64_t)e->n_slices << e->log2_knots) * sizeof(cam_knot_t);
 }
 
 /// Check the range of heights, the spacing of the slices, and that the stored reciprocal of the
@@ -119,14 +131,14 @@ static cam_err_t check_knot(const cam_entry_t *e, const cam_knot_t *k)
 /// none.
 static cam_err_t check_knots(const cam_entry_t *e, const cam_channel_t *ch)
 {
-    const bool is_over_angle = e->kind != cam_kind_x;
+    const bool is_around = is_over_angle(e);
     const uint32_t n = e->n_slices << e->log2_knots;
     for (uint32_t i = 0; i < n; i++) {
         const cam_err_t err = check_knot(e, &ch->knots[i]);
         if (err != cam_ok) {
             return err;
         }
-        const uint32_t next = is_over_angle ? cam_bounds_next(ch, i) : i + 1u;
+        const uint32_t next = is_around ? cam_bounds_next(ch, i) : i + 1u;
         if (next < n && !is_segment_safe(&ch->knots[i], &ch->knots[next])) {
             return cam_err_image_knots;
         }
@@ -138,7 +150,7 @@ cam_err_t cam_entry_check(const cam_entry_t *e, const cam_entry_place_t *in, uin
 {
     cam_err_t err = check_shape(e);
     if (err == cam_ok) {
-        err = check_layout(e, in, used);
+        err = cam_entry_check_layout(e, bytes_of(e), in, used);
     }
     if (err == cam_ok) {
         err = check_heights(e, in);

@@ -17,7 +17,12 @@ enum {
     cam_kind_speed = 3,   ///< speed ratio of the spindle over angle and height
     cam_kind_swing = 4,   ///< of a lobe: angle by which the tool swings, over angle and height
     cam_kind_contact = 5, ///< of a lobe: angle of the contact on the wheel, reported, not played
+    cam_kind_way = 7,     ///< how far Z is ahead of a plain helix, over the helix's height
+    cam_kind_passes = 8,  ///< records of the passes in which the part is cut
 };
+
+/// Kinds from here on are those of version 1.1.
+enum { cam_kind_newer = 6 };
 
 enum {
     cam_entry_align = 32,                 ///< [bytes] a channel begins at a multiple of this
@@ -53,6 +58,12 @@ typedef struct {
 /// @return      cam_ok, or the first thing wrong, in the order entry, layout, heights, knots
 CAM_MUST_USE cam_err_t cam_entry_check(const cam_entry_t *e, const cam_entry_place_t *in,
                                        uint64_t *used);
+
+/// Check where the numbers of an entry lie in the image.
+/// @param bytes  [bytes] that the entry must have
+/// @param used   [bytes] end of what lies before, moved behind this channel
+CAM_MUST_USE cam_err_t cam_entry_check_layout(const cam_entry_t *e, uint64_t bytes,
+                                              const cam_entry_place_t *in, uint64_t *used);
 
 /// @return the channel of an entry whose layout has been checked; its knots lie in the image
 cam_channel_t cam_entry_channel(const cam_entry_t *e, const uint8_t *image);

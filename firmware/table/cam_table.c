@@ -4,7 +4,9 @@
 #include "cam_entry.h"   // cam_entry_check
 #include "cam_fix.h"     // cam_is_between
 #include "cam_peaks.h"   // cam_peaks_of_swing
+#include "cam_passes.h"  // cam_passes_check
 #include "cam_promise.h" // cam_promise_check
+#include "cam_way.h"     // cam_way_check
 #include <stdbool.h>     // bool
 #include <string.h>      // memcpy, memcmp
 
@@ -23,6 +25,9 @@ enum {
     crc_from = 24,
 };
 
+/// Versions that are known; the second has kinds from cam_kind_newer on, and only it.
+enum { version_1_0 = 1, version_1_1 = 0x10001 };
+
 /// Header fields from at_z_first on, in the order of the image.
 typedef struct {
     int32_t z_first_nm, z_last_nm, direction;
@@ -37,8 +42,6 @@ _Static_assert(at_z_first + sizeof(header_fields_t) == cam_table_header_size, "a
 /// Limits of header fields that the interrupt's arithmetic relies on.
 enum {
     max_u_nm = 1 << 24,           // set-points of U in nm / 64 fit int32 at amplitude 1.25
-    max_mrpm = 60000000,          // the range of the parameter spindle_mrpm
-    max_feed_nm = 10000000,       // the range of the parameter feed_nm
     max_stroke_nm = 2 * max_u_nm, // from -max_u_nm to max_u_nm
     max_spindle_ppm = 10000000,   // 10 / rad, so that |r dr/dturn| stays below 64
 };
@@ -82,7 +85,8 @@ static cam_err_t check_frame(const uint8_t *image, size_t size)
     if (word_at(image, at_order) != 0x01020304u) {
         return cam_err_image_order;
     }
-    if (word_at(image, at_version) != 1u) { // major 1, minor 0
+    const uint32_t version = word_at(image, at_version); // major, and minor << 16
+    if (version != version_1_0 && version != version_1_1) {
         return cam_err_image_version;
     }
     if (word_at(image, at_image_size) != size || size % cam_entry_align != 0u) {
@@ -117,12 +121,14 @@ static cam_err_t check_header(const uint8_t *image, header_fields_t *h)
         cam_is_between(n_channels, 1, cam_table_max_channels) &&
         cam_is_between(h->z_first_nm, -cam_entry_max_height_nm / 2, cam_entry_max_height_nm / 2) &&
         cam_is_between(h->z_last_nm, (int64_t)h->z_first_nm + 1, cam_entry_max_height_nm / 2) &&
-        (h->direction == 1 || h->direction == -1) && cam_is_between(h->spindle_mrpm, 1, max_mrpm) &&
-        cam_is_between(h->feed_nm, 1, max_feed_nm) && cam_is_between(h->depth_nm, 0, INT32_MAX) &&
+        (h->direction == 1 || h->direction == -1) &&
+        cam_is_between(h->spindle_mrpm, 1, cam_table_max_mrpm) &&
+        cam_is_between(h->feed_nm, 1, cam_table_max_feed_nm) &&
+        cam_is_between(h->depth_nm, 0, INT32_MAX) &&
         cam_is_between(h->limit_u_stroke_nm, 1, max_stroke_nm) &&
         cam_is_between(h->limit_u_speed_um_per_s, 1, INT32_MAX) &&
         cam_is_between(h->limit_u_acceleration_mm_per_s2, 1, INT32_MAX) &&
-        cam_is_between(h->limit_spindle_mrpm, 1, max_mrpm) &&
+        cam_is_between(h->limit_spindle_mrpm, 1, cam_table_max_mrpm) &&
         cam_is_between(h->u_min_nm, -max_u_nm, max_u_nm) &&
         cam_is_between(h->u_max_nm, h->u_min_nm, max_u_nm) &&
         cam_is_between(h->u1_peak_nm_per_rad, 0, INT32_MAX) &&
@@ -133,14 +139,10 @@ static cam_err_t check_header(const uint8_t *image, header_fields_t *h)
 
 /// Check the entry of a channel and its knots. The stroke that the header promises must cover the
 /// bounds of u's knots.
-static cam_err_t check_entry(const cam_entry_t *e, const header_fields_t *h, const uint8_t *image,
-                             uint64_t *used)
+static cam_err_t check_entry(const cam_entry_t *e, const header_fields_t *h,
+                             const cam_entry_place_t *in, uint64_t *used)
 {
-    const cam_entry_place_t in = {.image = image,
-                                  .image_size = word_at(image, at_image_size),
-                                  .z_first_nm = h->z_first_nm,
-                                  .z_last_nm = h->z_last_nm};
-    const cam_err_t err = cam_entry_check(e, &in, used);
+    const cam_err_t err = cam_entry_check(e, in, used);
     if (err != cam_ok || e->kind != (uint32_t)cam_kind_u) {
         return err;
     }
@@ -160,6 +162,8 @@ static cam_channel_t *channel_of(cam_table_t *table, uint32_t kind)
         return &table->x;
     case cam_kind_speed:
         return &table->speed;
+    case cam_kind_way:
+        return &table->way;
     default:
         return &table->angle;
     }
@@ -191,8 +195,68 @@ static cam_err_t check_promise(const cam_entry_t *u, const header_fields_t *h, c
     return is_covered ? cam_ok : cam_err_image_limits;
 }
 
-/// Check the channels one after the other, then what only all of them together show: u and x are
-/// there, a ring-helix has a uniform speed, and the header's promises of the motion hold.
+/// Take a checked channel into the table. @return whether its kind is there for the first time, and
+/// swing without contact
+static bool take_channel(const cam_entry_t *e, const uint8_t *image, cam_table_t *table)
+{
+    cam_channel_t *ch = channel_of(table, e->kind);
+    if (ch->knots != NULL) {
+        return false;
+    }
+    *ch = cam_entry_channel(e, image);
+    table->is_swung = table->is_swung || e->kind == (uint32_t)cam_kind_swing;
+    table->is_ring_helix = table->is_ring_helix || e->path != 0u;
+    if (e->kind == (uint32_t)cam_kind_speed) {
+        // The shift rounds down, which 1 makes up for; 1 more covers the rounding of the
+        // evaluation.
+        table->ratio_max_q20 = (uint32_t)(e->value_offset + (e->p_max >> e->frac_bits) + 2);
+    }
+    return true;
+}
+
+/// Check a channel of any kind.
+static cam_err_t check_channel(const cam_entry_t *e, const header_fields_t *h, const uint8_t *image,
+                               uint64_t *used, cam_table_t *table)
+{
+    const cam_entry_place_t in = {.image = image,
+                                  .image_size = word_at(image, at_image_size),
+                                  .z_first_nm = h->z_first_nm,
+                                  .z_last_nm = h->z_last_nm};
+    if (e->kind == (uint32_t)cam_kind_passes) {
+        return cam_passes_check(e, &in, used, table);
+    }
+    const cam_err_t err = check_entry(e, h, &in, used);
+    if (err != cam_ok) {
+        return err;
+    }
+    return take_channel(e, image, table) ? cam_ok : cam_err_image_channel;
+}
+
+/// A way ends where the table does, and a ring-helix, whose rings stand, has none.
+static bool is_way_placed(const cam_table_t *table, const header_fields_t *h)
+{
+    const cam_channel_t *way = &table->way;
+    return way->knots == NULL || (way->z_first_nm == h->z_first_nm && !table->is_ring_helix &&
+                                  (int64_t)way->z_first_nm + way->span_nm == (int64_t)h->z_last_nm);
+}
+
+/// Check what only all channels together show: u and x are there, a ring-helix has a uniform speed
+/// and no way, and kinds of version 1.1 are in an image of that version.
+static cam_err_t check_together(const uint8_t *image, uint32_t largest_kind,
+                                const header_fields_t *h, cam_table_t *table)
+{
+    const bool is_steady = table->speed.knots == NULL || !table->is_ring_helix;
+    const bool is_complete = table->u.knots != NULL && table->x.knots != NULL && is_steady;
+    const bool is_newer = largest_kind >= (uint32_t)cam_kind_newer;
+    const bool is_known = is_newer == (word_at(image, at_version) == (uint32_t)version_1_1);
+    if (!is_complete || !is_known || !is_way_placed(table, h)) {
+        return is_newer || !is_complete ? cam_err_image_channel : cam_err_image_version;
+    }
+    return cam_way_check(table);
+}
+
+/// Check the channels one after the other, then all of them together, and that the header's
+/// promises of the motion hold.
 static cam_err_t check_channels(const uint8_t *image, const header_fields_t *h, cam_table_t *table)
 {
     const uint32_t n = word_at(image, at_n_channels);
@@ -201,33 +265,21 @@ static cam_err_t check_channels(const uint8_t *image, const header_fields_t *h, 
         return cam_err_image_layout;
     }
     cam_entry_t u = {0};
+    uint32_t largest_kind = 0;
     table->ratio_max_q20 = CAM_TABLE_RATIO_ONE;
     for (uint32_t i = 0; i < n; i++) {
         cam_entry_t e;
         (void)memcpy(&e, image + cam_table_header_size + (size_t)i * cam_table_entry_size,
                      sizeof e);
-        const cam_err_t err = check_entry(&e, h, image, &used);
+        const cam_err_t err = check_channel(&e, h, image, &used, table);
         if (err != cam_ok) {
             return err;
         }
-        cam_channel_t *ch = channel_of(table, e.kind);
-        // A kind that is there already, or swing beside contact.
-        if (ch->knots != NULL) {
-            return cam_err_image_channel;
-        }
-        *ch = cam_entry_channel(&e, image);
-        u = e.kind == cam_kind_u ? e : u;
-        table->is_swung = table->is_swung || e.kind == cam_kind_swing;
-        table->is_ring_helix = table->is_ring_helix || e.path != 0u;
-        if (e.kind == cam_kind_speed) {
-            // The shift rounds down, which 1 makes up for; 1 more covers the rounding of the
-            // evaluation.
-            table->ratio_max_q20 = (uint32_t)(e.value_offset + (e.p_max >> e.frac_bits) + 2);
-        }
+        u = e.kind == (uint32_t)cam_kind_u ? e : u;
+        largest_kind = e.kind > largest_kind ? e.kind : largest_kind;
     }
-    const bool is_steady = table->speed.knots == NULL || !table->is_ring_helix;
-    const bool is_complete = table->u.knots != NULL && table->x.knots != NULL && is_steady;
-    return is_complete ? check_promise(&u, h, table) : cam_err_image_channel;
+    const cam_err_t err = check_together(image, largest_kind, h, table);
+    return err == cam_ok ? check_promise(&u, h, table) : err;
 }
 
 /// Describe a table whose header and channels are good. What the format does not promise, and the

@@ -7,6 +7,7 @@
 #include "cam_fix.h"      // cam_clamp_i32
 #include "cam_rest.h"     // cam_rest_isr
 #include "cam_swing.h"    // cam_swing_aim_isr
+#include "cam_way.h"      // cam_way_height_nm
 
 /// [nm / 1024] half a nanometre: the tick takes whole ones of X, which are thus rounded to nearest.
 #define HALF_NM_Q10 512
@@ -65,14 +66,19 @@ static int32_t fed_nm(const cam_plan_t *p, const cam_play_config_t *cfg, int64_t
     return (int32_t)((fed_q32 * cfg->feed_nm + (INT64_C(1) << 31)) >> 32);
 }
 
+/// @return [nm] height of a geared Z
+static int32_t height_at_nm(const cam_plan_t *p, const cam_play_config_t *cfg, int64_t pos_q32)
+{
+    return cam_way_height_nm(cfg->table, cfg->z_first_nm + fed_nm(p, cfg, pos_q32));
+}
+
 /// @return [nm] Z at the next plan; a measured Z is extrapolated by its travel since the last plan
 static int32_t height_nm(cam_plan_t *p, const cam_play_config_t *cfg, int32_t actual_nm,
                          int64_t pos_q32)
 {
     const int32_t moved_nm = cam_wrap_sub(actual_nm, p->measured_nm);
     p->measured_nm = actual_nm;
-    return cfg->is_z_measured ? cam_wrap_add(actual_nm, moved_nm)
-                              : cfg->z_first_nm + fed_nm(p, cfg, pos_q32);
+    return cfg->is_z_measured ? cam_wrap_add(actual_nm, moved_nm) : height_at_nm(p, cfg, pos_q32);
 }
 
 /// @return [slices] of U at a height
@@ -105,7 +111,7 @@ static int32_t u_height_nm(const cam_plan_t *p, const cam_play_config_t *cfg, in
 {
     return cfg->is_z_measured
                ? cam_wrap_add(z_nm, (int32_t)(((int64_t)z_vel_q10 * cfg->lead_q16) >> 26))
-               : cfg->z_first_nm + fed_nm(p, cfg, pos_q32);
+               : height_at_nm(p, cfg, pos_q32);
 }
 
 /// Plan U's amplitude, its height on the table, and the distance of that height behind Z's

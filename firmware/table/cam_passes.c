@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cam_passes.h"
+#include "cam_fix.h" // cam_is_between
+#include <stdbool.h> // bool
+#include <stddef.h>  // NULL
+
+_Static_assert(sizeof(cam_pass_t) == 16, "four words of the image");
+
+/// An entry of passes has none of the fields that describe knots.
+static bool is_plain(const cam_entry_t *e, const cam_entry_place_t *in)
+{
+    const uint32_t unused = e->log2_knots | e->log2_repeat | e->frac_bits | e->slices_per_nm_q48 |
+                            (uint32_t)e->value_offset | (uint32_t)e->p_min | (uint32_t)e->p_max |
+                            e->v_max | e->a_max | e->path;
+    return unused == 0u && e->z_first_nm == in->z_first_nm && e->z_last_nm == in->z_last_nm &&
+           cam_is_between(e->n_slices, 1, cam_table_max_passes);
+}
+
+/// The numbers have the ranges of the header's; the stock falls from pass to pass, to 0.
+static bool is_pass_good(const cam_pass_t *pass, int64_t before_nm)
+{
+    return cam_is_between(pass->allowance_nm, 0, before_nm - 1) &&
+           cam_is_between(pass->feed_nm, 1, cam_table_max_feed_nm) &&
+           cam_is_between(pass->spindle_mrpm, 1, cam_table_max_mrpm) && pass->reserved == 0u;
+}
+
+cam_err_t cam_passes_check(const cam_entry_t *e, const cam_entry_place_t *in, uint64_t *used,
+                           cam_table_t *table)
+{
+    if (table->passes != NULL || !is_plain(e, in)) {
+        return cam_err_image_channel;
+    }
+    const cam_err_t err =
+        cam_entry_check_layout(e, (uint64_t)e->n_slices * sizeof(cam_pass_t), in, used);
+    if (err != cam_ok) {
+        return err;
+    }
+    const cam_pass_t *pass = (const cam_pass_t *)(const void *)(in->image + e->offset);
+    int64_t before_nm = cam_passes_most_nm + 1;
+    for (uint32_t i = 0; i < e->n_slices; i++) {
+        if (!is_pass_good(&pass[i], before_nm)) {
+            return cam_err_image_channel;
+        }
+        before_nm = pass[i].allowance_nm;
+    }
+    table->passes = pass;
+    table->n_passes = e->n_slices;
+    return before_nm == 0 ? cam_ok : cam_err_image_channel;
+}

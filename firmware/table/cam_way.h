@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+/// cam_way: the feed against height: how far Z is ahead of a plain helix.
+///
+///     Z = z + way(z),  z the height of the plain helix with the same number of turns
+///
+/// way is 0 at both ends of the table, so both begin and end together, and 1 + dway/dz, the feed
+/// over its mean, is above 0: Z never turns back. Source: TABLE_FORMAT.md, "Way"; MATHS.md (103),
+/// (104).
+#ifndef CAM_WAY_H
+#define CAM_WAY_H
+
+#include "cam_channel.h" // cam_table_t
+#include "cam_err.h"     // cam_err_t
+#include "cam_eval.h"    // cam_eval_profile
+#include "cam_fix.h"     // cam_wrap_add
+#include <stddef.h>      // NULL
+#include <stdint.h>      // int32_t
+
+/// @param z_nm  [nm] height of the plain helix
+/// @return      [nm] height of Z, the same without a way; error below 1 nm
+/// Context: ISR or slow side, constant time.
+static inline int32_t cam_way_height_nm(const cam_table_t *table, int32_t z_nm)
+{
+    const cam_channel_t *way = &table->way;
+    if (way->knots == NULL) {
+        return z_nm;
+    }
+    const int32_t half = (int32_t)((UINT32_C(1) << way->frac_bits) >> 1);
+    const int32_t ahead = (cam_eval_profile(way, z_nm).y + half) >> way->frac_bits;
+    return cam_wrap_add(z_nm, ahead + way->value_offset);
+}
+
+/// Check that a way begins and ends with 0 and rises everywhere, and measure it: way_slope_ppm and
+/// way_bend_ppm_per_m of the table. Without a way they become those of a plain helix.
+/// @return cam_ok, or cam_err_image_channel
+/// Context: slow side; four evaluations for each knot.
+CAM_MUST_USE cam_err_t cam_way_check(cam_table_t *table);
+
+#endif

@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: Apache-2.0
+// Several passes of one table: their records, their order, their numbers, what refuses them.
+#include "cam_pass.h"
+#include "fixture_newer.h"
+#include "fixture_rig.h"
+#include "hal_host.h"
+#include "unity.h"
+
+static fixture_rig_t rig;
+static fixture_image_t image;
+static fixture_part_t part;
+
+static const fixture_pass_t three[3] = {
+    {150000, 200000, 1200000, 0},
+    {20000, 150000, 1500000, 0},
+    {0, 100000, 2000000, 0},
+};
+
+void setUp(void)
+{
+    part = fixture_part_short();
+    fixture_image_make(&image, &part);
+}
+
+void tearDown(void) {}
+
+static cam_err_t check(cam_table_t *table)
+{
+    return cam_table_check(image.bytes, image.size, table);
+}
+
+static void test_records_are_taken_in_their_order(void)
+{
+    cam_table_t table;
+    fixture_newer_passes(&image, three, 3);
+    TEST_ASSERT_EQUAL_INT(cam_ok, check(&table));
+    TEST_ASSERT_EQUAL_UINT32(3, table.n_passes);
+    for (int i = 0; i < 3; i++) {
+        TEST_ASSERT_EQUAL_INT32(three[i].allowance_nm, table.passes[i].allowance_nm);
+        TEST_ASSERT_EQUAL_UINT32(three[i].feed_nm, table.passes[i].feed_nm);
+        TEST_ASSERT_EQUAL_UINT32(three[i].spindle_mrpm, table.passes[i].spindle_mrpm);
+    }
+}
+
+static void test_version_belongs_to_the_kinds(void)
+{
+    cam_table_t table;
+    fixture_image_put(&image, fixture_at_version, 0x10001u);
+    fixture_image_seal(&image);
+    TEST_ASSERT_EQUAL_INT(cam_err_image_version, check(&table));
+    fixture_newer_passes(&image, three, 3);
+    fixture_image_put(&image, fixture_at_version, 1u);
+    fixture_image_seal(&image);
+    TEST_ASSERT_EQUAL_INT(cam_err_image_channel, check(&table));
+    fixture_image_put(&image, fixture_at_version, 0x20001u);
+    fixture_image_seal(&image);
+    TEST_ASSERT_EQUAL_INT(cam_err_image_version, check(&table));
+}
+
+/// Stock falls from pass to pass to 0; feeds and speeds are those of the parameters.
+static void test_records_out_of_range_are_refused(void)
+{
+    static const struct {
+        fixture_pass_t pass[2];
+    } bad[] = {
+        {{{100, 100, 1000, 0}, {1, 100, 1000, 0}}}, {{{0, 100, 1000, 0}, {0, 100, 1000, 0}}},
+        {{{-1, 100, 1000, 0}, {0, 100, 1000, 0}}},  {{{10000001, 100, 1000, 0}, {0, 100, 1000, 0}}},
+        {{{100, 0, 1000, 0}, {0, 100, 1000, 0}}},   {{{100, 10000001, 1000, 0}, {0, 100, 1000, 0}}},
+        {{{100, 100, 0, 0}, {0, 100, 1000, 0}}},    {{{100, 100, 60000001, 0}, {0, 100, 1000, 0}}},
+        {{{100, 100, 1000, 1}, {0, 100, 1000, 0}}},
+    };
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        cam_table_t table;
+        fixture_image_make(&image, &part);
+        fixture_newer_passes(&image, bad[i].pass, 2);
+        TEST_ASSERT_EQUAL_INT(cam_err_image_channel, check(&table));
+    }
+}
+
+static void test_entry_of_passes_is_plain(void)
+{
+    static const size_t field[] = {fixture_in_log2_knots,   fixture_in_log2_repeat,
+                                   fixture_in_frac_bits,    fixture_in_reciprocal,
+                                   fixture_in_value_offset, fixture_in_p_min,
+                                   fixture_in_p_max,        fixture_in_v_max,
+                                   fixture_in_a_max,        fixture_in_path};
+    cam_table_t table;
+    for (size_t i = 0; i < sizeof field / sizeof field[0]; i++) {
+        fixture_image_make(&image, &part);
+        fixture_newer_passes(&image, three, 3);
+        fixture_image_put(&image, fixture_image_in(fixture_newer_last(&image), field[i]), 1u);
+        fixture_image_seal(&image);
+        TEST_ASSERT_EQUAL_INT(cam_err_image_channel, check(&table));
+    }
+    fixture_image_make(&image, &part);
+    fixture_newer_passes(&image, three, 3);
+    fixture_newer_passes(&image, three, 3);
+    TEST_ASSERT_EQUAL_INT(cam_err_image_channel, check(&table)); // there twice
+    fixture_image_make(&image, &part);
+    fixture_newer_passes(&image, three, 3);
+    fixture_image_put(&image, fixture_image_in(fixture_newer_last(&image), fixture_in_size), 44u);
+    fixture_image_seal(&image);
+    TEST_ASSERT_EQUAL_INT(cam_err_image_layout, check(&table));
+}
+
+static void bring_ready(void)
+{
+    fixture_rig_init(&rig, &part, 20000);
+    fixture_newer_passes(&rig.image, three, 3);
+    TEST_ASSERT_EQUAL_INT(cam_ok,
+                          cam_machine_select_table(&rig.machine, rig.image.bytes, rig.image.size));
+    fixture_rig_ticks(&rig, 3);
+    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_ready));
+}
+
+/// Start, and cut to the end. @return [nm] X and [turns] in the state cutting
+static void cut(double *x_nm, double *turns)
+{
+    cam_err_t err = cam_machine_start(&rig.machine);
+    for (int i = 0; i < 200 && err == cam_err_busy; i++) { // the spindle slows down
+        fixture_rig_ticks(&rig, 500);
+        cam_machine_poll(&rig.machine);
+        err = cam_machine_start(&rig.machine);
+    }
+    TEST_ASSERT_EQUAL_INT(cam_ok, err);
+    TEST_ASSERT_LESS_THAN_UINT32(400000, fixture_rig_until(&rig, cam_state_cutting, 400000));
+    const int64_t from_q32 = fixture_rig_status(&rig).pos_q32;
+    *x_nm = rig.last.out[hal_axis_x].pos_nm;
+    TEST_ASSERT_LESS_THAN_UINT32(400000, fixture_rig_until(&rig, cam_state_disengaging, 400000));
+    *turns = (double)(fixture_rig_status(&rig).pos_q32 - from_q32) / 4294967296.0;
+    TEST_ASSERT_LESS_THAN_UINT32(400000, fixture_rig_until(&rig, cam_state_ready, 400000));
+    fixture_rig_ticks(&rig, 3);
+    cam_machine_poll(&rig.machine);
+    fixture_rig_ticks(&rig, 3);
+}
+
+/// Each start cuts the next pass with its feed, speed and stock; after the last comes the first.
+static void test_starts_cut_one_pass_after_the_other(void)
+{
+    bring_ready();
+    double x0_nm = 0.0;
+    for (uint32_t i = 0; i < 5; i++) {
+        const fixture_pass_t *pass = &three[i % 3u];
+        TEST_ASSERT_EQUAL_UINT32(i % 3u, rig.machine.pass);
+        fixture_rig_ticks(&rig, 2000);
+        TEST_ASSERT_EQUAL_INT32((int32_t)pass->spindle_mrpm, hal_host.out.spindle_mrpm);
+        double x_nm;
+        double turns;
+        cut(&x_nm, &turns);
+        x0_nm = i == 0u ? x_nm - pass->allowance_nm : x0_nm;
+        TEST_ASSERT_DOUBLE_WITHIN(20.0, x0_nm + pass->allowance_nm, x_nm);
+        TEST_ASSERT_DOUBLE_WITHIN(0.1, 1e6 / pass->feed_nm + 2.0, turns); // 1 mm and the ramps
+    }
+}
+
+static void test_pass_that_is_stopped_or_fails_is_cut_again(void)
+{
+    bring_ready();
+    double x_nm;
+    double turns;
+    cut(&x_nm, &turns);
+    TEST_ASSERT_EQUAL_UINT32(1, rig.machine.pass);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_start(&rig.machine));
+    (void)fixture_rig_until(&rig, cam_state_cutting, 400000);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stop(&rig.machine));
+    (void)fixture_rig_until(&rig, cam_state_ready, 400000);
+    cam_machine_poll(&rig.machine);
+    TEST_ASSERT_EQUAL_UINT32(1, rig.machine.pass);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_start(&rig.machine));
+    (void)fixture_rig_until(&rig, cam_state_cutting, 400000);
+    hal_host_fault_estop(true);
+    (void)fixture_rig_until(&rig, cam_state_fault, 100);
+    hal_host_fault_estop(false);
+    cam_machine_poll(&rig.machine);
+    TEST_ASSERT_EQUAL_UINT32(1, rig.machine.pass);
+}
+
+static void test_parameter_chooses_a_pass_and_zero_begins_anew(void)
+{
+    bring_ready();
+    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_pass, 2));
+    double x_nm;
+    double turns;
+    for (int i = 0; i < 2; i++) {
+        TEST_ASSERT_EQUAL_UINT32(1, rig.machine.pass);
+        cut(&x_nm, &turns);
+    }
+    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_pass, 16));
+    TEST_ASSERT_EQUAL_UINT32(2, rig.machine.pass); // the last one
+    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_pass, 0));
+    TEST_ASSERT_EQUAL_UINT32(0, rig.machine.pass);
+}
+
+/// Feed, speed and offset that are set apply to all passes, the offset on top of the stock.
+static void test_parameters_overrule_all_passes(void)
+{
+    cam_table_t table;
+    fixture_newer_passes(&image, three, 3);
+    TEST_ASSERT_EQUAL_INT(cam_ok, check(&table));
+    cam_params_t params = cam_param_defaults();
+    params.feed_nm = 77000;
+    params.spindle_mrpm = 900000;
+    params.x_offset_nm = -30000;
+    for (uint32_t i = 0; i < 3; i++) {
+        const cam_params_t here = cam_pass_params(&params, &table, i);
+        TEST_ASSERT_EQUAL_INT32(77000, here.feed_nm);
+        TEST_ASSERT_EQUAL_INT32(900000, here.spindle_mrpm);
+        TEST_ASSERT_EQUAL_INT32(three[i].allowance_nm - 30000, here.x_offset_nm);
+    }
+    TEST_ASSERT_EQUAL_UINT32(1, cam_pass_count(NULL));
+}
+
+/// A pass that would exceed a limit refuses all, before motion, by its number.
+static void test_infeasible_pass_is_refused_with_its_number(void)
+{
+    static const fixture_pass_t fast[3] = {
+        {150000, 100000, 1200000, 0}, {20000, 100000, 3100000, 0}, {0, 100000, 2000000, 0}};
+    fixture_rig_init(&rig, &part, 20000);
+    fixture_newer_passes(&rig.image, fast, 3);
+    TEST_ASSERT_EQUAL_INT(cam_ok,
+                          cam_machine_select_table(&rig.machine, rig.image.bytes, rig.image.size));
+    fixture_rig_ticks(&rig, 3);
+    TEST_ASSERT_EQUAL_INT(cam_err_spindle_speed, cam_machine_enable(&rig.machine));
+    const cam_feasibility_t why = cam_machine_feasibility(&rig.machine, 0);
+    TEST_ASSERT_EQUAL_INT(cam_err_spindle_speed, why.err);
+    TEST_ASSERT_EQUAL_UINT32(2, why.pass);
+    TEST_ASSERT_EQUAL_UINT32(3100000, why.speed_mrpm);
+    TEST_ASSERT_EQUAL_UINT32(3000000, cam_machine_highest_mrpm(&rig.machine));
+    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_spindle_mrpm, 2500000));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_check_speed(&rig.machine, 0));
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_records_are_taken_in_their_order);
+    RUN_TEST(test_version_belongs_to_the_kinds);
+    RUN_TEST(test_records_out_of_range_are_refused);
+    RUN_TEST(test_entry_of_passes_is_plain);
+    RUN_TEST(test_starts_cut_one_pass_after_the_other);
+    RUN_TEST(test_pass_that_is_stopped_or_fails_is_cut_again);
+    RUN_TEST(test_parameter_chooses_a_pass_and_zero_begins_anew);
+    RUN_TEST(test_parameters_overrule_all_passes);
+    RUN_TEST(test_infeasible_pass_is_refused_with_its_number);
+    return UNITY_END();
+}
