@@ -24,7 +24,7 @@ ENTRY = re.compile(r"^\*\*\((\d+)\)\*\*", re.MULTILINE)
 DOCUMENT = re.compile(r"(?<![\w.*{}/-])((?:[\w.-]+/)*[\w-]+\.md)\b(?!\.?\w)")
 LINK = re.compile(r"!?\[[^\]]*\]\(([^()\s]+)\)")
 INLINE = re.compile(r"\$([^$]*)\$")
-WRITTEN = {"notes.md", "refit_notes.md"}  # by tools/analyse, beside its tables
+WRITTEN = {"notes.md", "refit_notes.md", "papers.md"}  # by tools/analyse and tools/papers
 
 
 @cache

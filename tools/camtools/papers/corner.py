@@ -270,8 +270,7 @@ def _measured_rows() -> list[Row]:
             "largest distance from the drawing "
             + ", ".join(f"{one:.2f}" for one in largest)
             + " um",
-            "the correction by hand is not described: (1, 1) deleted stands for it. `tools/papers` "
-            "cuts all three on the simulator and gauges them",
+            "the correction by hand is not described: (1, 1) deleted stands for it",
             "s2_fig_8.png",
         ),
     ]

@@ -1,0 +1,187 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Figures and tables of the papers: the page cannot go stale, its numbers are the worked ones."""
+
+from __future__ import annotations
+
+import csv
+import re
+from functools import cache
+from io import StringIO
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from camtools.cli.papers import chapters, main
+from camtools.papers import corner, helix, removal
+from camtools.papers.rows import Chapter, page
+from maths_tables import TABLE_1, TABLE_4
+from part_cases import ROOT
+
+PAGE = ROOT / "tools" / "docs" / "PAPERS.md"
+
+# The list of figures and tables to be reproduced, by paper.
+LISTED = {
+    "S0, S1": (
+        *("Fig 1, Tables 2, 3", "Fig 5", "Table 1", "Fig 6", "Fig 7", "Fig 8", "Fig 9 (S1 Fig 4)"),
+        *("Table 4 (S1 Table 3)", "Fig 10 (S1 Fig 5a)", "Fig 11", "Fig 12 (S1 Fig 5b)"),
+        *("Fig 13 (S1 Fig 5c)", "Table 5 (S1 Table 4)", "Fig 14 (S1 Fig 8)", "Fig 15 (S1 Fig 9)"),
+        "S1 Fig 6",
+    ),
+    "S2": (
+        *("Fig 1", "Fig 2", "Fig 3", "Table 1", "Fig 4", "Fig 6", "Fig 7"),
+        *("Table 2, drawing", "Table 2, measured", "Fig 8"),
+    ),
+    "S3": tuple(f"Fig {n}" for n in range(1, 11)),
+    "S4": ("Fig 1", "Fig 2", "Fig 3"),
+}
+# Worked numbers of the largest jerk, rows s2 = 0 .. 3, columns s1 = 0 .. 3.
+JERK_MM_S3 = (
+    *(1.126e9, 1.889e8, 1.639e8, 1.063e8),
+    *(1.201e9, 9.543e6, 3.947e7, 3.716e7),
+    *(8.558e8, 1.715e8, 6.284e6, 1.279e7),
+    *(6.611e8, 2.248e8, 2.832e7, 3.409e6),
+)
+PEAK_MM_S2 = (
+    *(627341, 216687, 229423, 238020),
+    *(479199, 232940, 142811, 146620),
+    *(403101, 238098, 150669, 108231),
+    *(353459, 232796, 159347, 112686),
+)
+
+
+@cache
+def all_chapters() -> list[Chapter]:
+    """Return all papers, worked out once."""
+    return chapters()
+
+
+def rows(name: str) -> list[dict[str, float]]:
+    """Return the rows of a file of the command."""
+    made = next(one.files[name] for one in all_chapters() if name in one.files)()
+    found = csv.DictReader(StringIO(made.decode()))
+    return [{key: float(value) for key, value in row.items()} for row in found]
+
+
+def test_page_is_what_the_command_writes() -> None:
+    """The comparisons in PAPERS.md are recomputed, every digit and every word."""
+    text = PAGE.read_text()
+    told = page(all_chapters())
+    begin = text.index("## S0, S1:")
+    assert text[begin : begin + len(told)] == told
+
+
+def test_every_item_of_the_list_has_its_row() -> None:
+    """Each figure and table of the papers stands in the page once, with files that are made."""
+    for chapter in all_chapters():
+        items = [row.item for row in chapter.rows if row.item != "text"]
+        assert sorted(items) == sorted(LISTED[chapter.key])
+        for row in chapter.rows:
+            for name in re.findall(r"[\w.]+", row.file):
+                assert name in chapter.files, row.item
+            assert "" not in row
+
+
+def test_tables_of_equal_removal_are_the_worked_ones() -> None:
+    """Tables 1 and 4 of S0, six digits of the worked numbers for a = 46, G = 0.2, 0.1 mm."""
+    for row, line in zip(rows("s0_table_1.csv"), TABLE_1, strict=True):
+        assert row["depth_mm"] == pytest.approx(float(line.split()[1]), abs=1e-6)
+        assert row["area_mm2"] == pytest.approx(float(line.split()[3]), abs=1e-6)
+    for row, line in zip(rows("s0_table_4.csv"), TABLE_4, strict=True):
+        assert row["angle_deg"] == pytest.approx(float(line.split()[1]), abs=2e-6)
+        assert row["speed_ratio"] == pytest.approx(float(line.split()[5]), abs=2e-6)
+    assert len(rows("s0_table_5.csv")) == 31
+    allowed = removal.possible_parts()
+    assert (allowed.least, allowed.most) == (28, 179)
+    z_mm, widest = removal.widest_mm()
+    assert z_mm == pytest.approx(20.005220, abs=1e-6)
+    assert widest == pytest.approx(2 * 46.000000002028, abs=1e-11)
+
+
+def test_jerks_and_peaks_of_the_refit_are_the_worked_ones() -> None:
+    """All 16 deletions; the optimum under the paper's limit of the jerk is (3, 3)."""
+    found = rows("s2_table_1.csv")
+    for row, jerk, peak in zip(found, JERK_MM_S3, PEAK_MM_S2, strict=True):
+        assert row["jerk_mm_s3"] == pytest.approx(jerk, rel=6e-4)
+        assert row["peak_acceleration_mm_s2"] == pytest.approx(peak, rel=2e-5)
+    within = [row for row in found if row["jerk_mm_s3"] <= 1e7]
+    best = min(within, key=lambda row: row["peak_acceleration_mm_s2"])
+    assert (best["s1"], best["s2"]) == (3, 3)
+
+
+def test_measured_table_comes_out() -> None:
+    """Ovality 0.35, trim 0.1 mm and (3, 3) give the paper's Table 2 within a micrometre."""
+    assert [f"{um:.2f}" for um in corner.measured_um()] == [
+        *("-5.28", "-20.47", "-43.75", "-72.31", "-99.61")
+    ]
+    drawn = [-175 * np.sin(np.radians(deg)) ** 2 for deg in (10, 20, 30, 40, 48)]
+    assert corner.drawn_um() == pytest.approx(drawn, abs=1e-6)
+    off = [row["difference_um"] for row in rows("s2_table_2.csv")]
+    assert max(map(abs, off)) <= 0.75
+
+
+def test_jerk_is_the_difference_of_the_acceleration() -> None:
+    """The drawn jerk of Figs 2, 3 and 6 is the slope of the drawn acceleration."""
+    joint = corner.theory().joint
+    phi = np.radians(np.linspace(40.05, 55.95, 3001))  # off the knots of the cubic
+    step = 1e-7
+    for recipe in (corner.QUINTIC, corner.DELETED):
+        curve = corner.curve_of(joint, recipe)
+        slope = (curve(phi + step, 2) - curve(phi - step, 2)) / (2 * step)
+        assert np.abs(slope - curve(phi, 3)).max() < 2e-3 * np.abs(curve(phi, 3)).max()
+    cubic = corner.curve_of(joint, corner.CUBIC)
+    jerks = np.unique(np.round(cubic(np.radians(np.arange(40.5, 56)), 3), 6))
+    assert jerks.size >= 10  # constant between two points, another one in each degree
+
+
+def test_points_of_the_helix_are_those_of_the_sections() -> None:
+    """Rings stand at the sections, turns join them, the radius is that of the drawn section."""
+    matrix = helix.point_matrix(4, 0.2)
+    assert matrix.shape == (7 * helix.N_POINTS + 1, 8)
+    turns = matrix[:, 2] / 360
+    golden = {
+        0: 0,
+        1: 0,
+        1.25: 0.05,
+        1.5: 0.1,
+        1.75: 0.15,
+        2: 0.2,
+        2.5: 0.2,
+        3: 0.2,
+        3.5: 0.3,
+        4: 0.4,
+    }
+    for turn, z_mm in golden.items():
+        assert matrix[int(np.argmin(np.abs(turns - turn))), 3] == pytest.approx(z_mm, abs=1e-12)
+    assert np.hypot(matrix[:, 5], matrix[:, 6]) == pytest.approx(matrix[:, 4], abs=1e-12)
+    is_ring = matrix[:, 1] == 0
+    assert set(matrix[is_ring, 0]) == {0, 2, 4, 6}
+    short = np.abs(np.mod(matrix[:, 2], 360) - 90) < 1e-9
+    low = short & is_ring & (matrix[:, 3] == 0)
+    assert matrix[low, 7] == pytest.approx(0.40, abs=1e-6)  # G / 2 + trim at the lowest section
+    assert helix.blend_nm() < 0.2**2 / 8 * 1.5e-4 * 1e6
+    for z_mm, short_mm in ((20.0, 0.40), (190.0, 0.53)):
+        assert helix.diameters_mm(z_mm)[1][-1] / 2 == pytest.approx(short_mm, abs=1e-8)
+        joint = {20.0: 0.31965970, 190.0: 0.43584380}[z_mm]
+        assert helix.diameters_mm(z_mm)[1][70] / 2 == pytest.approx(joint, abs=1e-8)
+
+
+@pytest.mark.slow
+def test_command_makes_every_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Tables and pictures of all rows, and the page; two runs give the same bytes."""
+    assert main(["-o", str(tmp_path / "a")]) == 0
+    assert "41 figures and tables" in capsys.readouterr().out
+    made = {path.name: path.read_bytes() for path in (tmp_path / "a").iterdir()}
+    wanted = {name for one in all_chapters() for name in one.files}
+    assert set(made) == wanted | {"papers.md"}
+    assert all(data[1:4] == b"PNG" for name, data in made.items() if name.endswith(".png"))
+    assert made["papers.md"].decode() == page(all_chapters())
+
+
+def test_wrong_words_are_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    """A folder is needed, and nothing else is taken."""
+    for words in ([], ["perkins240.toml"], ["-o", "x", "--only", "S2"]):
+        with pytest.raises(SystemExit) as stop:
+            main(words)
+        assert stop.value.code == 2
+        assert len(capsys.readouterr().err.splitlines()) == 1
