@@ -50,6 +50,8 @@ static const err_text_t entries[] = {
     {cam_err_tick_rate, "too many knots or counts pass in one tick"},
     {cam_err_spindle_acceleration, "the spindle would have to accelerate more than it can"},
     {cam_err_x_speed, "clearance or barrel at that speed are beyond the speed of X"},
+    {cam_err_spindle_loop, "the spindle's speed loop is too slow for its modulation"},
+    {cam_err_spindle_set_point, "the speed loop would be told more than the highest speed"},
     {cam_err_u_retract, "the retract that was set leaves the stroke of U"},
     {cam_err_x_acceleration, "clearance or barrel at that speed are beyond the acceleration of X"},
     {cam_err_swing_axis, "the table swings the tool, for which there is no axis"},

@@ -62,6 +62,8 @@ typedef enum {
     cam_err_swing_acceleration = -54,   ///< the swing would exceed its highest acceleration
     cam_err_cam_amplitude = -55,        ///< a lobe at an amplitude below 1 is cut deeper than drawn
     cam_err_u_retract = -56,            ///< the retract that was set leaves U's stroke
+    cam_err_spindle_loop = -57,         ///< the spindle's speed loop is slower than the modulation
+    cam_err_spindle_set_point = -58,    ///< its set-point would exceed the spindle's highest speed
 } cam_err_t;
 
 /// The compiler refuses a call that ignores the result of such a function.

@@ -2,6 +2,7 @@
 #include "cam_demand.h"
 #include "cam_feed.h" // cam_feed_ramp_q32
 #include "cam_fix.h"  // cam_abs_i64
+#include "cam_pace.h" // cam_pace_set_q20
 #include "cam_plan.h" // cam_plan_ticks
 #include <stdbool.h>  // bool
 #include <stddef.h>   // size_t
@@ -59,6 +60,28 @@ static cam_demand_t spindle_acceleration_demand(const cam_cut_t *c)
     const uint64_t omega2 = divided_up(omega * omega, 1000); // [0.001 rad2/s2]
     return (cam_demand_t){cam_err_spindle_acceleration, c->p->spindle_acceleration_mrad_per_s2,
                           divided_up(omega2 * c->t->spindle_peak_ppm_per_rad, 1000000)};
+}
+
+/// A speed loop of the bandwidth b takes at most b of its speed away in a second, told 0. So it
+/// must be as fast as the ratio falls, -r' times the mean speed.
+static cam_demand_t spindle_loop_demand(const cam_cut_t *c)
+{
+    const int64_t lag_us = c->p->spindle_lag_us;
+    const uint64_t omega = omega_mrad_per_s(c->mean_mrpm);
+    return (cam_demand_t){cam_err_spindle_loop, lag_us > 0 ? 1000000000 / lag_us : INT64_MAX,
+                          divided_up(omega * c->t->pace.fall_ppm_per_rad, 1000000)};
+}
+
+/// What the loop is told so that the spindle follows must not exceed its highest speed.
+static cam_demand_t spindle_set_point_demand(const cam_cut_t *c)
+{
+    const uint64_t lag_us = (uint64_t)c->p->spindle_lag_us;
+    const uint64_t c_q16 = divided_up(omega_mrad_per_s(c->mean_mrpm) * lag_us * 4096u, 62500000);
+    const uint64_t set_q20 = cam_pace_set_q20(&c->t->pace, c_q16);
+    const bool is_told = c->t->speed.knots != NULL;
+    return (cam_demand_t){
+        cam_err_spindle_set_point, c->p->spindle_limit_mrpm,
+        is_told ? divided_up(set_q20 * c->mean_mrpm, (uint32_t)CAM_TABLE_RATIO_ONE) : 0u};
 }
 
 /// The speed must not let more knots or more of a turn pass in a tick than the interrupt can
@@ -209,23 +232,39 @@ static cam_demand_t retract_demand(const cam_cut_t *c)
                           is_set ? outwards_nm(c) + (uint64_t) - (int64_t)retract_nm : 0u};
 }
 
-/// The second derivative over the angle while engaging, when the envelope e, a smooth step over t
-/// turns, adds to it: the largest of e f'' + 2 e' f' + e'' f at 0.7, 0.8 and 0.9 of the step, which
-/// is at most 1 % less than the largest in between, or f'' itself. From about three turns on f''
-/// is the larger one.
-/// @param f, f1, f2  largest magnitudes of f, f' and f''; f' and f'' below 2^33
-static uint64_t engaging(const cam_params_t *p, uint64_t f, uint64_t f1, uint64_t f2)
+/// Largest magnitudes of a function f of the angle, which a cut demands of an axis: per turn of the
+/// mean speed, so that a modulated spindle is contained in them.
+typedef struct {
+    uint64_t value;  ///< |f|
+    uint64_t first;  ///< |f' r|, below 2^33
+    uint64_t second; ///< |f'' r^2 + f' r r'|, below 2^33
+} motion_t;
+
+/// The acceleration while engaging, when the envelope e, a smooth step over t turns, adds to it:
+/// the largest of e f'' + 2 e' f' + e'' f over the step, or f'' itself. It is taken at fourteen
+/// places of the second half of the step, with e' and e'' larger by 3 %: less than a ten-thousandth
+/// of the largest in between is missed, whatever the turns. The spindle may meanwhile turn faster
+/// than its mean speed, and accelerate.
+static uint64_t engaging(const cam_cut_t *c, const motion_t *f)
 {
     static const struct {
-        uint32_t e_ppm, e1_ppm, e2_ppm; // e, 2 e' / 2 pi and e'' / (2 pi)^2
-    } at[] = {{836920, 421124, 127665}, {942080, 244462, 145903}, {991440, 77349, 109427}};
-    const uint64_t turns = (uint64_t)smaller(p->engage_turns, p->disengage_turns);
-    uint64_t most = f2;
+        uint32_t e_ppm, e1_ppm, e2_ppm; // e, 1.03 2 e' / 2 pi and 1.03 e'' / (2 pi)^2
+    } at[] = {{500000, 614736, 0},      {611425, 597160, 46287},  {716510, 545958, 88515},
+              {809474, 465722, 122629}, {885658, 364099, 144569}, {925567, 289630, 150430},
+              {956293, 214280, 147876}, {978000, 142581, 135703}, {991441, 79670, 112710},
+              {996921, 41685, 87642},   {999150, 18166, 61219},   {999850, 5844, 36250},
+              {999984, 1383, 18115},    {999999, 244, 7711}};
+    const uint64_t turns = (uint64_t)smaller(c->p->engage_turns, c->p->disengage_turns);
+    const uint64_t ratio_q10 = divided_up(c->t->ratio_max_q20, 1024);
+    const uint64_t value = divided_up(f->value * ratio_q10, 1024);
+    const uint64_t alpha = divided_up(f->value * c->t->spindle_peak_ppm_per_rad, 2000000);
+    const uint64_t first = divided_up(f->first * ratio_q10, 1024) + alpha;
+    const uint64_t far = divided_up(value * ratio_q10, 1024);
+    uint64_t most = f->second;
     for (size_t i = 0; i < sizeof at / sizeof at[0]; i++) {
-        const uint64_t sum =
-            (f2 * at[i].e_ppm + f1 * at[i].e1_ppm / turns + f * at[i].e2_ppm / (turns * turns)) /
-            990000u;
-        most = sum > most && turns < 3u ? sum : most;
+        most = greater(most, divided_up(f->second * at[i].e_ppm + first * at[i].e1_ppm / turns +
+                                            far * at[i].e2_ppm / (turns * turns),
+                                        1000000));
     }
     return most;
 }
@@ -245,9 +284,10 @@ static cam_demand_t u_acceleration_demand(const cam_cut_t *c)
     const cam_table_t *t = c->t;
     const int64_t limit =
         smaller(c->p->u_acceleration_mm_per_s2, t->limit_u_acceleration_mm_per_s2);
-    const uint64_t u =
-        greater((uint64_t)cam_abs_i64(t->u_min_nm), (uint64_t)cam_abs_i64(t->u_max_nm));
-    const uint64_t most = engaging(c->p, u, t->u1_peak_nm_per_rad, t->u2_peak_nm_per_rad2);
+    const motion_t u = {
+        greater((uint64_t)cam_abs_i64(t->u_min_nm), (uint64_t)cam_abs_i64(t->u_max_nm)),
+        t->u1_peak_nm_per_rad, t->u2_peak_nm_per_rad2};
+    const uint64_t most = engaging(c, &u);
     const uint64_t omega = omega_mrad_per_s(c->mean_mrpm);
     const uint64_t omega2 = divided_up(omega * omega, 10000); // [0.01 rad2/s2]
     const uint64_t turning = divided_up(at_amplitude(c, most) * omega2, 100000000);
@@ -302,8 +342,8 @@ static cam_demand_t swing_acceleration_demand(const cam_cut_t *c)
     const uint64_t bend = (((t->swing.second_mdeg_per_rad2 * ratio_q20) >> 20) * ratio_q20) >> 20;
     const uint64_t second_mdeg_per_rad2 =
         bend + (uint64_t)t->swing.first_mdeg_per_rad * t->spindle_peak_ppm_per_rad / 1000000u + 1u;
-    const uint64_t second =
-        at_amplitude(c, engaging(c->p, t->swing.most_mdeg, swing_first(t), second_mdeg_per_rad2));
+    const motion_t swing = {t->swing.most_mdeg, swing_first(t), second_mdeg_per_rad2};
+    const uint64_t second = at_amplitude(c, engaging(c, &swing));
     const uint64_t omega = omega_mrad_per_s(c->mean_mrpm);
     const uint64_t omega2 = divided_up(omega * omega, 1000);             // [0.001 rad2/s2]
     const bool fits = omega2 < (uint64_t)INT64_MAX / greater(second, 1); // else beyond any limit
@@ -384,6 +424,8 @@ cam_demand_t cam_demand_first_exceeded(const cam_cut_t *c)
         {cam_err_z_acceleration, p->z_acceleration_mm_per_s2, is_led ? 0u : z_mm_per_s2(c)},
         tick_demand(c),
         spindle_acceleration_demand(c),
+        spindle_loop_demand(c),
+        spindle_set_point_demand(c),
         x_speed_demand(c),
         x_acceleration_demand(c),
     };

@@ -80,6 +80,16 @@ typedef struct {
     uint32_t kink;    ///< by how much the difference jumps where one slice ends
 } cam_change_t;
 
+/// Places at which the set-point of a speed loop is bounded, and how many of them make a radian.
+enum { cam_pace_places = 9, cam_pace_per_rad = 4 };
+
+/// What a speed channel demands of the spindle's speed loop (cam_pace.h).
+typedef struct {
+    uint32_t fall_ppm_per_rad;         ///< [1e-6 / rad] largest -r': bandwidth over mean speed
+    uint32_t set_q20[cam_pace_places]; ///< [2^-20] largest r + c r r' at c = 0, 1/4 .. 2 rad
+    uint32_t rise_q20;                 ///< [2^-20 / quarter rad] largest r r'
+} cam_pace_t;
+
 /// A checked table. All members are read-only after cam_table_check().
 typedef struct {
     cam_channel_t u;                 ///< radius reduction, positive towards the axis
@@ -109,6 +119,7 @@ typedef struct {
     uint32_t u2_peak_nm_per_rad2;      ///< [nm/rad2] bound of |u'' r^2 + u' r r'|
     uint32_t spindle_peak_ppm_per_rad; ///< [1e-6 / rad] bound of |r r'|; 0: uniform speed
     uint32_t ratio_max_q20;            ///< [2^-20] bound of the speed ratio r; uniform: 2^20
+    cam_pace_t pace;                   ///< what the speed demands of the spindle's loop
     uint32_t x_slope_ppm;              ///< [1e-6] largest |dX/dZ|, measured by the check
     uint32_t x_bend_ppm_per_m;         ///< [1e-6 / m] largest |d2X/dZ2|, measured too
     uint32_t way_slope_ppm;            ///< [1e-6] largest feed over its mean; helix: 10^6

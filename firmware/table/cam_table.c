@@ -3,6 +3,7 @@
 #include "cam_barrel.h"  // cam_barrel_measure
 #include "cam_entry.h"   // cam_entry_check
 #include "cam_fix.h"     // cam_is_between
+#include "cam_pace.h"    // cam_pace_of
 #include "cam_peaks.h"   // cam_peaks_of_swing
 #include "cam_passes.h"  // cam_passes_check
 #include "cam_promise.h" // cam_promise_check
@@ -304,6 +305,7 @@ static void describe(const uint8_t *image, const header_fields_t *h, cam_table_t
     table->image = image;
     table->image_size = word_at(image, at_image_size);
     cam_barrel_measure(table);
+    table->pace = cam_pace_of(&table->speed);
     table->u_change = cam_peaks_of_change(&table->u);
     if (table->is_swung) {
         table->swing = cam_peaks_of_swing(&table->angle);

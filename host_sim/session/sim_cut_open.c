@@ -85,6 +85,7 @@ static const char *unit_of(cam_err_t err, double *per_unit)
     *per_unit = 1.0;
     switch (err) {
     case cam_err_spindle_speed:
+    case cam_err_spindle_set_point:
         *per_unit = 1e-3;
         return "r/min";
     case cam_err_u_speed:
@@ -92,6 +93,9 @@ static const char *unit_of(cam_err_t err, double *per_unit)
     case cam_err_x_speed:
         *per_unit = 1e-3;
         return "mm/s";
+    case cam_err_spindle_loop:
+        *per_unit = 1e-3;
+        return "rad/s of bandwidth";
     case cam_err_spindle_acceleration:
         *per_unit = 1e-3;
         return "rad/s2";

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cam_pace.h"
+#include "cam_fix.h"   // cam_per_rad
+#include "cam_speed.h" // cam_speed_scaled
+
+/// @return [2^-20] a derivative per turn as one per rad, rounded away from 0
+static int64_t per_rad_q20(int64_t per_turn_q20)
+{
+    const int64_t magnitude = cam_per_rad(cam_abs_i64(per_turn_q20)) + 1;
+    return per_turn_q20 < 0 ? -magnitude : magnitude;
+}
+
+static uint32_t larger(uint32_t most, int64_t value)
+{
+    return value > (int64_t)most ? (uint32_t)value : most;
+}
+
+static void widen(cam_pace_t *pace, cam_ratio_t at)
+{
+    const int64_t slope_q20 = per_rad_q20(at.slope_q20);
+    const int64_t product_q20 = per_rad_q20(((int64_t)at.ratio_q28 * at.slope_q20) >> 28);
+    const int64_t ratio_q20 = ((int64_t)at.ratio_q28 >> 8) + 1;
+    pace->fall_ppm_per_rad = larger(pace->fall_ppm_per_rad, (-slope_q20 * 1000000) >> 20);
+    pace->rise_q20 = larger(pace->rise_q20, product_q20 / cam_pace_per_rad + 1);
+    for (int k = 0; k < cam_pace_places; k++) {
+        pace->set_q20[k] =
+            larger(pace->set_q20[k], ratio_q20 + (product_q20 * k) / cam_pace_per_rad);
+    }
+}
+
+cam_pace_t cam_pace_of(const cam_channel_t *ch)
+{
+    cam_pace_t pace = {0};
+    for (int k = 0; k < cam_pace_places; k++) {
+        pace.set_q20[k] = (uint32_t)CAM_TABLE_RATIO_ONE;
+    }
+    const uint32_t n = ch->knots != NULL ? ch->n_slices << ch->log2_knots : 0u;
+    for (uint32_t i = 0; i < n; i++) {
+        const cam_value_t at = {.y = ch->knots[i].p, .d1 = ch->knots[i].v};
+        widen(&pace, cam_speed_scaled(ch, at));
+    }
+    return pace;
+}
+
+uint64_t cam_pace_set_q20(const cam_pace_t *pace, uint64_t c_q16)
+{
+    const uint64_t place_q16 = c_q16 * (uint64_t)cam_pace_per_rad;
+    const uint64_t last = (uint64_t)cam_pace_places - 1u;
+    const uint64_t i = place_q16 >> 16 < last ? place_q16 >> 16 : last;
+    const uint64_t from = pace->set_q20[i];
+    const uint64_t to = i < last ? pace->set_q20[i + 1u] : from + pace->rise_q20;
+    return from + (((to > from ? to - from : 0u) * (place_q16 - (i << 16))) >> 16) + 1u;
+}
