@@ -80,14 +80,14 @@ typedef struct {
     uint32_t kink;    ///< by how much the difference jumps where one slice ends
 } cam_change_t;
 
-/// Places at which the set-point of a speed loop is bounded, and how many of them make a radian.
-enum { cam_pace_places = 9, cam_pace_per_rad = 4 };
+/// Places at which the set-point of a speed loop is bounded: k^2 / 128 rad, up to 8.
+enum { cam_pace_places = 33, cam_pace_per_rad = 128 };
 
 /// What a speed channel demands of the spindle's speed loop (cam_pace.h).
 typedef struct {
     uint32_t fall_ppm_per_rad;         ///< [1e-6 / rad] largest -r': bandwidth over mean speed
-    uint32_t set_q20[cam_pace_places]; ///< [2^-20] largest r + c r r' at c = 0, 1/4 .. 2 rad
-    uint32_t rise_q20;                 ///< [2^-20 / quarter rad] largest r r'
+    uint32_t set_q20[cam_pace_places]; ///< [2^-20] largest r + c r r' at these places c
+    uint32_t rise_q20;                 ///< [2^-20 / rad] largest r r'
 } cam_pace_t;
 
 /// A checked table. All members are read-only after cam_table_check().

@@ -21,10 +21,10 @@ static void widen(cam_pace_t *pace, cam_ratio_t at)
     const int64_t product_q20 = per_rad_q20(((int64_t)at.ratio_q28 * at.slope_q20) >> 28);
     const int64_t ratio_q20 = ((int64_t)at.ratio_q28 >> 8) + 1;
     pace->fall_ppm_per_rad = larger(pace->fall_ppm_per_rad, (-slope_q20 * 1000000) >> 20);
-    pace->rise_q20 = larger(pace->rise_q20, product_q20 / cam_pace_per_rad + 1);
+    pace->rise_q20 = larger(pace->rise_q20, product_q20);
     for (int k = 0; k < cam_pace_places; k++) {
         pace->set_q20[k] =
-            larger(pace->set_q20[k], ratio_q20 + (product_q20 * k) / cam_pace_per_rad);
+            larger(pace->set_q20[k], ratio_q20 + product_q20 * k * k / cam_pace_per_rad);
     }
 }
 
@@ -44,10 +44,16 @@ cam_pace_t cam_pace_of(const cam_channel_t *ch)
 
 uint64_t cam_pace_set_q20(const cam_pace_t *pace, uint64_t c_q16)
 {
-    const uint64_t place_q16 = c_q16 * (uint64_t)cam_pace_per_rad;
-    const uint64_t last = (uint64_t)cam_pace_places - 1u;
-    const uint64_t i = place_q16 >> 16 < last ? place_q16 >> 16 : last;
-    const uint64_t from = pace->set_q20[i];
-    const uint64_t to = i < last ? pace->set_q20[i + 1u] : from + pace->rise_q20;
-    return from + (((to > from ? to - from : 0u) * (place_q16 - (i << 16))) >> 16) + 1u;
+    const uint64_t one_q16 = 65536u / (uint64_t)cam_pace_per_rad; // of the first place
+    uint64_t k = 0;
+    while (k + 1u < (uint64_t)cam_pace_places && (k + 1u) * (k + 1u) * one_q16 <= c_q16) {
+        k++;
+    }
+    const uint64_t from = pace->set_q20[k];
+    const uint64_t beyond_q16 = c_q16 - k * k * one_q16;
+    if (k + 1u == (uint64_t)cam_pace_places) {
+        return from + ((pace->rise_q20 * beyond_q16) >> 16) + 1u;
+    }
+    const uint64_t to = pace->set_q20[k + 1u];
+    return from + (to > from ? (to - from) * beyond_q16 / ((2u * k + 1u) * one_q16) : 0u) + 1u;
 }

@@ -40,12 +40,12 @@ static void test_largest_fall_is_that_of_the_ratio(void)
 /// this table, 11 degrees apart.
 static void test_set_point_is_bounded_at_any_lag(void)
 {
-    for (int i = 0; i <= 400; i++) {
+    for (int i = 0; i <= 1200; i++) {
         const double c = i * 0.01;
         const double bound =
             ldexp((double)cam_pace_set_q20(&f.table.pace, (uint64_t)(c * 65536.0)), -20);
         TEST_ASSERT_TRUE(bound >= largest(c) * 0.99);
-        TEST_ASSERT_TRUE(c > 2.0 || bound <= largest(c) * 1.025);
+        TEST_ASSERT_TRUE(c > 8.0 || bound <= largest(c) * 1.002);
     }
 }
 
@@ -79,7 +79,7 @@ static void test_set_point_beyond_the_highest_speed_is_refused(void)
     const cam_feasibility_t why = cam_feasible(&f.table, &f.params, 200000, 20000);
     TEST_ASSERT_EQUAL_INT(cam_err_spindle_set_point, why.err);
     const double needed = 200e3 * largest(200.0 * pi / 30.0 * 0.025);
-    TEST_ASSERT_DOUBLE_WITHIN(0.012 * needed, needed, (double)why.needed);
+    TEST_ASSERT_DOUBLE_WITHIN(0.003 * needed, needed, (double)why.needed);
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_feasible(&f.table, &f.params, why.highest_mrpm, 20000).err);
 }
 

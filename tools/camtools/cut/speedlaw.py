@@ -28,6 +28,7 @@ from camtools.base.quantities import Floats, FloatsLike
 N_GRID = 512  # places of a pattern at which limits are watched
 MIN_RATIO, MAX_RATIO = 0.25, 4.0  # slower is no use to a piston; what a table holds
 _MARGIN = 0.996  # of every limit: the places between the grid, and the table's own error
+_TOLD_MARGIN = 0.992  # of set-points: the controller judges them by chords
 _N_CONTROL = 32  # control points of a pattern
 _SMOOTHNESS = 1e-4  # weight of the second differences, so that neighbouring heights agree
 _MAX_CUTS, _MEAN_ERROR = 40, 1e-7
@@ -50,6 +51,7 @@ class SpeedLimits(NamedTuple):
     spindle_rad_s: float
     u_speed_mm_s: float
     u_acceleration_mm_s2: float
+    bandwidth_rad_s: float = np.inf  # of the speed loop
 
 
 class InfeasibleError(CamtoolsError):
@@ -99,6 +101,23 @@ class Law:
         found = (np.abs(r * r1), r, np.abs(load.d1_mm * r), np.abs(motion))
         return tuple(float(one.max()) for one in found)  # type: ignore[return-value]
 
+    def set_points(self, lag_rad: float) -> Floats:
+        """Return what a speed loop must be told, over the mean speed, MATHS.md (80).
+
+        Parameters
+        ----------
+        lag_rad : float
+            Mean speed over the bandwidth of the loop [rad].
+        """
+        phi = grid_rad(self.load)
+        r = self.ratio(phi)
+        return np.asarray(r + lag_rad * r * self.ratio(phi, 1), dtype=np.float64)
+
+    @property
+    def fall(self) -> float:
+        """Return the largest -r' [1/rad]: the bandwidth that a loop needs, over the mean speed."""
+        return float(np.max(-self.ratio(grid_rad(self.load), 1)))
+
 
 def grid_rad(load: Load) -> Floats:
     """Return the angles of a load's grid."""
@@ -133,9 +152,11 @@ def uniform(load: Load) -> Law:
 def excess(law: Law, limits: SpeedLimits, mean_rad_s: float) -> dict[str, float]:
     """Return needed over limit, above 1 where a law breaks it, by name of the limit."""
     alpha, ratio, speed, motion = law.peaks
+    told = float(law.set_points(mean_rad_s / limits.bandwidth_rad_s).max()) * _MARGIN / _TOLD_MARGIN
     return {
         "spindle_acceleration_rad_s2": alpha * mean_rad_s**2 / limits.alpha_rad_s2,
-        "spindle_rpm": ratio * mean_rad_s / limits.spindle_rad_s,
+        "spindle_bandwidth_rad_s": law.fall * mean_rad_s / limits.bandwidth_rad_s,
+        "spindle_rpm": max(ratio, told) * mean_rad_s / limits.spindle_rad_s,
         "u_speed_mm_s": speed * mean_rad_s / limits.u_speed_mm_s,
         "u_acceleration_mm_s2": motion * mean_rad_s**2 / limits.u_acceleration_mm_s2,
     }
@@ -200,6 +221,7 @@ class _Program:
             (np.hstack([self.value, zero, zero]), self._highest(limits)),
             (np.hstack([-self.value, zero, zero]), np.full(rows, -(MIN_RATIO**2))),
         ]
+        self.slope, self.limits = slope, limits
         a = np.vstack([np.hstack([block, np.zeros((rows, n_s))]) for block, _ in blocks])
         bends = np.hstack([self.second, np.zeros((n_s, 2)), -np.eye(n_s)])
         back = np.hstack([-self.second, np.zeros((n_s, 2)), -np.eye(n_s)])
@@ -224,11 +246,29 @@ class _Program:
         self.a = np.vstack([self.a, row])
         self.b = np.append(self.b, 1 - 3 * float(np.mean(square**-0.5)) / 2)
 
-    def solve(self) -> Floats | None:
-        """Return b on the grid, nothing when no law keeps the limits."""
-        found = linprog(
-            self.cost, A_ub=self.a, b_ub=self.b, bounds=[(None, None)] * self.n, method="highs"
-        )
+    def _loop(self, square: Floats) -> tuple[Floats, Floats]:
+        """Return rows of the speed loop, MATHS.md (81): r stands for its tangent at sqrt(b)."""
+        per_rad = self.mean / self.limits.bandwidth_rad_s
+        half, bend = np.sqrt(square) / 2, per_rad * self.slope / 2
+        tangent = self.value / (4 * half[:, None])
+        highest = _TOLD_MARGIN * self.limits.spindle_rad_s / self.mean
+        rows = np.vstack([-bend - _MARGIN * tangent, bend + tangent])
+        bounds = np.concatenate([_MARGIN * half, highest - half])
+        return np.pad(rows, ((0, 0), (0, self.n - rows.shape[1]))), bounds
+
+    def solve(self, square: Floats) -> Floats | None:
+        """Return b on the grid, nothing when no law keeps the limits.
+
+        Parameters
+        ----------
+        square : ndarray
+            b of the solution before.
+        """
+        a, b = self.a, self.b
+        if np.isfinite(self.limits.bandwidth_rad_s):
+            rows, bounds = self._loop(square)
+            a, b = np.vstack([a, rows]), np.append(b, bounds)
+        found = linprog(self.cost, A_ub=a, b_ub=b, bounds=[(None, None)] * self.n, method="highs")
         if found.status != 0:
             return None
         return np.asarray(self.value @ found.x[: self.value.shape[1]], dtype=np.float64)
@@ -276,7 +316,7 @@ def optimise(load: Load, limits: SpeedLimits, mean_rad_s: float) -> Law:
     program, square = _Program(load, limits, mean_rad_s), np.ones(load.area_mm2.size)
     for _ in range(_MAX_CUTS):
         program.cut(square)
-        found = program.solve()
+        found = program.solve(square)
         if found is None:
             return fallback
         square = np.maximum(found, MIN_RATIO**2)
@@ -289,14 +329,12 @@ def optimise(load: Load, limits: SpeedLimits, mean_rad_s: float) -> Law:
 
 def full_mean_rad_s(load: Load, limits: SpeedLimits) -> float:
     """Return the highest mean speed at which the rate can be kept constant [rad/s]."""
-    alpha, ratio, speed, motion = full(load).peaks
-    highest = (
-        np.sqrt(limits.alpha_rad_s2 / max(alpha, 1e-12)),
-        limits.spindle_rad_s / ratio,
-        limits.u_speed_mm_s / max(speed, 1e-12),
-        np.sqrt(limits.u_acceleration_mm_s2 / max(motion, 1e-12)),
-    )
-    return float(min(highest))
+    law, low, high = full(load), 0.0, limits.spindle_rad_s
+    for _ in range(_BISECTIONS):
+        middle = (low + high) / 2
+        is_kept = max(excess(law, limits, middle).values()) <= 1
+        low, high = (middle, high) if is_kept else (low, middle)
+    return low
 
 
 def highest_mean_rad_s(

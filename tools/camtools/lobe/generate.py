@@ -143,7 +143,8 @@ def _laws(part: LobePart, paths: list[Follower], rpm: float) -> list[Floats]:
     slowest = min(mean_of(base_rad_s * base_mm / path.ds_dphi) for path in paths)
     most = alpha = min(limits.alpha_rad_s2, _MAX_SPINDLE_RAD2 * slowest**2)
     for _ in range(_EASINGS):
-        spindle = SpindleLimits(alpha, omega_rad_s(limits.spindle_rpm))
+        highest = omega_rad_s(limits.spindle_rpm)
+        spindle = SpindleLimits(alpha, highest, limits.spindle_bandwidth_rad_s)
         laws = [surface_speed(path.ds_dphi, base_mm, base_rad_s, spindle) for path in paths]
         mixed = max((_peak(acceleration_of(mix)) for mix in _mixes(laws)), default=0.0)
         if mixed <= _MIXED_MARGIN * most:

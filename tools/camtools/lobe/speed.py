@@ -29,6 +29,7 @@ class SpindleLimits(NamedTuple):
 
     alpha_rad_s2: float
     highest_rad_s: float
+    bandwidth_rad_s: float = np.inf  # of its speed loop
 
 
 def surface_speed(
@@ -56,10 +57,28 @@ def surface_speed(
     """
     wanted = np.minimum(base_rad_s * base_mm / ds_dphi, _TOP_MARGIN * limits.highest_rad_s)
     step = 2 * _MARGIN * limits.alpha_rad_s2 * 2 * np.pi / N_GRID
-    square = _below(_below(wanted**2, step)[::-1], step)[::-1]
+    square = _falling(np.sqrt(_below(wanted**2, step)), limits) ** 2
     kernel = np.ones(2 * _SMOOTHED + 1) / (2 * _SMOOTHED + 1)
     padded = np.concatenate([square[-_SMOOTHED:], square, square[:_SMOOTHED]])
     return np.asarray(np.sqrt(np.convolve(padded, kernel, "valid")), dtype=np.float64)
+
+
+def _falling(omega_rad_s: Floats, limits: SpindleLimits) -> Floats:
+    """Return the largest speed below another that falls as torque and speed loop let it.
+
+    It falls by at most alpha / omega per radian and by the bandwidth of the loop, MATHS.md (80). The
+    angle over which it falls from a speed to 0 is a coordinate in which that is a bounded slope.
+    """
+    alpha, bandwidth = _MARGIN * limits.alpha_rad_s2, _MARGIN * limits.bandwidth_rad_s
+    slow = alpha / bandwidth  # below it the loop decides
+    angle = np.where(
+        omega_rad_s < slow,
+        omega_rad_s / bandwidth,
+        (omega_rad_s**2 + slow**2) / (2 * alpha),
+    )
+    angle = _below(angle[::-1], 2 * np.pi / N_GRID)[::-1]
+    fast = np.sqrt(np.maximum(2 * alpha * angle - slow**2, 0.0))
+    return np.asarray(np.where(angle * bandwidth < slow, angle * min(bandwidth, 1e300), fast))
 
 
 def _below(square: Floats, step: float) -> Floats:

@@ -55,6 +55,8 @@ class MachineLimits(TomlTable):
     spindle_torque_nm: Annotated[float, Field(gt=0, le=100_000)] | None = None
     spindle_inertia_kgm2: Annotated[float, Field(gt=0, le=10_000)] | None = None
     spindle_acceleration_rad_s2: Annotated[float, Field(ge=1, le=1_000_000)] | None = None
+    spindle_bandwidth_rad_s: Annotated[float, Field(ge=0.1, le=1000)] = 40.0
+    spindle_ripple: Annotated[float, Field(ge=0, le=0.1)] = 0.002
 
     @model_validator(mode="after")
     def _check_spindle(self) -> Self:

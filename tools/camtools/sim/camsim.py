@@ -41,6 +41,8 @@ tick_hz = {tick_hz!r}
 limit_rpm = {rpm!r}
 torque_Nm = {torque!r}
 inertia_kgm2 = {inertia!r}
+bandwidth_rad_per_s = {bandwidth!r}
+ripple = {ripple!r}
 [u]
 speed_mm_per_s = {speed!r}
 acceleration_mm_per_s2 = {acceleration!r}
@@ -66,6 +68,8 @@ def machine_text(limits: MachineLimits) -> str:
         rpm=limits.spindle_rpm,
         torque=inertia * limits.alpha_rad_s2,
         inertia=inertia,
+        bandwidth=limits.spindle_bandwidth_rad_s,
+        ripple=limits.spindle_ripple,
         speed=min(max(limits.u_speed_mm_s, 0.1), 10_000.0),
         acceleration=min(max(limits.u_acceleration_mm_s2, 10.0), 1e7),
         stroke=limits.u_stroke_mm,

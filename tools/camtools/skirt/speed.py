@@ -25,6 +25,7 @@ from camtools.cut.speedlaw import (
     optimise,
     uniform,
 )
+from camtools.cut.spindleloop import Loop, played_ripple
 from camtools.part.common import MachineLimits
 from camtools.skirt.blank import blank_radius_mm
 from camtools.skirt.channels import height_range_nm
@@ -45,6 +46,7 @@ class SpeedTable(NamedTuple):
     channel: Channel
     z_mm: Floats  # heights of the slices
     laws: tuple[Law, ...]  # of each slice
+    played: Floats  # ripple of each as the spindle plays it
     partial: tuple[Law, ...]  # MATHS.md (26), for comparison
     full_mean_rpm: float  # up to here the rate can be kept constant
     uniform_rpm: float  # highest speed at which the part can be turned uniformly
@@ -66,6 +68,18 @@ def limits_of(limits: MachineLimits) -> SpeedLimits:
         omega_rad_s(limits.spindle_rpm),
         limits.u_speed_mm_s,
         limits.u_acceleration_mm_s2,
+        limits.spindle_bandwidth_rad_s,
+    )
+
+
+def loop_of(limits: MachineLimits) -> Loop:
+    """Return a part's spindle as it plays a law."""
+    return Loop(
+        limits.spindle_bandwidth_rad_s,
+        limits.alpha_rad_s2,
+        omega_rad_s(limits.spindle_rpm),
+        limits.spindle_ripple,
+        1 / limits.tick_hz,
     )
 
 
@@ -97,6 +111,7 @@ def make_speed(part: SkirtPart, geometry: Geometry, u: Channel, uniform_rpm: flo
     n = max(_SLICES, ceil((range_nm[1] - range_nm[0]) / MAX_SPACING_NM) + 1)
     z_mm = np.clip(slice_heights_mm(range_nm, n), *geometry.skirt_mm)  # held while it runs in
     limits, mean = limits_of(part.machine.limits), omega_rad_s(part.process.spindle_rpm)
+    loop = loop_of(part.machine.limits)
     blank_mm = blank_radius_mm(geometry, part.process.depth_mm)
     loads = [load_at(geometry, blank_mm, float(z)) for z in z_mm]
     laws = [optimise(load, limits, mean) for load in loads]
@@ -105,6 +120,7 @@ def make_speed(part: SkirtPart, geometry: Geometry, u: Channel, uniform_rpm: flo
         channel,
         z_mm,
         tuple(laws),
+        played_ripple(laws, mean, loop),
         tuple(largest_partial(load, limits, mean) for load in loads),
         min(full_mean_rad_s(load, limits) for load in loads) * 60 / (2 * np.pi),
         uniform_rpm,
