@@ -66,8 +66,8 @@ def surface_speed(
 def _falling(omega_rad_s: Floats, limits: SpindleLimits) -> Floats:
     """Return the largest speed below another that falls as torque and speed loop let it.
 
-    It falls by at most alpha / omega per radian and by the bandwidth of the loop, MATHS.md (80). The
-    angle over which it falls from a speed to 0 is a coordinate in which that is a bounded slope.
+    It falls by at most alpha / omega per radian and by the bandwidth of the loop, MATHS.md (80).
+    The angle over which it falls from a speed to 0 is a coordinate of a bounded slope.
     """
     alpha, bandwidth = _MARGIN * limits.alpha_rad_s2, _MARGIN * limits.bandwidth_rad_s
     slow = alpha / bandwidth  # below it the loop decides

@@ -92,6 +92,7 @@ class SkirtProcess(TomlTable):
     depth_mm: Annotated[float, Field(ge=0, le=100)] = 0.1
     direction: Literal[1, -1] = 1
     mode: Literal["uniform", "equal-volume"] = "uniform"
+    ripple_percent: Annotated[float, Field(gt=0, le=100)] | None = None
     parts: Annotated[int, Field(ge=2, le=1000)] = 30
     path: Literal["helix", "ring-helix", "stepped"] = "helix"
     form_error_um: Annotated[float, Field(ge=0.01, le=1000)] = 5.0

@@ -48,7 +48,7 @@ def turn_near(removal: Removal, z_mm: float) -> Removal:
 
 def draw_even(even: Even, speed: SpeedTable, spindle_rpm: float) -> Figure:
     """Return speed, rate, power and both forces over one turn where the ripple is largest."""
-    worst = worst_of(speed.laws)
+    worst = worst_of(speed)
     z_mm, law = float(speed.z_mm[worst]), speed.laws[worst]
     figure = new_figure(10, 10)
     panels: list[Axes] = list(figure.subplots(5, 1, sharex=True))
@@ -99,9 +99,9 @@ def draw_ripple(even: Even, speed: SpeedTable) -> Figure:
     ):
         z_mm, ripple = ripple_by_turn(removal)
         axes.plot(z_mm[2:-2], _PERCENT * ripple[2:-2], color=colour, lw=1.4, label=name)
-    laws = [_PERCENT * law.ripple for law in speed.laws]
+    laws = _PERCENT * speed.played
     blended = [_PERCENT * law.ripple for law in speed.partial]
-    axes.plot(speed.z_mm, laws, color=BLUE, ls="", marker="o", ms=4, label="speed law of the table")
+    axes.plot(speed.z_mm, laws, color=BLUE, ls="", marker="o", ms=4, label="promised by the table")
     axes.plot(
         speed.z_mm, blended, color=ORANGE, ls="", marker="x", ms=5, label="partial modulation"
     )

@@ -14,9 +14,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats, omega_rad_s
+from camtools.cut.feasibility import tenth_below
 from camtools.cut.speedlaw import (
     N_GRID,
+    InfeasibleError,
     Law,
     Load,
     SpeedLimits,
@@ -104,8 +107,8 @@ def make_speed(part: SkirtPart, geometry: Geometry, u: Channel, uniform_rpm: flo
 
     Raises
     ------
-    InfeasibleError
-        Uniform speed is beyond a limit already.
+    CamtoolsError
+        Uniform speed is beyond a limit already, or the rate ripples by more than is accepted.
     """
     range_nm = height_range_nm(geometry)
     n = max(_SLICES, ceil((range_nm[1] - range_nm[0]) / MAX_SPACING_NM) + 1)
@@ -116,7 +119,7 @@ def make_speed(part: SkirtPart, geometry: Geometry, u: Channel, uniform_rpm: flo
     loads = [load_at(geometry, blank_mm, float(z)) for z in z_mm]
     laws = [optimise(load, limits, mean) for load in loads]
     channel = _channel(laws, range_nm, geometry.surface.log2_repeat)
-    return SpeedTable(
+    made = SpeedTable(
         channel,
         z_mm,
         tuple(laws),
@@ -126,16 +129,55 @@ def make_speed(part: SkirtPart, geometry: Geometry, u: Channel, uniform_rpm: flo
         uniform_rpm,
         peaks_together(u, channel),
     )
+    check_ripple(made, part)
+    return made
 
 
-def worst_of(laws: tuple[Law, ...]) -> int:
+def check_ripple(speed: SpeedTable, part: SkirtPart) -> None:
+    """Refuse a part whose removal rate will ripple by more than its file accepts.
+
+    Raises
+    ------
+    CamtoolsError
+        With the highest mean speed at which it is kept.
+    """
+    most, worst = part.process.ripple_percent, float(speed.played.max())
+    if most is None or 100 * worst <= most:
+        return
+    load = speed.laws[worst_of(speed)].load
+    rpm = highest_rpm_for(load, part.machine.limits, most / 100)
+    problem = f"at mean {part.process.spindle_rpm:g} r/min this spindle makes {100 * worst:.2f} %"
+    remedy = f"process.spindle_rpm may be at most {tenth_below(rpm)} r/min"
+    if rpm == 0:
+        remedy = "at no speed it makes less: the ripple of the spindle itself is too large"
+    raise CamtoolsError([f"process.ripple_percent = {most:g}: {problem}; {remedy}"])
+
+
+def highest_rpm_for(load: Load, limits: MachineLimits, ripple: float) -> float:
+    """Return the highest mean speed at which the rate, as played, ripples by at most a share.
+
+    It is searched by halving to a thousandth, 0 where there is none [r/min].
+    """
+    low, high = 0.0, limits.spindle_rpm
+    while high - low > 1e-3 * high and high > 1e-3:
+        middle = (low + high) / 2
+        try:
+            law = optimise(load, limits_of(limits), omega_rad_s(middle))
+            is_kept = played_ripple([law], omega_rad_s(middle), loop_of(limits))[0] <= ripple
+        except InfeasibleError:
+            is_kept = False
+        low, high = (middle, high) if is_kept else (low, middle)
+    return low
+
+
+def worst_of(speed: SpeedTable) -> int:
     """Return the index of the height with the largest ripple."""
-    return int(np.argmax([law.ripple for law in laws]))
+    return int(np.argmax(speed.played))
 
 
 def summary_of(speed: SpeedTable, part: SkirtPart, geometry: Geometry) -> dict[str, object]:
     """Return what modulation brings, as JSON values."""
-    worst = worst_of(speed.laws)
+    worst = worst_of(speed)
     turns = (geometry.z_last_mm - geometry.z_first_mm) / part.process.feed_mm
     rpm = part.process.spindle_rpm
     return {
@@ -143,7 +185,8 @@ def summary_of(speed: SpeedTable, part: SkirtPart, geometry: Geometry) -> dict[s
         "ripple_uniform": uniform(speed.laws[worst].load).ripple,
         "ripple_partial": speed.partial[worst].ripple,
         "partial_share": speed.partial[worst].share,
-        "ripple": speed.laws[worst].ripple,
+        "ripple": float(speed.played[worst]),
+        "ripple_of_the_law": speed.laws[worst].ripple,
         "height_mm": float(speed.z_mm[worst]),
         "full_modulation_up_to_rpm": speed.full_mean_rpm,
         "ratio_max": speed.peaks.ratio,

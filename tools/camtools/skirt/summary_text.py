@@ -47,7 +47,8 @@ def _speed_text(summary: Json) -> str:
     return (
         f"  equal volume: ripple of the removal rate {100 * speed['ripple']:.2f} % of its mean "
         f"(uniform {100 * speed['ripple_uniform']:.2f} %, partial modulation "
-        f"{100 * speed['ripple_partial']:.2f} %), worst at height {speed['height_mm']:g} mm\n"
+        f"{100 * speed['ripple_partial']:.2f} %, law alone "
+        f"{100 * speed['ripple_of_the_law']:.2f} %), worst at height {speed['height_mm']:g} mm\n"
         f"  spindle up to {speed['ratio_max']:.4f} of its mean speed, "
         f"{speed['spindle_acceleration_rad_s2']:.1f} rad/s2; a constant rate is possible up to "
         f"{speed['full_modulation_up_to_rpm']:.1f} r/min\n"
