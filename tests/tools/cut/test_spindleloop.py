@@ -8,9 +8,9 @@ from scipy.integrate import solve_ivp
 
 from camtools.base.quantities import Floats
 from camtools.cut.speedlaw import N_GRID, Load, full, grid_rad, uniform
-from camtools.cut.spindleloop import Loop, _Spindle, played_ripple
+from camtools.cut.spindleloop import SpindleLoop, _PlayedSpindle, played_ripple
 
-FAST = Loop(1000.0, 1e6, 1e4, 0.0)
+FAST = SpindleLoop(1000.0, 1e6, 1e4, 0.0)
 
 
 def oval_load(swing: float = 0.33) -> Load:
@@ -24,8 +24,8 @@ def oval_load(swing: float = 0.33) -> Load:
 )
 def test_step_solves_the_spindle(alpha: float, told: float) -> None:
     """Speed and angle with and without torque to spare, up and down."""
-    loop = Loop(40.0, alpha, 1e3, 0.0)
-    spindle = _Spindle(1, 60.0, loop)
+    loop = SpindleLoop(40.0, alpha, 1e3, 0.0)
+    spindle = _PlayedSpindle(1, 60.0, loop)
     spindle.step(np.array([told]), 0.05)
 
     def slope(_t: float, y: Floats) -> list[float]:
@@ -55,14 +55,14 @@ def test_set_point_below_0_is_not_taken() -> None:
     """A loop of 40 rad/s cannot brake as the law asks at 600 r/min: the ripple is told."""
     law = full(oval_load())
     assert law.fall * 62.8 > 40
-    assert played_ripple([law], 62.8, Loop(40.0, 1e6, 1e4, 0.0))[0] > 0.05
+    assert played_ripple([law], 62.8, SpindleLoop(40.0, 1e6, 1e4, 0.0))[0] > 0.05
 
 
 def test_weak_torque_is_told() -> None:
     """Half of the acceleration that the law needs."""
     law = full(oval_load())
     needed = law.peaks[0] * 25.0**2
-    assert played_ripple([law], 25.0, Loop(1000.0, needed / 2, 1e4, 0.0))[0] > 0.05
+    assert played_ripple([law], 25.0, SpindleLoop(1000.0, needed / 2, 1e4, 0.0))[0] > 0.05
 
 
 def test_set_points_are_those_of_the_inverse() -> None:

@@ -6,7 +6,7 @@ played is that of its own, of the hold, of what the limits take away, and of the
 
 >>> from camtools.cut.speedlaw import N_GRID, Load, SpeedLimits, full, grid_rad
 >>> load = Load(1 + np.cos(2 * np.pi * np.arange(N_GRID) / N_GRID) / 3, *np.zeros((2, N_GRID)), 3.1)
->>> loop = Loop(bandwidth_rad_s=40.0, alpha_rad_s2=500.0, highest_rad_s=300.0, ripple=0.0)
+>>> loop = SpindleLoop(bandwidth_rad_s=40.0, alpha_rad_s2=500.0, highest_rad_s=300.0, ripple=0.0)
 >>> bool(played_ripple([full(load)], 20.0, loop)[0] < 0.01)
 True
 """
@@ -28,7 +28,7 @@ _MOST_PLANS = 1500  # of a turn: slower spindles are looked at with longer plans
 _GRID = 4096
 
 
-class Loop(NamedTuple):
+class SpindleLoop(NamedTuple):
     """A spindle and its controller."""
 
     bandwidth_rad_s: float
@@ -38,7 +38,7 @@ class Loop(NamedTuple):
     tick_s: float = 50e-6
 
 
-class _Tables:
+class _LawTables:
     """Ratio and load of some laws on a common grid of their patterns."""
 
     def __init__(self, laws: Sequence[Law]) -> None:
@@ -61,10 +61,10 @@ def _closed(area_mm2: Floats, share: Floats) -> Floats:
     return np.asarray(np.interp(share, np.linspace(0, 1, closed.size), closed), dtype=np.float64)
 
 
-class _Spindle:
+class _PlayedSpindle:
     """Spindles of all laws, stepped together."""
 
-    def __init__(self, n: int, mean_rad_s: float, loop: Loop) -> None:
+    def __init__(self, n: int, mean_rad_s: float, loop: SpindleLoop) -> None:
         self.omega = np.full(n, mean_rad_s)
         self.phi = np.zeros(n)
         self.loop = loop
@@ -83,12 +83,12 @@ class _Spindle:
         self.omega = told - sign * left * (1 - decay)
 
 
-def _plan_ticks(mean_rad_s: float, loop: Loop) -> int:
+def _plan_ticks(mean_rad_s: float, loop: SpindleLoop) -> int:
     longest_s = max(PLAN_S, 2 * np.pi / mean_rad_s / _MOST_PLANS)
     return max(1, round(longest_s / loop.tick_s))
 
 
-def played_ripple(laws: Sequence[Law], mean_rad_s: float, loop: Loop) -> Floats:
+def played_ripple(laws: Sequence[Law], mean_rad_s: float, loop: SpindleLoop) -> Floats:
     """Return (largest - least) / mean of the removal rate of each law, as a spindle plays it.
 
     Parameters
@@ -100,7 +100,7 @@ def played_ripple(laws: Sequence[Law], mean_rad_s: float, loop: Loop) -> Floats:
     -----
     The spindle's own ripple may have any phase, so all of it is added.
     """
-    tables, spindle = _Tables(laws), _Spindle(len(laws), mean_rad_s, loop)
+    tables, spindle = _LawTables(laws), _PlayedSpindle(len(laws), mean_rad_s, loop)
     ticks = _plan_ticks(mean_rad_s, loop)
     plan_s, lag_plans = ticks * loop.tick_s, 1 / (loop.bandwidth_rad_s * ticks * loop.tick_s)
     told = np.full(len(laws), mean_rad_s)

@@ -28,7 +28,7 @@ from camtools.cut.speedlaw import (
     optimise,
     uniform,
 )
-from camtools.cut.spindleloop import Loop, played_ripple
+from camtools.cut.spindleloop import SpindleLoop, played_ripple
 from camtools.part.common import MachineLimits
 from camtools.skirt.blank import blank_radius_mm
 from camtools.skirt.channels import height_range_nm
@@ -75,9 +75,9 @@ def limits_of(limits: MachineLimits) -> SpeedLimits:
     )
 
 
-def loop_of(limits: MachineLimits) -> Loop:
+def loop_of(limits: MachineLimits) -> SpindleLoop:
     """Return a part's spindle as it plays a law."""
-    return Loop(
+    return SpindleLoop(
         limits.spindle_bandwidth_rad_s,
         limits.alpha_rad_s2,
         omega_rad_s(limits.spindle_rpm),
