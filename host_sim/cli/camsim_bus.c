@@ -71,7 +71,7 @@ static int watch(bus_t *b, common_error_t *e)
     watch_to_the_end(b);
     sim_out_t *summary = &b->out[camsim_summary];
     if (b->out[camsim_surface].name != NULL) {
-        sim_map_surface(&b->out[camsim_surface], &b->watch.session.work);
+        sim_map_surface(&b->out[camsim_surface], &b->watch.session);
     }
     if (summary->name != NULL && !sim_watch_summary(summary, &b->watch)) {
         (void)common_error(e, "%s: not enough memory for the summary; free some", summary->name);

@@ -36,7 +36,7 @@ static void print_lobes(const sim_session_t *s)
 void camsim_print_cut(const sim_cut_t *cut, double wall_s)
 {
     const sim_session_t *s = &cut->session;
-    const char *reference = s->options.design_path != NULL ? "exact design" : "table";
+    const char *reference = s->options.design_path != NULL ? "drawing" : "table";
     (void)printf("%s on machine %s: %.6g r/min, feed %.6g mm, %.1f of %.1f turns, %s\n",
                  s->table.name, s->options.config.name, sim_cut_rpm(cut), sim_cut_feed_mm(cut),
                  s->cut_turns, sim_cut_planned_turns(cut), sim_cut_end_name(cut));
@@ -44,6 +44,10 @@ void camsim_print_cut(const sim_cut_t *cut, double wall_s)
         (void)printf(
             "form error      max %.4f um, rms %.4f um against the %s (tolerance %.6g um)\n",
             s->work.max_um, sim_work_rms_um(&s->work), reference, s->options.tolerance_um);
+        if (s->has_target) {
+            (void)printf("control error   max %.4f um, rms %.4f um against what the table plays\n",
+                         s->control.max_um, sim_control_rms_um(&s->control));
+        }
         (void)printf("following error max %.4f um, rms %.4f um\n", s->following_max_um,
                      sim_session_following_rms_um(s));
     } else {
@@ -111,11 +115,11 @@ int camsim_judge_cut(const sim_cut_t *cut, const char *table)
     } else if (!sim_cut_is_gauged(cut)) {
         explain_not_gauged(cut, table, &e);
     } else {
-        (void)common_error(
-            &e,
-            "%s: form error %.3f um is beyond --tolerance-um %.6g; match the controller to "
-            "the machine, or cut slower",
-            table, s->work.max_um, s->options.tolerance_um);
+        (void)common_error(&e, "%s: form error %.3f um is beyond --tolerance-um %.6g; %s", table,
+                           s->work.max_um, s->options.tolerance_um,
+                           s->has_target && s->control.max_um <= s->options.tolerance_um
+                               ? "the table itself is off the drawing: refit or filter less"
+                               : "match the controller to the machine, or cut slower");
     }
     (void)camsim_complain(&e);
     return camsim_not_good;

@@ -94,10 +94,10 @@ static bool write_results(run_t *r, common_error_t *e)
     sim_session_t *s = &r->cut.session;
     sim_out_t *summary = &r->out[camsim_summary];
     if (r->out[camsim_surface].name != NULL) {
-        sim_map_surface(&r->out[camsim_surface], &s->work);
+        sim_map_surface(&r->out[camsim_surface], s);
     }
     if (r->out[camsim_scallop].name != NULL) {
-        sim_map_scallop(&r->out[camsim_scallop], &s->scallop, &s->design);
+        sim_map_scallop(&r->out[camsim_scallop], &s->scallop, sim_session_played(s));
     }
     if (summary->name != NULL &&
         !sim_cut_summary(summary, &r->cut, r->options.table_path, r->wall_s)) {

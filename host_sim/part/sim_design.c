@@ -2,7 +2,7 @@
 #include "sim_design.h"
 #include "sim_design_table.h" // sim_design_table_radius_mm
 #include "sim_units.h"        // SIM_TWO_PI
-#include <math.h>             // sin, sqrt
+#include <math.h>             // fabs, sin, sqrt
 
 double sim_design_delta_mm(sim_shape_t shape, double beta, double a_mm, double g_mm, double s2)
 {
@@ -18,11 +18,23 @@ double sim_design_delta_mm(sim_shape_t shape, double beta, double a_mm, double g
     return a_mm * k * s2 / (q * (q + 1.0));
 }
 
+static void look_up_arc(sim_design_t *d, double z_mm)
+{
+    d->sin_joint = sin(SIM_TWO_PI * sim_cubics_at(&d->joint_turn, z_mm));
+    const double s2 = d->sin_joint * d->sin_joint;
+    const double at_joint_mm = sim_design_delta_mm(d->oval, d->beta, d->a_mm, d->g_mm, s2);
+    d->arc =
+        sim_arc_of(d->a_mm, d->g_mm, sim_cubics_at(&d->trim_mm, z_mm), at_joint_mm, d->sin_joint);
+}
+
 static void look_up(sim_design_t *d, double z_mm)
 {
     if (z_mm != d->at_z_mm) {
         d->a_mm = sim_cubics_at(&d->radius_mm, z_mm);
         d->g_mm = d->shape == sim_shape_surface ? 0.0 : sim_cubics_at(&d->ovality_mm, z_mm);
+        if (d->shape == sim_shape_arc) {
+            look_up_arc(d, z_mm);
+        }
         d->at_z_mm = z_mm;
     }
 }
@@ -36,7 +48,12 @@ double sim_design_radius_mm(sim_design_t *d, double turn, double z_mm)
     if (d->shape == sim_shape_surface) {
         return d->a_mm - sim_surface_delta_mm(&d->surface, turn, z_mm);
     }
-    const double s = sin(SIM_TWO_PI * turn);
+    const double s = fabs(sin(SIM_TWO_PI * turn));
+    if (d->shape == sim_shape_arc) {
+        return s < d->sin_joint
+                   ? d->a_mm - sim_design_delta_mm(d->oval, d->beta, d->a_mm, d->g_mm, s * s)
+                   : sim_arc_radius_mm(&d->arc, s);
+    }
     return d->a_mm - sim_design_delta_mm(d->shape, d->beta, d->a_mm, d->g_mm, s * s);
 }
 
@@ -72,6 +89,8 @@ void sim_design_free(sim_design_t *d)
 {
     sim_cubics_free(&d->radius_mm);
     sim_cubics_free(&d->ovality_mm);
+    sim_cubics_free(&d->trim_mm);
+    sim_cubics_free(&d->joint_turn);
     sim_surface_free(&d->surface);
     sim_lobe_design_free(&d->lobes);
 }

@@ -6,6 +6,7 @@
 ///                      k = (a^2 - b^2) / b^2, q = sqrt(1 + k sin^2 phi)
 ///     cosine           delta = (G / 2) sin^2 phi
 ///     double-ellipse   delta = (G / 4) ((1 - cos 2 phi) + (beta / 25) (1 - cos 4 phi))
+///     ellipse-arc      one of these ovals and an eccentric circle, corner included (sim_arc.h)
 ///     surface          delta from polynomial pieces (sim_surface.h)
 ///     lobes            another frame and gauge: sim_lobe_design.h
 ///
@@ -17,6 +18,7 @@
 #define SIM_DESIGN_H
 
 #include "cam_table.h"       // cam_table_t
+#include "sim_arc.h"         // sim_arc_t
 #include "sim_lobe_design.h" // sim_lobe_design_t
 #include "sim_cubics.h"      // sim_cubics_t
 #include "common_error.h"    // common_error_t
@@ -28,6 +30,7 @@ typedef enum {
     sim_shape_cosine,
     sim_shape_double_ellipse,
     sim_shape_surface, ///< refitted and measured sections
+    sim_shape_arc,     ///< oval and eccentric circle
     sim_shape_lobes,   ///< sim_lobe_design.h; it has no radius over angle and height
     sim_shape_table,   ///< no report: the table's own quintics
 } sim_shape_t;
@@ -36,6 +39,9 @@ typedef struct {
     sim_shape_t shape;
     double beta;
     sim_cubics_t radius_mm, ovality_mm;
+    sim_shape_t oval;             ///< sim_shape_arc only: ellipse, cosine or double-ellipse
+    sim_cubics_t trim_mm;         ///< ... radial, below the oval at the short axis
+    sim_cubics_t joint_turn;      ///< ... where the circle begins
     sim_surface_t surface;        ///< sim_shape_surface only
     sim_lobe_design_t lobes;      ///< sim_shape_lobes only
     const cam_table_t *table;     ///< sim_shape_table only
@@ -45,6 +51,8 @@ typedef struct {
     double largest_mm;            ///< largest long half axis; of lobes base circle and lift
     double at_z_mm;               ///< height of the last look-up
     double a_mm, g_mm;            ///< a(z) and G(z) there
+    sim_arc_t arc;                ///< sim_shape_arc only: the circle there
+    double sin_joint;             ///< ... and the sine of the joint
 } sim_design_t;
 
 /// Read the report of a table.
@@ -53,6 +61,12 @@ typedef struct {
 /// @return       false and *e when it cannot be read, is malformed or belongs to another table
 bool sim_design_load(sim_design_t *d, const char *path, const cam_table_t *table,
                      common_error_t *e);
+
+/// Read the surface that the table deliberately plays instead of the drawing, a refit or a filter.
+/// @param is_there  false when the table plays the drawing itself; *d is empty then
+/// @return          false and *e as sim_design_load
+bool sim_design_load_target(sim_design_t *d, bool *is_there, const char *path,
+                            const cam_table_t *table, common_error_t *e);
 
 /// Take the table itself as the design: its knots are evaluated in double.
 /// @param table  checked; must outlive the design

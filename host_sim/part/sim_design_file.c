@@ -5,6 +5,7 @@
 #include "sim_units.h" // SIM_NM_PER_MM
 #include <cjson/cJSON.h>
 #include <math.h>   // NAN
+#include <stdio.h>  // snprintf
 #include <stdlib.h> // strtoul
 #include <string.h> // strcmp
 
@@ -15,25 +16,73 @@ enum { max_report_bytes = 64 * 1024 * 1024 };
 /// [mm] heights of a table are whole nanometres.
 #define ROUNDING_MM 2e-6
 
-static bool read_shape(sim_design_t *d, const cJSON *design, const char *path, common_error_t *e)
+/// What is being read: the drawing or the target, and its name for messages.
+typedef struct {
+    const cJSON *tree;
+    const char *name, *path;
+    common_error_t *e;
+} source_t;
+
+static const char *text_of(const source_t *from, const char *key)
 {
-    static const char *const name[] = {"ellipse", "cosine", "double-ellipse", "surface"};
-    const cJSON *shape = cJSON_GetObjectItemCaseSensitive(design, "shape");
-    const char *text = cJSON_IsString(shape) ? shape->valuestring : "?";
-    for (int i = 0; i < 4; i++) {
+    const cJSON *item = cJSON_GetObjectItemCaseSensitive(from->tree, key);
+    return cJSON_IsString(item) ? item->valuestring : "?";
+}
+
+/// Look a shape up. @param n  of the names that are allowed
+static bool read_name(sim_shape_t *shape, const source_t *from, const char *key, int n)
+{
+    static const char *const name[] = {"ellipse", "cosine", "double-ellipse", "surface",
+                                       "ellipse-arc"};
+    static const sim_shape_t known[] = {sim_shape_ellipse, sim_shape_cosine,
+                                        sim_shape_double_ellipse, sim_shape_surface, sim_shape_arc};
+    const char *text = text_of(from, key);
+    for (int i = 0; i < n; i++) {
         if (strcmp(text, name[i]) == 0) {
-            d->shape = (sim_shape_t)i;
-            const cJSON *beta = cJSON_GetObjectItemCaseSensitive(design, "beta");
-            if (d->shape == sim_shape_double_ellipse && !sim_json_number(beta, &d->beta)) {
-                return common_error(e, "%s: design.beta: wants a finite number; " REMEDY, path);
-            }
+            *shape = known[i];
             return true;
         }
     }
-    return common_error(
-        e,
-        "%s: design.shape = \"%.40s\": wants ellipse, cosine, double-ellipse or surface; " REMEDY,
-        path, text);
+    return common_error(from->e,
+                        "%s: %s.%s = \"%.40s\": wants ellipse, cosine, double-ellipse%s; " REMEDY,
+                        from->path, from->name, key, text, n > 3 ? ", surface or ellipse-arc" : "");
+}
+
+static bool read_beta(sim_design_t *d, const source_t *from)
+{
+    const cJSON *beta = cJSON_GetObjectItemCaseSensitive(from->tree, "beta");
+    return sim_json_number(beta, &d->beta) ||
+           common_error(from->e, "%s: %s.beta: wants a finite number; " REMEDY, from->path,
+                        from->name);
+}
+
+static bool read_cubics(sim_cubics_t *p, const source_t *from, const char *name)
+{
+    return sim_json_cubics(p, from->tree, from->name, name, from->path, from->e);
+}
+
+static bool read_arc(sim_design_t *d, const source_t *from)
+{
+    return read_name(&d->oval, from, "base", 3) &&
+           (d->oval != sim_shape_double_ellipse || read_beta(d, from)) &&
+           read_cubics(&d->trim_mm, from, "trim_mm") &&
+           read_cubics(&d->joint_turn, from, "joint_turn");
+}
+
+static bool read_skirt(sim_design_t *d, const source_t *from)
+{
+    if (!read_name(&d->shape, from, "shape", 5) || !read_cubics(&d->radius_mm, from, "radius_mm")) {
+        return false;
+    }
+    if (d->shape == sim_shape_surface) {
+        char where[32];
+        (void)snprintf(where, sizeof where, "%s.surface", from->name);
+        const cJSON *surface = cJSON_GetObjectItemCaseSensitive(from->tree, "surface");
+        return sim_surface_read(&d->surface, surface, where, from->path, from->e);
+    }
+    return read_cubics(&d->ovality_mm, from, "ovality_mm") &&
+           (d->shape != sim_shape_double_ellipse || read_beta(d, from)) &&
+           (d->shape != sim_shape_arc || read_arc(d, from));
 }
 
 /// The CRC-32 in the report, a number or a string in hexadecimal, must be the table's.
@@ -77,29 +126,21 @@ static bool read_gauge(sim_design_t *d, const cJSON *design, const char *path, c
                         path, first_mm, last_mm);
 }
 
-static bool read_root(sim_design_t *d, const cJSON *root, const cam_table_t *table,
-                      const char *path, common_error_t *e)
+static bool read_design(sim_design_t *d, const cJSON *root, const char *path, common_error_t *e)
 {
-    const cJSON *design = cJSON_GetObjectItemCaseSensitive(root, "design");
-    if (!cJSON_IsObject(design)) {
+    const source_t from = {cJSON_GetObjectItemCaseSensitive(root, "design"), "design", path, e};
+    if (!cJSON_IsObject(from.tree)) {
         return common_error(e, "%s: design: missing, so there is nothing to gauge against; " REMEDY,
                             path);
     }
-    if (!check_crc(root, table, path, e)) {
+    if (!check_crc(root, d->table, path, e)) {
         return false;
     }
-    if (table->angle.knots != NULL) {
+    if (d->table->angle.knots != NULL) {
         d->shape = sim_shape_lobes;
-        return sim_lobe_design_read(&d->lobes, design, path, e);
+        return sim_lobe_design_read(&d->lobes, from.tree, path, e);
     }
-    if (!read_gauge(d, design, path, e) || !read_shape(d, design, path, e) ||
-        !sim_json_cubics(&d->radius_mm, design, "design", "radius_mm", path, e)) {
-        return false;
-    }
-    const cJSON *surface = cJSON_GetObjectItemCaseSensitive(design, "surface");
-    return d->shape == sim_shape_surface
-               ? sim_surface_read(&d->surface, surface, path, e)
-               : sim_json_cubics(&d->ovality_mm, design, "design", "ovality_mm", path, e);
+    return read_gauge(d, from.tree, path, e) && read_skirt(d, &from);
 }
 
 static void begin(sim_design_t *d, const cam_table_t *table)
@@ -109,17 +150,26 @@ static void begin(sim_design_t *d, const cam_table_t *table)
     d->z_last_mm = table->z_last_nm / SIM_NM_PER_MM;
 }
 
-bool sim_design_load(sim_design_t *d, const char *path, const cam_table_t *table, common_error_t *e)
+/// @return the report as a tree, to be deleted; NULL and *e when there is none
+static cJSON *parse(const char *path, common_error_t *e)
 {
-    begin(d, table);
     sim_file_t file;
     if (!sim_file_read(&file, path, max_report_bytes, e)) {
-        return false;
+        return NULL;
     }
     cJSON *root = cJSON_ParseWithLength((const char *)file.bytes, file.size);
     sim_file_free(&file);
-    const bool is_good = root != NULL ? read_root(d, root, table, path, e)
-                                      : common_error(e, "%s: is no JSON; " REMEDY, path);
+    if (root == NULL) {
+        (void)common_error(e, "%s: is no JSON; " REMEDY, path);
+    }
+    return root;
+}
+
+bool sim_design_load(sim_design_t *d, const char *path, const cam_table_t *table, common_error_t *e)
+{
+    begin(d, table);
+    cJSON *root = parse(path, e);
+    const bool is_good = root != NULL && read_design(d, root, path, e);
     cJSON_Delete(root);
     if (!is_good) {
         sim_design_free(d);
@@ -129,6 +179,21 @@ bool sim_design_load(sim_design_t *d, const char *path, const cam_table_t *table
                         ? d->lobes.base_mm + sim_lobe_design_lift_mm(&d->lobes)
                         : sim_design_find_largest_mm(d);
     return true;
+}
+
+bool sim_design_load_target(sim_design_t *d, bool *is_there, const char *path,
+                            const cam_table_t *table, common_error_t *e)
+{
+    begin(d, table);
+    cJSON *root = parse(path, e);
+    const source_t from = {cJSON_GetObjectItemCaseSensitive(root, "target"), "target", path, e};
+    *is_there = from.tree != NULL;
+    const bool is_good = root != NULL && (!*is_there || read_skirt(d, &from));
+    cJSON_Delete(root);
+    if (!is_good) {
+        sim_design_free(d);
+    }
+    return is_good;
 }
 
 void sim_design_from_table(sim_design_t *d, const cam_table_t *table)

@@ -43,22 +43,28 @@ double sim_surface_delta_mm(sim_surface_t *s, double turn, double z_mm)
     return sum;
 }
 
-static bool read_angle(sim_surface_t *s, const cJSON *surface, const char *path, common_error_t *e)
+/// Where a report is read, for messages.
+typedef struct {
+    const char *path, *where;
+    common_error_t *e;
+} place_t;
+
+static bool read_angle(sim_surface_t *s, const cJSON *surface, const place_t *at)
 {
     const cJSON *angle = cJSON_GetObjectItemCaseSensitive(surface, "angle");
     const char *text = cJSON_IsString(angle) ? angle->valuestring : "?";
     s->has_joint = strcmp(text, "joint") == 0;
     if (!s->has_joint && strcmp(text, "turn") != 0) {
-        return common_error(
-            e, "%s: design.surface.angle = \"%.40s\": wants turn or joint; " SIM_JSON_REMEDY, path,
-            text);
+        return common_error(at->e,
+                            "%s: %s.angle = \"%.40s\": wants turn or joint; " SIM_JSON_REMEDY,
+                            at->path, at->where, text);
     }
     return !s->has_joint ||
-           sim_json_cubics(&s->joint_turn, surface, "design.surface", "joint_turn", path, e);
+           sim_json_cubics(&s->joint_turn, surface, at->where, "joint_turn", at->path, at->e);
 }
 
 /// The joint must lie between the axes at all its heights.
-static bool check_joint(sim_surface_t *s, const char *path, common_error_t *e)
+static bool check_joint(sim_surface_t *s, const place_t *at)
 {
     enum { per_piece = 16 };
     for (size_t i = 0; s->has_joint && i < s->joint_turn.n * per_piece; i++) {
@@ -66,34 +72,33 @@ static bool check_joint(sim_surface_t *s, const char *path, common_error_t *e)
         const double part = (double)(i % per_piece) / (per_piece - 1);
         const double joint = sim_cubics_at(&s->joint_turn, z_mm[0] + part * (z_mm[1] - z_mm[0]));
         if (!(joint > 0.0 && joint < 0.25)) {
-            return common_error(e,
-                                "%s: design.surface.joint_turn: %.12g lies outside 0 .. 0.25 "
+            return common_error(at->e,
+                                "%s: %s.joint_turn: %.12g lies outside 0 .. 0.25 "
                                 "turn; " SIM_JSON_REMEDY,
-                                path, joint);
+                                at->path, at->where, joint);
         }
     }
     return true;
 }
 
-static bool read_breaks(sim_surface_t *s, const cJSON *surface, const char *path, common_error_t *e)
+static bool read_breaks(sim_surface_t *s, const cJSON *surface, const place_t *at)
 {
     const double last = s->has_joint ? 2.0 : 1.0;
     if (!sim_json_breaks(cJSON_GetObjectItemCaseSensitive(surface, "breaks"), &s->breaks, &s->n) ||
         s->breaks[0] != 0.0 || s->breaks[s->n] != last) {
-        return common_error(
-            e, "%s: design.surface.breaks: wants rising numbers from 0 to %g; " SIM_JSON_REMEDY,
-            path, last);
+        return common_error(at->e,
+                            "%s: %s.breaks: wants rising numbers from 0 to %g; " SIM_JSON_REMEDY,
+                            at->path, at->where, last);
     }
     return sim_json_breaks(cJSON_GetObjectItemCaseSensitive(surface, "breaks_mm"), &s->break_mm,
                            &s->m) ||
-           common_error(e,
-                        "%s: design.surface.breaks_mm: wants rising finite numbers, 2 or "
+           common_error(at->e,
+                        "%s: %s.breaks_mm: wants rising finite numbers, 2 or "
                         "more; " SIM_JSON_REMEDY,
-                        path);
+                        at->path, at->where);
 }
 
-static bool read_coefficients(sim_surface_t *s, const cJSON *surface, const char *path,
-                              common_error_t *e)
+static bool read_coefficients(sim_surface_t *s, const cJSON *surface, const place_t *at)
 {
     const cJSON *list = cJSON_GetObjectItemCaseSensitive(surface, "coefficients");
     double *values = NULL;
@@ -101,18 +106,19 @@ static bool read_coefficients(sim_surface_t *s, const cJSON *surface, const char
     const bool is_list = sim_json_numbers(list, &values, &n);
     s->c = (double(*)[sim_surface_n_angle][sim_surface_n_height])(void *)values;
     return (is_list && n == s->m * s->n * n_in_piece) ||
-           common_error(
-               e, "%s: design.surface.coefficients: wants %zu finite numbers; " SIM_JSON_REMEDY,
-               path, s->m * s->n * n_in_piece);
+           common_error(at->e, "%s: %s.coefficients: wants %zu finite numbers; " SIM_JSON_REMEDY,
+                        at->path, at->where, s->m * s->n * n_in_piece);
 }
 
-bool sim_surface_read(sim_surface_t *s, const cJSON *surface, const char *path, common_error_t *e)
+bool sim_surface_read(sim_surface_t *s, const cJSON *surface, const char *where, const char *path,
+                      common_error_t *e)
 {
+    const place_t at = {.path = path, .where = where, .e = e};
     if (!cJSON_IsObject(surface)) {
-        return common_error(e, "%s: design.surface: is missing; " SIM_JSON_REMEDY, path);
+        return common_error(e, "%s: %s: is missing; " SIM_JSON_REMEDY, path, where);
     }
-    return read_angle(s, surface, path, e) && check_joint(s, path, e) &&
-           read_breaks(s, surface, path, e) && read_coefficients(s, surface, path, e);
+    return read_angle(s, surface, &at) && check_joint(s, &at) && read_breaks(s, surface, &at) &&
+           read_coefficients(s, surface, &at);
 }
 
 void sim_surface_free(sim_surface_t *s)

@@ -29,11 +29,12 @@ typedef struct {
     size_t i_last, j_last; ///< pieces of the last look-up, from which the next search starts
 } sim_surface_t;
 
-/// Read "design.surface" of a report.
-/// @param s     zero-initialised; to be freed in any case
-/// @param path  for messages
-/// @return      false and *e when something is missing or malformed
-bool sim_surface_read(sim_surface_t *s, const cJSON *surface, const char *path, common_error_t *e);
+/// Read the surface of a report's design or target.
+/// @param s            zero-initialised; to be freed in any case
+/// @param where, path  dotted path of the surface, and the file, for messages
+/// @return             false and *e when something is missing or malformed
+bool sim_surface_read(sim_surface_t *s, const cJSON *surface, const char *where, const char *path,
+                      common_error_t *e);
 
 /// Look the surface up.
 /// @param turn  [turn] drawing's angle, any

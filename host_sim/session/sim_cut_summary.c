@@ -123,7 +123,7 @@ static void add_scallop(cJSON *root, sim_cut_t *cut)
     if (s->nose_mm <= 0.0) {
         return;
     }
-    const sim_scallop_figures_t f = sim_scallop_figures(s, &cut->session.design);
+    const sim_scallop_figures_t f = sim_scallop_figures(s, sim_session_played(&cut->session));
     cJSON *object = cJSON_AddObjectToObject(root, "scallop");
     sim_summary_number(object, "nose_mm", s->nose_mm);
     sim_summary_number(object, "z_first_mm", s->z_first_mm);

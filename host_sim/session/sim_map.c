@@ -19,9 +19,11 @@ void sim_map_removal(sim_out_t *o, const sim_slice_t *slice)
     sim_out_char(o, '\n');
 }
 
-void sim_map_surface(sim_out_t *o, const sim_work_t *work)
+void sim_map_surface(sim_out_t *o, const sim_session_t *s)
 {
-    sim_out_text(o, "turn,z_mm,radius_mm,error_nm\n");
+    const sim_work_t *work = &s->work;
+    sim_out_text(o, s->has_target ? "turn,z_mm,radius_mm,error_nm,control_nm\n"
+                                  : "turn,z_mm,radius_mm,error_nm\n");
     for (int i = 0; i < sim_work_rows; i++) {
         for (int k = 0; k < sim_work_columns; k++) {
             const sim_cell_t *cell = &work->cell[i][k];
@@ -30,6 +32,9 @@ void sim_map_surface(sim_out_t *o, const sim_work_t *work)
                 sim_out_real_column(o, cell->z_mm, 6);
                 sim_out_real_column(o, cell->radius_mm, 9);
                 sim_out_real_column(o, (double)cell->error_nm, 3);
+                if (s->has_target) {
+                    sim_out_real_column(o, (double)s->control.cell_nm[i][k], 3);
+                }
                 sim_out_char(o, '\n');
             }
         }

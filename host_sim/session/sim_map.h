@@ -7,11 +7,12 @@
 #include "sim_out.h"     // sim_out_t
 #include "sim_removal.h" // sim_slice_t
 #include "sim_scallop.h" // sim_scallop_t
-#include "sim_work.h"    // sim_work_t
+#include "sim_session.h" // sim_session_t
 
 /// Write the worst sample of each cell: turn (drawing's angle, 0 .. 1), z_mm,
-/// radius_mm, error_nm.
-void sim_map_surface(sim_out_t *o, const sim_work_t *work);
+/// radius_mm, error_nm against the drawing, and
+/// control_nm, the cell's largest error against what the table plays.
+void sim_map_surface(sim_out_t *o, const sim_session_t *s);
 
 /// Write the surface between tracks: turn, z_mm, proud_um above the exact surface; the angles one
 /// after the other, heights rising.

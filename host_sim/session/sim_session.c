@@ -28,10 +28,17 @@ bool sim_session_open(sim_session_t *s, const sim_session_options_t *options, co
 bool sim_session_load_design(sim_session_t *s, common_error_t *e)
 {
     if (s->options.design_path != NULL) {
-        return sim_design_load(&s->design, s->options.design_path, &s->table, e);
+        const char *path = s->options.design_path;
+        return sim_design_load(&s->design, path, &s->table, e) &&
+               sim_design_load_target(&s->target, &s->has_target, path, &s->table, e);
     }
     sim_design_from_table(&s->design, &s->table);
     return true;
+}
+
+sim_design_t *sim_session_played(sim_session_t *s)
+{
+    return s->has_target ? &s->target : &s->design;
 }
 
 void sim_session_place(sim_session_t *s, double *x_nm, double *z_nm)
@@ -43,6 +50,24 @@ void sim_session_place(sim_session_t *s, double *x_nm, double *z_nm)
     *x_nm = (blank_mm + tool_mm + lathe->x_start_mm) * SIM_NM_PER_MM;
     *z_nm = s->table.z_first_nm - lathe->z_start_mm * SIM_NM_PER_MM;
     sim_work_init(&s->work, blank_mm, s->design.z_first_mm, s->design.z_last_mm);
+    sim_control_init(&s->control, s->design.z_first_mm, s->design.z_last_mm);
+}
+
+/// Gauge the tip of a skirt's tool against the drawing and against what the table plays.
+static void gauge_skirt(sim_session_t *s, bool is_cutting)
+{
+    s->radius_mm = (s->at.x_nm - s->at.u_nm) * 1e-6;
+    s->exact_mm = sim_design_radius_mm(&s->design, s->part_turn, s->z_mm);
+    sim_work_touch(&s->work, s->part_turn, s->z_mm, s->radius_mm, s->exact_mm, is_cutting);
+    double played_mm = s->exact_mm;
+    if (s->has_target) {
+        played_mm = sim_design_radius_mm(&s->target, s->part_turn, s->z_mm);
+        if (is_cutting) {
+            sim_control_touch(&s->control, s->part_turn, s->z_mm, s->radius_mm - played_mm);
+        }
+    }
+    sim_scallop_touch(&s->scallop, sim_session_played(s), s->part_turn, s->z_mm, s->radius_mm,
+                      played_mm);
 }
 
 double sim_session_turn(const sim_session_t *s)
@@ -65,12 +90,8 @@ void sim_session_touch(sim_session_t *s, const sim_sample_t *at, bool is_cutting
     }
     if (s->design.shape == sim_shape_lobes) {
         sim_lobe_cut_gauge(s, turn);
-    } else { // the tool tip against the exact surface at its true angle and height
-        s->radius_mm = (at->x_nm - at->u_nm) * 1e-6;
-        s->exact_mm = sim_design_radius_mm(&s->design, s->part_turn, s->z_mm);
-        sim_work_touch(&s->work, s->part_turn, s->z_mm, s->radius_mm, s->exact_mm, s->is_cutting);
-        sim_scallop_touch(&s->scallop, &s->design, s->part_turn, s->z_mm, s->radius_mm,
-                          s->exact_mm);
+    } else {
+        gauge_skirt(s, s->is_cutting);
     }
     if (!is_cutting) {
         return;
@@ -110,6 +131,7 @@ double sim_session_following_rms_um(const sim_session_t *s)
 void sim_session_close(sim_session_t *s)
 {
     sim_design_free(&s->design);
+    sim_design_free(&s->target);
     free(s->image);
     s->image = NULL;
 }

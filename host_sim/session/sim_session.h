@@ -11,6 +11,7 @@
 
 #include "cam_table.h"     // cam_table_t
 #include "sim_config.h"    // sim_config_t
+#include "sim_control.h"   // sim_control_t
 #include "sim_design.h"    // sim_design_t
 #include "sim_inject.h"    // sim_inject_t
 #include "sim_lathe.h"     // sim_sample_t
@@ -38,8 +39,11 @@ typedef struct {
     sim_session_options_t options;
     uint8_t *image; ///< own copy, so that a bit may flip
     cam_table_t table;
-    sim_design_t design;
+    sim_design_t design; ///< the drawing, which the part is judged by
+    bool has_target;     ///< the table deliberately plays something else than the drawing
+    sim_design_t target; ///< ... this surface
     sim_work_t work;
+    sim_control_t control; ///< errors against the target, when there is one
     sim_scallop_t scallop; ///< made only when the tool has a nose
     sim_lobe_work_t lobes; ///< of lobes only
     double phase_turn;     ///< [turn] rotates the oval on the part
@@ -62,7 +66,7 @@ typedef struct {
 } sim_session_t;
 
 /// Check and copy a table.
-/// @param s      9 MB, zero-initialised; to be closed in any case
+/// @param s      10 MB, zero-initialised; to be closed in any case
 /// @param image  of the table
 /// @param name   of its file, for messages
 /// @return       false and *e when the table is refused
@@ -71,6 +75,9 @@ bool sim_session_open(sim_session_t *s, const sim_session_options_t *options, co
 
 /// Load the design that the gauge compares with. @return false and *e when it is no good
 bool sim_session_load_design(sim_session_t *s, common_error_t *e);
+
+/// @return what the table plays: the target, or the drawing itself
+sim_design_t *sim_session_played(sim_session_t *s);
 
 /// Put the blank into the lathe.
 /// @param x_nm, z_nm  where X and Z stand at the start: off the blank, before the first height

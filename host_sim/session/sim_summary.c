@@ -31,6 +31,20 @@ void sim_summary_faults(cJSON *root, const char *key, uint32_t faults)
     }
 }
 
+static void add_control(cJSON *root, const sim_session_t *s)
+{
+    cJSON *own = cJSON_AddObjectToObject(root, "control_error_um");
+    const sim_control_t *c = &s->control;
+    const sim_work_t *w = &s->work;
+    const bool has = s->has_target;
+    sim_summary_sampled(own, s, "max", has ? c->max_um : w->max_um);
+    sim_summary_sampled(own, s, "rms", has ? sim_control_rms_um(c) : sim_work_rms_um(w));
+    sim_summary_sampled(own, s, "roundness",
+                        has ? sim_control_roundness_um(c) : sim_work_roundness_um(w));
+    sim_summary_sampled(own, s, "max_at_turn", has ? c->max_turn : w->max_turn);
+    sim_summary_sampled(own, s, "max_at_z_mm", has ? c->max_z_mm : w->max_z_mm);
+}
+
 void sim_summary_errors(cJSON *root, const sim_session_t *s)
 {
     cJSON *form = cJSON_AddObjectToObject(root, "form_error_um");
@@ -40,6 +54,7 @@ void sim_summary_errors(cJSON *root, const sim_session_t *s)
     sim_summary_sampled(form, s, "max_at_turn", s->work.max_turn);
     sim_summary_sampled(form, s, "max_at_z_mm", s->work.max_z_mm);
     sim_summary_number(form, "tolerance", s->options.tolerance_um);
+    add_control(root, s);
     cJSON *following = cJSON_AddObjectToObject(root, "following_error_um");
     sim_summary_sampled(following, s, "max", s->following_max_um);
     sim_summary_sampled(following, s, "rms", sim_session_following_rms_um(s));

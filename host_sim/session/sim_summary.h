@@ -23,7 +23,8 @@ void sim_summary_sampled(cJSON *object, const sim_session_t *s, const char *key,
 /// Add a list of the names of faults. @param faults  a bit for each of CAM_FAULTS
 void sim_summary_faults(cJSON *root, const char *key, uint32_t faults);
 
-/// Add "form_error_um" and "following_error_um".
+/// Add "form_error_um" against the drawing, "control_error_um" against what the table plays (the
+/// same without a target), and "following_error_um".
 void sim_summary_errors(cJSON *root, const sim_session_t *s);
 
 /// Add the progress of the cut to "cut".

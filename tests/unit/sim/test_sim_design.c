@@ -4,7 +4,7 @@
 #include "sim_design.h"
 #include "sim_units.h" // SIM_PI
 #include "unity.h"
-#include <math.h>   // sin
+#include <math.h>   // cos, fabs, sin
 #include <stdio.h>  // fopen
 #include <string.h> // strstr
 
@@ -154,6 +154,80 @@ static void test_table_design_is_what_the_firmware_plays(void)
     }
 }
 
+static const char arc_keys[] =
+    "\"base\": \"%s\", \"beta\": 0.5, \"trim_mm\": {\"breaks_mm\": [0, 20], \"coefficients\": "
+    "[[0, 0, 0, %.12g]]}, \"joint_turn\": {\"breaks_mm\": [0, 20], \"coefficients\": "
+    "[[0, 0, 0, %.15g]]}";
+
+/// Write a report of an ellipse-arc section: half axis 45.4645484572, G 0.38 at all heights.
+static void write_arc(const char *base, double trim_mm, double joint_turn, const char *target)
+{
+    char keys[600];
+    (void)snprintf(keys, sizeof keys, arc_keys, base, trim_mm, joint_turn);
+    FILE *f = fopen(path, "w");
+    TEST_ASSERT_NOT_NULL(f);
+    (void)fprintf(f,
+                  "{\"table_crc32\": %s, \"design\": {\"shape\": \"ellipse-arc\", %s,"
+                  "\"radius_mm\": {\"breaks_mm\": [0, 20], \"coefficients\": [[0, 0, 0, "
+                  "45.4645484572]]}, \"ovality_mm\": {\"breaks_mm\": [0, 20], "
+                  "\"coefficients\": [[0, 0, 0, 0.38]]}}%s}",
+                  own_crc(), keys, target);
+    TEST_ASSERT_EQUAL_INT(0, fclose(f));
+}
+
+/// Reductions printed in the refit paper's section: 0.104930204 at the joint of 48 degrees, 0.59 at
+/// the short axis; the circle has the radius 46.834548457 about (0, -1.96).
+static void test_arc_has_the_published_values(void)
+{
+    write_arc("cosine", 0.4, 48.0 / 360.0, "");
+    TEST_ASSERT_TRUE_MESSAGE(load(), error.text);
+    const double a = 45.4645484572;
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, a, sim_design_radius_mm(&design, 0.0, 5));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, a - 0.59, sim_design_radius_mm(&design, 0.25, 5));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, a - 0.104930204,
+                              sim_design_radius_mm(&design, 48.0 / 360.0, 5));
+    for (int deg = 0; deg < 360; deg++) { // on the oval or on the circle, in all quadrants
+        const double phi = deg * SIM_PI / 180.0;
+        const double r = sim_design_radius_mm(&design, deg / 360.0, 5);
+        const double x = fabs(r * cos(phi));
+        const double y = fabs(r * sin(phi));
+        const double circle = sqrt(x * x + (y + 1.96) * (y + 1.96)) - 46.834548457;
+        const double oval = r - (a - 0.095 * (1.0 - cos(2.0 * phi)));
+        const bool is_oval = fabs(sin(phi)) < sin(47.9 * SIM_PI / 180.0);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-8, 0.0, is_oval ? oval : circle);
+    }
+    sim_design_free(&design);
+}
+
+static void test_arc_is_refused_without_its_keys(void)
+{
+    write_arc("square", 0.4, 0.13, "");
+    TEST_ASSERT_FALSE(load());
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, "design.base = \"square\""), error.text);
+    refused(own_crc(), "ellipse-arc", radius, ovality, "design.base");
+}
+
+static void test_target_is_read_beside_the_drawing(void)
+{
+    static sim_design_t target;
+    bool is_there = true;
+    write_arc("cosine", 0.4, 0.13, "");
+    TEST_ASSERT_TRUE(sim_design_load_target(&target, &is_there, path, &table, &error));
+    TEST_ASSERT_FALSE(is_there);
+    char played[400];
+    (void)snprintf(played, sizeof played,
+                   ", \"target\": {\"shape\": \"cosine\", \"radius_mm\": %s, \"ovality_mm\": %s}",
+                   radius, ovality);
+    write_arc("cosine", 0.4, 0.13, played);
+    TEST_ASSERT_TRUE(sim_design_load_target(&target, &is_there, path, &table, &error));
+    TEST_ASSERT_TRUE(is_there);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 45.4, sim_design_radius_mm(&target, 0.25, 5));
+    sim_design_free(&target);
+    write_arc("cosine", 0.4, 0.13, ", \"target\": {\"shape\": \"surface\"}");
+    TEST_ASSERT_FALSE(sim_design_load_target(&target, &is_there, path, &table, &error));
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(error.text, "target.radius_mm"), error.text);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -163,5 +237,8 @@ int main(void)
     RUN_TEST(test_load_refuses_what_is_wrong);
     RUN_TEST(test_load_refuses_a_missing_file);
     RUN_TEST(test_table_design_is_what_the_firmware_plays);
+    RUN_TEST(test_arc_has_the_published_values);
+    RUN_TEST(test_arc_is_refused_without_its_keys);
+    RUN_TEST(test_target_is_read_beside_the_drawing);
     return UNITY_END();
 }

@@ -25,7 +25,7 @@ static bool read(const char *json)
 {
     cJSON *root = cJSON_Parse(json);
     TEST_ASSERT_NOT_NULL(root);
-    const bool is_good = sim_surface_read(&surface, root, "part.json", &error);
+    const bool is_good = sim_surface_read(&surface, root, "design.surface", "part.json", &error);
     cJSON_Delete(root);
     return is_good;
 }

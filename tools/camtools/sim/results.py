@@ -139,6 +139,16 @@ def read_surface(path: Path) -> GaugedSurface:
     return GaugedSurface(turn, z_mm, radius_mm, error_nm * 1e-3)
 
 
+def read_control(path: Path) -> GaugedSurface | None:
+    """Return the surface with the controller's own errors, nothing where they are the same."""
+    with path.open(encoding="ascii") as stream:
+        names = stream.readline().strip().split(",")
+    if "control_nm" not in names:
+        return None
+    turn, z_mm, radius_mm, error_nm = _columns(path, (*_SURFACE_COLUMNS[:3], "control_nm"))
+    return GaugedSurface(turn, z_mm, radius_mm, error_nm * 1e-3)
+
+
 def read_trace(path: Path) -> CutTrace:
     """Return the trace of a CSV file of camsim."""
     columns = _columns(path, _TRACE_COLUMNS)

@@ -6,7 +6,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from scipy.interpolate import PPoly
@@ -31,6 +32,7 @@ from camtools.skirt.refit import (
     Recipe,
     RefitCandidate,
     best_of,
+    deviation_mm,
     ellipse_steps,
     jerk_limit_of,
     judge_all,
@@ -41,8 +43,18 @@ from camtools.skirt.refit import (
 from camtools.skirt.sections import Section, make_section
 
 MAX_STEP_MM = 0.001
+REFIT_SHARE = 0.75  # of the accepted form error, unless the part says how far a refit may be off
 _UM_PER_MM = 1000.0
+_MAX_JUDGED, _MAX_CHECKED = 16, 100  # heights, for all candidates and for the one chosen
 _JOINT = Allowance("joint_deg over height", 1.0, "degrees", 0.1, None)
+
+
+class RefitDeviation(NamedTuple):
+    """Where a refit is farthest off the drawing."""
+
+    um: float
+    z_mm: float
+    deg: float  # from the long axis
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +72,12 @@ class Corner:
     worst_mm : float
         Height of the sharpest corner, for which the candidates are judged.
     candidates : tuple of RefitCandidate
-        All deletions the paper tries, at the part's speed; empty without a refit.
+        All deletions the paper tries, at the part's speed; empty without a refit. Accelerations
+        and jerks are those at `worst_mm`, deviations the largest of all heights.
+    off : RefitDeviation or None
+        How far the refit is off the drawing.
+    off_limit_um : float
+        How far it may be.
     """
 
     radius: PPoly
@@ -71,6 +88,8 @@ class Corner:
     recipe: Recipe | None = None
     worst_mm: float = 0.0
     candidates: tuple[RefitCandidate, ...] = ()
+    off: RefitDeviation | None = None
+    off_limit_um: float = np.inf
     log2_repeat: int = 1
 
     def joint(self, z_mm: FloatsLike) -> Joint:
@@ -171,25 +190,96 @@ def make_corner(part: SkirtPart, radius: PPoly, ovality: PPoly, heights_mm: Floa
     _check_room(corner, heights_mm)
     if section.eccentricity_mm is not None and factor == 1:
         _check_eccentricity(corner, section.eccentricity_mm, drawn)
-    sharpest = float(heights_mm[int(np.argmax(corner.joint(heights_mm).corner_mm_rad()))])
-    return _with_recipe(corner, section.refit, sharpest, part.process.spindle_rpm)
+    return _with_recipe(corner, part, heights_mm)
 
 
-def _with_recipe(corner: Corner, wish: Refit | None, z_mm: float, spindle_rpm: float) -> Corner:
-    parts = corner.radius, corner.ovality, corner.trim, corner.joint_deg, corner.law
+def largest_deviation(corner: Corner, recipe: Recipe, heights_mm: Floats) -> RefitDeviation:
+    """Return where a refit is farthest off the drawing, of all angles and the heights given."""
+    worst = RefitDeviation(0.0, 0.0, 0.0)
+    n_ellipse = ellipse_steps(float(np.radians(corner.joint_deg(corner.worst_mm))))
+    for z_mm in heights_mm:
+        joint = corner.joint(float(z_mm))
+        phi, off_mm = deviation_mm(joint, refit(joint, recipe, n_ellipse))
+        i = int(np.argmax(np.abs(off_mm)))
+        off_um = float(np.abs(off_mm[i])) * _UM_PER_MM
+        if off_um > worst.um:
+            worst = RefitDeviation(off_um, float(z_mm), float(np.degrees(phi[i])))
+    return worst
+
+
+def _judged(corner: Corner, wish: Refit, spindle_rpm: float) -> list[RefitCandidate]:
+    """Return all candidates: motion at the sharpest height, deviation the largest of all."""
+    breaks = np.union1d(corner.radius.x, corner.ovality.x)
+    breaks = breaks[(breaks >= corner.radius.x[0]) & (breaks <= corner.radius.x[-1])]
+    step = max(1, breaks.size // _MAX_JUDGED)  # arcs of the profile are many short pieces
+    breaks = np.append(breaks[:-1:step], breaks[-1])
+    heights_mm = np.unique(np.concatenate([breaks, (breaks[1:] + breaks[:-1]) / 2]))
+    found = []
+    joint = corner.joint(corner.worst_mm)
+    for one in judge_all(joint, wish.spline, wish.ends, spindle_rpm):
+        recipe = Recipe(wish.spline, one.s1, one.s2, wish.ends)
+        off = largest_deviation(corner, recipe, heights_mm)
+        if off.um > one.deviation_um:
+            one = one._replace(deviation_um=off.um, deviation_deg=off.deg)
+        found.append(one)
+    return found
+
+
+def _with_recipe(corner: Corner, part: SkirtPart, heights_mm: Floats) -> Corner:
+    """Return the corner with its refit, if it has one."""
+    wish, rpm = part.piston.section.refit, part.process.spindle_rpm
+    corner = replace(
+        corner, worst_mm=float(heights_mm[int(np.argmax(corner.joint(heights_mm).corner_mm_rad()))])
+    )
     if wish is None:
-        return Corner(*parts, None, z_mm)
+        return corner
     if wish.ends == "as-paper" and np.ptp(corner.joint_deg(corner.joint_deg.x)) > 0:
         problem = 'ends = "as-paper" is defined for one joint angle only'
         raise GeometryError("piston.section.refit.ends", problem, 'use "mirror"')
-    found = judge_all(corner.joint(z_mm), wish.spline, wish.ends, spindle_rpm)
+    limit_um = wish.deviation_um or REFIT_SHARE * part.process.form_error_um
+    found = _judged(corner, wish, rpm)
     if wish.delete == "optimise":
-        best = best_of(found, jerk_limit_of(wish.ends, wish.jerk_limit_mm_s3))
+        best = best_of(found, jerk_limit_of(wish.ends, wish.jerk_limit_mm_s3), limit_um)
         s1, s2 = best.s1, best.s2
     else:
         s1, s2 = wish.delete
     recipe = Recipe(wish.spline, s1, s2, wish.ends)
-    return Corner(*parts, recipe, z_mm, tuple(found))
+    off = largest_deviation(corner, recipe, heights_mm[:: max(1, heights_mm.size // _MAX_CHECKED)])
+    told = max((one.deviation_um for one in found if (one.s1, one.s2) == (s1, s2)), default=0.0)
+    off = off._replace(um=max(off.um, told))
+    return replace(corner, recipe=recipe, candidates=tuple(found), off=off, off_limit_um=limit_um)
+
+
+def refuse_deviation(corner: Corner, refit_of_part: Refit) -> None:
+    """Refuse a refit that is farther off the drawing than the part allows, with the numbers.
+
+    Raises
+    ------
+    GeometryError
+        With the least deviation there is, and what it costs.
+    """
+    off, recipe = corner.off, corner.recipe
+    if off is None or recipe is None or off.um <= corner.off_limit_um:
+        return
+    given = "deviation_um" if refit_of_part.deviation_um else "three quarters of form_error_um"
+    least = min(corner.candidates, key=lambda one: one.deviation_um)
+    of_least = (
+        f"[{least.s1}, {least.s2}], {least.deviation_um:.2f} um at "
+        f"{least.acceleration_mm_s2:.6g} mm/s2"
+    )
+    allowed = f"{given} allows {corner.off_limit_um:g} um"
+    if refit_of_part.delete == "optimise":
+        problem = (
+            f"no deletion stays that near to the drawing: {allowed}, the nearest is {of_least}"
+        )
+    else:
+        problem = (
+            f"deleting [{recipe.s1}, {recipe.s2}] is {off.um:.2f} um off the drawing at height "
+            f"{off.z_mm:.4g} mm, {off.deg:.1f} degrees; {allowed}, the nearest deletion is "
+            f"{of_least}"
+        )
+    remedy = "allow more (deviation_um, and process.form_error_um above it), or trim less"
+    raise GeometryError("piston.section.refit.deviation_um", problem, remedy)
 
 
 def _check_room(corner: Corner, heights_mm: Floats) -> None:

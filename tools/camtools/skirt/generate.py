@@ -22,6 +22,7 @@ from camtools.cut.feasibility import (
 )
 from camtools.part.common import check_feed
 from camtools.skirt.accuracy import Accuracy
+from camtools.skirt.corner import refuse_deviation
 from camtools.skirt.geometry import Geometry, make_geometry, path_of
 from camtools.skirt.part import SkirtPart
 from camtools.skirt.run_in import with_run
@@ -119,6 +120,8 @@ def generate(part: SkirtPart, tolerance_nm: float | None = None) -> GeneratedSki
     air = with_run(geometry, process.run_in_mm, process.run_out_mm)
     path_of(part, air.z_first_mm, air.z_last_mm)  # or refuse: Z cannot follow it
     refuse_corner(geometry)
+    if geometry.corner is not None and part.piston.section.refit is not None:
+        refuse_deviation(geometry.corner, part.piston.section.refit)
     tolerance_u_nm = tolerance_nm or default_tolerance_nm(geometry)
     u, accuracy_u = choose_u(air, tolerance_u_nm)
     most_nm = 0.0 if tolerance_nm else process.form_error_um * NM_PER_UM * CORNER_SHARE

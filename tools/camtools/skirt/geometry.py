@@ -84,6 +84,9 @@ class Geometry:
         Of shape "table": how far the surface is from the measured points, 0 without a filter.
     gauge_mm : tuple of float or None
         Ends of the skirt [mm], where the height range contains a run-in or run-out.
+    drawn : SkirtSurface or None
+        What the drawing says where `surface` deliberately differs: the corner without its refit,
+        the measured points without their filter.
     """
 
     radius: PPoly
@@ -94,11 +97,24 @@ class Geometry:
     corner: Corner | None = None
     off_points_um: float | None = None
     gauge_mm: tuple[float, float] | None = None
+    drawn: SkirtSurface | None = None
 
     @property
     def skirt_mm(self) -> tuple[float, float]:
         """Return the ends of the skirt [mm], without run-in and run-out."""
         return self.gauge_mm or (self.z_first_mm, self.z_last_mm)
+
+    @property
+    def drawing(self) -> SkirtSurface:
+        """Return the reduction by which a part is judged."""
+        return self.surface if self.drawn is None else self.drawn
+
+    @property
+    def played_name(self) -> str:
+        """Return what the table plays, in a word."""
+        if self.drawn is None:
+            return "drawing"
+        return "refit" if self.corner is not None else "filtered points"
 
     def radius_mm(self, z_mm: FloatsLike | Sequence[float], derivative: int = 0) -> Floats:
         """Return a(z), a'(z) or a''(z) [mm, mm/mm, mm/mm^2] with the shape of z_mm."""
@@ -107,6 +123,14 @@ class Geometry:
     def ovality_mm(self, z_mm: FloatsLike | Sequence[float]) -> Floats:
         """Return G(z) [mm] with the shape of z_mm."""
         return np.asarray(self.ovality(z_mm), dtype=np.float64)
+
+    def oval_words(self, z_mm: float) -> str:
+        """Return the ovality of a section, and with its trim where it has one, for pictures."""
+        g_um = float(self.ovality_mm(z_mm)) * _UM_PER_MM
+        if self.corner is None:
+            return f"ovality {g_um:.0f} µm"
+        with_trim_um = g_um + 2 * float(self.corner.trim(z_mm)) * _UM_PER_MM
+        return f"ovality {g_um:.0f} µm, with trim {with_trim_um:.0f} µm"
 
     def delta(self, phi_rad: FloatsLike, z_mm: FloatsLike) -> SectionValues:
         """Return radius reduction and angle derivatives at fixed height [mm, mm/rad^n].
@@ -183,12 +207,14 @@ def _measured(part: SkirtPart, radius: PPoly, factor: float) -> Geometry:
     section, heights = part.piston.section, part.piston.profile.height_mm
     ends = float(heights[0]), float(heights[-1])
     scan = _read(part, *ends)
-    kept = scan if section.harmonics is None else filtered(scan, section.harmonics)
-    surface = scan_surface(kept, factor)
+    surface = drawn = scan_surface(scan, factor)
+    if section.harmonics is not None:
+        surface = scan_surface(filtered(scan, section.harmonics), factor)
     points = surface.delta(np.radians(scan.angle_deg), scan.z_mm[:, None]).delta
     off_mm = float(np.abs(points - factor * scan.reduction_mm).max())
     oval = magnified(ovality_of(scan), factor, 0.0)
-    return Geometry(radius, oval, surface, *ends, None, off_mm * _UM_PER_MM)
+    unfiltered = None if drawn is surface else drawn
+    return Geometry(radius, oval, surface, *ends, None, off_mm * _UM_PER_MM, drawn=unfiltered)
 
 
 def _read(part: SkirtPart, first_mm: float, last_mm: float) -> Scan:
@@ -204,9 +230,11 @@ def _read(part: SkirtPart, first_mm: float, last_mm: float) -> Scan:
 def _with_corner(part: SkirtPart, geometry: Geometry) -> Geometry:
     heights_mm = dense_heights_mm(geometry, _CHECKS_PER_PIECE)
     corner = make_corner(part, geometry.radius, geometry.ovality, heights_mm)
-    surface = corner if corner.recipe is None else corner.surface(geometry.breaks_mm())
     ends = geometry.z_first_mm, geometry.z_last_mm
-    return Geometry(geometry.radius, geometry.ovality, surface, *ends, corner)
+    oval = geometry.radius, geometry.ovality
+    if corner.recipe is None:
+        return Geometry(*oval, corner, *ends, corner)
+    return Geometry(*oval, corner.surface(geometry.breaks_mm()), *ends, corner, drawn=corner)
 
 
 def dense_heights_mm(geometry: Geometry, per_piece: int) -> Floats:

@@ -11,8 +11,8 @@ from camtools.base.quantities import NM_PER_MM
 from camtools.cut.path import ToolPath
 from camtools.pipeline.kind import Kind, Rig
 from camtools.report.text import ReportRow
-from camtools.sim.camsim import machine_text
-from camtools.sim.results import Measured
+from camtools.sim.camsim import SURFACE, machine_text
+from camtools.sim.results import Measured, read_control
 from camtools.skirt.even import compare_removal
 from camtools.skirt.generate import GeneratedSkirt, generate
 from camtools.skirt.outcome import SkirtOutcome
@@ -79,7 +79,8 @@ class SkirtKind(Kind[SkirtPart, GeneratedSkirt, SkirtOutcome]):
 
     def outcome(self, made: GeneratedSkirt, measured: Measured, rig: Rig) -> SkirtOutcome:
         """Return the cut; a part with a modulated spindle is cut uniformly for comparison."""
-        return SkirtOutcome(made, *measured, compare_removal(rig, made))
+        control = read_control(rig.simulator.folder / SURFACE)
+        return SkirtOutcome(made, *measured, compare_removal(rig, made), control)
 
     def facts(self, made: GeneratedSkirt) -> Json:
         """See `Kind.facts`."""

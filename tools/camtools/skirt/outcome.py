@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from camtools.base.json_text import Json
-from camtools.sim.results import Cut, Removal
+from camtools.sim.results import Cut, GaugedSurface, Removal
 from camtools.skirt.generate import GeneratedSkirt
 
 
@@ -31,6 +31,9 @@ class SkirtOutcome(Cut[GeneratedSkirt]):
     ----------
     even : Even or None
         Removal rate and forces of a part that is turned with equal volumes.
+    control : GaugedSurface or None
+        The controller's own errors, where the table plays a refit or a filter of the drawing.
     """
 
     even: Even | None = None
+    control: GaugedSurface | None = None

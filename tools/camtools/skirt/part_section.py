@@ -63,6 +63,7 @@ class Refit(TomlTable):
     delete: Delete = "optimise"
     ends: Literal["mirror", "as-paper"] = "mirror"
     jerk_limit_mm_s3: Annotated[float, Field(gt=0, le=1e15)] | None = None
+    deviation_um: Annotated[float, Field(gt=0, le=1000)] | None = None
 
 
 class SectionShape(TomlTable):

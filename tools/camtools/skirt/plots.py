@@ -12,7 +12,6 @@ import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.projections.polar import PolarAxes
-from scipy.interpolate import PPoly
 
 from camtools.base.quantities import Floats
 from camtools.plots.style import png_of, titled_figure
@@ -43,7 +42,8 @@ def _colour(i: int) -> tuple[float, float, float, float]:
 def draw_section(result: GeneratedSkirt) -> bytes:
     """Return a polar picture of sections: radius reduction, hugely magnified."""
     geometry = result.geometry
-    figure = titled_figure(7.5, 7.5, _title(result, "radius reduction in µm"))
+    of = "" if geometry.drawn is None else f" of the {geometry.played_name}"
+    figure = titled_figure(7.5, 7.5, _title(result, f"radius reduction{of} in µm"))
     axes = figure.add_subplot(projection="polar")
     assert isinstance(axes, PolarAxes)
     phi = 2 * np.pi * np.linspace(0, 1, _N_ANGLES)
@@ -51,8 +51,7 @@ def draw_section(result: GeneratedSkirt) -> bytes:
     for i, z_mm in enumerate(_heights_mm(geometry)):
         u_um = geometry.delta(phi, float(z_mm)).delta * _UM_PER_MM
         deepest_um = max(deepest_um, float(u_um.max()))
-        g_um = float(geometry.ovality_mm(float(z_mm))) * _UM_PER_MM
-        label = f"height {z_mm:.1f} mm, ovality {g_um:.0f} µm"
+        label = f"height {z_mm:.1f} mm, {geometry.oval_words(float(z_mm))}"
         axes.plot(phi, -u_um, color=_colour(i), label=label, clip_on=False)
     _polar_scale(axes, max(deepest_um, 1.0))
     figure.legend(loc="outside lower center", ncols=2, frameon=False)
@@ -101,14 +100,31 @@ def draw_motion(result: GeneratedSkirt) -> bytes:
     return png_of(figure)
 
 
-def _against_height(axes: Axes, z_mm: Floats, curve: Floats, spline: PPoly, scale: float) -> None:
-    axes.plot(curve, z_mm, color=_colour(1))
-    inside = (spline.x >= z_mm[0]) & (spline.x <= z_mm[-1])
-    nodes = spline.x[inside]
-    axes.plot(scale * spline(nodes), nodes, "o", color=_colour(1), label="points of the drawing")
+def _against_height(
+    axes: Axes, z_mm: Floats, curve: Floats, points: tuple[Floats, Floats], name: str
+) -> None:
+    """Draw a curve over height, and the points of the drawing as heights and values."""
+    axes.plot(curve, z_mm, color=_colour(1), label=name)
+    inside = (points[0] >= z_mm[0]) & (points[0] <= z_mm[-1])
+    axes.plot(
+        points[1][inside], points[0][inside], "o", color=_colour(1), label="points of the drawing"
+    )
     axes.grid(alpha=0.3)
     axes.tick_params(axis="x", rotation=30)
-    axes.legend(frameon=False)
+
+
+def _profile_points(result: GeneratedSkirt) -> tuple[Floats, Floats]:
+    """Return heights and diameters of the drawing's points, as enlarged as the part is."""
+    z_mm = np.asarray(result.part.piston.profile.height_mm, dtype=np.float64)
+    return z_mm, 2 * result.geometry.radius_mm(z_mm)
+
+
+def _ovality_points(result: GeneratedSkirt) -> tuple[Floats, Floats]:
+    """Return heights and ovalities of the drawing's points, of a measured part its heights."""
+    drawn = result.part.piston.ovality
+    heights = result.geometry.ovality.x if drawn is None else drawn.height_mm
+    z_mm = np.asarray(heights, dtype=np.float64)
+    return z_mm, result.geometry.ovality_mm(z_mm)
 
 
 def draw_profile(result: GeneratedSkirt) -> bytes:
@@ -117,8 +133,14 @@ def draw_profile(result: GeneratedSkirt) -> bytes:
     figure = titled_figure(8.5, 6.0, _title(result, "profile and ovality"))
     left, right = figure.subplots(1, 2, sharey=True)
     z_mm = dense_heights_mm(geometry, 32)
-    _against_height(left, z_mm, 2 * geometry.radius_mm(z_mm), geometry.radius, 2)
-    _against_height(right, z_mm, geometry.ovality_mm(z_mm), geometry.ovality, 1)
+    _against_height(left, z_mm, 2 * geometry.radius_mm(z_mm), _profile_points(result), "diameter")
+    g_mm = geometry.ovality_mm(z_mm)
+    _against_height(right, z_mm, g_mm, _ovality_points(result), "ovality without trim")
+    if geometry.corner is not None:
+        trimmed_mm = g_mm + 2 * geometry.corner.trim(z_mm)
+        right.plot(trimmed_mm, z_mm, color=_colour(2), ls="--", label="ovality with trim")
+        right.legend(frameon=False)
+    left.legend(frameon=False)
     left.set_ylabel("skirt height, mm")
     left.set_xlabel("long-axis diameter, mm")
     right.set_xlabel("ovality (long minus short axis), mm")

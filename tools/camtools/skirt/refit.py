@@ -178,13 +178,17 @@ def jerk_limit_of(ends: str, given_mm_s3: float | None) -> float:
     return PAPER_JERK_LIMIT_MM_S3 if ends == "as-paper" else float("inf")
 
 
-def best_of(candidates: list[RefitCandidate], jerk_limit_mm_s3: float) -> RefitCandidate:
-    """Return the candidate of least peak acceleration within the limit of the tail's jerk, (16).
+def best_of(
+    candidates: list[RefitCandidate], jerk_limit_mm_s3: float, deviation_limit_um: float = np.inf
+) -> RefitCandidate:
+    """Return the candidate of least peak acceleration within both limits, MATHS.md (16), (74).
+
+    Where none is near enough to the drawing it is the nearest one, which the generator refuses.
 
     Raises
     ------
     GeometryError
-        No candidate keeps the limit.
+        No candidate keeps the limit of the jerk.
     """
     within = [one for one in candidates if one.tail_jerk_mm_s3 <= jerk_limit_mm_s3]
     if not within:
@@ -192,4 +196,7 @@ def best_of(candidates: list[RefitCandidate], jerk_limit_mm_s3: float) -> RefitC
         problem = f"no deletion keeps {jerk_limit_mm_s3:g} mm/s3; the least jerk is {least:.4g}"
         field = "piston.section.refit.jerk_limit_mm_s3"
         raise GeometryError(field, problem, "allow more, or turn more slowly")
-    return min(within, key=lambda one: one.acceleration_mm_s2)
+    near = [one for one in within if one.deviation_um <= deviation_limit_um]
+    if not near:
+        return min(within, key=lambda one: one.deviation_um)
+    return min(near, key=lambda one: one.acceleration_mm_s2)

@@ -1,7 +1,7 @@
 """The report of a skirt: its pictures, in order, and its page.
 
 >>> list(_TEXTS)[:3]
-['fault', 'map', 'sections']
+['fault', 'map', 'own']
 """
 
 from __future__ import annotations
@@ -37,6 +37,11 @@ _TEXTS = {
         "spindle's speed; bands at fixed heights to X or to the engage; an even colour to tool "
         "setting.",
     ),
+    "own": (
+        "Error map of the controller alone",
+        "Where the table plays a refit or a filter of the drawing, this is how far the cut is from "
+        "that: what machine and controller add. The verdict is by the map above.",
+    ),
     "sections": (
         "Sections",
         "Above, the cut points must lie on the drawn oval everywhere. Below, the error alone is "
@@ -47,7 +52,8 @@ _TEXTS = {
         "The corner",
         "Where ellipse and circle of the drawing meet there is a corner that no axis can follow; "
         "the spline in its place costs the deviation of the second picture and keeps U's "
-        "acceleration, below, finite. The cut must lie on the refit, not on the drawing.",
+        "acceleration, below, finite. The cut must lie on the refit; how far that is off the "
+        "drawing counts in the form error.",
     ),
     "skirt": (
         "The skirt in space",
@@ -113,6 +119,10 @@ def _drawers(outcome: SkirtOutcome) -> dict[str, Callable[[], Figure]]:
         drawers["fault"] = lambda: report_motion.draw_fault(trace, retract_s)
     if surface.turn.size:
         drawers["map"] = lambda: report_surface.draw_map(surface, geometry, feed_mm)
+        own = outcome.control
+        if own is not None:
+            played = geometry.played_name
+            drawers["own"] = lambda: report_surface.draw_map(own, geometry, feed_mm, played)
         drawers["sections"] = lambda: report_surface.draw_sections(surface, geometry, feed_mm)
         if geometry.corner is not None:
             drawers["corner"] = lambda: draw_corner(surface, trace, geometry, speed_rpm)

@@ -62,7 +62,7 @@ def lines_at(geometry: Geometry, corner: Corner, z_mm: float, spindle_rpm: float
 def _cut_points(
     geometry: Geometry, corner: Corner, cut: GaugedSurface, z_mm: float
 ) -> tuple[Floats, Floats]:
-    """Return angle [deg] and distance from the refit [um] of gauged points near a height."""
+    """Return angle [deg] and distance from the drawing [um] of gauged points near a height."""
     joint_deg = float(corner.joint_deg(z_mm))
     off_deg = around_joint(cut.turn, joint_deg)
     half_band_mm = (geometry.z_last_mm - geometry.z_first_mm) / 100
@@ -107,8 +107,8 @@ def draw_corner(
     figure = new_figure(10, 8.6)
     panels: list[Axes] = list(figure.subplots(4, 1, sharex=True))
     deg, off_um = _cut_points(geometry, corner, cut, z_mm)
-    refit_um = np.interp(deg, lines.deg, lines.refit_um)
-    _contour(panels, lines, deg, refit_um + off_um)
+    drawn_um = np.interp(deg, lines.deg, lines.drawn_um)
+    _contour(panels, lines, deg, drawn_um + off_um)
     panels[2].plot(lines.deg, trace.sense * lines.velocity_mm_s, color=BLUE, lw=1.6)
     panels[2].plot(*_measured(trace, corner, z_mm), **_DOTS, label="measured on U")
     panels[3].plot(lines.deg, lines.acceleration_m_s2, color=BLUE, lw=1.6)

@@ -83,15 +83,22 @@ def heights_range_mm(geometry: Geometry) -> tuple[float, float]:
     return geometry.z_first_mm, geometry.z_last_mm
 
 
-def draw_map(surface: GaugedSurface, geometry: Geometry, feed_mm: float) -> Figure:
+def draw_map(
+    surface: GaugedSurface, geometry: Geometry, feed_mm: float, against: str = "drawing"
+) -> Figure:
     """Return the unrolled skirt coloured by its error; limits symmetric about zero."""
     figure = new_figure(10, 5.2)
-    _paint_map(figure, figure.add_subplot(), surface, geometry, feed_mm)
+    _paint_map(figure, figure.add_subplot(), surface, geometry, feed_mm, against)
     return figure
 
 
 def _paint_map(
-    figure: Figure, axes: Axes, surface: GaugedSurface, geometry: Geometry, feed_mm: float
+    figure: Figure,
+    axes: Axes,
+    surface: GaugedSurface,
+    geometry: Geometry,
+    feed_mm: float,
+    against: str = "drawing",
 ) -> None:
     limit_um = nice_limit(float(np.abs(surface.error_um).max(initial=0.0)))
     factor, unit = length_unit(limit_um)
@@ -109,7 +116,7 @@ def _paint_map(
         vmax=limit_um * factor,
     )
     bar = figure.colorbar(picture, ax=axes, pad=0.02)
-    bar.set_label(f"error, {unit}  (above 0: metal left)")
+    bar.set_label(f"error against the {against}, {unit}  (above 0: metal left)")
     angle_axis(axes)
     axes.set_ylabel("skirt height, mm")
 
@@ -157,17 +164,19 @@ def draw_shape(
 ) -> None:
     """Draw one section, its deviation from the long-axis circle enlarged by a factor."""
     a_mm = float(geometry.radius_mm(z_mm))
-    delta_mm = geometry.delta(2 * np.pi * _TURN, z_mm).delta
+    drawn_mm = geometry.drawing.delta(2 * np.pi * _TURN, z_mm).delta
     _ring(axes, _TURN, 1.0, color=GREY, lw=0.8, ls=":")
-    _ring(axes, _TURN, 1 - factor * delta_mm / a_mm, color=BLUE, lw=1.6)
+    _ring(axes, _TURN, 1 - factor * drawn_mm / a_mm, color=BLUE, lw=1.6)
+    if geometry.drawn is not None:
+        delta_mm = geometry.delta(2 * np.pi * _TURN, z_mm).delta
+        _ring(axes, _TURN, 1 - factor * delta_mm / a_mm, color=ORANGE, lw=1.2, ls="--")
     # each point against the long half axis of its own height: the taper is not ovality
     own_mm = geometry.radius_mm(near.z_mm)
     cut = 1 - factor * (own_mm - near.radius_mm) / a_mm
     step = max(1, cut.size // 60)
     _ring(axes, near.turn[::step], cut[::step], color=RED, ls="", marker="o", ms=3.2, mfc="none")
-    g_um = float(geometry.ovality_mm(z_mm)) * _UM_PER_MM
-    title = f"height {z_mm:.1f} mm: ovality {g_um:.0f} µm"
-    _clock(axes, title, f"oval enlarged\n{factor}-fold", 1.17)
+    words = geometry.oval_words(z_mm).replace(", with", ",\nwith")
+    _clock(axes, f"height {z_mm:.1f} mm: {words}", f"oval enlarged\n{factor}-fold", 1.17)
 
 
 def draw_roundness(axes: Axes, near: GaugedSurface, a_mm: float, limit_um: float) -> None:
@@ -179,7 +188,9 @@ def draw_roundness(axes: Axes, near: GaugedSurface, a_mm: float, limit_um: float
     _ring(axes, line.turn, 1 + _ROOM * line.error_um / limit_um, color=RED, lw=1.2)
     spread_um = float(np.ptp(near.error_um)) if near.turn.size else 0.0
     title = (
-        f"error: {length_text(spread_um)} peak to peak" if near.turn.size else "nothing cut here"
+        f"off the drawing: {length_text(spread_um)} peak to peak"
+        if near.turn.size
+        else "nothing cut here"
     )
     enlarged = f"{factor:,}".replace(",", "\u2009")
     middle = f"error enlarged\n{enlarged}-fold\ndotted: ±{length_text(limit_um)}"
@@ -216,14 +227,18 @@ def draw_sections(surface: GaugedSurface, geometry: Geometry, feed_mm: float) ->
     for i, (z_mm, near) in enumerate(zip(heights, bands, strict=True)):
         draw_shape(panels[0, i], near, geometry, float(z_mm), factor)
         draw_roundness(panels[1, i], near, float(radii[i]), nice_limit(worst_um))
-    figure.legend(handles=_section_handles(), loc="outside upper center", ncols=3, frameon=False)
+    figure.legend(
+        handles=_section_handles(geometry), loc="outside upper center", ncols=4, frameon=False
+    )
     return figure
 
 
-def _section_handles() -> list[Line2D]:
+def _section_handles(geometry: Geometry) -> list[Line2D]:
     """Return what explains the lines of a section."""
+    played = Line2D([], [], color=ORANGE, lw=1.2, ls="--", label=geometry.played_name)
     return [
         Line2D([], [], color=BLUE, lw=1.6, label="drawing"),
+        *([] if geometry.drawn is None else [played]),
         Line2D([], [], color=RED, ls="", marker="o", mfc="none", label="cut"),
         Line2D([], [], color=GREY, ls=":", label="circle through the long axis"),
     ]
@@ -264,7 +279,7 @@ def draw_height(surface: GaugedSurface, geometry: Geometry) -> Figure:
     axes.axhline(0, color=GREY, lw=0.8)
     axes.set_xlim(*heights_range_mm(geometry))
     axes.set_xlabel("skirt height, mm")
-    axes.set_ylabel(f"error, {unit}")
+    axes.set_ylabel(f"error against\nthe drawing, {unit}")
     axes.legend(frameon=False, loc="upper left", bbox_to_anchor=(0, 1.16), ncols=2)
     return figure
 
@@ -281,5 +296,5 @@ def draw_overview(surface: GaugedSurface, geometry: Geometry, feed_mm: float, ti
     factor = enlargement(float(geometry.radius_mm(z_mm)), geometry.deepest_mm(z_mm))
     draw_shape(right, near, geometry, z_mm, factor)
     below = {"loc": "upper center", "bbox_to_anchor": (0.5, 0.06), "frameon": False}
-    right.legend(handles=_section_handles(), **below)
+    right.legend(handles=_section_handles(geometry), **below)
     return figure

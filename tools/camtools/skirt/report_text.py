@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from camtools.base.json_text import Json
 from camtools.base.quantities import length_text
 from camtools.report.text import ReportRow, error_pair
 from camtools.skirt.outcome import SkirtOutcome
-from camtools.skirt.refit import judge
 
 
 def what_was_cut(outcome: SkirtOutcome) -> str:
@@ -27,16 +27,34 @@ def _corner_rows(outcome: SkirtOutcome) -> list[ReportRow]:
     corner = outcome.generated.geometry.corner
     if corner is None or corner.recipe is None:
         return []
-    joint, recipe = corner.joint(corner.worst_mm), corner.recipe
-    found = judge(joint, recipe, outcome.summary["cut"]["spindle_rpm"])
-    deleted = f"({recipe.s1}, {recipe.s2})"
+    recipe, off = corner.recipe, corner.off
+    assert off is not None
     return [
         ReportRow(
             "refit of the corner",
-            f"{recipe.spline}, {deleted} left out: at most {length_text(found.deviation_um)} off "
-            "the drawing; form error is against the refit",
+            f"{recipe.spline}, ({recipe.s1}, {recipe.s2}) left out: at most "
+            f"{length_text(off.um)} off the drawing, {length_text(corner.off_limit_um)} allowed",
         )
     ]
+
+
+def _filter_rows(outcome: SkirtOutcome) -> list[ReportRow]:
+    """Return what the filter of measured points changes, nothing for other sections."""
+    geometry, section = outcome.generated.geometry, outcome.generated.part.piston.section
+    if geometry.off_points_um is None or section.harmonics is None:
+        return []
+    waves = f"waves up to {section.harmonics} per turn are kept"
+    off = f"at most {length_text(geometry.off_points_um)} off the points"
+    return [ReportRow("filter of the points", f"{waves}: {off}")]
+
+
+def _control_rows(outcome: SkirtOutcome) -> list[ReportRow]:
+    """Return the controller's own error where the table does not play the drawing itself."""
+    control = outcome.summary.get("control_error_um")
+    if control is None or outcome.generated.geometry.drawn is None:
+        return []
+    played = outcome.generated.geometry.played_name
+    return [ReportRow("controller's own error", f"{error_pair(control)} against the {played}")]
 
 
 def _removal_rows(outcome: SkirtOutcome) -> list[ReportRow]:
@@ -68,6 +86,12 @@ def _removal_rows(outcome: SkirtOutcome) -> list[ReportRow]:
     ]
 
 
+def _form_text(form: Json) -> str:
+    """Return the form error in words."""
+    allowed = length_text(form["tolerance"])
+    return f"{error_pair(form)} against the drawing (tolerance {allowed})"
+
+
 def rows_of(outcome: SkirtOutcome) -> list[ReportRow]:
     """Return the summary, machine limits apart."""
     summary, generated = outcome.summary, outcome.generated
@@ -76,9 +100,11 @@ def rows_of(outcome: SkirtOutcome) -> list[ReportRow]:
     wall_s, machine_s = summary["wall_time_s"], summary["machine_time_s"]
     return [
         ReportRow("cut", what_was_cut(outcome)),
-        ReportRow("form error", f"{error_pair(form)} (tolerance {length_text(form['tolerance'])})"),
+        ReportRow("form error", _form_text(form)),
+        *_control_rows(outcome),
         ReportRow("following error of U", error_pair(summary["following_error_um"])),
         *_corner_rows(outcome),
+        *_filter_rows(outcome),
         *_removal_rows(outcome),
         ReportRow("table", f"{summary['table_bytes']} bytes, error at most {worst_nm:.2g} nm"),
         ReportRow("machine time", f"{machine_s:.1f} s"),

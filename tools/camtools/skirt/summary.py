@@ -9,16 +9,15 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.interpolate import PPoly
 
 from camtools.base.json_text import Json
 from camtools.base.quantities import NM_PER_MM, omega_rad_s
 from camtools.cut.feasibility import given_of, needed_of
 from camtools.skirt.accuracy import Accuracy
 from camtools.skirt.corner import Corner
+from camtools.skirt.design import design_of, target_of
 from camtools.skirt.generate import GeneratedSkirt, peaks_of_table
 from camtools.skirt.geometry import Geometry, dense_heights_mm
-from camtools.skirt.poly_surface import PolySurface
 from camtools.skirt.speed import summary_of
 from camtools.table.evaluate import Continuity, jumps
 from camtools.table.image import KIND_U, KIND_X, Channel
@@ -26,24 +25,6 @@ from camtools.table.summary import about_image, describe_channel
 
 _PEAK_ANGLES = 1440
 _PEAK_HEIGHTS_PER_PIECE = 16
-
-
-def _piecewise(spline: PPoly) -> Json:
-    return {"breaks_mm": spline.x.tolist(), "coefficients": spline.c.T.tolist()}
-
-
-def design_of(result: GeneratedSkirt) -> Json:
-    """Return the exact geometry, independent of the table: what a gauge compares with."""
-    section, surface = result.part.piston.section, result.geometry.surface
-    if isinstance(surface, PolySurface):
-        radius = _piecewise(result.geometry.radius)
-        return {"shape": "surface", "radius_mm": radius, "surface": surface.document()}
-    return {
-        "shape": section.shape,
-        "beta": float(section.beta),
-        "radius_mm": _piecewise(result.geometry.radius),
-        "ovality_mm": _piecewise(result.geometry.ovality),
-    }
 
 
 def motion_peaks(geometry: Geometry, spindle_rpm: float, feed_mm: float) -> Json:
@@ -122,6 +103,8 @@ def _refit(corner: Corner) -> Json:
         "eccentricity_mm": float(arc.eccentricity_mm),
         "radius_mm": float(arc.radius_mm),
         "corner_mm_per_rad": float(at.corner_mm_rad()),
+        "deviation_um": corner.off.um if corner.off else 0.0,
+        "deviation_limit_um": corner.off_limit_um,
         "candidates": [one._asdict() for one in corner.candidates],
     }
 
@@ -159,4 +142,5 @@ def make_summary(result: GeneratedSkirt) -> Json:
             "feasibility": _feasibility(result),
             "design": design_of(result) | {"gauge_mm": list(result.geometry.skirt_mm)},
         }
+        | target_of(result)
     )

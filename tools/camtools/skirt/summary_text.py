@@ -86,6 +86,8 @@ def _refit_text(summary: Json) -> str:
         f"  corner at {refit['joint_deg']:g} degrees, height {refit['height_mm']:g} mm: slope "
         f"jumps by {refit['corner_mm_per_rad']:.4f} mm/rad, eccentricity "
         f"{refit['eccentricity_mm']:.6f} mm",
+        f"  the refit is {refit['deviation_um']:.2f} um off the drawing at most "
+        f"({refit['deviation_limit_um']:g} um allowed)",
         f"  {recipe['spline']} refit, {recipe['ends']} ends; what deleting s1, s2 points costs, "
         "* is this table:",
         "   s1 s2  acceleration mm/s2   at deg  jerk mm/s3  behind corner  deviation um",
