@@ -19,7 +19,7 @@ from camtools.part.common import MachineLimits
 from camtools.skirt.generate import generate
 from camtools.skirt.geometry import Geometry, make_geometry, path_of
 from camtools.skirt.part import SkirtPart
-from camtools.study.path import make_study
+from camtools.study.path import csv, make_study
 from camtools.table.image import pack, unpack
 from part_cases import PERKINS, ROOT, load_part, parse_part
 
@@ -309,3 +309,20 @@ def test_controller_is_not_asked_to_step(perkins: SkirtPart) -> None:
     process = perkins.process.model_copy(update={"path": "stepped", "spindle_rpm": 500.0})
     with pytest.raises(CamtoolsError, match=r"process\.path: .*mkgcode.*ring-helix"):
         generate(perkins.model_copy(update={"process": process}))
+
+
+def test_analysis_has_the_steps_beside_the_paths() -> None:
+    """Time, speed and acceleration of Z, scallop and edge of the Perkins skirt at 500 r/min."""
+    study = make_study(0.0, 62.0, 0.1, 500.0, 0.8, MachineLimits())
+    *_, row = csv(study, 0.0062619048).splitlines()
+    words = dict(zip(csv(study, 0.0).splitlines()[0].split(","), row.split(","), strict=True))
+    assert words["path"] == '"stepped"'
+    assert float(words["turns"]) == 621
+    assert float(words["time_s"]) == pytest.approx(621 * 60 / 500)
+    assert float(words["z_speed_mm_s"]) == pytest.approx(np.sqrt(0.1 * 2000), abs=1e-4)
+    assert float(words["z_acceleration_mm_s2"]) == pytest.approx(2000, abs=0.01)
+    assert float(words["step_turns"]) == pytest.approx(2 * np.sqrt(0.1 / 2000) * 500 / 60, abs=1e-6)
+    assert float(words["scallop_max_um"]) == pytest.approx(1.5625, abs=1e-4)
+    assert float(words["edge_um"]) == pytest.approx(0.6262, abs=1e-4)
+    slow = make_study(0.0, 62.0, 0.1, 2500.0, 0.8, MachineLimits())
+    assert slow.stepped.rpm == pytest.approx(2121.3, abs=0.05)

@@ -12,6 +12,8 @@ import json
 import sys
 from pathlib import Path
 
+import numpy as np
+
 from camtools.base.command import Parser, run_command
 from camtools.base.errors import CamtoolsError
 from camtools.base.output import write_all
@@ -83,7 +85,8 @@ def _files(found: Analysis, nose_mm: float, *, with_pictures: bool) -> dict[str,
     ends = found.geometry.z_first_mm, found.geometry.z_last_mm
     limits = found.part.machine.limits
     paths = make_study(*ends, found.feed_mm, found.rpm, nose_mm, limits)
-    texts["paths.csv"] = csv(paths)
+    slope = np.abs(found.geometry.radius_mm(np.linspace(*ends, 2001), 1)).max()
+    texts["paths.csv"] = csv(paths, float(slope))
     pictures: dict[str, bytes] = {}
     if with_pictures:
         from camtools.study.path_plots import draw_all as draw_paths

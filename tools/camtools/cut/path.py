@@ -149,6 +149,17 @@ def ramp_of(feed_mm: float, spindle_rpm: float, limits: MachineLimits) -> float:
     return ramp
 
 
+def _step(feed_mm: float, limits: MachineLimits) -> tuple[float, float]:
+    """Return speed [mm/s] and duration [s] of the quickest step."""
+    v = min(limits.z_speed_mm_s, sqrt(feed_mm * limits.z_acceleration_mm_s2))
+    return v, feed_mm / v + v / limits.z_acceleration_mm_s2
+
+
+def highest_step_rpm(feed_mm: float, limits: MachineLimits) -> float:
+    """Return the highest spindle speed at which a step takes MOST_STEP of a turn [r/min]."""
+    return 60 * MOST_STEP / _step(feed_mm, limits)[1]
+
+
 def step_of(feed_mm: float, spindle_rpm: float, limits: MachineLimits) -> tuple[float, float]:
     """Return the quickest step of a stepped path: its share of a turn and its ramp, MATHS.md (100).
 
@@ -157,12 +168,11 @@ def step_of(feed_mm: float, spindle_rpm: float, limits: MachineLimits) -> tuple[
     CamtoolsError
         It would take more than half a turn; the message has the highest speed of the spindle.
     """
-    v = min(limits.z_speed_mm_s, sqrt(feed_mm * limits.z_acceleration_mm_s2))
-    step_s = feed_mm / v + v / limits.z_acceleration_mm_s2
+    v, step_s = _step(feed_mm, limits)
     share = step_s * spindle_rpm / 60
     if share > MOST_STEP:
         problem = f"a step of {feed_mm:g} mm takes {step_s * 1000:.3g} ms, {share:.3g} of a turn"
-        best = np.floor(10 * 60 * MOST_STEP / step_s) / 10
+        best = np.floor(10 * highest_step_rpm(feed_mm, limits)) / 10
         remedy = f'turn at {best:.1f} r/min at most, feed less, or set path = "helix"'
         raise CamtoolsError([f'process.path = "stepped": {problem}; {remedy}'])
     return share, v / limits.z_acceleration_mm_s2 / step_s

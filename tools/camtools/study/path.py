@@ -1,4 +1,4 @@
-"""Ring-helix beside plain helices: turns, time, Z's motion, scallops, MATHS.md (40) .. (43).
+"""Ring-helix beside helices and steps: turns, time, Z, scallops, MATHS.md (40) .. (43), (100).
 
 >>> study = make_study(0.0, 62.0, 0.2, 1000.0, 0.8, MachineLimits())
 >>> [(one.path.turns, f"{one.scallop_um.max():.4f}") for one in study.rows]
@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from camtools.base.quantities import Floats
-from camtools.cut.path import ToolPath, highest_rpm, ramp_of
+from camtools.cut.path import ToolPath, highest_rpm, highest_step_rpm, ramp_of, step_of
 from camtools.part.common import MachineLimits
 
 N_ANGLES, N_HEIGHTS = 240, 401
@@ -43,10 +43,11 @@ class PathStudy(NamedTuple):
     z_mm: Floats  # shape (N_HEIGHTS,)
     nose_mm: float
     wanted_rpm: float
+    stepped: PathRow  # Z stands during each turn; no controller plays it
 
 
 def _row(name: str, path: ToolPath, rpm: float, z_mm: Floats, nose_mm: float) -> PathRow:
-    per_s, r = rpm / 60, path.ramp
+    per_s, r = rpm / 60 / (path.step or 1.0), path.ramp  # of what moves Z: a turn, or a step
     acceleration = path.feed_mm * per_s**2 / (r * (1 - r)) if r > 0 else 0.0
     angles = np.arange(N_ANGLES) / N_ANGLES
     scallop = np.stack([path.scallop_mm(float(angle), z_mm, nose_mm) for angle in angles])
@@ -79,24 +80,38 @@ def make_study(
     low = z_first_mm + feed_mm * max(0, middle)
     z_mm = np.linspace(low, min(low + _SECTIONS * feed_mm, z_last_mm), N_HEIGHTS)
     ends = z_first_mm, z_last_mm
+    step_rpm = min(rpm, highest_step_rpm(feed_mm, limits) * (1 - 1e-9))
+    step, step_ramp = step_of(feed_mm, step_rpm, limits)
+    steps = ToolPath("stepped", *ends, feed_mm, step_ramp, step)
     rows = (
         _row("ring-helix", ToolPath("ring-helix", *ends, feed_mm, ramp), ring_rpm, z_mm, nose_mm),
         _row("helix, half the feed", ToolPath("helix", *ends, feed_mm / 2), rpm, z_mm, nose_mm),
         _row("helix", ToolPath("helix", *ends, feed_mm), rpm, z_mm, nose_mm),
     )
-    return PathStudy(rows, z_mm, nose_mm, rpm)
+    stepped = _row("stepped", steps, step_rpm, z_mm, nose_mm)
+    return PathStudy(rows, z_mm, nose_mm, rpm, stepped)
 
 
-def csv(study: PathStudy) -> str:
-    """Return the comparison as CSV."""
+def csv(study: PathStudy, slope: float) -> str:
+    """Return the comparison as CSV.
+
+    Parameters
+    ----------
+    slope : float
+        Largest slope of the profile, |da/dz|: times a step it is the edge that the step leaves.
+    """
     head = (
         "path,feed_mm,turns,rpm,time_s,z_ramp_turns,z_speed_mm_s,z_acceleration_mm_s2,"
-        "scallop_max_um,scallop_mean_um"
+        "scallop_max_um,scallop_mean_um,step_turns,edge_um"
     )
-    lines = [
-        f'"{one.name}",{one.path.feed_mm:.6f},{one.path.turns:.3f},{one.rpm:.3f},{one.time_s:.3f},'
-        f"{one.path.ramp:.6f},{one.z_speed_mm_s:.4f},{one.z_acceleration_mm_s2:.2f},"
-        f"{one.scallop_um.max():.4f},{one.scallop_um.mean():.4f}"
-        for one in study.rows
-    ]
+    lines = []
+    for one in (*study.rows, study.stepped):
+        path, edge_um = one.path, slope * one.path.feed_mm * _UM_PER_MM
+        ramp = path.ramp * (path.step or 1.0)
+        lines.append(
+            f'"{one.name}",{path.feed_mm:.6f},{path.turns:.3f},{one.rpm:.3f},{one.time_s:.3f},'
+            f"{ramp:.6f},{one.z_speed_mm_s:.4f},{one.z_acceleration_mm_s2:.2f},"
+            f"{one.scallop_um.max():.4f},{one.scallop_um.mean():.4f},"
+            f"{path.step:.6f},{edge_um if path.kind == 'stepped' else 0:.4f}"
+        )
     return "\n".join([head, *lines]) + "\n"
