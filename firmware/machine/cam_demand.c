@@ -2,6 +2,7 @@
 #include "cam_demand.h"
 #include "cam_feed.h" // cam_feed_ramp_q32
 #include "cam_fix.h"  // cam_abs_i64
+#include "cam_gap.h"  // cam_gap_first
 #include "cam_pace.h" // cam_pace_set_q20
 #include "cam_plan.h" // cam_plan_ticks
 #include <stdbool.h>  // bool
@@ -232,20 +233,12 @@ static cam_demand_t retract_demand(const cam_cut_t *c)
                           is_set ? outwards_nm(c) + (uint64_t) - (int64_t)retract_nm : 0u};
 }
 
-/// Largest magnitudes of a function f of the angle, which a cut demands of an axis: per turn of the
-/// mean speed, so that a modulated spindle is contained in them.
-typedef struct {
-    uint64_t value;  ///< |f|
-    uint64_t first;  ///< |f' r|, below 2^33
-    uint64_t second; ///< |f'' r^2 + f' r r'|, below 2^33
-} motion_t;
-
 /// The acceleration while engaging, when the envelope e, a smooth step over t turns, adds to it:
 /// the largest of e f'' + 2 e' f' + e'' f over the step, or f'' itself. It is taken at fourteen
 /// places of the second half of the step, with e' and e'' larger by 3 %: less than a ten-thousandth
 /// of the largest in between is missed, whatever the turns. The spindle may meanwhile turn faster
 /// than its mean speed, and accelerate.
-static uint64_t engaging(const cam_cut_t *c, const motion_t *f)
+static uint64_t engaging(const cam_cut_t *c, const cam_gap_peaks_t *peaks)
 {
     static const struct {
         uint32_t e_ppm, e1_ppm, e2_ppm; // e, 1.03 2 e' / 2 pi and 1.03 e'' / (2 pi)^2
@@ -256,24 +249,41 @@ static uint64_t engaging(const cam_cut_t *c, const motion_t *f)
               {999984, 1383, 18115},    {999999, 244, 7711}};
     const uint64_t turns = (uint64_t)smaller(c->p->engage_turns, c->p->disengage_turns);
     const uint64_t ratio_q10 = divided_up(c->t->ratio_max_q20, 1024);
-    const uint64_t value = divided_up(f->value * ratio_q10, 1024);
-    const uint64_t alpha = divided_up(f->value * c->t->spindle_peak_ppm_per_rad, 2000000);
-    const uint64_t first = divided_up(f->first * ratio_q10, 1024) + alpha;
+    const uint64_t value = divided_up(peaks->f * ratio_q10, 1024);
+    const uint64_t alpha = divided_up(peaks->f * c->t->spindle_peak_ppm_per_rad, 2000000);
+    const uint64_t first = divided_up(peaks->f1 * ratio_q10, 1024) + alpha;
     const uint64_t far = divided_up(value * ratio_q10, 1024);
-    uint64_t most = f->second;
+    uint64_t most = peaks->f2;
     for (size_t i = 0; i < sizeof at / sizeof at[0]; i++) {
-        most = greater(most, divided_up(f->second * at[i].e_ppm + first * at[i].e1_ppm / turns +
+        most = greater(most, divided_up(peaks->f2 * at[i].e_ppm + first * at[i].e1_ppm / turns +
                                             far * at[i].e2_ppm / (turns * turns),
                                         1000000));
     }
     return most;
 }
 
+/// @return a * b / c, rounded up, saturated
+static uint64_t scaled_up(uint64_t a, uint64_t b, uint64_t c)
+{
+    return a == 0u || b < (uint64_t)INT64_MAX / a ? divided_up(a * b, c) : (uint64_t)INT64_MAX;
+}
+
+/// @return what U does over the angle
+static cam_gap_peaks_t u_peaks(const cam_table_t *t)
+{
+    return (cam_gap_peaks_t){
+        .f = greater((uint64_t)cam_abs_i64(t->u_min_nm), (uint64_t)cam_abs_i64(t->u_max_nm)),
+        .f1 = t->u1_peak_nm_per_rad,
+        .f2 = t->u2_peak_nm_per_rad2,
+    };
+}
+
 /// U moves with u' omega, in um/s, and with what the feed adds.
 static cam_demand_t u_speed_demand(const cam_cut_t *c)
 {
     const int64_t limit = smaller(c->p->u_speed_um_per_s, c->t->limit_u_speed_um_per_s);
-    const uint64_t u1 = at_amplitude(c, c->t->u1_peak_nm_per_rad);
+    const cam_gap_peaks_t u = u_peaks(c->t);
+    const uint64_t u1 = at_amplitude(c, cam_gap_first(c->t, c->feed_nm, &u));
     const uint64_t turning = divided_up(u1 * omega_mrad_per_s(c->mean_mrpm), 1000000);
     return (cam_demand_t){cam_err_u_speed, limit, turning + at_amplitude(c, u_drift(c).speed)};
 }
@@ -284,13 +294,12 @@ static cam_demand_t u_acceleration_demand(const cam_cut_t *c)
     const cam_table_t *t = c->t;
     const int64_t limit =
         smaller(c->p->u_acceleration_mm_per_s2, t->limit_u_acceleration_mm_per_s2);
-    const motion_t u = {
-        greater((uint64_t)cam_abs_i64(t->u_min_nm), (uint64_t)cam_abs_i64(t->u_max_nm)),
-        t->u1_peak_nm_per_rad, t->u2_peak_nm_per_rad2};
-    const uint64_t most = engaging(c, &u);
+    const cam_gap_peaks_t u = u_peaks(t);
+    const uint64_t most = greater(
+        engaging(c, &u), cam_gap_second(t, c->feed_nm, &u, (uint32_t)cam_plan_ticks(c->tick_hz)));
     const uint64_t omega = omega_mrad_per_s(c->mean_mrpm);
     const uint64_t omega2 = divided_up(omega * omega, 10000); // [0.01 rad2/s2]
-    const uint64_t turning = divided_up(at_amplitude(c, most) * omega2, 100000000);
+    const uint64_t turning = scaled_up(at_amplitude(c, most), omega2, 100000000);
     const drift_t d = u_drift(c);
     const uint64_t feeding = divided_up(drift_acceleration(c, &d), 1000);
     return (cam_demand_t){cam_err_u_acceleration, limit, turning + at_amplitude(c, feeding)};
@@ -316,6 +325,20 @@ static uint64_t swing_first(const cam_table_t *t)
     return ((t->swing.first_mdeg_per_rad * ratio_q20) >> 20) + 1u;
 }
 
+/// @return what the swing does over the angle, in degrees / 1000: its acceleration goes with
+///         swing'' r^2 + swing' r r'
+static cam_gap_peaks_t swing_peaks(const cam_table_t *t)
+{
+    const uint64_t ratio_q20 = t->ratio_max_q20;
+    const uint64_t bend = (((t->swing.second_mdeg_per_rad2 * ratio_q20) >> 20) * ratio_q20) >> 20;
+    return (cam_gap_peaks_t){
+        .f = t->swing.most_mdeg,
+        .f1 = swing_first(t),
+        .f2 = bend +
+              (uint64_t)t->swing.first_mdeg_per_rad * t->spindle_peak_ppm_per_rad / 1000000u + 1u,
+    };
+}
+
 /// The swing moves with swing' omega, in degrees / 1000 per second, and with what the feed adds.
 static cam_demand_t swing_speed_demand(const cam_cut_t *c)
 {
@@ -323,14 +346,15 @@ static cam_demand_t swing_speed_demand(const cam_cut_t *c)
     if (!c->t->is_swung) {
         return (cam_demand_t){cam_err_swing_speed, limit, 0};
     }
-    const uint64_t first = at_amplitude(c, swing_first(c->t));
+    const cam_gap_peaks_t swing = swing_peaks(c->t);
+    const uint64_t first = at_amplitude(c, cam_gap_first(c->t, c->feed_nm, &swing));
     const uint64_t turning = divided_up(first * omega_mrad_per_s(c->mean_mrpm), 1000);
     const uint64_t feeding = at_amplitude(c, mdeg_of(swing_drift(c).speed));
     return (cam_demand_t){cam_err_swing_speed, limit, turning + feeding};
 }
 
-/// The swing accelerates with (swing'' r^2 + swing' r r') omega^2, in degrees per second squared,
-/// and with what the feed adds.
+/// The swing accelerates, in degrees per second squared, over the angle and with what the feed
+/// adds.
 static cam_demand_t swing_acceleration_demand(const cam_cut_t *c)
 {
     const cam_table_t *t = c->t;
@@ -338,16 +362,12 @@ static cam_demand_t swing_acceleration_demand(const cam_cut_t *c)
     if (!t->is_swung) {
         return (cam_demand_t){cam_err_swing_acceleration, limit, 0};
     }
-    const uint64_t ratio_q20 = t->ratio_max_q20;
-    const uint64_t bend = (((t->swing.second_mdeg_per_rad2 * ratio_q20) >> 20) * ratio_q20) >> 20;
-    const uint64_t second_mdeg_per_rad2 =
-        bend + (uint64_t)t->swing.first_mdeg_per_rad * t->spindle_peak_ppm_per_rad / 1000000u + 1u;
-    const motion_t swing = {t->swing.most_mdeg, swing_first(t), second_mdeg_per_rad2};
-    const uint64_t second = at_amplitude(c, engaging(c, &swing));
+    const cam_gap_peaks_t swing = swing_peaks(t);
+    const uint64_t second =
+        at_amplitude(c, greater(engaging(c, &swing), cam_gap_second(t, c->feed_nm, &swing, 1u)));
     const uint64_t omega = omega_mrad_per_s(c->mean_mrpm);
-    const uint64_t omega2 = divided_up(omega * omega, 1000);             // [0.001 rad2/s2]
-    const bool fits = omega2 < (uint64_t)INT64_MAX / greater(second, 1); // else beyond any limit
-    const uint64_t turning = fits ? divided_up(second * omega2, 1000000) : INT64_MAX;
+    const uint64_t omega2 = divided_up(omega * omega, 1000); // [0.001 rad2/s2]
+    const uint64_t turning = scaled_up(second, omega2, 1000000);
     const drift_t d = swing_drift(c);
     const uint64_t feeding = divided_up(mdeg_of(drift_acceleration(c, &d)), 1000);
     return (cam_demand_t){cam_err_swing_acceleration, limit, turning + at_amplitude(c, feeding)};

@@ -21,6 +21,7 @@ enum {
     cam_table_max_passes = 16,
     cam_table_max_mrpm = 60000000,    ///< [r/min / 1000] the range of the parameter spindle_mrpm
     cam_table_max_feed_nm = 10000000, ///< [nm] the range of the parameter feed_nm
+    cam_table_max_lobes = 64,
 };
 
 /// The ratio 1 in the unit of a speed channel, 2^-20 of the mean speed.
@@ -55,6 +56,16 @@ typedef struct {
     uint32_t slices_per_nm_q48; ///< [slices/nm / 2^48] reciprocal of the spacing, >= 2^24
     int32_t value_offset;       ///< [unit of the channel] value at p = 0
 } cam_channel_t;
+
+/// A lobe of a table whose slices are patterns, as the image holds it: where it sits on the shaft
+/// and which pattern it plays.
+typedef struct {
+    int32_t z_first_nm, z_last_nm; ///< [nm]
+    uint32_t phase_q32;            ///< [turn / 2^32] spindle angle at which the pattern begins
+    uint32_t pattern;              ///< slice of all channels over angle
+    uint32_t changes_per_nm_q48;   ///< [changes/nm / 2^48] reciprocal of the height over which the
+                                   ///< lift falls to 0 above the lobe, and rises below the next
+} cam_lobe_t;
 
 /// A pass, as the image holds it.
 typedef struct {
@@ -99,6 +110,9 @@ typedef struct {
     cam_channel_t way;               ///< how far Z is ahead of a plain helix; knots == NULL: 0
     const cam_pass_t *passes;        ///< in the order of cutting; NULL: one, as the header has it
     uint32_t n_passes;               ///< 1 .. 16; 0 without passes
+    const cam_lobe_t *lobes;         ///< rising; NULL: slices are heights, not patterns
+    uint32_t n_lobes;                ///< 1 .. 64; 0 without lobes
+    uint32_t least_change_nm;        ///< [nm] height of the shortest change between lobes; 0: none
     bool is_swung;                   ///< the tool must swing by `angle` (kind 4)
     bool is_ring_helix;              ///< a geared Z follows a ring-helix (cam_feed.h), not a helix
     cam_swing_peaks_t swing;         ///< of the swing at uniform speed; all 0 without a swing

@@ -72,11 +72,21 @@ static uint64_t bytes_of(const cam_entry_t *e)
     return ((uint64_t)e->n_slices << e->log2_knots) * sizeof(cam_knot_t);
 }
 
+/// Patterns are found by their number, not by their height: they belong to the whole table.
+static bool is_pattern_place(const cam_entry_t *e, const cam_entry_place_t *in)
+{
+    return e->z_first_nm == in->z_first_nm && e->z_last_nm == in->z_last_nm &&
+           e->slices_per_nm_q48 == 0u;
+}
+
 /// Check the range of heights, the spacing of the slices, and that the stored reciprocal of the
 /// spacing is the one that follows from them.
 static cam_err_t check_heights(const cam_entry_t *e, const cam_entry_place_t *in)
 {
     const int64_t span_nm = (int64_t)e->z_last_nm - e->z_first_nm;
+    if (in->has_lobes && is_over_angle(e)) {
+        return is_pattern_place(e, in) ? cam_ok : cam_err_image_height;
+    }
     const bool is_sound =
         cam_is_between(e->z_first_nm, -cam_entry_max_height_nm / 2, in->z_first_nm) &&
         cam_is_between(e->z_last_nm, in->z_last_nm, cam_entry_max_height_nm / 2);

@@ -8,6 +8,7 @@
 
 #include "cam_err.h"     // cam_err_t
 #include "cam_channel.h" // cam_channel_t
+#include <stdbool.h>     // bool
 #include <stdint.h>      // uint32_t, int32_t
 
 /// What a channel describes, as stored in its entry.
@@ -17,6 +18,7 @@ enum {
     cam_kind_speed = 3,   ///< speed ratio of the spindle over angle and height
     cam_kind_swing = 4,   ///< of a lobe: angle by which the tool swings, over angle and height
     cam_kind_contact = 5, ///< of a lobe: angle of the contact on the wheel, reported, not played
+    cam_kind_lobes = 6,   ///< where the lobes sit on the shaft and which slice each of them plays
     cam_kind_way = 7,     ///< how far Z is ahead of a plain helix, over the helix's height
     cam_kind_passes = 8,  ///< records of the passes in which the part is cut
 };
@@ -51,6 +53,7 @@ typedef struct {
     uint32_t image_size;  ///< [bytes]
     int32_t z_first_nm;   ///< [nm] lowest height that the channel has to serve
     int32_t z_last_nm;    ///< [nm] highest one
+    bool has_lobes;       ///< slices over angle are patterns and have no heights
 } cam_entry_place_t;
 
 /// Check an entry and all its knots.

@@ -209,6 +209,17 @@ CAM_EVAL_INLINE cam_segment_t cam_eval_segment(const cam_channel_t *ch, uint32_t
     };
 }
 
+/// Evaluate a channel over angle at a height that was found before.
+/// @param ch         passed cam_table_check(), any kind but x
+/// @param theta_q32  [turn / 2^32] any value, 0 = long axis
+/// @return           derivatives per knot interval of 2^-(log2_knots + log2_repeat) turn
+/// Context: ISR or slow side, constant time. Source: TABLE_FORMAT.md.
+static inline cam_value_t cam_eval_surface_at(const cam_channel_t *ch, uint32_t theta_q32,
+                                              cam_height_t z)
+{
+    return cam_eval_rounded(cam_eval_quintic(cam_eval_segment(ch, theta_q32, z)), z.is_clamped);
+}
+
 /// Evaluate a channel over angle and height.
 /// @param ch         passed cam_table_check(), any kind but x
 /// @param theta_q32  [turn / 2^32] any value, 0 = long axis
@@ -218,8 +229,7 @@ CAM_EVAL_INLINE cam_segment_t cam_eval_segment(const cam_channel_t *ch, uint32_t
 static inline cam_value_t cam_eval_surface(const cam_channel_t *ch, uint32_t theta_q32,
                                            int32_t z_nm)
 {
-    const cam_height_t z = cam_eval_height(ch, z_nm);
-    return cam_eval_rounded(cam_eval_quintic(cam_eval_segment(ch, theta_q32, z)), z.is_clamped);
+    return cam_eval_surface_at(ch, theta_q32, cam_eval_height(ch, z_nm));
 }
 
 /// Find a place on a channel over height alone.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_promise.h"
-#include "cam_speed.h" // cam_speed_ratio
+#include "cam_lobes.h" // cam_lobes_slice
+#include "cam_speed.h" // cam_speed_ratio_at
 #include <stdbool.h>   // bool
 
 /// [nm/turn2] larger curvatures are refused: no axis follows 28 m/rad2, and below this limit the
@@ -25,8 +26,12 @@ static cam_ratio_t ratio_at(const cam_table_t *t, const cam_channel_t *ch, uint3
 {
     const uint32_t in_slice = k & ((1u << ch->log2_knots) - 1u);
     const uint32_t theta_q32 = in_slice << (32u - ch->log2_knots - ch->log2_repeat);
-    const uint64_t up_nm = (uint64_t)ch->span_nm * (k >> ch->log2_knots) / (ch->n_slices - 1u);
-    return cam_speed_ratio(&t->speed, theta_q32, ch->z_first_nm + (int32_t)up_nm);
+    const uint32_t slice = k >> ch->log2_knots;
+    const uint64_t up_nm = (uint64_t)ch->span_nm * slice / (ch->n_slices - 1u);
+    const cam_height_t z = t->lobes != NULL
+                               ? cam_lobes_slice(t->speed.n_slices, slice)
+                               : cam_eval_height(&t->speed, ch->z_first_nm + (int32_t)up_nm);
+    return cam_speed_ratio_at(&t->speed, theta_q32, z);
 }
 
 /// Check speed and acceleration of U at knot k of u.

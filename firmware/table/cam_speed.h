@@ -18,7 +18,7 @@
 #ifndef CAM_SPEED_H
 #define CAM_SPEED_H
 
-#include "cam_eval.h"    // cam_eval_surface
+#include "cam_eval.h"    // cam_eval_surface_at
 #include "cam_fix.h"     // cam_clamp_i64
 #include "cam_channel.h" // cam_channel_t
 #include <stdint.h>      // int32_t, int64_t
@@ -43,7 +43,7 @@ typedef struct {
 
 /// Convert a value of a speed channel to the formats of cam_ratio_t.
 /// @param ch     passed cam_table_check(), kind speed: a ratio of 1/16 .. 4
-/// @param value  of that channel, as cam_eval_surface() returns it
+/// @param value  of that channel, as cam_eval_surface_at() returns it
 static inline cam_ratio_t cam_speed_scaled(const cam_channel_t *ch, cam_value_t value)
 {
     const uint32_t shift = ch->log2_knots + ch->log2_repeat;
@@ -57,12 +57,20 @@ static inline cam_ratio_t cam_speed_scaled(const cam_channel_t *ch, cam_value_t 
 /// Evaluate a speed channel.
 /// @param ch          passed cam_table_check(), kind speed
 /// @param theta_q32   [turn / 2^32] any value, 0 = long axis
-/// @param z_nm        [nm] any value
+/// @param z           of the same channel: cam_eval_height() or cam_lobes_slice()
 /// @return            ratio within 2 LSB of the channel, slope within 2 LSB per knot interval
 /// Context: ISR or slow side.
+static inline cam_ratio_t cam_speed_ratio_at(const cam_channel_t *ch, uint32_t theta_q32,
+                                             cam_height_t z)
+{
+    return cam_speed_scaled(ch, cam_eval_surface_at(ch, theta_q32, z));
+}
+
+/// The same at a height.
+/// @param z_nm  [nm] any value
 static inline cam_ratio_t cam_speed_ratio(const cam_channel_t *ch, uint32_t theta_q32, int32_t z_nm)
 {
-    return cam_speed_scaled(ch, cam_eval_surface(ch, theta_q32, z_nm));
+    return cam_speed_ratio_at(ch, theta_q32, cam_eval_height(ch, z_nm));
 }
 
 /// Blend from uniform speed to the ratio of the table.

@@ -3,6 +3,7 @@
 #include "cam_barrel.h"  // cam_barrel_measure
 #include "cam_entry.h"   // cam_entry_check
 #include "cam_fix.h"     // cam_is_between
+#include "cam_lobes.h"   // cam_lobes_check
 #include "cam_pace.h"    // cam_pace_of
 #include "cam_peaks.h"   // cam_peaks_of_swing
 #include "cam_passes.h"  // cam_passes_check
@@ -215,14 +216,19 @@ static bool take_channel(const cam_entry_t *e, const uint8_t *image, cam_table_t
     return true;
 }
 
-/// Check a channel of any kind.
-static cam_err_t check_channel(const cam_entry_t *e, const header_fields_t *h, const uint8_t *image,
-                               uint64_t *used, cam_table_t *table)
+/// Check a channel of any kind. The directory of lobes comes first, if there is one: what a slice
+/// is follows from it.
+static cam_err_t check_channel(const cam_entry_t *e, uint32_t i, const header_fields_t *h,
+                               const uint8_t *image, uint64_t *used, cam_table_t *table)
 {
     const cam_entry_place_t in = {.image = image,
                                   .image_size = word_at(image, at_image_size),
                                   .z_first_nm = h->z_first_nm,
-                                  .z_last_nm = h->z_last_nm};
+                                  .z_last_nm = h->z_last_nm,
+                                  .has_lobes = table->lobes != NULL};
+    if (e->kind == (uint32_t)cam_kind_lobes) {
+        return i == 0u ? cam_lobes_check(e, &in, used, table) : cam_err_image_channel;
+    }
     if (e->kind == (uint32_t)cam_kind_passes) {
         return cam_passes_check(e, &in, used, table);
     }
@@ -242,7 +248,8 @@ static bool is_way_placed(const cam_table_t *table, const header_fields_t *h)
 }
 
 /// Check what only all channels together show: u and x are there, a ring-helix has a uniform speed
-/// and no way, and kinds of version 1.1 are in an image of that version.
+/// and no way, patterns are there for the lobes, and kinds of version 1.1 are in an image of that
+/// version.
 static cam_err_t check_together(const uint8_t *image, uint32_t largest_kind,
                                 const header_fields_t *h, cam_table_t *table)
 {
@@ -253,7 +260,8 @@ static cam_err_t check_together(const uint8_t *image, uint32_t largest_kind,
     if (!is_complete || !is_known || !is_way_placed(table, h)) {
         return is_newer || !is_complete ? cam_err_image_channel : cam_err_image_version;
     }
-    return cam_way_check(table);
+    const cam_err_t err = cam_way_check(table);
+    return err == cam_ok && table->lobes != NULL ? cam_lobes_check_patterns(table) : err;
 }
 
 /// Check the channels one after the other, then all of them together, and that the header's
@@ -272,7 +280,7 @@ static cam_err_t check_channels(const uint8_t *image, const header_fields_t *h, 
         cam_entry_t e;
         (void)memcpy(&e, image + cam_table_header_size + (size_t)i * cam_table_entry_size,
                      sizeof e);
-        const cam_err_t err = check_channel(&e, h, image, &used, table);
+        const cam_err_t err = check_channel(&e, i, h, image, &used, table);
         if (err != cam_ok) {
             return err;
         }
@@ -306,10 +314,11 @@ static void describe(const uint8_t *image, const header_fields_t *h, cam_table_t
     table->image_size = word_at(image, at_image_size);
     cam_barrel_measure(table);
     table->pace = cam_pace_of(&table->speed);
-    table->u_change = cam_peaks_of_change(&table->u);
+    const cam_change_t none = {0}; // patterns are not next to each other
+    table->u_change = table->lobes != NULL ? none : cam_peaks_of_change(&table->u);
     if (table->is_swung) {
         table->swing = cam_peaks_of_swing(&table->angle);
-        table->swing_change = cam_peaks_of_change(&table->angle);
+        table->swing_change = table->lobes != NULL ? none : cam_peaks_of_change(&table->angle);
     }
 }
 

@@ -6,6 +6,7 @@
 #include "cam_eval.h"     // cam_eval_height
 #include "cam_fix.h"      // cam_clamp_i32
 #include "cam_rest.h"     // cam_rest_isr
+#include "cam_shaft.h"    // cam_shaft_aim_isr
 #include "cam_swing.h"    // cam_swing_aim_isr
 #include "cam_way.h"      // cam_way_height_nm
 
@@ -125,7 +126,9 @@ static void aim_u(cam_motion_t *m, const cam_play_config_t *cfg, int32_t scale_q
     m->scale_q30 = scale_q30 - m->scale_step_q30 * cfg->plan_ticks;
     m->behind_step_q4 = cam_aim_share(cfg, cam_wrap_sub(behind_q4, m->behind_q4));
     m->behind_q4 = behind_q4 - m->behind_step_q4 * cfg->plan_ticks;
-    aim_height(m, cfg, slice_q32(cfg, u_z_nm));
+    if (cfg->table->n_lobes == 0u) {
+        aim_height(m, cfg, slice_q32(cfg, u_z_nm));
+    }
 }
 
 /// @return [turn / 2^32] the operator's phase at the next plan
@@ -144,7 +147,8 @@ static void aim_speed(cam_plan_t *p, const cam_play_config_t *cfg, const cam_ang
         return;
     }
     const uint32_t theta_q32 = cam_angle_of_pos(cam_angle_ahead(angle, cfg->ratio_q16));
-    const cam_ratio_t ratio = cam_speed_ratio(ch, theta_q32 - phase_then_q32(m, cfg), z_nm);
+    const cam_ratio_t ratio = cam_speed_ratio_at(ch, theta_q32 - phase_then_q32(m, cfg),
+                                                 cam_shaft_slice(&p->shaft, cfg->table, ch, z_nm));
     const int32_t from_q28 = p->ratio_q28;
     p->ratio_q28 = cam_speed_eased_q28(ratio.ratio_q28, envelope);
     m->spindle_mrpm = cam_speed_mrpm(&cfg->speed, from_q28, p->ratio_q28);
@@ -152,24 +156,25 @@ static void aim_speed(cam_plan_t *p, const cam_play_config_t *cfg, const cam_ang
     m->alpha_u = cam_sat_i32(((int64_t)m->alpha_q40 * m->scale_q30) >> cfg->u.alpha_shift);
 }
 
-static void aim_swing(const cam_play_config_t *cfg, const cam_angle_t *angle, int32_t z_nm,
-                      int32_t scale_q30, cam_motion_t *m)
+static void aim_swing(const cam_plan_t *p, const cam_play_config_t *cfg, const cam_angle_t *angle,
+                      int32_t z_nm, int32_t scale_q30, cam_motion_t *m)
 {
     const cam_swing_config_t *swing = &cfg->swing;
     const int64_t pos_q32 = ahead_q32(angle, swing->ahead_q16, m->alpha_q40, swing->ahead2);
-    cam_swing_aim_isr(&m->swing, cfg, cam_angle_of_pos(pos_q32) - phase_then_q32(m, cfg), z_nm,
-                      scale_q30);
+    cam_swing_aim_isr(&m->swing, cfg, cam_angle_of_pos(pos_q32) - phase_then_q32(m, cfg),
+                      cam_shaft_slice(&p->shaft, cfg->table, &cfg->table->angle, z_nm), scale_q30);
 }
 
 /// Move phase and amplitude towards the operator's values, as far as their rates allow until the
 /// next plan.
 static void ramp(cam_plan_t *p, const cam_play_config_t *cfg, cam_motion_t *m)
 {
-    const int32_t left_q32 = cam_angle_diff_q32((uint32_t)cfg->phase_q32, (uint32_t)m->phase_q32);
+    const uint32_t to_q32 = (uint32_t)cfg->phase_q32 + p->shaft.phase_q32;
+    const int32_t left_q32 = cam_angle_diff_q32(to_q32, (uint32_t)m->phase_q32);
     m->phase_step_q32 =
         cam_clamp_i32(cam_aim_share(cfg, left_q32), -cfg->phase_step_q32, cfg->phase_step_q32);
     if (m->phase_step_q32 == 0) {
-        m->phase_q32 = cfg->phase_q32;
+        m->phase_q32 = (int32_t)to_q32;
     }
     const int32_t most_q30 = cfg->amplitude_step_q30 * cfg->plan_ticks;
     p->amplitude_q30 += cam_clamp_i32(cfg->amplitude_q30 - p->amplitude_q30, -most_q30, most_q30);
@@ -232,6 +237,7 @@ static void lay(cam_plan_t *p, const cam_play_config_t *cfg, const cam_tick_reco
                 cam_motion_t *m)
 {
     const int32_t actual_nm = r->in.actual_nm[hal_axis_z];
+    const int32_t z_nm = cfg->is_z_measured ? actual_nm : cfg->z_first_nm;
     p->engage_at_q32 = next_turn_q32(cfg, &r->angle);
     p->feed_at_q32 = p->engage_at_q32 + cfg->engage_q32;
     p->feed_turns_q32 = cfg->feed_q32;
@@ -242,9 +248,10 @@ static void lay(cam_plan_t *p, const cam_play_config_t *cfg, const cam_tick_reco
     m->phase_q32 = cfg->phase_q32;
     m->scale_q30 = 0;
     m->behind_q4 = 0;
-    m->height_q32 = slice_q32(cfg, cfg->is_z_measured ? actual_nm : cfg->z_first_nm);
+    m->height_q32 = slice_q32(cfg, z_nm);
     m->is_stopping = false;
     m->is_playing = true;
+    cam_shaft_lay_isr(&p->shaft, cfg->table, z_nm, m);
 }
 
 /// Plan all axes for the instant of the next plan.
@@ -258,15 +265,18 @@ static void aim_axes(cam_plan_t *p, const cam_play_config_t *cfg, const cam_tick
     const int64_t u_q32 = cam_angle_ahead(angle, cfg->u_plan_q16);
     const int32_t u_envelope = envelope_q30(p, cfg, u_q32, 0);
     ramp(p, cfg, m);
-    const int32_t scale_q30 = cam_mul_shift(u_envelope, p->amplitude_q30, 30);
     cam_aim_isr(&m->axis[hal_axis_z], cfg, (int64_t)z_nm * 1024);
+    const int32_t u_z_nm = u_height_nm(p, cfg, u_q32, z_nm, m->axis[hal_axis_z].vel_q10);
+    const cam_share_t share = cam_shaft_aim_isr(&p->shaft, cfg->table, u_z_nm, m);
+    const int32_t scale_q30 =
+        cam_mul_shift(cam_mul_shift(u_envelope, share.lift_q30, 30), p->amplitude_q30, 30);
     cam_aim_isr(&m->axis[hal_axis_x], cfg,
                 cam_aim_profile_q10(cfg, z_nm, envelope_q30(p, cfg, xz_q32 - lag_q32, lag_q32)) +
                     HALF_NM_Q10);
-    aim_speed(p, cfg, angle, z_nm, u_envelope, m);
-    aim_u(m, cfg, scale_q30, z_nm, u_height_nm(p, cfg, u_q32, z_nm, m->axis[hal_axis_z].vel_q10));
+    aim_speed(p, cfg, angle, z_nm, cam_mul_shift(u_envelope, share.ratio_q30, 30), m);
+    aim_u(m, cfg, scale_q30, z_nm, u_z_nm);
     if (cfg->swing.is_swung) {
-        aim_swing(cfg, angle, z_nm, scale_q30, m);
+        aim_swing(p, cfg, angle, z_nm, scale_q30, m);
     }
 }
 

@@ -18,19 +18,18 @@ static void write_down(cam_swing_t *s, int32_t pos_q32, int32_t vel_q32)
 }
 
 /// @return [turn / 2^32] of the table at the full amplitude
-static int32_t read(const cam_play_config_t *cfg, uint32_t theta_q32, int32_t z_nm)
+static int32_t read(const cam_play_config_t *cfg, uint32_t theta_q32, cam_height_t z)
 {
     const cam_channel_t *ch = &cfg->table->angle;
-    const cam_height_t z = cam_eval_height(ch, z_nm);
     const int32_t y = cam_eval_quintic(cam_eval_segment(ch, theta_q32, z)).y;
     const int32_t read_q30 = cam_mulhi_add(cfg->swing.offset_q30, 2 * y, cfg->swing.unit_q30);
     return (int32_t)((uint32_t)read_q30 * 4u); // an angle: it may wrap
 }
 
 void cam_swing_aim_isr(cam_swing_t *s, const cam_play_config_t *cfg, uint32_t theta_q32,
-                       int32_t z_nm, int32_t scale_q30)
+                       cam_height_t z, int32_t scale_q30)
 {
-    const int32_t target_q30 = cam_mulhi(read(cfg, theta_q32, z_nm), scale_q30);
+    const int32_t target_q30 = cam_mulhi(read(cfg, theta_q32, z), scale_q30);
     const int32_t target_q32 = (int32_t)((uint32_t)target_q30 * 4u);
     // The new line starts where the drive has been led, not where the last plan aimed: the speed is
     // rounded, and no step may remain at the joint of two lines.

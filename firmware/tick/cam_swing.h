@@ -20,15 +20,16 @@
 #define CAM_SWING_H
 
 #include "cam_config.h" // cam_play_config_t, cam_swing_limits_t
+#include "cam_eval.h"   // cam_height_t
 #include "cam_record.h" // cam_swing_t
 #include <stdint.h>     // int32_t, uint32_t
 
 /// Plan the next line, which starts where the last one ends.
 /// @param theta_q32  [turn / 2^32] angle of the spindle at its end, lag included, less the phase
-/// @param z_nm       [nm] height then
+/// @param z          slice of the channel then
 /// @param scale_q30  amplitude * envelope then
 void cam_swing_aim_isr(cam_swing_t *s, const cam_play_config_t *cfg, uint32_t theta_q32,
-                       int32_t z_nm, int32_t scale_q30);
+                       cam_height_t z, int32_t scale_q30);
 
 /// The drive must be where the line was a lag ago; a change of speed meanwhile is allowed for by
 /// the limit. To be called before the next line is made.

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #define _POSIX_C_SOURCE 200809L // NOLINT(bugprone-reserved-identifier): getline
 #include "camsim.h"
-#include "cam_eval.h"      // cam_eval_surface
-#include "cam_speed.h"     // cam_speed_ratio
+#include "cam_eval.h"      // cam_eval_surface_at
+#include "cam_lobes.h"     // cam_lobes_find
+#include "cam_shaft.h"     // cam_shaft_share
+#include "cam_speed.h"     // cam_speed_ratio_at
 #include "common_number.h" // common_number_parse
 #include "sim_units.h"     // sim_clamp
 #include <errno.h>         // errno
@@ -57,25 +59,62 @@ static int32_t height_nm(double z_mm)
     return (int32_t)floor(sim_clamp(z_mm * SIM_NM_PER_MM, INT32_MIN, INT32_MAX) + 0.5);
 }
 
-static double speed_ratio(const cam_table_t *t, uint32_t theta_q32, int32_t z_nm)
+/// Where a point lies on the channels over angle: those of a shaft play the pattern of a lobe,
+/// whose lift and speed ratio are shared out between two lobes.
+typedef struct {
+    uint32_t theta_q32;
+    int32_t z_nm;
+    const cam_lobe_t *lobe; ///< NULL: slices are heights
+    double lift, ratio;     ///< what is left of both
+} place_t;
+
+static place_t place_of(const cam_table_t *t, double turn, int32_t z_nm)
 {
-    return t->speed.knots != NULL
-               ? ldexp(cam_speed_ratio(&t->speed, theta_q32, z_nm).ratio_q28, -28)
-               : 1.0;
+    place_t at = {.theta_q32 = angle_q32(turn), .z_nm = z_nm, .lift = 1.0, .ratio = 1.0};
+    if (t->n_lobes > 0u) {
+        const uint32_t i = cam_lobes_find(t, z_nm);
+        const cam_share_t share =
+            cam_shaft_share(cam_lobes_change_q31(t, i, z_nm), t->speed.knots != NULL);
+        at.lobe = &t->lobes[i];
+        at.theta_q32 -= at.lobe->phase_q32;
+        at.lift = ldexp(share.lift_q30, -30);
+        at.ratio = ldexp(share.ratio_q30, -30);
+    }
+    return at;
+}
+
+static cam_height_t slice_of(const cam_channel_t *ch, const place_t *at)
+{
+    return at->lobe != NULL ? cam_lobes_slice(ch->n_slices, at->lobe->pattern)
+                            : cam_eval_height(ch, at->z_nm);
+}
+
+static cam_value_t value_of(const cam_channel_t *ch, const place_t *at)
+{
+    return cam_eval_surface_at(ch, at->theta_q32, slice_of(ch, at));
+}
+
+static double speed_ratio(const cam_table_t *t, const place_t *at)
+{
+    if (t->speed.knots == NULL) {
+        return 1.0;
+    }
+    const cam_ratio_t ratio = cam_speed_ratio_at(&t->speed, at->theta_q32, slice_of(&t->speed, at));
+    return 1.0 + at->ratio * (ldexp(ratio.ratio_q28, -28) - 1.0);
 }
 
 static bool print_value(const cam_table_t *t, const char *point, double turn, double z_mm)
 {
     const int32_t z_nm = height_nm(z_mm);
-    const uint32_t theta_q32 = angle_q32(sense_of(t) * turn);
-    const cam_value_t u = cam_eval_surface(&t->u, theta_q32, z_nm);
+    const place_t at = place_of(t, sense_of(t) * turn, z_nm);
+    const cam_value_t u = value_of(&t->u, &at);
     const cam_value_t x = cam_eval_profile(&t->x, z_nm);
-    const double ratio = speed_ratio(t, theta_q32, z_nm);
+    const double ratio = speed_ratio(t, &at);
     const double h = ldexp(SIM_TWO_PI, -(int)(t->u.log2_knots + t->u.log2_repeat));
     const int frac = -(int)t->u.frac_bits;
     const bool is_outside = z_mm * SIM_NM_PER_MM < (double)t->z_first_nm - 0.5 ||
                             z_mm * SIM_NM_PER_MM > (double)t->z_last_nm + 0.5;
-    const double sense = has_lobes(t) ? -1.0 : 1.0; // a lift is a negative reduction
+    const double sense = has_lobes(t) ? -at.lift : 1.0; // a lift is a negative reduction
     if (printf("%s,%.17g,%.17g,%.17g,%.17g,%.17g,%d", point,
                0.0 + sense * (t->u.value_offset + ldexp(u.y, frac)),
                0.0 + sense * sense_of(t) * ldexp(u.d1, frac) / h,
@@ -89,8 +128,9 @@ static bool print_value(const cam_table_t *t, const char *point, double turn, do
     }
     // Angle between the line of centres and the normal at the contact, in units of which
     // CAM_TABLE_ANGLE_MAX is a quarter turn.
-    const cam_value_t angle = cam_eval_surface(&t->angle, theta_q32, z_nm);
-    const double units = t->angle.value_offset + ldexp(angle.y, -(int)t->angle.frac_bits);
+    const cam_value_t angle = value_of(&t->angle, &at);
+    const double units =
+        at.lift * (t->angle.value_offset + ldexp(angle.y, -(int)t->angle.frac_bits));
     const double deg = ldexp(units * 90.0, -24);
     return printf(",%.17g,%.17g\n", t->is_swung ? deg : 0.0, deg) > 0;
 }

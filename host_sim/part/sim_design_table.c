@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_design_table.h"
+#include "cam_lobes.h" // cam_lobes_find
 #include "sim_units.h" // SIM_NM_PER_MM, sim_clamp, sim_floor, sim_fraction
 #include <math.h>      // ldexp
+#include <stdbool.h>   // bool
 #include <stddef.h>    // size_t
 
 typedef struct {
@@ -52,14 +54,82 @@ double sim_design_table_long_mm(const cam_table_t *t, double z_mm)
            SIM_NM_PER_MM;
 }
 
-/// Look up a channel over angle and height. @return the value in the unit of the channel
-static double value_at(const cam_channel_t *ch, double turn, double z_mm)
+/// Where a channel over angle is looked up.
+typedef struct {
+    double turn;
+    size_t slice; ///< the slice below, or the pattern itself
+    double w;     ///< weight of the slice above
+} place_t;
+
+/// What of the lift and of the speed ratio is left at a height, on a shaft with lobes.
+typedef struct {
+    double lift, ratio;
+} share_t;
+
+static double smooth_step(double s)
 {
-    double w;
+    const double t = sim_clamp(s, 0.0, 1.0);
+    return t * t * t * (10.0 - 15.0 * t + 6.0 * t * t);
+}
+
+/// @return the lobe of a shaft at a height
+static uint32_t lobe_at(const cam_table_t *t, double z_mm)
+{
+    const double z_nm = sim_clamp(z_mm * SIM_NM_PER_MM, t->z_first_nm, t->z_last_nm);
+    return cam_lobes_find(t, (int32_t)sim_floor(z_nm + 0.5));
+}
+
+/// @return how far the change to the next lobe, or from the one before, has come; 1 in the middle
+static double change_at(const cam_table_t *t, uint32_t i, double z_mm)
+{
+    const cam_lobe_t *lobe = &t->lobes[i];
+    const double above_nm = z_mm * SIM_NM_PER_MM - lobe->z_last_nm;
+    const double below_nm = lobe->z_first_nm - z_mm * SIM_NM_PER_MM;
+    const bool is_above = above_nm > below_nm;
+    if (is_above ? i + 1u >= t->n_lobes : i == 0u) {
+        return 0.0;
+    }
+    const cam_lobe_t *low = is_above ? lobe : lobe - 1;
+    const double gap_nm = (double)low[1].z_first_nm - low->z_last_nm;
+    const double off_nm = (is_above ? above_nm : below_nm) - cam_lobes_kept_off_nm;
+    return off_nm / (gap_nm / 2.0 - cam_lobes_kept_off_nm);
+}
+
+/// With a speed channel the lift has the first half of a change, the ratio the second.
+static share_t share_at(const cam_table_t *t, double z_mm)
+{
+    if (t->n_lobes == 0u) {
+        return (share_t){1.0, 1.0};
+    }
+    const double s = change_at(t, lobe_at(t, z_mm), z_mm);
+    const double stretch = t->speed.knots != NULL ? 2.0 : 1.0;
+    return (share_t){1.0 - smooth_step(stretch * s), 1.0 - smooth_step(2.0 * s - 1.0)};
+}
+
+static place_t place_at(const cam_table_t *t, const cam_channel_t *ch, double turn, double z_mm)
+{
+    place_t at = {.turn = turn};
+    if (t->n_lobes > 0u) {
+        const cam_lobe_t *lobe = &t->lobes[lobe_at(t, z_mm)];
+        const bool is_last = lobe->pattern + 1u == ch->n_slices;
+        at.turn = turn - ldexp(lobe->phase_q32, -32);
+        at.slice = lobe->pattern - (is_last ? 1u : 0u);
+        at.w = is_last ? 1.0 : 0.0;
+    } else {
+        at.slice = slice_below(ch, z_mm, &at.w);
+    }
+    return at;
+}
+
+/// Look up a channel over angle and height. @return the value in the unit of the channel
+static double value_at(const cam_table_t *t, const cam_channel_t *ch, double turn, double z_mm)
+{
+    const place_t at = place_at(t, ch, turn, z_mm);
+    const double w = at.w;
     const size_t n_knots = (size_t)1 << ch->log2_knots;
-    const cam_knot_t *low = ch->knots + (slice_below(ch, z_mm, &w) << ch->log2_knots);
+    const cam_knot_t *low = ch->knots + (at.slice << ch->log2_knots);
     const cam_knot_t *high = low + n_knots;
-    const double pattern = sim_fraction(turn * (double)(1u << ch->log2_repeat));
+    const double pattern = sim_fraction(at.turn * (double)(1u << ch->log2_repeat));
     const double place = pattern * (double)n_knots;
     const size_t i = (size_t)place % n_knots;
     const size_t next = (i + 1u) % n_knots;
@@ -76,13 +146,15 @@ static double in_sense(const cam_table_t *t, double turn)
 
 double sim_design_table_radius_mm(const cam_table_t *t, double turn, double z_mm)
 {
-    const double u_nm = value_at(&t->u, in_sense(t, turn), z_mm);
-    return sim_design_table_long_mm(t, z_mm) - u_nm / SIM_NM_PER_MM;
+    const double lift_nm = value_at(t, &t->u, in_sense(t, turn), z_mm);
+    return sim_design_table_long_mm(t, z_mm) - share_at(t, z_mm).lift * lift_nm / SIM_NM_PER_MM;
 }
 
 double sim_design_table_ratio(const cam_table_t *t, double turn, double z_mm)
 {
-    return t->speed.knots != NULL
-               ? value_at(&t->speed, in_sense(t, turn), z_mm) / CAM_TABLE_RATIO_ONE
-               : 1.0;
+    if (t->speed.knots == NULL) {
+        return 1.0;
+    }
+    const double ratio = value_at(t, &t->speed, in_sense(t, turn), z_mm) / CAM_TABLE_RATIO_ONE;
+    return 1.0 + share_at(t, z_mm).ratio * (ratio - 1.0);
 }

@@ -12,14 +12,21 @@ static double stopped_rpm(const cam_params_t *p)
     return p->stopped_mrpm * 1e-3;
 }
 
-/// @return number of heights at which a table is examined; without modulation one is enough
+/// @return number of heights at which a table is examined: one on each lobe of a shaft; without
+///         modulation one is enough
 static uint32_t n_heights(const cam_table_t *t)
 {
+    if (t->n_lobes > 0u && t->speed.knots != NULL) {
+        return t->n_lobes;
+    }
     return t->speed.knots != NULL ? heights_per_slice * (t->speed.n_slices - 1u) + 1u : 1u;
 }
 
 static double height_mm(const cam_table_t *t, uint32_t i)
 {
+    if (t->n_lobes > i) {
+        return ((double)t->lobes[i].z_first_nm + t->lobes[i].z_last_nm) / 2.0 / SIM_NM_PER_MM;
+    }
     const uint32_t last = n_heights(t) - 1u;
     const double share = last > 0u ? (double)i / last : 0.0;
     return (t->z_first_nm + share * ((double)t->z_last_nm - t->z_first_nm)) / SIM_NM_PER_MM;

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from camtools.base.errors import CamtoolsError, GeometryError, InputError
-from camtools.lobe.channels import slices_of
+from camtools.lobe.channels import places_of
 from camtools.lobe.lift import Poly345, make_lift, parse_points
 from camtools.lobe.motion import make_lobes
 from camtools.lobe.part import MAX_LOBES, LobePart
@@ -151,7 +151,7 @@ def test_gap_is_compared_in_nanometres(end: float, start: float) -> None:
 
 
 def test_part_file_takes_the_lobes_that_a_table_holds() -> None:
-    """64 lobes are read, make slices and keep their places; one more is refused as read."""
+    """64 lobes of one profile are read and keep their places; one more is refused as read."""
     lobe = GOOD[GOOD.index("[[cam.lobe]]") : GOOD.index("[process]")]
     rest = GOOD.replace(lobe, "")
 
@@ -159,7 +159,9 @@ def test_part_file_takes_the_lobes_that_a_table_holds() -> None:
         places = (lobe.replace("[0, 12]", f"[{10 * i}, {10 * i + 3}]") for i in range(n))
         return rest.replace("[process]", "".join(places) + "[process]")
 
-    assert slices_of(make_lobes(cam_of(with_lobes(64)))).max() == MAX_LOBES - 1
+    places = places_of(make_lobes(cam_of(with_lobes(64))))
+    assert [one.z_first_nm for one in places] == [10_000_000 * i for i in range(MAX_LOBES)]
+    assert {one.pattern for one in places} == {0}
     told = "has 65 lobes, a part file at most 64; make tables of fewer lobes each"
     assert lines_of(with_lobes(65)) == [f"c.toml: cam.lobe: {told}"]
 

@@ -18,6 +18,7 @@ import numpy as np
 
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import NM_PER_MM, omega_rad_s
+from camtools.cut.gap import GapChange, Motion, in_gap
 from camtools.part.common import MachineLimits, SwingLimits
 from camtools.table.evaluate import PLACES, evaluate_grid
 from camtools.table.image import Bounds, Channel
@@ -33,6 +34,7 @@ UNITS = {
     "swing_speed_deg_s": "degrees/s",
     "swing_acceleration_deg_s2": "degrees/s2",
 }
+_BISECTIONS = 60
 _DRIFT_MARGIN = 1.015  # the firmware's bounds of it are larger by up to that
 PLAN_PERIOD_S = 400e-6  # from set-point to set-point of the swing: cam_plan_period_us
 
@@ -63,6 +65,7 @@ class Peaks(NamedTuple):
     u_drift: Drift = Drift()  # mm
     swing_drift: Drift = Drift()  # degrees
     feed_mm: float = 0.0  # per turn, of Z
+    change_mm: float = 0.0  # height of the shortest change between two lobes; 0 without any
 
 
 class HighestSpeed(NamedTuple):
@@ -133,19 +136,30 @@ class AxisDemand(NamedTuple):
         return 2 * limit / root if root > 0 else float("inf")
 
 
-def _motion(first: float, second: float, drift: Drift, set_point_hz: float) -> AxisDemand:
-    return AxisDemand(first + drift.step, second + drift.twist, drift.kink * set_point_hz)
+def _motion(
+    peaks: Peaks, axis: Motion, drift: Drift, set_point_hz: float, n_set_points: int
+) -> AxisDemand:
+    if peaks.change_mm > 0 and peaks.feed_mm > 0:
+        turns = peaks.change_mm / peaks.feed_mm
+        axis = in_gap(axis, GapChange(turns, peaks.ratio, peaks.spindle_rad2, n_set_points))
+    return AxisDemand(axis.first + drift.step, axis.second + drift.twist, drift.kink * set_point_hz)
+
+
+def _plan_ticks(limits: MachineLimits) -> int:
+    return max(1, round(PLAN_PERIOD_S * limits.tick_hz))
 
 
 def u_motion(peaks: Peaks, limits: MachineLimits) -> AxisDemand:
     """Return what U needs, in mm."""
-    return _motion(peaks.u1_mm, peaks.u2_mm, peaks.u_drift, limits.tick_hz)
+    axis = Motion(peaks.u_stroke_mm / 2, peaks.u1_mm, peaks.u2_mm)
+    return _motion(peaks, axis, peaks.u_drift, limits.tick_hz, _plan_ticks(limits))
 
 
 def swing_motion(peaks: Peaks, limits: MachineLimits) -> AxisDemand:
     """Return what the swing needs, in degrees."""
-    rate_hz = limits.tick_hz / max(1, round(PLAN_PERIOD_S * limits.tick_hz))
-    return _motion(peaks.swing1_deg, peaks.swing2_deg, peaks.swing_drift, rate_hz)
+    rate_hz = limits.tick_hz / _plan_ticks(limits)
+    axis = Motion(peaks.swing_deg, peaks.swing1_deg, peaks.swing2_deg)
+    return _motion(peaks, axis, peaks.swing_drift, rate_hz, 1)
 
 
 def highest_speed(peaks: Peaks, limits: MachineLimits) -> HighestSpeed:
@@ -203,12 +217,31 @@ def _largest_feed_mm(peaks: Peaks, limits: MachineLimits, omega: float) -> float
     still = needed_of(standing, limits, omega)
     if any(still[name] > limit for name, limit in given.items()):
         return None
+    if peaks.change_mm > 0:
+        return _feed_that_fits_mm(peaks, limits, omega)
     shares = [
         (limit - still[name]) / (needed[name] - still[name])
         for name, limit in given.items()
         if needed[name] > limit
     ]
     return peaks.feed_mm * min(shares) if shares and peaks.feed_mm > 0 else None
+
+
+def _feed_that_fits_mm(peaks: Peaks, limits: MachineLimits, omega: float) -> float | None:
+    """Return the feed at which the changes between lobes do; nothing where none is needed."""
+    given = given_of(limits)
+
+    def fits(feed_mm: float) -> bool:
+        needed = needed_of(peaks._replace(feed_mm=feed_mm), limits, omega)
+        return all(needed[name] <= limit for name, limit in given.items())
+
+    low, high = 0.0, peaks.feed_mm
+    if fits(high):
+        return None
+    for _ in range(_BISECTIONS):
+        middle = (low + high) / 2
+        low, high = (middle, high) if fits(middle) else (low, middle)
+    return low if low > 0 else None
 
 
 def _remedy(best: HighestSpeed, asked_rpm: float, feed_mm: float | None) -> str:

@@ -8,20 +8,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import NamedTuple
 
 import numpy as np
 
 from camtools.base.quantities import NM_PER_MM, Floats, omega_rad_s
 from camtools.cut.feasibility import (
-    Drift,
     HighestSpeed,
     Peaks,
     check_feasible,
-    drift_of,
     given_of,
     needed_of,
     peaks_of,
@@ -31,6 +27,8 @@ from camtools.lobe.channels import (
     centre_channel,
     choose_angle,
     choose_lift,
+    patterns_of,
+    places_of,
     speed_channel,
 )
 from camtools.lobe.contact import Follower
@@ -41,13 +39,11 @@ from camtools.part.common import check_feed
 from camtools.table.evaluate import knot_interval, raw_bounds
 from camtools.table.header import check_tolerance, table_of, u_bounds
 from camtools.table.image import ANGLE_TURN, Channel, Table
+from camtools.table.lobes import change_nm
 from camtools.table.modulation import moving_bounds, peaks_together
 
 DEFAULT_TOLERANCE_NM = 10.0
 _BISECTIONS = 40
-_EASINGS = 12  # steps in which laws are made for less acceleration
-_MIXED_MARGIN = 0.98  # of the limit: what the table promises is a little above its samples
-_SHARES = (0.25, 0.5, 0.75)
 _SEARCH_MARGIN = 0.99  # of every limit: the table's own bounds are a little above its samples
 _MAX_SPINDLE_RAD2 = 8.5  # |r r'|: a table promises at most 10, of a mean that limits make slower
 _DEG_PER_UNIT = 360 / ANGLE_TURN
@@ -112,14 +108,13 @@ def generate_lobes(part: LobePart, tolerance_nm: float | None = None) -> Generat
         bounds = moving_bounds(bounds, together)
         channels.append(speed.channel)
     table = table_of(part, mean_rpm, bounds, tuple(channels))
+    table = replace(table, lobes=places_of(lobes, part.process.direction))
     ratio = together.ratio if together else 1.0
     peaks = peaks_of(bounds, ratio)
     if is_swung:
         peaks = _with_swing(peaks, angle.channel, speed.channel if speed else None)
-    fed = _feeding(part, lift.channel, angle.channel)
-    peaks = peaks._replace(
-        u_drift=fed.u_drift.at(ratio), swing_drift=fed.swing_drift.at(ratio), feed_mm=fed.feed_mm
-    )
+    fed = _feeding(part, table)
+    peaks = peaks._replace(feed_mm=fed.feed_mm, change_mm=fed.change_mm)
     best = _judge(part, lobes, peaks, fed, mean_rpm)
     return GeneratedLobes(
         part, lobes, tolerance_nm, table, lift, angle, speed, mean_rpm, peaks, best
@@ -127,37 +122,19 @@ def generate_lobes(part: LobePart, tolerance_nm: float | None = None) -> Generat
 
 
 def _paths(lobes: list[ShaftLobe]) -> list[Follower]:
-    """Return all lobes at the angles at which the spindle's speed is planned."""
+    """Return all patterns at the angles at which the spindle's speed is planned."""
     phi = 2 * np.pi * np.arange(N_GRID, dtype=np.float64) / N_GRID
-    return [lobe.at(phi) for lobe in lobes]
+    return [lobe.at(phi) for lobe in patterns_of(lobes)]
 
 
 def _laws(part: LobePart, paths: list[Follower], rpm: float) -> list[Floats]:
-    """Return the spindle's speed over its angle for each lobe [rad/s].
-
-    Between two lobes the table mixes their laws, which may ask for more acceleration than either:
-    the laws are then made for less, until all mixes keep the limit.
-    """
+    """Return the spindle's speed over the angle of each pattern [rad/s]."""
     limits, base_rad_s = part.machine.limits, omega_rad_s(rpm)
     base_mm = part.cam.base_radius_mm
     slowest = min(mean_of(base_rad_s * base_mm / path.ds_dphi) for path in paths)
-    most = alpha = min(limits.alpha_rad_s2, _MAX_SPINDLE_RAD2 * slowest**2)
-    for _ in range(_EASINGS):
-        highest = omega_rad_s(limits.spindle_rpm)
-        spindle = SpindleLimits(alpha, highest, limits.spindle_bandwidth_rad_s)
-        laws = [surface_speed(path.ds_dphi, base_mm, base_rad_s, spindle) for path in paths]
-        mixed = max((_peak(acceleration_of(mix)) for mix in _mixes(laws)), default=0.0)
-        if mixed <= _MIXED_MARGIN * most:
-            break
-        alpha *= 0.99 * _MIXED_MARGIN * most / mixed
-    return laws
-
-
-def _mixes(of_lobes: list[Floats]) -> Iterator[Floats]:
-    """Return what the table holds between two lobes, at a quarter, half, three quarters."""
-    for below, above in pairwise(of_lobes):
-        for share in _SHARES:
-            yield (1 - share) * below + share * above
+    alpha = min(limits.alpha_rad_s2, _MAX_SPINDLE_RAD2 * slowest**2)
+    spindle = SpindleLimits(alpha, omega_rad_s(limits.spindle_rpm), limits.spindle_bandwidth_rad_s)
+    return [surface_speed(path.ds_dphi, base_mm, base_rad_s, spindle) for path in paths]
 
 
 def _peak(values: Floats) -> float:
@@ -165,12 +142,12 @@ def _peak(values: Floats) -> float:
 
 
 def _modulation(part: LobePart, lobes: list[ShaftLobe]) -> tuple[MadeChannel | None, float]:
-    """Return the speed channel, where there is one, and the mean speed [r/min]."""
+    """Return the speed channel, where there is one, and the mean speed of all lobes [r/min]."""
     rpm = part.process.spindle_rpm
     if part.process.speed == "uniform":
         return None, rpm
     laws = _laws(part, _paths(lobes), rpm)
-    mean_rad_s = float(np.mean([mean_of(law) for law in laws]))
+    mean_rad_s = float(np.mean([mean_of(laws[lobe.profile]) for lobe in lobes]))
     return speed_channel(lobes, laws, mean_rad_s), mean_rad_s * 60 / (2 * np.pi)
 
 
@@ -186,12 +163,14 @@ def _with_swing(peaks: Peaks, angle: Channel, speed: Channel | None) -> Peaks:
     return peaks._replace(swing_deg=largest, swing1_deg=first, swing2_deg=second)
 
 
-def _feeding(part: LobePart, lift: Channel, angle: Channel) -> Peaks:
-    """Return what the change from lobe to lobe alone adds at a uniform speed."""
-    feed_mm, is_swung = part.process.feed_mm, part.process.operation == "turning"
-    u_drift = drift_of(lift, 1 / NM_PER_MM, feed_mm)
-    swing_drift = drift_of(angle, _DEG_PER_UNIT, feed_mm) if is_swung else Drift()
-    return Peaks(0.0, 0.0, 0.0, u_drift=u_drift, swing_drift=swing_drift, feed_mm=feed_mm)
+def _feeding(part: LobePart, table: Table) -> Peaks:
+    """Return what the feed decides: the speed of Z, and the shortest change between two lobes.
+
+    With a speed channel the lift has half of a change.
+    """
+    least_nm = min((change_nm(*two) for two in pairwise(table.lobes)), default=0)
+    change_mm = (least_nm if table.speed is None else least_nm // 2) / NM_PER_MM
+    return Peaks(0.0, 0.0, 0.0, feed_mm=part.process.feed_mm, change_mm=change_mm)
 
 
 def _judge(
@@ -205,45 +184,36 @@ def _judge(
     return check_feasible(peaks, limits, mean_rpm, best, asked_rpm)
 
 
-class _Turn(NamedTuple):
-    """What decides the motion of the axes over a turn: of a lobe, or between two."""
-
-    d1: Floats
-    d2: Floats
-    angle1: Floats
-    angle2: Floats
-    omega: Floats
-
-
 def _needs(part: LobePart, paths: list[Follower], fed: Peaks, rpm: float) -> dict[str, float]:
     """Return needed over limit of every axis at a speed on the base circle, by limit."""
     limits = part.machine.limits
     given, shares = given_of(limits), {"spindle_rpm": rpm / limits.spindle_rpm}
-    alone = [
-        np.stack([path.d1, path.d2, path.angle1, path.angle2, law])
-        for path, law in zip(paths, _laws(part, paths, rpm), strict=True)
-    ]
-    for turn in (_Turn(*one) for one in (*alone, *_mixes(alone))):
-        feeding = needed_of(fed, limits, float(turn.omega.max()))
-        for name, needed in _needed(turn, part.process.operation).items():
-            share = (needed + feeding[name]) / given[name]
-            shares[name] = max(share, shares.get(name, 0.0))
+    for path, law in zip(paths, _laws(part, paths, rpm), strict=True):
+        mean = mean_of(law)
+        for name, needed in needed_of(_peaks(part, path, law / mean, fed), limits, mean).items():
+            if name in given and name != "spindle_rpm":
+                shares[name] = max(needed / given[name], shares.get(name, 0.0))
     return shares
 
 
-def _needed(turn: _Turn, operation: str) -> dict[str, float]:
-    omega, alpha = turn.omega, acceleration_of(turn.omega)
-    needed = {
-        "u_speed_mm_s": _peak(turn.d1 * omega),
-        "u_acceleration_mm_s2": _peak(turn.d2 * omega**2 + turn.d1 * alpha),
-        "spindle_acceleration_rad_s2": _peak(alpha),
-        "z_speed_mm_s": 0.0,
-    }
-    if operation == "turning":
-        bend = turn.angle2 * omega**2 + turn.angle1 * alpha
-        needed["swing_speed_deg_s"] = _peak(np.degrees(turn.angle1 * omega))
-        needed["swing_acceleration_deg_s2"] = _peak(np.degrees(bend))
-    return needed
+def _peaks(part: LobePart, path: Follower, ratio: Floats, fed: Peaks) -> Peaks:
+    """Return the peaks of a pattern over the mean speed of its own turn."""
+    alpha = acceleration_of(ratio)
+    peaks = fed._replace(
+        u_stroke_mm=2 * _peak(path.lift),
+        u1_mm=_peak(path.d1 * ratio),
+        u2_mm=_peak(path.d2 * ratio**2 + path.d1 * alpha),
+        ratio=_peak(ratio),
+        spindle_rad2=_peak(alpha),
+    )
+    if part.process.operation == "grinding":
+        return peaks
+    bend = path.angle2 * ratio**2 + path.angle1 * alpha
+    return peaks._replace(
+        swing_deg=_peak(np.degrees(path.angle)),
+        swing1_deg=_peak(np.degrees(path.angle1 * ratio)),
+        swing2_deg=_peak(np.degrees(bend)),
+    )
 
 
 def _highest_surface_speed(part: LobePart, paths: list[Follower], fed: Peaks) -> HighestSpeed:

@@ -8,7 +8,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -37,6 +37,8 @@ class ShaftLobe:
         Where it begins and ends.
     shape : Shape
         Its extremes.
+    profile : int
+        Lobes of the same number have the same law: 0 .. , in the order in which they appear.
     """
 
     law: LiftLaw
@@ -46,6 +48,7 @@ class ShaftLobe:
     phase_rad: float
     z_mm: tuple[float, float]
     shape: Shape
+    profile: int = 0
 
     def contacts(self, phi_rad: Floats) -> tuple[Contact, Follower]:
         """Return contacts and follower at spindle angles [rad], in the frame of the lobe."""
@@ -66,19 +69,31 @@ def make_lobes(part: LobePart) -> list[ShaftLobe]:
         Points are no good, a lobe is undercut, or the wheel cannot reach a flank.
     """
     lobes: list[ShaftLobe] = []
+    profiles: dict[str, ShaftLobe] = {}
     base_mm, roller_mm = part.cam.base_radius_mm, part.cam.roller_radius_mm
     for i, lobe in enumerate(part.cam.lobe):
         field = f"cam.lobe.{i}"
+        z_mm, phase_rad = (lobe.z_mm[0], lobe.z_mm[1]), float(np.radians(lobe.phase_deg))
+        alike = lobe.model_dump_json(exclude={"z_mm", "phase_deg"})
+        if alike in profiles:
+            lobes.append(replace(profiles[alike], z_mm=z_mm, phase_rad=phase_rad))
+            continue
         law = make_lift(part.cam, lobe, field)
         touch = all_round(law, base_mm, roller_mm)
         check_roller(touch, field)
         if part.process.operation == "grinding":
             check_wheel(touch, part.follower_radius_mm, field)
         radii = (base_mm, roller_mm, part.follower_radius_mm)
-        z_mm = (lobe.z_mm[0], lobe.z_mm[1])
         shape = shape_of(law, base_mm, roller_mm)
-        lobes.append(ShaftLobe(law, *radii, float(np.radians(lobe.phase_deg)), z_mm, shape))
+        profiles[alike] = ShaftLobe(law, *radii, phase_rad, z_mm, shape, len(profiles))
+        lobes.append(profiles[alike])
     return lobes
+
+
+def profiles_of(lobes: list[ShaftLobe]) -> list[ShaftLobe]:
+    """Return one lobe of each profile, in its own frame: its phase is 0."""
+    firsts = {lobe.profile: lobe for lobe in reversed(lobes)}
+    return [replace(firsts[i], phase_rad=0.0) for i in sorted(firsts)]
 
 
 class SwingPeaks(NamedTuple):

@@ -36,7 +36,13 @@ def knot_interval(channel: Channel) -> float:
 
 
 def locate(channel: Channel, z_nm: Floats) -> tuple[Ints, Floats]:
-    """Return slice index and weight of the next slice; heights outside are clamped."""
+    """Return slice index and weight of the next slice; heights outside are clamped.
+
+    Patterns have no heights: there `z_nm` is the number of the pattern.
+    """
+    if channel.has_patterns:
+        i_slice = np.minimum(z_nm.astype(np.int64), channel.n_slices - 2)
+        return i_slice, z_nm - i_slice
     span = (z_nm - channel.z_first_nm) * (channel.slices_per_nm_q48 * 2.0**-48)
     place = np.clip(span, 0, channel.n_slices - 1)
     i_slice = np.minimum(place.astype(np.int64), channel.n_slices - 2)

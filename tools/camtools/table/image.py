@@ -18,6 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from camtools.base.quantities import Ints
+from camtools.table.lobes import KIND_LOBES, LobePlace, bytes_of_lobes, check_lobes, lobes_of
 from camtools.table.quintics import segment_coefficients
 from camtools.table.records import (
     CRC_START,
@@ -34,7 +35,7 @@ from camtools.table.records import (
 Knots = npt.NDArray[np.int32]
 
 MAGIC = b"CAMTAB\x1a\n"
-BYTE_ORDER, VERSION = 0x01020304, (1, 0)
+BYTE_ORDER, VERSION, NEWER_VERSION = 0x01020304, (1, 0), (1, 1)
 KIND_U, KIND_X, KIND_SPEED, KIND_SWING, KIND_CONTACT = 1, 2, 3, 4, 5
 RATIO_ONE = 1 << 20  # unit of a speed ratio's values, where u and x count nanometres
 MIN_RATIO, MAX_RATIO = RATIO_ONE // 16, RATIO_ONE * 4
@@ -97,6 +98,8 @@ class Channel:
         Value at p = 0, in the unit of the channel.
     p_min, p_max, v_max, a_max : int
         Bounds of p and of the magnitudes of v and a.
+    has_patterns : bool
+        Slices are patterns of lobes, found by their number instead of a height.
     """
 
     kind: int
@@ -110,6 +113,7 @@ class Channel:
     p_max: int
     v_max: int
     a_max: int
+    has_patterns: bool = False
 
     @property
     def n_slices(self) -> int:
@@ -133,7 +137,9 @@ class Channel:
 
     @property
     def slices_per_nm_q48(self) -> int:
-        """Reciprocal of the slice spacing."""
+        """Reciprocal of the slice spacing; 0 of patterns."""
+        if self.has_patterns:
+            return 0
         return slices_per_nm_q48(self.n_slices, self.z_first_nm, self.z_last_nm)
 
 
@@ -152,6 +158,7 @@ class Table:
     bounds: Bounds
     channels: tuple[Channel, ...]
     is_ring_helix: bool = False  # a geared Z follows a ring-helix, not a helix
+    lobes: tuple[LobePlace, ...] = ()  # upwards; channels over angle hold their patterns
 
     def channel(self, kind: int) -> Channel:
         """Return the channel of this kind; `unpack` makes sure that u and x exist."""
@@ -196,15 +203,16 @@ def _aligned(size: int) -> int:
 
 
 def _header_of(table: Table, image_size: int, crc32: int) -> bytes:
+    version = NEWER_VERSION if table.lobes else VERSION
     values = {
         "magic": MAGIC,
         "byte_order": BYTE_ORDER,
-        "version_major": VERSION[0],
-        "version_minor": VERSION[1],
+        "version_major": version[0],
+        "version_minor": version[1],
         "image_size": image_size,
         "crc32": crc32,
         "header_size": HEADER_SIZE,
-        "n_channels": len(table.channels),
+        "n_channels": len(table.channels) + bool(table.lobes),
         "part_name": table.part_name.encode("ascii"),
         "z_first_nm": table.z_first_nm,
         "z_last_nm": table.z_last_nm,
@@ -225,11 +233,18 @@ _OWN = (
 _WORKED_OUT = ("size", "n_slices", "log2_knots", "slices_per_nm_q48")
 
 
-def _entry_of(channel: Channel, offset: int, *, is_ring_helix: bool) -> bytes:
+def _entry_of(channel: Channel, *, is_ring_helix: bool) -> dict[str, int]:
+    """Return the fields of a channel's entry but its offset."""
     same = {name: getattr(channel, name) for name in _OWN + _WORKED_OUT}
-    path = int(is_ring_helix and channel.kind == KIND_X)
-    values = same | {"offset": offset, "path": path}
-    return bytes_of(ENTRY, values)
+    return same | {"path": int(is_ring_helix and channel.kind == KIND_X)}
+
+
+def _lobes_entry(table: Table) -> dict[str, int]:
+    """Return the fields of the entry of the lobes but its offset: most of them are 0."""
+    place = {"z_first_nm": table.z_first_nm, "z_last_nm": table.z_last_nm}
+    size = {"n_slices": len(table.lobes), "size": len(bytes_of_lobes(table.lobes))}
+    nothing = dict.fromkeys((*_OWN, *_WORKED_OUT, "path"), 0)
+    return nothing | {"kind": KIND_LOBES} | place | size
 
 
 def crc32_of(image: bytes) -> int:
@@ -245,16 +260,17 @@ def pack(table: Table) -> bytes:
     OverflowError
         A number does not fit its field.
     """
-    offsets = [_aligned(HEADER_SIZE + ENTRY_SIZE * len(table.channels))]
-    for channel in table.channels:
-        offsets.append(_aligned(offsets[-1] + channel.size))
-    image = bytearray(offsets[-1])
-    for i, (channel, offset) in enumerate(zip(table.channels, offsets, strict=False)):
-        entry = HEADER_SIZE + ENTRY_SIZE * i
-        image[entry : entry + ENTRY_SIZE] = _entry_of(
-            channel, offset, is_ring_helix=table.is_ring_helix
-        )
-        image[offset : offset + channel.size] = channel.knots.astype("<i4").tobytes()
+    parts = [(_lobes_entry(table), bytes_of_lobes(table.lobes))] if table.lobes else []
+    parts += [
+        (_entry_of(one, is_ring_helix=table.is_ring_helix), one.knots.astype("<i4").tobytes())
+        for one in table.channels
+    ]
+    offset = _aligned(HEADER_SIZE + ENTRY_SIZE * len(parts))
+    directory, body = bytes(HEADER_SIZE), b""
+    for values, content in parts:
+        directory += bytes_of(ENTRY, values | {"offset": offset + len(body)})
+        body += content.ljust(_aligned(len(content)), b"\0")
+    image = bytearray(directory.ljust(offset, b"\0") + body)
     image[:HEADER_SIZE] = _header_of(table, len(image), 0)
     image[:HEADER_SIZE] = _header_of(table, len(image), crc32_of(bytes(image)))
     return bytes(image)
@@ -278,7 +294,7 @@ def unpack(image: bytes) -> Table:
     _demand(header["magic"] == MAGIC, "magic: not a cam table")
     _demand(header["byte_order"] == BYTE_ORDER, "byte_order: image of another byte order")
     version = header["version_major"], header["version_minor"]
-    _demand(version == VERSION, "version: not 1.0")
+    _demand(version in (VERSION, NEWER_VERSION), "version: neither 1.0 nor 1.1")
     is_whole = header["image_size"] == len(image) and len(image) % ALIGN == 0
     _demand(is_whole, "image_size: not that of the file")
     _demand(header["crc32"] == crc32_of(image), "crc32: the image is damaged")
@@ -291,8 +307,13 @@ def unpack(image: bytes) -> Table:
     starts = [HEADER_SIZE + ENTRY_SIZE * i for i in range(n_channels)]
     entries = [fields_of(ENTRY, image, start) for start in starts]
     path = any(entry["path"] for entry in entries)
-    table = replace(table, channels=_channels_of(image, table, entries), is_ring_helix=path)
+    is_newer = any(entry["kind"] >= KIND_LOBES for entry in entries)
+    _demand(is_newer == (version == NEWER_VERSION), "version: 1.1 is that of the kinds from 6 on")
+    lobes = lobes_of(image, table, entries, _demand)
+    found = _channels_of(image, table, entries, has_patterns=bool(lobes))
+    table = replace(table, channels=found, is_ring_helix=path, lobes=lobes)
     _demand(table.speed is None or not path, "path: a ring-helix is for one speed")
+    check_lobes(table, _demand)
     return table
 
 
@@ -325,18 +346,21 @@ def _table_of(header: dict[str, Any]) -> Table:
 
 
 def _channels_of(
-    image: bytes, table: Table, entries: Sequence[dict[str, Any]]
+    image: bytes, table: Table, entries: Sequence[dict[str, Any]], *, has_patterns: bool
 ) -> tuple[Channel, ...]:
     """Return the channels of the directory, checked one by one and together."""
     free = HEADER_SIZE + ENTRY_SIZE * len(entries)
     channels: list[Channel] = []
     for entry in entries:
-        _check_entry(entry, table)
+        if entry["kind"] != KIND_LOBES:
+            _check_entry(entry, table, has_patterns=has_patterns)
         offset, size = entry["offset"], entry["size"]
         _demand(offset % ALIGN == 0 and offset >= free, "offset: misplaced")
         _demand(offset + size <= len(image), "size: beyond the image")
         free = offset + size
-        channels.append(_make_channel(image, entry))
+        if entry["kind"] != KIND_LOBES:
+            is_pattern = has_patterns and entry["kind"] != KIND_X
+            channels.append(replace(_make_channel(image, entry), has_patterns=is_pattern))
     kinds = [channel.kind for channel in channels]
     _demand(len(set(kinds)) == len(kinds), "kind: a channel is there twice")
     _demand(not {KIND_SWING, KIND_CONTACT} <= set(kinds), "kind: swing and contact are there")
@@ -350,9 +374,23 @@ def _channels_of(
     return tuple(channels)
 
 
-def _check_entry(entry: dict[str, Any], table: Table) -> None:
+def _check_heights(entry: dict[str, Any], table: Table, *, has_patterns: bool) -> None:
+    """Check the range of heights and the spacing; patterns are those of the whole table."""
+    z_first, z_last, n = entry["z_first_nm"], entry["z_last_nm"], entry["n_slices"] - 1
+    if has_patterns and entry["kind"] != KIND_X:
+        is_whole = z_first == table.z_first_nm and z_last == table.z_last_nm
+        _demand(is_whole and entry["slices_per_nm_q48"] == 0, "z: not that of patterns")
+        return
+    _demand(z_first <= table.z_first_nm and z_last >= table.z_last_nm, "z: range not covered")
+    span_nm = z_last - z_first
+    _demand(n * MIN_SPACING_NM <= span_nm <= n * MAX_SPACING_NM, "spacing: not 65537 .. 16777216")
+    q48 = slices_per_nm_q48(n + 1, z_first, z_last)
+    _demand(entry["slices_per_nm_q48"] == q48, "slices_per_nm_q48: wrong")
+
+
+def _check_entry(entry: dict[str, Any], table: Table, *, has_patterns: bool) -> None:
     kind, n_slices, log2_knots = entry["kind"], entry["n_slices"], entry["log2_knots"]
-    z_first, z_last, frac_bits = entry["z_first_nm"], entry["z_last_nm"], entry["frac_bits"]
+    frac_bits = entry["frac_bits"]
     _demand(KIND_U <= kind <= KIND_CONTACT, "kind: unknown")
     _demand(2 <= n_slices <= MAX_SLICES, "n_slices: not 2 .. 4096")
     if kind != KIND_X:
@@ -364,11 +402,7 @@ def _check_entry(entry: dict[str, Any], table: Table) -> None:
     is_sized = entry["size"] == (n_slices << log2_knots) * KNOT_SIZE
     _demand(is_sized, "size: not that of the knots")
     _demand(frac_bits <= MAX_FRAC_BITS, "frac_bits: not 0 .. 8")
-    _demand(z_first <= table.z_first_nm and z_last >= table.z_last_nm, "z: range not covered")
-    span_nm, n = z_last - z_first, n_slices - 1
-    _demand(n * MIN_SPACING_NM <= span_nm <= n * MAX_SPACING_NM, "spacing: not 65537 .. 16777216")
-    q48 = slices_per_nm_q48(n_slices, z_first, z_last)
-    _demand(entry["slices_per_nm_q48"] == q48, "slices_per_nm_q48: wrong")
+    _check_heights(entry, table, has_patterns=has_patterns)
     _demand(entry["path"] <= int(kind == KIND_X), "path: not 0 or, of x, 1")
     low, high = ((entry["value_offset"] << frac_bits) + entry[name] for name in ("p_min", "p_max"))
     if kind == KIND_SPEED:

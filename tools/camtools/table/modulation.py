@@ -43,8 +43,10 @@ def peaks_together(y: Channel, speed: Channel) -> MotionPeaks:
     n = _PLACES_PER_KNOT * max(y.knots.shape[1], speed.knots.shape[1])
     n_z = _HEIGHTS_BETWEEN * max(y.n_slices, speed.n_slices) + 1
     z_nm = np.linspace(y.z_first_nm, y.z_last_nm, n_z)
+    if y.has_patterns:
+        z_nm = np.arange(y.n_slices, dtype=np.float64)
     found = np.zeros(4)
-    for some in np.array_split(z_nm, max(1, n_z * n // 500_000)):
+    for some in np.array_split(z_nm, max(1, z_nm.size * n // 500_000)):
         motion = evaluate_grid(y, some, _common_grid(y, n))
         ratio = evaluate_grid(speed, some, _common_grid(speed, n))
         r, r1 = ratio.value / RATIO_ONE, ratio.d1 / RATIO_ONE

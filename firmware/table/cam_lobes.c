@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cam_lobes.h"
+#include "cam_fix.h" // cam_is_between
+#include <stdbool.h> // bool
+
+_Static_assert(sizeof(cam_lobe_t) == 20, "five words of the image");
+_Static_assert(1 << cam_lobes_search_steps == cam_table_max_lobes, "the search reaches every lobe");
+
+/// @return [nm] height above the lobe over which the lift falls, and over which that of the next
+///         rises
+static int64_t change_nm(const cam_lobe_t *lobe)
+{
+    return ((int64_t)lobe[1].z_first_nm - lobe->z_last_nm) / 2 - cam_lobes_kept_off_nm;
+}
+
+/// @return [nm] middle of the gap below a lobe that has one
+static int32_t takes_over_nm(const cam_lobe_t *lobe)
+{
+    const uint32_t gap_nm = (uint32_t)lobe->z_first_nm - (uint32_t)lobe[-1].z_last_nm;
+    return lobe[-1].z_last_nm + (int32_t)(gap_nm / 2u);
+}
+
+/// An entry of the directory has none of the fields that describe knots.
+static bool is_plain(const cam_entry_t *e, const cam_entry_place_t *in)
+{
+    const uint32_t unused = e->log2_knots | e->log2_repeat | e->frac_bits | e->slices_per_nm_q48 |
+                            (uint32_t)e->value_offset | (uint32_t)e->p_min | (uint32_t)e->p_max |
+                            e->v_max | e->a_max | e->path;
+    return unused == 0u && e->z_first_nm == in->z_first_nm && e->z_last_nm == in->z_last_nm &&
+           cam_is_between(e->n_slices, 1, cam_table_max_lobes);
+}
+
+/// Check the gap above a lobe, and the reciprocal that is stored of it.
+static bool is_gap_good(const cam_lobe_t *lobe)
+{
+    const int64_t gap_nm = (int64_t)lobe[1].z_first_nm - lobe->z_last_nm;
+    if (gap_nm < cam_lobes_least_gap_nm) {
+        return false;
+    }
+    const uint64_t n = (uint64_t)change_nm(lobe);
+    return lobe->changes_per_nm_q48 == ((UINT64_C(1) << 48) + n / 2u) / n;
+}
+
+/// Check that the lobes rise, apart from each other, from the first height of the table to its
+/// last.
+static bool are_rising(const cam_lobe_t *lobe, const cam_entry_t *e)
+{
+    const uint32_t last = e->n_slices - 1u;
+    bool is_good = lobe[0].z_first_nm == e->z_first_nm && lobe[last].z_last_nm == e->z_last_nm &&
+                   lobe[last].changes_per_nm_q48 == 0u;
+    for (uint32_t i = 0; i <= last; i++) {
+        is_good = is_good && lobe[i].z_last_nm > lobe[i].z_first_nm &&
+                  (i == last || is_gap_good(&lobe[i]));
+    }
+    return is_good;
+}
+
+cam_err_t cam_lobes_check(const cam_entry_t *e, const cam_entry_place_t *in, uint64_t *used,
+                          cam_table_t *table)
+{
+    if (!is_plain(e, in)) {
+        return cam_err_image_channel;
+    }
+    const cam_err_t err = cam_entry_check_layout(e, e->n_slices * sizeof(cam_lobe_t), in, used);
+    if (err != cam_ok) {
+        return err;
+    }
+    const cam_lobe_t *lobe = (const cam_lobe_t *)(const void *)(in->image + e->offset);
+    if (!are_rising(lobe, e)) {
+        return cam_err_image_height;
+    }
+    table->lobes = lobe;
+    table->n_lobes = e->n_slices;
+    for (uint32_t i = 0; i + 1u < table->n_lobes; i++) {
+        const uint32_t nm = (uint32_t)change_nm(&lobe[i]);
+        table->least_change_nm =
+            i == 0u || nm < table->least_change_nm ? nm : table->least_change_nm;
+    }
+    return cam_ok;
+}
+
+cam_err_t cam_lobes_check_patterns(const cam_table_t *t)
+{
+    bool is_good = t->angle.knots != NULL && t->angle.n_slices == t->u.n_slices &&
+                   (t->speed.knots == NULL || t->speed.n_slices == t->u.n_slices) &&
+                   !t->is_ring_helix;
+    for (uint32_t i = 0; i < t->n_lobes; i++) {
+        is_good = is_good && t->lobes[i].pattern < t->u.n_slices;
+    }
+    return is_good ? cam_ok : cam_err_image_channel;
+}
+
+uint32_t cam_lobes_find(const cam_table_t *t, int32_t z_nm)
+{
+    uint32_t found = 0;
+    for (uint32_t step = cam_table_max_lobes / 2; step > 0u; step >>= 1) {
+        const uint32_t i = found + step;
+        if (i < t->n_lobes && z_nm >= takes_over_nm(&t->lobes[i])) {
+            found = i;
+        }
+    }
+    return found;
+}
+
+int32_t cam_lobes_change_q31(const cam_table_t *t, uint32_t i, int32_t z_nm)
+{
+    const cam_lobe_t *lobe = &t->lobes[i];
+    const bool is_below = z_nm < lobe->z_first_nm;
+    if (!is_below && z_nm <= lobe->z_last_nm) {
+        return 0;
+    }
+    const uint32_t beside_nm = is_below ? (uint32_t)lobe->z_first_nm - (uint32_t)z_nm
+                                        : (uint32_t)z_nm - (uint32_t)lobe->z_last_nm;
+    if (beside_nm <= (uint32_t)cam_lobes_kept_off_nm || (is_below && i == 0u)) {
+        return 0;
+    }
+    const uint32_t per_nm_q48 = is_below ? lobe[-1].changes_per_nm_q48 : lobe->changes_per_nm_q48;
+    const uint64_t q31 =
+        ((uint64_t)(beside_nm - (uint32_t)cam_lobes_kept_off_nm) * per_nm_q48) >> 17;
+    return q31 < (uint64_t)INT32_MAX ? (int32_t)q31 : INT32_MAX;
+}

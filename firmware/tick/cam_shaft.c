@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cam_shaft.h"
+#include "cam_envelope.h" // cam_envelope_smooth_q30
+#include "cam_fix.h"      // cam_wrap_add
+
+/// [1] in the unit of shares.
+#define ONE_Q30 (INT32_C(1) << 30)
+
+/// @param s_q31  [1 / 2^31] 0 .. 2^31 - 1
+/// @return       [1 / 2^30] what a smooth step leaves of 1; its end is exactly 0
+static int32_t left_q30(int32_t s_q31)
+{
+    return s_q31 < INT32_MAX ? ONE_Q30 - cam_envelope_smooth_q30(s_q31) : 0;
+}
+
+cam_share_t cam_shaft_share(int32_t change_q31, bool has_speed)
+{
+    const int32_t half_q31 = INT32_C(1) << 30;
+    if (!has_speed) {
+        return (cam_share_t){left_q30(change_q31), ONE_Q30};
+    }
+    return change_q31 < half_q31 ? (cam_share_t){left_q30(2 * change_q31), ONE_Q30}
+                                 : (cam_share_t){0, left_q30(2 * (change_q31 - half_q31) + 1)};
+}
+
+/// Take up a lobe: its pattern at once, and its phase besides the operator's.
+static void take(cam_shaft_t *s, const cam_table_t *t, uint32_t i, cam_motion_t *m)
+{
+    const cam_lobe_t *lobe = &t->lobes[i];
+    const cam_height_t at = cam_lobes_slice(t->u.n_slices, lobe->pattern);
+    m->phase_q32 = cam_wrap_add(m->phase_q32, (int32_t)(lobe->phase_q32 - s->phase_q32));
+    m->height_q32 = (int64_t)((uint64_t)at.i << 32 | (uint32_t)at.w_q31 << 1);
+    m->height_step_q32 = 0;
+    s->i_lobe = i;
+    s->phase_q32 = lobe->phase_q32;
+}
+
+void cam_shaft_lay_isr(cam_shaft_t *s, const cam_table_t *t, int32_t z_nm, cam_motion_t *m)
+{
+    s->phase_q32 = 0;
+    if (t->n_lobes > 0u) {
+        take(s, t, cam_lobes_find(t, z_nm), m);
+    }
+}
+
+cam_share_t cam_shaft_aim_isr(cam_shaft_t *s, const cam_table_t *t, int32_t z_nm, cam_motion_t *m)
+{
+    if (t->n_lobes == 0u) {
+        return (cam_share_t){ONE_Q30, ONE_Q30};
+    }
+    const uint32_t i = cam_lobes_find(t, z_nm);
+    if (i != s->i_lobe && m->scale_q30 == 0) {
+        take(s, t, i, m);
+    }
+    return i == s->i_lobe
+               ? cam_shaft_share(cam_lobes_change_q31(t, i, z_nm), t->speed.knots != NULL)
+               : (cam_share_t){0, 0};
+}

@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: Apache-2.0
+// The lobes of a shaft: what the check takes and refuses, which lobe is found, and how far it has
+// changed.
+#include "cam_lobes.h"
+#include "fixture_random.h"
+#include "fixture_shaft.h"
+#include "unity.h"
+#include <math.h> // fabs
+
+static fixture_image_t image;
+static cam_table_t table;
+static fixture_shaft_t shaft;
+
+static cam_err_t check(void)
+{
+    fixture_image_seal(&image);
+    return cam_table_check(image.bytes, image.size, &table);
+}
+
+static void make(void)
+{
+    fixture_shaft_make(&image, &shaft);
+    TEST_ASSERT_EQUAL_INT(cam_ok, check());
+}
+
+void setUp(void)
+{
+    shaft = fixture_shaft_three();
+    make();
+}
+
+void tearDown(void) {}
+
+static void test_shaft_is_described(void)
+{
+    TEST_ASSERT_EQUAL_UINT32(3, table.n_lobes);
+    TEST_ASSERT_EQUAL_UINT32(80000, table.least_change_nm);
+    TEST_ASSERT_EQUAL_UINT32(0xC0000000u, table.lobes[2].phase_q32);
+    TEST_ASSERT_EQUAL_UINT32(3, table.u.n_slices);
+    TEST_ASSERT_TRUE(table.is_swung);
+    TEST_ASSERT_EQUAL_UINT32_MESSAGE(0, table.u_change.most, "patterns have no neighbours");
+    TEST_ASSERT_EQUAL_UINT32(0, table.swing_change.kink);
+    shaft.has_speed = true;
+    make();
+    TEST_ASSERT_NOT_NULL(table.speed.knots);
+}
+
+static cam_err_t with_word(size_t at, uint32_t value)
+{
+    fixture_shaft_make(&image, &shaft);
+    fixture_image_put(&image, at, value);
+    return check();
+}
+
+static void test_lobes_out_of_order_or_too_near_are_refused(void)
+{
+    const struct {
+        uint32_t lobe, word, value;
+        cam_err_t err;
+    } cases[] = {
+        {0, 0, 1u, cam_err_image_height},           {2, 1, 999999u, cam_err_image_height},
+        {1, 1, 400000u, cam_err_image_height},      {1, 0, 399999u, cam_err_image_height},
+        {1, 0, 0x80000000u, cam_err_image_height},  {0, 4, 1u, cam_err_image_height},
+        {2, 4, 1u, cam_err_image_height},           {0, 3, 3u, cam_err_image_channel},
+        {1, 3, 0xFFFFFFFFu, cam_err_image_channel},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        const size_t at = fixture_shaft_word(&image, cases[i].lobe, cases[i].word);
+        TEST_ASSERT_EQUAL_INT_MESSAGE(cases[i].err, with_word(at, cases[i].value), "case");
+    }
+}
+
+static void test_entry_without_meaning_is_refused(void)
+{
+    const size_t zero[] = {fixture_in_log2_knots, fixture_in_log2_repeat,  fixture_in_frac_bits,
+                           fixture_in_reciprocal, fixture_in_value_offset, fixture_in_p_min,
+                           fixture_in_p_max,      fixture_in_v_max,        fixture_in_a_max,
+                           fixture_in_path,       fixture_in_z_first,      fixture_in_z_last};
+    for (size_t i = 0; i < sizeof zero / sizeof zero[0]; i++) {
+        const size_t at = fixture_image_in(fixture_lobes, zero[i]);
+        TEST_ASSERT_EQUAL_INT(cam_err_image_channel,
+                              with_word(at, fixture_image_get(&image, at) + 1u));
+    }
+    const size_t n_at = fixture_image_in(fixture_lobes, fixture_in_n_slices);
+    TEST_ASSERT_EQUAL_INT(cam_err_image_channel, with_word(n_at, 0u));
+    TEST_ASSERT_EQUAL_INT(cam_err_image_channel, with_word(n_at, 65u));
+    TEST_ASSERT_EQUAL_INT(cam_err_image_layout, with_word(n_at, 2u));
+    TEST_ASSERT_EQUAL_INT(
+        cam_err_image_layout,
+        with_word(fixture_image_in(fixture_lobes, fixture_in_offset), (uint32_t)image.size));
+}
+
+static void test_version_tells_whether_there_are_lobes(void)
+{
+    TEST_ASSERT_EQUAL_INT(cam_err_image_channel, with_word(fixture_at_version, 1u));
+    const fixture_part_t part = fixture_part_swung();
+    fixture_image_make(&image, &part);
+    fixture_image_put(&image, fixture_at_version, 0x00010001u);
+    TEST_ASSERT_EQUAL_INT(cam_err_image_version, check());
+}
+
+static void test_patterns_have_no_heights_and_are_alike(void)
+{
+    const uint32_t swing = fixture_behind_lobes + (uint32_t)fixture_swing;
+    const uint32_t u = fixture_behind_lobes + (uint32_t)fixture_u;
+    const size_t z_at = fixture_image_in(u, fixture_in_z_first);
+    TEST_ASSERT_EQUAL_INT(cam_err_image_height,
+                          with_word(fixture_image_in(u, fixture_in_reciprocal), 1u));
+    TEST_ASSERT_EQUAL_INT(cam_err_image_height, with_word(z_at, (uint32_t)-1));
+    fixture_shaft_make(&image, &shaft);
+    fixture_image_put(&image, fixture_image_in(swing, fixture_in_n_slices), 2u);
+    fixture_image_put(&image, fixture_image_in(swing, fixture_in_size), 2u * 32u * 12u);
+    TEST_ASSERT_EQUAL_INT_MESSAGE(cam_err_image_channel, check(), "two patterns of three");
+    fixture_shaft_make(&image, &shaft);
+    fixture_image_put(&image, fixture_image_in(swing, fixture_in_kind), 3u);
+    TEST_ASSERT_NOT_EQUAL_MESSAGE(cam_ok, check(), "no angle");
+}
+
+static void test_only_one_directory_that_comes_first_is_taken(void)
+{
+    TEST_ASSERT_EQUAL_INT(cam_err_image_channel,
+                          with_word(fixture_image_in(fixture_behind_lobes, fixture_in_kind), 6u));
+}
+
+/// Every bit of the directory: what is still accepted differs only in phase, in pattern, or by a
+/// nanometre that leaves half of the gap the same.
+static void test_flipped_bits_are_found(void)
+{
+    const size_t first = fixture_shaft_word(&image, 0, 0);
+    const size_t entry = fixture_image_in(fixture_lobes, 0);
+    for (size_t bit = 0; bit < 8u * 64u; bit++) {
+        fixture_shaft_make(&image, &shaft);
+        image.bytes[entry + bit / 8u] ^= (uint8_t)(1u << bit % 8u);
+        TEST_ASSERT_NOT_EQUAL(cam_ok, check());
+    }
+    for (size_t bit = 0; bit < 8u * 60u; bit++) {
+        fixture_shaft_make(&image, &shaft);
+        image.bytes[first + bit / 8u] ^= (uint8_t)(1u << bit % 8u);
+        const size_t word = bit / 32u % 5u;
+        const bool is_good = check() == cam_ok;
+        const bool is_small = word != 4u && bit % 32u < (word == 3u ? 2u : 1u);
+        TEST_ASSERT_TRUE(word == 2u || is_small || !is_good);
+        TEST_ASSERT_TRUE(word != 2u || is_good);
+    }
+}
+
+/// Lobes of 1 .. 4 mm with gaps of 0.2 .. 5 mm.
+static void scatter(fixture_random_t *random, uint32_t n)
+{
+    int64_t z_nm = -50000000;
+    shaft.n_lobes = n;
+    for (uint32_t i = 0; i < n; i++) {
+        const int64_t end_nm = z_nm + fixture_random_range(random, 1000000, 4000000);
+        shaft.lobe[i] = (cam_lobe_t){(int32_t)z_nm, (int32_t)end_nm, fixture_random_u32(random),
+                                     fixture_random_u32(random) % 3u, 0u};
+        z_nm = end_nm + fixture_random_range(random, 200000, 5000000);
+    }
+}
+
+/// @return 1 - share of the lift at a height by the words of the format, and the lobe
+static double change_of(int32_t z_nm, uint32_t *found)
+{
+    uint32_t i = 0;
+    while (i + 1u < shaft.n_lobes &&
+           z_nm >= shaft.lobe[i].z_last_nm +
+                       (shaft.lobe[i + 1u].z_first_nm - shaft.lobe[i].z_last_nm) / 2) {
+        i++;
+    }
+    *found = i;
+    const cam_lobe_t *lobe = &shaft.lobe[i];
+    const bool is_below = z_nm < lobe->z_first_nm;
+    if (is_below ? i == 0u : z_nm <= lobe->z_last_nm || i + 1u == shaft.n_lobes) {
+        return 0.0;
+    }
+    const double beside = fmax((double)lobe->z_first_nm - z_nm, (double)z_nm - lobe->z_last_nm);
+    const cam_lobe_t *low = is_below ? lobe - 1 : lobe;
+    const double c = floor(((double)low[1].z_first_nm - low->z_last_nm) / 2.0) - 20000.0;
+    return fmin(fmax((beside - 20000.0) / c, 0.0), 1.0);
+}
+
+static void test_lobe_and_change_are_those_of_the_format(void)
+{
+    fixture_random_t random = {20241122u};
+    for (uint32_t n = 1; n <= 64; n += n < 6u ? 1u : 29u) {
+        scatter(&random, n);
+        make();
+        for (uint32_t k = 0; k < 4000u; k++) {
+            const int32_t low = shaft.lobe[0].z_first_nm - 1000000;
+            const int32_t high = shaft.lobe[n - 1u].z_last_nm + 1000000;
+            const int32_t z_nm = (int32_t)fixture_random_range(&random, low, high);
+            uint32_t i = 0;
+            const double wanted = change_of(z_nm, &i);
+            TEST_ASSERT_EQUAL_UINT32(i, cam_lobes_find(&table, z_nm));
+            const double got = cam_lobes_change_q31(&table, i, z_nm) / 2147483647.0;
+            TEST_ASSERT_TRUE(fabs(got - wanted) < 2e-6);
+        }
+    }
+}
+
+static void test_middle_of_the_gap_belongs_to_the_upper_lobe_and_has_no_lift(void)
+{
+    TEST_ASSERT_EQUAL_UINT32(0, cam_lobes_find(&table, 299999));
+    TEST_ASSERT_EQUAL_UINT32(1, cam_lobes_find(&table, 300000));
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, cam_lobes_change_q31(&table, 1, 300000));
+    TEST_ASSERT_EQUAL_INT32(0, cam_lobes_change_q31(&table, 0, 220000));
+    TEST_ASSERT_EQUAL_INT32(0, cam_lobes_change_q31(&table, 1, 380000));
+    TEST_ASSERT_GREATER_THAN_INT32(0, cam_lobes_change_q31(&table, 0, 220001));
+    TEST_ASSERT_EQUAL_UINT32(0, cam_lobes_find(&table, INT32_MIN));
+    TEST_ASSERT_EQUAL_UINT32(2, cam_lobes_find(&table, INT32_MAX));
+    TEST_ASSERT_EQUAL_INT32(0, cam_lobes_change_q31(&table, 2, INT32_MAX));
+}
+
+/// Each pattern alone, from its first slice to its last.
+static void test_slice_is_the_pattern_alone(void)
+{
+    for (uint32_t pattern = 0; pattern < 3u; pattern++) {
+        const cam_height_t at = cam_lobes_slice(3, pattern);
+        const cam_value_t u = cam_eval_surface_at(&table.u, 0x40000000u, at);
+        double wanted[3];
+        fixture_shaft_lift(1.5707963267948966, 500000.0 * pattern, wanted);
+        TEST_ASSERT_INT32_WITHIN(2, (int32_t)wanted[0] * 128, u.y);
+    }
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_shaft_is_described);
+    RUN_TEST(test_lobes_out_of_order_or_too_near_are_refused);
+    RUN_TEST(test_entry_without_meaning_is_refused);
+    RUN_TEST(test_version_tells_whether_there_are_lobes);
+    RUN_TEST(test_patterns_have_no_heights_and_are_alike);
+    RUN_TEST(test_only_one_directory_that_comes_first_is_taken);
+    RUN_TEST(test_flipped_bits_are_found);
+    RUN_TEST(test_lobe_and_change_are_those_of_the_format);
+    RUN_TEST(test_middle_of_the_gap_belongs_to_the_upper_lobe_and_has_no_lift);
+    RUN_TEST(test_slice_is_the_pattern_alone);
+    return UNITY_END();
+}
