@@ -24,7 +24,9 @@ static const char help[] =
     "  --removal F.csv       metal removed, power and forces of every time slice\n"
     "  --slice-us T          length of those slices (default: a 120th of the mean turn)\n"
     "  --kc-n-mm2 K          specific cutting force (default: 700)\n"
-    "  --nose-mm R           radius of the tool's nose: the surface between tracks is made, too\n"
+    "  --nose-mm R           radius of the tool's nose, which the gauge judges (default: that of\n"
+    "                        the machine file, else of the part file); the surface between tracks\n"
+    "                        is made, too\n"
     "  --scallop F.csv       turn,z_mm,proud_um of that surface; with --nose-mm\n"
     "  --scallop-mm A:B      its heights (default: four feeds in the middle)\n"
     "  --tool-tip-mm R       radius of the tip that turns a cam (default: 0.4)\n"
@@ -239,7 +241,11 @@ static bool take_value(camsim_options_t *o, int option, const char *text, common
     case opt_kc:
         return take_number(&cut->kc_n_mm2, "kc-n-mm2", text, 0.001, 1e6, "N/mm2", e);
     case opt_nose:
-        return take_number(&cut->nose_mm, "nose-mm", text, 0.01, 100.0, "mm", e);
+        if (!take_number(&cut->nose_mm, "nose-mm", text, 0.01, 100.0, "mm", e)) {
+            return false;
+        }
+        session->nose_mm = cut->nose_mm;
+        return true;
     case opt_window:
         return take_window(cut, text, e);
     case opt_tip:

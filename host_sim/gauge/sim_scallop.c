@@ -54,14 +54,15 @@ static void pass(sim_scallop_t *s, sim_design_t *design, const sim_scallop_tip_t
 }
 
 void sim_scallop_touch(sim_scallop_t *s, sim_design_t *design, double turn, double z_mm,
-                       double radius_mm, double exact_mm)
+                       double radius_mm)
 {
     const bool is_near = z_mm > s->z_first_mm - s->nose_mm && z_mm < s->z_last_mm + s->nose_mm;
     if (s->nose_mm <= 0.0 || !is_near) {
         s->has_last = false;
         return;
     }
-    const sim_scallop_tip_t now = {.turn = turn, .z_mm = z_mm, .proud_mm = radius_mm - exact_mm};
+    const double proud_mm = radius_mm - sim_design_radius_mm(design, turn, z_mm);
+    const sim_scallop_tip_t now = {.turn = turn, .z_mm = z_mm, .proud_mm = proud_mm};
     const double turned = sim_fraction(turn - s->last.turn);
     if (s->has_last && turned > 0.0 && turned < 0.5) {
         pass(s, design, &s->last, &now, turned);

@@ -48,9 +48,8 @@ void sim_scallop_init(sim_scallop_t *s, double nose_mm, double z_first_mm, doubl
 /// first, make a pass that cuts.
 /// @param turn       [turn] drawing's angle, 0 .. 1
 /// @param radius_mm  of the tip
-/// @param exact_mm   exact radius there
 void sim_scallop_touch(sim_scallop_t *s, sim_design_t *design, double turn, double z_mm,
-                       double radius_mm, double exact_mm);
+                       double radius_mm);
 
 /// @return [mm] height of a row of the map
 double sim_scallop_height_mm(const sim_scallop_t *s, int height);

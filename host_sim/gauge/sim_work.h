@@ -5,11 +5,12 @@
 ///     error = radius of the tool tip - exact radius at the tool's true angle and height
 ///     cut depth = blank radius - radius,  removed volume: dV = pi (blank^2 - radius^2) dz
 ///
-/// The tip is a point at centre height (a nose of 0.8 mm shifts a piston's contact by 5 um along Z
-/// and 0.02 um across). One turn removes a ring of the feed's width, so every sample stands for the
-/// share dz of it; feed marks between turns are made by sim_scallop.h.
-/// The map keeps, per cell of angle and height, the sample with the largest |error|; each row of
-/// heights keeps the extremes, from which its roundness (largest - smallest error) follows.
+/// The exact radius is that of the tip's path: with a round nose where it just touches the surface
+/// (sim_nose.h), so that the error is that of the place which it touches. One turn removes a ring
+/// of the feed's width, so every sample stands for the share dz of it; feed marks between turns are
+/// made by sim_scallop.h. The map keeps, per cell of angle and height, the sample with the largest
+/// |error|; each row of heights keeps the extremes, from which its roundness (largest - smallest
+/// error) follows.
 #ifndef SIM_WORK_H
 #define SIM_WORK_H
 

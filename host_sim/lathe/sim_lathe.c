@@ -17,6 +17,7 @@ sim_lathe_config_t sim_lathe_defaults(void)
         .spindle_limit_rpm = 3000.0,
         .x_start_mm = 2.0,
         .z_start_mm = 2.0,
+        .tool_nose_mm = -1.0,
     };
 }
 

@@ -45,6 +45,7 @@ typedef struct {
     sim_surface_t surface;        ///< sim_shape_surface only
     sim_lobe_design_t lobes;      ///< sim_shape_lobes only
     const cam_table_t *table;     ///< sim_shape_table only
+    double nose_mm;               ///< of the tool for which the table is made; 0: a point
     double z_first_mm, z_last_mm; ///< ends of the part; the table may reach beyond them
     bool is_run_into;             ///< the tool enters along Z, from below the part
     bool is_run_out_of;           ///< ... and leaves above it

@@ -126,6 +126,15 @@ static bool read_gauge(sim_design_t *d, const cJSON *design, const char *path, c
                         path, first_mm, last_mm);
 }
 
+/// The nose of the tool for which the table is made; a report without a tool means a point.
+static bool read_tool(sim_design_t *d, const cJSON *root, const char *path, common_error_t *e)
+{
+    const cJSON *tool = cJSON_GetObjectItemCaseSensitive(root, "tool");
+    const cJSON *nose = cJSON_GetObjectItemCaseSensitive(tool, "nose_radius_mm");
+    return nose == NULL || (sim_json_number(nose, &d->nose_mm) && d->nose_mm >= 0.0) ||
+           common_error(e, "%s: tool.nose_radius_mm: wants a number of at least 0; " REMEDY, path);
+}
+
 static bool read_design(sim_design_t *d, const cJSON *root, const char *path, common_error_t *e)
 {
     const source_t from = {cJSON_GetObjectItemCaseSensitive(root, "design"), "design", path, e};
@@ -140,7 +149,7 @@ static bool read_design(sim_design_t *d, const cJSON *root, const char *path, co
         d->shape = sim_shape_lobes;
         return sim_lobe_design_read(&d->lobes, from.tree, path, e);
     }
-    return read_gauge(d, from.tree, path, e) && read_skirt(d, &from);
+    return read_tool(d, root, path, e) && read_gauge(d, from.tree, path, e) && read_skirt(d, &from);
 }
 
 static void begin(sim_design_t *d, const cam_table_t *table)

@@ -27,6 +27,17 @@ static void add_what(cJSON *root, const sim_cut_t *cut, const char *table_path)
     sim_summary_text(gauge, "file", base_name(design != NULL ? design : table_path));
 }
 
+static void add_tool(cJSON *root, const sim_session_t *s)
+{
+    if (s->design.shape == sim_shape_lobes) {
+        return;
+    }
+    cJSON *tool = cJSON_AddObjectToObject(root, "tool");
+    sim_summary_number(tool, "nose_mm", s->nose.nose_mm);
+    sim_summary_number(tool, "made_for_mm", s->design.nose_mm);
+    sim_summary_number(tool, "wear_um", s->options.config.lathe.tool_wear_um);
+}
+
 static void add_faults(cJSON *root, const sim_cut_t *cut)
 {
     const cam_status_t *status = sim_cut_status(cut);
@@ -158,6 +169,7 @@ bool sim_cut_summary(sim_out_t *o, sim_cut_t *cut, const char *table_path, doubl
     sim_summary_errors(root, &cut->session);
     add_cut(root, cut);
     add_feasibility(root, cut);
+    add_tool(root, &cut->session);
     sim_lobe_summary(root, &cut->session);
     if (cut->session.table.angle.knots == NULL) { // forces are measured on skirts only
         add_removal(root, cut);

@@ -41,6 +41,16 @@ sim_design_t *sim_session_played(sim_session_t *s)
     return s->has_target ? &s->target : &s->design;
 }
 
+/// @return [mm] radius of the tool's nose: asked for, of the machine, or what the table is made for
+static double nose_mm(const sim_session_t *s)
+{
+    const double of_machine_mm = s->options.config.lathe.tool_nose_mm;
+    if (s->options.nose_mm > 0.0) {
+        return s->options.nose_mm;
+    }
+    return of_machine_mm >= 0.0 ? of_machine_mm : s->design.nose_mm;
+}
+
 void sim_session_place(sim_session_t *s, double *x_nm, double *z_nm)
 {
     const sim_lathe_config_t *lathe = &s->options.config.lathe;
@@ -49,25 +59,26 @@ void sim_session_place(sim_session_t *s, double *x_nm, double *z_nm)
     const double tool_mm = s->design.lobes.follower_mm; // X carries the centre of a lobe's follower
     *x_nm = (blank_mm + tool_mm + lathe->x_start_mm) * SIM_NM_PER_MM;
     *z_nm = s->table.z_first_nm - lathe->z_start_mm * SIM_NM_PER_MM;
+    sim_nose_init(&s->nose, nose_mm(s), &s->design);
     sim_work_init(&s->work, blank_mm, s->design.z_first_mm, s->design.z_last_mm);
     sim_control_init(&s->control, s->design.z_first_mm, s->design.z_last_mm);
 }
 
 /// Gauge the tip of a skirt's tool against the drawing and against what the table plays.
-static void gauge_skirt(sim_session_t *s, bool is_cutting)
+static void gauge_skirt(sim_session_t *s)
 {
-    s->radius_mm = (s->at.x_nm - s->at.u_nm) * 1e-6;
-    s->exact_mm = sim_design_radius_mm(&s->design, s->part_turn, s->z_mm);
-    sim_work_touch(&s->work, s->part_turn, s->z_mm, s->radius_mm, s->exact_mm, is_cutting);
-    double played_mm = s->exact_mm;
-    if (s->has_target) {
-        played_mm = sim_design_radius_mm(&s->target, s->part_turn, s->z_mm);
-        if (is_cutting) {
-            sim_control_touch(&s->control, s->part_turn, s->z_mm, s->radius_mm - played_mm);
-        }
+    bool is_beside;
+    s->radius_mm = (s->at.x_nm - s->at.u_nm) * 1e-6 + s->options.config.lathe.tool_wear_um * 1e-3;
+    s->exact_mm = sim_nose_radius_mm(&s->nose, &s->design, s->part_turn, s->z_mm, &is_beside);
+    const bool is_made = !is_beside || s->radius_mm < s->exact_mm;
+    sim_work_touch(&s->work, s->part_turn, s->z_mm, s->radius_mm, s->exact_mm,
+                   s->is_cutting && is_made);
+    if (s->has_target && s->is_cutting && is_made) {
+        const double played_mm =
+            sim_nose_radius_mm(&s->nose, &s->target, s->part_turn, s->z_mm, &is_beside);
+        sim_control_touch(&s->control, s->part_turn, s->z_mm, s->radius_mm - played_mm);
     }
-    sim_scallop_touch(&s->scallop, sim_session_played(s), s->part_turn, s->z_mm, s->radius_mm,
-                      played_mm);
+    sim_scallop_touch(&s->scallop, sim_session_played(s), s->part_turn, s->z_mm, s->radius_mm);
 }
 
 double sim_session_turn(const sim_session_t *s)
@@ -91,7 +102,7 @@ void sim_session_touch(sim_session_t *s, const sim_sample_t *at, bool is_cutting
     if (s->design.shape == sim_shape_lobes) {
         sim_lobe_cut_gauge(s, turn);
     } else {
-        gauge_skirt(s, s->is_cutting);
+        gauge_skirt(s);
     }
     if (!is_cutting) {
         return;

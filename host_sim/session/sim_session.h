@@ -16,6 +16,7 @@
 #include "sim_inject.h"    // sim_inject_t
 #include "sim_lathe.h"     // sim_sample_t
 #include "sim_lobe_work.h" // sim_lobe_work_t
+#include "sim_nose.h"      // sim_nose_t
 #include "sim_scallop.h"   // sim_scallop_t
 #include "sim_work.h"      // sim_work_t
 #include <stdbool.h>       // bool
@@ -31,6 +32,7 @@ typedef struct {
     uint64_t seed;           ///< of all noise
     double max_s;            ///< [s] of machine time after which the cut is given up
     double tolerance_um;     ///< largest form error that is good
+    double nose_mm;          ///< radius of the tool's nose; 0: that of the machine file
     sim_inject_t inject[sim_session_max_injects];
     uint32_t n_injects;
 } sim_session_options_t;
@@ -44,6 +46,7 @@ typedef struct {
     sim_design_t target; ///< ... this surface
     sim_work_t work;
     sim_control_t control; ///< errors against the target, when there is one
+    sim_nose_t nose;       ///< of the tool
     sim_scallop_t scallop; ///< made only when the tool has a nose
     sim_lobe_work_t lobes; ///< of lobes only
     double phase_turn;     ///< [turn] rotates the oval on the part

@@ -27,6 +27,8 @@ from camtools.part.common import PartFile, check_feed
 from camtools.part.model import MIN_STEP_MM
 from camtools.pipeline.load import load_able
 from camtools.skirt.geometry import make_geometry
+from camtools.skirt.heel import check_heel
+from camtools.skirt.nose import tip_geometry
 from camtools.skirt.part import SkirtPart
 from camtools.skirt.run_in import with_run
 
@@ -106,7 +108,9 @@ def make_job(part: SkirtPart, wishes: ProgramWishes) -> ProgramJob:
         an impossible part.
     """
     check_feed(part)
-    geometry = with_run(make_geometry(part), part.process.run_in_mm, part.process.run_out_mm)
+    drawing = make_geometry(part)
+    check_heel(drawing, part.tool, part.process.direction)
+    geometry = with_run(drawing, part.process.run_in_mm, part.process.run_out_mm)
     low, high = geometry.z_first_mm, geometry.z_last_mm
     first = low if wishes.first_mm is None else wishes.first_mm
     last = high if wishes.last_mm is None else wishes.last_mm
@@ -118,7 +122,8 @@ def make_job(part: SkirtPart, wishes: ProgramWishes) -> ProgramJob:
         problem = f"--to-mm {last:g}: must be at least {MIN_STEP_MM} mm above --from-mm {first:g}"
         raise CamtoolsError([f"{problem}; programs go upwards, give the lower height first"])
     _check_chord(wishes.chord_um)
-    return ProgramJob(part, geometry, first, last, wishes.chord_um / _UM_PER_MM, wishes.is_diameter)
+    tip = tip_geometry(geometry, part.tool)
+    return ProgramJob(part, tip, first, last, wishes.chord_um / _UM_PER_MM, wishes.is_diameter)
 
 
 def program(job: ProgramJob, axes: str) -> Iterator[bytes]:

@@ -51,6 +51,13 @@ stroke_mm = {stroke!r}
 speed_mm_per_s = {z_speed!r}
 acceleration_mm_per_s2 = {z_acceleration!r}
 """
+_WORN = """\
+[tool]
+wear_um = {!r}
+[controller]
+x_offset_nm = {}
+"""
+_NM_PER_UM = 1000
 
 
 def camsim_path() -> Path:
@@ -59,8 +66,14 @@ def camsim_path() -> Path:
     return Path(build).resolve() / "host_sim" / "camsim"
 
 
-def machine_text(limits: MachineLimits) -> str:
-    """Return a machine file with a part's limits, as far as the simulator's ranges go."""
+def machine_text(limits: MachineLimits, wear_um: float = 0.0) -> str:
+    """Return a machine file with a part's limits, as far as the simulator's ranges go.
+
+    A worn tool stands back, and the controller's offset of X makes up for it.
+
+    >>> print(*machine_text(MachineLimits(), 25.0).splitlines()[-4:], sep=" | ")
+    [tool] | wear_um = 25.0 | [controller] | x_offset_nm = -25000
+    """
     inertia = limits.spindle_inertia_kgm2 or _INERTIA_KGM2
     return _MACHINE.format(
         name="default, limits of the part file",
@@ -75,7 +88,7 @@ def machine_text(limits: MachineLimits) -> str:
         stroke=limits.u_stroke_mm,
         z_speed=limits.z_speed_mm_s,
         z_acceleration=limits.z_acceleration_mm_s2,
-    )
+    ) + (_WORN.format(wear_um, round(-wear_um * _NM_PER_UM)) if wear_um else "")
 
 
 def traced_turns(turns: float, speed_rpm: float) -> float | None:

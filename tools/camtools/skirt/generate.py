@@ -24,6 +24,8 @@ from camtools.part.common import check_feed
 from camtools.skirt.accuracy import Accuracy
 from camtools.skirt.corner import refuse_deviation
 from camtools.skirt.geometry import Geometry, make_geometry, path_of
+from camtools.skirt.heel import Heel, check_heel
+from camtools.skirt.nose import tip_geometry
 from camtools.skirt.part import SkirtPart
 from camtools.skirt.run_in import with_run
 from camtools.skirt.search import choose_u, choose_x
@@ -51,6 +53,7 @@ class GeneratedSkirt:
     accuracy_u: Accuracy
     accuracy_x: Accuracy
     highest_speed: HighestSpeed
+    heel: Heel
     speed: SpeedTable | None = None
     middle_nm: int = 0  # of the reduction, carried by X
 
@@ -122,11 +125,13 @@ def generate(part: SkirtPart, tolerance_nm: float | None = None) -> GeneratedSki
     refuse_corner(geometry)
     if geometry.corner is not None and part.piston.section.refit is not None:
         refuse_deviation(geometry.corner, part.piston.section.refit)
+    heel = check_heel(geometry, part.tool, process.direction)
+    tip = tip_geometry(air, part.tool)
     tolerance_u_nm = tolerance_nm or default_tolerance_nm(geometry)
-    u, accuracy_u = choose_u(air, tolerance_u_nm)
+    u, accuracy_u = choose_u(tip, tolerance_u_nm)
     most_nm = 0.0 if tolerance_nm else process.form_error_um * NM_PER_UM * CORNER_SHARE
-    x, accuracy_x = choose_x(air, tolerance_nm or DEFAULT_TOLERANCE_NM, most_nm)
-    middle = middle_nm(air, process.u_zero)
+    x, accuracy_x = choose_x(tip, tolerance_nm or DEFAULT_TOLERANCE_NM, most_nm)
+    middle = middle_nm(tip, process.u_zero)
     u, x = moved(u, middle), moved(x, middle)
     error_nm = max(accuracy_u.value_nm, accuracy_x.value_nm)
     speed = None
@@ -136,7 +141,7 @@ def generate(part: SkirtPart, tolerance_nm: float | None = None) -> GeneratedSki
     table = make_table(part, u, x, error_nm, speed)
     best = _judge(part, geometry, peaks_of_table(table, speed), table.bounds)
     return GeneratedSkirt(
-        part, geometry, tolerance_u_nm, table, accuracy_u, accuracy_x, best, speed, middle
+        part, geometry, tolerance_u_nm, table, accuracy_u, accuracy_x, best, heel, speed, middle
     )
 
 

@@ -75,7 +75,7 @@ class SkirtKind(Kind[SkirtPart, GeneratedSkirt, SkirtOutcome]):
 
     def machine(self, part: SkirtPart) -> str:
         """See `Kind.machine`."""
-        return machine_text(part.machine.limits)
+        return machine_text(part.machine.limits, part.tool.wear_um)
 
     def outcome(self, made: GeneratedSkirt, measured: Measured, rig: Rig) -> SkirtOutcome:
         """Return the cut; a part with a modulated spindle is cut uniformly for comparison."""

@@ -19,6 +19,7 @@ from pydantic import (
 
 from camtools.part.common import MachineLimits, PartInfo
 from camtools.part.model import TomlTable, no_truth, wrong
+from camtools.part.tool import Tool
 from camtools.skirt.part_profile import Ovality, Profile
 from camtools.skirt.part_section import SectionShape
 from camtools.skirt.power_law import LAW_OR_POINTS, PeakOvality, PowerProfile
@@ -149,6 +150,7 @@ class SkirtPart(TomlTable):
     piston: Piston
     process: SkirtProcess
     machine: SkirtMachine = Field(default_factory=SkirtMachine)
+    tool: Tool = Field(default_factory=Tool)
     magnify: Magnify | None = None
 
     @property

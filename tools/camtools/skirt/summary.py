@@ -13,11 +13,13 @@ import numpy as np
 from camtools.base.json_text import Json
 from camtools.base.quantities import NM_PER_MM, omega_rad_s
 from camtools.cut.feasibility import given_of, needed_of
+from camtools.part.tool import Tool
 from camtools.skirt.accuracy import Accuracy
 from camtools.skirt.corner import Corner
 from camtools.skirt.design import design_of, target_of
 from camtools.skirt.generate import GeneratedSkirt, peaks_of_table
 from camtools.skirt.geometry import Geometry, dense_heights_mm
+from camtools.skirt.heel import Heel
 from camtools.skirt.speed import summary_of
 from camtools.table.evaluate import Continuity, jumps
 from camtools.table.image import KIND_U, KIND_X, Channel
@@ -91,6 +93,15 @@ def _feasibility(result: GeneratedSkirt) -> Json:
     }
 
 
+def tool_of(tool: Tool, heel: Heel) -> Json:
+    """Return the tool for which a table is made, and how near its heel comes to the work."""
+    return tool.model_dump() | {
+        "needed_clearance_deg": heel.needed_deg,
+        "heel_at_deg": heel.angle_deg,
+        "heel_at_mm": heel.z_mm,
+    }
+
+
 def _refit(corner: Corner) -> Json:
     """Return what a refit came to, and what all deletions would come to at the part's speed."""
     recipe, at = corner.recipe, corner.joint(corner.worst_mm)
@@ -132,6 +143,7 @@ def make_summary(result: GeneratedSkirt) -> Json:
         | {
             "part": {"name": table.part_name, "source": result.part.part.source},
             "process": _process(result),
+            "tool": tool_of(result.part.tool, result.heel),
             "channels": {"u": describe_channel(u), "x": describe_channel(x)},
             "error": {
                 "u": error_of(result.accuracy_u, "rad"),

@@ -32,10 +32,22 @@ def emit_text(summary: Json) -> str:
         f"{motion['jerk_mm_s3']:.4g} mm/s3\n"
         f"  highest speed {tenth_below(feasible['highest_spindle_rpm'])} r/min, "
         f"decided by {feasible['decided_by']}\n"
+        + tool_text(summary["tool"])
         + _profile_text(summary)
         + _scan_text(summary)
         + _refit_text(summary)
         + _speed_text(summary)
+    )
+
+
+def tool_text(tool: Json) -> str:
+    """Return the tool of a skirt's table and the clearance that its heel has left."""
+    nose = f"nose of {tool['nose_radius_mm']:g} mm" if tool["nose_radius_mm"] else "point"
+    worn = f", worn by {tool['wear_um']:g} um" if tool["wear_um"] else ""
+    return (
+        f"  tool: {nose}{worn}, clearance {tool['clearance_deg']:g} degrees; the sections need "
+        f"{tool['needed_clearance_deg']:.2f}, at {tool['heel_at_deg']:g} degrees, height "
+        f"{tool['heel_at_mm']:g} mm\n"
     )
 
 

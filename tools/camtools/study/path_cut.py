@@ -69,6 +69,12 @@ def with_path(part: SkirtPart, path: str) -> SkirtPart:
     return part.model_copy(update={"process": process})
 
 
+def with_nose(part: SkirtPart, nose_mm: float) -> SkirtPart:
+    """Return the part turned with a nose of this radius."""
+    tool = part.tool.model_copy(update={"nose_radius_mm": nose_mm})
+    return part.model_copy(update={"tool": tool})
+
+
 def _write_tables(generated: GeneratedSkirt, folder: Path) -> dict[str, Path]:
     """Write the table of each path into a folder of its own; return the tables."""
     found = {}
@@ -126,7 +132,7 @@ def cut_paths(
     CamtoolsError
         The part is impossible, Z cannot follow the ring-helix, or a cut failed.
     """
-    generated = generate(with_path(part, "ring-helix"))
+    generated = generate(with_nose(with_path(part, "ring-helix"), nose_mm))
     geometry, process = generated.geometry, part.process
     study = make_study(
         *(geometry.z_first_mm, geometry.z_last_mm, process.feed_mm, process.spindle_rpm),
