@@ -26,6 +26,8 @@ from camtools.skirt.accuracy import Accuracy, measure_u, measure_x
 from camtools.skirt.channels import u_channel, x_channel
 from camtools.skirt.generate import with_mean
 from camtools.skirt.geometry import Geometry
+from camtools.skirt.heel import Heel, check_heel, steepest_heel
+from camtools.skirt.nose import tip_geometry
 from camtools.skirt.search import DERIVATIVE_SHARE, slice_counts
 from camtools.skirt.zero import middle_nm, moved
 from camtools.table.header import check_tolerance, table_of, u_bounds
@@ -75,6 +77,7 @@ class GeneratedPolygon:
     peaks: Peaks
     highest_speed: HighestSpeed
     middle_nm: int
+    heel: Heel
 
 
 def outline_of(section: PolygonSection) -> Outline:
@@ -196,10 +199,11 @@ def generate_polygon(part: PolygonPart, tolerance_nm: float | None = None) -> Ge
     drawing = outline_of(part.polygon)
     cut = blended(drawing, part.polygon.blend_um)
     geometry, design = _surfaces(part, drawing, cut.outline)
-    u, accuracy_u = choose_channel(geometry, tolerance_nm)
-    x = x_channel(geometry, int(slice_counts(geometry)[0]))
-    accuracy_x = measure_x(geometry, x)
-    middle = middle_nm(geometry, part.process.u_zero)
+    heel, tip = _heel(part, geometry), tip_geometry(geometry, part.tool)
+    u, accuracy_u = choose_channel(tip, tolerance_nm)
+    x = x_channel(tip, int(slice_counts(tip)[0]))
+    accuracy_x = measure_x(tip, x)
+    middle = middle_nm(tip, part.process.u_zero)
     u, x = moved(u, middle), moved(x, middle)
     bounds = u_bounds(u, max(accuracy_u.value_nm, accuracy_x.value_nm))
     table = table_of(part, part.process.spindle_rpm, bounds, (with_bounds(u), with_bounds(x)))
@@ -209,8 +213,18 @@ def generate_polygon(part: PolygonPart, tolerance_nm: float | None = None) -> Ge
     best = _judge(part, drawing, peaks, (bounds.u_max_nm - bounds.u_min_nm) / NM_PER_MM)
     return GeneratedPolygon(
         *(part, drawing, cut, design, geometry, tolerance_nm, table),
-        *(accuracy_u, accuracy_x, peaks, best, middle),
+        *(accuracy_u, accuracy_x, peaks, best, middle, heel),
     )
+
+
+def _heel(part: PolygonPart, geometry: Geometry) -> Heel:
+    """Return where the flank comes nearest; a given one that rubs is refused, an assumed one told.
+
+    The flanks of polygons differ: there is no clearance that a part file could leave unsaid.
+    """
+    if "clearance_deg" in part.tool.model_fields_set:
+        return check_heel(geometry, part.tool, part.process.direction)
+    return steepest_heel(geometry, part.process.direction)
 
 
 def _judge(part: PolygonPart, drawing: Outline, peaks: Peaks, travel_mm: float) -> HighestSpeed:

@@ -68,7 +68,7 @@ class PolygonKind(Kind[PolygonPart, GeneratedPolygon, PolygonCut]):
 
     def machine(self, part: PolygonPart) -> str:
         """Return the machine with an encoder that is fine enough for steep flanks."""
-        return machine_text(part.machine.limits) + _ENCODER
+        return machine_text(part.machine.limits, part.tool.wear_um) + _ENCODER
 
     def outcome(self, made: GeneratedPolygon, measured: Measured, rig: Rig) -> PolygonCut:
         """See `Kind.outcome`."""

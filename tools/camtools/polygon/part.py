@@ -17,6 +17,7 @@ from pydantic import (
 
 from camtools.part.common import MachineLimits, PartInfo
 from camtools.part.model import LIST_OR_ONE, HeightMm, TomlTable, no_truth, rising, wrong
+from camtools.part.tool import Tool
 from camtools.polygon.sizes import P3G, P4C
 
 MAX_SIDES = 16
@@ -167,6 +168,7 @@ class PolygonPart(TomlTable):
     polygon: PolygonSection
     process: PolygonProcess
     machine: PolygonMachine = Field(default_factory=PolygonMachine)
+    tool: Tool = Field(default_factory=Tool)
 
     @property
     def heights_mm(self) -> tuple[float, float]:

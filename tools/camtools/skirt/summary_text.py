@@ -44,10 +44,12 @@ def tool_text(tool: Json) -> str:
     """Return the tool of a skirt's table and the clearance that its heel has left."""
     nose = f"nose of {tool['nose_radius_mm']:g} mm" if tool["nose_radius_mm"] else "point"
     worn = f", worn by {tool['wear_um']:g} um" if tool["wear_um"] else ""
+    needed = tool["needed_clearance_deg"]
+    place = f"{tool['heel_at_deg']:g} degrees, height {tool['heel_at_mm']:g} mm"
+    rubs = ": it rubs" if needed >= tool["clearance_deg"] else ""
     return (
         f"  tool: {nose}{worn}, clearance {tool['clearance_deg']:g} degrees; the sections need "
-        f"{tool['needed_clearance_deg']:.2f}, at {tool['heel_at_deg']:g} degrees, height "
-        f"{tool['heel_at_mm']:g} mm\n"
+        f"{needed:.2f}, at {place}{rubs}\n"
     )
 
 
