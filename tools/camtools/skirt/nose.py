@@ -39,18 +39,18 @@ _WIDER = 1.05
 
 @dataclass(frozen=True, eq=False)
 class _Drawn:
-    """The surface of a drawing as the contact takes it; flat: its long half axis at all angles."""
+    """The surface to be left as the contact takes it; flat: its long half axis at all angles."""
 
-    drawing: Geometry
+    work: Geometry
     is_flat: bool = False
 
     def values(self, phi: Floats, z: Floats) -> Floats:
         """See `nose_contact.Surface.values`; heights within the drawing."""
-        radius_mm = self.drawing.radius_mm(z)
+        radius_mm = self.work.radius_mm(z)
         if self.is_flat:
             zero = np.zeros(z.shape)
             return np.stack([radius_mm, zero, zero, zero])
-        u = self.drawing.delta(phi, z)
+        u = self.work.delta(phi, z)
         return np.stack([radius_mm - u.delta, -u.d1, -u.d2, -u.d3])
 
 
@@ -85,20 +85,20 @@ class NoseGeometry(Geometry):
 
     Attributes
     ----------
-    drawing : Geometry
+    work : Geometry
         The surface that the nose leaves; what else this class has by its base is the drawing's.
     nose_mm : float
         Radius of the nose.
     """
 
-    drawing: Geometry = field(kw_only=True)
+    work: Geometry = field(kw_only=True)
     nose_mm: float = field(kw_only=True)
 
     def radius_mm(self, z_mm: FloatsLike | Sequence[float], derivative: int = 0) -> Floats:
         """Return the tip's radius at the long axis, or its derivatives by the height."""
         z = np.asarray(z_mm, dtype=np.float64)
         flat, zero = z.ravel(), np.zeros(z.size)
-        rays = _rays(self.drawing, self.nose_mm, is_flat=True)
+        rays = _rays(self.work, self.nose_mm, is_flat=True)
         touch = self._touch(rays, zero, flat)
         root = np.sqrt(self.nose_mm**2 - touch.off_mm**2)
         if derivative == 0:
@@ -130,7 +130,7 @@ class NoseGeometry(Geometry):
 
     def breaks_mm(self) -> Floats:
         """Return heights of the nose at which its contact passes a break of the shape."""
-        inner = self.drawing.breaks_mm()[1:-1]
+        inner = self.work.breaks_mm()[1:-1]
         slopes = np.stack([self._slopes(inner, below=True), self._slopes(inner)])
         edges = inner[:, None] - self.nose_mm * np.sin(np.arctan(slopes))
         widest = np.abs(edges[1] - edges[0]).argmax(axis=1)
@@ -142,7 +142,7 @@ class NoseGeometry(Geometry):
 
     @cached_property
     def _rays(self) -> Rays:
-        return _rays(self.drawing, self.nose_mm)
+        return _rays(self.work, self.nose_mm)
 
     def _slopes(self, z: Floats, *, below: bool = False) -> Floats:
         """Return the slopes along the height all round, shape (n, angles)."""
@@ -151,14 +151,14 @@ class NoseGeometry(Geometry):
     @cached_property
     def _creases_mm(self) -> Floats:
         """Heights at which the surface has a crease: between two of them a contact is the only."""
-        inner = self.drawing.breaks_mm()[1:-1]
+        inner = self.work.breaks_mm()[1:-1]
         bends = self._slopes(inner) - self._slopes(inner, below=True)
         return np.asarray(inner[bends.max(axis=1, initial=0.0) > _CREASE_RAD])
 
     @cached_property
     def _reach_mm(self) -> float:
         """How far a contact lies from the middle of the nose, at most."""
-        heights = dense_heights_mm(self.drawing, _CHECKS_PER_PIECE)
+        heights = dense_heights_mm(self.work, _CHECKS_PER_PIECE)
         steepest = max(
             float(np.abs(self._slopes(heights, below=below)).max()) for below in (False, True)
         )
@@ -215,7 +215,7 @@ def tip_geometry(drawing: Geometry, tool: Tool) -> Geometry:
         return drawing
     own = {one.name: getattr(drawing, one.name) for one in fields(Geometry)}
     check_nose(drawing, tool.nose_radius_mm)
-    return NoseGeometry(**own, drawing=drawing, nose_mm=tool.nose_radius_mm)
+    return NoseGeometry(**own, work=drawing, nose_mm=tool.nose_radius_mm)
 
 
 def check_nose(drawing: Geometry, nose_mm: float) -> None:
