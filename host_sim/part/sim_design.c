@@ -31,7 +31,7 @@ static void look_up(sim_design_t *d, double z_mm)
 {
     if (z_mm != d->at_z_mm) {
         d->a_mm = sim_cubics_at(&d->radius_mm, z_mm);
-        d->g_mm = d->shape == sim_shape_surface ? 0.0 : sim_cubics_at(&d->ovality_mm, z_mm);
+        d->g_mm = d->ovality_mm.n > 0u ? sim_cubics_at(&d->ovality_mm, z_mm) : 0.0;
         if (d->shape == sim_shape_arc) {
             look_up_arc(d, z_mm);
         }
@@ -45,10 +45,16 @@ double sim_design_radius_mm(sim_design_t *d, double turn, double z_mm)
         return sim_design_table_radius_mm(d->table, turn, z_mm);
     }
     look_up(d, z_mm);
+    const double phase_rad = d->is_turned ? sim_cubics_at(&d->phase_rad, z_mm) : 0.0;
     if (d->shape == sim_shape_surface) {
-        return d->a_mm - sim_surface_delta_mm(&d->surface, turn, z_mm);
+        const double drawn = turn - phase_rad / SIM_TWO_PI;
+        return d->a_mm - sim_surface_delta_mm(&d->surface, drawn, z_mm);
     }
-    const double s = fabs(sin(SIM_TWO_PI * turn));
+    const double phi_rad = SIM_TWO_PI * turn - phase_rad;
+    if (d->shape == sim_shape_sides) {
+        return d->a_mm - sim_sides_delta_mm(&d->sides, d->a_mm, phi_rad, z_mm);
+    }
+    const double s = fabs(sin(phi_rad));
     if (d->shape == sim_shape_arc) {
         return s < d->sin_joint
                    ? d->a_mm - sim_design_delta_mm(d->oval, d->beta, d->a_mm, d->g_mm, s * s)
@@ -91,6 +97,8 @@ void sim_design_free(sim_design_t *d)
     sim_cubics_free(&d->ovality_mm);
     sim_cubics_free(&d->trim_mm);
     sim_cubics_free(&d->joint_turn);
+    sim_cubics_free(&d->phase_rad);
     sim_surface_free(&d->surface);
+    sim_sides_free(&d->sides);
     sim_lobe_design_free(&d->lobes);
 }

@@ -8,6 +8,7 @@
 ///     double-ellipse   delta = (G / 4) ((1 - cos 2 phi) + (beta / 25) (1 - cos 4 phi))
 ///     ellipse-arc      one of these ovals and an eccentric circle, corner included (sim_arc.h)
 ///     surface          delta from polynomial pieces (sim_surface.h)
+///     sides            delta of ovals that differ from side to side (sim_sides.h)
 ///     lobes            another frame and gauge: sim_lobe_design.h
 ///
 /// a(z) and G(z) are piecewise cubics, clamped outside. They come from NAME.json, the report that
@@ -22,7 +23,9 @@
 #include "sim_lobe_design.h" // sim_lobe_design_t
 #include "sim_cubics.h"      // sim_cubics_t
 #include "common_error.h"    // common_error_t
+#include "sim_sides.h"       // sim_sides_t
 #include "sim_surface.h"     // sim_surface_t
+#include <stdbool.h>         // bool
 #include <stdbool.h>         // bool
 
 typedef enum {
@@ -31,6 +34,7 @@ typedef enum {
     sim_shape_double_ellipse,
     sim_shape_surface, ///< refitted and measured sections
     sim_shape_arc,     ///< oval and eccentric circle
+    sim_shape_sides,   ///< ovals that differ over height or from side to side
     sim_shape_lobes,   ///< sim_lobe_design.h; it has no radius over angle and height
     sim_shape_table,   ///< no report: the table's own quintics
 } sim_shape_t;
@@ -39,10 +43,13 @@ typedef struct {
     sim_shape_t shape;
     double beta;
     sim_cubics_t radius_mm, ovality_mm;
-    sim_shape_t oval;             ///< sim_shape_arc only: ellipse, cosine or double-ellipse
-    sim_cubics_t trim_mm;         ///< ... radial, below the oval at the short axis
-    sim_cubics_t joint_turn;      ///< ... where the circle begins
-    sim_surface_t surface;        ///< sim_shape_surface only
+    sim_shape_t oval;        ///< sim_shape_arc only: ellipse, cosine or double-ellipse
+    sim_cubics_t trim_mm;    ///< ... radial, below the oval at the short axis
+    sim_cubics_t joint_turn; ///< ... where the circle begins
+    sim_surface_t surface;   ///< sim_shape_surface only
+    sim_sides_t sides;       ///< sim_shape_sides only
+    bool is_turned;          ///< all sections are turned by phase_rad over height
+    sim_cubics_t phase_rad;
     sim_lobe_design_t lobes;      ///< sim_shape_lobes only
     const cam_table_t *table;     ///< sim_shape_table only
     double nose_mm;               ///< of the tool for which the table is made; 0: a point

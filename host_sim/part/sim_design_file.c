@@ -32,10 +32,11 @@ static const char *text_of(const source_t *from, const char *key)
 /// Look a shape up. @param n  of the names that are allowed
 static bool read_name(sim_shape_t *shape, const source_t *from, const char *key, int n)
 {
-    static const char *const name[] = {"ellipse", "cosine", "double-ellipse", "surface",
-                                       "ellipse-arc"};
-    static const sim_shape_t known[] = {sim_shape_ellipse, sim_shape_cosine,
-                                        sim_shape_double_ellipse, sim_shape_surface, sim_shape_arc};
+    static const char *const name[] = {"ellipse", "cosine",      "double-ellipse",
+                                       "surface", "ellipse-arc", "sides"};
+    static const sim_shape_t known[] = {
+        sim_shape_ellipse, sim_shape_cosine, sim_shape_double_ellipse,
+        sim_shape_surface, sim_shape_arc,    sim_shape_sides};
     const char *text = text_of(from, key);
     for (int i = 0; i < n; i++) {
         if (strcmp(text, name[i]) == 0) {
@@ -43,9 +44,9 @@ static bool read_name(sim_shape_t *shape, const source_t *from, const char *key,
             return true;
         }
     }
-    return common_error(from->e,
-                        "%s: %s.%s = \"%.40s\": wants ellipse, cosine, double-ellipse%s; " REMEDY,
-                        from->path, from->name, key, text, n > 3 ? ", surface or ellipse-arc" : "");
+    return common_error(
+        from->e, "%s: %s.%s = \"%.40s\": wants ellipse, cosine, double-ellipse%s; " REMEDY,
+        from->path, from->name, key, text, n > 3 ? ", surface, ellipse-arc or sides" : "");
 }
 
 static bool read_beta(sim_design_t *d, const source_t *from)
@@ -71,8 +72,13 @@ static bool read_arc(sim_design_t *d, const source_t *from)
 
 static bool read_skirt(sim_design_t *d, const source_t *from)
 {
-    if (!read_name(&d->shape, from, "shape", 5) || !read_cubics(&d->radius_mm, from, "radius_mm")) {
+    d->is_turned = cJSON_HasObjectItem(from->tree, "phase_rad");
+    if (!read_name(&d->shape, from, "shape", 6) || !read_cubics(&d->radius_mm, from, "radius_mm") ||
+        (d->is_turned && !read_cubics(&d->phase_rad, from, "phase_rad"))) {
         return false;
+    }
+    if (d->shape == sim_shape_sides) {
+        return sim_sides_read(&d->sides, from->tree, from->name, from->path, from->e);
     }
     if (d->shape == sim_shape_surface) {
         char where[32];

@@ -184,7 +184,7 @@ def make_corner(part: SkirtPart, radius: PPoly, ovality: PPoly, heights_mm: Floa
         ovality,
         magnified(trim, factor, 0.0),
         _over_ovality(section.joint_deg, drawn),
-        make_section(section.base or "cosine", section.beta),
+        make_section(section.base or "cosine", np.asarray(section.beta, dtype=np.float64)),
     )
     _check_lists(trim, corner.joint_deg, drawn)
     _check_room(corner, heights_mm)

@@ -17,6 +17,7 @@ from camtools.skirt.generate import GeneratedSkirt
 from camtools.skirt.geometry import SkirtSurface
 from camtools.skirt.poly_surface import TURN_RAD, PolySurface
 from camtools.skirt.run_in import HeldSurface
+from camtools.skirt.sides import SidesSurface, TurnedSurface
 
 
 def _piecewise(spline: PPoly) -> Json:
@@ -33,11 +34,17 @@ def _document(result: GeneratedSkirt, surface: SkirtSurface) -> Json:
     """Return a surface of the skirt with its profile."""
     if isinstance(surface, HeldSurface):  # beyond the ends nothing is gauged
         surface = surface.inner
-    section, radius = result.part.piston.section, _piecewise(result.geometry.radius)
+    section = result.part.piston.section
+    radius: Json = {"radius_mm": _piecewise(result.geometry.radius)}
+    if isinstance(surface, TurnedSurface):
+        radius["phase_rad"] = _piecewise(surface.phase)
+        surface = surface.surface
     if isinstance(surface, PolySurface):
-        return {"shape": "surface", "radius_mm": radius, "surface": surface.document()}
-    oval = {"radius_mm": radius, "ovality_mm": _piecewise(result.geometry.ovality)}
-    found: Json = {"shape": section.shape, "beta": float(section.beta)} | oval
+        return {"shape": "surface"} | radius | {"surface": surface.document()}
+    if isinstance(surface, SidesSurface):
+        return {"shape": "sides"} | radius | surface.document()
+    oval = radius | {"ovality_mm": _piecewise(result.geometry.ovality)}
+    found: Json = {"shape": section.shape, "beta": float(np.asarray(section.beta))} | oval
     if isinstance(surface, Corner):
         found |= {"base": section.base} | _corner(surface)
     return found

@@ -56,7 +56,8 @@ def height_error(geometry: Geometry) -> HeightError:
     share = np.arange(_PIECES + 1) / _PIECES
     step = np.diff(breaks)[:, None, None] / _PIECES
     z = breaks[:-1, None] + np.diff(breaks)[:, None] * share
-    u = geometry.delta(np.linspace(0, np.pi, _ANGLES), z[..., None])
+    pattern_rad = 2 * np.pi / (1 << geometry.surface.log2_repeat)
+    u = geometry.delta(np.linspace(0, pattern_rad, _ANGLES), z[..., None])
     peaks = float(np.abs(u.d1).max()), float(np.abs(u.d2).max())
     largest_mm = float(z.ravel()[np.abs(u.d2).max(axis=2).argmax()])
     slopes = np.diff(u.delta, axis=1) / step

@@ -9,7 +9,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import NamedTuple, Protocol
 
@@ -20,7 +20,7 @@ from camtools.base.errors import GeometryError
 from camtools.base.quantities import Floats, FloatsLike, SectionValues, omega_rad_s
 from camtools.cut.path import ToolPath, ramp_of, step_of
 from camtools.skirt.corner import Corner, make_corner
-from camtools.skirt.part import SkirtPart
+from camtools.skirt.part import Piston, SkirtPart
 from camtools.skirt.profile import (
     check_ovality,
     check_profile,
@@ -30,6 +30,8 @@ from camtools.skirt.profile import (
 )
 from camtools.skirt.scan import Scan, filtered, ovality_of, read_scan, scan_surface
 from camtools.skirt.sections import Section, make_section
+from camtools.skirt.sides import TurnedSurface, heights_of
+from camtools.skirt.sides_of import is_plain, sides_of, turn_of
 
 _CHECKS_PER_PIECE = 64
 _UM_PER_MM = 1000.0
@@ -149,6 +151,7 @@ class Geometry:
     def breaks_mm(self) -> Floats:
         """Return the heights where a piece of the shape ends, rising, both ends included."""
         heights = np.union1d(self.radius.x, self.ovality.x)
+        heights = np.union1d(heights, heights_of(self.surface))
         inside = (heights > self.z_first_mm) & (heights < self.z_last_mm)
         return np.concatenate(([self.z_first_mm], heights[inside], [self.z_last_mm]))
 
@@ -188,18 +191,34 @@ def make_geometry(part: SkirtPart) -> Geometry:
         assert piston.ovality is not None
         curve = ovality_spline(piston.ovality)
         oval = magnified(curve, factor, 0.0)
-        law = make_section("ellipse", 0.0)
-        if piston.section.shape != "ellipse-arc":
-            law = make_section(piston.section.shape, piston.section.beta)
-        geometry = Geometry(radius, oval, OvalSurface(law, radius, oval), *ends)
+        geometry = Geometry(radius, oval, _oval(piston, radius, oval, (factor, of_profile)), *ends)
         _check_ovality(geometry, factor)
         check_ovality(piston.ovality, curve)
     if piston.section.shape == "ellipse-arc":
         geometry = _with_corner(part, geometry)
+    geometry = _turned(geometry, piston)
     z_mm = dense_heights_mm(geometry, _CHECKS_PER_PIECE // 16)
     deepest_mm = np.array([geometry.deepest_mm(float(z)) for z in z_mm])
     _check_half_axis(z_mm, geometry.radius_mm(z_mm) - deepest_mm, factor)
     return geometry
+
+
+def _oval(piston: Piston, radius: PPoly, oval: PPoly, factors: tuple[float, float]) -> SkirtSurface:
+    """Return the surface of ovals; of a composite section that of its oval as an ellipse."""
+    if not is_plain(piston):
+        return sides_of(piston, radius, oval, factors)
+    shape, beta = piston.section.shape, np.asarray(piston.section.beta, dtype=np.float64)
+    law = make_section("ellipse" if shape == "ellipse-arc" else shape, beta)
+    return OvalSurface(law, radius, oval)
+
+
+def _turned(geometry: Geometry, piston: Piston) -> Geometry:
+    """Return the geometry with its sections turned, where the part says so."""
+    phase = turn_of(piston)
+    if phase is None:
+        return geometry
+    drawn = geometry.drawn and TurnedSurface(geometry.drawn, phase)
+    return replace(geometry, surface=TurnedSurface(geometry.surface, phase), drawn=drawn)
 
 
 def _measured(part: SkirtPart, radius: PPoly, factor: float) -> Geometry:

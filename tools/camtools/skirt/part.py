@@ -22,6 +22,7 @@ from camtools.part.model import TomlTable, no_truth, wrong
 from camtools.part.tool import Tool
 from camtools.skirt.part_profile import Ovality, Profile
 from camtools.skirt.part_section import SectionShape
+from camtools.skirt.part_sides import Antithrust, check_sides
 from camtools.skirt.power_law import LAW_OR_POINTS, PeakOvality, PowerProfile
 
 RunMm = Annotated[float, Field(ge=0, le=200)]
@@ -42,6 +43,7 @@ class Piston(TomlTable):
         | None,
         Field(validate_default=True),
     ] = None
+    antithrust: Antithrust | None = None
 
     @field_validator("ovality")
     @classmethod
@@ -59,6 +61,9 @@ class Piston(TomlTable):
 
     @model_validator(mode="after")
     def _check_together(self) -> Self:
+        ends_mm = self.profile.height_mm[0], self.profile.height_mm[-1]
+        if self.antithrust is not None:
+            check_sides(self.antithrust, self.section.shape, ends_mm)
         if self.ovality is None:
             return self
         first, last = self.profile.height_mm[0], self.profile.height_mm[-1]
@@ -77,7 +82,7 @@ class Piston(TomlTable):
 
     def _check_lists(self, n: int) -> None:
         """Demand that a list of the section has an entry for each height of the ovality."""
-        for key in ("trim_mm", "joint_deg", "eccentricity_mm"):
+        for key in ("trim_mm", "joint_deg", "eccentricity_mm", "beta", "exponent", "phase_deg"):
             value = getattr(self.section, key)
             if isinstance(value, list) and len(value) != n:
                 problem = f"has {len(value)} entries, ovality.height_mm has {n}"

@@ -17,6 +17,7 @@ from pydantic import (
 )
 
 from camtools.part.model import LIST_OR_ONE, TomlTable, beside_the_part, wrong
+from camtools.skirt.part_sides import Betas, Exponents, Phases
 
 MAX_DELETE = 6
 
@@ -47,10 +48,11 @@ _BELONGS_TO = {
     "joint_deg": ("ellipse-arc",),
     "eccentricity_mm": ("ellipse-arc",),
     "refit": ("ellipse-arc",),
+    "exponent": ("power",),
     "csv": ("table",),
     "harmonics": ("table",),
 }
-_NEEDED = ("trim_mm", "joint_deg", "csv")
+_NEEDED = ("trim_mm", "joint_deg", "csv", "exponent")
 
 
 class Refit(TomlTable):
@@ -69,11 +71,15 @@ class Refit(TomlTable):
 class SectionShape(TomlTable):
     """[piston.section]: shape of every cross-section."""
 
-    shape: Literal["ellipse", "cosine", "double-ellipse", "ellipse-arc", "table"] = "ellipse"
+    shape: Literal["ellipse", "cosine", "double-ellipse", "power", "ellipse-arc", "table"] = (
+        "ellipse"
+    )
     base: Annotated[
         Literal["cosine", "ellipse", "double-ellipse"] | None, Field(validate_default=True)
     ] = None
-    beta: Annotated[float, Field(ge=-6.25, le=6.25)] = 0.0
+    beta: Betas = 0.0
+    exponent: Annotated[Exponents | None, Field(validate_default=True)] = None
+    phase_deg: Phases = 0.0
     trim_mm: Annotated[Trims | None, Field(validate_default=True)] = None
     joint_deg: Annotated[Joints | None, Field(validate_default=True)] = None
     eccentricity_mm: Eccentricities | None = None
@@ -84,7 +90,10 @@ class SectionShape(TomlTable):
     ] = None
     harmonics: Annotated[int, Field(ge=1, le=500)] | None = None
 
-    @field_validator("base", "trim_mm", "joint_deg", "eccentricity_mm", "refit", "csv", "harmonics")
+    @field_validator(
+        *("base", "trim_mm", "joint_deg", "eccentricity_mm", "refit"),
+        *("csv", "harmonics", "exponent"),
+    )
     @classmethod
     def _check_key(cls, value: object, info: ValidationInfo) -> object:
         shape, key = info.data.get("shape"), str(info.field_name)
@@ -103,11 +112,28 @@ class SectionShape(TomlTable):
 
     @field_validator("beta")
     @classmethod
-    def _check_beta(cls, value: float, info: ValidationInfo) -> float:
+    def _check_beta(cls, value: float | list[float], info: ValidationInfo) -> float | list[float]:
         shape = info.data.get("shape", "double-ellipse")
+        if isinstance(value, list) and shape == "ellipse-arc":
+            problem = 'is a list, shape = "ellipse-arc" takes one number'
+            raise wrong("one", problem, "give the beta of all heights")
         if value != 0 and "double-ellipse" not in (shape, info.data.get("base")):
             problem = f'beta has no meaning for shape = "{shape}"'
             raise wrong("beta", problem, 'set it to 0, or shape = "double-ellipse"')
+        return value
+
+    @field_validator("phase_deg")
+    @classmethod
+    def _check_phase(cls, value: float | list[float], info: ValidationInfo) -> float | list[float]:
+        shape = info.data.get("shape")
+        if value != 0 and shape == "ellipse-arc":
+            problem = 'phase_deg has no meaning for shape = "ellipse-arc"'
+            raise wrong(
+                "foreign", problem, "remove it, and set index_offset_udeg of the controller"
+            )
+        if isinstance(value, list) and shape == "table":
+            problem = 'is a list, shape = "table" has no heights of ovality'
+            raise wrong("one", problem, "give one number")
         return value
 
     _beside_the_part = field_validator("csv")(beside_the_part)

@@ -20,6 +20,7 @@ from scipy.interpolate import PPoly
 from camtools.base.errors import GeometryError
 from camtools.base.quantities import Floats, FloatsLike, SectionValues
 from camtools.skirt.geometry import Geometry, OvalSurface, SkirtSurface
+from camtools.skirt.sides import heights_of
 
 _PLACES = 65  # of a run, where it is looked at
 
@@ -36,6 +37,10 @@ class HeldSurface:
     def log2_repeat(self) -> int:
         """See `SkirtSurface`."""
         return self.inner.log2_repeat
+
+    def heights_mm(self) -> Floats:
+        """Return the heights at which a curve of the surface has a break, rising."""
+        return heights_of(self.inner)
 
     def delta(self, phi_rad: FloatsLike, z_mm: FloatsLike) -> SectionValues:
         """See `SkirtSurface`."""

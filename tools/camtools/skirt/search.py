@@ -106,18 +106,25 @@ def u_candidates(geometry: Geometry) -> list[SizeCandidate]:
             SizeCandidate(int(size), log2_knots, int(n), float(estimate))
             for size, n, estimate in zip(sizes, counts[fits], estimates, strict=True)
         ]
-        if in_angle.value_nm <= _AT_FLOOR_LSB * in_angle.lsb_nm:
+        shares = max(in_angle.first_share, in_angle.second_share)
+        is_fine = in_angle.value_nm <= _AT_FLOOR_LSB * in_angle.lsb_nm
+        if is_fine and shares <= DERIVATIVE_SHARE / 2:
             break  # more knots cannot help any more
     return sorted(found)
 
 
-def _hopeful(geometry: Geometry, tolerance_nm: float) -> Iterator[SizeCandidate]:
+def _hopeful(geometry: Geometry, tolerance_nm: float, coarse: set[int]) -> Iterator[SizeCandidate]:
     """Yield the sizes whose estimates are within the tolerance, smallest first.
 
-    The best estimate of all comes last, so that a failed search still measures it.
+    The best estimate of all comes last, so that a failed search still measures it. Whoever measures
+    adds to `coarse` the knots per turn (log2) of which more slices do not help.
     """
     candidates, in_height = u_candidates(geometry), height_error(geometry)
-    within = (one for one in candidates if one.estimate_nm <= tolerance_nm)
+    within = (
+        one
+        for one in candidates
+        if one.estimate_nm <= tolerance_nm and one.log2_knots not in coarse
+    )
     for one in islice(within, _MAX_PROBES):
         found = probe(geometry, in_height, one.log2_knots, one.n_slices)
         value_nm, share = GRID_MARGIN * found.value_nm, GRID_MARGIN * found.share
@@ -135,12 +142,15 @@ def choose_u(geometry: Geometry, tolerance_nm: float) -> tuple[Channel, Accuracy
         With the best error that was found.
     """
     best_nm = inf
-    for candidate in islice(_hopeful(geometry, tolerance_nm), _MAX_MEASURES):
+    coarse: set[int] = set()
+    for candidate in islice(_hopeful(geometry, tolerance_nm, coarse), _MAX_MEASURES):
         channel = u_channel(geometry, candidate.log2_knots, candidate.n_slices)
         accuracy = measure_u(geometry, channel)
         share = max(accuracy.first_share, accuracy.second_share)
         if accuracy.value_nm <= tolerance_nm and share <= DERIVATIVE_SHARE:
             return channel, accuracy
+        if accuracy.value_nm <= tolerance_nm:
+            coarse.add(candidate.log2_knots)  # a derivative decides, and that by the angle
         best_nm = min(best_nm, accuracy.value_nm)
     raise UnreachableError("u", tolerance_nm, best_nm)
 

@@ -16,7 +16,7 @@ from typing import Protocol
 
 import numpy as np
 
-from camtools.base.quantities import FloatsLike, SectionValues
+from camtools.base.quantities import Floats, FloatsLike, SectionValues
 
 
 class Section(Protocol):
@@ -75,11 +75,12 @@ class DoubleEllipse:
 
     Attributes
     ----------
-    beta : float
-        Weight of the fourth harmonic; the flank is monotone for |beta| <= 6.25.
+    beta : float or ndarray
+        Weight of the fourth harmonic; the flank is monotone for |beta| <= 6.25. An array is
+        broadcast with the half axis.
     """
 
-    beta: float = 0.0
+    beta: FloatsLike = 0.0
     log2_repeat: int = 1
 
     def evaluate(
@@ -98,11 +99,85 @@ class DoubleEllipse:
         )
 
 
-def make_section(shape: str, beta: float) -> Section:
-    """Return the section of a part file's `shape`; beta counts for "double-ellipse" only."""
+@dataclass(frozen=True)
+class PowerOval:
+    """Oval whose reduction rises with a power of the sine, MATHS.md (75); 2 is the cosine form.
+
+    Attributes
+    ----------
+    exponent : float or ndarray
+        2 .. 8: the larger it is, the longer the contact at the long axis. An array is broadcast
+        with the half axis.
+    """
+
+    exponent: FloatsLike = 2.0
+    log2_repeat: int = 1
+
+    def evaluate(
+        self, phi_rad: FloatsLike, radius_mm: FloatsLike, ovality_mm: FloatsLike
+    ) -> SectionValues:
+        """Return radius reduction and derivatives; see `DoubleEllipse.evaluate`."""
+        phi, g = np.asarray(phi_rad), np.asarray(ovality_mm)
+        half_g = g / 2 + 0 * np.asarray(radius_mm)
+        t, t1, t2 = np.sin(phi) ** 2, np.sin(2 * phi), 2 * np.cos(2 * phi)
+        t3 = -4 * t1
+        f, f1, f2, f3 = power_of_square(t, np.asarray(self.exponent, dtype=np.float64) / 2)
+        return SectionValues(
+            half_g * f,
+            half_g * f1 * t1,
+            half_g * (f2 * t1**2 + f1 * t2),
+            half_g * (f3 * t1**3 + 3 * f2 * t1 * t2 + f1 * t3),
+        )
+
+
+SMOOTH_DEG = 15.0  # from the long axis up to here a power is made smooth
+_SMOOTH = float(np.sin(np.radians(SMOOTH_DEG)) ** 2)
+
+
+def power_of_square(t: Floats, power: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+    """Return f(t) and three derivatives: t^m, but a polynomial below sin^2 15 deg, MATHS.md (75).
+
+    Parameters
+    ----------
+    t : ndarray
+        sin^2 of the angle from the long axis.
+    power : ndarray
+        m, half of the exponent, 1 .. 4; broadcast with t.
+    """
+    t, m = np.broadcast_arrays(t, power)
+    x = t / _SMOOTH
+    weights = [
+        -(m - 2) * (m - 3) * (m - 4) / 6,
+        (m - 1) * (m - 3) * (m - 4) / 2,
+        -(m - 1) * (m - 2) * (m - 4) / 2,
+        (m - 1) * (m - 2) * (m - 3) / 6,
+    ]
+    far = np.maximum(x, 1.0)
+    found = []
+    falling = np.ones_like(m)  # m (m - 1) .. of the derivative
+    for n in range(4):
+        power_law = falling * far ** (m - n)
+        near = np.zeros_like(m)
+        for k, weight in enumerate(weights, start=1):
+            if k >= n:
+                near = near + weight * np.prod(np.arange(k - n + 1, k + 1)) * x ** (k - n)
+        found.append(np.where(x < 1, near, power_law) * _SMOOTH ** (m - n))
+        falling = falling * (m - n)
+    return found[0], found[1], found[2], found[3]
+
+
+def make_section(shape: str, parameter: FloatsLike) -> Section:
+    """Return the section of a part file's `shape`.
+
+    Parameters
+    ----------
+    parameter : float or ndarray
+        beta of "double-ellipse", the exponent of "power"; without meaning for the others.
+    """
     sections: dict[str, Section] = {
         "ellipse": Ellipse(),
         "cosine": DoubleEllipse(0.0),
-        "double-ellipse": DoubleEllipse(beta),
+        "double-ellipse": DoubleEllipse(parameter),
+        "power": PowerOval(parameter),
     }
     return sections[shape]

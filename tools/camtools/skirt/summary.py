@@ -20,6 +20,8 @@ from camtools.skirt.design import design_of, target_of
 from camtools.skirt.generate import GeneratedSkirt, peaks_of_table
 from camtools.skirt.geometry import Geometry, dense_heights_mm
 from camtools.skirt.heel import Heel
+from camtools.skirt.run_in import HeldSurface
+from camtools.skirt.sides import SidesSurface, as_drawn
 from camtools.skirt.speed import summary_of
 from camtools.table.evaluate import Continuity, jumps
 from camtools.table.image import KIND_U, KIND_X, Channel
@@ -120,6 +122,17 @@ def _refit(corner: Corner) -> Json:
     }
 
 
+def where_sides_meet(geometry: Geometry) -> Json | None:
+    """Return where two sides meet and by how much they differ there, nothing of other sections."""
+    held = geometry.surface
+    sides = as_drawn(held.inner if isinstance(held, HeldSurface) else held)
+    if not isinstance(sides, SidesSurface) or sides.antithrust is None:
+        return None
+    z_mm = dense_heights_mm(geometry, _PEAK_HEIGHTS_PER_PIECE)
+    inside = (z_mm >= geometry.skirt_mm[0]) & (z_mm <= geometry.skirt_mm[1])
+    return {"meet": sides.meet, "step_um": sides.step_mm(z_mm[inside]) * 1000}
+
+
 def _extras(result: GeneratedSkirt) -> Json:
     """Return what only some parts have: a corner, measured points, a modulated spindle."""
     extras: Json = {}
@@ -127,6 +140,8 @@ def _extras(result: GeneratedSkirt) -> Json:
         extras["refit"] = _refit(result.geometry.corner)
     if result.geometry.off_points_um is not None:
         extras["scan"] = {"off_points_um": result.geometry.off_points_um}
+    if (meeting := where_sides_meet(result.geometry)) is not None:
+        extras["sides"] = meeting
     if result.speed is not None:
         extras["equal_volume"] = summary_of(result.speed, result.part, result.geometry)
     return extras
