@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "camsim.h"
+#include "sim_cut_pass.h"     // sim_cut_pass_result
 #include "sim_lobe_cut.h"     // sim_lobe_cut_due_mm_s
 #include "sim_lobe_summary.h" // sim_lobe_off_plan_percent
 #include <stdio.h>            // printf
@@ -33,6 +34,18 @@ static void print_lobes(const sim_session_t *s)
     }
 }
 
+static void print_passes(const sim_cut_t *cut)
+{
+    const uint32_t n = cut->session.table.n_passes;
+    for (uint32_t i = cut->first_pass; n > 0u && i <= cut->pass; i++) {
+        const sim_pass_result_t r = i < cut->pass ? cut->result[i] : sim_cut_pass_result(cut);
+        (void)printf("pass %u of %u     %.6g r/min, feed %.6g mm, depth %.4f .. %.4f mm, leaves "
+                     "%.6g um: max %.4f um\n",
+                     (unsigned)i + 1u, (unsigned)n, r.rpm, r.feed_mm, r.depth_min_mm,
+                     r.depth_max_mm, r.allowance_mm * 1e3, r.max_um);
+    }
+}
+
 void camsim_print_cut(const sim_cut_t *cut, double wall_s)
 {
     const sim_session_t *s = &cut->session;
@@ -53,6 +66,7 @@ void camsim_print_cut(const sim_cut_t *cut, double wall_s)
     } else {
         (void)printf("form error      not gauged: nothing was cut to full depth\n");
     }
+    print_passes(cut);
     print_lobes(s);
     (void)printf("machine time    %.3f s in %.3f s, %.2f million ticks/s\n", cut->port.time_s,
                  wall_s, wall_s > 0.0 ? (double)cut->n_ticks / wall_s * 1e-6 : 0.0);
@@ -114,6 +128,11 @@ int camsim_judge_cut(const sim_cut_t *cut, const char *table)
                            table, cut->max_s, cam_state_name(cut->state));
     } else if (!sim_cut_is_gauged(cut)) {
         explain_not_gauged(cut, table, &e);
+    } else if (!sim_cut_left_stock(cut)) {
+        (void)common_error(&e,
+                           "%s: a pass before the last one cut below the drawing by more than "
+                           "--tolerance-um %.6g; leave more allowance_um, or cut it slower",
+                           table, s->options.tolerance_um);
     } else {
         (void)common_error(&e, "%s: form error %.3f um is beyond --tolerance-um %.6g; %s", table,
                            s->work.max_um, s->options.tolerance_um,

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_cut.h"
-#include "sim_units.h" // sim_fraction
-#include <math.h>      // ceil, sqrt
-#include <stdlib.h>    // free
+#include "sim_cut_pass.h" // sim_cut_next_pass
+#include "sim_units.h"    // sim_fraction
+#include <math.h>         // ceil, sqrt
+#include <stdlib.h>       // free
 
 /// A real main loop does its background work whenever the interrupt leaves time. Here it is done
 /// rarely, since a kilobyte of CRC costs as much as 10 ticks: a damaged table of 16 KB is found
@@ -14,11 +15,15 @@ const cam_status_t *sim_cut_status(const sim_cut_t *cut)
     return &cut->firmware.status;
 }
 
+/// @return [nm] feed per turn of a pass
+static double feed_nm_of(const cam_table_t *table, const cam_params_t *here)
+{
+    return here->feed_nm > 0 ? here->feed_nm : (double)table->feed_nm;
+}
+
 double sim_cut_feed_mm(const sim_cut_t *cut)
 {
-    const double feed_nm =
-        cut->params.feed_nm > 0 ? cut->params.feed_nm : (double)cut->session.table.feed_nm;
-    return feed_nm / SIM_NM_PER_MM;
+    return feed_nm_of(&cut->session.table, &cut->here) / SIM_NM_PER_MM;
 }
 
 bool sim_cut_has_rings(const sim_cut_t *cut)
@@ -26,15 +31,20 @@ bool sim_cut_has_rings(const sim_cut_t *cut)
     return cut->session.table.is_ring_helix && cut->params.z_is_measured == 0;
 }
 
-double sim_cut_planned_turns(const sim_cut_t *cut)
+double sim_cut_turns_of(const cam_table_t *table, const cam_params_t *here)
 {
-    const double span_nm = (double)cut->session.table.z_last_nm - cut->session.table.z_first_nm;
-    const double fed = span_nm / (sim_cut_feed_mm(cut) * SIM_NM_PER_MM);
-    if (sim_cut_has_rings(cut)) {
+    const double span_nm = (double)table->z_last_nm - table->z_first_nm;
+    const double fed = span_nm / feed_nm_of(table, here);
+    if (table->is_ring_helix && here->z_is_measured == 0) {
         return 2.0 * ceil(fed) + 1.0;
     }
-    const double ramp = cut->params.z_is_measured != 0 ? 0.0 : cut->params.feed_ramp_turns;
+    const double ramp = here->z_is_measured != 0 ? 0.0 : here->feed_ramp_turns;
     return fed + (ramp < fed ? ramp : fed); // the rising and the falling half
+}
+
+double sim_cut_planned_turns(const sim_cut_t *cut)
+{
+    return sim_cut_turns_of(&cut->session.table, &cut->here);
 }
 
 uint32_t sim_cut_lobe_without_turn(const sim_cut_t *cut)
@@ -59,7 +69,7 @@ bool sim_cut_is_gauged(const sim_cut_t *cut)
 bool sim_cut_is_good(const sim_cut_t *cut)
 {
     return cut->end == sim_cut_done && sim_cut_is_gauged(cut) &&
-           cut->session.work.max_um <= cut->session.options.tolerance_um;
+           cut->session.work.max_um <= cut->session.options.tolerance_um && sim_cut_left_stock(cut);
 }
 
 double sim_cut_rpm(const sim_cut_t *cut)
@@ -84,6 +94,7 @@ static bool measure_removal(sim_cut_t *cut)
                          sim_abs(sim_session_turn(s) - s->touched_at_turn) > 1.0 &&
                          s->cut_turns < sim_cut_planned_turns(cut) - ramp;
     const double sense = s->table.direction; // the measurement wants an angle that rises
+    cut->removal.config.blank_mm = s->work.blank_mm;
     const bool has_slice = sim_removal_touch(&cut->removal, s->at.t_s, sense * sim_session_turn(s),
                                              s->z_mm, s->radius_mm, is_full && !cut->is_stopped);
     cut->removal.slice.turn *= has_slice ? sense : 1.0; // back to the drawing's
@@ -169,7 +180,11 @@ static void operate(sim_cut_t *cut)
         cut->is_started = err == cam_ok;
         take_answer(cut, err);
     } else if (status.state == cam_state_ready && (s->cut_at_s >= 0.0 || cut->is_stopped)) {
-        cut->end = sim_cut_done;
+        if (sim_cut_has_next_pass(cut)) {
+            sim_cut_next_pass(cut);
+        } else {
+            cut->end = sim_cut_done;
+        }
     }
     if (cut->options.max_turns > 0.0 && s->cut_turns >= cut->options.max_turns &&
         !cut->is_stopped) {

@@ -49,6 +49,19 @@ typedef enum {
     sim_cut_lost,    ///< the target does not answer any more; sim_firmware_is_lost() says why
 } sim_cut_end_t;
 
+/// What a pass came to.
+typedef struct {
+    uint64_t n;          ///< samples
+    double allowance_mm; ///< stock that it had to leave
+    double rpm, feed_mm, turns;
+    double end_s;          ///< [s] machine time at its end
+    double max_um, rms_um; ///< form error against the drawing and the stock
+    double gouge_um;       ///< deepest cut below them, in any state
+    double depth_min_mm, depth_max_mm;
+    double removed_mm3;
+    sim_spread_t rate, chip_force;
+} sim_pass_result_t;
+
 typedef struct {
     sim_cut_options_t options; ///< those of the session are in force there
     sim_session_t session;
@@ -56,7 +69,10 @@ typedef struct {
     sim_removal_t removal; ///< of a skirt only
     bool has_slice;        ///< the last tick finished a slice of the removal
     sim_firmware_t firmware;
-    cam_params_t params; ///< in force
+    cam_params_t params; ///< as set
+    cam_params_t here;   ///< with the numbers of the pass that is cut
+    uint32_t first_pass, pass;
+    sim_pass_result_t result[cam_table_max_passes]; ///< of those before it
     cam_feasibility_t feasibility;
     double max_s;
     // progress
@@ -94,6 +110,13 @@ const cam_status_t *sim_cut_status(const sim_cut_t *cut);
 
 /// @return [mm] feed per turn in force; of a ring-helix the distance of its rings
 double sim_cut_feed_mm(const sim_cut_t *cut);
+
+/// Place the window of the surface between tracks anew, for the feed of a pass.
+void sim_cut_place_scallop(sim_cut_t *cut);
+
+/// @param here  parameters of a pass
+/// @return      [turn] length of its cutting state as planned
+double sim_cut_turns_of(const cam_table_t *table, const cam_params_t *here);
 
 /// @return true when Z is geared along a ring-helix
 bool sim_cut_has_rings(const sim_cut_t *cut);

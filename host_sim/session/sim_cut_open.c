@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_cut.h"
+#include "sim_cut_pass.h" // sim_cut_plan_pass
 #include "cam_feed.h"     // cam_feed_least_nm
 #include "sim_lobe_cut.h" // sim_lobe_cut_begin
 #include "sim_slow.h"     // sim_slow_check
@@ -160,9 +161,13 @@ static bool infeasible(const sim_cut_t *cut, common_error_t *e)
         return common_error(e, "--set amplitude_ppm=%lld: infeasible: %s; give at least %lld",
                             (long long)f->limit, cam_err_text(f->err), (long long)f->needed);
     }
-    return common_error(e, "--rpm %.12g: infeasible: %s: needs %.12g %s, limit %.12g %s; %s",
-                        f->speed_mrpm * 1e-3, cam_err_text(f->err), (double)f->needed * scale, unit,
-                        (double)f->limit * scale, unit, remedy);
+    char pass[24] = "";
+    if (f->pass > 0u) {
+        (void)snprintf(pass, sizeof pass, "pass %u: ", (unsigned)f->pass);
+    }
+    return common_error(e, "%s--rpm %.12g: infeasible: %s: needs %.12g %s, limit %.12g %s; %s",
+                        pass, f->speed_mrpm * 1e-3, cam_err_text(f->err), (double)f->needed * scale,
+                        unit, (double)f->limit * scale, unit, remedy);
 }
 
 static bool check_injects(const sim_session_t *s, size_t size, common_error_t *e)
@@ -177,9 +182,6 @@ static bool check_injects(const sim_session_t *s, size_t size, common_error_t *e
     }
     return true;
 }
-
-/// The papers measure 30 slices in a quarter turn.
-enum { slices_per_turn = 120 };
 
 /// Feeds in the window of the map when none is given.
 enum { scallop_feeds = 4 };
@@ -208,6 +210,12 @@ static bool place_scallop(sim_cut_t *cut, common_error_t *e)
     sim_scallop_init(&cut->session.scallop, o->nose_mm, from_mm, to_mm < high_mm ? to_mm : high_mm,
                      cut->session.work.blank_mm);
     return true;
+}
+
+void sim_cut_place_scallop(sim_cut_t *cut)
+{
+    common_error_t ignored; // the window has been inside the part before
+    (void)place_scallop(cut, &ignored);
 }
 
 /// Put the blank into the lathe and the lathe behind the port, and prepare the gauges.
@@ -247,24 +255,20 @@ static bool set_up_firmware(sim_cut_t *cut, size_t size, const char *name, commo
 /// Derive times and slices from the speed that the firmware takes.
 static void plan(sim_cut_t *cut)
 {
-    const sim_cut_options_t *o = &cut->options;
     sim_session_t *s = &cut->session;
-    const double turn_s = 60e3 / cut->feasibility.speed_mrpm;
-    const sim_removal_config_t removal = {
-        .blank_mm = s->work.blank_mm,
-        .feed_mm = sim_cut_feed_mm(cut),
-        .slice_s = o->slice_s > 0.0 ? o->slice_s : turn_s / slices_per_turn,
-        .kc_n_mm2 = o->kc_n_mm2,
-    };
-    sim_removal_init(&cut->removal, &removal);
+    sim_cut_plan_pass(cut);
     // Twice the turns from engaging to the end, and a minute, for spin-up and homing.
-    const double turns =
-        cut->params.engage_turns + sim_cut_planned_turns(cut) + cut->params.disengage_turns;
-    cut->max_s = s->options.max_s > 0.0 ? s->options.max_s : 2.0 * turns * turn_s + 60.0;
+    cut->max_s = s->options.max_s > 0.0 ? s->options.max_s : 2.0 * sim_cut_planned_s(cut) + 60.0;
     s->phase_turn = cut->params.phase_udeg / SIM_UDEG_PER_TURN;
-    s->mean_rad_s = cut->feasibility.speed_mrpm * (SIM_TWO_PI / 60e3);
     cut->until_poll = sim_cut_poll_ticks;
     cut->state = cam_state_off;
+}
+
+/// Prepare the first pass, whose feed the rings and the window of the tracks depend on.
+static bool prepare_pass(sim_cut_t *cut, common_error_t *e)
+{
+    sim_cut_first_pass(cut);
+    return check_rings(cut, e) && place(cut, e);
 }
 
 static bool prepare(sim_cut_t *cut, const void *image, size_t size, const char *name,
@@ -276,7 +280,7 @@ static bool prepare(sim_cut_t *cut, const void *image, size_t size, const char *
            check_injects(s, size, e) && sim_session_load_design(s, e) &&
            sim_lobe_cut_check(s, cut->options.tip_mm, name, e) &&
            sim_controller_params(&cut->params, &s->options.config.lathe, &wishes, e) &&
-           check_rings(cut, e) && place(cut, e) && set_up_firmware(cut, size, name, e);
+           prepare_pass(cut, e) && set_up_firmware(cut, size, name, e);
 }
 
 bool sim_cut_open(sim_cut_t *cut, const sim_cut_options_t *options, const void *image, size_t size,

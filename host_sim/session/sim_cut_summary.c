@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_cut_summary.h"
+#include "sim_cut_pass.h"     // sim_cut_pass_result
 #include "sim_lobe_summary.h" // sim_lobe_summary
 #include "sim_summary.h"      // sim_summary_number
 #include "sim_units.h"        // SIM_TWO_PI
@@ -158,6 +159,42 @@ static void add_injects(cJSON *root, const sim_cut_t *cut)
     }
 }
 
+static void add_pass(cJSON *list, const sim_cut_t *cut, uint32_t i)
+{
+    const sim_pass_result_t r = i < cut->pass ? cut->result[i] : sim_cut_pass_result(cut);
+    const double gouge_um = r.gouge_um - r.allowance_mm * 1e3;
+    cJSON *object = cJSON_CreateObject();
+    sim_summary_number(object, "pass", i + 1.0);
+    sim_summary_number(object, "allowance_um", r.allowance_mm * 1e3);
+    sim_summary_number(object, "spindle_rpm", r.rpm);
+    sim_summary_number(object, "feed_mm", r.feed_mm);
+    sim_summary_number(object, "turns", r.turns);
+    sim_summary_number(object, "end_s", r.end_s);
+    sim_summary_number(object, "samples", (double)r.n);
+    cJSON *form = cJSON_AddObjectToObject(object, "form_error_um");
+    sim_summary_number(form, "max", r.max_um);
+    sim_summary_number(form, "rms", r.rms_um);
+    sim_summary_number(object, "below_drawing_um", gouge_um > 0.0 ? gouge_um : 0.0);
+    sim_summary_number(object, "depth_min_mm", r.depth_min_mm);
+    sim_summary_number(object, "depth_max_mm", r.depth_max_mm);
+    sim_summary_number(object, "volume_mm3", r.removed_mm3);
+    add_spread(object, "rate_mm3_s", &r.rate);
+    add_spread(object, "chip_force_n", &r.chip_force);
+    (void)cJSON_AddItemToArray(list, object);
+}
+
+/// Form error of a pass: against the drawing and the stock that it has to leave.
+static void add_passes(cJSON *root, const sim_cut_t *cut)
+{
+    if (cut->session.table.n_passes == 0u) {
+        return;
+    }
+    cJSON *list = cJSON_AddArrayToObject(root, "passes");
+    for (uint32_t i = cut->first_pass; i <= cut->pass; i++) {
+        add_pass(list, cut, i);
+    }
+}
+
 bool sim_cut_summary(sim_out_t *o, sim_cut_t *cut, const char *table_path, double wall_s)
 {
     cJSON *root = cJSON_CreateObject();
@@ -168,6 +205,7 @@ bool sim_cut_summary(sim_out_t *o, sim_cut_t *cut, const char *table_path, doubl
     add_faults(root, cut);
     sim_summary_errors(root, &cut->session);
     add_cut(root, cut);
+    add_passes(root, cut);
     add_feasibility(root, cut);
     add_tool(root, &cut->session);
     sim_lobe_summary(root, &cut->session);

@@ -12,6 +12,7 @@ bool sim_session_open(sim_session_t *s, const sim_session_options_t *options, co
     s->options = *options;
     s->n_waiting = options->n_injects;
     s->cut_at_s = -1.0;
+    s->began_at_s = -1.0;
     // The firmware demands an aligned image, aligned_alloc() a size that is a multiple of it.
     s->image = aligned_alloc(32, (size + 31u) / 32u * 32u + 32u);
     if (s->image == NULL) {
@@ -64,21 +65,39 @@ void sim_session_place(sim_session_t *s, double *x_nm, double *z_nm)
     sim_control_init(&s->control, s->design.z_first_mm, s->design.z_last_mm);
 }
 
-/// Gauge the tip of a skirt's tool against the drawing and against what the table plays.
+/// Gauge the tip of a skirt's tool against the drawing and against what the table plays, with the
+/// stock that the pass has to leave.
 static void gauge_skirt(sim_session_t *s)
 {
     bool is_beside;
     s->radius_mm = (s->at.x_nm - s->at.u_nm) * 1e-6 + s->options.config.lathe.tool_wear_um * 1e-3;
-    s->exact_mm = sim_nose_radius_mm(&s->nose, &s->design, s->part_turn, s->z_mm, &is_beside);
+    const double drawn_mm =
+        sim_nose_radius_mm(&s->nose, &s->design, s->part_turn, s->z_mm, &is_beside);
+    s->exact_mm = drawn_mm + s->allowance_mm;
+    s->work.blank_mm = s->has_stock ? drawn_mm + s->stock_mm : s->work.blank_mm;
     const bool is_made = !is_beside || s->radius_mm < s->exact_mm;
     sim_work_touch(&s->work, s->part_turn, s->z_mm, s->radius_mm, s->exact_mm,
                    s->is_cutting && is_made);
     if (s->has_target && s->is_cutting && is_made) {
         const double played_mm =
             sim_nose_radius_mm(&s->nose, &s->target, s->part_turn, s->z_mm, &is_beside);
-        sim_control_touch(&s->control, s->part_turn, s->z_mm, s->radius_mm - played_mm);
+        sim_control_touch(&s->control, s->part_turn, s->z_mm,
+                          s->radius_mm - played_mm - s->allowance_mm);
     }
     sim_scallop_touch(&s->scallop, sim_session_played(s), s->part_turn, s->z_mm, s->radius_mm);
+}
+
+void sim_session_begin_pass(sim_session_t *s)
+{
+    sim_work_init(&s->work, s->work.blank_mm, s->design.z_first_mm, s->design.z_last_mm);
+    s->cut_at_s = -1.0;
+    s->cut_turns = 0.0;
+    s->cut_s = 0.0;
+    s->has_touched = false;
+    s->following_max_um = 0.0;
+    s->following_sum_um2 = 0.0;
+    s->n_following = 0;
+    s->control = (sim_control_t){0};
 }
 
 double sim_session_turn(const sim_session_t *s)
@@ -109,6 +128,7 @@ void sim_session_touch(sim_session_t *s, const sim_sample_t *at, bool is_cutting
     }
     if (s->cut_at_s < 0.0) {
         s->cut_at_s = at->t_s;
+        s->began_at_s = s->began_at_s < 0.0 ? at->t_s : s->began_at_s;
         s->cut_at_turn = at->turn;
     }
     s->cut_s = at->t_s - s->cut_at_s;
@@ -124,7 +144,7 @@ const sim_inject_t *sim_session_next_inject(sim_session_t *s, double now_s)
     for (uint32_t i = 0; s->n_waiting > 0u && i < s->options.n_injects; i++) {
         sim_inject_t *what = &s->options.inject[i];
         // Times count from the first sample of cutting; before it none of these is due.
-        const double zero_s = what->is_absolute ? 0.0 : s->cut_at_s;
+        const double zero_s = what->is_absolute ? 0.0 : s->began_at_s;
         if (!what->is_done && zero_s >= 0.0 && now_s >= zero_s + what->at_s) {
             what->is_done = true;
             s->n_waiting--;

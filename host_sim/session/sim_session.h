@@ -51,10 +51,15 @@ typedef struct {
     sim_lobe_work_t lobes; ///< of lobes only
     double phase_turn;     ///< [turn] rotates the oval on the part
     double mean_rad_s;     ///< [rad/s] mean speed of the spindle that was commanded; 0: not known
+    // of several passes
+    double allowance_mm; ///< stock on the radius that this pass leaves
+    double stock_mm;     ///< ... that the pass before has left, where has_stock
+    bool has_stock;      ///< the blank of this pass is the drawing and that stock, no cylinder
     // progress
-    uint32_t n_waiting;      ///< injections that have not happened
-    double cut_at_s;         ///< time of the first sample of cutting; below 0: not yet
-    double cut_at_turn;      ///< true angle there
+    double began_at_s;  ///< time of the first sample of cutting of all passes; below 0: not yet
+    uint32_t n_waiting; ///< injections that have not happened
+    double cut_at_s;    ///< time of the first sample of cutting; below 0: not yet
+    double cut_at_turn; ///< true angle there
     double cut_turns, cut_s; ///< angle and time since then, while cutting
     // following error of U while cutting
     double following_max_um, following_sum_um2;
@@ -85,6 +90,9 @@ sim_design_t *sim_session_played(sim_session_t *s);
 /// Put the blank into the lathe.
 /// @param x_nm, z_nm  where X and Z stand at the start: off the blank, before the first height
 void sim_session_place(sim_session_t *s, double *x_nm, double *z_nm);
+
+/// Prepare the gauges for the next pass; the injections go on.
+void sim_session_begin_pass(sim_session_t *s);
 
 /// Take a sample of the tool: gauge it and count the progress.
 /// @param is_cutting    full amplitude and depth; on the part the sample belongs to the surface

@@ -22,6 +22,10 @@ bool sim_watch_open(sim_watch_t *w, const sim_watch_options_t *options, const vo
         is_good = common_error(
             e, "%s: is the table of a cam, for which the bus has no gauge; use camsim run", name);
     }
+    if (is_good && s->table.n_passes > 1u) {
+        is_good = common_error(
+            e, "%s: has several passes, for which the bus has no gauge; use camsim run", name);
+    }
     if (!is_good || !sim_session_load_design(s, e)) {
         sim_session_close(s);
         return false;

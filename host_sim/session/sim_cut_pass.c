@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sim_cut_pass.h"
+#include "cam_pass.h"     // cam_pass_params
+#include "sim_lobe_cut.h" // sim_lobe_cut_begin
+#include "sim_units.h"    // SIM_NM_PER_MM, SIM_TWO_PI
+
+/// The papers measure 30 slices in a quarter turn.
+enum { slices_per_turn = 120 };
+
+/// @return [mm] stock that a pass leaves
+static double allowance_mm(const sim_cut_t *cut, uint32_t pass)
+{
+    const cam_table_t *table = &cut->session.table;
+    return table->passes != NULL ? table->passes[pass].allowance_nm / SIM_NM_PER_MM : 0.0;
+}
+
+/// @return [r/min / 1000] mean speed of a pass
+static double mrpm_of(const cam_table_t *table, const cam_params_t *here)
+{
+    return here->spindle_mrpm > 0 ? (double)here->spindle_mrpm : (double)table->spindle_mrpm;
+}
+
+/// Prepare the gauges for a pass.
+static void take_pass(sim_cut_t *cut, uint32_t pass)
+{
+    sim_session_t *s = &cut->session;
+    cut->pass = pass;
+    cut->here = cam_pass_params(&cut->params, &s->table, pass);
+    s->allowance_mm = allowance_mm(cut, pass);
+    s->has_stock = pass > 0u;
+    s->stock_mm = pass > 0u ? allowance_mm(cut, pass - 1u) : 0.0;
+}
+
+void sim_cut_first_pass(sim_cut_t *cut)
+{
+    take_pass(cut, cam_pass_first(&cut->params, &cut->session.table));
+    cut->first_pass = cut->pass;
+}
+
+void sim_cut_plan_pass(sim_cut_t *cut)
+{
+    const sim_cut_options_t *o = &cut->options;
+    const sim_removal_config_t removal = {
+        .blank_mm = cut->session.work.blank_mm,
+        .feed_mm = sim_cut_feed_mm(cut),
+        .slice_s = o->slice_s > 0.0
+                       ? o->slice_s
+                       : 60e3 / mrpm_of(&cut->session.table, &cut->here) / slices_per_turn,
+        .kc_n_mm2 = o->kc_n_mm2,
+    };
+    sim_removal_init(&cut->removal, &removal);
+    cut->session.mean_rad_s = mrpm_of(&cut->session.table, &cut->here) * (SIM_TWO_PI / 60e3);
+}
+
+double sim_cut_planned_s(const sim_cut_t *cut)
+{
+    const cam_table_t *table = &cut->session.table;
+    double planned_s = 0.0;
+    for (uint32_t i = cut->first_pass; i < cam_pass_count(table); i++) {
+        const cam_params_t here = cam_pass_params(&cut->params, table, i);
+        const double turns =
+            here.engage_turns + sim_cut_turns_of(table, &here) + here.disengage_turns;
+        planned_s += turns * 60e3 / mrpm_of(table, &here);
+    }
+    return planned_s;
+}
+
+bool sim_cut_has_next_pass(const sim_cut_t *cut)
+{
+    const bool is_whole = !cut->is_stopped || cut->params.z_is_measured != 0;
+    return is_whole && cut->params.pass == 0 && cut->session.cut_at_s >= 0.0 &&
+           cut->pass + 1u < cam_pass_count(&cut->session.table);
+}
+
+sim_pass_result_t sim_cut_pass_result(const sim_cut_t *cut)
+{
+    const sim_session_t *s = &cut->session;
+    return (sim_pass_result_t){
+        .n = s->work.n,
+        .allowance_mm = s->allowance_mm,
+        .rpm = mrpm_of(&cut->session.table, &cut->here) * 1e-3,
+        .feed_mm = sim_cut_feed_mm(cut),
+        .turns = s->cut_turns,
+        .end_s = cut->port.time_s,
+        .max_um = s->work.max_um,
+        .rms_um = sim_work_rms_um(&s->work),
+        .gouge_um = s->work.gouge_um,
+        .depth_min_mm = s->work.depth_min_mm,
+        .depth_max_mm = s->work.depth_max_mm,
+        .removed_mm3 = cut->removal.removed_mm3,
+        .rate = cut->removal.rate,
+        .chip_force = cut->removal.chip_force,
+    };
+}
+
+void sim_cut_next_pass(sim_cut_t *cut)
+{
+    sim_session_t *s = &cut->session;
+    sim_firmware_poll(&cut->firmware);
+    const cam_feasibility_t found = sim_firmware_feasibility(&cut->firmware);
+    if (found.pass != cut->pass + 2u) {
+        return;
+    }
+    cut->result[cut->pass] = sim_cut_pass_result(cut);
+    cut->feasibility = found;
+    take_pass(cut, cut->pass + 1u);
+    sim_session_begin_pass(s);
+    sim_cut_place_scallop(cut);
+    sim_cut_plan_pass(cut);
+    cut->is_started = false;
+    cut->is_stopped = false;
+}
+
+bool sim_cut_left_stock(const sim_cut_t *cut)
+{
+    bool is_left = true;
+    for (uint32_t i = cut->first_pass; i < cut->pass; i++) {
+        const sim_pass_result_t *r = &cut->result[i];
+        const double below_um = r->gouge_um - r->allowance_mm * 1e3;
+        is_left = is_left && below_um <= cut->session.options.tolerance_um;
+    }
+    return is_left;
+}
