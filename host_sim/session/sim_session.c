@@ -97,7 +97,7 @@ void sim_session_begin_pass(sim_session_t *s)
     s->following_max_um = 0.0;
     s->following_sum_um2 = 0.0;
     s->n_following = 0;
-    s->control = (sim_control_t){0};
+    sim_control_init(&s->control, s->design.z_first_mm, s->design.z_last_mm);
 }
 
 double sim_session_turn(const sim_session_t *s)
