@@ -176,3 +176,24 @@ def test_target_is_there_only_where_it_differs() -> None:
     result = generate(load_part(WEICHAI))
     assert target_of(result)["target"]["shape"] == "surface"
     assert target_of(generate(load_part(ROOT / "tools" / "parts" / "double_ellipse.toml"))) == {}
+
+
+@pytest.mark.parametrize("ends", ["mirror", "as-paper"])
+def test_cubic_refit_makes_a_table(ends: str, tmp_path: Path) -> None:
+    """The table meets the drawing at whole degrees off the joint, which the cubic runs through.
+
+    Its second derivative has a kink at each of them and is met to 5 % of its peak.
+    """
+    part = with_refit(spline="cubic", delete=[3, 3], ends=ends)
+    result = generate(part)
+    assert result.accuracy_u.first_share <= 1e-3
+    assert result.accuracy_u.second_share <= 0.05
+    for file, data in Made(KIND, result).files(with_plots=False).items():
+        (tmp_path / file).write_bytes(data)
+    deg = np.array([*range(1, 44), *range(53, 90)], dtype=float)
+    points = "turn,z_mm\n" + "".join(f"{one / 360:.12f},40\n" for one in deg)
+    done = camsim("eval", tmp_path / "weichai3a.camtab", stdin=points)
+    rows = list(csv.DictReader(done.stdout.splitlines()))
+    radius_mm = np.array([float(row["x_nm"]) - float(row["u_nm"]) for row in rows]) * 1e-6
+    drawn_mm = drawn_radius_mm(deg / 360, np.full(deg.shape, 40.0))
+    np.testing.assert_allclose(radius_mm, drawn_mm, atol=10e-6)

@@ -84,7 +84,7 @@ class Probe(NamedTuple):
     """Error of an unquantised table at its worst heights."""
 
     value_nm: float
-    share: float  # of the first or second derivative, whichever is the larger share of its peak
+    shares: tuple[float, float]  # errors of the first and second derivative over their peaks
 
 
 def probe(geometry: Geometry, estimate: HeightError, log2_knots: int, n_slices: int) -> Probe:
@@ -107,7 +107,10 @@ def probe(geometry: Geometry, estimate: HeightError, log2_knots: int, n_slices: 
     exact = geometry.delta(phi_rad, (first_nm + probes_nm[:, None]) / NM_PER_MM)
     got = np.einsum("zkc,dct->dzkt", blended, power_rows(PLACES)).reshape(3, *exact.delta.shape)
     errors = [float(np.abs(got[n] / h**n - exact[n]).max()) for n in range(3)]
-    shares = [
-        error / peak for error, peak in zip(errors[1:], estimate.peaks_mm, strict=True) if peak
+    peaks = [
+        max(peak, float(np.abs(exact[n]).max())) for n, peak in enumerate(estimate.peaks_mm, 1)
     ]
-    return Probe(errors[0] * NM_PER_MM, max(shares, default=0.0))
+    first, second = (
+        error / peak if peak else 0.0 for error, peak in zip(errors[1:], peaks, strict=True)
+    )
+    return Probe(errors[0] * NM_PER_MM, (first, second))

@@ -39,6 +39,7 @@ from camtools.table.quantise import TooLargeError
 from camtools.table.records import KNOT_SIZE
 
 DERIVATIVE_SHARE = 1e-3
+CUBIC_SHARE = 0.05  # of the second derivative of a cubic refit, which has a kink at every point
 _MAX_PROBES, _MAX_MEASURES = 4000, 20
 _AT_FLOOR_LSB = 2.5
 _NEAR_BEST = 1.25
@@ -76,6 +77,21 @@ def angle_error(geometry: Geometry, log2_knots: int) -> Accuracy:
     return measure_u(geometry, channel, np.linspace(first, last, n_slices))
 
 
+def second_share_of(geometry: Geometry) -> float:
+    """Return the error of the second derivative that is allowed, as a share of its peak.
+
+    A cubic spline is C2: its second derivative has kinks, which quintics of the table round.
+    """
+    corner = geometry.corner
+    is_cubic = corner is not None and corner.recipe is not None and corner.recipe.spline == "cubic"
+    return CUBIC_SHARE if is_cubic else DERIVATIVE_SHARE
+
+
+def _keeps_derivatives(geometry: Geometry, first: float, second: float) -> bool:
+    """Return whether shares of the derivatives' peaks are small enough."""
+    return first <= DERIVATIVE_SHARE and second <= second_share_of(geometry)
+
+
 class SizeCandidate(NamedTuple):
     """A size of the u channel and what its error might be."""
 
@@ -98,7 +114,7 @@ def u_candidates(geometry: Geometry) -> list[SizeCandidate]:
             in_angle = angle_error(geometry, log2_knots)
         except TooLargeError:
             continue
-        if max(in_angle.first_share, in_angle.second_share) > DERIVATIVE_SHARE:
+        if not _keeps_derivatives(geometry, in_angle.first_share, in_angle.second_share):
             continue
         estimates = np.maximum(in_height, in_angle.value_nm)[fits]
         sizes = (counts[fits] << log2_knots) * KNOT_SIZE
@@ -127,8 +143,9 @@ def _hopeful(geometry: Geometry, tolerance_nm: float, coarse: set[int]) -> Itera
     )
     for one in islice(within, _MAX_PROBES):
         found = probe(geometry, in_height, one.log2_knots, one.n_slices)
-        value_nm, share = GRID_MARGIN * found.value_nm, GRID_MARGIN * found.share
-        if value_nm <= tolerance_nm and share <= DERIVATIVE_SHARE:
+        first, second = (GRID_MARGIN * share for share in found.shares)
+        is_near = GRID_MARGIN * found.value_nm <= tolerance_nm
+        if is_near and _keeps_derivatives(geometry, first, second):
             yield one
     yield from sorted(candidates, key=lambda one: one.estimate_nm)[:1]
 
@@ -146,8 +163,8 @@ def choose_u(geometry: Geometry, tolerance_nm: float) -> tuple[Channel, Accuracy
     for candidate in islice(_hopeful(geometry, tolerance_nm, coarse), _MAX_MEASURES):
         channel = u_channel(geometry, candidate.log2_knots, candidate.n_slices)
         accuracy = measure_u(geometry, channel)
-        share = max(accuracy.first_share, accuracy.second_share)
-        if accuracy.value_nm <= tolerance_nm and share <= DERIVATIVE_SHARE:
+        shares = accuracy.first_share, accuracy.second_share
+        if accuracy.value_nm <= tolerance_nm and _keeps_derivatives(geometry, *shares):
             return channel, accuracy
         if accuracy.value_nm <= tolerance_nm:
             coarse.add(candidate.log2_knots)  # a derivative decides, and that by the angle
