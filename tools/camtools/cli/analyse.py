@@ -28,6 +28,8 @@ from camtools.study.section import Analysis, AnalysisWishes, make_analysis
 from camtools.study.section_tables import all_tables
 from camtools.study.section_text import figures, notes, summary
 
+_DRAWN_DEG = 0.25  # step of the curves of a cam
+
 
 def _arguments(argv: list[str] | None) -> argparse.Namespace:
     parser = Parser(
@@ -123,7 +125,8 @@ def lobe_products(
     if with_pictures:
         from camtools.study.lobe_plots import draw_all as draw_lobes
 
-        files |= {f"{key}.png": png for key, png in draw_lobes(part.part.name, studies).items()}
+        fine = study_lobes(part, wishes._replace(step_deg=_DRAWN_DEG))
+        files |= {f"{key}.png": png for key, png in draw_lobes(part.part.name, fine).items()}
     return lobe_text(figures), files
 
 

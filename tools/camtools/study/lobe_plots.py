@@ -46,6 +46,8 @@ def _draw(title: str, below: str, curves: list[tuple[str, Floats, Curves]]) -> F
             axes.plot(degrees, one, lw=1.3, label=name)
     panels[-1].set_xlabel(below)
     handles, labels = panels[0].get_legend_handles_labels()
+    if len(curves) == 1:
+        return figure
     figure.legend(handles, labels, loc="outside lower center", ncols=3, frameon=False)
     return figure
 
@@ -88,7 +90,10 @@ def draw_contact(name: str, studies: list[LobeStudy]) -> Figure:
         }
         found.append((_name(one), one.theta_deg, curves))
     below = "direction of the follower θ from the zero of the law, degrees"
-    return _draw(f"{name}: where the follower touches", below, found)
+    figure = _draw(f"{name}: where the follower touches", below, found)
+    if all(one.touch.curvature.min() >= 0 for one in studies):
+        figure.axes[-1].set_yscale("log")
+    return figure
 
 
 def draw_all(name: str, studies: list[LobeStudy]) -> dict[str, bytes]:
