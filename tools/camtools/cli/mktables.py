@@ -11,10 +11,15 @@ import sys
 from pathlib import Path
 
 from camtools.base.command import Parser, run_command
+from camtools.base.errors import CamtoolsError
 from camtools.base.output import write_all
 from camtools.pipeline.load import load
 from camtools.pipeline.make import make
+from camtools.table.export import FORMS, Export, export_files
 from camtools.table.header import check_tolerance
+from camtools.table.image import Table
+
+MIN_POINTS, MAX_POINTS = 4, 100_000
 
 
 def _arguments(argv: list[str] | None) -> argparse.Namespace:
@@ -28,14 +33,55 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
         help="largest error of u and x, default 1 (u of a refitted section 5, of a cam 10)",
     )
     parser.add_argument("--plot", action="store_true", help="draw PNG plots too")
+    parser.add_argument(
+        "--export",
+        choices=FORMS,
+        help="write the table as text too: points with velocity and acceleration, or value alone",
+    )
+    parser.add_argument(
+        "--export-height",
+        type=float,
+        action="append",
+        default=[],
+        metavar="MM",
+        help="a file for this height; again for more of them; default: all slices in one file",
+    )
+    parser.add_argument(
+        "--export-points",
+        type=int,
+        metavar="N",
+        help=f"points per turn, {MIN_POINTS} .. {MAX_POINTS}; default: knots of xyva, 360 of text",
+    )
     return parser.parse_args(argv)
+
+
+def _exported(arguments: argparse.Namespace, table: Table) -> dict[str, bytes]:
+    """Return the files of --export.
+
+    Raises
+    ------
+    CamtoolsError
+        Options without a format, or out of range.
+    """
+    heights_mm, n_points = tuple(arguments.export_height), arguments.export_points
+    if arguments.export is None:
+        if heights_mm or n_points is not None:
+            option = "--export-height" if heights_mm else "--export-points"
+            problem = f"{option}: says nothing about the format"
+            raise CamtoolsError([f"{problem}; add --export {' or --export '.join(FORMS)}"])
+        return {}
+    if n_points is not None and not MIN_POINTS <= n_points <= MAX_POINTS:
+        problem = f"--export-points {n_points}: must be {MIN_POINTS} .. {MAX_POINTS}"
+        raise CamtoolsError([f"{problem}; give points per turn"])
+    return export_files(table, Export(arguments.export, heights_mm, n_points))
 
 
 def _run(arguments: argparse.Namespace) -> int:
     if arguments.tolerance_nm is not None:
         check_tolerance(arguments.tolerance_nm)
     made = make(load(arguments.part), arguments.part, tolerance_nm=arguments.tolerance_nm)
-    write_all(arguments.output, made.files(with_plots=arguments.plot))
+    exported = _exported(arguments, made.table.table)
+    write_all(arguments.output, made.files(with_plots=arguments.plot) | exported)
     sys.stdout.write(made.text())
     return 0
 

@@ -21,13 +21,14 @@ from camtools.polygon.blend import Blended, bend_of, blended
 from camtools.polygon.outline import Outline, extremes_of
 from camtools.polygon.part import PolygonPart, PolygonSection
 from camtools.polygon.shapes import cornered, p3g, p4c, regular
-from camtools.polygon.surface import Prism, prism_of
+from camtools.polygon.surface import prism_of
 from camtools.skirt.accuracy import Accuracy, measure_u, measure_x
 from camtools.skirt.channels import u_channel, x_channel
 from camtools.skirt.generate import with_mean
 from camtools.skirt.geometry import Geometry
 from camtools.skirt.heel import Heel, check_heel, steepest_heel
 from camtools.skirt.nose import tip_geometry
+from camtools.skirt.poly_surface import PolySurface
 from camtools.skirt.search import DERIVATIVE_SHARE, slice_counts
 from camtools.skirt.zero import middle_nm, moved
 from camtools.table.header import check_tolerance, table_of, u_bounds
@@ -57,7 +58,7 @@ class GeneratedPolygon:
         The section of the first height, as drawn.
     blended : Blended
         The section as it is cut, with what the blends of its joints cost.
-    design : Prism
+    design : PolySurface
         Surface of the drawing.
     geometry : Geometry
         Surface that the table holds.
@@ -68,7 +69,7 @@ class GeneratedPolygon:
     part: PolygonPart
     drawing: Outline
     blended: Blended
-    design: Prism
+    design: PolySurface
     geometry: Geometry
     tolerance_nm: float
     table: Table
@@ -125,7 +126,7 @@ def factors_of(part: PolygonPart, outer_mm: float) -> tuple[float, float]:
     return first, last
 
 
-def _surfaces(part: PolygonPart, drawing: Outline, cut: Outline) -> tuple[Geometry, Prism]:
+def _surfaces(part: PolygonPart, drawing: Outline, cut: Outline) -> tuple[Geometry, PolySurface]:
     """Return what the table holds, and the drawing's surface."""
     least, largest = extremes_of(drawing)
     heights = part.heights_mm

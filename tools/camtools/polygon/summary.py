@@ -16,21 +16,21 @@ from camtools.cut.feasibility import given_of, needed_of
 from camtools.polygon.blend import widest_rad
 from camtools.polygon.generate import GeneratedPolygon
 from camtools.polygon.outline import Outline, OutlineJoint, all_around, is_smooth, measures_of
-from camtools.polygon.surface import Prism
+from camtools.skirt.poly_surface import PolySurface
 from camtools.skirt.summary import error_of, jumps_of, tool_of
 from camtools.skirt.summary_text import emit_text
 from camtools.table.image import KIND_U, KIND_X
 from camtools.table.summary import about_image, describe_channel
 
 
-def surface_of(prism: Prism, made: GeneratedPolygon) -> Json:
+def surface_of(prism: PolySurface, made: GeneratedPolygon) -> Json:
     """Return a surface as the gauge reads it."""
     radius = made.geometry.radius
     axis = {"breaks_mm": radius.x.tolist(), "coefficients": radius.c.T.tolist()}
     return {
         "shape": "surface",
         "radius_mm": axis,
-        "surface": prism.pieces.document(),
+        "surface": prism.document(),
         "gauge_mm": list(made.geometry.skirt_mm),
     }
 
@@ -120,7 +120,7 @@ def make_polygon_summary(made: GeneratedPolygon) -> Json:
         "design": surface_of(made.design, made),
     }
     if made.geometry.surface is not made.design:
-        assert isinstance(made.geometry.surface, Prism)
+        assert isinstance(made.geometry.surface, PolySurface)
         own["target"] = surface_of(made.geometry.surface, made)
     return about_image(table, made.tolerance_nm) | own
 

@@ -11,13 +11,12 @@ grows linearly, 1 without a taper, MATHS.md (118).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 
 from camtools.base.errors import GeometryError
-from camtools.base.quantities import Floats, FloatsLike, SectionValues
+from camtools.base.quantities import Floats
 from camtools.polygon.outline import TURN_RAD, Outline
 from camtools.skirt.poly_surface import N_ANGLE, N_HEIGHT, PolySurface
 from camtools.table.image import MAX_LOG2_REPEAT
@@ -27,18 +26,6 @@ _FIT_MM = 1e-10  # a ten-thousandth of a nanometre
 _COUNTS = (1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512)
 _BETWEEN = np.array([0.2, 0.5, 0.8])
 _LEAST_RAD = 1e-12
-
-
-@dataclass(frozen=True, eq=False)
-class Prism:
-    """A surface of similar sections that repeats 2^log2_repeat times per turn."""
-
-    pieces: PolySurface
-    log2_repeat: int
-
-    def delta(self, phi_rad: FloatsLike, z_mm: FloatsLike) -> SectionValues:
-        """Return radius reduction and derivatives; see `SkirtSurface.delta`."""
-        return self.pieces.delta(phi_rad, z_mm)
 
 
 def _fitted(outline: Outline, first_rad: float, last_rad: float) -> tuple[Floats, Floats]:
@@ -66,7 +53,7 @@ def prism_of(
     largest_mm: float,
     heights_mm: tuple[float, float],
     factors: tuple[float, float],
-) -> Prism:
+) -> PolySurface:
     """Return the surface of an outline.
 
     Parameters
@@ -89,4 +76,5 @@ def prism_of(
     coefficients[0, ..., 0] = factors[0] * quintics
     coefficients[0, ..., 1] = (factors[1] - factors[0]) * quintics
     log2 = min(MAX_LOG2_REPEAT, (outline.repeat & -outline.repeat).bit_length() - 1)
-    return Prism(PolySurface(breaks, np.asarray(heights_mm, dtype=float), coefficients), log2)
+    heights = np.asarray(heights_mm, dtype=np.float64)
+    return PolySurface(breaks, heights, coefficients, log2_alike=log2)

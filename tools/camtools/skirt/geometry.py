@@ -21,6 +21,7 @@ from camtools.base.quantities import Floats, FloatsLike, SectionValues, omega_ra
 from camtools.cut.path import ToolPath, ramp_of, step_of
 from camtools.skirt.corner import Corner, make_corner
 from camtools.skirt.part import Piston, SkirtPart
+from camtools.skirt.points import ovality_of_points, point_surface, read_sections
 from camtools.skirt.profile import (
     check_ovality,
     check_profile,
@@ -187,6 +188,8 @@ def make_geometry(part: SkirtPart) -> Geometry:
     ends = float(piston.profile.height_mm[0]), float(piston.profile.height_mm[-1])
     if piston.section.shape == "table":
         geometry = _measured(part, radius, factor)
+    elif piston.section.shape == "points":
+        geometry = _pointed(part, radius, factor)
     else:
         assert piston.ovality is not None
         curve = ovality_spline(piston.ovality)
@@ -234,6 +237,20 @@ def _measured(part: SkirtPart, radius: PPoly, factor: float) -> Geometry:
     oval = magnified(ovality_of(scan), factor, 0.0)
     unfiltered = None if drawn is surface else drawn
     return Geometry(radius, oval, surface, *ends, None, off_mm * _UM_PER_MM, drawn=unfiltered)
+
+
+def _pointed(part: SkirtPart, radius: PPoly, factor: float) -> Geometry:
+    """Return the geometry of sections that are given by points with their derivatives."""
+    heights = part.piston.profile.height_mm
+    ends = float(heights[0]), float(heights[-1])
+    file = read_sections(part.piston.section)
+    z_mm = file.z_mm
+    if z_mm is not None and z_mm.size > 1 and (z_mm[0] > ends[0] or z_mm[-1] < ends[1]):
+        problem = f"heights {z_mm[0]:g} .. {z_mm[-1]:g} mm do not cover the profile's"
+        remedy = f"give points for {ends[0]:g} .. {ends[1]:g} mm, or one height that serves all"
+        raise GeometryError("piston.section.csv", problem, remedy)
+    surface = point_surface(file, factor)
+    return Geometry(radius, ovality_of_points(file, surface), surface, *ends)
 
 
 def _read(part: SkirtPart, first_mm: float, last_mm: float) -> Scan:

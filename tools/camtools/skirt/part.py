@@ -21,7 +21,7 @@ from camtools.part.common import MachineLimits, PartInfo
 from camtools.part.model import TomlTable, no_truth, wrong
 from camtools.part.tool import Tool
 from camtools.skirt.part_profile import Ovality, Profile
-from camtools.skirt.part_section import SectionShape
+from camtools.skirt.part_section import GIVEN_BY_POINTS, SectionShape
 from camtools.skirt.part_sides import Antithrust, check_sides
 from camtools.skirt.power_law import LAW_OR_POINTS, PeakOvality, PowerProfile
 
@@ -51,11 +51,12 @@ class Piston(TomlTable):
         cls, value: Ovality | PeakOvality | None, info: ValidationInfo
     ) -> Ovality | PeakOvality | None:
         section = info.data.get("section")
-        is_measured = section is not None and section.shape == "table"
+        is_measured = section is not None and section.shape in GIVEN_BY_POINTS
         if value is None and section is not None and not is_measured:
             raise wrong("no_ovality", "is missing", f'add it: shape = "{section.shape}" needs it')
         if value is not None and is_measured:
-            problem = 'has no meaning for shape = "table": the points tell it'
+            assert section is not None
+            problem = f'has no meaning for shape = "{section.shape}": the points tell it'
             raise wrong("extra_ovality", problem, "remove [piston.ovality]")
         return value
 

@@ -6,7 +6,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
 from pydantic import (
     Field,
@@ -14,9 +14,10 @@ from pydantic import (
     Tag,
     ValidationInfo,
     field_validator,
+    model_validator,
 )
 
-from camtools.part.model import LIST_OR_ONE, TomlTable, beside_the_part, wrong
+from camtools.part.model import LIST_OR_ONE, HeightMm, TomlTable, beside_the_part, rising, wrong
 from camtools.skirt.part_sides import Betas, Exponents, Phases
 
 MAX_DELETE = 6
@@ -49,10 +50,12 @@ _BELONGS_TO = {
     "eccentricity_mm": ("ellipse-arc",),
     "refit": ("ellipse-arc",),
     "exponent": ("power",),
-    "csv": ("table",),
+    "csv": ("table", "points"),
+    "files": ("points",),
     "harmonics": ("table",),
 }
-_NEEDED = ("trim_mm", "joint_deg", "csv", "exponent")
+_NEEDED = ("trim_mm", "joint_deg", "exponent")
+GIVEN_BY_POINTS = ("table", "points")  # shapes without an ovality of their own
 
 
 class Refit(TomlTable):
@@ -68,10 +71,21 @@ class Refit(TomlTable):
     deviation_um: Annotated[float, Field(gt=0, le=1000)] | None = None
 
 
+class PointsAt(TomlTable):
+    """[[piston.section.files]]: the points of one height."""
+
+    z_mm: HeightMm
+    csv: Annotated[str, StringConstraints(min_length=1, max_length=1000)]
+
+    _beside_the_part = field_validator("csv")(beside_the_part)
+
+
 class SectionShape(TomlTable):
     """[piston.section]: shape of every cross-section."""
 
-    shape: Literal["ellipse", "cosine", "double-ellipse", "power", "ellipse-arc", "table"] = (
+    shape: Literal[
+        "ellipse", "cosine", "double-ellipse", "power", "ellipse-arc", "table", "points"
+    ] = (
         "ellipse"
     )
     base: Annotated[
@@ -89,11 +103,9 @@ class SectionShape(TomlTable):
         Field(validate_default=True),
     ] = None
     harmonics: Annotated[int, Field(ge=1, le=500)] | None = None
+    files: Annotated[list[PointsAt], Field(min_length=2, max_length=1000)] | None = None
 
-    @field_validator(
-        *("base", "trim_mm", "joint_deg", "eccentricity_mm", "refit"),
-        *("csv", "harmonics", "exponent"),
-    )
+    @field_validator(*_BELONGS_TO)
     @classmethod
     def _check_key(cls, value: object, info: ValidationInfo) -> object:
         shape, key = info.data.get("shape"), str(info.field_name)
@@ -131,9 +143,26 @@ class SectionShape(TomlTable):
             raise wrong(
                 "foreign", problem, "remove it, and set index_offset_udeg of the controller"
             )
-        if isinstance(value, list) and shape == "table":
-            problem = 'is a list, shape = "table" has no heights of ovality'
+        if isinstance(value, list) and shape in GIVEN_BY_POINTS:
+            problem = f'is a list, shape = "{shape}" has no heights of ovality'
             raise wrong("one", problem, "give one number")
         return value
+
+
+    @field_validator("files")
+    @classmethod
+    def _check_files(cls, value: list[PointsAt] | None) -> list[PointsAt] | None:
+        rising([one.z_mm for one in value or []] or [0.0, 1.0])
+        return value
+
+    @model_validator(mode="after")
+    def _check_source(self) -> Self:
+        if self.shape == "table" and self.csv is None:
+            problem = 'is missing for shape = "table"'
+            raise wrong("needed", problem, "add it", field="csv", value=None)
+        if self.shape == "points" and (self.csv is None) == (self.files is None):
+            problem = 'shape = "points" needs either csv or [[piston.section.files]]'
+            raise wrong("points", problem, "give one of them", field="csv", value=self.csv)
+        return self
 
     _beside_the_part = field_validator("csv")(beside_the_part)

@@ -57,17 +57,20 @@ class PolySurface:
         c[j, i, k, l] [mm].
     joint_turn : PPoly or None
         Joint [turn] over height.
+    log2_alike : int
+        Without a joint: the pieces repeat 2^log2_alike times per turn.
     """
 
     breaks: Floats
     breaks_mm: Floats
     coefficients: Floats
     joint_turn: PPoly | None = None
+    log2_alike: int = 0
 
     @property
     def log2_repeat(self) -> int:
-        """Return 1 for two-fold sections, 0 for those that need the whole turn."""
-        return 0 if self.joint_turn is None else 1
+        """Return 1 with a joint; without one what the pieces were made to repeat."""
+        return self.log2_alike if self.joint_turn is None else 1
 
     def delta(self, phi_rad: FloatsLike, z_mm: FloatsLike) -> SectionValues:
         """Return radius reduction and angle derivatives; shapes as broadcast.

@@ -1,0 +1,201 @@
+"""A table as text for other controllers: points with velocity and acceleration, or value alone.
+
+A cam of kind XYVA of CODESYS is a polynomial of degree five between points of master position X,
+slave position Y, velocity V = dY/dX and acceleration A: just what the knots of a table are. Drives
+of other makers read two columns, angle and value. Angles are the drawing's, in degrees.
+
+>>> name_of_height(12.5), name_of_height(-3.0)
+('z12.5', 'z-3')
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from camtools.base.errors import CamtoolsError
+from camtools.base.quantities import NM_PER_MM, Floats
+from camtools.table.evaluate import knot_interval, locate, power_rows
+from camtools.table.image import (
+    ANGLE_TURN,
+    KIND_CONTACT,
+    KIND_SPEED,
+    KIND_SWING,
+    KIND_U,
+    KIND_X,
+    RATIO_ONE,
+    Channel,
+    Table,
+)
+from camtools.table.mirror import in_sense
+from camtools.table.quintics import segment_coefficients
+
+FORMS = ("xyva", "text")
+_PER_UNIT = 360 / ANGLE_TURN
+_TURN_DEG = 360.0
+_TEXT_POINTS = 360
+_DEG_PER_RAD = 180 / np.pi
+
+
+class _Quantity(NamedTuple):
+    """What a channel over angle is called outside, and its unit."""
+
+    name: str
+    unit: str
+    scale: float  # of the channel's unit in this one
+
+
+_QUANTITIES = {
+    KIND_U: _Quantity("u", "mm", 1 / NM_PER_MM),
+    KIND_SPEED: _Quantity("speed", "ratio", 1 / RATIO_ONE),
+    KIND_SWING: _Quantity("swing", "deg", _PER_UNIT),
+    KIND_CONTACT: _Quantity("contact", "deg", _PER_UNIT),
+}
+_LIFT = _Quantity("lift", "mm", -1 / NM_PER_MM)  # of lobes: the follower moves outwards
+
+
+class Export(NamedTuple):
+    """What is to be written."""
+
+    form: str  # one of FORMS
+    heights_mm: tuple[float, ...] = ()  # a file for each; without any, one file for all slices
+    n_points: int | None = (
+        None  # per turn; by default the knots of xyva, a point per degree of text
+    )
+
+    @property
+    def per_turn(self) -> int:
+        """Return the points per turn, 0 for the knots."""
+        return (
+            (0 if self.form == "xyva" else _TEXT_POINTS) if self.n_points is None else self.n_points
+        )
+
+
+class Points(NamedTuple):
+    """Points of one turn, both ends included, each of shape (n,)."""
+
+    x_deg: Floats
+    y: Floats
+    v: Floats  # dy/dx, per degree
+    a: Floats  # per degree^2
+
+
+def quantity_of(table: Table, channel: Channel) -> _Quantity:
+    """Return what a channel holds: of lobes u is a lift."""
+    is_lift = channel.kind == KIND_U and table.angle is not None
+    return _LIFT if is_lift else _QUANTITIES[channel.kind]
+
+
+def points_of(table: Table, channel: Channel, z_mm: float, n_points: int = 0) -> Points:
+    """Return a channel over the drawing's angle at a height, blended as the firmware does.
+
+    Parameters
+    ----------
+    n_points : int
+        Points per turn, equally spaced; 0 takes the knots, from which the quintics follow exactly.
+    """
+    drawn = in_sense(channel, table.direction)
+    i_slice, weight = locate(drawn, np.array([z_mm * NM_PER_MM]))
+    i, w = int(i_slice[0]), float(weight[0])
+    knots = (1 - w) * drawn.knots[i] + w * drawn.knots[i + 1]
+    n = n_points or knots.shape[0] << drawn.log2_repeat
+    place = np.mod(np.arange(n + 1) * (knots.shape[0] << drawn.log2_repeat) / n, knots.shape[0])
+    segment = place.astype(np.int64)
+    quintics = segment_coefficients(knots, periodic=True)[segment]
+    value, first, second = np.einsum("nc,dcn->dn", quintics, power_rows(place - segment))
+    scale, h_deg = quantity_of(table, channel).scale, knot_interval(drawn) * _DEG_PER_RAD
+    lsb = drawn.lsb * scale
+    y = drawn.value_offset * scale + value * lsb
+    return Points(
+        _TURN_DEG * np.arange(n + 1) / n, y, first * (lsb / h_deg), second * lsb / h_deg**2
+    )
+
+
+def name_of_height(z_mm: float) -> str:
+    """Return a height as part of a file's name."""
+    return f"z{z_mm:.9g}"
+
+
+def _rows(columns: Sequence[Floats], before: str, separator: str) -> Iterator[str]:
+    for row in zip(*(column.tolist() for column in columns), strict=True):
+        yield before + separator.join(repr(one) for one in row)
+
+
+def _header(quantity: _Quantity, form: str, *, with_height: bool) -> list[str]:
+    unit = quantity.unit
+    names = ["X_deg", f"Y_{unit}", f"V_{unit}_per_deg", f"A_{unit}_per_deg2"]
+    return [*(["Z_mm"] if with_height else []), *(names if form == "xyva" else names[:2])]
+
+
+def _one_height(table: Table, channel: Channel, z_mm: float, export: Export) -> str:
+    """Return the text of one height: XYVA with a header, two columns without one."""
+    form, quantity = export.form, quantity_of(table, channel)
+    points = points_of(table, channel, z_mm, export.per_turn)
+    if form == "text":
+        return "\n".join(_rows(points[:2], "", " ")) + "\n"
+    header = ";".join(_header(quantity, form, with_height=False))
+    return "\n".join([header, *_rows(points, "", ";")]) + "\n"
+
+
+def _all_heights(table: Table, channel: Channel, export: Export) -> str:
+    """Return the text of all slices of a channel, the height in the first column."""
+    form = export.form
+    heights = np.linspace(channel.z_first_nm, channel.z_last_nm, channel.n_slices) / NM_PER_MM
+    lines = [";".join(_header(quantity_of(table, channel), form, with_height=True))]
+    for z_mm in heights.tolist():
+        points = points_of(table, channel, z_mm, export.per_turn)
+        lines += _rows(points if form == "xyva" else points[:2], f"{z_mm!r};", ";")
+    return "\n".join(lines) + "\n"
+
+
+def _over_height(table: Table, form: str) -> str:
+    """Return X over height: knots of the long half axis, or of the centre of a follower."""
+    x = table.channel(KIND_X)
+    z_nm = np.linspace(x.z_first_nm, x.z_last_nm, x.n_slices)
+    h_mm, lsb_mm = knot_interval(x) / NM_PER_MM, x.lsb / NM_PER_MM
+    knots = x.knots[:, 0].astype(np.float64)
+    y = x.value_offset / NM_PER_MM + knots[:, 0] * lsb_mm
+    columns = z_nm / NM_PER_MM, y, knots[:, 1] * (lsb_mm / h_mm), knots[:, 2] * 2 * lsb_mm / h_mm**2
+    names = ["Z_mm", "X_mm", "V_mm_per_mm", "A_mm_per_mm2"]
+    n = 4 if form == "xyva" else 2
+    return "\n".join([";".join(names[:n]), *_rows(columns[:n], "", ";")]) + "\n"
+
+
+def check_heights(table: Table, heights_mm: Sequence[float]) -> None:
+    """Refuse a height that the table does not cover.
+
+    Raises
+    ------
+    CamtoolsError
+        With the heights of the table.
+    """
+    low, high = table.z_first_nm / NM_PER_MM, table.z_last_nm / NM_PER_MM
+    for z_mm in heights_mm:
+        if not low <= z_mm <= high:
+            problem = f"--export-height {z_mm:g}: outside of the table, {low:g} .. {high:g} mm"
+            raise CamtoolsError([f"{problem}; give a height of the part"])
+
+
+def export_files(table: Table, export: Export) -> dict[str, bytes]:
+    """Return the files of an export by their names.
+
+    Raises
+    ------
+    CamtoolsError
+        A height outside of the table.
+    """
+    check_heights(table, export.heights_mm)
+    start, form = table.part_name, export.form
+    files = {f"{start}_x_{form}.csv": _over_height(table, form)}
+    for channel in table.channels:
+        if channel.kind not in _QUANTITIES:
+            continue
+        name = f"{start}_{quantity_of(table, channel).name}"
+        if not export.heights_mm:
+            files[f"{name}_{form}.csv"] = _all_heights(table, channel, export)
+        for z_mm in export.heights_mm:
+            text = _one_height(table, channel, z_mm, export)
+            files[f"{name}_{name_of_height(z_mm)}_{form}.txt"] = text
+    return {name: text.encode("ascii") for name, text in files.items()}

@@ -1,0 +1,263 @@
+r"""Points of one turn as text: value over angle, with velocity and acceleration or without them.
+
+Files of other systems differ in separators, units and headers. Cells are separated by semicolons,
+tabs, blanks or commas; where it is none of the commas, a comma is a decimal point. A header names
+columns and units; two or four columns of numbers without one are angle, value and angle, value,
+velocity, acceleration in degrees and mm.
+
+>>> found = parse_points("X_deg;Y_mm\n0;1\n120;2\n240;1,5\n360;1\n", "a.txt")
+>>> found.sections[0].y_mm.tolist(), found.has_motion
+([1.0, 2.0, 1.5], False)
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from camtools.base.errors import InputError
+from camtools.base.input_file import read_limited
+from camtools.base.quantities import Floats
+from camtools.table.quintics import segment_coefficients
+
+MAX_POINTS = 100_000
+MAX_BYTES = 20_000_000
+MIN_STEP_DEG = 0.001
+SAME_MM = 1e-6  # of the first and the last point of a closed turn
+VELOCITY_SHARE, ACCELERATION_SHARE = 0.05, 0.25  # of the largest step: what may contradict
+_SAME_DEG = 1e-6
+_DEG_PER_RAD = 180 / np.pi
+_ANGLES = {"deg": 1.0, "rad": _DEG_PER_RAD, "turn": 360.0}
+_LENGTHS = {"mm": 1.0, "um": 1e-3, "nm": 1e-6}
+_COLUMNS = {
+    "z": re.compile(r"z(?:_(mm))?"),
+    "x": re.compile(r"(?:x|angle|master|phi)(?:_(deg|rad|turn))?"),
+    "y": re.compile(r"(?:y|u|lift|reduction|value|position|slave)(?:_(mm|um|nm))?"),
+    "v": re.compile(r"(?:v|velocity)(?:_(mm|um|nm)_per_(deg|rad|turn))?"),
+    "a": re.compile(r"(?:a|acceleration)(?:_(mm|um|nm)_per_(deg|rad|turn)2)?"),
+}
+_WITHOUT_HEADER = {2: ("x", "y"), 4: ("x", "y", "v", "a")}
+_USE = "name the columns z_mm, X_deg, Y_mm, V_mm_per_deg, A_mm_per_deg2, or fewer of them"
+
+
+class Turn(NamedTuple):
+    """Points of one turn without its last point, which is the first one; shape (n,)."""
+
+    x_deg: Floats  # rising, within a turn
+    y_mm: Floats
+    v: Floats  # mm/degree
+    a: Floats  # mm/degree^2
+
+    @property
+    def steps_deg(self) -> Floats:
+        """Return the distance to the next point, of the last one to the first."""
+        return np.diff(np.append(self.x_deg, self.x_deg[0] + 360))
+
+
+class PointFile(NamedTuple):
+    """What a file of points holds."""
+
+    z_mm: Floats | None  # (m,) rising; none where the file does not tell heights
+    sections: tuple[Turn, ...]  # one for each height
+    has_motion: bool  # velocities and accelerations were given
+
+
+class _Column(NamedTuple):
+    key: str
+    scale: float
+
+
+def _cells(line: str) -> list[str]:
+    """Return the cells of a line: semicolon, tab or blank go before the comma."""
+    if ";" in line:
+        return [cell.strip().replace(",", ".") for cell in line.split(";")]
+    words = line.split("//")[0].split()
+    if len(words) > 1:
+        return [word.rstrip(",").replace(",", ".") for word in words]
+    return [cell.strip() for cell in line.split(",")]
+
+
+def _column(name: str) -> _Column | None:
+    for key, pattern in _COLUMNS.items():
+        found = pattern.fullmatch(name.strip().lower())
+        if found is None:
+            continue
+        units = [unit for unit in found.groups() if unit]
+        scale = _ANGLES.get(units[0], _LENGTHS.get(units[0], 1.0)) if units else 1.0
+        if len(units) == 2:
+            scale /= _ANGLES[units[1]] ** (1 if key == "v" else 2)
+        return _Column(key, scale)
+    return None
+
+
+def _header_of(line: str, file: str, number: int) -> list[_Column] | None:
+    """Return the columns that a header names, nothing where the line holds numbers."""
+    cells = _cells(line)
+    if all(_number(cell) is not None for cell in cells):
+        if len(cells) not in _WITHOUT_HEADER:
+            problem = f"has {len(cells)} columns and no header"
+            raise InputError(file, f"line {number}", line, problem, _USE)
+        return None
+    columns = [_column(cell) for cell in cells]
+    for cell, column in zip(cells, columns, strict=True):
+        if column is None:
+            raise InputError(file, f"line {number}", line, f"unknown column {cell!r}", _USE)
+    keys = [column.key for column in columns if column is not None]
+    missing = [key for key in ("x", "y") if key not in keys]
+    if ("v" in keys) != ("a" in keys):
+        missing.append("a" if "v" in keys else "v")
+    if missing or len(set(keys)) != len(keys):
+        what = f"no column of {missing[0].upper()}" if missing else "a column is there twice"
+        raise InputError(file, f"line {number}", line, what, _USE)
+    return [column for column in columns if column is not None]
+
+
+def _number(cell: str) -> float | None:
+    try:
+        value = float(cell)
+    except ValueError:
+        return None
+    return value if np.isfinite(value) else None
+
+
+def _rows(lines: list[tuple[int, str]], columns: list[_Column], file: str) -> Floats:
+    found = np.empty((len(lines), len(columns)))
+    for i, (number, line) in enumerate(lines):
+        values = [_number(cell) for cell in _cells(line)]
+        if len(values) != len(columns) or None in values:
+            problem = f"not {len(columns)} numbers"
+            remedy = "give as many in every line, decimals with a point"
+            raise InputError(file, f"line {number}", line, problem, remedy)
+        found[i] = values
+    return found * [column.scale for column in columns]
+
+
+def parse_points(text: str, file: str) -> PointFile:
+    """Return the points of a text.
+
+    Raises
+    ------
+    InputError
+        With the line: columns missing or unknown, no numbers, angles that do not rise, a turn that
+        does not close, velocities or accelerations that contradict the values.
+    """
+    lines = [
+        (i, line.strip())
+        for i, line in enumerate(text.splitlines(), start=1)
+        if line.strip() and not line.lstrip().startswith(("#", "//", "(*"))
+    ]
+    if not lines or len(lines) > MAX_POINTS:
+        problem = f"has {len(lines)} lines, wants 4 .. {MAX_POINTS}"
+        raise InputError(file, "", None, problem, "give the points of one turn")
+    first, line = lines[0]
+    columns = _header_of(line, file, first)
+    if columns is None:
+        keys = _WITHOUT_HEADER[len(_cells(line))]
+        columns = [_Column(key, 1.0) for key in keys]
+    else:
+        lines = lines[1:]
+    rows = dict(zip((one.key for one in columns), _rows(lines, columns, file).T, strict=True))
+    numbers = np.array([number for number, _ in lines])
+    return _sections(rows, numbers, file)
+
+
+def _sections(rows: dict[str, Floats], numbers: Floats, file: str) -> PointFile:
+    has_motion = "v" in rows
+    zero = np.zeros(numbers.size)
+    columns = np.stack([rows["x"], rows["y"], rows.get("v", zero), rows.get("a", zero)])
+    if "z" not in rows:
+        return PointFile(None, (_turn(columns, numbers, file, has_motion),), has_motion)
+    z, turns = rows["z"], []
+    edges = np.flatnonzero(np.diff(z)) + 1
+    starts = np.concatenate([[0], edges]).astype(np.int64)
+    heights = z[starts]
+    if (np.diff(heights) <= 0).any():
+        i = int(starts[1:][np.diff(heights) <= 0][0])
+        problem = f"height {z[i]:g} mm follows {z[i - 1]:g} mm"
+        remedy = "sort by height, all points of one height together"
+        raise InputError(file, f"line {numbers[i]}", None, problem, remedy)
+    for low, high in zip(starts, [*edges, z.size], strict=True):
+        turns.append(_turn(columns[:, low:high], numbers[low:high], file, has_motion))
+    return PointFile(heights, tuple(turns), has_motion)
+
+
+def _turn(columns: Floats, numbers: Floats, file: str, has_motion: bool) -> Turn:
+    """Return the points of a turn, its end left out, or refuse them."""
+    x = columns[0]
+    low = np.flatnonzero(np.diff(x) < MIN_STEP_DEG)
+    if low.size:
+        i = int(low[0]) + 1
+        problem = f"angle {x[i]:g} follows {x[i - 1]:g} degrees"
+        remedy = f"sort the points, at least {MIN_STEP_DEG:g} degrees apart"
+        raise InputError(file, f"line {numbers[i]}", None, problem, remedy)
+    span = float(x[-1] - x[0])
+    last = f"line {numbers[-1]}"
+    if abs(span - 360) < _SAME_DEG:
+        for key, scale, row in zip("YVA", (1.0, 1.0, 1.0), columns[1:], strict=True):
+            if abs(row[-1] - row[0]) * scale > SAME_MM:
+                problem = f"the turn is not closed: {key} ends at {row[-1]:g}, began at {row[0]:g}"
+                raise InputError(file, last, None, problem, "let the end be as the beginning")
+        columns = columns[:, :-1]
+    elif span > 360 - MIN_STEP_DEG:
+        problem = f"the points span {span:.9g} degrees, a turn has 360"
+        raise InputError(file, last, None, problem, "give one turn, in degrees")
+    turn = Turn(*columns)
+    widest = float(turn.steps_deg.max())
+    if turn.x_deg.size < 4 or widest >= 180:
+        problem = f"{turn.x_deg.size} points span {span:.9g} degrees: the turn is not closed"
+        raise InputError(file, last, None, problem, "give at least 4 points all around")
+    if has_motion:
+        _check_motion(turn, numbers, file)
+    return turn
+
+
+def _check_motion(turn: Turn, numbers: Floats, file: str) -> None:
+    """Refuse velocities that do not lead from value to value, and accelerations likewise."""
+    h, y, v, a = turn.steps_deg, turn.y_mm, turn.v, turn.a
+    y1, v1, a1 = (np.roll(one, -1) for one in (y, v, a))
+    steps = {
+        "V": (y1 - y, h * (v + v1) / 2 - h**2 * (a1 - a) / 12, VELOCITY_SHARE),
+        "A": (v1 - v, h * (a + a1) / 2, ACCELERATION_SHARE),
+    }
+    for key, (step, told, share) in steps.items():
+        off = np.abs(step - told)
+        most = share * float(np.abs(step).max()) + SAME_MM
+        i = int(off.argmax())
+        if off[i] > most:
+            what = "value" if key == "V" else "velocity"
+            problem = (
+                f"{key} contradicts the {what}s: to the next point it changes by {step[i]:.6g}, "
+                f"{key} says {told[i]:.6g}; {100 * share:g} % of the largest step may differ"
+            )
+            remedy = f"give {key} in the unit of its header, by degrees without one"
+            raise InputError(file, f"line {numbers[i]}", None, problem, remedy)
+
+
+def read_points(path: Path) -> PointFile:
+    """Return the points of a file.
+
+    Raises
+    ------
+    InputError
+        It cannot be read, is no file or too large, or see `parse_points`.
+    """
+    try:
+        text = read_limited(path, MAX_BYTES).decode("utf-8-sig")  # spreadsheets mark it
+    except (OSError, UnicodeDecodeError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or "not UTF-8 text"
+        remedy = "give a text file, its place seen from the part file"
+        raise InputError(path.name, "", None, f"cannot be read: {reason}", remedy) from error
+    return parse_points(text, path.name)
+
+
+def quintics_of(turn: Turn) -> Floats:
+    """Return the quintics in t = 0 .. 1 between the points, the last one to the first, (n, 6)."""
+    h = turn.steps_deg
+    left = np.stack([turn.y_mm, h * turn.v, h**2 / 2 * turn.a], axis=-1)
+    y1, v1, a1 = (np.roll(one, -1) for one in (turn.y_mm, turn.v, turn.a))
+    right = np.stack([y1, h * v1, h**2 / 2 * a1], axis=-1)
+    pairs = np.stack([left, right], axis=1)
+    return np.asarray(segment_coefficients(pairs, periodic=False)[:, 0], dtype=np.float64)
