@@ -3,7 +3,7 @@
 Between two points runs the quintic through value, velocity and acceleration of both; between two
 heights the surface is straight. So does a table, hence its export comes back as the same part.
 
->>> turn = Turn(np.array([0.0, 90, 180, 270]), *np.zeros((3, 4)))
+>>> turn = PointedTurn(np.array([0.0, 90, 180, 270]), *np.zeros((3, 4)))
 >>> point_surface(PointFile(None, (turn,), True)).log2_repeat
 2
 """
@@ -21,7 +21,7 @@ from camtools.skirt.part_section import PointsAt, SectionShape
 from camtools.skirt.poly_surface import N_ANGLE, N_HEIGHT, PolySurface, angle_pieces
 from camtools.skirt.profile import constant_spline, polygon_or_spline
 from camtools.table.image import MAX_LOG2_REPEAT
-from camtools.table.points import PointFile, Turn, quintics_of, read_points
+from camtools.table.points import PointedTurn, PointFile, quintics_of, read_points
 
 MAX_REDUCTION_MM = 30.0
 _SAME_DEG, _SAME = 1e-9, 1e-9
@@ -48,7 +48,7 @@ def read_sections(section: SectionShape) -> PointFile:
 
 
 def _together(files: list[tuple[PointsAt, PointFile]]) -> PointFile:
-    sections: list[Turn] = []
+    sections: list[PointedTurn] = []
     for at, file in files:
         name = Path(at.csv).name
         if file.z_mm is not None:
@@ -66,12 +66,12 @@ def with_motion(file: PointFile) -> PointFile:
     return PointFile(file.z_mm, tuple(_splined(turn) for turn in file.sections), True)
 
 
-def _splined(turn: Turn) -> Turn:
+def _splined(turn: PointedTurn) -> PointedTurn:
     x = np.append(turn.x_deg, turn.x_deg[0] + _DEG_PER_TURN)
     y = np.append(turn.y_mm, turn.y_mm[0])
     spline = make_interp_spline(x, y, k=5, bc_type="periodic")
     v, a = (np.asarray(spline(turn.x_deg, nu=n), dtype=np.float64) for n in (1, 2))
-    return Turn(turn.x_deg, turn.y_mm, v, a)
+    return PointedTurn(turn.x_deg, turn.y_mm, v, a)
 
 
 def _check(file: PointFile) -> None:
@@ -93,7 +93,7 @@ def _check(file: PointFile) -> None:
             raise GeometryError("piston.section.csv", problem, remedy)
 
 
-def _pieces(turn: Turn) -> tuple[Floats, Floats]:
+def _pieces(turn: PointedTurn) -> tuple[Floats, Floats]:
     """Return breaks [turn], 0 and 1 among them, and quintics of the pieces, (n, 6)."""
     quintics = quintics_of(turn)
     if abs(turn.x_deg[0]) < _SAME_DEG:
@@ -110,7 +110,7 @@ def _pieces(turn: Turn) -> tuple[Floats, Floats]:
     return breaks, np.asarray(found, dtype=np.float64)
 
 
-def _log2_alike(sections: tuple[Turn, ...]) -> int:
+def _log2_alike(sections: tuple[PointedTurn, ...]) -> int:
     """Return how often, as a power of two, all sections repeat per turn."""
     steps = sections[0].steps_deg
     if np.ptp(steps) > _SAME_DEG or abs(sections[0].x_deg[0]) > _SAME_DEG:
@@ -121,7 +121,7 @@ def _log2_alike(sections: tuple[Turn, ...]) -> int:
     return 0
 
 
-def _repeats(sections: tuple[Turn, ...], log2: int) -> bool:
+def _repeats(sections: tuple[PointedTurn, ...], log2: int) -> bool:
     n = sections[0].x_deg.size >> log2
     return all(
         np.abs(np.roll(row, n) - row).max() <= _SAME * max(1e-6, float(np.abs(row).max()))

@@ -73,7 +73,7 @@ class Export(NamedTuple):
         )
 
 
-class Points(NamedTuple):
+class ExportedPoints(NamedTuple):
     """Points of one turn, both ends included, each of shape (n,)."""
 
     x_deg: Floats
@@ -88,7 +88,7 @@ def quantity_of(table: Table, channel: Channel) -> _Quantity:
     return _LIFT if is_lift else _QUANTITIES[channel.kind]
 
 
-def points_of(table: Table, channel: Channel, z_mm: float, n_points: int = 0) -> Points:
+def points_of(table: Table, channel: Channel, z_mm: float, n_points: int = 0) -> ExportedPoints:
     """Return a channel over the drawing's angle at a height, blended as the firmware does.
 
     Parameters
@@ -108,7 +108,7 @@ def points_of(table: Table, channel: Channel, z_mm: float, n_points: int = 0) ->
     scale, h_deg = quantity_of(table, channel).scale, knot_interval(drawn) * _DEG_PER_RAD
     lsb = drawn.lsb * scale
     y = drawn.value_offset * scale + value * lsb
-    return Points(
+    return ExportedPoints(
         _TURN_DEG * np.arange(n + 1) / n, y, first * (lsb / h_deg), second * lsb / h_deg**2
     )
 

@@ -5,9 +5,10 @@ tabs, blanks or commas; where it is none of the commas, a comma is a decimal poi
 columns and units; two or four columns of numbers without one are angle, value and angle, value,
 velocity, acceleration in degrees and mm.
 
->>> found = parse_points("X_deg;Y_mm\n0;1\n120;2\n240;1,5\n360;1\n", "a.txt")
->>> found.sections[0].y_mm.tolist(), found.has_motion
-([1.0, 2.0, 1.5], False)
+>>> text = "X_deg;Y_mm\n" + "".join(f"{45 * i};{i % 8},5\n" for i in range(9))
+>>> found = parse_points(text, "a.txt")
+>>> found.sections[0].y_mm.tolist()[:3], found.has_motion
+([0.5, 1.5, 2.5], False)
 """
 
 from __future__ import annotations
@@ -27,8 +28,9 @@ MAX_POINTS = 100_000
 MAX_BYTES = 20_000_000
 MIN_STEP_DEG = 0.001
 SAME_MM = 1e-6  # of the first and the last point of a closed turn
-VELOCITY_SHARE, ACCELERATION_SHARE = 0.05, 0.25  # of the largest step: what may contradict
+ROUGH_SHARE, FINE_SHARE = 0.3, 0.05  # of the largest step: what V and A may contradict
 _SAME_DEG = 1e-6
+_FEWEST, _FEWEST_ALONE = 4, 8  # points of a turn: with motion, and of values alone
 _DEG_PER_RAD = 180 / np.pi
 _ANGLES = {"deg": 1.0, "rad": _DEG_PER_RAD, "turn": 360.0}
 _LENGTHS = {"mm": 1.0, "um": 1e-3, "nm": 1e-6}
@@ -43,7 +45,7 @@ _WITHOUT_HEADER = {2: ("x", "y"), 4: ("x", "y", "v", "a")}
 _USE = "name the columns z_mm, X_deg, Y_mm, V_mm_per_deg, A_mm_per_deg2, or fewer of them"
 
 
-class Turn(NamedTuple):
+class PointedTurn(NamedTuple):
     """Points of one turn without its last point, which is the first one; shape (n,)."""
 
     x_deg: Floats  # rising, within a turn
@@ -61,7 +63,7 @@ class PointFile(NamedTuple):
     """What a file of points holds."""
 
     z_mm: Floats | None  # (m,) rising; none where the file does not tell heights
-    sections: tuple[Turn, ...]  # one for each height
+    sections: tuple[PointedTurn, ...]  # one for each height
     has_motion: bool  # velocities and accelerations were given
 
 
@@ -184,7 +186,7 @@ def _sections(rows: dict[str, Floats], numbers: Floats, file: str) -> PointFile:
     return PointFile(heights, tuple(turns), has_motion)
 
 
-def _turn(columns: Floats, numbers: Floats, file: str, has_motion: bool) -> Turn:
+def _turn(columns: Floats, numbers: Floats, file: str, has_motion: bool) -> PointedTurn:
     """Return the points of a turn, its end left out, or refuse them."""
     x = columns[0]
     low = np.flatnonzero(np.diff(x) < MIN_STEP_DEG)
@@ -196,40 +198,40 @@ def _turn(columns: Floats, numbers: Floats, file: str, has_motion: bool) -> Turn
     span = float(x[-1] - x[0])
     last = f"line {numbers[-1]}"
     if abs(span - 360) < _SAME_DEG:
-        for key, scale, row in zip("YVA", (1.0, 1.0, 1.0), columns[1:], strict=True):
-            if abs(row[-1] - row[0]) * scale > SAME_MM:
+        for key, row in zip("YVA", columns[1:], strict=True):
+            if abs(row[-1] - row[0]) > SAME_MM:
                 problem = f"the turn is not closed: {key} ends at {row[-1]:g}, began at {row[0]:g}"
                 raise InputError(file, last, None, problem, "let the end be as the beginning")
         columns = columns[:, :-1]
     elif span > 360 - MIN_STEP_DEG:
         problem = f"the points span {span:.9g} degrees, a turn has 360"
         raise InputError(file, last, None, problem, "give one turn, in degrees")
-    turn = Turn(*columns)
+    turn = PointedTurn(*columns)
     widest = float(turn.steps_deg.max())
-    if turn.x_deg.size < 4 or widest >= 180:
+    fewest = _FEWEST if has_motion else _FEWEST_ALONE
+    if turn.x_deg.size < fewest or widest >= 180:
         problem = f"{turn.x_deg.size} points span {span:.9g} degrees: the turn is not closed"
-        raise InputError(file, last, None, problem, "give at least 4 points all around")
+        raise InputError(file, last, None, problem, f"give at least {fewest} points all around")
     if has_motion:
         _check_motion(turn, numbers, file)
     return turn
 
 
-def _check_motion(turn: Turn, numbers: Floats, file: str) -> None:
+def _check_motion(turn: PointedTurn, numbers: Floats, file: str) -> None:
     """Refuse velocities that do not lead from value to value, and accelerations likewise."""
     h, y, v, a = turn.steps_deg, turn.y_mm, turn.v, turn.a
     y1, v1, a1 = (np.roll(one, -1) for one in (y, v, a))
-    steps = {
-        "V": (y1 - y, h * (v + v1) / 2 - h**2 * (a1 - a) / 12, VELOCITY_SHARE),
-        "A": (v1 - v, h * (a + a1) / 2, ACCELERATION_SHARE),
-    }
-    for key, (step, told, share) in steps.items():
+    rough, fine = h * (v + v1) / 2, h * (v + v1) / 2 - h**2 * (a1 - a) / 12
+    for key, what, step, told, share in (
+        ("V", "values", y1 - y, rough, ROUGH_SHARE),  # a wrong unit or sense
+        ("A", "velocities", v1 - v, h * (a + a1) / 2, ROUGH_SHARE),
+        ("V", "values", y1 - y, fine, FINE_SHARE),
+    ):
         off = np.abs(step - told)
-        most = share * float(np.abs(step).max()) + SAME_MM
         i = int(off.argmax())
-        if off[i] > most:
-            what = "value" if key == "V" else "velocity"
+        if off[i] > share * float(np.abs(step).max()) + SAME_MM:
             problem = (
-                f"{key} contradicts the {what}s: to the next point it changes by {step[i]:.6g}, "
+                f"{key} contradicts the {what}: to the next point they change by {step[i]:.6g}, "
                 f"{key} says {told[i]:.6g}; {100 * share:g} % of the largest step may differ"
             )
             remedy = f"give {key} in the unit of its header, by degrees without one"
@@ -253,7 +255,7 @@ def read_points(path: Path) -> PointFile:
     return parse_points(text, path.name)
 
 
-def quintics_of(turn: Turn) -> Floats:
+def quintics_of(turn: PointedTurn) -> Floats:
     """Return the quintics in t = 0 .. 1 between the points, the last one to the first, (n, 6)."""
     h = turn.steps_deg
     left = np.stack([turn.y_mm, h * turn.v, h**2 / 2 * turn.a], axis=-1)

@@ -1,0 +1,232 @@
+"""Tables as text for other controllers, and sections that come back from such text."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from camsim_cases import camsim
+from camtools.base.errors import CamtoolsError, InputError
+from camtools.cli.mktables import main as mktables
+from camtools.pipeline.load import load
+from camtools.skirt.generate import GeneratedSkirt, generate
+from camtools.table.export import Export, export_files
+from camtools.table.image import pack
+from camtools.table.points import parse_points, quintics_of
+from part_cases import PERKINS, ROOT
+
+PARTS = ROOT / "tools" / "parts"
+NM_PER_MM = 1e6
+IMPORTED = '[piston.section]\nshape = "points"\n'
+
+
+def imported(part: Path, folder: Path, section: str) -> Path:
+    """Write the part file of a skirt whose section comes from an export."""
+    head, _, rest = part.read_text().partition("[piston.ovality]")
+    path = folder / "again.toml"
+    path.write_text(f"{head}{IMPORTED}{section}{rest[rest.index('[process]') :]}")
+    return path
+
+
+def export(made: GeneratedSkirt, folder: Path, what: Export) -> list[str]:
+    """Write the files of an export; return their names."""
+    files = export_files(made.table, what)
+    for name, data in files.items():
+        (folder / name).write_bytes(data)
+    return sorted(files)
+
+
+@pytest.mark.parametrize("name", ["perkins240", "weichai3a", "double_ellipse"])
+def test_export_and_import_give_the_same_table(name: str, tmp_path: Path) -> None:
+    """An oval, a refitted section and one cut with M4: to the byte, so to the nanometre."""
+    made = generate(load(PARTS / f"{name}.toml").part)
+    export(made, tmp_path, Export("xyva"))
+    path = imported(PARTS / f"{name}.toml", tmp_path, f'csv = "{name}_u_xyva.csv"\n')
+    again = generate(load(path).part)
+    assert again.table.channels[0].knots.tobytes() == made.table.channels[0].knots.tobytes()
+    assert abs(len(pack(again.table)) - len(pack(made.table))) <= 256
+
+
+def test_a_file_for_each_height(tmp_path: Path) -> None:
+    """Three heights of their own: the part is straight between them, the firmware plays that."""
+    made = generate(load(PERKINS).part)
+    heights = (0.0, 20.0, 62.0)
+    names = export(made, tmp_path, Export("xyva", heights))
+    assert [name for name in names if "_z" in name] == [
+        f"perkins240_u_z{z}_xyva.txt" for z in ("0", "20", "62")
+    ]
+    section = "".join(
+        f'[[piston.section.files]]\nz_mm = {z}\ncsv = "perkins240_u_z{z:g}_xyva.txt"\n'
+        for z in heights
+    )
+    again = generate(load(imported(PERKINS, tmp_path, section)).part)
+    (tmp_path / "a.camtab").write_bytes(pack(again.table))
+    rows = "".join(f"{t},{z}\n" for t in (0.1, 0.3, 0.77) for z in (0, 10, 20, 41, 62))
+    done = camsim("eval", tmp_path / "a.camtab", stdin=f"turn,z_mm\n{rows}")
+    got = np.array([[float(one) for one in line.split(",")] for line in done.stdout.split()[1:]])
+    exact = made.geometry.delta(2 * np.pi * np.repeat([0.1, 0.3, 0.77], 3), np.tile(heights, 3))
+    u = got[:, 2].reshape(3, 5)
+    assert np.abs(u[:, [0, 2, 4]].ravel() - NM_PER_MM * exact.delta).max() < 2.0
+    assert np.abs(u[:, 1] - (u[:, 0] + u[:, 2]) / 2).max() < 2.0
+
+
+def test_exported_points_are_what_the_firmware_plays(tmp_path: Path) -> None:
+    """Value, velocity and acceleration of a file against camsim eval, off the slices, with M4."""
+    made = generate(load(PARTS / "double_ellipse.toml").part)
+    files = export_files(made.table, Export("xyva", (13.7,), 90))
+    text = files["double_ellipse_u_z13.7_xyva.txt"].decode()
+    assert text.splitlines()[0] == "X_deg;Y_mm;V_mm_per_deg;A_mm_per_deg2"
+    x, y, v, a = np.array([line.split(";") for line in text.split()[1:]], dtype=float).T
+    assert x.tolist() == [4.0 * i for i in range(91)]
+    (tmp_path / "a.camtab").write_bytes(pack(made.table))
+    rows = "".join(f"{one / 360!r},13.7\n" for one in x.tolist())
+    done = camsim("eval", tmp_path / "a.camtab", stdin=f"turn,z_mm\n{rows}")
+    got = np.array([[float(one) for one in line.split(",")] for line in done.stdout.split()[1:]])
+    per_rad = 180 / np.pi * NM_PER_MM
+    assert np.abs(NM_PER_MM * y - got[:, 2]).max() < 0.02
+    assert np.abs(per_rad * v - got[:, 3]).max() < 1e-5 * np.abs(got[:, 3]).max()
+    assert np.abs(per_rad * 180 / np.pi * a - got[:, 4]).max() < 1e-4 * np.abs(got[:, 4]).max()
+
+
+def test_two_columns_come_back(tmp_path: Path) -> None:
+    """A point per degree without velocity: a periodic quintic spline is within 1 nm of an oval."""
+    made = generate(load(PERKINS).part)
+    files = export_files(made.table, Export("text", (20.0,)))
+    text = files["perkins240_u_z20_text.txt"].decode()
+    assert len(text.splitlines()) == 361 and text.startswith("0.0 0.0\n")
+    (tmp_path / "one.txt").write_text(text)
+    again = generate(load(imported(PERKINS, tmp_path, 'csv = "one.txt"\n')).part)
+    phi = np.linspace(0, 2 * np.pi, 1000)
+    off = again.geometry.delta(phi, 40.0).delta - made.geometry.delta(phi, 20.0).delta
+    assert np.abs(off).max() * NM_PER_MM < 1.0
+
+
+def test_points_of_other_systems() -> None:
+    """Separators, decimal commas, comments, units, and no header at all give the same points."""
+    angle = np.arange(0, 361, 30)
+    y = 0.2 * np.sin(np.radians(angle)) ** 2
+    v = 0.2 * np.sin(np.radians(2 * angle))
+    a = 0.4 * np.cos(np.radians(2 * angle))
+    columns = np.stack([angle, y, v * np.pi / 180, a * (np.pi / 180) ** 2])
+    rows: list[list[float]] = columns.T.tolist()
+    plain = "\n".join(" ".join(f"{one!r}" for one in row) for row in rows)
+    comma = "X;Y;V;A\n" + "\n".join(
+        ";".join(f"{one:.12f}".replace(".", ",") for one in row) for row in rows
+    )
+    per_rad = "angle_turn,u_um,v_um_per_rad,a_um_per_rad2\n" + "\n".join(
+        f"{row[0] / 360!r},{1e3 * row[1]!r},{1e3 * vel!r},{1e3 * acc!r}"
+        for row, vel, acc in zip(rows, v.tolist(), a.tolist(), strict=True)
+    )
+    noted = "# another system\n" + "\n".join(f"{line} // point" for line in plain.splitlines())
+    quintics = [
+        quintics_of(parse_points(text, "a").sections[0])
+        for text in (plain, comma, per_rad, noted, plain[: plain.rindex("\n")])
+    ]
+    for other in quintics[1:]:
+        assert np.abs(other - quintics[0]).max() < 1e-10
+    middle = quintics[0] @ 0.5 ** np.arange(6)
+    exact = 0.2 * np.sin(np.radians(angle[:-1] + 15)) ** 2
+    assert np.abs(middle - exact).max() < 1e-5
+
+
+GOOD = [f"{i * 45};{i % 8 * (8 - i % 8) / 100:.6f}" for i in range(9)]
+MOVING = [
+    f"{i * 30};{0.1 * np.sin(np.radians(30 * i)) ** 2:.9f};"
+    f"{0.1 * np.sin(np.radians(60 * i)) * np.pi / 180:.9f};"
+    f"{0.2 * np.cos(np.radians(60 * i)) * (np.pi / 180) ** 2:.9f}"
+    for i in range(13)
+]
+HEAD = "X_deg;Y_mm;V_mm_per_deg;A_mm_per_deg2"
+
+
+def per_rad(line: str) -> str:
+    """Return a line whose velocity is by radian."""
+    x, y, v, a = line.split(";")
+    return f"{x};{y};{float(v) * 57.3:.9f};{a}"
+
+
+def accelerated(line: str) -> str:
+    """Return a line whose acceleration has the wrong sign."""
+    x, y, v, a = line.split(";")
+    return f"{x};{y};{v};{-float(a):.9f}"
+
+
+WRONG = [
+    (["X_deg;Y_mm;V_mm_per_deg", *MOVING], "line 1", "no column of A"),
+    (["Y_mm", "1", "2"], "line 1", "no column of X"),
+    (["X_deg;Y_mm;W", *MOVING], "line 1", "unknown column 'W'"),
+    (["1;2;3", "2;3;4"], "line 1", "has 3 columns and no header"),
+    (["X_deg;X_deg", *GOOD], "line 1", "no column of Y"),
+    ([HEAD, *MOVING[:3], "1;2;3", *MOVING[3:]], "line 5", "not 4 numbers"),
+    ([HEAD, *MOVING[:3], "nan;2;3;4", *MOVING[3:]], "line 5", "not 4 numbers"),
+    ([*GOOD[:3], GOOD[4], GOOD[3], *GOOD[5:]], "line 5", "angle 135 follows 180 degrees"),
+    ([*GOOD[:-1], "360;0.5"], "line 9", "the turn is not closed: Y ends at 0.5, began at 0"),
+    (GOOD[:4], "line 4", "4 points span 135 degrees: the turn is not closed"),
+    ([*GOOD, "400;1"], "line 10", "the points span 400 degrees"),
+    ([HEAD, *map(per_rad, MOVING)], "line ", "V contradicts the values"),
+    ([HEAD, *map(accelerated, MOVING)], "line ", "A contradicts the velocities"),
+    (
+        ["Z_mm;X_deg;Y_mm", *[f"{z};{row}" for z in (5, 3) for row in GOOD]],
+        "line 11",
+        "3 mm follows",
+    ),
+    ([], "", "has 0 lines"),
+]
+
+
+@pytest.mark.parametrize(("lines", "place", "problem"), WRONG, ids=[one[2] for one in WRONG])
+def test_wrong_files(lines: list[str], place: str, problem: str) -> None:
+    """One line with the file, its line, what is wrong and what to do."""
+    with pytest.raises(InputError) as info:
+        parse_points("\n".join(lines), "points.csv")
+    [line] = info.value.lines
+    assert line.startswith(f"points.csv: {place}") and problem in line and "; " in line
+
+
+def test_wrong_sections(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The part file's key and the file's line are named; nothing is written."""
+    (tmp_path / "a.csv").write_text("\n".join([*GOOD[:3], GOOD[2], *GOOD[3:]]))
+    (tmp_path / "b.csv").write_text("\n".join(["X_deg;Y_mm", *GOOD]))
+    (tmp_path / "long.csv").write_text("\n".join(f"{45 * i} {40 + i % 8}" for i in range(9)))
+    cases = {
+        'csv = "a.csv"\n': "piston.section.csv: a.csv: line 4: angle 90 follows 90",
+        'csv = "none.csv"\n': "piston.section.csv: none.csv: cannot be read",
+        'csv = "long.csv"\n': "piston.section.csv: Y comes to 47 mm",
+        "": 'piston.section.csv: shape = "points" needs either csv or',
+        'csv = "b.csv"\nharmonics = 5\n': "piston.section.harmonics = 5: harmonics has no meaning",
+        '[[piston.section.files]]\nz_mm = 0\ncsv = "b.csv"\n'
+        '[[piston.section.files]]\nz_mm = 50\ncsv = "b.csv"\n': "do not cover the profile's",
+    }
+    for section, message in cases.items():
+        path = imported(PERKINS, tmp_path, section)
+        assert mktables([str(path), "-o", str(tmp_path / "out")]) == 2
+        [line] = capsys.readouterr().err.splitlines()
+        assert message in line
+        assert not (tmp_path / "out").exists()
+
+
+def test_options_of_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Export writes beside the table; wrong options are refused before anything is written."""
+    out = tmp_path / "out"
+    words = [str(PERKINS), "-o", str(out)]
+    for more, message in (
+        (["--export-height", "3"], "--export-height: says nothing about the format"),
+        (["--export", "xyva", "--export-height", "63"], "outside of the table, 0 .. 62 mm"),
+        (["--export", "text", "--export-points", "3"], "--export-points 3: must be 4 .. 100000"),
+    ):
+        assert mktables([*words, *more]) == 2
+        assert message in capsys.readouterr().err
+        assert not out.exists()
+    assert mktables([*words, "--export", "text", "--export-height", "20"]) == 0
+    names = sorted(path.name for path in out.iterdir())
+    assert {"perkins240_u_z20_text.txt", "perkins240_x_text.csv"} <= set(names)
+    assert len(names) == 6
+
+
+def test_export_of_a_height_without_a_table() -> None:
+    """A height beyond the part names the part's heights."""
+    made = generate(load(PERKINS).part)
+    with pytest.raises(CamtoolsError, match="outside of the table"):
+        export_files(made.table, Export("xyva", (-1.0,)))
