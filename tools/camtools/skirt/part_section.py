@@ -85,9 +85,7 @@ class SectionShape(TomlTable):
 
     shape: Literal[
         "ellipse", "cosine", "double-ellipse", "power", "ellipse-arc", "table", "points"
-    ] = (
-        "ellipse"
-    )
+    ] = "ellipse"
     base: Annotated[
         Literal["cosine", "ellipse", "double-ellipse"] | None, Field(validate_default=True)
     ] = None
@@ -147,7 +145,6 @@ class SectionShape(TomlTable):
             problem = f'is a list, shape = "{shape}" has no heights of ovality'
             raise wrong("one", problem, "give one number")
         return value
-
 
     @field_validator("files")
     @classmethod
