@@ -32,6 +32,7 @@ from camtools.lobe.channels import (
     speed_channel,
 )
 from camtools.lobe.contact import Follower
+from camtools.lobe.heel import LobeHeel, check_lobe_heel
 from camtools.lobe.motion import ShaftLobe, make_lobes
 from camtools.lobe.part import LobePart
 from camtools.lobe.speed import N_GRID, SpindleLimits, acceleration_of, mean_of, surface_speed
@@ -65,6 +66,8 @@ class GeneratedLobes:
         Mean speed of a turn.
     peaks : Peaks
         What the axes need.
+    heel : LobeHeel or None
+        Where the flank of a tool comes nearest to the lobes; None of a wheel.
     """
 
     part: LobePart
@@ -77,6 +80,7 @@ class GeneratedLobes:
     mean_rpm: float
     peaks: Peaks
     highest_speed: HighestSpeed
+    heel: LobeHeel | None
 
 
 def generate_lobes(part: LobePart, tolerance_nm: float | None = None) -> GeneratedLobes:
@@ -99,6 +103,7 @@ def generate_lobes(part: LobePart, tolerance_nm: float | None = None) -> Generat
     check_feed(part)
     lobes = make_lobes(part)
     is_swung = part.process.operation == "turning"
+    heel = check_lobe_heel(lobes, part.tool, part.process.direction) if is_swung else None
     lift, angle = choose_lift(lobes, tolerance_nm), choose_angle(lobes, is_swung=is_swung)
     speed, mean_rpm = _modulation(part, lobes)
     bounds = u_bounds(lift.channel, lift.error)
@@ -117,7 +122,7 @@ def generate_lobes(part: LobePart, tolerance_nm: float | None = None) -> Generat
     peaks = peaks._replace(feed_mm=fed.feed_mm, change_mm=fed.change_mm)
     best = _judge(part, lobes, peaks, fed, mean_rpm)
     return GeneratedLobes(
-        part, lobes, tolerance_nm, table, lift, angle, speed, mean_rpm, peaks, best
+        part, lobes, tolerance_nm, table, lift, angle, speed, mean_rpm, peaks, best, heel
     )
 
 

@@ -31,6 +31,7 @@ from camtools.part.model import (
     rising,
     wrong,
 )
+from camtools.part.tool import SwungTool
 
 MIN_GAP_MM = 0.2
 MAX_LIFT_MM = 15.0
@@ -246,6 +247,15 @@ class LobePart(TomlTable):
     cam: Camshaft
     process: LobeProcess
     machine: LobeMachine = Field(default_factory=LobeMachine)
+    tool: SwungTool = Field(default_factory=SwungTool)
+
+    @model_validator(mode="after")
+    def _check_tool(self) -> Self:
+        if "tool" in self.model_fields_set and self.process.operation == "grinding":
+            context = {"field": "tool", "value": None}
+            problem = 'has no meaning for operation = "grinding"'
+            raise wrong("tool", problem, "remove it, or turn the part", **context)
+        return self
 
     @model_validator(mode="after")
     def _check_wheel(self) -> Self:

@@ -54,6 +54,7 @@ def make_lobe_summary(result: GeneratedLobes) -> Json:
             "depth_mm": float(process.depth_mm),
             "direction": process.direction,
         },
+        **_tool(result),
         "channels": {_NAMES[one.kind]: describe_channel(one) for one in table.channels},
         "error": {
             "u_nm": result.lift.error,
@@ -64,6 +65,15 @@ def make_lobe_summary(result: GeneratedLobes) -> Json:
         "lobes": [_lobe(lobe) for lobe in result.lobes],
         "design": design_of_lobes(result),
     }
+
+
+def _tool(result: GeneratedLobes) -> Json:
+    """Return the tool of a turned shaft, nothing of a wheel."""
+    heel = result.heel
+    if heel is None:
+        return {}
+    found = {"needed_clearance_deg": heel.needed_deg, "lobe": heel.lobe, "at_deg": heel.angle_deg}
+    return {"tool": result.part.tool.model_dump() | found}
 
 
 def emit_lobe_text(summary: Json) -> str:
@@ -87,6 +97,12 @@ def emit_lobe_text(summary: Json) -> str:
         f"  spindle {process['spindle_rpm']:g} r/min, mean {process['mean_spindle_rpm']:.4f}, "
         f"peak {needed['spindle_rpm']:.3f}, {needed['spindle_acceleration_rad_s2']:.2f} rad/s2"
     )
+    if "tool" in summary:
+        tool = summary["tool"]
+        lines.append(
+            f"  tool: clearance {tool['clearance_deg']:g} degrees over {tool['heel_mm']:g} mm; the "
+            f"lobes need {tool['needed_clearance_deg']:.2f}"
+        )
     lines += [_lobe_text(i, lobe) for i, lobe in enumerate(summary["lobes"])]
     lines.append(
         f"  highest speed {tenth_below(feasible['highest_spindle_rpm'])} r/min, "
