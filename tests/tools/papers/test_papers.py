@@ -167,6 +167,16 @@ def test_points_of_the_helix_are_those_of_the_sections() -> None:
 
 
 @pytest.mark.slow
+def test_records_are_cut_as_calculated() -> None:
+    """Each of the three records, cut on the simulator, is its spline within 0.1 um everywhere."""
+    for record, largest in zip(corner.gauged(), (0.44, 1.38, 2.96), strict=True):
+        assert record.control_um < 0.1
+        assert np.abs(record.off_um).max() == pytest.approx(largest, abs=0.15)  # bins of the map
+    for row in rows("s2_fig_8.csv"):
+        assert row["after_cut_um"] == pytest.approx(row["after_spline_um"], abs=0.1)
+
+
+@pytest.mark.slow
 def test_command_makes_every_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Tables and pictures of all rows, and the page; two runs give the same bytes."""
     assert main(["-o", str(tmp_path / "a")]) == 0

@@ -16,6 +16,7 @@ from scipy.interpolate import PPoly
 
 from camtools.base.quantities import omega_rad_s
 from camtools.papers.draw import UM_PER_MM, around, panels, plane, side_by_side
+from camtools.papers.gauge import Record
 from camtools.plots.style import BLUE, GREEN, GREY, ORANGE, PURPLE, RED, new_figure
 from camtools.skirt.composite import Joint
 from camtools.study.refit import Study
@@ -110,23 +111,26 @@ def draw_best(found: Study, traces: Sequence[Named], rpm: float) -> Figure:
     return figure
 
 
-def draw_records(joint: Joint, traces: Sequence[Named]) -> Figure:
+def draw_records(joint: Joint, traces: Sequence[Named], cuts: Sequence[Record]) -> Figure:
     """Return the roundness records: the closed section enlarged, and its distance as drawn."""
     figure = new_figure(11, 6.6)
-    figure.suptitle("roundness before, corrected by hand, after the refit; green: the drawing")
+    title = "roundness before, corrected by hand, after the refit"
+    figure.suptitle(f"{title}; green: drawing, grey: spline, blue: cut and gauged")
     phi = np.linspace(0, 2 * np.pi, 1441)
     quarter = np.abs(np.mod(phi + np.pi / 2, np.pi) - np.pi / 2)
     drawn = joint.reduction(quarter).delta * UM_PER_MM
-    for i, one in enumerate(traces):
+    for i, (one, cut) in enumerate(zip(traces, cuts, strict=True)):
         axes = figure.add_subplot(2, 3, i + 1)
-        for values, colour in ((drawn, GREEN), (one.curve(quarter) * UM_PER_MM, BLUE)):
+        measured = np.interp(np.degrees(quarter), cut.deg, cut.reduction_um)
+        for values, colour in ((drawn, GREEN), (measured, BLUE)):
             axes.plot(*around(_POLAR_UM - values, phi), color=colour, lw=1)
         plane(axes)
         axes.set_title(one.name, fontsize=9)
         below = figure.add_subplot(2, 3, i + 4)
         part = phi <= np.pi / 2
         off = one.curve(quarter[part]) * UM_PER_MM - drawn[part]
-        below.plot(np.degrees(phi[part]), off, color=BLUE)
+        below.plot(np.degrees(phi[part]), off, color=GREY, lw=2.5, alpha=0.5)
+        below.plot(cut.deg, cut.off_um, color=BLUE, lw=1)
         below.set_xlabel("angle from the long axis, degrees")
         below.set_ylabel("deeper than the drawing, µm")
         below.set_ylim(-4, 4)

@@ -232,7 +232,8 @@ def _text_rows() -> list[Row]:
             *("text", "highest speed", "2500 r/min"),
             f"mean {MEAN_RPM} r/min: {MEAN_RPM * peaks.ratio_min:.2f} .. "
             f"{MEAN_RPM * peaks.ratio_max:.2f} r/min, {peaks.alpha * omega**2:.1f} rad/s2",
-            "the paper does not say what the spindle needs: sixty times what a lathe has",
+            "the paper does not say what the spindle needs: sixty times what a lathe has. "
+            "`perkins240_papers_speed.toml` is turned by a spindle that has it",
             "s0_table_5.csv",
         ),
         Row(
