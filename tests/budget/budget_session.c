@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "budget_session.h"
 #include "budget_strike.h"
-#include <stdio.h> // printf
+#include "fixture_shaft.h" // fixture_shaft_make
+#include <stdio.h>         // printf
 
 enum { tick_hz = 20000, patience = 60000 };
 
@@ -59,6 +60,20 @@ bool budget_session_swung(fixture_rig_t *rig, void (*isr)(void), const fixture_p
            set(rig, cam_param_swing_acceleration_deg_per_s2, 100000000) &&
            set(rig, cam_param_swing_following_limit_mdeg, 90000) &&
            set(rig, cam_param_swing_lag_ns, 1000000);
+}
+
+bool budget_session_shaft(fixture_rig_t *rig, void (*isr)(void))
+{
+    fixture_shaft_t shaft = fixture_shaft_three();
+    fixture_part_t part = fixture_part_swung();
+    shaft.has_speed = true;
+    part.speed = fixture_ratio;
+    bool is_open = budget_session_swung(rig, isr, &part);
+    fixture_shaft_make(&rig->image, &shaft);
+    is_open = is_open &&
+              cam_machine_select_table(&rig->machine, rig->image.bytes, rig->image.size) == cam_ok;
+    fixture_rig_tick(rig);
+    return is_open;
 }
 
 bool budget_session_cut(fixture_rig_t *rig, void (*isr)(void), const fixture_part_t *part,

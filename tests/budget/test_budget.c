@@ -381,6 +381,17 @@ static void test_measured_z_with_every_edge_and_fault_in_every_state(void)
     expect_budget("measured");
 }
 
+/// A shaft from lobe to lobe, with everything that a table can hold.
+static void test_shaft(void)
+{
+    TEST_ASSERT_TRUE(budget_session_shaft(&rig, counted));
+    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_cutting));
+    TEST_ASSERT_LESS_THAN_UINT32(60000, fixture_rig_until(&rig, cam_state_ready, 60000));
+    TEST_ASSERT_EQUAL_HEX32(0, rig.last.want.faults);
+    TEST_ASSERT_EQUAL_UINT32_MESSAGE(2, g_cam.plan.shaft.i_lobe, "all three were played");
+    expect_budget("shaft");
+}
+
 /// A cam: the swing alone and with the speed ratio, in the work and on its return to 0.
 static void test_swung_cuts(void)
 {
@@ -448,6 +459,7 @@ int main(void)
     RUN_TEST(test_ring_helix_with_every_edge_and_fault_in_every_state);
     RUN_TEST(test_measured_z_with_every_edge_and_fault_in_every_state);
     RUN_TEST(test_swung_cuts);
+    RUN_TEST(test_shaft);
     RUN_TEST(test_random_parameters);
     RUN_TEST(test_enough_ticks_were_measured);
     return UNITY_END();
