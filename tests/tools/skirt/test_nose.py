@@ -13,6 +13,7 @@ from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats
 from camtools.cli.mktables import main
 from camtools.part.tool import Tool
+from camtools.pipeline.run import run
 from camtools.skirt.generate import generate
 from camtools.skirt.geometry import Geometry, make_geometry
 from camtools.skirt.nose import NoseGeometry, tip_geometry
@@ -241,3 +242,19 @@ def test_a_wrong_tool_is_refused_by_name(
     assert f"{path}: tool.{message}" in error.replace("mktables: ", "")
     assert len(error.splitlines()) == 1
     assert not (tmp_path / "out").exists()
+
+
+def test_run_tells_of_the_tool_and_sets_its_offset(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """tools/run with a worn round nose: good, and the report names nose, wear and clearance."""
+    text = (PARTS / "perkins240.toml").read_text()
+    path = tmp_path / "part.toml"
+    path.write_text(f"{text}\n[tool]\nnose_radius_mm = 0.8\nwear_um = 12\n")
+    assert run([str(path), "--feed", "2", "-o", str(tmp_path / "out")]) == 0
+    told = "nose of 0.8 mm, worn by 12 um; clearance 7 degrees, the sections need 0.19 at "
+    assert told in capsys.readouterr().out
+    assert told in (tmp_path / "out" / "report.html").read_text()
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert summary["parameters"]["x_offset_nm"] == -12_000
+    assert summary["tool"] == {"nose_mm": 0.8, "made_for_mm": 0.8, "wear_um": 12}

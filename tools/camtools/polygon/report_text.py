@@ -13,6 +13,7 @@ from camtools.polygon.part import PolygonSection
 from camtools.polygon.summary import blend_text, make_polygon_summary, section_text
 from camtools.report.text import ReportRow, error_pair
 from camtools.sim.results import Cut
+from camtools.skirt.report_tool import tool_row
 
 PolygonCut = Cut[GeneratedPolygon]
 
@@ -52,6 +53,7 @@ def polygon_rows(outcome: PolygonCut) -> list[ReportRow]:
         *against,
         ReportRow("blends", blend_text(about)),
         ReportRow("following error of U", error_pair(summary["following_error_um"])),
+        tool_row(summary, made.part.tool, made.heel),
         ReportRow("table", f"{summary['table_bytes']} bytes, error at most {worst_nm:.2g} nm"),
         ReportRow("machine time", f"{summary['machine_time_s']:.1f} s"),
         ReportRow("computing time", f"{wall_s:.2f} s for the cut with its trace"),

@@ -6,6 +6,7 @@ from camtools.base.json_text import Json
 from camtools.base.quantities import length_text
 from camtools.report.text import ReportRow, error_pair
 from camtools.skirt.outcome import SkirtOutcome
+from camtools.skirt.report_tool import tool_row
 
 
 def what_was_cut(outcome: SkirtOutcome) -> str:
@@ -106,6 +107,7 @@ def rows_of(outcome: SkirtOutcome) -> list[ReportRow]:
         *_corner_rows(outcome),
         *_filter_rows(outcome),
         *_removal_rows(outcome),
+        tool_row(summary, generated.part.tool, generated.heel),
         ReportRow("table", f"{summary['table_bytes']} bytes, error at most {worst_nm:.2g} nm"),
         ReportRow("machine time", f"{machine_s:.1f} s"),
         ReportRow("computing time", f"{wall_s:.2f} s for the cut with its trace"),
