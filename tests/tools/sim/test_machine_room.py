@@ -13,6 +13,7 @@ import pytest
 
 from camsim_cases import camsim
 from camtools.cli.mktables import main as mktables
+from camtools.part.passes import FeedLaw
 
 MACHINES = Path(__file__).parents[3] / "host_sim" / "machines"
 PART = """
@@ -196,3 +197,70 @@ def test_removal_is_that_of_the_part_alone(tmp_path: Path, machine: Path) -> Non
     volume = np.pi * np.trapezoid(blank**2 - mean_square, z)
     assert summary["removal"]["volume_mm3"] == pytest.approx(volume, rel=0.02)
     assert summary["removal"]["turns"] >= 56
+
+
+def test_all_passes_are_cut_and_gauged_in_one_run(tmp_path: Path, machine: Path) -> None:
+    """Each against the drawing and its stock; the last one is the verdict."""
+    words = (
+        'u_zero = "mean"\nrun_in_mm = 1\nrun_out_mm = 1\ndepth_mm = 0.8\n'
+        "[[process.pass]]\nallowance_um = 250\nfeed_mm = 1.0\nspindle_rpm = 500\n"
+        "[[process.pass]]\nallowance_um = 30\n[[process.pass]]\nallowance_um = 0"
+    )
+    table = table_of(tmp_path, "passes", words)
+    summary = cut(table, "--machine", machine)
+    assert (summary["end"], summary["is_good"]) == ("done", True)
+    passes = summary["passes"]
+    assert [one["pass"] for one in passes] == [1, 2, 3]
+    assert [one["allowance_um"] for one in passes] == [250, 30, 0]
+    assert [one["spindle_rpm"] for one in passes] == [500, 600, 600]
+    assert [one["feed_mm"] for one in passes] == [1.0, 0.5, 0.5]
+    for one in passes:
+        assert one["form_error_um"]["max"] < GOUGE_UM
+        assert one["below_drawing_um"] < GOUGE_UM
+    assert summary["form_error_um"]["max"] == passes[-1]["form_error_um"]["max"]
+    # of the drawing: the first out of the cylinder, the others parallel to it
+    assert passes[0]["depth_min_mm"] == pytest.approx(0.8 - 0.25, abs=2e-3)
+    assert passes[1]["depth_max_mm"] == pytest.approx(0.22, abs=1e-3)
+    assert passes[2]["depth_min_mm"] == pytest.approx(0.03, abs=1e-3)
+    middle_mm = 60.0 / 2 - 0.85 / 4
+    thin = 2 * np.pi * (middle_mm + 0.015) * 0.03 * 30
+    assert passes[2]["volume_mm3"] == pytest.approx(thin, rel=0.02)
+    chosen = cut(table, "--machine", machine, "--set", "pass=2")
+    assert [one["pass"] for one in chosen["passes"]] == [2]
+    assert chosen["form_error_um"]["max"] < GOUGE_UM
+    stopped = cut(table, "--machine", machine, "--inject", "stop@1")
+    assert (stopped["end"], len(stopped["passes"])) == ("stopped", 1)
+
+
+def test_overruled_feed_and_speed_hold_for_all_passes(tmp_path: Path, machine: Path) -> None:
+    """--rpm and --feed are those of every pass."""
+    words = "[[process.pass]]\nallowance_um = 30\nfeed_mm = 1\n[[process.pass]]\nallowance_um = 0"
+    table = table_of(tmp_path, "two", f'u_zero = "mean"\n{words}')
+    summary = cut(table, "--machine", machine, "--rpm", "700", "--feed", "0.8")
+    assert [one["feed_mm"] for one in summary["passes"]] == [0.8, 0.8]
+    assert [one["spindle_rpm"] for one in summary["passes"]] == [700, 700]
+    done = camsim("run", table, "--machine", machine, "--rpm", "3500")
+    assert done.returncode == 2
+    assert "pass 1: --rpm 3500: infeasible" in done.stderr
+
+
+def test_feed_follows_its_law_over_the_height(tmp_path: Path, machine: Path) -> None:
+    """Z per turn in the trace is the feed at that height, within what the law changes in a turn."""
+    law = "[process.feed_law]\nheight_mm = [0, 10, 30]\nfeed_mm = [0.2, 0.6, 0.3]"
+    words = f'u_zero = "mean"\n{law}'
+    toml = tmp_path / "law.toml"
+    text = PART.format(name="law", process=words, stroke=0.8).replace("feed_mm = 0.5\n", "", 1)
+    toml.write_text(text)
+    assert mktables([str(toml), "-o", str(tmp_path)]) == 0
+    trace = tmp_path / "trace.csv"
+    summary = cut(tmp_path / "law.camtab", "--machine", machine, "--rpm", "2400", "--trace", trace)
+    assert summary["is_good"]
+    cutting = [row for row in rows(trace) if row["state"] == "cutting"]
+    turn = np.array([float(row["turn"]) for row in cutting])
+    z = np.array([float(row["z_mm"]) for row in cutting])
+    whole = np.unwrap(turn, period=1.0)
+    at = np.arange(whole[0] + 4, whole[-1] - 4, 0.5)
+    feed = np.interp(at + 0.5, whole, z) - np.interp(at - 0.5, whole, z)
+    here = np.interp(at, whole, z)
+    wanted = FeedLaw(height_mm=[0.0, 10.0, 30.0], feed_mm=[0.2, 0.6, 0.3]).at_mm(here)
+    assert np.abs(feed / wanted - 1).max() < 0.01

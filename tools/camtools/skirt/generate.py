@@ -21,8 +21,10 @@ from camtools.cut.feasibility import (
     peaks_of,
 )
 from camtools.part.common import check_feed
+from camtools.part.passes import Pass
 from camtools.skirt.accuracy import Accuracy
 from camtools.skirt.corner import refuse_deviation
+from camtools.skirt.feed_law import largest_share, way_channel
 from camtools.skirt.geometry import Geometry, make_geometry, path_of
 from camtools.skirt.heel import Heel, check_heel
 from camtools.skirt.nose import tip_geometry
@@ -34,6 +36,7 @@ from camtools.skirt.zero import middle_nm, moved
 from camtools.table.header import check_tolerance, table_of, u_bounds
 from camtools.table.image import Bounds, Channel, Table
 from camtools.table.modulation import moving_bounds
+from camtools.table.passes import PassRecord
 from camtools.table.quantise import with_bounds
 
 DEFAULT_TOLERANCE_NM = 1.0
@@ -116,12 +119,15 @@ def generate(part: SkirtPart, tolerance_nm: float | None = None) -> GeneratedSki
     """
     if tolerance_nm is not None:
         check_tolerance(tolerance_nm)
-    check_feed(part)
+    passes = parts_of_passes(part)
+    for one in passes:
+        check_feed(one)
     refuse_steps(part)
     geometry = make_geometry(part)
     process = part.process
     air = with_run(geometry, process.run_in_mm, process.run_out_mm)
-    path_of(part, air.z_first_mm, air.z_last_mm)  # or refuse: Z cannot follow it
+    for one in passes:
+        path_of(one, air.z_first_mm, air.z_last_mm)  # or refuse: Z cannot follow it
     refuse_corner(geometry)
     if geometry.corner is not None and part.piston.section.refit is not None:
         refuse_deviation(geometry.corner, part.piston.section.refit)
@@ -138,16 +144,60 @@ def generate(part: SkirtPart, tolerance_nm: float | None = None) -> GeneratedSki
     if process.mode != "uniform":
         uniform = highest_speed(peaks_of(u_bounds(u, error_nm)), part.machine.limits)
         speed = make_speed(part, air, u, uniform.rpm)
-    table = make_table(part, u, x, error_nm, speed)
-    best = _judge(part, geometry, peaks_of_table(table, speed), table.bounds)
+    table = with_passes(make_table(passes[-1], u, x, error_nm, speed), part, passes)
+    best = judge_passes(passes, geometry, table, speed)
     return GeneratedSkirt(
         part, geometry, tolerance_u_nm, table, accuracy_u, accuracy_x, best, heel, speed, middle
     )
 
 
+def parts_of_passes(part: SkirtPart) -> list[SkirtPart]:
+    """Return the part as each of its passes cuts it, the last one at the end."""
+    process, found = part.process, []
+    for one in process.passes or [Pass(allowance_um=0)]:
+        own = {
+            "feed_mm": one.feed_mm or process.feed_mm,
+            "spindle_rpm": one.spindle_rpm or process.spindle_rpm,
+        }
+        found.append(part.model_copy(update={"process": process.model_copy(update=own)}))
+    return found
+
+
+def with_passes(table: Table, part: SkirtPart, passes: list[SkirtPart]) -> Table:
+    """Return a table with the records of its passes and the way of its feed."""
+    law = part.process.feed_law
+    if law is not None:
+        way = way_channel(law, (table.z_first_nm, table.z_last_nm))
+        table = replace(table, channels=(*table.channels, way))
+    records = (
+        PassRecord(
+            round(one.allowance_um * NM_PER_UM),
+            round(own.process.feed_mm * NM_PER_MM),
+            round(own.process.spindle_rpm * 1000),
+        )
+        for one, own in zip(part.process.passes, passes, strict=False)
+    )
+    return replace(table, passes=tuple(records))
+
+
+def judge_passes(
+    passes: list[SkirtPart], geometry: Geometry, table: Table, speed: SpeedTable | None
+) -> HighestSpeed:
+    """Return the highest speed of the last pass, or refuse the first one that is infeasible."""
+    for number, one in enumerate(passes, start=1):
+        own = replace(table, feed_nm=round(one.process.feed_mm * NM_PER_MM))
+        try:
+            best = _judge(one, geometry, peaks_of_table(own, speed), table.bounds)
+        except CamtoolsError as error:
+            which = f"process.pass number {number}: " if len(passes) > 1 else ""
+            raise CamtoolsError([which + line for line in error.lines]) from error
+    return best
+
+
 def peaks_of_table(table: Table, speed: SpeedTable | None) -> Peaks:
     """Return what the axes need of the table of a skirt."""
-    ratio, feed_mm = speed.peaks.ratio if speed else 1.0, table.feed_nm / NM_PER_MM
+    ratio = speed.peaks.ratio if speed else 1.0
+    feed_mm = table.feed_nm / NM_PER_MM * largest_share(table.way)
     drift = drift_of(table.channels[0], 1 / NM_PER_MM, feed_mm)
     return peaks_of(table.bounds, ratio)._replace(u_drift=drift.at(ratio), feed_mm=feed_mm)
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 from typing import Annotated, Literal, Self
 
 from pydantic import (
+    AliasChoices,
     Field,
     Tag,
     ValidationInfo,
@@ -19,6 +20,7 @@ from pydantic import (
 
 from camtools.part.common import MachineLimits, PartInfo
 from camtools.part.model import TomlTable, no_truth, wrong
+from camtools.part.passes import FeedLaw, Pass, check_passes
 from camtools.part.tool import Tool
 from camtools.skirt.part_profile import Ovality, Profile
 from camtools.skirt.part_section import GIVEN_BY_POINTS, SectionShape
@@ -106,6 +108,41 @@ class SkirtProcess(TomlTable):
     u_zero: Literal["long-axis", "mean"] = "long-axis"
     run_in_mm: RunMm = 0.0
     run_out_mm: RunMm = 0.0
+    passes: Annotated[
+        list[Pass], Field(max_length=16, validation_alias=AliasChoices("pass", "passes"))
+    ] = []  # noqa: RUF012 (pydantic copies it)
+    feed_law: FeedLaw | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _take_feed_law(cls, value: object) -> object:
+        """Let the law stand for the feed: `SkirtPart` works out its mean over the heights."""
+        law = value.get("feed_law") if isinstance(value, dict) else None
+        feeds = law.get("feed_mm") if isinstance(law, dict) else None
+        if not isinstance(value, dict) or not isinstance(feeds, list) or not feeds:
+            return value
+        if "feed_mm" in value:
+            problem = "has no meaning beside [process.feed_law], whose mean it is"
+            raise wrong("law_feed", problem, "remove one of the two", field="feed_mm")
+        return {"feed_mm": feeds[0], **value}
+
+    @field_validator("passes")
+    @classmethod
+    def _check_passes(cls, value: list[Pass], info: ValidationInfo) -> list[Pass]:
+        if value and info.data.get("mode") == "equal-volume":
+            problem = "go with a constant speed: the law of the speed is made for one depth"
+            remedy = 'set process.mode = "uniform", or give one depth_mm and no passes'
+            raise wrong("pass_mode", problem, remedy)
+        check_passes(value, info.data.get("depth_mm", 0.0))
+        return value
+
+    @field_validator("feed_law")
+    @classmethod
+    def _check_law(cls, value: FeedLaw | None, info: ValidationInfo) -> FeedLaw | None:
+        if value is not None and info.data.get("path", "helix") != "helix":
+            problem = "is for a helix: rings and steps stand at the feed's distance"
+            raise wrong("law_path", problem, 'set process.path = "helix", or remove the law')
+        return value
 
     @field_validator("mode")
     @classmethod
@@ -158,6 +195,17 @@ class SkirtPart(TomlTable):
     machine: SkirtMachine = Field(default_factory=SkirtMachine)
     tool: Tool = Field(default_factory=Tool)
     magnify: Magnify | None = None
+
+    @model_validator(mode="after")
+    def _take_mean_feed(self) -> Self:
+        """Make process.feed_mm the mean of a law over all that is fed."""
+        process, law = self.process, self.process.feed_law
+        if law is not None:
+            heights_mm = self.piston.profile.height_mm
+            ends = heights_mm[0] - process.run_in_mm, heights_mm[-1] + process.run_out_mm
+            mean = process.model_copy(update={"feed_mm": law.mean_mm(*ends)})
+            object.__setattr__(self, "process", mean)  # the model is frozen, and this is its making
+        return self
 
     @property
     def height_mm(self) -> float:

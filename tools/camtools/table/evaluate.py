@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from camtools.base.quantities import Floats, Ints
-from camtools.table.image import KIND_X, Channel, channel_coefficients
+from camtools.table.image import OVER_HEIGHT, Channel, channel_coefficients
 from camtools.table.quintics import segment_coefficients
 
 _SUBDIVISIONS = 8
@@ -30,7 +30,7 @@ class Values(NamedTuple):
 
 def knot_interval(channel: Channel) -> float:
     """Return one knot interval h: rad for u, nm for x."""
-    if channel.kind == KIND_X:
+    if channel.kind in OVER_HEIGHT:
         return (channel.z_last_nm - channel.z_first_nm) / (channel.n_slices - 1)
     return float(2 * np.pi / (1 << (channel.log2_knots + channel.log2_repeat)))
 
@@ -183,7 +183,7 @@ def jumps(channel: Channel) -> tuple[Continuity, Continuity]:
     h, lsb = knot_interval(channel), channel.lsb
     scale = np.array([lsb, lsb / h, lsb / h**2])
     inside = gap[:-1].max(axis=0, initial=0) * scale
-    wrap = gap[-1] * scale if channel.kind != KIND_X else np.zeros(3)
+    wrap = gap[-1] * scale if channel.kind not in OVER_HEIGHT else np.zeros(3)
     return Continuity(*map(float, inside)), Continuity(*map(float, wrap))
 
 

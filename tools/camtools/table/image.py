@@ -19,6 +19,7 @@ import numpy.typing as npt
 
 from camtools.base.quantities import Ints
 from camtools.table.lobes import KIND_LOBES, LobePlace, bytes_of_lobes, check_lobes, lobes_of
+from camtools.table.passes import KIND_PASSES, PassRecord, bytes_of_passes, passes_of
 from camtools.table.quintics import segment_coefficients
 from camtools.table.records import (
     CRC_START,
@@ -36,11 +37,13 @@ Knots = npt.NDArray[np.int32]
 
 MAGIC = b"CAMTAB\x1a\n"
 BYTE_ORDER, VERSION, NEWER_VERSION = 0x01020304, (1, 0), (1, 1)
-KIND_U, KIND_X, KIND_SPEED, KIND_SWING, KIND_CONTACT = 1, 2, 3, 4, 5
+KIND_U, KIND_X, KIND_SPEED, KIND_SWING, KIND_CONTACT, KIND_WAY = 1, 2, 3, 4, 5, 7
+OVER_HEIGHT = (KIND_X, KIND_WAY)  # one knot per slice
 RATIO_ONE = 1 << 20  # unit of a speed ratio's values, where u and x count nanometres
 MIN_RATIO, MAX_RATIO = RATIO_ONE // 16, RATIO_ONE * 4
 ANGLE_TURN, ANGLE_MAX = 1 << 26, 1 << 24  # unit of swing and contact; a quarter turn
 ALIGN = 32
+LEAST_FEED = 0.02  # of its mean: a way that falls below is refused
 MAX_CHANNEL_BYTES = 1 << 20  # the generators make no larger one
 SUM_LIMIT = 2**25 - 1
 MIN_SPACING_NM, MAX_SPACING_NM = 65_537, 16_777_216
@@ -159,6 +162,7 @@ class Table:
     channels: tuple[Channel, ...]
     is_ring_helix: bool = False  # a geared Z follows a ring-helix, not a helix
     lobes: tuple[LobePlace, ...] = ()  # upwards; channels over angle hold their patterns
+    passes: tuple[PassRecord, ...] = ()  # in the order of cutting; without: one, of the header
 
     def channel(self, kind: int) -> Channel:
         """Return the channel of this kind; `unpack` makes sure that u and x exist."""
@@ -168,6 +172,16 @@ class Table:
     def speed(self) -> Channel | None:
         """Return the speed ratio, when the table modulates the spindle."""
         return next((one for one in self.channels if one.kind == KIND_SPEED), None)
+
+    @property
+    def way(self) -> Channel | None:
+        """Return how far Z is ahead of a plain helix, when the feed changes with the height."""
+        return next((one for one in self.channels if one.kind == KIND_WAY), None)
+
+    @property
+    def is_newer(self) -> bool:
+        """Whether the image is of version 1.1."""
+        return bool(self.lobes or self.passes or self.way)
 
     @property
     def angle(self) -> Channel | None:
@@ -185,7 +199,7 @@ def slices_per_nm_q48(n_slices: int, z_first_nm: int, z_last_nm: int) -> int:
 def channel_coefficients(channel: Channel) -> Ints:
     """Return the quintics of a channel: u (n_slices, n_knots, 6), x (n_slices - 1, 6)."""
     knots = channel.knots.astype(np.int64)
-    if channel.kind == KIND_X:
+    if channel.kind in OVER_HEIGHT:
         return segment_coefficients(knots[:, 0], periodic=False)
     return segment_coefficients(knots, periodic=True)
 
@@ -203,7 +217,7 @@ def _aligned(size: int) -> int:
 
 
 def _header_of(table: Table, image_size: int, crc32: int) -> bytes:
-    version = NEWER_VERSION if table.lobes else VERSION
+    version = NEWER_VERSION if table.is_newer else VERSION
     values = {
         "magic": MAGIC,
         "byte_order": BYTE_ORDER,
@@ -212,7 +226,7 @@ def _header_of(table: Table, image_size: int, crc32: int) -> bytes:
         "image_size": image_size,
         "crc32": crc32,
         "header_size": HEADER_SIZE,
-        "n_channels": len(table.channels) + bool(table.lobes),
+        "n_channels": len(table.channels) + bool(table.lobes) + bool(table.passes),
         "part_name": table.part_name.encode("ascii"),
         "z_first_nm": table.z_first_nm,
         "z_last_nm": table.z_last_nm,
@@ -239,12 +253,12 @@ def _entry_of(channel: Channel, *, is_ring_helix: bool) -> dict[str, int]:
     return same | {"path": int(is_ring_helix and channel.kind == KIND_X)}
 
 
-def _lobes_entry(table: Table) -> dict[str, int]:
-    """Return the fields of the entry of the lobes but its offset: most of them are 0."""
+def _plain_entry(table: Table, kind: int, n: int, content: bytes) -> tuple[dict[str, int], bytes]:
+    """Return the entry of n records but its offset, most of its fields 0, and the records."""
     place = {"z_first_nm": table.z_first_nm, "z_last_nm": table.z_last_nm}
-    size = {"n_slices": len(table.lobes), "size": len(bytes_of_lobes(table.lobes))}
+    size = {"n_slices": n, "size": len(content)}
     nothing = dict.fromkeys((*_OWN, *_WORKED_OUT, "path"), 0)
-    return nothing | {"kind": KIND_LOBES} | place | size
+    return nothing | {"kind": kind} | place | size, content
 
 
 def crc32_of(image: bytes) -> int:
@@ -260,11 +274,16 @@ def pack(table: Table) -> bytes:
     OverflowError
         A number does not fit its field.
     """
-    parts = [(_lobes_entry(table), bytes_of_lobes(table.lobes))] if table.lobes else []
+    lobes, passes = table.lobes, table.passes
+    parts = []
+    if lobes:
+        parts.append(_plain_entry(table, KIND_LOBES, len(lobes), bytes_of_lobes(lobes)))
     parts += [
         (_entry_of(one, is_ring_helix=table.is_ring_helix), one.knots.astype("<i4").tobytes())
         for one in table.channels
     ]
+    if passes:
+        parts.append(_plain_entry(table, KIND_PASSES, len(passes), bytes_of_passes(passes)))
     offset = _aligned(HEADER_SIZE + ENTRY_SIZE * len(parts))
     directory, body = bytes(HEADER_SIZE), b""
     for values, content in parts:
@@ -311,7 +330,9 @@ def unpack(image: bytes) -> Table:
     _demand(is_newer == (version == NEWER_VERSION), "version: 1.1 is that of the kinds from 6 on")
     lobes = lobes_of(image, table, entries, _demand)
     found = _channels_of(image, table, entries, has_patterns=bool(lobes))
-    table = replace(table, channels=found, is_ring_helix=path, lobes=lobes)
+    passes = passes_of(image, (table.z_first_nm, table.z_last_nm), entries, _demand)
+    table = replace(table, channels=found, is_ring_helix=path, lobes=lobes, passes=passes)
+    _check_way(table)
     _demand(table.speed is None or not path, "path: a ring-helix is for one speed")
     check_lobes(table, _demand)
     return table
@@ -352,13 +373,14 @@ def _channels_of(
     free = HEADER_SIZE + ENTRY_SIZE * len(entries)
     channels: list[Channel] = []
     for entry in entries:
-        if entry["kind"] != KIND_LOBES:
+        is_plain = entry["kind"] in (KIND_LOBES, KIND_PASSES)
+        if not is_plain:
             _check_entry(entry, table, has_patterns=has_patterns)
         offset, size = entry["offset"], entry["size"]
         _demand(offset % ALIGN == 0 and offset >= free, "offset: misplaced")
         _demand(offset + size <= len(image), "size: beyond the image")
         free = offset + size
-        if entry["kind"] != KIND_LOBES:
+        if not is_plain:
             is_pattern = has_patterns and entry["kind"] != KIND_X
             channels.append(replace(_make_channel(image, entry), has_patterns=is_pattern))
     kinds = [channel.kind for channel in channels]
@@ -391,14 +413,14 @@ def _check_heights(entry: dict[str, Any], table: Table, *, has_patterns: bool) -
 def _check_entry(entry: dict[str, Any], table: Table, *, has_patterns: bool) -> None:
     kind, n_slices, log2_knots = entry["kind"], entry["n_slices"], entry["log2_knots"]
     frac_bits = entry["frac_bits"]
-    _demand(KIND_U <= kind <= KIND_CONTACT, "kind: unknown")
+    _demand(KIND_U <= kind <= KIND_CONTACT or kind == KIND_WAY, "kind: unknown")
     _demand(2 <= n_slices <= MAX_SLICES, "n_slices: not 2 .. 4096")
-    if kind != KIND_X:
+    if kind not in OVER_HEIGHT:
         _demand(MIN_LOG2_KNOTS <= log2_knots <= MAX_LOG2_KNOTS, "log2_knots: not 2 .. 12")
         _demand(entry["log2_repeat"] <= MAX_LOG2_REPEAT, "log2_repeat: not 0 .. 4")
     else:
         is_flat = log2_knots == 0 and entry["log2_repeat"] == 0
-        _demand(is_flat, "log2_knots, log2_repeat: not 0 for x")
+        _demand(is_flat, "log2_knots, log2_repeat: not 0 over height alone")
     is_sized = entry["size"] == (n_slices << log2_knots) * KNOT_SIZE
     _demand(is_sized, "size: not that of the knots")
     _demand(frac_bits <= MAX_FRAC_BITS, "frac_bits: not 0 .. 8")
@@ -411,6 +433,24 @@ def _check_entry(entry: dict[str, Any], table: Table, *, has_patterns: bool) -> 
     if kind in (KIND_SWING, KIND_CONTACT):
         is_angle = low >= -ANGLE_MAX << frac_bits and high <= ANGLE_MAX << frac_bits
         _demand(is_angle, "p_min, p_max: beyond a quarter turn")
+
+
+def _check_way(table: Table) -> None:
+    """Check that a way begins and ends with 0 where the table does, and that Z always rises."""
+    way = table.way
+    if way is None:
+        return
+    ends = (way.z_first_nm, way.z_last_nm)
+    _demand(ends == (table.z_first_nm, table.z_last_nm), "way: not over the whole table")
+    _demand(not table.is_ring_helix and not table.lobes, "way: rings and lobes have none")
+    zero = -(way.value_offset << way.frac_bits)
+    p, v, a = way.knots[:, 0].astype(np.int64).T
+    _demand(int(p[0]) == zero and int(p[-1]) == zero, "way: does not begin and end with 0")
+    inner = [v[:-1], v[:-1] + a[:-1] / 2, v[1:] - a[1:] / 2, v[1:]]
+    middle = 5 * np.diff(p) - sum(inner)  # Bernstein coefficients of the slope: MATHS.md (51)
+    plain = ((way.z_last_nm - way.z_first_nm) << way.frac_bits) / (way.n_slices - 1)
+    least = plain + float(np.min([*inner, middle]))
+    _demand(least >= LEAST_FEED * plain, "way: Z turns back or nearly stands")
 
 
 def _make_channel(image: bytes, entry: dict[str, Any]) -> Channel:

@@ -24,7 +24,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from camtools.table.image import KIND_X, Channel
+from camtools.table.image import OVER_HEIGHT, Channel
 
 
 def in_sense(channel: Channel, direction: int) -> Channel:
@@ -41,7 +41,7 @@ def in_sense(channel: Channel, direction: int) -> Channel:
     direction : int
         `process.direction`: 1 (M3) changes nothing, -1 (M4) mirrors.
     """
-    if direction == 1 or channel.kind == KIND_X:
+    if direction == 1 or channel.kind in OVER_HEIGHT:
         return channel
     turned = np.roll(channel.knots[:, ::-1], 1, axis=1) * np.array([1, -1, 1], dtype=np.int32)
     return replace(channel, knots=turned)

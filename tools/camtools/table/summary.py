@@ -14,12 +14,12 @@ from camtools.base.json_text import Json, emit_json
 from camtools.base.quantities import NM_PER_MM
 from camtools.table.csource import emit_header, emit_source
 from camtools.table.evaluate import knot_interval
-from camtools.table.image import KIND_X, Channel, Table, crc32_of, pack
+from camtools.table.image import OVER_HEIGHT, Channel, Table, crc32_of, pack
 
 
 def describe_channel(channel: Channel) -> Json:
     """Return the size of a channel and the bounds of its knots."""
-    interval = knot_interval(channel)
+    interval, is_length = knot_interval(channel), channel.kind in OVER_HEIGHT
     return {
         "bytes": channel.size,
         "n_slices": channel.n_slices,
@@ -27,8 +27,8 @@ def describe_channel(channel: Channel) -> Json:
         "patterns_per_turn": 1 << channel.log2_repeat,
         "frac_bits": channel.frac_bits,
         "lsb_nm": channel.lsb,
-        "knot_interval": interval / NM_PER_MM if channel.kind == KIND_X else np.degrees(interval),
-        "knot_interval_unit": "mm" if channel.kind == KIND_X else "degrees",
+        "knot_interval": interval / NM_PER_MM if is_length else np.degrees(interval),
+        "knot_interval_unit": "mm" if is_length else "degrees",
         "spacing_mm": (channel.z_last_nm - channel.z_first_nm) / (channel.n_slices - 1) / NM_PER_MM,
         "bounds": {name: getattr(channel, name) for name in ("p_min", "p_max", "v_max", "a_max")},
     }
