@@ -13,8 +13,6 @@ from hypothesis import strategies as st
 from camtools.base.errors import CamtoolsError
 from camtools.skirt.geometry import Geometry, make_geometry
 from camtools.skirt.scan import (
-    HEADER,
-    MAX_POINTS,
     Scan,
     filtered,
     ovality_of,
@@ -22,6 +20,7 @@ from camtools.skirt.scan import (
     read_scan,
     scan_surface,
 )
+from camtools.skirt.scan_text import HEADER, MAX_POINTS
 from part_cases import ROOT, load_part
 
 MEASURED = ROOT / "tools" / "parts" / "scan90.toml"
@@ -104,10 +103,15 @@ BAD = {
     "words": (GOOD + "a,b,c\n", "line 74 = 'a,b,c': not three numbers"),
     "columns": (GOOD + "1,2\n", "line 74 = '1,2': not three numbers"),
     "nan": (GOOD + "1,2,nan\n", "line 74 = '1,2,nan'"),
-    "angle": (GOOD + "360,0,1\n", "no angle of 0 .. 360"),
-    "millimetres": (GOOD + "5,0,99999\n", "beyond 15000 um"),
+    "angle": (GOOD + "361,0,1\n", "no angle of 0 .. 360"),
+    "closed": (GOOD + "360,0,1\n", "height 0 mm: 360 degrees differ by 1 um from 0 degrees"),
+    "millimetres": (GOOD + "5,0,99999\n", "beyond -15 .. 15 mm"),
+    "radius": (
+        GOOD.replace("reduction_um", "radius_mm"),
+        "a radius of 105 mm, the profile has 44.96",
+    ),
+    "decimal comma": (GOOD + "5,0,1,5\n", "not three numbers"),
     "twice": (GOOD + "10,0,1\n", "this point is there already"),
-    "gap": (GOOD + "5,0,1\n", "height 60 mm: no point at 5 degrees"),
     "few": (HEADER + "\n" + "".join(f"{a},0,1\n" for a in range(0, 330, 30)), "has 11 angles"),
     "cover": (csv_of((0.0, 50.0)), "heights 0 .. 50 mm do not cover the profile's"),
 }

@@ -29,7 +29,16 @@ from camtools.skirt.profile import (
     ovality_spline,
     profile_spline,
 )
-from camtools.skirt.scan import Scan, filtered, ovality_of, read_scan, scan_surface
+from camtools.skirt.scan import (
+    filtered,
+    filtered_sections,
+    joined,
+    off_points_mm,
+    ovality_of,
+    reductions,
+    scan_surface,
+)
+from camtools.skirt.scan_text import Sections, read_scan_text
 from camtools.skirt.sections import Section, make_section
 from camtools.skirt.sides import TurnedSurface, heights_of
 from camtools.skirt.sides_of import is_plain, sides_of, turn_of
@@ -90,6 +99,9 @@ class Geometry:
     drawn : SkirtSurface or None
         What the drawing says where `surface` deliberately differs: the corner without its refit,
         the measured points without their filter.
+    joined_um : float
+        Of shape "table": how far sections at common angles are from splines through the points of
+        each height, where the heights were measured at angles of their own.
     """
 
     radius: PPoly
@@ -101,6 +113,7 @@ class Geometry:
     off_points_um: float | None = None
     gauge_mm: tuple[float, float] | None = None
     drawn: SkirtSurface | None = None
+    joined_um: float = 0.0
 
     @property
     def skirt_mm(self) -> tuple[float, float]:
@@ -228,15 +241,22 @@ def _measured(part: SkirtPart, radius: PPoly, factor: float) -> Geometry:
     """Return the geometry of a measured part, filtered if asked for."""
     section, heights = part.piston.section, part.piston.profile.height_mm
     ends = float(heights[0]), float(heights[-1])
-    scan = _read(part, *ends)
+    sections = reductions(_read(part, *ends), lambda z: np.asarray(radius(z), dtype=np.float64))
+    scan, joined_mm = joined(sections)
     surface = drawn = scan_surface(scan, factor)
     if section.harmonics is not None:
-        surface = scan_surface(filtered(scan, section.harmonics), factor)
-    points = surface.delta(np.radians(scan.angle_deg), scan.z_mm[:, None]).delta
-    off_mm = float(np.abs(points - factor * scan.reduction_mm).max())
+        if joined_mm > 0:  # the points are filtered, not the samples between them
+            kept = filtered_sections(sections, section.harmonics)
+        else:
+            kept = filtered(scan, section.harmonics)
+        surface = scan_surface(kept, factor)
+    off_um = _UM_PER_MM * off_points_mm(surface, sections, factor)
     oval = magnified(ovality_of(scan), factor, 0.0)
     unfiltered = None if drawn is surface else drawn
-    return Geometry(radius, oval, surface, *ends, None, off_mm * _UM_PER_MM, drawn=unfiltered)
+    joined_um = _UM_PER_MM * factor * joined_mm
+    return Geometry(
+        radius, oval, surface, *ends, None, off_um, drawn=unfiltered, joined_um=joined_um
+    )
 
 
 def _pointed(part: SkirtPart, radius: PPoly, factor: float) -> Geometry:
@@ -253,9 +273,9 @@ def _pointed(part: SkirtPart, radius: PPoly, factor: float) -> Geometry:
     return Geometry(radius, ovality_of_points(file, surface), surface, *ends)
 
 
-def _read(part: SkirtPart, first_mm: float, last_mm: float) -> Scan:
+def _read(part: SkirtPart, first_mm: float, last_mm: float) -> Sections:
     assert part.piston.section.csv is not None
-    scan = read_scan(Path(part.piston.section.csv))
+    scan = read_scan_text(Path(part.piston.section.csv))
     if scan.z_mm.size > 1 and (scan.z_mm[0] > first_mm or scan.z_mm[-1] < last_mm):
         problem = f"heights {scan.z_mm[0]:g} .. {scan.z_mm[-1]:g} mm do not cover the profile's"
         remedy = f"measure {first_mm:g} .. {last_mm:g} mm, or one height that serves all"

@@ -1,116 +1,153 @@
 r"""Measured sections: a CSV table of angle, height and radius reduction, "scan and replay".
 
 >>> rows = "".join(f"{angle},0,{angle % 180}\n" for angle in range(0, 360, 15))
->>> parse_scan(HEADER + "\n" + rows, "scan.csv").reduction_mm.shape
+>>> parse_scan("angle_deg,z_mm,reduction_um\n" + rows, "scan.csv").reduction_mm.shape
 (1, 24)
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 from scipy.interpolate import PPoly, make_interp_spline
 
-from camtools.base.errors import CamtoolsError, GeometryError, InputError
-from camtools.base.input_file import read_limited
+from camtools.base.errors import GeometryError
 from camtools.base.quantities import Floats
 from camtools.skirt.poly_surface import N_ANGLE, N_HEIGHT, PolySurface, angle_pieces
 from camtools.skirt.profile import constant_spline, polygon_or_spline
+from camtools.skirt.scan_text import (
+    MAX_REDUCTION_MM,
+    MIN_ANGLES,
+    Sections,
+    parse_sections,
+    read_scan_text,
+)
 
-HEADER = "angle_deg,z_mm,reduction_um"
-MIN_ANGLES, MAX_POINTS = 12, 200_000
-MAX_REDUCTION_UM = 15_000.0
-_MM_PER_UM, _MIN_SPLINE_HEIGHTS = 1e-3, 4
+_MIN_SPLINE_HEIGHTS = 4
 _FILTERED_PER_HARMONIC = 8
-_MAX_BYTES = 100 * MAX_POINTS  # a line of three numbers with all their digits
+MAX_SAMPLES = 5760  # of a section that is sampled anew: every sixteenth of a degree
+_FINE_MM, _COARSE_MM = 1e-6, 1e-3
 
 
 class Scan(NamedTuple):
-    """Sections measured at the same angles at every height."""
+    """Sections at the same angles at every height."""
 
     angle_deg: Floats  # (n,) rising, 0 .. 360
     z_mm: Floats  # (m,) rising
     reduction_mm: Floats  # (m, n)
 
 
-def _wrong(file: str, line: int, value: str, problem: str, remedy: str) -> InputError:
-    return InputError(file, f"line {line}", value, problem, remedy)
-
-
-def _row(file: str, number: int, line: str) -> tuple[float, float, float]:
-    try:
-        angle, z_mm, um = (float(cell) for cell in line.split(","))
-    except ValueError as error:
-        raise _wrong(file, number, line, "not three numbers", f"write {HEADER}") from error
-    is_finite = np.isfinite([angle, z_mm, um]).all()
-    if not is_finite or not 0 <= angle < 360:
-        raise _wrong(file, number, line, "no angle of 0 .. 360", "give degrees from the long axis")
-    if abs(um) > MAX_REDUCTION_UM or abs(z_mm) > 1000:
-        problem = f"beyond {MAX_REDUCTION_UM:g} um or 1000 mm"
-        raise _wrong(file, number, line, problem, "give the reduction in um, the height in mm")
-    return angle, z_mm, um
-
-
 def parse_scan(text: str, file: str) -> Scan:
-    """Return the sections of a CSV text.
-
-    Raises
-    ------
-    InputError
-        With the line: wrong header, no numbers, a point twice, or missing at a height.
-    """
-    lines = text.splitlines()
-    if not lines or lines[0].strip() != HEADER:
-        found = lines[0][:60] if lines else ""
-        raise _wrong(file, 1, found, "wrong header", f'write "{HEADER}"')
-    if len(lines) > MAX_POINTS:
-        problem = f"more than {MAX_POINTS} points"
-        raise _wrong(file, MAX_POINTS, lines[-1], problem, "leave out points or heights")
-    points: dict[tuple[float, float], float] = {}
-    for number, line in enumerate(lines[1:], start=2):
-        if not line.strip():
-            continue
-        angle, z_mm, um = _row(file, number, line)
-        if (z_mm, angle) in points:
-            raise _wrong(file, number, line, "this point is there already", "remove one of them")
-        points[z_mm, angle] = um
-    return _grid(points, file)
-
-
-def _grid(points: dict[tuple[float, float], float], file: str) -> Scan:
-    heights = sorted({z_mm for z_mm, _ in points})
-    angles = sorted({angle for _, angle in points})
-    for z_mm in heights:
-        missing = next((angle for angle in angles if (z_mm, angle) not in points), None)
-        if missing is not None:
-            problem = f"no point at {missing:g} degrees, which other heights have"
-            remedy = "measure all heights at the same angles, or interpolate them"
-            raise InputError(file, f"height {z_mm:g} mm", None, problem, remedy)
-    if len(angles) < MIN_ANGLES:
-        problem = f"has {len(angles)} angles, wants at least {MIN_ANGLES}"
-        raise InputError(file, "angle_deg", None, problem, "measure more points per turn")
-    values = np.array([[points[z_mm, angle] for angle in angles] for z_mm in heights])
-    return Scan(np.array(angles), np.array(heights), values * _MM_PER_UM)
+    """Return the sections of a CSV text at common angles, see `parse_sections` and `joined`."""
+    return joined(parse_sections(text, file)).scan
 
 
 def read_scan(path: Path) -> Scan:
-    """Return the sections of a CSV file.
+    """Return the sections of a CSV file at common angles, see `read_scan_text` and `joined`."""
+    return joined(read_scan_text(path)).scan
+
+
+class Joined(NamedTuple):
+    """Sections at common angles, and what that cost."""
+
+    scan: Scan
+    off_mm: float  # largest distance from the spline of a section through its own points
+
+
+def joined(sections: Sections) -> Joined:
+    """Return sections at the same angles at every height, MATHS.md (79).
+
+    Sections that were measured at the same angles stay as they are. Otherwise a spline goes through
+    the points of each, and all are sampled at equal distances, so finely that the surface through
+    the samples keeps within a nanometre of them where that is possible.
 
     Raises
     ------
-    CamtoolsError
-        It cannot be read, is no file or too large, or see `parse_scan`.
+    GeometryError
+        Not even the most samples keep within a micrometre.
     """
-    try:
-        text = read_limited(path, _MAX_BYTES).decode("utf-8-sig")  # spreadsheets mark it
-    except (OSError, UnicodeDecodeError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or "not UTF-8 text"
-        remedy = "give a CSV file, its place seen from the part file"
-        message = InputError(path.name, "", None, f"cannot be read: {reason}", remedy)
-        raise CamtoolsError([f"piston.section.csv: {line}" for line in message.lines]) from error
-    return parse_scan(text, path.name)
+    first = sections.angles_deg[0]
+    if all(np.array_equal(one, first) for one in sections.angles_deg):
+        return Joined(Scan(first, sections.z_mm, np.array(sections.values_mm)), 0.0)
+    pairs = list(zip(sections.angles_deg, sections.values_mm, strict=True))
+    own = [_Periodic(angle, values) for angle, values in pairs]
+    n = max(angle.size for angle in sections.angles_deg)
+    while True:
+        grid = 360 * np.arange(n) / n
+        sampled = [_Periodic(grid, one(grid)) for one in own]
+        between = 360 * (np.arange(4 * n) + 0.5) / (4 * n)
+        places = [np.concatenate([between, angle]) for angle, _ in pairs]
+        off_mm = max(
+            float(np.abs(a(at) - b(at)).max())
+            for a, b, at in zip(own, sampled, places, strict=True)
+        )
+        if off_mm <= _FINE_MM or 2 * n > MAX_SAMPLES:
+            break
+        n *= 2
+    if off_mm > _COARSE_MM:
+        problem = f"heights have angles of their own, and common ones miss by {off_mm * 1e3:.3g} um"
+        remedy = "measure all heights at the same angles"
+        raise GeometryError("piston.section.csv", problem, remedy)
+    return Joined(Scan(grid, sections.z_mm, np.stack([one(grid) for one in own])), off_mm)
+
+
+class _Periodic:
+    """The periodic quintic spline through a section."""
+
+    def __init__(self, angle_deg: Floats, values: Floats) -> None:
+        turn = np.append(angle_deg, angle_deg[0] + 360) / 360
+        closed = np.append(values, values[0])
+        self._first = float(turn[0])
+        self._spline = make_interp_spline(turn, closed, k=5, bc_type="periodic")
+
+    def __call__(self, angle_deg: Floats) -> Floats:
+        """Return the section at angles [deg]."""
+        at = self._first + np.mod(angle_deg / 360 - self._first, 1.0)
+        return np.asarray(self._spline(at), dtype=np.float64)
+
+
+def reductions(sections: Sections, radius_mm: Callable[[Floats], Floats]) -> Sections:
+    """Return sections as reductions of the profile's radius, however they were measured.
+
+    Raises
+    ------
+    GeometryError
+        Radii are far from the profile's: they are diameters, or no radii at all.
+    """
+    if not sections.is_radius:
+        return sections
+    a_mm = radius_mm(sections.z_mm)
+    values = tuple(a - one for a, one in zip(a_mm, sections.values_mm, strict=True))
+    for z_mm, a, one in zip(sections.z_mm, a_mm, values, strict=True):
+        worst = float(one[np.argmax(np.abs(one))])
+        if abs(worst) > MAX_REDUCTION_MM:
+            problem = f"height {z_mm:g} mm: a radius of {a - worst:g} mm, the profile has {a:g} mm"
+            remedy = "give radii in mm, or name the column reduction_um or reduction_mm"
+            raise GeometryError("piston.section.csv", problem, remedy)
+    return sections._replace(values_mm=values, is_radius=False)
+
+
+def filtered_sections(sections: Sections, harmonics: int) -> Scan:
+    """Return `filtered` of sections that may have angles of their own, which need no joining."""
+    rows = [
+        filtered(Scan(angle, np.zeros(1), values[None]), harmonics)
+        for angle, values in zip(sections.angles_deg, sections.values_mm, strict=True)
+    ]
+    return Scan(
+        rows[0].angle_deg, sections.z_mm, np.concatenate([row.reduction_mm for row in rows])
+    )
+
+
+def off_points_mm(surface: PolySurface, sections: Sections, factor: float) -> float:
+    """Return how far a surface is from the points of the sections, magnified by a factor."""
+    worst = 0.0
+    for z_mm, angle, values in zip(*sections[:3], strict=True):
+        found = surface.delta(np.radians(angle), float(z_mm)).delta
+        worst = max(worst, float(np.abs(found - factor * values).max()))
+    return worst
 
 
 def filtered(scan: Scan, harmonics: int) -> Scan:

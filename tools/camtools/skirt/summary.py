@@ -139,7 +139,10 @@ def _extras(result: GeneratedSkirt) -> Json:
     if result.geometry.corner is not None:
         extras["refit"] = _refit(result.geometry.corner)
     if result.geometry.off_points_um is not None:
-        extras["scan"] = {"off_points_um": result.geometry.off_points_um}
+        extras["scan"] = {
+            "off_points_um": result.geometry.off_points_um,
+            "joined_um": result.geometry.joined_um,
+        }
     if (meeting := where_sides_meet(result.geometry)) is not None:
         extras["sides"] = meeting
     if result.speed is not None:
