@@ -1,4 +1,4 @@
-"""Pictures of the refit study: contour, velocity and acceleration, all deletions.
+"""Pictures of the refit study: contour, velocity, acceleration and jerk, all deletions.
 
 >>> from camtools.plots.style import BLUE
 >>> _COLOURS[0] == BLUE
@@ -30,17 +30,17 @@ from camtools.study.refit import PAPER_JERK_MM_S3, Study
 
 _COLOURS = (BLUE, ORANGE, RED, PURPLE)
 _ROOM_DEG, _N_ANGLES = 12.0, 2401
-_UM_PER_MM, _MM_PER_M = 1000.0, 1000.0
+_UM_PER_MM, _MM_PER_M, _MM_PER_KM = 1000.0, 1000.0, 1e6
 
 
 def draw_motion(found: Study) -> Figure:
-    """Return deviation from the drawing, velocity and acceleration of the variants."""
+    """Return deviation from the drawing, velocity, acceleration and jerk of the variants."""
     joint, omega = found.joint, omega_rad_s(found.spindle_rpm)
     joint_deg = float(np.degrees(joint.joint_rad))
     deg = joint_deg + np.linspace(-_ROOM_DEG, _ROOM_DEG, _N_ANGLES)
     phi = np.radians(deg)
-    figure = new_figure(9, 9)
-    panels: list[Axes] = list(figure.subplots(3, 1, sharex=True))
+    figure = new_figure(9, 11)
+    panels: list[Axes] = list(figure.subplots(4, 1, sharex=True))
     drawn = joint.reduction(phi)
     panels[1].plot(deg, drawn.d1 * omega, color=GREEN, ls="--", lw=1.2, label="drawing")
     for one, colour in zip(found.variants, _COLOURS, strict=True):
@@ -49,7 +49,9 @@ def draw_motion(found: Study) -> Figure:
         panels[0].plot(deg, (curve(phi) - drawn.delta) * _UM_PER_MM, **style)
         panels[1].plot(deg, curve(phi, 1) * omega, **style)
         panels[2].plot(deg, curve(phi, 2) * omega**2 / _MM_PER_M, **style)
-    names = ("deeper than\nthe drawing, µm", "U velocity, mm/s", "U acceleration, m/s²")
+        panels[3].plot(deg, curve(phi, 3) * omega**3 / _MM_PER_KM, **style)
+    names = ["deeper than\nthe drawing, µm", "U velocity, mm/s", "U acceleration, m/s²"]
+    names.append("U jerk, km/s³")
     for axes, name in zip(panels, names, strict=True):
         axes.set_ylabel(name)
         axes.grid(alpha=0.3)
