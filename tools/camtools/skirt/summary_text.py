@@ -35,6 +35,7 @@ def emit_text(summary: Json) -> str:
         + tool_text(summary["tool"])
         + _profile_text(summary)
         + _scan_text(summary)
+        + _sides_text(summary)
         + _refit_text(summary)
         + _speed_text(summary)
     )
@@ -87,7 +88,22 @@ def _scan_text(summary: Json) -> str:
     """Return how far a measured part's table is from its points, nothing for other parts."""
     if "scan" not in summary:
         return ""
-    return f"  the surface is within {summary['scan']['off_points_um']:.3f} um of all points\n"
+    scan = summary["scan"]
+    text = f"  the surface is within {scan['off_points_um']:.3f} um of all points\n"
+    if scan["joined_um"] > 0:
+        text += (
+            f"  heights were measured at angles of their own: {scan['joined_um']:.2g} um at most "
+            "from splines through their points\n"
+        )
+    return text
+
+
+def _sides_text(summary: Json) -> str:
+    """Return by how much two sides differ where they meet, nothing for other parts."""
+    if "sides" not in summary:
+        return ""
+    sides = summary["sides"]
+    return f"  the sides differ by {sides['step_um']:.3g} um at most at the {sides['meet']}\n"
 
 
 def _refit_text(summary: Json) -> str:
