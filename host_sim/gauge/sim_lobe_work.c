@@ -302,6 +302,18 @@ static void measure(sim_lobe_work_t *w, const sim_lobe_tool_t *tool, double trav
     }
 }
 
+/// Between two lobes the shaft keeps its base circle: what is cut below it is a gouge.
+static void touch_shaft(sim_lobe_work_t *w, const sim_lobe_tool_t *tool)
+{
+    const double base_mm = w->design->base_mm;
+    const double back_mm = w->design->is_turned ? w->design->roller_mm - w->circle_mm : 0.0;
+    const double swing_rad = tool->swing_deg * RAD_PER_DEG;
+    const double centre_mm =
+        hypot(tool->centre_mm - back_mm * cos(swing_rad), back_mm * sin(swing_rad));
+    sim_work_judge(w->work, sim_fraction(tool->turn), tool->z_mm, centre_mm - w->circle_mm, base_mm,
+                   false);
+}
+
 void sim_lobe_work_cut(sim_lobe_work_t *w, const sim_lobe_tool_t *tool)
 {
     sim_lobe_tool_t now = *tool;
@@ -310,6 +322,7 @@ void sim_lobe_work_cut(sim_lobe_work_t *w, const sim_lobe_tool_t *tool)
         load_lobe(w, i_lobe);
     }
     if (i_lobe == w->design->n_lobes) {
+        touch_shaft(w, &now);
         return;
     }
     const sim_lobe_t *lobe = &w->design->lobe[i_lobe];

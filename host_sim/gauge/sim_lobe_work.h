@@ -19,7 +19,7 @@
 /// dexel is done when the contact has passed it and the circle is more than 5 um above it. Each
 /// turn cuts its own ring, as wide as the feed (as in sim_work), and the next turn begins with a
 /// fresh line. Only the surroundings of the contact are searched for cuts: wheels that would cut
-/// elsewhere are refused by the generator.
+/// elsewhere are refused by the generator. Between two lobes only cuts below the base circle count.
 #ifndef SIM_LOBE_WORK_H
 #define SIM_LOBE_WORK_H
 

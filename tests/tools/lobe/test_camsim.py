@@ -130,6 +130,24 @@ def test_each_lobe_is_gauged_by_itself(table_of: Callable[[str], Path], tmp_path
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("direction", [1, -1])
+def test_eight_lobes_of_two_profiles(direction: int, tmp_path: Path) -> None:
+    """Every lobe at its own angle, with M3 and M4; nothing is cut below the base circle between."""
+    text = (ROOT / "tools" / "parts" / "camshaft8.toml").read_text()
+    part = tmp_path / "camshaft8.toml"
+    part.write_text(text.replace("feed_mm = 1", f"feed_mm = 2\ndirection = {direction}"))
+    assert mktables([str(part), "-o", str(tmp_path)]) == 0
+    summary = ground(tmp_path / "camshaft8.camtab", out=tmp_path / "s.json")
+    lobes = summary["cam"]["lobes"]
+    assert len(lobes) == 8
+    for lobe in lobes:
+        assert lobe["max_um"] <= 0.05
+        assert lobe["samples"] >= 3600 * 6
+    assert summary["cut"]["gouge_um"] <= 0.05
+    assert summary["is_good"]
+
+
+@pytest.mark.slow
 def test_lobe_that_was_not_cut_all_round_is_not_good(
     table_of: Callable[[str], Path], tmp_path: Path
 ) -> None:

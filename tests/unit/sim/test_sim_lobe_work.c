@@ -191,6 +191,27 @@ static void test_lobe_entered_anywhere_is_judged_where_it_was_cut(void)
     }
 }
 
+/// Between two lobes a tool that stands 3 um below the base circle gouges the shaft; above it
+/// nothing is told.
+static void test_cut_below_the_base_circle_between_lobes_is_a_gouge(void)
+{
+    for (int is_turned = 0; is_turned < 2; is_turned++) {
+        begin(is_turned != 0);
+        design.lobe[1] = design.lobe[0];
+        design.lobe[1].z_first_mm = 14.0;
+        design.lobe[1].z_last_mm = 20.0;
+        design.n_lobes = 2;
+        sim_work_init(&work, 30.1, 0.0, 20.0);
+        sim_lobe_tool_t tool = {.centre_mm = design.base_mm + design.follower_mm + 1.0,
+                                .z_mm = 13.0};
+        sim_lobe_work_cut(&lobes, &tool);
+        TEST_ASSERT_EQUAL_DOUBLE(0.0, work.gouge_um);
+        tool.centre_mm -= 1.003;
+        sim_lobe_work_cut(&lobes, &tool);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-6, 3.0, work.gouge_um);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -204,5 +225,6 @@ int main(void)
     RUN_TEST(test_removed_metal_is_the_blank_around_the_disc);
     RUN_TEST(test_heights_beside_the_lobe_are_not_cut);
     RUN_TEST(test_lobe_entered_anywhere_is_judged_where_it_was_cut);
+    RUN_TEST(test_cut_below_the_base_circle_between_lobes_is_a_gouge);
     return UNITY_END();
 }
