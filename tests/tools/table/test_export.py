@@ -12,8 +12,9 @@ from camtools.base.errors import CamtoolsError, InputError
 from camtools.cli.mktables import main as mktables
 from camtools.pipeline.load import load
 from camtools.skirt.generate import GeneratedSkirt, generate
+from camtools.table.evaluate import evaluate_at
 from camtools.table.export import Export, export_files
-from camtools.table.image import pack
+from camtools.table.image import KIND_U, pack
 from camtools.table.points import parse_points, quintics_of
 from part_cases import PERKINS, ROOT
 
@@ -70,6 +71,76 @@ def test_a_file_for_each_height(tmp_path: Path) -> None:
     u = got[:, 2].reshape(3, 5)
     assert np.abs(u[:, [0, 2, 4]].ravel() - NM_PER_MM * exact.delta).max() < 2.0
     assert np.abs(u[:, 1] - (u[:, 0] + u[:, 2]) / 2).max() < 2.0
+
+
+CAM = """\
+[part]
+name = "again"
+kind = "cam"
+source = "an export"
+[cam]
+base_radius_mm = {base}
+roller_radius_mm = {roller}
+{wheel}
+[[cam.lobe]]
+z_mm = [0, 12]
+law = "list"
+csv = "{csv}"
+[process]
+"""
+
+
+@pytest.mark.parametrize(
+    ("name", "base", "roller", "wheel"),
+    [
+        ("cam-345", 20, 10, ""),
+        # the path of the wheel's centre is the lift of a roller as large as the wheel
+        ("cam-disc", 20, 200, "wheel_radius_mm = 200"),
+    ],
+)
+def test_a_cam_comes_back(
+    name: str, base: float, roller: float, wheel: str, tmp_path: Path
+) -> None:
+    """An exported lobe as law "list" cuts the same part: every value within 1 nm."""
+    path = PARTS / f"{name}.toml"
+    made = load(path).kind.make(load(path).part)
+    files = export_files(made.table, Export("xyva"))
+    csv = f"{name}_lift_profile1_xyva.txt"
+    for file, data in files.items():
+        (tmp_path / file).write_bytes(data)
+    text = CAM.format(base=base, roller=roller, wheel=wheel, csv=csv)
+    rest = path.read_text().partition("[process]")[2]
+    (tmp_path / "again.toml").write_text(text + rest)
+    loaded = load(tmp_path / "again.toml")
+    again = loaded.kind.make(loaded.part)
+    turn = np.linspace(0, 1, 3001)
+    z_nm = np.full(turn.size, 5e6)
+    first, second = (
+        evaluate_at(one.table.channel(KIND_U), turn, z_nm).value for one in (made, again)
+    )
+    assert np.abs(first - second).max() <= 1.0
+
+
+def test_profiles_of_a_shaft(tmp_path: Path) -> None:
+    """One file for each profile; at a height of a lobe its phase is in the angles."""
+    made = load(PARTS / "camshaft.toml")
+    table = made.kind.make(made.part).table
+    names = sorted(export_files(table, Export("xyva")))
+    assert [name for name in names if "_lift_" in name] == [
+        f"camshaft_lift_profile{i}_xyva.txt" for i in range(1, 1 + len(names) // 2)
+    ]
+    (tmp_path / "a.camtab").write_bytes(pack(table))
+    for lobe in table.lobes:
+        z = (lobe.z_first_nm + lobe.z_last_nm) / 2e6
+        text = export_files(table, Export("text", (z,)))[f"camshaft_lift_z{z:g}_text.txt"].decode()
+        x, lift = np.array([line.split() for line in text.splitlines()], dtype=float).T
+        rows = "".join(f"{one / 360!r},{z}\n" for one in x.tolist())
+        done = camsim("eval", tmp_path / "a.camtab", stdin=f"turn,z_mm\n{rows}")
+        got = [float(line.split(",")[2]) for line in done.stdout.split()[1:]]
+        assert np.abs(NM_PER_MM * lift - np.array(got)).max() < 0.5
+    between = (table.lobes[0].z_last_nm + table.lobes[1].z_first_nm) / 2e6
+    with pytest.raises(CamtoolsError, match="lies between two lobes"):
+        export_files(table, Export("text", (between,)))
 
 
 def test_exported_points_are_what_the_firmware_plays(tmp_path: Path) -> None:

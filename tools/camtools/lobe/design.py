@@ -8,11 +8,9 @@
 
 from __future__ import annotations
 
-from scipy.interpolate import PPoly
-
 from camtools.base.json_text import Json
 from camtools.lobe.generate import GeneratedLobes
-from camtools.lobe.lift import Disc, LiftLaw, Listed, Poly345
+from camtools.lobe.lift import Disc, LiftLaw, Listed, Poly345, curve_of
 
 _FIELDS = {"poly345": ("lift_mm", "half_angle_rad"), "disc": ("reach_mm", "offset_mm")}
 
@@ -24,13 +22,11 @@ def _law(law: LiftLaw) -> Json:
     if isinstance(law, Disc):
         return {"law": "disc", "reach_mm": law.reach_mm, "offset_mm": law.offset_mm}
     assert isinstance(law, Listed)
-    pieces = PPoly.from_spline(law.spline)
-    k = law.spline.k  # as many knots at each end lie outside of the turn
-    breaks, coefficients = pieces.x[k:-k], pieces.c[:, k:-k]
+    curve = curve_of(law)
     return {
         "law": "pieces",
-        "breaks_rad": breaks.tolist(),
-        "coefficients": coefficients.T.ravel().tolist(),
+        "breaks_rad": curve.x.tolist(),
+        "coefficients": curve.c.T.ravel().tolist(),
     }
 
 

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import NamedTuple, Protocol
 
 import numpy as np
-from scipy.interpolate import BSpline, make_interp_spline
+from scipy.interpolate import BSpline, PPoly, make_interp_spline
 
 from camtools.base.errors import GeometryError, InputError
 from camtools.base.input_file import read_limited
@@ -31,6 +31,8 @@ from camtools.lobe.part import (
 )
 from camtools.part.file import MAX_FILE_BYTES
 from camtools.part.model import SAME_MM
+from camtools.table.points import PointedTurn, quintics_of
+from camtools.table.points import parse_points as foreign_points
 
 CSV_HEADER = "angle_deg,lift_mm"
 _MAX_ROWS = 10_000
@@ -109,15 +111,16 @@ class Disc:
 
 @dataclass(frozen=True, eq=False)
 class Listed:
-    """Points joined by a periodic quintic spline: four continuous derivatives.
+    """Points joined by a periodic curve of quintics.
 
     Attributes
     ----------
-    spline : BSpline
-        Lift [mm] over the angle [rad], periodic.
+    spline : BSpline or PPoly
+        Lift [mm] over the angle [rad], periodic: a spline of four continuous derivatives, or the
+        pieces through given velocities and accelerations.
     """
 
-    spline: BSpline
+    spline: BSpline | PPoly
 
     def evaluate(self, theta_rad: Floats) -> Lift:
         """See `LiftLaw.evaluate`."""
@@ -138,6 +141,21 @@ def periodic_spline(angle_deg: Floats, lift_mm: Floats) -> BSpline:
     angle_deg = np.append(angle_deg[:n], angle_deg[0] + 360)
     lift_mm = np.append(lift_mm[:n], lift_mm[0])
     return make_interp_spline(np.radians(angle_deg), lift_mm, k=5, bc_type="periodic")
+
+
+def pieces_of(points: PointedTurn) -> PPoly:
+    """Return the periodic quintics through lift, velocity and acceleration of points."""
+    x = np.radians(np.append(points.x_deg, points.x_deg[0] + 360))
+    powers = quintics_of(points) / np.diff(x)[:, None] ** np.arange(6)
+    return PPoly(powers.T[::-1], x, extrapolate="periodic")
+
+
+def curve_of(law: Listed) -> PPoly:
+    """Return the pieces of a list over one turn, whose breaks are its points."""
+    if isinstance(law.spline, PPoly):
+        return law.spline
+    pieces, k = PPoly.from_spline(law.spline), law.spline.k
+    return PPoly(pieces.c[:, k:-k], pieces.x[k:-k])  # as many knots at each end lie outside
 
 
 def parse_points(text: str, file: str) -> tuple[Floats, Floats]:
@@ -182,15 +200,39 @@ def _row(
     return angle, lift_mm
 
 
-def _points(lobe: Lobe, field: str) -> tuple[Floats, Floats]:
-    """Return the points of a listed lobe, from the part file or from its CSV file."""
+def _points_of_file(text: str, file: str) -> PointedTurn:
+    """Return the points of a text: with our own header, or of another system.
+
+    Raises
+    ------
+    InputError
+        See `parse_points` here and in camtools.table.points; several heights, or no lifts.
+    """
+    if text.lstrip()[: len(CSV_HEADER)] == CSV_HEADER:
+        angle_deg, lift_mm = parse_points(text, file)
+        return PointedTurn(angle_deg, lift_mm, *np.zeros((2, 0)))
+    found = foreign_points(text, file)
+    turn = found.sections[0]
+    if len(found.sections) > 1:
+        problem = f"has {len(found.sections)} heights"
+        raise InputError(file, "Z_mm", None, problem, "give the points of one lobe")
+    low, high = float(turn.y_mm.min()), float(turn.y_mm.max())
+    if low < -SAME_MM or high > MAX_LIFT_MM:
+        problem = f"lifts of {low:g} .. {high:g} mm, not 0 .. {MAX_LIFT_MM:g}"
+        raise InputError(file, "Y_mm", None, problem, "give mm above the base circle")
+    return turn if found.has_motion else turn._replace(v=turn.v[:0], a=turn.a[:0])
+
+
+def _points(lobe: Lobe, field: str) -> PointedTurn:
+    """Return the points of a listed lobe, from the part file or from its file."""
     if lobe.csv is None:
         assert lobe.angle_deg is not None
-        return np.asarray(lobe.angle_deg, dtype=float), np.asarray(lobe.lift_mm, dtype=float)
+        listed = np.asarray(lobe.angle_deg, dtype=float), np.asarray(lobe.lift_mm, dtype=float)
+        return PointedTurn(*listed, *np.zeros((2, 0)))
     path = Path(lobe.csv)
     try:
         text = read_limited(path, MAX_FILE_BYTES).decode("utf-8-sig")  # as spreadsheets write it
-        return parse_points(text, path.name)
+        return _points_of_file(text, path.name)
     except InputError as error:
         problem, _, remedy = error.lines[0].rpartition("; ")
         raise GeometryError(f"{field}.csv", problem, remedy) from error
@@ -223,18 +265,19 @@ def make_lift(cam: Camshaft, lobe: Lobe, field: str) -> LiftLaw:
         assert lobe.disc_radius_mm is not None
         assert lobe.offset_mm is not None
         return Disc(lobe.disc_radius_mm + cam.roller_radius_mm, lobe.offset_mm)
-    angle_deg, lift_mm = _points(lobe, field)
+    points = _points(lobe, field)
+    angle_deg, lift_mm = points.x_deg, points.y_mm
     if is_turn(angle_deg[-1] - angle_deg[0]) and abs(lift_mm[0] - lift_mm[-1]) > SAME_MM:
         problem = f"first and last point are a turn apart, {lift_mm[0]:g} and {lift_mm[-1]:g} mm"
         raise GeometryError(f"{field}.lift_mm", problem, "leave the last one out")
-    law = Listed(periodic_spline(angle_deg, lift_mm))
+    law = Listed(pieces_of(points) if points.v.size else periodic_spline(angle_deg, lift_mm))
     _check_between(law, float(lift_mm.max()), f"{field}.{'csv' if lobe.csv else 'lift_mm'}")
     return law
 
 
 def _check_between(law: Listed, largest_mm: float, field: str) -> None:
     """Refuse a spline that leaves the range of its points: the drawing has no such lift."""
-    knots = law.spline.t[law.spline.k : -law.spline.k]  # the points, without a turn's repetition
+    knots = curve_of(law).x
     pieces = np.linspace(knots[:-1], knots[1:], _PER_PIECE, axis=-1).ravel()
     lift_mm = np.asarray(law.spline(pieces), dtype=np.float64)
     stray_mm = np.maximum(-lift_mm, lift_mm - largest_mm)

@@ -29,7 +29,7 @@ from camtools.table.image import (
     Channel,
     Table,
 )
-from camtools.table.mirror import in_sense
+from camtools.table.mirror import angle_in_sense, in_sense
 from camtools.table.quintics import segment_coefficients
 
 FORMS = ("xyva", "text")
@@ -88,8 +88,51 @@ def quantity_of(table: Table, channel: Channel) -> _Quantity:
     return _LIFT if is_lift else _QUANTITIES[channel.kind]
 
 
+def _at_height(table: Table, drawn: Channel, z_mm: float) -> tuple[Floats, float]:
+    """Return the knots that are played at a height, and by how many turns they come later.
+
+    Raises
+    ------
+    CamtoolsError
+        Between two lobes, where no profile is played whole.
+    """
+    z_nm = z_mm * NM_PER_MM
+    if not drawn.has_patterns:
+        i_slice, weight = locate(drawn, np.array([z_nm]))
+        i, w = int(i_slice[0]), float(weight[0])
+        return (1 - w) * drawn.knots[i] + w * drawn.knots[i + 1], 0.0
+    for lobe in table.lobes:
+        if lobe.z_first_nm <= z_nm <= lobe.z_last_nm:
+            knots = np.asarray(drawn.knots[lobe.pattern], dtype=np.float64)
+            return knots, angle_in_sense(lobe.phase_q32 / 2**32, table.direction)
+    problem = f"--export-height {z_mm:g}: lies between two lobes"
+    raise CamtoolsError([f"{problem}; give a height inside of a lobe"])
+
+
+def _sampled(
+    table: Table, channel: Channel, knots: Floats, shift: float, n_points: int
+) -> ExportedPoints:
+    """Return points of a pattern of knots that is turned by a share of a turn."""
+    n_knots = knots.shape[0]
+    total = n_knots << channel.log2_repeat
+    n = n_points or total
+    first = 0.0 if n_points else (shift * total) % 1.0 / total
+    turn = first + np.arange(n + 1) / n
+    place = np.mod((turn - shift) * total, n_knots)
+    if not n_points:
+        place = np.mod(np.rint(place), n_knots)
+    segment = place.astype(np.int64)
+    quintics = segment_coefficients(knots, periodic=True)[segment]
+    value, v, a = np.einsum("nc,dcn->dn", quintics, power_rows(place - segment))
+    scale, h_deg = quantity_of(table, channel).scale, knot_interval(channel) * _DEG_PER_RAD
+    lsb = channel.lsb * scale
+    y = channel.value_offset * scale + value * lsb
+    x_deg = _TURN_DEG * first + _TURN_DEG * np.arange(n + 1) / n
+    return ExportedPoints(x_deg, y, v * (lsb / h_deg), a * (lsb / h_deg**2))
+
+
 def points_of(table: Table, channel: Channel, z_mm: float, n_points: int = 0) -> ExportedPoints:
-    """Return a channel over the drawing's angle at a height, blended as the firmware does.
+    """Return a channel over the drawing's angle at a height, as the firmware plays it.
 
     Parameters
     ----------
@@ -97,20 +140,13 @@ def points_of(table: Table, channel: Channel, z_mm: float, n_points: int = 0) ->
         Points per turn, equally spaced; 0 takes the knots, from which the quintics follow exactly.
     """
     drawn = in_sense(channel, table.direction)
-    i_slice, weight = locate(drawn, np.array([z_mm * NM_PER_MM]))
-    i, w = int(i_slice[0]), float(weight[0])
-    knots = (1 - w) * drawn.knots[i] + w * drawn.knots[i + 1]
-    n = n_points or knots.shape[0] << drawn.log2_repeat
-    place = np.mod(np.arange(n + 1) * (knots.shape[0] << drawn.log2_repeat) / n, knots.shape[0])
-    segment = place.astype(np.int64)
-    quintics = segment_coefficients(knots, periodic=True)[segment]
-    value, first, second = np.einsum("nc,dcn->dn", quintics, power_rows(place - segment))
-    scale, h_deg = quantity_of(table, channel).scale, knot_interval(drawn) * _DEG_PER_RAD
-    lsb = drawn.lsb * scale
-    y = drawn.value_offset * scale + value * lsb
-    return ExportedPoints(
-        _TURN_DEG * np.arange(n + 1) / n, y, first * (lsb / h_deg), second * lsb / h_deg**2
-    )
+    return _sampled(table, drawn, *_at_height(table, drawn, z_mm), n_points)
+
+
+def profile_of(table: Table, channel: Channel, i: int, n_points: int = 0) -> ExportedPoints:
+    """Return the profile of lobes with a number, in a frame of its own, as `points_of`."""
+    drawn = in_sense(channel, table.direction)
+    return _sampled(table, drawn, np.asarray(drawn.knots[i], dtype=np.float64), 0.0, n_points)
 
 
 def name_of_height(z_mm: float) -> str:
@@ -129,10 +165,8 @@ def _header(quantity: _Quantity, form: str, *, with_height: bool) -> list[str]:
     return [*(["Z_mm"] if with_height else []), *(names if form == "xyva" else names[:2])]
 
 
-def _one_height(table: Table, channel: Channel, z_mm: float, export: Export) -> str:
-    """Return the text of one height: XYVA with a header, two columns without one."""
-    form, quantity = export.form, quantity_of(table, channel)
-    points = points_of(table, channel, z_mm, export.per_turn)
+def _one_turn(quantity: _Quantity, points: ExportedPoints, form: str) -> str:
+    """Return the text of one turn: XYVA with a header, two columns without one."""
     if form == "text":
         return "\n".join(_rows(points[:2], "", " ")) + "\n"
     header = ";".join(_header(quantity, form, with_height=False))
@@ -190,12 +224,27 @@ def export_files(table: Table, export: Export) -> dict[str, bytes]:
     start, form = table.part_name, export.form
     files = {f"{start}_x_{form}.csv": _over_height(table, form)}
     for channel in table.channels:
-        if channel.kind not in _QUANTITIES:
-            continue
-        name = f"{start}_{quantity_of(table, channel).name}"
-        if not export.heights_mm:
-            files[f"{name}_{form}.csv"] = _all_heights(table, channel, export)
-        for z_mm in export.heights_mm:
-            text = _one_height(table, channel, z_mm, export)
-            files[f"{name}_{name_of_height(z_mm)}_{form}.txt"] = text
+        if channel.kind in _QUANTITIES:
+            name = f"{start}_{quantity_of(table, channel).name}"
+            files |= dict(_channel_files(table, channel, export, name))
     return {name: text.encode("ascii") for name, text in files.items()}
+
+
+def _channel_files(
+    table: Table, channel: Channel, export: Export, name: str
+) -> Iterator[tuple[str, str]]:
+    """Yield name and text of the files of one channel over angle."""
+    form, quantity, per_turn = export.form, quantity_of(table, channel), export.per_turn
+    for z_mm in export.heights_mm:
+        points = points_of(table, channel, z_mm, per_turn)
+        yield f"{name}_{name_of_height(z_mm)}_{form}.txt", _one_turn(quantity, points, form)
+    if export.heights_mm:
+        return
+    if table.angle is None:
+        yield f"{name}_{form}.csv", _all_heights(table, channel, export)
+        return
+    for i in sorted(
+        {lobe.pattern for lobe in table.lobes} or {0}
+    ):  # a single lobe is alike all over
+        points = profile_of(table, channel, i, per_turn)
+        yield f"{name}_profile{i + 1}_{form}.txt", _one_turn(quantity, points, form)

@@ -161,6 +161,8 @@ def parse_points(text: str, file: str) -> PointFile:
         columns = [_Column(key, 1.0) for key in keys]
     else:
         lines = lines[1:]
+    if not lines:
+        raise InputError(file, f"line {first}", line, "no points follow", "give those of one turn")
     rows = dict(zip((one.key for one in columns), _rows(lines, columns, file).T, strict=True))
     numbers = np.array([number for number, _ in lines])
     return _sections(rows, numbers, file)
