@@ -98,6 +98,14 @@ def make_lobe_job(part: LobePart, wishes: ProgramWishes) -> LobeJob:
     return LobeJob(part, wishes.chord_um / _UM_PER_MM, wishes.is_diameter)
 
 
+def _refuse_passes(part: SkirtPart) -> None:
+    """Refuse what a program of one pass with one feed cannot do."""
+    for key, given in (("pass", part.process.passes), ("feed_law", part.process.feed_law)):
+        if given:
+            problem = "is played by the controller alone: a program is one pass with one feed"
+            raise CamtoolsError([f"process.{key}: {problem}; give depth_mm and feed_mm of it"])
+
+
 def make_job(part: SkirtPart, wishes: ProgramWishes) -> ProgramJob:
     """Return what a program is made of.
 
@@ -107,6 +115,7 @@ def make_job(part: SkirtPart, wishes: ProgramWishes) -> ProgramJob:
         Heights beyond the part or not rising, a feed beyond its height, a chord error out of range,
         an impossible part.
     """
+    _refuse_passes(part)
     check_feed(part)
     drawing = make_geometry(part)
     check_heel(drawing, part.tool, part.process.direction)

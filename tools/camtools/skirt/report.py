@@ -10,6 +10,7 @@ from collections.abc import Callable
 
 from matplotlib.figure import Figure
 
+from camtools.base.quantities import NM_PER_MM
 from camtools.plots.style import drawing, png_of
 from camtools.report import compare as report_compare
 from camtools.report import motion as report_motion
@@ -113,6 +114,7 @@ def _drawers(outcome: SkirtOutcome) -> dict[str, Callable[[], Figure]]:
     magnify = outcome.generated.part.magnify
     factor = magnify.factor if magnify else 1.0
     feed_mm, speed_rpm = cut["feed_mm"], cut["spindle_rpm"]
+    middle_mm = outcome.generated.middle_nm / NM_PER_MM
     drawers: dict[str, Callable[[], Figure]] = {}
     if (trace.state == FAULT).any():
         retract_s = outcome.summary.get("fault", {}).get("retract_s", 0.0)
@@ -128,7 +130,7 @@ def _drawers(outcome: SkirtOutcome) -> dict[str, Callable[[], Figure]]:
             drawers["corner"] = lambda: draw_corner(surface, trace, geometry, speed_rpm)
         drawers["height"] = lambda: report_surface.draw_height(surface, geometry)
         drawers["skirt"] = lambda: draw_skirt(surface, geometry, factor)
-    drawers["motion"] = lambda: draw_motion(trace, geometry, speed_rpm)
+    drawers["motion"] = lambda: draw_motion(trace, geometry, speed_rpm, middle_mm)
     even, speed = outcome.even, outcome.generated.speed
     if even is not None and speed is not None and even.removal.turn.size:
         drawers["even"] = lambda: draw_even(even, speed, speed_rpm)

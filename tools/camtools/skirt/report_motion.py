@@ -23,14 +23,18 @@ from camtools.skirt.geometry import Geometry, turning_at
 
 _UM_PER_MM, _MM_PER_M = 1000.0, 1000.0
 _N_ANGLES = 721
+_BETWEEN_PASSES = 1000  # ticks: engaging and disengaging take more
 _DERIVATIVE_TICKS = 4  # the measured position is quantised, so the slope is taken over 2 x 4 ticks
 
 
 def hardest_turn(trace: CutTrace, geometry: Geometry) -> Ints:
-    """Return the ticks of the whole turn of cutting in which U moves most."""
-    cutting = np.flatnonzero(trace.state == CUTTING)
+    """Return the ticks of the whole turn of the last pass on the skirt in which U moves most."""
+    low, high = geometry.skirt_mm
+    on_skirt = (trace.z_mm >= low) & (trace.z_mm <= high)
+    cutting = np.flatnonzero((trace.state == CUTTING) & on_skirt)
     if not cutting.size:
         return cutting
+    cutting = cutting[np.append(0, np.flatnonzero(np.diff(cutting) > _BETWEEN_PASSES) + 1)[-1] :]
     turned = trace.sense * trace.turn[cutting]
     whole = np.floor(turned).astype(np.int64)
     turns = np.arange(whole[0] + 1, whole[-1])
@@ -50,8 +54,16 @@ def _slope(values: Floats, t_s: Floats) -> Floats:
     return slope
 
 
-def draw_motion(trace: CutTrace, geometry: Geometry, speed_rpm: float) -> Figure:
-    """Return U, its velocity and acceleration over the turn in which U moves most."""
+def draw_motion(
+    trace: CutTrace, geometry: Geometry, speed_rpm: float, middle_mm: float = 0.0
+) -> Figure:
+    """Return U, its velocity and acceleration over the turn in which U moves most.
+
+    Parameters
+    ----------
+    middle_mm : float
+        Reduction of the radius at U 0 [mm].
+    """
     figure = new_figure(10, 6.6)
     panels: list[Axes] = list(figure.subplots(3, 1, sharex=True))
     rows = hardest_turn(trace, geometry)
@@ -59,7 +71,7 @@ def draw_motion(trace: CutTrace, geometry: Geometry, speed_rpm: float) -> Figure
     turns = np.linspace(0, 1, _N_ANGLES)
     wanted = turning_at(geometry, speed_rpm, z_mm, turns)
     curves = (
-        (wanted.u_mm * _UM_PER_MM, "U towards the axis, µm"),
+        ((wanted.u_mm - middle_mm) * _UM_PER_MM, "U towards the axis, µm"),
         (trace.sense * wanted.velocity_mm_s, "velocity, mm/s"),
         (wanted.acceleration_mm_s2 / _MM_PER_M, "acceleration, m/s²"),
     )

@@ -23,6 +23,21 @@ def what_was_cut(outcome: SkirtOutcome) -> str:
     )
 
 
+def _pass_rows(summary: Json) -> list[ReportRow]:
+    """Return what each of several passes came to, nothing for one."""
+    passes = summary.get("passes", [])
+    return [
+        ReportRow(
+            f"pass {one['pass']} of {len(passes)}",
+            f"{one['spindle_rpm']:g} r/min, feed {one['feed_mm']:g} mm, depth "
+            f"{one['depth_min_mm']:.3f} .. {one['depth_max_mm']:.3f} mm, leaves "
+            f"{length_text(one['allowance_um'])}: {error_pair(one['form_error_um'])}, chip force "
+            f"{one['chip_force_n']['mean']:.0f} N, at most {one['chip_force_n']['max']:.0f} N",
+        )
+        for one in passes
+    ]
+
+
 def _corner_rows(outcome: SkirtOutcome) -> list[ReportRow]:
     """Return what the refit of a corner costs, nothing for other sections."""
     corner = outcome.generated.geometry.corner
@@ -103,6 +118,7 @@ def rows_of(outcome: SkirtOutcome) -> list[ReportRow]:
         ReportRow("cut", what_was_cut(outcome)),
         ReportRow("form error", _form_text(form)),
         *_control_rows(outcome),
+        *_pass_rows(summary),
         ReportRow("following error of U", error_pair(summary["following_error_um"])),
         *_corner_rows(outcome),
         *_filter_rows(outcome),

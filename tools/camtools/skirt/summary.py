@@ -17,7 +17,7 @@ from camtools.part.tool import Tool
 from camtools.skirt.accuracy import Accuracy
 from camtools.skirt.corner import Corner
 from camtools.skirt.design import design_of, target_of
-from camtools.skirt.generate import GeneratedSkirt, peaks_of_table
+from camtools.skirt.generate import NM_PER_UM, GeneratedSkirt, peaks_of_table
 from camtools.skirt.geometry import Geometry, dense_heights_mm
 from camtools.skirt.heel import Heel
 from camtools.skirt.run_in import HeldSurface
@@ -67,6 +67,18 @@ def jumps_of(channel: Channel) -> Json:
     }
 
 
+def _passes(result: GeneratedSkirt) -> list[Json]:
+    """Return the passes as the table has them, none of a part that is cut in one."""
+    return [
+        {
+            "allowance_um": one.allowance_nm / NM_PER_UM,
+            "feed_mm": one.feed_nm / NM_PER_MM,
+            "spindle_rpm": one.spindle_mrpm / 1000,
+        }
+        for one in result.table.passes
+    ]
+
+
 def _process(result: GeneratedSkirt) -> Json:
     process, magnify = result.part.process, result.part.magnify
     return {
@@ -78,6 +90,8 @@ def _process(result: GeneratedSkirt) -> Json:
         "u_zero_mm": result.middle_nm / NM_PER_MM,
         "run_in_mm": float(process.run_in_mm),
         "run_out_mm": float(process.run_out_mm),
+        "passes": _passes(result),
+        "feed_law": process.feed_law.model_dump() if process.feed_law else None,
         "magnify": float(magnify.factor) if magnify else 1.0,
         "magnify_profile": magnify.profile_factor if magnify else 1.0,
     }

@@ -32,6 +32,7 @@ def emit_text(summary: Json) -> str:
         f"{motion['jerk_mm_s3']:.4g} mm/s3\n"
         f"  highest speed {tenth_below(feasible['highest_spindle_rpm'])} r/min, "
         f"decided by {feasible['decided_by']}\n"
+        + _room_text(summary)
         + tool_text(summary["tool"])
         + _profile_text(summary)
         + _scan_text(summary)
@@ -52,6 +53,28 @@ def tool_text(tool: Json) -> str:
         f"  tool: {nose}{worn}, clearance {tool['clearance_deg']:g} degrees; the sections need "
         f"{needed:.2f}, at {place}{rubs}\n"
     )
+
+
+def _room_text(summary: Json) -> str:
+    """Return where U swings, where the tool runs in and out, and the passes; nothing by default."""
+    process, text = summary["process"], ""
+    if process["u_zero"] == "mean":
+        text += f"  U swings about X, which is {process['u_zero_mm']:.6g} mm below the long axis\n"
+    if process["run_in_mm"] or process["run_out_mm"]:
+        text += (
+            f"  runs in over {process['run_in_mm']:g} mm, out over {process['run_out_mm']:g} mm\n"
+        )
+    for number, one in enumerate(process["passes"], start=1):
+        text += (
+            f"  pass {number} of {len(process['passes'])}: {one['spindle_rpm']:g} r/min, feed "
+            f"{one['feed_mm']:.6g} mm, leaves {one['allowance_um']:g} um\n"
+        )
+    if process["feed_law"] is not None:
+        low, high = min(process["feed_law"]["feed_mm"]), max(process["feed_law"]["feed_mm"])
+        text += (
+            f"  feed {low:g} .. {high:g} mm over the height, {process['feed_mm']:.6g} mm in mean\n"
+        )
+    return text
 
 
 def _speed_text(summary: Json) -> str:
