@@ -93,6 +93,7 @@ def test_tables_of_equal_removal_are_the_worked_ones() -> None:
     assert len(rows("s0_table_5.csv")) == 31
     allowed = removal.possible_parts()
     assert (allowed.least, allowed.most) == (28, 179)
+    assert removal.cosine_area_mm2() == pytest.approx(10.843403393, abs=3e-8)
     z_mm, widest = removal.widest_mm()
     assert z_mm == pytest.approx(20.005220, abs=1e-6)
     assert widest == pytest.approx(2 * 46.000000002028, abs=1e-11)
@@ -180,7 +181,7 @@ def test_records_are_cut_as_calculated() -> None:
 def test_command_makes_every_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Tables and pictures of all rows, and the page; two runs give the same bytes."""
     assert main(["-o", str(tmp_path / "a")]) == 0
-    assert "41 figures and tables" in capsys.readouterr().out
+    assert "43 figures and tables" in capsys.readouterr().out
     made = {path.name: path.read_bytes() for path in (tmp_path / "a").iterdir()}
     wanted = {name for one in all_chapters() for name in one.files}
     assert set(made) == wanted | {"papers.md"}

@@ -11,15 +11,17 @@ from functools import cache
 import numpy as np
 from scipy.optimize import brentq
 
-from camtools.cut.removal import PartsRange, parts_range
+from camtools.cut.removal import PartsRange, SectionCut, parts_range
 from camtools.papers import removal_plots as plots
 from camtools.papers.draw import png
 from camtools.papers.rows import Chapter, Maker, Row, part_of, um
 from camtools.skirt.geometry import Geometry, make_geometry
 from camtools.skirt.part import SkirtPart
+from camtools.skirt.sections import DoubleEllipse
 from camtools.study import section_tables
 from camtools.study.section import Analysis, AnalysisWishes, make_analysis
 
+HEIGHT_MM = 20.0  # of the papers' section
 MEAN_RPM = 1667.27  # 2500 r/min at the long axis
 FEED_MM, VOLUME_MM3, CYCLE_S = 0.1, 0.04, 50e-6
 _N_DENSE = 2001
@@ -47,6 +49,15 @@ def widest_mm() -> tuple[float, float]:
 def possible_parts() -> PartsRange:
     """Return the bounds on the number of parts of the papers' example."""
     return parts_range(analysis().cut, FEED_MM, MEAN_RPM, VOLUME_MM3, CYCLE_S)
+
+
+def cosine_area_mm2() -> float:
+    """Return the area of the quadrant for the cosine form of the same section."""
+    cut, g_mm = analysis().cut, float(geometry_of("perkins240").ovality_mm(HEIGHT_MM))
+    form = DoubleEllipse(0.0)
+    return SectionCut(
+        lambda phi: form.evaluate(phi, cut.a_mm, g_mm), cut.a_mm, cut.blank_mm
+    ).total_mm2
 
 
 def chip_ratio() -> float:
@@ -107,7 +118,9 @@ def _steps_rows() -> list[Row]:
         Row(
             *("Fig 5", "the first quadrant in steps of 3 degrees", "30 steps"),
             f"{steps.phi_rad.size - 1} steps, {analysis().cut.total_mm2:.9f} mm2 in all",
-            *("the area is not printed", "s0_fig_5.png"),
+            f"the area is not printed; whether the paper's section is exact or its cosine form, "
+            f"{cosine_area_mm2():.9f} mm2, cannot be told",
+            "s0_fig_5.png",
         ),
         Row(
             *("Table 1", "depth, its change, area of each step", "depth and area rise"),
@@ -220,6 +233,7 @@ def _skirt_rows() -> list[Row]:
 def _text_rows() -> list[Row]:
     allowed, peaks, rates = possible_parts(), analysis().peaks, analysis().rates
     omega = 2 * np.pi * MEAN_RPM / 60
+    stroke_mm = float(geometry_of("perkins240").ovality_mm(62.0)) / 2
     return [
         Row(
             *("text", "number of parts for 0.1 mm and 0.04 mm3", "30 chosen"),
@@ -235,6 +249,17 @@ def _text_rows() -> list[Row]:
             "the paper does not say what the spindle needs: sixty times what a lathe has. "
             "`perkins240_papers_speed.toml` is turned by a spindle that has it",
             "s0_table_5.csv",
+        ),
+        Row(
+            *("text", "stroke of U (S1)", "depends on the rate of change of the ovality"),
+            f"half the ovality: {stroke_mm:.3f} mm at 62",
+            "it depends on the ovality itself, as S0 has it",
+            "s0_tables_2_3.csv",
+        ),
+        Row(
+            *("text", "the long axis", "along the pin"),
+            *("any", "it is square to the pin in real pistons; no formula changes"),
+            "s0_fig_1.png",
         ),
         Row(
             *("S1 Fig 6", "force over a turn", "constant at equal volume"),
