@@ -113,6 +113,24 @@ def test_turned_lobe_swings_by_the_pressure_angle(tmp_path: Path) -> None:
     np.testing.assert_allclose(rpm, 60, rtol=1e-6)
 
 
+def test_both_senses_cut_the_same_lobe(tmp_path: Path) -> None:
+    """M4 passes the same angles the other way: X and the swing stand at the same C, off phase 0."""
+    found = []
+    for direction in ("1", "-1"):
+        changes = {"direction": direction, "feed_mm": "3", "phase_deg": "40"}
+        c, x, b = blocks(made(tmp_path, "cam-345", **changes), "CXB").T
+        turn = (int(direction) * c >= 360) & (int(direction) * c < 720)
+        order = np.argsort(np.mod(c[turn], 360))
+        at = np.mod(c[turn], 360)[order]
+        grid = np.linspace(1, 359, 359)
+        found.append([np.interp(grid, at, one[turn][order]) for one in (x, b)])
+    (x_one, b_one), (x_other, b_other) = found
+    assert np.abs(x_one - x_other).max() < 0.3e-3
+    assert np.abs(b_one - b_other).max() < 0.01
+    assert grid[int(np.argmax(x_one))] == pytest.approx(40, abs=1)
+    assert b_one[9] > 15 > -15 > b_one[69]  # rising before the nose, 30 degrees to either side
+
+
 def test_flanks_of_the_ground_lobe_are_within_the_spindle(tmp_path: Path) -> None:
     """From block to block the speed keeps the spindle's 60 rad/s2; it is nowhere above N_C."""
     c, f = blocks(made(tmp_path, "cam-345-ground", feed_mm="2"), "CF").T
