@@ -64,12 +64,12 @@ def _room_text(summary: Json) -> str:
         text += (
             f"  runs in over {process['run_in_mm']:g} mm, out over {process['run_out_mm']:g} mm\n"
         )
-    for number, one in enumerate(process["passes"], start=1):
+    for number, one in enumerate(process.get("passes", []), start=1):
         text += (
             f"  pass {number} of {len(process['passes'])}: {one['spindle_rpm']:g} r/min, feed "
             f"{one['feed_mm']:.6g} mm, leaves {one['allowance_um']:g} um\n"
         )
-    if process["feed_law"] is not None:
+    if process.get("feed_law") is not None:
         low, high = min(process["feed_law"]["feed_mm"]), max(process["feed_law"]["feed_mm"])
         text += (
             f"  feed {low:g} .. {high:g} mm over the height, {process['feed_mm']:.6g} mm in mean\n"
