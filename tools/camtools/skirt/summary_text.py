@@ -126,7 +126,8 @@ def _sides_text(summary: Json) -> str:
     if "sides" not in summary:
         return ""
     sides = summary["sides"]
-    return f"  the sides differ by {sides['step_um']:.3g} um at most at the {sides['meet']}\n"
+    place = sides["meet"].replace("-", " ")
+    return f"  the sides differ by {sides['step_um']:.3f} um at most where they meet, the {place}\n"
 
 
 def _refit_text(summary: Json) -> str:
