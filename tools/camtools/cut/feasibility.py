@@ -244,7 +244,8 @@ def _feed_that_fits_mm(peaks: Peaks, limits: MachineLimits, omega: float) -> flo
     return low if low > 0 else None
 
 
-def _remedy(best: HighestSpeed, asked_rpm: float, feed_mm: float | None) -> str:
+def remedy_text(best: HighestSpeed, asked_rpm: float, feed_mm: float | None) -> str:
+    """Return what would do: a lower speed, or where there is one a smaller feed."""
     speed = "turn more slowly"
     if best.rpm < asked_rpm:
         speed = (
@@ -281,7 +282,7 @@ def check_feasible(
     """
     omega, best = omega_rad_s(spindle_rpm), best or highest_speed(peaks, limits)
     asked_rpm = spindle_rpm if asked_rpm is None else asked_rpm
-    remedy = _remedy(best, asked_rpm, _largest_feed_mm(peaks, limits, omega))
+    remedy = remedy_text(best, asked_rpm, _largest_feed_mm(peaks, limits, omega))
     shape = "lift" if isinstance(limits, SwingLimits) else "ovality"
     at_any_speed = {
         "u_stroke_mm": f"no speed would do: less {shape}, or a longer stroke",

@@ -17,11 +17,11 @@ from camtools.base.quantities import NM_PER_MM, Floats, omega_rad_s
 from camtools.cut.feasibility import (
     HighestSpeed,
     Peaks,
-    check_feasible,
     given_of,
     needed_of,
     peaks_of,
 )
+from camtools.cut.verdict import check_table
 from camtools.lobe.channels import (
     MadeChannel,
     centre_channel,
@@ -45,6 +45,7 @@ from camtools.table.modulation import moving_bounds, peaks_together
 
 DEFAULT_TOLERANCE_NM = 10.0
 _BISECTIONS = 40
+_ENGAGED = 1.055  # of the swing's acceleration: engaging in ten turns adds, MATHS.md (62)
 _SEARCH_MARGIN = 0.99  # of every limit: the table's own bounds are a little above its samples
 _MAX_SPINDLE_RAD2 = 8.5  # |r r'|: a table promises at most 10, of a mean that limits make slower
 _DEG_PER_UNIT = 360 / ANGLE_TURN
@@ -120,7 +121,7 @@ def generate_lobes(part: LobePart, tolerance_nm: float | None = None) -> Generat
         peaks = _with_swing(peaks, angle.channel, speed.channel if speed else None)
     fed = _feeding(part, table)
     peaks = peaks._replace(feed_mm=fed.feed_mm, change_mm=fed.change_mm)
-    best = _judge(part, lobes, peaks, fed, mean_rpm)
+    best = _judge(part, lobes, table, fed)
     return GeneratedLobes(
         part, lobes, tolerance_nm, table, lift, angle, speed, mean_rpm, peaks, best, heel
     )
@@ -178,15 +179,13 @@ def _feeding(part: LobePart, table: Table) -> Peaks:
     return Peaks(0.0, 0.0, 0.0, feed_mm=part.process.feed_mm, change_mm=change_mm)
 
 
-def _judge(
-    part: LobePart, lobes: list[ShaftLobe], peaks: Peaks, fed: Peaks, mean_rpm: float
-) -> HighestSpeed:
+def _judge(part: LobePart, lobes: list[ShaftLobe], table: Table, fed: Peaks) -> HighestSpeed:
     """Return the highest speed of the part file that would do, or refuse."""
     limits, asked_rpm = part.machine.limits, part.process.spindle_rpm
     if part.process.speed == "uniform":
-        return check_feasible(peaks, limits, mean_rpm)
+        return check_table(table, limits)
     best = _highest_surface_speed(part, _paths(lobes), fed)
-    return check_feasible(peaks, limits, mean_rpm, best, asked_rpm)
+    return check_table(table, limits, best, asked_rpm)
 
 
 def _needs(part: LobePart, paths: list[Follower], fed: Peaks, rpm: float) -> dict[str, float]:
@@ -196,6 +195,8 @@ def _needs(part: LobePart, paths: list[Follower], fed: Peaks, rpm: float) -> dic
     for path, law in zip(paths, _laws(part, paths, rpm), strict=True):
         mean = mean_of(law)
         for name, needed in needed_of(_peaks(part, path, law / mean, fed), limits, mean).items():
+            if name == "swing_acceleration_deg_s2":
+                needed *= _ENGAGED
             if name in given and name != "spindle_rpm":
                 shares[name] = max(needed / given[name], shares.get(name, 0.0))
     return shares
@@ -213,11 +214,12 @@ def _peaks(part: LobePart, path: Follower, ratio: Floats, fed: Peaks) -> Peaks:
     )
     if part.process.operation == "grinding":
         return peaks
-    bend = path.angle2 * ratio**2 + path.angle1 * alpha
+    # the controller knows the peaks of the swing and of the speed, not what they do together
+    first, second = _peak(np.degrees(path.angle1)), _peak(np.degrees(path.angle2))
     return peaks._replace(
         swing_deg=_peak(np.degrees(path.angle)),
-        swing1_deg=_peak(np.degrees(path.angle1 * ratio)),
-        swing2_deg=_peak(np.degrees(bend)),
+        swing1_deg=first * peaks.ratio,
+        swing2_deg=second * peaks.ratio**2 + first * peaks.spindle_rad2,
     )
 
 

@@ -12,6 +12,7 @@ True
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -20,7 +21,9 @@ from camtools.base.quantities import Floats
 
 N_GRID = 1 << 15  # places of a turn
 _MARGIN = 0.94  # of the acceleration: the table overshoots where straight lines meet
-_TOP_MARGIN = 0.995  # of the highest speed
+_TOP_MARGIN = 0.985  # of the highest speed
+_TOLD_MARGIN = 0.992  # of the same as set-point
+_COORDINATES = 1 << 15
 _SMOOTHED = 8  # places over which those corners are rounded, on either side
 
 
@@ -50,35 +53,38 @@ def surface_speed(
 
     Notes
     -----
-    With b = omega^2 the acceleration is b' / 2, so its limit bounds a slope. The largest function
-    below a given one with bounded slope is found in one pass in each direction, twice round.
-    Averages over a few places keep the bound of slope; where the speed has a corner downwards they
-    are up to 2 % above it.
+    The spindle accelerates by its torque, and by what its speed loop makes of a set-point between 0
+    and its highest speed, MATHS.md (80). The largest function below a given one with bounded slope
+    is found in one pass in each direction, twice round. Averages over a few places keep the bound
+    of slope; where the speed has a corner downwards they are up to 2 % above it.
     """
     wanted = np.minimum(base_rad_s * base_mm / ds_dphi, _TOP_MARGIN * limits.highest_rad_s)
-    step = 2 * _MARGIN * limits.alpha_rad_s2 * 2 * np.pi / N_GRID
-    square = _falling(np.sqrt(_below(wanted**2, step)), limits) ** 2
+    alpha, loop = _MARGIN * limits.alpha_rad_s2, _MARGIN * limits.bandwidth_rad_s
+    told = _TOLD_MARGIN * limits.highest_rad_s
+
+    def rising(omega: Floats) -> Floats:
+        return np.minimum(alpha, np.maximum(loop * (told - omega), 1e-9))
+
+    def falling(omega: Floats) -> Floats:
+        return np.minimum(alpha, loop * np.maximum(omega, 1e-9))
+
+    risen = _bounded(wanted, told, rising)
+    square = _bounded(risen[::-1], told, falling)[::-1] ** 2
     kernel = np.ones(2 * _SMOOTHED + 1) / (2 * _SMOOTHED + 1)
     padded = np.concatenate([square[-_SMOOTHED:], square, square[:_SMOOTHED]])
     return np.asarray(np.sqrt(np.convolve(padded, kernel, "valid")), dtype=np.float64)
 
 
-def _falling(omega_rad_s: Floats, limits: SpindleLimits) -> Floats:
-    """Return the largest speed below another that falls as torque and speed loop let it.
+def _bounded(omega_rad_s: Floats, top_rad_s: float, alpha_of: Callable[[Floats], Floats]) -> Floats:
+    """Return the largest speed below another that rises as its acceleration lets it.
 
-    It falls by at most alpha / omega per radian and by the bandwidth of the loop, MATHS.md (80).
-    The angle over which it falls from a speed to 0 is a coordinate of a bounded slope.
+    The angle over which the speed rises from 0 is a coordinate in which that is a bounded slope.
     """
-    alpha, bandwidth = _MARGIN * limits.alpha_rad_s2, _MARGIN * limits.bandwidth_rad_s
-    slow = alpha / bandwidth  # below it the loop decides
-    angle = np.where(
-        omega_rad_s < slow,
-        omega_rad_s / bandwidth,
-        (omega_rad_s**2 + slow**2) / (2 * alpha),
-    )
-    angle = _below(angle[::-1], 2 * np.pi / N_GRID)[::-1]
-    fast = np.sqrt(np.maximum(2 * alpha * angle - slow**2, 0.0))
-    return np.asarray(np.where(angle * bandwidth < slow, angle * min(bandwidth, 1e300), fast))
+    omega = top_rad_s * np.arange(_COORDINATES) / _COORDINATES
+    per_rad = omega / alpha_of(omega)
+    angle = np.append(0.0, np.cumsum((per_rad[1:] + per_rad[:-1]) / 2)) * omega[1]
+    risen = _below(np.interp(omega_rad_s, omega, angle), 2 * np.pi / N_GRID)
+    return np.asarray(np.interp(risen, angle, omega), dtype=np.float64)
 
 
 def _below(square: Floats, step: float) -> Floats:

@@ -15,7 +15,8 @@ from scipy.interpolate import PPoly
 
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import NM_PER_MM, omega_rad_s
-from camtools.cut.feasibility import HighestSpeed, Peaks, check_feasible, drift_of, peaks_of
+from camtools.cut.feasibility import HighestSpeed, Peaks, drift_of, peaks_of
+from camtools.cut.verdict import check_table
 from camtools.part.common import check_feed
 from camtools.polygon.blend import Blended, bend_of, blended
 from camtools.polygon.outline import Outline, extremes_of
@@ -211,7 +212,7 @@ def generate_polygon(part: PolygonPart, tolerance_nm: float | None = None) -> Ge
     feed_mm = part.process.feed_mm
     drift = drift_of(table.channels[0], 1 / NM_PER_MM, feed_mm)
     peaks = peaks_of(bounds)._replace(u_drift=drift, feed_mm=feed_mm)
-    best = _judge(part, drawing, peaks, (bounds.u_max_nm - bounds.u_min_nm) / NM_PER_MM)
+    best = _judge(part, drawing, table)
     return GeneratedPolygon(
         *(part, drawing, cut, design, geometry, tolerance_nm, table),
         *(accuracy_u, accuracy_x, peaks, best, middle, heel),
@@ -228,11 +229,12 @@ def _heel(part: PolygonPart, geometry: Geometry) -> Heel:
     return steepest_heel(geometry, part.process.direction)
 
 
-def _judge(part: PolygonPart, drawing: Outline, peaks: Peaks, travel_mm: float) -> HighestSpeed:
+def _judge(part: PolygonPart, drawing: Outline, table: Table) -> HighestSpeed:
     """Return the highest speed, or refuse; of joints with the least blend that would do."""
     try:
-        return check_feasible(peaks, part.machine.limits, part.process.spindle_rpm)
+        return check_table(table, part.machine.limits)
     except CamtoolsError as error:
+        travel_mm = (table.bounds.u_max_nm - table.bounds.u_min_nm) / NM_PER_MM
         lines = [with_mean(line, part.process.u_zero, travel_mm) for line in error.lines]
         if any("u_acceleration" in line for line in lines):
             lines += _advice(part, drawing)

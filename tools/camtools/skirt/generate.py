@@ -15,11 +15,11 @@ from camtools.base.quantities import NM_PER_MM
 from camtools.cut.feasibility import (
     HighestSpeed,
     Peaks,
-    check_feasible,
     drift_of,
     highest_speed,
     peaks_of,
 )
+from camtools.cut.verdict import check_table
 from camtools.part.common import check_feed
 from camtools.part.passes import Pass
 from camtools.skirt.accuracy import Accuracy
@@ -34,7 +34,7 @@ from camtools.skirt.search import choose_u, choose_x
 from camtools.skirt.speed import SpeedTable, make_speed
 from camtools.skirt.zero import middle_nm, moved
 from camtools.table.header import check_tolerance, table_of, u_bounds
-from camtools.table.image import Bounds, Channel, Table
+from camtools.table.image import Channel, Table
 from camtools.table.modulation import moving_bounds
 from camtools.table.passes import PassRecord
 from camtools.table.quantise import with_bounds
@@ -145,7 +145,7 @@ def generate(part: SkirtPart, tolerance_nm: float | None = None) -> GeneratedSki
         uniform = highest_speed(peaks_of(u_bounds(u, error_nm)), part.machine.limits)
         speed = make_speed(part, air, u, uniform.rpm)
     table = with_passes(make_table(passes[-1], u, x, error_nm, speed), part, passes)
-    best = judge_passes(passes, geometry, table, speed)
+    best = judge_passes(passes, geometry, table)
     return GeneratedSkirt(
         part, geometry, tolerance_u_nm, table, accuracy_u, accuracy_x, best, heel, speed, middle
     )
@@ -180,14 +180,12 @@ def with_passes(table: Table, part: SkirtPart, passes: list[SkirtPart]) -> Table
     return replace(table, passes=tuple(records))
 
 
-def judge_passes(
-    passes: list[SkirtPart], geometry: Geometry, table: Table, speed: SpeedTable | None
-) -> HighestSpeed:
+def judge_passes(passes: list[SkirtPart], geometry: Geometry, table: Table) -> HighestSpeed:
     """Return the highest speed of the last pass, or refuse the first one that is infeasible."""
     for number, one in enumerate(passes, start=1):
-        own = replace(table, feed_nm=round(one.process.feed_mm * NM_PER_MM))
+        feed_nm, mrpm = round(one.process.feed_mm * NM_PER_MM), one.process.spindle_rpm * 1000
         try:
-            best = _judge(one, geometry, peaks_of_table(own, speed), table.bounds)
+            best = _judge(one, geometry, replace(table, feed_nm=feed_nm, spindle_mrpm=round(mrpm)))
         except CamtoolsError as error:
             which = f"process.pass number {number}: " if len(passes) > 1 else ""
             raise CamtoolsError([which + line for line in error.lines]) from error
@@ -209,12 +207,12 @@ def with_mean(line: str, u_zero: str, travel_mm: float) -> str:
     return f'{line}; or set process.u_zero = "mean", which needs {travel_mm:.9g} mm'
 
 
-def _judge(part: SkirtPart, geometry: Geometry, peaks: Peaks, bounds: Bounds) -> HighestSpeed:
+def _judge(part: SkirtPart, geometry: Geometry, table: Table) -> HighestSpeed:
     """Return the highest speed, or refuse; of a corner with what another refit would need."""
     try:
-        return check_feasible(peaks, part.machine.limits, part.process.spindle_rpm)
+        return check_table(table, part.machine.limits)
     except CamtoolsError as error:
-        travel_mm = (bounds.u_max_nm - bounds.u_min_nm) / NM_PER_MM
+        travel_mm = (table.bounds.u_max_nm - table.bounds.u_min_nm) / NM_PER_MM
         lines = [with_mean(line, part.process.u_zero, travel_mm) for line in error.lines]
         if geometry.corner is None or not any("u_acceleration" in line for line in lines):
             raise CamtoolsError(lines) from error

@@ -13,7 +13,7 @@ from pydantic import Field, field_validator
 
 from camtools.base.json_text import Json
 from camtools.base.quantities import NM_PER_MM, Floats
-from camtools.cut.feasibility import check_feasible, peaks_of
+from camtools.cut.verdict import check_table
 from camtools.part.common import MachineLimits, PartInfo, check_feed
 from camtools.part.model import HeightMm, TomlTable, rising
 from camtools.pipeline.kind import Kind, Rig
@@ -126,7 +126,7 @@ class RingKind(Kind[RingPart, MadeRing, RingCut]):
         u = with_bounds(quantise(KIND_U, np.stack([turn, turn]), 0, span))
         x = with_bounds(quantise(KIND_X, np.stack([axis, axis]), 0, span))
         table = table_of(part, part.process.spindle_rpm, u_bounds(u, _ERROR_NM), (u, x))
-        check_feasible(peaks_of(table.bounds), part.machine.limits, part.process.spindle_rpm)
+        check_table(table, part.machine.limits)
         return MadeRing(part, table, tolerance_nm)
 
     def summary(self, made: MadeRing) -> Json:
