@@ -22,7 +22,7 @@ import pytest
 from camsim_cases import ROOT, camsim
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats
-from camtools.cut.demand import Cut, Demand, exceeded, highest_mrpm, largest_feed_nm
+from camtools.cut.demand import Demand, JudgedCut, exceeded, highest_mrpm, largest_feed_nm
 from camtools.cut.verdict import check_table, cut_of
 from camtools.lobe.generate import generate_lobes
 from camtools.lobe.machine import lobe_machine_text
@@ -67,7 +67,7 @@ class Verdict(NamedTuple):
     largest_feed_nm: int
 
 
-def ours(cut: Cut) -> Verdict:
+def ours(cut: JudgedCut) -> Verdict:
     """Return the generator's verdict."""
     first = next(iter(exceeded(cut)), Demand("ok", 0, 0))
     return Verdict(first.name, first.needed, first.limit, highest_mrpm(cut), largest_feed_nm(cut))

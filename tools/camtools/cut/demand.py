@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 from camtools.cut.demand_gap import AxisPeaks, GapSums
 from camtools.part.common import MachineLimits, SwingLimits
-from camtools.table.facts import Change, TableFacts
+from camtools.table.facts import SliceChange, TableFacts
 from camtools.table.image import RATIO_ONE
 
 _MAX_KNOTS_PER_TICK, _MIN_TICKS_PER_TURN = 8, 8
@@ -116,7 +116,7 @@ class _Drift(NamedTuple):
     acceleration: int
 
 
-class Cut(NamedTuple):
+class JudgedCut(NamedTuple):
     """A cut at a mean speed of the spindle: cam_cut_t."""
 
     facts: TableFacts
@@ -139,11 +139,11 @@ class Cut(NamedTuple):
         return min(self.p.engage_turns, self.p.disengage_turns)
 
 
-def _feed_speed2(cut: Cut) -> int:
+def _feed_speed2(cut: JudgedCut) -> int:
     return max(cut.feed_nm, _LEAST_FEED_NM) * divided_up(cut.peak_mrpm**2, 10_000)
 
 
-def _ring_ramp_q32(cut: Cut) -> int:
+def _ring_ramp_q32(cut: JudgedCut) -> int:
     part, whole = _feed_speed2(cut), _ONE_MM_PER_S2 * cut.p.z_acceleration_mm_per_s2
     while whole >> 31:
         whole >>= 1
@@ -154,18 +154,18 @@ def _ring_ramp_q32(cut: Cut) -> int:
     return max(((1 << 32) - isqrt(inner_q32 << 32) + 1) // 2, _LEAST_RAMP_Q32)
 
 
-def _plain_um_per_s(cut: Cut) -> int:
+def _plain_um_per_s(cut: JudgedCut) -> int:
     return divided_up(cut.feed_nm * cut.peak_mrpm, 60_000_000)
 
 
-def _way_mm_per_s2(cut: Cut) -> int:
+def _way_mm_per_s2(cut: JudgedCut) -> int:
     if cut.facts.table.way is None:
         return 0
     v_tenth = min(_plain_um_per_s(cut), _MAX_Z_UM_PER_S) // 100 + 1
     return v_tenth * v_tenth * cut.facts.way_bend_ppm_per_m // 100_000_000_000 + 1
 
 
-def _z_um_per_s(cut: Cut) -> int:
+def _z_um_per_s(cut: JudgedCut) -> int:
     if not cut.facts.table.is_ring_helix:
         return divided_up(_plain_um_per_s(cut) * cut.facts.way_slope_ppm, _WHOLE_PPM)
     mean_nm_per_s = (max(cut.feed_nm, _LEAST_FEED_NM) * cut.peak_mrpm + 59_999) // 60_000
@@ -173,7 +173,7 @@ def _z_um_per_s(cut: Cut) -> int:
     return ((mean_nm_per_s << 24) // rest_q24 + 1000) // 1000
 
 
-def _z_mm_per_s2(cut: Cut) -> int:
+def _z_mm_per_s2(cut: JudgedCut) -> int:
     if cut.facts.table.is_ring_helix:
         return divided_up(_feed_speed2(cut), _ONE_MM_PER_S2 // 4)
     turns, rpm, span_nm = cut.p.feed_ramp_turns, divided_up(cut.peak_mrpm, 1000), cut.facts.span_nm
@@ -183,13 +183,13 @@ def _z_mm_per_s2(cut: Cut) -> int:
     return divided_up(ramp * cut.facts.way_slope_ppm, _WHOLE_PPM) + _way_mm_per_s2(cut)
 
 
-def _z_feeding_mm_per_s2(cut: Cut) -> int:
+def _z_feeding_mm_per_s2(cut: JudgedCut) -> int:
     if cut.facts.table.is_ring_helix:
         return cut.p.z_acceleration_mm_per_s2
     return _z_mm_per_s2(cut)
 
 
-def _drift(cut: Cut, spacing_nm: int, change: Change, set_point_hz: int) -> _Drift:
+def _drift(cut: JudgedCut, spacing_nm: int, change: SliceChange, set_point_hz: int) -> _Drift:
     v_um_per_s = min(_z_um_per_s(cut), _MAX_Z_UM_PER_S)
     a_mm_per_s2 = min(_z_feeding_mm_per_s2(cut), 1_000_000)
     rate_uhz = divided_up(v_um_per_s * 1_000_000_000, spacing_nm)
@@ -202,12 +202,12 @@ def _drift(cut: Cut, spacing_nm: int, change: Change, set_point_hz: int) -> _Dri
     )
 
 
-def _drift_acceleration(cut: Cut, drift: _Drift) -> int:
+def _drift_acceleration(cut: JudgedCut, drift: _Drift) -> int:
     omega_crad_per_s = divided_up(_omega_mrad_per_s(cut.peak_mrpm), 10)
     return divided_up(2 * drift.speed_per_rad * omega_crad_per_s, 100) + drift.acceleration
 
 
-def _engaging(cut: Cut, peaks: AxisPeaks) -> int:
+def _engaging(cut: JudgedCut, peaks: AxisPeaks) -> int:
     """Return the largest second derivative while the amplitude rises, MATHS.md (62)."""
     value, first, second = peaks
     ratio_q10 = divided_up(cut.facts.ratio_max_q20, 1024)
@@ -221,13 +221,13 @@ def _engaging(cut: Cut, peaks: AxisPeaks) -> int:
     return max(second, *(divided_up(one, _WHOLE_PPM) for one in sums))
 
 
-def _gap(cut: Cut) -> GapSums:
+def _gap(cut: JudgedCut) -> GapSums:
     facts = cut.facts
     change = facts.least_change_nm // 2 if facts.is_modulated else facts.least_change_nm
     return GapSums(change, facts.ratio_max_q20, facts.table.bounds.spindle_peak_ppm_per_rad)
 
 
-def _plan_ticks(cut: Cut) -> int:
+def _plan_ticks(cut: JudgedCut) -> int:
     return max(1, (cut.p.tick_hz * _PLAN_PERIOD_US + 500_000) // 1_000_000)
 
 
@@ -235,7 +235,7 @@ def _scaled_up(a: int, b: int, c: int) -> int:
     return divided_up(a * b, c) if a == 0 or b < _INT64 // a else _INT64
 
 
-def _u_demands(cut: Cut) -> Iterator[Demand]:
+def _u_demands(cut: JudgedCut) -> Iterator[Demand]:
     bounds, limits, facts = cut.facts.table.bounds, cut.facts.table.limits, cut.facts
     half_nm = min(cut.p.u_stroke_nm, limits.u_stroke_nm) // 2
     sides = (cut.at_amplitude(max(0, one)) for one in (bounds.u_max_nm, -bounds.u_min_nm))
@@ -260,7 +260,7 @@ def _mdeg_of(thousands: int) -> int:
     return divided_up(thousands * 43, 8)
 
 
-def _swing_demands(cut: Cut) -> Iterator[Demand]:
+def _swing_demands(cut: JudgedCut) -> Iterator[Demand]:
     p, facts = cut.p, cut.facts
     if not facts.is_swung:
         return
@@ -286,13 +286,13 @@ def _swing_demands(cut: Cut) -> Iterator[Demand]:
     yield Demand("swing_acceleration", p.swing_acceleration_deg_per_s2, needed)
 
 
-def _z_demands(cut: Cut) -> Iterator[Demand]:
+def _z_demands(cut: JudgedCut) -> Iterator[Demand]:
     yield Demand("feed", cut.facts.span_nm, cut.feed_nm)
     yield Demand("z_speed", cut.p.z_speed_um_per_s, _z_um_per_s(cut))
     yield Demand("z_acceleration", cut.p.z_acceleration_mm_per_s2, _z_mm_per_s2(cut))
 
 
-def _spindle_demands(cut: Cut) -> Iterator[Demand]:
+def _spindle_demands(cut: JudgedCut) -> Iterator[Demand]:
     p, facts = cut.p, cut.facts
     by_knots = p.tick_hz * _MAX_KNOTS_PER_TICK * 60_000 // (1 << facts.log2_knots)
     by_turn = p.tick_hz * 60_000 // _MIN_TICKS_PER_TURN
@@ -311,7 +311,7 @@ def _spindle_demands(cut: Cut) -> Iterator[Demand]:
     yield Demand("spindle_set_point", p.spindle_limit_mrpm, told)
 
 
-def _x_demands(cut: Cut) -> Iterator[Demand]:
+def _x_demands(cut: JudgedCut) -> Iterator[Demand]:
     p, facts, turns, peak = cut.p, cut.facts, cut.turns, cut.peak_mrpm
     clearance_nm = p.x_clearance_nm + facts.rise_nm
     clearing = (clearance_nm * 15 // 8 + 1) * peak // (turns * 60_000_000) + 1
@@ -326,7 +326,7 @@ def _x_demands(cut: Cut) -> Iterator[Demand]:
     yield Demand("x_acceleration", p.x_acceleration_mm_per_s2, max(bend + along + 1, clearing))
 
 
-def demands_of(cut: Cut) -> Iterator[Demand]:
+def demands_of(cut: JudgedCut) -> Iterator[Demand]:
     """Return every limit and what the cut needs of it, in the order in which they are reported."""
     facts, p = cut.facts, cut.p
     yield Demand("cam_amplitude", p.amplitude_ppm, _WHOLE_PPM if facts.is_lobe else 0)
@@ -340,16 +340,16 @@ def demands_of(cut: Cut) -> Iterator[Demand]:
     yield from _x_demands(cut)
 
 
-def exceeded(cut: Cut) -> list[Demand]:
+def exceeded(cut: JudgedCut) -> list[Demand]:
     """Return the limits that a cut exceeds."""
     return [one for one in demands_of(cut) if one.needed > one.limit]
 
 
-def _is_feasible(cut: Cut) -> bool:
+def _is_feasible(cut: JudgedCut) -> bool:
     return all(one.needed <= one.limit for one in demands_of(cut))
 
 
-def highest_mrpm(cut: Cut) -> int:
+def highest_mrpm(cut: JudgedCut) -> int:
     """Return the highest feasible mean speed, 0 when there is none, bit by bit."""
     found = 0
     for bit in reversed(range(_SPEED_BITS)):
@@ -358,7 +358,7 @@ def highest_mrpm(cut: Cut) -> int:
     return found
 
 
-def largest_feed_nm(cut: Cut) -> int:
+def largest_feed_nm(cut: JudgedCut) -> int:
     """Return the largest feasible feed at the cut's speed, 0 when there is none, bit by bit."""
     found = 0
     for bit in reversed(range(_FEED_BITS)):

@@ -12,8 +12,8 @@ from typing import NamedTuple
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import NM_PER_MM
 from camtools.cut.demand import (
-    Cut,
     Demand,
+    JudgedCut,
     exceeded,
     highest_mrpm,
     largest_feed_nm,
@@ -60,12 +60,12 @@ _AT_ANY_SPEED = {
 _NOT_OF_A_PART = ("x_speed", "x_acceleration", "tick_rate", "feed", "cam_amplitude")
 
 
-def cut_of(table: Table, limits: MachineLimits) -> Cut:
+def cut_of(table: Table, limits: MachineLimits) -> JudgedCut:
     """Return the cut of a table as the controller of this machine judges it."""
-    return Cut(facts_of(table), parameters_of(limits), table.spindle_mrpm, table.feed_nm)
+    return JudgedCut(facts_of(table), parameters_of(limits), table.spindle_mrpm, table.feed_nm)
 
 
-def highest_of(cut: Cut) -> HighestSpeed:
+def highest_of(cut: JudgedCut) -> HighestSpeed:
     """Return the highest speed that the controller takes, and the limit that decides."""
     mrpm = highest_mrpm(cut)
     beyond = exceeded(cut._replace(mean_mrpm=mrpm + 1))

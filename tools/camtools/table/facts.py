@@ -31,7 +31,7 @@ _GUARD_BITS = 4
 PACE_PLACES, PACE_PER_RAD = 33, 128
 
 
-class Change(NamedTuple):
+class SliceChange(NamedTuple):
     """How a channel changes from slice to slice, in its unit."""
 
     most: int
@@ -39,7 +39,7 @@ class Change(NamedTuple):
     kink: int
 
 
-class SwingPeaks(NamedTuple):
+class SwingBounds(NamedTuple):
     """Bounds of the tool's swing, in thousandths of a degree and per rad."""
 
     most_mdeg: int
@@ -74,11 +74,11 @@ class TableFacts(NamedTuple):
     log2_knots: int  # of u, per turn
     u_spacing_nm: int
     angle_spacing_nm: int
-    u_change: Change
+    u_change: SliceChange
     is_lobe: bool
     is_swung: bool
-    swing: SwingPeaks
-    swing_change: Change
+    swing: SwingBounds
+    swing_change: SliceChange
     is_modulated: bool
     ratio_max_q20: int
     pace: Pace
@@ -144,7 +144,7 @@ def _largest(knots: Ints) -> _Largest:
     )
 
 
-def change_of(channel: Channel) -> Change:
+def change_of(channel: Channel) -> SliceChange:
     """Return how a channel changes over height: cam_peaks_of_change()."""
     steps = np.diff(_wide(channel), axis=0)
     step, bend = _largest(steps), _largest(np.diff(steps, axis=0))
@@ -155,21 +155,21 @@ def change_of(channel: Channel) -> Change:
     def in_unit(lsb: int) -> int:
         return saturated((lsb + (1 << frac) - 1) >> frac)
 
-    return Change(
+    return SliceChange(
         in_unit((step.tenfold + 9) // 10),
         in_unit((slope_q20 + (1 << 20) - 1) >> 20),
         in_unit((bend.tenfold + 9) // 10),
     )
 
 
-def swing_of(channel: Channel) -> SwingPeaks:
+def swing_of(channel: Channel) -> SwingBounds:
     """Return the bounds of the swing: cam_peaks_of_swing()."""
     knots = _wide(channel)
     knots[..., 0] += channel.value_offset << channel.frac_bits
     bound, down = _largest(knots), _UNIT_BITS + channel.frac_bits
     per_turn = 1 << (channel.log2_knots + channel.log2_repeat)
     second = ((((bound.second_8192 >> 13) + 1) * per_turn * _MDEG_PER_TURN_RAD2) >> 13) + 1
-    return SwingPeaks(
+    return SwingBounds(
         saturated((((bound.tenfold // 10 + 1) * _MDEG_PER_TURN) >> down) + 1),
         saturated(((bound.twice * per_turn * _MDEG_PER_TURN_RAD) >> (down + 1)) + 1),
         saturated(((second * per_turn) >> (down - 13)) + 1),
@@ -272,7 +272,7 @@ def facts_of(table: Table) -> TableFacts:
     u, speed, angle = table.channel(KIND_U), table.speed, table.angle
     is_swung = angle is not None and angle.kind == KIND_SWING
     changes = [change_nm(*two) for two in pairwise(table.lobes)]
-    still = Change(0, 0, 0)  # patterns are not next to each other
+    still = SliceChange(0, 0, 0)  # patterns are not next to each other
     swung = angle if is_swung else None
     barrel = barrel_of(table.channel(KIND_X))
     way = barrel_of(table.way) if table.way is not None else Barrel(0, 0, 0)
@@ -287,7 +287,7 @@ def facts_of(table: Table) -> TableFacts:
         u_change=still if table.lobes else change_of(u),
         is_lobe=angle is not None,
         is_swung=is_swung,
-        swing=swing_of(swung) if swung is not None else SwingPeaks(0, 0, 0),
+        swing=swing_of(swung) if swung is not None else SwingBounds(0, 0, 0),
         swing_change=still if swung is None or table.lobes else change_of(swung),
         is_modulated=any(channel.kind == KIND_SPEED for channel in table.channels),
         ratio_max_q20=ratio,
