@@ -18,7 +18,7 @@ import pytest
 from camtools.cli.analyse import main, products
 from camtools.skirt.part import SkirtPart
 from camtools.study.section import AnalysisWishes, make_analysis
-from camtools.study.section_text import summary
+from camtools.study.section_text import notes, summary
 from maths_tables import TABLE_1, TABLE_4
 from part_cases import PERKINS, ROOT, environment, load_part
 
@@ -76,6 +76,15 @@ def test_figures_and_notes(files: dict[str, bytes]) -> None:
     text = files["notes.md"].decode()
     for sentence in ("1 : 2.000", "number of the slice", "28 .. 179"):
         assert sentence in text
+
+
+def test_notes_keep_to_the_section() -> None:
+    """The papers' own numbers are spoken of beside their section, and nowhere else."""
+    for name in ("weichai3a", "perkins240_x30"):
+        text = notes(make_analysis(load_part(PERKINS.with_name(f"{name}.toml")), AnalysisWishes()))
+        assert "near 8 degrees" not in text
+        assert "32 205" not in text
+        assert "a part must not" in text
 
 
 def test_constant_is_constant(files: dict[str, bytes]) -> None:

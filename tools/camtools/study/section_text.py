@@ -17,6 +17,8 @@ import numpy as np
 from camtools.cut.removal import mean_rpm_for
 from camtools.study.section import Analysis
 
+_PAPERS = (46.0, 46.1, 10.846348637)  # half axis, blank [mm], area of a quarter [mm2]
+
 
 def figures(study: Analysis) -> dict[str, Any]:
     """Return the figures of an analysis; names carry their units."""
@@ -96,33 +98,48 @@ def _parts_line(study: Analysis) -> str:
     return f"{n} equal parts are not possible: {bounds} are; give --parts or process.parts"
 
 
+def is_papers_section(study: Analysis) -> bool:
+    """Return whether a section is the one that the papers on equal removal calculate with."""
+    ours = study.cut.a_mm, study.cut.blank_mm, study.cut.total_mm2
+    return all(abs(one - theirs) < 1e-6 for one, theirs in zip(ours, _PAPERS, strict=True))
+
+
 def notes(study: Analysis) -> str:
-    """Return what differs from the papers, and why (Markdown)."""
-    parts, chip = study.parts, study.cut.depth_mm(np.linspace(0, study.cut.pattern_rad, 2001))
-    at_part = int(np.argmax(parts.change_mm)) + 1
-    deg = np.degrees(parts.phi_rad)
-    begin = float(deg[at_part - 2]) if at_part > 1 else 0.0
-    items = (
-        "Area: S_ell = (a b / 2) atan2(a sin, b cos), not (a b / 2) angle; with the latter all "
-        "steps of angle would have equal areas, against the papers' own text.",
-        "The largest change of depth per equal part is in part "
-        f"{at_part} ({begin:.2f} .. {float(deg[at_part - 1]):.2f} degrees). The papers say "
-        '"near 8 degrees": that is the number of the slice, counted from 0, not an angle.',
+    """Return what a reader of the papers must know about the section (Markdown)."""
+    chip = study.cut.depth_mm(np.linspace(0, study.cut.pattern_rad, 2001))
+    items = [
         "The number of parts has an upper bound, too, which the papers leave out: a part must not "
         f"be shorter than the controller's cycle. Here {study.range.least} .. {study.range.most}.",
         "The papers say that the cutting force becomes constant. Force is kc x section of the "
         "chip = kc x depth x feed, and neither depends on the spindle's speed: it goes 1 : "
         f"{float(chip.max() / chip.min()):.3f} here in both ways of turning. Constant become the "
         "removal rate and the power.",
+        "U needs more bandwidth: in time it is no longer one pair of waves per turn "
+        "(harmonics.csv).",
+    ]
+    if is_papers_section(study):
+        items += _papers_notes(study)
+    lines = [fill(item, 100, initial_indent="- ", subsequent_indent="  ") for item in items]
+    title = f"# Beside the papers: {study.name}, height {study.height_mm:g} mm"
+    return "\n".join([title, "", *lines, ""])
+
+
+def _papers_notes(study: Analysis) -> list[str]:
+    """Return what differs from the papers' own numbers, and why."""
+    parts = study.parts
+    at_part = int(np.argmax(parts.change_mm)) + 1
+    deg = np.degrees(parts.phi_rad)
+    begin = float(deg[at_part - 2]) if at_part > 1 else 0.0
+    return [
+        "Area: S_ell = (a b / 2) atan2(a sin, b cos), not (a b / 2) angle; with the latter all "
+        "steps of angle would have equal areas, against the papers' own text.",
+        "The largest change of depth per equal part is in part "
+        f"{at_part} ({begin:.2f} .. {float(deg[at_part - 1]):.2f} degrees). The papers say "
+        '"near 8 degrees": that is the number of the slice, counted from 0, not an angle.',
         "The papers' maximum speed of 2500 r/min means 1667.27 r/min on average and a spindle "
         "acceleration of 32 205 rad/s2 for their section, sixty times that of a common lathe "
         "spindle. The spindle decides how fast equal-volume turning can be; mktables finds the "
         "speed law of least ripple within its limits.",
-        "U needs more bandwidth: in time it is no longer one pair of waves per turn "
-        "(harmonics.csv).",
         "S1 says that the stroke of U depends on the rate of change of the ovality: it depends on "
         "the ovality itself.",
-    )
-    lines = [fill(item, 100, initial_indent="- ", subsequent_indent="  ") for item in items]
-    title = f"# Beside the papers: {study.name}, height {study.height_mm:g} mm"
-    return "\n".join([title, "", *lines, ""])
+    ]
