@@ -8,9 +8,29 @@
 
 #define REMEDY SIM_JSON_REMEDY
 
+/// @return the point of the profile under a flat face
+static sim_lobe_spot_t under_face(const sim_lobe_design_t *d, const sim_lobe_rise_t *rise,
+                                  double theta_rad)
+{
+    const double nx = cos(theta_rad);
+    const double ny = sin(theta_rad);
+    const double along = d->base_mm + rise->h_mm;
+    return (sim_lobe_spot_t){
+        .x_mm = along * nx - rise->h1_mm * ny,
+        .y_mm = along * ny + rise->h1_mm * nx,
+        .nx = nx,
+        .ny = ny,
+        .ds_mm = along + rise->h2_mm,
+        .bend = 1.0,
+    };
+}
+
 sim_lobe_spot_t sim_lobe_design_at(sim_lobe_design_t *d, uint32_t i_lobe, double theta_rad)
 {
     const sim_lobe_rise_t rise = sim_lobe_lift_at(&d->lobe[i_lobe].lift, theta_rad);
+    if (d->is_flat) {
+        return under_face(d, &rise, theta_rad);
+    }
     const double p = d->base_mm + d->roller_mm + rise.h_mm;
     const double square = p * p + rise.h1_mm * rise.h1_mm;
     const double travel = sqrt(square);
@@ -132,7 +152,10 @@ bool sim_lobe_design_read(sim_lobe_design_t *d, const cJSON *design, const char 
 {
     static const char *const operation[2] = {"grinding", "turning"};
     static const char *const speed[2] = {"uniform", "constant-surface"};
+    static const char *const follower[2] = {"roller", "flat"};
     return read_word(&d->is_turned, design, "operation", operation, path, e) &&
+           (cJSON_GetObjectItemCaseSensitive(design, "follower") == NULL ||
+            read_word(&d->is_flat, design, "follower", follower, path, e)) &&
            read_word(&d->is_even, design, "speed", speed, path, e) &&
            read_radius(&d->base_mm, design, "base_mm", path, e) &&
            read_radius(&d->roller_mm, design, "roller_mm", path, e) &&

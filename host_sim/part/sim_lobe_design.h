@@ -9,7 +9,11 @@
 ///     contact = (p cos gamma - r1) along the normal, p sin gamma across it
 ///     ds/dtheta = sqrt(p^2 + H'^2) - r1 (1 - gamma')
 ///
-/// Source: MATHS.md (30), (31). The design comes from NAME.json, so the gauge knows neither
+/// Under a flat face theta is the direction of the normal itself:
+///
+///     contact = r + H along the normal, H' across it,  ds/dtheta = r + H + H''
+///
+/// Source: MATHS.md (30), (31), (93). The design comes from NAME.json, so the gauge knows neither
 /// table nor firmware. Error: rounding, below 1e-6 nm.
 #ifndef SIM_LOBE_DESIGN_H
 #define SIM_LOBE_DESIGN_H
@@ -34,6 +38,7 @@ typedef struct {
     double follower_mm; ///< radius of the wheel; of the roller when turned
     double base_speed;  ///< speed that is due on the base circle over the mean speed
     bool is_turned;
+    bool is_flat;     ///< lifts are those of a flat face, not of a roller
     bool is_even;     ///< made for a constant surface speed
     uint32_t n_lobes; ///< in the order of their heights
     sim_lobe_t lobe[sim_lobe_design_max];

@@ -65,6 +65,8 @@ sim_lobe_rise_t sim_lobe_lift_at(sim_lobe_lift_t *lift, double theta_rad)
         return poly345(lift, theta_rad);
     case sim_lobe_lift_disc:
         return disc(lift, theta_rad);
+    case sim_lobe_lift_flanks:
+        return sim_lobe_flanks_at(&lift->flanks, theta_rad);
     case sim_lobe_lift_pieces:
     default:
         return pieces(lift, theta_rad);
@@ -119,12 +121,16 @@ bool sim_lobe_lift_read(sim_lobe_lift_t *lift, const cJSON *lobe, const char *wh
                common_error(e, "%s: %s.offset_mm = %.12g: must be below reach_mm; " REMEDY, path,
                             where, lift->offset_mm);
     }
+    if (strcmp(law, "flanks") == 0) {
+        lift->law = sim_lobe_lift_flanks;
+        return sim_lobe_flanks_read(&lift->flanks, lobe, where, path, e);
+    }
     if (strcmp(law, "pieces") == 0) {
         lift->law = sim_lobe_lift_pieces;
         return read_pieces(lift, lobe, where, path, e);
     }
-    return common_error(e, "%s: %s.law = \"%.40s\": wants poly345, disc or pieces; " REMEDY, path,
-                        where, law);
+    return common_error(e, "%s: %s.law = \"%.40s\": wants poly345, disc, flanks or pieces; " REMEDY,
+                        path, where, law);
 }
 
 void sim_lobe_lift_free(sim_lobe_lift_t *lift)

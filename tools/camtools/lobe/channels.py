@@ -48,6 +48,7 @@ from camtools.table.quantise import TooLargeError, quantise, with_bounds
 from camtools.table.records import KNOT_SIZE
 
 ANGLE_TOLERANCE_DEG = 1e-4
+_REPORTED_DEG = 0.01
 _RATIO_TOLERANCE = 1e-5
 _FEWEST_LOG2 = 6
 _NAMES = {KIND_U: "u", KIND_SPEED: "speed", KIND_SWING: "swing", KIND_CONTACT: "contact"}
@@ -220,6 +221,9 @@ def choose_lift(lobes: list[ShaftLobe], tolerance_nm: float) -> MadeChannel:
 def choose_angle(lobes: list[ShaftLobe], *, is_swung: bool) -> MadeChannel:
     """Return the smallest channel of swing or contact within 1e-4 degrees; error in degrees.
 
+    The contact of a wheel is not played but reported: where the law's acceleration steps, the best
+    channel is taken.
+
     Raises
     ------
     CamtoolsError
@@ -228,7 +232,7 @@ def choose_angle(lobes: list[ShaftLobe], *, is_swung: bool) -> MadeChannel:
     kind = KIND_SWING if is_swung else KIND_CONTACT
     made = _smallest(kind, _angle, lobes, ANGLE_TOLERANCE_DEG * _UNIT_PER_DEG)
     error_deg = made.error / _UNIT_PER_DEG
-    if error_deg > ANGLE_TOLERANCE_DEG:
+    if error_deg > (ANGLE_TOLERANCE_DEG if is_swung else _REPORTED_DEG):
         problem = f"the angle of the contact changes too fast, {error_deg:.2g} degrees are left"
         raise CamtoolsError([f"cam.lobe: {problem}; give a lift with less jerk"])
     return MadeChannel(made.channel, error_deg)

@@ -15,6 +15,7 @@ import numpy as np
 from camtools.base.errors import GeometryError
 from camtools.base.quantities import Floats
 from camtools.lobe.contact import Contact, contact, follow
+from camtools.lobe.flat import flat_contact
 from camtools.lobe.lift import LiftLaw
 
 _N_ANGLES = 72_000
@@ -33,15 +34,22 @@ class Shape(NamedTuple):
     largest_swing_deg_at: float
 
 
-def all_round(law: LiftLaw, base_mm: float, roller_mm: float) -> Contact:
+def touch_of(
+    law: LiftLaw, base_mm: float, roller_mm: float, theta_rad: Floats, *, is_flat: bool
+) -> Contact:
+    """Return contacts of a lobe with its own follower, a roller or a flat face."""
+    return (flat_contact if is_flat else contact)(law, base_mm, roller_mm, theta_rad)
+
+
+def all_round(law: LiftLaw, base_mm: float, roller_mm: float, *, is_flat: bool = False) -> Contact:
     """Return contacts of a lobe on a dense grid of the follower's directions."""
     theta = 2 * np.pi * (np.arange(_N_ANGLES) / _N_ANGLES - 0.5)
-    return contact(law, base_mm, roller_mm, theta)
+    return touch_of(law, base_mm, roller_mm, theta, is_flat=is_flat)
 
 
-def shape_of(law: LiftLaw, base_mm: float, roller_mm: float) -> Shape:
-    """Return the extremes of a lobe that its roller does not undercut; radii in mm."""
-    touch = all_round(law, base_mm, roller_mm)
+def shape_of(law: LiftLaw, base_mm: float, roller_mm: float, *, is_flat: bool = False) -> Shape:
+    """Return the extremes of a lobe that its follower does not undercut; radii in mm."""
+    touch = all_round(law, base_mm, roller_mm, is_flat=is_flat)
     sharpest, hollowest = int(touch.curvature.argmax()), int(touch.curvature.argmin())
     swing = int(np.abs(touch.gamma).argmax())
     least = touch.curvature[hollowest]
@@ -54,6 +62,24 @@ def shape_of(law: LiftLaw, base_mm: float, roller_mm: float) -> Shape:
         abs(float(np.degrees(touch.gamma[swing]))),
         float(degrees[swing]),
     )
+
+
+def check_follower(touch: Contact, field: str, *, is_flat: bool) -> None:
+    """Refuse a lift that its follower cannot have on any profile."""
+    (_check_face if is_flat else check_roller)(touch, field)
+
+
+def _check_face(touch: Contact, field: str) -> None:
+    """Refuse a lift that a flat face would have on edges only, MATHS.md (93)."""
+    worst = int(touch.ds.argmin())
+    if touch.ds[worst] <= 0:
+        at = f"at {np.degrees(touch.theta[worst]):.4g} degrees of the lobe"
+        problem = (
+            f"undercut {at}: base radius, lift and its second derivative are "
+            f"{touch.ds[worst]:.6g} mm together, the radius of curvature under a flat face"
+        )
+        remedy = "give a larger base circle, or less lift over more degrees"
+        raise GeometryError(f"{field}.lift_mm", problem, remedy)
 
 
 def check_roller(touch: Contact, field: str) -> None:

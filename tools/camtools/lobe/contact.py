@@ -13,6 +13,7 @@ radius: the same equations give both.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -20,7 +21,16 @@ import numpy as np
 from camtools.base.quantities import Floats
 from camtools.lobe.lift import Disc, LiftLaw
 
-__all__ = ["Contact", "Disc", "Follower", "at_angles", "contact", "follow", "from_profile"]
+__all__ = [
+    "Contact",
+    "Disc",
+    "Follower",
+    "at_angles",
+    "contact",
+    "follow",
+    "from_profile",
+    "solved_at",
+]
 
 _NEWTON_STEPS = 60
 _ANGLE_ERROR_RAD = 1e-13
@@ -146,12 +156,24 @@ def _sagged(t: Contact) -> Floats:
 def at_angles(
     law: LiftLaw, base_mm: float, roller_mm: float, radius_mm: float, phi_rad: Floats
 ) -> tuple[Contact, Follower]:
+    """Return contacts with a roller and path of a follower of a radius at given lobe angles."""
+
+    def touch_at(theta_rad: Floats) -> tuple[Contact, Follower]:
+        touch = contact(law, base_mm, roller_mm, theta_rad)
+        return touch, follow(touch, radius_mm)
+
+    return solved_at(touch_at, phi_rad)
+
+
+def solved_at(
+    touch_at: Callable[[Floats], tuple[Contact, Follower]], phi_rad: Floats
+) -> tuple[Contact, Follower]:
     """Return contacts and path of a follower at given lobe angles.
 
     Parameters
     ----------
-    radius_mm : float
-        Of the follower.
+    touch_at : callable
+        Contacts and path at directions of the lobe's own follower [rad].
     phi_rad : ndarray, shape (n,)
         Angles of the lobe [rad]; dphi/dtheta must be above 0 all round (`camtools.lobe.check`).
 
@@ -162,8 +184,7 @@ def at_angles(
     low, high = phi_rad - np.pi / 2, phi_rad + np.pi / 2
     theta = phi_rad.copy()
     for _ in range(_NEWTON_STEPS):
-        touch = contact(law, base_mm, roller_mm, theta)
-        path = follow(touch, radius_mm)
+        touch, path = touch_at(theta)
         off = path.phi - phi_rad
         if float(np.abs(off).max()) <= _ANGLE_ERROR_RAD:
             break

@@ -10,7 +10,15 @@ from __future__ import annotations
 
 from camtools.base.json_text import Json
 from camtools.lobe.generate import GeneratedLobes
-from camtools.lobe.lift import Disc, LiftLaw, Listed, Poly345, curve_of
+from camtools.lobe.lift import Disc, LiftLaw, Listed, Poly345, Risen, curve_of
+from camtools.lobe.rises import (
+    Cycloidal,
+    Harmonic,
+    ModifiedSine,
+    ModifiedTrapezoid,
+    Polydyne,
+    Quintic,
+)
 
 _FIELDS = {"poly345": ("lift_mm", "half_angle_rad"), "disc": ("reach_mm", "offset_mm")}
 
@@ -19,6 +27,8 @@ def _law(law: LiftLaw) -> Json:
     """Return a law of lift as numbers; a list as the pieces of its spline."""
     if isinstance(law, Poly345):
         return {"law": "poly345", "lift_mm": law.lift_mm, "half_angle_rad": law.half_angle_rad}
+    if isinstance(law, Risen):
+        return _flanks(law)
     if isinstance(law, Disc):
         return {"law": "disc", "reach_mm": law.reach_mm, "offset_mm": law.offset_mm}
     assert isinstance(law, Listed)
@@ -30,6 +40,29 @@ def _law(law: LiftLaw) -> Json:
     }
 
 
+def _flanks(law: Risen) -> Json:
+    names = {
+        Quintic: "poly345",
+        Cycloidal: "cycloidal",
+        ModifiedSine: "modified-sine",
+        ModifiedTrapezoid: "modified-trapezoid",
+        Harmonic: "harmonic",
+        Polydyne: "polydyne",
+    }
+    numbers = {
+        "lift_mm": law.lift_mm,
+        "rise_rad": law.rise_rad,
+        "dwell_rad": law.dwell_rad,
+        "fall_rad": law.fall_rad,
+    }
+    soft = {
+        f"{name}_deflection": one.deflection
+        for name, one in (("rise", law.rise), ("fall", law.fall))
+        if isinstance(one, Polydyne)
+    }
+    return {"law": "flanks", "shape": names[type(law.rise)]} | numbers | soft
+
+
 def design_of_lobes(result: GeneratedLobes) -> Json:
     """Return the shape for programs that measure: laws in radians and millimetres, no table.
 
@@ -38,6 +71,7 @@ def design_of_lobes(result: GeneratedLobes) -> Json:
     process, cam = result.part.process, result.part.cam
     return {
         "shape": "cam",
+        "follower": cam.follower,
         "operation": process.operation,
         "speed": process.speed,
         "base_mm": float(cam.base_radius_mm),

@@ -83,7 +83,7 @@ def nearest_heel(lobes: list[ShaftLobe], heel_mm: float, direction: int) -> Lobe
 
 
 def _of_lobe(i: int, lobe: ShaftLobe, heel_mm: float, direction: int) -> LobeHeel:
-    touch = all_round(lobe.law, lobe.base_mm, lobe.roller_mm)
+    touch = all_round(lobe.law, lobe.base_mm, lobe.roller_mm, is_flat=lobe.is_flat)
     travel = np.cumsum(touch.ds)
     evenly = np.searchsorted(travel, travel[-1] * (np.arange(_PLACES) + 0.5) / _PLACES)
     places = (touch.radius * np.exp(1j * touch.alpha))[evenly]

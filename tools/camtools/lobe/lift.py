@@ -23,11 +23,21 @@ from camtools.lobe.part import (
     MAX_LIFT_MM,
     MIN_POINTS,
     MIN_STEP_DEG,
+    RISES,
     Camshaft,
     Lobe,
     fits_turn,
     is_step,
     is_turn,
+)
+from camtools.lobe.rises import (
+    Cycloidal,
+    Harmonic,
+    ModifiedSine,
+    ModifiedTrapezoid,
+    Polydyne,
+    Quintic,
+    RiseLaw,
 )
 from camtools.part.file import MAX_FILE_BYTES
 from camtools.part.model import SAME_MM
@@ -80,6 +90,45 @@ class Poly345:
             self.lift_mm * slope**2 * 60 * u * (1 - u) * (1 - 2 * u),
             self.lift_mm * slope**3 * 60 * (1 - 6 * u + 6 * u**2) * (u > 0),
         )
+
+
+@dataclass(frozen=True)
+class Risen:
+    """A rise, a dwell at the nose, a fall that is a rise of its own angle turned round.
+
+    Attributes
+    ----------
+    rise, fall : RiseLaw
+        Of the rising and of the falling flank.
+    lift_mm : float
+        Lift at the nose, whose middle is at angle 0.
+    rise_rad, dwell_rad, fall_rad : float
+        Angles of the flanks and of the nose, a turn together at most.
+    """
+
+    rise: RiseLaw
+    fall: RiseLaw
+    lift_mm: float
+    rise_rad: float
+    dwell_rad: float
+    fall_rad: float
+
+    def evaluate(self, theta_rad: Floats) -> Lift:
+        """See `LiftLaw.evaluate`. Source: MATHS.md (89)."""
+        begin = self.dwell_rad / 2 + self.rise_rad
+        at = np.mod(theta_rad + begin, 2 * np.pi)
+        top, end = self.rise_rad + self.dwell_rad, begin + self.dwell_rad / 2 + self.fall_rad
+        up = self.rise.evaluate(np.clip(at / self.rise_rad, 0, 1))
+        down = self.fall.evaluate(np.clip((end - at) / self.fall_rad, 0, 1))
+        is_up, is_down = at <= self.rise_rad, (at > top) & (at < end)
+        is_top = (at > self.rise_rad) & (at <= top)
+        lift = np.where(is_up, up.y, np.where(is_down, down.y, 0.0)) + 1.0 * is_top
+        slopes = [
+            np.where(is_up, one / self.rise_rad**n, 0.0)
+            + np.where(is_down, other / (-self.fall_rad) ** n, 0.0)
+            for n, (one, other) in enumerate(zip(up[1:], down[1:], strict=True), start=1)
+        ]
+        return Lift(self.lift_mm * lift, *(self.lift_mm * slope for slope in slopes))
 
 
 @dataclass(frozen=True)
@@ -257,14 +306,61 @@ def make_lift(cam: Camshaft, lobe: Lobe, field: str) -> LiftLaw:
     GeometryError
         The points are no good.
     """
-    if lobe.law == "poly345":
-        assert isinstance(lobe.lift_mm, float | int)
-        assert lobe.half_angle_deg is not None
-        return Poly345(float(lobe.lift_mm), float(np.radians(lobe.half_angle_deg)))
+    if lobe.law in RISES:
+        return _risen(lobe, field)
     if lobe.law == "disc":
         assert lobe.disc_radius_mm is not None
         assert lobe.offset_mm is not None
         return Disc(lobe.disc_radius_mm + cam.roller_radius_mm, lobe.offset_mm)
+    return _listed(lobe, field)
+
+
+_PLAIN: dict[str, RiseLaw] = {
+    "poly345": Quintic(),
+    "cycloidal": Cycloidal(),
+    "modified-sine": ModifiedSine(),
+    "modified-trapezoid": ModifiedTrapezoid(),
+    "harmonic": Harmonic(),
+}
+
+
+def _rise(lobe: Lobe, angle_rad: float, field: str) -> RiseLaw:
+    """Return the law of one flank.
+
+    Raises
+    ------
+    GeometryError
+        A polydyne rise that would have to fall on its way: the follower is too soft.
+    """
+    if lobe.law != "polydyne":
+        return _PLAIN[lobe.law]
+    assert lobe.design_rpm is not None
+    assert lobe.natural_hz is not None
+    law = Polydyne((lobe.design_rpm / 60 / lobe.natural_hz / angle_rad) ** 2)
+    if float(law.evaluate(np.linspace(0, 1, 2001)).d1.min()) < -1e-9:
+        problem = (
+            f"at {lobe.design_rpm:g} r/min a follower of {lobe.natural_hz:g} Hz would need a lift "
+            f"that falls on its rise over {np.degrees(angle_rad):g} degrees"
+        )
+        remedy = "give a lower design_rpm, a stiffer follower, or more degrees"
+        raise GeometryError(f"{field}.design_rpm", problem, remedy)
+    return law
+
+
+def _risen(lobe: Lobe, field: str) -> LiftLaw:
+    """Return a law of flanks and nose."""
+    assert isinstance(lobe.lift_mm, float | int)
+    if lobe.half_angle_deg is not None and lobe.law == "poly345":
+        return Poly345(float(lobe.lift_mm), float(np.radians(lobe.half_angle_deg)))
+    rise_deg, dwell_deg, fall_deg = lobe.angles_deg
+    rise_rad, fall_rad = float(np.radians(rise_deg)), float(np.radians(fall_deg))
+    rise, fall = (_rise(lobe, angle, field) for angle in (rise_rad, fall_rad))
+    flanks = (rise_rad, float(np.radians(dwell_deg)), fall_rad)
+    return Risen(rise, fall, float(lobe.lift_mm), *flanks)
+
+
+def _listed(lobe: Lobe, field: str) -> LiftLaw:
+    """Return the spline through the points of a lobe."""
     points = _points(lobe, field)
     angle_deg, lift_mm = points.x_deg, points.y_mm
     if is_turn(angle_deg[-1] - angle_deg[0]) and abs(lift_mm[0] - lift_mm[-1]) > SAME_MM:

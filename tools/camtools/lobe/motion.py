@@ -14,8 +14,16 @@ from typing import NamedTuple
 import numpy as np
 
 from camtools.base.quantities import Floats
-from camtools.lobe.check import Shape, all_round, check_roller, check_wheel, shape_of
-from camtools.lobe.contact import Contact, Follower, at_angles
+from camtools.lobe.check import (
+    Shape,
+    all_round,
+    check_follower,
+    check_wheel,
+    shape_of,
+    touch_of,
+)
+from camtools.lobe.contact import Contact, Follower, follow, solved_at
+from camtools.lobe.flat import follow_flat
 from camtools.lobe.lift import LiftLaw, make_lift
 from camtools.lobe.part import Camshaft, Lobe, LobePart, LobeProcess
 from camtools.part.common import PartInfo
@@ -39,6 +47,8 @@ class ShaftLobe:
         Its extremes.
     profile : int
         Lobes of the same number have the same law: 0 .. , in the order in which they appear.
+    is_flat : bool
+        The lift is that of a flat face, not of a roller.
     """
 
     law: LiftLaw
@@ -49,11 +59,19 @@ class ShaftLobe:
     z_mm: tuple[float, float]
     shape: Shape
     profile: int = 0
+    is_flat: bool = False
 
     def contacts(self, phi_rad: Floats) -> tuple[Contact, Follower]:
         """Return contacts and follower at spindle angles [rad], in the frame of the lobe."""
         turned = np.mod(phi_rad - self.phase_rad + np.pi, 2 * np.pi) - np.pi
-        return at_angles(self.law, self.base_mm, self.roller_mm, self.follower_mm, turned)
+        return solved_at(self._touch_at, turned)
+
+    def _touch_at(self, theta_rad: Floats) -> tuple[Contact, Follower]:
+        """Return contacts and follower at directions of the lobe's own follower."""
+        touch = touch_of(self.law, self.base_mm, self.roller_mm, theta_rad, is_flat=self.is_flat)
+        if self.is_flat:
+            return touch, follow_flat(self.law, touch, self.follower_mm)
+        return touch, follow(touch, self.follower_mm)
 
     def at(self, phi_rad: Floats) -> Follower:
         """Return the follower at spindle angles [rad]."""
@@ -79,13 +97,21 @@ def make_lobes(part: LobePart) -> list[ShaftLobe]:
             lobes.append(replace(profiles[alike], z_mm=z_mm, phase_rad=phase_rad))
             continue
         law = make_lift(part.cam, lobe, field)
-        touch = all_round(law, base_mm, roller_mm)
-        check_roller(touch, field)
-        if part.process.operation == "grinding":
+        is_flat = part.cam.follower == "flat"
+        touch = all_round(law, base_mm, roller_mm, is_flat=is_flat)
+        check_follower(touch, field, is_flat=is_flat)
+        if part.process.operation == "grinding" and not is_flat:
             check_wheel(touch, part.follower_radius_mm, field)
         radii = (base_mm, roller_mm, part.follower_radius_mm)
-        shape = shape_of(law, base_mm, roller_mm)
-        profiles[alike] = ShaftLobe(law, *radii, phase_rad, z_mm, shape, len(profiles))
+        profiles[alike] = ShaftLobe(
+            law,
+            *radii,
+            phase_rad,
+            z_mm,
+            shape_of(law, base_mm, roller_mm, is_flat=is_flat),
+            len(profiles),
+            is_flat,
+        )
         lobes.append(profiles[alike])
     return lobes
 

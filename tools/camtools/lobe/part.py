@@ -45,6 +45,7 @@ MIN_RPM, MAX_RPM = 1.0, 60_000.0
 RadiusMm = Annotated[float, Field(ge=0.1, le=2000)]
 LiftMm = Annotated[float, Field(gt=0, le=MAX_LIFT_MM)]
 PointLiftMm = Annotated[float, Field(ge=0, le=MAX_LIFT_MM)]
+FlankDeg = Annotated[float, Field(ge=5, le=355)]
 PointDeg = Annotated[float, Field(ge=-360, le=720)]
 
 
@@ -69,30 +70,56 @@ Lifts = Annotated[
     LIST_OR_ONE,
 ]
 
+RISES = (
+    *("poly345", "cycloidal", "modified-sine", "modified-trapezoid", "harmonic"),
+    "polydyne",
+)
 _BELONGS_TO = {
-    "lift_mm": ("poly345", "list"),
-    "half_angle_deg": ("poly345",),
+    "lift_mm": (*RISES, "list"),
+    **dict.fromkeys(("rise_deg", "dwell_deg", "fall_deg", "half_angle_deg"), RISES),
+    **dict.fromkeys(("design_rpm", "natural_hz"), ("polydyne",)),
     "disc_radius_mm": ("disc",),
     "offset_mm": ("disc",),
     "angle_deg": ("list",),
     "csv": ("list",),
 }
-_NEEDED = {"poly345": ("lift_mm", "half_angle_deg"), "disc": ("disc_radius_mm", "offset_mm")}
+_NEEDED = dict.fromkeys(RISES, ("lift_mm", "half_angle_deg")) | {
+    "polydyne": ("lift_mm", "half_angle_deg", "design_rpm", "natural_hz"),
+    "disc": ("disc_radius_mm", "offset_mm"),
+}
 
 
 class Lobe(TomlTable):
     """[[cam.lobe]]: one lobe, where it sits on the shaft, and its law of lift.
 
-    The angle of a law is counted from its nose (poly345), from its largest radius (disc) or from
-    the zero of the list, in the sense in which the follower runs round the cam.
+    The angle of a law is counted from the middle of its nose, from its largest radius (disc) or
+    from the zero of the list, in the sense in which the follower runs round the cam.
     """
 
     z_mm: Annotated[list[HeightMm], Field(min_length=2, max_length=2)]
     phase_deg: Annotated[float, Field(ge=-360, le=360)] = 0.0
-    law: Literal["poly345", "disc", "list"]
+    law: Literal[
+        "cycloidal",
+        "modified-sine",
+        "modified-trapezoid",
+        "harmonic",
+        "polydyne",
+        "poly345",
+        "disc",
+        "list",
+    ]
     lift_mm: Annotated[Lifts | None, Field(validate_default=True)] = None
+    rise_deg: FlankDeg | None = None
+    dwell_deg: Annotated[float, Field(ge=0, le=355)] | None = None
+    fall_deg: FlankDeg | None = None
     half_angle_deg: Annotated[
         Annotated[float, Field(ge=5, le=180)] | None, Field(validate_default=True)
+    ] = None
+    design_rpm: Annotated[
+        Annotated[float, Field(gt=0, le=60_000)] | None, Field(validate_default=True)
+    ] = None
+    natural_hz: Annotated[
+        Annotated[float, Field(gt=0, le=100_000)] | None, Field(validate_default=True)
     ] = None
     disc_radius_mm: Annotated[RadiusMm | None, Field(validate_default=True)] = None
     offset_mm: Annotated[LiftMm | None, Field(validate_default=True)] = None
@@ -101,7 +128,7 @@ class Lobe(TomlTable):
 
     _check_z = field_validator("z_mm")(rising)
 
-    @field_validator("lift_mm", "half_angle_deg", "disc_radius_mm", "offset_mm", "angle_deg", "csv")
+    @field_validator(*_BELONGS_TO)
     @classmethod
     def _check_key(cls, value: object, info: ValidationInfo) -> object:
         law, key = info.data.get("law"), str(info.field_name)
@@ -111,6 +138,8 @@ class Lobe(TomlTable):
         if value is not None and law not in owners:
             problem = f'{key} has no meaning for law = "{law}"'
             raise wrong("foreign", problem, f'remove it, or set law = "{owners[0]}"')
+        if key == "half_angle_deg" and (info.data.get("rise_deg") or info.data.get("fall_deg")):
+            return value
         if value is None and key in _NEEDED.get(law, ()):
             raise wrong("needed", f'is missing for law = "{law}"', "add it")
         return value
@@ -119,8 +148,8 @@ class Lobe(TomlTable):
     @classmethod
     def _check_lift(cls, value: object, info: ValidationInfo) -> object:
         law = info.data.get("law")
-        if law == "poly345" and isinstance(value, list):
-            raise wrong("one", 'is a list, law = "poly345" has one lift', "give the largest lift")
+        if law in RISES and isinstance(value, list):
+            raise wrong("one", f'is a list, law = "{law}" has one lift', "give the largest lift")
         if law == "list" and isinstance(value, float):
             raise wrong("many", 'is one number, law = "list" needs one per angle', "give a list")
         return value
@@ -141,6 +170,30 @@ class Lobe(TomlTable):
         return value
 
     _beside_the_part = field_validator("csv")(beside_the_part)
+
+    @model_validator(mode="after")
+    def _check_flanks(self) -> Self:
+        flanks = {"rise_deg": self.rise_deg, "fall_deg": self.fall_deg}
+        given = [name for name, value in flanks.items() if value is not None]
+        if self.half_angle_deg is not None and (given or self.dwell_deg is not None):
+            problem = "stands beside rise_deg, dwell_deg or fall_deg"
+            context = {"field": "half_angle_deg", "value": self.half_angle_deg}
+            raise wrong("flanks", problem, "give either of them", **context)
+        if len(given) == 1:
+            [name] = flanks.keys() - given
+            raise wrong("fall", f"is missing beside {given[0]}", "add it", field=name, value=None)
+        if given and sum(self.angles_deg) > 360 + SAME_DEG:
+            problem = f"rise, dwell and fall take {sum(self.angles_deg):g} degrees"
+            context = {"field": "rise_deg", "value": self.rise_deg}
+            raise wrong("turn", problem, "give 360 degrees at most", **context)
+        return self
+
+    @property
+    def angles_deg(self) -> tuple[float, float, float]:
+        """Return the angles of rise, dwell at the nose, and fall."""
+        if self.half_angle_deg is not None:
+            return self.half_angle_deg, 0.0, self.half_angle_deg
+        return self.rise_deg or 0.0, self.dwell_deg or 0.0, self.fall_deg or 0.0
 
     @model_validator(mode="after")
     def _check_points(self) -> Self:
@@ -177,6 +230,7 @@ class Camshaft(TomlTable):
     base_radius_mm: RadiusMm
     roller_radius_mm: RadiusMm
     wheel_radius_mm: RadiusMm | None = None
+    follower: Literal["roller", "flat"] = "roller"
     lobe: Annotated[list[Lobe], Field(min_length=1)]
 
     @field_validator("lobe")
