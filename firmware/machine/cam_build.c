@@ -379,10 +379,11 @@ cam_err_t cam_build_config(cam_config_t *config, const cam_params_t *params,
     if (table != NULL) {
         config->table = *table;
         config->play.table = &config->table;
+        config->play.x_clear_q10 =
+            ((int64_t)table->x_max_nm + params->x_offset_nm + config->play.x_clearance_nm) * 1024;
         config->play.x_offset_q10 = ((int64_t)table->x.value_offset + params->x_offset_nm) * 1024;
         build_feed(&config->play, params, table, tick_hz);
-        // Made for the limit of the spindle, not for its speed: the plan keeps values in this
-        // scale, which must not change while it cuts.
+        // Made for the spindle's limit, not its speed: the scale must not change while it cuts.
         const int32_t limit_q32 =
             cam_build_speed_q32((uint32_t)params->spindle_limit_mrpm, tick_hz);
         config->play.height_max_q32 = ((int64_t)table->u.n_slices - 1) * CAM_TURN_Q32 - height_end;

@@ -208,6 +208,9 @@ static bool take_channel(const cam_entry_t *e, const uint8_t *image, cam_table_t
     *ch = cam_entry_channel(e, image);
     table->is_swung = table->is_swung || e->kind == (uint32_t)cam_kind_swing;
     table->is_ring_helix = table->is_ring_helix || e->path != 0u;
+    if (e->kind == (uint32_t)cam_kind_x) {
+        table->x_max_nm = e->value_offset + (e->p_max >> e->frac_bits) + 1;
+    }
     if (e->kind == (uint32_t)cam_kind_speed) {
         // The shift rounds down, which 1 makes up for; 1 more covers the rounding of the
         // evaluation.

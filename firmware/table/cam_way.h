@@ -13,21 +13,29 @@
 #include "cam_err.h"     // cam_err_t
 #include "cam_eval.h"    // cam_eval_profile
 #include "cam_fix.h"     // cam_wrap_add
-#include <stddef.h>      // NULL
 #include <stdint.h>      // int32_t
 
-/// @param z_nm  [nm] height of the plain helix
-/// @return      [nm] height of Z, the same without a way; error below 1 nm
+/// A place on the way.
+typedef struct {
+    int32_t z_nm;      ///< [nm] height of Z
+    int32_t slope_q16; ///< [1 / 2^16] feed over its mean
+} cam_way_t;
+
+/// @param table  with a way
+/// @param z_nm   [nm] height of the plain helix
+/// @return       Z there, error of the height below 1 nm; its feed below 2^14 times the mean
 /// Context: ISR or slow side, constant time.
-static inline int32_t cam_way_height_nm(const cam_table_t *table, int32_t z_nm)
+static inline cam_way_t cam_way_at(const cam_table_t *table, int32_t z_nm)
 {
     const cam_channel_t *way = &table->way;
-    if (way->knots == NULL) {
-        return z_nm;
-    }
+    const cam_value_t ahead = cam_eval_profile(way, z_nm);
     const int32_t half = (int32_t)((UINT32_C(1) << way->frac_bits) >> 1);
-    const int32_t ahead = (cam_eval_profile(way, z_nm).y + half) >> way->frac_bits;
-    return cam_wrap_add(z_nm, ahead + way->value_offset);
+    const int64_t slope_q16 =
+        ((int64_t)ahead.d1 * way->slices_per_nm_q48) >> (32u + way->frac_bits);
+    return (cam_way_t){
+        .z_nm = cam_wrap_add(z_nm, ((ahead.y + half) >> way->frac_bits) + way->value_offset),
+        .slope_q16 = cam_sat_i32(slope_q16 + 65536),
+    };
 }
 
 /// Check that a way begins and ends with 0 and rises everywhere, and measure it: way_slope_ppm and

@@ -101,6 +101,7 @@ typedef struct {
     bool is_z_measured;
     int64_t u_retract_q10;  ///< [nm / 1024]
     int32_t x_clearance_nm; ///< [nm]
+    int64_t x_clear_q10;    ///< [nm / 1024] X off the work at every height
     int64_t x_offset_q10;   ///< [nm / 1024] X where its knots are 0: offset of the channel and own
     cam_move_limits_t approach[hal_n_axes]; ///< gentle limits outside the cut; X, Z: per plan
     cam_move_limits_t leave[hal_n_axes];    ///< full limits per plan, of X and Z in state fault

@@ -8,7 +8,7 @@
 #include "cam_rest.h"     // cam_rest_isr
 #include "cam_shaft.h"    // cam_shaft_aim_isr
 #include "cam_swing.h"    // cam_swing_aim_isr
-#include "cam_way.h"      // cam_way_height_nm
+#include "cam_way.h"      // cam_way_at
 
 /// [nm / 1024] half a nanometre: the tick takes whole ones of X, which are thus rounded to nearest.
 #define HALF_NM_Q10 512
@@ -67,19 +67,15 @@ static int32_t fed_nm(const cam_plan_t *p, const cam_play_config_t *cfg, int64_t
     return (int32_t)((fed_q32 * cfg->feed_nm + (INT64_C(1) << 31)) >> 32);
 }
 
-/// @return [nm] height of a geared Z
-static int32_t height_at_nm(const cam_plan_t *p, const cam_play_config_t *cfg, int64_t pos_q32)
-{
-    return cam_way_height_nm(cfg->table, cfg->z_first_nm + fed_nm(p, cfg, pos_q32));
-}
-
-/// @return [nm] Z at the next plan; a measured Z is extrapolated by its travel since the last plan
+/// @return [nm] Z at the next plan, along a plain helix; a measured Z is extrapolated by its travel
+/// since the last plan
 static int32_t height_nm(cam_plan_t *p, const cam_play_config_t *cfg, int32_t actual_nm,
                          int64_t pos_q32)
 {
     const int32_t moved_nm = cam_wrap_sub(actual_nm, p->measured_nm);
     p->measured_nm = actual_nm;
-    return cfg->is_z_measured ? cam_wrap_add(actual_nm, moved_nm) : height_at_nm(p, cfg, pos_q32);
+    return cfg->is_z_measured ? cam_wrap_add(actual_nm, moved_nm)
+                              : cfg->z_first_nm + fed_nm(p, cfg, pos_q32);
 }
 
 /// @return [slices] of U at a height
@@ -112,11 +108,10 @@ static int32_t u_height_nm(const cam_plan_t *p, const cam_play_config_t *cfg, in
 {
     return cfg->is_z_measured
                ? cam_wrap_add(z_nm, (int32_t)(((int64_t)z_vel_q10 * cfg->lead_q16) >> 26))
-               : height_at_nm(p, cfg, pos_q32);
+               : cfg->z_first_nm + fed_nm(p, cfg, pos_q32);
 }
 
-/// Plan U's amplitude, its height on the table, and the distance of that height behind Z's
-/// set-point.
+/// Plan U's amplitude and the distance of its height on the table behind Z's set-point.
 static void aim_u(cam_motion_t *m, const cam_play_config_t *cfg, int32_t scale_q30, int32_t z_nm,
                   int32_t u_z_nm)
 {
@@ -126,9 +121,37 @@ static void aim_u(cam_motion_t *m, const cam_play_config_t *cfg, int32_t scale_q
     m->scale_q30 = scale_q30 - m->scale_step_q30 * cfg->plan_ticks;
     m->behind_step_q4 = cam_aim_share(cfg, cam_wrap_sub(behind_q4, m->behind_q4));
     m->behind_q4 = behind_q4 - m->behind_step_q4 * cfg->plan_ticks;
-    if (cfg->table->n_lobes == 0u) {
-        aim_height(m, cfg, slice_q32(cfg, u_z_nm));
-    }
+}
+
+/// Where Z is aimed at, where U is read on the table, and the lobe's share in both.
+typedef struct {
+    int32_t z_nm, u_z_nm;
+    cam_share_t share;
+} height_t;
+
+/// Plan Z and the height of U of a skirt. Where the feed changes with the height, Z runs ahead of
+/// the helix by the way; U is so near to Z that the feed at Z holds for it as well.
+static height_t aim_skirt(const cam_plan_t *p, const cam_play_config_t *cfg, cam_motion_t *m,
+                          int32_t helix_nm, int64_t u_q32)
+{
+    const bool has_way = cfg->table->way.knots != NULL && !cfg->is_z_measured;
+    const cam_way_t plain = {.z_nm = helix_nm};
+    const cam_way_t way = has_way ? cam_way_at(cfg->table, helix_nm) : plain;
+    cam_aim_isr(&m->axis[hal_axis_z], cfg, (int64_t)way.z_nm * 1024);
+    const int32_t u_nm = u_height_nm(p, cfg, u_q32, helix_nm, m->axis[hal_axis_z].vel_q10);
+    const int64_t behind_q16 = (int64_t)cam_wrap_sub(u_nm, helix_nm) * way.slope_q16;
+    const int32_t u_z_nm = has_way ? way.z_nm + (int32_t)(behind_q16 >> 16) : u_nm;
+    aim_height(m, cfg, slice_q32(cfg, u_z_nm));
+    return (height_t){way.z_nm, u_z_nm, {ONE_Q30, ONE_Q30}};
+}
+
+/// Plan Z and the pattern of U of a shaft of lobes.
+static height_t aim_shaft(cam_plan_t *p, const cam_play_config_t *cfg, cam_motion_t *m,
+                          int32_t helix_nm, int64_t u_q32)
+{
+    cam_aim_isr(&m->axis[hal_axis_z], cfg, (int64_t)helix_nm * 1024);
+    const int32_t u_z_nm = u_height_nm(p, cfg, u_q32, helix_nm, m->axis[hal_axis_z].vel_q10);
+    return (height_t){helix_nm, u_z_nm, cam_shaft_aim_isr(&p->shaft, cfg->table, u_z_nm, m)};
 }
 
 /// @return [turn / 2^32] the operator's phase at the next plan
@@ -233,12 +256,14 @@ static void lay_end(cam_plan_t *p, const cam_play_config_t *cfg, const cam_angle
 }
 
 /// Lay the cut onto whole turns of the master, and set all that changes in it to its first value.
+/// All axes rest until the next plan aims them, and the cut begins behind that.
 static void lay(cam_plan_t *p, const cam_play_config_t *cfg, const cam_tick_record_t *r,
                 cam_motion_t *m)
 {
     const int32_t actual_nm = r->in.actual_nm[hal_axis_z];
     const int32_t z_nm = cfg->is_z_measured ? actual_nm : cfg->z_first_nm;
-    p->engage_at_q32 = next_turn_q32(cfg, &r->angle);
+    p->engage_at_q32 = cam_angle_next_turn(
+        cam_angle_ahead(&r->angle, cfg->commanded_q16 + cfg->plan_ticks * 65536));
     p->feed_at_q32 = p->engage_at_q32 + cfg->engage_q32;
     p->feed_turns_q32 = cfg->feed_q32;
     p->disengage_at_q32 = cfg->is_z_measured ? NEVER_Q32 : p->feed_at_q32 + cfg->feed_q32;
@@ -246,8 +271,12 @@ static void lay(cam_plan_t *p, const cam_play_config_t *cfg, const cam_tick_reco
     p->measured_nm = actual_nm;
     p->ratio_q28 = CAM_RATIO_ONE_Q28;
     m->phase_q32 = cfg->phase_q32;
+    m->phase_step_q32 = 0;
     m->scale_q30 = 0;
+    m->scale_step_q30 = 0;
     m->behind_q4 = 0;
+    m->behind_step_q4 = 0;
+    m->height_step_q32 = 0;
     m->height_q32 = slice_q32(cfg, z_nm);
     m->is_stopping = false;
     m->is_playing = true;
@@ -260,21 +289,21 @@ static void aim_axes(cam_plan_t *p, const cam_play_config_t *cfg, const cam_tick
 {
     const cam_angle_t *angle = &r->angle;
     const int64_t xz_q32 = ahead_q32(angle, cfg->xz_plan_q16, m->alpha_q40, cfg->xz_lag2);
-    const int32_t z_nm = height_nm(p, cfg, r->in.actual_nm[hal_axis_z], xz_q32);
+    const int32_t helix_nm = height_nm(p, cfg, r->in.actual_nm[hal_axis_z], xz_q32);
     const int64_t lag_q32 = ((int64_t)angle->speed_q32 * cfg->xz_lag_q16) >> 16;
     const int64_t u_q32 = cam_angle_ahead(angle, cfg->u_plan_q16);
     const int32_t u_envelope = envelope_q30(p, cfg, u_q32, 0);
     ramp(p, cfg, m);
-    cam_aim_isr(&m->axis[hal_axis_z], cfg, (int64_t)z_nm * 1024);
-    const int32_t u_z_nm = u_height_nm(p, cfg, u_q32, z_nm, m->axis[hal_axis_z].vel_q10);
-    const cam_share_t share = cam_shaft_aim_isr(&p->shaft, cfg->table, u_z_nm, m);
+    const height_t at = cfg->table->n_lobes == 0u ? aim_skirt(p, cfg, m, helix_nm, u_q32)
+                                                  : aim_shaft(p, cfg, m, helix_nm, u_q32);
+    const int32_t z_nm = at.z_nm;
     const int32_t scale_q30 =
-        cam_mul_shift(cam_mul_shift(u_envelope, share.lift_q30, 30), p->amplitude_q30, 30);
+        cam_mul_shift(cam_mul_shift(u_envelope, at.share.lift_q30, 30), p->amplitude_q30, 30);
     cam_aim_isr(&m->axis[hal_axis_x], cfg,
                 cam_aim_profile_q10(cfg, z_nm, envelope_q30(p, cfg, xz_q32 - lag_q32, lag_q32)) +
                     HALF_NM_Q10);
-    aim_speed(p, cfg, angle, z_nm, cam_mul_shift(u_envelope, share.ratio_q30, 30), m);
-    aim_u(m, cfg, scale_q30, z_nm, u_z_nm);
+    aim_speed(p, cfg, angle, z_nm, cam_mul_shift(u_envelope, at.share.ratio_q30, 30), m);
+    aim_u(m, cfg, scale_q30, z_nm, at.u_z_nm);
     if (cfg->swing.is_swung) {
         aim_swing(p, cfg, angle, z_nm, scale_q30, m);
     }
@@ -311,6 +340,5 @@ void cam_plan_isr(cam_plan_t *p, const cam_play_config_t *cfg, const cam_tick_re
         plan_cut(p, cfg, r, m);
     } else if (cam_rest_isr(cfg, r, m)) {
         lay(p, cfg, r, m);
-        aim_axes(p, cfg, r, m);
     }
 }

@@ -52,12 +52,18 @@ static bool stay_out(const cam_play_config_t *cfg, cam_motion_t *m)
 }
 
 /// Move Z to the start of the cut while X stands, then X: the tool nears the work only where it
-/// will cut.
+/// will cut. An X that is not off the work at every height, as after a cut that ended at a smaller
+/// radius, moves out before.
 /// @return true when both are there
 static bool approach_xz(const cam_play_config_t *cfg, cam_motion_t *m)
 {
     cam_move_t *x = &m->axis[hal_axis_x];
     const int64_t z_q10 = (int64_t)cfg->z_first_nm * 1024;
+    if (x->pos_q10 < cfg->x_clear_q10 && !is_at(&m->axis[hal_axis_z], z_q10)) {
+        (void)move_to(x, cfg, &cfg->approach[hal_axis_x], cfg->x_clear_q10);
+        (void)brake(&m->axis[hal_axis_z], cfg, &cfg->approach[hal_axis_z]);
+        return false;
+    }
     if (is_at(&m->axis[hal_axis_z], z_q10)) {
         return move_to(x, cfg, &cfg->approach[hal_axis_x],
                        cam_aim_profile_q10(cfg, cfg->z_first_nm, 0));

@@ -232,6 +232,20 @@ def test_all_passes_are_cut_and_gauged_in_one_run(tmp_path: Path, machine: Path)
     assert (stopped["end"], len(stopped["passes"])) == ("stopped", 1)
 
 
+def test_next_pass_of_a_cone_begins_without_touching_it(tmp_path: Path, machine: Path) -> None:
+    """The second pass returns from the thin end to the thick one: X leaves the cone before Z."""
+    words = "[[process.pass]]\nallowance_um = 30\n[[process.pass]]\nallowance_um = 0"
+    toml = tmp_path / "cone.toml"
+    text = PART.format(name="cone", process=f'u_zero = "mean"\n{words}', stroke=0.8)
+    cone = "diameter_mm = [66, 64, 62, 60]"
+    toml.write_text(text.replace("diameter_mm = [60.0, 60.05, 60.04, 59.98]", cone))
+    assert mktables([str(toml), "-o", str(tmp_path)]) == 0
+    summary = cut(tmp_path / "cone.camtab", "--machine", machine)
+    assert summary["end"] == "done"
+    assert summary["cut"]["gouge_um"] < 2 * GOUGE_UM
+    assert len(summary["passes"]) == 2
+
+
 def test_overruled_feed_and_speed_hold_for_all_passes(tmp_path: Path, machine: Path) -> None:
     """--rpm and --feed are those of every pass."""
     words = "[[process.pass]]\nallowance_um = 30\nfeed_mm = 1\n[[process.pass]]\nallowance_um = 0"
@@ -244,6 +258,7 @@ def test_overruled_feed_and_speed_hold_for_all_passes(tmp_path: Path, machine: P
     assert "pass 1: --rpm 3500: infeasible" in done.stderr
 
 
+@pytest.mark.slow
 def test_feed_follows_its_law_over_the_height(tmp_path: Path, machine: Path) -> None:
     """Z per turn in the trace is the feed at that height, within what the law changes in a turn."""
     law = "[process.feed_law]\nheight_mm = [0, 10, 30]\nfeed_mm = [0.2, 0.6, 0.3]"
