@@ -2,7 +2,7 @@
 #include "sim_surface.h"
 #include "sim_json.h"  // sim_json_breaks
 #include "sim_units.h" // sim_clamp, sim_fraction
-#include <stdlib.h>    // free
+#include <stdlib.h>    // calloc, free
 #include <string.h>    // strcmp
 
 enum { n_in_piece = sim_surface_n_angle * sim_surface_n_height };
@@ -110,6 +110,87 @@ static bool read_coefficients(sim_surface_t *s, const cJSON *surface, const plac
                         at->path, at->where, s->m * s->n * n_in_piece);
 }
 
+/// The quintic between two knots of value and two derivatives by the turn. @param h  [turn] width
+static void quintic_of(const double *low, const double *high, double h, double c[])
+{
+    const double v0 = h * low[1];
+    const double v1 = h * high[1];
+    const double a0 = 0.5 * h * h * low[2];
+    const double a1 = 0.5 * h * h * high[2];
+    const double rise = high[0] - low[0];
+    c[0] = low[0];
+    c[1] = v0;
+    c[2] = a0;
+    c[3] = 10.0 * rise - 6.0 * v0 - 4.0 * v1 - 3.0 * a0 + a1;
+    c[4] = -15.0 * rise + 8.0 * v0 + 7.0 * v1 + 3.0 * a0 - 2.0 * a1;
+    c[5] = 6.0 * rise - 3.0 * v0 - 3.0 * v1 - a0 + a1;
+}
+
+/// Fill the piece above height j and break i from the knots of its four corners; between heights
+/// a cubic, or a straight line without slopes.
+static void piece_of(sim_surface_t *s, const double *knots, const double *slopes, size_t j,
+                     size_t i)
+{
+    enum { n_angle = sim_surface_n_angle };
+    const size_t next = (i + 1u) % s->n;
+    const double h = s->breaks[i + 1u] - s->breaks[i];
+    const double dz_mm = s->break_mm[j + 1u] - s->break_mm[j];
+    double at[2][n_angle];
+    double rising[2][n_angle] = {{0.0}, {0.0}};
+    for (size_t k = 0; k < 2u; k++) {
+        const size_t row = (j + k) * s->n;
+        quintic_of(knots + 3u * (row + i), knots + 3u * (row + next), h, at[k]);
+        if (slopes != NULL) {
+            quintic_of(slopes + 3u * (row + i), slopes + 3u * (row + next), h, rising[k]);
+        }
+    }
+    for (int k = 0; k < n_angle; k++) {
+        double *c = s->c[j * s->n + i][k];
+        const double rise = at[1][k] - at[0][k];
+        const double s0 = slopes != NULL ? dz_mm * rising[0][k] : rise;
+        const double s1 = slopes != NULL ? dz_mm * rising[1][k] : rise;
+        c[0] = at[0][k];
+        c[1] = s0;
+        c[2] = 3.0 * rise - 2.0 * s0 - s1;
+        c[3] = s0 + s1 - 2.0 * rise;
+    }
+}
+
+/// Read a list of three numbers for each height and break. @param is_needed  it must be there
+static bool read_knots(double **values, const sim_surface_t *s, const cJSON *surface,
+                       const char *name, bool is_needed, const place_t *at)
+{
+    const cJSON *list = cJSON_GetObjectItemCaseSensitive(surface, name);
+    const size_t wanted = 3u * (s->m + 1u) * s->n;
+    size_t n = 0;
+    if (list == NULL && !is_needed) {
+        return true;
+    }
+    return (sim_json_numbers(list, values, &n) && n == wanted) ||
+           common_error(at->e, "%s: %s.%s: wants %zu finite numbers; " SIM_JSON_REMEDY, at->path,
+                        at->where, name, wanted);
+}
+
+/// Read sections told by knots, and make the pieces of them.
+static bool read_sections(sim_surface_t *s, const cJSON *surface, const place_t *at)
+{
+    double *knots = NULL;
+    double *slopes = NULL;
+    bool is_good = read_knots(&knots, s, surface, "knots", true, at) &&
+                   read_knots(&slopes, s, surface, "slopes", false, at);
+    s->c = is_good ? calloc(s->m * s->n, sizeof *s->c) : NULL;
+    if (is_good && s->c == NULL) {
+        is_good = common_error(at->e, "%s: %s: not enough memory; measure fewer points", at->path,
+                               at->where);
+    }
+    for (size_t i = 0; is_good && i < s->m * s->n; i++) {
+        piece_of(s, knots, slopes, i / s->n, i % s->n);
+    }
+    free(knots);
+    free(slopes);
+    return is_good;
+}
+
 bool sim_surface_read(sim_surface_t *s, const cJSON *surface, const char *where, const char *path,
                       common_error_t *e)
 {
@@ -118,7 +199,8 @@ bool sim_surface_read(sim_surface_t *s, const cJSON *surface, const char *where,
         return common_error(e, "%s: %s: is missing; " SIM_JSON_REMEDY, path, where);
     }
     return read_angle(s, surface, &at) && check_joint(s, &at) && read_breaks(s, surface, &at) &&
-           read_coefficients(s, surface, &at);
+           (cJSON_HasObjectItem(surface, "knots") ? read_sections(s, surface, &at)
+                                                  : read_coefficients(s, surface, &at));
 }
 
 void sim_surface_free(sim_surface_t *s)

@@ -5,9 +5,11 @@
 ///
 /// on piece i of the angle coordinate s and piece j of the height, MATHS.md (19). Of a measured
 /// part s is the turn, 0 .. 1. Of a two-fold section with a joint s counts from the long axis, 1 at
-/// the joint, 2 at the short axis, whatever the angle of the joint at this height. The generator
-/// writes the pieces into its report; refitted and measured skirts are defined by them. Error:
-/// rounding only, below 1e-6 nm.
+/// the joint, 2 at the short axis, whatever the angle of the joint at this height. Measured
+/// sections are told by "knots", value and two derivatives by the turn at every height and break,
+/// and by "slopes", the same of the slope over the height; without slopes heights are joined by
+/// straight lines. The generator writes the pieces into its report; refitted and measured skirts
+/// are defined by them. Error: rounding only, below 1e-6 nm.
 #ifndef SIM_SURFACE_H
 #define SIM_SURFACE_H
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_surface.h"
-#include "sim_units.h" // sim_abs
+#include "sim_units.h" // SIM_TWO_PI, sim_abs
 #include "unity.h"
-#include <math.h>   // fmod, pow
+#include <math.h>   // cos, fmod, pow, sin
 #include <stdio.h>  // snprintf
 #include <stdlib.h> // malloc
 #include <string.h> // strstr
@@ -109,6 +109,56 @@ static void test_joint_moves_with_the_height_and_quadrants_are_mirrored(void)
     }
 }
 
+enum { n_breaks = 96 };
+
+/// Sections of f = (1 + 0.1 z + 0.02 z^2) cos(2 phi) at three heights, told by knots.
+static const char *make_sections(const char *slopes)
+{
+    static const double z_mm[] = {0.0, 5.0, 20.0};
+    int at = snprintf(text, sizeof text,
+                      "{\"angle\": \"turn\", \"breaks_mm\": [0, 5, 20], \"breaks\": [");
+    for (int i = 0; i <= n_breaks; i++) {
+        at += snprintf(text + at, sizeof text - (size_t)at, "%s%.17g", i > 0 ? "," : "",
+                       (double)i / n_breaks);
+    }
+    for (int part = 0; part < (slopes != NULL ? 2 : 1); part++) {
+        at += snprintf(text + at, sizeof text - (size_t)at, "], \"%s\": [",
+                       part == 0 ? "knots" : slopes);
+        for (int q = 0; q < 3 * n_breaks; q++) {
+            const double z = z_mm[q / n_breaks];
+            const double a = part == 0 ? 1.0 + 0.1 * z + 0.02 * z * z : 0.1 + 0.04 * z;
+            const double w = 2.0 * SIM_TWO_PI;
+            const double phi = w * (q % n_breaks) / n_breaks;
+            at +=
+                snprintf(text + at, sizeof text - (size_t)at, "%s%.17g,%.17g,%.17g",
+                         q > 0 ? "," : "", a * cos(phi), -a * w * sin(phi), -a * w * w * cos(phi));
+        }
+    }
+    (void)snprintf(text + at, sizeof text - (size_t)at, "]}");
+    return text;
+}
+
+/// The quintic errs by (4 pi / 96)^6 / 46080 = 1e-10 of the amplitude, the cubic is exact.
+static void test_sections_are_told_by_knots(void)
+{
+    TEST_ASSERT_TRUE_MESSAGE(read(make_sections("slopes")), error.text);
+    for (int q = 0; q < 400; q++) {
+        const double turn = fmod(q * 0.617, 1.0);
+        const double z = 20.0 * q / 399.0;
+        const double a = 1.0 + 0.1 * z + 0.02 * z * z;
+        TEST_ASSERT_DOUBLE_WITHIN(1e-8, a * cos(2.0 * SIM_TWO_PI * turn),
+                                  sim_surface_delta_mm(&surface, turn, z));
+    }
+}
+
+static void test_sections_without_slopes_are_joined_by_straight_lines(void)
+{
+    TEST_ASSERT_TRUE_MESSAGE(read(make_sections(NULL)), error.text);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 1.0 + 0.5 * 1.0, sim_surface_delta_mm(&surface, 0.0, 2.5));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, -(2.0 + 9.0 / 3.0),
+                              sim_surface_delta_mm(&surface, 0.25, 10.0));
+}
+
 static void refused(const char *json, const char *field)
 {
     TEST_ASSERT_FALSE(read(json));
@@ -138,6 +188,15 @@ static void test_malformed_surfaces_are_refused_by_field(void)
             "coefficients: wants 48");
 }
 
+static void test_sections_without_a_number_are_refused(void)
+{
+    refused("{\"angle\": \"turn\", \"breaks\": [0, 1], \"breaks_mm\": [0, 1], \"knots\": [1, 2]}",
+            "design.surface.knots: wants 6");
+    refused("{\"angle\": \"turn\", \"breaks\": [0, 1], \"breaks_mm\": [0, 1], "
+            "\"knots\": [1, 0, 0, 1, 0, 0], \"slopes\": [0]}",
+            "design.surface.slopes: wants 6");
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -145,5 +204,8 @@ int main(void)
     RUN_TEST(test_heights_outside_are_clamped);
     RUN_TEST(test_joint_moves_with_the_height_and_quadrants_are_mirrored);
     RUN_TEST(test_malformed_surfaces_are_refused_by_field);
+    RUN_TEST(test_sections_are_told_by_knots);
+    RUN_TEST(test_sections_without_slopes_are_joined_by_straight_lines);
+    RUN_TEST(test_sections_without_a_number_are_refused);
     return UNITY_END();
 }

@@ -87,10 +87,22 @@ class Probe(NamedTuple):
     shares: tuple[float, float]  # errors of the first and second derivative over their peaks
 
 
-def probe(geometry: Geometry, estimate: HeightError, log2_knots: int, n_slices: int) -> Probe:
+def probe(
+    geometry: Geometry,
+    estimate: HeightError,
+    log2_knots: int,
+    n_slices: int,
+    *,
+    has_kinks: bool = False,
+) -> Probe:
     """Return the error of an unquantised table of this size at its worst heights.
 
     Only the slices around these heights are made, so the cost does not grow with their number.
+
+    Parameters
+    ----------
+    has_kinks : bool
+        The second derivative has kinks, between which the estimate may have missed its peak.
     """
     probes_nm = estimate.probes_nm(n_slices)
     spacing, first_nm = estimate.span_nm / (n_slices - 1), height_range_nm(geometry)[0]
@@ -107,9 +119,9 @@ def probe(geometry: Geometry, estimate: HeightError, log2_knots: int, n_slices: 
     exact = geometry.delta(phi_rad, (first_nm + probes_nm[:, None]) / NM_PER_MM)
     got = np.einsum("zkc,dct->dzkt", blended, power_rows(PLACES)).reshape(3, *exact.delta.shape)
     errors = [float(np.abs(got[n] / h**n - exact[n]).max()) for n in range(3)]
-    peaks = [
-        max(peak, float(np.abs(exact[n]).max())) for n, peak in enumerate(estimate.peaks_mm, 1)
-    ]
+    peaks = list(estimate.peaks_mm)
+    if has_kinks:
+        peaks = [max(peak, float(np.abs(exact[n]).max())) for n, peak in enumerate(peaks, 1)]
     first, second = (
         error / peak if peak else 0.0 for error, peak in zip(errors[1:], peaks, strict=True)
     )

@@ -27,10 +27,11 @@ from camtools.skirt.corner import refuse_deviation
 from camtools.skirt.feed_law import largest_share, way_channel
 from camtools.skirt.geometry import Geometry, make_geometry, path_of
 from camtools.skirt.heel import Heel, check_heel
+from camtools.skirt.long_scan import refuse_scan
 from camtools.skirt.nose import tip_geometry
 from camtools.skirt.part import SkirtPart
 from camtools.skirt.run_in import with_run
-from camtools.skirt.search import choose_u, choose_x
+from camtools.skirt.search import UnreachableError, choose_u, choose_x
 from camtools.skirt.speed import SpeedTable, make_speed
 from camtools.skirt.zero import middle_nm, moved
 from camtools.table.header import check_tolerance, table_of, u_bounds
@@ -100,6 +101,22 @@ def default_tolerance_nm(geometry: Geometry) -> float:
     return DEFAULT_TOLERANCE_NM if geometry.corner is None else REFIT_TOLERANCE_NM
 
 
+def _u_of(
+    part: SkirtPart, geometry: Geometry, tip: Geometry, tolerance_nm: float
+) -> tuple[Channel, Accuracy]:
+    """Return the u channel for the way of the tip; of a long scan with a remedy when none fits."""
+
+    def followed(one: Geometry) -> Geometry:
+        air = with_run(one, part.process.run_in_mm, part.process.run_out_mm)
+        return tip_geometry(air, part.tool)
+
+    try:
+        return choose_u(tip, tolerance_nm)
+    except UnreachableError as error:
+        refuse_scan(part, geometry, followed, tolerance_nm, error)
+        raise
+
+
 def generate(part: SkirtPart, tolerance_nm: float | None = None) -> GeneratedSkirt:
     """Return the smallest table of a part that keeps the tolerance.
 
@@ -134,7 +151,7 @@ def generate(part: SkirtPart, tolerance_nm: float | None = None) -> GeneratedSki
     heel = check_heel(geometry, part.tool, process.direction)
     tip = tip_geometry(air, part.tool)
     tolerance_u_nm = tolerance_nm or default_tolerance_nm(geometry)
-    u, accuracy_u = choose_u(tip, tolerance_u_nm)
+    u, accuracy_u = _u_of(part, geometry, tip, tolerance_u_nm)
     most_nm = 0.0 if tolerance_nm else process.form_error_um * NM_PER_UM * CORNER_SHARE
     x, accuracy_x = choose_x(tip, tolerance_nm or DEFAULT_TOLERANCE_NM, most_nm)
     middle = middle_nm(tip, process.u_zero)

@@ -21,6 +21,7 @@ from camtools.base.quantities import Floats, FloatsLike, SectionValues, omega_ra
 from camtools.cut.path import ToolPath, ramp_of, step_of
 from camtools.skirt.corner import Corner, make_corner
 from camtools.skirt.part import Piston, SkirtPart
+from camtools.skirt.part_section import SectionShape
 from camtools.skirt.points import ovality_of_points, point_surface, read_sections
 from camtools.skirt.profile import (
     check_ovality,
@@ -28,17 +29,20 @@ from camtools.skirt.profile import (
     magnified,
     ovality_spline,
     profile_spline,
+    rounded_up,
 )
 from camtools.skirt.scan import (
-    filtered,
-    filtered_sections,
+    Scan,
     joined,
+    joined_by,
     off_points_mm,
     ovality_of,
     reductions,
     scan_surface,
+    waves_of,
 )
 from camtools.skirt.scan_text import Sections, read_scan_text
+from camtools.skirt.section_surface import overshoot_between
 from camtools.skirt.sections import Section, make_section
 from camtools.skirt.sides import TurnedSurface, heights_of
 from camtools.skirt.sides_of import is_plain, sides_of, turn_of
@@ -102,6 +106,8 @@ class Geometry:
     joined_um : float
         Of shape "table": how far sections at common angles are from splines through the points of
         each height, where the heights were measured at angles of their own.
+    measured : tuple of Sections and Scan, or None
+        Of shape "table": the points, and the same at common angles.
     """
 
     radius: PPoly
@@ -114,6 +120,7 @@ class Geometry:
     gauge_mm: tuple[float, float] | None = None
     drawn: SkirtSurface | None = None
     joined_um: float = 0.0
+    measured: tuple[Sections, Scan] | None = None
 
     @property
     def skirt_mm(self) -> tuple[float, float]:
@@ -243,20 +250,57 @@ def _measured(part: SkirtPart, radius: PPoly, factor: float) -> Geometry:
     ends = float(heights[0]), float(heights[-1])
     sections = reductions(_read(part, *ends), lambda z: np.asarray(radius(z), dtype=np.float64))
     scan, joined_mm = joined(sections)
-    surface = drawn = scan_surface(scan, factor)
-    if section.harmonics is not None:
-        if joined_mm > 0:  # the points are filtered, not the samples between them
-            kept = filtered_sections(sections, section.harmonics)
-        else:
-            kept = filtered(scan, section.harmonics)
-        surface = scan_surface(kept, factor)
-    off_um = _UM_PER_MM * off_points_mm(surface, sections, factor)
-    oval = magnified(ovality_of(scan), factor, 0.0)
-    unfiltered = None if drawn is surface else drawn
-    joined_um = _UM_PER_MM * factor * joined_mm
-    return Geometry(
-        radius, oval, surface, *ends, None, off_um, drawn=unfiltered, joined_um=joined_um
+    _check_scan(scan, section)
+    drawn = scan_surface(scan, factor, section.interpolation)
+    off_um = _UM_PER_MM * off_points_mm(drawn, sections, factor)
+    geometry = Geometry(
+        radius,
+        magnified(ovality_of(scan), factor, 0.0),
+        drawn,
+        *ends,
+        off_points_um=off_um,
+        joined_um=_UM_PER_MM * factor * joined_mm,
+        measured=(sections, scan),
     )
+    if section.harmonics is None:
+        return geometry
+    return keeping(geometry, section.harmonics, factor, section.interpolation)
+
+
+def keeping(
+    geometry: Geometry, harmonics: int, factor: float, interpolation: str | None
+) -> Geometry:
+    """Return a measured part's geometry with so many waves per turn kept, all points its drawing.
+
+    Raises
+    ------
+    GeometryError
+        More waves than the points resolve.
+    """
+    assert geometry.measured is not None
+    sections, scan = geometry.measured
+    surface = scan_surface(waves_of(sections, scan, harmonics), factor, interpolation)
+    off_um = _UM_PER_MM * off_points_mm(surface, sections, factor)
+    drawn = geometry.drawn or geometry.surface
+    return replace(geometry, surface=surface, drawn=drawn, off_points_um=off_um)
+
+
+def _check_scan(scan: Scan, section: SectionShape) -> None:
+    """Refuse sections whose curves over the height leave the points of two heights too far."""
+    values_um = scan.reduction_mm * _UM_PER_MM
+    kind = joined_by(scan, section.interpolation)
+    worst, i = overshoot_between(scan.z_mm, values_um, kind)
+    if worst.beyond > section.overshoot_um:
+        problem = (
+            f"between the heights {worst.low_mm:g} and {worst.high_mm:g} mm the section at "
+            f"{scan.angle_deg[i]:g} degrees goes {worst.beyond:.4g} um beyond both, at height "
+            f"{worst.z_mm:.6g} mm"
+        )
+        remedy = (
+            'set interpolation = "pchip", measure more heights, or allow it: overshoot_um = '
+            f"{rounded_up(worst.beyond)}"
+        )
+        raise GeometryError("piston.section.interpolation", problem, remedy)
 
 
 def _pointed(part: SkirtPart, radius: PPoly, factor: float) -> Geometry:

@@ -18,6 +18,7 @@ from pydantic import (
 )
 
 from camtools.part.model import LIST_OR_ONE, HeightMm, TomlTable, beside_the_part, rising, wrong
+from camtools.skirt.curves import Interpolation
 from camtools.skirt.part_sides import Betas, Exponents, Phases
 
 MAX_DELETE = 6
@@ -53,6 +54,7 @@ _BELONGS_TO = {
     "csv": ("table", "points"),
     "files": ("points",),
     "harmonics": ("table",),
+    "interpolation": ("table",),
 }
 _NEEDED = ("trim_mm", "joint_deg", "exponent")
 GIVEN_BY_POINTS = ("table", "points")  # shapes without an ovality of their own
@@ -102,6 +104,8 @@ class SectionShape(TomlTable):
     ] = None
     harmonics: Annotated[int, Field(ge=1, le=500)] | None = None
     files: Annotated[list[PointsAt], Field(min_length=2, max_length=1000)] | None = None
+    interpolation: Interpolation | None = None
+    overshoot_um: Annotated[float, Field(ge=0, le=1e6)] = 1.0
 
     @field_validator(*_BELONGS_TO)
     @classmethod

@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.interpolate import PPoly
@@ -43,6 +43,13 @@ Pieces = Callable[[float], Floats]
 """Coefficients of all angle pieces at a height [mm], shape (n, 6)."""
 
 
+class Knots(NamedTuple):
+    """Sections told by value and two derivatives by the turn at breaks [mm, mm/turn, mm/turn^2]."""
+
+    values: Floats  # (m + 1, n, 3), at the heights; the last break is the first again
+    slopes: Floats | None  # the same of the slope over the height; None: straight between heights
+
+
 @dataclass(frozen=True, eq=False)
 class PolySurface:
     """A surface of polynomial pieces.
@@ -59,6 +66,8 @@ class PolySurface:
         Joint [turn] over height.
     log2_alike : int
         Without a joint: the pieces repeat 2^log2_alike times per turn.
+    knots : Knots or None
+        What the coefficients follow from, where they do: a shorter document.
     """
 
     breaks: Floats
@@ -66,6 +75,7 @@ class PolySurface:
     coefficients: Floats
     joint_turn: PPoly | None = None
     log2_alike: int = 0
+    knots: Knots | None = None
 
     @property
     def log2_repeat(self) -> int:
@@ -129,11 +139,20 @@ class PolySurface:
         if joint is not None:
             cubics = {"breaks_mm": joint.x.tolist(), "coefficients": joint.c.T.tolist()}
             kind = {"angle": "joint", "joint_turn": cubics}
-        return kind | {
-            "breaks": self.breaks.tolist(),
-            "breaks_mm": self.breaks_mm.tolist(),
-            "coefficients": self.coefficients.ravel().tolist(),
-        }
+        kind |= {"breaks": self.breaks.tolist(), "breaks_mm": self.breaks_mm.tolist()}
+        if self.knots is None:
+            return kind | {"coefficients": self.coefficients.ravel().tolist()}
+        kind["knots"] = _rounded(self.knots.values, self.breaks)
+        if self.knots.slopes is not None:
+            kind["slopes"] = _rounded(self.knots.slopes, self.breaks)
+        return kind
+
+
+def _rounded(knots: Floats, breaks: Floats) -> list[float]:
+    """Return knots as numbers that err by less than 1e-6 nm on any piece."""
+    decimals = 13 + np.floor(np.log10(float(np.diff(breaks).max()))).astype(int) * np.arange(3)
+    columns = [np.round(knots[..., k], int(decimals[k])) for k in range(3)]
+    return [float(one) for one in np.stack(columns, axis=-1).ravel()]
 
 
 def _horner(c: Floats, t: Floats, slope: Floats) -> Floats:

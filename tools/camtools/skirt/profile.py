@@ -103,14 +103,14 @@ def check_overshoot(field: str, curve: PPoly, allowed: Allowance, points_mm: Flo
     )
     remedy = 'set interpolation = "pchip", or give more points there'
     if allowed.key is not None:
-        remedy += f", or allow it: {allowed.key} = {_above(beyond)}"
+        remedy += f", or allow it: {allowed.key} = {rounded_up(beyond)}"
     raise GeometryError(field, problem, remedy)
 
 
-def _above(value: float) -> str:
+def rounded_up(value: float) -> str:
     """Return a value rounded up to two digits, for a remedy.
 
-    >>> _above(421.4), _above(1.2345)
+    >>> rounded_up(421.4), rounded_up(1.2345)
     ('430', '1.3')
     """
     step = 10.0 ** (np.floor(np.log10(value)) - 1)
@@ -154,7 +154,9 @@ def _check_derived(allowed: Allowance, pieces: tuple[Piece, ...], curve: PPoly, 
                 f"{beyond:.4g} um beyond both its ends, at height {worst.z_mm:.6g} mm"
             )
             remedy = "give its radius_mm if it is meant, or allow it: overshoot_um = "
-            raise GeometryError(f"{table}.segment.{i}.tangent", problem, remedy + _above(beyond))
+            raise GeometryError(
+                f"{table}.segment.{i}.tangent", problem, remedy + rounded_up(beyond)
+            )
 
 
 def magnified(spline: PPoly, factor: float, fixed_mm: float) -> PPoly:

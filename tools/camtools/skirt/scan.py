@@ -16,7 +16,7 @@ from scipy.interpolate import PPoly, make_interp_spline
 
 from camtools.base.errors import GeometryError
 from camtools.base.quantities import Floats
-from camtools.skirt.poly_surface import N_ANGLE, N_HEIGHT, PolySurface, angle_pieces
+from camtools.skirt.poly_surface import PolySurface
 from camtools.skirt.profile import constant_spline, polygon_or_spline
 from camtools.skirt.scan_text import (
     MAX_REDUCTION_MM,
@@ -25,6 +25,7 @@ from camtools.skirt.scan_text import (
     parse_sections,
     read_scan_text,
 )
+from camtools.skirt.section_surface import surface_through
 
 _MIN_SPLINE_HEIGHTS = 4
 _FILTERED_PER_HARMONIC = 8
@@ -174,53 +175,42 @@ def filtered(scan: Scan, harmonics: int) -> Scan:
     return Scan(grid, scan.z_mm, (_basis(np.radians(grid), harmonics) @ waves).T)
 
 
+def waves_of(sections: Sections, scan: Scan, harmonics: int) -> Scan:
+    """Return measured sections with so many waves kept: the points are filtered, not samples.
+
+    Parameters
+    ----------
+    scan : Scan
+        The same sections at common angles.
+
+    Raises
+    ------
+    GeometryError
+        See `filtered`.
+    """
+    if all(np.array_equal(one, scan.angle_deg) for one in sections.angles_deg):
+        return filtered(scan, harmonics)
+    return filtered_sections(sections, harmonics)
+
+
 def _basis(phi: Floats, harmonics: int) -> Floats:
     n = np.arange(1, harmonics + 1)
     angles = phi[:, None] * n
     return np.hstack([np.ones((phi.size, 1)), np.cos(angles), np.sin(angles)])
 
 
-def scan_surface(scan: Scan, factor: float = 1.0) -> PolySurface:
+def joined_by(scan: Scan, interpolation: str | None) -> str:
+    """Return how heights are joined: up to three linearly, more by a spline, unless told."""
+    return interpolation or ("spline" if scan.z_mm.size >= _MIN_SPLINE_HEIGHTS else "linear")
+
+
+def scan_surface(scan: Scan, factor: float = 1.0, interpolation: str | None = None) -> PolySurface:
     """Return the surface through all points: periodic quintic over angle, smooth over height.
 
-    One height serves all; up to three are joined linearly, more by a cubic spline.
+    One height serves all.
     """
-    turn = np.append(scan.angle_deg, scan.angle_deg[0] + 360) / 360
-    values = factor * np.vstack([scan.reduction_mm.T, scan.reduction_mm[:, :1].T])
-    spline = make_interp_spline(turn, values, k=5, bc_type="periodic")
-    breaks = np.unique(np.concatenate([[0.0, 1.0], np.mod(scan.angle_deg / 360, 1.0)]))
-    columns = [_column(spline.t, spline.c[:, i], breaks) for i in range(scan.z_mm.size)]
-    heights, powers = _over_height(scan.z_mm, np.stack(columns, axis=-1))
-    return PolySurface(breaks, heights, powers)
-
-
-def _column(t: Floats, c: Floats, breaks: Floats) -> Floats:
-    """Return one section's coefficients on pieces of the turn, shape (n, 6)."""
-    curve = PPoly.from_spline((t, c, 5))
-    first = float(t[5])
-    inside = (np.diff(curve.x) > 0) & (curve.x[:-1] >= first) & (curve.x[1:] <= float(t[-6]))
-    curve = PPoly(curve.c[:, inside], np.append(curve.x[:-1][inside], t[-6]))
-    before = PPoly(curve.c, curve.x - 1)  # the same curve a turn earlier serves the wrap
-    is_early = breaks[1:] <= first + 1e-12
-    early, late = angle_pieces(before, breaks), angle_pieces(curve, breaks)
-    return np.where(is_early[:, None], early, late)
-
-
-def _over_height(z_mm: Floats, at_heights: Floats) -> tuple[Floats, Floats]:
-    """Return heights and coefficients (m, n, 6, 8) of a spline through sections (n, 6, m)."""
-    if z_mm.size == 1:
-        ends = constant_spline(0.0, float(z_mm[0]) - 1, float(z_mm[0]) + 1)
-        found = np.zeros((1, at_heights.shape[0], N_ANGLE, N_HEIGHT))
-        found[0, ..., 0] = at_heights[..., 0]
-        return np.asarray(ends.x), found
-    kind = "spline" if z_mm.size >= _MIN_SPLINE_HEIGHTS else "linear"
-    rows = at_heights.reshape(-1, z_mm.size)
-    splines = [polygon_or_spline(z_mm, row, kind) for row in rows]
-    powers = np.stack([spline.c[::-1] for spline in splines])  # (n * 6, 4, m - 1)
-    scaled = powers * np.diff(z_mm) ** np.arange(4)[:, None]
-    found = np.zeros((z_mm.size - 1, rows.shape[0], N_HEIGHT))
-    found[..., :4] = scaled.transpose(2, 0, 1)
-    return z_mm, found.reshape(z_mm.size - 1, -1, N_ANGLE, N_HEIGHT)
+    kind = joined_by(scan, interpolation)
+    return surface_through(scan.angle_deg / 360, scan.z_mm, factor * scan.reduction_mm, kind)
 
 
 def ovality_of(scan: Scan) -> PPoly:

@@ -136,13 +136,15 @@ def _hopeful(geometry: Geometry, tolerance_nm: float, coarse: set[int]) -> Itera
     adds to `coarse` the knots per turn (log2) of which more slices do not help.
     """
     candidates, in_height = u_candidates(geometry), height_error(geometry)
+    has_kinks = second_share_of(geometry) > DERIVATIVE_SHARE
     within = (
         one
         for one in candidates
         if one.estimate_nm <= tolerance_nm and one.log2_knots not in coarse
     )
     for one in islice(within, _MAX_PROBES):
-        found = probe(geometry, in_height, one.log2_knots, one.n_slices)
+        size = one.log2_knots, one.n_slices
+        found = probe(geometry, in_height, *size, has_kinks=has_kinks)
         first, second = (GRID_MARGIN * share for share in found.shares)
         is_near = GRID_MARGIN * found.value_nm <= tolerance_nm
         if is_near and _keeps_derivatives(geometry, first, second):
