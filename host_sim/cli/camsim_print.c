@@ -108,6 +108,22 @@ static void explain_not_gauged(const sim_cut_t *cut, const char *table, common_e
                        sim_lobe_dexels, 0.5 * (high_mm < feed_mm ? high_mm : feed_mm));
 }
 
+/// @return what makes a form error smaller: a tool that is not the one set, else better control
+static const char *form_remedy(const sim_cut_t *cut)
+{
+    const sim_session_t *s = &cut->session;
+    const double wear_nm = s->options.config.lathe.tool_wear_um * 1e3;
+    if (s->nose.nose_mm != s->design.nose_mm && s->design.shape != sim_shape_table) {
+        return "the table is made for another nose: set [tool] nose_radius_mm of the part file";
+    }
+    if (wear_nm > 0.0 && cut->params.x_offset_nm == 0) {
+        return "the tool is worn: set x_offset_nm";
+    }
+    return s->has_target && s->control.max_um <= s->options.tolerance_um
+               ? "the table itself is off the drawing: refit or filter less"
+               : "match the controller to the machine, or cut slower";
+}
+
 int camsim_judge_cut(const sim_cut_t *cut, const char *table)
 {
     const sim_session_t *s = &cut->session;
@@ -135,10 +151,7 @@ int camsim_judge_cut(const sim_cut_t *cut, const char *table)
                            table, s->options.tolerance_um);
     } else {
         (void)common_error(&e, "%s: form error %.3f um is beyond --tolerance-um %.6g; %s", table,
-                           s->work.max_um, s->options.tolerance_um,
-                           s->has_target && s->control.max_um <= s->options.tolerance_um
-                               ? "the table itself is off the drawing: refit or filter less"
-                               : "match the controller to the machine, or cut slower");
+                           s->work.max_um, s->options.tolerance_um, form_remedy(cut));
     }
     (void)camsim_complain(&e);
     return camsim_not_good;

@@ -174,6 +174,7 @@ def cut(part: SkirtPart, folder: Path, *words: str) -> tuple[float, int]:
         (folder / name).write_bytes(data)
     summary = folder / "summary.json"
     done = camsim("run", folder / "example.camtab", "--summary", summary, *words)
+    (folder / "stderr.txt").write_text(done.stderr)
     return json.loads(summary.read_text())["form_error_um"]["max"], done.returncode
 
 
@@ -208,6 +209,7 @@ def test_the_machine_file_tells_the_tool_in_use(tmp_path: Path) -> None:
     machine.write_text("[tool]\nnose_mm = 0\n")
     error_um, _ = cut(steep(0.8), tmp_path, "--machine", str(machine))
     assert 11 < error_um < 14
+    assert "the table is made for another nose" in (tmp_path / "stderr.txt").read_text()
 
 
 def test_a_worn_tool_cuts_well_with_its_offset(tmp_path: Path) -> None:
@@ -216,6 +218,7 @@ def test_a_worn_tool_cuts_well_with_its_offset(tmp_path: Path) -> None:
     worn.write_text("[tool]\nwear_um = 25\n")
     error_um, status = cut(example_part(), tmp_path, "--machine", str(worn))
     assert (round(error_um), status) == (25, 1)
+    assert "the tool is worn: set x_offset_nm" in (tmp_path / "stderr.txt").read_text()
     error_um, status = cut(example_part(), tmp_path, "--machine", str(worn), *offset)
     assert (error_um < 0.1, status) == (True, 0)
 
