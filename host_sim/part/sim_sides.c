@@ -60,7 +60,7 @@ static double share(const sim_sides_t *s, double phi_rad)
     const double turn = (phi_rad - s->middle_rad) / SIM_TWO_PI;
     const double off_rad = SIM_TWO_PI * sim_abs(sim_fraction(turn + 0.5) - 0.5);
     const double t = sim_clamp((0.5 * SIM_PI - off_rad) / s->blend_rad + 0.5, 0.0, 1.0);
-    return t * t * t * (10.0 - t * (15.0 - 6.0 * t));
+    return t * t * t * t * (35.0 - t * (84.0 - t * (70.0 - 20.0 * t)));
 }
 
 double sim_sides_delta_mm(sim_sides_t *s, double a_mm, double phi_rad, double z_mm)

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 /// sim_sides: ovals whose parameters change with height, and whose sides may differ.
 ///
-///     delta = (1 - w) delta_1 + w delta_2,   delta_s = drop_s + law(phi - phase_s; a - drop_s,
-///     G_s) w     = S(1/2 + (pi/2 - |phi - middle|) / blend),   S(s) = s^3 (10 - 15 s + 6 s^2)
+///     delta   = (1 - w) delta_1 + w delta_2
+///     delta_s = drop_s + law(phi - phase_s; a - drop_s, G_s)
+///     w       = S(1/2 + (pi/2 - |phi - middle|) / blend)
+///     S(s)    = s^4 (35 - 84 s + 70 s^2 - 20 s^3)
 ///
 /// Laws are those of sim_design.h, and "power": delta = (G / 2) f(sin^2 phi), f(t) = t^(p/2), below
 /// sin^2 15 degrees the polynomial in t that meets value and three derivatives. This is MATHS.md

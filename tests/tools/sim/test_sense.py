@@ -251,3 +251,53 @@ def test_even_volume_is_as_even_with_m4(tmp_path: Path) -> None:
         found.append(json.loads((tmp_path / "s.json").read_text())["removal"]["rate_ripple"])
     assert found[1]["mean"] == pytest.approx(found[0]["mean"], rel=0.2)
     assert max(one["mean"] for one in found) < 0.02
+
+
+def columns(path: Path) -> dict[str, Floats]:
+    """Return the columns of numbers of a CSV file that start with a number."""
+    with path.open() as lines:
+        rows = list(csv.DictReader(lines))
+    names = [name for name in rows[0] if re.fullmatch(r"-?[0-9.]+", rows[0][name])]
+    return {name: np.array([float(row[name]) for row in rows]) for name in names}
+
+
+@pytest.mark.parametrize("direction", SENSES)
+def test_files_count_by_the_drawing(tmp_path: Path, direction: int) -> None:
+    """Turns of trace and removal rise with M3 and fall with M4; the observer's is the true one."""
+    table = skirt(tmp_path, direction)
+    trace, removal = tmp_path / "t.csv", tmp_path / "r.csv"
+    for words in (("--turns-limit", "4", "--trace", trace), ("--removal", removal)):
+        done = camsim("run", table, *words)
+        assert done.returncode == 0, done.stderr
+    ticks, slices = columns(trace), columns(removal)
+    # two degrees: the trace has the observer's angle, the truth is sampled with the next tick
+    found = (ticks["pos_q32"] > 2**32) & (ticks["z_mm"] > 0.5)
+    off = ticks["turn"][found] - ticks["true_turn"][found]
+    assert np.abs(off - np.round(off)).max() < 2 / 360
+    assert np.sign(np.diff(ticks["turn"][found])).mean() == pytest.approx(direction)
+    assert (np.sign(np.diff(slices["turn"])) == direction).all()
+    even = (slices["z_mm"] > 3) & (slices["z_mm"] < 9)
+    force, place = slices["chip_force_n"][even], np.mod(360 * slices["turn"][even], 360)
+    near = [np.abs(place - deg) < 6 for deg in (MARK_DEG, 330)]
+    at_mark, at_mirror = (force[rows].mean() for rows in near)
+    depth_mm = [0.1 + reduction_mm(place[rows]).mean() for rows in near]
+    assert at_mark / at_mirror == pytest.approx(depth_mm[0] / depth_mm[1], rel=0.02)
+    assert depth_mm[0] / depth_mm[1] > 1.1
+
+
+def test_surface_between_tracks_is_the_same_with_m4(tmp_path: Path) -> None:
+    """A nose leaves the same scallops at the same angles of the drawing, whatever the sense."""
+    found = []
+    for direction in SENSES:
+        table, path = skirt(tmp_path, direction), tmp_path / "scallop.csv"
+        words = ("--nose-mm", "0.8", "--scallop-mm", "4:6", "--scallop", path)
+        done = camsim("run", table, *words)
+        assert done.returncode == 0, done.stderr
+        turn, _, proud_um = np.loadtxt(path, delimiter=",", skiprows=1).T
+        rows = proud_um.reshape(240, -1)
+        assert turn.reshape(240, -1)[1, 0] == pytest.approx(1 / 240)
+        found.append(np.ptp(rows, axis=1))
+        # theory: feed^2 / (8 r) = 39 um where the tool passes once per turn
+        assert rows.max(axis=1).min() > 30
+        assert rows.max() < 50
+    np.testing.assert_allclose(found[1], found[0], rtol=0.03)

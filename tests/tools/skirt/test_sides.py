@@ -7,6 +7,7 @@ generator or of the simulator's design takes part in them.
 
 from __future__ import annotations
 
+import json
 import re
 from pathlib import Path
 
@@ -29,9 +30,9 @@ TWIST = ROOT / "tools" / "parts" / "twist80.toml"
 
 
 def step(s: Floats) -> Floats:
-    """Return the quintic smooth step."""
+    """Return the smooth step of degree seven."""
     s = np.clip(s, 0, 1)
-    return np.asarray(6 * s**5 - 15 * s**4 + 10 * s**3)
+    return np.asarray(35 * s**4 - 84 * s**5 + 70 * s**6 - 20 * s**7)
 
 
 def double_ellipse(deg: Floats, g_mm: Floats, beta: Floats) -> Floats:
@@ -169,6 +170,33 @@ def test_sides_hold_exactly_outside_the_zones() -> None:
     pin = both.delta(np.radians([90.0, 270.0]), 28.0)
     np.testing.assert_allclose(pin.delta, 0.15, atol=1e-15)  # the short axis is common
     np.testing.assert_allclose(pin.d1, 0, atol=1e-14)
+
+
+def test_sides_with_a_step_are_bridged(tmp_path: Path) -> None:
+    """An ovality and an angle of its own: the middle of a zone has the mean of both laws."""
+    text = THRUST.read_text().replace("beta = 0.4", "beta = 0.4\nphase_deg = 6")
+    text = text.replace("drop_mm = ", "ovality_mm = [0.2, 0.2, 0.2]\ndrop_mm = ")
+    geometry = geometry_of(text)
+    deg = np.array([90.0, 270.0])
+    thrust = double_ellipse(deg, np.array(0.30), np.array(1.0))
+    other = 0.012 + double_ellipse(deg - 6, np.array(0.2), np.array(0.4))
+    got = geometry.delta(np.radians(deg), 28.0).delta
+    np.testing.assert_allclose(got, (thrust + other) / 2, atol=1e-15)
+    dense = np.radians(np.linspace(60, 120, 60_001))
+    u = geometry.delta(dense, 28.0)
+    slope = np.gradient(u.d1, dense[1] - dense[0])
+    assert np.abs(slope - u.d2)[1:-1].max() < 1e-4  # no jump of the slope anywhere in the zone
+    (tmp_path / "part.toml").write_text(text)
+    assert mktables([str(tmp_path / "part.toml"), "-o", str(tmp_path)]) == 0
+    told = json.loads((tmp_path / "thrust90.json").read_text())["sides"]
+    heights = np.linspace(0, 56, 100)
+    g_mm, drop_mm = np.interp(heights, [0, 28, 56], [0.24, 0.3, 0.4]), [20, 12, 30]
+    sides = np.interp(heights, [0, 28, 56], drop_mm) / 1000 + double_ellipse(
+        np.array(84.0), np.array(0.2), np.array(0.4)
+    )
+    assert told["meet"] == "short-axis"
+    assert told["step_um"] == pytest.approx(1e3 * np.abs(g_mm / 2 - sides).max(), rel=1e-3)
+    assert camsim("run", tmp_path / "thrust90.camtab", "--feed", "1").returncode == 0
 
 
 def test_a_scan_is_turned_by_its_phase(tmp_path: Path) -> None:

@@ -167,16 +167,16 @@ def share_of(phi_rad: FloatsLike, middle_rad: float, blend_rad: float) -> Sectio
     """Return the share of the side about an angle, and its derivatives by the angle.
 
     It is 1 within a quarter turn of the middle, less half the blend, 0 as far from the opposite,
-    and rises between by a quintic smooth step.
+    and rises between by a smooth step with three continuous derivatives.
     """
     off = np.mod(np.asarray(phi_rad) - middle_rad + np.pi, 2 * np.pi) - np.pi
     slope = -np.sign(off) / blend_rad
     s = np.clip((np.pi / 2 - np.abs(off)) / blend_rad + 0.5, 0.0, 1.0)
     return SectionValues(
-        np.asarray(s**3 * (10 - 15 * s + 6 * s**2)),
-        np.asarray(30 * s**2 * (1 - s) ** 2 * slope),
-        np.asarray(60 * s * (1 - s) * (1 - 2 * s) * slope**2),
-        np.asarray(np.where((s > 0) & (s < 1), 60 * (1 - 6 * s + 6 * s**2), 0.0) * slope**3),
+        np.asarray(s**4 * (35 - 84 * s + 70 * s**2 - 20 * s**3)),
+        np.asarray(140 * s**3 * (1 - s) ** 3 * slope),
+        np.asarray(420 * s**2 * (1 - s) ** 2 * (1 - 2 * s) * slope**2),
+        np.asarray(840 * s * (1 - s) * (1 - 5 * s + 5 * s**2) * slope**3),
     )
 
 
