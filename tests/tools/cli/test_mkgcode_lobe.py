@@ -167,6 +167,22 @@ def test_programs_by_linuxcnc(
         assert np.abs(at["X"][cut] - exact).max() < 2e-6
 
 
+def test_flat_faced_lobe_is_ground_along_its_envelope(tmp_path: Path) -> None:
+    """X of the wheel is the least at which it does not cut the profile of the support function."""
+    changes = {"base_radius_mm": '40\nfollower = "flat"', "feed_mm": "3"}
+    c, x = blocks(made(tmp_path, "cam-345-ground", **changes), "CX").T
+    alpha = np.radians(np.linspace(-180, 180, 36_001))
+    u = np.clip(1 - np.abs(alpha) / np.radians(70), 0, 1)
+    s = 40 + 8 * u**3 * (10 - 15 * u + 6 * u**2)
+    s1 = -np.sign(alpha) * 8 / np.radians(70) * 30 * u**2 * (1 - u) ** 2
+    rho, psi = np.hypot(s, s1), alpha + np.arctan2(s1, s)
+    for i in np.flatnonzero((c >= 0) & (c < 360))[::40]:
+        off = psi - np.radians(c[i])
+        inside = np.maximum(200**2 - (rho * np.sin(off)) ** 2, 0)
+        needed = float((rho * np.cos(off) + np.sqrt(inside)).max())
+        assert x[i] + 200 == pytest.approx(needed, abs=2e-5)
+
+
 def test_lobes_follow_each_other(tmp_path: Path) -> None:
     """Between two lobes the wheel is off the nose, C goes on, and the phase is the lobe's own."""
     program = made(tmp_path, "camshaft", feed_mm="1")

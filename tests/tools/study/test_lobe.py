@@ -13,7 +13,7 @@ import pytest
 
 from camtools.cli.analyse import lobe_products, main
 from camtools.lobe.part import LobePart
-from camtools.pipeline.load import load
+from camtools.pipeline.load import load, parse
 from camtools.study.lobe import LobeWishes
 from lobe_tables import DISC, POLY345, POLY345_WHEEL
 from part_cases import ROOT
@@ -68,6 +68,25 @@ def test_lobe_is_the_worked_table() -> None:
         assert row["phi_deg"] == pytest.approx(phi, abs=1e-6)
         assert row["ds_dphi_mm_rad"] == pytest.approx(travel, abs=1e-6)
         assert row["n_c_rpm"] == pytest.approx(speed, abs=1e-6)
+
+
+def test_flat_face_touches_where_its_support_says() -> None:
+    """Of a flat face the contact is (s, s') in the frame of its line, s the base circle plus H."""
+    text = (PARTS / "cam-345.toml").read_text().replace("[cam]", '[cam]\nfollower = "flat"')
+    text = text.replace("base_radius_mm = 20", "base_radius_mm = 40")
+    part = parse(text.encode(), "flat.toml").part
+    assert isinstance(part, LobePart)
+    found = rows(lobe_products(part, LobeWishes(step_deg=5.0), with_pictures=False)[1])
+    u = 1 - 30 / 70
+    s = 40 + 8 * u**3 * (10 - 15 * u + 6 * u**2)
+    s1 = -8 / np.radians(70) * 30 * u**2 * (1 - u) ** 2
+    assert found[30]["contact_radius_mm"] == pytest.approx(np.hypot(s, s1), abs=1e-8)
+    contact_deg = 30 + np.degrees(np.arctan2(s1, s))
+    assert found[30]["contact_angle_deg"] == pytest.approx(contact_deg, abs=1e-6)
+    centre = np.hypot(s + 10, s1)
+    assert found[30]["x_mm"] == pytest.approx(centre - 50, abs=1e-8)
+    seconds = (found[30]["phi_deg"] + 180) / 360
+    assert found[30]["t_s"] == pytest.approx(seconds, abs=1e-8)
 
 
 def test_speeds_are_derivatives_over_time() -> None:

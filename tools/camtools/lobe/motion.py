@@ -64,9 +64,9 @@ class ShaftLobe:
     def contacts(self, phi_rad: Floats) -> tuple[Contact, Follower]:
         """Return contacts and follower at spindle angles [rad], in the frame of the lobe."""
         turned = np.mod(phi_rad - self.phase_rad + np.pi, 2 * np.pi) - np.pi
-        return solved_at(self._touch_at, turned)
+        return solved_at(self.touch_at, turned)
 
-    def _touch_at(self, theta_rad: Floats) -> tuple[Contact, Follower]:
+    def touch_at(self, theta_rad: Floats) -> tuple[Contact, Follower]:
         """Return contacts and follower at directions of the lobe's own follower."""
         touch = touch_of(self.law, self.base_mm, self.roller_mm, theta_rad, is_flat=self.is_flat)
         if self.is_flat:

@@ -202,7 +202,8 @@ def _notes(job: LobeJob, lobes: list[ShaftLobe], turns: list[Turn]) -> list[str]
         f"X: {twice}{x}",
         "C: spindle as an axis, the drawing's angle in degrees, unwrapped",
         *([_SWING] if job.is_swung else []),
-        f"roller {cam.roller_radius_mm:g}, base circle {cam.base_radius_mm:g}"
+        f"follower: {cam.follower}, {'tip runs on' if cam.follower == 'flat' else 'radius'} "
+        f"{cam.roller_radius_mm:g}; base circle {cam.base_radius_mm:g}"
         + ("" if job.is_swung else f", wheel {cam.wheel_radius_mm:g}"),
         f"{process.speed} speed, {process.spindle_rpm:g} r/min"
         + (" on the base circle" if process.speed != "uniform" else ""),

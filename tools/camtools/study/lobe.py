@@ -16,8 +16,7 @@ import numpy as np
 
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats, omega_rad_s
-from camtools.lobe.contact import Contact, Follower, contact, follow
-from camtools.lobe.lift import Lift
+from camtools.lobe.contact import Contact, Follower
 from camtools.lobe.motion import ShaftLobe, make_lobes
 from camtools.lobe.part import MAX_RPM, MIN_RPM, LobePart
 from camtools.study.section_tables import table
@@ -42,7 +41,6 @@ class LobeStudy(NamedTuple):
     operation: str  # turning | grinding
     rpm: float  # uniform speed, or that on the base circle
     theta_deg: Floats  # direction of the follower's line, from the zero of the law
-    lift: Lift
     touch: Contact
     path: Follower  # of the roller itself when turned, of the wheel when ground
 
@@ -81,11 +79,8 @@ def study_lobe(
     part: LobePart, number: int, lobe: ShaftLobe, theta_deg: Floats, rpm: float
 ) -> LobeStudy:
     """Return one lobe at directions of the follower's line [degrees from the zero of the law]."""
-    theta = np.radians(theta_deg)
-    touch = contact(lobe.law, lobe.base_mm, lobe.roller_mm, theta)
-    path = follow(touch, lobe.follower_mm)
-    lift = lobe.law.evaluate(theta)
-    return LobeStudy(number, lobe, part.process.operation, rpm, theta_deg, lift, touch, path)
+    touch, path = lobe.touch_at(np.radians(theta_deg))
+    return LobeStudy(number, lobe, part.process.operation, rpm, theta_deg, touch, path)
 
 
 def study_lobes(part: LobePart, wishes: LobeWishes) -> list[LobeStudy]:
@@ -114,10 +109,11 @@ def lobe_table(study: LobeStudy) -> str:
         "contact_angle_deg": (np.degrees(touch.alpha), 6),
         "pressure_angle_deg": (np.degrees(touch.gamma), 6),
         "curvature_radius_mm": (study.curvature_radius_mm, 6),
+        "phi_deg": (np.degrees(path.phi), 6),
     }
     if study.operation == "turning":
         columns |= {
-            "t_s": (np.radians(study.theta_deg + 180) / omega, 9),
+            "t_s": ((path.phi + np.pi) / omega, 9),
             "x_mm": (path.lift, 9),
             "x_speed_mm_s": (path.d1 * omega, 6),
             "x_acceleration_mm_s2": (path.d2 * omega**2, 4),
@@ -127,7 +123,6 @@ def lobe_table(study: LobeStudy) -> str:
         }
     else:
         columns |= {
-            "phi_deg": (np.degrees(path.phi), 6),
             "s_mm": (path.lift, 9),
             "s_speed_mm_rad": (path.d1, 6),
             "ds_dphi_mm_rad": (path.ds_dphi, 6),

@@ -84,7 +84,7 @@ def draw_contact(name: str, studies: list[LobeStudy]) -> Figure:
         shown = np.where(np.abs(radius) <= _SHOWN_MM, radius, np.nan)
         curves: Curves = {
             "radius of the\ncontact, mm": touch.radius,
-            "its angle over\nθ, degrees": np.degrees(touch.alpha - touch.theta),
+            "its angle over\nθ, degrees": np.degrees(touch.alpha) - one.theta_deg,
             "pressure angle,\ndegrees": np.degrees(touch.gamma),
             "radius of\ncurvature, mm": shown,
         }
