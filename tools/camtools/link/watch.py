@@ -119,6 +119,7 @@ def report(status: Status) -> list[str]:
         f"retracted: {yes[s['is_retracted']]}",
         f"following error   {s['following_error'] * 1e3:+.3f} um",
         f"emergency stop    {yes[s['is_estop']]}; drives ready: {yes[s['is_drive_ready']]}",
+        *([f"pass              {s['pass']:.0f} of {s['passes']:.0f}"] if s["passes"] else []),
         f"tick              {s['tick_rate']:.0f} Hz, longest {s['tick_time_max']:.3f} us, "
         f"late {s['late_ticks']:.0f}",
         f"last start        {NAMES['reset_reason'].get(int(s['reset_reason']), 'unknown')}",
