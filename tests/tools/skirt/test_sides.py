@@ -17,7 +17,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
-from camsim_cases import ROOT, camsim
+from camsim_cases import ROOT, camsim, only_error
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats
 from camtools.cli.mktables import main as mktables
@@ -214,6 +214,40 @@ def test_a_scan_is_turned_by_its_phase(tmp_path: Path) -> None:
     assert mktables([str(tmp_path / "scan90.toml"), "-o", str(tmp_path)]) == 0
     done = camsim("run", tmp_path / "scan90.camtab", "--feed", "1", "--tolerance-um", "0.5")
     assert done.returncode == 0, done.stderr
+
+
+BROKEN = {
+    "law": (
+        '"law": "double-ellipse"',
+        '"law": "oval"',
+        'design.sides.0.law = "oval": wants ellipse',
+    ),
+    "sides": (
+        '"sides": [',
+        '"sides": 1, "others": [',
+        "design.sides: wants a list of one or two sides",
+    ),
+    "blend": (
+        '"blend_rad": 0.5',
+        '"blend_rad": -0.5',
+        "design.middle_rad, blend_rad: wants numbers",
+    ),
+    "drop": ('"drop_mm"', '"fall_mm"', "design.sides.0.drop_mm"),
+}
+
+
+@pytest.mark.parametrize("name", list(BROKEN))
+def test_broken_design_is_refused_by_the_gauge(tmp_path: Path, name: str) -> None:
+    """One line that names file and field, and nothing is cut."""
+    old, new, problem = BROKEN[name]
+    assert mktables([str(THRUST), "-o", str(tmp_path)]) == 0
+    report = tmp_path / "thrust90.json"
+    text = json.dumps(json.loads(report.read_text()))
+    assert old in text
+    report.write_text(text.replace(old, new))
+    line = only_error(camsim("run", tmp_path / "thrust90.camtab"))
+    assert f"{report}: {problem}" in line
+    assert line.endswith("make the table again with tools/mktables, or give --design")
 
 
 LAW = 'shape = "double-ellipse"\nbeta = [0.6, 1.0, 1.4]'
