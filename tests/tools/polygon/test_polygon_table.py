@@ -38,6 +38,16 @@ def radius_of(name: str, phi: cases.Floats) -> cases.Floats:
     return cases.rounded_mm(phi, cases.regular_corners(6, 20.0), 1.0)
 
 
+def surface_of(folder: Path) -> tuple[cases.Floats, cases.Floats, cases.Floats]:
+    """Return turn, radius [mm] and error [nm] of the surface that was cut."""
+    path = folder / "surface.csv"
+    with path.open() as stream:
+        names = stream.readline().strip().split(",")
+    wanted = [names.index(name) for name in ("turn", "radius_mm", "error_nm")]
+    turn, radius, error = np.loadtxt(path, delimiter=",", skiprows=1, unpack=True, usecols=wanted)
+    return turn, radius, error
+
+
 def part_of(polygon: str, tail: str = TAIL) -> PolygonPart:
     """Return the part of the lines of [polygon]."""
     part = parse((HEAD + polygon + tail).encode(), "a.toml").part
@@ -76,9 +86,7 @@ def test_firmware_plays_the_drawing(made: GeneratedPolygon, tmp_path: Path) -> N
 def test_cut_surface_is_the_drawing(name: str, tmp_path: Path) -> None:
     """The radius that the simulator cut is the drawing's, off by what the verdict says."""
     assert run([str(PARTS / f"{name}.toml"), "-o", str(tmp_path)]) == 0
-    turn, _, radius, error_nm = np.loadtxt(
-        tmp_path / "surface.csv", delimiter=",", skiprows=1, unpack=True
-    )
+    turn, radius, error_nm = surface_of(tmp_path)
     some = np.random.default_rng(1).choice(turn.size, 300, replace=False)
     own_um = 1e3 * (radius[some] - radius_of(name, 2 * np.pi * turn[some]))
     summary: dict[str, Any] = json.loads((tmp_path / "summary.json").read_text())
@@ -126,9 +134,9 @@ def test_too_sharp_names_the_blend_that_would_do(tmp_path: Path) -> None:
     lines = 'form = "p4c"\nsize_mm = 35\nz_mm = [0, 20]\nblend_um = {}\n'
     tail = TAIL.replace("100\n", "200\n") + "u_acceleration_mm_s2 = 400000\nu_speed_mm_s = 800\n"
     with pytest.raises(CamtoolsError) as info:
-        generate_polygon(part_of(lines.format(2.0), tail))
+        generate_polygon(part_of(lines.format(8.0), tail))
     *_, line = info.value.lines
-    assert line.startswith("polygon.blend_um = 2: at this speed ")
+    assert line.startswith("polygon.blend_um = 8: at this speed ")
     least = float(line.split("speed ")[1].split(" would")[0])
     generate_polygon(part_of(lines.format(least), tail))
     with pytest.raises(CamtoolsError, match="u_acceleration_mm_s2"):
@@ -192,9 +200,7 @@ def test_both_senses_cut_the_drawing(direction: int, tmp_path: Path) -> None:
     path = tmp_path / "a.toml"
     path.write_text(HEAD + lines + tail)
     assert run([str(path), "-o", str(tmp_path)]) == 0
-    turn, _, radius, _ = np.loadtxt(
-        tmp_path / "surface.csv", delimiter=",", skiprows=1, unpack=True
-    )
+    turn, radius, _ = surface_of(tmp_path)
     some = np.random.default_rng(1).choice(turn.size, 500, replace=False)
     drawn = cases.rounded_mm(2 * np.pi * turn[some], np.array(corners), 2.0)
     assert np.abs(radius[some] - drawn).max() < 2.5e-3
@@ -221,10 +227,68 @@ def test_about_the_mean_with_run_in(tmp_path: Path) -> None:
     more = 'u_zero = "mean"\nrun_in_mm = 1.5\nrun_out_mm = 1.0\n[machine.limits]'
     path.write_text(text.replace("[machine.limits]", more))
     assert run([str(path), "-o", str(tmp_path)]) == 0
-    turn, z, radius, _ = np.loadtxt(
-        tmp_path / "surface.csv", delimiter=",", skiprows=1, unpack=True
-    )
-    assert z.min() < -1.4 and z.max() > 4.9  # the air is written, too, but not judged
+    turn, radius, _ = surface_of(tmp_path)
     some = np.random.default_rng(2).choice(turn.size, 200, replace=False)
     drawn = radius_of("p3g-25", 2 * np.pi * turn[some])
     assert np.abs(radius[some] - drawn).max() < 2e-4
+
+
+STRONG = TAIL + "u_acceleration_mm_s2 = 1e8\nu_speed_mm_s = 10000\n"
+NEVER = [
+    (
+        'form = "p4c"\nsize_mm = 35\nz_mm = [0, 20]\n',
+        r"blend_um = 2: U would need 6\d{3}\.\d+ mm/rad2, a table holds 2147\.48; allow 6\.",
+    ),
+    (
+        'form = "regular"\nsides = 6\nacross_flats_mm = 20\nz_mm = [0, 20]\nblend_um = 9\n',
+        r"polygon\.blend_um = 9: U would need .* allow 1\d\.\d+ um",
+    ),
+    (
+        'form = "regular"\nsides = 14\nacross_flats_mm = 5.29\ncorner_radius_mm = 2.55\n'
+        "z_mm = [0, 20]\n",
+        "is allowed; give larger corner radii",
+    ),
+    (
+        'form = "p3g"\nmean_diameter_mm = 900\neccentricity_mm = 18\nz_mm = [0, 20]\n',
+        "u: its travel to one side comes to 36.0001 mm, a table holds 16.7772; give",
+    ),
+]
+
+
+@pytest.mark.parametrize(("lines", "message"), NEVER, ids=["p4c", "sharp", "arcs", "large"])
+def test_what_no_table_holds(lines: str, message: str) -> None:
+    """Refused with numbers and remedy, where the image would not take it or the firmware refuse."""
+    with pytest.raises(CamtoolsError, match=message):
+        generate_polygon(part_of(lines, STRONG))
+
+
+def test_advised_blend_makes_a_table(tmp_path: Path) -> None:
+    """What the refusal of P4C 35 advises is taken, and the firmware takes the table."""
+    lines = 'form = "p4c"\nsize_mm = 35\nz_mm = [0, 20]\nblend_um = {}\n'
+    with pytest.raises(CamtoolsError) as info:
+        generate_polygon(part_of(lines.format(2), STRONG))
+    least = float(info.value.lines[0].split("allow ")[1].split(" um")[0])
+    made = generate_polygon(part_of(lines.format(least), STRONG))
+    (tmp_path / "a.camtab").write_bytes(pack(made.table))
+    done = camsim("eval", tmp_path / "a.camtab", stdin="turn,z_mm\n0.1,5\n")
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.slow
+def test_passes(tmp_path: Path) -> None:
+    """Roughing and finishing of a hexagon in one run; the last pass is the drawing."""
+    text = (PARTS / "hexagon.toml").read_text().replace("[0, 15]", "[0, 3]")
+    more = (
+        "[[process.pass]]\nallowance_um = 40\nfeed_mm = 0.2\n"
+        "[[process.pass]]\nallowance_um = 0\n[machine.limits]"
+    )
+    path = tmp_path / "a.toml"
+    path.write_text(text.replace("[machine.limits]", more))
+    assert run([str(path), "-o", str(tmp_path)]) == 0
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    assert [one["allowance_um"] for one in summary["passes"]] == [40, 0]
+    assert summary["form_error_um"]["max"] < 2.0
+    weak = more.replace("= 0.2", "= 2") + "\nz_speed_mm_s = 5"
+    path.write_text(text.replace("[machine.limits]", weak))
+    with pytest.raises(CamtoolsError, match=r"^process\.pass number 1: machine\.limits\.z_speed"):
+        generate_polygon(load(path).part)

@@ -8,7 +8,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.interpolate import PPoly
@@ -18,6 +19,7 @@ from camtools.base.quantities import NM_PER_MM, omega_rad_s
 from camtools.cut.feasibility import HighestSpeed, Peaks, drift_of, peaks_of
 from camtools.cut.verdict import check_table
 from camtools.part.common import check_feed
+from camtools.part.passes import Pass
 from camtools.polygon.blend import Blended, bend_of, blended
 from camtools.polygon.outline import Outline, extremes_of
 from camtools.polygon.part import PolygonPart, PolygonSection
@@ -32,7 +34,7 @@ from camtools.skirt.nose import tip_geometry
 from camtools.skirt.poly_surface import PolySurface
 from camtools.skirt.search import DERIVATIVE_SHARE, slice_counts
 from camtools.skirt.zero import middle_nm, moved
-from camtools.table.header import check_tolerance, table_of, u_bounds
+from camtools.table.header import MAX_PEAK_NM, check_tolerance, table_of, u_bounds
 from camtools.table.image import (
     MAX_CHANNEL_BYTES,
     MAX_LOG2_KNOTS,
@@ -40,11 +42,13 @@ from camtools.table.image import (
     Channel,
     Table,
 )
+from camtools.table.passes import PassRecord
 from camtools.table.quantise import TooLargeError, with_bounds
 from camtools.table.records import KNOT_SIZE
 
-DEFAULT_TOLERANCE_NM = 1.0
+DEFAULT_TOLERANCES_NM = (1.0, 3.0, 10.0)  # the first that a stroke of millimetres allows
 _MOST_BLEND_UM = 1000.0
+_NM_PER_UM = 1000.0
 _BISECTIONS, _SHARP = 30, 1e-3
 _HINT_MARGIN = 1.02  # what is advised is a little more than what is needed
 
@@ -145,7 +149,9 @@ def _over_height(slope: float, first: float, heights_mm: tuple[float, float]) ->
     return PPoly(np.array([[0.0], [0.0], [slope], [first]]), np.array(heights_mm))
 
 
-def choose_channel(geometry: Geometry, tolerance_nm: float) -> tuple[Channel, Accuracy]:
+def choose_channel(
+    geometry: Geometry, tolerance_nm: float, cut: Blended
+) -> tuple[Channel, Accuracy]:
     """Return the smallest u channel within a tolerance: over height a polygon is straight.
 
     Raises
@@ -163,21 +169,51 @@ def choose_channel(geometry: Geometry, tolerance_nm: float) -> tuple[Channel, Ac
             channel = u_channel(geometry, log2_knots, n_slices, is_balanced=False)
         except TooLargeError:
             continue
-        best = measure_u(geometry, channel, z_nm)
-        share = max(best.first_share, best.second_share)
-        if best.value_nm <= tolerance_nm and share <= DERIVATIVE_SHARE:
-            return channel, best
-    found = "nothing fits the format" if best is None else _what_is_left(best)
-    problem = f"tolerance_nm = {tolerance_nm:g}: unreachable for u, {found}"
-    raise CamtoolsError([f"{problem}; allow more polygon.blend_um, or a larger tolerance"])
+        found = measure_u(geometry, channel, z_nm)
+        if found.value_nm <= tolerance_nm and _share(found) <= DERIVATIVE_SHARE:
+            return channel, found
+        if best is None or _rank(found) < _rank(best):
+            best = found
+    raise _unreachable(tolerance_nm, best, cut)
 
 
-def _what_is_left(best: Accuracy) -> str:
-    share = max(best.first_share, best.second_share)
-    return (
-        f"the largest table is off by {best.value_nm:.3g} nm, and by {100 * share:.2g} % of the "
-        f"peak acceleration, of which {100 * DERIVATIVE_SHARE:g} % is allowed"
-    )
+def _within(
+    geometry: Geometry, tolerance_nm: float | None, cut: Blended
+) -> tuple[float, Channel, Accuracy]:
+    """Return the tolerance with the channel; the least one by default that the stroke allows."""
+    if tolerance_nm is not None:
+        return tolerance_nm, *choose_channel(geometry, tolerance_nm, cut)
+    for default_nm in DEFAULT_TOLERANCES_NM[:-1]:
+        with suppress(CamtoolsError):
+            return default_nm, *choose_channel(geometry, default_nm, cut)
+    return DEFAULT_TOLERANCES_NM[-1], *choose_channel(geometry, DEFAULT_TOLERANCES_NM[-1], cut)
+
+
+def _share(one: Accuracy) -> float:
+    return max(one.first_share, one.second_share)
+
+
+def _rank(one: Accuracy) -> tuple[float, float]:
+    """Return what makes a table better: derivatives that are close enough, then the value."""
+    return max(_share(one), DERIVATIVE_SHARE), one.value_nm
+
+
+def _unreachable(tolerance_nm: float, best: Accuracy | None, cut: Blended) -> CamtoolsError:
+    """Return why no table follows the outline, and what would help."""
+    problem = f"tolerance_nm = {tolerance_nm:g}: unreachable for u"
+    wider = "allow more polygon.blend_um"
+    if not cut.blends:
+        wider = "give less eccentricity"
+    elif cut.is_squeezed:
+        wider = "give larger corner radii, between which there is room for wider blends"
+    if best is None:
+        return CamtoolsError([f"{problem}, nothing fits the format; {wider}"])
+    share = _share(best)
+    if share <= DERIVATIVE_SHARE:
+        remedy = f"ask for at least {best.value_nm * 1.05:.2g} nm, or {wider}"
+        return CamtoolsError([f"{problem}, best achievable is {best.value_nm:.3g} nm; {remedy}"])
+    off = f"the largest table is off by {100 * share:.2g} % of the peak acceleration"
+    return CamtoolsError([f"{problem}, {off}, {100 * DERIVATIVE_SHARE:g} % is allowed; {wider}"])
 
 
 def generate_polygon(part: PolygonPart, tolerance_nm: float | None = None) -> GeneratedPolygon:
@@ -188,35 +224,76 @@ def generate_polygon(part: PolygonPart, tolerance_nm: float | None = None) -> Ge
     part : PolygonPart
         A validated part.
     tolerance_nm : float, optional
-        Largest error of u and of x anywhere [nm], 1 by default, against the blended outline.
+        Largest error of u and of x anywhere [nm] against the blended outline; by default 1, or
+        the 3 or 10 that a long stroke allows.
 
     Raises
     ------
     CamtoolsError
         The numbers make no polygon, the tolerance is out of reach, or the machine is too weak.
     """
-    tolerance_nm = DEFAULT_TOLERANCE_NM if tolerance_nm is None else tolerance_nm
-    check_tolerance(tolerance_nm)
-    check_feed(part)
+    if tolerance_nm is not None:
+        check_tolerance(tolerance_nm)
+    passes = _parts_of_passes(part)
+    for one in passes:
+        check_feed(one)
     drawing = outline_of(part.polygon)
     cut = blended(drawing, part.polygon.blend_um)
     geometry, design = _surfaces(part, drawing, cut.outline)
     heel, tip = _heel(part, geometry), tip_geometry(geometry, part.tool)
-    u, accuracy_u = choose_channel(tip, tolerance_nm)
+    tolerance_nm, u, accuracy_u = _within(tip, tolerance_nm, cut)
     x = x_channel(tip, int(slice_counts(tip)[0]))
     accuracy_x = measure_x(tip, x)
     middle = middle_nm(tip, part.process.u_zero)
     u, x = moved(u, middle), moved(x, middle)
     bounds = u_bounds(u, max(accuracy_u.value_nm, accuracy_x.value_nm))
-    table = table_of(part, part.process.spindle_rpm, bounds, (with_bounds(u), with_bounds(x)))
-    feed_mm = part.process.feed_mm
-    drift = drift_of(table.channels[0], 1 / NM_PER_MM, feed_mm)
-    peaks = peaks_of(bounds)._replace(u_drift=drift, feed_mm=feed_mm)
-    best = _judge(part, drawing, table)
+    _check_sharpness(part, drawing, cut, bounds.u2_peak_nm_per_rad2 / NM_PER_MM)
+    last, channels = passes[-1], (with_bounds(u), with_bounds(x))
+    table = table_of(last, last.process.spindle_rpm, bounds, channels)
+    table = replace(table, passes=_records(part, passes))
+    best = _judge_passes(passes, drawing, table)
+    drift = drift_of(table.channels[0], 1 / NM_PER_MM, last.process.feed_mm)
+    peaks = peaks_of(bounds)._replace(u_drift=drift, feed_mm=last.process.feed_mm)
     return GeneratedPolygon(
         *(part, drawing, cut, design, geometry, tolerance_nm, table),
         *(accuracy_u, accuracy_x, peaks, best, middle, heel),
     )
+
+
+def _parts_of_passes(part: PolygonPart) -> list[PolygonPart]:
+    """Return the part as each of its passes cuts it, the last one at the end."""
+    process, found = part.process, []
+    for one in process.passes or [Pass(allowance_um=0)]:
+        own = {
+            "feed_mm": one.feed_mm or process.feed_mm,
+            "spindle_rpm": one.spindle_rpm or process.spindle_rpm,
+        }
+        found.append(part.model_copy(update={"process": process.model_copy(update=own)}))
+    return found
+
+
+def _records(part: PolygonPart, passes: list[PolygonPart]) -> tuple[PassRecord, ...]:
+    """Return the records of passes, none of a part that is cut in one."""
+    return tuple(
+        PassRecord(
+            round(one.allowance_um * _NM_PER_UM),
+            round(own.process.feed_mm * NM_PER_MM),
+            round(own.process.spindle_rpm * 1000),
+        )
+        for one, own in zip(part.process.passes, passes, strict=False)
+    )
+
+
+def _judge_passes(passes: list[PolygonPart], drawing: Outline, table: Table) -> HighestSpeed:
+    """Return the highest speed of the last pass, or refuse the first one that is infeasible."""
+    for number, one in enumerate(passes, start=1):
+        feed_nm, mrpm = round(one.process.feed_mm * NM_PER_MM), one.process.spindle_rpm * 1000
+        try:
+            best = _judge(one, drawing, replace(table, feed_nm=feed_nm, spindle_mrpm=round(mrpm)))
+        except CamtoolsError as error:
+            which = f"process.pass number {number}: " if len(passes) > 1 else ""
+            raise CamtoolsError([which + line for line in error.lines]) from error
+    return best
 
 
 def _heel(part: PolygonPart, geometry: Geometry) -> Heel:
@@ -227,6 +304,18 @@ def _heel(part: PolygonPart, geometry: Geometry) -> Heel:
     if "clearance_deg" in part.tool.model_fields_set:
         return check_heel(geometry, part.tool, part.process.direction)
     return steepest_heel(geometry, part.process.direction)
+
+
+def _check_sharpness(part: PolygonPart, drawing: Outline, cut: Blended, peak_mm: float) -> None:
+    """Refuse blends that bend more than a table can say, with the least one that would do."""
+    most_mm = MAX_PEAK_NM / NM_PER_MM
+    if peak_mm <= most_mm:
+        return
+    least = least_blend_um(drawing, bend_of(cut) * most_mm / peak_mm / _HINT_MARGIN)
+    remedy = "give larger corner radii" if least is None else f"allow {least:.4g} um"
+    given = f"polygon.blend_um = {part.polygon.blend_um:g}"
+    problem = f"U would need {peak_mm:.6g} mm/rad2, a table holds {most_mm:.6g}"
+    raise CamtoolsError([f"{given}: {problem}; {remedy}"])
 
 
 def _judge(part: PolygonPart, drawing: Outline, table: Table) -> HighestSpeed:

@@ -13,6 +13,7 @@ from camtools.polygon.part import PolygonSection
 from camtools.polygon.summary import blend_text, make_polygon_summary, section_text
 from camtools.report.text import ReportRow, error_pair
 from camtools.sim.results import Cut
+from camtools.skirt.report_text import pass_rows
 from camtools.skirt.report_tool import tool_row
 
 PolygonCut = Cut[GeneratedPolygon]
@@ -51,6 +52,7 @@ def polygon_rows(outcome: PolygonCut) -> list[ReportRow]:
         ReportRow("cut", what),
         ReportRow("form error", f"{error_pair(form)} (tolerance {length_text(form['tolerance'])})"),
         *against,
+        *pass_rows(summary),
         ReportRow("blends", blend_text(about)),
         ReportRow("following error of U", error_pair(summary["following_error_um"])),
         tool_row(summary, made.part.tool, made.heel),

@@ -17,35 +17,55 @@ import numpy as np
 
 from camtools.base.errors import GeometryError
 from camtools.base.quantities import Floats
+from camtools.polygon.curves import Curve
 from camtools.polygon.outline import TURN_RAD, Outline
 from camtools.skirt.poly_surface import N_ANGLE, N_HEIGHT, PolySurface
 from camtools.table.image import MAX_LOG2_REPEAT
 from camtools.table.quintics import segment_coefficients
 
 _FIT_MM = 1e-10  # a ten-thousandth of a nanometre
-_COUNTS = (1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512)
+_MAX_HALVINGS = 16
 _BETWEEN = np.array([0.2, 0.5, 0.8])
 _LEAST_RAD = 1e-12
 
 
+def _quintics(curve: Curve, first: Floats, last: Floats) -> tuple[Floats, Floats]:
+    """Return quintics (n, 6) through the ends of stretches of a curve, and how far each is off."""
+    h = last - first
+    at = curve.polar(np.concatenate([first, last]))
+    r, d1, d2 = (one.reshape(2, -1) for one in (at.r, at.d1, at.d2))
+    knots = np.stack([r, h * d1, h**2 / 2 * d2], axis=-1).transpose(1, 0, 2)
+    quintics = np.asarray(segment_coefficients(knots, periodic=False)[:, 0], dtype=np.float64)
+    exact = curve.polar((first[:, None] + h[:, None] * _BETWEEN).ravel()).r
+    off = quintics @ _BETWEEN ** np.arange(N_ANGLE)[:, None] - exact.reshape(first.size, -1)
+    return quintics, np.asarray(np.abs(off).max(axis=1), dtype=np.float64)
+
+
 def _fitted(outline: Outline, first_rad: float, last_rad: float) -> tuple[Floats, Floats]:
-    """Return breaks [rad] and quintics (n, 6) of the radius between two neighbouring joints."""
-    for count in _COUNTS:
-        breaks = np.linspace(first_rad, last_rad, count + 1)
-        h = (last_rad - first_rad) / count
-        ends = np.stack([breaks[:-1], breaks[1:]], axis=-1)
-        # the ends belong to the curve between them, not to its neighbours
-        curve = outline.curve_at((first_rad + last_rad) / 2)
-        at = curve.polar(ends.ravel())
-        knots = np.stack([at.r, h * at.d1, h**2 / 2 * at.d2], axis=-1).reshape(count, 2, 3)
-        quintics = segment_coefficients(knots, periodic=False)[:, 0]
-        between = (breaks[:-1, None] + h * _BETWEEN).ravel()
-        exact = curve.polar(between).r.reshape(count, -1)
-        got = quintics @ _BETWEEN ** np.arange(N_ANGLE)[:, None]
-        if np.abs(got - exact).max() <= _FIT_MM:
-            return breaks, np.asarray(quintics, dtype=np.float64)
-    problem = f"is too small: at {np.degrees(first_rad):.4g} degrees the outline bends too sharply"
-    raise GeometryError("polygon.blend_um", problem, "allow more deviation")
+    """Return left ends [rad] and quintics (n, 6) of the radius between two neighbouring joints.
+
+    Stretches are halved until their quintics fit.
+    """
+    curve = outline.curve_at((first_rad + last_rad) / 2)
+    first, last = np.array([first_rad]), np.array([last_rad])
+    starts, found = [], []
+    for _ in range(_MAX_HALVINGS):
+        quintics, off = _quintics(curve, first, last)
+        is_close = off <= _FIT_MM
+        starts.append(first[is_close])
+        found.append(quintics[is_close])
+        low, high = first[~is_close], last[~is_close]
+        if not low.size:
+            break
+        middle = (low + high) / 2
+        first, last = np.concatenate([low, middle]), np.concatenate([middle, high])
+    else:
+        where = f"at {np.degrees(float(low[0])):.4g} degrees"
+        problem = f"is too small: {where} the outline bends too sharply"
+        raise GeometryError("polygon.blend_um", problem, "allow more deviation")
+    left = np.concatenate(starts)
+    order = np.argsort(left)
+    return left[order], np.concatenate(found)[order]
 
 
 def prism_of(
@@ -69,7 +89,7 @@ def prism_of(
     borders = borders[keep]
     borders[0], borders[-1] = 0.0, TURN_RAD
     found = [_fitted(outline, a, b) for a, b in pairwise(borders)]
-    breaks = np.concatenate([*(one[0][:-1] for one in found), [TURN_RAD]]) / TURN_RAD
+    breaks = np.concatenate([*(one[0] for one in found), [TURN_RAD]]) / TURN_RAD
     quintics = -np.concatenate([one[1] for one in found])
     quintics[:, 0] += largest_mm
     coefficients = np.zeros((1, quintics.shape[0], N_ANGLE, N_HEIGHT))

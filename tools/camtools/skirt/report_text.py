@@ -23,7 +23,7 @@ def what_was_cut(outcome: SkirtOutcome) -> str:
     )
 
 
-def _pass_rows(summary: Json) -> list[ReportRow]:
+def pass_rows(summary: Json) -> list[ReportRow]:
     """Return what each of several passes came to, nothing for one."""
     passes = summary.get("passes", [])
     return [
@@ -118,7 +118,7 @@ def rows_of(outcome: SkirtOutcome) -> list[ReportRow]:
         ReportRow("cut", what_was_cut(outcome)),
         ReportRow("form error", _form_text(form)),
         *_control_rows(outcome),
-        *_pass_rows(summary),
+        *pass_rows(summary),
         ReportRow("following error of U", error_pair(summary["following_error_um"])),
         *_corner_rows(outcome),
         *_filter_rows(outcome),

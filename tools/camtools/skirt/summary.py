@@ -24,7 +24,7 @@ from camtools.skirt.run_in import HeldSurface
 from camtools.skirt.sides import SidesSurface, as_drawn
 from camtools.skirt.speed import summary_of
 from camtools.table.evaluate import Continuity, jumps
-from camtools.table.image import KIND_U, KIND_X, Channel
+from camtools.table.image import KIND_U, KIND_X, Channel, Table
 from camtools.table.summary import about_image, describe_channel
 
 _PEAK_ANGLES = 1440
@@ -67,7 +67,7 @@ def jumps_of(channel: Channel) -> Json:
     }
 
 
-def _passes(result: GeneratedSkirt) -> list[Json]:
+def passes_of(table: Table) -> list[Json]:
     """Return the passes as the table has them, none of a part that is cut in one."""
     return [
         {
@@ -75,7 +75,7 @@ def _passes(result: GeneratedSkirt) -> list[Json]:
             "feed_mm": one.feed_nm / NM_PER_MM,
             "spindle_rpm": one.spindle_mrpm / 1000,
         }
-        for one in result.table.passes
+        for one in table.passes
     ]
 
 
@@ -90,7 +90,7 @@ def _process(result: GeneratedSkirt) -> Json:
         "u_zero_mm": result.middle_nm / NM_PER_MM,
         "run_in_mm": float(process.run_in_mm),
         "run_out_mm": float(process.run_out_mm),
-        "passes": _passes(result),
+        "passes": passes_of(result.table),
         "feed_law": process.feed_law.model_dump() if process.feed_law else None,
         "magnify": float(magnify.factor) if magnify else 1.0,
         "magnify_profile": magnify.profile_factor if magnify else 1.0,

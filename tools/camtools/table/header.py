@@ -19,6 +19,7 @@ from camtools.table.image import Bounds, Channel, ImageLimits, Table
 from camtools.table.mirror import in_sense
 
 MAX_TOLERANCE_NM = 1_000_000.0
+MAX_U_NM, MAX_PEAK_NM = 1 << 24, (1 << 31) - 1  # of the header
 
 
 class MadeTable(Protocol):
@@ -63,6 +64,29 @@ def _units(value: float, per_unit: int) -> int:
     return floor(value * per_unit * (1 + 1e-12))
 
 
+def check_bounds(bounds: Bounds) -> None:
+    """Refuse bounds of u that the header of an image does not hold, TABLE_FORMAT.md.
+
+    Raises
+    ------
+    CamtoolsError
+        With what is needed and what a table holds.
+    """
+    reach_nm = max(bounds.u_max_nm, -bounds.u_min_nm)
+    lines = [
+        f"u: {what} comes to {found / NM_PER_MM:.6g} {unit}, a table holds {most / NM_PER_MM:.6g}; "
+        f"{remedy}"
+        for what, found, most, unit, remedy in (
+            ("its travel to one side", reach_nm, MAX_U_NM, "mm", "give a flatter shape"),
+            ("u'", bounds.u1_peak_nm_per_rad, MAX_PEAK_NM, "mm/rad", "give a flatter shape"),
+            ("u''", bounds.u2_peak_nm_per_rad2, MAX_PEAK_NM, "mm/rad2", "give a smoother shape"),
+        )
+        if found > most
+    ]
+    if lines:
+        raise CamtoolsError(lines)
+
+
 def table_of(
     part: PartFile, spindle_rpm: float, bounds: Bounds, channels: tuple[Channel, ...]
 ) -> Table:
@@ -74,7 +98,13 @@ def table_of(
         Mean speed [r/min].
     channels : tuple of Channel
         Over the drawing's angle; u comes first.
+
+    Raises
+    ------
+    CamtoolsError
+        See `check_bounds`.
     """
+    check_bounds(bounds)
     process, u = part.process, channels[0]
     return Table(
         part.part.name,
