@@ -18,6 +18,7 @@ static const char help[] =
     "  --design F.json       exact geometry for the gauge (default: NAME.json beside TABLE)\n"
     "  --tolerance-um T      largest form error accepted (default: 5)\n"
     "  --trace F.csv         every tick: inputs, set-points, outputs, truth\n"
+    "  --trace-every N       of the trace only one tick of N\n"
     "  --surface F.csv       turn,z_mm,radius_mm,error_nm,control_nm of the worst sample of each "
     "cell\n"
     "  --summary F.json      results\n"
@@ -57,6 +58,7 @@ enum {
     opt_design,
     opt_tolerance,
     opt_trace,
+    opt_every,
     opt_surface,
     opt_summary,
     opt_removal,
@@ -86,6 +88,7 @@ static const struct option options[] = {
     {"design", required_argument, NULL, opt_design},
     {"tolerance-um", required_argument, NULL, opt_tolerance},
     {"trace", required_argument, NULL, opt_trace},
+    {"trace-every", required_argument, NULL, opt_every},
     {"surface", required_argument, NULL, opt_surface},
     {"summary", required_argument, NULL, opt_summary},
     {"removal", required_argument, NULL, opt_removal},
@@ -230,6 +233,8 @@ static bool take_value(camsim_options_t *o, int option, const char *text, common
         return take_number(&cut->feed_mm, "feed", text, 0.000001, 10.0, "mm per turn", e);
     case opt_tolerance:
         return take_number(&session->tolerance_um, "tolerance-um", text, 0.0, 1e6, "um", e);
+    case opt_every:
+        return take_number(&cut->trace_every, "trace-every", text, 1.0, 1e9, "ticks", e);
     case opt_turns:
         return take_number(&cut->max_turns, "turns-limit", text, 0.001, 1e9, "turns", e);
     case opt_slice:

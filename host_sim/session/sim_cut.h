@@ -27,11 +27,12 @@ typedef struct {
     double rpm;                    ///< 0: the table's
     double feed_mm;                ///< 0: the table's
     bool is_without_feed_forward, is_without_lead;
-    bool is_traced;  ///< the firmware records every tick; drain sim_firmware_trace()
-    double slice_s;  ///< [s] of the removal measured; 0: a 120th of the mean turn
-    double kc_n_mm2; ///< specific cutting force
-    double nose_mm;  ///< radius of the tool's nose; 0: the surface between tracks is not made
-    bool has_window; ///< heights of that surface are given; else four feeds in the middle
+    double trace_every; ///< [ticks] from line to line of the trace; below 1: every tick
+    bool is_traced;     ///< the firmware records every tick; drain sim_firmware_trace()
+    double slice_s;     ///< [s] of the removal measured; 0: a 120th of the mean turn
+    double kc_n_mm2;    ///< specific cutting force
+    double nose_mm;     ///< radius of the tool's nose; 0: the surface between tracks is not made
+    bool has_window;    ///< heights of that surface are given; else four feeds in the middle
     double window_first_mm, window_last_mm;
     double tip_mm;      ///< radius of the tool that turns lobes; 0: 0.4 mm
     double max_turns;   ///< end the cut (operator's stop) after so many turns of cutting; 0: the

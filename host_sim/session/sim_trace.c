@@ -72,8 +72,13 @@ static void record_columns(sim_out_t *o, const cam_tick_record_t *r)
 
 void sim_trace_drain(sim_out_t *o, sim_cut_t *cut)
 {
+    const double wanted = cut->options.trace_every;
+    const uint32_t every = wanted >= 1.0 ? (uint32_t)wanted : 1u;
     cam_tick_record_t record;
     while (cam_trace_pop(sim_firmware_trace(&cut->firmware), &record)) {
+        if (record.tick % every != 0u) {
+            continue;
+        }
         reading_columns(o, &record, cut);
         record_columns(o, &record);
         if (cut->session.table.is_swung) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// sim_trace: one line for each tick of a cut.
+/// sim_trace: one line for each tick of a cut, or for one of several.
 ///
 /// The first columns are for people; then follows everything that the firmware's record holds, so
 /// that a tick can be replayed. `turn` is the master position as the

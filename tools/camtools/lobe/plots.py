@@ -12,15 +12,17 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from camtools.base.quantities import NM_PER_MM, Floats
+from camtools.base.quantities import Floats
+from camtools.lobe.channels import patterns_of
 from camtools.lobe.contact import Contact, Follower
 from camtools.lobe.generate import GeneratedLobes
-from camtools.lobe.motion import ShaftLobe
+from camtools.lobe.motion import ShaftLobe, profiles_of
 from camtools.plots.style import png_of, titled_figure
 from camtools.table.evaluate import evaluate_at
 from camtools.table.image import RATIO_ONE
 
 _N_ANGLES = 3601
+_SHOWN = 8  # lobes of a profile that are named one by one
 _TOOLS_DEG = (-60, -40, -20, 0, 20, 40, 60, 120, 180, 240)
 _WHEELS_DEG = (-70, -55, -35, -15, 0, 15, 35, 55, 70, 180)
 _CAM, _LINE, _NORMAL, _PATH = "#dfe6ee", "#2a4d77", "#c0392b", "#7f8c8d"
@@ -30,12 +32,24 @@ def _turned(radius: Floats, angle_rad: Floats) -> tuple[Floats, Floats]:
     return radius * np.cos(angle_rad), radius * np.sin(angle_rad)
 
 
-def _outline(axes: Axes, lobe: ShaftLobe) -> None:
+def name_of(result: GeneratedLobes, profile: int) -> str:
+    """Return the lobes of a profile and their law, as pictures name them."""
+    numbers = [i for i, lobe in enumerate(result.lobes) if lobe.profile == profile]
+    law = result.part.cam.lobe[numbers[0]].law
+    shown = ", ".join(map(str, numbers[:_SHOWN])) + (", ..." if len(numbers) > _SHOWN else "")
+    return f"lobe{'s' if len(numbers) > 1 else ''} {shown}: {law}"
+
+
+def _outline(axes: Axes, lobe: ShaftLobe, *, turned_rad: float = 0.0, colour: str = "") -> None:
     """Draw the lobe and the path of the follower's centre, nose upwards."""
     phi = np.linspace(0, 2 * np.pi, _N_ANGLES) + lobe.phase_rad
     touch, path = lobe.contacts(phi)
-    axes.fill(*_turned(touch.radius, touch.alpha + np.pi / 2), fc=_CAM, ec=_LINE, lw=1.5, zorder=2)
-    axes.plot(*_turned(path.centre, path.phi + np.pi / 2), color=_PATH, lw=0.8, ls="--")
+    up = np.pi / 2 + turned_rad
+    if colour:
+        axes.plot(*_turned(touch.radius, touch.alpha + up), color=colour, lw=1.3)
+        return
+    axes.fill(*_turned(touch.radius, touch.alpha + up), fc=_CAM, ec=_LINE, lw=1.5, zorder=2)
+    axes.plot(*_turned(path.centre, path.phi + up), color=_PATH, lw=0.8, ls="--")
     axes.plot([0], [0], marker="+", color=_LINE, zorder=4)
 
 
@@ -67,23 +81,53 @@ def _followers(axes: Axes, lobe: ShaftLobe, *, is_turned: bool) -> None:
         axes.plot([contact.real], [contact.imag], "o", color=_NORMAL, ms=3.5, zorder=5)
 
 
-def draw_positions(result: GeneratedLobes) -> bytes:
-    """Return the first lobe with tool or wheel around it."""
-    lobe, is_turned = result.lobes[0], result.part.process.operation == "turning"
-    what = "tool (red) about the roller's centre, with its swing"
-    if not is_turned:
-        what = f"wheel of {lobe.follower_mm:g} mm; contacts and normals red"
-    figure = titled_figure(7.5, 7.5, f"{result.table.part_name}: {what}")
-    axes = figure.add_subplot()
-    _outline(axes, lobe)
-    _followers(axes, lobe, is_turned=is_turned)
-    reach = 1.35 * float(lobe.contacts(np.linspace(-np.pi, np.pi, 361))[0].radius.max())
-    reach += 2 * lobe.roller_mm if is_turned else 0
-    axes.set_xlim(-reach, reach)
-    axes.set_ylim(-reach, reach)
+def _reach(lobes: list[ShaftLobe]) -> float:
+    """Return the largest radius of lobes [mm]."""
+    phi = np.linspace(-np.pi, np.pi, 361)
+    return max(float(lobe.contacts(phi)[0].radius.max()) for lobe in lobes)
+
+
+def _square(axes: Axes, reach_mm: float, title: str) -> None:
+    axes.set_xlim(-reach_mm, reach_mm)
+    axes.set_ylim(-reach_mm, reach_mm)
     axes.set_aspect("equal")
     axes.set_xlabel("mm")
     axes.set_ylabel("mm")
+    axes.set_title(title)
+
+
+def _shaft(axes: Axes, result: GeneratedLobes) -> None:
+    """Draw all lobes at their angles, as the tool runs round them; the angle 0 is upwards."""
+    reach = 1.35 * _reach(profiles_of(result.lobes))
+    for i, lobe in enumerate(result.lobes):
+        _outline(axes, lobe, turned_rad=lobe.phase_rad, colour=f"C{i}")
+        nose = np.exp(1j * (lobe.phase_rad + np.pi / 2)) * reach * (0.86 + 0.09 * (i % 2))
+        axes.text(nose.real, nose.imag, str(i), color=f"C{i}", ha="center", va="center")
+    axes.plot([0], [0], marker="+", color=_LINE)
+    _square(axes, reach, "all lobes at their angles, from the headstock, 0 degrees upwards")
+
+
+def draw_positions(result: GeneratedLobes) -> bytes:
+    """Return every profile with tool or wheel around it, and all lobes at their angles."""
+    profiles, is_turned = profiles_of(result.lobes), result.part.process.operation == "turning"
+    what = "tool (red) about the roller's centre, with its swing"
+    if not is_turned:
+        what = f"wheel of {profiles[0].follower_mm:g} mm; contacts and normals red"
+    n = len(profiles) + (len(result.lobes) > 1)
+    columns = 2 if n == 4 else min(n, 3)
+    rows = -(-n // columns)
+    title = f"{result.table.part_name}: {what}"
+    figure = titled_figure(7.5 if n == 1 else 5.6 * columns, 7.5 if n == 1 else 5.9 * rows, title)
+    panels = list(figure.subplots(rows, columns, squeeze=False).flat)
+    for axes, lobe in zip(panels, profiles, strict=False):
+        _outline(axes, lobe)
+        _followers(axes, lobe, is_turned=is_turned)
+        reach = 1.35 * _reach([lobe]) + (2 * lobe.roller_mm if is_turned else 0)
+        _square(axes, reach, name_of(result, lobe.profile))
+    if len(result.lobes) > 1:
+        _shaft(panels[len(profiles)], result)
+    for axes in panels[n:]:
+        axes.set_axis_off()
     return png_of(figure)
 
 
@@ -98,12 +142,13 @@ def _panels(figure: Figure, names: list[str]) -> list[Axes]:
     return list(grid)
 
 
-def _omega(result: GeneratedLobes, phi: Floats, z_mm: float) -> Floats:
+def _omega(result: GeneratedLobes, phi: Floats, pattern: int) -> Floats:
     """Return the spindle's speed [r/min] as the table has it."""
     if result.speed is None:
         return np.full(phi.size, result.mean_rpm)
-    z_nm = np.full(phi.size, z_mm * NM_PER_MM)
-    ratio = evaluate_at(result.speed.channel, phi / (2 * np.pi), z_nm).value
+    channel = result.speed.channel
+    height = float(pattern) if channel.has_patterns else float(channel.z_first_nm)
+    ratio = evaluate_at(channel, phi / (2 * np.pi), np.full(phi.size, height)).value
     return np.asarray(ratio / RATIO_ONE * result.mean_rpm, dtype=np.float64)
 
 
@@ -113,22 +158,26 @@ def draw_motion(result: GeneratedLobes) -> bytes:
     figure = titled_figure(
         8.5, 10, f"{result.table.part_name}, {what}: over one turn of the spindle"
     )
+    angle = "pressure" if what == "turned" else "contact"
     panels = _panels(
-        figure, ["lift, mm", "pressure angle, °", "radius, mm", "spindle, r/min", "surface, mm/s"]
+        figure,
+        ["lift, mm", f"{angle} angle, °", "radius, mm", "spindle, r/min", "surface, mm/s"],
     )
     panels[2].set_yscale("log")
     degrees = np.linspace(-180, 180, _N_ANGLES)
-    for i, lobe in enumerate(result.lobes):
+    for pattern, lobe in enumerate(patterns_of(result.lobes)):
         phi = np.radians(degrees)
         touch, path = lobe.contacts(phi)
-        rpm = _omega(result, phi, lobe.z_mm[0])
+        rpm = _omega(result, phi, pattern)
         radius = np.where(touch.curvature > 1e-3, 1 / touch.curvature, np.nan)
         surface = path.ds_dphi * rpm * 2 * np.pi / 60
         curves = (path.lift, np.degrees(path.angle), radius, rpm, surface)
         for axes, values in zip(panels, curves, strict=True):
-            axes.plot(degrees, values, color=f"C{i}", label=f"lobe {i}", lw=1.4)
+            name = name_of(result, lobe.profile)
+            axes.plot(degrees, values, color=f"C{pattern}", label=name, lw=1.4)
     if len(result.lobes) > 1:
         panels[0].legend(frameon=False)
+        panels[-1].set_xlabel("angle from the zero of the law, degrees")
     return png_of(figure)
 
 

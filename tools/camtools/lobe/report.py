@@ -209,7 +209,7 @@ def _drawers(outcome: LobeOutcome) -> dict[str, Callable[[], Figure]]:
             drawers["rake"] = lambda: draw_rake(outcome, swing_deg)
         drawers["following"] = lambda: report_motion.draw_following(trace)
     if trace.t_s.size > 1:
-        drawers["sequence"] = lambda: report_motion.draw_sequence(trace)
+        drawers["sequence"] = lambda: report_motion.draw_sequence(trace, outcome.overview)
     if len(outcome.variants) > 1:
         variants, tolerance_um = outcome.variants, form["tolerance"]
         drawers["compare"] = lambda: report_compare.draw_variants(variants, tolerance_um)

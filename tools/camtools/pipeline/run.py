@@ -24,6 +24,7 @@ from camtools.pipeline.load import load
 from camtools.pipeline.make import Made, make
 from camtools.report.text import page_text
 from camtools.sim.camsim import (
+    OVERVIEW,
     SUMMARY,
     SURFACE,
     TRACE,
@@ -31,6 +32,7 @@ from camtools.sim.camsim import (
     camsim_path,
     compare,
     cut,
+    overview_every,
     traced_turns,
 )
 from camtools.sim.results import AnyCut, Measured, read_summary, read_surface, read_trace
@@ -53,7 +55,8 @@ def _simulate(job: RunJob, made: Made, folder: Path) -> AnyCut | None:
         *("--machine", machine, *job.tolerance(kind.form_error_um(part))),
         *(*kind.speed_words(job.rpm), *job.feed_words(), *job.extra),
     ]
-    if cut(simulator, words, window) == BAD_INPUT:
+    every = overview_every(turns, kind.mean_rpm(made.table, job.rpm))
+    if cut(simulator, words, window, every) == BAD_INPUT:
         return None
     plain = without_faults(words)
     measured = Measured(
@@ -62,6 +65,7 @@ def _simulate(job: RunJob, made: Made, folder: Path) -> AnyCut | None:
         read_trace(folder / TRACE),
         window is None,
         compare(simulator, plain, window),
+        read_trace(folder / OVERVIEW) if window is not None else None,
     )
     outcome: AnyCut = kind.outcome(made.table, measured, Rig(simulator, plain, turns))
     return outcome

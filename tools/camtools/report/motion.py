@@ -89,13 +89,12 @@ def state_spans(trace: CutTrace) -> list[tuple[float, float, int]]:
     ]
 
 
-def windows_s(trace: CutTrace) -> list[tuple[str, float, float]]:
+def windows_s(trace: CutTrace, whole: CutTrace) -> list[tuple[str, float, float]]:
     """Return title, begin and end [s] of the begin, the whole and the end of a cut."""
-    cutting = trace.t_s[trace.state == CUTTING]
-    last_s = float(trace.t_s[-1])
+    cutting, last_s = whole.t_s[whole.state == CUTTING], float(whole.t_s[-1])
     if not cutting.size:
         return [("whole run", 0.0, last_s)]
-    begin_s = min(last_s, float(cutting[0]) + 0.15)
+    begin_s = min(float(trace.t_s[-1]), float(cutting[0]) + 0.15)
     end_s = max(0.0, float(cutting[-1]) - 0.15)
     return [("begin", 0.0, begin_s), ("all of it", 0.0, last_s), ("end", end_s, last_s)]
 
@@ -122,15 +121,22 @@ def _between(trace: CutTrace, begin_s: float, end_s: float) -> CutTrace:
     return trace.pick(slice(*np.searchsorted(trace.t_s, [begin_s, end_s])))
 
 
-def draw_sequence(trace: CutTrace) -> Figure:
-    """Return states, Z, X and U against time: how the cut begins, goes on and ends."""
-    windows = windows_s(trace)
+def draw_sequence(trace: CutTrace, overview: CutTrace | None = None) -> Figure:
+    """Return states, Z, X and U against time: how the cut begins, goes on and ends.
+
+    Parameters
+    ----------
+    overview : CutTrace, optional
+        One tick of several of the whole cut, where the trace holds only its first turns.
+    """
+    whole = trace if overview is None else overview
+    windows = windows_s(trace, whole)
     figure = new_figure(10, 6.6)
     ratios = {"height_ratios": [0.28, 1, 1, 1]}
     panels = figure.subplots(4, len(windows), sharex="col", squeeze=False, gridspec_kw=ratios)
-    spans = state_spans(trace)
+    spans = state_spans(whole)
     for column, (title, begin_s, end_s) in enumerate(windows):
-        part = _between(trace, begin_s, end_s)
+        part = _between(trace if column == 0 else whole, begin_s, end_s)
         strip, z, x, u = panels[:, column]
         _strip(strip, spans, begin_s, end_s)
         strip.set_title(title)

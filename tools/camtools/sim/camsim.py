@@ -21,6 +21,8 @@ from camtools.part.common import MachineLimits
 from camtools.sim.results import CutVariant, read_summary
 
 TRACE, SURFACE, SUMMARY = "trace.csv", "surface.csv", "summary.json"
+OVERVIEW = "overview.csv"  # one tick of several of a cut too long to trace
+_OVERVIEW_TICKS = 50_000
 MAX_TRACED_TICKS = 500_000  # about 150 MB of trace
 _WINDOW_TURNS = 200  # at most of a longer cut, for trace and comparison
 _TICK_HZ = 20_000  # of the default machine; good enough for an estimate
@@ -148,7 +150,18 @@ class Simulator:
         return done.returncode
 
 
-def cut(simulator: Simulator, words: Sequence[str], window_turns: float | None) -> int:
+def overview_every(turns: float, speed_rpm: float) -> int:
+    """Return of how many ticks the overview of a long cut holds one.
+
+    >>> overview_every(62_000, 2500)
+    596
+    """
+    return int(turns * 60 / speed_rpm * _TICK_HZ / _OVERVIEW_TICKS) + 1
+
+
+def cut(
+    simulator: Simulator, words: Sequence[str], window_turns: float | None, every: int = 1
+) -> int:
     """Cut a part; write surface, summary and trace; return camsim's exit status.
 
     Parameters
@@ -157,12 +170,15 @@ def cut(simulator: Simulator, words: Sequence[str], window_turns: float | None) 
         Options of camsim.
     window_turns : float or None
         The trace is of a second run that ends after so many turns; None: of the cut itself.
+    every : int
+        The overview of a longer cut holds one tick of so many.
     """
     results = ["--surface", SURFACE, "--summary", SUMMARY]
     if window_turns is None:
         return simulator.run([*words, *results, "--trace", TRACE])
     progress = ["--progress"] if sys.stderr.isatty() else []
-    status = simulator.run([*words, *results, *progress])
+    overview = ["--trace", OVERVIEW, "--trace-every", str(every)]
+    status = simulator.run([*words, *results, *overview, *progress])
     if status != 2:
         window = ["--turns-limit", repr(window_turns), "--trace", TRACE]
         simulator.run([*words, *window], is_quiet=True)

@@ -190,6 +190,7 @@ class Measured(NamedTuple):
     trace: CutTrace
     is_trace_complete: bool
     variants: tuple[CutVariant, ...]
+    overview: CutTrace | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -206,6 +207,8 @@ class Cut(Generic[MadeT]):
         The trace holds the whole cut, not its first turns only.
     variants : tuple of CutVariant
         Comparison cuts, the matched one first; may be empty.
+    overview : CutTrace or None
+        One tick of several of the whole cut, where the trace is not complete.
     """
 
     generated: MadeT
@@ -214,6 +217,7 @@ class Cut(Generic[MadeT]):
     trace: CutTrace
     is_trace_complete: bool = True
     variants: tuple[CutVariant, ...] = ()
+    overview: CutTrace | None = None
 
     @property
     def name(self) -> str:

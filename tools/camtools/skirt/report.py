@@ -138,7 +138,7 @@ def _drawers(outcome: SkirtOutcome) -> dict[str, Callable[[], Figure]]:
     if (trace.state == CUTTING).any():
         drawers["following"] = lambda: report_motion.draw_following(trace)
     if trace.t_s.size > 1:
-        drawers["sequence"] = lambda: report_motion.draw_sequence(trace)
+        drawers["sequence"] = lambda: report_motion.draw_sequence(trace, outcome.overview)
     if len(outcome.variants) > 1:
         tolerance_um = outcome.summary["form_error_um"]["tolerance"]
         variants = outcome.variants
