@@ -92,7 +92,7 @@ CASES = (
         "16v240zj",
         "16v240zj",
         table={"bytes": "table_bytes", "u_nm": "error.u.value_nm"},
-        cut=FORM,
+        cut=FORM | {"control_max_um": "control_error_um.max"},
     ),
     Case(
         "ring_helix",

@@ -28,7 +28,7 @@ def worth_text(variants: Sequence[CutVariant]) -> list[str]:
 
 
 def draw_variants(variants: Sequence[CutVariant], tolerance_um: float) -> Figure:
-    """Return bars of the largest form error on a logarithmic scale, beside the tolerance."""
+    """Return bars of the largest control error on a logarithmic scale, beside the tolerance."""
     figure = new_figure(10, 0.9 + 0.5 * len(variants))
     axes = figure.add_subplot()
     for i, (variant, worth) in enumerate(zip(variants, worth_text(variants), strict=True)):
@@ -44,5 +44,5 @@ def draw_variants(variants: Sequence[CutVariant], tolerance_um: float) -> Figure
     above_zero = [value for value in values if value > 0] or [1.0]
     axes.set_xlim(min(above_zero) / 5, max(above_zero) * 15)
     axes.xaxis.set_major_formatter("{x:g}")
-    axes.set_xlabel("largest form error, µm")
+    axes.set_xlabel("largest error of the controller, µm")
     return figure

@@ -186,8 +186,11 @@ def cut(
 
 
 def variant_of(name: str, summary: Json) -> CutVariant | None:
-    """Return what a comparison cut came to, nothing when it cut nothing."""
-    form = summary["form_error_um"]
+    """Return what a comparison cut came to, nothing when it cut nothing.
+
+    The controller is compared, so its own error counts, not that of a refit.
+    """
+    form = summary["control_error_um"]
     if form["max"] is None:
         return None
     ended = "" if summary["end"] in ("done", "stopped") else f" (ended early: {summary['end']})"

@@ -178,7 +178,7 @@ class CutVariant(NamedTuple):
     """The same cut with a part of the controller switched off."""
 
     name: str
-    max_um: float  # form error
+    max_um: float  # control error
     rms_um: float
 
 

@@ -135,11 +135,12 @@ def draw_profile(result: GeneratedSkirt) -> bytes:
     z_mm = dense_heights_mm(geometry, 32)
     _against_height(left, z_mm, 2 * geometry.radius_mm(z_mm), _profile_points(result), "diameter")
     g_mm = geometry.ovality_mm(z_mm)
-    _against_height(right, z_mm, g_mm, _ovality_points(result), "ovality without trim")
+    name = "ovality" if geometry.corner is None else "ovality without trim"
+    _against_height(right, z_mm, g_mm, _ovality_points(result), name)
     if geometry.corner is not None:
         trimmed_mm = g_mm + 2 * geometry.corner.trim(z_mm)
         right.plot(trimmed_mm, z_mm, color=_colour(2), ls="--", label="ovality with trim")
-        right.legend(frameon=False)
+    right.legend(frameon=False)
     left.legend(frameon=False)
     left.set_ylabel("skirt height, mm")
     left.set_xlabel("long-axis diameter, mm")
