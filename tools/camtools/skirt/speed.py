@@ -175,10 +175,10 @@ def worst_of(speed: SpeedTable) -> int:
     return int(np.argmax(speed.played))
 
 
-def summary_of(speed: SpeedTable, part: SkirtPart, geometry: Geometry) -> dict[str, object]:
+def summary_of(speed: SpeedTable, part: SkirtPart) -> dict[str, object]:
     """Return what modulation brings, as JSON values."""
     worst = worst_of(speed)
-    turns = (geometry.z_last_mm - geometry.z_first_mm) / part.process.feed_mm
+    turns = part.height_mm / part.process.feed_mm
     rpm = part.process.spindle_rpm
     return {
         "mean_spindle_rpm": float(rpm),

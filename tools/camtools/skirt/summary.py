@@ -160,7 +160,7 @@ def _extras(result: GeneratedSkirt) -> Json:
     if (meeting := where_sides_meet(result.geometry)) is not None:
         extras["sides"] = meeting
     if result.speed is not None:
-        extras["equal_volume"] = summary_of(result.speed, result.part, result.geometry)
+        extras["equal_volume"] = summary_of(result.speed, result.part)
     return extras
 
 
