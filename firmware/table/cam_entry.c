@@ -57,6 +57,14 @@ static cam_err_t check_shape(const cam_entry_t *e)
     return is_sound ? cam_ok : cam_err_image_channel;
 }
 
+bool cam_entry_is_plain(const cam_entry_t *e, const cam_entry_place_t *in)
+{
+    const uint32_t unused = e->log2_knots | e->log2_repeat | e->frac_bits | e->slices_per_nm_q48 |
+                            (uint32_t)e->value_offset | (uint32_t)e->p_min | (uint32_t)e->p_max |
+                            e->v_max | e->a_max | e->path;
+    return unused == 0u && e->z_first_nm == in->z_first_nm && e->z_last_nm == in->z_last_nm;
+}
+
 cam_err_t cam_entry_check_layout(const cam_entry_t *e, uint64_t bytes, const cam_entry_place_t *in,
                                  uint64_t *used)
 {

@@ -62,6 +62,10 @@ typedef struct {
 CAM_MUST_USE cam_err_t cam_entry_check(const cam_entry_t *e, const cam_entry_place_t *in,
                                        uint64_t *used);
 
+/// @return whether an entry of records, not of knots, has none of the fields that describe knots,
+///         and the range of heights of the whole table
+bool cam_entry_is_plain(const cam_entry_t *e, const cam_entry_place_t *in);
+
 /// Check where the numbers of an entry lie in the image.
 /// @param bytes  [bytes] that the entry must have
 /// @param used   [bytes] end of what lies before, moved behind this channel

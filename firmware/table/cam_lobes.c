@@ -20,16 +20,6 @@ static int32_t takes_over_nm(const cam_lobe_t *lobe)
     return lobe[-1].z_last_nm + (int32_t)(gap_nm / 2u);
 }
 
-/// An entry of the directory has none of the fields that describe knots.
-static bool is_plain(const cam_entry_t *e, const cam_entry_place_t *in)
-{
-    const uint32_t unused = e->log2_knots | e->log2_repeat | e->frac_bits | e->slices_per_nm_q48 |
-                            (uint32_t)e->value_offset | (uint32_t)e->p_min | (uint32_t)e->p_max |
-                            e->v_max | e->a_max | e->path;
-    return unused == 0u && e->z_first_nm == in->z_first_nm && e->z_last_nm == in->z_last_nm &&
-           cam_is_between(e->n_slices, 1, cam_table_max_lobes);
-}
-
 /// Check the gap above a lobe, and the reciprocal that is stored of it.
 static bool is_gap_good(const cam_lobe_t *lobe)
 {
@@ -58,7 +48,7 @@ static bool are_rising(const cam_lobe_t *lobe, const cam_entry_t *e)
 cam_err_t cam_lobes_check(const cam_entry_t *e, const cam_entry_place_t *in, uint64_t *used,
                           cam_table_t *table)
 {
-    if (!is_plain(e, in)) {
+    if (!cam_entry_is_plain(e, in) || !cam_is_between(e->n_slices, 1, cam_table_max_lobes)) {
         return cam_err_image_channel;
     }
     const cam_err_t err = cam_entry_check_layout(e, e->n_slices * sizeof(cam_lobe_t), in, used);

@@ -10,21 +10,21 @@ static int64_t per_rad_q20(int64_t per_turn_q20)
     return per_turn_q20 < 0 ? -magnitude : magnitude;
 }
 
-static uint32_t larger(uint32_t most, int64_t value)
+static uint32_t raised(uint32_t most, int64_t value)
 {
     return value > (int64_t)most ? (uint32_t)value : most;
 }
 
-static void widen(cam_pace_t *pace, cam_ratio_t at)
+static void take_place(cam_pace_t *pace, cam_ratio_t at)
 {
     const int64_t slope_q20 = per_rad_q20(at.slope_q20);
     const int64_t product_q20 = per_rad_q20(((int64_t)at.ratio_q28 * at.slope_q20) >> 28);
     const int64_t ratio_q20 = ((int64_t)at.ratio_q28 >> 8) + 1;
-    pace->fall_ppm_per_rad = larger(pace->fall_ppm_per_rad, (-slope_q20 * 1000000) >> 20);
-    pace->rise_q20 = larger(pace->rise_q20, product_q20);
+    pace->fall_ppm_per_rad = raised(pace->fall_ppm_per_rad, (-slope_q20 * 1000000) >> 20);
+    pace->rise_q20 = raised(pace->rise_q20, product_q20);
     for (int k = 0; k < cam_pace_places; k++) {
         pace->set_q20[k] =
-            larger(pace->set_q20[k], ratio_q20 + product_q20 * k * k / cam_pace_per_rad);
+            raised(pace->set_q20[k], ratio_q20 + product_q20 * k * k / cam_pace_per_rad);
     }
 }
 
@@ -37,7 +37,7 @@ cam_pace_t cam_pace_of(const cam_channel_t *ch)
     const uint32_t n = ch->knots != NULL ? ch->n_slices << ch->log2_knots : 0u;
     for (uint32_t i = 0; i < n; i++) {
         const cam_value_t at = {.y = ch->knots[i].p, .d1 = ch->knots[i].v};
-        widen(&pace, cam_speed_scaled(ch, at));
+        take_place(&pace, cam_speed_scaled(ch, at));
     }
     return pace;
 }

@@ -6,16 +6,6 @@
 
 _Static_assert(sizeof(cam_pass_t) == 16, "four words of the image");
 
-/// An entry of passes has none of the fields that describe knots.
-static bool is_plain(const cam_entry_t *e, const cam_entry_place_t *in)
-{
-    const uint32_t unused = e->log2_knots | e->log2_repeat | e->frac_bits | e->slices_per_nm_q48 |
-                            (uint32_t)e->value_offset | (uint32_t)e->p_min | (uint32_t)e->p_max |
-                            e->v_max | e->a_max | e->path;
-    return unused == 0u && e->z_first_nm == in->z_first_nm && e->z_last_nm == in->z_last_nm &&
-           cam_is_between(e->n_slices, 1, cam_table_max_passes);
-}
-
 /// The numbers have the ranges of the header's; the stock falls from pass to pass, to 0.
 static bool is_pass_good(const cam_pass_t *pass, int64_t before_nm)
 {
@@ -27,7 +17,8 @@ static bool is_pass_good(const cam_pass_t *pass, int64_t before_nm)
 cam_err_t cam_passes_check(const cam_entry_t *e, const cam_entry_place_t *in, uint64_t *used,
                            cam_table_t *table)
 {
-    if (table->passes != NULL || !is_plain(e, in)) {
+    if (table->passes != NULL || !cam_entry_is_plain(e, in) ||
+        !cam_is_between(e->n_slices, 1, cam_table_max_passes)) {
         return cam_err_image_channel;
     }
     const cam_err_t err =
