@@ -232,6 +232,24 @@ static void test_status_tells_u(void)
     TEST_ASSERT_EQUAL_HEX32((uint32_t)(uint64_t)status.pos_q32, fixture_can_i32(&spindle, 4));
 }
 
+/// The firmware counts in the sense of cutting, so with M4 the drawing's angle falls.
+static void test_status_tells_the_angle_of_the_drawing(void)
+{
+    to_cutting();
+    static cam_tick_record_t record;
+    record = *g_cam.newest;
+    for (int32_t direction = -1; direction <= 1; direction += 2) {
+        f.rig.machine.table.direction = direction;
+        record.angle.pos_q32 = (INT64_C(3) << 32) + 0x12345678;
+        record.tick += 20000u;
+        g_cam.newest = &record;
+        cam_can_poll(&f.can);
+        const hal_can_frame_t spindle = fixture_can_sent(0x2C0);
+        const uint32_t angle_q32 = direction > 0 ? 0x12345678u : 0u - 0x12345678u;
+        TEST_ASSERT_EQUAL_HEX32(angle_q32, (uint32_t)fixture_can_i32(&spindle, 4));
+    }
+}
+
 static void test_status_tells_inputs_and_that_the_angle_is_known(void)
 {
     turn_pages(1);
@@ -372,6 +390,7 @@ int main(void)
     RUN_TEST(test_status_tells_the_longest_tick);
     RUN_TEST(test_status_tells_late_ticks);
     RUN_TEST(test_status_tells_u);
+    RUN_TEST(test_status_tells_the_angle_of_the_drawing);
     RUN_TEST(test_status_tells_inputs_and_that_the_angle_is_known);
     RUN_TEST(test_status_tells_the_table);
     RUN_TEST(test_without_a_table_there_is_nothing_to_tell_of_it);
