@@ -96,6 +96,7 @@ def test_cut_surface_is_the_drawing(name: str, tmp_path: Path) -> None:
     assert "inner circle" in page and "WITHIN TOLERANCE" in page
 
 
+@pytest.mark.slow
 def test_verdict_is_against_the_drawing(tmp_path: Path) -> None:
     """A blend beyond the tolerance makes a bad part, however well the controller plays it."""
     text = (PARTS / "p4c-35.toml").read_text()
@@ -127,8 +128,10 @@ def test_taper_makes_all_sections_alike() -> None:
     grown = 2 * float(made.geometry.radius_mm(20.0) - made.geometry.radius_mm(0.0))
     assert grown == pytest.approx(1.0, abs=1e-12)
     assert np.ptp(last / first) < 1e-12
+    assert made.deviation_um <= 2.0 * (1 + 1e-6) < 1.05 * made.blended.deviation_um * last[0]
 
 
+@pytest.mark.slow
 def test_too_sharp_names_the_blend_that_would_do(tmp_path: Path) -> None:
     """With the advised blend the part is accepted; with a little less it is not."""
     lines = 'form = "p4c"\nsize_mm = 35\nz_mm = [0, 20]\nblend_um = {}\n'
@@ -262,6 +265,7 @@ def test_what_no_table_holds(lines: str, message: str) -> None:
         generate_polygon(part_of(lines, STRONG))
 
 
+@pytest.mark.slow
 def test_advised_blend_makes_a_table(tmp_path: Path) -> None:
     """What the refusal of P4C 35 advises is taken, and the firmware takes the table."""
     lines = 'form = "p4c"\nsize_mm = 35\nz_mm = [0, 20]\nblend_um = {}\n'
@@ -292,3 +296,15 @@ def test_passes(tmp_path: Path) -> None:
     path.write_text(text.replace("[machine.limits]", weak))
     with pytest.raises(CamtoolsError, match=r"^process\.pass number 1: machine\.limits\.z_speed"):
         generate_polygon(load(path).part)
+
+
+def test_measured_motion_lies_on_the_table(tmp_path: Path) -> None:
+    """With U about its mean the picture counts from there, as the trace does."""
+    text = (PARTS / "p3g-25.toml").read_text().replace("[0, 30]", "[0, 2]")
+    path = tmp_path / "a.toml"
+    path.write_text(text.replace("[machine.limits]", 'u_zero = "mean"\n[machine.limits]'))
+    loaded = load(path)
+    made = loaded.kind.make(loaded.part)
+    assert made.middle_nm == 800_000
+    pictures = loaded.kind.plots(made)
+    assert sorted(pictures) == ["motion", "section"]

@@ -85,6 +85,17 @@ class GeneratedPolygon:
     middle_nm: int
     heel: Heel
 
+    @property
+    def deviation_um(self) -> float:
+        """Return the largest deviation of the cut contour from the drawing [um]."""
+        return self.blended.deviation_um * growth_of(self.part.polygon, self.drawing)
+
+
+def growth_of(section: PolygonSection, drawing: Outline) -> float:
+    """Return the size of the largest section over that of the first: so much blends grow."""
+    _, largest_mm = extremes_of(drawing)
+    return max(1.0, 1 + section.taper * section.length_mm / (2 * largest_mm))
+
 
 def outline_of(section: PolygonSection) -> Outline:
     """Return the section of the first height as the part file draws it.
@@ -238,7 +249,7 @@ def generate_polygon(part: PolygonPart, tolerance_nm: float | None = None) -> Ge
     for one in passes:
         check_feed(one)
     drawing = outline_of(part.polygon)
-    cut = blended(drawing, part.polygon.blend_um)
+    cut = blended(drawing, part.polygon.blend_um / growth_of(part.polygon, drawing))
     geometry, design = _surfaces(part, drawing, cut.outline)
     heel, tip = _heel(part, geometry), tip_geometry(geometry, part.tool)
     tolerance_nm, u, accuracy_u = _within(tip, tolerance_nm, cut)
@@ -312,7 +323,9 @@ def _check_sharpness(part: PolygonPart, drawing: Outline, cut: Blended, peak_mm:
     if peak_mm <= most_mm:
         return
     least = least_blend_um(drawing, bend_of(cut) * most_mm / peak_mm / _HINT_MARGIN)
-    remedy = "give larger corner radii" if least is None else f"allow {least:.4g} um"
+    remedy = "give larger corner radii"
+    if least is not None:
+        remedy = f"allow {least * growth_of(part.polygon, drawing):.4g} um"
     given = f"polygon.blend_um = {part.polygon.blend_um:g}"
     problem = f"U would need {peak_mm:.6g} mm/rad2, a table holds {most_mm:.6g}"
     raise CamtoolsError([f"{given}: {problem}; {remedy}"])
@@ -336,15 +349,21 @@ def _advice(part: PolygonPart, drawing: Outline) -> list[str]:
         return []
     allowed = part.machine.limits.u_acceleration_mm_s2
     omega = omega_rad_s(part.process.spindle_rpm)
-    least = least_blend_um(drawing, allowed / omega**2 / _HINT_MARGIN)
+    grown = growth_of(part.polygon, drawing)
+    least = least_blend_um(drawing, allowed / omega**2 / _HINT_MARGIN / grown)
     if least is None:
         return ["polygon.blend_um: no blend helps, the outline itself is too sharp; turn slower"]
     given = part.polygon.blend_um
-    return [f"polygon.blend_um = {given:g}: at this speed {least:.4g} would do; allow that much"]
+    return [
+        f"polygon.blend_um = {given:g}: at this speed {least * grown:.4g} would do; allow that much"
+    ]
 
 
 def least_blend_um(drawing: Outline, most_mm: float) -> float | None:
-    """Return the least deviation whose blends keep r'' below a limit [mm/rad^2], if there is."""
+    """Return the least deviation whose blends keep r'' below a limit [mm/rad^2], if there is.
+
+    Both are those of the first section.
+    """
 
     def is_enough(deviation_um: float) -> bool:
         return bend_of(blended(drawing, deviation_um)) <= most_mm

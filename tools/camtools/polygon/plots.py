@@ -12,7 +12,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from camtools.base.quantities import Floats, omega_rad_s
+from camtools.base.quantities import NM_PER_MM, Floats, omega_rad_s
 from camtools.plots.style import BLUE, GREY, ORANGE, PALE, RED, angle_axis, png_of, titled_figure
 from camtools.polygon.blend import Blend
 from camtools.polygon.generate import GeneratedPolygon
@@ -74,7 +74,8 @@ def draw_motion(made: GeneratedPolygon) -> Figure:
     panels: list[Axes] = list(figure.subplots(3, 1, sharex=True))
     phi, omega = angles_of(made), omega_rad_s(rpm)
     u = made.geometry.delta(phi, z_mm)
-    curves = (u.delta, u.d1 * omega, u.d2 * omega**2 / _MM_PER_M)
+    from_zero_mm = u.delta - made.middle_nm / NM_PER_MM
+    curves = (from_zero_mm, u.d1 * omega, u.d2 * omega**2 / _MM_PER_M)
     names = ("U towards the axis, mm", "velocity, mm/s", "acceleration, m/s²")
     for axes, curve, name in zip(panels, curves, names, strict=True):
         axes.plot(np.degrees(phi), curve, color=BLUE, lw=1.4)

@@ -143,7 +143,8 @@ def draw_cut_motion(outcome: PolygonCut) -> Figure:
     z_mm = float(trace.z_mm[rows].mean()) if rows.size else made.geometry.z_first_mm
     phi = angles_of(made)
     u = made.geometry.delta(phi, z_mm)
-    curves = (u.delta, u.d1 * omega, u.d2 * omega**2 / _MM_PER_M)
+    from_zero_mm = u.delta - made.middle_nm / NM_PER_MM
+    curves = (from_zero_mm, u.d1 * omega, u.d2 * omega**2 / _MM_PER_M)
     names = ("U towards the axis, mm", "velocity, mm/s", "acceleration, m/s²")
     for axes, curve, name in zip(panels, curves, names, strict=True):
         axes.plot(np.degrees(phi), curve, color=BLUE, lw=1.4, label="table")

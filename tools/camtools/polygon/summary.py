@@ -98,7 +98,7 @@ def _about(made: GeneratedPolygon) -> Json:
         **measures_of(made.drawing)._asdict(),
         "taper": section.taper,
         "blend_um": section.blend_um,
-        "deviation_um": made.blended.deviation_um,
+        "deviation_um": made.deviation_um,
         "joints": joints,
     }
 
