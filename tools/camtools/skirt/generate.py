@@ -105,13 +105,14 @@ def _u_of(
     part: SkirtPart, geometry: Geometry, tip: Geometry, tolerance_nm: float
 ) -> tuple[Channel, Accuracy]:
     """Return the u channel for the way of the tip; of a long scan with a remedy when none fits."""
+    runs = part.process.run_in_mm, part.process.run_out_mm
 
     def followed(one: Geometry) -> Geometry:
-        air = with_run(one, part.process.run_in_mm, part.process.run_out_mm)
-        return tip_geometry(air, part.tool)
+        return tip_geometry(with_run(one, *runs), part.tool)
 
+    sieve = with_run(geometry, *runs) if part.tool.is_round else None
     try:
-        return choose_u(tip, tolerance_nm)
+        return choose_u(tip, tolerance_nm, sieve)
     except UnreachableError as error:
         refuse_scan(part, geometry, followed, tolerance_nm, error)
         raise
