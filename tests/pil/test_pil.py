@@ -26,7 +26,7 @@ CAM_LATHE = ROOT / "host_sim" / "machines" / "cam.toml"
 FAST_ENDS = ("--set", "engage_turns=1", "--set", "disengage_turns=1")
 # Part, exit status and options: engage to disengage, a modulated spindle, a stopped ring-helix,
 # faults of the machine and of the table in the target's memory, the operator's stop, a tool that
-# swings.
+# swings, several passes with a feed against the height.
 CASES = {
     "whole": ("perkins240", 0, ("--feed", "1")),
     "modulated": ("perkins240_equal_volume", 0, ("--rpm", "230", "--feed", "5")),
@@ -42,6 +42,14 @@ CASES = {
     ),
     "late_tick": ("perkins240", 1, ("--feed", "1", "--inject", "late-tick@0.4:100")),
     "table_flip": ("perkins240", 1, ("--feed", "1", "--inject", "table-flip@0.3:2000")),
+    "passes": (
+        "skirt_passes",
+        0,
+        (
+            *("--feed", "4", "--set", "z_margin_nm=2000000"),
+            *("--set", "z_acceleration_mm_per_s2=100000"),
+        ),
+    ),
     "stop": ("perkins240", 0, ("--feed", "1", "--inject", "stop@0.5")),
     "swung": ("cam-345", 0, ("--machine", str(CAM_LATHE), "--feed", "6", *FAST_ENDS)),
 }

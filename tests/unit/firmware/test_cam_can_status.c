@@ -265,6 +265,21 @@ static void test_status_tells_inputs_and_that_the_angle_is_known(void)
     TEST_ASSERT_EQUAL_HEX8(9, frame.data[1] & 0xDu);
 }
 
+static void test_status_tells_the_pass(void)
+{
+    static const cam_pass_t two[2] = {{1000, 100000, 1000000, 0}, {0, 100000, 1000000, 0}};
+    turn_pages(1);
+    TEST_ASSERT_EQUAL_HEX16(0, fixture_can_detail(1).data[2] | fixture_can_detail(1).data[3]);
+    f.rig.machine.table.passes = two;
+    f.rig.machine.table.n_passes = 2;
+    f.rig.machine.pass = 1;
+    hal_host.slow.n_sent = 0;
+    memset(hal_host.slow.sent, 0, sizeof hal_host.slow.sent);
+    turn_pages(1);
+    TEST_ASSERT_EQUAL_UINT8(2, fixture_can_detail(1).data[2]);
+    TEST_ASSERT_EQUAL_UINT8(2, fixture_can_detail(1).data[3]);
+}
+
 static void test_status_tells_the_table(void)
 {
     char name[37] = "";
@@ -392,6 +407,7 @@ int main(void)
     RUN_TEST(test_status_tells_u);
     RUN_TEST(test_status_tells_the_angle_of_the_drawing);
     RUN_TEST(test_status_tells_inputs_and_that_the_angle_is_known);
+    RUN_TEST(test_status_tells_the_pass);
     RUN_TEST(test_status_tells_the_table);
     RUN_TEST(test_without_a_table_there_is_nothing_to_tell_of_it);
     RUN_TEST(test_start_is_told_with_its_reason);
