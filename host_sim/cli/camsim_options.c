@@ -25,6 +25,9 @@ static const char help[] =
     "  --removal F.csv       metal removed, power and forces of every time slice\n"
     "  --slice-us T          length of those slices (default: a 120th of the mean turn)\n"
     "  --kc-n-mm2 K          specific cutting force (default: 700)\n"
+    "  --kc-exponent M       its size effect: K h^-M at a chip h mm thick, then K is kc1.1; a "
+    "nose\n"
+    "                        (--nose-mm) cuts thinner chips (default: 0, none)\n"
     "  --nose-mm R           radius of the tool's nose, which the gauge judges (default: that of\n"
     "                        the machine file, else of the part file); the surface between tracks\n"
     "                        is made, too\n"
@@ -64,6 +67,7 @@ enum {
     opt_removal,
     opt_slice,
     opt_kc,
+    opt_kc_exponent,
     opt_nose,
     opt_scallop,
     opt_window,
@@ -94,6 +98,7 @@ static const struct option options[] = {
     {"removal", required_argument, NULL, opt_removal},
     {"slice-us", required_argument, NULL, opt_slice},
     {"kc-n-mm2", required_argument, NULL, opt_kc},
+    {"kc-exponent", required_argument, NULL, opt_kc_exponent},
     {"nose-mm", required_argument, NULL, opt_nose},
     {"scallop", required_argument, NULL, opt_scallop},
     {"scallop-mm", required_argument, NULL, opt_window},
@@ -245,6 +250,8 @@ static bool take_value(camsim_options_t *o, int option, const char *text, common
         return true;
     case opt_kc:
         return take_number(&cut->kc_n_mm2, "kc-n-mm2", text, 0.001, 1e6, "N/mm2", e);
+    case opt_kc_exponent:
+        return take_number(&cut->kc_exponent, "kc-exponent", text, 0.0, 0.9, "a pure number", e);
     case opt_nose:
         if (!take_number(&cut->nose_mm, "nose-mm", text, 0.01, 100.0, "mm", e)) {
             return false;

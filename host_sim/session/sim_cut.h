@@ -31,6 +31,7 @@ typedef struct {
     bool is_traced;     ///< the firmware records every tick; drain sim_firmware_trace()
     double slice_s;     ///< [s] of the removal measured; 0: a 120th of the mean turn
     double kc_n_mm2;    ///< specific cutting force
+    double kc_exponent; ///< of its size effect; 0: none
     double nose_mm;     ///< radius of the tool's nose; 0: the surface between tracks is not made
     bool has_window;    ///< heights of that surface are given; else four feeds in the middle
     double window_first_mm, window_last_mm;

@@ -47,6 +47,8 @@ void sim_cut_plan_pass(sim_cut_t *cut)
                        ? o->slice_s
                        : 60e3 / mrpm_of(&cut->session.table, &cut->here) / slices_per_turn,
         .kc_n_mm2 = o->kc_n_mm2,
+        .size_exponent = o->kc_exponent,
+        .nose_mm = o->nose_mm,
     };
     sim_removal_init(&cut->removal, &removal);
     cut->session.mean_rad_s = mrpm_of(&cut->session.table, &cut->here) * (SIM_TWO_PI / 60e3);

@@ -116,6 +116,9 @@ static void add_removal(cJSON *root, const sim_cut_t *cut)
     cJSON *object = cJSON_AddObjectToObject(root, "removal");
     sim_summary_number(object, "slice_s", r->config.slice_s);
     sim_summary_number(object, "kc_n_mm2", r->config.kc_n_mm2);
+    if (r->config.size_exponent > 0.0) {
+        sim_summary_number(object, "kc_exponent", r->config.size_exponent);
+    }
     sim_summary_number(object, "volume_mm3", r->removed_mm3);
     sim_summary_number(object, "turns", (double)r->rate_ripple.n);
     if (r->rate_ripple.n == 0u) {

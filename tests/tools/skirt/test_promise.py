@@ -15,7 +15,10 @@ from camtools.sim.camsim import machine_text
 from camtools.sim.results import read_removal
 from camtools.skirt.generate import GeneratedSkirt, generate
 from camtools.skirt.report_even import ripple_by_turn
+from camtools.skirt.speed import motion_played
 from camtools.skirt.summary import make_summary
+from camtools.table.evaluate import evaluate_at
+from camtools.table.image import RATIO_ONE
 from camtools.table.summary import table_files
 from part_cases import ROOT, parse_part
 
@@ -105,3 +108,24 @@ def test_ripple_beyond_the_accepted_is_refused_with_a_speed_that_keeps_it() -> N
     made(text.replace("spindle_rpm = 600 ", f"spindle_rpm = {rpm} "))
     with pytest.raises(CamtoolsError):
         made(text.replace("spindle_rpm = 600 ", f"spindle_rpm = {1.03 * rpm:.1f} "))
+
+
+@pytest.mark.slow
+def test_motion_is_drawn_at_the_speed_that_is_played() -> None:
+    """Velocity and acceleration are differences of U over the time that the law takes."""
+    result, height_mm, rpm = made(EVEN), 30.0, 230.0
+    assert result.speed is not None
+    turns = np.linspace(0, 1, 20_001)
+    u_mm, velocity, acceleration = motion_played(
+        result.geometry, rpm, height_mm, turns, result.speed.channel
+    )
+    z_nm = np.full(turns.size, height_mm * 1e6)
+    ratio = evaluate_at(result.speed.channel, turns, z_nm).value / RATIO_ONE
+    step_s = np.diff(turns) / ((ratio[1:] + ratio[:-1]) / 2 * rpm / 60)
+    time_s = np.append(0.0, np.cumsum(step_s))
+    slope = np.gradient(u_mm, time_s)
+    assert np.abs(velocity - slope).max() < 2e-3 * np.abs(slope).max()
+    bend = np.gradient(velocity, time_s)
+    assert np.abs(acceleration - bend)[5:-5].max() < 5e-3 * np.abs(bend).max()
+    uniform = motion_played(result.geometry, rpm, height_mm, turns, None)[1]
+    assert np.abs(velocity - uniform).max() > 0.2 * np.abs(uniform).max()

@@ -16,7 +16,8 @@ from matplotlib.projections.polar import PolarAxes
 from camtools.base.quantities import Floats
 from camtools.plots.style import png_of, titled_figure
 from camtools.skirt.generate import GeneratedSkirt
-from camtools.skirt.geometry import Geometry, dense_heights_mm, turning_at
+from camtools.skirt.geometry import Geometry, dense_heights_mm
+from camtools.skirt.speed import motion_played
 
 _N_ANGLES = 1441
 _N_SECTIONS = 4
@@ -71,12 +72,10 @@ def _polar_scale(axes: PolarAxes, deepest_um: float) -> None:
 
 def _motion_curves(panels: list[Axes], result: GeneratedSkirt, z_mm: float, i: int) -> None:
     turns = np.linspace(0, 1, _N_ANGLES)
-    motion = turning_at(result.geometry, result.part.process.spindle_rpm, z_mm, turns)
-    curves = (
-        motion.u_mm * _UM_PER_MM,
-        motion.velocity_mm_s,
-        motion.acceleration_mm_s2 / _MM_PER_M,
-    )
+    law = result.speed.channel if result.speed is not None else None
+    rpm = result.part.process.spindle_rpm
+    u_mm, velocity, acceleration = motion_played(result.geometry, rpm, z_mm, turns, law)
+    curves = (u_mm * _UM_PER_MM, velocity, acceleration / _MM_PER_M)
     for axes, values in zip(panels, curves, strict=True):
         axes.plot(360 * turns, values, color=_colour(i), label=f"height {z_mm:.1f} mm")
 

@@ -130,8 +130,9 @@ def _drawers(outcome: SkirtOutcome) -> dict[str, Callable[[], Figure]]:
             drawers["corner"] = lambda: draw_corner(surface, trace, geometry, speed_rpm)
         drawers["height"] = lambda: report_surface.draw_height(surface, geometry)
         drawers["skirt"] = lambda: draw_skirt(surface, geometry, factor)
-    drawers["motion"] = lambda: draw_motion(trace, geometry, speed_rpm, middle_mm)
     even, speed = outcome.even, outcome.generated.speed
+    law = speed.channel if speed is not None else None
+    drawers["motion"] = lambda: draw_motion(trace, geometry, speed_rpm, middle_mm, law)
     if even is not None and speed is not None and even.removal.turn.size:
         drawers["even"] = lambda: draw_even(even, speed, speed_rpm)
         drawers["ripple"] = lambda: draw_ripple(even, speed)

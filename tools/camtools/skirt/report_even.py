@@ -21,6 +21,7 @@ from camtools.skirt.outcome import Even
 from camtools.skirt.speed import SpeedTable, worst_of
 
 _PERCENT = 100.0
+_RISING = 4  # turns at either end in which the feed rises or falls, or the chips of such a turn
 
 
 def ripple_by_turn(removal: Removal) -> tuple[Floats, Floats]:
@@ -98,7 +99,8 @@ def draw_ripple(even: Even, speed: SpeedTable) -> Figure:
         (even.removal, RED, "equal volume, measured"),
     ):
         z_mm, ripple = ripple_by_turn(removal)
-        axes.plot(z_mm[2:-2], _PERCENT * ripple[2:-2], color=colour, lw=1.4, label=name)
+        full = slice(_RISING, -_RISING)
+        axes.plot(z_mm[full], _PERCENT * ripple[full], color=colour, lw=1.4, label=name)
     laws = _PERCENT * speed.played
     blended = [_PERCENT * law.ripple for law in speed.partial]
     axes.plot(speed.z_mm, laws, color=BLUE, ls="", marker="o", ms=4, label="promised by the table")

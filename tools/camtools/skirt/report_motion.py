@@ -19,7 +19,9 @@ from camtools.plots.style import (
     new_figure,
 )
 from camtools.sim.results import CUTTING, CutTrace
-from camtools.skirt.geometry import Geometry, turning_at
+from camtools.skirt.geometry import Geometry
+from camtools.skirt.speed import motion_played
+from camtools.table.image import Channel
 
 _UM_PER_MM, _MM_PER_M = 1000.0, 1000.0
 _N_ANGLES = 721
@@ -55,25 +57,33 @@ def _slope(values: Floats, t_s: Floats) -> Floats:
 
 
 def draw_motion(
-    trace: CutTrace, geometry: Geometry, speed_rpm: float, middle_mm: float = 0.0
+    trace: CutTrace,
+    geometry: Geometry,
+    speed_rpm: float,
+    middle_mm: float = 0.0,
+    speed: Channel | None = None,
 ) -> Figure:
     """Return U, its velocity and acceleration over the turn in which U moves most.
 
     Parameters
     ----------
+    speed_rpm : float
+        Mean speed.
     middle_mm : float
         Reduction of the radius at U 0 [mm].
+    speed : Channel, optional
+        Ratio of the spindle's speed over the drawing's angle, where it is modulated.
     """
     figure = new_figure(10, 6.6)
     panels: list[Axes] = list(figure.subplots(3, 1, sharex=True))
     rows = hardest_turn(trace, geometry)
     z_mm = float(trace.z_mm[rows].mean()) if rows.size else geometry.z_last_mm
     turns = np.linspace(0, 1, _N_ANGLES)
-    wanted = turning_at(geometry, speed_rpm, z_mm, turns)
+    u_mm, velocity, acceleration = motion_played(geometry, speed_rpm, z_mm, turns, speed)
     curves = (
-        ((wanted.u_mm - middle_mm) * _UM_PER_MM, "U towards the axis, µm"),
-        (trace.sense * wanted.velocity_mm_s, "velocity, mm/s"),
-        (wanted.acceleration_mm_s2 / _MM_PER_M, "acceleration, m/s²"),
+        ((u_mm - middle_mm) * _UM_PER_MM, "U towards the axis, µm"),
+        (trace.sense * velocity, "velocity, mm/s"),
+        (acceleration / _MM_PER_M, "acceleration, m/s²"),
     )
     for axes, (curve, name) in zip(panels, curves, strict=True):
         axes.plot(360 * turns, curve, color=BLUE, lw=1.6, label="drawing")
@@ -81,7 +91,8 @@ def draw_motion(
         axes.grid(alpha=0.3)
     if rows.size:
         _measured(panels, trace.pick(rows))
-    panels[0].set_title(f"height {z_mm:.1f} mm, {speed_rpm:g} r/min")
+    mean = "mean " if speed is not None else ""
+    panels[0].set_title(f"height {z_mm:.1f} mm, {mean}{speed_rpm:g} r/min")
     panels[0].legend(frameon=False, loc="upper right", bbox_to_anchor=(1, 1.25), ncols=2)
     angle_axis(panels[-1])
     return figure

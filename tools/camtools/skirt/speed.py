@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from camtools.base.errors import CamtoolsError
-from camtools.base.quantities import Floats, omega_rad_s
+from camtools.base.quantities import NM_PER_MM, Floats, omega_rad_s
 from camtools.cut.feasibility import tenth_below
 from camtools.cut.speedlaw import (
     N_GRID,
@@ -32,9 +32,9 @@ from camtools.cut.spindleloop import SpindleLoop, played_ripple
 from camtools.part.common import MachineLimits
 from camtools.skirt.blank import blank_radius_mm
 from camtools.skirt.channels import height_range_nm
-from camtools.skirt.geometry import Geometry
+from camtools.skirt.geometry import Geometry, turning_at
 from camtools.skirt.part import SkirtPart
-from camtools.table.evaluate import knot_interval
+from camtools.table.evaluate import evaluate_at, knot_interval
 from camtools.table.image import KIND_SPEED, MAX_SPACING_NM, RATIO_ONE, Channel
 from camtools.table.modulation import MotionPeaks, peaks_together
 from camtools.table.quantise import quantise, slice_heights_mm, with_bounds
@@ -168,6 +168,29 @@ def highest_rpm_for(load: Load, limits: MachineLimits, ripple: float) -> float:
             is_kept = False
         low, high = (middle, high) if is_kept else (low, middle)
     return low
+
+
+def motion_played(
+    geometry: Geometry, mean_rpm: float, z_mm: float, turns: Floats, speed: Channel | None
+) -> tuple[Floats, Floats, Floats]:
+    """Return U [mm], its velocity and acceleration at a height, at the speed of the table.
+
+    Parameters
+    ----------
+    turns : ndarray, shape (n,)
+        The drawing's angle, in turns.
+    speed : Channel or None
+        Over the drawing's angle; without, the spindle turns uniformly.
+    """
+    wanted = turning_at(geometry, mean_rpm, z_mm, turns)
+    velocity, acceleration = wanted.velocity_mm_s, wanted.acceleration_mm_s2
+    if speed is not None:
+        law = evaluate_at(speed, turns, np.full(turns.size, z_mm * NM_PER_MM))
+        ratio, slope = law.value / RATIO_ONE, law.d1 / RATIO_ONE
+        alpha = ratio * slope * omega_rad_s(mean_rpm)
+        acceleration = acceleration * ratio**2 + velocity * alpha  # MATHS.md (25)
+        velocity = velocity * ratio
+    return wanted.u_mm, velocity, acceleration
 
 
 def worst_of(speed: SpeedTable) -> int:
