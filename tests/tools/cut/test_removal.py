@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camtools.cut.removal import (
+    ChipForce,
     SectionCut,
     equal_volume_angles,
     harmonics_mm,
@@ -197,3 +198,17 @@ def test_sections_without_symmetry_take_the_whole_turn() -> None:
     areas = np.diff(cut.area_mm2(np.append(0.0, parts.phi_rad)))
     np.testing.assert_allclose(areas, cut.total_mm2 / 50, rtol=1e-11)
     assert equal_volume_angles(cut, 50, 3).size == 151
+
+
+def test_size_effect_is_that_of_kienzle() -> None:
+    """By hand: 700 x 0.1 x 0.1^0.75 N; with a nose of 0.8 mm an arc of 0.8 acos(0.875) mm."""
+    depth = np.array([0.1, 0.1])
+    assert ChipForce(700.0).chip_n(depth, 0.1)[0] == pytest.approx(7.0)
+    square = ChipForce(700.0, 0.25).chip_n(depth, 0.1)[0]
+    assert square == pytest.approx(12.447956, rel=1e-6)
+    arc_mm = 0.8 * np.arccos(0.875)
+    nosed = ChipForce(700.0, 0.25, 0.8).chip_n(depth, 0.1)[0]
+    assert nosed == pytest.approx(700 * (0.01 / arc_mm) ** -0.25 * 0.01, rel=1e-9)
+    assert nosed == pytest.approx(17.651063, rel=1e-6)
+    deep = ChipForce(700.0, 0.25, 0.8).chip_n(np.array([2.0]), 0.1)[0]
+    assert deep == pytest.approx(700 * (0.2 / (0.8 * np.pi / 2 + 1.2)) ** -0.25 * 0.2, rel=1e-9)

@@ -49,6 +49,7 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
     add("--slice-volume-mm3", type=float, default=0.04, metavar="V", help="largest, default 0.04")
     add("--cycle-us", type=float, default=50.0, metavar="T", help="controller's, default 50")
     add("--kc-n-mm2", type=float, default=700.0, metavar="K", help="cutting force, default 700")
+    add("--kc-exponent", type=float, default=0.0, metavar="M", help="its size effect, default 0")
     add("--nose-mm", type=float, default=0.8, metavar="R", help="tool's nose radius, default 0.8")
     add("--rpm", type=float, metavar="N", help="mean speed, default the part's")
     return parser.parse_args(argv)
@@ -62,6 +63,7 @@ def _wishes(arguments: argparse.Namespace) -> AnalysisWishes:
         slice_volume_mm3=arguments.slice_volume_mm3,
         cycle_us=arguments.cycle_us,
         kc_n_mm2=arguments.kc_n_mm2,
+        kc_exponent=arguments.kc_exponent,
         rpm=arguments.rpm,
         turns=arguments.turns,
         nose_mm=arguments.nose_mm,

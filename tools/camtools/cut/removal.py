@@ -222,6 +222,30 @@ def harmonics_mm(cut: SectionCut, n: int) -> Floats:
     return np.asarray(np.real(waves[: n + 1]) * np.where(np.arange(n + 1) > 0, 2, 1))
 
 
+class ChipForce(NamedTuple):
+    """Specific cutting force, with Kienzle's size effect where it is given, MATHS.md (86)."""
+
+    kc_n_mm2: float  # with a size effect kc1.1, that of a chip of 1 mm by 1 mm
+    exponent: float = 0.0  # mc; 0: the same at any thickness
+    nose_mm: float = 0.0  # radius along which the tool cuts; 0: an edge square to the feed
+
+    def specific_n_mm2(self, depth_mm: Floats, feed_mm: float) -> Floats:
+        """Return the force per area of a chip of depths above 0."""
+        depth = np.asarray(depth_mm, dtype=np.float64)
+        if self.exponent == 0:
+            return np.full(depth.shape, self.kc_n_mm2)
+        width = depth
+        if self.nose_mm > 0:
+            arc = np.minimum(depth, self.nose_mm)
+            width = self.nose_mm * np.arccos(1 - arc / self.nose_mm) + depth - arc
+        thick = depth * feed_mm / width
+        return np.asarray(self.kc_n_mm2 * thick**-self.exponent, dtype=np.float64)
+
+    def chip_n(self, depth_mm: Floats, feed_mm: float) -> Floats:
+        """Return the force of the chip."""
+        return self.specific_n_mm2(depth_mm, feed_mm) * depth_mm * feed_mm
+
+
 class Rates(NamedTuple):
     """Removal rate and power at constant rate, and how much uniform turning varies."""
 

@@ -17,6 +17,7 @@ from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats
 from camtools.cut.removal import (
     TURN_RAD,
+    ChipForce,
     Parts,
     PartsRange,
     Rates,
@@ -48,6 +49,7 @@ class AnalysisWishes:
     slice_volume_mm3: float = 0.04
     cycle_us: float = 50.0
     kc_n_mm2: float = 700.0
+    kc_exponent: float = 0.0
     rpm: float | None = None
     turns: int = 1
     nose_mm: float = 0.8
@@ -64,7 +66,7 @@ class Analysis:
     height_mm: float
     rpm: float  # mean speed
     feed_mm: float
-    kc_n_mm2: float
+    force: ChipForce
     turns: int
     alpha_rad_s2: float
     steps: Steps
@@ -75,6 +77,15 @@ class Analysis:
     rates: Rates
     waves_mm: Floats  # cosine amplitudes of U at constant rate, against mean phase
     uniform_waves_mm: Floats
+
+    @property
+    def kc_n_mm2(self) -> float:
+        """Return the specific cutting force, with a size effect that of a chip of 1 mm."""
+        return self.force.kc_n_mm2
+
+    def chip_n(self, depth_mm: Floats) -> Floats:
+        """Return the force of chips of the feed."""
+        return self.force.chip_n(depth_mm, self.feed_mm)
 
 
 def _refuse(option: str, value: object, problem: str, remedy: str) -> CamtoolsError:
@@ -87,6 +98,7 @@ def _check(wishes: AnalysisWishes) -> None:
         "--slice-volume-mm3": (wishes.slice_volume_mm3, 1e-9, 1e6),
         "--cycle-us": (wishes.cycle_us, 0.01, 1e6),
         "--kc-n-mm2": (wishes.kc_n_mm2, 0.001, 1e6),
+        "--kc-exponent": (wishes.kc_exponent, 0.0, 0.9),
         "--rpm": (1.0 if wishes.rpm is None else wishes.rpm, 0.001, 60_000.0),
         "--parts": (2 if wishes.parts is None else wishes.parts, 2, MAX_PARTS),
         "--turns": (wishes.turns, 1, MAX_TURNS),
@@ -137,7 +149,7 @@ def make_analysis(part: SkirtPart, wishes: AnalysisWishes) -> Analysis:
         height_mm=height_mm,
         rpm=rpm,
         feed_mm=feed,
-        kc_n_mm2=wishes.kc_n_mm2,
+        force=ChipForce(wishes.kc_n_mm2, wishes.kc_exponent, wishes.nose_mm),
         turns=wishes.turns,
         alpha_rad_s2=part.machine.limits.alpha_rad_s2,
         steps=steps,

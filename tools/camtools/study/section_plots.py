@@ -166,9 +166,12 @@ def draw_forces(study: Analysis) -> Figure:
     area = study.cut.area_rate_mm2(phi)
     slice_rad = study.cut.pattern_rad / study.parts.phi_rad.size
     _both(panels[0], study.kc_n_mm2 * area * slice_rad, study.kc_n_mm2 * area * ratio * slice_rad)
-    chip = study.kc_n_mm2 * study.feed_mm * study.cut.depth_mm(phi)
-    panels[1].plot(_TURN_DEG, chip, color=RED, label="uniform and equal volume alike")
-    power = study.kc_n_mm2 * study.feed_mm * area * omega / 1000
+    depth_mm = study.cut.depth_mm(phi)
+    panels[1].plot(
+        _TURN_DEG, study.chip_n(depth_mm), color=RED, label="uniform and equal volume alike"
+    )
+    specific = study.force.specific_n_mm2(depth_mm, study.feed_mm)
+    power = specific * study.feed_mm * area * omega / 1000
     _both(panels[2], power, power * ratio)
     panels[0].set_title("the papers' model: proportional to the area cut in one slice of time")
     panels[1].set_title("physical model: section of the chip, whatever the speed")

@@ -111,7 +111,7 @@ def speed_law(study: Analysis) -> str:
 
 def forces(study: Analysis) -> str:
     """Return the force in each equal angle and each equal part, in both models."""
-    parts, kc, feed = study.parts, study.kc_n_mm2, study.feed_mm
+    parts, kc = study.parts, study.kc_n_mm2
     n = parts.phi_rad.size
     angle = study.cut.pattern_rad * _count(n) / n
     area = np.diff(study.cut.area_mm2(np.append(0.0, angle)))
@@ -120,10 +120,10 @@ def forces(study: Analysis) -> str:
             "part": (_count(n), 0),
             "uniform_angle_deg": (np.degrees(angle), 6),
             "uniform_rate_force_n": (kc * area, 4),
-            "uniform_chip_force_n": (kc * feed * study.cut.depth_mm(angle), 4),
+            "uniform_chip_force_n": (study.chip_n(study.cut.depth_mm(angle)), 4),
             "equal_volume_angle_deg": (np.degrees(parts.phi_rad), 6),
             "equal_volume_rate_force_n": (np.full(n, kc * study.cut.total_mm2 / n), 4),
-            "equal_volume_chip_force_n": (kc * feed * parts.depth_mm, 4),
+            "equal_volume_chip_force_n": (study.chip_n(parts.depth_mm), 4),
         }
     )
 

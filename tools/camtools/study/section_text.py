@@ -55,6 +55,7 @@ def figures(study: Analysis) -> dict[str, Any]:
         "removal": {
             "feed_mm": study.feed_mm,
             "kc_n_mm2": study.kc_n_mm2,
+            "kc_exponent": study.force.exponent,
             "rate_mm3_s": rates.rate_mm3_s,
             "power_w": rates.power_w,
             "uniform_largest_to_least": rates.largest_to_least,
@@ -69,7 +70,7 @@ def figures(study: Analysis) -> dict[str, Any]:
 def summary(study: Analysis) -> str:
     """Return the essentials as a few lines for people."""
     cut, rates, speed = study.cut, study.rates, figures(study)["speed"]
-    chip = study.kc_n_mm2 * study.feed_mm * cut.depth_mm(np.linspace(0, cut.pattern_rad, 2001))
+    chip = study.chip_n(cut.depth_mm(np.linspace(0, cut.pattern_rad, 2001)))
     return (
         f"{study.name}: section at height {study.height_mm:g} mm, blank radius {cut.blank_mm:.4f} "
         f"mm, {np.degrees(cut.pattern_rad):g} degrees cut {cut.total_mm2:.6f} mm2\n"
