@@ -308,3 +308,15 @@ def test_measured_motion_lies_on_the_table(tmp_path: Path) -> None:
     assert made.middle_nm == 800_000
     pictures = loaded.kind.plots(made)
     assert sorted(pictures) == ["motion", "section"]
+
+
+def test_the_manual_has_the_numbers(made: GeneratedPolygon) -> None:
+    """The list of examples says what is made of them."""
+    lines = (ROOT / "tools" / "docs" / "POLYGONS.md").read_text().splitlines()
+    name = made.part.part.name
+    [line] = [one for one in lines if one.startswith(f"| `{name}.toml` |")]
+    size, off_um, rpm = line.split(" | ")[2:]
+    assert int(size) == len(pack(made.table))
+    assert float(off_um) == pytest.approx(made.deviation_um, abs=0.005)
+    assert float(rpm.strip(" |")) == pytest.approx(made.highest_speed.rpm, abs=0.5)
+    assert made.highest_speed.decides == "u_acceleration_mm_s2"

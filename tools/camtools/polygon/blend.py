@@ -145,7 +145,7 @@ def widest_rad(joint: OutlineJoint) -> float:
     """Return the largest half width of a window at a joint."""
     below = joint.angle_rad - joint.behind.reach.first
     above = joint.before.reach.last - joint.angle_rad
-    reach = min(float(np.mod(one, 2 * np.pi)) for one in (below, above))
+    reach = min(float(np.mod(one + _ROUNDING, 2 * np.pi)) for one in (below, above))
     return min(_ROOM * joint.room_rad, _SHARE_OF_REACH * reach)
 
 

@@ -101,7 +101,7 @@ class CornerArc:
         """See `Curve.reach`."""
         half = HALF_TURN_RAD
         if self.centre_mm > self.radius_mm:
-            half = _REACH * float(np.arcsin(self.radius_mm / self.centre_mm))
+            half = float(np.arcsin(self.radius_mm / self.centre_mm))
         return Reach(self.centre_rad - half, self.centre_rad + half)
 
     def polar(self, phi_rad: Floats) -> Polar:

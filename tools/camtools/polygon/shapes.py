@@ -21,6 +21,7 @@ from camtools.polygon.outline import TURN_RAD, Outline
 
 _SIDES_P3G, _SIDES_P4C = 3, 4
 _SAME_MM = 1e-9
+_STEEPEST_RAD = float(np.radians(80.0))
 
 
 def p3g(mean_diameter_mm: float, eccentricity_mm: float, phase_rad: float) -> Outline:
@@ -118,7 +119,7 @@ def cornered(
     Raises
     ------
     GeometryError
-        Not convex, not counter-clockwise, or the axis lies outside; radii too large.
+        Not convex, not counter-clockwise, too steep, or the axis lies outside; radii too large.
     """
     given, radii = np.asarray(corners_mm, dtype=np.float64), np.asarray(corner_mm, dtype=float)
     cos, sin = np.cos(phase_rad), np.sin(phase_rad)
@@ -136,7 +137,21 @@ def cornered(
         i = int(area.argmin())
         problem = f"the axis, [0, 0], is not inside of the side behind {given[i].tolist()}"
         raise GeometryError("polygon.corners_mm", problem, "count the corners from the axis")
+    _check_steepness(corners, given)
     return _rounded(corners, radii, _repeat_of(corners, radii))
+
+
+def _check_steepness(corners: Floats, given: Floats) -> None:
+    """Refuse sides that run almost towards the axis: no tool follows them."""
+    side = np.roll(corners, -1, axis=0) - corners
+    area = corners[:, 0] * side[:, 1] - corners[:, 1] * side[:, 0]
+    distance, out = area / np.hypot(*side.T), np.hypot(*corners.T)
+    steep = np.arccos(np.minimum(1.0, distance / np.maximum(out, np.roll(out, -1))))
+    i = int(steep.argmax())
+    if steep[i] > _STEEPEST_RAD:
+        problem = f"the side behind {given[i].tolist()} rises {np.degrees(steep[i]):.3g} degrees"
+        remedy = f"let no side rise more than {np.degrees(_STEEPEST_RAD):g} off the circle there"
+        raise GeometryError("polygon.corners_mm", problem, remedy)
 
 
 def _repeat_of(corners: Floats, radii: Floats) -> int:
