@@ -19,6 +19,7 @@ from pydantic import ValidationError
 
 from camsim_cases import camsim
 from camtools.base.errors import GeometryError
+from camtools.ngc.profile import segments
 from camtools.pipeline.make import Made
 from camtools.skirt.geometry import make_geometry
 from camtools.skirt.kind import KIND
@@ -269,3 +270,27 @@ def test_list_of_the_corner_that_overshoots_is_refused() -> None:
     section |= {"trim_mm": 0.3, "joint_deg": [50, 50, 53, 53]}
     with pytest.raises(GeometryError, match=r"joint_deg over height goes .* degrees beyond"):
         make_geometry(part_of(profile, ovality=ovality, section=section))
+
+
+def test_program_turns_at_the_corner_of_the_profile() -> None:
+    """X in G33 has a point at the corner, and needs few segments: the arc's and the cone's."""
+    geometry = make_geometry(part_of(START | {"segment": [CONE, BARREL]}))
+    chords = segments(geometry, 0.0, 62.0, 0.0001)
+    i = int(np.argmin(np.abs(chords.z_mm - 2)))
+    assert chords.z_mm[i] == 2.0
+    assert chords.x_mm[i] == pytest.approx(91.95 / 2, abs=1e-9)
+    assert chords.z_mm.size < 60
+
+
+def test_radii_that_were_worked_out_are_told() -> None:
+    """Report and terminal name each segment with its radius, derived or given."""
+    line = {"to_mm": 10, "diameter_mm": 91.5}
+    arc = {"to_mm": 62, "diameter_mm": 91.5, "kind": "arc", "tangent": True}
+    profile = START | {"segment": [line, arc], "overshoot_um": 700}
+    summary = KIND.summary(KIND.make(part_of(profile)))
+    told = summary["segments"]["profile"]
+    assert told[0]["radius_mm"] is None
+    assert told[1]["radius_mm"] == pytest.approx(26 / np.sin(np.arctan(0.025)), rel=1e-9)
+    assert told[1]["kink_deg"] == pytest.approx(0, abs=1e-9)
+    text = "profile: line to 10 mm, 91.5 mm; arc of 1040.32 mm to 62 mm, 91.5 mm"
+    assert text in KIND.text(summary)

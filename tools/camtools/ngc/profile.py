@@ -26,6 +26,7 @@ from camtools.skirt.geometry import Geometry
 
 _DENSE = 20_001
 _MAX_SEGMENTS = 5000
+_KINK = 1e-6  # mm/mm: a smaller jump of the slope is that of the cubics on an arc
 _FLATTEST = 1e-9  # 1/mm, so that places on a straight line stay distinct
 _WAIT_S = 60  # for camturn to engage and to disengage
 
@@ -45,6 +46,16 @@ def _polygon(geometry: Geometry, z_mm: Floats, middle_mm: float) -> Segments:
     dense = np.linspace(z[0], z[-1], _DENSE)
     off = np.abs(np.interp(dense, z, x) - (geometry.radius_mm(dense) - middle_mm))
     return Segments(z, x, float(off.max()))
+
+
+def _kinks_mm(geometry: Geometry, z_first_mm: float, z_last_mm: float) -> Floats:
+    """Return the heights between two ends at which the slope of the profile jumps."""
+    curve = geometry.radius
+    slopes = curve.derivative().c
+    before = np.array([np.polyval(slopes[:, i], h) for i, h in enumerate(np.diff(curve.x)[:-1])])
+    is_kink = np.abs(slopes[-1, 1:] - before) > _KINK
+    heights = curve.x[1:-1][is_kink]
+    return np.asarray(heights[(heights > z_first_mm) & (heights < z_last_mm)], dtype=np.float64)
 
 
 def segments(
@@ -74,10 +85,11 @@ def segments(
     density = np.sqrt(np.maximum(np.abs(geometry.radius_mm(dense, 2)), _FLATTEST) / (8 * chord_mm))
     steps = (density[1:] + density[:-1]) / 2 * np.diff(dense)
     sums = np.concatenate([[0.0], np.cumsum(steps)])
+    kinks = _kinks_mm(geometry, z_first_mm, z_last_mm)
     n = ceil(sums[-1])
     while n <= _MAX_SEGMENTS:
         places = np.interp(sums[-1] * np.arange(n + 1) / n, sums, dense)
-        found = _polygon(geometry, places, middle_mm)
+        found = _polygon(geometry, np.union1d(places, kinks), middle_mm)
         if found.error_mm <= chord_mm:
             return found
         n += 1 + n // 50

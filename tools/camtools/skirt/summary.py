@@ -21,6 +21,7 @@ from camtools.skirt.generate import NM_PER_UM, GeneratedSkirt, peaks_of_table
 from camtools.skirt.geometry import Geometry, dense_heights_mm
 from camtools.skirt.heel import Heel
 from camtools.skirt.run_in import HeldSurface
+from camtools.skirt.segment_text import told_segments
 from camtools.skirt.sides import SidesSurface, as_drawn
 from camtools.skirt.speed import summary_of
 from camtools.table.evaluate import Continuity, jumps
@@ -157,6 +158,8 @@ def _extras(result: GeneratedSkirt) -> Json:
             "off_points_um": result.geometry.off_points_um,
             "joined_um": result.geometry.joined_um,
         }
+    if drawn := told_segments(result.part.piston):
+        extras["segments"] = drawn
     if (meeting := where_sides_meet(result.geometry)) is not None:
         extras["sides"] = meeting
     if result.speed is not None:

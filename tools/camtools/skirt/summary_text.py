@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from camtools.base.json_text import Json
 from camtools.cut.feasibility import tenth_below
+from camtools.skirt.segment_text import segments_text
 
 
 def emit_text(summary: Json) -> str:
@@ -34,6 +35,7 @@ def emit_text(summary: Json) -> str:
         f"decided by {feasible['decided_by']}\n"
         + _room_text(summary)
         + tool_text(summary["tool"])
+        + segments_text(summary.get("segments", {}))
         + _profile_text(summary)
         + _scan_text(summary)
         + _sides_text(summary)
