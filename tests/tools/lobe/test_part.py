@@ -78,6 +78,12 @@ def test_a_wrong_kind_is_all_that_is_told(kind: str) -> None:
     assert info.value.lines[0].endswith("; use one of: 'piston', 'cam' or 'polygon'")
 
 
+FLANKS = """law = "cycloidal"
+lift_mm = 8
+rise_deg = 60
+dwell_deg = 20
+fall_deg = 80
+"""
 BAD = [
     (
         GOOD.replace('kind = "cam"', 'kind = "gear"'),
@@ -100,6 +106,14 @@ BAD = [
     (with_law(LAW + "offset_mm = 1\n"), f"{LOBE}.offset_mm = 1", 'law = "disc"'),
     (with_law(LAW + 'csv = "a"\n'), f"{LOBE}.csv = 'a'", 'law = "list"'),
     (with_law(LAW + "lft = 1\n"), f"{LOBE}.lft = 1", "spelling"),
+    (with_law(LAW + "rise_deg = 60\n"), f"{LOBE}.half_angle_deg = 70", "give either"),
+    (with_law(LAW + "dwell_deg = 10\n"), f"{LOBE}.half_angle_deg = 70", "give either"),
+    (with_law(FLANKS.replace("= 20", "= 300")), f"{LOBE}.rise_deg = 60", "360 degrees at most"),
+    (with_law(FLANKS.replace("fall_deg = 80\n", "")), f"{LOBE}.fall_deg", "add it"),
+    (with_law(FLANKS.replace("= 60", "= 2")), f"{LOBE}.rise_deg = 2", "at least 5"),
+    (with_law(FLANKS + "design_rpm = 9\n"), f"{LOBE}.design_rpm = 9", 'law = "polydyne"'),
+    (with_law(FLANKS.replace("cycloidal", "polydyne")), f"{LOBE}.design_rpm", "add it"),
+    (GOOD.replace("[[cam", 'follower = "knife"\n[[cam'), "cam.follower = 'knife'", "'flat'"),
     (with_law('law = "list"\n'), f"{LOBE}.csv", "give one of them"),
     (with_law(LIST + 'csv = "a"\n'), f"{LOBE}.csv = 'a'", "give one of them"),
     (with_law(f'law = "list"\n{POINTS}'), f"{LOBE}: angle_deg", "give both"),

@@ -104,7 +104,7 @@ def _shaft(axes: Axes, result: GeneratedLobes) -> None:
         nose = np.exp(1j * (lobe.phase_rad + np.pi / 2)) * reach * (0.86 + 0.09 * (i % 2))
         axes.text(nose.real, nose.imag, str(i), color=f"C{i}", ha="center", va="center")
     axes.plot([0], [0], marker="+", color=_LINE)
-    _square(axes, reach, "all lobes at their angles, from the headstock, 0 degrees upwards")
+    _square(axes, reach, "all lobes, seen from the headstock, 0° upwards")
 
 
 def draw_positions(result: GeneratedLobes) -> bytes:
