@@ -1,0 +1,172 @@
+"""Channels of a table, before they are an image: knots, kinds, bounds.
+
+>>> slices_per_nm_q48(32, 0, 62_000_000)
+140737488
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from camtools.base.quantities import Ints
+from camtools.table.quintics import segment_coefficients
+
+Knots = npt.NDArray[np.int32]
+Demand = Callable[[bool, str], None]
+"""Refuses by a rule of TABLE_FORMAT.md where a condition does not hold."""
+
+KIND_U, KIND_X, KIND_SPEED, KIND_SWING, KIND_CONTACT, KIND_WAY = 1, 2, 3, 4, 5, 7
+OVER_HEIGHT = (KIND_X, KIND_WAY)  # one knot per slice
+RATIO_ONE = 1 << 20  # unit of a speed ratio's values, where u and x count nanometres
+MIN_RATIO, MAX_RATIO = RATIO_ONE // 16, RATIO_ONE * 4
+ANGLE_TURN, ANGLE_MAX = 1 << 26, 1 << 24  # unit of swing and contact; a quarter turn
+ALIGN = 32
+LEAST_FEED = 0.02  # of its mean: a way that falls below is refused
+MAX_CHANNEL_BYTES = 1 << 20  # the generators make no larger one
+SUM_LIMIT = 2**25 - 1
+MIN_SPACING_NM, MAX_SPACING_NM = 65_537, 16_777_216
+MAX_SLICES, MAX_LOG2_KNOTS, MIN_LOG2_KNOTS, MAX_LOG2_REPEAT, MAX_FRAC_BITS = 4096, 12, 2, 4, 8
+
+
+class ImageError(Exception):
+    """An image that the firmware would refuse; says which rule it breaks first."""
+
+
+@dataclass(frozen=True)
+class ImageLimits:
+    """U limits and spindle limit of the machine the table was made for, in the image's units."""
+
+    u_stroke_nm: int
+    u_speed_um_per_s: int
+    u_acceleration_mm_per_s2: int
+    spindle_mrpm: int
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """What the generator guarantees of u over the whole table, and the error it achieved.
+
+    The peaks are velocity and acceleration of U over mean speed and its square; where the spindle
+    speed is modulated, its ratio r is in them: u' r and u'' r^2 + u' r r'.
+    """
+
+    u_min_nm: int
+    u_max_nm: int
+    u1_peak_nm_per_rad: int
+    u2_peak_nm_per_rad2: int
+    error_pm: int
+    spindle_peak_ppm_per_rad: int = 0  # of r r', in 1e-6 per rad; 0 without modulation
+
+
+@dataclass(frozen=True, eq=False)
+class Channel:
+    """One channel of a table.
+
+    Attributes
+    ----------
+    kind : int
+        KIND_U, KIND_X, KIND_SPEED, KIND_SWING or KIND_CONTACT.
+    knots : ndarray of int32, shape (n_slices, n_knots, 3)
+        (p, v, a) of each knot, LSB 2^-frac_bits nm, of speed 2^-frac_bits 2^-20, of
+        swing and contact 2^-frac_bits 2^-26 turn; n_knots = 1 for x.
+    log2_repeat : int
+        The pattern repeats 2^log2_repeat times per turn; 0 for x.
+    frac_bits : int
+        0 .. 16.
+    z_first_nm, z_last_nm : int
+        Heights of the first and the last slice.
+    value_offset : int
+        Value at p = 0, in the unit of the channel.
+    p_min, p_max, v_max, a_max : int
+        Bounds of p and of the magnitudes of v and a.
+    has_patterns : bool
+        Slices are patterns of lobes, found by their number instead of a height.
+    """
+
+    kind: int
+    knots: Knots
+    log2_repeat: int
+    frac_bits: int
+    z_first_nm: int
+    z_last_nm: int
+    value_offset: int
+    p_min: int
+    p_max: int
+    v_max: int
+    a_max: int
+    has_patterns: bool = False
+
+    @property
+    def n_slices(self) -> int:
+        """Number of slices (of knots over height for x)."""
+        return int(self.knots.shape[0])
+
+    @property
+    def log2_knots(self) -> int:
+        """Base-2 logarithm of the knots per slice."""
+        return int(self.knots.shape[1]).bit_length() - 1
+
+    @property
+    def size(self) -> int:
+        """Bytes of knots."""
+        return int(self.knots.size) * 4
+
+    @property
+    def lsb(self) -> float:
+        """Value of one unit of the knots, in the unit of the channel: nm for u and x."""
+        return float(2.0**-self.frac_bits)
+
+    @property
+    def slices_per_nm_q48(self) -> int:
+        """Reciprocal of the slice spacing; 0 of patterns."""
+        if self.has_patterns:
+            return 0
+        return slices_per_nm_q48(self.n_slices, self.z_first_nm, self.z_last_nm)
+
+
+def slices_per_nm_q48(n_slices: int, z_first_nm: int, z_last_nm: int) -> int:
+    """Return round((n - 1) 2^48 / (z_last - z_first)), half up, in exact integers."""
+    span_nm = z_last_nm - z_first_nm
+    return (((n_slices - 1) << 49) + span_nm) // (2 * span_nm)
+
+
+def channel_coefficients(channel: Channel) -> Ints:
+    """Return the quintics of a channel: u (n_slices, n_knots, 6), x (n_slices - 1, 6)."""
+    knots = channel.knots.astype(np.int64)
+    if channel.kind in OVER_HEIGHT:
+        return segment_coefficients(knots[:, 0], periodic=False)
+    return segment_coefficients(knots, periodic=True)
+
+
+_SUM_WEIGHTS = np.array([[1, 1, 1, 1, 1, 1], [0, 1, 2, 3, 4, 5], [0, 0, 2, 6, 12, 20]])
+
+
+def largest_sum(coefficients: Ints) -> int:
+    """Return the largest of the three sums of TABLE_FORMAT.md over all segments."""
+    return int((np.abs(coefficients) @ _SUM_WEIGHTS.T).max())
+
+
+def check_way(way: Channel, demand: Demand) -> None:
+    """Check that a way begins and ends with 0, and that Z always rises."""
+    zero = -(way.value_offset << way.frac_bits)
+    p, v, a = way.knots[:, 0].astype(np.int64).T
+    demand(int(p[0]) == zero and int(p[-1]) == zero, "way: does not begin and end with 0")
+    inner = [v[:-1], v[:-1] + a[:-1] / 2, v[1:] - a[1:] / 2, v[1:]]
+    middle = 5 * np.diff(p) - sum(inner)  # Bernstein coefficients of the slope: MATHS.md (51)
+    plain = ((way.z_last_nm - way.z_first_nm) << way.frac_bits) / (way.n_slices - 1)
+    least = plain + float(np.min([*inner, middle]))
+    demand(least >= LEAST_FEED * plain, "way: Z turns back or nearly stands")
+
+
+def check_knots(channel: Channel, demand: Demand) -> None:
+    """Check knots, their bounds and their sums as the firmware does."""
+    knots = channel.knots.astype(np.int64)
+    p, v, a = knots[..., 0], np.abs(knots[..., 1]), np.abs(knots[..., 2])
+    demand(int(np.abs(knots).max()) <= SUM_LIMIT, "knots: beyond 2^25 - 1")
+    demand(channel.p_min <= int(p.min()) and int(p.max()) <= channel.p_max, "p_min, p_max: wrong")
+    demand(int(v.max()) <= channel.v_max and int(a.max()) <= channel.a_max, "v_max, a_max: wrong")
+    demand(largest_sum(channel_coefficients(channel)) <= SUM_LIMIT, "knots: could overflow")
