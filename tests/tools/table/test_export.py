@@ -121,6 +121,22 @@ def test_a_cam_comes_back(
     assert np.abs(first - second).max() <= 1.0
 
 
+def test_a_polygon_comes_back_as_a_skirt(tmp_path: Path) -> None:
+    """Points know no kind: P4C 35, exported, is a skirt of diameter 35 with the same knots."""
+    loaded = load(PARTS / "p4c-35.toml")
+    made = loaded.kind.make(loaded.part)
+    for file, data in export_files(made.table, Export("xyva")).items():
+        (tmp_path / file).write_bytes(data)
+    rest = (PARTS / "p4c-35.toml").read_text().partition("[process]")[2]
+    (tmp_path / "again.toml").write_text(
+        '[part]\nname = "again"\nkind = "piston"\nsource = "an export"\n'
+        "[piston.profile]\nheight_mm = [0, 40]\ndiameter_mm = [35, 35]\n"
+        f'{IMPORTED}csv = "p4c-35_u_xyva.csv"\n[process]{rest}'
+    )
+    again = generate(load(tmp_path / "again.toml").part)
+    assert again.table.channels[0].knots.tobytes() == made.table.channels[0].knots.tobytes()
+
+
 def test_profiles_of_a_shaft(tmp_path: Path) -> None:
     """One file for each profile; at a height of a lobe its phase is in the angles."""
     made = load(PARTS / "camshaft.toml")
