@@ -9,9 +9,8 @@
 #include "sim_scallop.h" // sim_scallop_t
 #include "sim_session.h" // sim_session_t
 
-/// Write the worst sample of each cell: turn (drawing's angle, 0 .. 1), z_mm,
-/// radius_mm, error_nm against the drawing, and
-/// control_nm, the cell's largest error against what the table plays.
+/// Write the worst sample of each cell: turn (drawing's angle, 0 .. 1), z_mm, radius_mm, error_nm
+/// against the drawing, and with a target control_nm, the cell's largest error against that.
 void sim_map_surface(sim_out_t *o, const sim_session_t *s);
 
 /// Write the surface between tracks: turn, z_mm, proud_um above the exact surface; the angles one
