@@ -134,6 +134,7 @@ cam_err_t cam_machine_select_table(cam_machine_t *m, const void *image, size_t s
     if (err == cam_ok) {
         m->table = table;
         m->has_table = true;
+        m->is_in_pass = false; // what the old table has cut does not count
         m->scrub_at = 0;
     }
     return err;
@@ -186,6 +187,7 @@ cam_err_t cam_machine_set_param(cam_machine_t *m, cam_param_id_t id, int32_t val
     }
     if (err == cam_ok) {
         m->params = params;
+        m->is_in_pass = m->is_in_pass && id != cam_param_pass;
     }
     return err;
 }

@@ -191,6 +191,26 @@ static void test_parameter_chooses_a_pass_and_zero_begins_anew(void)
     TEST_ASSERT_EQUAL_UINT32(0, rig.machine.pass);
 }
 
+/// A choice behind the end of a pass is not overtaken by the step to the next one.
+static void test_choice_or_table_after_a_pass_stands(void)
+{
+    for (int is_table = 0; is_table < 2; is_table++) {
+        bring_ready();
+        TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_start(&rig.machine));
+        (void)fixture_rig_until(&rig, cam_state_cutting, 400000);
+        (void)fixture_rig_until(&rig, cam_state_ready, 400000);
+        if (is_table != 0) {
+            TEST_ASSERT_EQUAL_INT(
+                cam_ok, cam_machine_select_table(&rig.machine, rig.image.bytes, rig.image.size));
+            fixture_rig_ticks(&rig, 3);
+        } else {
+            TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_pass, 0));
+        }
+        cam_machine_poll(&rig.machine);
+        TEST_ASSERT_EQUAL_UINT32(0, rig.machine.pass);
+    }
+}
+
 /// Feed, speed and offset that are set apply to all passes, the offset on top of the stock.
 static void test_parameters_overrule_all_passes(void)
 {
@@ -240,6 +260,7 @@ int main(void)
     RUN_TEST(test_starts_cut_one_pass_after_the_other);
     RUN_TEST(test_pass_that_is_stopped_or_fails_is_cut_again);
     RUN_TEST(test_parameter_chooses_a_pass_and_zero_begins_anew);
+    RUN_TEST(test_choice_or_table_after_a_pass_stands);
     RUN_TEST(test_parameters_overrule_all_passes);
     RUN_TEST(test_infeasible_pass_is_refused_with_its_number);
     return UNITY_END();
