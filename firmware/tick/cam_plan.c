@@ -151,7 +151,8 @@ static height_t aim_shaft(cam_plan_t *p, const cam_play_config_t *cfg, cam_motio
 {
     cam_aim_isr(&m->axis[hal_axis_z], cfg, (int64_t)helix_nm * 1024);
     const int32_t u_z_nm = u_height_nm(p, cfg, u_q32, helix_nm, m->axis[hal_axis_z].vel_q10);
-    return (height_t){helix_nm, u_z_nm, cam_shaft_aim_isr(&p->shaft, cfg->table, u_z_nm, m)};
+    const int32_t lobe_z_nm = cfg->is_z_measured ? cam_shaft_smooth_isr(&p->shaft, u_z_nm) : u_z_nm;
+    return (height_t){helix_nm, u_z_nm, cam_shaft_aim_isr(&p->shaft, cfg->table, lobe_z_nm, m)};
 }
 
 /// @return [turn / 2^32] the operator's phase at the next plan

@@ -38,9 +38,20 @@ static void take(cam_shaft_t *s, const cam_table_t *t, uint32_t i, cam_motion_t 
 void cam_shaft_lay_isr(cam_shaft_t *s, const cam_table_t *t, int32_t z_nm, cam_motion_t *m)
 {
     s->phase_q32 = 0;
+    s->z_q8 = (int64_t)z_nm * 256;
+    s->speed_q8 = 0;
     if (t->n_lobes > 0u) {
         take(s, t, cam_lobes_find(t, z_nm), m);
     }
+}
+
+int32_t cam_shaft_smooth_isr(cam_shaft_t *s, int32_t z_nm)
+{
+    s->z_q8 += s->speed_q8;
+    const int64_t off_q8 = (int64_t)z_nm * 256 - s->z_q8;
+    s->z_q8 += off_q8 >> 3; // a double pole: 1/8 and (1/8)^2 / 4
+    s->speed_q8 += off_q8 >> 8;
+    return (int32_t)((s->z_q8 + 128) >> 8);
 }
 
 cam_share_t cam_shaft_aim_isr(cam_shaft_t *s, const cam_table_t *t, int32_t z_nm, cam_motion_t *m)

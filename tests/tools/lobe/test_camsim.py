@@ -148,6 +148,18 @@ def test_eight_lobes_of_two_profiles(direction: int, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("feed_mm", ["0.2", "2"])
+def test_shaft_is_cut_at_a_measured_height(
+    feed_mm: str, table_of: Callable[[str], Path], tmp_path: Path
+) -> None:
+    """The scale of Z has steps of 10 nm, which between two lobes would be many of U."""
+    words = ("--feed", feed_mm, "--set", "z_is_measured=1")
+    summary = ground(table_of("camshaft"), *words, out=tmp_path / "s.json")
+    assert [lobe["max_um"] <= 0.05 for lobe in summary["cam"]["lobes"]] == [True] * 3
+    assert summary["cut"]["gouge_um"] <= 0.05
+
+
+@pytest.mark.slow
 def test_lobe_that_was_not_cut_all_round_is_not_good(
     table_of: Callable[[str], Path], tmp_path: Path
 ) -> None:

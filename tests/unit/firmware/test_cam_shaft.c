@@ -97,6 +97,21 @@ static void test_table_without_lobes_is_left_alone(void)
     TEST_ASSERT_EQUAL_UINT32(0, shaft.phase_q32);
 }
 
+/// A ramp without lag, a step of noise as an eighth of it at most, a start within its bound.
+static void test_measured_height_is_smoothed(void)
+{
+    cam_shaft_lay_isr(&shaft, &table, 0, &motion);
+    int32_t most_nm = 0;
+    for (int32_t i = 1; i <= 400; i++) {
+        const int32_t off_nm = 1000 * i - cam_shaft_smooth_isr(&shaft, 1000 * i);
+        most_nm = off_nm > most_nm ? off_nm : most_nm;
+        TEST_ASSERT_TRUE(i < 200 || (off_nm <= 2 && off_nm >= -2));
+    }
+    TEST_ASSERT_INT32_WITHIN(100, 5200, most_nm);
+    cam_shaft_lay_isr(&shaft, &table, 5000, &motion);
+    TEST_ASSERT_INT32_WITHIN(1, 5001, cam_shaft_smooth_isr(&shaft, 5010));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -105,5 +120,6 @@ int main(void)
     RUN_TEST(test_first_lobe_is_taken_at_the_first_height);
     RUN_TEST(test_lobe_changes_only_at_amplitude_0);
     RUN_TEST(test_table_without_lobes_is_left_alone);
+    RUN_TEST(test_measured_height_is_smoothed);
     return UNITY_END();
 }
