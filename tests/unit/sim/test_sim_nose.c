@@ -72,7 +72,8 @@ static void test_on_a_cone_the_tip_stands_out_by_the_closed_form(void)
 static void test_on_a_parabola_the_contact_lies_where_the_slopes_are_equal(void)
 {
     profile(1, (double[]){0.0, 20.0}, (double[]){0.0, -0.02, 0.4, 40.0});
-    for (double at_mm = 2.0; at_mm < 19.0; at_mm += 0.7) {
+    for (int i = 0; i < 24; i++) {
+        const double at_mm = 2.0 + 0.7 * i;
         const double s = 0.4 - 0.04 * at_mm;
         const double z_mm = at_mm - 1.5 * s / hypot(1.0, s);
         const double surface_mm = 40.0 + at_mm * (0.4 - 0.02 * at_mm);
