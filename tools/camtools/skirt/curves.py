@@ -52,8 +52,7 @@ def through(
     if interpolation == "linear" or z.size == 2:
         zero = np.zeros(z.size - 1)
         return PPoly(np.array([zero, zero, np.diff(v) / np.diff(z), v[:-1]]), z)
-    kind = PchipInterpolator if interpolation == "pchip" else Akima1DInterpolator
-    curve = kind(z, v)
+    curve = {"pchip": PchipInterpolator, "akima": Akima1DInterpolator}[interpolation](z, v)
     return PPoly(curve.c, curve.x)
 
 
