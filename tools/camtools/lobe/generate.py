@@ -45,7 +45,8 @@ from camtools.table.modulation import moving_bounds, peaks_together
 
 DEFAULT_TOLERANCE_NM = 10.0
 _BISECTIONS = 40
-_ENGAGED = 1.055  # of the swing's acceleration: engaging in ten turns adds, MATHS.md (62)
+# what engaging in ten turns adds, MATHS.md (62), and the controller's rounding of gaps
+_ENGAGED = {"swing_acceleration_deg_s2": 1.055, "u_acceleration_mm_s2": 1.03}
 _SEARCH_MARGIN = 0.99  # of every limit: the table's own bounds are a little above its samples
 _MAX_SPINDLE_RAD2 = 8.5  # |r r'|: a table promises at most 10, of a mean that limits make slower
 _DEG_PER_UNIT = 360 / ANGLE_TURN
@@ -195,10 +196,9 @@ def _needs(part: LobePart, paths: list[Follower], fed: Peaks, rpm: float) -> dic
     for path, law in zip(paths, _laws(part, paths, rpm), strict=True):
         mean = mean_of(law)
         for name, needed in needed_of(_peaks(part, path, law / mean, fed), limits, mean).items():
-            if name == "swing_acceleration_deg_s2":
-                needed *= _ENGAGED
             if name in given and name != "spindle_rpm":
-                shares[name] = max(needed / given[name], shares.get(name, 0.0))
+                share = needed * _ENGAGED.get(name, 1.0) / given[name]
+                shares[name] = max(share, shares.get(name, 0.0))
     return shares
 
 
