@@ -190,7 +190,7 @@ def variant_of(name: str, summary: Json) -> CutVariant | None:
 
     The controller is compared, so its own error counts, not that of a refit.
     """
-    form = summary.get("control_error_um", summary["form_error_um"])
+    form = summary["control_error_um" if "control_error_um" in summary else "form_error_um"]
     if form["max"] is None:
         return None
     ended = "" if summary["end"] in ("done", "stopped") else f" (ended early: {summary['end']})"
