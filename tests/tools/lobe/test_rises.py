@@ -184,6 +184,15 @@ def test_flat_face_rests_on_the_profile_at_its_lift(text: str, tmp_path: Path) -
     assert radii.min() == pytest.approx(34, abs=1e-5)
 
 
+def test_disc_under_a_flat_face_is_a_disc() -> None:
+    """Its contacts lie on the circle about its own centre."""
+    disc = 'law = "disc"\ndisc_radius_mm = 40\noffset_mm = 6'
+    [lobe] = make_lobes(cam(flat(TURNED.replace(LAW, disc))))
+    touch, _ = lobe.contacts(np.linspace(-np.pi, np.pi, 361))
+    places = touch.radius * np.exp(1j * touch.alpha)
+    assert np.abs(places - 6) == pytest.approx(40, abs=1e-9)
+
+
 def test_curvature_under_a_flat_face_is_checked() -> None:
     """The radius of curvature is r + H + H''; where it is 0 the face rides on edges."""
     with pytest.raises(GeometryError, match=r"undercut at .* under a flat face"):

@@ -311,6 +311,8 @@ def make_lift(cam: Camshaft, lobe: Lobe, field: str) -> LiftLaw:
     if lobe.law == "disc":
         assert lobe.disc_radius_mm is not None
         assert lobe.offset_mm is not None
+        if cam.follower == "flat":  # the support function of a disc is e cos alpha above its radius
+            return Risen(Harmonic(), Harmonic(), 2 * lobe.offset_mm, np.pi, 0.0, np.pi)
         return Disc(lobe.disc_radius_mm + cam.roller_radius_mm, lobe.offset_mm)
     return _listed(lobe, field)
 
