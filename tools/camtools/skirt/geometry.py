@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -20,8 +19,8 @@ from camtools.base.errors import GeometryError
 from camtools.base.quantities import Floats, FloatsLike, SectionValues, omega_rad_s
 from camtools.cut.path import ToolPath, ramp_of, step_of
 from camtools.skirt.corner import Corner, make_corner
+from camtools.skirt.measured import check_scan, measured_sections
 from camtools.skirt.part import Piston, SkirtPart
-from camtools.skirt.part_section import SectionShape
 from camtools.skirt.points import ovality_of_points, point_surface, read_sections
 from camtools.skirt.profile import (
     check_ovality,
@@ -29,20 +28,16 @@ from camtools.skirt.profile import (
     magnified,
     ovality_spline,
     profile_spline,
-    rounded_up,
 )
 from camtools.skirt.scan import (
     Scan,
     joined,
-    joined_by,
     off_points_mm,
     ovality_of,
-    reductions,
     scan_surface,
     waves_of,
 )
-from camtools.skirt.scan_text import Sections, read_scan_text
-from camtools.skirt.section_surface import overshoot_between
+from camtools.skirt.scan_text import Sections
 from camtools.skirt.sections import Section, make_section
 from camtools.skirt.sides import TurnedSurface, heights_of
 from camtools.skirt.sides_of import is_plain, sides_of, turn_of
@@ -248,9 +243,9 @@ def _measured(part: SkirtPart, radius: PPoly, factor: float) -> Geometry:
     """Return the geometry of a measured part, filtered if asked for."""
     section, heights = part.piston.section, part.piston.profile.height_mm
     ends = float(heights[0]), float(heights[-1])
-    sections = reductions(_read(part, *ends), lambda z: np.asarray(radius(z), dtype=np.float64))
+    sections = measured_sections(section, ends, radius)
     scan, joined_mm = joined(sections)
-    _check_scan(scan, section)
+    check_scan(scan, section)
     drawn = scan_surface(scan, factor, section.interpolation)
     off_um = _UM_PER_MM * off_points_mm(drawn, sections, factor)
     geometry = Geometry(
@@ -285,24 +280,6 @@ def keeping(
     return replace(geometry, surface=surface, drawn=drawn, off_points_um=off_um)
 
 
-def _check_scan(scan: Scan, section: SectionShape) -> None:
-    """Refuse sections whose curves over the height leave the points of two heights too far."""
-    values_um = scan.reduction_mm * _UM_PER_MM
-    kind = joined_by(scan, section.interpolation)
-    worst, i = overshoot_between(scan.z_mm, values_um, kind)
-    if worst.beyond > section.overshoot_um:
-        problem = (
-            f"between the heights {worst.low_mm:g} and {worst.high_mm:g} mm the section at "
-            f"{scan.angle_deg[i]:g} degrees goes {worst.beyond:.4g} um beyond both, at height "
-            f"{worst.z_mm:.6g} mm"
-        )
-        remedy = (
-            'set interpolation = "pchip", measure more heights, or allow it: overshoot_um = '
-            f"{rounded_up(worst.beyond)}"
-        )
-        raise GeometryError("piston.section.interpolation", problem, remedy)
-
-
 def _pointed(part: SkirtPart, radius: PPoly, factor: float) -> Geometry:
     """Return the geometry of sections that are given by points with their derivatives."""
     heights = part.piston.profile.height_mm
@@ -315,16 +292,6 @@ def _pointed(part: SkirtPart, radius: PPoly, factor: float) -> Geometry:
         raise GeometryError("piston.section.csv", problem, remedy)
     surface = point_surface(file, factor)
     return Geometry(radius, ovality_of_points(file, surface), surface, *ends)
-
-
-def _read(part: SkirtPart, first_mm: float, last_mm: float) -> Sections:
-    assert part.piston.section.csv is not None
-    scan = read_scan_text(Path(part.piston.section.csv))
-    if scan.z_mm.size > 1 and (scan.z_mm[0] > first_mm or scan.z_mm[-1] < last_mm):
-        problem = f"heights {scan.z_mm[0]:g} .. {scan.z_mm[-1]:g} mm do not cover the profile's"
-        remedy = f"measure {first_mm:g} .. {last_mm:g} mm, or one height that serves all"
-        raise GeometryError("piston.section.csv", problem, remedy)
-    return scan
 
 
 def _with_corner(part: SkirtPart, geometry: Geometry) -> Geometry:
