@@ -278,3 +278,14 @@ def test_bad_sides_are_refused(name: str) -> None:
         geometry_of(text.replace(old, new))
     assert any(problem in line for line in info.value.lines), info.value.lines
     assert all(";" in line for line in info.value.lines)
+
+
+def test_a_list_of_a_side_that_overshoots_may_be_allowed() -> None:
+    """What the refusal of a spline names as a remedy is a key that helps."""
+    text = THRUST.read_text().replace(DROP, 'drop_mm = [0, 0.05, 0]\ninterpolation = "spline"')
+    text = text.replace("height_mm = [0, 28, 56]\ndrop_mm", "height_mm = [0, 10, 56]\ndrop_mm")
+    with pytest.raises(CamtoolsError) as info:
+        geometry_of(text)
+    remedy = re.search(r"overshoot_um = \d+", info.value.lines[0])
+    assert remedy, info.value.lines
+    geometry_of(text.replace("blend_deg", f"{remedy[0]}\nblend_deg"))

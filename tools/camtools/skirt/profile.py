@@ -97,9 +97,10 @@ def check_overshoot(field: str, curve: PPoly, allowed: Allowance, points_mm: Flo
     beyond = worst.beyond * allowed.scale
     if beyond <= allowed.limit:
         return
+    size = f"{beyond:.4g} {allowed.unit}".rstrip()
     problem = (
         f"between the points at {worst.low_mm:g} and {worst.high_mm:g} mm {allowed.what} goes "
-        f"{beyond:.4g} {allowed.unit} beyond both, at height {worst.z_mm:.6g} mm"
+        f"{size} beyond both, at height {worst.z_mm:.6g} mm"
     )
     remedy = 'set interpolation = "pchip", or give more points there'
     if allowed.key is not None:

@@ -132,7 +132,7 @@ def _over(other: Antithrust, value: list[float] | float, name: str, scale: float
     curve = through(heights_mm, value, other.interpolation)
     allowed = Allowance(name, 1.0, "", _FREE, None)
     if name.endswith("_mm"):
-        allowed = in_um(1.0, name, scale / 1000.0)
+        allowed = in_um(other.overshoot_um, name, scale / 1000.0)
     check_overshoot("piston.antithrust.interpolation", curve, allowed, np.array(heights_mm))
     return curve
 
