@@ -193,12 +193,15 @@ def _needs(part: LobePart, paths: list[Follower], fed: Peaks, rpm: float) -> dic
     """Return needed over limit of every axis at a speed on the base circle, by limit."""
     limits = part.machine.limits
     given, shares = given_of(limits), {"spindle_rpm": rpm / limits.spindle_rpm}
-    for path, law in zip(paths, _laws(part, paths, rpm), strict=True):
-        mean = mean_of(law)
-        for name, needed in needed_of(_peaks(part, path, law / mean, fed), limits, mean).items():
-            if name in given and name != "spindle_rpm":
-                share = needed * _ENGAGED.get(name, 1.0) / given[name]
-                shares[name] = max(share, shares.get(name, 0.0))
+    laws = _laws(part, paths, rpm)
+    mean = float(np.mean([mean_of(law) for law in laws]))
+    alone = [_peaks(part, path, law / mean, fed) for path, law in zip(paths, laws, strict=True)]
+    numbers = ("u_stroke_mm", "u1_mm", "u2_mm", "ratio", "spindle_rad2")
+    swung = ("swing_deg", "swing1_deg", "swing2_deg")
+    most = {name: max(getattr(one, name) for one in alone) for name in (*numbers, *swung)}
+    for name, needed in needed_of(fed._replace(**most), limits, mean).items():
+        if name in given and name != "spindle_rpm":
+            shares[name] = needed * _ENGAGED.get(name, 1.0) / given[name]
     return shares
 
 
