@@ -20,8 +20,6 @@ from camtools.lobe.rises import (
     Quintic,
 )
 
-_FIELDS = {"poly345": ("lift_mm", "half_angle_rad"), "disc": ("reach_mm", "offset_mm")}
-
 
 def _law(law: LiftLaw) -> Json:
     """Return a law of lift as numbers; a list as the pieces of its spline."""

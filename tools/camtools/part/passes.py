@@ -13,7 +13,7 @@ from itertools import pairwise
 from typing import Annotated
 
 import numpy as np
-from pydantic import Field, field_validator
+from pydantic import AliasChoices, Field, field_validator
 from scipy.interpolate import PchipInterpolator
 
 from camtools.base.quantities import Floats
@@ -29,6 +29,11 @@ class Pass(TomlTable):
     allowance_um: Annotated[float, Field(ge=0, le=10_000)]
     feed_mm: Annotated[float, Field(ge=0.000_1, le=10)] | None = None
     spindle_rpm: Annotated[float, Field(ge=1, le=60_000)] | None = None
+
+
+Passes = Annotated[
+    list[Pass], Field(max_length=16, validation_alias=AliasChoices("pass", "passes"))
+]  # TOML calls it "pass", which is no name in Python
 
 
 def check_passes(passes: list[Pass], depth_mm: float) -> None:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from scipy.interpolate import PPoly
@@ -17,9 +18,9 @@ from scipy.interpolate import PPoly
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import NM_PER_MM, omega_rad_s
 from camtools.cut.feasibility import HighestSpeed, Peaks, drift_of, peaks_of
+from camtools.cut.passes import judge_passes, parts_of_passes, records_of
 from camtools.cut.verdict import check_table
 from camtools.part.common import check_feed
-from camtools.part.passes import Pass
 from camtools.polygon.blend import Blended, bend_of, blended
 from camtools.polygon.outline import Outline, extremes_of
 from camtools.polygon.part import PolygonPart, PolygonSection
@@ -42,13 +43,11 @@ from camtools.table.image import (
     Channel,
     Table,
 )
-from camtools.table.passes import PassRecord
 from camtools.table.quantise import TooLargeError, with_bounds
 from camtools.table.records import KNOT_SIZE
 
 DEFAULT_TOLERANCES_NM = (1.0, 3.0, 10.0)  # the first that a stroke of millimetres allows
 _MOST_BLEND_UM = 1000.0
-_NM_PER_UM = 1000.0
 _BISECTIONS, _SHARP = 30, 1e-3
 _HINT_MARGIN = 1.02  # what is advised is a little more than what is needed
 
@@ -245,7 +244,7 @@ def generate_polygon(part: PolygonPart, tolerance_nm: float | None = None) -> Ge
     """
     if tolerance_nm is not None:
         check_tolerance(tolerance_nm)
-    passes = _parts_of_passes(part)
+    passes = parts_of_passes(part)
     for one in passes:
         check_feed(one)
     drawing = outline_of(part.polygon)
@@ -261,50 +260,14 @@ def generate_polygon(part: PolygonPart, tolerance_nm: float | None = None) -> Ge
     _check_sharpness(part, drawing, cut, bounds.u2_peak_nm_per_rad2 / NM_PER_MM)
     last, channels = passes[-1], (with_bounds(u), with_bounds(x))
     table = table_of(last, last.process.spindle_rpm, bounds, channels)
-    table = replace(table, passes=_records(part, passes))
-    best = _judge_passes(passes, drawing, table)
+    table = replace(table, passes=records_of(part.process.passes, passes))
+    best = judge_passes(passes, table, partial(_judge, drawing))
     drift = drift_of(table.channels[0], 1 / NM_PER_MM, last.process.feed_mm)
     peaks = peaks_of(bounds)._replace(u_drift=drift, feed_mm=last.process.feed_mm)
     return GeneratedPolygon(
         *(part, drawing, cut, design, geometry, tolerance_nm, table),
         *(accuracy_u, accuracy_x, peaks, best, middle, heel),
     )
-
-
-def _parts_of_passes(part: PolygonPart) -> list[PolygonPart]:
-    """Return the part as each of its passes cuts it, the last one at the end."""
-    process, found = part.process, []
-    for one in process.passes or [Pass(allowance_um=0)]:
-        own = {
-            "feed_mm": one.feed_mm or process.feed_mm,
-            "spindle_rpm": one.spindle_rpm or process.spindle_rpm,
-        }
-        found.append(part.model_copy(update={"process": process.model_copy(update=own)}))
-    return found
-
-
-def _records(part: PolygonPart, passes: list[PolygonPart]) -> tuple[PassRecord, ...]:
-    """Return the records of passes, none of a part that is cut in one."""
-    return tuple(
-        PassRecord(
-            round(one.allowance_um * _NM_PER_UM),
-            round(own.process.feed_mm * NM_PER_MM),
-            round(own.process.spindle_rpm * 1000),
-        )
-        for one, own in zip(part.process.passes, passes, strict=False)
-    )
-
-
-def _judge_passes(passes: list[PolygonPart], drawing: Outline, table: Table) -> HighestSpeed:
-    """Return the highest speed of the last pass, or refuse the first one that is infeasible."""
-    for number, one in enumerate(passes, start=1):
-        feed_nm, mrpm = round(one.process.feed_mm * NM_PER_MM), one.process.spindle_rpm * 1000
-        try:
-            best = _judge(one, drawing, replace(table, feed_nm=feed_nm, spindle_mrpm=round(mrpm)))
-        except CamtoolsError as error:
-            which = f"process.pass number {number}: " if len(passes) > 1 else ""
-            raise CamtoolsError([which + line for line in error.lines]) from error
-    return best
 
 
 def _heel(part: PolygonPart, geometry: Geometry) -> Heel:
@@ -331,7 +294,7 @@ def _check_sharpness(part: PolygonPart, drawing: Outline, cut: Blended, peak_mm:
     raise CamtoolsError([f"{given}: {problem}; {remedy}"])
 
 
-def _judge(part: PolygonPart, drawing: Outline, table: Table) -> HighestSpeed:
+def _judge(drawing: Outline, part: PolygonPart, table: Table) -> HighestSpeed:
     """Return the highest speed, or refuse; of joints with the least blend that would do."""
     try:
         return check_table(table, part.machine.limits)

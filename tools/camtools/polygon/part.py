@@ -9,7 +9,6 @@ from __future__ import annotations
 from typing import Annotated, Literal, Self
 
 from pydantic import (
-    AliasChoices,
     Field,
     Tag,
     ValidationInfo,
@@ -19,7 +18,7 @@ from pydantic import (
 
 from camtools.part.common import MachineLimits, PartInfo
 from camtools.part.model import LIST_OR_ONE, HeightMm, TomlTable, no_truth, rising, wrong
-from camtools.part.passes import Pass, check_passes
+from camtools.part.passes import Pass, Passes, check_passes
 from camtools.part.tool import Tool
 from camtools.polygon.sizes import P3G, P4C
 
@@ -154,9 +153,7 @@ class PolygonProcess(TomlTable):
     u_zero: Literal["long-axis", "mean"] = "long-axis"
     run_in_mm: RunMm = 0.0
     run_out_mm: RunMm = 0.0
-    passes: Annotated[
-        list[Pass], Field(max_length=16, validation_alias=AliasChoices("pass", "passes"))
-    ] = []  # noqa: RUF012 (pydantic copies it)
+    passes: Passes = []  # noqa: RUF012 (pydantic copies it)
 
     @field_validator("passes")
     @classmethod

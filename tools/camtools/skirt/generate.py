@@ -9,6 +9,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 
 from camtools.base.errors import CamtoolsError, GeometryError
 from camtools.base.quantities import NM_PER_MM
@@ -19,9 +20,9 @@ from camtools.cut.feasibility import (
     highest_speed,
     peaks_of,
 )
+from camtools.cut.passes import judge_passes, parts_of_passes, records_of
 from camtools.cut.verdict import check_table
 from camtools.part.common import check_feed
-from camtools.part.passes import Pass
 from camtools.skirt.accuracy import Accuracy
 from camtools.skirt.corner import refuse_deviation
 from camtools.skirt.feed_law import largest_share, way_channel
@@ -37,7 +38,6 @@ from camtools.skirt.zero import middle_nm, moved
 from camtools.table.header import check_tolerance, table_of, u_bounds
 from camtools.table.image import Channel, Table
 from camtools.table.modulation import moving_bounds
-from camtools.table.passes import PassRecord
 from camtools.table.quantise import with_bounds
 
 DEFAULT_TOLERANCE_NM = 1.0
@@ -163,22 +163,10 @@ def generate(part: SkirtPart, tolerance_nm: float | None = None) -> GeneratedSki
         uniform = highest_speed(peaks_of(u_bounds(u, error_nm)), part.machine.limits)
         speed = make_speed(part, air, u, uniform.rpm)
     table = with_passes(make_table(passes[-1], u, x, error_nm, speed), part, passes)
-    best = judge_passes(passes, geometry, table)
+    best = judge_passes(passes, table, partial(_judge, geometry))
     return GeneratedSkirt(
         part, geometry, tolerance_u_nm, table, accuracy_u, accuracy_x, best, heel, speed, middle
     )
-
-
-def parts_of_passes(part: SkirtPart) -> list[SkirtPart]:
-    """Return the part as each of its passes cuts it, the last one at the end."""
-    process, found = part.process, []
-    for one in process.passes or [Pass(allowance_um=0)]:
-        own = {
-            "feed_mm": one.feed_mm or process.feed_mm,
-            "spindle_rpm": one.spindle_rpm or process.spindle_rpm,
-        }
-        found.append(part.model_copy(update={"process": process.model_copy(update=own)}))
-    return found
 
 
 def with_passes(table: Table, part: SkirtPart, passes: list[SkirtPart]) -> Table:
@@ -187,27 +175,7 @@ def with_passes(table: Table, part: SkirtPart, passes: list[SkirtPart]) -> Table
     if law is not None:
         way = way_channel(law, (table.z_first_nm, table.z_last_nm))
         table = replace(table, channels=(*table.channels, way))
-    records = (
-        PassRecord(
-            round(one.allowance_um * NM_PER_UM),
-            round(own.process.feed_mm * NM_PER_MM),
-            round(own.process.spindle_rpm * 1000),
-        )
-        for one, own in zip(part.process.passes, passes, strict=False)
-    )
-    return replace(table, passes=tuple(records))
-
-
-def judge_passes(passes: list[SkirtPart], geometry: Geometry, table: Table) -> HighestSpeed:
-    """Return the highest speed of the last pass, or refuse the first one that is infeasible."""
-    for number, one in enumerate(passes, start=1):
-        feed_nm, mrpm = round(one.process.feed_mm * NM_PER_MM), one.process.spindle_rpm * 1000
-        try:
-            best = _judge(one, geometry, replace(table, feed_nm=feed_nm, spindle_mrpm=round(mrpm)))
-        except CamtoolsError as error:
-            which = f"process.pass number {number}: " if len(passes) > 1 else ""
-            raise CamtoolsError([which + line for line in error.lines]) from error
-    return best
+    return replace(table, passes=records_of(part.process.passes, passes))
 
 
 def peaks_of_table(table: Table, speed: SpeedTable | None) -> Peaks:
@@ -225,7 +193,7 @@ def with_mean(line: str, u_zero: str, travel_mm: float) -> str:
     return f'{line}; or set process.u_zero = "mean", which needs {travel_mm:.9g} mm'
 
 
-def _judge(part: SkirtPart, geometry: Geometry, table: Table) -> HighestSpeed:
+def _judge(geometry: Geometry, part: SkirtPart, table: Table) -> HighestSpeed:
     """Return the highest speed, or refuse; of a corner with what another refit would need."""
     try:
         return check_table(table, part.machine.limits)

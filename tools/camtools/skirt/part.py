@@ -10,7 +10,6 @@ from __future__ import annotations
 from typing import Annotated, Literal, Self
 
 from pydantic import (
-    AliasChoices,
     Field,
     Tag,
     ValidationInfo,
@@ -20,7 +19,7 @@ from pydantic import (
 
 from camtools.part.common import MachineLimits, PartInfo
 from camtools.part.model import TomlTable, no_truth, wrong
-from camtools.part.passes import FeedLaw, Pass, check_passes
+from camtools.part.passes import FeedLaw, Pass, Passes, check_passes
 from camtools.part.tool import Tool
 from camtools.skirt.part_profile import Ovality, Profile
 from camtools.skirt.part_section import GIVEN_BY_POINTS, SectionShape
@@ -108,9 +107,7 @@ class SkirtProcess(TomlTable):
     u_zero: Literal["long-axis", "mean"] = "long-axis"
     run_in_mm: RunMm = 0.0
     run_out_mm: RunMm = 0.0
-    passes: Annotated[
-        list[Pass], Field(max_length=16, validation_alias=AliasChoices("pass", "passes"))
-    ] = []  # noqa: RUF012 (pydantic copies it)
+    passes: Passes = []  # noqa: RUF012 (pydantic copies it)
     feed_law: FeedLaw | None = None
 
     @model_validator(mode="before")

@@ -1,0 +1,107 @@
+"""A part that is cut in several passes: a part for each of them, its records and its verdict.
+
+>>> records_of([], [])
+()
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from typing import Any, Protocol, Self, TypeVar
+
+from camtools.base.errors import CamtoolsError
+from camtools.base.quantities import NM_PER_MM
+from camtools.cut.feasibility import HighestSpeed
+from camtools.part.common import PartFile, Process
+from camtools.part.passes import Pass
+from camtools.table.image import Table
+from camtools.table.passes import PassRecord
+
+_NM_PER_UM = 1000.0
+
+
+class PassedProcess(Process, Protocol):
+    """[process] of a kind that may be cut in several passes."""
+
+    @property
+    def passes(self) -> list[Pass]:
+        """The passes in the order of cutting, none of a part that is cut in one."""
+
+    def model_copy(self, *, update: Mapping[str, Any] | None = None) -> Self:
+        """Return a copy with other values."""
+
+
+class PassedPart(PartFile, Protocol):
+    """A part that may be cut in several passes."""
+
+    @property
+    def process(self) -> PassedProcess:
+        """How it is cut."""
+
+    def model_copy(self, *, update: Mapping[str, Any] | None = None) -> Self:
+        """Return a copy with other tables."""
+
+
+PartT = TypeVar("PartT", bound=PassedPart)
+
+
+def parts_of_passes(part: PartT) -> list[PartT]:
+    """Return the part as each of its passes cuts it, the last one at the end."""
+    process, found = part.process, []
+    for one in process.passes or [Pass(allowance_um=0)]:
+        own = {
+            "feed_mm": one.feed_mm or process.feed_mm,
+            "spindle_rpm": one.spindle_rpm or process.spindle_rpm,
+        }
+        found.append(part.model_copy(update={"process": process.model_copy(update=own)}))
+    return found
+
+
+def records_of(passes: Sequence[Pass], parts: Sequence[PassedPart]) -> tuple[PassRecord, ...]:
+    """Return the records of passes in a table, none of a part that is cut in one.
+
+    Parameters
+    ----------
+    passes : sequence of Pass
+        As the part file has them.
+    parts : sequence of PassedPart
+        The part as each of them cuts it, see `parts_of_passes`.
+    """
+    return tuple(
+        PassRecord(
+            round(one.allowance_um * _NM_PER_UM),
+            round(own.process.feed_mm * NM_PER_MM),
+            round(own.process.spindle_rpm * 1000),
+        )
+        for one, own in zip(passes, parts, strict=False)
+    )
+
+
+def judge_passes(
+    parts: Sequence[PartT], table: Table, judge: Callable[[PartT, Table], HighestSpeed]
+) -> HighestSpeed:
+    """Return the highest speed of the last pass.
+
+    Parameters
+    ----------
+    parts : sequence of PassedPart
+        The part as each of its passes cuts it.
+    table : Table
+        The table of the last one.
+    judge : callable
+        Returns the highest speed of a part with the table at its own speed and feed, or refuses.
+
+    Raises
+    ------
+    CamtoolsError
+        A pass is infeasible; the lines name the first one.
+    """
+    for number, one in enumerate(parts, start=1):
+        feed_nm, mrpm = round(one.process.feed_mm * NM_PER_MM), one.process.spindle_rpm * 1000
+        try:
+            best = judge(one, replace(table, feed_nm=feed_nm, spindle_mrpm=round(mrpm)))
+        except CamtoolsError as error:
+            which = f"process.pass number {number}: " if len(parts) > 1 else ""
+            raise CamtoolsError([which + line for line in error.lines]) from error
+    return best
