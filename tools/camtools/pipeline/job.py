@@ -17,6 +17,7 @@ from camtools.base.errors import CamtoolsError
 from camtools.base.places import ROOT
 from camtools.base.stage import cannot_write
 from camtools.part.common import PartFile, is_feed_within
+from camtools.table.header import check_tolerance
 
 _MAX_FEED_MM = 10.0  # range of the firmware's parameter
 _DEFAULT_PART = ROOT / "tools" / "parts" / "perkins240.toml"
@@ -31,7 +32,8 @@ or bad input."""
 def _parser() -> argparse.ArgumentParser:
     parser = Parser(
         prog="tools/run",
-        usage="tools/run [PART.toml] [--rpm N] [--feed MM] [-o DIR] [-- CAMSIM-OPTIONS]",
+        usage="tools/run [PART.toml] [--rpm N] [--feed MM] [--tolerance-nm T] [-o DIR] "
+        "[-- CAMSIM-OPTIONS]",
         description="Make the table of a part, cut it on the host simulator, write a report.",
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
@@ -42,6 +44,9 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--rpm", metavar="N", help="spindle speed, r/min; default: the part's")
     parser.add_argument("--feed", metavar="MM", help="feed per turn, mm; default: the part's")
+    parser.add_argument(
+        "--tolerance-nm", metavar="T", help="error of the table, nm; default: as tools/mktables"
+    )
     parser.add_argument(
         "-o", "--output", metavar="DIR", help="folder of the results; default build/run/NAME"
     )
@@ -98,6 +103,9 @@ class RunJob:
         self.part_path: Path = arguments.part or _DEFAULT_PART
         self.rpm = _positive("--rpm", arguments.rpm, "r/min")
         self.feed_mm = _positive("--feed", arguments.feed, "mm per turn")
+        self.tolerance_nm = _positive("--tolerance-nm", arguments.tolerance_nm, "nm")
+        if self.tolerance_nm is not None:
+            check_tolerance(self.tolerance_nm)
         self.extra = _for_camsim(words[split + 1 :])
         if arguments.output == "":
             raise CamtoolsError(["-o: an empty path; give a folder"])

@@ -103,7 +103,7 @@ def run(argv: Sequence[str]) -> int:
     loaded = load(job.part_path)
     job.check_feed(loaded.part)
     say(f"making the table of {job.part_path.name}")
-    made = make(loaded, job.part_path, rpm=job.rpm)
+    made = make(loaded, job.part_path, rpm=job.rpm, tolerance_nm=job.tolerance_nm)
     folder = job.folder(loaded.part.part.name)
     with Stage(folder) as stage:
         say(f"cutting {turns_of(job, made):.0f} turns on the host simulator")

@@ -14,7 +14,7 @@ from camtools.polygon.summary import blend_text, make_polygon_summary, section_t
 from camtools.report.text import ReportRow, error_pair
 from camtools.sim.results import Cut
 from camtools.skirt.report_text import pass_rows
-from camtools.skirt.report_tool import tool_row
+from camtools.skirt.report_tool import tool_row, track_row
 
 PolygonCut = Cut[GeneratedPolygon]
 
@@ -56,6 +56,7 @@ def polygon_rows(outcome: PolygonCut) -> list[ReportRow]:
         ReportRow("blends", blend_text(about)),
         ReportRow("following error of U", error_pair(summary["following_error_um"])),
         tool_row(summary, made.part.tool, made.heel),
+        track_row(summary, made.part.tool),
         ReportRow("table", f"{summary['table_bytes']} bytes, error at most {worst_nm:.2g} nm"),
         ReportRow("machine time", f"{summary['machine_time_s']:.1f} s"),
         ReportRow("computing time", f"{wall_s:.2f} s for the cut with its trace"),

@@ -6,7 +6,8 @@ from camtools.base.json_text import Json
 from camtools.base.quantities import length_text
 from camtools.report.text import ReportRow, error_pair
 from camtools.skirt.outcome import SkirtOutcome
-from camtools.skirt.report_tool import tool_row
+from camtools.skirt.part import SkirtProcess
+from camtools.skirt.report_tool import tool_row, track_row
 
 
 def what_was_cut(outcome: SkirtOutcome) -> str:
@@ -31,11 +32,24 @@ def pass_rows(summary: Json) -> list[ReportRow]:
             f"pass {one['pass']} of {len(passes)}",
             f"{one['spindle_rpm']:g} r/min, feed {one['feed_mm']:g} mm, depth "
             f"{one['depth_min_mm']:.3f} .. {one['depth_max_mm']:.3f} mm, leaves "
-            f"{length_text(one['allowance_um'])}: {error_pair(one['form_error_um'])}, chip force "
-            f"{one['chip_force_n']['mean']:.0f} N, at most {one['chip_force_n']['max']:.0f} N",
+            f"{length_text(one['allowance_um'])}: {error_pair(one['form_error_um'])}"
+            f"{_force_text(one['chip_force_n'])}",
         )
         for one in passes
     ]
+
+
+def _force_text(force: Json) -> str:
+    """Return the force of a pass in words, nothing where it is not measured (rings)."""
+    if not force["max"]:
+        return ""
+    return f", chip force {force['mean']:.0f} N, at most {force['max']:.0f} N"
+
+
+def _feed_peak(process: SkirtProcess) -> float:
+    """Return the largest feed over the height as a multiple of the mean."""
+    law = process.feed_law
+    return max(law.feed_mm) / process.feed_mm if law is not None else 1.0
 
 
 def _corner_rows(outcome: SkirtOutcome) -> list[ReportRow]:
@@ -124,6 +138,7 @@ def rows_of(outcome: SkirtOutcome) -> list[ReportRow]:
         *_filter_rows(outcome),
         *_removal_rows(outcome),
         tool_row(summary, generated.part.tool, generated.heel),
+        track_row(summary, generated.part.tool, _feed_peak(generated.part.process)),
         ReportRow("table", f"{summary['table_bytes']} bytes, error at most {worst_nm:.2g} nm"),
         ReportRow("machine time", f"{machine_s:.1f} s"),
         ReportRow("computing time", f"{wall_s:.2f} s for the cut with its trace"),

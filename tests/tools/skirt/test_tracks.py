@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a report tells of the surface between the tracks, which the form error does not see."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from camtools.base.errors import CamtoolsError
+from camtools.cli.run import main as run
+from camtools.part.tool import Tool
+from camtools.pipeline.job import RunJob
+from camtools.skirt.report_tool import track_row
+from part_cases import PERKINS, ROOT
+
+RINGS = """\
+path = "ring-helix"
+[[process.pass]]
+allowance_um = 30
+[[process.pass]]
+allowance_um = 0
+[machine.limits]"""
+
+
+def test_ridges_are_told() -> None:
+    """1.5 mm of feed and a nose of 0.8 mm leave a thread 0.522 mm deep."""
+    told = track_row({"cut": {"feed_mm": 1.5}}, Tool(nose_radius_mm=0.8)).value
+    assert told.startswith("ridges of 522 µm by theory")
+    fed = track_row({"cut": {"feed_mm": 0.5}}, Tool(nose_radius_mm=0.8), peak=3.0).value
+    assert fed == told
+    assert "do not meet" in track_row({"cut": {"feed_mm": 1.6}}, Tool(nose_radius_mm=0.8)).value
+    assert "not judged" in track_row({"cut": {"feed_mm": 0.1}}, Tool()).value
+    with_nose = {"cut": {"feed_mm": 1.5}, "tool": {"nose_mm": 0.8}}
+    assert track_row(with_nose, Tool()).value == told
+
+
+@pytest.mark.slow
+def test_rings_in_passes_claim_no_force(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The forces of rings are not measured, so none is told; the table may be less accurate."""
+    text = PERKINS.read_text().replace("[machine.limits]", RINGS)
+    part = tmp_path / "rings.toml"
+    part.write_text(text.replace("spindle_rpm = 2500", "spindle_rpm = 500"))
+    words = [str(part), "--feed", "2", "--tolerance-nm", "3", "-o", str(tmp_path / "out")]
+    assert run(words) == 0
+    lines = capsys.readouterr().out.splitlines()
+    passes = [line for line in lines if line.lstrip().startswith("pass ")]
+    assert len(passes) == 2
+    assert not any("force" in line for line in passes)
+    assert any("error at most 2.8 nm" in line for line in lines)
+
+
+def test_bad_tolerance_of_a_run_is_refused() -> None:
+    """As mktables refuses it, before anything is made."""
+    with pytest.raises(CamtoolsError, match=r"tolerance_nm = 1e\+09: must be above 0"):
+        RunJob([str(ROOT / "none.toml"), "--tolerance-nm", "1e9"])
