@@ -19,7 +19,8 @@ import pytest
 from camtools.base.quantities import Floats
 from camtools.ngc.words import CLEARANCE_MM, ENGAGE_TURNS
 from camtools.skirt.blank import section_cut
-from camtools.skirt.geometry import Geometry, make_geometry, path_of
+from camtools.skirt.geometry import Geometry, make_geometry
+from camtools.skirt.turning import path_of
 from linuxcnc import AXES, Interpreter, NotHereError, interpreter
 from maths_tables import TABLE_4
 from part_cases import PERKINS, ROOT, environment, load_part

@@ -17,8 +17,9 @@ from camtools.cut.path import (
 )
 from camtools.part.common import MachineLimits
 from camtools.skirt.generate import generate
-from camtools.skirt.geometry import Geometry, make_geometry, path_of
+from camtools.skirt.geometry import Geometry, make_geometry
 from camtools.skirt.part import SkirtPart
+from camtools.skirt.turning import path_of
 from camtools.study.path import csv, make_study
 from camtools.table.image import pack, unpack
 from part_cases import PERKINS, ROOT, load_part, parse_part

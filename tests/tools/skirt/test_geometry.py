@@ -11,13 +11,12 @@ from camtools.skirt.geometry import (
     Geometry,
     OvalSurface,
     make_geometry,
-    turning_at,
-    uniform_turning,
 )
 from camtools.skirt.part import SkirtPart
 from camtools.skirt.part_profile import Ovality, Profile
 from camtools.skirt.profile import ovality_spline, profile_spline
 from camtools.skirt.sections import DoubleEllipse, Ellipse, Section
+from camtools.skirt.turning import turning_at
 from part_cases import PERKINS, load_part
 
 HEIGHTS = [5.0, 15.0, 25.0, 35.0, 45.0, 56.0]
@@ -169,11 +168,10 @@ def test_velocity_is_the_derivative_of_u() -> None:
     np.testing.assert_allclose(rate[middle], motion.acceleration_mm_s2[middle], atol=1e-2)
 
 
-def test_z_follows_the_spindle_angle(geometry: Geometry) -> None:
-    """In uniform turning Z is feed times turns, X the profile there, U the section there."""
+def test_axes_along_a_helix_are_profile_and_section(geometry: Geometry) -> None:
+    """At the height of each turn X is the profile there, and U the section there."""
     turns = np.array([0.0, 0.25, 200.0, 620.0])
-    motion = uniform_turning(geometry, 2500, 0.1, turns)
-    np.testing.assert_allclose(motion.z_mm, [0, 0.025, 20, 62])
+    motion = turning_at(geometry, 2500.0, 0.1 * turns, turns)
     np.testing.assert_allclose(motion.x_mm[[0, 2, 3]], [45.97, 46.0, 45.8685])
     np.testing.assert_allclose(motion.u_mm[[0, 1]], [0, 0.15 / 2 + 0.025 * 0.0025 / 2], atol=1e-12)
 

@@ -32,8 +32,9 @@ from camtools.ngc.words import (
 )
 from camtools.skirt.blank import blank_radius_mm, section_cut
 from camtools.skirt.generate import refuse_corner
-from camtools.skirt.geometry import dense_heights_mm, path_of
+from camtools.skirt.geometry import dense_heights_mm
 from camtools.skirt.speed import load_at
+from camtools.skirt.turning import path_of
 
 _QUARTERS = 4
 _BLOCKS_AT_ONCE = 30_000

@@ -206,7 +206,7 @@ def make_polygon_report(outcome: PolygonCut) -> dict[str, bytes]:
         outcome.generated.part.part.source,
         polygon_rows(outcome),
         shown,
-        "The tool is a point; feed marks, tool nose and bending are not modelled.",
+        "In a section the edge is a point; feed marks and bending are not modelled.",
         "the tool's true path",
         "shaft",
     )

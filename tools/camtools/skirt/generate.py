@@ -26,7 +26,7 @@ from camtools.part.common import check_feed
 from camtools.skirt.accuracy import Accuracy
 from camtools.skirt.corner import refuse_deviation
 from camtools.skirt.feed_law import largest_share, way_channel
-from camtools.skirt.geometry import Geometry, make_geometry, path_of
+from camtools.skirt.geometry import Geometry, make_geometry
 from camtools.skirt.heel import Heel, check_heel
 from camtools.skirt.long_scan import refuse_scan
 from camtools.skirt.nose import tip_geometry
@@ -34,6 +34,7 @@ from camtools.skirt.part import SkirtPart
 from camtools.skirt.run_in import with_run
 from camtools.skirt.search import UnreachableError, choose_u, choose_x
 from camtools.skirt.speed import SpeedTable, make_speed
+from camtools.skirt.turning import path_of
 from camtools.skirt.zero import middle_nm, moved
 from camtools.table.header import check_tolerance, table_of, u_bounds
 from camtools.table.image import Channel, Table

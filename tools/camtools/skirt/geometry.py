@@ -1,4 +1,4 @@
-"""Exact geometry of a piston skirt and the motion that cuts it, in double.
+"""Exact geometry of a piston skirt, in double.
 
 >>> from camtools.skirt.part import example_part
 >>> geometry = make_geometry(example_part())
@@ -10,14 +10,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple, Protocol
+from typing import Protocol
 
 import numpy as np
 from scipy.interpolate import PPoly
 
 from camtools.base.errors import GeometryError
-from camtools.base.quantities import Floats, FloatsLike, SectionValues, omega_rad_s
-from camtools.cut.path import ToolPath, ramp_of, step_of
+from camtools.base.quantities import Floats, FloatsLike, SectionValues
 from camtools.skirt.corner import Corner, make_corner
 from camtools.skirt.measured import check_scan, measured_sections
 from camtools.skirt.part import Piston, SkirtPart
@@ -172,18 +171,6 @@ class Geometry:
         return np.concatenate(([self.z_first_mm], heights[inside], [self.z_last_mm]))
 
 
-class AxesMotion(NamedTuple):
-    """Set-points of uniform turning, all of the shape of the turns asked for."""
-
-    c_rad: Floats
-    z_mm: Floats
-    x_mm: Floats
-    u_mm: Floats
-    velocity_mm_s: Floats
-    acceleration_mm_s2: Floats
-    jerk_mm_s3: Floats
-
-
 def make_geometry(part: SkirtPart) -> Geometry:
     """Return the exact geometry of a part.
 
@@ -328,72 +315,3 @@ def _check_half_axis(z_mm: Floats, half_axis_mm: Floats, factor: float) -> None:
         at = f"at height {z_mm[thinnest]:.6g} mm"
         problem = f"the short half axis becomes {half_axis_mm[thinnest]:.6g} mm {at}"
         raise GeometryError(field, problem, "magnify less, or give points without such a step")
-
-
-def turning_at(
-    geometry: Geometry, spindle_rpm: float, z_mm: FloatsLike, turns: Floats
-) -> AxesMotion:
-    """Return the axes of turning at constant speed, at given angles and heights.
-
-    Parameters
-    ----------
-    spindle_rpm : float
-        Speed [r/min].
-    z_mm : float or ndarray, shape (n,)
-        Height(s) [mm].
-    turns : ndarray, shape (n,)
-        Spindle angle from the long axis, in turns.
-
-    Returns
-    -------
-    Motion
-        Velocity, acceleration and jerk of U at fixed height; the feed adds dU/dz feed n/60.
-    """
-    c_rad, omega = 2 * np.pi * turns, omega_rad_s(spindle_rpm)
-    u = geometry.delta(c_rad, z_mm)
-    z_all_mm = np.broadcast_to(np.asarray(z_mm, dtype=np.float64), c_rad.shape)
-    x_mm = geometry.radius_mm(z_all_mm)
-    return AxesMotion(
-        c_rad, z_all_mm, x_mm, u.delta, u.d1 * omega, u.d2 * omega**2, u.d3 * omega**3
-    )
-
-
-def uniform_turning(
-    geometry: Geometry, spindle_rpm: float, feed_mm: float, turns: Floats
-) -> AxesMotion:
-    """Return the axes of uniform four-axis turning from the lowest height up, MATHS.md (8), (9).
-
-    Parameters
-    ----------
-    spindle_rpm, feed_mm : float
-        Speed [r/min] and feed per turn [mm].
-    turns : ndarray, shape (n,)
-        Spindle angle since the lowest height, in turns; Z follows the angle.
-    """
-    return turning_at(geometry, spindle_rpm, geometry.z_first_mm + feed_mm * turns, turns)
-
-
-def path_of(
-    part: SkirtPart, z_first_mm: float, z_last_mm: float, speed_ratio: float = 1.0
-) -> ToolPath:
-    """Return the path of a part between two heights, with the shortest ramp or step.
-
-    Parameters
-    ----------
-    speed_ratio : float
-        Highest speed of a modulated spindle over its mean; a step is made for that speed.
-
-    Raises
-    ------
-    CamtoolsError
-        See `ramp_of`, `step_of`.
-    """
-    process, limits = part.process, part.machine.limits
-    ends = z_first_mm, z_last_mm
-    if process.path == "stepped":
-        step, ramp = step_of(process.feed_mm, process.spindle_rpm * speed_ratio, limits)
-        return ToolPath("stepped", *ends, process.feed_mm, ramp, step)
-    if process.path == "helix":
-        return ToolPath("helix", z_first_mm, z_last_mm, process.feed_mm)
-    ramp = ramp_of(process.feed_mm, process.spindle_rpm, limits)
-    return ToolPath("ring-helix", z_first_mm, z_last_mm, process.feed_mm, ramp)

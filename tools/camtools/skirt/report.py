@@ -164,7 +164,7 @@ def render(outcome: SkirtOutcome, pngs: dict[str, bytes]) -> str:
         outcome.generated.part.part.source,
         rows_of(outcome),
         [(one, pngs[one.key]) for one in pictures_of(outcome) if one.key in pngs],
-        "The tool is a point; feed marks, tool nose and bending are not modelled.",
+        "In a section the edge is a point; feed marks and bending are not modelled.",
         "the tool's true path",
         "skirt",
     )

@@ -32,8 +32,9 @@ from camtools.cut.spindleloop import SpindleLoop, played_ripple
 from camtools.part.common import MachineLimits
 from camtools.skirt.blank import blank_radius_mm
 from camtools.skirt.channels import height_range_nm
-from camtools.skirt.geometry import Geometry, turning_at
+from camtools.skirt.geometry import Geometry
 from camtools.skirt.part import SkirtPart
+from camtools.skirt.turning import turning_at
 from camtools.table.evaluate import evaluate_at, knot_interval
 from camtools.table.image import KIND_SPEED, MAX_SPACING_NM, RATIO_ONE, Channel
 from camtools.table.modulation import MotionPeaks, peaks_together
