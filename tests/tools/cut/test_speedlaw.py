@@ -81,6 +81,7 @@ def test_optimised_law_beats_partial_modulation(rpm: float, blended: float, best
     assert optimise(PAPERS, LATHE, rpm * RPM).ripple == pytest.approx(best, abs=0.003)
 
 
+@pytest.mark.slow
 @settings(max_examples=12, deadline=None)
 @given(
     st.floats(0.05, 0.5),

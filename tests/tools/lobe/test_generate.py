@@ -234,7 +234,7 @@ def test_what_cannot_be_made_is_refused(mktables: Mktables, tmp_path: Path) -> N
                 'law = "poly345"\nlift_mm = 8\nhalf_angle_deg = 70', 'law = "list"\ncsv = "no"'
             ),
             [],
-            "cam.lobe.0.csv: no cannot be read",
+            "cam.lobe.0.csv: no: cannot be read",
         ),
     }
     for name, (text, words, problem) in cases.items():

@@ -285,7 +285,7 @@ def test_points_come_from_files_only(tmp_path: Path) -> None:
         return info.value.lines[0]
 
     os.mkfifo(table)
-    assert problem().startswith(f"{LOBE}.csv: lift.csv cannot be read: not a file; give a CSV")
+    assert problem().startswith(f"{LOBE}.csv: lift.csv: cannot be read: not a file; give a text")
     table.unlink()
     table.write_bytes(b"0" * 1_000_001)
     assert "larger than 1000000 bytes; " in problem()

@@ -46,6 +46,7 @@ def run(tmp_path: Path) -> Run:
     return start
 
 
+@pytest.mark.slow
 def test_disc_is_ground_and_reported(run: Run, tmp_path: Path) -> None:
     """All results appear, the profile is good, the page holds every picture and no link."""
     done = run(PARTS / "cam-disc.toml", "-o", "out", *SHORT)

@@ -179,7 +179,7 @@ def test_records_are_cut_as_calculated() -> None:
 
 @pytest.mark.slow
 def test_command_makes_every_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Tables and pictures of all rows, and the page; two runs give the same bytes."""
+    """Tables and pictures of all rows, and the page."""
     assert main(["-o", str(tmp_path / "a")]) == 0
     assert "43 figures and tables" in capsys.readouterr().out
     made = {path.name: path.read_bytes() for path in (tmp_path / "a").iterdir()}

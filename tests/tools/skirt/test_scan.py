@@ -148,7 +148,7 @@ def test_scans_come_from_files_only(tmp_path: Path) -> None:
     ):
         with pytest.raises(CamtoolsError) as info:
             read_scan(path)
-        told = f"piston.section.csv: {path.name}: cannot be read: {problem}; give a CSV file, its "
+        told = f"piston.section.csv: {path.name}: cannot be read: {problem}; give a text file, its "
         assert info.value.lines == [f"{told}place seen from the part file"]
     table.write_text(GOOD, encoding="utf-8-sig")
     assert read_scan(table).z_mm.tolist() == [0, 60]

@@ -14,6 +14,8 @@ import os
 import stat
 from pathlib import Path
 
+from camtools.base.errors import InputError
+
 
 def read_limited(path: Path, most_bytes: int) -> bytes:
     """Return the content of a file.
@@ -34,3 +36,19 @@ def read_limited(path: Path, most_bytes: int) -> bytes:
     if len(data) > most_bytes:
         raise OSError(errno.EFBIG, f"larger than {most_bytes} bytes")
     return data
+
+
+def read_text(path: Path, most_bytes: int) -> str:
+    """Return the text of a file that a part file names; a mark of spreadsheets is left out.
+
+    Raises
+    ------
+    InputError
+        It cannot be read, is no file or too large (`read_limited`), or is not UTF-8.
+    """
+    try:
+        return read_limited(path, most_bytes).decode("utf-8-sig")
+    except (OSError, UnicodeDecodeError, ValueError) as error:  # a path with a NUL is a ValueError
+        reason = getattr(error, "strerror", None) or "not UTF-8 text"
+        remedy = "give a text file, its place seen from the part file"
+        raise InputError(path.name, "", None, f"cannot be read: {reason}", remedy) from error

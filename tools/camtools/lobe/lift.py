@@ -17,7 +17,7 @@ import numpy as np
 from scipy.interpolate import BSpline, PPoly, make_interp_spline
 
 from camtools.base.errors import GeometryError, InputError
-from camtools.base.input_file import read_limited
+from camtools.base.input_file import read_text
 from camtools.base.quantities import Floats
 from camtools.lobe.part import (
     MAX_LIFT_MM,
@@ -280,17 +280,10 @@ def _points(lobe: Lobe, field: str) -> PointedTurn:
         return PointedTurn(*listed, *np.zeros((2, 0)))
     path = Path(lobe.csv)
     try:
-        text = read_limited(path, MAX_FILE_BYTES).decode("utf-8-sig")  # as spreadsheets write it
-        return _points_of_file(text, path.name)
+        return _points_of_file(read_text(path, MAX_FILE_BYTES), path.name)
     except InputError as error:
         problem, _, remedy = error.lines[0].rpartition("; ")
         raise GeometryError(f"{field}.csv", problem, remedy) from error
-    except (OSError, UnicodeDecodeError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or "not UTF-8 text"
-        remedy = "give a CSV file, its place seen from the part file"
-        raise GeometryError(
-            f"{field}.csv", f"{path.name} cannot be read: {reason}", remedy
-        ) from error
 
 
 def make_lift(cam: Camshaft, lobe: Lobe, field: str) -> LiftLaw:

@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from camtools.base.errors import CamtoolsError, InputError
-from camtools.base.input_file import read_limited
+from camtools.base.input_file import read_text
 from camtools.base.quantities import Floats
 
 HEADER = "angle_deg,z_mm,reduction_um"
@@ -158,10 +158,7 @@ def read_scan_text(path: Path) -> Sections:
         It cannot be read, is no file or too large, or see `parse_sections`.
     """
     try:
-        text = read_limited(path, _MAX_BYTES).decode("utf-8-sig")  # spreadsheets mark it
-    except (OSError, UnicodeDecodeError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or "not UTF-8 text"
-        remedy = "give a CSV file, its place seen from the part file"
-        message = InputError(path.name, "", None, f"cannot be read: {reason}", remedy)
-        raise CamtoolsError([f"piston.section.csv: {line}" for line in message.lines]) from error
+        text = read_text(path, _MAX_BYTES)
+    except InputError as error:
+        raise CamtoolsError([f"piston.section.csv: {line}" for line in error.lines]) from error
     return parse_sections(text, path.name)

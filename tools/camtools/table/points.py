@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from camtools.base.errors import InputError
-from camtools.base.input_file import read_limited
+from camtools.base.input_file import read_text
 from camtools.base.quantities import Floats
 from camtools.table.quintics import segment_coefficients
 
@@ -248,13 +248,7 @@ def read_points(path: Path) -> PointFile:
     InputError
         It cannot be read, is no file or too large, or see `parse_points`.
     """
-    try:
-        text = read_limited(path, MAX_BYTES).decode("utf-8-sig")  # spreadsheets mark it
-    except (OSError, UnicodeDecodeError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or "not UTF-8 text"
-        remedy = "give a text file, its place seen from the part file"
-        raise InputError(path.name, "", None, f"cannot be read: {reason}", remedy) from error
-    return parse_points(text, path.name)
+    return parse_points(read_text(path, MAX_BYTES), path.name)
 
 
 def quintics_of(turn: PointedTurn) -> Floats:
