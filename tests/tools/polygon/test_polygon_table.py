@@ -19,6 +19,7 @@ from camtools.polygon.blend import bend_of, blended
 from camtools.polygon.generate import GeneratedPolygon, generate_polygon
 from camtools.polygon.outline import measures_of
 from camtools.polygon.part import PolygonPart
+from camtools.polygon.plots import draw_motion
 from camtools.polygon.shapes import p3g
 from camtools.table.image import pack
 from part_cases import ROOT
@@ -298,16 +299,18 @@ def test_passes(tmp_path: Path) -> None:
         generate_polygon(load(path).part)
 
 
-def test_measured_motion_lies_on_the_table(tmp_path: Path) -> None:
-    """With U about its mean the picture counts from there, as the trace does."""
+def test_motion_about_the_mean_is_drawn_from_there(tmp_path: Path) -> None:
+    """U of the picture is the reduction less its middle, as the trace has it."""
     text = (PARTS / "p3g-25.toml").read_text().replace("[0, 30]", "[0, 2]")
     path = tmp_path / "a.toml"
     path.write_text(text.replace("[machine.limits]", 'u_zero = "mean"\n[machine.limits]'))
     loaded = load(path)
     made = loaded.kind.make(loaded.part)
     assert made.middle_nm == 800_000
-    pictures = loaded.kind.plots(made)
-    assert sorted(pictures) == ["motion", "section"]
+    [line] = draw_motion(made).axes[0].lines
+    degrees, u_mm = (np.asarray(one) for one in line.get_data())
+    drawn = 12.5 + 0.8 - cases.p3g_mm(np.radians(degrees), 25.0, 0.8)
+    np.testing.assert_allclose(u_mm, drawn - 0.8, atol=1e-6)
 
 
 def test_the_manual_has_the_numbers(made: GeneratedPolygon) -> None:

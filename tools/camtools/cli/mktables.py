@@ -30,7 +30,8 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
         "--tolerance-nm",
         type=float,
         metavar="T",
-        help="largest error of u and x, default 1 (u of a refitted section 5, of a cam 10)",
+        help="largest error of u and x, default 1 (u of a refitted section 5, of a cam 10, of a "
+        "polygon 1, 3 or 10)",
     )
     parser.add_argument("--plot", action="store_true", help="draw PNG plots too")
     parser.add_argument(
