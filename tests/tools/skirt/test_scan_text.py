@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -160,7 +161,7 @@ def test_cut_from_uneven_points_is_the_formula(tmp_path: Path, direction: int) -
 
 def test_noise_at_angles_of_its_own_is_refused(tmp_path: Path) -> None:
     """No common angles follow points that lie closer than the samples are."""
-    noise = np.random.default_rng(1).normal(0, 20, (2, 13))
+    noise = np.random.default_rng(1).normal(0, 0.02, (2, 13))
     angles = [np.append(0.01 * np.arange(6), 50.0 * np.arange(1, 8)), 27.0 * np.arange(13)]
     rows = [
         f"{a!r},{z},{um!r}"
@@ -168,5 +169,25 @@ def test_noise_at_angles_of_its_own_is_refused(tmp_path: Path) -> None:
         for a, um in zip(deg.tolist(), ums, strict=True)
     ]
     with pytest.raises(CamtoolsError, match="heights have angles of their own") as info:
-        geometry_of(tmp_path, "\n".join(["angle_deg,z_mm,reduction_um", *rows]))
+        text = "\n".join(["angle_deg,z_mm,reduction_um", *rows])
+        geometry_of(tmp_path, text, "overshoot_um = 1e6")
     assert "; measure all heights at the same angles" in info.value.lines[0]
+
+
+def test_half_a_turn_of_points_is_refused(tmp_path: Path) -> None:
+    """Where nothing was measured the curve may not swing: place, size, and a remedy that helps."""
+    half = rows_of(lambda _: np.arange(0.0, 181, 5))
+    text = "angle_deg,z_mm,reduction_mm\n" + "".join(f"{a},{z},{r}\n" for a, z, r in half)
+    with pytest.raises(CamtoolsError, match="no points from 180 to 0 degrees") as info:
+        geometry_of(tmp_path, text)
+    remedy = re.search(r"overshoot_um = [0-9.e+]+", info.value.lines[0])
+    assert remedy, info.value.lines
+    geometry_of(tmp_path, text, remedy[0])
+
+
+def test_a_gap_without_a_swing_is_taken(tmp_path: Path) -> None:
+    """Half of the points between 30 and 60 degrees are missing: the curve is as before there."""
+    rows = rows_of(lambda _: np.concatenate([[0.0, 10, 20, 30], np.arange(60.0, 360, 5)]))
+    text = "angle_deg,z_mm,reduction_mm\n" + "".join(f"{a},{z},{r}\n" for a, z, r in rows)
+    found = geometry_of(tmp_path, text).surface.delta(np.radians(np.array([45.0])), 8.0).delta
+    assert abs(float(found[0]) - float(reduction_mm(np.array(45.0), np.array(8.0)))) < 3e-4

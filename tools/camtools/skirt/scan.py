@@ -74,11 +74,11 @@ def joined(sections: Sections) -> Joined:
     if all(np.array_equal(one, first) for one in sections.angles_deg):
         return Joined(Scan(first, sections.z_mm, np.array(sections.values_mm)), 0.0)
     pairs = list(zip(sections.angles_deg, sections.values_mm, strict=True))
-    own = [_Periodic(angle, values) for angle, values in pairs]
+    own = [Periodic(angle, values) for angle, values in pairs]
     n = max(angle.size for angle in sections.angles_deg)
     while True:
         grid = 360 * np.arange(n) / n
-        sampled = [_Periodic(grid, one(grid)) for one in own]
+        sampled = [Periodic(grid, one(grid)) for one in own]
         between = 360 * (np.arange(4 * n) + 0.5) / (4 * n)
         places = [np.concatenate([between, angle]) for angle, _ in pairs]
         off_mm = max(
@@ -95,7 +95,7 @@ def joined(sections: Sections) -> Joined:
     return Joined(Scan(grid, sections.z_mm, np.stack([one(grid) for one in own])), off_mm)
 
 
-class _Periodic:
+class Periodic:
     """The periodic quintic spline through a section."""
 
     def __init__(self, angle_deg: Floats, values: Floats) -> None:
