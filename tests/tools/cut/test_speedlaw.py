@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.interpolate import make_interp_spline
 
 from camtools.cut.speedlaw import (
     N_GRID,
@@ -20,6 +21,7 @@ from camtools.cut.speedlaw import (
     largest_partial,
     optimise,
     partial,
+    periodic_quintic,
     uniform,
 )
 from camtools.skirt.sections import Ellipse
@@ -81,7 +83,18 @@ def test_optimised_law_beats_partial_modulation(rpm: float, blended: float, best
     assert optimise(PAPERS, LATHE, rpm * RPM).ripple == pytest.approx(best, abs=0.003)
 
 
-@pytest.mark.slow
+@pytest.mark.parametrize("n", [64, 511, 512])
+def test_spline_of_a_law_is_that_of_a_general_solver(n: int) -> None:
+    """Value and three derivatives through random ratios, over several turns."""
+    y = 1 + 0.3 * np.random.default_rng(n).random(n)
+    found, x = periodic_quintic(y, 3.1), 3.1 * np.arange(n + 1) / n
+    wanted = make_interp_spline(x, np.append(y, y[0]), k=5, bc_type="periodic")
+    phi = np.linspace(-5, 9, 1000)
+    for nu in range(4):
+        error = np.abs(found(phi, nu=nu) - wanted(phi, nu=nu)).max()
+        assert error < 1e-12 * np.abs(wanted(phi, nu=nu)).max()
+
+
 @settings(max_examples=12, deadline=None)
 @given(
     st.floats(0.05, 0.5),

@@ -95,7 +95,7 @@ def test_papers_own_speed_is_played_within_a_percent(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_ripple_beyond_the_accepted_is_refused_with_a_speed_that_keeps_it() -> None:
-    """0.00 % was planned for 600 r/min once, and 17 % came."""
+    """What the loop of a lathe cannot follow is told with a speed at which it can."""
     text = variant(600, 5132).replace("parts = 30", "parts = 30\nripple_percent = 1")
     with pytest.raises(CamtoolsError) as info:
         made(text)

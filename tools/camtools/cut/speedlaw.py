@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from scipy.interpolate import BSpline, make_interp_spline
+from scipy.interpolate import BSpline
 from scipy.optimize import linprog
 
 from camtools.base.errors import CamtoolsError
@@ -128,10 +128,21 @@ def grid_rad(load: Load) -> Floats:
 def _law(load: Load, ratio: Floats, share: float) -> Law:
     """Return the law through ratios on the grid, its mean speed made exact."""
     exact = ratio * float(np.mean(1 / ratio))
-    x = np.append(grid_rad(load), load.pattern_rad)
-    return Law(
-        make_interp_spline(x, np.append(exact, exact[0]), k=5, bc_type="periodic"), load, share
-    )
+    return Law(periodic_quintic(exact, load.pattern_rad), load, share)
+
+
+def periodic_quintic(y: Floats, length: float) -> BSpline:
+    """Return the periodic quintic spline through values at equal distances.
+
+    Its coefficients solve a circulant system, so the Fourier transform does in no time what a
+    general solver does in 20 ms, and a part takes a thousand of them.
+    """
+    n, k = y.size, 5
+    wave = 2 * np.pi * np.arange(n // 2 + 1) / n
+    at_knots = (66 + 52 * np.cos(wave) + 2 * np.cos(2 * wave)) / 120  # of one B-spline
+    middle = np.fft.irfft(np.fft.rfft(y) / at_knots, n)
+    knots = length / n * np.arange(-k, n + k + 1)
+    return BSpline(knots, middle[np.arange(-2, n + 3) % n], k, extrapolate="periodic")
 
 
 def partial(load: Load, share: float) -> Law:
