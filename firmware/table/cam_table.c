@@ -242,11 +242,13 @@ static cam_err_t check_channel(const cam_entry_t *e, uint32_t i, const header_fi
     return take_channel(e, image, table) ? cam_ok : cam_err_image_channel;
 }
 
-/// A way ends where the table does, and a ring-helix, whose rings stand, has none.
+/// A way ends where the table does. A ring-helix, whose rings stand, and a shaft, whose lift falls
+/// and rises over even turns, have none.
 static bool is_way_placed(const cam_table_t *table, const header_fields_t *h)
 {
     const cam_channel_t *way = &table->way;
-    return way->knots == NULL || (way->z_first_nm == h->z_first_nm && !table->is_ring_helix &&
+    const bool is_plain = !table->is_ring_helix && table->lobes == NULL;
+    return way->knots == NULL || (way->z_first_nm == h->z_first_nm && is_plain &&
                                   (int64_t)way->z_first_nm + way->span_nm == (int64_t)h->z_last_nm);
 }
 

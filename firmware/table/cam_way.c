@@ -9,7 +9,7 @@ enum { least_feed_ppm = 20000 };
 /// @return whether a knot is at 0
 static bool is_zero(const cam_channel_t *way, const cam_knot_t *knot)
 {
-    return knot->p == -way->value_offset * (INT32_C(1) << way->frac_bits);
+    return knot->p == -way->value_offset * (INT64_C(1) << way->frac_bits);
 }
 
 /// @return [LSB per slice] that Z of a plain helix rises from knot to knot, rounded down

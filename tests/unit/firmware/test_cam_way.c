@@ -5,6 +5,7 @@
 #include "cam_way.h"
 #include "fixture_newer.h"
 #include "fixture_play.h"
+#include "fixture_shaft.h"
 #include "unity.h"
 #include <math.h>
 
@@ -140,6 +141,29 @@ static void test_rings_have_no_way(void)
     TEST_ASSERT_EQUAL_INT(cam_err_image_channel, with_way(n_knots));
 }
 
+/// 2^24 nm and 2^8 LSB fill a word exactly, so the end of this way is 0 only to 32 bits.
+static void test_offset_counts_in_the_ends_of_a_way(void)
+{
+    TEST_ASSERT_EQUAL_INT(cam_ok, with_way(n_knots));
+    const uint32_t channel = fixture_newer_last(&f.image);
+    fixture_image_put(&f.image, fixture_image_in(channel, fixture_in_frac_bits), 8u);
+    fixture_image_put(&f.image, fixture_image_in(channel, fixture_in_value_offset), 1u << 24);
+    fixture_image_seal(&f.image);
+    TEST_ASSERT_EQUAL_INT(cam_err_image_channel,
+                          cam_table_check(f.image.bytes, f.image.size, &f.table));
+}
+
+static void test_shafts_of_lobes_have_no_way(void)
+{
+    const fixture_shaft_t shaft = fixture_shaft_three();
+    fixture_shaft_make(&f.image, &shaft);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_table_check(f.image.bytes, f.image.size, &f.table));
+    part.z_first_nm = 0;
+    fixture_newer_way(&f.image, sine, n_knots, 4);
+    TEST_ASSERT_EQUAL_INT(cam_err_image_channel,
+                          cam_table_check(f.image.bytes, f.image.size, &f.table));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -149,5 +173,7 @@ int main(void)
     RUN_TEST(test_way_that_turns_back_is_refused);
     RUN_TEST(test_way_begins_and_ends_with_the_table);
     RUN_TEST(test_rings_have_no_way);
+    RUN_TEST(test_offset_counts_in_the_ends_of_a_way);
+    RUN_TEST(test_shafts_of_lobes_have_no_way);
     return UNITY_END();
 }
