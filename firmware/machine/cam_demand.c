@@ -174,11 +174,14 @@ typedef struct {
 
 /// Bound the drift of a channel. Slices pass at the speed of Z over their spacing. The rate of
 /// change jumps from one slice to the next, and an axis takes the jump within one set-point; while
-/// Z accelerates the rate rises as well.
+/// Z accelerates the rate rises as well. Patterns of lobes have no spacing, and do not drift.
 /// @param set_point_hz  [Hz] rate of the axis's set-points
 static drift_t drift(const cam_cut_t *c, const cam_channel_t *ch, const cam_change_t *change,
                      uint32_t set_point_hz)
 {
+    if (c->t->n_lobes > 0u) {
+        return (drift_t){0};
+    }
     const uint64_t spacing_nm = ch->span_nm / (ch->n_slices - 1u);
     const uint64_t v_um_per_s = (uint64_t)smaller((int64_t)z_um_per_s(c), max_z_um_per_s);
     const uint64_t a_mm_per_s2 = (uint64_t)smaller((int64_t)z_feeding_mm_per_s2(c), 1000000);
