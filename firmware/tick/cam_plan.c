@@ -257,7 +257,8 @@ static void lay_end(cam_plan_t *p, const cam_play_config_t *cfg, const cam_angle
 }
 
 /// Lay the cut onto whole turns of the master, and set all that changes in it to its first value.
-/// All axes rest until the next plan aims them, and the cut begins behind that.
+/// All axes rest, as cam_rest_isr() left them, until the next plan aims them, and the cut begins
+/// behind that.
 static void lay(cam_plan_t *p, const cam_play_config_t *cfg, const cam_tick_record_t *r,
                 cam_motion_t *m)
 {
@@ -272,12 +273,8 @@ static void lay(cam_plan_t *p, const cam_play_config_t *cfg, const cam_tick_reco
     p->measured_nm = actual_nm;
     p->ratio_q28 = CAM_RATIO_ONE_Q28;
     m->phase_q32 = cfg->phase_q32;
-    m->phase_step_q32 = 0;
     m->scale_q30 = 0;
-    m->scale_step_q30 = 0;
     m->behind_q4 = 0;
-    m->behind_step_q4 = 0;
-    m->height_step_q32 = 0;
     m->height_q32 = slice_q32(cfg, z_nm);
     m->is_stopping = false;
     m->is_playing = true;

@@ -128,8 +128,19 @@ static void home(const cam_play_config_t *cfg, const cam_angle_t *angle, cam_mot
     }
 }
 
+/// What only the cut moves stands: amplitude, phase and height would go on with the increments of
+/// the last plan of the cut, in the end beyond their words.
+static void end_increments(cam_motion_t *m)
+{
+    m->phase_step_q32 = 0;
+    m->scale_step_q30 = 0;
+    m->behind_step_q4 = 0;
+    m->height_step_q32 = 0;
+}
+
 bool cam_rest_isr(const cam_play_config_t *cfg, const cam_tick_record_t *r, cam_motion_t *m)
 {
+    end_increments(m);
     const bool is_idle = m->state == cam_state_off || m->state == cam_state_fault;
     m->spindle_mrpm = is_idle ? 0 : cfg->spindle_mrpm;
     m->alpha_q40 = 0;

@@ -143,6 +143,23 @@ static void test_reset_before_the_retract_has_ended_is_ignored(void)
     TEST_ASSERT_EQUAL_INT(cam_state_off, f.want.state);
 }
 
+/// The amplitude was rising when the fault came: going on, it would leave its word in a second.
+static void test_increments_of_the_cut_end_with_a_fault(void)
+{
+    bring(cam_state_engaging);
+    TEST_ASSERT_TRUE(fixture_play_approach(&f));
+    fixture_play_ticks(&f, 5 * 480);
+    TEST_ASSERT_GREATER_THAN_INT32(0, f.motion.scale_step_q30);
+    fixture_play_settle(&f, false);
+    fixture_play_ticks(&f, FIXTURE_PLAN_TICKS);
+    const cam_motion_t then = f.motion;
+    fixture_play_ticks(&f, 20 * 1000);
+    TEST_ASSERT_EQUAL_INT32(then.scale_q30, f.motion.scale_q30);
+    TEST_ASSERT_EQUAL_INT32(then.behind_q4, f.motion.behind_q4);
+    TEST_ASSERT_EQUAL_INT32(then.phase_q32, f.motion.phase_q32);
+    TEST_ASSERT_EQUAL_INT64(then.height_q32, f.motion.height_q32);
+}
+
 static void test_request_that_stands_is_carried_out_once(void)
 {
     bring(cam_state_ready);
@@ -328,6 +345,7 @@ int main(void)
     RUN_TEST(test_homing_waits_for_the_tool_to_be_out);
     RUN_TEST(test_requests_out_of_order_are_ignored);
     RUN_TEST(test_reset_before_the_retract_has_ended_is_ignored);
+    RUN_TEST(test_increments_of_the_cut_end_with_a_fault);
     RUN_TEST(test_request_that_stands_is_carried_out_once);
     RUN_TEST(test_engage_begins_at_a_whole_turn_that_no_axis_was_told_of);
     RUN_TEST(test_start_approaches_zero_clearance_and_first_height);
