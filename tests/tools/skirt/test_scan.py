@@ -15,12 +15,12 @@ from camtools.skirt.geometry import Geometry, make_geometry
 from camtools.skirt.scan import (
     Scan,
     filtered,
+    joined,
     ovality_of,
     parse_scan,
-    read_scan,
     scan_surface,
 )
-from camtools.skirt.scan_text import HEADER, MAX_POINTS
+from camtools.skirt.scan_text import HEADER, MAX_POINTS, read_scan_text
 from part_cases import ROOT, load_part
 
 MEASURED = ROOT / "tools" / "parts" / "scan90.toml"
@@ -47,7 +47,7 @@ def geometry_of(folder: Path, scan: str, more: str = "") -> Geometry:
 
 def test_surface_runs_through_all_points() -> None:
     """Unfiltered points of every height lie on the surface."""
-    scan = read_scan(ROOT / "tools" / "parts" / "scan90.csv")
+    scan = joined(read_scan_text(ROOT / "tools" / "parts" / "scan90.csv")).scan
     found = scan_surface(scan).delta(np.radians(scan.angle_deg), scan.z_mm[:, None]).delta
     np.testing.assert_allclose(found, scan.reduction_mm, atol=1e-13)
 
@@ -147,8 +147,8 @@ def test_scans_come_from_files_only(tmp_path: Path) -> None:
         (pipe, "not a file"),
     ):
         with pytest.raises(CamtoolsError) as info:
-            read_scan(path)
+            read_scan_text(path)
         told = f"piston.section.csv: {path.name}: cannot be read: {problem}; give a text file, its "
         assert info.value.lines == [f"{told}place seen from the part file"]
     table.write_text(GOOD, encoding="utf-8-sig")
-    assert read_scan(table).z_mm.tolist() == [0, 60]
+    assert joined(read_scan_text(table)).scan.z_mm.tolist() == [0, 60]

@@ -23,7 +23,8 @@ from camtools.skirt.generate import generate
 from camtools.skirt.geometry import make_geometry
 from camtools.skirt.kind import KIND
 from camtools.skirt.part import SkirtPart
-from camtools.skirt.scan import read_scan
+from camtools.skirt.scan import joined
+from camtools.skirt.scan_text import read_scan_text
 from part_cases import ROOT, load_part
 
 WEICHAI = ROOT / "tools" / "parts" / "weichai3a.toml"
@@ -111,7 +112,7 @@ def test_points_are_the_drawing_of_a_measured_part(tmp_path: Path) -> None:
     """At the measured angles the gauge compares with the points themselves, filter included."""
     part = load_part(SCAN)
     geometry = make_geometry(part)
-    scan = read_scan(ROOT / "tools" / "parts" / "scan90.csv")
+    scan = joined(read_scan_text(ROOT / "tools" / "parts" / "scan90.csv")).scan
     at_points = geometry.drawing.delta(np.radians(scan.angle_deg), scan.z_mm[:, None]).delta
     np.testing.assert_allclose(at_points, scan.reduction_mm, atol=1e-12)
     assert geometry.off_points_um is not None

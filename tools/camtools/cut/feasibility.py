@@ -34,7 +34,6 @@ UNITS = {
     "swing_speed_deg_s": "degrees/s",
     "swing_acceleration_deg_s2": "degrees/s2",
 }
-_BISECTIONS = 60
 _DRIFT_MARGIN = 1.015  # the firmware's bounds of it are larger by up to that
 PLAN_PERIOD_S = 400e-6  # from set-point to set-point of the swing: cam_plan_period_us
 
@@ -210,40 +209,6 @@ def tenth_below(rpm: float) -> str:
     return f"{np.floor(rpm * 10 + 1e-6) / 10:.1f}"
 
 
-def _largest_feed_mm(peaks: Peaks, limits: MachineLimits, omega: float) -> float | None:
-    """Return the feed that would do at this speed; nothing where no feed helps."""
-    given, needed = given_of(limits), needed_of(peaks, limits, omega)
-    standing = peaks._replace(u_drift=Drift(), swing_drift=Drift(), feed_mm=0.0)
-    still = needed_of(standing, limits, omega)
-    if any(still[name] > limit for name, limit in given.items()):
-        return None
-    if peaks.change_mm > 0:
-        return _feed_that_fits_mm(peaks, limits, omega)
-    shares = [
-        (limit - still[name]) / (needed[name] - still[name])
-        for name, limit in given.items()
-        if needed[name] > limit
-    ]
-    return peaks.feed_mm * min(shares) if shares and peaks.feed_mm > 0 else None
-
-
-def _feed_that_fits_mm(peaks: Peaks, limits: MachineLimits, omega: float) -> float | None:
-    """Return the feed at which the changes between lobes do; nothing where none is needed."""
-    given = given_of(limits)
-
-    def fits(feed_mm: float) -> bool:
-        needed = needed_of(peaks._replace(feed_mm=feed_mm), limits, omega)
-        return all(needed[name] <= limit for name, limit in given.items())
-
-    low, high = 0.0, peaks.feed_mm
-    if fits(high):
-        return None
-    for _ in range(_BISECTIONS):
-        middle = (low + high) / 2
-        low, high = (middle, high) if fits(middle) else (low, middle)
-    return low if low > 0 else None
-
-
 def remedy_text(best: HighestSpeed, asked_rpm: float, feed_mm: float | None) -> str:
     """Return what would do: a lower speed, or where there is one a smaller feed."""
     speed = "turn more slowly"
@@ -257,45 +222,33 @@ def remedy_text(best: HighestSpeed, asked_rpm: float, feed_mm: float | None) -> 
     return f"{speed}, or process.feed_mm at most {np.floor(feed_mm * 1e4) / 1e4:.4f}"
 
 
-def check_feasible(
-    peaks: Peaks,
-    limits: MachineLimits,
-    spindle_rpm: float,
-    best: HighestSpeed | None = None,
-    asked_rpm: float | None = None,
-) -> HighestSpeed:
-    """Return the highest speed, or refuse a part that the machine cannot cut.
+def check_feasible(peaks: Peaks, limits: MachineLimits, spindle_rpm: float) -> None:
+    """Refuse what a machine cannot follow without a table: the axes of an NC program.
+
+    A table is judged by the controller's own rule, `camtools.cut.verdict`.
 
     Parameters
     ----------
     spindle_rpm : float
         Mean speed.
-    best : HighestSpeed, optional
-        Highest speed asked for that would do, where it is not the highest mean speed.
-    asked_rpm : float, optional
-        Speed of the part file, where it is not the mean speed.
 
     Raises
     ------
     CamtoolsError
         One line for each limit exceeded: needed, limit, highest speed that would do.
     """
-    omega, best = omega_rad_s(spindle_rpm), best or highest_speed(peaks, limits)
-    asked_rpm = spindle_rpm if asked_rpm is None else asked_rpm
-    remedy = remedy_text(best, asked_rpm, _largest_feed_mm(peaks, limits, omega))
+    remedy = remedy_text(highest_speed(peaks, limits), spindle_rpm, None)
     shape = "lift" if isinstance(limits, SwingLimits) else "ovality"
     at_any_speed = {
         "u_stroke_mm": f"no speed would do: less {shape}, or a longer stroke",
         "swing_deg": "no speed would do: less steep a lift",
     }
-    needed, given = needed_of(peaks, limits, omega), given_of(limits)
-    needed["spindle_rpm"] = max(asked_rpm, spindle_rpm * peaks.ratio)
+    needed = needed_of(peaks, limits, omega_rad_s(spindle_rpm))
     lines = [
         f"machine.limits.{name} = {limit:.9g} {UNITS[name]}: the part needs "
         f"{needed[name]:.9g} {UNITS[name]}; {at_any_speed.get(name, remedy)}"
-        for name, limit in given.items()
+        for name, limit in given_of(limits).items()
         if needed[name] > limit
     ]
     if lines:
         raise CamtoolsError(lines)
-    return best if best.rpm >= asked_rpm else HighestSpeed(asked_rpm, best.decides)

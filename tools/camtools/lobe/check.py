@@ -29,9 +29,7 @@ class Shape(NamedTuple):
     least_radius_mm: float  # of the convex curvature
     least_radius_deg: float  # direction of the follower there
     hollow_radius_mm: float  # of the hollow curvature, infinite without any
-    hollow_radius_deg: float
     largest_swing_deg: float  # magnitude of the pressure angle
-    largest_swing_deg_at: float
 
 
 def touch_of(
@@ -58,9 +56,7 @@ def shape_of(law: LiftLaw, base_mm: float, roller_mm: float, *, is_flat: bool = 
         1 / float(touch.curvature[sharpest]),
         abs(float(degrees[sharpest])),
         float(-1 / least) if least < 0 else float("inf"),
-        float(degrees[hollowest]),
         abs(float(np.degrees(touch.gamma[swing]))),
-        float(degrees[swing]),
     )
 
 

@@ -9,7 +9,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 import numpy as np
 
@@ -120,14 +119,6 @@ def profiles_of(lobes: list[ShaftLobe]) -> list[ShaftLobe]:
     """Return one lobe of each profile, in its own frame: its phase is 0."""
     firsts = {lobe.profile: lobe for lobe in reversed(lobes)}
     return [replace(firsts[i], phase_rad=0.0) for i in sorted(firsts)]
-
-
-class SwingPeaks(NamedTuple):
-    """Peaks of the swing in degrees, per mean speed and its square in rad/s."""
-
-    deg: float
-    deg_per_rad: float
-    deg_per_rad2: float
 
 
 def example_lobe(operation: str = "turning", speed: str = "uniform") -> LobePart:

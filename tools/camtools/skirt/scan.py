@@ -8,7 +8,6 @@ r"""Measured sections: a CSV table of angle, height and radius reduction, "scan 
 from __future__ import annotations
 
 from collections.abc import Callable
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -23,7 +22,6 @@ from camtools.skirt.scan_text import (
     MIN_ANGLES,
     Sections,
     parse_sections,
-    read_scan_text,
 )
 from camtools.skirt.section_surface import surface_through
 
@@ -44,11 +42,6 @@ class Scan(NamedTuple):
 def parse_scan(text: str, file: str) -> Scan:
     """Return the sections of a CSV text at common angles, see `parse_sections` and `joined`."""
     return joined(parse_sections(text, file)).scan
-
-
-def read_scan(path: Path) -> Scan:
-    """Return the sections of a CSV file at common angles, see `read_scan_text` and `joined`."""
-    return joined(read_scan_text(path)).scan
 
 
 class Joined(NamedTuple):

@@ -42,7 +42,6 @@ class PathStudy(NamedTuple):
     rows: tuple[PathRow, ...]
     z_mm: Floats  # shape (N_HEIGHTS,)
     nose_mm: float
-    wanted_rpm: float
     stepped: PathRow  # Z stands during each turn; no controller plays it
 
 
@@ -89,7 +88,7 @@ def make_study(
         _row("helix", ToolPath("helix", *ends, feed_mm), rpm, z_mm, nose_mm),
     )
     stepped = _row("stepped", steps, step_rpm, z_mm, nose_mm)
-    return PathStudy(rows, z_mm, nose_mm, rpm, stepped)
+    return PathStudy(rows, z_mm, nose_mm, stepped)
 
 
 def csv(study: PathStudy, slope: float) -> str:
