@@ -183,7 +183,7 @@ static bool read_sections(sim_surface_t *s, const cJSON *surface, const place_t 
         is_good = common_error(at->e, "%s: %s: not enough memory; measure fewer points", at->path,
                                at->where);
     }
-    for (size_t i = 0; is_good && i < s->m * s->n; i++) {
+    for (size_t i = 0; s->c != NULL && i < s->m * s->n; i++) {
         piece_of(s, knots, slopes, i / s->n, i % s->n);
     }
     free(knots);
