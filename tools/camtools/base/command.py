@@ -32,10 +32,6 @@ class Interrupted(BaseException):
     """A signal demands the end; unwinding removes what is unfinished."""
 
 
-def _interrupt(number: int, _frame: FrameType | None) -> None:
-    raise Interrupted(number)
-
-
 def run_command(name: str, action: Callable[[], int]) -> int:
     """Carry a command out; return its exit status.
 
@@ -51,14 +47,22 @@ def run_command(name: str, action: Callable[[], int]) -> int:
     int
         That of the action; 2 on bad input, reported line by line; 128 + n on signal n.
     """
+    stopped: list[int] = []  # a library may turn the exception into one of its own
+
+    def interrupt(number: int, _frame: FrameType | None) -> None:
+        stopped.append(number)
+        raise Interrupted(number)
+
     for number in _SIGNALS:
-        signal.signal(number, _interrupt)
+        signal.signal(number, interrupt)
     try:
         return action()
     except CamtoolsError as error:
         for line in error.lines:
             sys.stderr.write(f"{name}: {line}\n")
         return BAD_INPUT
-    except Interrupted as stop:
+    except (Interrupted, Exception):
+        if not stopped:
+            raise
         sys.stderr.write(f"{name}: interrupted; nothing was written\n")
-        return 128 + int(stop.args[0])
+        return 128 + stopped[0]
