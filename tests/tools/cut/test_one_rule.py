@@ -28,7 +28,7 @@ from camtools.lobe.generate import generate_lobes
 from camtools.lobe.machine import lobe_machine_text
 from camtools.part.common import MachineLimits, SwingLimits
 from camtools.sim.camsim import machine_text
-from camtools.table.image import (
+from camtools.table.channel import (
     ANGLE_TURN,
     KIND_CONTACT,
     KIND_SPEED,
@@ -40,9 +40,8 @@ from camtools.table.image import (
     Bounds,
     Channel,
     ImageLimits,
-    Table,
-    pack,
 )
+from camtools.table.image import Table, pack
 from camtools.table.modulation import moving_bounds, peaks_together
 from camtools.table.quantise import quantise, with_bounds
 from lobe_cases import cam

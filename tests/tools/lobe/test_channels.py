@@ -13,7 +13,8 @@ from camtools.base.quantities import Floats, Ints
 from camtools.lobe.channels import choose_angle, choose_lift, patterns_of
 from camtools.lobe.generate import GeneratedLobes, generate_lobes
 from camtools.lobe.motion import ShaftLobe, example_lobe, make_lobes
-from camtools.table.image import MAX_CHANNEL_BYTES, pack
+from camtools.table.channel import MAX_CHANNEL_BYTES
+from camtools.table.image import pack
 from lobe_cases import NM, cam, evaluate
 from part_cases import ROOT
 

@@ -19,7 +19,8 @@ from camtools.lobe.part import LobePart
 from camtools.lobe.speed import N_GRID, SpindleLimits, mean_of, surface_speed
 from camtools.pipeline.load import load
 from camtools.skirt.generate import generate
-from camtools.table.image import KIND_SPEED, KIND_U, pack, unpack
+from camtools.table.channel import KIND_SPEED, KIND_U
+from camtools.table.image import pack, unpack
 from lobe_cases import NM, cam, evaluate
 from lobe_tables import DISC, POLY345, POLY345_WHEEL
 from part_cases import PERKINS, ROOT, Mktables, load_part

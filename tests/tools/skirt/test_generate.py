@@ -14,8 +14,9 @@ from camtools.base.quantities import omega_rad_s
 from camtools.skirt.generate import GeneratedSkirt, generate
 from camtools.skirt.part import SkirtPart
 from camtools.skirt.search import DERIVATIVE_SHARE, UnreachableError
+from camtools.table.channel import KIND_U, KIND_X
 from camtools.table.evaluate import evaluate_at, evaluate_x, jumps
-from camtools.table.image import KIND_U, KIND_X, pack, unpack
+from camtools.table.image import pack, unpack
 from part_cases import PERKINS, load_part
 
 

@@ -20,7 +20,8 @@ from camtools.sim.camsim import machine_text
 from camtools.skirt.generate import GeneratedSkirt, generate
 from camtools.skirt.kind import KIND
 from camtools.skirt.part import SkirtPart
-from camtools.table.image import KIND_U, pack
+from camtools.table.channel import KIND_U
+from camtools.table.image import pack
 from part_cases import ROOT, load_part, parse_part
 
 ALL_PARTS = sorted((ROOT / "tools" / "parts").glob("*.toml"))

@@ -15,8 +15,9 @@ from camtools.part.passes import FeedLaw
 from camtools.skirt.feed_law import TOLERANCE_NM, height_at_mm, largest_share, way_channel
 from camtools.skirt.generate import generate
 from camtools.skirt.part import SkirtPart, example_part
+from camtools.table.channel import ImageError
 from camtools.table.evaluate import evaluate_x
-from camtools.table.image import ImageError, pack, unpack
+from camtools.table.image import pack, unpack
 
 LAW = {"height_mm": [0.0, 10.0, 50.0, 62.0], "feed_mm": [0.05, 0.15, 0.15, 0.08]}
 PASSES = [

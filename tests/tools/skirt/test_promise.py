@@ -17,8 +17,8 @@ from camtools.skirt.generate import GeneratedSkirt, generate
 from camtools.skirt.report_even import ripple_by_turn
 from camtools.skirt.speed import motion_played
 from camtools.skirt.summary import make_summary
+from camtools.table.channel import RATIO_ONE
 from camtools.table.evaluate import evaluate_at
-from camtools.table.image import RATIO_ONE
 from camtools.table.summary import table_files
 from part_cases import ROOT, parse_part
 

@@ -12,9 +12,10 @@ from camtools.base.errors import CamtoolsError, InputError
 from camtools.cli.mktables import main as mktables
 from camtools.pipeline.load import load
 from camtools.skirt.generate import GeneratedSkirt, generate
+from camtools.table.channel import KIND_U
 from camtools.table.evaluate import evaluate_at
 from camtools.table.export import Export, export_files
-from camtools.table.image import KIND_U, pack
+from camtools.table.image import pack
 from camtools.table.points import parse_points, quintics_of
 from part_cases import PERKINS, ROOT
 

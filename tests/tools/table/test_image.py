@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from camtools.skirt.generate import GeneratedSkirt
-from camtools.table.image import (
+from camtools.table.channel import (
     KIND_U,
     KIND_X,
     SUM_LIMIT,
@@ -21,13 +21,11 @@ from camtools.table.image import (
     Channel,
     ImageError,
     ImageLimits,
-    Table,
     channel_coefficients,
     largest_sum,
-    pack,
     slices_per_nm_q48,
-    unpack,
 )
+from camtools.table.image import Table, pack, unpack
 from camtools.table.quintics import segment_coefficients
 from camtools.table.records import ENTRY, HEADER
 from part_cases import ROOT

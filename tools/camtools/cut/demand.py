@@ -16,8 +16,8 @@ from typing import NamedTuple
 
 from camtools.cut.demand_gap import AxisPeaks, GapSums
 from camtools.part.common import MachineLimits, SwingLimits
+from camtools.table.channel import RATIO_ONE
 from camtools.table.facts import SliceChange, TableFacts
-from camtools.table.image import RATIO_ONE
 
 _MAX_KNOTS_PER_TICK, _MIN_TICKS_PER_TURN = 8, 8
 _MAX_Z_UM_PER_S = 6_553_400

@@ -20,8 +20,8 @@ from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import NM_PER_MM, omega_rad_s
 from camtools.cut.gap import GapChange, Motion, in_gap
 from camtools.part.common import MachineLimits, SwingLimits
+from camtools.table.channel import Bounds, Channel
 from camtools.table.evaluate import PLACES, evaluate_grid
-from camtools.table.image import Bounds, Channel
 
 UNITS = {
     "u_stroke_mm": "mm",

@@ -19,15 +19,7 @@ from camtools.base.errors import CamtoolsError, GeometryError
 from camtools.base.quantities import NM_PER_MM, Floats
 from camtools.lobe.motion import ShaftLobe, profiles_of
 from camtools.lobe.speed import N_GRID
-from camtools.table.evaluate import (
-    GRID_MARGIN,
-    PLACES,
-    ROUNDING_LSB,
-    evaluate_grid,
-    knot_interval,
-    raw_bounds,
-)
-from camtools.table.image import (
+from camtools.table.channel import (
     ANGLE_TURN,
     KIND_CONTACT,
     KIND_SPEED,
@@ -41,6 +33,14 @@ from camtools.table.image import (
     MIN_RATIO,
     RATIO_ONE,
     Channel,
+)
+from camtools.table.evaluate import (
+    GRID_MARGIN,
+    PLACES,
+    ROUNDING_LSB,
+    evaluate_grid,
+    knot_interval,
+    raw_bounds,
 )
 from camtools.table.lobes import LobePlace
 from camtools.table.mirror import angle_in_sense

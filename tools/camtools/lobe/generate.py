@@ -37,9 +37,10 @@ from camtools.lobe.motion import ShaftLobe, make_lobes
 from camtools.lobe.part import LobePart
 from camtools.lobe.speed import N_GRID, SpindleLimits, acceleration_of, mean_of, surface_speed
 from camtools.part.common import check_feed
+from camtools.table.channel import ANGLE_TURN, Channel
 from camtools.table.evaluate import knot_interval, raw_bounds
 from camtools.table.header import check_tolerance, table_of, u_bounds
-from camtools.table.image import ANGLE_TURN, Channel, Table
+from camtools.table.image import Table
 from camtools.table.lobes import change_nm
 from camtools.table.modulation import moving_bounds, peaks_together
 

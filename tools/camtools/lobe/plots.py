@@ -18,8 +18,8 @@ from camtools.lobe.contact import Contact, Follower
 from camtools.lobe.generate import GeneratedLobes
 from camtools.lobe.motion import ShaftLobe, profiles_of
 from camtools.plots.style import png_of, titled_figure
+from camtools.table.channel import RATIO_ONE
 from camtools.table.evaluate import evaluate_at
-from camtools.table.image import RATIO_ONE
 
 _N_ANGLES = 3601
 _SHOWN = 8  # lobes of a profile that are named one by one

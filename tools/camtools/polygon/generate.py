@@ -35,14 +35,9 @@ from camtools.skirt.nose import tip_geometry
 from camtools.skirt.poly_surface import PolySurface
 from camtools.skirt.search import DERIVATIVE_SHARE, slice_counts
 from camtools.skirt.zero import middle_nm, moved
+from camtools.table.channel import MAX_CHANNEL_BYTES, MAX_LOG2_KNOTS, MIN_LOG2_KNOTS, Channel
 from camtools.table.header import MAX_PEAK_NM, check_tolerance, table_of, u_bounds
-from camtools.table.image import (
-    MAX_CHANNEL_BYTES,
-    MAX_LOG2_KNOTS,
-    MIN_LOG2_KNOTS,
-    Channel,
-    Table,
-)
+from camtools.table.image import Table
 from camtools.table.quantise import TooLargeError, with_bounds
 from camtools.table.records import KNOT_SIZE
 

@@ -19,7 +19,7 @@ from camtools.polygon.outline import Outline, OutlineJoint, all_around, is_smoot
 from camtools.skirt.poly_surface import PolySurface
 from camtools.skirt.summary import error_of, jumps_of, passes_of, tool_of
 from camtools.skirt.summary_text import emit_text
-from camtools.table.image import KIND_U, KIND_X
+from camtools.table.channel import KIND_U, KIND_X
 from camtools.table.summary import about_image, describe_channel
 
 

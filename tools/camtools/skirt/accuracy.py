@@ -20,6 +20,7 @@ import numpy as np
 from camtools.base.quantities import NM_PER_MM, Floats
 from camtools.skirt.channels import height_range_nm
 from camtools.skirt.geometry import Geometry
+from camtools.table.channel import Channel
 from camtools.table.evaluate import (
     GRID_MARGIN,
     PLACES,
@@ -28,7 +29,6 @@ from camtools.table.evaluate import (
     evaluate_grid,
     evaluate_x,
 )
-from camtools.table.image import Channel
 from camtools.table.quantise import slice_heights_mm
 
 _W = np.array([0.0, 0.13, 0.27, 0.5, 0.71, 0.91])

@@ -12,11 +12,7 @@ import numpy as np
 
 from camtools.base.quantities import NM_PER_MM, Floats
 from camtools.skirt.geometry import Geometry
-from camtools.table.image import (
-    KIND_U,
-    KIND_X,
-    Channel,
-)
+from camtools.table.channel import KIND_U, KIND_X, Channel
 from camtools.table.quantise import quantise, slice_heights_mm
 
 

@@ -16,8 +16,7 @@ import numpy as np
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import NM_PER_MM, Floats
 from camtools.part.passes import FeedLaw
-from camtools.table.evaluate import evaluate_x
-from camtools.table.image import (
+from camtools.table.channel import (
     KIND_WAY,
     LEAST_FEED,
     MAX_SLICES,
@@ -25,6 +24,7 @@ from camtools.table.image import (
     MIN_SPACING_NM,
     Channel,
 )
+from camtools.table.evaluate import evaluate_x
 from camtools.table.quantise import TooLargeError, quantise, slice_heights_mm, with_bounds
 
 TOLERANCE_NM = 50.0  # of Z: its drive is a thousand times coarser

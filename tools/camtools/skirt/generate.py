@@ -36,8 +36,9 @@ from camtools.skirt.search import UnreachableError, choose_u, choose_x
 from camtools.skirt.speed import SpeedTable, make_speed
 from camtools.skirt.turning import path_of
 from camtools.skirt.zero import middle_nm, moved
+from camtools.table.channel import Channel
 from camtools.table.header import check_tolerance, table_of, u_bounds
-from camtools.table.image import Channel, Table
+from camtools.table.image import Table
 from camtools.table.modulation import moving_bounds
 from camtools.table.quantise import with_bounds
 

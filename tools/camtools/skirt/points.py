@@ -20,7 +20,7 @@ from camtools.base.quantities import Floats
 from camtools.skirt.part_section import PointsAt, SectionShape
 from camtools.skirt.poly_surface import N_ANGLE, N_HEIGHT, PolySurface, angle_pieces
 from camtools.skirt.profile import constant_spline, polygon_or_spline
-from camtools.table.image import MAX_LOG2_REPEAT
+from camtools.table.channel import MAX_LOG2_REPEAT
 from camtools.table.points import PointedTurn, PointFile, quintics_of, read_points
 
 MAX_REDUCTION_MM = 30.0

@@ -21,7 +21,7 @@ from camtools.plots.style import (
 from camtools.sim.results import CUTTING, CutTrace
 from camtools.skirt.geometry import Geometry
 from camtools.skirt.speed import motion_played
-from camtools.table.image import Channel
+from camtools.table.channel import Channel
 
 _UM_PER_MM, _MM_PER_M = 1000.0, 1000.0
 _N_ANGLES = 721

@@ -25,8 +25,7 @@ from camtools.skirt.accuracy import Accuracy, measure_u, measure_x
 from camtools.skirt.channels import height_range_nm, u_channel, x_channel
 from camtools.skirt.estimate import height_error, probe
 from camtools.skirt.geometry import Geometry
-from camtools.table.evaluate import GRID_MARGIN
-from camtools.table.image import (
+from camtools.table.channel import (
     MAX_CHANNEL_BYTES,
     MAX_LOG2_KNOTS,
     MAX_SLICES,
@@ -35,6 +34,7 @@ from camtools.table.image import (
     MIN_SPACING_NM,
     Channel,
 )
+from camtools.table.evaluate import GRID_MARGIN
 from camtools.table.quantise import TooLargeError
 from camtools.table.records import KNOT_SIZE
 

@@ -35,8 +35,8 @@ from camtools.skirt.channels import height_range_nm
 from camtools.skirt.geometry import Geometry
 from camtools.skirt.part import SkirtPart
 from camtools.skirt.turning import turning_at
+from camtools.table.channel import KIND_SPEED, MAX_SPACING_NM, RATIO_ONE, Channel
 from camtools.table.evaluate import evaluate_at, knot_interval
-from camtools.table.image import KIND_SPEED, MAX_SPACING_NM, RATIO_ONE, Channel
 from camtools.table.modulation import MotionPeaks, peaks_together
 from camtools.table.quantise import quantise, slice_heights_mm, with_bounds
 

@@ -24,8 +24,9 @@ from camtools.skirt.run_in import HeldSurface
 from camtools.skirt.segment_text import told_segments
 from camtools.skirt.sides import SidesSurface, as_drawn
 from camtools.skirt.speed import summary_of
+from camtools.table.channel import KIND_U, KIND_X, Channel
 from camtools.table.evaluate import Continuity, jumps
-from camtools.table.image import KIND_U, KIND_X, Channel, Table
+from camtools.table.image import Table
 from camtools.table.summary import about_image, describe_channel
 
 _PEAK_ANGLES = 1440

@@ -14,7 +14,7 @@ import numpy as np
 
 from camtools.base.quantities import NM_PER_MM
 from camtools.skirt.geometry import Geometry, dense_heights_mm
-from camtools.table.image import Channel
+from camtools.table.channel import Channel
 
 _PER_PIECE = 8  # heights between the breaks of the shape
 _AROUND_RAD = np.radians(np.arange(0, 360, 0.5))

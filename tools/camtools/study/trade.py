@@ -14,7 +14,8 @@ from camtools.base.errors import CamtoolsError
 from camtools.pipeline.load import load_for
 from camtools.skirt.generate import generate
 from camtools.skirt.part import SkirtPart
-from camtools.table.image import KIND_U, KIND_X, pack
+from camtools.table.channel import KIND_U, KIND_X
+from camtools.table.image import pack
 
 TOLERANCES_NM = (100.0, 10.0, 3.0, 1.0, 0.3, 0.1, 0.03, 0.01)
 _HEADER = """\

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from camtools.base.quantities import Floats, Ints
-from camtools.table.image import OVER_HEIGHT, Channel, channel_coefficients
+from camtools.table.channel import OVER_HEIGHT, Channel, channel_coefficients
 from camtools.table.quintics import segment_coefficients
 
 _SUBDIVISIONS = 8

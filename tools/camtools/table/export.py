@@ -17,8 +17,7 @@ import numpy as np
 
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import NM_PER_MM, Floats
-from camtools.table.evaluate import knot_interval, locate, power_rows
-from camtools.table.image import (
+from camtools.table.channel import (
     ANGLE_TURN,
     KIND_CONTACT,
     KIND_SPEED,
@@ -27,8 +26,9 @@ from camtools.table.image import (
     KIND_X,
     RATIO_ONE,
     Channel,
-    Table,
 )
+from camtools.table.evaluate import knot_interval, locate, power_rows
+from camtools.table.image import Table
 from camtools.table.mirror import angle_in_sense, in_sense
 from camtools.table.quintics import segment_coefficients
 

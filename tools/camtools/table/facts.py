@@ -17,7 +17,8 @@ from typing import NamedTuple
 import numpy as np
 
 from camtools.base.quantities import Ints
-from camtools.table.image import KIND_SPEED, KIND_SWING, KIND_U, KIND_X, RATIO_ONE, Channel, Table
+from camtools.table.channel import KIND_SPEED, KIND_SWING, KIND_U, KIND_X, RATIO_ONE, Channel
+from camtools.table.image import Table
 from camtools.table.lobes import change_nm
 
 _TURN_PER_RAD_Q20 = 166_887  # 2^20 / 2 pi, rounded up

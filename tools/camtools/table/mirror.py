@@ -11,7 +11,7 @@ machine, and at the same angle phi the same part lies before them in the same pl
 at the contact has the same direction in space. Only derivatives by the angle change their signs.
 
 >>> import numpy as np
->>> from camtools.table.image import KIND_U
+>>> from camtools.table.channel import KIND_U
 >>> knots = np.array([[[0, 5, 1], [10, 6, 2], [20, 7, 3], [30, 8, 4]]], dtype=np.int32)
 >>> channel = Channel(KIND_U, knots, 0, 0, 0, 1_000_000, 0, 0, 30, 8, 4)
 >>> in_sense(channel, -1).knots[0].tolist()
@@ -24,7 +24,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from camtools.table.image import OVER_HEIGHT, Channel
+from camtools.table.channel import OVER_HEIGHT, Channel
 
 
 def in_sense(channel: Channel, direction: int) -> Channel:

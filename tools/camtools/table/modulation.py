@@ -13,8 +13,8 @@ from typing import NamedTuple
 import numpy as np
 
 from camtools.base.quantities import Floats
+from camtools.table.channel import RATIO_ONE, Bounds, Channel
 from camtools.table.evaluate import evaluate_grid
-from camtools.table.image import RATIO_ONE, Bounds, Channel
 
 _PLACES_PER_KNOT = 8
 _PEAK_MARGIN = 1.002  # between the places, and the firmware's rounding

@@ -1,6 +1,6 @@
 """From exact functions to channels of integers; their error is that of MATHS.md (49).
 
->>> from camtools.table.image import KIND_U
+>>> from camtools.table.channel import KIND_U
 >>> knots = np.array([[[0.0, 0, 0], [1000.0, 0, 0], [0, 0, 0], [1000.0, 0, 0]]])
 >>> channel = quantise(KIND_U, knots, 1, (0, 1_000_000))
 >>> channel.value_offset, channel.frac_bits
@@ -15,14 +15,14 @@ from math import ceil, floor, log2
 import numpy as np
 
 from camtools.base.quantities import NM_PER_MM, Floats
-from camtools.table.evaluate import raw_bounds
-from camtools.table.image import (
+from camtools.table.channel import (
     MAX_FRAC_BITS,
     SUM_LIMIT,
     Channel,
     channel_coefficients,
     largest_sum,
 )
+from camtools.table.evaluate import raw_bounds
 from camtools.table.mirror import in_sense
 
 

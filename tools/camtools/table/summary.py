@@ -12,9 +12,10 @@ import numpy as np
 
 from camtools.base.json_text import Json, emit_json
 from camtools.base.quantities import NM_PER_MM
+from camtools.table.channel import OVER_HEIGHT, Channel
 from camtools.table.csource import emit_header, emit_source
 from camtools.table.evaluate import knot_interval
-from camtools.table.image import OVER_HEIGHT, Channel, Table, crc32_of, pack
+from camtools.table.image import Table, crc32_of, pack
 
 
 def describe_channel(channel: Channel) -> Json:

@@ -21,8 +21,9 @@ from camtools.report.page import Page, render_page
 from camtools.report.text import ReportRow, error_pair
 from camtools.sim.camsim import machine_text
 from camtools.sim.results import Cut, Measured
+from camtools.table.channel import KIND_U, KIND_X
 from camtools.table.header import check_tolerance, table_of, u_bounds
-from camtools.table.image import KIND_U, KIND_X, Table
+from camtools.table.image import Table
 from camtools.table.quantise import quantise, with_bounds
 from camtools.table.quintics import segment_coefficients
 from camtools.table.summary import about_image
