@@ -35,6 +35,9 @@ bool budget_session_open(fixture_rig_t *rig, void (*isr)(void), const fixture_pa
 /// The same with a part that swings the tool, at 2000 r/min, with all of the swing's parameters.
 bool budget_session_swung(fixture_rig_t *rig, void (*isr)(void), const fixture_part_t *part);
 
+/// The same part with a feed against the height and two passes: all that a skirt can hold.
+bool budget_session_way(fixture_rig_t *rig, void (*isr)(void));
+
 /// Open the session of a shaft: three patterns, with the speed ratio and a tool that swings.
 bool budget_session_shaft(fixture_rig_t *rig, void (*isr)(void));
 

@@ -392,6 +392,28 @@ static void test_shaft(void)
     expect_budget("shaft");
 }
 
+/// Poll, as the slow side does, and start what comes next.
+static bool bring_next_pass(void)
+{
+    cam_machine_poll(&rig.machine);
+    fixture_rig_ticks(&rig, 8000); // the spindle comes to the speed of the pass
+    return cam_machine_start(&rig.machine) == cam_ok &&
+           fixture_rig_until(&rig, cam_state_cutting, 60000) < 60000u;
+}
+
+/// The feed against the height in the second of two passes, with speed and swing.
+static void test_way(void)
+{
+    TEST_ASSERT_TRUE(budget_session_way(&rig, counted));
+    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_cutting));
+    for (int pass = 1; pass <= 2; pass++) {
+        TEST_ASSERT_LESS_THAN_UINT32(60000, fixture_rig_until(&rig, cam_state_ready, 60000));
+        TEST_ASSERT_EQUAL_HEX32(0, rig.last.want.faults);
+        TEST_ASSERT_TRUE(pass == 2 || bring_next_pass());
+    }
+    expect_budget("way");
+}
+
 /// A cam: the swing alone and with the speed ratio, in the work and on its return to 0.
 static void test_swung_cuts(void)
 {
@@ -460,6 +482,7 @@ int main(void)
     RUN_TEST(test_measured_z_with_every_edge_and_fault_in_every_state);
     RUN_TEST(test_swung_cuts);
     RUN_TEST(test_shaft);
+    RUN_TEST(test_way);
     RUN_TEST(test_random_parameters);
     RUN_TEST(test_enough_ticks_were_measured);
     return UNITY_END();
