@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_demand.h"
-#include "cam_feed.h" // cam_feed_ramp_q32
-#include "cam_fix.h"  // cam_abs_i64
-#include "cam_gap.h"  // cam_gap_first
-#include "cam_pace.h" // cam_pace_set_q20
-#include "cam_plan.h" // cam_plan_ticks
-#include <stdbool.h>  // bool
-#include <stddef.h>   // size_t
+#include "cam_drift.h" // cam_drift_of
+#include "cam_fix.h"   // cam_abs_i64
+#include "cam_gap.h"   // cam_gap_first
+#include "cam_pace.h"  // cam_pace_set_q20
+#include "cam_plan.h"  // cam_plan_ticks
+#include <stdbool.h>   // bool
+#include <stddef.h>    // size_t
 
 /// The interrupt's arithmetic holds up to 16 knots per tick; half of that leaves room for
 /// overspeed.
@@ -14,53 +14,19 @@ enum { max_knots_per_tick = 8 };
 /// The angle observer follows up to a quarter turn per tick; an eighth leaves room.
 enum { min_ticks_per_turn = 8 };
 
-/// [um/s] larger speeds of Z are judged as this one: 6.5 m/s, far beyond any slide.
-enum { max_z_um_per_s = 6553400 };
-
-/// @return the smaller of the two
-static int64_t smaller(int64_t a, int64_t b)
-{
-    return a < b ? a : b;
-}
-
-/// @return the greater of the two
-static uint64_t greater(uint64_t a, uint64_t b)
-{
-    return a > b ? a : b;
-}
-
-/// @return a / b, rounded up, so that a demand is never taken too small
-static uint64_t divided_up(uint64_t a, uint64_t b)
-{
-    return (a + b - 1u) / b;
-}
-
-/// @param mrpm  [r/min / 1000]
-/// @return      [mrad/s] the same angular speed, 2 pi / 60 of it, rounded up
-static uint64_t omega_mrad_per_s(uint64_t mrpm)
-{
-    return divided_up(mrpm * 104719756u, UINT64_C(1000000000));
-}
-
 /// @return a peak of U or of the swing at the amplitude in force, rounded up
 static uint64_t at_amplitude(const cam_cut_t *c, uint64_t peak)
 {
-    return divided_up(peak * (uint32_t)c->p->amplitude_ppm, 1000000);
-}
-
-/// @return [nm] height of the part, over which Z feeds
-static uint64_t span_nm(const cam_cut_t *c)
-{
-    return (uint64_t)((int64_t)c->t->z_last_nm - c->t->z_first_nm);
+    return cam_cut_divided_up(peak * (uint32_t)c->p->amplitude_ppm, 1000000);
 }
 
 /// The spindle accelerates with r r' omega^2, in mrad/s2. At uniform speed nothing is needed.
 static cam_demand_t spindle_acceleration_demand(const cam_cut_t *c)
 {
-    const uint64_t omega = omega_mrad_per_s(c->mean_mrpm);
-    const uint64_t omega2 = divided_up(omega * omega, 1000); // [0.001 rad2/s2]
+    const uint64_t omega = cam_cut_omega_mrad_per_s(c->mean_mrpm);
+    const uint64_t omega2 = cam_cut_divided_up(omega * omega, 1000); // [0.001 rad2/s2]
     return (cam_demand_t){cam_err_spindle_acceleration, c->p->spindle_acceleration_mrad_per_s2,
-                          divided_up(omega2 * c->t->spindle_peak_ppm_per_rad, 1000000)};
+                          cam_cut_divided_up(omega2 * c->t->spindle_peak_ppm_per_rad, 1000000)};
 }
 
 /// A speed loop of the bandwidth b takes at most b of its speed away in a second, told 0. So it
@@ -68,21 +34,22 @@ static cam_demand_t spindle_acceleration_demand(const cam_cut_t *c)
 static cam_demand_t spindle_loop_demand(const cam_cut_t *c)
 {
     const int64_t lag_us = c->p->spindle_lag_us;
-    const uint64_t omega = omega_mrad_per_s(c->mean_mrpm);
+    const uint64_t omega = cam_cut_omega_mrad_per_s(c->mean_mrpm);
     return (cam_demand_t){cam_err_spindle_loop, lag_us > 0 ? 1000000000 / lag_us : INT64_MAX,
-                          divided_up(omega * c->t->pace.fall_ppm_per_rad, 1000000)};
+                          cam_cut_divided_up(omega * c->t->pace.fall_ppm_per_rad, 1000000)};
 }
 
 /// What the loop is told so that the spindle follows must not exceed its highest speed.
 static cam_demand_t spindle_set_point_demand(const cam_cut_t *c)
 {
     const uint64_t lag_us = (uint64_t)c->p->spindle_lag_us;
-    const uint64_t c_q16 = divided_up(omega_mrad_per_s(c->mean_mrpm) * lag_us * 4096u, 62500000);
+    const uint64_t c_q16 =
+        cam_cut_divided_up(cam_cut_omega_mrad_per_s(c->mean_mrpm) * lag_us * 4096u, 62500000);
     const uint64_t set_q20 = cam_pace_set_q20(&c->t->pace, c_q16);
     const bool is_told = c->t->speed.knots != NULL;
     return (cam_demand_t){
         cam_err_spindle_set_point, c->p->spindle_limit_mrpm,
-        is_told ? divided_up(set_q20 * c->mean_mrpm, (uint32_t)CAM_TABLE_RATIO_ONE) : 0u};
+        is_told ? cam_cut_divided_up(set_q20 * c->mean_mrpm, (uint32_t)CAM_TABLE_RATIO_ONE) : 0u};
 }
 
 /// The speed must not let more knots or more of a turn pass in a tick than the interrupt can
@@ -96,117 +63,10 @@ static cam_demand_t tick_demand(const cam_cut_t *c)
                           c->peak_mrpm};
 }
 
-/// @return whether Z is geared along a ring-helix
-static bool has_rings(const cam_cut_t *c)
-{
-    return c->t->is_ring_helix && c->p->z_is_measured == 0;
-}
-
-/// @return [um/s] speed of Z along a helix with the mean feed, below 2^44
-static uint64_t plain_um_per_s(const cam_cut_t *c)
-{
-    return divided_up(c->feed_nm * c->peak_mrpm, 60000000);
-}
-
-/// @return [1e-6] largest feed over its mean
-static uint64_t way_slope_ppm(const cam_cut_t *c)
-{
-    return c->p->z_is_measured == 0 && c->t->way.knots != NULL ? c->t->way_slope_ppm : 1000000u;
-}
-
-/// Where the feed changes with the height, Z accelerates by that change times the square of its
-/// mean speed. @return [mm/s2]
-static uint64_t way_mm_per_s2(const cam_cut_t *c)
-{
-    if (c->t->way.knots == NULL) {
-        return 0;
-    }
-    const int64_t v_um_per_s = smaller((int64_t)plain_um_per_s(c), max_z_um_per_s);
-    const uint64_t v_tenth_mm_per_s = (uint64_t)v_um_per_s / 100u + 1u;
-    return v_tenth_mm_per_s * v_tenth_mm_per_s * c->t->way_bend_ppm_per_m / 100000000000u + 1u;
-}
-
-/// @return [um/s] highest speed of Z; on a ring-helix that between its ramps
-static uint64_t z_um_per_s(const cam_cut_t *c)
-{
-    if (!has_rings(c)) {
-        return divided_up(plain_um_per_s(c) * way_slope_ppm(c), 1000000);
-    }
-    const uint32_t feed_nm = (uint32_t)c->feed_nm;
-    const uint32_t ramp_q32 =
-        cam_feed_ramp_q32(feed_nm, c->peak_mrpm, (uint32_t)c->p->z_acceleration_mm_per_s2);
-    return cam_feed_speed_um_per_s(feed_nm, c->peak_mrpm, ramp_q32);
-}
-
-/// On a helix Z accelerates with feed * (turns per second)^2 / ramp, computed from whole r/min,
-/// where a ramp is not longer than the height that is fed. On a ring-helix the ramps are as short
-/// as the limit allows, so that only the least acceleration that any ramp needs can exceed it.
-/// @return [mm/s2]
-static uint64_t z_mm_per_s2(const cam_cut_t *c)
-{
-    if (has_rings(c)) {
-        return cam_feed_least_acceleration((uint32_t)c->feed_nm, c->peak_mrpm);
-    }
-    const uint64_t turns = (uint64_t)c->p->feed_ramp_turns;
-    const uint64_t rpm = divided_up(c->peak_mrpm, 1000);
-    const uint64_t per = turns * c->feed_nm <= span_nm(c)
-                             ? UINT64_C(3600000000) * turns
-                             : UINT64_C(3600000000) * span_nm(c) / c->feed_nm;
-    const uint64_t ramp = divided_up(c->feed_nm * rpm * rpm, per);
-    return divided_up(ramp * way_slope_ppm(c), 1000000) + way_mm_per_s2(c);
-}
-
-/// @return [mm/s2] acceleration of Z that the other axes have to follow. A measured Z is not
-///         accelerated by this controller, and is taken as moving evenly.
-static uint64_t z_feeding_mm_per_s2(const cam_cut_t *c)
-{
-    return has_rings(c)               ? (uint64_t)c->p->z_acceleration_mm_per_s2
-           : c->p->z_is_measured != 0 ? 0u
-                                      : z_mm_per_s2(c);
-}
-
-/// What the feed adds to the motion of an axis, in thousands of the unit of its channel: um for u.
-typedef struct {
-    uint64_t speed;         ///< [1/s]
-    uint64_t speed_per_rad; ///< [1/s/rad] how the speed differs over the angle
-    uint64_t acceleration;  ///< [1/s2]
-} drift_t;
-
-/// Bound the drift of a channel. Slices pass at the speed of Z over their spacing. The rate of
-/// change jumps from one slice to the next, and an axis takes the jump within one set-point; while
-/// Z accelerates the rate rises as well. Patterns of lobes have no spacing, and do not drift.
-/// @param set_point_hz  [Hz] rate of the axis's set-points
-static drift_t drift(const cam_cut_t *c, const cam_channel_t *ch, const cam_change_t *change,
-                     uint32_t set_point_hz)
-{
-    if (c->t->n_lobes > 0u) {
-        return (drift_t){0};
-    }
-    const uint64_t spacing_nm = ch->span_nm / (ch->n_slices - 1u);
-    const uint64_t v_um_per_s = (uint64_t)smaller((int64_t)z_um_per_s(c), max_z_um_per_s);
-    const uint64_t a_mm_per_s2 = (uint64_t)smaller((int64_t)z_feeding_mm_per_s2(c), 1000000);
-    const uint64_t rate_uHz = divided_up(v_um_per_s * 1000000000u, spacing_nm);
-    const uint64_t rise_mHz_per_s = divided_up(a_mm_per_s2 * 1000000000u, spacing_nm);
-    const uint64_t jump = divided_up(change->kink * rate_uHz, 1000000) * set_point_hz;
-    return (drift_t){
-        .speed = divided_up(change->most * rate_uHz, 1000000000),
-        .speed_per_rad = divided_up(change->per_rad * divided_up(rate_uHz, 1000), 1000000),
-        .acceleration = divided_up(jump + divided_up(change->most * rise_mHz_per_s, 1000), 1000),
-    };
-}
-
-/// @return [1/s2] what a drift adds to an acceleration, including that of a rate of change which
-///         differs over the angle
-static uint64_t drift_acceleration(const cam_cut_t *c, const drift_t *d)
-{
-    const uint64_t omega_crad_per_s = divided_up(omega_mrad_per_s(c->peak_mrpm), 10);
-    return divided_up(2u * d->speed_per_rad * omega_crad_per_s, 100) + d->acceleration;
-}
-
 /// U gets a set-point in every tick.
-static drift_t u_drift(const cam_cut_t *c)
+static cam_drift_t u_drift(const cam_cut_t *c)
 {
-    return drift(c, &c->t->u, &c->t->u_change, c->tick_hz);
+    return cam_drift_of(c, &c->t->u, &c->t->u_change, c->tick_hz);
 }
 
 /// @return [nm] how far U travels outwards from the middle of its stroke in the cut, rounded up
@@ -223,7 +83,7 @@ static cam_demand_t stroke_demand(const cam_cut_t *c)
     const int64_t in_nm = c->t->u_max_nm;
     const uint64_t inwards_nm = at_amplitude(c, (uint64_t)(in_nm > 0 ? in_nm : 0));
     return (cam_demand_t){cam_err_u_stroke, cam_demand_half_stroke_nm(c->t, c->p),
-                          greater(inwards_nm, outwards_nm(c))};
+                          cam_cut_greater(inwards_nm, outwards_nm(c))};
 }
 
 /// A retract that was set begins at the outermost place of the cut. The default goes as far as the
@@ -250,17 +110,18 @@ static uint64_t engaging(const cam_cut_t *c, const cam_gap_peaks_t *peaks)
               {956293, 214280, 147876}, {978000, 142581, 135703}, {991441, 79670, 112710},
               {996921, 41685, 87642},   {999150, 18166, 61219},   {999850, 5844, 36250},
               {999984, 1383, 18115},    {999999, 244, 7711}};
-    const uint64_t turns = (uint64_t)smaller(c->p->engage_turns, c->p->disengage_turns);
-    const uint64_t ratio_q10 = divided_up(c->t->ratio_max_q20, 1024);
-    const uint64_t value = divided_up(peaks->f * ratio_q10, 1024);
-    const uint64_t alpha = divided_up(peaks->f * c->t->spindle_peak_ppm_per_rad, 2000000);
-    const uint64_t first = divided_up(peaks->f1 * ratio_q10, 1024) + alpha;
-    const uint64_t far = divided_up(value * ratio_q10, 1024);
+    const uint64_t turns = (uint64_t)cam_cut_smaller(c->p->engage_turns, c->p->disengage_turns);
+    const uint64_t ratio_q10 = cam_cut_divided_up(c->t->ratio_max_q20, 1024);
+    const uint64_t value = cam_cut_divided_up(peaks->f * ratio_q10, 1024);
+    const uint64_t alpha = cam_cut_divided_up(peaks->f * c->t->spindle_peak_ppm_per_rad, 2000000);
+    const uint64_t first = cam_cut_divided_up(peaks->f1 * ratio_q10, 1024) + alpha;
+    const uint64_t far = cam_cut_divided_up(value * ratio_q10, 1024);
     uint64_t most = peaks->f2;
     for (size_t i = 0; i < sizeof at / sizeof at[0]; i++) {
-        most = greater(most, divided_up(peaks->f2 * at[i].e_ppm + first * at[i].e1_ppm / turns +
-                                            far * at[i].e2_ppm / (turns * turns),
-                                        1000000));
+        most = cam_cut_greater(most, cam_cut_divided_up(peaks->f2 * at[i].e_ppm +
+                                                            first * at[i].e1_ppm / turns +
+                                                            far * at[i].e2_ppm / (turns * turns),
+                                                        1000000));
     }
     return most;
 }
@@ -268,14 +129,16 @@ static uint64_t engaging(const cam_cut_t *c, const cam_gap_peaks_t *peaks)
 /// @return a * b / c, rounded up, saturated
 static uint64_t scaled_up(uint64_t a, uint64_t b, uint64_t c)
 {
-    return a == 0u || b < (uint64_t)INT64_MAX / a ? divided_up(a * b, c) : (uint64_t)INT64_MAX;
+    return a == 0u || b < (uint64_t)INT64_MAX / a ? cam_cut_divided_up(a * b, c)
+                                                  : (uint64_t)INT64_MAX;
 }
 
 /// @return what U does over the angle
 static cam_gap_peaks_t u_peaks(const cam_table_t *t)
 {
     return (cam_gap_peaks_t){
-        .f = greater((uint64_t)cam_abs_i64(t->u_min_nm), (uint64_t)cam_abs_i64(t->u_max_nm)),
+        .f =
+            cam_cut_greater((uint64_t)cam_abs_i64(t->u_min_nm), (uint64_t)cam_abs_i64(t->u_max_nm)),
         .f1 = t->u1_peak_nm_per_rad,
         .f2 = t->u2_peak_nm_per_rad2,
     };
@@ -284,10 +147,11 @@ static cam_gap_peaks_t u_peaks(const cam_table_t *t)
 /// U moves with u' omega, in um/s, and with what the feed adds.
 static cam_demand_t u_speed_demand(const cam_cut_t *c)
 {
-    const int64_t limit = smaller(c->p->u_speed_um_per_s, c->t->limit_u_speed_um_per_s);
+    const int64_t limit = cam_cut_smaller(c->p->u_speed_um_per_s, c->t->limit_u_speed_um_per_s);
     const cam_gap_peaks_t u = u_peaks(c->t);
     const uint64_t u1 = at_amplitude(c, cam_gap_first(c->t, c->feed_nm, &u));
-    const uint64_t turning = divided_up(u1 * omega_mrad_per_s(c->mean_mrpm), 1000000);
+    const uint64_t turning =
+        cam_cut_divided_up(u1 * cam_cut_omega_mrad_per_s(c->mean_mrpm), 1000000);
     return (cam_demand_t){cam_err_u_speed, limit, turning + at_amplitude(c, u_drift(c).speed)};
 }
 
@@ -296,29 +160,29 @@ static cam_demand_t u_acceleration_demand(const cam_cut_t *c)
 {
     const cam_table_t *t = c->t;
     const int64_t limit =
-        smaller(c->p->u_acceleration_mm_per_s2, t->limit_u_acceleration_mm_per_s2);
+        cam_cut_smaller(c->p->u_acceleration_mm_per_s2, t->limit_u_acceleration_mm_per_s2);
     const cam_gap_peaks_t u = u_peaks(t);
-    const uint64_t most = greater(
+    const uint64_t most = cam_cut_greater(
         engaging(c, &u), cam_gap_second(t, c->feed_nm, &u, (uint32_t)cam_plan_ticks(c->tick_hz)));
-    const uint64_t omega = omega_mrad_per_s(c->mean_mrpm);
-    const uint64_t omega2 = divided_up(omega * omega, 10000); // [0.01 rad2/s2]
+    const uint64_t omega = cam_cut_omega_mrad_per_s(c->mean_mrpm);
+    const uint64_t omega2 = cam_cut_divided_up(omega * omega, 10000); // [0.01 rad2/s2]
     const uint64_t turning = scaled_up(at_amplitude(c, most), omega2, 100000000);
-    const drift_t d = u_drift(c);
-    const uint64_t feeding = divided_up(drift_acceleration(c, &d), 1000);
+    const cam_drift_t d = u_drift(c);
+    const uint64_t feeding = cam_cut_divided_up(cam_drift_acceleration(c, &d), 1000);
     return (cam_demand_t){cam_err_u_acceleration, limit, turning + at_amplitude(c, feeding)};
 }
 
 /// @return [degrees / 1000] of thousands of 2^-26 turn, at most 0.2 % too large
 static uint64_t mdeg_of(uint64_t thousands)
 {
-    return divided_up(thousands * 43u, 8);
+    return cam_cut_divided_up(thousands * 43u, 8);
 }
 
 /// The swing gets a set-point from every plan.
-static drift_t swing_drift(const cam_cut_t *c)
+static cam_drift_t swing_drift(const cam_cut_t *c)
 {
     const uint32_t set_point_hz = c->tick_hz / (uint32_t)cam_plan_ticks(c->tick_hz) + 1u;
-    return drift(c, &c->t->angle, &c->t->swing_change, set_point_hz);
+    return cam_drift_of(c, &c->t->angle, &c->t->swing_change, set_point_hz);
 }
 
 /// @return [degrees / 1000 / rad] bound of swing' r
@@ -351,7 +215,8 @@ static cam_demand_t swing_speed_demand(const cam_cut_t *c)
     }
     const cam_gap_peaks_t swing = swing_peaks(c->t);
     const uint64_t first = at_amplitude(c, cam_gap_first(c->t, c->feed_nm, &swing));
-    const uint64_t turning = divided_up(first * omega_mrad_per_s(c->mean_mrpm), 1000);
+    const uint64_t turning =
+        cam_cut_divided_up(first * cam_cut_omega_mrad_per_s(c->mean_mrpm), 1000);
     const uint64_t feeding = at_amplitude(c, mdeg_of(swing_drift(c).speed));
     return (cam_demand_t){cam_err_swing_speed, limit, turning + feeding};
 }
@@ -366,13 +231,13 @@ static cam_demand_t swing_acceleration_demand(const cam_cut_t *c)
         return (cam_demand_t){cam_err_swing_acceleration, limit, 0};
     }
     const cam_gap_peaks_t swing = swing_peaks(t);
-    const uint64_t second =
-        at_amplitude(c, greater(engaging(c, &swing), cam_gap_second(t, c->feed_nm, &swing, 1u)));
-    const uint64_t omega = omega_mrad_per_s(c->mean_mrpm);
-    const uint64_t omega2 = divided_up(omega * omega, 1000); // [0.001 rad2/s2]
+    const uint64_t second = at_amplitude(
+        c, cam_cut_greater(engaging(c, &swing), cam_gap_second(t, c->feed_nm, &swing, 1u)));
+    const uint64_t omega = cam_cut_omega_mrad_per_s(c->mean_mrpm);
+    const uint64_t omega2 = cam_cut_divided_up(omega * omega, 1000); // [0.001 rad2/s2]
     const uint64_t turning = scaled_up(second, omega2, 1000000);
-    const drift_t d = swing_drift(c);
-    const uint64_t feeding = divided_up(mdeg_of(drift_acceleration(c, &d)), 1000);
+    const cam_drift_t d = swing_drift(c);
+    const uint64_t feeding = cam_cut_divided_up(mdeg_of(cam_drift_acceleration(c, &d)), 1000);
     return (cam_demand_t){cam_err_swing_acceleration, limit, turning + at_amplitude(c, feeding)};
 }
 
@@ -385,7 +250,7 @@ static uint64_t clearance_nm(const cam_cut_t *c)
 /// @return turns of the shorter of the two ramps of the depth
 static uint64_t depth_turns(const cam_cut_t *c)
 {
-    return (uint64_t)smaller(c->p->engage_turns, c->p->disengage_turns);
+    return (uint64_t)cam_cut_smaller(c->p->engage_turns, c->p->disengage_turns);
 }
 
 /// X first leaves its clearance c by a smooth step over t turns while Z stands, which at n turns
@@ -395,8 +260,9 @@ static cam_demand_t x_speed_demand(const cam_cut_t *c)
 {
     const uint64_t clearing =
         (clearance_nm(c) * 15u / 8u + 1u) * c->peak_mrpm / (depth_turns(c) * 60000000u) + 1u;
-    const uint64_t barrel = z_um_per_s(c) * c->t->x_slope_ppm / 1000000u + 1u;
-    return (cam_demand_t){cam_err_x_speed, c->p->x_speed_um_per_s, greater(barrel, clearing)};
+    const uint64_t barrel = cam_drift_z_um_per_s(c) * c->t->x_slope_ppm / 1000000u + 1u;
+    return (cam_demand_t){cam_err_x_speed, c->p->x_speed_um_per_s,
+                          cam_cut_greater(barrel, clearing)};
 }
 
 /// The smooth step needs the acceleration 5.774 c (n / t)^2, computed from whole r/min. The barrel
@@ -404,22 +270,23 @@ static cam_demand_t x_speed_demand(const cam_cut_t *c)
 static cam_demand_t x_acceleration_demand(const cam_cut_t *c)
 {
     const uint64_t turns = depth_turns(c);
-    const uint64_t rpm = divided_up(c->peak_mrpm, 1000);
+    const uint64_t rpm = cam_cut_divided_up(c->peak_mrpm, 1000);
     const uint64_t step = (clearance_nm(c) + 1u) * rpm * rpm;
     const uint64_t clearing = (step / (3600u * turns * turns) + 1u) / 173180u + 1u;
-    const int64_t v_um_per_s = smaller((int64_t)z_um_per_s(c), max_z_um_per_s);
+    const int64_t v_um_per_s =
+        cam_cut_smaller((int64_t)cam_drift_z_um_per_s(c), cam_drift_max_z_um_per_s);
     const uint64_t v_tenth_mm_per_s = (uint64_t)v_um_per_s / 100u + 1u;
     const uint64_t bend =
         v_tenth_mm_per_s * v_tenth_mm_per_s * c->t->x_bend_ppm_per_m / 100000000000u;
-    const uint64_t along = z_feeding_mm_per_s2(c) * c->t->x_slope_ppm / 1000000u;
+    const uint64_t along = cam_drift_z_feeding_mm_per_s2(c) * c->t->x_slope_ppm / 1000000u;
     return (cam_demand_t){cam_err_x_acceleration, c->p->x_acceleration_mm_per_s2,
-                          greater(bend + along + 1u, clearing)};
+                          cam_cut_greater(bend + along + 1u, clearing)};
 }
 
 int32_t cam_demand_half_stroke_nm(const cam_table_t *t, const cam_params_t *p)
 {
     const int64_t made_for_nm = t != NULL ? t->limit_u_stroke_nm : INT32_MAX;
-    return (int32_t)(smaller(p->u_stroke_nm, made_for_nm) / 2);
+    return (int32_t)(cam_cut_smaller(p->u_stroke_nm, made_for_nm) / 2);
 }
 
 cam_demand_t cam_demand_first_exceeded(const cam_cut_t *c)
@@ -436,15 +303,16 @@ cam_demand_t cam_demand_first_exceeded(const cam_cut_t *c)
         {cam_err_swing_range, p->swing_range_mdeg, at_amplitude(c, t->swing.most_mdeg)},
         swing_speed_demand(c),
         swing_acceleration_demand(c),
-        {cam_err_spindle_speed, smaller(p->spindle_limit_mrpm, t->limit_spindle_mrpm),
+        {cam_err_spindle_speed, cam_cut_smaller(p->spindle_limit_mrpm, t->limit_spindle_mrpm),
          c->peak_mrpm},
         stroke_demand(c),
         retract_demand(c),
         u_speed_demand(c),
         u_acceleration_demand(c),
-        {cam_err_feed, (int64_t)span_nm(c), is_led ? 0u : c->feed_nm},
-        {cam_err_z_speed, is_led ? INT32_MAX : p->z_speed_um_per_s, z_um_per_s(c)},
-        {cam_err_z_acceleration, p->z_acceleration_mm_per_s2, is_led ? 0u : z_mm_per_s2(c)},
+        {cam_err_feed, (int64_t)cam_cut_span_nm(c), is_led ? 0u : c->feed_nm},
+        {cam_err_z_speed, is_led ? INT32_MAX : p->z_speed_um_per_s, cam_drift_z_um_per_s(c)},
+        {cam_err_z_acceleration, p->z_acceleration_mm_per_s2,
+         is_led ? 0u : cam_drift_z_mm_per_s2(c)},
         tick_demand(c),
         spindle_acceleration_demand(c),
         spindle_loop_demand(c),

@@ -3,27 +3,17 @@
 ///
 /// A limit is the smaller of the machine's parameter and of the limit that the table was made for.
 /// The table guarantees peaks of u, u' and u''; at a spindle speed omega, U needs the speed
-/// u' omega and the acceleration u'' omega^2. While Z feeds, U and the swing also change from slice
-/// to slice of the table. Their rate jumps where one slice ends, and the acceleration of that jump,
-/// spread over one set-point, is added. When Z is led by others, its feed is taken from the
-/// parameters or the table. Context: slow side, integers only.
+/// u' omega and the acceleration u'' omega^2. What the feed adds to that is told by cam_drift.h.
+/// When Z is led by others, its feed is taken from the parameters or the table. Context: slow side,
+/// integers only.
 #ifndef CAM_DEMAND_H
 #define CAM_DEMAND_H
 
+#include "cam_cut.h"   // cam_cut_t
 #include "cam_err.h"   // cam_err_t
 #include "cam_param.h" // cam_params_t
 #include "cam_table.h" // cam_table_t
-#include <stdint.h>    // uint32_t, int64_t, uint64_t
-
-/// A cut at a mean speed of the spindle.
-typedef struct {
-    const cam_table_t *t;
-    const cam_params_t *p;
-    uint32_t tick_hz;   ///< [Hz] rate of the tick
-    uint32_t mean_mrpm; ///< [r/min / 1000] mean speed, below 2^26
-    uint32_t peak_mrpm; ///< [r/min / 1000] highest speed within a turn, up to four times the mean
-    uint64_t feed_nm;   ///< [nm] feed per turn, below 2^24
-} cam_cut_t;
+#include <stdint.h>    // int64_t, uint64_t
 
 /// One limit and what the cut needs of it.
 typedef struct {

@@ -1,8 +1,8 @@
 """What a cut demands of every axis: the controller's rule, number for number.
 
-This is firmware/machine/cam_demand.c and cam_feasible.c in Python's integers, with the same
-roundings, so that the generator refuses what the controller would refuse, and nothing else. The
-equations are MATHS.md (61) .. (64), (42), (44) and (80).
+This is firmware/machine/cam_demand.c, cam_drift.c and cam_feasible.c in Python's integers, with
+the same roundings, so that the generator refuses what the controller would refuse, and nothing
+else. The equations are MATHS.md (61) .. (64), (42), (44) and (80).
 
 >>> peak_mrpm(1000, 1310720)
 1250

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+/// cam_cut: a cut at a mean speed of the spindle, and the arithmetic in which it is judged.
+///
+/// All demands are whole numbers, rounded up, so that none is taken too small. Inline, cannot fail.
+/// Context: slow side.
+#ifndef CAM_CUT_H
+#define CAM_CUT_H
+
+#include "cam_param.h" // cam_params_t
+#include "cam_table.h" // cam_table_t
+#include <stdint.h>    // uint32_t, int64_t, uint64_t
+
+/// A cut at a mean speed of the spindle.
+typedef struct {
+    const cam_table_t *t;
+    const cam_params_t *p;
+    uint32_t tick_hz;   ///< [Hz] rate of the tick
+    uint32_t mean_mrpm; ///< [r/min / 1000] mean speed, below 2^26
+    uint32_t peak_mrpm; ///< [r/min / 1000] highest speed within a turn, up to four times the mean
+    uint64_t feed_nm;   ///< [nm] feed per turn, below 2^24
+} cam_cut_t;
+
+/// @return the smaller of the two
+static inline int64_t cam_cut_smaller(int64_t a, int64_t b)
+{
+    return a < b ? a : b;
+}
+
+/// @return the greater of the two
+static inline uint64_t cam_cut_greater(uint64_t a, uint64_t b)
+{
+    return a > b ? a : b;
+}
+
+/// @return a / b, rounded up, so that a demand is never taken too small
+static inline uint64_t cam_cut_divided_up(uint64_t a, uint64_t b)
+{
+    return (a + b - 1u) / b;
+}
+
+/// @param mrpm  [r/min / 1000]
+/// @return      [mrad/s] the same angular speed, 2 pi / 60 of it, rounded up
+static inline uint64_t cam_cut_omega_mrad_per_s(uint64_t mrpm)
+{
+    return cam_cut_divided_up(mrpm * 104719756u, UINT64_C(1000000000));
+}
+
+/// @return [nm] height of the part, over which Z feeds
+static inline uint64_t cam_cut_span_nm(const cam_cut_t *c)
+{
+    return (uint64_t)((int64_t)c->t->z_last_nm - c->t->z_first_nm);
+}
+
+#endif
