@@ -45,7 +45,7 @@ def polygon_rows(outcome: PolygonCut) -> list[ReportRow]:
         f"{cut['feed_mm']:g} mm, {cut['turns']:.0f} of {cut['planned_turns']:.0f} turns"
     )
     control = summary.get("control_error_um")
-    against = [] if control is None else [ReportRow("error of the control", error_pair(control))]
+    against = [] if control is None else [ReportRow("controller's own error", error_pair(control))]
     wall_s = summary["wall_time_s"]
     return [
         ReportRow("section", f"{name_of(section)}: {section_text(about)}"),
