@@ -28,13 +28,12 @@ from camtools.polygon.shapes import cornered, p3g, p4c, regular
 from camtools.polygon.surface import prism_of
 from camtools.skirt.accuracy import Accuracy, measure_u, measure_x
 from camtools.skirt.channels import u_channel, x_channel
-from camtools.skirt.generate import with_mean
 from camtools.skirt.geometry import Geometry
 from camtools.skirt.heel import Heel, check_heel, steepest_heel
 from camtools.skirt.nose import tip_geometry
 from camtools.skirt.poly_surface import PolySurface
 from camtools.skirt.search import DERIVATIVE_SHARE, slice_counts
-from camtools.skirt.zero import middle_nm, moved
+from camtools.skirt.zero import middle_nm, moved, with_mean
 from camtools.table.channel import MAX_CHANNEL_BYTES, MAX_LOG2_KNOTS, MIN_LOG2_KNOTS, Channel
 from camtools.table.header import MAX_PEAK_NM, check_tolerance, table_of, u_bounds
 from camtools.table.image import Table
@@ -294,8 +293,7 @@ def _judge(drawing: Outline, part: PolygonPart, table: Table) -> HighestSpeed:
     try:
         return check_table(table, part.machine.limits)
     except CamtoolsError as error:
-        travel_mm = (table.bounds.u_max_nm - table.bounds.u_min_nm) / NM_PER_MM
-        lines = [with_mean(line, part.process.u_zero, travel_mm) for line in error.lines]
+        lines = with_mean(error.lines, part.process.u_zero, table.bounds)
         if any("u_acceleration" in line for line in lines):
             lines += _advice(part, drawing)
         raise CamtoolsError(lines) from error

@@ -35,7 +35,7 @@ from camtools.skirt.run_in import with_run
 from camtools.skirt.search import UnreachableError, choose_u, choose_x
 from camtools.skirt.speed import SpeedTable, make_speed
 from camtools.skirt.turning import path_of
-from camtools.skirt.zero import middle_nm, moved
+from camtools.skirt.zero import middle_nm, moved, with_mean
 from camtools.table.channel import Channel
 from camtools.table.header import check_tolerance, table_of, u_bounds
 from camtools.table.image import Table
@@ -120,6 +120,19 @@ def _u_of(
         raise
 
 
+def _geometry_of(part: SkirtPart, passes: list[SkirtPart]) -> Geometry:
+    """Return the exact geometry of a part, or refuse what Z or U cannot follow at any speed."""
+    refuse_steps(part)
+    geometry = make_geometry(part)
+    low_mm, high_mm = geometry.skirt_mm
+    for one in passes:
+        path_of(one, low_mm - part.process.run_in_mm, high_mm + part.process.run_out_mm)
+    refuse_corner(geometry)
+    if geometry.corner is not None and part.piston.section.refit is not None:
+        refuse_deviation(geometry.corner, part.piston.section.refit)
+    return geometry
+
+
 def generate(part: SkirtPart, tolerance_nm: float | None = None) -> GeneratedSkirt:
     """Return the smallest table of a part that keeps the tolerance.
 
@@ -142,16 +155,10 @@ def generate(part: SkirtPart, tolerance_nm: float | None = None) -> GeneratedSki
     passes = parts_of_passes(part)
     for one in passes:
         check_feed(one)
-    refuse_steps(part)
-    geometry = make_geometry(part)
+    geometry = _geometry_of(part, passes)
     process = part.process
-    air = with_run(geometry, process.run_in_mm, process.run_out_mm)
-    for one in passes:
-        path_of(one, air.z_first_mm, air.z_last_mm)  # or refuse: Z cannot follow it
-    refuse_corner(geometry)
-    if geometry.corner is not None and part.piston.section.refit is not None:
-        refuse_deviation(geometry.corner, part.piston.section.refit)
     heel = check_heel(geometry, part.tool, process.direction)
+    air = with_run(geometry, process.run_in_mm, process.run_out_mm)
     tip = tip_geometry(air, part.tool)
     tolerance_u_nm = tolerance_nm or default_tolerance_nm(geometry)
     u, accuracy_u = _u_of(part, geometry, tip, tolerance_u_nm)
@@ -188,20 +195,12 @@ def peaks_of_table(table: Table, speed: SpeedTable | None) -> Peaks:
     return peaks_of(table.bounds, ratio)._replace(u_drift=drift.at(ratio), feed_mm=feed_mm)
 
 
-def with_mean(line: str, u_zero: str, travel_mm: float) -> str:
-    """Return a refusal; of the stroke with what it would be about the mean."""
-    if u_zero == "mean" or ".u_stroke_mm" not in line:
-        return line
-    return f'{line}; or set process.u_zero = "mean", which needs {travel_mm:.9g} mm'
-
-
 def _judge(geometry: Geometry, part: SkirtPart, table: Table) -> HighestSpeed:
     """Return the highest speed, or refuse; of a corner with what another refit would need."""
     try:
         return check_table(table, part.machine.limits)
     except CamtoolsError as error:
-        travel_mm = (table.bounds.u_max_nm - table.bounds.u_min_nm) / NM_PER_MM
-        lines = [with_mean(line, part.process.u_zero, travel_mm) for line in error.lines]
+        lines = with_mean(error.lines, part.process.u_zero, table.bounds)
         if geometry.corner is None or not any("u_acceleration" in line for line in lines):
             raise CamtoolsError(lines) from error
         best = min(geometry.corner.candidates, key=lambda one: one.acceleration_mm_s2)

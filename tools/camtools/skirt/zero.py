@@ -14,7 +14,7 @@ import numpy as np
 
 from camtools.base.quantities import NM_PER_MM
 from camtools.skirt.geometry import Geometry, dense_heights_mm
-from camtools.table.channel import Channel
+from camtools.table.channel import Bounds, Channel
 
 _PER_PIECE = 8  # heights between the breaks of the shape
 _AROUND_RAD = np.radians(np.arange(0, 360, 0.5))
@@ -40,3 +40,12 @@ def middle_nm(geometry: Geometry, u_zero: str) -> int:
 def moved(channel: Channel, by_nm: int) -> Channel:
     """Return a channel whose values are smaller by a length; its knots stay."""
     return replace(channel, value_offset=channel.value_offset - by_nm)
+
+
+def with_mean(lines: list[str], u_zero: str, bounds: Bounds) -> list[str]:
+    """Return refusals; that of the stroke with what it would be about the mean."""
+    if u_zero == "mean":
+        return lines
+    travel_mm = (bounds.u_max_nm - bounds.u_min_nm) / NM_PER_MM
+    hint = f'; or set process.u_zero = "mean", which needs {travel_mm:.9g} mm'
+    return [line + hint if ".u_stroke_mm" in line else line for line in lines]
