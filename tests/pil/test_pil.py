@@ -26,7 +26,7 @@ CAM_LATHE = ROOT / "host_sim" / "machines" / "cam.toml"
 FAST_ENDS = ("--set", "engage_turns=1", "--set", "disengage_turns=1")
 # Part, exit status and options: engage to disengage, a modulated spindle, a stopped ring-helix,
 # faults of the machine and of the table in the target's memory, the operator's stop, a tool that
-# swings, several passes with a feed against the height.
+# swings, several passes with a feed against the height, the other sense, a shaft of eight lobes.
 CASES = {
     "whole": ("perkins240", 0, ("--feed", "1")),
     "modulated": ("perkins240_equal_volume", 0, ("--rpm", "230", "--feed", "5")),
@@ -51,7 +51,16 @@ CASES = {
         ),
     ),
     "stop": ("perkins240", 0, ("--feed", "1", "--inject", "stop@0.5")),
+    "mirrored": ("thrust90", 0, ("--feed", "4")),
     "swung": ("cam-345", 0, ("--machine", str(CAM_LATHE), "--feed", "6", *FAST_ENDS)),
+    "shaft": (
+        "camshaft8",
+        0,
+        (
+            *("--machine", str(CAM_LATHE), "--feed", "10", "--rpm", "60"),
+            *("--tolerance-um", "20", *FAST_ENDS),
+        ),
+    ),
 }
 
 
