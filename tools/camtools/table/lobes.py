@@ -10,11 +10,13 @@ Exactly as firmware/table/TABLE_FORMAT.md, "Lobes".
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from itertools import pairwise
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
+
+from camtools.table.records import Demand, listed
 
 KIND_LOBES = 6
 MAX_LOBES = 64
@@ -29,11 +31,6 @@ _RECORD = np.dtype(
         ("changes_per_nm_q48", "<u4"),
     ]
 )
-_UNUSED = (
-    *("log2_knots", "log2_repeat", "frac_bits", "slices_per_nm_q48", "value_offset"),
-    *("p_min", "p_max", "v_max", "a_max", "path"),
-)
-Demand = Callable[[bool, str], None]
 
 
 class LobePlace(NamedTuple):
@@ -108,18 +105,12 @@ def lobes_of(
     if not places:
         return ()
     demand(places == [0], "kind: lobes are not the first channel alone")
-    entry, offset, n = entries[0], entries[0]["offset"], entries[0]["n_slices"]
-    demand(1 <= n <= MAX_LOBES, "n_slices: not 1 .. 64 lobes")
-    demand(not any(entry[name] for name in _UNUSED), "lobes: a field without meaning is not 0")
-    is_whole = (entry["z_first_nm"], entry["z_last_nm"]) == (table.z_first_nm, table.z_last_nm)
-    demand(is_whole, "z: lobes are not those of the whole table")
-    demand(entry["size"] == n * _RECORD.itemsize, "size: not that of the lobes")
-    demand(offset % 4 == 0 and offset + entry["size"] <= len(image), "offset: misplaced")
-    rows = np.frombuffer(image, _RECORD, count=n, offset=offset).tolist()
+    ends_nm = table.z_first_nm, table.z_last_nm
+    rows = listed("lobes", MAX_LOBES, _RECORD, image, entries[0], ends_nm, demand)
     lobes = tuple(LobePlace(*row[:4]) for row in rows)
     demand(all(one.z_last_nm > one.z_first_nm for one in lobes), "lobes: one ends below its begin")
     ends = (lobes[0].z_first_nm, lobes[-1].z_last_nm)
-    demand(ends == (table.z_first_nm, table.z_last_nm), "lobes: ends differ from the table's")
+    demand(ends == ends_nm, "lobes: ends differ from the table's")
     gaps = [above.z_first_nm - below.z_last_nm for below, above in pairwise(lobes)]
     demand(min(gaps, default=LEAST_GAP_NM) >= LEAST_GAP_NM, "lobes: a gap below 0.2 mm")
     demand([row[4] for row in rows] == _reciprocals(lobes), "changes_per_nm_q48: wrong")

@@ -6,11 +6,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
+
+from camtools.table.records import Demand, listed
 
 KIND_PASSES = 8
 MAX_PASSES = 16
@@ -23,11 +25,6 @@ _RECORD = np.dtype(
         ("reserved", "<u4"),
     ]
 )
-_UNUSED = (
-    *("log2_knots", "log2_repeat", "frac_bits", "slices_per_nm_q48", "value_offset"),
-    *("p_min", "p_max", "v_max", "a_max", "path"),
-)
-Demand = Callable[[bool, str], None]
 
 
 class PassRecord(NamedTuple):
@@ -51,13 +48,7 @@ def passes_of(
     if not found:
         return ()
     demand(len(found) == 1, "kind: passes are there twice")
-    entry, offset, n = found[0], found[0]["offset"], found[0]["n_slices"]
-    demand(1 <= n <= MAX_PASSES, "n_slices: not 1 .. 16 passes")
-    demand(not any(entry[name] for name in _UNUSED), "passes: a field without meaning is not 0")
-    demand((entry["z_first_nm"], entry["z_last_nm"]) == ends_nm, "z: not that of the whole table")
-    demand(entry["size"] == n * _RECORD.itemsize, "size: not that of the passes")
-    demand(offset % 4 == 0 and offset + entry["size"] <= len(image), "offset: misplaced")
-    rows = np.frombuffer(image, _RECORD, count=n, offset=offset).tolist()
+    rows = listed("passes", MAX_PASSES, _RECORD, image, found[0], ends_nm, demand)
     passes = tuple(PassRecord(*row[:3]) for row in rows)
     is_falling = all(low.allowance_nm < high.allowance_nm for high, low in pairwise(passes))
     demand(is_falling and passes[-1].allowance_nm == 0, "passes: allowances do not fall to 0")

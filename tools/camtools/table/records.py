@@ -8,7 +8,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -66,6 +66,11 @@ ENTRY = np.dtype(
 )
 
 
+_UNUSED_OF_LISTS = (
+    *("log2_knots", "log2_repeat", "frac_bits", "slices_per_nm_q48", "value_offset"),
+    *("p_min", "p_max", "v_max", "a_max", "path"),
+)
+Demand = Callable[[bool, str], None]
 KNOT = np.dtype([("p", "<i4"), ("v", "<i4"), ("a", "<i4")])
 HEADER_SIZE, ENTRY_SIZE, KNOT_SIZE = HEADER.itemsize, ENTRY.itemsize, KNOT.itemsize
 CRC_START = HEADER.fields["crc32"][1] + 4  # type: ignore[index]
@@ -84,3 +89,35 @@ def fields_of(record: np.dtype[np.void], image: bytes, offset: int) -> dict[str,
     """Return the fields of a record as Python's own numbers and bytes."""
     [one] = np.frombuffer(image, record, count=1, offset=offset).tolist()
     return dict(zip(record.names or (), one, strict=True))
+
+
+def listed(
+    name: str,
+    most: int,
+    record: np.dtype[np.void],
+    image: bytes,
+    entry: Mapping[str, Any],
+    ends_nm: tuple[int, int],
+    demand: Demand,
+) -> list[tuple[int, ...]]:
+    """Return the records of an entry that holds no knots but a list, checked as far as all are.
+
+    Parameters
+    ----------
+    name : str
+        What the list has, at most `most` of it: "lobes", "passes".
+    ends_nm : tuple of int
+        Heights of the whole table, which every list has.
+    demand : callable
+        Raises with the rule that is broken.
+    """
+    n, offset = entry["n_slices"], entry["offset"]
+    demand(1 <= n <= most, f"n_slices: not 1 .. {most} {name}")
+    unused = any(entry[field] for field in _UNUSED_OF_LISTS)
+    demand(not unused, f"{name}: a field without meaning is not 0")
+    is_whole = (entry["z_first_nm"], entry["z_last_nm"]) == ends_nm
+    demand(is_whole, f"z: {name} are not those of the whole table")
+    demand(entry["size"] == n * record.itemsize, f"size: not that of the {name}")
+    demand(offset % 4 == 0 and offset + entry["size"] <= len(image), "offset: misplaced")
+    rows: list[tuple[int, ...]] = np.frombuffer(image, record, count=n, offset=offset).tolist()
+    return rows
