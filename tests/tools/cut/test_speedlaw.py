@@ -170,3 +170,9 @@ def test_attainable_speed_for_a_ripple() -> None:
     assert best > 1.1 * blended
     assert optimise(PAPERS, LATHE, best).ripple <= 0.2
     assert partial(PAPERS, 0.0).ripple > 0.2
+
+
+def test_law_of_a_shallow_cut_is_one_that_a_table_holds() -> None:
+    """At 60 r/min the spindle could accelerate by 12.7 mean speeds squared, the format holds 10."""
+    law = optimise(load_of(0.3, 0.01), LATHE, 60 * RPM)
+    assert 9 < law.peaks[0] < 10

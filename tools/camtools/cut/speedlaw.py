@@ -27,6 +27,7 @@ from camtools.base.quantities import Floats, FloatsLike
 
 N_GRID = 512  # places of a pattern at which limits are watched
 MIN_RATIO, MAX_RATIO = 0.25, 4.0  # slower is no use to a piston; what a table holds
+MAX_BEND = 9.9  # of |r r'|, per rad: a table holds up to 10
 _MARGIN = 0.996  # of every limit: the places between the grid, and the table's own error
 _TOLD_MARGIN = 0.992  # of set-points: the controller judges them by chords
 _N_CONTROL = 32  # control points of a pattern
@@ -160,12 +161,19 @@ def uniform(load: Load) -> Law:
     return partial(load, 0.0)
 
 
+def _most_alpha_rad_s2(limits: SpeedLimits, mean_rad_s: float) -> float:
+    """Return the highest acceleration that the spindle has and a table holds."""
+    return min(limits.alpha_rad_s2, MAX_BEND * mean_rad_s**2)
+
+
 def excess(law: Law, limits: SpeedLimits, mean_rad_s: float) -> dict[str, float]:
     """Return needed over limit, above 1 where a law breaks it, by name of the limit."""
     alpha, ratio, speed, motion = law.peaks
     told = float(law.set_points(mean_rad_s / limits.bandwidth_rad_s).max()) * _MARGIN / _TOLD_MARGIN
     return {
-        "spindle_acceleration_rad_s2": alpha * mean_rad_s**2 / limits.alpha_rad_s2,
+        "spindle_acceleration_rad_s2": alpha
+        * mean_rad_s**2
+        / _most_alpha_rad_s2(limits, mean_rad_s),
         "spindle_bandwidth_rad_s": law.fall * mean_rad_s / limits.bandwidth_rad_s,
         "spindle_rpm": max(ratio, told) * mean_rad_s / limits.spindle_rad_s,
         "u_speed_mm_s": speed * mean_rad_s / limits.u_speed_mm_s,
@@ -216,7 +224,7 @@ class _Program:
         area2 = (load.area_mm2 / load.area_mm2.mean()) ** 2
         n_c, n_s = self.value.shape[1], self.second.shape[0]
         self.n = n_c + 2 + n_s  # control points, lo, hi, magnitudes of second differences
-        alpha = 2 * _MARGIN * limits.alpha_rad_s2 / mean_rad_s**2
+        alpha = 2 * _MARGIN * _most_alpha_rad_s2(limits, mean_rad_s) / mean_rad_s**2
         motion = load.d2_mm[:, None] * self.value + load.d1_mm[:, None] * slope / 2
         most = _MARGIN * limits.u_acceleration_mm_s2 / mean_rad_s**2
         rows = load.area_mm2.size
