@@ -10,7 +10,8 @@ import pytest
 
 from camtools.base.errors import CamtoolsError, GeometryError, InputError
 from camtools.lobe.channels import places_of
-from camtools.lobe.lift import Poly345, make_lift, parse_points
+from camtools.lobe.lift import Poly345, make_lift
+from camtools.lobe.listed import parse_points
 from camtools.lobe.motion import make_lobes
 from camtools.lobe.part import MAX_LOBES, LobePart
 from camtools.pipeline.load import load, parse, parse_for

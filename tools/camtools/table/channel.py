@@ -6,7 +6,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,10 +13,9 @@ import numpy.typing as npt
 
 from camtools.base.quantities import Ints
 from camtools.table.quintics import segment_coefficients
+from camtools.table.records import Demand
 
 Knots = npt.NDArray[np.int32]
-Demand = Callable[[bool, str], None]
-"""Refuses by a rule of TABLE_FORMAT.md where a condition does not hold."""
 
 KIND_U, KIND_X, KIND_SPEED, KIND_SWING, KIND_CONTACT, KIND_WAY = 1, 2, 3, 4, 5, 7
 OVER_HEIGHT = (KIND_X, KIND_WAY)  # one knot per slice

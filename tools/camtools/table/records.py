@@ -71,6 +71,8 @@ _UNUSED_OF_LISTS = (
     *("p_min", "p_max", "v_max", "a_max", "path"),
 )
 Demand = Callable[[bool, str], None]
+"""Refuses by a rule of TABLE_FORMAT.md where a condition does not hold."""
+
 KNOT = np.dtype([("p", "<i4"), ("v", "<i4"), ("a", "<i4")])
 HEADER_SIZE, ENTRY_SIZE, KNOT_SIZE = HEADER.itemsize, ENTRY.itemsize, KNOT.itemsize
 CRC_START = HEADER.fields["crc32"][1] + 4  # type: ignore[index]
