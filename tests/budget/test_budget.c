@@ -3,6 +3,7 @@
 // senses, counter wraps, uniform and modulated tables, few and many knots, random parameters.
 #include "budget.h"
 #include "budget_count.h"
+#include "budget_force.h"
 #include "budget_session.h"
 #include "cam_tick.h"
 #include "fixture_random.h"
@@ -18,7 +19,6 @@ static fixture_rig_t rig;
 static budget_spread_t ticks[cam_n_states]; ///< without a plan, of one session, by the state after
 static budget_spread_t plans[cam_n_states]; ///< ... with one
 static budget_spread_t combined;            ///< without a plan, of several rare things at once
-static bool is_combination;                 ///< the next tick is such a one
 static uint32_t per_reading;                ///< [instructions] what measuring costs
 static uint32_t n_measured;                 ///< ticks of all sessions
 static uint32_t most;                       ///< [instructions] of any tick without a plan
@@ -48,7 +48,7 @@ static void counted(void)
     interrupt();
     const uint32_t n = budget_instructions(from, budget_count()) - per_reading;
     const bool is_planned = g_cam.until_plan == g_cam.config.in_use->play.plan_ticks;
-    const bool is_combined = is_combination && !is_planned;
+    const bool is_combined = budget_force_is_combined() && !is_planned;
     uint32_t *largest = is_planned ? &most_with_plan : is_combined ? &most_combined : &most;
     budget_spread_t *of = is_planned    ? &plans[g_cam.motion.state]
                           : is_combined ? &combined
@@ -168,137 +168,6 @@ static void test_faults_in_the_cut(void)
     expect_budget("faults");
 }
 
-/// One tick from where the session stands, then back: with or without a plan, with an index edge or
-/// without, and a cause of a fault.
-static void try_tick(bool is_planned, bool is_edge, void (*cause)(void), bool is_combined)
-{
-    static cam_t controller;
-    static hal_host_t port;
-    controller = g_cam;
-    port = hal_host;
-    const fixture_rig_t before = rig;
-    g_cam.until_plan = is_planned ? 1 : 2;
-    g_cam.spindle.n_index -= is_edge ? 1u : 0u;
-    cause();
-    is_combination = is_combined;
-    fixture_rig_tick(&rig);
-    is_combination = false;
-    rig = before;
-    hal_host = port;
-    g_cam = controller;
-}
-
-static void no_fault(void) {}
-
-static void press_estop(void)
-{
-    hal_host_fault_estop(true);
-}
-
-/// All that the guard itself finds wrong: U does not follow, its set-point jumps, the drives fail.
-static void break_u(void)
-{
-    hal_host_fault_drive(true);
-    hal_host.in.axis_nm[hal_axis_u] += 1 << 24;
-    hal_host.in.swing_q32 += 1 << 30;
-    g_cam.guard.u_set_q6 += 1 << 24;
-}
-
-/// What the plan finds wrong: Z is off its place, the swing does not follow.
-static void break_z(void)
-{
-    hal_host.in.axis_nm[hal_axis_z] += 1 << 24;
-    hal_host.in.swing_q32 += 1 << 30;
-}
-
-/// The spindle turns in the other sense.
-static void turn_back(void)
-{
-    g_cam.spindle.speed_q64 = -g_cam.spindle.speed_q64;
-}
-
-/// The first edge makes the angle known.
-static void forget_index(void)
-{
-    g_cam.spindle.is_synced = false;
-}
-
-static void come_late(void)
-{
-    hal_host_fault_late(300);
-    hal_host_fault_estop(true);
-}
-
-/// There is no fault, but the longest path through the angle.
-static void come_off_time(void)
-{
-    hal_host_fault_late(40);
-}
-
-static void break_u_off_time(void)
-{
-    come_off_time();
-    break_u();
-}
-
-/// The operator's stop.
-static void ask_to_stop(void)
-{
-    const uint32_t serial = g_cam.play.request + 1u;
-    atomic_store(&g_cam.request, serial << 8 | (uint32_t)cam_request_stop);
-}
-
-static void break_u_while_stopping(void)
-{
-    ask_to_stop();
-    break_u_off_time();
-}
-
-static void stop_off_time(void)
-{
-    ask_to_stop();
-    come_off_time();
-}
-
-typedef void (*cause_t)(void);
-
-static void try_causes(const cause_t *causes, uint32_t n_causes, bool is_combined)
-{
-    for (uint32_t i = 0; i < n_causes; i++) {
-        for (int k = 0; k < 4; k++) {
-            try_tick(k % 2 == 1, k / 2 == 1, causes[i], is_combined);
-        }
-    }
-}
-
-/// By force: every tick with and without a plan and an index edge, without a fault and with those
-/// that take the longest paths. Then what makes a tick long, together.
-static void try_all_causes(void)
-{
-    static const cause_t causes[] = {no_fault,  press_estop,  break_u,   break_z,
-                                     turn_back, forget_index, come_late, ask_to_stop};
-    static const cause_t combinations[] = {come_off_time, break_u_off_time, break_u_while_stopping,
-                                           stop_off_time};
-    try_causes(causes, sizeof causes / sizeof causes[0], false);
-    try_causes(combinations, sizeof combinations / sizeof combinations[0], true);
-}
-
-/// In the first ticks of the fault state, too: the retract begins.
-static void try_retract(void)
-{
-    const cam_t controller = g_cam;
-    const hal_host_t port = hal_host;
-    const fixture_rig_t before = rig;
-    hal_host_fault_estop(true);
-    for (int i = 0; i < 12; i++) {
-        fixture_rig_tick(&rig);
-        try_all_causes();
-    }
-    rig = before;
-    hal_host = port;
-    g_cam = controller;
-}
-
 static void open_swung(void)
 {
     fixture_part_t part = fixture_part_swung();
@@ -325,59 +194,40 @@ static void open_measured(void)
     set(cam_param_z_is_measured, 1);
 }
 
-static void try_all_states(void (*open)(void))
-{
-    static const cam_state_t states[] = {cam_state_off,     cam_state_homing,
-                                         cam_state_ready,   cam_state_engaging,
-                                         cam_state_cutting, cam_state_disengaging};
-    for (uint32_t i = 0; i < sizeof states / sizeof states[0]; i++) {
-        open();
-        if (states[i] == cam_state_disengaging) {
-            TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_cutting));
-            TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stop(&rig.machine));
-            TEST_ASSERT_LESS_THAN_UINT32(60000, fixture_rig_until(&rig, states[i], 60000));
-        } else {
-            TEST_ASSERT_TRUE(fixture_rig_bring(&rig, states[i]));
-        }
-        for (int k = 0; k < 48; k++) {
-            fixture_rig_ticks(&rig, 23);
-            try_all_causes();
-        }
-        try_retract();
-        if (states[i] == cam_state_engaging) { // the approach was seen, now the table
-            while (!g_cam.motion.is_playing) {
-                fixture_rig_tick(&rig);
-            }
-            fixture_rig_ticks(&rig, 1500);
-            try_all_causes();
-            try_retract();
-        }
-    }
-}
-
 static void test_four_axes_with_every_edge_and_fault_in_every_state(void)
 {
-    try_all_states(open_swung);
+    TEST_ASSERT_TRUE(budget_force_states(&rig, open_swung));
     expect_budget("forced 4");
 }
 
 static void test_three_axes_with_every_edge_and_fault_in_every_state(void)
 {
-    try_all_states(open_modulated);
+    TEST_ASSERT_TRUE(budget_force_states(&rig, open_modulated));
     expect_budget("forced 3");
 }
 
 /// Along a ring-helix, in a ring, on a ramp and between two.
 static void test_ring_helix_with_every_edge_and_fault_in_every_state(void)
 {
-    try_all_states(open_rings);
+    TEST_ASSERT_TRUE(budget_force_states(&rig, open_rings));
     expect_budget("rings");
+}
+
+static void open_way(void)
+{
+    TEST_ASSERT_TRUE(budget_session_way(&rig, counted));
+}
+
+static void test_way_with_every_edge_and_fault_in_every_state(void)
+{
+    TEST_ASSERT_TRUE(budget_force_states(&rig, open_way));
+    expect_budget("forced way");
 }
 
 /// Z led by others: it is read in every plan, and X approaches over it.
 static void test_measured_z_with_every_edge_and_fault_in_every_state(void)
 {
-    try_all_states(open_measured);
+    TEST_ASSERT_TRUE(budget_force_states(&rig, open_measured));
     expect_budget("measured");
 }
 
@@ -479,6 +329,7 @@ int main(void)
     RUN_TEST(test_four_axes_with_every_edge_and_fault_in_every_state);
     RUN_TEST(test_three_axes_with_every_edge_and_fault_in_every_state);
     RUN_TEST(test_ring_helix_with_every_edge_and_fault_in_every_state);
+    RUN_TEST(test_way_with_every_edge_and_fault_in_every_state);
     RUN_TEST(test_measured_z_with_every_edge_and_fault_in_every_state);
     RUN_TEST(test_swung_cuts);
     RUN_TEST(test_shaft);
