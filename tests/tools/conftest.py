@@ -14,6 +14,7 @@ from camctl_bench import Bench
 from camtools.skirt.generate import GeneratedSkirt, generate
 from camtools.skirt.geometry import Geometry, make_geometry
 from camtools.skirt.part import SkirtPart
+from linuxcnc import Interpreter, NotHereError, interpreter
 from part_cases import PERKINS, Mktables, environment, load_part
 
 # The same examples every time, however busy the machine is: what fails once fails again.
@@ -73,3 +74,12 @@ def refusal(capsys: pytest.CaptureFixture[str]) -> Callable[[Bench, int, str], s
         return lines[0]
 
     return run
+
+
+@pytest.fixture(scope="session")
+def linuxcnc() -> Interpreter:
+    """Return LinuxCNC's interpreter, or skip with the reason and what helps."""
+    try:
+        return interpreter()
+    except NotHereError as error:
+        pytest.skip(f"LinuxCNC's interpreter: {error}")

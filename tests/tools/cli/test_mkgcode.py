@@ -16,17 +16,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from camtools.base.quantities import Floats
 from camtools.ngc.words import CLEARANCE_MM, ENGAGE_TURNS
 from camtools.skirt.blank import section_cut
 from camtools.skirt.geometry import Geometry, make_geometry
 from camtools.skirt.turning import path_of
-from linuxcnc import AXES, Interpreter, NotHereError, interpreter
+from linuxcnc import AXES, Interpreter
 from maths_tables import TABLE_4
+from ngc_cases import moves
 from part_cases import PERKINS, ROOT, environment, load_part
 
 EVEN = PERKINS.with_name("perkins240_equal_volume.toml")
-WORD = re.compile(r"([A-Z])(-?[0-9.]+)")
 
 
 def words_of(*words: str | Path) -> list[str]:
@@ -61,25 +60,6 @@ def changed(folder: Path, part: Path, **values: str) -> Path:
     path = folder / "part.toml"
     path.write_text(text)
     return path
-
-
-def moves(program: Path, code: str, axes: str) -> Floats:
-    """Return the words of all blocks of a motion code, our own way of reading."""
-    rows = []
-    for line in program.read_text().splitlines():
-        if line.startswith(f"{code} "):
-            words = dict(WORD.findall(line.partition(" ")[2]))
-            rows.append([float(words[axis]) for axis in axes])
-    return np.array(rows)
-
-
-@pytest.fixture(scope="session")
-def linuxcnc() -> Interpreter:
-    """Return LinuxCNC's interpreter, or skip with the reason and what helps."""
-    try:
-        return interpreter()
-    except NotHereError as error:
-        pytest.skip(f"LinuxCNC's interpreter: {error}")
 
 
 @pytest.mark.parametrize("chord_um", [0.01, 0.1, 5.0])

@@ -12,12 +12,12 @@ import pytest
 from camtools.base.quantities import Floats
 from camtools.cli.mkgcode import main
 from camtools.ngc.words import CLEARANCE_MM, ENGAGE_TURNS
-from linuxcnc import AXES, Interpreter, NotHereError, interpreter
+from linuxcnc import AXES, Interpreter
 from lobe_tables import DISC, POLY345
+from ngc_cases import moves
 from part_cases import ROOT
 
 PARTS = ROOT / "tools" / "parts"
-WORD = re.compile(r"([A-Z])(-?[0-9.]+)")
 
 
 def made(folder: Path, name: str, *words: str, **changes: str) -> Path:
@@ -32,16 +32,6 @@ def made(folder: Path, name: str, *words: str, **changes: str) -> Path:
     return program
 
 
-def blocks(program: Path, axes: str) -> Floats:
-    """Return the words of all G1 blocks, our own way of reading."""
-    found = []
-    for line in program.read_text().splitlines():
-        if line.startswith("G1 "):
-            words = dict(WORD.findall(line.partition(" ")[2]))
-            found.append([float(words[axis]) for axis in axes])
-    return np.array(found)
-
-
 def disc_mm(c_rad: Floats) -> Floats:
     """Return the exact distance of the wheel's centre from the axis: disc of 25, 5 off, wheel 200.
 
@@ -51,20 +41,11 @@ def disc_mm(c_rad: Floats) -> Floats:
     return np.asarray(exact, dtype=np.float64)
 
 
-@pytest.fixture(scope="session")
-def linuxcnc() -> Interpreter:
-    """Return LinuxCNC's interpreter, or skip with the reason and what helps."""
-    try:
-        return interpreter()
-    except NotHereError as error:
-        pytest.skip(f"LinuxCNC's interpreter: {error}")
-
-
 @pytest.mark.parametrize("direction", ["1", "-1"])
 def test_ground_disc_is_the_exact_solution(tmp_path: Path, direction: str) -> None:
     """X over C is the disc's for M3 and M4 alike, at every point and on every chord."""
     program = made(tmp_path, "cam-disc", direction=direction, feed_mm="2", phase_deg="30")
-    c, x, z, f = blocks(program, "CXZF").T
+    c, x, z, f = moves(program, "G1", "CXZF").T
     sign = int(direction)
     assert (np.diff(sign * c) > 0).all()
     exact = disc_mm(np.radians(c - 30)) - 200
@@ -84,7 +65,7 @@ def test_ground_disc_is_the_exact_solution(tmp_path: Path, direction: str) -> No
 def test_times_are_those_of_constant_surface_speed(tmp_path: Path) -> None:
     """60 / F of the blocks between two rows of the worked table is the integral of its N_C."""
     program = made(tmp_path, "cam-disc", feed_mm="2", spindle_acceleration_rad_s2="10000")
-    c, f = blocks(program, "CF").T
+    c, f = moves(program, "G1", "CF").T
     first = ENGAGE_TURNS * int((c <= -(ENGAGE_TURNS - 1) * 360 + 1e-6).sum()) - 1
     assert c[first] == 0
     turn = slice(first + 1, first + 1 + int((c <= -(ENGAGE_TURNS - 1) * 360 + 1e-6).sum()))
@@ -102,7 +83,7 @@ def test_times_are_those_of_constant_surface_speed(tmp_path: Path) -> None:
 def test_turned_lobe_swings_by_the_pressure_angle(tmp_path: Path) -> None:
     """X is base circle and lift, B the swing, at the worked table's angles; times are even."""
     program = made(tmp_path, "cam-345", "--chord-um", "0.02", feed_mm="2")
-    c, x, b, f = blocks(program, "CXBF").T
+    c, x, b, f = moves(program, "G1", "CXBF").T
     turn = (c >= 0) & (c <= 360)
     for line in POLY345:
         theta, lift, swing = map(float, line.split()[:3])
@@ -118,7 +99,7 @@ def test_both_senses_cut_the_same_lobe(tmp_path: Path) -> None:
     found = []
     for direction in ("1", "-1"):
         changes = {"direction": direction, "feed_mm": "3", "phase_deg": "40"}
-        c, x, b = blocks(made(tmp_path, "cam-345", **changes), "CXB").T
+        c, x, b = moves(made(tmp_path, "cam-345", **changes), "G1", "CXB").T
         turn = (int(direction) * c >= 360) & (int(direction) * c < 720)
         order = np.argsort(np.mod(c[turn], 360))
         at = np.mod(c[turn], 360)[order]
@@ -133,7 +114,7 @@ def test_both_senses_cut_the_same_lobe(tmp_path: Path) -> None:
 
 def test_flanks_of_the_ground_lobe_are_within_the_spindle(tmp_path: Path) -> None:
     """From block to block the speed keeps the spindle's 60 rad/s2; it is nowhere above N_C."""
-    c, f = blocks(made(tmp_path, "cam-345-ground", feed_mm="2"), "CF").T
+    c, f = moves(made(tmp_path, "cam-345-ground", feed_mm="2"), "G1", "CF").T
     omega = np.radians(np.diff(c)) * f[1:] / 60
     seconds = 60 / f[1:]
     alpha = np.diff(omega) / ((seconds[1:] + seconds[:-1]) / 2)
@@ -154,7 +135,7 @@ def test_programs_by_linuxcnc(
     assert message == ""
     at = dict(zip(AXES, points[points[:, 0] == 1][:, 1:].T, strict=True))
     letters = "CXZB" if name == "cam-345" else "CXZ"
-    ours = blocks(program, letters)
+    ours = moves(program, "G1", letters)
     if words:
         ours[:, 1] /= 2
     theirs = np.stack([at[letter] for letter in letters], axis=1)
@@ -170,7 +151,7 @@ def test_programs_by_linuxcnc(
 def test_flat_faced_lobe_is_ground_along_its_envelope(tmp_path: Path) -> None:
     """X of the wheel is the least at which it does not cut the profile of the support function."""
     changes = {"base_radius_mm": '40\nfollower = "flat"', "feed_mm": "3"}
-    c, x = blocks(made(tmp_path, "cam-345-ground", **changes), "CX").T
+    c, x = moves(made(tmp_path, "cam-345-ground", **changes), "G1", "CX").T
     alpha = np.radians(np.linspace(-180, 180, 36_001))
     u = np.clip(1 - np.abs(alpha) / np.radians(70), 0, 1)
     s = 40 + 8 * u**3 * (10 - 15 * u + 6 * u**2)
@@ -188,7 +169,7 @@ def test_lobes_follow_each_other(tmp_path: Path) -> None:
     program = made(tmp_path, "camshaft", feed_mm="1")
     text = program.read_text()
     assert text.count("G93\n") == text.count("G94 G0 X30.1") == 3
-    c, x, z = blocks(program, "CXZ").T
+    c, x, z = moves(program, "G1", "CXZ").T
     assert (np.diff(c) > 0).all()
     for low, high, phase_deg, lift in ((0, 3, 0, 8), (5, 8, 120, 8), (10, 13, -95, 6)):
         here = (z > low + 0.5) & (z < high - 0.5)
