@@ -10,6 +10,7 @@ from camtools.base.errors import CamtoolsError
 from camtools.polygon.outline import Outline, measures_of
 from camtools.polygon.shapes import cornered, p3g, p4c, regular
 from camtools.polygon.sizes import P3G, P4C
+from part_cases import ROOT
 
 _SAME_MM = 1e-11
 PHI = np.linspace(-1.0, 7.5, 701)
@@ -126,3 +127,17 @@ def test_impossible_outlines() -> None:
         cornered([[9, -0.5], [0, 5], [-6, 0], [0, -0.6]], [0.1] * 4, 0.0)
     with pytest.raises(CamtoolsError, match="take all of the side"):
         cornered([[9, 0], [0, 5], [-6, 0], [0, -5]], [5.0] * 4, 0.0)
+
+
+def test_sizes_of_the_manual_are_those_that_are_made() -> None:
+    """P3G with both circles, d1 + 2 e1 and d1 - 2 e1, and P4C, line by line."""
+    text = (ROOT / "tools" / "docs" / "POLYGONS.md").read_text().split("## Nominal sizes")[1]
+    lines = [line.strip("| ").split(" | ") for line in text.splitlines() if line[:1] == "|"]
+    rows = [[float(cell) for cell in line] for line in lines if line[0].isdecimal()]
+    p3g_rows = [row for row in rows if len(row) == 4]
+    assert [row[0::3] for row in p3g_rows] == [
+        [one.mean_mm, one.eccentricity_mm] for one in P3G.values()
+    ]
+    for d1, d2, d3, e1 in p3g_rows:
+        assert (d2, d3) == pytest.approx((d1 + 2 * e1, d1 - 2 * e1), abs=1e-9)
+    assert [tuple(row) for row in rows if len(row) == 3] == list(P4C.values())
