@@ -278,9 +278,14 @@ def test_wrong_sections(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> N
     (tmp_path / "a.csv").write_text("\n".join([*GOOD[:3], GOOD[2], *GOOD[3:]]))
     (tmp_path / "b.csv").write_text("\n".join(["X_deg;Y_mm", *GOOD]))
     (tmp_path / "long.csv").write_text("\n".join(f"{45 * i} {40 + i % 8}" for i in range(9)))
+    half = [
+        f"{i} {0.1 * np.sin(np.radians(i)):.6f}" for i in (*range(0, 81, 10), *range(250, 361, 10))
+    ]
+    (tmp_path / "half.csv").write_text("\n".join(half))
     cases = {
         'csv = "a.csv"\n': "piston.section.csv: a.csv: line 4: angle 90 follows 90",
         'csv = "none.csv"\n': "piston.section.csv: none.csv: cannot be read",
+        'csv = "half.csv"\n': "piston.section.csv: no points from 80 to 250 degrees, where",
         'csv = "long.csv"\n': "piston.section.csv: Y comes to 47 mm",
         "": 'piston.section.csv: shape = "points" needs either csv or',
         'csv = "b.csv"\nharmonics = 5\n': "piston.section.harmonics = 5: harmonics has no meaning",

@@ -48,7 +48,9 @@ def measured_sections(
     return found
 
 
-class _Gap(NamedTuple):
+class Gap(NamedTuple):
+    """An angle without points, and how far the curve leaves the points at its ends."""
+
     beyond_um: float
     z_mm: float
     from_deg: float
@@ -63,9 +65,9 @@ def check_gaps(sections: Sections, overshoot_um: float) -> None:
     gaps = [
         gap
         for z_mm, angle, values in zip(*sections[:3], strict=True)
-        for gap in _gaps(float(z_mm), angle, values)
+        for gap in gaps_of(float(z_mm), angle, values)
     ]
-    worst = max(gaps, default=_Gap(0, 0, 0, 0))
+    worst = max(gaps, default=Gap(0, 0, 0, 0))
     if worst.beyond_um > overshoot_um:
         problem = (
             f"height {worst.z_mm:g} mm: no points from {worst.from_deg:g} to {worst.to_deg:g} "
@@ -75,7 +77,7 @@ def check_gaps(sections: Sections, overshoot_um: float) -> None:
         raise GeometryError("piston.section.csv", problem, remedy)
 
 
-def _gaps(z_mm: float, angle_deg: Floats, values_mm: Floats) -> Iterator[_Gap]:
+def gaps_of(z_mm: float, angle_deg: Floats, values_mm: Floats) -> Iterator[Gap]:
     """Find the gaps of a section, and how far its curve leaves the points at their ends."""
     steps = np.diff(angle_deg, append=angle_deg[0] + 360)
     wide = steps > np.clip(_GAP_STEPS * 360 / angle_deg.size, *_GAP_DEG)
@@ -85,7 +87,7 @@ def _gaps(z_mm: float, angle_deg: Floats, values_mm: Floats) -> Iterator[_Gap]:
         between, ends = curve(at), (values_mm[i], after[i])
         beyond = max(between.max() - max(ends), min(ends) - between.min(), 0.0)
         to_deg = float(np.mod(angle_deg[i] + steps[i], 360))
-        yield _Gap(_UM_PER_MM * float(beyond), z_mm, float(angle_deg[i]), to_deg)
+        yield Gap(_UM_PER_MM * float(beyond), z_mm, float(angle_deg[i]), to_deg)
 
 
 def check_scan(scan: Scan, section: SectionShape) -> None:

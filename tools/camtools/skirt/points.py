@@ -17,6 +17,7 @@ from scipy.interpolate import PPoly, make_interp_spline
 
 from camtools.base.errors import CamtoolsError, GeometryError, InputError
 from camtools.base.quantities import Floats
+from camtools.skirt.measured import gaps_of
 from camtools.skirt.part_section import PointsAt, SectionShape
 from camtools.skirt.poly_surface import N_ANGLE, N_HEIGHT, PolySurface, angle_pieces
 from camtools.skirt.profile import constant_spline, polygon_or_spline
@@ -27,6 +28,7 @@ MAX_REDUCTION_MM = 30.0
 _SAME_DEG, _SAME = 1e-9, 1e-9
 _AROUND_RAD = np.radians(np.arange(0, 360, 0.5))
 _DEG_PER_TURN = 360.0
+_MOST_BEYOND_UM = 1.0  # a curve beyond the points at both ends of a gap
 
 
 def read_sections(section: SectionShape) -> PointFile:
@@ -67,6 +69,13 @@ def with_motion(file: PointFile) -> PointFile:
 
 
 def _splined(turn: PointedTurn) -> PointedTurn:
+    for gap in gaps_of(0.0, turn.x_deg, turn.y_mm):
+        if gap.beyond_um > _MOST_BEYOND_UM:
+            problem = (
+                f"no points from {gap.from_deg:g} to {gap.to_deg:g} degrees, where the curve goes "
+                f"{gap.beyond_um:.4g} um beyond both"
+            )
+            raise GeometryError("piston.section.csv", problem, "give points there, or V and A")
     x = np.append(turn.x_deg, turn.x_deg[0] + _DEG_PER_TURN)
     y = np.append(turn.y_mm, turn.y_mm[0])
     spline = make_interp_spline(x, y, k=5, bc_type="periodic")
