@@ -10,7 +10,7 @@ else. The equations are MATHS.md (61) .. (64), (42), (44) and (80).
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from math import isqrt
 from typing import NamedTuple
 
@@ -349,19 +349,20 @@ def _is_feasible(cut: JudgedCut) -> bool:
     return all(one.needed <= one.limit for one in demands_of(cut))
 
 
-def highest_mrpm(cut: JudgedCut) -> int:
-    """Return the highest feasible mean speed, 0 when there is none, bit by bit."""
+def _highest(n_bits: int, is_taken: Callable[[int], bool]) -> int:
+    """Return the highest number that is taken, 0 when there is none, bit by bit."""
     found = 0
-    for bit in reversed(range(_SPEED_BITS)):
-        trial = cut._replace(mean_mrpm=found + (1 << bit))
-        found = trial.mean_mrpm if _is_feasible(trial) else found
+    for bit in reversed(range(n_bits)):
+        trial = found + (1 << bit)
+        found = trial if is_taken(trial) else found
     return found
+
+
+def highest_mrpm(cut: JudgedCut) -> int:
+    """Return the highest feasible mean speed, 0 when there is none."""
+    return _highest(_SPEED_BITS, lambda mrpm: _is_feasible(cut._replace(mean_mrpm=mrpm)))
 
 
 def largest_feed_nm(cut: JudgedCut) -> int:
-    """Return the largest feasible feed at the cut's speed, 0 when there is none, bit by bit."""
-    found = 0
-    for bit in reversed(range(_FEED_BITS)):
-        trial = cut._replace(feed_nm=found + (1 << bit))
-        found = trial.feed_nm if _is_feasible(trial) else found
-    return found
+    """Return the largest feasible feed at the cut's speed, 0 when there is none."""
+    return _highest(_FEED_BITS, lambda feed_nm: _is_feasible(cut._replace(feed_nm=feed_nm)))
