@@ -52,6 +52,7 @@ static const err_text_t entries[] = {
     {cam_err_x_speed, "clearance or barrel at that speed are beyond the speed of X"},
     {cam_err_spindle_loop, "the spindle's speed loop is too slow for its modulation"},
     {cam_err_spindle_set_point, "the speed loop would be told more than the highest speed"},
+    {cam_err_z_stations, "the table stands at its lobes, which a measured Z cannot do"},
     {cam_err_u_retract, "the retract that was set leaves the stroke of U"},
     {cam_err_x_acceleration, "clearance or barrel at that speed are beyond the acceleration of X"},
     {cam_err_swing_axis, "the table swings the tool, for which there is no axis"},

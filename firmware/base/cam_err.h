@@ -64,6 +64,7 @@ typedef enum {
     cam_err_u_retract = -56,            ///< the retract that was set leaves U's stroke
     cam_err_spindle_loop = -57,         ///< the spindle's speed loop is slower than the modulation
     cam_err_spindle_set_point = -58,    ///< its set-point would exceed the spindle's highest speed
+    cam_err_z_stations = -59,           ///< the table counts turns, but others move Z
 } cam_err_t;
 
 /// The compiler refuses a call that ignores the result of such a function.

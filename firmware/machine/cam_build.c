@@ -6,6 +6,7 @@
 #include "cam_plan.h"   // cam_plan_ticks
 #include "cam_play.h"   // cam_play_history
 #include "cam_trace.h"  // cam_trace_capacity
+#include "cam_way.h"    // cam_way_z_last_nm
 #include <stddef.h>     // NULL
 
 /// 2 pi * 2^24, for gains of the observer.
@@ -168,7 +169,7 @@ static void build_feed(cam_play_config_t *c, const cam_params_t *p, const cam_ta
     c->z_margin_nm = p->z_margin_nm;
     c->z_first_nm = table->z_first_nm;
     c->z_low_nm = cam_sat_i32((int64_t)table->z_first_nm - p->z_margin_nm);
-    c->z_high_nm = cam_sat_i32((int64_t)table->z_last_nm + p->z_margin_nm);
+    c->z_high_nm = cam_sat_i32((int64_t)cam_way_z_last_nm(table) + p->z_margin_nm);
     const int64_t wanted_mrpm =
         p->spindle_mrpm > 0 ? p->spindle_mrpm : (int64_t)table->spindle_mrpm;
     const uint32_t speed_mrpm = (uint32_t)cam_clamp_i64(wanted_mrpm, 0, p->spindle_limit_mrpm);

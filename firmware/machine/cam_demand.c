@@ -260,7 +260,7 @@ static cam_demand_t x_speed_demand(const cam_cut_t *c)
 {
     const uint64_t clearing =
         (clearance_nm(c) * 15u / 8u + 1u) * c->peak_mrpm / (depth_turns(c) * 60000000u) + 1u;
-    const uint64_t barrel = cam_drift_z_um_per_s(c) * c->t->x_slope_ppm / 1000000u + 1u;
+    const uint64_t barrel = cam_drift_x_um_per_s(c) * c->t->x_slope_ppm / 1000000u + 1u;
     return (cam_demand_t){cam_err_x_speed, c->p->x_speed_um_per_s,
                           cam_cut_greater(barrel, clearing)};
 }
@@ -274,11 +274,11 @@ static cam_demand_t x_acceleration_demand(const cam_cut_t *c)
     const uint64_t step = (clearance_nm(c) + 1u) * rpm * rpm;
     const uint64_t clearing = (step / (3600u * turns * turns) + 1u) / 173180u + 1u;
     const int64_t v_um_per_s =
-        cam_cut_smaller((int64_t)cam_drift_z_um_per_s(c), cam_drift_max_z_um_per_s);
+        cam_cut_smaller((int64_t)cam_drift_x_um_per_s(c), cam_drift_max_z_um_per_s);
     const uint64_t v_tenth_mm_per_s = (uint64_t)v_um_per_s / 100u + 1u;
     const uint64_t bend =
         v_tenth_mm_per_s * v_tenth_mm_per_s * c->t->x_bend_ppm_per_m / 100000000000u;
-    const uint64_t along = cam_drift_z_feeding_mm_per_s2(c) * c->t->x_slope_ppm / 1000000u;
+    const uint64_t along = cam_drift_x_mm_per_s2(c) * c->t->x_slope_ppm / 1000000u;
     return (cam_demand_t){cam_err_x_acceleration, c->p->x_acceleration_mm_per_s2,
                           cam_cut_greater(bend + along + 1u, clearing)};
 }
@@ -300,6 +300,8 @@ cam_demand_t cam_demand_first_exceeded(const cam_cut_t *c)
         {cam_err_cam_amplitude, p->amplitude_ppm, cam_table_is_lobe(t) ? whole_ppm : 0u},
         // A tool that does not swing where it has to would cut another lobe: no speed helps.
         {cam_err_swing_axis, 0, t->is_swung && p->swing_speed_mdeg_per_s == 0 ? 1u : 0u},
+        // Turns are counted by the helix, which a measured Z cannot tell.
+        {cam_err_z_stations, 0, t->has_stations && is_led ? 1u : 0u},
         {cam_err_swing_range, p->swing_range_mdeg, at_amplitude(c, t->swing.most_mdeg)},
         swing_speed_demand(c),
         swing_acceleration_demand(c),

@@ -46,18 +46,22 @@ uint64_t cam_drift_z_um_per_s(const cam_cut_t *c)
     return cam_feed_speed_um_per_s(feed_nm, c->peak_mrpm, ramp_q32);
 }
 
-uint64_t cam_drift_z_mm_per_s2(const cam_cut_t *c)
+/// @return [mm/s2] acceleration along a plain helix
+static uint64_t ramp_mm_per_s2(const cam_cut_t *c)
 {
-    if (has_rings(c)) {
-        return cam_feed_least_acceleration((uint32_t)c->feed_nm, c->peak_mrpm);
-    }
     const uint64_t turns = (uint64_t)c->p->feed_ramp_turns;
     const uint64_t rpm = cam_cut_divided_up(c->peak_mrpm, 1000);
     const uint64_t per = turns * c->feed_nm <= cam_cut_span_nm(c)
                              ? UINT64_C(3600000000) * turns
                              : UINT64_C(3600000000) * cam_cut_span_nm(c) / c->feed_nm;
-    const uint64_t ramp = cam_cut_divided_up(c->feed_nm * rpm * rpm, per);
-    return cam_cut_divided_up(ramp * way_slope_ppm(c), 1000000) + way_mm_per_s2(c);
+    return cam_cut_divided_up(c->feed_nm * rpm * rpm, per);
+}
+
+uint64_t cam_drift_z_mm_per_s2(const cam_cut_t *c)
+{
+    return has_rings(c) ? cam_feed_least_acceleration((uint32_t)c->feed_nm, c->peak_mrpm)
+                        : cam_cut_divided_up(ramp_mm_per_s2(c) * way_slope_ppm(c), 1000000) +
+                              way_mm_per_s2(c);
 }
 
 uint64_t cam_drift_z_feeding_mm_per_s2(const cam_cut_t *c)
@@ -65,6 +69,16 @@ uint64_t cam_drift_z_feeding_mm_per_s2(const cam_cut_t *c)
     return has_rings(c)               ? (uint64_t)c->p->z_acceleration_mm_per_s2
            : c->p->z_is_measured != 0 ? 0u
                                       : cam_drift_z_mm_per_s2(c);
+}
+
+uint64_t cam_drift_x_um_per_s(const cam_cut_t *c)
+{
+    return c->t->has_stations ? plain_um_per_s(c) : cam_drift_z_um_per_s(c);
+}
+
+uint64_t cam_drift_x_mm_per_s2(const cam_cut_t *c)
+{
+    return c->t->has_stations ? ramp_mm_per_s2(c) : cam_drift_z_feeding_mm_per_s2(c);
 }
 
 cam_drift_t cam_drift_of(const cam_cut_t *c, const cam_channel_t *ch, const cam_change_t *change,

@@ -35,6 +35,12 @@ uint64_t cam_drift_z_mm_per_s2(const cam_cut_t *c);
 ///         accelerated by this controller, and is taken as moving evenly.
 uint64_t cam_drift_z_feeding_mm_per_s2(const cam_cut_t *c);
 
+/// @return [um/s] how fast X runs along its profile: with stations that is over the helix, not Z
+uint64_t cam_drift_x_um_per_s(const cam_cut_t *c);
+
+/// @return [mm/s2] how fast that rises
+uint64_t cam_drift_x_mm_per_s2(const cam_cut_t *c);
+
 /// Bound the drift of a channel. Slices pass at the speed of Z over their spacing. The rate of
 /// change jumps from one slice to the next, and an axis takes the jump within one set-point; while
 /// Z accelerates the rate rises as well. Patterns of lobes have no spacing, and do not drift.

@@ -108,6 +108,7 @@ typedef struct {
     cam_channel_t speed;             ///< speed ratio; knots == NULL: the speed is uniform
     cam_channel_t angle;             ///< of a lobe: normal at the contact; knots == NULL: a skirt
     cam_channel_t way;               ///< how far Z is ahead of a plain helix; knots == NULL: 0
+    bool has_stations;               ///< Z may stand; x and lobes are found by the plain helix
     const cam_pass_t *passes;        ///< in the order of cutting; NULL: one, as the header has it
     uint32_t n_passes;               ///< 1 .. 16; 0 without passes
     const cam_lobe_t *lobes;         ///< rising; NULL: slices are heights, not patterns

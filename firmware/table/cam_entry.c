@@ -48,7 +48,7 @@ static cam_err_t check_shape(const cam_entry_t *e)
         is_known && cam_is_between(e->n_slices, 2, cam_table_max_slices) &&
         cam_is_between(e->log2_knots, is_around ? 2 : 0, is_around ? 12 : 0) &&
         cam_is_between(e->log2_repeat, 0, is_around ? 4 : 0) && e->frac_bits <= max_frac_bits &&
-        e->path <= (e->kind == cam_kind_x ? 1u : 0u) &&
+        e->path <= (is_around ? 0u : 1u) &&
         cam_is_between(e->p_min, -CAM_TABLE_SUM_MAX, e->p_max) && e->p_max <= CAM_TABLE_SUM_MAX &&
         e->v_max <= CAM_TABLE_SUM_MAX && e->a_max <= CAM_TABLE_SUM_MAX &&
         (!is_u || cam_is_between(e->value_offset, -max_u_offset_nm, max_u_offset_nm)) &&

@@ -43,7 +43,7 @@ typedef struct {
     uint32_t slices_per_nm_q48;
     int32_t value_offset;        ///< [unit of the channel] value at p = 0
     int32_t p_min, p_max;        ///< [LSB] bounds of p of all knots
-    uint32_t v_max, a_max, path; ///< [LSB] bounds of |v| and |a|; path of a geared Z, x only
+    uint32_t v_max, a_max, path; ///< [LSB] bounds of |v| and |a|; path of a geared Z, x and way
 } cam_entry_t;
 _Static_assert(sizeof(cam_entry_t) == cam_table_entry_size, "as in the format");
 

@@ -207,8 +207,10 @@ static bool take_channel(const cam_entry_t *e, const uint8_t *image, cam_table_t
     }
     *ch = cam_entry_channel(e, image);
     table->is_swung = table->is_swung || e->kind == (uint32_t)cam_kind_swing;
-    table->is_ring_helix = table->is_ring_helix || e->path != 0u;
+    table->has_stations =
+        table->has_stations || (e->kind == (uint32_t)cam_kind_way && e->path != 0u);
     if (e->kind == (uint32_t)cam_kind_x) {
+        table->is_ring_helix = e->path != 0u;
         table->x_max_nm = e->value_offset + (e->p_max >> e->frac_bits) + 1;
     }
     if (e->kind == (uint32_t)cam_kind_speed) {
@@ -242,13 +244,13 @@ static cam_err_t check_channel(const cam_entry_t *e, uint32_t i, const header_fi
     return take_channel(e, image, table) ? cam_ok : cam_err_image_channel;
 }
 
-/// A way ends where the table does. A ring-helix, whose rings stand, and a shaft, whose lift falls
-/// and rises over even turns, have none.
+/// A way ends where the table does, and a ring-helix, whose rings stand, has none. A shaft of lobes
+/// has one with stations only, and nothing else has stations.
 static bool is_way_placed(const cam_table_t *table, const header_fields_t *h)
 {
     const cam_channel_t *way = &table->way;
-    const bool is_plain = !table->is_ring_helix && table->lobes == NULL;
-    return way->knots == NULL || (way->z_first_nm == h->z_first_nm && is_plain &&
+    return way->knots == NULL || (way->z_first_nm == h->z_first_nm && !table->is_ring_helix &&
+                                  table->has_stations == (table->lobes != NULL) &&
                                   (int64_t)way->z_first_nm + way->span_nm == (int64_t)h->z_last_nm);
 }
 

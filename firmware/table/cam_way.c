@@ -6,6 +6,12 @@
 /// [1e-6] the feed falls at most to this share of its mean.
 enum { least_feed_ppm = 20000 };
 
+/// [1e-6] with stations it falls to 0, less what the rounding of a knot takes.
+enum { standing_ppm = -1000 };
+
+/// [nm] highest place of a table.
+enum { max_height_nm = 1000000000 };
+
 /// @return whether a knot is at 0
 static bool is_zero(const cam_channel_t *way, const cam_knot_t *knot)
 {
@@ -36,17 +42,32 @@ static int64_t least_slope(const cam_knot_t *k0, const cam_knot_t *k1)
     return least;
 }
 
-/// @return whether Z rises by at least the least share of the mean feed between any two knots
-static bool is_rising(const cam_channel_t *way)
+/// @return whether Z rises by at least a share of the mean feed between any two knots
+static bool is_rising(const cam_channel_t *way, int64_t least_ppm)
 {
     const int64_t plain = plain_rise(way);
-    const int64_t least = plain * least_feed_ppm / 1000000;
+    const int64_t least = plain * least_ppm / 1000000;
     for (uint32_t i = 0; i + 1u < way->n_slices; i++) {
         if (plain + least_slope(&way->knots[i], &way->knots[i + 1u]) < least) {
             return false;
         }
     }
     return true;
+}
+
+/// Without stations Z ends with the table, with them somewhere above its begin, where every axis
+/// reaches.
+static bool is_sound(const cam_table_t *t)
+{
+    const cam_channel_t *way = &t->way;
+    const cam_knot_t *last = &way->knots[way->n_slices - 1u];
+    const int64_t ahead_nm = way->value_offset + (last->p >> way->frac_bits);
+    const int64_t risen_nm = (int64_t)way->span_nm + ahead_nm;
+    const bool is_ended = t->has_stations
+                              ? risen_nm >= 0 && way->z_first_nm + risen_nm <= max_height_nm
+                              : is_zero(way, last);
+    return is_zero(way, &way->knots[0]) && is_ended &&
+           is_rising(way, t->has_stations ? standing_ppm : least_feed_ppm);
 }
 
 cam_err_t cam_way_check(cam_table_t *table)
@@ -57,12 +78,10 @@ cam_err_t cam_way_check(cam_table_t *table)
     if (way->knots == NULL) {
         return cam_ok;
     }
-    const bool is_sound = is_zero(way, &way->knots[0]) &&
-                          is_zero(way, &way->knots[way->n_slices - 1u]) && is_rising(way);
     const cam_barrel_t most = cam_barrel_of(way);
     const uint32_t most_rise_ppm = UINT32_MAX - 1000000u;
     table->way_slope_ppm =
         1000000u + (most.rise_ppm < most_rise_ppm ? most.rise_ppm : most_rise_ppm);
     table->way_bend_ppm_per_m = most.bend_ppm_per_m;
-    return is_sound ? cam_ok : cam_err_image_channel;
+    return is_sound(table) ? cam_ok : cam_err_image_channel;
 }

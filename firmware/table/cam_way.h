@@ -5,7 +5,8 @@
 ///
 /// way is 0 at both ends of the table, so both begin and end together, and 1 + dway/dz, the feed
 /// over its mean, is above 0: Z never turns back. Source: TABLE_FORMAT.md, "Way"; MATHS.md (103),
-/// (104).
+/// (104). With stations z is no height but a count of the turns, Z stands at each lobe while X
+/// feeds in, and ends where the last lobe is: TABLE_FORMAT.md, "Stations".
 #ifndef CAM_WAY_H
 #define CAM_WAY_H
 
@@ -38,8 +39,16 @@ static inline cam_way_t cam_way_at(const cam_table_t *table, int32_t z_nm)
     };
 }
 
-/// Check that a way begins and ends with 0 and rises everywhere, and measure it: way_slope_ppm and
-/// way_bend_ppm_per_m of the table. Without a way they become those of a plain helix.
+/// @return [nm] Z at the end of the table
+/// Context: slow side.
+static inline int32_t cam_way_z_last_nm(const cam_table_t *t)
+{
+    return t->has_stations ? cam_way_at(t, t->z_last_nm).z_nm : t->z_last_nm;
+}
+
+/// Check that a way begins and ends with 0 and rises everywhere, or with stations nowhere falls,
+/// and measure it: way_slope_ppm and way_bend_ppm_per_m of the table. Without a way they become
+/// those of a plain helix.
 /// @return cam_ok, or cam_err_image_channel
 /// Context: slow side; four evaluations for each knot.
 CAM_MUST_USE cam_err_t cam_way_check(cam_table_t *table);

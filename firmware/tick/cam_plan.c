@@ -145,14 +145,24 @@ static height_t aim_skirt(const cam_plan_t *p, const cam_play_config_t *cfg, cam
     return (height_t){way.z_nm, u_z_nm, {ONE_Q30, ONE_Q30}};
 }
 
-/// Plan Z and the pattern of U of a shaft of lobes.
+/// Plan Z and the pattern of U of a shaft of lobes. With stations lobes and X are found by the
+/// helix, which Z follows by the way; there the lift changes while X is off, so that U's lead over
+/// X does not matter.
 static height_t aim_shaft(cam_plan_t *p, const cam_play_config_t *cfg, cam_motion_t *m,
                           int32_t helix_nm, int64_t u_q32)
 {
-    cam_aim_isr(&m->axis[hal_axis_z], cfg, (int64_t)helix_nm * 1024);
-    const int32_t u_z_nm = u_height_nm(p, cfg, u_q32, helix_nm, m->axis[hal_axis_z].vel_q10);
-    const int32_t lobe_z_nm = cfg->is_z_measured ? cam_shaft_smooth_isr(&p->shaft, u_z_nm) : u_z_nm;
-    return (height_t){helix_nm, u_z_nm, cam_shaft_aim_isr(&p->shaft, cfg->table, lobe_z_nm, m)};
+    const cam_table_t *t = cfg->table;
+    cam_move_t *z = &m->axis[hal_axis_z];
+    int32_t u_z_nm = helix_nm;
+    int32_t lobe_z_nm = helix_nm;
+    if (t->has_stations) {
+        cam_aim_isr(z, cfg, (int64_t)cam_way_at(t, helix_nm).z_nm * 1024);
+    } else {
+        cam_aim_isr(z, cfg, (int64_t)helix_nm * 1024);
+        u_z_nm = u_height_nm(p, cfg, u_q32, helix_nm, z->vel_q10);
+        lobe_z_nm = cfg->is_z_measured ? cam_shaft_smooth_isr(&p->shaft, u_z_nm) : u_z_nm;
+    }
+    return (height_t){helix_nm, u_z_nm, cam_shaft_aim_isr(&p->shaft, t, lobe_z_nm, m)};
 }
 
 /// @return [turn / 2^32] the operator's phase at the next plan

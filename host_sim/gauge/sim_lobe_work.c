@@ -17,11 +17,13 @@ typedef struct {
 } point_t;
 
 void sim_lobe_work_init(sim_lobe_work_t *w, sim_lobe_design_t *design, sim_work_t *work,
-                        int direction, double tip_mm)
+                        int direction, double tip_mm, double wear_mm)
 {
     *w = (sim_lobe_work_t){.design = design, .work = work, .i_lobe = design->n_lobes};
     w->sense = direction;
-    w->circle_mm = design->is_turned ? tip_mm : design->follower_mm;
+    w->whole_mm = design->is_turned ? tip_mm : design->follower_mm;
+    w->wear_mm = design->is_turned ? 0.0 : wear_mm;
+    w->circle_mm = w->whole_mm;
 }
 
 static double phase_of(const sim_lobe_work_t *w)
@@ -92,6 +94,7 @@ static void load_lobe(sim_lobe_work_t *w, uint32_t i_lobe)
     w->i_lobe = i_lobe;
     w->n_before = 0;
     w->first = w->end = 0;
+    w->circle_mm = w->whole_mm - w->wear_mm * (i_lobe < w->design->n_lobes ? i_lobe : 0u);
     for (int i = 0; i_lobe < w->design->n_lobes && i < sim_lobe_dexels; i++) {
         const sim_lobe_spot_t s = spot_at(w, i / DEXELS_PER_RAD);
         w->dexel[i] = (sim_lobe_dexel_t){
@@ -102,6 +105,7 @@ static void load_lobe(sim_lobe_work_t *w, uint32_t i_lobe)
             .turn = turn_of(w, &s),
             .radius_mm = hypot(s.x_mm, s.y_mm),
             .left_mm = FAR_MM,
+            .is_clean = true,
         };
     }
 }
@@ -155,6 +159,15 @@ static void find_contact(sim_lobe_work_t *w, point_t c)
     w->contact_turn = turn_of(w, &w->spot);
 }
 
+/// A shaft that is ground to size has its stock all round the profile; else it comes from a bar.
+/// @return [mm] radius of the blank on a line
+static double blank_at(const sim_lobe_work_t *w, const sim_lobe_dexel_t *d)
+{
+    const double bar_mm = w->work->blank_mm;
+    const double nose_mm = w->design->base_mm + sim_lobe_design_lift_mm(w->design);
+    return w->design->is_plunged ? d->radius_mm + bar_mm - nose_mm : bar_mm;
+}
+
 /// Nothing cuts this line any more: gauge what is left on it.
 /// @param fed_mm  feed of the turn, which is the height of the ring that was cut
 static void finish(sim_lobe_work_t *w, int64_t i, const sim_lobe_tool_t *tool, double fed_mm)
@@ -170,7 +183,7 @@ static void finish(sim_lobe_work_t *w, int64_t i, const sim_lobe_tool_t *tool, d
         return;
     }
     const double wide = sim_fraction(w->sense * (dexel_at(w, i + 1)->turn - d->turn)) * SIM_TWO_PI;
-    const double blank_mm = w->work->blank_mm;
+    const double blank_mm = blank_at(w, d);
     w->work->removed_mm3 +=
         0.5 * (blank_mm * blank_mm - d->radius_mm * d->radius_mm) * wide * fed_mm;
     sim_lobe_gauge_t *g = &w->gauge[w->i_lobe];
@@ -206,13 +219,16 @@ static void move_window(sim_lobe_work_t *w, const sim_lobe_tool_t *tool, point_t
         end++;
     }
     for (int64_t i = old_end; i < end; i++) {
+        if (w->design->is_plunged) {
+            continue; // its cut goes on
+        }
         dexel_at(w, i)->left_mm = FAR_MM;
         dexel_at(w, i)->is_clean = tool->is_counted && !is_anew; // else half of its cut is unknown
     }
     const double turned = w->sense * (tool->turn - w->before[0].turn);
     const double per_turn = turned > 0.0 ? 1.0 / turned : 0.0;
     const double fed_mm = sim_abs(tool->z_mm - w->before[0].z_mm) * per_turn;
-    for (int64_t i = old_first; i < first; i++) {
+    for (int64_t i = old_first; i < first && !w->design->is_plunged; i++) {
         finish(w, i, tool, fed_mm);
     }
     w->first = first;
@@ -302,6 +318,25 @@ static void measure(sim_lobe_work_t *w, const sim_lobe_tool_t *tool, double trav
     }
 }
 
+/// The wheel leaves a lobe in which it stood: gauge all lines, whose ring is the whole lobe.
+static void leave_lobe(sim_lobe_work_t *w)
+{
+    const sim_lobe_t *lobe = &w->design->lobe[w->i_lobe];
+    sim_lobe_tool_t at = w->before[0];
+    at.z_mm = 0.5 * (lobe->z_first_mm + lobe->z_last_mm);
+    for (int64_t i = 0; i < sim_lobe_dexels; i++) {
+        finish(w, i, &at, lobe->z_last_mm - lobe->z_first_mm);
+        dexel_at(w, i)->left_mm = FAR_MM;
+    }
+}
+
+/// @return whether the wheel has stood in a lobe and now leaves it, or disengages
+static bool is_leaving(const sim_lobe_work_t *w, const sim_lobe_tool_t *now, uint32_t i_lobe)
+{
+    return w->design->is_plunged && w->n_before > 0u && w->i_lobe < w->design->n_lobes &&
+           w->before[0].is_counted && (i_lobe != w->i_lobe || !now->is_counted);
+}
+
 /// Between two lobes the shaft keeps its base circle: what is cut below it is a gouge.
 static void touch_shaft(sim_lobe_work_t *w, const sim_lobe_tool_t *tool)
 {
@@ -318,7 +353,11 @@ void sim_lobe_work_cut(sim_lobe_work_t *w, const sim_lobe_tool_t *tool)
 {
     sim_lobe_tool_t now = *tool;
     const uint32_t i_lobe = sim_lobe_design_find(w->design, now.z_mm, EDGE_MM);
-    if (i_lobe != w->i_lobe) {
+    if (is_leaving(w, &now, i_lobe)) {
+        leave_lobe(w);
+    }
+    if (i_lobe != w->i_lobe ||
+        (w->design->is_plunged && w->n_before > 0u && w->before[0].is_counted != now.is_counted)) {
         load_lobe(w, i_lobe);
     }
     if (i_lobe == w->design->n_lobes) {

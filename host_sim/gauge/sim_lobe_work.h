@@ -18,8 +18,10 @@
 /// contact travels less than a quarter of R in each, which is off by less than 3e-6 R or 1 nm. A
 /// dexel is done when the contact has passed it and the circle is more than 5 um above it. Each
 /// turn cuts its own ring, as wide as the feed (as in sim_work), and the next turn begins with a
-/// fresh line. Only the surroundings of the contact are searched for cuts: wheels that would cut
-/// elsewhere are refused by the generator. Between two lobes only cuts below the base circle count.
+/// fresh line. A wheel that stands in the lobe takes more off the same lines in every turn: they
+/// are gauged once, when it goes on to the next lobe or disengages. Only the surroundings of the
+/// contact are searched for cuts: wheels that would cut elsewhere are refused by the generator.
+/// Between two lobes only cuts below the base circle count.
 #ifndef SIM_LOBE_WORK_H
 #define SIM_LOBE_WORK_H
 
@@ -62,6 +64,8 @@ typedef struct {
     sim_lobe_design_t *design;
     sim_work_t *work;          ///< finished dexels go there too
     double circle_mm;          ///< radius of wheel or tip
+    double whole_mm;           ///< the same before the first lobe
+    double wear_mm;            ///< by which it becomes smaller with every lobe
     double sense;              ///< of cutting: 1 (M3), -1 (M4)
     uint32_t i_lobe;           ///< n_lobes: none
     double theta_rad;          ///< contact of the last instant in the sense of cutting, not wrapped
@@ -84,9 +88,10 @@ typedef struct {
 /// @param design  outlives the work
 /// @param work    initialised; takes the samples
 /// @param direction  1 (M3) or -1 (M4): sense of cutting
-/// @param tip_mm  radius of the tool's tip, at most the roller's; not used by a wheel
+/// @param tip_mm   radius of the tool's tip, at most the roller's; not used by a wheel
+/// @param wear_mm  radius that the wheel loses by every lobe
 void sim_lobe_work_init(sim_lobe_work_t *w, sim_lobe_design_t *design, sim_work_t *work,
-                        int direction, double tip_mm);
+                        int direction, double tip_mm, double wear_mm);
 
 /// The tool moves on to a place.
 /// @param tool  t_s rises from call to call

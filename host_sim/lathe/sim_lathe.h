@@ -28,9 +28,10 @@ typedef struct {
     double u_stroke_mm;                           ///< travel of U peak to peak, centred on 0
     double spindle_limit_rpm;                     ///< highest speed of the spindle
     double x_start_mm;                            ///< X at the start, above the blank's radius
-    double z_start_mm;   ///< Z at the start, before the part's first height
-    double tool_nose_mm; ///< radius of the nose, 0: a point, below 0: what the table was made for
-    double tool_wear_um; ///< by so much the tip stands back
+    double z_start_mm;    ///< Z at the start, before the part's first height
+    double tool_nose_mm;  ///< radius of the nose, 0: a point, below 0: what the table was made for
+    double tool_wear_um;  ///< by so much the tip stands back
+    double wheel_wear_um; ///< radius that a wheel loses by every lobe
 } sim_lathe_config_t;
 
 /// 20 kHz, the defaults of all models, U 1.2 mm, 3000 r/min, X 2 mm off the blank, Z 2 mm before

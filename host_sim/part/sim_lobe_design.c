@@ -151,11 +151,14 @@ bool sim_lobe_design_read(sim_lobe_design_t *d, const cJSON *design, const char 
                           common_error_t *e)
 {
     static const char *const operation[2] = {"grinding", "turning"};
+    static const char *const ways[2] = {"feed", "plunge"};
     static const char *const speed[2] = {"uniform", "constant-surface"};
     static const char *const follower[2] = {"roller", "flat"};
     return read_word(&d->is_turned, design, "operation", operation, path, e) &&
            (cJSON_GetObjectItemCaseSensitive(design, "follower") == NULL ||
             read_word(&d->is_flat, design, "follower", follower, path, e)) &&
+           (cJSON_GetObjectItemCaseSensitive(design, "path") == NULL ||
+            read_word(&d->is_plunged, design, "path", ways, path, e)) &&
            read_word(&d->is_even, design, "speed", speed, path, e) &&
            read_radius(&d->base_mm, design, "base_mm", path, e) &&
            read_radius(&d->roller_mm, design, "roller_mm", path, e) &&

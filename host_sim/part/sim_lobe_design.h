@@ -40,6 +40,7 @@ typedef struct {
     bool is_turned;
     bool is_flat;     ///< lifts are those of a flat face, not of a roller
     bool is_even;     ///< made for a constant surface speed
+    bool is_plunged;  ///< the wheel stands in each lobe; only what is left at last counts
     uint32_t n_lobes; ///< in the order of their heights
     sim_lobe_t lobe[sim_lobe_design_max];
 } sim_lobe_design_t;

@@ -57,6 +57,7 @@ static const common_setting_t fields[] = {
     REAL("swing", "range_deg", swing_range_deg, 0.1, 90.0),
     REAL("tool", "nose_mm", tool_nose_mm, -1.0, 100.0),
     REAL("tool", "wear_um", tool_wear_um, 0.0, 1000.0),
+    REAL("wheel", "wear_um_per_lobe", wheel_wear_um, 0.0, 1000.0),
 };
 enum { n_fields = sizeof fields / sizeof fields[0] };
 _Static_assert((int)n_fields <= (int)common_settings_max, "one flag for each key");

@@ -35,7 +35,8 @@ void sim_lobe_cut_begin(sim_session_t *s, double tip_mm)
     const double wanted_mm = tip_mm > 0.0 ? tip_mm : DEFAULT_TIP_MM;
     const double roller_mm = s->design.lobes.roller_mm;
     sim_lobe_work_init(&s->lobes, &s->design.lobes, &s->work, s->table.direction,
-                       wanted_mm < roller_mm ? wanted_mm : roller_mm);
+                       wanted_mm < roller_mm ? wanted_mm : roller_mm,
+                       s->options.config.lathe.wheel_wear_um * 1e-3);
 }
 
 double sim_lobe_cut_due_mm_s(const sim_session_t *s)

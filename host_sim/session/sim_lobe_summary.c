@@ -63,7 +63,8 @@ void sim_lobe_summary(cJSON *root, const sim_session_t *s)
     const sim_lobe_design_t *d = &s->design.lobes;
     cJSON *cam = cJSON_AddObjectToObject(root, "cam");
     sim_summary_text(cam, "operation", d->is_turned ? "turning" : "grinding");
-    sim_summary_number(cam, d->is_turned ? "tip_mm" : "wheel_mm", s->lobes.circle_mm);
+    sim_summary_number(cam, d->is_turned ? "tip_mm" : "wheel_mm",
+                       d->is_turned ? s->lobes.circle_mm : s->lobes.whole_mm);
     cJSON *lobes = cJSON_AddArrayToObject(cam, "lobes");
     for (uint32_t i = 0; i < d->n_lobes; i++) {
         add_lobe(lobes, s, i);

@@ -228,6 +228,32 @@ def test_generator_and_controller_judge_alike(tmp_path: Path) -> None:
     assert {"swing_range", "swing_acceleration", "spindle_loop", "spindle_set_point"} <= set(said)
 
 
+def test_stations_are_judged_alike(tmp_path: Path) -> None:
+    """A plunge cut on machines of any strength: Z moves by the way, X by the turns."""
+    text = (ROOT / "tools" / "parts" / "camshaft-plunge.toml").read_text()
+    most = ImageLimits(1 << 25, (1 << 31) - 1, (1 << 31) - 1, 60_000_000)
+    table = replace(generate_lobes(cam(text)).table, limits=most)
+    image, lines, expected = tmp_path / "p.camtab", [], []
+    image.write_bytes(pack(table))
+    for seed in range(20):
+        limits = random_limits(seed, is_lobe=True)
+        if seed % 2 == 0:  # X or Z decide
+            fast = {"u_stroke_mm": 30, "u_speed_mm_s": 1e5, "u_acceleration_mm_s2": 1e9}
+            limits = limits.model_copy(update=fast | {"spindle_rpm": 6000, "tick_hz": 100_000})
+        assert isinstance(limits, SwingLimits)
+        machine = tmp_path / f"{seed}.toml"
+        machine.write_text(lobe_machine_text(limits))
+        cut = cut_of(table, limits)
+        highest = highest_mrpm(cut)
+        for mrpm in (table.spindle_mrpm, max(highest, 1), highest + 1):
+            lines.append(f"{image} {machine} {mrpm}")
+            expected.append(ours(cut._replace(mean_mrpm=mrpm)))
+    found = theirs(lines)
+    for line, told, wanted in zip(lines, found, expected, strict=True):
+        assert told == wanted, line
+    assert {"ok", "z_acceleration"} <= {one.err for one in found}
+
+
 DISC = (ROOT / "tools" / "parts" / "cam-disc.toml").read_text()
 
 

@@ -125,7 +125,11 @@ BAD = [
     (with_law(LIST.replace("315", "361")), f"{LOBE}.angle_deg", "list one turn"),
     (DISC.replace("offset_mm = 5", "offset_mm = 4"), f"{LOBE}.disc_radius_mm = 25", "make them eq"),
     (DISC.replace("wheel_radius_mm = 200", ""), "cam.wheel_radius_mm: is missing", "add it"),
-    (DISC.replace('"grinding"', '"milling"'), "process.operation", "'turning' or 'grinding'"),
+    (
+        DISC.replace('"grinding"', '"milling"'),
+        "process.operation",
+        "'turning', 'grinding' or 'plunge-grinding'",
+    ),
     (DISC.replace('"constant-surface"', '"even"'), "process.speed", "'uniform' or 'constant-sur"),
     (GOOD.replace("= 60\n\n[machine", "= 0\n\n[machine"), "process.spindle_rpm = 0", "at least 1"),
     (GOOD.replace("swing_deg = 30", "swing_deg = 90"), "machine.limits.swing_deg", "at most 80"),

@@ -46,7 +46,7 @@ static void begin(bool is_turned)
                  .offset_mm = OFFSET_MM},
     };
     sim_work_init(&work, 30.1, 0.0, 12.0);
-    sim_lobe_work_init(&lobes, &design, &work, 1, TIP_MM);
+    sim_lobe_work_init(&lobes, &design, &work, 1, TIP_MM, 0.0);
 }
 
 /// The follower's centre runs on a circle about the disc's centre.
@@ -212,6 +212,30 @@ static void test_cut_below_the_base_circle_between_lobes_is_a_gouge(void)
     }
 }
 
+/// A wheel that stands in the lobe: only its last turns are gauged, once it leaves; its wear shows.
+static void test_standing_wheel_is_gauged_once(void)
+{
+    enum { n = 20000 };
+    begin(false);
+    design.is_plunged = true;
+    for (int i = 0; i <= 5 * n + 1; i++) {
+        const double turn = (double)i / n;
+        const double stock_mm = turn < 3.0 ? 0.05 * (3.0 - turn) : 0.0;
+        const sim_lobe_tool_t tool = {
+            .t_s = i / TICKS_S,
+            .turn = turn,
+            .centre_mm = centre_mm(SIM_TWO_PI * turn - PHASE_RAD) + stock_mm,
+            .z_mm = 6.0,
+            .due_rad_s = SIM_TWO_PI,
+            .is_counted = i <= 5 * n,
+        };
+        sim_lobe_work_cut(&lobes, &tool);
+    }
+    TEST_ASSERT_EQUAL_UINT64(sim_lobe_dexels, lobes.gauge[0].n);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3, 0.0, lobes.gauge[0].max_um);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 6.0, lobes.gauge[0].max_z_mm);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -226,5 +250,6 @@ int main(void)
     RUN_TEST(test_heights_beside_the_lobe_are_not_cut);
     RUN_TEST(test_lobe_entered_anywhere_is_judged_where_it_was_cut);
     RUN_TEST(test_cut_below_the_base_circle_between_lobes_is_a_gouge);
+    RUN_TEST(test_standing_wheel_is_gauged_once);
     return UNITY_END();
 }

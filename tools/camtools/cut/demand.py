@@ -176,11 +176,15 @@ def _z_um_per_s(cut: JudgedCut) -> int:
 def _z_mm_per_s2(cut: JudgedCut) -> int:
     if cut.facts.table.is_ring_helix:
         return divided_up(_feed_speed2(cut), _ONE_MM_PER_S2 // 4)
+    ramp = _ramp_mm_per_s2(cut)
+    return divided_up(ramp * cut.facts.way_slope_ppm, _WHOLE_PPM) + _way_mm_per_s2(cut)
+
+
+def _ramp_mm_per_s2(cut: JudgedCut) -> int:
     turns, rpm, span_nm = cut.p.feed_ramp_turns, divided_up(cut.peak_mrpm, 1000), cut.facts.span_nm
     is_short = turns * cut.feed_nm <= span_nm
     per = 3_600_000_000 * turns if is_short else 3_600_000_000 * span_nm // cut.feed_nm
-    ramp = divided_up(cut.feed_nm * rpm * rpm, per)
-    return divided_up(ramp * cut.facts.way_slope_ppm, _WHOLE_PPM) + _way_mm_per_s2(cut)
+    return divided_up(cut.feed_nm * rpm * rpm, per)
 
 
 def _z_feeding_mm_per_s2(cut: JudgedCut) -> int:
@@ -311,18 +315,26 @@ def _spindle_demands(cut: JudgedCut) -> Iterator[Demand]:
     yield Demand("spindle_set_point", p.spindle_limit_mrpm, told)
 
 
+def _x_along(cut: JudgedCut) -> tuple[int, int]:
+    """Return speed and acceleration along the profile of X: with stations that of the helix."""
+    if cut.facts.table.has_stations:
+        return _plain_um_per_s(cut), _ramp_mm_per_s2(cut)
+    return _z_um_per_s(cut), _z_feeding_mm_per_s2(cut)
+
+
 def _x_demands(cut: JudgedCut) -> Iterator[Demand]:
     p, facts, turns, peak = cut.p, cut.facts, cut.turns, cut.peak_mrpm
     clearance_nm = p.x_clearance_nm + facts.rise_nm
     clearing = (clearance_nm * 15 // 8 + 1) * peak // (turns * 60_000_000) + 1
-    barrel = _z_um_per_s(cut) * facts.x_slope_ppm // _WHOLE_PPM + 1
+    v_um_per_s, a_mm_per_s2 = _x_along(cut)
+    barrel = v_um_per_s * facts.x_slope_ppm // _WHOLE_PPM + 1
     yield Demand("x_speed", p.x_speed_um_per_s, max(barrel, clearing))
     rpm = divided_up(peak, 1000)
     step = (clearance_nm + 1) * rpm * rpm
     clearing = (step // (3600 * turns * turns) + 1) // 173_180 + 1
-    v_tenth = min(_z_um_per_s(cut), _MAX_Z_UM_PER_S) // 100 + 1
+    v_tenth = min(v_um_per_s, _MAX_Z_UM_PER_S) // 100 + 1
     bend = v_tenth * v_tenth * facts.x_bend_ppm_per_m // 100_000_000_000
-    along = _z_feeding_mm_per_s2(cut) * facts.x_slope_ppm // _WHOLE_PPM
+    along = a_mm_per_s2 * facts.x_slope_ppm // _WHOLE_PPM
     yield Demand("x_acceleration", p.x_acceleration_mm_per_s2, max(bend + along + 1, clearing))
 
 

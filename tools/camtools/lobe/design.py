@@ -70,7 +70,8 @@ def design_of_lobes(result: GeneratedLobes) -> Json:
     return {
         "shape": "cam",
         "follower": cam.follower,
-        "operation": process.operation,
+        "operation": "turning" if process.operation == "turning" else "grinding",
+        **({"path": "plunge"} if process.is_plunge else {}),
         "speed": process.speed,
         "base_mm": float(cam.base_radius_mm),
         "roller_mm": float(cam.roller_radius_mm),

@@ -35,6 +35,7 @@ from camtools.lobe.contact import Follower
 from camtools.lobe.heel import LobeHeel, check_lobe_heel
 from camtools.lobe.motion import ShaftLobe, make_lobes
 from camtools.lobe.part import LobePart
+from camtools.lobe.plunge import Plan, plan_of, stations_of, way_channel, x_channel
 from camtools.lobe.speed import N_GRID, SpindleLimits, acceleration_of, mean_of, surface_speed
 from camtools.part.common import check_feed
 from camtools.table.channel import ANGLE_TURN, Channel
@@ -71,6 +72,8 @@ class GeneratedLobes:
         What the axes need.
     heel : LobeHeel or None
         Where the flank of a tool comes nearest to the lobes; None of a wheel.
+    plunge : Plan or None
+        The turns of a plunge cut.
     """
 
     part: LobePart
@@ -84,6 +87,7 @@ class GeneratedLobes:
     peaks: Peaks
     highest_speed: HighestSpeed
     heel: LobeHeel | None
+    plunge: Plan | None = None
 
 
 def generate_lobes(part: LobePart, tolerance_nm: float | None = None) -> GeneratedLobes:
@@ -103,29 +107,55 @@ def generate_lobes(part: LobePart, tolerance_nm: float | None = None) -> Generat
     """
     tolerance_nm = DEFAULT_TOLERANCE_NM if tolerance_nm is None else tolerance_nm
     check_tolerance(tolerance_nm)
-    check_feed(part)
     lobes = make_lobes(part)
+    plunge = plan_of(part, lobes) if part.process.is_plunge else None
+    if plunge is None:
+        check_feed(part)
+    placed = _at_stations(lobes, plunge)
     is_swung = part.process.operation == "turning"
     heel = check_lobe_heel(lobes, part.tool, part.process.direction) if is_swung else None
-    lift, angle = choose_lift(lobes, tolerance_nm), choose_angle(lobes, is_swung=is_swung)
+    lift, angle = choose_lift(placed, tolerance_nm), choose_angle(placed, is_swung=is_swung)
     speed, mean_rpm = _modulation(part, lobes)
     bounds = u_bounds(lift.channel, lift.error)
-    channels = [lift.channel, centre_channel(lobes), angle.channel]
+    centre = x_channel(plunge, part, lobes) if plunge else centre_channel(lobes)
+    channels = [lift.channel, centre, angle.channel]
     together = peaks_together(lift.channel, speed.channel) if speed else None
     if speed is not None and together is not None:
         bounds = moving_bounds(bounds, together)
         channels.append(speed.channel)
     table = table_of(part, mean_rpm, bounds, tuple(channels))
-    table = replace(table, lobes=places_of(lobes, part.process.direction))
+    table = replace(table, lobes=places_of(placed, part.process.direction))
+    if plunge is not None:
+        table = _plunged(table, plunge, part, lobes)
     ratio = together.ratio if together else 1.0
     peaks = peaks_of(bounds, ratio)
     if is_swung:
         peaks = _with_swing(peaks, angle.channel, speed.channel if speed else None)
-    fed = _feeding(part, table)
+    fed = _feeding(table)
     peaks = peaks._replace(feed_mm=fed.feed_mm, change_mm=fed.change_mm)
     best = _judge(part, lobes, table, fed)
     return GeneratedLobes(
-        part, lobes, tolerance_nm, table, lift, angle, speed, mean_rpm, peaks, best, heel
+        *(part, lobes, tolerance_nm, table, lift, angle, speed, mean_rpm, peaks, best, heel),
+        plunge,
+    )
+
+
+def _at_stations(lobes: list[ShaftLobe], plunge: Plan | None) -> list[ShaftLobe]:
+    """Return the lobes where the table finds them: on the shaft, or on the station."""
+    if plunge is None:
+        return lobes
+    ends = [(a / NM_PER_MM, b / NM_PER_MM) for a, b in stations_of(plunge, lobes)]
+    return [replace(lobe, z_mm=z_mm) for lobe, z_mm in zip(lobes, ends, strict=True)]
+
+
+def _plunged(table: Table, plunge: Plan, part: LobePart, lobes: list[ShaftLobe]) -> Table:
+    """Return the table with the feed of the station and the way of Z."""
+    assert part.process.stock_um is not None
+    return replace(
+        table,
+        feed_nm=plunge.feed_nm,
+        depth_nm=round(part.process.stock_um * 1000),
+        channels=(*table.channels, way_channel(plunge, lobes)),
     )
 
 
@@ -171,14 +201,14 @@ def _with_swing(peaks: Peaks, angle: Channel, speed: Channel | None) -> Peaks:
     return peaks._replace(swing_deg=largest, swing1_deg=first, swing2_deg=second)
 
 
-def _feeding(part: LobePart, table: Table) -> Peaks:
+def _feeding(table: Table) -> Peaks:
     """Return what the feed decides: the speed of Z, and the shortest change between two lobes.
 
     With a speed channel the lift has half of a change.
     """
     least_nm = min((change_nm(*two) for two in pairwise(table.lobes)), default=0)
     change_mm = (least_nm if table.speed is None else least_nm // 2) / NM_PER_MM
-    return Peaks(0.0, 0.0, 0.0, feed_mm=part.process.feed_mm, change_mm=change_mm)
+    return Peaks(0.0, 0.0, 0.0, feed_mm=table.feed_nm / NM_PER_MM, change_mm=change_mm)
 
 
 def _judge(part: LobePart, lobes: list[ShaftLobe], table: Table, fed: Peaks) -> HighestSpeed:
@@ -216,7 +246,7 @@ def _peaks(part: LobePart, path: Follower, ratio: Floats, fed: Peaks) -> Peaks:
         ratio=_peak(ratio),
         spindle_rad2=_peak(alpha),
     )
-    if part.process.operation == "grinding":
+    if part.process.operation != "turning":
         return peaks
     # the controller knows the peaks of the swing and of the speed, not what they do together
     first, second = _peak(np.degrees(path.angle1)), _peak(np.degrees(path.angle2))

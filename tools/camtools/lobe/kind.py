@@ -75,7 +75,9 @@ class LobeKind(Kind[LobePart, GeneratedLobes, LobeOutcome]):
         return []
 
     def turns(self, made: GeneratedLobes, feed_mm: float) -> float:
-        """See `Kind.turns`."""
+        """See `Kind.turns`; the turns of a plunge cut do not depend on the feed of a part file."""
+        if made.plunge is not None:
+            return made.plunge.turns(len(made.lobes))
         return (made.table.z_last_nm - made.table.z_first_nm) / NM_PER_MM / feed_mm
 
     def form_error_um(self, part: LobePart) -> float:
@@ -84,7 +86,9 @@ class LobeKind(Kind[LobePart, GeneratedLobes, LobeOutcome]):
 
     def machine(self, part: LobePart) -> str:
         """See `Kind.machine`."""
-        return lobe_machine_text(part.machine.limits)
+        wear_um = part.process.wheel_wear_um_per_lobe
+        wheel = f"[wheel]\nwear_um_per_lobe = {wear_um!r}\n" if part.process.is_plunge else ""
+        return lobe_machine_text(part.machine.limits) + wheel
 
     def outcome(self, made: GeneratedLobes, measured: Measured, rig: Rig) -> LobeOutcome:
         """Return the cut with the swing of the tool that the trace holds."""

@@ -99,7 +99,7 @@ def make_lobes(part: LobePart) -> list[ShaftLobe]:
         is_flat = part.cam.follower == "flat"
         touch = all_round(law, base_mm, roller_mm, is_flat=is_flat)
         check_follower(touch, field, is_flat=is_flat)
-        if part.process.operation == "grinding" and not is_flat:
+        if part.process.operation != "turning" and not is_flat:
             check_wheel(touch, part.follower_radius_mm, field)
         radii = (base_mm, roller_mm, part.follower_radius_mm)
         profiles[alike] = ShaftLobe(

@@ -230,6 +230,7 @@ class Camshaft(TomlTable):
     base_radius_mm: RadiusMm
     roller_radius_mm: RadiusMm
     wheel_radius_mm: RadiusMm | None = None
+    wheel_width_mm: Annotated[float, Field(ge=0.1, le=500)] | None = None
     follower: Literal["roller", "flat"] = "roller"
     lobe: Annotated[list[Lobe], Field(min_length=1)]
 
@@ -278,14 +279,42 @@ class Camshaft(TomlTable):
 class LobeProcess(TomlTable):
     """[process]: turned with a swinging tool, or ground by a wheel."""
 
-    operation: Literal["turning", "grinding"]
+    operation: Literal["turning", "grinding", "plunge-grinding"]
     speed: Literal["uniform", "constant-surface"] = "uniform"
     spindle_rpm: Annotated[float, Field(ge=MIN_RPM, le=MAX_RPM)]
     feed_mm: Annotated[float, Field(ge=0.000_1, le=10)] = 0.1
     depth_mm: Annotated[float, Field(ge=0, le=100)] = 0.1
     direction: Literal[1, -1] = 1
+    infeed_um: Annotated[float, Field(ge=0.1, le=1000)] | None = None
+    stock_um: Annotated[float, Field(ge=1, le=10_000)] | None = None
+    spark_out_turns: Annotated[int, Field(ge=0, le=100)] = 3
+    wheel_wear_um_per_lobe: Annotated[float, Field(ge=0, le=1000)] = 0.0
 
     _check_direction = field_validator("direction", mode="before")(no_truth)
+
+    @property
+    def is_plunge(self) -> bool:
+        """Return whether the wheel stands in each lobe while X feeds in."""
+        return self.operation == "plunge-grinding"
+
+    @model_validator(mode="after")
+    def _check_plunge(self) -> Self:
+        needed = ("infeed_um", "stock_um")
+        own = (*needed, "spark_out_turns", "wheel_wear_um_per_lobe")
+        foreign = ("feed_mm", "depth_mm") if self.is_plunge else own
+        for name in foreign:
+            if name in self.model_fields_set:
+                problem = f'has no meaning for operation = "{self.operation}"'
+                context = {"field": name, "value": getattr(self, name)}
+                raise wrong("plunge", problem, "remove it", **context)
+        for name in needed:
+            if self.is_plunge and getattr(self, name) is None:
+                problem = 'is missing for operation = "plunge-grinding"'
+                raise wrong("plunge", problem, "add it", field=name, value=None)
+        if self.is_plunge and self.speed != "uniform":
+            problem = "a plunge cut is ground at uniform speed"
+            raise wrong("plunge", problem, 'set "uniform"', field="speed", value=self.speed)
+        return self
 
 
 class LobeMachine(TomlTable):
@@ -305,18 +334,26 @@ class LobePart(TomlTable):
 
     @model_validator(mode="after")
     def _check_tool(self) -> Self:
-        if "tool" in self.model_fields_set and self.process.operation == "grinding":
+        operation = self.process.operation
+        if "tool" in self.model_fields_set and operation != "turning":
             context = {"field": "tool", "value": None}
-            problem = 'has no meaning for operation = "grinding"'
+            problem = f'has no meaning for operation = "{operation}"'
             raise wrong("tool", problem, "remove it, or turn the part", **context)
         return self
 
     @model_validator(mode="after")
     def _check_wheel(self) -> Self:
         wheel_mm, operation = self.cam.wheel_radius_mm, self.process.operation
-        if operation == "grinding" and wheel_mm is None:
+        if operation != "turning" and wheel_mm is None:
             context = {"field": "cam.wheel_radius_mm", "value": None}
-            raise wrong("wheel", 'is missing for operation = "grinding"', "add it", **context)
+            raise wrong("wheel", f'is missing for operation = "{operation}"', "add it", **context)
+        width_mm, process = self.cam.wheel_width_mm, self.process
+        if process.is_plunge != (width_mm is not None):
+            problem = "is missing" if process.is_plunge else "has no meaning"
+            remedy = "add it" if process.is_plunge else "remove it"
+            field = {"field": "cam.wheel_width_mm"}
+            told = f'{problem} for operation = "{operation}"'
+            raise wrong("wheel", told, remedy, **field, value=width_mm)
         return self
 
     @model_validator(mode="after")

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from camtools.base.json_text import Json
 from camtools.base.quantities import Floats, length_text
 from camtools.lobe.generate import GeneratedLobes
+from camtools.lobe.plunge import left_by_wear_um
 from camtools.report.text import ReportRow, error_pair
 from camtools.sim.results import Cut
 
@@ -79,6 +80,24 @@ def _rake_rows(found: Json) -> list[ReportRow]:
     ]
 
 
+def _plunge_rows(outcome: LobeOutcome) -> list[ReportRow]:
+    """Return the turns of a plunge cut."""
+    made = outcome.generated
+    plan, process = made.plunge, made.part.process
+    if plan is None:
+        return []
+    text = (
+        f"{process.infeed_um:g} um per turn off {process.stock_um:g} um, spark-out "
+        f"{plan.spark_turns} turns, {plan.stay_turns} turns a lobe, {plan.move_turns} to the next"
+    )
+    wear = f"{process.wheel_wear_um_per_lobe:g} um per lobe, followed by X"
+    left = length_text(left_by_wear_um(made.part, made.lobes))
+    return [
+        ReportRow("plunge", text),
+        ReportRow("wear of the wheel", f"{wear}; leaves up to {left}"),
+    ]
+
+
 def lobe_rows(outcome: LobeOutcome) -> list[ReportRow]:
     """Return the summary of a camshaft, machine limits apart."""
     summary, made, found = outcome.summary, outcome.generated, outcome.summary["cam"]
@@ -94,6 +113,7 @@ def lobe_rows(outcome: LobeOutcome) -> list[ReportRow]:
     )
     return [
         ReportRow("cut", what),
+        *_plunge_rows(outcome),
         ReportRow("form error", f"{error_pair(form)} (tolerance {length_text(form['tolerance'])})"),
         *_lobe_rows(found),
         *_speed_rows(found),

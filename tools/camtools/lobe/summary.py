@@ -9,14 +9,15 @@
 from __future__ import annotations
 
 from camtools.base.json_text import Json
-from camtools.base.quantities import omega_rad_s
+from camtools.base.quantities import NM_PER_MM, omega_rad_s
 from camtools.cut.feasibility import given_of, needed_of, tenth_below
 from camtools.lobe.design import design_of_lobes
 from camtools.lobe.generate import GeneratedLobes
 from camtools.lobe.motion import ShaftLobe
+from camtools.lobe.plunge import left_by_wear_um
 from camtools.table.summary import about_image, describe_channel
 
-_NAMES = {1: "u", 2: "x", 3: "speed", 4: "swing", 5: "contact"}
+_NAMES = {1: "u", 2: "x", 3: "speed", 4: "swing", 5: "contact", 7: "way"}
 
 
 def _lobe(lobe: ShaftLobe) -> Json:
@@ -50,11 +51,12 @@ def make_lobe_summary(result: GeneratedLobes) -> Json:
             "speed": process.speed,
             "spindle_rpm": float(process.spindle_rpm),
             "mean_spindle_rpm": result.mean_rpm,
-            "feed_mm": float(process.feed_mm),
-            "depth_mm": float(process.depth_mm),
+            "feed_mm": table.feed_nm / NM_PER_MM,
+            "depth_mm": table.depth_nm / NM_PER_MM,
             "direction": process.direction,
         },
         **_tool(result),
+        **_plunge(result),
         "channels": {_NAMES[one.kind]: describe_channel(one) for one in table.channels},
         "error": {
             "u_nm": result.lift.error,
@@ -74,6 +76,29 @@ def _tool(result: GeneratedLobes) -> Json:
         return {}
     found = {"needed_clearance_deg": heel.needed_deg, "lobe": heel.lobe, "at_deg": heel.angle_deg}
     return {"tool": result.part.tool.model_dump() | found}
+
+
+def _plunge(result: GeneratedLobes) -> Json:
+    """Return the turns of a plunge cut and what the wear of the wheel leaves."""
+    plan, process = result.plunge, result.part.process
+    if plan is None:
+        return {}
+    turns = plan.turns(len(result.lobes))
+    found = {
+        "infeed_um": process.infeed_um,
+        "stock_um": process.stock_um,
+        "wheel_width_mm": result.part.cam.wheel_width_mm,
+        "wheel_wear_um_per_lobe": process.wheel_wear_um_per_lobe,
+        "left_by_wear_um": left_by_wear_um(result.part, result.lobes),
+        "infeed_turns": plan.infeed_turns,
+        "spark_out_turns": plan.spark_turns,
+        "clearing_turns": plan.off_turns,
+        "move_turns": plan.move_turns,
+        "turns_per_lobe": plan.stay_turns,
+        "turns": turns,
+        "grinding_s": turns * 60 / result.mean_rpm,
+    }
+    return {"plunge": found}
 
 
 def emit_lobe_text(summary: Json) -> str:
@@ -103,12 +128,26 @@ def emit_lobe_text(summary: Json) -> str:
             f"  tool: clearance {tool['clearance_deg']:g} degrees over {tool['heel_mm']:g} mm; the "
             f"lobes need {tool['needed_clearance_deg']:.2f}"
         )
+    if "plunge" in summary:
+        lines += plunge_lines(summary["plunge"])
     lines += [_lobe_text(i, lobe) for i, lobe in enumerate(summary["lobes"])]
     lines.append(
         f"  highest speed {tenth_below(feasible['highest_spindle_rpm'])} r/min, "
         f"decided by {feasible['decided_by']}"
     )
     return "\n".join(lines) + "\n"
+
+
+def plunge_lines(found: Json) -> list[str]:
+    """Return the plunge cut in words."""
+    return [
+        f"  plunge: {found['infeed_um']:g} um per turn over {found['infeed_turns']} turns and one "
+        f"that eases out, spark-out {found['spark_out_turns']}; a lobe takes "
+        f"{found['turns_per_lobe']} turns, Z's move to the next {found['move_turns']}",
+        f"  the shaft takes {found['turns']} turns, {found['grinding_s']:.1f} s; wheel "
+        f"{found['wheel_width_mm']:g} mm wide, wear {found['wheel_wear_um_per_lobe']:g} um per "
+        f"lobe leaves up to {found['left_by_wear_um']:.2g} um",
+    ]
 
 
 def _lobe_text(i: int, lobe: Json) -> str:

@@ -186,6 +186,9 @@ def lobe_program(job: LobeJob) -> Iterator[bytes]:
     CamtoolsError
         A lobe is impossible, the machine cannot follow, or see `turn_of`.
     """
+    if job.part.process.is_plunge:
+        problem = 'process.operation = "plunge-grinding": a program feeds Z over each lobe'
+        raise CamtoolsError([f'{problem}; give "grinding"'])
     check_feed(job.part)
     lobes = make_lobes(job.part)
     return _pieces(job, lobes, [turn_of(job, lobe) for lobe in lobes])

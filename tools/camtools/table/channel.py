@@ -24,6 +24,8 @@ MIN_RATIO, MAX_RATIO = RATIO_ONE // 16, RATIO_ONE * 4
 ANGLE_TURN, ANGLE_MAX = 1 << 26, 1 << 24  # unit of swing and contact; a quarter turn
 ALIGN = 32
 LEAST_FEED = 0.02  # of its mean: a way that falls below is refused
+LEAST_STANDING = -0.001  # with stations Z may stand, but for the rounding of a knot
+MAX_HEIGHT_NM = 1_000_000_000
 MAX_CHANNEL_BYTES = 1 << 20  # the generators make no larger one
 SUM_LIMIT = 2**25 - 1
 MIN_SPACING_NM, MAX_SPACING_NM = 65_537, 16_777_216
@@ -148,16 +150,24 @@ def largest_sum(coefficients: Ints) -> int:
     return int((np.abs(coefficients) @ _SUM_WEIGHTS.T).max())
 
 
-def check_way(way: Channel, demand: Demand) -> None:
-    """Check that a way begins and ends with 0, and that Z always rises."""
+def check_way(way: Channel, demand: Demand, *, has_stations: bool) -> None:
+    """Check that a way begins and ends with 0, and that Z rises; with stations it may stand."""
     zero = -(way.value_offset << way.frac_bits)
     p, v, a = way.knots[:, 0].astype(np.int64).T
-    demand(int(p[0]) == zero and int(p[-1]) == zero, "way: does not begin and end with 0")
+    is_ended = int(p[-1]) == zero
+    if has_stations:
+        risen_nm = way.z_last_nm - way.z_first_nm + way.value_offset + (int(p[-1]) >> way.frac_bits)
+        is_ended = 0 <= risen_nm <= MAX_HEIGHT_NM - way.z_first_nm
+    demand(int(p[0]) == zero and is_ended, "way: does not begin and end with 0")
     inner = [v[:-1], v[:-1] + a[:-1] / 2, v[1:] - a[1:] / 2, v[1:]]
     middle = 5 * np.diff(p) - sum(inner)  # Bernstein coefficients of the slope: MATHS.md (51)
     plain = ((way.z_last_nm - way.z_first_nm) << way.frac_bits) / (way.n_slices - 1)
     least = plain + float(np.min([*inner, middle]))
-    demand(least >= LEAST_FEED * plain, "way: Z turns back or nearly stands")
+    most_slow = LEAST_STANDING if has_stations else LEAST_FEED
+    demand(
+        least >= most_slow * plain,
+        "way: Z turns back or nearly stands",
+    )
 
 
 def check_knots(channel: Channel, demand: Demand) -> None:

@@ -94,6 +94,11 @@ class Table:
         return next((one for one in self.channels if one.kind == KIND_WAY), None)
 
     @property
+    def has_stations(self) -> bool:
+        """Whether Z stands at each lobe, and X and lobes are found by the turns of a helix."""
+        return self.way is not None and bool(self.lobes)
+
+    @property
     def is_newer(self) -> bool:
         """Whether the image is of version 1.1."""
         return bool(self.lobes or self.passes or self.way)
@@ -140,10 +145,11 @@ _OWN = (
 _WORKED_OUT = ("size", "n_slices", "log2_knots", "slices_per_nm_q48")
 
 
-def _entry_of(channel: Channel, *, is_ring_helix: bool) -> dict[str, int]:
+def _entry_of(channel: Channel, *, is_ring_helix: bool, has_stations: bool) -> dict[str, int]:
     """Return the fields of a channel's entry but its offset."""
     same = {name: getattr(channel, name) for name in _OWN + _WORKED_OUT}
-    return same | {"path": int(is_ring_helix and channel.kind == KIND_X)}
+    is_bent = is_ring_helix if channel.kind == KIND_X else has_stations
+    return same | {"path": int(is_bent and channel.kind in OVER_HEIGHT)}
 
 
 def _plain_entry(table: Table, kind: int, n: int, content: bytes) -> tuple[dict[str, int], bytes]:
@@ -168,13 +174,11 @@ def pack(table: Table) -> bytes:
         A number does not fit its field.
     """
     lobes, passes = table.lobes, table.passes
+    bent = {"is_ring_helix": table.is_ring_helix, "has_stations": table.has_stations}
     parts = []
     if lobes:
         parts.append(_plain_entry(table, KIND_LOBES, len(lobes), bytes_of_lobes(lobes)))
-    parts += [
-        (_entry_of(one, is_ring_helix=table.is_ring_helix), one.knots.astype("<i4").tobytes())
-        for one in table.channels
-    ]
+    parts += [(_entry_of(one, **bent), one.knots.astype("<i4").tobytes()) for one in table.channels]
     if passes:
         parts.append(_plain_entry(table, KIND_PASSES, len(passes), bytes_of_passes(passes)))
     offset = _aligned(HEADER_SIZE + ENTRY_SIZE * len(parts))
@@ -218,7 +222,8 @@ def unpack(image: bytes) -> Table:
     )
     starts = [HEADER_SIZE + ENTRY_SIZE * i for i in range(n_channels)]
     entries = [fields_of(ENTRY, image, start) for start in starts]
-    path = any(entry["path"] for entry in entries)
+    path = any(entry["path"] for entry in entries if entry["kind"] == KIND_X)
+    stands = any(entry["path"] for entry in entries if entry["kind"] == KIND_WAY)
     is_newer = any(entry["kind"] >= KIND_LOBES for entry in entries)
     _demand(is_newer == (version == NEWER_VERSION), "version: 1.1 is that of the kinds from 6 on")
     lobes = lobes_of(image, table, entries, _demand)
@@ -228,8 +233,8 @@ def unpack(image: bytes) -> Table:
     if table.way is not None:
         ends = (table.way.z_first_nm, table.way.z_last_nm)
         _demand(ends == (table.z_first_nm, table.z_last_nm), "way: not over the whole table")
-        _demand(not path and not lobes, "way: rings and lobes have none")
-        check_way(table.way, _demand)
+        _demand(not path and stands == bool(lobes), "way: rings have none, lobes have stations")
+        check_way(table.way, _demand, has_stations=stands)
     _demand(table.speed is None or not path, "path: a ring-helix is for one speed")
     check_lobes(table, _demand)
     return table
@@ -278,7 +283,7 @@ def _channels_of(
         _demand(offset + size <= len(image), "size: beyond the image")
         free = offset + size
         if not is_plain:
-            is_pattern = has_patterns and entry["kind"] != KIND_X
+            is_pattern = has_patterns and entry["kind"] not in OVER_HEIGHT
             channels.append(replace(_make_channel(image, entry), has_patterns=is_pattern))
     kinds = [channel.kind for channel in channels]
     _demand(len(set(kinds)) == len(kinds), "kind: a channel is there twice")
@@ -296,7 +301,7 @@ def _channels_of(
 def _check_heights(entry: dict[str, Any], table: Table, *, has_patterns: bool) -> None:
     """Check the range of heights and the spacing; patterns are those of the whole table."""
     z_first, z_last, n = entry["z_first_nm"], entry["z_last_nm"], entry["n_slices"] - 1
-    if has_patterns and entry["kind"] != KIND_X:
+    if has_patterns and entry["kind"] not in OVER_HEIGHT:
         is_whole = z_first == table.z_first_nm and z_last == table.z_last_nm
         _demand(is_whole and entry["slices_per_nm_q48"] == 0, "z: not that of patterns")
         return
@@ -322,7 +327,7 @@ def _check_entry(entry: dict[str, Any], table: Table, *, has_patterns: bool) -> 
     _demand(is_sized, "size: not that of the knots")
     _demand(frac_bits <= MAX_FRAC_BITS, "frac_bits: not 0 .. 8")
     _check_heights(entry, table, has_patterns=has_patterns)
-    _demand(entry["path"] <= int(kind == KIND_X), "path: not 0 or, of x, 1")
+    _demand(entry["path"] <= int(kind in OVER_HEIGHT), "path: not 0 or, of x and way, 1")
     low, high = ((entry["value_offset"] << frac_bits) + entry[name] for name in ("p_min", "p_max"))
     if kind == KIND_SPEED:
         is_ratio = low >= MIN_RATIO << frac_bits and high <= MAX_RATIO << frac_bits
