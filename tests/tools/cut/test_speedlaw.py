@@ -158,7 +158,7 @@ def test_same_input_same_law() -> None:
 def test_uniform_speed_beyond_a_limit_is_refused_with_numbers() -> None:
     """Nothing can be modulated when the plain cut is too fast already."""
     slow_u = SpeedLimits(500.0, 3000 * RPM, 1.0, 250_000.0)
-    with pytest.raises(InfeasibleError, match=r"u_speed_mm_s: needs 10.5 times .* 1000 r/min"):
+    with pytest.raises(InfeasibleError, match=r"u_speed_mm_s: needs 10.47 times .* 1000 r/min"):
         optimise(PAPERS, slow_u, 1000 * RPM)
 
 

@@ -192,7 +192,7 @@ def _check_uniform(load: Load, limits: SpeedLimits, mean_rad_s: float) -> None:
     name = max(worst, key=lambda one: worst[one])
     if worst[name] > 1:
         rpm = mean_rad_s * 60 / (2 * np.pi)
-        problem = f"needs {worst[name]:.3g} times the limit even at a uniform {rpm:g} r/min"
+        problem = f"needs {worst[name]:.4g} times the limit even at a uniform {rpm:g} r/min"
         raise InfeasibleError([f"machine.limits.{name}: {problem}; turn more slowly"])
 
 

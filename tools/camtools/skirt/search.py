@@ -54,7 +54,7 @@ class UnreachableError(CamtoolsError):
         best, remedy = "nothing fits the format", "magnify less"
         if best_nm < inf:
             best = f"best achievable is {best_nm:.3g} nm"
-            remedy = f"ask for at least {best_nm * 1.05:.2g} nm"
+            remedy = f"ask for at least {float(f'{best_nm * 1.05:.2g}'):g} nm"
         if channel == "u":
             remedy += ', or put linear ovality nodes on a common grid, or use "spline" ovality'
         super().__init__(
