@@ -76,8 +76,9 @@ static cam_move_limits_t limits(int32_t speed_um_per_s, int32_t acceleration_mm_
 
 /// @return [nm / 1024] place of U out of the work, beyond the outermost place of the cut, inside
 /// the stroke whatever was set
-static int64_t retract_q10(const cam_params_t *p, const cam_table_t *table, int32_t rise_nm)
+static int64_t retract_q10(const cam_params_t *p, const cam_table_t *table)
 {
+    const int32_t rise_nm = table != NULL ? cam_table_rise_nm(table) : 0;
     const int32_t half_nm = cam_demand_half_stroke_nm(table, p);
     return (int64_t)cam_clamp_i32(p->u_retract_nm - rise_nm, -half_nm, half_nm) * 1024;
 }
@@ -275,8 +276,8 @@ static void build_plan(cam_play_config_t *c, uint32_t tick_hz)
     c->xz_lag2 = half_square(c->xz_plan_q16) - half_square(lag_q16) / 2;
 }
 
-static void build_play(cam_play_config_t *c, const cam_params_t *p, int32_t sense, int32_t rise_nm,
-                       uint32_t tick_hz)
+static void build_play(cam_play_config_t *c, const cam_params_t *p, int32_t sense,
+                       int32_t clearance_nm, uint32_t tick_hz)
 {
     c->lead_q16 = ticks_of_ns(p->lead_ns, tick_hz);
     c->xz_lag_q16 = ticks_of_ns(p->xz_lag_ns, tick_hz);
@@ -293,7 +294,7 @@ static void build_play(cam_play_config_t *c, const cam_params_t *p, int32_t sens
     c->per_engage_q31 = (uint32_t)((UINT32_C(1) << 31) / (uint32_t)p->engage_turns);
     c->per_disengage_q31 = (uint32_t)((UINT32_C(1) << 31) / (uint32_t)p->disengage_turns);
     c->is_z_measured = p->z_is_measured != 0;
-    c->x_clearance_nm = p->x_clearance_nm + rise_nm;
+    c->x_clearance_nm = clearance_nm;
     c->turning_q32 = cam_build_speed_q32((uint32_t)p->stopped_mrpm, tick_hz);
     build_plan(c, tick_hz);
 }
@@ -371,9 +372,8 @@ cam_err_t cam_build_config(cam_config_t *config, const cam_params_t *params,
     // Tables and observer count angles in the sense of cutting; parameters those of the drawing.
     const int32_t sense = table != NULL ? table->direction : 1;
     build_spindle(&config->spindle, params, sense, tick_hz, clock_hz);
-    const int32_t rise_nm = table != NULL ? cam_table_rise_nm(table) : 0;
     const bool is_swung = table != NULL && table->is_swung && params->swing_speed_mdeg_per_s > 0;
-    build_play(&config->play, params, sense, rise_nm, tick_hz);
+    build_play(&config->play, params, sense, cam_demand_clearance_nm(table, params), tick_hz);
     if (is_swung) {
         build_swing(&config->play.swing, params, &table->angle, tick_hz);
     }
@@ -392,7 +392,7 @@ cam_err_t cam_build_config(cam_config_t *config, const cam_params_t *params,
     }
     build_limits(config, params, tick_hz);
     build_guard(&config->guard, params, speed_limit_mrpm, tick_hz);
-    config->play.u_retract_q10 = retract_q10(params, table, rise_nm);
+    config->play.u_retract_q10 = retract_q10(params, table);
     config->guard.u_retract_q10 = config->play.u_retract_q10;
     config->k1_q16 = ticks_of_ns(params->k1_ns, tick_hz);
     config->k2_q16 = ticks2_of_us2(params->k2_us2, tick_hz);

@@ -241,10 +241,20 @@ static cam_demand_t swing_acceleration_demand(const cam_cut_t *c)
     return (cam_demand_t){cam_err_swing_acceleration, limit, turning + at_amplitude(c, feeding)};
 }
 
+int32_t cam_demand_clearance_nm(const cam_table_t *t, const cam_params_t *p)
+{
+    if (t == NULL) {
+        return p->x_clearance_nm;
+    }
+    const int64_t stock_nm = cam_cut_smaller(t->depth_nm, cam_demand_most_stock_nm);
+    const int64_t clear_nm = p->x_clearance_nm > stock_nm ? p->x_clearance_nm : stock_nm;
+    return (int32_t)clear_nm + cam_table_rise_nm(t);
+}
+
 /// @return [nm] distance over which X engages
 static uint64_t clearance_nm(const cam_cut_t *c)
 {
-    return (uint64_t)c->p->x_clearance_nm + (uint64_t)cam_table_rise_nm(c->t);
+    return (uint64_t)cam_demand_clearance_nm(c->t, c->p);
 }
 
 /// @return turns of the shorter of the two ramps of the depth

@@ -15,6 +15,10 @@
 #include "cam_table.h" // cam_table_t
 #include <stdint.h>    // int64_t, uint64_t
 
+enum {
+    cam_demand_most_stock_nm = 100000000, ///< [nm] no part has more stock on its radius
+};
+
 /// One limit and what the cut needs of it.
 typedef struct {
     cam_err_t err;   ///< error that reports an excess
@@ -26,6 +30,13 @@ typedef struct {
 /// @return   [nm] travel of U to either side of the middle of its stroke
 /// Context: slow side.
 int32_t cam_demand_half_stroke_nm(const cam_table_t *t, const cam_params_t *p);
+
+/// X has to be off the stock that is still on the part, whatever a pass of it leaves, and off what
+/// rises above u = 0 (cam_table_rise_nm).
+/// @param t  NULL: without a table
+/// @return   [nm] distance from which X engages, and by which it leaves
+/// Context: slow side.
+int32_t cam_demand_clearance_nm(const cam_table_t *t, const cam_params_t *p);
 
 /// Compare a cut with all limits.
 /// @return the first limit that the cut exceeds; err = cam_ok when it exceeds none

@@ -32,7 +32,7 @@
     X(u_speed_um_per_s,             100,     400000,   10000000, "highest speed of U") \
     X(u_acceleration_mm_per_s2,     100,     250000,   10000000, "highest acceleration of U") \
     X(u_retract_nm,           -15000000,    -500000,          0, "place of U out of the work, beyond its outermost place in the cut; the default goes as far as the stroke allows") \
-    X(x_clearance_nm,                 0,    1000000,  100000000, "X off the work before engaging and after a fault") \
+    X(x_clearance_nm,                 0,    1000000,  100000000, "X off the part before engaging and after a fault; at least its stock") \
     X(x_speed_um_per_s,             100,     100000,   10000000, "highest speed of X") \
     X(x_acceleration_mm_per_s2,      10,       2000,    1000000, "highest acceleration of X") \
     X(z_speed_um_per_s,             100,     200000,   10000000, "highest speed of Z") \

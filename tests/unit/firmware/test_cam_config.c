@@ -132,6 +132,24 @@ static void test_build_feed_and_speed_of_the_parameters_overrule_the_table(void)
     TEST_ASSERT_EQUAL_PTR(&config.table, config.play.table);
 }
 
+/// A tool that engages from inside the stock would dive into it.
+static void test_build_x_keeps_clear_of_the_stock(void)
+{
+    table.u_min_nm = 0;
+    table.depth_nm = 999999;
+    build(20000);
+    TEST_ASSERT_EQUAL_INT32(1000000, config.play.x_clearance_nm);
+    table.depth_nm = 6000000;
+    build(20000);
+    TEST_ASSERT_EQUAL_INT32(6000000, config.play.x_clearance_nm);
+    params.x_clearance_nm = 7000000;
+    build(20000);
+    TEST_ASSERT_EQUAL_INT32(7000000, config.play.x_clearance_nm);
+    table.depth_nm = INT32_MAX;
+    build(20000);
+    TEST_ASSERT_EQUAL_INT32(100000000, config.play.x_clearance_nm);
+}
+
 /// At envelope 0 the follower stands over the base circle: without the lift it would cut the nose.
 static void test_build_cam_keeps_clear_of_its_lobes(void)
 {
@@ -202,6 +220,7 @@ int main(void)
     RUN_TEST(test_build_angles_turn_and_wrap);
     RUN_TEST(test_build_sense_follows_direction_and_encoder);
     RUN_TEST(test_build_feed_and_speed_of_the_parameters_overrule_the_table);
+    RUN_TEST(test_build_x_keeps_clear_of_the_stock);
     RUN_TEST(test_build_cam_keeps_clear_of_its_lobes);
     RUN_TEST(test_build_without_a_table_has_none);
     RUN_TEST(test_build_what_does_not_fit_the_tick_rate_is_refused);

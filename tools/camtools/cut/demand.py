@@ -21,6 +21,7 @@ from camtools.table.facts import SliceChange, TableFacts
 
 _MAX_KNOTS_PER_TICK, _MIN_TICKS_PER_TURN = 8, 8
 _MAX_Z_UM_PER_S = 6_553_400
+_MOST_STOCK_NM = 100_000_000  # no part has more stock on its radius
 _INT32, _INT64 = (1 << 31) - 1, (1 << 63) - 1
 _SPEED_BITS, _FEED_BITS = 26, 24
 _PLAN_PERIOD_US = 400
@@ -324,7 +325,8 @@ def _x_along(cut: JudgedCut) -> tuple[int, int]:
 
 def _x_demands(cut: JudgedCut) -> Iterator[Demand]:
     p, facts, turns, peak = cut.p, cut.facts, cut.turns, cut.peak_mrpm
-    clearance_nm = p.x_clearance_nm + facts.rise_nm
+    stock_nm = min(facts.table.depth_nm, _MOST_STOCK_NM)
+    clearance_nm = max(p.x_clearance_nm, stock_nm) + facts.rise_nm
     clearing = (clearance_nm * 15 // 8 + 1) * peak // (turns * 60_000_000) + 1
     v_um_per_s, a_mm_per_s2 = _x_along(cut)
     barrel = v_um_per_s * facts.x_slope_ppm // _WHOLE_PPM + 1
