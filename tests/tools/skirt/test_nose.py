@@ -254,7 +254,7 @@ def test_run_tells_of_the_tool_and_sets_its_offset(
     text = (PARTS / "perkins240.toml").read_text()
     path = tmp_path / "part.toml"
     path.write_text(f"{text}\n[tool]\nnose_radius_mm = 0.8\nwear_um = 12\n")
-    assert run([str(path), "--feed", "2", "-o", str(tmp_path / "out")]) == 0
+    assert run([str(path), "--feed", "1.5", "-o", str(tmp_path / "out")]) == 0
     told = "nose of 0.8 mm, worn by 12 um; clearance 7 degrees, the sections need 0.19 at "
     assert told in capsys.readouterr().out
     assert told in (tmp_path / "out" / "report.html").read_text()

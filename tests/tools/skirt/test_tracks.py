@@ -9,8 +9,10 @@ import pytest
 
 from camtools.base.errors import CamtoolsError
 from camtools.cli.run import main as run
-from camtools.part.tool import Tool
+from camtools.part.tool import Tool, check_tracks
 from camtools.pipeline.job import RunJob
+from camtools.skirt.generate import generate
+from camtools.skirt.part import example_part
 from camtools.skirt.report_tool import track_row
 from part_cases import PERKINS, ROOT
 
@@ -54,3 +56,16 @@ def test_bad_tolerance_of_a_run_is_refused() -> None:
     """As mktables refuses it, before anything is made."""
     with pytest.raises(CamtoolsError, match=r"tolerance_nm = 1e\+09: must be above 0"):
         RunJob([str(ROOT / "none.toml"), "--tolerance-nm", "1e9"])
+
+
+def test_tracks_that_do_not_meet_are_refused() -> None:
+    """A nose of 0.8 mm covers 1.6 mm along the axis; what lies beyond stays on the part."""
+    check_tracks(Tool(nose_radius_mm=0.8), 1.59)
+    check_tracks(Tool(), 2.0)
+    with pytest.raises(CamtoolsError, match=r"metal stays; feed less than 1\.6 mm"):
+        check_tracks(Tool(nose_radius_mm=0.8), 1.6)
+    part = example_part().model_copy(update={"tool": Tool(nose_radius_mm=0.04)})
+    with pytest.raises(CamtoolsError, match=r"feed of 0\.1 mm"):
+        generate(part)
+    with pytest.raises(CamtoolsError, match=r"feed of 0\.5 mm"):
+        RunJob(["--feed", "0.5"]).check_feed(part)

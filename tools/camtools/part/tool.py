@@ -10,6 +10,7 @@ from typing import Annotated
 
 from pydantic import Field, field_validator
 
+from camtools.base.errors import CamtoolsError
 from camtools.part.model import TomlTable, wrong
 
 MIN_NOSE_MM = 0.01
@@ -46,6 +47,25 @@ class Tool(TomlTable):
     def is_round(self) -> bool:
         """Whether the nose is a circle."""
         return self.nose_radius_mm > 0
+
+
+def check_tracks(tool: Tool, feed_mm: float) -> None:
+    """Refuse a feed at which metal stays between the tracks of a round nose.
+
+    Parameters
+    ----------
+    feed_mm : float
+        Distance of neighbouring tracks [mm].
+
+    Raises
+    ------
+    CamtoolsError
+        With the feed below which the tracks meet.
+    """
+    widest_mm = 2 * tool.nose_radius_mm
+    if tool.is_round and feed_mm >= widest_mm:
+        problem = f"tracks of a nose of {tool.nose_radius_mm:g} mm do not meet, metal stays"
+        raise CamtoolsError([f"feed of {feed_mm:g} mm: {problem}; feed less than {widest_mm:g} mm"])
 
 
 class SwungTool(TomlTable):

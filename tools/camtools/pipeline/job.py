@@ -17,6 +17,7 @@ from camtools.base.errors import CamtoolsError
 from camtools.base.places import ROOT
 from camtools.base.stage import cannot_write
 from camtools.part.common import PartFile, is_feed_within
+from camtools.part.tool import Tool, check_tracks
 from camtools.table.header import check_tolerance
 
 _MAX_FEED_MM = 10.0  # range of the firmware's parameter
@@ -117,9 +118,12 @@ class RunJob:
         Raises
         ------
         CamtoolsError
-            Beyond the height of the part, or beyond what the firmware takes.
+            Beyond the height of the part, beyond what the firmware takes, or so large that metal
+            stays between the tracks of the part's tool.
         """
-        feed_mm = self.feed_mm
+        feed_mm, tool = self.feed_mm, getattr(part, "tool", None)
+        if feed_mm is not None and isinstance(tool, Tool):
+            check_tracks(tool, feed_mm)
         if feed_mm is None or (feed_mm <= _MAX_FEED_MM and is_feed_within(part, feed_mm)):
             return
         most_mm = min(part.height_mm, _MAX_FEED_MM)

@@ -21,6 +21,7 @@ from camtools.cut.feasibility import HighestSpeed, Peaks, drift_of, peaks_of
 from camtools.cut.passes import judge_passes, parts_of_passes, records_of
 from camtools.cut.verdict import check_table
 from camtools.part.common import check_feed
+from camtools.part.tool import check_tracks
 from camtools.polygon.blend import Blended, bend_of, blended
 from camtools.polygon.outline import Outline, extremes_of
 from camtools.polygon.part import PolygonPart, PolygonSection
@@ -29,7 +30,7 @@ from camtools.polygon.surface import prism_of
 from camtools.skirt.accuracy import Accuracy, measure_u, measure_x
 from camtools.skirt.channels import u_channel, x_channel
 from camtools.skirt.geometry import Geometry
-from camtools.skirt.heel import Heel, check_heel, steepest_heel
+from camtools.skirt.heel import Heel, check_heel
 from camtools.skirt.nose import tip_geometry
 from camtools.skirt.poly_surface import PolySurface
 from camtools.skirt.search import DERIVATIVE_SHARE, slice_counts
@@ -241,10 +242,12 @@ def generate_polygon(part: PolygonPart, tolerance_nm: float | None = None) -> Ge
     passes = parts_of_passes(part)
     for one in passes:
         check_feed(one)
+    check_tracks(part.tool, passes[-1].process.feed_mm)
     drawing = outline_of(part.polygon)
     cut = blended(drawing, part.polygon.blend_um / growth_of(part.polygon, drawing))
     geometry, design = _surfaces(part, drawing, cut.outline)
-    heel, tip = _heel(part, geometry), tip_geometry(geometry, part.tool)
+    heel = check_heel(geometry, part.tool, part.process.direction)
+    tip = tip_geometry(geometry, part.tool)
     tolerance_nm, u, accuracy_u = _within(tip, tolerance_nm, cut)
     x = x_channel(tip, int(slice_counts(tip)[0]))
     accuracy_x = measure_x(tip, x)
@@ -262,16 +265,6 @@ def generate_polygon(part: PolygonPart, tolerance_nm: float | None = None) -> Ge
         *(part, drawing, cut, design, geometry, tolerance_nm, table),
         *(accuracy_u, accuracy_x, peaks, best, middle, heel),
     )
-
-
-def _heel(part: PolygonPart, geometry: Geometry) -> Heel:
-    """Return where the flank comes nearest; a given one that rubs is refused, an assumed one told.
-
-    The flanks of polygons differ: there is no clearance that a part file could leave unsaid.
-    """
-    if "clearance_deg" in part.tool.model_fields_set:
-        return check_heel(geometry, part.tool, part.process.direction)
-    return steepest_heel(geometry, part.process.direction)
 
 
 def _check_sharpness(part: PolygonPart, drawing: Outline, cut: Blended, peak_mm: float) -> None:

@@ -199,6 +199,7 @@ def example_polygon() -> PolygonPart:
             "part": {"name": "p3g-25", "kind": "polygon", "source": "DIN 32711, size 25"},
             "polygon": {"form": "p3g", "size_mm": 25, "z_mm": [0, 30]},
             "process": {"spindle_rpm": 600, "feed_mm": 0.2},
+            "tool": {"clearance_deg": 15},
             "machine": {"limits": {"u_stroke_mm": 8}},
         }
     )

@@ -23,6 +23,7 @@ from camtools.cut.feasibility import (
 from camtools.cut.passes import judge_passes, parts_of_passes, records_of
 from camtools.cut.verdict import check_table
 from camtools.part.common import check_feed
+from camtools.part.tool import check_tracks
 from camtools.skirt.accuracy import Accuracy
 from camtools.skirt.corner import refuse_deviation
 from camtools.skirt.feed_law import largest_share, way_channel
@@ -155,6 +156,7 @@ def generate(part: SkirtPart, tolerance_nm: float | None = None) -> GeneratedSki
     passes = parts_of_passes(part)
     for one in passes:
         check_feed(one)
+    check_tracks(part.tool, passes[-1].process.feed_mm)
     geometry = _geometry_of(part, passes)
     process = part.process
     heel = check_heel(geometry, part.tool, process.direction)

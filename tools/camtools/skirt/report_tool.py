@@ -36,11 +36,10 @@ def tool_row(summary: Json, tool: Tool, heel: Heel) -> ReportRow:
         words += f", the table is made for a {_nose_text(tool.nose_radius_mm)}"
     if used.get("wear_um", 0):
         words += f", worn by {used['wear_um']:g} um"
-    rubs = ": it rubs" if heel.needed_deg >= tool.clearance_deg else ""
     return ReportRow(
         "tool",
         f"{words}; clearance {tool.clearance_deg:g} degrees, the sections need "
-        f"{heel.needed_deg:.2f} at {heel.angle_deg:g} degrees, height {heel.z_mm:g} mm{rubs}",
+        f"{heel.needed_deg:.2f} at {heel.angle_deg:g} degrees, height {heel.z_mm:g} mm",
     )
 
 

@@ -50,10 +50,9 @@ def tool_text(tool: Json) -> str:
     worn = f", worn by {tool['wear_um']:g} um" if tool["wear_um"] else ""
     needed = tool["needed_clearance_deg"]
     place = f"{tool['heel_at_deg']:g} degrees, height {tool['heel_at_mm']:g} mm"
-    rubs = ": it rubs" if needed >= tool["clearance_deg"] else ""
     return (
         f"  tool: {nose}{worn}, clearance {tool['clearance_deg']:g} degrees; the sections need "
-        f"{needed:.2f}, at {place}{rubs}\n"
+        f"{needed:.2f}, at {place}\n"
     )
 
 
