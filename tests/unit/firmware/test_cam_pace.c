@@ -23,9 +23,9 @@ void tearDown(void) {}
 static double largest(double c)
 {
     double most = 0.0;
-    for (int i = 0; i < 40000; i++) {
+    for (int i = 0; i < 2000; i++) {
         double r[3];
-        fixture_ratio(2.0 * pi * (i / 2) / 20000.0, i % 2 == 0 ? 0.0 : part.z_last_nm, r);
+        fixture_ratio(2.0 * pi * (i / 2) / 1000.0, i % 2 == 0 ? 0.0 : part.z_last_nm, r);
         most = fmax(most, r[0] + c * r[0] * r[1]);
     }
     return most;
@@ -40,12 +40,13 @@ static void test_largest_fall_is_that_of_the_ratio(void)
 /// this table, 11 degrees apart.
 static void test_set_point_is_bounded_at_any_lag(void)
 {
-    for (int i = 0; i <= 1200; i++) {
-        const double c = i * 0.01;
+    for (int i = 0; i <= 240; i++) {
+        const double c = i * 0.05;
+        const double exact = largest(c);
         const double bound =
             ldexp((double)cam_pace_set_q20(&f.table.pace, (uint64_t)(c * 65536.0)), -20);
-        TEST_ASSERT_TRUE(bound >= largest(c) * 0.99);
-        TEST_ASSERT_TRUE(c > 8.0 || bound <= largest(c) * 1.002);
+        TEST_ASSERT_TRUE(bound >= exact * 0.99);
+        TEST_ASSERT_TRUE(c > 8.0 || bound <= exact * 1.002);
     }
 }
 
