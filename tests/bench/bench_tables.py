@@ -35,7 +35,8 @@ def recorded() -> dict[str, int]:
 def make(part: Path, folder: Path) -> tuple[int, float]:
     """Return bytes of a part's table and processor time [s], the start of Python included."""
     command = [sys.executable, "-m", "camtools.cli.mktables", str(part), "-o", str(folder)]
-    child = subprocess.Popen(command, stdout=subprocess.DEVNULL)
+    paths = os.environ | {"PYTHONPATH": str(ROOT / "tools")}
+    child = subprocess.Popen(command, stdout=subprocess.DEVNULL, env=paths)
     _, status, usage = os.wait4(child.pid, 0)
     child.returncode = os.waitstatus_to_exitcode(status)
     if child.returncode != 0:
