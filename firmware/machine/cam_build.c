@@ -276,8 +276,7 @@ static void build_plan(cam_play_config_t *c, uint32_t tick_hz)
     c->xz_lag2 = half_square(c->xz_plan_q16) - half_square(lag_q16) / 2;
 }
 
-static void build_play(cam_play_config_t *c, const cam_params_t *p, int32_t sense,
-                       int32_t clearance_nm, uint32_t tick_hz)
+static void build_play(cam_play_config_t *c, const cam_params_t *p, int32_t sense, uint32_t tick_hz)
 {
     c->lead_q16 = ticks_of_ns(p->lead_ns, tick_hz);
     c->xz_lag_q16 = ticks_of_ns(p->xz_lag_ns, tick_hz);
@@ -294,7 +293,6 @@ static void build_play(cam_play_config_t *c, const cam_params_t *p, int32_t sens
     c->per_engage_q31 = (uint32_t)((UINT32_C(1) << 31) / (uint32_t)p->engage_turns);
     c->per_disengage_q31 = (uint32_t)((UINT32_C(1) << 31) / (uint32_t)p->disengage_turns);
     c->is_z_measured = p->z_is_measured != 0;
-    c->x_clearance_nm = clearance_nm;
     c->turning_q32 = cam_build_speed_q32((uint32_t)p->stopped_mrpm, tick_hz);
     build_plan(c, tick_hz);
 }
@@ -373,7 +371,8 @@ cam_err_t cam_build_config(cam_config_t *config, const cam_params_t *params,
     const int32_t sense = table != NULL ? table->direction : 1;
     build_spindle(&config->spindle, params, sense, tick_hz, clock_hz);
     const bool is_swung = table != NULL && table->is_swung && params->swing_speed_mdeg_per_s > 0;
-    build_play(&config->play, params, sense, cam_demand_clearance_nm(table, params), tick_hz);
+    build_play(&config->play, params, sense, tick_hz);
+    config->play.x_clearance_nm = cam_demand_clearance_nm(table, params);
     if (is_swung) {
         build_swing(&config->play.swing, params, &table->angle, tick_hz);
     }

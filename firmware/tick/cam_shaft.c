@@ -49,7 +49,7 @@ int32_t cam_shaft_smooth_isr(cam_shaft_t *s, int32_t z_nm)
 {
     s->z_q8 += s->speed_q8;
     const int64_t off_q8 = (int64_t)z_nm * 256 - s->z_q8;
-    s->z_q8 += off_q8 >> 3; // a double pole: 1/8 and (1/8)^2 / 4
+    s->z_q8 += off_q8 >> 3; // two equal poles: 1/8 and (1/8)^2 / 4
     s->speed_q8 += off_q8 >> 8;
     return (int32_t)((s->z_q8 + 128) >> 8);
 }

@@ -59,7 +59,7 @@ void camsim_print_cut(const sim_cut_t *cut, double wall_s)
             s->work.max_um, sim_work_rms_um(&s->work), reference, s->options.tolerance_um);
         if (s->has_target) {
             (void)printf("control error   max %.4f um, rms %.4f um against what the table plays\n",
-                         s->control.max_um, sim_control_rms_um(&s->control));
+                         s->control.max_um, sim_work_rms_um(&s->control));
         }
         (void)printf("following error max %.4f um, rms %.4f um\n", s->following_max_um,
                      sim_session_following_rms_um(s));

@@ -10,7 +10,8 @@
 /// of the feed's width, so every sample stands for the share dz of it; feed marks between turns are
 /// made by sim_scallop.h. The map keeps, per cell of angle and height, the sample with the largest
 /// |error|; each row of heights keeps the extremes, from which its roundness (largest - smallest
-/// error) follows.
+/// error) follows. Against the drawing the error is the form error; against what a table
+/// deliberately plays instead, a refit or a filter, it is the controller's own.
 #ifndef SIM_WORK_H
 #define SIM_WORK_H
 

@@ -26,7 +26,6 @@
 #include "sim_sides.h"       // sim_sides_t
 #include "sim_surface.h"     // sim_surface_t
 #include <stdbool.h>         // bool
-#include <stdbool.h>         // bool
 
 typedef enum {
     sim_shape_ellipse,

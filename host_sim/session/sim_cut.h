@@ -91,7 +91,7 @@ typedef struct {
     cam_state_t fault_state; ///< state in which the fault struck
 } sim_cut_t;
 
-/// @param cut    9 MB: allocate it
+/// @param cut    16 MB: allocate it
 /// @param image  of a table; copied
 /// @param name   of the table file, for messages
 /// @return       false and *e when the input is no good or the speed infeasible; nothing to close

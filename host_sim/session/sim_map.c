@@ -33,7 +33,7 @@ void sim_map_surface(sim_out_t *o, const sim_session_t *s)
                 sim_out_real_column(o, cell->radius_mm, 9);
                 sim_out_real_column(o, (double)cell->error_nm, 3);
                 if (s->has_target) {
-                    sim_out_real_column(o, (double)s->control.cell_nm[i][k], 3);
+                    sim_out_real_column(o, (double)s->control.cell[i][k].error_nm, 3);
                 }
                 sim_out_char(o, '\n');
             }

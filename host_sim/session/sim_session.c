@@ -42,6 +42,11 @@ sim_design_t *sim_session_played(sim_session_t *s)
     return s->has_target ? &s->target : &s->design;
 }
 
+const sim_work_t *sim_session_control(const sim_session_t *s)
+{
+    return s->has_target ? &s->control : &s->work;
+}
+
 /// @return [mm] radius of the tool's nose: asked for, of the machine, or what the table is made for
 static double nose_mm(const sim_session_t *s)
 {
@@ -50,6 +55,15 @@ static double nose_mm(const sim_session_t *s)
         return s->options.nose_mm;
     }
     return of_machine_mm >= 0.0 ? of_machine_mm : s->design.nose_mm;
+}
+
+/// Begin to gauge against the drawing, and against the target where there is one.
+static void init_work(sim_session_t *s, double blank_mm)
+{
+    sim_work_init(&s->work, blank_mm, s->design.z_first_mm, s->design.z_last_mm);
+    if (s->has_target) {
+        sim_work_init(&s->control, blank_mm, s->design.z_first_mm, s->design.z_last_mm);
+    }
 }
 
 void sim_session_place(sim_session_t *s, double *x_nm, double *z_nm)
@@ -61,8 +75,7 @@ void sim_session_place(sim_session_t *s, double *x_nm, double *z_nm)
     *x_nm = (blank_mm + tool_mm + lathe->x_start_mm) * SIM_NM_PER_MM;
     *z_nm = s->table.z_first_nm - lathe->z_start_mm * SIM_NM_PER_MM;
     sim_nose_init(&s->nose, nose_mm(s), &s->design);
-    sim_work_init(&s->work, blank_mm, s->design.z_first_mm, s->design.z_last_mm);
-    sim_control_init(&s->control, s->design.z_first_mm, s->design.z_last_mm);
+    init_work(s, blank_mm);
 }
 
 /// Gauge the tip of a skirt's tool against the drawing and against what the table plays, with the
@@ -81,15 +94,15 @@ static void gauge_skirt(sim_session_t *s)
     if (s->has_target && s->is_cutting && is_made) {
         const double played_mm =
             sim_nose_radius_mm(&s->nose, &s->target, s->part_turn, s->z_mm, &is_beside);
-        sim_control_touch(&s->control, s->part_turn, s->z_mm,
-                          s->radius_mm - played_mm - s->allowance_mm);
+        sim_work_judge(&s->control, s->part_turn, s->z_mm, s->radius_mm,
+                       played_mm + s->allowance_mm, true);
     }
     sim_scallop_touch(&s->scallop, sim_session_played(s), s->part_turn, s->z_mm, s->radius_mm);
 }
 
 void sim_session_begin_pass(sim_session_t *s)
 {
-    sim_work_init(&s->work, s->work.blank_mm, s->design.z_first_mm, s->design.z_last_mm);
+    init_work(s, s->work.blank_mm);
     s->cut_at_s = -1.0;
     s->cut_turns = 0.0;
     s->cut_s = 0.0;
@@ -97,7 +110,6 @@ void sim_session_begin_pass(sim_session_t *s)
     s->following_max_um = 0.0;
     s->following_sum_um2 = 0.0;
     s->n_following = 0;
-    sim_control_init(&s->control, s->design.z_first_mm, s->design.z_last_mm);
 }
 
 double sim_session_turn(const sim_session_t *s)

@@ -11,7 +11,6 @@
 
 #include "cam_table.h"     // cam_table_t
 #include "sim_config.h"    // sim_config_t
-#include "sim_control.h"   // sim_control_t
 #include "sim_design.h"    // sim_design_t
 #include "sim_inject.h"    // sim_inject_t
 #include "sim_lathe.h"     // sim_sample_t
@@ -45,7 +44,7 @@ typedef struct {
     bool has_target;     ///< the table deliberately plays something else than the drawing
     sim_design_t target; ///< ... this surface
     sim_work_t work;
-    sim_control_t control; ///< errors against the target, when there is one
+    sim_work_t control;    ///< errors against the target, when there is one
     sim_nose_t nose;       ///< of the tool
     sim_scallop_t scallop; ///< made only when the tool has a nose
     sim_lobe_work_t lobes; ///< of lobes only
@@ -86,6 +85,9 @@ bool sim_session_load_design(sim_session_t *s, common_error_t *e);
 
 /// @return what the table plays: the target, or the drawing itself
 sim_design_t *sim_session_played(sim_session_t *s);
+
+/// @return the gauge of the controller's own error: against the target, or against the drawing
+const sim_work_t *sim_session_control(const sim_session_t *s);
 
 /// Put the blank into the lathe.
 /// @param x_nm, z_nm  where X and Z stand at the start: off the blank, before the first height

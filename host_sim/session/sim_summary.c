@@ -31,30 +31,23 @@ void sim_summary_faults(cJSON *root, const char *key, uint32_t faults)
     }
 }
 
-static void add_control(cJSON *root, const sim_session_t *s)
+/// @return the errors of a gauge, as an object of the summary
+static cJSON *add_errors(cJSON *root, const char *key, const sim_session_t *s, const sim_work_t *w)
 {
-    cJSON *own = cJSON_AddObjectToObject(root, "control_error_um");
-    const sim_control_t *c = &s->control;
-    const sim_work_t *w = &s->work;
-    const bool has = s->has_target;
-    sim_summary_sampled(own, s, "max", has ? c->max_um : w->max_um);
-    sim_summary_sampled(own, s, "rms", has ? sim_control_rms_um(c) : sim_work_rms_um(w));
-    sim_summary_sampled(own, s, "roundness",
-                        has ? sim_control_roundness_um(c) : sim_work_roundness_um(w));
-    sim_summary_sampled(own, s, "max_at_turn", has ? c->max_turn : w->max_turn);
-    sim_summary_sampled(own, s, "max_at_z_mm", has ? c->max_z_mm : w->max_z_mm);
+    cJSON *errors = cJSON_AddObjectToObject(root, key);
+    sim_summary_sampled(errors, s, "max", w->max_um);
+    sim_summary_sampled(errors, s, "rms", sim_work_rms_um(w));
+    sim_summary_sampled(errors, s, "roundness", sim_work_roundness_um(w));
+    sim_summary_sampled(errors, s, "max_at_turn", w->max_turn);
+    sim_summary_sampled(errors, s, "max_at_z_mm", w->max_z_mm);
+    return errors;
 }
 
 void sim_summary_errors(cJSON *root, const sim_session_t *s)
 {
-    cJSON *form = cJSON_AddObjectToObject(root, "form_error_um");
-    sim_summary_sampled(form, s, "max", s->work.max_um);
-    sim_summary_sampled(form, s, "rms", sim_work_rms_um(&s->work));
-    sim_summary_sampled(form, s, "roundness", sim_work_roundness_um(&s->work));
-    sim_summary_sampled(form, s, "max_at_turn", s->work.max_turn);
-    sim_summary_sampled(form, s, "max_at_z_mm", s->work.max_z_mm);
+    cJSON *form = add_errors(root, "form_error_um", s, &s->work);
     sim_summary_number(form, "tolerance", s->options.tolerance_um);
-    add_control(root, s);
+    (void)add_errors(root, "control_error_um", s, sim_session_control(s));
     cJSON *following = cJSON_AddObjectToObject(root, "following_error_um");
     sim_summary_sampled(following, s, "max", s->following_max_um);
     sim_summary_sampled(following, s, "rms", sim_session_following_rms_um(s));

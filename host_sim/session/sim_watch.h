@@ -48,7 +48,7 @@ typedef struct {
     uint32_t faults;  ///< all that the controller reported
 } sim_watch_t;
 
-/// @param w      9 MB: allocate it
+/// @param w      16 MB: allocate it
 /// @param image  of a table; copied
 /// @param name   of the table file, for messages
 /// @return       false and *e when the input is no good; nothing to close then

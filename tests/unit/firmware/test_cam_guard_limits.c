@@ -2,7 +2,6 @@
 // The guard alone: each fault at its limit and one step beyond, in every state, as FAULTS.md has
 // it.
 #include "cam_build.h"
-#include "cam_build.h"
 #include "cam_guard.h"
 #include "unity.h"
 #include <string.h>
