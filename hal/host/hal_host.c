@@ -36,6 +36,22 @@ bool hal_has_swing(void)
     return !hal_host.slow.has_no_swing;
 }
 
+bool hal_has_edge_time(void)
+{
+    return hal_host.slow.has_edge_time;
+}
+
+bool hal_measures_u(void)
+{
+    return hal_host.slow.measures_u;
+}
+
+hal_memory_t hal_scope_memory(void)
+{
+    static int32_t words[hal_host_scope_words];
+    return (hal_memory_t){.words = words, .n_words = hal_host_scope_words};
+}
+
 void hal_tick_start(void) {}
 
 void hal_idle(void)

@@ -24,6 +24,7 @@
 
 enum { clock_hz = 10000000, clock_ns = 100, remote_node = 64, max_edges = 8 };
 enum { exit_fault = 1, exit_usage = 2 };
+enum { scope_words = 1 << 20 }; ///< memory for the recorder: 4 MiB
 
 /// The port. The tick writes `bus`, `wants`, `now_ns` and `inputs`, main() writes the rest.
 static struct {
@@ -341,6 +342,24 @@ int32_t hal_axis_read_nm_isr(hal_axis_t axis)
 bool hal_has_swing(void)
 {
     return false;
+}
+
+/// The encoder's frames carry positions, not edges.
+bool hal_has_edge_time(void)
+{
+    return false;
+}
+
+/// A drive on the bus reports its position; U without a node is as commanded.
+bool hal_measures_u(void)
+{
+    return port.bus.drive[hal_axis_u].node.id != 0u;
+}
+
+hal_memory_t hal_scope_memory(void)
+{
+    static int32_t words[scope_words];
+    return (hal_memory_t){.words = words, .n_words = scope_words};
 }
 
 int32_t hal_swing_read_q32_isr(void)

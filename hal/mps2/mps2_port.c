@@ -28,6 +28,22 @@ bool hal_has_swing(void)
     return true;
 }
 
+bool hal_has_edge_time(void)
+{
+    return mps2_machine.slow.has_edge_time;
+}
+
+bool hal_measures_u(void)
+{
+    return mps2_machine.slow.measures_u;
+}
+
+hal_memory_t hal_scope_memory(void)
+{
+    static int32_t words[mps2_scope_words];
+    return (hal_memory_t){.words = words, .n_words = mps2_scope_words};
+}
+
 void hal_text(const char *line)
 {
     mps2_write(line, strlen(line));

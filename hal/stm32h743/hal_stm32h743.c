@@ -165,6 +165,21 @@ bool hal_has_swing(void)
     return false;
 }
 
+bool hal_has_edge_time(void)
+{
+    return false;
+}
+
+bool hal_measures_u(void)
+{
+    return BOARD_HAS_U_SCALE != 0;
+}
+
+hal_memory_t hal_scope_memory(void)
+{
+    return (hal_memory_t){.words = 0, .n_words = 0};
+}
+
 int32_t hal_swing_read_q32_isr(void)
 {
     return 0;

@@ -25,6 +25,28 @@ bool hal_has_swing(void)
     return false;
 }
 
+/// Return whether hardware stamps the encoder's edges; then hal_encoder_read_isr() fills
+/// edge_clock.
+bool hal_has_edge_time(void)
+{
+    return false;
+}
+
+/// Return whether hal_axis_read_nm_isr() measures U. Where it returns the last set-point, say
+/// false.
+bool hal_measures_u(void)
+{
+    return false;
+}
+
+/// Return RAM that nothing else uses, 32-bit words that only the main loop touches, as much as
+/// there is: 64 KiB record a fifth of a second. Memory with error correction is filled by
+/// hal_init() first.
+hal_memory_t hal_scope_memory(void)
+{
+    return (hal_memory_t){.words = NULL, .n_words = 0};
+}
+
 /// Return the rate of the free-running counter that hal_clock_isr() reads.
 uint32_t hal_clock_hz(void)
 {

@@ -36,6 +36,13 @@ static bool greet(sim_remote_t *r, const sim_target_t *target, const char *image
                         target->name, image, target->preset);
 }
 
+/// What this port is able to, so that the target's is able to the same.
+static uint32_t port_bits(void)
+{
+    return (hal_has_edge_time() ? (uint32_t)pil_port_has_edge_time : 0u) |
+           (hal_measures_u() ? (uint32_t)pil_port_measures_u : 0u);
+}
+
 static bool start(sim_remote_t *r, const char *name, const char *image, common_error_t *e)
 {
     const sim_target_t *target = sim_target_find(name, e);
@@ -47,6 +54,7 @@ static bool start(sim_remote_t *r, const char *name, const char *image, common_e
         sim_emulator_stop(&r->emulator);
         return false;
     }
+    r->request.head.port = port_bits();
     (void)sim_remote_call(r, pil_op_init, hal_tick_hz(), (int32_t)hal_clock_hz());
     if (r->is_lost) {
         *e = r->error;

@@ -13,6 +13,7 @@
 
 enum { hal_host_can_frames = 16 };       ///< depth of the queues, a power of two
 enum { hal_host_place_bytes = 1 << 20 }; ///< [bytes] of a place for a downloaded table
+enum { hal_host_scope_words = 1 << 18 }; ///< memory for the recorder: 1 MiB
 enum { hal_host_lines = 8 };             ///< lines of text that are kept, a power of two
 enum { hal_host_line_bytes = 128 };      ///< [bytes] more than hal_text() allows, so a test sees it
 enum { hal_host_clock_hz = 200000000 };  ///< [Hz] rate of the virtual time stamp: 5 ns
@@ -52,6 +53,8 @@ typedef struct {
         uint32_t n_room;    ///< frames for which the transmit queue still has room
         bool is_bus_off;    ///< nothing can be sent
         bool has_no_swing;  ///< the machine has no axis for the swing
+        bool has_edge_time; ///< `in.encoder.edge_clock` is kept up to date
+        bool measures_u;    ///< `in.axis_nm[hal_axis_u]` is a measurement
     } slow;
     uint32_t tick_hz;     ///< [Hz] set before hal_init(), 20 000 when 0
     uint32_t clock;       ///< [1 / hal_host_clock_hz] virtual time stamp, wraps

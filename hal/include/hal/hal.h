@@ -44,6 +44,9 @@ typedef struct {
     uint32_t index_counts; ///< [counts] position of the last index edge. Both senses of rotation
                            ///< use the same edge, so the number is the same modulo a turn
     uint32_t n_index;      ///< number of index edges since the start, wraps
+    uint32_t edge_clock; ///< [1 / hal_clock_hz()] time of the last edge that counted, on the clock
+                         ///< of hal_clock_isr(): the edge that made `counts` what it is. Anything
+                         ///< where hal_has_edge_time() is false
 } hal_encoder_t;
 
 /// Set-point of one axis. The derivatives are per tick; a port that needs SI units multiplies by
@@ -62,6 +65,12 @@ typedef struct {
     int32_t pos_q32; ///< [turn / 2^32] angle at the tick in which it is written
     int32_t vel_q32; ///< [turn / 2^32 per tick] velocity until the next set-point
 } hal_swing_t;
+
+/// Memory for the recorder and the excitation of U, which only main() touches.
+typedef struct {
+    int32_t *words;   ///< aligned to 4 bytes; its content is anything at the start
+    uint32_t n_words; ///< [words] that may be read and written; 0: there is none
+} hal_memory_t;
 
 /// Why the processor started. When several reasons apply, the later one in this list counts.
 typedef enum {
@@ -120,6 +129,19 @@ uint32_t hal_tick_hz(void);
 /// of the swing are called all the same and do nothing, and tables with a swing are refused.
 /// Constant after hal_init(). Simulator: true unless the machine file says otherwise.
 bool hal_has_swing(void);
+
+/// @return whether hardware stamps the edges of the spindle encoder, so that hal_encoder_t's
+/// edge_clock holds. Constant after hal_init(). Simulator: as the test or the machine file says.
+bool hal_has_edge_time(void);
+
+/// @return whether hal_axis_read_nm_isr(hal_axis_u) is a measurement, not the last set-point.
+/// Without one nothing can be learned of the drive. Constant after hal_init(). Simulator: as the
+/// test or the machine file says.
+bool hal_measures_u(void);
+
+/// @return the memory for the recorder and the excitation, constant after hal_init(). The firmware
+/// runs without it, but records nothing and excites nothing. Simulator: 1 MiB.
+hal_memory_t hal_scope_memory(void);
 
 /// @return [Hz] rate of hal_clock_isr(), at least ten times hal_tick_hz(); constant
 uint32_t hal_clock_hz(void);

@@ -14,6 +14,8 @@
 
 enum { mps2_can_frames = 16 }; ///< depth of the queues, a power of two
 
+enum { mps2_scope_words = 1 << 14 }; ///< memory for the recorder: 64 KiB
+
 enum { mps2_place_bytes = 1 << 19 }; ///< [bytes] of a place for a downloaded table
 
 /// The machine's side of the port.
@@ -36,6 +38,8 @@ typedef struct {
         hal_can_frame_t received[mps2_can_frames]; ///< ring, newest at n_received - 1
         hal_can_frame_t sent[mps2_can_frames];     ///< ring, newest at n_sent - 1
         uint32_t n_received, n_read, n_sent;
+        bool has_edge_time; ///< `in.encoder.edge_clock` is kept up to date
+        bool measures_u;    ///< `in.axis_nm[hal_axis_u]` is a measurement
     } slow;
 } mps2_machine_t;
 

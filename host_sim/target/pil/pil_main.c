@@ -26,6 +26,8 @@ static uint32_t table_room(void)
 static void init(void)
 {
     pil_time = (pil_time_t){.tick_hz = request.a, .clock_hz = (uint32_t)request.b};
+    mps2_machine.slow.has_edge_time = (request.port & pil_port_has_edge_time) != 0u;
+    mps2_machine.slow.measures_u = (request.port & pil_port_measures_u) != 0u;
     if (hal_init() != 0) {
         hal_halt("pil_main: the port cannot be used");
     }

@@ -35,8 +35,8 @@ typedef struct {
 
 /// What is requested; a and b are members of the request.
 typedef enum {
-    pil_op_init,         ///< hal_init(), cam_machine_init(); a: [Hz] tick, b: [Hz] clock
-    pil_op_tick,         ///< cam_isr() with what was sensed
+    pil_op_init, ///< hal_init(), cam_machine_init(); a: [Hz] tick, b: [Hz] clock; port: pil_port_*
+    pil_op_tick, ///< cam_isr() with what was sensed
     pil_op_get_param,    ///< a: cam_param_id_t; value: of the parameter
     pil_op_set_param,    ///< a: cam_param_id_t, b: value
     pil_op_table_bytes,  ///< a: place in the table image, b: number of bytes that follow
@@ -49,10 +49,17 @@ typedef enum {
     pil_op_poll, ///< cam_machine_poll()
 } pil_op_t;
 
+/// Bits of pil_request_t.port: what camsim's port is able to.
+enum {
+    pil_port_has_edge_time = 1u << 0, ///< hal_has_edge_time()
+    pil_port_measures_u = 1u << 1,    ///< hal_measures_u()
+};
+
 typedef struct {
     uint32_t op; ///< pil_op_t
     uint32_t a;
     int32_t b;
+    uint32_t port;  ///< pil_port_*, of pil_op_init
     uint32_t clock; ///< [1 / clock_hz] from here on: what the tick senses
     hal_encoder_t encoder;
     int32_t axis_nm[hal_n_axes];
