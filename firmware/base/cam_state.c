@@ -4,10 +4,15 @@
 const char *cam_state_name(cam_state_t state)
 {
     static const char *const names[cam_n_states] = {
-        [cam_state_off] = "off",         [cam_state_homing] = "homing",
-        [cam_state_ready] = "ready",     [cam_state_engaging] = "engaging",
-        [cam_state_cutting] = "cutting", [cam_state_disengaging] = "disengaging",
+        [cam_state_off] = "off",
+        [cam_state_homing] = "homing",
+        [cam_state_ready] = "ready",
+        [cam_state_engaging] = "engaging",
+        [cam_state_cutting] = "cutting",
+        [cam_state_disengaging] = "disengaging",
         [cam_state_fault] = "fault",
+        [cam_state_rehearsing] = "rehearsing",
+        [cam_state_identifying] = "identifying",
     };
     return (unsigned)state < cam_n_states ? names[state] : "?";
 }

@@ -16,6 +16,7 @@
 ///     off --enable--> homing --index--> ready --start--> engaging --> cutting --> disengaging --> ready
 ///     homing, ready --disable--> off
 ///     engaging, cutting --stop--> disengaging; while the axes approach: ready
+///     ready --identify--> identifying --end of the wave, stop--> ready
 ///     any but off --fault--> fault --reset, after the retract--> off
 // clang-format on
 typedef enum {
@@ -26,6 +27,8 @@ typedef enum {
     cam_state_cutting,     ///< full amplitude, Z feeds
     cam_state_disengaging, ///< depth and amplitude fall while Z stands still
     cam_state_fault,       ///< retracting or retracted, latched until reset
+    cam_state_rehearsing,  ///< X stays clear while the section of the first height plays
+    cam_state_identifying, ///< as ready, but U plays a downloaded wave about its place
     cam_n_states
 } cam_state_t;
 
@@ -46,6 +49,7 @@ typedef enum {
     cam_request_stop,
     cam_request_reset,
     cam_request_table_fault, ///< raise fault `table`: the background check found damage
+    cam_request_identify,    ///< play the wave of the configuration by U
 } cam_request_t;
 
 /// Faults, in the order of their bits, with a clause for people. FAULTS.md lists for each how soon

@@ -156,6 +156,8 @@ static bool may_change(cam_param_id_t id, cam_state_t state)
         return id == cam_param_phase_udeg || id == cam_param_amplitude_ppm;
     case cam_state_homing:
     case cam_state_fault:
+    case cam_state_rehearsing:
+    case cam_state_identifying:
     case cam_n_states:
         break;
     }

@@ -27,6 +27,8 @@ static const uint32_t armed[cam_n_states] = {
     [cam_state_cutting] = ARMED_IN_WORK,
     [cam_state_disengaging] = ARMED_IN_WORK,
     [cam_state_fault] = ARMED_IN_FAULT | AT_REST,
+    [cam_state_rehearsing] = ARMED_IN_WORK,
+    [cam_state_identifying] = ARMED_SYNCED,
 };
 
 uint32_t cam_guard_armed(cam_state_t state)

@@ -134,6 +134,7 @@ static uint32_t obey(cam_play_t *p, const cam_play_config_t *cfg, uint32_t reque
     case cam_request_table_fault:
         return CAM_FAULT_BIT(table);
     case cam_request_none:
+    case cam_request_identify:
         break;
     }
     return 0;

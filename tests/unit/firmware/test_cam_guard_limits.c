@@ -131,7 +131,7 @@ static bool is_armed(cam_fault_t fault, cam_state_t state)
         [cam_fault_table] = "hrw",
         [cam_fault_swing] = "w",
     };
-    static const char letter[cam_n_states] = "ohrwwwf";
+    static const char letter[cam_n_states] = "ohrwwwfwr";
     return strchr(armed[fault], letter[state]) != NULL;
 }
 

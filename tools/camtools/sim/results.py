@@ -24,7 +24,10 @@ from camtools.base.json_text import Json
 from camtools.base.quantities import Floats
 from camtools.table.header import MadeTable
 
-STATES = ("off", "homing", "ready", "engaging", "cutting", "disengaging", "fault")
+STATES = (
+    *("off", "homing", "ready", "engaging", "cutting", "disengaging", "fault"),
+    *("rehearsing", "identifying"),
+)
 CUTTING, FAULT = STATES.index("cutting"), STATES.index("fault")
 _TURNS_PER_Q32 = 2.0**-32
 
