@@ -9,6 +9,7 @@
 #define CAM_CONFIG_H
 
 #include "cam_channel.h" // cam_table_t
+#include "cam_excite.h"  // cam_excite_config_t
 #include "cam_feed.h"    // cam_rings_t
 #include "cam_fence.h"   // cam_fence_acquire_isr
 #include "cam_move.h"    // cam_move_limits_t
@@ -108,6 +109,7 @@ typedef struct {
     int32_t spindle_mrpm;                   ///< mean set-point, signed by the table's direction
     cam_speed_config_t speed;               ///< modulation, of a table with a speed channel
     cam_swing_config_t swing;               ///< of a table that swings the tool
+    cam_excite_config_t excite;             ///< wave of U in the state identifying
 } cam_play_config_t;
 
 /// What the guard needs (cam_guard.h).

@@ -74,19 +74,32 @@ static void follow_axes(cam_motion_t *m, const cam_sense_t *in)
     m->was_off = true;
 }
 
+/// @return [nm / 64] what the excitation adds to U, whose end ends the state identifying
+static int32_t excitation_q6(cam_play_t *p, const cam_play_config_t *cfg, cam_motion_t *m)
+{
+    int32_t offset_q6 = 0;
+    if (m->state == cam_state_identifying &&
+        cam_excite_step_isr(&p->excite, &cfg->excite, &offset_q6)) {
+        m->state = cam_state_ready;
+    }
+    return offset_q6;
+}
+
 /// Out of the cut U moves by time, in state fault the guard moves it. @return [nm / 64] U
-CAM_STAGE static int32_t move_u(cam_motion_t *m, const cam_play_config_t *cfg,
-                                const cam_sense_t *in)
+CAM_STAGE static int32_t move_u(cam_play_t *p, const cam_play_config_t *cfg, const cam_sense_t *in,
+                                cam_motion_t *m)
 {
     cam_move_t *u = &m->axis[hal_axis_u];
+    int32_t more_q6 = 0;
     if (m->state == cam_state_off) {
         follow_axes(m, in);
     } else if (m->state != cam_state_fault) {
         (void)cam_move_to_isr(u, &cfg->approach[hal_axis_u], m->u_target_q10);
+        more_q6 = excitation_q6(p, cfg, m);
     } else { // U is where the guard has led it
         m->spindle_mrpm = 0;
     }
-    return cam_sat_i32(u->pos_q10 >> 4);
+    return cam_sat_i32((u->pos_q10 >> 4) + more_q6);
 }
 
 /// While the axes follow the table there is nothing else to request: stop ends the cut where the
@@ -104,6 +117,22 @@ static void obey_in_cut(cam_play_t *p, uint32_t request, cam_motion_t *m, cam_wa
     }
 }
 
+/// @return whether the drives stay on however a disable is requested: the axes are in motion
+static bool is_held(cam_state_t state)
+{
+    return cam_state_is_in_work(state) || state == cam_state_fault ||
+           state == cam_state_identifying;
+}
+
+/// Begin to play the wave, if there is one.
+static void begin_excitation(cam_play_t *p, const cam_play_config_t *cfg, cam_motion_t *m)
+{
+    if (m->state == cam_state_ready && cfg->excite.n > 0u) {
+        m->state = cam_state_identifying;
+        cam_excite_begin_isr(&p->excite, &cfg->excite);
+    }
+}
+
 /// Carry out a new request if it fits the state, out of the cut. @return faults that the request
 /// reports
 static uint32_t obey(cam_play_t *p, const cam_play_config_t *cfg, uint32_t request, cam_motion_t *m)
@@ -117,8 +146,7 @@ static uint32_t obey(cam_play_t *p, const cam_play_config_t *cfg, uint32_t reque
         }
         break;
     case cam_request_disable:
-        m->state = cam_state_is_in_work(m->state) || m->state == cam_state_fault ? m->state
-                                                                                 : cam_state_off;
+        m->state = is_held(m->state) ? m->state : cam_state_off;
         break;
     case cam_request_start:
         if (m->state == cam_state_ready) {
@@ -127,14 +155,17 @@ static uint32_t obey(cam_play_t *p, const cam_play_config_t *cfg, uint32_t reque
         break;
     case cam_request_stop: // an approach has nothing to end
         m->state = m->state == cam_state_engaging ? cam_state_ready : m->state;
+        cam_excite_end_isr(&p->excite);
         break;
     case cam_request_reset:
         m->state = m->state == cam_state_fault && m->is_retracted ? cam_state_off : m->state;
         break;
     case cam_request_table_fault:
         return CAM_FAULT_BIT(table);
-    case cam_request_none:
     case cam_request_identify:
+        begin_excitation(p, cfg, m);
+        break;
+    case cam_request_none:
         break;
     }
     return 0;
@@ -174,7 +205,7 @@ void cam_play_step_isr(cam_play_t *p, const cam_play_config_t *cfg, const cam_se
             want->faults |= obey(p, cfg, in->request, m);
         }
         want->z_nm = in->actual_nm[hal_axis_z];
-        want->u_set_q6 = move_u(m, cfg, in);
+        want->u_set_q6 = move_u(p, cfg, in, m);
     }
     remember(p, want->u_set_q6);
     want->u_due_q6 = due_q6(p, cfg);

@@ -10,13 +10,15 @@
 ///               modulates it (cam_speed.h)
 /// U is read in every tick, at the angle that the spindle will have when the drive's dead time has
 /// passed. All the rest changes slowly and moves on by the increments of the plan (cam_plan.h). In
-/// all other states U moves to a place within its limits (cam_move.h), X and Z by the plan.
+/// all other states U moves to a place within its limits (cam_move.h), X and Z by the plan; while
+/// identifying a wave is added to that place (cam_excite.h).
 /// Requests are carried out in the tick that senses them.
 /// Source: MATHS.md (54), (55). Context: ISR.
 #ifndef CAM_PLAY_H
 #define CAM_PLAY_H
 
 #include "cam_config.h" // cam_play_config_t
+#include "cam_excite.h" // cam_excite_t
 #include "cam_record.h" // cam_sense_t, cam_motion_t
 #include <stdint.h>     // int32_t, uint32_t
 
@@ -30,6 +32,7 @@ typedef struct {
     uint32_t n_history;                   ///< ticks
     int32_t due_q6;                       ///< [nm / 64] set-point that was looked up last
     int32_t history_q6[cam_play_history]; ///< [nm / 64] U set-points
+    cam_excite_t excite;                  ///< in the state identifying
 } cam_play_t;
 
 /// One tick of the sequence.
