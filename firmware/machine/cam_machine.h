@@ -14,6 +14,7 @@
 #include "cam_feasible.h" // cam_feasibility_t
 #include "cam_param.h"    // cam_params_t
 #include "cam_table.h"    // cam_table_t
+#include "cam_teach.h"    // cam_teach_status_t, cam_teach_harmonic_t
 #include "cam_tick.h"     // cam_t, cam_status_t
 #include <stdbool.h>      // bool
 
@@ -112,5 +113,23 @@ cam_status_t cam_machine_status(const cam_machine_t *m);
 /// table per call, the second half of cam_machine_home(), and the step to the next pass. A table
 /// found damaged is no longer used and raises the fault `table`.
 void cam_machine_poll(cam_machine_t *m);
+
+/// @return what learning does, and what it has reached
+cam_teach_status_t cam_machine_learning(const cam_machine_t *m);
+
+/// @param k  0 .. cam_teach_harmonics, 0 is the mean
+/// @return   what is known of a harmonic, all 0 beyond those
+cam_teach_harmonic_t cam_machine_harmonic(const cam_machine_t *m, uint32_t k);
+
+/// Read one of the learned values, to keep them.
+/// @param index  below cam_teach_n_values
+/// @return       cam_ok, cam_err_param_id when there is no such value
+CAM_MUST_USE cam_err_t cam_machine_get_learned(const cam_machine_t *m, uint32_t index,
+                                               int32_t *value);
+
+/// Set one of the learned values, as they were kept. In the states off and ready; what changes
+/// goes to the interrupt in steps.
+/// @return cam_ok, cam_err_param_id, cam_err_param_range, or cam_err_param_state
+CAM_MUST_USE cam_err_t cam_machine_set_learned(cam_machine_t *m, uint32_t index, int32_t value);
 
 #endif

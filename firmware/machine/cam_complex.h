@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+/// cam_complex: numbers of two parts in fixed point, inline. The unit of a number stands in its
+/// name.
+///
+/// Source: MATHS.md (140). Context of all functions: slow side.
+#ifndef CAM_COMPLEX_H
+#define CAM_COMPLEX_H
+
+#include "cam_fix.h" // cam_root_u64, cam_sat_i32
+#include <stdint.h>  // int32_t, int64_t, uint32_t, uint64_t
+
+typedef struct {
+    int32_t re, im;
+} cam_complex_t;
+
+/// A transfer function of U: 2^12 is 1, so up to 8.
+typedef struct {
+    int16_t re_q12, im_q12;
+} cam_gain_t;
+
+enum { cam_gain_one_q12 = 1 << 12 };
+
+/// @return a + b; the parts of the sum must fit int32
+static inline cam_complex_t cam_complex_add(cam_complex_t a, cam_complex_t b)
+{
+    return (cam_complex_t){.re = a.re + b.re, .im = a.im + b.im};
+}
+
+/// @return a - b; the parts of the difference must fit int32
+static inline cam_complex_t cam_complex_sub(cam_complex_t a, cam_complex_t b)
+{
+    return (cam_complex_t){.re = a.re - b.re, .im = a.im - b.im};
+}
+
+/// @return a * share / of, rounded towards 0; 0 <= share <= of, of > 0
+static inline cam_complex_t cam_complex_share(cam_complex_t a, int32_t share, int32_t of)
+{
+    return (cam_complex_t){.re = (int32_t)((int64_t)a.re * share / of),
+                           .im = (int32_t)((int64_t)a.im * share / of)};
+}
+
+/// @return |a|^2
+static inline uint64_t cam_complex_square(cam_complex_t a)
+{
+    return (uint64_t)((int64_t)a.re * a.re) + (uint64_t)((int64_t)a.im * a.im);
+}
+
+/// @return |a|, rounded down, at most 3 037 000 499
+static inline uint32_t cam_complex_size(cam_complex_t a)
+{
+    return (uint32_t)cam_root_u64(cam_complex_square(a));
+}
+
+/// @return |g|^2 of a transfer function, 2^24 is 1
+static inline uint32_t cam_gain_square_q24(cam_gain_t g)
+{
+    return (uint32_t)((int32_t)g.re_q12 * g.re_q12) + (uint32_t)((int32_t)g.im_q12 * g.im_q12);
+}
+
+/// @return a g, saturated
+static inline cam_complex_t cam_gain_of(cam_complex_t a, cam_gain_t g)
+{
+    return (cam_complex_t){
+        .re = cam_sat_i32(((int64_t)a.re * g.re_q12 - (int64_t)a.im * g.im_q12) >> 12),
+        .im = cam_sat_i32(((int64_t)a.re * g.im_q12 + (int64_t)a.im * g.re_q12) >> 12),
+    };
+}
+
+/// @return a / b as a transfer function, limited to +-7.99; 0 when b is 0
+/// @param a, b  of the same unit, parts within +-2^30
+static inline cam_gain_t cam_gain_ratio(cam_complex_t a, cam_complex_t b)
+{
+    const int64_t most = INT16_MAX;
+    uint64_t square = cam_complex_square(b);
+    int64_t re = (int64_t)a.re * b.re + (int64_t)a.im * b.im;
+    int64_t im = (int64_t)a.im * b.re - (int64_t)a.re * b.im;
+    const int64_t largest = cam_abs_i64(re) > cam_abs_i64(im) ? cam_abs_i64(re) : cam_abs_i64(im);
+    if (square == 0u) {
+        return (cam_gain_t){0};
+    }
+    if (largest >= INT64_C(1) << 50) { // leave room for 12 bits
+        re >>= 12;
+        im >>= 12;
+        square = (square >> 12) + 1u;
+    }
+    const int64_t by = (int64_t)square;
+    return (cam_gain_t){.re_q12 = (int16_t)cam_clamp_i64(re * 4096 / by, -most, most),
+                        .im_q12 = (int16_t)cam_clamp_i64(im * 4096 / by, -most, most)};
+}
+
+#endif
