@@ -160,7 +160,7 @@ static void test_tick_reads_before_it_writes_and_writes_all_once_in_every_state(
         tick(is_jump ? 900u : 20u + (i % 6u != 0u ? 1u : 0u));
         expect_order();
     }
-    for (uint32_t state = 0; state < cam_n_states; state++) {
+    for (uint32_t state = 0; state <= cam_state_fault; state++) {
         TEST_ASSERT_TRUE_MESSAGE(is_seen[state], cam_state_name((cam_state_t)state));
     }
 }
