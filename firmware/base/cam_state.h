@@ -14,8 +14,10 @@
 /// States of the machine. The interrupt owns the state; the slow side only requests changes.
 ///
 ///     off --enable--> homing --index--> ready --start--> engaging --> cutting --> disengaging --> ready
+///                                       ready --start, rehearse_turns > 0--> rehearsing --> engaging
 ///     homing, ready --disable--> off
 ///     engaging, cutting --stop--> disengaging; while the axes approach: ready
+///     rehearsing --stop, as soon as U has come to rest--> ready
 ///     ready --identify--> identifying --end of the wave, stop--> ready
 ///     any but off --fault--> fault --reset, after the retract--> off
 // clang-format on
@@ -32,11 +34,12 @@ typedef enum {
     cam_n_states
 } cam_state_t;
 
-/// @return true in engaging, cutting and disengaging, where the axes follow the spindle's angle
+/// @return true in rehearsing, engaging, cutting and disengaging, where the axes follow the
+///         spindle's angle
 static inline bool cam_state_is_in_work(cam_state_t state)
 {
     return state == cam_state_engaging || state == cam_state_cutting ||
-           state == cam_state_disengaging;
+           state == cam_state_disengaging || state == cam_state_rehearsing;
 }
 
 /// What the slow side requests of the interrupt. The interrupt carries a request out in the next

@@ -41,6 +41,11 @@ static cam_err_t hand_over(cam_machine_t *m, const cam_params_t *params, const c
     const uint32_t limit_mrpm = peak_mrpm + peak_mrpm / 100u * overspeed_percent;
     const cam_err_t err = cam_build_config(half, &here, table, limit_mrpm, m->tick_hz, m->clock_hz);
     if (err == cam_ok) {
+        const cam_config_t *last =
+            atomic_load_explicit(&m->core->config.offered, memory_order_relaxed);
+        if (last != NULL) {
+            cam_config_learn(half, &last->learned);
+        }
         m->generation++;
         m->pass = pass;
         m->limit_mrpm = limit_mrpm;
@@ -153,10 +158,10 @@ static bool may_change(cam_param_id_t id, cam_state_t state)
     case cam_state_engaging:
     case cam_state_cutting:
     case cam_state_disengaging:
+    case cam_state_rehearsing:
         return id == cam_param_phase_udeg || id == cam_param_amplitude_ppm;
     case cam_state_homing:
     case cam_state_fault:
-    case cam_state_rehearsing:
     case cam_state_identifying:
     case cam_n_states:
         break;
@@ -350,6 +355,21 @@ cam_err_t cam_machine_reset(cam_machine_t *m)
     const cam_status_t status = cam_machine_status(m);
     return post_if(m, &status, status.state == cam_state_fault && status.is_retracted,
                    cam_request_reset);
+}
+
+cam_learned_t *cam_machine_learn_begin(cam_machine_t *m)
+{
+    cam_config_t *copy = cam_config_copy(&m->core->config);
+    return copy != NULL ? &copy->learned : NULL;
+}
+
+void cam_machine_learn_end(cam_machine_t *m)
+{
+    cam_config_t *half = cam_config_free_half(&m->core->config);
+    m->generation++;
+    half->generation = m->generation;
+    cam_config_learn(half, &half->learned);
+    cam_config_offer(&m->core->config);
 }
 
 void cam_machine_poll(cam_machine_t *m)

@@ -106,6 +106,17 @@ CAM_MUST_USE cam_err_t cam_machine_stop(cam_machine_t *m);
 /// cam_err_busy
 CAM_MUST_USE cam_err_t cam_machine_reset(cam_machine_t *m);
 
+/// Begin to hand over what was learned: everything else stays as it was handed over last, and
+/// nothing is judged anew. Between this and cam_machine_learn_end() no other function may be
+/// called.
+/// @return what is in force, to be changed in place; NULL while the interrupt has not taken the
+///         last configuration
+cam_learned_t *cam_machine_learn_begin(cam_machine_t *m);
+
+/// Hand over what cam_machine_learn_begin() gave. It is in force from the next tick on, with a new
+/// generation. |k1| and |k2|, with those configured, stay below 2^31.
+void cam_machine_learn_end(cam_machine_t *m);
+
 /// @return a consistent copy of the status that the interrupt published last
 cam_status_t cam_machine_status(const cam_machine_t *m);
 

@@ -55,7 +55,9 @@
     X(swing_lag_ns,                   0,          0,   20000000, "lag of the swing's drive on a ramp, compensated by reading ahead") \
     X(swing_following_limit_mdeg,     1,       1000,      90000, "accepted following error of the swing") \
     X(x_offset_nm,             -1000000,          0,    1000000, "offset of X, positive away from the axis, for the wear of the tool; taken at start") \
-    X(pass,                           0,          0,         16, "0: passes in their order, setting it begins with the first; else every start cuts this one")
+    X(pass,                           0,          0,         16, "0: passes in their order, setting it begins with the first; else every start cuts this one") \
+    X(rehearse_turns,                 0,          0,       1000, "turns that the first height is played clear of the work before a cut, to learn; 0: none") \
+    X(u_scale_latency_ns,             0,          0,   10000000, "what U's scale tells is older than the encoder's angle by this")
 // clang-format on
 
 /// Index of a parameter, in the order of the list.

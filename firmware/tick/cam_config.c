@@ -15,6 +15,28 @@ cam_config_t *cam_config_free_half(cam_config_bank_t *bank)
     return offered == in_use ? other_half(bank, offered) : NULL;
 }
 
+cam_config_t *cam_config_copy(cam_config_bank_t *bank)
+{
+    const cam_config_t *offered = atomic_load_explicit(&bank->offered, memory_order_relaxed);
+    cam_config_t *half = cam_config_free_half(bank);
+    if (half != NULL && offered != NULL) {
+        *half = *offered;
+        half->play.table = offered->play.table != NULL ? &half->table : NULL;
+        half->k1_q16 -= half->learned.k1_q16;
+        half->k2_q16 -= half->learned.k2_q16;
+    }
+    return half;
+}
+
+void cam_config_learn(cam_config_t *config, const cam_learned_t *learned)
+{
+    if (learned != &config->learned) {
+        config->learned = *learned;
+    }
+    config->k1_q16 += learned->k1_q16;
+    config->k2_q16 += learned->k2_q16;
+}
+
 void cam_config_offer(cam_config_bank_t *bank)
 {
     const cam_config_t *offered = atomic_load_explicit(&bank->offered, memory_order_relaxed);

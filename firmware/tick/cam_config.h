@@ -12,6 +12,7 @@
 #include "cam_excite.h"  // cam_excite_config_t
 #include "cam_feed.h"    // cam_rings_t
 #include "cam_fence.h"   // cam_fence_acquire_isr
+#include "cam_learn.h"   // cam_learned_t
 #include "cam_move.h"    // cam_move_limits_t
 #include "cam_speed.h"   // cam_speed_config_t
 #include "hal/hal.h"     // hal_n_axes
@@ -133,10 +134,11 @@ typedef struct {
     cam_play_config_t play;
     cam_guard_config_t guard;
     cam_table_t table;   ///< play.table points here
-    int32_t k1_q16;      ///< [ticks] velocity feed-forward
-    int32_t k2_q16;      ///< [ticks^2] acceleration feed-forward
+    int32_t k1_q16;      ///< [ticks] velocity feed-forward, with what was learned of it
+    int32_t k2_q16;      ///< [ticks^2] acceleration feed-forward, likewise
     uint32_t trace_room; ///< [records] of the trace ring that may wait for their reader
     uint32_t generation; ///< rises with every hand-over
+    cam_learned_t learned;
 } cam_config_t;
 
 /// Two configurations, one in use.
@@ -149,6 +151,15 @@ typedef struct {
 /// @return the half that may be written, NULL while the interrupt has not taken the last one.
 /// Context: slow side.
 cam_config_t *cam_config_free_half(cam_config_bank_t *bank);
+
+/// Copy the configuration that was handed over last into the free half, and take what was learned
+/// off its gains.
+/// @return the copy, NULL while the interrupt has not taken the last one. Context: slow side.
+cam_config_t *cam_config_copy(cam_config_bank_t *bank);
+
+/// Let a configuration learn what another one had learned: gains included.
+/// Context: slow side, before it is offered.
+void cam_config_learn(cam_config_t *config, const cam_learned_t *learned);
 
 /// Hand the free half over; it is in force from the next tick on. Context: slow side.
 void cam_config_offer(cam_config_bank_t *bank);

@@ -12,6 +12,7 @@
 
 #include "cam_config.h"  // cam_config_bank_t
 #include "cam_guard.h"   // cam_guard_t
+#include "cam_learn.h"   // cam_gather_t
 #include "cam_plan.h"    // cam_plan_t
 #include "cam_play.h"    // cam_play_t
 #include "cam_record.h"  // cam_motion_t, cam_tick_record_t
@@ -56,6 +57,7 @@ typedef struct {
     // interrupt reads
     _Atomic uint32_t request; ///< serial number << 8 | cam_request_t
     cam_config_bank_t config; ///< slow side writes the half that is not in use
+    cam_gather_t gather; ///< both sides write, cam_learn.h
     // interrupt writes, slow side reads; the largest is the last member, which keeps offsets short
     cam_trace_t trace;
 } cam_t;
