@@ -57,7 +57,7 @@ typedef struct {
     // interrupt reads
     _Atomic uint32_t request; ///< serial number << 8 | cam_request_t
     cam_config_bank_t config; ///< slow side writes the half that is not in use
-    cam_gather_t gather; ///< both sides write, cam_learn.h
+    cam_gather_t gather;      ///< both sides write, cam_learn.h
     // interrupt writes, slow side reads; the largest is the last member, which keeps offsets short
     cam_trace_t trace;
 } cam_t;
