@@ -39,12 +39,9 @@ static void look_up(sim_design_t *d, double z_mm)
     }
 }
 
-double sim_design_radius_mm(sim_design_t *d, double turn, double z_mm)
+/// @return [mm] radius without the correction; d is looked up
+static double drawn_mm(sim_design_t *d, double turn, double z_mm)
 {
-    if (d->shape == sim_shape_table) {
-        return sim_design_table_radius_mm(d->table, turn, z_mm);
-    }
-    look_up(d, z_mm);
     const double phase_rad = d->is_turned ? sim_cubics_at(&d->phase_rad, z_mm) : 0.0;
     if (d->shape == sim_shape_surface) {
         const double drawn = turn - phase_rad / SIM_TWO_PI;
@@ -61,6 +58,15 @@ double sim_design_radius_mm(sim_design_t *d, double turn, double z_mm)
                    : sim_arc_radius_mm(&d->arc, s);
     }
     return d->a_mm - sim_design_delta_mm(d->shape, d->beta, d->a_mm, d->g_mm, s * s);
+}
+
+double sim_design_radius_mm(sim_design_t *d, double turn, double z_mm)
+{
+    if (d->shape == sim_shape_table) {
+        return sim_design_table_radius_mm(d->table, turn, z_mm);
+    }
+    look_up(d, z_mm);
+    return drawn_mm(d, turn, z_mm) - sim_correction_delta_mm(&d->correction, turn, z_mm);
 }
 
 double sim_design_long_mm(sim_design_t *d, double z_mm)
@@ -101,4 +107,5 @@ void sim_design_free(sim_design_t *d)
     sim_surface_free(&d->surface);
     sim_sides_free(&d->sides);
     sim_lobe_design_free(&d->lobes);
+    sim_correction_free(&d->correction);
 }

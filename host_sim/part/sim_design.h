@@ -9,6 +9,7 @@
 ///     ellipse-arc      one of these ovals and an eccentric circle, corner included (sim_arc.h)
 ///     surface          delta from polynomial pieces (sim_surface.h)
 ///     sides            delta of ovals that differ from side to side (sim_sides.h)
+///     all of them      less a correction, in a target alone (sim_correction.h)
 ///     lobes            another frame and gauge: sim_lobe_design.h
 ///
 /// a(z) and G(z) are piecewise cubics, clamped outside. They come from NAME.json, the report that
@@ -21,6 +22,7 @@
 #include "cam_table.h"       // cam_table_t
 #include "sim_arc.h"         // sim_arc_t
 #include "sim_lobe_design.h" // sim_lobe_design_t
+#include "sim_correction.h"  // sim_correction_t
 #include "sim_cubics.h"      // sim_cubics_t
 #include "common_error.h"    // common_error_t
 #include "sim_sides.h"       // sim_sides_t
@@ -49,6 +51,7 @@ typedef struct {
     sim_sides_t sides;       ///< sim_shape_sides only
     bool is_turned;          ///< all sections are turned by phase_rad over height
     sim_cubics_t phase_rad;
+    sim_correction_t correction;  ///< of a target, by the gauged part; else empty
     sim_lobe_design_t lobes;      ///< sim_shape_lobes only
     const cam_table_t *table;     ///< sim_shape_table only
     double nose_mm;               ///< of the tool for which the table is made; 0: a point

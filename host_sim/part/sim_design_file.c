@@ -70,7 +70,7 @@ static bool read_arc(sim_design_t *d, const source_t *from)
            read_cubics(&d->joint_turn, from, "joint_turn");
 }
 
-static bool read_skirt(sim_design_t *d, const source_t *from)
+static bool read_outline(sim_design_t *d, const source_t *from)
 {
     d->is_turned = cJSON_HasObjectItem(from->tree, "phase_rad");
     if (!read_name(&d->shape, from, "shape", 6) || !read_cubics(&d->radius_mm, from, "radius_mm") ||
@@ -89,6 +89,12 @@ static bool read_skirt(sim_design_t *d, const source_t *from)
     return read_cubics(&d->ovality_mm, from, "ovality_mm") &&
            (d->shape != sim_shape_double_ellipse || read_beta(d, from)) &&
            (d->shape != sim_shape_arc || read_arc(d, from));
+}
+
+static bool read_skirt(sim_design_t *d, const source_t *from)
+{
+    return read_outline(d, from) &&
+           sim_correction_read(&d->correction, from->tree, from->name, from->path, from->e);
 }
 
 /// The CRC-32 in the report, a number or a string in hexadecimal, must be the table's.

@@ -12,7 +12,9 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from typing import Any, ClassVar, Generic, NamedTuple, TypeVar
 
+from camtools.base.errors import CamtoolsError
 from camtools.base.json_text import Json
+from camtools.cut.correction import Correction, Drawing
 from camtools.part.common import PartFile
 from camtools.part.model import TomlTable
 from camtools.report.text import ReportRow
@@ -59,6 +61,24 @@ class Kind(ABC, Generic[PartT, MadeT, CutT]):
     @abstractmethod
     def make(self, part: PartT, tolerance_nm: float | None = None) -> MadeT:
         """Return the table of a part, or refuse what cannot be cut."""
+
+    def drawing(self, part: PartT) -> Drawing:
+        """Return what a gauged part is compared with.
+
+        Raises
+        ------
+        CamtoolsError
+            The tables of this kind are not corrected by gauged parts.
+        """
+        problem = f"tables of {self.plural} are not corrected by gauged parts"
+        raise CamtoolsError([f"part.kind = '{self.name}': {problem}; leave out --measured"])
+
+    def make_corrected(
+        self, part: PartT, tolerance_nm: float | None, correction: Correction
+    ) -> MadeT:
+        """Return the table of the drawing less a correction; errors as `make` and `drawing`."""
+        self.drawing(part)
+        raise NotImplementedError
 
     @abstractmethod
     def summary(self, made: MadeT) -> Json:

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from camtools.base.errors import CamtoolsError
+from camtools.cut.correction import Correction
 from camtools.pipeline.kind import AnyKind
 from camtools.pipeline.load import Loaded
 from camtools.table.summary import table_files
@@ -44,6 +45,7 @@ def make(
     *,
     tolerance_nm: float | None = None,
     rpm: float | None = None,
+    correction: Correction | None = None,
 ) -> Made:
     """Return the table of a part, made for another speed where the kind's tables depend on it.
 
@@ -54,6 +56,9 @@ def make(
     """
     kind, part = loaded
     try:
-        return Made(kind, kind.make(kind.at_speed(part, rpm), tolerance_nm))
+        part = kind.at_speed(part, rpm)
+        if correction is None:
+            return Made(kind, kind.make(part, tolerance_nm))
+        return Made(kind, kind.make_corrected(part, tolerance_nm, correction))
     except CamtoolsError as error:
         raise CamtoolsError([f"{file}: {line}" for line in error.lines]) from error

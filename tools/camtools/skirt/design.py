@@ -13,8 +13,10 @@ from scipy.interpolate import PPoly
 
 from camtools.base.json_text import Json
 from camtools.skirt.corner import Corner
+from camtools.skirt.corrected import CorrectedSurface
 from camtools.skirt.generate import GeneratedSkirt
-from camtools.skirt.geometry import SkirtSurface
+from camtools.skirt.geometry import Geometry, SkirtSurface
+from camtools.skirt.part import SkirtPart
 from camtools.skirt.poly_surface import TURN_RAD, PolySurface
 from camtools.skirt.run_in import HeldSurface
 from camtools.skirt.sides import SidesSurface, TurnedSurface
@@ -30,12 +32,15 @@ def _corner(corner: Corner) -> Json:
     return {"trim_mm": _piecewise(corner.trim), "joint_turn": _piecewise(joint)}
 
 
-def _document(result: GeneratedSkirt, surface: SkirtSurface) -> Json:
+def _document(part: SkirtPart, geometry: Geometry, radius_mm: PPoly, surface: SkirtSurface) -> Json:
     """Return a surface of the skirt with its profile."""
     if isinstance(surface, HeldSurface):  # beyond the ends nothing is gauged
         surface = surface.inner
-    section = result.part.piston.section
-    radius: Json = {"radius_mm": _piecewise(result.geometry.radius)}
+    if isinstance(surface, CorrectedSurface):
+        more = {"correction": surface.correction.for_gauge()}
+        return _document(part, geometry, radius_mm, surface.inner) | more
+    section = part.piston.section
+    radius: Json = {"radius_mm": _piecewise(radius_mm)}
     if isinstance(surface, TurnedSurface):
         radius["phase_rad"] = _piecewise(surface.phase)
         surface = surface.surface
@@ -43,21 +48,28 @@ def _document(result: GeneratedSkirt, surface: SkirtSurface) -> Json:
         return {"shape": "surface"} | radius | {"surface": surface.document()}
     if isinstance(surface, SidesSurface):
         return {"shape": "sides"} | radius | surface.document()
-    oval = radius | {"ovality_mm": _piecewise(result.geometry.ovality)}
+    oval = radius | {"ovality_mm": _piecewise(geometry.ovality)}
     found: Json = {"shape": section.shape, "beta": float(np.asarray(section.beta))} | oval
     if isinstance(surface, Corner):
         found |= {"base": section.base} | _corner(surface)
     return found
 
 
+def drawing_of(part: SkirtPart, geometry: Geometry) -> Json:
+    """Return the drawing of a geometry that may play something else."""
+    radius = geometry.drawn_radius or geometry.radius
+    return _document(part, geometry, radius, geometry.drawing)
+
+
 def design_of(result: GeneratedSkirt) -> Json:
     """Return the drawing, by which a part is judged: corners and all measured points included."""
-    return _document(result, result.geometry.drawing)
+    return drawing_of(result.part, result.geometry)
 
 
 def target_of(result: GeneratedSkirt) -> Json:
-    """Return {"target": ...} where the table plays a refit or a filter, nothing elsewhere."""
+    """Return {"target": ...} where the table plays a refit, a filter or a correction, else {}."""
     geometry = result.geometry
     if geometry.drawn is None:
         return {}
-    return {"target": _document(result, geometry.surface)}
+    target = _document(result.part, geometry, geometry.radius, geometry.surface)
+    return {"target": target}

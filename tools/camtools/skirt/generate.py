@@ -13,6 +13,7 @@ from functools import partial
 
 from camtools.base.errors import CamtoolsError, GeometryError
 from camtools.base.quantities import NM_PER_MM
+from camtools.cut.correction import Correction
 from camtools.cut.feasibility import (
     HighestSpeed,
     Peaks,
@@ -26,6 +27,7 @@ from camtools.part.common import check_feed
 from camtools.part.tool import check_tracks
 from camtools.skirt.accuracy import Accuracy
 from camtools.skirt.corner import refuse_deviation
+from camtools.skirt.corrected import corrected
 from camtools.skirt.feed_law import largest_share, way_channel
 from camtools.skirt.geometry import Geometry, make_geometry
 from camtools.skirt.heel import Heel, check_heel
@@ -134,7 +136,9 @@ def _geometry_of(part: SkirtPart, passes: list[SkirtPart]) -> Geometry:
     return geometry
 
 
-def generate(part: SkirtPart, tolerance_nm: float | None = None) -> GeneratedSkirt:
+def generate(
+    part: SkirtPart, tolerance_nm: float | None = None, correction: Correction | None = None
+) -> GeneratedSkirt:
     """Return the smallest table of a part that keeps the tolerance.
 
     Parameters
@@ -145,6 +149,8 @@ def generate(part: SkirtPart, tolerance_nm: float | None = None) -> GeneratedSki
         Largest error of u and of x anywhere on the skirt [nm], the firmware's rounding included;
         by default 1 nm, for u of a refitted composite section 5 nm, and for x of a profile with
         corners what can be reached, at most half of the accepted form error.
+    correction : Correction, optional
+        By a gauged part: the table plays the drawing less this reduction.
 
     Raises
     ------
@@ -158,6 +164,8 @@ def generate(part: SkirtPart, tolerance_nm: float | None = None) -> GeneratedSki
         check_feed(one)
     check_tracks(part.tool, passes[-1].process.feed_mm)
     geometry = _geometry_of(part, passes)
+    if correction is not None:
+        geometry = corrected(geometry, correction)
     process = part.process
     heel = check_heel(geometry, part.tool, process.direction)
     air = with_run(geometry, process.run_in_mm, process.run_out_mm)

@@ -17,6 +17,7 @@ from scipy.interpolate import PPoly
 
 from camtools.base.errors import GeometryError
 from camtools.base.quantities import Floats, FloatsLike, SectionValues
+from camtools.cut.correction import Correction
 from camtools.skirt.corner import Corner, make_corner
 from camtools.skirt.measured import check_scan, measured_sections
 from camtools.skirt.part import Piston, SkirtPart
@@ -96,7 +97,11 @@ class Geometry:
         Ends of the skirt [mm], where the height range contains a run-in or run-out.
     drawn : SkirtSurface or None
         What the drawing says where `surface` deliberately differs: the corner without its refit,
-        the measured points without their filter.
+        the measured points without their filter, the drawing without its correction.
+    drawn_radius : PPoly or None
+        The drawing's long half axis, where a correction changes it.
+    correction : Correction or None
+        By a gauged part; in `radius` and `surface` already.
     joined_um : float
         Of shape "table": how far sections at common angles are from splines through the points of
         each height, where the heights were measured at angles of their own.
@@ -115,6 +120,8 @@ class Geometry:
     drawn: SkirtSurface | None = None
     joined_um: float = 0.0
     measured: tuple[Sections, Scan] | None = None
+    drawn_radius: PPoly | None = None
+    correction: Correction | None = None
 
     @property
     def skirt_mm(self) -> tuple[float, float]:
@@ -131,6 +138,8 @@ class Geometry:
         """Return what the table plays, in a word."""
         if self.drawn is None:
             return "drawing"
+        if self.correction is not None:
+            return "corrected drawing"
         return "refit" if self.corner is not None else "filtered points"
 
     def radius_mm(self, z_mm: FloatsLike | Sequence[float], derivative: int = 0) -> Floats:

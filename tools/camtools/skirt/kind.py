@@ -6,15 +6,20 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from camtools.base.json_text import Json
-from camtools.base.quantities import NM_PER_MM
+from camtools.base.quantities import NM_PER_MM, Floats
+from camtools.cut.correction import Correction, Drawing
 from camtools.cut.path import ToolPath
 from camtools.pipeline.kind import Kind, Rig
 from camtools.report.text import ReportRow
 from camtools.sim.camsim import SURFACE, machine_text
 from camtools.sim.results import Measured, read_control
+from camtools.skirt.design import drawing_of
 from camtools.skirt.even import compare_removal
 from camtools.skirt.generate import GeneratedSkirt, generate
+from camtools.skirt.geometry import make_geometry
 from camtools.skirt.outcome import SkirtOutcome
 from camtools.skirt.part import SkirtPart
 from camtools.skirt.report_text import rows_of
@@ -34,6 +39,23 @@ class SkirtKind(Kind[SkirtPart, GeneratedSkirt, SkirtOutcome]):
     def make(self, part: SkirtPart, tolerance_nm: float | None = None) -> GeneratedSkirt:
         """See `Kind.make`."""
         return generate(part, tolerance_nm)
+
+    def drawing(self, part: SkirtPart) -> Drawing:
+        """See `Kind.drawing`."""
+        geometry = make_geometry(part)
+
+        def radius_mm(turn: Floats, z_mm: Floats) -> Floats:
+            reduction = geometry.drawing.delta(2 * np.pi * turn, z_mm).delta
+            return np.asarray(geometry.radius_mm(z_mm) - reduction, dtype=np.float64)
+
+        swing_mm = max(geometry.deepest_mm(float(z)) for z in geometry.breaks_mm())
+        return Drawing(geometry.skirt_mm, radius_mm, swing_mm, drawing_of(part, geometry))
+
+    def make_corrected(
+        self, part: SkirtPart, tolerance_nm: float | None, correction: Correction
+    ) -> GeneratedSkirt:
+        """See `Kind.make_corrected`."""
+        return generate(part, tolerance_nm, correction)
 
     def summary(self, made: GeneratedSkirt) -> Json:
         """See `Kind.summary`."""

@@ -19,6 +19,7 @@ from scipy.interpolate import PPoly
 
 from camtools.base.errors import GeometryError
 from camtools.base.quantities import Floats, FloatsLike, SectionValues
+from camtools.skirt.corrected import CorrectedSurface
 from camtools.skirt.geometry import Geometry, OvalSurface, SkirtSurface
 from camtools.skirt.sides import heights_of
 
@@ -125,6 +126,10 @@ def with_run(geometry: Geometry, run_in_mm: float, run_out_mm: float) -> Geometr
     """
     if run_in_mm == 0 and run_out_mm == 0:
         return geometry
+    if isinstance(geometry.surface, CorrectedSurface):  # which keeps to its own ends
+        own = geometry.surface
+        found = with_run(replace(geometry, surface=own.inner), run_in_mm, run_out_mm)
+        return replace(found, surface=replace(own, inner=found.surface))
     ends, runs = (geometry.z_first_mm, geometry.z_last_mm), (run_in_mm, run_out_mm)
     radius = continued(geometry.radius, ends, runs)
     ovality = continued(geometry.ovality, ends, runs, is_ovality=True)

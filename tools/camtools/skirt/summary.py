@@ -163,6 +163,8 @@ def _extras(result: GeneratedSkirt) -> Json:
         extras["segments"] = drawn
     if (meeting := where_sides_meet(result.geometry)) is not None:
         extras["sides"] = meeting
+    if result.geometry.correction is not None:
+        extras["correction"] = result.geometry.correction.document()
     if result.speed is not None:
         extras["equal_volume"] = summary_of(result.speed, result.part)
     return extras

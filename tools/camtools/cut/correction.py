@@ -1,0 +1,173 @@
+"""What a table takes off a drawing because a gauged part showed it, MATHS.md (160).
+
+It is given by waves over the angle whose coefficients change smoothly over the height: natural
+cubic splines through values at equal distances, which keep the values of their ends beyond them.
+The mean of each height is carried by X, all waves by U.
+
+>>> bump = Correction((0.0, 60.0), {2: np.full(N_NODES, 1e-3 + 0j)})
+>>> twice = bump.plus(bump, {"gain": 0.7})
+>>> [f"{mm:.4f}" for mm in twice.delta(np.radians([0.0, 90.0]), np.array(5.0))[0]]
+['0.0020', '-0.0020']
+>>> twice.repeats, len(twice.rounds)
+(2, 1)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from math import gcd
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+from scipy.interpolate import CubicSpline, PPoly
+
+from camtools.base.json_text import Json
+from camtools.base.quantities import Floats, FloatsLike
+
+N_NODES = 65  # heights at equal distances over the part
+MAX_ORDER = 64  # of the gauge, host_sim/part/sim_correction.h
+_UM_PER_MM = 1000.0
+_DECIMALS = 9  # of a micrometre
+
+Complexes = npt.NDArray[np.complex128]
+
+
+class Drawing(NamedTuple):
+    """What a part is judged by, whatever the table plays."""
+
+    ends_mm: tuple[float, float]
+    radius_mm: Callable[[Floats, Floats], Floats]  # of turns and heights of the same shape
+    swing_mm: float  # largest less least reduction of the radius
+    document: Json  # `design` of NAME.json
+
+
+@dataclass(frozen=True, eq=False)
+class Correction:
+    """A reduction of the radius, added to that of the drawing.
+
+    Attributes
+    ----------
+    heights_mm : tuple of float
+        Ends of the part.
+    waves_mm : mapping
+        Of each order, 0 being the mean, N_NODES values c over the height: Re(c e^(-j order phi)).
+    rounds : tuple of dict
+        What each round of measuring and correcting added, the first one first.
+    """
+
+    heights_mm: tuple[float, float]
+    waves_mm: Mapping[int, Complexes]
+    rounds: tuple[Json, ...] = field(default=())
+
+    @property
+    def nodes_mm(self) -> Floats:
+        """Return the heights of the values."""
+        return np.linspace(*self.heights_mm, N_NODES)
+
+    @property
+    def orders(self) -> list[int]:
+        """Return the orders of the waves, rising, without the mean."""
+        return sorted(order for order in self.waves_mm if order > 0)
+
+    @property
+    def repeats(self) -> int:
+        """Return how many times the waves repeat per turn, 0 without a wave."""
+        return gcd(*self.orders)
+
+    @property
+    def mean(self) -> PPoly:
+        """Return the mean over the height [mm]."""
+        values = self.waves_mm.get(0, np.zeros(N_NODES, dtype=np.complex128))
+        return CubicSpline(self.nodes_mm, values.real, bc_type="natural")
+
+    @cached_property
+    def _waves(self) -> CubicSpline:
+        values = np.stack([self.waves_mm[order] for order in self.orders], axis=1)
+        parts = np.concatenate([values.real, values.imag], axis=1)
+        return CubicSpline(self.nodes_mm, parts, bc_type="natural")
+
+    def delta(self, phi_rad: Floats, z_mm: FloatsLike) -> list[Floats]:
+        """Return what the waves take off, and three derivatives by the angle [mm, mm/rad^n].
+
+        Parameters
+        ----------
+        phi_rad, z_mm : ndarray
+            Drawing's angle and height, broadcast against each other; fast when all angles of a
+            row share their height: phi one-dimensional, z a scalar or of shape (.., 1).
+        """
+        z = np.clip(np.asarray(z_mm, dtype=np.float64), *self.heights_mm)
+        shape = np.broadcast_shapes(phi_rad.shape, z.shape)
+        found = [np.zeros(shape) for _ in range(4)]
+        if not self.orders:
+            return found
+        is_grid = phi_rad.ndim == 1 and z.ndim > 0 and z.shape[-1] == 1
+        parts = self._waves(z[..., 0] if is_grid else z)
+        for i, order in enumerate(self.orders):
+            cos, sin = np.cos(order * phi_rad), np.sin(order * phi_rad)
+            a, b = parts[..., i], parts[..., len(self.orders) + i]
+            if is_grid:
+                a, b = a[..., None], b[..., None]
+            wave, slope = a * cos + b * sin, order * (b * cos - a * sin)
+            found[0] += wave
+            found[1] += slope
+            found[2] -= order**2 * wave
+            found[3] -= order**2 * slope
+        return found
+
+    def plus(self, other: Correction, about: Json) -> Correction:
+        """Return the sum of two corrections of one part, the other one being a new round."""
+        waves = dict(self.waves_mm)
+        for order, values in other.waves_mm.items():
+            waves[order] = waves[order] + values if order in waves else values
+        return Correction(self.heights_mm, waves, (*self.rounds, about))
+
+    def document(self) -> Json:
+        """Return the values as JSON, from which `correction_of` makes the same correction."""
+        return {
+            "heights_mm": list(self.heights_mm),
+            "rounds": list(self.rounds),
+            "waves": [
+                {"order": order, "cos_um": _um(values.real), "sin_um": _um(values.imag)}
+                for order, values in sorted(self.waves_mm.items())
+            ],
+        }
+
+    def for_gauge(self) -> list[Json]:
+        """Return the waves as a gauge reads them (layout: host_sim/part/sim_correction.h)."""
+        if not self.orders:
+            return []
+        breaks, c, n = self.nodes_mm.tolist(), self._waves.c, len(self.orders)
+        return [
+            {
+                "order": order,
+                "cos_mm": {"breaks_mm": breaks, "coefficients": c[:, :, i].T.tolist()},
+                "sin_mm": {"breaks_mm": breaks, "coefficients": c[:, :, n + i].T.tolist()},
+            }
+            for i, order in enumerate(self.orders)
+        ]
+
+
+def _um(values_mm: Floats) -> list[float]:
+    return [round(float(one) * _UM_PER_MM, _DECIMALS) for one in values_mm]
+
+
+def correction_of(document: Json) -> Correction:
+    """Return the correction of a document.
+
+    Raises
+    ------
+    KeyError, TypeError, ValueError
+        It was not made by `Correction.document`.
+    """
+    first_mm, last_mm = (float(one) for one in document["heights_mm"])
+    waves: dict[int, Complexes] = {}
+    for one in document["waves"]:
+        parts = np.array([one["cos_um"], one["sin_um"]], dtype=np.float64) / _UM_PER_MM
+        order = int(one["order"])
+        if parts.shape != (2, N_NODES) or not 0 <= order <= MAX_ORDER:
+            raise ValueError(order)
+        waves[order] = parts[0] + 1j * parts[1]
+    return Correction((first_mm, last_mm), waves, tuple(document["rounds"]))
