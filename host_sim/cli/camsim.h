@@ -69,9 +69,15 @@ void camsim_warn_of_design(const camsim_options_t *o);
 /// Print what came of a cut by the firmware.
 void camsim_print_cut(const sim_cut_t *cut, double wall_s);
 
-/// Say why a cut by the firmware is not good.
+/// Judge a cut by the firmware.
 /// @param table  path of the table
+/// @param e      says why it is not good, when it is not
 /// @return       exit status
-int camsim_judge_cut(const sim_cut_t *cut, const char *table);
+int camsim_judge_cut(const sim_cut_t *cut, const char *table, common_error_t *e);
+
+/// Refuse options that have no meaning for lobes, which are known by their table, since the design
+/// may be missing.
+/// @return false and *e when there is one
+bool camsim_check_lobes(const camsim_options_t *o, const sim_cut_t *cut, common_error_t *e);
 
 #endif

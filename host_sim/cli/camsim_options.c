@@ -371,6 +371,7 @@ bool camsim_options_read(camsim_options_t *o, int argc, char **argv, common_erro
     o->cut.session.config = sim_config_defaults();
     o->cut.session.seed = 1;
     opterr = 0;
+    optind = 0; // from the beginning, whatever was read in this process before
     int option;
     while ((option = getopt_long(argc, argv, ":", options, NULL)) != -1) {
         if (!take_option(o, option, argv, e)) {

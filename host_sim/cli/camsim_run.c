@@ -24,28 +24,10 @@ static double now_s(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/// Refuse options that have no meaning for lobes, which are known by their table, since the design
-/// may be missing.
-static bool check_lobes(const run_t *r, common_error_t *e)
-{
-    const sim_cut_options_t *o = &r->options.cut;
-    const cam_table_t *table = &r->cut.session.table;
-    const char *removal_path = r->options.out_path[camsim_removal];
-    if (table->angle.knots != NULL && o->nose_mm > 0.0) {
-        return common_error(
-            e, "--nose-mm %.12g: tracks are told of skirts only, %s is a cam; leave it out",
-            o->nose_mm, table->name);
-    }
-    return table->angle.knots == NULL || removal_path == NULL ||
-           common_error(e,
-                        "--removal %s: forces are told of skirts only, %s is a cam; leave it out",
-                        removal_path, table->name);
-}
-
 static bool open_outputs(run_t *r, common_error_t *e)
 {
     sim_out_watch_signals();
-    if (!check_lobes(r, e) || !camsim_open_outs(r->out, &r->options, camsim_n_outs, e)) {
+    if (!camsim_check_lobes(&r->options, &r->cut, e) || !camsim_open_outs(r->out, &r->options, camsim_n_outs, e)) {
         return false;
     }
     if (r->out[camsim_trace].name != NULL) {
@@ -118,7 +100,11 @@ static int run(run_t *r, common_error_t *e)
                            "standard output: cannot be written; make room or give another target");
         return camsim_complain(e);
     }
-    return camsim_judge_cut(&r->cut, r->options.table_path);
+    const int status = camsim_judge_cut(&r->cut, r->options.table_path, e);
+    if (status != camsim_done) {
+        (void)camsim_complain(e);
+    }
+    return status;
 }
 
 int camsim_run(int argc, char **argv)

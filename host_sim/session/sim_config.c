@@ -110,10 +110,11 @@ static bool take_other(const common_settings_t *s, const char *section, const ch
                                   "unknown; see host_sim/machines/default.toml for all keys");
 }
 
-bool sim_config_load(sim_config_t *config, const char *path, common_error_t *e)
+bool sim_config_read(sim_config_t *config, const char *text, size_t size, const char *name,
+                     common_error_t *e)
 {
     others_t others = {.config = config};
-    common_settings_t all = {.path = path,
+    common_settings_t all = {.path = name,
                              .list = fields,
                              .n = n_fields,
                              .into = &config->lathe,
@@ -122,19 +123,25 @@ bool sim_config_load(sim_config_t *config, const char *path, common_error_t *e)
                              .has_line_word = true,
                              .value_width = 60,
                              .e = e};
+    if (size == 0u) { // fmemopen() may refuse an empty text
+        return true;
+    }
+    FILE *stream = fmemopen((void *)text, size, "r"); // read only: the text stays as it is
+    if (stream == NULL) {
+        return common_error(e, "%s: not enough memory; free some", name);
+    }
+    const bool is_good = common_settings_read(&all, stream);
+    (void)fclose(stream);
+    return is_good;
+}
+
+bool sim_config_load(sim_config_t *config, const char *path, common_error_t *e)
+{
     sim_file_t file;
     if (!sim_file_read(&file, path, max_bytes, e)) {
         return false;
     }
-    bool is_good = true;
-    if (file.size > 0u) { // fmemopen() may refuse an empty text
-        FILE *stream = fmemopen(file.bytes, file.size, "r");
-        is_good = stream != NULL ? common_settings_read(&all, stream)
-                                 : common_error(e, "%s: not enough memory; free some", path);
-        if (stream != NULL) {
-            (void)fclose(stream);
-        }
-    }
+    const bool is_good = sim_config_read(config, (const char *)file.bytes, file.size, path, e);
     sim_file_free(&file);
     return is_good;
 }

@@ -14,6 +14,7 @@
 #include "sim_controller.h" // sim_wishes_t
 #include "common_error.h"   // common_error_t
 #include "sim_lathe.h"      // sim_lathe_config_t
+#include <stddef.h>         // size_t
 
 typedef struct {
     char name[64];
@@ -27,5 +28,12 @@ sim_config_t sim_config_defaults(void);
 /// Read a machine file of at most 1 MiB, without NUL bytes, over the present content of *config.
 /// @return false and *e on the first thing wrong
 bool sim_config_load(sim_config_t *config, const char *path, common_error_t *e);
+
+/// Read the text of a machine file, which is nowhere on a disk.
+/// @param text  TOML of `size` bytes; changed by nobody
+/// @param name  for messages
+/// @return      as sim_config_load()
+bool sim_config_read(sim_config_t *config, const char *text, size_t size, const char *name,
+                     common_error_t *e);
 
 #endif

@@ -98,6 +98,7 @@ static bool find_target(sim_out_t *o, bool *is_regular)
 bool sim_out_open(sim_out_t *o, const char *name, const char *option, common_error_t *e)
 {
     o->name = name;
+    o->values = NULL;
     o->stream = NULL;
     o->temporary[0] = '\0';
     o->error = 0;
@@ -123,6 +124,23 @@ bool sim_out_open(sim_out_t *o, const char *name, const char *option, common_err
     return true;
 }
 
+void sim_out_open_stream(sim_out_t *o, const char *name, FILE *stream)
+{
+    o->name = name;
+    o->values = NULL;
+    o->stream = stream;
+    o->temporary[0] = '\0';
+    o->error = 0;
+    o->n = 0;
+}
+
+void sim_out_open_values(sim_out_t *o, const char *name, sim_values_t *values)
+{
+    sim_out_open_stream(o, name, NULL);
+    o->values = values;
+    *values = (sim_values_t){0};
+}
+
 static void flush(sim_out_t *o)
 {
     if (o->stream != NULL && o->error == 0 && o->n > 0u &&
@@ -134,7 +152,7 @@ static void flush(sim_out_t *o)
 
 bool sim_out_finish(sim_out_t *o, common_error_t *e)
 {
-    if (o->name == NULL) {
+    if (o->name == NULL || o->values != NULL) {
         return true;
     }
     flush(o);
@@ -208,6 +226,10 @@ void sim_out_drop_all(sim_out_t *outs, int n)
 
 void sim_out_char(sim_out_t *o, char c)
 {
+    if (o->values != NULL) {
+        sim_values_char(o->values, c);
+        return;
+    }
     if (o->n == sim_out_buffer) {
         flush(o);
     }
@@ -223,6 +245,10 @@ void sim_out_text(sim_out_t *o, const char *text)
 
 void sim_out_decimal(sim_out_t *o, int64_t value, int decimals)
 {
+    if (o->values != NULL) {
+        sim_values_add(o->values, value, decimals);
+        return;
+    }
     char digits[40];
     int n = 0;
     uint64_t rest = value < 0 ? -(uint64_t)value : (uint64_t)value;
@@ -270,14 +296,22 @@ void sim_out_real_column(sim_out_t *o, double value, int decimals)
     sim_out_real(o, value, decimals);
 }
 
-void sim_out_text_column(sim_out_t *o, const char *text)
+void sim_out_word_column(sim_out_t *o, const char *word, int number)
 {
     sim_out_char(o, ',');
-    sim_out_text(o, text);
+    if (o->values != NULL) {
+        sim_values_add(o->values, number, 0);
+    } else {
+        sim_out_text(o, word);
+    }
 }
 
 void sim_out_hex_column(sim_out_t *o, uint32_t value, int n_digits)
 {
+    if (o->values != NULL) {
+        sim_values_add(o->values, value, 0);
+        return;
+    }
     sim_out_text(o, ",0x");
     for (int i = 7; i >= 0; i--) {
         if (i < n_digits || value >> (4 * n_digits) != 0u) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// sim_out: output files that appear complete or not at all, and the text in them.
+/// sim_out: output files that appear complete or not at all, and the text in them; or the same
+/// columns as numbers in memory.
 ///
 /// The output goes to a temporary file beside the target; when all of it is on the disk, the file
 /// takes its final name. Interrupted and failed runs leave nothing behind. A target that is no
@@ -8,6 +9,7 @@
 #define SIM_OUT_H
 
 #include "common_error.h" // common_error_t
+#include "sim_values.h"   // sim_values_t
 #include <stdbool.h>      // bool
 #include <stdint.h>       // int64_t
 #include <stdio.h>        // FILE
@@ -18,6 +20,7 @@ typedef struct {
     const char *name;         ///< as the user gave it; NULL: not wanted, all calls do nothing
     char final[sim_out_path]; ///< links resolved
     char temporary[sim_out_path + 16]; ///< "" when written directly
+    sim_values_t *values;             ///< NULL: text in a file
     FILE *stream;
     int error; ///< errno of the first failure, 0
     size_t n;
@@ -31,6 +34,14 @@ void sim_out_watch_signals(void);
 /// @param option  for the message
 /// @return        false and *e when it cannot be written
 bool sim_out_open(sim_out_t *o, const char *name, const char *option, common_error_t *e);
+
+/// Take the columns as numbers in memory; finishing, publishing and dropping then do nothing.
+/// @param name  of the output, for messages
+void sim_out_open_values(sim_out_t *o, const char *name, sim_values_t *values);
+
+/// Write text into a stream, which is closed by finishing or dropping.
+/// @param name  of the output, for messages
+void sim_out_open_stream(sim_out_t *o, const char *name, FILE *stream);
 
 /// Bring everything to the disk and close. @return false and *e on any failure
 bool sim_out_finish(sim_out_t *o, common_error_t *e);
@@ -69,7 +80,8 @@ void sim_out_real(sim_out_t *o, double value, int decimals);
 void sim_out_integer_column(sim_out_t *o, int64_t value);
 void sim_out_decimal_column(sim_out_t *o, int64_t value, int decimals);
 void sim_out_real_column(sim_out_t *o, double value, int decimals);
-void sim_out_text_column(sim_out_t *o, const char *text);
+/// A word; `number` stands for it where the columns are numbers.
+void sim_out_word_column(sim_out_t *o, const char *word, int number);
 
 /// 0x and at least n_digits digits.
 void sim_out_hex_column(sim_out_t *o, uint32_t value, int n_digits);

@@ -34,7 +34,7 @@ static void reading_columns(sim_out_t *o, const cam_tick_record_t *r, const sim_
     sim_out_decimal_column(o, r->want.z_nm, 6);
     q6(o, r->want.u_set_q6);
     sim_out_integer_column(o, r->in.actual_nm[hal_axis_u]);
-    sim_out_text_column(o, cam_state_name(r->want.state));
+    sim_out_word_column(o, cam_state_name(r->want.state), (int)r->want.state);
     sim_out_hex_column(o, r->want.faults, 4);
     q6(o, r->want.u_due_q6);
     sim_out_real_column(o, s->at.turn, 9);

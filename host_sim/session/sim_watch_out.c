@@ -34,7 +34,7 @@ void sim_watch_trace_line(sim_out_t *o, const sim_watch_t *w)
     sim_out_real_column(o, s->z_mm, 6);
     sim_out_integer_column(o, bus->node[sim_bus_u].active.target);
     sim_out_integer_column(o, (int64_t)sim_round(s->at.u_nm));
-    sim_out_text_column(o, sim_watch_state(w));
+    sim_out_word_column(o, sim_watch_state(w), 0);
     sim_out_hex_column(o, bus->reported_faults, 8);
     sim_out_real_column(o, s->at.turn, 9);
     sim_out_real_column(o, s->z_mm, 9);

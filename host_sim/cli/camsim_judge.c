@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "camsim.h"
+#include "sim_cut_pass.h" // sim_cut_left_stock
+
+/// Explain the first fault; of several at once the first in the list is named.
+static void explain_fault(const sim_cut_t *cut, const char *table, common_error_t *e)
+{
+    const uint32_t first = sim_cut_status(cut)->first_fault;
+    int i = 0;
+    while (i + 1 < cam_n_faults && (first >> i & 1u) == 0u) {
+        i++;
+    }
+    (void)common_error(
+        e, "%s: fault %s: %s, %.6f s after the start, %s at %.3f mm; FAULTS.md tells the remedy",
+        table, cam_fault_name((cam_fault_t)i), cam_fault_text((cam_fault_t)i), cut->fault_s,
+        cam_state_name(cut->fault_state), cut->fault_z_mm);
+}
+
+/// Name the surface that the gauge has not seen, and the remedy: a feed of half the height of a
+/// lobe, or of half the present feed, leaves a whole turn on the lobe.
+static void explain_not_gauged(const sim_cut_t *cut, const char *table, common_error_t *e)
+{
+    if (cut->session.work.n == 0u) {
+        (void)common_error(e,
+                           "%s: not gauged: nothing was cut to full depth before the cut was %s; "
+                           "leave the stop out, or stop later",
+                           table, sim_cut_end_name(cut));
+        return;
+    }
+    const uint32_t i = sim_cut_lobe_without_turn(cut);
+    const sim_lobe_t *lobe = &cut->session.design.lobes.lobe[i];
+    const double high_mm = lobe->z_last_mm - lobe->z_first_mm;
+    const double feed_mm = sim_cut_feed_mm(cut);
+    (void)common_error(e,
+                       "%s: not gauged: lobe %u has %llu samples of the %d of a whole turn; "
+                       "give at most --feed %.4g",
+                       table, (unsigned)i, (unsigned long long)cut->session.lobes.gauge[i].n,
+                       sim_lobe_dexels, 0.5 * (high_mm < feed_mm ? high_mm : feed_mm));
+}
+
+/// @return what makes a form error smaller: a tool that is not the one set, else better control
+static const char *form_remedy(const sim_cut_t *cut)
+{
+    const sim_session_t *s = &cut->session;
+    const double wear_nm = s->options.config.lathe.tool_wear_um * 1e3;
+    if (s->nose.nose_mm != s->design.nose_mm && s->design.shape != sim_shape_table) {
+        return "the table is made for another nose: set [tool] nose_radius_mm of the part file";
+    }
+    if (wear_nm > 0.0 && cut->params.x_offset_nm == 0) {
+        return "the tool is worn: set x_offset_nm";
+    }
+    return s->has_target && s->control.max_um <= s->options.tolerance_um
+               ? "the table itself is off the drawing: refit or filter less"
+               : "match the controller to the machine, or cut slower";
+}
+
+int camsim_judge_cut(const sim_cut_t *cut, const char *table, common_error_t *e)
+{
+    const sim_session_t *s = &cut->session;
+    if (sim_cut_is_good(cut)) {
+        return camsim_done;
+    }
+    if (cut->end == sim_cut_fault) {
+        explain_fault(cut, table, e);
+    } else if (cut->end == sim_cut_refused) {
+        (void)common_error(e,
+                           "%s: refused: %s; remove the cause (parameters, machine file, --inject)",
+                           table, cam_err_text(cut->refusal));
+        return camsim_wrong;
+    } else if (cut->end == sim_cut_timeout) {
+        (void)common_error(e,
+                           "%s: not at the end after %.6g s in state %s; give more --max-seconds",
+                           table, cut->max_s, cam_state_name(cut->state));
+    } else if (!sim_cut_is_gauged(cut)) {
+        explain_not_gauged(cut, table, e);
+    } else if (!sim_cut_left_stock(cut)) {
+        (void)common_error(e,
+                           "%s: a pass before the last one cut below the drawing by more than "
+                           "--tolerance-um %.6g; leave more allowance_um, or cut it slower",
+                           table, s->options.tolerance_um);
+    } else {
+        (void)common_error(e, "%s: form error %.3f um is beyond --tolerance-um %.6g; %s", table,
+                           s->work.max_um, s->options.tolerance_um, form_remedy(cut));
+    }
+    return camsim_not_good;
+}
+
+bool camsim_check_lobes(const camsim_options_t *o, const sim_cut_t *cut, common_error_t *e)
+{
+    const cam_table_t *table = &cut->session.table;
+    const char *removal_path = o->out_path[camsim_removal];
+    if (table->angle.knots != NULL && o->cut.nose_mm > 0.0) {
+        return common_error(
+            e, "--nose-mm %.12g: tracks are told of skirts only, %s is a cam; leave it out",
+            o->cut.nose_mm, table->name);
+    }
+    return table->angle.knots == NULL || removal_path == NULL ||
+           common_error(e,
+                        "--removal %s: forces are told of skirts only, %s is a cam; leave it out",
+                        removal_path, table->name);
+}
