@@ -1,0 +1,196 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The simulator in this process gives what the program writes, and leaves nothing behind."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from camsim_cases import ROOT, camsim
+from camtools.base.errors import CamtoolsError
+from camtools.sim.binding import PROTOTYPES, Rows, SimSession, library_path
+from camtools.sim.machine_file import Machine
+from camtools.sim.results import STATES
+from camtools.sim.simulate import Result, simulate
+
+HEADER = ROOT / "host_sim" / "api" / "sim_api.h"
+ROUGH = ROOT / "host_sim" / "machines" / "rough.toml"
+CUT = ("--rpm", "2500", "--turns-limit", "3")
+# What the clock of this computer shows, in every summary.
+CLOCK = re.compile(r'^\t"(wall_time_s|ticks_per_s)":.*$', re.MULTILINE)
+
+
+@pytest.fixture(scope="module")
+def table(table_of: Callable[[str], Path]) -> Path:
+    """Make the table of the Perkins 240 skirt."""
+    return table_of("perkins240")
+
+
+def files_of(folder: Path, table: Path, *words: str) -> tuple[Path, Path, Path]:
+    """Let the program cut; return its surface, trace and summary."""
+    paths = tuple(folder / name for name in ("surface.csv", "trace.csv", "summary.json"))
+    surface, trace, summary = paths
+    outs = ("--surface", surface, "--trace", trace, "--summary", summary)
+    assert camsim("run", table, *CUT, *words, *outs).returncode in (0, 1)
+    return surface, trace, summary
+
+
+def text_of(rows: Rows, path: Path) -> str:
+    """Return rows as the program writes them, with the decimals of each column of its file."""
+    first = path.read_text().splitlines()[1].split(",")
+    lines = [",".join(rows.dtype.names or ())]
+    columns = []
+    for name, cell in zip(rows.dtype.names or (), first, strict=True):
+        values = rows[name]
+        if name == "state":
+            columns.append([STATES[int(value)] for value in values])
+        elif cell.startswith("0x"):
+            columns.append([f"0x{int(value):04x}" for value in values])
+        else:
+            decimals = len(cell.partition(".")[2])
+            columns.append([f"{value:.{decimals}f}" for value in values])
+    lines += [",".join(row) for row in zip(*columns, strict=True)]
+    return "\n".join(lines) + "\n"
+
+
+def test_results_are_the_bytes_of_the_program(table: Path, tmp_path: Path) -> None:
+    """Write the arrays with the decimals of the files: the same bytes, as is the summary."""
+    surface, trace, summary = files_of(tmp_path, table, "--machine", str(ROUGH))
+    result = simulate(table, ROUGH, rpm=2500, turns=3, trace=True)
+    assert text_of(result.surface, surface) == surface.read_text()
+    assert text_of(result.trace, trace) == trace.read_text()
+    assert CLOCK.sub("", result.summary_text) == CLOCK.sub("", summary.read_text())
+
+
+def test_numbers_are_those_that_numpy_reads(table: Path, tmp_path: Path) -> None:
+    """Every number is the double nearest to the decimal number of the file."""
+    surface, _, _ = files_of(tmp_path, table)
+    read = np.loadtxt(surface, delimiter=",", skiprows=1)
+    result = simulate(table, rpm=2500, turns=3)
+    ours = result.surface.view(np.float64).reshape(read.shape)
+    assert np.array_equal(ours, read)
+    assert result.trace.size == 0
+
+
+def same(one: Result, other: Result) -> bool:
+    """Return whether two cuts came to the same."""
+    texts = [CLOCK.sub("", result.summary_text) for result in (one, other)]
+    return texts[0] == texts[1] and one.surface.tobytes() == other.surface.tobytes()
+
+
+def test_cut_leaves_nothing_behind(table: Path) -> None:
+    """After cuts on another machine, with a fault and refused, the first one comes again."""
+    first = simulate(table, rpm=2500, turns=3)
+    simulate(table, "piezo", rpm=1500, turns=2, set={"k1_ns": 300000}, seed=7)
+    fault = simulate(table, rpm=2500, turns=3, options=["--inject", "estop@0.01"])
+    assert (fault.status, fault.summary["first_faults"]) == (1, ["estop"])
+    assert "fault estop" in fault.message
+    with pytest.raises(CamtoolsError, match="infeasible"):
+        simulate(table, rpm=50000)
+    assert same(first, simulate(table, rpm=2500, turns=3))
+
+
+def test_machine_by_name_path_text_and_tables(table: Path) -> None:
+    """A machine is given in four ways, and all of them cut the same."""
+    tables = {"machine": {"name": "slow"}, "u": {"bandwidth_hz": 250}}
+    text = '[machine]\nname = "slow"\n[u]\nbandwidth_hz = 250\n'
+    by_text = simulate(table, Machine("slow.toml", text), rpm=2000, turns=2)
+    assert same(by_text, simulate(table, tables, rpm=2000, turns=2))
+    by_name = simulate(table, "rough", rpm=2000, turns=2)
+    assert same(by_name, simulate(table, ROUGH, rpm=2000, turns=2))
+    assert not same(by_name, by_text)
+
+
+@pytest.mark.parametrize(
+    ("words", "machine", "told"),
+    [
+        (["--trace", "t.csv"], None, "t.csv: results come back in memory"),
+        (["--no-such"], None, "unknown option"),
+        ([], Machine("m.toml", "[u]\nbandwidth_hz = -1\n"), "m.toml: line 2: u.bandwidth_hz"),
+        (["--machine", "x.toml"], Machine("m.toml", ""), "x.toml"),
+        (["--set", "k1_ns=x"], None, "--set k1_ns=x"),
+        (["--help"], None, "camsim run --help"),
+    ],
+)
+def test_refusals_are_those_of_the_program(
+    table: Path, words: list[str], machine: Machine | None, told: str
+) -> None:
+    """One line says what is wrong; the next cut is as ever."""
+    with pytest.raises(CamtoolsError) as refusal:
+        simulate(table, machine, options=words)
+    assert told in str(refusal.value)
+    assert len(str(refusal.value).splitlines()) == 1
+    assert simulate(table, rpm=2500, turns=1).status == 0
+
+
+def test_machine_that_is_not_there_is_refused(table: Path) -> None:
+    """The line lists the machines that there are."""
+    with pytest.raises(CamtoolsError, match=r"--machine nowhere: .*one of .*piezo"):
+        simulate(table, "nowhere")
+
+
+def test_second_session_is_refused_until_the_first_ends(table: Path) -> None:
+    """Firmware and port are one per process."""
+    with SimSession() as one, SimSession() as other:
+        one.begin([str(table)], None, "", traced=False)
+        with pytest.raises(CamtoolsError, match="another cut is open"):
+            other.begin([str(table)], None, "", traced=False)
+        one.close()
+        other.begin([str(table)], None, "", traced=False)
+        assert other.run(1000)
+        assert other.progress() == 0
+
+
+def test_prototypes_are_those_of_the_header() -> None:
+    """Compare the arguments of every declaration with those that ctypes is told."""
+    text = HEADER.read_text()
+    text = text[text.index("// [declarations]") : text.index("// [end of declarations]")]
+    code = re.sub(r"//.*", "", text)
+    declared = re.findall(r"^([\w ]+?[ *]+)(sim_api_\w+)\(([^)]*)\);", code, re.MULTILINE)
+    words = {
+        "sim_api_t *": "c_void_p",
+        "void": "None",
+        "const char *": "c_char_p",
+        "const char *const *": "LP_c_char_p",
+        "const double *": "LP_c_double",
+        "size_t *": "LP_c_ulong",
+        "bool": "c_bool",
+        "int": "c_int",
+        "double": "c_double",
+        "size_t": "c_ulong",
+        "uint64_t": "c_ulong",
+    }
+    found = {}
+    for result, name, arguments in declared:
+        kinds = [re.sub(r"\w+$", "", one.strip()).strip() for one in arguments.split(",")]
+        names = [kind.replace("const sim_api_t", "sim_api_t") for kind in kinds if kind]
+        found[name] = (words[result.strip()], [words[kind] for kind in names])
+    told = {
+        name: (getattr(result, "__name__", "None"), [one.__name__ for one in arguments])
+        for name, (result, arguments) in PROTOTYPES.items()
+    }
+    assert found == told
+
+
+def test_library_that_is_missing_is_one_line(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """The line names the file and who builds it."""
+    monkeypatch.setenv("CAMTURN_BUILD", str(tmp_path))
+    assert not library_path().exists()
+    with pytest.raises(CamtoolsError, match="cannot be loaded; start tools/run"):
+        SimSession()
+
+
+def test_progress_rises_to_the_end(table: Path) -> None:
+    """The share that is done is told now and then."""
+    told: list[float] = []
+    result = simulate(table, rpm=2500, progress=told.append)
+    assert told == sorted(told)
+    assert 0 < told[-1] <= 1
+    assert result.form_error_um == json.loads(result.summary_text)["form_error_um"]["max"]

@@ -1,0 +1,156 @@
+r"""Machine files of the simulator as data: found by name, read, changed, written.
+
+A machine is a tree: tables of keys, as TOML has them; `host_sim/machines/default.toml` lists every
+key. What the controller is configured from stands in `[believed.TABLE]`.
+
+>>> tree = read_machine('[u]\ndelay_us = 75\n', "a.toml")
+>>> print(emit_machine(mistaken(tree, {"u.delay_us": 80.0})))
+[u]
+delay_us = 80.0
+[believed.u]
+delay_us = 75
+<BLANKLINE>
+"""
+
+from __future__ import annotations
+
+import copy
+import json
+import math
+import tomllib
+from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from camtools.base.errors import CamtoolsError, InputError
+from camtools.base.input_file import read_text
+from camtools.base.places import ROOT
+
+Tree = dict[str, Any]
+MACHINES = ROOT / "host_sim" / "machines"
+BELIEVED = "believed"
+_MAX_BYTES = 1 << 20
+
+
+class Machine(NamedTuple):
+    """A machine file.
+
+    Attributes
+    ----------
+    name : str
+        For messages: the file as the user named it.
+    text : str
+        TOML.
+    """
+
+    name: str
+    text: str
+
+
+def machine_names() -> list[str]:
+    """Return the names of the machines that come with the project."""
+    return sorted(path.stem for path in MACHINES.glob("*.toml"))
+
+
+def find_machine(word: str | Path) -> Machine:
+    """Return a machine by its name or by the path of its file.
+
+    Raises
+    ------
+    CamtoolsError
+        There is neither such a name nor such a file, or it cannot be read.
+    """
+    named = MACHINES / f"{word}.toml"
+    is_name = isinstance(word, str) and word in machine_names()
+    path = named if is_name else Path(word)
+    if not is_name and not path.suffix and not path.exists():
+        names = ", ".join(machine_names())
+        raise CamtoolsError([f"--machine {word}: no such machine; give a file, or one of {names}"])
+    return Machine(str(word) if not is_name else named.name, read_text(path, _MAX_BYTES))
+
+
+def read_machine(text: str, name: str) -> Tree:
+    """Return the tree of a machine's text; whether its keys are known, only the simulator tells.
+
+    Raises
+    ------
+    InputError
+        It is no TOML.
+    """
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(name, "", None, f"is no TOML: {error}", "correct it") from error
+
+
+def emit_machine(tree: Mapping[str, Any]) -> str:
+    """Return a tree as text that the simulator reads."""
+    lines: list[str] = []
+    for table, keys in tree.items():
+        plain = {key: value for key, value in keys.items() if not isinstance(value, dict)}
+        nested = {key: value for key, value in keys.items() if isinstance(value, dict)}
+        if plain or not nested:
+            lines.append(f"[{table}]")
+            lines += [f"{key} = {_value(value)}" for key, value in plain.items()]
+        for name, inner in nested.items():
+            lines.append(f"[{table}.{name}]")
+            lines += [f"{key} = {_value(value)}" for key, value in inner.items()]
+    return "\n".join(lines) + "\n"
+
+
+def _value(value: object) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        return json.dumps(value, ensure_ascii=False)
+    return repr(value)
+
+
+@cache
+def _defaults() -> Tree:
+    path = MACHINES / "default.toml"
+    return read_machine(read_text(path, _MAX_BYTES), path.name)
+
+
+def look_up(tree: Mapping[str, Any], key: str) -> float | None:
+    """Return a number of a machine, its default where it is not given; none if it is no number.
+
+    Parameters
+    ----------
+    key : str
+        Table and key, such as "u.bandwidth_hz".
+
+    >>> look_up({}, "u.delay_us"), look_up({"u": {"delay_us": 80}}, "u.delay_us")
+    (75.0, 80.0)
+    """
+    table, _, name = key.rpartition(".")
+    for source in (tree, _defaults()):
+        value = source.get(table, {}).get(name)
+        if isinstance(value, int | float) and math.isfinite(value):
+            return float(value)
+    return None
+
+
+def mistaken(tree: Tree, truth: Mapping[str, float]) -> Tree:
+    """Return the machine whose truth differs from what its controller believes.
+
+    The controller goes on believing the numbers that it has: those of `[believed]`, else those that
+    were the truth before.
+
+    Parameters
+    ----------
+    truth : mapping
+        True numbers by table and key.
+    """
+    changed = copy.deepcopy(tree)
+    for key, value in truth.items():
+        table, _, name = key.rpartition(".")
+        nominal = look_up(tree, key)
+        beliefs = changed.setdefault(BELIEVED, {}).setdefault(table, {})
+        if nominal is not None:
+            written = tree.get(table, {}).get(name, nominal)
+            beliefs.setdefault(name, written)
+        changed.setdefault(table, {})[name] = value
+    believed = changed.pop(BELIEVED, None)
+    return changed | ({BELIEVED: believed} if believed else {})

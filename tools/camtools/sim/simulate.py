@@ -1,0 +1,144 @@
+"""A cut on the simulator, in this process: the interface for studies and notebooks.
+
+    from camtools.sim.simulate import simulate
+    result = simulate("out/perkins240.camtab", "rough", rpm=2500, turns=20)
+    result.surface["error_nm"].max(), result.summary["form_error_um"]["max"]
+
+The numbers are those that `camsim run` writes into its files, bit for bit. One cut runs at a time
+in a process; many at once take processes.
+
+>>> _words(2500.0, None, 20)
+['--rpm', '2500.0', '--turns-limit', '20']
+"""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from camtools.base.json_text import Json
+from camtools.sim.binding import Rows, SimSession
+from camtools.sim.machine_file import Machine, emit_machine, find_machine
+
+TICKS_AT_A_TIME = 100_000  # then Python looks for signals: 0.05 s
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """What a cut came to.
+
+    Attributes
+    ----------
+    status : int
+        As of `camsim run`: 0 good; 1 fault, time-out, out of tolerance or not gauged; 2 a command
+        was refused by the controller.
+    message : str
+        Why it is not good, "" when it is.
+    surface : ndarray, shape (n,)
+        Worst sample of each gauged cell: fields turn (drawing's angle, 0 .. 1), z_mm, radius_mm,
+        error_nm (above 0: metal left standing), and control_nm where the table plays a refit.
+    trace : ndarray, shape (n,)
+        Tick by tick, fields as in `host_sim/session/sim_trace.h`; `state` is the number of the
+        controller's state in `firmware/base/cam_state.h`, masks are numbers. Empty if none was
+        asked for.
+    summary_text : str
+        The summary file of `camsim run`.
+    """
+
+    status: int
+    message: str
+    surface: Rows
+    trace: Rows
+    summary_text: str
+
+    @cached_property
+    def summary(self) -> Json:
+        """Return the summary as data; its keys are those of `camsim run --summary`."""
+        summary: Json = json.loads(self.summary_text)
+        return summary
+
+    @property
+    def form_error_um(self) -> float | None:
+        """Return the largest form error against the drawing [um], none when nothing was gauged."""
+        value: float | None = self.summary["form_error_um"]["max"]
+        return value
+
+
+def _machine(machine: str | Path | Machine | Mapping[str, Any] | None) -> Machine | None:
+    if machine is None or isinstance(machine, Machine):
+        return machine
+    if isinstance(machine, str | Path):
+        return find_machine(machine)
+    return Machine("machine", emit_machine(machine))
+
+
+def _words(rpm: float | None, feed: float | None, turns: float | None) -> list[str]:
+    given = {"--rpm": rpm, "--feed": feed, "--turns-limit": turns}
+    return [
+        word for key, value in given.items() if value is not None for word in (key, f"{value!r}")
+    ]
+
+
+def simulate(
+    table: str | Path,
+    machine: str | Path | Machine | Mapping[str, Any] | None = None,
+    *,
+    rpm: float | None = None,
+    feed: float | None = None,
+    turns: float | None = None,
+    set: Mapping[str, int] | None = None,
+    seed: int = 1,
+    trace: bool = False,
+    options: Sequence[str] = (),
+    progress: Callable[[float], None] | None = None,
+) -> Result:
+    """Cut a part on the simulator and gauge it.
+
+    Parameters
+    ----------
+    table : path
+        NAME.camtab; the gauge compares with NAME.json beside it, or where there is none with the
+        table itself.
+    machine : str, path, Machine, mapping or None
+        Name of a machine of the project ("real"), path of a machine file, its text with a name, or
+        its tables as a mapping: `{"u": {"bandwidth_hz": 270}}`. None is the default machine.
+    rpm, feed : float, optional
+        Speed of the spindle [r/min] and feed [mm per turn]; else those of the table.
+    turns : float, optional
+        End the cut after so many turns of cutting.
+    set : mapping, optional
+        Parameters of the controller, by their names in `firmware/machine/cam_param.h`.
+    seed : int
+        Of all noise.
+    trace : bool
+        Keep every tick: 300 bytes each.
+    options : list of str
+        Any others of `camsim run --help`, such as `["--inject", "estop@0.5"]`.
+    progress : callable, optional
+        Is given the share that is done, 0 .. 1, now and then.
+
+    Raises
+    ------
+    CamtoolsError
+        What `camsim run` would refuse with exit status 2: a table, machine, option or speed that is
+        no good. A cut that ends in a fault is a result.
+    """
+    chosen = _machine(machine)
+    settings = [
+        word for name, value in (set or {}).items() for word in ("--set", f"{name}={value}")
+    ]
+    words = [str(table), *_words(rpm, feed, turns), "--seed", str(seed), *settings, *options]
+    begin_s = time.monotonic()
+    with SimSession() as session:
+        name, text = (chosen.name, chosen.text) if chosen else ("", None)
+        session.begin(words, text, name, traced=trace)
+        while session.run(TICKS_AT_A_TIME):
+            if progress is not None:
+                progress(session.progress())
+        raw = session.finish(time.monotonic() - begin_s)
+    return Result(*raw)
