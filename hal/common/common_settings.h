@@ -38,7 +38,7 @@ typedef struct {
     const char *choices; ///< "\"first\" \"second\"" as the message lists them
 } common_setting_t;
 
-enum { common_settings_max = 64 }; ///< keys of one list
+enum { common_settings_max = 128 }; ///< keys of one list
 
 typedef struct common_settings common_settings_t;
 

@@ -86,7 +86,7 @@ static uint32_t actual_of(sim_bus_t *b, int node)
         const double rad_per_s = sim_spindle_true_rad_per_s(&b->lathe.spindle);
         return (uint32_t)(int32_t)sim_round(rad_per_s * (60000.0 / SIM_TWO_PI));
     }
-    return (uint32_t)sim_drive_measured_micro(&b->lathe.drive[node - sim_bus_u]);
+    return (uint32_t)sim_lathe_measured_micro(&b->lathe, node - sim_bus_u);
 }
 
 /// Queue the frames of all nodes; the encoder's pass through the faults of the bus.

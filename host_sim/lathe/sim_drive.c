@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_drive.h"
 #include "sim_units.h" // sim_round, sim_clamp, SIM_TWO_PI
-#include <math.h>      // cos, cosh, exp, sqrt
+#include <math.h>      // cos, cosh, exp, INFINITY, sqrt
 
 enum { n_sub_steps = 16 };
 
@@ -14,6 +14,10 @@ sim_drive_config_t sim_drive_u_defaults(void)
         .quantum_micro = 10.0,
         .speed_units_per_s = 400.0,
         .acceleration_units_per_s2 = 250000.0,
+        .mass_kg = 1.5,
+        .force_limit_n = 600.0,
+        .amplifier_hz = 2000.0,
+        .tuned_mass_kg = 1.5,
     };
 }
 
@@ -103,6 +107,32 @@ static double quantised(const sim_drive_t *d, double micro)
                                   : micro;
 }
 
+/// @return a command in steps of its own quantum
+static double commanded(const sim_drive_t *d, double micro)
+{
+    const double quantum = d->command_quantum_micro;
+    return quantum > 0.0 ? sim_round(micro / quantum) * quantum : quantised(d, micro);
+}
+
+static sim_friction_law_t law_of(const sim_drive_t *d, const sim_drive_config_t *config)
+{
+    sim_friction_law_t law = {
+        .stiffness_per_s2 = d->stiffness_per_s2,
+        .drag_per_s = d->drag_per_s,
+        .acceleration_micro_per_s2 = d->acceleration_micro_per_s2,
+        .speed_micro_per_s = d->speed_micro_per_s,
+        .friction_micro_per_s2 = config->friction_m_per_s2 * SIM_DRIVE_MICRO_PER_M,
+    };
+    if (d->is_force) { // the loop limits the force, not the slide its acceleration
+        law.stiffness_per_s2 = config->stiffness_n_per_m / config->mass_kg;
+        law.drag_per_s = config->viscous_n_s_per_m / config->mass_kg;
+        law.acceleration_micro_per_s2 = INFINITY;
+        law.lag_per_s = SIM_TWO_PI * config->amplifier_hz;
+    }
+    law.longest_s = sim_friction_longest_s(&law);
+    return law;
+}
+
 void sim_drive_init(sim_drive_t *d, const sim_drive_config_t *config, double start_micro,
                     double period_s)
 {
@@ -116,10 +146,18 @@ void sim_drive_init(sim_drive_t *d, const sim_drive_config_t *config, double sta
         .quantum_micro = config->quantum_micro,
         .per_quantum_micro = config->quantum_micro > 0.0 ? 1.0 / config->quantum_micro : 0.0,
         .period_s = period_s,
+        .command_quantum_micro = config->command_quantum_micro,
+        .per_force_micro_per_s2 =
+            config->mass_kg > 0.0 ? SIM_DRIVE_MICRO_PER_M / config->mass_kg : 0.0,
+        .is_force = config->kind == sim_drive_force,
     };
+    if (d->is_force) {
+        sim_servo_init(&d->servo, config, period_s);
+    }
+    d->law = law_of(d, config);
     set_dead_time(d, config);
     for (uint32_t i = 0; i < sim_drive_ring; i++) {
-        d->command_micro[i] = quantised(d, start_micro);
+        d->command_micro[i] = d->is_force ? 0.0 : commanded(d, start_micro);
     }
 }
 
@@ -162,8 +200,23 @@ static bool is_beyond(double value, double limit)
     return value > limit || value < -limit;
 }
 
+/// Move in sub-steps against friction and an outer force.
+static void rough_piece(sim_drive_t *d, double command_micro, double time_s)
+{
+    sim_friction_state_t s = {d->pos_micro, d->vel_micro_per_s, d->push_micro_per_s2};
+    const double input = d->is_force ? command_micro : d->stiffness_per_s2 * command_micro;
+    sim_friction_move(&d->law, &s, input, d->disturb_micro_per_s2, time_s);
+    d->pos_micro = s.pos_micro;
+    d->vel_micro_per_s = s.vel_micro_per_s;
+    d->push_micro_per_s2 = s.push_micro_per_s2;
+}
+
 static void piece(sim_drive_t *d, double command_micro, const sim_drive_flow_t *flow)
 {
+    if (d->is_force || d->law.friction_micro_per_s2 > 0.0 || d->disturb_micro_per_s2 != 0.0) {
+        rough_piece(d, command_micro, flow->time_s);
+        return;
+    }
     const double limit = d->acceleration_micro_per_s2;
     const double off_micro = d->pos_micro - command_micro;
     const double pos_micro = command_micro + flow->pp * off_micro + flow->pv * d->vel_micro_per_s;
@@ -181,6 +234,7 @@ static void piece(sim_drive_t *d, double command_micro, const sim_drive_flow_t *
 static void brake(sim_drive_t *d, double dt_s)
 {
     const double limit = d->acceleration_micro_per_s2;
+    d->push_micro_per_s2 = 0.0;
     if (d->vel_micro_per_s != 0.0) {
         move(d, sim_clamp(-d->vel_micro_per_s / dt_s, -limit, limit), dt_s);
     }
@@ -191,10 +245,23 @@ static double delayed(const sim_drive_t *d, uint32_t ticks)
     return d->command_micro[(d->i_command - ticks) % sim_drive_ring];
 }
 
+/// @return the force by mass that the loop puts out for a command
+static double servoed(sim_drive_t *d, double command_micro, bool is_enabled)
+{
+    if (!is_enabled || d->is_blocked) {
+        sim_servo_rest(&d->servo);
+        return 0.0;
+    }
+    return sim_servo_push(&d->servo, command_micro, quantised(d, d->pos_micro + d->beyond_micro));
+}
+
 void sim_drive_step(sim_drive_t *d, int32_t command_micro, bool is_enabled)
 {
+    const double command = commanded(d, command_micro);
     d->i_command++;
-    d->command_micro[d->i_command % sim_drive_ring] = quantised(d, command_micro);
+    d->command_micro[d->i_command % sim_drive_ring] =
+        d->is_force ? servoed(d, command, is_enabled) : command;
+    d->middle_s = 0.0;
     if (d->is_blocked) {
         d->vel_micro_per_s = 0.0;
     } else if (!is_enabled) {
@@ -202,9 +269,16 @@ void sim_drive_step(sim_drive_t *d, int32_t command_micro, bool is_enabled)
     } else {
         if (d->is_split) {
             piece(d, delayed(d, d->n_delay + 1u), &d->before);
+            d->middle = (sim_drive_place_t){d->pos_micro, d->vel_micro_per_s};
+            d->middle_s = d->before.time_s;
         }
         piece(d, delayed(d, d->n_delay), &d->after);
     }
+}
+
+void sim_drive_disturb(sim_drive_t *d, double force_n)
+{
+    d->disturb_micro_per_s2 = force_n * d->per_force_micro_per_s2;
 }
 
 void sim_drive_linger(sim_drive_t *d, double dt_s, bool is_enabled)
@@ -221,7 +295,12 @@ void sim_drive_linger(sim_drive_t *d, double dt_s, bool is_enabled)
     piece(d, delayed(d, d->n_delay), &flow);
 }
 
+int32_t sim_drive_reported_micro(const sim_drive_t *d, double micro)
+{
+    return (int32_t)sim_round(sim_clamp(quantised(d, micro), INT32_MIN, INT32_MAX));
+}
+
 int32_t sim_drive_measured_micro(const sim_drive_t *d)
 {
-    return (int32_t)sim_round(sim_clamp(quantised(d, d->pos_micro), INT32_MIN, INT32_MAX));
+    return sim_drive_reported_micro(d, d->pos_micro);
 }

@@ -18,24 +18,22 @@
 /// limit this is exact again, otherwise it is off by less than (w T / 16)^2 / 3 of the distance
 /// travelled in the piece (4e-5 for 300 Hz at 20 kHz). The limits are checked at the ends of a
 /// piece.
+///
+/// A drive with Coulomb friction, or one that a force disturbs, is moved by sim_friction.h instead,
+/// piece by piece; without both it takes the exact way above, bit for bit. A drive of kind force is
+/// a mass under the loop of sim_servo.h; its dead time lies between force command and amplifier.
 #ifndef SIM_DRIVE_H
 #define SIM_DRIVE_H
 
-#include <stdbool.h> // bool
-#include <stdint.h>  // int32_t, uint32_t
+#include "sim_drive_config.h" // sim_drive_config_t
+#include "sim_friction.h"     // sim_friction_law_t
+#include "sim_servo.h"        // sim_servo_t
+#include <stdbool.h>          // bool
+#include <stdint.h>           // int32_t, uint32_t
 
 #define SIM_MICRO 1e6 ///< millionths in a unit
 
 enum { sim_drive_ring = 1024, sim_drive_max_delay_ticks = sim_drive_ring - 2 };
-
-typedef struct {
-    double bandwidth_hz;              ///< w / 2 pi
-    double damping;                   ///< d
-    double delay_us;                  ///< D, from the write of the command to its effect
-    double quantum_micro;             ///< of command and measurement; 0: none
-    double speed_units_per_s;         ///< v_max
-    double acceleration_units_per_s2; ///< a_max
-} sim_drive_config_t;
 
 /// U: 300 Hz, damping 0.7, 75 us, 10 nm, 400 mm/s, 250 m/s2.
 sim_drive_config_t sim_drive_u_defaults(void);
@@ -55,21 +53,35 @@ typedef struct {
 } sim_drive_flow_t;
 
 typedef struct {
+    double pos_micro, vel_micro_per_s;
+} sim_drive_place_t;
+
+typedef struct {
     double pos_micro;
     double vel_micro_per_s;
+    sim_drive_place_t middle; ///< in the last step, where the delayed command changed
+    double middle_s;          ///< time of it after the step's begin; 0: it changed there
     double stiffness_per_s2;  ///< w^2
     double drag_per_s;        ///< 2 d w
     double speed_micro_per_s; ///< limits
     double acceleration_micro_per_s2;
     double quantum_micro, per_quantum_micro;
+    double command_quantum_micro;
     double period_s;
-    sim_drive_flow_t before; ///< the piece before the delayed command changes
-    sim_drive_flow_t after;  ///< the piece after that
-    bool is_split;           ///< the dead time is no whole number of steps: `before` takes time
-    bool is_blocked;         ///< the axis stands still whatever is commanded
-    uint32_t n_delay;        ///< whole steps of dead time
+    bool is_force;                 ///< of kind force
+    sim_servo_t servo;             ///< then
+    double push_micro_per_s2;      ///< what its amplifier puts out by mass, then
+    sim_friction_law_t law;        ///< of sub-steps: friction, an outer force, kind force
+    double disturb_micro_per_s2;   ///< acceleration by the outer force
+    double per_force_micro_per_s2; ///< [micro/s2 per N]
+    double beyond_micro;           ///< what the scale sees beside the slide itself
+    sim_drive_flow_t before;       ///< the piece before the delayed command changes
+    sim_drive_flow_t after;        ///< the piece after that
+    bool is_split;    ///< the dead time is no whole number of steps: `before` takes time
+    bool is_blocked;  ///< the axis stands still whatever is commanded
+    uint32_t n_delay; ///< whole steps of dead time
     uint32_t i_command;
-    double command_micro[sim_drive_ring];
+    double command_micro[sim_drive_ring]; ///< kind force: of force by mass, micro/s2
 } sim_drive_t;
 
 /// @param start_micro  position at rest before the start; earlier commands are taken to be the same
@@ -81,9 +93,16 @@ void sim_drive_init(sim_drive_t *d, const sim_drive_config_t *config, double sta
 /// @param is_enabled  false: the drive brakes to rest within its limits and holds
 void sim_drive_step(sim_drive_t *d, int32_t command_micro, bool is_enabled);
 
+/// An outer force acts on the slide from now on.
+/// @param force_n  signed, constant over the coming step; nothing without a mass
+void sim_drive_disturb(sim_drive_t *d, double force_n);
+
 /// Let more time pass with the last effective command, because the next one comes late.
 /// @param dt_s  >= 0, any; slower than a step
 void sim_drive_linger(sim_drive_t *d, double dt_s, bool is_enabled);
+
+/// @return a position as the drive reports it, rounded to the quantum
+int32_t sim_drive_reported_micro(const sim_drive_t *d, double micro);
 
 /// @return the position that the drive reports
 int32_t sim_drive_measured_micro(const sim_drive_t *d);

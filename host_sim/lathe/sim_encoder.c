@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_encoder.h"
-#include "sim_units.h" // sim_floor, sim_fraction
+#include "sim_units.h" // sim_clamp, sim_floor, sim_fraction
 #include <math.h>      // sin
 
 sim_encoder_config_t sim_encoder_defaults(void)
@@ -48,6 +48,8 @@ void sim_encoder_init(sim_encoder_t *e, const sim_encoder_config_t *config, doub
     e->index_counts = sim_floor(place_counts(config, config->index_turn));
     e->n_turns = turns_below(e, turn);
     (void)sim_encoder_read(e, turn);
+    e->stamped_counts = e->counts;
+    e->turn = turn;
 }
 
 hal_encoder_t sim_encoder_read(sim_encoder_t *e, double turn)
@@ -61,7 +63,52 @@ hal_encoder_t sim_encoder_read(sim_encoder_t *e, double turn)
         e->reading.n_index++;
         e->n_turns = n_turns;
     }
-    const int64_t counts = sim_floor(place_counts(&e->config, turn) + jitter(e));
-    e->reading.counts = counter(&e->config, counts);
+    e->jitter_counts = jitter(e);
+    e->counts = sim_floor(place_counts(&e->config, turn) + e->jitter_counts);
+    e->reading.counts = counter(&e->config, e->counts);
     return e->reading;
+}
+
+/// @return [turn] angle at which the disc shows a place, a real number of counts
+static double turn_of(const sim_encoder_config_t *c, double place)
+{
+    const double straight = c->sign * place / c->counts_per_turn;
+    double turn = straight;
+    for (int i = 0; i < 6; i++) { // converges by 2 pi e / N each time
+        turn += straight - c->sign * place_counts(c, turn) / c->counts_per_turn;
+    }
+    return turn;
+}
+
+/// @return share of the time between two readings at which the spindle passed an angle, 0 .. 1
+static double passed_at(const sim_encoder_t *e, double to_turn, double to_speed, double dt_s,
+                        double turn)
+{
+    const double gone = to_turn - e->turn;
+    const double v0 = e->speed_turns_per_s * dt_s;
+    const double v1 = to_speed * dt_s;
+    const double square = 3.0 * gone - 2.0 * v0 - v1;
+    const double cube = v0 + v1 - 2.0 * gone;
+    double x = gone != 0.0 ? (turn - e->turn) / gone : 1.0;
+    for (int i = 0; i < 4 && gone != 0.0; i++) {
+        const double at = e->turn + x * (v0 + x * (square + x * cube));
+        x += (turn - at) / gone;
+    }
+    return sim_clamp(x, 0.0, 1.0);
+}
+
+void sim_encoder_stamp(sim_encoder_t *e, double turn, double speed_turns_per_s, double dt_s)
+{
+    if (e->config.has_time_stamps == 0.0) {
+        return;
+    }
+    e->edge_age_s += dt_s;
+    if (e->counts != e->stamped_counts) {
+        const int64_t edge = e->counts > e->stamped_counts ? e->counts : e->counts + 1;
+        const double edge_turn = turn_of(&e->config, (double)edge - e->jitter_counts);
+        e->edge_age_s = dt_s * (1.0 - passed_at(e, turn, speed_turns_per_s, dt_s, edge_turn));
+    }
+    e->stamped_counts = e->counts;
+    e->turn = turn;
+    e->speed_turns_per_s = speed_turns_per_s;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_lathe.h"
-#include "sim_units.h" // sim_abs
+#include "sim_units.h" // sim_abs, sim_fraction, SIM_TWO_PI
+#include <math.h>      // cos
 
 sim_lathe_config_t sim_lathe_defaults(void)
 {
@@ -13,6 +14,9 @@ sim_lathe_config_t sim_lathe_defaults(void)
                   [hal_axis_z] = sim_drive_z_defaults(),
                   [sim_lathe_swing] = sim_drive_swing_defaults()},
         .swing_range_deg = 30.0,
+        .mode = {sim_mode_defaults(), sim_mode_defaults()},
+        .scale = sim_scale_defaults(),
+        .chip = sim_chip_defaults(),
         .u_stroke_mm = 1.2,
         .spindle_limit_rpm = 3000.0,
         .x_start_mm = 2.0,
@@ -21,16 +25,57 @@ sim_lathe_config_t sim_lathe_defaults(void)
     };
 }
 
+bool sim_lathe_is_rough(const sim_lathe_config_t *config)
+{
+    const sim_drive_config_t *u = &config->drive[hal_axis_u];
+    return u->kind == sim_drive_force || u->friction_m_per_s2 > 0.0 || config->mode[0].hz > 0.0 ||
+           config->mode[1].hz > 0.0 || config->scale.latency_us > 0.0 ||
+           config->scale.error_nm > 0.0 || config->chip.kc_n_per_mm2 > 0.0 ||
+           config->spindle.ripple_2 > 0.0 || config->runout_um > 0.0 || config->runout_2_um > 0.0;
+}
+
 void sim_lathe_init(sim_lathe_t *l, const sim_lathe_config_t *config, double step_s, double x_nm,
                     double z_nm, uint64_t seed)
 {
     const double start_micro[sim_lathe_n_drives] = {[hal_axis_x] = x_nm, [hal_axis_z] = z_nm};
-    *l = (sim_lathe_t){.step_s = step_s};
+    *l = (sim_lathe_t){
+        .step_s = step_s,
+        .chip = config->chip,
+        .runout_nm = config->runout_um * 1e3,
+        .runout_2_nm = config->runout_2_um * 1e3,
+    };
     sim_spindle_init(&l->spindle, &config->spindle);
     sim_encoder_init(&l->encoder, &config->encoder, l->spindle.turn, seed);
     for (int i = 0; i < sim_lathe_n_drives; i++) {
         sim_drive_init(&l->drive[i], &config->drive[i], start_micro[i], step_s);
     }
+    for (int i = 0; i < sim_mode_n; i++) {
+        sim_mode_init(&l->mode[i], &config->mode[i]);
+    }
+    sim_scale_init(&l->scale, &config->scale, 0.0, step_s);
+}
+
+/// Let the modes and the scale of U follow its slide over a step in two pieces.
+/// @param from  slide before the step
+static void follow_u(sim_lathe_t *l, sim_drive_place_t from, double first_s, double second_s)
+{
+    sim_drive_t *u = &l->drive[hal_axis_u];
+    const sim_drive_place_t middle = first_s > 0.0 ? u->middle : from;
+    const sim_mode_way_t first = {{from.pos_micro, middle.pos_micro},
+                                  {from.vel_micro_per_s, middle.vel_micro_per_s}};
+    const sim_mode_way_t second = {{middle.pos_micro, u->pos_micro},
+                                   {middle.vel_micro_per_s, u->vel_micro_per_s}};
+    double pos_micro = u->pos_micro;
+    double vel_micro_per_s = u->vel_micro_per_s;
+    for (int i = 0; i < sim_mode_n; i++) {
+        sim_mode_t *m = &l->mode[i];
+        sim_mode_step(m, &first, first_s);
+        sim_mode_step(m, &second, second_s);
+        pos_micro += m->is_on_scale ? sim_mode_tip_micro(m) : 0.0;
+        vel_micro_per_s += m->is_on_scale ? m->share * m->vel_micro_per_s : 0.0;
+    }
+    sim_scale_push(&l->scale, pos_micro, vel_micro_per_s);
+    u->beyond_micro = sim_scale_now_micro(&l->scale) - u->pos_micro;
 }
 
 /// @return the speed that the spindle is led to: an injected fault goes before the set-point
@@ -42,18 +87,43 @@ static double spindle_rad_per_s(const sim_lathe_t *l, const sim_setpoints_t *set
 
 void sim_lathe_step(sim_lathe_t *l, const sim_setpoints_t *set)
 {
+    const sim_drive_t *u = &l->drive[hal_axis_u];
+    const sim_drive_place_t from = {u->pos_micro, u->vel_micro_per_s};
     sim_spindle_step(&l->spindle, spindle_rad_per_s(l, set), l->step_s);
     for (int i = 0; i < sim_lathe_n_drives; i++) {
         sim_drive_step(&l->drive[i], set->micro[i], set->is_enabled[i]);
     }
+    l->unread_s += l->step_s;
+    follow_u(l, from, u->middle_s, l->step_s - u->middle_s);
 }
 
 void sim_lathe_linger(sim_lathe_t *l, const sim_setpoints_t *set, double late_s)
 {
+    const sim_drive_t *u = &l->drive[hal_axis_u];
+    const sim_drive_place_t from = {u->pos_micro, u->vel_micro_per_s};
     sim_spindle_step(&l->spindle, spindle_rad_per_s(l, set), late_s);
     for (int i = 0; i < sim_lathe_n_drives; i++) {
         sim_drive_linger(&l->drive[i], late_s, set->is_enabled[i]);
     }
+    l->unread_s += late_s;
+    follow_u(l, from, 0.0, late_s);
+}
+
+void sim_lathe_bite(sim_lathe_t *l, double depth_mm)
+{
+    const double turns_per_s = l->spindle.speed_rad_per_s / SIM_TWO_PI;
+    const double z_mm_per_s = l->drive[hal_axis_z].vel_micro_per_s / SIM_MICRO;
+    l->chip_n = sim_chip_force_n(&l->chip, depth_mm, z_mm_per_s, turns_per_s);
+    sim_drive_disturb(&l->drive[hal_axis_u], -l->chip_n);
+}
+
+int32_t sim_lathe_measured_micro(const sim_lathe_t *l, int drive)
+{
+    const sim_drive_t *d = &l->drive[drive];
+    if (drive != hal_axis_u || d->is_blocked) {
+        return sim_drive_measured_micro(d);
+    }
+    return sim_drive_reported_micro(d, sim_scale_read_micro(&l->scale));
 }
 
 /// The last reading with the faults of the encoder; the index latch copies the counter with them.
@@ -73,6 +143,9 @@ static hal_encoder_t distorted(const sim_lathe_t *l)
 hal_encoder_t sim_lathe_encoder(sim_lathe_t *l)
 {
     l->true_reading = sim_encoder_read(&l->encoder, l->spindle.turn);
+    sim_encoder_stamp(&l->encoder, l->spindle.turn,
+                      sim_spindle_true_rad_per_s(&l->spindle) / SIM_TWO_PI, l->unread_s);
+    l->unread_s = 0.0;
     return distorted(l);
 }
 
@@ -89,13 +162,31 @@ void sim_lathe_kill_index(sim_lathe_t *l)
     l->is_index_dead = true;
 }
 
+/// @return [nm] by which the tip stands beside the slide
+static double tip_beside_nm(const sim_lathe_t *l)
+{
+    double nm = -1e3 * sim_chip_bend_um(&l->chip, l->chip_n);
+    for (int i = 0; i < sim_mode_n; i++) {
+        nm += sim_mode_tip_micro(&l->mode[i]);
+    }
+    return nm;
+}
+
+/// @return [nm] that the run-out of the spindle adds to the distance of the tool
+static double runout_nm(const sim_lathe_t *l)
+{
+    const double angle = SIM_TWO_PI * sim_fraction(l->spindle.turn);
+    return l->runout_nm * cos(angle) + l->runout_2_nm * cos(2.0 * angle);
+}
+
 sim_sample_t sim_lathe_sample(const sim_lathe_t *l, double t_s)
 {
+    const bool has_runout = l->runout_nm > 0.0 || l->runout_2_nm > 0.0;
     return (sim_sample_t){
         .t_s = t_s,
         .turn = l->spindle.turn,
-        .u_nm = l->drive[hal_axis_u].pos_micro,
-        .x_nm = l->drive[hal_axis_x].pos_micro,
+        .u_nm = l->drive[hal_axis_u].pos_micro + tip_beside_nm(l),
+        .x_nm = l->drive[hal_axis_x].pos_micro + (has_runout ? runout_nm(l) : 0.0),
         .z_nm = l->drive[hal_axis_z].pos_micro,
         .swing_deg = l->drive[sim_lathe_swing].pos_micro * 1e-6,
     };

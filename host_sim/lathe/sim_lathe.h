@@ -5,12 +5,20 @@
 /// firmware of this process, bus/sim_bus.h to the nodes of a CAN bus. Convention: turn is the
 /// drawing's angle before the tool (tools/README.md), which rises in the machine's positive sense
 /// (M3), into which a positive set-point of the spindle turns.
+///
+/// The tip of U's tool is where its slide is, and what the modes move it and the chip bends it. The
+/// scale of U sees the slide and those modes that lie on it. The run-out of the spindle moves the
+/// part: runout cos(2 pi turn) + runout_2 cos(4 pi turn) are added to X, the distance of the tool
+/// from the axis, MATHS.md (128).
 #ifndef SIM_LATHE_H
 #define SIM_LATHE_H
 
 #include "hal/hal.h"     // hal_axis_t
+#include "sim_chip.h"    // sim_chip_config_t
 #include "sim_drive.h"   // sim_drive_t
 #include "sim_encoder.h" // sim_encoder_t
+#include "sim_mode.h"    // sim_mode_t
+#include "sim_scale.h"   // sim_scale_t
 #include "sim_spindle.h" // sim_spindle_t
 #include <stdbool.h>     // bool
 #include <stdint.h>      // int32_t, uint32_t, uint64_t
@@ -25,10 +33,14 @@ typedef struct {
     sim_encoder_config_t encoder;
     sim_drive_config_t drive[sim_lathe_n_drives]; ///< swing of speed 0: the machine has none
     double swing_range_deg;                       ///< travel of the swing to either side
-    double u_stroke_mm;                           ///< travel of U peak to peak, centred on 0
-    double spindle_limit_rpm;                     ///< highest speed of the spindle
-    double x_start_mm;                            ///< X at the start, above the blank's radius
-    double z_start_mm;    ///< Z at the start, before the part's first height
+    sim_mode_config_t mode[sim_mode_n];           ///< of U
+    sim_scale_config_t scale;                     ///< of U
+    sim_chip_config_t chip;                       ///< of a skirt's tool
+    double runout_um, runout_2_um; ///< of the spindle once and twice per turn: amplitudes
+    double u_stroke_mm;            ///< travel of U peak to peak, centred on 0
+    double spindle_limit_rpm;      ///< highest speed of the spindle
+    double x_start_mm;             ///< X at the start, above the blank's radius
+    double z_start_mm;             ///< Z at the start, before the part's first height
     double tool_nose_mm;  ///< radius of the nose, 0: a point, below 0: what the table was made for
     double tool_wear_um;  ///< by so much the tip stands back
     double wheel_wear_um; ///< radius that a wheel loses by every lobe
@@ -37,6 +49,10 @@ typedef struct {
 /// 20 kHz, the defaults of all models, U 1.2 mm, 3000 r/min, X 2 mm off the blank, Z 2 mm before
 /// the part.
 sim_lathe_config_t sim_lathe_defaults(void);
+
+/// @return whether U or spindle have an effect that a controller has to learn or to put up with:
+///         friction, force, modes, the scale's own errors, cutting force, a second ripple, run-out
+bool sim_lathe_is_rough(const sim_lathe_config_t *config);
 
 /// What a controller commands for one step.
 typedef struct {
@@ -48,9 +64,9 @@ typedef struct {
 /// The true state at an instant.
 typedef struct {
     double t_s;
-    double turn; ///< [turn] angle of the spindle, not wrapped
-    double u_nm, x_nm, z_nm;
-    double swing_deg; ///< of the tool about the swing's centre, 0 along the line of centres
+    double turn;             ///< [turn] angle of the spindle, not wrapped
+    double u_nm, x_nm, z_nm; ///< of the tool's tip; X with the run-out of the spindle
+    double swing_deg;        ///< of the tool about the swing's centre, 0 along the line of centres
 } sim_sample_t;
 
 typedef struct {
@@ -58,6 +74,12 @@ typedef struct {
     sim_spindle_t spindle;
     sim_encoder_t encoder;
     sim_drive_t drive[sim_lathe_n_drives];
+    sim_mode_t mode[sim_mode_n];
+    sim_scale_t scale;
+    sim_chip_config_t chip;
+    double runout_nm, runout_2_nm;
+    double chip_n;   ///< radial force of the cut now
+    double unread_s; ///< time since the last reading of the encoder
     // faults that were caused
     bool is_speed_forced; ///< the spindle runs at forced_rad_per_s, whatever is commanded
     double forced_rad_per_s;
@@ -71,7 +93,7 @@ typedef struct {
 } sim_lathe_t;
 
 /// Bring the lathe to rest.
-/// @param l       53 KB
+/// @param l       58 KB
 /// @param step_s  time between two set-points
 /// @param x_nm, z_nm  positions at the start
 /// @param seed    of all noise
@@ -84,6 +106,13 @@ void sim_lathe_step(sim_lathe_t *l, const sim_setpoints_t *set);
 /// Let more time pass with the set-points in force, because the next ones come late. The dead time
 /// of the drives is held meanwhile, so a command takes effect later by the same amount.
 void sim_lathe_linger(sim_lathe_t *l, const sim_setpoints_t *set, double late_s);
+
+/// The tip of a skirt's tool stands in the blank: the force of the chip acts from now on.
+/// @param depth_mm  at most 0: clear
+void sim_lathe_bite(sim_lathe_t *l, double depth_mm);
+
+/// @return the position that a drive's scale shows, micro
+int32_t sim_lathe_measured_micro(const sim_lathe_t *l, int drive);
 
 /// Read the encoder with its faults. At most one turn may pass between two readings.
 hal_encoder_t sim_lathe_encoder(sim_lathe_t *l);

@@ -2,6 +2,7 @@
 #include "sim_spindle.h"
 #include "sim_units.h" // SIM_TWO_PI, sim_clamp, sim_fraction
 #include <math.h>      // exp, sin
+#include <stdbool.h>   // bool
 
 sim_spindle_config_t sim_spindle_defaults(void)
 {
@@ -11,6 +12,7 @@ sim_spindle_config_t sim_spindle_defaults(void)
         .bandwidth_rad_per_s = 40.0,
         .ripple = 0.002,
         .ripple_per_turn = 2.0,
+        .ripple_per_turn_2 = 5.0,
         .start_turn = 0.6,
     };
 }
@@ -23,6 +25,8 @@ void sim_spindle_init(sim_spindle_t *s, const sim_spindle_config_t *config)
         .bandwidth_rad_per_s = config->bandwidth_rad_per_s,
         .ripple = config->ripple,
         .ripple_per_turn = config->ripple_per_turn,
+        .ripple_2 = config->ripple_2,
+        .ripple_per_turn_2 = config->ripple_per_turn_2,
     };
 }
 
@@ -38,11 +42,16 @@ static double speed_after(const sim_spindle_t *s, double set_rad_per_s, double d
     return s->speed_rad_per_s + sim_clamp(wanted, -limit, limit);
 }
 
-/// The ripple multiplies the speed by a sine of the angle, not of time.
+static double wave(double periods)
+{
+    return sin(SIM_TWO_PI * sim_fraction(periods));
+}
+
+/// The ripple multiplies the speed by sines of the angle, not of time.
 static double rippled(const sim_spindle_t *s, double turn)
 {
-    const double period = sim_fraction(s->ripple_per_turn * turn);
-    return 1.0 + s->ripple * sin(SIM_TWO_PI * period);
+    const double first = 1.0 + s->ripple * wave(s->ripple_per_turn * turn);
+    return s->ripple_2 > 0.0 ? first + s->ripple_2 * wave(s->ripple_per_turn_2 * turn) : first;
 }
 
 void sim_spindle_step(sim_spindle_t *s, double set_rad_per_s, double dt_s)
@@ -51,7 +60,8 @@ void sim_spindle_step(sim_spindle_t *s, double set_rad_per_s, double dt_s)
     const double mean_turns = 0.5 * (s->speed_rad_per_s + after) * dt_s / SIM_TWO_PI;
     s->speed_rad_per_s = after;
     // The ripple is taken in the middle of the step, which makes the angle right to second order.
-    s->turn += s->ripple > 0.0 ? mean_turns * rippled(s, s->turn + 0.5 * mean_turns) : mean_turns;
+    const bool is_rippled = s->ripple > 0.0 || s->ripple_2 > 0.0;
+    s->turn += is_rippled ? mean_turns * rippled(s, s->turn + 0.5 * mean_turns) : mean_turns;
 }
 
 double sim_spindle_true_rad_per_s(const sim_spindle_t *s)

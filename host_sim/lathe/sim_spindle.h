@@ -2,7 +2,7 @@
 /// sim_spindle: a driven inertia whose true speed ripples with the angle.
 ///
 ///     J dw/dt = clamp(J b (w_set - w), -M, M)          mean speed w, speed loop of bandwidth b
-///     dturn/dt = w (1 + r sin(2 pi k turn)) / (2 pi)   kinematic ripple: belt, motor poles
+///     dturn/dt = w (1 + sum r sin(2 pi k turn)) / (2 pi)   kinematic ripple: belt, motor poles
 ///
 /// Discretisation: w is exact (an exponential, or a ramp while the torque is at its limit); its
 /// angle follows by the trapezium rule with an error below b^2 |w_set - w| T^3 / 12 per step, 5e-12
@@ -18,10 +18,12 @@ typedef struct {
     double bandwidth_rad_per_s; ///< of the speed loop
     double ripple;              ///< amplitude of the ripple, share of the speed
     double ripple_per_turn;     ///< periods per turn
+    double ripple_2;            ///< amplitude of a second ripple; 0: none
+    double ripple_per_turn_2;   ///< its periods per turn
     double start_turn;          ///< [turn] angle at rest before the start
 } sim_spindle_config_t;
 
-/// 0.1 kg m2 and 50 Nm (500 rad/s2), 40 rad/s, 0.2 % twice per turn.
+/// 0.1 kg m2 and 50 Nm (500 rad/s2), 40 rad/s, 0.2 % twice per turn, no second ripple.
 sim_spindle_config_t sim_spindle_defaults(void);
 
 typedef struct {
@@ -29,7 +31,7 @@ typedef struct {
     double speed_rad_per_s;  ///< mean speed, signed, without the ripple
     double limit_rad_per_s2; ///< torque / inertia
     double bandwidth_rad_per_s;
-    double ripple, ripple_per_turn;
+    double ripple, ripple_per_turn, ripple_2, ripple_per_turn_2;
 } sim_spindle_t;
 
 void sim_spindle_init(sim_spindle_t *s, const sim_spindle_config_t *config);

@@ -17,6 +17,15 @@ enum { max_bytes = 1 << 20 };
     MEMBER(common_setting_real, section, key, member, min, max)
 #define WHOLE(section, key, member, min, max)                                                      \
     MEMBER(common_setting_count, section, key, member, min, max)
+#define CHOICE(section, key, member, words)                                                        \
+    {                                                                                              \
+        section, key, common_setting_choice, offsetof(sim_lathe_config_t, member), 0.0, 0.0, words \
+    }
+#define MODE(key, i)                                                                               \
+    REAL("u", key "_hz", mode[i].hz, 0.0, 20000.0),                                                \
+        REAL("u", key "_damping", mode[i].damping, 0.001, 2.0),                                    \
+        REAL("u", key "_share", mode[i].share, -2.0, 2.0),                                         \
+        WHOLE("u", key "_on_scale", mode[i].is_on_scale, 0.0, 1.0)
 #define DRIVE(section, i)                                                                          \
     REAL(section, "bandwidth_hz", drive[i].bandwidth_hz, 1.0, 10000.0),                            \
         REAL(section, "damping", drive[i].damping, 0.05, 10.0),                                    \
@@ -32,6 +41,10 @@ static const common_setting_t fields[] = {
     REAL("spindle", "bandwidth_rad_per_s", spindle.bandwidth_rad_per_s, 0.1, 1000.0),
     REAL("spindle", "ripple", spindle.ripple, 0.0, 0.5),
     REAL("spindle", "ripple_per_turn", spindle.ripple_per_turn, 0.01, 1000.0),
+    REAL("spindle", "ripple_2", spindle.ripple_2, 0.0, 0.5),
+    REAL("spindle", "ripple_per_turn_2", spindle.ripple_per_turn_2, 0.01, 1000.0),
+    REAL("spindle", "runout_um", runout_um, 0.0, 1000.0),
+    REAL("spindle", "runout_2_um", runout_2_um, 0.0, 1000.0),
     REAL("spindle", "start_turn", spindle.start_turn, -1000.0, 1000.0),
     REAL("spindle", "limit_rpm", spindle_limit_rpm, 1.0, 60000.0),
     WHOLE("encoder", "counts_per_turn", encoder.counts_per_turn, 64.0, 16777216.0),
@@ -41,7 +54,21 @@ static const common_setting_t fields[] = {
     REAL("encoder", "eccentricity_turn", encoder.eccentricity_turn, 0.0, 1.0),
     REAL("encoder", "jitter_counts", encoder.jitter_counts, 0.0, 1000.0),
     WHOLE("encoder", "start_counts", encoder.start_counts, 0.0, 4294967295.0),
+    WHOLE("encoder", "time_stamps", encoder.has_time_stamps, 0.0, 1.0),
+    CHOICE("u", "kind", drive[hal_axis_u].kind, "\"position\" \"force\""),
     DRIVE("u", hal_axis_u),
+    REAL("u", "command_quantum_nm", drive[hal_axis_u].command_quantum_micro, 0.0, 100000.0),
+    REAL("u", "friction_m_per_s2", drive[hal_axis_u].friction_m_per_s2, 0.0, 1000.0),
+    REAL("u", "mass_kg", drive[hal_axis_u].mass_kg, 0.001, 1000.0),
+    REAL("u", "viscous_n_s_per_m", drive[hal_axis_u].viscous_n_s_per_m, 0.0, 1e6),
+    REAL("u", "stiffness_n_per_m", drive[hal_axis_u].stiffness_n_per_m, 0.0, 1e9),
+    REAL("u", "force_limit_n", drive[hal_axis_u].force_limit_n, 0.1, 1e6),
+    REAL("u", "amplifier_hz", drive[hal_axis_u].amplifier_hz, 10.0, 1e6),
+    MODE("mode", 0),
+    MODE("mode_2", 1),
+    REAL("u", "scale_latency_us", scale.latency_us, 0.0, 1000.0),
+    REAL("u", "scale_error_nm", scale.error_nm, 0.0, 10000.0),
+    REAL("u", "scale_period_um", scale.period_um, 0.1, 10000.0),
     REAL("u", "stroke_mm", u_stroke_mm, 0.001, 30.0),
     DRIVE("x", hal_axis_x),
     REAL("x", "start_mm", x_start_mm, 0.0, 1000.0),
@@ -57,15 +84,44 @@ static const common_setting_t fields[] = {
     REAL("swing", "range_deg", swing_range_deg, 0.1, 90.0),
     REAL("tool", "nose_mm", tool_nose_mm, -1.0, 100.0),
     REAL("tool", "wear_um", tool_wear_um, 0.0, 1000.0),
+    REAL("cut", "kc_n_per_mm2", chip.kc_n_per_mm2, 0.0, 100000.0),
+    REAL("cut", "radial_share", chip.radial_share, 0.0, 10.0),
+    REAL("cut", "tool_stiffness_n_per_um", chip.tool_stiffness_n_per_um, 0.0, 1e6),
     REAL("wheel", "wear_um_per_lobe", wheel_wear_um, 0.0, 1000.0),
 };
 enum { n_fields = sizeof fields / sizeof fields[0] };
 _Static_assert((int)n_fields <= (int)common_settings_max, "one flag for each key");
 
+static const char believed_prefix[] = "believed.";
+enum { prefix_length = sizeof believed_prefix - 1, section_size = 40 };
+
+/// The keys of [believed.SECTION]: all but those of [machine].
+typedef struct {
+    char section[n_fields][section_size];
+    common_setting_t list[n_fields];
+    size_t n;
+} belief_keys_t;
+
+static const belief_keys_t *belief_keys(void)
+{
+    static belief_keys_t keys; // filled once
+    for (size_t i = keys.n == 0u ? 0u : n_fields; i < n_fields; i++) {
+        if (strcmp(fields[i].section, "machine") == 0) {
+            continue;
+        }
+        char *section = keys.section[keys.n];
+        (void)snprintf(section, section_size, "%s%s", believed_prefix, fields[i].section);
+        keys.list[keys.n] = fields[i];
+        keys.list[keys.n++].section = section;
+    }
+    return &keys;
+}
+
 /// The settings that are not in the list of numbers.
 typedef struct {
     sim_config_t *config;
     bool is_name_seen;
+    bool has_belief; ///< a key of [believed.SECTION] was seen
 } others_t;
 
 sim_config_t sim_config_defaults(void)
@@ -89,14 +145,23 @@ static bool take_parameter(const common_settings_t *s, const char *key, const ch
     return sim_wishes_add(wishes, key, value, origin, s->e);
 }
 
+static bool is_belief(const char *section)
+{
+    return strncmp(section, believed_prefix, prefix_length) == 0;
+}
+
 static bool take_other(const common_settings_t *s, const char *section, const char *key,
                        const char *text)
 {
+    others_t *others = s->user;
+    if (is_belief(section)) { // read afterwards, when the truth is known
+        others->has_belief = true;
+        return true;
+    }
     if (strcmp(section, "controller") == 0) {
         return take_parameter(s, key, text);
     }
     if (strcmp(section, "machine") == 0 && strcmp(key, "name") == 0) {
-        others_t *others = s->user;
         char *name = others->config->name;
         if (others->is_name_seen ||
             !common_settings_text(text, name, sizeof others->config->name - 1u)) {
@@ -108,6 +173,45 @@ static bool take_other(const common_settings_t *s, const char *section, const ch
     }
     return common_settings_refuse(s, section, key, text,
                                   "unknown; see host_sim/machines/default.toml for all keys");
+}
+
+/// What is no belief has been read before.
+static bool refuse_belief(const common_settings_t *s, const char *section, const char *key,
+                          const char *text)
+{
+    return !is_belief(section) ||
+           common_settings_refuse(s, section, key, text,
+                                  "nothing that can be believed; give a key of another section "
+                                  "than [machine] of host_sim/machines/default.toml");
+}
+
+/// Read a text once. It is not written to.
+static bool read_once(common_settings_t *all, const char *text, size_t size)
+{
+    if (size == 0u) { // fmemopen() may refuse an empty text
+        return true;
+    }
+    FILE *stream = fmemopen((void *)text, size, "r");
+    if (stream == NULL) {
+        return common_error(all->e, "%s: not enough memory; free some", all->path);
+    }
+    const bool is_good = common_settings_read(all, stream);
+    (void)fclose(stream);
+    return is_good;
+}
+
+/// Read a text a second time, for what is believed instead of the truth.
+static bool read_belief(common_settings_t *all, sim_config_t *config, const char *text, size_t size)
+{
+    if (!config->has_belief) {
+        config->believed = config->lathe;
+    }
+    config->has_belief = true;
+    all->list = belief_keys()->list;
+    all->n = belief_keys()->n;
+    all->into = &config->believed;
+    all->take_other = refuse_belief;
+    return read_once(all, text, size);
 }
 
 bool sim_config_read(sim_config_t *config, const char *text, size_t size, const char *name,
@@ -123,16 +227,15 @@ bool sim_config_read(sim_config_t *config, const char *text, size_t size, const 
                              .has_line_word = true,
                              .value_width = 60,
                              .e = e};
-    if (size == 0u) { // fmemopen() may refuse an empty text
-        return true;
+    if (!read_once(&all, text, size) ||
+        (others.has_belief && !read_belief(&all, config, text, size))) {
+        return false;
     }
-    FILE *stream = fmemopen((void *)text, size, "r"); // read only: the text stays as it is
-    if (stream == NULL) {
-        return common_error(e, "%s: not enough memory; free some", name);
-    }
-    const bool is_good = common_settings_read(&all, stream);
-    (void)fclose(stream);
-    return is_good;
+    // The loop of a force drive is tuned for the mass that is believed.
+    const double mass_kg = sim_config_believed(config)->drive[hal_axis_u].mass_kg;
+    config->lathe.drive[hal_axis_u].tuned_mass_kg = mass_kg;
+    config->believed.drive[hal_axis_u].tuned_mass_kg = mass_kg;
+    return true;
 }
 
 bool sim_config_load(sim_config_t *config, const char *path, common_error_t *e)

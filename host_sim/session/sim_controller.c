@@ -56,9 +56,16 @@ static void derive_feed_forward(derive_t *d, const sim_lathe_config_t *m)
     const sim_drive_config_t *u = &m->drive[hal_axis_u];
     const double omega = SIM_TWO_PI * u->bandwidth_hz;
     const double half_tick_s = 0.5 / m->tick_hz;
-    put(d, cam_param_k1_ns, 2.0 * u->damping / omega * 1e9);
-    put(d, cam_param_k2_us2, 1e12 / (omega * omega));
-    put(d, cam_param_lead_ns, u->delay_us * 1e3 + half_tick_s * 1e9);
+    if (u->kind == sim_drive_force) {
+        const sim_servo_worth_t worth = sim_servo_worth(u, 1.0 / m->tick_hz);
+        put(d, cam_param_k1_ns, worth.k1_s * 1e9);
+        put(d, cam_param_k2_us2, worth.k2_s2 * 1e12);
+        put(d, cam_param_lead_ns, worth.lead_s * 1e9);
+    } else {
+        put(d, cam_param_k1_ns, 2.0 * u->damping / omega * 1e9);
+        put(d, cam_param_k2_us2, 1e12 / (omega * omega));
+        put(d, cam_param_lead_ns, u->delay_us * 1e3 + half_tick_s * 1e9);
+    }
     const double xz_s =
         0.5 * (lag_s(&m->drive[hal_axis_x]) + lag_s(&m->drive[hal_axis_z])) + half_tick_s;
     put(d, cam_param_xz_lag_ns, xz_s * 1e9);

@@ -3,6 +3,7 @@
 ///
 ///     k1 = 2 d / w, k2 = 1 / w^2           the inverse of the U drive (sim_drive.h)
 ///     lead = dead time of U + half a tick  the mean age of a held command
+///     k1, k2, lead of a drive of kind force: what its loop is worth (sim_servo.h)
 ///     xz_lag = dead time + half a tick + 2 d / w of X and Z, mean of both
 ///     swing_lag = dead time + half a tick + 2 d / w of the swing
 ///     spindle_lag = 1 / bandwidth of the spindle, acceleration = torque / inertia
@@ -34,7 +35,8 @@ typedef struct {
 bool sim_wishes_add(sim_wishes_t *w, const char *name, double value, const char *origin,
                     common_error_t *e);
 
-/// @param params  filled completely
+/// @param params   filled completely
+/// @param machine  as the controller believes it to be (sim_config_believed())
 /// @return        false and *e when a derived value is outside the range of its parameter
 bool sim_controller_params(cam_params_t *params, const sim_lathe_config_t *machine,
                            const sim_wishes_t *wishes, common_error_t *e);

@@ -116,6 +116,7 @@ static void observe(sim_cut_t *cut)
     }
     cut->state = status->state;
     sim_session_touch(s, &at, is_cutting, status->following_nm);
+    sim_lathe_bite(&cut->port.lathe, sim_session_depth_mm(s));
     cut->has_slice = s->is_cutting && s->design.shape != sim_shape_lobes && measure_removal(cut);
 }
 

@@ -112,6 +112,13 @@ void sim_session_begin_pass(sim_session_t *s)
     s->n_following = 0;
 }
 
+double sim_session_depth_mm(const sim_session_t *s)
+{
+    const double depth_mm = s->work.blank_mm - s->radius_mm;
+    const bool is_in = s->is_on_part && s->design.shape != sim_shape_lobes && depth_mm > 0.0;
+    return is_in ? depth_mm : 0.0;
+}
+
 double sim_session_turn(const sim_session_t *s)
 {
     return s->at.turn - s->phase_turn;

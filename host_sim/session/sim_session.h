@@ -104,6 +104,11 @@ void sim_session_begin_pass(sim_session_t *s);
 void sim_session_touch(sim_session_t *s, const sim_sample_t *at, bool is_cutting,
                        double following_nm);
 
+/// @return [mm] by which the tip of a skirt's tool stood below the blank at the last sample; 0
+/// where
+///         it is clear, beside the part, or cuts lobes
+double sim_session_depth_mm(const sim_session_t *s);
+
 /// @return [turn] drawing's angle of the last sample, phase taken off, not wrapped: rises with M3,
 ///         falls with M4
 double sim_session_turn(const sim_session_t *s);

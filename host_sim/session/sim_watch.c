@@ -134,6 +134,7 @@ void sim_watch_tick(sim_watch_t *w)
     sim_link_speak(&w->link, &w->bus);
     const double wanted_nm = w->bus.node[sim_bus_u].active.target;
     sim_session_touch(s, &w->bus.sample, w->outputs.is_in_cut, w->bus.sample.u_nm - wanted_nm);
+    sim_lathe_bite(&w->bus.lathe, sim_session_depth_mm(s));
     note_faults(w);
     look_for_end(w);
 }

@@ -10,6 +10,18 @@ void sim_port_init(sim_port_t *p, const sim_lathe_config_t *config, double x_nm,
     sim_lathe_init(&p->lathe, config, 1.0 / config->tick_hz, x_nm, z_nm, seed);
     hal_host.tick_hz = (uint32_t)config->tick_hz;
     (void)hal_init(); // the host port cannot fail
+    hal_host.slow.has_edge_time = config->encoder.has_time_stamps != 0.0;
+}
+
+void sim_port_measure_u(bool is_measured)
+{
+    hal_host.slow.measures_u = is_measured;
+}
+
+/// @return time stamp of the tick that is to come
+static uint32_t coming_clock(void)
+{
+    return hal_host.clock + hal_host_clock_hz / hal_host.tick_hz + hal_host.late_clocks;
 }
 
 void sim_port_sense(sim_port_t *p)
@@ -17,9 +29,12 @@ void sim_port_sense(sim_port_t *p)
     const sim_drive_t *drive = p->lathe.drive;
     const double swing_udeg = sim_drive_measured_micro(&drive[sim_lathe_swing]);
     hal_host.in.encoder = sim_lathe_encoder(&p->lathe);
+    const double age_clocks = p->lathe.encoder.edge_age_s * hal_host_clock_hz;
+    const uint32_t whole_clocks = (uint32_t)sim_round(sim_clamp(age_clocks, 0.0, UINT32_MAX));
+    hal_host.in.encoder.edge_clock = coming_clock() - whole_clocks; // wraps by design
     hal_host.in.swing_q32 = (int32_t)sim_round(swing_udeg * SIM_Q32_PER_UDEG);
     for (int i = 0; i < hal_n_axes; i++) {
-        hal_host.in.axis_nm[i] = sim_drive_measured_micro(&drive[i]);
+        hal_host.in.axis_nm[i] = sim_lathe_measured_micro(&p->lathe, i);
     }
     hal_host.in.axis_nm[hal_axis_z] += p->z_offset_nm;
 }

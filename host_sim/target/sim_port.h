@@ -12,6 +12,7 @@
 
 #include "sim_inject.h" // sim_inject_t
 #include "sim_lathe.h"  // sim_lathe_t
+#include <stdbool.h>    // bool
 #include <stdint.h>     // int32_t, uint32_t, uint64_t
 
 typedef struct {
@@ -29,6 +30,10 @@ typedef struct {
 /// @param seed        of all noise
 void sim_port_init(sim_port_t *p, const sim_lathe_config_t *config, double x_nm, double z_nm,
                    uint64_t seed);
+
+/// Tell the firmware whether its machine measures U, so that there is something to learn; before
+/// the firmware is opened. After sim_port_init() it does not.
+void sim_port_measure_u(bool is_measured);
 
 /// Before a tick: what the firmware will sense.
 void sim_port_sense(sim_port_t *p);

@@ -71,6 +71,44 @@ static void test_load_takes_comments_blanks_and_indentation(void)
     TEST_ASSERT_TRUE(config.lathe.drive[0].delay_us == 15.0);
 }
 
+static void test_what_is_believed_is_the_truth_but_for_its_keys(void)
+{
+    TEST_ASSERT_TRUE_MESSAGE(load("[believed.u]\nbandwidth_hz = 270\n[u]\ndamping = 0.5\n"
+                                  "bandwidth_hz = 310\nmass_kg = 2\n"),
+                             error.text);
+    const sim_lathe_config_t *believed = sim_config_believed(&config);
+    TEST_ASSERT_TRUE(config.has_belief);
+    TEST_ASSERT_TRUE(believed->drive[0].bandwidth_hz == 270.0);
+    TEST_ASSERT_TRUE(believed->drive[0].damping == 0.5);
+    TEST_ASSERT_TRUE(config.lathe.drive[0].bandwidth_hz == 310.0);
+    TEST_ASSERT_TRUE(config.lathe.drive[0].tuned_mass_kg == 2.0);
+}
+
+static void test_nothing_is_believed_without_a_key(void)
+{
+    TEST_ASSERT_TRUE_MESSAGE(load("[believed.u]\n[u]\nkind = \"force\"\n"), error.text);
+    TEST_ASSERT_FALSE(config.has_belief);
+    TEST_ASSERT_EQUAL_PTR(&config.lathe, sim_config_believed(&config));
+    TEST_ASSERT_EQUAL_UINT32(sim_drive_force, config.lathe.drive[0].kind);
+}
+
+static void test_a_force_drive_is_tuned_for_the_mass_that_is_believed(void)
+{
+    TEST_ASSERT_TRUE_MESSAGE(load("[u]\nmass_kg = 2\n[believed.u]\nmass_kg = 1.8\n"), error.text);
+    TEST_ASSERT_TRUE(config.lathe.drive[0].tuned_mass_kg == 1.8);
+    TEST_ASSERT_TRUE(config.lathe.drive[0].mass_kg == 2.0);
+}
+
+static void test_refused_beliefs_name_line_and_reason(void)
+{
+    refused("[believed.u]\nbandwidth = 1\n", "line 2: believed.u.bandwidth = 1: nothing that can");
+    refused("[believed.machine]\ntick_hz = 1000\n", "line 2: believed.machine.tick_hz");
+    refused("[believed.controller]\nk1_ns = 0\n", "line 2: believed.controller.k1_ns");
+    refused("[believed.u]\ndelay_us = -1\n", "line 2: believed.u.delay_us = -1: out of range");
+    refused("[believed.u]\ndelay_us = 1\ndelay_us = 1\n", "line 3: believed.u.delay_us = 1: given");
+    refused("[u]\nkind = \"speed\"\n", "line 2: u.kind = \"speed\": give one of \"position\"");
+}
+
 static void test_load_takes_firmware_parameters(void)
 {
     TEST_ASSERT_TRUE_MESSAGE(load("[controller]\nk1_ns = 0\nz_is_measured = true\n"), error.text);
@@ -153,6 +191,10 @@ int main(void)
     RUN_TEST(test_default_file_is_the_built_in_machine);
     RUN_TEST(test_other_machines_are_accepted);
     RUN_TEST(test_load_takes_comments_blanks_and_indentation);
+    RUN_TEST(test_what_is_believed_is_the_truth_but_for_its_keys);
+    RUN_TEST(test_nothing_is_believed_without_a_key);
+    RUN_TEST(test_a_force_drive_is_tuned_for_the_mass_that_is_believed);
+    RUN_TEST(test_refused_beliefs_name_line_and_reason);
     RUN_TEST(test_load_takes_firmware_parameters);
     RUN_TEST(test_load_refuses_what_is_wrong);
     RUN_TEST(test_load_refuses_a_line_that_is_too_long);

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sim_servo.h"
+#include "sim_units.h" // sim_abs, sim_clamp, SIM_TWO_PI
+#include <complex.h>   // cexp, I
+#include <math.h>      // exp
+
+/// Corner of the speed's filter and of the sum, against w.
+#define FILTER_PER_W 8.0
+#define SUM_PER_W 0.02
+
+enum { n_lines = 60, n_searches = 60 };
+#define FIRST_HZ 20.0
+
+void sim_servo_init(sim_servo_t *s, const sim_drive_config_t *config, double period_s)
+{
+    const double w = SIM_TWO_PI * config->bandwidth_hz;
+    const double tuned = config->tuned_mass_kg / config->mass_kg;
+    const double drag_per_s = config->viscous_n_s_per_m / config->mass_kg;
+    *s = (sim_servo_t){
+        .kp_per_s2 = tuned * w * w,
+        .kd_per_s = tuned * 2.0 * config->damping * w - drag_per_s,
+        .ki_per_s3 = tuned * w * w * w * SUM_PER_W,
+        .filter = 1.0 - exp(-FILTER_PER_W * w * period_s),
+        .limit_micro_per_s2 = config->force_limit_n / config->mass_kg * SIM_DRIVE_MICRO_PER_M,
+        .period_s = period_s,
+    };
+}
+
+double sim_servo_push(sim_servo_t *s, double command_micro, double read_micro)
+{
+    if (!s->is_running) {
+        s->is_running = true;
+        s->last_micro = read_micro;
+        s->speed_micro_per_s = 0.0;
+        s->sum_micro_per_s2 = 0.0;
+    }
+    const double difference = (read_micro - s->last_micro) / s->period_s;
+    const double off = command_micro - read_micro;
+    s->last_micro = read_micro;
+    s->speed_micro_per_s += s->filter * (difference - s->speed_micro_per_s);
+    const double sum = s->sum_micro_per_s2 + s->ki_per_s3 * s->period_s * off;
+    const double push = s->kp_per_s2 * off + sum - s->kd_per_s * s->speed_micro_per_s;
+    if (sim_abs(push) <= s->limit_micro_per_s2) {
+        s->sum_micro_per_s2 = sum;
+    }
+    return sim_clamp(push, -s->limit_micro_per_s2, s->limit_micro_per_s2);
+}
+
+void sim_servo_rest(sim_servo_t *s)
+{
+    s->is_running = false;
+}
+
+/// @return the inverse of the closed loop's frequency response
+static double complex inverse_at(const sim_drive_config_t *c, const sim_servo_t *s, double omega)
+{
+    const double complex p = I * omega;
+    const double complex back = 1.0 - cexp(-p * s->period_s); // 1 - 1 / z
+    const double complex to_force = s->kp_per_s2 + s->ki_per_s3 * s->period_s / back;
+    const double complex speed =
+        back / s->period_s * s->filter / (1.0 - (1.0 - s->filter) * (1.0 - back));
+    const double complex plant =
+        p * p + p * c->viscous_n_s_per_m / c->mass_kg + c->stiffness_n_per_m / c->mass_kg;
+    const double complex lag = (1.0 + p / (SIM_TWO_PI * c->amplifier_hz)) *
+                               cexp(p * (c->delay_us * 1e-6 + 0.5 * s->period_s));
+    return 1.0 + (plant * lag + s->kd_per_s * speed) / to_force;
+}
+
+/// What the fit works on.
+typedef struct {
+    double omega[n_lines];
+    double complex inverse[n_lines];
+} lines_t;
+
+/// The two constants that fit best with a dead time. @return mean square of the relative error
+static double fit(const lines_t *lines, double lead_s, sim_servo_worth_t *worth)
+{
+    double w2 = 0.0;
+    double w4 = 0.0;
+    double sum_k1 = 0.0;
+    double sum_k2 = 0.0;
+    for (int i = 0; i < n_lines; i++) {
+        const double w = lines->omega[i];
+        const double complex off = cexp(-I * w * lead_s) * lines->inverse[i] - 1.0;
+        w2 += w * w;
+        w4 += w * w * w * w;
+        sum_k1 += w * cimag(off);
+        sum_k2 -= w * w * creal(off);
+    }
+    *worth = (sim_servo_worth_t){.k1_s = sum_k1 / w2, .k2_s2 = sum_k2 / w4, .lead_s = lead_s};
+    double error = 0.0;
+    for (int i = 0; i < n_lines; i++) {
+        const double w = lines->omega[i];
+        const double complex off = cexp(-I * w * lead_s) * lines->inverse[i] - 1.0 -
+                                   I * w * worth->k1_s + w * w * worth->k2_s2;
+        error += creal(off) * creal(off) + cimag(off) * cimag(off);
+    }
+    return error / n_lines;
+}
+
+sim_servo_worth_t sim_servo_worth(const sim_drive_config_t *config, double period_s)
+{
+    sim_servo_t servo;
+    lines_t lines;
+    sim_servo_init(&servo, config, period_s);
+    const double first = SIM_TWO_PI * FIRST_HZ;
+    const double last = SIM_TWO_PI * (config->bandwidth_hz > 2.0 * FIRST_HZ ? config->bandwidth_hz
+                                                                            : 2.0 * FIRST_HZ);
+    for (int i = 0; i < n_lines; i++) {
+        lines.omega[i] = first + (last - first) * i / (n_lines - 1);
+        lines.inverse[i] = inverse_at(config, &servo, lines.omega[i]);
+    }
+    sim_servo_worth_t worth;
+    double low = 0.0;
+    double high = config->delay_us * 1e-6 + 2.0 * period_s + 4.0 / last;
+    for (int i = 0; i < n_searches; i++) { // a third of the interval goes each time
+        const double left = low + (high - low) / 3.0;
+        const double right = high - (high - low) / 3.0;
+        if (fit(&lines, left, &worth) < fit(&lines, right, &worth)) {
+            high = right;
+        } else {
+            low = left;
+        }
+    }
+    (void)fit(&lines, 0.5 * (low + high), &worth);
+    return worth;
+}
