@@ -59,6 +59,17 @@ static const err_text_t entries[] = {
     {cam_err_swing_range, "the tool would have to swing farther than it can"},
     {cam_err_swing_speed, "the tool would have to swing faster than it can"},
     {cam_err_swing_acceleration, "the swing of the tool would have to accelerate more than it can"},
+    {cam_err_scope_field, "there is no such field of the recorder, or it cannot be set"},
+    {cam_err_scope_range, "the value is out of the range of the recorder's field"},
+    {cam_err_scope_memory, "the memory of the recorder is too small for it"},
+    {cam_err_scope_on, "a recording runs"},
+    {cam_err_scope_trace, "no ticks are recorded while the parameter trace_on is 0"},
+    {cam_err_wave_none, "no complete wave was downloaded"},
+    {cam_err_wave_length, "the wave, its fade or the whole of it are too short or too long"},
+    {cam_err_wave_stroke, "the wave would lead U out of its stroke"},
+    {cam_err_wave_speed, "the wave would move U faster than it can"},
+    {cam_err_wave_acceleration, "the wave would accelerate U more than it can"},
+    {cam_err_wave_clear, "X is not far enough off the work for the wave of U"},
     {cam_err_cam_amplitude, "a cam with an amplitude below 1 would be cut deeper than drawn"},
 };
 

@@ -65,6 +65,18 @@ typedef enum {
     cam_err_spindle_loop = -57,         ///< the spindle's speed loop is slower than the modulation
     cam_err_spindle_set_point = -58,    ///< its set-point would exceed the spindle's highest speed
     cam_err_z_stations = -59,           ///< the table counts turns, but others move Z
+    // Recorder and excitation (cam_scope.h, cam_machine_identify.h)
+    cam_err_scope_field = -60,       ///< there is no such field, or it cannot be set
+    cam_err_scope_range = -61,       ///< the value is out of the field's range
+    cam_err_scope_memory = -62,      ///< the memory of the recorder is too small
+    cam_err_scope_on = -63,          ///< a recording runs
+    cam_err_scope_trace = -64,       ///< the parameter trace_on is 0
+    cam_err_wave_none = -65,         ///< no complete wave was downloaded
+    cam_err_wave_length = -66,       ///< wave, fade or the whole of it are too short or too long
+    cam_err_wave_stroke = -67,       ///< U would leave its stroke
+    cam_err_wave_speed = -68,        ///< U would exceed its highest speed
+    cam_err_wave_acceleration = -69, ///< U would exceed its highest acceleration
+    cam_err_wave_clear = -70,        ///< X is not off the work by as much as U moves inward
 } cam_err_t;
 
 /// The compiler refuses a call that ignores the result of such a function.

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_machine.h"
-#include "cam_build.h" // cam_build_config
-#include "cam_fix.h"   // cam_is_within
-#include "cam_pass.h"  // cam_pass_params
-#include "hal/hal.h"   // hal_halt, hal_has_swing
-#include <stddef.h>    // NULL
-#include <string.h>    // memset
+#include "cam_build.h"            // cam_build_config
+#include "cam_fix.h"              // cam_is_within
+#include "cam_machine_identify.h" // cam_machine_identify_poll
+#include "cam_pass.h"             // cam_pass_params
+#include "hal/hal.h"              // hal_halt, hal_has_swing
+#include <stddef.h>               // NULL
+#include <string.h>               // memset
 
 /// Overspeed becomes a fault this far above the highest feasible speed, so that ripple does not.
 enum { overspeed_percent = 1 };
@@ -60,6 +61,7 @@ void cam_machine_init(cam_machine_t *m, cam_t *core, uint32_t tick_hz, uint32_t 
     (void)memset(core, 0, sizeof *core);
     *m = (cam_machine_t){
         .core = core, .params = cam_param_defaults(), .tick_hz = tick_hz, .clock_hz = clock_hz};
+    cam_scope_init(&m->scope, hal_scope_memory(), tick_hz);
     // The tick does not run yet, so both halves of the configuration may be written. The defaults
     // fit every tick rate from 500 Hz on except for the bandwidth of the observer, which is limited
     // to a twentieth of the tick rate.
@@ -83,7 +85,7 @@ cam_status_t cam_machine_status(const cam_machine_t *m)
 ///         *status may be about to change
 static bool is_pending(const cam_machine_t *m, const cam_status_t *status)
 {
-    return status->request != (m->n_requests & 0xFFFFFFu);
+    return status->request != (m->n_requests & 0xFFFFFFu) || cam_identify_is_between(&m->identify);
 }
 
 /// Post a request to the interrupt, which takes it in the next tick.
@@ -263,6 +265,9 @@ cam_err_t cam_machine_enable(cam_machine_t *m)
 cam_err_t cam_machine_disable(cam_machine_t *m)
 {
     const cam_status_t status = cam_machine_status(m);
+    if (status.state == cam_state_identifying) {
+        return cam_machine_identify_stop(m, true);
+    }
     return post_if(m, &status, status.state == cam_state_homing || status.state == cam_state_ready,
                    cam_request_disable);
 }
@@ -341,6 +346,9 @@ cam_err_t cam_machine_start(cam_machine_t *m)
 cam_err_t cam_machine_stop(cam_machine_t *m)
 {
     const cam_status_t status = cam_machine_status(m);
+    if (status.state == cam_state_identifying) {
+        return cam_machine_identify_stop(m, false);
+    }
     const cam_err_t err =
         post_if(m, &status, status.state == cam_state_engaging || status.state == cam_state_cutting,
                 cam_request_stop);
@@ -377,6 +385,7 @@ void cam_machine_poll(cam_machine_t *m)
     if (m->homes_again) {
         home_again(m);
     }
+    cam_machine_identify_poll(m);
     const cam_status_t status = cam_machine_status(m);
     end_pass(m, &status);
     if (!m->has_table) {

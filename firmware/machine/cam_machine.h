@@ -12,7 +12,9 @@
 
 #include "cam_err.h"      // cam_err_t
 #include "cam_feasible.h" // cam_feasibility_t
+#include "cam_identify.h" // cam_identify_t
 #include "cam_param.h"    // cam_params_t
+#include "cam_scope.h"    // cam_scope_t
 #include "cam_table.h"    // cam_table_t
 #include "cam_teach.h"    // cam_teach_status_t, cam_teach_harmonic_t
 #include "cam_tick.h"     // cam_t, cam_status_t
@@ -34,6 +36,8 @@ typedef struct {
     uint32_t limit_mrpm;        ///< [r/min / 1000] overspeed of the newest configuration
     uint32_t scrub_at;          ///< [bytes] progress of the background check of the table
     uint32_t scrub_crc;         ///< CRC-32 of the bytes up to there
+    cam_scope_t scope;          ///< recorder
+    cam_identify_t identify;    ///< excitation of U
 } cam_machine_t;
 
 /// Bring interrupt and slow side into state off. To be called before the tick starts.

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 /// cam_excite: U plays a wave by time, so that its drive can be identified.
 ///
-/// In the state identifying U stands where it stands in ready, and a wave from memory is added to
-/// its set-point, times a gain that rises from 0 to 1 and falls to 0 again by a motion of limited
-/// speed and acceleration (cam_move.h). There is no feed-forward. The length is bounded: after
-/// n_play ticks the gain falls, and when it rests at 0 the excitation is over. An end that comes
-/// earlier lets the gain fall from where it is.
+/// In the state identifying U moves to a place and rests there, and then a wave from memory is
+/// added to its set-point, times a gain that rises from 0 to 1 and falls to 0 again by a motion of
+/// limited speed and acceleration (cam_move.h). The wave has no feed-forward. The length is
+/// bounded: after n_play ticks at the place the gain falls, and when it rests at 0 the excitation
+/// is over. An end that comes earlier lets the gain fall from where it is.
 ///
-/// The wave was checked on the slow side (cam_identify.h): with the gain at any place of its motion
+/// The wave was checked on the slow side (cam_wave.h): with the gain at any place of its motion
 /// the set-point stays within stroke, speed and acceleration of U.
 /// Context: ISR.
 #ifndef CAM_EXCITE_H
@@ -25,6 +25,7 @@ typedef struct {
     uint32_t n;             ///< [ticks] samples of the period
     uint32_t n_play;        ///< [ticks] until the gain falls, its rise included
     cam_move_limits_t fade; ///< [2^-30 per tick, per tick^2] of the gain
+    int64_t place_q10;      ///< [nm / 1024] of U, about which it is played
 } cam_excite_config_t;
 
 /// State; zero-initialised is over.
@@ -41,9 +42,11 @@ void cam_excite_begin_isr(cam_excite_t *e, const cam_excite_config_t *cfg);
 void cam_excite_end_isr(cam_excite_t *e);
 
 /// One tick.
+/// @param is_there   U rests at the place, apart from the wave
 /// @param offset_q6  result, [nm / 64] to be added to the set-point of U
 /// @return           true when the gain has come to rest at 0 behind the end
 /// Constant time.
-bool cam_excite_step_isr(cam_excite_t *e, const cam_excite_config_t *cfg, int32_t *offset_q6);
+bool cam_excite_step_isr(cam_excite_t *e, const cam_excite_config_t *cfg, bool is_there,
+                         int32_t *offset_q6);
 
 #endif

@@ -74,32 +74,35 @@ static void follow_axes(cam_motion_t *m, const cam_sense_t *in)
     m->was_off = true;
 }
 
-/// @return [nm / 64] what the excitation adds to U, whose end ends the state identifying
-static int32_t excitation_q6(cam_play_t *p, const cam_play_config_t *cfg, cam_motion_t *m)
+/// Move U to a place, in the state identifying with the wave on top, whose end ends that state.
+/// @return [nm / 64] what the wave adds
+static int32_t lead_u(cam_play_t *p, const cam_play_config_t *cfg, cam_motion_t *m)
 {
-    int32_t offset_q6 = 0;
-    if (m->state == cam_state_identifying &&
-        cam_excite_step_isr(&p->excite, &cfg->excite, &offset_q6)) {
+    const bool is_identifying = m->state == cam_state_identifying;
+    const int64_t place_q10 = is_identifying ? cfg->excite.place_q10 : m->u_target_q10;
+    const bool is_there =
+        cam_move_to_isr(&m->axis[hal_axis_u], &cfg->approach[hal_axis_u], place_q10);
+    int32_t wave_q6 = 0;
+    if (is_identifying && cam_excite_step_isr(&p->excite, &cfg->excite, is_there, &wave_q6)) {
         m->state = cam_state_ready;
     }
-    return offset_q6;
+    return wave_q6;
 }
 
 /// Out of the cut U moves by time, in state fault the guard moves it. @return [nm / 64] U
 CAM_STAGE static int32_t move_u(cam_play_t *p, const cam_play_config_t *cfg, const cam_sense_t *in,
                                 cam_motion_t *m)
 {
-    cam_move_t *u = &m->axis[hal_axis_u];
-    int32_t more_q6 = 0;
+    const cam_move_t *u = &m->axis[hal_axis_u];
+    int32_t wave_q6 = 0;
     if (m->state == cam_state_off) {
         follow_axes(m, in);
     } else if (m->state != cam_state_fault) {
-        (void)cam_move_to_isr(u, &cfg->approach[hal_axis_u], m->u_target_q10);
-        more_q6 = excitation_q6(p, cfg, m);
+        wave_q6 = lead_u(p, cfg, m);
     } else { // U is where the guard has led it
         m->spindle_mrpm = 0;
     }
-    return cam_sat_i32((u->pos_q10 >> 4) + more_q6);
+    return cam_sat_i32((u->pos_q10 >> 4) + wave_q6);
 }
 
 /// While the axes follow the table there is nothing else to request: stop ends the cut where the

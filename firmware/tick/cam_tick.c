@@ -216,6 +216,7 @@ cam_status_t cam_tick_status(const cam_t *c)
         .z_nm = r.want.z_nm,
         .u_set_q6 = r.want.u_set_q6,
         .u_actual_nm = r.in.actual_nm[hal_axis_u],
+        .x_actual_nm = r.in.actual_nm[hal_axis_x],
         .following_nm = cam_wrap_sub(r.in.actual_nm[hal_axis_u], r.want.u_due_q6 >> 6),
         .n_late = spindle.n_late,
         .max_period = spindle.max_period,

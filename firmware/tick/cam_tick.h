@@ -37,6 +37,7 @@ typedef struct {
     int32_t z_nm;         ///< [nm] height played
     int32_t u_set_q6;     ///< [nm / 64] set-point of U at the tool
     int32_t u_actual_nm;  ///< [nm] measured
+    int32_t x_actual_nm;  ///< [nm] measured
     int32_t following_nm; ///< [nm] following error: measured minus due
     uint32_t n_late;      ///< late ticks since start
     uint32_t max_period;  ///< [1 / clock_hz] longest distance of two ticks since start

@@ -50,6 +50,11 @@ int32_t hal_swing_read_q32_isr(void)
     return 0;
 }
 
+hal_memory_t hal_scope_memory(void)
+{
+    return (hal_memory_t){0};
+}
+
 bool hal_has_swing(void)
 {
     return true;

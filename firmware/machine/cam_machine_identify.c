@@ -1,0 +1,344 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cam_machine_identify.h"
+#include "cam_fix.h"   // cam_sat_i32
+#include "cam_table.h" // cam_crc32
+#include <stddef.h>    // NULL
+#include <string.h>    // memcmp, memcpy
+
+// The wave
+
+static uint8_t *wave_bytes(const cam_machine_t *m)
+{
+    return (uint8_t *)m->scope.words;
+}
+
+cam_err_t cam_machine_wave_begin(cam_machine_t *m, uint32_t n_bytes)
+{
+    cam_identify_t *i = &m->identify;
+    if (i->phase != cam_identify_none) {
+        return i->phase == cam_identify_runs ? cam_err_state : cam_err_busy;
+    }
+    if (cam_scope_is_on(&m->scope)) {
+        return cam_err_scope_on;
+    }
+    if (n_bytes % sizeof(int32_t) != 0u || n_bytes < cam_wave_least * sizeof(int32_t)) {
+        return cam_err_wave_length;
+    }
+    const uint32_t n = n_bytes / sizeof(int32_t);
+    if (n > m->scope.n_words / 2u) {
+        return cam_err_scope_memory;
+    }
+    cam_scope_reserve(&m->scope, n);
+    i->n = 0;
+    i->n_bytes = n_bytes;
+    i->received = 0;
+    i->is_open = true;
+    return cam_ok;
+}
+
+cam_err_t cam_machine_wave_block(cam_machine_t *m, uint32_t offset, const uint8_t *bytes,
+                                 uint32_t n)
+{
+    cam_identify_t *i = &m->identify;
+    if (!i->is_open || n == 0u || n % sizeof(int32_t) != 0u) {
+        return cam_err_download_order;
+    }
+    if (offset > i->n_bytes || n > i->n_bytes - offset) {
+        return cam_err_download_room;
+    }
+    const bool is_known =
+        offset + n <= i->received && memcmp(wave_bytes(m) + offset, bytes, n) == 0;
+    if (is_known) {
+        return cam_ok;
+    }
+    if (offset != i->received) {
+        return cam_err_download_order;
+    }
+    (void)memcpy(wave_bytes(m) + offset, bytes, n);
+    i->received += n;
+    return cam_ok;
+}
+
+uint32_t cam_machine_wave_received(const cam_machine_t *m)
+{
+    return m->identify.received;
+}
+
+cam_err_t cam_machine_wave_end(cam_machine_t *m, uint32_t crc)
+{
+    cam_identify_t *i = &m->identify;
+    if (!i->is_open) {
+        return cam_err_download_order;
+    }
+    if (i->received < i->n_bytes) {
+        return cam_err_download_short;
+    }
+    i->is_open = false;
+    if (cam_crc32(0, wave_bytes(m), i->n_bytes) != crc) {
+        return cam_err_download_crc;
+    }
+    i->n = i->n_bytes / (uint32_t)sizeof(int32_t);
+    return cam_ok;
+}
+
+// The excitation
+
+static cam_wave_verdict_t plain(cam_err_t err)
+{
+    return (cam_wave_verdict_t){.err = err};
+}
+
+/// @return whether the interrupt has carried out the last request
+static bool is_settled(const cam_machine_t *m, const cam_status_t *status)
+{
+    return status->request == (m->n_requests & 0xFFFFFFu);
+}
+
+static void request(cam_machine_t *m, cam_request_t what)
+{
+    m->n_requests++;
+    atomic_store_explicit(&m->core->request, m->n_requests << 8 | (uint32_t)what,
+                          memory_order_release);
+}
+
+static cam_err_t check_moment(const cam_machine_t *m, const cam_status_t *status)
+{
+    if (!is_settled(m, status) || cam_identify_is_between(&m->identify)) {
+        return cam_err_busy;
+    }
+    if (status->state != cam_state_ready) {
+        return cam_err_state;
+    }
+    if (m->identify.n == 0u) {
+        return cam_err_wave_none;
+    }
+    return m->params.trace_on != 0 ? cam_ok : cam_err_scope_trace;
+}
+
+/// Fade and periods together last cam_wave_longest_s at most.
+static cam_wave_verdict_t check_length(const cam_machine_t *m, uint32_t n_periods,
+                                       uint32_t fade_ticks)
+{
+    const uint64_t most = (uint64_t)cam_wave_longest_s * m->tick_hz;
+    const uint64_t ticks = (uint64_t)n_periods * m->identify.n + 2u * (uint64_t)fade_ticks;
+    const bool is_good = n_periods >= 1u && ticks <= most && fade_ticks >= cam_wave_least &&
+                         fade_ticks <= cam_wave_longest_fade;
+    return (cam_wave_verdict_t){
+        .err = is_good ? cam_ok : cam_err_wave_length,
+        .value = is_good ? 0 : cam_sat_i32((int64_t)most),
+    };
+}
+
+/// X must be off the work, at every height, by the clearance and by as much as U moves inward.
+static cam_wave_verdict_t check_clear(const cam_machine_t *m, const cam_status_t *status,
+                                      const cam_config_t *cfg, const cam_wave_range_t *range)
+{
+    const int64_t inward_nm = m->identify.place_nm + range->high_nm;
+    const int64_t needed_nm = (cfg->play.x_clear_q10 >> 10) + (inward_nm > 0 ? inward_nm : 0);
+    const bool is_clear = status->x_actual_nm >= needed_nm;
+    return (cam_wave_verdict_t){
+        .err = is_clear ? cam_ok : cam_err_wave_clear,
+        .value = is_clear ? 0 : cam_sat_i32(needed_nm),
+    };
+}
+
+/// Give the interrupt the configuration in force with another excitation.
+/// @param following_nm  [nm] limit of the following error
+/// @return              false while it has not taken the last one
+static bool offer(cam_machine_t *m, const cam_excite_config_t *excite, int32_t following_nm)
+{
+    cam_config_t *copy = cam_config_copy(&m->core->config);
+    if (copy == NULL) {
+        return false;
+    }
+    copy->play.excite = *excite;
+    copy->guard.following_nm = following_nm;
+    cam_machine_learn_end(m);
+    return true;
+}
+
+/// Hand the wave over and let the recorder wait for it.
+static cam_err_t begin(cam_machine_t *m, const cam_status_t *status,
+                       const cam_excite_config_t *excite, int64_t following_nm)
+{
+    cam_identify_t *i = &m->identify;
+    const cam_err_t err = cam_scope_start(&m->scope, status->tick);
+    if (err != cam_ok) {
+        return err;
+    }
+    m->scope.in_state = cam_state_identifying;
+    if (!offer(m, excite, cam_sat_i32(following_nm))) {
+        cam_scope_stop(&m->scope);
+        return cam_err_busy;
+    }
+    i->phase = cam_identify_offered;
+    i->excited = cam_excited_runs;
+    i->alive_tick = status->tick;
+    i->disables = false;
+    return cam_ok;
+}
+
+cam_wave_verdict_t cam_machine_excite(cam_machine_t *m, uint32_t n_periods, uint32_t fade_ticks)
+{
+    const cam_status_t status = cam_machine_status(m);
+    cam_wave_verdict_t verdict = plain(check_moment(m, &status));
+    if (verdict.err == cam_ok) {
+        verdict = check_length(m, n_periods, fade_ticks);
+    }
+    if (verdict.err != cam_ok) {
+        return verdict;
+    }
+    const cam_config_t *cfg = atomic_load_explicit(&m->core->config.offered, memory_order_relaxed);
+    const cam_wave_range_t range = cam_wave_range(m->scope.words, m->identify.n);
+    const cam_excite_config_t excite = {
+        .wave_nm = m->scope.words,
+        .n = m->identify.n,
+        .n_play = n_periods * m->identify.n + fade_ticks,
+        .fade = cam_wave_fade(fade_ticks),
+        .place_q10 = (int64_t)m->identify.place_nm * 1024,
+    };
+    verdict = cam_wave_judge(&range, &excite.fade, m->identify.place_nm, cfg, m->tick_hz);
+    if (verdict.err == cam_ok) {
+        verdict = check_clear(m, &status, cfg, &range);
+    }
+    if (verdict.err != cam_ok) {
+        return verdict;
+    }
+    m->identify.following_nm = cfg->guard.following_nm;
+    const int64_t most_nm = -range.low_nm > range.high_nm ? -range.low_nm : range.high_nm;
+    return plain(begin(m, &status, &excite, m->identify.following_nm + most_nm));
+}
+
+void cam_machine_keep_alive(cam_machine_t *m)
+{
+    m->identify.alive_tick = cam_machine_status(m).tick;
+}
+
+// The sequence
+
+/// The interrupt has begun, or it has not because the state is another one by now.
+static void see_begin(cam_identify_t *i, const cam_status_t *status)
+{
+    const bool is_over = status->state == cam_state_ready; // as short as that it was
+    if (status->state == cam_state_identifying) {
+        i->phase = cam_identify_runs;
+    } else {
+        i->phase = cam_identify_ends;
+        i->excited = is_over ? cam_excited_done : cam_excited_fault;
+    }
+}
+
+/// @return whether the last sign of life is too old
+static bool is_silent(const cam_machine_t *m, const cam_status_t *status)
+{
+    const uint32_t patience_ticks = m->tick_hz / 1000u * (uint32_t)cam_identify_patience_ms;
+    return status->tick - m->identify.alive_tick > patience_ticks;
+}
+
+static void watch(cam_machine_t *m, const cam_status_t *status)
+{
+    cam_identify_t *i = &m->identify;
+    if (status->state == cam_state_identifying) {
+        if (i->excited == cam_excited_runs && is_silent(m, status)) {
+            i->excited = cam_excited_silent;
+            request(m, cam_request_stop);
+        }
+        return;
+    }
+    i->phase = cam_identify_ends;
+    if (status->state != cam_state_ready) {
+        i->excited = cam_excited_fault;
+    } else if (i->excited == cam_excited_runs) {
+        i->excited = cam_excited_done;
+    } else {
+        // it was cut short, and why is known
+    }
+}
+
+/// The interrupt gets its usual limits back; then the enable may go.
+static void end(cam_machine_t *m)
+{
+    static const cam_excite_config_t nothing = {0};
+    cam_identify_t *i = &m->identify;
+    if (!offer(m, &nothing, i->following_nm)) {
+        return;
+    }
+    i->phase = cam_identify_none;
+    // Behind a fault it is refused, whose retract takes the enable away as well.
+    i->disables = i->disables && cam_machine_disable(m) == cam_err_busy;
+}
+
+void cam_machine_identify_poll(cam_machine_t *m)
+{
+    cam_identify_t *i = &m->identify;
+    cam_scope_poll(&m->scope, &m->core->trace);
+    if (i->phase == cam_identify_none) {
+        return;
+    }
+    const cam_status_t status = cam_machine_status(m);
+    if (!is_settled(m, &status)) {
+        return;
+    }
+    if (i->phase == cam_identify_offered && status.config == m->generation) {
+        request(m, cam_request_identify);
+        i->phase = cam_identify_requested;
+    } else if (i->phase == cam_identify_requested) {
+        see_begin(i, &status);
+    } else if (i->phase == cam_identify_runs) {
+        watch(m, &status);
+    } else if (i->phase == cam_identify_ends) {
+        end(m);
+    } else {
+        // the interrupt has still to take the wave
+    }
+}
+
+cam_err_t cam_machine_identify_stop(cam_machine_t *m, bool disables)
+{
+    cam_identify_t *i = &m->identify;
+    const cam_status_t status = cam_machine_status(m);
+    if (!is_settled(m, &status) || i->phase != cam_identify_runs) {
+        return cam_err_busy;
+    }
+    i->disables = i->disables || disables;
+    if (i->excited == cam_excited_runs) {
+        i->excited = cam_excited_stopped;
+        request(m, cam_request_stop);
+    }
+    return cam_ok;
+}
+
+// The recorder
+
+cam_err_t cam_machine_scope_start(cam_machine_t *m)
+{
+    if (m->identify.phase != cam_identify_none) {
+        return cam_err_state;
+    }
+    if (m->params.trace_on == 0) {
+        return cam_err_scope_trace;
+    }
+    return cam_scope_start(&m->scope, cam_machine_status(m).tick);
+}
+
+cam_err_t cam_machine_scope_set(cam_machine_t *m, uint32_t field, int32_t value)
+{
+    if (field == cam_scope_field_place_nm) {
+        m->identify.place_nm = value;
+        return cam_ok;
+    }
+    return cam_scope_set(&m->scope, field, value);
+}
+
+cam_err_t cam_machine_scope_get(const cam_machine_t *m, uint32_t field, int32_t *value)
+{
+    const cam_err_t err = cam_scope_get(&m->scope, field, value);
+    if (field == cam_scope_field_place_nm) {
+        *value = m->identify.place_nm;
+    } else if (field == cam_scope_field_excited) {
+        *value = (int32_t)m->identify.excited;
+    } else {
+        // a field of the recorder itself
+    }
+    return err;
+}

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cam_wave.h"
+#include "cam_fix.h" // cam_abs_i64, cam_sat_i32
+
+static int64_t larger(int64_t a, int64_t b)
+{
+    return a > b ? a : b;
+}
+
+cam_wave_range_t cam_wave_range(const int32_t *wave_nm, uint32_t n)
+{
+    cam_wave_range_t range = {0};
+    int64_t last_nm = wave_nm[n - 1u];
+    int64_t last_step_nm = last_nm - wave_nm[n - 2u];
+    for (uint32_t i = 0; i < n; i++) {
+        const int64_t step_nm = wave_nm[i] - last_nm;
+        range.low_nm = -larger(-range.low_nm, -(int64_t)wave_nm[i]);
+        range.high_nm = larger(range.high_nm, wave_nm[i]);
+        range.step_nm = larger(range.step_nm, cam_abs_i64(step_nm));
+        range.bend_nm = larger(range.bend_nm, cam_abs_i64(step_nm - last_step_nm));
+        last_nm = wave_nm[i];
+        last_step_nm = step_nm;
+    }
+    return range;
+}
+
+/// A triangle of speed covers the way in 2 sqrt(way / acceleration).
+cam_move_limits_t cam_wave_fade(uint32_t fade_ticks)
+{
+    const uint64_t ticks = fade_ticks;
+    const uint64_t four_ways = (uint64_t)cam_excite_full_q30 * 4u;
+    const int32_t acceleration = (int32_t)(four_ways / (ticks * ticks)) + 1;
+    return (cam_move_limits_t){
+        .speed_q10 = (int32_t)(four_ways / (2u * ticks)) + acceleration,
+        .acceleration_q10 = acceleration,
+    };
+}
+
+/// @return [nm / 1024] a distance times a share of 2^30
+static int64_t share_q10(int64_t distance_nm, int64_t share_q30)
+{
+    return ((distance_nm * share_q30) >> 20) + 1;
+}
+
+static cam_wave_verdict_t refuse(cam_err_t err, int64_t value)
+{
+    return (cam_wave_verdict_t){.err = err, .value = cam_sat_i32(value)};
+}
+
+cam_wave_verdict_t cam_wave_judge(const cam_wave_range_t *range, const cam_move_limits_t *fade,
+                                  int32_t place_nm, const cam_config_t *cfg, uint32_t tick_hz)
+{
+    const int64_t most_nm = cfg->guard.u_range_q6 / 64;
+    const int64_t low_nm = place_nm + range->low_nm;
+    const int64_t high_nm = place_nm + range->high_nm;
+    if (low_nm < -most_nm || high_nm > most_nm) {
+        return refuse(cam_err_wave_stroke, -low_nm > high_nm ? low_nm : high_nm);
+    }
+    const int64_t wave_nm = larger(-range->low_nm, range->high_nm);
+    const int64_t speed_q10 = range->step_nm * 1024 + share_q10(wave_nm, fade->speed_q10);
+    if (speed_q10 > cfg->guard.u.speed_q10) {
+        return refuse(cam_err_wave_speed, (speed_q10 * tick_hz + 1023999) / 1024000);
+    }
+    const int64_t bend_q10 = range->bend_nm * 1024 +
+                             share_q10(2 * range->step_nm, fade->speed_q10) +
+                             share_q10(wave_nm, fade->acceleration_q10);
+    if (bend_q10 > cfg->guard.u.acceleration_q10) {
+        return refuse(cam_err_wave_acceleration, bend_q10 * tick_hz / 1024000 * tick_hz / 1000);
+    }
+    return (cam_wave_verdict_t){.err = cam_ok};
+}
