@@ -2,6 +2,7 @@
 #include "cam_build.h"
 #include "cam_angle.h"  // CAM_TURN_Q32
 #include "cam_demand.h" // cam_demand_half_stroke_nm
+#include "cam_fit.h"    // cam_fit_jump_counts
 #include "cam_fix.h"    // cam_sat_i32
 #include "cam_plan.h"   // cam_plan_ticks
 #include "cam_play.h"   // cam_play_history
@@ -74,13 +75,18 @@ static cam_move_limits_t limits(int32_t speed_um_per_s, int32_t acceleration_mm_
     };
 }
 
-/// @return [nm / 1024] place of U out of the work, beyond the outermost place of the cut, inside
-/// the stroke whatever was set
-static int64_t retract_q10(const cam_params_t *p, const cam_table_t *table)
+/// @param acceleration_q10  [nm / 1024 per tick^2] at which U retracts from a fault; braking by it,
+///                          tick by tick, may take U an eighth of it beyond its target (cam_move.c)
+/// @return [nm / 1024] place of U out of the work, beyond the outermost place of the cut, so far
+/// inside the stroke that U never leaves it, whatever was set
+static int64_t retract_q10(const cam_params_t *p, const cam_table_t *table,
+                           int32_t acceleration_q10)
 {
     const int32_t rise_nm = table != NULL ? cam_table_rise_nm(table) : 0;
+    const int32_t room_nm = acceleration_q10 / (8 * 1024) + 1;
     const int32_t half_nm = cam_demand_half_stroke_nm(table, p);
-    return (int64_t)cam_clamp_i32(p->u_retract_nm - rise_nm, -half_nm, half_nm) * 1024;
+    const int32_t most_nm = half_nm > room_nm ? half_nm - room_nm : 0;
+    return (int64_t)cam_clamp_i32(p->u_retract_nm - rise_nm, -most_nm, most_nm) * 1024;
 }
 
 /// Double pole at w = 2 pi f: kp = 2 w T, ki = (w T)^2.
@@ -123,7 +129,7 @@ static void build_spindle(cam_spindle_config_t *c, const cam_params_t *p, int32_
     c->index_tolerance = p->index_tolerance_counts;
     c->index_overdue = turn + turn / 8;
     c->max_counts = turn / 4;
-    c->jump_window = cam_clamp_i32(p->jump_window_counts, 0, c->max_counts);
+    c->jump_window = cam_clamp_i32(cam_fit_jump_counts(p, tick_hz), 0, c->max_counts);
     build_clock(c, p->late_percent, tick_hz, clock_hz);
     build_observer(c, p, tick_hz);
 }
@@ -338,31 +344,17 @@ static void build_guard(cam_guard_config_t *c, const cam_params_t *p, uint32_t s
     c->plan_ticks = (uint32_t)cam_plan_ticks(tick_hz);
     c->stopped_ticks = (uint32_t)scale(p->stopped_ms, tick_hz, 1000);
     c->homing_ticks = c->stopped_ticks * homing_patience;
-    c->following_nm = p->following_limit_nm;
     c->u_vel_q6 = (u->speed_q10 + u->speed_q10 / 16 + CHECK_MARGIN_Q10) / 16;
     c->u_acc_q6 = (u->acceleration_q10 + u->acceleration_q10 / 16 + CHECK_MARGIN_Q10) / 16;
     c->u_acc_off_q6 = c->u_acc_q6 + c->u_vel_q6;
     c->u_range_q6 = p->u_stroke_nm * 32;
 }
 
-/// Check what the interrupt relies on: the history reaches back over the lead, the observer is
-/// slower than the tick, feed-forward gains fit 15 integer bits.
-static cam_err_t check_fit(const cam_params_t *p, uint32_t tick_hz)
-{
-    const int64_t lead_q16 = scale(p->lead_ns, (int64_t)tick_hz * 65536, 1000000000);
-    const int64_t k2_ticks2 = (int64_t)p->k2_us2 * tick_hz / 1000000 * tick_hz / 1000000;
-    const int64_t k1_ticks = (int64_t)p->k1_ns * tick_hz / 1000000000;
-    const bool is_slow = (int64_t)p->observer_bandwidth_mHz * 20 <= (int64_t)tick_hz * 1000;
-    const bool is_short = lead_q16 < (int64_t)(cam_play_history - 2) * 65536;
-    return is_slow && is_short && k1_ticks < 32767 && k2_ticks2 < 32767 ? cam_ok
-                                                                        : cam_err_param_tick;
-}
-
 cam_err_t cam_build_config(cam_config_t *config, const cam_params_t *params,
                            const cam_table_t *table, uint32_t speed_limit_mrpm, uint32_t tick_hz,
                            uint32_t clock_hz)
 {
-    const cam_err_t err = check_fit(params, tick_hz);
+    const cam_err_t err = cam_fit_check(params, tick_hz);
     if (err != cam_ok) {
         return err;
     }
@@ -391,7 +383,9 @@ cam_err_t cam_build_config(cam_config_t *config, const cam_params_t *params,
     }
     build_limits(config, params, tick_hz);
     build_guard(&config->guard, params, speed_limit_mrpm, tick_hz);
-    config->play.u_retract_q10 = retract_q10(params, table);
+    config->guard.following_nm = cam_fit_following_nm(params, table);
+    config->guard.approach_nm = cam_fit_approach_nm(params, table, tick_hz);
+    config->play.u_retract_q10 = retract_q10(params, table, config->guard.u.acceleration_q10);
     config->guard.u_retract_q10 = config->play.u_retract_q10;
     config->k1_q16 = ticks_of_ns(params->k1_ns, tick_hz);
     config->k2_q16 = ticks2_of_us2(params->k2_us2, tick_hz);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_machine.h"
 #include "cam_build.h"            // cam_build_config
+#include "cam_fit.h"              // cam_fit_most
 #include "cam_fix.h"              // cam_is_within
 #include "cam_machine_identify.h" // cam_machine_identify_poll
 #include "cam_pass.h"             // cam_pass_params
@@ -65,9 +66,12 @@ void cam_machine_init(cam_machine_t *m, cam_t *core, uint32_t tick_hz, uint32_t 
     // The tick does not run yet, so both halves of the configuration may be written. The defaults
     // fit every tick rate from 500 Hz on except for the bandwidth of the observer, which is limited
     // to a twentieth of the tick rate.
-    const int64_t fastest_mHz = (int64_t)tick_hz * 1000 / 20;
+    const int32_t fastest_mHz = cam_fit_most(cam_param_observer_bandwidth_mHz, tick_hz);
     if (m->params.observer_bandwidth_mHz > fastest_mHz) {
-        m->params.observer_bandwidth_mHz = (int32_t)fastest_mHz;
+        m->params.observer_bandwidth_mHz = fastest_mHz;
+    }
+    if (hal_measures_u()) {
+        m->params.following_limit_nm = 0; // derived from the part
     }
     const cam_err_t err = hand_over(m, &m->params, NULL, 0);
     (void)cam_config_take_isr(&core->config);

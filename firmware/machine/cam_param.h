@@ -15,7 +15,7 @@
     X(encoder_sign,                  -1,          1,          1, "-1 when counts fall while the spindle turns in its positive sense; 0 is refused") \
     X(index_offset_udeg,     -180000000,          0,  180000000, "drawing's angle before the tool at the index, whatever the sense of cutting") \
     X(index_tolerance_counts,         0,          0,    1000000, "accepted deviation of the index from its place; jitter of the encoder") \
-    X(jump_window_counts,             1,          8,    1000000, "accepted deviation of one tick's counts from what the speed predicts") \
+    X(jump_window_counts,             0,          0,    1000000, "accepted deviation of one tick's counts from what the speed predicts; 0: derived from encoder, spindle and observer") \
     X(observer_bandwidth_mHz,      1000,     200000,    5000000, "bandwidth of the angle observer, at most tick rate / 20") \
     X(lead_ns,                        0,     100000,   20000000, "dead time of the U drive, from tick to motion, half a tick of hold included") \
     X(k1_ns,                          0,          0,  100000000, "velocity feed-forward of U: 2 damping / natural frequency") \
@@ -46,7 +46,7 @@
     X(spindle_acceleration_mrad_per_s2, 1000, 500000, 2000000000, "highest acceleration of the spindle") \
     X(stopped_mrpm,                   1,       5000,    1000000, "spindle counts as stopped below, in r/min / 1000") \
     X(stopped_ms,                     1,        100,      10000, "and is a fault after this time while cutting") \
-    X(following_limit_nm,           100,     100000,   10000000, "accepted following error of U") \
+    X(following_limit_nm,             0,     100000,   10000000, "accepted following error of U; 0, the default where U is measured: a tenth of the ovality, not less than the drive may be off in its approach") \
     X(late_percent,                  10,         50,        900, "a tick is late when it comes this much of a period after its time") \
     X(trace_on,                       0,          1,          1, "1: record every tick in the trace ring") \
     X(swing_speed_mdeg_per_s,         0,          0,  100000000, "highest speed of the tool's swing; 0: there is no axis for it") \

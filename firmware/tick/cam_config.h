@@ -120,7 +120,8 @@ typedef struct {
     uint32_t plan_ticks;        ///< [ticks] from plan to plan
     uint32_t stopped_ticks;     ///< [ticks] in the cut
     uint32_t homing_ticks;      ///< [ticks] for the spindle to turn while homing
-    int32_t following_nm;       ///< [nm]
+    int32_t following_nm;       ///< [nm] accepted following error of U in the cut
+    int32_t approach_nm;        ///< [nm] the same where U moves by time, not less
     int32_t u_vel_q6, u_acc_q6; ///< [nm / 64 per tick, per tick^2] of the set-point
     int32_t u_acc_off_q6;       ///< [nm / 64 per tick^2] of a tick off its time, whose step differs
     int32_t u_range_q6;         ///< [nm / 64] half the stroke

@@ -81,7 +81,7 @@ uint32_t cam_guard_plan_isr(cam_guard_t *g, const cam_guard_config_t *cfg,
 /// @return all faults of a tick, armed or not. Differences of set-points wrap only where they are
 /// far beyond the limits, and then the wrapped value is beyond them, too
 static uint32_t blame(cam_guard_t *g, const cam_guard_config_t *cfg, const cam_tick_record_t *r,
-                      int32_t step_q6)
+                      bool is_playing, int32_t step_q6)
 {
     const cam_sense_t *in = &r->in;
     const cam_angle_t *angle = &r->angle;
@@ -89,7 +89,9 @@ static uint32_t blame(cam_guard_t *g, const cam_guard_config_t *cfg, const cam_t
     uint32_t faults = want->faults;
     const int32_t off_nm = cam_wrap_sub(in->actual_nm[hal_axis_u], want->u_due_q6 >> 6);
     if (!cam_is_within(off_nm, cfg->following_nm)) {
-        faults |= CAM_FAULT_BIT(following_error);
+        if (is_playing || !cam_is_within(off_nm, cfg->approach_nm)) {
+            faults |= CAM_FAULT_BIT(following_error);
+        }
     }
     if (!cam_is_within(want->u_set_q6, cfg->u_range_q6)) {
         faults |= CAM_FAULT_BIT(setpoint_range);
@@ -189,6 +191,6 @@ cam_verdict_t cam_guard_step_isr(cam_guard_t *g, const cam_guard_config_t *cfg,
         return rest(g, cfg, r, m);
     }
     const int32_t step_q6 = cam_wrap_sub(want->u_set_q6, g->u_set_q6);
-    const uint32_t faults = blame(g, cfg, r, step_q6) & watched;
+    const uint32_t faults = blame(g, cfg, r, m->is_playing, step_q6) & watched;
     return faults == 0u ? accept(g, want, step_q6) : enter_fault(g, faults);
 }

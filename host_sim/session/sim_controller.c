@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_controller.h"
+#include "cam_fit.h"   // cam_fit_most
 #include "sim_units.h" // SIM_TWO_PI, sim_floor
 #include <math.h>      // ceil, floor
 
@@ -20,11 +21,6 @@ bool sim_wishes_add(sim_wishes_t *w, const char *name, double value, const char 
     w->is_given[id] = true;
     return true;
 }
-
-/// The limit of the following error lies above the lag of U in its approach without feed-forward
-/// (100 mm/s for 0.74 ms on the default machine) and below the stroke of an oval worth cutting, so
-/// that a U that stands still is noticed.
-enum { following_limit_um = 100 };
 
 typedef struct {
     cam_params_t *params;
@@ -82,7 +78,7 @@ static void derive_limits(derive_t *d, const sim_lathe_config_t *m)
     put(d, cam_param_z_speed_um_per_s, axis[hal_axis_z].speed_units_per_s * 1e3);
     put(d, cam_param_z_acceleration_mm_per_s2, axis[hal_axis_z].acceleration_units_per_s2);
     put(d, cam_param_spindle_limit_mrpm, m->spindle_limit_rpm * 1e3);
-    put(d, cam_param_following_limit_nm, following_limit_um * 1e3);
+    put(d, cam_param_following_limit_nm, 0.0); // the simulated drive measures: derived (cam_fit.h)
     // The speed loop is of first order; what is beyond a parameter's range is beyond any use.
     const sim_spindle_config_t *s = &m->spindle;
     put(d, cam_param_spindle_lag_us, sim_clamp(1e6 / s->bandwidth_rad_per_s, 0.0, 1e6));
@@ -102,19 +98,21 @@ static void derive_swing(derive_t *d, const sim_lathe_config_t *m)
     }
 }
 
-/// Derive the drawing's angle of the index, and windows that are wide enough for the noise of the
-/// edges.
+/// Derive the drawing's angle of the index, a window for it that is wide enough for the noise of
+/// the edges (the firmware widens that for jumps by it), and an observer that the tick carries.
 static void derive_encoder(derive_t *d, const sim_lathe_config_t *m)
 {
     const sim_encoder_config_t *c = &m->encoder;
     const double turn = sim_fraction(c->index_turn + 0.5) - 0.5;
     const double noise_counts = ceil(7.0 * c->jitter_counts); // two readings of +-3.47 rms each
-    const cam_param_info_t *window = cam_param_info(cam_param_jump_window_counts);
+    const uint32_t tick_hz = (uint32_t)m->tick_hz;
+    const int32_t fastest_mHz = cam_fit_most(cam_param_observer_bandwidth_mHz, tick_hz);
+    const int32_t usual_mHz = cam_param_info(cam_param_observer_bandwidth_mHz)->def;
     put(d, cam_param_counts_per_turn, c->counts_per_turn);
     put(d, cam_param_encoder_sign, c->sign);
     put(d, cam_param_index_offset_udeg, turn * SIM_UDEG_PER_TURN);
     put(d, cam_param_index_tolerance_counts, noise_counts);
-    put(d, cam_param_jump_window_counts, window->def + noise_counts);
+    put(d, cam_param_observer_bandwidth_mHz, usual_mHz < fastest_mHz ? usual_mHz : fastest_mHz);
 }
 
 bool sim_controller_params(cam_params_t *params, const sim_lathe_config_t *machine,

@@ -8,8 +8,9 @@
 ///     swing_lag = dead time + half a tick + 2 d / w of the swing
 ///     spindle_lag = 1 / bandwidth of the spindle, acceleration = torque / inertia
 ///
-/// The limits are those of the lathe; the following error may reach 0.1 mm (the firmware's default
-/// is 0.2 mm); jitter widens the windows for the index and for jumps by seven times its rms.
+/// The limits are those of the lathe; the following error and the window for jumps are left to the
+/// firmware, which derives them from machine and part (cam_fit.h); jitter widens the window for the
+/// index by seven times its rms. The observer has 200 Hz, or a twentieth of a slower tick.
 ///
 /// A parameter that is given in [controller] of the machine file or by --set overrules the derived
 /// one, so that a mismatch between machine and controller can be studied.

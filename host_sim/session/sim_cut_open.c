@@ -2,6 +2,7 @@
 #include "sim_cut.h"
 #include "sim_cut_pass.h" // sim_cut_plan_pass
 #include "cam_feed.h"     // cam_feed_least_nm
+#include "cam_fit.h"      // cam_fit_most
 #include "sim_lobe_cut.h" // sim_lobe_cut_begin
 #include "sim_slow.h"     // sim_slow_check
 #include "sim_units.h"    // SIM_NM_PER_MM
@@ -61,6 +62,23 @@ static bool check_rings(const sim_cut_t *cut, common_error_t *e)
                         field, least_mm, least_mm);
 }
 
+/// Say why the firmware takes no such value, and which one it would take. @return false
+static bool refused_param(const sim_cut_t *cut, cam_param_id_t id, cam_err_t err, common_error_t *e)
+{
+    const char *name = cam_param_info(id)->name;
+    const int value = (int)cam_param_get(&cut->params, id);
+    if (err == cam_err_param_tick) {
+        const double tick_hz = cut->session.options.config.lathe.tick_hz;
+        return common_error(e,
+                            "parameter %s = %d: refused: %s of %.0f Hz; give at most %d in the "
+                            "machine file or --set, or a machine with a faster tick_hz",
+                            name, value, cam_err_text(err), tick_hz,
+                            (int)cam_fit_most(id, (uint32_t)tick_hz));
+    }
+    return common_error(e, "parameter %s = %d: refused: %s; change the machine file or --set", name,
+                        value, cam_err_text(err));
+}
+
 /// Set the parameters that differ; one tick takes each change, so that the next can be made.
 static bool apply_params(sim_cut_t *cut, common_error_t *e)
 {
@@ -73,9 +91,7 @@ static bool apply_params(sim_cut_t *cut, common_error_t *e)
         const cam_err_t err = sim_firmware_set_param(&cut->firmware, id, value);
         sim_cut_idle(cut);
         if (err != cam_ok) {
-            return common_error(e,
-                                "parameter %s = %d: refused: %s; change the machine file or --set",
-                                cam_param_info(id)->name, (int)value, cam_err_text(err));
+            return refused_param(cut, id, err, e);
         }
     }
     return true;
@@ -150,12 +166,22 @@ static bool infeasible(const sim_cut_t *cut, common_error_t *e)
     const cam_feasibility_t *f = &cut->feasibility;
     double scale;
     const char *unit = unit_of(f->err, &scale);
+    const double u_retract_nm = cut->params.u_retract_nm;
     char remedy[80];
     put_remedy(cut, remedy, sizeof remedy);
     if (f->err == cam_err_feed) {
         return common_error(e, "--feed %.12g: infeasible: %s; give at most --feed %.12g",
                             (double)f->needed * 1e-6, cam_err_text(f->err),
                             (double)f->limit * 1e-6);
+    }
+    if (f->err == cam_err_u_retract) { // of what was set: the default fits every stroke
+        const double most_nm = (double)f->limit - ((double)f->needed + u_retract_nm);
+        return common_error(e,
+                            "--set u_retract_nm=%.0f: infeasible: %s: needs %.12g mm, limit %.12g "
+                            "mm; give at least %.0f, or leave it out: the default goes as far as "
+                            "the stroke allows",
+                            u_retract_nm, cam_err_text(f->err), (double)f->needed * scale,
+                            (double)f->limit * scale, most_nm > 0.0 ? -most_nm : 0.0);
     }
     if (f->err == cam_err_cam_amplitude) {
         return common_error(e, "--set amplitude_ppm=%lld: infeasible: %s; give at least %lld",

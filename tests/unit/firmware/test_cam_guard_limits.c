@@ -177,6 +177,23 @@ static void test_armed_mask_of_every_state_is_the_manuals(void)
     }
 }
 
+/// U that moves by time lags behind drives that differ from what was believed.
+static void test_following_error_out_of_the_cut_has_a_limit_of_its_own(void)
+{
+    cam_guard_config_t wide = *cfg;
+    wide.approach_nm = 150000;
+    for (int i = 0; i < 4; i++) {
+        begin(cam_state_engaging);
+        motion.is_playing = i % 2 != 0;
+        in.actual_nm[hal_axis_u] = i < 2 ? 150000 : 150001;
+        const cam_guard_config_t *const usual = cfg;
+        cfg = &wide;
+        (void)tick();
+        cfg = usual;
+        TEST_ASSERT_EQUAL_HEX32(i == 0 ? 0u : CAM_FAULT_BIT(following_error), guard.faults);
+    }
+}
+
 static void test_limits_of_the_other_sign_are_the_same(void)
 {
     begin(cam_state_cutting);
@@ -250,6 +267,7 @@ int main(void)
     RUN_TEST(test_fault_beyond_its_limit_is_latched_at_once_where_it_is_armed);
     RUN_TEST(test_fault_at_its_limit_is_none_in_any_state);
     RUN_TEST(test_armed_mask_of_every_state_is_the_manuals);
+    RUN_TEST(test_following_error_out_of_the_cut_has_a_limit_of_its_own);
     RUN_TEST(test_limits_of_the_other_sign_are_the_same);
     RUN_TEST(test_limits_are_those_of_the_parameters);
     RUN_TEST(test_fault_with_a_set_point_far_off_writes_from_the_last_good_place);

@@ -60,6 +60,21 @@ bool hal_has_swing(void)
     return true;
 }
 
+bool hal_has_edge_time(void)
+{
+    return false;
+}
+
+bool hal_measures_u(void)
+{
+    return false;
+}
+
+hal_memory_t hal_scope_memory(void)
+{
+    return (hal_memory_t){0};
+}
+
 void hal_swing_write_isr(const hal_swing_t *setpoint)
 {
     (void)setpoint;

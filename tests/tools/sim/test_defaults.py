@@ -1,0 +1,169 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Windows, limits and bandwidth that nobody set fit machine and part, or are refused with numbers."""
+
+from __future__ import annotations
+
+import csv
+import json
+from pathlib import Path
+
+import pytest
+
+from camsim_cases import camsim, only_error
+from camtools.cli.mktables import main as mktables
+from part_cases import PERKINS
+
+OVAL = """\
+[part]
+name = "oval"
+kind = "piston"
+source = "made for this test"
+[piston.profile]
+height_mm = [0, 30]
+diameter_mm = [90, 90]
+[piston.ovality]
+height_mm = [0, 30]
+ovality_mm = [0.3, 0.3]
+interpolation = "linear"
+[piston.section]
+shape = "ellipse"
+[process]
+spindle_rpm = 3000
+feed_mm = 0.1
+depth_mm = 0.1
+direction = 1
+u_zero = "mean"
+form_error_um = 1
+[machine.limits]
+u_stroke_mm = 0.8
+u_speed_mm_s = 400
+u_acceleration_mm_s2 = 250000
+spindle_rpm = 3000
+"""
+OVALITY_UM = 300.0
+QUICK = ("--feed", "1", "--turns-limit", "4")
+
+
+@pytest.fixture(scope="session")
+def oval(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Make the table of an oval of the same ovality everywhere."""
+    folder = tmp_path_factory.mktemp("oval")
+    (folder / "oval.toml").write_text(OVAL)
+    assert mktables([str(folder / "oval.toml"), "-o", str(folder)]) == 0
+    return folder / "oval.camtab"
+
+
+@pytest.fixture(scope="session")
+def perkins(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Make the table of the skirt whose ovality begins with half of its largest."""
+    folder = tmp_path_factory.mktemp("perkins")
+    assert mktables([str(PERKINS), "-o", str(folder)]) == 0
+    return folder / "perkins240.camtab"
+
+
+def machine(folder: Path, tick_hz: int, counts: int, more: str = "") -> Path:
+    """Write a machine file."""
+    path = folder / "machine.toml"
+    path.write_text(
+        f"[machine]\ntick_hz = {tick_hz}\n[encoder]\ncounts_per_turn = {counts}\n{more}"
+    )
+    return path
+
+
+@pytest.mark.parametrize("counts", [4096, 10_000, 65_536, 1_000_000])
+@pytest.mark.parametrize("tick_hz", [1000, 5000, 20_000])
+def test_no_speed_is_taken_for_a_jump(
+    oval: Path, tmp_path: Path, tick_hz: int, counts: int
+) -> None:
+    """Every encoder and tick cuts at every speed, with the usual and with slow observers."""
+    lathe = machine(tmp_path, tick_hz, counts)
+    for rpm in (500, 1500, 2000):
+        for bandwidth in ((), ("--set", "observer_bandwidth_mHz=20000")):
+            out = tmp_path / "s.json"
+            words = ("--rpm", rpm, "--machine", lathe, "--summary", out, "--tolerance-um", 50)
+            done = camsim("run", oval, *QUICK, *map(str, words), *bandwidth)
+            assert done.returncode == 0, done.stderr
+            assert json.loads(out.read_text())["faults"] == []
+
+
+def test_jump_beyond_the_derived_window_is_seen_in_its_tick(oval: Path, tmp_path: Path) -> None:
+    """A million counts: 67 by MATHS.md (166); twice of it is a jump, an eighth is lost counts."""
+    lathe = machine(tmp_path, 20_000, 1_000_000)
+    for counts, fault in ((134, "encoder_jump"), (8, "lost_counts")):
+        words = ("--machine", lathe, "--inject", f"encoder-jump@0.05:{counts}")
+        done = camsim("run", oval, "--rpm", "2000", "--feed", "1", *words)
+        assert f"fault {fault}:" in done.stderr
+
+
+def test_observer_that_is_too_fast_for_the_tick_is_refused_with_what_would_do(
+    oval: Path, tmp_path: Path
+) -> None:
+    """The line names rate and limit, and the limit is taken."""
+    lathe = machine(tmp_path, 1000, 10_000)
+    words = ("--rpm", "1500", "--machine", str(lathe), *QUICK)
+    line = only_error(camsim("run", oval, *words, "--set", "observer_bandwidth_mHz=200000"))
+    assert "observer_bandwidth_mHz = 200000" in line
+    assert "1000 Hz; give at most 50000 " in line
+    assert camsim("run", oval, *words, "--set", "observer_bandwidth_mHz=50000").returncode == 0
+
+
+def blocked_s(table: Path, rpm: int, at_s: float, folder: Path) -> tuple[float, float]:
+    """Block U in the cut; return [s] until the fault, and the largest following error [um]."""
+    trace = folder / "t.csv"
+    done = camsim("run", table, "--rpm", str(rpm), "--inject", f"u-block@{at_s}", "--trace", trace)
+    assert "fault following_error:" in done.stderr
+    with trace.open() as file:
+        rows = [r for r in csv.DictReader(file) if r["state"] in ("cutting", "fault")]
+    begin = float(rows[0]["t_s"]) + at_s
+    first = next(r for r in rows if r["state"] == "fault")
+    off_um = (float(first["u_act_nm"]) - float(first["u_due_nm"])) * 1e-3
+    return float(first["t_s"]) - begin, abs(off_um)
+
+
+@pytest.mark.parametrize("at_s", [0.1, 0.1025, 0.105, 0.1075])
+def test_blocked_u_is_seen_within_a_tenth_of_the_ovality_and_the_first_turn(
+    oval: Path, perkins: Path, tmp_path: Path, at_s: float
+) -> None:
+    """Wherever U stands: on an oval, and where the ovality is half of the part's largest."""
+    for table in (oval, perkins):
+        late_s, off_um = blocked_s(table, 2400, at_s, tmp_path)
+        assert 0 <= late_s <= 60 / 2400
+        assert off_um <= 0.1 * OVALITY_UM + 3.0  # and what U would have moved in its tick
+
+
+def test_wrong_drive_does_not_end_the_approach_in_a_fault(oval: Path) -> None:
+    """Bandwidth and damping believed 20 % wrong, each way: U approaches and cuts."""
+    for share in (0.8, 1.2):
+        for damping in (0.56, 0.84):
+            omega = 6.283185307 * 300 * share
+            k1, k2 = round(2e9 * damping / omega), round(1e12 / omega**2)
+            words = ("--set", f"k1_ns={k1}", "--set", f"k2_us2={k2}", "--tolerance-um", "50")
+            assert camsim("run", oval, "--rpm", "2500", *QUICK, *words).returncode == 0
+
+
+@pytest.mark.parametrize("stroke_mm", [0.2, 0.5, 0.8, 1.2])
+@pytest.mark.parametrize("tick_hz", [1000, 20_000])
+def test_default_retract_fits_every_stroke(
+    oval: Path, tmp_path: Path, stroke_mm: float, tick_hz: int
+) -> None:
+    """U stays in the stroke to the end, also at coarse ticks, where it overshot by 6 um."""
+    lathe = machine(tmp_path, tick_hz, 10_000, f"[u]\nstroke_mm = {stroke_mm}\n")
+    trace = tmp_path / "t.csv"
+    words = ("--rpm", "1500", *QUICK, "--machine", lathe, "--trace", trace)
+    done = camsim("run", oval, *words)
+    assert done.returncode == 0, done.stderr
+    with trace.open() as file:
+        u_nm = [float(row["u_set_nm"]) for row in csv.DictReader(file)]
+    assert max(map(abs, u_nm)) <= stroke_mm * 5e5
+
+
+def test_retract_that_was_set_beyond_the_stroke_is_blamed_itself(
+    oval: Path, tmp_path: Path
+) -> None:
+    """The line names the parameter and what would do; that is taken."""
+    lathe = machine(tmp_path, 20_000, 10_000, "[u]\nstroke_mm = 0.8\n")
+    words = ("--rpm", "1500", *QUICK, "--machine", str(lathe))
+    line = only_error(camsim("run", oval, *words, "--set", "u_retract_nm=-450000"))
+    assert line.startswith("camsim: --set u_retract_nm=-450000: infeasible: ")
+    most = line.partition("give at least ")[2].partition(",")[0]
+    assert camsim("run", oval, *words, "--set", f"u_retract_nm={most}").returncode == 0
