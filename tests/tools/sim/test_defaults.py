@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Windows, limits and bandwidth that nobody set fit machine and part, or are refused with numbers."""
+"""Windows, limits and bandwidth that nobody set fit the machine, or are refused with numbers."""
 
 from __future__ import annotations
 
