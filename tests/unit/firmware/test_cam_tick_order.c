@@ -70,11 +70,6 @@ bool hal_measures_u(void)
     return false;
 }
 
-hal_memory_t hal_scope_memory(void)
-{
-    return (hal_memory_t){0};
-}
-
 void hal_swing_write_isr(const hal_swing_t *setpoint)
 {
     (void)setpoint;
