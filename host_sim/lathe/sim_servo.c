@@ -2,14 +2,16 @@
 #include "sim_servo.h"
 #include "sim_units.h" // sim_abs, sim_clamp, SIM_TWO_PI
 #include <complex.h>   // cexp, I
-#include <math.h>      // exp
+#include <math.h>      // exp, INFINITY
 
 /// Corner of the speed's filter and of the sum, against w.
 #define FILTER_PER_W 8.0
-#define SUM_PER_W 0.02
+#define SUM_PER_W 0.005
 
-enum { n_lines = 60, n_searches = 60 };
+/// The fit: lines from FIRST_HZ on, dead times in steps up to LONGEST_S.
+enum { n_lines = 60, n_steps = 400 };
 #define FIRST_HZ 20.0
+#define LONGEST_S 2e-3
 
 void sim_servo_init(sim_servo_t *s, const sim_drive_config_t *config, double period_s)
 {
@@ -110,18 +112,16 @@ sim_servo_worth_t sim_servo_worth(const sim_drive_config_t *config, double perio
         lines.omega[i] = first + (last - first) * i / (n_lines - 1);
         lines.inverse[i] = inverse_at(config, &servo, lines.omega[i]);
     }
-    sim_servo_worth_t worth;
-    double low = 0.0;
-    double high = config->delay_us * 1e-6 + 2.0 * period_s + 4.0 / last;
-    for (int i = 0; i < n_searches; i++) { // a third of the interval goes each time
-        const double left = low + (high - low) / 3.0;
-        const double right = high - (high - low) / 3.0;
-        if (fit(&lines, left, &worth) < fit(&lines, right, &worth)) {
-            high = right;
-        } else {
-            low = left;
+    // The error has several minima over the dead time; only an inverse of positive constants counts.
+    sim_servo_worth_t best = {0};
+    double least = INFINITY;
+    for (int i = 0; i <= n_steps; i++) {
+        sim_servo_worth_t worth;
+        const double error = fit(&lines, LONGEST_S * i / n_steps, &worth);
+        if (error < least && worth.k1_s >= 0.0 && worth.k2_s2 >= 0.0) {
+            least = error;
+            best = worth;
         }
     }
-    (void)fit(&lines, 0.5 * (low + high), &worth);
-    return worth;
+    return best;
 }

@@ -2,7 +2,7 @@
 /// sim_servo: the position loop around a drive of kind force, so that others see a position drive.
 ///
 ///     F = Kp (c - y) + Ki sum (c - y) T - Kd v,       |F| <= limit
-///     Kp = m w^2,  Kd = 2 d m w - b,  Ki = Kp w / 50
+///     Kp = m w^2,  Kd = 2 d m w - b,  Ki = Kp w / 200
 ///
 /// c is the command, y the reading of the scale, v its difference over a period behind a filter of
 /// the first order at 8 w; m is the mass that the loop is tuned for, b the viscous drag. The sum
@@ -16,8 +16,8 @@
 /// "Feedback Systems", 2nd ed., 11.
 ///
 /// What the closed loop is worth as a position drive: the inverse of its frequency response,
-/// e^(-jwL) (1 + k1 jw + k2 (jw)^2) fitted over 20 Hz .. w by least squares, the dead time L by a
-/// search. T acts as a dead time of T / 2, which is what a held force is up to (w T)^2 / 24.
+/// e^(jwL) (1 + k1 jw + k2 (jw)^2) fitted over 20 Hz .. w by least squares, the dead time L by a
+/// search in steps of 5 us up to 2 ms. T acts as a dead time of T / 2, which is what a held force is up to (w T)^2 / 24.
 #ifndef SIM_SERVO_H
 #define SIM_SERVO_H
 

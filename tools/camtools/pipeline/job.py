@@ -18,6 +18,7 @@ from camtools.base.places import ROOT
 from camtools.base.stage import cannot_write
 from camtools.part.common import PartFile, is_feed_within
 from camtools.part.tool import Tool, check_tracks
+from camtools.sim.machines import machine_bytes, names
 from camtools.table.header import check_tolerance
 
 _MAX_FEED_MM = 10.0  # range of the firmware's parameter
@@ -33,8 +34,8 @@ or bad input."""
 def _parser() -> argparse.ArgumentParser:
     parser = Parser(
         prog="tools/run",
-        usage="tools/run [PART.toml] [--rpm N] [--feed MM] [--tolerance-nm T] [-o DIR] "
-        "[-- CAMSIM-OPTIONS]",
+        usage="tools/run [PART.toml] [--rpm N] [--feed MM] [--machine M] [--tolerance-nm T] "
+        "[-o DIR] [-- CAMSIM-OPTIONS]",
         description="Make the table of a part, cut it on the host simulator, write a report.",
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
@@ -45,6 +46,12 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--rpm", metavar="N", help="spindle speed, r/min; default: the part's")
     parser.add_argument("--feed", metavar="MM", help="feed per turn, mm; default: the part's")
+    parser.add_argument(
+        "--machine",
+        metavar="M",
+        help=f"a machine file, or one of {', '.join(names())}; default: a machine with the limits "
+        "of the part",
+    )
     parser.add_argument(
         "--tolerance-nm", metavar="T", help="error of the table, nm; default: as tools/mktables"
     )
@@ -104,6 +111,9 @@ class RunJob:
         self.part_path: Path = arguments.part or _DEFAULT_PART
         self.rpm = _positive("--rpm", arguments.rpm, "r/min")
         self.feed_mm = _positive("--feed", arguments.feed, "mm per turn")
+        self.machine: bytes | None = (
+            None if arguments.machine is None else machine_bytes(arguments.machine)
+        )
         self.tolerance_nm = _positive("--tolerance-nm", arguments.tolerance_nm, "nm")
         if self.tolerance_nm is not None:
             check_tolerance(self.tolerance_nm)

@@ -49,7 +49,8 @@ def _simulate(job: RunJob, made: Made, folder: Path) -> AnyCut | None:
     machine, turns = f"{name}_machine.toml", turns_of(job, made)
     window = traced_turns(turns, kind.mean_rpm(made.table, job.rpm))
     files = made.files(with_plots=False)
-    write_files(folder, files | {machine: kind.machine(part).encode("ascii")})
+    text = kind.machine(part).encode("ascii") if job.machine is None else job.machine
+    write_files(folder, files | {machine: text})
     simulator = Simulator(camsim_path(), folder, f"{name}.camtab")
     words = [
         *("--machine", machine, *job.tolerance(kind.form_error_um(part))),
