@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What errors of the constants do to a part, MATHS.md (156).
+
+>>> import numpy as np
+>>> turn = np.arange(64) / 64
+>>> motion = ToolMotion(500_000 * np.cos(4 * np.pi * turn), 3000.0)
+>>> round(motion.peak_speed_mm_s), round(motion.peak_acceleration_m_s2)
+(314, 197)
+>>> true = np.array([7e-4, 3e-7, 0.0, 1e-4])
+>>> round(form_error_nm(motion, true, second_order(motion.s, *true[[0, 1, 3]])))
+0
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from camtools.base.quantities import Floats, omega_rad_s
+from camtools.identify.fit import K1, K2, LEAD, second_order
+from camtools.identify.multisine import Complexes
+from camtools.identify.spectra import STICTION_NM_S
+from camtools.table.channel import KIND_U
+from camtools.table.evaluate import evaluate_grid
+from camtools.table.image import Table
+
+_POINTS = 8  # of each segment between two knots
+_MOST_POINTS = 4096
+
+
+@dataclass(frozen=True, eq=False)
+class ToolMotion:
+    """The way of U over one turn.
+
+    Attributes
+    ----------
+    u_nm : ndarray, shape (n,)
+        at angles that divide the turn evenly
+    rpm : float
+        spindle speed, its mean where it is modulated
+    """
+
+    u_nm: Floats
+    rpm: float
+
+    @property
+    def s(self) -> Complexes:
+        """J times the angular frequency [rad/s] of each harmonic, from 0."""
+        order = np.arange(self.u_nm.size // 2 + 1)
+        return np.asarray(1j * omega_rad_s(self.rpm) * order, np.complex128)
+
+    @property
+    def harmonics(self) -> Complexes:
+        """Spectrum of the way, as of numpy.fft.rfft."""
+        return np.asarray(np.fft.rfft(self.u_nm))
+
+    def over_turn(self, harmonics: Complexes) -> Floats:
+        """Return what a spectrum is over the turn."""
+        return np.asarray(np.fft.irfft(harmonics, self.u_nm.size))
+
+    @property
+    def peak_speed_mm_s(self) -> float:
+        """Highest speed of U."""
+        return float(np.max(np.abs(self.over_turn(self.harmonics * self.s)))) * 1e-6
+
+    @property
+    def peak_acceleration_m_s2(self) -> float:
+        """Highest acceleration of U."""
+        return float(np.max(np.abs(self.over_turn(self.harmonics * self.s**2)))) * 1e-9
+
+
+def motion_of(table: Table, rpm: float) -> ToolMotion:
+    """Return the fastest turn of a table: that whose speed of U is highest."""
+    channel = table.channel(KIND_U)
+    if channel.has_patterns:
+        heights = np.arange(channel.n_slices, dtype=np.float64)
+    else:
+        heights = np.linspace(channel.z_first_nm, channel.z_last_nm, channel.n_slices)
+    values = evaluate_grid(channel, heights, np.arange(_POINTS) / _POINTS)
+    row = int(np.argmax(np.max(np.abs(values.d1), axis=1)))
+    u_nm = np.tile(values.value[row], 1 << channel.log2_repeat)
+    return ToolMotion(u_nm[:: max(1, u_nm.size // _MOST_POINTS)], rpm)
+
+
+def form_error_nm(motion: ToolMotion, believed: Floats, response: Complexes) -> float:
+    """Return the largest error of form that feed-forward with some constants leaves.
+
+    Parameters
+    ----------
+    believed : ndarray, shape (4,)
+        constants of the feed-forward, as of `fit.DriveFit.values`
+    response : ndarray
+        of the drive at `motion.s`
+    """
+    s = motion.s
+    error = (response / second_order(s, *believed[[K1, K2, LEAD]]) - 1) * motion.harmonics
+    error[0] = 0
+    return float(np.max(np.abs(motion.over_turn(error))))
+
+
+def form_sigma_nm(motion: ToolMotion, values: Floats, covariance: Floats) -> float:
+    """Return the standard deviation of the error of form where it is largest.
+
+    Parameters
+    ----------
+    values, covariance : ndarray, shape (4,), (4, 4)
+        of the constants that feed-forward uses
+    """
+    s = motion.s
+    inverse = 1 + values[K1] * s + values[K2] * s**2
+    by = np.zeros((4, motion.u_nm.size))
+    for i, term in ((K1, s / inverse), (K2, s**2 / inverse), (LEAD, s)):
+        by[i] = motion.over_turn(term * motion.harmonics)
+    return float(np.sqrt(np.max(np.einsum("in,ij,jn->n", by, covariance, by))))
+
+
+def friction_error_nm(motion: ToolMotion, values: Floats) -> float:
+    """Return the largest error that friction leaves, which feed-forward does not know."""
+    speed = motion.over_turn(motion.harmonics * motion.s)
+    direction = np.fft.rfft(np.clip(speed / STICTION_NM_S, -1.0, 1.0))
+    slide = second_order(motion.s, values[K1], values[K2], 0.0)
+    return float(np.max(np.abs(motion.over_turn(values[2] * direction * slide))))
