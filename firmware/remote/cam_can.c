@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_can.h"
-#include "cam_fix.h" // cam_sat_i32
-#include "camturn.h" // camturn_command_unpack
-#include <stddef.h>  // NULL
+#include "cam_fix.h"              // cam_sat_i32
+#include "cam_machine_identify.h" // cam_machine_excite
+#include "camturn.h"              // camturn_command_unpack
+#include <stddef.h>               // NULL
 
 /// Places of command and parameter in a frame. They are echoed even when the frame is too short.
 enum { at_command, at_parameter, n_echoed };
@@ -41,6 +42,7 @@ static void answer(cam_can_t *r, uint8_t command, uint8_t parameter, outcome_t o
         .amplitude = outcome.value,
         .phase = outcome.value,
         .received = (uint32_t)outcome.value,
+        .crc = (uint32_t)outcome.value,
     };
     hal_can_frame_t *frame = &r->answers[r->n_answers];
     frame->id = CAMTURN_ANSWER_FRAME_ID;
@@ -124,7 +126,72 @@ static outcome_t explained(const cam_can_t *r, cam_err_t err)
 /// @return an error with the number of bytes that have been stored
 static outcome_t received(const cam_can_t *r, cam_err_t err)
 {
-    return (outcome_t){.err = err, .value = (int32_t)r->store.received};
+    const uint32_t n = r->is_wave ? cam_machine_wave_received(r->machine) : r->store.received;
+    return (outcome_t){.err = err, .value = (int32_t)n};
+}
+
+/// Begin a download of either kind.
+static outcome_t begin_download(cam_can_t *r, uint32_t size, bool is_wave)
+{
+    r->is_wave = is_wave;
+    return received(r, is_wave ? cam_machine_wave_begin(r->machine, size)
+                               : cam_store_begin(&r->store, size));
+}
+
+static outcome_t excite(const cam_can_t *r, const struct camturn_command_t *m)
+{
+    const cam_wave_verdict_t verdict = cam_machine_excite(r->machine, m->periods, m->fade);
+    return (outcome_t){.err = verdict.err, .value = verdict.value};
+}
+
+/// @return a field of the recorder with a given error
+static outcome_t get_scope(const cam_can_t *r, uint32_t field, cam_err_t err)
+{
+    outcome_t outcome = plain(err);
+    const cam_err_t got = cam_machine_scope_get(r->machine, field, &outcome.value);
+    outcome.err = err != cam_ok ? err : got;
+    return outcome;
+}
+
+static outcome_t get_learned(const cam_can_t *r, uint32_t index, cam_err_t err)
+{
+    outcome_t outcome = plain(err);
+    const cam_err_t got = cam_machine_get_learned(r->machine, index, &outcome.value);
+    outcome.err = err != cam_ok ? err : got;
+    return outcome;
+}
+
+/// Carry out a command of recorder, excitation or learning.
+static outcome_t carry_out_scope(cam_can_t *r, const struct camturn_command_t *m)
+{
+    cam_machine_t *machine = r->machine;
+    const uint32_t index = m->parameter;
+    switch (m->command) {
+    case CAMTURN_COMMAND_COMMAND_SET_SCOPE_CHOICE:
+        return get_scope(r, index, cam_machine_scope_set(machine, index, m->value));
+    case CAMTURN_COMMAND_COMMAND_GET_SCOPE_CHOICE:
+        return get_scope(r, index, cam_ok);
+    case CAMTURN_COMMAND_COMMAND_START_SCOPE_CHOICE:
+        return plain(cam_machine_scope_start(machine));
+    case CAMTURN_COMMAND_COMMAND_STOP_SCOPE_CHOICE:
+        cam_scope_stop(&machine->scope);
+        return plain(cam_ok);
+    case CAMTURN_COMMAND_COMMAND_BEGIN_WAVE_CHOICE:
+        return begin_download(r, m->size, true);
+    case CAMTURN_COMMAND_COMMAND_END_WAVE_CHOICE:
+        return received(r, cam_machine_wave_end(machine, m->crc));
+    case CAMTURN_COMMAND_COMMAND_EXCITE_CHOICE:
+        return excite(r, m);
+    case CAMTURN_COMMAND_COMMAND_KEEP_ALIVE_CHOICE:
+        cam_machine_keep_alive(machine);
+        return plain(cam_ok);
+    case CAMTURN_COMMAND_COMMAND_GET_LEARNED_CHOICE:
+        return get_learned(r, index, cam_ok);
+    case CAMTURN_COMMAND_COMMAND_SET_LEARNED_CHOICE:
+        return get_learned(r, index, cam_machine_set_learned(machine, index, m->value));
+    default:
+        return plain(cam_err_command);
+    }
 }
 
 /// Carry out a command that has exactly one answer.
@@ -153,11 +220,23 @@ static outcome_t carry_out(cam_can_t *r, const struct camturn_command_t *m)
     case CAMTURN_COMMAND_COMMAND_SELECT_TABLE_CHOICE:
         return plain(select_and_say(r));
     case CAMTURN_COMMAND_COMMAND_BEGIN_DOWNLOAD_CHOICE:
-        return received(r, cam_store_begin(&r->store, m->size));
+        return begin_download(r, m->size, false);
     case CAMTURN_COMMAND_COMMAND_END_DOWNLOAD_CHOICE:
         return received(r, cam_store_end(&r->store, m->crc));
     default:
-        return plain(cam_err_command);
+        return carry_out_scope(r, m);
+    }
+}
+
+/// Begin to send a piece of the recording; the answer follows it.
+static void read_scope(cam_can_t *r, const struct camturn_command_t *m)
+{
+    const uint32_t tick = cam_machine_status(r->machine).tick;
+    r->reading.parameter = m->parameter;
+    const cam_err_t err =
+        cam_reading_begin(&r->reading, &r->machine->scope, m->offset, m->count, tick);
+    if (err != cam_ok) {
+        answer(r, m->command, m->parameter, plain(err));
     }
 }
 
@@ -179,6 +258,9 @@ static void follow(cam_can_t *r, const struct camturn_command_t *m)
         break;
     case CAMTURN_COMMAND_COMMAND_SET_PHASE_CHOICE:
         set(r, m->command, cam_param_phase_udeg, m->phase);
+        break;
+    case CAMTURN_COMMAND_COMMAND_READ_SCOPE_CHOICE:
+        read_scope(r, m);
         break;
     default:
         answer(r, m->command, m->parameter, carry_out(r, m));
@@ -206,13 +288,28 @@ static void take_command(cam_can_t *r, const hal_can_frame_t *frame)
 
 // Downloads
 
+/// Store a block of the download that was begun last.
+static cam_err_t store_block(cam_can_t *r, uint32_t n)
+{
+    const uint8_t *b = r->block;
+    if (!r->is_wave) {
+        return cam_store_block(&r->store, b, n);
+    }
+    if (n <= cam_store_block_header) {
+        return cam_err_download_order;
+    }
+    const uint32_t offset =
+        (uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
+    return cam_machine_wave_block(r->machine, offset, b + cam_store_block_header,
+                                  n - cam_store_block_header);
+}
+
 /// Store a block that is complete, or report one that is lost.
 static void end_block(cam_can_t *r, cam_isotp_event_t event)
 {
     if (event != cam_isotp_nothing) {
-        const cam_err_t err = event == cam_isotp_message
-                                  ? cam_store_block(&r->store, r->block, r->isotp.length)
-                                  : cam_err_download_order;
+        const cam_err_t err =
+            event == cam_isotp_message ? store_block(r, r->isotp.length) : cam_err_download_order;
         answer(r, CAMTURN_ANSWER_COMMAND_DOWNLOAD_BLOCK_CHOICE, 0, received(r, err));
     }
 }
@@ -236,6 +333,9 @@ static bool send_flow(cam_can_t *r)
 /// @return false when something that must be sent found no room
 static bool take_frame(cam_can_t *r, const hal_can_frame_t *frame, uint32_t tick)
 {
+    if (frame->id == CAMTURN_COMMAND_FRAME_ID || frame->id == CAMTURN_BLOCK_FRAME_ID) {
+        r->reading.is_on = false;
+    }
     if (frame->id == CAMTURN_COMMAND_FRAME_ID) {
         take_command(r, frame);
     } else if (frame->id == CAMTURN_BLOCK_FRAME_ID) {
@@ -246,6 +346,21 @@ static bool take_frame(cam_can_t *r, const hal_can_frame_t *frame, uint32_t tick
     return send_flow(r);
 }
 
+/// Go on with the piece of the recording that is being sent, and answer behind its end.
+static void go_on_reading(cam_can_t *r, uint32_t tick)
+{
+    const cam_scope_t *scope = &r->machine->scope;
+    const cam_reading_event_t event = cam_reading_poll(&r->reading, scope, tick);
+    if (event != cam_reading_nothing) {
+        const bool is_lost = event == cam_reading_lost;
+        const outcome_t outcome = {
+            .err = is_lost ? cam_err_scope_range : cam_ok,
+            .value = is_lost ? 0 : (int32_t)cam_reading_crc(&r->reading, scope),
+        };
+        answer(r, CAMTURN_ANSWER_COMMAND_READ_SCOPE_CHOICE, r->reading.parameter, outcome);
+    }
+}
+
 /// Read frames until one needs an answer: at most one command or block per call.
 static void serve(cam_can_t *r, uint32_t tick)
 {
@@ -253,7 +368,8 @@ static void serve(cam_can_t *r, uint32_t tick)
     if (!send_answers(r) || !send_flow(r)) {
         return;
     }
-    bool goes_on = true;
+    go_on_reading(r, tick);
+    bool goes_on = r->n_answers == 0u;
     for (uint32_t i = 0; i < max_frames && goes_on && hal_can_read(&frame); i++) {
         goes_on = take_frame(r, &frame, tick) && r->n_answers == 0u;
     }

@@ -9,7 +9,9 @@
 /// status shows the outcome. A frame whose length is not 8, or which has reserved bytes set, is
 /// answered with cam_err_frame (missing bytes are echoed as 0), an unknown command with
 /// cam_err_command. A value out of its range is answered three times: refusal, minimum, maximum.
-/// Frames with other ids are ignored. Answers that find no room in the transmit queue are kept, and
+/// Frames with other ids are ignored. read_scope is answered behind the piece that it asks for
+/// (cam_reading.h); a command or a block that comes before ends the piece, without an answer.
+/// Answers that find no room in the transmit queue are kept, and
 /// nothing is read before they have been sent. A silent bus stops nothing.
 ///
 /// A table that cannot be used does not keep the controller from starting. Enable is then refused
@@ -22,9 +24,11 @@
 #include "cam_isotp.h"   // cam_isotp_t
 #include "cam_lines.h"   // cam_lines_t
 #include "cam_machine.h" // cam_machine_t
+#include "cam_reading.h" // cam_reading_t
 #include "cam_report.h"  // cam_report_t
 #include "cam_store.h"   // cam_store_t
 #include "hal/hal.h"     // hal_can_frame_t
+#include <stdbool.h>     // bool
 #include <stdint.h>      // uint8_t, uint32_t
 
 /// A value out of its range gets the most answers.
@@ -41,6 +45,8 @@ typedef struct {
     hal_can_frame_t answers[cam_can_max_answers];                  ///< to the last command
     uint32_t n_answers;                                            ///< how many there are
     uint32_t n_answered;                                           ///< how many have been sent
+    bool is_wave;          ///< blocks are of a wave, not of a table
+    cam_reading_t reading; ///< piece of the recording that is being sent
 } cam_can_t;
 
 /// Take the table of hal_table_image() into use if it is good, and report in lines of text why the

@@ -7,12 +7,21 @@
 enum { status_hz = 100 };
 
 /// Pages of Detail.
-enum { page_motion, page_load, page_rate, page_table, page_crc, page_name, n_pages = 11 };
+enum {
+    page_motion,
+    page_load,
+    page_rate,
+    page_table,
+    page_crc,
+    page_name,
+    page_learning = 11,
+    n_pages = 16
+};
 
 /// Characters of the table's name in a page. Readers see them as one number of 48 bits.
 enum { name_chars = 6 };
 
-_Static_assert((n_pages - page_name) * name_chars >= cam_table_name_size, "the whole name");
+_Static_assert((page_learning - page_name) * name_chars >= cam_table_name_size, "the whole name");
 
 /// States have the same numbers in camturn.dbc and here; a test compares all the other words.
 _Static_assert(CAMTURN_STATE_STATE_FAULT_CHOICE == cam_state_fault,
@@ -95,7 +104,7 @@ static uint64_t name_part(const char *name, uint32_t part)
 static void describe_table(struct camturn_detail_t *m, const cam_store_t *store)
 {
     const cam_table_t *table = &store->machine->table;
-    if (!store->machine->has_table || m->page < page_table) {
+    if (!store->machine->has_table || m->page < page_table || m->page >= page_learning) {
         return;
     }
     m->table_generation = store->generation & 0xFFFFFFu;
@@ -109,6 +118,28 @@ static void describe_table(struct camturn_detail_t *m, const cam_store_t *store)
     m->table_name_3 = chars;
     m->table_name_4 = chars;
     m->table_name_5 = chars;
+}
+
+/// Fill in the signals of a page that describes the learning.
+static void describe_learning(struct camturn_detail_t *m, const cam_machine_t *machine)
+{
+    enum { most = (1 << 24) - 1 };
+    if (m->page < page_learning) {
+        return;
+    }
+    const cam_teach_status_t t = cam_machine_learning(machine);
+    m->learn_phase = (uint8_t)t.phase;
+    m->learn_reason = (uint8_t)t.reason;
+    m->learn_harmonics = (uint8_t)(t.n_harmonics & 0xFFu);
+    m->learn_turns = t.n_turns;
+    m->learn_masked = t.masked & (uint32_t)most;
+    m->learn_error = t.error_nm;
+    m->learn_k1 = cam_clamp_i32(t.k1_ns, -(most / 2) - 1, most / 2);
+    m->learn_k2 = t.k2_us2;
+    m->learn_begin_error = t.begin_error_nm < (uint32_t)most ? t.begin_error_nm : (uint32_t)most;
+    m->learn_correction = t.correction_nm;
+    m->learn_ripple = t.ripple_nturn < (uint32_t)most ? t.ripple_nturn : (uint32_t)most;
+    m->learn_speed = t.speed_mrpm;
 }
 
 /// @return number of the pass that is cut or that start cuts next; 0 of a table without passes
@@ -139,6 +170,7 @@ static void send_detail(uint32_t page, const cam_store_t *store, const cam_statu
     };
     m.tick_time_max = page == page_load ? longest_tick_ns() : 0u;
     describe_table(&m, store);
+    describe_learning(&m, store->machine);
     hal_can_frame_t frame;
     send(&frame, CAMTURN_DETAIL_FRAME_ID, camturn_detail_pack(frame.data, &m, sizeof frame.data));
 }

@@ -114,6 +114,28 @@ def test_parameters_are_those_of_the_firmware(database: Database) -> None:
         assert choices(database.get_message_by_name(message), "parameter") == names
 
 
+def test_recorder_and_learning_are_those_of_the_firmware(database: Database) -> None:
+    """Signals and fields are the lists of cam_scope.h; phases, ends and reasons the enumerations."""
+    assert database.dbc is not None
+    tables = {
+        name: {int(number): str(word) for number, word in table.items()}
+        for name, table in database.dbc.value_tables.items()
+    }
+    for name, macro in (("scope_signal", "SIGNALS"), ("scope_field", "FIELDS")):
+        told = [row[0] for row in rows("cam_scope.h", f"CAM_SCOPE_{macro}")]
+        assert len(told) > 10
+        assert tables[name] == dict(enumerate(told))
+    scope, identify = header_of("cam_scope.h"), header_of("cam_identify.h")
+    assert tables["scope_phase"] == enumerators(scope, "cam_scope_phase_t", "cam_scope_")
+    assert tables["scope_end"] == enumerators(scope, "cam_scope_end_t", "cam_scope_")
+    assert tables["excited"] == enumerators(identify, "cam_excited_t", "cam_excited_")
+    detail, teach = database.get_message_by_name("Detail"), header_of("cam_teach.h")
+    for name in ("phase", "reason"):
+        words = enumerators(teach, f"cam_teach_{name}_t", "cam_teach_")
+        assert words.popitem()[1].startswith("n_")
+        assert choices(detail, f"learn_{name}") == words
+
+
 def test_quick_commands_have_the_ranges_of_their_parameters(database: Database) -> None:
     """Speed, feed, amplitude, phase: factor and range are those of the parameter behind."""
     ranges = {row[0]: (int(row[1]), int(row[3])) for row in rows("cam_param.h", "CAM_PARAMS")}
@@ -141,7 +163,7 @@ def test_every_message_and_unit_is_told(database: Database) -> None:
     """Messages carry a comment; ids are those of node 64 and collide with no PDO of others."""
     assert all(message.comment for message in database.messages)
     ids = {message.frame_id for message in database.messages}
-    assert ids == {0x640, 0x5C0, 0x1C0, 0x2C0, 0x3C0, 0x4C0, 0x540, 0x6C0}
+    assert ids == {0x640, 0x5C0, 0x1C0, 0x2C0, 0x3C0, 0x4C0, 0x440, 0x540, 0x6C0}
 
 
 def test_nodes_of_every_number_stand_on_one_bus(database: Database) -> None:

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cam_reading.h"
+#include "cam_table.h" // cam_crc32
+#include "camturn.h"   // CAMTURN_RECORDING_FRAME_ID
+#include "hal/hal.h"   // hal_can_write
+#include <string.h>    // memcpy
+
+/// Bytes of a message behind its number.
+enum { part_bytes = 7 };
+
+/// @return first byte of the piece. Words lie in memory as they are sent, the lowest byte first.
+static const uint8_t *piece(const cam_reading_t *r, const cam_scope_t *scope)
+{
+    return (const uint8_t *)cam_scope_recorded(scope) + r->from;
+}
+
+cam_err_t cam_reading_begin(cam_reading_t *r, const cam_scope_t *scope, uint32_t offset,
+                            uint32_t n_words, uint32_t tick)
+{
+    const uint32_t n_there = cam_scope_n_recorded(scope);
+    if (offset >= n_there || n_words == 0u) {
+        return cam_err_scope_range;
+    }
+    const uint32_t n = n_words < n_there - offset ? n_words : n_there - offset;
+    *r = (cam_reading_t){
+        .is_on = true,
+        .parameter = r->parameter,
+        .number = scope->number,
+        .from = offset * (uint32_t)sizeof(int32_t),
+        .n_bytes = n * (uint32_t)sizeof(int32_t),
+        .begin_tick = tick,
+    };
+    return cam_ok;
+}
+
+/// Queue the next message. @return false without room
+static bool send_part(cam_reading_t *r, const cam_scope_t *scope)
+{
+    const uint32_t at = r->n_sent * part_bytes;
+    const uint32_t left = r->n_bytes - at;
+    hal_can_frame_t frame = {.id = CAMTURN_RECORDING_FRAME_ID, .n = CAMTURN_RECORDING_LENGTH};
+    frame.data[0] = (uint8_t)r->n_sent;
+    (void)memcpy(&frame.data[1], piece(r, scope) + at, left < part_bytes ? left : part_bytes);
+    if (!hal_can_write(&frame)) {
+        return false;
+    }
+    r->n_sent++;
+    return true;
+}
+
+cam_reading_event_t cam_reading_poll(cam_reading_t *r, const cam_scope_t *scope, uint32_t tick)
+{
+    if (!r->is_on) {
+        return cam_reading_nothing;
+    }
+    if (r->number != scope->number || r->from + r->n_bytes > cam_scope_n_recorded(scope) * 4u) {
+        r->is_on = false;
+        return cam_reading_lost;
+    }
+    const uint32_t n_parts = (r->n_bytes + part_bytes - 1u) / part_bytes;
+    const uint64_t elapsed = (uint64_t)(tick - r->begin_tick) * cam_reading_hz;
+    const uint64_t due = elapsed / scope->tick_hz + 1u;
+    while (r->n_sent < n_parts && r->n_sent < due) {
+        if (!send_part(r, scope)) {
+            return cam_reading_nothing;
+        }
+    }
+    r->is_on = r->n_sent < n_parts;
+    return r->is_on ? cam_reading_nothing : cam_reading_complete;
+}
+
+uint32_t cam_reading_crc(const cam_reading_t *r, const cam_scope_t *scope)
+{
+    return cam_crc32(0, piece(r, scope), r->n_bytes);
+}

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+/// cam_reading: sends a piece of the recording (cam_scope.h) in numbered messages.
+///
+/// A piece is at most 255 words: 146 messages of 7 bytes. They are sent at cam_reading_hz at most,
+/// so that the status finds room between them, and go on where the transmit queue was full. Nothing
+/// is remembered between pieces: a reader asks for any piece, again if it came damaged, and
+/// whichever reader may go on where another one ended. Context: slow side, main() only.
+#ifndef CAM_READING_H
+#define CAM_READING_H
+
+#include "cam_err.h"   // cam_err_t
+#include "cam_scope.h" // cam_scope_t
+#include <stdbool.h>   // bool
+#include <stdint.h>    // uint8_t, uint32_t
+
+/// [Hz] messages of a piece: 60 per cent of a bus of 500 kbit/s with the status.
+enum { cam_reading_hz = 2500 };
+
+/// State; zero-initialised sends nothing.
+typedef struct {
+    bool is_on;
+    uint8_t parameter;   ///< of the command, to be echoed
+    uint32_t number;     ///< of the recording: another one ends the piece
+    uint32_t from;       ///< [bytes] begin of the piece in the recording
+    uint32_t n_bytes;    ///< [bytes] of the piece
+    uint32_t n_sent;     ///< [messages]
+    uint32_t begin_tick; ///< when it began
+} cam_reading_t;
+
+/// What a poll came to.
+typedef enum { cam_reading_nothing, cam_reading_complete, cam_reading_lost } cam_reading_event_t;
+
+/// Begin a piece.
+/// @param offset   [words] in the recording
+/// @param n_words  that are wanted; fewer where the recording ends
+/// @return         cam_ok; cam_err_scope_range: there is no such word
+CAM_MUST_USE cam_err_t cam_reading_begin(cam_reading_t *r, const cam_scope_t *scope,
+                                         uint32_t offset, uint32_t n_words, uint32_t tick);
+
+/// Send what is due and finds room.
+/// @return complete: the last message was queued; lost: another recording has begun meanwhile
+cam_reading_event_t cam_reading_poll(cam_reading_t *r, const cam_scope_t *scope, uint32_t tick);
+
+/// @return CRC-32 of the bytes of the piece
+uint32_t cam_reading_crc(const cam_reading_t *r, const cam_scope_t *scope);
+
+#endif
