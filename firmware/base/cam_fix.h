@@ -42,6 +42,23 @@ static inline int32_t cam_mulhi(int32_t a, int32_t b)
 #endif
 }
 
+/// Two products of half words and their sum: one instruction on Cortex-M4/M7.
+/// @param a, b  two int16 each, the first one in the lower half
+/// @return      sum of a's halves times b's, modulo 2^32
+/// Source: ARMv7-M Architecture Reference Manual, A7.7.157 (SMUAD).
+static inline int32_t cam_dot_i16(uint32_t a, uint32_t b)
+{
+#if defined(__ARM_FEATURE_DSP) && __ARM_FEATURE_DSP
+    int32_t sum;
+    __asm("smuad %0, %1, %2" : "=r"(sum) : "r"(a), "r"(b));
+    return sum;
+#else
+    const int32_t low = (int16_t)(uint16_t)a * (int16_t)(uint16_t)b;
+    const int32_t high = (int16_t)(uint16_t)(a >> 16) * (int16_t)(uint16_t)(b >> 16);
+    return (int32_t)((uint32_t)low + (uint32_t)high);
+#endif
+}
+
 /// Multiply unsigned numbers and keep the upper half of the product.
 /// @return floor(a * b / 2^32), any arguments
 static inline uint32_t cam_mulhi_u32(uint32_t a, uint32_t b)

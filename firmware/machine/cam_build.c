@@ -8,6 +8,7 @@
 #include "cam_play.h"   // cam_play_history
 #include "cam_trace.h"  // cam_trace_capacity
 #include "cam_way.h"    // cam_way_z_last_nm
+#include "hal/hal.h"    // hal_has_edge_time
 #include <stddef.h>     // NULL
 
 /// 2 pi * 2^24, for gains of the observer.
@@ -101,6 +102,10 @@ static void build_observer(cam_spindle_config_t *c, const cam_params_t *p, uint3
 /// that long.
 enum { most_periods = 10 };
 
+/// An edge that is older than this many periods tells no better where the spindle is than the
+/// middle of its count.
+enum { stamp_periods = 4 };
+
 /// On time is within a sixteenth of the period, or within one unit of a coarse clock.
 static void build_clock(cam_spindle_config_t *c, int32_t late_percent, uint32_t tick_hz,
                         uint32_t clock_hz)
@@ -112,6 +117,7 @@ static void build_clock(cam_spindle_config_t *c, int32_t late_percent, uint32_t 
     c->late_clocks = (uint32_t)scale(clock_hz, 100 + late_percent, (int64_t)tick_hz * 100);
     c->early_clocks = c->tick_clocks - off;
     c->on_time_clocks = 2u * off + 1u;
+    c->stamp_clocks = hal_has_edge_time() ? (stamp_periods + 1) * c->tick_clocks : 0u;
 }
 
 static void build_spindle(cam_spindle_config_t *c, const cam_params_t *p, int32_t sense,
@@ -286,8 +292,9 @@ static void build_play(cam_play_config_t *c, const cam_params_t *p, int32_t sens
 {
     c->lead_q16 = ticks_of_ns(p->lead_ns, tick_hz);
     c->xz_lag_q16 = ticks_of_ns(p->xz_lag_ns, tick_hz);
-    c->lead_ticks = (uint32_t)c->lead_q16 >> 16;
-    c->lead_part_q31 = (c->lead_q16 & 0xFFFF) * 32768;
+    const int32_t due_q16 = ticks_of_ns(p->lead_ns + p->u_scale_latency_ns, tick_hz);
+    c->due_ticks = (uint32_t)due_q16 >> 16;
+    c->due_part_q31 = (due_q16 & 0xFFFF) * 32768;
     c->phase_q32 = turn_of_udeg(sense * p->phase_udeg);
     c->phase_step_q32 = (int32_t)(turn_of_udeg(p->phase_rate_udeg_per_s) / (int64_t)tick_hz) + 1;
     c->amplitude_q30 = (int32_t)scale(p->amplitude_ppm, INT64_C(1) << 30, 1000000);
@@ -359,6 +366,7 @@ cam_err_t cam_build_config(cam_config_t *config, const cam_params_t *params,
         return err;
     }
     *config = (cam_config_t){.generation = config->generation};
+    cam_config_tie(config, table != NULL);
     // Tables and observer count angles in the sense of cutting; parameters those of the drawing.
     const int32_t sense = table != NULL ? table->direction : 1;
     build_spindle(&config->spindle, params, sense, tick_hz, clock_hz);
@@ -370,7 +378,6 @@ cam_err_t cam_build_config(cam_config_t *config, const cam_params_t *params,
     }
     if (table != NULL) {
         config->table = *table;
-        config->play.table = &config->table;
         config->play.x_clear_q10 =
             ((int64_t)table->x_max_nm + params->x_offset_nm + config->play.x_clearance_nm) * 1024;
         config->play.x_offset_q10 = ((int64_t)table->x.value_offset + params->x_offset_nm) * 1024;

@@ -100,7 +100,8 @@ cam_err_t cam_fit_check(const cam_params_t *params, uint32_t tick_hz)
 {
     static const cam_param_id_t limited[] = {cam_param_observer_bandwidth_mHz, cam_param_lead_ns,
                                              cam_param_k1_ns, cam_param_k2_us2};
-    bool fits = true;
+    const int64_t due_ns = (int64_t)params->lead_ns + params->u_scale_latency_ns;
+    bool fits = due_ns <= cam_fit_most(cam_param_lead_ns, tick_hz);
     for (size_t i = 0; i < sizeof limited / sizeof limited[0]; i++) {
         fits = fits && cam_param_get(params, limited[i]) <= cam_fit_most(limited[i], tick_hz);
     }

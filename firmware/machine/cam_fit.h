@@ -38,8 +38,8 @@ int32_t cam_fit_approach_nm(const cam_params_t *params, const cam_table_t *table
 ///         not depend on it, their largest value
 int32_t cam_fit_most(cam_param_id_t id, uint32_t tick_hz);
 
-/// Check what the interrupt relies on: the history reaches back over the lead, the observer is
-/// slower than the tick, feed-forward gains fit 15 integer bits.
+/// Check what the interrupt relies on: the history reaches back over the lead and the latency of
+/// U's scale, the observer is slower than the tick, feed-forward gains fit 15 integer bits.
 /// @return cam_ok or cam_err_param_tick
 CAM_MUST_USE cam_err_t cam_fit_check(const cam_params_t *params, uint32_t tick_hz);
 

@@ -15,13 +15,21 @@ cam_config_t *cam_config_free_half(cam_config_bank_t *bank)
     return offered == in_use ? other_half(bank, offered) : NULL;
 }
 
+void cam_config_tie(cam_config_t *config, bool has_table)
+{
+    config->play.table = has_table ? &config->table : NULL;
+    config->play.c = config->learned.c;
+    config->play.d = config->learned.d;
+    config->spindle.dm = config->learned.dm;
+}
+
 cam_config_t *cam_config_copy(cam_config_bank_t *bank)
 {
     const cam_config_t *offered = atomic_load_explicit(&bank->offered, memory_order_relaxed);
     cam_config_t *half = cam_config_free_half(bank);
     if (half != NULL && offered != NULL) {
         *half = *offered;
-        half->play.table = offered->play.table != NULL ? &half->table : NULL;
+        cam_config_tie(half, offered->play.table != NULL);
         half->k1_q16 -= half->learned.k1_q16;
         half->k2_q16 -= half->learned.k2_q16;
     }

@@ -22,6 +22,7 @@
 
 /// What the angle needs (cam_spindle.h).
 typedef struct {
+    const int16_t *dm;                ///< cam_learned_t of the same configuration
     uint32_t sign_mask;               ///< 0, or ~0 when counts fall while cutting
     int32_t counts_per_turn;          ///< 64 .. 2^24
     uint32_t turn_per_count_q32;      ///< [turn / 2^32 per count] whole part of 2^32 / counts
@@ -39,6 +40,8 @@ typedef struct {
     uint32_t late_clocks;             ///< [1 / clock_hz] a longer period is a fault
     uint32_t most_clocks;             ///< [1 / clock_hz] a longer period counts as this one
     uint32_t ticks_per_clock_q27;     ///< [ticks per unit of the time stamp]
+    uint32_t stamp_clocks;            ///< [1 / clock_hz] an edge older than this less a tick has no
+                                      ///< use; 0 where edges have no time stamps
 } cam_spindle_config_t;
 
 /// Powers of two that bring what the table says of U to nm / 64 and nm / 1024.
@@ -75,10 +78,11 @@ typedef struct {
 /// What play and plan need (cam_play.h, cam_plan.h).
 typedef struct {
     const cam_table_t *table; ///< NULL: none, enable is refused
+    const int16_t *c, *d;     ///< cam_learned_t of the same configuration
     cam_u_scale_t u;
     int32_t lead_q16;                ///< [ticks] dead time of U, below cam_play_history - 2
-    uint32_t lead_ticks;             ///< [ticks] whole ones of it
-    int32_t lead_part_q31;           ///< [ticks / 2^31] the rest
+    uint32_t due_ticks;              ///< [ticks] whole ones of lead and latency of U's scale
+    int32_t due_part_q31;            ///< [ticks / 2^31] the rest
     int32_t plan_ticks;              ///< [ticks] from plan to plan, 1 .. 80
     int32_t per_plan_q30;            ///< [1 / ticks] its reciprocal, rounded down
     int32_t xz_lag_q16;              ///< [ticks] lag of X and Z
@@ -157,6 +161,10 @@ cam_config_t *cam_config_free_half(cam_config_bank_t *bank);
 /// off its gains.
 /// @return the copy, NULL while the interrupt has not taken the last one. Context: slow side.
 cam_config_t *cam_config_copy(cam_config_bank_t *bank);
+
+/// Let a configuration point to its own table and to what it has learned.
+/// Context: slow side, before it is offered.
+void cam_config_tie(cam_config_t *config, bool has_table);
 
 /// Let a configuration learn what another one had learned: gains included.
 /// Context: slow side, before it is offered.

@@ -93,27 +93,49 @@ typedef struct {
 static inline void cam_gather_isr(cam_gather_t *g, int64_t pos_q32, uint32_t measured_q32,
                                   int32_t due_q6, int32_t actual_nm)
 {
-    const uint32_t turn = (uint32_t)((uint64_t)pos_q32 >> 32);
-    const uint32_t in_turn = cam_angle_of_pos(pos_q32) >> (32 - cam_learn_log2_bins);
-    cam_gather_bin_t *bin = &g->bin[((turn & 1u) << cam_learn_log2_bins) | in_turn];
-    const uint32_t begin_q32 = in_turn << (32 - cam_learn_log2_bins);
-    const int32_t behind_q32 = (int32_t)(measured_q32 - begin_q32);
-    bin->error_q6 =
-        (int32_t)((uint32_t)bin->error_q6 + (uint32_t)due_q6 - 64u * (uint32_t)actual_nm);
-    bin->u_nm = cam_wrap_add(bin->u_nm, due_q6 >> 6);
-    bin->angle_q24 = cam_wrap_add(bin->angle_q24, behind_q32 >> 8);
-    bin->n++;
+    const uint32_t in_turn_q32 = cam_angle_of_pos(pos_q32);
+    const uint32_t begin_q32 = in_turn_q32 & ~((UINT32_C(1) << (32 - cam_learn_log2_bins)) - 1u);
+    const uint64_t bins = (uint64_t)pos_q32 >> (32 - cam_learn_log2_bins);
+    cam_gather_bin_t *bin = &g->bin[(uint32_t)bins % (2u * cam_learn_bins)];
+    const uint32_t error_q6 = (uint32_t)due_q6 - 64u * (uint32_t)actual_nm;
+    const int32_t behind_q24 = (int32_t)(measured_q32 - begin_q32) >> 8;
+    const cam_gather_bin_t sum = {
+        .error_q6 = (int32_t)((uint32_t)bin->error_q6 + error_q6),
+        .u_nm = cam_wrap_add(bin->u_nm, due_q6 >> 6),
+        .angle_q24 = cam_wrap_add(bin->angle_q24, behind_q24),
+        .n = bin->n + 1u,
+    };
+    *bin = sum;
 }
 
-/// Read a table between two knots. Its words are read in pairs of int16.
-/// @param table  cam_learn_points + 1 knots, not wider than int16
-/// @return       2^14 times the value, exact but for the rounding of the angle to 2^-22 turn
+/// Where between two knots an angle lies.
+typedef struct {
+    uint32_t knot;  ///< the one before, 0 .. 255
+    uint32_t share; ///< [1 / 256] of both knots, that of the one before in the lower half
+} cam_learn_place_t;
+
 /// Context: ISR, constant time.
-static inline int32_t cam_learn_at_q14(const int16_t *table, uint32_t theta_q32)
+static inline cam_learn_place_t cam_learn_place(uint32_t theta_q32)
 {
-    const int16_t *knot = &table[theta_q32 >> 24];
-    const int32_t part_q14 = (int32_t)((theta_q32 << 8) >> 18);
-    return knot[0] * (16384 - part_q14) + knot[1] * part_q14;
+    const uint32_t part_q8 = (theta_q32 >> 16) & 0xFFu;
+    return (cam_learn_place_t){.knot = theta_q32 >> 24, .share = (part_q8 << 16) - part_q8 + 256u};
+}
+
+/// Read a table between two knots.
+/// @param table  cam_learn_points + 1 knots
+/// @return       2^8 times the value at the angle, which is rounded down to 2^-16 turn
+/// Context: ISR, constant time.
+static inline int32_t cam_learn_at_q8(const int16_t *table, cam_learn_place_t at)
+{
+    uint32_t knots = 0;
+    (void)__builtin_memcpy(&knots, &table[at.knot], sizeof knots); // one load, not a call
+    return cam_dot_i16(knots, at.share);
+}
+
+/// @return [turn / 2^32] a deviation
+static inline uint32_t cam_learn_turn_q32(const int16_t *table, cam_learn_place_t at)
+{
+    return 2u * (uint32_t)cam_learn_at_q8(table, at);
 }
 
 /// Once per plan: notice a new turn, close its predecessor and open it.

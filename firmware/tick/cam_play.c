@@ -59,7 +59,10 @@ static int32_t play_table(cam_play_t *p, const cam_play_config_t *cfg, const cam
         const int32_t before_q6 = p->history_q6[(p->n_history - 1u) % cam_play_history];
         return cam_wrap_add(last_q6, cam_wrap_sub(last_q6, before_q6));
     }
-    const uint32_t angle_q32 = cam_angle_of_pos(cam_angle_ahead(angle, cfg->lead_q16));
+    const uint32_t even_q32 = cam_angle_of_pos(cam_angle_ahead(angle, cfg->lead_q16));
+    const cam_learn_place_t at = cam_learn_place(even_q32);
+    const uint32_t angle_q32 = even_q32 + cam_learn_turn_q32(cfg->d, at);
+    m->c_q6 = cam_mulhi(cam_learn_at_q8(cfg->c, at), m->scale_q30);
     return surface(m, cfg, angle->speed_q32, angle_q32 - (uint32_t)m->phase_q32);
 }
 
@@ -95,6 +98,7 @@ CAM_STAGE static int32_t move_u(cam_play_t *p, const cam_play_config_t *cfg, con
 {
     const cam_move_t *u = &m->axis[hal_axis_u];
     int32_t wave_q6 = 0;
+    m->c_q6 = 0;
     if (m->state == cam_state_off) {
         follow_axes(m, in);
     } else if (m->state != cam_state_fault) {
@@ -174,16 +178,16 @@ static uint32_t obey(cam_play_t *p, const cam_play_config_t *cfg, uint32_t reque
     return 0;
 }
 
-/// @return [nm / 64] U's set-point of lead ticks ago, interpolated between two of them, which is
-/// where the drive should be now. The difference overflows only in the state off, in which the
-/// following error is not judged
+/// @return [nm / 64] U's set-point of lead ticks ago, and the latency of the scale more,
+/// interpolated between two of them, which is what the scale should show now. The difference
+/// overflows only in the state off, in which the following error is not judged
 static int32_t due_q6(cam_play_t *p, const cam_play_config_t *cfg)
 {
-    const int32_t a_q6 = p->history_q6[(p->n_history - cfg->lead_ticks) % cam_play_history];
+    const int32_t a_q6 = p->history_q6[(p->n_history - cfg->due_ticks) % cam_play_history];
     const int32_t b_q6 = p->due_q6;
     p->due_q6 = a_q6;
     const uint32_t twice_q6 = 2u * ((uint32_t)b_q6 - (uint32_t)a_q6);
-    return cam_mulhi_add(a_q6, (int32_t)twice_q6, cfg->lead_part_q31);
+    return cam_mulhi_add(a_q6, (int32_t)twice_q6, cfg->due_part_q31);
 }
 
 static void remember(cam_play_t *p, int32_t u_q6)

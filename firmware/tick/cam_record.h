@@ -39,7 +39,9 @@ static inline uint32_t cam_sense_faults(const cam_sense_t *in)
 
 /// What is known of the spindle after this tick's reading.
 typedef struct {
-    int64_t pos_q32;   ///< [turn, Q32.32] master position at the instant of sensing
+    int64_t pos_q32; ///< [turn, Q32.32] master position at the instant of sensing
+    uint32_t
+        measured_q32;  ///< [turn / 2^32] angle that the encoder tells, nothing learned taken off
     int32_t speed_q32; ///< [turn / 2^32 per tick]
     bool is_off_time;  ///< this tick or the last one came visibly off its time
     bool is_synced;    ///< the angle is known
@@ -72,6 +74,7 @@ typedef struct {
     bool is_retracted;    ///< state fault: the guard's retract has ended
     uint32_t faults;      ///< seen by the plan, for the ticks up to the next one
     cam_move_t axis[hal_n_axes];       ///< while playing, U's position is in cam_want_t
+    int32_t c_q6;                      ///< [nm / 64] correction of U's command that was learned
     int64_t u_target_q10;              ///< [nm / 1024] where U goes while it does not play
     int64_t x_left_q10;                ///< [nm / 1024] X in the tick of the fault
     int64_t height_q32;                ///< [slices] U's height on the table

@@ -95,13 +95,41 @@ static int64_t wrap_add_i64(int64_t a, int64_t b)
     return (int64_t)((uint64_t)a + (uint64_t)b);
 }
 
+/// The angle that is measured. Where the last edge has a time stamp, it is the place of that edge
+/// plus what the spindle has travelled since, at most a count, MATHS.md (138); else, and while
+/// edges are rare, the middle of the count.
+static uint32_t observed_q32(const cam_spindle_t *s, const cam_spindle_config_t *cfg,
+                             const cam_sense_t *in)
+{
+    const uint32_t centred_q32 = measured_q32(s, cfg);
+    if (cfg->stamp_clocks == 0u) {
+        return centred_q32;
+    }
+    const uint32_t age = in->clock - in->encoder.edge_clock;
+    if (age + cfg->tick_clocks >= cfg->stamp_clocks) {
+        return centred_q32;
+    }
+    const int32_t speed_q32 = (int32_t)(s->speed_q64 >> 32);
+    const int32_t half_q32 = (int32_t)(cfg->turn_per_count_q32 >> 1);
+    const int32_t age_q27 = (int32_t)(age * cfg->ticks_per_clock_q27);
+    const int32_t since_q32 = cam_mulhi(speed_q32, age_q27) * 32;
+    const int32_t behind_q32 = speed_q32 < 0 ? since_q32 + half_q32 : since_q32 - half_q32;
+    return centred_q32 + (uint32_t)cam_clamp_i32(behind_q32, -3 * half_q32, 3 * half_q32);
+}
+
+/// @return [turn / 2^32] a measured angle without the deviation that was learned: it turns evenly
+static uint32_t smoothed_q32(const cam_spindle_config_t *cfg, uint32_t measured_q32)
+{
+    return measured_q32 - cam_learn_turn_q32(cfg->dm, cam_learn_place(measured_q32));
+}
+
 /// Tracking loop: the error is the shorter of the two angles, so turns are counted by the position
 /// itself. A speed beyond half a turn per tick is the same as one below zero: it wraps.
-static void track(cam_spindle_t *s, const cam_spindle_config_t *cfg, int32_t travel_q32,
-                  int32_t alpha_q40)
+static void track(cam_spindle_t *s, const cam_spindle_config_t *cfg, uint32_t smooth_q32,
+                  int32_t travel_q32, int32_t alpha_q40)
 {
     const uint32_t predicted = cam_angle_of_pos(s->pos_q32) + (uint32_t)travel_q32;
-    const int32_t error_q32 = cam_angle_diff_q32(measured_q32(s, cfg), predicted);
+    const int32_t error_q32 = cam_angle_diff_q32(smooth_q32, predicted);
     s->pos_q32 += (int64_t)travel_q32 + INT64_C(2) * cam_mulhi(error_q32, cfg->kp_q31);
     s->speed_q64 = wrap_add_i64(s->speed_q64, (int64_t)error_q32 * cfg->ki_q32);
     s->speed_q64 = wrap_add_i64(s->speed_q64, alpha_q40 * (INT64_C(1) << 24));
@@ -128,8 +156,10 @@ void cam_spindle_step_isr(cam_spindle_t *s, const cam_spindle_config_t *cfg, con
         travel_q32 = take_off_time(s, cfg, period, travel_q32);
     }
     faults |= take_counts(s, cfg, sensed_counts(cfg, in->encoder.counts), travel_q32);
-    track(s, cfg, travel_q32, alpha_q40);
+    const uint32_t measured_q32 = observed_q32(s, cfg, in);
+    track(s, cfg, smoothed_q32(cfg, measured_q32), travel_q32, alpha_q40);
     angle->faults = faults;
+    angle->measured_q32 = measured_q32;
     angle->pos_q32 = s->pos_q32;
     angle->speed_q32 = (int32_t)(s->speed_q64 >> 32);
     angle->is_synced = s->is_synced;

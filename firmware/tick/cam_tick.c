@@ -60,7 +60,8 @@ static hal_setpoint_t setpoint(const cam_move_t *m, int32_t pos_nm)
 static void command(const cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
 {
     const cam_move_t *axis = c->motion.axis;
-    const int32_t u_nm = command_nm(cfg, r->want.u_set_q6, &axis[hal_axis_u]);
+    const int32_t u_q6 = cam_wrap_add(r->want.u_set_q6, c->motion.c_q6);
+    const int32_t u_nm = command_nm(cfg, u_q6, &axis[hal_axis_u]);
     r->out[hal_axis_u] = setpoint(&axis[hal_axis_u], u_nm);
     r->out[hal_axis_x] = setpoint(&axis[hal_axis_x], plain_nm(&axis[hal_axis_x]));
     r->out[hal_axis_z] = setpoint(&axis[hal_axis_z], plain_nm(&axis[hal_axis_z]));
@@ -73,6 +74,7 @@ static void take_over(cam_t *c, cam_want_t *want)
         c->motion.x_left_q10 = c->motion.axis[hal_axis_x].pos_q10;
     }
     c->motion.axis[hal_axis_u] = c->guard.u;
+    c->motion.c_q6 = 0;
     c->motion.state = cam_state_fault;
     c->motion.is_playing = false;
     c->motion.is_retracted = want->is_retracted;
@@ -99,6 +101,8 @@ static inline void steps_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_
     CAM_TICK_MARK(angle);
     r->want.faults = c->motion.faults | r->angle.faults | cam_sense_faults(&r->in);
     cam_play_step_isr(&c->play, &cfg->play, &r->in, &r->angle, &c->motion, &r->want);
+    cam_gather_isr(&c->gather, r->angle.pos_q32, r->angle.measured_q32, r->want.u_due_q6,
+                   r->in.actual_nm[hal_axis_u]);
     CAM_TICK_MARK(play);
     guard_isr(c, cfg, r);
     CAM_TICK_MARK(guard);
@@ -122,6 +126,7 @@ CAM_STAGE static void plan_isr(cam_t *c, const cam_config_t *cfg, const cam_tick
 {
     c->until_plan = cfg->play.plan_ticks;
     cam_plan_isr(&c->plan, &cfg->play, r, &c->motion);
+    cam_gather_plan_isr(&c->gather, r, &c->motion);
     c->motion.faults |= watch_index(c, cfg, r) | cam_guard_plan_isr(&c->guard, &cfg->guard, r);
 }
 
