@@ -63,6 +63,7 @@ void cam_machine_init(cam_machine_t *m, cam_t *core, uint32_t tick_hz, uint32_t 
     *m = (cam_machine_t){
         .core = core, .params = cam_param_defaults(), .tick_hz = tick_hz, .clock_hz = clock_hz};
     cam_scope_init(&m->scope, hal_scope_memory(), tick_hz);
+    cam_teach_init(&m->teach);
     // The tick does not run yet, so both halves of the configuration may be written. The defaults
     // fit every tick rate from 500 Hz on except for the bandwidth of the observer, which is limited
     // to a twentieth of the tick rate.
@@ -369,21 +370,6 @@ cam_err_t cam_machine_reset(cam_machine_t *m)
                    cam_request_reset);
 }
 
-cam_learned_t *cam_machine_learn_begin(cam_machine_t *m)
-{
-    cam_config_t *copy = cam_config_copy(&m->core->config);
-    return copy != NULL ? &copy->learned : NULL;
-}
-
-void cam_machine_learn_end(cam_machine_t *m)
-{
-    cam_config_t *half = cam_config_free_half(&m->core->config);
-    m->generation++;
-    half->generation = m->generation;
-    cam_config_learn(half, &half->learned);
-    cam_config_offer(&m->core->config);
-}
-
 void cam_machine_poll(cam_machine_t *m)
 {
     if (m->homes_again) {
@@ -392,6 +378,7 @@ void cam_machine_poll(cam_machine_t *m)
     cam_machine_identify_poll(m);
     const cam_status_t status = cam_machine_status(m);
     end_pass(m, &status);
+    cam_machine_teach_poll(m, status.state);
     if (!m->has_table) {
         return;
     }

@@ -38,6 +38,7 @@ typedef struct {
     uint32_t scrub_crc;         ///< CRC-32 of the bytes up to there
     cam_scope_t scope;          ///< recorder
     cam_identify_t identify;    ///< excitation of U
+    cam_teach_t teach;          ///< what was learned
 } cam_machine_t;
 
 /// Bring interrupt and slow side into state off. To be called before the tick starts.
@@ -128,6 +129,12 @@ cam_status_t cam_machine_status(const cam_machine_t *m);
 /// table per call, the second half of cam_machine_home(), and the step to the next pass. A table
 /// found damaged is no longer used and raises the fault `table`.
 void cam_machine_poll(cam_machine_t *m);
+
+/// One piece of learning: takes a turn from the interrupt, treats one harmonic of it, or leads what
+/// is in force one step towards what was learned. A part of cam_machine_poll(); a loop that calls
+/// that one seldom calls this one more often, at least a hundred times per turn of the spindle.
+/// @param state  as the status says
+void cam_machine_teach_poll(cam_machine_t *m, cam_state_t state);
 
 /// @return what learning does, and what it has reached
 cam_teach_status_t cam_machine_learning(const cam_machine_t *m);

@@ -1,30 +1,134 @@
 // SPDX-License-Identifier: Apache-2.0
-// What was learned, as others see and set it.
+// Learning as a part of the machine: what parameters and table ask of it, and its hand-over.
+#include "cam_angle.h" // CAM_TURN_Q32
 #include "cam_machine.h"
+#include "hal/hal.h" // hal_measures_u
+#include <stddef.h>  // NULL
+
+/// Learned constants of the drive may differ from the configured ones by those, and this more.
+enum { spare_ticks = 4, spare_ticks2 = 16 };
+
+static int32_t q16_of_ppm(int32_t ppm)
+{
+    return (int32_t)((int64_t)ppm * 65536 / 1000000);
+}
+
+static int32_t ticks_q16(const cam_machine_t *m, int64_t ns)
+{
+    return cam_sat_i32(ns * m->tick_hz / 1000000 * 65536 / 1000);
+}
+
+static int32_t ticks2_q16(const cam_machine_t *m, int64_t us2)
+{
+    return cam_sat_i32(us2 * m->tick_hz / 1000 * m->tick_hz / 1000 * 8192 / 125000);
+}
+
+static cam_teach_reason_t reason_of(const cam_machine_t *m)
+{
+    if (m->params.learn_harmonics == 0) {
+        return cam_teach_not_asked;
+    }
+    if (!hal_measures_u()) {
+        return cam_teach_not_measured;
+    }
+    if (!m->has_table) {
+        return cam_teach_no_table;
+    }
+    if (m->table.speed.knots != NULL) {
+        return cam_teach_modulated;
+    }
+    return m->table.n_lobes > 0u ? cam_teach_lobes : cam_teach_all;
+}
+
+/// The encoder's error A sin(angle - phase), in the sense of cutting: -j A e^(-j phase).
+static cam_complex_t eccentricity(const cam_machine_t *m)
+{
+    const int64_t size_q32 = m->params.eccentricity_nturn * CAM_TURN_Q32 / 1000000000;
+    const int64_t sense = m->has_table ? m->table.direction : 1;
+    const int64_t phase_q32 = sense * m->params.eccentricity_udeg * CAM_TURN_Q32 / 360000000;
+    const cam_complex_t at_0 = {.im = -(int32_t)size_q32};
+    return cam_harmonics_turned(at_0, 1, 0u - (uint32_t)(uint64_t)phase_q32);
+}
+
+static cam_teach_setup_t setup_of(const cam_machine_t *m)
+{
+    const cam_params_t *p = &m->params;
+    const int32_t k1_q16 = ticks_q16(m, p->k1_ns);
+    const int32_t k2_q16 = ticks2_q16(m, p->k2_us2);
+    const int64_t part_q16 = ticks_q16(m, (int64_t)p->lead_ns + p->u_scale_latency_ns) & 0xFFFF;
+    return (cam_teach_setup_t){
+        .reason = reason_of(m),
+        .n_harmonics = (uint32_t)p->learn_harmonics,
+        .gain_q16 = q16_of_ppm(p->learn_gain_ppm),
+        .cut_gain_q16 = q16_of_ppm(p->learn_cut_gain_ppm),
+        .probe_q6 = p->probe_nm * 64,
+        .ripple_turns =
+            m->has_table && m->table.speed.knots == NULL ? (uint32_t)p->ripple_turns : 0u,
+        .scale_nm = p->u_scale_nm,
+        .most_q6 = cam_teach_most_nm * 64,
+        .k1_q16 = k1_q16,
+        .k2_q16 = k2_q16,
+        .k1_most_q16 =
+            cam_sat_i32((int64_t)k1_q16 + ticks_q16(m, p->lead_ns) + spare_ticks * 65536),
+        .k2_most_q16 = cam_sat_i32((int64_t)k2_q16 + spare_ticks2 * 65536),
+        .between_q16 = (int32_t)(part_q16 * (65536 - part_q16) >> 17),
+        .eccentricity = eccentricity(m),
+    };
+}
+
+cam_learned_t *cam_machine_learn_begin(cam_machine_t *m)
+{
+    cam_config_t *copy = cam_config_copy(&m->core->config);
+    return copy != NULL ? &copy->learned : NULL;
+}
+
+void cam_machine_learn_end(cam_machine_t *m)
+{
+    cam_config_t *half = cam_config_free_half(&m->core->config);
+    m->generation++;
+    half->generation = m->generation;
+    cam_config_learn(half, &half->learned);
+    cam_config_offer(&m->core->config);
+}
+
+void cam_machine_teach_poll(cam_machine_t *m, cam_state_t state)
+{
+    const cam_teach_setup_t setup = setup_of(m);
+    cam_gather_t *gather = &m->core->gather;
+    cam_teach_poll(&m->teach, &setup, state, gather);
+    cam_learned_t *in = cam_teach_is_walking(&m->teach) ? cam_machine_learn_begin(m) : NULL;
+    if (in != NULL) {
+        const uint32_t at_q8 = atomic_load_explicit(&gather->at_q8, memory_order_relaxed);
+        cam_teach_walk(&m->teach, &setup, at_q8, in);
+        cam_machine_learn_end(m);
+    }
+}
 
 cam_teach_status_t cam_machine_learning(const cam_machine_t *m)
 {
-    (void)m;
-    return (cam_teach_status_t){.reason = cam_teach_not_asked};
+    const cam_teach_setup_t setup = setup_of(m);
+    return cam_teach_status(&m->teach, &setup, m->tick_hz);
 }
 
 cam_teach_harmonic_t cam_machine_harmonic(const cam_machine_t *m, uint32_t k)
 {
-    (void)m;
-    (void)k;
-    return (cam_teach_harmonic_t){0};
+    return cam_teach_harmonic(&m->teach, k);
 }
 
 cam_err_t cam_machine_get_learned(const cam_machine_t *m, uint32_t index, int32_t *value)
 {
-    (void)m;
-    *value = 0;
+    *value = cam_teach_get(&m->teach, index);
     return index < cam_teach_n_values ? cam_ok : cam_err_param_id;
 }
 
 cam_err_t cam_machine_set_learned(cam_machine_t *m, uint32_t index, int32_t value)
 {
-    (void)m;
-    (void)value;
-    return index < cam_teach_n_values ? cam_err_param_state : cam_err_param_id;
+    const cam_state_t state = cam_machine_status(m).state;
+    if (index >= cam_teach_n_values) {
+        return cam_err_param_id;
+    }
+    if (state != cam_state_off && state != cam_state_ready) {
+        return cam_err_param_state;
+    }
+    return cam_teach_set(&m->teach, index, value) ? cam_ok : cam_err_param_range;
 }

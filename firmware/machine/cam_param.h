@@ -57,7 +57,15 @@
     X(x_offset_nm,             -1000000,          0,    1000000, "offset of X, positive away from the axis, for the wear of the tool; taken at start") \
     X(pass,                           0,          0,         16, "0: passes in their order, setting it begins with the first; else every start cuts this one") \
     X(rehearse_turns,                 0,          0,       1000, "turns that the first height is played clear of the work before a cut, to learn; 0: none") \
-    X(u_scale_latency_ns,             0,          0,   10000000, "what U's scale tells is older than the encoder's angle by this")
+    X(u_scale_latency_ns,             0,          0,   10000000, "what U's scale tells is older than the encoder's angle by this") \
+    X(u_scale_nm,                     0,         10,      10000, "quantum of U's scale; learning takes no error for one that it cannot show") \
+    X(learn_harmonics,                0,          0,         16, "harmonics of a turn in which U's error is learned; 0: nothing is") \
+    X(learn_gain_ppm,                 0,     500000,     600000, "share of the error that a step of a rehearsal removes") \
+    X(learn_cut_gain_ppm,             0,     150000,     200000, "share of it in the cut; 0: nothing is learned there") \
+    X(probe_nm,                     100,       1000,       5000, "correction at each harmonic by which a rehearsal finds U's answer") \
+    X(ripple_turns,                   0,          0,         64, "turns whose mean is the learned ripple of the spindle; 0: it is not learned") \
+    X(eccentricity_nturn,             0,          0,    1000000, "amplitude of the encoder's error once per turn") \
+    X(eccentricity_udeg,     -180000000,          0,  180000000, "drawing's angle at which that error is 0 and rises")
 // clang-format on
 
 /// Index of a parameter, in the order of the list.

@@ -13,12 +13,19 @@
 #define CAM_TEACH_H
 
 #include "cam_complex.h" // cam_complex_t, cam_gain_t
-#include "cam_err.h"     // cam_err_t
+#include "cam_layers.h"  // cam_drive_sums_t
+#include "cam_learn.h"   // cam_gather_t, cam_learned_t
+#include "cam_ripple.h"  // cam_ripple_t
+#include "cam_shape.h"   // cam_shape_t
+#include "cam_state.h"   // cam_state_t
 #include <stdbool.h>     // bool
 #include <stdint.h>      // int32_t, uint32_t
 
 /// Harmonics of a turn that are learned, at most; the mean is one more.
-enum { cam_teach_harmonics = 16, cam_teach_terms = cam_teach_harmonics + 1 };
+enum { cam_teach_harmonics = cam_harmonics_most, cam_teach_terms = cam_shape_terms };
+
+/// [nm] The corrections of all harmonics together stay below what a table's point can hold.
+enum { cam_teach_most_nm = 30000 };
 
 /// What learning does at present.
 typedef enum {
@@ -62,34 +69,120 @@ typedef struct {
     uint32_t speed_mrpm;     ///< [r/min / 1000] at which was learned, 0: never
     uint32_t ripple_turns;   ///< turns that the ripple in force is the mean of
     uint32_t ripple_nturn;   ///< [turn / 10^9] sum of its amplitudes
-    uint32_t scale_nturn;    ///< [turn / 10^9] what of order 1 stayed between two speeds, which is
-                             ///< the encoder's: for the parameter eccentricity_nturn; 0: not known
-    int32_t scale_udeg;      ///< its phase, for eccentricity_udeg
+    int32_t scale_re_q32;    ///< [turn / 2^32] what of order 1 stayed between two speeds, which is
+    int32_t scale_im_q32;    ///< the encoder's: for eccentricity_nturn and _udeg; 0: not known
 } cam_teach_status_t;
 
 /// What is known of a harmonic.
 typedef struct {
     cam_complex_t correction_q6; ///< [nm / 64] in force: Re(c e^(jk theta)) is added to the command
     cam_gain_t gain;             ///< answer of U to it, as probed; 0: not probed
-    cam_complex_t error_q6;      ///< [nm / 64] of the last turn
     uint32_t best_q6;            ///< [nm / 64] smallest error so far
     cam_complex_t ripple;        ///< [turn / 2^32] of the spindle's angle
     bool is_masked;
 } cam_teach_harmonic_t;
 
 /// Values that make up all that was learned, in their order: speed [turn / 2^32 per tick], k1
-/// [ticks / 2^16], k2 [ticks^2 / 2^16], masks, then for k = 0 .. 16 the parts of the correction
-/// [nm / 64], of U's answer [1 / 4096], and for k = 1 .. 16 those of the ripple [turn / 2^32].
+/// [ticks / 2^16], k2 [ticks^2 / 2^16], masks with bit 30 for "probed", phase [turn / 2^32], then
+/// for k = 0 .. 16 the parts of the correction [nm / 64], of U's answer [1 / 4096], and for k = 1
+/// .. 16 those of what the encoder shows of the ripple [turn / 2^23].
 enum {
     cam_teach_value_speed,
     cam_teach_value_k1,
     cam_teach_value_k2,
     cam_teach_value_masked,
+    cam_teach_value_phase,
     cam_teach_value_correction,
     cam_teach_value_gain = cam_teach_value_correction + 2 * cam_teach_terms,
     cam_teach_value_ripple = cam_teach_value_gain + 2 * cam_teach_terms,
     cam_teach_n_values = cam_teach_value_ripple + 2 * cam_teach_harmonics
 };
+
+/// What parameters, table and machine say of the learning; made anew for each call.
+typedef struct {
+    cam_teach_reason_t reason;      ///< lobes, or why nothing is learned of U
+    uint32_t n_harmonics;           ///< 0 .. 16
+    int32_t gain_q16, cut_gain_q16; ///< [1] share of an error that a turn removes
+    int32_t probe_q6;               ///< [nm / 64]
+    uint32_t ripple_turns;          ///< 0: the ripple is not learned
+    int32_t scale_nm;               ///< [nm] quantum of U's scale
+    int32_t most_q6;                ///< [nm / 64] bound of the sum of the corrections
+    int32_t k1_q16, k2_q16;         ///< configured constants of the drive, in ticks
+    int32_t k1_most_q16;            ///< bounds of what is learned of them
+    int32_t k2_most_q16;
+    int32_t between_q16;        ///< [ticks^2] f (1 - f) / 2: due lies f between two ticks
+    cam_complex_t eccentricity; ///< [turn / 2^32] order 1 of the encoder's own error
+} cam_teach_setup_t;
+
+/// State; everything is kept between parts.
+typedef struct {
+    cam_shape_t shape;
+    cam_ripple_t ripple;
+    cam_drive_sums_t sums;   ///< of the turn that is taken
+    uint64_t square;         ///< [(nm / 64)^2] error of that turn, over its harmonics
+    uint64_t best_square;    ///< ... smallest since layer 1 began
+    cam_gather_bin_t *bin;   ///< the turn that is taken; NULL: none
+    uint32_t begun_nm;       ///< [nm] rms error before anything was learned
+    uint32_t error_nm;       ///< [nm] of the last turn
+    uint32_t speed_w;        ///< [nm per tick] sum of w_k |U_k|
+    uint32_t acceleration_w; ///< [nm per tick^2 / 2^8] sum of w_k^2 |U_k|
+    uint32_t largest;        ///< [nm / 64] largest k |U_k| of the last turn
+    uint32_t larger;         ///< ... of this turn up to now
+    uint32_t floor_q6;       ///< [nm / 64] 3 sigma of the scale in a harmonic of this turn
+    int32_t k1_q16, k2_q16;  ///< added to the configured ones
+    int32_t best_k1_q16, best_k2_q16;
+    int32_t speed_q32;               ///< [turn / 2^32 per tick] at which was learned, 0: never
+    int32_t turn_speed_q32;          ///< ... of the turn that is taken
+    int32_t scale_q30;               ///< [1] amplitude of that turn
+    uint32_t phase_q32;              ///< [turn / 2^32] by which the correction is turned
+    uint32_t turn;                   ///< its number, modulo 2^24
+    uint32_t good_from;              ///< number of the first turn that may be learned from
+    uint32_t n_turns;                ///< learned from since the rehearsal began
+    uint8_t k;                       ///< harmonic that comes next
+    uint8_t n_orders;                ///< harmonics that this turn tells
+    uint8_t n_steps;                 ///< of this phase
+    uint8_t n_halved;                ///< times that the guard halved the gain of layer 1
+    uint8_t phase, state, hindrance; ///< hindrance: cam_teach_reason_t of the last turns
+    bool is_counted;                 ///< U is learned from this turn
+    bool is_true;                    ///< the ripple is
+    bool is_walking;                 ///< what is in force is not yet what was learned
+} cam_teach_t;
+
+/// Begin with nothing learned.
+void cam_teach_init(cam_teach_t *t);
+
+/// One piece of work: note a new state, take a turn from the interrupt, or treat one harmonic.
+/// @param state   of the controller
+/// @param gather  of the interrupt
+void cam_teach_poll(cam_teach_t *t, const cam_teach_setup_t *setup, cam_state_t state,
+                    cam_gather_t *gather);
+
+/// @return whether cam_teach_walk() has something to do
+bool cam_teach_is_walking(const cam_teach_t *t);
+
+/// One step from what is in force to what was learned: no point of the correction moves further
+/// than 1000 nm, in the cut 50 nm, no angle further than 10 urad, and the constants change the
+/// command by no more than a step.
+/// @param at_q8   [turn / 256] where the spindle is
+/// @param in      changed in place
+void cam_teach_walk(cam_teach_t *t, const cam_teach_setup_t *setup, uint32_t at_q8,
+                    cam_learned_t *in);
+
+/// Forget what was learned of U, because it was configured anew; the ripple stays.
+void cam_teach_forget(cam_teach_t *t);
+
+/// @param tick_hz  [Hz] of the port
+cam_teach_status_t cam_teach_status(const cam_teach_t *t, const cam_teach_setup_t *setup,
+                                    uint32_t tick_hz);
+
+/// @param k  0 .. cam_teach_harmonics; all 0 beyond
+cam_teach_harmonic_t cam_teach_harmonic(const cam_teach_t *t, uint32_t k);
+
+/// @return the value, 0 beyond the last; index as in the enumeration above
+int32_t cam_teach_get(const cam_teach_t *t, uint32_t index);
+
+/// @return whether the index is one and the value within what can be learned
+bool cam_teach_set(cam_teach_t *t, uint32_t index, int32_t value);
 
 /// @return a name without blanks, "off"
 const char *cam_teach_phase_name(cam_teach_phase_t phase);

@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cam_lesson.h"
+#include "cam_fix.h"       // cam_abs_i64, cam_root_u64
+#include "cam_harmonics.h" // cam_harmonics_of
+
+enum {
+    words_per_bin = sizeof(cam_gather_bin_t) / sizeof(int32_t),
+    ticks_per_order = 24,      ///< a harmonic is learned where its period has as many ticks
+    frozen_percent = 2,        ///< a speed further off is another speed
+    least_speed_q32 = 1 << 18, ///< [turn / 2^32 per tick] slower turns are not gathered
+    least_scale_q30 = 1 << 27, ///< an eighth of the amplitude
+};
+
+#define TURNS UINT32_C(0xFFFFFF) ///< turns are numbered modulo 2^24
+
+/// 3 sigma of a harmonic of n ticks of a scale of quantum q: 3 q / sqrt(12) sqrt(2 / n), in 1 / 64.
+#define FLOOR_Q6 INT64_C(78)
+
+void cam_lesson_phase(cam_teach_t *t, cam_teach_phase_t phase)
+{
+    t->phase = (uint8_t)phase;
+    t->n_steps = 0;
+}
+
+/// Sums become means. @return ticks of the turn, 0 when a bin is empty
+static uint32_t take_means(cam_gather_bin_t *bin)
+{
+    uint32_t n_ticks = 0;
+    for (uint32_t i = 0; i < cam_learn_bins; i++) {
+        const int32_t n = (int32_t)bin[i].n;
+        if (n == 0) {
+            return 0;
+        }
+        bin[i].error_q6 /= n;
+        bin[i].u_nm /= n;
+        n_ticks += bin[i].n;
+    }
+    return n_ticks;
+}
+
+/// The operator turned the shape, and the correction turns with it.
+static void take_phase(cam_teach_t *t, uint32_t phase_q32)
+{
+    const uint32_t by_q32 = phase_q32 - t->phase_q32;
+    if (cam_abs_i64((int32_t)by_q32) >= 1 << 20) {
+        cam_shape_turn(&t->shape, 0u - by_q32);
+        t->phase_q32 = phase_q32;
+        t->is_walking = true;
+    }
+}
+
+bool cam_lesson_is_other_speed(const cam_teach_t *t, int32_t speed_q32)
+{
+    const int64_t off_q32 = cam_abs_i64((int64_t)speed_q32 - t->speed_q32);
+    return off_q32 * 100 > (int64_t)t->speed_q32 * frozen_percent;
+}
+
+/// A cut at another speed than that of the rehearsal keeps what is in force.
+static void freeze(cam_teach_t *t, int32_t speed_q32)
+{
+    const bool is_other = t->shape.is_probed && cam_lesson_is_other_speed(t, speed_q32);
+    if (t->phase == (uint8_t)cam_teach_cutting && is_other) {
+        cam_lesson_phase(t, cam_teach_frozen);
+    } else if (t->phase == (uint8_t)cam_teach_frozen && !is_other) {
+        cam_lesson_phase(t, cam_teach_cutting);
+    } else {
+        // as it was
+    }
+}
+
+static bool is_learning(const cam_teach_t *t, const cam_teach_setup_t *s)
+{
+    const bool is_asked = s->reason == cam_teach_all || s->reason == cam_teach_lobes;
+    return is_asked && t->phase >= (uint8_t)cam_teach_settling &&
+           t->phase <= (uint8_t)cam_teach_cutting;
+}
+
+/// @return whether the drive has settled since the last step
+static bool is_settled(const cam_teach_t *t)
+{
+    return !t->is_walking && ((t->turn - t->good_from) & TURNS) < TURNS / 2u;
+}
+
+static int32_t of_amplitude(const cam_teach_t *t, int64_t value)
+{
+    const int64_t most = 1 << 29;
+    return (int32_t)cam_clamp_i64(value * (INT64_C(1) << 30) / t->scale_q30, -most, most);
+}
+
+/// @return why nothing, or not all, can be learned of turns like this one
+static cam_teach_reason_t hindrance_of(const cam_teach_t *t, bool is_still, uint32_t n_ticks,
+                                       const cam_turn_t *turn)
+{
+    if (turn->is_steady && turn->speed_q32 <= least_speed_q32) {
+        return cam_teach_slow_turn;
+    }
+    if (is_still && n_ticks == 0u) {
+        return cam_teach_fast_turn;
+    }
+    return t->n_halved >= cam_lesson_most_halved ? cam_teach_diverged : cam_teach_all;
+}
+
+/// Decide what a turn tells.
+void cam_lesson_open(cam_teach_t *t, const cam_teach_setup_t *s, const cam_turn_t *turn)
+{
+    const bool is_still = turn->is_steady && turn->state == (cam_state_t)t->state &&
+                          turn->scale_q30 >= least_scale_q30 && turn->speed_q32 > least_speed_q32;
+    t->turn = turn->turn;
+    t->turn_speed_q32 = turn->speed_q32;
+    t->scale_q30 = turn->scale_q30;
+    t->k = 0;
+    take_phase(t, (uint32_t)turn->phase_q32);
+    freeze(t, turn->speed_q32);
+    const uint32_t n_ticks = is_still ? take_means(t->bin) : 0u;
+    const uint32_t n_orders = n_ticks / ticks_per_order;
+    t->n_orders = (uint8_t)(n_orders < s->n_harmonics ? n_orders : s->n_harmonics);
+    t->is_true = n_ticks > 0u && s->ripple_turns > 0u && cam_ripple_deviate(t->bin);
+    t->hindrance = (uint8_t)hindrance_of(t, is_still, n_ticks, turn);
+    t->is_counted = t->n_orders > 0u && is_learning(t, s) && is_settled(t);
+    if (t->is_counted) {
+        t->square = 0;
+        t->larger = 0;
+        t->speed_w = 0;
+        t->acceleration_w = 0;
+        t->sums = (cam_drive_sums_t){0};
+        const int64_t floor_q6 = FLOOR_Q6 * s->scale_nm / (int64_t)cam_root_u64(n_ticks);
+        t->floor_q6 = (uint32_t)of_amplitude(t, floor_q6 > 64 ? floor_q6 : 64);
+    }
+}
+
+static cam_complex_t at_amplitude(const cam_teach_t *t, cam_complex_t a, int32_t factor)
+{
+    return (cam_complex_t){.re = of_amplitude(t, (int64_t)a.re * factor),
+                           .im = of_amplitude(t, (int64_t)a.im * factor)};
+}
+
+/// @return the error without what reading between two ticks adds to it, MATHS.md (145)
+static cam_complex_t straightened(const cam_teach_t *t, const cam_teach_setup_t *s,
+                                  cam_complex_t error, cam_complex_t set)
+{
+    const int64_t w_q24 = (int64_t)t->k * t->turn_speed_q32 * 411775 >> 24; // 2 pi 2^16
+    const int64_t part_q32 = (w_q24 * w_q24 >> 32) * s->between_q16;
+    return (cam_complex_t){.re = error.re + (int32_t)(set.re * part_q32 >> 32),
+                           .im = error.im + (int32_t)(set.im * part_q32 >> 32)};
+}
+
+static cam_gain_t gain_of(const cam_teach_t *t, const cam_teach_setup_t *s)
+{
+    if (t->shape.is_probed) {
+        return t->shape.gain[t->k];
+    }
+    return cam_drive_gain(t->k, t->turn_speed_q32, s->k1_q16 + t->k1_q16, s->k2_q16 + t->k2_q16);
+}
+
+/// @return whether U answers well enough to tell the drive's constants
+static bool is_answered(cam_gain_t gain)
+{
+    return cam_gain_square_q24(gain) >= (UINT32_C(1) << 24) / 25u;
+}
+
+static void take_layer1(cam_teach_t *t, const cam_teach_setup_t *s, cam_complex_t error,
+                        cam_complex_t set)
+{
+    const uint32_t size = cam_complex_size(set) * t->k;
+    const uint64_t w_q32 = (uint64_t)t->turn_speed_q32 * 411775 >> 16; // of harmonic 1
+    t->larger = size > t->larger ? size : t->larger;
+    t->speed_w += (uint32_t)(size * w_q32 >> 38);
+    t->acceleration_w += (uint32_t)((size * w_q32 >> 32) * (w_q32 * t->k >> 8) >> 22);
+    const cam_gain_t gain = gain_of(t, s);
+    if (is_answered(gain)) {
+        cam_drive_add(&t->sums, t->k, error, set, gain);
+    }
+}
+
+/// Layer 1 acts on the large harmonics of the shape, too: the two share the gain there. The mean
+/// follows at once, since U answers to it without a phase.
+static int32_t shape_gain_q16(const cam_teach_t *t, const cam_teach_setup_t *s, cam_complex_t set)
+{
+    const bool is_cut = t->phase == (uint8_t)cam_teach_cutting;
+    const int32_t gain_q16 = is_cut ? s->cut_gain_q16 : s->gain_q16;
+    if (t->k == 0u) {
+        return gain_q16 > 0 && gain_q16 < 1 << 15 ? 1 << 15 : gain_q16;
+    }
+    const bool is_large = cam_complex_size(set) * t->k >= t->largest / 8u;
+    return is_large ? gain_q16 / 2 : gain_q16;
+}
+
+static void take_layer2(cam_teach_t *t, const cam_teach_setup_t *s, cam_complex_t error,
+                        cam_complex_t set)
+{
+    if (t->phase == (uint8_t)cam_teach_probing) {
+        cam_shape_probe(&t->shape, t->n_steps, t->k, error);
+        return;
+    }
+    const bool is_cut = t->phase == (uint8_t)cam_teach_cutting;
+    if (t->shape.is_probed && (is_cut || t->phase == (uint8_t)cam_teach_shape)) {
+        const uint32_t sum_q6 = cam_shape_sum_q6(&t->shape);
+        const uint32_t most_q6 = (uint32_t)s->most_q6;
+        cam_shape_learn(&t->shape, t->k, error, t->floor_q6, shape_gain_q16(t, s, set),
+                        most_q6 > sum_q6 ? most_q6 - sum_q6 : 0u);
+        if (is_cut) {
+            cam_shape_age(&t->shape, t->k);
+        }
+        t->is_walking = true;
+    }
+}
+
+void cam_lesson_harmonic(cam_teach_t *t, const cam_teach_setup_t *s)
+{
+    const cam_complex_t raw = cam_harmonics_of(&t->bin->error_q6, words_per_bin, t->k);
+    const cam_complex_t set_nm = cam_harmonics_of(&t->bin->u_nm, words_per_bin, t->k);
+    const cam_complex_t set = at_amplitude(t, set_nm, 64);
+    const cam_complex_t error = straightened(t, s, at_amplitude(t, raw, 1), set);
+    t->square += cam_complex_square(error) >> (t->k > 0u ? 1u : 0u);
+    if (t->k > 0u) {
+        take_layer1(t, s, error, set);
+    }
+    take_layer2(t, s, error, set);
+}

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+/// cam_lesson: what one turn tells, harmonic by harmonic; a part of cam_teach that others do not
+/// call. Context of all functions: slow side.
+#ifndef CAM_LESSON_H
+#define CAM_LESSON_H
+
+#include "cam_teach.h" // cam_teach_t
+#include <stdbool.h>   // bool
+#include <stdint.h>    // int32_t
+
+/// Times that the guard strikes before layer 1 is given up.
+enum { cam_lesson_most_halved = 4 };
+
+/// Enter a phase.
+void cam_lesson_phase(cam_teach_t *t, cam_teach_phase_t phase);
+
+/// @return whether a speed is not that at which was learned
+bool cam_lesson_is_other_speed(const cam_teach_t *t, int32_t speed_q32);
+
+/// Decide what the turn in t->bin tells, and turn its sums into means.
+void cam_lesson_open(cam_teach_t *t, const cam_teach_setup_t *s, const cam_turn_t *turn);
+
+/// Learn from harmonic t->k.
+void cam_lesson_harmonic(cam_teach_t *t, const cam_teach_setup_t *s);
+
+#endif

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cam_ripple.h"
+#include "cam_angle.h" // CAM_TURN_Q32
+#include "cam_fix.h"   // cam_abs_i64, cam_clamp_i32
+#include <string.h>    // memset
+
+/// A deviation beyond this is no ripple: 1/64 turn.
+#define MOST_Q32 (CAM_TURN_Q32 / 64)
+
+static uint32_t ticks_of(const cam_gather_bin_t *bin)
+{
+    uint32_t n = 0;
+    for (uint32_t i = 0; i < cam_learn_bins; i++) {
+        n += bin[i].n;
+    }
+    return n;
+}
+
+/// Measured angle minus that of as many ticks of a uniform rotation, per bin.
+static bool subtract_uniform(cam_gather_bin_t *bin, uint32_t n_ticks)
+{
+    const int64_t per_tick_q40 = CAM_TURN_Q32 * 256 / n_ticks;
+    int64_t begun = 0;
+    bool is_good = true;
+    for (uint32_t i = 0; i < cam_learn_bins && is_good; i++) {
+        const int64_t n = bin[i].n;
+        const int64_t begin_q32 = (int64_t)i << (32 - cam_learn_log2_bins);
+        const int64_t uniform_q32 = per_tick_q40 * (2 * begun + n - 1) >> 9;
+        const int64_t mean_q32 = n > 0 ? (int64_t)bin[i].angle_q24 * 256 / n : 0;
+        const int64_t off_q32 = begin_q32 + mean_q32 - uniform_q32;
+        is_good = n > 0 && cam_abs_i64(off_q32) < MOST_Q32;
+        bin[i].angle_q24 = is_good ? (int32_t)off_q32 : 0;
+        begun += n;
+    }
+    return is_good;
+}
+
+/// The turn began and ended at the same angle, so its deviation is the same at both ends, each
+/// half a bin from a mean: what is not, is the speed.
+static void close_turn(cam_gather_bin_t *bin)
+{
+    const cam_gather_bin_t *end = &bin[cam_learn_bins - 1];
+    const int64_t first = 3 * (int64_t)bin[0].angle_q24 - bin[1].angle_q24;
+    const int64_t last = 3 * (int64_t)end[0].angle_q24 - end[-1].angle_q24;
+    const int64_t twice = last - first;
+    for (int32_t i = 0; i < cam_learn_bins; i++) {
+        bin[i].angle_q24 -= (int32_t)(twice * (2 * i + 1) / (4 * cam_learn_bins));
+    }
+}
+
+bool cam_ripple_deviate(cam_gather_bin_t *bin)
+{
+    const uint32_t n_ticks = ticks_of(bin);
+    const bool is_good = n_ticks > 0u && subtract_uniform(bin, n_ticks);
+    if (is_good) {
+        close_turn(bin);
+    }
+    return is_good;
+}
+
+void cam_ripple_add(cam_ripple_t *r, uint32_t k, cam_complex_t angle_q32)
+{
+    r->sum[k - 1u] = cam_complex_add(r->sum[k - 1u], angle_q32);
+}
+
+void cam_ripple_drop(cam_ripple_t *r)
+{
+    (void)memset(r->sum, 0, sizeof r->sum);
+    r->n = 0;
+}
+
+cam_complex_t cam_ripple_order(const cam_ripple_t *r, uint32_t k)
+{
+    const int32_t unit = 1 << cam_ripple_down;
+    return (cam_complex_t){.re = r->mean[k - 1u].re * unit, .im = r->mean[k - 1u].im * unit};
+}
+
+/// @return what does not fall with the square of the speed: (a v^2 - b w^2) / (v^2 - w^2)
+static cam_complex_t lasting(cam_complex_t a, int64_t v, cam_complex_t b, int64_t w)
+{
+    const int64_t v2 = (v >> 8) * (v >> 8) >> 4;
+    const int64_t w2 = (w >> 8) * (w >> 8) >> 4;
+    const int64_t d = v2 - w2;
+    return (cam_complex_t){.re = cam_sat_i32((a.re * v2 - b.re * w2) / d),
+                           .im = cam_sat_i32((a.im * v2 - b.im * w2) / d)};
+}
+
+/// Two means at speeds that differ by more than a tenth tell the encoder from the spindle.
+static void compare(cam_ripple_t *r, cam_complex_t before, int32_t speed_q32)
+{
+    const int64_t other = r->speed_q32;
+    if (other > 0 && cam_abs_i64(speed_q32 - other) > other / 10) {
+        r->scale = lasting(cam_ripple_order(r, 1), speed_q32, before, other);
+    }
+}
+
+static int16_t in_unit(int32_t sum, uint32_t n)
+{
+    const int32_t unit = (int32_t)n << cam_ripple_down;
+    const int32_t half = sum < 0 ? -unit / 2 : unit / 2;
+    return (int16_t)cam_clamp_i32((sum + half) / unit, -cam_ripple_most, cam_ripple_most);
+}
+
+bool cam_ripple_close(cam_ripple_t *r, uint32_t n_turns, int32_t speed_q32)
+{
+    r->n++;
+    if (r->n < n_turns) {
+        return false;
+    }
+    const cam_complex_t before = cam_ripple_order(r, 1);
+    for (uint32_t k = 0; k < cam_harmonics_most; k++) {
+        r->mean[k].re = in_unit(r->sum[k].re, r->n);
+        r->mean[k].im = in_unit(r->sum[k].im, r->n);
+    }
+    compare(r, before, speed_q32);
+    r->n_mean = r->n;
+    r->speed_q32 = speed_q32;
+    cam_ripple_drop(r);
+    return true;
+}

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+// What was learned, as others see and set it.
+#include "cam_teach.h"
+#include "cam_fix.h" // cam_clamp_i32
+
+static bool is_on(const cam_teach_setup_t *s)
+{
+    return s->reason == cam_teach_all || s->reason == cam_teach_lobes;
+}
+
+/// What hinders the whole comes before what hinders a part.
+static cam_teach_reason_t reason_of(const cam_teach_t *t, const cam_teach_setup_t *s)
+{
+    return !is_on(s) || t->hindrance == (uint8_t)cam_teach_all ? s->reason
+                                                               : (cam_teach_reason_t)t->hindrance;
+}
+
+static uint32_t nturn_of(uint32_t turn_q32)
+{
+    return (uint32_t)((uint64_t)turn_q32 * 1000000000u >> 32);
+}
+
+/// @return [turn / 10^9] sum of the amplitudes of the ripple in force
+static uint32_t ripple_nturn(const cam_teach_t *t)
+{
+    uint32_t sum_q32 = 0;
+    for (uint32_t k = 1; k <= cam_teach_harmonics; k++) {
+        sum_q32 += cam_complex_size(cam_ripple_order(&t->ripple, k));
+    }
+    return nturn_of(sum_q32);
+}
+
+cam_teach_status_t cam_teach_status(const cam_teach_t *t, const cam_teach_setup_t *setup,
+                                    uint32_t tick_hz)
+{
+    const int64_t hz = tick_hz;
+    return (cam_teach_status_t){
+        .phase = is_on(setup) ? (cam_teach_phase_t)t->phase : cam_teach_off,
+        .reason = reason_of(t, setup),
+        .n_turns = t->n_turns,
+        .n_harmonics = t->n_orders,
+        .masked = t->shape.masked,
+        .k1_ns = cam_sat_i32((int64_t)t->k1_q16 * 1000000000 / hz >> 16),
+        .k2_us2 = cam_sat_i32(((int64_t)t->k2_q16 * 1000000 / hz) * 1000000 / hz >> 16),
+        .error_nm = t->error_nm,
+        .begin_error_nm = t->begun_nm,
+        .correction_nm = cam_shape_sum_q6(&t->shape) >> 6,
+        .speed_mrpm = (uint32_t)((int64_t)t->speed_q32 * hz * 60000 >> 32),
+        .ripple_turns = t->ripple.n_mean,
+        .ripple_nturn = ripple_nturn(t),
+        .scale_re_q32 = t->ripple.scale.re,
+        .scale_im_q32 = t->ripple.scale.im,
+    };
+}
+
+cam_teach_harmonic_t cam_teach_harmonic(const cam_teach_t *t, uint32_t k)
+{
+    if (k >= cam_teach_terms) {
+        return (cam_teach_harmonic_t){0};
+    }
+    const cam_complex_t none = {0};
+    return (cam_teach_harmonic_t){
+        .correction_q6 = t->shape.c_q6[k],
+        .gain = t->shape.gain[k],
+        .best_q6 = t->shape.best_q6[k],
+        .ripple = k > 0u ? cam_ripple_order(&t->ripple, k) : none,
+        .is_masked = (t->shape.masked >> k & 1u) != 0u,
+    };
+}
+
+/// Bit of the masks that says that the answers of U are known.
+#define IS_PROBED (INT32_C(1) << 30)
+
+static bool is_within(int32_t value, int32_t most)
+{
+    return value >= -most && value <= most;
+}
+
+int32_t cam_teach_get(const cam_teach_t *t, uint32_t index)
+{
+    const uint32_t i = index - cam_teach_value_correction;
+    const uint32_t j = index - cam_teach_value_gain;
+    const uint32_t l = index - cam_teach_value_ripple;
+    switch (index) {
+    case cam_teach_value_speed:
+        return t->speed_q32;
+    case cam_teach_value_k1:
+        return t->k1_q16;
+    case cam_teach_value_k2:
+        return t->k2_q16;
+    case cam_teach_value_masked:
+        return (int32_t)t->shape.masked | (t->shape.is_probed ? IS_PROBED : 0);
+    case cam_teach_value_phase:
+        return (int32_t)t->phase_q32;
+    default:
+        break;
+    }
+    if (index < cam_teach_value_gain) {
+        const cam_complex_t c = t->shape.c_q6[i / 2u];
+        return i % 2u == 0u ? c.re : c.im;
+    }
+    if (index < cam_teach_value_ripple) {
+        const cam_gain_t g = t->shape.gain[j / 2u];
+        return j % 2u == 0u ? g.re_q12 : g.im_q12;
+    }
+    if (index < cam_teach_n_values) {
+        return l % 2u == 0u ? t->ripple.mean[l / 2u].re : t->ripple.mean[l / 2u].im;
+    }
+    return 0;
+}
+
+static bool set_one(cam_teach_t *t, uint32_t index, int32_t value)
+{
+    const int32_t most_q16 = 1 << 30;
+    switch (index) {
+    case cam_teach_value_speed:
+        t->speed_q32 = value;
+        return is_within(value, 1 << 26) && value >= 0;
+    case cam_teach_value_k1:
+        t->k1_q16 = value;
+        return is_within(value, most_q16);
+    case cam_teach_value_k2:
+        t->k2_q16 = value;
+        return is_within(value, most_q16);
+    case cam_teach_value_masked:
+        t->shape.masked = (uint32_t)value & ((UINT32_C(1) << cam_teach_terms) - 1u);
+        t->shape.is_probed = (value & IS_PROBED) != 0;
+        return value == cam_teach_get(t, index);
+    default:
+        t->phase_q32 = (uint32_t)value;
+        return true;
+    }
+}
+
+static bool set_in_tables(cam_teach_t *t, uint32_t index, int32_t value)
+{
+    const uint32_t i = index - cam_teach_value_correction;
+    const uint32_t j = index - cam_teach_value_gain;
+    const uint32_t l = index - cam_teach_value_ripple;
+    const int16_t narrow = (int16_t)cam_clamp_i32(value, INT16_MIN, INT16_MAX);
+    if (index < cam_teach_value_gain) {
+        cam_complex_t *c = &t->shape.c_q6[i / 2u];
+        *(i % 2u == 0u ? &c->re : &c->im) = value;
+        return is_within(value, cam_teach_most_nm * 64);
+    }
+    if (index < cam_teach_value_ripple) {
+        cam_gain_t *g = &t->shape.gain[j / 2u];
+        *(j % 2u == 0u ? &g->re_q12 : &g->im_q12) = narrow;
+        return narrow == value;
+    }
+    *(l % 2u == 0u ? &t->ripple.mean[l / 2u].re : &t->ripple.mean[l / 2u].im) = narrow;
+    t->ripple.n_mean = t->ripple.n_mean > 0u ? t->ripple.n_mean : 1u;
+    return is_within(value, cam_ripple_most);
+}
+
+bool cam_teach_set(cam_teach_t *t, uint32_t index, int32_t value)
+{
+    if (index >= cam_teach_n_values) {
+        return false;
+    }
+    const int32_t before = cam_teach_get(t, index);
+    const bool is_table = index >= cam_teach_value_correction;
+    const bool is_good = is_table ? set_in_tables(t, index, value) : set_one(t, index, value);
+    if (!is_good) {
+        (void)(is_table ? set_in_tables(t, index, before) : set_one(t, index, before));
+    }
+    t->is_walking = true;
+    return is_good;
+}

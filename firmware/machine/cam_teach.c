@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cam_teach.h"
+#include "cam_fix.h"       // cam_abs_i64, cam_root_u64
+#include "cam_harmonics.h" // cam_harmonics_of
+#include "cam_lesson.h"    // cam_lesson_open
+#include <stddef.h>        // NULL
+#include <string.h>        // memset
+
+enum {
+    words_per_bin = sizeof(cam_gather_bin_t) / sizeof(int32_t),
+    drive_steps = 3, ///< of layer 1 before the probe
+};
+
+#define TURNS UINT32_C(0xFFFFFF) ///< turns are numbered modulo 2^24
+
+void cam_teach_init(cam_teach_t *t)
+{
+    (void)memset(t, 0, sizeof *t);
+    cam_shape_forget(&t->shape);
+    t->state = (uint8_t)cam_state_off;
+}
+
+void cam_teach_forget(cam_teach_t *t)
+{
+    cam_shape_forget(&t->shape);
+    t->k1_q16 = 0;
+    t->k2_q16 = 0;
+    t->speed_q32 = 0;
+    t->is_walking = true;
+}
+
+static void trust(cam_teach_t *t)
+{
+    cam_shape_trust(&t->shape);
+    t->best_square = UINT64_MAX;
+    t->n_halved = 0;
+}
+
+/// A probe that was cut short leaves nothing.
+static void end_probe(cam_teach_t *t)
+{
+    if (t->phase == (uint8_t)cam_teach_probing) {
+        cam_shape_forget(&t->shape);
+        t->is_walking = true;
+    }
+}
+
+/// After a fault what is in force is the best that was reached.
+static void restore(cam_teach_t *t)
+{
+    cam_shape_restore(&t->shape);
+    if (t->best_square != UINT64_MAX) {
+        t->k1_q16 = t->best_k1_q16;
+        t->k2_q16 = t->best_k2_q16;
+    }
+    t->is_walking = true;
+}
+
+static void note_state(cam_teach_t *t, cam_state_t state)
+{
+    if (t->state == (uint8_t)state) {
+        return;
+    }
+    end_probe(t);
+    t->state = (uint8_t)state;
+    cam_lesson_phase(t, cam_teach_waiting);
+    if (state == cam_state_rehearsing) {
+        cam_lesson_phase(t, cam_teach_settling);
+        t->n_turns = 0;
+        trust(t);
+    } else if (state == cam_state_cutting) {
+        cam_lesson_phase(t, cam_teach_cutting);
+        trust(t);
+    } else if (state == cam_state_fault) {
+        restore(t);
+    } else {
+        // nothing is learned
+    }
+}
+
+/// The guard of layer 1. @return whether the error is one to learn from
+static bool is_sound(cam_teach_t *t)
+{
+    if (t->square < t->best_square) {
+        t->best_square = t->square;
+        t->best_k1_q16 = t->k1_q16;
+        t->best_k2_q16 = t->k2_q16;
+    }
+    const uint64_t floor_q6 = t->floor_q6;
+    const uint64_t least = floor_q6 * floor_q6 * 16u;
+    const uint64_t best = t->best_square > least ? t->best_square : least;
+    if (t->square / 9u <= best / 4u) {
+        return true;
+    }
+    t->k1_q16 = t->best_k1_q16;
+    t->k2_q16 = t->best_k2_q16;
+    t->n_halved++;
+    return false;
+}
+
+/// Layer 1: one step of the drive's constants.
+static void step_drive(cam_teach_t *t, const cam_teach_setup_t *s, int32_t gain_q16)
+{
+    if (t->n_halved >= cam_lesson_most_halved) {
+        return;
+    }
+    if (is_sound(t)) {
+        const cam_drive_change_t by = cam_drive_solve(&t->sums, t->turn_speed_q32);
+        const int64_t k1 = (int64_t)by.k1_q16 * (gain_q16 >> t->n_halved) >> 16;
+        const int64_t k2 = (int64_t)by.k2_q16 * (gain_q16 >> t->n_halved) >> 16;
+        t->k1_q16 =
+            (int32_t)cam_clamp_i64(t->k1_q16 + k1, -(int64_t)s->k1_most_q16, s->k1_most_q16);
+        t->k2_q16 =
+            (int32_t)cam_clamp_i64(t->k2_q16 + k2, -(int64_t)s->k2_most_q16, s->k2_most_q16);
+    }
+    t->is_walking = true;
+}
+
+/// The first turn of a rehearsal. At another speed nothing of the correction holds.
+static void begin(cam_teach_t *t, const cam_teach_setup_t *s)
+{
+    if (cam_lesson_is_other_speed(t, t->turn_speed_q32)) {
+        const bool was_probed = t->shape.is_probed;
+        cam_shape_forget(&t->shape);
+        t->speed_q32 = t->turn_speed_q32;
+        t->is_walking = true;
+        if (was_probed) {
+            return;
+        }
+    }
+    t->begun_nm = t->error_nm;
+    cam_lesson_phase(t, t->shape.is_probed ? cam_teach_shape : cam_teach_drive);
+    step_drive(t, s, s->gain_q16);
+}
+
+static void step_probe(cam_teach_t *t, const cam_teach_setup_t *s)
+{
+    t->n_steps++;
+    const int32_t size_q6 = t->n_steps == 1u ? s->probe_q6 / 2 : t->n_steps == 2u ? s->probe_q6 : 0;
+    cam_shape_play(&t->shape, size_q6, t->n_orders);
+    t->is_walking = true;
+    if (size_q6 == 0) {
+        t->shape.is_probed = true;
+        trust(t);
+        cam_lesson_phase(t, cam_teach_shape);
+    }
+}
+
+/// A turn that counts is complete.
+static void step(cam_teach_t *t, const cam_teach_setup_t *s)
+{
+    t->error_nm = (uint32_t)(cam_root_u64(t->square) >> 6);
+    t->largest = t->larger;
+    t->n_turns++;
+    switch ((cam_teach_phase_t)t->phase) {
+    case cam_teach_settling:
+        begin(t, s);
+        break;
+    case cam_teach_drive:
+        step_drive(t, s, s->gain_q16);
+        t->n_steps++;
+        if (t->n_steps >= drive_steps && s->reason == cam_teach_all) {
+            cam_lesson_phase(t, cam_teach_probing);
+        }
+        break;
+    case cam_teach_probing:
+        step_probe(t, s);
+        break;
+    case cam_teach_shape:
+        step_drive(t, s, s->gain_q16 / 2);
+        break;
+    case cam_teach_cutting:
+        step_drive(t, s, t->shape.is_probed ? s->cut_gain_q16 / 2 : s->cut_gain_q16);
+        t->best_square += t->best_square >> 4;
+        break;
+    case cam_teach_off:
+    case cam_teach_waiting:
+    case cam_teach_frozen:
+    case cam_teach_n_phases:
+        break;
+    }
+}
+
+static void close_turn(cam_teach_t *t, const cam_teach_setup_t *s, cam_gather_t *gather)
+{
+    t->bin = NULL;
+    (void)cam_gather_release(gather);
+    if (t->is_counted) {
+        step(t, s);
+    }
+    if (t->is_true && cam_ripple_close(&t->ripple, s->ripple_turns, t->turn_speed_q32)) {
+        t->is_walking = true;
+    }
+}
+
+static void take_turn(cam_teach_t *t, const cam_teach_setup_t *s, cam_gather_t *gather)
+{
+    cam_turn_t turn;
+    const cam_gather_bin_t *bin = cam_gather_take(gather, &turn);
+    if (bin == NULL) {
+        return;
+    }
+    t->bin = &gather->bin[bin - gather->bin];
+    cam_lesson_open(t, s, &turn);
+    if (!t->is_counted && !t->is_true) {
+        t->bin = NULL;
+        (void)cam_gather_release(gather);
+    }
+}
+
+/// @return whether the interrupt has begun to write the bank again
+static bool is_late(const cam_teach_t *t, cam_gather_t *gather)
+{
+    const uint32_t at_q8 = atomic_load_explicit(&gather->at_q8, memory_order_acquire);
+    return ((at_q8 >> 8) & TURNS) != ((t->turn + 1u) & TURNS);
+}
+
+static void take_harmonic(cam_teach_t *t, const cam_teach_setup_t *s, cam_gather_t *gather)
+{
+    if (is_late(t, gather)) {
+        t->bin = NULL;
+        cam_ripple_drop(&t->ripple);
+        return;
+    }
+    if (t->is_counted && t->k <= t->n_orders) {
+        cam_lesson_harmonic(t, s);
+    }
+    if (t->is_true && t->k > 0u) {
+        cam_ripple_add(&t->ripple, t->k, cam_harmonics_of(&t->bin->angle_q24, words_per_bin, t->k));
+    }
+    t->k++;
+    if (t->k >= cam_teach_terms) {
+        close_turn(t, s, gather);
+    }
+}
+
+void cam_teach_poll(cam_teach_t *t, const cam_teach_setup_t *setup, cam_state_t state,
+                    cam_gather_t *gather)
+{
+    note_state(t, state);
+    if (t->bin != NULL) {
+        take_harmonic(t, setup, gather);
+    } else {
+        take_turn(t, setup, gather);
+    }
+}
