@@ -64,9 +64,8 @@ void cam_machine_init(cam_machine_t *m, cam_t *core, uint32_t tick_hz, uint32_t 
         .core = core, .params = cam_param_defaults(), .tick_hz = tick_hz, .clock_hz = clock_hz};
     cam_scope_init(&m->scope, hal_scope_memory(), tick_hz);
     cam_teach_init(&m->teach);
-    // The tick does not run yet, so both halves of the configuration may be written. The defaults
-    // fit every tick rate from 500 Hz on except for the bandwidth of the observer, which is limited
-    // to a twentieth of the tick rate.
+    // The tick does not run yet, so both halves may be written. The defaults fit every tick rate
+    // from 500 Hz on but for the observer's bandwidth, which is limited to a twentieth of the rate.
     const int32_t fastest_mHz = cam_fit_most(cam_param_observer_bandwidth_mHz, tick_hz);
     if (m->params.observer_bandwidth_mHz > fastest_mHz) {
         m->params.observer_bandwidth_mHz = fastest_mHz;
