@@ -76,7 +76,7 @@ typedef enum {
     cam_err_wave_stroke = -67,       ///< U would leave its stroke
     cam_err_wave_speed = -68,        ///< U would exceed its highest speed
     cam_err_wave_acceleration = -69, ///< U would exceed its highest acceleration
-    cam_err_wave_clear = -70,        ///< X is not off the work by as much as U moves inward
+    cam_err_wave_clear = -70,        ///< X is so near that U would lead the tool to the work
 } cam_err_t;
 
 /// The compiler refuses a call that ignores the result of such a function.

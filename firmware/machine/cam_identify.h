@@ -33,6 +33,7 @@ typedef struct {
     bool is_open;      ///< blocks are accepted
     uint32_t n;        ///< [samples] of the complete wave; 0: none
     int32_t place_nm;  ///< [nm] of U, about which it is played
+    uint32_t n_fall;   ///< [ticks] at the end of the last excitation in which its gain falls
     cam_identify_phase_t phase;
     cam_excited_t excited;
     int32_t following_nm; ///< [nm] limit of the following error that comes back at the end

@@ -129,12 +129,12 @@ static cam_wave_verdict_t check_length(const cam_machine_t *m, uint32_t n_period
     };
 }
 
-/// X must be off the work, at every height, by the clearance and by as much as U moves inward.
+/// The tool must be off the work, at every height, by half the clearance where U is furthest in.
 static cam_wave_verdict_t check_clear(const cam_machine_t *m, const cam_status_t *status,
                                       const cam_config_t *cfg, const cam_wave_range_t *range)
 {
-    const int64_t inward_nm = m->identify.place_nm + range->high_nm;
-    const int64_t needed_nm = (cfg->play.x_clear_q10 >> 10) + (inward_nm > 0 ? inward_nm : 0);
+    const int64_t off_nm = (cfg->play.x_clear_q10 >> 10) - cfg->play.x_clearance_nm / 2;
+    const int64_t needed_nm = off_nm + m->identify.place_nm + range->high_nm;
     const bool is_clear = status->x_actual_nm >= needed_nm;
     return (cam_wave_verdict_t){
         .err = is_clear ? cam_ok : cam_err_wave_clear,
@@ -205,6 +205,7 @@ cam_wave_verdict_t cam_machine_excite(cam_machine_t *m, uint32_t n_periods, uint
         return verdict;
     }
     m->identify.following_nm = cfg->guard.following_nm;
+    m->identify.n_fall = cam_wave_fall_ticks(&excite.fade);
     const int64_t most_nm = -range.low_nm > range.high_nm ? -range.low_nm : range.high_nm;
     return plain(begin(m, &status, &excite, m->identify.following_nm + most_nm));
 }
@@ -332,13 +333,20 @@ cam_err_t cam_machine_scope_set(cam_machine_t *m, uint32_t field, int32_t value)
 
 cam_err_t cam_machine_scope_get(const cam_machine_t *m, uint32_t field, int32_t *value)
 {
+    const cam_identify_t *i = &m->identify;
     const cam_err_t err = cam_scope_get(&m->scope, field, value);
-    if (field == cam_scope_field_place_nm) {
-        *value = m->identify.place_nm;
-    } else if (field == cam_scope_field_excited) {
-        *value = (int32_t)m->identify.excited;
-    } else {
-        // a field of the recorder itself
+    switch (field) {
+    case cam_scope_field_place_nm:
+        *value = i->place_nm;
+        break;
+    case cam_scope_field_excited:
+        *value = (int32_t)i->excited;
+        break;
+    case cam_scope_field_n_fall:
+        *value = (int32_t)i->n_fall;
+        break;
+    default: // a field of the recorder itself
+        break;
     }
     return err;
 }

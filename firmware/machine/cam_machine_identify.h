@@ -6,8 +6,8 @@
 /// The samples are int32 [nm], one per tick, of one period; they lie at the begin of the recorder's
 /// memory (cam_scope.h), so that a new wave ends what was recorded. An excitation is judged before
 /// it begins: length, stroke, speed and acceleration with the wrap and the fade (cam_wave.h), and X
-/// must be off the work by as much as U moves inward. It records by itself: what the recorder's
-/// fields ask for, from the first tick of the state identifying to the last.
+/// must be so far out that the tool stays off the work by half the clearance. It records by itself:
+/// what the recorder's fields ask for, from the first tick of the state identifying to the last.
 ///
 /// While the state is identifying a sign of life is needed every cam_identify_patience_ms, else U
 /// is brought to rest. So it is by stop and by disable, which takes the enable away afterwards; a

@@ -72,7 +72,8 @@
     X(n_words,    false, "words of the memory") \
     X(n_wave,     false, "words at its begin that hold a wave") \
     X(excited,    false, "cam_excited_t: what came of the last excitation") \
-    X(place_nm,   true,  "place of U about which a wave is played")
+    X(place_nm,   true,  "place of U about which a wave is played") \
+    X(n_fall,     false, "ticks at the end of an excitation in which its gain falls")
 // clang-format on
 
 /// Number of a signal.
@@ -144,7 +145,7 @@ void cam_scope_init(cam_scope_t *s, hal_memory_t memory, uint32_t tick_hz);
 CAM_MUST_USE cam_err_t cam_scope_set(cam_scope_t *s, uint32_t field, int32_t value);
 
 /// Read a field; `signals` and `every` are those of the recording that is there, if one is.
-/// `excited` and `place_nm` are those of cam_machine_identify.h and read as 0 here.
+/// `excited`, `place_nm` and `n_fall` are those of cam_machine_identify.h and read as 0 here.
 /// @return cam_ok, cam_err_scope_field
 CAM_MUST_USE cam_err_t cam_scope_get(const cam_scope_t *s, uint32_t field, int32_t *value);
 

@@ -36,6 +36,16 @@ cam_move_limits_t cam_wave_fade(uint32_t fade_ticks)
     };
 }
 
+uint32_t cam_wave_fall_ticks(const cam_move_limits_t *fade)
+{
+    cam_move_t gain = {.pos_q10 = cam_excite_full_q30};
+    uint32_t n = 0;
+    while (!cam_move_to_isr(&gain, fade, 0)) {
+        n++;
+    }
+    return n;
+}
+
 /// @return [nm / 1024] a distance times a share of 2^30
 static int64_t share_q10(int64_t distance_nm, int64_t share_q30)
 {

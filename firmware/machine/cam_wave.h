@@ -41,6 +41,10 @@ cam_wave_range_t cam_wave_range(const int32_t *wave_nm, uint32_t n);
 /// @return            limits of a gain that rises from 0 to 1 in that many ticks, and some at most
 cam_move_limits_t cam_wave_fade(uint32_t fade_ticks);
 
+/// @return [ticks] in which the gain falls from 1 to 0, the last one before it rests there
+/// Context: lasts as long as as many steps of cam_move.h.
+uint32_t cam_wave_fall_ticks(const cam_move_limits_t *fade);
+
 /// Compare with the stroke, the speed and the acceleration of U.
 /// @param place_nm  [nm] about which it is played
 /// @param cfg       configuration in force

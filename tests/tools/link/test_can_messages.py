@@ -115,7 +115,7 @@ def test_parameters_are_those_of_the_firmware(database: Database) -> None:
 
 
 def test_recorder_and_learning_are_those_of_the_firmware(database: Database) -> None:
-    """Signals and fields are the lists of cam_scope.h; phases, ends and reasons the enumerations."""
+    """Signals and fields are lists of cam_scope.h; phases, ends and reasons enumerations."""
     assert database.dbc is not None
     tables = {
         name: {int(number): str(word) for number, word in table.items()}

@@ -28,7 +28,9 @@ _STATUS = {
     DATABASE.get_message_by_name(name).frame_id: DATABASE.get_message_by_name(name)
     for name in ("State", "Spindle", "AxisU", "Detail")
 }
-BLOCK_ID, FLOW_ID = (DATABASE.get_message_by_name(name).frame_id for name in ("Block", "BlockFlow"))
+BLOCK_ID, FLOW_ID, PART_ID = (
+    DATABASE.get_message_by_name(name).frame_id for name in ("Block", "BlockFlow", "Recording")
+)
 
 DBC_NODE = 64  # the node whose identifiers the DBC has
 ANSWER_S = 1.0
@@ -152,6 +154,7 @@ class Link:
         self.on_row: Callable[[Status], None] = lambda status: None
         self._answers: deque[can.Message] = deque()
         self.flows: deque[can.Message] = deque()
+        self.parts: deque[bytes] = deque(maxlen=256)
 
     # Frames
 
@@ -171,6 +174,8 @@ class Link:
         identifier = frame.arbitration_id - self._shift
         if identifier == ANSWER.frame_id and len(frame.data) == ANSWER.length:
             self._answers.append(frame)
+        elif identifier == PART_ID and len(frame.data) == 8:
+            self.parts.append(bytes(frame.data))
         elif identifier == FLOW_ID:
             self.flows.append(_frame(identifier, bytes(frame.data)))
         elif (message := _STATUS.get(identifier)) and len(frame.data) == message.length:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Brings a table image to a controller: blocks over ISO-TP, each acknowledged.
+"""Brings a table image or a wave to a controller: blocks over ISO-TP, each acknowledged.
 
 firmware/remote/can/README.md describes the protocol. A block whose acknowledgement names another
 place is repeated from there, as often as blocks may get lost.
@@ -54,7 +54,7 @@ def send_block(link: Link, block: bytes) -> None:
         raise Refused(f"{link.where}: block not sent: {problems[0]}")
 
 
-def _give(link: Link, image: bytes, at: int) -> int:
+def _give(link: Link, image: bytes, at: int, remedy: str) -> int:
     """Send a block; return where to go on."""
     for _ in range(MOST_REPEATS):
         part = image[at : at + BLOCK_BYTES]
@@ -71,7 +71,28 @@ def _give(link: Link, image: bytes, at: int) -> int:
         if answer.result != "download_order" or answer.value > at:
             break
         at = int(answer.value)
-    raise Refused(f"{problem}; the old table stays in force, download again")
+    raise Refused(f"{problem}; {remedy}")
+
+
+def bring(link: Link, data: bytes, remedy: str, progress: Callable[[int, float], None]) -> None:
+    """Bring bytes to the controller, where a download was begun.
+
+    Parameters
+    ----------
+    remedy : str
+        what to do if that fails
+    progress : callable
+        called with [bytes] that are stored and [s] since the begin
+
+    Raises
+    ------
+    Refused
+        The controller refuses, or the bus loses too much.
+    """
+    start_s, at = time.monotonic(), 0
+    while at < len(data):
+        at = _give(link, data, at, remedy)
+        progress(at, time.monotonic() - start_s)
 
 
 def download(
@@ -100,9 +121,6 @@ def download(
     """
     begin = link.ask("begin_download", timeout_s=BEGIN_S, size=len(image))
     require("begin_download", begin.result)
-    start_s, at = time.monotonic(), 0
-    while at < len(image):
-        at = _give(link, image, at)
-        progress(at, time.monotonic() - start_s)
+    bring(link, image, "the old table stays in force, download again", progress)
     end = link.ask("end_download", timeout_s=CHECK_S, crc=zlib.crc32(image))
     require("end_download", end.result)
