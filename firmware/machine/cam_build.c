@@ -288,7 +288,9 @@ static void build_plan(cam_play_config_t *c, uint32_t tick_hz)
     c->xz_lag2 = half_square(c->xz_plan_q16) - half_square(lag_q16) / 2;
 }
 
-static void build_play(cam_play_config_t *c, const cam_params_t *p, int32_t sense, uint32_t tick_hz)
+/// @param is_rehearsed  nothing is learned where the speed is modulated, so there is no rehearsal
+static void build_play(cam_play_config_t *c, const cam_params_t *p, int32_t sense,
+                       bool is_rehearsed, uint32_t tick_hz)
 {
     c->lead_q16 = ticks_of_ns(p->lead_ns, tick_hz);
     c->xz_lag_q16 = ticks_of_ns(p->xz_lag_ns, tick_hz);
@@ -305,6 +307,7 @@ static void build_play(cam_play_config_t *c, const cam_params_t *p, int32_t sens
     c->disengage_q32 = p->disengage_turns * CAM_TURN_Q32;
     c->per_engage_q31 = (uint32_t)((UINT32_C(1) << 31) / (uint32_t)p->engage_turns);
     c->per_disengage_q31 = (uint32_t)((UINT32_C(1) << 31) / (uint32_t)p->disengage_turns);
+    c->rehearse_q32 = is_rehearsed ? p->rehearse_turns * CAM_TURN_Q32 : 0;
     c->is_z_measured = p->z_is_measured != 0;
     c->turning_q32 = cam_build_speed_q32((uint32_t)p->stopped_mrpm, tick_hz);
     build_plan(c, tick_hz);
@@ -371,7 +374,9 @@ cam_err_t cam_build_config(cam_config_t *config, const cam_params_t *params,
     const int32_t sense = table != NULL ? table->direction : 1;
     build_spindle(&config->spindle, params, sense, tick_hz, clock_hz);
     const bool is_swung = table != NULL && table->is_swung && params->swing_speed_mdeg_per_s > 0;
-    build_play(&config->play, params, sense, tick_hz);
+    const bool is_rehearsed = table != NULL && table->speed.knots == NULL;
+    build_play(&config->play, params, sense, is_rehearsed, tick_hz);
+    config->play.rehearse_x_q10 = (int64_t)cam_demand_half_stroke_nm(table, params) * 1024;
     config->play.x_clearance_nm = cam_demand_clearance_nm(table, params);
     if (is_swung) {
         build_swing(&config->play.swing, params, &table->angle, tick_hz);

@@ -347,15 +347,20 @@ cam_err_t cam_machine_start(cam_machine_t *m)
     return err;
 }
 
+/// @return whether there is a cut, or its rehearsal, to be ended
+static bool may_stop(cam_state_t state)
+{
+    return state == cam_state_rehearsing || state == cam_state_engaging ||
+           state == cam_state_cutting;
+}
+
 cam_err_t cam_machine_stop(cam_machine_t *m)
 {
     const cam_status_t status = cam_machine_status(m);
     if (status.state == cam_state_identifying) {
         return cam_machine_identify_stop(m, false);
     }
-    const cam_err_t err =
-        post_if(m, &status, status.state == cam_state_engaging || status.state == cam_state_cutting,
-                cam_request_stop);
+    const cam_err_t err = post_if(m, &status, may_stop(status.state), cam_request_stop);
     // A cut over a measured Z has no other end.
     const bool is_end = m->params.z_is_measured != 0 && status.state == cam_state_cutting;
     m->is_cut_short = m->is_cut_short || (err == cam_ok && !is_end);

@@ -95,12 +95,14 @@ typedef struct {
     int32_t amplitude_q30, amplitude_step_q30;  ///< [1], per tick
     int64_t engage_q32, disengage_q32;          ///< [turn] lengths
     uint32_t per_engage_q31, per_disengage_q31; ///< [1/turn] their reciprocals
-    int64_t feed_q32;            ///< [turn] from first to last height, ramps included
-    int64_t ramp_q32;            ///< [turn] over which the feed rises, and falls
-    uint32_t per_ramp_q31;       ///< [1/turn] its reciprocal
-    cam_rings_t rings;           ///< off: the feed is that of a helix
-    int32_t feed_nm;             ///< [nm] per turn
-    int32_t z_first_nm;          ///< [nm] where the feed starts
+    int64_t rehearse_q32;   ///< [turn] at full amplitude before a cut, 0: there is no rehearsal
+    int64_t rehearse_x_q10; ///< [nm / 1024] X is this much farther off than at its approach
+    int64_t feed_q32;       ///< [turn] from first to last height, ramps included
+    int64_t ramp_q32;       ///< [turn] over which the feed rises, and falls
+    uint32_t per_ramp_q31;  ///< [1/turn] its reciprocal
+    cam_rings_t rings;      ///< off: the feed is that of a helix
+    int32_t feed_nm;        ///< [nm] per turn
+    int32_t z_first_nm;     ///< [nm] where the feed starts
     int32_t z_low_nm, z_high_nm; ///< [nm] range accepted from a measured Z
     int32_t z_margin_nm;         ///< [nm] accepted distance of a geared Z from its place
     int32_t turning_q32;         ///< [turn / 2^32 per tick] slower does not count as turning

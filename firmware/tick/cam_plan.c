@@ -229,9 +229,19 @@ static uint32_t check_z(const cam_play_config_t *cfg, int32_t z_nm, int32_t last
     return is_off || is_out ? CAM_FAULT_BIT(z_range) : 0u;
 }
 
+/// A rehearsal ends when the amplitude has fallen, and the cut follows unless it was stopped.
+static cam_state_t rehearsal_at(const cam_plan_t *p, const cam_play_config_t *cfg, int64_t pos_q32)
+{
+    const cam_state_t next = p->is_stopped ? cam_state_ready : cam_state_engaging;
+    return pos_q32 < p->disengage_at_q32 + cfg->disengage_q32 ? cam_state_rehearsing : next;
+}
+
 /// The state is that of the spindle itself, not of what is planned.
 static cam_state_t state_at(const cam_plan_t *p, const cam_play_config_t *cfg, int64_t pos_q32)
 {
+    if (p->is_rehearsal) {
+        return rehearsal_at(p, cfg, pos_q32);
+    }
     if (pos_q32 >= p->disengage_at_q32) {
         return pos_q32 < p->disengage_at_q32 + cfg->disengage_q32 ? cam_state_disengaging
                                                                   : cam_state_ready;
@@ -266,6 +276,14 @@ static void lay_end(cam_plan_t *p, const cam_play_config_t *cfg, const cam_angle
     }
 }
 
+/// A rehearsal has no feed: the amplitude rises, stays, and falls at the first height.
+static void lay_rehearsal(cam_plan_t *p, const cam_play_config_t *cfg)
+{
+    p->disengage_at_q32 = p->feed_at_q32 + cfg->rehearse_q32;
+    p->feed_at_q32 = NEVER_Q32;
+    p->feed_turns_q32 = 0;
+}
+
 /// Lay the cut onto whole turns of the master, and set all that changes in it to its first value.
 /// All axes rest, as cam_rest_isr() left them, until the next plan aims them, and the cut begins
 /// behind that.
@@ -279,6 +297,11 @@ static void lay(cam_plan_t *p, const cam_play_config_t *cfg, const cam_tick_reco
     p->feed_at_q32 = p->engage_at_q32 + cfg->engage_q32;
     p->feed_turns_q32 = cfg->feed_q32;
     p->disengage_at_q32 = cfg->is_z_measured ? NEVER_Q32 : p->feed_at_q32 + cfg->feed_q32;
+    p->is_stopped = false;
+    p->is_rehearsal = m->state == cam_state_rehearsing;
+    if (p->is_rehearsal) {
+        lay_rehearsal(p, cfg);
+    }
     p->amplitude_q30 = cfg->amplitude_q30;
     p->measured_nm = actual_nm;
     p->ratio_q28 = CAM_RATIO_ONE_Q28;
@@ -289,6 +312,15 @@ static void lay(cam_plan_t *p, const cam_play_config_t *cfg, const cam_tick_reco
     m->is_stopping = false;
     m->is_playing = true;
     cam_shaft_lay_isr(&p->shaft, cfg->table, z_nm, m);
+}
+
+/// X follows its profile less the envelope; in a rehearsal it stays off the work altogether.
+static void aim_x(const cam_plan_t *p, const cam_play_config_t *cfg, cam_motion_t *m, int32_t z_nm,
+                  int32_t envelope)
+{
+    const int64_t away_q10 = p->is_rehearsal ? cfg->rehearse_x_q10 : 0;
+    cam_aim_isr(&m->axis[hal_axis_x], cfg,
+                cam_aim_profile_q10(cfg, z_nm, envelope) + HALF_NM_Q10 + away_q10);
 }
 
 /// Plan all axes for the instant of the next plan.
@@ -307,14 +339,18 @@ static void aim_axes(cam_plan_t *p, const cam_play_config_t *cfg, const cam_tick
     const int32_t z_nm = at.z_nm;
     const int32_t scale_q30 =
         cam_mul_shift(cam_mul_shift(u_envelope, at.share.lift_q30, 30), p->amplitude_q30, 30);
-    cam_aim_isr(&m->axis[hal_axis_x], cfg,
-                cam_aim_profile_q10(cfg, z_nm, envelope_q30(p, cfg, xz_q32 - lag_q32, lag_q32)) +
-                    HALF_NM_Q10);
+    aim_x(p, cfg, m, z_nm, p->is_rehearsal ? 0 : envelope_q30(p, cfg, xz_q32 - lag_q32, lag_q32));
     aim_speed(p, cfg, angle, z_nm, cam_mul_shift(u_envelope, at.share.ratio_q30, 30), m);
     aim_u(m, cfg, scale_q30, z_nm, at.u_z_nm);
-    if (cfg->swing.is_swung) {
+    if (cfg->swing.is_swung && !p->is_rehearsal) {
         aim_swing(p, cfg, angle, z_nm, scale_q30, m);
     }
+}
+
+/// @return whether nothing of what was laid is left
+static bool is_over(const cam_plan_t *p, cam_state_t state)
+{
+    return state == cam_state_ready || (p->is_rehearsal && state == cam_state_engaging);
 }
 
 /// One plan while the axes follow the table.
@@ -327,6 +363,7 @@ static void plan_cut(cam_plan_t *p, const cam_play_config_t *cfg, const cam_tick
     }
     if (m->is_stopping) {
         lay_end(p, cfg, &r->angle);
+        p->is_stopped = true;
         m->is_stopping = false;
     }
     if ((m->faults & CAM_FAULT_BIT(z_range)) != 0u) {
@@ -334,9 +371,9 @@ static void plan_cut(cam_plan_t *p, const cam_play_config_t *cfg, const cam_tick
     }
     aim_axes(p, cfg, r, m);
     m->state = state_at(p, cfg, r->angle.pos_q32);
-    if (m->state == cam_state_ready) { // scale 0: U has come to rest at 0
+    if (is_over(p, m->state)) { // scale 0: U has come to rest at 0
         m->axis[hal_axis_u] = (cam_move_t){0};
-        m->u_target_q10 = cfg->u_retract_q10;
+        m->u_target_q10 = m->state == cam_state_ready ? cfg->u_retract_q10 : 0;
         m->is_playing = false;
     }
 }

@@ -18,6 +18,7 @@
 #include "cam_config.h" // cam_play_config_t
 #include "cam_record.h" // cam_tick_record_t, cam_motion_t
 #include "cam_shaft.h"  // cam_shaft_t
+#include <stdbool.h>    // bool
 #include <stdint.h>     // int32_t, int64_t
 
 /// Chosen by measurement: README.md, "Two rates".
@@ -32,6 +33,8 @@ typedef struct {
     int32_t measured_nm;      ///< [nm] Z of the last plan
     int32_t amplitude_q30;    ///< [1] ramped
     int32_t ratio_q28;        ///< [1] speed ratio at the end of the last plan
+    bool is_rehearsal;        ///< what is laid is the rehearsal of a cut
+    bool is_stopped;          ///< ... and nothing follows it
     cam_shaft_t shaft;        ///< lobe that is played
 } cam_plan_t;
 

@@ -140,6 +140,12 @@ static void begin_excitation(cam_play_t *p, const cam_play_config_t *cfg, cam_mo
     }
 }
 
+/// @return whether the axes are on their way to where they follow the table
+static bool is_approaching(cam_state_t state)
+{
+    return state == cam_state_engaging || state == cam_state_rehearsing;
+}
+
 /// Carry out a new request if it fits the state, out of the cut. @return faults that the request
 /// reports
 static uint32_t obey(cam_play_t *p, const cam_play_config_t *cfg, uint32_t request, cam_motion_t *m)
@@ -157,11 +163,11 @@ static uint32_t obey(cam_play_t *p, const cam_play_config_t *cfg, uint32_t reque
         break;
     case cam_request_start:
         if (m->state == cam_state_ready) {
-            m->state = cam_state_engaging;
+            m->state = cfg->rehearse_q32 > 0 ? cam_state_rehearsing : cam_state_engaging;
         }
         break;
     case cam_request_stop: // an approach has nothing to end
-        m->state = m->state == cam_state_engaging ? cam_state_ready : m->state;
+        m->state = is_approaching(m->state) ? cam_state_ready : m->state;
         cam_excite_end_isr(&p->excite);
         break;
     case cam_request_reset:

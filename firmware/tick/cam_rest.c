@@ -51,6 +51,15 @@ static bool stay_out(const cam_play_config_t *cfg, cam_motion_t *m)
            (!cfg->swing.is_swung || m->swing.is_there);
 }
 
+/// @return [nm / 1024] X over a height where a cut or a rehearsal begins. A rehearsal is farther
+/// off by half the stroke of U: wherever U goes, the tool does not reach beyond the approach of a
+/// cut.
+static int64_t x_begin_q10(const cam_play_config_t *cfg, const cam_motion_t *m, int32_t z_nm)
+{
+    const int64_t away_q10 = m->state == cam_state_rehearsing ? cfg->rehearse_x_q10 : 0;
+    return cam_aim_profile_q10(cfg, z_nm, 0) + away_q10;
+}
+
 /// Move Z to the start of the cut while X stands, then X: the tool nears the work only where it
 /// will cut. An X that is not off the work at every height, as after a cut that ended at a smaller
 /// radius, moves out before.
@@ -65,8 +74,7 @@ static bool approach_xz(const cam_play_config_t *cfg, cam_motion_t *m)
         return false;
     }
     if (is_at(&m->axis[hal_axis_z], z_q10)) {
-        return move_to(x, cfg, &cfg->approach[hal_axis_x],
-                       cam_aim_profile_q10(cfg, cfg->z_first_nm, 0));
+        return move_to(x, cfg, &cfg->approach[hal_axis_x], x_begin_q10(cfg, m, cfg->z_first_nm));
     }
     (void)move_to(&m->axis[hal_axis_z], cfg, &cfg->approach[hal_axis_z], z_q10);
     (void)brake(x, cfg, &cfg->approach[hal_axis_x]);
@@ -83,10 +91,11 @@ static bool approach_x(const cam_play_config_t *cfg, int32_t z_nm, bool is_u_the
         (void)brake(x, cfg, &cfg->approach[hal_axis_x]);
         return false;
     }
-    return move_to(x, cfg, &cfg->approach[hal_axis_x], cam_aim_profile_q10(cfg, z_nm, 0));
+    return move_to(x, cfg, &cfg->approach[hal_axis_x], x_begin_q10(cfg, m, z_nm));
 }
 
-/// Move all axes to the start of the cut; a tool that swings comes to rest at 0 first.
+/// Move all axes to the start of the cut or of its rehearsal; a tool that swings comes to rest at 0
+/// first.
 /// @return true when all are there
 static bool approach(const cam_play_config_t *cfg, int32_t z_nm, cam_motion_t *m)
 {
@@ -151,7 +160,7 @@ bool cam_rest_isr(const cam_play_config_t *cfg, const cam_tick_record_t *r, cam_
         return false;
     }
     m->is_clear = false;
-    if (m->state == cam_state_engaging) {
+    if (m->state == cam_state_engaging || m->state == cam_state_rehearsing) {
         return approach(cfg, r->in.actual_nm[hal_axis_z], m);
     }
     if (m->state == cam_state_off) {

@@ -14,7 +14,7 @@
 /// One plan out of the cut.
 /// @param r  record of the tick
 /// @param m  increments up to now, replaced by those from the next tick on
-/// @return   true in the state engaging when all axes are where a cut begins
+/// @return   true in the states rehearsing and engaging when all axes are where they begin
 /// Context: ISR, called by cam_plan_isr(); constant time in each state.
 bool cam_rest_isr(const cam_play_config_t *cfg, const cam_tick_record_t *r, cam_motion_t *m);
 
