@@ -10,6 +10,9 @@
 /// within 0.8 s at 20 kHz.
 enum { background_polls = 64 };
 
+/// Times a turn that it is done where it learns: every turn is taken, and given back in time.
+enum { learning_polls_per_turn = 8 };
+
 const cam_status_t *sim_cut_status(const sim_cut_t *cut)
 {
     return &cut->firmware.status;
@@ -164,12 +167,24 @@ static void take_answer(sim_cut_t *cut, cam_err_t err)
     }
 }
 
+/// @return after how many rounds of the operator background work is done
+static uint32_t polls_apart(const sim_cut_t *cut)
+{
+    if (cut->params.learn_harmonics == 0 && cut->params.ripple_turns == 0) {
+        return background_polls;
+    }
+    const double ticks_per_turn =
+        cut->session.options.config.lathe.tick_hz * 60.0 / sim_cut_rpm(cut);
+    const double apart = ticks_per_turn / (learning_polls_per_turn * (double)sim_cut_poll_ticks);
+    return (uint32_t)sim_clamp(apart, 1.0, background_polls);
+}
+
 /// Do what an operator does: enable, start, wait.
 static void operate(sim_cut_t *cut)
 {
     const sim_session_t *s = &cut->session;
     const cam_status_t status = *sim_cut_status(cut);
-    if (cut->n_polls++ % background_polls == 0u) {
+    if (cut->n_polls++ % polls_apart(cut) == 0u) {
         sim_firmware_poll(&cut->firmware);
     }
     if (status.state == cam_state_fault) {

@@ -60,8 +60,12 @@ double sim_cut_planned_s(const sim_cut_t *cut)
     double planned_s = 0.0;
     for (uint32_t i = cut->first_pass; i < cam_pass_count(table); i++) {
         const cam_params_t here = cam_pass_params(&cut->params, table, i);
-        const double turns =
+        const double cut_turns =
             here.engage_turns + sim_cut_turns_of(table, &here) + here.disengage_turns;
+        const double rehearsal_turns =
+            here.rehearse_turns > 0 ? here.engage_turns + here.rehearse_turns + here.disengage_turns
+                                    : 0.0;
+        const double turns = cut_turns + rehearsal_turns;
         planned_s += turns * 60e3 / mrpm_of(table, &here);
     }
     return planned_s;
