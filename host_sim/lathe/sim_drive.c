@@ -200,8 +200,10 @@ static bool is_beyond(double value, double limit)
     return value > limit || value < -limit;
 }
 
-/// Move in sub-steps against friction and an outer force.
-static void rough_piece(sim_drive_t *d, double command_micro, double time_s)
+/// Move in sub-steps against friction and an outer force; kept apart, so that the exact way is
+/// short.
+__attribute__((noinline)) static void rough_piece(sim_drive_t *d, double command_micro,
+                                                  double time_s)
 {
     sim_friction_state_t s = {d->pos_micro, d->vel_micro_per_s, d->push_micro_per_s2};
     const double input = d->is_force ? command_micro : d->stiffness_per_s2 * command_micro;
