@@ -6,7 +6,7 @@
 ///
 /// depth is what the tip stands below the blank, h the present feed per turn, share the part of the
 /// cutting force that acts along the radius. The force is 0 while the tool is clear of the blank.
-/// Source: MATHS.md (29), (125); Kienzle's kc with the share of the passive force, e.g. Tschaetsch,
+/// Source: MATHS.md (125); Kienzle's kc with the share of the passive force, e.g. Tschaetsch,
 /// "Metal Forming Practise" and Altintas, "Manufacturing Automation", 2nd ed., 2.2.
 ///
 /// The force is taken at the end of a step and held through the next one, which makes it 1.5 steps

@@ -17,7 +17,7 @@
 ///
 /// Discretisation: classical Runge-Kutta of fourth order, at least 4 sub-steps in a piece of
 /// constant input and so many that none is longer than a quarter of the fastest time constant. With
-/// 300 Hz, damping 0.7 and 20 kHz the way is off by less than 1e-12 of itself where the sign of v
+/// 300 Hz, damping 0.7 and 20 kHz the way is off by less than 5e-9 of itself where the sign of v
 /// stays; the moment of breaking loose is found to a sub-step, 6 us, during which the push grows
 /// from nothing. Measured against an event-driven solution of scipy at 20 m/s2 and 100 Hz:
 /// tests/tools/sim/test_slide.py, which holds the bound of 0.05 nm. At the limits A and of the

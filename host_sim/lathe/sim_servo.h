@@ -17,7 +17,8 @@
 ///
 /// What the closed loop is worth as a position drive: the inverse of its frequency response,
 /// e^(jwL) (1 + k1 jw + k2 (jw)^2) fitted over 20 Hz .. w by least squares, the dead time L by a
-/// search in steps of 5 us up to 2 ms. T acts as a dead time of T / 2, which is what a held force is up to (w T)^2 / 24.
+/// search in steps of 5 us up to 2 ms. T acts as a dead time of T / 2, which is what a held force
+/// is up to (w T)^2 / 24.
 #ifndef SIM_SERVO_H
 #define SIM_SERVO_H
 

@@ -8,7 +8,7 @@
 /// angle follows by the trapezium rule with an error below b^2 |w_set - w| T^3 / 12 per step, 5e-12
 /// turn in a run-up with the defaults. The ripple follows by the midpoint rule: the speed is off by
 /// r (k w T)^2 / 24, 6e-8 of it at 2500 r/min and 20 kHz. Both only mean a slightly different
-/// spindle: encoder and gauge see the angle that results. Source: MATHS.md (69).
+/// spindle: encoder and gauge see the angle that results. Source: MATHS.md (69), (128).
 #ifndef SIM_SPINDLE_H
 #define SIM_SPINDLE_H
 

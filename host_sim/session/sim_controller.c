@@ -63,6 +63,8 @@ static void derive_feed_forward(derive_t *d, const sim_lathe_config_t *m)
         put(d, cam_param_lead_ns, u->delay_us * 1e3 + half_tick_s * 1e9);
     }
     put(d, cam_param_u_scale_latency_ns, m->scale.latency_us * 1e3);
+    put(d, cam_param_u_scale_nm,
+        sim_clamp(u->quantum_micro, 0.0, cam_param_info(cam_param_u_scale_nm)->max));
     const double xz_s =
         0.5 * (lag_s(&m->drive[hal_axis_x]) + lag_s(&m->drive[hal_axis_z])) + half_tick_s;
     put(d, cam_param_xz_lag_ns, xz_s * 1e9);

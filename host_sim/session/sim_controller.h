@@ -4,7 +4,7 @@
 ///     k1 = 2 d / w, k2 = 1 / w^2           the inverse of the U drive (sim_drive.h)
 ///     lead = dead time of U + half a tick  the mean age of a held command
 ///     k1, k2, lead of a drive of kind force: what its loop is worth (sim_servo.h)
-///     u_scale_latency = latency of U's scale
+///     u_scale, u_scale_latency = quantum and latency of U's scale
 ///     xz_lag = dead time + half a tick + 2 d / w of X and Z, mean of both
 ///     swing_lag = dead time + half a tick + 2 d / w of the swing
 ///     spindle_lag = 1 / bandwidth of the spindle, acceleration = torque / inertia
