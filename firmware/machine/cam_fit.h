@@ -12,6 +12,10 @@
 #include "cam_table.h" // cam_table_t
 #include <stdint.h>    // int32_t, uint32_t
 
+/// [Hz] rate of a tick from which on a measured U is young enough for a limit that follows from the
+/// part. Slower ticks are those of field buses, whose measurements are some ticks old.
+enum { cam_fit_least_hz = 10000 };
+
 /// The most that counts of one tick may deviate from what the observer expects: what a spindle that
 /// accelerates as fast as it can and ripples by a hundredth of its highest speed makes of it,
 /// twice, 4 counts of quantisation, and index_tolerance_counts for the encoder's jitter; at least 8

@@ -46,7 +46,7 @@
     X(spindle_acceleration_mrad_per_s2, 1000, 500000, 2000000000, "highest acceleration of the spindle") \
     X(stopped_mrpm,                   1,       5000,    1000000, "spindle counts as stopped below, in r/min / 1000") \
     X(stopped_ms,                     1,        100,      10000, "and is a fault after this time while cutting") \
-    X(following_limit_nm,             0,     100000,   10000000, "accepted following error of U; 0, the default where U is measured: a tenth of the ovality, not less than the drive may be off in its approach") \
+    X(following_limit_nm,             0,     100000,   10000000, "accepted following error of U; 0, the default where U is measured at 10 kHz or faster: a tenth of the ovality, not less than the drive may be off in its approach") \
     X(late_percent,                  10,         50,        900, "a tick is late when it comes this much of a period after its time") \
     X(trace_on,                       0,          1,          1, "1: record every tick in the trace ring") \
     X(swing_speed_mdeg_per_s,         0,          0,  100000000, "highest speed of the tool's swing; 0: there is no axis for it") \

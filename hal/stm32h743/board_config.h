@@ -34,6 +34,11 @@
 /// spindle by hand in both senses, and enter the difference.
 #define BOARD_INDEX_FALLING_COUNTS 0
 
+/// 1: A and B of the spindle's encoder are wired to PA0 and PA3 as well, where TIM5 stamps each of
+/// their edges. 0: they are not, and edges have no time. Edges that come without a time although it
+/// is 1 are a fault of the port.
+#define BOARD_HAS_EDGE_TIME 1
+
 /// 1: U has a scale. 0: it has none. The last set-point is then returned as its position, so that
 /// the following error is computed from the command and says nothing about the drive.
 #define BOARD_HAS_U_SCALE 1

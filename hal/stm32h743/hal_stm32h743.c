@@ -8,6 +8,7 @@
 #include "stm_core.h"
 #include "stm_dac.h"
 #include "stm_keep.h"
+#include "stm_memory.h"
 #include "stm_pins.h"
 #include "stm_table.h"
 #include "stm_tick.h"
@@ -86,6 +87,7 @@ static void report_new_faults(void)
         "port: a tick overran; drives reported as not ready",
         "port: set-points came too late for the outputs' step; drives reported as not ready",
         "port: a transfer to the DAC did not end; drives reported as not ready",
+        "port: spindle edges without a time: wire A to PA0, B to PA3; drives reported as not ready",
     };
     static uint32_t reported;
     const uint32_t new_faults = stm_tick_faults() & ~reported;
@@ -165,11 +167,6 @@ bool hal_has_swing(void)
     return false;
 }
 
-bool hal_has_edge_time(void)
-{
-    return false;
-}
-
 bool hal_measures_u(void)
 {
     return BOARD_HAS_U_SCALE != 0;
@@ -177,7 +174,8 @@ bool hal_measures_u(void)
 
 hal_memory_t hal_scope_memory(void)
 {
-    return (hal_memory_t){.words = 0, .n_words = 0};
+    const uint32_t n_doubles = (uint32_t)(stm_scope_end - stm_scope_start);
+    return (hal_memory_t){.words = (int32_t *)stm_scope_start, .n_words = 2u * n_doubles};
 }
 
 int32_t hal_swing_read_q32_isr(void)

@@ -9,7 +9,7 @@
 /// bank 1, all but its first sector | read, cached | holds the other table | | 4 | ITCM | read, run
 /// | code cannot be overwritten | | 5 | 0 .. FFh | nothing | null pointers | | 6 | DTCM | read,
 /// written | data cannot be run | | 7 | the 4 KiB below the DTCM | nothing | the stack overflows
-/// into it and is caught |
+/// into it and is caught | | 9 | AXI SRAM | read, written | recorder and excitation, main() only |
 ///
 /// All other memory is as the architecture's default map says; peripherals are device memory. Only
 /// the tables are read through the data cache. Only the core writes memory, as there is no DMA, and
@@ -18,6 +18,10 @@
 #define STM_MEMORY_H
 
 #include <stdbool.h> // bool
+#include <stdint.h>  // uint64_t
+
+/// The AXI SRAM, from its first word to behind its last.
+extern uint64_t stm_scope_start[], stm_scope_end[];
 
 /// Protect memory, then invalidate and enable both caches. Context: start-up, before main().
 /// Source: ARMv7-M ARM B3.5 (regions), B2.2.7 (cache maintenance).

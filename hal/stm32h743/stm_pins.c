@@ -21,6 +21,8 @@ static const pin_t pins[] = {
     {GPIOA, 5, mode_alternate, pull_down, 1},  // TIM2 channel 1: spindle A
     {GPIOB, 3, mode_alternate, pull_down, 1},  // TIM2 channel 2: spindle B
     {GPIOB, 10, mode_alternate, pull_down, 1}, // TIM2 channel 3: spindle index
+    {GPIOA, 0, mode_alternate, pull_down, 2},  // TIM5 channel 1: spindle A, for its time
+    {GPIOA, 3, mode_alternate, pull_down, 2},  // TIM5 channel 4: spindle B, for its time
     {GPIOC, 6, mode_alternate, pull_down, 2},  // TIM3 channel 1: Z scale A
     {GPIOC, 7, mode_alternate, pull_down, 2},  // TIM3 channel 2: Z scale B
     {GPIOE, 9, mode_alternate, pull_down, 1},  // TIM1 channel 1: U scale A

@@ -174,7 +174,11 @@ _Static_assert(offsetof(stm_tim_t, CCR4) == 0x40, "as in the manual");
 #define TIM_CCMR2_IC3_TI3 (1u << 0)
 #define TIM_CCMR2_IC3F_8 (3u << 4)
 #define TIM_CCMR2_IC4_TI3 (2u << 8)
+#define TIM_CCMR2_IC4_TI4 (1u << 8)
+#define TIM_CCMR2_IC4F_8 (3u << 12)
 #define TIM_CCMR2_OC3M_PWM2 (7u << 4)
+#define TIM_CCER_IC1_BOTH (0xBu << 0) // CC1E, CC1P, CC1NP: both edges
+#define TIM_CCER_IC4_BOTH (0xBu << 12)
 #define TIM_CCER_CC3E (1u << 8)
 #define TIM_CCER_CC3P (1u << 9)
 #define TIM_CCER_CC4E (1u << 12)

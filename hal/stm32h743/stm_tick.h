@@ -12,6 +12,7 @@ enum {
     stm_fault_overrun = 1u << 1, ///< a tick had not ended when the next one was due
     stm_fault_late = 1u << 2,    ///< set-points were not yet sent when the outputs stepped
     stm_fault_dac = 1u << 3,     ///< a transfer to the AD5754R did not end within a period
+    stm_fault_edges = 1u << 4,   ///< edges of the spindle were counted, but not stamped
 };
 
 /// The tick: handler of TIM4's interrupt. Context: ISR.

@@ -5,6 +5,10 @@
 /// at which a positive rotation enters the pulse, which is the rising edge. In the negative sense
 /// the pulse is left at that very place, so the falling edge is used. The direction bit of the
 /// counter decides, as it is when the tick reads it.
+///
+/// TIM5 is the clock of the time stamps, and captures itself at every edge of A and of B on
+/// channels 1 and 4, so the later of the two captures is the time of the edge that the counter
+/// counted last.
 #ifndef STM_TIMERS_H
 #define STM_TIMERS_H
 

@@ -22,6 +22,7 @@ TABLE = 0x08100000
 COUNTS_PER_TURN = 10_000
 INDEX_AT = 1234  # [counts] the index pulse begins in the middle of this count ..
 INDEX_WIDTH = 3  # .. and ends so many counts later
+TICK_CLOCKS = 12_000  # of TIM5
 RAMP_RPM = 2500 * 10 / 20_000  # change of speed per tick
 OUTPUTS = {"PE13": "enable", "PE14": "fault", "PE15": "in cut"}
 ESTOP, READY = "PE10", "PE12"
@@ -71,6 +72,8 @@ class Board:
         of the spindle
     is_held : bool
         the spindle keeps its speed whatever it is told
+    is_stamped : bool
+        A and B are wired to TIM5 as well
     """
 
     def __init__(self, image: Image, *, hse_hz: int = HSE_HZ) -> None:
@@ -80,6 +83,7 @@ class Board:
         self.events: list[Event] = []
         self.rpm = 0.0
         self.is_held = False
+        self.is_stamped = True
         self._turns = 0.1  # angle
         self._u_counts = self._z_counts = 0
         self.chip = Chip(image, hse_hz=hse_hz)
@@ -181,6 +185,19 @@ class Board:
             if self.chip.gpio.has_function("PB10", 1):
                 self.chip.tim[2].input_edge(3, level)
         self._count(counted, self._turns)
+        self._stamp(begin, self._turns)
+
+    def _stamp(self, begin: float, end: float) -> None:
+        """Let TIM5 see the last edges of A, at even counts, and of B, at odd ones, in time."""
+        low, high = sorted((begin * COUNTS_PER_TURN, end * COUNTS_PER_TURN))
+        passed = range(math.floor(low) + 1, math.floor(high) + 1)
+        late = passed[-4:] if end > begin else passed[:4][::-1]
+        for at in late:
+            pin, channel = ("PA0", 1) if at % 2 == 0 else ("PA3", 4)
+            share = (end * COUNTS_PER_TURN - at) / ((end - begin) * COUNTS_PER_TURN)
+            level = at // 2 % 2 ^ int(end < begin)
+            if self.is_stamped and self.chip.gpio.has_function(pin, 2):
+                self.chip.tim[5].input_edge(channel, level, round(share * TICK_CLOCKS))
 
     def _count(self, begin: float, end: float) -> None:
         gpio = self.chip.gpio

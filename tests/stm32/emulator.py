@@ -46,6 +46,7 @@ HERE = Path(__file__).resolve().parent
 FLASH, FLASH_BYTES = 0x08000000, 0x200000
 ITCM, ITCM_BYTES = 0x00000000, 0x10000
 DTCM, DTCM_BYTES = 0x20000000, 0x20000
+AXI, AXI_BYTES = 0x24000000, 0x80000
 NULL_BYTES = 0x100  # of ITCM: where a null pointer leads
 NOWHERE = 0xFFFFFFFE  # no code there: only hooks end a slice
 PATTERN = b"\xa5"
@@ -173,6 +174,7 @@ class Chip:
         uc.mem_map(ITCM, ITCM_BYTES)
         uc.mem_map(FLASH, FLASH_BYTES)
         uc.mem_map(DTCM, DTCM_BYTES)
+        uc.mem_map(AXI, AXI_BYTES)
         for base, size in ((0x40000000, 0x20000000), (0xE0000000, 0x00100000)):
             uc.mmio_map(base, size, self._load, base, self._store, base)
         hook = build_hook()
@@ -305,7 +307,7 @@ class Chip:
 
     def power_on(self) -> None:
         """Switch the supply on: RAM is lost."""
-        for base, size in ((ITCM, ITCM_BYTES), (DTCM, DTCM_BYTES)):
+        for base, size in ((ITCM, ITCM_BYTES), (DTCM, DTCM_BYTES), (AXI, AXI_BYTES)):
             self.uc.mem_write(base, PATTERN * size)
         self.pwr.power_cycle()
         self.reset("power_on")

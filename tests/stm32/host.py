@@ -17,7 +17,9 @@ BUILD = ROOT / os.environ.get("CAMTURN_BUILD", "build/host")
 REPLAY = BUILD / "tests" / "stm32" / "stm32_replay"
 IMAGE = ROOT / "build" / "mcu-stm32h743" / "hal" / "stm32h743" / "firmware.elf"
 TICK_HZ, CLOCK_HZ = 20_000, 240_000_000
-SENSES = ("clock", "counts", "index_counts", "n_index", "u_nm", "x_nm", "z_nm", "inputs")
+SENSES = (
+    "clock", "counts", "index_counts", "n_index", "edge_clock", "u_nm", "x_nm", "z_nm", "inputs",
+)  # fmt: skip
 
 
 def make_table(path: Path) -> bytes:

@@ -20,6 +20,7 @@ const uint32_t layout[] = {
     IN_RECORD(in.encoder.counts),
     IN_RECORD(in.encoder.index_counts),
     IN_RECORD(in.encoder.n_index),
+    IN_RECORD(in.encoder.edge_clock),
     IN_RECORD(in.actual_nm[hal_axis_u]),
     IN_RECORD(in.actual_nm[hal_axis_x]),
     IN_RECORD(in.actual_nm[hal_axis_z]),

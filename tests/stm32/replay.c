@@ -6,8 +6,8 @@
 ///
 /// Lines: `table FILE`, `set PARAMETER VALUE`, `request KIND` (cam_request_t) are carried out at
 /// once and end the program with status 1 when they are refused; `tick CLOCK COUNTS INDEX_COUNTS
-/// N_INDEX U_NM X_NM Z_NM INPUTS` calls cam_isr() and answers with `U_NM X_NM Z_NM SPINDLE_MRPM
-/// OUTPUTS STATE FAULTS`.
+/// N_INDEX EDGE_CLOCK U_NM X_NM Z_NM INPUTS` calls cam_isr() and answers with `U_NM X_NM Z_NM
+/// SPINDLE_MRPM OUTPUTS STATE FAULTS`.
 #include "cam_machine.h"
 #include "fixture_image.h"
 #include "hal_host.h"
@@ -74,13 +74,13 @@ static bool request(uint32_t kind)
 static bool tick(const char *line)
 {
     const int n = sscanf(line,
-                         "tick %" SCNu32 " %" SCNu32 " %" SCNu32 " %" SCNu32 " %" SCNd32 " %" SCNd32
-                         " %" SCNd32 " %" SCNu32,
+                         "tick %" SCNu32 " %" SCNu32 " %" SCNu32 " %" SCNu32 " %" SCNu32 " %" SCNd32
+                         " %" SCNd32 " %" SCNd32 " %" SCNu32,
                          &hal_host.clock, &hal_host.in.read.counts, &hal_host.in.read.index_counts,
-                         &hal_host.in.read.n_index, &hal_host.in.axis_nm[hal_axis_u],
-                         &hal_host.in.axis_nm[hal_axis_x], &hal_host.in.axis_nm[hal_axis_z],
-                         &hal_host.in.inputs);
-    if (n != 8) {
+                         &hal_host.in.read.n_index, &hal_host.in.read.edge_clock,
+                         &hal_host.in.axis_nm[hal_axis_u], &hal_host.in.axis_nm[hal_axis_x],
+                         &hal_host.in.axis_nm[hal_axis_z], &hal_host.in.inputs);
+    if (n != 9) {
         return false;
     }
     cam_isr();
@@ -120,6 +120,8 @@ int main(int argc, char **argv)
     }
     const uint32_t tick_hz = (uint32_t)strtoul(argv[1], NULL, 10);
     hal_host_reset(tick_hz);
+    hal_host.slow.has_edge_time = true; // as the image's port
+    hal_host.slow.measures_u = true;
     cam_machine_init(&machine, &g_cam, tick_hz, (uint32_t)strtoul(argv[2], NULL, 10));
     while (fgets(line, sizeof line, stdin) != NULL) {
         if (!carry_out(line)) {

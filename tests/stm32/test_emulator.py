@@ -96,7 +96,7 @@ def test_lost_oscillator_raises_the_nmi(tmp_path: Path) -> None:
         (0x40001000, "no device"),  # TIM6
         (0x58024404, "no register"),  # RCC_HSICFGR
         (0x40000800, "without its clock"),  # TIM4
-        (0x24000000, "no memory"),  # AXI SRAM
+        (0x30000000, "no memory"),  # SRAM1
         (0x00000010, "null pointer"),
     ],
 )

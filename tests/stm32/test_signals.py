@@ -5,15 +5,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+import numpy as np
 import pytest
 
-from board import COUNTS_PER_TURN, INDEX_AT
+from board import COUNTS_PER_TURN, INDEX_AT, TICK_CLOCKS
 from fdcan import Frame
-from host import make_table
+from host import CLOCK_HZ, make_table
 from remote import COMMAND, ENABLE, GET, PARAMS, STATE, errors
 from session import Session
 
 ERR = errors()
+DRIVE_READY = 1 << 1
 
 
 @pytest.fixture(scope="module")
@@ -51,6 +53,30 @@ def test_index_lies_at_the_same_place_in_both_senses(session: Session) -> None:
     assert backward["counts"] > 2**31, "the counter passed zero downwards"
     turns = session.board.scale_counts[0]
     assert backward["counts"] == (turns - start) % 2**32
+
+
+def test_edges_have_their_times(session: Session) -> None:
+    """Counter and time of the last edge lie on the line of the spindle, in both senses."""
+    for rpm in (900.0, -2400.0, 7.0):
+        n = len(session.records)
+        turn(session, rpm, 0.25 if abs(rpm) > 100 else 0.01)
+        at = np.array(
+            [(r["clock"], r["edge_clock"], r["counts"]) for r in session.records[n + 40 : -6]]
+        )
+        age = (at[:, 0] - at[:, 1]) % 2**32
+        slope = rpm / 60 * COUNTS_PER_TURN / CLOCK_HZ  # [counts] per clock
+        assert age.max() <= 1 / abs(slope) + TICK_CLOCKS, "the edge is the last one"
+        line = np.unwrap(at[:, 2], period=2**32) - slope * np.unwrap(at[:, 1], period=2**32)
+        assert np.ptp(line) <= 0.002 + abs(slope), "a clock of TIM5 at most, and rounding"
+
+
+def test_edge_that_is_not_wired_is_told_of_and_keeps_the_drives_off(session: Session) -> None:
+    """Without the wires to TIM5 there is no silent guess: the drives are not ready for good."""
+    assert session.records[-1]["inputs"] & DRIVE_READY
+    session.board.is_stamped = False
+    turn(session, 1500.0, 0.1)
+    assert not session.records[-1]["inputs"] & DRIVE_READY
+    assert "port: spindle edges without a time" in "\n".join(session.chip.usart3.lines())
 
 
 def test_parameters_come_back_over_the_bus(session: Session) -> None:

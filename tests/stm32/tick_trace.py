@@ -21,6 +21,7 @@ FIELDS = (
     "counts",
     "index_counts",
     "n_index",
+    "edge_clock",
     "u_nm",
     "x_nm",
     "z_nm",

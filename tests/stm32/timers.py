@@ -229,8 +229,14 @@ class Timer(Device):
             self.v["sr"] |= UIF
         self._count = moved % (self._arr + 1)
 
-    def input_edge(self, pin: int, level: int) -> None:
-        """Let an edge arrive at the pin of a channel 1 .. 4: level 1 rising, 0 falling."""
+    def input_edge(self, pin: int, level: int, ago: int = 0) -> None:
+        """Let an edge arrive at the pin of a channel 1 .. 4: level 1 rising, 0 falling.
+
+        Parameters
+        ----------
+        ago : int
+            counts of this timer since the edge, when the machine moves in steps
+        """
         for channel in (1, 2, 3, 4):
             word = self.v["ccmr1" if channel < 3 else "ccmr2"] >> 8 * ((channel - 1) % 2)
             source = {1: channel, 2: ((channel - 1) ^ 1) + 1}.get(word & 3)
@@ -241,13 +247,13 @@ class Timer(Device):
                 raise UnmodelledError(f"{self.name}: input prescaler")
             polarity = (enable >> 1 & 1) | (enable >> 2 & 2)
             if polarity == 3 or polarity == 1 - level:
-                self._capture(channel)
+                self._capture(channel, ago)
 
-    def _capture(self, channel: int) -> None:
+    def _capture(self, channel: int, ago: int) -> None:
         if self.v["sr"] >> channel & 1:
             self.v["sr"] |= 1 << (8 + channel)
             self.captures_missed += 1
-        self.v[f"ccr{channel}"] = self.count()
+        self.v[f"ccr{channel}"] = (self.count() - ago) % (self._arr + 1)
         self.v["sr"] |= 1 << channel
 
     # Registers

@@ -217,6 +217,20 @@ static void test_init_at_a_slow_tick_slows_the_observer(void)
     TEST_ASSERT_EQUAL_INT32(25000, rig.machine.params.observer_bandwidth_mHz);
 }
 
+/// A measurement over a field bus, at slow ticks, is too old for a limit that follows from the
+/// part.
+static void test_init_derives_the_following_error_where_u_is_measured_at_a_quick_tick(void)
+{
+    cam_machine_init(&rig.machine, &g_cam, 20000, hal_clock_hz());
+    TEST_ASSERT_EQUAL_INT32(100000, rig.machine.params.following_limit_nm);
+    hal_host.slow.measures_u = true;
+    cam_machine_init(&rig.machine, &g_cam, 20000, hal_clock_hz());
+    TEST_ASSERT_EQUAL_INT32(0, rig.machine.params.following_limit_nm);
+    cam_machine_init(&rig.machine, &g_cam, 1000, hal_clock_hz());
+    TEST_ASSERT_EQUAL_INT32(100000, rig.machine.params.following_limit_nm);
+    hal_host.slow.measures_u = false;
+}
+
 static void test_select_table_needs_a_good_one_and_the_right_state(void)
 {
     fixture_image_make(&other, &part);
@@ -320,6 +334,7 @@ int main(void)
     RUN_TEST(test_changes_wait_for_a_pending_command);
     RUN_TEST(test_without_a_table_nothing_starts);
     RUN_TEST(test_init_at_a_slow_tick_slows_the_observer);
+    RUN_TEST(test_init_derives_the_following_error_where_u_is_measured_at_a_quick_tick);
     RUN_TEST(test_select_table_needs_a_good_one_and_the_right_state);
     RUN_TEST(test_poll_finds_damage_in_every_state);
     RUN_TEST(test_poll_tries_again_when_the_interrupt_is_busy);
