@@ -22,6 +22,7 @@ static const region_t regions[] = {
     {0x08000000u, MPU_RASR_SIZE(20) | MPU_RASR_WITHOUT(0) | MPU_RASR_READ_ONLY |
                       MPU_RASR_WRITE_THROUGH | MPU_RASR_XN},
     {0x24000000u, MPU_RASR_SIZE(19) | MPU_RASR_READ_WRITE | MPU_RASR_UNCACHED | MPU_RASR_XN},
+    {0x24000000u, MPU_RASR_SIZE(17) | MPU_RASR_READ_ONLY | MPU_RASR_WRITE_THROUGH},
 };
 
 /// Regions that hold tables.
@@ -63,16 +64,6 @@ void stm_memory_open_tables(bool is_open)
     empty_data_cache();
 }
 
-/// Words of 64 bits of the AXI SRAM have an error-correction code, which is random after power-on:
-/// all of them are written before a part of one is. RM0433 chapter 3.
-static void fill_scope(void)
-{
-    for (volatile uint64_t *to = stm_scope_start; to < stm_scope_end; to++) {
-        *to = 0;
-    }
-    stm_barrier();
-}
-
 /// The content of both caches is random after a reset, so they are invalidated before they are
 /// enabled.
 void stm_memory_init(void)
@@ -90,5 +81,4 @@ void stm_memory_init(void)
     empty_data_cache();
     SCB_CCR |= SCB_CCR_DC;
     stm_barrier();
-    fill_scope();
 }

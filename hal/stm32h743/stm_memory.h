@@ -10,6 +10,7 @@
 /// | code cannot be overwritten | | 5 | 0 .. FFh | nothing | null pointers | | 6 | DTCM | read,
 /// written | data cannot be run | | 7 | the 4 KiB below the DTCM | nothing | the stack overflows
 /// into it and is caught | | 9 | AXI SRAM | read, written | recorder and excitation, main() only |
+/// | 10 | AXI SRAM, its first 128 KiB | read, run, cached | code that only main() runs |
 ///
 /// All other memory is as the architecture's default map says; peripherals are device memory. Only
 /// the tables are read through the data cache. Only the core writes memory, as there is no DMA, and
@@ -20,7 +21,7 @@
 #include <stdbool.h> // bool
 #include <stdint.h>  // uint64_t
 
-/// The AXI SRAM, from its first word to behind its last.
+/// The recorder's part of the AXI SRAM, from its first word to behind its last.
 extern uint64_t stm_scope_start[], stm_scope_end[];
 
 /// Protect memory, then invalidate and enable both caches. Context: start-up, before main().

@@ -9,6 +9,8 @@
 
 extern uint32_t stm_stack_bottom, stm_stack_top;
 extern uint32_t stm_itcm_image, stm_itcm_start, stm_itcm_end;
+extern uint32_t stm_slow_image, stm_slow_start, stm_slow_end;
+extern uint64_t stm_axi_start[];
 extern uint32_t stm_data_image, stm_data_start, stm_data_end;
 extern uint32_t stm_bss_start, stm_bss_end;
 int main(void);
@@ -112,11 +114,22 @@ __attribute__((always_inline)) static inline void clear(uint32_t *to, const uint
     }
 }
 
+/// The AXI SRAM has an error-correction code over 64 bits, which is random after power-on: all of
+/// it is written so before a part of 64 bits is. RM0433 chapter 3.
+__attribute__((always_inline)) static inline void clear_axi(void)
+{
+    for (volatile uint64_t *to = stm_axi_start; to < stm_scope_end; to++) {
+        *to = 0;
+    }
+}
+
 /// The stack is cleared as well, except for the part that this function uses, because writing a
 /// byte into a word without a valid error-correction code would be an error. RM0433 chapter 3.
 __attribute__((section(".boot"), used)) void stm_reset(void)
 {
     stm_outputs_safe();
+    clear_axi();
+    copy(&stm_slow_image, &stm_slow_start, &stm_slow_end);
     copy(&stm_itcm_image, &stm_itcm_start, &stm_itcm_end);
     copy(&stm_data_image, &stm_data_start, &stm_data_end);
     clear(&stm_bss_start, &stm_bss_end);
