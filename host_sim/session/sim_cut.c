@@ -10,8 +10,8 @@
 /// within 0.8 s at 20 kHz.
 enum { background_polls = 64 };
 
-/// Times a turn that it is done where it learns: every turn is taken, and given back in time.
-enum { learning_polls_per_turn = 8 };
+/// Pieces of learning in a turn, for which a real main loop has time as well.
+enum { pieces_per_turn = 128 };
 
 const cam_status_t *sim_cut_status(const sim_cut_t *cut)
 {
@@ -167,16 +167,15 @@ static void take_answer(sim_cut_t *cut, cam_err_t err)
     }
 }
 
-/// @return after how many rounds of the operator background work is done
-static uint32_t polls_apart(const sim_cut_t *cut)
+/// Let the controller learn, where it is asked to.
+static void learn(sim_cut_t *cut)
 {
     if (cut->params.learn_harmonics == 0 && cut->params.ripple_turns == 0) {
-        return background_polls;
+        return;
     }
-    const double ticks_per_turn =
-        cut->session.options.config.lathe.tick_hz * 60.0 / sim_cut_rpm(cut);
-    const double apart = ticks_per_turn / (learning_polls_per_turn * (double)sim_cut_poll_ticks);
-    return (uint32_t)sim_clamp(apart, 1.0, background_polls);
+    const double turns = cut->feasibility.speed_mrpm * sim_cut_poll_ticks /
+                         (60e3 * cut->session.options.config.lathe.tick_hz);
+    sim_firmware_learn(&cut->firmware, (uint32_t)ceil(turns * pieces_per_turn));
 }
 
 /// Do what an operator does: enable, start, wait.
@@ -184,9 +183,10 @@ static void operate(sim_cut_t *cut)
 {
     const sim_session_t *s = &cut->session;
     const cam_status_t status = *sim_cut_status(cut);
-    if (cut->n_polls++ % polls_apart(cut) == 0u) {
+    if (cut->n_polls++ % background_polls == 0u) {
         sim_firmware_poll(&cut->firmware);
     }
+    learn(cut);
     if (status.state == cam_state_fault) {
         cut->end = status.is_retracted ? sim_cut_fault : cut->end;
     } else if (status.state == cam_state_off) {
