@@ -13,6 +13,7 @@ from pathlib import Path
 from camtools.base.command import Parser, run_command
 from camtools.base.errors import CamtoolsError
 from camtools.base.output import write_all
+from camtools.pipeline.correct import add_measured, correction_for
 from camtools.pipeline.load import load
 from camtools.pipeline.make import make
 from camtools.table.export import FORMS, Export, export_files
@@ -33,6 +34,7 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
         help="largest error of u and x, default 1 (u of a refitted section 5, of a cam 10, of a "
         "polygon 1, 3 or 10)",
     )
+    add_measured(parser)
     parser.add_argument("--plot", action="store_true", help="draw PNG plots too")
     parser.add_argument(
         "--export",
@@ -80,7 +82,9 @@ def _exported(arguments: argparse.Namespace, table: Table) -> dict[str, bytes]:
 def _run(arguments: argparse.Namespace) -> int:
     if arguments.tolerance_nm is not None:
         check_tolerance(arguments.tolerance_nm)
-    made = make(load(arguments.part), arguments.part, tolerance_nm=arguments.tolerance_nm)
+    loaded = load(arguments.part)
+    correction = correction_for(arguments, loaded, arguments.output)
+    made = make(loaded, arguments.part, tolerance_nm=arguments.tolerance_nm, correction=correction)
     exported = _exported(arguments, made.table.table)
     write_all(arguments.output, made.files(with_plots=arguments.plot) | exported)
     sys.stdout.write(made.text())

@@ -16,6 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from camtools.base.columns import Columns
 from camtools.base.errors import CamtoolsError, InputError
 from camtools.base.input_file import read_text
 from camtools.base.quantities import Floats
@@ -51,14 +52,9 @@ class Sections(NamedTuple):
 class _Format(NamedTuple):
     """How the lines of a file are written."""
 
-    separator: str | None  # none: blanks and tabs
+    columns: Columns
     per_unit: float
     is_radius: bool
-
-    def numbers(self, line: str) -> list[float]:
-        """Return the numbers of a line."""
-        text = line.replace(",", ".") if self.separator == ";" else line
-        return [float(cell) for cell in text.split(self.separator)]
 
 
 def _wrong(file: str, line: int, value: str, problem: str, remedy: str) -> InputError:
@@ -66,19 +62,19 @@ def _wrong(file: str, line: int, value: str, problem: str, remedy: str) -> Input
 
 
 def _format_of(file: str, line: str) -> _Format:
-    separator = next((one for one in (";", ",") if one in line), None)
-    names = [name.strip() for name in line.split(separator)]
+    columns = Columns(line)
+    names = columns.names
     if len(names) != 3 or names[:2] != ["angle_deg", "z_mm"] or names[2] not in _MM_PER_UNIT:
         others = ", ".join(list(_MM_PER_UNIT)[1:])
         remedy = f'write "{HEADER}", or {others} as the third name, with , or ; or blanks between'
         raise _wrong(file, 1, line[:60], "wrong header", remedy)
-    return _Format(separator, _MM_PER_UNIT[names[2]], names[2] == "radius_mm")
+    return _Format(columns, _MM_PER_UNIT[names[2]], names[2] == "radius_mm")
 
 
 def _row(file: str, number: int, line: str, form: _Format) -> tuple[float, float, float]:
     """Return angle, height and value [mm] of a line."""
     try:
-        angle, z_mm, value = form.numbers(line)
+        angle, z_mm, value = form.columns.numbers(line)
     except ValueError as error:
         raise _wrong(file, number, line, "not three numbers", "write as the header says") from error
     if not np.isfinite([angle, z_mm, value]).all() or not 0 <= angle <= 360:

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from camtools.base.json_text import Json
 from camtools.cut.feasibility import tenth_below
+from camtools.measured.text import round_text
 from camtools.skirt.segment_text import segments_text
 
 
@@ -41,6 +42,7 @@ def emit_text(summary: Json) -> str:
         + _sides_text(summary)
         + _refit_text(summary)
         + _speed_text(summary)
+        + (round_text(summary["correction"]) if "correction" in summary else "")
     )
 
 

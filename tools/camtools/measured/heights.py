@@ -1,0 +1,127 @@
+"""Gauged points by height: the traces of an instrument, or bands of a surface cut along a helix.
+
+>>> turn, z_mm = np.tile(np.arange(72) / 72, 5), np.repeat(np.linspace(0, 40, 5), 72)
+>>> found = by_height(GaugedPoints(turn, z_mm, np.zeros(360)))
+>>> [height.z_mm for height in found.heights], found.most_order
+([0.0, 10.0, 20.0, 30.0, 40.0], 16)
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from camtools.base.errors import CamtoolsError
+from camtools.base.quantities import Floats, Ints
+from camtools.measured.points import GaugedPoints
+
+DEFAULT_ORDER = 16
+MIN_HEIGHTS = 3
+_MAX_TRACES, _BANDS = 128, (64, 48, 32, 24, 16, 12, 8, 6, 4)
+_APART_MM, _LEVEL_MM = 2e-3, 0.02  # traces are so far apart, and each of them is so level
+_PER_ORDER = 4  # points of a height per wave that is asked of it by default
+_OVER = 1.5  # points per unknown
+_GAP_WAVES = 0.5  # of the highest order, that may lack points
+_COVERED = 0.9  # of all bands
+
+
+class Height(NamedTuple):
+    """The points of a height."""
+
+    z_mm: float
+    rows: Ints
+
+
+class Heights(NamedTuple):
+    """All heights that tell their waves, rising, and up to which order they do."""
+
+    heights: list[Height]
+    most_order: int
+    n_left_out: int  # heights with too few points, or with a gap
+
+
+def widest_gap(turn: Floats) -> float:
+    """Return the widest angle without a point [turn].
+
+    >>> widest_gap(np.array([0.9, 0.1, 0.2]))
+    0.7
+    """
+    rising = np.sort(turn)
+    return float(np.diff(rising, append=rising[0] + 1).max())
+
+
+def _tells(turn: Floats, order: int) -> bool:
+    """Return whether points at these angles tell waves up to an order."""
+    if turn.size < _OVER * (2 * order + 1):
+        return False
+    return widest_gap(turn) * order <= _GAP_WAVES
+
+
+def _traces(z_mm: Floats) -> list[Ints] | None:
+    """Return the rows of each trace, nothing where the heights run through."""
+    order = np.argsort(z_mm, kind="stable")
+    groups = np.split(order, np.flatnonzero(np.diff(z_mm[order]) > _APART_MM) + 1)
+    is_level = all(float(np.ptp(z_mm[group])) <= _LEVEL_MM for group in groups)
+    return groups if is_level and len(groups) <= _MAX_TRACES else None
+
+
+def _bands(z_mm: Floats, n_bands: int) -> list[Ints]:
+    edges = np.linspace(z_mm.min(), z_mm.max(), n_bands + 1)
+    order = np.argsort(z_mm, kind="stable")
+    groups = np.split(order, np.searchsorted(z_mm[order], edges[1:-1]))
+    return [group for group in groups if group.size]
+
+
+def _split(points: GaugedPoints, order: int) -> list[Ints]:
+    """Return the rows of as many bands as have points all round."""
+    for n_bands in _BANDS:
+        groups = _bands(points.z_mm, n_bands)
+        n_good = sum(_tells(points.turn[group], order) for group in groups)
+        if n_good >= _COVERED * n_bands:
+            return groups
+    return groups
+
+
+def by_height(points: GaugedPoints, most_order: int | None = None) -> Heights:
+    """Return the points by height.
+
+    Parameters
+    ----------
+    most_order : int, optional
+        Highest order of waves that is wanted; by default 16, or less where there are few angles.
+
+    Raises
+    ------
+    CamtoolsError
+        Too few heights have enough points all round.
+    """
+    groups = _traces(points.z_mm)
+    order = most_order or DEFAULT_ORDER
+    if groups is None:
+        groups = _split(points, order)
+    elif most_order is None:
+        order = max(1, min(order, int(np.median([group.size for group in groups])) // _PER_ORDER))
+    good = [group for group in groups if _tells(points.turn[group], order)]
+    if len(good) < MIN_HEIGHTS:
+        raise CamtoolsError([_too_few(points, groups, len(good), order, most_order)])
+    heights = [Height(float(points.z_mm[group].mean()), group) for group in good]
+    return Heights(heights, order, len(groups) - len(good))
+
+
+def _too_few(
+    points: GaugedPoints, groups: list[Ints], n_good: int, order: int, asked: int | None
+) -> str:
+    """Return why heights do not suffice, with the numbers of the best one."""
+    best = max(groups, key=lambda group: group.size)
+    gap_deg = 360 * widest_gap(points.turn[best])
+    needed = int(np.ceil(_OVER * (2 * order + 1)))
+    option = "--measured" if asked is None else f"--keep-harmonics {asked}"
+    problem = (
+        f"{n_good} of {len(groups)} heights have enough points all round, wants {MIN_HEIGHTS}; "
+        f"harmonics up to {order} need {needed} points and no gap above "
+        f"{360 * _GAP_WAVES / order:.3g} degrees, the best height has {best.size} and a gap of "
+        f"{gap_deg:.3g} degrees"
+    )
+    remedy = "gauge more angles and heights" + ("" if asked is None else ", or keep fewer")
+    return f"{option}: {problem}; {remedy}"
