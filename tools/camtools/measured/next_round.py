@@ -18,7 +18,7 @@ from camtools.base.quantities import Floats
 from camtools.cut.correction import MAX_ORDER, Correction, Drawing
 from camtools.measured.points import MAX_BYTES, GaugedPoints, parse_points
 from camtools.measured.previous import Previous, find_previous, read_given
-from camtools.measured.surface import Told, Wave, taken_um, tell
+from camtools.measured.surface import KeptWave, Told, taken_um, tell
 
 DEFAULT_GAIN = 0.7
 MIN_GAIN, MAX_GAIN = 0.05, 1.0
@@ -137,7 +137,7 @@ def _rounded(value: float) -> float:
     return round(float(value), _DIGITS)
 
 
-def _wave(told: Told, one: Wave, gain: float) -> Json:
+def _wave(told: Told, one: KeptWave, gain: float) -> Json:
     """Return what is said of a wave that is kept."""
     heights_mm = told.z_mm[np.abs(one.kept) > 0]
     return {

@@ -77,9 +77,8 @@ class Smoother:
         kept = 1 / (1 + self._bends / np.median(self._bends[2:]) / _GRID[:, None])
         risk = ((1 - kept) ** 2 @ energy) + 2 * _CAUTION * variance * kept.sum(axis=1)
         share = kept[int(np.argmin(risk))]
-        hat = (self._modes * share) @ self._modes.T
-        errors = np.sqrt(variance * (hat**2).sum(axis=1))
-        return Smoothed(np.asarray(hat @ values, dtype=np.complex128), errors)
+        errors = np.sqrt(variance * (self._modes**2 @ share**2))
+        return Smoothed(np.asarray(self._modes @ (share * modes), dtype=np.complex128), errors)
 
 
 def shares_kept(one: Smoothed) -> Floats:

@@ -31,7 +31,7 @@ _MM_PER_UM = 1e-3
 LEAST_UM = 1e-3  # a nanometre, the tolerance of a table
 
 
-class Wave(NamedTuple):
+class KeptWave(NamedTuple):
     """One order over the heights, all of shape (n,) [um]."""
 
     order: int
@@ -51,7 +51,7 @@ class Told(NamedTuple):
     ----------
     z_mm : ndarray, shape (n,)
         Heights that count.
-    waves : list of Wave
+    waves : list of KeptWave
         From the mean on.
     sigma_um : float
         Standard deviation of a point about the waves, the median of all heights.
@@ -64,7 +64,7 @@ class Told(NamedTuple):
     """
 
     z_mm: Floats
-    waves: list[Wave]
+    waves: list[KeptWave]
     sigma_um: float
     n_far: int
     alone_mm: list[float]
@@ -196,7 +196,7 @@ def tell(
         for order in curves:
             base[order] = _at(model, order, z_mm)
     found = [
-        Wave(order, one, _kept(one) if order >= first else 0 * one.values)
+        KeptWave(order, one, _kept(one) if order >= first else 0 * one.values)
         for order, one in enumerate(smooth)
     ]
     sigma_um = float(np.median([fits[i].sigma for i in use]))

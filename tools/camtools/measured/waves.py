@@ -33,28 +33,57 @@ class HeightWaves(NamedTuple):
     n_far: int  # points beyond six standard deviations, which do not count
 
 
-def basis(turn: Floats, order: int) -> Floats:
-    """Return 1, cosines and sines at angles, shape (n, 2 order + 1)."""
-    phi = 2 * np.pi * turn[:, None] * np.arange(1, order + 1)
-    return np.hstack([np.ones((turn.size, 1)), np.cos(phi), np.sin(phi)])
+class _Basis:
+    """Waves at angles, and the normal equations of a fit: sums along the points, no matrix."""
+
+    def __init__(self, turn: Floats, order: int) -> None:
+        self.order = order
+        steps = np.exp(2j * np.pi * turn)
+        self._powers = np.ones((2 * order + 1, turn.size), dtype=np.complex128)
+        for k in range(1, 2 * order + 1):
+            self._powers[k] = self._powers[k - 1] * steps
+
+    def fitted(self, weight: Floats, values: Floats) -> Complexes:
+        """Return the waves of least squares with these weights."""
+        k, n = np.arange(self.order + 1), self.order + 1
+        sums = np.einsum("i,ki->k", weight, self._powers)
+        right = np.einsum("i,ki->k", weight * values, self._powers[:n])
+        both, apart = sums[k[:, None] + k], sums[np.abs(k[:, None] - k)]
+        apart = np.where(k[:, None] < k, apart.conj(), apart)  # of e^(j (k - l) phi)
+        normal = np.block(
+            [
+                [(apart + both).real, (both - apart).imag],
+                [(both + apart).imag, (apart - both).real],
+            ]
+        )
+        normal /= 2
+        inner = np.delete(np.arange(2 * n), n)  # the mean has no sine
+        found = np.zeros(2 * n)
+        found[inner] = np.linalg.solve(
+            normal[np.ix_(inner, inner)], np.concatenate([right.real, right.imag])[inner]
+        )
+        return np.asarray(found[:n] + 1j * found[n:], dtype=np.complex128)
+
+    def values(self, waves: Complexes) -> Floats:
+        """Return waves at the angles."""
+        found = np.einsum("k,ki->i", waves.conj(), self._powers[: self.order + 1])
+        return np.asarray(found.real, dtype=np.float64)
 
 
 def fit_waves(turn: Floats, values: Floats, order: int) -> HeightWaves:
     """Return the waves up to an order through the points of a height."""
-    a = basis(turn, order)
+    basis, n_unknown = _Basis(turn, order), 2 * order + 1
     weight, sigma = np.ones(turn.size), 0.0
     for _ in range(_ROUNDS):
-        weighted = a * weight[:, None]
-        found = np.linalg.solve(a.T @ weighted, weighted.T @ values)
-        off = np.abs(values - a @ found)
-        sigma = _TO_SIGMA * float(np.median(off)) * np.sqrt(off.size / (off.size - a.shape[1]))
+        waves = basis.fitted(weight, values)
+        off = np.abs(values - basis.values(waves))
+        sigma = _TO_SIGMA * float(np.median(off)) * np.sqrt(off.size / (off.size - n_unknown))
         limit = max(sigma, _LEAST)
         weight = np.minimum(1.0, _HUBER * limit / np.maximum(off, _LEAST))
         weight[off > _FAR * limit] = 0.0
-        if np.count_nonzero(weight) < a.shape[1] + 1:
+        if np.count_nonzero(weight) <= n_unknown:
             weight = np.ones(turn.size)
             break
-    waves = np.concatenate([found[:1], found[1 : order + 1] + 1j * found[order + 1 :]])
     variances = np.full(order + 1, 4 * sigma**2 / turn.size)
     variances[0] /= 4
     return HeightWaves(waves, sigma, variances, int(np.count_nonzero(weight == 0)))
