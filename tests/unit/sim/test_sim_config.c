@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_config.h"
 #include "unity.h"
-#include <stdio.h>  // fopen
+#include <stdio.h>  // fopen, snprintf
 #include <string.h> // memcmp
 
 static sim_config_t config;
@@ -58,6 +58,10 @@ static void test_other_machines_are_accepted(void)
                              error.text);
     TEST_ASSERT_TRUE_MESSAGE(sim_config_load(&config, HOST_SIM_DIR "/machines/piezo.toml", &error),
                              error.text);
+    TEST_ASSERT_FALSE(sim_lathe_is_rough(&config.lathe));
+    TEST_ASSERT_TRUE_MESSAGE(sim_config_load(&config, HOST_SIM_DIR "/machines/real.toml", &error),
+                             error.text);
+    TEST_ASSERT_TRUE(sim_lathe_is_rough(&config.lathe));
 }
 
 static void test_load_takes_comments_blanks_and_indentation(void)
@@ -107,6 +111,47 @@ static void test_refused_beliefs_name_line_and_reason(void)
     refused("[believed.u]\ndelay_us = -1\n", "line 2: believed.u.delay_us = -1: out of range");
     refused("[believed.u]\ndelay_us = 1\ndelay_us = 1\n", "line 3: believed.u.delay_us = 1: given");
     refused("[u]\nkind = \"speed\"\n", "line 2: u.kind = \"speed\": give one of \"position\"");
+}
+
+/// One value just outside of each range, and that in the table of beliefs, too.
+static void test_ranges_of_the_effects_are_kept(void)
+{
+    static const char *const wrong[] = {
+        "u]\nfriction_m_per_s2 = -1",
+        "u]\nfriction_m_per_s2 = 1001",
+        "u]\nmass_kg = 0",
+        "u]\nviscous_n_s_per_m = -1",
+        "u]\nstiffness_n_per_m = -1",
+        "u]\nforce_limit_n = 0",
+        "u]\namplifier_hz = 9",
+        "u]\ncommand_quantum_nm = -1",
+        "u]\nmode_hz = -1",
+        "u]\nmode_damping = 0",
+        "u]\nmode_share = 2.1",
+        "u]\nmode_on_scale = 0.5",
+        "u]\nmode_2_hz = 20001",
+        "u]\nmode_2_damping = 2.1",
+        "u]\nmode_2_share = -2.1",
+        "u]\nmode_2_on_scale = 2",
+        "u]\nscale_latency_us = 1001",
+        "u]\nscale_error_nm = -1",
+        "u]\nscale_period_um = 0",
+        "cut]\nkc_n_per_mm2 = -1",
+        "cut]\nradial_share = 11",
+        "cut]\ntool_stiffness_n_per_um = -1",
+        "spindle]\nripple_2 = 0.6",
+        "spindle]\nripple_per_turn_2 = 0",
+        "spindle]\nrunout_um = -1",
+        "spindle]\nrunout_2_um = 1001",
+        "encoder]\ntime_stamps = 2",
+    };
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+        char text[80];
+        (void)snprintf(text, sizeof text, "[%s\n", wrong[i]);
+        refused(text, "out of range; give a");
+        (void)snprintf(text, sizeof text, "[believed.%s\n", wrong[i]);
+        refused(text, "out of range; give a");
+    }
 }
 
 static void test_load_takes_firmware_parameters(void)
@@ -195,6 +240,7 @@ int main(void)
     RUN_TEST(test_nothing_is_believed_without_a_key);
     RUN_TEST(test_a_force_drive_is_tuned_for_the_mass_that_is_believed);
     RUN_TEST(test_refused_beliefs_name_line_and_reason);
+    RUN_TEST(test_ranges_of_the_effects_are_kept);
     RUN_TEST(test_load_takes_firmware_parameters);
     RUN_TEST(test_load_refuses_what_is_wrong);
     RUN_TEST(test_load_refuses_a_line_that_is_too_long);
