@@ -190,11 +190,15 @@ cam_wave_verdict_t cam_machine_excite(cam_machine_t *m, uint32_t n_periods, uint
     }
     const cam_config_t *cfg = atomic_load_explicit(&m->core->config.offered, memory_order_relaxed);
     const cam_wave_range_t range = cam_wave_range(m->scope.words, m->identify.n);
+    const cam_move_limits_t fade = cam_wave_fade(fade_ticks);
+    const uint32_t n_fall = cam_wave_fall_ticks(&fade); // and as many it rises
+    const uint32_t n = m->identify.n;
     const cam_excite_config_t excite = {
         .wave_nm = m->scope.words,
-        .n = m->identify.n,
-        .n_play = n_periods * m->identify.n + fade_ticks,
-        .fade = cam_wave_fade(fade_ticks),
+        .n = n,
+        .first = (n - n_fall % n) % n, // so that the first period in full begins with sample 0
+        .n_play = n_periods * n + n_fall,
+        .fade = fade,
         .place_q10 = (int64_t)m->identify.place_nm * 1024,
     };
     verdict = cam_wave_judge(&range, &excite.fade, m->identify.place_nm, cfg, m->tick_hz);
@@ -205,7 +209,7 @@ cam_wave_verdict_t cam_machine_excite(cam_machine_t *m, uint32_t n_periods, uint
         return verdict;
     }
     m->identify.following_nm = cfg->guard.following_nm;
-    m->identify.n_fall = cam_wave_fall_ticks(&excite.fade);
+    m->identify.n_fall = n_fall;
     const int64_t most_nm = -range.low_nm > range.high_nm ? -range.low_nm : range.high_nm;
     return plain(begin(m, &status, &excite, m->identify.following_nm + most_nm));
 }

@@ -3,7 +3,7 @@
 
 void cam_excite_begin_isr(cam_excite_t *e, const cam_excite_config_t *cfg)
 {
-    *e = (cam_excite_t){.n_left = cfg->n_play};
+    *e = (cam_excite_t){.at = cfg->first, .n_left = cfg->n_play};
 }
 
 void cam_excite_end_isr(cam_excite_t *e)

@@ -23,6 +23,7 @@ enum { cam_excite_full_q30 = 1 << 30 }; ///< gain 1
 typedef struct {
     const int32_t *wave_nm; ///< [nm] samples of a period, one per tick
     uint32_t n;             ///< [ticks] samples of the period
+    uint32_t first;         ///< sample that is played first
     uint32_t n_play;        ///< [ticks] until the gain falls, its rise included
     cam_move_limits_t fade; ///< [2^-30 per tick, per tick^2] of the gain
     int64_t place_q10;      ///< [nm / 1024] of U, about which it is played
@@ -35,7 +36,7 @@ typedef struct {
     cam_move_t gain; ///< pos_q10 is [2^-30]
 } cam_excite_t;
 
-/// Begin with the first sample and the gain 0.
+/// Begin with the gain 0.
 void cam_excite_begin_isr(cam_excite_t *e, const cam_excite_config_t *cfg);
 
 /// Let the gain fall from the next tick on.

@@ -4,6 +4,7 @@
 ///     camsim eval TABLE < points.csv > values.csv
 ///     camsim run TABLE [options]
 ///     camsim bus TABLE --can IFACE [options]
+///     camsim identify TABLE --wave F.csv --record F.csv [options]
 ///
 /// Exit status: 0 done; 1 the cut ended in a fault, in time-out, out of tolerance or was not
 /// gauged; 2 wrong usage or bad input or output. Errors are one line on stderr: file, field, value,
@@ -35,6 +36,7 @@ enum {
 int camsim_eval(int argc, char **argv);
 int camsim_run(int argc, char **argv);
 int camsim_bus(int argc, char **argv);
+int camsim_identify(int argc, char **argv);
 
 /// Print an error line. @return camsim_wrong
 int camsim_complain(const common_error_t *e);

@@ -10,7 +10,8 @@ static const char help[] =
     "  camsim eval TABLE < points.csv > values.csv   the firmware's own evaluation of a table\n"
     "  camsim run TABLE [options]                    a whole cut in virtual time\n"
     "  camsim bus TABLE --can IFACE [options]        the machine as nodes of a CAN bus\n"
-    "  camsim eval --help | run --help | bus --help | --version\n"
+    "  camsim identify TABLE --wave F --record F     U plays a wave and is recorded\n"
+    "  camsim eval --help | run --help | bus --help | identify --help | --version\n"
     "\n"
     "TABLE is a NAME.camtab made by tools/mktables.\n"
     "Exit status: 0 done, 1 fault or out of tolerance, 2 wrong usage or bad input.";
@@ -45,6 +46,9 @@ int main(int argc, char **argv)
     if (strcmp(command, "bus") == 0) {
         return camsim_bus(argc - 1, argv + 1);
     }
+    if (strcmp(command, "identify") == 0) {
+        return camsim_identify(argc - 1, argv + 1);
+    }
     if (strcmp(command, "--help") == 0 || strcmp(command, "-h") == 0) {
         (void)puts(help);
         return after_print();
@@ -54,7 +58,8 @@ int main(int argc, char **argv)
         return after_print();
     }
     common_error_t e;
-    (void)common_error(&e, "%.40s: no such command; use eval, run or bus, camsim --help tells more",
-                       argc > 1 ? command : "(nothing)");
+    (void)common_error(
+        &e, "%.40s: no such command; use eval, run, bus or identify, camsim --help tells more",
+        argc > 1 ? command : "(nothing)");
     return camsim_complain(&e);
 }
