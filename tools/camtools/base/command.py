@@ -32,7 +32,7 @@ class Interrupted(BaseException):
     """A signal demands the end; unwinding removes what is unfinished."""
 
 
-def run_command(name: str, action: Callable[[], int]) -> int:
+def run_command(name: str, action: Callable[[], int], *, kept: str = "nothing was written") -> int:
     """Carry a command out; return its exit status.
 
     Parameters
@@ -41,6 +41,8 @@ def run_command(name: str, action: Callable[[], int]) -> int:
         Begins every line on stderr.
     action : callable
         Returns the status; may raise CamtoolsError.
+    kept : str
+        What a signal leaves behind, for its line.
 
     Returns
     -------
@@ -64,5 +66,5 @@ def run_command(name: str, action: Callable[[], int]) -> int:
     except (Interrupted, Exception):
         if not stopped:
             raise
-        sys.stderr.write(f"{name}: interrupted; nothing was written\n")
+        sys.stderr.write(f"{name}: interrupted; {kept}\n")
         return 128 + stopped[0]

@@ -1,4 +1,4 @@
-r"""Machine files of the simulator as data: found by name, read, changed, written.
+r"""Machine files of the simulator as data: read, changed, written.
 
 A machine is a tree: tables of keys, as TOML has them; `host_sim/machines/default.toml` lists every
 key. What the controller is configured from stands in `[believed.TABLE]`.
@@ -23,12 +23,11 @@ from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from camtools.base.errors import CamtoolsError, InputError
+from camtools.base.errors import InputError
 from camtools.base.input_file import read_text
-from camtools.base.places import ROOT
+from camtools.sim.machines import MACHINES, machine_path
 
 Tree = dict[str, Any]
-MACHINES = ROOT / "host_sim" / "machines"
 BELIEVED = "believed"
 _MAX_BYTES = 1 << 20
 
@@ -48,11 +47,6 @@ class Machine(NamedTuple):
     text: str
 
 
-def machine_names() -> list[str]:
-    """Return the names of the machines that come with the project."""
-    return sorted(path.stem for path in MACHINES.glob("*.toml"))
-
-
 def find_machine(word: str | Path) -> Machine:
     """Return a machine by its name or by the path of its file.
 
@@ -61,13 +55,8 @@ def find_machine(word: str | Path) -> Machine:
     CamtoolsError
         There is neither such a name nor such a file, or it cannot be read.
     """
-    named = MACHINES / f"{word}.toml"
-    is_name = isinstance(word, str) and word in machine_names()
-    path = named if is_name else Path(word)
-    if not is_name and not path.suffix and not path.exists():
-        names = ", ".join(machine_names())
-        raise CamtoolsError([f"--machine {word}: no such machine; give a file, or one of {names}"])
-    return Machine(str(word) if not is_name else named.name, read_text(path, _MAX_BYTES))
+    path = machine_path(str(word))
+    return Machine(path.name if str(word) == path.stem else str(word), read_text(path, _MAX_BYTES))
 
 
 def read_machine(text: str, name: str) -> Tree:
@@ -113,19 +102,24 @@ def _defaults() -> Tree:
     return read_machine(read_text(path, _MAX_BYTES), path.name)
 
 
-def look_up(tree: Mapping[str, Any], key: str) -> float | None:
-    """Return a number of a machine, its default where it is not given; none if it is no number.
+def nominal_of(tree: Mapping[str, Any], key: str) -> float | None:
+    """Return a number as the controller believes it, else that of the machine, else its default.
 
     Parameters
     ----------
     key : str
         Table and key, such as "u.bandwidth_hz".
 
-    >>> look_up({}, "u.delay_us"), look_up({"u": {"delay_us": 80}}, "u.delay_us")
+    Returns
+    -------
+    float or None
+        None where this is no number.
+
+    >>> nominal_of({}, "u.delay_us"), nominal_of({"u": {"delay_us": 80}}, "u.delay_us")
     (75.0, 80.0)
     """
     table, _, name = key.rpartition(".")
-    for source in (tree, _defaults()):
+    for source in (tree.get(BELIEVED, {}), tree, _defaults()):
         value = source.get(table, {}).get(name)
         if isinstance(value, int | float) and math.isfinite(value):
             return float(value)
@@ -146,7 +140,7 @@ def mistaken(tree: Tree, truth: Mapping[str, float]) -> Tree:
     changed = copy.deepcopy(tree)
     for key, value in truth.items():
         table, _, name = key.rpartition(".")
-        nominal = look_up(tree, key)
+        nominal = nominal_of(tree, key)
         beliefs = changed.setdefault(BELIEVED, {}).setdefault(table, {})
         if nominal is not None:
             written = tree.get(table, {}).get(name, nominal)

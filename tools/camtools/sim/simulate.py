@@ -14,6 +14,7 @@ in a process; many at once take processes.
 from __future__ import annotations
 
 import json
+import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -25,7 +26,8 @@ from camtools.base.json_text import Json
 from camtools.sim.binding import Rows, SimSession
 from camtools.sim.machine_file import Machine, emit_machine, find_machine
 
-TICKS_AT_A_TIME = 100_000  # then Python looks for signals: 0.05 s
+_TICKS_AT_A_TIME = 100_000  # then Python looks for signals: 0.05 s
+_ONE_AT_A_TIME = threading.Lock()  # other threads wait
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,10 +136,10 @@ def simulate(
     ]
     words = [str(table), *_words(rpm, feed, turns), "--seed", str(seed), *settings, *options]
     begin_s = time.monotonic()
-    with SimSession() as session:
+    with _ONE_AT_A_TIME, SimSession() as session:
         name, text = (chosen.name, chosen.text) if chosen else ("", None)
         session.begin(words, text, name, traced=trace)
-        while session.run(TICKS_AT_A_TIME):
+        while session.run(_TICKS_AT_A_TIME):
             if progress is not None:
                 progress(session.progress())
         raw = session.finish(time.monotonic() - begin_s)

@@ -1,0 +1,1 @@
+"""What is to be expected of a part on a machine whose numbers are not known exactly."""

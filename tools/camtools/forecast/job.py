@@ -1,0 +1,213 @@
+"""What a forecast was asked for: the part, its machine, what is not known, the machines drawn.
+
+>>> limits("--runs", 2, 1, 10)
+2
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from camtools.base.errors import CamtoolsError, InputError
+from camtools.base.quantities import Floats
+from camtools.forecast.draw import draw
+from camtools.forecast.vary import DEFAULT_VARY, Unknown, default_vary, read_vary
+from camtools.forecast.work import TABLE, Task, build_of, folder_of
+from camtools.part.file import read_part_file
+from camtools.pipeline.load import load
+from camtools.pipeline.make import Made, make
+from camtools.sim.binding import SimSession, library_path
+from camtools.sim.machine_file import (
+    Machine,
+    Tree,
+    emit_machine,
+    find_machine,
+    mistaken,
+    read_machine,
+)
+
+_PROBE = "drawn"
+_LINE = re.compile(rf"{_PROBE}: line \d+: (.*)")
+
+
+def limits(option: str, value: int, low: int, high: int) -> int:
+    """Return the number of an option.
+
+    Raises
+    ------
+    CamtoolsError
+        It is out of range.
+    """
+    if not low <= value <= high:
+        raise CamtoolsError([f"{option} {value}: out of range; give {low} .. {high}"])
+    return value
+
+
+@dataclass(frozen=True)
+class Question:
+    """What the command line says.
+
+    Attributes
+    ----------
+    part, machine, vary : path, name or path, path
+        The last two may be missing: the machine of the part file, and the usual unknowns.
+    words : tuple of str
+        Options of camsim: speed, feed, turns, parameters.
+    rpm : float or None
+        Speed, which the table of some parts depends on.
+    tolerance_um : float or None
+        None: that of the part.
+    """
+
+    part: Path
+    machine: str | None
+    vary: Path | None
+    n_runs: int
+    seed: int
+    rpm: float | None
+    words: tuple[str, ...]
+    tolerance_um: float | None
+
+
+@dataclass(frozen=True, eq=False)
+class ForecastPlan:
+    """All that is to be cut.
+
+    Attributes
+    ----------
+    made : Made
+        The part and its table.
+    machine : Machine
+        As given or made from the part file.
+    unknowns : list of Unknown
+    left_out : list of str
+        Of the usual unknowns those that this machine does not have.
+    inputs : ndarray, shape (runs, unknowns)
+        True numbers of the machines.
+    texts : list of str
+        Machine files.
+    keys : list of str
+        Digest of each cut.
+    task : Task
+        What the cuts share.
+    tolerance_um : float
+        That a good part keeps.
+    """
+
+    made: Made
+    machine: Machine
+    unknowns: list[Unknown]
+    left_out: list[str]
+    inputs: Floats
+    texts: list[str]
+    keys: list[str]
+    task: Task
+    tolerance_um: float
+
+    @property
+    def names(self) -> list[str]:
+        """Return the keys of the unknowns."""
+        return [one.key for one in self.unknowns]
+
+
+def plan_of(question: Question) -> ForecastPlan:
+    """Make the table, read machine and unknowns, draw the machines.
+
+    Raises
+    ------
+    CamtoolsError
+        Anything of it is no good; nothing has been cut or written then.
+    """
+    loaded = load(question.part)
+    made = make(loaded, question.part, rpm=question.rpm)
+    part = made.table.part
+    own = Machine(f"{part.part.name}_machine.toml", made.kind.machine(part))
+    machine = own if question.machine is None else find_machine(question.machine)
+    tree = read_machine(machine.text, machine.name)
+    unknowns, left_out = _unknowns(question.vary, tree)
+    task = _task(made, question.words)
+    _check(task, machine, part.part.name)
+    _check_ends(task, tree, unknowns, str(question.vary or DEFAULT_VARY.name))
+    inputs = draw(unknowns, question.n_runs, seed=question.seed)
+    keys = [one.key for one in unknowns]
+    texts = [
+        emit_machine(mistaken(tree, dict(zip(keys, map(float, row), strict=True))))
+        for row in inputs
+    ]
+    given_um = question.tolerance_um
+    tolerance_um = made.kind.form_error_um(part) if given_um is None else given_um
+    digests = [task.key(text) for text in texts]
+    return ForecastPlan(
+        made, machine, unknowns, left_out, inputs, texts, digests, task, tolerance_um
+    )
+
+
+def _unknowns(vary: Path | None, tree: Tree) -> tuple[list[Unknown], list[str]]:
+    if vary is None:
+        return default_vary(tree)
+    try:
+        data = read_part_file(vary)
+    except InputError as error:
+        lines = [line.replace("a part file (TOML)", "a V.toml") for line in error.lines]
+        raise CamtoolsError(lines) from error
+    return read_vary(data, str(vary), tree), []
+
+
+def _task(made: Made, words: Sequence[str]) -> Task:
+    files = made.files(with_plots=False)
+    name = made.table.part.part.name
+    table, design = files[f"{name}.camtab"], files[f"{name}.json"]
+    # The gauge judges by its own tolerance only whether a cut is good, which is done here.
+    return Task(table, design, (*words, "--tolerance-um", "1e6"), build_of(library_path()))
+
+
+def _begin(task: Task, machine: Machine) -> None:
+    """Begin a cut on a machine and end it at once.
+
+    Raises
+    ------
+    CamtoolsError
+        The simulator refuses.
+    """
+    table = folder_of(task.table, task.design) / TABLE
+    with SimSession() as session:
+        session.begin([str(table), *task.words], machine.text, machine.name, traced=False)
+
+
+def _check(task: Task, machine: Machine, name: str) -> None:
+    """Refuse what the nominal machine cannot cut.
+
+    Raises
+    ------
+    CamtoolsError
+        The simulator's line, with the table's name instead of a place of ours.
+    """
+    try:
+        _begin(task, machine)
+    except CamtoolsError as error:
+        place = str(folder_of(task.table, task.design) / TABLE)
+        lines = [line.replace(place, f"{name}.camtab") for line in error.lines]
+        raise CamtoolsError(lines) from error
+
+
+def _check_ends(task: Task, tree: Tree, unknowns: Sequence[Unknown], file: str) -> None:
+    """Refuse numbers that no machine file may have; what is only infeasible is cut and counted.
+
+    Raises
+    ------
+    CamtoolsError
+        An end of a distribution is out of the simulator's range.
+    """
+    for one in unknowns:
+        for end, value in (("low", one.low), ("high", one.high)):
+            text = emit_machine(mistaken(tree, {one.key: value}))
+            try:
+                _begin(task, Machine(_PROBE, text))
+            except CamtoolsError as error:
+                found = _LINE.match(str(error))
+                if found is not None:
+                    problem = f"reaches to {value:.6g}: {found.group(1)}"
+                    raise CamtoolsError([f"{file}: {one.key}: {end} {problem}"]) from error

@@ -1,0 +1,106 @@
+"""The picture of a forecast: how large the error is, what it depends on, and how.
+
+>>> _edges([0.1, 0.4])
+(0.05, 1.0)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from camtools.base.quantities import Floats, length_text
+from camtools.forecast.job import ForecastPlan
+from camtools.forecast.result import Forecast
+from camtools.plots.style import (
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    PALE,
+    RED,
+    drawing,
+    nice_floor,
+    nice_limit,
+    png_of,
+    titled_figure,
+)
+
+_SCATTERS = 3
+_BARS = 8
+
+
+def _edges(values: Sequence[float] | Floats) -> tuple[float, float]:
+    """Return round numbers around values above 0, with room to both sides."""
+    return nice_floor(0.9 * float(np.min(values))), nice_limit(1.5 * float(np.max(values)))
+
+
+def _distribution(axes: Axes, plan: ForecastPlan, forecast: Forecast) -> None:
+    n = forecast.errors_um.size
+    errors_um = np.sort(forecast.errors_um[np.isfinite(forecast.errors_um)])
+    axes.step(errors_um, 100 * np.arange(1, errors_um.size + 1) / n, where="post", color=BLUE)
+    low, high = _edges([*errors_um, plan.tolerance_um])
+    axes.set(xscale="log", xlim=(low, high), ylim=(0, 104))
+    axes.axvline(plan.tolerance_um, color=RED, lw=1)
+    text = f"tolerance {length_text(plan.tolerance_um)}"
+    axes.text(plan.tolerance_um, 2, text + " ", rotation=90, color=RED, ha="right", va="bottom")
+    for one in forecast.quantiles:
+        if np.isfinite(one.value):
+            ends = [one.low, one.high if np.isfinite(one.high) else high]
+            axes.plot(ends, [one.percent] * 2, color=ORANGE, lw=3, alpha=0.7)
+            axes.plot(one.value, one.percent, "o", color=BLUE, ms=4)
+    axes.set_xlabel("largest form error, µm")
+    axes.set_ylabel("share of machines below, %")
+    axes.grid(color=PALE, lw=0.5)
+    failed = n - errors_um.size
+    told = f"{n} machines, {failed} without a result" if failed else f"{n} machines"
+    axes.set_title(f"{told}: {100 * forecast.within.share:.1f} % within tolerance")
+
+
+def _bars(axes: Axes, forecast: Forecast) -> None:
+    shown = forecast.effects[:_BARS][::-1]
+    if not shown:
+        axes.text(0.5, 0.5, "too few cuts", ha="center", transform=axes.transAxes, color=GREY)
+        axes.set_axis_off()
+        return
+    places = np.arange(len(shown))
+    colours = [PALE if one.is_noise else BLUE for one in shown]
+    axes.barh(places, [one.pawn for one in shown], color=colours, height=0.6)
+    first = [min(max(one.first_order, 0.0), 1.0) for one in shown]
+    spread = [one.first_order_conf for one in shown]
+    axes.errorbar(first, places, xerr=spread, fmt="o", color=GREEN, ms=4, lw=1)
+    axes.set_yticks(places, [one.key for one in shown])
+    axes.set_xlim(0, 1)
+    axes.set_xlabel("bar: PAWN index, dot: share of the variance alone")
+    axes.set_title("what matters (grey: no more than noise)")
+
+
+def _scatter(axes: Axes, plan: ForecastPlan, forecast: Forecast, key: str) -> None:
+    place = plan.names.index(key)
+    is_there = np.isfinite(forecast.errors_um)
+    values = plan.inputs[:, place]
+    axes.plot(values[is_there], forecast.errors_um[is_there], ".", color=BLUE, ms=3, alpha=0.6)
+    low, high = _edges(forecast.errors_um[is_there])
+    for value in values[~is_there]:
+        axes.axvline(value, color=RED, lw=0.4, alpha=0.5)
+    axes.axvline(plan.unknowns[place].nominal, color=GREY, lw=1, ls="--")
+    axes.set(yscale="log", ylim=(low, high))
+    axes.set_xlabel(f"true {key}, believed {plan.unknowns[place].nominal:g}")
+    axes.set_ylabel("form error, µm")
+
+
+def draw_forecast(plan: ForecastPlan, forecast: Forecast) -> bytes:
+    """Return the picture as PNG."""
+    name = plan.made.table.part.part.name
+    shown = [one.key for one in forecast.effects[:_SCATTERS]]
+    with drawing():
+        figure = titled_figure(11, 7.5 if shown else 4, f"{name} on {plan.machine.name}")
+        parts = figure.subfigures(2 if shown else 1, 1, squeeze=False)[:, 0]
+        left, right = parts[0].subplots(1, 2)
+        _distribution(left, plan, forecast)
+        _bars(right, forecast)
+        for number, key in enumerate(shown, start=1):
+            _scatter(parts[1].add_subplot(1, len(shown), number), plan, forecast, key)
+        return png_of(figure)

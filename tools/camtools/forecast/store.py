@@ -1,0 +1,116 @@
+"""Results of cuts on the disk, by the digest of what they depend on: Parquet files in a folder.
+
+Every batch becomes a file of its own, which appears complete or not at all; a forecast that was
+stopped finds what is there and goes on.
+
+>>> import tempfile
+>>> with tempfile.TemporaryDirectory() as name:
+...     store = Store(Path(name))
+...     store.add([Outcome("a", "done", 0, "", "", 0.1, 0.05, 0.1, 0.1, 1000, 0.2)])
+...     Store(Path(name)).found["a"].form_max_um
+0.1
+"""
+
+from __future__ import annotations
+
+import uuid
+from collections.abc import Iterable, Sequence
+from contextlib import suppress
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from camtools.base.errors import InputError
+from camtools.base.output import write_all
+from camtools.forecast.work import Outcome
+
+_FIELDS = {
+    "key": pa.string(),
+    "end": pa.string(),
+    "status": pa.int32(),
+    "faults": pa.string(),
+    "message": pa.string(),
+    "form_max_um": pa.float64(),
+    "form_rms_um": pa.float64(),
+    "roundness_um": pa.float64(),
+    "following_max_um": pa.float64(),
+    "ticks": pa.int64(),
+    "wall_s": pa.float64(),
+}
+SCHEMA = pa.schema(list(_FIELDS.items()))
+
+
+def parquet_bytes(columns: dict[str, Any], schema: Any, about: dict[str, str]) -> bytes:  # noqa: ANN401
+    """Return a table as a Parquet file; `about` goes into its metadata."""
+    coded = {name.encode(): text.encode() for name, text in about.items()}
+    table = pa.table(columns, schema=schema.with_metadata(coded))
+    stream = BytesIO()
+    pq.write_table(table, stream, compression="zstd")
+    return stream.getvalue()
+
+
+def _columns(outcomes: Sequence[Outcome]) -> dict[str, list[Any]]:
+    return {name: [getattr(one, name) for one in outcomes] for name in _FIELDS}
+
+
+class Store:
+    """Outcomes in a folder.
+
+    Parameters
+    ----------
+    folder : Path
+        Made when the first outcome is added.
+
+    Attributes
+    ----------
+    found : dict
+        All outcomes by key.
+
+    Raises
+    ------
+    InputError
+        A file there is none of ours.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.found: dict[str, Outcome] = {}
+        self._paths = sorted(folder.glob("*.parquet"))
+        for path in self._paths:
+            for outcome in _read(path):
+                self.found[outcome.key] = outcome
+
+    def add(self, outcomes: Sequence[Outcome]) -> None:
+        """Keep outcomes; they are on the disk on return."""
+        name = f"{uuid.uuid4().hex}.parquet"
+        write_all(self.folder, {name: parquet_bytes(_columns(outcomes), SCHEMA, {})})
+        self._paths.append(self.folder / name)
+        self.found |= {outcome.key: outcome for outcome in outcomes}
+
+    def pick(self, keys: Iterable[str]) -> list[Outcome]:
+        """Return the outcomes of these keys that are there."""
+        return [self.found[key] for key in keys if key in self.found]
+
+    def compact(self) -> None:
+        """Make one file of many."""
+        before = self._paths
+        if len(before) > 1:
+            self.add(list(self.found.values()))
+            self._paths = self._paths[-1:]
+            for path in before[: len(before)]:
+                if path != self._paths[0]:
+                    with suppress(OSError):
+                        path.unlink()
+
+
+def _read(path: Path) -> list[Outcome]:
+    try:
+        rows = pq.read_table(path, schema=SCHEMA).to_pylist()
+    except (OSError, pa.ArrowException) as error:
+        reason = str(error).splitlines()[0]
+        remedy = "remove it: its cuts are made again"
+        raise InputError(str(path), "", None, f"is no result of ours: {reason}", remedy) from error
+    return [Outcome(**row) for row in rows]

@@ -1,0 +1,205 @@
+r"""V.toml: which numbers of a machine are not known, and how they are spread.
+
+A table for each number, named as in machine files; tools/docs/FORECAST.md describes the keys.
+
+>>> text = '[u.delay_us]\ndistribution = "uniform"\nof = "nominal"\nlow = 0.9\nhigh = 1.1\n'
+>>> [one.key for one in read_vary(text.encode(), "v.toml", {})]
+['u.delay_us']
+>>> read_vary(text.encode(), "v.toml", {})[0].at(0.5).round(3)
+np.float64(75.0)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any, Literal, NamedTuple, Self
+
+import numpy as np
+from pydantic import Field, model_validator
+from scipy import stats
+
+from camtools.base.errors import CamtoolsError, InputError
+from camtools.base.quantities import Floats, FloatsLike
+from camtools.part.file import read_tree, validated
+from camtools.part.model import TomlTable, wrong
+from camtools.sim.machine_file import nominal_of
+
+DEFAULT_VARY = Path(__file__).with_name("vary.toml")
+_SIGMAS = 3.0  # truncation where none is given
+_LEAST_SHARE = 1e-6  # of a distribution that must lie between its ends
+_MOST_UNKNOWNS = 100
+
+Above0 = Annotated[float, Field(gt=0)]
+
+
+class Spread(TomlTable):
+    """[TABLE.KEY] of a V.toml: how one number is spread."""
+
+    distribution: Literal["uniform", "normal", "lognormal"]
+    of: Literal["nominal", "unit"] = "unit"
+    low: float | None = None
+    high: float | None = None
+    mean: float | None = None
+    sd: Above0 | None = None
+    median: Above0 | None = None
+    factor: Annotated[float, Field(gt=1)] | None = None
+
+    @model_validator(mode="after")
+    def _check_keys(self) -> Self:
+        wanted = {
+            "uniform": ("low", "high"),
+            "normal": ("sd",),
+            "lognormal": ("factor",),
+        }[self.distribution]
+        allowed = {
+            "uniform": {"low", "high"},
+            "normal": {"mean", "sd", "low", "high"},
+            "lognormal": {"median", "factor", "low", "high"},
+        }[self.distribution]
+        for name in ("low", "high", "mean", "sd", "median", "factor"):
+            value = getattr(self, name)
+            if value is None and name in wanted:
+                problem = f"is missing, which a {self.distribution} distribution wants"
+                raise wrong("missing", problem, f"add {name}", field=name)
+            if value is not None and name not in allowed:
+                problem = f"does not belong to a {self.distribution} distribution"
+                raise wrong("extra", problem, "remove it", field=name, value=value)
+        if self.low is not None and self.high is not None and self.low >= self.high:
+            problem = f"must be below high = {self.high:g}"
+            raise wrong("order", problem, "give the lower end first", field="low", value=self.low)
+        return self
+
+
+class Unknown(NamedTuple):
+    """A number of the machine that is not known.
+
+    Attributes
+    ----------
+    key : str
+        Table and key of the machine file.
+    nominal : float
+        What the controller believes.
+    low, high : float
+        Ends of what is drawn, in the unit of the key.
+    words : str
+        The distribution for people.
+    frozen : distribution of scipy.stats
+        Without its ends.
+    """
+
+    key: str
+    nominal: float
+    low: float
+    high: float
+    words: str
+    frozen: Any
+
+    def at(self, share: FloatsLike) -> Floats:
+        """Return the number below which a share of the truncated distribution lies.
+
+        MATHS.md (162).
+        """
+        first, last = self.frozen.cdf(self.low), self.frozen.cdf(self.high)
+        value = self.frozen.ppf(first + np.asarray(share) * (last - first))
+        return np.asarray(np.clip(value, self.low, self.high))
+
+
+def _frozen(spread: Spread, scale: float, nominal: float) -> tuple[Any, float, float, str]:
+    """Return the distribution, its natural ends and its description; numbers times scale."""
+    if spread.distribution == "uniform":
+        low, high = (spread.low or 0.0) * scale, (spread.high or 0.0) * scale
+        return stats.uniform(low, high - low), low, high, "uniform"
+    if spread.distribution == "normal":
+        mean = nominal if spread.mean is None else spread.mean * scale
+        sd = (spread.sd or 0.0) * abs(scale)
+        words = f"normal {mean:.4g} +- {sd:.3g}"
+        return stats.norm(mean, sd), mean - _SIGMAS * sd, mean + _SIGMAS * sd, words
+    median = nominal if spread.median is None else spread.median * scale
+    factor = spread.factor or 1.0
+    ends = median * factor**-_SIGMAS, median * factor**_SIGMAS
+    words = f"lognormal {median:.4g} */ {factor:.3g}"
+    return stats.lognorm(np.log(factor), scale=median), *ends, words
+
+
+def _unknown(key: str, spread: Spread, machine: Mapping[str, Any], file: str) -> Unknown:
+    nominal = nominal_of(machine, key)
+    if nominal is None:
+        remedy = "give a number of host_sim/machines/default.toml"
+        raise InputError(file, key, None, "is no number of a machine", remedy)
+    is_share = spread.of == "nominal"
+    if nominal == 0.0 and (is_share or (spread.distribution == "lognormal" and not spread.median)):
+        remedy = 'give the numbers themselves with of = "unit"'
+        problem = "is 0 on this machine, and so is any multiple of it"
+        raise InputError(file, f"{key}.of", spread.of, problem, remedy)
+    scale = nominal if is_share else 1.0
+    frozen, low, high, words = _frozen(spread, scale, nominal)
+    low = low if spread.low is None else spread.low * scale
+    high = high if spread.high is None else spread.high * scale
+    low, high = min(low, high), max(low, high)  # a nominal value below 0 turns them round
+    share = float(frozen.cdf(high) - frozen.cdf(low))
+    if not share >= _LEAST_SHARE:
+        problem = f"leaves {share:.1g} of the distribution between {low:g} and {high:g}"
+        raise InputError(file, key, None, problem, "give ends around its middle")
+    return Unknown(key, nominal, low, high, f"{words}, {low:.4g} .. {high:.4g}", frozen)
+
+
+def _spreads(tree: Mapping[str, Any], file: str) -> dict[str, Spread]:
+    """Return the tables of a file by key, as `table.key`."""
+    spreads: dict[str, Spread] = {}
+    for table, keys in tree.items():
+        if not isinstance(keys, dict) or not keys:
+            problem = "is no table of a machine's keys"
+            raise InputError(file, table, keys, problem, "write [TABLE.KEY], as [u.bandwidth_hz]")
+        for name, content in keys.items():
+            key = f"{table}.{name}"
+            if not isinstance(content, dict):
+                problem = "is no table"
+                raise InputError(file, key, content, problem, f"write [{key}] and its keys below")
+            try:
+                spreads[key] = validated(Spread, content, file, {})
+            except CamtoolsError as error:
+                begin = f"{file}: "
+                lines = [f"{begin}{key}.{line.removeprefix(begin)}" for line in error.lines]
+                raise CamtoolsError(lines) from error
+    if not 1 <= len(spreads) <= _MOST_UNKNOWNS:
+        problem = f"{len(spreads)} numbers to vary"
+        raise InputError(file, "", None, problem, f"give 1 .. {_MOST_UNKNOWNS}")
+    return spreads
+
+
+def read_vary(data: bytes, file: str, machine: Mapping[str, Any]) -> list[Unknown]:
+    """Return the unknown numbers of a machine.
+
+    Parameters
+    ----------
+    data : bytes
+        Content of a V.toml.
+    file : str
+        Its name, for messages.
+    machine : mapping
+        Tree of the machine file, for the nominal values.
+
+    Raises
+    ------
+    CamtoolsError
+        Not TOML, unknown keys, or a distribution that cannot be.
+    """
+    spreads = _spreads(read_tree(data, file), file)
+    return [_unknown(key, spread, machine, file) for key, spread in spreads.items()]
+
+
+def default_vary(machine: Mapping[str, Any]) -> tuple[list[Unknown], list[str]]:
+    """Return the unknown numbers of a machine for which nothing is stated, and what is left out.
+
+    A number that the machine does not have, being 0, is left out where its spread is a multiple
+    of it.
+    """
+    file = DEFAULT_VARY.name
+    found, left_out = [], []
+    for key, spread in _spreads(read_tree(DEFAULT_VARY.read_bytes(), file), file).items():
+        if not nominal_of(machine, key) and spread.of == "nominal":
+            left_out.append(key)
+            continue
+        found.append(_unknown(key, spread, machine, file))
+    return found, left_out
