@@ -72,6 +72,7 @@ void cam_machine_init(cam_machine_t *m, cam_t *core, uint32_t tick_hz, uint32_t 
     }
     if (hal_measures_u() && tick_hz >= (uint32_t)cam_fit_least_hz) {
         m->params.following_limit_nm = 0; // derived from the part
+        cam_param_learn(&m->params);
     }
     const cam_err_t err = hand_over(m, &m->params, NULL, 0);
     (void)cam_config_take_isr(&core->config);

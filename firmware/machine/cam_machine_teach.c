@@ -93,6 +93,10 @@ void cam_machine_learn_end(cam_machine_t *m)
 
 void cam_machine_teach_poll(cam_machine_t *m, cam_state_t state)
 {
+    const cam_params_t *p = &m->params;
+    if (p->learn_harmonics == 0 && p->ripple_turns == 0 && p->eccentricity_nturn == 0) {
+        return;
+    }
     const cam_teach_setup_t setup = setup_of(m);
     cam_gather_t *gather = &m->core->gather;
     cam_teach_poll(&m->teach, &setup, state, gather);

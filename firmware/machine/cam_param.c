@@ -30,6 +30,13 @@ cam_params_t cam_param_defaults(void)
     return (cam_params_t){CAM_PARAMS(PARAM_DEFAULT)};
 }
 
+void cam_param_learn(cam_params_t *params)
+{
+    params->rehearse_turns = 40;
+    params->learn_harmonics = 16;
+    params->ripple_turns = 8;
+}
+
 int32_t cam_param_get(const cam_params_t *params, cam_param_id_t id)
 {
     int32_t value = 0;

@@ -99,6 +99,9 @@ cam_param_id_t cam_param_find(const char *name);
 /// @return all parameters at their defaults
 cam_params_t cam_param_defaults(void);
 
+/// Switch learning on, as a port does by default that measures U.
+void cam_param_learn(cam_params_t *params);
+
 /// @return value of a parameter; id < cam_n_params. Context: slow side.
 int32_t cam_param_get(const cam_params_t *params, cam_param_id_t id);
 

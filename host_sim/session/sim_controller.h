@@ -39,8 +39,9 @@ bool sim_wishes_add(sim_wishes_t *w, const char *name, double value, const char 
 
 /// @param params   filled completely
 /// @param machine  as the controller believes it to be (sim_config_believed())
+/// @param measures_u  U's port is a measurement to learn from: learning is on by default
 /// @return        false and *e when a derived value is outside the range of its parameter
-bool sim_controller_params(cam_params_t *params, const sim_lathe_config_t *machine,
+bool sim_controller_params(cam_params_t *params, const sim_lathe_config_t *machine, bool measures_u,
                            const sim_wishes_t *wishes, common_error_t *e);
 
 #endif

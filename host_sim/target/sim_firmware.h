@@ -33,7 +33,8 @@ void sim_firmware_close(sim_firmware_t *f);
 /// @return true, and *e says why, when the target does not answer any more
 bool sim_firmware_is_lost(const sim_firmware_t *f, common_error_t *e);
 
-/// One tick: hal_host.in -> hal_host.out. @return false when the target is lost
+/// One tick: hal_host.in -> hal_host.out, and behind it one piece of learning, which is as often as
+/// a main loop of its own calls it. @return false when the target is lost
 static inline bool sim_firmware_tick(sim_firmware_t *f)
 {
     if (f->remote != NULL) {
@@ -41,6 +42,7 @@ static inline bool sim_firmware_tick(sim_firmware_t *f)
     }
     hal_host_tick();
     f->status = cam_machine_status(&f->machine);
+    cam_machine_teach_poll(&f->machine, f->status.state);
     return true;
 }
 
