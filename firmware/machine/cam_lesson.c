@@ -87,6 +87,17 @@ static int32_t of_amplitude(const cam_teach_t *t, int64_t value)
     return (int32_t)cam_clamp_i64(value * (INT64_C(1) << 30) / t->scale_q30, -most, most);
 }
 
+/// @return [nm / 64] 3 sigma of what scale and counts of the encoder make of a harmonic, at least
+///         1 nm
+static uint32_t floor_q6(const cam_teach_t *t, const cam_teach_setup_t *s, uint32_t n_ticks)
+{
+    const int64_t root = (int64_t)cam_root_u64(n_ticks);
+    const int64_t of_scale = FLOOR_Q6 * s->scale_nm / root;
+    const int64_t count_nm = (int64_t)(t->largest >> 6) * s->count_urad / 1000000;
+    const int64_t of_count = FLOOR_Q6 * count_nm / root;
+    return (uint32_t)of_amplitude(t, of_scale + of_count + 64);
+}
+
 /// @return why nothing, or not all, can be learned of turns like this one
 static cam_teach_reason_t hindrance_of(const cam_teach_t *t, bool is_still, uint32_t n_ticks,
                                        const cam_turn_t *turn)
@@ -114,7 +125,7 @@ void cam_lesson_open(cam_teach_t *t, const cam_teach_setup_t *s, const cam_turn_
     const uint32_t n_ticks = is_still ? take_means(t->bin) : 0u;
     const uint32_t n_orders = n_ticks / ticks_per_order;
     t->n_orders = (uint8_t)(n_orders < s->n_harmonics ? n_orders : s->n_harmonics);
-    t->is_true = n_ticks > 0u && s->ripple_turns > 0u && cam_ripple_deviate(t->bin);
+    t->true_q36 = n_ticks > 0u && s->ripple_turns > 0u ? cam_ripple_deviate(t->bin) : 0;
     t->hindrance = (uint8_t)hindrance_of(t, is_still, n_ticks, turn);
     t->is_counted = t->n_orders > 0u && is_learning(t, s) && is_settled(t);
     if (t->is_counted) {
@@ -123,8 +134,7 @@ void cam_lesson_open(cam_teach_t *t, const cam_teach_setup_t *s, const cam_turn_
         t->speed_w = 0;
         t->acceleration_w = 0;
         t->sums = (cam_drive_sums_t){0};
-        const int64_t floor_q6 = FLOOR_Q6 * s->scale_nm / (int64_t)cam_root_u64(n_ticks);
-        t->floor_q6 = (uint32_t)of_amplitude(t, floor_q6 > 64 ? floor_q6 : 64);
+        t->floor_q6 = floor_q6(t, s, n_ticks);
     }
 }
 

@@ -65,6 +65,7 @@ static cam_teach_setup_t setup_of(const cam_machine_t *m)
         .ripple_turns =
             m->has_table && m->table.speed.knots == NULL ? (uint32_t)p->ripple_turns : 0u,
         .scale_nm = p->u_scale_nm,
+        .count_urad = 6283185 / p->counts_per_turn,
         .most_q6 = cam_teach_most_nm * 64,
         .k1_q16 = k1_q16,
         .k2_q16 = k2_q16,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_ripple.h"
 #include "cam_angle.h" // CAM_TURN_Q32
-#include "cam_fix.h"   // cam_abs_i64, cam_clamp_i32
+#include "cam_fix.h"   // cam_abs_i64, cam_clamp_i64
 #include <string.h>    // memset
 
 /// A deviation beyond this is no ripple: 1/64 turn.
@@ -36,8 +36,8 @@ static bool subtract_uniform(cam_gather_bin_t *bin, uint32_t n_ticks)
 }
 
 /// The turn began and ended at the same angle, so its deviation is the same at both ends, each
-/// half a bin from a mean: what is not, is the speed.
-static void close_turn(cam_gather_bin_t *bin)
+/// half a bin from a mean: what is not, is the speed. @return [turn / 2^33] what was not
+static int64_t close_turn(cam_gather_bin_t *bin)
 {
     const cam_gather_bin_t *end = &bin[cam_learn_bins - 1];
     const int64_t first = 3 * (int64_t)bin[0].angle_q24 - bin[1].angle_q24;
@@ -46,16 +46,16 @@ static void close_turn(cam_gather_bin_t *bin)
     for (int32_t i = 0; i < cam_learn_bins; i++) {
         bin[i].angle_q24 -= (int32_t)(twice * (2 * i + 1) / (4 * cam_learn_bins));
     }
+    return twice;
 }
 
-bool cam_ripple_deviate(cam_gather_bin_t *bin)
+int32_t cam_ripple_deviate(cam_gather_bin_t *bin)
 {
     const uint32_t n_ticks = ticks_of(bin);
-    const bool is_good = n_ticks > 0u && subtract_uniform(bin, n_ticks);
-    if (is_good) {
-        close_turn(bin);
+    if (n_ticks < cam_learn_bins || !subtract_uniform(bin, n_ticks)) {
+        return 0;
     }
-    return is_good;
+    return cam_sat_i32((CAM_TURN_Q32 * 2 + close_turn(bin)) * 8 / n_ticks);
 }
 
 void cam_ripple_add(cam_ripple_t *r, uint32_t k, cam_complex_t angle_q32)
@@ -94,27 +94,41 @@ static void compare(cam_ripple_t *r, cam_complex_t before, int32_t speed_q32)
     }
 }
 
-static int16_t in_unit(int32_t sum, uint32_t n)
+/// @return [turn / 2^32] the order 1 that a speed that drifts leaves in the mean of n turns, real:
+///         d / (2 pi^2), d the change of the speed per turn; order k has 1 / k^2 of it
+static int64_t drift_q32(const cam_ripple_t *r)
 {
-    const int32_t unit = (int32_t)n << cam_ripple_down;
-    const int32_t half = sum < 0 ? -unit / 2 : unit / 2;
-    return (int16_t)cam_clamp_i32((sum + half) / unit, -cam_ripple_most, cam_ripple_most);
+    const int64_t change_q36 = (int64_t)r->last_q36 - r->first_q36;
+    const int64_t turns = r->n > 1u ? (int64_t)r->n - 1 : 1;
+    const int64_t per_turn_q32 = change_q36 * CAM_TURN_Q32 / r->last_q36 / turns;
+    return per_turn_q32 * 849937 >> 24; // 2^24 / (2 pi^2)
 }
 
-bool cam_ripple_close(cam_ripple_t *r, uint32_t n_turns, int32_t speed_q32)
+/// @param n  turns in the sum
+static int16_t in_unit(int64_t sum, uint32_t n)
 {
+    const int64_t unit = (int64_t)n << cam_ripple_down;
+    const int64_t half = sum < 0 ? -unit / 2 : unit / 2;
+    return (int16_t)cam_clamp_i64((sum + half) / unit, -cam_ripple_most, cam_ripple_most);
+}
+
+bool cam_ripple_close(cam_ripple_t *r, uint32_t n_turns, int32_t speed_q36)
+{
+    r->first_q36 = r->n == 0u ? speed_q36 : r->first_q36;
+    r->last_q36 = speed_q36;
     r->n++;
     if (r->n < n_turns) {
         return false;
     }
     const cam_complex_t before = cam_ripple_order(r, 1);
-    for (uint32_t k = 0; k < cam_harmonics_most; k++) {
-        r->mean[k].re = in_unit(r->sum[k].re, r->n);
-        r->mean[k].im = in_unit(r->sum[k].im, r->n);
+    const int64_t drift = drift_q32(r) * r->n;
+    for (int64_t k = 1; k <= cam_harmonics_most; k++) {
+        r->mean[k - 1].re = in_unit(r->sum[k - 1].re - drift / (k * k), r->n);
+        r->mean[k - 1].im = in_unit(r->sum[k - 1].im, r->n);
     }
-    compare(r, before, speed_q32);
+    compare(r, before, speed_q36 >> 4);
     r->n_mean = r->n;
-    r->speed_q32 = speed_q32;
+    r->speed_q32 = speed_q36 >> 4;
     cam_ripple_drop(r);
     return true;
 }

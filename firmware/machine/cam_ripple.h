@@ -26,6 +26,8 @@ typedef struct {
     struct {
         int16_t re, im;
     } mean[cam_harmonics_most]; ///< [turn / 2^23] what the encoder shows, in force
+    int32_t first_q36;          ///< [turn / 2^36 per tick] speed of their first
+    int32_t last_q36;           ///< ... and of their last turn
     uint32_t n;                 ///< turns in the sum
     uint32_t n_mean;            ///< turns that the mean was made of, 0: none
     int32_t speed_q32;          ///< [turn / 2^32 per tick] of the mean
@@ -36,15 +38,20 @@ typedef struct {
 /// Turn the sums of angle of a whole turn into the deviation from uniform rotation, in place.
 /// @param bin  128 bins of a turn, each with its sum of angle_q24 and n; angle becomes the
 ///             deviation in turn / 2^32, less a constant
-/// @return     false when a bin is empty or the deviation does not fit: the turn must be forgotten
-bool cam_ripple_deviate(cam_gather_bin_t *bin);
+/// @return     [turn / 2^36 per tick] mean speed of the turn; 0 when a bin is empty or the
+/// deviation
+///             does not fit: the turn must be forgotten
+int32_t cam_ripple_deviate(cam_gather_bin_t *bin);
 
 /// Add order k of a turn. @param angle_q32  [turn / 2^32]
 void cam_ripple_add(cam_ripple_t *r, uint32_t k, cam_complex_t angle_q32);
 
-/// A turn is complete. @param n_turns  of which a mean is made
+/// A turn is complete. What the speed drifted from the first to the last turn of a mean is taken
+/// off its harmonics.
+/// @param n_turns    of which a mean is made
+/// @param speed_q36  what cam_ripple_deviate() returned
 /// @return whether there is a new mean
-bool cam_ripple_close(cam_ripple_t *r, uint32_t n_turns, int32_t speed_q32);
+bool cam_ripple_close(cam_ripple_t *r, uint32_t n_turns, int32_t speed_q36);
 
 /// Forget the turns of which no mean was made.
 void cam_ripple_drop(cam_ripple_t *r);

@@ -188,7 +188,7 @@ static void close_turn(cam_teach_t *t, const cam_teach_setup_t *s, cam_gather_t 
     if (t->is_counted) {
         step(t, s);
     }
-    if (t->is_true && cam_ripple_close(&t->ripple, s->ripple_turns, t->turn_speed_q32)) {
+    if (t->true_q36 > 0 && cam_ripple_close(&t->ripple, s->ripple_turns, t->true_q36)) {
         t->is_walking = true;
     }
 }
@@ -202,7 +202,7 @@ static void take_turn(cam_teach_t *t, const cam_teach_setup_t *s, cam_gather_t *
     }
     t->bin = &gather->bin[bin - gather->bin];
     cam_lesson_open(t, s, &turn);
-    if (!t->is_counted && !t->is_true) {
+    if (!t->is_counted && t->true_q36 == 0) {
         t->bin = NULL;
         (void)cam_gather_release(gather);
     }
@@ -225,7 +225,7 @@ static void take_harmonic(cam_teach_t *t, const cam_teach_setup_t *s, cam_gather
     if (t->is_counted && t->k <= t->n_orders) {
         cam_lesson_harmonic(t, s);
     }
-    if (t->is_true && t->k > 0u) {
+    if (t->true_q36 > 0 && t->k > 0u) {
         cam_ripple_add(&t->ripple, t->k, cam_harmonics_of(&t->bin->angle_q24, words_per_bin, t->k));
     }
     t->k++;

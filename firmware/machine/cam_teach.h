@@ -106,6 +106,7 @@ typedef struct {
     int32_t probe_q6;               ///< [nm / 64]
     uint32_t ripple_turns;          ///< 0: the ripple is not learned
     int32_t scale_nm;               ///< [nm] quantum of U's scale
+    int32_t count_urad;             ///< [urad] a count of the encoder
     int32_t most_q6;                ///< [nm / 64] bound of the sum of the corrections
     int32_t k1_q16, k2_q16;         ///< configured constants of the drive, in ticks
     int32_t k1_most_q16;            ///< bounds of what is learned of them
@@ -144,8 +145,8 @@ typedef struct {
     uint8_t n_halved;                ///< times that the guard halved the gain of layer 1
     uint8_t phase, state, hindrance; ///< hindrance: cam_teach_reason_t of the last turns
     bool is_counted;                 ///< U is learned from this turn
-    bool is_true;                    ///< the ripple is
-    bool is_walking;                 ///< what is in force is not yet what was learned
+    int32_t true_q36; ///< [turn / 2^36 per tick] its speed where it tells the ripple, else 0
+    bool is_walking;  ///< what is in force is not yet what was learned
 } cam_teach_t;
 
 /// Begin with nothing learned.

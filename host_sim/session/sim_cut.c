@@ -10,9 +10,6 @@
 /// within 0.8 s at 20 kHz.
 enum { background_polls = 64 };
 
-/// Pieces of learning in a turn, for which a real main loop has time as well.
-enum { pieces_per_turn = 128 };
-
 const cam_status_t *sim_cut_status(const sim_cut_t *cut)
 {
     return &cut->firmware.status;
@@ -167,17 +164,6 @@ static void take_answer(sim_cut_t *cut, cam_err_t err)
     }
 }
 
-/// Let the controller learn, where it is asked to.
-static void learn(sim_cut_t *cut)
-{
-    if (cut->params.learn_harmonics == 0 && cut->params.ripple_turns == 0) {
-        return;
-    }
-    const double turns = cut->feasibility.speed_mrpm * sim_cut_poll_ticks /
-                         (60e3 * cut->session.options.config.lathe.tick_hz);
-    sim_firmware_learn(&cut->firmware, (uint32_t)ceil(turns * pieces_per_turn));
-}
-
 /// Do what an operator does: enable, start, wait.
 static void operate(sim_cut_t *cut)
 {
@@ -186,7 +172,6 @@ static void operate(sim_cut_t *cut)
     if (cut->n_polls++ % background_polls == 0u) {
         sim_firmware_poll(&cut->firmware);
     }
-    learn(cut);
     if (status.state == cam_state_fault) {
         cut->end = status.is_retracted ? sim_cut_fault : cut->end;
     } else if (status.state == cam_state_off) {
