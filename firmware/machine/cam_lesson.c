@@ -7,6 +7,7 @@ enum {
     words_per_bin = sizeof(cam_gather_bin_t) / sizeof(int32_t),
     ticks_per_order = 24,      ///< a harmonic is learned where its period has as many ticks
     frozen_percent = 2,        ///< a speed further off is another speed
+    even_part = 128,           ///< a speed that changes by more than this part runs up
     least_speed_q32 = 1 << 18, ///< [turn / 2^32 per tick] slower turns are not gathered
     least_scale_q30 = 1 << 27, ///< an eighth of the amplitude
 };
@@ -116,6 +117,8 @@ void cam_lesson_open(cam_teach_t *t, const cam_teach_setup_t *s, const cam_turn_
 {
     const bool is_still = turn->is_steady && turn->state == (cam_state_t)t->state &&
                           turn->scale_q30 >= least_scale_q30 && turn->speed_q32 > least_speed_q32;
+    const int64_t change_q32 = (int64_t)turn->speed_q32 - t->turn_speed_q32;
+    const bool is_even = cam_abs_i64(change_q32) * even_part < turn->speed_q32;
     t->turn = turn->turn;
     t->turn_speed_q32 = turn->speed_q32;
     t->scale_q30 = turn->scale_q30;
@@ -127,7 +130,7 @@ void cam_lesson_open(cam_teach_t *t, const cam_teach_setup_t *s, const cam_turn_
     t->n_orders = (uint8_t)(n_orders < s->n_harmonics ? n_orders : s->n_harmonics);
     t->true_q36 = n_ticks > 0u && s->ripple_turns > 0u ? cam_ripple_deviate(t->bin) : 0;
     t->hindrance = (uint8_t)hindrance_of(t, is_still, n_ticks, turn);
-    t->is_counted = t->n_orders > 0u && is_learning(t, s) && is_settled(t);
+    t->is_counted = t->n_orders > 0u && is_even && is_learning(t, s) && is_settled(t);
     if (t->is_counted) {
         t->square = 0;
         t->larger = 0;

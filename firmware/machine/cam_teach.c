@@ -122,12 +122,13 @@ static void begin(cam_teach_t *t, const cam_teach_setup_t *s)
     if (cam_lesson_is_other_speed(t, t->turn_speed_q32)) {
         const bool was_probed = t->shape.is_probed;
         cam_shape_forget(&t->shape);
-        t->speed_q32 = t->turn_speed_q32;
         t->is_walking = true;
         if (was_probed) {
+            t->speed_q32 = t->turn_speed_q32;
             return;
         }
     }
+    t->speed_q32 = t->turn_speed_q32;
     t->begun_nm = t->error_nm;
     cam_lesson_phase(t, t->shape.is_probed ? cam_teach_shape : cam_teach_drive);
     step_drive(t, s, s->gain_q16);
