@@ -84,18 +84,6 @@ void sim_firmware_poll(sim_firmware_t *f)
     }
 }
 
-void sim_firmware_learn(sim_firmware_t *f, uint32_t n_pieces)
-{
-    if (f->remote != NULL) {
-        (void)sim_remote_call(f->remote, pil_op_learn, n_pieces, 0);
-        return;
-    }
-    const cam_state_t state = cam_machine_status(&f->machine).state;
-    for (uint32_t i = 0; i < n_pieces; i++) {
-        cam_machine_teach_poll(&f->machine, state);
-    }
-}
-
 void sim_firmware_flip(sim_firmware_t *f, uint8_t *image, size_t at)
 {
     image[at] ^= 1u;

@@ -63,8 +63,6 @@ CAM_MUST_USE cam_err_t sim_firmware_enable(sim_firmware_t *f);
 CAM_MUST_USE cam_err_t sim_firmware_start(sim_firmware_t *f);
 CAM_MUST_USE cam_err_t sim_firmware_stop(sim_firmware_t *f);
 void sim_firmware_poll(sim_firmware_t *f);
-/// Some pieces of learning, cam_machine_teach_poll() in the present state each.
-void sim_firmware_learn(sim_firmware_t *f, uint32_t n_pieces);
 
 /// The lowest bit of a byte of the table image flips in the controller's memory.
 /// @param image  that was selected: the controller's memory when it runs in this process

@@ -73,15 +73,6 @@ static cam_err_t set_param(void)
     return cam_machine_set_param(&machine, (cam_param_id_t)request.a, request.b);
 }
 
-/// Learn as camsim's own controller would between two ticks.
-static void learn(uint32_t n_pieces)
-{
-    const cam_state_t state = cam_machine_status(&machine).state;
-    for (uint32_t i = 0; i < n_pieces; i++) {
-        cam_machine_teach_poll(&machine, state);
-    }
-}
-
 static cam_err_t serve(int32_t wire)
 {
     switch ((pil_op_t)request.op) {
@@ -114,9 +105,6 @@ static cam_err_t serve(int32_t wire)
         return cam_machine_stop(&machine);
     case pil_op_poll:
         cam_machine_poll(&machine);
-        return cam_ok;
-    case pil_op_learn:
-        learn(request.a);
         return cam_ok;
     }
     hal_halt("pil_main: unknown operation");

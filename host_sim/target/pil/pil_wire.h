@@ -46,8 +46,7 @@ typedef enum {
     pil_op_enable,
     pil_op_start,
     pil_op_stop,
-    pil_op_poll,  ///< cam_machine_poll()
-    pil_op_learn, ///< a: times that cam_machine_teach_poll() is called
+    pil_op_poll, ///< cam_machine_poll()
 } pil_op_t;
 
 /// Bits of pil_request_t.port: what camsim's port is able to.
