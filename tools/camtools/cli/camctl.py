@@ -19,14 +19,13 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TextIO
 
-import can
 from cantools.database import EncodeError
 
 from camtools.base.command import Interrupted, Parser, run_command
 from camtools.base.errors import CamtoolsError
 from camtools.base.output import growing
+from camtools.cli.bus import add_bus_options, open_bus
 from camtools.link.controller import (
-    DBC_NODE,
     NAMES,
     NUMBERS,
     Answer,
@@ -311,13 +310,6 @@ def _positive(text: str) -> float:
     return value
 
 
-def _node(text: str) -> int:
-    value = int(text)
-    if not 1 <= value <= 127:
-        raise argparse.ArgumentTypeError(f"{text}: give 1 .. 127")
-    return value
-
-
 def _parser() -> argparse.ArgumentParser:
     parser = Parser(
         prog="tools/camctl",
@@ -326,12 +318,7 @@ def _parser() -> argparse.ArgumentParser:
         formatter_class=argparse.RawDescriptionHelpFormatter,
         allow_abbrev=False,
     )
-    parser.add_argument("--interface", "-i", help="of python-can: socketcan, pcan, slcan, ...")
-    parser.add_argument("--channel", "-c", help="of that interface, for example can0")
-    parser.add_argument("--bitrate", "-b", type=int, help="in bit/s, where the interface sets it")
-    parser.add_argument(
-        "--node", "-n", type=_node, default=DBC_NODE, help="of the controller, 1 .. 127; 64"
-    )
+    add_bus_options(parser)
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for name in _PLAIN:
         one = commands.add_parser(name, help=_WHAT[name])
@@ -363,20 +350,8 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-def _open(arguments: argparse.Namespace) -> tuple[can.BusABC, str]:
-    asked = {name: getattr(arguments, name) for name in ("interface", "channel", "bitrate")}
-    given = {name: value for name, value in asked.items() if value is not None}
-    try:
-        bus = can.Bus(**given)
-    except (can.CanError, OSError, ValueError, ImportError) as error:
-        place = " ".join(f"{name}={value}" for name, value in given.items()) or "no bus given"
-        remedy = "give --interface and --channel, or set CAN_INTERFACE and CAN_CHANNEL"
-        raise CamtoolsError([f"{place}: the bus cannot be opened: {error}; {remedy}"]) from error
-    return bus, bus.channel_info
-
-
 def _run(arguments: argparse.Namespace, out: TextIO) -> int:
-    bus, where = _open(arguments)
+    bus, where = open_bus(arguments)
     try:
         control = Control(Link(bus, where, arguments.node), out)
         command: str = arguments.command

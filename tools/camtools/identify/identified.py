@@ -14,7 +14,7 @@ import numpy as np
 from camtools.base.quantities import Floats
 from camtools.identify.fit import FRICTION, K1, K2, LEAD, DriveFit, Gain, fit, moved_per_commanded
 from camtools.identify.mode import ModeFit, fit_mode
-from camtools.identify.recording import Recording
+from camtools.identify.recording import SettledRecord
 from camtools.identify.spectra import Spectra, spectra_of
 from camtools.identify.stick import friction_of
 
@@ -122,13 +122,13 @@ def is_rubbing(found: DriveFit) -> bool:
     return bool(found.values[FRICTION] > _FRICTION_SIGMAS * found.sigmas[FRICTION])
 
 
-def _rubbing(spectra: Spectra, record: Recording, values: Floats) -> Spectra:
+def _rubbing(spectra: Spectra, record: SettledRecord, values: Floats) -> Spectra:
     """Return the lines with the friction of a drive of these constants."""
-    shares = friction_of(values, record.u_nm.ravel(), 1 / record.grid.tick_hz)
+    shares = friction_of(values, record.about_mean_nm, 1 / record.grid.tick_hz)
     return spectra.with_friction(shares.reshape(record.u_nm.shape)[record.n_dropped :])
 
 
-def _fit_plain(spectra: Spectra, record: Recording) -> tuple[Spectra, DriveFit]:
+def _fit_plain(spectra: Spectra, record: SettledRecord) -> tuple[Spectra, DriveFit]:
     """Return the lines and their fit with friction as played, where that explains more."""
     found = fit(spectra)
     for _ in range(_ROUNDS):
@@ -145,7 +145,7 @@ def _fit_plain(spectra: Spectra, record: Recording) -> tuple[Spectra, DriveFit]:
     return spectra, found
 
 
-def _fit_mode(spectra: Spectra, record: Recording, plain: DriveFit) -> ModeFit | None:
+def _fit_mode(spectra: Spectra, record: SettledRecord, plain: DriveFit) -> ModeFit | None:
     """Return the fit with a mode, its own friction played."""
     found = fit_mode(spectra, plain)
     if found is None or not is_rubbing(plain) or found.plain_cost < _MODE_GAIN * found.cost:
@@ -160,19 +160,37 @@ def _fit_mode(spectra: Spectra, record: Recording, plain: DriveFit) -> ModeFit |
     return found
 
 
-def identify(record: Recording, *, with_mode: bool = True) -> Identified:
+def _plain_of(record: SettledRecord) -> tuple[Spectra, DriveFit]:
+    u_nm, y_nm = record.settled
+    return _fit_plain(spectra_of(record.grid, u_nm, y_nm, record.quantum_nm), record)
+
+
+def identify(record: SettledRecord, *, with_mode: bool = True) -> Identified:
     """Return what a record says about U's drive.
+
+    A scale that is coarse may belong to a drive that rounds its commands likewise; the record with
+    rounded set-points is believed where it leaves less.
+
+    Parameters
+    ----------
+    with_mode : bool
+        look for a mode as well
 
     Raises
     ------
     CamtoolsError
         Too few lines stand above their noise.
     """
-    u_nm, y_nm = record.settled
-    spectra, plain = _fit_plain(spectra_of(record.grid, u_nm, y_nm, record.quantum_nm), record)
+    spectra, plain = _plain_of(record)
+    if record.is_coarse:
+        record_too = record.rounded()
+        other = _plain_of(record_too)
+        if other[1].misfit < plain.misfit:
+            record, (spectra, plain) = record_too, other
+    looks = with_mode and plain.is_physical
     return Identified(
         spectra=spectra,
         plain=plain,
-        with_mode=_fit_mode(spectra, record, plain) if with_mode and plain.is_physical else None,
+        with_mode=_fit_mode(spectra, record, plain) if looks else None,
         gain=moved_per_commanded(spectra, plain),
     )

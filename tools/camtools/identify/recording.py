@@ -12,7 +12,7 @@ excite again
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -21,12 +21,13 @@ from camtools.base.quantities import Floats, Ints
 from camtools.identify.multisine import N_DROPPED, Grid
 
 MIN_PERIODS = 2
+_COARSE_NM = 100.0
 _AGAIN = "nothing is fitted, excite again"
 
 
 @dataclass(frozen=True, eq=False)
-class Recording:
-    """Set-points and measured positions of U in every tick of some periods, about their means.
+class SettledRecord:
+    """Set-points and measured positions of U in every tick of some periods.
 
     Attributes
     ----------
@@ -45,6 +46,20 @@ class Recording:
     n_dropped: int = N_DROPPED
 
     @property
+    def is_coarse(self) -> bool:
+        """A drive that rounds its commands as its scale does plays another wave."""
+        return self.quantum_nm >= _COARSE_NM
+
+    def rounded(self) -> SettledRecord:
+        """Return the record with set-points rounded to the quantum of the scale."""
+        return replace(self, u_nm=np.round(self.u_nm / self.quantum_nm) * self.quantum_nm)
+
+    @property
+    def about_mean_nm(self) -> Floats:
+        """Set-points of all periods in their order, about the mean of those that count."""
+        return np.asarray(self.u_nm.ravel() - self.u_nm[self.n_dropped :].mean())
+
+    @property
     def settled(self) -> tuple[Floats, Floats]:
         """Set-points and positions of the periods that count."""
         return self.u_nm[self.n_dropped :], self.y_nm[self.n_dropped :]
@@ -57,7 +72,7 @@ def record_of(
     y_nm: Floats,
     quantum_nm: float,
     n_dropped: int = N_DROPPED,
-) -> Recording:
+) -> SettledRecord:
     """Return the whole periods at the end of a record.
 
     Parameters
@@ -86,9 +101,9 @@ def record_of(
         raise CamtoolsError([f"record: {problem}, {need}; {_AGAIN}"])
     n = n_periods * grid.n_ticks
     periods = [np.asarray(row[-n:], np.float64).reshape(n_periods, -1) for row in (u_nm, y_nm)]
-    u, y = (row - row[n_dropped:].mean() for row in periods)
+    u, y = periods
     _check(u[n_dropped:], y[n_dropped:])
-    return Recording(grid, u, y, quantum_nm, n_dropped)
+    return SettledRecord(grid, u, y, quantum_nm, n_dropped)
 
 
 def _check(u_nm: Floats, y_nm: Floats) -> None:

@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The report: numbers, settings, doubts."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+
+from camtools.identify.believed import Believed
+from camtools.identify.identified import Identified, Limits, identify
+from camtools.identify.multisine import Grid, multisine
+from camtools.identify.part_error import ToolMotion
+from camtools.identify.recording import record_of
+from camtools.identify.report import report
+from drive_plant import Plant, faded, played
+
+BELIEVED = Believed(10_000.0, 800_000, 300_000, 120_000, 4000, 10, 1_200_000, 400_000, 250_000)
+MOTION = ToolMotion(500_000 * np.cos(4 * np.pi * np.arange(256) / 256), 3000.0)
+
+
+@cache
+def found(plant: Plant) -> Identified:
+    """Identify a drive at 10 kHz."""
+    grid = Grid.of(10_000.0)
+    u_nm = faded(multisine(grid, 25_000.0, 300_000.0), 4)
+    y_nm = played([plant], u_nm, grid.tick_hz)[0]
+    return identify(record_of(grid, np.arange(u_nm.size), u_nm, y_nm, plant.quantum_nm))
+
+
+def test_settings_are_the_drive() -> None:
+    """What would be set, with the latency of the scale taken off the lead."""
+    lines = report(found(Plant(friction_m_s2=5)), BELIEVED, Limits(), MOTION, "oval")
+    said = dict(line.split()[2:] for line in lines if line.startswith("tools/camctl set"))
+    plant = Plant()
+    assert abs(int(said["k1_ns"]) / (plant.k1_s * 1e9) - 1) < 0.003
+    assert abs(int(said["k2_us2"]) / (plant.k2_s2 * 1e12) - 1) < 0.003
+    assert abs(int(said["lead_ns"]) - (plant.lead_s(10_000.0) * 1e9 - 4000)) < 1000
+    keys = dict(line.split(" = ") for line in lines if " = " in line)
+    assert abs(float(keys["bandwidth_hz"]) - 300) < 1
+    assert abs(float(keys["damping"]) - 0.7) < 0.003
+    assert abs(float(keys["delay_us"]) - 71) < 1
+    assert any(line.startswith("friction adds up to 1.") for line in lines)
+    text = "\n".join(lines)
+    assert "oval at 3000 r/min: U moves at up to 314 mm/s and 197 m/s2" in text
+    assert "lead: dead time and half a tick of hold; a latency of the scale cannot be told" in text
+
+
+def test_biased_fit_has_no_settings() -> None:
+    """A mode is told with the bias; nothing is there to be pasted."""
+    lines = report(found(Plant(mode_hz=800, mode_share=0.1)), BELIEVED, Limits(), MOTION, "oval")
+    text = "\n".join(lines)
+    assert "camctl set" not in text
+    assert "mode: 80" in text
+    assert "the fit is biased by it: k1" in text
+    assert "not to be applied: a mode biases k2 by -" in text

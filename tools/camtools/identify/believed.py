@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a controller is configured with, and what is to be set instead.
+
+>>> believed = Believed(20_000.0, 742_723, 281_448, 100_000, 4000, 10, 1_200_000, 400_000, 250_000)
+>>> believed.values.round(9).tolist()
+[0.000742723, 2.81e-07, 0.0, 0.000104]
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from camtools.base.quantities import Floats
+from camtools.identify.fit import K1, K2, LEAD
+
+PARAMETERS = (
+    "k1_ns",
+    "k2_us2",
+    "lead_ns",
+    "u_scale_latency_ns",
+    "u_scale_nm",
+    "u_stroke_nm",
+    "u_speed_um_per_s",
+    "u_acceleration_mm_per_s2",
+)
+
+
+@dataclass(frozen=True)
+class Believed:
+    """Parameters of the controller (firmware/machine/cam_param.h) that matter here."""
+
+    tick_hz: float
+    k1_ns: int
+    k2_us2: int
+    lead_ns: int
+    u_scale_latency_ns: int
+    u_scale_nm: int
+    u_stroke_nm: int
+    u_speed_um_per_s: int
+    u_acceleration_mm_per_s2: int
+
+    @classmethod
+    def of(cls, tick_hz: float, parameters: Mapping[str, int]) -> Believed:
+        """Return those of a controller from all of its parameters."""
+        return cls(tick_hz, *(int(parameters[field.name]) for field in fields(cls)[1:]))
+
+    @property
+    def values(self) -> Floats:
+        """Constants as a fit finds them: the scale's latency added to the lead."""
+        values = np.zeros(4)
+        values[K1], values[K2] = self.k1_ns * 1e-9, self.k2_us2 * 1e-12
+        values[LEAD] = (self.lead_ns + self.u_scale_latency_ns) * 1e-9
+        return values
+
+    def settings(self, values: Floats) -> dict[str, int]:
+        """Return the parameters that constants of a fit ask for, in the order of their setting."""
+        return {
+            "k1_ns": round(float(values[K1]) * 1e9),
+            "k2_us2": round(float(values[K2]) * 1e12),
+            "lead_ns": max(0, round(float(values[LEAD]) * 1e9) - self.u_scale_latency_ns),
+        }
+
+    def machine_keys(self, values: Floats) -> dict[str, float]:
+        """Return the keys of [believed.u] of a machine file whose drive is of kind position."""
+        k2_s2 = float(values[K2])
+        lead_s = float(values[LEAD]) - self.u_scale_latency_ns * 1e-9
+        return {
+            "bandwidth_hz": round(1 / (2 * np.pi * k2_s2**0.5), 3),
+            "damping": round(float(values[K1]) / (2 * k2_s2**0.5), 5),
+            "delay_us": round(max(0.0, lead_s - 0.5 / self.tick_hz) * 1e6, 3),
+        }

@@ -1,0 +1,179 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What was identified, as text: table, doubts, settings, error of a part.
+
+>>> print(*set_lines({"k1_ns": 742723}), sep="|")
+tools/camctl set k1_ns 742723
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from camtools.base.quantities import Floats, length_text
+from camtools.identify.believed import Believed
+from camtools.identify.fit import FRICTION, K1, K2, LEAD
+from camtools.identify.identified import Identified, Limits
+from camtools.identify.part_error import (
+    ToolMotion,
+    form_error_nm,
+    form_sigma_nm,
+    friction_error_nm,
+)
+
+_SIGMAS = 2.0
+
+
+class _Entry(NamedTuple):
+    """One row of the table: name, unit, found, deviation, believed."""
+
+    name: str
+    unit: str
+    found: float
+    sigma: float
+    believed: float | None
+
+
+def _derived(values: Floats) -> tuple[float, float]:
+    """Return natural frequency [Hz] and damping."""
+    k2_s2 = max(float(values[K2]), 1e-18)
+    return 1 / (2 * np.pi * k2_s2**0.5), float(values[K1]) / (2 * k2_s2**0.5)
+
+
+def _derived_sigmas(values: Floats, covariance: Floats) -> tuple[float, float]:
+    hz, damping = _derived(values)
+    k1, k2 = float(values[K1]), float(values[K2])
+    by_hz = np.array([0, -0.5 * hz / k2, 0, 0])
+    by_damping = np.array([damping / k1, -0.5 * damping / k2, 0, 0])
+    return tuple(float(np.sqrt(by @ covariance @ by)) for by in (by_hz, by_damping))  # type: ignore[return-value]
+
+
+def _friction_sigma(values: Floats, covariance: Floats) -> float:
+    by = np.zeros(4)
+    by[FRICTION], by[K2] = 1 / values[K2], -values[FRICTION] / values[K2] ** 2
+    return float(np.sqrt(by @ covariance @ by)) * 1e-9
+
+
+def _entries(found: Identified, believed: Believed) -> Iterator[_Entry]:
+    plain, held = found.plain, believed.values
+    sigmas = plain.sigmas
+    latency_ns = believed.u_scale_latency_ns
+    yield _Entry("k1_ns", "ns", plain.k1_s * 1e9, sigmas[K1] * 1e9, believed.k1_ns)
+    yield _Entry("k2_us2", "us2", plain.k2_s2 * 1e12, sigmas[K2] * 1e12, believed.k2_us2)
+    lead_ns = plain.lead_s * 1e9 - latency_ns
+    yield _Entry("lead_ns", "ns", lead_ns, sigmas[LEAD] * 1e9, believed.lead_ns)
+    hz_sigma, damping_sigma = _derived_sigmas(plain.values, plain.covariance)
+    (hz, damping), (held_hz, held_damping) = _derived(plain.values), _derived(held)
+    is_told = believed.k2_us2 > 0
+    yield _Entry("natural frequency", "Hz", hz, hz_sigma, held_hz if is_told else None)
+    yield _Entry("damping", "", damping, damping_sigma, held_damping if is_told else None)
+    friction_sigma = _friction_sigma(plain.values, plain.covariance)
+    yield _Entry("friction", "m/s2", plain.friction_m_s2, friction_sigma, None)
+
+
+def _number(value: float, sigma: float) -> str:
+    """Return a number with as many digits as its deviation leaves it, two of the deviation."""
+    places = 1 - int(np.floor(np.log10(sigma))) if sigma > 0 else 3
+    return f"{value:.{min(max(places, 0), 6)}f}"
+
+
+def _table(found: Identified, believed: Believed) -> Iterator[str]:
+    yield f"{'':<18}{'found':>12}{'deviation':>12}{'believed':>12}{'off':>9}"
+    for row in _entries(found, believed):
+        name = row.name if row.name.endswith(("_ns", "_us2")) else f"{row.name} {row.unit}".strip()
+        text = f"{name:<18}{_number(row.found, row.sigma):>12}{_number(row.sigma, row.sigma):>12}"
+        if row.believed is not None:
+            off = 100 * (row.believed / row.found - 1) if row.found else np.inf
+            text += f"{_number(row.believed, row.sigma):>12}{off:>+7.2f} %"
+        yield text
+
+
+def _fit_lines(found: Identified, believed: Believed) -> Iterator[str]:
+    plain, spectra = found.plain, found.spectra
+    lost = f", {spectra.n_lost} below the noise left out" if spectra.n_lost else ""
+    yield (
+        f"fit: {spectra.bins.size} lines {spectra.frequency_hz[0]:g} .. "
+        f"{spectra.frequency_hz[-1]:g} Hz{lost}; it leaves {100 * plain.misfit:.2g} % of them"
+    )
+    yield (
+        "lead: dead time and half a tick of hold; a latency of the scale cannot be told from it, "
+        f"{believed.u_scale_latency_ns} ns of u_scale_latency_ns are taken off"
+    )
+    if found.with_mode is not None and found.has_mode:
+        yield from _mode_lines(found)
+
+
+def _mode_lines(found: Identified) -> Iterator[str]:
+    assert found.with_mode is not None
+    mode, bias = found.with_mode.mode, found.bias
+    yield (
+        f"mode: {mode.hz:.1f} Hz, damping {mode.damping:.3f}; the fit is biased by it: k1 "
+        f"{100 * bias[K1]:+.2f} %, k2 {100 * bias[K2]:+.2f} %, lead {bias[LEAD] * 1e6:+.1f} us; "
+        f"with the mode {100 * found.with_mode.misfit:.2g} % are left"
+    )
+    beside, slow = found.with_mode.values, found.with_mode.slow_values
+    for what, values in (("beside the mode", beside), ("far below the mode", slow)):
+        yield (
+            f"{what}: k1_ns {values[K1] * 1e9:.0f}, k2_us2 {values[K2] * 1e12:.0f}, "
+            f"lead with latency {values[LEAD] * 1e9:.0f} ns"
+        )
+
+
+def set_lines(settings: Mapping[str, int]) -> list[str]:
+    """Return lines for a shell that set parameters of a controller."""
+    return [f"tools/camctl set {name} {value}" for name, value in settings.items()]
+
+
+def machine_lines(keys: Mapping[str, float], table: str) -> list[str]:
+    """Return lines of a machine file."""
+    return [f"[{table}]", *(f"{name} = {value:.10g}" for name, value in keys.items())]
+
+
+def _part_lines(
+    found: Identified, believed: Believed, motion: ToolMotion, name: str
+) -> Iterator[str]:
+    """Yield what a part will be off by, the true drive being what was identified."""
+    with_mode = found.with_mode if found.has_mode else None
+    true = found.plain if with_mode is None else with_mode
+    chosen = found.plain.values if with_mode is None else with_mode.slow_values
+    response = true.response(motion.s)
+    yield (
+        f"{name} at {motion.rpm:g} r/min: U moves at up to {motion.peak_speed_mm_s:.3g} mm/s and "
+        f"{motion.peak_acceleration_m_s2:.3g} m/s2"
+    )
+    now_um = form_error_nm(motion, believed.values, response) * 1e-3
+    then_um = form_error_nm(motion, chosen, response) * 1e-3
+    sigma_um = form_sigma_nm(motion, found.plain.values, found.plain.covariance) * 1e-3
+    yield f"form error by the constants, as believed now: {length_text(now_um)}"
+    doubt = f"{length_text(_SIGMAS * sigma_um)} from {_SIGMAS:g} deviations"
+    yield f"form error by the constants, as identified: {length_text(then_um)}, {doubt}"
+    if found.has_friction:
+        rubbing_um = friction_error_nm(motion, found.plain.values) * 1e-3
+        yield f"friction adds up to {length_text(rubbing_um)}, which only learning takes away"
+
+
+def report(
+    found: Identified,
+    believed: Believed,
+    limits: Limits,
+    motion: ToolMotion | None = None,
+    part: str = "",
+) -> list[str]:
+    """Return the whole report, line by line.
+
+    Parameters
+    ----------
+    motion, part : ToolMotion, str
+        of a part, whose error of form is told as well
+    """
+    lines = [*_table(found, believed), *_fit_lines(found, believed)]
+    problems = found.problems(limits)
+    lines += [f"not to be applied: {problem}" for problem in problems]
+    if not problems:
+        lines += ["", *set_lines(believed.settings(found.plain.values))]
+        lines += ["", *machine_lines(believed.machine_keys(found.plain.values), "believed.u")]
+    if motion is not None:
+        lines += ["", *_part_lines(found, believed, motion, part)]
+    return lines
