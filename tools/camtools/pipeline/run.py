@@ -22,7 +22,7 @@ from camtools.pipeline.job import RunJob, say, shown, without_faults, write_file
 from camtools.pipeline.kind import Rig
 from camtools.pipeline.load import load
 from camtools.pipeline.make import Made, make
-from camtools.report.text import page_text
+from camtools.report.text import ReportRow, page_text
 from camtools.sim.camsim import (
     OVERVIEW,
     SUMMARY,
@@ -35,6 +35,7 @@ from camtools.sim.camsim import (
     overview_every,
     traced_turns,
 )
+from camtools.sim.mismatch import SHARE, Mismatch, mismatch
 from camtools.sim.results import AnyCut, Measured, read_summary, read_surface, read_trace
 
 
@@ -72,7 +73,18 @@ def _simulate(job: RunJob, made: Made, folder: Path) -> AnyCut | None:
     return outcome
 
 
-def complete_summary(made: Made, outcome: AnyCut, total_s: float) -> Json:
+def _mismatch(job: RunJob, made: Made, folder: Path) -> Mismatch | None:
+    """Return what a drive costs that is 5 % off, nothing where it cannot be told."""
+    if any(word.startswith("--target") for word in job.extra):
+        return None
+    part, name = made.table.part, made.table.part.part.name
+    text = made.kind.machine(part) if job.machine is None else job.machine.decode("utf-8")
+    words = [*made.kind.speed_words(job.rpm), *job.feed_words(), *without_faults(job.extra)]
+    table = folder / f"{name}.camtab"
+    return mismatch(table, text, words, made.kind.mean_rpm(made.table, job.rpm))
+
+
+def complete_summary(made: Made, outcome: AnyCut, off: Mismatch | None, total_s: float) -> Json:
     """Return camsim's summary with what else is known."""
     ticks = int(outcome.trace.t_s.size)
     return (
@@ -81,6 +93,7 @@ def complete_summary(made: Made, outcome: AnyCut, total_s: float) -> Json:
         | {
             "trace": {"file": TRACE, "ticks": ticks, "is_complete": outcome.is_trace_complete},
             "comparison": [variant._asdict() for variant in outcome.variants],
+            "drive_off": None if off is None else off.facts(),
             "run_wall_time_s": total_s,
         }
     )
@@ -111,12 +124,15 @@ def run(argv: Sequence[str]) -> int:
         outcome = _simulate(job, made, stage.folder)
         if outcome is None:
             return BAD_INPUT
+        off = _mismatch(job, made, stage.folder)
         say("drawing the report")
         write_files(stage.folder, made.kind.report(outcome))
-        summary = complete_summary(made, outcome, time.monotonic() - begin_s)
+        summary = complete_summary(made, outcome, off, time.monotonic() - begin_s)
         text = json.dumps(summary, indent=1, allow_nan=False) + "\n"
         write_files(stage.folder, {SUMMARY: text.encode("ascii")})
         stage.publish()
     rows, total_s = made.kind.rows(outcome), time.monotonic() - begin_s
+    if off is not None:
+        rows.append(ReportRow(f"drive of U {100 * SHARE:.0f} % worse", off.text()))
     sys.stdout.write(page_text(outcome, rows, shown(folder), total_s))
     return 0 if outcome.is_good else 1
