@@ -7,6 +7,8 @@ enum {
     words_per_bin = sizeof(cam_gather_bin_t) / sizeof(int32_t),
     ticks_per_order = 24,      ///< a harmonic is learned where its period has as many ticks
     frozen_percent = 2,        ///< a speed further off is another speed
+    rough_steps = 16,          ///< counted turns after the feed changed, with the larger gain
+    rough_part = 64,           ///< a feed that changes by more than this part
     even_part = 128,           ///< a speed that changes by more than this part runs up
     least_speed_q32 = 1 << 18, ///< [turn / 2^32 per tick] slower turns are not gathered
     least_scale_q30 = 1 << 27, ///< an eighth of the amplitude
@@ -99,6 +101,13 @@ static uint32_t floor_q6(const cam_teach_t *t, const cam_teach_setup_t *s, uint3
     return (uint32_t)of_amplitude(t, of_scale + of_count + 64);
 }
 
+uint32_t cam_lesson_guarded_q6(const cam_teach_t *t)
+{
+    const uint32_t parts = t->phase == (uint8_t)cam_teach_cutting ? 16u : 1024u;
+    const uint32_t part_q6 = t->begun_nm * 64u / parts;
+    return part_q6 > t->floor_q6 ? part_q6 : t->floor_q6;
+}
+
 /// @return why nothing, or not all, can be learned of turns like this one
 static cam_teach_reason_t hindrance_of(const cam_teach_t *t, bool is_still, uint32_t n_ticks,
                                        const cam_turn_t *turn)
@@ -112,6 +121,17 @@ static cam_teach_reason_t hindrance_of(const cam_teach_t *t, bool is_still, uint
     return t->n_halved >= cam_lesson_most_halved ? cam_teach_diverged : cam_teach_all;
 }
 
+/// A feed that rises or falls changes the force of the chip, and with it what is to be learned.
+static void note_feed(cam_teach_t *t, const cam_turn_t *turn)
+{
+    const int32_t feed_nm = turn->z_end_nm - turn->z_begin_nm;
+    const int64_t change_nm = cam_abs_i64((int64_t)feed_nm - t->feed_nm);
+    if (t->phase == (uint8_t)cam_teach_cutting && change_nm * rough_part > cam_abs_i64(feed_nm)) {
+        t->n_steps = 0;
+    }
+    t->feed_nm = feed_nm;
+}
+
 /// Decide what a turn tells.
 void cam_lesson_open(cam_teach_t *t, const cam_teach_setup_t *s, const cam_turn_t *turn)
 {
@@ -119,6 +139,7 @@ void cam_lesson_open(cam_teach_t *t, const cam_teach_setup_t *s, const cam_turn_
                           turn->scale_q30 >= least_scale_q30 && turn->speed_q32 > least_speed_q32;
     const int64_t change_q32 = (int64_t)turn->speed_q32 - t->turn_speed_q32;
     const bool is_even = cam_abs_i64(change_q32) * even_part < turn->speed_q32;
+    note_feed(t, turn);
     t->turn = turn->turn;
     t->turn_speed_q32 = turn->speed_q32;
     t->scale_q30 = turn->scale_q30;
@@ -185,12 +206,17 @@ static void take_layer1(cam_teach_t *t, const cam_teach_setup_t *s, cam_complex_
     }
 }
 
+int32_t cam_lesson_gain_q16(const cam_teach_t *t, const cam_teach_setup_t *s)
+{
+    const bool is_calm = t->phase == (uint8_t)cam_teach_cutting && t->n_steps >= rough_steps;
+    return is_calm || s->cut_gain_q16 == 0 ? s->cut_gain_q16 : s->gain_q16;
+}
+
 /// Layer 1 acts on the large harmonics of the shape, too: the two share the gain there. The mean
 /// follows at once, since U answers to it without a phase.
 static int32_t shape_gain_q16(const cam_teach_t *t, const cam_teach_setup_t *s, cam_complex_t set)
 {
-    const bool is_cut = t->phase == (uint8_t)cam_teach_cutting;
-    const int32_t gain_q16 = is_cut ? s->cut_gain_q16 : s->gain_q16;
+    const int32_t gain_q16 = cam_lesson_gain_q16(t, s);
     if (t->k == 0u) {
         return gain_q16 > 0 && gain_q16 < 1 << 15 ? 1 << 15 : gain_q16;
     }
@@ -209,7 +235,7 @@ static void take_layer2(cam_teach_t *t, const cam_teach_setup_t *s, cam_complex_
     if (t->shape.is_probed && (is_cut || t->phase == (uint8_t)cam_teach_shape)) {
         const uint32_t sum_q6 = cam_shape_sum_q6(&t->shape);
         const uint32_t most_q6 = (uint32_t)s->most_q6;
-        cam_shape_learn(&t->shape, t->k, error, t->floor_q6, shape_gain_q16(t, s, set),
+        cam_shape_learn(&t->shape, t->k, error, cam_lesson_guarded_q6(t), shape_gain_q16(t, s, set),
                         most_q6 > sum_q6 ? most_q6 - sum_q6 : 0u);
         if (is_cut) {
             cam_shape_age(&t->shape, t->k);

@@ -17,6 +17,15 @@ void cam_lesson_phase(cam_teach_t *t, cam_teach_phase_t phase);
 /// @return whether a speed is not that at which was learned
 bool cam_lesson_is_other_speed(const cam_teach_t *t, int32_t speed_q32);
 
+/// @return [nm / 64] the error of a harmonic below which the guard does not compare: 3 sigma, but
+///         not less than a small part of what there was before anything was learned. In the cut the
+///         work itself changes, and that part is larger.
+uint32_t cam_lesson_guarded_q6(const cam_teach_t *t);
+
+/// @return [2^-16] share of an error that a step removes: that of the rehearsal, and in the cut as
+///         long as the feed changes and some turns more, else that of the cut
+int32_t cam_lesson_gain_q16(const cam_teach_t *t, const cam_teach_setup_t *s);
+
 /// Decide what the turn in t->bin tells, and turn its sums into means.
 void cam_lesson_open(cam_teach_t *t, const cam_teach_setup_t *s, const cam_turn_t *turn);
 

@@ -86,7 +86,7 @@ static bool is_sound(cam_teach_t *t)
         t->best_k1_q16 = t->k1_q16;
         t->best_k2_q16 = t->k2_q16;
     }
-    const uint64_t floor_q6 = t->floor_q6;
+    const uint64_t floor_q6 = cam_lesson_guarded_q6(t);
     const uint64_t least = floor_q6 * floor_q6 * 16u;
     const uint64_t best = t->best_square > least ? t->best_square : least;
     if (t->square / 9u <= best / 4u) {
@@ -171,7 +171,8 @@ static void step(cam_teach_t *t, const cam_teach_setup_t *s)
         step_drive(t, s, s->gain_q16 / 2);
         break;
     case cam_teach_cutting:
-        step_drive(t, s, t->shape.is_probed ? s->cut_gain_q16 / 2 : s->cut_gain_q16);
+        step_drive(t, s, cam_lesson_gain_q16(t, s) / (t->shape.is_probed ? 2 : 1));
+        t->n_steps = (uint8_t)(t->n_steps < UINT8_MAX ? t->n_steps + 1u : UINT8_MAX);
         t->best_square += t->best_square >> 4;
         break;
     case cam_teach_off:

@@ -139,6 +139,7 @@ typedef struct {
     uint32_t turn;                   ///< its number, modulo 2^24
     uint32_t good_from;              ///< number of the first turn that may be learned from
     uint32_t n_turns;                ///< learned from since the rehearsal began
+    int32_t feed_nm;                 ///< [nm] of the last turn
     uint8_t k;                       ///< harmonic that comes next
     uint8_t n_orders;                ///< harmonics that this turn tells
     uint8_t n_steps;                 ///< of this phase

@@ -51,6 +51,19 @@ static bool lead_angles(const cam_teach_t *t, const cam_teach_setup_t *s, cam_le
     return is_there;
 }
 
+/// @return the first turn that may be learned from: in a rehearsal U has half a turn to settle, in
+/// the
+///         cut, whose steps are small, a turn may begin with them
+static uint32_t good_from(cam_state_t state, uint32_t at_q8)
+{
+    const uint32_t turn = at_q8 >> 8;
+    const uint32_t part = at_q8 & 0xFFu;
+    if (state == cam_state_cutting) {
+        return turn + (part < 64u ? 0u : 1u);
+    }
+    return turn + (part < 128u ? 1u : 2u);
+}
+
 void cam_teach_walk(cam_teach_t *t, const cam_teach_setup_t *setup, uint32_t at_q8,
                     cam_learned_t *in)
 {
@@ -61,6 +74,6 @@ void cam_teach_walk(cam_teach_t *t, const cam_teach_setup_t *setup, uint32_t at_
     is_there = lead_angles(t, setup, in, most_nm < any_step ? angle_step : any_step) && is_there;
     if (is_there) {
         t->is_walking = false;
-        t->good_from = (at_q8 >> 8) + ((at_q8 & 0xFFu) < 128u ? 1u : 2u);
+        t->good_from = good_from((cam_state_t)t->state, at_q8);
     }
 }
