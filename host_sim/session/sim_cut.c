@@ -101,6 +101,21 @@ static bool measure_removal(sim_cut_t *cut)
     return has_slice;
 }
 
+/// Count the sample in its turn; of lobes only those of the cut, since U alone is not their shape.
+/// @param n_before  samples that the gauge had counted
+static void count_turn(sim_cut_t *cut, uint64_t n_before)
+{
+    const sim_session_t *s = &cut->session;
+    const double turn = sim_session_turn(s);
+    if (cut->state == cam_state_rehearsing && s->design.shape != sim_shape_lobes) {
+        sim_turns_rehearse(&cut->turns, turn, s->at.u_nm * 1e-3, s->exact_mm * 1e3);
+    } else if (s->work.n > n_before) {
+        sim_turns_touch(&cut->turns, turn, (s->radius_mm - s->exact_mm) * 1e3);
+    } else if (cut->state != cam_state_cutting) {
+        sim_turns_rest(&cut->turns, turn, cut->state == cam_state_engaging);
+    }
+}
+
 /// Take what the tick did to the tool, and the state in which a fault struck.
 static void observe(sim_cut_t *cut)
 {
@@ -115,7 +130,9 @@ static void observe(sim_cut_t *cut)
         cut->fault_state = cut->state; // of the tick before
     }
     cut->state = status->state;
+    const uint64_t n_before = s->work.n;
     sim_session_touch(s, &at, is_cutting, status->following_nm);
+    count_turn(cut, n_before);
     sim_lathe_bite(&cut->port.lathe, sim_session_depth_mm(s));
     cut->has_slice = s->is_cutting && s->design.shape != sim_shape_lobes && measure_removal(cut);
 }

@@ -16,6 +16,7 @@
 #include "sim_port.h"     // sim_port_t
 #include "sim_removal.h"  // sim_removal_t
 #include "sim_session.h"  // sim_session_t
+#include "sim_turns.h"    // sim_turns_t
 #include <stdbool.h>      // bool
 #include <stdint.h>       // uint64_t
 
@@ -69,6 +70,7 @@ typedef struct {
     sim_session_t session;
     sim_port_t port;
     sim_removal_t removal; ///< of a skirt only
+    sim_turns_t turns;     ///< error of each turn
     bool has_slice;        ///< the last tick finished a slice of the removal
     sim_firmware_t firmware;
     cam_params_t params; ///< as set

@@ -292,6 +292,8 @@ static void plan(sim_cut_t *cut)
     sim_cut_plan_pass(cut);
     // Twice the turns from engaging to the end, and a minute, for spin-up and homing.
     cut->max_s = s->options.max_s > 0.0 ? s->options.max_s : 2.0 * sim_cut_planned_s(cut) + 60.0;
+    sim_turns_init(&cut->turns, cut->params.engage_turns, cut->params.rehearse_turns,
+                   cut->params.disengage_turns);
     s->phase_turn = cut->params.phase_udeg / SIM_UDEG_PER_TURN;
     cut->until_poll = sim_cut_poll_ticks;
     cut->state = cam_state_off;

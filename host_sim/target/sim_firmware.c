@@ -84,6 +84,24 @@ void sim_firmware_poll(sim_firmware_t *f)
     }
 }
 
+cam_teach_status_t sim_firmware_learning(sim_firmware_t *f)
+{
+    if (f->remote == NULL) {
+        return cam_machine_learning(&f->machine);
+    }
+    (void)sim_remote_call(f->remote, pil_op_learning, 0, 0);
+    return f->remote->answer.learning;
+}
+
+cam_teach_harmonic_t sim_firmware_harmonic(sim_firmware_t *f, uint32_t k)
+{
+    if (f->remote == NULL) {
+        return cam_machine_harmonic(&f->machine, k);
+    }
+    (void)sim_remote_call(f->remote, pil_op_learning, k, 0);
+    return f->remote->answer.harmonic;
+}
+
 void sim_firmware_flip(sim_firmware_t *f, uint8_t *image, size_t at)
 {
     image[at] ^= 1u;

@@ -64,6 +64,10 @@ CAM_MUST_USE cam_err_t sim_firmware_start(sim_firmware_t *f);
 CAM_MUST_USE cam_err_t sim_firmware_stop(sim_firmware_t *f);
 void sim_firmware_poll(sim_firmware_t *f);
 
+/// What was learned as a whole, and of a harmonic: 0 .. cam_teach_harmonics, 0 is the mean.
+cam_teach_status_t sim_firmware_learning(sim_firmware_t *f);
+cam_teach_harmonic_t sim_firmware_harmonic(sim_firmware_t *f, uint32_t k);
+
 /// The lowest bit of a byte of the table image flips in the controller's memory.
 /// @param image  that was selected: the controller's memory when it runs in this process
 /// @param at     place within it

@@ -106,6 +106,10 @@ static cam_err_t serve(int32_t wire)
     case pil_op_poll:
         cam_machine_poll(&machine);
         return cam_ok;
+    case pil_op_learning:
+        answer.learning = cam_machine_learning(&machine);
+        answer.harmonic = cam_machine_harmonic(&machine, request.a);
+        return cam_ok;
     }
     hal_halt("pil_main: unknown operation");
 }

@@ -46,7 +46,8 @@ typedef enum {
     pil_op_enable,
     pil_op_start,
     pil_op_stop,
-    pil_op_poll, ///< cam_machine_poll()
+    pil_op_poll,     ///< cam_machine_poll()
+    pil_op_learning, ///< a: number of a harmonic; learning and harmonic answer
 } pil_op_t;
 
 /// Bits of pil_request_t.port: what camsim's port is able to.
@@ -79,6 +80,8 @@ typedef struct {
     cam_status_t status;
     cam_tick_record_t record;
     cam_feasibility_t feasibility;
+    cam_teach_status_t learning;
+    cam_teach_harmonic_t harmonic;
 } pil_answer_t;
 
 _Static_assert(sizeof(cam_state_t) == 4 && sizeof(cam_err_t) == 4, "enumerations of 32 bits");
