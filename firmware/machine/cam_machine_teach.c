@@ -8,6 +8,10 @@
 /// Learned constants of the drive may differ from the configured ones by those, and this more.
 enum { spare_ticks = 4, spare_ticks2 = 16 };
 
+/// Counts that fall on the same angles in every tick feign an order of the ripple of up to this
+/// part of a count.
+enum { feigned_part = 4 };
+
 static int32_t q16_of_ppm(int32_t ppm)
 {
     return (int32_t)((int64_t)ppm * 65536 / 1000000);
@@ -65,6 +69,8 @@ static cam_teach_setup_t setup_of(const cam_machine_t *m)
         .ripple_turns =
             m->has_table && m->table.speed.knots == NULL ? (uint32_t)p->ripple_turns : 0u,
         .scale_nm = p->u_scale_nm,
+        .least_ripple_q32 =
+            hal_has_edge_time() ? 0 : (int32_t)(CAM_TURN_Q32 / p->counts_per_turn / feigned_part),
         .count_urad = 6283185 / p->counts_per_turn,
         .most_q6 = cam_teach_most_nm * 64,
         .k1_q16 = k1_q16,

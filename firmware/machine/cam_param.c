@@ -33,6 +33,7 @@ cam_params_t cam_param_defaults(void)
 void cam_param_learn(cam_params_t *params)
 {
     params->feed_ramp_turns = 30; // the force of the chip comes and goes as slowly as it is learned
+    params->observer_bandwidth_mHz = 100000; // it need not follow a ripple that is learned
     params->rehearse_turns = 40;
     params->learn_harmonics = 16;
     params->ripple_turns = 8;

@@ -104,6 +104,13 @@ static int64_t drift_q32(const cam_ripple_t *r)
     return per_turn_q32 * 849937 >> 24; // 2^24 / (2 pi^2)
 }
 
+/// @return a, or 0 where it is smaller than what counts can feign
+static cam_complex_t told(cam_complex_t a, int64_t least)
+{
+    const bool is_more = cam_complex_square(a) > (uint64_t)(least * least);
+    return is_more ? a : (cam_complex_t){0};
+}
+
 /// @param n  turns in the sum
 static int16_t in_unit(int64_t sum, uint32_t n)
 {
@@ -112,7 +119,7 @@ static int16_t in_unit(int64_t sum, uint32_t n)
     return (int16_t)cam_clamp_i64((sum + half) / unit, -cam_ripple_most, cam_ripple_most);
 }
 
-bool cam_ripple_close(cam_ripple_t *r, uint32_t n_turns, int32_t speed_q36)
+bool cam_ripple_close(cam_ripple_t *r, uint32_t n_turns, int32_t least_q32, int32_t speed_q36)
 {
     r->first_q36 = r->n == 0u ? speed_q36 : r->first_q36;
     r->last_q36 = speed_q36;
@@ -123,8 +130,11 @@ bool cam_ripple_close(cam_ripple_t *r, uint32_t n_turns, int32_t speed_q36)
     const cam_complex_t before = cam_ripple_order(r, 1);
     const int64_t drift = drift_q32(r) * r->n;
     for (int64_t k = 1; k <= cam_harmonics_most; k++) {
-        r->mean[k - 1].re = in_unit(r->sum[k - 1].re - drift / (k * k), r->n);
-        r->mean[k - 1].im = in_unit(r->sum[k - 1].im, r->n);
+        const cam_complex_t sum = {.re = cam_sat_i32(r->sum[k - 1].re - drift / (k * k)),
+                                   .im = r->sum[k - 1].im};
+        const cam_complex_t order = told(sum, (int64_t)least_q32 * r->n);
+        r->mean[k - 1].re = in_unit(order.re, r->n);
+        r->mean[k - 1].im = in_unit(order.im, r->n);
     }
     compare(r, before, speed_q36 >> 4);
     r->n_mean = r->n;

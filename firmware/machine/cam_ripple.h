@@ -49,9 +49,10 @@ void cam_ripple_add(cam_ripple_t *r, uint32_t k, cam_complex_t angle_q32);
 /// A turn is complete. What the speed drifted from the first to the last turn of a mean is taken
 /// off its harmonics.
 /// @param n_turns    of which a mean is made
+/// @param least_q32  [turn / 2^32] an order that is not larger counts as nothing
 /// @param speed_q36  what cam_ripple_deviate() returned
 /// @return whether there is a new mean
-bool cam_ripple_close(cam_ripple_t *r, uint32_t n_turns, int32_t speed_q36);
+bool cam_ripple_close(cam_ripple_t *r, uint32_t n_turns, int32_t least_q32, int32_t speed_q36);
 
 /// Forget the turns of which no mean was made.
 void cam_ripple_drop(cam_ripple_t *r);

@@ -190,7 +190,8 @@ static void close_turn(cam_teach_t *t, const cam_teach_setup_t *s, cam_gather_t 
     if (t->is_counted) {
         step(t, s);
     }
-    if (t->true_q36 > 0 && cam_ripple_close(&t->ripple, s->ripple_turns, t->true_q36)) {
+    if (t->true_q36 > 0 &&
+        cam_ripple_close(&t->ripple, s->ripple_turns, s->least_ripple_q32, t->true_q36)) {
         t->is_walking = true;
     }
 }

@@ -106,6 +106,7 @@ typedef struct {
     int32_t probe_q6;               ///< [nm / 64]
     uint32_t ripple_turns;          ///< 0: the ripple is not learned
     int32_t scale_nm;               ///< [nm] quantum of U's scale
+    int32_t least_ripple_q32;       ///< [turn / 2^32] an order of the ripple that counts can feign
     int32_t count_urad;             ///< [urad] a count of the encoder
     int32_t most_q6;                ///< [nm / 64] bound of the sum of the corrections
     int32_t k1_q16, k2_q16;         ///< configured constants of the drive, in ticks
