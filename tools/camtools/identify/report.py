@@ -177,3 +177,45 @@ def report(
     if motion is not None:
         lines += ["", *_part_lines(found, believed, motion, part)]
     return lines
+
+
+def numbers(
+    found: Identified, believed: Believed, limits: Limits, motion: ToolMotion | None = None
+) -> dict[str, object]:
+    """Return what the report says for other programs, as JSON has it."""
+    told: dict[str, object] = {
+        "parameters": {
+            row.name.replace(" ", "_"): {
+                "unit": row.unit,
+                "found": row.found,
+                "deviation": row.sigma,
+                "believed": row.believed,
+            }
+            for row in _entries(found, believed)
+        },
+        "misfit": found.plain.misfit,
+        "lines": int(found.spectra.bins.size),
+        "lost_lines": found.spectra.n_lost,
+        "gain": found.gain.share,
+        "problems": found.problems(limits),
+        "settings": believed.settings(found.plain.values),
+    }
+    if found.with_mode is not None and found.has_mode:
+        beside = believed.settings(found.with_mode.values)
+        told["mode"] = {
+            "hz": found.with_mode.mode.hz,
+            "damping": found.with_mode.mode.damping,
+            "misfit": found.with_mode.misfit,
+            "bias_k1": float(found.bias[K1]),
+            "bias_k2": float(found.bias[K2]),
+            "bias_lead_us": float(found.bias[LEAD]) * 1e6,
+            "beside": beside,
+        }
+    if motion is not None:
+        true = found.with_mode if found.with_mode is not None and found.has_mode else found.plain
+        response = true.response(motion.s)
+        told["form_error_um"] = {
+            "believed": form_error_nm(motion, believed.values, response) * 1e-3,
+            "identified": form_error_nm(motion, found.plain.values, response) * 1e-3,
+        }
+    return told

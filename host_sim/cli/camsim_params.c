@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "camsim.h"
+#include <stdio.h> // printf, puts
+
+static const char help[] =
+    "camsim params TABLE [options]\n"
+    "\n"
+    "prints what the controller is configured with: name,value in each line, the parameters of\n"
+    "firmware/machine/cam_param.h behind tick_hz\n"
+    "\n"
+    "as in camsim run: --machine --set --rpm --feed\n"
+    "\n"
+    "Exit status: 0 done, 2 wrong usage or bad input.";
+
+static bool check(const camsim_options_t *o, common_error_t *e)
+{
+    for (int i = 0; i < camsim_n_outs; i++) {
+        if (o->out_path[i] != NULL) {
+            return common_error(e, "params: %s: an output of camsim run; leave it out",
+                                o->out_path[i]);
+        }
+    }
+    return o->cut.target == NULL ||
+           common_error(e, "--target %.60s: params runs in this process only; leave it out",
+                        o->cut.target);
+}
+
+static int print(sim_cut_t *cut)
+{
+    (void)printf("name,value\ntick_hz,%.0f\n", cut->session.options.config.lathe.tick_hz);
+    for (int i = 0; i < cam_n_params; i++) {
+        const cam_param_id_t id = (cam_param_id_t)i;
+        (void)printf("%s,%d\n", cam_param_info(id)->name,
+                     (int)sim_firmware_param(&cut->firmware, id));
+    }
+    return fflush(stdout) == 0 ? camsim_done : camsim_not_good;
+}
+
+int camsim_params(int argc, char **argv)
+{
+    static camsim_options_t o;
+    static sim_cut_t cut; // 16 MB
+    common_error_t e;
+    if (!camsim_options_read(&o, argc, argv, &e) || (!o.is_help && !check(&o, &e))) {
+        return camsim_complain(&e);
+    }
+    if (o.is_help) {
+        (void)puts(help);
+        return camsim_done;
+    }
+    sim_file_t file;
+    if (!sim_file_read(&file, o.table_path, camsim_max_table_bytes, &e)) {
+        return camsim_complain(&e);
+    }
+    const bool is_open = sim_cut_open(&cut, &o.cut, file.bytes, file.size, o.table_path, &e);
+    sim_file_free(&file);
+    if (!is_open) {
+        return camsim_complain(&e);
+    }
+    const int status = print(&cut);
+    sim_cut_close(&cut);
+    return status;
+}

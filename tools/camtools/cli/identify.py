@@ -1,0 +1,249 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Command line that identifies U's drive, on the simulator or over CAN.
+
+>>> main(["--machine", "nowhere"])
+2
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import sys
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Protocol, TextIO
+
+from camtools.base.command import Parser, run_command
+from camtools.base.output import write_all
+from camtools.base.places import ROOT
+from camtools.cli.bus import add_bus_options, open_bus
+from camtools.identify.believed import Believed
+from camtools.identify.bode import bode_png
+from camtools.identify.connected import ConnectedU
+from camtools.identify.identified import Identified, Limits, identify
+from camtools.identify.machine_file import with_keys
+from camtools.identify.part_error import ToolMotion, motion_of
+from camtools.identify.plan import Excitation, Wishes, plan
+from camtools.identify.recording import SettledRecord
+from camtools.identify.report import numbers, report
+from camtools.identify.simulated import CutShortError, SimulatedU
+from camtools.link.controller import Link, Refused
+from camtools.pipeline.load import load
+from camtools.pipeline.make import Made, make
+from camtools.sim.machines import machine_bytes
+from camtools.table.image import pack
+
+NOT_GOOD = 1
+_ANY_PART = ROOT / "tools" / "parts" / "perkins240.toml"
+_EPILOG = """\
+Examples:
+  tools/identify --machine real tools/parts/perkins240.toml -o build/identify
+  tools/identify --bus --interface socketcan --channel can0 PART.toml -o DIR --apply
+Exit status: 0 done; 1 the fit is not good enough to be applied, refused by the controller or no
+answer; 2 wrong usage or bad input."""
+
+
+class _U(Protocol):
+    """U of a simulator or of a machine."""
+
+    def believed(self) -> Believed:
+        """Return the parameters of its controller."""
+
+    def excited(self, excitation: Excitation, believed: Believed) -> SettledRecord:
+        """Let it play an excitation."""
+
+
+def _positive(text: str) -> float:
+    value = float(text)
+    if not (math.isfinite(value) and value > 0):
+        raise argparse.ArgumentTypeError(f"{text}: give a number above 0")
+    return value
+
+
+def _not_negative(text: str) -> float:
+    value = float(text)
+    if not (math.isfinite(value) and value >= 0):
+        raise argparse.ArgumentTypeError(f"{text}: give a number, at least 0")
+    return value
+
+
+def _periods(text: str) -> int:
+    value = int(text)
+    if not 3 <= value <= 100:
+        raise argparse.ArgumentTypeError(f"{text}: give 3 .. 100")
+    return value
+
+
+def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
+    parser = Parser(
+        prog="tools/identify",
+        description="Excite U, measure its drive, and tell what the controller should be set to.",
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+    )
+    parser.add_argument(
+        "part", nargs="?", type=Path, metavar="PART.toml", help="whose error counts"
+    )
+    where = parser.add_mutually_exclusive_group(required=True)
+    where.add_argument("--machine", metavar="M", help="of the simulator: a name or a machine file")
+    where.add_argument("--bus", action="store_true", help="a controller over CAN, in state ready")
+    add_bus_options(parser)
+    parser.add_argument("--rpm", type=_positive, help="of the part; default: its own")
+    parser.add_argument("--rms-um", type=_positive, help="amplitude; default: 25, or 100 for 1 um")
+    parser.add_argument("--carrier-um", type=_not_negative, help="amplitude at 20 Hz; 300")
+    parser.add_argument("--highest-hz", type=_positive, default=700.0, help="highest line; 700")
+    parser.add_argument("--periods", type=_periods, default=5, help="of 0.2 s, one is dropped; 5")
+    parser.add_argument(
+        "--apply", action="store_true", help="set the parameters, if the fit is good"
+    )
+    parser.add_argument(
+        "-o", "--output", type=Path, metavar="DIR", help="picture, numbers, machine"
+    )
+    arguments = parser.parse_args(argv)
+    _check(parser, arguments)
+    return arguments
+
+
+def _check(parser: Parser, arguments: argparse.Namespace) -> None:
+    """End with a line when options do not go together."""
+    if arguments.apply and arguments.machine is not None and arguments.output is None:
+        parser.error("--apply: the simulator's machine file goes into a folder: add -o DIR")
+    if arguments.rpm is not None and arguments.part is None:
+        parser.error("--rpm: is the speed of a part: add PART.toml")
+    if arguments.highest_hz < 50:
+        parser.error(f"--highest-hz {arguments.highest_hz:g}: give at least 50")
+    of_bus = [name for name in ("interface", "channel", "bitrate") if getattr(arguments, name)]
+    if of_bus and not arguments.bus:
+        parser.error(f"--{of_bus[0]}: is of a bus: use --bus instead of --machine")
+
+
+class _Part:
+    """A part, its table and the way of its U."""
+
+    def __init__(self, path: Path, rpm: float | None) -> None:
+        self.made: Made = make(load(path), path, rpm=rpm)
+        table = self.made.table.table
+        self.image = pack(table)
+        speed_rpm = self.made.kind.mean_rpm(self.made.table, rpm)
+        self.motion: ToolMotion = motion_of(table, speed_rpm)
+        self.name: str = table.part_name
+
+
+def _files(
+    name: str, found: Identified, believed: Believed, lines: list[str], part: _Part | None
+) -> dict[str, bytes]:
+    """Return the results by file name."""
+    motion = part.motion if part is not None else None
+    told = numbers(found, believed, Limits(), motion)
+    return {
+        f"{name}_bode.png": bode_png(found, believed.values, f"U of {name}"),
+        f"{name}_identified.json": f"{json.dumps(told, indent=2)}\n".encode("ascii"),
+        f"{name}_identified.txt": ("\n".join(lines) + "\n").encode("utf-8"),
+    }
+
+
+def _played(excitation: Excitation) -> str:
+    wave = excitation.wave
+    peaks = wave.peaks
+    return (
+        f"excited: {wave.rms_nm * 1e-3:.3g} um rms on {wave.carrier_nm * 1e-3:.3g} um at 20 Hz, "
+        f"about {excitation.place_nm * 1e-3:.3g} um, {excitation.n_periods} periods; up to "
+        f"{peaks.speed_mm_s:.3g} mm/s and {peaks.acceleration_mm_s2 * 1e-3:.3g} m/s2"
+    )
+
+
+def _one(u: _U, arguments: argparse.Namespace, part: _Part | None, out: TextIO) -> _Found:
+    """Excite, fit and report."""
+    believed = u.believed()
+    wishes = Wishes(
+        rms_nm=None if arguments.rms_um is None else arguments.rms_um * 1e3,
+        carrier_nm=None if arguments.carrier_um is None else arguments.carrier_um * 1e3,
+        highest_hz=arguments.highest_hz,
+        n_periods=arguments.periods,
+    )
+    excitation = plan(believed, wishes)
+    lines = [_played(excitation)]
+    found = identify(u.excited(excitation, believed))
+    motion = part.motion if part is not None else None
+    lines += report(found, believed, Limits(), motion, part.name if part is not None else "")
+    out.write("\n".join(lines) + "\n")
+    out.flush()
+    return _Found(found, believed, lines)
+
+
+class _Found:
+    """What one excitation told."""
+
+    def __init__(self, found: Identified, believed: Believed, lines: list[str]) -> None:
+        self.found, self.believed, self.lines = found, believed, lines
+        self.is_good = not found.problems(Limits())
+
+    def settings(self) -> dict[str, int]:
+        return self.believed.settings(self.found.plain.values)
+
+
+def _simulate(arguments: argparse.Namespace, out: TextIO) -> int:
+    machine = machine_bytes(arguments.machine)
+    name = Path(arguments.machine).stem
+    wanted = _Part(arguments.part or _ANY_PART, arguments.rpm)
+    part = wanted if arguments.part is not None else None
+    with tempfile.TemporaryDirectory(prefix="identify.") as folder:
+        u = SimulatedU(Path(folder), machine, arguments.machine, wanted.image)
+        one = _one(u, arguments, part, out)
+    if arguments.output is not None:
+        files = _files(name, one.found, one.believed, one.lines, part)
+        if arguments.apply and one.is_good:
+            text = with_keys(machine.decode("utf-8"), "controller", one.settings())
+            files[f"{name}_identified.toml"] = text.encode("utf-8")
+        write_all(arguments.output, files)
+    return _status(one, arguments, out, f"{name}_identified.toml" if arguments.apply else "")
+
+
+def _status(one: _Found, arguments: argparse.Namespace, out: TextIO, applied: str) -> int:
+    if one.is_good and applied:
+        out.write(f"applied: {applied}\n")
+    if not one.is_good:
+        what = "nothing is applied" if arguments.apply else "the fit is not to be applied"
+        first = one.found.problems(Limits())[0]
+        sys.stderr.write(f"identify: {what}: {first}\n")
+    return 0 if one.is_good else NOT_GOOD
+
+
+def _connect(arguments: argparse.Namespace, out: TextIO) -> int:
+    part = _Part(arguments.part, arguments.rpm) if arguments.part is not None else None
+    bus, where = open_bus(arguments)
+    try:
+        u = ConnectedU(Link(bus, where, arguments.node))
+        one = _one(u, arguments, part, out)
+        if arguments.output is not None:
+            name = f"node{arguments.node}"
+            files = _files(name, one.found, one.believed, one.lines, part)
+            write_all(arguments.output, files)
+        if arguments.apply and one.is_good:
+            u.apply(one.settings())
+    finally:
+        bus.shutdown()
+    what = "k1_ns, k2_us2, lead_ns; the drives are off, enable and home again"
+    return _status(one, arguments, out, what if arguments.apply else "")
+
+
+def _run(arguments: argparse.Namespace, out: TextIO) -> int:
+    try:
+        return _connect(arguments, out) if arguments.bus else _simulate(arguments, out)
+    except (Refused, CutShortError) as refused:
+        sys.stderr.write(f"identify: {refused}\n")
+        return NOT_GOOD
+
+
+def main(argv: Sequence[str] | None = None, out: TextIO | None = None) -> int:
+    """Run the command; return its exit status: 0 done, 1 not good or refused, 2 bad input."""
+    to = sys.stdout if out is None else out
+    return run_command("identify", lambda: _run(_arguments(argv), to))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
