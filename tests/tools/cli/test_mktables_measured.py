@@ -79,17 +79,17 @@ def test_same_surface_is_not_taken_twice(
 
 
 def test_corrections_add_up(first: Path, tmp_path: Path) -> None:
-    """A second surface, of a third of the error, corrects the table of the first round."""
+    """What a second surface shows of what was left on purpose is taken whole, the rest by gain."""
     assert correct("-o", tmp_path / "1", "--measured", first / "surface.csv", "--gain", "0.5") == 0
     turn, z_mm = traces(np.linspace(*ENDS, 9), 120)
-    surface = write_surface(tmp_path / "1" / "b.csv", turn, z_mm, error_um(turn, z_mm) / 3)
+    surface = write_surface(tmp_path / "1" / "b.csv", turn, z_mm, 0.8 * error_um(turn, z_mm))
     assert correct("-o", tmp_path / "2", "--measured", surface, "--gain", "0.6") == 0
     waves = [
         json.loads((tmp_path / one / "perkins240.json").read_text())["correction"]["waves"][2]
         for one in "12"
     ]
     once, twice = (np.array(one["cos_um"]) for one in waves)
-    assert np.abs(twice - once * (0.5 + 0.2) / 0.5).max() < 2e-3
+    assert np.abs(twice - once * (0.5 + 0.5 + 0.6 * 0.3) / 0.5).max() < 2e-3
 
 
 @pytest.mark.parametrize(

@@ -86,7 +86,7 @@ class Rounds:
 @pytest.mark.slow
 @pytest.mark.parametrize("direction", [1, -1])
 def test_two_rounds_take_the_error_away(tmp_path: Path, direction: int) -> None:
-    """Two rounds of gain 0.7 leave 9 % of 2 um; the controller's own error stays as it was."""
+    """Two rounds leave a twentieth of 2 um; the controller's own error stays as it was."""
     rounds = Rounds(tmp_path, direction)
     found = []
     for number in range(3):
@@ -94,10 +94,10 @@ def test_two_rounds_take_the_error_away(tmp_path: Path, direction: int) -> None:
         found.append(rounds.cut(number))
     first, last = rounds.summary_um(0), rounds.summary_um(2)
     assert first > 1.5
-    assert last < 0.25
+    assert last < 0.12
     for order in (1, 2, 3):
         before, after = (amplitudes_um(one, order).max() for one in (found[0], found[2]))
-        assert after < 0.11 * before + 0.003, order
+        assert after < 0.02 * before + 0.003, order
     assert rounds.summary_um(2, "control_error_um") == pytest.approx(first, rel=0.05)
 
 
@@ -129,3 +129,37 @@ def test_instrument_with_noise_does_not_make_it_worse(tmp_path: Path) -> None:
     rounds.make(1)
     rounds.cut(1)
     assert rounds.summary_um(1) < rounds.summary_um(0) + 0.02
+
+
+BENDING = """\
+[machine]
+name = "a tool that bends, and a mode behind the scale"
+[encoder]
+counts_per_turn = 65536
+[u]
+mode_hz = 1500
+mode_damping = 0.03
+mode_share = 1
+[cut]
+kc_n_per_mm2 = 700
+tool_stiffness_n_per_um = 20
+"""
+
+
+@pytest.mark.slow
+def test_bending_tool_and_mode_behind_the_scale(tmp_path: Path) -> None:
+    """From micrometres to 0.1 um in two rounds, but for the entry into the metal.
+
+    In its first quarter of a turn on the part the tool is not bent yet, and rings.
+    """
+    rounds = Rounds(tmp_path, machine=BENDING)
+    found = []
+    for number in range(3):
+        rounds.make(number)
+        found.append(rounds.cut(number))
+    first, last = found[0], found[2]
+    assert np.abs(first.deviation_um).max() > 2
+    inside = last.z_mm > 0.03
+    assert np.abs(last.deviation_um[inside]).max() < 0.1
+    assert np.sqrt((last.deviation_um**2).mean()) < 0.03
+    assert rounds.summary_um(2) < 0.5 * rounds.summary_um(0)

@@ -5,7 +5,7 @@ cubic splines through values at equal distances, which keep the values of their 
 The mean of each height is carried by X, all waves by U.
 
 >>> bump = Correction((0.0, 60.0), {2: np.full(N_NODES, 1e-3 + 0j)})
->>> twice = bump.plus(bump, {"gain": 0.7})
+>>> twice = bump.plus(bump, {"gain": 0.7}, {})
 >>> [f"{mm:.4f}" for mm in twice.delta(np.radians([0.0, 90.0]), np.array(5.0))[0]]
 ['0.0020', '-0.0020']
 >>> twice.repeats, len(twice.rounds)
@@ -56,11 +56,14 @@ class Correction:
         Of each order, 0 being the mean, N_NODES values c over the height: Re(c e^(-j order phi)).
     rounds : tuple of dict
         What each round of measuring and correcting added, the first one first.
+    left_mm : mapping
+        As waves_mm: what of the last gauged part the last round left for the next one on purpose.
     """
 
     heights_mm: tuple[float, float]
     waves_mm: Mapping[int, Complexes]
     rounds: tuple[Json, ...] = field(default=())
+    left_mm: Mapping[int, Complexes] = field(default_factory=dict)
 
     @property
     def nodes_mm(self) -> Floats:
@@ -117,22 +120,20 @@ class Correction:
             found[3] -= order**2 * slope
         return found
 
-    def plus(self, other: Correction, about: Json) -> Correction:
+    def plus(self, other: Correction, about: Json, left_mm: Mapping[int, Complexes]) -> Correction:
         """Return the sum of two corrections of one part, the other one being a new round."""
         waves = dict(self.waves_mm)
         for order, values in other.waves_mm.items():
             waves[order] = waves[order] + values if order in waves else values
-        return Correction(self.heights_mm, waves, (*self.rounds, about))
+        return Correction(self.heights_mm, waves, (*self.rounds, about), left_mm)
 
     def document(self) -> Json:
         """Return the values as JSON, from which `correction_of` makes the same correction."""
         return {
             "heights_mm": list(self.heights_mm),
             "rounds": list(self.rounds),
-            "waves": [
-                {"order": order, "cos_um": _um(values.real), "sin_um": _um(values.imag)}
-                for order, values in sorted(self.waves_mm.items())
-            ],
+            "waves": _written(self.waves_mm),
+            "left": _written(self.left_mm),
         }
 
     def for_gauge(self) -> list[Json]:
@@ -150,6 +151,13 @@ class Correction:
         ]
 
 
+def _written(waves_mm: Mapping[int, Complexes]) -> list[Json]:
+    return [
+        {"order": order, "cos_um": _um(values.real), "sin_um": _um(values.imag)}
+        for order, values in sorted(waves_mm.items())
+    ]
+
+
 def _um(values_mm: Floats) -> list[float]:
     return [round(float(one) * _UM_PER_MM, _DECIMALS) for one in values_mm]
 
@@ -163,11 +171,16 @@ def correction_of(document: Json) -> Correction:
         It was not made by `Correction.document`.
     """
     first_mm, last_mm = (float(one) for one in document["heights_mm"])
+    waves, left = (_read(document[key]) for key in ("waves", "left"))
+    return Correction((first_mm, last_mm), waves, tuple(document["rounds"]), left)
+
+
+def _read(written: list[Json]) -> dict[int, Complexes]:
     waves: dict[int, Complexes] = {}
-    for one in document["waves"]:
+    for one in written:
         parts = np.array([one["cos_um"], one["sin_um"]], dtype=np.float64) / _UM_PER_MM
         order = int(one["order"])
         if parts.shape != (2, N_NODES) or not 0 <= order <= MAX_ORDER:
             raise ValueError(order)
         waves[order] = parts[0] + 1j * parts[1]
-    return Correction((first_mm, last_mm), waves, tuple(document["rounds"]))
+    return waves

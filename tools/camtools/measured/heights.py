@@ -14,7 +14,7 @@ import numpy as np
 
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats, Ints
-from camtools.measured.points import GaugedPoints
+from camtools.measured.points import Bools, GaugedPoints
 
 DEFAULT_ORDER = 16
 MIN_HEIGHTS = 3
@@ -39,6 +39,17 @@ class Heights(NamedTuple):
     heights: list[Height]
     most_order: int
     n_left_out: int  # heights with too few points, or with a gap
+
+
+def inside(points: GaugedPoints, ends_mm: tuple[float, float], margin_mm: float) -> Bools:
+    """Return which points count: of a surface along a helix none within a margin of the ends.
+
+    There feed and chip rise and fall; no table of slices follows that. Traces count all.
+    """
+    if _traces(points.z_mm) is not None:
+        return np.ones(points.z_mm.size, dtype=np.bool_)
+    low_mm, high_mm = ends_mm[0] + margin_mm, ends_mm[1] - margin_mm
+    return np.asarray((points.z_mm >= low_mm) & (points.z_mm <= high_mm))
 
 
 def widest_gap(turn: Floats) -> float:

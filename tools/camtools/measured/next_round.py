@@ -13,12 +13,13 @@ from zlib import crc32
 import numpy as np
 
 from camtools.base.errors import CamtoolsError, InputError
-from camtools.base.json_text import Json
-from camtools.base.quantities import Floats
 from camtools.cut.correction import MAX_ORDER, Correction, Drawing
+from camtools.measured.account import account_of
+from camtools.measured.heights import inside
 from camtools.measured.points import MAX_BYTES, GaugedPoints, parse_points
 from camtools.measured.previous import Previous, find_previous, read_given
-from camtools.measured.surface import KeptWave, Told, taken_um, tell
+from camtools.measured.step import take
+from camtools.measured.surface import Told, tell
 
 DEFAULT_GAIN = 0.7
 MIN_GAIN, MAX_GAIN = 0.05, 1.0
@@ -26,9 +27,9 @@ MAX_MEAN_UM = 100.0
 MIN_LIMIT_UM, LIMIT_SHARE = 10.0, 0.1  # of the waves: of the section's reduction
 MAX_OFF_RADIUS_UM = 20.0
 _BEYOND = 0.01  # of the part's height
+_END_FEEDS = 2.0  # within which the feed, and with it the chip, rises and falls
 _GRID = 720
 _UM_PER_MM = 1000.0
-_DIGITS = 6
 
 
 class Request(NamedTuple):
@@ -41,7 +42,7 @@ class Request(NamedTuple):
     previous : Path or None
         NAME.json of the table that cut it; None: the one beside the surface.
     gain : float
-        Share of the error that is taken off.
+        Share that is taken off of what this part alone shows, see `step.take`.
     most_order : int or None
         Highest harmonic that is kept; None: 16, or what the angles tell.
     is_centred : bool
@@ -126,54 +127,6 @@ def _check_size(told: Told, drawing: Drawing) -> None:
         raise CamtoolsError([f"--measured: {problem}; {remedy} the drive first"])
 
 
-def _pair(values_um: Floats) -> Json:
-    return {
-        "max": _rounded(np.abs(values_um).max()),
-        "rms": _rounded(np.sqrt(np.mean(values_um**2))),
-    }
-
-
-def _rounded(value: float) -> float:
-    return round(float(value), _DIGITS)
-
-
-def _wave(told: Told, one: KeptWave, gain: float) -> Json:
-    """Return what is said of a wave that is kept."""
-    heights_mm = told.z_mm[np.abs(one.kept) > 0]
-    return {
-        "order": one.order,
-        "gauged_um": _rounded(np.abs(one.smooth.values).max()),
-        "noise_um": _rounded(np.sqrt(np.mean(one.smooth.errors**2))),
-        "from_mm": _rounded(heights_mm[0]),
-        "to_mm": _rounded(heights_mm[-1]),
-        "left_um": _rounded(np.abs(one.smooth.values - gain * one.kept).max()),
-    }
-
-
-def _about(
-    request: Request, points: GaugedPoints, told: Told, step: Correction, own: tuple[int, int]
-) -> Json:
-    """Return what a round came to, for NAME.json."""
-    kept = [one for one in told.waves if one.is_kept]
-    noise2 = sum(float(np.mean(one.smooth.errors**2)) / (2 if one.order else 1) for one in kept)
-    return {
-        "table_crc32": own[0],
-        "surface_crc32": own[1],
-        "gain": request.gain,
-        "points": int(points.turn.size),
-        "heights": int(told.z_mm.size),
-        "heights_left_out": told.heights.n_left_out,
-        "heights_alone_mm": told.alone_mm,
-        "points_far_off": told.n_far,
-        "most_order": told.heights.most_order,
-        "noise_um": _rounded(told.sigma_um),
-        "noise_corrected_um": _rounded(request.gain * np.sqrt(noise2)),
-        "gauged_um": _pair(points.deviation_um),
-        "expected_um": _pair(points.deviation_um - taken_um(step, points)),
-        "waves": [_wave(told, one, request.gain) for one in kept],
-    }
-
-
 def _check_new(previous: Previous, surface: Path, own: int) -> None:
     """Refuse a surface that was corrected already."""
     rounds = previous.correction.rounds if previous.correction else ()
@@ -210,11 +163,19 @@ def next_round(request: Request, name: str, drawing: Drawing) -> Round:
     try:
         _check_place(points, drawing)
         first = 2 if request.is_centred else 0
-        told = tell(points, drawing.ends_mm, request.most_order, first)
+        inner = inside(points, drawing.ends_mm, _END_FEEDS * _feed_mm(previous))
+        told = tell(points.pick(inner), drawing.ends_mm, request.most_order, first)
         _check_size(told, drawing)
     except CamtoolsError as error:
         raise _named(request.surface, error) from error
-    step = told.correction(drawing.ends_mm, request.gain)
-    about = _about(request, points, told, step, (previous.crc32, own))
     before = previous.correction or Correction(drawing.ends_mm, {})
-    return Round(before.plus(step, about), previous)
+    step = take(told.correction(drawing.ends_mm, 1.0), before.left_mm, request.gain)
+    about = {"table_crc32": previous.crc32, "surface_crc32": own, "gain": request.gain}
+    about |= account_of(points, inner, told, step)
+    return Round(before.plus(step.taken, about, step.left_mm), previous)
+
+
+def _feed_mm(previous: Previous) -> float:
+    """Return the feed per turn at which the gauged part was cut, 0 where it is not told."""
+    feed_mm = previous.report.get("process", {}).get("feed_mm", 0.0)
+    return feed_mm if isinstance(feed_mm, float | int) else 0.0
