@@ -26,6 +26,7 @@ from camtools.sim.simulate import simulate
 from part_cases import PERKINS, environment
 
 CUT = ("--turns", "2", "--workers", "1")
+LEARNING = ("rehearse_turns", "learn_harmonics", "ripple_turns")
 LAG = '[u.delay_us]\ndistribution = "uniform"\nlow = {}\nhigh = {}\n'
 
 
@@ -71,7 +72,8 @@ def test_rows_are_the_cuts_of_the_machines(
 
 def test_error_grows_with_what_is_not_known(tmp_path: Path) -> None:
     """U is late by the difference: the error is the speed of U times that, at 2500 r/min."""
-    words = [*vary(tmp_path, LAG.format(95, 95.001)), "--runs", "1", "--turns", "1000"]
+    off = [word for name in LEARNING for word in ("--set", f"{name}=0")]
+    words = [*vary(tmp_path, LAG.format(95, 95.001)), "--runs", "1", "--turns", "1000", *off]
     assert run(tmp_path / "o", *words) == 0
     found = json.loads((tmp_path / "o" / "forecast.json").read_text())
     late_um = 75.0 * (4 * np.pi * 2500 / 60) * 20e-6  # amplitude x angular frequency x 20 us
