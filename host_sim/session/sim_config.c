@@ -7,7 +7,7 @@
 #include <stdio.h>           // fmemopen, snprintf
 #include <string.h>          // strcmp
 
-enum { max_bytes = 1 << 20 };
+enum { max_bytes = 1 << 20, least_mode_hz = 10 };
 
 #define MEMBER(kind, section, key, member, min, max)                                               \
     {                                                                                              \
@@ -59,11 +59,11 @@ static const common_setting_t fields[] = {
     DRIVE("u", hal_axis_u),
     REAL("u", "command_quantum_nm", drive[hal_axis_u].command_quantum_micro, 0.0, 100000.0),
     REAL("u", "friction_m_per_s2", drive[hal_axis_u].friction_m_per_s2, 0.0, 1000.0),
-    REAL("u", "mass_kg", drive[hal_axis_u].mass_kg, 0.001, 1000.0),
-    REAL("u", "viscous_n_s_per_m", drive[hal_axis_u].viscous_n_s_per_m, 0.0, 1e6),
-    REAL("u", "stiffness_n_per_m", drive[hal_axis_u].stiffness_n_per_m, 0.0, 1e9),
+    REAL("u", "mass_kg", drive[hal_axis_u].mass_kg, 0.01, 1000.0),
+    REAL("u", "viscous_n_s_per_m", drive[hal_axis_u].viscous_n_s_per_m, 0.0, 1e4),
+    REAL("u", "stiffness_n_per_m", drive[hal_axis_u].stiffness_n_per_m, 0.0, 1e8),
     REAL("u", "force_limit_n", drive[hal_axis_u].force_limit_n, 0.1, 1e6),
-    REAL("u", "amplifier_hz", drive[hal_axis_u].amplifier_hz, 10.0, 1e6),
+    REAL("u", "amplifier_hz", drive[hal_axis_u].amplifier_hz, 10.0, 100000.0),
     MODE("mode", 0),
     MODE("mode_2", 1),
     REAL("u", "scale_latency_us", scale.latency_us, 0.0, 1000.0),
@@ -214,6 +214,20 @@ static bool read_belief(common_settings_t *all, sim_config_t *config, const char
     return read_once(all, text, size);
 }
 
+/// A mode is none or one that a machine can have; slower ones cannot be computed in its cubics.
+static bool check_modes(const sim_lathe_config_t *lathe, const char *name, common_error_t *e)
+{
+    for (int i = 0; i < sim_mode_n; i++) {
+        const double hz = lathe->mode[i].hz;
+        if (hz > 0.0 && hz < least_mode_hz) {
+            return common_error(
+                e, "%s: u.mode_%shz = %.12g: too slow; give 0 for none, or %d .. 20000", name,
+                i > 0 ? "2_" : "", hz, (int)least_mode_hz);
+        }
+    }
+    return true;
+}
+
 bool sim_config_read(sim_config_t *config, const char *text, size_t size, const char *name,
                      common_error_t *e)
 {
@@ -228,7 +242,8 @@ bool sim_config_read(sim_config_t *config, const char *text, size_t size, const 
                              .value_width = 60,
                              .e = e};
     if (!read_once(&all, text, size) ||
-        (others.has_belief && !read_belief(&all, config, text, size))) {
+        (others.has_belief && !read_belief(&all, config, text, size)) ||
+        !check_modes(&config->lathe, name, e)) {
         return false;
     }
     // The loop of a force drive is tuned for the mass that is believed.

@@ -152,6 +152,8 @@ static void test_ranges_of_the_effects_are_kept(void)
         (void)snprintf(text, sizeof text, "[believed.%s\n", wrong[i]);
         refused(text, "out of range; give a");
     }
+    refused("[u]\nmode_hz = 9\n", "u.mode_hz = 9: too slow; give 0 for none, or 10 .. 20000");
+    refused("[u]\nmode_2_hz = 0.1\n", "u.mode_2_hz = 0.1: too slow");
 }
 
 static void test_load_takes_firmware_parameters(void)
