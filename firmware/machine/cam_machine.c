@@ -66,13 +66,13 @@ void cam_machine_init(cam_machine_t *m, cam_t *core, uint32_t tick_hz, uint32_t 
     cam_teach_init(&m->teach);
     // The tick does not run yet, so both halves may be written. The defaults fit every tick rate
     // from 500 Hz on but for the observer's bandwidth, which is limited to a twentieth of the rate.
-    const int32_t fastest_mHz = cam_fit_most(cam_param_observer_bandwidth_mHz, tick_hz);
-    if (m->params.observer_bandwidth_mHz > fastest_mHz) {
-        m->params.observer_bandwidth_mHz = fastest_mHz;
-    }
     if (hal_measures_u() && tick_hz >= (uint32_t)cam_fit_least_hz) {
         m->params.following_limit_nm = 0; // derived from the part
         cam_param_learn(&m->params);
+    }
+    const int32_t fastest_mHz = cam_fit_most(cam_param_observer_bandwidth_mHz, tick_hz);
+    if (m->params.observer_bandwidth_mHz > fastest_mHz) {
+        m->params.observer_bandwidth_mHz = fastest_mHz;
     }
     const cam_err_t err = hand_over(m, &m->params, NULL, 0);
     (void)cam_config_take_isr(&core->config);
@@ -204,31 +204,6 @@ cam_err_t cam_machine_set_param(cam_machine_t *m, cam_param_id_t id, int32_t val
         m->is_in_pass = m->is_in_pass && id != cam_param_pass;
     }
     return err;
-}
-
-cam_err_t cam_machine_check_speed(const cam_machine_t *m, uint32_t speed_mrpm)
-{
-    uint32_t pass = 0;
-    return m->has_table ? cam_pass_check(&m->table, &m->params, speed_mrpm, m->tick_hz, &pass)
-                        : cam_err_no_table;
-}
-
-uint32_t cam_machine_highest_mrpm(const cam_machine_t *m)
-{
-    return m->has_table ? cam_pass_highest_mrpm(&m->table, &m->params, m->tick_hz) : 0u;
-}
-
-cam_feasibility_t cam_machine_feasibility(const cam_machine_t *m, uint32_t speed_mrpm)
-{
-    if (!m->has_table) {
-        const uint32_t asked_mrpm = (uint32_t)m->params.spindle_mrpm;
-        return (cam_feasibility_t){.err = cam_err_no_table,
-                                   .speed_mrpm = speed_mrpm > 0u ? speed_mrpm : asked_mrpm};
-    }
-    uint32_t pass = 0;
-    const cam_err_t err = cam_pass_check(&m->table, &m->params, speed_mrpm, m->tick_hz, &pass);
-    return cam_pass_feasibility(&m->table, &m->params, speed_mrpm, m->tick_hz,
-                                err == cam_ok ? m->pass : pass);
 }
 
 /// Post a request if the state allows it.

@@ -54,6 +54,14 @@ static cam_complex_t eccentricity(const cam_machine_t *m)
     return cam_harmonics_turned(at_0, 1, 0u - (uint32_t)(uint64_t)phase_q32);
 }
 
+/// @return [nm] the probe, which is at least three steps of the scale
+static int32_t probe_nm(const cam_params_t *p)
+{
+    const int32_t least_nm =
+        cam_clamp_i32(3 * p->u_scale_nm, 0, cam_param_info(cam_param_probe_nm)->max);
+    return p->probe_nm > least_nm ? p->probe_nm : least_nm;
+}
+
 static cam_teach_setup_t setup_of(const cam_machine_t *m)
 {
     const cam_params_t *p = &m->params;
@@ -65,7 +73,7 @@ static cam_teach_setup_t setup_of(const cam_machine_t *m)
         .n_harmonics = (uint32_t)p->learn_harmonics,
         .gain_q16 = q16_of_ppm(p->learn_gain_ppm),
         .cut_gain_q16 = q16_of_ppm(p->learn_cut_gain_ppm),
-        .probe_q6 = p->probe_nm * 64,
+        .probe_q6 = probe_nm(p) * 64,
         .ripple_turns =
             m->has_table && m->table.speed.knots == NULL ? (uint32_t)p->ripple_turns : 0u,
         .scale_nm = p->u_scale_nm,

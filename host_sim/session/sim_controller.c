@@ -110,7 +110,7 @@ static void derive_encoder(derive_t *d, const sim_lathe_config_t *m)
     const double noise_counts = ceil(7.0 * c->jitter_counts); // two readings of +-3.47 rms each
     const uint32_t tick_hz = (uint32_t)m->tick_hz;
     const int32_t fastest_mHz = cam_fit_most(cam_param_observer_bandwidth_mHz, tick_hz);
-    const int32_t usual_mHz = cam_param_info(cam_param_observer_bandwidth_mHz)->def;
+    const int32_t usual_mHz = d->params->observer_bandwidth_mHz;
     put(d, cam_param_counts_per_turn, c->counts_per_turn);
     put(d, cam_param_encoder_sign, c->sign);
     put(d, cam_param_index_offset_udeg, turn * SIM_UDEG_PER_TURN);
