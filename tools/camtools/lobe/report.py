@@ -31,6 +31,7 @@ from camtools.plots.style import (
 )
 from camtools.report import compare as report_compare
 from camtools.report import motion as report_motion
+from camtools.report.learning import CONVERGENCE_TEXT, convergence
 from camtools.report.page import Caption, Page, render_page
 from camtools.sim.results import CUTTING, FAULT, CutTrace
 
@@ -70,6 +71,7 @@ _TEXTS = {
         "changes. With the swing it stays at 0; without it would be the pressure angle. Below is "
         "what the swing's drive and the steps of its set-points leave, enlarged.",
     ),
+    "learning": CONVERGENCE_TEXT,
     "following": (
         "Following error of U",
         "How far U was from where it should have been at that moment; the band holds every turn. "
@@ -203,6 +205,7 @@ def _drawers(outcome: LobeOutcome) -> dict[str, Callable[[], Figure]]:
         drawers["fault"] = lambda: report_motion.draw_fault(trace, retract_s)
     if outcome.surface.turn.size:
         drawers["profile"] = lambda: draw_profile(outcome)
+    drawers |= convergence(outcome.summary)
     if (trace.state == CUTTING).any():
         drawers["speed"] = lambda: draw_speed(outcome)
         if swing_deg is not None:

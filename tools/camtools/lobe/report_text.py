@@ -12,6 +12,7 @@ from camtools.base.json_text import Json
 from camtools.base.quantities import Floats, length_text
 from camtools.lobe.generate import GeneratedLobes
 from camtools.lobe.plunge import left_by_wear_um
+from camtools.report.learning import learning_rows
 from camtools.report.text import ReportRow, error_pair
 from camtools.sim.results import Cut
 
@@ -119,6 +120,7 @@ def lobe_rows(outcome: LobeOutcome) -> list[ReportRow]:
         *_speed_rows(found),
         *_rake_rows(found),
         ReportRow("following error of U", error_pair(summary["following_error_um"])),
+        *learning_rows(summary),
         ReportRow(
             "table", f"{summary['table_bytes']} bytes, error at most {made.lift.error:.2g} nm"
         ),

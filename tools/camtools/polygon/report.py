@@ -28,6 +28,7 @@ from camtools.polygon.report_text import PolygonCut, name_of, polygon_rows
 from camtools.polygon.summary import angles_of
 from camtools.report import compare as report_compare
 from camtools.report import motion as report_motion
+from camtools.report.learning import CONVERGENCE_TEXT, convergence
 from camtools.report.page import Page, Picture, render_page
 from camtools.sim.results import CUTTING, FAULT, GaugedSurface
 from camtools.skirt import report_surface
@@ -67,6 +68,7 @@ _TEXTS = {
         "The measured points must lie on the curve of the table in position and velocity; the "
         "peaks are what the limits of the machine above are compared with.",
     ),
+    "learning": CONVERGENCE_TEXT,
     "following": (
         "Following error of U",
         "How far U was from where it should have been at that moment; the band holds every turn of "
@@ -186,6 +188,7 @@ def _drawers(outcome: PolygonCut) -> dict[str, Callable[[], Figure]]:
         drawers["map"] = lambda: _named(report_surface.draw_map(surface, geometry, feed_mm))
         drawers["height"] = lambda: _named(report_surface.draw_height(surface, geometry))
     drawers["motion"] = lambda: draw_cut_motion(outcome)
+    drawers |= convergence(outcome.summary)
     if (trace.state == CUTTING).any():
         drawers["following"] = lambda: _named(report_motion.draw_following(trace))
     if trace.t_s.size > 1:

@@ -14,6 +14,7 @@ from camtools.base.quantities import NM_PER_MM
 from camtools.plots.style import drawing, png_of
 from camtools.report import compare as report_compare
 from camtools.report import motion as report_motion
+from camtools.report.learning import CONVERGENCE_TEXT, convergence
 from camtools.report.page import Page, Picture, render_page
 from camtools.sim.results import CUTTING, FAULT
 from camtools.skirt import report_surface
@@ -79,6 +80,7 @@ _TEXTS = {
         "The band should be narrow and without steps from bottom to top. A rise with height is "
         "normal when the ovality rises; a spike at an end comes from the engage or disengage.",
     ),
+    "learning": CONVERGENCE_TEXT,
     "motion": (
         "Motion of U over one turn",
         "U swings in and out twice per turn; the measured points must lie on the drawn curve in "
@@ -130,6 +132,7 @@ def _drawers(outcome: SkirtOutcome) -> dict[str, Callable[[], Figure]]:
             drawers["corner"] = lambda: draw_corner(surface, trace, geometry, speed_rpm)
         drawers["height"] = lambda: report_surface.draw_height(surface, geometry)
         drawers["skirt"] = lambda: draw_skirt(surface, geometry, factor)
+    drawers |= convergence(outcome.summary)
     even, speed = outcome.even, outcome.generated.speed
     law = speed.channel if speed is not None else None
     drawers["motion"] = lambda: draw_motion(trace, geometry, speed_rpm, middle_mm, law)

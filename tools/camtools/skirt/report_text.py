@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from camtools.base.json_text import Json
 from camtools.base.quantities import length_text
+from camtools.report.learning import learning_rows
 from camtools.report.text import ReportRow, error_pair
 from camtools.skirt.outcome import SkirtOutcome
 from camtools.skirt.part import SkirtProcess
@@ -134,6 +135,7 @@ def rows_of(outcome: SkirtOutcome) -> list[ReportRow]:
         *_control_rows(outcome),
         *pass_rows(summary),
         ReportRow("following error of U", error_pair(summary["following_error_um"])),
+        *learning_rows(summary),
         *_corner_rows(outcome),
         *_filter_rows(outcome),
         *_removal_rows(outcome),
