@@ -22,6 +22,9 @@ bool sim_wishes_add(sim_wishes_t *w, const char *name, double value, const char 
     return true;
 }
 
+/// The probe of a rehearsal stands out of the steps of a coarse scale.
+enum { probe_quanta = 3 };
+
 typedef struct {
     cam_params_t *params;
     common_error_t *e;
@@ -65,6 +68,8 @@ static void derive_feed_forward(derive_t *d, const sim_lathe_config_t *m)
     put(d, cam_param_u_scale_latency_ns, m->scale.latency_us * 1e3);
     put(d, cam_param_u_scale_nm,
         sim_clamp(u->quantum_micro, 0.0, cam_param_info(cam_param_u_scale_nm)->max));
+    const cam_param_info_t *probe = cam_param_info(cam_param_probe_nm);
+    put(d, cam_param_probe_nm, sim_clamp(probe_quanta * u->quantum_micro, probe->def, probe->max));
     const double xz_s =
         0.5 * (lag_s(&m->drive[hal_axis_x]) + lag_s(&m->drive[hal_axis_z])) + half_tick_s;
     put(d, cam_param_xz_lag_ns, xz_s * 1e9);

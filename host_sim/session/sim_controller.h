@@ -5,6 +5,7 @@
 ///     lead = dead time of U + half a tick  the mean age of a held command
 ///     k1, k2, lead of a drive of kind force: what its loop is worth (sim_servo.h)
 ///     u_scale, u_scale_latency = quantum and latency of U's scale
+///     probe = three quanta, at least its default
 ///     xz_lag = dead time + half a tick + 2 d / w of X and Z, mean of both
 ///     swing_lag = dead time + half a tick + 2 d / w of the swing
 ///     spindle_lag = 1 / bandwidth of the spindle, acceleration = torque / inertia
