@@ -86,6 +86,7 @@ int main(void)
     const fixture_part_t part = fixture_part_short();
     fixture_can_init(&f, &part, tick_hz);
     fixture_can_start(&f);
+    hal_host.in.axis_nm[hal_axis_x] = 60000000; // clear of the part
     (void)fixture_rig_set(&f.rig, cam_param_lead_ns, 1000000000 / tick_hz);
     struct timespec due;
     (void)clock_gettime(CLOCK_MONOTONIC, &due);

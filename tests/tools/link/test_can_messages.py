@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import itertools
+import math
 import re
 import subprocess
 from pathlib import Path
@@ -12,6 +14,7 @@ import pytest
 from cantools.database.can import Database, Message
 
 from camtools.cli.can_source import generate, main
+from camtools.link.learned import LAYOUT
 
 ROOT = Path(__file__).resolve().parents[3]
 DBC = ROOT / "firmware" / "remote" / "can" / "camturn.dbc"
@@ -134,6 +137,23 @@ def test_recorder_and_learning_are_those_of_the_firmware(database: Database) -> 
         words = enumerators(teach, f"cam_teach_{name}_t", "cam_teach_")
         assert words.popitem()[1].startswith("n_")
         assert choices(detail, f"learn_{name}") == words
+
+
+def test_kept_values_are_those_of_learning() -> None:
+    """The file of learned values has the groups of cam_teach.h, each as long as there."""
+    body = header_of("cam_teach.h").split("    cam_teach_value_speed,")[1].split("};")[0]
+    numbers = {"cam_teach_value_speed": 0, "cam_teach_terms": 17, "cam_teach_harmonics": 16}
+    last = 0
+    for name, value in re.findall(r"(\w+)(?: = ([^,\n]*))?,?\n", body):
+        text = re.sub(r"[a-z]\w*", lambda word: str(numbers[word[0]]), value)
+        factors = [part.split(" * ") for part in text.split(" + ")] if value else []
+        last = sum(math.prod(map(int, part)) for part in factors) if value else last + 1
+        numbers[name] = last
+    begins = [value for name, value in numbers.items() if "_value_" in name]
+    assert last == sum(LAYOUT.values())
+    assert [b - a for a, b in itertools.pairwise([*begins, last])] == list(LAYOUT.values())
+    told = [name.removeprefix("cam_teach_value_") for name in numbers if "_value_" in name]
+    assert told == [name.rpartition("_")[0] for name in LAYOUT]
 
 
 def test_quick_commands_have_the_ranges_of_their_parameters(database: Database) -> None:

@@ -11,20 +11,20 @@ import argparse
 import contextlib
 import csv
 import fnmatch
-import math
 import shutil
 import sys
 import time
 from collections.abc import Callable, Sequence
-from pathlib import Path
 from typing import TextIO
 
 from cantools.database import EncodeError
 
-from camtools.base.command import Interrupted, Parser, run_command
+from camtools.base.command import Interrupted, run_command
 from camtools.base.errors import CamtoolsError
 from camtools.base.output import growing
-from camtools.cli.bus import add_bus_options, open_bus
+from camtools.cli.bus import open_bus
+from camtools.cli.camctl_options import PLAIN, QUICK, make_parser
+from camtools.cli.camctl_scope import excite, learned, record_ticks
 from camtools.link.controller import (
     NAMES,
     NUMBERS,
@@ -38,26 +38,6 @@ from camtools.link.download import CHECK_S, download
 from camtools.link.watch import COLUMNS, Dashboard, line, report, row, table_report
 
 REFUSED = 1
-_PLAIN = ("enable", "disable", "home", "start", "stop", "reset")
-_QUICK = {
-    "speed": "spindle speed in r/min from the next start on; 0: the table's",
-    "feed": "feed in mm per turn from the next start on; 0: the table's",
-    "amplitude": "scale of U in %%, ramped",
-    "phase": "turns the oval on the part, in degrees, ramped",
-}
-_WHAT = {
-    "enable": "enable the drives and home",
-    "disable": "drives off",
-    "home": "find the index, anew when ready, and wait until ready",
-    "start": "cut a part",
-    "stop": "end the cut: disengage",
-    "reset": "leave the fault state",
-}
-_EPILOG = """\
-The bus: --interface, --channel and --bitrate of python-can, for example
-  tools/camctl --interface socketcan --channel can0 status
-or the environment: CAN_INTERFACE, CAN_CHANNEL, CAN_BITRATE.
-Exit status: 0 done, 1 refused by the controller or no answer, 2 wrong usage or bad input."""
 _REMEDIES = {
     "state": "see status; the order is enable, start, stop, disable, and reset behind a fault",
     "param_state": "only phase_udeg and amplitude_ppm change while cutting, most others in ready, "
@@ -75,6 +55,7 @@ _REMEDIES = {
     "u_retract": "set u_retract_nm nearer to 0, or to its default, which fits every stroke",
 }
 HOME_S, CUT_S = 60.0, 3600.0
+IN_WORK = ("rehearsing", "engaging", "cutting", "disengaging")
 
 
 def _explain(answer: Answer) -> str:
@@ -231,7 +212,10 @@ class Control:
         self._follow(arguments.seconds, show)
 
     def record(self, arguments: argparse.Namespace) -> None:
-        """Write the status into a CSV file, a row every 10 ms."""
+        """Write the status into a CSV file, a row every 10 ms, or what the controller records."""
+        if arguments.signals or arguments.again:
+            record_ticks(self.link, arguments, self.say)
+            return
         self.link.listen()  # before a file is touched
         n = 0
 
@@ -243,7 +227,7 @@ class Control:
             writer.writerow(row(status, t_s))
 
         def is_over(status: Status) -> bool:
-            return arguments.cut and status.state not in ("engaging", "cutting", "disengaging")
+            return arguments.cut and status.state not in IN_WORK
 
         try:
             with growing(arguments.file) as file:
@@ -295,59 +279,13 @@ class Control:
         for text in table_report(self.link.listen()):
             self.say(text)
 
+    def excite(self, arguments: argparse.Namespace) -> None:
+        """Let U play a wave and write what was recorded."""
+        excite(self.link, arguments, self.say)
 
-def _finite(text: str) -> float:
-    value = float(text)
-    if not math.isfinite(value):
-        raise argparse.ArgumentTypeError(f"{text}: give a finite number")
-    return value
-
-
-def _positive(text: str) -> float:
-    value = _finite(text)
-    if value <= 0:
-        raise argparse.ArgumentTypeError(f"{text}: give more than 0")
-    return value
-
-
-def _parser() -> argparse.ArgumentParser:
-    parser = Parser(
-        prog="tools/camctl",
-        description="Command and watch a camturn controller over CAN.",
-        epilog=_EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-        allow_abbrev=False,
-    )
-    add_bus_options(parser)
-    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    for name in _PLAIN:
-        one = commands.add_parser(name, help=_WHAT[name])
-        if name == "start":
-            one.add_argument("--wait", action="store_true", help="until the part is cut")
-    for name, what in _QUICK.items():
-        commands.add_parser(name, help=what).add_argument("value", type=_finite)
-    commands.add_parser("get", help="print parameters").add_argument("names", nargs="+")
-    one = commands.add_parser("set", help="set a parameter")
-    one.add_argument("name")
-    one.add_argument("value", type=int)
-    one = commands.add_parser("list", help="print parameters with their ranges")
-    one.add_argument("pattern", nargs="?", default="*", help="with * and ?")
-    commands.add_parser("status", help="print the status once")
-    one = commands.add_parser("watch", help="live view: angle, U, following error, faults")
-    one.add_argument("--seconds", type=_positive, help="how long; default: until interrupted")
-    one.add_argument("--every", type=_positive, help="seconds between two pictures")
-    one = commands.add_parser("record", help="write the status into a CSV file, every 10 ms")
-    one.add_argument("file", type=Path)
-    one.add_argument("--seconds", type=_positive, help="how long; default: until interrupted")
-    one.add_argument("--cut", action="store_true", help="until the cut that runs is over")
-    table = commands.add_parser("table", help="the table in use, download of another")
-    actions = table.add_subparsers(dest="table", required=True, metavar="ACTION")
-    actions.add_parser("info", help="name, size, CRC-32, generation")
-    one = actions.add_parser("download", help="bring a table beside the one in use, check it there")
-    one.add_argument("file", type=Path)
-    one.add_argument("--select", action="store_true", help="take it into use at once")
-    commands.add_parser("select", help="take the downloaded table into use")
-    return parser
+    def learned(self, arguments: argparse.Namespace) -> None:
+        """Print, save or bring back what the controller has learned."""
+        learned(self.link, arguments, self.say)
 
 
 def _run(arguments: argparse.Namespace, out: TextIO) -> int:
@@ -355,7 +293,7 @@ def _run(arguments: argparse.Namespace, out: TextIO) -> int:
     try:
         control = Control(Link(bus, where, arguments.node), out)
         command: str = arguments.command
-        group = "plain" if command in _PLAIN else "quick" if command in _QUICK else command
+        group = "plain" if command in PLAIN else "quick" if command in QUICK else command
         getattr(control, group)(arguments)
     except Refused as refused:
         sys.stderr.write(f"camctl: {refused}\n")
@@ -367,7 +305,7 @@ def _run(arguments: argparse.Namespace, out: TextIO) -> int:
 
 def main(argv: Sequence[str] | None = None, out: TextIO | None = None) -> int:
     """Run the command; 0 done, 1 refused or no answer, 2 wrong usage or bad input."""
-    arguments = _parser().parse_args(argv)
+    arguments = make_parser().parse_args(argv)
     to = sys.stdout if out is None else out
     return run_command("camctl", lambda: _run(arguments, to))
 

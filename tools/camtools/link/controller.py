@@ -46,12 +46,15 @@ def _choices(message: Message, signal: str) -> dict[int, str]:
 
 
 _STATE = DATABASE.get_message_by_name("State")
+_DETAIL = DATABASE.get_message_by_name("Detail")
 NAMES = {
     "command": _choices(COMMAND, "command"),
     "parameter": _choices(COMMAND, "parameter"),
     "result": _choices(ANSWER, "result"),
     "state": _choices(_STATE, "state"),
     "reset_reason": _choices(_STATE, "reset_reason"),
+    "learn_phase": _choices(_DETAIL, "learn_phase"),
+    "learn_reason": _choices(_DETAIL, "learn_reason"),
 }
 NUMBERS = {table: {name: i for i, name in names.items()} for table, names in NAMES.items()}
 FAULT_TEXTS = {

@@ -134,6 +134,17 @@ def _require(link: Link, what: str, answer: Answer) -> Answer:
     raise Refused(text + (f"; {remedy}" if remedy else ""))
 
 
+def check_excitation(periods: int, fade_ticks: int, place_nm: int) -> None:
+    """Raise when a number has no place in its message."""
+    for name, value, low, high in (
+        ("periods", periods, 1, 65535),
+        ("fade_ticks", fade_ticks, 16, 65535),
+        ("place_nm", place_nm, -15_000_000, 15_000_000),
+    ):
+        if not low <= value <= high:
+            raise CamtoolsError([f"{name} {value}: give {low} .. {high}"])
+
+
 def get(link: Link, field: str) -> int:
     """Return a field of the recorder."""
     answer = link.ask("get_scope", parameter=FIELDS.index(field))
@@ -332,9 +343,13 @@ def excite(
 
     Raises
     ------
+    CamtoolsError
+        A number or a signal has no place in its message.
     Refused
         The controller refuses with its numbers, it was cut short, or ticks were lost.
     """
+    check_excitation(periods, fade_ticks, place_nm)
+    mask_of(signals)
     n = download_wave(link, samples_nm)
     configure(link, signals)
     put(link, "place_nm", place_nm)

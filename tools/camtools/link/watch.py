@@ -13,6 +13,7 @@ from collections import deque
 from collections.abc import Iterable
 
 from camtools.link.controller import FAULT_TEXTS, NAMES, Status
+from camtools.link.learned import learning_report
 
 _BARS = " ▁▂▃▄▅▆▇█"
 _HOME, _BELOW, _RIGHT = "\x1b[H", "\x1b[J", "\x1b[K"
@@ -123,6 +124,7 @@ def report(status: Status) -> list[str]:
         f"tick              {s['tick_rate']:.0f} Hz, longest {s['tick_time_max']:.3f} us, "
         f"late {s['late_ticks']:.0f}",
         f"last start        {NAMES['reset_reason'].get(int(s['reset_reason']), 'unknown')}",
+        *learning_report(status),
         *table_report(status),
         f"table check       {table_err}",
     ]

@@ -1,0 +1,347 @@
+# SPDX-License-Identifier: Apache-2.0
+"""camctl's recorder, excitation and learned values against the firmware, over a bus."""
+
+from __future__ import annotations
+
+import csv
+import signal
+import threading
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import can
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+from camctl_bench import Bench
+from camtools.link import scope
+from camtools.link.controller import ANSWER, BLOCK_ID, COMMAND, NUMBERS, PART_ID, Link, Refused
+from camtools.link.learned import LAYOUT, N_VALUES
+
+pytestmark = pytest.mark.alone  # the controller keeps pace with the clock
+N, PERIODS, HEIGHT_NM = 400, 2, 40_000.0
+Refusal = Callable[[Bench, int, str], str]
+
+
+def tone(amplitude_nm: float, line: int = 2) -> npt.NDArray[np.int64]:
+    """Return a period of one line."""
+    turn = 2 * np.pi * np.arange(N) / N
+    return np.rint(amplitude_nm * np.sin(line * turn + 1)).astype(np.int64)
+
+
+@pytest.fixture
+def wave(tmp_path: Path) -> Path:
+    """Write a wave."""
+    path = tmp_path / "wave.csv"
+    path.write_text("u_nm\n" + "".join(f"{value}\n" for value in tone(HEIGHT_NM)))
+    return path
+
+
+@pytest.fixture
+def link(bench: Bench) -> Iterator[Link]:
+    """Return a link of the test's own."""
+    bus = can.Bus(interface="virtual", channel=bench.channel)
+    yield Link(bus, bench.channel)
+    bus.shutdown()
+
+
+def columns(path: Path) -> dict[str, list[str]]:
+    """Read a CSV file."""
+    with path.open(newline="") as file:
+        rows = list(csv.reader(file))
+    return {name: [row[i] for row in rows[1:]] for i, name in enumerate(rows[0])}
+
+
+def test_u_plays_what_the_file_says(bench: Bench, wave: Path, tmp_path: Path) -> None:
+    """Every tick of both periods; U is then where it was, and the state ready."""
+    bench.do("home")
+    record = tmp_path / "record.csv"
+    words = ("--periods", str(PERIODS), "--fade-ticks", "200", "--place-nm", "-300000")
+    assert "signals at 20000 Hz" in bench.do("excite", wave, record, *words)
+    told = columns(record)
+    assert list(told) == ["tick", "t_s", *scope.DEFAULT_SIGNALS]
+    played = np.array(told["u_set_q6"][-PERIODS * N :], np.int64).reshape(PERIODS, N)
+    assert np.all(played == (tone(HEIGHT_NM) - 300_000) * 64)
+    assert np.all(np.diff(np.array(told["tick"], np.int64)) == 1)
+    assert "state             ready" in bench.do("status")
+
+
+def test_an_excitation_needs_ready_and_room(
+    bench: Bench, wave: Path, tmp_path: Path, refusal: Refusal
+) -> None:
+    """Refused in off; beyond the limits with the numbers; nothing is written."""
+    record = tmp_path / "record.csv"
+    assert "must be ready" in refusal(bench, 1, f"excite {wave} {record}")
+    bench.do("home")
+    line = refusal(bench, 1, f"excite {wave} {record} --place-nm 590000")
+    assert "629999 nm, u_stroke_nm is 1200000" in line
+    line = refusal(bench, 1, f"excite {wave} {record} --fade-ticks 20")
+    assert "u_acceleration_mm_per_s2 is 250000" in line
+    assert "at most 1200000 ticks" in refusal(bench, 1, f"excite {wave} {record} --periods 3001")
+    for words in ("--periods 65536", "--fade-ticks 15", "--place-nm 15000001", "--signals u_set"):
+        assert words.split()[1] in refusal(bench, 2, f"excite {wave} {record} {words}")
+    short = tmp_path / "short.csv"
+    short.write_text("u_nm\n" + "1\n" * 15)
+    assert "wave length" in refusal(bench, 1, f"excite {short} {record}")
+    for text, why in (("", "no u_nm"), ("u_nm\n", "no samples"), ("u_nm\nx\n", "line 2: x")):
+        short.write_text(text)
+        assert why in refusal(bench, 2, f"excite {short} {record}")
+    assert "check the path" in refusal(bench, 2, f"excite {tmp_path / 'none'} {record}")
+    assert not record.exists()
+
+
+def order(bench: Bench, command: str) -> None:
+    """Give a command beside the link of the test, without waiting for its answer."""
+    number = NUMBERS["command"][command]
+    data = COMMAND.encode({"command": number, "parameter": 0, "reserved": 0})
+    bus = can.Bus(interface="virtual", channel=bench.channel)
+    bus.send(can.Message(arbitration_id=COMMAND.frame_id, data=data, is_extended_id=False))
+    bus.shutdown()
+
+
+def excite_until(link: Link, bench: Bench, act: Callable[[], object]) -> str:
+    """Begin a long excitation, act in its middle; return what ended it for the tool."""
+    timer = threading.Timer(0.5, act)
+    timer.start()
+    with pytest.raises(Refused) as refused:
+        scope.excite(link, tone(HEIGHT_NM), 300, place_nm=-300_000)
+    timer.join()
+    bench.drop = lambda frame: False
+    return str(refused.value)
+
+
+def excited(link: Link) -> str:
+    """Wait for the end of an excitation; return what came of it."""
+    for _ in range(200):
+        what = scope.EXCITED[scope.get(link, "excited")]
+        if what != "runs":
+            break
+        time.sleep(0.01)
+    return what
+
+
+def test_stop_of_somebody_else_ends_it(bench: Bench, link: Link) -> None:
+    """The tool tells that it was cut short; the machine is ready."""
+    bench.do("home")
+    assert "cut short: stopped" in excite_until(link, bench, lambda: order(bench, "stop"))
+    assert "state             ready" in bench.do("status")
+
+
+def test_disable_ends_it_and_then_switches_off(bench: Bench, link: Link) -> None:
+    """U comes to rest before the drives go off."""
+    bench.do("home")
+    assert "cut short: stopped" in excite_until(link, bench, lambda: order(bench, "disable"))
+    time.sleep(0.3)
+    text = bench.do("status")
+    assert "state             off" in text
+    assert "faults            none" in text
+
+
+def test_a_fault_ends_it(bench: Bench, link: Link) -> None:
+    """The emergency stop retracts U as always."""
+    bench.do("home")
+    assert "cut short: fault" in excite_until(link, bench, lambda: bench.estop(True))
+    assert "state             fault" in bench.do("status")
+
+
+@pytest.mark.slow
+def test_a_lost_tool_ends_it(bench: Bench, link: Link) -> None:
+    """Without signs of life U comes to rest within half a second and the fade."""
+    bench.do("home")
+
+    def cut() -> None:
+        bench.drop = lambda frame: frame.arbitration_id == COMMAND.frame_id
+
+    excite_until(link, bench, cut)
+    assert excited(link) == "silent"
+    assert "state             ready" in bench.do("status")
+
+
+def test_an_interrupted_tool_stops_u(bench: Bench, wave: Path, tmp_path: Path) -> None:
+    """Ctrl-C: U comes to rest at once, no file."""
+    bench.do("home")
+    record = tmp_path / "record.csv"
+    threading.Timer(1.0, signal.raise_signal, [signal.SIGINT]).start()
+    status, _ = bench.run("excite", wave, record, "--periods", "1000")
+    assert status != 0
+    assert not record.exists()
+    time.sleep(0.3)
+    assert "state             ready" in bench.do("status")
+
+
+def test_signals_of_ticks_are_recorded(bench: Bench, tmp_path: Path) -> None:
+    """In any state; every n-th tick, as long as asked for; the recording can be read again."""
+    record, again = tmp_path / "record.csv", tmp_path / "again.csv"
+    words = ("--signals", "tick,state,counts", "--every", "4", "--seconds", "0.05")
+    assert "250 rows" in bench.do("record", record, *words)
+    told = columns(record)
+    ticks = np.array([int(row) for row in told["tick"]], np.int64)
+    assert np.all(np.diff(ticks) == 4)
+    assert set(told["state"]) == {"0"}
+    bench.do("record", again, "--again")
+    assert again.read_bytes() == record.read_bytes()
+
+
+def test_a_recording_waits_for_its_state(bench: Bench, tmp_path: Path) -> None:
+    """From the first tick of homing to its last."""
+    record = tmp_path / "record.csv"
+    timer = threading.Timer(0.3, order, [bench, "home"])
+    timer.start()
+    bench.do("record", record, "--signals", "state", "--from-state", "homing")
+    timer.join()
+    states = columns(record)["state"]
+    assert set(states) == {"1"}
+    assert len(states) > 100
+
+
+def test_bad_recordings_are_refused(bench: Bench, tmp_path: Path, refusal: Refusal) -> None:
+    """Signals that are none, nothing recorded, no trace."""
+    record = tmp_path / "record.csv"
+    assert "u_set: no such signal" in refusal(bench, 2, f"record {record} --signals u_set")
+    assert "no recording is complete" in refusal(bench, 1, f"record {record} --again")
+    bench.do("set", "trace_on", "0")
+    assert "set trace_on 1" in refusal(bench, 1, f"record {record} --signals state")
+    assert not record.exists()
+
+
+def lose(bench: Bench, every: int, identifiers: set[int]) -> None:
+    """Let one frame of some to the controller get lost."""
+    count = 0
+
+    def drop(frame: can.Message) -> bool:
+        nonlocal count
+        count += frame.arbitration_id in identifiers
+        return frame.arbitration_id in identifiers and count % every == 0
+
+    bench.drop = drop
+
+
+def record_some(link: Link) -> scope.Recording:
+    """Record 600 rows and read them over a sound bus."""
+    scope.configure(link, ["tick", "counts"], rows=600)
+    scope.start(link)
+    scope.wait(link, 5)
+    return scope.read(link)
+
+
+def test_lost_and_damaged_messages_are_asked_for_again(bench: Bench, link: Link) -> None:
+    """Of the recording's messages some are lost, some changed: the rows are the same."""
+    sound = record_some(link)
+    assert np.all(np.diff(sound["tick"]) == 1)
+    n_parts, take = 0, link._take
+
+    def spoil(frame: can.Message) -> None:
+        nonlocal n_parts
+        if frame.arbitration_id == PART_ID:
+            n_parts += 1
+            if n_parts % 331 == 0:
+                return
+            if n_parts % 523 == 0:
+                frame.data[3] ^= 0x10
+        take(frame)
+
+    link._take = spoil  # type: ignore[method-assign]
+    assert np.array_equal(scope.read(link).rows, sound.rows)
+    assert n_parts > 600 * 8 / 7 + 100
+
+
+@pytest.mark.slow
+def test_a_reader_goes_on_where_the_bus_was_lost(bench: Bench, link: Link) -> None:
+    """The bus dies in the middle: what is there stays, another link brings the rest."""
+    sound = record_some(link)
+    reader, seen = scope.Reader(), 0
+
+    def progress(there: int, _in_all: int) -> None:
+        nonlocal seen
+        seen = there
+        if there >= 2000:
+            bench.drop = lambda frame: True
+
+    with pytest.raises(Refused, match="the recording is kept"):
+        reader.read(link, progress)
+    bench.drop = lambda frame: False
+    assert 2000 <= seen < 4800
+    bus = can.Bus(interface="virtual", channel=bench.channel)
+    begun: list[int] = []
+    whole = reader.read(Link(bus, "again"), lambda there, _: begun.append(there))
+    bus.shutdown()
+    assert begun[0] > 2000
+    assert np.array_equal(whole.rows, sound.rows)
+
+
+def test_a_command_ends_a_piece(bench: Bench, link: Link) -> None:
+    """An operator's stop does not wait for a reader; the reader gets its piece the next time."""
+    record_some(link)
+    link.parts.clear()
+    link.send_frame(COMMAND.frame_id, COMMAND.encode({"command": 23, "parameter": 0,
+                    "reserved": 0, "offset": 0, "count": 255}))  # fmt: skip
+    assert link.wait(lambda: len(link.parts) > 10, 1)
+    assert link.ask("get_parameter", parameter=0).value == 10000
+    link.wait(lambda: False, 0.1)
+    assert len(link.parts) < 146
+    assert len(scope.read(link).rows) == 600
+    for offset, count in ((1200, 1), (1 << 23, 255)):
+        answer = link.ask("read_scope", offset=offset, count=count)
+        assert answer.result == "scope_range"
+
+
+@pytest.mark.slow
+def test_a_wave_is_brought_over_a_bad_bus(bench: Bench, link: Link) -> None:
+    """Lost blocks are repeated; a wrong order, room and checksum are refused."""
+    lose(bench, 1500, {BLOCK_ID})
+    assert scope.download_wave(link, np.arange(3000) % 100) == 3000
+    bench.drop = lambda frame: False
+    assert scope.get(link, "n_wave") == 3000
+    assert link.ask("end_wave", crc=0).result == "download_order"
+    assert link.ask("begin_wave", size=63).result == "wave_length"
+    assert link.ask("begin_wave", size=60).result == "wave_length"
+    with pytest.raises(Refused, match="the controller holds 131072"):
+        scope.download_wave(link, np.zeros(131073))
+    assert link.ask("begin_wave", size=64).result == "done"
+    assert link.ask("end_wave", crc=0).result == "download_short"
+    assert link.ask("begin_download", size=64).result == "image_size"
+    bench.do("home")
+    assert link.ask("excite", periods=1, fade=100).result == "wave_none"
+
+
+def test_learned_values_are_told_and_kept(bench: Bench, tmp_path: Path) -> None:
+    """The report tells why nothing is learned; what is saved can be brought back."""
+    text = bench.do("learned")
+    assert "learning          off, not" in text
+    file = tmp_path / "kept.toml"
+    assert "saved" in bench.do("learned", "save", file)
+    lines = file.read_text().splitlines()
+    assert 'part = "short skirt"' in lines
+    assert [line.split()[0] for line in lines[3:]] == list(LAYOUT)
+    assert "in force" in bench.do("learned", "load", file)
+
+
+def test_bad_learned_values_are_refused(bench: Bench, tmp_path: Path, refusal: Refusal) -> None:
+    """No TOML, a key missing, too few, no integers, foreign; half a command."""
+    file = tmp_path / "kept.toml"
+    bench.do("learned", "save", file)
+    good = file.read_text()
+    for old, new, why in (
+        ("part =", "part", "kept.toml: no learned values"),
+        ("k1_q16 = 0", "", "k1_q16: not a whole number"),
+        ("k1_q16 = 0", "k1_q16 = 3000000000", "k1_q16: not a whole number"),
+        ("gain_q12 = [0, ", "gain_q12 = [", "gain_q12: not 34 whole numbers"),
+        ("k2_q16 = 0", "k2_q16 = 0\nother = 1", "other: no such key"),
+    ):
+        file.write_text(good.replace(old, new))
+        assert why in refusal(bench, 2, f"learned load {file}")
+    assert "save FILE or load FILE" in refusal(bench, 2, "learned save")
+    assert "check the path" in refusal(bench, 2, f"learned load {tmp_path / 'none'}")
+
+
+def test_answers_have_room_for_every_command(bench: Bench, link: Link) -> None:
+    """Fields and learned values that do not exist have errors of their own."""
+    assert link.ask("get_scope", parameter=99).result == "scope_field"
+    assert link.ask("set_scope", parameter=scope.FIELDS.index("n_rows"), value=1).result == (
+        "scope_field"
+    )
+    assert link.ask("set_scope", parameter=1, value=0).result == "scope_range"
+    assert link.ask("get_learned", parameter=N_VALUES).result == "param_id"
+    assert ANSWER.length == 8

@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The command line of camctl.
+
+>>> make_parser().parse_args(["record", "a.csv", "--signals", "state,u_actual_nm"]).signals
+'state,u_actual_nm'
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+from pathlib import Path
+
+from camtools.base.command import Parser
+from camtools.cli.bus import add_bus_options
+from camtools.link.controller import NUMBERS
+from camtools.link.scope import DEFAULT_SIGNALS
+
+PLAIN = ("enable", "disable", "home", "start", "stop", "reset")
+QUICK = {
+    "speed": "spindle speed in r/min from the next start on; 0: the table's",
+    "feed": "feed in mm per turn from the next start on; 0: the table's",
+    "amplitude": "scale of U in %%, ramped",
+    "phase": "turns the oval on the part, in degrees, ramped",
+}
+_WHAT = {
+    "enable": "enable the drives and home",
+    "disable": "drives off",
+    "home": "find the index, anew when ready, and wait until ready",
+    "start": "cut a part",
+    "stop": "end the cut: disengage",
+    "reset": "leave the fault state",
+}
+_EPILOG = """\
+The bus: --interface, --channel and --bitrate of python-can, for example
+  tools/camctl --interface socketcan --channel can0 status
+or the environment: CAN_INTERFACE, CAN_CHANNEL, CAN_BITRATE.
+Exit status: 0 done, 1 refused by the controller or no answer, 2 wrong usage or bad input."""
+
+
+def _finite(text: str) -> float:
+    value = float(text)
+    if not math.isfinite(value):
+        raise argparse.ArgumentTypeError(f"{text}: give a finite number")
+    return value
+
+
+def _positive(text: str) -> float:
+    value = _finite(text)
+    if value <= 0:
+        raise argparse.ArgumentTypeError(f"{text}: give more than 0")
+    return value
+
+
+def _count(text: str) -> int:
+    value = int(text)
+    if not 1 <= value <= 1_000_000:
+        raise argparse.ArgumentTypeError(f"{text}: give 1 .. 1000000")
+    return value
+
+
+def _add_record(one: argparse.ArgumentParser) -> None:
+    one.add_argument("file", type=Path)
+    one.add_argument(
+        "--seconds", type=_positive, help="how long; default: until interrupted, or memory is full"
+    )
+    one.add_argument("--cut", action="store_true", help="until the cut that runs is over")
+    one.add_argument(
+        "--signals", help="record these of every tick in the controller: u_set_q6,u_actual_nm,.."
+    )
+    one.add_argument("--every", type=_count, help="of those only one tick of N", default=1)
+    one.add_argument("--from-state", choices=tuple(NUMBERS["state"]), help="while the state is so")
+    one.add_argument("--again", action="store_true", help="read the recording that is there")
+
+
+def _add_excite(one: argparse.ArgumentParser) -> None:
+    one.add_argument("wave", type=Path, help="CSV: u_nm, then nanometres, a line for each tick")
+    one.add_argument("file", type=Path, help="CSV of what was recorded")
+    one.add_argument("--periods", type=_count, default=5, help="of the wave in full; 5")
+    one.add_argument("--fade-ticks", type=_count, default=2000, help="rise and fall; 2000")
+    one.add_argument("--place-nm", type=int, default=0, help="of U, about which it plays; 0")
+    one.add_argument("--signals", default=",".join(DEFAULT_SIGNALS), help="to be recorded")
+
+
+def make_parser() -> argparse.ArgumentParser:
+    """Return the command line of camctl."""
+    parser = Parser(
+        prog="tools/camctl",
+        description="Command and watch a camturn controller over CAN.",
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+    )
+    add_bus_options(parser)
+    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    for name in PLAIN:
+        one = commands.add_parser(name, help=_WHAT[name])
+        if name == "start":
+            one.add_argument("--wait", action="store_true", help="until the part is cut")
+    for name, what in QUICK.items():
+        commands.add_parser(name, help=what).add_argument("value", type=_finite)
+    commands.add_parser("get", help="print parameters").add_argument("names", nargs="+")
+    one = commands.add_parser("set", help="set a parameter")
+    one.add_argument("name")
+    one.add_argument("value", type=int)
+    one = commands.add_parser("list", help="print parameters with their ranges")
+    one.add_argument("pattern", nargs="?", default="*", help="with * and ?")
+    commands.add_parser("status", help="print the status once")
+    one = commands.add_parser("watch", help="live view: angle, U, following error, faults")
+    one.add_argument("--seconds", type=_positive, help="how long; default: until interrupted")
+    one.add_argument("--every", type=_positive, help="seconds between two pictures")
+    _add_record(commands.add_parser("record", help="write status, or signals of ticks, into CSV"))
+    _add_excite(commands.add_parser("excite", help="in ready: U plays a wave and is recorded"))
+    one = commands.add_parser("learned", help="what was learned: print it, save it, bring it back")
+    one.add_argument("action", nargs="?", choices=("save", "load"))
+    one.add_argument("file", nargs="?", type=Path, help="TOML")
+    table = commands.add_parser("table", help="the table in use, download of another")
+    actions = table.add_subparsers(dest="table", required=True, metavar="ACTION")
+    actions.add_parser("info", help="name, size, CRC-32, generation")
+    one = actions.add_parser("download", help="bring a table beside the one in use, check it there")
+    one.add_argument("file", type=Path)
+    one.add_argument("--select", action="store_true", help="take it into use at once")
+    commands.add_parser("select", help="take the downloaded table into use")
+    return parser
