@@ -112,7 +112,8 @@ def simulate(
     rpm, feed : float, optional
         Speed of the spindle [r/min] and feed [mm per turn]; else those of the table.
     turns : float, optional
-        End the cut after so many turns of cutting.
+        End the cut after so many turns of cutting; those in which the feed then falls
+        (`feed_ramp_turns`) are gauged, too.
     set : mapping, optional
         Parameters of the controller, by their names in `firmware/machine/cam_param.h`.
     seed : int
