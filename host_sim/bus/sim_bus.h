@@ -80,7 +80,7 @@ typedef struct {
 } sim_bus_t;
 
 /// Bring the lathe to rest and the nodes to power on.
-/// @param b  64 KB
+/// @param b  43 KB
 void sim_bus_init(sim_bus_t *b, const sim_bus_config_t *config, double x_nm, double z_nm);
 
 /// Hand over a frame that was on the bus.

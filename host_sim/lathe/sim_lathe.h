@@ -93,7 +93,7 @@ typedef struct {
 } sim_lathe_t;
 
 /// Bring the lathe to rest.
-/// @param l       58 KB
+/// @param l       39 KB
 /// @param step_s  time between two set-points
 /// @param x_nm, z_nm  positions at the start
 /// @param seed    of all noise
