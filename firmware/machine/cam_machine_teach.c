@@ -5,6 +5,9 @@
 #include "hal/hal.h" // hal_measures_u
 #include <stddef.h>  // NULL
 
+_Static_assert(sizeof(cam_teach_t) + sizeof(cam_gather_t) + 2u * sizeof(cam_learned_t) <= 8192u,
+               "RAM of learning: state, bins of two turns, and what is in force in two halves");
+
 /// Learned constants of the drive may differ from the configured ones by those, and this more.
 enum { spare_ticks = 4, spare_ticks2 = 16 };
 
