@@ -24,6 +24,7 @@ from camtools.identify.part_error import (
 )
 
 _SIGMAS = 2.0
+_NOTHING_UM = 1e-6
 
 
 class _Entry(NamedTuple):
@@ -145,6 +146,7 @@ def _part_lines(
     )
     now_um = form_error_nm(motion, believed.values, response) * 1e-3
     then_um = form_error_nm(motion, chosen, response) * 1e-3
+    then_um = then_um if then_um > _NOTHING_UM else 0.0
     sigma_um = form_sigma_nm(motion, found.plain.values, found.plain.covariance) * 1e-3
     yield f"form error by the constants, as believed now: {length_text(now_um)}"
     doubt = f"{length_text(_SIGMAS * sigma_um)} from {_SIGMAS:g} deviations"

@@ -45,9 +45,19 @@ class SimulatedU:
         by which the user knows the machine file
     image : bytes
         of a table that is made for the machine
+    options : sequence of str
+        of `camsim identify`, beside those of the excitation
     """
 
-    def __init__(self, folder: Path, machine: bytes, name: str, image: bytes) -> None:
+    def __init__(
+        self,
+        folder: Path,
+        machine: bytes,
+        name: str,
+        image: bytes,
+        options: Sequence[str] = (),
+    ) -> None:
+        self._options = options
         self._folder, self._name = folder, name
         (folder / _MACHINE).write_bytes(machine)
         (folder / _TABLE).write_bytes(image)
@@ -102,7 +112,8 @@ class SimulatedU:
             "--place-nm": excitation.place_nm,
             "--signals": "u_command_nm,u_actual_nm",
         }
-        self._camsim("identify", [f"{name}={value}" for name, value in words.items()])
+        given = [f"{name}={value}" for name, value in words.items()]
+        self._camsim("identify", [*given, *self._options])
         rows = np.loadtxt(self._folder / _RECORD, delimiter=",", skiprows=1, usecols=(0, 2, 3))
         rows = rows[-excitation.n_periods * wave.grid.n_ticks :]
         tick, u_nm, y_nm = rows.T

@@ -1,0 +1,240 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The command that identifies U: on the simulator, over CAN, and what it refuses."""
+
+from __future__ import annotations
+
+import io
+import json
+import re
+import signal
+import subprocess
+import sys
+import time
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from camctl_bench import Bench
+from camsim_cases import camsim
+from camtools.cli.identify import main
+from camtools.identify import connected
+from camtools.link.scope import Recording
+from drive_plant import Plant, faded, played
+from part_cases import PERKINS, environment
+
+MACHINE = """\
+[u]
+friction_m_per_s2 = 5
+{more}
+[believed.u]
+bandwidth_hz = 270
+damping = 0.77
+delay_us = 65
+"""
+MODE = "mode_hz = 800\nmode_share = 0.1\nmode_on_scale = 1\n"
+FADE_TICKS, N_PERIODS = 2000, 5
+
+
+def run(*words: str | Path) -> tuple[int, str]:
+    """Run the command in this process; return its status and what it printed."""
+    out = io.StringIO()
+    return main([str(word) for word in words], out), out.getvalue()
+
+
+@pytest.fixture
+def machine(tmp_path: Path) -> Path:
+    """Return a machine file whose controller believes another drive."""
+    path = tmp_path / "lathe.toml"
+    path.write_text(MACHINE.format(more=""), "ascii")
+    return path
+
+
+def test_constants_are_found_and_applied(machine: Path, tmp_path: Path) -> None:
+    """Table, lines to paste, error of the part, picture, and a machine file that is right."""
+    status, text = run("--machine", machine, PERKINS, "-o", tmp_path / "out", "--apply")
+    assert status == 0
+    names = sorted(path.name for path in (tmp_path / "out").iterdir())
+    ends = ("bode.png", "identified.json", "identified.toml", "identified.txt")
+    assert names == [f"lathe_{end}" for end in ends]
+    tree = tomllib.loads((tmp_path / "out" / "lathe_identified.toml").read_text())
+    set_lines = re.findall(r"^tools/camctl set (\w+) (\d+)$", text, re.MULTILINE)
+    assert {name: int(value) for name, value in set_lines} == tree.pop("controller")
+    assert tree == tomllib.loads(machine.read_text())
+    told = json.loads((tmp_path / "out" / "lathe_identified.json").read_text())
+    w = 2 * np.pi * 300
+    assert told["settings"]["k1_ns"] == pytest.approx(1.4 / w * 1e9, rel=0.003)
+    assert told["settings"]["k2_us2"] == pytest.approx(1e12 / w**2, rel=0.003)
+    assert told["settings"]["lead_ns"] == pytest.approx(100_000, abs=600)
+    assert told["problems"] == []
+    assert told["form_error_um"]["believed"] > 1
+    assert "perkins240 at 2500 r/min: U moves at up to 39.3 mm/s" in text
+    assert (tmp_path / "out" / "lathe_identified.txt").read_text() in text
+
+
+@pytest.mark.slow
+def test_form_error_is_that_of_a_cut(tmp_path: Path) -> None:
+    """What is expected with the believed constants is what the simulator gauges."""
+    machine = tmp_path / "m.toml"
+    machine.write_text(MACHINE.format(more="").replace("friction_m_per_s2 = 5", ""), "ascii")
+    run("--machine", machine, PERKINS, "-o", tmp_path)
+    expected = json.loads((tmp_path / "m_identified.json").read_text())["form_error_um"]["believed"]
+    made = [sys.executable, "-m", "camtools.cli.mktables", str(PERKINS), "-o", str(tmp_path)]
+    subprocess.run(made, env=environment(), check=True, capture_output=True)
+    table, summary = tmp_path / "perkins240.camtab", tmp_path / "s.json"
+    words = ["--set", "learn_harmonics=0", "--set", "rehearse_turns=0"]
+    camsim("run", table, "--machine", machine, "--summary", summary, *words)
+    gauged = json.loads(summary.read_text())["form_error_um"]["max"]
+    assert expected == pytest.approx(gauged, rel=0.03)
+
+
+def test_biased_fit_is_not_applied(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Status 1, one line; picture and numbers are there, a machine file is not."""
+    machine = tmp_path / "rings.toml"
+    machine.write_text(MACHINE.format(more=MODE), "ascii")
+    status, text = run("--machine", machine, "-o", tmp_path / "out", "--apply")
+    assert status == 1
+    assert "camctl set" not in text
+    assert "the fit is biased by it: k1" in text
+    lines = capsys.readouterr().err.splitlines()
+    assert len(lines) == 1 and lines[0].startswith("identify: nothing is applied: ")
+    assert not list((tmp_path / "out").glob("*.toml"))
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        ("", "one of the arguments --machine --bus is required"),
+        ("--machine nowhere", "--machine nowhere: no such machine; give one of cam, default,"),
+        ("--machine default --apply", "--apply: the simulator's machine file goes into a folder"),
+        ("--machine default --rpm 900", "--rpm: is the speed of a part: add PART.toml"),
+        ("--machine default --channel can0", "--channel: is of a bus: use --bus instead of"),
+        ("--machine default --rms-um 0", "argument --rms-um: 0: give a number above 0"),
+        ("--machine default --periods 2", "argument --periods: 2: give 3 .. 100"),
+        ("--machine default --highest-hz 20", "--highest-hz 20: give at least 50"),
+        ("--machine default nopart.toml", "nopart.toml: cannot be read"),
+        (
+            "--machine default --rms-um 70",
+            "--rms-um 70: too large: acceleration of U 3.664e+05 mm/s2, 0.8 of 2.5e+05 are allowed",
+        ),
+        ("--bus --interface nobus", "interface=nobus: the bus cannot be opened"),
+    ],
+)
+def test_bad_input_is_one_line(words: str, says: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """It names the place, the value and the remedy; status 2."""
+    try:
+        status = main(words.split())
+    except SystemExit as end:
+        status = int(str(end.code))
+    assert status == 2
+    lines = capsys.readouterr().err.splitlines()
+    assert len(lines) == 1, lines
+    assert lines[0].startswith(f"identify: {says}"), lines[0]
+
+
+def test_part_that_the_machine_cannot_cut_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Before anything moves."""
+    machine = tmp_path / "slow.toml"
+    machine.write_text("[u]\nspeed_mm_per_s = 5\n", "ascii")
+    assert run("--machine", machine, PERKINS)[0] == 2
+    lines = capsys.readouterr().err.splitlines()
+    assert len(lines) == 1
+    assert "U would have to move faster than it can: needs 39.281 mm/s" in lines[0]
+
+
+@pytest.mark.slow
+def test_interrupt_leaves_nothing(machine: Path, tmp_path: Path) -> None:
+    """Ctrl-C: 128 + 2, no folder, no file."""
+    words = ["--machine", str(machine), "-o", str(tmp_path / "out"), "--apply", "--periods", "40"]
+    command = [sys.executable, "-m", "camtools.cli.identify", *words]
+    place = environment() | {"TMPDIR": str(tmp_path)}
+    process = subprocess.Popen(command, env=place, stderr=subprocess.PIPE, text=True)
+    while not list(tmp_path.glob("identify.*/wave.csv")):
+        assert process.poll() is None
+        time.sleep(0.02)
+    process.send_signal(signal.SIGINT)
+    _, said = process.communicate(timeout=20)
+    assert process.returncode == 130
+    assert said == "identify: interrupted; nothing was written\n"
+    assert not (tmp_path / "out").exists()
+    assert not list(tmp_path.glob("identify.*"))
+
+
+# Over CAN: the firmware in a process of its own; its U is ideal, so records are a plant's.
+
+
+def bus_words(bench: Bench) -> list[str]:
+    """Return the options that name the bench."""
+    return ["--bus", "--interface", "virtual", "--channel", bench.channel]
+
+
+def ready(bench: Bench) -> None:
+    """Enable and wait for ready."""
+    bench.do("enable")
+    end_s = time.monotonic() + 20
+    while "ready" not in bench.do("status").splitlines()[0]:
+        assert time.monotonic() < end_s
+        time.sleep(0.05)
+
+
+def excited_plant(plant: Plant) -> Callable[..., Recording]:
+    """Return what stands for an excitation over the bus."""
+
+    def excite(_link: object, u_nm: np.ndarray, periods: int, **options: object) -> Recording:
+        n = u_nm.size
+        wave = type("OnePeriod", (), {"u_nm": u_nm, "grid": type("G", (), {"n_ticks": n})})
+        u = faded(wave, periods + 1)  # type: ignore[arg-type]
+        rows = np.column_stack([u, played([plant], u, 20_000.0)[0]]).astype(np.int32)
+        assert options["signals"] == ("u_command_nm", "u_actual_nm")
+        signals = ("u_command_nm", "u_actual_nm")
+        return Recording(signals, rows, 20_000, 1, 100, "state_left", 0, 0)
+
+    return excite
+
+
+@pytest.mark.slow
+def test_settings_reach_the_controller(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """The drives go off, the parameters are set, and read back by camctl."""
+    ready(bench)
+    monkeypatch.setattr(connected, "excite", excited_plant(Plant(friction_m_s2=5)))
+    status, text = run(*bus_words(bench), "--apply", "-o", tmp_path)
+    assert status == 0, text
+    assert "applied: k1_ns, k2_us2, lead_ns; the drives are off" in text
+    assert "off" in bench.do("status").splitlines()[0]
+    for name, value in re.findall(r"^tools/camctl set (\w+) (\d+)$", text, re.MULTILINE):
+        assert bench.do("get", name) == f"{name} = {value}\n"
+    assert (tmp_path / "node64_bode.png").exists()
+
+
+@pytest.mark.slow
+def test_bad_fit_leaves_the_controller_alone(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Parameters and state are as they were."""
+    ready(bench)
+    before = bench.do("get", "k1_ns", "k2_us2", "lead_ns")
+    plant = Plant(mode_hz=600, mode_share=0.2)
+    monkeypatch.setattr(connected, "excite", excited_plant(plant))
+    assert run(*bus_words(bench), "--apply")[0] == 1
+    assert bench.do("get", "k1_ns", "k2_us2", "lead_ns") == before
+    assert "ready" in bench.do("status").splitlines()[0]
+
+
+def test_state_must_be_ready(bench: Bench, capsys: pytest.CaptureFixture[str]) -> None:
+    """Off: told with the order of things."""
+    assert run(*bus_words(bench))[0] == 1
+    said = capsys.readouterr().err
+    assert "the state is off, U is excited in ready only; enable and home" in said
+
+
+def test_tool_must_be_clear(bench: Bench, capsys: pytest.CaptureFixture[str]) -> None:
+    """The controller refuses where X stands too near to the work for the wave."""
+    ready(bench)
+    status, _ = run(*bus_words(bench))
+    said = capsys.readouterr().err
+    assert status == 1 and said.startswith("identify: ")
+    assert "wave clear: move X to" in said or "no drive of second order" in said
