@@ -38,7 +38,8 @@ typedef struct {
 cam_wave_range_t cam_wave_range(const int32_t *wave_nm, uint32_t n);
 
 /// @param fade_ticks  [ticks] cam_wave_least .. cam_wave_longest_fade
-/// @return            limits of a gain that rises from 0 to 1 in that many ticks, and some at most
+/// @return            limits of a gain that rises from 0 to 1 in that many ticks, up to a quarter
+///                    less where they are many; cam_wave_fall_ticks() tells
 cam_move_limits_t cam_wave_fade(uint32_t fade_ticks);
 
 /// @return [ticks] in which the gain falls from 1 to 0, the last one before it rests there

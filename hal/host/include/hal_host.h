@@ -13,10 +13,14 @@
 
 enum { hal_host_can_frames = 16 };       ///< depth of the queues, a power of two
 enum { hal_host_place_bytes = 1 << 20 }; ///< [bytes] of a place for a downloaded table
+#ifdef __arm__                           // unit tests on an emulated board, which has 4 MiB in all
+enum { hal_host_scope_words = 1 << 16 }; ///< memory for the recorder
+#else
 enum { hal_host_scope_words = 1 << 18 }; ///< memory for the recorder: 1 MiB
-enum { hal_host_lines = 8 };             ///< lines of text that are kept, a power of two
-enum { hal_host_line_bytes = 128 };      ///< [bytes] more than hal_text() allows, so a test sees it
-enum { hal_host_clock_hz = 200000000 };  ///< [Hz] rate of the virtual time stamp: 5 ns
+#endif
+enum { hal_host_lines = 8 };            ///< lines of text that are kept, a power of two
+enum { hal_host_line_bytes = 128 };     ///< [bytes] more than hal_text() allows, so a test sees it
+enum { hal_host_clock_hz = 200000000 }; ///< [Hz] rate of the virtual time stamp: 5 ns
 
 /// The machine's side of the port.
 typedef struct {

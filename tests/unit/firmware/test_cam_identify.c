@@ -1,0 +1,279 @@
+// SPDX-License-Identifier: Apache-2.0
+// Excitation of U by the commands of the slow side, and every way out of it.
+#include "cam_fix.h"
+#include "cam_machine_identify.h"
+#include "cam_table.h"
+#include "fixture_rig.h"
+#include "hal_host.h"
+#include "unity.h"
+#include <math.h>   // sin
+#include <string.h> // memcpy
+
+enum { tick_hz = 20000, n = 200, n_periods = 3, fade = 100, place_nm = -300000 };
+
+static fixture_rig_t rig;
+static int32_t wave_nm[n];
+
+static int32_t field(uint32_t which)
+{
+    int32_t value = 0;
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_scope_get(&rig.machine, which, &value));
+    return value;
+}
+
+static cam_err_t load(uint32_t crc_error)
+{
+    const uint8_t *bytes = (const uint8_t *)wave_nm;
+    cam_err_t err = cam_machine_wave_begin(&rig.machine, sizeof wave_nm);
+    if (err == cam_ok) {
+        err = cam_machine_wave_block(&rig.machine, 0, bytes, sizeof wave_nm);
+    }
+    return err != cam_ok ? err
+                         : cam_machine_wave_end(&rig.machine,
+                                                cam_crc32(0, bytes, sizeof wave_nm) ^ crc_error);
+}
+
+void setUp(void)
+{
+    const fixture_part_t part = fixture_part_short();
+    fixture_rig_init(&rig, &part, tick_hz);
+    hal_host.in.axis_nm[hal_axis_x] = 60000000; // clear of the part
+    fixture_rig_tick(&rig);
+    for (int i = 0; i < n; i++) {
+        wave_nm[i] = (int32_t)(20000.0 * sin(6.283185307179586 * i / n));
+    }
+    TEST_ASSERT_EQUAL_INT(cam_ok,
+                          cam_machine_scope_set(&rig.machine, cam_scope_field_place_nm, place_nm));
+}
+
+void tearDown(void) {}
+
+static cam_state_t state(void)
+{
+    return fixture_rig_status(&rig).state;
+}
+
+/// Ticks with the main loop between them; signs of life as long as asked for.
+static void go_on(uint32_t ticks, bool is_alive)
+{
+    for (uint32_t i = 0; i < ticks; i++) {
+        fixture_rig_tick(&rig);
+        cam_machine_poll(&rig.machine);
+        if (is_alive) {
+            cam_machine_keep_alive(&rig.machine);
+        }
+    }
+}
+
+static void begin(void)
+{
+    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_ready));
+    TEST_ASSERT_EQUAL_INT(cam_ok, load(0));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_excite(&rig.machine, n_periods, fade).err);
+    go_on(3, true);
+    TEST_ASSERT_EQUAL_INT(cam_state_identifying, state());
+}
+
+/// Until the machine has its usual configuration again.
+static void expect_end(cam_excited_t excited, cam_state_t wanted)
+{
+    for (uint32_t i = 0; i < 20000u && rig.machine.identify.phase != cam_identify_none; i++) {
+        go_on(1, true);
+    }
+    go_on(2, true);
+    TEST_ASSERT_EQUAL_INT(excited, field(cam_scope_field_excited));
+    TEST_ASSERT_EQUAL_INT(wanted, state());
+    const cam_config_t *cfg = atomic_load(&rig.machine.core->config.in_use);
+    TEST_ASSERT_EQUAL_UINT32(0, cfg->play.excite.n);
+    TEST_ASSERT_EQUAL_INT32(rig.machine.identify.following_nm, cfg->guard.following_nm);
+}
+
+static void test_a_wave_is_played_recorded_and_left(void)
+{
+    begin();
+    expect_end(cam_excited_done, cam_state_ready);
+    TEST_ASSERT_EQUAL_INT32(cam_scope_state_left, field(cam_scope_field_end));
+    const int32_t n_fall = field(cam_scope_field_n_fall);
+    const int32_t first = field(cam_scope_field_n_rows) - n_fall - n_periods * n;
+    TEST_ASSERT_GREATER_THAN_INT32(0, first);
+    const int32_t *row = cam_scope_recorded(&rig.machine.scope) + first * 3;
+    for (int i = 0; i < n_periods * n; i++) {
+        TEST_ASSERT_EQUAL_INT32((place_nm + wave_nm[i % n]) * 64, row[3 * i]); // u_set_q6
+        TEST_ASSERT_EQUAL_INT32(place_nm + wave_nm[i % n], row[3 * i + 1]);    // no feed-forward
+    }
+    go_on(2000, false);
+    TEST_ASSERT_EQUAL_INT32(rig.machine.params.u_retract_nm, hal_host.in.axis_nm[hal_axis_u]);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_start(&rig.machine)); // a cut follows as ever
+}
+
+static void test_stop_lets_it_fade(void)
+{
+    begin();
+    go_on(400, true);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stop(&rig.machine));
+    TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_stop(&rig.machine));
+    expect_end(cam_excited_stopped, cam_state_ready);
+    TEST_ASSERT_EQUAL_UINT32(0, fixture_rig_status(&rig).faults);
+}
+
+static void test_stop_on_the_way_to_the_place_ends_it(void)
+{
+    begin();
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stop(&rig.machine));
+    go_on(5, true);
+    TEST_ASSERT_EQUAL_INT(cam_state_ready, state());
+    expect_end(cam_excited_stopped, cam_state_ready);
+}
+
+static void test_disable_lets_it_fade_and_then_takes_the_enable(void)
+{
+    begin();
+    go_on(400, true);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_disable(&rig.machine));
+    go_on(1, true);
+    TEST_ASSERT_EQUAL_INT(cam_state_identifying, state()); // the enable stays meanwhile
+    expect_end(cam_excited_stopped, cam_state_off);
+}
+
+static void test_silence_ends_it(void)
+{
+    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_phase_udeg, 0));
+    begin();
+    const int32_t longest = tick_hz / 1000 * cam_identify_patience_ms;
+    int32_t ticks = 0;
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stop(&rig.machine));
+    expect_end(cam_excited_stopped, cam_state_ready);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_excite(&rig.machine, 100, fade).err);
+    while (field(cam_scope_field_excited) == cam_excited_runs && ticks < 2 * longest) {
+        go_on(1, false);
+        ticks++;
+    }
+    TEST_ASSERT_INT32_WITHIN(4, longest, ticks);
+    expect_end(cam_excited_silent, cam_state_ready);
+}
+
+static void test_a_fault_retracts_u(void)
+{
+    begin();
+    go_on(400, true);
+    hal_host_fault_estop(true);
+    expect_end(cam_excited_fault, cam_state_fault);
+    TEST_ASSERT_BITS_HIGH(CAM_FAULT_BIT(estop), fixture_rig_status(&rig).faults);
+    go_on(6000, true);
+    TEST_ASSERT_TRUE(fixture_rig_status(&rig).is_retracted);
+}
+
+/// The limit is the usual one and the largest sample: a drive that answers the wave by its
+/// opposite is accepted, one that is further off is not.
+static void test_following_error_has_the_room_of_the_wave(void)
+{
+    begin();
+    go_on(400, true);
+    const cam_config_t *cfg = atomic_load(&rig.machine.core->config.in_use);
+    TEST_ASSERT_EQUAL_INT32(rig.machine.identify.following_nm + 20000, cfg->guard.following_nm);
+    rig.u_error_nm = cfg->guard.following_nm + 2000;
+    go_on(3, true);
+    TEST_ASSERT_BITS_HIGH(CAM_FAULT_BIT(following_error), fixture_rig_status(&rig).faults);
+}
+
+static void test_it_begins_in_ready_only_and_with_a_whole_wave(void)
+{
+    cam_machine_t *m = &rig.machine;
+    TEST_ASSERT_EQUAL_INT(cam_ok, load(0));
+    TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_excite(m, 1, fade).err);
+    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_ready));
+    TEST_ASSERT_EQUAL_INT(cam_err_download_crc, load(1));
+    TEST_ASSERT_EQUAL_INT(cam_err_wave_none, cam_machine_excite(m, 1, fade).err);
+    TEST_ASSERT_EQUAL_INT(cam_ok, load(0));
+    TEST_ASSERT_EQUAL_INT(cam_err_wave_length, cam_machine_excite(m, 0, fade).err);
+    TEST_ASSERT_EQUAL_INT(cam_err_wave_length, cam_machine_excite(m, 1, 15).err);
+    TEST_ASSERT_EQUAL_INT(cam_err_wave_length, cam_machine_excite(m, 1, 65536).err);
+    TEST_ASSERT_EQUAL_INT(cam_err_wave_length, cam_machine_excite(m, UINT32_MAX, fade).err);
+    TEST_ASSERT_EQUAL_INT(cam_err_wave_length, cam_machine_excite(m, 6001, 16).err);
+    hal_host.in.axis_nm[hal_axis_x] = 0; // seen by the next tick
+    rig.is_z_held = true;
+    m->core->motion.axis[hal_axis_x].pos_q10 = 0;
+    fixture_rig_ticks(&rig, 2);
+    const cam_wave_verdict_t v = cam_machine_excite(m, 1, fade);
+    TEST_ASSERT_EQUAL_INT(cam_err_wave_clear, v.err);
+    TEST_ASSERT_GREATER_THAN_INT32(0, v.value);
+    TEST_ASSERT_EQUAL_INT(cam_state_ready, state());
+    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_trace_on, 0));
+    TEST_ASSERT_EQUAL_INT(cam_err_scope_trace, cam_machine_excite(m, 1, fade).err);
+    TEST_ASSERT_EQUAL_INT(cam_err_scope_trace, cam_machine_scope_start(m));
+}
+
+static void test_nothing_else_is_accepted_meanwhile(void)
+{
+    cam_machine_t *m = &rig.machine;
+    begin();
+    go_on(100, true);
+    TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_start(m));
+    TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_enable(m));
+    TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_excite(m, 1, fade).err);
+    TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_scope_start(m));
+    TEST_ASSERT_EQUAL_INT(cam_err_state, cam_machine_wave_begin(m, 64));
+    TEST_ASSERT_EQUAL_INT(cam_err_param_state,
+                          cam_machine_set_param(m, cam_param_amplitude_ppm, 900000));
+    TEST_ASSERT_EQUAL_INT(cam_err_state,
+                          cam_machine_select_table(m, rig.image.bytes, rig.image.size));
+    expect_end(cam_excited_done, cam_state_ready);
+}
+
+static void test_between_two_states_everything_waits(void)
+{
+    cam_machine_t *m = &rig.machine;
+    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_ready));
+    TEST_ASSERT_EQUAL_INT(cam_ok, load(0));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_excite(m, 1, fade).err);
+    TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_start(m));
+    TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_disable(m));
+    TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_excite(m, 1, fade).err);
+    TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_wave_begin(m, 64));
+    TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_set_param(m, cam_param_amplitude_ppm, 900000));
+    go_on(3, true);
+    expect_end(cam_excited_done, cam_state_ready);
+}
+
+static void test_downloads_out_of_order_are_refused(void)
+{
+    cam_machine_t *m = &rig.machine;
+    const uint8_t *bytes = (const uint8_t *)wave_nm;
+    TEST_ASSERT_EQUAL_INT(cam_err_download_order, cam_machine_wave_block(m, 0, bytes, 4));
+    TEST_ASSERT_EQUAL_INT(cam_err_wave_length, cam_machine_wave_begin(m, 60));
+    TEST_ASSERT_EQUAL_INT(cam_err_wave_length, cam_machine_wave_begin(m, 66));
+    TEST_ASSERT_EQUAL_INT(cam_err_scope_memory, cam_machine_wave_begin(m, UINT32_MAX - 3u));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_wave_begin(m, sizeof wave_nm));
+    TEST_ASSERT_EQUAL_INT(cam_err_download_order, cam_machine_wave_block(m, 4, bytes, 4));
+    TEST_ASSERT_EQUAL_INT(cam_err_download_order, cam_machine_wave_block(m, 0, bytes, 3));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_wave_block(m, 0, bytes, 400));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_wave_block(m, 0, bytes, 400)); // its answer was lost
+    TEST_ASSERT_EQUAL_INT(cam_err_download_order, cam_machine_wave_block(m, 0, bytes + 4, 400));
+    TEST_ASSERT_EQUAL_INT(cam_err_download_room, cam_machine_wave_block(m, 400, bytes, 404));
+    TEST_ASSERT_EQUAL_INT(cam_err_download_room, cam_machine_wave_block(m, 4000, bytes, 4));
+    TEST_ASSERT_EQUAL_INT(cam_err_download_short, cam_machine_wave_end(m, 0));
+    TEST_ASSERT_EQUAL_UINT32(400, cam_machine_wave_received(m));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_wave_block(m, 400, bytes + 400, 400));
+    const uint32_t crc = cam_crc32(0, bytes, sizeof wave_nm);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_wave_end(m, crc));
+    TEST_ASSERT_EQUAL_INT(cam_err_download_order, cam_machine_wave_end(m, crc));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_scope_start(m));
+    TEST_ASSERT_EQUAL_INT(cam_err_scope_on, cam_machine_wave_begin(m, 64));
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_a_wave_is_played_recorded_and_left);
+    RUN_TEST(test_stop_lets_it_fade);
+    RUN_TEST(test_stop_on_the_way_to_the_place_ends_it);
+    RUN_TEST(test_disable_lets_it_fade_and_then_takes_the_enable);
+    RUN_TEST(test_silence_ends_it);
+    RUN_TEST(test_a_fault_retracts_u);
+    RUN_TEST(test_following_error_has_the_room_of_the_wave);
+    RUN_TEST(test_it_begins_in_ready_only_and_with_a_whole_wave);
+    RUN_TEST(test_nothing_else_is_accepted_meanwhile);
+    RUN_TEST(test_between_two_states_everything_waits);
+    RUN_TEST(test_downloads_out_of_order_are_refused);
+    return UNITY_END();
+}
