@@ -66,7 +66,8 @@ typedef struct {
     int32_t vel_q32; ///< [turn / 2^32 per tick] velocity until the next set-point
 } hal_swing_t;
 
-/// Memory for the recorder and the excitation of U, which only main() touches.
+/// Memory for the recorder and the excitation of U. main() writes it; while U is excited the
+/// interrupt reads one word of it per tick.
 typedef struct {
     int32_t *words;   ///< aligned to 4 bytes; its content is anything at the start
     uint32_t n_words; ///< [words] that may be read and written; 0: there is none
