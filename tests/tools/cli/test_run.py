@@ -37,7 +37,8 @@ Command = Callable[..., tuple[int, str, str]]
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 WALL_CLOCK = ("wall_time_s", "ticks_per_s", "run_wall_time_s")
 RESULTS = [
-    *(f"cut_{key}.png" for key in ("compare", "following", "height", "map", "motion", "overview")),
+    *(f"cut_{key}.png" for key in ("compare", "following", "height", "learning", "map", "motion")),
+    "cut_overview.png",
     *(
         "cut_sections.png",
         "cut_sequence.png",
@@ -390,3 +391,22 @@ def test_script_runs_from_anywhere(tmp_path: Path) -> None:
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     assert "  results               my out/report.html" in done.stdout
+
+
+@pytest.mark.slow
+def test_machine_that_is_believed_wrong_learns_and_the_report_shows_it(
+    run: Run, tmp_path: Path
+) -> None:
+    """The report of the machine `real` says what was learned, draws it, and what it is worth."""
+    done = run("--machine", "real", "--feed", "2", "-o", "out")
+    assert done.returncode in (0, 1), done.stderr
+    assert "\n  learning  " in done.stdout and " on, " in done.stdout
+    assert (tmp_path / "out" / "cut_learning.png").stat().st_size > 5000
+    assert "Error of each turn" in (tmp_path / "out" / "report.html").read_text("utf-8")
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text("utf-8"))
+    um, states = summary["error_per_turn_um"], summary["error_per_turn"]["state"]
+    assert states.count("rehearsing") > 20 and states[-1] == "cutting"
+    assert min(um[: states.count("rehearsing")]) < um[0] / 10
+    names = [one["name"] for one in summary["comparison"]]
+    assert names[:2] == ["complete controller", "without learning"]
+    assert summary["comparison"][1]["max_um"] > summary["comparison"][0]["max_um"]

@@ -27,7 +27,7 @@ from part_cases import ROOT, environment
 BUILD = Path(os.environ.get("CAMTURN_BUILD") or ROOT / "build" / "host").resolve()
 PARTS = ROOT / "tools" / "parts"
 SHORT = ("--feed", "4", "--", "--set", "engage_turns=1", "--set", "disengage_turns=1")
-PICTURES = ("cam", "compare", "following", "motion", "profile", "sequence", "speed")
+PICTURES = ("cam", "compare", "following", "learning", "motion", "profile", "sequence", "speed")
 
 Run = Callable[..., subprocess.CompletedProcess[str]]
 

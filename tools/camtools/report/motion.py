@@ -104,7 +104,8 @@ def _strip(axes: Axes, spans: list[tuple[float, float, int]], begin_s: float, en
     for low, high, state in spans:
         axes.axvspan(low, high, color=STATE_COLOURS[state], lw=0, alpha=0.75)
         middle = (max(low, begin_s) + min(high, end_s)) / 2
-        if min(high, end_s) - max(low, begin_s) > 0.16 * (end_s - begin_s):
+        room = 0.023 * len(STATES[state]) * (end_s - begin_s)
+        if min(high, end_s) - max(low, begin_s) > room:
             axes.text(middle, 0.5, STATES[state], ha="center", va="center", fontsize=8.5)
     axes.set_yticks([])
     axes.set_ylim(0, 1)

@@ -33,6 +33,17 @@ _VARIANTS = {
     "without feed-forward": ["--no-feed-forward"],
     "without both": ["--no-lead", "--no-feed-forward"],
 }
+_LEARNS_NOTHING = [
+    word
+    for name in ("rehearse_turns", "learn_harmonics", "ripple_turns")
+    for word in ("--set", f"{name}=0")
+]
+# Learning makes up for what is missing, so each part is judged without it.
+_UNLEARNED = {
+    "without learning": _LEARNS_NOTHING,
+    "without learning and lead": [*_LEARNS_NOTHING, "--no-lead"],
+    "without learning and feed-forward": [*_LEARNS_NOTHING, "--no-feed-forward"],
+}
 
 _MACHINE = """\
 # The simulator's default machine with the limits of the part file.
@@ -203,11 +214,17 @@ def compare(
     """Return the same cut with parts of the controller switched off, the complete one first."""
     if window_turns is not None:
         words = [*words, "--turns-limit", repr(window_turns)]
-    found = []
-    for name, switches in _VARIANTS.items():
+
+    def measured(name: str, switches: Sequence[str]) -> tuple[CutVariant | None, bool]:
         path = simulator.folder / "variant.json"
         status = simulator.run([*words, *switches, "--summary", path.name], is_quiet=True)
-        if status != 2 and path.exists():
-            found.append(variant_of(name, read_summary(path)))
-            path.unlink()
+        if status == 2 or not path.exists():
+            return None, False
+        summary = read_summary(path)
+        path.unlink()
+        return variant_of(name, summary), bool(summary.get("learning", {}).get("is_on", False))
+
+    complete, *others = _VARIANTS.items()
+    first, is_learning = measured(*complete)
+    found = [first, *(measured(*one)[0] for one in (_UNLEARNED.items() if is_learning else others))]
     return tuple(variant for variant in found if variant is not None)
