@@ -16,7 +16,7 @@ from scipy.linalg import expm
 from camtools.base.quantities import Floats
 from camtools.identify.multisine import Wave
 
-STEPS = 4  # of a tick
+STEP_S = 25e-6  # at most; dead times are whole multiples
 FADE_PERIODS = 0.25
 
 
@@ -83,13 +83,14 @@ def _rub(state: Floats, kick: Floats, share: Floats) -> None:
 
 def played(plants: list[Plant], u_nm: Floats, tick_hz: float) -> Floats:
     """Return the measured positions at the ticks, shape (plants, ticks)."""
-    dt_s = 1 / tick_hz / STEPS
+    steps = int(np.ceil(1 / tick_hz / STEP_S - 1e-9))
+    dt_s = 1 / tick_hz / steps
     flows, inputs = zip(*(_flow(plant, dt_s) for plant in plants), strict=True)
     flow, given = np.array(flows), np.array(inputs)
     kick = np.array([plant.friction_m_s2 for plant in plants]) * 1e9 * dt_s / 2
     lag = np.array([round(plant.delay_us * 1e-6 / dt_s) for plant in plants])
     quantum = np.array([max(plant.quantum_nm, 1e-9) for plant in plants])
-    commands = np.concatenate([np.zeros(lag.max()), np.repeat(u_nm, STEPS)])
+    commands = np.concatenate([np.zeros(lag.max()), np.repeat(u_nm, steps)])
     gain = np.array([plant.gain for plant in plants])
     stiffness = np.array([(2 * np.pi * plant.hz) ** 2 for plant in plants])
     share = np.array([plant.mode_share for plant in plants])
@@ -97,8 +98,8 @@ def played(plants: list[Plant], u_nm: Floats, tick_hz: float) -> Floats:
     measured = np.empty((len(plants), u_nm.size))
     for i in range(u_nm.size):
         measured[:, i] = state[:, 0] + state[:, 2]
-        for j in range(STEPS):
-            command = commands[i * STEPS + j + lag.max() - lag]
+        for j in range(steps):
+            command = commands[i * steps + j + lag.max() - lag]
             command = np.round(command / quantum) * quantum
             push = np.abs(gain * command - state[:, 0]) * stiffness
             held = (state[:, 1] == 0) & (push <= kick / (dt_s / 2))

@@ -78,7 +78,7 @@ def test_default_machine_with_friction() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("tick_hz", [10_000.0, 30_000.0])
+@pytest.mark.parametrize("tick_hz", [10_000.0, 40_000.0])
 def test_other_tick_rates(tick_hz: float) -> None:
     """The grid adapts."""
     grid = Grid.of(tick_hz)
@@ -103,7 +103,7 @@ def test_mode_is_said_to_bias_the_fit_and_by_how_much() -> None:
         assert found.has_mode, plant
         assert found.problems(Limits())
         assert found.with_mode is not None
-        assert found.with_mode.mode.hz == pytest.approx(plant.mode_hz, rel=0.02)
+        assert found.with_mode.mode.hz == pytest.approx(plant.mode_hz, rel=0.04)
         assert found.bias[K1] == pytest.approx(k1, abs=2e-3)
         assert found.bias[K2] == pytest.approx(k2, abs=4e-3)
         assert found.bias[LEAD] == pytest.approx(lead_s, abs=3e-6)

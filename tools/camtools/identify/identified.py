@@ -124,8 +124,9 @@ def is_rubbing(found: DriveFit) -> bool:
 
 def _rubbing(spectra: Spectra, record: SettledRecord, values: Floats) -> Spectra:
     """Return the lines with the friction of a drive of these constants."""
-    shares = friction_of(values, record.about_mean_nm, 1 / record.grid.tick_hz)
-    return spectra.with_friction(shares.reshape(record.u_nm.shape)[record.n_dropped :])
+    period_nm = record.period_nm  # played twice: what remains of the begin has died away then
+    shares = friction_of(values, np.tile(period_nm, 2), 1 / record.grid.tick_hz)
+    return spectra.with_friction(np.tile(shares[period_nm.size :], (spectra.n_periods, 1)))
 
 
 def _fit_plain(spectra: Spectra, record: SettledRecord) -> tuple[Spectra, DriveFit]:

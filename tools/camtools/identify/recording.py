@@ -55,9 +55,10 @@ class SettledRecord:
         return replace(self, u_nm=np.round(self.u_nm / self.quantum_nm) * self.quantum_nm)
 
     @property
-    def about_mean_nm(self) -> Floats:
-        """Set-points of all periods in their order, about the mean of those that count."""
-        return np.asarray(self.u_nm.ravel() - self.u_nm[self.n_dropped :].mean())
+    def period_nm(self) -> Floats:
+        """Set-points of a settled period, about their mean; all of them are alike."""
+        period = self.u_nm[self.n_dropped]
+        return np.asarray(period - period.mean())
 
     @property
     def settled(self) -> tuple[Floats, Floats]:
