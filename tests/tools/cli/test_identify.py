@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import io
 import json
+import os
 import re
 import signal
 import subprocess
@@ -21,6 +22,8 @@ from camctl_bench import Bench
 from camsim_cases import camsim
 from camtools.cli.identify import main
 from camtools.identify import connected
+from camtools.link import scope
+from camtools.link.controller import Link
 from camtools.link.scope import Recording
 from drive_plant import Plant, faded, played
 from part_cases import PERKINS, environment
@@ -231,10 +234,37 @@ def test_state_must_be_ready(bench: Bench, capsys: pytest.CaptureFixture[str]) -
     assert "the state is off, U is excited in ready only; enable and home" in said
 
 
-def test_tool_must_be_clear(bench: Bench, capsys: pytest.CaptureFixture[str]) -> None:
-    """The controller refuses where X stands too near to the work for the wave."""
+@pytest.mark.slow
+def test_excitation_over_the_bus(bench: Bench, capsys: pytest.CaptureFixture[str]) -> None:
+    """U of the bench does at once what it is told: excited and recorded, but no drive to be set."""
     ready(bench)
-    status, _ = run(*bus_words(bench))
-    said = capsys.readouterr().err
-    assert status == 1 and said.startswith("identify: ")
-    assert "wave clear: move X to" in said or "no drive of second order" in said
+    status, text = run(*bus_words(bench), "--apply", "--periods", "3")
+    assert status == 1
+    assert "excited: 25 um rms" in text
+    assert "nothing is applied: no drive of second order" in capsys.readouterr().err
+    assert "ready" in bench.do("status").splitlines()[0]
+
+
+@pytest.mark.slow
+def test_interrupt_over_the_bus_brings_u_to_rest(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Ctrl-C while U is excited: the state goes back to ready, nothing is set."""
+    ready(bench)
+    before = bench.do("get", "k1_ns", "k2_us2", "lead_ns")
+    states = []
+
+    def interrupted(link: Link, _timeout_s: float) -> str:
+        link.wait(lambda: link.status.state == "identifying", 5.0)
+        states.append(link.status.state)
+        os.kill(os.getpid(), signal.SIGINT)
+        return "done"
+
+    monkeypatch.setattr(scope, "_follow", interrupted)
+    assert run(*bus_words(bench), "--apply")[0] == 130
+    assert capsys.readouterr().err == "identify: interrupted; nothing was written\n"
+    assert states == ["identifying"]
+    end_s = time.monotonic() + 5
+    while "ready" not in bench.do("status").splitlines()[0]:
+        assert time.monotonic() < end_s
+    assert bench.do("get", "k1_ns", "k2_us2", "lead_ns") == before
