@@ -59,6 +59,20 @@ static inline int32_t cam_dot_i16(uint32_t a, uint32_t b)
 #endif
 }
 
+/// Replace bits of a word: one instruction on Cortex-M4/M7. `from` and `n` are constants.
+/// @return v with its bits from .. from + n - 1 replaced by the lowest n bits of `bits`
+static inline __attribute__((always_inline)) uint32_t cam_insert_bits(uint32_t v, uint32_t bits,
+                                                                      uint32_t from, uint32_t n)
+{
+#if defined(__ARM_FEATURE_DSP) && __ARM_FEATURE_DSP
+    __asm("bfi %0, %1, %2, %3" : "+r"(v) : "r"(bits), "i"(from), "i"(n));
+    return v;
+#else
+    const uint32_t mask = ((UINT32_C(1) << n) - 1u) << from;
+    return (v & ~mask) | ((bits << from) & mask);
+#endif
+}
+
 /// Multiply unsigned numbers and keep the upper half of the product.
 /// @return floor(a * b / 2^32), any arguments
 static inline uint32_t cam_mulhi_u32(uint32_t a, uint32_t b)

@@ -84,6 +84,31 @@ typedef struct {
     uint32_t taken;                  ///< slow side only: turn + 2^24 that was taken last
 } cam_gather_t;
 
+/// Four words by two instructions, which the compiler does not find by itself.
+static inline cam_gather_bin_t cam_gather_load(const cam_gather_bin_t *bin)
+{
+#if defined(__ARM_FEATURE_DSP) && __ARM_FEATURE_DSP
+    cam_gather_bin_t sum;
+    __asm("ldrd %0, %1, [%4]\n\tldrd %2, %3, [%4, #8]"
+          : "=&r"(sum.error_q6), "=&r"(sum.u_nm), "=&r"(sum.angle_q24), "=&r"(sum.n)
+          : "r"(bin), "m"(*bin));
+    return sum;
+#else
+    return *bin;
+#endif
+}
+
+static inline void cam_gather_store(cam_gather_bin_t *bin, cam_gather_bin_t sum)
+{
+#if defined(__ARM_FEATURE_DSP) && __ARM_FEATURE_DSP
+    __asm("strd %1, %2, [%5]\n\tstrd %3, %4, [%5, #8]"
+          : "=m"(*bin)
+          : "r"(sum.error_q6), "r"(sum.u_nm), "r"(sum.angle_q24), "r"(sum.n), "r"(bin));
+#else
+    *bin = sum;
+#endif
+}
+
 /// Add one tick to its bin. Wrapping sums are computed in uint32.
 /// @param pos_q32       [turn, Q32.32] master position
 /// @param measured_q32  [turn / 2^32] angle that was measured, nothing learned taken off
@@ -93,19 +118,19 @@ typedef struct {
 static inline void cam_gather_isr(cam_gather_t *g, int64_t pos_q32, uint32_t measured_q32,
                                   int32_t due_q6, int32_t actual_nm)
 {
-    const uint32_t in_turn_q32 = cam_angle_of_pos(pos_q32);
-    const uint32_t begin_q32 = in_turn_q32 & ~((UINT32_C(1) << (32 - cam_learn_log2_bins)) - 1u);
-    const uint64_t bins = (uint64_t)pos_q32 >> (32 - cam_learn_log2_bins);
-    cam_gather_bin_t *bin = &g->bin[(uint32_t)bins % (2u * cam_learn_bins)];
+    const uint32_t low = cam_angle_of_pos(pos_q32) >> (32 - cam_learn_log2_bins);
+    const uint32_t high = (uint32_t)((uint64_t)pos_q32 >> 32);
+    const uint32_t i = cam_insert_bits(low, high, cam_learn_log2_bins, 1);
+    // The bank shifts out of the word, so this is the begin of the bin in the turn.
+    const int32_t behind_q32 = (int32_t)(measured_q32 - (i << (32 - cam_learn_log2_bins)));
     const uint32_t error_q6 = (uint32_t)due_q6 - 64u * (uint32_t)actual_nm;
-    const int32_t behind_q24 = (int32_t)(measured_q32 - begin_q32) >> 8;
-    const cam_gather_bin_t sum = {
-        .error_q6 = (int32_t)((uint32_t)bin->error_q6 + error_q6),
-        .u_nm = cam_wrap_add(bin->u_nm, due_q6 >> 6),
-        .angle_q24 = cam_wrap_add(bin->angle_q24, behind_q24),
-        .n = bin->n + 1u,
-    };
-    *bin = sum;
+    cam_gather_bin_t *bin = &g->bin[i];
+    cam_gather_bin_t sum = cam_gather_load(bin);
+    sum.error_q6 = (int32_t)((uint32_t)sum.error_q6 + error_q6);
+    sum.u_nm = cam_wrap_add(sum.u_nm, due_q6 >> 6);
+    sum.angle_q24 = cam_wrap_add(sum.angle_q24, behind_q32 >> 8);
+    sum.n++;
+    cam_gather_store(bin, sum);
 }
 
 /// Where between two knots an angle lies.
@@ -117,8 +142,9 @@ typedef struct {
 /// Context: ISR, constant time.
 static inline cam_learn_place_t cam_learn_place(uint32_t theta_q32)
 {
-    const uint32_t part_q8 = (theta_q32 >> 16) & 0xFFu;
-    return (cam_learn_place_t){.knot = theta_q32 >> 24, .share = (part_q8 << 16) - part_q8 + 256u};
+    uint32_t part_q8 = (theta_q32 >> 16) & 0xFFu;
+    __asm("" : "+r"(part_q8)); // the compiler would take it out of theta twice
+    return (cam_learn_place_t){.knot = theta_q32 >> 24, .share = part_q8 * 0xFFFFu + 256u};
 }
 
 /// Read a table between two knots.

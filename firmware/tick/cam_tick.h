@@ -55,10 +55,10 @@ typedef struct {
     int32_t until_plan;                      ///< [ticks] to the next plan, that tick included
     const cam_tick_record_t *_Atomic newest; ///< NULL before the first tick
     _Atomic uint32_t n_ticks;                ///< ticks that are complete; wraps
+    cam_gather_t gather;                     ///< both sides write, cam_learn.h
     // interrupt reads
     _Atomic uint32_t request; ///< serial number << 8 | cam_request_t
     cam_config_bank_t config; ///< slow side writes the half that is not in use
-    cam_gather_t gather;      ///< both sides write, cam_learn.h
     // interrupt writes, slow side reads; the largest is the last member, which keeps offsets short
     cam_trace_t trace;
 } cam_t;
