@@ -29,7 +29,10 @@ COMMAND, ANSWER, STATE = 0x640, 0x5C0, 0x1C0
 BLOCK, BLOCK_FLOW = 0x6C0, 0x540
 ENABLE, START, RESET, SET = 1, 3, 5, 6
 BEGIN_DOWNLOAD = 16
-STATES = ("off", "homing", "ready", "engaging", "cutting", "disengaging", "fault")
+STATES = (
+    *("off", "homing", "ready", "engaging", "cutting", "disengaging", "fault"),
+    *("rehearsing", "identifying"),
+)
 BUSY = -3
 FRAME = struct.Struct("<IB3x8s")
 BLOCK_BYTES = 4096
