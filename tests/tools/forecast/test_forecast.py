@@ -18,6 +18,7 @@ import pytest
 
 from camtools.base.errors import CamtoolsError
 from camtools.cli.forecast import main
+from camtools.forecast import compute
 from camtools.forecast.compute import cut_all
 from camtools.forecast.job import ForecastPlan, Question, plan_of
 from camtools.forecast.store import Store
@@ -195,19 +196,44 @@ def scheduler() -> Iterator[str]:
     from distributed import LocalCluster
 
     with LocalCluster(
-        n_workers=2, threads_per_worker=2, dashboard_address=None, silence_logs=50
+        n_workers=2, threads_per_worker=2, dashboard_address="127.0.0.1:0", silence_logs=50
     ) as cluster:
         yield cluster.scheduler_address
+
+
+def test_scheduler_that_does_not_answer_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Nobody listens, or the address is none: one line, nothing is written."""
+    monkeypatch.setattr(compute, "_CONNECT_S", 0.2)
+    for address in ("tcp://127.0.0.1:9", "nothing"):
+        assert run(tmp_path / "o", "--runs", "1", "--scheduler", address) == 2
+        line = capsys.readouterr().err
+        assert line.startswith(f"forecast: --scheduler {address}: does not answer; give tcp://")
+        assert len(line.splitlines()) == 1
+    assert not (tmp_path / "o").exists()
+
+
+@pytest.mark.slow
+def test_scheduler_without_a_worker_is_refused() -> None:
+    """The line tells how to start one."""
+    from distributed import LocalCluster
+
+    asked = plan(1)
+    with LocalCluster(n_workers=0, dashboard_address="127.0.0.1:0", silence_logs=50) as cluster:
+        address = cluster.scheduler_address
+        with pytest.raises(CamtoolsError, match="has no worker; start `dask worker"):
+            cut_all(asked.task, asked.texts, lambda _: None, scheduler=address)
 
 
 @pytest.mark.slow
 def test_cluster_cuts_the_same(tmp_path: Path, scheduler: str) -> None:
     """Outcomes of a scheduler's workers, of several threads each, are those of this process."""
-    asked = plan(40)
+    asked = plan(24)
     there: list[Outcome] = []
     cut_all(asked.task, asked.texts, there.extend, scheduler=scheduler)
-    here = cut_batch(asked.task, asked.texts[:12])
-    assert len(there) == 40
+    here = cut_batch(asked.task, asked.texts[:8])
+    assert len(there) == 24
     by_key = {one.key: one for one in there}
     for one in here:
         assert isinstance(one, Outcome)
