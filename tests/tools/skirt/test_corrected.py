@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from camsim_cases import camsim
 from camtools.base.errors import CamtoolsError
-from camtools.cut.correction import N_NODES, Correction, correction_of
+from camtools.cut.correction import Correction, correction_of, nodes_of
 from camtools.pipeline.load import Loaded, load
 from camtools.pipeline.make import make
 from camtools.skirt.kind import KIND
@@ -34,10 +34,10 @@ def part_with(nose_mm: float = 0.0, **process: object) -> SkirtPart:
 
 def some_correction() -> Correction:
     """Return waves that `formula_mm` gives in closed form."""
-    z = np.linspace(*ENDS, N_NODES)
+    z = nodes_of(ENDS)
     waves = {
         0: 2e-3 * np.sin(z / 10),
-        1: 1e-3 * (1 + 0.5j) * np.ones(N_NODES),
+        1: 1e-3 * (1 + 0.5j) * np.ones_like(z),
         2: 3e-3 * np.exp(1j * z / 30),
         7: 5e-4 * (z / 62),
     }

@@ -1,7 +1,7 @@
 """What a table takes off a drawing because a gauged part showed it, MATHS.md (160).
 
 It is given by waves over the angle whose coefficients change smoothly over the height: natural
-cubic splines through values at equal distances, which keep the values of their ends beyond them.
+cubic splines through values at `nodes_of` a part, which keep the values of their ends beyond them.
 The mean of each height is carried by X, all waves by U.
 
 >>> bump = Correction((0.0, 60.0), {2: np.full(N_NODES, 1e-3 + 0j)})
@@ -27,12 +27,27 @@ from scipy.interpolate import CubicSpline, PPoly
 from camtools.base.json_text import Json
 from camtools.base.quantities import Floats, FloatsLike
 
-N_NODES = 65  # heights at equal distances over the part
+N_NODES = 65  # heights over the part
+_LEAST_STEP_MM = 0.15  # at the ends, where a cut changes fastest; a table's slices are 0.0655 apart
 MAX_ORDER = 64  # of the gauge, host_sim/part/sim_correction.h
 _UM_PER_MM = 1000.0
 _DECIMALS = 9  # of a micrometre
 
 Complexes = npt.NDArray[np.complex128]
+
+
+def nodes_of(ends_mm: tuple[float, float]) -> Floats:
+    """Return N_NODES heights of a part, rising, closer at its ends.
+
+    >>> nodes_of((0.0, 30.0))[[0, 1, 2, 32, 33, 64]].round(3).tolist()
+    [0.0, 0.15, 0.326, 15.0, 15.658, 30.0]
+    """
+    share = np.arange(N_NODES) / (N_NODES - 1)
+    wave = (1 - np.cos(np.pi * share)) / 2
+    even, dense = ((ends_mm[1] - ends_mm[0]) * one[1] for one in (share, wave))
+    graded = float(np.clip((even - _LEAST_STEP_MM) / (even - dense), 0.0, 1.0))
+    within = (1 - graded) * share + graded * wave
+    return np.asarray(ends_mm[0] + (ends_mm[1] - ends_mm[0]) * within, dtype=np.float64)
 
 
 class Drawing(NamedTuple):
@@ -68,7 +83,7 @@ class Correction:
     @property
     def nodes_mm(self) -> Floats:
         """Return the heights of the values."""
-        return np.linspace(*self.heights_mm, N_NODES)
+        return nodes_of(self.heights_mm)
 
     @property
     def orders(self) -> list[int]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from camtools.base.json_text import Json
 from camtools.base.quantities import Floats
-from camtools.measured.points import Bools, GaugedPoints
+from camtools.measured.points import GaugedPoints
 from camtools.measured.step import Step
 from camtools.measured.surface import KeptWave, Told, taken_um
 
@@ -43,19 +43,13 @@ def _wave(told: Told, one: KeptWave, step: Step) -> Json:
     }
 
 
-def account_of(points: GaugedPoints, inner: Bools, told: Told, step: Step) -> Json:
-    """Return what a surface told and what is expected of the next part.
-
-    Parameters
-    ----------
-    inner : ndarray of bool
-        Points that count, `heights.inside`.
-    """
+def account_of(points: GaugedPoints, told: Told, step: Step) -> Json:
+    """Return what a surface told and what is expected of the next part."""
     kept = [one for one in told.waves if one.is_kept]
     noise2 = sum(float(np.mean(one.smooth.errors**2)) / (2 if one.order else 1) for one in kept)
     left_um = points.deviation_um - taken_um(step.taken, points)
-    found = {
-        "points": int(np.count_nonzero(inner)),
+    return {
+        "points": int(points.turn.size),
         "heights": int(told.z_mm.size),
         "heights_left_out": told.heights.n_left_out,
         "heights_alone_mm": told.alone_mm,
@@ -63,10 +57,7 @@ def account_of(points: GaugedPoints, inner: Bools, told: Told, step: Step) -> Js
         "most_order": told.heights.most_order,
         "noise_um": _rounded(told.sigma_um),
         "noise_corrected_um": _rounded(np.sqrt(noise2)),
-        "gauged_um": pair_of(points.deviation_um[inner]),
-        "expected_um": pair_of(left_um[inner]),
+        "gauged_um": pair_of(points.deviation_um),
+        "expected_um": pair_of(left_um),
         "waves": [_wave(told, one, step) for one in kept],
     }
-    if not inner.all():
-        found["ends_um"] = _rounded(np.abs(left_um[~inner]).max())
-    return found

@@ -14,16 +14,16 @@ import numpy as np
 
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats, Ints
-from camtools.measured.points import Bools, GaugedPoints
+from camtools.cut.correction import nodes_of
+from camtools.measured.points import GaugedPoints
 
 DEFAULT_ORDER = 16
 MIN_HEIGHTS = 3
-_MAX_TRACES, _BANDS = 128, (64, 48, 32, 24, 16, 12, 8, 6, 4)
+_MAX_TRACES = 128
 _APART_MM, _LEVEL_MM = 2e-3, 0.02  # traces are so far apart, and each of them is so level
 _PER_ORDER = 4  # points of a height per wave that is asked of it by default
 _OVER = 1.5  # points per unknown
 _GAP_WAVES = 0.5  # of the highest order, that may lack points
-_COVERED = 0.9  # of all bands
 
 
 class Height(NamedTuple):
@@ -39,17 +39,6 @@ class Heights(NamedTuple):
     heights: list[Height]
     most_order: int
     n_left_out: int  # heights with too few points, or with a gap
-
-
-def inside(points: GaugedPoints, ends_mm: tuple[float, float], margin_mm: float) -> Bools:
-    """Return which points count: of a surface along a helix none within a margin of the ends.
-
-    There feed and chip rise and fall; no table of slices follows that. Traces count all.
-    """
-    if _traces(points.z_mm) is not None:
-        return np.ones(points.z_mm.size, dtype=np.bool_)
-    low_mm, high_mm = ends_mm[0] + margin_mm, ends_mm[1] - margin_mm
-    return np.asarray((points.z_mm >= low_mm) & (points.z_mm <= high_mm))
 
 
 def widest_gap(turn: Floats) -> float:
@@ -77,21 +66,21 @@ def _traces(z_mm: Floats) -> list[Ints] | None:
     return groups if is_level and len(groups) <= _MAX_TRACES else None
 
 
-def _bands(z_mm: Floats, n_bands: int) -> list[Ints]:
-    edges = np.linspace(z_mm.min(), z_mm.max(), n_bands + 1)
-    order = np.argsort(z_mm, kind="stable")
-    groups = np.split(order, np.searchsorted(z_mm[order], edges[1:-1]))
-    return [group for group in groups if group.size]
-
-
-def _split(points: GaugedPoints, order: int) -> list[Ints]:
-    """Return the rows of as many bands as have points all round."""
-    for n_bands in _BANDS:
-        groups = _bands(points.z_mm, n_bands)
-        n_good = sum(_tells(points.turn[group], order) for group in groups)
-        if n_good >= _COVERED * n_bands:
-            return groups
-    return groups
+def _bands(points: GaugedPoints, order: int) -> list[Ints]:
+    """Return the rows of bands as narrow as their points tell, narrower at the ends."""
+    rising = np.argsort(points.z_mm, kind="stable")
+    ends_mm = float(points.z_mm[rising[0]]), float(points.z_mm[rising[-1]])
+    inner_mm = nodes_of(ends_mm)[1:-1]
+    found: list[Ints] = []
+    rest = np.empty(0, dtype=np.int64)
+    for group in np.split(rising, np.searchsorted(points.z_mm[rising], inner_mm)):
+        rest = np.concatenate([rest, group])
+        if rest.size and _tells(points.turn[rest], order):
+            found.append(rest)
+            rest = np.empty(0, dtype=np.int64)
+    if found and rest.size:
+        found[-1] = np.concatenate([found[-1], rest])
+    return found or [rest]
 
 
 def by_height(points: GaugedPoints, most_order: int | None = None) -> Heights:
@@ -110,7 +99,7 @@ def by_height(points: GaugedPoints, most_order: int | None = None) -> Heights:
     groups = _traces(points.z_mm)
     order = most_order or DEFAULT_ORDER
     if groups is None:
-        groups = _split(points, order)
+        groups = _bands(points, order)
     elif most_order is None:
         order = max(1, min(order, int(np.median([group.size for group in groups])) // _PER_ORDER))
     good = [group for group in groups if _tells(points.turn[group], order)]

@@ -15,7 +15,6 @@ import numpy as np
 from camtools.base.errors import CamtoolsError, InputError
 from camtools.cut.correction import MAX_ORDER, Correction, Drawing
 from camtools.measured.account import account_of
-from camtools.measured.heights import inside
 from camtools.measured.points import MAX_BYTES, GaugedPoints, parse_points
 from camtools.measured.previous import Previous, find_previous, read_given
 from camtools.measured.step import take
@@ -27,7 +26,6 @@ MAX_MEAN_UM = 100.0
 MIN_LIMIT_UM, LIMIT_SHARE = 10.0, 0.1  # of the waves: of the section's reduction
 MAX_OFF_RADIUS_UM = 20.0
 _BEYOND = 0.01  # of the part's height
-_END_FEEDS = 2.0  # within which the feed, and with it the chip, rises and falls
 _GRID = 720
 _UM_PER_MM = 1000.0
 
@@ -163,19 +161,12 @@ def next_round(request: Request, name: str, drawing: Drawing) -> Round:
     try:
         _check_place(points, drawing)
         first = 2 if request.is_centred else 0
-        inner = inside(points, drawing.ends_mm, _END_FEEDS * _feed_mm(previous))
-        told = tell(points.pick(inner), drawing.ends_mm, request.most_order, first)
+        told = tell(points, drawing.ends_mm, request.most_order, first)
         _check_size(told, drawing)
     except CamtoolsError as error:
         raise _named(request.surface, error) from error
     before = previous.correction or Correction(drawing.ends_mm, {})
     step = take(told.correction(drawing.ends_mm, 1.0), before.left_mm, request.gain)
     about = {"table_crc32": previous.crc32, "surface_crc32": own, "gain": request.gain}
-    about |= account_of(points, inner, told, step)
+    about |= account_of(points, told, step)
     return Round(before.plus(step.taken, about, step.left_mm), previous)
-
-
-def _feed_mm(previous: Previous) -> float:
-    """Return the feed per turn at which the gauged part was cut, 0 where it is not told."""
-    feed_mm = previous.report.get("process", {}).get("feed_mm", 0.0)
-    return feed_mm if isinstance(feed_mm, float | int) else 0.0

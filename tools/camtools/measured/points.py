@@ -13,7 +13,6 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from camtools.base.columns import Columns
 from camtools.base.errors import InputError, one_line
@@ -36,9 +35,6 @@ MAX_HEIGHT_MM = 1000.0
 MAX_BYTES = 200 * MAX_POINTS
 
 
-Bools = npt.NDArray[np.bool_]
-
-
 class GaugedPoints(NamedTuple):
     """Gauged points, each of shape (n,)."""
 
@@ -46,11 +42,6 @@ class GaugedPoints(NamedTuple):
     z_mm: Floats
     deviation_um: Floats  # from the drawing, above 0: metal left standing
     radius_mm: Floats | None = None  # where the file has it
-
-    def pick(self, rows: Bools) -> GaugedPoints:
-        """Return some of the points."""
-        radius_mm = None if self.radius_mm is None else self.radius_mm[rows]
-        return GaugedPoints(self.turn[rows], self.z_mm[rows], self.deviation_um[rows], radius_mm)
 
 
 class _Place(NamedTuple):

@@ -17,7 +17,7 @@ from scipy.interpolate import CubicSpline
 
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import Floats
-from camtools.cut.correction import N_NODES, Complexes, Correction
+from camtools.cut.correction import Complexes, Correction, nodes_of
 from camtools.measured.heights import MIN_HEIGHTS, Heights, by_height
 from camtools.measured.points import GaugedPoints
 from camtools.measured.smooth import Smoothed, Smoother, off_neighbours, scatter, shares_kept
@@ -85,7 +85,7 @@ def _over_part(
     """
     lowest_mm = z_mm[0] - (z_mm[1] - z_mm[0]) / 2
     highest_mm = z_mm[-1] + (z_mm[-1] - z_mm[-2]) / 2
-    at = np.clip(np.linspace(*ends_mm, N_NODES), lowest_mm, highest_mm)
+    at = np.clip(nodes_of(ends_mm), lowest_mm, highest_mm)
     values: dict[int, Complexes] = {}
     for order, wave in waves_um.items():
         curve = CubicSpline(z_mm, _MM_PER_UM * wave, bc_type="natural")

@@ -9,8 +9,6 @@ from __future__ import annotations
 
 from camtools.base.json_text import Json
 
-_MUCH = 1.2
-
 
 def wave_text(wave: Json) -> str:
     """Return what was done about a wave."""
@@ -48,18 +46,6 @@ def round_text(correction: Json) -> str:
         f"{about['noise_corrected_um']:.2g} um; harmonics up to {about['most_order']} looked at\n"
         + (lines or "    nothing stands above the noise, the table stays\n")
         + f"    expected of the next part: {_pair(about['expected_um'])}\n"
-        + _ends(about)
-    )
-
-
-def _ends(about: Json) -> str:
-    """Return what stays at the ends of a helix, nothing where it is as small as elsewhere."""
-    largest_um = about.get("ends_um", 0.0)
-    if largest_um <= _MUCH * about["expected_um"]["max"]:
-        return ""
-    return (
-        f"    within two feeds of the ends up to {largest_um:.3g} um: there feed and force rise "
-        "and fall\n"
     )
 
 

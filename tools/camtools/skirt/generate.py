@@ -8,6 +8,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -47,6 +48,7 @@ from camtools.table.quantise import with_bounds
 
 DEFAULT_TOLERANCE_NM = 1.0
 REFIT_TOLERANCE_NM = 5.0  # of u, where a spline replaces a corner
+CORRECTED_NM = (3.0, 10.0, 30.0)  # the first that a correction allows: it is no drawing
 CORNER_SHARE = 0.5  # of the form error that a profile with corners may cost
 NM_PER_UM = 1000.0
 
@@ -123,6 +125,20 @@ def _u_of(
         raise
 
 
+def _within(
+    part: SkirtPart, geometry: Geometry, tip: Geometry, tolerance_nm: float | None
+) -> tuple[float, tuple[Channel, Accuracy]]:
+    """Return the tolerance of u with its channel; of a correction the least one that it allows."""
+    default_nm = tolerance_nm or default_tolerance_nm(geometry)
+    if tolerance_nm is None and geometry.correction is not None:
+        for wider_nm in CORRECTED_NM[:-1]:
+            if wider_nm >= default_nm:
+                with suppress(UnreachableError):
+                    return wider_nm, _u_of(part, geometry, tip, wider_nm)
+        default_nm = CORRECTED_NM[-1]
+    return default_nm, _u_of(part, geometry, tip, default_nm)
+
+
 def _geometry_of(part: SkirtPart, passes: list[SkirtPart]) -> Geometry:
     """Return the exact geometry of a part, or refuse what Z or U cannot follow at any speed."""
     refuse_steps(part)
@@ -147,7 +163,8 @@ def generate(
         A validated part.
     tolerance_nm : float, optional
         Largest error of u and of x anywhere on the skirt [nm], the firmware's rounding included;
-        by default 1 nm, for u of a refitted composite section 5 nm, and for x of a profile with
+        by default 1 nm, for u of a refitted composite section 5 nm, of a corrected drawing the
+        first of 3, 10 and 30 nm that can be reached, and for x of a profile with
         corners what can be reached, at most half of the accepted form error.
     correction : Correction, optional
         By a gauged part: the table plays the drawing less this reduction.
@@ -170,8 +187,7 @@ def generate(
     heel = check_heel(geometry, part.tool, process.direction)
     air = with_run(geometry, process.run_in_mm, process.run_out_mm)
     tip = tip_geometry(air, part.tool)
-    tolerance_u_nm = tolerance_nm or default_tolerance_nm(geometry)
-    u, accuracy_u = _u_of(part, geometry, tip, tolerance_u_nm)
+    tolerance_u_nm, (u, accuracy_u) = _within(part, geometry, tip, tolerance_nm)
     most_nm = 0.0 if tolerance_nm else process.form_error_um * NM_PER_UM * CORNER_SHARE
     x, accuracy_x = choose_x(tip, tolerance_nm or DEFAULT_TOLERANCE_NM, most_nm)
     middle = middle_nm(tip, process.u_zero)
