@@ -108,5 +108,5 @@ const cam_gather_bin_t *cam_gather_take(cam_gather_t *g, cam_turn_t *turn)
 
 bool cam_gather_release(cam_gather_t *g)
 {
-    return clear(g, g->taken + 1u);
+    return clear(g, (g->taken + 1u) & (IS_TURN - 1u));
 }
