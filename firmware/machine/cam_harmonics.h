@@ -34,11 +34,10 @@ cam_complex_t cam_harmonics_turned(cam_complex_t c, uint32_t k, uint32_t angle_q
 
 /// Lead a turn of points towards a sum of harmonics, each by no more than a step.
 /// @param point  257 of them, changed in place, the last equal to the first
-/// @param c      harmonics first .. 16, parts within +-2^31
+/// @param c      harmonics 0 .. 16, parts within +-2^23, the sum of their magnitudes below 2^24
 /// @param down   1 .. 24; a point is the sum / 2^down, within +-32767
 /// @param most   largest change of a point, above 0
 /// @return       whether all are there
-bool cam_harmonics_lead(int16_t *point, const cam_complex_t *c, uint32_t first, uint32_t down,
-                        int32_t most);
+bool cam_harmonics_lead(int16_t *point, const cam_complex_t *c, uint32_t down, int32_t most);
 
 #endif

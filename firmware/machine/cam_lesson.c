@@ -48,7 +48,7 @@ static void take_phase(cam_teach_t *t, uint32_t phase_q32)
     if (cam_abs_i64((int32_t)by_q32) >= 1 << 20) {
         cam_shape_turn(&t->shape, 0u - by_q32);
         t->phase_q32 = phase_q32;
-        t->is_walking = true;
+        t->walking |= cam_walk_shape;
     }
 }
 
@@ -81,7 +81,7 @@ static bool is_learning(const cam_teach_t *t, const cam_teach_setup_t *s)
 /// @return whether the drive has settled since the last step
 static bool is_settled(const cam_teach_t *t)
 {
-    return !t->is_walking && ((t->turn - t->good_from) & TURNS) < TURNS / 2u;
+    return t->walking == 0u && ((t->turn - t->good_from) & TURNS) < TURNS / 2u;
 }
 
 static int32_t of_amplitude(const cam_teach_t *t, int64_t value)
@@ -158,6 +158,9 @@ void cam_lesson_open(cam_teach_t *t, const cam_teach_setup_t *s, const cam_turn_
         t->speed_w = 0;
         t->acceleration_w = 0;
         t->sums = (cam_drive_sums_t){0};
+        const uint32_t sum_q6 = cam_shape_sum_q6(&t->shape);
+        const uint32_t most_q6 = (uint32_t)s->most_q6;
+        t->room_q6 = most_q6 > sum_q6 ? (most_q6 - sum_q6) / cam_shape_terms : 0u;
         t->floor_q6 = floor_q6(t, s, n_ticks);
     }
 }
@@ -233,14 +236,12 @@ static void take_layer2(cam_teach_t *t, const cam_teach_setup_t *s, cam_complex_
     }
     const bool is_cut = t->phase == (uint8_t)cam_teach_cutting;
     if (t->shape.is_probed && (is_cut || t->phase == (uint8_t)cam_teach_shape)) {
-        const uint32_t sum_q6 = cam_shape_sum_q6(&t->shape);
-        const uint32_t most_q6 = (uint32_t)s->most_q6;
         cam_shape_learn(&t->shape, t->k, error, cam_lesson_guarded_q6(t), shape_gain_q16(t, s, set),
-                        most_q6 > sum_q6 ? most_q6 - sum_q6 : 0u);
+                        t->room_q6);
         if (is_cut) {
             cam_shape_age(&t->shape, t->k);
         }
-        t->is_walking = true;
+        t->walking |= cam_walk_shape;
     }
 }
 

@@ -202,6 +202,7 @@ cam_err_t cam_machine_set_param(cam_machine_t *m, cam_param_id_t id, int32_t val
     if (err == cam_ok) {
         m->params = params;
         m->is_in_pass = m->is_in_pass && id != cam_param_pass;
+        cam_machine_unlearn(m, id);
     }
     return err;
 }

@@ -130,6 +130,10 @@ cam_status_t cam_machine_status(const cam_machine_t *m);
 /// found damaged is no longer used and raises the fault `table`.
 void cam_machine_poll(cam_machine_t *m);
 
+/// A parameter was set: what was learned on top of it is forgotten, or led to it. Called by
+/// cam_machine_set_param().
+void cam_machine_unlearn(cam_machine_t *m, cam_param_id_t id);
+
 /// One piece of learning: takes a turn from the interrupt, treats one harmonic of it, or leads what
 /// is in force one step towards what was learned. A part of cam_machine_poll(); a loop that calls
 /// that one seldom calls this one more often, at least a hundred times per turn of the spindle.

@@ -109,18 +109,31 @@ void cam_machine_learn_end(cam_machine_t *m)
     cam_config_offer(&m->core->config);
 }
 
+void cam_machine_unlearn(cam_machine_t *m, cam_param_id_t id)
+{
+    if (id == cam_param_k1_ns || id == cam_param_k2_us2 || id == cam_param_lead_ns ||
+        id == cam_param_u_scale_latency_ns) {
+        cam_teach_forget(&m->teach);
+    }
+    if (id == cam_param_eccentricity_nturn || id == cam_param_eccentricity_udeg ||
+        id == cam_param_ripple_turns) {
+        m->teach.walking |= cam_walk_ripple;
+    }
+}
+
 void cam_machine_teach_poll(cam_machine_t *m, cam_state_t state)
 {
     const cam_params_t *p = &m->params;
-    if (p->learn_harmonics == 0 && p->ripple_turns == 0 && p->eccentricity_nturn == 0) {
+    if (p->learn_harmonics == 0 && p->ripple_turns == 0 && m->teach.walking == 0u) {
         return;
     }
     const cam_teach_setup_t setup = setup_of(m);
     cam_gather_t *gather = &m->core->gather;
     cam_teach_poll(&m->teach, &setup, state, gather);
-    cam_learned_t *in = cam_teach_is_walking(&m->teach) ? cam_machine_learn_begin(m) : NULL;
+    const uint32_t at_q8 = atomic_load_explicit(&gather->at_q8, memory_order_relaxed);
+    const bool is_walking = cam_teach_is_walking(&m->teach, at_q8);
+    cam_learned_t *in = is_walking ? cam_machine_learn_begin(m) : NULL;
     if (in != NULL) {
-        const uint32_t at_q8 = atomic_load_explicit(&gather->at_q8, memory_order_relaxed);
         cam_teach_walk(&m->teach, &setup, at_q8, in);
         cam_machine_learn_end(m);
     }

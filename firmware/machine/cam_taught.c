@@ -164,7 +164,7 @@ bool cam_teach_set(cam_teach_t *t, uint32_t index, int32_t value)
     if (!is_good) {
         (void)(is_table ? set_in_tables(t, index, before) : set_one(t, index, before));
     }
-    t->is_walking = true;
+    t->walking = cam_walk_all;
     return is_good;
 }
 

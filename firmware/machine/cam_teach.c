@@ -22,11 +22,12 @@ void cam_teach_init(cam_teach_t *t)
 
 void cam_teach_forget(cam_teach_t *t)
 {
+    const bool is_something = t->speed_q32 != 0 || t->k1_q16 != 0 || t->k2_q16 != 0;
     cam_shape_forget(&t->shape);
     t->k1_q16 = 0;
     t->k2_q16 = 0;
     t->speed_q32 = 0;
-    t->is_walking = true;
+    t->walking |= is_something ? cam_walk_drive | cam_walk_shape : 0u;
 }
 
 static void trust(cam_teach_t *t)
@@ -41,7 +42,7 @@ static void end_probe(cam_teach_t *t)
 {
     if (t->phase == (uint8_t)cam_teach_probing) {
         cam_shape_forget(&t->shape);
-        t->is_walking = true;
+        t->walking |= cam_walk_shape;
     }
 }
 
@@ -53,7 +54,7 @@ static void restore(cam_teach_t *t)
         t->k1_q16 = t->best_k1_q16;
         t->k2_q16 = t->best_k2_q16;
     }
-    t->is_walking = true;
+    t->walking |= cam_walk_drive | cam_walk_shape;
 }
 
 static void note_state(cam_teach_t *t, cam_state_t state)
@@ -113,7 +114,7 @@ static void step_drive(cam_teach_t *t, const cam_teach_setup_t *s, int32_t gain_
         t->k2_q16 =
             (int32_t)cam_clamp_i64(t->k2_q16 + k2, -(int64_t)s->k2_most_q16, s->k2_most_q16);
     }
-    t->is_walking = true;
+    t->walking |= cam_walk_drive;
 }
 
 /// The first turn of a rehearsal. At another speed nothing of the correction holds.
@@ -122,7 +123,7 @@ static void begin(cam_teach_t *t, const cam_teach_setup_t *s)
     if (cam_lesson_is_other_speed(t, t->turn_speed_q32)) {
         const bool was_probed = t->shape.is_probed;
         cam_shape_forget(&t->shape);
-        t->is_walking = true;
+        t->walking |= cam_walk_shape;
         if (was_probed) {
             t->speed_q32 = t->turn_speed_q32;
             return;
@@ -139,7 +140,7 @@ static void step_probe(cam_teach_t *t, const cam_teach_setup_t *s)
     t->n_steps++;
     const int32_t size_q6 = t->n_steps == 1u ? s->probe_q6 / 2 : t->n_steps == 2u ? s->probe_q6 : 0;
     cam_shape_play(&t->shape, size_q6, t->n_orders);
-    t->is_walking = true;
+    t->walking |= cam_walk_shape;
     if (size_q6 == 0) {
         t->shape.is_probed = true;
         trust(t);
@@ -192,7 +193,7 @@ static void close_turn(cam_teach_t *t, const cam_teach_setup_t *s, cam_gather_t 
     }
     if (t->true_q36 > 0 &&
         cam_ripple_close(&t->ripple, s->ripple_turns, s->least_ripple_q32, t->true_q36)) {
-        t->is_walking = true;
+        t->walking |= cam_walk_ripple;
     }
 }
 

@@ -116,6 +116,9 @@ typedef struct {
     cam_complex_t eccentricity; ///< [turn / 2^32] order 1 of the encoder's own error
 } cam_teach_setup_t;
 
+/// What is led to what was learned, in steps.
+enum { cam_walk_drive = 1, cam_walk_shape = 2, cam_walk_ripple = 4, cam_walk_all = 7 };
+
 /// State; everything is kept between parts.
 typedef struct {
     cam_shape_t shape;
@@ -131,6 +134,7 @@ typedef struct {
     uint32_t largest;        ///< [nm / 64] largest k |U_k| of the last turn
     uint32_t larger;         ///< ... of this turn up to now
     uint32_t floor_q6;       ///< [nm / 64] 3 sigma of the scale in a harmonic of this turn
+    uint32_t room_q6;        ///< [nm / 64] by how much a correction may grow in this turn
     int32_t k1_q16, k2_q16;  ///< added to the configured ones
     int32_t best_k1_q16, best_k2_q16;
     int32_t speed_q32;               ///< [turn / 2^32 per tick] at which was learned, 0: never
@@ -147,8 +151,9 @@ typedef struct {
     uint8_t n_halved;                ///< times that the guard halved the gain of layer 1
     uint8_t phase, state, hindrance; ///< hindrance: cam_teach_reason_t of the last turns
     bool is_counted;                 ///< U is learned from this turn
-    int32_t true_q36; ///< [turn / 2^36 per tick] its speed where it tells the ripple, else 0
-    bool is_walking;  ///< what is in force is not yet what was learned
+    int32_t true_q36;      ///< [turn / 2^36 per tick] its speed where it tells the ripple, else 0
+    uint8_t walking;       ///< cam_walk_*: what is in force is not yet what was learned
+    uint32_t walk_from_q8; ///< [turn / 256] the next costly step is not before
 } cam_teach_t;
 
 /// Begin with nothing learned.
@@ -160,12 +165,14 @@ void cam_teach_init(cam_teach_t *t);
 void cam_teach_poll(cam_teach_t *t, const cam_teach_setup_t *setup, cam_state_t state,
                     cam_gather_t *gather);
 
-/// @return whether cam_teach_walk() has something to do
-bool cam_teach_is_walking(const cam_teach_t *t);
+/// @param at_q8  [turn / 256] where the spindle is
+/// @return whether cam_teach_walk() has something to do. Points are made anew at most 25 times a
+///         turn, which bounds what learning costs.
+bool cam_teach_is_walking(const cam_teach_t *t, uint32_t at_q8);
 
 /// One step from what is in force to what was learned: no point of the correction moves further
-/// than 1000 nm, in the cut 50 nm, no angle further than 10 urad, and the constants change the
-/// command by no more than a step.
+/// than 1000 nm, in the cut 50 nm, no angle further than 100 urad, in the cut 10, and the constants
+/// change the command by no more than a step.
 /// @param at_q8   [turn / 256] where the spindle is
 /// @param in      changed in place
 void cam_teach_walk(cam_teach_t *t, const cam_teach_setup_t *setup, uint32_t at_q8,

@@ -8,13 +8,23 @@
 enum {
     rehearsal_step_nm = 1000,
     cut_step_nm = 50,
-    angle_step = 13, ///< [turn / 2^23] 10 urad
+    rehearsal_angle_step = 131, ///< [turn / 2^23] 100 urad
+    cut_angle_step = 13,        ///< 10 urad
     any_step = 1 << 17,
 };
 
-bool cam_teach_is_walking(const cam_teach_t *t)
+/// [turn / 256] between two costly steps, for each set of points: 25 a turn
+enum { step_q8 = 10 };
+
+static bool is_early(const cam_teach_t *t, uint32_t at_q8)
 {
-    return t->is_walking && t->bin == NULL;
+    return cam_state_is_in_work((cam_state_t)t->state) && (int32_t)(at_q8 - t->walk_from_q8) < 0;
+}
+
+bool cam_teach_is_walking(const cam_teach_t *t, uint32_t at_q8)
+{
+    const bool is_cheap = (t->walking & cam_walk_drive) != 0u;
+    return t->walking != 0u && t->bin == NULL && (is_cheap || !is_early(t, at_q8));
 }
 
 /// @return [nm] by how much the command may change
@@ -24,6 +34,15 @@ static int32_t step_nm(cam_state_t state)
         return any_step;
     }
     return state == cam_state_rehearsing ? rehearsal_step_nm : cut_step_nm;
+}
+
+/// @return [turn / 2^23] by how much an angle may change
+static int32_t angle_step(cam_state_t state)
+{
+    if (!cam_state_is_in_work(state)) {
+        return any_step;
+    }
+    return state == cam_state_rehearsing ? rehearsal_angle_step : cut_angle_step;
 }
 
 /// Lead a constant towards its target. @param per_q8  [nm per unit, 2^-8] what it changes
@@ -38,17 +57,16 @@ static bool lead(int32_t *value, int32_t target, int32_t most_nm, uint32_t per_q
 static bool lead_angles(const cam_teach_t *t, const cam_teach_setup_t *s, cam_learned_t *in,
                         int32_t most)
 {
-    cam_complex_t order[cam_harmonics_most] = {0};
-    for (uint32_t k = 1; k <= cam_harmonics_most && s->ripple_turns > 0u; k++) {
-        order[k - 1u] = cam_ripple_order(&t->ripple, k);
+    cam_complex_t order[cam_teach_terms] = {0};
+    for (uint32_t k = 1; k < cam_teach_terms && s->ripple_turns > 0u; k++) {
+        order[k] = cam_ripple_order(&t->ripple, k);
     }
     const bool is_known = s->ripple_turns > 0u && t->ripple.n_mean > 0u;
-    const cam_complex_t shown = is_known ? order[0] : s->eccentricity;
-    order[0] = shown;
-    bool is_there = cam_harmonics_lead(in->dm, order, 1, cam_ripple_down, most);
-    order[0] = cam_complex_sub(shown, s->eccentricity);
-    is_there = cam_harmonics_lead(in->d, order, 1, cam_ripple_down, most) && is_there;
-    return is_there;
+    const cam_complex_t shown = is_known ? order[1] : s->eccentricity;
+    order[1] = shown;
+    const bool is_there = cam_harmonics_lead(in->dm, order, cam_ripple_down, most);
+    order[1] = cam_complex_sub(shown, s->eccentricity);
+    return cam_harmonics_lead(in->d, order, cam_ripple_down, most) && is_there;
 }
 
 /// @return the first turn that may be learned from: in a rehearsal U has half a turn to settle, in
@@ -64,16 +82,34 @@ static uint32_t good_from(cam_state_t state, uint32_t at_q8)
     return turn + (part < 128u ? 1u : 2u);
 }
 
+static bool lead_drive(const cam_teach_t *t, cam_learned_t *in, int32_t most_nm)
+{
+    const bool is_there = lead(&in->k1_q16, t->k1_q16, most_nm, t->speed_w << 8);
+    return lead(&in->k2_q16, t->k2_q16, most_nm, t->acceleration_w) && is_there;
+}
+
 void cam_teach_walk(cam_teach_t *t, const cam_teach_setup_t *setup, uint32_t at_q8,
                     cam_learned_t *in)
 {
     const int32_t most_nm = step_nm((cam_state_t)t->state);
-    bool is_there = cam_harmonics_lead(in->c, t->shape.c_q6, 0, 6, most_nm);
-    is_there = lead(&in->k1_q16, t->k1_q16, most_nm, t->speed_w << 8) && is_there;
-    is_there = lead(&in->k2_q16, t->k2_q16, most_nm, t->acceleration_w) && is_there;
-    is_there = lead_angles(t, setup, in, most_nm < any_step ? angle_step : any_step) && is_there;
-    if (is_there) {
-        t->is_walking = false;
+    uint8_t there = 0;
+    if ((t->walking & cam_walk_drive) != 0u) {
+        there |= lead_drive(t, in, most_nm) ? cam_walk_drive : 0u;
+    }
+    if (is_early(t, at_q8)) {
+        // points wait
+    } else if ((t->walking & cam_walk_shape) != 0u) {
+        there |= cam_harmonics_lead(in->c, t->shape.c_q6, 6, most_nm) ? cam_walk_shape : 0u;
+        t->walk_from_q8 = at_q8 + step_q8;
+    } else if ((t->walking & cam_walk_ripple) != 0u) {
+        const int32_t most = angle_step((cam_state_t)t->state);
+        there |= lead_angles(t, setup, in, most) ? cam_walk_ripple : 0u;
+        t->walk_from_q8 = at_q8 + 2u * step_q8;
+    } else {
+        // there are no points to lead
+    }
+    t->walking &= (uint8_t)~there;
+    if (t->walking == 0u) {
         t->good_from = good_from((cam_state_t)t->state, at_q8);
     }
 }

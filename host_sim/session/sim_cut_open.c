@@ -88,8 +88,12 @@ static bool apply_params(sim_cut_t *cut, common_error_t *e)
         if (sim_firmware_param(&cut->firmware, id) == value) {
             continue;
         }
-        const cam_err_t err = sim_firmware_set_param(&cut->firmware, id, value);
+        cam_err_t err = sim_firmware_set_param(&cut->firmware, id, value);
         sim_cut_idle(cut);
+        if (err == cam_err_busy) { // what was learned is led to the parameter that was set before
+            err = sim_firmware_set_param(&cut->firmware, id, value);
+            sim_cut_idle(cut);
+        }
         if (err != cam_ok) {
             return refused_param(cut, id, err, e);
         }

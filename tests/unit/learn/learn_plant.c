@@ -134,7 +134,7 @@ static void slow_side(learn_plant_t *p)
         return;
     }
     cam_teach_poll(&p->teach, &p->setup, p->state, &p->gather);
-    if (cam_teach_is_walking(&p->teach)) {
+    if (cam_teach_is_walking(&p->teach, at_q8)) {
         cam_teach_walk(&p->teach, &p->setup, at_q8, &p->learned);
         p->generation++;
     }

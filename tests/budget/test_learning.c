@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+// Instructions of the slow side of learning: each piece, and all of a turn.
+#include "budget.h"
+#include "budget_count.h"
+#include "cam_teach.h"
+#include "unity.h"
+#include <stdio.h>
+
+enum { ticks_per_turn = 400, n_turns = 60 };
+
+static cam_teach_t teach;
+static cam_gather_t gather;
+static cam_learned_t learned;
+static int64_t pos_q32;
+static uint32_t tick, generation;
+static uint32_t most_piece, most_turn, in_turn;
+
+static const cam_teach_setup_t setup = {
+    .n_harmonics = cam_teach_harmonics,
+    .gain_q16 = 1 << 15,
+    .cut_gain_q16 = 9830,
+    .probe_q6 = 64000,
+    .ripple_turns = 2,
+    .scale_nm = 10,
+    .most_q6 = cam_teach_most_nm * 64,
+    .k1_q16 = 15 << 16,
+    .k2_q16 = 113 << 16,
+    .k1_most_q16 = 20 << 16,
+    .k2_most_q16 = 130 << 16,
+    .between_q16 = 8192,
+    .eccentricity = {.re = 4096},
+};
+
+void setUp(void) {}
+
+void tearDown(void) {}
+
+static int32_t wave(uint32_t k, uint32_t at_q32)
+{
+    return cam_cos_q24(k * (at_q32 >> 24)) >> 4;
+}
+
+static void count(uint32_t from)
+{
+    const uint32_t n = budget_instructions(from, budget_count());
+    most_piece = n > most_piece ? n : most_piece;
+    in_turn += n;
+}
+
+static void piece(cam_state_t state)
+{
+    const uint32_t at_q8 = (uint32_t)((uint64_t)pos_q32 >> 24);
+    const uint32_t from = budget_count();
+    cam_teach_poll(&teach, &setup, state, &gather);
+    count(from);
+    if (cam_teach_is_walking(&teach, at_q8)) {
+        const uint32_t begin = budget_count();
+        cam_teach_walk(&teach, &setup, at_q8, &learned);
+        count(begin);
+        generation++;
+    }
+}
+
+/// A turn with an error in every harmonic, so that everything has to move.
+static void play_turn(cam_state_t state)
+{
+    const int32_t speed_q32 = (int32_t)(CAM_TURN_Q32 / ticks_per_turn);
+    in_turn = 0;
+    for (int i = 0; i < ticks_per_turn; i++) {
+        const uint32_t at_q32 = cam_angle_of_pos(pos_q32);
+        int32_t error_nm = 0;
+        for (uint32_t k = 1; k < cam_teach_terms; k++) {
+            error_nm += wave(k, at_q32) >> 11;
+        }
+        const int32_t u_nm = wave(2, at_q32) / 2;
+        const uint32_t measured_q32 = at_q32 + (uint32_t)wave(5, at_q32);
+        cam_gather_isr(&gather, pos_q32, measured_q32, u_nm * 64, u_nm - error_nm);
+        if (tick % 8u == 0u) {
+            const cam_tick_record_t r = {.config = generation,
+                                         .angle = {.pos_q32 = pos_q32, .speed_q32 = speed_q32},
+                                         .want = {.state = state}};
+            const cam_motion_t m = {.is_playing = true, .scale_q30 = 1 << 30};
+            cam_gather_plan_isr(&gather, &r, &m);
+        }
+        piece(state);
+        pos_q32 += speed_q32;
+        tick++;
+    }
+    most_turn = in_turn > most_turn ? in_turn : most_turn;
+}
+
+static void test_pieces_and_turns_fit_their_budgets(void)
+{
+    budget_count_start();
+    cam_teach_init(&teach);
+    for (int turn = 0; turn < n_turns; turn++) {
+        play_turn(turn < n_turns / 2 ? cam_state_rehearsing : cam_state_cutting);
+    }
+    printf("figure learn_piece %lu\nfigure learn_turn %lu\n", (unsigned long)most_piece,
+           (unsigned long)most_turn);
+    TEST_ASSERT_GREATER_THAN_UINT32(10, teach.n_turns);
+    TEST_ASSERT_LESS_OR_EQUAL_UINT32(budget_learn_piece, most_piece);
+    TEST_ASSERT_LESS_OR_EQUAL_UINT32(budget_learn_turn, most_turn);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_pieces_and_turns_fit_their_budgets);
+    return UNITY_END();
+}
