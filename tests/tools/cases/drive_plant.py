@@ -16,7 +16,7 @@ from scipy.linalg import expm
 from camtools.base.quantities import Floats
 from camtools.identify.multisine import Wave
 
-STEP_S = 25e-6  # at most; dead times are whole multiples
+STEP_S = 12.5e-6  # at most; dead times are whole multiples
 FADE_PERIODS = 0.25
 
 

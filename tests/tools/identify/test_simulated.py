@@ -79,6 +79,9 @@ def test_constants_are_found(
     assert plain.k1_s == pytest.approx(2 * damping / w, rel=0.01)
     assert plain.k2_s2 == pytest.approx(1 / w**2, rel=0.01)
     assert plain.lead_s * 1e6 == pytest.approx(lead_us, abs=2.0)
+    if drive["quantum_nm"] == 10:
+        assert plain.k1_s == pytest.approx(2 * damping / w, rel=1e-3)
+        assert plain.k2_s2 == pytest.approx(1 / w**2, rel=1e-3)
     assert plain.friction_m_s2 == pytest.approx(float(drive["friction"]), rel=0.05, abs=0.2)
     assert found.problems(Limits()) == []
 

@@ -20,7 +20,7 @@ from scipy.linalg import expm
 
 from camtools.base.quantities import Floats
 
-_STEPS = 3  # of each of the two pieces of a tick, friction acting between them
+_STEPS = 3  # of each of the two pieces of a tick
 
 
 def _step(k1_s: float, k2_s2: float, dt_s: float) -> tuple[float, ...]:
@@ -29,11 +29,58 @@ def _step(k1_s: float, k2_s2: float, dt_s: float) -> tuple[float, ...]:
     return tuple(float(value) for value in expm(drive * dt_s).ravel())
 
 
+class _Slide:
+    """A slide that is pulled to a command and rubs.
+
+    Attributes
+    ----------
+    y, v : float
+        place [nm] and speed [nm/s]
+    """
+
+    def __init__(self, k2_s2: float, friction_nm: float) -> None:
+        self.k2_s2, self.friction_nm = k2_s2, friction_nm
+        self.y = self.v = 0.0
+
+    def move(self, command: float, flow: tuple[float, ...], dt_s: float) -> float:
+        """Let a step pass; return the time integral of the friction's share [s].
+
+        While the slide moves one way friction only shifts the place to which it is pulled, so that
+        the flow is exact; where it stops within the step, it does so with an even deceleration.
+        """
+        v = self.v
+        if v == 0.0 and abs(command - self.y) <= self.friction_nm:
+            return self._held(command) * dt_s
+        sign = copysign(1.0, v if v != 0.0 else command - self.y)
+        pp, pv, vp, vv = flow
+        off = self.y - command + sign * self.friction_nm
+        after = vp * off + vv * v
+        if after * sign >= 0:
+            self.y += (pp - 1) * off + pv * v
+            self.v = after
+            return sign * dt_s
+        moving_s = dt_s * v / (v - after)
+        self.y += 0.5 * v * moving_s
+        self.v = 0.0
+        return sign * moving_s + self._goes_on(command, dt_s - moving_s)
+
+    def _held(self, command: float) -> float:
+        return (command - self.y) / self.friction_nm
+
+    def _goes_on(self, command: float, rest_s: float) -> float:
+        """Hold what has stopped, or let it turn back, for the rest of a step."""
+        push = command - self.y
+        if abs(push) <= self.friction_nm:
+            return self._held(command) * rest_s
+        sign = copysign(1.0, push)
+        acceleration = (push - sign * self.friction_nm) / self.k2_s2
+        self.v = acceleration * rest_s
+        self.y += 0.5 * self.v * rest_s
+        return sign * rest_s
+
+
 def friction_of(values: Floats, u_nm: Floats, tick_s: float) -> Floats:
     """Return the friction of a drive in each tick, as a share of its greatest, -1 .. 1.
-
-    Between two steps the drive moves as without friction; friction takes speed away (Strang's
-    splitting, of second order in the step), and holds what it has stopped against a push below it.
 
     Parameters
     ----------
@@ -49,34 +96,19 @@ def friction_of(values: Floats, u_nm: Floats, tick_s: float) -> Floats:
         mean over the tick that begins with the set-point
     """
     k1_s, k2_s2, friction_nm, lead_s = (float(value) for value in values)
-    friction_nm = max(0.0, friction_nm)
+    if friction_nm <= 0:
+        return np.zeros(u_nm.size)
     delay = max(0.0, lead_s / tick_s - 0.5)
     n_delay, part = int(delay), delay - int(delay)
     commands = [0.0] * (n_delay + 1) + [float(value) for value in u_nm]
     pieces = [(0, part * tick_s / _STEPS), (1, (1 - part) * tick_s / _STEPS)]
-    steps = [
-        (late, friction_nm / k2_s2 * dt_s / 2, _step(k1_s, k2_s2, dt_s))
-        for late, dt_s in pieces
-        if dt_s > 0
-    ]
-    greatest = sum(2 * _STEPS * kick for _, kick, _ in steps) or 1.0
-    y = v = 0.0
+    steps = [(late, dt_s, _step(k1_s, k2_s2, dt_s)) for late, dt_s in pieces if dt_s > 0]
+    slide = _Slide(k2_s2, friction_nm)
     shares = np.empty(u_nm.size)
     for i in range(u_nm.size):
-        taken = 0.0
-        for late, kick, (pp, pv, vp, vv) in steps:
-            command = commands[i + late]
+        taken_s = 0.0
+        for late, dt_s, flow in steps:
             for _ in range(_STEPS):
-                if v == 0.0 and abs(command - y) <= friction_nm:
-                    taken += 2 * kick * (command - y) / (friction_nm or 1.0)
-                    continue
-                loss = copysign(min(abs(v), kick), v)
-                taken += loss
-                v -= loss
-                off = y - command
-                y, v = command + pp * off + pv * v, vp * off + vv * v
-                loss = copysign(min(abs(v), kick), v)
-                taken += loss
-                v -= loss
-        shares[i] = taken / greatest
+                taken_s += slide.move(commands[i + late], flow, dt_s)
+        shares[i] = taken_s / tick_s
     return shares
