@@ -11,16 +11,13 @@ void cam_excite_end_isr(cam_excite_t *e)
     e->n_left = 0;
 }
 
-bool cam_excite_step_isr(cam_excite_t *e, const cam_excite_config_t *cfg, bool is_there,
-                         int32_t *offset_q6)
+bool cam_excite_step_isr(cam_excite_t *e, const cam_excite_config_t *cfg, int32_t *offset_q6)
 {
     const bool is_falling = e->n_left == 0u;
-    const int32_t goal_q30 = is_there && !is_falling ? cam_excite_full_q30 : 0;
-    const bool is_at_goal = cam_move_to_isr(&e->gain, &cfg->fade, goal_q30);
+    const bool is_at_goal =
+        cam_move_to_isr(&e->gain, &cfg->fade, is_falling ? 0 : cam_excite_full_q30);
     *offset_q6 = (int32_t)((cfg->wave_nm[e->at] * e->gain.pos_q10) >> 24);
-    if (is_there) {
-        e->at = e->at + 1u < cfg->n ? e->at + 1u : 0u;
-        e->n_left -= is_falling ? 0u : 1u;
-    }
+    e->at = e->at + 1u < cfg->n ? e->at + 1u : 0u;
+    e->n_left -= is_falling ? 0u : 1u;
     return is_falling && is_at_goal;
 }

@@ -42,12 +42,10 @@ void cam_excite_begin_isr(cam_excite_t *e, const cam_excite_config_t *cfg);
 /// Let the gain fall from the next tick on.
 void cam_excite_end_isr(cam_excite_t *e);
 
-/// One tick.
-/// @param is_there   U rests at the place, apart from the wave
+/// One tick, with U at rest at its place apart from the wave.
 /// @param offset_q6  result, [nm / 64] to be added to the set-point of U
 /// @return           true when the gain has come to rest at 0 behind the end
 /// Constant time.
-bool cam_excite_step_isr(cam_excite_t *e, const cam_excite_config_t *cfg, bool is_there,
-                         int32_t *offset_q6);
+bool cam_excite_step_isr(cam_excite_t *e, const cam_excite_config_t *cfg, int32_t *offset_q6);
 
 #endif

@@ -77,18 +77,23 @@ static void follow_axes(cam_motion_t *m, const cam_sense_t *in)
     m->was_off = true;
 }
 
-/// Move U to a place, in the state identifying with the wave on top, whose end ends that state.
+/// Move U to its place and play the wave there, whose end ends the state. While U rests at the
+/// place only the gain moves, so that one tick never takes both.
 /// @return [nm / 64] what the wave adds
-static int32_t lead_u(cam_play_t *p, const cam_play_config_t *cfg, cam_motion_t *m)
+static int32_t play_wave(cam_play_t *p, const cam_play_config_t *cfg, cam_motion_t *m)
 {
-    const bool is_identifying = m->state == cam_state_identifying;
-    const int64_t place_q10 = is_identifying ? cfg->excite.place_q10 : m->u_target_q10;
-    const bool is_there =
-        cam_move_to_isr(&m->axis[hal_axis_u], &cfg->approach[hal_axis_u], place_q10);
+    cam_move_t *u = &m->axis[hal_axis_u];
+    const cam_excite_config_t *excite = &cfg->excite;
     int32_t wave_q6 = 0;
-    if (is_identifying && cam_excite_step_isr(&p->excite, &cfg->excite, is_there, &wave_q6)) {
-        m->state = cam_state_ready;
+    bool is_over = false;
+    if (u->pos_q10 == excite->place_q10 && u->vel_q10 == 0) {
+        u->acc_q10 = 0;
+        is_over = cam_excite_step_isr(&p->excite, excite, &wave_q6);
+    } else {
+        (void)cam_move_to_isr(u, &cfg->approach[hal_axis_u], excite->place_q10);
+        is_over = p->excite.n_left == 0u;
     }
+    m->state = is_over ? cam_state_ready : m->state;
     return wave_q6;
 }
 
@@ -96,13 +101,15 @@ static int32_t lead_u(cam_play_t *p, const cam_play_config_t *cfg, cam_motion_t 
 CAM_STAGE static int32_t move_u(cam_play_t *p, const cam_play_config_t *cfg, const cam_sense_t *in,
                                 cam_motion_t *m)
 {
-    const cam_move_t *u = &m->axis[hal_axis_u];
+    cam_move_t *u = &m->axis[hal_axis_u];
     int32_t wave_q6 = 0;
     m->c_q6 = 0;
     if (m->state == cam_state_off) {
         follow_axes(m, in);
+    } else if (m->state == cam_state_identifying) {
+        wave_q6 = play_wave(p, cfg, m);
     } else if (m->state != cam_state_fault) {
-        wave_q6 = lead_u(p, cfg, m);
+        (void)cam_move_to_isr(u, &cfg->approach[hal_axis_u], m->u_target_q10);
     } else { // U is where the guard has led it
         m->spindle_mrpm = 0;
     }

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "budget_session.h"
 #include "budget_strike.h"
-#include "fixture_newer.h" // fixture_newer_way
-#include "fixture_shaft.h" // fixture_shaft_make
-#include <math.h>          // cos, sin
-#include <stdio.h>         // printf
+#include "cam_machine_identify.h" // cam_machine_excite
+#include "cam_table.h"            // cam_crc32
+#include "fixture_newer.h"        // fixture_newer_way
+#include "fixture_shaft.h"        // fixture_shaft_make
+#include "hal_host.h"             // hal_host
+#include <math.h>                 // cos, sin
+#include <stdio.h>                // printf
 
 enum { tick_hz = 20000, patience = 60000 };
 
@@ -127,4 +130,37 @@ bool budget_session_faults(fixture_rig_t *rig, void (*isr)(void))
         fixture_rig_ticks(rig, 2000);
     }
     return is_done;
+}
+
+/// A triangle of 32 samples is downloaded. @return whether it is there
+static bool load_wave(cam_machine_t *m)
+{
+    enum { n_samples = 32 };
+    int32_t wave_nm[n_samples];
+    for (int32_t i = 0; i < n_samples; i++) {
+        wave_nm[i] = 100 * (i < n_samples / 2 ? i : n_samples - i);
+    }
+    const uint8_t *bytes = (const uint8_t *)wave_nm;
+    return cam_machine_wave_begin(m, sizeof wave_nm) == cam_ok &&
+           cam_machine_wave_block(m, 0, bytes, sizeof wave_nm) == cam_ok &&
+           cam_machine_wave_end(m, cam_crc32(0, bytes, sizeof wave_nm)) == cam_ok;
+}
+
+bool budget_session_identify(fixture_rig_t *rig, void (*isr)(void))
+{
+    const fixture_part_t part = fixture_part_short();
+    cam_machine_t *m = &rig->machine;
+    const bool is_open = budget_session_open(rig, isr, &part, false);
+    hal_host.in.axis_nm[hal_axis_x] = 60000000; // clear of the part
+    fixture_rig_tick(rig);
+    if (!is_open || !fixture_rig_bring(rig, cam_state_ready) || !load_wave(m) ||
+        cam_machine_excite(m, 50, 200).err != cam_ok) {
+        return false;
+    }
+    for (uint32_t i = 0; i < patience && m->identify.phase != cam_identify_none; i++) {
+        fixture_rig_tick(rig);
+        cam_machine_poll(m);
+        cam_machine_keep_alive(m);
+    }
+    return m->identify.excited == cam_excited_done;
 }

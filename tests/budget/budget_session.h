@@ -49,4 +49,7 @@ bool budget_session_cut(fixture_rig_t *rig, void (*isr)(void), const fixture_par
 /// @return true when each led to the fault state
 bool budget_session_faults(fixture_rig_t *rig, void (*isr)(void));
 
+/// From off through an excitation of U to ready. @return true when it was played to its end
+bool budget_session_identify(fixture_rig_t *rig, void (*isr)(void));
+
 #endif

@@ -264,6 +264,17 @@ static void test_way(void)
     expect_budget("way");
 }
 
+/// U plays a wave by time; what is cut is not measured here.
+static void test_excitation(void)
+{
+    TEST_ASSERT_TRUE(budget_session_identify(&rig, counted));
+    budget_spread_print("identify", "tick", ticks);
+    const budget_spread_t *identifying = &ticks[cam_state_identifying];
+    TEST_ASSERT_GREATER_THAN_UINT32(1000, identifying->n);
+    TEST_ASSERT_LESS_OR_EQUAL_UINT32(budget_tick, identifying->max);
+    TEST_ASSERT_LESS_OR_EQUAL_UINT32(budget_plan_tick, plans[cam_state_identifying].max);
+}
+
 /// A cam: the swing alone and with the speed ratio, in the work and on its return to 0.
 static void test_swung_cuts(void)
 {
@@ -331,6 +342,7 @@ int main(void)
     RUN_TEST(test_ring_helix_with_every_edge_and_fault_in_every_state);
     RUN_TEST(test_way_with_every_edge_and_fault_in_every_state);
     RUN_TEST(test_measured_z_with_every_edge_and_fault_in_every_state);
+    RUN_TEST(test_excitation);
     RUN_TEST(test_swung_cuts);
     RUN_TEST(test_shaft);
     RUN_TEST(test_way);

@@ -97,6 +97,12 @@ static void test_faults_in_the_cut(void)
     expect_sums("faults");
 }
 
+static void test_excitation(void)
+{
+    TEST_ASSERT_TRUE(budget_session_identify(&rig, counted));
+    expect_sums("identify");
+}
+
 static void test_enough_ticks_in_all_states(void)
 {
     uint32_t sum = 0;
@@ -115,6 +121,7 @@ int main(void)
     RUN_TEST(test_uniform_cut);
     RUN_TEST(test_modulated_cut);
     RUN_TEST(test_faults_in_the_cut);
+    RUN_TEST(test_excitation);
     RUN_TEST(test_enough_ticks_in_all_states);
     return UNITY_END();
 }

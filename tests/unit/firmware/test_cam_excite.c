@@ -34,7 +34,7 @@ static uint32_t play(const cam_excite_config_t *c, uint32_t end, int32_t *out, u
         if (n == end) {
             cam_excite_end_isr(&e);
         }
-        is_over = cam_excite_step_isr(&e, c, true, &out[n]);
+        is_over = cam_excite_step_isr(&e, c, &out[n]);
     }
     TEST_ASSERT_TRUE(is_over);
     return n;
@@ -107,23 +107,6 @@ static void test_every_end_stays_within_the_bounds(void)
     }
 }
 
-static void test_nothing_plays_before_u_is_at_its_place(void)
-{
-    wave_nm[0] = 1000;
-    wave_nm[1] = 1000;
-    const cam_excite_config_t c = {
-        .wave_nm = wave_nm, .n = 2, .n_play = 50, .fade = cam_wave_fade(16)};
-    cam_excite_t e;
-    int32_t offset_q6 = 1;
-    cam_excite_begin_isr(&e, &c);
-    for (int i = 0; i < 100; i++) {
-        TEST_ASSERT_FALSE(cam_excite_step_isr(&e, &c, false, &offset_q6));
-        TEST_ASSERT_EQUAL_INT32(0, offset_q6);
-    }
-    cam_excite_end_isr(&e); // a stop on the way ends it at once
-    TEST_ASSERT_TRUE(cam_excite_step_isr(&e, &c, false, &offset_q6));
-}
-
 static cam_wave_verdict_t judge(uint32_t n, int32_t place_nm, uint32_t fade_ticks)
 {
     const cam_wave_range_t range = cam_wave_range(wave_nm, n);
@@ -185,7 +168,6 @@ int main(void)
     RUN_TEST(test_gain_rises_and_falls_in_the_ticks_that_are_asked);
     RUN_TEST(test_periods_in_full_are_the_samples);
     RUN_TEST(test_every_end_stays_within_the_bounds);
-    RUN_TEST(test_nothing_plays_before_u_is_at_its_place);
     RUN_TEST(test_range_knows_the_wrap);
     RUN_TEST(test_limits_are_those_of_u_and_told_in_their_units);
     RUN_TEST(test_any_samples_are_judged_without_overflow);
