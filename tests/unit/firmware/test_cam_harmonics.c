@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+// From bins to harmonics and from harmonics to points, against sums in floating point.
+#include "cam_harmonics.h"
+#include "fixture_random.h"
+#include "unity.h"
+#include <math.h>
+#include <stdlib.h>
+
+#define TURN 6.283185307179586
+
+enum { most_nm = 30000 };
+
+void setUp(void) {}
+
+void tearDown(void) {}
+
+static void test_a_wave_is_its_own_harmonic_and_no_other(void)
+{
+    static int32_t mean[2 * cam_learn_bins]; // a stride of two words
+    for (uint32_t k = 0; k <= 16u; k += 5u) {
+        for (int i = 0; i < cam_learn_bins; i++) {
+            const double angle = (i + 0.5) / cam_learn_bins * TURN;
+            mean[2 * i] = (int32_t)lround(1e8 * cos(k * angle + 0.7));
+            mean[2 * i + 1] = 12345;
+        }
+        for (uint32_t other = 0; other <= 16u; other += 1u) {
+            const cam_complex_t c = cam_harmonics_of(mean, 2, other);
+            const double re = other == k ? 1e8 * cos(0.7) : 0.0;
+            const double im = other == k && k > 0u ? 1e8 * sin(0.7) : 0.0;
+            TEST_ASSERT_INT32_WITHIN(8, (int32_t)lround(re), c.re);
+            TEST_ASSERT_INT32_WITHIN(8, (int32_t)lround(im), c.im);
+        }
+    }
+}
+
+static double sum_at(const cam_complex_t *c, int i)
+{
+    double sum = 0.0;
+    for (int k = 0; k <= 16; k++) {
+        const double angle = TURN * k * i / 256.0;
+        sum += c[k].re * cos(angle) - c[k].im * sin(angle);
+    }
+    return sum / 64.0;
+}
+
+static void test_points_are_the_sum_of_the_harmonics(void)
+{
+    static int16_t point[257];
+    fixture_random_t random = {.state = 5};
+    cam_complex_t c[17];
+    for (int k = 0; k <= 16; k++) {
+        c[k].re = (int32_t)fixture_random_range(&random, -60000, 60000);
+        c[k].im = k > 0 ? (int32_t)fixture_random_range(&random, -60000, 60000) : 0;
+    }
+    TEST_ASSERT_TRUE(cam_harmonics_lead(point, c, 6, 1 << 17));
+    for (int i = 0; i <= 256; i += 3) {
+        TEST_ASSERT_INT32_WITHIN(1, (int32_t)lround(sum_at(c, i)), point[i]);
+    }
+    TEST_ASSERT_EQUAL_INT16(point[0], point[256]);
+}
+
+static void test_points_move_by_no_more_than_a_step_and_arrive(void)
+{
+    static int16_t point[257];
+    static int16_t before[257];
+    const cam_complex_t c[17] = {[0] = {.re = 64 * 300}, [3] = {.re = 64 * 500, .im = -64 * 200}};
+    bool is_there = false;
+    int n = 0;
+    for (; !is_there && n < 100; n++) {
+        for (int i = 0; i <= 256; i++) {
+            before[i] = point[i];
+        }
+        is_there = cam_harmonics_lead(point, c, 6, 50);
+        for (int i = 0; i <= 256; i++) {
+            TEST_ASSERT_LESS_OR_EQUAL_INT32(50, abs(point[i] - before[i]));
+        }
+    }
+    TEST_ASSERT_EQUAL_INT32(17, n); // 300 + |500 - 200j| = 838.5 nm in steps of 50
+}
+
+static void test_points_beyond_their_word_stay_at_its_end(void)
+{
+    static int16_t point[257];
+    const cam_complex_t c[17] = {[0] = {.re = 64 * most_nm}, [1] = {.re = 64 * most_nm}};
+    (void)cam_harmonics_lead(point, c, 6, 1 << 17);
+    TEST_ASSERT_EQUAL_INT16(INT16_MAX, point[0]);
+    TEST_ASSERT_INT16_WITHIN(1, 0, point[128]);
+}
+
+static void test_turned_is_a_multiplication_by_a_unit(void)
+{
+    const cam_complex_t c = {.re = 100000000, .im = -50000000};
+    for (uint32_t k = 1; k <= 16u; k += 3u) {
+        const uint32_t angle_q32 = 123456789u * k;
+        const double by = TURN * k * angle_q32 / 4294967296.0;
+        const cam_complex_t turned = cam_harmonics_turned(c, k, angle_q32);
+        TEST_ASSERT_INT32_WITHIN(9000, (int32_t)lround(1e8 * cos(by) + 5e7 * sin(by)), turned.re);
+        TEST_ASSERT_INT32_WITHIN(9000, (int32_t)lround(1e8 * sin(by) - 5e7 * cos(by)), turned.im);
+    }
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_a_wave_is_its_own_harmonic_and_no_other);
+    RUN_TEST(test_points_are_the_sum_of_the_harmonics);
+    RUN_TEST(test_points_move_by_no_more_than_a_step_and_arrive);
+    RUN_TEST(test_points_beyond_their_word_stay_at_its_end);
+    RUN_TEST(test_turned_is_a_multiplication_by_a_unit);
+    return UNITY_END();
+}

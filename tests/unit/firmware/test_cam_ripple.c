@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+// The ripple of a spindle from the bins of its turns: orders, drift of the speed, counts.
+#include "cam_ripple.h"
+#include "cam_angle.h"
+#include "unity.h"
+#include <math.h>
+
+#define TURN 6.283185307179586
+
+static cam_gather_bin_t bin[cam_learn_bins];
+
+void setUp(void) {}
+
+void tearDown(void) {}
+
+/// One turn of 401.3 ticks with ripple of the orders 2 and 5, in a speed that drifts by a share per
+/// turn, measured in counts (0: exactly).
+static void fill(double drift, double counts)
+{
+    for (int i = 0; i < cam_learn_bins; i++) {
+        bin[i] = (cam_gather_bin_t){0};
+    }
+    const double ticks = 401.3;
+    for (int i = 0; i < 410; i++) {
+        const double t = (i + 0.4) / ticks;
+        const double even = t + 0.5 * drift * t * (t - 1.0);
+        const double turn = even + 1e-4 * sin(2.0 * TURN * even) + 3e-5 * cos(5.0 * TURN * even);
+        if (turn < 0.0 || turn >= 1.0) {
+            continue;
+        }
+        const double shown = counts > 0.0 ? (floor(turn * counts) + 0.5) / counts : turn;
+        const int b = (int)(turn * cam_learn_bins);
+        bin[b].n++;
+        bin[b].angle_q24 += (int32_t)lround((shown - (double)b / cam_learn_bins) * 16777216.0);
+    }
+}
+
+static int32_t q32(double turns)
+{
+    return (int32_t)lround(turns * 4294967296.0);
+}
+
+static int32_t take(cam_ripple_t *r, double drift, double counts)
+{
+    fill(drift, counts);
+    const int32_t speed_q36 = cam_ripple_deviate(bin);
+    TEST_ASSERT_NOT_EQUAL(0, speed_q36);
+    for (uint32_t k = 1; k <= 16u; k++) {
+        cam_ripple_add(r, k, cam_harmonics_of(&bin[0].angle_q24, sizeof bin[0] / 4u, k));
+    }
+    return speed_q36;
+}
+
+static void test_orders_are_found(void)
+{
+    cam_ripple_t r = {0};
+    const int32_t speed_q36 = take(&r, 0.0, 0.0);
+    TEST_ASSERT_INT32_WITHIN(speed_q36 / 100000, (int32_t)lround(68719476736.0 / 401.3), speed_q36);
+    TEST_ASSERT_TRUE(cam_ripple_close(&r, 1, 0, speed_q36));
+    const cam_complex_t second = cam_ripple_order(&r, 2);
+    const cam_complex_t fifth = cam_ripple_order(&r, 5);
+    TEST_ASSERT_INT32_WITHIN(q32(3e-6), q32(-1e-4), second.im);
+    TEST_ASSERT_INT32_WITHIN(q32(3e-6), 0, second.re);
+    TEST_ASSERT_INT32_WITHIN(q32(3e-6), q32(3e-5), fifth.re);
+    TEST_ASSERT_INT32_WITHIN(q32(3e-6), 0, cam_ripple_order(&r, 1).re);
+}
+
+/// The speed of the last turn is what the first one's was and what drifted since.
+static void test_a_drift_of_the_speed_is_no_ripple(void)
+{
+    cam_ripple_t r = {0};
+    const double drift = 0.002;
+    bool is_new = false;
+    for (int i = 0; i < 4; i++) {
+        const int32_t speed_q36 = take(&r, drift, 0.0);
+        const double now = 1.0 + drift * i;
+        is_new = cam_ripple_close(&r, 4, 0, (int32_t)lround(speed_q36 * now));
+    }
+    TEST_ASSERT_TRUE(is_new);
+    TEST_ASSERT_INT32_WITHIN(q32(5e-6), 0, cam_ripple_order(&r, 1).re);
+    TEST_ASSERT_INT32_WITHIN(q32(5e-6), q32(-1e-4), cam_ripple_order(&r, 2).im);
+}
+
+static void test_what_counts_feign_is_not_learned(void)
+{
+    cam_ripple_t r = {0};
+    const int32_t speed_q36 = take(&r, 0.0, 10000.0);
+    TEST_ASSERT_TRUE(cam_ripple_close(&r, 1, q32(0.25 / 10000.0), speed_q36));
+    TEST_ASSERT_INT32_WITHIN(q32(2e-5), q32(-1e-4), cam_ripple_order(&r, 2).im);
+    TEST_ASSERT_EQUAL_INT32(0, cam_ripple_order(&r, 7).re);
+    TEST_ASSERT_EQUAL_INT32(0, cam_ripple_order(&r, 16).im);
+}
+
+/// A ripple of torque falls with the square of the speed, an error of the scale stays.
+static void test_two_speeds_tell_the_scale_from_the_spindle(void)
+{
+    cam_ripple_t r = {0};
+    const int32_t of_spindle = q32(4e-5);
+    const int32_t of_scale = q32(1e-5);
+    const int32_t slow_q36 = 1 << 26;
+    cam_ripple_add(&r, 1, (cam_complex_t){.re = of_spindle + of_scale});
+    TEST_ASSERT_TRUE(cam_ripple_close(&r, 1, 0, slow_q36));
+    TEST_ASSERT_EQUAL_INT32(0, r.scale.re);
+    cam_ripple_add(&r, 1, (cam_complex_t){.re = of_spindle / 4 + of_scale});
+    TEST_ASSERT_TRUE(cam_ripple_close(&r, 1, 0, 2 * slow_q36));
+    TEST_ASSERT_INT32_WITHIN(q32(1e-6), of_scale, r.scale.re);
+}
+
+static void test_a_turn_with_a_hole_or_a_jump_is_refused(void)
+{
+    fill(0.0, 0.0);
+    bin[17].n = 0;
+    TEST_ASSERT_EQUAL_INT32(0, cam_ripple_deviate(bin));
+    fill(0.0, 0.0);
+    bin[60].angle_q24 += 1 << 22;
+    TEST_ASSERT_EQUAL_INT32(0, cam_ripple_deviate(bin));
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_orders_are_found);
+    RUN_TEST(test_a_drift_of_the_speed_is_no_ripple);
+    RUN_TEST(test_what_counts_feign_is_not_learned);
+    RUN_TEST(test_two_speeds_tell_the_scale_from_the_spindle);
+    RUN_TEST(test_a_turn_with_a_hole_or_a_jump_is_refused);
+    return UNITY_END();
+}
