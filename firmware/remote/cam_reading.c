@@ -5,8 +5,8 @@
 #include "hal/hal.h"   // hal_can_write
 #include <string.h>    // memcpy
 
-/// Bytes of a message behind its number.
-enum { part_bytes = 7 };
+/// Bytes of a message behind its number; messages of one poll at most, after a bus that was full.
+enum { part_bytes = 7, most_per_poll = 8 };
 
 /// @return first byte of the piece. Words lie in memory as they are sent, the lowest byte first.
 static const uint8_t *piece(const cam_reading_t *r, const cam_scope_t *scope)
@@ -60,10 +60,9 @@ cam_reading_event_t cam_reading_poll(cam_reading_t *r, const cam_scope_t *scope,
     const uint32_t n_parts = (r->n_bytes + part_bytes - 1u) / part_bytes;
     const uint64_t elapsed = (uint64_t)(tick - r->begin_tick) * cam_reading_hz;
     const uint64_t due = elapsed / scope->tick_hz + 1u;
-    while (r->n_sent < n_parts && r->n_sent < due) {
-        if (!send_part(r, scope)) {
-            return cam_reading_nothing;
-        }
+    bool has_room = true;
+    for (int i = 0; i < most_per_poll && has_room && r->n_sent < n_parts && r->n_sent < due; i++) {
+        has_room = send_part(r, scope);
     }
     r->is_on = r->n_sent < n_parts;
     return r->is_on ? cam_reading_nothing : cam_reading_complete;
