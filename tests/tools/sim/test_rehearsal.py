@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A rehearsal on the simulator: the true tip never comes near the blank, whatever the part."""
+
+from __future__ import annotations
+
+import csv
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from camsim_cases import ROOT, camsim
+from camtools.cli.mktables import main as mktables
+
+# Part, words for camsim, and what the blank is thicker than the largest radius that is cut.
+CASES: dict[str, tuple[str, tuple[str, ...], float]] = {
+    "depth of cut": ("perkins240", (), 0.1),
+    "no clearance of X": ("perkins240", ("--set", "x_clearance_nm=0"), 0.1),
+    "u about its mean": ("skirt_passes", ("--set", "pass=1"), 0.3),
+    "lobes": ("cam-flat", ("--machine", str(ROOT / "host_sim/machines/cam.toml")), 0.1),
+}
+
+
+@pytest.fixture(scope="module")
+def tables(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Make the tables of all parts."""
+    folder = tmp_path_factory.mktemp("rehearsal")
+    for part in {part for part, _, _ in CASES.values()}:
+        assert mktables([str(ROOT / "tools" / "parts" / f"{part}.toml"), "-o", str(folder)]) == 0
+    return folder
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("case", CASES)
+def test_the_tip_stays_off_the_blank(tables: Path, tmp_path: Path, case: str) -> None:
+    """While U plays, the tip stays outside of the largest radius that is cut and its stock."""
+    part, words, stock_mm = CASES[case]
+    trace, summary = tmp_path / "t.csv", tmp_path / "s.json"
+    files: list[str | Path] = ["run", tables / f"{part}.camtab", *words]
+    done = camsim(
+        *(*files, "--set", "rehearse_turns=3"),
+        *("--turns-limit", "3", "--trace", trace, "--summary", summary),
+        *("--tolerance-um", "1000", "--trace-every", "11"),
+    )
+    assert summary.exists(), done.stderr
+    with trace.open() as file:
+        rows = list(csv.DictReader(file))
+    state = np.array([row["state"] for row in rows])
+    u_mm = np.array([float(row["in_u_nm"]) for row in rows]) * 1e-6
+    x_mm = np.array([float(row["in_x_nm"]) for row in rows]) * 1e-6
+    tip_mm = x_mm - u_mm
+    plays = (state == "rehearsing") & (u_mm > 0.1 * u_mm.max())
+    blank_mm = tip_mm[state == "cutting"].max() + stock_mm
+    assert u_mm[plays].max() > 0.9 * u_mm[state == "cutting"].max()
+    assert tip_mm[plays].min() > blank_mm
+    assert json.loads(summary.read_text())["faults"] == []
