@@ -9,8 +9,8 @@ from host import IMAGE
 from remote import ENABLE, PARAMS, Remote
 from tick_trace import Record, Trace
 
-# An ideal machine: one tick of dead time, quick axes, a short way into the work. It has nothing to be
-# learned; what the slow side learns is no input of the replay.
+# An ideal machine: one tick of dead time, quick axes, a short way into the work. It has nothing to
+# be learned; what the slow side learns is no input of the replay.
 SETTINGS = {
     "rehearse_turns": 0,
     "learn_harmonics": 0,
