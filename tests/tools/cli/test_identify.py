@@ -38,7 +38,7 @@ damping = 0.77
 delay_us = 65
 """
 MODE = "mode_hz = 800\nmode_share = 0.1\nmode_on_scale = 1\n"
-FADE_TICKS, N_PERIODS = 2000, 5
+W = 2 * np.pi * 300
 
 
 def run(*words: str | Path) -> tuple[int, str]:
@@ -106,9 +106,32 @@ def test_biased_fit_is_not_applied(tmp_path: Path, capsys: pytest.CaptureFixture
     assert not list((tmp_path / "out").glob("*.toml"))
 
 
+@pytest.mark.slow
+def test_part_may_decide(tmp_path: Path) -> None:
+    """Beyond the limits, but good enough: those that suit the part are set."""
+    machine = tmp_path / "rings.toml"
+    machine.write_text(MACHINE.format(more=MODE), "ascii")
+    place = ["--machine", str(machine), str(PERKINS), "-o", str(tmp_path)]
+    words = [*place, "--apply", "--form-error-um"]
+    assert run(*words, "0.0001")[0] == 1
+    assert not (tmp_path / "rings_identified.toml").exists()
+    status, text = run(*words, "0.5")
+    assert status == 0
+    assert "doubtful: a mode biases k2" in text
+    settings = tomllib.loads((tmp_path / "rings_identified.toml").read_text())["controller"]
+    s = 2j * np.pi * 2500 / 30  # the second harmonic decides
+    true = 1 + (1.4 * s / W + (s / W) ** 2)
+    wm = 2 * np.pi * 800
+    true /= 1 - 0.1 * s**2 / (s**2 + 0.06 * wm * s + wm**2)
+    set_to = 1 + settings["k1_ns"] * 1e-9 * s + settings["k2_us2"] * 1e-12 * s**2
+    lead_s = settings["lead_ns"] * 1e-9 - 100e-6
+    assert abs(set_to * np.exp(s * lead_s) / true - 1) < 5e-4
+
+
 @pytest.mark.parametrize(
     ("words", "says"),
     [
+        ("--machine default --form-error-um 1", "--form-error-um: is that of a part: add PART"),
         ("", "one of the arguments --machine --bus is required"),
         ("--machine nowhere", "--machine nowhere: no such machine; give one of cam, default,"),
         ("--machine default --apply", "--apply: the simulator's machine file goes into a folder"),

@@ -30,7 +30,7 @@ def found(plant: Plant) -> Identified:
 
 def test_settings_are_the_drive() -> None:
     """What would be set, with the latency of the scale taken off the lead."""
-    lines = report(found(Plant(friction_m_s2=5)), BELIEVED, Limits(), MOTION, "oval")
+    lines = report(found(Plant(friction_m_s2=5)), BELIEVED, Limits(), MOTION, "oval", is_good=True)
     said = dict(line.split()[2:] for line in lines if line.startswith("tools/camctl set"))
     plant = Plant()
     assert abs(int(said["k1_ns"]) / (plant.k1_s * 1e9) - 1) < 0.003
@@ -48,7 +48,9 @@ def test_settings_are_the_drive() -> None:
 
 def test_biased_fit_has_no_settings() -> None:
     """A mode is told with the bias; nothing is there to be pasted."""
-    lines = report(found(Plant(mode_hz=800, mode_share=0.1)), BELIEVED, Limits(), MOTION, "oval")
+    lines = report(
+        found(Plant(mode_hz=800, mode_share=0.1)), BELIEVED, Limits(), MOTION, "oval", is_good=False
+    )
     text = "\n".join(lines)
     assert "camctl set" not in text
     assert "mode: 80" in text

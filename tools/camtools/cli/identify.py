@@ -14,7 +14,7 @@ import sys
 import tempfile
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Protocol, TextIO
+from typing import NamedTuple, Protocol, TextIO
 
 from camtools.base.command import Parser, run_command
 from camtools.base.output import write_all
@@ -28,7 +28,7 @@ from camtools.identify.machine_file import with_keys
 from camtools.identify.part_error import ToolMotion, motion_of
 from camtools.identify.plan import Excitation, Wishes, plan
 from camtools.identify.recording import SettledRecord
-from camtools.identify.report import numbers, report
+from camtools.identify.report import chosen, form_left, numbers, report
 from camtools.identify.simulated import CutShortError, SimulatedU
 from camtools.link.controller import Link, Refused
 from camtools.pipeline.load import load
@@ -96,6 +96,12 @@ def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument("--rms-um", type=_positive, help="amplitude; default: 25, or 100 for 1 um")
     parser.add_argument("--carrier-um", type=_not_negative, help="amplitude at 20 Hz; 300")
     parser.add_argument("--highest-hz", type=_positive, default=700.0, help="highest line; 700")
+    parser.add_argument(
+        "--form-error-um",
+        type=_positive,
+        metavar="E",
+        help="a fit that leaves the part at most E is good, too",
+    )
     parser.add_argument("--periods", type=_periods, default=5, help="of 0.2 s, one is dropped; 5")
     parser.add_argument(
         "--apply", action="store_true", help="set the parameters, if the fit is good"
@@ -112,6 +118,8 @@ def _check(parser: Parser, arguments: argparse.Namespace) -> None:
     """End with a line when options do not go together."""
     if arguments.apply and arguments.machine is not None and arguments.output is None:
         parser.error("--apply: the simulator's machine file goes into a folder: add -o DIR")
+    if arguments.form_error_um is not None and arguments.part is None:
+        parser.error("--form-error-um: is that of a part: add PART.toml")
     if arguments.rpm is not None and arguments.part is None:
         parser.error("--rpm: is the speed of a part: add PART.toml")
     if arguments.highest_hz < 50:
@@ -168,22 +176,34 @@ def _one(u: _U, arguments: argparse.Namespace, part: _Part | None, out: TextIO) 
     excitation = plan(believed, wishes)
     lines = [_played(excitation)]
     found = identify(u.excited(excitation, believed))
-    motion = part.motion if part is not None else None
-    lines += report(found, believed, Limits(), motion, part.name if part is not None else "")
+    is_good = _is_good(found, believed, part, arguments.form_error_um)
+    motion, name = (part.motion, part.name) if part is not None else (None, "")
+    lines += report(found, believed, Limits(), motion, name, is_good=is_good)
     out.write("\n".join(lines) + "\n")
     out.flush()
-    return _Found(found, believed, lines)
+    settings = believed.settings(chosen(found, Limits(), motion))
+    return _Found(found, believed, lines, is_good, settings)
 
 
-class _Found:
+def _is_good(
+    found: Identified, believed: Believed, part: _Part | None, most_um: float | None
+) -> bool:
+    """Return whether the constants may be set: within the limits, or good enough for the part."""
+    if not found.problems(Limits()):
+        return True
+    if part is None or most_um is None or not found.plain.is_physical:
+        return False
+    return form_left(found, believed, Limits(), part.motion).most_um <= most_um
+
+
+class _Found(NamedTuple):
     """What one excitation told."""
 
-    def __init__(self, found: Identified, believed: Believed, lines: list[str]) -> None:
-        self.found, self.believed, self.lines = found, believed, lines
-        self.is_good = not found.problems(Limits())
-
-    def settings(self) -> dict[str, int]:
-        return self.believed.settings(self.found.plain.values)
+    found: Identified
+    believed: Believed
+    lines: list[str]
+    is_good: bool
+    settings: dict[str, int]
 
 
 def _simulate(arguments: argparse.Namespace, out: TextIO) -> int:
@@ -197,7 +217,7 @@ def _simulate(arguments: argparse.Namespace, out: TextIO) -> int:
     if arguments.output is not None:
         files = _files(name, one.found, one.believed, one.lines, part)
         if arguments.apply and one.is_good:
-            text = with_keys(machine.decode("utf-8"), "controller", one.settings())
+            text = with_keys(machine.decode("utf-8"), "controller", one.settings)
             files[f"{name}_identified.toml"] = text.encode("utf-8")
         write_all(arguments.output, files)
     return _status(one, arguments, out, f"{name}_identified.toml" if arguments.apply else "")
@@ -224,7 +244,7 @@ def _connect(arguments: argparse.Namespace, out: TextIO) -> int:
             files = _files(name, one.found, one.believed, one.lines, part)
             write_all(arguments.output, files)
         if arguments.apply and one.is_good:
-            u.apply(one.settings())
+            u.apply(one.settings)
     finally:
         bus.shutdown()
     what = "k1_ns, k2_us2, lead_ns; the drives are off, enable and home again"

@@ -83,6 +83,12 @@ class Identified:
             bias[LEAD] = self.plain.values[LEAD] - free[LEAD]
         return bias
 
+    def is_biased(self, limits: Limits) -> bool:
+        """Return whether a mode biases the fit beyond the limits."""
+        bias = np.abs(self.bias)
+        most = (limits.k1_share, limits.k2_share, limits.lead_s)
+        return bool(np.any(bias[[K1, K2, LEAD]] > most))
+
     def problems(self, limits: Limits) -> list[str]:
         """Return why the constants are not to be applied; an empty list when they are."""
         plain = self.plain

@@ -21,7 +21,6 @@ from camtools.identify.fit import (
     FRICTION,
     K1,
     K2,
-    LEAD,
     DriveFit,
     line_weights,
     second_order,
@@ -34,6 +33,7 @@ from camtools.identify.spectra import Spectra
 _STARTS_HZ = (120.0, 200.0, 320.0, 480.0, 640.0, 800.0, 1000.0, 1300.0, 1800.0, 2600.0)
 _START_DAMPING = 0.05
 _MIN_LINES = 12
+_STEP = 1e-5  # of a difference
 _FIRST_STEPS = 20  # of each search, before the best goes on
 _LOWEST_HZ, _HIGHEST_HZ, _MOST_DAMPING = 40.0, 8000.0, 0.3
 
@@ -78,6 +78,9 @@ class ModeFit:
     ----------
     values : ndarray, shape (4,)
         as of `DriveFit`
+    place, covariance : ndarray, shape (8,), (8, 8)
+        what was searched: the values over `scale`, logarithms of frequency and damping, and how
+        far the numerator is off; with the covariance that the residual gives it
     misfit : float
         rms of the residual, as a share of the amplitude
     cost : float
@@ -86,14 +89,24 @@ class ModeFit:
 
     values: Floats
     mode: Mode
+    place: Floats
+    covariance: Floats
+    scale: Floats
     misfit: float
     cost: float
     plain_cost: float
 
     def response(self, s: Complexes) -> Complexes:
         """Return the frequency response, the attenuation of the hold left out."""
-        slide = second_order(s, self.values[K1], self.values[K2], self.values[LEAD])
-        return np.asarray(slide * self.mode.factor(s))
+        return _response_at(self.place, self.scale, s)
+
+    def shares(self, s: Complexes) -> Complexes:
+        """Return by how much of itself the response changes per unit of each part of `place`."""
+        by = np.empty((self.place.size, s.size), np.complex128)
+        for i, step in enumerate(np.eye(self.place.size) * _STEP):
+            ends = (_response_at(self.place + side * step, self.scale, s) for side in (1, -1))
+            by[i] = (next(ends) - next(ends)) / (2 * _STEP)
+        return by / self.response(s)
 
     @property
     def slow_values(self) -> Floats:
@@ -111,6 +124,16 @@ class ModeFit:
         return np.asarray(values)
 
 
+def _mode_at(place: Floats) -> Mode:
+    hz, damping = float(np.exp(place[4])), float(np.exp(place[5]))
+    return Mode(hz, damping, 1 + float(place[6]), (2 * damping + float(place[7])) * 2 * np.pi * hz)
+
+
+def _response_at(place: Floats, scale: Floats, s: Complexes) -> Complexes:
+    k1_s, k2_s2, _, lead_s = place[:4] * scale
+    return np.asarray(second_order(s, k1_s, k2_s2, lead_s) * _mode_at(place).factor(s))
+
+
 class _Residual:
     """The equation of the drive with a mode, in numbers near 1."""
 
@@ -121,14 +144,10 @@ class _Residual:
         friction = max(abs(float(plain.values[FRICTION])), 1.0)
         self.scale = np.array([abs(plain.k1_s), abs(plain.k2_s2), friction, 1e-4])
 
-    def mode(self, x: Floats) -> Mode:
-        hz, damping = float(np.exp(x[4])), float(np.exp(x[5]))
-        return Mode(hz, damping, 1 + x[6], (2 * damping + x[7]) * 2 * np.pi * hz)
-
     def __call__(self, x: Floats) -> Floats:
         k1_s, k2_s2, friction, lead_s = x[:4] * self.scale
         one = self.spectra
-        slide = one.y / self.mode(x).factor(one.s)
+        slide = one.y / _mode_at(x).factor(one.s)
         left = (1 + k1_s * one.s + k2_s2 * one.s**2) * slide + friction * one.friction
         return stacked((left - one.u * np.exp(-lead_s * one.s)) * self.weight)
 
@@ -176,9 +195,13 @@ def fit_mode(spectra: Spectra, plain: DriveFit, near: ModeFit | None = None) -> 
             best = found
     assert best is not None
     best = least_squares(residual, best.x, bounds=(low, high), xtol=1e-12, ftol=1e-12)
+    variance = 2 * best.cost / (best.fun.size - best.x.size)
     return ModeFit(
         values=np.asarray(best.x[:4] * residual.scale),
-        mode=residual.mode(best.x),
+        mode=_mode_at(best.x),
+        place=best.x,
+        covariance=np.linalg.pinv(best.jac.T @ best.jac) * variance,
+        scale=residual.scale,
         misfit=weighted_rms(best.fun, residual.weight, spectra),
         cost=float(2 * best.cost),
         plain_cost=float(still @ still),

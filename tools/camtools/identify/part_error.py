@@ -18,7 +18,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from camtools.base.quantities import Floats, omega_rad_s
-from camtools.identify.fit import K1, K2, LEAD, second_order
+from camtools.identify.fit import K1, K2, LEAD, second_order, stacked
+from camtools.identify.mode import ModeFit
 from camtools.identify.multisine import Complexes
 from camtools.identify.spectra import STICTION_NM_S
 from camtools.table.channel import KIND_U
@@ -97,6 +98,37 @@ def form_error_nm(motion: ToolMotion, believed: Floats, response: Complexes) -> 
     error = (response / second_order(s, *believed[[K1, K2, LEAD]]) - 1) * motion.harmonics
     error[0] = 0
     return float(np.max(np.abs(motion.over_turn(error))))
+
+
+def constants_for(motion: ToolMotion, response: Complexes, lead_s: float) -> Floats:
+    """Return constants of the feed-forward that leave a part the least error of form.
+
+    Parameters
+    ----------
+    response : ndarray
+        of the drive at `motion.s`, of whatever order
+    lead_s : float
+        dead time that is taken
+
+    Returns
+    -------
+    ndarray, shape (4,)
+        as of `fit.DriveFit.values`, without friction; k1 and k2 by least squares over the turn
+    """
+    s = motion.s[1:]
+    moved = (response[1:] * np.exp(lead_s * s)) * motion.harmonics[1:]
+    matrix = np.column_stack([stacked(moved * s), stacked(moved * s**2)])
+    norm = np.linalg.norm(matrix, axis=0)
+    k1_s, k2_s2 = np.linalg.pinv(matrix / norm) @ stacked(motion.harmonics[1:] - moved) / norm
+    values = np.zeros(4)
+    values[K1], values[K2], values[LEAD] = k1_s, k2_s2, lead_s
+    return values
+
+
+def mode_sigma_nm(motion: ToolMotion, found: ModeFit) -> float:
+    """Return the standard deviation of the error of form, the drive having a mode."""
+    by = np.array([motion.over_turn(share) for share in found.shares(motion.s) * motion.harmonics])
+    return float(np.sqrt(np.max(np.einsum("in,ij,jn->n", by, found.covariance, by))))
 
 
 def form_sigma_nm(motion: ToolMotion, values: Floats, covariance: Floats) -> float:

@@ -18,9 +18,11 @@ from camtools.identify.fit import FRICTION, K1, K2, LEAD
 from camtools.identify.identified import Identified, Limits
 from camtools.identify.part_error import (
     ToolMotion,
+    constants_for,
     form_error_nm,
     form_sigma_nm,
     friction_error_nm,
+    mode_sigma_nm,
 )
 
 _SIGMAS = 2.0
@@ -133,27 +135,62 @@ def machine_lines(keys: Mapping[str, float], table: str) -> list[str]:
 
 
 def _part_lines(
-    found: Identified, believed: Believed, motion: ToolMotion, name: str
+    found: Identified, believed: Believed, limits: Limits, motion: ToolMotion, name: str
 ) -> Iterator[str]:
-    """Yield what a part will be off by, the true drive being what was identified."""
-    with_mode = found.with_mode if found.has_mode else None
-    true = found.plain if with_mode is None else with_mode
-    chosen = found.plain.values if with_mode is None else with_mode.slow_values
-    response = true.response(motion.s)
+    """Yield what a part will be off by."""
+    left = form_left(found, believed, limits, motion)
     yield (
         f"{name} at {motion.rpm:g} r/min: U moves at up to {motion.peak_speed_mm_s:.3g} mm/s and "
         f"{motion.peak_acceleration_m_s2:.3g} m/s2"
     )
-    now_um = form_error_nm(motion, believed.values, response) * 1e-3
-    then_um = form_error_nm(motion, chosen, response) * 1e-3
-    then_um = then_um if then_um > _NOTHING_UM else 0.0
-    sigma_um = form_sigma_nm(motion, found.plain.values, found.plain.covariance) * 1e-3
-    yield f"form error by the constants, as believed now: {length_text(now_um)}"
-    doubt = f"{length_text(_SIGMAS * sigma_um)} from {_SIGMAS:g} deviations"
-    yield f"form error by the constants, as identified: {length_text(then_um)}, {doubt}"
+    yield f"form error by the constants, as believed now: {length_text(left.believed_um)}"
+    doubt = f"{length_text(left.doubt_um)} from {_SIGMAS:g} deviations"
+    yield f"form error by the constants, as identified: {length_text(left.chosen_um)}, {doubt}"
     if found.has_friction:
         rubbing_um = friction_error_nm(motion, found.plain.values) * 1e-3
         yield f"friction adds up to {length_text(rubbing_um)}, which only learning takes away"
+
+
+def chosen(found: Identified, limits: Limits, motion: ToolMotion | None) -> Floats:
+    """Return the constants for the feed-forward.
+
+    They are those of the fit. Where a mode biases it beyond the limits, they are those that are
+    best for the part, or far below the mode without a part.
+    """
+    if found.with_mode is None or not found.is_biased(limits):
+        return found.plain.values
+    if motion is None:
+        return found.with_mode.slow_values
+    lead_s = float(found.with_mode.values[LEAD])
+    return constants_for(motion, found.with_mode.response(motion.s), lead_s)
+
+
+class FormLeft(NamedTuple):
+    """Errors of form that constants leave on a part [um]; the true drive is the one identified."""
+
+    believed_um: float
+    chosen_um: float
+    doubt_um: float  # two deviations of the constants
+
+    @property
+    def most_um(self) -> float:
+        """Error to be reckoned with when the identified constants are set."""
+        return self.chosen_um + self.doubt_um
+
+
+def form_left(
+    found: Identified, believed: Believed, limits: Limits, motion: ToolMotion
+) -> FormLeft:
+    """Return what a part is off by with the believed and with the identified constants."""
+    with_mode = found.with_mode if found.is_biased(limits) else None
+    response = (with_mode or found.plain).response(motion.s)
+    now_um = form_error_nm(motion, believed.values, response) * 1e-3
+    then_um = form_error_nm(motion, chosen(found, limits, motion), response) * 1e-3
+    if with_mode is None:
+        sigma_um = form_sigma_nm(motion, found.plain.values, found.plain.covariance) * 1e-3
+    else:
+        sigma_um = mode_sigma_nm(motion, with_mode) * 1e-3
+    return FormLeft(now_um, then_um if then_um > _NOTHING_UM else 0.0, _SIGMAS * sigma_um)
 
 
 def report(
@@ -162,6 +199,8 @@ def report(
     limits: Limits,
     motion: ToolMotion | None = None,
     part: str = "",
+    *,
+    is_good: bool,
 ) -> list[str]:
     """Return the whole report, line by line.
 
@@ -169,15 +208,18 @@ def report(
     ----------
     motion, part : ToolMotion, str
         of a part, whose error of form is told as well
+    is_good : bool
+        the constants are to be set; the settings are told
     """
     lines = [*_table(found, believed), *_fit_lines(found, believed)]
-    problems = found.problems(limits)
-    lines += [f"not to be applied: {problem}" for problem in problems]
-    if not problems:
-        lines += ["", *set_lines(believed.settings(found.plain.values))]
-        lines += ["", *machine_lines(believed.machine_keys(found.plain.values), "believed.u")]
+    what = "doubtful" if is_good else "not to be applied"
+    lines += [f"{what}: {problem}" for problem in found.problems(limits)]
+    if is_good:
+        values = chosen(found, limits, motion)
+        lines += ["", *set_lines(believed.settings(values))]
+        lines += ["", *machine_lines(believed.machine_keys(values), "believed.u")]
     if motion is not None:
-        lines += ["", *_part_lines(found, believed, motion, part)]
+        lines += ["", *_part_lines(found, believed, limits, motion, part)]
     return lines
 
 
@@ -200,7 +242,7 @@ def numbers(
         "lost_lines": found.spectra.n_lost,
         "gain": found.gain.share,
         "problems": found.problems(limits),
-        "settings": believed.settings(found.plain.values),
+        "settings": believed.settings(chosen(found, limits, motion)),
     }
     if found.with_mode is not None and found.has_mode:
         beside = believed.settings(found.with_mode.values)
@@ -214,10 +256,10 @@ def numbers(
             "beside": beside,
         }
     if motion is not None:
-        true = found.with_mode if found.with_mode is not None and found.has_mode else found.plain
-        response = true.response(motion.s)
+        left = form_left(found, believed, limits, motion)
         told["form_error_um"] = {
-            "believed": form_error_nm(motion, believed.values, response) * 1e-3,
-            "identified": form_error_nm(motion, found.plain.values, response) * 1e-3,
+            "believed": left.believed_um,
+            "identified": left.chosen_um,
+            "doubt": left.doubt_um,
         }
     return told
