@@ -96,7 +96,10 @@ static bool is_sound(cam_shape_t *s, uint32_t k, uint32_t size_q6, uint32_t floo
 void cam_shape_learn(cam_shape_t *s, uint32_t k, cam_complex_t error_q6, uint32_t floor_q6,
                      int32_t mu_q16, uint32_t room_q6)
 {
-    if (has_bit(s->masked, k) || !is_sound(s, k, cam_complex_size(error_q6), floor_q6)) {
+    // The mean is not guarded: U answers to it without a phase, and the chip's force moves it.
+    const bool is_guarded = k > 0u;
+    if (has_bit(s->masked, k) ||
+        (is_guarded && !is_sound(s, k, cam_complex_size(error_q6), floor_q6))) {
         return;
     }
     const cam_complex_t change = cam_shape_change(error_q6, s->gain[k], mu_q16 >> s->n_halved[k]);
