@@ -74,13 +74,13 @@ def written(part: SkirtPart, correction: Correction, folder: Path) -> Path:
     [{}, {"direction": -1}, {"run_in_mm": 2.0, "run_out_mm": 1.0, "u_zero": "mean"}],
 )
 def test_firmware_plays_drawing_less_correction(process: dict[str, Any], tmp_path: Path) -> None:
-    """Both ways round, with run-in and U about its mean: within 2 nm of the drawing's formula."""
+    """Both ways round, with run-in and U about its mean: within 4 nm of the drawing's formula."""
     part = part_with(**process)
     folder = written(part, some_correction(), tmp_path)
     rng = np.random.default_rng(15)
     turn, z = rng.uniform(0, 1, 2000), rng.uniform(*ENDS, 2000).round(6)
     wanted = KIND.drawing(part).radius_mm(turn, z) - formula_mm(turn, z)
-    assert np.abs(tip_mm(folder, turn, z) - wanted).max() < 2e-6
+    assert np.abs(tip_mm(folder, turn, z) - wanted).max() < 4e-6
 
 
 def test_nose_follows_the_corrected_surface(tmp_path: Path) -> None:

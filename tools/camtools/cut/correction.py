@@ -1,7 +1,7 @@
 """What a table takes off a drawing because a gauged part showed it, MATHS.md (160).
 
 It is given by waves over the angle whose coefficients change smoothly over the height: natural
-cubic splines through values at `nodes_of` a part, which keep the values of their ends beyond them.
+cubic splines through values at `nodes_of` a part, whose tangents fade beyond its ends.
 The mean of each height is carried by X, all waves by U.
 
 >>> bump = Correction((0.0, 60.0), {2: np.full(N_NODES, 1e-3 + 0j)})
@@ -28,6 +28,7 @@ from camtools.base.json_text import Json
 from camtools.base.quantities import Floats, FloatsLike
 
 N_NODES = 65  # heights over the part
+FADE_MM = 0.5
 _LEAST_STEP_MM = 0.15  # at the ends, where a cut changes fastest; a table's slices are 0.0655 apart
 MAX_ORDER = 64  # of the gauge, host_sim/part/sim_correction.h
 _UM_PER_MM = 1000.0
@@ -116,13 +117,13 @@ class Correction:
             Drawing's angle and height, broadcast against each other; fast when all angles of a
             row share their height: phi one-dimensional, z a scalar or of shape (.., 1).
         """
-        z = np.clip(np.asarray(z_mm, dtype=np.float64), *self.heights_mm)
+        z = np.asarray(z_mm, dtype=np.float64)
         shape = np.broadcast_shapes(phi_rad.shape, z.shape)
         found = [np.zeros(shape) for _ in range(4)]
         if not self.orders:
             return found
         is_grid = phi_rad.ndim == 1 and z.ndim > 0 and z.shape[-1] == 1
-        parts = self._waves(z[..., 0] if is_grid else z)
+        parts = self._parts(z[..., 0] if is_grid else z)
         for i, order in enumerate(self.orders):
             cos, sin = np.cos(order * phi_rad), np.sin(order * phi_rad)
             a, b = parts[..., i], parts[..., len(self.orders) + i]
@@ -134,6 +135,20 @@ class Correction:
             found[2] -= order**2 * wave
             found[3] -= order**2 * slope
         return found
+
+    def _parts(self, z_mm: Floats) -> Floats:
+        """Return cosines, then sines of all waves at heights [mm], shape (.., 2 orders).
+
+        Beyond an end they go on as their tangent, which fades over FADE_MM: no kink in the air.
+        """
+        held = np.clip(z_mm, *self.heights_mm)
+        beyond = z_mm - held
+        run = np.minimum(np.abs(beyond), FADE_MM)
+        way = np.sign(beyond) * (run - run**2 / (2 * FADE_MM))
+        found = self._waves(held)
+        if beyond.any():
+            found = found + way[..., None] * self._waves(held, 1)
+        return np.asarray(found, dtype=np.float64)
 
     def plus(self, other: Correction, about: Json, left_mm: Mapping[int, Complexes]) -> Correction:
         """Return the sum of two corrections of one part, the other one being a new round."""

@@ -18,6 +18,7 @@ from camtools.base.places import ROOT
 from camtools.base.stage import cannot_write
 from camtools.part.common import PartFile, is_feed_within
 from camtools.part.tool import Tool, check_tracks
+from camtools.pipeline.correct import add_measured, request_of
 from camtools.sim.machines import machine_bytes, names
 from camtools.table.header import check_tolerance
 
@@ -35,7 +36,7 @@ def _parser() -> argparse.ArgumentParser:
     parser = Parser(
         prog="tools/run",
         usage="tools/run [PART.toml] [--rpm N] [--feed MM] [--machine M] [--tolerance-nm T] "
-        "[-o DIR] [-- CAMSIM-OPTIONS]",
+        "[--measured SURFACE.csv ..] [-o DIR] [-- CAMSIM-OPTIONS]",
         description="Make the table of a part, cut it on the host simulator, write a report.",
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
@@ -55,8 +56,12 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--tolerance-nm", metavar="T", help="error of the table, nm; default: as tools/mktables"
     )
+    add_measured(parser)
     parser.add_argument(
-        "-o", "--output", metavar="DIR", help="folder of the results; default build/run/NAME"
+        "-o",
+        "--output",
+        metavar="DIR",
+        help="folder of the results; default build/run/NAME, of a corrected table NAME-roundN",
     )
     return parser
 
@@ -117,6 +122,8 @@ class RunJob:
         self.tolerance_nm = _positive("--tolerance-nm", arguments.tolerance_nm, "nm")
         if self.tolerance_nm is not None:
             check_tolerance(self.tolerance_nm)
+        self.options = arguments  # with those of `add_measured`
+        request_of(arguments)
         self.extra = _for_camsim(words[split + 1 :])
         if arguments.output == "":
             raise CamtoolsError(["-o: an empty path; give a folder"])
@@ -141,9 +148,10 @@ class RunJob:
         problem = f"--feed {feed_mm:.9g}: must be at most {most_mm:.9g} mm, {why}"
         raise CamtoolsError([f"{problem}; give at most --feed {most_mm:.9g}"])
 
-    def folder(self, name: str) -> Path:
-        """Return the output folder for a part's name."""
-        return self.output or ROOT / "build" / "run" / name
+    def folder(self, name: str, n_rounds: int = 0) -> Path:
+        """Return the output folder for a part's name, and a table of so many rounds."""
+        own = f"{name}-round{n_rounds}" if n_rounds else name
+        return self.output or ROOT / "build" / "run" / own
 
     def tolerance(self, form_error_um: float) -> list[str]:
         """Return the part's own form error for camsim, unless another is given."""

@@ -18,6 +18,7 @@ from pathlib import Path
 from camtools.base.command import BAD_INPUT
 from camtools.base.json_text import Json
 from camtools.base.stage import Stage
+from camtools.pipeline.correct import correction_for
 from camtools.pipeline.job import RunJob, say, shown, without_faults, write_files
 from camtools.pipeline.kind import Rig
 from camtools.pipeline.load import load
@@ -116,9 +117,15 @@ def run(argv: Sequence[str]) -> int:
     job = RunJob(argv)
     loaded = load(job.part_path)
     job.check_feed(loaded.part)
+    correction = correction_for(job.options, loaded, job.output)
     say(f"making the table of {job.part_path.name}")
-    made = make(loaded, job.part_path, rpm=job.rpm, tolerance_nm=job.tolerance_nm)
-    folder = job.folder(loaded.part.part.name)
+    made = make(
+        *(loaded, job.part_path),
+        rpm=job.rpm,
+        tolerance_nm=job.tolerance_nm,
+        correction=correction,
+    )
+    folder = job.folder(loaded.part.part.name, len(correction.rounds) if correction else 0)
     with Stage(folder) as stage:
         say(f"cutting {turns_of(job, made):.0f} turns on the host simulator")
         outcome = _simulate(job, made, stage.folder)

@@ -48,7 +48,7 @@ from camtools.table.quantise import with_bounds
 
 DEFAULT_TOLERANCE_NM = 1.0
 REFIT_TOLERANCE_NM = 5.0  # of u, where a spline replaces a corner
-CORRECTED_NM = (3.0, 10.0, 30.0)  # the first that a correction allows: it is no drawing
+CORRECTED_NM = (3.0, 10.0, 30.0, 100.0, 300.0)  # the first that a correction allows
 CORNER_SHARE = 0.5  # of the form error that a profile with corners may cost
 NM_PER_UM = 1000.0
 
@@ -164,7 +164,7 @@ def generate(
     tolerance_nm : float, optional
         Largest error of u and of x anywhere on the skirt [nm], the firmware's rounding included;
         by default 1 nm, for u of a refitted composite section 5 nm, of a corrected drawing the
-        first of 3, 10 and 30 nm that can be reached, and for x of a profile with
+        first of 3, 10, 30, 100 and 300 nm that can be reached, and for x of a profile with
         corners what can be reached, at most half of the accepted form error.
     correction : Correction, optional
         By a gauged part: the table plays the drawing less this reduction.

@@ -79,6 +79,20 @@ def _filter_rows(outcome: SkirtOutcome) -> list[ReportRow]:
     return [ReportRow("filter of the points", f"{waves}: {off}")]
 
 
+def _correction_rows(outcome: SkirtOutcome) -> list[ReportRow]:
+    """Return what was expected of a part whose table gauged parts have corrected."""
+    correction = outcome.generated.geometry.correction
+    if correction is None:
+        return []
+    about = correction.rounds[-1]
+    left = about["expected_um"]
+    text = (
+        f"round {len(correction.rounds)}, of {length_text(about['gauged_um']['max'])} at most; "
+        f"expected {length_text(left['max'])}, rms {length_text(left['rms'])}"
+    )
+    return [ReportRow("correction by gauged parts", text)]
+
+
 def _control_rows(outcome: SkirtOutcome) -> list[ReportRow]:
     """Return the controller's own error where the table does not play the drawing itself."""
     control = outcome.summary.get("control_error_um")
@@ -132,6 +146,7 @@ def rows_of(outcome: SkirtOutcome) -> list[ReportRow]:
     return [
         ReportRow("cut", what_was_cut(outcome)),
         ReportRow("form error", _form_text(form)),
+        *_correction_rows(outcome),
         *_control_rows(outcome),
         *pass_rows(summary),
         ReportRow("following error of U", error_pair(summary["following_error_um"])),
