@@ -16,7 +16,7 @@ enum {
 
 #define TURNS UINT32_C(0xFFFFFF) ///< turns are numbered modulo 2^24
 
-/// 3 sigma of a harmonic of n ticks of a scale of quantum q: 3 q / sqrt(12) sqrt(2 / n), in 1 / 64.
+/// 3 / sqrt(12) sqrt(2), in 1 / 64: MATHS.md (148).
 #define FLOOR_Q6 INT64_C(78)
 
 void cam_lesson_phase(cam_teach_t *t, cam_teach_phase_t phase)
