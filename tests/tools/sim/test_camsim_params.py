@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`camsim params`: what the controller is configured with."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from camsim_cases import ROOT, camsim, only_error
+from camtools.skirt.generate import GeneratedSkirt
+from camtools.table.image import pack
+
+
+@pytest.fixture
+def table(tmp_path: Path, generated: GeneratedSkirt) -> Path:
+    """Write the table of the Perkins skirt."""
+    path = tmp_path / "perkins.camtab"
+    path.write_bytes(pack(generated.table))
+    return path
+
+
+def test_every_parameter_is_there(table: Path, tmp_path: Path) -> None:
+    """In the order of the list, behind the tick rate; what is set counts."""
+    machine = tmp_path / "m.toml"
+    machine.write_text("[machine]\ntick_hz = 25000\n[controller]\nk1_ns = 700000\n", "ascii")
+    done = camsim("params", table, "--machine", machine, "--set", "lead_ns=5000")
+    assert done.returncode == 0, done.stderr
+    header, *rows = done.stdout.splitlines()
+    found = dict(row.split(",") for row in rows)
+    text = (ROOT / "firmware" / "machine" / "cam_param.h").read_text("utf-8")
+    assert header == "name,value"
+    assert list(found) == ["tick_hz", *re.findall(r"^    X\((\w+),", text, re.MULTILINE)]
+    assert (found["tick_hz"], found["k1_ns"], found["lead_ns"]) == ("25000", "700000", "5000")
+
+
+def test_what_has_no_meaning_is_refused(table: Path) -> None:
+    """Outputs of a run and other targets, one line each."""
+    says = {
+        ("--summary", "s.json"): "params: s.json: an output of camsim run; leave it out",
+        ("--set", "k1_ns=-1"): "k1_ns = -1: out of range",
+    }
+    for words, said in says.items():
+        assert said in only_error(camsim("params", table, *words))
