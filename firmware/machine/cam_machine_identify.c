@@ -7,7 +7,7 @@
 
 // The wave
 
-static uint8_t *wave_bytes(const cam_machine_t *m)
+static uint8_t *wave_bytes(cam_machine_t *m)
 {
     return (uint8_t *)m->scope.words;
 }
@@ -47,14 +47,14 @@ cam_err_t cam_machine_wave_block(cam_machine_t *m, uint32_t offset, const uint8_
         return cam_err_download_room;
     }
     const bool is_known =
-        offset + n <= i->received && memcmp(wave_bytes(m) + offset, bytes, n) == 0;
+        offset + n <= i->received && memcmp(&wave_bytes(m)[offset], bytes, n) == 0;
     if (is_known) {
         return cam_ok;
     }
     if (offset != i->received) {
         return cam_err_download_order;
     }
-    (void)memcpy(wave_bytes(m) + offset, bytes, n);
+    (void)memcpy(&wave_bytes(m)[offset], bytes, n);
     i->received += n;
     return cam_ok;
 }
@@ -83,13 +83,13 @@ cam_err_t cam_machine_wave_end(cam_machine_t *m, uint32_t crc)
 
 // The excitation
 
-static cam_wave_verdict_t plain(cam_err_t err)
+static cam_wave_verdict_t no_value(cam_err_t err)
 {
     return (cam_wave_verdict_t){.err = err};
 }
 
 /// @return whether the interrupt has carried out the last request
-static bool is_settled(const cam_machine_t *m, const cam_status_t *status)
+static bool is_carried_out(const cam_machine_t *m, const cam_status_t *status)
 {
     return status->request == (m->n_requests & 0xFFFFFFu);
 }
@@ -103,7 +103,7 @@ static void request(cam_machine_t *m, cam_request_t what)
 
 static cam_err_t check_moment(const cam_machine_t *m, const cam_status_t *status)
 {
-    if (!is_settled(m, status) || cam_identify_is_between(&m->identify)) {
+    if (!is_carried_out(m, status) || cam_identify_is_between(&m->identify)) {
         return cam_err_busy;
     }
     if (status->state != cam_state_ready) {
@@ -158,8 +158,8 @@ static bool offer(cam_machine_t *m, const cam_excite_config_t *excite, int32_t f
 }
 
 /// Hand the wave over and let the recorder wait for it.
-static cam_err_t begin(cam_machine_t *m, const cam_status_t *status,
-                       const cam_excite_config_t *excite, int64_t following_nm)
+static cam_err_t hand_wave_over(cam_machine_t *m, const cam_status_t *status,
+                                const cam_excite_config_t *excite, int64_t following_nm)
 {
     cam_identify_t *i = &m->identify;
     const cam_err_t err = cam_scope_start(&m->scope, status->tick);
@@ -181,7 +181,7 @@ static cam_err_t begin(cam_machine_t *m, const cam_status_t *status,
 cam_wave_verdict_t cam_machine_excite(cam_machine_t *m, uint32_t n_periods, uint32_t fade_ticks)
 {
     const cam_status_t status = cam_machine_status(m);
-    cam_wave_verdict_t verdict = plain(check_moment(m, &status));
+    cam_wave_verdict_t verdict = no_value(check_moment(m, &status));
     if (verdict.err == cam_ok) {
         verdict = check_length(m, n_periods, fade_ticks);
     }
@@ -211,7 +211,7 @@ cam_wave_verdict_t cam_machine_excite(cam_machine_t *m, uint32_t n_periods, uint
     m->identify.following_nm = cfg->guard.following_nm;
     m->identify.n_fall = n_fall;
     const int64_t most_nm = -range.low_nm > range.high_nm ? -range.low_nm : range.high_nm;
-    return plain(begin(m, &status, &excite, m->identify.following_nm + most_nm));
+    return no_value(hand_wave_over(m, &status, &excite, m->identify.following_nm + most_nm));
 }
 
 void cam_machine_keep_alive(cam_machine_t *m)
@@ -281,7 +281,7 @@ void cam_machine_identify_poll(cam_machine_t *m)
         return;
     }
     const cam_status_t status = cam_machine_status(m);
-    if (!is_settled(m, &status)) {
+    if (!is_carried_out(m, &status)) {
         return;
     }
     if (i->phase == cam_identify_offered && status.config == m->generation) {
@@ -302,7 +302,7 @@ cam_err_t cam_machine_identify_stop(cam_machine_t *m, bool disables)
 {
     cam_identify_t *i = &m->identify;
     const cam_status_t status = cam_machine_status(m);
-    if (!is_settled(m, &status) || i->phase != cam_identify_runs) {
+    if (!is_carried_out(m, &status) || i->phase != cam_identify_runs) {
         return cam_err_busy;
     }
     i->disables = i->disables || disables;

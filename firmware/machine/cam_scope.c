@@ -155,7 +155,7 @@ static int32_t value_of(const cam_tick_record_t *r, uint32_t signal)
 
 static void keep_row(cam_scope_t *s, const cam_tick_record_t *r)
 {
-    int32_t *word = s->words + s->n_wave + s->n_rows * s->n_signals;
+    int32_t *word = &s->words[s->n_wave + s->n_rows * s->n_signals];
     for (uint32_t i = 0; i < (uint32_t)cam_scope_n_signals; i++) {
         if ((s->taken >> i & 1u) != 0u) {
             *word = value_of(r, i);

@@ -182,7 +182,7 @@ static inline uint32_t cam_scope_n_recorded(const cam_scope_t *s)
 /// @return first word of the recording
 static inline const int32_t *cam_scope_recorded(const cam_scope_t *s)
 {
-    return s->words + s->n_wave;
+    return &s->words[s->n_wave];
 }
 
 /// @return name of a signal with its unit as the last word, static; "?" for a foreign number

@@ -2,7 +2,7 @@
 #include "cam_wave.h"
 #include "cam_fix.h" // cam_abs_i64, cam_sat_i32
 
-static int64_t larger(int64_t a, int64_t b)
+static int64_t most_of(int64_t a, int64_t b)
 {
     return a > b ? a : b;
 }
@@ -14,10 +14,10 @@ cam_wave_range_t cam_wave_range(const int32_t *wave_nm, uint32_t n)
     int64_t last_step_nm = last_nm - wave_nm[n - 2u];
     for (uint32_t i = 0; i < n; i++) {
         const int64_t step_nm = wave_nm[i] - last_nm;
-        range.low_nm = -larger(-range.low_nm, -(int64_t)wave_nm[i]);
-        range.high_nm = larger(range.high_nm, wave_nm[i]);
-        range.step_nm = larger(range.step_nm, cam_abs_i64(step_nm));
-        range.bend_nm = larger(range.bend_nm, cam_abs_i64(step_nm - last_step_nm));
+        range.low_nm = -most_of(-range.low_nm, -(int64_t)wave_nm[i]);
+        range.high_nm = most_of(range.high_nm, wave_nm[i]);
+        range.step_nm = most_of(range.step_nm, cam_abs_i64(step_nm));
+        range.bend_nm = most_of(range.bend_nm, cam_abs_i64(step_nm - last_step_nm));
         last_nm = wave_nm[i];
         last_step_nm = step_nm;
     }
@@ -66,7 +66,7 @@ cam_wave_verdict_t cam_wave_judge(const cam_wave_range_t *range, const cam_move_
     if (low_nm < -most_nm || high_nm > most_nm) {
         return refuse(cam_err_wave_stroke, -low_nm > high_nm ? low_nm : high_nm);
     }
-    const int64_t wave_nm = larger(-range->low_nm, range->high_nm);
+    const int64_t wave_nm = most_of(-range->low_nm, range->high_nm);
     const int64_t speed_q10 = range->step_nm * 1024 + share_q10(wave_nm, fade->speed_q10);
     if (speed_q10 > cfg->guard.u.speed_q10) {
         return refuse(cam_err_wave_speed, (speed_q10 * tick_hz + 1023999) / 1024000);

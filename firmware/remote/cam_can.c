@@ -138,7 +138,7 @@ static outcome_t begin_download(cam_can_t *r, uint32_t size, bool is_wave)
                                : cam_store_begin(&r->store, size));
 }
 
-static outcome_t excite(const cam_can_t *r, const struct camturn_command_t *m)
+static outcome_t excite(cam_can_t *r, const struct camturn_command_t *m)
 {
     const cam_wave_verdict_t verdict = cam_machine_excite(r->machine, m->periods, m->fade);
     return (outcome_t){.err = verdict.err, .value = verdict.value};
@@ -300,7 +300,7 @@ static cam_err_t store_block(cam_can_t *r, uint32_t n)
     }
     const uint32_t offset =
         (uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
-    return cam_machine_wave_block(r->machine, offset, b + cam_store_block_header,
+    return cam_machine_wave_block(r->machine, offset, &b[cam_store_block_header],
                                   n - cam_store_block_header);
 }
 

@@ -11,7 +11,8 @@ enum { part_bytes = 7, most_per_poll = 8 };
 /// @return first byte of the piece. Words lie in memory as they are sent, the lowest byte first.
 static const uint8_t *piece(const cam_reading_t *r, const cam_scope_t *scope)
 {
-    return (const uint8_t *)cam_scope_recorded(scope) + r->from;
+    const uint8_t *bytes = (const uint8_t *)cam_scope_recorded(scope);
+    return &bytes[r->from];
 }
 
 cam_err_t cam_reading_begin(cam_reading_t *r, const cam_scope_t *scope, uint32_t offset,
@@ -40,7 +41,7 @@ static bool send_part(cam_reading_t *r, const cam_scope_t *scope)
     const uint32_t left = r->n_bytes - at;
     hal_can_frame_t frame = {.id = CAMTURN_RECORDING_FRAME_ID, .n = CAMTURN_RECORDING_LENGTH};
     frame.data[0] = (uint8_t)r->n_sent;
-    (void)memcpy(&frame.data[1], piece(r, scope) + at, left < part_bytes ? left : part_bytes);
+    (void)memcpy(&frame.data[1], &piece(r, scope)[at], left < part_bytes ? left : part_bytes);
     if (!hal_can_write(&frame)) {
         return false;
     }
