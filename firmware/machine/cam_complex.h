@@ -15,7 +15,8 @@ typedef struct {
 
 /// A transfer function of U: 2^12 is 1, so up to 8.
 typedef struct {
-    int16_t re_q12, im_q12;
+    int16_t re_q12;
+    int16_t im_q12;
 } cam_gain_t;
 
 enum { cam_gain_one_q12 = 1 << 12 };

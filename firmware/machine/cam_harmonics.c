@@ -94,12 +94,12 @@ typedef struct {
     int32_t cos, sin;
 } parts_t;
 
-/// @return every second harmonic from k on at point i, raised by `left`
-static parts_t parts_at(const cam_complex_t *c, uint32_t k, uint32_t i)
+/// @return every second harmonic from one on at point i, raised by `left`
+static parts_t parts_at(const cam_complex_t *c, uint32_t from, uint32_t i)
 {
     parts_t p = {0};
-    uint32_t step = k * i;
-    for (; k <= cam_harmonics_most; k += 2u) {
+    uint32_t step = from * i;
+    for (uint32_t k = from; k <= cam_harmonics_most; k += 2u) {
         const int32_t cosine = cosine_q30[step % circle];
         const int32_t minus_sine = cosine_q30[(step + quarter) % circle];
         p.cos = cam_mulhi_add(p.cos, c[k].re * (1 << raised), cosine);
@@ -110,7 +110,7 @@ static parts_t parts_at(const cam_complex_t *c, uint32_t k, uint32_t i)
 }
 
 /// Move a point towards a sum. @return whether it is there
-static bool lead(int16_t *point, int32_t sum, uint32_t shift, int32_t most)
+static bool lead_point(int16_t *point, int32_t sum, uint32_t shift, int32_t most)
 {
     const int32_t value = (sum + (1 << (shift - 1u))) >> shift;
     const int32_t target = cam_clamp_i32(value, -INT16_MAX, INT16_MAX);
@@ -127,15 +127,17 @@ bool cam_harmonics_lead(int16_t *point, const cam_complex_t *c, uint32_t down, i
         const parts_t odd = parts_at(c, 1, i);
         const int32_t here[2] = {even.cos + even.sin, even.cos - even.sin};
         const int32_t more[2] = {odd.cos + odd.sin, odd.cos - odd.sin};
-        is_there = lead(&point[i], here[0] + more[0], shift, most) && is_there;
+        is_there = lead_point(&point[i], here[0] + more[0], shift, most) && is_there;
         if (i < quarter) { // the others are mirror images, those on the axes are their own
-            is_there = lead(&point[circle / 2u + i], here[0] - more[0], shift, most) && is_there;
+            is_there =
+                lead_point(&point[circle / 2u + i], here[0] - more[0], shift, most) && is_there;
         }
         if (i > 0u) {
-            is_there = lead(&point[circle - i], here[1] + more[1], shift, most) && is_there;
+            is_there = lead_point(&point[circle - i], here[1] + more[1], shift, most) && is_there;
         }
         if (i > 0u && i < quarter) {
-            is_there = lead(&point[circle / 2u - i], here[1] - more[1], shift, most) && is_there;
+            is_there =
+                lead_point(&point[circle / 2u - i], here[1] - more[1], shift, most) && is_there;
         }
     }
     point[circle] = point[0];

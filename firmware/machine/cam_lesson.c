@@ -79,7 +79,7 @@ static bool is_learning(const cam_teach_t *t, const cam_teach_setup_t *s)
 }
 
 /// @return whether the drive has settled since the last step
-static bool is_settled(const cam_teach_t *t)
+static bool has_settled(const cam_teach_t *t)
 {
     return t->walking == 0u && ((t->turn - t->good_from) & TURNS) < TURNS / 2u;
 }
@@ -103,7 +103,10 @@ static uint32_t floor_q6(const cam_teach_t *t, const cam_teach_setup_t *s, uint3
 
 uint32_t cam_lesson_guarded_q6(const cam_teach_t *t)
 {
-    const uint32_t parts = t->phase == (uint8_t)cam_teach_cutting ? 16u : 1024u;
+    uint32_t parts = 1024;
+    if (t->phase == (uint8_t)cam_teach_cutting) {
+        parts = 16;
+    }
     const uint32_t part_q6 = t->begun_nm * 64u / parts;
     return part_q6 > t->floor_q6 ? part_q6 : t->floor_q6;
 }
@@ -151,7 +154,7 @@ void cam_lesson_open(cam_teach_t *t, const cam_teach_setup_t *s, const cam_turn_
     t->n_orders = (uint8_t)(n_orders < s->n_harmonics ? n_orders : s->n_harmonics);
     t->true_q36 = n_ticks > 0u && s->ripple_turns > 0u ? cam_ripple_deviate(t->bin) : 0;
     t->hindrance = (uint8_t)hindrance_of(t, is_still, n_ticks, turn);
-    t->is_counted = t->n_orders > 0u && is_even && is_learning(t, s) && is_settled(t);
+    t->is_counted = t->n_orders > 0u && is_even && is_learning(t, s) && has_settled(t);
     if (t->is_counted) {
         t->square = 0;
         t->larger = 0;
@@ -165,7 +168,7 @@ void cam_lesson_open(cam_teach_t *t, const cam_teach_setup_t *s, const cam_turn_
     }
 }
 
-static cam_complex_t at_amplitude(const cam_teach_t *t, cam_complex_t a, int32_t factor)
+static cam_complex_t at_full(const cam_teach_t *t, cam_complex_t a, int32_t factor)
 {
     return (cam_complex_t){.re = of_amplitude(t, (int64_t)a.re * factor),
                            .im = of_amplitude(t, (int64_t)a.im * factor)};
@@ -249,8 +252,8 @@ void cam_lesson_harmonic(cam_teach_t *t, const cam_teach_setup_t *s)
 {
     const cam_complex_t raw = cam_harmonics_of(&t->bin->error_q6, words_per_bin, t->k);
     const cam_complex_t set_nm = cam_harmonics_of(&t->bin->u_nm, words_per_bin, t->k);
-    const cam_complex_t set = at_amplitude(t, set_nm, 64);
-    const cam_complex_t error = straightened(t, s, at_amplitude(t, raw, 1), set);
+    const cam_complex_t set = at_full(t, set_nm, 64);
+    const cam_complex_t error = straightened(t, s, at_full(t, raw, 1), set);
     t->square += cam_complex_square(error) >> (t->k > 0u ? 1u : 0u);
     if (t->k > 0u) {
         take_layer1(t, s, error, set);

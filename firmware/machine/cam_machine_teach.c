@@ -30,7 +30,7 @@ static int32_t ticks2_q16(const cam_machine_t *m, int64_t us2)
     return cam_sat_i32(us2 * m->tick_hz / 1000 * m->tick_hz / 1000 * 8192 / 125000);
 }
 
-static cam_teach_reason_t reason_of(const cam_machine_t *m)
+static cam_teach_reason_t asked_of(const cam_machine_t *m)
 {
     if (m->params.learn_harmonics == 0) {
         return cam_teach_not_asked;
@@ -72,7 +72,7 @@ static cam_teach_setup_t setup_of(const cam_machine_t *m)
     const int32_t k2_q16 = ticks2_q16(m, p->k2_us2);
     const int64_t part_q16 = ticks_q16(m, (int64_t)p->lead_ns + p->u_scale_latency_ns) & 0xFFFF;
     return (cam_teach_setup_t){
-        .reason = reason_of(m),
+        .reason = asked_of(m),
         .n_harmonics = (uint32_t)p->learn_harmonics,
         .gain_q16 = q16_of_ppm(p->learn_gain_ppm),
         .cut_gain_q16 = q16_of_ppm(p->learn_cut_gain_ppm),

@@ -28,7 +28,8 @@ static bool subtract_uniform(cam_gather_bin_t *bin, uint32_t n_ticks)
         const int64_t uniform_q32 = per_tick_q40 * (2 * begun + n - 1) >> 9;
         const int64_t mean_q32 = n > 0 ? (int64_t)bin[i].angle_q24 * 256 / n : 0;
         const int64_t off_q32 = begin_q32 + mean_q32 - uniform_q32;
-        is_good = n > 0 && cam_abs_i64(off_q32) < MOST_Q32;
+        const bool is_small = cam_abs_i64(off_q32) < MOST_Q32;
+        is_good = is_small && n > 0;
         bin[i].angle_q24 = is_good ? (int32_t)off_q32 : 0;
         begun += n;
     }
@@ -37,14 +38,15 @@ static bool subtract_uniform(cam_gather_bin_t *bin, uint32_t n_ticks)
 
 /// The turn began and ended at the same angle, so its deviation is the same at both ends, each
 /// half a bin from a mean: what is not, is the speed. @return [turn / 2^33] what was not
-static int64_t close_turn(cam_gather_bin_t *bin)
+static int64_t close_ends(cam_gather_bin_t *bin)
 {
     const cam_gather_bin_t *end = &bin[cam_learn_bins - 1];
     const int64_t first = 3 * (int64_t)bin[0].angle_q24 - bin[1].angle_q24;
     const int64_t last = 3 * (int64_t)end[0].angle_q24 - end[-1].angle_q24;
     const int64_t twice = last - first;
+    const int64_t share = INT64_C(4) * cam_learn_bins;
     for (int32_t i = 0; i < cam_learn_bins; i++) {
-        bin[i].angle_q24 -= (int32_t)(twice * (2 * i + 1) / (4 * cam_learn_bins));
+        bin[i].angle_q24 -= (int32_t)(twice * (2 * (int64_t)i + 1) / share);
     }
     return twice;
 }
@@ -55,7 +57,7 @@ int32_t cam_ripple_deviate(cam_gather_bin_t *bin)
     if (n_ticks < cam_learn_bins || !subtract_uniform(bin, n_ticks)) {
         return 0;
     }
-    return cam_sat_i32((CAM_TURN_Q32 * 2 + close_turn(bin)) * 8 / n_ticks);
+    return cam_sat_i32((CAM_TURN_Q32 * 2 + close_ends(bin)) * 8 / n_ticks);
 }
 
 void cam_ripple_add(cam_ripple_t *r, uint32_t k, cam_complex_t angle_q32)
@@ -112,7 +114,7 @@ static cam_complex_t told(cam_complex_t a, int64_t least)
 }
 
 /// @param n  turns in the sum
-static int16_t in_unit(int64_t sum, uint32_t n)
+static int16_t mean_of(int64_t sum, uint32_t n)
 {
     const int64_t unit = (int64_t)n << cam_ripple_down;
     const int64_t half = sum < 0 ? -unit / 2 : unit / 2;
@@ -133,8 +135,8 @@ bool cam_ripple_close(cam_ripple_t *r, uint32_t n_turns, int32_t least_q32, int3
         const cam_complex_t sum = {.re = cam_sat_i32(r->sum[k - 1].re - drift / (k * k)),
                                    .im = r->sum[k - 1].im};
         const cam_complex_t order = told(sum, (int64_t)least_q32 * r->n);
-        r->mean[k - 1].re = in_unit(order.re, r->n);
-        r->mean[k - 1].im = in_unit(order.im, r->n);
+        r->mean[k - 1].re = mean_of(order.re, r->n);
+        r->mean[k - 1].im = mean_of(order.im, r->n);
     }
     compare(r, before, speed_q36 >> 4);
     r->n_mean = r->n;

@@ -24,7 +24,8 @@ enum { cam_ripple_most = INT16_MAX / 16 };
 typedef struct {
     cam_complex_t sum[cam_harmonics_most]; ///< [turn / 2^32] of orders 1 .. 16, over n turns
     struct {
-        int16_t re, im;
+        int16_t re;
+        int16_t im;
     } mean[cam_harmonics_most]; ///< [turn / 2^23] what the encoder shows, in force
     int32_t first_q36;          ///< [turn / 2^36 per tick] speed of their first
     int32_t last_q36;           ///< ... and of their last turn

@@ -40,7 +40,7 @@ static cam_complex_t kept_q6(const cam_shape_t *s, uint32_t k)
 void cam_shape_play(cam_shape_t *s, int32_t size_q6, uint32_t n)
 {
     for (uint32_t k = 0; k < cam_shape_terms; k++) {
-        const int64_t size = k <= n ? size_q6 : 0;
+        const int64_t size = (int64_t)size_q6 * (k <= n ? 1 : 0);
         const uint32_t step = 128u * k * k / n;
         s->c_q6[k].re = (int32_t)(size * cam_cos_q24(step) >> 24);
         s->c_q6[k].im = (int32_t)(size * cam_sin_q24(step) >> 24);
@@ -77,7 +77,7 @@ void cam_shape_probe(cam_shape_t *s, uint32_t stage, uint32_t k, cam_complex_t e
 }
 
 /// The guard: @return whether the error is one to learn from
-static bool is_sound(cam_shape_t *s, uint32_t k, uint32_t size_q6, uint32_t floor_q6)
+static bool is_as_good(cam_shape_t *s, uint32_t k, uint32_t size_q6, uint32_t floor_q6)
 {
     const uint32_t best_q6 = s->best_q6[k] > floor_q6 ? s->best_q6[k] : floor_q6;
     if (size_q6 < s->best_q6[k]) {
@@ -99,7 +99,7 @@ void cam_shape_learn(cam_shape_t *s, uint32_t k, cam_complex_t error_q6, uint32_
     // The mean is not guarded: U answers to it without a phase, and the chip's force moves it.
     const bool is_guarded = k > 0u;
     if (has_bit(s->masked, k) ||
-        (is_guarded && !is_sound(s, k, cam_complex_size(error_q6), floor_q6))) {
+        (is_guarded && !is_as_good(s, k, cam_complex_size(error_q6), floor_q6))) {
         return;
     }
     const cam_complex_t change = cam_shape_change(error_q6, s->gain[k], mu_q16 >> s->n_halved[k]);

@@ -19,7 +19,8 @@ enum { cam_shape_terms = cam_harmonics_most + 1 };
 typedef struct {
     cam_complex_t c_q6[cam_shape_terms]; ///< [nm / 64] the correction
     struct {
-        int16_t re_nm, im_nm;
+        int16_t re_nm;
+        int16_t im_nm;
     } kept[cam_shape_terms];           ///< that of the smallest error; in the probe: the
                                        ///< error before it
     uint32_t best_q6[cam_shape_terms]; ///< [nm / 64] the smallest error, UINT32_MAX: none

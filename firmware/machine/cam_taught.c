@@ -9,7 +9,7 @@ static bool is_on(const cam_teach_setup_t *s)
 }
 
 /// What hinders the whole comes before what hinders a part.
-static cam_teach_reason_t reason_of(const cam_teach_t *t, const cam_teach_setup_t *s)
+static cam_teach_reason_t hindered_by(const cam_teach_t *t, const cam_teach_setup_t *s)
 {
     return !is_on(s) || t->hindrance == (uint8_t)cam_teach_all ? s->reason
                                                                : (cam_teach_reason_t)t->hindrance;
@@ -36,7 +36,7 @@ cam_teach_status_t cam_teach_status(const cam_teach_t *t, const cam_teach_setup_
     const int64_t hz = tick_hz;
     return (cam_teach_status_t){
         .phase = is_on(setup) ? (cam_teach_phase_t)t->phase : cam_teach_off,
-        .reason = reason_of(t, setup),
+        .reason = hindered_by(t, setup),
         .n_turns = t->n_turns,
         .n_harmonics = t->n_orders,
         .masked = t->shape.masked,

@@ -80,7 +80,7 @@ static void note_state(cam_teach_t *t, cam_state_t state)
 }
 
 /// The guard of layer 1. @return whether the error is one to learn from
-static bool is_sound(cam_teach_t *t)
+static bool is_drive_sound(cam_teach_t *t)
 {
     if (t->square < t->best_square) {
         t->best_square = t->square;
@@ -105,7 +105,7 @@ static void step_drive(cam_teach_t *t, const cam_teach_setup_t *s, int32_t gain_
     if (t->n_halved >= cam_lesson_most_halved) {
         return;
     }
-    if (is_sound(t)) {
+    if (is_drive_sound(t)) {
         const cam_drive_change_t by = cam_drive_solve(&t->sums, t->turn_speed_q32);
         const int64_t k1 = (int64_t)by.k1_q16 * (gain_q16 >> t->n_halved) >> 16;
         const int64_t k2 = (int64_t)by.k2_q16 * (gain_q16 >> t->n_halved) >> 16;
@@ -118,7 +118,7 @@ static void step_drive(cam_teach_t *t, const cam_teach_setup_t *s, int32_t gain_
 }
 
 /// The first turn of a rehearsal. At another speed nothing of the correction holds.
-static void begin(cam_teach_t *t, const cam_teach_setup_t *s)
+static void begin_rehearsal(cam_teach_t *t, const cam_teach_setup_t *s)
 {
     if (cam_lesson_is_other_speed(t, t->turn_speed_q32)) {
         const bool was_probed = t->shape.is_probed;
@@ -156,7 +156,7 @@ static void step(cam_teach_t *t, const cam_teach_setup_t *s)
     t->n_turns++;
     switch ((cam_teach_phase_t)t->phase) {
     case cam_teach_settling:
-        begin(t, s);
+        begin_rehearsal(t, s);
         break;
     case cam_teach_drive:
         step_drive(t, s, s->gain_q16);
@@ -184,7 +184,7 @@ static void step(cam_teach_t *t, const cam_teach_setup_t *s)
     }
 }
 
-static void close_turn(cam_teach_t *t, const cam_teach_setup_t *s, cam_gather_t *gather)
+static void finish_turn(cam_teach_t *t, const cam_teach_setup_t *s, cam_gather_t *gather)
 {
     t->bin = NULL;
     (void)cam_gather_release(gather);
@@ -200,11 +200,10 @@ static void close_turn(cam_teach_t *t, const cam_teach_setup_t *s, cam_gather_t 
 static void take_turn(cam_teach_t *t, const cam_teach_setup_t *s, cam_gather_t *gather)
 {
     cam_turn_t turn;
-    const cam_gather_bin_t *bin = cam_gather_take(gather, &turn);
-    if (bin == NULL) {
+    if (cam_gather_take(gather, &turn) == NULL) {
         return;
     }
-    t->bin = &gather->bin[bin - gather->bin];
+    t->bin = &gather->bin[(turn.turn & 1u) * (uint32_t)cam_learn_bins];
     cam_lesson_open(t, s, &turn);
     if (!t->is_counted && t->true_q36 == 0) {
         t->bin = NULL;
@@ -234,7 +233,7 @@ static void take_harmonic(cam_teach_t *t, const cam_teach_setup_t *s, cam_gather
     }
     t->k++;
     if (t->k >= cam_teach_terms) {
-        close_turn(t, s, gather);
+        finish_turn(t, s, gather);
     }
 }
 

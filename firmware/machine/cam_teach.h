@@ -137,23 +137,25 @@ typedef struct {
     uint32_t room_q6;        ///< [nm / 64] by how much a correction may grow in this turn
     int32_t k1_q16, k2_q16;  ///< added to the configured ones
     int32_t best_k1_q16, best_k2_q16;
-    int32_t speed_q32;               ///< [turn / 2^32 per tick] at which was learned, 0: never
-    int32_t turn_speed_q32;          ///< ... of the turn that is taken
-    int32_t scale_q30;               ///< [1] amplitude of that turn
-    uint32_t phase_q32;              ///< [turn / 2^32] by which the correction is turned
-    uint32_t turn;                   ///< its number, modulo 2^24
-    uint32_t good_from;              ///< number of the first turn that may be learned from
-    uint32_t n_turns;                ///< learned from since the rehearsal began
-    int32_t feed_nm;                 ///< [nm] of the last turn
-    uint8_t k;                       ///< harmonic that comes next
-    uint8_t n_orders;                ///< harmonics that this turn tells
-    uint8_t n_steps;                 ///< of this phase
-    uint8_t n_halved;                ///< times that the guard halved the gain of layer 1
-    uint8_t phase, state, hindrance; ///< hindrance: cam_teach_reason_t of the last turns
-    bool is_counted;                 ///< U is learned from this turn
-    int32_t true_q36;      ///< [turn / 2^36 per tick] its speed where it tells the ripple, else 0
-    uint8_t walking;       ///< cam_walk_*: what is in force is not yet what was learned
-    uint32_t walk_from_q8; ///< [turn / 256] the next costly step is not before
+    int32_t speed_q32;      ///< [turn / 2^32 per tick] at which was learned, 0: never
+    int32_t turn_speed_q32; ///< ... of the turn that is taken
+    int32_t scale_q30;      ///< [1] amplitude of that turn
+    uint32_t phase_q32;     ///< [turn / 2^32] by which the correction is turned
+    uint32_t turn;          ///< its number, modulo 2^24
+    uint32_t good_from;     ///< number of the first turn that may be learned from
+    uint32_t n_turns;       ///< learned from since the rehearsal began
+    int32_t feed_nm;        ///< [nm] of the last turn
+    uint8_t k;              ///< harmonic that comes next
+    uint8_t n_orders;       ///< harmonics that this turn tells
+    uint8_t n_steps;        ///< of this phase
+    uint8_t n_halved;       ///< times that the guard halved the gain of layer 1
+    uint8_t phase;          ///< cam_teach_phase_t
+    uint8_t state;          ///< cam_state_t
+    uint8_t hindrance;      ///< cam_teach_reason_t of the last turns
+    bool is_counted;        ///< U is learned from this turn
+    int32_t true_q36;       ///< [turn / 2^36 per tick] its speed where it tells the ripple, else 0
+    uint8_t walking;        ///< cam_walk_*: what is in force is not yet what was learned
+    uint32_t walk_from_q8;  ///< [turn / 256] the next costly step is not before
 } cam_teach_t;
 
 /// Begin with nothing learned.

@@ -46,7 +46,7 @@ static int32_t angle_step(cam_state_t state)
 }
 
 /// Lead a constant towards its target. @param per_q8  [nm per unit, 2^-8] what it changes
-static bool lead(int32_t *value, int32_t target, int32_t most_nm, uint32_t per_q8)
+static bool lead_constant(int32_t *value, int32_t target, int32_t most_nm, uint32_t per_q8)
 {
     const int64_t most =
         most_nm < any_step ? ((int64_t)most_nm << 24) / ((int64_t)per_q8 + 1) : INT64_C(1) << 32;
@@ -84,8 +84,8 @@ static uint32_t good_from(cam_state_t state, uint32_t at_q8)
 
 static bool lead_drive(const cam_teach_t *t, cam_learned_t *in, int32_t most_nm)
 {
-    const bool is_there = lead(&in->k1_q16, t->k1_q16, most_nm, t->speed_w << 8);
-    return lead(&in->k2_q16, t->k2_q16, most_nm, t->acceleration_w) && is_there;
+    const bool is_there = lead_constant(&in->k1_q16, t->k1_q16, most_nm, t->speed_w << 8);
+    return lead_constant(&in->k2_q16, t->k2_q16, most_nm, t->acceleration_w) && is_there;
 }
 
 void cam_teach_walk(cam_teach_t *t, const cam_teach_setup_t *setup, uint32_t at_q8,
