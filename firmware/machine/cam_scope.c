@@ -100,7 +100,8 @@ static uint32_t count_bits(uint32_t bits)
 cam_err_t cam_scope_start(cam_scope_t *s, uint32_t tick)
 {
     const uint32_t n_signals = count_bits(s->signals);
-    const uint32_t fitting = (s->n_words - s->n_wave) / n_signals;
+    const uint32_t room = s->n_words - s->n_wave;
+    const uint32_t fitting = n_signals > 0u ? room / n_signals : 0u;
     if (fitting == 0u) {
         return cam_err_scope_memory;
     }
