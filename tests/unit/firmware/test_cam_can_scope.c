@@ -106,10 +106,10 @@ static void expect_piece(uint32_t offset, uint32_t n_words)
 {
     TEST_ASSERT_EQUAL_INT32(cam_ok, fixture_can_answer(&last).result);
     TEST_ASSERT_EQUAL_UINT32(7, fixture_can_answer(&last).index);
-    TEST_ASSERT_EQUAL_UINT32((n_words * 4u + 6u) / 7u * 7u, n_piece);
-    TEST_ASSERT_EQUAL_MEMORY(cam_scope_recorded(&f.rig.machine.scope) + offset, piece,
-                             n_words * 4u);
-    TEST_ASSERT_EQUAL_HEX32(cam_crc32(0, piece, n_words * 4u),
+    const uint32_t n_bytes = n_words * 4u;
+    TEST_ASSERT_EQUAL_UINT32((n_bytes + 6u) / 7u * 7u, n_piece);
+    TEST_ASSERT_EQUAL_MEMORY(&cam_scope_recorded(&f.rig.machine.scope)[offset], piece, n_bytes);
+    TEST_ASSERT_EQUAL_HEX32(cam_crc32(0, piece, n_bytes),
                             (uint32_t)fixture_can_answer(&last).value);
 }
 

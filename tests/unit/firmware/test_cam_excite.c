@@ -72,6 +72,41 @@ static void test_periods_in_full_are_the_samples(void)
     TEST_ASSERT_EQUAL_INT32(0, out[n_ticks - 1u]);
 }
 
+/// Bounds of a set-point.
+typedef struct {
+    int64_t most_nm;
+    double step_nm, bend_nm;
+} bounds_t;
+
+/// The bounds that a wave is judged by, from its own formula in floating point.
+static bounds_t bounds_of(const cam_wave_range_t *range, const cam_move_limits_t *fade)
+{
+    const int64_t most_nm = -range->low_nm > range->high_nm ? -range->low_nm : range->high_nm;
+    const double g1 = fade->speed_q10 / 1073741824.0;
+    const double g2 = fade->acceleration_q10 / 1073741824.0;
+    const double step_nm = (double)range->step_nm;
+    return (bounds_t){
+        .most_nm = most_nm,
+        .step_nm = step_nm + g1 * (double)most_nm + 0.1,
+        .bend_nm = (double)range->bend_nm + 2.0 * g1 * step_nm + g2 * (double)most_nm + 0.1,
+    };
+}
+
+static void expect_within(const bounds_t *b, const int32_t *out, uint32_t n_ticks)
+{
+    int32_t last_q6 = out[0];
+    int32_t last_step_q6 = 0;
+    for (uint32_t i = 1; i < n_ticks + 2u; i++) {
+        const int32_t now_q6 = i < n_ticks ? out[i] : 0;
+        const int32_t step_q6 = now_q6 - last_q6;
+        TEST_ASSERT_TRUE(abs(now_q6) <= b->most_nm * 64);
+        TEST_ASSERT_TRUE(abs(step_q6) <= b->step_nm * 64.0 + 2.0);
+        TEST_ASSERT_TRUE(abs(step_q6 - last_step_q6) <= b->bend_nm * 64.0 + 4.0);
+        last_q6 = now_q6;
+        last_step_q6 = step_q6;
+    }
+}
+
 /// A gain that is asked to fall at any tick takes the set-point nowhere beyond the bounds that the
 /// wave was judged by.
 static void test_every_end_stays_within_the_bounds(void)
@@ -85,25 +120,9 @@ static void test_every_end_stays_within_the_bounds(void)
     const cam_move_limits_t fade = cam_wave_fade(60);
     const cam_wave_range_t range = cam_wave_range(wave_nm, n);
     const cam_excite_config_t c = {.wave_nm = wave_nm, .n = n, .n_play = 200, .fade = fade};
-    const int64_t most_nm = -range.low_nm > range.high_nm ? -range.low_nm : range.high_nm;
-    const double g1 = fade.speed_q10 / 1073741824.0;
-    const double g2 = fade.acceleration_q10 / 1073741824.0;
-    const double step_nm = (double)range.step_nm + g1 * (double)most_nm + 0.1;
-    const double bend_nm =
-        (double)range.bend_nm + 2.0 * g1 * (double)range.step_nm + g2 * (double)most_nm + 0.1;
+    const bounds_t bounds = bounds_of(&range, &fade);
     for (uint32_t end = 0; end < 220u; end += 3u) {
-        const uint32_t n_ticks = play(&c, end, out, n_out);
-        int32_t last_q6 = 0;
-        int32_t last_step_q6 = 0;
-        for (uint32_t i = 0; i < n_ticks + 2u; i++) {
-            const int32_t now_q6 = i < n_ticks ? out[i] : 0;
-            const int32_t step_q6 = now_q6 - last_q6;
-            TEST_ASSERT_TRUE(abs(now_q6) <= most_nm * 64);
-            TEST_ASSERT_TRUE(abs(step_q6) <= step_nm * 64.0 + 2.0);
-            TEST_ASSERT_TRUE(i == 0u || abs(step_q6 - last_step_q6) <= bend_nm * 64.0 + 4.0);
-            last_q6 = now_q6;
-            last_step_q6 = step_q6;
-        }
+        expect_within(&bounds, out, play(&c, end, out, n_out));
     }
 }
 

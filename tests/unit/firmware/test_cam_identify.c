@@ -96,10 +96,11 @@ static void test_a_wave_is_played_recorded_and_left(void)
     const int32_t n_fall = field(cam_scope_field_n_fall);
     const int32_t first = field(cam_scope_field_n_rows) - n_fall - n_periods * n;
     TEST_ASSERT_GREATER_THAN_INT32(0, first);
-    const int32_t *row = cam_scope_recorded(&rig.machine.scope) + first * 3;
-    for (int i = 0; i < n_periods * n; i++) {
-        TEST_ASSERT_EQUAL_INT32((place_nm + wave_nm[i % n]) * 64, row[3 * i]); // u_set_q6
-        TEST_ASSERT_EQUAL_INT32(place_nm + wave_nm[i % n], row[3 * i + 1]);    // no feed-forward
+    const int32_t *words = cam_scope_recorded(&rig.machine.scope);
+    for (int32_t i = 0; i < n_periods * n; i++) {
+        const int32_t at = (first + i) * 3;
+        TEST_ASSERT_EQUAL_INT32((place_nm + wave_nm[i % n]) * 64, words[at]); // u_set_q6
+        TEST_ASSERT_EQUAL_INT32(place_nm + wave_nm[i % n], words[at + 1]);    // no feed-forward
     }
     go_on(2000, false);
     TEST_ASSERT_EQUAL_INT32(rig.machine.params.u_retract_nm, hal_host.in.axis_nm[hal_axis_u]);
