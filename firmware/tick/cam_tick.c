@@ -91,6 +91,9 @@ static void guard_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
     r->want.is_retracted = verdict.is_retracted;
     if (verdict.is_in_charge) {
         take_over(c, &r->want);
+    } else { // what U does in a fault is not to be learned
+        cam_gather_isr(&c->gather, r->angle.pos_q32, r->angle.measured_q32, r->want.u_due_q6,
+                       r->in.actual_nm[hal_axis_u]);
     }
 }
 
@@ -101,8 +104,6 @@ static inline void steps_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_
     CAM_TICK_MARK(angle);
     r->want.faults = c->motion.faults | r->angle.faults | cam_sense_faults(&r->in);
     cam_play_step_isr(&c->play, &cfg->play, &r->in, &r->angle, &c->motion, &r->want);
-    cam_gather_isr(&c->gather, r->angle.pos_q32, r->angle.measured_q32, r->want.u_due_q6,
-                   r->in.actual_nm[hal_axis_u]);
     CAM_TICK_MARK(play);
     guard_isr(c, cfg, r);
     CAM_TICK_MARK(guard);
