@@ -276,8 +276,12 @@ static bool set_up_firmware(sim_cut_t *cut, size_t size, const char *name, commo
         !apply_params(cut, e)) {
         return false;
     }
-    const cam_err_t err = sim_firmware_select_table(&cut->firmware, cut->session.image, size);
+    cam_err_t err = sim_firmware_select_table(&cut->firmware, cut->session.image, size);
     sim_cut_idle(cut);
+    if (err == cam_err_busy) { // as with the parameters
+        err = sim_firmware_select_table(&cut->firmware, cut->session.image, size);
+        sim_cut_idle(cut);
+    }
     if (err != cam_ok) {
         return common_error(e, "%s: refused: %s; make it again with tools/mktables", name,
                             cam_err_text(err));
