@@ -26,7 +26,8 @@ CAM_LATHE = ROOT / "host_sim" / "machines" / "cam.toml"
 FAST_ENDS = ("--set", "engage_turns=1", "--set", "disengage_turns=1")
 # Part, exit status and options: engage to disengage, a modulated spindle, a stopped ring-helix,
 # faults of the machine and of the table in the target's memory, the operator's stop, a tool that
-# swings, several passes with a feed against the height, the other sense, a shaft of eight lobes.
+# swings, several passes with a feed against the height, the other sense, a shaft of eight lobes,
+# and a drive that is not what is believed, rehearsed and learned.
 CASES = {
     "whole": ("perkins240", 0, ("--feed", "1")),
     "modulated": ("perkins240_equal_volume", 0, ("--rpm", "230", "--feed", "5")),
@@ -59,6 +60,14 @@ CASES = {
         (
             *("--machine", str(CAM_LATHE), "--feed", "10", "--rpm", "60"),
             *("--tolerance-um", "20", *FAST_ENDS),
+        ),
+    ),
+    "learned": (
+        "perkins240",
+        0,
+        (
+            *("--machine", str(ROOT / "tests" / "learn" / "machines" / "perkins.toml")),
+            *("--feed", "1", "--set", "rehearse_turns=30", "--turns-limit", "20"),
         ),
     ),
 }
