@@ -12,6 +12,8 @@ from gauged_cases import ENDS, Floats, error_um, traces
 from numpy.typing import NDArray
 
 from camtools.cli.mktables import main
+from camtools.cli.run import main as run_part
+from camtools.pipeline.job import RunJob
 from part_cases import PERKINS
 
 HEADER = "angle_deg,height_mm,deviation_um"
@@ -209,3 +211,15 @@ def test_other_kinds_are_refused(
     words = ["-o", str(tmp_path / "x"), "--measured", str(first / "surface.csv")]
     assert main([str(cam), *words]) == 2
     assert "tables of cams are not corrected by gauged parts" in capsys.readouterr().err
+
+
+def test_run_takes_the_same_options(first: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A round of tools/run has a folder of its own, and may not take that of the one before."""
+    words = [str(PERKINS), "--measured", str(first / "surface.csv")]
+    job = RunJob(words)
+    assert job.folder("a", 2).name == "a-round2"
+    assert job.folder("a").name == "a"
+    assert run_part([*words, "-o", str(first)]) == 2
+    assert "give another folder for each round" in capsys.readouterr().err
+    assert run_part([str(PERKINS), "--gain", "0.5"]) == 2
+    assert "corrects nothing; add --measured" in capsys.readouterr().err

@@ -13,8 +13,10 @@ from typing import Any, Protocol, Self, TypeVar
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import NM_PER_MM
 from camtools.cut.feasibility import HighestSpeed
-from camtools.part.common import PartFile, Process
+from camtools.part.common import PartFile, Process, check_feed
 from camtools.part.passes import Pass
+from camtools.part.tool import Tool, check_tracks
+from camtools.table.header import check_tolerance
 from camtools.table.image import Table
 from camtools.table.passes import PassRecord
 
@@ -44,6 +46,23 @@ class PassedPart(PartFile, Protocol):
 
 
 PartT = TypeVar("PartT", bound=PassedPart)
+
+
+def checked_passes(part: PartT, tool: Tool, tolerance_nm: float | None) -> list[PartT]:
+    """Return `parts_of_passes`, or refuse what no table of the part could do.
+
+    Raises
+    ------
+    CamtoolsError
+        The tolerance is out of range, a feed is beyond the part, or its tracks do not meet.
+    """
+    if tolerance_nm is not None:
+        check_tolerance(tolerance_nm)
+    passes = parts_of_passes(part)
+    for one in passes:
+        check_feed(one)
+    check_tracks(tool, passes[-1].process.feed_mm)
+    return passes
 
 
 def parts_of_passes(part: PartT) -> list[PartT]:

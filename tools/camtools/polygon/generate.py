@@ -18,10 +18,8 @@ from scipy.interpolate import PPoly
 from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import NM_PER_MM, omega_rad_s
 from camtools.cut.feasibility import HighestSpeed, Peaks, drift_of, peaks_of
-from camtools.cut.passes import judge_passes, parts_of_passes, records_of
+from camtools.cut.passes import checked_passes, judge_passes, records_of
 from camtools.cut.verdict import check_table
-from camtools.part.common import check_feed
-from camtools.part.tool import check_tracks
 from camtools.polygon.blend import Blended, bend_of, blended
 from camtools.polygon.outline import Outline, extremes_of
 from camtools.polygon.part import PolygonPart, PolygonSection
@@ -36,7 +34,7 @@ from camtools.skirt.poly_surface import PolySurface
 from camtools.skirt.search import DERIVATIVE_SHARE, slice_counts
 from camtools.skirt.zero import middle_nm, moved, with_mean
 from camtools.table.channel import MAX_CHANNEL_BYTES, MAX_LOG2_KNOTS, MIN_LOG2_KNOTS, Channel
-from camtools.table.header import MAX_PEAK_NM, check_tolerance, table_of, u_bounds
+from camtools.table.header import MAX_PEAK_NM, table_of, u_bounds
 from camtools.table.image import Table
 from camtools.table.quantise import TooLargeError, with_bounds
 from camtools.table.records import KNOT_SIZE
@@ -237,12 +235,7 @@ def generate_polygon(part: PolygonPart, tolerance_nm: float | None = None) -> Ge
     CamtoolsError
         The numbers make no polygon, the tolerance is out of reach, or the machine is too weak.
     """
-    if tolerance_nm is not None:
-        check_tolerance(tolerance_nm)
-    passes = parts_of_passes(part)
-    for one in passes:
-        check_feed(one)
-    check_tracks(part.tool, passes[-1].process.feed_mm)
+    passes = checked_passes(part, part.tool, tolerance_nm)
     drawing = outline_of(part.polygon)
     cut = blended(drawing, part.polygon.blend_um / growth_of(part.polygon, drawing))
     geometry, design = _surfaces(part, drawing, cut.outline)

@@ -17,7 +17,7 @@ from camtools.polygon.blend import widest_rad
 from camtools.polygon.generate import GeneratedPolygon
 from camtools.polygon.outline import Outline, OutlineJoint, all_around, is_smooth, measures_of
 from camtools.skirt.poly_surface import PolySurface
-from camtools.skirt.summary import error_of, jumps_of, passes_of, tool_of
+from camtools.skirt.summary import error_of, jumps_of, motion_at, passes_of, tool_of
 from camtools.skirt.summary_text import emit_text
 from camtools.table.channel import KIND_U, KIND_X
 from camtools.table.summary import about_image, describe_channel
@@ -46,18 +46,7 @@ def _motion(made: GeneratedPolygon) -> Json:
     """Return the peaks of U at the part's speed; the first section is not always the largest."""
     process, geometry = made.part.process, made.geometry
     phi, ends = angles_of(made), np.array([geometry.z_first_mm, geometry.z_last_mm])
-    u, omega = geometry.delta(phi, ends[:, None]), omega_rad_s(process.spindle_rpm)
-    rise = np.diff(u.delta, axis=0) / np.diff(ends)[:, None]
-    return {
-        "stroke_mm": float(np.ptp(u.delta)),
-        "velocity_mm_s": float(np.abs(u.d1).max()) * omega,
-        "acceleration_mm_s2": float(np.abs(u.d2).max()) * omega**2,
-        "jerk_mm_s3": float(np.abs(u.d3).max()) * omega**3,
-        "velocity_from_feed_mm_s": float(np.abs(rise).max())
-        * process.feed_mm
-        * process.spindle_rpm
-        / 60,
-    }
+    return motion_at(geometry, (phi, ends), process.spindle_rpm, process.feed_mm)
 
 
 def _feasibility(made: GeneratedPolygon) -> Json:

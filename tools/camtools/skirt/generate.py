@@ -22,10 +22,8 @@ from camtools.cut.feasibility import (
     highest_speed,
     peaks_of,
 )
-from camtools.cut.passes import judge_passes, parts_of_passes, records_of
+from camtools.cut.passes import checked_passes, judge_passes, records_of
 from camtools.cut.verdict import check_table
-from camtools.part.common import check_feed
-from camtools.part.tool import check_tracks
 from camtools.skirt.accuracy import Accuracy
 from camtools.skirt.corner import refuse_deviation
 from camtools.skirt.corrected import corrected
@@ -41,7 +39,7 @@ from camtools.skirt.speed import SpeedTable, make_speed
 from camtools.skirt.turning import path_of
 from camtools.skirt.zero import middle_nm, moved, with_mean
 from camtools.table.channel import Channel
-from camtools.table.header import check_tolerance, table_of, u_bounds
+from camtools.table.header import table_of, u_bounds
 from camtools.table.image import Table
 from camtools.table.modulation import moving_bounds
 from camtools.table.quantise import with_bounds
@@ -174,12 +172,7 @@ def generate(
     CamtoolsError
         The shape is impossible, the tolerance is out of reach, or the machine is too weak.
     """
-    if tolerance_nm is not None:
-        check_tolerance(tolerance_nm)
-    passes = parts_of_passes(part)
-    for one in passes:
-        check_feed(one)
-    check_tracks(part.tool, passes[-1].process.feed_mm)
+    passes = checked_passes(part, part.tool, tolerance_nm)
     geometry = _geometry_of(part, passes)
     if correction is not None:
         geometry = corrected(geometry, correction)

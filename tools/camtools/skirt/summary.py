@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from camtools.base.json_text import Json
-from camtools.base.quantities import NM_PER_MM, omega_rad_s
+from camtools.base.quantities import NM_PER_MM, Floats, omega_rad_s
 from camtools.cut.feasibility import given_of, needed_of
 from camtools.part.tool import Tool
 from camtools.skirt.accuracy import Accuracy
@@ -34,9 +34,17 @@ _PEAK_HEIGHTS_PER_PIECE = 16
 
 
 def motion_peaks(geometry: Geometry, spindle_rpm: float, feed_mm: float) -> Json:
-    """Return the peaks of U of the exact geometry at a spindle speed."""
+    """Return the peaks of U of the exact geometry of a skirt at a spindle speed."""
     z_mm = dense_heights_mm(geometry, _PEAK_HEIGHTS_PER_PIECE)
     phi_rad = 2 * np.pi * np.arange(_PEAK_ANGLES) / _PEAK_ANGLES
+    return motion_at(geometry, (phi_rad, z_mm), spindle_rpm, feed_mm)
+
+
+def motion_at(
+    geometry: Geometry, grid: tuple[Floats, Floats], spindle_rpm: float, feed_mm: float
+) -> Json:
+    """Return the peaks of U on a grid of angles [rad] and heights [mm] at a spindle speed."""
+    phi_rad, z_mm = grid
     u, omega = geometry.delta(phi_rad, z_mm[:, None]), omega_rad_s(spindle_rpm)
     rise = np.diff(u.delta, axis=0) / np.diff(z_mm)[:, None]
     return {
