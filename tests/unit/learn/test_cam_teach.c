@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+// Learning from rehearsal to rehearsal: what is kept, frozen, restored, read and set.
+#include "learn_plant.h"
+#include "unity.h"
+
+static learn_plant_t p;
+
+void setUp(void)
+{
+    const learn_drive_t truth = {.bandwidth_hz = 300.0,
+                                 .damping = 0.7,
+                                 .delay_us = 75.0,
+                                 .friction_mm_s2 = 5000.0,
+                                 .quantum_um = 0.01};
+    const learn_case_t what = {.truth = truth,
+                               .believed = {270.0, 0.77, 67.5, 0, 0, 0, 0, 0, 0.01, 0},
+                               .amplitude_mm = {0.5, 0.0, 0.5},
+                               .rpm = 3000.0,
+                               .tick_hz = 20000,
+                               .polls_per_tick_q4 = 16};
+    learn_plant_init(&p, &what);
+}
+
+void tearDown(void) {}
+
+static cam_teach_status_t status(void)
+{
+    return cam_teach_status(&p.teach, &p.setup, p.what.tick_hz);
+}
+
+static void test_a_rehearsal_goes_through_its_phases(void)
+{
+    static const cam_teach_phase_t phases[] = {cam_teach_settling, cam_teach_drive,
+                                               cam_teach_probing, cam_teach_shape};
+    uint32_t seen = 0;
+    for (int turn = 0; turn < 40; turn++) {
+        learn_plant_turns(&p, cam_state_rehearsing, 1);
+        seen += seen < 3u && status().phase == phases[seen + 1u] ? 1u : 0u;
+    }
+    TEST_ASSERT_EQUAL_UINT32(3, seen);
+    TEST_ASSERT_TRUE(p.rms_um < 0.1);
+    TEST_ASSERT_EQUAL_HEX32(0, status().masked);
+    TEST_ASSERT_GREATER_THAN_UINT32(10000, status().begin_error_nm);
+    TEST_ASSERT_UINT32_WITHIN(3000, 3000000, status().speed_mrpm);
+}
+
+static void test_the_next_part_begins_with_what_was_learned(void)
+{
+    learn_plant_turns(&p, cam_state_rehearsing, 40);
+    learn_plant_turns(&p, cam_state_ready, 3);
+    learn_plant_turns(&p, cam_state_rehearsing, 6);
+    TEST_ASSERT_EQUAL_INT32(cam_teach_shape, status().phase);
+    TEST_ASSERT_TRUE(p.rms_um < 0.1);
+}
+
+static void test_another_speed_freezes_the_correction(void)
+{
+    learn_plant_turns(&p, cam_state_rehearsing, 40);
+    p.what.rpm = 2800.0;
+    learn_plant_turns(&p, cam_state_cutting, 3);
+    const cam_complex_t before = p.teach.shape.c_q6[6];
+    learn_plant_turns(&p, cam_state_cutting, 6);
+    TEST_ASSERT_EQUAL_INT32(cam_teach_frozen, status().phase);
+    TEST_ASSERT_EQUAL_INT32(before.re, p.teach.shape.c_q6[6].re);
+    learn_plant_turns(&p, cam_state_ready, 1);
+    learn_plant_turns(&p, cam_state_rehearsing, 44);
+    TEST_ASSERT_TRUE(p.rms_um < 0.1);
+    TEST_ASSERT_UINT32_WITHIN(3000, 2800000, status().speed_mrpm);
+}
+
+static void test_all_values_are_read_and_set_again(void)
+{
+    static int32_t kept[cam_teach_n_values];
+    learn_plant_turns(&p, cam_state_rehearsing, 40);
+    for (uint32_t i = 0; i < cam_teach_n_values; i++) {
+        kept[i] = cam_teach_get(&p.teach, i);
+    }
+    setUp();
+    for (uint32_t i = 0; i < cam_teach_n_values; i++) {
+        TEST_ASSERT_TRUE(cam_teach_set(&p.teach, i, kept[i]));
+        TEST_ASSERT_EQUAL_INT32(kept[i], cam_teach_get(&p.teach, i));
+    }
+    learn_plant_turns(&p, cam_state_ready, 1);
+    learn_plant_turns(&p, cam_state_rehearsing, 3);
+    TEST_ASSERT_TRUE(p.rms_um < 0.1);
+}
+
+static void test_values_out_of_range_are_refused(void)
+{
+    TEST_ASSERT_FALSE(cam_teach_set(&p.teach, cam_teach_n_values, 0));
+    TEST_ASSERT_FALSE(cam_teach_set(&p.teach, cam_teach_value_speed, -1));
+    TEST_ASSERT_FALSE(cam_teach_set(&p.teach, cam_teach_value_correction, 64 * 30001));
+    TEST_ASSERT_FALSE(cam_teach_set(&p.teach, cam_teach_value_gain, 40000));
+    TEST_ASSERT_FALSE(cam_teach_set(&p.teach, cam_teach_value_ripple, 3000));
+    TEST_ASSERT_EQUAL_INT32(0, cam_teach_get(&p.teach, cam_teach_value_correction));
+    TEST_ASSERT_EQUAL_INT32(0, cam_teach_get(&p.teach, cam_teach_n_values));
+}
+
+static void test_a_fault_in_the_probe_leaves_no_probe(void)
+{
+    while (status().phase != cam_teach_probing || p.teach.n_steps < 2u) {
+        learn_plant_turns(&p, cam_state_rehearsing, 1);
+    }
+    TEST_ASSERT_GREATER_THAN_UINT32(8000, status().correction_nm);
+    learn_plant_turns(&p, cam_state_fault, 2);
+    TEST_ASSERT_EQUAL_UINT32(0, status().correction_nm);
+    TEST_ASSERT_EQUAL_INT16(0, p.learned.c[0]);
+}
+
+static void test_nothing_is_learned_where_nothing_is_asked(void)
+{
+    p.setup.reason = cam_teach_not_measured;
+    learn_plant_turns(&p, cam_state_rehearsing, 12);
+    TEST_ASSERT_EQUAL_INT32(cam_teach_off, status().phase);
+    TEST_ASSERT_EQUAL_INT32(cam_teach_not_measured, status().reason);
+    TEST_ASSERT_EQUAL_INT32(0, p.learned.k1_q16);
+}
+
+static void test_lobes_teach_the_drive_alone(void)
+{
+    p.setup.reason = cam_teach_lobes;
+    learn_plant_turns(&p, cam_state_rehearsing, 40);
+    TEST_ASSERT_EQUAL_INT32(cam_teach_drive, status().phase);
+    TEST_ASSERT_EQUAL_UINT32(0, status().correction_nm);
+    TEST_ASSERT_NOT_EQUAL(0, p.learned.k1_q16);
+}
+
+static void test_names_are_known(void)
+{
+    TEST_ASSERT_EQUAL_STRING("probing", cam_teach_phase_name(cam_teach_probing));
+    TEST_ASSERT_EQUAL_STRING("lobes", cam_teach_reason_name(cam_teach_lobes));
+    TEST_ASSERT_EQUAL_STRING("?", cam_teach_phase_name(cam_teach_n_phases));
+    TEST_ASSERT_EQUAL_STRING("?", cam_teach_reason_name(cam_teach_n_reasons));
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_a_rehearsal_goes_through_its_phases);
+    RUN_TEST(test_the_next_part_begins_with_what_was_learned);
+    RUN_TEST(test_another_speed_freezes_the_correction);
+    RUN_TEST(test_all_values_are_read_and_set_again);
+    RUN_TEST(test_values_out_of_range_are_refused);
+    RUN_TEST(test_a_fault_in_the_probe_leaves_no_probe);
+    RUN_TEST(test_nothing_is_learned_where_nothing_is_asked);
+    RUN_TEST(test_lobes_teach_the_drive_alone);
+    RUN_TEST(test_names_are_known);
+    return UNITY_END();
+}
