@@ -11,7 +11,7 @@ import numpy as np
 from camtools.base.json_text import Json
 from camtools.base.quantities import Floats
 from camtools.measured.points import GaugedPoints
-from camtools.measured.step import Step
+from camtools.measured.step import RoundStep
 from camtools.measured.surface import KeptWave, Told, taken_um
 
 _DIGITS = 6
@@ -30,7 +30,7 @@ def pair_of(values_um: Floats) -> Json:
     }
 
 
-def _wave(told: Told, one: KeptWave, step: Step) -> Json:
+def _wave(told: Told, one: KeptWave, step: RoundStep) -> Json:
     """Return what is said of a wave that is kept."""
     heights_mm = told.z_mm[np.abs(one.kept) > 0]
     return {
@@ -43,7 +43,7 @@ def _wave(told: Told, one: KeptWave, step: Step) -> Json:
     }
 
 
-def account_of(points: GaugedPoints, told: Told, step: Step) -> Json:
+def account_of(points: GaugedPoints, told: Told, step: RoundStep) -> Json:
     """Return what a surface told and what is expected of the next part."""
     kept = [one for one in told.waves if one.is_kept]
     noise2 = sum(float(np.mean(one.smooth.errors**2)) / (2 if one.order else 1) for one in kept)

@@ -21,7 +21,7 @@ import numpy as np
 from camtools.cut.correction import N_NODES, Complexes, Correction
 
 
-class Step(NamedTuple):
+class RoundStep(NamedTuple):
     """What a round takes off, and what it leaves of what it was shown."""
 
     taken: Correction
@@ -36,7 +36,7 @@ def _agreed(shown: Complexes, expected: Complexes) -> Complexes:
     return np.asarray(np.clip(share, 0.0, 1.0) * expected, dtype=np.complex128)
 
 
-def take(shown: Correction, expected_mm: Mapping[int, Complexes], gain: float) -> Step:
+def take(shown: Correction, expected_mm: Mapping[int, Complexes], gain: float) -> RoundStep:
     """Return the step of a round, MATHS.md (160).
 
     Parameters
@@ -51,4 +51,4 @@ def take(shown: Correction, expected_mm: Mapping[int, Complexes], gain: float) -
         expected = expected_mm.get(order, np.zeros(N_NODES, dtype=np.complex128))
         step = gain * values + (1 - gain) * _agreed(values, expected)
         taken[order], left[order] = step, values - step
-    return Step(Correction(shown.heights_mm, taken), left)
+    return RoundStep(Correction(shown.heights_mm, taken), left)

@@ -9,7 +9,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal, Self, TypeVar
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
@@ -136,6 +136,19 @@ def _check_segments(interpolation: str, n_segments: int) -> None:
         raise wrong("segments", problem, "give both or neither", **context)
 
 
+CurveT = TypeVar("CurveT", bound="Profile | Ovality")
+
+
+def _completed(curve: CurveT, key: str, scale: int) -> CurveT:
+    """Return a curve over the height with the ends of its segments added to its points."""
+    _check_segments(curve.interpolation, len(curve.segment))
+    if not curve.segment:
+        return curve
+    values = getattr(curve, key)
+    z_mm, values = _points(curve.height_mm, values, curve.segment, key, scale)
+    return curve.model_copy(update={"height_mm": z_mm, key: values})
+
+
 class Profile(TomlTable):
     """[piston.profile]: long-axis diameter over skirt height."""
 
@@ -178,11 +191,7 @@ class Profile(TomlTable):
     @model_validator(mode="after")
     def _complete(self) -> Self:
         """Add the ends of the segments to the points."""
-        _check_segments(self.interpolation, len(self.segment))
-        if not self.segment:
-            return self
-        z, d = _points(self.height_mm, self.diameter_mm, self.segment, "diameter_mm", 2)
-        return self.model_copy(update={"height_mm": z, "diameter_mm": d})
+        return _completed(self, "diameter_mm", 2)
 
 
 class Ovality(TomlTable):
@@ -202,8 +211,4 @@ class Ovality(TomlTable):
     @model_validator(mode="after")
     def _complete(self) -> Self:
         """Add the ends of the segments to the points."""
-        _check_segments(self.interpolation, len(self.segment))
-        if not self.segment:
-            return self
-        z, g = _points(self.height_mm, self.ovality_mm, self.segment, "ovality_mm", 1)
-        return self.model_copy(update={"height_mm": z, "ovality_mm": g})
+        return _completed(self, "ovality_mm", 1)
