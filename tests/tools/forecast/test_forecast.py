@@ -78,7 +78,7 @@ def test_error_grows_with_what_is_not_known(tmp_path: Path) -> None:
     assert run(tmp_path / "o", *words) == 0
     found = json.loads((tmp_path / "o" / "forecast.json").read_text())
     late_um = 75.0 * (4 * np.pi * 2500 / 60) * 20e-6  # amplitude x angular frequency x 20 us
-    known_um = 0.09  # that the part has on this machine when everything is known
+    known_um = 0.15  # that the part has on this machine when everything is known
     assert found["form_error_um"][0]["value_um"] == pytest.approx(late_um, abs=known_um)
     assert found["within_tolerance"]["share"] == 0
 
