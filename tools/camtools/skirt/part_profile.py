@@ -9,7 +9,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self, TypeVar
+from typing import Annotated, Literal, Self
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
@@ -136,17 +136,13 @@ def _check_segments(interpolation: str, n_segments: int) -> None:
         raise wrong("segments", problem, "give both or neither", **context)
 
 
-CurveT = TypeVar("CurveT", bound="Profile | Ovality")
-
-
-def _completed(curve: CurveT, key: str, scale: int) -> CurveT:
-    """Return a curve over the height with the ends of its segments added to its points."""
+def _completed(curve: Profile | Ovality, key: str, scale: int) -> dict[str, list[float]]:
+    """Return the points of a curve over the height with the ends of its segments, if it has any."""
     _check_segments(curve.interpolation, len(curve.segment))
     if not curve.segment:
-        return curve
-    values = getattr(curve, key)
-    z_mm, values = _points(curve.height_mm, values, curve.segment, key, scale)
-    return curve.model_copy(update={"height_mm": z_mm, key: values})
+        return {}
+    z_mm, values = _points(curve.height_mm, getattr(curve, key), curve.segment, key, scale)
+    return {"height_mm": z_mm, key: values}
 
 
 class Profile(TomlTable):
@@ -191,7 +187,8 @@ class Profile(TomlTable):
     @model_validator(mode="after")
     def _complete(self) -> Self:
         """Add the ends of the segments to the points."""
-        return _completed(self, "diameter_mm", 2)
+        added = _completed(self, "diameter_mm", 2)
+        return self.model_copy(update=added) if added else self
 
 
 class Ovality(TomlTable):
@@ -211,4 +208,5 @@ class Ovality(TomlTable):
     @model_validator(mode="after")
     def _complete(self) -> Self:
         """Add the ends of the segments to the points."""
-        return _completed(self, "ovality_mm", 1)
+        added = _completed(self, "ovality_mm", 1)
+        return self.model_copy(update=added) if added else self
