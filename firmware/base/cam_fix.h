@@ -53,9 +53,11 @@ static inline int32_t cam_dot_i16(uint32_t a, uint32_t b)
     __asm("smuad %0, %1, %2" : "=r"(sum) : "r"(a), "r"(b));
     return sum;
 #else
-    const int32_t low = (int16_t)(uint16_t)a * (int16_t)(uint16_t)b;
-    const int32_t high = (int16_t)(uint16_t)(a >> 16) * (int16_t)(uint16_t)(b >> 16);
-    return (int32_t)((uint32_t)low + (uint32_t)high);
+    const int32_t a_low = (int16_t)(uint16_t)a;
+    const int32_t b_low = (int16_t)(uint16_t)b;
+    const int32_t a_high = (int16_t)(uint16_t)(a >> 16);
+    const int32_t b_high = (int16_t)(uint16_t)(b >> 16);
+    return (int32_t)((uint32_t)(a_low * b_low) + (uint32_t)(a_high * b_high));
 #endif
 }
 

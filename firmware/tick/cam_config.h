@@ -78,7 +78,8 @@ typedef struct {
 /// What play and plan need (cam_play.h, cam_plan.h).
 typedef struct {
     const cam_table_t *table; ///< NULL: none, enable is refused
-    const int16_t *c, *d;     ///< cam_learned_t of the same configuration
+    const int16_t *c;         ///< of cam_learned_t of the same configuration
+    const int16_t *d;         ///< ... likewise
     cam_u_scale_t u;
     int32_t lead_q16;                ///< [ticks] dead time of U, below cam_play_history - 2
     uint32_t due_ticks;              ///< [ticks] whole ones of lead and latency of U's scale

@@ -156,10 +156,10 @@ void cam_spindle_step_isr(cam_spindle_t *s, const cam_spindle_config_t *cfg, con
         travel_q32 = take_off_time(s, cfg, period, travel_q32);
     }
     faults |= take_counts(s, cfg, sensed_counts(cfg, in->encoder.counts), travel_q32);
-    const uint32_t measured_q32 = observed_q32(s, cfg, in);
-    track(s, cfg, smoothed_q32(cfg, measured_q32), travel_q32, alpha_q40);
+    const uint32_t raw_q32 = observed_q32(s, cfg, in);
+    track(s, cfg, smoothed_q32(cfg, raw_q32), travel_q32, alpha_q40);
     angle->faults = faults;
-    angle->measured_q32 = measured_q32;
+    angle->measured_q32 = raw_q32;
     angle->pos_q32 = s->pos_q32;
     angle->speed_q32 = (int32_t)(s->speed_q64 >> 32);
     angle->is_synced = s->is_synced;
