@@ -5,7 +5,7 @@
 #include <string.h>    // memset
 
 /// A deviation beyond this is no ripple: 1/64 turn.
-#define MOST_Q32 (CAM_TURN_Q32 / 64)
+#define MOST_Q32 INT64_C(67108864)
 
 static uint32_t ticks_of(const cam_gather_bin_t *bin)
 {
