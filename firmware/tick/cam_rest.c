@@ -53,7 +53,7 @@ static bool stay_out(const cam_play_config_t *cfg, cam_motion_t *m)
 
 /// @return [nm / 1024] X over a height where a cut or a rehearsal begins. A rehearsal is farther
 /// off by half the stroke of U: wherever U goes, the tool does not reach beyond the approach of a
-/// cut.
+/// cut, MATHS.md (139).
 static int64_t x_begin_q10(const cam_play_config_t *cfg, const cam_motion_t *m, int32_t z_nm)
 {
     const int64_t away_q10 = m->state == cam_state_rehearsing ? cfg->rehearse_x_q10 : 0;
