@@ -117,6 +117,17 @@ bool budget_session_cut(fixture_rig_t *rig, void (*isr)(void), const fixture_par
            rig->last.want.faults == 0u;
 }
 
+bool budget_session_rehearse(fixture_rig_t *rig, void (*isr)(void))
+{
+    const fixture_part_t part = fixture_part_short();
+    return budget_session_open(rig, isr, &part, false) &&
+           fixture_rig_set(rig, cam_param_rehearse_turns, 5) == cam_ok &&
+           fixture_rig_bring(rig, cam_state_ready) && cam_machine_start(&rig->machine) == cam_ok &&
+           fixture_rig_until(rig, cam_state_rehearsing, 10) < 10u &&
+           fixture_rig_until(rig, cam_state_cutting, 100000) < 100000u &&
+           fixture_rig_until(rig, cam_state_ready, 60000) < 60000u;
+}
+
 bool budget_session_faults(fixture_rig_t *rig, void (*isr)(void))
 {
     const fixture_part_t part = fixture_part_modulated();

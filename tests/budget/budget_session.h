@@ -45,6 +45,9 @@ bool budget_session_shaft(fixture_rig_t *rig, void (*isr)(void));
 bool budget_session_cut(fixture_rig_t *rig, void (*isr)(void), const fixture_part_t *part,
                         bool is_modulated);
 
+/// From off through a rehearsal and the cut behind it to ready. @return true when it ended so
+bool budget_session_rehearse(fixture_rig_t *rig, void (*isr)(void));
+
 /// Every fault that the host port can cause, in modulated cuts, with the retract behind it.
 /// @return true when each led to the fault state
 bool budget_session_faults(fixture_rig_t *rig, void (*isr)(void));

@@ -275,6 +275,13 @@ static void test_excitation(void)
     TEST_ASSERT_LESS_OR_EQUAL_UINT32(budget_plan_tick, plans[cam_state_identifying].max);
 }
 
+static void test_rehearsal(void)
+{
+    TEST_ASSERT_TRUE(budget_session_rehearse(&rig, counted));
+    TEST_ASSERT_GREATER_THAN_UINT32(1000, ticks[cam_state_rehearsing].n);
+    expect_budget("rehearse");
+}
+
 /// A cam: the swing alone and with the speed ratio, in the work and on its return to 0.
 static void test_swung_cuts(void)
 {
@@ -343,6 +350,7 @@ int main(void)
     RUN_TEST(test_way_with_every_edge_and_fault_in_every_state);
     RUN_TEST(test_measured_z_with_every_edge_and_fault_in_every_state);
     RUN_TEST(test_excitation);
+    RUN_TEST(test_rehearsal);
     RUN_TEST(test_swung_cuts);
     RUN_TEST(test_shaft);
     RUN_TEST(test_way);

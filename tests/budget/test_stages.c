@@ -103,6 +103,12 @@ static void test_excitation(void)
     expect_sums("identify");
 }
 
+static void test_rehearsal(void)
+{
+    TEST_ASSERT_TRUE(budget_session_rehearse(&rig, counted));
+    expect_sums("rehearse");
+}
+
 static void test_enough_ticks_in_all_states(void)
 {
     uint32_t sum = 0;
@@ -122,6 +128,7 @@ int main(void)
     RUN_TEST(test_modulated_cut);
     RUN_TEST(test_faults_in_the_cut);
     RUN_TEST(test_excitation);
+    RUN_TEST(test_rehearsal);
     RUN_TEST(test_enough_ticks_in_all_states);
     return UNITY_END();
 }
