@@ -11,7 +11,8 @@ from matplotlib.figure import Figure
 from camtools.base.quantities import Floats
 from camtools.plots.style import drawing, png_of
 from camtools.report import motion
-from camtools.report.learning import convergence, draw_convergence, learning_rows, numbers_text
+from camtools.report.learning import convergence, draw_convergence
+from camtools.report.learning_text import learning_rows, numbers_text
 from camtools.sim.results import STATES, CutTrace
 from report_cases import made_up_summary
 

@@ -12,7 +12,7 @@ from camtools.base.json_text import Json
 from camtools.base.quantities import Floats, length_text
 from camtools.lobe.generate import GeneratedLobes
 from camtools.lobe.plunge import left_by_wear_um
-from camtools.report.learning import learning_rows
+from camtools.report.learning_text import learning_rows
 from camtools.report.text import ReportRow, error_pair
 from camtools.sim.results import Cut
 

@@ -11,7 +11,7 @@ from camtools.base.quantities import length_text
 from camtools.polygon.generate import GeneratedPolygon
 from camtools.polygon.part import PolygonSection
 from camtools.polygon.summary import blend_text, make_polygon_summary, section_text
-from camtools.report.learning import learning_rows
+from camtools.report.learning_text import learning_rows
 from camtools.report.text import ReportRow, error_pair
 from camtools.sim.results import Cut
 from camtools.skirt.report_text import pass_rows

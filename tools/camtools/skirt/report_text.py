@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from camtools.base.json_text import Json
 from camtools.base.quantities import length_text
-from camtools.report.learning import learning_rows
+from camtools.report.learning_text import learning_rows
 from camtools.report.text import ReportRow, error_pair
 from camtools.skirt.outcome import SkirtOutcome
 from camtools.skirt.part import SkirtProcess

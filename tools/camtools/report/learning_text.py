@@ -1,0 +1,79 @@
+"""What the controller learned, in words; without the libraries of pictures.
+
+>>> numbers_text([2, 3, 4, 7])
+'2 .. 4, 7'
+>>> learning_rows({})
+[]
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from camtools.base.json_text import Json
+from camtools.base.quantities import length_text
+from camtools.report.text import ReportRow
+
+_OFF = {
+    "not_asked": "learn_harmonics is 0, which is the default unless U is measured and the machine "
+    "is believed otherwise than it is",
+    "not_measured": "the port does not measure U, so there is no error to learn from",
+    "no_table": "no table is in use",
+    "modulated": "the table modulates the speed of the spindle",
+    "slow_turn": "a turn has more ticks than are gathered; turn faster",
+    "fast_turn": "a turn has too few ticks for one harmonic; turn slower",
+}
+_LIMITED = {
+    "lobes": "of a shaft with lobes only the drive's constants are learned",
+    "diverged": "the drive's constants did not converge, and the best that was found is in force",
+}
+_NO_REHEARSAL = "on, but not one turn was steady enough; set rehearse_turns"
+
+
+def numbers_text(numbers: Sequence[int]) -> str:
+    """Return numbers in rising order in words, neighbours as a range."""
+    runs: list[list[int]] = []
+    for number in numbers:
+        if runs and number == runs[-1][-1] + 1:
+            runs[-1].append(number)
+        else:
+            runs.append([number])
+    texts = [f"{run[0]} .. {run[-1]}" if len(run) > 2 else ", ".join(map(str, run)) for run in runs]
+    return ", ".join(texts)
+
+
+def _on_text(found: Json) -> str:
+    """Return what was learned, sentence by sentence."""
+    at_first, at_last = length_text(found["begin_error_um"]), length_text(found["error_um"])
+    texts = [
+        f"on, {found['turns']} turns used: error at the scale {at_first} rms at first, {at_last} "
+        "at last",
+        f"the drive's constants moved by {found['k1_ns']:+d} ns and {found['k2_us2']:+d} µs²",
+        f"a correction of {length_text(found['correction_um'])} in all is added to U",
+    ]
+    if found["ripple_turns"]:
+        ripple_urad = 2e-3 * np.pi * found["ripple_nturn"]
+        texts.append(
+            f"the spindle's ripple of {ripple_urad:.0f} µrad was learned of "
+            f"{found['ripple_turns']} turns"
+        )
+    masked = [k for k in found["masked"] if k > 0]
+    texts.append(f"harmonics masked: {numbers_text(masked)}" if masked else "no harmonic is masked")
+    if 0 in found["masked"]:
+        texts.append("the mean of U is left as it is")
+    if found["reason"] in _LIMITED:
+        texts.append(_LIMITED[found["reason"]])
+    return "; ".join(texts)
+
+
+def learning_rows(summary: Json) -> list[ReportRow]:
+    """Return whether and what was learned, nothing where camsim does not say."""
+    found = summary.get("learning")
+    if found is None:
+        return []
+    if found["is_on"]:
+        return [ReportRow("learning", _on_text(found))]
+    why = _OFF.get(found["reason"])
+    return [ReportRow("learning", f"off: {why}" if why else _NO_REHEARSAL)]
