@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -118,6 +119,15 @@ def test_picture_has_all_turns_and_honest_ticks() -> None:
     names = {one.get_text() for one in axes.texts}
     assert {"rehearsal", "engage", "cut"} <= names
     assert any("tolerance 5 µm" in name for name in names)
+
+
+def test_names_of_narrow_spans_do_not_overlap() -> None:
+    """Of a long cut the rehearsal and the turns of engaging are narrower than their names."""
+    with drawing():
+        figure = draw_convergence(turns([2.0] * 30, [0.2] * 700))
+        png_of(figure)
+    boxes = [one.get_window_extent() for one in figure.axes[0].texts]
+    assert not any(a.overlaps(b) for a, b in combinations(boxes, 2))
 
 
 def test_picture_of_passes_of_zero_and_of_one_value() -> None:

@@ -22,6 +22,7 @@ from camtools.plots.style import (
     PALE,
     RED,
     drawing,
+    log_axis,
     nice_floor,
     nice_limit,
     png_of,
@@ -42,10 +43,13 @@ def _distribution(axes: Axes, plan: ForecastPlan, forecast: Forecast) -> None:
     errors_um = np.sort(forecast.errors_um[np.isfinite(forecast.errors_um)])
     axes.step(errors_um, 100 * np.arange(1, errors_um.size + 1) / n, where="post", color=BLUE)
     low, high = _edges([*errors_um, plan.tolerance_um])
-    axes.set(xscale="log", xlim=(low, high), ylim=(0, 104))
+    log_axis(axes, "x", low, high)
+    axes.set_ylim(0, 104)
     axes.axvline(plan.tolerance_um, color=RED, lw=1)
     text = f"tolerance {length_text(plan.tolerance_um)}"
-    axes.text(plan.tolerance_um, 2, text + " ", rotation=90, color=RED, ha="right", va="bottom")
+    # Where the curve is not, left of the tolerance.
+    height, side = (2, "bottom") if forecast.within.share > 0.5 else (102, "top")
+    axes.text(plan.tolerance_um, height, text, rotation=90, color=RED, ha="right", va=side)
     for one in forecast.quantiles:
         if np.isfinite(one.value):
             ends = [one.low, one.high if np.isfinite(one.high) else high]
@@ -86,7 +90,7 @@ def _scatter(axes: Axes, plan: ForecastPlan, forecast: Forecast, key: str) -> No
     for value in values[~is_there]:
         axes.axvline(value, color=RED, lw=0.4, alpha=0.5)
     axes.axvline(plan.unknowns[place].nominal, color=GREY, lw=1, ls="--")
-    axes.set(yscale="log", ylim=(low, high))
+    log_axis(axes, "y", low, high)
     axes.set_xlabel(f"true {key}, believed {plan.unknowns[place].nominal:g}")
     axes.set_ylabel("form error, µm")
 

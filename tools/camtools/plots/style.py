@@ -15,7 +15,13 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from matplotlib.ticker import ScalarFormatter
+from matplotlib.ticker import (
+    FuncFormatter,
+    LogLocator,
+    NullFormatter,
+    NullLocator,
+    ScalarFormatter,
+)
 
 # Okabe and Ito, "Color Universal Design" (2008): distinct for every kind of colour vision.
 BLUE, ORANGE, GREEN, RED, SKY, PURPLE = (
@@ -30,6 +36,7 @@ GREY, PALE = "#666666", "#dddddd"
 ERROR_COLOURS = "RdBu_r"  # red: metal left, blue: cut too deep; safe for red-green blindness
 
 _DPI, _TITLED_DPI = 100, 120
+_MANY_DECADES = {"x": 1e3, "y": 1e4}  # ratio of the ends beyond which numbers stand too close
 _FONT: dict[Any, Any] = {
     "font.size": 10,
     "axes.titlesize": 10.5,
@@ -89,6 +96,25 @@ def nice_floor(value: float) -> float:
     power = floor(log10(value))
     steps = (float(f"{step}e{power}") for step in (5, 2, 1))
     return next((step for step in steps if step <= value), float(f"1e{power}"))
+
+
+def log_axis(axes: Axes, name: str, low: float, high: float) -> None:
+    """Make an axis logarithmic, with 1, 2 and 5 written out, of many decades 1 alone.
+
+    Parameters
+    ----------
+    name : str
+        "x" or "y".
+    low, high : float
+        Its ends, above 0.
+    """
+    axes.set(**{f"{name}scale": "log", f"{name}lim": (low, high)})
+    axis = axes.xaxis if name == "x" else axes.yaxis
+    subs = (1.0, 2.0, 5.0) if high / low < _MANY_DECADES[name] else (1.0,)
+    axis.set_major_locator(LogLocator(base=10, subs=subs, numticks=40))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axis.set_minor_locator(NullLocator())
+    axis.set_minor_formatter(NullFormatter())
 
 
 def angle_axis(axes: Axes) -> None:

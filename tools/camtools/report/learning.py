@@ -11,11 +11,10 @@ from collections.abc import Callable
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter, NullLocator
 
 from camtools.base.json_text import Json
 from camtools.base.quantities import Floats, length_text
-from camtools.plots.style import BLUE, GREEN, ORANGE, PALE, RED, nice_floor, nice_limit
+from camtools.plots.style import BLUE, GREEN, ORANGE, PALE, RED, log_axis, nice_floor, nice_limit
 from camtools.plots.style import new_figure as _new_figure
 
 CONVERGENCE_TEXT = (
@@ -23,7 +22,7 @@ CONVERGENCE_TEXT = (
     "Each point is a turn: in the rehearsal, where the tool is clear of the work, how far U's tip "
     "swings beside the drawing; in the cut the turn's largest form error. What is learned shows as "
     "a fall from left to right; a rise where the cut begins is what only the chip brings, its "
-    "force above all. The scale grows tenfold from number to number of the same digit.",
+    "force above all. The scale is logarithmic.",
 )
 _MOST_MARKS = 150  # beyond, points of a line hide one another
 
@@ -46,13 +45,7 @@ def _spans(turn: Floats, is_cut: np.ndarray) -> list[tuple[str, float, float]]:
 def _log_scale(axes: Axes, values: Floats) -> None:
     """Make y logarithmic between round numbers, with 1, 2 and 5 written out."""
     low, high = nice_floor(float(values.min())), nice_limit(float(values.max()))
-    axes.set_yscale("log")
-    axes.set_ylim(low * (0.5 if low == high else 0.8), high * 1.25)
-    subs = (1.0, 2.0, 5.0) if high / low < 1e4 else (1.0,)
-    axes.yaxis.set_major_locator(LogLocator(base=10, subs=subs, numticks=40))
-    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    axes.yaxis.set_minor_locator(NullLocator())
-    axes.yaxis.set_minor_formatter(NullFormatter())
+    log_axis(axes, "y", low * (0.5 if low == high else 0.8), high * 1.25)
 
 
 def draw_convergence(summary: Json) -> Figure:
@@ -69,7 +62,8 @@ def draw_convergence(summary: Json) -> Figure:
         shade = {"rehearsal": PALE, "engage": ORANGE}.get(name)
         if shade:
             axes.axvspan(low, high, color=shade, alpha=0.35, lw=0)
-        axes.text((low + high) / 2, 1.02, name, transform=axes.get_xaxis_transform(), ha="center")
+        row = 1.07 if name == "engage" else 1.02  # it is narrow, and its neighbours may be
+        axes.text((low + high) / 2, row, name, transform=axes.get_xaxis_transform(), ha="center")
     style = {"marker": "o", "ms": 3} if um.size <= _MOST_MARKS else {}
     for part, colour in ((~is_cut, BLUE), (is_cut, RED)):
         gaps = np.flatnonzero(np.diff(np.flatnonzero(part)) > 1) + 1
