@@ -16,6 +16,7 @@ import numpy.typing as npt
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 FloatsLike = Floats | float
+_ROUNDING = 5e-4  # three digits may round a number up by this share
 NM_PER_MM = 1_000_000
 
 
@@ -39,10 +40,13 @@ def length_unit(largest_um: float) -> tuple[float, str]:
 
 
 def length_text(value_um: float) -> str:
-    """Return a length with the unit in which it reads well, four digits at most.
+    """Return a length with the unit in which it reads well, in three digits.
 
     >>> length_text(0.0312), length_text(31.24), length_text(1.0)
     ('31.2 nm', '31.2 µm', '1 µm')
+    >>> length_text(0.9997), length_text(-4218.0)
+    ('1 µm', '-4.22 mm')
     """
-    factor, unit = length_unit(abs(value_um))
+    size_um = abs(value_um) * (1 + _ROUNDING)
+    factor, unit = (1e-3, "mm") if size_um >= 1000 else length_unit(size_um)
     return f"{value_um * factor:.3g} {unit}"
