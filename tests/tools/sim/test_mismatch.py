@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from camtools.base.errors import CamtoolsError
 from camtools.base.quantities import omega_rad_s
 from camtools.sim.mismatch import mismatch
 
@@ -30,7 +31,6 @@ def lag(hz: float, damping: float, delay_s: float, omega: float) -> complex:
 def test_error_without_learning_is_what_the_drive_misses(table: Path) -> None:
     """Compare with the ratio of two frequency responses at twice the speed of the spindle."""
     found = mismatch(table, "", ["--set", "ripple_turns=0"], 2500.0)
-    assert found is not None
     omega = 2 * omega_rad_s(2500)
     half_tick_s = 25e-6
     ratio = lag(285, 0.735, 78.75e-6 + half_tick_s, omega) / lag(
@@ -43,7 +43,6 @@ def test_error_without_learning_is_what_the_drive_misses(table: Path) -> None:
 def test_learning_takes_it_away(table: Path) -> None:
     """It is on where U is measured, as on a machine whose controller believes something."""
     found = mismatch(table, "", [], 2500.0)
-    assert found is not None
     assert found.learns
     assert found.with_um is not None
     assert found.without_um is not None
@@ -54,12 +53,17 @@ def test_learning_takes_it_away(table: Path) -> None:
 def test_long_cut_is_cut_short(table: Path) -> None:
     """300 000 ticks, 15 s at 20 kHz: at 60 r/min 15 turns, and those in which the feed ends."""
     found = mismatch(table, "", [], 60.0)
-    assert found is not None
     assert 15 <= found.turns < 100
 
 
-def test_what_cannot_be_cut_gives_no_line(table: Path) -> None:
-    """Infeasible, no machine, no table: the cut itself has said so."""
-    assert mismatch(table, "", ["--rpm", "9000"], 9000.0) is None
-    assert mismatch(table, "nothing", [], 2500.0) is None
-    assert mismatch(table.with_name("none.camtab"), "", [], 2500.0) is None
+def test_what_cannot_be_cut_says_why(table: Path) -> None:
+    """Infeasible, no machine, a table twice as TOML forbids and the simulator allows, no table."""
+    for machine, words, why in (
+        ("", ["--rpm", "9000"], "9000"),
+        ("nothing", [], "TOML"),
+        ("[u]\ndelay_us = 75\n[u]\ndamping = 0.7\n", [], "TOML"),
+    ):
+        with pytest.raises(CamtoolsError, match=why):
+            mismatch(table, machine, words, 2500.0)
+    with pytest.raises(CamtoolsError, match="none"):
+        mismatch(table.with_name("none.camtab"), "", [], 2500.0)

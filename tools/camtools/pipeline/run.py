@@ -16,6 +16,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from camtools.base.command import BAD_INPUT
+from camtools.base.errors import CamtoolsError
 from camtools.base.json_text import Json
 from camtools.base.stage import Stage
 from camtools.pipeline.correct import correction_for
@@ -75,14 +76,18 @@ def _simulate(job: RunJob, made: Made, folder: Path) -> AnyCut | None:
 
 
 def _mismatch(job: RunJob, made: Made, folder: Path) -> Mismatch | None:
-    """Return what a drive costs that is 5 % off, nothing where it cannot be told."""
+    """Return what a drive costs that is 5 % off; where that cannot be told, say why."""
     if any(word.startswith("--target") for word in job.extra):
         return None
     part, name = made.table.part, made.table.part.part.name
     text = made.kind.machine(part) if job.machine is None else job.machine.decode("utf-8")
     words = [*made.kind.speed_words(job.rpm), *job.feed_words(), *without_faults(job.extra)]
     table = folder / f"{name}.camtab"
-    return mismatch(table, text, words, made.kind.mean_rpm(made.table, job.rpm))
+    try:
+        return mismatch(table, text, words, made.kind.mean_rpm(made.table, job.rpm))
+    except CamtoolsError as error:
+        say(f"what a drive of U costs that is {100 * SHARE:.0f} % worse cannot be told: {error}")
+        return None
 
 
 def complete_summary(made: Made, outcome: AnyCut, off: Mismatch | None, total_s: float) -> Json:

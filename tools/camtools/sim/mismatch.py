@@ -12,7 +12,6 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from camtools.base.errors import CamtoolsError
 from camtools.base.json_text import Json
 from camtools.base.quantities import length_text
 from camtools.sim.machine_file import Machine, emit_machine, mistaken, nominal_of, read_machine
@@ -80,8 +79,8 @@ def _error_um(result: Result) -> float | None:
     return result.form_error_um if ended else None
 
 
-def mismatch(table: Path, machine: str, words: Sequence[str], speed_rpm: float) -> Mismatch | None:
-    """Return what 5 % cost, nothing when the simulator refuses such a machine.
+def mismatch(table: Path, machine: str, words: Sequence[str], speed_rpm: float) -> Mismatch:
+    """Return what 5 % cost.
 
     Parameters
     ----------
@@ -93,21 +92,21 @@ def mismatch(table: Path, machine: str, words: Sequence[str], speed_rpm: float) 
         Other options of camsim.
     speed_rpm : float
         Mean speed; a cut of more than 300 000 ticks ends after so many.
+
+    Raises
+    ------
+    CamtoolsError
+        The simulator refuses such a machine, or its file is no TOML.
     """
     turns = max(_MOST_TICKS / _TICK_HZ * speed_rpm / 60, 1.0)
-    try:
-        tree = read_machine(machine, "machine")
-        chosen = Machine("machine", emit_machine(mistaken(tree, worse(tree))))
-        learned = simulate(table, chosen, turns=turns, options=words)
-        parameters = learned.summary["parameters"]
-        off = dict.fromkeys((name for name in _NO_LEARNING if name in parameters), 0)
-        learns = any(parameters[name] for name in off)
-        # Later words overrule earlier ones.
-        plain = [word for name in off for word in ("--set", f"{name}=0")]
-        without = (
-            simulate(table, chosen, turns=turns, options=[*words, *plain]) if learns else learned
-        )
-    except CamtoolsError:
-        return None
+    tree = read_machine(machine, "machine file")
+    chosen = Machine("machine file", emit_machine(mistaken(tree, worse(tree))))
+    learned = simulate(table, chosen, turns=turns, options=words)
+    parameters = learned.summary["parameters"]
+    off = [name for name in _NO_LEARNING if name in parameters]
+    learns = any(parameters[name] for name in off)
+    # Later words overrule earlier ones.
+    plain = [word for name in off for word in ("--set", f"{name}=0")]
+    without = simulate(table, chosen, turns=turns, options=[*words, *plain]) if learns else learned
     cut_turns = float(without.summary["cut"]["turns"])
     return Mismatch(_error_um(without), _error_um(learned), learns, cut_turns)
