@@ -29,7 +29,7 @@ from camtools.polygon.summary import angles_of
 from camtools.report import compare as report_compare
 from camtools.report import motion as report_motion
 from camtools.report.learning import CONVERGENCE_TEXT, convergence
-from camtools.report.page import Page, Picture, render_page
+from camtools.report.page import EDGE_IS_A_POINT, Page, Picture, render_page
 from camtools.sim.results import CUTTING, FAULT, GaugedSurface
 from camtools.skirt import report_surface
 
@@ -209,7 +209,7 @@ def make_polygon_report(outcome: PolygonCut) -> dict[str, bytes]:
         outcome.generated.part.part.source,
         polygon_rows(outcome),
         shown,
-        "In a section the edge is a point; feed marks and bending are not modelled.",
+        EDGE_IS_A_POINT,
         "the tool's true path",
         "shaft",
     )

@@ -53,6 +53,13 @@ class Caption(NamedTuple):
     text: str
 
 
+# What the simulator leaves out of a tool that turns sections.
+EDGE_IS_A_POINT = (
+    "In a section the edge is a point; feed marks are not modelled, and the tool bends only where "
+    "the machine file gives its stiffness."
+)
+
+
 class Page(NamedTuple):
     """What a report says of a part of one kind."""
 

@@ -15,7 +15,7 @@ from camtools.plots.style import drawing, png_of
 from camtools.report import compare as report_compare
 from camtools.report import motion as report_motion
 from camtools.report.learning import CONVERGENCE_TEXT, convergence
-from camtools.report.page import Page, Picture, render_page
+from camtools.report.page import EDGE_IS_A_POINT, Page, Picture, render_page
 from camtools.sim.results import CUTTING, FAULT
 from camtools.skirt import report_surface
 from camtools.skirt.outcome import SkirtOutcome
@@ -167,7 +167,7 @@ def render(outcome: SkirtOutcome, pngs: dict[str, bytes]) -> str:
         outcome.generated.part.part.source,
         rows_of(outcome),
         [(one, pngs[one.key]) for one in pictures_of(outcome) if one.key in pngs],
-        "In a section the edge is a point; feed marks and bending are not modelled.",
+        EDGE_IS_A_POINT,
         "the tool's true path",
         "skirt",
     )
