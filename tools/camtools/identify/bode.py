@@ -16,7 +16,7 @@ from camtools.base.quantities import Floats
 from camtools.identify.fit import FRICTION, K1, K2, LEAD, second_order
 from camtools.identify.identified import Identified
 from camtools.identify.multisine import Complexes
-from camtools.plots.style import BLUE, GREY, ORANGE, RED, drawing, png_of, titled_figure
+from camtools.plots.style import BLUE, GREY, ORANGE, RED, drawing, log_axis, png_of, titled_figure
 
 _DB = 8.685889638
 _CURVE_POINTS = 400
@@ -58,9 +58,8 @@ def _residual(axes: Axes, found: Identified) -> None:
     one = found.spectra
     left = np.abs(found.plain.residual)
     axes.loglog(one.frequency_hz, 100 * left, ".", color=BLUE, label="left by the fit")
-    axes.loglog(
-        one.frequency_hz, 100 * one.noise_nm / np.abs(one.y), "-", color=GREY, label="noise"
-    )
+    noise = one.noise_nm / np.abs(one.y)
+    axes.loglog(one.frequency_hz, 100 * noise, "-", color=GREY, label="noise")
     axes.set_ylabel("share of the line, %")
     axes.set_xlabel("frequency, Hz")
     axes.legend(loc="upper left", frameon=False)
@@ -87,13 +86,18 @@ def bode_png(found: Identified, believed: Floats, title: str) -> bytes:
         share = sigma / np.abs(measured)
         marks = {"fmt": ".", "color": "black", "markersize": 4, "elinewidth": 0.8, "zorder": 0}
         amplitude.errorbar(
-            hz, _DB * np.log(np.abs(measured)), _DB * share, label="measured", **marks
+            hz,
+            _DB * np.log(np.abs(measured)),
+            _DB * share,
+            label="measured, without friction",
+            **marks,
         )
         phase.errorbar(hz, unwrapped_deg(measured), np.degrees(share), **marks)
         amplitude.set_ylabel("amplitude, dB")
         phase.set_ylabel("phase, degrees")
         amplitude.legend(loc="lower left", frameon=False)
         _residual(residual, found)
+        log_axis(residual, "x", 0.9 * hz[0], curve_hz[-1])
         for axes in (amplitude, phase, residual):
             axes.grid(color="#dddddd", linewidth=0.6)
         return png_of(figure)
