@@ -18,6 +18,7 @@ from camtools.measured.points import parse_points
         ("angle_deg;height_mm;deviation_um", "90,0;10;-1,5"),
         ("angle_turn height_um deviation_mm", "0.25  10000\t-0.0015"),
         ("deviation_nm, angle_deg, z_um", "-1500, 90, 10000"),
+        ("Angle_deg;Height_mm;Radius_mm;DEVIATION_um", "90;10;46;-1,5"),
     ],
 )
 def test_units_and_separators(header: str, row: str) -> None:
@@ -25,7 +26,7 @@ def test_units_and_separators(header: str, row: str) -> None:
     found = parse_points(f"{header}\n{row}\n\n", "a.csv")
     assert (found.turn[0], found.z_mm[0]) == pytest.approx((0.25, 10.0))
     assert found.deviation_um[0] == pytest.approx(-1.5)
-    assert (found.radius_mm is not None) == ("radius_mm" in header)
+    assert (found.radius_mm is not None) == ("radius_mm" in header.lower())
 
 
 def test_whole_turn_is_none() -> None:
@@ -46,7 +47,7 @@ def test_whole_turn_is_none() -> None:
         ("angle_deg,z_mm,error_nm\n1,2,x\n", "a.csv: line 2 = '1,2,x': no numbers"),
         ("angle_deg,z_mm,error_nm\n\n400,2,3\n", "a.csv: line 3 = '400,2,3': beyond one turn"),
         ("turn,z_mm,error_nm\n90,2,3\n", "line 2 = '90,2,3': beyond one turn"),
-        ("turn,z_mm,error_nm\n0,2,nan\n", "line 2 = '0,2,nan': beyond one turn"),
+        ("turn,z_mm,error_nm\n0,2,nan\n", "line 2 = '0,2,nan': no finite numbers"),
         ("turn,z_mm,error_nm\n0,2,2e7\n", "or a deviation of 15 mm"),
         ("turn,z_mm,error_nm\n0,2000,1\n", "a height of 1000 mm"),
     ],

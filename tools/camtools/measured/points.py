@@ -52,8 +52,9 @@ class _Place(NamedTuple):
 
 
 def _find(columns: Columns, units: dict[str, float]) -> _Place | None:
-    found = [name for name in columns.names if name in units]
-    return _Place(columns.names.index(found[0]), units[found[0]]) if len(found) == 1 else None
+    names = [name.casefold() for name in columns.names]  # instruments write some in capitals
+    found = [name for name in names if name in units]
+    return _Place(names.index(found[0]), units[found[0]]) if len(found) == 1 else None
 
 
 def _places(columns: Columns, line: str, file: str) -> list[_Place]:
@@ -118,5 +119,7 @@ def _check_ranges(values: Floats, numbers: list[int], lines: list[str], file: st
         f"beyond one turn, a height of {MAX_HEIGHT_MM:g} mm or a deviation of "
         f"{MAX_DEVIATION_UM / 1000:g} mm"
     )
+    if not np.isfinite(values[:, worst]).all():
+        problem = "no finite numbers"
     remedy = "give the drawing's angle and the deviation from the drawing in the header's units"
     raise InputError(file, f"line {line}", lines[line - 1][:60], problem, remedy)
