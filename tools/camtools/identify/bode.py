@@ -36,12 +36,25 @@ def unwrapped_deg(response: Complexes) -> Floats:
     return np.asarray(np.degrees(np.unwrap(np.angle(response))))
 
 
+def _slide(found: Identified) -> Complexes:
+    """Return what the equation of the fit multiplies the place of U by, at the lines."""
+    one, values = found.spectra, found.plain.values
+    return np.asarray(1 + values[K1] * one.s + values[K2] * one.s**2, np.complex128)
+
+
 def measured_response(found: Identified) -> tuple[Complexes, Floats]:
     """Return the response at the lines, friction taken out, and its standard deviation."""
-    one, values = found.spectra, found.plain.values
-    slide = 1 + values[K1] * one.s + values[K2] * one.s**2
-    free = one.y + values[FRICTION] * one.friction / slide
+    one = found.spectra
+    free = one.y + found.plain.values[FRICTION] * one.friction / _slide(found)
     return free / one.u, one.noise_nm / np.abs(one.u)
+
+
+def left_by_fit(found: Identified) -> Floats:
+    """Return how far the fit is from each line, as a share of it: comparable with its noise.
+
+    What the equation of the fit leaves is larger, by what it multiplies the place of U by.
+    """
+    return np.asarray(np.abs(found.plain.residual / _slide(found)))
 
 
 def _curves(found: Identified, believed: Floats, s: Complexes) -> list[_Line]:
@@ -56,8 +69,9 @@ def _curves(found: Identified, believed: Floats, s: Complexes) -> list[_Line]:
 
 def _residual(axes: Axes, found: Identified) -> None:
     one = found.spectra
-    left = np.abs(found.plain.residual)
-    axes.loglog(one.frequency_hz, 100 * left, ".", color=BLUE, label="left by the fit")
+    axes.loglog(
+        one.frequency_hz, 100 * left_by_fit(found), ".", color=BLUE, label="left by the fit"
+    )
     noise = one.noise_nm / np.abs(one.y)
     axes.loglog(one.frequency_hz, 100 * noise, "-", color=GREY, label="noise")
     axes.set_ylabel("share of the line, %")
