@@ -12,6 +12,7 @@ enum {
     even_part = 128,           ///< a speed that changes by more than this part runs up
     least_speed_q32 = 1 << 18, ///< [turn / 2^32 per tick] slower turns are not gathered
     least_scale_q30 = 1 << 27, ///< an eighth of the amplitude
+    least_floors = 64,         ///< U moves by more than that many times what its scale cannot tell
 };
 
 #define TURNS UINT32_C(0xFFFFFF) ///< turns are numbered modulo 2^24
@@ -135,6 +136,26 @@ static void note_feed(cam_teach_t *t, const cam_turn_t *turn)
     t->feed_nm = feed_nm;
 }
 
+/// @return [nm^2] mean square of the set-point about its mean: half of what its harmonics sum up to
+static int64_t moved_square(const cam_gather_bin_t *bin)
+{
+    int64_t mean_nm = 0;
+    int64_t sum = 0;
+    for (uint32_t i = 0; i < cam_learn_bins; i++) {
+        mean_nm += bin[i].u_nm;
+    }
+    mean_nm /= cam_learn_bins;
+    for (uint32_t i = 0; i < cam_learn_bins; i++) {
+        sum += (bin[i].u_nm - mean_nm) * (bin[i].u_nm - mean_nm);
+    }
+    return sum / cam_learn_bins;
+}
+
+bool cam_lesson_tells_drive(const cam_teach_t *t)
+{
+    return t->told_square >= 0 && t->larger / least_floors > t->floor_q6;
+}
+
 /// Decide what a turn tells.
 void cam_lesson_open(cam_teach_t *t, const cam_teach_setup_t *s, const cam_turn_t *turn)
 {
@@ -161,6 +182,7 @@ void cam_lesson_open(cam_teach_t *t, const cam_teach_setup_t *s, const cam_turn_
         t->speed_w = 0;
         t->acceleration_w = 0;
         t->sums = (cam_drive_sums_t){0};
+        t->told_square = -moved_square(t->bin);
         const uint32_t sum_q6 = cam_shape_sum_q6(&t->shape);
         const uint32_t most_q6 = (uint32_t)s->most_q6;
         t->room_q6 = most_q6 > sum_q6 ? (most_q6 - sum_q6) / cam_shape_terms : 0u;
@@ -256,6 +278,7 @@ void cam_lesson_harmonic(cam_teach_t *t, const cam_teach_setup_t *s)
     const cam_complex_t error = straightened(t, s, at_full(t, raw, 1), set);
     t->square += cam_complex_square(error) >> (t->k > 0u ? 1u : 0u);
     if (t->k > 0u) {
+        t->told_square += (int64_t)cam_complex_square(set_nm);
         take_layer1(t, s, error, set);
     }
     take_layer2(t, s, error, set);

@@ -26,6 +26,11 @@ uint32_t cam_lesson_guarded_q6(const cam_teach_t *t);
 ///         long as the feed changes and some turns more, else that of the cut
 int32_t cam_lesson_gain_q16(const cam_teach_t *t, const cam_teach_setup_t *s);
 
+/// @return whether a turn tells of the drive: the harmonics that are learned hold most of the
+/// motion of
+///         U, and it is large for its scale. Constants from less would move what nobody watches
+bool cam_lesson_tells_drive(const cam_teach_t *t);
+
 /// Decide what the turn in t->bin tells, and turn its sums into means.
 void cam_lesson_open(cam_teach_t *t, const cam_teach_setup_t *s, const cam_turn_t *turn);
 

@@ -34,6 +34,7 @@ static void trust(cam_teach_t *t)
 {
     cam_shape_trust(&t->shape);
     t->best_square = UINT64_MAX;
+    t->trusted = 0;
     t->n_halved = 0;
 }
 
@@ -99,9 +100,22 @@ static bool is_drive_sound(cam_teach_t *t)
     return false;
 }
 
+/// An error that grows with the shape is no worse: the guard begins anew.
+static void follow_size(cam_teach_t *t)
+{
+    if (t->larger / 5u > t->trusted / 4u) {
+        trust(t);
+        t->trusted = t->larger;
+    }
+}
+
 /// Layer 1: one step of the drive's constants.
 static void step_drive(cam_teach_t *t, const cam_teach_setup_t *s, int32_t gain_q16)
 {
+    if (!cam_lesson_tells_drive(t)) {
+        return;
+    }
+    follow_size(t);
     if (t->n_halved >= cam_lesson_most_halved) {
         return;
     }
@@ -174,7 +188,7 @@ static void step(cam_teach_t *t, const cam_teach_setup_t *s)
     case cam_teach_cutting:
         step_drive(t, s, cam_lesson_gain_q16(t, s) / (t->shape.is_probed ? 2 : 1));
         t->n_steps = (uint8_t)(t->n_steps < UINT8_MAX ? t->n_steps + 1u : UINT8_MAX);
-        t->best_square += t->best_square >> 4;
+        t->best_square += t->best_square < UINT64_MAX / 2u ? t->best_square >> 4 : 0u;
         break;
     case cam_teach_off:
     case cam_teach_waiting:

@@ -133,6 +133,8 @@ typedef struct {
     uint32_t acceleration_w; ///< [nm per tick^2 / 2^8] sum of w_k^2 |U_k|
     uint32_t largest;        ///< [nm / 64] largest k |U_k| of the last turn
     uint32_t larger;         ///< ... of this turn up to now
+    int64_t told_square;     ///< [nm^2] the set-point's harmonics of this turn, less half of all
+    uint32_t trusted;        ///< [nm / 64] largest k |U_k| for which the guard's best holds
     uint32_t floor_q6;       ///< [nm / 64] 3 sigma of the scale in a harmonic of this turn
     uint32_t room_q6;        ///< [nm / 64] by how much a correction may grow in this turn
     int32_t k1_q16, k2_q16;  ///< added to the configured ones

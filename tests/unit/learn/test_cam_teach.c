@@ -125,6 +125,37 @@ static void test_lobes_teach_the_drive_alone(void)
     TEST_ASSERT_NOT_EQUAL(0, p.learned.k1_q16);
 }
 
+/// The motion is in a harmonic that is not learned, so nobody would see what constants do to it.
+static void test_harmonics_without_the_motion_do_not_tell_the_drive(void)
+{
+    p.setup.reason = cam_teach_not_asked;
+    learn_plant_turns(&p, cam_state_rehearsing, 4);
+    const double before_um = p.rms_um;
+    setUp();
+    p.what.amplitude_mm[1] = 0.0002;
+    p.setup.n_harmonics = 1;
+    learn_plant_turns(&p, cam_state_rehearsing, 44);
+    TEST_ASSERT_EQUAL_INT32(0, status().k1_ns);
+    TEST_ASSERT_EQUAL_INT32(0, status().k2_us2);
+    TEST_ASSERT_TRUE(p.rms_um < 1.05 * before_um);
+}
+
+/// A shape that is nearly round where it is rehearsed tells nothing, and later the error may grow
+/// with it.
+static void test_a_shape_that_grows_from_nothing_is_learned_in_the_cut(void)
+{
+    learn_case_t what = p.what;
+    what.truth.friction_mm_s2 = 0.0;
+    what.believed = what.truth;
+    learn_plant_init(&p, &what);
+    p.scale = 0.0005;
+    learn_plant_turns(&p, cam_state_rehearsing, 40);
+    p.what.growth_per_turn = 0.005;
+    learn_plant_turns(&p, cam_state_cutting, 200);
+    TEST_ASSERT_TRUE(p.rms_um < 0.5);
+    TEST_ASSERT_EQUAL_INT32(cam_teach_all, status().reason);
+}
+
 static void test_names_are_known(void)
 {
     TEST_ASSERT_EQUAL_STRING("probing", cam_teach_phase_name(cam_teach_probing));
@@ -144,6 +175,8 @@ int main(void)
     RUN_TEST(test_a_fault_in_the_probe_leaves_no_probe);
     RUN_TEST(test_nothing_is_learned_where_nothing_is_asked);
     RUN_TEST(test_lobes_teach_the_drive_alone);
+    RUN_TEST(test_harmonics_without_the_motion_do_not_tell_the_drive);
+    RUN_TEST(test_a_shape_that_grows_from_nothing_is_learned_in_the_cut);
     RUN_TEST(test_names_are_known);
     return UNITY_END();
 }
