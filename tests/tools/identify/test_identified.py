@@ -135,3 +135,7 @@ def test_scale_that_is_wrong_is_noticed() -> None:
     (found,) = identified([Plant(gain=1.03)], 25_000.0)
     assert found.gain.share == pytest.approx(1.03, abs=2e-3)
     assert any("U moves 1.03" in problem for problem in found.problems(Limits()))
+    worse = replace(found.plain, misfit=1.5, covariance=1e-8 * np.eye(4))  # 100 us
+    said = replace(found, plain=worse).problems(Limits())
+    assert any("lead is known to 100 us" in problem for problem in said)
+    assert any("leaves 150 %" in problem for problem in said)

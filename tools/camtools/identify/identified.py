@@ -101,19 +101,19 @@ class Identified:
             share = float(sigmas[i] / plain.values[i])
             if share > limit:
                 found.append(
-                    f"{name} is known to {100 * share:.2g} % only, at most {100 * limit:g} %"
+                    f"{name} is known to {100 * share:.3g} % only, at most {100 * limit:g} %"
                 )
             if abs(self.bias[i]) > limit:
-                bias = f"{100 * self.bias[i]:+.2g} %"
+                bias = f"{100 * self.bias[i]:+.3g} %"
                 found.append(f"a mode biases {name} by {bias}, at most {100 * limit:g} %")
         for what, value in (("is known to", sigmas[LEAD]), ("is biased by", self.bias[LEAD])):
             if abs(value) > limits.lead_s:
                 found.append(
-                    f"lead {what} {abs(value) * 1e6:.2g} us, at most {limits.lead_s * 1e6:g} us"
+                    f"lead {what} {abs(value) * 1e6:.3g} us, at most {limits.lead_s * 1e6:g} us"
                 )
         if plain.misfit > limits.misfit:
             found.append(
-                f"the fit leaves {100 * plain.misfit:.2g} % of what was measured, at most "
+                f"the fit leaves {100 * plain.misfit:.3g} % of what was measured, at most "
                 f"{100 * limits.misfit:g} %"
             )
         if not self.has_mode and abs(self.gain.share - 1) > limits.gain_off:

@@ -98,7 +98,7 @@ def _fit_lines(found: Identified, believed: Believed) -> Iterator[str]:
     lost = f", {spectra.n_lost} below the noise left out" if spectra.n_lost else ""
     yield (
         f"fit: {spectra.bins.size} lines {spectra.frequency_hz[0]:g} .. "
-        f"{spectra.frequency_hz[-1]:g} Hz{lost}; it leaves {100 * plain.misfit:.2g} % of them"
+        f"{spectra.frequency_hz[-1]:g} Hz{lost}; it leaves {100 * plain.misfit:.3g} % of them"
     )
     yield (
         "lead: dead time and half a tick of hold; a latency of the scale cannot be told from it, "
