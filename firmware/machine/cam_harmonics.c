@@ -61,7 +61,8 @@ cam_complex_t cam_harmonics_of(const int32_t *mean, uint32_t stride, uint32_t k)
     int64_t im = 0;
     uint32_t step = k; // the middle of bin 0 is half a bin, step 1 of the circle
     for (uint32_t i = 0; i < cam_learn_bins; i++) {
-        const int64_t value = mean[i * stride];
+        const int64_t value = *mean;
+        mean += stride;
         re += value * cam_cos_q24(step);
         im -= value * cam_sin_q24(step);
         step += 2u * k;

@@ -87,8 +87,8 @@ static cam_teach_setup_t setup_of(const cam_machine_t *m)
         .k1_q16 = k1_q16,
         .k2_q16 = k2_q16,
         .k1_most_q16 =
-            cam_sat_i32((int64_t)k1_q16 + ticks_q16(m, p->lead_ns) + spare_ticks * 65536),
-        .k2_most_q16 = cam_sat_i32((int64_t)k2_q16 + spare_ticks2 * 65536),
+            cam_sat_i32((int64_t)k1_q16 + ticks_q16(m, p->lead_ns) + spare_ticks * INT64_C(65536)),
+        .k2_most_q16 = cam_sat_i32((int64_t)k2_q16 + spare_ticks2 * INT64_C(65536)),
         .between_q16 = (int32_t)(part_q16 * (65536 - part_q16) >> 17),
         .eccentricity = eccentricity(m),
     };

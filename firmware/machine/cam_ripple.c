@@ -113,12 +113,13 @@ static cam_complex_t told(cam_complex_t a, int64_t least)
     return is_more ? a : (cam_complex_t){0};
 }
 
-/// @param n  turns in the sum
+/// @param n  turns in the sum; of none the mean is 0
 static int16_t mean_of(int64_t sum, uint32_t n)
 {
     const int64_t unit = (int64_t)n << cam_ripple_down;
     const int64_t half = sum < 0 ? -unit / 2 : unit / 2;
-    return (int16_t)cam_clamp_i64((sum + half) / unit, -cam_ripple_most, cam_ripple_most);
+    const int64_t mean = unit > 0 ? (sum + half) / unit : 0;
+    return (int16_t)cam_clamp_i64(mean, -cam_ripple_most, cam_ripple_most);
 }
 
 bool cam_ripple_close(cam_ripple_t *r, uint32_t n_turns, int32_t least_q32, int32_t speed_q36)

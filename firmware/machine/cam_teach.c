@@ -217,7 +217,7 @@ static void take_turn(cam_teach_t *t, const cam_teach_setup_t *s, cam_gather_t *
     if (cam_gather_take(gather, &turn) == NULL) {
         return;
     }
-    t->bin = &gather->bin[(turn.turn & 1u) * (uint32_t)cam_learn_bins];
+    t->bin = &gather->bin[(turn.turn & 1u) != 0u ? cam_learn_bins : 0];
     cam_lesson_open(t, s, &turn);
     if (!t->is_counted && t->true_q36 == 0) {
         t->bin = NULL;

@@ -96,12 +96,11 @@ void cam_teach_walk(cam_teach_t *t, const cam_teach_setup_t *setup, uint32_t at_
     if ((t->walking & cam_walk_drive) != 0u) {
         there |= lead_drive(t, in, most_nm) ? cam_walk_drive : 0u;
     }
-    if (is_early(t, at_q8)) {
-        // points wait
-    } else if ((t->walking & cam_walk_shape) != 0u) {
+    const bool is_due = !is_early(t, at_q8); // else the points wait
+    if (is_due && (t->walking & cam_walk_shape) != 0u) {
         there |= cam_harmonics_lead(in->c, t->shape.c_q6, 6, most_nm) ? cam_walk_shape : 0u;
         t->walk_from_q8 = at_q8 + step_q8;
-    } else if ((t->walking & cam_walk_ripple) != 0u) {
+    } else if (is_due && (t->walking & cam_walk_ripple) != 0u) {
         const int32_t most = angle_step((cam_state_t)t->state);
         there |= lead_angles(t, setup, in, most) ? cam_walk_ripple : 0u;
         t->walk_from_q8 = at_q8 + 2u * step_q8;

@@ -71,6 +71,12 @@ void cam_gather_plan_isr(cam_gather_t *g, const cam_tick_record_t *r, const cam_
     atomic_store_explicit(&g->at_q8, at_q8, memory_order_relaxed);
 }
 
+/// @return the first bin of bank 0 or 1
+static cam_gather_bin_t *bank_of(cam_gather_t *g, uint32_t bank)
+{
+    return &g->bin[bank != 0u ? cam_learn_bins : 0];
+}
+
 /// Clear the bank that is idle in a turn, and mark it when the interrupt cannot have reached the
 /// next turn meanwhile: a plan is at most a quarter of a turn old, or the turn is too short to
 /// learn from. A late mark names a turn that the interrupt has opened as not clean.
@@ -78,8 +84,7 @@ void cam_gather_plan_isr(cam_gather_t *g, const cam_tick_record_t *r, const cam_
 static bool clear(cam_gather_t *g, uint32_t turn)
 {
     const uint32_t bank = (turn + 1u) & 1u;
-    (void)memset(&g->bin[bank * (uint32_t)cam_learn_bins], 0,
-                 (size_t)cam_learn_bins * sizeof g->bin[0]);
+    (void)memset(bank_of(g, bank), 0, (size_t)cam_learn_bins * sizeof g->bin[0]);
     atomic_thread_fence(memory_order_acq_rel);
     const uint32_t at_q8 = atomic_load_explicit(&g->at_q8, memory_order_acquire);
     const bool is_in_time = turn_at(at_q8) == turn && (at_q8 & 0xFFu) < 192u;
@@ -98,7 +103,7 @@ const cam_gather_bin_t *cam_gather_take(cam_gather_t *g, cam_turn_t *turn)
     if (closed == before && g->taken != before) {
         g->taken = before;
         *turn = g->closed[bank];
-        return &g->bin[bank * (uint32_t)cam_learn_bins];
+        return bank_of(g, bank);
     }
     if (atomic_load_explicit(&g->cleared[bank], memory_order_relaxed) != numbered(now + 1u)) {
         (void)clear(g, now);

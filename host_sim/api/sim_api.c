@@ -207,7 +207,8 @@ int sim_api_finish(sim_api_t *s, double wall_s)
     }
     make_surface(s);
     if (!make_summary(s, wall_s) || s->surface_values.is_lost || s->trace_values.is_lost) {
-        (void)common_error(&s->error, "not enough memory for the results; free some, or trace less");
+        (void)common_error(&s->error,
+                           "not enough memory for the results; free some, or trace less");
         return camsim_wrong;
     }
     s->error.text[0] = '\0';

@@ -27,7 +27,8 @@ static double now_s(void)
 static bool open_outputs(run_t *r, common_error_t *e)
 {
     sim_out_watch_signals();
-    if (!camsim_check_lobes(&r->options, &r->cut, e) || !camsim_open_outs(r->out, &r->options, camsim_n_outs, e)) {
+    if (!camsim_check_lobes(&r->options, &r->cut, e) ||
+        !camsim_open_outs(r->out, &r->options, camsim_n_outs, e)) {
         return false;
     }
     if (r->out[camsim_trace].name != NULL) {

@@ -112,7 +112,8 @@ sim_servo_worth_t sim_servo_worth(const sim_drive_config_t *config, double perio
         lines.omega[i] = first + (last - first) * i / (n_lines - 1);
         lines.inverse[i] = inverse_at(config, &servo, lines.omega[i]);
     }
-    // The error has several minima over the dead time; only an inverse of positive constants counts.
+    // The error has several minima over the dead time; only an inverse of positive constants
+    // counts.
     sim_servo_worth_t best = {0};
     double least = INFINITY;
     for (int i = 0; i <= n_steps; i++) {

@@ -20,7 +20,7 @@ typedef struct {
     const char *name;         ///< as the user gave it; NULL: not wanted, all calls do nothing
     char final[sim_out_path]; ///< links resolved
     char temporary[sim_out_path + 16]; ///< "" when written directly
-    sim_values_t *values;             ///< NULL: text in a file
+    sim_values_t *values;              ///< NULL: text in a file
     FILE *stream;
     int error; ///< errno of the first failure, 0
     size_t n;

@@ -22,8 +22,8 @@ static bool judge(const char *image_path, const char *machine_path, uint32_t mrp
     cam_table_t table;
     cam_params_t params;
     const cam_err_t err = cam_table_check(file.bytes, file.size, &table);
-    const bool is_read =
-        err == cam_ok && sim_controller_params(&params, &config.lathe, false, &config.controller, e);
+    const bool is_read = err == cam_ok && sim_controller_params(&params, &config.lathe, false,
+                                                                &config.controller, e);
     if (err != cam_ok) {
         (void)common_error(e, "%s: %s", image_path, cam_err_text(err));
     } else if (is_read) {
