@@ -62,7 +62,9 @@ int32_t cam_ripple_deviate(cam_gather_bin_t *bin)
 
 void cam_ripple_add(cam_ripple_t *r, uint32_t k, cam_complex_t angle_q32)
 {
-    r->sum[k - 1u] = cam_complex_add(r->sum[k - 1u], angle_q32);
+    cam_complex_t *sum = &r->sum[k - 1u];
+    sum->re = cam_sat_i32((int64_t)sum->re + angle_q32.re);
+    sum->im = cam_sat_i32((int64_t)sum->im + angle_q32.im);
 }
 
 void cam_ripple_drop(cam_ripple_t *r)

@@ -116,6 +116,19 @@ static void test_a_turn_with_a_hole_or_a_jump_is_refused(void)
     TEST_ASSERT_EQUAL_INT32(0, cam_ripple_deviate(bin));
 }
 
+/// The largest that a turn can tell, as often as the parameter allows.
+static void test_a_sum_beyond_its_word_keeps_its_sign(void)
+{
+    cam_ripple_t r = {0};
+    const cam_complex_t large = {.re = 1 << 26, .im = -(1 << 26)};
+    for (int turn = 0; turn < 64; turn++) {
+        cam_ripple_add(&r, 1, large);
+        (void)cam_ripple_close(&r, 64, 0, 1 << 28);
+    }
+    TEST_ASSERT_EQUAL_INT32(cam_ripple_most, r.mean[0].re);
+    TEST_ASSERT_EQUAL_INT32(-cam_ripple_most, r.mean[0].im);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -124,5 +137,6 @@ int main(void)
     RUN_TEST(test_what_counts_feign_is_not_learned);
     RUN_TEST(test_two_speeds_tell_the_scale_from_the_spindle);
     RUN_TEST(test_a_turn_with_a_hole_or_a_jump_is_refused);
+    RUN_TEST(test_a_sum_beyond_its_word_keeps_its_sign);
     return UNITY_END();
 }
