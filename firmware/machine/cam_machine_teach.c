@@ -156,6 +156,15 @@ cam_err_t cam_machine_get_learned(const cam_machine_t *m, uint32_t index, int32_
     return index < cam_teach_n_values ? cam_ok : cam_err_param_id;
 }
 
+/// @return whether the drive's constants stay within what learning itself may reach
+static bool is_learnable(const cam_machine_t *m, uint32_t index, int32_t value)
+{
+    const cam_teach_setup_t setup = setup_of(m);
+    const int64_t size = cam_abs_i64(value);
+    return (index != (uint32_t)cam_teach_value_k1 || size <= setup.k1_most_q16) &&
+           (index != (uint32_t)cam_teach_value_k2 || size <= setup.k2_most_q16);
+}
+
 cam_err_t cam_machine_set_learned(cam_machine_t *m, uint32_t index, int32_t value)
 {
     const cam_state_t state = cam_machine_status(m).state;
@@ -165,5 +174,7 @@ cam_err_t cam_machine_set_learned(cam_machine_t *m, uint32_t index, int32_t valu
     if (state != cam_state_off && state != cam_state_ready) {
         return cam_err_param_state;
     }
-    return cam_teach_set(&m->teach, index, value) ? cam_ok : cam_err_param_range;
+    return is_learnable(m, index, value) && cam_teach_set(&m->teach, index, value)
+               ? cam_ok
+               : cam_err_param_range;
 }

@@ -179,6 +179,8 @@ static void test_fields_and_learned_values_have_their_errors(void)
     expect(cam_ok, 0, get_learned, 0, 0);
     expect(cam_err_param_id, 0, get_learned, 255, 0);
     expect(cam_err_param_id, 0, set_learned, 255, 1);
+    expect(cam_err_param_range, 0, set_learned, cam_teach_value_k1, 1 << 30);
+    expect(cam_err_param_range, 0, set_learned, cam_teach_value_k2, -(1 << 30));
     expect(cam_ok, 0, stop_scope, 0, 0);
     expect(cam_ok, 0, keep_alive, 9, 0);
     expect(cam_err_state, 0, excite, 0, 1 | 100 << 16);
