@@ -82,7 +82,8 @@ def test_form_error_is_that_of_a_cut(tmp_path: Path) -> None:
     """What is expected with the believed constants is what the simulator gauges."""
     machine = tmp_path / "m.toml"
     machine.write_text(MACHINE.format(more="").replace("friction_m_per_s2 = 5", ""), "ascii")
-    run("--machine", machine, PERKINS, "-o", tmp_path)
+    text = run("--machine", machine, PERKINS, "-o", tmp_path)[1]
+    assert " um" in text and text.isascii()  # for every terminal
     expected = json.loads((tmp_path / "m_identified.json").read_text())["form_error_um"]["believed"]
     made = [sys.executable, "-m", "camtools.cli.mktables", str(PERKINS), "-o", str(tmp_path)]
     subprocess.run(made, env=environment(), check=True, capture_output=True)

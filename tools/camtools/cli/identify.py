@@ -33,6 +33,7 @@ from camtools.identify.simulated import CutShortError, SimulatedU
 from camtools.link.controller import Link, Refused
 from camtools.pipeline.load import load
 from camtools.pipeline.make import Made, make
+from camtools.report.text import plain
 from camtools.sim.machines import machine_bytes
 from camtools.table.image import pack
 
@@ -179,6 +180,7 @@ def _one(u: _U, arguments: argparse.Namespace, part: _Part | None, out: TextIO) 
     is_good = _is_good(found, believed, part, arguments.form_error_um)
     motion, name = (part.motion, part.name) if part is not None else (None, "")
     lines += report(found, believed, Limits(), motion, name, is_good=is_good)
+    lines = [plain(line) for line in lines]
     out.write("\n".join(lines) + "\n")
     out.flush()
     settings = believed.settings(chosen(found, Limits(), motion))
