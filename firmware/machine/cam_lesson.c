@@ -206,14 +206,6 @@ static cam_complex_t straightened(const cam_teach_t *t, const cam_teach_setup_t 
                            .im = error.im + (int32_t)(set.im * part_q32 >> 32)};
 }
 
-static cam_gain_t gain_of(const cam_teach_t *t, const cam_teach_setup_t *s)
-{
-    if (t->shape.is_probed) {
-        return t->shape.gain[t->k];
-    }
-    return cam_drive_gain(t->k, t->turn_speed_q32, s->k1_q16 + t->k1_q16, s->k2_q16 + t->k2_q16);
-}
-
 /// @return whether U answers well enough to tell the drive's constants
 static bool is_answered(cam_gain_t gain)
 {
@@ -228,7 +220,10 @@ static void take_layer1(cam_teach_t *t, const cam_teach_setup_t *s, cam_complex_
     t->larger = size > t->larger ? size : t->larger;
     t->speed_w += (uint32_t)(size * w_q32 >> 38);
     t->acceleration_w += (uint32_t)((size * w_q32 >> 32) * (w_q32 * t->k >> 8) >> 22);
-    const cam_gain_t gain = gain_of(t, s);
+    // The answer that the constants tell, not the probed one: a probe in which U hardly moved, or
+    // stuck, knows nothing of the motion to come.
+    const cam_gain_t gain =
+        cam_drive_gain(t->k, t->turn_speed_q32, s->k1_q16 + t->k1_q16, s->k2_q16 + t->k2_q16);
     if (is_answered(gain)) {
         cam_drive_add(&t->sums, t->k, error, set, gain);
     }
