@@ -10,7 +10,7 @@
 enum {
     budget_tick = 520,       ///< every state, every fault, every request, without the plan
     budget_plan_tick = 2500, ///< ... with it
-    budget_combined = 533,   ///< ... without it, a tick off its time, with a request and a fault
+    budget_combined = 540,   ///< ... without it, a tick off its time, with a request and a fault
 };
 
 /// The slow side of learning: a piece of it, which a main loop waits for, and all of a turn, 2 ms
