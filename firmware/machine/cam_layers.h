@@ -2,8 +2,8 @@
 /// cam_layers: what a turn's error says of the drive's constants (layer 1) and of the correction
 /// at each harmonic (layer 2).
 ///
-/// E_k is the error of a harmonic, U_k its set-point, G_k the answer of U to a correction, in layer 1
-/// as the constants tell it, in layer 2 as probed:
+/// E_k is the error of a harmonic, U_k its set-point, G_k the answer of U to a correction, in
+/// layer 1 as the constants tell it, in layer 2 as probed:
 ///     layer 1   E_k / (U_k G_k) = j w_k dk1 - w_k^2 dk2, weighted least squares over all k
 ///     layer 2   c_k <- c_k + mu E_k / G_k
 /// The guard of layer 2 keeps the smallest error of each harmonic and its correction; an error

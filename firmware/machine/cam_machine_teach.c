@@ -65,6 +65,15 @@ static int32_t probe_nm(const cam_params_t *p)
     return p->probe_nm > least_nm ? p->probe_nm : least_nm;
 }
 
+/// @return turns of a mean of the ripple, at least two: the walk to a mean takes the next turn, so
+///         that with one turn nothing would ever stand still
+static uint32_t ripple_turns(const cam_machine_t *m)
+{
+    const bool is_asked = m->has_table && m->table.speed.knots == NULL;
+    const uint32_t turns = is_asked ? (uint32_t)m->params.ripple_turns : 0u;
+    return turns == 1u ? 2u : turns;
+}
+
 static cam_teach_setup_t setup_of(const cam_machine_t *m)
 {
     const cam_params_t *p = &m->params;
@@ -77,8 +86,7 @@ static cam_teach_setup_t setup_of(const cam_machine_t *m)
         .gain_q16 = q16_of_ppm(p->learn_gain_ppm),
         .cut_gain_q16 = q16_of_ppm(p->learn_cut_gain_ppm),
         .probe_q6 = probe_nm(p) * 64,
-        .ripple_turns =
-            m->has_table && m->table.speed.knots == NULL ? (uint32_t)p->ripple_turns : 0u,
+        .ripple_turns = ripple_turns(m),
         .scale_nm = p->u_scale_nm,
         .least_ripple_q32 =
             hal_has_edge_time() ? 0 : (int32_t)(CAM_TURN_Q32 / p->counts_per_turn / feigned_part),
@@ -121,6 +129,16 @@ void cam_machine_unlearn(cam_machine_t *m, cam_param_id_t id)
     }
 }
 
+/// @return whether both play the same, found out fast where they do not
+static bool is_same(const cam_learned_t *a, const cam_learned_t *b)
+{
+    bool is = a->k1_q16 == b->k1_q16 && a->k2_q16 == b->k2_q16;
+    for (uint32_t i = 0; is && i <= (uint32_t)cam_learn_points; i++) {
+        is = a->c[i] == b->c[i] && a->d[i] == b->d[i] && a->dm[i] == b->dm[i];
+    }
+    return is;
+}
+
 void cam_machine_teach_poll(cam_machine_t *m, cam_state_t state)
 {
     const cam_params_t *p = &m->params;
@@ -135,7 +153,11 @@ void cam_machine_teach_poll(cam_machine_t *m, cam_state_t state)
     cam_learned_t *in = is_walking ? cam_machine_learn_begin(m) : NULL;
     if (in != NULL) {
         cam_teach_walk(&m->teach, &setup, at_q8, in);
-        cam_machine_learn_end(m);
+        const cam_config_bank_t *bank = &m->core->config;
+        const cam_config_t *last = atomic_load_explicit(&bank->offered, memory_order_relaxed);
+        if (!is_same(in, &last->learned)) { // nothing new is no new configuration
+            cam_machine_learn_end(m);
+        }
     }
 }
 

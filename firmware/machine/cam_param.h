@@ -63,7 +63,7 @@
     X(learn_gain_ppm,                 0,     500000,     600000, "share of the error that a step of a rehearsal removes") \
     X(learn_cut_gain_ppm,             0,     150000,     200000, "share of it in the cut; 0: nothing is learned there") \
     X(probe_nm,                     100,       1000,       5000, "correction at each harmonic by which a rehearsal finds U's answer; at least three steps of the scale") \
-    X(ripple_turns,                   0,          0,         64, "turns whose mean is the learned ripple of the spindle; 0: it is not learned") \
+    X(ripple_turns,                   0,          0,         64, "turns whose mean is the learned ripple of the spindle, one counts as two; 0: it is not learned") \
     X(eccentricity_nturn,             0,          0,    1000000, "amplitude of the encoder's error once per turn") \
     X(eccentricity_udeg,     -180000000,          0,  180000000, "drawing's angle at which that error is 0 and rises")
 // clang-format on
