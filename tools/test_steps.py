@@ -60,17 +60,18 @@ def build(preset: str, target: str = "") -> Step:
     return gate(f"build {preset}", *words, wide=True, closing=NOTHING)
 
 
-def ctest(preset: str, *options: str, clears: str = "") -> Step:
-    """Return the C tests of a preset."""
+def ctest(preset: str, *options: str, clears: str = "", wide: bool = True) -> Step:
+    """Return the C tests of a preset, on all cores or, beside other steps, on one."""
     report = BUILD / "reports" / f"ctest-{preset}.xml"
-    words: Command = ("ctest", "--preset", preset, "-j", str(N_CORES), "--output-junit", report)
+    jobs = str(N_CORES if wide else 1)
+    words: Command = ("ctest", "--preset", preset, "-j", jobs, "--output-junit", report)
     needs = (f"build {preset}",)
     said = "tests passed"
     return Step(
         f"ctest {preset}",
         (*words, *options),
         needs,
-        is_wide=True,
+        is_wide=wide,
         report=report,
         closing=said,
         clears=clears,
@@ -203,7 +204,8 @@ def board_steps() -> list[Step]:
         # The flashable image in an emulator, compared with a program of the host build.
         pytest("stm32", "tests/stm32", needs=("build host", "build mcu-stm32h743"), wide=True),
         *(build(board) for board in boards),
-        *(ctest(board) for board in boards),
+        # Half of the time of each is one test, so the boards run side by side.
+        *(ctest(board, wide=False) for board in boards),
         *(tool(f"same bytes {b}", *same[b], needs=(f"build {b}",)) for b in boards),
         pytest("figures", "tests/bench", needs=("build host", *(f"ctest {b}" for b in boards))),
         tool("cycles", "checks.cycles", BUILD, needs=built),

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_harmonics.h"
 #include "cam_fix.h" // cam_sat_i32
+#include <stddef.h>  // size_t
 
 enum { circle = 256, quarter = circle / 4 }; ///< steps of a turn
 
@@ -61,8 +62,7 @@ cam_complex_t cam_harmonics_of(const int32_t *mean, uint32_t stride, uint32_t k)
     int64_t im = 0;
     uint32_t step = k; // the middle of bin 0 is half a bin, step 1 of the circle
     for (uint32_t i = 0; i < cam_learn_bins; i++) {
-        const int64_t value = *mean;
-        mean += stride;
+        const int64_t value = mean[(size_t)i * stride];
         re += value * cam_cos_q24(step);
         im -= value * cam_sin_q24(step);
         step += 2u * k;
