@@ -1,61 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_machine.h"
-#include "cam_build.h"            // cam_build_config
+#include "cam_build.h"            // cam_build_speed_q32
 #include "cam_fit.h"              // cam_fit_most
 #include "cam_fix.h"              // cam_is_within
 #include "cam_machine_identify.h" // cam_machine_identify_poll
-#include "cam_pass.h"             // cam_pass_params
+#include "cam_machine_inner.h"    // cam_machine_post
+#include "cam_pass.h"             // cam_pass_next
 #include "hal/hal.h"              // hal_halt, hal_has_swing
 #include <stddef.h>               // NULL
 #include <string.h>               // memset
-
-/// Overspeed becomes a fault this far above the highest feasible speed, so that ripple does not.
-enum { overspeed_percent = 1 };
 
 /// Bytes of the table that one call of cam_machine_poll() checks.
 enum { scrub_bytes = 1024 };
 
 /// Offset of the first byte that the image's CRC covers (TABLE_FORMAT.md).
 enum { scrub_from = 24 };
-
-/// Judge the speeds that start would use with these parameters and this table.
-static cam_err_t check_start(const cam_machine_t *m, const cam_params_t *params,
-                             const cam_table_t *table)
-{
-    uint32_t pass = 0;
-    return cam_pass_check(table, params, 0, m->tick_hz, &pass);
-}
-
-/// Hand parameters and table to the interrupt as one configuration. Nothing changes on error.
-/// @param pass  of the table that start cuts with it
-static cam_err_t hand_over(cam_machine_t *m, const cam_params_t *params, const cam_table_t *table,
-                           uint32_t pass)
-{
-    cam_config_t *half = cam_config_free_half(&m->core->config);
-    if (half == NULL) {
-        return cam_err_busy;
-    }
-    // The guard's limit of the speed follows from the highest speed at which all limits hold.
-    const cam_params_t here = cam_pass_params(params, table, pass);
-    const uint32_t mean_mrpm =
-        table != NULL ? cam_feasible_highest_mrpm(table, &here, m->tick_hz) : 0u;
-    const uint32_t peak_mrpm = table != NULL ? cam_feasible_peak_mrpm(table, mean_mrpm) : 0u;
-    const uint32_t limit_mrpm = peak_mrpm + peak_mrpm / 100u * overspeed_percent;
-    const cam_err_t err = cam_build_config(half, &here, table, limit_mrpm, m->tick_hz, m->clock_hz);
-    if (err == cam_ok) {
-        const cam_config_t *last =
-            atomic_load_explicit(&m->core->config.offered, memory_order_relaxed);
-        if (last != NULL) {
-            cam_config_learn(half, &last->learned);
-        }
-        m->generation++;
-        m->pass = pass;
-        m->limit_mrpm = limit_mrpm;
-        half->generation = m->generation;
-        cam_config_offer(&m->core->config);
-    }
-    return err;
-}
 
 void cam_machine_init(cam_machine_t *m, cam_t *core, uint32_t tick_hz, uint32_t clock_hz)
 {
@@ -74,7 +33,7 @@ void cam_machine_init(cam_machine_t *m, cam_t *core, uint32_t tick_hz, uint32_t 
     if (m->params.observer_bandwidth_mHz > fastest_mHz) {
         m->params.observer_bandwidth_mHz = fastest_mHz;
     }
-    const cam_err_t err = hand_over(m, &m->params, NULL, 0);
+    const cam_err_t err = cam_machine_hand_over(m, &m->params, NULL, 0);
     (void)cam_config_take_isr(&core->config);
     if (err != cam_ok) {
         hal_halt("cam_machine_init: defaults do not fit the tick rate");
@@ -86,33 +45,14 @@ cam_status_t cam_machine_status(const cam_machine_t *m)
     return cam_tick_status(m->core);
 }
 
-/// @return whether the interrupt has not yet carried out the last request, so that the state in
-///         *status may be about to change
-static bool is_pending(const cam_machine_t *m, const cam_status_t *status)
-{
-    return status->request != (m->n_requests & 0xFFFFFFu) || cam_identify_is_between(&m->identify);
-}
-
-/// Post a request to the interrupt, which takes it in the next tick.
-static cam_err_t post(cam_machine_t *m, const cam_status_t *status, cam_request_t request)
-{
-    if (is_pending(m, status)) {
-        return cam_err_busy;
-    }
-    m->n_requests++;
-    atomic_store_explicit(&m->core->request, m->n_requests << 8 | (uint32_t)request,
-                          memory_order_release);
-    return cam_ok;
-}
-
 /// Stop using a damaged table. While the drives are enabled, the interrupt raises the fault `table`
 /// and retracts; in off and fault it need not be asked.
 static void report_damage(cam_machine_t *m)
 {
     const cam_status_t status = cam_machine_status(m);
-    const bool is_idle = !is_pending(m, &status) &&
+    const bool is_idle = !cam_machine_is_pending(m, &status) &&
                          (status.state == cam_state_off || status.state == cam_state_fault);
-    if (is_idle || post(m, &status, cam_request_table_fault) == cam_ok) {
+    if (is_idle || cam_machine_post(m, &status, cam_request_table_fault) == cam_ok) {
         m->has_table = false;
     } // else a request is pending, and the next round of the check finds the damage again
 }
@@ -130,19 +70,19 @@ cam_err_t cam_machine_select_table(cam_machine_t *m, const void *image, size_t s
     }
     // The angle counts in the table's sense of rotation, so the other sense needs a new homing.
     const bool is_same_sense = m->has_table && table.direction == m->table.direction;
-    if (is_pending(m, &status)) {
+    if (cam_machine_is_pending(m, &status)) {
         return cam_err_busy;
     }
     if (status.state != cam_state_off && !(status.state == cam_state_ready && is_same_sense)) {
         return cam_err_state;
     }
     if (status.state == cam_state_ready) { // the spindle turns, and takes the table's speed at once
-        err = check_start(m, &m->params, &table);
+        err = cam_machine_check_start(m, &m->params, &table);
         if (err != cam_ok) {
             return err;
         }
     }
-    err = hand_over(m, &m->params, &table, cam_pass_first(&m->params, &table));
+    err = cam_machine_hand_over(m, &m->params, &table, cam_pass_first(&m->params, &table));
     if (err == cam_ok) {
         m->table = table;
         m->has_table = true;
@@ -184,7 +124,7 @@ cam_err_t cam_machine_set_param(cam_machine_t *m, cam_param_id_t id, int32_t val
     if (err != cam_ok) {
         return err;
     }
-    if (is_pending(m, &status)) {
+    if (cam_machine_is_pending(m, &status)) {
         return cam_err_busy;
     }
     if (!may_change(id, status.state)) {
@@ -192,12 +132,12 @@ cam_err_t cam_machine_set_param(cam_machine_t *m, cam_param_id_t id, int32_t val
     }
     // Enabled, the machine takes a changed parameter at once, so what it leads to must be feasible.
     if (status.state != cam_state_off && m->has_table) {
-        err = check_start(m, &params, &m->table);
+        err = cam_machine_check_start(m, &params, &m->table);
     }
     if (err == cam_ok) {
         const cam_table_t *table = m->has_table ? &m->table : NULL;
         const uint32_t pass = id == cam_param_pass ? cam_pass_first(&params, table) : m->pass;
-        err = hand_over(m, &params, table, pass);
+        err = cam_machine_hand_over(m, &params, table, pass);
     }
     if (err == cam_ok) {
         m->params = params;
@@ -205,13 +145,6 @@ cam_err_t cam_machine_set_param(cam_machine_t *m, cam_param_id_t id, int32_t val
         cam_machine_unlearn(m, id);
     }
     return err;
-}
-
-/// Post a request if the state allows it.
-static cam_err_t post_if(cam_machine_t *m, const cam_status_t *status, bool is_allowed,
-                         cam_request_t request)
-{
-    return is_allowed ? post(m, status, request) : cam_err_state;
 }
 
 /// Check the inputs, and that U stands inside of its stroke: set-points stay in the stroke, so that
@@ -240,7 +173,7 @@ cam_err_t cam_machine_enable(cam_machine_t *m)
     if (err == cam_ok) {
         err = check_drives(&m->params, &status);
     }
-    return err == cam_ok ? post(m, &status, cam_request_enable) : err;
+    return err == cam_ok ? cam_machine_post(m, &status, cam_request_enable) : err;
 }
 
 cam_err_t cam_machine_disable(cam_machine_t *m)
@@ -249,8 +182,9 @@ cam_err_t cam_machine_disable(cam_machine_t *m)
     if (status.state == cam_state_identifying) {
         return cam_machine_identify_stop(m, true);
     }
-    return post_if(m, &status, status.state == cam_state_homing || status.state == cam_state_ready,
-                   cam_request_disable);
+    return cam_machine_post_if(m, &status,
+                               status.state == cam_state_homing || status.state == cam_state_ready,
+                               cam_request_disable);
 }
 
 cam_err_t cam_machine_home(cam_machine_t *m)
@@ -269,7 +203,7 @@ cam_err_t cam_machine_home(cam_machine_t *m)
 static void home_again(cam_machine_t *m)
 {
     const cam_status_t status = cam_machine_status(m);
-    if (!is_pending(m, &status)) {
+    if (!cam_machine_is_pending(m, &status)) {
         m->homes_again = status.state == cam_state_off && cam_machine_enable(m) == cam_err_busy;
     }
 }
@@ -277,7 +211,7 @@ static void home_again(cam_machine_t *m)
 cam_err_t cam_machine_may_exchange(const cam_machine_t *m)
 {
     const cam_status_t status = cam_machine_status(m);
-    if (is_pending(m, &status) || status.config != m->generation || m->homes_again) {
+    if (cam_machine_is_pending(m, &status) || status.config != m->generation || m->homes_again) {
         return cam_err_busy;
     }
     return status.state == cam_state_off ? cam_ok : cam_err_state;
@@ -287,13 +221,14 @@ cam_err_t cam_machine_may_exchange(const cam_machine_t *m)
 /// the last configuration has not been taken this is tried again.
 static void end_pass(cam_machine_t *m, const cam_status_t *status)
 {
-    if (!m->is_in_pass || is_pending(m, status) || cam_state_is_in_work(status->state)) {
+    if (!m->is_in_pass || cam_machine_is_pending(m, status) ||
+        cam_state_is_in_work(status->state)) {
         return;
     }
     const bool is_done = status->state == cam_state_ready && !m->is_cut_short;
     const uint32_t next = cam_pass_next(&m->params, &m->table, m->pass);
     const bool is_changed = is_done && m->has_table && next != m->pass;
-    m->is_in_pass = is_changed && hand_over(m, &m->params, &m->table, next) != cam_ok;
+    m->is_in_pass = is_changed && cam_machine_hand_over(m, &m->params, &m->table, next) != cam_ok;
 }
 
 /// @return whether the spindle is still faster than the pass to come allows, as after one that was
@@ -315,7 +250,7 @@ cam_err_t cam_machine_start(cam_machine_t *m)
         err = cam_err_busy;
     }
     if (err == cam_ok) {
-        err = post(m, &status, cam_request_start);
+        err = cam_machine_post(m, &status, cam_request_start);
     }
     if (err == cam_ok) {
         m->is_in_pass = true;
@@ -337,7 +272,7 @@ cam_err_t cam_machine_stop(cam_machine_t *m)
     if (status.state == cam_state_identifying) {
         return cam_machine_identify_stop(m, false);
     }
-    const cam_err_t err = post_if(m, &status, may_stop(status.state), cam_request_stop);
+    const cam_err_t err = cam_machine_post_if(m, &status, may_stop(status.state), cam_request_stop);
     // A cut over a measured Z has no other end.
     const bool is_end = m->params.z_is_measured != 0 && status.state == cam_state_cutting;
     m->is_cut_short = m->is_cut_short || (err == cam_ok && !is_end);
@@ -347,8 +282,8 @@ cam_err_t cam_machine_stop(cam_machine_t *m)
 cam_err_t cam_machine_reset(cam_machine_t *m)
 {
     const cam_status_t status = cam_machine_status(m);
-    return post_if(m, &status, status.state == cam_state_fault && status.is_retracted,
-                   cam_request_reset);
+    return cam_machine_post_if(m, &status, status.state == cam_state_fault && status.is_retracted,
+                               cam_request_reset);
 }
 
 void cam_machine_poll(cam_machine_t *m)

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_machine_identify.h"
-#include "cam_fix.h"   // cam_sat_i32
-#include "cam_table.h" // cam_crc32
-#include <stddef.h>    // NULL
-#include <string.h>    // memcmp, memcpy
+#include "cam_fix.h"           // cam_sat_i32
+#include "cam_machine_inner.h" // cam_machine_request
+#include "cam_table.h"         // cam_crc32
+#include <stddef.h>            // NULL
+#include <string.h>            // memcmp, memcpy
 
 // The wave
 
@@ -88,22 +89,9 @@ static cam_wave_verdict_t no_value(cam_err_t err)
     return (cam_wave_verdict_t){.err = err};
 }
 
-/// @return whether the interrupt has carried out the last request
-static bool is_carried_out(const cam_machine_t *m, const cam_status_t *status)
-{
-    return status->request == (m->n_requests & 0xFFFFFFu);
-}
-
-static void request(cam_machine_t *m, cam_request_t what)
-{
-    m->n_requests++;
-    atomic_store_explicit(&m->core->request, m->n_requests << 8 | (uint32_t)what,
-                          memory_order_release);
-}
-
 static cam_err_t check_moment(const cam_machine_t *m, const cam_status_t *status)
 {
-    if (!is_carried_out(m, status) || cam_identify_is_between(&m->identify)) {
+    if (cam_machine_is_pending(m, status)) {
         return cam_err_busy;
     }
     if (status->state != cam_state_ready) {
@@ -246,7 +234,7 @@ static void watch(cam_machine_t *m, const cam_status_t *status)
     if (status->state == cam_state_identifying) {
         if (i->excited == cam_excited_runs && is_silent(m, status)) {
             i->excited = cam_excited_silent;
-            request(m, cam_request_stop);
+            cam_machine_request(m, cam_request_stop);
         }
         return;
     }
@@ -281,11 +269,11 @@ void cam_machine_identify_poll(cam_machine_t *m)
         return;
     }
     const cam_status_t status = cam_machine_status(m);
-    if (!is_carried_out(m, &status)) {
+    if (!cam_machine_is_carried_out(m, &status)) {
         return;
     }
     if (i->phase == cam_identify_offered && status.config == m->generation) {
-        request(m, cam_request_identify);
+        cam_machine_request(m, cam_request_identify);
         i->phase = cam_identify_requested;
     } else if (i->phase == cam_identify_requested) {
         see_begin(i, &status);
@@ -302,13 +290,13 @@ cam_err_t cam_machine_identify_stop(cam_machine_t *m, bool disables)
 {
     cam_identify_t *i = &m->identify;
     const cam_status_t status = cam_machine_status(m);
-    if (!is_carried_out(m, &status) || i->phase != cam_identify_runs) {
+    if (!cam_machine_is_carried_out(m, &status) || i->phase != cam_identify_runs) {
         return cam_err_busy;
     }
     i->disables = i->disables || disables;
     if (i->excited == cam_excited_runs) {
         i->excited = cam_excited_stopped;
-        request(m, cam_request_stop);
+        cam_machine_request(m, cam_request_stop);
     }
     return cam_ok;
 }

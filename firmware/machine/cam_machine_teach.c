@@ -113,7 +113,7 @@ void cam_machine_learn_end(cam_machine_t *m)
     cam_config_t *half = cam_config_free_half(&m->core->config);
     m->generation++;
     half->generation = m->generation;
-    cam_config_learn(half, &half->learned);
+    cam_config_learn(half);
     cam_config_offer(&m->core->config);
 }
 

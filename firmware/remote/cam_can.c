@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_can.h"
+#include "cam_can_inner.h"        // cam_can_scope
 #include "cam_fix.h"              // cam_sat_i32
-#include "cam_machine_identify.h" // cam_machine_excite
+#include "cam_machine_identify.h" // cam_machine_wave_begin
 #include "camturn.h"              // camturn_command_unpack
 #include <stddef.h>               // NULL
 
@@ -11,23 +12,11 @@ enum { at_command, at_parameter, n_echoed };
 /// Frames that one call of cam_can_poll() reads at most.
 enum { max_frames = 8 };
 
-/// Result of a command with the value that its answer carries.
-typedef struct {
-    cam_err_t err;
-    int32_t value;
-} outcome_t;
-
-/// @return the outcome of a command whose answer carries no value
-static outcome_t plain(cam_err_t err)
-{
-    return (outcome_t){.err = err};
-}
-
 // Answers
 
-/// Queue an answer. Which signal carries the value depends on the command: all of them are set, and
-/// the generated pack function takes the one that belongs to the command.
-static void answer(cam_can_t *r, uint8_t command, uint8_t parameter, outcome_t outcome)
+/// Which signal carries the value depends on the command: all of them are set, and the generated
+/// pack function takes the one that belongs to the command.
+void cam_can_answer(cam_can_t *r, uint8_t command, uint8_t parameter, cam_outcome_t outcome)
 {
     const struct camturn_answer_t m = {
         .command = command,
@@ -68,32 +57,32 @@ static bool send_answers(cam_can_t *r)
 // Parameters
 
 /// @return the value in force, with a given error unless the parameter does not exist
-static outcome_t get(const cam_can_t *r, cam_param_id_t id, cam_err_t err)
+static cam_outcome_t get(const cam_can_t *r, cam_param_id_t id, cam_err_t err)
 {
     const bool is_there = cam_param_info(id) != NULL;
-    return (outcome_t){.err = is_there ? err : cam_err_param_id,
-                       .value = is_there ? cam_param_get(&r->machine->params, id) : 0};
+    return (cam_outcome_t){.err = is_there ? err : cam_err_param_id,
+                           .value = is_there ? cam_param_get(&r->machine->params, id) : 0};
 }
 
 /// @return the smallest or the largest value that a parameter can take
-static outcome_t limit(cam_param_id_t id, bool is_lower)
+static cam_outcome_t limit(cam_param_id_t id, bool is_lower)
 {
     const cam_param_info_t *info = cam_param_info(id);
     if (info == NULL) {
-        return plain(cam_err_param_id);
+        return cam_outcome(cam_err_param_id);
     }
-    return (outcome_t){.err = cam_ok, .value = is_lower ? info->min : info->max};
+    return (cam_outcome_t){.err = cam_ok, .value = is_lower ? info->min : info->max};
 }
 
 /// Set a parameter and answer with the value in force; a value out of its range gets the range too.
 static void set(cam_can_t *r, uint8_t command, cam_param_id_t id, int32_t value)
 {
     const uint8_t index = (uint8_t)id;
-    const outcome_t outcome = get(r, id, cam_machine_set_param(r->machine, id, value));
-    answer(r, command, index, outcome);
+    const cam_outcome_t outcome = get(r, id, cam_machine_set_param(r->machine, id, value));
+    cam_can_answer(r, command, index, outcome);
     if (outcome.err == cam_err_param_range) {
-        answer(r, CAMTURN_ANSWER_COMMAND_GET_MINIMUM_CHOICE, index, limit(id, true));
-        answer(r, CAMTURN_ANSWER_COMMAND_GET_MAXIMUM_CHOICE, index, limit(id, false));
+        cam_can_answer(r, CAMTURN_ANSWER_COMMAND_GET_MINIMUM_CHOICE, index, limit(id, true));
+        cam_can_answer(r, CAMTURN_ANSWER_COMMAND_GET_MAXIMUM_CHOICE, index, limit(id, false));
     }
 }
 
@@ -111,91 +100,33 @@ static cam_err_t select_and_say(cam_can_t *r)
 
 /// Add to a refusal what helps the operator: when no table is selected the error of its check, when
 /// the speed is infeasible the highest feasible speed.
-static outcome_t explained(const cam_can_t *r, cam_err_t err)
+static cam_outcome_t explained(const cam_can_t *r, cam_err_t err)
 {
     if (err == cam_err_no_table) {
-        return plain(r->store.err);
+        return cam_outcome(r->store.err);
     }
     const bool is_infeasible = err != cam_ok && err == cam_machine_check_speed(r->machine, 0);
-    return (outcome_t){
+    return (cam_outcome_t){
         .err = err,
         .value = is_infeasible ? cam_sat_i32(cam_machine_highest_mrpm(r->machine)) : 0,
     };
 }
 
-/// @return an error with the number of bytes that have been stored
-static outcome_t received(const cam_can_t *r, cam_err_t err)
+cam_outcome_t cam_can_received(const cam_can_t *r, cam_err_t err)
 {
     const uint32_t n = r->is_wave ? cam_machine_wave_received(r->machine) : r->store.received;
-    return (outcome_t){.err = err, .value = (int32_t)n};
+    return (cam_outcome_t){.err = err, .value = (int32_t)n};
 }
 
-/// Begin a download of either kind.
-static outcome_t begin_download(cam_can_t *r, uint32_t size, bool is_wave)
+cam_outcome_t cam_can_begin_download(cam_can_t *r, uint32_t size, bool is_wave)
 {
     r->is_wave = is_wave;
-    return received(r, is_wave ? cam_machine_wave_begin(r->machine, size)
-                               : cam_store_begin(&r->store, size));
-}
-
-static outcome_t excite(cam_can_t *r, const struct camturn_command_t *m)
-{
-    const cam_wave_verdict_t verdict = cam_machine_excite(r->machine, m->periods, m->fade);
-    return (outcome_t){.err = verdict.err, .value = verdict.value};
-}
-
-/// @return a field of the recorder with a given error
-static outcome_t get_scope(const cam_can_t *r, uint32_t field, cam_err_t err)
-{
-    outcome_t outcome = plain(err);
-    const cam_err_t got = cam_machine_scope_get(r->machine, field, &outcome.value);
-    outcome.err = err != cam_ok ? err : got;
-    return outcome;
-}
-
-static outcome_t get_learned(const cam_can_t *r, uint32_t index, cam_err_t err)
-{
-    outcome_t outcome = plain(err);
-    const cam_err_t got = cam_machine_get_learned(r->machine, index, &outcome.value);
-    outcome.err = err != cam_ok ? err : got;
-    return outcome;
-}
-
-/// Carry out a command of recorder, excitation or learning.
-static outcome_t carry_out_scope(cam_can_t *r, const struct camturn_command_t *m)
-{
-    cam_machine_t *machine = r->machine;
-    const uint32_t index = m->parameter;
-    switch (m->command) {
-    case CAMTURN_COMMAND_COMMAND_SET_SCOPE_CHOICE:
-        return get_scope(r, index, cam_machine_scope_set(machine, index, m->value));
-    case CAMTURN_COMMAND_COMMAND_GET_SCOPE_CHOICE:
-        return get_scope(r, index, cam_ok);
-    case CAMTURN_COMMAND_COMMAND_START_SCOPE_CHOICE:
-        return plain(cam_machine_scope_start(machine));
-    case CAMTURN_COMMAND_COMMAND_STOP_SCOPE_CHOICE:
-        cam_scope_stop(&machine->scope);
-        return plain(cam_ok);
-    case CAMTURN_COMMAND_COMMAND_BEGIN_WAVE_CHOICE:
-        return begin_download(r, m->size, true);
-    case CAMTURN_COMMAND_COMMAND_END_WAVE_CHOICE:
-        return received(r, cam_machine_wave_end(machine, m->crc));
-    case CAMTURN_COMMAND_COMMAND_EXCITE_CHOICE:
-        return excite(r, m);
-    case CAMTURN_COMMAND_COMMAND_KEEP_ALIVE_CHOICE:
-        cam_machine_keep_alive(machine);
-        return plain(cam_ok);
-    case CAMTURN_COMMAND_COMMAND_GET_LEARNED_CHOICE:
-        return get_learned(r, index, cam_ok);
-    case CAMTURN_COMMAND_COMMAND_SET_LEARNED_CHOICE:
-        return get_learned(r, index, cam_machine_set_learned(machine, index, m->value));
-    default:
-        return plain(cam_err_command);
-    }
+    return cam_can_received(r, is_wave ? cam_machine_wave_begin(r->machine, size)
+                                       : cam_store_begin(&r->store, size));
 }
 
 /// Carry out a command that has exactly one answer.
-static outcome_t carry_out(cam_can_t *r, const struct camturn_command_t *m)
+static cam_outcome_t carry_out(cam_can_t *r, const struct camturn_command_t *m)
 {
     const cam_param_id_t id = (cam_param_id_t)m->parameter;
     switch (m->command) {
@@ -204,13 +135,13 @@ static outcome_t carry_out(cam_can_t *r, const struct camturn_command_t *m)
     case CAMTURN_COMMAND_COMMAND_HOME_CHOICE:
         return explained(r, cam_machine_home(r->machine));
     case CAMTURN_COMMAND_COMMAND_DISABLE_CHOICE:
-        return plain(cam_machine_disable(r->machine));
+        return cam_outcome(cam_machine_disable(r->machine));
     case CAMTURN_COMMAND_COMMAND_START_CHOICE:
         return explained(r, cam_machine_start(r->machine));
     case CAMTURN_COMMAND_COMMAND_STOP_CHOICE:
-        return plain(cam_machine_stop(r->machine));
+        return cam_outcome(cam_machine_stop(r->machine));
     case CAMTURN_COMMAND_COMMAND_RESET_CHOICE:
-        return plain(cam_machine_reset(r->machine));
+        return cam_outcome(cam_machine_reset(r->machine));
     case CAMTURN_COMMAND_COMMAND_GET_PARAMETER_CHOICE:
         return get(r, id, cam_ok);
     case CAMTURN_COMMAND_COMMAND_GET_MINIMUM_CHOICE:
@@ -218,25 +149,13 @@ static outcome_t carry_out(cam_can_t *r, const struct camturn_command_t *m)
     case CAMTURN_COMMAND_COMMAND_GET_MAXIMUM_CHOICE:
         return limit(id, false);
     case CAMTURN_COMMAND_COMMAND_SELECT_TABLE_CHOICE:
-        return plain(select_and_say(r));
+        return cam_outcome(select_and_say(r));
     case CAMTURN_COMMAND_COMMAND_BEGIN_DOWNLOAD_CHOICE:
-        return begin_download(r, m->size, false);
+        return cam_can_begin_download(r, m->size, false);
     case CAMTURN_COMMAND_COMMAND_END_DOWNLOAD_CHOICE:
-        return received(r, cam_store_end(&r->store, m->crc));
+        return cam_can_received(r, cam_store_end(&r->store, m->crc));
     default:
-        return carry_out_scope(r, m);
-    }
-}
-
-/// Begin to send a piece of the recording; the answer follows it.
-static void read_scope(cam_can_t *r, const struct camturn_command_t *m)
-{
-    const uint32_t tick = cam_machine_status(r->machine).tick;
-    r->reading.parameter = m->parameter;
-    const cam_err_t err =
-        cam_reading_begin(&r->reading, &r->machine->scope, m->offset, m->count, tick);
-    if (err != cam_ok) {
-        answer(r, m->command, m->parameter, plain(err));
+        return cam_outcome(cam_err_command);
     }
 }
 
@@ -259,11 +178,10 @@ static void follow(cam_can_t *r, const struct camturn_command_t *m)
     case CAMTURN_COMMAND_COMMAND_SET_PHASE_CHOICE:
         set(r, m->command, cam_param_phase_udeg, m->phase);
         break;
-    case CAMTURN_COMMAND_COMMAND_READ_SCOPE_CHOICE:
-        read_scope(r, m);
-        break;
     default:
-        answer(r, m->command, m->parameter, carry_out(r, m));
+        if (!cam_can_scope(r, m)) {
+            cam_can_answer(r, m->command, m->parameter, carry_out(r, m));
+        }
         break;
     }
 }
@@ -283,7 +201,7 @@ static void take_command(cam_can_t *r, const hal_can_frame_t *frame)
     for (uint32_t i = 0; i < n_echoed && i < frame->n; i++) {
         echo[i] = frame->data[i];
     }
-    answer(r, echo[at_command], echo[at_parameter], plain(cam_err_frame));
+    cam_can_answer(r, echo[at_command], echo[at_parameter], cam_outcome(cam_err_frame));
 }
 
 // Downloads
@@ -310,7 +228,8 @@ static void end_block(cam_can_t *r, cam_isotp_event_t event)
     if (event != cam_isotp_nothing) {
         const cam_err_t err =
             event == cam_isotp_message ? store_block(r, r->isotp.length) : cam_err_download_order;
-        answer(r, CAMTURN_ANSWER_COMMAND_DOWNLOAD_BLOCK_CHOICE, 0, received(r, err));
+        cam_can_answer(r, CAMTURN_ANSWER_COMMAND_DOWNLOAD_BLOCK_CHOICE, 0,
+                       cam_can_received(r, err));
     }
 }
 
@@ -353,11 +272,11 @@ static void go_on_reading(cam_can_t *r, uint32_t tick)
     const cam_reading_event_t event = cam_reading_poll(&r->reading, scope, tick);
     if (event != cam_reading_nothing) {
         const bool is_lost = event == cam_reading_lost;
-        const outcome_t outcome = {
+        const cam_outcome_t outcome = {
             .err = is_lost ? cam_err_scope_range : cam_ok,
             .value = is_lost ? 0 : (int32_t)cam_reading_crc(&r->reading, scope),
         };
-        answer(r, CAMTURN_ANSWER_COMMAND_READ_SCOPE_CHOICE, r->reading.parameter, outcome);
+        cam_can_answer(r, CAMTURN_ANSWER_COMMAND_READ_SCOPE_CHOICE, r->reading.parameter, outcome);
     }
 }
 

@@ -36,13 +36,10 @@ cam_config_t *cam_config_copy(cam_config_bank_t *bank)
     return half;
 }
 
-void cam_config_learn(cam_config_t *config, const cam_learned_t *learned)
+void cam_config_learn(cam_config_t *config)
 {
-    if (learned != &config->learned) {
-        config->learned = *learned;
-    }
-    config->k1_q16 += learned->k1_q16;
-    config->k2_q16 += learned->k2_q16;
+    config->k1_q16 += config->learned.k1_q16;
+    config->k2_q16 += config->learned.k2_q16;
 }
 
 void cam_config_offer(cam_config_bank_t *bank)

@@ -169,9 +169,9 @@ cam_config_t *cam_config_copy(cam_config_bank_t *bank);
 /// Context: slow side, before it is offered.
 void cam_config_tie(cam_config_t *config, bool has_table);
 
-/// Let a configuration learn what another one had learned: gains included.
-/// Context: slow side, before it is offered.
-void cam_config_learn(cam_config_t *config, const cam_learned_t *learned);
+/// Add what a configuration has learned of the drive to its gains.
+/// Context: slow side, once before it is offered.
+void cam_config_learn(cam_config_t *config);
 
 /// Hand the free half over; it is in force from the next tick on. Context: slow side.
 void cam_config_offer(cam_config_bank_t *bank);

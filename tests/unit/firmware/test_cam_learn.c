@@ -182,7 +182,8 @@ static void test_a_copy_keeps_the_configuration_and_its_ties(void)
     first->generation = 3;
     cam_config_tie(first, true);
     const cam_learned_t learned = {.k1_q16 = -30, .k2_q16 = 7, .c = {1, 2}, .d = {3}, .dm = {4}};
-    cam_config_learn(first, &learned);
+    first->learned = learned;
+    cam_config_learn(first);
     TEST_ASSERT_EQUAL_INT32(970, first->k1_q16);
     TEST_ASSERT_EQUAL_INT32(57, first->k2_q16);
     cam_config_offer(&bank);

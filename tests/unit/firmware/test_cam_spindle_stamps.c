@@ -161,7 +161,8 @@ static void test_a_learned_ripple_leaves_the_observer_even(void)
         learned.dm[i] = (int16_t)lround(d_turn * 8388608.0);
     }
     build();
-    cam_config_learn(&config, &learned);
+    config.learned = learned;
+    cam_config_learn(&config);
     turn(0.5, 49.7, 0.002);
     TEST_ASSERT_TRUE(most_observed < 1.5e-6); // of d at an angle that itself is off by d
 }

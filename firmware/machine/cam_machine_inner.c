@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cam_machine_inner.h"
+#include "cam_build.h"    // cam_build_config
+#include "cam_identify.h" // cam_identify_is_between
+#include "cam_pass.h"     // cam_pass_params
+#include <stdatomic.h>    // atomic_store_explicit
+#include <stddef.h>       // NULL
+
+/// Overspeed becomes a fault this far above the highest feasible speed, so that ripple does not.
+enum { overspeed_percent = 1 };
+
+bool cam_machine_is_carried_out(const cam_machine_t *m, const cam_status_t *status)
+{
+    return status->request == (m->n_requests & 0xFFFFFFu);
+}
+
+bool cam_machine_is_pending(const cam_machine_t *m, const cam_status_t *status)
+{
+    return !cam_machine_is_carried_out(m, status) || cam_identify_is_between(&m->identify);
+}
+
+void cam_machine_request(cam_machine_t *m, cam_request_t request)
+{
+    m->n_requests++;
+    atomic_store_explicit(&m->core->request, m->n_requests << 8 | (uint32_t)request,
+                          memory_order_release);
+}
+
+cam_err_t cam_machine_post(cam_machine_t *m, const cam_status_t *status, cam_request_t request)
+{
+    if (cam_machine_is_pending(m, status)) {
+        return cam_err_busy;
+    }
+    cam_machine_request(m, request);
+    return cam_ok;
+}
+
+cam_err_t cam_machine_post_if(cam_machine_t *m, const cam_status_t *status, bool is_allowed,
+                              cam_request_t request)
+{
+    return is_allowed ? cam_machine_post(m, status, request) : cam_err_state;
+}
+
+cam_err_t cam_machine_check_start(const cam_machine_t *m, const cam_params_t *params,
+                                  const cam_table_t *table)
+{
+    uint32_t pass = 0;
+    return cam_pass_check(table, params, 0, m->tick_hz, &pass);
+}
+
+cam_err_t cam_machine_hand_over(cam_machine_t *m, const cam_params_t *params,
+                                const cam_table_t *table, uint32_t pass)
+{
+    cam_config_t *half = cam_config_free_half(&m->core->config);
+    if (half == NULL) {
+        return cam_err_busy;
+    }
+    // The guard's limit of the speed follows from the highest speed at which all limits hold.
+    const cam_params_t here = cam_pass_params(params, table, pass);
+    const uint32_t mean_mrpm =
+        table != NULL ? cam_feasible_highest_mrpm(table, &here, m->tick_hz) : 0u;
+    const uint32_t peak_mrpm = table != NULL ? cam_feasible_peak_mrpm(table, mean_mrpm) : 0u;
+    const uint32_t limit_mrpm = peak_mrpm + peak_mrpm / 100u * overspeed_percent;
+    const cam_err_t err = cam_build_config(half, &here, table, limit_mrpm, m->tick_hz, m->clock_hz);
+    if (err == cam_ok) {
+        const cam_config_t *last =
+            atomic_load_explicit(&m->core->config.offered, memory_order_relaxed);
+        if (last != NULL) {
+            half->learned = last->learned;
+            cam_config_learn(half);
+        }
+        m->generation++;
+        m->pass = pass;
+        m->limit_mrpm = limit_mrpm;
+        half->generation = m->generation;
+        cam_config_offer(&m->core->config);
+    }
+    return err;
+}

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+/// cam_machine_inner: how the files cam_machine_*.c hand requests and configurations over.
+///
+/// Both ways have room for one: until the interrupt has taken it, the next is refused with
+/// cam_err_busy. Nobody outside of this folder includes this header.
+/// Context: slow side, one caller.
+#ifndef CAM_MACHINE_INNER_H
+#define CAM_MACHINE_INNER_H
+
+#include "cam_machine.h" // cam_machine_t
+#include <stdbool.h>     // bool
+#include <stdint.h>      // uint32_t
+
+/// @return whether the interrupt has carried out the last request
+bool cam_machine_is_carried_out(const cam_machine_t *m, const cam_status_t *status);
+
+/// @return whether the state in *status may be about to change: the last request is not carried
+///         out, or the next step of an excitation is still to come
+bool cam_machine_is_pending(const cam_machine_t *m, const cam_status_t *status);
+
+/// Request what the caller knows to be in order: the last request is carried out.
+void cam_machine_request(cam_machine_t *m, cam_request_t request);
+
+/// Post a request to the interrupt, which takes it in the next tick.
+/// @return cam_ok, or cam_err_busy while something is pending
+CAM_MUST_USE cam_err_t cam_machine_post(cam_machine_t *m, const cam_status_t *status,
+                                        cam_request_t request);
+
+/// Post a request if the state allows it.
+/// @return as cam_machine_post(), or cam_err_state
+CAM_MUST_USE cam_err_t cam_machine_post_if(cam_machine_t *m, const cam_status_t *status,
+                                           bool is_allowed, cam_request_t request);
+
+/// Judge the speeds that start would use with these parameters and this table.
+/// @return cam_ok or why not (cam_feasible.h)
+CAM_MUST_USE cam_err_t cam_machine_check_start(const cam_machine_t *m, const cam_params_t *params,
+                                               const cam_table_t *table);
+
+/// Hand parameters and table to the interrupt as one configuration, with what has been learned.
+/// Nothing changes on error.
+/// @param table  NULL: none
+/// @param pass   of the table that start cuts with it
+/// @return       cam_ok, cam_err_busy, or why they do not fit together (cam_build.h)
+CAM_MUST_USE cam_err_t cam_machine_hand_over(cam_machine_t *m, const cam_params_t *params,
+                                             const cam_table_t *table, uint32_t pass);
+
+#endif

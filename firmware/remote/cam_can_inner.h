@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+/// cam_can_inner: the topics of the commands over CAN, and what all of them use to answer.
+///
+/// cam_can.c takes the commands of table, parameters and states, and offers every other one to the
+/// topics in turn. A topic is a file cam_can_TOPIC.c with one function of the name cam_can_TOPIC(),
+/// which answers a command of its own and returns true, or returns false. Nobody outside of this
+/// folder includes this header. Context: slow side, main() only.
+#ifndef CAM_CAN_INNER_H
+#define CAM_CAN_INNER_H
+
+#include "cam_can.h" // cam_can_t
+#include "cam_err.h" // cam_err_t
+#include "camturn.h" // struct camturn_command_t
+#include <stdbool.h> // bool
+#include <stdint.h>  // int32_t, uint8_t, uint32_t
+
+/// Result of a command with the value that its answer carries.
+typedef struct {
+    cam_err_t err;
+    int32_t value;
+} cam_outcome_t;
+
+/// @return the outcome of a command whose answer carries no value
+static inline cam_outcome_t cam_outcome(cam_err_t err)
+{
+    return (cam_outcome_t){.err = err};
+}
+
+/// Queue an answer, of which there is room for cam_can_max_answers.
+void cam_can_answer(cam_can_t *r, uint8_t command, uint8_t parameter, cam_outcome_t outcome);
+
+/// Begin a download of either kind.
+/// @param size  [bytes]
+cam_outcome_t cam_can_begin_download(cam_can_t *r, uint32_t size, bool is_wave);
+
+/// @return an error with the number of bytes that have been stored
+cam_outcome_t cam_can_received(const cam_can_t *r, cam_err_t err);
+
+/// Topic: recorder, excitation and learning.
+bool cam_can_scope(cam_can_t *r, const struct camturn_command_t *m);
+
+#endif

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cam_can_inner.h"
+#include "cam_machine_identify.h" // cam_machine_excite
+#include "cam_reading.h"          // cam_reading_begin
+
+static cam_outcome_t excite(cam_can_t *r, const struct camturn_command_t *m)
+{
+    const cam_wave_verdict_t verdict = cam_machine_excite(r->machine, m->periods, m->fade);
+    return (cam_outcome_t){.err = verdict.err, .value = verdict.value};
+}
+
+/// @return a field of the recorder with a given error
+static cam_outcome_t get_scope(const cam_can_t *r, uint32_t field, cam_err_t err)
+{
+    cam_outcome_t outcome = cam_outcome(err);
+    const cam_err_t got = cam_machine_scope_get(r->machine, field, &outcome.value);
+    outcome.err = err != cam_ok ? err : got;
+    return outcome;
+}
+
+static cam_outcome_t get_learned(const cam_can_t *r, uint32_t index, cam_err_t err)
+{
+    cam_outcome_t outcome = cam_outcome(err);
+    const cam_err_t got = cam_machine_get_learned(r->machine, index, &outcome.value);
+    outcome.err = err != cam_ok ? err : got;
+    return outcome;
+}
+
+/// Carry out a command that has exactly one answer, or find that it is of no command of this topic.
+static cam_outcome_t carry_out(cam_can_t *r, const struct camturn_command_t *m)
+{
+    cam_machine_t *machine = r->machine;
+    const uint32_t index = m->parameter;
+    switch (m->command) {
+    case CAMTURN_COMMAND_COMMAND_SET_SCOPE_CHOICE:
+        return get_scope(r, index, cam_machine_scope_set(machine, index, m->value));
+    case CAMTURN_COMMAND_COMMAND_GET_SCOPE_CHOICE:
+        return get_scope(r, index, cam_ok);
+    case CAMTURN_COMMAND_COMMAND_START_SCOPE_CHOICE:
+        return cam_outcome(cam_machine_scope_start(machine));
+    case CAMTURN_COMMAND_COMMAND_STOP_SCOPE_CHOICE:
+        cam_scope_stop(&machine->scope);
+        return cam_outcome(cam_ok);
+    case CAMTURN_COMMAND_COMMAND_BEGIN_WAVE_CHOICE:
+        return cam_can_begin_download(r, m->size, true);
+    case CAMTURN_COMMAND_COMMAND_END_WAVE_CHOICE:
+        return cam_can_received(r, cam_machine_wave_end(machine, m->crc));
+    case CAMTURN_COMMAND_COMMAND_EXCITE_CHOICE:
+        return excite(r, m);
+    case CAMTURN_COMMAND_COMMAND_KEEP_ALIVE_CHOICE:
+        cam_machine_keep_alive(machine);
+        return cam_outcome(cam_ok);
+    case CAMTURN_COMMAND_COMMAND_GET_LEARNED_CHOICE:
+        return get_learned(r, index, cam_ok);
+    case CAMTURN_COMMAND_COMMAND_SET_LEARNED_CHOICE:
+        return get_learned(r, index, cam_machine_set_learned(machine, index, m->value));
+    default:
+        return cam_outcome(cam_err_command);
+    }
+}
+
+/// Begin to send a piece of the recording; the answer follows it.
+static void read_scope(cam_can_t *r, const struct camturn_command_t *m)
+{
+    const uint32_t tick = cam_machine_status(r->machine).tick;
+    r->reading.parameter = m->parameter;
+    const cam_err_t err =
+        cam_reading_begin(&r->reading, &r->machine->scope, m->offset, m->count, tick);
+    if (err != cam_ok) {
+        cam_can_answer(r, m->command, m->parameter, cam_outcome(err));
+    }
+}
+
+bool cam_can_scope(cam_can_t *r, const struct camturn_command_t *m)
+{
+    if (m->command == CAMTURN_COMMAND_COMMAND_READ_SCOPE_CHOICE) {
+        read_scope(r, m);
+        return true;
+    }
+    const cam_outcome_t outcome = carry_out(r, m);
+    if (outcome.err == cam_err_command) {
+        return false;
+    }
+    cam_can_answer(r, m->command, m->parameter, outcome);
+    return true;
+}
