@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import time
-
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -60,14 +58,6 @@ def test_reported_error_covers_random_points(generated: GeneratedSkirt) -> None:
     assert u_nm <= generated.accuracy_u.value_nm <= 1.0
     assert x_nm <= generated.accuracy_x.value_nm <= 1.0
     assert generated.table.bounds.error_pm >= 1000 * max(u_nm, x_nm)
-
-
-@pytest.mark.alone
-def test_perkins_is_made_in_two_seconds(perkins: SkirtPart) -> None:
-    """Generating the Perkins 240 table takes at most 2 s."""
-    start_s = time.monotonic()
-    generate(perkins, 1.0)
-    assert time.monotonic() - start_s <= 2.0
 
 
 def test_same_part_gives_same_bytes(perkins: SkirtPart, generated: GeneratedSkirt) -> None:
