@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_build.h"
-#include "cam_angle.h"  // CAM_TURN_Q32
-#include "cam_demand.h" // cam_demand_half_stroke_nm
-#include "cam_fit.h"    // cam_fit_jump_counts
-#include "cam_fix.h"    // cam_sat_i32
-#include "cam_plan.h"   // cam_plan_ticks
-#include "cam_play.h"   // cam_play_history
-#include "cam_trace.h"  // cam_trace_capacity
-#include "cam_way.h"    // cam_way_z_last_nm
-#include "hal/hal.h"    // hal_has_edge_time
-#include <stddef.h>     // NULL
+#include "cam_angle.h"   // CAM_TURN_Q32
+#include "cam_demand.h"  // cam_demand_half_stroke_nm
+#include "cam_fit.h"     // cam_fit_jump_counts
+#include "cam_fix.h"     // cam_sat_i32
+#include "cam_plan.h"    // cam_plan_ticks
+#include "cam_play.h"    // cam_play_history
+#include "cam_trace.h"   // cam_trace_capacity
+#include "cam_units.h"   // cam_units_ticks_of_ns
+#include "cam_way.h"     // cam_way_z_last_nm
+#include "cam_windows.h" // cam_windows_build
+#include "hal/hal.h"     // hal_has_edge_time
+#include <stddef.h>      // NULL
 
 /// 2 pi * 2^24, for gains of the observer.
 #define TWO_PI_Q24 INT64_C(105414357)
@@ -32,35 +34,9 @@ enum { approach_share = 4 };
 /// Homing waits this many times longer for the spindle to turn than the cut does.
 enum { homing_patience = 100 };
 
-/// @return a * b / c rounded to nearest; a * b must fit 62 bits; a, b >= 0, c > 0
-static int64_t scale(int64_t a, int64_t b, int64_t c)
-{
-    return (a * b + c / 2) / c;
-}
-
-/// @return [turn / 2^32] of micro-degrees
-static int32_t turn_of_udeg(int32_t udeg)
-{
-    const int64_t magnitude = scale(cam_abs_i64(udeg), CAM_TURN_Q32, 360000000);
-    return (int32_t)(uint32_t)(uint64_t)(udeg < 0 ? -magnitude : magnitude); // +180 deg is -2^31
-}
-
-/// @return [ticks / 2^16] of nanoseconds, saturated
-static int32_t ticks_of_ns(int32_t ns, uint32_t tick_hz)
-{
-    return cam_sat_i32(scale(ns, (int64_t)tick_hz * 65536, 1000000000));
-}
-
-/// @return [ticks^2 / 2^16] of square microseconds that check_fit() accepted; 2^16 / 10^12 is
-/// reduced
-static int32_t ticks2_of_us2(int32_t us2, uint32_t tick_hz)
-{
-    return cam_sat_i32(scale((int64_t)us2 * tick_hz, (int64_t)tick_hz * 16, 244140625));
-}
-
 int32_t cam_build_speed_q32(uint32_t speed_mrpm, uint32_t tick_hz)
 {
-    return cam_sat_i32(scale(speed_mrpm, CAM_TURN_Q32 / 4, (int64_t)tick_hz * 15000));
+    return cam_sat_i32(cam_units_scale(speed_mrpm, CAM_TURN_Q32 / 4, (int64_t)tick_hz * 15000));
 }
 
 /// Speeds and accelerations beyond 2^29 per tick are limited: slower than allowed is safe.
@@ -68,8 +44,9 @@ static cam_move_limits_t limits(int32_t speed_um_per_s, int32_t acceleration_mm_
                                 uint32_t tick_hz)
 {
     const int64_t most = INT64_C(1) << 29; // a speed and an acceleration fit a word together
-    const int64_t vel = scale(speed_um_per_s, 1024000, tick_hz);
-    const int64_t acc = scale(acceleration_mm_per_s2, 1024000000, (int64_t)tick_hz * tick_hz);
+    const int64_t vel = cam_units_scale(speed_um_per_s, 1024000, tick_hz);
+    const int64_t acc =
+        cam_units_scale(acceleration_mm_per_s2, 1024000000, (int64_t)tick_hz * tick_hz);
     return (cam_move_limits_t){
         .speed_q10 = (int32_t)cam_clamp_i64(vel, 1, most),
         .acceleration_q10 = (int32_t)cam_clamp_i64(acc, 1, most),
@@ -93,7 +70,8 @@ static int64_t retract_q10(const cam_params_t *p, const cam_table_t *table,
 /// Double pole at w = 2 pi f: kp = 2 w T, ki = (w T)^2.
 static void build_observer(cam_spindle_config_t *c, const cam_params_t *p, uint32_t tick_hz)
 {
-    const int64_t wt_q24 = scale(TWO_PI_Q24, p->observer_bandwidth_mHz, (int64_t)tick_hz * 1000);
+    const int64_t wt_q24 =
+        cam_units_scale(TWO_PI_Q24, p->observer_bandwidth_mHz, (int64_t)tick_hz * 1000);
     c->kp_q31 = cam_sat_i32(wt_q24 * 256);
     c->ki_q32 = cam_sat_i32((wt_q24 * wt_q24) >> 16);
 }
@@ -110,11 +88,12 @@ enum { stamp_periods = 4 };
 static void build_clock(cam_spindle_config_t *c, int32_t late_percent, uint32_t tick_hz,
                         uint32_t clock_hz)
 {
-    c->tick_clocks = (uint32_t)scale(clock_hz, 1, tick_hz);
-    c->ticks_per_clock_q27 = (uint32_t)scale(tick_hz, INT64_C(1) << 27, clock_hz);
+    c->tick_clocks = (uint32_t)cam_units_scale(clock_hz, 1, tick_hz);
+    c->ticks_per_clock_q27 = (uint32_t)cam_units_scale(tick_hz, INT64_C(1) << 27, clock_hz);
     c->most_clocks = most_periods * c->tick_clocks;
     const uint32_t off = 1u + (c->tick_clocks - 1u) / 16u;
-    c->late_clocks = (uint32_t)scale(clock_hz, 100 + late_percent, (int64_t)tick_hz * 100);
+    c->late_clocks =
+        (uint32_t)cam_units_scale(clock_hz, 100 + late_percent, (int64_t)tick_hz * 100);
     c->early_clocks = c->tick_clocks - off;
     c->on_time_clocks = 2u * off + 1u;
     c->stamp_clocks = hal_has_edge_time() ? (stamp_periods + 1) * c->tick_clocks : 0u;
@@ -131,7 +110,7 @@ static void build_spindle(cam_spindle_config_t *c, const cam_params_t *p, int32_
     c->turn_per_count_q32 = (uint32_t)count_q32;
     c->turn_per_count_fraction = (uint32_t)(left * (uint64_t)CAM_TURN_Q32 / (uint32_t)turn);
     c->centre_q32 =
-        (uint32_t)turn_of_udeg(sense * p->index_offset_udeg) + (uint32_t)(count_q32 / 2u);
+        (uint32_t)cam_units_turn_of_udeg(sense * p->index_offset_udeg) + (uint32_t)(count_q32 / 2u);
     c->index_tolerance = p->index_tolerance_counts;
     c->index_overdue = turn + turn / 8;
     c->max_counts = turn / 4;
@@ -150,8 +129,8 @@ static void build_speed(cam_speed_config_t *c, const cam_params_t *p, int32_t di
     c->mean_mrpm = mean_mrpm;
     c->limit_mrpm = p->spindle_limit_mrpm;
     c->sense = direction;
-    c->lag_q16 =
-        cam_sat_i32(scale((int64_t)p->spindle_lag_us * tick_hz, INT64_C(1) << 16, plan_us_hz));
+    c->lag_q16 = cam_sat_i32(
+        cam_units_scale((int64_t)p->spindle_lag_us * tick_hz, INT64_C(1) << 16, plan_us_hz));
     c->mean_q32 = (int32_t)cam_clamp_i64(mean_q32, 0, INT64_C(1) << 26);
 }
 
@@ -218,12 +197,6 @@ static void build_u_scale(cam_u_scale_t *c, const cam_channel_t *u, int32_t spee
     c->alpha_shift = (uint32_t)cam_clamp_i32(alpha_bits, 1, 62);
 }
 
-/// @return [turn / 2^32] of thousandths of a degree below 90 degrees
-static int32_t turn_of_mdeg(int32_t mdeg)
-{
-    return (int32_t)scale(mdeg, CAM_TURN_Q32, 360000);
-}
-
 /// Speed over distance such that slowing down by it takes no more than the acceleration, and one
 /// set-point does not lead past a quarter of the distance.
 static cam_swing_limits_t swing_limits(int64_t speed_mdeg_per_s, int64_t acceleration_deg_per_s2,
@@ -231,9 +204,10 @@ static cam_swing_limits_t swing_limits(int64_t speed_mdeg_per_s, int64_t acceler
 {
     const int64_t most = INT64_C(1) << 24; // a turn in 256 ticks
     const int64_t plan_ticks = cam_plan_ticks(tick_hz);
-    const int64_t speed = scale(speed_mdeg_per_s, CAM_TURN_Q32 / 64, (int64_t)tick_hz * 5625);
-    const int64_t per_tick2 = scale(acceleration_deg_per_s2 * plan_ticks, CAM_TURN_Q32 / 8,
-                                    (int64_t)tick_hz * tick_hz * 45);
+    const int64_t speed =
+        cam_units_scale(speed_mdeg_per_s, CAM_TURN_Q32 / 64, (int64_t)tick_hz * 5625);
+    const int64_t per_tick2 = cam_units_scale(acceleration_deg_per_s2 * plan_ticks,
+                                              CAM_TURN_Q32 / 8, (int64_t)tick_hz * tick_hz * 45);
     const int64_t speed_q32 = cam_clamp_i64(speed, 1, most);
     const int64_t step_q32 = cam_clamp_i64(per_tick2, 1, most);
     const int64_t gain = step_q32 * (CAM_TURN_Q32 / plan_ticks) / speed_q32;
@@ -256,8 +230,8 @@ static int32_t half_square(int64_t ticks_q16)
 static void build_swing(cam_swing_config_t *c, const cam_params_t *p, const cam_channel_t *ch,
                         uint32_t tick_hz)
 {
-    c->lag_q16 = ticks_of_ns(p->swing_lag_ns, tick_hz);
-    c->following_q32 = turn_of_mdeg(p->swing_following_limit_mdeg);
+    c->lag_q16 = cam_units_ticks_of_ns(p->swing_lag_ns, tick_hz);
+    c->following_q32 = cam_units_turn_of_mdeg(p->swing_following_limit_mdeg);
     c->unit_q30 = cam_sat_i32((INT64_C(1) << 31) >> ch->frac_bits);
     c->offset_q30 = ch->value_offset * 16;
     const int32_t line_q16 = (cam_plan_ticks(tick_hz) + 1) * 65536;
@@ -292,17 +266,18 @@ static void build_plan(cam_play_config_t *c, uint32_t tick_hz)
 static void build_play(cam_play_config_t *c, const cam_params_t *p, int32_t sense,
                        bool is_rehearsed, uint32_t tick_hz)
 {
-    c->lead_q16 = ticks_of_ns(p->lead_ns, tick_hz);
-    c->xz_lag_q16 = ticks_of_ns(p->xz_lag_ns, tick_hz);
-    const int32_t due_q16 = ticks_of_ns(p->lead_ns + p->u_scale_latency_ns, tick_hz);
+    c->lead_q16 = cam_units_ticks_of_ns(p->lead_ns, tick_hz);
+    c->xz_lag_q16 = cam_units_ticks_of_ns(p->xz_lag_ns, tick_hz);
+    const int32_t due_q16 = cam_units_ticks_of_ns(p->lead_ns + p->u_scale_latency_ns, tick_hz);
     c->due_ticks = (uint32_t)due_q16 >> 16;
     c->due_part_q31 = (due_q16 & 0xFFFF) * 32768;
-    c->phase_q32 = turn_of_udeg(sense * p->phase_udeg);
-    c->phase_step_q32 = (int32_t)(turn_of_udeg(p->phase_rate_udeg_per_s) / (int64_t)tick_hz) + 1;
-    c->amplitude_q30 = (int32_t)scale(p->amplitude_ppm, INT64_C(1) << 30, 1000000);
-    c->amplitude_step_q30 =
-        (int32_t)scale(p->amplitude_rate_ppm_per_s, INT64_C(1) << 30, (int64_t)tick_hz * 1000000) +
-        1;
+    c->phase_q32 = cam_units_turn_of_udeg(sense * p->phase_udeg);
+    c->phase_step_q32 =
+        (int32_t)(cam_units_turn_of_udeg(p->phase_rate_udeg_per_s) / (int64_t)tick_hz) + 1;
+    c->amplitude_q30 = (int32_t)cam_units_scale(p->amplitude_ppm, INT64_C(1) << 30, 1000000);
+    c->amplitude_step_q30 = (int32_t)cam_units_scale(p->amplitude_rate_ppm_per_s, INT64_C(1) << 30,
+                                                     (int64_t)tick_hz * 1000000) +
+                            1;
     c->engage_q32 = p->engage_turns * CAM_TURN_Q32;
     c->disengage_q32 = p->disengage_turns * CAM_TURN_Q32;
     c->per_engage_q31 = (uint32_t)((UINT32_C(1) << 31) / (uint32_t)p->engage_turns);
@@ -352,7 +327,7 @@ static void build_guard(cam_guard_config_t *c, const cam_params_t *p, uint32_t s
     c->overspeed_q32 = cam_build_speed_q32(speed_limit_mrpm, tick_hz);
     c->stopped_q32 = cam_build_speed_q32((uint32_t)p->stopped_mrpm, tick_hz);
     c->plan_ticks = (uint32_t)cam_plan_ticks(tick_hz);
-    c->stopped_ticks = (uint32_t)scale(p->stopped_ms, tick_hz, 1000);
+    c->stopped_ticks = (uint32_t)cam_units_scale(p->stopped_ms, tick_hz, 1000);
     c->homing_ticks = c->stopped_ticks * homing_patience;
     c->u_vel_q6 = (u->speed_q10 + u->speed_q10 / 16 + CHECK_MARGIN_Q10) / 16;
     c->u_acc_q6 = (u->acceleration_q10 + u->acceleration_q10 / 16 + CHECK_MARGIN_Q10) / 16;
@@ -393,14 +368,15 @@ cam_err_t cam_build_config(cam_config_t *config, const cam_params_t *params,
         config->play.height_max_q32 = ((int64_t)table->u.n_slices - 1) * CAM_TURN_Q32 - height_end;
         build_u_scale(&config->play.u, &table->u, cam_sat_i32(INT64_C(5) * limit_q32 / 4));
     }
+    config->switches = cam_windows_build(params, sense, tick_hz);
     build_limits(config, params, tick_hz);
     build_guard(&config->guard, params, speed_limit_mrpm, tick_hz);
     config->guard.following_nm = cam_fit_following_nm(params, table);
     config->guard.approach_nm = cam_fit_approach_nm(params, table, tick_hz);
     config->play.u_retract_q10 = retract_q10(params, table, config->guard.u.acceleration_q10);
     config->guard.u_retract_q10 = config->play.u_retract_q10;
-    config->k1_q16 = ticks_of_ns(params->k1_ns, tick_hz);
-    config->k2_q16 = ticks2_of_us2(params->k2_us2, tick_hz);
+    config->k1_q16 = cam_units_ticks_of_ns(params->k1_ns, tick_hz);
+    config->k2_q16 = cam_units_ticks2_of_us2(params->k2_us2, tick_hz);
     config->trace_room = params->trace_on != 0 ? (uint32_t)cam_trace_capacity : 0u;
     return cam_ok;
 }

@@ -10,6 +10,17 @@
 #include <stdint.h>  // int32_t
 
 // clang-format off
+/// Those of position switch n, in the order of cam_windows.c.
+#define CAM_SWITCH_PARAMS(X, n) \
+    X(switch_##n##_per_turn,          0,          0,         64, "windows per turn, evenly spaced; 0: the output stays off") \
+    X(switch_##n##_on_udeg,  -180000000,          0,  360000000, "drawing's angle at which the window begins, as that angle rises") \
+    X(switch_##n##_off_udeg, -180000000,          0,  360000000, "drawing's angle at which it ends") \
+    X(switch_##n##_hysteresis_udeg,   0,          0,    5000000, "the spindle leaves the place of a change by this before the next") \
+    X(switch_##n##_dead_time_ns,      0,          0,   20000000, "of what is switched; the output changes this much ahead") \
+    X(switch_##n##_z_low_nm, -1000000000,         0, 1000000000, "lowest height at which it is on, in the work only; where both heights are the same, it is on at all of them") \
+    X(switch_##n##_z_high_nm, -1000000000,        0, 1000000000, "highest height at which it is on") \
+    X(switch_##n##_sense,            -1,          0,          1, "1: on while the spindle turns in the sense of cutting only, -1: against it only, 0: in both")
+
 #define CAM_PARAMS(X) \
     X(counts_per_turn,               64,      10000,   16777216, "encoder counts per turn, four per line") \
     X(encoder_sign,                  -1,          1,          1, "-1 when counts fall while the spindle turns in its positive sense; 0 is refused") \
@@ -65,7 +76,15 @@
     X(probe_nm,                     100,       1000,       5000, "correction at each harmonic by which a rehearsal finds U's answer; at least three steps of the scale") \
     X(ripple_turns,                   0,          0,         64, "turns whose mean is the learned ripple of the spindle, one counts as two; 0: it is not learned") \
     X(eccentricity_nturn,             0,          0,    1000000, "amplitude of the encoder's error once per turn") \
-    X(eccentricity_udeg,     -180000000,          0,  180000000, "drawing's angle at which that error is 0 and rises")
+    X(eccentricity_udeg,     -180000000,          0,  180000000, "drawing's angle at which that error is 0 and rises") \
+    CAM_SWITCH_PARAMS(X, 1) \
+    CAM_SWITCH_PARAMS(X, 2) \
+    CAM_SWITCH_PARAMS(X, 3) \
+    CAM_SWITCH_PARAMS(X, 4) \
+    CAM_SWITCH_PARAMS(X, 5) \
+    CAM_SWITCH_PARAMS(X, 6) \
+    CAM_SWITCH_PARAMS(X, 7) \
+    CAM_SWITCH_PARAMS(X, 8)
 // clang-format on
 
 /// Index of a parameter, in the order of the list.

@@ -136,11 +136,32 @@ typedef struct {
     int64_t u_retract_q10;      ///< [nm / 1024] place of U out of the work
 } cam_guard_config_t;
 
+enum { cam_n_switches = 8 }; ///< position switches
+
+/// Window of one position switch (cam_switch.h).
+typedef struct {
+    uint32_t per_turn;           ///< windows per turn, 0: never on
+    uint32_t from_q32;           ///< [turn / 2^32] begin of the window, times per_turn
+    uint32_t width_q32;          ///< ... its width likewise
+    uint32_t hysteresis_q32;     ///< [turn / 2^32] below a quarter of a turn
+    int32_t ahead_q16;           ///< [ticks] dead time of what is switched
+    bool is_anywhere;            ///< there is no window of the height
+    int32_t z_low_nm, z_high_nm; ///< [nm] that window, both ends included
+    int32_t sense;               ///< 1, -1: on in this sense of rotation only; 0: in both
+} cam_switch_config_t;
+
+/// All of them.
+typedef struct {
+    uint32_t n; ///< up to the last that is in use
+    cam_switch_config_t each[cam_n_switches];
+} cam_switches_config_t;
+
 /// Everything that a tick reads and does not change.
 typedef struct {
     cam_spindle_config_t spindle;
     cam_play_config_t play;
     cam_guard_config_t guard;
+    cam_switches_config_t switches;
     cam_table_t table;   ///< play.table points here
     int32_t k1_q16;      ///< [ticks] velocity feed-forward, with what was learned of it
     int32_t k2_q16;      ///< [ticks^2] acceleration feed-forward, likewise

@@ -108,6 +108,7 @@ static inline void steps_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_
     guard_isr(c, cfg, r);
     CAM_TICK_MARK(guard);
     command(c, cfg, r);
+    r->want.outputs |= cam_switches_step_isr(&c->switches, &cfg->switches, r);
 }
 
 /// The angle is forgotten where the state was off in any tick since the last plan, because every
@@ -217,6 +218,7 @@ cam_status_t cam_tick_status(const cam_t *c)
         .is_synced = r.angle.is_synced,
         .is_retracted = r.want.is_retracted,
         .inputs = r.in.inputs,
+        .outputs = r.want.outputs,
         .pos_q32 = r.angle.pos_q32,
         .speed_q32 = r.angle.speed_q32,
         .z_nm = r.want.z_nm,

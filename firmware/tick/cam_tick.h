@@ -17,6 +17,7 @@
 #include "cam_play.h"    // cam_play_t
 #include "cam_record.h"  // cam_motion_t, cam_tick_record_t
 #include "cam_spindle.h" // cam_spindle_t
+#include "cam_switch.h"  // cam_switches_t
 #include "cam_trace.h"   // cam_trace_t
 #include <stdatomic.h>   // request, status sequence
 #include <stdint.h>      // int32_t, int64_t, uint32_t
@@ -32,6 +33,7 @@ typedef struct {
     bool is_synced;       ///< angle known
     bool is_retracted;    ///< tool at rest out of the work
     uint32_t inputs;      ///< hal_in_*
+    uint32_t outputs;     ///< hal_out_*
     int64_t pos_q32;      ///< [turn, Q32.32] master position
     int32_t speed_q32;    ///< [turn / 2^32 per tick]
     int32_t z_nm;         ///< [nm] height played
@@ -52,6 +54,7 @@ typedef struct {
     cam_play_t play;
     cam_plan_t plan;
     cam_guard_t guard;
+    cam_switches_t switches;
     int32_t until_plan;                      ///< [ticks] to the next plan, that tick included
     const cam_tick_record_t *_Atomic newest; ///< NULL before the first tick
     _Atomic uint32_t n_ticks;                ///< ticks that are complete; wraps

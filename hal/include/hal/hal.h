@@ -31,9 +31,11 @@ enum {
 
 /// Bits of hal_outputs_write_isr().
 enum {
-    hal_out_enable = 1u << 0, ///< 1: the drives are enabled and hold their axes
-    hal_out_fault = 1u << 1,  ///< 1: a fault is latched
-    hal_out_in_cut = 1u << 2, ///< 1: the tool cuts at full amplitude
+    hal_out_enable = 1u << 0,   ///< 1: the drives are enabled and hold their axes
+    hal_out_fault = 1u << 1,    ///< 1: a fault is latched
+    hal_out_in_cut = 1u << 2,   ///< 1: the tool cuts at full amplitude
+    hal_out_switch_1 = 1u << 8, ///< 1: the first position switch is on; those of the other seven
+                                ///< follow it. A port without pins for them leaves them out
 };
 
 /// One reading of the spindle encoder. All members are of the same instant. Counts may rise in

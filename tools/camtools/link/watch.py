@@ -109,6 +109,7 @@ def report(status: Status) -> list[str]:
     s = status.signals
     table_err = NAMES["result"].get(int(s["table_result"]), str(int(s["table_result"])))
     yes = {0.0: "no", 1.0: "yes"}
+    switches = [str(n + 1) for n in range(8) if int(s["switches"]) >> n & 1]
     return [
         f"state             {status.state}",
         f"faults            {', '.join(status.faults) or 'none'}",
@@ -120,6 +121,7 @@ def report(status: Status) -> list[str]:
         f"retracted: {yes[s['is_retracted']]}",
         f"following error   {s['following_error'] * 1e3:+.3f} um",
         f"emergency stop    {yes[s['is_estop']]}; drives ready: {yes[s['is_drive_ready']]}",
+        *([f"position switches {', '.join(switches)} on"] if switches else []),
         *([f"pass              {s['pass']:.0f} of {s['passes']:.0f}"] if s["passes"] else []),
         f"tick              {s['tick_rate']:.0f} Hz, longest {s['tick_time_max']:.3f} us, "
         f"late {s['late_ticks']:.0f}",

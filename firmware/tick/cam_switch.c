@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cam_switch.h"
+#include "cam_angle.h" // cam_angle_of_pos
+#include "cam_fix.h"   // cam_is_between
+#include "cam_state.h" // cam_state_is_in_work
+#include <stdbool.h>   // bool
+
+/// @return whether the height lets an output be on
+static bool is_height_in(const cam_switch_config_t *w, const cam_want_t *want)
+{
+    return w->is_anywhere || (cam_state_is_in_work(want->state) &&
+                              cam_is_between(want->z_nm, w->z_low_nm, w->z_high_nm));
+}
+
+/// @return whether the spindle turns in the sense in which an output is on; 0: both are
+static bool is_sense(int32_t sense, int32_t speed_q32)
+{
+    return sense == 0 || (sense > 0 ? speed_q32 > 0 : speed_q32 < 0);
+}
+
+/// Bring what changes slowly of one output up to date.
+static void refresh(cam_switches_t *s, const cam_switches_config_t *cfg, const cam_tick_record_t *r)
+{
+    const uint32_t i = s->next;
+    const cam_switch_config_t *w = &cfg->each[i];
+    const bool is_open = is_sense(w->sense, r->angle.speed_q32) && is_height_in(w, &r->want);
+    s->next = i + 1u < cfg->n ? i + 1u : 0u;
+    s->open = (s->open & ~(1u << i)) | (is_open ? 1u << i : 0u);
+    s->lead_q32[i] = (uint32_t)(uint64_t)(((int64_t)r->angle.speed_q32 * w->ahead_q16) >> 16);
+}
+
+/// @return bit i: the angle of output i is in its window
+static uint32_t inside(const cam_switches_t *s, const cam_switches_config_t *cfg,
+                       uint32_t theta_q32)
+{
+    uint32_t bits = 0;
+    for (uint32_t i = 0; i < cfg->n; i++) {
+        const cam_switch_config_t *w = &cfg->each[i];
+        const uint32_t phase_q32 = (theta_q32 + s->lead_q32[i]) * w->per_turn - w->from_q32;
+        bits |= (phase_q32 < w->width_q32 ? 1u : 0u) << i;
+    }
+    return bits;
+}
+
+/// Release the outputs that have left the place of their last change, and change those that are
+/// free.
+CAM_STAGE static void settle(cam_switches_t *s, const cam_switches_config_t *cfg,
+                             uint32_t theta_q32, uint32_t inside_bits)
+{
+    for (uint32_t i = 0; i < cfg->n; i++) {
+        const uint32_t bit = 1u << i;
+        const uint32_t hysteresis_q32 = cfg->each[i].hysteresis_q32;
+        const uint32_t away_q32 = theta_q32 - s->left_q32[i] + hysteresis_q32;
+        if (away_q32 >= 2u * hysteresis_q32) {
+            s->held &= ~bit;
+        }
+        if (((inside_bits ^ s->on) & ~s->held & bit) != 0u) {
+            s->on ^= bit;
+            s->held |= bit;
+            s->left_q32[i] = theta_q32;
+        }
+    }
+}
+
+uint32_t cam_switches_step_isr(cam_switches_t *s, const cam_switches_config_t *cfg,
+                               const cam_tick_record_t *r)
+{
+    const bool is_known =
+        r->angle.is_synced && r->want.state != cam_state_off && r->want.state != cam_state_fault;
+    if (cfg->n == 0u || !is_known) {
+        s->on = 0;
+        return 0;
+    }
+    const uint32_t theta_q32 = cam_angle_of_pos(r->angle.pos_q32);
+    refresh(s, cfg, r);
+    const uint32_t inside_bits = inside(s, cfg, theta_q32);
+    if (((inside_bits ^ s->on) | s->held) != 0u) {
+        settle(s, cfg, theta_q32, inside_bits);
+    }
+    return (s->on & s->open) * hal_out_switch_1;
+}
