@@ -9,17 +9,29 @@ static lin_gpio_t *lines[lin_n_lines];
 static _Atomic uint32_t lost = lin_n_lines; // written by the tick, read by main()
 static uint32_t written, unsure;            // hal_out_*; unsure: the last write failed
 
-static const lin_gpio_use_t uses[lin_n_lines] = {
-    [lin_line_estop] = lin_gpio_input,  [lin_line_ready] = lin_gpio_input,
-    [lin_line_index] = lin_gpio_edges,  [lin_line_enable] = lin_gpio_output,
-    [lin_line_fault] = lin_gpio_output, [lin_line_in_cut] = lin_gpio_output,
-};
+static lin_gpio_use_t use_of(int line)
+{
+    if (line == lin_line_index) {
+        return lin_gpio_edges;
+    }
+    return line < lin_line_enable ? lin_gpio_input : lin_gpio_output;
+}
 
-static const uint32_t out_bits[lin_n_lines] = {
-    [lin_line_enable] = hal_out_enable,
-    [lin_line_fault] = hal_out_fault,
-    [lin_line_in_cut] = hal_out_in_cut,
-};
+/// @return hal_out_* of a line, 0 of an input
+static uint32_t out_bit(int line)
+{
+    switch (line) {
+    case lin_line_enable:
+        return hal_out_enable;
+    case lin_line_fault:
+        return hal_out_fault;
+    case lin_line_in_cut:
+        return hal_out_in_cut;
+    default:
+        return line >= lin_line_switch_1 ? (uint32_t)hal_out_switch_1 << (line - lin_line_switch_1)
+                                         : 0u;
+    }
+}
 
 bool lin_lines_open(const lin_config_t *config, common_error_t *e)
 {
@@ -29,7 +41,7 @@ bool lin_lines_open(const lin_config_t *config, common_error_t *e)
             continue;
         }
         common_error_t why;
-        lines[i] = lin_gpio_open(config->chip, c->place, uses[i], c->is_active_low, &why);
+        lines[i] = lin_gpio_open(config->chip, c->place, use_of(i), c->is_active_low, &why);
         if (lines[i] == NULL) {
             return common_error(e, "gpio.%s: %s", lin_line_name((lin_line_t)i), why.text);
         }
@@ -80,10 +92,11 @@ static uint32_t write_lines(uint32_t bits, uint32_t which)
 {
     uint32_t failed = 0;
     for (int i = lin_line_enable; i < lin_n_lines; i++) {
-        const bool is_wanted = lines[i] != NULL && (which & out_bits[i]) != 0u;
-        if (is_wanted && !lin_gpio_write(lines[i], (bits & out_bits[i]) != 0u)) {
+        const uint32_t bit = out_bit(i);
+        const bool is_wanted = lines[i] != NULL && (which & bit) != 0u;
+        if (is_wanted && !lin_gpio_write(lines[i], (bits & bit) != 0u)) {
             lose((lin_line_t)i);
-            failed |= out_bits[i];
+            failed |= bit;
         }
     }
     return failed;

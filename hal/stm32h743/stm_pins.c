@@ -15,7 +15,7 @@ typedef struct {
     uint8_t alternate;
 } pin_t;
 
-/// The outputs enable, fault and "in cut" are missing here: stm_outputs_safe() has set them up.
+/// The outputs of port E are missing here: stm_outputs_safe() has set them up.
 static const pin_t pins[] = {
     {GPIOA, 4, mode_analogue, pull_none, 0},   // internal DAC
     {GPIOA, 5, mode_alternate, pull_down, 1},  // TIM2 channel 1: spindle A

@@ -10,27 +10,32 @@
 
 /// Lines on port E.
 enum {
-    stm_pin_estop = 10,  ///< PE10 in, 1: the chain is closed
-    stm_pin_ready = 12,  ///< PE12 in, 1: all drives ready
-    stm_pin_enable = 13, ///< PE13 out, 1: the drives hold their axes
-    stm_pin_fault = 14,  ///< PE14 out, 1: fault
-    stm_pin_in_cut = 15, ///< PE15 out, 1: in cut
+    stm_pin_switch_1 = 0, ///< PE0 .. PE7 out, 1: the position switch is on
+    stm_pin_estop = 10,   ///< PE10 in, 1: the chain is closed
+    stm_pin_ready = 12,   ///< PE12 in, 1: all drives ready
+    stm_pin_enable = 13,  ///< PE13 out, 1: the drives hold their axes
+    stm_pin_fault = 14,   ///< PE14 out, 1: fault
+    stm_pin_in_cut = 15,  ///< PE15 out, 1: in cut
 };
 
 /// The bit of register BSRR that sets or resets a pin.
 #define STM_BSRR(pin, is_set) (1u << ((is_set) ? (uint32_t)(pin) : (uint32_t)(pin) + 16u))
 
-/// Make the outputs safe: enable low, fault high, "in cut" low. The levels are set before the pins
-/// become outputs.
-/// Context: any, even before memory is set up: it is inlined and reads no constants from memory.
-/// Source: RM0433 11.4, GPIOx_BSRR, GPIOx_MODER; 8.7, RCC_AHB4ENR.
+/// The bits of register BSRR that set or reset the pins of the position switches.
+/// @param on  bit i: switch i is on
+#define STM_BSRR_SWITCHES(on) ((on) << stm_pin_switch_1 | (~(on)&0xFFu) << (stm_pin_switch_1 + 16))
+
+/// Make the outputs safe: enable low, fault high, all others low. The levels are set before the
+/// pins become outputs. Context: any, even before memory is set up: it is inlined and reads no
+/// constants from memory. Source: RM0433 11.4, GPIOx_BSRR, GPIOx_MODER; 8.7, RCC_AHB4ENR.
 __attribute__((always_inline)) static inline void stm_outputs_safe(void)
 {
     RCC_AHB4ENR |= RCC_AHB4ENR_GPIOE;
     (void)RCC_AHB4ENR; // the clock runs two cycles after the write has arrived
-    GPIOE->BSRR =
-        STM_BSRR(stm_pin_enable, 0) | STM_BSRR(stm_pin_fault, 1) | STM_BSRR(stm_pin_in_cut, 0);
-    GPIOE->MODER = (GPIOE->MODER & ~0xFC000000u) | 0x54000000u; // 13 .. 15: output
+    GPIOE->BSRR = STM_BSRR(stm_pin_enable, 0) | STM_BSRR(stm_pin_fault, 1) |
+                  STM_BSRR(stm_pin_in_cut, 0) | STM_BSRR_SWITCHES(0u);
+    // 0 .. 7, 13 .. 15: output
+    GPIOE->MODER = (GPIOE->MODER & ~0xFC00FFFFu) | 0x54005555u;
 }
 
 /// Give all pins their function. Context: slow side, once.

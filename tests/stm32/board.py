@@ -24,6 +24,7 @@ INDEX_AT = 1234  # [counts] the index pulse begins in the middle of this count .
 INDEX_WIDTH = 3  # .. and ends so many counts later
 TICK_CLOCKS = 12_000  # of TIM5
 RAMP_RPM = 2500 * 10 / 20_000  # change of speed per tick
+SWITCHES = tuple(f"PE{pin}" for pin in range(8))
 OUTPUTS = {"PE13": "enable", "PE14": "fault", "PE15": "in cut"}
 ESTOP, READY = "PE10", "PE12"
 
@@ -47,6 +48,7 @@ class Outputs:
     enable: int
     fault: int
     in_cut: int
+    switches: int
 
 
 @dataclass(frozen=True)
@@ -157,7 +159,9 @@ class Board:
         gpio = self.chip.gpio
         self.tick_at.append(self.chip.clock.now)
         lines = [gpio.level(name) for name in OUTPUTS]
-        self.ticks.append(Outputs(tuple(self.dac.words), self.chip.dac1.v["dor1"], *lines))
+        switches = sum(gpio.level(name) << i for i, name in enumerate(SWITCHES))
+        dor1 = self.chip.dac1.v["dor1"]
+        self.ticks.append(Outputs(tuple(self.dac.words), dor1, *lines, switches))
         self._turn_spindle(lines[0])
         if lines[0]:
             self._move_axes()

@@ -23,6 +23,10 @@
     WHOLE(section, "node", drive[i].node, least_node, 127),                                        \
         WHOLE(section, "counts", drive[i].counts, 1, 1000000000),                                  \
         WHOLE(section, "nm", drive[i].nm, -1000000000, 1000000000)
+#define NONE                                                                                       \
+    {                                                                                              \
+        "none", false                                                                              \
+    }
 #define LINE(key, i)                                                                               \
     TEXT("gpio", key, line[i].place, lin_name_max),                                                \
         FLAG("gpio", key "_active_low", line[i].is_active_low)
@@ -59,6 +63,14 @@ static const common_setting_t settings[] = {
     LINE("enable", lin_line_enable),
     LINE("fault", lin_line_fault),
     LINE("in_cut", lin_line_in_cut),
+    LINE("switch_1", lin_line_switch_1 + 0),
+    LINE("switch_2", lin_line_switch_1 + 1),
+    LINE("switch_3", lin_line_switch_1 + 2),
+    LINE("switch_4", lin_line_switch_1 + 3),
+    LINE("switch_5", lin_line_switch_1 + 4),
+    LINE("switch_6", lin_line_switch_1 + 5),
+    LINE("switch_7", lin_line_switch_1 + 6),
+    LINE("switch_8", lin_line_switch_1 + 7),
     TEXT("table", "file", table_file, lin_path_max),
     WHOLE("table", "max_bytes", table_max_bytes, 1024, 67108864),
 };
@@ -86,7 +98,15 @@ lin_config_t lin_config_defaults(void)
                  [lin_line_index] = {"INDEX", false},
                  [lin_line_enable] = {"ENABLE", false},
                  [lin_line_fault] = {"FAULT", false},
-                 [lin_line_in_cut] = {"INCUT", false}},
+                 [lin_line_in_cut] = {"INCUT", false},
+                 [lin_line_switch_1] = NONE,
+                 [lin_line_switch_1 + 1] = NONE,
+                 [lin_line_switch_1 + 2] = NONE,
+                 [lin_line_switch_1 + 3] = NONE,
+                 [lin_line_switch_1 + 4] = NONE,
+                 [lin_line_switch_1 + 5] = NONE,
+                 [lin_line_switch_1 + 6] = NONE,
+                 [lin_line_switch_1 + 7] = NONE},
         .table_file = "/var/lib/camturn/table.camtab",
         .table_max_bytes = 1048576,
     };
@@ -94,8 +114,9 @@ lin_config_t lin_config_defaults(void)
 
 const char *lin_line_name(lin_line_t line)
 {
-    static const char *const names[lin_n_lines] = {"estop",  "ready", "index",
-                                                   "enable", "fault", "in_cut"};
+    static const char *const names[lin_n_lines] = {
+        "estop",    "ready",    "index",    "enable",   "fault",    "in_cut",   "switch_1",
+        "switch_2", "switch_3", "switch_4", "switch_5", "switch_6", "switch_7", "switch_8"};
     return names[line];
 }
 

@@ -11,7 +11,7 @@
 
 enum { lin_name_max = 63, lin_path_max = 199, lin_interface_max = 15 };
 
-/// Lines, inputs first.
+/// Lines, inputs first; enable is the first output.
 typedef enum {
     lin_line_estop,
     lin_line_ready,
@@ -19,6 +19,8 @@ typedef enum {
     lin_line_enable,
     lin_line_fault,
     lin_line_in_cut,
+    lin_line_switch_1, ///< the other seven follow it
+    lin_line_switch_8 = lin_line_switch_1 + 7,
     lin_n_lines
 } lin_line_t;
 
