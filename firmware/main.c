@@ -2,6 +2,7 @@
 /// main: start-up and background loop of an image for a machine. The simulator has a loop of its
 /// own.
 #include "cam_machine.h"
+#include "cam_machine_scope.h"
 #include "cam_can.h"
 #include "hal/hal.h"
 
@@ -13,6 +14,7 @@ int main(void)
         hal_halt("main: the port cannot be used");
     }
     cam_machine_init(&machine, &g_cam, hal_tick_hz(), hal_clock_hz());
+    cam_machine_box(&machine);
     cam_can_init(&remote, &machine); // selects the table; a bad one is reported, not fatal
     hal_tick_start();
     for (;;) {

@@ -70,6 +70,8 @@ static const err_text_t entries[] = {
     {cam_err_wave_speed, "the wave would move U faster than it can"},
     {cam_err_wave_acceleration, "the wave would accelerate U more than it can"},
     {cam_err_wave_clear, "X is not far enough off the work for the wave of U"},
+    {cam_err_scope_unread, "the black box of a fault has not been read yet"},
+    {cam_err_scope_before, "more rows are wanted before the trigger than fit"},
     {cam_err_cam_amplitude, "a cam with an amplitude below 1 would be cut deeper than drawn"},
 };
 

@@ -77,6 +77,8 @@ typedef enum {
     cam_err_wave_speed = -68,        ///< U would exceed its highest speed
     cam_err_wave_acceleration = -69, ///< U would exceed its highest acceleration
     cam_err_wave_clear = -70,        ///< X is so near that U would lead the tool to the work
+    cam_err_scope_unread = -95,      ///< the black box of a fault has not been read
+    cam_err_scope_before = -96,      ///< no row is left behind the trigger
 } cam_err_t;
 
 /// The compiler refuses a call that ignores the result of such a function.

@@ -5,6 +5,7 @@
 #include "cam_fix.h"              // cam_is_within
 #include "cam_machine_identify.h" // cam_machine_identify_poll
 #include "cam_machine_inner.h"    // cam_machine_post
+#include "cam_machine_scope.h"    // cam_machine_scope_poll
 #include "cam_pass.h"             // cam_pass_next
 #include "hal/hal.h"              // hal_halt, hal_has_swing
 #include <stddef.h>               // NULL
@@ -291,6 +292,7 @@ void cam_machine_poll(cam_machine_t *m)
     if (m->homes_again) {
         home_again(m);
     }
+    cam_machine_scope_poll(m);
     cam_machine_identify_poll(m);
     const cam_status_t status = cam_machine_status(m);
     end_pass(m, &status);

@@ -37,6 +37,8 @@ typedef struct {
     uint32_t scrub_at;          ///< [bytes] progress of the background check of the table
     uint32_t scrub_crc;         ///< CRC-32 of the bytes up to there
     cam_scope_t scope;          ///< recorder
+    bool has_box;               ///< the recorder is the black box while nobody else needs it
+    bool is_box_kept;           ///< the box that is done was handed to the port
     cam_identify_t identify;    ///< excitation of U
     cam_teach_t teach;          ///< what was learned
 } cam_machine_t;

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_machine_identify.h"
+#include "cam_box.h"           // cam_box_is_unread
 #include "cam_fix.h"           // cam_sat_i32
 #include "cam_machine_inner.h" // cam_machine_request
+#include "cam_machine_scope.h" // cam_machine_scope_is_free
 #include "cam_table.h"         // cam_crc32
 #include <stddef.h>            // NULL
 #include <string.h>            // memcmp, memcpy
@@ -19,8 +21,9 @@ cam_err_t cam_machine_wave_begin(cam_machine_t *m, uint32_t n_bytes)
     if (i->phase != cam_identify_none) {
         return i->phase == cam_identify_runs ? cam_err_state : cam_err_busy;
     }
-    if (cam_scope_is_on(&m->scope)) {
-        return cam_err_scope_on;
+    const cam_err_t err = cam_machine_scope_is_free(m);
+    if (err != cam_ok) {
+        return err;
     }
     if (n_bytes % sizeof(int32_t) != 0u || n_bytes < cam_wave_least * sizeof(int32_t)) {
         return cam_err_wave_length;
@@ -100,6 +103,9 @@ static cam_err_t check_moment(const cam_machine_t *m, const cam_status_t *status
     if (m->identify.n == 0u) {
         return cam_err_wave_none;
     }
+    if (cam_box_is_unread(&m->scope)) {
+        return cam_err_scope_unread;
+    }
     return m->params.trace_on != 0 ? cam_ok : cam_err_scope_trace;
 }
 
@@ -150,11 +156,14 @@ static cam_err_t hand_wave_over(cam_machine_t *m, const cam_status_t *status,
                                 const cam_excite_config_t *excite, int64_t following_nm)
 {
     cam_identify_t *i = &m->identify;
-    const cam_err_t err = cam_scope_start(&m->scope, status->tick);
+    cam_scope_plan_t plan = m->scope.set;
+    plan.from_state = cam_state_identifying;
+    plan.before = 0;
+    plan.trigger.kind = cam_trigger_now;
+    const cam_err_t err = cam_scope_begin(&m->scope, &plan, cam_scope_user, 0, status->tick);
     if (err != cam_ok) {
         return err;
     }
-    m->scope.in_state = cam_state_identifying;
     if (!offer(m, excite, cam_sat_i32(following_nm))) {
         cam_scope_stop(&m->scope);
         return cam_err_busy;
@@ -264,7 +273,6 @@ static void end(cam_machine_t *m)
 void cam_machine_identify_poll(cam_machine_t *m)
 {
     cam_identify_t *i = &m->identify;
-    cam_scope_poll(&m->scope, &m->core->trace);
     if (i->phase == cam_identify_none) {
         return;
     }
@@ -299,46 +307,4 @@ cam_err_t cam_machine_identify_stop(cam_machine_t *m, bool disables)
         cam_machine_request(m, cam_request_stop);
     }
     return cam_ok;
-}
-
-// The recorder
-
-cam_err_t cam_machine_scope_start(cam_machine_t *m)
-{
-    if (m->identify.phase != cam_identify_none) {
-        return cam_err_state;
-    }
-    if (m->params.trace_on == 0) {
-        return cam_err_scope_trace;
-    }
-    return cam_scope_start(&m->scope, cam_machine_status(m).tick);
-}
-
-cam_err_t cam_machine_scope_set(cam_machine_t *m, uint32_t field, int32_t value)
-{
-    if (field == cam_scope_field_place_nm) {
-        m->identify.place_nm = value;
-        return cam_ok;
-    }
-    return cam_scope_set(&m->scope, field, value);
-}
-
-cam_err_t cam_machine_scope_get(const cam_machine_t *m, uint32_t field, int32_t *value)
-{
-    const cam_identify_t *i = &m->identify;
-    const cam_err_t err = cam_scope_get(&m->scope, field, value);
-    switch (field) {
-    case cam_scope_field_place_nm:
-        *value = i->place_nm;
-        break;
-    case cam_scope_field_excited:
-        *value = (int32_t)i->excited;
-        break;
-    case cam_scope_field_n_fall:
-        *value = (int32_t)i->n_fall;
-        break;
-    default: // a field of the recorder itself
-        break;
-    }
-    return err;
 }

@@ -24,8 +24,9 @@ enum { cam_identify_patience_ms = 500 };
 
 /// Begin the download of a wave. The wave and the recording that are there are lost.
 /// @param n_bytes  [bytes] a multiple of 4
-/// @return         cam_ok; cam_err_state, cam_err_busy while an excitation runs; cam_err_scope_on;
-///                 cam_err_wave_length; cam_err_scope_memory (more than half of it)
+/// @return         cam_ok; cam_err_state, cam_err_busy while an excitation runs; cam_err_scope_on,
+///                 cam_err_scope_unread (cam_machine_scope.h); cam_err_wave_length;
+///                 cam_err_scope_memory (more than half of it)
 CAM_MUST_USE cam_err_t cam_machine_wave_begin(cam_machine_t *m, uint32_t n_bytes);
 
 /// Store the next bytes. Bytes that are there already, and the same, are accepted again.
@@ -47,24 +48,13 @@ CAM_MUST_USE cam_err_t cam_machine_wave_end(cam_machine_t *m, uint32_t crc);
 /// Play the wave: ready -> identifying -> ready.
 /// @param n_periods   at full gain, 1 .. as cam_wave_longest_s allows
 /// @param fade_ticks  [ticks] in which it rises, and falls
-/// @return            cam_ok, cam_err_state, _busy, _wave_none, _scope_trace, _scope_memory, or a
-///                    verdict of cam_wave_judge(); cam_err_wave_clear with the X [nm] that is
-///                    needed
+/// @return            cam_ok, cam_err_state, _busy, _wave_none, _scope_trace, _scope_memory,
+///                    _scope_unread, or a verdict of cam_wave_judge(); cam_err_wave_clear with the
+///                    X [nm] that is needed
 cam_wave_verdict_t cam_machine_excite(cam_machine_t *m, uint32_t n_periods, uint32_t fade_ticks);
 
 /// A sign of life of whoever commands the excitation.
 void cam_machine_keep_alive(cam_machine_t *m);
-
-/// Begin a recording. @return as cam_scope_start(); cam_err_scope_trace; cam_err_state, while an
-/// excitation runs
-CAM_MUST_USE cam_err_t cam_machine_scope_start(cam_machine_t *m);
-
-/// Set a field of the recorder. @return as cam_scope_set()
-CAM_MUST_USE cam_err_t cam_machine_scope_set(cam_machine_t *m, uint32_t field, int32_t value);
-
-/// Read a field of the recorder. @return as cam_scope_get()
-CAM_MUST_USE cam_err_t cam_machine_scope_get(const cam_machine_t *m, uint32_t field,
-                                             int32_t *value);
 
 /// The part of cam_machine_poll() that leads the excitation.
 void cam_machine_identify_poll(cam_machine_t *m);

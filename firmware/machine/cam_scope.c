@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_scope.h"
+#include <stddef.h> // NULL
 
 enum { most_every = 1000000 };
 
@@ -10,15 +11,15 @@ enum { most_every = 1000000 };
 
 #define ALL_SIGNALS (UINT32_MAX >> (32u - (uint32_t)cam_scope_n_signals))
 
+enum { word_bytes = 4 };
+
 void cam_scope_init(cam_scope_t *s, hal_memory_t memory, uint32_t tick_hz)
 {
     *s = (cam_scope_t){
         .words = memory.words,
         .n_words = memory.n_words,
         .tick_hz = tick_hz,
-        .signals = FIRST_SIGNALS,
-        .every = 1,
-        .from_state = -1,
+        .set = {.signals = FIRST_SIGNALS, .every = 1, .from_state = -1},
     };
 }
 
@@ -31,46 +32,74 @@ const char *cam_scope_signal_name(uint32_t signal)
 
 // Fields
 
-cam_err_t cam_scope_set(cam_scope_t *s, uint32_t field, int32_t value)
+/// @return whether a value is one that a field can take
+static bool is_good(uint32_t field, int32_t value)
 {
     switch (field) {
     case cam_scope_field_signals:
-        if (value == 0 || ((uint32_t)value & ~ALL_SIGNALS) != 0u) {
-            return cam_err_scope_range;
-        }
-        s->signals = (uint32_t)value;
-        return cam_ok;
+        return value != 0 && ((uint32_t)value & ~ALL_SIGNALS) == 0u;
     case cam_scope_field_every:
-        if (value < 1 || value > most_every) {
-            return cam_err_scope_range;
-        }
-        s->every = (uint32_t)value;
-        return cam_ok;
-    case cam_scope_field_rows:
-        if (value < 0) {
-            return cam_err_scope_range;
-        }
-        s->rows = (uint32_t)value;
-        return cam_ok;
+        return value >= 1 && value <= most_every;
     case cam_scope_field_from_state:
-        if (value < -1 || value >= (int32_t)cam_n_states) {
-            return cam_err_scope_range;
-        }
-        s->from_state = value;
-        return cam_ok;
-    default:
+        return value >= -1 && value < (int32_t)cam_n_states;
+    case cam_scope_field_trigger:
+        return value >= 0 && value < (int32_t)cam_trigger_n;
+    case cam_scope_field_watched:
+        return value >= 0 && value < (int32_t)cam_scope_n_signals;
+    case cam_scope_field_edge:
+        return value == 0 || value == 1;
+    case cam_scope_field_level:
+        return true;
+    default: // a number of rows
+        return value >= 0;
+    }
+}
+
+cam_err_t cam_scope_set(cam_scope_t *s, uint32_t field, int32_t value)
+{
+#define FIELD_IS_SET(name, is_set, what) is_set,
+    static const bool may_set[cam_scope_n_fields] = {CAM_SCOPE_FIELDS(FIELD_IS_SET)};
+    uint32_t *const numbers[cam_scope_n_fields] = {
+        [cam_scope_field_signals] = &s->set.signals,
+        [cam_scope_field_every] = &s->set.every,
+        [cam_scope_field_rows] = &s->set.rows,
+        [cam_scope_field_before] = &s->set.before,
+        [cam_scope_field_watched] = &s->set.trigger.signal,
+    };
+    if (field >= cam_scope_n_fields || !may_set[field] || field == cam_scope_field_place_nm) {
         return cam_err_scope_field;
     }
+    if (!is_good(field, value)) {
+        return cam_err_scope_range;
+    }
+    if (numbers[field] != NULL) {
+        *numbers[field] = (uint32_t)value;
+    } else if (field == cam_scope_field_from_state) {
+        s->set.from_state = value;
+    } else if (field == cam_scope_field_trigger) {
+        s->set.trigger.kind = (cam_trigger_kind_t)value;
+    } else if (field == cam_scope_field_level) {
+        s->set.trigger.level = value;
+    } else {
+        s->set.trigger.falls = value != 0;
+    }
+    return cam_ok;
+}
+
+/// What is set of signals, unless a recording is there that is read with its own.
+static const cam_scope_plan_t *told(const cam_scope_t *s)
+{
+    const bool is_own = s->use == cam_scope_user || s->phase == cam_scope_done;
+    return s->phase != cam_scope_idle && is_own ? &s->plan : &s->set;
 }
 
 cam_err_t cam_scope_get(const cam_scope_t *s, uint32_t field, int32_t *value)
 {
-    const bool is_there = s->phase != cam_scope_idle;
     const int32_t values[cam_scope_n_fields] = {
-        [cam_scope_field_signals] = (int32_t)(is_there ? s->taken : s->signals),
-        [cam_scope_field_every] = (int32_t)(is_there ? s->step : s->every),
-        [cam_scope_field_rows] = (int32_t)s->rows,
-        [cam_scope_field_from_state] = s->from_state,
+        [cam_scope_field_signals] = (int32_t)told(s)->signals,
+        [cam_scope_field_every] = (int32_t)told(s)->every,
+        [cam_scope_field_rows] = (int32_t)s->set.rows,
+        [cam_scope_field_from_state] = s->set.from_state,
         [cam_scope_field_phase] = (int32_t)s->phase,
         [cam_scope_field_end] = (int32_t)s->end,
         [cam_scope_field_n_rows] = (int32_t)s->n_rows,
@@ -81,43 +110,87 @@ cam_err_t cam_scope_get(const cam_scope_t *s, uint32_t field, int32_t *value)
         [cam_scope_field_tick_hz] = (int32_t)s->tick_hz,
         [cam_scope_field_n_words] = (int32_t)s->n_words,
         [cam_scope_field_n_wave] = (int32_t)s->n_wave,
+        [cam_scope_field_before] = (int32_t)s->set.before,
+        [cam_scope_field_trigger] = (int32_t)s->set.trigger.kind,
+        [cam_scope_field_watched] = (int32_t)s->set.trigger.signal,
+        [cam_scope_field_level] = s->set.trigger.level,
+        [cam_scope_field_edge] = s->set.trigger.falls ? 1 : 0,
+        [cam_scope_field_use] = (int32_t)s->use,
+        [cam_scope_field_n_before] = (int32_t)s->n_before,
+        [cam_scope_field_trigger_tick] = (int32_t)s->trigger_tick,
+        [cam_scope_field_faults] = (int32_t)s->faults,
     };
     *value = field < cam_scope_n_fields ? values[field] : 0;
     return field < cam_scope_n_fields ? cam_ok : cam_err_scope_field;
 }
 
-// Recording
+// Begin and end
 
-static uint32_t count_bits(uint32_t bits)
+uint32_t cam_scope_count(uint32_t signals)
 {
     uint32_t n = 0;
-    for (uint32_t left = bits; left != 0u; left &= left - 1u) {
+    for (uint32_t left = signals; left != 0u; left &= left - 1u) {
         n++;
     }
     return n;
 }
 
-cam_err_t cam_scope_start(cam_scope_t *s, uint32_t tick)
+/// Number the signals of a row.
+static void set_order(cam_scope_t *s)
 {
-    const uint32_t n_signals = count_bits(s->signals);
-    const uint32_t room = s->n_words - s->n_wave;
-    const uint32_t fitting = n_signals > 0u ? room / n_signals : 0u;
-    if (fitting == 0u) {
+    s->n_signals = 0;
+    for (uint32_t i = 0; i < (uint32_t)cam_scope_n_signals; i++) {
+        if ((s->plan.signals >> i & 1u) != 0u) {
+            s->order[s->n_signals] = (uint8_t)i;
+            s->n_signals++;
+        }
+    }
+}
+
+/// Nothing is recorded: the next tick is the first one.
+static void forget(cam_scope_t *s)
+{
+    s->oldest = 0;
+    s->n_rows = 0;
+    s->n_before = 0;
+    s->to_row = 0;
+    s->last.is_there = false;
+}
+
+cam_err_t cam_scope_begin(cam_scope_t *s, const cam_scope_plan_t *plan, cam_scope_use_t use,
+                          uint32_t head, uint32_t tick)
+{
+    const uint32_t taken = s->n_wave + head;
+    const uint32_t room = taken < s->n_words ? s->n_words - taken : 0u;
+    const uint32_t fitting = room / cam_scope_count(plan->signals);
+    const uint32_t most = plan->rows != 0u && plan->rows < fitting ? plan->rows : fitting;
+    if (most == 0u) {
         return cam_err_scope_memory;
     }
-    s->taken = s->signals;
-    s->step = s->every;
-    s->in_state = s->from_state;
-    s->n_signals = n_signals;
-    s->most_rows = s->rows != 0u && s->rows < fitting ? s->rows : fitting;
-    s->n_rows = 0;
+    if (plan->before >= most) {
+        return cam_err_scope_before;
+    }
+    s->plan = *plan;
+    s->use = use;
+    s->at = taken;
+    s->most_rows = most;
     s->n_lost = 0;
-    s->not_before = tick;
+    s->start_tick = tick;
     s->first_tick = tick;
+    s->last_tick = tick;
+    s->trigger_tick = tick;
+    s->faults = 0;
     s->number++;
     s->end = cam_scope_open;
     s->phase = cam_scope_armed;
+    set_order(s);
+    forget(s);
     return cam_ok;
+}
+
+cam_err_t cam_scope_start(cam_scope_t *s, uint32_t tick)
+{
+    return cam_scope_begin(s, &s->set, cam_scope_user, 0, tick);
 }
 
 static void end_by(cam_scope_t *s, cam_scope_end_t end)
@@ -128,6 +201,10 @@ static void end_by(cam_scope_t *s, cam_scope_end_t end)
 
 void cam_scope_stop(cam_scope_t *s)
 {
+    if (s->phase == cam_scope_armed) { // no trigger came: all rows are of before it
+        s->n_before = s->n_rows;
+        s->trigger_tick = s->last_tick;
+    }
     if (cam_scope_is_on(s)) {
         end_by(s, cam_scope_stopped);
     }
@@ -136,10 +213,13 @@ void cam_scope_stop(cam_scope_t *s)
 void cam_scope_reserve(cam_scope_t *s, uint32_t n_wave)
 {
     s->phase = cam_scope_idle;
+    s->use = cam_scope_nobody;
     s->end = cam_scope_open;
     s->n_rows = 0;
     s->n_wave = n_wave;
 }
+
+// Recording
 
 static int32_t value_of(const cam_tick_record_t *r, uint32_t signal)
 {
@@ -154,52 +234,106 @@ static int32_t value_of(const cam_tick_record_t *r, uint32_t signal)
     }
 }
 
+/// @return the value that the trigger watches
+static int32_t watched(const cam_scope_t *s, const cam_tick_record_t *r)
+{
+    switch (s->plan.trigger.kind) {
+    case cam_trigger_time:
+        return (int32_t)(r->tick - s->start_tick);
+    case cam_trigger_angle:
+        return value_of(r, cam_scope_angle_q32);
+    case cam_trigger_state:
+        return (int32_t)r->want.state;
+    case cam_trigger_fault:
+        return (int32_t)r->want.faults;
+    default:
+        return value_of(r, s->plan.trigger.signal);
+    }
+}
+
+/// From this tick on the rows are those behind the trigger.
+static void look_for_trigger(cam_scope_t *s, const cam_tick_record_t *r)
+{
+    const int32_t now = watched(s, r);
+    if (s->phase == cam_scope_armed && cam_trigger_fires(&s->plan.trigger, s->last, now)) {
+        s->phase = cam_scope_recording;
+        s->trigger_tick = r->tick;
+        s->faults = r->want.faults;
+        s->n_before = s->n_rows;
+        s->to_row = s->n_rows > 0u ? s->to_row : 0u; // the first row is that of the trigger
+    }
+    s->last = (cam_trigger_last_t){.is_there = true, .value = now};
+    s->last_tick = r->tick;
+}
+
+/// Give the place of the oldest row away.
+static void drop_oldest(cam_scope_t *s)
+{
+    s->oldest = s->oldest + 1u < s->most_rows ? s->oldest + 1u : 0u;
+    s->first_tick += s->plan.every;
+    s->n_rows--;
+}
+
 static void keep_row(cam_scope_t *s, const cam_tick_record_t *r)
 {
-    int32_t *word = &s->words[s->n_wave + s->n_rows * s->n_signals];
-    for (uint32_t i = 0; i < (uint32_t)cam_scope_n_signals; i++) {
-        if ((s->taken >> i & 1u) != 0u) {
-            *word = value_of(r, i);
-            word++;
-        }
+    if (s->phase == cam_scope_armed && s->n_rows == s->plan.before) {
+        drop_oldest(s);
     }
+    const uint32_t place = s->oldest + s->n_rows;
+    const uint32_t row = place < s->most_rows ? place : place - s->most_rows;
+    int32_t *words = &s->words[s->at + row * s->n_signals];
+    for (uint32_t i = 0; i < s->n_signals; i++) {
+        words[i] = value_of(r, s->order[i]);
+    }
+    s->first_tick = s->n_rows == 0u ? r->tick : s->first_tick;
     s->n_rows++;
-    if (s->n_rows == s->most_rows) {
+    if (s->n_rows - s->n_before == s->most_rows - s->plan.before &&
+        s->phase == cam_scope_recording) {
         end_by(s, cam_scope_full);
     }
 }
 
-/// The first tick of a recording, or the next one of it.
-static void take_in_state(cam_scope_t *s, const cam_tick_record_t *r)
+/// Ticks without a place are counted as well, so that rows are equally far apart.
+static void count_row(cam_scope_t *s, const cam_tick_record_t *r)
 {
-    if (s->phase == cam_scope_armed) {
-        s->phase = cam_scope_recording;
-        s->first_tick = r->tick;
-    } else if (r->tick - s->last_tick != 1u) {
-        s->n_lost = r->tick - s->last_tick - 1u;
-        end_by(s, cam_scope_gap);
+    if (s->to_row > 0u) {
+        s->to_row--;
         return;
-    } else {
-        // the tick behind the last one
     }
-    s->last_tick = r->tick;
-    if ((r->tick - s->first_tick) % s->step == 0u) {
+    s->to_row = s->plan.every - 1u;
+    if (s->phase == cam_scope_recording || s->plan.before > 0u) {
         keep_row(s, r);
     }
 }
 
+/// A record of a state that counts.
+static void take_in_state(cam_scope_t *s, const cam_tick_record_t *r)
+{
+    const bool is_behind = !s->last.is_there || r->tick - s->last_tick == 1u;
+    if (!is_behind && s->phase == cam_scope_recording) {
+        s->n_lost = r->tick - s->last_tick - 1u;
+        end_by(s, cam_scope_gap);
+        return;
+    }
+    if (!is_behind) {
+        forget(s);
+    }
+    look_for_trigger(s, r);
+    count_row(s, r);
+}
+
 void cam_scope_take(cam_scope_t *s, const cam_tick_record_t *r)
 {
-    const bool is_old = (int32_t)(r->tick - s->not_before) < 0;
+    const bool is_old = (int32_t)(r->tick - s->start_tick) < 0;
     if (!cam_scope_is_on(s) || is_old) {
         return;
     }
-    if (s->in_state < 0 || (int32_t)r->want.state == s->in_state) {
+    if (s->plan.from_state < 0 || (int32_t)r->want.state == s->plan.from_state) {
         take_in_state(s, r);
     } else if (s->phase == cam_scope_recording) {
         end_by(s, cam_scope_state_left);
     } else {
-        // still waiting for the state
+        forget(s);
     }
 }
 
@@ -212,4 +346,14 @@ void cam_scope_poll(cam_scope_t *s, cam_trace_t *trace)
         }
         cam_scope_take(s, &record);
     }
+}
+
+cam_scope_span_t cam_scope_span(const cam_scope_t *s, uint32_t offset, uint32_t n)
+{
+    const uint32_t row_bytes = s->n_signals * (uint32_t)word_bytes;
+    const uint32_t ring = s->most_rows * row_bytes;
+    const uint32_t place = s->oldest * row_bytes + offset;
+    const uint32_t from = place < ring ? place : place - ring;
+    const uint8_t *bytes = (const uint8_t *)&s->words[s->at];
+    return (cam_scope_span_t){.bytes = &bytes[from], .n = n < ring - from ? n : ring - from};
 }

@@ -1,27 +1,32 @@
 // SPDX-License-Identifier: Apache-2.0
 /// cam_scope: recorder of chosen signals at tick rate, in the memory that the port gives.
 ///
-///     set signals, every, rows -> start -> (from_state) -> recording -> done -> read the words
+///     set signals, every, rows, trigger -> start -> armed -> recording -> done -> read the rows
 ///
 /// The slow side takes the records of the trace ring (cam_trace.h), so that the interrupt pays
 /// nothing. It is the only reader of the ring: whoever wants the records as well takes them
 /// himself and hands them on by cam_scope_take(). A row holds the chosen signals of one tick as
-/// int32, in the order of the list; rows are `every` ticks apart. A recording ends when the rows
-/// that were asked for are there, when the memory is full, when the state that it waited for is
-/// left, by a stop, or at a gap: then the main loop came more than cam_trace_capacity ticks late, a
-/// record was lost, and what is there is without gaps but not whole.
+/// int32, in the order of the list; rows are `every` ticks apart.
 ///
-/// Triggers are conditions of take(): `from_state` is the only one so far. Works in all states.
-/// Context: slow side.
+/// Armed, the recorder looks at every tick for the trigger (cam_trigger.h) and keeps the last
+/// `before` rows in a ring. A trigger that comes sooner finds fewer; `n_before` tells how many.
+/// From its tick on the rows follow that then have room: `rows` less `before`. A recording ends
+/// when they are there, when the state that it waited for is left, by a stop, or at a gap: then the
+/// main loop came more than cam_trace_capacity ticks late, a record was lost, and what is there is
+/// without gaps but not whole. A gap before the trigger empties the ring, and it begins anew.
+///
+/// The same memory holds the black box (cam_box.h), which is a recording of the controller's own.
+/// Works in all states. Context: slow side.
 #ifndef CAM_SCOPE_H
 #define CAM_SCOPE_H
 
-#include "cam_err.h"    // CAM_MUST_USE
-#include "cam_record.h" // cam_tick_record_t
-#include "cam_trace.h"  // cam_trace_t
-#include "hal/hal.h"    // hal_memory_t
-#include <stdbool.h>    // bool
-#include <stdint.h>     // int32_t, uint32_t
+#include "cam_err.h"     // CAM_MUST_USE
+#include "cam_record.h"  // cam_tick_record_t
+#include "cam_trace.h"   // cam_trace_t
+#include "cam_trigger.h" // cam_trigger_t
+#include "hal/hal.h"     // hal_memory_t
+#include <stdbool.h>     // bool
+#include <stdint.h>      // int32_t, uint8_t, uint32_t
 
 // clang-format off
 /// Signals: X(name, value of the record r, what). The name ends in the unit, the value is an int32
@@ -73,7 +78,16 @@
     X(n_wave,     false, "words at its begin that hold a wave") \
     X(excited,    false, "cam_excited_t: what came of the last excitation") \
     X(place_nm,   true,  "place of U about which a wave is played") \
-    X(n_fall,     false, "ticks at the end of an excitation in which its gain falls")
+    X(n_fall,     false, "ticks at the end of an excitation in which its gain falls") \
+    X(before,     true,  "rows that are wanted before the trigger, fewer than rows") \
+    X(trigger,    true,  "cam_trigger_kind_t") \
+    X(watched,    true,  "signal that the trigger level watches") \
+    X(level,      true,  "cam_trigger_t") \
+    X(edge,       true,  "0: rising, 1: falling") \
+    X(use,        false, "cam_scope_use_t: whose recording it is") \
+    X(n_before,   false, "rows that are there of before the trigger") \
+    X(trigger_tick, false, "tick in which the trigger fired") \
+    X(faults,     false, "faults that were latched in that tick, a bit each")
 // clang-format on
 
 /// Number of a signal.
@@ -97,7 +111,7 @@ typedef enum {
 /// What the recorder does.
 typedef enum {
     cam_scope_idle,
-    cam_scope_armed, ///< waits for the state
+    cam_scope_armed, ///< waits for the state or the trigger
     cam_scope_recording,
     cam_scope_done,
 } cam_scope_phase_t;
@@ -111,30 +125,57 @@ typedef enum {
     cam_scope_gap,        ///< a record was lost
 } cam_scope_end_t;
 
+/// Whose recording it is.
+typedef enum {
+    cam_scope_nobody,
+    cam_scope_user, ///< asked for by command, an excitation's included
+    cam_scope_box,  ///< the black box
+} cam_scope_use_t;
+
+/// What a recording is to be.
+typedef struct {
+    uint32_t signals;   ///< bit i is signal i
+    uint32_t every;     ///< [ticks] from row to row
+    uint32_t rows;      ///< that are wanted; 0: as many as fit
+    uint32_t before;    ///< [rows] of them before the trigger
+    int32_t from_state; ///< cam_state_t, outside of which nothing counts, or -1
+    cam_trigger_t trigger;
+} cam_scope_plan_t;
+
 /// State; made by cam_scope_init().
 typedef struct {
-    int32_t *words;      ///< of the whole memory
-    uint32_t n_words;    ///< [words]
-    uint32_t n_wave;     ///< [words] at the begin that the rows leave alone
-    uint32_t tick_hz;    ///< [Hz]
-    uint32_t signals;    ///< set: bit i is signal i
-    uint32_t every;      ///< set [ticks]
-    uint32_t rows;       ///< set; 0: as many as fit
-    int32_t from_state;  ///< set: cam_state_t, or -1
-    uint32_t taken;      ///< signals of this recording
-    uint32_t step;       ///< [ticks] of this recording
-    int32_t in_state;    ///< of this recording
-    uint32_t most_rows;  ///< of this recording
-    uint32_t n_signals;  ///< [words] of a row
-    uint32_t n_rows;     ///< that are there
-    uint32_t not_before; ///< [ticks] records of before the start are passed over
-    uint32_t first_tick; ///< of the first row
-    uint32_t last_tick;  ///< taken last
-    uint32_t n_lost;     ///< [records]
-    uint32_t number;     ///< recordings begun
+    int32_t *words;        ///< of the whole memory
+    uint32_t n_words;      ///< [words]
+    uint32_t n_wave;       ///< [words] at the begin that the rows leave alone
+    uint32_t tick_hz;      ///< [Hz]
+    cam_scope_plan_t set;  ///< of the recordings to come
+    cam_scope_plan_t plan; ///< of this recording
+    cam_scope_use_t use;
     cam_scope_phase_t phase;
     cam_scope_end_t end;
+    uint32_t at;                        ///< [words] begin of the ring of rows
+    uint32_t most_rows;                 ///< of the ring
+    uint32_t n_signals;                 ///< [words] of a row
+    uint8_t order[cam_scope_n_signals]; ///< the signals of a row
+    uint32_t oldest;                    ///< place of the first row in the ring
+    uint32_t n_rows;                    ///< that are there
+    uint32_t n_before;                  ///< of them before the trigger
+    uint32_t to_row;                    ///< [ticks] to the next row
+    uint32_t start_tick;                ///< records of before it are passed over
+    uint32_t first_tick;                ///< of the first row
+    uint32_t last_tick;                 ///< taken last, where there is a last value
+    uint32_t trigger_tick;              ///< in which the trigger fired
+    uint32_t faults;                    ///< latched in that tick
+    cam_trigger_last_t last;            ///< value that the trigger watches
+    uint32_t n_lost;                    ///< [records]
+    uint32_t number;                    ///< recordings begun
 } cam_scope_t;
+
+/// Bytes of a recording that lie behind one another.
+typedef struct {
+    const uint8_t *bytes;
+    uint32_t n;
+} cam_scope_span_t;
 
 /// Begin without a recording; set are set-point, command and measured U, every tick.
 void cam_scope_init(cam_scope_t *s, hal_memory_t memory, uint32_t tick_hz);
@@ -149,10 +190,18 @@ CAM_MUST_USE cam_err_t cam_scope_set(cam_scope_t *s, uint32_t field, int32_t val
 /// @return cam_ok, cam_err_scope_field
 CAM_MUST_USE cam_err_t cam_scope_get(const cam_scope_t *s, uint32_t field, int32_t *value);
 
-/// Begin a recording; what was recorded before is lost.
+/// Begin the recording that the fields ask for; what was recorded before is lost.
 /// @param tick  newest tick, from which on it is recorded
-/// @return      cam_ok, cam_err_scope_memory (not even one row fits)
+/// @return      cam_ok, cam_err_scope_memory (not even one row fits), cam_err_scope_before (no row
+///              is left behind the trigger)
 CAM_MUST_USE cam_err_t cam_scope_start(cam_scope_t *s, uint32_t tick);
+
+/// Begin any recording.
+/// @param use   whose it is
+/// @param head  [words] that the rows leave free in front of them
+/// @return      as cam_scope_start()
+CAM_MUST_USE cam_err_t cam_scope_begin(cam_scope_t *s, const cam_scope_plan_t *plan,
+                                       cam_scope_use_t use, uint32_t head, uint32_t tick);
 
 /// End the recording, if there is one.
 void cam_scope_stop(cam_scope_t *s);
@@ -173,17 +222,27 @@ static inline bool cam_scope_is_on(const cam_scope_t *s)
     return s->phase == cam_scope_armed || s->phase == cam_scope_recording;
 }
 
+/// @return signals of a set
+uint32_t cam_scope_count(uint32_t signals);
+
 /// @return words of the rows that are there, row by row
 static inline uint32_t cam_scope_n_recorded(const cam_scope_t *s)
 {
     return s->n_rows * s->n_signals;
 }
 
-/// @return first word of the recording
+/// @return first word of the ring of rows. A recording that began at once has its rows there in
+///         order; one with rows before a trigger is to be read by cam_scope_span().
 static inline const int32_t *cam_scope_recorded(const cam_scope_t *s)
 {
-    return &s->words[s->n_wave];
+    return &s->words[s->at];
 }
+
+/// Words lie in memory as they are sent, the lowest byte first.
+/// @param offset  [bytes] in the recording, below its end
+/// @param n       [bytes] that are wanted, not beyond its end
+/// @return        the bytes from there on, as many of n as lie behind one another
+cam_scope_span_t cam_scope_span(const cam_scope_t *s, uint32_t offset, uint32_t n);
 
 /// @return name of a signal with its unit as the last word, static; "?" for a foreign number
 const char *cam_scope_signal_name(uint32_t signal);

@@ -276,7 +276,9 @@ static void go_on_reading(cam_can_t *r, uint32_t tick)
             .err = is_lost ? cam_err_scope_range : cam_ok,
             .value = is_lost ? 0 : (int32_t)cam_reading_crc(&r->reading, scope),
         };
-        cam_can_answer(r, CAMTURN_ANSWER_COMMAND_READ_SCOPE_CHOICE, r->reading.parameter, outcome);
+        const uint8_t command = r->reading.is_fd ? CAMTURN_ANSWER_COMMAND_READ_SCOPE_FD_CHOICE
+                                                 : CAMTURN_ANSWER_COMMAND_READ_SCOPE_CHOICE;
+        cam_can_answer(r, command, r->reading.parameter, outcome);
     }
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_can_inner.h"
 #include "cam_machine_identify.h" // cam_machine_excite
+#include "cam_machine_scope.h"    // cam_machine_scope_start
 #include "cam_reading.h"          // cam_reading_begin
 
 static cam_outcome_t excite(cam_can_t *r, const struct camturn_command_t *m)
@@ -39,8 +40,10 @@ static cam_outcome_t carry_out(cam_can_t *r, const struct camturn_command_t *m)
     case CAMTURN_COMMAND_COMMAND_START_SCOPE_CHOICE:
         return cam_outcome(cam_machine_scope_start(machine));
     case CAMTURN_COMMAND_COMMAND_STOP_SCOPE_CHOICE:
-        cam_scope_stop(&machine->scope);
+        cam_machine_scope_stop(machine);
         return cam_outcome(cam_ok);
+    case CAMTURN_COMMAND_COMMAND_RELEASE_SCOPE_CHOICE:
+        return cam_outcome(cam_machine_release(machine));
     case CAMTURN_COMMAND_COMMAND_BEGIN_WAVE_CHOICE:
         return cam_can_begin_download(r, m->size, true);
     case CAMTURN_COMMAND_COMMAND_END_WAVE_CHOICE:
@@ -63,9 +66,14 @@ static cam_outcome_t carry_out(cam_can_t *r, const struct camturn_command_t *m)
 static void read_scope(cam_can_t *r, const struct camturn_command_t *m)
 {
     const uint32_t tick = cam_machine_status(r->machine).tick;
+    const bool is_fd = m->command == CAMTURN_COMMAND_COMMAND_READ_SCOPE_FD_CHOICE;
+    const uint32_t count = m->count;
+    const uint32_t most = (uint32_t)cam_reading_fd_most;
+    const uint32_t grains = count < most ? count : most;
+    const uint32_t n_words = is_fd ? grains * (uint32_t)cam_reading_fd_grain : count;
     r->reading.parameter = m->parameter;
     const cam_err_t err =
-        cam_reading_begin(&r->reading, &r->machine->scope, m->offset, m->count, tick);
+        cam_reading_begin(&r->reading, &r->machine->scope, m->offset, n_words, is_fd, tick);
     if (err != cam_ok) {
         cam_can_answer(r, m->command, m->parameter, cam_outcome(err));
     }
@@ -73,7 +81,8 @@ static void read_scope(cam_can_t *r, const struct camturn_command_t *m)
 
 bool cam_can_scope(cam_can_t *r, const struct camturn_command_t *m)
 {
-    if (m->command == CAMTURN_COMMAND_COMMAND_READ_SCOPE_CHOICE) {
+    if (m->command == CAMTURN_COMMAND_COMMAND_READ_SCOPE_CHOICE ||
+        m->command == CAMTURN_COMMAND_COMMAND_READ_SCOPE_FD_CHOICE) {
         read_scope(r, m);
         return true;
     }

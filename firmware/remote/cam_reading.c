@@ -6,25 +6,27 @@
 #include <string.h>    // memcpy
 
 /// Bytes of a message behind its number; messages of one poll at most, after a bus that was full.
-enum { part_bytes = 7, most_per_poll = 8 };
+enum { part_bytes = 7, fd_part_bytes = 63, most_per_poll = 8 };
 
-/// @return first byte of the piece. Words lie in memory as they are sent, the lowest byte first.
-static const uint8_t *piece(const cam_reading_t *r, const cam_scope_t *scope)
+static uint32_t part_of(const cam_reading_t *r)
 {
-    const uint8_t *bytes = (const uint8_t *)cam_scope_recorded(scope);
-    return &bytes[r->from];
+    return r->is_fd ? (uint32_t)fd_part_bytes : (uint32_t)part_bytes;
 }
 
 cam_err_t cam_reading_begin(cam_reading_t *r, const cam_scope_t *scope, uint32_t offset,
-                            uint32_t n_words, uint32_t tick)
+                            uint32_t n_words, bool is_fd, uint32_t tick)
 {
     const uint32_t n_there = cam_scope_n_recorded(scope);
+    if (cam_scope_is_on(scope)) {
+        return cam_err_scope_on;
+    }
     if (offset >= n_there || n_words == 0u) {
         return cam_err_scope_range;
     }
     const uint32_t n = n_words < n_there - offset ? n_words : n_there - offset;
     *r = (cam_reading_t){
         .is_on = true,
+        .is_fd = is_fd,
         .parameter = r->parameter,
         .number = scope->number,
         .from = offset * (uint32_t)sizeof(int32_t),
@@ -34,14 +36,29 @@ cam_err_t cam_reading_begin(cam_reading_t *r, const cam_scope_t *scope, uint32_t
     return cam_ok;
 }
 
+/// Copy bytes of the piece, which may lie on both sides of the end of the recorder's ring.
+static void copy(const cam_reading_t *r, const cam_scope_t *scope, uint32_t at, uint8_t *to,
+                 uint32_t n)
+{
+    const cam_scope_span_t head = cam_scope_span(scope, r->from + at, n);
+    (void)memcpy(to, head.bytes, head.n);
+    if (head.n < n) {
+        const cam_scope_span_t tail = cam_scope_span(scope, r->from + at + head.n, n - head.n);
+        (void)memcpy(&to[head.n], tail.bytes, tail.n);
+    }
+}
+
 /// Queue the next message. @return false without room
 static bool send_part(cam_reading_t *r, const cam_scope_t *scope)
 {
-    const uint32_t at = r->n_sent * part_bytes;
+    const uint32_t at = r->n_sent * part_of(r);
     const uint32_t left = r->n_bytes - at;
-    hal_can_frame_t frame = {.id = CAMTURN_RECORDING_FRAME_ID, .n = CAMTURN_RECORDING_LENGTH};
+    hal_can_frame_t frame = {
+        .id = r->is_fd ? CAMTURN_RECORDING_FD_FRAME_ID : CAMTURN_RECORDING_FRAME_ID,
+        .n = r->is_fd ? CAMTURN_RECORDING_FD_LENGTH : CAMTURN_RECORDING_LENGTH,
+    };
     frame.data[0] = (uint8_t)r->n_sent;
-    (void)memcpy(&frame.data[1], &piece(r, scope)[at], left < part_bytes ? left : part_bytes);
+    copy(r, scope, at, &frame.data[1], left < part_of(r) ? left : part_of(r));
     if (!hal_can_write(&frame)) {
         return false;
     }
@@ -58,8 +75,9 @@ cam_reading_event_t cam_reading_poll(cam_reading_t *r, const cam_scope_t *scope,
         r->is_on = false;
         return cam_reading_lost;
     }
-    const uint32_t n_parts = (r->n_bytes + part_bytes - 1u) / part_bytes;
-    const uint64_t elapsed = (uint64_t)(tick - r->begin_tick) * cam_reading_hz;
+    const uint32_t n_parts = (r->n_bytes + part_of(r) - 1u) / part_of(r);
+    const uint32_t rate_hz = r->is_fd ? (uint32_t)cam_reading_fd_hz : (uint32_t)cam_reading_hz;
+    const uint64_t elapsed = (uint64_t)(tick - r->begin_tick) * rate_hz;
     const uint64_t due = elapsed / scope->tick_hz + 1u;
     bool has_room = true;
     for (int i = 0; i < most_per_poll && has_room && r->n_sent < n_parts && r->n_sent < due; i++) {
@@ -71,5 +89,11 @@ cam_reading_event_t cam_reading_poll(cam_reading_t *r, const cam_scope_t *scope,
 
 uint32_t cam_reading_crc(const cam_reading_t *r, const cam_scope_t *scope)
 {
-    return cam_crc32(0, piece(r, scope), r->n_bytes);
+    const cam_scope_span_t head = cam_scope_span(scope, r->from, r->n_bytes);
+    const uint32_t crc = cam_crc32(0, head.bytes, head.n);
+    if (head.n == r->n_bytes) {
+        return crc;
+    }
+    const cam_scope_span_t tail = cam_scope_span(scope, r->from + head.n, r->n_bytes - head.n);
+    return cam_crc32(crc, tail.bytes, tail.n);
 }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /// cam_reading: sends a piece of the recording (cam_scope.h) in numbered messages.
 ///
-/// A piece is at most 255 words: 146 messages of 7 bytes. They are sent at cam_reading_hz at most,
+/// A piece is at most 255 words: 146 messages of 7 bytes; over CAN FD at most 4032 words: 256
+/// messages of 63 bytes. They are sent at cam_reading_hz or cam_reading_fd_hz at most,
 /// so that the status finds room between them, and go on where the transmit queue was full. Nothing
 /// is remembered between pieces: a reader asks for any piece, again if it came damaged, and
 /// whichever reader may go on where another one ended. Context: slow side, main() only.
@@ -13,12 +14,17 @@
 #include <stdbool.h>   // bool
 #include <stdint.h>    // uint8_t, uint32_t
 
-/// [Hz] messages of a piece: 60 per cent of a bus of 500 kbit/s with the status.
-enum { cam_reading_hz = 2500 };
+/// [Hz] messages of a piece: 60 per cent of a bus of 500 kbit/s with the status, FD messages with
+/// data at 2 Mbit/s likewise.
+enum { cam_reading_hz = 2500, cam_reading_fd_hz = 1600 };
+
+/// [words] an FD piece is a multiple of, and at most so many of them.
+enum { cam_reading_fd_grain = 16, cam_reading_fd_most = 252 };
 
 /// State; zero-initialised sends nothing.
 typedef struct {
     bool is_on;
+    bool is_fd;          ///< messages of 64 bytes
     uint8_t parameter;   ///< of the command, to be echoed
     uint32_t number;     ///< of the recording: another one ends the piece
     uint32_t from;       ///< [bytes] begin of the piece in the recording
@@ -32,10 +38,13 @@ typedef enum { cam_reading_nothing, cam_reading_complete, cam_reading_lost } cam
 
 /// Begin a piece.
 /// @param offset   [words] in the recording
-/// @param n_words  that are wanted; fewer where the recording ends
-/// @return         cam_ok; cam_err_scope_range: there is no such word
+/// @param n_words  that are wanted, as many as a piece has; fewer where the recording ends
+/// @param is_fd    in messages of CAN FD
+/// @return         cam_ok; cam_err_scope_range: there is no such word; cam_err_scope_on: the
+///                 recording has not ended
 CAM_MUST_USE cam_err_t cam_reading_begin(cam_reading_t *r, const cam_scope_t *scope,
-                                         uint32_t offset, uint32_t n_words, uint32_t tick);
+                                         uint32_t offset, uint32_t n_words, bool is_fd,
+                                         uint32_t tick);
 
 /// Send what is due and finds room.
 /// @return complete: the last message was queued; lost: another recording has begun meanwhile

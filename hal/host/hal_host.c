@@ -49,7 +49,14 @@ bool hal_measures_u(void)
 hal_memory_t hal_scope_memory(void)
 {
     static int32_t words[hal_host_scope_words];
-    return (hal_memory_t){.words = words, .n_words = hal_host_scope_words};
+    return (hal_memory_t){
+        .words = words, .n_words = hal_host_scope_words, .n_kept = hal_host.slow.n_kept};
+}
+
+void hal_scope_keep(const int32_t *words, uint32_t n)
+{
+    (void)words; // where they are the next start finds them, too
+    hal_host.slow.n_kept = n;
 }
 
 void hal_tick_start(void) {}

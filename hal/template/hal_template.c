@@ -47,6 +47,14 @@ hal_memory_t hal_scope_memory(void)
     return (hal_memory_t){.words = NULL, .n_words = 0};
 }
 
+/// Keep words of that memory where a restart does not reach them, and return them with n_kept from
+/// then on, or do nothing. Seldom called, behind a fault.
+void hal_scope_keep(const int32_t *words, uint32_t n)
+{
+    (void)words;
+    (void)n;
+}
+
 /// Return the rate of the free-running counter that hal_clock_isr() reads.
 uint32_t hal_clock_hz(void)
 {

@@ -226,7 +226,7 @@ static void write_record(sim_out_t *out, const sim_cut_t *cut)
     const cam_scope_t *s = &cut->firmware.machine.scope;
     sim_out_text(out, "tick,t_s");
     for (uint32_t i = 0; i < cam_scope_n_signals; i++) {
-        if ((s->taken >> i & 1u) != 0u) {
+        if ((s->plan.signals >> i & 1u) != 0u) {
             sim_out_char(out, ',');
             sim_out_text(out, cam_scope_signal_name(i));
         }

@@ -59,6 +59,7 @@ typedef struct {
         bool has_no_swing;  ///< the machine has no axis for the swing
         bool has_edge_time; ///< `in.encoder.edge_clock` is kept up to date
         bool measures_u;    ///< `in.axis_nm[hal_axis_u]` is a measurement
+        uint32_t n_kept;    ///< [words] of hal_scope_keep(), which a start finds again
     } slow;
     uint32_t tick_hz;     ///< [Hz] set before hal_init(), 20 000 when 0
     uint32_t clock;       ///< [1 / hal_host_clock_hz] virtual time stamp, wraps

@@ -73,6 +73,8 @@ typedef struct {
 typedef struct {
     int32_t *words;   ///< aligned to 4 bytes; its content is anything at the start
     uint32_t n_words; ///< [words] that may be read and written; 0: there is none
+    uint32_t
+        n_kept; ///< [words] at its begin that hal_scope_keep() kept beyond the restart; 0: none
 } hal_memory_t;
 
 /// Why the processor started. When several reasons apply, the later one in this list counts.
@@ -145,6 +147,13 @@ bool hal_measures_u(void);
 /// @return the memory for the recorder and the excitation, constant after hal_init(). The firmware
 /// runs without it, but records nothing and excites nothing. Simulator: 1 MiB.
 hal_memory_t hal_scope_memory(void);
+
+/// Keep words of that memory beyond a restart, in place of those that were kept before. A port that
+/// has no room for them does nothing. Simulator: they stay where they are.
+/// @param words  in hal_scope_memory()
+/// @param n      [words] 0: forget what was kept
+/// Context: main(), seldom: behind a fault. May block as long as hal_table_write().
+void hal_scope_keep(const int32_t *words, uint32_t n);
 
 /// @return [Hz] rate of hal_clock_isr(), at least ten times hal_tick_hz(); constant
 uint32_t hal_clock_hz(void);

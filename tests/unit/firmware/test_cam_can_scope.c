@@ -20,7 +20,9 @@ enum {
     set_learned,
 };
 
-enum { n_rows = 300, most_bytes = 256 * 7 };
+enum { read_scope_fd = 57, release_scope };
+
+enum { n_rows = 300, most_bytes = 256 * 63 };
 
 static fixture_can_t f;
 static uint8_t piece[most_bytes];
@@ -56,7 +58,13 @@ static void look(void)
             TEST_ASSERT_EQUAL_UINT8(n_piece / 7u, frame->data[0]);
             memcpy(piece + n_piece, &frame->data[1], 7);
             n_piece += 7u;
-        } else if (frame->id == 0x5C0u && frame->data[0] == read_scope) {
+        } else if (frame->id == 0x340u) {
+            TEST_ASSERT_EQUAL_UINT8(n_piece / 63u, frame->data[0]);
+            TEST_ASSERT_EQUAL_UINT32(64, frame->n);
+            memcpy(piece + n_piece, &frame->data[1], 63);
+            n_piece += 63u;
+        } else if (frame->id == 0x5C0u &&
+                   (frame->data[0] == read_scope || frame->data[0] == read_scope_fd)) {
             last = *frame;
         } else {
             // status
@@ -74,19 +82,24 @@ static void go_on(uint32_t ticks)
 }
 
 /// Ask for words of the recording and poll until the answer is there. @return polls
-static uint32_t ask_piece(uint32_t offset, uint32_t count)
+static uint32_t ask_by(uint8_t command, uint32_t offset, uint32_t count)
 {
     n_piece = 0;
     last = (hal_can_frame_t){0};
     look();
     n_piece = 0;
-    fixture_can_receive(0x640, 8, read_scope, 7, (int32_t)(offset | count << 24));
+    fixture_can_receive(0x640, 8, command, 7, (int32_t)(offset | count << 24));
     uint32_t n = 0;
     for (; n < 4000u && last.id == 0u; n++) {
         fixture_can_loop(&f, 1);
         look();
     }
     return n;
+}
+
+static uint32_t ask_piece(uint32_t offset, uint32_t count)
+{
+    return ask_by(read_scope, offset, count);
 }
 
 /// Record rows of tick and u_actual_nm.
@@ -102,15 +115,20 @@ static void record(void)
     look();
 }
 
-static void expect_piece(uint32_t offset, uint32_t n_words)
+static void expect_parts(uint32_t offset, uint32_t n_words, uint32_t part)
 {
     TEST_ASSERT_EQUAL_INT32(cam_ok, fixture_can_answer(&last).result);
     TEST_ASSERT_EQUAL_UINT32(7, fixture_can_answer(&last).index);
     const uint32_t n_bytes = n_words * 4u;
-    TEST_ASSERT_EQUAL_UINT32((n_bytes + 6u) / 7u * 7u, n_piece);
+    TEST_ASSERT_EQUAL_UINT32((n_bytes + part - 1u) / part * part, n_piece);
     TEST_ASSERT_EQUAL_MEMORY(&cam_scope_recorded(&f.rig.machine.scope)[offset], piece, n_bytes);
     TEST_ASSERT_EQUAL_HEX32(cam_crc32(0, piece, n_bytes),
                             (uint32_t)fixture_can_answer(&last).value);
+}
+
+static void expect_piece(uint32_t offset, uint32_t n_words)
+{
+    expect_parts(offset, n_words, 7);
 }
 
 static void test_pieces_are_the_words_of_the_recording(void)
@@ -123,6 +141,54 @@ static void test_pieces_are_the_words_of_the_recording(void)
     expect_piece(598, 2); // where it ends
     (void)ask_piece(5, 1);
     expect_piece(5, 1);
+}
+
+static void test_pieces_over_fd_are_the_same_words(void)
+{
+    record();
+    const uint32_t polls = ask_by(read_scope_fd, 0, 16);
+    expect_parts(0, 256, 63);
+    TEST_ASSERT_UINT32_WITHIN(30, 17u * 20000u / cam_reading_fd_hz, polls);
+    TEST_ASSERT_EQUAL_UINT32(read_scope_fd, fixture_can_answer(&last).command);
+    (void)ask_by(read_scope_fd, 3, 255);
+    expect_parts(3, 597, 63); // where it ends
+    expect(cam_err_scope_range, 0, read_scope_fd, 3, 600 | 1 << 24);
+}
+
+/// A ring that has wrapped is sent in the order of time, by both ways.
+static void test_pieces_of_a_ring_are_in_order(void)
+{
+    cam_scope_t *s = &f.rig.machine.scope;
+    expect(cam_ok, 1 << cam_scope_tick, set_scope, cam_scope_field_signals, 1 << cam_scope_tick);
+    expect(cam_ok, 900, set_scope, cam_scope_field_rows, 900);
+    expect(cam_ok, 700, set_scope, cam_scope_field_before, 700);
+    expect(cam_ok, cam_trigger_time, set_scope, cam_scope_field_trigger, cam_trigger_time);
+    expect(cam_ok, 1500, set_scope, cam_scope_field_level, 1500);
+    expect(cam_ok, 0, start_scope, 0, 0);
+    expect(cam_err_scope_on, 0, read_scope, 0, 1 << 24);
+    fixture_can_loop(&f, 1800);
+    TEST_ASSERT_EQUAL_INT(cam_scope_full, s->end);
+    TEST_ASSERT_GREATER_THAN_UINT32(0, s->oldest);
+    for (int way = 0; way < 2; way++) {
+        (void)ask_by(way == 0 ? read_scope : read_scope_fd, 0, 252);
+        TEST_ASSERT_EQUAL_INT32(cam_ok, fixture_can_answer(&last).result);
+        const uint32_t n_words = way == 0 ? 252 : 900;
+        for (uint32_t i = 0; i < n_words; i++) {
+            uint32_t tick = 0;
+            memcpy(&tick, &piece[4u * i], sizeof tick);
+            TEST_ASSERT_EQUAL_UINT32(s->first_tick + i, tick);
+        }
+        TEST_ASSERT_EQUAL_HEX32(cam_crc32(0, piece, n_words * 4u),
+                                (uint32_t)fixture_can_answer(&last).value);
+    }
+}
+
+static void test_release_gives_the_recording_up(void)
+{
+    record();
+    expect(cam_ok, 0, release_scope, 0, 0);
+    expect(cam_ok, cam_scope_idle, get_scope, cam_scope_field_phase, 0);
+    expect(cam_err_scope_range, 0, read_scope, 0, 1 << 24);
 }
 
 static void test_a_full_queue_delays_a_piece(void)
@@ -212,6 +278,9 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_pieces_are_the_words_of_the_recording);
+    RUN_TEST(test_pieces_over_fd_are_the_same_words);
+    RUN_TEST(test_pieces_of_a_ring_are_in_order);
+    RUN_TEST(test_release_gives_the_recording_up);
     RUN_TEST(test_a_full_queue_delays_a_piece);
     RUN_TEST(test_a_command_ends_a_piece_and_a_new_recording_too);
     RUN_TEST(test_words_that_are_not_there_are_refused);

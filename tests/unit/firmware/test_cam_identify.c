@@ -2,6 +2,7 @@
 // Excitation of U by the commands of the slow side, and every way out of it.
 #include "cam_fix.h"
 #include "cam_machine_identify.h"
+#include "cam_machine_scope.h"
 #include "cam_table.h"
 #include "fixture_rig.h"
 #include "hal_host.h"

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cam_machine_scope.h"
+#include "cam_box.h" // cam_box_begin
+
+void cam_machine_box(cam_machine_t *m)
+{
+    m->has_box = true;
+    m->is_box_kept = cam_box_restore(&m->scope, hal_scope_memory().n_kept);
+}
+
+cam_err_t cam_machine_scope_is_free(const cam_machine_t *m)
+{
+    if (cam_box_is_unread(&m->scope)) {
+        return cam_err_scope_unread;
+    }
+    const bool is_taken = m->scope.use == cam_scope_user && cam_scope_is_on(&m->scope);
+    return is_taken ? cam_err_scope_on : cam_ok;
+}
+
+cam_err_t cam_machine_scope_start(cam_machine_t *m)
+{
+    if (m->identify.phase != cam_identify_none) {
+        return cam_err_state;
+    }
+    if (m->params.trace_on == 0) {
+        return cam_err_scope_trace;
+    }
+    if (cam_box_is_unread(&m->scope)) {
+        return cam_err_scope_unread;
+    }
+    return cam_scope_start(&m->scope, cam_machine_status(m).tick);
+}
+
+void cam_machine_scope_stop(cam_machine_t *m)
+{
+    if (m->scope.use == cam_scope_user) {
+        cam_scope_stop(&m->scope);
+    }
+}
+
+/// Forget the wave as well, so that the box has all of the memory.
+static void give_up(cam_machine_t *m)
+{
+    m->identify.n = 0;
+    m->identify.is_open = false;
+    cam_scope_reserve(&m->scope, 0);
+}
+
+cam_err_t cam_machine_release(cam_machine_t *m)
+{
+    if (m->identify.phase != cam_identify_none) {
+        return cam_err_state;
+    }
+    if (cam_box_is_unread(&m->scope)) {
+        hal_scope_keep(m->scope.words, 0);
+    }
+    give_up(m);
+    return cam_ok;
+}
+
+cam_err_t cam_machine_scope_set(cam_machine_t *m, uint32_t field, int32_t value)
+{
+    if (field == cam_scope_field_place_nm) {
+        m->identify.place_nm = value;
+        return cam_ok;
+    }
+    return cam_scope_set(&m->scope, field, value);
+}
+
+cam_err_t cam_machine_scope_get(const cam_machine_t *m, uint32_t field, int32_t *value)
+{
+    const cam_identify_t *i = &m->identify;
+    const cam_err_t err = cam_scope_get(&m->scope, field, value);
+    switch (field) {
+    case cam_scope_field_place_nm:
+        *value = i->place_nm;
+        break;
+    case cam_scope_field_excited:
+        *value = (int32_t)i->excited;
+        break;
+    case cam_scope_field_n_fall:
+        *value = (int32_t)i->n_fall;
+        break;
+    default: // a field of the recorder itself
+        break;
+    }
+    return err;
+}
+
+// The black box
+
+/// Hand the box of a fault to the port, once.
+static void keep_box(cam_machine_t *m)
+{
+    if (!m->is_box_kept) {
+        cam_box_keep(&m->scope);
+        m->is_box_kept = true;
+    }
+}
+
+/// @return whether what was asked for has ended so long ago that nobody will read it
+static bool is_abandoned(const cam_machine_t *m, uint32_t tick)
+{
+    const uint32_t patience = m->tick_hz * (uint32_t)cam_scope_patience_s;
+    return m->scope.phase == cam_scope_done && m->identify.phase == cam_identify_none &&
+           !m->identify.is_open && tick - m->scope.last_tick > patience;
+}
+
+/// The box comes back as soon as nobody needs the recorder.
+static void go_on_with_box(cam_machine_t *m)
+{
+    const uint32_t tick = cam_machine_status(m).tick;
+    if (cam_box_is_unread(&m->scope)) {
+        keep_box(m);
+        return;
+    }
+    if (is_abandoned(m, tick)) {
+        give_up(m);
+    }
+    if (m->scope.phase == cam_scope_idle && m->params.trace_on != 0 &&
+        cam_box_begin(&m->scope, tick) == cam_ok) {
+        m->is_box_kept = false;
+    }
+}
+
+void cam_machine_scope_poll(cam_machine_t *m)
+{
+    cam_scope_poll(&m->scope, &m->core->trace);
+    if (m->has_box) {
+        go_on_with_box(m);
+    }
+}

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+/// cam_machine_scope: who has the recorder and its memory.
+///
+///     nobody -> black box (cam_box.h), when cam_machine_box() asked for it
+///     black box -> recording, wave: by command at any time, as long as no fault was recorded
+///     black box of a fault: stays, over further faults and restarts, until cam_machine_release()
+///     recording, wave -> black box: by cam_machine_release(), or cam_scope_patience_s after its
+///     end
+///
+/// So a command takes the memory from the black box, which is empty when it comes back, and is
+/// refused with cam_err_scope_unread where that would destroy what a fault has left. An excitation
+/// takes the memory from a recording that is done, and is refused with cam_err_scope_on while one
+/// runs. Context: slow side, one caller.
+#ifndef CAM_MACHINE_SCOPE_H
+#define CAM_MACHINE_SCOPE_H
+
+#include "cam_machine.h" // cam_machine_t
+#include <stdint.h>      // int32_t, uint32_t
+
+/// [s] that a recording keeps the memory from the black box when nobody releases it.
+enum { cam_scope_patience_s = 600 };
+
+/// Let the recorder be the black box from now on, with the box that the port has kept. A loop that
+/// takes the records of the ticks itself does without.
+void cam_machine_box(cam_machine_t *m);
+
+/// @return cam_ok when a command may take the memory; cam_err_scope_on, cam_err_scope_unread
+CAM_MUST_USE cam_err_t cam_machine_scope_is_free(const cam_machine_t *m);
+
+/// Begin a recording, in place of one that runs. @return as cam_scope_start();
+/// cam_err_scope_trace; cam_err_scope_unread; cam_err_state, while an excitation runs
+CAM_MUST_USE cam_err_t cam_machine_scope_start(cam_machine_t *m);
+
+/// End the recording that was asked for; the black box goes on.
+void cam_machine_scope_stop(cam_machine_t *m);
+
+/// Give recording, wave or the box of a fault up: the black box begins anew.
+/// @return cam_ok, or cam_err_state while an excitation runs
+CAM_MUST_USE cam_err_t cam_machine_release(cam_machine_t *m);
+
+/// Set a field of the recorder. @return as cam_scope_set()
+CAM_MUST_USE cam_err_t cam_machine_scope_set(cam_machine_t *m, uint32_t field, int32_t value);
+
+/// Read a field of the recorder. @return as cam_scope_get()
+CAM_MUST_USE cam_err_t cam_machine_scope_get(const cam_machine_t *m, uint32_t field,
+                                             int32_t *value);
+
+/// The part of cam_machine_poll() that records. To be called at least every cam_trace_capacity / 2
+/// ticks while something is recorded.
+void cam_machine_scope_poll(cam_machine_t *m);
+
+#endif

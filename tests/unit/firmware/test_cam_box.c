@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: Apache-2.0
+// The black box around faults of a machine, and who has the memory of the recorder.
+#include "cam_box.h"
+#include "cam_machine_identify.h"
+#include "cam_machine_scope.h"
+#include "fixture_rig.h"
+#include "hal_host.h"
+#include "unity.h"
+#include <string.h> // memcmp, memcpy
+
+enum {
+    tick_hz = 20000,
+    n_before = tick_hz / 2,
+    n_behind = tick_hz / 50,
+    n_signals = 9,
+    axi_words = 384 * 1024 / 4, ///< of the STM32H743
+};
+
+static fixture_rig_t rig;
+
+void setUp(void)
+{
+    const fixture_part_t part = fixture_part_short();
+    fixture_rig_init(&rig, &part, tick_hz);
+    cam_machine_box(&rig.machine);
+}
+
+void tearDown(void) {}
+
+static cam_scope_t *scope(void)
+{
+    return &rig.machine.scope;
+}
+
+/// Ticks with main()'s part in between.
+static void go_on(uint32_t n)
+{
+    for (uint32_t i = 0; i < n; i++) {
+        cam_machine_poll(&rig.machine);
+        fixture_rig_tick(&rig);
+    }
+}
+
+/// Press the emergency stop in ready and let the box end. @return tick of the fault
+static uint32_t fail(void)
+{
+    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_ready));
+    go_on(n_before + 100);
+    hal_host_fault_estop(true);
+    go_on(1);
+    const uint32_t tick = rig.last.tick;
+    TEST_ASSERT_EQUAL_INT(cam_state_fault, rig.last.want.state);
+    go_on(n_behind + 10);
+    TEST_ASSERT_TRUE(cam_box_is_unread(scope()));
+    return tick;
+}
+
+/// @return a word of the box, by its row in time
+static int32_t word(uint32_t row, uint32_t column)
+{
+    int32_t value = 0;
+    const cam_scope_span_t span = cam_scope_span(scope(), (row * n_signals + column) * 4u, 4);
+    TEST_ASSERT_EQUAL_UINT32(4, span.n);
+    memcpy(&value, span.bytes, sizeof value);
+    return value;
+}
+
+static void test_half_a_second_before_a_fault_is_there(void)
+{
+    const uint32_t tick = fail();
+    const cam_scope_t *s = scope();
+    TEST_ASSERT_EQUAL_UINT32(tick, s->trigger_tick);
+    TEST_ASSERT_EQUAL_UINT32(CAM_FAULT_BIT(estop), s->faults);
+    TEST_ASSERT_EQUAL_UINT32(n_before, s->n_before);
+    TEST_ASSERT_EQUAL_UINT32(n_before + n_behind, s->n_rows);
+    TEST_ASSERT_EQUAL_UINT32(n_signals, s->n_signals);
+    TEST_ASSERT_EQUAL_UINT32(tick - n_before, s->first_tick);
+    TEST_ASSERT_EQUAL_INT32(cam_state_ready, word(n_before - 1, 0));
+    TEST_ASSERT_EQUAL_INT32(cam_state_fault, word(n_before, 0));
+    TEST_ASSERT_EQUAL_INT32(0, word(n_before - 1, 7));
+    TEST_ASSERT_EQUAL_INT32(CAM_FAULT_BIT(estop), word(n_before, 7));
+}
+
+static void test_a_later_fault_does_not_take_its_place(void)
+{
+    const uint32_t tick = fail();
+    hal_host_fault_estop(false);
+    go_on(20000);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_reset(&rig.machine));
+    go_on(100);
+    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_ready));
+    hal_host.in.inputs &= ~(uint32_t)hal_in_drive_ready;
+    go_on(1000);
+    TEST_ASSERT_EQUAL_INT(cam_state_fault, rig.last.want.state);
+    TEST_ASSERT_EQUAL_UINT32(tick, scope()->trigger_tick);
+    TEST_ASSERT_EQUAL_UINT32(CAM_FAULT_BIT(estop), scope()->faults);
+}
+
+static void test_nothing_takes_an_unread_box_but_a_release(void)
+{
+    cam_machine_t *m = &rig.machine;
+    (void)fail();
+    TEST_ASSERT_EQUAL_INT(cam_err_scope_unread, cam_machine_scope_start(m));
+    TEST_ASSERT_EQUAL_INT(cam_err_scope_unread, cam_machine_wave_begin(m, 4000));
+    cam_machine_scope_stop(m);
+    TEST_ASSERT_TRUE(cam_box_is_unread(scope()));
+    TEST_ASSERT_EQUAL_UINT32(14 + (n_before + n_behind) * n_signals, hal_host.slow.n_kept);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_release(m));
+    TEST_ASSERT_EQUAL_UINT32(0, hal_host.slow.n_kept);
+    go_on(50);
+    TEST_ASSERT_EQUAL_INT(cam_scope_box, scope()->use);
+    TEST_ASSERT_EQUAL_INT(cam_scope_armed, scope()->phase); // the fault that is latched is not new
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_scope_start(m));
+}
+
+static void test_a_restart_finds_the_box_again(void)
+{
+    const uint32_t tick = fail();
+    static int32_t words[(n_before + n_behind) * n_signals];
+    for (uint32_t i = 0; i < (n_before + n_behind) * n_signals; i++) {
+        words[i] = word(i / n_signals, i % n_signals);
+    }
+    cam_machine_init(&rig.machine, &g_cam, tick_hz, hal_clock_hz());
+    cam_machine_box(&rig.machine);
+    go_on(100);
+    TEST_ASSERT_TRUE(cam_box_is_unread(scope()));
+    TEST_ASSERT_EQUAL_UINT32(tick, scope()->trigger_tick);
+    TEST_ASSERT_EQUAL_UINT32(CAM_FAULT_BIT(estop), scope()->faults);
+    TEST_ASSERT_EQUAL_UINT32(n_before, scope()->n_before);
+    for (uint32_t i = 0; i < (n_before + n_behind) * n_signals; i++) {
+        TEST_ASSERT_EQUAL_INT32(words[i], word(i / n_signals, i % n_signals));
+    }
+}
+
+/// Whatever a file may hold, the box is sound or it is not taken, and no word is out of reach.
+static void test_a_damaged_head_is_passed_over(void)
+{
+    (void)fail();
+    const uint32_t n_kept = hal_host.slow.n_kept;
+    int32_t *head = hal_scope_memory().words;
+    for (uint32_t i = 0; i < 14u; i++) {
+        static const int32_t bad[] = {-1, INT32_MIN, 0x7FFFFFFF, 1000000};
+        for (uint32_t k = 0; k < 4u; k++) {
+            const int32_t good = head[i];
+            head[i] = bad[k];
+            cam_scope_init(scope(), hal_scope_memory(), tick_hz);
+            if (cam_box_restore(scope(), n_kept)) {
+                for (uint32_t at = 0; at < scope()->n_rows * n_signals; at += 997u) {
+                    (void)word(at / n_signals, at % n_signals);
+                }
+            }
+            head[i] = good;
+        }
+    }
+    static const uint32_t sizes[] = {0, 1, 13, 14, 15, 1000, UINT32_MAX};
+    for (uint32_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
+        cam_scope_init(scope(), hal_scope_memory(), tick_hz);
+        TEST_ASSERT_FALSE(cam_box_restore(scope(), sizes[i]));
+    }
+    cam_scope_init(scope(), hal_scope_memory(), tick_hz / 2);
+    TEST_ASSERT_FALSE(cam_box_restore(scope(), n_kept)); // of another rate
+}
+
+static void test_a_recording_has_precedence_until_it_is_released_or_forgotten(void)
+{
+    cam_machine_t *m = &rig.machine;
+    go_on(10);
+    TEST_ASSERT_EQUAL_INT(cam_scope_box, scope()->use);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_scope_set(scope(), cam_scope_field_rows, 5));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_scope_start(m));
+    TEST_ASSERT_EQUAL_INT(cam_err_scope_on, cam_machine_wave_begin(m, 4000));
+    go_on(20);
+    TEST_ASSERT_EQUAL_INT(cam_scope_user, scope()->use);
+    TEST_ASSERT_EQUAL_INT(cam_scope_done, scope()->phase);
+    scope()->last_tick = rig.last.tick - tick_hz * (uint32_t)cam_scope_patience_s + 10u;
+    go_on(5);
+    TEST_ASSERT_EQUAL_INT(cam_scope_user, scope()->use);
+    go_on(20);
+    TEST_ASSERT_EQUAL_INT(cam_scope_box, scope()->use);
+}
+
+/// A wave leaves the box what is behind it, and goes with the release.
+static void test_a_wave_takes_its_share(void)
+{
+    cam_machine_t *m = &rig.machine;
+    go_on(10);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_wave_begin(m, 4000));
+    go_on(10);
+    TEST_ASSERT_EQUAL_INT(cam_scope_box, scope()->use);
+    TEST_ASSERT_EQUAL_UINT32(1000 + 14, scope()->at);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_release(m));
+    go_on(10);
+    TEST_ASSERT_EQUAL_UINT32(14, scope()->at);
+    TEST_ASSERT_EQUAL_INT(cam_err_download_order, cam_machine_wave_end(m, 0));
+}
+
+/// In the memory of the STM32H743 the box holds every tick, and eight signals half a second beside
+/// a wave of 0.9 s. Less memory makes rows far apart, never the time short.
+static void test_the_time_fits_every_memory(void)
+{
+    static int32_t words[axi_words];
+    cam_scope_t s;
+    for (uint32_t n = 33; n < axi_words; n += n / 7u + 1u) {
+        cam_scope_init(&s, (hal_memory_t){.words = words, .n_words = n}, tick_hz);
+        TEST_ASSERT_EQUAL_INT(cam_ok, cam_box_begin(&s, 0));
+        TEST_ASSERT_GREATER_OR_EQUAL_UINT32(n_before, s.plan.before * s.plan.every);
+        TEST_ASSERT_GREATER_OR_EQUAL_UINT32(n_behind, (s.most_rows - s.plan.before) * s.plan.every);
+        TEST_ASSERT_LESS_OR_EQUAL_UINT32(n, s.at + s.most_rows * s.n_signals);
+    }
+    cam_scope_init(&s, (hal_memory_t){.words = words, .n_words = axi_words}, tick_hz);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_box_begin(&s, 0));
+    TEST_ASSERT_EQUAL_UINT32(1, s.plan.every);
+    cam_scope_reserve(&s, 18000);
+    s.set.signals = 0xFF;
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_scope_start(&s, 0));
+    TEST_ASSERT_GREATER_OR_EQUAL_UINT32(n_before, s.most_rows);
+    cam_scope_init(&s, (hal_memory_t){.words = words, .n_words = 31}, tick_hz);
+    TEST_ASSERT_EQUAL_INT(cam_err_scope_memory, cam_box_begin(&s, 0));
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_half_a_second_before_a_fault_is_there);
+    RUN_TEST(test_a_later_fault_does_not_take_its_place);
+    RUN_TEST(test_nothing_takes_an_unread_box_but_a_release);
+    RUN_TEST(test_a_restart_finds_the_box_again);
+    RUN_TEST(test_a_damaged_head_is_passed_over);
+    RUN_TEST(test_a_recording_has_precedence_until_it_is_released_or_forgotten);
+    RUN_TEST(test_a_wave_takes_its_share);
+    RUN_TEST(test_the_time_fits_every_memory);
+    return UNITY_END();
+}
