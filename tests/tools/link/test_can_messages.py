@@ -134,6 +134,10 @@ def test_recorder_and_learning_are_those_of_the_firmware(database: Database) -> 
     scope, identify = header_of("cam_scope.h"), header_of("cam_identify.h")
     assert tables["scope_phase"] == enumerators(scope, "cam_scope_phase_t", "cam_scope_")
     assert tables["scope_end"] == enumerators(scope, "cam_scope_end_t", "cam_scope_")
+    assert tables["scope_use"] == enumerators(scope, "cam_scope_use_t", "cam_scope_")
+    triggers = enumerators(header_of("cam_trigger.h"), "cam_trigger_kind_t", "cam_trigger_")
+    assert triggers.popitem()[1] == "n"
+    assert tables["trigger"] == triggers
     assert tables["excited"] == enumerators(identify, "cam_excited_t", "cam_excited_")
     detail, teach = database.get_message_by_name("Detail"), header_of("cam_teach.h")
     for name in ("phase", "reason"):
@@ -186,7 +190,7 @@ def test_every_message_and_unit_is_told(database: Database) -> None:
     """Messages carry a comment; ids are those of node 64 and collide with no PDO of others."""
     assert all(message.comment for message in database.messages)
     ids = {message.frame_id for message in database.messages}
-    assert ids == {0x640, 0x5C0, 0x1C0, 0x2C0, 0x3C0, 0x4C0, 0x440, 0x540, 0x6C0}
+    assert ids == {0x640, 0x5C0, 0x1C0, 0x2C0, 0x3C0, 0x4C0, 0x440, 0x340, 0x540, 0x6C0}
 
 
 def test_nodes_of_every_number_stand_on_one_bus(database: Database) -> None:
