@@ -5,6 +5,7 @@
 ///     camsim run TABLE [options]
 ///     camsim bus TABLE --can IFACE [options]
 ///     camsim identify TABLE --wave F.csv --record F.csv [options]
+///     camsim live TABLE --role lathe|controller --wire FD [options]
 ///     camsim params TABLE [options]
 ///
 /// Exit status: 0 done; 1 the cut ended in a fault, in time-out, out of tolerance or was not
@@ -38,6 +39,7 @@ int camsim_eval(int argc, char **argv);
 int camsim_run(int argc, char **argv);
 int camsim_bus(int argc, char **argv);
 int camsim_identify(int argc, char **argv);
+int camsim_live(int argc, char **argv);
 int camsim_params(int argc, char **argv);
 
 /// Print an error line. @return camsim_wrong

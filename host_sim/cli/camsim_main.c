@@ -11,8 +11,10 @@ static const char help[] =
     "  camsim run TABLE [options]                    a whole cut in virtual time\n"
     "  camsim bus TABLE --can IFACE [options]        the machine as nodes of a CAN bus\n"
     "  camsim identify TABLE --wave F --record F     U plays a wave and is recorded\n"
+    "  camsim live TABLE --role R --wire FD          one of the two processes of tools/live\n"
     "  camsim params TABLE [options]                 what the controller is configured with\n"
-    "  camsim eval --help | run --help | bus --help | identify --help | params --help | --version\n"
+    "  camsim eval --help | run --help | bus --help | identify --help | live --help |\n"
+    "  camsim params --help | --version\n"
     "\n"
     "TABLE is a NAME.camtab made by tools/mktables.\n"
     "Exit status: 0 done, 1 fault or out of tolerance, 2 wrong usage or bad input.";
@@ -50,6 +52,9 @@ int main(int argc, char **argv)
     if (strcmp(command, "identify") == 0) {
         return camsim_identify(argc - 1, argv + 1);
     }
+    if (strcmp(command, "live") == 0) {
+        return camsim_live(argc - 1, argv + 1);
+    }
     if (strcmp(command, "params") == 0) {
         return camsim_params(argc - 1, argv + 1);
     }
@@ -64,7 +69,8 @@ int main(int argc, char **argv)
     common_error_t e;
     (void)common_error(
         &e,
-        "%.40s: no such command; use eval, run, bus, identify or params, camsim --help tells more",
+        "%.40s: no such command; use eval, run, bus, identify, live or params, camsim --help tells "
+        "more",
         argc > 1 ? command : "(nothing)");
     return camsim_complain(&e);
 }

@@ -101,6 +101,9 @@ typedef struct {
 bool sim_cut_open(sim_cut_t *cut, const sim_cut_options_t *options, const void *image, size_t size,
                   const char *name, common_error_t *e);
 
+/// @return the parameters that the machine file gives, overruled by those of the command line
+sim_wishes_t sim_cut_wishes(const sim_cut_options_t *o);
+
 /// Run one tick. Sets cut->end when it was the last.
 void sim_cut_tick(sim_cut_t *cut);
 

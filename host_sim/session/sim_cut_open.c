@@ -16,8 +16,7 @@ static void wish(sim_wishes_t *w, cam_param_id_t id, double value)
     w->is_given[id] = true;
 }
 
-/// @return the parameters of the machine file, overruled by those of the command line
-static sim_wishes_t all_wishes(const sim_cut_options_t *o)
+sim_wishes_t sim_cut_wishes(const sim_cut_options_t *o)
 {
     sim_wishes_t w = o->session.config.controller;
     for (int id = 0; id < cam_n_params; id++) {
@@ -318,7 +317,7 @@ static bool prepare(sim_cut_t *cut, const void *image, size_t size, const char *
                     common_error_t *e)
 {
     sim_session_t *s = &cut->session;
-    const sim_wishes_t wishes = all_wishes(&cut->options);
+    const sim_wishes_t wishes = sim_cut_wishes(&cut->options);
     return sim_session_open(s, &cut->options.session, image, size, name, e) &&
            check_injects(s, size, e) && sim_session_load_design(s, e) &&
            sim_lobe_cut_check(s, cut->options.tip_mm, name, e) &&

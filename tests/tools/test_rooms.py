@@ -45,7 +45,8 @@ DESIGN = {
     "host_sim/target/pil": ("hal/include",),
     "host_sim/target": ("host_sim/lathe", "firmware/machine", "hal/host", "host_sim/target/pil"),
     "host_sim/session": ("host_sim/gauge", "host_sim/target", "host_sim/bus"),
-    "host_sim/cli": ("host_sim/session",),
+    "host_sim/live": ("host_sim/session", "firmware/remote"),
+    "host_sim/cli": ("host_sim/live",),
     "host_sim/api": ("host_sim/cli",),
 }
 # Ports that the host does not build: nobody there sees their headers.

@@ -22,7 +22,7 @@ from cantools.database import EncodeError
 from camtools.base.command import Interrupted, run_command
 from camtools.base.errors import CamtoolsError
 from camtools.base.output import growing
-from camtools.cli.bus import open_bus
+from camtools.cli.bus import open_controller
 from camtools.cli.camctl_options import PLAIN, QUICK, make_parser
 from camtools.cli.camctl_scope import excite, learned, record_ticks
 from camtools.link.controller import (
@@ -289,9 +289,9 @@ class Control:
 
 
 def _run(arguments: argparse.Namespace, out: TextIO) -> int:
-    bus, where = open_bus(arguments)
+    bus, where, node = open_controller(arguments)
     try:
-        control = Control(Link(bus, where, arguments.node), out)
+        control = Control(Link(bus, where, node), out)
         command: str = arguments.command
         group = "plain" if command in PLAIN else "quick" if command in QUICK else command
         getattr(control, group)(arguments)

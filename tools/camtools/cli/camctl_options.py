@@ -34,7 +34,8 @@ _WHAT = {
 _EPILOG = """\
 The bus: --interface, --channel and --bitrate of python-can, for example
   tools/camctl --interface socketcan --channel can0 status
-or the environment: CAN_INTERFACE, CAN_CHANNEL, CAN_BITRATE.
+or the environment: CAN_INTERFACE, CAN_CHANNEL, CAN_BITRATE. Without either it is that of the live
+lathe, where tools/live runs.
 Exit status: 0 done, 1 refused by the controller or no answer, 2 wrong usage or bad input."""
 
 

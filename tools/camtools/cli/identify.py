@@ -19,7 +19,7 @@ from typing import NamedTuple, Protocol, TextIO
 from camtools.base.command import Parser, run_command
 from camtools.base.output import write_all
 from camtools.base.places import ROOT
-from camtools.cli.bus import add_bus_options, open_bus
+from camtools.cli.bus import add_bus_options, open_controller
 from camtools.identify.believed import Believed
 from camtools.identify.bode import bode_png
 from camtools.identify.connected import ConnectedU
@@ -237,12 +237,12 @@ def _status(one: _Found, arguments: argparse.Namespace, out: TextIO, applied: st
 
 def _connect(arguments: argparse.Namespace, out: TextIO) -> int:
     part = _Part(arguments.part, arguments.rpm) if arguments.part is not None else None
-    bus, where = open_bus(arguments)
+    bus, where, node = open_controller(arguments)
     try:
-        u = ConnectedU(Link(bus, where, arguments.node))
+        u = ConnectedU(Link(bus, where, node))
         one = _one(u, arguments, part, out)
         if arguments.output is not None:
-            name = f"node{arguments.node}"
+            name = f"node{node}"
             files = _files(name, one.found, one.believed, one.lines, part)
             write_all(arguments.output, files)
         if arguments.apply and one.is_good:

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Apache-2.0
+#define _POSIX_C_SOURCE 200809L // NOLINT(bugprone-reserved-identifier): poll
+#include "cam_can.h"            // cam_can_init
+#include "cam_machine.h"        // cam_machine_init
+#include "sim_live.h"
+#include <errno.h>  // errno
+#include <fcntl.h>  // fcntl
+#include <poll.h>   // poll
+#include <stdio.h>  // fprintf
+#include <string.h> // memcpy
+#include <unistd.h> // read, write
+
+/// Ticks between two looks at stdin: at 20 kHz 0.2 ms.
+enum { look_ticks = 4 };
+
+typedef struct {
+    cam_machine_t machine;
+    cam_can_t remote;
+    uint8_t frame[sizeof(hal_can_frame_t)]; ///< of stdin, as far as it came
+    size_t n_frame;
+    uint32_t n_told; ///< frames of the port's ring
+    bool is_over;    ///< stdin has ended
+} controller_t;
+
+static controller_t controller;
+
+/// Read on in a frame that arrives. @return true when something came
+static bool read_on(controller_t *c)
+{
+    const ssize_t n = read(STDIN_FILENO, c->frame + c->n_frame, sizeof c->frame - c->n_frame);
+    c->is_over = n == 0 || (n < 0 && errno != EINTR && errno != EAGAIN);
+    c->n_frame += n > 0 ? (size_t)n : 0u;
+    return n > 0;
+}
+
+/// Hand over what is there, as far as the queue of the port has room.
+static void listen_to_frames(controller_t *c)
+{
+    struct pollfd in = {.fd = STDIN_FILENO, .events = POLLIN};
+    while (hal_host.slow.n_received - hal_host.slow.n_read < hal_host_can_frames &&
+           poll(&in, 1, 0) > 0 && read_on(c)) {
+        if (c->n_frame == sizeof c->frame) {
+            hal_can_frame_t frame;
+            memcpy(&frame, c->frame, sizeof frame);
+            (void)hal_host_can_receive(&frame);
+            c->n_frame = 0;
+        }
+    }
+}
+
+/// Send what the firmware sent. A reader that stalls loses frames, as on a bus.
+static void speak(controller_t *c)
+{
+    for (; c->n_told != hal_host.slow.n_sent; c->n_told++) {
+        const hal_can_frame_t *frame = &hal_host.slow.sent[c->n_told % hal_host_can_frames];
+        const ssize_t n = write(STDOUT_FILENO, frame, sizeof *frame);
+        c->is_over = c->is_over || (n < 0 && errno != EAGAIN && errno != EINTR);
+    }
+}
+
+/// The lathe is gone: what the port of a machine says whose drives are silent.
+static void stand_alone(sim_live_t *l)
+{
+    if (!l->was_lost) {
+        l->was_lost = true;
+        (void)fprintf(stderr, "controller: the lathe is gone: bus lost, drives not ready\n");
+    }
+    hal_host_fault_drive(true);
+    hal_host_fault_bus(true);
+}
+
+/// Tell once that the computer is too slow for the pace that was asked for.
+static void warn_of_pace(sim_live_t *l)
+{
+    if (!l->is_warned && l->pace.lost_ns > 0.0) {
+        l->is_warned = true;
+        (void)fprintf(stderr, "controller: this computer falls behind the clock, so time is "
+                              "stretched; give a smaller --speed-up\n");
+    }
+}
+
+static void tick(sim_live_t *l)
+{
+    if (!sim_wire_take_sensed(&l->wire)) {
+        stand_alone(l);
+    }
+    hal_host_tick();
+    (void)sim_wire_tell_written(&l->wire);
+}
+
+/// Set the parameters that fit the machine; one tick takes each change, so that the next can be
+/// made.
+static bool set_parameters(sim_live_t *l, const cam_params_t *params, common_error_t *e)
+{
+    cam_machine_t *m = &controller.machine;
+    for (uint32_t i = 0; i < cam_n_params; i++) {
+        const cam_param_id_t id = (cam_param_id_t)i;
+        const int32_t value = cam_param_get(params, id);
+        cam_err_t err = cam_ok;
+        if (cam_param_get(&m->params, id) != value) {
+            err = cam_machine_set_param(m, id, value);
+            tick(l);
+        }
+        if (err == cam_err_busy) { // what was learned is led to the parameter that was set before
+            err = cam_machine_set_param(m, id, value);
+            tick(l);
+        }
+        if (err != cam_ok) {
+            return common_error(e,
+                                "parameter %s = %d: refused: %s; change the machine file or --set",
+                                cam_param_info(id)->name, (int)value, cam_err_text(err));
+        }
+    }
+    return true;
+}
+
+/// What main() does before its loop.
+static bool start(sim_live_t *l, common_error_t *e)
+{
+    const sim_session_options_t *o = &l->session.options;
+    const sim_wishes_t wishes = sim_cut_wishes(&l->options.cut);
+    cam_params_t params;
+    if (!sim_controller_params(&params, sim_config_believed(&o->config), true, &wishes, e)) {
+        return false;
+    }
+    cam_machine_init(&controller.machine, &g_cam, hal_tick_hz(), hal_clock_hz());
+    if (!set_parameters(l, &params, e)) {
+        return false;
+    }
+    hal_host.slow.table = (hal_image_t){.bytes = l->session.image, .size = (uint32_t)l->n_image};
+    cam_can_init(&controller.remote, &controller.machine);
+    return true;
+}
+
+bool sim_live_controller(sim_live_t *l, common_error_t *e)
+{
+    controller_t *c = &controller;
+    *c = (controller_t){0};
+    (void)fcntl(STDOUT_FILENO, F_SETFL, fcntl(STDOUT_FILENO, F_GETFL) | O_NONBLOCK);
+    if (!start(l, e)) {
+        return false;
+    }
+    for (uint32_t i = 0; !c->is_over; i++) {
+        if (i % look_ticks == 0u) {
+            listen_to_frames(c);
+        }
+        cam_machine_poll(&c->machine);
+        cam_can_poll(&c->remote);
+        tick(l);
+        speak(c);
+        sim_pace_tick(&l->pace);
+        warn_of_pace(l);
+    }
+    return true;
+}

@@ -1,0 +1,209 @@
+# SPDX-License-Identifier: Apache-2.0
+"""tools/live: a session through camctl as an operator has it, and what is left when one dies."""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+from camtools.cli.camctl import main as camctl
+from camtools.link.live import LiveLathe, live_lathes, only_lathe
+from camtools.pipeline.load import load
+from camtools.pipeline.make import make
+from part_cases import ROOT
+
+PART = ROOT / "tools" / "parts" / "perkins240.toml"
+PATIENCE_S = 30.0
+
+
+class Live:
+    """tools/live as a process."""
+
+    def __init__(self, *words: str) -> None:
+        command = [sys.executable, "-m", "camtools.cli.live", str(PART), *words]
+        self.process = subprocess.Popen(
+            command,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            bufsize=1,
+            env=os.environ | {"PYTHONPATH": str(ROOT / "tools")},
+        )
+        self.said: list[str] = []
+        self.wait_for("control-C ends")
+
+    def wait_for(self, words: str) -> str:
+        """Read what it says until some words come."""
+        assert self.process.stdout is not None
+        while words not in (line := self.process.stdout.readline()):
+            assert line, f"ended without {words!r}: {''.join(self.said)}"
+            self.said.append(line)
+        self.said.append(line)
+        return line
+
+    def type(self, word: str) -> None:
+        """Type a line, and wait until it has happened."""
+        assert self.process.stdin is not None
+        self.process.stdin.write(f"{word}\n")
+        self.wait_for(f"{word}: done")
+
+    def end(self, number: int = signal.SIGTERM) -> int:
+        """Send a signal; return the exit status."""
+        self.process.send_signal(number)
+        self.process.communicate(timeout=PATIENCE_S)
+        return self.process.returncode
+
+
+@contextmanager
+def living(*words: str) -> Iterator[Live]:
+    """Run tools/live, which must leave neither process nor file behind."""
+    live = Live(*words)
+    lathes = live_lathes()
+    try:
+        yield live
+    finally:
+        status = live.end()
+    assert status == 0, "".join(live.said)
+    for lathe in lathes:
+        for role in ("lathe_pid", "controller_pid"):
+            assert not Path(f"/proc/{lathe.facts[role]}").exists()
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """Give each test a runtime folder of its own, and no other bus; it must be empty at the end."""
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+    for name in [name for name in os.environ if name.startswith("CAN_")]:
+        monkeypatch.delenv(name)
+    yield tmp_path / "camturn"
+    assert not list(tmp_path.glob("camturn/*"))
+
+
+def run(*words: str | Path) -> tuple[int, str]:
+    """Run camctl without naming a bus."""
+    out = io.StringIO()
+    return camctl([str(word) for word in words], out), out.getvalue()
+
+
+def do(*words: str | Path) -> str:
+    """Run camctl, which must succeed."""
+    status, text = run(*words)
+    assert status == 0, text
+    return text
+
+
+def until(is_true: Callable[[], bool]) -> None:
+    """Wait for what must come, however slow the computer is."""
+    end_s = time.monotonic() + PATIENCE_S
+    while not is_true():
+        assert time.monotonic() < end_s
+        time.sleep(0.05)
+
+
+def the_lathe() -> LiveLathe:
+    """Return the one there is."""
+    lathe = only_lathe(None)
+    assert lathe is not None
+    return lathe
+
+
+def test_a_session_as_an_operator_has_it(tmp_path: Path) -> None:
+    """From the download to a fault and its reset, all by camctl without an option."""
+    made = make(load(PART), PART)
+    table = tmp_path / "a.camtab"
+    table.write_bytes(made.files(with_plots=False)["perkins240.camtab"])
+    with living("--speed-up", "3") as live:
+        assert "state             off" in do("status")
+        assert "generation 2" in do("table", "download", table, "--select")
+        assert do("home") == "home: ready\n"
+        assert do("feed", "0.5") == "feed = 0.5 mm\n"
+        assert do("start").startswith("start: ")
+        assert "r/min" in do("watch", "--seconds", "0.2", "--every", "0.1")
+        until(lambda: "cutting" in do("status"))
+        rows = tmp_path / "rows.csv"
+        do("record", rows, "--signals", "u_set_q6,u_actual_nm", "--every", "10", "--seconds", "0.1")
+        assert len(rows.read_text("ascii").splitlines()) > 50
+        live.type("estop")
+        until(lambda: "faults            estop" in do("status"))
+        live.type("release")
+        until(lambda: run("reset")[0] == 0)
+        assert do("home") == "home: ready\n"
+        do("start")
+        until(lambda: "cutting" in do("status"))
+        do("stop")
+        until(lambda: "state             ready" in do("status"))
+        assert "error of U" in do("learned")
+        assert do("disable") == "disable: off\n"
+
+
+def test_a_lathe_that_is_killed_is_a_fault_of_drives_and_bus() -> None:
+    """The controller goes on and says so; it is left to camctl to look at it."""
+    with living() as live:
+        do("home")
+        os.kill(the_lathe().facts["lathe_pid"], signal.SIGKILL)
+        live.wait_for("was ended by signal 9; the controller goes on")
+        until(lambda: "faults            drive, bus" in do("status"))
+        assert run("reset")[0] == 1 or run("enable")[0] == 1, "the drives are still missing"
+
+
+def test_a_controller_that_is_killed_leaves_a_silent_bus(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """The drives brake to rest; camctl has nobody to talk to."""
+    with living() as live:
+        do("home")
+        os.kill(the_lathe().facts["controller_pid"], signal.SIGKILL)
+        live.wait_for("lathe: the controller is gone")
+        live.wait_for("lathe: at rest")
+        assert run("status")[0] == 1
+        assert "live lathe perkins240" in capsys.readouterr().err
+
+
+def test_two_live_lathes_are_told_apart_by_name(capsys: pytest.CaptureFixture[str]) -> None:
+    """Without a name camctl says which there are; each bus is its own."""
+    with living(), living("--name", "other"):
+        assert run("status")[0] == 2
+        assert "2 live lathes: other, perkins240; give --live NAME" in capsys.readouterr().err
+        do("--live", "other", "home")
+        assert "state             off" in do("--live", "perkins240", "status")
+        assert run("--live", "third", "status")[0] == 2
+        assert "there is other, perkins240" in capsys.readouterr().err
+
+
+def test_what_a_killed_one_left_behind_is_not_believed(folder: Path) -> None:
+    """The process is gone, or its number has been given to another one."""
+    folder.mkdir(mode=0o700)
+    facts = {"bus": {"interface": "virtual"}, "node": 64, "pid": os.getpid(), "start": "1"}
+    (folder / "old.json").write_text(json.dumps(facts), "ascii")
+    (folder / "torn.json").write_text("{", "ascii")
+    assert live_lathes() == []
+
+
+def test_a_folder_of_others_is_refused(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """An announcement tells programs where to send commands: others must not write one."""
+    folder.mkdir(mode=0o755)
+    folder.chmod(0o755)
+    assert run("status")[0] == 2
+    assert "0700" in capsys.readouterr().err
+
+
+def test_without_bus_and_lathe_camctl_tells_what_there_is(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """One line with the remedy."""
+    assert run("status")[0] == 2
+    assert capsys.readouterr().err == (
+        "camctl: no bus: give --interface and --channel, or set CAN_INTERFACE and CAN_CHANNEL, or "
+        "start tools/live\n"
+    )

@@ -1,0 +1,265 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Command line of a live lathe: controller and lathe as processes, on a bus of this computer.
+
+>>> main(["--speed-up", "0"])
+2
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import re
+import select
+import shlex
+import socket
+import sys
+import tempfile
+import time
+from collections.abc import Mapping, Sequence
+from contextlib import ExitStack, suppress
+from math import isfinite
+from pathlib import Path
+from typing import Any
+
+import can
+
+from camtools.base.command import Interrupted, Parser, run_command
+from camtools.base.errors import CamtoolsError
+from camtools.base.places import ROOT
+from camtools.cli.bus import add_interface_options, bus_arguments
+from camtools.link.bridge import Bridge
+from camtools.link.bus import open_bus
+from camtools.link.controller import DBC_NODE
+from camtools.link.live import LiveLathe, announced, live_lathes, runtime_folder
+from camtools.pipeline.job import write_files
+from camtools.pipeline.load import load
+from camtools.pipeline.make import Made, make
+from camtools.sim.camsim import camsim_path
+from camtools.sim.live import LivePair, died
+from camtools.sim.machines import machine_bytes, names
+
+DIED = 1
+_DEFAULT_PART = ROOT / "tools" / "parts" / "perkins240.toml"
+_GROUP = "239.74.163.2"  # python-can's own; the port keeps live lathes apart
+_MOST_SPEED_UP, _LEAST_SPEED_UP = 100.0, 0.01
+_MACHINE = "machine.toml"
+_START_S = 30.0
+_LOOK_S = 0.1
+_EPILOG = """\
+What follows -- goes to both processes, as it would go to `camsim run`: --set, --rpm, --seed, ...
+While it runs, a line that is typed happens to the lathe: estop, drive, bus, lost-counts:5 and the
+other kinds of camsim run --inject, and release, which takes back the first three.
+Exit status: 0 ended by control-C or SIGTERM, 1 both processes died, 2 wrong usage or bad input."""
+
+
+def _speed_up(text: str) -> float:
+    value = float(text)
+    if not (isfinite(value) and _LEAST_SPEED_UP <= value <= _MOST_SPEED_UP):
+        limits = f"{_LEAST_SPEED_UP:g} .. {_MOST_SPEED_UP:g}"
+        raise argparse.ArgumentTypeError(f"{text}: give {limits}")
+    return value
+
+
+def _name(text: str) -> str:
+    if not re.fullmatch(r"[A-Za-z0-9_][A-Za-z0-9_-]{0,39}", text):
+        raise argparse.ArgumentTypeError(f"{text}: give letters, digits, - and _, at most 40")
+    return text
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = Parser(
+        prog="tools/live",
+        usage="tools/live [PART.toml] [--machine M] [--speed-up F] [--name NAME] "
+        "[-i INTERFACE -c CHANNEL] [-- CAMSIM-OPTIONS]",
+        description="Run a controller on a simulated lathe until control-C; tools/camctl finds it.",
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+    )
+    parser.add_argument(
+        "part", type=Path, nargs="?", metavar="PART.toml", help="default: the Perkins 240 skirt"
+    )
+    machines = ", ".join(names())
+    parser.add_argument("--machine", metavar="M", help=f"a machine file, or one of {machines}")
+    parser.add_argument(
+        "--speed-up", type=_speed_up, default=1.0, metavar="F", help="times faster than the clock"
+    )
+    parser.add_argument("--name", type=_name, help="for camctl --live; default: the part's")
+    add_interface_options(parser)
+    return parser
+
+
+def _say(text: str) -> None:
+    sys.stdout.write(f"live: {text}\n")
+    sys.stdout.flush()
+
+
+def _own_port() -> int:
+    """Return a port that nobody else on this computer has now."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
+        free.bind(("", 0))
+        return int(free.getsockname()[1])
+
+
+def _bus_of(given: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the bus that was asked for, or frames that never leave this computer."""
+    if given:
+        return dict(given)
+    own = {"channel": _GROUP, "port": _own_port(), "hop_limit": 0}
+    return {"interface": "udp_multicast", **own}
+
+
+def _files(made: Made, machine: str | None) -> dict[str, bytes]:
+    """Return what both processes read."""
+    text = made.kind.machine(made.table.part).encode("ascii")
+    own = {_MACHINE: text if machine is None else machine_bytes(machine)}
+    return made.files(with_plots=False) | own
+
+
+def _environment(bus: Mapping[str, Any]) -> str:
+    """Return how a shell tells other programs of python-can the bus."""
+    named = {name: str(bus[name]) for name in ("interface", "channel", "bitrate") if name in bus}
+    words = [f"CAN_{name.upper()}={shlex.quote(value)}" for name, value in named.items()]
+    rest = {name: value for name, value in bus.items() if name not in named}
+    return " ".join(
+        ["export", *words, *([f"CAN_CONFIG={shlex.quote(json.dumps(rest))}"] if rest else [])]
+    )
+
+
+class _Session:
+    """The two processes on a bus, until the user ends them."""
+
+    def __init__(self, pair: LivePair, bridge: Bridge) -> None:
+        self._pair, self._bridge = pair, bridge
+        self._alive = {"lathe": pair.lathe, "controller": pair.controller}
+        assert pair.lathe.stdout is not None and pair.lathe.stdin is not None
+        self._said, self._words = pair.lathe.stdout.fileno(), pair.lathe.stdin.fileno()
+        self._heard = [self._said]
+        self._rest = ""
+        with suppress(OSError, ValueError):
+            self._heard.append(sys.stdin.fileno())
+
+    def wait_for_start(self) -> bool:
+        """Wait for the controller's first frame; return whether it came."""
+        end_s = time.monotonic() + _START_S
+        while not self._bridge.spoke.wait(_LOOK_S) and time.monotonic() < end_s:
+            if any(process.poll() is not None for process in self._alive.values()):
+                return False  # it has said why
+        return self._bridge.spoke.is_set()
+
+    def run(self) -> None:
+        """Hand on what the lathe says and what is typed, while one of both lives."""
+        while self._alive:
+            self._look_after()
+            ready, _, _ = select.select(self._heard, [], [], _LOOK_S)
+            for source in ready:
+                self._take(source)
+            if self._bridge.problem:
+                problem, self._bridge.problem = self._bridge.problem, ""
+                _say(problem)
+
+    def _look_after(self) -> None:
+        for name, process in list(self._alive.items()):
+            status = process.poll()
+            if status is not None:
+                del self._alive[name]
+                after = f"; the {next(iter(self._alive))} goes on" if self._alive else ""
+                _say(f"the {name} (process {process.pid}) {died(status)}{after}")
+
+    def _take(self, source: int) -> None:
+        is_typed = source != self._said
+        if is_typed and os.isatty(source) and os.tcgetpgrp(source) != os.getpgrp():
+            time.sleep(_LOOK_S)  # in the background: what is typed is for the shell
+            return
+        data = os.read(source, 4096)
+        if not data:
+            self._heard.remove(source)
+        elif is_typed:
+            with suppress(OSError):
+                os.write(self._words, data)
+        else:
+            *lines, self._rest = (self._rest + data.decode("utf-8", "replace")).split("\n")
+            for line in lines:
+                _say(f"lathe: {line}")
+
+
+def _tell(lathe: LiveLathe, arguments: argparse.Namespace, where: str) -> None:
+    """Print how to talk to it."""
+    machine = arguments.machine or "with the limits of the part"
+    pace = "" if arguments.speed_up == 1.0 else f", {arguments.speed_up:g} times as fast"
+    _say(f"{lathe.facts['part']} on a machine {machine}, in the time of the clock{pace}")
+    ids = f"lathe {lathe.facts['lathe_pid']}, controller {lathe.facts['controller_pid']}"
+    _say(f"processes: {ids}; bus: {where}")
+    others = len(live_lathes()) > 1
+    _say(f"talk to it: tools/camctl {f'--live {lathe.name} ' if others else ''}status")
+    _say(f"other programs of python-can: {_environment(lathe.bus)}")
+    _say("type a fault (estop, drive, bus, lost-counts:5, ..) or release; control-C ends")
+
+
+def _end(pair: LivePair, bridge: Bridge) -> None:
+    bridge.stop()
+    pair.close()
+    bridge.close()
+    pair.close_pipes()
+
+
+def _begin(
+    stack: ExitStack, bus: can.BusABC, made: Made, arguments: argparse.Namespace, extra: list[str]
+) -> tuple[LivePair, _Session]:
+    """Start both processes and wait until they have read their files, which are gone then."""
+    name = made.table.table.part_name
+    words = [f"{name}.camtab", "--machine", _MACHINE, "--speed-up", repr(arguments.speed_up)]
+    with tempfile.TemporaryDirectory(prefix="live.", dir=runtime_folder()) as folder:
+        write_files(Path(folder), _files(made, arguments.machine))
+        pair = LivePair(camsim_path(), Path(folder), [*words, *extra])
+        stack.callback(pair.close)
+        assert pair.controller.stdin is not None and pair.controller.stdout is not None
+        bridge = Bridge(bus, pair.controller.stdin.fileno(), pair.controller.stdout.fileno())
+        stack.callback(_end, pair, bridge)
+        session = _Session(pair, bridge)
+        if not session.wait_for_start():
+            raise CamtoolsError([f"{name}: the controller does not start; see the line above"])
+    return pair, session
+
+
+def _live(stack: ExitStack, arguments: argparse.Namespace, extra: list[str]) -> int:
+    """Make the table, start both, and stay until they or the user end."""
+    path = arguments.part or _DEFAULT_PART
+    made = make(load(path), path)
+    bus_words = _bus_of(bus_arguments(arguments))
+    bus, where = open_bus(bus_words)
+    stack.callback(bus.shutdown)
+    pair, session = _begin(stack, bus, made, arguments, extra)
+    name = made.table.table.part_name
+    facts = {
+        "bus": bus_words,
+        "node": DBC_NODE,
+        "part": name,
+        "speed_up": arguments.speed_up,
+        "lathe_pid": pair.lathe.pid,
+        "controller_pid": pair.controller.pid,
+    }
+    own = announced(runtime_folder(), arguments.name or name, facts)
+    _tell(stack.enter_context(own), arguments, where)
+    with suppress(Interrupted):
+        session.run()
+        return DIED
+    return 0
+
+
+def _run(argv: Sequence[str]) -> int:
+    split = argv.index("--") if "--" in argv else len(argv)
+    arguments = _parser().parse_args(argv[:split])
+    with ExitStack() as stack:
+        return _live(stack, arguments, list(argv[split + 1 :]))
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command; 0 ended by the user, 1 both processes died, 2 wrong usage or bad input."""
+    return run_command("live", lambda: _run(sys.argv[1:] if argv is None else list(argv)))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

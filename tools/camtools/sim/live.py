@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Controller and lathe as two processes of the simulator, in the time of the clock.
+
+host_sim/live/sim_live.h tells what they do, and what each does when the other is gone.
+
+>>> died(-9), died(2)
+('was ended by signal 9', 'ended with status 2')
+"""
+
+from __future__ import annotations
+
+import socket
+import subprocess
+from collections.abc import Sequence
+from contextlib import suppress
+from pathlib import Path
+
+from camtools.base.errors import CamtoolsError
+
+_END_S = 2.0  # after which a process that was asked to end is killed
+
+
+def died(status: int) -> str:
+    """Return how a process ended, in words."""
+    return f"was ended by signal {-status}" if status < 0 else f"ended with status {status}"
+
+
+def _end(process: subprocess.Popen[bytes]) -> None:
+    """Close what a process reads, which ends it; kill it where that does not help."""
+    assert process.stdin is not None
+    with suppress(OSError):
+        process.stdin.close()
+    try:
+        process.wait(_END_S)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()
+
+
+class LivePair:
+    """The two processes, joined by a pair of sockets; both end when this object is closed.
+
+    Parameters
+    ----------
+    program : Path
+        camsim
+    folder : Path
+        where they work
+    words : list of str
+        table and options of both
+
+    Attributes
+    ----------
+    controller, lathe : subprocess.Popen
+        CAN frames, and words, on their pipes
+
+    Raises
+    ------
+    CamtoolsError
+        They cannot be started.
+    """
+
+    def __init__(self, program: Path, folder: Path, words: Sequence[str]) -> None:
+        ends = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        self._begun: list[subprocess.Popen[bytes]] = []
+        try:
+            for role, end in zip(("lathe", "controller"), ends, strict=True):
+                wire = str(end.fileno())
+                command = [str(program), "live", *words, "--role", role, "--wire", wire]
+                self._begun.append(
+                    subprocess.Popen(
+                        command,
+                        stdin=subprocess.PIPE,
+                        stdout=subprocess.PIPE,
+                        cwd=folder,
+                        pass_fds=[end.fileno()],
+                        process_group=0,  # control-C is for the one that started them
+                    )
+                )
+        except OSError as error:
+            self.close()
+            problem = f"{program}: cannot be started: {error.strerror}"
+            raise CamtoolsError([f"{problem}; start tools/live, which builds it"]) from error
+        finally:
+            for end in ends:
+                end.close()
+        self.lathe, self.controller = self._begun
+
+    def close(self) -> None:
+        """End both, and wait for them; the controller first, so that it has no fault to report."""
+        for process in reversed(self._begun):
+            _end(process)
+
+    def close_pipes(self) -> None:
+        """Close what they said, when nobody reads it any more."""
+        for process in self._begun:
+            assert process.stdout is not None
+            process.stdout.close()
