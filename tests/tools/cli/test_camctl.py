@@ -101,6 +101,7 @@ def test_parameters_are_read_and_set_with_their_range(
     assert bench.do("get", "engage_turns") == "engage_turns = 7\n"
     assert "engage_turns is 1 .. 100" in refusal(bench, 1, "set engage_turns 101")
     assert "engage_turns is 1 .. 100" in refusal(bench, 1, "set engage_turns 99999999999")
+    assert refusal(bench, 2, "feed 99") == "camctl: feed = 99 mm: out of range; give 0 .. 10 mm"
     assert bench.do("get", "engage_turns") == "engage_turns = 7\n"
     assert "no such parameter" in refusal(bench, 2, "set engage_turn 5")
     assert "no such parameter" in refusal(bench, 2, "get phase")
@@ -234,10 +235,14 @@ def test_a_bus_that_cannot_be_opened_is_bad_input(
 ) -> None:
     """Unknown interface, none at all: status 2 and the remedy; the environment gives defaults."""
     monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
     monkeypatch.delenv("CAN_INTERFACE", raising=False)
-    for words in (["-i", "nosuch"], []):
+    for words, remedy in (
+        (["-i", "slcn"], "did you mean slcan?"),
+        ([], "set CAN_INTERFACE and CAN_CHANNEL"),
+    ):
         assert main([*words, "status"]) == 2
-        assert "set CAN_INTERFACE and CAN_CHANNEL" in capsys.readouterr().err
+        assert remedy in capsys.readouterr().err
     monkeypatch.setenv("CAN_INTERFACE", "virtual")
     assert main(["status"]) == 1
 

@@ -17,8 +17,6 @@ import time
 from collections.abc import Callable, Sequence
 from typing import TextIO
 
-from cantools.database import EncodeError
-
 from camtools.base.command import Interrupted, run_command
 from camtools.base.errors import CamtoolsError
 from camtools.base.output import growing
@@ -95,12 +93,9 @@ class Control:
         Refused
             It is not.
         CamtoolsError
-            The value has no place in the message.
+            The value is outside the range of its signal.
         """
-        try:
-            answer = self.link.ask(command, parameter=parameter, **value)
-        except EncodeError as error:
-            raise CamtoolsError([f"{command}: {error}"]) from error
+        answer = self.link.ask(command, parameter=parameter, **value)
         if answer.result != "done":
             values = "".join(f" = {number:.9g}" for number in value.values())
             raise Refused(f"{command.replace('_', ' ')}{values}: {_explain(answer)}")

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Command line of a live lathe: controller and lathe as processes, on a bus of this computer.
 
->>> main(["--speed-up", "0"])
+>>> main(["nosuch.toml"])
 2
 """
 

@@ -51,7 +51,6 @@ _ERRNO = {
     errno.EAFNOSUPPORT: "this kernel has no CAN; load can and can-raw, or use tools/live",
     errno.ENODEV: "no such network interface; ip link lists them",
     errno.ENETDOWN: "the network interface is down; bring it up by ip link set .. up",
-    errno.ECONNREFUSED: "nobody listens there; start the daemon, or correct host and port",
     errno.EPERM: "this user may not; see the rights of the device",
     errno.EACCES: "this user may not; see the rights of the device",
 }
@@ -92,6 +91,8 @@ def _lacking(interface: str, given: Mapping[str, Any], error: Exception) -> str:
         return f"needs the Python package {package}; {_PIP}{package}"
     if interface in _DRIVERS and (is_missing or isinstance(error, OSError)):
         return _DRIVERS[interface]
+    if interface == "socketcand":
+        return f"{error}; start the daemon there, or correct host and port"
     number = getattr(error, "errno", None)
     cause = getattr(error.__cause__, "errno", None)
     remedy = _ERRNO.get(number or cause or 0, "see its options in the manual of python-can")

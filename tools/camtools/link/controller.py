@@ -20,6 +20,8 @@ from pathlib import Path
 import can
 from cantools.database.can import Database, Message
 
+from camtools.base.errors import CamtoolsError
+
 DBC = Path(__file__).resolve().parents[3] / "firmware" / "remote" / "can" / "camturn.dbc"
 DATABASE = Database()
 DATABASE.add_dbc_file(DBC)
@@ -257,6 +259,13 @@ class Link:
             name of the DBC's value table
         value : float
             at most one signal of the message Command, in its unit
+
+        Raises
+        ------
+        CamtoolsError
+            The value is outside the range of its signal.
+        Refused
+            No answer comes.
         """
         for _ in range(BUSY_TRIES):
             while self.pump(0):
@@ -287,10 +296,28 @@ class Link:
         return self.status
 
 
+def _check_range(name: str, value: float) -> None:
+    """Refuse a value that has no place in the message Command.
+
+    Raises
+    ------
+    CamtoolsError
+        It is outside the range that the DBC gives its signal.
+    """
+    signal = COMMAND.get_signal_by_name(name)
+    low, high = signal.minimum, signal.maximum
+    assert low is not None and high is not None
+    if not low <= value <= high:
+        span = f"{low:.9g} .. {value_text(name, high)}"
+        raise CamtoolsError([f"{name} = {value_text(name, value)}: out of range; give {span}"])
+
+
 def _command(command: str, parameter: int, value: dict[str, float]) -> bytes:
     number = NUMBERS["command"][command]
     signals: dict[str, float] = {"command": number, "parameter": parameter, "reserved": 0}
     needed = {s.name for s in COMMAND.signals if number in (s.multiplexer_ids or [])}
+    for name, wanted in value.items():
+        _check_range(name, wanted)
     return COMMAND.encode(signals | dict.fromkeys(needed, 0.0) | value, strict=True)
 
 
