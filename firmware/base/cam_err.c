@@ -73,6 +73,11 @@ static const err_text_t entries[] = {
     {cam_err_scope_unread, "the black box of a fault has not been read yet"},
     {cam_err_scope_before, "more rows are wanted before the trigger than fit"},
     {cam_err_cam_amplitude, "a cam with an amplitude below 1 would be cut deeper than drawn"},
+    {cam_err_params_begin, "no change of several parameters was begun"},
+    {cam_err_params_stale, "a parameter was set since the change was begun"},
+    {cam_err_params_none, "no parameters are kept"},
+    {cam_err_params_damaged, "the kept parameters are damaged"},
+    {cam_err_params_keep, "the parameters could not be kept"},
 };
 
 const char *cam_err_text(cam_err_t err)

@@ -77,8 +77,14 @@ typedef enum {
     cam_err_wave_speed = -68,        ///< U would exceed its highest speed
     cam_err_wave_acceleration = -69, ///< U would exceed its highest acceleration
     cam_err_wave_clear = -70,        ///< X is so near that U would lead the tool to the work
-    cam_err_scope_unread = -95,      ///< the black box of a fault has not been read
-    cam_err_scope_before = -96,      ///< no row is left behind the trigger
+    // Parameters that are kept (cam_machine_params.c)
+    cam_err_params_begin = -87,   ///< no change of several parameters was begun
+    cam_err_params_stale = -88,   ///< a parameter was set since that change was begun
+    cam_err_params_none = -89,    ///< no parameters are kept
+    cam_err_params_damaged = -90, ///< the kept parameters are damaged
+    cam_err_params_keep = -91,    ///< the port could not keep the parameters
+    cam_err_scope_unread = -95,   ///< the black box of a fault has not been read
+    cam_err_scope_before = -96,   ///< no row is left behind the trigger
 } cam_err_t;
 
 /// The compiler refuses a call that ignores the result of such a function.

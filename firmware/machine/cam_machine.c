@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_machine.h"
 #include "cam_build.h"            // cam_build_speed_q32
-#include "cam_fit.h"              // cam_fit_most
 #include "cam_fix.h"              // cam_is_within
 #include "cam_machine_identify.h" // cam_machine_identify_poll
 #include "cam_machine_inner.h"    // cam_machine_post
 #include "cam_machine_scope.h"    // cam_machine_scope_poll
 #include "cam_pass.h"             // cam_pass_next
-#include "hal/hal.h"              // hal_halt, hal_has_swing
+#include "hal/hal.h"              // hal_halt, hal_scope_memory
 #include <stddef.h>               // NULL
 #include <string.h>               // memset
 
@@ -20,21 +19,15 @@ enum { scrub_from = 24 };
 void cam_machine_init(cam_machine_t *m, cam_t *core, uint32_t tick_hz, uint32_t clock_hz)
 {
     (void)memset(core, 0, sizeof *core);
-    *m = (cam_machine_t){
-        .core = core, .params = cam_param_defaults(), .tick_hz = tick_hz, .clock_hz = clock_hz};
+    *m = (cam_machine_t){.core = core,
+                         .params = cam_machine_defaults(tick_hz),
+                         .tick_hz = tick_hz,
+                         .clock_hz = clock_hz};
     cam_scope_init(&m->scope, hal_scope_memory(), tick_hz);
     cam_teach_init(&m->teach);
-    // The tick does not run yet, so both halves may be written. The defaults fit every tick rate
-    // from 500 Hz on but for the observer's bandwidth, which is limited to a twentieth of the rate.
-    if (hal_measures_u() && tick_hz >= (uint32_t)cam_fit_least_hz) {
-        m->params.following_limit_nm = 0; // derived from the part
-        cam_param_learn(&m->params);
-    }
-    const int32_t fastest_mHz = cam_fit_most(cam_param_observer_bandwidth_mHz, tick_hz);
-    if (m->params.observer_bandwidth_mHz > fastest_mHz) {
-        m->params.observer_bandwidth_mHz = fastest_mHz;
-    }
-    const cam_err_t err = cam_machine_hand_over(m, &m->params, NULL, 0);
+    // The tick does not run yet, so both halves may be written.
+    const bool is_kept = cam_machine_load_params(m);
+    const cam_err_t err = is_kept ? cam_ok : cam_machine_hand_over(m, &m->params, NULL, 0);
     (void)cam_config_take_isr(&core->config);
     if (err != cam_ok) {
         hal_halt("cam_machine_init: defaults do not fit the tick rate");
@@ -78,7 +71,7 @@ cam_err_t cam_machine_select_table(cam_machine_t *m, const void *image, size_t s
         return cam_err_state;
     }
     if (status.state == cam_state_ready) { // the spindle turns, and takes the table's speed at once
-        err = cam_machine_check_start(m, &m->params, &table);
+        err = cam_machine_judge(m, &m->params, &table);
         if (err != cam_ok) {
             return err;
         }
@@ -89,61 +82,6 @@ cam_err_t cam_machine_select_table(cam_machine_t *m, const void *image, size_t s
         m->has_table = true;
         m->is_in_pass = false; // what the old table has cut does not count
         m->scrub_at = 0;
-    }
-    return err;
-}
-
-/// @return whether a parameter may change in a state
-static bool may_change(cam_param_id_t id, cam_state_t state)
-{
-    switch (state) {
-    case cam_state_off:
-        return true;
-    case cam_state_ready:
-        return id != cam_param_counts_per_turn && id != cam_param_encoder_sign &&
-               id != cam_param_index_offset_udeg && id != cam_param_observer_bandwidth_mHz &&
-               id != cam_param_z_is_measured && id != cam_param_k1_ns && id != cam_param_k2_us2;
-    case cam_state_engaging:
-    case cam_state_cutting:
-    case cam_state_disengaging:
-    case cam_state_rehearsing:
-        return id == cam_param_phase_udeg || id == cam_param_amplitude_ppm;
-    case cam_state_homing:
-    case cam_state_fault:
-    case cam_state_identifying:
-    case cam_n_states:
-        break;
-    }
-    return false;
-}
-
-cam_err_t cam_machine_set_param(cam_machine_t *m, cam_param_id_t id, int32_t value)
-{
-    const cam_status_t status = cam_machine_status(m);
-    cam_params_t params = m->params;
-    cam_err_t err = cam_param_set(&params, id, value);
-    if (err != cam_ok) {
-        return err;
-    }
-    if (cam_machine_is_pending(m, &status)) {
-        return cam_err_busy;
-    }
-    if (!may_change(id, status.state)) {
-        return cam_err_param_state;
-    }
-    // Enabled, the machine takes a changed parameter at once, so what it leads to must be feasible.
-    if (status.state != cam_state_off && m->has_table) {
-        err = cam_machine_check_start(m, &params, &m->table);
-    }
-    if (err == cam_ok) {
-        const cam_table_t *table = m->has_table ? &m->table : NULL;
-        const uint32_t pass = id == cam_param_pass ? cam_pass_first(&params, table) : m->pass;
-        err = cam_machine_hand_over(m, &params, table, pass);
-    }
-    if (err == cam_ok) {
-        m->params = params;
-        m->is_in_pass = m->is_in_pass && id != cam_param_pass;
-        cam_machine_unlearn(m, id);
     }
     return err;
 }
@@ -164,12 +102,18 @@ static cam_err_t check_drives(const cam_params_t *params, const cam_status_t *st
     return cam_is_within(status->u_actual_nm, params->u_stroke_nm / 2) ? cam_ok : cam_err_u_place;
 }
 
+/// @return whether all passes of the table in use can be cut
+static cam_err_t check_part(cam_machine_t *m)
+{
+    return m->has_table ? cam_machine_judge(m, &m->params, &m->table) : cam_err_no_table;
+}
+
 cam_err_t cam_machine_enable(cam_machine_t *m)
 {
     const cam_status_t status = cam_machine_status(m);
     cam_err_t err = status.state == cam_state_off ? cam_ok : cam_err_state;
     if (err == cam_ok) {
-        err = cam_machine_check_speed(m, 0);
+        err = check_part(m);
     }
     if (err == cam_ok) {
         err = check_drives(&m->params, &status);
@@ -246,7 +190,7 @@ cam_err_t cam_machine_start(cam_machine_t *m)
     if (status.state != cam_state_ready) {
         return cam_err_state;
     }
-    cam_err_t err = cam_machine_check_speed(m, 0);
+    cam_err_t err = check_part(m);
     if (err == cam_ok && (m->is_in_pass || is_too_fast(m, &status))) {
         err = cam_err_busy;
     }

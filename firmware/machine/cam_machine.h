@@ -13,6 +13,7 @@
 #include "cam_err.h"      // cam_err_t
 #include "cam_feasible.h" // cam_feasibility_t
 #include "cam_identify.h" // cam_identify_t
+#include "cam_keep.h"     // cam_keep_found_t
 #include "cam_param.h"    // cam_params_t
 #include "cam_scope.h"    // cam_scope_t
 #include "cam_table.h"    // cam_table_t
@@ -20,10 +21,41 @@
 #include "cam_tick.h"     // cam_t, cam_status_t
 #include <stdbool.h>      // bool
 
-/// The slow side's state. Only has_table, table, params, pass and tick_hz are for others to read.
+/// Why a change or a command was refused, with the numbers.
+typedef struct {
+    cam_feasibility_t why; ///< .err is the error; of cam_err_param_tick only needed and limit hold,
+                           ///< of cam_err_param_state none
+    cam_param_id_t param;  ///< that may not change or does not fit the tick; cam_n_params: none
+} cam_refusal_t;
+
+/// Where the parameters in force stand.
+typedef enum {
+    cam_kept_none,    ///< none are kept
+    cam_kept_same,    ///< those in force are kept
+    cam_kept_changed, ///< others are kept than those in force
+    cam_kept_damaged, ///< what is kept cannot be used, so a start uses the defaults
+} cam_kept_t;
+
+/// The parameters in force, as a whole.
+typedef struct {
+    uint32_t version;  ///< rises with every change; that of the kept ones after a start
+    uint32_t checksum; ///< cam_keep_checksum()
+    cam_kept_t kept;
+} cam_params_status_t;
+
+/// The slow side's state. Only has_table, table, params, pass, tick_hz, refusal and kept are for
+/// others to read.
 typedef struct {
     cam_t *core;                ///< the interrupt's side
     cam_params_t params;        ///< as last set
+    uint32_t version;           ///< of params: rises with every change
+    uint32_t checksum;          ///< of params, when checksum_version is its version
+    uint32_t checksum_version;  ///< a version, or UINT32_MAX when no checksum was computed
+    cam_keep_found_t kept;      ///< what the port keeps; .err is also that of handing it over
+    uint32_t kept_checksum;     ///< of the kept parameters, when kept.err is cam_ok
+    cam_params_t staged;        ///< parameters that are to change at once
+    uint32_t staged_version;    ///< version on which those rest, UINT32_MAX when there are none
+    cam_refusal_t refusal;      ///< why the last change or command was infeasible
     cam_table_t table;          ///< valid when has_table
     bool has_table;             ///< a good table is in use
     uint32_t tick_hz, clock_hz; ///< from the port
@@ -58,12 +90,42 @@ void cam_machine_init(cam_machine_t *m, cam_t *core, uint32_t tick_hz, uint32_t 
 CAM_MUST_USE cam_err_t cam_machine_select_table(cam_machine_t *m, const void *image, size_t size);
 
 /// Set a parameter. In state off every parameter may change. In ready, where the spindle turns, all
-/// may but those of the encoder, the feed-forward of U and z_is_measured, and the result must be
-/// feasible. In engaging, cutting and disengaging only phase_udeg and amplitude_ppm may, and they
-/// are ramped. In the other states none may.
+/// may but those of the encoder and z_is_measured, and the result must be feasible; the
+/// feed-forward of U may as soon as U is at rest, where it adds nothing to the command. In
+/// engaging, cutting and disengaging only phase_udeg and amplitude_ppm may, and they are ramped. In
+/// the other states none may. What is refused for its numbers is in m->refusal.
 /// @return cam_ok, cam_err_param_id, _range, _state, _tick, cam_err_busy, or a feasibility error,
 ///         for example for an amplitude that the running speed does not allow
 CAM_MUST_USE cam_err_t cam_machine_set_param(cam_machine_t *m, cam_param_id_t id, int32_t value);
+
+/// Begin to change several parameters at once: all are staged as they are in force.
+void cam_machine_stage_begin(cam_machine_t *m);
+
+/// Give a staged parameter a value. Nothing changes before cam_machine_stage_commit().
+/// @return cam_ok, cam_err_params_begin, cam_err_param_id, cam_err_param_range
+CAM_MUST_USE cam_err_t cam_machine_stage(cam_machine_t *m, cam_param_id_t id, int32_t value);
+
+/// Bring all staged parameters into force in the same tick, or none of them. What differs from
+/// those in force must be allowed to change in this state.
+/// @return as cam_machine_set_param(); cam_err_params_begin; cam_err_params_stale when a parameter
+///         was set since the begin. After cam_ok and cam_err_params_stale nothing is staged
+CAM_MUST_USE cam_err_t cam_machine_stage_commit(cam_machine_t *m);
+
+/// Have the port keep the parameters in force.
+/// @return cam_ok, cam_err_state when not off, cam_err_busy, cam_err_params_keep
+/// Context: lasts as long as hal_params_keep().
+CAM_MUST_USE cam_err_t cam_machine_save_params(cam_machine_t *m);
+
+/// Bring the defaults of this port into force; what is kept stays.
+/// @return as cam_machine_set_param()
+CAM_MUST_USE cam_err_t cam_machine_restore_defaults(cam_machine_t *m);
+
+/// Bring the kept parameters into force again.
+/// @return as cam_machine_set_param(), cam_err_params_none, cam_err_params_damaged
+CAM_MUST_USE cam_err_t cam_machine_revert_params(cam_machine_t *m);
+
+/// @return version and checksum of the parameters in force, and whether they are kept
+cam_params_status_t cam_machine_params_status(cam_machine_t *m);
 
 /// Judge a speed for the selected table and the present parameters, the verdict alone: of all
 /// passes, each at its own speed where none is given.

@@ -41,11 +41,17 @@ cam_err_t cam_machine_post_if(cam_machine_t *m, const cam_status_t *status, bool
     return is_allowed ? cam_machine_post(m, status, request) : cam_err_state;
 }
 
-cam_err_t cam_machine_check_start(const cam_machine_t *m, const cam_params_t *params,
-                                  const cam_table_t *table)
+cam_err_t cam_machine_judge(cam_machine_t *m, const cam_params_t *params, const cam_table_t *table)
 {
     uint32_t pass = 0;
-    return cam_pass_check(table, params, 0, m->tick_hz, &pass);
+    const cam_err_t err = cam_pass_check(table, params, 0, m->tick_hz, &pass);
+    if (err != cam_ok) {
+        m->refusal = (cam_refusal_t){
+            .why = cam_pass_feasibility(table, params, 0, m->tick_hz, pass),
+            .param = cam_n_params,
+        };
+    }
+    return err;
 }
 
 cam_err_t cam_machine_hand_over(cam_machine_t *m, const cam_params_t *params,

@@ -31,10 +31,19 @@ CAM_MUST_USE cam_err_t cam_machine_post(cam_machine_t *m, const cam_status_t *st
 CAM_MUST_USE cam_err_t cam_machine_post_if(cam_machine_t *m, const cam_status_t *status,
                                            bool is_allowed, cam_request_t request);
 
-/// Judge the speeds that start would use with these parameters and this table.
+/// Judge the speeds that start would use with these parameters and this table. What is infeasible
+/// is kept with its numbers, for cam_machine_refusal().
 /// @return cam_ok or why not (cam_feasible.h)
-CAM_MUST_USE cam_err_t cam_machine_check_start(const cam_machine_t *m, const cam_params_t *params,
-                                               const cam_table_t *table);
+CAM_MUST_USE cam_err_t cam_machine_judge(cam_machine_t *m, const cam_params_t *params,
+                                         const cam_table_t *table);
+
+/// @return the parameters of a port that keeps none: the defaults, learning where U is measured
+cam_params_t cam_machine_defaults(uint32_t tick_hz);
+
+/// Hand over the parameters that the port keeps, if they are whole and fit the tick.
+/// Context: before the tick starts.
+/// @return false when nothing was handed over; m->kept tells why
+bool cam_machine_load_params(cam_machine_t *m);
 
 /// Hand parameters and table to the interrupt as one configuration, with what has been learned.
 /// Nothing changes on error.

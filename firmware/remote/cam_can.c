@@ -74,6 +74,13 @@ static cam_outcome_t limit(cam_param_id_t id, bool is_lower)
     return (cam_outcome_t){.err = cam_ok, .value = is_lower ? info->min : info->max};
 }
 
+void cam_can_answer_range(cam_can_t *r, cam_param_id_t id)
+{
+    const uint8_t index = (uint8_t)id;
+    cam_can_answer(r, CAMTURN_ANSWER_COMMAND_GET_MINIMUM_CHOICE, index, limit(id, true));
+    cam_can_answer(r, CAMTURN_ANSWER_COMMAND_GET_MAXIMUM_CHOICE, index, limit(id, false));
+}
+
 /// Set a parameter and answer with the value in force; a value out of its range gets the range too.
 static void set(cam_can_t *r, uint8_t command, cam_param_id_t id, int32_t value)
 {
@@ -81,8 +88,7 @@ static void set(cam_can_t *r, uint8_t command, cam_param_id_t id, int32_t value)
     const cam_outcome_t outcome = get(r, id, cam_machine_set_param(r->machine, id, value));
     cam_can_answer(r, command, index, outcome);
     if (outcome.err == cam_err_param_range) {
-        cam_can_answer(r, CAMTURN_ANSWER_COMMAND_GET_MINIMUM_CHOICE, index, limit(id, true));
-        cam_can_answer(r, CAMTURN_ANSWER_COMMAND_GET_MAXIMUM_CHOICE, index, limit(id, false));
+        cam_can_answer_range(r, id);
     }
 }
 
@@ -179,7 +185,7 @@ static void follow(cam_can_t *r, const struct camturn_command_t *m)
         set(r, m->command, cam_param_phase_udeg, m->phase);
         break;
     default:
-        if (!cam_can_scope(r, m)) {
+        if (!cam_can_scope(r, m) && !cam_can_params(r, m)) {
             cam_can_answer(r, m->command, m->parameter, carry_out(r, m));
         }
         break;
@@ -308,6 +314,7 @@ void cam_can_init(cam_can_t *r, cam_machine_t *machine)
         .bytes = r->block, .capacity = sizeof r->block, .timeout_ticks = machine->tick_hz};
     cam_store_init(&r->store, machine);
     cam_lines_start(&r->report.start);
+    cam_lines_params(machine);
     (void)select_and_say(r);
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_lines.h"
+#include <stddef.h> // NULL
 
 enum { max_line = 120 }; ///< longest line that hal_text() allows
 
@@ -40,6 +41,59 @@ void cam_lines_start(const hal_start_t *start)
     const bool is_known = (uint32_t)start->reset < sizeof reasons / sizeof reasons[0];
     const char *reason = is_known ? reasons[start->reset] : "unknown reset";
     say("start: ", reason, start->why[0] != '\0' ? ": " : "", start->why);
+}
+
+/// Write a number behind a text.
+static void add_number(line_t *line, uint32_t number)
+{
+    char digits[12];
+    uint32_t at = (uint32_t)sizeof digits - 1u;
+    uint32_t left = number;
+    digits[at] = '\0';
+    do {
+        at--;
+        digits[at] = (char)('0' + (char)(left % 10u));
+        left /= 10u;
+    } while (left > 0u);
+    add(line, &digits[at]);
+}
+
+/// Report that of the kept parameters some are not used as they are.
+/// @param n     how many; 0: nothing is reported
+/// @param name  of the first
+static void say_some(uint32_t n, const char *name, const char *what)
+{
+    line_t line = {.n = 0};
+    if (n > 0u) {
+        add(&line, "params: ");
+        add_number(&line, n);
+        add(&line, what);
+        add(&line, name);
+        hal_text(line.text);
+    }
+}
+
+static const char *name_of(cam_param_id_t id)
+{
+    const cam_param_info_t *info = cam_param_info(id);
+    return info != NULL ? info->name : "";
+}
+
+void cam_lines_params(const cam_machine_t *machine)
+{
+    const cam_keep_found_t *kept = &machine->kept;
+    if (kept->err != cam_ok) {
+        say("params: ", cam_err_text(kept->err), " - defaults in use", "");
+        return;
+    }
+    line_t line = {.n = 0};
+    add(&line, "params: version ");
+    add_number(&line, kept->version);
+    add(&line, kept->is_torn ? " in use, what was to be saved after it is not whole" : " in use");
+    hal_text(line.text);
+    say_some(kept->n_unknown, kept->unknown, " unknown to this firmware and left out, first ");
+    say_some(kept->n_unfit, name_of(kept->unfit), " out of range and left at default, first ");
+    say_some(kept->n_missing, name_of(kept->missing), " not among those kept, at default, first ");
 }
 
 void cam_lines_table(cam_lines_t *l, const cam_store_t *store)

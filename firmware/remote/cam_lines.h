@@ -21,6 +21,10 @@ typedef struct {
 /// Report why the controller started, for example "start: watchdog reset".
 void cam_lines_start(const hal_start_t *start);
 
+/// Report which parameters the controller begins with, for example "params: version 12 in use", and
+/// what of the kept ones this image does not know.
+void cam_lines_params(const cam_machine_t *machine);
+
 /// Report the result of the last check of the table.
 void cam_lines_table(cam_lines_t *l, const cam_store_t *store);
 

@@ -15,7 +15,9 @@ enum {
     page_crc,
     page_name,
     page_learning = 11,
-    n_pages = 16
+    page_learning_end = 16,
+    page_params = 21,
+    n_pages = 22
 };
 
 /// Characters of the table's name in a page. Readers see them as one number of 48 bits.
@@ -125,7 +127,7 @@ static void describe_table(struct camturn_detail_t *m, const cam_store_t *store)
 static void describe_learning(struct camturn_detail_t *m, const cam_machine_t *machine)
 {
     enum { most = (1 << 24) - 1 };
-    if (m->page < page_learning) {
+    if (m->page < page_learning || m->page >= page_learning_end) {
         return;
     }
     const cam_teach_status_t t = cam_machine_learning(machine);
@@ -141,6 +143,19 @@ static void describe_learning(struct camturn_detail_t *m, const cam_machine_t *m
     m->learn_correction = t.correction_nm;
     m->learn_ripple = t.ripple_nturn < (uint32_t)most ? t.ripple_nturn : (uint32_t)most;
     m->learn_speed = t.speed_mrpm;
+}
+
+/// Fill in the signals of the page about the parameters.
+static void describe_params(struct camturn_detail_t *m, cam_machine_t *machine)
+{
+    enum { most = 1 << 20 };
+    if (m->page != page_params) {
+        return;
+    }
+    const cam_params_status_t p = cam_machine_params_status(machine);
+    m->params_kept = (uint8_t)p.kept;
+    m->params_version = p.version % (uint32_t)most;
+    m->params_checksum = p.checksum;
 }
 
 /// @return number of the pass that is cut or that start cuts next; 0 of a table without passes
@@ -172,6 +187,7 @@ static void send_detail(uint32_t page, const cam_store_t *store, const cam_statu
     m.tick_time_max = page == page_load ? longest_tick_ns() : 0u;
     describe_table(&m, store);
     describe_learning(&m, store->machine);
+    describe_params(&m, store->machine);
     hal_can_frame_t frame;
     send(&frame, CAMTURN_DETAIL_FRAME_ID, camturn_detail_pack(frame.data, &m, sizeof frame.data));
 }

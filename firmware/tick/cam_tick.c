@@ -217,6 +217,7 @@ cam_status_t cam_tick_status(const cam_t *c)
         .first_fault = guard.first_faults,
         .is_synced = r.angle.is_synced,
         .is_retracted = r.want.is_retracted,
+        .is_u_at_rest = r.out[hal_axis_u].vel_q10 == 0 && r.out[hal_axis_u].acc_q10 == 0,
         .inputs = r.in.inputs,
         .outputs = r.want.outputs,
         .pos_q32 = r.angle.pos_q32,

@@ -32,6 +32,7 @@ typedef struct {
     uint32_t first_fault; ///< the mask of the tick in which the fault state was entered
     bool is_synced;       ///< angle known
     bool is_retracted;    ///< tool at rest out of the work
+    bool is_u_at_rest;    ///< the set-point of U stands
     uint32_t inputs;      ///< hal_in_*
     uint32_t outputs;     ///< hal_out_*
     int64_t pos_q32;      ///< [turn, Q32.32] master position

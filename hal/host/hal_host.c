@@ -131,6 +131,23 @@ bool hal_table_commit(void)
     return true;
 }
 
+static uint8_t params[hal_params_most_bytes];
+
+hal_params_t hal_params_kept(void)
+{
+    return hal_host.slow.params;
+}
+
+bool hal_params_keep(const void *bytes, uint32_t size)
+{
+    const bool is_good = size > 0u && size <= sizeof params && stores();
+    if (is_good) {
+        (void)memcpy(params, bytes, size);
+        hal_host.slow.params = (hal_params_t){.bytes = params, .size = size};
+    }
+    return is_good;
+}
+
 hal_load_t hal_load(void)
 {
     return hal_host.slow.load;

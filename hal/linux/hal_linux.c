@@ -10,6 +10,7 @@
 #include "lin_lines.h"
 #include "lin_notify.h"
 #include "lin_options.h"
+#include "lin_params.h"
 #include "lin_stop.h"
 #include "lin_table.h"
 #include "lin_tell.h"
@@ -129,6 +130,10 @@ static bool bring_up(common_error_t *e)
     }
     start_or_end(&options);
     port.start = lin_kept_start(port.config.table_file);
+    lin_params_open(port.config.params_file, e);
+    if (e->text[0] != '\0') {
+        hal_text(e->text); // the controller starts all the same, with its defaults
+    }
     lin_bus_init(&port.bus, &port.config);
     port.is_remote_shared = strcmp(port.config.can.remote, port.config.can.interface) == 0;
     atomic_store(&port.is_mute, port.is_remote_shared);
@@ -290,6 +295,21 @@ bool hal_table_commit(void)
         hal_text(e.text);
     }
     return is_stored;
+}
+
+hal_params_t hal_params_kept(void)
+{
+    return lin_params_kept();
+}
+
+bool hal_params_keep(const void *bytes, uint32_t size)
+{
+    common_error_t e;
+    const bool is_kept = lin_params_keep(bytes, size, &e);
+    if (e.text[0] != '\0') {
+        hal_text(e.text);
+    }
+    return is_kept;
 }
 
 hal_load_t hal_load(void)

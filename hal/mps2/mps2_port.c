@@ -112,6 +112,24 @@ bool hal_table_commit(void)
     return is_begun;
 }
 
+static uint8_t params[hal_params_most_bytes]; ///< in RAM, too
+static uint32_t n_params;
+
+hal_params_t hal_params_kept(void)
+{
+    return (hal_params_t){.bytes = params, .size = n_params};
+}
+
+bool hal_params_keep(const void *bytes, uint32_t size)
+{
+    if (size == 0u || size > sizeof params) {
+        return false;
+    }
+    (void)memcpy(params, bytes, size);
+    n_params = size;
+    return true;
+}
+
 bool mps2_machine_can_receive(const hal_can_frame_t *frame)
 {
     if (mps2_machine.slow.n_received - mps2_machine.slow.n_read == mps2_can_frames) {

@@ -9,6 +9,7 @@
 #include "stm_dac.h"
 #include "stm_keep.h"
 #include "stm_memory.h"
+#include "stm_params.h"
 #include "stm_pins.h"
 #include "stm_table.h"
 #include "stm_tick.h"
@@ -48,6 +49,7 @@ int hal_init(void)
 {
     start = stm_keep_start();
     stm_table_init();
+    stm_params_init();
     if (!is_fast_revision()) {
         return no_revision;
     }

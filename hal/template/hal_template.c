@@ -119,6 +119,22 @@ bool hal_table_commit(void)
     return false;
 }
 
+/// Return what hal_params_keep() kept last. It is called before the tick starts.
+hal_params_t hal_params_kept(void)
+{
+    return (hal_params_t){.bytes = NULL};
+}
+
+/// Append a record with a checksum to a log in flash of its own. Before a full sector is erased,
+/// the newest record must stand in another one, and a torn record must neither count nor cause an
+/// exception when it is read.
+bool hal_params_keep(const void *bytes, uint32_t size)
+{
+    (void)bytes;
+    (void)size;
+    return false;
+}
+
 /// Return the durations that the timer's interrupt measures: read a cycle counter before and after
 /// cam_isr().
 hal_load_t hal_load(void)

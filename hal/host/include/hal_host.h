@@ -52,14 +52,16 @@ typedef struct {
         hal_can_frame_t received[hal_host_can_frames]; ///< ring, hal_host_can_receive()
         hal_can_frame_t sent[hal_host_can_frames];     ///< ring, newest at n_sent - 1
         uint32_t n_received, n_read, n_sent;
-        hal_image_t staged; ///< place of the download; .bytes == NULL when none was begun
-        uint32_t n_store;   ///< calls of hal_table_begin, _write and _commit that still succeed
-        uint32_t n_room;    ///< frames for which the transmit queue still has room
-        bool is_bus_off;    ///< nothing can be sent
-        bool has_no_swing;  ///< the machine has no axis for the swing
-        bool has_edge_time; ///< `in.encoder.edge_clock` is kept up to date
-        bool measures_u;    ///< `in.axis_nm[hal_axis_u]` is a measurement
-        uint32_t n_kept;    ///< [words] of hal_scope_keep(), which a start finds again
+        hal_image_t staged;  ///< place of the download; .bytes == NULL when none was begun
+        uint32_t n_store;    ///< calls of hal_table_begin, _write, _commit and hal_params_keep that
+                             ///< still succeed
+        hal_params_t params; ///< kept parameters
+        uint32_t n_room;     ///< frames for which the transmit queue still has room
+        bool is_bus_off;     ///< nothing can be sent
+        bool has_no_swing;   ///< the machine has no axis for the swing
+        bool has_edge_time;  ///< `in.encoder.edge_clock` is kept up to date
+        bool measures_u;     ///< `in.axis_nm[hal_axis_u]` is a measurement
+        uint32_t n_kept;     ///< [words] of hal_scope_keep(), which a start finds again
     } slow;
     uint32_t tick_hz;     ///< [Hz] set before hal_init(), 20 000 when 0
     uint32_t clock;       ///< [1 / hal_host_clock_hz] virtual time stamp, wraps

@@ -102,6 +102,17 @@ typedef struct {
 /// [bytes] that a flash memory programs at once; pieces of a download are multiples of it.
 enum { hal_table_grain = 32 };
 
+/// [bytes] of parameters that a port keeps at most.
+enum { hal_params_most_bytes = 16384 };
+
+/// The parameters that a port keeps over a restart.
+typedef struct {
+    const void *bytes; ///< as given to hal_params_keep()
+    uint32_t size;     ///< [bytes] that may be read; 0: there are none
+    bool is_damaged;   ///< something newer than these is there, but not whole; or there is
+                       ///< something, and none of it is whole
+} hal_params_t;
+
 /// Duration of the interrupt without its entry and exit.
 typedef struct {
     uint32_t last_cycles; ///< of the last tick
@@ -203,6 +214,19 @@ hal_image_t hal_table_staged(void);
 /// the new table, complete.
 /// @return false when no download was begun or it cannot be kept; the old table stays in force
 bool hal_table_commit(void);
+
+/// @return the parameters that were kept last. Their content may be anything; the caller checks it.
+/// The bytes stay as they are until hal_params_keep(). Simulator: none until some are kept.
+hal_params_t hal_params_kept(void);
+
+/// Keep parameters instead of those of before, from now on and after every restart. The change is
+/// atomic: if the supply fails, the next start finds either the old or the new ones, complete.
+/// Called in state off only, when no tick reads a table. It may block, but cam_isr() and the
+/// watchdog's supervision of main() must go on meanwhile.
+/// @param size  [bytes] 1 .. hal_params_most_bytes
+/// @return      false when they cannot be kept; then those of before are
+/// Context: main(); with flash some milliseconds, now and then some seconds.
+bool hal_params_keep(const void *bytes, uint32_t size);
 
 /// @return how long cam_isr() took, in cycles. Simulator: as set by the test.
 hal_load_t hal_load(void);

@@ -73,6 +73,7 @@ static const common_setting_t settings[] = {
     LINE("switch_8", lin_line_switch_1 + 7),
     TEXT("table", "file", table_file, lin_path_max),
     WHOLE("table", "max_bytes", table_max_bytes, 1024, 67108864),
+    TEXT("parameters", "file", params_file, lin_path_max),
 };
 enum { n_settings = sizeof settings / sizeof settings[0] };
 _Static_assert((int)n_settings <= (int)common_settings_max, "one flag for each key");
@@ -109,6 +110,7 @@ lin_config_t lin_config_defaults(void)
                  [lin_line_switch_1 + 7] = NONE},
         .table_file = "/var/lib/camturn/table.camtab",
         .table_max_bytes = 1048576,
+        .params_file = "/var/lib/camturn/parameters.toml",
     };
 }
 

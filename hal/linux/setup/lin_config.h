@@ -72,6 +72,7 @@ typedef struct {
     lin_line_config_t line[lin_n_lines];
     char table_file[lin_path_max + 1];
     int64_t table_max_bytes;
+    char params_file[lin_path_max + 1]; ///< "": parameters are not kept
 } lin_config_t;
 
 /// @return the values of keys that a file leaves out

@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hal/hal.h" // lin_table_*
+#include "hal/hal.h"  // lin_table_*
+#include "lin_file.h" // lin_file_replace
 #include "lin_table.h"
 #include <errno.h>    // errno
 #include <fcntl.h>    // open
-#include <libgen.h>   // dirname
-#include <stdio.h>    // rename, snprintf
 #include <stdlib.h>   // aligned_alloc
 #include <string.h>   // memcpy
 #include <sys/stat.h> // fstat
-#include <unistd.h>   // read
+#include <unistd.h>   // close
 
-enum { alignment = 64, path_bytes = 256, erased = 0xFF };
+enum { alignment = 64, erased = 0xFF };
 
 typedef struct {
     uint8_t *bytes; ///< `room` of them
@@ -30,18 +29,6 @@ static bank_t *other(void)
     return &table.banks[1 - table.i_active];
 }
 
-static bool read_all(int fd, uint8_t *bytes, size_t size)
-{
-    for (size_t done = 0; done < size;) {
-        const ssize_t n = read(fd, bytes + done, size - done);
-        if (n <= 0) {
-            return false;
-        }
-        done += (size_t)n;
-    }
-    return true;
-}
-
 static bool load(int fd, common_error_t *e)
 {
     struct stat about;
@@ -53,7 +40,7 @@ static bool load(int fd, common_error_t *e)
                             (long long)about.st_size);
     }
     bank_t *bank = &table.banks[table.i_active];
-    if (!read_all(fd, bank->bytes, (size_t)about.st_size)) {
+    if (lin_file_read(fd, bank->bytes, (uint32_t)about.st_size) != about.st_size) {
         return common_error(e, "%s: cannot be read: %s", table.path, strerror(errno));
     }
     bank->size = (uint32_t)about.st_size;
@@ -120,67 +107,15 @@ hal_image_t lin_table_staged(void)
                           : (hal_image_t){.bytes = NULL, .size = 0};
 }
 
-static bool write_all(int fd, const uint8_t *bytes, size_t size)
-{
-    for (size_t done = 0; done < size;) {
-        const ssize_t n = write(fd, bytes + done, size - done);
-        if (n < 0) {
-            return false;
-        }
-        done += (size_t)n;
-    }
-    return true;
-}
-
-/// Close a file; errno stays that of an earlier failure.
-static bool close_well(int fd, bool is_good)
-{
-    const int err = errno;
-    const bool is_closed = close(fd) == 0;
-    errno = is_good ? errno : err;
-    return is_closed && is_good;
-}
-
-static bool store(const char *path, const bank_t *bank)
-{
-    const int fd = open(path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
-    if (fd < 0) {
-        return false;
-    }
-    const bool is_written = write_all(fd, bank->bytes, bank->size) && fsync(fd) == 0;
-    return close_well(fd, is_written);
-}
-
-/// Bring the entry in the folder to the disk, too.
-static bool sync_folder(void)
-{
-    char path[path_bytes];
-    (void)snprintf(path, sizeof path, "%s", table.path);
-    const int fd = open(dirname(path), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (fd < 0) {
-        return false;
-    }
-    return close_well(fd, fsync(fd) == 0);
-}
-
 bool lin_table_commit(common_error_t *e)
 {
-    char fresh[path_bytes];
     if (!table.is_begun) {
         return common_error(e, "no table was begun");
     }
-    (void)snprintf(fresh, sizeof fresh, "%s.new", table.path);
-    if (!store(fresh, other()) || rename(fresh, table.path) != 0) {
-        (void)common_error(e, "%s: not written: %s", table.path, strerror(errno));
-        (void)unlink(fresh);
+    if (!lin_file_replace(table.path, other()->bytes, other()->size, e)) {
         return false;
     }
     table.is_begun = false;
     table.i_active = 1 - table.i_active;
-    e->text[0] = '\0';
-    if (!sync_folder()) {
-        (void)common_error(e, "%s: in force, but a loss of power may bring the old one back: %s",
-                           table.path, strerror(errno));
-    }
     return true;
 }

@@ -131,6 +131,8 @@ def test_recorder_and_learning_are_those_of_the_firmware(database: Database) -> 
         told = [row[0] for row in rows("cam_scope.h", f"CAM_SCOPE_{macro}")]
         assert len(told) > 10
         assert tables[name] == dict(enumerate(told))
+    refusals = [row[0] for row in rows("cam_can_inner.h", "CAM_CAN_REFUSALS")]
+    assert tables["refusal_field"] == dict(enumerate(refusals))
     scope, identify = header_of("cam_scope.h"), header_of("cam_identify.h")
     assert tables["scope_phase"] == enumerators(scope, "cam_scope_phase_t", "cam_scope_")
     assert tables["scope_end"] == enumerators(scope, "cam_scope_end_t", "cam_scope_")
@@ -140,6 +142,8 @@ def test_recorder_and_learning_are_those_of_the_firmware(database: Database) -> 
     assert tables["trigger"] == triggers
     assert tables["excited"] == enumerators(identify, "cam_excited_t", "cam_excited_")
     detail, teach = database.get_message_by_name("Detail"), header_of("cam_teach.h")
+    kept = enumerators(header_of("cam_machine.h"), "cam_kept_t", "cam_kept_")
+    assert choices(detail, "params_kept") == kept
     for name in ("phase", "reason"):
         words = enumerators(teach, f"cam_teach_{name}_t", "cam_teach_")
         assert words.popitem()[1].startswith("n_")

@@ -176,7 +176,7 @@ static void test_speed_is_rounded_signed_and_saturated(void)
 static void turn_pages(uint8_t page)
 {
     fixture_can_loop(&f, 1);
-    for (uint32_t i = 0; i < 20u * 200u && fixture_can_detail(page).id == 0u; i++) {
+    for (uint32_t i = 0; i < 40u * 200u && fixture_can_detail(page).id == 0u; i++) {
         fixture_can_loop(&f, 1);
     }
     TEST_ASSERT_EQUAL_HEX32(0x4C0, fixture_can_detail(page).id);
@@ -311,7 +311,7 @@ static void expect_start(const char *line, hal_reset_t reset, const char *why)
 {
     hal_host.slow.start = (hal_start_t){.reset = reset, .why = why};
     fixture_can_start(&f);
-    TEST_ASSERT_EQUAL_STRING(line, fixture_can_line(1));
+    TEST_ASSERT_EQUAL_STRING(line, fixture_can_line(2));
 }
 
 static void test_start_is_told_with_its_reason(void)
@@ -337,20 +337,20 @@ static void test_a_long_line_is_cut_off(void)
     memset(why, 'w', sizeof why - 1u);
     hal_host.slow.start = (hal_start_t){.reset = hal_reset_halt, .why = why};
     fixture_can_start(&f);
-    TEST_ASSERT_EQUAL_size_t(120, strlen(fixture_can_line(1)));
-    TEST_ASSERT_EQUAL_STRING_LEN("start: halt: wwww", fixture_can_line(1), 17);
+    TEST_ASSERT_EQUAL_size_t(120, strlen(fixture_can_line(2)));
+    TEST_ASSERT_EQUAL_STRING_LEN("start: halt: wwww", fixture_can_line(2), 17);
 }
 
 static void test_every_change_of_state_is_told_once(void)
 {
-    TEST_ASSERT_EQUAL_UINT32(2, hal_host.n_lines); // start, table
+    TEST_ASSERT_EQUAL_UINT32(3, hal_host.n_lines); // start, params, table
     TEST_ASSERT_TRUE(fixture_rig_bring(&f.rig, cam_state_homing));
     fixture_can_loop(&f, 10);
-    TEST_ASSERT_EQUAL_UINT32(3, hal_host.n_lines);
+    TEST_ASSERT_EQUAL_UINT32(4, hal_host.n_lines);
     TEST_ASSERT_EQUAL_STRING("state homing", fixture_can_line(0));
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_disable(&f.rig.machine));
     fixture_can_loop(&f, 10);
-    TEST_ASSERT_EQUAL_UINT32(4, hal_host.n_lines);
+    TEST_ASSERT_EQUAL_UINT32(5, hal_host.n_lines);
     TEST_ASSERT_EQUAL_STRING("state off", fixture_can_line(0));
 }
 

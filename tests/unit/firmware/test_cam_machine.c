@@ -149,7 +149,7 @@ static void test_parameters_change_only_where_they_may(void)
                                          cam_param_phase_udeg,      cam_param_amplitude_ppm};
     static const bool allowed[cam_n_states][6] = {
         [cam_state_off] = {true, true, true, true, true, true},
-        [cam_state_ready] = {false, false, false, true, true, true},
+        [cam_state_ready] = {false, true, false, true, true, true},
         [cam_state_engaging] = {false, false, false, false, true, true},
         [cam_state_cutting] = {false, false, false, false, true, true},
         [cam_state_disengaging] = {false, false, false, false, true, true},

@@ -76,6 +76,18 @@ bool hal_measures_u(void)
     return false;
 }
 
+hal_params_t hal_params_kept(void)
+{
+    return (hal_params_t){0};
+}
+
+bool hal_params_keep(const void *bytes, uint32_t size)
+{
+    (void)bytes;
+    (void)size;
+    return false;
+}
+
 void hal_swing_write_isr(const hal_swing_t *setpoint)
 {
     (void)setpoint;

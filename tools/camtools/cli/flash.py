@@ -44,7 +44,7 @@ class Region:
 FIRMWARE = Region("the first sector", 0x0800_0000, 1 << 17)
 LOG = Region("the log of places", 0x080E_0000, 1 << 17)
 FIRST_PLACE = ROOT / "hal" / "stm32h743" / "first_place.bin"  # record: TABLE is in use
-TABLE = Region("bank 2", 0x0810_0000, 1 << 20)
+TABLE = Region("place 0", 0x0810_0000, 6 << 17)  # behind it parameters are kept
 _DTCM = range(0x2000_0000, 0x2002_0001)
 
 
