@@ -4,7 +4,7 @@
 #include "cam_units.h" // cam_units_turn_of_udeg
 #include <stdbool.h>   // bool
 
-enum { turn_udeg = 360000000, quarter = 4 };
+enum { turn_udeg = 360000000, quarter = 4, half_tick_q16 = 32768 };
 
 /// The parameters of one output, in the order of their list.
 enum {
@@ -63,7 +63,7 @@ static cam_switch_config_t window(const cam_params_t *p, uint32_t i, int32_t sen
         .from_q32 = (uint32_t)(uint64_t)(n * first_q32),
         .width_q32 = (uint32_t)wide_q32,
         .hysteresis_q32 = (uint32_t)hysteresis_q32,
-        .ahead_q16 = cam_units_ticks_of_ns(field(p, i, dead_time_ns), tick_hz),
+        .ahead_q16 = cam_units_ticks_of_ns(field(p, i, dead_time_ns), tick_hz) + half_tick_q16,
         .is_anywhere = low_nm == high_nm,
         .z_low_nm = low_nm,
         .z_high_nm = high_nm,

@@ -144,7 +144,7 @@ typedef struct {
     uint32_t from_q32;           ///< [turn / 2^32] begin of the window, times per_turn
     uint32_t width_q32;          ///< ... its width likewise
     uint32_t hysteresis_q32;     ///< [turn / 2^32] below a quarter of a turn
-    int32_t ahead_q16;           ///< [ticks] dead time of what is switched
+    int32_t ahead_q16;           ///< [ticks] dead time of what is switched, and half a tick
     bool is_anywhere;            ///< there is no window of the height
     int32_t z_low_nm, z_high_nm; ///< [nm] that window, both ends included
     int32_t sense;               ///< 1, -1: on in this sense of rotation only; 0: in both

@@ -4,7 +4,9 @@
 /// Each of the eight outputs has one window of the drawing's angle, repeated per_turn times per
 /// turn, and one of the height. An output whose actuator takes a time to act is switched that much
 /// ahead, at any speed and in both senses of rotation:
-///     on where (n (angle + speed * dead time) - from) mod 1 < width       MATHS.md (180)
+///     on where (n (angle + speed * (dead time + half a tick)) - from) mod 1 < width  MATHS.md
+///     (180)
+/// so that a change comes in the tick that is nearest to the end of the window.
 /// Behind a change an output stays as it is until the spindle has left the place of the change by
 /// the hysteresis, in either sense, so that a spindle that trembles on an edge does not make it
 /// chatter; a spindle that goes on switches at the edges exactly.

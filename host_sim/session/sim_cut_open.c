@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_cut.h"
-#include "sim_cut_pass.h" // sim_cut_plan_pass
-#include "cam_feed.h"     // cam_feed_least_nm
-#include "cam_fit.h"      // cam_fit_most
-#include "sim_lobe_cut.h" // sim_lobe_cut_begin
-#include "sim_slow.h"     // sim_slow_check
-#include "sim_units.h"    // SIM_NM_PER_MM
-#include <math.h>         // floor
-#include <stdio.h>        // snprintf
-#include <string.h>       // memset
+#include "sim_cut_pass.h"       // sim_cut_plan_pass
+#include "cam_feed.h"           // cam_feed_least_nm
+#include "cam_fit.h"            // cam_fit_most
+#include "sim_lobe_cut.h"       // sim_lobe_cut_begin
+#include "sim_slow.h"           // sim_slow_check
+#include "sim_switch_summary.h" // sim_switch_windows
+#include "sim_units.h"          // SIM_NM_PER_MM
+#include <math.h>               // floor
+#include <stdio.h>              // snprintf
+#include <string.h>             // memset
 
 static void wish(sim_wishes_t *w, cam_param_id_t id, double value)
 {
@@ -299,6 +300,9 @@ static void plan(sim_cut_t *cut)
     sim_cut_plan_pass(cut);
     // Twice the turns from engaging to the end, and a minute, for spin-up and homing.
     cut->max_s = s->options.max_s > 0.0 ? s->options.max_s : 2.0 * sim_cut_planned_s(cut) + 60.0;
+    sim_switch_window_t windows[sim_switches_n];
+    sim_switch_windows(&cut->params, windows);
+    sim_switches_init(&cut->switches, windows);
     sim_turns_init(&cut->turns, cut->params.engage_turns, cut->params.rehearse_turns,
                    cut->params.disengage_turns);
     s->phase_turn = cut->params.phase_udeg / SIM_UDEG_PER_TURN;

@@ -33,6 +33,7 @@ from camtools.report import compare as report_compare
 from camtools.report import motion as report_motion
 from camtools.report.learning import CONVERGENCE_TEXT, convergence
 from camtools.report.page import Caption, Page, render_page
+from camtools.report.switches import SWITCHES_TEXT, switches
 from camtools.sim.results import CUTTING, FAULT, CutTrace
 
 _N_BINS = 720
@@ -72,6 +73,7 @@ _TEXTS = {
         "what the swing's drive and the steps of its set-points leave, enlarged.",
     ),
     "learning": CONVERGENCE_TEXT,
+    "switches": SWITCHES_TEXT,
     "following": (
         "Following error of U",
         "How far U was from where it should have been at that moment; the band holds every turn. "
@@ -206,6 +208,7 @@ def _drawers(outcome: LobeOutcome) -> dict[str, Callable[[], Figure]]:
     if outcome.surface.turn.size:
         drawers["profile"] = lambda: draw_profile(outcome)
     drawers |= convergence(outcome.summary)
+    drawers |= switches(outcome.summary)
     if (trace.state == CUTTING).any():
         drawers["speed"] = lambda: draw_speed(outcome)
         if swing_deg is not None:

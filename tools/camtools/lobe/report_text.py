@@ -13,6 +13,7 @@ from camtools.base.quantities import Floats, length_text
 from camtools.lobe.generate import GeneratedLobes
 from camtools.lobe.plunge import left_by_wear_um
 from camtools.report.learning_text import learning_rows
+from camtools.report.switches_text import switch_rows
 from camtools.report.text import ReportRow, error_pair
 from camtools.sim.results import Cut
 
@@ -121,6 +122,7 @@ def lobe_rows(outcome: LobeOutcome) -> list[ReportRow]:
         *_rake_rows(found),
         ReportRow("following error of U", error_pair(summary["following_error_um"])),
         *learning_rows(summary),
+        *switch_rows(summary),
         ReportRow(
             "table", f"{summary['table_bytes']} bytes, error at most {made.lift.error:.2g} nm"
         ),

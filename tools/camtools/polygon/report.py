@@ -30,6 +30,7 @@ from camtools.report import compare as report_compare
 from camtools.report import motion as report_motion
 from camtools.report.learning import CONVERGENCE_TEXT, convergence
 from camtools.report.page import EDGE_IS_A_POINT, Page, Picture, render_page
+from camtools.report.switches import SWITCHES_TEXT, switches
 from camtools.sim.results import CUTTING, FAULT, GaugedSurface
 from camtools.skirt import report_surface
 
@@ -69,6 +70,7 @@ _TEXTS = {
         "peaks are what the limits of the machine above are compared with.",
     ),
     "learning": CONVERGENCE_TEXT,
+    "switches": SWITCHES_TEXT,
     "following": (
         "Following error of U",
         "How far U was from where it should have been at that moment; the band holds every turn of "
@@ -189,6 +191,7 @@ def _drawers(outcome: PolygonCut) -> dict[str, Callable[[], Figure]]:
         drawers["height"] = lambda: _named(report_surface.draw_height(surface, geometry))
     drawers["motion"] = lambda: draw_cut_motion(outcome)
     drawers |= convergence(outcome.summary)
+    drawers |= switches(outcome.summary)
     if (trace.state == CUTTING).any():
         drawers["following"] = lambda: _named(report_motion.draw_following(trace))
     if trace.t_s.size > 1:

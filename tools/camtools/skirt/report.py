@@ -16,6 +16,7 @@ from camtools.report import compare as report_compare
 from camtools.report import motion as report_motion
 from camtools.report.learning import CONVERGENCE_TEXT, convergence
 from camtools.report.page import EDGE_IS_A_POINT, Page, Picture, render_page
+from camtools.report.switches import SWITCHES_TEXT, switches
 from camtools.sim.results import CUTTING, FAULT
 from camtools.skirt import report_surface
 from camtools.skirt.outcome import SkirtOutcome
@@ -81,6 +82,7 @@ _TEXTS = {
         "normal when the ovality rises; a spike at an end comes from the engage or disengage.",
     ),
     "learning": CONVERGENCE_TEXT,
+    "switches": SWITCHES_TEXT,
     "motion": (
         "Motion of U over one turn",
         "U swings in and out twice per turn; the measured points must lie on the drawn curve in "
@@ -133,6 +135,7 @@ def _drawers(outcome: SkirtOutcome) -> dict[str, Callable[[], Figure]]:
         drawers["height"] = lambda: report_surface.draw_height(surface, geometry)
         drawers["skirt"] = lambda: draw_skirt(surface, geometry, factor)
     drawers |= convergence(outcome.summary)
+    drawers |= switches(outcome.summary)
     even, speed = outcome.even, outcome.generated.speed
     law = speed.channel if speed is not None else None
     drawers["motion"] = lambda: draw_motion(trace, geometry, speed_rpm, middle_mm, law)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from camtools.base.json_text import Json
 from camtools.base.quantities import length_text
 from camtools.report.learning_text import learning_rows
+from camtools.report.switches_text import switch_rows
 from camtools.report.text import ReportRow, error_pair
 from camtools.skirt.outcome import SkirtOutcome
 from camtools.skirt.part import SkirtProcess
@@ -151,6 +152,7 @@ def rows_of(outcome: SkirtOutcome) -> list[ReportRow]:
         *pass_rows(summary),
         ReportRow("following error of U", error_pair(summary["following_error_um"])),
         *learning_rows(summary),
+        *switch_rows(summary),
         *_corner_rows(outcome),
         *_filter_rows(outcome),
         *_removal_rows(outcome),

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+/// sim_switch_summary: what the position switches did, as JSON, nothing when none is in use.
+///
+///     "switches": [{"output", "windows_per_turn", "on_deg", "off_deg", "dead_time_us",
+///                   "times_on", "times_off", "other_on", "other_off",
+///                   "on_error_deg": {"mean", "max"}, "off_error_deg": .., "z_mm": [low, high]}]
+///
+/// Errors are those of sim_switches.h; an error of a change that never came is null.
+#ifndef SIM_SWITCH_SUMMARY_H
+#define SIM_SWITCH_SUMMARY_H
+
+#include "cam_param.h"    // cam_params_t
+#include "sim_switches.h" // sim_switches_t
+#include <cjson/cJSON.h>
+
+/// @return the windows of the parameters, sim_switches_n of them; those not in use are 0
+void sim_switch_windows(const cam_params_t *params, sim_switch_window_t *to);
+
+void sim_switch_summary(cJSON *root, const sim_switches_t *switches);
+
+#endif
