@@ -178,7 +178,7 @@ def host_steps() -> list[Step]:
 
 
 def linux_steps() -> list[Step]:
-    """Return the port for Linux: with the system's libgpiod and with version 2, and on a kernel."""
+    """Return the port for Linux, with both versions of libgpiod and on a kernel, and LinuxCNC's."""
     # The compile commands are gcc's: clang does not know all of its optimisations.
     files = (r"/hal/linux/.*\.c$", "-extra-arg=-Wno-ignored-optimization-argument")
     start = ("tests/linux/test_uml.py", "tests/linux/test_linux_start.py")
@@ -191,6 +191,7 @@ def linux_steps() -> list[Step]:
         clang_tidy("linux", *files),
         build("linux-gpiod2"),
         clang_tidy("linux-gpiod2", *files),
+        pytest("linuxcnc", "tests/linuxcnc", needs=("build host",)),
     ]
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""LinuxCNC's own interpreter, for tests only: installed, or unpacked from its Debian package.
+"""LinuxCNC itself, for tests only: installed, or unpacked from its Debian packages.
 
 Unpacking needs no root and leaves the system alone: the package itself would bring a desktop.
 """
@@ -19,8 +19,13 @@ from linuxcnc_reader import REFUSED
 from part_cases import ROOT
 
 FOLDER = ROOT / "build" / "linuxcnc"
-PACKAGES = ("linuxcnc-uspace", "libboost-python1.74.0", "libtirpc3", "libedit2", "libpython3.11")
+PACKAGES = (
+    "linuxcnc-uspace", "linuxcnc-uspace-dev", "python3-yapps",
+    "libboost-python1.74.0", "libtirpc3", "libedit2", "libpython3.11",
+)  # fmt: skip
 REMEDY = "on Debian 12: apt-get install linuxcnc-uspace, or apt-get update for apt-get download"
+UNPACKED = FOLDER / "root"
+DEVELOPMENT = ("bin/halcompile", "include/linuxcnc/hal.h", "share/linuxcnc/Makefile.modinc")
 READER = Path(__file__).with_name("linuxcnc_reader.py")
 AXES = "XYZABCUVW"
 
@@ -92,8 +97,27 @@ def _unpack() -> None:
     parts = FOLDER / f"root.{os.getpid()}"
     for deb in sorted(debs.glob("*.deb")):
         subprocess.run(["dpkg-deb", "-x", deb, parts], check=True)
-    parts.replace(FOLDER / "root")
+    shutil.rmtree(UNPACKED, ignore_errors=True)
+    parts.replace(UNPACKED)
     shutil.rmtree(debs)
+
+
+def _is_complete(root: Path) -> bool:
+    return all((root / "usr" / part).exists() for part in ("bin/rs274", *DEVELOPMENT))
+
+
+def tools() -> Path:
+    """Return the folder with LinuxCNC's programs, modules, headers and halcompile: "/" or unpacked.
+
+    Raises
+    ------
+    NotHereError
+        Neither installed with its -dev package nor to be had.
+    """
+    root = Path("/") if _is_complete(Path("/")) else UNPACKED
+    if not _is_complete(root):
+        _unpack()
+    return root
 
 
 def interpreter() -> Interpreter:
@@ -105,9 +129,9 @@ def interpreter() -> Interpreter:
         Neither installed nor to be had, or it does not start.
     """
     is_installed = Path("/usr/bin/rs274").exists()
-    if not is_installed and not (FOLDER / "root").exists():
+    if not is_installed and not UNPACKED.exists():
         _unpack()
-    found = Interpreter(Path("/") if is_installed else FOLDER / "root")
+    found = Interpreter(Path("/") if is_installed else UNPACKED)
     FOLDER.mkdir(parents=True, exist_ok=True)
     probe = FOLDER / "probe.ngc"
     probe.write_text("G21\nM2\n")

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+// This file is the project's own. What halcompile makes of it is linked with LinuxCNC and is then GPL,
+// which the line `license` declares for the module.
+component camturn "turns and grinds non-circular sections from tables of the spindle's angle";
+description """
+Plays a table of camturn on a fast tool axis U: every set-point follows the angle of the spindle, with its dead time and
+the inverse of its drive taken into account. Parameters of the firmware appear as HAL parameters of the same
+name with hyphens, for example \\fBcamturn.lead-ns\\fR. hal/linuxcnc/README.md tells how to set it up.
+""";
+pin in s32 spindle_rawcounts "counts of the spindle encoder, never reset";
+pin in s32 spindle_counts "counts since the last index edge that was waited for";
+pin io bit index_enable "as of HAL's encoders: set to wait for an index edge, reset by it";
+pin in bit index_is_shared "LinuxCNC counts turns by the same encoder (G33): wait for one edge only after enable";
+pin in bit enable "rising: acknowledge a fault, enable, home; falling: leave the work, disable";
+pin in bit start "rising: cut one pass (M64); falling: end it (M65)";
+pin in bit estop_ok "true: the emergency-stop chain is closed";
+pin in bit drive_ready "true: the drives are able to follow";
+pin in float u_fb "measured U [mm], used with measures_u=1";
+pin in float x_fb "measured X [mm radius], used with measures_x=1";
+pin in float z_fb "measured Z [mm, height of the drawing], used with measures_z=1";
+pin out float u_cmd "set-point of U [mm], positive towards the axis";
+pin out float u_vel "velocity of U [mm/s], without feed-forward";
+pin out float x_cmd "set-point of X [mm radius]";
+pin out float z_cmd "set-point of Z [mm]";
+pin out float spindle_speed_cmd "set-point of the spindle [r/min], signed";
+pin out bit drive_enable "the drives are enabled and hold their axes";
+pin out bit fault "a fault is latched";
+pin out bit ready "the angle is known, start is accepted";
+pin out bit in_cut "the tool cuts at full amplitude (M66 P0 L3)";
+pin out bit position_switch-#[8] "position switches";
+pin out u32 state_number "0 off 1 homing 2 ready 3 engaging 4 cutting 5 disengaging 6 fault 7 rehearsing 8 identifying";
+pin out u32 fault_mask "latched faults, a mask in the order of firmware/FAULTS.md";
+pin out s32 error_number "last refusal, 0: none (firmware/base/cam_err.h)";
+pin out float angle "angle of the spindle [turn], rises without end";
+pin out float spindle_speed "speed of the spindle [r/min]";
+pin out float following_error "measured U less where it should be [mm]";
+pin out u32 late_ticks "ticks that came too late";
+pin out float learned_error "rms error of U in the last turn that was learned from [mm]";
+param r s32 tick_hz_used "rate of the tick [Hz]";
+function update nofp "one tick: the fast thread, behind the encoder's function";
+function poll fp "the main loop: a thread of 1 ms or slower, or behind update in the same thread";
+modparam dummy table """
+\\fBtable=\\fRabsolute path of a .camtab file. Without a good one the component does not load.""";
+modparam dummy tick_hz """\\fBtick_hz=\\fRrate of the thread of \\fBcamturn.update\\fR [Hz], 500 .. 100 000.""";
+modparam dummy measures_u """\\fBmeasures_u=1\\fR: u-fb is a measurement; then what the drive does wrong can be learned.""";
+modparam dummy measures_x """\\fBmeasures_x=1\\fR: x-fb is a measurement.""";
+modparam dummy measures_z """\\fBmeasures_z=0\\fR: nothing measures Z; camturn itself feeds it.""";
+modparam dummy nominal_time """\\fBnominal_time=1\\fR: time is counted in ticks: for simulation without real time.""";
+option singleton yes;
+option extra_setup yes;
+license "GPL";
+author "the founders of camturn";
+include "lcn_port.h";
+include "lcn_slow.h";
+;;
+#include <limits.h> // INT_MAX
+
+static char *table = "";
+RTAPI_MP_STRING(table, "absolute path of a .camtab file");
+static int tick_hz = 1000;
+RTAPI_MP_INT(tick_hz, "rate of the thread of camturn.update [Hz]");
+static int measures_u = 0;
+RTAPI_MP_INT(measures_u, "1: u-fb is a measurement");
+static int measures_x = 0;
+RTAPI_MP_INT(measures_x, "1: x-fb is a measurement");
+static int measures_z = 1;
+RTAPI_MP_INT(measures_z, "1: z-fb is a measurement");
+static int nominal_time = 0;
+RTAPI_MP_INT(nominal_time, "1: time is counted in ticks");
+
+static hal_s32_t *values; // the parameters, in HAL's memory
+
+static void say(const char *line)
+{
+    rtapi_print_msg(RTAPI_MSG_ERR, "camturn: %s\n", line);
+}
+
+// A feedback beyond the range of a position in nanometres is the end of that range.
+static int32_t nm_of_mm(double mm)
+{
+    const double nm = mm * 1e6;
+    if (!(nm > -INT_MAX)) {
+        return -INT_MAX; // not a number, too
+    }
+    return nm < INT_MAX ? (int32_t)(nm < 0.0 ? nm - 0.5 : nm + 0.5) : INT_MAX;
+}
+
+static int make_params(const char *prefix)
+{
+    values = hal_malloc(lcn_slow_n_params() * sizeof *values);
+    int err = values == NULL ? -ENOMEM : 0;
+    for (int i = 0; err == 0 && i < lcn_slow_n_params(); i++) {
+        char name[HAL_NAME_LEN + 1];
+        rtapi_snprintf(name, sizeof name, "%s", lcn_slow_param_name(i));
+        for (char *c = name; *c != '\0'; c++) {
+            *c = *c == '_' ? '-' : *c;
+        }
+        values[i] = lcn_slow_param(i);
+        err = hal_param_s32_newf(HAL_RW, &values[i], comp_id, "%s.%s", prefix, name);
+    }
+    return err;
+}
+
+EXTRA_SETUP()
+{
+    (void)extra_arg;
+    lcn_port_say = say;
+    if (tick_hz < 500 || tick_hz > 100000) {
+        rtapi_print_msg(RTAPI_MSG_ERR, "camturn: tick_hz=%d: out of range; give 500 .. 100000\n",
+                        tick_hz);
+        return -EINVAL;
+    }
+    const lcn_setup_t setup = {
+        .tick_hz = (uint32_t)tick_hz,
+        .is_measured = {measures_u != 0, measures_x != 0, measures_z != 0},
+        .is_nominal = nominal_time != 0,
+    };
+    lcn_port_init(&setup);
+    lcn_slow_init(setup.tick_hz);
+    tick_hz_used = tick_hz;
+    return lcn_slow_load(table) ? make_params(prefix) : -EINVAL;
+}
+
+FUNCTION(update)
+{
+    const lcn_in_t in = {
+        .now_ns = rtapi_get_time(),
+        .period_ns = (int32_t)period,
+        .spindle = {spindle_rawcounts, spindle_counts, index_enable, index_is_shared},
+        .actual_nm = {nm_of_mm(u_fb), nm_of_mm(x_fb), nm_of_mm(z_fb)},
+        .is_estop = !estop_ok,
+        .is_drive_ready = drive_ready,
+    };
+    lcn_out_t out;
+    lcn_port_tick(&in, lcn_slow_turn_counts(), &out);
+    if (out.arms_index) {
+        index_enable = 1;
+    }
+    u_cmd = out.pos_nm[lcn_u] * 1e-6;
+    u_vel = out.vel_q10[lcn_u] * (tick_hz * 1e-6 / 1024.0);
+    x_cmd = out.pos_nm[lcn_x] * 1e-6;
+    z_cmd = out.pos_nm[lcn_z] * 1e-6;
+    spindle_speed_cmd = out.spindle_mrpm * 1e-3;
+    drive_enable = out.is_enabled;
+    fault = out.is_fault;
+    in_cut = out.is_in_cut;
+    for (int i = 0; i < lcn_n_switches; i++) {
+        position_switch(i) = (out.switches >> i & 1u) != 0u;
+    }
+}
+
+FUNCTION(poll)
+{
+    const lcn_commands_t commands = {.enables = enable, .starts = start};
+    lcn_slow_poll(values, &commands, (int32_t)period);
+    const lcn_status_t now = lcn_slow_status();
+    error_number = now.error;
+    state_number = now.state;
+    ready = now.is_ready;
+    fault_mask = now.faults;
+    angle = now.turns;
+    spindle_speed = now.rpm;
+    following_error = now.following_nm * 1e-6;
+    late_ticks = now.n_late;
+    learned_error = now.learned_nm * 1e-6;
+}

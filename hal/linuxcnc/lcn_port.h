@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+/// lcn_port: the port of hal.h for a HAL thread of LinuxCNC, without a word of LinuxCNC in it.
+///
+/// The component (camturn.comp) copies its pins into lcn_in_t, calls lcn_port_tick() and copies
+/// lcn_out_t to its pins. No file of this folder but the component sees LinuxCNC's headers, and the
+/// component sees none of the firmware's: both have a hal.h, and a function hal_init().
+#ifndef LCN_PORT_H
+#define LCN_PORT_H
+
+#include "lcn_index.h" // lcn_counters_t
+#include <stdbool.h>   // bool
+#include <stdint.h>    // int32_t, int64_t, uint32_t
+
+/// Axes, as in hal/hal.h.
+enum { lcn_u, lcn_x, lcn_z, lcn_n_axes };
+
+/// Position switches.
+enum { lcn_n_switches = 8 };
+
+/// What the user gives when the component is loaded; constant from then on.
+typedef struct {
+    uint32_t tick_hz;             ///< [Hz] rate of the thread, 500 .. 100 000
+    bool is_measured[lcn_n_axes]; ///< the axis has a feedback; false: it is where it was commanded
+    bool is_nominal;              ///< time is counted in ticks, not read from a clock: simulation
+} lcn_setup_t;
+
+/// What a tick senses.
+typedef struct {
+    int64_t now_ns;                ///< [ns] clock at the start of the tick; not used if is_nominal
+    int32_t period_ns;             ///< [ns] nominal period of the thread
+    lcn_counters_t spindle;        ///< encoder
+    int32_t actual_nm[lcn_n_axes]; ///< [nm] feedback
+    bool is_estop;                 ///< the emergency-stop chain is open
+    bool is_drive_ready;           ///< all drives are able to follow
+} lcn_in_t;
+
+/// What a tick commands.
+typedef struct {
+    int32_t pos_nm[lcn_n_axes];  ///< [nm] set-points
+    int32_t vel_q10[lcn_n_axes]; ///< [nm / 1024 per tick] their velocities, without feed-forward
+    int32_t spindle_mrpm;        ///< [r/min / 1000] signed
+    bool is_enabled;             ///< the drives are enabled and hold their axes
+    bool is_fault;               ///< a fault is latched
+    bool is_in_cut;              ///< the tool cuts at full amplitude
+    bool arms_index;             ///< the encoder is to wait for the next edge
+    uint32_t switches;           ///< bit i: position switch i + 1 is on
+} lcn_out_t;
+
+/// Keep the setup and forget everything else. To be called once, before any other function here.
+void lcn_port_init(const lcn_setup_t *setup);
+
+/// Let ticks run. Until then the drives are disabled and set-points follow the feedback, so that
+/// the first tick has the parameters of the HAL file. Context: the slow thread.
+void lcn_port_run(void);
+
+/// One tick: sense, cam_isr(), actuate. Context: the fast thread.
+/// @param turn_counts  [counts] per turn of the encoder, > 0
+void lcn_port_tick(const lcn_in_t *in, int32_t turn_counts, lcn_out_t *out);
+
+/// @return whether the thread runs at the rate of the setup, within 1 %, or time is nominal. If
+///         not, the tick reports an open emergency stop. True before the first tick.
+bool lcn_port_is_on_rate(void);
+
+/// @return [ns] period at which the thread calls, 0 before the first tick
+int32_t lcn_port_period_ns(void);
+
+/// Where lines of text and the last words of a halt go. Set by the component.
+extern void (*lcn_port_say)(const char *line);
+
+#endif

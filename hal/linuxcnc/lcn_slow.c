@@ -1,0 +1,265 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lcn_slow.h"
+#include "cam_machine.h" // cam_machine_t
+#include "cam_state.h"   // cam_state_name
+#include "lcn_port.h"    // lcn_port_say
+#include "lcn_table.h"   // lcn_table_read
+#include <stddef.h>      // NULL
+#include <stdio.h>       // snprintf
+
+enum { line_bytes = 256, lessons_per_turn = 100 };
+
+static struct {
+    cam_machine_t machine;
+    lcn_commands_t last; ///< commands of the last round
+    bool wants_enable;   ///< enable was asked for and not yet carried out
+    bool wants_start;    ///< likewise
+    bool was_on_rate;
+    cam_err_t err;
+    cam_state_t state; ///< that was said last
+} slow;
+
+static void say_refusal(const char *what, cam_err_t err)
+{
+    char line[line_bytes];
+    (void)snprintf(line, sizeof line, "%s: refused: %s (error %d)", what, cam_err_text(err),
+                   (int)err);
+    lcn_port_say(line);
+}
+
+/// @return whether the request is settled: carried out, or refused for good and said once
+static bool settle(const char *what, cam_err_t err)
+{
+    if (err == cam_err_busy) {
+        return false;
+    }
+    slow.err = err;
+    if (err != cam_ok) {
+        say_refusal(what, err);
+    }
+    return true;
+}
+
+void lcn_slow_init(uint32_t tick_hz)
+{
+    slow.last = (lcn_commands_t){0};
+    slow.wants_enable = false;
+    slow.wants_start = false;
+    slow.was_on_rate = true;
+    slow.err = cam_ok;
+    slow.state = cam_state_off;
+    cam_machine_init(&slow.machine, &g_cam, tick_hz, hal_clock_hz());
+}
+
+bool lcn_slow_load(const char *path)
+{
+    lcn_table_t table;
+    if (!lcn_table_read(path, &table)) {
+        lcn_port_say(table.error);
+        return false;
+    }
+    const cam_err_t err = cam_machine_select_table(&slow.machine, table.bytes, table.size);
+    if (err != cam_ok) {
+        say_refusal(path, err);
+    }
+    (void)cam_config_take_isr(&g_cam.config); // no tick does it yet
+    return err == cam_ok;
+}
+
+static void refuse_param(const cam_param_info_t *info, int32_t value, cam_err_t err)
+{
+    char line[line_bytes];
+    (void)snprintf(line, sizeof line, "%s = %d: refused: %s (error %d); give %d .. %d", info->name,
+                   (int)value, cam_err_text(err), (int)err, (int)info->min, (int)info->max);
+    lcn_port_say(line);
+}
+
+/// Say why parameters did not come into force, by the name of the one that hinders where it is one.
+static void refuse_params(cam_err_t err)
+{
+    const cam_param_info_t *info = cam_param_info(slow.machine.refusal.param);
+    char line[line_bytes];
+    (void)snprintf(line, sizeof line, "parameters: refused in state %s: %s%s%s (error %d)",
+                   cam_state_name(cam_machine_status(&slow.machine).state),
+                   info != NULL ? info->name : "", info != NULL ? ": " : "", cam_err_text(err),
+                   (int)err);
+    lcn_port_say(line);
+}
+
+/// Stage what HAL shows; a value out of its range is set back. @return whether anything differs
+static bool stage(volatile int32_t *values)
+{
+    bool is_changed = false;
+    cam_machine_stage_begin(&slow.machine);
+    for (int32_t i = 0; i < (int32_t)cam_n_params; i++) {
+        const cam_param_id_t id = (cam_param_id_t)i;
+        const int32_t value = values[i];
+        const cam_err_t err = cam_machine_stage(&slow.machine, id, value);
+        if (err != cam_ok) {
+            slow.err = err;
+            refuse_param(cam_param_info(id), value, err);
+            values[i] = lcn_slow_param(i);
+        }
+        is_changed = is_changed || values[i] != lcn_slow_param(i);
+    }
+    return is_changed;
+}
+
+/// Take over all parameters that differ, in one tick. Those that are refused are set back.
+static void take_params(volatile int32_t *values)
+{
+    const cam_err_t err = stage(values) ? cam_machine_stage_commit(&slow.machine) : cam_ok;
+    if (err != cam_ok && err != cam_err_busy) {
+        slow.err = err;
+        refuse_params(err);
+        for (int32_t i = 0; i < (int32_t)cam_n_params; i++) {
+            values[i] = lcn_slow_param(i);
+        }
+    }
+}
+
+/// A command that is given in every round until the state shows that it was carried out.
+static void ask_again(cam_err_t err)
+{
+    (void)err;
+}
+
+/// Enable first acknowledges a fault, whose retract may still go on.
+static void enable(const cam_status_t *status)
+{
+    if (status->state == cam_state_fault) {
+        ask_again(cam_machine_reset(&slow.machine)); // until the retract has ended
+        return;
+    }
+    const bool is_off = status->state == cam_state_off;
+    slow.wants_enable = is_off && !settle("enable", cam_machine_enable(&slow.machine));
+}
+
+static void disable(const cam_status_t *status)
+{
+    if (cam_state_is_in_work(status->state)) {
+        ask_again(cam_machine_stop(&slow.machine)); // then, in ready, the drives
+    } else if (status->state == cam_state_ready || status->state == cam_state_homing) {
+        ask_again(cam_machine_disable(&slow.machine));
+    } else {
+        // nothing is enabled
+    }
+}
+
+/// A start that is given before the machine is ready is refused, not kept: the program waits for
+/// "in cut" and would otherwise begin to cut when it no longer does.
+static void start_or_stop(const cam_status_t *status, const lcn_commands_t *commands)
+{
+    if (slow.wants_start) {
+        slow.wants_start = !settle("start", cam_machine_start(&slow.machine));
+    } else if (!commands->starts && cam_state_is_in_work(status->state) &&
+               status->state != cam_state_disengaging) {
+        ask_again(cam_machine_stop(&slow.machine));
+    } else {
+        // the pass goes on
+    }
+}
+
+static void obey(const lcn_commands_t *commands)
+{
+    const cam_status_t status = cam_machine_status(&slow.machine);
+    if (status.config == 0u) {
+        return; // no tick has told yet what the inputs are
+    }
+    slow.wants_enable =
+        commands->enables && (slow.wants_enable || (!slow.last.enables && commands->enables));
+    slow.wants_start = commands->starts && (slow.wants_start || !slow.last.starts);
+    slow.last = *commands;
+    if (slow.wants_enable) {
+        enable(&status);
+    } else if (!commands->enables) {
+        disable(&status);
+    } else {
+        start_or_stop(&status, commands);
+    }
+}
+
+/// Say what people at the machine want to know: a fault, and a thread at another rate.
+static void tell(void)
+{
+    char line[line_bytes];
+    const cam_status_t status = cam_machine_status(&slow.machine);
+    if (status.state == cam_state_fault && slow.state != cam_state_fault) {
+        for (uint32_t i = 0; i < cam_n_faults; i++) {
+            if ((status.first_fault >> i & 1u) != 0u) {
+                (void)snprintf(line, sizeof line, "fault %s: %s", cam_fault_name((cam_fault_t)i),
+                               cam_fault_text((cam_fault_t)i));
+                lcn_port_say(line);
+            }
+        }
+    }
+    slow.state = status.state;
+    const bool is_on_rate = lcn_port_is_on_rate();
+    if (!is_on_rate && slow.was_on_rate) {
+        const int period_ns = (int)lcn_port_period_ns();
+        (void)snprintf(line, sizeof line,
+                       "the thread of camturn.update has a period of %d ns, but tick_hz = %u was "
+                       "given: load camturn with tick_hz=%d",
+                       period_ns, (unsigned)slow.machine.tick_hz,
+                       (1000000000 + period_ns / 2) / period_ns);
+        lcn_port_say(line);
+    }
+    slow.was_on_rate = is_on_rate;
+}
+
+/// Learning wants a hundred pieces of work in a turn, which a slow thread does several at a time.
+static void learn(int32_t period_ns)
+{
+    const int64_t turns_per_s = slow.machine.params.spindle_limit_mrpm / 60000 + 1;
+    const int64_t n = turns_per_s * lessons_per_turn * period_ns / 1000000000;
+    for (int64_t i = 0; i < n; i++) {
+        cam_machine_teach_poll(&slow.machine, cam_machine_status(&slow.machine).state);
+    }
+}
+
+void lcn_slow_poll(volatile int32_t *values, const lcn_commands_t *commands, int32_t period_ns)
+{
+    take_params(values);
+    lcn_port_run(); // from the first round on
+    obey(commands);
+    cam_machine_poll(&slow.machine);
+    learn(period_ns);
+    tell();
+}
+
+int32_t lcn_slow_n_params(void)
+{
+    return (int32_t)cam_n_params;
+}
+
+const char *lcn_slow_param_name(int32_t index)
+{
+    return cam_param_info((cam_param_id_t)index)->name;
+}
+
+int32_t lcn_slow_param(int32_t index)
+{
+    return cam_param_get(&slow.machine.params, (cam_param_id_t)index);
+}
+
+int32_t lcn_slow_turn_counts(void)
+{
+    return slow.machine.params.counts_per_turn;
+}
+
+lcn_status_t lcn_slow_status(void)
+{
+    const double turn = 4294967296.0;
+    const cam_status_t status = cam_machine_status(&slow.machine);
+    return (lcn_status_t){
+        .error = slow.err,
+        .state = status.state,
+        .is_ready = status.state == cam_state_ready,
+        .faults = status.faults,
+        .n_late = status.n_late,
+        .turns = (double)status.pos_q32 / turn,
+        .rpm = status.speed_q32 / turn * slow.machine.tick_hz * 60.0,
+        .following_nm = status.following_nm,
+        .learned_nm = cam_machine_learning(&slow.machine).error_nm,
+    };
+}

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+/// lcn_table: the file of a table, read into memory that stays.
+#ifndef LCN_TABLE_H
+#define LCN_TABLE_H
+
+#include <stdbool.h> // bool
+#include <stddef.h>  // size_t
+
+enum { lcn_table_most_bytes = 1 << 26, lcn_table_error_bytes = 256 };
+
+typedef struct {
+    const void *bytes; ///< aligned for any type, never freed
+    size_t size;       ///< [bytes]
+    char error[lcn_table_error_bytes];
+} lcn_table_t;
+
+/// @return false when the file cannot be read whole; table->error is the line that says why
+bool lcn_table_read(const char *path, lcn_table_t *table);
+
+#endif

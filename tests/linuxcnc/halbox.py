@@ -1,0 +1,128 @@
+# SPDX-License-Identifier: Apache-2.0
+"""LinuxCNC's HAL for tests: its own programs in a folder of their own, run by an ordinary user.
+
+The programs look for their modules in a place that is compiled in. Copies of two of them get the
+present folder instead, so that neither root nor an installation is needed. HAL is one per machine:
+a lock keeps two boxes apart.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import os
+import shutil
+import subprocess
+import tempfile
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+NOBODY = 65534
+PLACES = {b"/usr/lib/linuxcnc/modules": b"./modules", b"/usr/bin/rtapi_app": b"./rtapi_app"}
+KEYS = ("0x48414c32", "0x48484c34")  # HAL's and its owner's shared memory
+LIMIT_S = 30.0
+LOCK = Path(tempfile.gettempdir()) / "camturn-hal.lock"
+
+
+def build(root: Path, folder: Path, *words: str | Path) -> str:
+    """Call make in `folder` with LinuxCNC's tools below `root`; return what it says, or fail."""
+    tools = root / "usr"
+    env = os.environ | {"PYTHONPATH": str(tools / "lib" / "python3" / "dist-packages")}
+    done = subprocess.run(
+        ["make", f"HALCOMPILE={tools / 'bin' / 'halcompile'}", f"prefix={tools}", *map(str, words)],
+        cwd=folder, env=env, capture_output=True, text=True, timeout=120, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout + done.stderr
+
+
+def _relocated(program: Path) -> bytes:
+    image = program.read_bytes()
+    for place, here in PLACES.items():
+        image = image.replace(place + b"\0", here.ljust(len(place) + 1, b"\0"))
+    return image
+
+
+@dataclass(frozen=True)
+class Halbox:
+    """A folder in which HAL runs."""
+
+    folder: Path
+
+    def _run(self, *words: str, limit_s: float = LIMIT_S) -> int:
+        """Run a program; what it and the threads say goes to one file, since these live on."""
+        env = {
+            "PATH": os.environ["PATH"],
+            "HOME": str(self.folder),
+            "LD_LIBRARY_PATH": "lib",
+            "RTAPI_FIFO_PATH": str(self.folder / "fifo"),
+        }
+        user = NOBODY if os.getuid() == 0 else None
+        with (self.folder / "said.txt").open("a") as said:
+            return subprocess.run(
+                words, cwd=self.folder, env=env, stdin=subprocess.DEVNULL, stdout=said,
+                stderr=said, user=user, group=user, extra_groups=[] if user else None,
+                timeout=limit_s, check=False,
+            ).returncode  # fmt: skip
+
+    def load(self, script: str) -> int:
+        """Carry out lines of a HAL file; return the exit status."""
+        (self.folder / "test.hal").write_text(script)
+        return self._run("./halcmd", "-f", "test.hal")
+
+    def get(self, pin: str) -> str:
+        """Return the value of a pin or parameter."""
+        begin = len(self.said())
+        assert self._run("./halcmd", "getp", pin) == 0, self.said()
+        return self.said()[begin:].strip().splitlines()[-1]
+
+    def wait(self, pin: str, value: str, limit_s: float = LIMIT_S) -> None:
+        """Wait for a pin to have a value."""
+        end_s = time.monotonic() + limit_s
+        while (found := self.get(pin)) != value:
+            assert time.monotonic() < end_s, f"{pin} = {found}, not {value}: {self.said()}"
+            time.sleep(0.02)
+
+    def said(self) -> str:
+        """Return everything that was printed."""
+        path = self.folder / "said.txt"
+        return path.read_text() if path.exists() else ""
+
+    def stop(self) -> None:
+        """End the threads, unload everything."""
+        for words in (("./halcmd", "stop"), ("./halcmd", "unload", "all"), ("./rtapi_app", "exit")):
+            self._run(*words)
+        self._run("ipcrm", *(word for key in KEYS for word in ("-M", key)))
+
+
+def _fill(folder: Path, root: Path, modules: list[Path]) -> None:
+    (folder / "modules").mkdir()
+    (folder / "lib").mkdir()
+    libraries = root / "usr" / "lib"
+    for module in (*(libraries / "linuxcnc" / "modules").glob("*.so"), *modules):
+        shutil.copy(module, folder / "modules")
+    for library in (*libraries.glob("*.so.0"), *(libraries / "x86_64-linux-gnu").glob("*.so*")):
+        shutil.copy(library, folder / "lib")
+    for name in ("rtapi_app", "halcmd"):
+        (folder / name).write_bytes(_relocated(root / "usr" / "bin" / name))
+        (folder / name).chmod(0o755)
+    if os.getuid() == 0:
+        os.chown(folder, NOBODY, NOBODY)
+    folder.chmod(0o755)
+
+
+@contextmanager
+def halbox(root: Path, modules: list[Path]) -> Iterator[Halbox]:
+    """Make a folder with HAL and modules in it; nothing of it is left afterwards."""
+    folder = Path(tempfile.mkdtemp(prefix="camturn-hal-"))
+    with LOCK.open("a") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        box = Halbox(folder)
+        try:
+            _fill(folder, root, modules)
+            yield box
+        finally:
+            box.stop()
+            shutil.rmtree(folder)

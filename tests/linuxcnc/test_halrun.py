@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The HAL component in LinuxCNC's own threads: the same cut, handshake, faults, refusals."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from halbox import Halbox
+from replays import COMMANDED, Cut, Whole, cut, replay
+
+TableOf = Callable[[str], Path]
+LOAD = "loadrt camturn table={} tick_hz=1000\n"
+THREAD = "loadrt threads name1=servo period1=1000000\naddf camturn.update servo\n"
+ENABLED, FAULT, IN_CUT = 1, 2, 4  # bits of the outputs
+
+
+def differences(found: Whole, recorded: Cut) -> str:
+    """Return "" when every command of every tick is the same, else the first that is not."""
+    due = recorded.commanded
+    if found.shape == due.shape and bool((found == due).all()):
+        return ""
+    n = min(len(found), len(due))
+    tick, column = np.argwhere(found[:n] != due[:n])[0] if n else (0, 0)
+    return f"{len(found)} of {len(due)} ticks; tick {tick}: {COMMANDED[column]} is {found[tick]}"
+
+
+@pytest.mark.parametrize("tick_hz", [1000, 20000])
+def test_every_command_of_a_cut_is_that_of_camsim(
+    box: Halbox, table_of: TableOf, tmp_path: Path, tick_hz: int
+) -> None:
+    """Enable, homing, engaging, cutting, stop (M65), disengaging: to the bit, at both ends."""
+    machine = tmp_path / "machine.toml"
+    machine.write_text(f"[machine]\ntick_hz = {tick_hz}\n")
+    words = ("--machine", machine, "--rpm", "1000", "--turns-limit", "3")
+    recorded = cut(table_of("perkins240"), tmp_path, *words)
+    found = replay(box, recorded)
+    assert differences(found, recorded) == ""
+    in_cut = (found[:, -1] & IN_CUT) != 0
+    assert [state == "cutting" for state in recorded.states] == in_cut.tolist()
+
+
+def test_fault_is_that_of_camsim_and_is_said(
+    box: Halbox, table_of: TableOf, tmp_path: Path
+) -> None:
+    """The emergency stop opens in the cut: the same retract and end, and a line for people."""
+    words = ("--rpm", "1000", "--inject", "estop@0.05")
+    recorded = cut(table_of("perkins240"), tmp_path, *words)
+    found = replay(box, recorded)
+    assert differences(found, recorded) == ""
+    assert found[-1, -1] & (ENABLED | FAULT) == FAULT
+    assert "camturn: fault estop: " in box.said()
+
+
+def test_table_that_is_not_there_is_refused(box: Halbox) -> None:
+    """The component does not load, and says which file and what helps."""
+    assert box.load(LOAD.format("/nowhere/part.camtab")) != 0
+    assert "camturn: table=/nowhere/part.camtab: No such file or directory; give" in box.said()
+
+
+def test_no_table_is_refused(box: Halbox) -> None:
+    """Without a path the line says how to give one."""
+    assert box.load("loadrt camturn\n") != 0
+    assert "camturn: table=: no table is given; loadrt camturn table=" in box.said()
+
+
+def test_damaged_table_is_refused(box: Halbox, table_of: TableOf) -> None:
+    """One bit of the image is wrong."""
+    image = bytearray(table_of("perkins240").read_bytes())
+    image[len(image) // 2] ^= 1
+    (box.folder / "part.camtab").write_bytes(image)
+    assert box.load(LOAD.format("./part.camtab")) != 0
+    assert "camturn: ./part.camtab: refused: " in box.said()
+
+
+def test_thread_at_another_rate_is_an_open_emergency_stop(box: Halbox, table_of: TableOf) -> None:
+    """The first enable is refused, and a line names both rates."""
+    (box.folder / "part.camtab").write_bytes(table_of("perkins240").read_bytes())
+    load = LOAD.format("./part.camtab").replace("1000", "5000")
+    wire = "setp camturn.estop-ok 1\nsetp camturn.drive-ready 1\n"
+    start = "addf camturn.poll servo\nstart\nsetp camturn.enable 1\n"
+    assert box.load(load + THREAD + wire + start) == 0, box.said()
+    box.wait("camturn.error-number", "-27")
+    assert "has a period of 1000000 ns, but tick_hz = 5000 was given" in box.said()
+    assert "camturn: enable: refused: " in box.said()
+    assert box.get("camturn.state-number") == "0"
+
+
+def test_parameter_out_of_range_is_set_back(box: Halbox, table_of: TableOf) -> None:
+    """A value that is refused does not stay where people read it."""
+    (box.folder / "part.camtab").write_bytes(table_of("perkins240").read_bytes())
+    start = "addf camturn.poll servo\nstart\nsetp camturn.lead-ns -1\n"
+    assert box.load(LOAD.format("./part.camtab") + THREAD + start) == 0, box.said()
+    box.wait("camturn.lead-ns", "100000")
+    assert "camturn: lead_ns = -1: refused: " in box.said()
+    assert "; give 0 .. 20000000" in box.said()
