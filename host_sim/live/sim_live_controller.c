@@ -2,6 +2,7 @@
 #define _POSIX_C_SOURCE 200809L // NOLINT(bugprone-reserved-identifier): poll
 #include "cam_can.h"            // cam_can_init
 #include "cam_machine.h"        // cam_machine_init
+#include "cam_machine_scope.h"  // cam_machine_box
 #include "sim_live.h"
 #include <errno.h>  // errno
 #include <fcntl.h>  // fcntl
@@ -128,6 +129,7 @@ static bool start(sim_live_t *l, common_error_t *e)
         return false;
     }
     hal_host.slow.table = (hal_image_t){.bytes = l->session.image, .size = (uint32_t)l->n_image};
+    cam_machine_box(&controller.machine);
     cam_can_init(&controller.remote, &controller.machine);
     return true;
 }

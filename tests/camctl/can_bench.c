@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #define _POSIX_C_SOURCE 200809L // clock_nanosleep
 // The firmware with main()'s loop around an ideal machine. CAN frames come on standard input and
-// leave on standard output, 16 bytes each: id, bytes, data. A frame with the id `bench_estop`
+// leave on standard output, 72 bytes each: id, bytes, data. A frame with the id `bench_estop`
 // presses the emergency stop (data 1) or releases it. Virtual time keeps pace with the clock, so
 // that time-outs mean what they say. Ends with its input.
+#include "cam_machine_scope.h" // cam_machine_box
 #include "fixture_can.h"
 #include "hal_host.h"
 #include <errno.h>  // errno
@@ -12,7 +13,7 @@
 #include <time.h>   // nanosleep
 #include <unistd.h> // read, write
 
-enum { tick_hz = 20000, ticks_per_turn = 20, frame_bytes = 16 };
+enum { tick_hz = 20000, ticks_per_turn = 20, frame_bytes = 8 + hal_can_max_bytes };
 
 enum { bench_estop = 0x10000 };
 
@@ -35,7 +36,7 @@ static void take(const uint8_t *bytes)
 {
     hal_can_frame_t frame = {.n = bytes[4]};
     memcpy(&frame.id, bytes, sizeof frame.id);
-    memcpy(frame.data, bytes + 8, 8);
+    memcpy(frame.data, bytes + 8, sizeof frame.data);
     if (frame.id == bench_estop) {
         hal_host_fault_estop(frame.data[0] != 0u);
     } else {
@@ -65,7 +66,7 @@ static bool speak(void)
         uint8_t bytes[frame_bytes] = {0};
         memcpy(bytes, &frame->id, sizeof frame->id);
         bytes[4] = (uint8_t)frame->n;
-        memcpy(bytes + 8, frame->data, 8);
+        memcpy(bytes + 8, frame->data, sizeof frame->data);
         if (write(STDOUT_FILENO, bytes, sizeof bytes) != (ssize_t)sizeof bytes) {
             return false;
         }
@@ -86,6 +87,7 @@ int main(void)
     const fixture_part_t part = fixture_part_short();
     fixture_can_init(&f, &part, tick_hz);
     fixture_can_start(&f);
+    cam_machine_box(&f.rig.machine);
     hal_host.in.axis_nm[hal_axis_x] = 60000000; // clear of the part
     (void)fixture_rig_set(&f.rig, cam_param_lead_ns, 1000000000 / tick_hz);
     struct timespec due;

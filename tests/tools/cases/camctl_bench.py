@@ -17,7 +17,8 @@ from camtools.cli.camctl import main
 
 ROOT = Path(__file__).resolve().parents[3]
 BENCH = ROOT / os.environ.get("CAMTURN_BUILD", "build/host") / "tests" / "camctl" / "can_bench"
-FRAME = struct.Struct("<IB3x8s")
+FRAME = struct.Struct("<IB3x64s")
+CLASSIC_BYTES = 8
 ESTOP_ID = 0x10000
 
 
@@ -32,11 +33,13 @@ class Bench:
         tells of a frame for the controller whether it gets lost
     node : int
         number of the controller; the firmware knows itself as 64
+    is_fd : bool
+        whether the bus carries frames of CAN FD
     """
 
     def __init__(self, channel: str, node: int = 64) -> None:
         assert BENCH.exists(), f"{BENCH} is missing: build the preset host, or let tools/test do it"
-        self.channel, self.node = channel, node
+        self.channel, self.node, self.is_fd = channel, node, False
         self.drop: Callable[[can.Message], bool] = lambda frame: False
         self._bus = can.Bus(interface="virtual", channel=channel)
         self._process = subprocess.Popen(
@@ -63,7 +66,18 @@ class Bench:
         while len(record := self._process.stdout.read(FRAME.size)) == FRAME.size:
             identifier, n, data = FRAME.unpack(record)
             own = identifier - 64 + self.node
-            self._bus.send(can.Message(arbitration_id=own, data=data[:n], is_extended_id=False))
+            is_fd = n > CLASSIC_BYTES
+            if is_fd and not self.is_fd:
+                continue  # no receiver of a classic bus takes it
+            self._bus.send(
+                can.Message(
+                    arbitration_id=own,
+                    data=data[:n],
+                    is_extended_id=False,
+                    is_fd=is_fd,
+                    bitrate_switch=is_fd,
+                )
+            )
 
     def estop(self, is_pressed: bool) -> None:
         """Press or release the emergency stop."""

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import csv
+import json
 import signal
 import threading
 import time
@@ -16,8 +17,19 @@ import numpy.typing as npt
 import pytest
 
 from camctl_bench import Bench
-from camtools.link import scope
-from camtools.link.controller import ANSWER, BLOCK_ID, COMMAND, NUMBERS, PART_ID, Link, Refused
+from camtools.base.parquet import parquet_read
+from camtools.cli.camctl_files import ABOUT
+from camtools.link import excitation, scope
+from camtools.link.controller import (
+    ANSWER,
+    BLOCK_ID,
+    COMMAND,
+    FD_PART_ID,
+    NUMBERS,
+    PART_ID,
+    Link,
+    Refused,
+)
 from camtools.link.learned import LAYOUT, N_VALUES
 
 pytestmark = pytest.mark.alone  # the controller keeps pace with the clock
@@ -106,7 +118,7 @@ def excite_until(link: Link, bench: Bench, act: Callable[[], object]) -> str:
     timer = threading.Timer(0.5, act)
     timer.start()
     with pytest.raises(Refused) as refused:
-        scope.excite(link, tone(HEIGHT_NM), 300, place_nm=-300_000)
+        excitation.excite(link, tone(HEIGHT_NM), 300, place_nm=-300_000)
     timer.join()
     bench.drop = lambda frame: False
     return str(refused.value)
@@ -172,15 +184,16 @@ def test_an_interrupted_tool_stops_u(bench: Bench, wave: Path, tmp_path: Path) -
 
 
 def test_signals_of_ticks_are_recorded(bench: Bench, tmp_path: Path) -> None:
-    """In any state; every n-th tick, as long as asked for; the recording can be read again."""
+    """In any state; every n-th tick, as long as asked for; what is kept can be read again."""
     record, again = tmp_path / "record.csv", tmp_path / "again.csv"
-    words = ("--signals", "tick,state,counts", "--every", "4", "--seconds", "0.05")
-    assert "250 rows" in bench.do("record", record, *words)
+    words = ("--signals", "state,counts", "--every", "4", "--seconds", "0.05", "--keep")
+    assert "250 rows" in bench.do("scope", record, *words)
     told = columns(record)
+    assert list(told) == ["t_s", "tick", "state", "counts"]
     ticks = np.array([int(row) for row in told["tick"]], np.int64)
     assert np.all(np.diff(ticks) == 4)
     assert set(told["state"]) == {"0"}
-    bench.do("record", again, "--again")
+    bench.do("scope", again, "--again")
     assert again.read_bytes() == record.read_bytes()
 
 
@@ -189,7 +202,7 @@ def test_a_recording_waits_for_its_state(bench: Bench, tmp_path: Path) -> None:
     record = tmp_path / "record.csv"
     timer = threading.Timer(0.3, order, [bench, "home"])
     timer.start()
-    bench.do("record", record, "--signals", "state", "--from-state", "homing")
+    bench.do("scope", record, "--signals", "state", "--from-state", "homing")
     timer.join()
     states = columns(record)["state"]
     assert set(states) == {"1"}
@@ -197,13 +210,106 @@ def test_a_recording_waits_for_its_state(bench: Bench, tmp_path: Path) -> None:
 
 
 def test_bad_recordings_are_refused(bench: Bench, tmp_path: Path, refusal: Refusal) -> None:
-    """Signals that are none, nothing recorded, no trace."""
+    """Signals that are none, names without a format, triggers, nothing recorded, no trace."""
     record = tmp_path / "record.csv"
-    assert "u_set: no such signal" in refusal(bench, 2, f"record {record} --signals u_set")
-    assert "no recording is complete" in refusal(bench, 1, f"record {record} --again")
+    assert "u_set: no such signal" in refusal(bench, 2, f"scope {record} --signals u_set")
+    assert "ends in .csv" in refusal(bench, 2, f"scope {tmp_path / 'record'}")
+    assert "less than --seconds" in refusal(bench, 2, f"scope {record} --before 1 --seconds 1")
+    assert "leave none behind it" in refusal(bench, 1, f"scope {record} --before 60")
+    for trigger, why in (
+        ("fast", "give one of now"),
+        ("u_set>3", "u_set: no such signal"),
+        ("u_set_q6>x", "x is no number"),
+        ("angle>nan", "give less than 2^31"),
+        ("time=-1", "give 0 .. 107374 s"),
+        ("state=cut", "give one of off"),
+        ("fault=stop", "stop is no fault; give some of estop"),
+    ):
+        assert why in refusal(bench, 2, f"scope {record} --trigger {trigger}")
+    assert "no recording is complete" in refusal(bench, 1, f"scope {record} --again")
     bench.do("set", "trace_on", "0")
-    assert "set trace_on 1" in refusal(bench, 1, f"record {record} --signals state")
+    assert "set trace_on 1" in refusal(bench, 1, f"scope {record} --signals state")
     assert not record.exists()
+
+
+def test_a_trigger_has_rows_before_it(bench: Bench, tmp_path: Path) -> None:
+    """The state's trigger is in the row of time 0; Parquet and CSV hold the same numbers."""
+    record, other = tmp_path / "record.csv", tmp_path / "record.parquet"
+    timer = threading.Timer(0.5, order, [bench, "home"])
+    timer.start()
+    words = ("--signals", "state,angle_q32,u_actual_nm", "--trigger", "state=homing")
+    bench.do("scope", record, *words, "--before", "0.02", "--seconds", "0.05", "--keep")
+    timer.join()
+    told = columns(record)
+    times = np.array(told["t_s"], np.float64)
+    at = told["state"].index("1")
+    assert at == 400
+    assert set(told["state"][:at]) == {"0"}
+    assert times[at] == 0
+    assert np.allclose(np.diff(times), 1 / 20000)
+    bench.do("scope", other, "--again")
+    table, about = parquet_read(other.read_bytes())
+    assert list(table) == list(told)
+    for name, values in table.items():
+        assert np.allclose(values, np.array(told[name], np.float64), rtol=1e-11)
+    assert json.loads(about[ABOUT])["n_before"] == 400
+
+
+def test_turns_are_drawn_over_each_other(bench: Bench, tmp_path: Path) -> None:
+    """Numbered recordings from one angle on, each with its picture."""
+    bench.do("home")
+    record, picture = tmp_path / "run.csv", tmp_path / "turns.png"
+    words = ("--signals", "u_actual_nm,speed_q32", "--trigger", "angle>90", "--seconds", "0.1")
+    bench.do("scope", record, *words, "--repeat", "2", "--over-angle", picture)
+    for number in (1, 2):
+        told = columns(tmp_path / f"run-{number}.csv")
+        angle, speed = float(told["angle_deg"][0]), float(told["speed_rpm"][0])
+        assert 90 <= angle < 90 + speed * 6 / 20000 * 1.01
+        assert (tmp_path / f"turns-{number}.png").read_bytes().startswith(b"\x89PNG")
+    assert "black box         it records" in bench.do("blackbox")
+
+
+@pytest.mark.parametrize("is_fd", [False, True])
+def test_pieces_come_by_the_longest_frames_of_the_bus(
+    bench: Bench, link: Link, *, is_fd: bool
+) -> None:
+    """Long frames where the bus carries them; a classic controller behind it is found out."""
+    sound = record_some(link)
+    bench.is_fd, link.is_fd = is_fd, True
+    ids: set[int] = set()
+    take = link._take
+
+    def look(frame: can.Message) -> None:
+        ids.add(frame.arbitration_id)
+        take(frame)
+
+    link._take = look  # type: ignore[method-assign]
+    assert np.array_equal(scope.read(link).rows, sound.rows)
+    assert ids & {PART_ID, FD_PART_ID} == ({FD_PART_ID} if is_fd else {PART_ID})
+
+
+def test_the_black_box_keeps_what_was_before_a_fault(
+    bench: Bench, link: Link, tmp_path: Path, refusal: Refusal
+) -> None:
+    """Told, kept from recordings, read, and cleared; then it records again."""
+    box = tmp_path / "box.parquet"
+    assert "holds no fault" in refusal(bench, 1, f"blackbox {box}")
+    bench.do("home")
+    link.wait(lambda: False, 0.7)
+    bench.estop(True)
+    link.wait(lambda: False, 0.3)
+    text = bench.do("blackbox")
+    assert "unread: estop" in text
+    assert "0.500 s before it and 0.020 s behind it" in text
+    assert "camctl blackbox FILE" in refusal(bench, 1, f"scope {tmp_path / 'a.csv'}")
+    bench.is_fd = True
+    link.is_fd = True
+    recording = scope.read(link)
+    assert recording.faults == 1
+    assert recording["faults"].tolist() == [0] * 10000 + [1] * 400
+    assert recording.trigger_tick - recording.first_tick == 10000
+    assert "cleared" in bench.do("blackbox", "--clear")
+    assert "no fault since" in bench.do("blackbox")
 
 
 def lose(bench: Bench, every: int, identifiers: set[int]) -> None:
@@ -291,14 +397,14 @@ def test_a_command_ends_a_piece(bench: Bench, link: Link) -> None:
 def test_a_wave_is_brought_over_a_bad_bus(bench: Bench, link: Link) -> None:
     """Lost blocks are repeated; a wrong order, room and checksum are refused."""
     lose(bench, 1500, {BLOCK_ID})
-    assert scope.download_wave(link, np.arange(3000) % 100) == 3000
+    assert excitation.download_wave(link, np.arange(3000) % 100) == 3000
     bench.drop = lambda frame: False
     assert scope.get(link, "n_wave") == 3000
     assert link.ask("end_wave", crc=0).result == "download_order"
     assert link.ask("begin_wave", size=63).result == "wave_length"
     assert link.ask("begin_wave", size=60).result == "wave_length"
     with pytest.raises(Refused, match="the controller holds 131072"):
-        scope.download_wave(link, np.zeros(131073))
+        excitation.download_wave(link, np.zeros(131073))
     assert link.ask("begin_wave", size=64).result == "done"
     assert link.ask("end_wave", crc=0).result == "download_short"
     assert link.ask("begin_download", size=64).result == "image_size"

@@ -22,7 +22,7 @@ from camctl_bench import Bench
 from camsim_cases import camsim
 from camtools.cli.identify import main
 from camtools.identify import connected
-from camtools.link import scope
+from camtools.link import excitation
 from camtools.link.controller import Link
 from camtools.link.scope import Recording
 from drive_plant import Plant, faded, played
@@ -284,7 +284,7 @@ def test_interrupt_over_the_bus_brings_u_to_rest(
         os.kill(os.getpid(), signal.SIGINT)
         return "done"
 
-    monkeypatch.setattr(scope, "_follow", interrupted)
+    monkeypatch.setattr(excitation, "_follow", interrupted)
     assert run(*bus_words(bench), "--apply")[0] == 130
     assert capsys.readouterr().err == "identify: interrupted; nothing was written\n"
     assert states == ["identifying"]

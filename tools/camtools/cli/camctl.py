@@ -21,8 +21,9 @@ from camtools.base.command import Interrupted, run_command
 from camtools.base.errors import CamtoolsError
 from camtools.base.output import growing
 from camtools.cli.bus import open_controller
+from camtools.cli.camctl_excite import excite, learned
 from camtools.cli.camctl_options import PLAIN, QUICK, make_parser
-from camtools.cli.camctl_scope import excite, learned, record_ticks
+from camtools.cli.camctl_scope import blackbox, scope_ticks
 from camtools.link.controller import (
     NAMES,
     NUMBERS,
@@ -207,10 +208,7 @@ class Control:
         self._follow(arguments.seconds, show)
 
     def record(self, arguments: argparse.Namespace) -> None:
-        """Write the status into a CSV file, a row every 10 ms, or what the controller records."""
-        if arguments.signals or arguments.again:
-            record_ticks(self.link, arguments, self.say)
-            return
+        """Write the status into a CSV file, a row every 10 ms."""
         self.link.listen()  # before a file is touched
         n = 0
 
@@ -277,6 +275,14 @@ class Control:
     def excite(self, arguments: argparse.Namespace) -> None:
         """Let U play a wave and write what was recorded."""
         excite(self.link, arguments, self.say)
+
+    def scope(self, arguments: argparse.Namespace) -> None:
+        """Record signals of ticks, write and draw them."""
+        scope_ticks(self.link, arguments, self.say)
+
+    def blackbox(self, arguments: argparse.Namespace) -> None:
+        """Tell, read or clear what was recorded before a fault."""
+        blackbox(self.link, arguments, self.say)
 
     def learned(self, arguments: argparse.Namespace) -> None:
         """Print, save or bring back what the controller has learned."""

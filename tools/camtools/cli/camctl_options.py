@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The command line of camctl.
 
->>> make_parser().parse_args(["record", "a.csv", "--signals", "state,u_actual_nm"]).signals
+>>> make_parser().parse_args(["scope", "a.csv", "--signals", "state,u_actual_nm"]).signals
 'state,u_actual_nm'
 """
 
@@ -15,6 +15,7 @@ from camtools.base.command import Parser
 from camtools.cli.bus import add_bus_options
 from camtools.link.controller import NUMBERS
 from camtools.link.scope import DEFAULT_SIGNALS
+from camtools.link.trigger import GRAMMAR
 
 PLAIN = ("enable", "disable", "home", "start", "stop", "reset")
 QUICK = {
@@ -53,6 +54,13 @@ def _positive(text: str) -> float:
     return value
 
 
+def _not_negative(text: str) -> float:
+    value = _finite(text)
+    if value < 0:
+        raise argparse.ArgumentTypeError(f"{text}: give 0 or more")
+    return value
+
+
 def _count(text: str) -> int:
     value = int(text)
     if not 1 <= value <= 1_000_000:
@@ -62,16 +70,34 @@ def _count(text: str) -> int:
 
 def _add_record(one: argparse.ArgumentParser) -> None:
     one.add_argument("file", type=Path)
-    one.add_argument(
-        "--seconds", type=_positive, help="how long; default: until interrupted, or memory is full"
-    )
+    one.add_argument("--seconds", type=_positive, help="how long; default: until interrupted")
     one.add_argument("--cut", action="store_true", help="until the cut that runs is over")
-    one.add_argument(
-        "--signals", help="record these of every tick in the controller: u_set_q6,u_actual_nm,.."
-    )
-    one.add_argument("--every", type=_count, help="of those only one tick of N", default=1)
+
+
+def _add_pictures(one: argparse.ArgumentParser) -> None:
+    one.add_argument("--raw", action="store_true", help="the controller's whole numbers, no units")
+    one.add_argument("--plot", type=Path, metavar="PNG", help="draw signals over time")
+    one.add_argument("--over-angle", type=Path, metavar="PNG", help="draw turns over each other")
+    one.add_argument("--keep", action="store_true", help="leave it in the controller's memory")
+
+
+def _add_scope(one: argparse.ArgumentParser) -> None:
+    one.add_argument("file", type=Path, help="ends in .csv or .parquet")
+    one.add_argument("--signals", default=",".join(DEFAULT_SIGNALS), help="A,B,..; see SCOPE.md")
+    one.add_argument("--trigger", default="now", help=GRAMMAR.replace("%", "%%"))
+    one.add_argument("--before", type=_not_negative, default=0.0, help="seconds before the trigger")
+    one.add_argument("--seconds", type=_positive, help="in all; default: until memory is full")
+    one.add_argument("--every", type=_count, help="only one tick of N", default=1)
     one.add_argument("--from-state", choices=tuple(NUMBERS["state"]), help="while the state is so")
+    one.add_argument("--repeat", type=_count, default=1, help="recordings, into numbered files")
     one.add_argument("--again", action="store_true", help="read the recording that is there")
+    _add_pictures(one)
+
+
+def _add_blackbox(one: argparse.ArgumentParser) -> None:
+    one.add_argument("file", type=Path, nargs="?", help="ends in .csv or .parquet")
+    one.add_argument("--clear", action="store_true", help="drop the fault that it holds")
+    _add_pictures(one)
 
 
 def _add_excite(one: argparse.ArgumentParser) -> None:
@@ -110,7 +136,9 @@ def make_parser() -> argparse.ArgumentParser:
     one = commands.add_parser("watch", help="live view: angle, U, following error, faults")
     one.add_argument("--seconds", type=_positive, help="how long; default: until interrupted")
     one.add_argument("--every", type=_positive, help="seconds between two pictures")
-    _add_record(commands.add_parser("record", help="write status, or signals of ticks, into CSV"))
+    _add_record(commands.add_parser("record", help="write the status into CSV"))
+    _add_scope(commands.add_parser("scope", help="record signals of ticks, write and draw them"))
+    _add_blackbox(commands.add_parser("blackbox", help="what was before the last fault"))
     _add_excite(commands.add_parser("excite", help="in ready: U plays a wave and is recorded"))
     one = commands.add_parser("learned", help="what was learned: print it, save it, bring it back")
     one.add_argument("action", nargs="?", choices=("save", "load"))

@@ -1,113 +1,147 @@
 # SPDX-License-Identifier: Apache-2.0
-r"""Subcommands of camctl about the recorder, the excitation of U, and learned values.
+"""Subcommands of camctl about the recorder: scope and blackbox.
 
->>> wave_of(b"u_nm\n3\n-4\n", "w.csv").tolist()
-[3, -4]
+>>> numbered(Path("run.csv"), 2, 12), numbered(Path("run.csv"), 1, 1)
+(PosixPath('run-02.csv'), PosixPath('run.csv'))
 """
 
 from __future__ import annotations
 
 import argparse
 import contextlib
-from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 
 from camtools.base.command import Interrupted
 from camtools.base.errors import CamtoolsError
-from camtools.base.input_file import read_limited
-from camtools.base.output import write_all
+from camtools.cli.camctl_files import Say, check_name, names_of, write
 from camtools.link import scope
-from camtools.link.controller import NUMBERS, Link, Refused
-from camtools.link.learned import (
-    get_learned,
-    learned_text,
-    learned_values,
-    learning_report,
-    set_learned,
-)
+from camtools.link.controller import FAULT_TEXTS, NUMBERS, Link, Refused
+from camtools.link.signals import faults_in, physical, state_name
+from camtools.link.trigger import arm, trigger_of
+from camtools.link.watch import sparkline
 
-_MOST_BYTES = 16 * 1024 * 1024
 _PATIENCE_S = 3600.0
-Say = Callable[[str], None]
+_BARS = 60
+_TENTH = 10  # per cent of what is read, between two lines of progress
+_OF_ANGLE = "angle_q32"
 
 
-def _read(path: Path) -> bytes:
-    try:
-        return read_limited(path, _MOST_BYTES)
-    except OSError as error:
-        raise CamtoolsError([f"{path}: {error.strerror}; check the path"]) from error
+def numbered(path: Path, number: int, of: int) -> Path:
+    """Return the name of one of several files; that of a single one stays."""
+    if of == 1:
+        return path
+    return path.with_stem(f"{path.stem}-{number:0{len(str(of))}d}")
 
 
-def wave_of(data: bytes, name: str) -> npt.NDArray[np.int64]:
-    """Return the samples of a wave file.
+# What is drawn and said of a recording
 
-    Raises
-    ------
-    CamtoolsError
-        It is none; the line says where.
-    """
-    lines = data.decode("utf-8", "replace").split("\n")
-    if lines[0].strip() != "u_nm":
-        raise CamtoolsError([f"{name}: line 1: no u_nm; begin with the column's name"])
-    samples = []
-    for number, line in enumerate(lines[1:], start=2):
-        if not line and number == len(lines):
+
+def _pictures(arguments: argparse.Namespace, recording: scope.Recording) -> dict[str, bytes]:
+    """Return the pictures that were asked for, by their option."""
+    if not (arguments.plot or arguments.over_angle):
+        return {}
+    from camtools.plots.recording import angle_picture, time_picture  # takes a second to load
+
+    columns = physical(recording)
+    made = {}
+    if arguments.plot:
+        states = {int(n): state_name(int(n)) for n in np.unique(columns.get("state", []))}
+        names = faults_in(recording.faults)
+        made["plot"] = time_picture(recording.t_s, columns, states, ", ".join(names))
+    if arguments.over_angle:
+        if _OF_ANGLE not in recording.signals:
+            raise CamtoolsError(
+                [f"--over-angle: {_OF_ANGLE} was not recorded; add it to --signals"]
+            )
+        made["over_angle"] = angle_picture(columns)
+    return made
+
+
+def _lines(recording: scope.Recording) -> list[str]:
+    """Return a line for each signal: its range, and its course as bars."""
+    lines = []
+    for name, values in physical(recording).items():
+        if len(values) == 0:
             continue
-        try:
-            samples.append(int(line))
-            if abs(samples[-1]) >= 2**31:
-                raise ValueError
-        except ValueError as error:
-            text = f"{name}: line {number}: {line[:40]}: give a whole number of nm"
-            raise CamtoolsError([text]) from error
-    if not samples:
-        raise CamtoolsError([f"{name}: no samples; give one in each line behind u_nm"])
-    return np.array(samples, np.int64)
+        parts = np.array_split(values, min(_BARS, len(values)))
+        low, high = values.min(), values.max()
+        bars = sparkline([part.mean() - low for part in parts], high - low)
+        lines.append(f"{name:<18}{low:14.6g} .. {high:<14.6g}|{bars}|")
+    return lines
 
 
-def _csv(recording: scope.Recording) -> Iterator[bytes]:
-    """Return the lines of a recording, as camsim identify writes them."""
-    yield (",".join(("tick", "t_s", *recording.signals)) + "\n").encode()
-    for i, (tick, row) in enumerate(zip(recording.tick, recording.rows, strict=True)):
-        t_s = i * recording.every / recording.tick_hz
-        yield (f"{tick},{t_s:.9f}," + ",".join(map(str, row)) + "\n").encode()
+def _read(link: Link, say: Say) -> scope.Recording:
+    """Read the recording that is there, with a line at every tenth."""
+    last = 0
+
+    def progress(there: int, in_all: int) -> None:
+        nonlocal last
+        percent = there * 100 // in_all
+        if percent // _TENTH > last // _TENTH and in_all > 1 << 16:
+            say(f"{there} of {in_all} bytes read, {percent} %")
+        last = percent
+
+    return scope.read(link, progress)
 
 
-def _write(path: Path, recording: scope.Recording, say: Say) -> None:
-    write_all(path.parent, {path.name: _csv(recording)})
-    n = len(recording.rows)
-    say(f"{path}: {n} rows of {len(recording.signals)} signals at {recording.tick_hz} Hz")
+def _finish(
+    link: Link, arguments: argparse.Namespace, recording: scope.Recording, path: Path, say: Say
+) -> None:
+    """Write what was read and give the memory back to the black box."""
+    options = ("plot", "over_angle")
+    made = _pictures(arguments, recording)
+    names = {name: getattr(arguments, name) for name in options if name in made}
+    stem = path.stem.removeprefix(arguments.file.stem)  # the number, of several
+    pictures = {one.with_stem(one.stem + stem): made[name] for name, one in names.items()}
+    write(path, recording, pictures, say, is_raw=arguments.raw)
+    for line in _lines(recording):
+        say(line)
+    if not arguments.keep:
+        scope.release(link)
 
 
-def _names(text: str) -> list[str]:
-    names = text.split(",")
-    scope.mask_of(names)
-    return names
+# scope
 
 
-def _rows_of(link: Link, seconds: float | None, every: int) -> int:
-    """Return the rows of that time; 0: as many as fit."""
-    if seconds is None:
-        return 0
-    return max(1, round(seconds * scope.get(link, "tick_hz") / every))
+def _signals(arguments: argparse.Namespace) -> list[str]:
+    names = names_of(arguments.signals)
+    return names if not arguments.over_angle or _OF_ANGLE in names else [*names, _OF_ANGLE]
 
 
-def _record(link: Link, arguments: argparse.Namespace) -> None:
-    rows = _rows_of(link, arguments.seconds, arguments.every)
-    scope.configure(link, _names(arguments.signals), arguments.every, rows)
+def _configure(link: Link, arguments: argparse.Namespace) -> None:
+    """Set what the recordings are to be."""
+    tick_hz = scope.get(link, "tick_hz")
+    trigger = trigger_of(arguments.trigger, tick_hz)
+    per_s = tick_hz / arguments.every
+    rows = max(1, round(arguments.seconds * per_s)) if arguments.seconds else 0
+    before = round(arguments.before * per_s)
+    if rows and before >= rows:
+        text = f"--before {arguments.before:g}: give less than --seconds {arguments.seconds:g}"
+        raise CamtoolsError([text])
+    scope.configure(link, _signals(arguments), arguments.every, rows)
+    arm(link, trigger, before)
     state = arguments.from_state
     scope.put(link, "from_state", -1 if state is None else NUMBERS["state"][state])
+
+
+def _record(link: Link, say: Say) -> bool:
+    """Record once; return whether it ended by itself."""
     scope.start(link)
-    with contextlib.suppress(Interrupted):
+    try:
         scope.wait(link, _PATIENCE_S)
-    scope.stop(link)
+    except Interrupted:
+        say("interrupted: what is there is read")
+        return False
+    finally:
+        with contextlib.suppress(Refused):
+            scope.stop(link)
+    return True
 
 
-def record_ticks(link: Link, arguments: argparse.Namespace, say: Say) -> None:
-    """Record signals of ticks in the controller's memory, and write them into a CSV file.
+def scope_ticks(link: Link, arguments: argparse.Namespace, say: Say) -> None:
+    """Record signals of ticks in the controller's memory, and write, draw and tell them.
 
     Interrupted, it writes what is there by then. With `again` it reads the recording that is there.
 
@@ -116,42 +150,68 @@ def record_ticks(link: Link, arguments: argparse.Namespace, say: Say) -> None:
     Refused
         The controller refuses, or ticks were lost; then their rows are not written.
     """
+    check_name(arguments.file)
     if not arguments.again:
-        _record(link, arguments)
-    recording = scope.read(link)
-    if not recording.is_whole:
-        raise Refused(
-            f"{arguments.file}: not written: {recording.n_lost} ticks were lost behind row "
-            f"{len(recording.rows)}; record fewer signals"
-        )
-    _write(arguments.file, recording, say)
+        _configure(link, arguments)
+    for number in range(1, arguments.repeat + 1):
+        is_whole = arguments.again or _record(link, say)
+        path = numbered(arguments.file, number, arguments.repeat)
+        recording = _read(link, say)
+        if not recording.is_whole:
+            raise Refused(
+                f"{path}: not written: {recording.n_lost} ticks were lost behind row "
+                f"{len(recording.rows)}; record fewer signals"
+            )
+        _finish(link, arguments, recording, path, say)
+        if not is_whole:
+            return
 
 
-def excite(link: Link, arguments: argparse.Namespace, say: Say) -> None:
-    """Let U play the wave of a file, and write what was recorded until its amplitude falls."""
-    recording = scope.excite(
-        link,
-        wave_of(_read(arguments.wave), str(arguments.wave)),
-        arguments.periods,
-        fade_ticks=arguments.fade_ticks,
-        place_nm=arguments.place_nm,
-        signals=_names(arguments.signals),
-    )
-    _write(arguments.file, recording.played(), say)
+# blackbox
 
 
-def learned(link: Link, arguments: argparse.Namespace, say: Say) -> None:
-    """Print what learning does, save what was learned, or bring it back."""
-    if (arguments.action is None) != (arguments.file is None):
-        raise CamtoolsError(["learned: give save FILE or load FILE, or neither"])
-    path: Path = arguments.file
-    if arguments.action == "save":
-        text = learned_text(get_learned(link), link.listen().table_name)
-        write_all(path.parent, {path.name: text.encode()})
-        say(f"{path}: saved")
-    elif arguments.action == "load":
-        set_learned(link, learned_values(_read(path), str(path)))
-        say(f"{path}: in force")
-    else:
-        for line in learning_report(link.listen()):
-            say(line)
+def _is_unread(link: Link) -> bool:
+    return scope.USES[scope.get(link, "use")] == "box" and scope.phase(link) == "done"
+
+
+def _tell(link: Link, say: Say) -> None:
+    """Say which fault the box is of, or why there is none."""
+    use = scope.USES[scope.get(link, "use")]
+    if not _is_unread(link):
+        texts = {
+            "box": "it records; no fault since it was read",
+            "user": "it waits: the memory holds a recording; camctl scope FILE --again reads it",
+            "nobody": "it is off: trace_on is 0, or the port has no memory for it",
+        }
+        say(f"black box         {texts[use]}")
+        return
+    names = faults_in(scope.get(link, "faults"))
+    tick, every = scope.get(link, "trigger_tick"), scope.get(link, "every")
+    hz, n, before = (scope.get(link, name) for name in ("tick_hz", "n_rows", "n_before"))
+    say(f"black box         unread: {', '.join(names)} in tick {tick}")
+    for name in names:
+        say(f"                  {FAULT_TEXTS[name]}")
+    seconds = (before * every / hz, (n - before) * every / hz)
+    say(f"                  {seconds[0]:.3f} s before it and {seconds[1]:.3f} s behind it")
+
+
+def blackbox(link: Link, arguments: argparse.Namespace, say: Say) -> None:
+    """Tell what the black box holds, read it into a file, or clear it.
+
+    Raises
+    ------
+    Refused
+        There is no fault to be read.
+    """
+    if arguments.file is not None:
+        check_name(arguments.file)
+    _tell(link, say)
+    if arguments.clear:
+        scope.release(link)
+        say("black box         cleared; it records")
+        return
+    if arguments.file is None:
+        return
+    if not _is_unread(link):
+        raise Refused(f"{arguments.file}: not written: the black box holds no fault")
+    _finish(link, arguments, _read(link, say), arguments.file, say)

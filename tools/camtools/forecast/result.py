@@ -15,6 +15,7 @@ import pyarrow as pa
 
 from camtools.base.errors import CamtoolsError
 from camtools.base.json_text import Json, emit_json
+from camtools.base.parquet import parquet_bytes
 from camtools.base.quantities import Floats
 from camtools.forecast.job import ForecastPlan, Question
 from camtools.forecast.statistics import (
@@ -25,7 +26,7 @@ from camtools.forecast.statistics import (
     quantile,
     share_within,
 )
-from camtools.forecast.store import SCHEMA, parquet_bytes
+from camtools.forecast.store import SCHEMA
 from camtools.forecast.work import Outcome
 
 PERCENTS = (50.0, 90.0, 95.0, 99.0)

@@ -16,7 +16,6 @@ from __future__ import annotations
 import uuid
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
-from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +24,7 @@ import pyarrow.parquet as pq
 
 from camtools.base.errors import InputError
 from camtools.base.output import write_all
+from camtools.base.parquet import parquet_bytes
 from camtools.forecast.work import Outcome
 
 _FIELDS = {
@@ -41,15 +41,6 @@ _FIELDS = {
     "wall_s": pa.float64(),
 }
 SCHEMA = pa.schema(list(_FIELDS.items()))
-
-
-def parquet_bytes(columns: dict[str, Any], schema: Any, about: dict[str, str]) -> bytes:  # noqa: ANN401
-    """Return a table as a Parquet file; `about` goes into its metadata."""
-    coded = {name.encode(): text.encode() for name, text in about.items()}
-    table = pa.table(columns, schema=schema.with_metadata(coded))
-    stream = BytesIO()
-    pq.write_table(table, stream, compression="zstd")
-    return stream.getvalue()
 
 
 def _columns(outcomes: Sequence[Outcome]) -> dict[str, list[Any]]:

@@ -16,7 +16,7 @@ from camtools.identify.believed import PARAMETERS, Believed
 from camtools.identify.plan import Excitation
 from camtools.identify.recording import SettledRecord, record_of
 from camtools.link.controller import NUMBERS, Link, Refused
-from camtools.link.scope import excite
+from camtools.link.excitation import excite
 
 _OFF_S = 10.0
 _ORDERS = {

@@ -30,9 +30,11 @@ _STATUS = {
     DATABASE.get_message_by_name(name).frame_id: DATABASE.get_message_by_name(name)
     for name in ("State", "Spindle", "AxisU", "Detail")
 }
-BLOCK_ID, FLOW_ID, PART_ID = (
-    DATABASE.get_message_by_name(name).frame_id for name in ("Block", "BlockFlow", "Recording")
+BLOCK_ID, FLOW_ID, PART_ID, FD_PART_ID = (
+    DATABASE.get_message_by_name(name).frame_id
+    for name in ("Block", "BlockFlow", "Recording", "RecordingFd")
 )
+_PART_BYTES = {PART_ID: 8, FD_PART_ID: 64}
 
 DBC_NODE = 64  # the node whose identifiers the DBC has
 ANSWER_S = 1.0
@@ -150,10 +152,13 @@ class Link:
         newest that came
     on_row : callable
         called with the status whenever a set of its messages is complete
+    is_fd : bool
+        whether the bus was opened for frames of CAN FD
     """
 
     def __init__(self, bus: can.BusABC, where: str, node: int = DBC_NODE) -> None:
         self.bus, self.where = bus, where
+        self.is_fd = bus.protocol in (can.CanProtocol.CAN_FD, can.CanProtocol.CAN_FD_NON_ISO)
         self._shift = node - DBC_NODE
         self.status = Status()
         self.on_row: Callable[[Status], None] = lambda status: None
@@ -179,7 +184,7 @@ class Link:
         identifier = frame.arbitration_id - self._shift
         if identifier == ANSWER.frame_id and len(frame.data) == ANSWER.length:
             self._answers.append(frame)
-        elif identifier == PART_ID and len(frame.data) == 8:
+        elif len(frame.data) == _PART_BYTES.get(identifier):
             self.parts.append(bytes(frame.data))
         elif identifier == FLOW_ID:
             self.flows.append(_frame(identifier, bytes(frame.data)))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The recorder of a controller: signals of its ticks, and U excited by a wave.
+"""The recorder of a controller: signals of its ticks, read piece by piece.
 
 >>> mask_of(["u_set_q6", "u_actual_nm"]) == 1 << 2 | 1 << 5
 True
@@ -14,6 +14,7 @@ z_nm, swing_q32, spindle_mrpm, faults, inputs, outputs, config
 
 from __future__ import annotations
 
+import contextlib
 import time
 import zlib
 from collections.abc import Callable, Sequence
@@ -24,7 +25,6 @@ import numpy.typing as npt
 
 from camtools.base.errors import CamtoolsError
 from camtools.link.controller import DATABASE, NUMBERS, Answer, Link, Refused
-from camtools.link.download import bring
 
 Ints = npt.NDArray[np.int64]
 
@@ -34,18 +34,22 @@ def _words(table: str) -> tuple[str, ...]:
     return tuple(str(word) for _, word in sorted(DATABASE.dbc.value_tables[table].items()))
 
 
-SIGNALS, FIELDS, PHASES, ENDS, EXCITED = (
+SIGNALS, FIELDS, PHASES, ENDS, USES, TRIGGERS, EXCITED = (
     _words(table)
-    for table in ("scope_signal", "scope_field", "scope_phase", "scope_end", "excited")
+    for table in (
+        *("scope_signal", "scope_field", "scope_phase", "scope_end", "scope_use"),
+        *("trigger", "excited"),
+    )
 )
 DEFAULT_SIGNALS = ("u_set_q6", "u_command_nm", "u_actual_nm")
-PIECE_WORDS = 252
 MOST_REPEATS = 5
 ALIVE_S = 0.1  # well within the 500 ms after which the controller takes the tool for lost
-_UNSIGNED = ("first_tick", "n_lost", "signals", "number")
+_UNSIGNED = ("first_tick", "n_lost", "signals", "number", "trigger_tick", "faults")
 _REMEDIES = {
     "scope_memory": "record fewer signals, fewer rows or every n-th tick",
     "scope_on": "stop the recording that runs",
+    "scope_unread": "the last fault would be lost; camctl blackbox FILE reads it, --clear drops it",
+    "scope_before": "the rows before the trigger leave none behind it; record longer",
     "scope_trace": "set trace_on 1",
     "state": "the state must be ready: home first",
     "wave_none": "download a wave",
@@ -78,6 +82,12 @@ class Recording:
         ticks that were lost at the end; the rows have no gap
     n_fall : int
         rows at the end of an excitation in which its amplitude falls; 0 without one
+    n_before : int
+        rows of before the trigger
+    trigger_tick : int
+        in which the trigger fired, not wrapped against the ticks of the rows
+    faults : int
+        that were latched in that tick, a bit each
     """
 
     signals: tuple[str, ...]
@@ -88,6 +98,9 @@ class Recording:
     end: str
     n_lost: int
     n_fall: int = 0
+    n_before: int = 0
+    trigger_tick: int = 0
+    faults: int = 0
 
     def __getitem__(self, signal: str) -> Ints:
         """Return a column."""
@@ -97,6 +110,11 @@ class Recording:
     def tick(self) -> Ints:
         """Numbers of the ticks of the rows, not wrapped."""
         return self.first_tick + self.every * np.arange(len(self.rows), dtype=np.int64)
+
+    @property
+    def t_s(self) -> npt.NDArray[np.float64]:
+        """Times [s] of the rows from the trigger on."""
+        return (self.tick - self.trigger_tick) / self.tick_hz
 
     @property
     def is_whole(self) -> bool:
@@ -117,7 +135,14 @@ def mask_of(signals: Sequence[str]) -> int:
     return sum(1 << SIGNALS.index(name) for name in set(signals))
 
 
-def _require(link: Link, what: str, answer: Answer) -> Answer:
+def require(link: Link, what: str, answer: Answer) -> Answer:
+    """Return an answer that is done.
+
+    Raises
+    ------
+    Refused
+        It is not; the text says what the limit is, or what to do.
+    """
     if answer.result == "done":
         return answer
     text = f"{what}: refused: {answer.result.replace('_', ' ')}"
@@ -134,21 +159,10 @@ def _require(link: Link, what: str, answer: Answer) -> Answer:
     raise Refused(text + (f"; {remedy}" if remedy else ""))
 
 
-def check_excitation(periods: int, fade_ticks: int, place_nm: int) -> None:
-    """Raise when a number has no place in its message."""
-    for name, value, low, high in (
-        ("periods", periods, 1, 65535),
-        ("fade_ticks", fade_ticks, 16, 65535),
-        ("place_nm", place_nm, -15_000_000, 15_000_000),
-    ):
-        if not low <= value <= high:
-            raise CamtoolsError([f"{name} {value}: give {low} .. {high}"])
-
-
 def get(link: Link, field: str) -> int:
     """Return a field of the recorder."""
     answer = link.ask("get_scope", parameter=FIELDS.index(field))
-    value = int(_require(link, f"recorder: {field}", answer).value)
+    value = int(require(link, f"recorder: {field}", answer).value)
     return value & 0xFFFFFFFF if field in _UNSIGNED else value
 
 
@@ -156,7 +170,7 @@ def put(link: Link, field: str, value: int) -> None:
     """Set a field of the recorder."""
     signed = value - (1 << 32) if value >= 1 << 31 else value
     answer = link.ask("set_scope", parameter=FIELDS.index(field), value=signed)
-    _require(link, f"recorder: {field} = {value}", answer)
+    require(link, f"recorder: {field} = {value}", answer)
 
 
 def configure(
@@ -170,12 +184,17 @@ def configure(
 
 def start(link: Link) -> None:
     """Begin a recording; what was recorded before is lost."""
-    _require(link, "record", link.ask("start_scope"))
+    require(link, "record", link.ask("start_scope"))
 
 
 def stop(link: Link) -> None:
     """End the recording that runs; what is recorded stays."""
-    _require(link, "record", link.ask("stop_scope"))
+    require(link, "record", link.ask("stop_scope"))
+
+
+def release(link: Link) -> None:
+    """Give the memory back: the controller's black box begins anew, the last one is gone."""
+    require(link, "release recorder", link.ask("release_scope"))
 
 
 def phase(link: Link) -> str:
@@ -183,8 +202,24 @@ def phase(link: Link) -> str:
     return PHASES[get(link, "phase")]
 
 
+@dataclass(frozen=True)
+class _Way:
+    """How pieces come: by which command, of how many words, in which unit they are counted."""
+
+    command: str
+    n_words: int
+    grain: int
+
+
+_CLASSIC = _Way("read_scope", 252, 1)
+_FD = _Way("read_scope_fd", 4032, 16)
+
+
 class Reader:
     """Reads a recording piece by piece; after a failure read() goes on where it was.
+
+    Over a bus that was opened for CAN FD it asks for long messages, and for classic ones when none
+    of those arrives: the controller's side of the bus may be classic.
 
     Parameters
     ----------
@@ -194,7 +229,7 @@ class Reader:
 
     def __init__(self) -> None:
         self._data = bytearray()
-        self._number = 0
+        self._of: tuple[int, ...] = ()
 
     def read(self, link: Link, progress: Callable[[int, int], None] | None = None) -> Recording:
         """Return the recording that is there.
@@ -212,35 +247,62 @@ class Reader:
         if phase(link) != "done":
             raise Refused(f"{link.where}: the recorder is {phase(link)}: no recording is complete")
         told = {name: get(link, name) for name in FIELDS}
-        if told["number"] != self._number:
-            self._number = told["number"]
+        identity = tuple(told[name] for name in ("number", "first_tick", "n_rows", "signals"))
+        if identity != self._of:
+            self._of = identity
             self._data.clear()
-        n_bytes = 4 * told["n_rows"] * told["n_signals"]
+        self._bring(link, 4 * told["n_rows"] * told["n_signals"], progress)
+        return _recording(told, bytes(self._data))
+
+    def _bring(self, link: Link, n_bytes: int, progress: Callable[[int, int], None] | None) -> None:
+        way = _FD if link.is_fd and _carries_fd(link) else _CLASSIC
         while len(self._data) < n_bytes:
-            n_words = min(PIECE_WORDS, (n_bytes - len(self._data)) // 4)
-            self._data += _piece(link, len(self._data) // 4, n_words)
+            n_words = min(way.n_words, (n_bytes - len(self._data)) // 4)
+            self._data += _piece(link, way, len(self._data) // 4, n_words)
             if progress is not None:
                 progress(len(self._data), n_bytes)
-        names = tuple(name for i, name in enumerate(SIGNALS) if told["signals"] >> i & 1)
-        rows = np.frombuffer(bytes(self._data), "<i4").reshape(told["n_rows"], len(names))
-        is_excited = ENDS[told["end"]] == "state_left" and EXCITED[told["excited"]] == "done"
-        return Recording(
-            *(names, rows, told["tick_hz"], told["every"], told["first_tick"]),
-            *(ENDS[told["end"]], told["n_lost"], told["n_fall"] if is_excited else 0),
-        )
 
 
-def _piece(link: Link, offset: int, n_words: int) -> bytes:
+def _recording(told: dict[str, int], data: bytes) -> Recording:
+    names = tuple(name for i, name in enumerate(SIGNALS) if told["signals"] >> i & 1)
+    is_excited = ENDS[told["end"]] == "state_left" and EXCITED[told["excited"]] == "done"
+    since_first = (told["trigger_tick"] - told["first_tick"]) % 2**32  # ticks wrap
+    return Recording(
+        signals=names,
+        rows=np.frombuffer(data, "<i4").reshape(told["n_rows"], len(names)),
+        tick_hz=told["tick_hz"],
+        every=told["every"],
+        first_tick=told["first_tick"],
+        end=ENDS[told["end"]],
+        n_lost=told["n_lost"],
+        n_fall=told["n_fall"] if is_excited else 0,
+        n_before=told["n_before"],
+        trigger_tick=told["first_tick"] + since_first,
+        faults=told["faults"],
+    )
+
+
+def _carries_fd(link: Link) -> bool:
+    """Ask for one long message."""
+    link.parts.clear()
+    with contextlib.suppress(Refused):
+        answer = link.ask(_FD.command, offset=0, count=1)
+        return answer.result == "done" and len(link.parts) > 0
+    return False
+
+
+def _piece(link: Link, way: _Way, offset: int, n_words: int) -> bytes:
     """Return words of the recording, asked for again until they are sound."""
     problem = ""
+    count = -(-n_words // way.grain)
     for _ in range(MOST_REPEATS):
         link.parts.clear()
         try:
-            answer = link.ask("read_scope", offset=offset, count=n_words)
+            answer = link.ask(way.command, offset=offset, count=count)
         except Refused as error:
             problem = str(error)
             continue
-        _require(link, "read recording", answer)
+        require(link, "read recording", answer)
         by_number = {part[0]: part[1:] for part in link.parts}
         data = b"".join(by_number[i] for i in sorted(by_number))[: 4 * n_words]
         if len(data) == 4 * n_words and zlib.crc32(data) == int(answer.value):
@@ -267,103 +329,3 @@ def wait(link: Link, timeout_s: float) -> None:
         if time.monotonic() > end_s:
             raise Refused(f"{link.where}: the recording has not ended after {timeout_s:.0f} s")
         link.wait(lambda: False, ALIVE_S)
-
-
-def download_wave(
-    link: Link,
-    samples_nm: npt.ArrayLike,
-    progress: Callable[[int, float], None] = lambda stored, seconds: None,
-) -> int:
-    """Bring the samples of a period [nm] to the controller, one per tick; return how many.
-
-    Raises
-    ------
-    CamtoolsError
-        They are no whole numbers of 32 bits.
-    Refused
-        The controller refuses them, or the bus loses too much.
-    """
-    samples = np.asarray(samples_nm)
-    rounded = np.rint(samples.astype(np.float64))
-    if samples.ndim != 1 or not np.all(np.abs(rounded) < 2**31):
-        raise CamtoolsError(["wave: give finite samples in nm, below 2^31, in one row"])
-    data = rounded.astype("<i4").tobytes()
-    begin = link.ask("begin_wave", size=len(data))
-    if begin.result == "scope_memory":
-        most = get(link, "n_words") // 2
-        what = f"{len(rounded)} samples, the controller holds {most}"
-        raise Refused(f"wave: refused: {what}; give a shorter period")
-    _require(link, "wave", begin)
-    bring(link, data, "no wave is there, download again", progress)
-    _require(link, "wave", link.ask("end_wave", crc=zlib.crc32(data)))
-    return len(rounded)
-
-
-def _follow(link: Link, timeout_s: float) -> str:
-    """Give signs of life until the excitation has ended; return what came of it."""
-    end_s = time.monotonic() + timeout_s
-    while time.monotonic() < end_s:
-        _require(link, "keep alive", link.ask("keep_alive"))
-        excited = EXCITED[get(link, "excited")]
-        if excited != "runs" and phase(link) == "done":
-            return excited
-        link.wait(lambda: False, ALIVE_S)
-    raise Refused(f"{link.where}: the excitation has not ended after {timeout_s:.0f} s")
-
-
-def excite(
-    link: Link,
-    samples_nm: npt.ArrayLike,
-    periods: int,
-    *,
-    fade_ticks: int = 2000,
-    place_nm: int = 0,
-    signals: Sequence[str] = DEFAULT_SIGNALS,
-    progress: Callable[[int, int], None] | None = None,
-) -> Recording:
-    """Let U play a wave in the state ready, and return what was recorded meanwhile.
-
-    U moves to its place, the amplitude rises, the wave plays, the amplitude falls, and U goes back
-    to where it stood. Whatever ends this function early brings U to rest.
-
-    Parameters
-    ----------
-    samples_nm : array_like
-        [nm] one period, a sample for each tick
-    periods : int
-        how often it plays in full
-    fade_ticks : int
-        [ticks] in which the amplitude rises, and falls; 16 .. 65535
-    place_nm : int
-        [nm] of U, about which the wave plays
-    signals : sequence of str
-        to record in every tick
-    progress : callable
-        called with the bytes of the recording that are there and those in all
-
-    Raises
-    ------
-    CamtoolsError
-        A number or a signal has no place in its message.
-    Refused
-        The controller refuses with its numbers, it was cut short, or ticks were lost.
-    """
-    check_excitation(periods, fade_ticks, place_nm)
-    mask_of(signals)
-    n = download_wave(link, samples_nm)
-    configure(link, signals)
-    put(link, "place_nm", place_nm)
-    seconds = (n * periods + 2 * fade_ticks) / get(link, "tick_hz")
-    _require(link, "excite", link.ask("excite", periods=periods, fade=fade_ticks))
-    try:
-        excited = _follow(link, seconds + 10.0)
-    except BaseException:
-        link.ask("stop")  # U comes to rest at once, not after the controller's patience
-        raise
-    if excited != "done":
-        raise Refused(f"{link.where}: the excitation was cut short: {excited}")
-    recording = read(link, progress)
-    if recording.end != "state_left":
-        why = "the memory is full" if recording.end == "full" else "ticks were lost"
-        raise Refused(f"{link.where}: the recording is not whole, {why}; fewer signals or periods")
-    return recording

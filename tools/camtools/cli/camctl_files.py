@@ -1,0 +1,119 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Files of recordings: CSV and Parquet, in the controller's own numbers or in units of people.
+
+>>> names_of("state,u_actual_nm")
+['state', 'u_actual_nm']
+>>> check_name(Path("a.txt"))
+Traceback (most recent call last):
+    ...
+camtools.base.errors.CamtoolsError: a.txt: give a name that ends in .csv or .parquet
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pyarrow as pa
+
+from camtools.base.errors import CamtoolsError
+from camtools.base.output import write_all
+from camtools.base.parquet import parquet_bytes
+from camtools.link import scope
+from camtools.link.signals import faults_in, physical
+
+Say = Callable[[str], None]
+_SUFFIXES = (".csv", ".parquet")
+ABOUT = "camturn.recording"
+
+
+def names_of(text: str) -> list[str]:
+    """Return the signals of a list.
+
+    Raises
+    ------
+    CamtoolsError
+        One is none.
+    """
+    names = text.split(",")
+    scope.mask_of(names)
+    return names
+
+
+def check_name(path: Path) -> None:
+    """Raise when the name of a file does not tell its format."""
+    if path.suffix not in _SUFFIXES:
+        raise CamtoolsError([f"{path}: give a name that ends in {' or '.join(_SUFFIXES)}"])
+
+
+def _raw_csv(recording: scope.Recording) -> Iterator[bytes]:
+    """Return the lines of a recording, as camsim identify writes them."""
+    yield (",".join(("tick", "t_s", *recording.signals)) + "\n").encode()
+    for i, (tick, row) in enumerate(zip(recording.tick, recording.rows, strict=True)):
+        t_s = i * recording.every / recording.tick_hz
+        yield (f"{tick},{t_s:.9f}," + ",".join(map(str, row)) + "\n").encode()
+
+
+def write_raw(path: Path, recording: scope.Recording, say: Say) -> None:
+    """Write a recording as CSV, in the controller's numbers."""
+    write_all(path.parent, {path.name: _raw_csv(recording)})
+    _told(path, recording, say)
+
+
+def _told(path: Path, recording: scope.Recording, say: Say) -> None:
+    n = len(recording.rows)
+    say(f"{path}: {n} rows of {len(recording.signals)} signals at {recording.tick_hz} Hz")
+
+
+def _columns(recording: scope.Recording, is_raw: bool) -> dict[str, Any]:
+    signals = (
+        {name: recording[name] for name in recording.signals} if is_raw else physical(recording)
+    )
+    return {"t_s": recording.t_s, "tick": recording.tick} | signals
+
+
+def _about(recording: scope.Recording) -> dict[str, str]:
+    told = {
+        "tick_hz": recording.tick_hz,
+        "every": recording.every,
+        "first_tick": recording.first_tick,
+        "trigger_tick": recording.trigger_tick,
+        "n_before": recording.n_before,
+        "end": recording.end,
+        "faults": faults_in(recording.faults),
+    }
+    return {ABOUT: json.dumps(told)}
+
+
+def _csv(columns: dict[str, Any]) -> Iterator[bytes]:
+    yield (",".join(columns) + "\n").encode()
+    for row in zip(*(column.tolist() for column in columns.values()), strict=True):
+        yield (",".join(f"{value:.12g}" for value in row) + "\n").encode()
+
+
+def file_bytes(path: Path, recording: scope.Recording, *, is_raw: bool) -> bytes:
+    """Return a recording in the format that the name of its file tells.
+
+    The first column is the time from the trigger on; every column is a number, because PlotJuggler
+    before 3.14 opens no Parquet file with text in it.
+    """
+    columns = _columns(recording, is_raw)
+    if path.suffix == ".csv":
+        return b"".join(_csv(columns))
+    whole, broken = pa.int64(), pa.float64()
+    kinds = [(name, whole if c.dtype.kind == "i" else broken) for name, c in columns.items()]
+    return parquet_bytes(columns, pa.schema(kinds), _about(recording))
+
+
+def write(
+    path: Path, recording: scope.Recording, pictures: dict[Path, bytes], say: Say, *, is_raw: bool
+) -> None:
+    """Write a recording and its pictures; each folder gets all of its files or none."""
+    files = {path: file_bytes(path, recording, is_raw=is_raw), **pictures}
+    for folder in {one.parent for one in files}:
+        write_all(folder, {one.name: data for one, data in files.items() if one.parent == folder})
+    _told(path, recording, say)
+    for picture in pictures:
+        say(f"{picture}: drawn")

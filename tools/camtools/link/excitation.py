@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: Apache-2.0
+"""U excited by a wave, and what the controller records of it.
+
+>>> check_excitation(1, 15, 0)
+Traceback (most recent call last):
+    ...
+camtools.base.errors.CamtoolsError: fade_ticks 15: give 16 .. 65535
+"""
+
+from __future__ import annotations
+
+import time
+import zlib
+from collections.abc import Callable, Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from camtools.base.errors import CamtoolsError
+from camtools.link.controller import Link, Refused
+from camtools.link.download import bring
+from camtools.link.scope import (
+    ALIVE_S,
+    DEFAULT_SIGNALS,
+    EXCITED,
+    Recording,
+    configure,
+    get,
+    mask_of,
+    phase,
+    put,
+    read,
+    require,
+)
+
+
+def check_excitation(periods: int, fade_ticks: int, place_nm: int) -> None:
+    """Raise when a number has no place in its message."""
+    for name, value, low, high in (
+        ("periods", periods, 1, 65535),
+        ("fade_ticks", fade_ticks, 16, 65535),
+        ("place_nm", place_nm, -15_000_000, 15_000_000),
+    ):
+        if not low <= value <= high:
+            raise CamtoolsError([f"{name} {value}: give {low} .. {high}"])
+
+
+def download_wave(
+    link: Link,
+    samples_nm: npt.ArrayLike,
+    progress: Callable[[int, float], None] = lambda stored, seconds: None,
+) -> int:
+    """Bring the samples of a period [nm] to the controller, one per tick; return how many.
+
+    Raises
+    ------
+    CamtoolsError
+        They are no whole numbers of 32 bits.
+    Refused
+        The controller refuses them, or the bus loses too much.
+    """
+    samples = np.asarray(samples_nm)
+    rounded = np.rint(samples.astype(np.float64))
+    if samples.ndim != 1 or not np.all(np.abs(rounded) < 2**31):
+        raise CamtoolsError(["wave: give finite samples in nm, below 2^31, in one row"])
+    data = rounded.astype("<i4").tobytes()
+    begin = link.ask("begin_wave", size=len(data))
+    if begin.result == "scope_memory":
+        most = get(link, "n_words") // 2
+        what = f"{len(rounded)} samples, the controller holds {most}"
+        raise Refused(f"wave: refused: {what}; give a shorter period")
+    require(link, "wave", begin)
+    bring(link, data, "no wave is there, download again", progress)
+    require(link, "wave", link.ask("end_wave", crc=zlib.crc32(data)))
+    return len(rounded)
+
+
+def _follow(link: Link, timeout_s: float) -> str:
+    """Give signs of life until the excitation has ended; return what came of it."""
+    end_s = time.monotonic() + timeout_s
+    while time.monotonic() < end_s:
+        require(link, "keep alive", link.ask("keep_alive"))
+        excited = EXCITED[get(link, "excited")]
+        if excited != "runs" and phase(link) == "done":
+            return excited
+        link.wait(lambda: False, ALIVE_S)
+    raise Refused(f"{link.where}: the excitation has not ended after {timeout_s:.0f} s")
+
+
+def excite(
+    link: Link,
+    samples_nm: npt.ArrayLike,
+    periods: int,
+    *,
+    fade_ticks: int = 2000,
+    place_nm: int = 0,
+    signals: Sequence[str] = DEFAULT_SIGNALS,
+    progress: Callable[[int, int], None] | None = None,
+) -> Recording:
+    """Let U play a wave in the state ready, and return what was recorded meanwhile.
+
+    U moves to its place, the amplitude rises, the wave plays, the amplitude falls, and U goes back
+    to where it stood. Whatever ends this function early brings U to rest.
+
+    Parameters
+    ----------
+    samples_nm : array_like
+        [nm] one period, a sample for each tick
+    periods : int
+        how often it plays in full
+    fade_ticks : int
+        [ticks] in which the amplitude rises, and falls; 16 .. 65535
+    place_nm : int
+        [nm] of U, about which the wave plays
+    signals : sequence of str
+        to record in every tick
+    progress : callable
+        called with the bytes of the recording that are there and those in all
+
+    Raises
+    ------
+    CamtoolsError
+        A number or a signal has no place in its message.
+    Refused
+        The controller refuses with its numbers, it was cut short, or ticks were lost.
+    """
+    check_excitation(periods, fade_ticks, place_nm)
+    mask_of(signals)
+    n = download_wave(link, samples_nm)
+    configure(link, signals)
+    put(link, "place_nm", place_nm)
+    seconds = (n * periods + 2 * fade_ticks) / get(link, "tick_hz")
+    require(link, "excite", link.ask("excite", periods=periods, fade=fade_ticks))
+    try:
+        excited = _follow(link, seconds + 10.0)
+    except BaseException:
+        link.ask("stop")  # U comes to rest at once, not after the controller's patience
+        raise
+    if excited != "done":
+        raise Refused(f"{link.where}: the excitation was cut short: {excited}")
+    recording = read(link, progress)
+    if recording.end != "state_left":
+        why = "the memory is full" if recording.end == "full" else "ticks were lost"
+        raise Refused(f"{link.where}: the recording is not whole, {why}; fewer signals or periods")
+    return recording

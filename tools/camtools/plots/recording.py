@@ -1,0 +1,187 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Pictures of a recording: signals over time, and turns of the spindle over each other.
+
+>>> turns_of(np.array([350.0, 355.0, 0.0, 5.0, 359.0, 1.0])).tolist()
+[0, 0, 1, 1, 1, 2]
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import floor, log10
+
+import matplotlib as mpl
+import numpy as np
+import numpy.typing as npt
+from matplotlib.axes import Axes
+from matplotlib.projections.polar import PolarAxes
+
+from camtools.plots.style import (
+    BLUE,
+    GREEN,
+    ORANGE,
+    PURPLE,
+    RED,
+    SKY,
+    drawing,
+    new_figure,
+    png_of,
+    titled_figure,
+)
+
+Floats = npt.NDArray[np.float64]
+Columns = Mapping[str, Floats]
+ANGLE = "angle_deg"
+_UNITS = {"um": "um", "mm": "mm", "deg": "degrees", "rpm": "r/min"}
+_RATES = {"mm_per_s": "mm/s", "m_per_s2": "m/s2"}
+_COLOURS = (BLUE, ORANGE, GREEN, PURPLE, SKY, RED)
+_NOT_DRAWN = ("tick", "config")
+_WIDTH_IN, _PANEL_IN, _MOST_POLAR = 11.0, 1.5, 4
+_DUE, _ACTUAL, _ERROR = "u_due_um", "u_actual_um", "following error_um"
+
+
+def _unit_of(name: str) -> str:
+    for end, unit in _RATES.items():
+        if name.endswith(end):
+            return unit
+    return _UNITS.get(name.rpartition("_")[2], "")
+
+
+def _word_of(name: str) -> str:
+    """Return a column's name without its unit, for a legend."""
+    for end in (*_RATES, *_UNITS):
+        if name.endswith(f"_{end}"):
+            return name.removesuffix(f"_{end}").replace("_", " ")
+    return name.replace("_", " ")
+
+
+def _label_of(name: str) -> str:
+    """Return name and unit, one above the other."""
+    return f"{_word_of(name)}\n{_unit_of(name)}".rstrip()
+
+
+def _panels(columns: Columns) -> list[list[str]]:
+    """Return the columns of each panel: those of one axis and one unit share it."""
+    panels: dict[tuple[str, str], list[str]] = {}
+    for name in columns:
+        if name not in _NOT_DRAWN:
+            unit = _unit_of(name)
+            panels.setdefault((name[0] if unit else name, unit), []).append(name)
+    return list(panels.values())
+
+
+def _with_error(columns: Columns) -> dict[str, Floats]:
+    """Add the following error, behind U, where both of its parts are there."""
+    if _DUE not in columns or _ACTUAL not in columns:
+        return dict(columns)
+    ahead = max(i for i, name in enumerate(columns) if name.startswith("u_")) + 1
+    items = list(columns.items())
+    return dict([*items[:ahead], (_ERROR, columns[_ACTUAL] - columns[_DUE]), *items[ahead:]])
+
+
+def _states_axis(axes: Axes, states: Mapping[int, str]) -> None:
+    axes.set_yticks(sorted(states), [states[number] for number in sorted(states)])
+    axes.set_ylim(min(states) - 0.5, max(states) + 0.5)
+
+
+def _draw_over_time(axes: Axes, t_ms: Floats, columns: Columns, names: list[str]) -> None:
+    is_number = not _unit_of(names[0])
+    for name, colour in zip(names, _COLOURS * len(names), strict=False):
+        style = "steps-post" if is_number else "default"
+        axes.plot(t_ms, columns[name], color=colour, lw=0.9, label=_word_of(name), drawstyle=style)
+    axes.axvline(0, color=RED, lw=0.8)
+    axes.set_ylabel(_label_of(names[0]) if len(names) == 1 else _unit_of(names[0]))
+    axes.margins(x=0)
+    if len(names) > 1:
+        axes.legend(
+            loc="lower left",
+            bbox_to_anchor=(0, 0.95),
+            borderaxespad=0,
+            ncols=len(names),
+            fontsize=8,
+            frameon=False,
+        )
+
+
+def time_picture(
+    t_s: Floats, columns: Columns, states: Mapping[int, str], trigger: str = ""
+) -> bytes:
+    """Return signals over time as PNG.
+
+    Parameters
+    ----------
+    t_s : ndarray, shape (n,)
+        [s] from the trigger on
+    columns : mapping
+        by names whose last word is the unit
+    states : mapping
+        names of the numbers in the column state
+    trigger : str
+        written at the trigger
+    """
+    all_of = _with_error(columns)
+    panels = _panels(all_of)
+    with drawing():
+        figure = new_figure(_WIDTH_IN, max(3.0, _PANEL_IN * len(panels) + 0.6))
+        grid = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
+        for axes, names in zip(grid, panels, strict=True):
+            _draw_over_time(axes, t_s * 1e3, all_of, names)
+            if names == ["state"] and states:
+                _states_axis(axes, states)
+        if trigger:
+            grid[0].set_title(trigger.replace("_", " "), color=RED, loc="right")
+        grid[-1].set_xlabel("time from the trigger, ms")
+        return png_of(figure)
+
+
+def turns_of(angle_deg: Floats) -> npt.NDArray[np.int64]:
+    """Return for each row which turn of the spindle it is of, the first 0."""
+    steps = (np.diff(angle_deg) + 180) % 360 - 180
+    whole = np.concatenate([angle_deg[:1], angle_deg[:1] + np.cumsum(steps)])
+    numbers = np.floor(np.round(whole, 6) / 360).astype(np.int64)
+    return numbers - (numbers.min() if len(numbers) else 0)
+
+
+def _draw_turns(unrolled: Axes, polar: PolarAxes, columns: Columns, name: str) -> None:
+    """Draw each turn by itself, coloured from the first to the last."""
+    angle, values = columns[ANGLE], columns[name]
+    turns = turns_of(angle)
+    colours = mpl.colormaps["viridis"](np.linspace(0, 0.9, max(int(turns.max()) + 1, 2)))
+    for turn in np.unique(turns):
+        of_turn = turns == turn
+        here = (angle[of_turn], values[of_turn])
+        unrolled.plot(*here, color=colours[turn], lw=0.6, alpha=0.8)
+        polar.plot(np.radians(here[0]), here[1], color=colours[turn], lw=0.6, alpha=0.8)
+    low, high = float(values.min()), float(values.max())
+    room = (high - low) or 1.0
+    polar.set_rlim(low - 1.2 * room, high + 0.05 * room)
+    digits = max(0, 2 - floor(log10(room)))
+    polar.set_rticks([low, high], [f"{low:.{digits}f}", f"{high:.{digits}f}"], fontsize=7)
+    polar.set_xticks(np.radians(range(0, 360, 45)))
+    unrolled.set_ylabel(_label_of(name))
+    unrolled.set_xlim(0, 360)
+    unrolled.set_xticks(range(0, 361, 45))
+
+
+def angle_picture(columns: Columns) -> bytes:
+    """Return signals against the spindle's angle as PNG, unrolled and polar, one turn over another.
+
+    Parameters
+    ----------
+    columns : mapping
+        by names whose last word is the unit, with the angle
+    """
+    all_of = _with_error(columns)
+    left_out = {ANGLE, _DUE} if _ERROR in all_of else {ANGLE}  # the error tells more
+    names = [n for n in all_of if _unit_of(n) and n not in left_out][:_MOST_POLAR]
+    n_turns = int(turns_of(all_of[ANGLE]).max()) + 1
+    with drawing():
+        title = f"{n_turns} turns, from dark to light"
+        figure = titled_figure(_WIDTH_IN, 2.8 * len(names) + 0.7, title)
+        parts = figure.subfigures(len(names), 2, width_ratios=(2.6, 1), squeeze=False)
+        for row, name in zip(parts, names, strict=True):
+            polar = row[1].subplots(subplot_kw={"projection": "polar"})
+            unrolled = row[0].subplots()
+            _draw_turns(unrolled, polar, all_of, name)
+        unrolled.set_xlabel("spindle angle in the sense of cutting, degrees")
+        return png_of(figure)
