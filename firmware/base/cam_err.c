@@ -78,6 +78,7 @@ static const err_text_t entries[] = {
     {cam_err_params_none, "no parameters are kept"},
     {cam_err_params_damaged, "the kept parameters are damaged"},
     {cam_err_params_keep, "the parameters could not be kept"},
+    {cam_err_param_output, "the axis would be faster than the port's output passes on"},
 };
 
 const char *cam_err_text(cam_err_t err)

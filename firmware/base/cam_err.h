@@ -85,6 +85,8 @@ typedef enum {
     cam_err_params_keep = -91,    ///< the port could not keep the parameters
     cam_err_scope_unread = -95,   ///< the black box of a fault has not been read
     cam_err_scope_before = -96,   ///< no row is left behind the trigger
+    // Outputs of the port (cam_fit.h)
+    cam_err_param_output = -110, ///< the axis would be faster than the port's output passes on
 } cam_err_t;
 
 /// The compiler refuses a call that ignores the result of such a function.

@@ -3,6 +3,7 @@
 #include "cam_cut.h"  // cam_cut_divided_up
 #include "cam_fix.h"  // cam_clamp_i64
 #include "cam_play.h" // cam_play_history
+#include "hal/hal.h"  // hal_axis_scale
 #include <stdbool.h>  // bool
 #include <stddef.h>   // NULL, size_t
 
@@ -72,6 +73,13 @@ int32_t cam_fit_approach_nm(const cam_params_t *params, const cam_table_t *table
     return cam_sat_i32(cut_nm > way_nm ? cut_nm : way_nm);
 }
 
+/// @return [um/s] highest speed of an axis, by its output where the port names one
+static int64_t most_um_per_s(hal_axis_t axis, int64_t most)
+{
+    const int32_t output_um_per_s = hal_axis_scale(axis).most_um_per_s;
+    return output_um_per_s > 0 ? cam_cut_smaller(most, output_um_per_s) : most;
+}
+
 int32_t cam_fit_most(cam_param_id_t id, uint32_t tick_hz)
 {
     const cam_param_info_t *info = cam_param_info(id);
@@ -90,20 +98,40 @@ int32_t cam_fit_most(cam_param_id_t id, uint32_t tick_hz)
     case cam_param_k2_us2:
         most = cam_cut_smaller(most, INT64_C(32766) * 1000000000000 / (hz * hz));
         break;
+    case cam_param_x_speed_um_per_s:
+        most = most_um_per_s(hal_axis_x, most);
+        break;
+    case cam_param_z_speed_um_per_s:
+        most = most_um_per_s(hal_axis_z, most);
+        break;
     default:
         break;
     }
     return (int32_t)most;
 }
 
+/// @return whether each parameter of a list is within cam_fit_most()
+static bool are_within(const cam_params_t *params, const cam_param_id_t *ids, size_t n,
+                       uint32_t tick_hz)
+{
+    bool fits = true;
+    for (size_t i = 0; i < n; i++) {
+        fits = fits && cam_param_get(params, ids[i]) <= cam_fit_most(ids[i], tick_hz);
+    }
+    return fits;
+}
+
 cam_err_t cam_fit_check(const cam_params_t *params, uint32_t tick_hz)
 {
-    static const cam_param_id_t limited[] = {cam_param_observer_bandwidth_mHz, cam_param_lead_ns,
+    static const cam_param_id_t by_tick[] = {cam_param_observer_bandwidth_mHz, cam_param_lead_ns,
                                              cam_param_k1_ns, cam_param_k2_us2};
+    static const cam_param_id_t by_output[] = {cam_param_x_speed_um_per_s,
+                                               cam_param_z_speed_um_per_s};
     const int64_t due_ns = (int64_t)params->lead_ns + params->u_scale_latency_ns;
-    bool fits = due_ns <= cam_fit_most(cam_param_lead_ns, tick_hz);
-    for (size_t i = 0; i < sizeof limited / sizeof limited[0]; i++) {
-        fits = fits && cam_param_get(params, limited[i]) <= cam_fit_most(limited[i], tick_hz);
+    if (due_ns > cam_fit_most(cam_param_lead_ns, tick_hz) ||
+        !are_within(params, by_tick, sizeof by_tick / sizeof by_tick[0], tick_hz)) {
+        return cam_err_param_tick;
     }
-    return fits ? cam_ok : cam_err_param_tick;
+    const size_t n_outputs = sizeof by_output / sizeof by_output[0];
+    return are_within(params, by_output, n_outputs, tick_hz) ? cam_ok : cam_err_param_output;
 }

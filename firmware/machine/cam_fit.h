@@ -38,13 +38,15 @@ int32_t cam_fit_following_nm(const cam_params_t *params, const cam_table_t *tabl
 /// Source: MATHS.md (167).
 int32_t cam_fit_approach_nm(const cam_params_t *params, const cam_table_t *table, uint32_t tick_hz);
 
-/// @return the largest value of a parameter that fits the rate of the tick; for parameters that do
-///         not depend on it, their largest value
+/// @return the largest value of a parameter that fits the rate of the tick, and for the speeds of X
+///         and Z what the port's outputs pass on; for parameters that depend on neither, their
+///         largest value
 int32_t cam_fit_most(cam_param_id_t id, uint32_t tick_hz);
 
 /// Check what the interrupt relies on: the history reaches back over the lead and the latency of
 /// U's scale, the observer is slower than the tick, feed-forward gains fit 15 integer bits.
-/// @return cam_ok or cam_err_param_tick
+/// The speeds of X and Z are such that their outputs pass them on.
+/// @return cam_ok, cam_err_param_tick or cam_err_param_output
 CAM_MUST_USE cam_err_t cam_fit_check(const cam_params_t *params, uint32_t tick_hz);
 
 #endif

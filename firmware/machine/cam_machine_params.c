@@ -72,9 +72,9 @@ static cam_err_t check_state(cam_machine_t *m, const cam_params_t *params, cam_p
     return cam_ok;
 }
 
-/// Keep which parameter does not fit the tick, with the most that does. A lead that fits by itself
+/// Keep which parameter does not fit tick or outputs, with the most that does. A lead that fits by itself
 /// is too long together with the latency of U's scale.
-static void explain_tick(cam_machine_t *m, const cam_params_t *params)
+static void explain_fit(cam_machine_t *m, const cam_params_t *params, cam_err_t err)
 {
     uint32_t id = 0;
     while (id < (uint32_t)cam_n_params && cam_param_get(params, (cam_param_id_t)id) <=
@@ -84,7 +84,7 @@ static void explain_tick(cam_machine_t *m, const cam_params_t *params)
     const bool is_sum = id == (uint32_t)cam_n_params;
     const cam_param_id_t which = is_sum ? cam_param_lead_ns : (cam_param_id_t)id;
     m->refusal = (cam_refusal_t){
-        .why.err = cam_err_param_tick,
+        .why.err = err,
         .why.needed =
             (int64_t)cam_param_get(params, which) + (is_sum ? params->u_scale_latency_ns : 0),
         .why.limit = cam_fit_most(which, m->tick_hz),
@@ -130,8 +130,8 @@ static cam_err_t apply(cam_machine_t *m, const cam_params_t *params, cam_param_i
         const uint32_t pass = begins ? cam_pass_first(params, table) : m->pass;
         err = cam_machine_hand_over(m, params, table, pass);
     }
-    if (err == cam_err_param_tick) {
-        explain_tick(m, params);
+    if (err == cam_err_param_tick || err == cam_err_param_output) {
+        explain_fit(m, params, err);
     }
     if (err == cam_ok) {
         adopt(m, params, named);
@@ -171,6 +171,11 @@ cam_err_t cam_machine_stage_commit(cam_machine_t *m)
     return err;
 }
 
+static void limit(int32_t *value, int32_t most)
+{
+    *value = *value < most ? *value : most;
+}
+
 cam_params_t cam_machine_defaults(uint32_t tick_hz)
 {
     cam_params_t params = cam_param_defaults();
@@ -179,11 +184,10 @@ cam_params_t cam_machine_defaults(uint32_t tick_hz)
         cam_param_learn(&params);
     }
     // The defaults fit every tick rate from 500 Hz on but for the observer's bandwidth, which is
-    // limited to a twentieth of the rate.
-    const int32_t fastest_mHz = cam_fit_most(cam_param_observer_bandwidth_mHz, tick_hz);
-    if (params.observer_bandwidth_mHz > fastest_mHz) {
-        params.observer_bandwidth_mHz = fastest_mHz;
-    }
+    // limited to a twentieth of the rate, and the speeds of X and Z to what their outputs pass on.
+    limit(&params.observer_bandwidth_mHz, cam_fit_most(cam_param_observer_bandwidth_mHz, tick_hz));
+    limit(&params.x_speed_um_per_s, cam_fit_most(cam_param_x_speed_um_per_s, tick_hz));
+    limit(&params.z_speed_um_per_s, cam_fit_most(cam_param_z_speed_um_per_s, tick_hz));
     return params;
 }
 

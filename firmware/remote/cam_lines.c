@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_lines.h"
-#include <stddef.h> // NULL
+#include "cam_reach.h" // cam_reach_form_pm
+#include <stddef.h>    // NULL
 
 enum { max_line = 120 }; ///< longest line that hal_text() allows
 
@@ -94,6 +95,59 @@ void cam_lines_params(const cam_machine_t *machine)
     say_some(kept->n_unknown, kept->unknown, " unknown to this firmware and left out, first ");
     say_some(kept->n_unfit, name_of(kept->unfit), " out of range and left at default, first ");
     say_some(kept->n_missing, name_of(kept->missing), " not among those kept, at default, first ");
+}
+
+/// Append picometres as nanometres with one place.
+static void add_nm(line_t *line, uint32_t pm)
+{
+    add_number(line, pm / 1000u);
+    add(line, ".");
+    add_number(line, pm % 1000u / 100u);
+    add(line, " nm");
+}
+
+/// Append what an axis resolves.
+static void add_axis(line_t *line, const char *name, const hal_axis_scale_t *scale)
+{
+    add(line, name);
+    add_nm(line, scale->command_pm);
+    if (scale->most_um_per_s > 0) {
+        add(line, " up to ");
+        add_number(line, (uint32_t)scale->most_um_per_s);
+        add(line, " um/s");
+    }
+    if (scale->measured_pm != 0u) {
+        add(line, ", read to ");
+        add_nm(line, scale->measured_pm);
+    }
+}
+
+void cam_lines_scales(const cam_table_t *table)
+{
+    static const char *const names[hal_n_axes] = {
+        [hal_axis_u] = "U ", [hal_axis_x] = "X ", [hal_axis_z] = "Z "};
+    line_t line = {.n = 0};
+    const char *before = "scales: ";
+    for (uint32_t i = 0; i < (uint32_t)hal_n_axes; i++) {
+        const hal_axis_scale_t scale = hal_axis_scale((hal_axis_t)i);
+        if (scale.command_pm != 0u) {
+            add(&line, before);
+            add_axis(&line, names[i], &scale);
+            before = "; ";
+        }
+    }
+    if (line.n == 0u) {
+        return;
+    }
+    hal_text(line.text);
+    line.n = 0;
+    const uint32_t form_nm = cam_reach_form_pm(table) / 1000u;
+    add(&line, "form error by the steps of the outputs: ");
+    add_number(&line, form_nm / 1000u);
+    add(&line, form_nm % 1000u < 10u ? ".00" : form_nm % 1000u < 100u ? ".0" : ".");
+    add_number(&line, form_nm % 1000u);
+    add(&line, " um");
+    hal_text(line.text);
 }
 
 void cam_lines_table(cam_lines_t *l, const cam_store_t *store)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// cam_lines: lines of text for people: why the controller started, whether the table is in use,
-/// every change of state, every fault. They go to hal_text(). All functions: slow side, main()
+/// what the scales resolve, every change of state, every fault. They go to hal_text(). All functions: slow side, main()
 /// only.
 #ifndef CAM_LINES_H
 #define CAM_LINES_H
@@ -24,6 +24,12 @@ void cam_lines_start(const hal_start_t *start);
 /// Report which parameters the controller begins with, for example "params: version 12 in use", and
 /// what of the kept ones this image does not know.
 void cam_lines_params(const cam_machine_t *machine);
+
+/// Report what the outputs and scales of the axes resolve, how fast the outputs are, and the form
+/// error that their steps cost, as far as the port names them: for example "scales: U 30.5 nm, read
+/// to 100.0 nm; X 50.0 nm up to 36000 um/s" and "form error by the steps of the outputs: 0.040 um".
+/// @param table  in use; NULL: none
+void cam_lines_scales(const cam_table_t *table);
 
 /// Report the result of the last check of the table.
 void cam_lines_table(cam_lines_t *l, const cam_store_t *store);

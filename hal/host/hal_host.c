@@ -46,6 +46,11 @@ bool hal_measures_u(void)
     return hal_host.slow.measures_u;
 }
 
+hal_axis_scale_t hal_axis_scale(hal_axis_t axis)
+{
+    return hal_host.slow.scale[axis];
+}
+
 hal_memory_t hal_scope_memory(void)
 {
     static int32_t words[hal_host_scope_words];

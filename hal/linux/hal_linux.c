@@ -376,6 +376,13 @@ bool hal_measures_u(void)
     return port.bus.drive[hal_axis_u].node.id != 0u;
 }
 
+/// A unit of the drive is the quantum of both ways; an axis without a drive has none.
+hal_axis_scale_t hal_axis_scale(hal_axis_t axis)
+{
+    const uint32_t unit_pm = lin_drive_unit_pm(&port.bus.drive[axis]);
+    return (hal_axis_scale_t){.command_pm = unit_pm, .measured_pm = unit_pm};
+}
+
 hal_memory_t hal_scope_memory(void)
 {
     static int32_t words[scope_words];

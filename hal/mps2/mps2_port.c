@@ -38,6 +38,13 @@ bool hal_measures_u(void)
     return mps2_machine.slow.measures_u;
 }
 
+/// The machine behind the emulator rounds nothing that it has not told.
+hal_axis_scale_t hal_axis_scale(hal_axis_t axis)
+{
+    (void)axis;
+    return (hal_axis_scale_t){0};
+}
+
 hal_memory_t hal_scope_memory(void)
 {
     static int32_t words[mps2_scope_words];

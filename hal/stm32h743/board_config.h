@@ -23,6 +23,17 @@
 #define BOARD_Z_FULL_NM 500000000
 #define BOARD_SPINDLE_FULL_MRPM 5000000
 
+/// [pm] that X and Z move by a step of their step-and-direction outputs: at least 4000; 0: the
+/// drive takes the voltage of its channel instead, whose code is a 32 768th of the numbers above. A
+/// step of X is twice the form error that it leaves; one of Z counts by the slope of the part only.
+#define BOARD_X_STEP_PM 50000
+#define BOARD_Z_STEP_PM 500000
+
+/// [ns] shortest time for which the step outputs are high, and low. 500 fits line drivers
+/// (RS-422); inputs with optocouplers need 2500 or what the drive's data sheet says.
+#define BOARD_STEP_HIGH_NS 500u
+#define BOARD_STEP_LOW_NS 500u
+
 /// [pm] per count (four edges per line) of the linear scales of U and Z. A position is 0 where the
 /// axis stands when hal_init() runs.
 #define BOARD_U_COUNT_PM 100000
@@ -43,8 +54,20 @@
 /// the following error is computed from the command and says nothing about the drive.
 #define BOARD_HAS_U_SCALE 1
 
+/// 1: Z has a scale. 0: it has none, and its position is the last set-point, in whole steps.
+#define BOARD_HAS_Z_SCALE 1
+
 /// Codes of a 16-bit converter per unit, in 2^-32, where 2^15 codes stand for the value at +10 V.
 #define BOARD_CODES_Q32(full) ((int32_t)(((INT64_C(1) << 47) + (full) / 2) / (full)))
+
+/// Steps per nanometre, in 2^-32; 0 without steps.
+#define BOARD_STEPS_Q32(step_pm)                                                                   \
+    ((int32_t)((step_pm) == 0                                                                      \
+                   ? 0                                                                             \
+                   : ((INT64_C(1000) << 32) + (step_pm) / 2) / ((step_pm) + ((step_pm) == 0))))
+
+/// [pm] of a code of a 16-bit converter.
+#define BOARD_CODE_PM(full) ((uint32_t)(INT64_C(1000) * (full) / 32768))
 
 /// Nanometres per count, in 2^-16.
 #define BOARD_NM_Q16(count_pm) ((int32_t)(((int64_t)(count_pm)*65536 + 500) / 1000))

@@ -11,6 +11,7 @@
 #include "stm_memory.h"
 #include "stm_params.h"
 #include "stm_pins.h"
+#include "stm_steps.h"
 #include "stm_table.h"
 #include "stm_tick.h"
 #include "stm_timers.h"
@@ -59,6 +60,7 @@ int hal_init(void)
     }
     stm_tick_fault(clock == stm_clock_hsi ? stm_fault_clock : 0u);
     stm_timers_init(); // before the pins: /LDAC is then high from the first moment
+    stm_steps_init();  // and the steps are low
     stm_pins_init();
     init_text();
     stm_tick_init();
@@ -157,10 +159,40 @@ int32_t hal_axis_read_nm_isr(hal_axis_t axis)
     if (axis == hal_axis_u && BOARD_HAS_U_SCALE != 0) {
         return stm_counts_nm(stm_timers_u_counts_isr(), BOARD_NM_Q16(BOARD_U_COUNT_PM));
     }
-    if (axis == hal_axis_z) {
+    if (axis == hal_axis_z && BOARD_HAS_Z_SCALE != 0) {
         return stm_counts_nm(stm_timers_z_counts_isr(), BOARD_NM_Q16(BOARD_Z_COUNT_PM));
     }
+    if (axis == hal_axis_x && BOARD_X_STEP_PM != 0) {
+        return stm_counts_nm(stm_steps_sent_isr(stm_step_x), BOARD_NM_Q16(BOARD_X_STEP_PM));
+    }
+    if (axis == hal_axis_z && BOARD_Z_STEP_PM != 0) {
+        return stm_counts_nm(stm_steps_sent_isr(stm_step_z), BOARD_NM_Q16(BOARD_Z_STEP_PM));
+    }
     return last_nm[axis];
+}
+
+/// An axis with steps is as fine and as fast as they are, one without as its channel of the DAC.
+static hal_axis_scale_t scale_of(int32_t full_nm, int32_t step_pm, uint32_t measured_pm)
+{
+    hal_axis_scale_t scale = {.command_pm = BOARD_CODE_PM(full_nm), .measured_pm = measured_pm};
+    if (step_pm != 0) {
+        scale.command_pm = (uint32_t)step_pm;
+        scale.most_um_per_s = stm_steps_um_per_s(step_pm);
+    }
+    return scale;
+}
+
+hal_axis_scale_t hal_axis_scale(hal_axis_t axis)
+{
+    switch (axis) {
+    case hal_axis_u:
+        return scale_of(BOARD_U_FULL_NM, 0, BOARD_HAS_U_SCALE != 0 ? BOARD_U_COUNT_PM : 0);
+    case hal_axis_x:
+        return scale_of(BOARD_X_FULL_NM, BOARD_X_STEP_PM, 0);
+    default:
+        return scale_of(BOARD_Z_FULL_NM, BOARD_Z_STEP_PM,
+                        BOARD_HAS_Z_SCALE != 0 ? BOARD_Z_COUNT_PM : 0);
+    }
 }
 
 /// All outputs of the DAC are in use, so this board has no axis for the swing.
@@ -218,6 +250,12 @@ void hal_axis_write_isr(hal_axis_t axis, const hal_setpoint_t *setpoint)
     stm_dac_set_isr(axis, stm_code16(setpoint->pos_nm, codes_q32[axis]));
     if (axis == hal_axis_u) {
         stm_dac_set_internal_isr(stm_code12(setpoint->pos_nm, codes_q32[axis]));
+    } else if (axis == hal_axis_x) {
+        stm_steps_set_isr(stm_step_x,
+                          stm_steps(setpoint->pos_nm, BOARD_STEPS_Q32(BOARD_X_STEP_PM)));
+    } else {
+        stm_steps_set_isr(stm_step_z,
+                          stm_steps(setpoint->pos_nm, BOARD_STEPS_Q32(BOARD_Z_STEP_PM)));
     }
 }
 
@@ -233,4 +271,5 @@ void hal_outputs_write_isr(uint32_t bits)
                   STM_BSRR(stm_pin_fault, (bits & hal_out_fault) != 0u) |
                   STM_BSRR(stm_pin_in_cut, (bits & hal_out_in_cut) != 0u) |
                   STM_BSRR_SWITCHES(bits / hal_out_switch_1 & 0xFFu);
+    stm_steps_enable_isr((bits & hal_out_enable) != 0u);
 }

@@ -32,8 +32,17 @@ static inline uint32_t stm_code12(int32_t value, int32_t codes_q32)
     return (uint32_t)((stm_code16(value, codes_q32) >> 4) + 2048);
 }
 
+/// Convert a set-point to steps.
+/// @param value_nm   any
+/// @param steps_q32  [steps per nm / 2^32] not negative, BOARD_STEPS_Q32()
+/// @return           nearest whole number of steps
+static inline int32_t stm_steps(int32_t value_nm, int32_t steps_q32)
+{
+    return (int32_t)(((int64_t)value_nm * steps_q32 + (INT64_C(1) << 31)) >> 32);
+}
+
 /// Convert counts of a linear scale to a position.
-/// @param counts  any
+/// @param counts  any; or steps
 /// @param nm_q16  [nm per count / 2^16], BOARD_NM_Q16()
 /// @return        [nm] nearest position
 static inline int32_t stm_counts_nm(int32_t counts, int32_t nm_q16)

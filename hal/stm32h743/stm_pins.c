@@ -3,7 +3,7 @@
 #include <stddef.h> // size_t
 
 // RM0433 11.4, fields of GPIOx_MODER and GPIOx_PUPDR
-enum { mode_input = 0, mode_alternate = 2, mode_analogue = 3 };
+enum { mode_input = 0, mode_output = 1, mode_alternate = 2, mode_analogue = 3 };
 enum { pull_none = 0, pull_up = 1, pull_down = 2 };
 
 /// A pin with its function.
@@ -28,6 +28,10 @@ static const pin_t pins[] = {
     {GPIOE, 9, mode_alternate, pull_down, 1},  // TIM1 channel 1: U scale A
     {GPIOE, 11, mode_alternate, pull_down, 1}, // TIM1 channel 2: U scale B
     {GPIOD, 14, mode_alternate, pull_none, 2}, // TIM4 channel 3: /LDAC
+    {GPIOB, 8, mode_alternate, pull_none, 1},  // TIM16 channel 1: steps of X
+    {GPIOB, 9, mode_alternate, pull_none, 1},  // TIM17 channel 1: steps of Z
+    {GPIOB, stm_pin_x_direction, mode_output, pull_none, 0},
+    {GPIOB, stm_pin_z_direction, mode_output, pull_none, 0},
     {GPIOC, 10, mode_alternate, pull_none, 6}, // SPI3 SCK
     {GPIOC, 12, mode_alternate, pull_none, 6}, // SPI3 MOSI: SDIN
     {GPIOC, 11, mode_alternate, pull_down, 6}, // SPI3 MISO: SDO

@@ -18,6 +18,12 @@ enum {
     stm_pin_in_cut = 15,  ///< PE15 out, 1: in cut
 };
 
+/// Lines on port B.
+enum {
+    stm_pin_x_direction = 6, ///< PB6 out, 1: X rises
+    stm_pin_z_direction = 7, ///< PB7 out, 1: Z rises
+};
+
 /// The bit of register BSRR that sets or resets a pin.
 #define STM_BSRR(pin, is_set) (1u << ((is_set) ? (uint32_t)(pin) : (uint32_t)(pin) + 16u))
 

@@ -113,6 +113,8 @@
 #define RCC_APB1HENR_FDCAN (1u << 8)
 #define RCC_APB2ENR STM_REG(0x580244F0u)
 #define RCC_APB2ENR_TIM1 (1u << 0)
+#define RCC_APB2ENR_TIM16 (1u << 17)
+#define RCC_APB2ENR_TIM17 (1u << 18)
 #define RCC_APB4ENR STM_REG(0x580244F4u)
 #define RCC_APB4ENR_SYSCFG (1u << 1)
 
@@ -142,7 +144,7 @@ _Static_assert(offsetof(stm_gpio_t, AFR) == 0x20, "as in the manual");
 #define DAC_CR_TSEL1_TIM4 (3u << 2)
 #define DAC_DHR12R1 STM_REG(0x40007408u)
 
-// Chapters 38 (TIM1) and 39 (TIM2 to TIM5), timers
+// Chapters 38 (TIM1), 39 (TIM2 to TIM5) and 41 (TIM16, TIM17), timers
 
 typedef struct {
     volatile uint32_t CR1, CR2, SMCR, DIER, SR, EGR, CCMR1, CCMR2, CCER, CNT, PSC, ARR, RCR;
@@ -155,8 +157,11 @@ _Static_assert(offsetof(stm_tim_t, CCR4) == 0x40, "as in the manual");
 #define TIM3 ((stm_tim_t *)0x40000400u)
 #define TIM4 ((stm_tim_t *)0x40000800u)
 #define TIM5 ((stm_tim_t *)0x40000C00u)
+#define TIM16 ((stm_tim_t *)0x40014400u)
+#define TIM17 ((stm_tim_t *)0x40014800u)
 #define TIM_CR1_CEN (1u << 0)
 #define TIM_CR1_URS (1u << 2)
+#define TIM_CR1_OPM (1u << 3) // the counter stops at the next update event
 #define TIM_CR1_DIR (1u << 4) // 1: the counter falls
 #define TIM_CR2_MMS_OC3REF (6u << 4)
 #define TIM_SMCR_SMS_ENCODER3 (3u << 0)
@@ -171,6 +176,7 @@ _Static_assert(offsetof(stm_tim_t, CCR4) == 0x40, "as in the manual");
 #define TIM_CCMR1_IC1F_8 (3u << 4) // eight equal samples at the timer's clock: 33 ns
 #define TIM_CCMR1_IC2_TI2 (1u << 8)
 #define TIM_CCMR1_IC2F_8 (3u << 12)
+#define TIM_CCMR1_OC1M_PWM2 (7u << 4)
 #define TIM_CCMR2_IC3_TI3 (1u << 0)
 #define TIM_CCMR2_IC3F_8 (3u << 4)
 #define TIM_CCMR2_IC4_TI3 (2u << 8)
@@ -179,10 +185,12 @@ _Static_assert(offsetof(stm_tim_t, CCR4) == 0x40, "as in the manual");
 #define TIM_CCMR2_OC3M_PWM2 (7u << 4)
 #define TIM_CCER_IC1_BOTH (0xBu << 0) // CC1E, CC1P, CC1NP: both edges
 #define TIM_CCER_IC4_BOTH (0xBu << 12)
+#define TIM_CCER_CC1E (1u << 0)
 #define TIM_CCER_CC3E (1u << 8)
 #define TIM_CCER_CC3P (1u << 9)
 #define TIM_CCER_CC4E (1u << 12)
 #define TIM_CCER_CC4P (1u << 13)
+#define TIM_BDTR_MOE (1u << 15)
 
 enum { stm_irq_tim4 = 30, stm_n_irqs = 150 }; // chapter 19, vector table
 

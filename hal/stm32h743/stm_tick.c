@@ -4,6 +4,7 @@
 #include "stm_clock.h"  // stm_cpu_hz
 #include "stm_core.h"   // DWT
 #include "stm_dac.h"    // stm_dac_send_isr
+#include "stm_steps.h"  // stm_steps_send_isr
 #include "stm_timers.h" // tick timer
 
 /// Written by the interrupt, read by the slow side, one word at a time.
@@ -21,6 +22,7 @@ void stm_tick_isr(void)
     cam_isr();
     uint32_t faults = stm_timers_is_late_isr() ? stm_fault_late : 0u;
     faults |= stm_dac_send_isr() ? 0u : stm_fault_dac;
+    stm_steps_send_isr();
     tick.n_ticks++;
     const uint32_t cycles = DWT_CYCCNT - begin;
     tick.last_cycles = cycles;

@@ -39,6 +39,14 @@ bool hal_measures_u(void)
     return false;
 }
 
+/// Return what the outputs and the scales of an axis resolve, and how fast its output is: a code of
+/// the converter or a step in picometres, a count of the scale, the highest rate of steps.
+hal_axis_scale_t hal_axis_scale(hal_axis_t axis)
+{
+    (void)axis;
+    return (hal_axis_scale_t){0};
+}
+
 /// Return RAM that nothing else uses, 32-bit words that only the main loop touches, as much as
 /// there is: 64 KiB record a fifth of a second. Memory with error correction is filled by
 /// hal_init() first.

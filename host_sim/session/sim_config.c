@@ -31,6 +31,7 @@ enum { max_bytes = 1 << 20, least_mode_hz = 10 };
         REAL(section, "damping", drive[i].damping, 0.05, 10.0),                                    \
         REAL(section, "delay_us", drive[i].delay_us, 0.0, 10000.0),                                \
         REAL(section, "quantum_nm", drive[i].quantum_micro, 0.0, 100000.0),                        \
+        REAL(section, "command_quantum_nm", drive[i].command_quantum_micro, 0.0, 100000.0),        \
         REAL(section, "speed_mm_per_s", drive[i].speed_units_per_s, 0.1, 10000.0),                 \
         REAL(section, "acceleration_mm_per_s2", drive[i].acceleration_units_per_s2, 10.0, 1e7)
 
@@ -57,7 +58,6 @@ static const common_setting_t fields[] = {
     WHOLE("encoder", "time_stamps", encoder.has_time_stamps, 0.0, 1.0),
     CHOICE("u", "kind", drive[hal_axis_u].kind, "\"position\" \"force\""),
     DRIVE("u", hal_axis_u),
-    REAL("u", "command_quantum_nm", drive[hal_axis_u].command_quantum_micro, 0.0, 100000.0),
     REAL("u", "friction_m_per_s2", drive[hal_axis_u].friction_m_per_s2, 0.0, 1000.0),
     REAL("u", "mass_kg", drive[hal_axis_u].mass_kg, 0.01, 1000.0),
     REAL("u", "viscous_n_s_per_m", drive[hal_axis_u].viscous_n_s_per_m, 0.0, 1e4),

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """The machine around the chip, wired as hal/stm32h743/README.md says.
 
-An ideal machine: the spindle follows the voltage of channel D on a ramp, the axes stand where
-channels A .. C tell them at the start of every tick; everything stands still while the enable line
-is low. Signals reach the chip only through pins that are switched to the right function.
+An ideal machine: the spindle follows the voltage of channel D on a ramp, U stands where channel A
+tells it at the start of every tick, X and Z where their steps have led them; everything stands
+still while the enable line is low. Signals reach the chip only through pins that are switched to
+the right function.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from bus import UnmodelledError
 from emulator import Chip, Image
 from fdcan import Frame
 from spi_dac import Ad5754r
+from stepper import Stepper
 
 HSE_HZ = 8_000_000
 TABLE = 0x08100000
@@ -26,11 +28,13 @@ TICK_CLOCKS = 12_000  # of TIM5
 RAMP_RPM = 2500 * 10 / 20_000  # change of speed per tick
 SWITCHES = tuple(f"PE{pin}" for pin in range(8))
 OUTPUTS = {"PE13": "enable", "PE14": "fault", "PE15": "in cut"}
+STEPS = {"X": (16, "PB8", "PB6"), "Z": (17, "PB9", "PB7")}  # timer, steps, direction
 ESTOP, READY = "PE10", "PE12"
 
 # Values at +10 V of channels A .. D and counts of the scales: board_config.h.
 FULL = (1_000_000, 200_000_000, 500_000_000, 5_000_000)
 U_COUNT_NM, Z_COUNT_NM = 100, 1000
+STEP_PM = {"X": 50_000, "Z": 500_000}
 RANGE_10V = 4
 
 
@@ -49,6 +53,7 @@ class Outputs:
     fault: int
     in_cut: int
     switches: int
+    steps: tuple[int, int]  # positions of X and Z
 
 
 @dataclass(frozen=True)
@@ -70,6 +75,8 @@ class Board:
         [cycles] when the tick behind each of them started
     events : list of Event
         levels of the outputs when they change, frames to the AD5754R, resets
+    steppers : dict of Stepper
+        step inputs of the drives X and Z
     rpm : float
         of the spindle
     is_held : bool
@@ -83,6 +90,7 @@ class Board:
         self.ticks: list[Outputs] = []
         self.tick_at: list[int] = []
         self.events: list[Event] = []
+        self.steppers = {name: Stepper() for name in STEPS}
         self.rpm = 0.0
         self.is_held = False
         self.is_stamped = True
@@ -97,6 +105,8 @@ class Board:
         chip.tim[4].on_output = self._drive_ldac
         chip.tim[4].on_update = self._tick
         chip.on_reset = lambda reason: self._note(f"reset {reason}")
+        for name, (timer, _, _) in STEPS.items():
+            chip.pulses[timer].on_edge = self._step_of(name)
         for port in chip.gpio.ports.values():
             port.on_change = self._change_of(port.name[-1].upper())
         for name, resistor in (("PE13", 0), ("PE14", 0), ("PE15", 0), ("PD14", 1)):
@@ -124,8 +134,27 @@ class Board:
                 self.dac.ldac(level)
                 if level == 0:
                     self._note("step")
+            else:
+                self._turn_direction(name, level)
 
         return change
+
+    def _step_of(self, axis: str) -> Callable[[int, int], None]:
+        _, pin, _ = STEPS[axis]
+
+        def step(at: int, level: int) -> None:
+            if self.chip.gpio.has_function(pin, 1):
+                is_enabled = bool(self.chip.gpio.level("PE13"))
+                self.steppers[axis].step(at, level, is_enabled=is_enabled)
+
+        return step
+
+    def _turn_direction(self, pin: str, level: int) -> None:
+        """Let the drive see the steps that came before the direction turned, then the turn."""
+        for axis, (timer, _, direction) in STEPS.items():
+            if pin == direction:
+                self.chip.pulses[timer].catch_up()
+                self.steppers[axis].turn(self.chip.clock.now, level)
 
     def _drive_ldac(self, channel: int, level: int) -> None:
         if channel == 3 and self.chip.gpio.has_function("PD14", 2):
@@ -158,12 +187,15 @@ class Board:
     def _tick(self) -> None:
         gpio = self.chip.gpio
         self.tick_at.append(self.chip.clock.now)
-        lines = [gpio.level(name) for name in OUTPUTS]
+        enable, fault, in_cut = (gpio.level(name) for name in OUTPUTS)
         switches = sum(gpio.level(name) << i for i, name in enumerate(SWITCHES))
-        dor1 = self.chip.dac1.v["dor1"]
-        self.ticks.append(Outputs(tuple(self.dac.words), dor1, *lines, switches))
-        self._turn_spindle(lines[0])
-        if lines[0]:
+        for timer in self.chip.pulses.values():
+            timer.catch_up()
+        steps = (self.steppers["X"].position, self.steppers["Z"].position)
+        words, dor1 = tuple(self.dac.words), self.chip.dac1.v["dor1"]
+        self.ticks.append(Outputs(words, dor1, enable, fault, in_cut, switches, steps))
+        self._turn_spindle(enable)
+        if enable:
             self._move_axes()
 
     def _turn_spindle(self, enable: int) -> None:
@@ -212,7 +244,7 @@ class Board:
     def _move_axes(self) -> None:
         gpio, tim = self.chip.gpio, self.chip.tim
         u_counts = round(self.wanted(0) / U_COUNT_NM)
-        z_counts = round(self.wanted(2) / Z_COUNT_NM)
+        z_counts = round(self.steppers["Z"].position * STEP_PM["Z"] / 1000 / Z_COUNT_NM)
         if gpio.has_function("PE9", 1) and gpio.has_function("PE11", 1):
             tim[1].move_encoder(u_counts - self._u_counts)
         if gpio.has_function("PC6", 2) and gpio.has_function("PC7", 2):

@@ -37,6 +37,7 @@ from fdcan import Fdcan, MessageRam
 from flash_pwr import Dbgmcu, Flash, Pwr, Syscfg
 from gpio import Gpio
 from iwdg import Iwdg
+from pulse_timer import PulseTimer
 from rcc import Rcc
 from spi_dac import Dac1, Spi
 from timers import Timer
@@ -65,6 +66,7 @@ GATES: dict[str, tuple[str, int]] = {
     "fdcan1": ("apb1henr", 8),
     "fdcan message ram": ("apb1henr", 8),
     "tim1": ("apb2enr", 0),
+    **{f"tim{i}": ("apb2enr", i + 1) for i in (16, 17)},
     "syscfg": ("apb4enr", 1),
     **{f"gpio{chr(ord('a') + i)}": ("ahb4enr", i) for i in range(11)},
 }
@@ -144,6 +146,8 @@ class Chip:
             for i, base in bases.items()
         }
         self.tim[1] = Timer(clock, self.rcc, "tim1", 0x40010000, advanced=True)
+        bases = {16: 0x40014400, 17: 0x40014800}
+        self.pulses = {i: PulseTimer(clock, self.rcc, f"tim{i}", bases[i]) for i in bases}
         self.spi3 = Spi(clock, self.rcc, "spi3", 0x40003C00)
         self.dac1 = Dac1(clock)
         self.can_ram = MessageRam(clock)
@@ -160,7 +164,7 @@ class Chip:
         devices: list[Device] = [self.rcc, self.syscfg, self.flash, self.pwr, self.dbgmcu]
         devices += [self.spi3, self.dac1]
         devices += [self.can_ram, self.fdcan1, self.usart3, self.iwdg1, self.nvic, self.dwt]
-        devices += [*self.tim.values(), *self.gpio.ports.values()]
+        devices += [*self.tim.values(), *self.pulses.values(), *self.gpio.ports.values()]
         for device in devices:
             self.bus.add(device)
         self._timed = [d for d in devices if type(d).next_event is not Device.next_event]

@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-from board import FULL
+from board import FULL, STEP_PM
 from tick_trace import Record
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -17,6 +17,9 @@ BUILD = ROOT / os.environ.get("CAMTURN_BUILD", "build/host")
 REPLAY = BUILD / "tests" / "stm32" / "stm32_replay"
 IMAGE = ROOT / "build" / "mcu-stm32h743" / "hal" / "stm32h743" / "firmware.elf"
 TICK_HZ, CLOCK_HZ = 20_000, 240_000_000
+# stm_steps.h: steps of a train of 3/4 tick, each at least 500 ns high and 500 ns low
+STEPS_MOST = 37
+MOST_UM_PER_S = {axis: (STEPS_MOST - 1) * pm * TICK_HZ // 10**6 for axis, pm in STEP_PM.items()}
 SENSES = (
     "clock", "counts", "index_counts", "n_index", "edge_clock", "u_nm", "x_nm", "z_nm", "inputs",
 )  # fmt: skip
@@ -65,7 +68,7 @@ def replay(records: Iterable[Record], changes: Iterable[str], n_before: int) -> 
     left = list(waiting)
     assert not left, f"changes that never came into force: {left}"
     done = subprocess.run(
-        [REPLAY, str(TICK_HZ), str(CLOCK_HZ)],
+        [REPLAY, *map(str, (TICK_HZ, CLOCK_HZ, MOST_UM_PER_S["X"], MOST_UM_PER_S["Z"]))],
         input="\n".join(lines) + "\n",
         capture_output=True,
         text=True,
@@ -98,3 +101,37 @@ def words(done: Done) -> tuple[int, ...]:
 def internal_word(u_nm: int) -> int:
     """Return the word of the chip's own DAC for U: offset binary, 12 bits."""
     return ((word(u_nm, FULL[0]) ^ 0x8000) & 0xFFFF) >> 4
+
+
+def steps(axis: str, value_nm: int) -> int:
+    """Return the nearest whole number of steps, by stm_convert.h and board_config.h."""
+    steps_q32 = ((1000 << 32) + STEP_PM[axis] // 2) // STEP_PM[axis]
+    return (value_nm * steps_q32 + (1 << 31)) >> 32
+
+
+def positions(axis: str, setpoints: Iterable[int], enabled: Iterable[int]) -> list[int]:
+    """Return where a drive stands behind every tick, by the rules of stm_steps.h.
+
+    Parameters
+    ----------
+    axis : str
+        "X" or "Z"
+    setpoints : iterable of int
+        [nm] of every tick
+    enabled : iterable of int
+        the enable line of every tick
+    """
+    position = sent = direction = 0
+    result = []
+    for value_nm, is_on in zip(setpoints, enabled, strict=True):
+        missing = steps(axis, value_nm) - sent
+        sense = 1 if missing > 0 else -1
+        if not is_on:
+            sent += missing
+        elif missing and sense != (1 if direction else -1):
+            direction = int(sense > 0)
+        elif missing:
+            way = sense * min(abs(missing), STEPS_MOST)
+            sent, position = sent + way, position + way
+        result.append(position)
+    return result

@@ -2,7 +2,9 @@
 /// replay: the controller on the host, fed with what the controller in the image sensed.
 ///
 ///     stm32_replay image FILE        write the table image of a short part
-///     stm32_replay TICK_HZ CLOCK_HZ  read lines, write a line per tick
+///     stm32_replay TICK_HZ CLOCK_HZ X_MOST Z_MOST
+///                                    read lines, write a line per tick; X_MOST and Z_MOST are the
+///                                    speeds in um/s that the outputs of X and Z pass on
 ///
 /// Lines: `table FILE`, `set PARAMETER VALUE`, `request KIND` (cam_request_t) are carried out at
 /// once and end the program with status 1 when they are refused; `tick CLOCK COUNTS INDEX_COUNTS
@@ -115,13 +117,15 @@ int main(int argc, char **argv)
     if (argc == 3 && strcmp(argv[1], "image") == 0) {
         return write_image(argv[2]);
     }
-    if (argc != 3) {
+    if (argc != 5) {
         return 2;
     }
     const uint32_t tick_hz = (uint32_t)strtoul(argv[1], NULL, 10);
     hal_host_reset(tick_hz);
     hal_host.slow.has_edge_time = true; // as the image's port
     hal_host.slow.measures_u = true;
+    hal_host.slow.scale[hal_axis_x].most_um_per_s = (int32_t)strtol(argv[3], NULL, 10);
+    hal_host.slow.scale[hal_axis_z].most_um_per_s = (int32_t)strtol(argv[4], NULL, 10);
     cam_machine_init(&machine, &g_cam, tick_hz, (uint32_t)strtoul(argv[2], NULL, 10));
     while (fgets(line, sizeof line, stdin) != NULL) {
         if (!carry_out(line)) {

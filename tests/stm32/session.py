@@ -9,15 +9,15 @@ from host import IMAGE
 from remote import ENABLE, PARAMS, Remote
 from tick_trace import Record, Trace
 
-# An ideal machine: one tick of dead time, quick axes, a short way into the work. It has nothing to
-# be learned; what the slow side learns is no input of the replay.
+# An ideal machine: one tick of dead time, quick axes, a way into the work that X can take. It has
+# nothing to be learned; what the slow side learns is no input of the replay.
 SETTINGS = {
     "rehearse_turns": 0,
     "learn_harmonics": 0,
     "ripple_turns": 0,
     "lead_ns": 50_000,
-    "engage_turns": 2,
-    "disengage_turns": 2,
+    "engage_turns": 3,
+    "disengage_turns": 3,
     "x_acceleration_mm_per_s2": 20_000,
     "switch_1_per_turn": 2,
     "switch_1_on_udeg": 30_000_000,

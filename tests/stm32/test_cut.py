@@ -8,7 +8,7 @@ from itertools import pairwise
 import pytest
 
 from board import COUNTS_PER_TURN, INDEX_AT, Outputs
-from host import internal_word, make_table, replay, words
+from host import internal_word, make_table, positions, replay, steps, words
 from remote import DISABLE, START
 from session import Session
 from tick_trace import Record
@@ -107,6 +107,38 @@ def test_position_switches_follow_the_angle(cut: Session) -> None:
     assert 390_000 < min(heights) < 450_000
     assert 550_000 < max(heights) < 610_000
     assert {seen.switches for _, seen in ticks_of(cut)[-10:]} == {0}, "off behind the end"
+
+
+def test_every_step_is_the_hosts(cut: Session) -> None:
+    """X and Z stand behind every tick where the host's set-points lead, to the step."""
+    host = replay(cut.records, cut.changes, n_before=1)
+    enabled = [done.outputs & ENABLE_BIT for done in host]
+    for i, axis in enumerate(("X", "Z")):
+        wanted = positions(axis, (done.setpoints[1 + i] for done in host), enabled)
+        assert [seen.steps[i] for _, seen in ticks_of(cut)] == wanted
+        stepper = cut.board.steppers[axis]
+        assert stepper.n_ignored == 0
+        assert len(set(wanted)) > 1000
+
+
+def test_steps_are_the_set_points(cut: Session) -> None:
+    """Only a tick in which the direction turns is behind its set-point; the next one is not."""
+    in_cut = [(record, seen) for record, seen in ticks_of(cut) if seen.in_cut]
+    first, start = in_cut[0]
+    for i, (axis, name) in enumerate((("X", "out_x_nm"), ("Z", "out_z_nm"))):
+        offset = start.steps[i] - steps(axis, first[name])
+        off = [seen.steps[i] - steps(axis, record[name]) - offset for record, seen in in_cut]
+        assert sum(map(bool, off)) <= 3
+        assert off[-1] == 0
+
+
+def test_steps_keep_the_times_of_a_drive(cut: Session) -> None:
+    """High and low for 500 ns; the direction turns a tick before a step, and not close to one."""
+    for stepper in cut.board.steppers.values():
+        assert stepper.shortest.high == 240
+        assert stepper.shortest.low >= 240
+        assert stepper.shortest.setup >= TICK_CYCLES
+        assert stepper.shortest.hold > 240
 
 
 def test_words_move(cut: Session) -> None:

@@ -10,10 +10,13 @@ from fdcan import Fdcan, Frame, MessageRam
 from flash_pwr import Flash, Pwr, Syscfg
 from gpio import Gpio
 from iwdg import Iwdg
+from pulse_timer import PulseTimer
 from rcc import Rcc
 from spi_dac import Ad5754r
+from stepper import Stepper
 from timers import Timer
 
+RCR, CCR1, BDTR = 0x30, 0x34, 0x44
 CR1, SMCR, SR, CCMR1, CCMR2, CCER, CNT, PSC, ARR, EGR, CCR3, CCR4 = (
     0x00,
     0x08,
@@ -44,7 +47,7 @@ def rcc(clock: InsnClock) -> Rcc:
     return rcc
 
 
-def put(timer: Timer, values: dict[int, int]) -> None:
+def put(timer: Timer | PulseTimer, values: dict[int, int]) -> None:
     """Store registers in order."""
     for offset, value in values.items():
         timer.write(offset, 4, value)
@@ -85,6 +88,60 @@ def test_timer_counts_and_captures_an_encoder(clock: InsnClock, rcc: Rcc) -> Non
     timer.write(CCER, 4, 0x3120)  # CC2P: the other sense
     timer.move_encoder(3)
     assert timer.read(CNT, 4) == 4
+
+
+@pytest.fixture
+def pulses(clock: InsnClock, rcc: Rcc) -> PulseTimer:
+    """Return a pulse timer whose output rests low: PWM 2, nothing counted yet."""
+    timer = PulseTimer(clock, rcc, "tim16", 0x40014400)
+    put(timer, {CR1: 0xC, CCR1: 0xFFFF, CCMR1: 0x70, CCER: 1, BDTR: 0x8000})
+    return timer
+
+
+def test_a_train_has_as_many_pulses_as_are_repeated(clock: InsnClock, pulses: PulseTimer) -> None:
+    """Three periods of 100, high in the last 40 of each; then the counter rests."""
+    edges: list[tuple[int, int]] = []
+    pulses.on_edge = lambda at, level: edges.append((at, level))
+    put(pulses, {RCR: 2, ARR: 99, CCR1: 60, EGR: 1, CR1: 0xD})
+    clock.now = 130
+    assert pulses.read(CR1, 4) == 0xD
+    assert edges == [(60, 1), (100, 0)]
+    clock.now = pulses.next_event()
+    pulses.advance()
+    assert edges[2:] == [(160, 1), (200, 0), (260, 1), (300, 0)]
+    assert pulses.read(CR1, 4) == 0xC
+
+
+def test_a_train_is_not_made_otherwise(clock: InsnClock, rcc: Rcc, pulses: PulseTimer) -> None:
+    """Repetitions count from UG on, a resting output may be high, and trains are not changed."""
+    edges: list[tuple[int, int]] = []
+    pulses.on_edge = lambda at, level: edges.append((at, level))
+    put(pulses, {ARR: 99, CCR1: 60, EGR: 1, RCR: 2, CR1: 0xD})
+    with pytest.raises(UnmodelledError, match="ccr1 written in a train"):
+        pulses.write(CCR1, 4, 50)
+    clock.now = 1000
+    pulses.advance()
+    assert len(edges) == 2  # RCR came behind UG
+    with pytest.raises(UnmodelledError, match="pulses without end"):
+        pulses.write(CR1, 4, 5)
+    bare = PulseTimer(clock, rcc, "tim17", 0x40014800)
+    bare.on_edge = lambda at, level: edges.append((at, level))
+    put(bare, {CR1: 0xC, CCMR1: 0x70, CCER: 1, BDTR: 0x8000})
+    assert edges[2:] == [(1000, 1)]  # CCR1 is 0
+
+
+def test_a_drive_counts_pulses_while_it_is_enabled() -> None:
+    """Edges up and down, both senses, and the shortest times between them."""
+    stepper = Stepper()
+    stepper.turn(0, 1)
+    for at in (100, 200, 300):
+        stepper.step(at, 1, is_enabled=at < 300)
+        stepper.step(at + 40, 0, is_enabled=True)
+    stepper.turn(350, 0)
+    stepper.step(500, 1, is_enabled=True)
+    assert (stepper.position, stepper.n_ignored) == (1, 1)
+    times = stepper.shortest
+    assert (times.high, times.low, times.setup, times.hold) == (40, 60, 100, 10)
 
 
 def test_clock_tree_refuses_what_the_manual_forbids(rcc: Rcc) -> None:

@@ -52,7 +52,7 @@ def compile_layout() -> list[int]:
 
 
 class Trace:
-    """Reads records in order; the image sees a reader that keeps up."""
+    """Reads records in order, beside the image's own recorder, which empties the ring."""
 
     def __init__(self, chip: Chip) -> None:
         numbers = compile_layout()
@@ -61,6 +61,7 @@ class Trace:
         self._at = dict(zip(PLACES, numbers, strict=False))
         self._fields = list(zip(FIELDS, numbers[len(PLACES) :], strict=True))
         self._base = chip.image.symbols["g_cam"]
+        self._n_read = 0
 
     def _word(self, place: str) -> int:
         return int.from_bytes(self._chip.read_memory(self._base + self._at[place], 4), "little")
@@ -71,14 +72,14 @@ class Trace:
 
     def take(self) -> Iterator[Record]:
         """Take all records that are there."""
-        n_read, n_written = self._word("n_read"), self._word("n_written")
-        while n_read != n_written:
-            place = n_read % self._at["capacity"]
+        n_written = self._word("n_written")
+        if (n_written - self._n_read) & 0xFFFFFFFF > self._at["capacity"]:
+            self._n_read = 0  # the image has started again
+        while self._n_read != n_written:
+            place = self._n_read % self._at["capacity"]
             at = self._base + self._at["ring"] + place * self._at["size"]
             yield self._decode(self._chip.read_memory(at, self._at["size"]))
-            n_read = (n_read + 1) & 0xFFFFFFFF
-        place = self._base + self._at["n_read"]
-        self._chip.write_memory(place, n_written.to_bytes(4, "little"))
+            self._n_read = (self._n_read + 1) & 0xFFFFFFFF
 
     def _decode(self, raw: bytes) -> Record:
         return {

@@ -62,6 +62,7 @@ typedef struct {
         bool has_edge_time;  ///< `in.encoder.edge_clock` is kept up to date
         bool measures_u;     ///< `in.axis_nm[hal_axis_u]` is a measurement
         uint32_t n_kept;     ///< [words] of hal_scope_keep(), which a start finds again
+        hal_axis_scale_t scale[hal_n_axes]; ///< what hal_axis_scale() says
     } slow;
     uint32_t tick_hz;     ///< [Hz] set before hal_init(), 20 000 when 0
     uint32_t clock;       ///< [1 / hal_host_clock_hz] virtual time stamp, wraps

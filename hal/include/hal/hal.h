@@ -68,6 +68,16 @@ typedef struct {
     int32_t vel_q32; ///< [turn / 2^32 per tick] velocity until the next set-point
 } hal_swing_t;
 
+/// What the output and the measurement of an axis resolve. A member that is 0 says nothing: the
+/// port does not know it, or there is no such thing.
+typedef struct {
+    uint32_t command_pm;   ///< [pm] smallest change of a set-point that reaches the drive: a code
+                           ///< of a converter, a step, a unit of a drive on a bus
+    uint32_t measured_pm;  ///< [pm] quantum of the measured position
+    int32_t most_um_per_s; ///< highest speed that the output passes on; the parameters x_speed and
+                           ///< z_speed are limited to it
+} hal_axis_scale_t;
+
 /// Memory for the recorder and the excitation of U. main() writes it; while U is excited the
 /// interrupt reads one word of it per tick.
 typedef struct {
@@ -154,6 +164,11 @@ bool hal_has_edge_time(void);
 /// Without one nothing can be learned of the drive. Constant after hal_init(). Simulator: as the
 /// test or the machine file says.
 bool hal_measures_u(void);
+
+/// @return what the output and the measurement of an axis resolve, constant after hal_init(). The
+/// controller says at its start what form error follows, and refuses speeds that the output does
+/// not pass on. Simulator: as the test says, else 0.
+hal_axis_scale_t hal_axis_scale(hal_axis_t axis);
 
 /// @return the memory for the recorder and the excitation, constant after hal_init(). The firmware
 /// runs without it, but records nothing and excites nothing. Simulator: 1 MiB.

@@ -99,3 +99,12 @@ int32_t lin_drive_actual_nm(const lin_drive_t *d)
 {
     return lin_clamp_i32(lin_div_round(d->actual * d->nm, d->counts));
 }
+
+uint32_t lin_drive_unit_pm(const lin_drive_t *d)
+{
+    if (d->node.id == 0u) {
+        return 0;
+    }
+    const int64_t unit_pm = lin_div_round(d->nm * 1000, d->counts);
+    return (uint32_t)lin_clamp_i32(unit_pm < 0 ? -unit_pm : unit_pm);
+}

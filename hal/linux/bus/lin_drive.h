@@ -64,4 +64,7 @@ int32_t lin_drive_units(const lin_drive_t *d, int64_t nm);
 /// @return [nm] measured, nearest, clamped
 int32_t lin_drive_actual_nm(const lin_drive_t *d);
 
+/// @return [pm] of a unit of the drive, nearest; 0 without a drive
+uint32_t lin_drive_unit_pm(const lin_drive_t *d);
+
 #endif

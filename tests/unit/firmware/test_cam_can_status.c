@@ -331,6 +331,28 @@ static void test_start_is_told_with_its_reason(void)
     TEST_ASSERT_EQUAL_INT32(cam_ok, fixture_can_i16(&frame, 2));
 }
 
+/// What the board's scales resolve, and what of form that costs, stand below the table's line.
+static void test_start_tells_the_scales_and_their_form_error(void)
+{
+    hal_axis_scale_t *scale = hal_host.slow.scale;
+    scale[hal_axis_u] = (hal_axis_scale_t){.command_pm = 30517, .measured_pm = 100000};
+    scale[hal_axis_x] = (hal_axis_scale_t){.command_pm = 50000, .most_um_per_s = 200000};
+    scale[hal_axis_z] = (hal_axis_scale_t){.command_pm = 10000};
+    f.rig.machine.has_table = false;
+    fixture_can_start(&f);
+    TEST_ASSERT_EQUAL_STRING("table: short skirt in use", fixture_can_line(2));
+    TEST_ASSERT_EQUAL_STRING(
+        "scales: U 30.5 nm, read to 100.0 nm; X 50.0 nm up to 200000 um/s; Z 10.0 nm",
+        fixture_can_line(1));
+    TEST_ASSERT_EQUAL_STRING("form error by the steps of the outputs: 0.040 um",
+                             fixture_can_line(0));
+    scale[hal_axis_u].command_pm = 0; // the port does not know it
+    scale[hal_axis_x].command_pm = 6103515;
+    fixture_can_start(&f);
+    TEST_ASSERT_EQUAL_STRING("scales: X 6103.5 nm up to 200000 um/s; Z 10.0 nm",
+                             fixture_can_line(1));
+}
+
 static void test_a_long_line_is_cut_off(void)
 {
     static char why[300];
@@ -411,6 +433,7 @@ int main(void)
     RUN_TEST(test_status_tells_the_table);
     RUN_TEST(test_without_a_table_there_is_nothing_to_tell_of_it);
     RUN_TEST(test_start_is_told_with_its_reason);
+    RUN_TEST(test_start_tells_the_scales_and_their_form_error);
     RUN_TEST(test_a_long_line_is_cut_off);
     RUN_TEST(test_every_change_of_state_is_told_once);
     RUN_TEST(test_every_fault_is_told_once_and_again_after_a_reset);

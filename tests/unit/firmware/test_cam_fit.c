@@ -2,6 +2,7 @@
 // Windows and limits that follow from encoder, spindle, drive and part.
 #include "cam_fit.h"
 #include "cam_build.h"
+#include "hal_host.h"
 #include "unity.h"
 #include <stddef.h> // NULL
 
@@ -10,6 +11,7 @@ static cam_table_t table;
 
 void setUp(void)
 {
+    hal_host_reset(20000);
     params = cam_param_defaults();
     params.following_limit_nm = 0;
     params.k1_ns = 742723; // 300 Hz, 0.7
@@ -134,6 +136,23 @@ static void test_most_is_the_largest_value_that_is_built(void)
     TEST_ASSERT_EQUAL_INT32(0, cam_fit_most(cam_n_params, 1000));
 }
 
+/// The speeds of X and Z are limited to what the port's outputs pass on, where it names that.
+static void test_speeds_of_slow_axes_are_those_of_their_outputs(void)
+{
+    cam_params_t p = cam_param_defaults();
+    TEST_ASSERT_EQUAL_INT32(10000000, cam_fit_most(cam_param_x_speed_um_per_s, 20000));
+    hal_host.slow.scale[hal_axis_x].most_um_per_s = 36000;
+    hal_host.slow.scale[hal_axis_z].most_um_per_s = 200000;
+    TEST_ASSERT_EQUAL_INT32(36000, cam_fit_most(cam_param_x_speed_um_per_s, 20000));
+    TEST_ASSERT_EQUAL_INT(cam_err_param_output, cam_fit_check(&p, 20000));
+    p.x_speed_um_per_s = 36000;
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_fit_check(&p, 20000));
+    p.z_speed_um_per_s = 200001;
+    TEST_ASSERT_EQUAL_INT(cam_err_param_output, cam_fit_check(&p, 20000));
+    p.k1_ns = INT32_MAX; // the tick is judged first
+    TEST_ASSERT_EQUAL_INT(cam_err_param_tick, cam_fit_check(&p, 20000));
+}
+
 /// Braking tick by tick ends up to an eighth of the acceleration beyond the target (cam_move.c).
 static void test_retract_leaves_room_to_brake_inside_the_stroke(void)
 {
@@ -162,6 +181,7 @@ int main(void)
     RUN_TEST(test_approach_limit_is_what_half_of_the_lag_makes);
     RUN_TEST(test_following_limit_that_was_set_is_taken_and_without_a_table_it_is_the_least);
     RUN_TEST(test_most_is_the_largest_value_that_is_built);
+    RUN_TEST(test_speeds_of_slow_axes_are_those_of_their_outputs);
     RUN_TEST(test_retract_leaves_room_to_brake_inside_the_stroke);
     return UNITY_END();
 }

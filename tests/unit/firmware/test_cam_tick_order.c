@@ -88,6 +88,12 @@ bool hal_params_keep(const void *bytes, uint32_t size)
     return false;
 }
 
+hal_axis_scale_t hal_axis_scale(hal_axis_t axis)
+{
+    (void)axis;
+    return (hal_axis_scale_t){0};
+}
+
 void hal_swing_write_isr(const hal_swing_t *setpoint)
 {
     (void)setpoint;

@@ -218,6 +218,15 @@ static void test_scales_round_clamp_and_turn_round(void)
     TEST_ASSERT_EQUAL_INT32(INT32_MAX, lin_drive_actual_nm(&d));
 }
 
+static void test_unit_is_that_of_the_scale_and_none_without_a_drive(void)
+{
+    TEST_ASSERT_EQUAL_UINT32(1000, lin_drive_unit_pm(&d));
+    lin_drive_init(&d, node, 131072, -5000000); // 5 mm screw, 17 bits
+    TEST_ASSERT_EQUAL_UINT32(38147, lin_drive_unit_pm(&d));
+    lin_drive_init(&d, 0, 131072, 5000000);
+    TEST_ASSERT_EQUAL_UINT32(0, lin_drive_unit_pm(&d));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -231,5 +240,6 @@ int main(void)
     RUN_TEST(test_node_that_boots_or_stops_is_lost_and_told_to_start);
     RUN_TEST(test_foreign_and_malformed_frames_are_left_alone);
     RUN_TEST(test_scales_round_clamp_and_turn_round);
+    RUN_TEST(test_unit_is_that_of_the_scale_and_none_without_a_drive);
     return UNITY_END();
 }

@@ -125,6 +125,8 @@ static void test_ranges_of_the_effects_are_kept(void)
         "u]\nforce_limit_n = 0",
         "u]\namplifier_hz = 9",
         "u]\ncommand_quantum_nm = -1",
+        "x]\ncommand_quantum_nm = -1",
+        "z]\ncommand_quantum_nm = 100001",
         "u]\nmode_hz = -1",
         "u]\nmode_damping = 0",
         "u]\nmode_share = 2.1",

@@ -80,6 +80,30 @@ static void test_counts_become_nanometres(void)
     TEST_ASSERT_EQUAL_INT32(1235, stm_counts_nm(10, BOARD_NM_Q16(123456)));
 }
 
+static void test_step_is_the_nearest_one_and_reads_back_exactly(void)
+{
+    static const int32_t step_pm[] = {4000, BOARD_X_STEP_PM, BOARD_Z_STEP_PM, 123457, 10000000};
+    for (uint32_t i = 0; i < 100000u; i++) {
+        const int32_t pm = step_pm[i % 5u];
+        const int32_t value = any();
+        const int32_t steps = stm_steps(value, BOARD_STEPS_Q32(pm));
+        const long double exact = 1000.0L * value / pm;
+        // half a step, and what the rounded factor makes of two metres
+        TEST_ASSERT_TRUE(fabsl(steps - exact) <= 0.5L + 0.26L);
+        if (pm % 1000 == 0 && value > -1000000000 && value < 1000000000) {
+            const int32_t back_nm = stm_counts_nm(steps, BOARD_NM_Q16(pm));
+            TEST_ASSERT_EQUAL_INT32(steps, stm_steps(back_nm, BOARD_STEPS_Q32(pm)));
+        }
+    }
+    TEST_ASSERT_EQUAL_INT32(0, stm_steps(INT32_MAX, BOARD_STEPS_Q32(0))); // no step output
+}
+
+static void test_code_of_the_whole_range_is_a_32768th(void)
+{
+    TEST_ASSERT_EQUAL_UINT32(30517, BOARD_CODE_PM(BOARD_U_FULL_NM));
+    TEST_ASSERT_EQUAL_UINT32(6103515, BOARD_CODE_PM(200000000));
+}
+
 static void test_counter_of_16_bits_is_continued(void)
 {
     int32_t exact = 0;
@@ -101,6 +125,8 @@ int main(void)
     RUN_TEST(test_code_never_falls_where_the_value_rises);
     RUN_TEST(test_internal_code_has_its_zero_in_the_middle);
     RUN_TEST(test_counts_become_nanometres);
+    RUN_TEST(test_step_is_the_nearest_one_and_reads_back_exactly);
+    RUN_TEST(test_code_of_the_whole_range_is_a_32768th);
     RUN_TEST(test_counter_of_16_bits_is_continued);
     return UNITY_END();
 }

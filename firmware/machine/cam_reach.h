@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+/// cam_reach: the form error that the scales of the port's outputs leave, however well the machine
+/// is tuned.
+///
+/// Context: slow side, integers only.
+#ifndef CAM_REACH_H
+#define CAM_REACH_H
+
+#include "cam_table.h" // cam_table_t
+#include <stdint.h>    // uint32_t
+
+/// Bound the form error that the steps of the set-points cause: half a step of U, half a step of X,
+/// and half a step of Z times the steepest slope of the part over its height.
+/// @param table  in use; NULL: none, and the slope counts as 0
+/// @return       [pm] rounded down, saturated; 0 when the port names no step at all
+/// Source: MATHS.md (183).
+uint32_t cam_reach_form_pm(const cam_table_t *table);
+
+#endif
