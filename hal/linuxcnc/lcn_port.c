@@ -102,6 +102,14 @@ bool hal_measures_u(void)
     return port.setup.is_measured[hal_axis_u];
 }
 
+/// Set-points are numbers of the type double; the step generators and drives behind the pins have
+/// the scales.
+hal_axis_scale_t hal_axis_scale(hal_axis_t axis)
+{
+    (void)axis;
+    return (hal_axis_scale_t){0};
+}
+
 /// LinuxCNC has a recorder of its own, halscope.
 hal_memory_t hal_scope_memory(void)
 {
