@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Port for Linux: the tick, start and end, and the functions of hal.h on top of the modules.
 #include "hal/hal.h"
+#include "lin_box.h"
 #include "lin_bus.h"
 #include "lin_can.h"
 #include "lin_check.h"
@@ -25,7 +26,6 @@
 
 enum { clock_hz = 10000000, clock_ns = 100, remote_node = 64, max_edges = 8 };
 enum { exit_fault = 1, exit_usage = 2 };
-enum { scope_words = 1 << 20 }; ///< memory for the recorder: 4 MiB
 
 /// The port. The tick writes `bus`, `wants`, `now_ns` and `inputs`, main() writes the rest.
 static struct {
@@ -133,6 +133,10 @@ static bool bring_up(common_error_t *e)
     lin_params_open(port.config.params_file, e);
     if (e->text[0] != '\0') {
         hal_text(e->text); // the controller starts all the same, with its defaults
+    }
+    lin_box_open(port.config.table_file, e);
+    if (e->text[0] != '\0') {
+        hal_text(e->text);
     }
     lin_bus_init(&port.bus, &port.config);
     port.is_remote_shared = strcmp(port.config.can.remote, port.config.can.interface) == 0;
@@ -267,51 +271,6 @@ hal_start_t hal_start(void)
     return port.start;
 }
 
-hal_image_t hal_table_image(void)
-{
-    return lin_table_image();
-}
-
-bool hal_table_begin(uint32_t size)
-{
-    return lin_table_begin(size);
-}
-
-bool hal_table_write(uint32_t offset, const void *bytes, uint32_t n)
-{
-    return lin_table_write(offset, bytes, n);
-}
-
-hal_image_t hal_table_staged(void)
-{
-    return lin_table_staged();
-}
-
-bool hal_table_commit(void)
-{
-    common_error_t e;
-    const bool is_stored = lin_table_commit(&e);
-    if (e.text[0] != '\0') {
-        hal_text(e.text);
-    }
-    return is_stored;
-}
-
-hal_params_t hal_params_kept(void)
-{
-    return lin_params_kept();
-}
-
-bool hal_params_keep(const void *bytes, uint32_t size)
-{
-    common_error_t e;
-    const bool is_kept = lin_params_keep(bytes, size, &e);
-    if (e.text[0] != '\0') {
-        hal_text(e.text);
-    }
-    return is_kept;
-}
-
 hal_load_t hal_load(void)
 {
     return lin_thread_load();
@@ -381,12 +340,6 @@ hal_axis_scale_t hal_axis_scale(hal_axis_t axis)
 {
     const uint32_t unit_pm = lin_drive_unit_pm(&port.bus.drive[axis]);
     return (hal_axis_scale_t){.command_pm = unit_pm, .measured_pm = unit_pm};
-}
-
-hal_memory_t hal_scope_memory(void)
-{
-    static int32_t words[scope_words];
-    return (hal_memory_t){.words = words, .n_words = scope_words};
 }
 
 int32_t hal_swing_read_q32_isr(void)

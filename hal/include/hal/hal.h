@@ -83,8 +83,7 @@ typedef struct {
 typedef struct {
     int32_t *words;   ///< aligned to 4 bytes; its content is anything at the start
     uint32_t n_words; ///< [words] that may be read and written; 0: there is none
-    uint32_t
-        n_kept; ///< [words] at its begin that hal_scope_keep() kept beyond the restart; 0: none
+    uint32_t n_kept;  ///< [words] at its begin that hal_scope_keep() has kept; 0: none
 } hal_memory_t;
 
 /// Why the processor started. When several reasons apply, the later one in this list counts.
