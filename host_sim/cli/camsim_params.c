@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "camsim.h"
-#include <stdio.h> // printf, puts
+#include "sim_cut_pass.h" // sim_cut_planned_s
+#include <stdio.h>        // printf, puts
 
 static const char help[] =
     "camsim params TABLE [options]\n"
     "\n"
     "prints what the controller is configured with: name,value in each line, the parameters of\n"
-    "firmware/machine/cam_param.h behind tick_hz\n"
+    "firmware/machine/cam_param.h behind tick_hz and the length of the cut: planned_turns of "
+    "cutting\n"
+    "and planned_s of machine time, passes, rehearsal, engaging and disengaging included\n"
     "\n"
     "as in camsim run: --machine --set --rpm --feed\n"
     "\n"
@@ -28,6 +31,8 @@ static bool check(const camsim_options_t *o, common_error_t *e)
 static int print(sim_cut_t *cut)
 {
     (void)printf("name,value\ntick_hz,%.0f\n", cut->session.options.config.lathe.tick_hz);
+    (void)printf("planned_turns,%.6g\nplanned_s,%.6g\n", sim_cut_planned_in_all(cut),
+                 sim_cut_planned_s(cut));
     for (int i = 0; i < cam_n_params; i++) {
         const cam_param_id_t id = (cam_param_id_t)i;
         (void)printf("%s,%d\n", cam_param_info(id)->name,

@@ -2,12 +2,14 @@
 #define _POSIX_C_SOURCE 200809L // NOLINT(bugprone-reserved-identifier): clock_gettime
 #include "camsim.h"
 #include "sim_cut_summary.h" // sim_cut_summary
+#include "sim_cut_pass.h"    // sim_cut_planned_s
 #include "sim_map.h"         // sim_map_surface
 #include "sim_trace.h"       // sim_trace_drain
 #include <stdio.h>           // fprintf
 #include <time.h>            // clock_gettime
+#include <unistd.h>          // isatty
 
-enum { progress_ticks = 1 << 17 };
+enum { progress_ticks = 1 << 16 };
 
 /// All of one run.
 typedef struct {
@@ -15,7 +17,11 @@ typedef struct {
     sim_cut_t cut;
     sim_out_t out[camsim_n_outs];
     double wall_s;
+    double begin_s, shown_s; ///< [s] of the clock: its begin; since then when progress was shown
 } run_t;
+
+/// Lines of progress where it is not shown in place.
+#define LINE_EVERY_S 20.0
 
 static double now_s(void)
 {
@@ -40,11 +46,21 @@ static bool open_outputs(run_t *r, common_error_t *e)
     return true;
 }
 
-static void show_progress(const run_t *r)
+/// Show how far it is and the time that is left: on a terminal in place, else now and then a line.
+static void show_progress(run_t *r, bool is_last)
 {
-    const double share = r->cut.session.cut_turns / sim_cut_planned_turns(&r->cut);
-    (void)fprintf(stderr, "\rcamsim: %5.1f %%, %.1f s of machine time", 100.0 * share,
-                  r->cut.port.time_s);
+    const bool is_terminal = isatty(STDERR_FILENO) != 0;
+    const double gone_s = now_s() - r->begin_s;
+    if (!is_last && gone_s < r->shown_s + (is_terminal ? 0.2 : LINE_EVERY_S)) {
+        return;
+    }
+    const double share = r->cut.port.time_s / sim_cut_planned_s(&r->cut);
+    const double shown = is_last || share > 1.0 ? 1.0 : share;
+    r->shown_s = gone_s;
+    (void)fprintf(stderr, "%scamsim: %5.1f %%, %.1f s of machine time, about %.0f s left%s",
+                  is_terminal ? "\r" : "", 100.0 * shown, r->cut.port.time_s,
+                  shown > 0.0 ? gone_s * (1.0 - shown) / shown : 0.0,
+                  is_terminal && !is_last ? "   " : "\n");
 }
 
 static void cut_to_the_end(run_t *r)
@@ -52,7 +68,7 @@ static void cut_to_the_end(run_t *r)
     sim_cut_t *cut = &r->cut;
     sim_out_t *trace = &r->out[camsim_trace];
     sim_out_t *removal = &r->out[camsim_removal];
-    const double begin_s = now_s();
+    r->begin_s = now_s();
     while (cut->end == sim_cut_running && trace->error == 0 && removal->error == 0) {
         sim_cut_tick(cut);
         if (trace->name != NULL) {
@@ -62,13 +78,12 @@ static void cut_to_the_end(run_t *r)
             sim_map_removal(removal, &cut->removal.slice);
         }
         if (r->options.is_progress_shown && cut->n_ticks % progress_ticks == 0u) {
-            show_progress(r);
+            show_progress(r, false);
         }
     }
-    r->wall_s = now_s() - begin_s;
+    r->wall_s = now_s() - r->begin_s;
     if (r->options.is_progress_shown) {
-        show_progress(r);
-        (void)fprintf(stderr, "\n");
+        show_progress(r, true);
     }
 }
 

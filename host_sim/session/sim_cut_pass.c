@@ -71,6 +71,17 @@ double sim_cut_planned_s(const sim_cut_t *cut)
     return planned_s;
 }
 
+double sim_cut_planned_in_all(const sim_cut_t *cut)
+{
+    const cam_table_t *table = &cut->session.table;
+    double turns = 0.0;
+    for (uint32_t i = cut->first_pass; i < cam_pass_count(table); i++) {
+        const cam_params_t here = cam_pass_params(&cut->params, table, i);
+        turns += sim_cut_turns_of(table, &here);
+    }
+    return turns;
+}
+
 bool sim_cut_has_next_pass(const sim_cut_t *cut)
 {
     const bool is_whole = !cut->is_stopped || cut->params.z_is_measured != 0;

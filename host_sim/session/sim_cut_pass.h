@@ -30,6 +30,9 @@ sim_pass_result_t sim_cut_pass_result(const sim_cut_t *cut);
 /// @return [s] machine time that all passes should take, engaging and disengaging included
 double sim_cut_planned_s(const sim_cut_t *cut);
 
+/// @return [turn] length of the cutting state in all passes together, as planned
+double sim_cut_planned_in_all(const sim_cut_t *cut);
+
 /// @return whether no pass before the last one has cut deeper than the drawing allows
 bool sim_cut_left_stock(const sim_cut_t *cut);
 

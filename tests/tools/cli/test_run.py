@@ -47,7 +47,7 @@ RESULTS = [
         "perkins240.json",
     ),
     *("perkins240_machine.toml", "perkins240_table.c", "perkins240_table.h", "report.html"),
-    *("summary.json", "surface.csv", "trace.csv"),
+    *("summary.json", "surface.csv", "trace.parquet"),
 ]
 
 
@@ -93,7 +93,9 @@ def listing(folder: Path) -> list[str]:
 
 def complaints(stderr: str) -> list[str]:
     """Return stderr without the lines that tell what is going on."""
-    steps = re.compile(r"run: (making the table of|cutting [\d.e+]+ turns on|drawing the report)")
+    steps = re.compile(
+        r"run: (making the table of|cutting (about )?[\d.e+]+ turns|drawing the report|\S+ holds)"
+    )
     return [line for line in stderr.splitlines() if not steps.match(line)]
 
 
@@ -113,9 +115,26 @@ def test_default_cut_is_within_a_micrometre(run: Run, tmp_path: Path) -> None:
     complete, *worse = summary["comparison"]
     assert complete["max_um"] == pytest.approx(summary["form_error_um"]["max"])
     assert worse[-1]["max_um"] > 30
-    trace, surface = read_trace(folder / "trace.csv"), read_surface(folder / "surface.csv")
-    assert summary["trace"] == {"file": "trace.csv", "ticks": trace.t_s.size, "is_complete": True}
+    trace, surface = read_trace(folder / "trace.parquet"), read_surface(folder / "surface.csv")
+    assert summary["trace"] == {
+        "file": "trace.parquet",
+        "ticks": trace.t_s.size,
+        "is_complete": True,
+    }
     assert float(np.abs(surface.error_um).max()) < 1
+
+
+@built
+def test_csv_is_kept_where_it_is_wanted(run: Run, tmp_path: Path) -> None:
+    """Beside the compact trace, with the same numbers; --keep is about build/run alone."""
+    done = run("--feed", "5", "--csv", "-o", tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    ours, text = (read_trace(tmp_path / "out" / f"trace.{end}") for end in ("parquet", "csv"))
+    assert all(np.array_equal(one, other) for one, other in zip(ours, text, strict=True))
+    assert "cutting 14 turns, " in done.stderr, "with the ramp of the feed"
+    refused = run("--keep", "2", "-o", tmp_path / "out")
+    assert refused.returncode == 2
+    assert refused.stderr == "run: --keep: is about build/run; leave out -o or --keep\n"
 
 
 def same_picture(one: Path, two: Path) -> bool:

@@ -22,6 +22,7 @@ from camtools.pipeline.correct import add_measured, request_of
 from camtools.sim.machines import machine_bytes, names
 from camtools.table.header import check_tolerance
 
+RUNS = ROOT / "build" / "run"
 _MAX_FEED_MM = 10.0  # range of the firmware's parameter
 _DEFAULT_PART = ROOT / "tools" / "parts" / "perkins240.toml"
 _OURS = ("--rpm", "--feed", "--trace", "--surface", "--summary", "--design", "--progress", "--help")
@@ -32,11 +33,18 @@ Exit status: 0 done, 1 the cut ended in a fault, out of tolerance or not gauged,
 or bad input."""
 
 
+def _count(text: str) -> int:
+    value = int(text)
+    if value < 1:
+        raise argparse.ArgumentTypeError(f"{text}: give a whole number of at least 1")
+    return value
+
+
 def _parser() -> argparse.ArgumentParser:
     parser = Parser(
         prog="tools/run",
         usage="tools/run [PART.toml] [--rpm N] [--feed MM] [--machine M] [--tolerance-nm T] "
-        "[--measured SURFACE.csv ..] [-o DIR] [-- CAMSIM-OPTIONS]",
+        "[--measured SURFACE.csv ..] [--csv] [--keep N] [-o DIR] [-- CAMSIM-OPTIONS]",
         description="Make the table of a part, cut it on the host simulator, write a report.",
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
@@ -57,6 +65,13 @@ def _parser() -> argparse.ArgumentParser:
         "--tolerance-nm", metavar="T", help="error of the table, nm; default: as tools/mktables"
     )
     add_measured(parser)
+    parser.add_argument("--csv", action="store_true", help="keep the trace as trace.csv, too")
+    parser.add_argument(
+        "--keep",
+        type=_count,
+        metavar="N",
+        help="of the runs in build/run leave the N newest, this one included; default: all",
+    )
     parser.add_argument(
         "-o",
         "--output",
@@ -127,6 +142,10 @@ class RunJob:
         self.extra = _for_camsim(words[split + 1 :])
         if arguments.output == "":
             raise CamtoolsError(["-o: an empty path; give a folder"])
+        if arguments.keep is not None and arguments.output:
+            raise CamtoolsError(["--keep: is about build/run; leave out -o or --keep"])
+        self.keep: int | None = arguments.keep
+        self.keeps_text: bool = arguments.csv
         self.output: Path | None = Path(arguments.output) if arguments.output else None
 
     def check_feed(self, part: PartFile) -> None:
@@ -151,7 +170,7 @@ class RunJob:
     def folder(self, name: str, n_rounds: int = 0) -> Path:
         """Return the output folder for a part's name, and a table of so many rounds."""
         own = f"{name}-round{n_rounds}" if n_rounds else name
-        return self.output or ROOT / "build" / "run" / own
+        return self.output or RUNS / own
 
     def tolerance(self, form_error_um: float) -> list[str]:
         """Return the part's own form error for camsim, unless another is given."""

@@ -19,8 +19,10 @@ from camtools.base.command import BAD_INPUT
 from camtools.base.errors import CamtoolsError
 from camtools.base.json_text import Json
 from camtools.base.stage import Stage
+from camtools.base.words import size_text
 from camtools.pipeline.correct import correction_for
-from camtools.pipeline.job import RunJob, say, shown, without_faults, write_files
+from camtools.pipeline.job import RUNS, RunJob, say, shown, without_faults, write_files
+from camtools.pipeline.kept import drop_all_but, kept_text
 from camtools.pipeline.kind import Rig
 from camtools.pipeline.load import load
 from camtools.pipeline.make import Made, make
@@ -37,6 +39,7 @@ from camtools.sim.camsim import (
     overview_every,
     traced_turns,
 )
+from camtools.sim.cut_plan import plan_of
 from camtools.sim.mismatch import SHARE, Mismatch, mismatch
 from camtools.sim.results import AnyCut, Measured, read_summary, read_surface, read_trace
 
@@ -60,7 +63,13 @@ def _simulate(job: RunJob, made: Made, folder: Path) -> AnyCut | None:
         *(*kind.speed_words(job.rpm), *job.feed_words(), *job.extra),
     ]
     every = overview_every(turns, kind.mean_rpm(made.table, job.rpm))
-    if cut(simulator, words, window, every) == BAD_INPUT:
+    plan = plan_of(simulator, words)
+    say(f"cutting {plan.text() if plan else f'about {turns:.0f} turns'} on the host simulator")
+    is_long = plan is not None and plan.is_long
+    status = cut(
+        *(simulator, words, window, every), keeps_text=job.keeps_text, shows_progress=is_long
+    )
+    if status == BAD_INPUT:
         return None
     plain = without_faults(words)
     measured = Measured(
@@ -105,6 +114,14 @@ def complete_summary(made: Made, outcome: AnyCut, off: Mismatch | None, total_s:
     )
 
 
+def _tell_what_is_kept(job: RunJob) -> None:
+    """Remove what the user wants to keep no longer, and say what lies in build/run."""
+    for old in drop_all_but(RUNS, job.keep) if job.keep is not None else ():
+        say(f"removed {shown(RUNS / old.name)}, {size_text(old.n_bytes)}")
+    hint = "" if job.keep is not None else "; --keep N leaves the N newest"
+    say(f"{shown(RUNS)} holds {kept_text(RUNS)}{hint}")
+
+
 def run(argv: Sequence[str]) -> int:
     """Make, cut and report a part; return the exit status.
 
@@ -132,7 +149,6 @@ def run(argv: Sequence[str]) -> int:
     )
     folder = job.folder(loaded.part.part.name, len(correction.rounds) if correction else 0)
     with Stage(folder) as stage:
-        say(f"cutting {turns_of(job, made):.0f} turns on the host simulator")
         outcome = _simulate(job, made, stage.folder)
         if outcome is None:
             return BAD_INPUT
@@ -147,4 +163,6 @@ def run(argv: Sequence[str]) -> int:
     if off is not None:
         rows.append(ReportRow(f"drive of U {100 * SHARE:.0f} % worse", off.text()))
     sys.stdout.write(page_text(outcome, rows, shown(folder), total_s))
+    if job.output is None:
+        _tell_what_is_kept(job)
     return 0 if outcome.is_good else 1

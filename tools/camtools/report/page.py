@@ -38,11 +38,11 @@ def trace_text(outcome: AnyCut) -> str:
     """Return what the trace holds, in one sentence."""
     ticks = f"{outcome.trace.t_s.size:,}".replace(",", "\u2009")
     if outcome.is_trace_complete:
-        return f"trace.csv holds every tick of the run, {ticks} of them."
+        return f"trace.parquet holds every tick of the run, {ticks} of them."
     last_s = float(outcome.trace.t_s[-1]) if outcome.trace.t_s.size else 0.0
     return (
-        "This cut is long, so trace.csv, the pictures of U, following error and sequence, and the "
-        f"comparison hold the first {last_s:.1f} s only: {ticks} ticks of a run ended there."
+        "This cut is long, so trace.parquet, the pictures of U, following error and sequence, and "
+        f"the comparison hold the first {last_s:.1f} s only: {ticks} ticks of a run ended there."
     )
 
 

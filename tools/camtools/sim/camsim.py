@@ -9,21 +9,22 @@ from __future__ import annotations
 
 import os
 import subprocess
-import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import BinaryIO
 
 from camtools.base.errors import CamtoolsError
 from camtools.base.json_text import Json
 from camtools.base.places import ROOT
+from camtools.base.stage import cannot_write
 from camtools.part.common import MachineLimits
 from camtools.sim.results import CutVariant, read_summary
 
-TRACE, SURFACE, SUMMARY = "trace.csv", "surface.csv", "summary.json"
-OVERVIEW = "overview.csv"  # one tick of several of a cut too long to trace
+TRACE, SURFACE, SUMMARY = "trace.parquet", "surface.csv", "summary.json"
+OVERVIEW = "overview.parquet"  # one tick of several of a cut too long to trace
 _OVERVIEW_TICKS = 50_000
-MAX_TRACED_TICKS = 500_000  # about 150 MB of trace
+MAX_TRACED_TICKS = 500_000  # about 13 MB of trace, which came as 150 MB of text
 _WINDOW_TURNS = 200  # at most of a longer cut, for trace and comparison
 _TICK_HZ = 20_000  # of the default machine; good enough for an estimate
 _INERTIA_KGM2 = 0.1  # of the default machine
@@ -71,6 +72,7 @@ wear_um = {!r}
 x_offset_nm = {}
 """
 _NM_PER_UM = 1000
+_PIPE_BYTES = 1 << 20
 
 
 def camsim_path() -> Path:
@@ -146,19 +148,77 @@ class Simulator:
         CamtoolsError
             It cannot be started, or a signal ended it.
         """
-        silent = subprocess.DEVNULL
-        stderr = silent if is_quiet else None
+        with self._begun(words, is_quiet=is_quiet) as process:
+            return self._ended(process)
+
+    def run_traced(
+        self, words: Sequence[str], trace: str, *, is_quiet: bool = False, keeps_text: bool = False
+    ) -> int:
+        """Cut as `run` does, and write the trace as Parquet.
+
+        Parameters
+        ----------
+        trace : str
+            Name of the file.
+        keeps_text : bool
+            The text of camsim is kept beside it, with the suffix .csv.
+        """
+        if keeps_text:
+            path = (self.folder / trace).with_suffix(".csv")
+            status = self.run([*words, "--trace", path.name], is_quiet=is_quiet)
+            if path.exists():
+                with path.open("rb", buffering=_PIPE_BYTES) as text:
+                    self._pack(text, trace)
+            return status
+        ours, theirs = os.pipe()
+        with os.fdopen(ours, "rb", buffering=_PIPE_BYTES) as stream:
+            try:
+                words = [*words, "--trace", f"/dev/fd/{theirs}"]
+                process = self._begun(words, is_quiet=is_quiet, pipe=theirs)
+            finally:
+                os.close(theirs)
+            with process:
+                try:
+                    self._pack(stream, trace)
+                except BaseException:
+                    process.kill()
+                    raise
+                return self._ended(process)
+
+    def _pack(self, stream: BinaryIO, trace: str) -> None:
+        from camtools.sim.trace_file import pack_trace  # pyarrow, which making a table never needs
+
         try:
-            done = subprocess.run(
-                self.command(words), cwd=self.folder, stdout=silent, stderr=stderr, check=False
+            pack_trace(stream, self.folder / trace)
+        except OSError as error:
+            raise cannot_write(self.folder.parent, error) from error
+
+    def _begun(
+        self, words: Sequence[str], *, is_quiet: bool, pipe: int | None = None
+    ) -> subprocess.Popen[bytes]:
+        silent = subprocess.DEVNULL
+        try:
+            return subprocess.Popen(
+                self.command(words),
+                cwd=self.folder,
+                stdout=silent,
+                stderr=silent if is_quiet else None,
+                pass_fds=[] if pipe is None else [pipe],
             )
         except OSError as error:
             problem = f"{self.program}: cannot be started: {error.strerror}"
             raise CamtoolsError([f"{problem}; start tools/run, which builds it"]) from error
-        if done.returncode < 0:
-            problem = f"{self.program}: ended by signal {-done.returncode}"
+
+    def _ended(self, process: subprocess.Popen[bytes]) -> int:
+        try:
+            status = process.wait()
+        except BaseException:
+            process.kill()
+            raise
+        if status < 0:
+            problem = f"{self.program}: ended by signal {-status}"
             raise CamtoolsError([f"{problem}; run it again, and report it when it comes back"])
-        return done.returncode
+        return status
 
 
 def overview_every(turns: float, speed_rpm: float) -> int:
@@ -171,7 +231,13 @@ def overview_every(turns: float, speed_rpm: float) -> int:
 
 
 def cut(
-    simulator: Simulator, words: Sequence[str], window_turns: float | None, every: int = 1
+    simulator: Simulator,
+    words: Sequence[str],
+    window_turns: float | None,
+    every: int = 1,
+    *,
+    keeps_text: bool = False,
+    shows_progress: bool = False,
 ) -> int:
     """Cut a part; write surface, summary and trace; return camsim's exit status.
 
@@ -183,16 +249,20 @@ def cut(
         The trace is of a second run that ends after so many turns; None: of the cut itself.
     every : int
         The overview of a longer cut holds one tick of so many.
+    keeps_text : bool
+        The traces are kept as CSV, too.
+    shows_progress : bool
+        Camsim tells on standard error how far it is.
     """
     results = ["--surface", SURFACE, "--summary", SUMMARY]
+    results += ["--progress"] if shows_progress else []
     if window_turns is None:
-        return simulator.run([*words, *results, "--trace", TRACE])
-    progress = ["--progress"] if sys.stderr.isatty() else []
-    overview = ["--trace", OVERVIEW, "--trace-every", str(every)]
-    status = simulator.run([*words, *results, *overview, *progress])
+        return simulator.run_traced([*words, *results], TRACE, keeps_text=keeps_text)
+    overview = [*words, *results, "--trace-every", str(every)]
+    status = simulator.run_traced(overview, OVERVIEW, keeps_text=keeps_text)
     if status != 2:
-        window = ["--turns-limit", repr(window_turns), "--trace", TRACE]
-        simulator.run([*words, *window], is_quiet=True)
+        window = [*words, "--turns-limit", repr(window_turns)]
+        simulator.run_traced(window, TRACE, is_quiet=True, keeps_text=keeps_text)
     return status
 
 

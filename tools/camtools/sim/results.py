@@ -152,18 +152,39 @@ def read_control(path: Path) -> GaugedSurface | None:
     return GaugedSurface(turn, z_mm, radius_mm, error_nm * 1e-3)
 
 
+def _trace_columns(path: Path, names: tuple[str, ...]) -> Floats:
+    """Return named columns of a trace, shape (len(names), n); states as numbers."""
+    if path.suffix == ".csv":
+        return _columns(path, names)
+    from camtools.sim.trace_file import read_columns  # pyarrow, which making a table never needs
+
+    found = read_columns(path, names)
+    if "state" in found:
+        order = np.argsort(STATES)
+        found["state"] = order[np.searchsorted(STATES, found["state"].astype(str), sorter=order)]
+    return np.array([found[name].astype(np.float64) for name in names])
+
+
+def _trace_names(path: Path) -> list[str]:
+    if path.suffix == ".csv":
+        with path.open(encoding="ascii") as stream:
+            return stream.readline().strip().split(",")
+    from camtools.sim.trace_file import column_names
+
+    return column_names(path)
+
+
 def read_trace(path: Path) -> CutTrace:
-    """Return the trace of a CSV file of camsim."""
-    columns = _columns(path, _TRACE_COLUMNS)
+    """Return a trace, a Parquet file of ours or a CSV file of camsim."""
+    columns = _trace_columns(path, _TRACE_COLUMNS)
     columns[-1] *= _TURNS_PER_Q32
     return CutTrace(*columns)
 
 
 def read_swing(path: Path) -> Floats | None:
     """Return the true swing of the tool [degrees] from a trace, nothing when there is none."""
-    with path.open(encoding="ascii") as stream:
-        names = stream.readline().strip().split(",")
-    return _columns(path, ("swing_act_deg",))[0] if "swing_act_deg" in names else None
+    has_swing = "swing_act_deg" in _trace_names(path)
+    return _trace_columns(path, ("swing_act_deg",))[0] if has_swing else None
 
 
 def read_removal(path: Path) -> Removal:
