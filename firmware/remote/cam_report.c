@@ -16,9 +16,13 @@ enum {
     page_name,
     page_learning = 11,
     page_learning_end = 16,
-    page_params = 21,
-    n_pages = 22
+    page_params = 21
 };
+
+/// Those that are sent in turn.
+static const uint8_t turns[] = {page_load, page_rate, page_table, page_crc,   page_name,     6,
+                                7,         8,         9,          10,         page_learning, 12,
+                                13,        14,        15,         page_params};
 
 /// Characters of the table's name in a page. Readers see them as one number of 48 bits.
 enum { name_chars = 6 };
@@ -205,9 +209,9 @@ void cam_report_send(cam_report_t *r, const cam_store_t *store, const cam_status
     if (status->tick - r->status_tick >= period) {
         r->status_tick = status->tick;
     }
-    r->page = r->page + 1u < n_pages ? r->page + 1u : page_load;
+    r->i_page = r->i_page + 1u < sizeof turns ? r->i_page + 1u : 0u;
     send_state(r, store, status);
     send_motion(store, status);
     send_detail(page_motion, store, status);
-    send_detail(r->page, store, status);
+    send_detail(turns[r->i_page], store, status);
 }

@@ -17,7 +17,7 @@
 typedef struct {
     hal_start_t start;    ///< why the controller started
     uint32_t status_tick; ///< [ticks] when the last status was due
-    uint32_t page;        ///< of Detail, the last one that was sent in turn
+    uint32_t i_page;      ///< of the pages of Detail, the last one that was sent in turn
 } cam_report_t;
 
 /// Send the status if it is due.

@@ -125,7 +125,10 @@ def test_quick_values_have_units_and_ranges(
     assert bench.do("get", "phase_udeg") == "phase_udeg = -12250000\n"
     assert "125" in refusal(bench, 2, "amplitude 126")
     bench.do("speed", "3500")
-    assert "highest feasible speed is 3000 r/min" in refusal(bench, 1, "enable")
+    assert refusal(bench, 1, "enable").endswith(
+        "spindle speed 3500 r/min exceeds spindle_limit 3000 r/min; "
+        "the highest feasible speed is 3000 r/min"
+    )
 
 
 def test_what_must_not_change_in_the_cut_is_refused(
@@ -135,7 +138,8 @@ def test_what_must_not_change_in_the_cut_is_refused(
     bench.do("home")
     bench.do("set", "engage_turns", "100")
     bench.do("start")
-    assert "param state; only phase_udeg" in refusal(bench, 1, "speed 1000")
+    line = refusal(bench, 1, "speed 1000")
+    assert "spindle_mrpm cannot change in this state; only phase_udeg" in line
     assert bench.do("phase", "5") == "phase = 5 deg\n"
     bench.do("stop")
 

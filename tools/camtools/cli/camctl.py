@@ -23,9 +23,9 @@ from camtools.base.output import growing
 from camtools.cli.bus import open_controller
 from camtools.cli.camctl_excite import excite, learned
 from camtools.cli.camctl_options import PLAIN, QUICK, make_parser
+from camtools.cli.camctl_params import params
 from camtools.cli.camctl_scope import blackbox, scope_ticks
 from camtools.link.controller import (
-    NAMES,
     NUMBERS,
     Answer,
     Link,
@@ -34,40 +34,12 @@ from camtools.link.controller import (
     value_text,
 )
 from camtools.link.download import CHECK_S, download
+from camtools.link.refusal import ask_done, explain
 from camtools.link.watch import COLUMNS, Dashboard, line, report, row, table_report
 
 REFUSED = 1
-_REMEDIES = {
-    "state": "see status; the order is enable, start, stop, disable, and reset behind a fault",
-    "param_state": "only phase_udeg and amplitude_ppm change while cutting, most others in ready, "
-    "all in off",
-    "param_tick": "observer_bandwidth_mHz is at most 50 x the tick rate in Hz, lead_ns 61 ticks",
-    "estop": "release the emergency stop",
-    "drive": "see that all drives are ready",
-    "no_table": "download a table and select it",
-    "u_place": "move U into its stroke",
-    "download_room": "make the table with a larger --tolerance-nm",
-    "download_crc": "download again",
-    "download_store": "its memory failed, the old table stays in force; try again",
-    "busy": "try again",
-    "cam_amplitude": "set the amplitude to 100 % or more",
-    "u_retract": "set u_retract_nm nearer to 0, or to its default, which fits every stroke",
-}
 HOME_S, CUT_S = 60.0, 3600.0
 IN_WORK = ("rehearsing", "engaging", "cutting", "disengaging")
-
-
-def _explain(answer: Answer) -> str:
-    """Return why a command was refused and what to do."""
-    what = answer.result.replace("_", " ")
-    if answer.limits is not None:
-        low, high = answer.limits
-        name = NAMES["parameter"].get(answer.parameter, str(answer.parameter))
-        return f"out of range; {name} is {low:.9g} .. {high:.9g}"
-    if answer.command in ("enable", "home", "start") and answer.value:
-        return f"refused: {what}; the highest feasible speed is {answer.value:g} r/min"
-    remedy = _REMEDIES.get(answer.result)
-    return f"refused: {what}" + (f"; {remedy}" if remedy else "")
 
 
 class Control:
@@ -84,7 +56,8 @@ class Control:
     def require(self, command: str, result: str) -> None:
         """Raise when a step was not accepted."""
         if result != "done":
-            raise Refused(f"{command.replace('_', ' ')}: {_explain(Answer(command, result, 0, 0))}")
+            answer = Answer(command, result, 0, 0)
+            raise Refused(f"{command.replace('_', ' ')}: {explain(self.link, answer)}")
 
     def ask(self, command: str, parameter: int = 0, **value: float) -> Answer:
         """Send a command that must be accepted.
@@ -96,11 +69,7 @@ class Control:
         CamtoolsError
             The value is outside the range of its signal.
         """
-        answer = self.link.ask(command, parameter=parameter, **value)
-        if answer.result != "done":
-            values = "".join(f" = {number:.9g}" for number in value.values())
-            raise Refused(f"{command.replace('_', ' ')}{values}: {_explain(answer)}")
-        return answer
+        return ask_done(self.link, command, parameter, **value)
 
     def wait_state(self, wanted: Sequence[str], timeout_s: float) -> str:
         """Wait for one of some states; a fault is refused."""
@@ -283,6 +252,10 @@ class Control:
     def blackbox(self, arguments: argparse.Namespace) -> None:
         """Tell, read or clear what was recorded before a fault."""
         blackbox(self.link, arguments, self.say)
+
+    def params(self, arguments: argparse.Namespace) -> None:
+        """Save, load or compare all parameters, or change what the controller keeps."""
+        params(self.link, arguments, self.say)
 
     def learned(self, arguments: argparse.Namespace) -> None:
         """Print, save or bring back what the controller has learned."""

@@ -13,6 +13,7 @@ from pathlib import Path
 
 from camtools.base.command import Parser
 from camtools.cli.bus import add_bus_options
+from camtools.cli.camctl_params import FILES, MEMORY
 from camtools.link.controller import NUMBERS
 from camtools.link.scope import DEFAULT_SIGNALS
 from camtools.link.trigger import GRAMMAR
@@ -109,6 +110,17 @@ def _add_excite(one: argparse.ArgumentParser) -> None:
     one.add_argument("--signals", default=",".join(DEFAULT_SIGNALS), help="to be recorded")
 
 
+def _add_params(one: argparse.ArgumentParser) -> None:
+    actions = one.add_subparsers(dest="action", required=True, metavar="ACTION")
+    for name, what in FILES.items():
+        action = actions.add_parser(name, help=what)
+        action.add_argument("file", type=Path, help="TOML")
+        if name == "load":
+            action.add_argument("--keep", action="store_true", help="the controller keeps them")
+    for name, (_, what) in MEMORY.items():
+        actions.add_parser(name, help=what)
+
+
 def make_parser() -> argparse.ArgumentParser:
     """Return the command line of camctl."""
     parser = Parser(
@@ -132,6 +144,7 @@ def make_parser() -> argparse.ArgumentParser:
     one.add_argument("value", type=int)
     one = commands.add_parser("list", help="print parameters with their ranges")
     one.add_argument("pattern", nargs="?", default="*", help="with * and ?")
+    _add_params(commands.add_parser("params", help="all parameters: files, and what is kept"))
     commands.add_parser("status", help="print the status once")
     one = commands.add_parser("watch", help="live view: angle, U, following error, faults")
     one.add_argument("--seconds", type=_positive, help="how long; default: until interrupted")

@@ -18,6 +18,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import can
+from cantools.database import DecodeError
 from cantools.database.can import Database, Message
 
 from camtools.base.errors import CamtoolsError
@@ -59,8 +60,11 @@ NAMES = {
     "reset_reason": _choices(_STATE, "reset_reason"),
     "learn_phase": _choices(_DETAIL, "learn_phase"),
     "learn_reason": _choices(_DETAIL, "learn_reason"),
+    "params_kept": _choices(_DETAIL, "params_kept"),
 }
 NUMBERS = {table: {name: i for i, name in names.items()} for table, names in NAMES.items()}
+assert DATABASE.dbc is not None
+REFUSALS = [str(name) for name in DATABASE.dbc.value_tables["refusal_field"].values()]
 FAULT_TEXTS = {
     signal.name.removeprefix("fault_"): str(signal.comment)
     for signal in _STATE.signals
@@ -192,7 +196,10 @@ class Link:
             self._take_status(message, bytes(frame.data))
 
     def _take_status(self, message: Message, data: bytes) -> None:
-        said = message.decode_simple(data, decode_choices=False, allow_truncated=False)
+        try:
+            said = message.decode_simple(data, decode_choices=False, allow_truncated=False)
+        except DecodeError:  # a page of a controller that is newer than this program
+            return
         self.status.signals |= {name: float(str(value)) for name, value in said.items()}
         self.status.at_s = time.monotonic()
         if message.name == "Detail" and said["page"] == 0 and "state" in self.status.signals:

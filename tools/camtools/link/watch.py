@@ -12,11 +12,20 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Iterable
 
-from camtools.link.controller import FAULT_TEXTS, NAMES, Status
+from camtools.link.controller import FAULT_TEXTS, NAMES, NUMBERS, Status
 from camtools.link.learned import learning_report
 
 _BARS = " ▁▂▃▄▅▆▇█"
 _HOME, _BELOW, _RIGHT = "\x1b[H", "\x1b[J", "\x1b[K"
+_KEPT = {
+    NUMBERS["params_kept"][name]: text
+    for name, text in {
+        "none": "not kept: a restart uses the defaults",
+        "same": "kept",
+        "changed": "not kept: a restart uses others; params keep keeps these",
+        "damaged": "not kept, what is kept is damaged: a restart uses the defaults",
+    }.items()
+}
 COLUMNS = (
     *("t_s", "state", "faults", "angle_deg", "speed_rpm", "z_mm"),
     *("u_set_mm", "u_actual_mm", "following_error_mm"),
@@ -126,6 +135,8 @@ def report(status: Status) -> list[str]:
         f"tick              {s['tick_rate']:.0f} Hz, longest {s['tick_time_max']:.3f} us, "
         f"late {s['late_ticks']:.0f}",
         f"last start        {NAMES['reset_reason'].get(int(s['reset_reason']), 'unknown')}",
+        f"parameters        version {s['params_version']:.0f}, checksum "
+        f"{int(s['params_checksum']):08x}, {_KEPT.get(int(s['params_kept']), 'unknown')}",
         *learning_report(status),
         *table_report(status),
         f"table check       {table_err}",

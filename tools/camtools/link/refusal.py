@@ -1,0 +1,185 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Why a controller refused a command, with the numbers and what to do.
+
+>>> DEMANDS["u_acceleration"].text(275_000, 250_000, "u_acceleration")
+'U acceleration 275 m/s2 exceeds u_acceleration 250 m/s2'
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from camtools.link.controller import NAMES, NUMBERS, REFUSALS, Answer, Link, Refused
+
+REMEDIES = {
+    "state": "see status; the order is enable, start, stop, disable, and reset behind a fault",
+    "param_state": "only phase_udeg and amplitude_ppm change while cutting, most others in ready, "
+    "all in off",
+    "param_tick": "observer_bandwidth_mHz is at most 50 x the tick rate in Hz, lead_ns 61 ticks",
+    "estop": "release the emergency stop",
+    "drive": "see that all drives are ready",
+    "no_table": "download a table and select it",
+    "u_place": "move U into its stroke",
+    "download_room": "make the table with a larger --tolerance-nm",
+    "download_crc": "download again",
+    "download_store": "its memory failed, the old table stays in force; try again",
+    "busy": "try again",
+    "cam_amplitude": "set the amplitude to 100 % or more",
+    "u_retract": "set u_retract_nm nearer to 0, or to its default, which fits every stroke",
+    "params_stale": "another tool set a parameter meanwhile; try again",
+    "params_none": "params keep keeps those in force",
+    "params_damaged": "params keep keeps those in force instead",
+    "params_keep": "its memory failed or is read-only, what was kept before stays; its log tells",
+}
+_SETTERS = {
+    "set_speed": "spindle_mrpm",
+    "set_feed": "feed_nm",
+    "set_amplitude": "amplitude_ppm",
+    "set_phase": "phase_udeg",
+}
+
+
+@dataclass(frozen=True)
+class Demand:
+    """What a cut demands too much of.
+
+    Attributes
+    ----------
+    what : str
+        of what
+    unit : str
+        for people
+    scale : float
+        that unit per unit of the controller
+    parameter : str
+        that limits it; "" where none does
+    label : str
+        what the limit is called: the parameter without its unit, or what else sets it
+    share : int
+        the limit is that part of the parameter: 1 / share
+    """
+
+    what: str
+    unit: str
+    scale: float
+    parameter: str
+    label: str
+    share: int = 1
+
+    def text(self, needed: int, limit: int, label: str) -> str:
+        """Return the comparison, in the unit for people."""
+        numbers = [f"{value * self.scale:.9g} {self.unit}" for value in (needed, limit)]
+        return f"{self.what} {numbers[0]} exceeds {label} {numbers[1]}"
+
+
+DEMANDS = {
+    "spindle_speed": Demand("spindle speed", "r/min", 1e-3, "spindle_limit_mrpm", "spindle_limit"),
+    "u_speed": Demand("U speed", "mm/s", 1e-3, "u_speed_um_per_s", "u_speed"),
+    "u_acceleration": Demand(
+        "U acceleration", "m/s2", 1e-3, "u_acceleration_mm_per_s2", "u_acceleration"
+    ),
+    "u_stroke": Demand("U travel", "mm", 1e-6, "u_stroke_nm", "half of u_stroke", 2),
+    "u_retract": Demand("U retract", "mm", 1e-6, "u_stroke_nm", "half of u_stroke", 2),
+    "z_speed": Demand("Z speed", "mm/s", 1e-3, "z_speed_um_per_s", "z_speed"),
+    "z_acceleration": Demand(
+        "Z acceleration", "m/s2", 1e-3, "z_acceleration_mm_per_s2", "z_acceleration"
+    ),
+    "feed": Demand("feed", "mm", 1e-6, "", "the height of the part"),
+    "tick_rate": Demand("spindle speed", "r/min", 1e-3, "", "what the tick can follow,"),
+    "spindle_acceleration": Demand(
+        *("spindle acceleration", "rad/s2", 1e-3),
+        *("spindle_acceleration_mrad_per_s2", "spindle_acceleration"),
+    ),
+    "spindle_loop": Demand("fall of the spindle speed", "1/s", 1e-3, "", "1 / spindle_lag"),
+    "spindle_set_point": Demand(
+        "spindle set-point", "r/min", 1e-3, "spindle_limit_mrpm", "spindle_limit"
+    ),
+    "x_speed": Demand("X speed", "mm/s", 1e-3, "x_speed_um_per_s", "x_speed"),
+    "x_acceleration": Demand(
+        "X acceleration", "m/s2", 1e-3, "x_acceleration_mm_per_s2", "x_acceleration"
+    ),
+    "swing_range": Demand("swing", "deg", 1e-3, "swing_range_mdeg", "swing_range"),
+    "swing_speed": Demand("swing speed", "deg/s", 1e-3, "swing_speed_mdeg_per_s", "swing_speed"),
+    "swing_acceleration": Demand(
+        "swing acceleration", "deg/s2", 1, "swing_acceleration_deg_per_s2", "swing_acceleration"
+    ),
+}
+
+
+def _last_refusal(link: Link) -> dict[str, int]:
+    """Return what the controller tells of its last refusal by numbers; empty: nothing."""
+    found = {}
+    for index, name in enumerate(REFUSALS):
+        answer = link.ask("get_refusal", parameter=index)
+        if answer.result != "done":
+            return {}
+        found[name] = int(answer.value)
+    return found
+
+
+def _label(link: Link, answer: Answer, demand: Demand, limit: int) -> str:
+    """Return what the limit is: the parameter, or the table where that allows less."""
+    if not demand.parameter:
+        return demand.label
+    index = NUMBERS["parameter"][demand.parameter]
+    is_set = answer.command == "set_parameter" and answer.parameter == index
+    value = int(link.ask("get_parameter", parameter=index).value)
+    return demand.label if is_set or value // demand.share == limit else "the table's limit"
+
+
+def _speed_text(refusal: dict[str, int]) -> str:
+    highest = refusal["highest_mrpm"] / 1000
+    in_pass = f" in pass {refusal['pass']}" if refusal["pass"] else ""
+    if highest:
+        return f"{in_pass}; the highest feasible speed is {highest:.9g} r/min"
+    return f"{in_pass}; no speed is feasible"
+
+
+def _by_numbers(link: Link, answer: Answer) -> str:
+    """Return why the last command was refused, from its numbers; "" where there are none."""
+    refusal = _last_refusal(link)
+    if not refusal or NAMES["result"].get(refusal["result"]) != answer.result:
+        return ""
+    name = NAMES["parameter"].get(refusal["parameter"], "")
+    needed, limit = refusal["needed"], refusal["limit"]
+    if answer.result == "param_state":
+        return f"{name} cannot change in this state; {REMEDIES['param_state']}"
+    if answer.result == "param_tick":
+        return f"{name} {needed} exceeds {limit}, the most at this tick rate"
+    if answer.result in DEMANDS:
+        demand = DEMANDS[answer.result]
+        label = _label(link, answer, demand, limit)
+        return demand.text(needed, limit, label) + _speed_text(refusal)
+    return ""
+
+
+def explain(link: Link, answer: Answer) -> str:
+    """Return why a command was refused and what to do."""
+    what = answer.result.replace("_", " ")
+    if answer.limits is not None:
+        low, high = answer.limits
+        name = NAMES["parameter"].get(answer.parameter, str(answer.parameter))
+        return f"out of range; {name} is {low:.9g} .. {high:.9g}"
+    is_numbered = answer.result in DEMANDS or answer.result in ("param_state", "param_tick")
+    remedy = REMEDIES.get(answer.result)
+    text = _by_numbers(link, answer) if is_numbered else ""
+    return f"refused: {text or what}" + (f"; {remedy}" if remedy and not text else "")
+
+
+def ask_done(
+    link: Link, command: str, parameter: int = 0, timeout_s: float = 1.0, **value: float
+) -> Answer:
+    """Send a command that must be accepted, and return its answer.
+
+    Raises
+    ------
+    Refused
+        It is not; the text tells why, with the numbers.
+    CamtoolsError
+        The value is outside the range of its signal.
+    """
+    answer = link.ask(command, timeout_s=timeout_s, parameter=parameter, **value)
+    if answer.result != "done":
+        values = "".join(f" = {number:.9g}" for number in value.values())
+        raise Refused(f"{command.replace('_', ' ')}{values}: {explain(link, answer)}")
+    return answer
