@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: Apache-2.0
+"""All parameters as a file and in the controller's memory, and refusals with their numbers."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from camctl_bench import Bench
+from camtools.link.controller import NAMES
+from camtools.link.parameters import INFOS
+
+pytestmark = pytest.mark.alone  # the controller keeps pace with the clock
+
+
+def test_parameters_are_those_of_the_dbc() -> None:
+    """The header that names, ranges and meanings come from has all of them, in order."""
+    assert list(INFOS) == [NAMES["parameter"][i] for i in range(len(NAMES["parameter"]))]
+    assert all(info.low <= info.default <= info.high and info.what for info in INFOS.values())
+
+
+def test_a_file_is_saved_compared_and_loaded(
+    bench: Bench, refusal: Callable[[Bench, int, str], str], tmp_path: Path
+) -> None:
+    """A saved file is equal; after a change it differs by one line, and load brings it back."""
+    file = tmp_path / "machine.toml"
+    assert f"{len(INFOS)} parameters, version 1" in bench.do("params", "save", file)
+    told = tomllib.loads(file.read_text())
+    assert told["axis_u"]["lead_ns"] == 50_000
+    assert sum(map(len, told.values())) == len(INFOS)
+    assert "# dead time of the U drive" in file.read_text()
+    assert "equal, checksum" in bench.do("params", "diff", file)
+    bench.do("set", "lead_ns", "60000")
+    status, text = bench.run("params", "diff", file)
+    assert status == 1
+    assert [line.split() for line in text.splitlines()] == [
+        ["parameter", "file", "controller"],
+        ["lead_ns", "50000", "60000"],
+    ]
+    assert "1 of" in refusal(bench, 1, f"params diff {file}")
+    assert bench.do("params", "load", file).splitlines()[1].split() == ["lead_ns", "60000", "50000"]
+    assert f"0 of {len(INFOS)} parameters changed" in bench.do("params", "load", file)
+
+
+def test_a_file_with_errors_changes_nothing(
+    bench: Bench, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    """Every wrong line is told before the controller is asked."""
+    file = tmp_path / "bad.toml"
+    file.write_text(
+        "lead_ns = 1\n[u]\nk1_ns = -1\nlaed_ns = 2\nk2_us2 = 1.5\nencoder_sign = 0\n"
+        "[v]\nlead_ns = 3\n"
+    )
+    assert bench.run("params", "load", file)[0] == 2
+    lines = [line.removeprefix(f"camctl: {file}: ") for line in capsys.readouterr().err.split("\n")]
+    assert lines[0] == "k1_ns = -1: out of range; give 0 .. 100000000"
+    assert lines[1] == "laed_ns: no such parameter; tools/camctl list tells them"
+    assert lines[2] == "k2_us2 = 1.5: give a whole number"
+    assert lines[3] == "encoder_sign = 0: out of range; give -1 .. 1"
+    assert lines[4] == "lead_ns: there twice; give it once"
+    assert bench.do("get", "lead_ns") == "lead_ns = 50000\n"
+    for text in ("", "lead_ns = ", "\xff"):
+        file.write_text(text, "latin-1")
+        assert bench.run("params", "diff", file)[0] == 2
+    assert bench.run("params", "load", tmp_path / "none.toml")[0] == 2
+
+
+def test_a_load_that_is_refused_half_way_changes_nothing(
+    bench: Bench, refusal: Callable[[Bench, int, str], str], tmp_path: Path
+) -> None:
+    """One parameter of the encoder in ready: the trims in front of it do not change either."""
+    file = tmp_path / "mixed.toml"
+    file.write_text("x_offset_nm = 2000\nk1_ns = 30\ncounts_per_turn = 20000\n")
+    bench.do("home")
+    line = refusal(bench, 1, f"params load {file}")
+    assert "nothing is changed" in line
+    assert "counts_per_turn cannot change in this state" in line
+    assert bench.do("get", "x_offset_nm", "k1_ns") == "x_offset_nm = 0\nk1_ns = 0\n"
+    file.write_text("x_offset_nm = 2000\nk1_ns = 30\n")
+    assert "2 of 2 parameters changed" in bench.do("params", "load", file)
+    assert bench.do("get", "x_offset_nm", "k1_ns") == "x_offset_nm = 2000\nk1_ns = 30\n"
+    assert "parameters are not in the file" in bench.do("params", "diff", file)
+
+
+def test_what_is_kept_is_told_and_brought_back(
+    bench: Bench, refusal: Callable[[Bench, int, str], str], tmp_path: Path
+) -> None:
+    """Keep, change, revert, defaults; in ready nothing is kept."""
+    assert "not kept: a restart uses the defaults" in bench.do("status")
+    assert "no" in refusal(bench, 1, "params revert")
+    file = tmp_path / "trim.toml"
+    file.write_text("x_offset_nm = 3000\n")
+    assert "keep: done" in bench.do("params", "load", file, "--keep")
+    assert ", kept\n" in bench.do("status")
+    bench.do("set", "x_offset_nm", "4000")
+    assert "a restart uses others" in bench.do("status")
+    bench.do("params", "revert")
+    assert bench.do("get", "x_offset_nm") == "x_offset_nm = 3000\n"
+    assert ", kept\n" in bench.do("status")
+    bench.do("params", "defaults")
+    assert bench.do("get", "x_offset_nm", "lead_ns") == "x_offset_nm = 0\nlead_ns = 100000\n"
+    bench.do("home")
+    assert "save parameters: refused: state" in refusal(bench, 1, "params keep")
+
+
+def test_a_refusal_names_demand_limit_and_what_is_feasible(
+    bench: Bench, refusal: Callable[[Bench, int, str], str]
+) -> None:
+    """In ready a limit below the demand; the table's limit; a lead beyond the history."""
+    bench.do("home")
+    line = refusal(bench, 1, "set u_acceleration_mm_per_s2 15000")
+    assert "refused: U acceleration " in line
+    assert " exceeds u_acceleration 15 m/s2; the highest feasible speed is " in line
+    line = refusal(bench, 1, "speed 3200")
+    assert "spindle speed 3200 r/min exceeds spindle_limit 3000 r/min" in line
+    assert "exceeds the height of the part" in refusal(bench, 1, "feed 9.9")
+    line = refusal(bench, 1, "set observer_bandwidth_mHz 1500000")
+    assert "observer_bandwidth_mHz cannot change in this state" in line
+    bench.do("disable")
+    line = refusal(bench, 1, "set observer_bandwidth_mHz 1500000")
+    assert "observer_bandwidth_mHz 1500000 exceeds 1000000, the most at this tick rate" in line
