@@ -3,6 +3,7 @@
 #include "cam_can.h"            // cam_can_init
 #include "cam_machine.h"        // cam_machine_init
 #include "cam_machine_scope.h"  // cam_machine_box
+#include "cam_machine_scope.h"  // cam_machine_box
 #include "sim_live.h"
 #include <errno.h>  // errno
 #include <fcntl.h>  // fcntl
@@ -125,6 +126,7 @@ static bool start(sim_live_t *l, common_error_t *e)
         return false;
     }
     cam_machine_init(&controller.machine, &g_cam, hal_tick_hz(), hal_clock_hz());
+    cam_machine_box(&controller.machine);
     if (!set_parameters(l, &params, e)) {
         return false;
     }

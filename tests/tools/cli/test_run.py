@@ -127,11 +127,11 @@ def test_default_cut_is_within_a_micrometre(run: Run, tmp_path: Path) -> None:
 @built
 def test_csv_is_kept_where_it_is_wanted(run: Run, tmp_path: Path) -> None:
     """Beside the compact trace, with the same numbers; --keep is about build/run alone."""
-    done = run("--feed", "5", "--csv", "-o", tmp_path / "out")
+    done = run("--feed", "2", "--csv", "-o", tmp_path / "out")
     assert done.returncode == 0, done.stderr
     ours, text = (read_trace(tmp_path / "out" / f"trace.{end}") for end in ("parquet", "csv"))
     assert all(np.array_equal(one, other) for one, other in zip(ours, text, strict=True))
-    assert "cutting 14 turns, " in done.stderr, "with the ramp of the feed"
+    assert "cutting 33 turns, " in done.stderr, "with the ramp of the feed"
     refused = run("--keep", "2", "-o", tmp_path / "out")
     assert refused.returncode == 2
     assert refused.stderr == "run: --keep: is about build/run; leave out -o or --keep\n"

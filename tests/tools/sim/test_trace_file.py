@@ -27,7 +27,7 @@ def text(tmp_path_factory: pytest.TempPathFactory, generated: GeneratedSkirt) ->
     folder = tmp_path_factory.mktemp("trace")
     table = folder / "perkins.camtab"
     table.write_bytes(pack(generated.table))
-    done = camsim("run", table, "--turns-limit", 30, "--trace", folder / "trace.csv")
+    done = camsim("run", table, "--turns-limit", "30", "--trace", folder / "trace.csv")
     assert done.returncode == 0, done.stderr
     return folder / "trace.csv"
 
