@@ -26,13 +26,16 @@ _Static_assert(sizeof(word_t) == stm_flash_word_bytes, "a seal is written at onc
 
 static const uint32_t seal_magic = 0x4D524150u; // "PARM"
 
-static struct {
+/// What is known of the log.
+typedef struct {
     hal_params_t kept;
     uint32_t number; ///< of the kept record, from 1 on; 0: there is none
     uint32_t sector; ///< in which that one is
     uint32_t open;   ///< sector in which the next record is appended
     uint32_t next;   ///< flash word of it where that record begins
-} store;
+} store_t;
+
+static store_t store;
 
 static uint32_t address_of(uint32_t sector, uint32_t i)
 {
@@ -108,6 +111,7 @@ void stm_params_init(void)
 {
     uint32_t n_used[n_sectors];
     bool is_whole = true;
+    store = (store_t){.number = 0};
     for (uint32_t sector = 0; sector < (uint32_t)n_sectors; sector++) {
         is_whole = read_sector(sector, &n_used[sector]) && is_whole;
     }

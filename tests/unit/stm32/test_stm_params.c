@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: Apache-2.0
+// The log of the parameters in flash: the supply falls in every write and in every erase, and what
+// is torn reads as erased, as anything, or not at all.
+#include "hal/hal.h"
+#include "stm_flash.h"
+#include "stm_params.h"
+#include "unity.h"
+#include <setjmp.h> // setjmp
+#include <string.h> // memset
+
+enum { n_bytes = 2 * stm_flash_sector_bytes, n_all = n_bytes / stm_flash_word_bytes };
+enum { record_bytes = 900, record_ops = (record_bytes + 31) / 32 + 1 };
+
+/// What a word reads as whose programming was cut off.
+typedef enum { torn_as_erased, torn_as_half, torn_unreadable, n_torn } torn_t;
+
+typedef struct {
+    uint8_t bytes[n_bytes];
+    bool is_used[n_all];       // cannot be programmed again
+    bool is_unreadable[n_all]; // a load would be a bus fault
+} flash_t;
+
+_Alignas(stm_flash_word_bytes) uint8_t stm_params_start[n_bytes];
+
+static flash_t flash; // but for its bytes, which are stm_params_start
+static int n_left;    // operations until the supply falls in the last of them
+static torn_t torn;
+static jmp_buf supply_falls;
+
+static uint32_t word_of(uint32_t address)
+{
+    return (address - (uint32_t)(uintptr_t)stm_params_start) / stm_flash_word_bytes;
+}
+
+static bool is_cut(void)
+{
+    n_left--;
+    return n_left == 0;
+}
+
+bool stm_flash_peek(uint32_t address, uint32_t *words)
+{
+    memcpy(words, (const void *)(uintptr_t)address, stm_flash_word_bytes);
+    return !flash.is_unreadable[word_of(address)];
+}
+
+bool stm_flash_erase(uint32_t address, uint32_t bytes)
+{
+    const uint32_t first = word_of(address);
+    const bool ends_early = is_cut();
+    const uint32_t n = bytes / stm_flash_word_bytes / (ends_early ? 2u : 1u);
+    memset((void *)(uintptr_t)address, 0xFF, n * stm_flash_word_bytes);
+    memset(&flash.is_used[first], 0, n);
+    memset(&flash.is_unreadable[first], 0, n);
+    if (ends_early) { // words on the way to being erased are still to be erased
+        memset(&flash.is_used[first], 1, n);
+        longjmp(supply_falls, 1);
+    }
+    return true;
+}
+
+static void tear(uint32_t i, const uint8_t *bytes, uint32_t n)
+{
+    flash.is_unreadable[i] = torn == torn_unreadable;
+    if (torn == torn_as_half) {
+        memcpy(&stm_params_start[i * stm_flash_word_bytes], bytes, n / 2u);
+    }
+    longjmp(supply_falls, 1);
+}
+
+bool stm_flash_program(uint32_t address, const uint8_t *bytes, uint32_t n)
+{
+    for (uint32_t at = 0; at < n; at += stm_flash_word_bytes) {
+        const uint32_t i = word_of(address + at);
+        const uint32_t n_here = n - at < stm_flash_word_bytes ? n - at : stm_flash_word_bytes;
+        if (flash.is_used[i]) {
+            return false;
+        }
+        flash.is_used[i] = true;
+        if (is_cut()) {
+            tear(i, bytes + at, n_here);
+        }
+        memcpy((void *)(uintptr_t)(address + at), bytes + at, n_here);
+    }
+    return true;
+}
+
+void setUp(void)
+{
+    memset(&flash, 0, sizeof flash);
+    memset(stm_params_start, 0xFF, n_bytes);
+    n_left = 0;
+    stm_params_init();
+}
+
+void tearDown(void) {}
+
+static uint8_t record[hal_params_most_bytes];
+
+static bool keep(uint8_t version, uint32_t n)
+{
+    memset(record, version, n);
+    return hal_params_keep(record, n);
+}
+
+static void expect_kept(uint8_t version, uint32_t n)
+{
+    const hal_params_t kept = hal_params_kept();
+    TEST_ASSERT_EQUAL_UINT32(n, kept.size);
+    TEST_ASSERT_EACH_EQUAL_HEX8(version, kept.bytes, n);
+}
+
+/// Keep until the supply falls, then start anew.
+static void keep_until_dark(uint8_t version, int op)
+{
+    if (setjmp(supply_falls) == 0) {
+        n_left = op;
+        (void)keep(version, record_bytes);
+    }
+    n_left = 0;
+    stm_params_init();
+}
+
+/// Cut the next save at each of its operations, once and twice in turn; the old record stays, and
+/// the next save is whole.
+static void cut_everywhere(uint8_t old, int n_ops)
+{
+    static flash_t before;
+    memcpy(before.bytes, stm_params_start, n_bytes);
+    memcpy(before.is_used, flash.is_used, sizeof flash.is_used);
+    memcpy(before.is_unreadable, flash.is_unreadable, sizeof flash.is_unreadable);
+    for (int op = 1; op <= n_ops; op++) {
+        memcpy(stm_params_start, before.bytes, n_bytes);
+        memcpy(flash.is_used, before.is_used, sizeof flash.is_used);
+        memcpy(flash.is_unreadable, before.is_unreadable, sizeof flash.is_unreadable);
+        stm_params_init();
+        keep_until_dark((uint8_t)(old + 1), op);
+        expect_kept(old, record_bytes);
+        keep_until_dark((uint8_t)(old + 1), op);
+        expect_kept(old, record_bytes);
+        const bool is_kept = keep((uint8_t)(old + 1), record_bytes) ||
+                             keep((uint8_t)(old + 1), record_bytes); // behind a word that fails
+        TEST_ASSERT_TRUE(is_kept);
+        expect_kept((uint8_t)(old + 1), record_bytes);
+        stm_params_init();
+        expect_kept((uint8_t)(old + 1), record_bytes);
+    }
+}
+
+static void test_keep_first_record_is_found_by_the_next_start(void)
+{
+    TEST_ASSERT_EQUAL_UINT32(0, hal_params_kept().size);
+    TEST_ASSERT_FALSE(hal_params_kept().is_damaged);
+    TEST_ASSERT_TRUE(keep(7, record_bytes));
+    expect_kept(7, record_bytes);
+    stm_params_init();
+    expect_kept(7, record_bytes);
+    TEST_ASSERT_FALSE(hal_params_kept().is_damaged);
+}
+
+static void test_keep_of_no_or_too_many_bytes_is_refused(void)
+{
+    TEST_ASSERT_FALSE(keep(1, 0));
+    TEST_ASSERT_FALSE(hal_params_keep(record, hal_params_most_bytes + 1));
+    TEST_ASSERT_TRUE(keep(1, hal_params_most_bytes));
+    expect_kept(1, hal_params_most_bytes);
+}
+
+/// Far beyond what both sectors hold: the newest is always there, also after a restart.
+static void test_keep_many_times_goes_round_both_sectors(void)
+{
+    for (uint32_t i = 1; i < 60u; i++) {
+        const uint32_t n = i % 3u == 0u ? 1u : hal_params_most_bytes - i;
+        TEST_ASSERT_TRUE(keep((uint8_t)i, n));
+        expect_kept((uint8_t)i, n);
+        stm_params_init();
+        expect_kept((uint8_t)i, n);
+        TEST_ASSERT_FALSE(hal_params_kept().is_damaged);
+    }
+}
+
+static void test_power_lost_at_any_write_of_an_append_leaves_the_old_record(void)
+{
+    for (torn = torn_as_erased; torn < n_torn; torn++) {
+        setUp();
+        TEST_ASSERT_TRUE(keep(1, record_bytes));
+        TEST_ASSERT_TRUE(keep(2, record_bytes));
+        cut_everywhere(2, record_ops);
+    }
+}
+
+/// The open sector is full, so the other one is erased, which may hold records of before.
+static void test_power_lost_at_any_operation_of_a_compaction_leaves_the_old_record(void)
+{
+    for (torn = torn_as_erased; torn < n_torn; torn++) {
+        for (uint32_t n_before = 7; n_before <= 15u; n_before += 8u) {
+            setUp();
+            for (uint32_t i = 0; i < n_before; i++) {
+                TEST_ASSERT_TRUE(keep(9, hal_params_most_bytes));
+            }
+            while (hal_params_kept().size != record_bytes ||
+                   (const uint8_t *)hal_params_kept().bytes - stm_params_start +
+                           2 * (record_ops * 32) <=
+                       (n_before == 7u ? 1 : 2) * stm_flash_sector_bytes) {
+                TEST_ASSERT_TRUE(keep(3, record_bytes));
+            }
+            cut_everywhere(3, record_ops + 1);
+        }
+    }
+}
+
+/// Before the first record nothing is known of the sectors, so one is erased.
+static void test_power_lost_at_any_operation_of_the_first_save_leaves_none(void)
+{
+    for (torn = torn_as_erased; torn < n_torn; torn++) {
+        for (int op = 1; op <= record_ops + 1; op++) {
+            setUp();
+            keep_until_dark(1, op);
+            TEST_ASSERT_EQUAL_UINT32(0, hal_params_kept().size);
+            TEST_ASSERT_TRUE(keep(2, record_bytes));
+            stm_params_init();
+            expect_kept(2, record_bytes);
+        }
+    }
+}
+
+static void test_a_torn_record_is_told_until_the_next_is_kept(void)
+{
+    torn = torn_as_half;
+    TEST_ASSERT_TRUE(keep(1, record_bytes));
+    keep_until_dark(2, 3);
+    expect_kept(1, record_bytes);
+    TEST_ASSERT_TRUE(hal_params_kept().is_damaged);
+    TEST_ASSERT_TRUE(keep(2, record_bytes));
+    TEST_ASSERT_FALSE(hal_params_kept().is_damaged);
+    stm_params_init();
+    TEST_ASSERT_FALSE(hal_params_kept().is_damaged);
+}
+
+/// A word of the newest record can no longer be read: the one before counts, and it is told.
+static void test_a_record_that_cannot_be_read_does_not_count(void)
+{
+    TEST_ASSERT_TRUE(keep(1, record_bytes));
+    TEST_ASSERT_TRUE(keep(2, record_bytes));
+    flash.is_unreadable[record_ops + 4] = true;
+    stm_params_init();
+    expect_kept(1, record_bytes);
+    TEST_ASSERT_TRUE(hal_params_kept().is_damaged);
+    flash.is_unreadable[4] = true;
+    stm_params_init();
+    TEST_ASSERT_EQUAL_UINT32(0, hal_params_kept().size);
+    TEST_ASSERT_TRUE(hal_params_kept().is_damaged);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_keep_first_record_is_found_by_the_next_start);
+    RUN_TEST(test_keep_of_no_or_too_many_bytes_is_refused);
+    RUN_TEST(test_keep_many_times_goes_round_both_sectors);
+    RUN_TEST(test_power_lost_at_any_write_of_an_append_leaves_the_old_record);
+    RUN_TEST(test_power_lost_at_any_operation_of_a_compaction_leaves_the_old_record);
+    RUN_TEST(test_power_lost_at_any_operation_of_the_first_save_leaves_none);
+    RUN_TEST(test_a_torn_record_is_told_until_the_next_is_kept);
+    RUN_TEST(test_a_record_that_cannot_be_read_does_not_count);
+    return UNITY_END();
+}
