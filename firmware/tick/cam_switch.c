@@ -26,18 +26,21 @@ static void refresh(cam_switches_t *s, const cam_switches_config_t *cfg, const c
     const bool is_open = is_sense(w->sense, r->angle.speed_q32) && is_height_in(w, &r->want);
     s->next = i + 1u < cfg->n ? i + 1u : 0u;
     s->open = (s->open & ~(1u << i)) | (is_open ? 1u << i : 0u);
-    s->lead_q32[i] = (uint32_t)(uint64_t)(((int64_t)r->angle.speed_q32 * w->ahead_q16) >> 16);
+    const uint32_t lead_q32 =
+        (uint32_t)(uint64_t)(((int64_t)r->angle.speed_q32 * w->ahead_q16) >> 16);
+    s->begin_q32[i] = lead_q32 * w->per_turn - w->from_q32;
 }
 
-/// @return bit i: the angle of output i is in its window
+/// @return bit i: the angle of output i is in its window. The last output comes first, so that
+/// each bit costs an addition with carry.
 static uint32_t inside(const cam_switches_t *s, const cam_switches_config_t *cfg,
                        uint32_t theta_q32)
 {
     uint32_t bits = 0;
-    for (uint32_t i = 0; i < cfg->n; i++) {
-        const cam_switch_config_t *w = &cfg->each[i];
-        const uint32_t phase_q32 = (theta_q32 + s->lead_q32[i]) * w->per_turn - w->from_q32;
-        bits |= (phase_q32 < w->width_q32 ? 1u : 0u) << i;
+    for (uint32_t i = cfg->n; i > 0u; i--) {
+        const cam_switch_config_t *w = &cfg->each[i - 1u];
+        const uint32_t phase_q32 = theta_q32 * w->per_turn + s->begin_q32[i - 1u];
+        bits = bits * 2u + (phase_q32 < w->width_q32 ? 1u : 0u);
     }
     return bits;
 }
@@ -67,7 +70,7 @@ uint32_t cam_switches_step_isr(cam_switches_t *s, const cam_switches_config_t *c
 {
     const bool is_known =
         r->angle.is_synced && r->want.state != cam_state_off && r->want.state != cam_state_fault;
-    if (cfg->n == 0u || !is_known) {
+    if (!is_known) {
         s->on = 0;
         return 0;
     }

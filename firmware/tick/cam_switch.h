@@ -25,15 +25,15 @@
 
 /// State; zero-initialised is: all off.
 typedef struct {
-    uint32_t on;                       ///< bit i: output i is on
-    uint32_t open;                     ///< bit i: height, state and sense let output i be on
-    uint32_t held;                     ///< bit i: near the place of its last change, which it keeps
-    uint32_t next;                     ///< output that is brought up to date in the next tick
-    uint32_t lead_q32[cam_n_switches]; ///< [turn / 2^32] angle of the dead time
-    uint32_t left_q32[cam_n_switches]; ///< [turn / 2^32] place of the last change
+    uint32_t on;   ///< bit i: output i is on
+    uint32_t open; ///< bit i: height, state and sense let output i be on
+    uint32_t held; ///< bit i: near the place of its last change, which it keeps
+    uint32_t next; ///< output that is brought up to date in the next tick
+    uint32_t begin_q32[cam_n_switches]; ///< what n times the angle is behind the window's begin by
+    uint32_t left_q32[cam_n_switches];  ///< [turn / 2^32] place of the last change
 } cam_switches_t;
 
-/// One tick.
+/// One tick in which at least one output is in use.
 /// @param r  record of the tick, behind the guard
 /// @return   hal_out_switch_1 and the seven bits above it
 /// Constant time but for the ticks in which an output changes or has just changed.

@@ -108,7 +108,9 @@ static inline void steps_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_
     guard_isr(c, cfg, r);
     CAM_TICK_MARK(guard);
     command(c, cfg, r);
-    r->want.outputs |= cam_switches_step_isr(&c->switches, &cfg->switches, r);
+    if (cfg->switches.n > 0u) {
+        r->want.outputs |= cam_switches_step_isr(&c->switches, &cfg->switches, r);
+    }
 }
 
 /// The angle is forgotten where the state was off in any tick since the last plan, because every

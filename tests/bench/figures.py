@@ -31,6 +31,7 @@ CORES = {"m7": "mcu-qemu", "m4": "mcu-qemu-m4"}
 CORE_FIGURES = (
     "tick_max",
     "tick_combined_max",
+    "tick_switched_max",
     "plan_tick_max",
     "mean",
     "mean_uniform",

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 import pytest
 
 from camtools.plots.style import drawing, png_of
@@ -61,7 +62,7 @@ def test_picture_has_the_windows_and_where_they_acted() -> None:
         ]
         assert sorted(bars) == [(0, 10), (170, 190), (350, 360)]
         assert len(axes.collections[1].get_paths()) == 1
-        marks = {line.get_label(): list(line.get_xdata()) for line in axes.lines}
+        marks = {line.get_label(): np.asarray(line.get_xdata()) for line in axes.lines}
         assert marks["acted: on"] == pytest.approx([170.02, 350.02])
         assert marks["acted: off"] == pytest.approx([189.97, 9.97])
         assert png_of(figure).startswith(b"\x89PNG")

@@ -27,7 +27,17 @@ def cut(folder: Path, table: bytes, **settings: int) -> list[Json]:
     summary = folder / "s.json"
     machine = folder / "m.toml"
     machine.write_text("[spindle]\nripple = 0\n")
-    command = ("--machine", machine, "--rpm", RPM, "--feed", 2, *words, "--summary", summary)
+    command: tuple[str | Path, ...] = (
+        "--machine",
+        machine,
+        "--rpm",
+        str(RPM),
+        "--feed",
+        "2",
+        *words,
+        "--summary",
+        summary,
+    )
     done = camsim("run", path, *command)
     assert done.returncode == 0, done.stderr
     found: list[Json] = json.loads(summary.read_text())["switches"]
@@ -87,5 +97,5 @@ def test_without_switches_the_summary_does_not_speak_of_them(
     path = tmp_path / "part.camtab"
     path.write_bytes(pack(generated.table))
     summary = tmp_path / "s.json"
-    assert camsim("run", path, "--feed", 2, "--summary", summary).returncode == 0
+    assert camsim("run", path, "--feed", "2", "--summary", summary).returncode == 0
     assert "switches" not in json.loads(summary.read_text())
