@@ -65,6 +65,8 @@ static void set_memory(void)
     FDCAN1_TXESC = FDCAN_TXESC_TBDS_64;
 }
 
+/// The clock calibration unit would make the time quanta from messages on the bus: it is bypassed,
+/// undivided, which needs INIT and CCE. RM0433 56.4.8 (CCU), FDCAN_CCU_CCFG.
 bool stm_can_init(void)
 {
     RCC_APB1HENR |= RCC_APB1HENR_FDCAN;
@@ -74,6 +76,7 @@ bool stm_can_init(void)
     }
     FDCAN1_CCCR = FDCAN_CCCR_INIT | FDCAN_CCCR_CCE;
     FDCAN1_CCCR = FDCAN_CCCR_INIT | FDCAN_CCCR_CCE | FDCAN_CCCR_FDOE | FDCAN_CCCR_BRSE;
+    FDCAN_CCU_CCFG = FDCAN_CCU_CCFG_BCC;
     set_timing();
     set_memory();
     FDCAN1_CCCR = FDCAN_CCCR_FDOE | FDCAN_CCCR_BRSE;

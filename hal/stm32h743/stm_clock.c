@@ -18,21 +18,19 @@ static bool wait_for(volatile uint32_t *reg, uint32_t mask, uint32_t wanted)
     return false;
 }
 
-/// Supply the core by the LDO, then raise its voltage to scale 1 and from there by overdrive to
-/// scale 0, the highest one.
+/// Raise the core's voltage to scale 1 and from there by overdrive to scale 0, the highest one. The
+/// LDO supplies it since start-up.
 static bool raise_supply(void)
 {
-    PWR_CR3 = (PWR_CR3 & ~(PWR_CR3_BYPASS | PWR_CR3_SCUEN)) | PWR_CR3_LDOEN;
-    if (!wait_for(&PWR_CSR1, PWR_CSR1_ACTVOSRDY, PWR_CSR1_ACTVOSRDY)) {
-        return false;
-    }
     PWR_D3CR |= PWR_D3CR_VOS_SCALE1;
+    (void)PWR_D3CR; // the flag below is that of the new scale, here as behind ODEN
     if (!wait_for(&PWR_D3CR, PWR_D3CR_VOSRDY, PWR_D3CR_VOSRDY)) {
         return false;
     }
     RCC_APB4ENR |= RCC_APB4ENR_SYSCFG;
     (void)RCC_APB4ENR;
     SYSCFG_PWRCR |= SYSCFG_PWRCR_ODEN;
+    (void)SYSCFG_PWRCR;
     return wait_for(&PWR_D3CR, PWR_D3CR_VOSRDY, PWR_D3CR_VOSRDY);
 }
 

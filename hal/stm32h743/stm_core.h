@@ -35,6 +35,7 @@
 #define MPU_RASR_ENABLE (1u << 0)
 #define MPU_RASR_SIZE(log2_bytes) (((uint32_t)(log2_bytes)-1u) << 1)
 #define MPU_RASR_WITHOUT(eighth) (1u << (8u + (eighth)))
+#define MPU_RASR_DEVICE (1u << 16) // no read but what the program asks for
 #define MPU_RASR_WRITE_THROUGH (1u << 17)
 #define MPU_RASR_UNCACHED (1u << 19)
 #define MPU_RASR_NO_ACCESS (0u << 24)

@@ -44,8 +44,9 @@ static bool wait_for_end(void)
     return false;
 }
 
-/// Set SPI3 up for 20 MHz. Data change on the rising edge, and /SYNC is high for four clocks
-/// between two frames.
+/// Set SPI3 up for 20 MHz. Data change on the rising edge. Frames are four clocks apart, during
+/// three of which /SYNC is high: 150 ns, where the converter asks for 100 ns (RM0433 50.4.8, SSOM;
+/// data sheet, timing characteristics).
 static void init_spi(void)
 {
     RCC_APB1LENR |= RCC_APB1LENR_SPI3;
@@ -56,15 +57,23 @@ static void init_spi(void)
     SPI3_CR2 = stm_n_dacs;
 }
 
-/// Set the internal DAC up: its output steps with the trigger of TIM4, and its buffer is on, which
-/// is the value of DAC_MCR after reset. RM0433 chapter 26, DAC_CR.
+/// Set the internal DAC up: its output shows the middle from the first moment, and later steps with
+/// the trigger of TIM4. Its buffer is on, which is the value of DAC_MCR after reset. Without the
+/// trigger a value reaches the output at once; whether it does so while the channel is off, the
+/// manual does not say, so it is stored before and after EN1 is set. The trigger is chosen before,
+/// since it may not change while the channel is on. RM0433 chapter 26, DAC_CR, DAC_DOR1.
 static void init_internal(void)
 {
+    enum { middle = 2048, most_polls = 1000 };
     RCC_APB1LENR |= RCC_APB1LENR_DAC12;
     (void)RCC_APB1LENR;
-    stm_dac_set_internal_isr(2048);
-    DAC_CR = DAC_CR_TSEL1_TIM4 | DAC_CR_TEN1;
-    DAC_CR |= DAC_CR_EN1;
+    DAC_CR = DAC_CR_TSEL1_TIM4;
+    stm_dac_set_internal_isr(middle);
+    DAC_CR = DAC_CR_TSEL1_TIM4 | DAC_CR_EN1;
+    stm_dac_set_internal_isr(middle);
+    for (uint32_t i = 0; i < most_polls && DAC_DOR1 != middle; i++) {
+    }
+    DAC_CR = DAC_CR_TSEL1_TIM4 | DAC_CR_EN1 | DAC_CR_TEN1;
 }
 
 bool stm_dac_init(void)

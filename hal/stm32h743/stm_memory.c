@@ -13,20 +13,20 @@ typedef struct {
 static const region_t regions[] = {
     {0x60000000u, MPU_RASR_SIZE(29) | MPU_RASR_NO_ACCESS | MPU_RASR_XN},
     {0x80000000u, MPU_RASR_SIZE(29) | MPU_RASR_NO_ACCESS | MPU_RASR_XN},
-    {0x08000000u, MPU_RASR_SIZE(21) | MPU_RASR_READ_ONLY | MPU_RASR_WRITE_THROUGH},
+    {0x08000000u, MPU_RASR_SIZE(21) | MPU_RASR_NO_ACCESS | MPU_RASR_XN},
     {0x08100000u, MPU_RASR_SIZE(20) | MPU_RASR_READ_ONLY | MPU_RASR_WRITE_THROUGH | MPU_RASR_XN},
     {0x00000000u, MPU_RASR_SIZE(16) | MPU_RASR_READ_ONLY | MPU_RASR_UNCACHED},
     {0x00000000u, MPU_RASR_SIZE(8) | MPU_RASR_NO_ACCESS | MPU_RASR_XN},
     {0x20000000u, MPU_RASR_SIZE(17) | MPU_RASR_READ_WRITE | MPU_RASR_UNCACHED | MPU_RASR_XN},
-    {0x1FFFF000u, MPU_RASR_SIZE(12) | MPU_RASR_NO_ACCESS | MPU_RASR_XN},
+    {0x1FF00000u, MPU_RASR_SIZE(20) | MPU_RASR_NO_ACCESS | MPU_RASR_XN},
     {0x08000000u, MPU_RASR_SIZE(20) | MPU_RASR_WITHOUT(0) | MPU_RASR_READ_ONLY |
                       MPU_RASR_WRITE_THROUGH | MPU_RASR_XN},
     {0x24000000u, MPU_RASR_SIZE(19) | MPU_RASR_READ_WRITE | MPU_RASR_UNCACHED | MPU_RASR_XN},
     {0x24000000u, MPU_RASR_SIZE(17) | MPU_RASR_READ_ONLY | MPU_RASR_WRITE_THROUGH},
 };
 
-/// Regions that hold tables.
-enum { bank_2_region = 3, bank_1_region = 8 };
+/// Regions that hold tables, by bank.
+static const uint32_t table_region[] = {8, 3};
 
 /// Invalidate every line of the data cache, by set and way (which is the term of the manual). No
 /// line is newer than its memory, because all cached regions are read-only or written through.
@@ -45,21 +45,15 @@ static void empty_data_cache(void)
     stm_barrier();
 }
 
-/// Make a region of tables writable and uncached, or protect it again.
-static void set_region(uint32_t i, bool is_open)
+void stm_memory_open_tables(uint32_t bank, bool is_open)
 {
-    const uint32_t clear = MPU_RASR_WRITE_THROUGH | MPU_RASR_READ_ONLY;
-    const uint32_t open =
-        (regions[i].attributes & ~clear) | MPU_RASR_UNCACHED | MPU_RASR_READ_WRITE;
-    MPU_RBAR = regions[i].base | MPU_RBAR_VALID | i;
-    MPU_RASR = (is_open ? open : regions[i].attributes) | MPU_RASR_ENABLE;
-}
-
-void stm_memory_open_tables(bool is_open)
-{
+    const uint32_t i = table_region[bank];
+    const uint32_t open = MPU_RASR_DEVICE | MPU_RASR_READ_WRITE;
+    const uint32_t shut = MPU_RASR_WRITE_THROUGH | MPU_RASR_READ_ONLY;
+    const uint32_t rest = regions[i].attributes & ~shut;
     stm_barrier();
-    set_region(bank_2_region, is_open);
-    set_region(bank_1_region, is_open);
+    MPU_RBAR = regions[i].base | MPU_RBAR_VALID | i;
+    MPU_RASR = rest | (is_open ? open : shut) | MPU_RASR_ENABLE;
     stm_barrier();
     empty_data_cache();
 }

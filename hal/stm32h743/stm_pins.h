@@ -31,17 +31,29 @@ enum {
 /// @param on  bit i: switch i is on
 #define STM_BSRR_SWITCHES(on) ((on) << stm_pin_switch_1 | (~(on)&0xFFu) << (stm_pin_switch_1 + 16))
 
+/// Safe levels, for BSRR: enable low, fault high, all others low; and the bits of MODER that make
+/// these pins outputs. Source: RM0433 11.4.
+#define STM_SAFE_LEVELS                                                                            \
+    (STM_BSRR(stm_pin_enable, 0) | STM_BSRR(stm_pin_fault, 1) | STM_BSRR(stm_pin_in_cut, 0) |      \
+     STM_BSRR_SWITCHES(0u))
+#define STM_OUTPUT_MODES_MASK 0xFC00FFFFu // pins 0 .. 7, 13 .. 15
+#define STM_OUTPUT_MODES 0x54005555u
+
+/// Bits of port B's MODER that make PB3 an input when cleared. After a reset PB3 is the output of
+/// the debug unit's trace, while a receiver of the spindle's B drives it. RM0433 11.3.1, 60.4.
+#define STM_TRACE_MODE_MASK (3u << 2 * 3)
+
 /// Make the outputs safe: enable low, fault high, all others low. The levels are set before the
-/// pins become outputs. Context: any, even before memory is set up: it is inlined and reads no
-/// constants from memory. Source: RM0433 11.4, GPIOx_BSRR, GPIOx_MODER; 8.7, RCC_AHB4ENR.
+/// pins become outputs.
+/// Context: any, even before memory is set up: it is inlined and reads no constants from memory.
+/// Start-up does the same by its own table.
+/// Source: RM0433 11.4, GPIOx_BSRR, GPIOx_MODER; 8.7, RCC_AHB4ENR.
 __attribute__((always_inline)) static inline void stm_outputs_safe(void)
 {
     RCC_AHB4ENR |= RCC_AHB4ENR_GPIOE;
     (void)RCC_AHB4ENR; // the clock runs two cycles after the write has arrived
-    GPIOE->BSRR = STM_BSRR(stm_pin_enable, 0) | STM_BSRR(stm_pin_fault, 1) |
-                  STM_BSRR(stm_pin_in_cut, 0) | STM_BSRR_SWITCHES(0u);
-    // 0 .. 7, 13 .. 15: output
-    GPIOE->MODER = (GPIOE->MODER & ~0xFC00FFFFu) | 0x54005555u;
+    GPIOE->BSRR = STM_SAFE_LEVELS;
+    GPIOE->MODER = (GPIOE->MODER & ~STM_OUTPUT_MODES_MASK) | STM_OUTPUT_MODES;
 }
 
 /// Give all pins their function. Context: slow side, once.

@@ -31,7 +31,8 @@
 #define FLASH_SR(bank) STM_REG(0x52002010u + 0x100u * (bank))
 #define FLASH_SR_QW (1u << 2)
 #define FLASH_SR_DBECCERR (1u << 26)
-#define FLASH_SR_ERRORS 0x07EE0000u // all flags from WRPERR to DBECCERR
+#define FLASH_SR_ERRORS 0x006E0000u // WRPERR, PGSERR, STRBERR, INCERR, OPERR: of erase and program
+#define FLASH_SR_FLAGS 0x07EF0000u  // these, EOP, and what reads set, the core's own ones too
 #define FLASH_CCR(bank) STM_REG(0x52002014u + 0x100u * (bank))
 
 // Chapter 6, power control
@@ -100,6 +101,7 @@
 #define RCC_RSR_WWDG1RSTF (1u << 28)
 #define RCC_AHB4ENR STM_REG(0x580244E0u)
 #define RCC_AHB4ENR_GPIOA_TO_E (0x1Fu << 0)
+#define RCC_AHB4ENR_GPIOB (1u << 1)
 #define RCC_AHB4ENR_GPIOE (1u << 4)
 #define RCC_APB1LENR STM_REG(0x580244E8u)
 #define RCC_APB1LENR_TIM2 (1u << 0)
@@ -143,6 +145,7 @@ _Static_assert(offsetof(stm_gpio_t, AFR) == 0x20, "as in the manual");
 #define DAC_CR_TEN1 (1u << 1)
 #define DAC_CR_TSEL1_TIM4 (3u << 2)
 #define DAC_DHR12R1 STM_REG(0x40007408u)
+#define DAC_DOR1 STM_REG(0x4000742Cu)
 
 // Chapters 38 (TIM1), 39 (TIM2 to TIM5) and 41 (TIM16, TIM17), timers
 
@@ -274,6 +277,8 @@ enum { stm_irq_tim4 = 30, stm_n_irqs = 150 }; // chapter 19, vector table
 #define FDCAN1_TXESC STM_REG(0x4000A0C8u)
 #define FDCAN_TXESC_TBDS_64 (7u << 0)
 #define FDCAN1_TXBAR STM_REG(0x4000A0D0u)
+#define FDCAN_CCU_CCFG STM_REG(0x4000A804u)
+#define FDCAN_CCU_CCFG_BCC (1u << 6)
 #define FDCAN_RAM ((volatile uint32_t *)0x4000AC00u)
 
 // Chapter 60, debug infrastructure

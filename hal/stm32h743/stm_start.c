@@ -15,10 +15,15 @@ extern uint32_t stm_data_image, stm_data_start, stm_data_end;
 extern uint32_t stm_bss_start, stm_bss_end;
 int main(void);
 _Noreturn void stm_reset(void);
+void stm_boot_fill(void);
+_Noreturn void stm_run(void);
 
 typedef void (*vector_t)(void);
 
-enum { n_system = 16, n_vectors = n_system + stm_n_irqs, own_frame_words = 64 };
+/// Start-up that runs in flash, before there is code elsewhere.
+#define STM_BOOT __attribute__((section(".boot"), used, noinline))
+
+enum { n_system = 16, n_vectors = n_system + stm_n_irqs, n_changes = 5 };
 
 /// The clock security system raises an NMI after it has switched from the failed HSE to the HSI.
 /// RM0433 8.5, CSS.
@@ -58,7 +63,7 @@ static void on_unexpected(void)
 }
 
 /// An exception before memory is filled: make the outputs safe and start again.
-__attribute__((section(".boot"), used)) static void on_boot_fault(void)
+STM_BOOT static void on_boot_fault(void)
 {
     stm_outputs_safe();
     SCB_AIRCR = SCB_AIRCR_SYSRESETREQ;
@@ -123,20 +128,83 @@ __attribute__((always_inline)) static inline void clear_axi(void)
     }
 }
 
-/// The stack is cleared as well, except for the part that this function uses, because writing a
-/// byte into a word without a valid error-correction code would be an error. RM0433 chapter 3.
-__attribute__((section(".boot"), used)) void stm_reset(void)
+/// A change of a register: bits cleared, bits set.
+typedef struct {
+    volatile uint32_t *reg;
+    uint32_t clear, set;
+} change_t;
+
+/// What is done before RAM may be written, in this order: outputs safe, the trace's pin free,
+/// supply by the LDO. Then bit `ready` of `*wait` is waited for: the supply's voltage is valid.
+/// Until then "write accesses to the RAMs are not permitted", the stack neither, which no compiler
+/// promises: so this is a table for a loop in assembler. RM0433 6.4.1 (system supply start-up),
+/// PWR_CR3.
+__attribute__((section(".boot_table"), used)) const struct {
+    change_t change[n_changes];
+    uint32_t end;
+    volatile uint32_t *wait;
+    uint32_t ready;
+} stm_boot_table = {
+    .change =
+        {
+            {&RCC_AHB4ENR, 0, RCC_AHB4ENR_GPIOE | RCC_AHB4ENR_GPIOB},
+            {&GPIOE->BSRR, 0, STM_SAFE_LEVELS},
+            {&GPIOE->MODER, STM_OUTPUT_MODES_MASK, STM_OUTPUT_MODES},
+            {&GPIOB->MODER, STM_TRACE_MODE_MASK, 0},
+            {&PWR_CR3, PWR_CR3_BYPASS | PWR_CR3_SCUEN, PWR_CR3_LDOEN},
+        },
+    .wait = &PWR_CSR1,
+    .ready = PWR_CSR1_ACTVOSRDY,
+};
+
+/// Fill the memories; the stack is clear already.
+STM_BOOT void stm_boot_fill(void)
 {
-    stm_outputs_safe();
     clear_axi();
     copy(&stm_slow_image, &stm_slow_start, &stm_slow_end);
     copy(&stm_itcm_image, &stm_itcm_start, &stm_itcm_end);
     copy(&stm_data_image, &stm_data_start, &stm_data_end);
     clear(&stm_bss_start, &stm_bss_end);
-    clear(&stm_stack_bottom, &stm_stack_top - own_frame_words);
     stm_barrier();
+}
+
+/// What follows the start-up, from ITCM: flash may not be read from here on but for the tables.
+__attribute__((used, noinline)) void stm_run(void)
+{
     fill_vectors();
     stm_memory_init();
     (void)main();
     hal_halt("main returned");
+}
+
+/// Changes the registers of stm_boot_table, each read back so that the next change finds its clock
+/// running; waits; clears the stack while nobody has a frame on it, because writing a byte into a
+/// word without a valid error-correction code would be an error (RM0433 chapter 3). In assembler,
+/// because no compiler then writes the stack too early, nor inlines what is called: with link-time
+/// optimisation main() would otherwise end up here, in flash. Without a valid supply there is
+/// nothing to run, and it waits with safe outputs.
+__attribute__((naked, section(".boot"), used)) void stm_reset(void)
+{
+    __asm volatile("ldr r0, =stm_boot_table\n"
+                   "1: ldm r0!, {r1, r2, r3}\n"
+                   "cbz r1, 2f\n"
+                   "ldr r4, [r1]\n"
+                   "bic r4, r4, r2\n"
+                   "orr r4, r4, r3\n"
+                   "str r4, [r1]\n"
+                   "ldr r4, [r1]\n"
+                   "b 1b\n"
+                   "2: ldr r4, [r2]\n"
+                   "tst r4, r3\n"
+                   "beq 2b\n"
+                   "ldr r0, =stm_stack_bottom\n"
+                   "ldr r1, =stm_stack_top\n"
+                   "movs r2, #0\n"
+                   "3: str r2, [r0], #4\n"
+                   "cmp r0, r1\n"
+                   "blo 3b\n"
+                   "bl stm_boot_fill\n"
+                   "ldr r0, =stm_run\n"
+                   "bx r0\n"
+                   ".ltorg\n");
 }

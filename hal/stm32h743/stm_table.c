@@ -80,9 +80,13 @@ static hal_image_t place(uint32_t i)
                    : (hal_image_t){.bytes = stm_other_start, .size = (uint32_t)stm_other_bytes};
 }
 
+/// What cannot be read, because a programmer was interrupted, is no part of the place: the table is
+/// then cut off and refused, where a load would be a bus fault, a reset, and so on for ever.
 hal_image_t hal_table_image(void)
 {
-    return place(in_use);
+    const hal_image_t all = place(in_use);
+    const uint32_t size = stm_flash_readable((uint32_t)all.bytes, all.size);
+    return (hal_image_t){.bytes = all.bytes, .size = size};
 }
 
 hal_image_t hal_table_staged(void)

@@ -14,8 +14,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from bus import UnmodelledError
-from emulator import Chip, Image
+from emulator import Chip
 from fdcan import Frame
+from image import Image
 from spi_dac import Ad5754r
 from stepper import Stepper
 
@@ -36,6 +37,8 @@ FULL = (1_000_000, 200_000_000, 500_000_000, 5_000_000)
 U_COUNT_NM, Z_COUNT_NM = 100, 1000
 STEP_PM = {"X": 50_000, "Z": 500_000}
 RANGE_10V = 4
+SYNC_HIGH_S = 100e-9  # data sheet of the AD5754R, timing characteristics: /SYNC high in writes
+ANALOGUE = 3  # mode of a pin
 
 
 def signed16(word: int) -> int:
@@ -83,6 +86,8 @@ class Board:
         the spindle keeps its speed whatever it is told
     is_stamped : bool
         A and B are wired to TIM5 as well
+    at_pa4 : list of tuple
+        instant [cycles] and code of each change of the internal DAC's output; None: it is off
     """
 
     def __init__(self, image: Image, *, hse_hz: int = HSE_HZ) -> None:
@@ -94,6 +99,7 @@ class Board:
         self.rpm = 0.0
         self.is_held = False
         self.is_stamped = True
+        self.at_pa4: list[tuple[int, int | None]] = []
         self._turns = 0.1  # angle
         self._u_counts = self._z_counts = 0
         self.chip = Chip(image, hse_hz=hse_hz)
@@ -102,6 +108,7 @@ class Board:
     def _wire(self) -> None:
         chip = self.chip
         chip.spi3.exchange = self._exchange
+        chip.dac1.on_output = self._show_pa4
         chip.tim[4].on_output = self._drive_ldac
         chip.tim[4].on_update = self._tick
         chip.on_reset = lambda reason: self._note(f"reset {reason}")
@@ -161,11 +168,17 @@ class Board:
             port, pin = self.chip.gpio.pin("PD14")
             port.drive_alternate(pin, level)
 
+    def _show_pa4(self, code: int | None) -> None:
+        port, pin = self.chip.gpio.pin("PA4")
+        is_seen = port.mode(pin) == ANALOGUE
+        self.at_pa4.append((self.chip.clock.now, code if is_seen else None))
+
     def _exchange(self, frame: int, bits: int) -> int:
         spi, gpio = self.chip.spi3, self.chip.gpio
         for name in ("PC10", "PC12", "PA15"):
             gpio.require(name, 6)
-        if spi.mode() not in (1, 2) or not spi.pulses_select() or spi.bit_hz() > 30e6:
+        is_quick = spi.bit_hz() > 30e6 or spi.select_high_s() < SYNC_HIGH_S
+        if spi.mode() not in (1, 2) or not spi.pulses_select() or is_quick:
             raise UnmodelledError("the AD5754R does not understand this SPI")
         self._note(f"frame {frame:06x}")
         return self.dac.exchange(frame, bits)

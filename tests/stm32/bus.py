@@ -8,12 +8,13 @@ test (`UnmodelledError`). So a port cannot rely on something that nobody has wri
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Protocol
 
 WORD = 0xFFFFFFFF
 NEVER = 2**63
+N_BARRIERS = 8192  # a power of two, as in insn_clock.c
 
 
 class UnmodelledError(Exception):
@@ -27,9 +28,19 @@ class InsnClock(ctypes.Structure):
         ("now", ctypes.c_uint64),
         ("deadline", ctypes.c_uint64),
         ("stop", ctypes.c_void_p),
+        ("barrier_at", ctypes.c_uint64),
+        ("barriers", ctypes.c_uint32 * N_BARRIERS),
     )
     now: int
     deadline: int
+    barrier_at: int
+
+    def know_barriers(self, addresses: Iterable[int]) -> None:
+        """Let the clock note in `barrier_at` when an instruction DSB at an address begins."""
+        for address in addresses:
+            place = address >> 1 & (N_BARRIERS - 1)
+            assert self.barriers[place] in (0, address), "two barriers share a place: more places"
+            self.barriers[place] = address
 
     def wake(self) -> None:
         """Let the run loop look at events and interrupts before the next instruction."""

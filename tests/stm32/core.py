@@ -2,9 +2,9 @@
 """What an Armv7-M core has beside its instructions (Armv7-M Architecture Reference Manual, B1, B3).
 
 Exceptions: priorities, pending, entry with a frame of 8 words, or of 26 when the floating-point
-unit was used (stored at once, not lazily), return by EXC_RETURN. Registers: NVIC, SCB, MPU, DWT's
-cycle counter. Caches are always coherent here; the process stack, SysTick and faults raised by the
-core are not modelled, and the MPU's registers are kept but allow everything.
+unit was used (stored at once, not lazily), return by EXC_RETURN. Registers: NVIC, SCB, DWT's cycle
+counter; the MPU's in mpu.py. Caches are always coherent here; the process stack, SysTick and faults
+raised by the core are not modelled, but for the bus fault of a flash word that cannot be read.
 """
 
 from __future__ import annotations
@@ -15,11 +15,13 @@ from unicorn import Uc
 from unicorn import arm_const as arm
 
 from bus import WORD, Device, InsnClock, Reg, UnmodelledError
+from mpu import Mpu
 
-NMI, HARD_FAULT, SYSTICK = 2, 3, 15
+NMI, HARD_FAULT, BUS_FAULT, SYSTICK = 2, 3, 5, 15
 FIRST_IRQ = 16
 N_IRQS = 150
 VECTKEY = 0x05FA
+BFHFNMIGN, BUSFAULTENA = 1 << 8, 1 << 17  # of CCR, of SHCSR
 SYSRESETREQ = 1 << 2
 THREAD = 256  # lower than every priority
 IRQ_WORDS = (N_IRQS + 31) // 32
@@ -48,6 +50,8 @@ class Nvic(Device):
         interrupt number -> callable that tells whether the device raises its line
     pending, active : set of int
         exception numbers; `active` in the order of their entry
+    mpu : Mpu
+        the memory protection unit
     on_reset_request : callable
         called when the image asks for a reset
     """
@@ -59,12 +63,13 @@ class Nvic(Device):
         self.active: list[int] = []
         self.enabled: set[int] = set()
         self.on_reset_request: Callable[[], None] = lambda: None
-        self._systick_since = 0
-        self.define(self._scb() | self._mpu() | self._nvic() | self._systick())
+        self.mpu = Mpu()
+        self.define(self._scb() | self.mpu.registers() | self._nvic() | self._systick())
 
     def reset(self) -> None:
         """Take the state behind a reset of the core."""
         super().reset()
+        self.mpu.reset()
         self.pending.clear()
         self.active.clear()
         self.enabled.clear()
@@ -80,26 +85,35 @@ class Nvic(Device):
         irq = number - FIRST_IRQ
         return self.v[f"ipr{irq // 4}"] >> 8 * (irq % 4) & 0xF0
 
-    def due(self, primask: int, basepri: int) -> int | None:
-        """Return the exception that preempts now, None for none."""
+    def best(self) -> int | None:
+        """Return the exception that is due if nothing is masked, None for none."""
         for irq in self.enabled:
             line = self.lines.get(irq)
             if line is not None and line() and irq + FIRST_IRQ not in self.active:
                 self.pending.add(irq + FIRST_IRQ)
         candidates = [n for n in self.pending if n < FIRST_IRQ or n - FIRST_IRQ in self.enabled]
-        if not candidates:
-            return None
-        best = min(candidates, key=lambda n: (self.priority(n), n))
+        best = min(candidates, key=lambda n: (self.priority(n), n), default=None)
         now = min([self.priority(n) for n in self.active], default=THREAD)
-        if primask & 1:
-            now = min(now, 0)
-        if basepri:
-            now = min(now, basepri)
-        return best if self.priority(best) < now else None
+        return None if best is None or self.priority(best) >= now else best
+
+    def is_masked(self, number: int, primask: int, basepri: int, faultmask: int) -> bool:
+        """Return whether the core's masks hold an exception back."""
+        limits = [basepri] if basepri else []
+        limits += [0] if primask & 1 else []
+        limits += [self.priority(HARD_FAULT)] if faultmask & 1 else []
+        return bool(limits) and self.priority(number) >= min(limits)
+
+    def fail_load(self, faultmask: int) -> None:
+        """Let a load end with an error on the bus, which FAULTMASK and BFHFNMIGN suppress."""
+        if faultmask & 1 and self.v["ccr"] & BFHFNMIGN:
+            return
+        own = self.v["shcsr"] & BUSFAULTENA and not self.active
+        self.pending.add(BUS_FAULT if own else HARD_FAULT)
+        self.clock.wake()
 
     def wakes(self) -> bool:
         """Return whether WFI ends: an exception would be due if nothing were masked."""
-        return self.due(0, 0) is not None
+        return self.best() is not None
 
     # Registers
 
@@ -110,7 +124,6 @@ class Nvic(Device):
             0xD78: ("clidr", 0x09000003),
             0xD7C: ("ctr", 0x8303C003),
             0xD80: ("ccsidr", 0xF00FE019),
-            0xD90: ("mpu_type", 0x1000),
         }
         regs = {at: Reg(name, value, 0) for at, (name, value) in fixed.items()}
         regs[0xD04] = Reg(
@@ -132,13 +145,6 @@ class Nvic(Device):
         regs |= {at: Reg(f"cache_{at:x}") for at in range(0xF50, 0xF7C, 4)}  # maintenance
         regs |= {0xF90: Reg("itcmcr", 0x41, 7), 0xF94: Reg("dtcmcr", 0x41, 7)}
         regs |= {0xF98: Reg("ahbpcr", 0x7, 1), 0xF9C: Reg("cacr", 0, 7)}
-        return regs
-
-    def _mpu(self) -> dict[int, Reg]:
-        regs = {0xD94: Reg("mpu_ctrl", 0, 7), 0xD98: Reg("mpu_rnr", 0, 15)}
-        for i in range(4):
-            regs[0xD9C + 8 * i] = Reg(f"mpu_rbar{i}")
-            regs[0xDA0 + 8 * i] = Reg(f"mpu_rasr{i}")
         return regs
 
     def _nvic(self) -> dict[int, Reg]:
@@ -237,8 +243,12 @@ class Exceptions:
 
     def due(self) -> int | None:
         """Return the exception that the core takes before its next instruction."""
-        primask = self.uc.reg_read(arm.UC_ARM_REG_PRIMASK)
-        return self.nvic.due(primask, self.uc.reg_read(arm.UC_ARM_REG_BASEPRI))
+        best = self.nvic.best()
+        if best is None:
+            return None
+        masks = (arm.UC_ARM_REG_PRIMASK, arm.UC_ARM_REG_BASEPRI, arm.UC_ARM_REG_FAULTMASK)
+        is_masked = self.nvic.is_masked(best, *(self.uc.reg_read(mask) for mask in masks))
+        return None if is_masked else best
 
     def _word(self, address: int) -> int:
         return int.from_bytes(self.uc.mem_read(address, 4), "little")

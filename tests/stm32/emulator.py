@@ -14,8 +14,6 @@ import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
-from elftools.elf.elffile import ELFFile
-from elftools.elf.sections import SymbolTableSection
 from unicorn import (
     UC_ARCH_ARM,
     UC_HOOK_CODE,
@@ -31,45 +29,29 @@ from unicorn import (
 from unicorn import arm_const as arm
 from unicorn.unicorn_py3.unicorn import uclib
 
-from bus import Bus, Device, InsnClock, UnmodelledError
-from core import NMI, Dwt, Exceptions, Nvic
-from fdcan import Fdcan, MessageRam
-from flash_pwr import Dbgmcu, Flash, Pwr, Syscfg
-from gpio import Gpio
-from iwdg import Iwdg
-from pulse_timer import PulseTimer
-from rcc import Rcc
-from spi_dac import Dac1, Spi
-from timers import Timer
-from usart import Usart
+from bus import InsnClock, UnmodelledError
+from core import Exceptions
+from devices import GATES, Devices
+from flash_pwr import WORD_BYTES
+from image import Image
 
 HERE = Path(__file__).resolve().parent
 FLASH, FLASH_BYTES = 0x08000000, 0x200000
 ITCM, ITCM_BYTES = 0x00000000, 0x10000
 DTCM, DTCM_BYTES = 0x20000000, 0x20000
 AXI, AXI_BYTES = 0x24000000, 0x80000
+RAMS = ((ITCM, ITCM_BYTES), (DTCM, DTCM_BYTES), (AXI, AXI_BYTES))
 NULL_BYTES = 0x100  # of ITCM: where a null pointer leads
 NOWHERE = 0xFFFFFFFE  # no code there: only hooks end a slice
 PATTERN = b"\xa5"
 WFI = b"\x30\xbf"
+MASKS = (
+    arm.UC_ARM_REG_PRIMASK,
+    arm.UC_ARM_REG_BASEPRI,
+    arm.UC_ARM_REG_FAULTMASK,
+    arm.UC_ARM_REG_CONTROL,
+)
 EXCEPTION_EXIT = 8  # Unicorn's number of a branch to EXC_RETURN
-IRQ_TIM4 = 30
-REVISION_V = 0x2003
-GATES: dict[str, tuple[str, int]] = {
-    "tim2": ("apb1lenr", 0),
-    "tim3": ("apb1lenr", 1),
-    "tim4": ("apb1lenr", 2),
-    "tim5": ("apb1lenr", 3),
-    "spi3": ("apb1lenr", 15),
-    "usart3": ("apb1lenr", 18),
-    "dac1": ("apb1lenr", 29),
-    "fdcan1": ("apb1henr", 8),
-    "fdcan message ram": ("apb1henr", 8),
-    "tim1": ("apb2enr", 0),
-    **{f"tim{i}": ("apb2enr", i + 1) for i in (16, 17)},
-    "syscfg": ("apb4enr", 1),
-    **{f"gpio{chr(ord('a') + i)}": ("ahb4enr", i) for i in range(11)},
-}
 
 
 def build_hook() -> ctypes.CDLL:
@@ -83,23 +65,7 @@ def build_hook() -> ctypes.CDLL:
         return ctypes.CDLL(str(library))
 
 
-class Image:
-    """An .elf: what is in flash, and where its symbols lie."""
-
-    def __init__(self, path: Path) -> None:
-        with path.open("rb") as file:
-            elf = ELFFile(file)
-            self.segments = [
-                (int(s["p_paddr"]), bytes(s.data()))
-                for s in elf.iter_segments("PT_LOAD")
-                if s["p_filesz"]
-            ]
-            table = elf.get_section_by_name(".symtab")
-            assert isinstance(table, SymbolTableSection), f"{path} has no symbols"
-            self.symbols = {s.name: int(s["st_value"]) for s in table.iter_symbols()}
-
-
-class Chip:
+class Chip(Devices):
     """The microcontroller.
 
     Attributes
@@ -122,63 +88,30 @@ class Chip:
         self._stall: tuple[int | None, int] = (None, 0)
         self._intr: int | None = None
         self._is_asleep = False
+        self._torn_hooks: list[int] = []
         self._pc = 0
         self.uc = Uc(UC_ARCH_ARM, UC_MODE_THUMB | UC_MODE_MCLASS)
         self.uc.ctl_set_cpu_model(arm.UC_CPU_ARM_CORTEX_M7)
         stop = ctypes.cast(uclib.uc_emu_stop, ctypes.c_void_p).value
-        self.clock = InsnClock(0, 0, stop)
-        self._add_devices(hse_hz)
+        super().__init__(InsnClock(0, 0, stop), hse_hz)
+        self.clock.know_barriers(image.barriers)
+        self.exceptions = Exceptions(self.uc, self.nvic)
+        self.on_request, self.pwr.on_ready = self._ask, self._check_ram
         self._map()
         self.load_flash()
 
-    # What it is made of
-
-    def _add_devices(self, hse_hz: int) -> None:
-        clock, self.bus = self.clock, Bus()
-        self.rcc = Rcc(clock, hse_hz)
-        self.syscfg, self.flash = Syscfg(clock), Flash(clock)
-        self.pwr = Pwr(clock, self.syscfg)
-        self.dbgmcu = Dbgmcu(clock, REVISION_V)
-        self.gpio = Gpio(clock)
-        bases = {2: 0x40000000, 3: 0x40000400, 4: 0x40000800, 5: 0x40000C00}
-        self.tim = {
-            i: Timer(clock, self.rcc, f"tim{i}", base, bits=32 if i in (2, 5) else 16)
-            for i, base in bases.items()
-        }
-        self.tim[1] = Timer(clock, self.rcc, "tim1", 0x40010000, advanced=True)
-        bases = {16: 0x40014400, 17: 0x40014800}
-        self.pulses = {i: PulseTimer(clock, self.rcc, f"tim{i}", bases[i]) for i in bases}
-        self.spi3 = Spi(clock, self.rcc, "spi3", 0x40003C00)
-        self.dac1 = Dac1(clock)
-        self.can_ram = MessageRam(clock)
-        self.fdcan1 = Fdcan(clock, self.rcc, self.can_ram)
-        self.usart3 = Usart(clock, self.rcc)
-        self.iwdg1 = Iwdg(clock, self.rcc, lambda: self._ask("watchdog"))
-        self.nvic, self.dwt = Nvic(clock), Dwt(clock)
-        self.exceptions = Exceptions(self.uc, self.nvic)
-        self.nvic.lines[IRQ_TIM4] = self.tim[4].irq
-        self.nvic.on_reset_request = lambda: self._ask("software")
-        self.rcc.on_css = lambda: self.nvic.pending.add(NMI)
-        self.rcc.check_supply = self._check_supply
-        self.tim[4].on_trigger = lambda: self.dac1.trigger(Dac1.TIM4_TRGO)
-        devices: list[Device] = [self.rcc, self.syscfg, self.flash, self.pwr, self.dbgmcu]
-        devices += [self.spi3, self.dac1]
-        devices += [self.can_ram, self.fdcan1, self.usart3, self.iwdg1, self.nvic, self.dwt]
-        devices += [*self.tim.values(), *self.pulses.values(), *self.gpio.ports.values()]
-        for device in devices:
-            self.bus.add(device)
-        self._timed = [d for d in devices if type(d).next_event is not Device.next_event]
-
-    def _check_supply(self, core_hz: int, axi_hz: int) -> None:
-        self.pwr.check(core_hz)
-        self.flash.check(axi_hz, self.pwr.scale())
+    def _check_ram(self) -> None:
+        """Raise when RAM was written before the supply's voltage was valid (RM0433 6.4.1)."""
+        for base, size in RAMS:
+            content = self.read_memory(base, size)
+            if content != PATTERN * size:
+                at = next(i for i in range(size) if content[i : i + 1] != PATTERN)
+                raise UnmodelledError(f"RAM at 0x{base + at:08x} written before ACTVOSRDY")
 
     def _map(self) -> None:
         uc = self.uc
-        uc.mem_map(ITCM, ITCM_BYTES)
-        uc.mem_map(FLASH, FLASH_BYTES)
-        uc.mem_map(DTCM, DTCM_BYTES)
-        uc.mem_map(AXI, AXI_BYTES)
+        for base, size in (*RAMS, (FLASH, FLASH_BYTES)):
+            uc.mem_map(base, size)
         for base, size in ((0x40000000, 0x20000000), (0xE0000000, 0x00100000)):
             uc.mmio_map(base, size, self._load, base, self._store, base)
         hook = build_hook()
@@ -202,6 +135,7 @@ class Chip:
         uc.hook_add(UC_HOOK_MEM_WRITE, self._on_flash, None, FLASH, FLASH + FLASH_BYTES - 1)
         self.flash.load, self.flash.save = self.read_memory, self.write_flash
         self.flash.on_cut = lambda: self._ask("power_on")
+        self.flash.on_torn = self._watch_torn
 
     def load_flash(self) -> None:
         """Erase all flash and write the image into it."""
@@ -216,6 +150,7 @@ class Chip:
     def write_flash(self, address: int, content: bytes) -> None:
         """Write flash as a programmer would."""
         self.uc.mem_write(address, content)
+        self.flash.heal(address, len(content))
 
     def read_memory(self, address: int, size: int) -> bytes:
         """Return bytes of a memory, as a debugger would."""
@@ -299,6 +234,20 @@ class Chip:
         except Exception as error:
             self._fail(error, address)
 
+    def _watch_torn(self) -> None:
+        for hook in self._torn_hooks:
+            self.uc.hook_del(hook)
+        self._torn_hooks = [
+            self.uc.hook_add(UC_HOOK_MEM_READ, self._on_torn, None, word, word + WORD_BYTES - 1)
+            for word in sorted(self.flash.torn)
+        ]
+
+    def _on_torn(
+        self, uc: Uc, access: int, address: int, size: int, value: int, user: object
+    ) -> None:
+        self.flash.load_torn(address)
+        self.nvic.fail_load(uc.reg_read(arm.UC_ARM_REG_FAULTMASK))
+
     def _on_null(
         self, uc: Uc, access: int, address: int, size: int, value: int, user: object
     ) -> None:
@@ -311,7 +260,7 @@ class Chip:
 
     def power_on(self) -> None:
         """Switch the supply on: RAM is lost."""
-        for base, size in ((ITCM, ITCM_BYTES), (DTCM, DTCM_BYTES), (AXI, AXI_BYTES)):
+        for base, size in RAMS:
             self.uc.mem_write(base, PATTERN * size)
         self.pwr.power_cycle()
         self.reset("power_on")
@@ -328,7 +277,7 @@ class Chip:
         self.rcc.restart(reason)
         self.nvic.v["vtor"] = FLASH
         uc = self.uc
-        for register in (arm.UC_ARM_REG_PRIMASK, arm.UC_ARM_REG_BASEPRI, arm.UC_ARM_REG_CONTROL):
+        for register in MASKS:
             uc.reg_write(register, 0)
         uc.reg_write(arm.UC_ARM_REG_XPSR, 1 << 24)
         stack, start = (self._flash_word(FLASH + at) for at in (0, 4))
@@ -362,7 +311,7 @@ class Chip:
                 return True
             if self.clock.now >= end:
                 return False
-            deadline = min(end, min(device.next_event() for device in self._timed))
+            deadline = min(end, min(device.next_event() for device in self.timed))
             if self._is_asleep:
                 self.clock.now = max(self.clock.now, deadline)
             else:
@@ -370,7 +319,7 @@ class Chip:
 
     def _settle(self) -> None:
         """Do what is due: devices, resets, exceptions."""
-        for device in self._timed:
+        for device in self.timed:
             if device.next_event() <= self.clock.now:
                 device.advance()
         if self._failure is not None:

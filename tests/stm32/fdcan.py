@@ -1,14 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
 """FDCAN1 with its message RAM (RM0433, section 56) and a bus with one listener, the bench.
 
-Modelled: initialisation, bit timing, standard filters (range, dual, classic), global filter,
-receive FIFO 0 in blocking mode, transmit FIFO and its dedicated time on the bus, acknowledge always
-given, bus-off on request of the bench. Standard identifiers only; no interrupts, no event FIFO.
+Modelled: initialisation, clock calibration unit (bypassed only), bit timing, standard filters
+(range, dual, classic), global filter, receive FIFO 0 in blocking mode, transmit FIFO and its
+dedicated time on the bus, acknowledge always given, bus-off on request of the bench. Standard
+identifiers only; no interrupts, no event FIFO.
 """
 
 from __future__ import annotations
 
 from collections import defaultdict, deque
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from bus import NEVER, WORD, Device, InsnClock, Reg, UnmodelledError
@@ -56,6 +58,32 @@ class MessageRam(Device):
         self.words[offset // 4] = value & WORD
 
 
+class Ccu(Device):
+    """The clock calibration unit before both nodes; bypassed, it passes the kernel clock on.
+
+    Attributes
+    ----------
+    can_configure : callable
+        whether FDCAN1 has INIT and CCE set
+    """
+
+    BYPASS, DIVIDER = 1 << 6, 15 << 16
+
+    def __init__(self, clock: InsnClock) -> None:
+        super().__init__("fdcan ccu", 0x4000A800, clock)
+        self.can_configure: Callable[[], bool] = lambda: False
+        self.define({0x04: Reg("ccfg", 0x00000004, 0x000FFFDF, write=self._write_ccfg)})
+
+    def _write_ccfg(self, old: int, new: int) -> None:
+        if not self.can_configure():
+            raise UnmodelledError("fdcan ccu.ccfg written without INIT and CCE of FDCAN1")
+        self.v["ccfg"] = new
+
+    def passes(self) -> bool:
+        """Return whether the nodes get the kernel clock as it is."""
+        return self.v["ccfg"] & (self.BYPASS | self.DIVIDER) == self.BYPASS
+
+
 class Fdcan(Device):
     """One node, and the bench at the other end.
 
@@ -67,9 +95,10 @@ class Fdcan(Device):
         frames that found receive FIFO 0 full
     """
 
-    def __init__(self, clock: InsnClock, rcc: Rcc, ram: MessageRam) -> None:
+    def __init__(self, clock: InsnClock, rcc: Rcc, ram: MessageRam, ccu: Ccu) -> None:
         super().__init__("fdcan1", 0x4000A000, clock)
-        self.rcc, self.ram = rcc, ram
+        self.rcc, self.ram, self.ccu = rcc, ram, ccu
+        ccu.can_configure = self._can_configure
         self.sent: defaultdict[int, list[Frame]] = defaultdict(list)
         self.lost = 0
         self._queue: deque[int] = deque()
@@ -131,10 +160,12 @@ class Fdcan(Device):
         """Do what a store does; the configuration is locked unless CCE and INIT are set."""
         reg = self._reg(offset, size)
         free = ("cccr", "rwd", "ir", "rxf0a", "txbar")
-        can_configure = self.v["cccr"] & (INIT | CCE) == INIT | CCE
-        if reg.name not in free and not can_configure:
+        if reg.name not in free and not self._can_configure():
             raise UnmodelledError(f"fdcan1.{reg.name} written without CCE")
         super().write(offset, size, value)
+
+    def _can_configure(self) -> bool:
+        return self.v["cccr"] & (INIT | CCE) == INIT | CCE
 
     # Timing
 
@@ -167,6 +198,8 @@ class Fdcan(Device):
             new &= ~CCE  # CCE needs INIT to have been read back as set
         if new & INIT:
             self._leave()
+        elif not self.ccu.passes():
+            raise UnmodelledError("fdcan1 joins the bus by a clock that nobody has calibrated")
         if old & INIT and not new & INIT and self.v["psr"] & BUS_OFF:
             idle_bits = 129 * 11
             cycles = int(idle_bits * self.rcc.core_hz() / self.bit_hz())

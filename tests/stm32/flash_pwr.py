@@ -2,13 +2,16 @@
 """Flash interface, supply and system configuration (RM0433, sections 4, 6 and 12).
 
 Flash: erase and programming of the sectors that hold no code, quicker than the device (2 ms and
-20 us); what a cut-off operation leaves is half done, but reads without an error. The supply is the
-LDO; its scale follows the request after a time. What a frequency needs of wait states and voltage
-is checked whenever a frequency comes into force.
+20 us). What a cut-off operation leaves is half done, and flash words at its edge are torn: a load
+from them is an error on the bus. What the core reads ahead by itself is modelled as far as it does
+harm here: in the system memory it sets error flags, in the bank at work it would wait for the end
+of the operation. The supply is the LDO; its scale follows the request after a time. What a
+frequency needs of wait states and voltage is checked whenever a frequency comes into force.
 """
 
 from __future__ import annotations
 
+import random
 from collections.abc import Callable
 
 from bus import NEVER, Device, InsnClock, Reg, UnmodelledError
@@ -31,6 +34,10 @@ BANK_BYTES, SECTOR_BYTES, WORD_BYTES = 1 << 20, 1 << 17, 32
 KEYS = (0x45670123, 0xCDEF89AB)
 LOCK, PG, SER, START = 1 << 0, 1 << 1, 1 << 2, 1 << 7
 QW = 1 << 2
+PGSERR, RDPERR, RDSERR, SNECCERR, DBECCERR = 1 << 18, 1 << 23, 1 << 24, 1 << 25, 1 << 26
+FLAGS = 0x07EF0000  # all that FLASH_CCR clears
+SYSTEM_MEMORY = 0x1FF00000
+GHOST_IN = 8  # one of so many operations is met by a read ahead of system memory
 ERASE_CYCLES, PROGRAM_CYCLES = 960_000, 9_600
 ERASED = b"\xff"
 
@@ -46,6 +53,14 @@ class Flash(Device):
         operations until the supply falls, in the middle of the last
     on_cut : callable
         the supply falls
+    invites : callable
+        whether the core may read ahead at an address
+    torn : set of int
+        addresses of flash words that cannot be read
+    on_torn : callable
+        told when that set has changed
+    noise : int
+        error flags that every operation sets, though it succeeds
     """
 
     def __init__(self, clock: InsnClock) -> None:
@@ -54,6 +69,13 @@ class Flash(Device):
         self.save: Callable[[int, bytes], None] = lambda address, content: None
         self.left: int | None = None
         self.on_cut: Callable[[], None] = lambda: None
+        self.invites: Callable[[int], bool] = lambda address: False
+        self.torn: set[int] = set()
+        self.on_torn: Callable[[], None] = lambda: None
+        self.noise = 0
+        self._ghost = random.Random(60449)
+        self._flags = [0, 0]
+        self._pg_at = [0, 0]
         self._keys: list[list[int]] = [[], []]
         self._busy_until = [0, 0]
         self.define({0x00: Reg("acr", 0x37, 0x3F)})
@@ -64,17 +86,39 @@ class Flash(Device):
                     at + 0x04: Reg(f"keyr{bank}", write=self._write_key(bank)),
                     at + 0x0C: Reg(f"cr{bank}", LOCK | 3 << 4, write=self._write_cr(bank)),
                     at + 0x10: Reg(f"sr{bank}", 0, 0, read=self._read_sr(bank)),
-                    at + 0x14: Reg(f"ccr{bank}", 0, 0x07EF0000),
+                    at + 0x14: Reg(f"ccr{bank}", 0, FLAGS, write=self._write_ccr(bank)),
                 }
             )
 
     def reset(self) -> None:
         """Lock both banks."""
         super().reset()
-        self._keys, self._busy_until = [[], []], [0, 0]
+        self._keys, self._busy_until, self._flags = [[], []], [0, 0], [0, 0]
 
     def _read_sr(self, bank: int) -> Callable[[], int]:
-        return lambda: QW if self.clock.now < self._busy_until[bank] else 0
+        def read() -> int:
+            return (QW if self.clock.now < self._busy_until[bank] else 0) | self._flags[bank]
+
+        return read
+
+    def _write_ccr(self, bank: int) -> Callable[[int, int], None]:
+        def write(old: int, new: int) -> None:
+            self._flags[bank] &= ~new
+
+        return write
+
+    def _require_quiet(self, bank: int) -> None:
+        """Raise when the core may read ahead in a bank that is to work: it would wait for it."""
+        start = FLASH + bank * BANK_BYTES
+        for address in range(start, start + BANK_BYTES, SECTOR_BYTES):
+            if self.invites(address):
+                raise UnmodelledError(f"flash: bank {bank + 1} works, reads ahead at 0x{address:x}")
+
+    def _read_ahead(self, bank: int) -> None:
+        """Set the flags that an operation of a bank finds set."""
+        self._flags[bank] |= self.noise
+        if self.invites(SYSTEM_MEMORY) and self._ghost.randrange(GHOST_IN) == 0:
+            self._flags = [flags | RDPERR | RDSERR for flags in self._flags]
 
     def _require_idle(self, bank: int) -> None:
         if self.clock.now < self._busy_until[bank]:
@@ -82,6 +126,8 @@ class Flash(Device):
 
     def _write_key(self, bank: int) -> Callable[[int, int], None]:
         def write(old: int, new: int) -> None:
+            if not self.v[f"cr{bank}"] & LOCK:
+                raise UnmodelledError(f"flash: keys for bank {bank + 1}, which is not locked")
             self._keys[bank].append(new)
             if tuple(self._keys[bank]) == KEYS:
                 self.v[f"cr{bank}"] &= ~LOCK
@@ -100,6 +146,9 @@ class Flash(Device):
             if new & LOCK:
                 self._keys[bank] = []
             self.v[f"cr{bank}"] = new & ~START
+            self._pg_at[bank] = self.clock.now
+            if new & (PG | START):
+                self._require_quiet(bank)
             if new & START:
                 self._erase(bank, new)
 
@@ -119,9 +168,13 @@ class Flash(Device):
         sector = control >> 8 & 7
         if not control & SER or control & PG or (bank, sector) == (0, 0):
             raise UnmodelledError(f"flash: erase with cr{bank} 0x{control:x}")
-        share = 2 if self._is_cut() else 1
+        self._read_ahead(bank)
         address = FLASH + bank * BANK_BYTES + sector * SECTOR_BYTES
-        self.save(address, ERASED * (SECTOR_BYTES // share))
+        if self._is_cut():
+            self.save(address, ERASED * (SECTOR_BYTES // 2))
+            self.tear({address, address + SECTOR_BYTES // 2})
+        else:
+            self.save(address, ERASED * SECTOR_BYTES)
         self._busy_until[bank] = self.clock.now + ERASE_CYCLES
 
     def store(self, address: int, size: int) -> None:
@@ -130,13 +183,33 @@ class Flash(Device):
         if self.v[f"cr{bank}"] & (LOCK | PG | SER) != PG or (bank == 0 and at < SECTOR_BYTES):
             raise UnmodelledError(f"flash: store to 0x{address:08x}")
         self._require_idle(bank)
+        if self.clock.barrier_at <= self._pg_at[bank]:
+            self._flags[bank] |= PGSERR  # the store is quicker than the bit
         word, left = address - address % WORD_BYTES, WORD_BYTES - address % WORD_BYTES
         if size != 4 or self.load(address, left) != ERASED * left:
             raise UnmodelledError(f"flash: 0x{address:08x} is not erased, or out of order")
         if left == 4:
+            self._read_ahead(bank)
             if self._is_cut():
                 self.save(word + 8, ERASED * 20)
+                self.tear({word})
             self._busy_until[bank] = self.clock.now + PROGRAM_CYCLES
+
+    def tear(self, words: set[int]) -> None:
+        """Make flash words unreadable, until they are erased or written by a debugger."""
+        self.torn |= words
+        self.on_torn()
+
+    def heal(self, address: int, size: int) -> None:
+        """Make what was written anew readable."""
+        left = {word for word in self.torn if not address <= word < address + size}
+        if left != self.torn:
+            self.torn = left
+            self.on_torn()
+
+    def load_torn(self, address: int) -> None:
+        """Note that a load found a word beyond correction."""
+        self._flags[(address - FLASH) // BANK_BYTES] |= DBECCERR
 
     def next_event(self) -> int:
         """Return when an operation ends."""
@@ -154,11 +227,31 @@ class Flash(Device):
 
 
 class Syscfg(Device):
-    """The boost for 480 MHz (ODEN) and nothing else."""
+    """The boost for 480 MHz (ODEN) and nothing else.
+
+    Attributes
+    ----------
+    is_on_its_way : bool
+        a store to PWRCR that has not been read back may not have arrived
+    on_boost : callable
+        told when ODEN has changed
+    """
 
     def __init__(self, clock: InsnClock) -> None:
         super().__init__("syscfg", 0x58000400, clock)
-        self.define({0x2C: Reg("pwrcr", 0, 1)})
+        self.is_on_its_way = False
+        self.on_boost: Callable[[], None] = lambda: None
+        self.define({0x2C: Reg("pwrcr", 0, 1, write=self._write_pwrcr, read=self._read_pwrcr)})
+
+    def _write_pwrcr(self, old: int, new: int) -> None:
+        self.v["pwrcr"] = new
+        if old != new:
+            self.is_on_its_way = True
+            self.on_boost()
+
+    def _read_pwrcr(self) -> int:
+        self.is_on_its_way = False
+        return self.v["pwrcr"]
 
 
 class Dbgmcu(Device):
@@ -170,11 +263,19 @@ class Dbgmcu(Device):
 
 
 class Pwr(Device):
-    """Power control: LDO, voltage scaling, brown-out detector's interrupt not used."""
+    """Power control: LDO, voltage scaling, brown-out detector's interrupt not used.
+
+    Attributes
+    ----------
+    on_ready : callable
+        told when the voltage is valid for the first time since power-on: RAM may be written
+    """
 
     def __init__(self, clock: InsnClock, syscfg: Syscfg) -> None:
         super().__init__("pwr", 0x58024800, clock)
         self.syscfg = syscfg
+        self.on_ready: Callable[[], None] = lambda: None
+        syscfg.on_boost = self._unsettle
         self._settled_at = NEVER
         self._is_locked = False  # CR3 was written since power-on
         self.define(
@@ -211,7 +312,8 @@ class Pwr(Device):
         if not self.v["csr1"] >> 13 & 1:
             return 3
         scale = SCALE[self.v["csr1"] >> 14 & 3]
-        return 0 if scale == 1 and self.syscfg.v["pwrcr"] & 1 else scale
+        is_boosted = self.syscfg.v["pwrcr"] & 1 and self._settled_at == NEVER
+        return 0 if scale == 1 and is_boosted else scale
 
     def check(self, core_hz: int) -> None:
         """Raise when the core is too fast for the voltage."""
@@ -230,11 +332,19 @@ class Pwr(Device):
     def _write_d3cr(self, old: int, new: int) -> None:
         if not new >> 14 & 3:
             raise UnmodelledError("pwr.d3cr: reserved value of VOS")
+        if not self.v["csr1"] & 1 << 13:
+            raise UnmodelledError("pwr.d3cr: VOS changed before the voltage is valid")
         self.v["d3cr"] = new
+        self._unsettle()
+
+    def _unsettle(self) -> None:
         self._settled_at = self.clock.now + SETTLE_CYCLES
 
     def _read_d3cr(self) -> int:
-        return self.v["d3cr"] | (self.v["csr1"] & 1 << 13)
+        if self.syscfg.is_on_its_way:
+            raise UnmodelledError("pwr.d3cr: VOSRDY read before ODEN has arrived: read it back")
+        is_ready = self._settled_at == NEVER and self.v["csr1"] & 1 << 13
+        return self.v["d3cr"] | (1 << 13 if is_ready else 0)
 
     def next_event(self) -> int:
         """Return when the voltage has settled."""
@@ -244,4 +354,6 @@ class Pwr(Device):
         """Let the voltage settle."""
         if self.clock.now >= self._settled_at:
             self._settled_at = NEVER
+            if not self.v["csr1"] & 1 << 13:
+                self.on_ready()
             self.v["csr1"] = 1 << 13 | (self.v["d3cr"] & 0xC000)

@@ -4,8 +4,8 @@
 from __future__ import annotations
 
 from board import Board
-from emulator import Image
 from host import IMAGE
+from image import Image
 from remote import ENABLE, PARAMS, Remote
 from tick_trace import Record, Trace
 

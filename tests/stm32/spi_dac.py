@@ -88,8 +88,12 @@ class Spi(Device):
 
     def pulses_select(self) -> bool:
         """Return whether the slave select rises between two frames."""
+        return bool(self.v["cfg2"] & SSOE and self.v["cfg2"] & SSOM and self.select_high_s() > 0)
+
+    def select_high_s(self) -> float:
+        """Return how long it is high then: the time between frames but for one clock (MIDI > 1)."""
         midi = self.v["cfg2"] >> 4 & 15
-        return bool(self.v["cfg2"] & SSOE and self.v["cfg2"] & SSOM and midi)
+        return max(0, midi - 1) / self.bit_hz()
 
     def _comm(self) -> int:
         return self.v["cfg2"] >> 17 & 3
@@ -290,15 +294,26 @@ class Ad5754r:
 
 
 class Dac1(Device):
-    """The chip's own DAC1 (RM0433, section 26): channel 1 by trigger or at once."""
+    """The chip's own DAC1 (RM0433, section 26): channel 1 by trigger or at once.
+
+    Whether the output register follows a store while the channel is off, the manual leaves open:
+    here it does not.
+
+    Attributes
+    ----------
+    on_output : callable
+        told the code that the output shows when it changes, None when the channel is off
+    """
 
     TIM4_TRGO = 3
+    EN, TEN, TSEL = 1 << 0, 1 << 1, 15 << 2
 
     def __init__(self, clock: InsnClock) -> None:
         super().__init__("dac1", 0x40007400, clock)
+        self.on_output: Callable[[int | None], None] = lambda code: None
         self.define(
             {
-                0x00: Reg("cr", 0, 0x3F),
+                0x00: Reg("cr", 0, 0x3F, write=self._write_cr),
                 0x08: Reg("dhr12r1", 0, 0xFFF, write=self._write_dhr),
                 0x2C: Reg("dor1", 0, 0),
                 0x34: Reg("sr", 0, 0),
@@ -306,13 +321,31 @@ class Dac1(Device):
             }
         )
 
+    def reset(self) -> None:
+        """Switch the output off."""
+        was_on = self.v["cr"] & self.EN
+        super().reset()
+        if was_on:
+            self.on_output(None)
+
+    def _write_cr(self, old: int, new: int) -> None:
+        if old & self.EN and (old ^ new) & self.TSEL:
+            raise UnmodelledError("dac1.cr: trigger selected while the channel is on")
+        self.v["cr"] = new
+        if (old ^ new) & self.EN:
+            self.on_output(self.v["dor1"] if new & self.EN else None)
+
     def _write_dhr(self, old: int, new: int) -> None:
         self.v["dhr12r1"] = new
-        if self.v["cr"] & 3 == 1:
-            self.v["dor1"] = new
+        if self.v["cr"] & (self.EN | self.TEN) == self.EN:
+            self._take_over()
+
+    def _take_over(self) -> None:
+        self.v["dor1"] = self.v["dhr12r1"]
+        self.on_output(self.v["dor1"])
 
     def trigger(self, source: int) -> None:
         """Let a trigger come."""
-        cr = self.v["cr"]
-        if cr & 3 == 3 and cr >> 2 & 15 == source:
-            self.v["dor1"] = self.v["dhr12r1"]
+        both = self.EN | self.TEN
+        if self.v["cr"] & both == both and self.v["cr"] >> 2 & 15 == source:
+            self._take_over()

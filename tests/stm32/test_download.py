@@ -143,7 +143,7 @@ def test_tick_goes_on_while_flash_is_busy(table: bytes) -> None:
     chip, board = session.chip, session.board
     n, at = len(board.ticks), chip.clock.now
     session.remote.do(BEGIN, value=3 * SECTOR_BYTES)
-    session.remote.block(0, table[:4096])
+    assert session.remote.block(0, table[:4096]) == 0
     passed = (chip.clock.now - at) * 20_000 // chip.rcc.core_hz()
     assert passed > 3 * 40
     assert abs(len(board.ticks) - n - passed) <= 1

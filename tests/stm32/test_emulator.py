@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 
 from bus import UnmodelledError
-from emulator import Chip, Image
+from emulator import Chip
+from image import Image
 from image_build import build_image
 from rcc import RESET_FLAGS
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 import pytest
 
 from bus import InsnClock, UnmodelledError
-from fdcan import Fdcan, Frame, MessageRam
+from fdcan import Ccu, Fdcan, Frame, MessageRam
 from flash_pwr import Flash, Pwr, Syscfg
 from gpio import Gpio
 from iwdg import Iwdg
@@ -156,17 +156,33 @@ def test_clock_tree_refuses_what_the_manual_forbids(rcc: Rcc) -> None:
         rcc.write(0x30, 4, 119)
 
 
+def settle(pwr: Pwr) -> None:
+    """Let the voltage settle."""
+    pwr.clock.now = pwr.next_event()
+    pwr.advance()
+
+
 def test_supply_and_flash_limit_the_clock(clock: InsnClock) -> None:
     """480 MHz needs the boost, 240 MHz at the flash four wait states."""
     syscfg, flash = Syscfg(clock), Flash(clock)
     pwr = Pwr(clock, syscfg)
     pwr.write(0x0C, 4, 2)
+    with pytest.raises(UnmodelledError, match="before the voltage is valid"):
+        pwr.write(0x18, 4, 3 << 14)
+    settle(pwr)
     pwr.write(0x18, 4, 3 << 14)
-    clock.now = pwr.next_event()
-    pwr.advance()
+    assert not pwr.read(0x18, 4) >> 13 & 1
+    settle(pwr)
+    assert pwr.read(0x18, 4) >> 13 & 1
     with pytest.raises(UnmodelledError, match="voltage scale 1"):
         pwr.check(480_000_000)
     syscfg.write(0x2C, 4, 1)
+    with pytest.raises(UnmodelledError, match="read it back"):
+        pwr.read(0x18, 4)
+    assert syscfg.read(0x2C, 4) == 1
+    with pytest.raises(UnmodelledError, match="voltage scale 1"):
+        pwr.check(480_000_000)
+    settle(pwr)
     pwr.check(480_000_000)
     flash.write(0x00, 4, 0x23)
     with pytest.raises(UnmodelledError, match=r"acr 0x23"):
@@ -233,8 +249,13 @@ def test_converter_takes_over_with_ldac() -> None:
 def test_bus_filters(clock: InsnClock, rcc: Rcc, element: int, accepted: set[int]) -> None:
     """The kinds of standard filters, what matches none rejected; a full FIFO loses the newest."""
     ram = MessageRam(clock)
-    can = Fdcan(clock, rcc, ram)
+    ccu = Ccu(clock)
+    can = Fdcan(clock, rcc, ram, ccu)
     can.write(0x18, 4, 3)
+    with pytest.raises(UnmodelledError, match="nobody has calibrated"):
+        can.write(0x18, 4, 0)
+    can.write(0x18, 4, 3)
+    ccu.write(0x04, 4, 1 << 6)
     can.write(0x80, 4, 0x3F)
     can.write(0x84, 4, 1 << 16 | 0)
     can.write(0xA0, 4, 2 << 16 | 4)

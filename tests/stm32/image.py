@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: Apache-2.0
+"""An image as the linker leaves it."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from elftools.elf.elffile import ELFFile
+from elftools.elf.sections import SymbolTableSection
+
+DSB = re.compile(rb"\xbf\xf3[\x40-\x4f]\x8f", re.DOTALL)
+
+
+class Image:
+    """An .elf: what is in flash, and where it lies once it runs.
+
+    Attributes
+    ----------
+    segments : list of tuple
+        address in flash and content
+    symbols : dict
+        name -> address
+    barriers : list of int
+        addresses at which an instruction DSB runs
+    functions : dict
+        section -> names of the functions in it
+    sizes : dict
+        section -> bytes
+    """
+
+    def __init__(self, path: Path) -> None:
+        with path.open("rb") as file:
+            elf = ELFFile(file)
+            loaded = [s for s in elf.iter_segments("PT_LOAD") if s["p_filesz"]]
+            self.segments = [(int(s["p_paddr"]), bytes(s.data())) for s in loaded]
+            self.barriers = [
+                int(s["p_vaddr"]) + found.start()
+                for s in loaded
+                for found in DSB.finditer(s.data())
+                if not found.start() & 1
+            ]
+            table = elf.get_section_by_name(".symtab")
+            assert isinstance(table, SymbolTableSection), f"{path} has no symbols"
+            self.symbols = {s.name: int(s["st_value"]) for s in table.iter_symbols()}
+            self.sizes = {s.name: int(s["sh_size"]) for s in elf.iter_sections()}
+            self.functions: dict[str, set[str]] = {}
+            for symbol in table.iter_symbols():
+                if symbol["st_info"]["type"] == "STT_FUNC":
+                    section = elf.get_section(symbol["st_shndx"]).name
+                    self.functions.setdefault(section, set()).add(symbol.name)

@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What silicon does beside the sequence of a manual: reads ahead, stores on their way, torn words.
+
+A start or a download shows some of it as an error of a model; the rest is told apart here.
+"""
+
+from __future__ import annotations
+
+import pytest
+
+from board import TABLE
+from flash_pwr import LOCK, RDPERR, RDSERR, SNECCERR, SYSTEM_MEMORY
+from host import IMAGE, make_table
+from image import Image
+from remote import BEGIN, ENABLE, errors
+from session import Session
+
+ERR = errors()
+MIDDLE = 2048  # of the internal DAC: U = 0
+MOST_BOOT_BYTES = 512
+BOOT = {"stm_reset", "stm_boot_fill", "on_boot_fault"}
+
+
+@pytest.fixture(scope="module")
+def table(tmp_path_factory: pytest.TempPathFactory) -> bytes:
+    """Return a good table."""
+    return make_table(tmp_path_factory.mktemp("table") / "short.camtab")
+
+
+@pytest.fixture
+def session(table: bytes) -> Session:
+    """Return a board in state off."""
+    session = Session(table)
+    session.board.power_on()
+    session.remote.started()
+    return session
+
+
+def test_core_reads_ahead_neither_in_system_memory_nor_in_the_code_in_flash(
+    session: Session,
+) -> None:
+    """The protection unit forbids both; tables are read ahead, which is what the cache is for."""
+    mpu = session.chip.nvic.mpu
+    forbidden = [SYSTEM_MEMORY + i for i in range(0, 1 << 20, 1 << 16)]
+    forbidden += [0x08000000 + i for i in range(0, 1 << 17, 1 << 14)]
+    assert not any(mpu.invites(address) for address in forbidden)
+    assert mpu.invites(TABLE)
+
+
+def test_download_outlives_flags_that_are_no_errors_of_its_own(
+    session: Session, table: bytes
+) -> None:
+    """A read of system memory and a corrected bit set flags; flash is written all the same."""
+    session.chip.flash.noise = RDPERR | RDSERR | SNECCERR
+    session.remote.use(table)
+
+
+def test_keys_are_given_to_a_locked_bank_only(session: Session) -> None:
+    """A bank that is open already, as a debugger leaves it, is used as it is."""
+    session.chip.flash.v["cr0"] &= ~LOCK
+    session.remote.do(BEGIN, value=4096)
+
+
+@pytest.mark.parametrize("torn_at", [0, 64, 4096])
+def test_torn_table_is_refused_and_does_not_stop_the_start(table: bytes, torn_at: int) -> None:
+    """A programmer was interrupted: words that cannot be read end the table, not the controller."""
+    session = Session(table)
+    session.chip.flash.tear({TABLE + torn_at})
+    session.board.power_on()
+    status = session.remote.started()
+    assert status.state == "off"
+    assert status.table < 0
+    assert session.remote.command(ENABLE)[0] == status.table
+    assert session.chip.resets == ["power_on"]
+    session.remote.use(table)
+    session.remote.do(ENABLE)
+
+
+def test_u_of_the_internal_converter_begins_in_the_middle(session: Session) -> None:
+    """PA4 floats until it shows the middle: 0 V would be full negative U."""
+    codes = [code for _, code in session.board.at_pa4]
+    assert MIDDLE in codes
+    shown = session.board.at_pa4[: codes.index(MIDDLE) + 1]
+    first = next(at for at, code in shown if code is not None)
+    assert shown[-1][0] - first < session.chip.seconds(1e-6)
+    assert set(codes[codes.index(MIDDLE) :]) == {MIDDLE}
+
+
+def test_select_of_the_converter_is_high_long_enough(session: Session) -> None:
+    """Three clocks of 50 ns between two frames, where its data sheet asks for 100 ns."""
+    assert session.chip.spi3.select_high_s() == pytest.approx(150e-9)
+
+
+def test_trace_output_is_let_go_at_once(table: bytes) -> None:
+    """PB3 is the trace's output after a reset; a receiver of the spindle's B drives it."""
+    session = Session(table)
+    session.board.power_on()
+    port, pin = session.chip.gpio.pin("PB3")
+    assert port.function(pin) == 0
+    assert session.chip.run_until(lambda: port.function(pin) is None, 200)
+
+
+def test_only_the_start_up_lies_in_flash() -> None:
+    """Neither main() nor the main loop: flash may be erased while they run."""
+    image = Image(IMAGE)
+    assert image.functions[".boot"] == BOOT
+    assert image.sizes[".boot"] <= MOST_BOOT_BYTES
