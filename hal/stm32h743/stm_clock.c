@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "stm_clock.h"
+#include "board_config.h"
 #include "stm_reg.h"
 #include <stdbool.h> // bool
 
@@ -34,10 +35,12 @@ static bool raise_supply(void)
     return wait_for(&PWR_D3CR, PWR_D3CR_VOSRDY, PWR_D3CR_VOSRDY);
 }
 
-/// Start the HSE in bypass mode: the ST-LINK of the board feeds 8 MHz into OSC_IN.
+/// Start the HSE, in bypass mode unless a crystal is fitted.
 static bool start_hse(void)
 {
-    RCC_CR |= RCC_CR_HSEBYP;
+    if (BOARD_HSE_IS_CRYSTAL == 0) {
+        RCC_CR |= RCC_CR_HSEBYP;
+    }
     RCC_CR |= RCC_CR_HSEON;
     return wait_for(&RCC_CR, RCC_CR_HSERDY, RCC_CR_HSERDY);
 }

@@ -10,7 +10,7 @@
 ///     the bank is erased or programmed read and written as a device, so that the core does not
 ///     read ahead and then wait for the end of the operation
 ///   - 4: ITCM: read, run; code cannot be overwritten
-///   - 5: 0 .. FFh: nothing; null pointers
+///   - 5: 0 .. FFFh: nothing; null pointers, and what lies behind one
 ///   - 6: DTCM: read, written; data cannot be run
 ///   - 7: the megabyte below the DTCM: nothing. The stack overflows into it and is caught; and it
 ///     holds the system memory, at 1FF00000h, where a fetch ahead of time would set RDSERR and

@@ -35,6 +35,13 @@ class InsnClock(ctypes.Structure):
     deadline: int
     barrier_at: int
 
+    def skip_to(self, at: int) -> None:
+        """Let a load that finds a device busy take until an instant, or until something is due.
+
+        Polling takes as long as before, but is not executed.
+        """
+        self.now = max(self.now, min(self.deadline, at))
+
     def know_barriers(self, addresses: Iterable[int]) -> None:
         """Let the clock note in `barrier_at` when an instruction DSB at an address begins."""
         for address in addresses:
@@ -63,11 +70,13 @@ class Reg:
         bits that the hardware sets and software may write back
     write : callable or None
         called with the old and the new value instead of storing it; events and interrupts are
-        then looked at before the next instruction
+        then looked at before the next instruction, unless the register is quiet
     read : callable or None
         called instead of returning what is stored
     sizes : tuple of int
         [bytes] accepted widths of an access
+    is_quiet : bool
+        a store brings about no event and no interrupt, so nobody needs to look
     """
 
     name: str
@@ -77,6 +86,7 @@ class Reg:
     write: Callable[[int, int], None] | None = None
     read: Callable[[], int] | None = None
     sizes: tuple[int, ...] = (4,)
+    is_quiet: bool = False
 
 
 class Model(Protocol):
@@ -155,7 +165,8 @@ class Device:
             self.v[reg.name] = new
         else:
             reg.write(old, new)
-            self.clock.wake()
+            if not reg.is_quiet:
+                self.clock.wake()
 
 
 class Bus:

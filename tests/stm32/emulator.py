@@ -20,9 +20,11 @@ from unicorn import (
     UC_HOOK_INTR,
     UC_HOOK_MEM_INVALID,
     UC_HOOK_MEM_READ,
-    UC_HOOK_MEM_WRITE,
+    UC_MEM_WRITE_PROT,
     UC_MODE_MCLASS,
     UC_MODE_THUMB,
+    UC_PROT_EXEC,
+    UC_PROT_READ,
     Uc,
     UcError,
 )
@@ -37,11 +39,11 @@ from image import Image
 
 HERE = Path(__file__).resolve().parent
 FLASH, FLASH_BYTES = 0x08000000, 0x200000
-ITCM, ITCM_BYTES = 0x00000000, 0x10000
+NULL_BYTES = 0x1000  # at the bottom of ITCM: where null pointers lead; nothing is mapped there
+ITCM, ITCM_BYTES = NULL_BYTES, 0x10000 - NULL_BYTES
 DTCM, DTCM_BYTES = 0x20000000, 0x20000
 AXI, AXI_BYTES = 0x24000000, 0x80000
 RAMS = ((ITCM, ITCM_BYTES), (DTCM, DTCM_BYTES), (AXI, AXI_BYTES))
-NULL_BYTES = 0x100  # of ITCM: where a null pointer leads
 NOWHERE = 0xFFFFFFFE  # no code there: only hooks end a slice
 PATTERN = b"\xa5"
 WFI = b"\x30\xbf"
@@ -110,8 +112,9 @@ class Chip(Devices):
 
     def _map(self) -> None:
         uc = self.uc
-        for base, size in (*RAMS, (FLASH, FLASH_BYTES)):
+        for base, size in RAMS:
             uc.mem_map(base, size)
+        uc.mem_map(FLASH, FLASH_BYTES, UC_PROT_READ | UC_PROT_EXEC)
         for base, size in ((0x40000000, 0x20000000), (0xE0000000, 0x00100000)):
             uc.mmio_map(base, size, self._load, base, self._store, base)
         hook = build_hook()
@@ -129,10 +132,6 @@ class Chip(Devices):
         self._hook = hook  # keeps the library loaded
         uc.hook_add(UC_HOOK_INTR, self._on_intr)
         uc.hook_add(UC_HOOK_MEM_INVALID, self._on_invalid)
-        null = UC_HOOK_MEM_READ | UC_HOOK_MEM_WRITE
-        uc.hook_add(null, self._on_null, None, ITCM, NULL_BYTES - 1)
-        uc.hook_add(UC_HOOK_CODE, self._on_null_code, None, ITCM, NULL_BYTES - 1)
-        uc.hook_add(UC_HOOK_MEM_WRITE, self._on_flash, None, FLASH, FLASH + FLASH_BYTES - 1)
         self.flash.load, self.flash.save = self.read_memory, self.write_flash
         self.flash.on_cut = lambda: self._ask("power_on")
         self.flash.on_torn = self._watch_torn
@@ -223,14 +222,18 @@ class Chip(Devices):
     def _on_invalid(
         self, uc: Uc, access: int, address: int, size: int, value: int, user: object
     ) -> bool:
-        self._fail(UnmodelledError("no memory there"), address)
+        if access == UC_MEM_WRITE_PROT and FLASH <= address < FLASH + FLASH_BYTES:
+            self._program(address, size, value)
+            return True
+        what = "null pointer" if address < NULL_BYTES else "no memory there"
+        self._fail(UnmodelledError(what), address)
         return False
 
-    def _on_flash(
-        self, uc: Uc, access: int, address: int, size: int, value: int, user: object
-    ) -> None:
+    def _program(self, address: int, size: int, value: int) -> None:
         try:
+            content = (value & (1 << 8 * size) - 1).to_bytes(size, "little")
             self.flash.store(address, size)
+            self.uc.mem_write(address, content)
         except Exception as error:
             self._fail(error, address)
 
@@ -247,14 +250,6 @@ class Chip(Devices):
     ) -> None:
         self.flash.load_torn(address)
         self.nvic.fail_load(uc.reg_read(arm.UC_ARM_REG_FAULTMASK))
-
-    def _on_null(
-        self, uc: Uc, access: int, address: int, size: int, value: int, user: object
-    ) -> None:
-        self._fail(UnmodelledError("null pointer"), address)
-
-    def _on_null_code(self, uc: Uc, address: int, size: int, user: object) -> None:
-        self._fail(UnmodelledError("call of a null pointer"), address)
 
     # Resets
 
@@ -306,32 +301,40 @@ class Chip(Devices):
         """Let time pass until a condition holds; return whether it did in time."""
         end = self.clock.now + most_cycles
         while True:
-            self._settle()
+            due = self._settle()
             if is_done():
                 return True
             if self.clock.now >= end:
                 return False
-            deadline = min(end, min(device.next_event() for device in self.timed))
+            deadline = min(end, due)
             if self._is_asleep:
                 self.clock.now = max(self.clock.now, deadline)
             else:
                 self._execute(deadline)
 
-    def _settle(self) -> None:
-        """Do what is due: devices, resets, exceptions."""
-        for device in self.timed:
-            if device.next_event() <= self.clock.now:
-                device.advance()
+    def _next_event(self) -> int:
+        return min([device.next_event() for device in self.timed])
+
+    def _settle(self) -> int:
+        """Do what is due: devices, resets, exceptions. Return when the next device is due."""
+        due = self._next_event()
+        if due <= self.clock.now:
+            for device in self.timed:
+                if device.next_event() <= self.clock.now:
+                    device.advance()
+            due = self._next_event()
         if self._failure is not None:
             raise self._failure
         if self._asked is not None:
             self.reset(self._asked)
+            due = self._next_event()
         if self._is_asleep and self.nvic.wakes():
             self._is_asleep = False
         if not self._is_asleep:
             number = self.exceptions.due()
             if number is not None:
                 self._pc = self.exceptions.enter(number, self._pc)
+        return due
 
     def _execute(self, deadline: int) -> None:
         """Execute instructions until a time, or until something stops them."""

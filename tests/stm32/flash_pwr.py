@@ -97,6 +97,7 @@ class Flash(Device):
 
     def _read_sr(self, bank: int) -> Callable[[], int]:
         def read() -> int:
+            self.clock.skip_to(self._busy_until[bank])
             return (QW if self.clock.now < self._busy_until[bank] else 0) | self._flags[bank]
 
         return read
@@ -281,7 +282,7 @@ class Pwr(Device):
         self.define(
             {
                 0x00: Reg("cr1", 0xF000C000, 0x0007C3FF),
-                0x04: Reg("csr1", 0x4000, 0),
+                0x04: Reg("csr1", 0x4000, 0, read=self._read_csr1),
                 0x0C: Reg("cr3", 0x00000006, 0x7, write=self._write_cr3),
                 0x18: Reg(
                     "d3cr",
@@ -340,9 +341,18 @@ class Pwr(Device):
     def _unsettle(self) -> None:
         self._settled_at = self.clock.now + SETTLE_CYCLES
 
+    def _skip(self) -> None:
+        if self._settled_at != NEVER:
+            self.clock.skip_to(self._settled_at)
+
+    def _read_csr1(self) -> int:
+        self._skip()
+        return self.v["csr1"]
+
     def _read_d3cr(self) -> int:
         if self.syscfg.is_on_its_way:
             raise UnmodelledError("pwr.d3cr: VOSRDY read before ODEN has arrived: read it back")
+        self._skip()
         is_ready = self._settled_at == NEVER and self.v["csr1"] & 1 << 13
         return self.v["d3cr"] | (1 << 13 if is_ready else 0)
 

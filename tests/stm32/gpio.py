@@ -50,7 +50,7 @@ class GpioPort(Device):
                 0x0C: Reg("pupdr", reset.get("pupdr", 0), write=self._store("pupdr")),
                 0x10: Reg("idr", 0, 0, read=self._read_idr, sizes=halves),
                 0x14: Reg("odr", 0, 0xFFFF, write=self._store("odr"), sizes=halves),
-                0x18: Reg("bsrr", 0, write=self._write_bsrr, sizes=halves),
+                0x18: Reg("bsrr", 0, write=self._write_bsrr, sizes=halves, is_quiet=True),
                 0x20: Reg("afrl", 0, write=self._store("afrl")),
                 0x24: Reg("afrh", 0, write=self._store("afrh")),
             }
@@ -106,8 +106,10 @@ class GpioPort(Device):
         return write
 
     def _write_bsrr(self, old: int, new: int) -> None:
-        self.v["odr"] = (self.v["odr"] & ~(new >> 16)) | (new & 0xFFFF)
-        self._tell()
+        odr = (self.v["odr"] & ~(new >> 16)) | (new & 0xFFFF)
+        if odr != self.v["odr"]:
+            self.v["odr"] = odr
+            self._tell()
 
     def _read_idr(self) -> int:
         bits = (self.level(pin) << pin for pin in range(16) if self.mode(pin) != ANALOGUE)

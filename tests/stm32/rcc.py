@@ -82,7 +82,7 @@ class Rcc(Device):
         self._core_hz = self._timer_hz = 0  # 0: to be computed
         self.define(
             {
-                0x00: Reg("cr", CR_RESET, 0x010D0019, write=self._write_cr),
+                0x00: Reg("cr", CR_RESET, 0x010D0019, write=self._write_cr, read=self._read_cr),
                 0x10: Reg("cfgr", 0, 0x00008007, write=self._write_cfgr),
                 0x18: Reg("d1cfgr", 0, 0x0F7F, write=self._write_divisor("d1cfgr")),
                 0x1C: Reg("d2cfgr", 0, 0x0770, write=self._write_divisor("d2cfgr")),
@@ -224,6 +224,11 @@ class Rcc(Device):
         self._check()
         if self._awaited():
             self._ready_at = self.clock.now + READY_CYCLES
+
+    def _read_cr(self) -> int:
+        if self._ready_at != NEVER:
+            self.clock.skip_to(self._ready_at)
+        return self.v["cr"]
 
     def _awaited(self) -> int:
         cr = self.v["cr"]

@@ -16,6 +16,7 @@ from bus import NEVER, Device, InsnClock, Reg, UnmodelledError
 from rcc import Rcc
 
 SPE, MASRX, CSTART, CSUSP, SSI = 1 << 0, 1 << 8, 1 << 9, 1 << 10, 1 << 12
+CR1_BITS = SPE | MASRX | CSTART | CSUSP | SSI
 RXP, TXP, DXP, EOT, TXTF, OVR, MODF, SUSP, TXC = (
     1 << 0,
     1 << 1,
@@ -53,14 +54,20 @@ class Spi(Device):
         self._shifting = 0
         self.define(
             {
-                0x00: Reg("cr1", 0, SPE | MASRX | CSTART | CSUSP | SSI, write=self._write_cr1),
+                0x00: Reg(
+                    "cr1",
+                    0,
+                    SPE | MASRX | CSTART | CSUSP | SSI,
+                    write=self._write_cr1,
+                    is_quiet=True,
+                ),
                 0x04: Reg("cr2", 0, 0xFFFF, write=self._write_idle("cr2")),
                 0x08: Reg("cfg1", 0x00070007, 0x701F01FF, write=self._write_off("cfg1")),
                 0x0C: Reg("cfg2", 0, 0xE74600FF, write=self._write_off("cfg2")),
                 0x10: Reg("ier", 0, 0),
                 0x14: Reg("sr", 0x1002, 0, read=self._read_sr),
-                0x18: Reg("ifcr", 0, 0xFF8, write=self._write_ifcr),
-                0x20: Reg("txdr", 0, write=self._write_txdr, sizes=(1, 2, 4)),
+                0x18: Reg("ifcr", 0, 0xFF8, write=self._write_ifcr, is_quiet=True),
+                0x20: Reg("txdr", 0, write=self._write_txdr, sizes=(1, 2, 4), is_quiet=True),
                 0x30: Reg("rxdr", 0, 0, read=self._read_rxdr, sizes=(1, 2, 4)),
                 0x50: Reg("i2scfgr", 0, 0),
             }
@@ -160,6 +167,8 @@ class Spi(Device):
         self._flags &= ~new
 
     def _read_sr(self) -> int:
+        if self._left and not self._tx:  # the last frame is on the line
+            self.clock.skip_to(self._done_at)
         sr = self._flags
         room = self._capacity() - len(self._tx)
         to_come = self._left > len(self._tx) or not self._left
@@ -175,6 +184,7 @@ class Spi(Device):
             idle = (self.v["cfg2"] & 15) + (self.v["cfg2"] >> 4 & 15)
             cycles = (self.bits() + idle) * self.rcc.core_hz() // self.bit_hz()
             self._done_at = self.clock.now + cycles
+            self.clock.wake()
 
     def next_event(self) -> int:
         """Return when the frame on the line ends."""
@@ -314,7 +324,7 @@ class Dac1(Device):
         self.define(
             {
                 0x00: Reg("cr", 0, 0x3F, write=self._write_cr),
-                0x08: Reg("dhr12r1", 0, 0xFFF, write=self._write_dhr),
+                0x08: Reg("dhr12r1", 0, 0xFFF, write=self._write_dhr, is_quiet=True),
                 0x2C: Reg("dor1", 0, 0),
                 0x34: Reg("sr", 0, 0),
                 0x3C: Reg("mcr", 0, 0x7),

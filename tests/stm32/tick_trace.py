@@ -13,7 +13,7 @@ from elftools.elf.elffile import ELFFile
 from emulator import Chip
 
 ROOT = Path(__file__).resolve().parents[2]
-PLACES = ("ring", "n_written", "n_read", "n_dropped", "capacity", "size")
+PLACES = ("ring", "n_written", "n_dropped", "capacity", "size")
 FIELDS = (
     "tick",
     "config",
@@ -61,7 +61,7 @@ class Trace:
         self._at = dict(zip(PLACES, numbers, strict=False))
         self._fields = list(zip(FIELDS, numbers[len(PLACES) :], strict=True))
         self._base = chip.image.symbols["g_cam"]
-        self._n_read = 0
+        self._n_read = self._n_resets = 0
 
     def _word(self, place: str) -> int:
         return int.from_bytes(self._chip.read_memory(self._base + self._at[place], 4), "little")
@@ -71,10 +71,11 @@ class Trace:
         return self._word("n_dropped")
 
     def take(self) -> Iterator[Record]:
-        """Take all records that are there."""
+        """Return all records since the last call."""
+        if len(self._chip.resets) != self._n_resets:
+            self._n_resets, self._n_read = len(self._chip.resets), 0
         n_written = self._word("n_written")
-        if (n_written - self._n_read) & 0xFFFFFFFF > self._at["capacity"]:
-            self._n_read = 0  # the image has started again
+        assert (n_written - self._n_read) & 0xFFFFFFFF <= self._at["capacity"], "records are lost"
         while self._n_read != n_written:
             place = self._n_read % self._at["capacity"]
             at = self._base + self._at["ring"] + place * self._at["size"]

@@ -67,7 +67,7 @@ class Timer(Device):
                 0x04: Reg("cr2", 0, 0x70),
                 0x08: Reg("smcr", 0, 0x10007, write=self._write_smcr),
                 0x0C: Reg("dier", 0, UIE, write=self._write_dier),
-                0x10: Reg("sr", 0, 0x1E1F, WORD, write=self._write_sr),
+                0x10: Reg("sr", 0, 0x1E1F, WORD, write=self._write_sr, is_quiet=True),
                 0x14: Reg("egr", 0, 1, write=self._write_egr),
                 0x18: Reg("ccmr1", 0, 0xF3F3),
                 0x1C: Reg("ccmr2", 0, 0x0101FFFF, write=self._write_ccmr2),

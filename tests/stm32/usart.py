@@ -60,6 +60,8 @@ class Usart(Device):
 
     def _read_isr(self) -> int:
         cr1 = self.v["cr1"]
+        if len(self._waiting) >= self._room():
+            self.clock.skip_to(self._done_at)
         isr = TXE if len(self._waiting) < self._room() else 0
         isr |= TC if not self._waiting and self._shifting is None else 0
         isr |= TXFE if cr1 & FIFOEN and not self._waiting else 0
