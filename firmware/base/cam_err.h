@@ -77,6 +77,13 @@ typedef enum {
     cam_err_wave_speed = -68,        ///< U would exceed its highest speed
     cam_err_wave_acceleration = -69, ///< U would exceed its highest acceleration
     cam_err_wave_clear = -70,        ///< X is so near that U would lead the tool to the work
+    // By hand (cam_machine_hand.h)
+    cam_err_hand_axis = -71,  ///< there is no such axis, or others move it
+    cam_err_hand_speed = -72, ///< the speed exceeds that of the axis by hand
+    cam_err_travel = -73,     ///< the axis would leave its travel
+    cam_err_hand_moves = -74, ///< an axis is being moved
+    cam_err_home_none = -75,  ///< the axis has no way of homing
+    cam_err_not_homed = -76,  ///< an axis is not homed
     // Parameters that are kept (cam_machine_params.c)
     cam_err_params_begin = -87,   ///< no change of several parameters was begun
     cam_err_params_stale = -88,   ///< a parameter was set since that change was begun

@@ -19,6 +19,7 @@
 ///     engaging, cutting --stop--> disengaging; while the axes approach: ready
 ///     rehearsing --stop, as soon as U has come to rest--> ready
 ///     ready --identify--> identifying --end of the wave, stop--> ready
+///     off --manual--> manual --disable, as soon as the axes rest--> off
 ///     any but off --fault--> fault --reset, after the retract--> off
 // clang-format on
 typedef enum {
@@ -31,6 +32,7 @@ typedef enum {
     cam_state_fault,       ///< retracting or retracted, latched until reset
     cam_state_rehearsing,  ///< X stays clear while the section of the first height plays
     cam_state_identifying, ///< as ready, but U plays a downloaded wave about its place
+    cam_state_manual,      ///< enabled, the spindle stands, axes are moved and homed by hand
     cam_n_states
 } cam_state_t;
 
@@ -53,6 +55,7 @@ typedef enum {
     cam_request_reset,
     cam_request_table_fault, ///< raise fault `table`: the background check found damage
     cam_request_identify,    ///< play the wave of the configuration by U
+    cam_request_manual,      ///< enable the drives without the spindle, for hands (cam_hand.h)
 } cam_request_t;
 
 /// Faults, in the order of their bits, with a clause for people. FAULTS.md lists for each how soon

@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_build.h"
-#include "cam_angle.h"   // CAM_TURN_Q32
-#include "cam_demand.h"  // cam_demand_half_stroke_nm
-#include "cam_fit.h"     // cam_fit_jump_counts
-#include "cam_fix.h"     // cam_sat_i32
-#include "cam_plan.h"    // cam_plan_ticks
-#include "cam_play.h"    // cam_play_history
-#include "cam_trace.h"   // cam_trace_capacity
-#include "cam_units.h"   // cam_units_ticks_of_ns
-#include "cam_way.h"     // cam_way_z_last_nm
-#include "cam_windows.h" // cam_windows_build
-#include "hal/hal.h"     // hal_has_edge_time
-#include <stddef.h>      // NULL
+#include "cam_angle.h"      // CAM_TURN_Q32
+#include "cam_build_hand.h" // cam_build_hand
+#include "cam_demand.h"     // cam_demand_half_stroke_nm
+#include "cam_fit.h"        // cam_fit_jump_counts
+#include "cam_fix.h"        // cam_sat_i32
+#include "cam_plan.h"       // cam_plan_ticks
+#include "cam_play.h"       // cam_play_history
+#include "cam_trace.h"      // cam_trace_capacity
+#include "cam_units.h"      // cam_units_ticks_of_ns
+#include "cam_way.h"        // cam_way_z_last_nm
+#include "cam_windows.h"    // cam_windows_build
+#include "hal/hal.h"        // hal_has_edge_time
+#include <stddef.h>         // NULL
 
 /// 2 pi * 2^24, for gains of the observer.
 #define TWO_PI_Q24 INT64_C(105414357)
@@ -370,6 +371,7 @@ cam_err_t cam_build_config(cam_config_t *config, const cam_params_t *params,
     }
     config->switches = cam_windows_build(params, sense, tick_hz);
     build_limits(config, params, tick_hz);
+    cam_build_hand(config, params, tick_hz);
     build_guard(&config->guard, params, speed_limit_mrpm, tick_hz);
     config->guard.following_nm = cam_fit_following_nm(params, table);
     config->guard.approach_nm = cam_fit_approach_nm(params, table, tick_hz);

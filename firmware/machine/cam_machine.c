@@ -2,6 +2,7 @@
 #include "cam_machine.h"
 #include "cam_build.h"            // cam_build_speed_q32
 #include "cam_fix.h"              // cam_is_within
+#include "cam_machine_hand.h"     // cam_machine_check_places
 #include "cam_machine_identify.h" // cam_machine_identify_poll
 #include "cam_machine_inner.h"    // cam_machine_post
 #include "cam_machine_scope.h"    // cam_machine_scope_poll
@@ -86,9 +87,7 @@ cam_err_t cam_machine_select_table(cam_machine_t *m, const void *image, size_t s
     return err;
 }
 
-/// Check the inputs, and that U stands inside of its stroke: set-points stay in the stroke, so that
-/// from outside U would jump to the edge when it is enabled.
-static cam_err_t check_drives(const cam_params_t *params, const cam_status_t *status)
+cam_err_t cam_machine_check_drives(const cam_params_t *params, const cam_status_t *status)
 {
     if ((status->inputs & hal_in_estop) != 0u) {
         return cam_err_estop;
@@ -116,7 +115,10 @@ cam_err_t cam_machine_enable(cam_machine_t *m)
         err = check_part(m);
     }
     if (err == cam_ok) {
-        err = check_drives(&m->params, &status);
+        err = cam_machine_check_drives(&m->params, &status);
+    }
+    if (err == cam_ok) {
+        err = cam_machine_check_places(m, &status);
     }
     return err == cam_ok ? cam_machine_post(m, &status, cam_request_enable) : err;
 }
@@ -127,9 +129,9 @@ cam_err_t cam_machine_disable(cam_machine_t *m)
     if (status.state == cam_state_identifying) {
         return cam_machine_identify_stop(m, true);
     }
-    return cam_machine_post_if(m, &status,
-                               status.state == cam_state_homing || status.state == cam_state_ready,
-                               cam_request_disable);
+    const bool may_end = status.state == cam_state_homing || status.state == cam_state_ready ||
+                         status.state == cam_state_manual;
+    return cam_machine_post_if(m, &status, may_end, cam_request_disable);
 }
 
 cam_err_t cam_machine_home(cam_machine_t *m)
@@ -191,6 +193,9 @@ cam_err_t cam_machine_start(cam_machine_t *m)
         return cam_err_state;
     }
     cam_err_t err = check_part(m);
+    if (err == cam_ok) {
+        err = cam_machine_check_places(m, &status);
+    }
     if (err == cam_ok && (m->is_in_pass || is_too_fast(m, &status))) {
         err = cam_err_busy;
     }
@@ -217,6 +222,9 @@ cam_err_t cam_machine_stop(cam_machine_t *m)
     if (status.state == cam_state_identifying) {
         return cam_machine_identify_stop(m, false);
     }
+    if (status.state == cam_state_manual) {
+        return cam_machine_hand_stop(m);
+    }
     const cam_err_t err = cam_machine_post_if(m, &status, may_stop(status.state), cam_request_stop);
     // A cut over a measured Z has no other end.
     const bool is_end = m->params.z_is_measured != 0 && status.state == cam_state_cutting;
@@ -238,6 +246,7 @@ void cam_machine_poll(cam_machine_t *m)
     }
     cam_machine_scope_poll(m);
     cam_machine_identify_poll(m);
+    cam_machine_hand_poll(m);
     const cam_status_t status = cam_machine_status(m);
     end_pass(m, &status);
     cam_machine_teach_poll(m, status.state);

@@ -12,6 +12,7 @@
 
 #include "cam_err.h"      // cam_err_t
 #include "cam_feasible.h" // cam_feasibility_t
+#include "cam_hands.h"    // cam_hands_t
 #include "cam_identify.h" // cam_identify_t
 #include "cam_keep.h"     // cam_keep_found_t
 #include "cam_param.h"    // cam_params_t
@@ -73,6 +74,7 @@ typedef struct {
     bool is_box_kept;           ///< the box that is done was handed to the port
     cam_identify_t identify;    ///< excitation of U
     cam_teach_t teach;          ///< what was learned
+    cam_hands_t hands;          ///< orders by hand, homes
 } cam_machine_t;
 
 /// Bring interrupt and slow side into state off. To be called before the tick starts.
@@ -93,7 +95,8 @@ CAM_MUST_USE cam_err_t cam_machine_select_table(cam_machine_t *m, const void *im
 /// may but those of the encoder and z_is_measured, and the result must be feasible; the
 /// feed-forward of U may as soon as U is at rest, where it adds nothing to the command. In
 /// engaging, cutting and disengaging only phase_udeg and amplitude_ppm may, and they are ramped. In
-/// the other states none may. What is refused for its numbers is in m->refusal.
+/// manual the same may as in ready. In the other states none may. What is refused for its numbers
+/// is in m->refusal.
 /// @return cam_ok, cam_err_param_id, _range, _state, _tick, cam_err_busy, or a feasibility error,
 ///         for example for an amplitude that the running speed does not allow
 CAM_MUST_USE cam_err_t cam_machine_set_param(cam_machine_t *m, cam_param_id_t id, int32_t value);
@@ -143,8 +146,8 @@ uint32_t cam_machine_highest_mrpm(const cam_machine_t *m);
 cam_feasibility_t cam_machine_feasibility(const cam_machine_t *m, uint32_t speed_mrpm);
 
 /// Enable the drives and search the index: off -> homing.
-/// @return cam_ok, cam_err_state, _busy, _no_table, _estop, _drive, _bus, _u_place or a feasibility
-///         error
+/// @return cam_ok, cam_err_state, _busy, _no_table, _estop, _drive, _bus, _u_place, _not_homed,
+///         _travel (cam_machine_hand.h) or a feasibility error
 CAM_MUST_USE cam_err_t cam_machine_enable(cam_machine_t *m);
 
 /// Search the index anew: in off as cam_machine_enable(); in ready -> off -> homing, where
@@ -156,7 +159,8 @@ CAM_MUST_USE cam_err_t cam_machine_home(cam_machine_t *m);
 ///         interrupt has taken all commands and configurations; else cam_err_state, cam_err_busy
 CAM_MUST_USE cam_err_t cam_machine_may_exchange(const cam_machine_t *m);
 
-/// Take the enable away: homing, ready -> off. @return cam_ok, cam_err_state, cam_err_busy
+/// Take the enable away: homing, ready -> off; manual -> off as soon as the axes rest. @return
+/// cam_ok, cam_err_state, cam_err_busy
 CAM_MUST_USE cam_err_t cam_machine_disable(cam_machine_t *m);
 
 /// Cut one pass: ready -> engaging -> cutting -> disengaging -> ready. The next start cuts the next
@@ -167,7 +171,8 @@ CAM_MUST_USE cam_err_t cam_machine_disable(cam_machine_t *m);
 ///         cam_machine_feasibility() gives
 CAM_MUST_USE cam_err_t cam_machine_start(cam_machine_t *m);
 
-/// End the cut early: engaging, cutting -> disengaging; while the axes still approach -> ready.
+/// End the cut early: engaging, cutting -> disengaging; while the axes still approach -> ready. In
+/// manual brake what moves.
 /// @return cam_ok, cam_err_state, cam_err_busy
 CAM_MUST_USE cam_err_t cam_machine_stop(cam_machine_t *m);
 

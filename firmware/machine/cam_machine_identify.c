@@ -2,6 +2,7 @@
 #include "cam_machine_identify.h"
 #include "cam_box.h"           // cam_box_is_unread
 #include "cam_fix.h"           // cam_sat_i32
+#include "cam_machine_hand.h"  // cam_machine_hand_alive
 #include "cam_machine_inner.h" // cam_machine_request
 #include "cam_machine_scope.h" // cam_machine_scope_is_free
 #include "cam_table.h"         // cam_crc32
@@ -214,6 +215,7 @@ cam_wave_verdict_t cam_machine_excite(cam_machine_t *m, uint32_t n_periods, uint
 void cam_machine_keep_alive(cam_machine_t *m)
 {
     m->identify.alive_tick = cam_machine_status(m).tick;
+    cam_machine_hand_alive(m);
 }
 
 // The sequence

@@ -53,7 +53,7 @@ CAM_MUST_USE cam_err_t cam_machine_wave_end(cam_machine_t *m, uint32_t crc);
 ///                    X [nm] that is needed
 cam_wave_verdict_t cam_machine_excite(cam_machine_t *m, uint32_t n_periods, uint32_t fade_ticks);
 
-/// A sign of life of whoever commands the excitation.
+/// A sign of life of whoever commands the excitation, or moves an axis by hand.
 void cam_machine_keep_alive(cam_machine_t *m);
 
 /// The part of cam_machine_poll() that leads the excitation.

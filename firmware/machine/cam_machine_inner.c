@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_machine_inner.h"
-#include "cam_build.h"    // cam_build_config
-#include "cam_identify.h" // cam_identify_is_between
-#include "cam_pass.h"     // cam_pass_params
-#include <stdatomic.h>    // atomic_store_explicit
-#include <stddef.h>       // NULL
+#include "cam_build.h"      // cam_build_config
+#include "cam_build_hand.h" // cam_build_origin
+#include "cam_identify.h"   // cam_identify_is_between
+#include "cam_pass.h"       // cam_pass_params
+#include <stdatomic.h>      // atomic_store_explicit
+#include <stddef.h>         // NULL
 
 /// Overspeed becomes a fault this far above the highest feasible speed, so that ripple does not.
 enum { overspeed_percent = 1 };
@@ -69,11 +70,14 @@ cam_err_t cam_machine_hand_over(cam_machine_t *m, const cam_params_t *params,
     const uint32_t limit_mrpm = peak_mrpm + peak_mrpm / 100u * overspeed_percent;
     const cam_err_t err = cam_build_config(half, &here, table, limit_mrpm, m->tick_hz, m->clock_hz);
     if (err == cam_ok) {
+        cam_build_origin(half, cam_hands_origin_nm(&m->hands, params, hal_axis_x),
+                         cam_hands_origin_nm(&m->hands, params, hal_axis_z));
         const cam_config_t *last =
             atomic_load_explicit(&m->core->config.offered, memory_order_relaxed);
         if (last != NULL) {
             half->learned = last->learned;
             cam_config_learn(half);
+            half->play.hand.order = last->play.hand.order;
         }
         m->generation++;
         m->pass = pass;

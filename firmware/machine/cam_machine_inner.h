@@ -31,6 +31,12 @@ CAM_MUST_USE cam_err_t cam_machine_post(cam_machine_t *m, const cam_status_t *st
 CAM_MUST_USE cam_err_t cam_machine_post_if(cam_machine_t *m, const cam_status_t *status,
                                            bool is_allowed, cam_request_t request);
 
+/// Check the inputs, and that U stands inside of its stroke: set-points stay in the stroke, so that
+/// from outside U would jump to the edge when it is enabled.
+/// @return cam_ok, cam_err_estop, _drive, _bus, _u_place
+CAM_MUST_USE cam_err_t cam_machine_check_drives(const cam_params_t *params,
+                                                const cam_status_t *status);
+
 /// Judge the speeds that start would use with these parameters and this table. What is infeasible
 /// is kept with its numbers, for cam_machine_refusal().
 /// @return cam_ok or why not (cam_feasible.h)

@@ -16,6 +16,7 @@ static bool may_change(cam_param_id_t id, cam_state_t state)
     case cam_state_off:
         return true;
     case cam_state_ready:
+    case cam_state_manual:
         return id != cam_param_counts_per_turn && id != cam_param_encoder_sign &&
                id != cam_param_index_offset_udeg && id != cam_param_observer_bandwidth_mHz &&
                id != cam_param_z_is_measured;
@@ -64,7 +65,7 @@ static cam_err_t check_state(cam_machine_t *m, const cam_params_t *params, cam_p
         if (!may_change((cam_param_id_t)id, status->state)) {
             return refuse(m, cam_err_param_state, id);
         }
-        if (needs_rest((cam_param_id_t)id) && status->state == cam_state_ready &&
+        if (needs_rest((cam_param_id_t)id) && status->state != cam_state_off &&
             !status->is_u_at_rest) {
             return cam_err_busy;
         }
@@ -72,8 +73,8 @@ static cam_err_t check_state(cam_machine_t *m, const cam_params_t *params, cam_p
     return cam_ok;
 }
 
-/// Keep which parameter does not fit tick or outputs, with the most that does. A lead that fits by itself
-/// is too long together with the latency of U's scale.
+/// Keep which parameter does not fit tick or outputs, with the most that does. A lead that fits by
+/// itself is too long together with the latency of U's scale.
 static void explain_fit(cam_machine_t *m, const cam_params_t *params, cam_err_t err)
 {
     uint32_t id = 0;
@@ -121,7 +122,8 @@ static cam_err_t apply(cam_machine_t *m, const cam_params_t *params, cam_param_i
     }
     cam_err_t err = check_state(m, params, named, &status);
     // Enabled, the machine takes a changed parameter at once, so what it leads to must be feasible.
-    if (err == cam_ok && status.state != cam_state_off && m->has_table) {
+    const bool is_judged = status.state != cam_state_off && status.state != cam_state_manual;
+    if (err == cam_ok && is_judged && m->has_table) {
         err = cam_machine_judge(m, params, &m->table);
     }
     if (err == cam_ok) {

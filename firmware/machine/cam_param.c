@@ -46,13 +46,19 @@ int32_t cam_param_get(const cam_params_t *params, cam_param_id_t id)
     return value;
 }
 
+static bool is_sign(cam_param_id_t id)
+{
+    return id == cam_param_encoder_sign || id == cam_param_u_home_sense ||
+           id == cam_param_x_home_sense || id == cam_param_z_home_sense;
+}
+
 cam_err_t cam_param_set(cam_params_t *params, cam_param_id_t id, int32_t value)
 {
     const cam_param_info_t *info = cam_param_info(id);
     if (info == NULL) {
         return cam_err_param_id;
     }
-    const bool is_no_sign = id == cam_param_encoder_sign && value == 0;
+    const bool is_no_sign = is_sign(id) && value == 0;
     if (value < info->min || value > info->max || is_no_sign) {
         return cam_err_param_range;
     }

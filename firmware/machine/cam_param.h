@@ -84,7 +84,43 @@
     CAM_SWITCH_PARAMS(X, 5) \
     CAM_SWITCH_PARAMS(X, 6) \
     CAM_SWITCH_PARAMS(X, 7) \
-    CAM_SWITCH_PARAMS(X, 8)
+    CAM_SWITCH_PARAMS(X, 8) \
+    X(u_jog_um_per_s,                 1,       2000,    1000000, "highest speed of U by hand") \
+    X(x_jog_um_per_s,                 1,      10000,    1000000, "highest speed of X by hand") \
+    X(z_jog_um_per_s,                 1,      10000,    1000000, "highest speed of Z by hand") \
+    X(x_low_nm,             -2000000000,          0, 2000000000, "lower limit of X's travel by hand, in the machine's numbers; low = high: none") \
+    X(x_high_nm,            -2000000000,          0, 2000000000, "upper limit of it") \
+    X(z_low_nm,             -2000000000,          0, 2000000000, "lower limit of Z's travel by hand, in the machine's numbers; low = high: none") \
+    X(z_high_nm,            -2000000000,          0, 2000000000, "upper limit of it") \
+    X(homing_required,                0,          0,          1, "1: enable and start want every axis homed that has a way of homing") \
+    X(u_home,                         0,          0,          3, "homing of U: 0 none, its place is known; 1 where it stands; 2 switch; 3 switch and index") \
+    X(u_home_sense,                  -1,          1,          1, "sense in which U searches its switch, 1: its numbers rise; 0 is refused") \
+    X(u_home_um_per_s,                1,       1000,    1000000, "speed of that search") \
+    X(u_home_slow_um_per_s,           1,        100,    1000000, "... off the switch and to the index") \
+    X(u_home_nm,              -15000000,          0,   15000000, "U at its home") \
+    X(x_home,                         0,          0,          3, "homing of X, as that of U") \
+    X(x_home_sense,                  -1,          1,          1, "sense in which X searches its switch, 1: away from the axis; 0 is refused") \
+    X(x_home_um_per_s,                1,      10000,    1000000, "speed of that search") \
+    X(x_home_slow_um_per_s,           1,       1000,    1000000, "... off the switch and to the index") \
+    X(x_home_nm,            -1000000000,          0, 1000000000, "X at its home, in the machine's numbers") \
+    X(x_home_travel_nm,            1000,  500000000, 2000000000, "the search of X ends without success after this") \
+    X(z_home,                         0,          0,          3, "homing of Z, as that of U") \
+    X(z_home_sense,                  -1,          1,          1, "sense in which Z searches its switch, 1: its heights rise; 0 is refused") \
+    X(z_home_um_per_s,                1,      10000,    1000000, "speed of that search") \
+    X(z_home_slow_um_per_s,           1,       1000,    1000000, "... off the switch and to the index") \
+    X(z_home_nm,            -1000000000,          0, 1000000000, "Z at its home, in the machine's numbers") \
+    X(z_home_travel_nm,            1000, 1000000000, 2000000000, "the search of Z ends without success after this") \
+    X(x_datum_nm,           -1000000000,          0, 1000000000, "X of the part less X of the machine, with tool 0") \
+    X(z_datum_nm,           -1000000000,          0, 1000000000, "height of the part less Z of the machine, with tool 0") \
+    X(tool,                           0,          0,          4, "tool whose offsets count; 0: one without") \
+    X(tool_1_x_nm,           -500000000,          0,  500000000, "tip of tool 1 farther from the axis than that of tool 0 by this") \
+    X(tool_1_z_nm,           -500000000,          0,  500000000, "... and at a greater height by this") \
+    X(tool_2_x_nm,           -500000000,          0,  500000000, "the same of tool 2") \
+    X(tool_2_z_nm,           -500000000,          0,  500000000, "the same of tool 2") \
+    X(tool_3_x_nm,           -500000000,          0,  500000000, "the same of tool 3") \
+    X(tool_3_z_nm,           -500000000,          0,  500000000, "the same of tool 3") \
+    X(tool_4_x_nm,           -500000000,          0,  500000000, "the same of tool 4") \
+    X(tool_4_z_nm,           -500000000,          0,  500000000, "the same of tool 4")
 // clang-format on
 
 /// Index of a parameter, in the order of the list.

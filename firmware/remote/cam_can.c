@@ -32,6 +32,10 @@ void cam_can_answer(cam_can_t *r, uint8_t command, uint8_t parameter, cam_outcom
         .phase = outcome.value,
         .received = (uint32_t)outcome.value,
         .crc = (uint32_t)outcome.value,
+        .jog_speed = outcome.value,
+        .place = outcome.value,
+        .datum = outcome.value,
+        .tool = outcome.value,
     };
     hal_can_frame_t *frame = &r->answers[r->n_answers];
     frame->id = CAMTURN_ANSWER_FRAME_ID;
@@ -81,8 +85,7 @@ void cam_can_answer_range(cam_can_t *r, cam_param_id_t id)
     cam_can_answer(r, CAMTURN_ANSWER_COMMAND_GET_MAXIMUM_CHOICE, index, limit(id, false));
 }
 
-/// Set a parameter and answer with the value in force; a value out of its range gets the range too.
-static void set(cam_can_t *r, uint8_t command, cam_param_id_t id, int32_t value)
+void cam_can_set(cam_can_t *r, uint8_t command, cam_param_id_t id, int32_t value)
 {
     const uint8_t index = (uint8_t)id;
     const cam_outcome_t outcome = get(r, id, cam_machine_set_param(r->machine, id, value));
@@ -170,22 +173,22 @@ static void follow(cam_can_t *r, const struct camturn_command_t *m)
 {
     switch (m->command) {
     case CAMTURN_COMMAND_COMMAND_SET_PARAMETER_CHOICE:
-        set(r, m->command, (cam_param_id_t)m->parameter, m->value);
+        cam_can_set(r, m->command, (cam_param_id_t)m->parameter, m->value);
         break;
     case CAMTURN_COMMAND_COMMAND_SET_SPEED_CHOICE:
-        set(r, m->command, cam_param_spindle_mrpm, m->speed);
+        cam_can_set(r, m->command, cam_param_spindle_mrpm, m->speed);
         break;
     case CAMTURN_COMMAND_COMMAND_SET_FEED_CHOICE:
-        set(r, m->command, cam_param_feed_nm, m->feed);
+        cam_can_set(r, m->command, cam_param_feed_nm, m->feed);
         break;
     case CAMTURN_COMMAND_COMMAND_SET_AMPLITUDE_CHOICE:
-        set(r, m->command, cam_param_amplitude_ppm, m->amplitude);
+        cam_can_set(r, m->command, cam_param_amplitude_ppm, m->amplitude);
         break;
     case CAMTURN_COMMAND_COMMAND_SET_PHASE_CHOICE:
-        set(r, m->command, cam_param_phase_udeg, m->phase);
+        cam_can_set(r, m->command, cam_param_phase_udeg, m->phase);
         break;
     default:
-        if (!cam_can_scope(r, m) && !cam_can_params(r, m)) {
+        if (!cam_can_scope(r, m) && !cam_can_params(r, m) && !cam_can_hand(r, m)) {
             cam_can_answer(r, m->command, m->parameter, carry_out(r, m));
         }
         break;

@@ -56,4 +56,11 @@ bool cam_can_params(cam_can_t *r, const struct camturn_command_t *m);
 /// Topic: recorder, excitation and learning.
 bool cam_can_scope(cam_can_t *r, const struct camturn_command_t *m);
 
+/// Topic: axes by hand, homes, datum and tools.
+bool cam_can_hand(cam_can_t *r, const struct camturn_command_t *m);
+
+/// Set a parameter by a command and answer with the value in force; a value out of its range gets
+/// the range too.
+void cam_can_set(cam_can_t *r, uint8_t command, cam_param_id_t id, int32_t value);
+
 #endif

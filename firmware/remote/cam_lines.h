@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// cam_lines: lines of text for people: why the controller started, whether the table is in use,
-/// what the scales resolve, every change of state, every fault. They go to hal_text(). All functions: slow side, main()
-/// only.
+/// what the scales resolve, every change of state, every fault. They go to hal_text(). All
+/// functions: slow side, main() only.
 #ifndef CAM_LINES_H
 #define CAM_LINES_H
 

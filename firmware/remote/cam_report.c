@@ -15,14 +15,15 @@ enum {
     page_crc,
     page_name,
     page_learning = 11,
-    page_learning_end = 16,
+    page_hand = 16,
+    page_hand_end = 18,
     page_params = 21
 };
 
 /// Those that are sent in turn.
-static const uint8_t turns[] = {page_load, page_rate, page_table, page_crc,   page_name,     6,
-                                7,         8,         9,          10,         page_learning, 12,
-                                13,        14,        15,         page_params};
+static const uint8_t turns[] = {page_load, page_rate, page_table, page_crc,      page_name, 6,  7,
+                                8,         9,         10,         page_learning, 12,        13, 14,
+                                15,        page_hand, 17,         page_params};
 
 /// Characters of the table's name in a page. Readers see them as one number of 48 bits.
 enum { name_chars = 6 };
@@ -131,7 +132,7 @@ static void describe_table(struct camturn_detail_t *m, const cam_store_t *store)
 static void describe_learning(struct camturn_detail_t *m, const cam_machine_t *machine)
 {
     enum { most = (1 << 24) - 1 };
-    if (m->page < page_learning || m->page >= page_learning_end) {
+    if (m->page < page_learning || m->page >= page_hand) {
         return;
     }
     const cam_teach_status_t t = cam_machine_learning(machine);
@@ -160,6 +161,30 @@ static void describe_params(struct camturn_detail_t *m, cam_machine_t *machine)
     m->params_kept = (uint8_t)p.kept;
     m->params_version = p.version % (uint32_t)most;
     m->params_checksum = p.checksum;
+}
+
+/// Fill in the signals of a page that describes what is done by hand.
+static void describe_hand(struct camturn_detail_t *m, const cam_machine_t *machine,
+                          const cam_status_t *status)
+{
+    if (m->page < page_hand || m->page >= page_hand_end) {
+        return;
+    }
+    const uint32_t homed = status->hand.homed;
+    const int64_t x_nm = (int64_t)status->x_actual_nm -
+                         cam_hands_origin_nm(&machine->hands, &machine->params, hal_axis_x);
+    m->homed_u = (homed & 1u << hal_axis_u) != 0u ? 1u : 0u;
+    m->homed_x = (homed & 1u << hal_axis_x) != 0u ? 1u : 0u;
+    m->homed_z = (homed & 1u << hal_axis_z) != 0u ? 1u : 0u;
+    m->on_home_u = (status->inputs & hal_in_home_u) != 0u ? 1u : 0u;
+    m->on_home_x = (status->inputs & hal_in_home_x) != 0u ? 1u : 0u;
+    m->on_home_z = (status->inputs & hal_in_home_z) != 0u ? 1u : 0u;
+    m->hand_orders = (uint16_t)(status->hand.serial & 0xFFFFu);
+    m->x = cam_sat_i32(x_nm);
+    m->hand_phase = (uint8_t)status->hand.phase;
+    m->hand_end = (uint8_t)status->hand.end;
+    m->hand_axis = (uint8_t)status->hand.axis;
+    m->tool = (uint8_t)((uint32_t)machine->params.tool & 0xFFu);
 }
 
 /// @return number of the pass that is cut or that start cuts next; 0 of a table without passes
@@ -192,6 +217,7 @@ static void send_detail(uint32_t page, const cam_store_t *store, const cam_statu
     describe_table(&m, store);
     describe_learning(&m, store->machine);
     describe_params(&m, store->machine);
+    describe_hand(&m, store->machine, status);
     hal_can_frame_t frame;
     send(&frame, CAMTURN_DETAIL_FRAME_ID, camturn_detail_pack(frame.data, &m, sizeof frame.data));
 }

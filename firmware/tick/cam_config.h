@@ -14,6 +14,7 @@
 #include "cam_fence.h"   // cam_fence_acquire_isr
 #include "cam_learn.h"   // cam_learned_t
 #include "cam_move.h"    // cam_move_limits_t
+#include "cam_order.h"   // cam_hand_config_t
 #include "cam_speed.h"   // cam_speed_config_t
 #include "hal/hal.h"     // hal_n_axes
 #include <stdatomic.h>   // offered, in_use
@@ -104,20 +105,22 @@ typedef struct {
     cam_rings_t rings;      ///< off: the feed is that of a helix
     int32_t feed_nm;        ///< [nm] per turn
     int32_t z_first_nm;     ///< [nm] where the feed starts
-    int32_t z_low_nm, z_high_nm; ///< [nm] range accepted from a measured Z
+    int32_t z_origin_nm;    ///< [nm] where the port counts Z at height 0 of the part
+    int32_t z_low_nm, z_high_nm; ///< [nm] range accepted from a measured Z, by the port
     int32_t z_margin_nm;         ///< [nm] accepted distance of a geared Z from its place
     int32_t turning_q32;         ///< [turn / 2^32 per tick] slower does not count as turning
     bool is_z_measured;
     int64_t u_retract_q10;  ///< [nm / 1024]
     int32_t x_clearance_nm; ///< [nm]
-    int64_t x_clear_q10;    ///< [nm / 1024] X off the work at every height
-    int64_t x_offset_q10;   ///< [nm / 1024] X where its knots are 0: offset of the channel and own
+    int64_t x_clear_q10;    ///< [nm / 1024] X off the work at every height, by the port
+    int64_t x_offset_q10;   ///< [nm / 1024] X where its knots are 0, by the port
     cam_move_limits_t approach[hal_n_axes]; ///< gentle limits outside the cut; X, Z: per plan
     cam_move_limits_t leave[hal_n_axes];    ///< full limits per plan, of X and Z in state fault
     int32_t spindle_mrpm;                   ///< mean set-point, signed by the table's direction
     cam_speed_config_t speed;               ///< modulation, of a table with a speed channel
     cam_swing_config_t swing;               ///< of a table that swings the tool
     cam_excite_config_t excite;             ///< wave of U in the state identifying
+    cam_hand_config_t hand;                 ///< order of the state manual
 } cam_play_config_t;
 
 /// What the guard needs (cam_guard.h).

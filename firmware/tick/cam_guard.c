@@ -13,6 +13,12 @@
     (ARMED_SYNCED | CAM_FAULT_BIT(reverse) | CAM_FAULT_BIT(spindle_stopped) |                      \
      CAM_FAULT_BIT(overspeed) | CAM_FAULT_BIT(z_range) | CAM_FAULT_BIT(swing))
 
+/// By hand neither the spindle nor its encoder matter.
+#define ARMED_BY_HAND                                                                              \
+    (CAM_FAULT_BIT(estop) | CAM_FAULT_BIT(drive) | CAM_FAULT_BIT(bus) | CAM_FAULT_BIT(late_tick) | \
+     CAM_FAULT_BIT(table) | CAM_FAULT_BIT(following_error) | CAM_FAULT_BIT(setpoint_speed) |       \
+     CAM_FAULT_BIT(setpoint_acceleration) | CAM_FAULT_BIT(setpoint_range))
+
 /// Bit of the states in which nothing is accepted, fault or not.
 #define AT_REST (UINT32_C(1) << 31)
 _Static_assert(cam_n_faults < 32, "a bit is left");
@@ -29,6 +35,7 @@ static const uint32_t armed[cam_n_states] = {
     [cam_state_fault] = ARMED_IN_FAULT | AT_REST,
     [cam_state_rehearsing] = ARMED_IN_WORK,
     [cam_state_identifying] = ARMED_SYNCED,
+    [cam_state_manual] = ARMED_BY_HAND,
 };
 
 uint32_t cam_guard_armed(cam_state_t state)
@@ -134,14 +141,16 @@ static cam_verdict_t enter_fault(cam_guard_t *g, uint32_t faults)
     };
 }
 
-/// In the ticks after that of the fault U retracts, while the plan leads the other axes away.
+/// In the ticks after that of the fault U retracts, or brakes where it was moved by hand, while the
+/// plan leads the other axes away.
 static cam_verdict_t leave_work(cam_guard_t *g, const cam_guard_config_t *cfg, uint32_t faults,
-                                bool is_clear)
+                                const cam_motion_t *m)
 {
     g->faults |= faults;
-    const bool is_u_out = cam_move_to_isr(&g->u, &cfg->u, cfg->u_retract_q10);
+    const bool is_u_out = m->is_by_hand ? cam_move_stop_isr(&g->u, &cfg->u)
+                                        : cam_move_to_isr(&g->u, &cfg->u, cfg->u_retract_q10);
     g->u_set_q6 = cam_sat_i32(g->u.pos_q10 >> 4);
-    g->is_retracted = g->is_retracted || (is_u_out && is_clear);
+    g->is_retracted = g->is_retracted || (is_u_out && m->is_clear);
     const bool is_held = !g->is_retracted && (g->faults & CAM_FAULT_BIT(drive)) == 0u;
     return (cam_verdict_t){
         .faults = g->faults,
@@ -166,9 +175,8 @@ static cam_verdict_t forget(cam_guard_t *g, int32_t u_set_q6)
 CAM_STAGE static cam_verdict_t rest(cam_guard_t *g, const cam_guard_config_t *cfg,
                                     const cam_tick_record_t *r, const cam_motion_t *m)
 {
-    return r->want.state == cam_state_off
-               ? forget(g, r->want.u_set_q6)
-               : leave_work(g, cfg, r->want.faults & ARMED_IN_FAULT, m->is_clear);
+    return r->want.state == cam_state_off ? forget(g, r->want.u_set_q6)
+                                          : leave_work(g, cfg, r->want.faults & ARMED_IN_FAULT, m);
 }
 
 /// There is no fault: the set-point of play is written.

@@ -14,9 +14,8 @@ static bool can_brake(uint32_t vel, uint32_t acceleration, uint32_t distance)
 static int32_t choose(int32_t vel, const cam_move_limits_t *limits, uint32_t distance)
 {
     const int32_t a = limits->acceleration_q10;
-    const int32_t faster = vel + a <= limits->speed_q10 ? vel + a
-                           : vel > limits->speed_q10    ? vel - a
-                                                        : limits->speed_q10;
+    const int32_t slower = vel - a > limits->speed_q10 ? vel - a : limits->speed_q10;
+    const int32_t faster = vel + a <= limits->speed_q10 ? vel + a : slower;
     if (faster <= 0 || can_brake((uint32_t)faster, (uint32_t)a, distance)) {
         return faster;
     }
@@ -35,7 +34,8 @@ bool cam_move_to_isr(cam_move_t *m, const cam_move_limits_t *limits, int64_t tar
     const int32_t ahead = magnitude < INT32_MAX ? (int32_t)magnitude : INT32_MAX;
     const int32_t vel = is_backward ? -m->vel_q10 : m->vel_q10;
     const int32_t a = limits->acceleration_q10;
-    const bool is_last = ahead <= a && cam_is_within(ahead - vel, a);
+    const bool is_near = ahead <= a && ahead <= limits->speed_q10;
+    const bool is_last = is_near && cam_is_within(ahead - vel, a);
     const int32_t next = is_last ? ahead : choose(vel, limits, (uint32_t)ahead);
     const int32_t vel_q10 = is_backward ? -next : next;
     m->acc_q10 = vel_q10 - m->vel_q10;

@@ -67,6 +67,12 @@ static int32_t fed_nm(const cam_plan_t *p, const cam_play_config_t *cfg, int64_t
     return (int32_t)((fed_q32 * cfg->feed_nm + (INT64_C(1) << 31)) >> 32);
 }
 
+/// @return [nm / 1024] a height of the part where the port counts Z, MATHS.md (170)
+static int64_t by_port_q10(const cam_play_config_t *cfg, int32_t z_nm)
+{
+    return ((int64_t)z_nm + cfg->z_origin_nm) * 1024;
+}
+
 /// @return [nm] Z at the next plan, along a plain helix; a measured Z is extrapolated by its travel
 /// since the last plan
 static int32_t height_nm(cam_plan_t *p, const cam_play_config_t *cfg, int32_t actual_nm,
@@ -74,7 +80,7 @@ static int32_t height_nm(cam_plan_t *p, const cam_play_config_t *cfg, int32_t ac
 {
     const int32_t moved_nm = cam_wrap_sub(actual_nm, p->measured_nm);
     p->measured_nm = actual_nm;
-    return cfg->is_z_measured ? cam_wrap_add(actual_nm, moved_nm)
+    return cfg->is_z_measured ? cam_wrap_add(cam_wrap_sub(actual_nm, cfg->z_origin_nm), moved_nm)
                               : cfg->z_first_nm + fed_nm(p, cfg, pos_q32);
 }
 
@@ -137,7 +143,7 @@ static height_t aim_skirt(const cam_plan_t *p, const cam_play_config_t *cfg, cam
     const bool has_way = cfg->table->way.knots != NULL && !cfg->is_z_measured;
     const cam_way_t plain = {.z_nm = helix_nm};
     const cam_way_t way = has_way ? cam_way_at(cfg->table, helix_nm) : plain;
-    cam_aim_isr(&m->axis[hal_axis_z], cfg, (int64_t)way.z_nm * 1024);
+    cam_aim_isr(&m->axis[hal_axis_z], cfg, by_port_q10(cfg, way.z_nm));
     const int32_t u_nm = u_height_nm(p, cfg, u_q32, helix_nm, m->axis[hal_axis_z].vel_q10);
     const int64_t behind_q16 = (int64_t)cam_wrap_sub(u_nm, helix_nm) * way.slope_q16;
     const int32_t u_z_nm = has_way ? way.z_nm + (int32_t)(behind_q16 >> 16) : u_nm;
@@ -156,9 +162,9 @@ static height_t aim_shaft(cam_plan_t *p, const cam_play_config_t *cfg, cam_motio
     int32_t u_z_nm = helix_nm;
     int32_t lobe_z_nm = helix_nm;
     if (t->has_stations) {
-        cam_aim_isr(z, cfg, (int64_t)cam_way_at(t, helix_nm).z_nm * 1024);
+        cam_aim_isr(z, cfg, by_port_q10(cfg, cam_way_at(t, helix_nm).z_nm));
     } else {
-        cam_aim_isr(z, cfg, (int64_t)helix_nm * 1024);
+        cam_aim_isr(z, cfg, by_port_q10(cfg, helix_nm));
         u_z_nm = u_height_nm(p, cfg, u_q32, helix_nm, z->vel_q10);
         lobe_z_nm = cfg->is_z_measured ? cam_shaft_smooth_isr(&p->shaft, u_z_nm) : u_z_nm;
     }
@@ -291,7 +297,8 @@ static void lay(cam_plan_t *p, const cam_play_config_t *cfg, const cam_tick_reco
                 cam_motion_t *m)
 {
     const int32_t actual_nm = r->in.actual_nm[hal_axis_z];
-    const int32_t z_nm = cfg->is_z_measured ? actual_nm : cfg->z_first_nm;
+    const int32_t part_nm = cam_wrap_sub(actual_nm, cfg->z_origin_nm);
+    const int32_t z_nm = cfg->is_z_measured ? part_nm : cfg->z_first_nm;
     p->engage_at_q32 = cam_angle_next_turn(
         cam_angle_ahead(&r->angle, cfg->commanded_q16 + cfg->plan_ticks * 65536));
     p->feed_at_q32 = p->engage_at_q32 + cfg->engage_q32;

@@ -75,6 +75,7 @@ static void follow_axes(cam_motion_t *m, const cam_sense_t *in)
     m->spindle_mrpm = 0;
     m->faults = 0;
     m->was_off = true;
+    m->is_by_hand = false;
 }
 
 /// Move U to its place and play the wave there, whose end ends the state. While U rests at the
@@ -108,6 +109,8 @@ CAM_STAGE static int32_t move_u(cam_play_t *p, const cam_play_config_t *cfg, con
         follow_axes(m, in);
     } else if (m->state == cam_state_identifying) {
         wave_q6 = play_wave(p, cfg, m);
+    } else if (m->state == cam_state_manual) {
+        advance(u);
     } else if (m->state != cam_state_fault) {
         (void)cam_move_to_isr(u, &cfg->approach[hal_axis_u], m->u_target_q10);
     } else { // U is where the guard has led it
@@ -135,7 +138,7 @@ static void obey_in_cut(cam_play_t *p, uint32_t request, cam_motion_t *m, cam_wa
 static bool is_held(cam_state_t state)
 {
     return cam_state_is_in_work(state) || state == cam_state_fault ||
-           state == cam_state_identifying;
+           state == cam_state_identifying || state == cam_state_manual;
 }
 
 /// Begin to play the wave, if there is one.
@@ -144,6 +147,16 @@ static void begin_excitation(cam_play_t *p, const cam_play_config_t *cfg, cam_mo
     if (m->state == cam_state_ready && cfg->excite.n > 0u) {
         m->state = cam_state_identifying;
         cam_excite_begin_isr(&p->excite, &cfg->excite);
+    }
+}
+
+/// Hold the axes where they stand; the plan moves them by hand.
+static void begin_by_hand(cam_motion_t *m)
+{
+    if (m->state == cam_state_off) {
+        m->state = cam_state_manual;
+        m->is_by_hand = true;
+        m->is_stopping = false;
     }
 }
 
@@ -165,7 +178,8 @@ static uint32_t obey(cam_play_t *p, const cam_play_config_t *cfg, uint32_t reque
             m->u_target_q10 = cfg->u_retract_q10;
         }
         break;
-    case cam_request_disable:
+    case cam_request_disable: // axes that are moved by hand brake first
+        m->is_stopping = m->state == cam_state_manual;
         m->state = is_held(m->state) ? m->state : cam_state_off;
         break;
     case cam_request_start:
@@ -184,6 +198,9 @@ static uint32_t obey(cam_play_t *p, const cam_play_config_t *cfg, uint32_t reque
         return CAM_FAULT_BIT(table);
     case cam_request_identify:
         begin_excitation(p, cfg, m);
+        break;
+    case cam_request_manual:
+        begin_by_hand(m);
         break;
     case cam_request_none:
         break;
@@ -209,6 +226,14 @@ static void remember(cam_play_t *p, int32_t u_q6)
     p->history_q6[p->n_history % cam_play_history] = u_q6;
 }
 
+void cam_play_shift_isr(cam_play_t *p, int32_t by_q6)
+{
+    for (uint32_t i = 0; i < cam_play_history; i++) {
+        p->history_q6[i] = cam_wrap_add(p->history_q6[i], by_q6);
+    }
+    p->due_q6 = cam_wrap_add(p->due_q6, by_q6);
+}
+
 void cam_play_step_isr(cam_play_t *p, const cam_play_config_t *cfg, const cam_sense_t *in,
                        const cam_angle_t *angle, cam_motion_t *m, cam_want_t *want)
 {
@@ -218,13 +243,14 @@ void cam_play_step_isr(cam_play_t *p, const cam_play_config_t *cfg, const cam_se
         if (is_new) {
             obey_in_cut(p, in->request, m, want);
         }
-        want->z_nm = (int32_t)(m->axis[hal_axis_z].pos_q10 >> 10) - (m->behind_q4 >> 4);
+        const int32_t z_nm = (int32_t)(m->axis[hal_axis_z].pos_q10 >> 10);
+        want->z_nm = cam_wrap_sub(z_nm, cfg->z_origin_nm) - (m->behind_q4 >> 4);
         want->u_set_q6 = play_table(p, cfg, angle, m, want->faults);
     } else {
         if (is_new) {
             want->faults |= obey(p, cfg, in->request, m);
         }
-        want->z_nm = in->actual_nm[hal_axis_z];
+        want->z_nm = cam_wrap_sub(in->actual_nm[hal_axis_z], cfg->z_origin_nm);
         want->u_set_q6 = move_u(p, cfg, in, m);
     }
     remember(p, want->u_set_q6);

@@ -11,7 +11,8 @@
 /// U is read in every tick, at the angle that the spindle will have when the drive's dead time has
 /// passed. All the rest changes slowly and moves on by the increments of the plan (cam_plan.h). In
 /// all other states U moves to a place within its limits (cam_move.h), X and Z by the plan; while
-/// identifying a wave is added to that place (cam_excite.h).
+/// identifying a wave is added to that place (cam_excite.h), and in manual the plan moves U as well
+/// (cam_hand.h).
 /// Requests are carried out in the tick that senses them.
 /// Source: MATHS.md (54), (55). Context: ISR.
 #ifndef CAM_PLAY_H
@@ -44,5 +45,10 @@ typedef struct {
 /// Constant time in each state.
 void cam_play_step_isr(cam_play_t *p, const cam_play_config_t *cfg, const cam_sense_t *in,
                        const cam_angle_t *angle, cam_motion_t *m, cam_want_t *want);
+
+/// Shift the set-points of U that are still due, since U is called by other numbers from the next
+/// tick on.
+/// @param by_q6  [nm / 64]
+void cam_play_shift_isr(cam_play_t *p, int32_t by_q6);
 
 #endif

@@ -20,7 +20,7 @@
 typedef struct {
     uint32_t clock;                ///< [1 / hal_clock_hz()] at the start of the tick
     hal_encoder_t encoder;         ///< spindle
-    int32_t actual_nm[hal_n_axes]; ///< [nm] measured axes
+    int32_t actual_nm[hal_n_axes]; ///< [nm] measured axes; U from its home on
     int32_t swing_q32;             ///< [turn / 2^32] measured swing
     uint32_t inputs;               ///< hal_in_*
     uint32_t request;              ///< serial number << 8 | cam_request_t
@@ -68,10 +68,13 @@ typedef struct {
     cam_state_t state;
     int32_t spindle_mrpm; ///< [r/min / 1000] set-point, signed
     bool is_playing;      ///< in the work and not approaching it: axes follow the table
-    bool is_stopping;     ///< a stop was requested; the next plan lays the end of the cut
+    bool is_stopping;     ///< a stop was requested; the next plan lays the end of the cut. Manual:
+                          ///< a disable was requested; the state ends when the axes rest
     bool was_off;         ///< off since the last plan: the angle must be found anew
     bool is_clear;        ///< state fault: X has moved off, Z and the swing have come to rest
     bool is_retracted;    ///< state fault: the guard's retract has ended
+    bool is_by_hand;      ///< manual, and a fault behind it: all axes brake where they are
+    int32_t u_home_nm;    ///< [nm] U of the controller less U of the port, found by homing
     uint32_t faults;      ///< seen by the plan, for the ticks up to the next one
     cam_move_t axis[hal_n_axes];       ///< while playing, U's position is in cam_want_t
     int32_t c_q6;                      ///< [nm / 64] correction of U's command that was learned

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_rest.h"
-#include "cam_aim.h"   // cam_aim_isr
-#include "cam_fix.h"   // cam_sat_i32
-#include "cam_move.h"  // cam_move_to_isr
+#include "cam_aim.h"   // cam_aim_profile_q10
+#include "cam_fix.h"   // cam_wrap_sub
+#include "cam_step.h"  // cam_step_to_isr
 #include "cam_swing.h" // cam_swing_rest_isr
 
 static bool is_at(const cam_move_t *m, int64_t place_q10)
@@ -10,40 +10,15 @@ static bool is_at(const cam_move_t *m, int64_t place_q10)
     return m->pos_q10 == place_q10 && m->vel_q10 == 0;
 }
 
-/// @return an axis as it moves from plan to plan; a speed that no limit per plan holds is saturated
-static cam_move_t plan_by_plan(const cam_move_t *m, const cam_play_config_t *cfg)
-{
-    return (cam_move_t){.pos_q10 = m->pos_q10,
-                        .vel_q10 = cam_sat_i32((int64_t)m->vel_q10 * cfg->plan_ticks)};
-}
-
-/// Move an axis towards a place by one step per plan, within limits per plan. @return true when it
-/// rests there
-static bool move_to(cam_move_t *m, const cam_play_config_t *cfg, const cam_move_limits_t *limits,
-                    int64_t place_q10)
-{
-    cam_move_t next = plan_by_plan(m, cfg);
-    const bool is_there = cam_move_to_isr(&next, limits, place_q10);
-    cam_aim_isr(m, cfg, next.pos_q10);
-    return is_there;
-}
-
-/// Brake an axis to rest, wherever that is. @return true when it rests
-static bool brake(cam_move_t *m, const cam_play_config_t *cfg, const cam_move_limits_t *limits)
-{
-    cam_move_t next = plan_by_plan(m, cfg);
-    const bool is_at_rest = cam_move_stop_isr(&next, limits);
-    cam_aim_isr(m, cfg, next.pos_q10);
-    return is_at_rest;
-}
-
 /// Keep the tool out of the work and bring the feed axes to rest. @return true when all of them
 /// rest
 static bool stay_out(const cam_play_config_t *cfg, cam_motion_t *m)
 {
     m->u_target_q10 = cfg->u_retract_q10;
-    const bool is_x_at_rest = brake(&m->axis[hal_axis_x], cfg, &cfg->approach[hal_axis_x]);
-    const bool is_z_at_rest = brake(&m->axis[hal_axis_z], cfg, &cfg->approach[hal_axis_z]);
+    const bool is_x_at_rest =
+        cam_step_brake_isr(&m->axis[hal_axis_x], cfg, &cfg->approach[hal_axis_x]);
+    const bool is_z_at_rest =
+        cam_step_brake_isr(&m->axis[hal_axis_z], cfg, &cfg->approach[hal_axis_z]);
     if (cfg->swing.is_swung) {
         cam_swing_rest_isr(&m->swing, cfg, &cfg->swing.gentle);
     }
@@ -67,31 +42,35 @@ static int64_t x_begin_q10(const cam_play_config_t *cfg, const cam_motion_t *m, 
 static bool approach_xz(const cam_play_config_t *cfg, cam_motion_t *m)
 {
     cam_move_t *x = &m->axis[hal_axis_x];
-    const int64_t z_q10 = (int64_t)cfg->z_first_nm * 1024;
+    const int64_t z_q10 = ((int64_t)cfg->z_first_nm + cfg->z_origin_nm) * 1024;
     if (x->pos_q10 < cfg->x_clear_q10 && !is_at(&m->axis[hal_axis_z], z_q10)) {
-        (void)move_to(x, cfg, &cfg->approach[hal_axis_x], cfg->x_clear_q10);
-        (void)brake(&m->axis[hal_axis_z], cfg, &cfg->approach[hal_axis_z]);
+        (void)cam_step_to_isr(x, cfg, &cfg->approach[hal_axis_x], cfg->x_clear_q10);
+        (void)cam_step_brake_isr(&m->axis[hal_axis_z], cfg, &cfg->approach[hal_axis_z]);
         return false;
     }
     if (is_at(&m->axis[hal_axis_z], z_q10)) {
-        return move_to(x, cfg, &cfg->approach[hal_axis_x], x_begin_q10(cfg, m, cfg->z_first_nm));
+        return cam_step_to_isr(x, cfg, &cfg->approach[hal_axis_x],
+                               x_begin_q10(cfg, m, cfg->z_first_nm));
     }
-    (void)move_to(&m->axis[hal_axis_z], cfg, &cfg->approach[hal_axis_z], z_q10);
-    (void)brake(x, cfg, &cfg->approach[hal_axis_x]);
+    (void)cam_step_to_isr(&m->axis[hal_axis_z], cfg, &cfg->approach[hal_axis_z], z_q10);
+    (void)cam_step_brake_isr(x, cfg, &cfg->approach[hal_axis_x]);
     return false;
 }
 
 /// Move X to its place over a measured Z, whose set-point is where it is. X nears the work only
-/// when U is ready. @return true when X is there
+/// when U is ready.
+/// @param z_nm  [nm] by the port
+/// @return      true when X is there
 static bool approach_x(const cam_play_config_t *cfg, int32_t z_nm, bool is_u_there, cam_motion_t *m)
 {
     cam_move_t *x = &m->axis[hal_axis_x];
     m->axis[hal_axis_z] = (cam_move_t){.pos_q10 = (int64_t)z_nm * 1024};
     if (!is_u_there) {
-        (void)brake(x, cfg, &cfg->approach[hal_axis_x]);
+        (void)cam_step_brake_isr(x, cfg, &cfg->approach[hal_axis_x]);
         return false;
     }
-    return move_to(x, cfg, &cfg->approach[hal_axis_x], x_begin_q10(cfg, m, z_nm));
+    return cam_step_to_isr(x, cfg, &cfg->approach[hal_axis_x],
+                           x_begin_q10(cfg, m, cam_wrap_sub(z_nm, cfg->z_origin_nm)));
 }
 
 /// Move all axes to the start of the cut or of its rehearsal; a tool that swings comes to rest at 0
@@ -110,20 +89,23 @@ static bool approach(const cam_play_config_t *cfg, int32_t z_nm, cam_motion_t *m
     return is_u_there && is_xz_there;
 }
 
-/// In the state fault the guard retracts U, X moves off from its set-point in the tick of the
-/// fault, and Z brakes to rest.
+/// In the state fault the guard leads U, X moves off from its set-point in the tick of the fault,
+/// and Z brakes to rest. Behind the state manual X brakes to rest as well.
 static void move_off(const cam_play_config_t *cfg, int32_t z_nm, cam_motion_t *m)
 {
     const int64_t off_q10 = m->x_left_q10 + (int64_t)cfg->x_clearance_nm * 1024;
+    const cam_move_limits_t *x_limits = &cfg->leave[hal_axis_x];
+    cam_move_t *x = &m->axis[hal_axis_x];
     if (cfg->swing.is_swung) {
         cam_swing_rest_isr(&m->swing, cfg, &cfg->swing.full);
     }
-    const bool is_x_off = move_to(&m->axis[hal_axis_x], cfg, &cfg->leave[hal_axis_x], off_q10);
+    const bool is_x_off = m->is_by_hand ? cam_step_brake_isr(x, cfg, x_limits)
+                                        : cam_step_to_isr(x, cfg, x_limits, off_q10);
     bool is_z_at_rest = true;
     if (cfg->is_z_measured) {
         m->axis[hal_axis_z] = (cam_move_t){.pos_q10 = (int64_t)z_nm * 1024};
     } else {
-        is_z_at_rest = brake(&m->axis[hal_axis_z], cfg, &cfg->leave[hal_axis_z]);
+        is_z_at_rest = cam_step_brake_isr(&m->axis[hal_axis_z], cfg, &cfg->leave[hal_axis_z]);
     }
     m->is_clear = is_x_off && is_z_at_rest && (!cfg->swing.is_swung || m->swing.is_there);
 }

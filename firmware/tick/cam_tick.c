@@ -20,7 +20,7 @@ static void sense_isr(cam_t *c, cam_sense_t *in)
     const int32_t u_nm =
         hal_axis_read_nm_isr(hal_axis_u); // in pairs: two words are stored by one instruction
     const int32_t x_nm = hal_axis_read_nm_isr(hal_axis_x);
-    in->actual_nm[hal_axis_u] = u_nm;
+    in->actual_nm[hal_axis_u] = cam_wrap_add(u_nm, c->motion.u_home_nm);
     in->actual_nm[hal_axis_x] = x_nm;
     const int32_t z_nm = hal_axis_read_nm_isr(hal_axis_z);
     const int32_t swing_q32 = hal_swing_read_q32_isr();
@@ -62,7 +62,7 @@ static void command(const cam_t *c, const cam_config_t *cfg, cam_tick_record_t *
     const cam_move_t *axis = c->motion.axis;
     const int32_t u_q6 = cam_wrap_add(r->want.u_set_q6, c->motion.c_q6);
     const int32_t u_nm = command_nm(cfg, u_q6, &axis[hal_axis_u]);
-    r->out[hal_axis_u] = setpoint(&axis[hal_axis_u], u_nm);
+    r->out[hal_axis_u] = setpoint(&axis[hal_axis_u], cam_wrap_sub(u_nm, c->motion.u_home_nm));
     r->out[hal_axis_x] = setpoint(&axis[hal_axis_x], plain_nm(&axis[hal_axis_x]));
     r->out[hal_axis_z] = setpoint(&axis[hal_axis_z], plain_nm(&axis[hal_axis_z]));
 }
@@ -125,11 +125,36 @@ static uint32_t watch_index(cam_t *c, const cam_config_t *cfg, const cam_tick_re
     return 0;
 }
 
+/// Let U of the controller become another number at the same place: everything that is compared
+/// with the next tick's reading moves along, so that the drive gets the set-point of before.
+static void shift_u(cam_t *c, int32_t nm)
+{
+    const int32_t by_q6 = nm * 64;
+    c->motion.u_home_nm += nm;
+    c->motion.axis[hal_axis_u].pos_q10 += (int64_t)nm * 1024;
+    c->guard.u_set_q6 += by_q6;
+    cam_play_shift_isr(&c->play, by_q6);
+}
+
+/// Plan the axes: by hand in the state manual, else by table or to rest.
+static void plan_axes(cam_t *c, const cam_config_t *cfg, const cam_tick_record_t *r)
+{
+    if (c->motion.state != cam_state_manual) {
+        cam_hand_idle_isr(&c->hand, &cfg->play, r);
+        cam_plan_isr(&c->plan, &cfg->play, r, &c->motion);
+        return;
+    }
+    const int32_t shift_nm = cam_hand_isr(&c->hand, &cfg->play, r, &c->motion);
+    if (shift_nm != 0) {
+        shift_u(c, shift_nm);
+    }
+}
+
 /// Do what belongs to every n-th tick only.
 CAM_STAGE static void plan_isr(cam_t *c, const cam_config_t *cfg, const cam_tick_record_t *r)
 {
     c->until_plan = cfg->play.plan_ticks;
-    cam_plan_isr(&c->plan, &cfg->play, r, &c->motion);
+    plan_axes(c, cfg, r);
     cam_gather_plan_isr(&c->gather, r, &c->motion);
     c->motion.faults |= watch_index(c, cfg, r) | cam_guard_plan_isr(&c->guard, &cfg->guard, r);
 }
@@ -199,6 +224,7 @@ cam_status_t cam_tick_status(const cam_t *c)
     cam_tick_record_t r;
     cam_guard_t guard;
     cam_spindle_t spindle;
+    cam_hand_t hand;
     uint32_t before = 0;
     uint32_t after = atomic_load_explicit(&c->n_ticks, memory_order_acquire);
     do { // when a tick has ended meanwhile, all is read again
@@ -207,6 +233,7 @@ cam_status_t cam_tick_status(const cam_t *c)
         r = newest != NULL ? *newest : nothing;
         guard = c->guard;
         spindle = c->spindle;
+        hand = c->hand;
         atomic_thread_fence(memory_order_acquire);
         after = atomic_load_explicit(&c->n_ticks, memory_order_relaxed);
     } while (after != before);
@@ -222,12 +249,14 @@ cam_status_t cam_tick_status(const cam_t *c)
         .is_u_at_rest = r.out[hal_axis_u].vel_q10 == 0 && r.out[hal_axis_u].acc_q10 == 0,
         .inputs = r.in.inputs,
         .outputs = r.want.outputs,
+        .hand = hand,
         .pos_q32 = r.angle.pos_q32,
         .speed_q32 = r.angle.speed_q32,
         .z_nm = r.want.z_nm,
         .u_set_q6 = r.want.u_set_q6,
         .u_actual_nm = r.in.actual_nm[hal_axis_u],
         .x_actual_nm = r.in.actual_nm[hal_axis_x],
+        .z_actual_nm = r.in.actual_nm[hal_axis_z],
         .following_nm = cam_wrap_sub(r.in.actual_nm[hal_axis_u], r.want.u_due_q6 >> 6),
         .n_late = spindle.n_late,
         .max_period = spindle.max_period,

@@ -12,6 +12,7 @@
 
 #include "cam_config.h"  // cam_config_bank_t
 #include "cam_guard.h"   // cam_guard_t
+#include "cam_hand.h"    // cam_hand_t
 #include "cam_learn.h"   // cam_gather_t
 #include "cam_plan.h"    // cam_plan_t
 #include "cam_play.h"    // cam_play_t
@@ -35,12 +36,14 @@ typedef struct {
     bool is_u_at_rest;    ///< the set-point of U stands
     uint32_t inputs;      ///< hal_in_*
     uint32_t outputs;     ///< hal_out_*
+    cam_hand_t hand;      ///< what is moved by hand, and what is homed
     int64_t pos_q32;      ///< [turn, Q32.32] master position
     int32_t speed_q32;    ///< [turn / 2^32 per tick]
     int32_t z_nm;         ///< [nm] height played
     int32_t u_set_q6;     ///< [nm / 64] set-point of U at the tool
     int32_t u_actual_nm;  ///< [nm] measured
-    int32_t x_actual_nm;  ///< [nm] measured
+    int32_t x_actual_nm;  ///< [nm] measured, by the port
+    int32_t z_actual_nm;  ///< [nm] measured, by the port
     int32_t following_nm; ///< [nm] following error: measured minus due
     uint32_t n_late;      ///< late ticks since start
     uint32_t max_period;  ///< [1 / clock_hz] longest distance of two ticks since start
@@ -56,6 +59,7 @@ typedef struct {
     cam_plan_t plan;
     cam_guard_t guard;
     cam_switches_t switches;
+    cam_hand_t hand;
     int32_t until_plan;                      ///< [ticks] to the next plan, that tick included
     const cam_tick_record_t *_Atomic newest; ///< NULL before the first tick
     _Atomic uint32_t n_ticks;                ///< ticks that are complete; wraps

@@ -27,6 +27,12 @@ enum {
     hal_in_bus_lost = 1u << 2,    ///< 1: a node on a field bus went silent or frames were lost. The
                                   ///< port keeps it while hal_out_fault is written. If the node is
                                   ///< a drive, hal_in_drive_ready is 0 too. Always 0 without a bus
+    hal_in_home_u = 1u << 3,      ///< 1: U is on its home switch. The switches of the three axes
+    hal_in_home_x = 1u << 4,      ///< and their indices follow one another in the order of
+    hal_in_home_z = 1u << 5,      ///< hal_axis_t; what is not there is always 0
+    hal_in_index_u = 1u << 6, ///< 1: an index mark of U's scale or encoder passed within the last
+    hal_in_index_x = 1u << 7, ///< 0.4 ms, or since the last reading where that is longer. A port
+    hal_in_index_z = 1u << 8, ///< may hand a longer pulse through as it is
 };
 
 /// Bits of hal_outputs_write_isr().

@@ -150,6 +150,15 @@ def test_recorder_and_learning_are_those_of_the_firmware(database: Database) -> 
         assert choices(detail, f"learn_{name}") == words
 
 
+def test_orders_by_hand_are_those_of_the_firmware(database: Database) -> None:
+    """Phases and ends of the hands are enumerations of cam_order.h."""
+    detail, order = database.get_message_by_name("Detail"), header_of("cam_order.h")
+    for name in ("phase", "end"):
+        words = enumerators(order, f"cam_hand_{name}_t", "cam_hand_")
+        assert words.popitem()[1].startswith("n_")
+        assert choices(detail, f"hand_{name}") == words
+
+
 def test_kept_values_are_those_of_learning() -> None:
     """The file of learned values has the groups of cam_teach.h, each as long as there."""
     body = header_of("cam_teach.h").split("    cam_teach_value_speed,")[1].split("};")[0]

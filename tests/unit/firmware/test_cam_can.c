@@ -232,7 +232,7 @@ static void test_unknown_commands_have_an_error_of_their_own(void)
 {
     expect_answer(&f, cam_err_command, 0, 0, 3, 1);
     expect_answer(&f, cam_err_command, 0, 18, 0, 0);
-    expect_answer(&f, cam_err_command, 0, 30, 0, 0);
+    expect_answer(&f, cam_err_command, 0, 199, 0, 0);
     expect_answer(&f, cam_err_command, 0, 255, 255, -1);
     TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_can_state(&f));
 }

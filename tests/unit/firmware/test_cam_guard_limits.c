@@ -109,29 +109,29 @@ static void cause(cam_fault_t fault, int32_t beyond)
 }
 
 /// The table of FAULTS.md, column "armed in", by hand: o off, h homing, r ready, w in work, f
-/// fault.
+/// fault, m manual.
 static bool is_armed(cam_fault_t fault, cam_state_t state)
 {
     static const char *const armed[cam_n_faults] = {
-        [cam_fault_estop] = "hrwf",
-        [cam_fault_drive] = "hrwf",
-        [cam_fault_bus] = "hrwf",
-        [cam_fault_late_tick] = "hrw",
+        [cam_fault_estop] = "hrwfm",
+        [cam_fault_drive] = "hrwfm",
+        [cam_fault_bus] = "hrwfm",
+        [cam_fault_late_tick] = "hrwm",
         [cam_fault_encoder_jump] = "rw",
         [cam_fault_lost_counts] = "rw",
         [cam_fault_index_missing] = "hrw",
         [cam_fault_reverse] = "w",
         [cam_fault_spindle_stopped] = "hw",
         [cam_fault_overspeed] = "w",
-        [cam_fault_following_error] = "rw",
-        [cam_fault_setpoint_speed] = "rw",
-        [cam_fault_setpoint_acceleration] = "rw",
-        [cam_fault_setpoint_range] = "rw",
+        [cam_fault_following_error] = "rwm",
+        [cam_fault_setpoint_speed] = "rwm",
+        [cam_fault_setpoint_acceleration] = "rwm",
+        [cam_fault_setpoint_range] = "rwm",
         [cam_fault_z_range] = "w",
-        [cam_fault_table] = "hrw",
+        [cam_fault_table] = "hrwm",
         [cam_fault_swing] = "w",
     };
-    static const char letter[cam_n_states] = "ohrwwwfwr";
+    static const char letter[cam_n_states] = "ohrwwwfwrm";
     return strchr(armed[fault], letter[state]) != NULL;
 }
 

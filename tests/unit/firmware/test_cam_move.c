@@ -64,6 +64,19 @@ static void test_move_faster_than_allowed_brakes_to_the_limit(void)
     (void)drive(&m, INT64_C(4000000000), 100000);
 }
 
+/// A speed that one step reaches: the last step is no faster, and a speed beyond the limit by less
+/// than a step falls to the limit, not through 0.
+static void test_move_slower_than_a_step_of_acceleration_keeps_its_speed(void)
+{
+    const cam_move_limits_t slow = {.speed_q10 = 1000, .acceleration_q10 = 64000};
+    cam_move_t m = {.vel_q10 = 1007};
+    for (int i = 0; i < 200 && (m.pos_q10 != 60500 || m.vel_q10 != 0); i++) {
+        (void)cam_move_to_isr(&m, &slow, 60500);
+        TEST_ASSERT_TRUE(m.vel_q10 >= 0 && m.vel_q10 <= slow.speed_q10);
+    }
+    TEST_ASSERT_EQUAL_INT64(60500, m.pos_q10);
+}
+
 static void test_move_random_starts_and_targets_always_arrive(void)
 {
     fixture_random_t dice = {.state = 5};
@@ -109,6 +122,7 @@ int main(void)
     RUN_TEST(test_move_from_rest_reaches_the_target_without_passing_it);
     RUN_TEST(test_move_from_motion_turns_round_and_arrives);
     RUN_TEST(test_move_faster_than_allowed_brakes_to_the_limit);
+    RUN_TEST(test_move_slower_than_a_step_of_acceleration_keeps_its_speed);
     RUN_TEST(test_move_random_starts_and_targets_always_arrive);
     RUN_TEST(test_move_takes_about_the_time_of_a_trapezoid);
     RUN_TEST(test_stop_brakes_to_rest_wherever_that_is);

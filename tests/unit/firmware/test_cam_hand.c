@@ -1,0 +1,510 @@
+// SPDX-License-Identifier: Apache-2.0
+// Axes by hand in whole ticks: jog, step, homing, dead man, limits of motion, disable and faults.
+#include "cam_machine_hand.h"
+#include "fixture_random.h"
+#include "rig_bench.h"
+#include <stdlib.h> // labs
+
+enum { tick_hz = 20000, patience_ticks = tick_hz / 4, mm = 1000000 };
+
+static void to_manual(void)
+{
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_manual(&rig.machine));
+    fixture_rig_ticks(&rig, 20);
+    TEST_ASSERT_EQUAL_INT(cam_state_manual, fixture_rig_status(&rig).state);
+}
+
+static cam_hand_t hand(void)
+{
+    return fixture_rig_status(&rig).hand;
+}
+
+static int32_t port_nm(hal_axis_t axis)
+{
+    return hal_host.out.axis[axis].pos_nm;
+}
+
+static void jog(hal_axis_t axis, int32_t um_per_s)
+{
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_jog(&rig.machine, axis, um_per_s).err);
+    fixture_rig_tick(&rig);
+}
+
+/// Let the axis come to rest while its commander lives. @return what came of the order
+static cam_hand_end_t until_rest(void)
+{
+    enum { patience = 400000 };
+    fixture_rig_ticks(&rig, 20);
+    for (uint32_t i = 0; i < patience && hand().phase != cam_hand_rest; i++) {
+        if (i % 1000u == 0u) {
+            cam_machine_hand_alive(&rig.machine);
+        }
+        cam_machine_hand_poll(&rig.machine);
+        fixture_rig_tick(&rig);
+    }
+    fixture_rig_ticks(&rig, 2000);
+    cam_machine_hand_poll(&rig.machine);
+    fixture_rig_ticks(&rig, 20);
+    return hand().end;
+}
+
+/// Largest step of an axis per tick, and largest change of it, up to now.
+typedef struct {
+    int32_t last_nm, step_nm;
+    int32_t most_step_nm, most_change_nm;
+} motion_t;
+
+static motion_t motion_of(hal_axis_t axis)
+{
+    return (motion_t){.last_nm = port_nm(axis)};
+}
+
+static void watch(motion_t *w, hal_axis_t axis)
+{
+    const int32_t step_nm = port_nm(axis) - w->last_nm;
+    const int32_t change_nm = (int32_t)labs((long)step_nm - w->step_nm);
+    w->most_step_nm = labs(step_nm) > w->most_step_nm ? (int32_t)labs(step_nm) : w->most_step_nm;
+    w->most_change_nm = change_nm > w->most_change_nm ? change_nm : w->most_change_nm;
+    w->last_nm += step_nm;
+    w->step_nm = step_nm;
+}
+
+static bool is_between(int32_t v, int32_t low, int32_t high)
+{
+    return v >= low && v <= high;
+}
+
+static void test_manual_holds_all_axes_and_the_spindle(void)
+{
+    hal_host.in.axis_nm[hal_axis_x] = 50 * mm;
+    hal_host.in.axis_nm[hal_axis_z] = -7 * mm;
+    hal_host.in.axis_nm[hal_axis_u] = 123456;
+    fixture_rig_ticks(&rig, 20);
+    to_manual();
+    fixture_rig_ticks(&rig, 3000);
+    TEST_ASSERT_EQUAL_INT32(50 * mm, port_nm(hal_axis_x));
+    TEST_ASSERT_EQUAL_INT32(-7 * mm, port_nm(hal_axis_z));
+    TEST_ASSERT_EQUAL_INT32(123456, port_nm(hal_axis_u));
+    TEST_ASSERT_EQUAL_INT32(0, hal_host.out.spindle_mrpm);
+    TEST_ASSERT_EQUAL_HEX32(hal_out_enable, hal_host.out.outputs);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_disable(&rig.machine));
+    fixture_rig_ticks(&rig, 20);
+    TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_status(&rig).state);
+    TEST_ASSERT_EQUAL_HEX32(0, hal_host.out.outputs);
+}
+
+/// The slow side hangs: nothing but ticks. The axis has stopped when the order is too old and the
+/// axis has braked.
+static void test_jog_without_its_commander_stops_by_the_interrupt_alone(void)
+{
+    for (uint32_t i = 0; i < hal_n_axes; i++) {
+        setUp();
+        to_manual();
+        const hal_axis_t axis = (hal_axis_t)i;
+        jog(axis, 1000);
+        const uint32_t n_moving = patience_ticks - 2u * 8u;
+        fixture_rig_ticks(&rig, n_moving);
+        TEST_ASSERT_EQUAL_INT(cam_hand_runs, hand().end);
+        TEST_ASSERT_INT32_WITHIN(1, 50, hal_host.out.axis[axis].vel_q10 / 1024);
+        fixture_rig_ticks(&rig, 40 + 400); // 1 mm/s, braked by 0.5 m/s2 in 2 ms
+        const int32_t at_nm = port_nm(axis);
+        TEST_ASSERT_EQUAL_INT(cam_hand_silent, hand().end);
+        TEST_ASSERT_INT32_WITHIN(4000, 250000, at_nm);
+        fixture_rig_ticks(&rig, 5000);
+        TEST_ASSERT_EQUAL_INT32(at_nm, port_nm(axis));
+        TEST_ASSERT_EQUAL_INT(cam_state_manual, fixture_rig_status(&rig).state);
+    }
+}
+
+static void test_jog_repeated_in_time_goes_on_at_its_speed(void)
+{
+    to_manual();
+    jog(hal_axis_z, -5000);
+    fixture_rig_ticks(&rig, 1000);
+    const int32_t from_nm = port_nm(hal_axis_z);
+    for (int i = 0; i < 10; i++) {
+        jog(hal_axis_z, -5000);
+        fixture_rig_ticks(&rig, 1999);
+    }
+    TEST_ASSERT_INT32_WITHIN(1000, from_nm - 5 * mm, port_nm(hal_axis_z));
+}
+
+/// A stop, and a jog of another axis, brake what moves.
+static void test_another_order_brakes_the_axis_of_the_last(void)
+{
+    to_manual();
+    jog(hal_axis_x, 10000);
+    fixture_rig_ticks(&rig, 1000);
+    jog(hal_axis_z, 10000);
+    fixture_rig_ticks(&rig, 1000);
+    TEST_ASSERT_EQUAL_INT32(0, hal_host.out.axis[hal_axis_x].vel_q10);
+    TEST_ASSERT_GREATER_THAN_INT32(0, hal_host.out.axis[hal_axis_z].vel_q10);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stop(&rig.machine));
+    fixture_rig_ticks(&rig, 1000);
+    TEST_ASSERT_EQUAL_INT32(0, hal_host.out.axis[hal_axis_z].vel_q10);
+    TEST_ASSERT_EQUAL_INT(cam_hand_stopped, hand().end);
+}
+
+static void test_step_ends_where_it_was_ordered_to(void)
+{
+    static const int32_t steps_nm[] = {100000, -1, 12345, -3 * mm, 1};
+    to_manual();
+    for (uint32_t i = 0; i < 5u; i++) {
+        const int32_t from_nm = port_nm(hal_axis_x);
+        TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_step(&rig.machine, hal_axis_x, steps_nm[i]).err);
+        TEST_ASSERT_EQUAL_INT(cam_hand_done, until_rest());
+        TEST_ASSERT_EQUAL_INT32(from_nm + steps_nm[i], port_nm(hal_axis_x));
+    }
+}
+
+static void test_step_without_a_sign_of_life_stops_on_its_way(void)
+{
+    to_manual();
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_step(&rig.machine, hal_axis_x, 100 * mm).err);
+    fixture_rig_ticks(&rig, patience_ticks + 2000u);
+    TEST_ASSERT_EQUAL_INT(cam_hand_silent, hand().end);
+    TEST_ASSERT_LESS_THAN_INT32(3 * mm, port_nm(hal_axis_x));
+}
+
+/// An order that comes too late moves nothing, and finds no home.
+static void test_order_that_is_already_too_old_is_not_begun(void)
+{
+    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_x_home, 1));
+    to_manual();
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home_axis(&rig.machine, hal_axis_x));
+    cam_config_t *config = (cam_config_t *)(uintptr_t)g_cam.config.offered;
+    config->play.hand.order.until = fixture_rig_status(&rig).tick - 1u;
+    fixture_rig_ticks(&rig, 20);
+    TEST_ASSERT_EQUAL_INT(cam_hand_silent, hand().end);
+    TEST_ASSERT_EQUAL_HEX32(0, hand().homed);
+}
+
+/// Jogs, reversals, stops and steps of all axes at random, with limits of travel: speed and
+/// acceleration stay within the axis's gentle limits, travel within its limits, and no fault comes.
+static void test_random_orders_stay_within_speed_acceleration_and_travel(void)
+{
+    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_x_low_nm, -2 * mm));
+    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_x_high_nm, 3 * mm));
+    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_z_low_nm, -1 * mm));
+    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_z_high_nm, 1 * mm));
+    to_manual();
+    const int32_t low_nm[] = {-600000, -2 * mm, -mm};
+    const int32_t high_nm[] = {600000, 3 * mm, mm};
+    const int32_t most_um_per_s[] = {2000, 10000, 10000};
+    motion_t motion[hal_n_axes];
+    for (uint32_t i = 0; i < hal_n_axes; i++) {
+        motion[i] = motion_of((hal_axis_t)i);
+    }
+    fixture_random_t random = {.state = 77};
+    for (int n = 0; n < 400; n++) {
+        const uint32_t axis = fixture_random_u32(&random) % (uint32_t)hal_n_axes;
+        const uint32_t span = 2u * (uint32_t)most_um_per_s[axis] + 1u;
+        const int32_t um_per_s =
+            (int32_t)(fixture_random_u32(&random) % span) - most_um_per_s[axis];
+        (void)cam_machine_jog(&rig.machine, (hal_axis_t)axis, um_per_s);
+        if (n % 5 == 0) {
+            (void)cam_machine_step(&rig.machine, (hal_axis_t)axis, um_per_s * 100);
+        }
+        const uint32_t ticks = 1u + fixture_random_u32(&random) % 1500u;
+        for (uint32_t k = 0; k < ticks; k++) {
+            fixture_rig_tick(&rig);
+            for (uint32_t i = 0; i < hal_n_axes; i++) {
+                watch(&motion[i], (hal_axis_t)i);
+                TEST_ASSERT_TRUE(motion[i].last_nm >= low_nm[i] && motion[i].last_nm <= high_nm[i]);
+            }
+        }
+    }
+    TEST_ASSERT_EQUAL_HEX32(0, fixture_rig_status(&rig).faults);
+    TEST_ASSERT_EQUAL_INT(cam_state_manual, fixture_rig_status(&rig).state);
+    // 2 mm/s and 10 mm/s are 100 and 500 nm per tick. X and Z change their speed once per plan by
+    // 0.5 m/s2 times 0.4 ms, 10 nm per tick, U by a quarter of 250 m/s2 in one tick, 156 nm per
+    // tick; a step is rounded to whole nanometres, and has the rest of a division by eight.
+    TEST_ASSERT_TRUE(is_between(motion[hal_axis_u].most_step_nm, 80, 103));
+    TEST_ASSERT_TRUE(is_between(motion[hal_axis_x].most_step_nm, 400, 503));
+    TEST_ASSERT_TRUE(is_between(motion[hal_axis_z].most_step_nm, 400, 503));
+    TEST_ASSERT_LESS_OR_EQUAL_INT32(159, motion[hal_axis_u].most_change_nm);
+    TEST_ASSERT_LESS_OR_EQUAL_INT32(13, motion[hal_axis_x].most_change_nm);
+    TEST_ASSERT_LESS_OR_EQUAL_INT32(13, motion[hal_axis_z].most_change_nm);
+}
+
+static void test_jog_to_the_limit_rests_there_and_comes_back(void)
+{
+    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_z_low_nm, -mm));
+    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_z_high_nm, mm));
+    to_manual();
+    for (int i = 0; i < 10; i++) {
+        jog(hal_axis_z, 10000);
+        fixture_rig_ticks(&rig, 500);
+    }
+    TEST_ASSERT_EQUAL_INT(cam_hand_limit, hand().end);
+    TEST_ASSERT_INT32_WITHIN(20, mm, port_nm(hal_axis_z));
+    TEST_ASSERT_LESS_OR_EQUAL_INT32(mm, port_nm(hal_axis_z));
+    jog(hal_axis_z, -10000);
+    fixture_rig_ticks(&rig, 1000);
+    TEST_ASSERT_LESS_THAN_INT32(mm - 100000, port_nm(hal_axis_z));
+}
+
+/// Outside of limits that were set later an axis goes inwards only.
+static void test_jog_from_outside_of_the_travel_goes_inwards_only(void)
+{
+    hal_host.in.axis_nm[hal_axis_z] = 5 * mm;
+    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_z_low_nm, -mm));
+    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_z_high_nm, mm));
+    to_manual();
+    jog(hal_axis_z, 10000);
+    fixture_rig_ticks(&rig, 1000);
+    TEST_ASSERT_EQUAL_INT32(5 * mm, port_nm(hal_axis_z));
+    jog(hal_axis_z, -10000);
+    fixture_rig_ticks(&rig, 1000);
+    TEST_ASSERT_LESS_THAN_INT32(5 * mm, port_nm(hal_axis_z));
+}
+
+// Homing
+
+static void set_home(hal_axis_t axis, int32_t method, int32_t sense, int32_t place_nm)
+{
+    static const cam_param_id_t first[] = {cam_param_u_home, cam_param_x_home, cam_param_z_home};
+    const cam_param_id_t id = first[axis];
+    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, id, method));
+    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, (cam_param_id_t)(id + 1), sense));
+    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, (cam_param_id_t)(id + 4), place_nm));
+}
+
+static void home(hal_axis_t axis)
+{
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home_axis(&rig.machine, axis));
+    TEST_ASSERT_EQUAL_INT(cam_hand_done, until_rest());
+    TEST_ASSERT_EQUAL_HEX32(1u << axis, hand().homed & 1u << axis);
+}
+
+/// From both sides, on the switch and off it, in both senses, at every phase of the plan: the
+/// switch's edge has the number that was set, within what the slow speed covers in a plan and a
+/// tick.
+static void test_home_by_switch_finds_its_edge_from_anywhere(void)
+{
+    static const int32_t starts_nm[] = {-4 * mm, -123457, 5 * mm};
+    for (uint32_t i = 0; i < 12u; i++) {
+        setUp();
+        const int32_t sense = i % 2u == 0u ? 1 : -1;
+        const hal_axis_t axis = i % 4u < 2u ? hal_axis_x : hal_axis_z;
+        const int32_t edge_nm = 100000 + (int32_t)i * 77;
+        rig.home[axis] = (fixture_home_t){.side = sense, .edge_nm = edge_nm};
+        hal_host.in.axis_nm[axis] = sense * starts_nm[i / 4u];
+        set_home(axis, 2, sense, 321 * mm);
+        fixture_rig_ticks(&rig, i);
+        to_manual();
+        home(axis);
+        const int32_t place_nm = cam_machine_place_nm(&rig.machine, axis);
+        const int32_t edge_by_machine_nm = place_nm + edge_nm - port_nm(axis);
+        TEST_ASSERT_INT32_WITHIN(451, 321 * mm, edge_by_machine_nm);
+    }
+}
+
+/// The index behind the switch decides, to what the slow speed covers in a plan, wherever the
+/// switch itself lies between two indices.
+static void test_home_by_index_is_that_of_the_index(void)
+{
+    for (int32_t edge_nm = 100000; edge_nm < 4 * mm; edge_nm += 650000) {
+        setUp();
+        rig.home[hal_axis_x] =
+            (fixture_home_t){.side = 1, .edge_nm = 10 * mm + edge_nm, .pitch_nm = 5 * mm};
+        hal_host.in.axis_nm[hal_axis_x] = 9 * mm;
+        set_home(hal_axis_x, 3, 1, 0);
+        fixture_rig_ticks(&rig, (uint32_t)edge_nm % 8u);
+        to_manual();
+        home(hal_axis_x);
+        const int32_t place_nm = cam_machine_place_nm(&rig.machine, hal_axis_x);
+        TEST_ASSERT_INT32_WITHIN(451, 0, place_nm + 10 * mm - port_nm(hal_axis_x));
+    }
+}
+
+static void test_home_here_needs_no_motion(void)
+{
+    hal_host.in.axis_nm[hal_axis_z] = 4 * mm;
+    set_home(hal_axis_z, 1, 1, -50 * mm);
+    to_manual();
+    home(hal_axis_z);
+    TEST_ASSERT_EQUAL_INT32(4 * mm, port_nm(hal_axis_z));
+    TEST_ASSERT_EQUAL_INT32(-50 * mm, cam_machine_place_nm(&rig.machine, hal_axis_z));
+}
+
+/// Set-points of the port go on evenly while the controller's numbers of U change twice.
+static void test_home_of_u_changes_its_number_and_moves_nothing_by_that(void)
+{
+    static const int32_t edges_nm[] = {300000, -150000, 650000};
+    for (uint32_t i = 0; i < 3u; i++) {
+        setUp();
+        rig.home[hal_axis_u] = (fixture_home_t){.side = 1, .edge_nm = edges_nm[i]};
+        set_home(hal_axis_u, 2, 1, 200000);
+        to_manual();
+        TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home_axis(&rig.machine, hal_axis_u));
+        motion_t motion = motion_of(hal_axis_u);
+        for (int k = 0; k < 60000 && (k < 40 || hand().phase != cam_hand_rest); k++) {
+            if (k % 1000 == 0) {
+                cam_machine_hand_alive(&rig.machine);
+            }
+            fixture_rig_tick(&rig);
+            watch(&motion, hal_axis_u);
+        }
+        TEST_ASSERT_EQUAL_INT(cam_hand_done, hand().end);
+        TEST_ASSERT_EQUAL_HEX32(0, fixture_rig_status(&rig).faults);
+        TEST_ASSERT_LESS_OR_EQUAL_INT32(53, motion.most_step_nm); // 1 mm/s
+        fixture_rig_ticks(&rig, 1000);
+        const int32_t beyond_nm = port_nm(hal_axis_u) - edges_nm[i];
+        const int32_t u_nm = fixture_rig_status(&rig).u_actual_nm;
+        TEST_ASSERT_INT32_WITHIN(60, 200000, u_nm - beyond_nm); // 0.1 mm/s in a plan
+    }
+}
+
+/// A U that was homed is cut with like one whose zero was right from the start.
+static void test_cut_with_a_homed_u_is_offset_by_its_home(void)
+{
+    rig.home[hal_axis_u] = (fixture_home_t){.side = 1, .edge_nm = 350000};
+    set_home(hal_axis_u, 2, 1, 100000);
+    to_manual();
+    home(hal_axis_u);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_disable(&rig.machine));
+    fixture_rig_ticks(&rig, 20);
+    bring(cam_state_cutting);
+    fixture_rig_ticks(&rig, 1000);
+    const int32_t set_nm = rig.last.want.u_set_q6 >> 6;
+    TEST_ASSERT_INT32_WITHIN(100, 250000, port_nm(hal_axis_u) - set_nm);
+    TEST_ASSERT_EQUAL_HEX32(0, fixture_rig_status(&rig).faults);
+}
+
+static void test_home_that_is_not_found_ends_after_its_travel_and_is_none(void)
+{
+    set_home(hal_axis_x, 2, 1, 0);
+    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_x_home_travel_nm, 2 * mm));
+    set_home(hal_axis_u, 2, -1, 0);
+    to_manual();
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home_axis(&rig.machine, hal_axis_x));
+    TEST_ASSERT_EQUAL_INT(cam_hand_no_switch, until_rest());
+    TEST_ASSERT_EQUAL_INT32(2 * mm, port_nm(hal_axis_x));
+    rig.home[hal_axis_x] = (fixture_home_t){.side = 1, .edge_nm = -100 * mm}; // stuck
+    fixture_rig_ticks(&rig, 20);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home_axis(&rig.machine, hal_axis_x));
+    TEST_ASSERT_EQUAL_INT(cam_hand_no_release, until_rest());
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home_axis(&rig.machine, hal_axis_u));
+    TEST_ASSERT_EQUAL_INT(cam_hand_no_switch, until_rest());
+    TEST_ASSERT_EQUAL_HEX32(0, hand().homed);
+    TEST_ASSERT_EQUAL_HEX32(0, fixture_rig_status(&rig).faults);
+}
+
+static void test_home_without_an_index_ends_and_is_none(void)
+{
+    rig.home[hal_axis_x] = (fixture_home_t){.side = 1, .edge_nm = 100000};
+    set_home(hal_axis_x, 3, 1, 0);
+    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_x_home_travel_nm, 200000));
+    to_manual();
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home_axis(&rig.machine, hal_axis_x));
+    TEST_ASSERT_EQUAL_INT(cam_hand_no_index, until_rest());
+    TEST_ASSERT_EQUAL_HEX32(0, hand().homed);
+}
+
+/// The number at the switch would put U outside of its stroke where it stands.
+static void test_home_of_u_beyond_its_stroke_is_refused(void)
+{
+    rig.home[hal_axis_u] = (fixture_home_t){.side = 1, .edge_nm = 100000};
+    set_home(hal_axis_u, 2, 1, 700000);
+    to_manual();
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home_axis(&rig.machine, hal_axis_u));
+    TEST_ASSERT_EQUAL_INT(cam_hand_no_stroke, until_rest());
+    TEST_ASSERT_EQUAL_HEX32(0, hand().homed | fixture_rig_status(&rig).faults);
+}
+
+static void test_homing_without_a_sign_of_life_stops(void)
+{
+    set_home(hal_axis_x, 2, 1, 0);
+    to_manual();
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home_axis(&rig.machine, hal_axis_x));
+    fixture_rig_ticks(&rig, patience_ticks + 1000u);
+    TEST_ASSERT_EQUAL_INT(cam_hand_silent, hand().end);
+    TEST_ASSERT_EQUAL_INT32(0, hal_host.out.axis[hal_axis_x].vel_q10);
+}
+
+static void test_homes_are_forgotten_when_the_drives_lose_power(void)
+{
+    set_home(hal_axis_x, 1, 1, 0);
+    to_manual();
+    home(hal_axis_x);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_disable(&rig.machine));
+    fixture_rig_ticks(&rig, 1000);
+    TEST_ASSERT_EQUAL_HEX32(1u << hal_axis_x, hand().homed); // disabled they are still powered
+    hal_host_fault_drive(true);
+    fixture_rig_ticks(&rig, 8);
+    TEST_ASSERT_EQUAL_HEX32(0, hand().homed);
+}
+
+// Ends of the state
+
+static void test_disable_brakes_before_the_enable_drops(void)
+{
+    to_manual();
+    jog(hal_axis_x, 10000);
+    fixture_rig_ticks(&rig, 1000);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_disable(&rig.machine));
+    fixture_rig_ticks(&rig, 100);
+    TEST_ASSERT_EQUAL_HEX32(hal_out_enable, hal_host.out.outputs);
+    fixture_rig_ticks(&rig, 1000);
+    TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_rig_status(&rig).state);
+    TEST_ASSERT_EQUAL_HEX32(0, fixture_rig_status(&rig).faults);
+}
+
+/// Nothing leaves anything: whoever stands beside the machine is not surprised by a motion.
+static void test_fault_by_hand_brakes_all_axes_where_they_are(void)
+{
+    for (uint32_t i = 0; i < hal_n_axes; i++) {
+        setUp();
+        to_manual();
+        jog((hal_axis_t)i, 2000);
+        fixture_rig_ticks(&rig, 1000);
+        int32_t at_nm[hal_n_axes];
+        for (uint32_t k = 0; k < hal_n_axes; k++) {
+            at_nm[k] = port_nm((hal_axis_t)k);
+        }
+        hal_host_fault_estop(true);
+        fixture_rig_ticks(&rig, 2000);
+        TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(estop), fixture_rig_status(&rig).faults);
+        TEST_ASSERT_EQUAL_HEX32(hal_out_fault, hal_host.out.outputs);
+        for (uint32_t k = 0; k < hal_n_axes; k++) {
+            TEST_ASSERT_INT32_WITHIN(k == i ? 5000 : 0, at_nm[k], port_nm((hal_axis_t)k));
+        }
+        hal_host_fault_estop(false);
+        TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_reset(&rig.machine));
+        fixture_rig_ticks(&rig, 20);
+        bring(cam_state_ready); // and a fault there retracts again
+        hal_host_fault_estop(true);
+        const int32_t x_nm = port_nm(hal_axis_x);
+        fixture_rig_ticks(&rig, 8000);
+        TEST_ASSERT_GREATER_THAN_INT32(x_nm + mm / 2, port_nm(hal_axis_x));
+    }
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_manual_holds_all_axes_and_the_spindle);
+    RUN_TEST(test_jog_without_its_commander_stops_by_the_interrupt_alone);
+    RUN_TEST(test_jog_repeated_in_time_goes_on_at_its_speed);
+    RUN_TEST(test_another_order_brakes_the_axis_of_the_last);
+    RUN_TEST(test_step_ends_where_it_was_ordered_to);
+    RUN_TEST(test_step_without_a_sign_of_life_stops_on_its_way);
+    RUN_TEST(test_order_that_is_already_too_old_is_not_begun);
+    RUN_TEST(test_random_orders_stay_within_speed_acceleration_and_travel);
+    RUN_TEST(test_jog_to_the_limit_rests_there_and_comes_back);
+    RUN_TEST(test_jog_from_outside_of_the_travel_goes_inwards_only);
+    RUN_TEST(test_home_by_switch_finds_its_edge_from_anywhere);
+    RUN_TEST(test_home_by_index_is_that_of_the_index);
+    RUN_TEST(test_home_here_needs_no_motion);
+    RUN_TEST(test_home_of_u_changes_its_number_and_moves_nothing_by_that);
+    RUN_TEST(test_cut_with_a_homed_u_is_offset_by_its_home);
+    RUN_TEST(test_home_that_is_not_found_ends_after_its_travel_and_is_none);
+    RUN_TEST(test_home_without_an_index_ends_and_is_none);
+    RUN_TEST(test_home_of_u_beyond_its_stroke_is_refused);
+    RUN_TEST(test_homing_without_a_sign_of_life_stops);
+    RUN_TEST(test_homes_are_forgotten_when_the_drives_lose_power);
+    RUN_TEST(test_disable_brakes_before_the_enable_drops);
+    RUN_TEST(test_fault_by_hand_brakes_all_axes_where_they_are);
+    return UNITY_END();
+}
