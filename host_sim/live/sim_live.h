@@ -13,6 +13,9 @@
 ///   too, and the lathe reports where everything stands.
 /// - whoever holds the other end of stdin: both end, with status 0.
 ///
+/// The lathe gauges each part that is cut by the table which it was started with, and says how good
+/// it is; then the next blank is in the chuck.
+///
 /// POSIX; it needs neither rights nor a kernel with CAN.
 #ifndef SIM_LIVE_H
 #define SIM_LIVE_H
@@ -43,6 +46,9 @@ typedef struct {
     sim_pace_t pace;
     bool was_lost, has_rested; ///< what was reported of a partner that is gone
     bool is_warned;            ///< that the computer is too slow
+    uint32_t n_parts;          ///< that were cut, or begun
+    bool is_foreign_cut;       ///< in the cut that runs: by another table than that of the drawing
+    bool was_in_cut;
     char word[sim_live_word_bytes];
     size_t n_word;
 } sim_live_t;
@@ -58,6 +64,10 @@ bool sim_live_open(sim_live_t *l, const sim_live_options_t *options, const void 
 /// Be the lathe until stdin ends. A line on stdin is a kind of sim_inject.h with its value, which
 /// happens at once, or `release`, which takes back estop, drive and bus.
 void sim_live_lathe(sim_live_t *l);
+
+/// Gauge what the last tick has done to the part. A part of lobes or of several passes is not
+/// gauged, since its gauge must know more than the drawing.
+void sim_live_gauge(sim_live_t *l);
 
 /// Be the controller until stdin ends. @return false and *e when a parameter is refused
 bool sim_live_controller(sim_live_t *l, common_error_t *e);

@@ -87,7 +87,12 @@ static void tick(sim_live_t *l)
         stand_alone(l);
     }
     hal_host_tick();
-    (void)sim_wire_tell_written(&l->wire);
+    const cam_machine_t *m = &controller.machine;
+    const sim_wire_played_t played = {
+        .table_crc32 = m->has_table ? m->table.crc32 : 0u,
+        .phase_udeg = m->params.phase_udeg,
+    };
+    (void)sim_wire_tell_written(&l->wire, &played);
 }
 
 /// Set the parameters that fit the machine; one tick takes each change, so that the next can be

@@ -110,6 +110,7 @@ static void tick(sim_live_t *l)
     while ((what = sim_session_next_inject(&l->session, l->port.time_s)) != NULL) {
         sim_port_inject(&l->port, what, l->session.table.direction);
     }
+    sim_live_gauge(l);
     sim_port_advance(&l->port);
 }
 

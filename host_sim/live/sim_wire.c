@@ -70,9 +70,9 @@ bool sim_wire_take_sensed(sim_wire_t *w)
     return true;
 }
 
-bool sim_wire_tell_written(sim_wire_t *w)
+bool sim_wire_tell_written(sim_wire_t *w, const sim_wire_played_t *played)
 {
-    sim_wire_written_t packet;
+    sim_wire_written_t packet = {.played = *played};
     memcpy(packet.out, &hal_host.out, sizeof packet.out);
     return tell(w, &packet, sizeof packet);
 }
@@ -84,5 +84,6 @@ bool sim_wire_take_written(sim_wire_t *w)
         return false;
     }
     memcpy(&hal_host.out, packet.out, sizeof packet.out);
+    w->played = packet.played;
     return true;
 }

@@ -2,7 +2,7 @@
 /// sim_wire: the wire between the controller's process and the lathe's, a packet each way per tick.
 ///
 ///     lathe        time stamp, hal_host.in  ->  controller: cam_isr()
-///     controller   hal_host.out             ->  lathe: one period passes
+///     controller   hal_host.out, what plays ->  lathe: one period passes
 ///
 /// Whatever the port senses or writes crosses the wire as it lies in memory, so that a new input or
 /// output of hal_host.h needs nothing here. Both ends must therefore be the same program, which the
@@ -22,14 +22,22 @@ typedef struct {
     uint8_t in[sizeof((hal_host_t *)0)->in];
 } sim_wire_sensed_t;
 
+/// What the controller plays: the lathe moves without it, but its gauge must know.
 typedef struct {
+    uint32_t table_crc32; ///< of the table in use, 0: none
+    int32_t phase_udeg;   ///< by which the part is turned
+} sim_wire_played_t;
+
+typedef struct {
+    sim_wire_played_t played;
     uint8_t out[sizeof((hal_host_t *)0)->out];
 } sim_wire_written_t;
 
 /// A socket for packets (SOCK_SEQPACKET), whose other end the partner has.
 typedef struct {
     int fd;
-    bool is_lost; ///< the partner has ended; nothing is sent or received any more
+    bool is_lost;             ///< the partner has ended; nothing is sent or received any more
+    sim_wire_played_t played; ///< of the last packet of the controller
 } sim_wire_t;
 
 /// Greet the partner, and wait until it greets.
@@ -46,6 +54,6 @@ bool sim_wire_take_written(sim_wire_t *w);
 // Controller: wait for what is sensed, hand over what is written. @return false when it is lost
 
 bool sim_wire_take_sensed(sim_wire_t *w);
-bool sim_wire_tell_written(sim_wire_t *w);
+bool sim_wire_tell_written(sim_wire_t *w, const sim_wire_played_t *played);
 
 #endif

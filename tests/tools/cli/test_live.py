@@ -6,6 +6,7 @@ from __future__ import annotations
 import io
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -132,16 +133,19 @@ def test_a_session_as_an_operator_has_it(tmp_path: Path) -> None:
         assert "r/min" in do("watch", "--seconds", "0.2", "--every", "0.1")
         until(lambda: "cutting" in do("status"))
         rows = tmp_path / "rows.csv"
-        do("record", rows, "--signals", "u_set_q6,u_actual_nm", "--every", "10", "--seconds", "0.1")
+        do("scope", rows, "--signals", "u_set_q6,u_actual_nm", "--every", "10", "--seconds", "0.1")
         assert len(rows.read_text("ascii").splitlines()) > 50
         live.type("estop")
         until(lambda: "faults            estop" in do("status"))
+        until(lambda: run("blackbox", tmp_path / "box.parquet")[0] == 0)
         live.type("release")
         until(lambda: run("reset")[0] == 0)
         assert do("home") == "home: ready\n"
         do("start")
         until(lambda: "cutting" in do("status"))
         do("stop")
+        gauged = re.search(r"form error max ([\d.]+) um", live.wait_for("part 2: "))
+        assert gauged is not None and float(gauged[1]) < 1.0
         until(lambda: "state             ready" in do("status"))
         assert "error of U" in do("learned")
         assert do("disable") == "disable: off\n"

@@ -64,12 +64,15 @@ static void test_written_whole_out_crosses(void)
     hal_host.out.axis[hal_axis_u].pos_nm = 77;
     hal_host.out.spindle_mrpm = -2500000;
     hal_host.out.outputs = hal_out_enable;
-    TEST_ASSERT_TRUE(sim_wire_tell_written(&controller));
+    const sim_wire_played_t played = {.table_crc32 = 0xA178B769u, .phase_udeg = -5};
+    TEST_ASSERT_TRUE(sim_wire_tell_written(&controller, &played));
     hal_host_reset(tick_hz);
     TEST_ASSERT_TRUE(sim_wire_take_written(&lathe));
     TEST_ASSERT_EQUAL_INT32(77, hal_host.out.axis[hal_axis_u].pos_nm);
     TEST_ASSERT_EQUAL_INT32(-2500000, hal_host.out.spindle_mrpm);
     TEST_ASSERT_EQUAL_UINT32(hal_out_enable, hal_host.out.outputs);
+    TEST_ASSERT_EQUAL_HEX32(0xA178B769u, lathe.played.table_crc32);
+    TEST_ASSERT_EQUAL_INT32(-5, lathe.played.phase_udeg);
 }
 
 static void test_wire_partner_gone_is_lost_for_good_and_changes_nothing(void)
