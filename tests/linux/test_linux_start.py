@@ -87,6 +87,13 @@ def test_machine_that_is_not_there_is_refused(tmp_path: Path) -> None:
     assert "nowhere0: no such CAN interface" in words or "no CAN sockets in this kernel" in words
 
 
+def test_parameters_have_a_file_of_their_own(tmp_path: Path) -> None:
+    """One file for table and parameters is refused."""
+    config = tmp_path / "machine.toml"
+    config.write_text('[table]\nfile = "one"\n[parameters]\nfile = "one"\n')
+    assert "parameters.file is table.file" in refused("--check", "--config", config)
+
+
 def test_bus_that_cannot_bear_the_ticks_is_refused(tmp_path: Path) -> None:
     """With the numbers; on a virtual bus, which has no bit rate, it is a warning."""
     config = tmp_path / "machine.toml"

@@ -167,6 +167,10 @@ bool lin_check_load(lin_config_t *config, const char *path, common_error_t *e)
         return common_error(e, "%s: can.interface, gpio.chip or table.file is empty; give a name",
                             path);
     }
+    if (strcmp(c->params_file, c->table_file) == 0) {
+        return common_error(e, "%s: parameters.file is table.file; give each a path of its own",
+                            path);
+    }
     return check_lines(c, path, e) && check_nodes(c, path, e) && check_encoder(c, path, e) &&
            check_age(c, path, e) && check_drives(c, path, e) && check_times(c, path, e) &&
            check_load(c, path, e);

@@ -73,6 +73,7 @@ static void test_example_file_tells_every_default(void)
     }
     TEST_ASSERT_EQUAL_STRING(defaults.table_file, config.table_file);
     TEST_ASSERT_EQUAL_INT64(defaults.table_max_bytes, config.table_max_bytes);
+    TEST_ASSERT_EQUAL_STRING(defaults.params_file, config.params_file);
 }
 
 static void test_desk_file_is_right(void)

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+// The Linux port's kept parameters: their file, and a disk or a folder that does not take it.
+#include "lin_params.h"
+#include "unity.h"
+#include <errno.h>       // EIO
+#include <stdio.h>       // fopen
+#include <stdlib.h>      // mkdtemp
+#include <string.h>      // strstr
+#include <sys/stat.h>    // mkdir
+#include <sys/syscall.h> // SYS_fsync
+#include <unistd.h>      // unlink, syscall
+
+static common_error_t error;
+static char folder[] = "/tmp/test_lin_params.XXXXXX";
+static char path[100], fresh[110];
+static int n_good_syncs;
+static bool is_read_only;
+
+void setUp(void)
+{
+    n_good_syncs = INT32_MAX;
+    is_read_only = false;
+    (void)unlink(path);
+    (void)unlink(fresh);
+    lin_params_open(path, &error);
+}
+
+void tearDown(void) {}
+
+/// Stands in front of the library's function: a disk that confirms a number of times.
+int fsync(int fd)
+{
+    if (n_good_syncs-- <= 0) {
+        errno = EIO;
+        return -1;
+    }
+    return (int)syscall(SYS_fsync, fd);
+}
+
+/// Likewise: root may write everywhere, a service may not.
+int access(const char *name, int mode)
+{
+    if (is_read_only && (mode & W_OK) != 0) {
+        errno = EROFS;
+        return -1;
+    }
+    return (int)syscall(SYS_access, name, mode);
+}
+
+static void expect_kept(const char *text)
+{
+    const hal_params_t kept = lin_params_kept();
+    TEST_ASSERT_EQUAL_UINT32(strlen(text), kept.size);
+    TEST_ASSERT_EQUAL_MEMORY(text, kept.bytes, kept.size);
+    TEST_ASSERT_FALSE(kept.is_damaged);
+}
+
+static void keep_first(void)
+{
+    TEST_ASSERT_TRUE(lin_params_keep("first", 5, &error));
+    TEST_ASSERT_EQUAL_STRING("", error.text);
+}
+
+static void test_keep_is_found_by_the_next_start(void)
+{
+    TEST_ASSERT_EQUAL_STRING("", error.text); // no file is nothing wrong
+    TEST_ASSERT_EQUAL_UINT32(0, lin_params_kept().size);
+    TEST_ASSERT_FALSE(lin_params_kept().is_damaged);
+    keep_first();
+    expect_kept("first");
+    TEST_ASSERT_TRUE(lin_params_keep("second one", 10, &error));
+    lin_params_open(path, &error);
+    expect_kept("second one");
+    TEST_ASSERT_NOT_EQUAL_INT(0, access(fresh, F_OK));
+}
+
+static void test_keep_cut_off_leaves_the_old_ones(void)
+{
+    keep_first();
+    FILE *file = fopen(fresh, "w"); // the supply fell while it was written
+    TEST_ASSERT_NOT_NULL(file);
+    (void)fputs("sec", file);
+    (void)fclose(file);
+    lin_params_open(path, &error);
+    expect_kept("first");
+    n_good_syncs = 0;
+    TEST_ASSERT_FALSE(lin_params_keep("second", 6, &error));
+    TEST_ASSERT_NOT_NULL(strstr(error.text, "not written: Input/output error"));
+    expect_kept("first");
+    lin_params_open(path, &error);
+    expect_kept("first");
+}
+
+static void test_folder_that_is_not_confirmed_is_told(void)
+{
+    n_good_syncs = 1;
+    TEST_ASSERT_TRUE(lin_params_keep("first", 5, &error));
+    TEST_ASSERT_NOT_NULL(strstr(error.text, "a loss of power may bring the old one back"));
+    expect_kept("first");
+}
+
+/// What is there is used; that nothing can be saved is told at the start, not at the save only.
+static void test_read_only_folder_is_told_at_the_start(void)
+{
+    keep_first();
+    is_read_only = true;
+    lin_params_open(path, &error);
+    TEST_ASSERT_NOT_NULL(strstr(error.text, "parameters cannot be saved: its folder: Read-only"));
+    expect_kept("first");
+    TEST_ASSERT_EQUAL_INT(0, mkdir(fresh, 0700)); // a folder blocks the path, also for root
+    TEST_ASSERT_FALSE(lin_params_keep("second", 6, &error));
+    TEST_ASSERT_EQUAL_INT(0, rmdir(fresh));
+    expect_kept("first");
+}
+
+static void test_file_that_cannot_be_read_is_damage(void)
+{
+    static char large[hal_params_most_bytes + 1];
+    memset(large, 'x', sizeof large);
+    FILE *file = fopen(path, "w");
+    TEST_ASSERT_NOT_NULL(file);
+    TEST_ASSERT_EQUAL_size_t(sizeof large, fwrite(large, 1, sizeof large, file));
+    (void)fclose(file);
+    lin_params_open(path, &error);
+    TEST_ASSERT_NOT_NULL(strstr(error.text, "more than 16384 bytes; remove it"));
+    TEST_ASSERT_TRUE(lin_params_kept().is_damaged);
+    TEST_ASSERT_EQUAL_UINT32(0, lin_params_kept().size);
+    TEST_ASSERT_FALSE(lin_params_keep(large, sizeof large, &error));
+    lin_params_open(folder, &error);
+    TEST_ASSERT_NOT_NULL(strstr(error.text, "cannot be read: Is a directory"));
+    TEST_ASSERT_TRUE(lin_params_kept().is_damaged);
+}
+
+static void test_empty_path_keeps_nothing(void)
+{
+    lin_params_open("", &error);
+    TEST_ASSERT_EQUAL_STRING("", error.text);
+    TEST_ASSERT_FALSE(lin_params_keep("first", 5, &error));
+    TEST_ASSERT_NOT_NULL(strstr(error.text, "parameters.file is empty"));
+}
+
+int main(void)
+{
+    if (mkdtemp(folder) == NULL) {
+        return 1;
+    }
+    (void)snprintf(path, sizeof path, "%s/parameters.toml", folder);
+    (void)snprintf(fresh, sizeof fresh, "%s.new", path);
+    UNITY_BEGIN();
+    RUN_TEST(test_keep_is_found_by_the_next_start);
+    RUN_TEST(test_keep_cut_off_leaves_the_old_ones);
+    RUN_TEST(test_folder_that_is_not_confirmed_is_told);
+    RUN_TEST(test_read_only_folder_is_told_at_the_start);
+    RUN_TEST(test_file_that_cannot_be_read_is_damage);
+    RUN_TEST(test_empty_path_keeps_nothing);
+    const int status = UNITY_END();
+    (void)unlink(path);
+    (void)rmdir(folder);
+    return status;
+}
