@@ -38,6 +38,7 @@ ENABLE, DISABLE, START, STOP, RESET, SET, GET, SELECT = (
 BEGIN, END, BLOCK = (
     _COMMANDS[name] for name in ("begin_download", "end_download", "download_block")
 )
+SAVE, REVERT = _COMMANDS["save_parameters"], _COMMANDS["revert_parameters"]
 COMMAND, ANSWER, STATE, SPINDLE = _id("Command"), _id("Answer"), _id("State"), _id("Spindle")
 DETAIL, TO_CONTROLLER, FLOW = _id("Detail"), _id("Block"), _id("BlockFlow")
 PARAMS = [name for _, name in sorted(_table("Command", "parameter").items())]
