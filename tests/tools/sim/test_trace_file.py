@@ -14,8 +14,9 @@ import pyarrow.parquet as pq
 import pytest
 
 from camsim_cases import camsim
+from camtools.link.controller import NAMES
 from camtools.sim import trace_file
-from camtools.sim.results import read_swing, read_trace
+from camtools.sim.results import STATES, read_swing, read_trace
 from camtools.sim.trace_file import TOLD_TWICE, column_names, pack_trace, read_columns
 from camtools.skirt.generate import GeneratedSkirt
 from camtools.table.image import pack
@@ -71,6 +72,11 @@ def test_readers_take_both(text: Path, packed: Path) -> None:
     for ours, theirs in zip(read_trace(packed), read_trace(text), strict=True):
         assert np.array_equal(ours, theirs)
     assert read_swing(packed) is None and read_swing(text) is None
+
+
+def test_states_are_those_of_the_firmware() -> None:
+    """By their numbers, as the bus has them."""
+    assert dict(enumerate(STATES)) == NAMES["state"]
 
 
 def test_other_tools_read_plain_numbers_within_a_quarter_of_a_digit(packed: Path) -> None:

@@ -26,7 +26,7 @@ from camtools.table.header import MadeTable
 
 STATES = (
     *("off", "homing", "ready", "engaging", "cutting", "disengaging", "fault"),
-    *("rehearsing", "identifying"),
+    *("rehearsing", "identifying", "manual"),
 )
 CUTTING, FAULT = STATES.index("cutting"), STATES.index("fault")
 _TURNS_PER_Q32 = 2.0**-32
@@ -160,8 +160,8 @@ def _trace_columns(path: Path, names: tuple[str, ...]) -> Floats:
 
     found = read_columns(path, names)
     if "state" in found:
-        order = np.argsort(STATES)
-        found["state"] = order[np.searchsorted(STATES, found["state"].astype(str), sorter=order)]
+        names_there, which = np.unique(found["state"].astype(str), return_inverse=True)
+        found["state"] = np.array([STATES.index(name) for name in names_there], dtype=int)[which]
     return np.array([found[name].astype(np.float64) for name in names])
 
 
