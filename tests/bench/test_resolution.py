@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What resolutions cost is what the documents say, and what the equations let expect."""
+
+from __future__ import annotations
+
+import doctest
+from pathlib import Path
+
+import pytest
+import resolution
+from resolution import DEFAULT, EXACT, PORTS, ROWS, Row, Shape, bound_um, cut_row_um, cut_um
+
+Lines = list[list[str]]
+
+
+@pytest.fixture(scope="module")
+def table(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the table of the part, with its report beside it."""
+    return resolution.make_table(tmp_path_factory.mktemp("resolution"))
+
+
+@pytest.fixture(scope="module")
+def shape(table: Path) -> Shape:
+    """Return what the bounds need of the part."""
+    return resolution.shape_of(table)
+
+
+@pytest.fixture(scope="module")
+def exact_um(table: Path) -> float:
+    """Return what is left where nothing is coarse."""
+    return cut_um(table, EXACT, resolution.RPM)
+
+
+def recorded(name: str) -> Lines:
+    """Return the cells of a document's table, without its head."""
+    lines = resolution.recorded(name)[1].splitlines()[2:]
+    return [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
+
+
+def row_of(what: str, begin: str) -> Row:
+    """Return a row of the first table."""
+    return next(row for row in ROWS if row.what == what and row.value.startswith(begin))
+
+
+def test_examples_are_true() -> None:
+    """What the examples of the module show is what it does."""
+    result = doctest.testmod(resolution)
+    assert result.attempted
+    assert not result.failed
+
+
+def test_shape_is_that_of_the_drawing(shape: Shape) -> None:
+    """An ellipse of 0.3 mm: u is 0.075 mm (1 - cos 2 a), so u' is 150 um and u'' 300 um."""
+    assert shape.u1_um_per_rad == pytest.approx(150, rel=0.01)
+    assert shape.u2_um_per_rad2 == pytest.approx(300, rel=0.01)
+    assert 0.001 < shape.slope < 0.05
+
+
+def test_the_first_table_is_recorded(table: Path, shape: Shape) -> None:
+    """Every row is what camsim and its equation give: `tests/bench/resolution --record`."""
+    found = []
+    for row in ROWS:
+        bound = bound_um(row, shape)
+        right = "-" if bound is None else f"{bound:.3f}"
+        found.append([row.what, row.value, f"{cut_row_um(table, row):.3f}", right])
+    assert found == recorded("resolution")
+
+
+def test_bounds_hold(exact_um: float) -> None:
+    """No row is worse than its bound and what is left anyway; those of X and the delay are met."""
+    for what, value, found, bound in recorded("resolution")[1:]:
+        limit_um = float(bound) * (1.35 if what == "tick" else 1.02) + exact_um + 0.001
+        assert float(found) <= limit_um, (what, value)
+        if what in {"step of X", "delay not in lead_ns", "tick"}:
+            assert float(found) >= 0.8 * float(bound), (what, value)
+
+
+def test_steps_of_x_alone_cost_three_micrometres(table: Path) -> None:
+    """Half of 6.1 um, whatever equation is believed; steps of 50 nm cost a hundredth of that."""
+    assert 3.0 < cut_row_um(table, row_of("step of X", "6103.5")) < 3.1
+    assert cut_row_um(table, row_of("step of X", "50 ")) < 0.031
+
+
+@pytest.mark.parametrize(("port", "rpm"), [(0, 2500), (1, 1000), (4, 2500)])
+def test_ports_are_recorded(table: Path, port: int, rpm: int) -> None:
+    """Some cells of the second table; the command that writes it makes them all."""
+    name, keys = PORTS[port]
+    cells = next(line for line in recorded("ports") if line[0] == name)
+    column = 1 + resolution.SPEEDS.index(rpm)
+    assert cells[column] == f"{cut_um(table, {**DEFAULT, **keys}, rpm):.2f}"
