@@ -168,13 +168,18 @@ class Remote:
     def table_name(self) -> str:
         """Return the name of the table in use, as the status tells it from now on."""
         self.frames(DETAIL).clear()
-        self.chip.run(self.chip.seconds(0.15))
-        said = [
-            DATABASE.get_message_by_name("Detail").decode_simple(f.data)
-            for f in self.frames(DETAIL)
-        ]
-        words = dict(item for one in said for item in one.items() if "name" in item[0])
-        parts = [int(str(words[f"table_name_{i}"])).to_bytes(6, "little") for i in range(6)]
+        names = [f"table_name_{i}" for i in range(6)]
+        detail = DATABASE.get_message_by_name("Detail")
+        words: dict[str, object] = {}
+
+        def is_whole() -> bool:
+            for frame in self.frames(DETAIL):
+                words.update(detail.decode_simple(frame.data))
+            self.frames(DETAIL).clear()
+            return words.keys() >= set(names)
+
+        assert self.chip.run_until(is_whole, self.chip.seconds(0.5)), "no name comes"
+        parts = [int(str(words[name])).to_bytes(6, "little") for name in names]
         return b"".join(parts).rstrip(b"\0").decode()
 
     def lines(self) -> list[str]:
