@@ -18,6 +18,7 @@ from pathlib import Path
 import pytest
 
 from camtools.cli.camctl import main as camctl
+from camtools.cli.live import main as live_main
 from camtools.link.live import LiveLathe, live_lathes, only_lathe
 from camtools.pipeline.load import load
 from camtools.pipeline.make import make
@@ -200,6 +201,27 @@ def test_a_folder_of_others_is_refused(folder: Path, capsys: pytest.CaptureFixtu
     folder.chmod(0o755)
     assert run("status")[0] == 2
     assert "0700" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--", "--set", "k1_ns=-1"], "camsim: --set: k1_ns = -1: out of range"),
+        (["--machine", "nosuch"], "live: --machine nosuch: no such machine; give one of "),
+        (["-i", "socketcand"], "live: socketcand: needs channel, host, port; give --channel .. "),
+        (["--speed-up", "1000"], "live: argument --speed-up: 1000: give 0.01 .. 100; see "),
+    ],
+)
+def test_what_is_wrong_is_one_line_and_nothing_is_left(
+    words: list[str], said: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """Status 2, and no process was kept."""
+    try:
+        status = live_main([str(PART), *words])
+    except SystemExit as end:
+        status = int(end.code or 0)
+    (line,) = capfd.readouterr().err.splitlines()
+    assert status == 2 and line.startswith(said), line
 
 
 def test_without_bus_and_lathe_camctl_tells_what_there_is(

@@ -25,7 +25,7 @@ from typing import Any
 
 import can
 
-from camtools.base.command import Interrupted, Parser, run_command
+from camtools.base.command import BAD_INPUT, Interrupted, Parser, run_command
 from camtools.base.errors import CamtoolsError
 from camtools.base.places import ROOT
 from camtools.cli.bus import add_interface_options, bus_arguments
@@ -37,7 +37,7 @@ from camtools.pipeline.job import write_files
 from camtools.pipeline.load import load
 from camtools.pipeline.make import Made, make
 from camtools.sim.camsim import camsim_path
-from camtools.sim.live import LivePair, died
+from camtools.sim.live import LivePair, died, refuses
 from camtools.sim.machines import machine_bytes, names
 
 DIED = 1
@@ -207,13 +207,19 @@ def _end(pair: LivePair, bridge: Bridge) -> None:
 
 def _begin(
     stack: ExitStack, bus: can.BusABC, made: Made, arguments: argparse.Namespace, extra: list[str]
-) -> tuple[LivePair, _Session]:
-    """Start both processes and wait until they have read their files, which are gone then."""
+) -> tuple[LivePair, _Session] | None:
+    """Start both processes and wait until they have read their files, which are gone then.
+
+    Return nothing when camsim refused and said why.
+    """
     name = made.table.table.part_name
-    words = [f"{name}.camtab", "--machine", _MACHINE, "--speed-up", repr(arguments.speed_up)]
-    with tempfile.TemporaryDirectory(prefix="live.", dir=runtime_folder()) as folder:
-        write_files(Path(folder), _files(made, arguments.machine))
-        pair = LivePair(camsim_path(), Path(folder), [*words, *extra])
+    words = [f"{name}.camtab", "--machine", _MACHINE, *extra]
+    with tempfile.TemporaryDirectory(prefix="live.", dir=runtime_folder()) as text:
+        folder = Path(text)
+        write_files(folder, _files(made, arguments.machine))
+        if refuses(camsim_path(), folder, words):
+            return None
+        pair = LivePair(camsim_path(), folder, [*words, "--speed-up", repr(arguments.speed_up)])
         stack.callback(pair.close)
         assert pair.controller.stdin is not None and pair.controller.stdout is not None
         bridge = Bridge(bus, pair.controller.stdin.fileno(), pair.controller.stdout.fileno())
@@ -231,7 +237,10 @@ def _live(stack: ExitStack, arguments: argparse.Namespace, extra: list[str]) -> 
     bus_words = _bus_of(bus_arguments(arguments))
     bus, where = open_bus(bus_words)
     stack.callback(bus.shutdown)
-    pair, session = _begin(stack, bus, made, arguments, extra)
+    begun = _begin(stack, bus, made, arguments, extra)
+    if begun is None:
+        return BAD_INPUT
+    pair, session = begun
     name = made.table.table.part_name
     facts = {
         "bus": bus_words,

@@ -74,7 +74,7 @@ def _wanted(interface: str) -> list[str]:
 
 
 def _option(name: str) -> str:
-    return f"--{name}" if name in ("channel", "bitrate") else f"--option {name}=.."
+    return f"--{name} .." if name in ("channel", "bitrate") else f"--option {name}=.."
 
 
 def _lacking(interface: str, given: Mapping[str, Any], error: Exception) -> str:

@@ -25,6 +25,27 @@ def died(status: int) -> str:
     return f"was ended by signal {-status}" if status < 0 else f"ended with status {status}"
 
 
+def refuses(program: Path, folder: Path, words: Sequence[str]) -> bool:
+    """Return whether camsim refuses table and options; it has said why, once and not twice.
+
+    Raises
+    ------
+    CamtoolsError
+        It cannot be started.
+    """
+    command = [str(program), "params", *words]
+    try:
+        done = subprocess.run(command, cwd=folder, stdout=subprocess.DEVNULL, check=False)
+    except OSError as error:
+        raise _cannot_start(program, error) from error
+    return done.returncode != 0
+
+
+def _cannot_start(program: Path, error: OSError) -> CamtoolsError:
+    problem = f"{program}: cannot be started: {error.strerror}"
+    return CamtoolsError([f"{problem}; start tools/live, which builds it"])
+
+
 def _end(process: subprocess.Popen[bytes]) -> None:
     """Close what a process reads, which ends it; kill it where that does not help."""
     assert process.stdin is not None
@@ -79,8 +100,7 @@ class LivePair:
                 )
         except OSError as error:
             self.close()
-            problem = f"{program}: cannot be started: {error.strerror}"
-            raise CamtoolsError([f"{problem}; start tools/live, which builds it"]) from error
+            raise _cannot_start(program, error) from error
         finally:
             for end in ends:
                 end.close()
