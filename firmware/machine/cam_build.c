@@ -29,9 +29,6 @@ enum { max_rate_bits = 4 };
 /// One turn in 2^22 ticks is slower than any spindle turns.
 enum { most_speed_shift = 20 };
 
-/// Gentle approach: a quarter of each limit.
-enum { approach_share = 4 };
-
 /// Homing waits this many times longer for the spindle to turn than the cut does.
 enum { homing_patience = 100 };
 
@@ -240,8 +237,8 @@ static void build_swing(cam_swing_config_t *c, const cam_params_t *p, const cam_
     c->ahead_q16 = c->lag_q16 + line_q16;
     c->ahead2 = half_square(c->ahead_q16);
     c->full = swing_limits(p->swing_speed_mdeg_per_s, p->swing_acceleration_deg_per_s2, tick_hz);
-    c->gentle = swing_limits(p->swing_speed_mdeg_per_s / approach_share,
-                             p->swing_acceleration_deg_per_s2 / approach_share, tick_hz);
+    c->gentle = swing_limits(p->swing_speed_mdeg_per_s / cam_fit_approach_share,
+                             p->swing_acceleration_deg_per_s2 / cam_fit_approach_share, tick_hz);
 }
 
 /// X, Z and U are planned ahead, to the next plan and by their lag, the speed ratio to the next
@@ -313,8 +310,8 @@ static void build_limits(cam_config_t *c, const cam_params_t *p, uint32_t tick_h
     for (uint32_t i = 0; i < hal_n_axes; i++) {
         const int32_t ticks = i == (uint32_t)hal_axis_u ? 1 : c->play.plan_ticks;
         const cam_move_limits_t gentle = {
-            .speed_q10 = full[i].speed_q10 / approach_share + 1,
-            .acceleration_q10 = full[i].acceleration_q10 / approach_share + 1,
+            .speed_q10 = full[i].speed_q10 / cam_fit_approach_share + 1,
+            .acceleration_q10 = full[i].acceleration_q10 / cam_fit_approach_share + 1,
         };
         c->play.approach[i] = per_plan(gentle, ticks);
         c->play.leave[i] = per_plan(full[i], ticks);

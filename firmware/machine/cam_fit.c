@@ -10,9 +10,6 @@
 enum { least_jump_counts = 8, quantisation_counts = 4, most_jump_counts = 1 << 30 };
 enum { least_following_nm = 10000, most_following_nm = 200000, unknown_following_nm = 100000 };
 
-/// Approaches take a quarter of the speed and of the acceleration of U (cam_build.c).
-enum { approach_share = 4 };
-
 /// @return [counts] twice the lag of the observer's travel behind a spindle that accelerates: N
 /// times 2 alpha T / w_o of 2 pi, with 2 pi^2 = 987 / 50
 static uint64_t twice_lag_counts(const cam_params_t *p, uint32_t tick_hz)
@@ -56,8 +53,8 @@ int32_t cam_fit_following_nm(const cam_params_t *params, const cam_table_t *tabl
 /// are in ns, us^2, um/s and mm/s^2, whose products are 1e-6 nm
 static int64_t approach_nm(const cam_params_t *p, uint32_t tick_hz)
 {
-    const int64_t v_um_per_s = p->u_speed_um_per_s / approach_share;
-    const int64_t a_mm_per_s2 = p->u_acceleration_mm_per_s2 / approach_share;
+    const int64_t v_um_per_s = p->u_speed_um_per_s / cam_fit_approach_share;
+    const int64_t a_mm_per_s2 = p->u_acceleration_mm_per_s2 / cam_fit_approach_share;
     const int64_t lag_ns = (int64_t)p->k1_ns + p->lead_ns;
     return (lag_ns * v_um_per_s + p->k2_us2 * a_mm_per_s2) / 2000000 +
            v_um_per_s * 500 / (int64_t)tick_hz;

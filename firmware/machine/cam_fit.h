@@ -16,6 +16,9 @@
 /// part. Slower ticks are those of field buses, whose measurements are some ticks old.
 enum { cam_fit_least_hz = 10000 };
 
+/// Out of the cut every axis takes this share of its speed and of its acceleration: a quarter.
+enum { cam_fit_approach_share = 4 };
+
 /// The most that counts of one tick may deviate from what the observer expects: what a spindle that
 /// accelerates as fast as it can and ripples by a hundredth of its highest speed makes of it,
 /// twice, 4 counts of quantisation, and index_tolerance_counts for the encoder's jitter; at least 8

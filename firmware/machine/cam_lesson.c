@@ -74,8 +74,7 @@ static void freeze(cam_teach_t *t, int32_t speed_q32)
 
 static bool is_learning(const cam_teach_t *t, const cam_teach_setup_t *s)
 {
-    const bool is_asked = s->reason == cam_teach_all || s->reason == cam_teach_lobes;
-    return is_asked && t->phase >= (uint8_t)cam_teach_settling &&
+    return cam_teach_is_asked(s) && t->phase >= (uint8_t)cam_teach_settling &&
            t->phase <= (uint8_t)cam_teach_cutting;
 }
 

@@ -3,16 +3,12 @@
 #include "cam_teach.h"
 #include "cam_fix.h" // cam_clamp_i32
 
-static bool is_on(const cam_teach_setup_t *s)
-{
-    return s->reason == cam_teach_all || s->reason == cam_teach_lobes;
-}
-
 /// What hinders the whole comes before what hinders a part.
 static cam_teach_reason_t hindered_by(const cam_teach_t *t, const cam_teach_setup_t *s)
 {
-    return !is_on(s) || t->hindrance == (uint8_t)cam_teach_all ? s->reason
-                                                               : (cam_teach_reason_t)t->hindrance;
+    return !cam_teach_is_asked(s) || t->hindrance == (uint8_t)cam_teach_all
+               ? s->reason
+               : (cam_teach_reason_t)t->hindrance;
 }
 
 static uint32_t nturn_of(uint32_t turn_q32)
@@ -35,7 +31,7 @@ cam_teach_status_t cam_teach_status(const cam_teach_t *t, const cam_teach_setup_
 {
     const int64_t hz = tick_hz;
     return (cam_teach_status_t){
-        .phase = is_on(setup) ? (cam_teach_phase_t)t->phase : cam_teach_off,
+        .phase = cam_teach_is_asked(setup) ? (cam_teach_phase_t)t->phase : cam_teach_off,
         .reason = hindered_by(t, setup),
         .n_turns = t->n_turns,
         .n_harmonics = t->n_orders,

@@ -116,6 +116,12 @@ typedef struct {
     cam_complex_t eccentricity; ///< [turn / 2^32] order 1 of the encoder's own error
 } cam_teach_setup_t;
 
+/// @return whether something is to be learned: all, or of lobes the drive's constants
+static inline bool cam_teach_is_asked(const cam_teach_setup_t *setup)
+{
+    return setup->reason == cam_teach_all || setup->reason == cam_teach_lobes;
+}
+
 /// What is led to what was learned, in steps.
 enum { cam_walk_drive = 1, cam_walk_shape = 2, cam_walk_ripple = 4, cam_walk_all = 7 };
 

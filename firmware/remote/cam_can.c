@@ -225,9 +225,7 @@ static cam_err_t store_block(cam_can_t *r, uint32_t n)
     if (n <= cam_store_block_header) {
         return cam_err_download_order;
     }
-    const uint32_t offset =
-        (uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
-    return cam_machine_wave_block(r->machine, offset, &b[cam_store_block_header],
+    return cam_machine_wave_block(r->machine, cam_store_word(b), &b[cam_store_block_header],
                                   n - cam_store_block_header);
 }
 

@@ -6,13 +6,6 @@
 /// Offset of the field image_size in the header of an image (TABLE_FORMAT.md).
 enum { at_image_size = 16 };
 
-/// @return the little-endian word at some bytes
-static uint32_t get_u32(const uint8_t *bytes)
-{
-    return (uint32_t)bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 |
-           (uint32_t)bytes[3] << 24;
-}
-
 void cam_store_init(cam_store_t *s, cam_machine_t *machine)
 {
     *s = (cam_store_t){.machine = machine, .err = cam_err_no_table};
@@ -31,7 +24,7 @@ static cam_err_t select_in_place(cam_machine_t *m)
     }
     uint32_t size = place.size;
     if (place.size >= cam_table_header_size) {
-        const uint32_t stored = get_u32((const uint8_t *)place.bytes + at_image_size);
+        const uint32_t stored = cam_store_word((const uint8_t *)place.bytes + at_image_size);
         size = stored >= cam_table_header_size && stored < place.size ? stored : place.size;
     }
     return cam_machine_select_table(m, place.bytes, size);
@@ -109,7 +102,7 @@ cam_err_t cam_store_block(cam_store_t *s, const uint8_t *block, uint32_t n)
     if (!s->is_open || n <= cam_store_block_header) {
         return cam_err_download_order;
     }
-    const uint32_t offset = get_u32(block);
+    const uint32_t offset = cam_store_word(block);
     const uint8_t *bytes = &block[cam_store_block_header];
     const uint32_t n_bytes = n - cam_store_block_header;
     if (offset > s->size || n_bytes > s->size - offset) {

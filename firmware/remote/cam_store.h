@@ -21,6 +21,13 @@ enum {
     cam_store_block_bytes = 4096, ///< [bytes] of the image in a block, at most
 };
 
+/// @return the little-endian word at some bytes, as of the offset of a block
+static inline uint32_t cam_store_word(const uint8_t *bytes)
+{
+    return (uint32_t)bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 |
+           (uint32_t)bytes[3] << 24;
+}
+
 /// State.
 typedef struct {
     cam_machine_t *machine;

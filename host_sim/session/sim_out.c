@@ -97,12 +97,7 @@ static bool find_target(sim_out_t *o, bool *is_regular)
 
 bool sim_out_open(sim_out_t *o, const char *name, const char *option, common_error_t *e)
 {
-    o->name = name;
-    o->values = NULL;
-    o->stream = NULL;
-    o->temporary[0] = '\0';
-    o->error = 0;
-    o->n = 0;
+    sim_out_open_stream(o, name, NULL);
     if (name == NULL) {
         return true;
     }
