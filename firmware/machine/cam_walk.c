@@ -70,8 +70,7 @@ static bool lead_angles(const cam_teach_t *t, const cam_teach_setup_t *s, cam_le
 }
 
 /// @return the first turn that may be learned from: in a rehearsal U has half a turn to settle, in
-/// the
-///         cut, whose steps are small, a turn may begin with them
+///         the cut, whose steps are small, a turn may begin with them
 static uint32_t good_from(cam_state_t state, uint32_t at_q8)
 {
     const uint32_t turn = at_q8 >> 8;

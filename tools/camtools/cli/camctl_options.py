@@ -8,9 +8,9 @@
 from __future__ import annotations
 
 import argparse
-import math
 from pathlib import Path
 
+from camtools.base.argument_types import finite, not_negative, positive
 from camtools.base.command import Parser
 from camtools.cli.bus import add_bus_options
 from camtools.cli.camctl_params import FILES, MEMORY
@@ -41,27 +41,6 @@ lathe, where tools/live runs.
 Exit status: 0 done, 1 refused by the controller or no answer, 2 wrong usage or bad input."""
 
 
-def _finite(text: str) -> float:
-    value = float(text)
-    if not math.isfinite(value):
-        raise argparse.ArgumentTypeError(f"{text}: give a finite number")
-    return value
-
-
-def _positive(text: str) -> float:
-    value = _finite(text)
-    if value <= 0:
-        raise argparse.ArgumentTypeError(f"{text}: give more than 0")
-    return value
-
-
-def _not_negative(text: str) -> float:
-    value = _finite(text)
-    if value < 0:
-        raise argparse.ArgumentTypeError(f"{text}: give 0 or more")
-    return value
-
-
 def _count(text: str) -> int:
     value = int(text)
     if not 1 <= value <= 1_000_000:
@@ -71,7 +50,7 @@ def _count(text: str) -> int:
 
 def _add_record(one: argparse.ArgumentParser) -> None:
     one.add_argument("file", type=Path)
-    one.add_argument("--seconds", type=_positive, help="how long; default: until interrupted")
+    one.add_argument("--seconds", type=positive, help="how long; default: until interrupted")
     one.add_argument("--cut", action="store_true", help="until the cut that runs is over")
 
 
@@ -86,8 +65,8 @@ def _add_scope(one: argparse.ArgumentParser) -> None:
     one.add_argument("file", type=Path, help="ends in .csv or .parquet")
     one.add_argument("--signals", default=",".join(DEFAULT_SIGNALS), help="A,B,..; see SCOPE.md")
     one.add_argument("--trigger", default="now", help=GRAMMAR.replace("%", "%%"))
-    one.add_argument("--before", type=_not_negative, default=0.0, help="seconds before the trigger")
-    one.add_argument("--seconds", type=_positive, help="in all; default: until memory is full")
+    one.add_argument("--before", type=not_negative, default=0.0, help="seconds before the trigger")
+    one.add_argument("--seconds", type=positive, help="in all; default: until memory is full")
     one.add_argument("--every", type=_count, help="only one tick of N", default=1)
     one.add_argument("--from-state", choices=tuple(NUMBERS["state"]), help="while the state is so")
     one.add_argument("--repeat", type=_count, default=1, help="recordings, into numbered files")
@@ -137,7 +116,7 @@ def make_parser() -> argparse.ArgumentParser:
         if name == "start":
             one.add_argument("--wait", action="store_true", help="until the part is cut")
     for name, what in QUICK.items():
-        commands.add_parser(name, help=what).add_argument("value", type=_finite)
+        commands.add_parser(name, help=what).add_argument("value", type=finite)
     commands.add_parser("get", help="print parameters").add_argument("names", nargs="+")
     one = commands.add_parser("set", help="set a parameter")
     one.add_argument("name")
@@ -147,8 +126,8 @@ def make_parser() -> argparse.ArgumentParser:
     _add_params(commands.add_parser("params", help="all parameters: files, and what is kept"))
     commands.add_parser("status", help="print the status once")
     one = commands.add_parser("watch", help="live view: angle, U, following error, faults")
-    one.add_argument("--seconds", type=_positive, help="how long; default: until interrupted")
-    one.add_argument("--every", type=_positive, help="seconds between two pictures")
+    one.add_argument("--seconds", type=positive, help="how long; default: until interrupted")
+    one.add_argument("--every", type=positive, help="seconds between two pictures")
     _add_record(commands.add_parser("record", help="write the status into CSV"))
     _add_scope(commands.add_parser("scope", help="record signals of ticks, write and draw them"))
     _add_blackbox(commands.add_parser("blackbox", help="what was before the last fault"))

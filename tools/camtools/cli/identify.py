@@ -9,13 +9,13 @@ from __future__ import annotations
 
 import argparse
 import json
-import math
 import sys
 import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple, Protocol, TextIO
 
+from camtools.base.argument_types import not_negative, positive
 from camtools.base.command import Parser, run_command
 from camtools.base.output import write_all
 from camtools.base.places import ROOT
@@ -57,20 +57,6 @@ class _U(Protocol):
         """Let it play an excitation."""
 
 
-def _positive(text: str) -> float:
-    value = float(text)
-    if not (math.isfinite(value) and value > 0):
-        raise argparse.ArgumentTypeError(f"{text}: give a number above 0")
-    return value
-
-
-def _not_negative(text: str) -> float:
-    value = float(text)
-    if not (math.isfinite(value) and value >= 0):
-        raise argparse.ArgumentTypeError(f"{text}: give a number, at least 0")
-    return value
-
-
 def _periods(text: str) -> int:
     value = int(text)
     if not 3 <= value <= 100:
@@ -93,13 +79,13 @@ def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
     where.add_argument("--machine", metavar="M", help="of the simulator: a name or a machine file")
     where.add_argument("--bus", action="store_true", help="a controller over CAN, in state ready")
     add_bus_options(parser)
-    parser.add_argument("--rpm", type=_positive, help="of the part; default: its own")
-    parser.add_argument("--rms-um", type=_positive, help="amplitude; default: 25, or 100 for 1 um")
-    parser.add_argument("--carrier-um", type=_not_negative, help="amplitude at 20 Hz; 300")
-    parser.add_argument("--highest-hz", type=_positive, default=700.0, help="highest line; 700")
+    parser.add_argument("--rpm", type=positive, help="of the part; default: its own")
+    parser.add_argument("--rms-um", type=positive, help="amplitude; default: 25, or 100 for 1 um")
+    parser.add_argument("--carrier-um", type=not_negative, help="amplitude at 20 Hz; 300")
+    parser.add_argument("--highest-hz", type=positive, default=700.0, help="highest line; 700")
     parser.add_argument(
         "--form-error-um",
-        type=_positive,
+        type=positive,
         metavar="E",
         help="a fit that leaves the part at most E is good, too",
     )
