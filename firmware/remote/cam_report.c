@@ -17,13 +17,15 @@ enum {
     page_learning = 11,
     page_hand = 16,
     page_hand_end = 18,
-    page_params = 21
+    page_params = 21,
+    page_recorder
 };
 
 /// Those that are sent in turn.
-static const uint8_t turns[] = {page_load, page_rate, page_table, page_crc,      page_name, 6,  7,
-                                8,         9,         10,         page_learning, 12,        13, 14,
-                                15,        page_hand, 17,         page_params};
+static const uint8_t turns[] = {
+    page_load, page_rate, page_table, page_crc,      page_name,    6,  7,
+    8,         9,         10,         page_learning, 12,           13, 14,
+    15,        page_hand, 17,         page_params,   page_recorder};
 
 /// Characters of the table's name in a page. Readers see them as one number of 48 bits.
 enum { name_chars = 6 };
@@ -163,6 +165,17 @@ static void describe_params(struct camturn_detail_t *m, cam_machine_t *machine)
     m->params_checksum = p.checksum;
 }
 
+/// Fill in the signals of the page about the recorder and the black box.
+static void describe_recorder(struct camturn_detail_t *m, const cam_scope_t *scope)
+{
+    if (m->page != page_recorder) {
+        return;
+    }
+    m->recorder_use = (uint8_t)scope->use;
+    m->recorder_phase = (uint8_t)scope->phase;
+    m->recorder_faults = scope->faults;
+}
+
 /// Fill in the signals of a page that describes what is done by hand.
 static void describe_hand(struct camturn_detail_t *m, const cam_machine_t *machine,
                           const cam_status_t *status)
@@ -217,6 +230,7 @@ static void send_detail(uint32_t page, const cam_store_t *store, const cam_statu
     describe_table(&m, store);
     describe_learning(&m, store->machine);
     describe_params(&m, store->machine);
+    describe_recorder(&m, &store->machine->scope);
     describe_hand(&m, store->machine, status);
     hal_can_frame_t frame;
     send(&frame, CAMTURN_DETAIL_FRAME_ID, camturn_detail_pack(frame.data, &m, sizeof frame.data));

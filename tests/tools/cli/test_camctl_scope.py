@@ -298,6 +298,7 @@ def test_the_black_box_keeps_what_was_before_a_fault(
     link.wait(lambda: False, 0.7)
     bench.estop(True)
     link.wait(lambda: False, 0.3)
+    assert "black box         of estop: camctl blackbox FILE" in bench.do("status")
     text = bench.do("blackbox")
     assert "unread: estop" in text
     assert "0.500 s before it and 0.020 s behind it" in text

@@ -144,6 +144,8 @@ def test_recorder_and_learning_are_those_of_the_firmware(database: Database) -> 
     detail, teach = database.get_message_by_name("Detail"), header_of("cam_teach.h")
     kept = enumerators(header_of("cam_machine.h"), "cam_kept_t", "cam_kept_")
     assert choices(detail, "params_kept") == kept
+    for name in ("use", "phase"):
+        assert choices(detail, f"recorder_{name}") == tables[f"scope_{name}"]
     for name in ("phase", "reason"):
         words = enumerators(teach, f"cam_teach_{name}_t", "cam_teach_")
         assert words.popitem()[1].startswith("n_")

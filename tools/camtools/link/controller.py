@@ -59,6 +59,8 @@ NAMES = {
     "state": _choices(_STATE, "state"),
     "reset_reason": _choices(_STATE, "reset_reason"),
     "learn_phase": _choices(_DETAIL, "learn_phase"),
+    "recorder_use": _choices(_DETAIL, "recorder_use"),
+    "recorder_phase": _choices(_DETAIL, "recorder_phase"),
     "learn_reason": _choices(_DETAIL, "learn_reason"),
     "params_kept": _choices(_DETAIL, "params_kept"),
 }

@@ -113,6 +113,17 @@ class Dashboard:
         ]
 
 
+def _box_report(status: Status) -> list[str]:
+    """Return a line where the black box of a fault has not been read."""
+    s = status.signals
+    use = NAMES["recorder_use"].get(int(s["recorder_use"]))
+    if use != "box" or NAMES["recorder_phase"].get(int(s["recorder_phase"])) != "done":
+        return []
+    bits = int(s["recorder_faults"])
+    names = [name for i, name in enumerate(FAULT_TEXTS) if bits >> i & 1]
+    return [f"black box         of {', '.join(names)}: camctl blackbox FILE reads it"]
+
+
 def report(status: Status) -> list[str]:
     """Return everything in the status, a line each."""
     s = status.signals
@@ -123,6 +134,7 @@ def report(status: Status) -> list[str]:
         f"state             {status.state}",
         f"faults            {', '.join(status.faults) or 'none'}",
         *(f"  {name}: {FAULT_TEXTS[name]}" for name in status.faults),
+        *_box_report(status),
         f"angle             {s['angle']:.3f} deg, known: {yes[s['is_synced']]}",
         f"speed             {s['speed']:.3f} r/min",
         f"Z                 {s['z']:.6f} mm",
