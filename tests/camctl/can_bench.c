@@ -89,6 +89,8 @@ int main(void)
     fixture_can_start(&f);
     cam_machine_box(&f.rig.machine);
     hal_host.in.axis_nm[hal_axis_x] = 60000000; // clear of the part
+    f.rig.home[hal_axis_x] = (fixture_home_t){.side = 1, .edge_nm = 61000000, .pitch_nm = 500000};
+    f.rig.home[hal_axis_u] = (fixture_home_t){.side = 1, .edge_nm = 100000};
     (void)fixture_rig_set(&f.rig, cam_param_lead_ns, 1000000000 / tick_hz);
     struct timespec due;
     (void)clock_gettime(CLOCK_MONOTONIC, &due);

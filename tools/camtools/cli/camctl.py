@@ -20,6 +20,7 @@ from typing import TextIO
 from camtools.base.command import Interrupted, run_command
 from camtools.base.errors import CamtoolsError
 from camtools.base.output import growing
+from camtools.cli import camctl_hand
 from camtools.cli.bus import open_controller
 from camtools.cli.camctl_excite import excite, learned
 from camtools.cli.camctl_options import PLAIN, QUICK, make_parser
@@ -87,6 +88,9 @@ class Control:
     def plain(self, arguments: argparse.Namespace) -> None:
         """Carry out a command without a value."""
         command: str = arguments.command
+        if command == "home" and arguments.axis:
+            camctl_hand.home_axis(self.link, arguments.axis, self.say)
+            return
         self.ask(command)
         # The state of before is in the status until the next tick's.
         self.link.wait(lambda: False, 0.05)
@@ -240,6 +244,22 @@ class Control:
         self.link.status.signals.clear()
         for text in table_report(self.link.listen()):
             self.say(text)
+
+    def jog(self, arguments: argparse.Namespace) -> None:
+        """Move an axis by hand."""
+        camctl_hand.jog_axis(self.link, arguments, self.say)
+
+    def zero(self, arguments: argparse.Namespace) -> None:
+        """Say where the tool is."""
+        camctl_hand.zero(self.link, arguments, self.say)
+
+    def tool(self, arguments: argparse.Namespace) -> None:
+        """Print, set or choose tools."""
+        camctl_hand.tool(self.link, arguments, self.say)
+
+    def where(self, _arguments: argparse.Namespace) -> None:
+        """Print where the axes are."""
+        camctl_hand.where(self.link, self.say)
 
     def excite(self, arguments: argparse.Namespace) -> None:
         """Let U play a wave and write what was recorded."""

@@ -13,12 +13,14 @@ from pathlib import Path
 from camtools.base.argument_types import finite, not_negative, positive
 from camtools.base.command import Parser
 from camtools.cli.bus import add_bus_options
+from camtools.cli.camctl_hand import N_TOOLS
 from camtools.cli.camctl_params import FILES, MEMORY
 from camtools.link.controller import NUMBERS
+from camtools.link.hand import AXES
 from camtools.link.scope import DEFAULT_SIGNALS
 from camtools.link.trigger import GRAMMAR
 
-PLAIN = ("enable", "disable", "home", "start", "stop", "reset")
+PLAIN = ("enable", "disable", "home", "manual", "start", "stop", "reset")
 QUICK = {
     "speed": "spindle speed in r/min from the next start on; 0: the table's",
     "feed": "feed in mm per turn from the next start on; 0: the table's",
@@ -28,9 +30,10 @@ QUICK = {
 _WHAT = {
     "enable": "enable the drives and home",
     "disable": "drives off",
-    "home": "find the index, anew when ready, and wait until ready",
+    "home": "find the index, anew when ready, and wait until ready; of an axis in manual: its home",
+    "manual": "enable the drives without the spindle, to move axes by hand",
     "start": "cut a part",
-    "stop": "end the cut: disengage",
+    "stop": "end the cut: disengage; in manual: brake",
     "reset": "leave the fault state",
 }
 _EPILOG = """\
@@ -89,6 +92,24 @@ def _add_excite(one: argparse.ArgumentParser) -> None:
     one.add_argument("--signals", default=",".join(DEFAULT_SIGNALS), help="to be recorded")
 
 
+def _add_hand(commands: argparse._SubParsersAction[Parser]) -> None:
+    one = commands.add_parser("jog", help="in manual: move an axis until Ctrl-C, or by a step")
+    one.add_argument("axis", choices=tuple(AXES))
+    one.add_argument("sense", nargs="?", choices=("+", "-"))
+    one.add_argument("--speed", type=positive, help="mm/s; default: 1, or what the axis may")
+    one.add_argument("--seconds", type=positive, help="how long; default: until interrupted")
+    one.add_argument("--step", type=finite, metavar="MM", help="by this, at the highest speed")
+    one = commands.add_parser("zero", help="say where the tool is; nothing moves")
+    one.add_argument("axis", choices=("x", "z"))
+    one.add_argument("--diameter", type=not_negative, metavar="MM", help="that the tip touches")
+    one.add_argument("--height", type=finite, metavar="MM", help="of the drawing")
+    one = commands.add_parser("tool", help="print the tools, choose one, set its offsets")
+    one.add_argument("number", nargs="?", type=int, choices=range(N_TOOLS + 1), metavar="N")
+    one.add_argument("--x", type=finite, metavar="MM", help="tip farther from the axis by this")
+    one.add_argument("--z", type=finite, metavar="MM", help="tip at a greater height by this")
+    commands.add_parser("where", help="print where the axes are")
+
+
 def _add_params(one: argparse.ArgumentParser) -> None:
     actions = one.add_subparsers(dest="action", required=True, metavar="ACTION")
     for name, what in FILES.items():
@@ -113,10 +134,13 @@ def make_parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for name in PLAIN:
         one = commands.add_parser(name, help=_WHAT[name])
+        if name == "home":
+            one.add_argument("axis", nargs="?", choices=tuple(AXES))
         if name == "start":
             one.add_argument("--wait", action="store_true", help="until the part is cut")
     for name, what in QUICK.items():
         commands.add_parser(name, help=what).add_argument("value", type=finite)
+    _add_hand(commands)
     commands.add_parser("get", help="print parameters").add_argument("names", nargs="+")
     one = commands.add_parser("set", help="set a parameter")
     one.add_argument("name")

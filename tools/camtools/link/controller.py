@@ -63,6 +63,8 @@ NAMES = {
     "recorder_phase": _choices(_DETAIL, "recorder_phase"),
     "learn_reason": _choices(_DETAIL, "learn_reason"),
     "params_kept": _choices(_DETAIL, "params_kept"),
+    "hand_phase": _choices(_DETAIL, "hand_phase"),
+    "hand_end": _choices(_DETAIL, "hand_end"),
 }
 NUMBERS = {table: {name: i for i, name in names.items()} for table, names in NAMES.items()}
 assert DATABASE.dbc is not None

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 from camtools.link.controller import NAMES, NUMBERS, REFUSALS, Answer, Link, Refused
 
 REMEDIES = {
-    "state": "see status; the order is enable, start, stop, disable, and reset behind a fault",
+    "state": "see status; the order is enable, start, stop, disable, and reset behind a fault; by "
+    "hand manual, jog, home, disable",
     "param_state": "only phase_udeg and amplitude_ppm change while cutting, most others in ready, "
     "all in off",
     "param_tick": "observer_bandwidth_mHz is at most 50 x the tick rate in Hz, lead_ns 61 ticks",
@@ -26,6 +27,11 @@ REMEDIES = {
     "busy": "try again",
     "cam_amplitude": "set the amplitude to 100 % or more",
     "u_retract": "set u_retract_nm nearer to 0, or to its default, which fits every stroke",
+    "hand_axis": "u, x and z are there, and a z that is measured is moved by others",
+    "hand_moves": "wait until the axis stands, or stop it",
+    "home_none": "set u_home, x_home or z_home: 1 where it stands, 2 switch, 3 switch and index",
+    "not_homed": "in manual: home u, home x, home z, as far as they have a way of homing",
+    "travel": "see x_low_nm, x_high_nm, z_low_nm, z_high_nm, the datum and the tool",
     "params_stale": "another tool set a parameter meanwhile; try again",
     "params_none": "params keep keeps those in force",
     "params_damaged": "params keep keeps those in force instead",
@@ -153,9 +159,20 @@ def _by_numbers(link: Link, answer: Answer) -> str:
     return ""
 
 
+def _by_hand(answer: Answer) -> str:
+    """Return the limit that the answer to a refused order by hand tells; "" where it has none."""
+    if answer.command == "jog" and answer.result == "hand_speed":
+        return f"; by hand this axis moves at most {answer.value:.9g} mm/s"
+    if answer.command == "step" and answer.result == "travel":
+        return f"; its travel ends at {answer.value:.9g} mm"
+    return ""
+
+
 def explain(link: Link, answer: Answer) -> str:
     """Return why a command was refused and what to do."""
     what = answer.result.replace("_", " ")
+    if by_hand := _by_hand(answer):
+        return f"refused: {what}{by_hand}"
     if answer.limits is not None:
         low, high = answer.limits
         name = NAMES["parameter"].get(answer.parameter, str(answer.parameter))

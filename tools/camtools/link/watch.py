@@ -143,6 +143,7 @@ def report(status: Status) -> list[str]:
         f"following error   {s['following_error'] * 1e3:+.3f} um",
         f"emergency stop    {yes[s['is_estop']]}; drives ready: {yes[s['is_drive_ready']]}",
         *([f"position switches {', '.join(switches)} on"] if switches else []),
+        *hands_report(status),
         *([f"pass              {s['pass']:.0f} of {s['passes']:.0f}"] if s["passes"] else []),
         f"tick              {s['tick_rate']:.0f} Hz, longest {s['tick_time_max']:.3f} us, "
         f"late {s['late_ticks']:.0f}",
@@ -152,6 +153,21 @@ def report(status: Status) -> list[str]:
         *learning_report(status),
         *table_report(status),
         f"table check       {table_err}",
+    ]
+
+
+def hands_report(status: Status) -> list[str]:
+    """Return where X is, what is homed, and what was done by hand."""
+    s = status.signals
+    homed = ", ".join(axis for axis in "uxz" if s[f"homed_{axis}"]) or "no axis"
+    on = ", ".join(axis for axis in "uxz" if s[f"on_home_{axis}"]) or "none"
+    phase = NAMES["hand_phase"].get(int(s["hand_phase"]), "unknown")
+    end = NAMES["hand_end"].get(int(s["hand_end"]), "unknown")
+    tool = f", tool {s['tool']:.0f}" if s["tool"] else ""
+    return [
+        f"X                 {s['x']:.6f} mm, diameter {2 * s['x']:.6f} mm at U = 0{tool}",
+        f"homed             {homed}; on a home switch: {on}",
+        *([f"by hand           {phase}, last order: {end}"] if s["hand_orders"] else []),
     ]
 
 

@@ -1,0 +1,176 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Axes by hand with tools/camctl, against the firmware with an ideal machine."""
+
+from __future__ import annotations
+
+import re
+import signal
+import threading
+import time
+from collections.abc import Callable
+
+import pytest
+
+from camctl_bench import Bench
+from camtools.cli.camctl import main
+from camtools.link.controller import COMMAND
+
+pytestmark = pytest.mark.alone  # the controller keeps pace with the clock
+
+
+def places(bench: Bench) -> dict[str, tuple[float, float, bool]]:
+    """Return of each axis the machine's and the part's number, and whether it is homed."""
+    pattern = r"(\w) (\S+) mm, of the part (\S+) mm, (not )?homed"
+    found = re.findall(pattern, bench.do("where"))
+    return {axis: (float(a), float(b), not no) for axis, a, b, no in found}
+
+
+def test_an_axis_is_jogged_for_a_time_and_by_steps(bench: Bench) -> None:
+    """At the speed that was given, in both senses; a step ends where it should; then off."""
+    assert bench.do("manual") == "manual: manual\n"
+    x = places(bench)["x"][0]
+    assert x == pytest.approx(60, abs=1e-6)
+    assert bench.do("jog", "x", "+", "--speed", "5", "--seconds", "0.4").startswith("x ")
+    assert places(bench)["x"][0] - x == pytest.approx(2.0, abs=1.0)
+    there = places(bench)["x"][0]
+    time.sleep(0.1)
+    assert places(bench)["x"][0] == there
+    assert bench.do("jog", "x", "--step", "-0.125") == f"x {there - 0.125:.6f} mm\n"
+    bench.do("jog", "z", "-", "--seconds", "0.2")
+    assert places(bench)["z"][0] < -0.05
+    assert bench.do("disable") == "disable: off\n"
+
+
+def test_control_c_ends_a_jog_that_is_held(bench: Bench) -> None:
+    """The command ends with status 0 and the axis stands."""
+    bench.do("manual")
+    stop = threading.Timer(0.5, signal.raise_signal, [signal.SIGINT])
+    stop.start()
+    assert bench.do("jog", "z", "+", "--speed", "2").startswith("z ")
+    z = places(bench)["z"][0]
+    assert 0.3 < z < 2.5
+    assert places(bench)["z"][0] == z
+
+
+def test_frames_that_get_lost_stop_the_axis(
+    bench: Bench, refusal: Callable[[Bench, int, str], str]
+) -> None:
+    """The bus takes no more commands: the axis has stopped a quarter of a second later."""
+    bench.do("manual")
+
+    def cut() -> None:
+        bench.drop = lambda frame: frame.arbitration_id == COMMAND.frame_id
+
+    threading.Timer(0.3, cut).start()
+    assert "no answer, though status comes" in refusal(bench, 1, "jog z + --speed 10 --seconds 5")
+    bench.drop = lambda frame: False
+    z = places(bench)["z"][0]
+    assert z < 8
+    assert places(bench)["z"][0] == z
+    assert "last order: silent" in bench.do("status")
+
+
+def test_axes_are_homed(bench: Bench, refusal: Callable[[Bench, int, str], str]) -> None:
+    """By switch and index, by switch, and where it stands; what is not homed refuses the cut."""
+    bench.do("set", "homing_required", "1")
+    for name, value in (
+        *(("x_home", 3), ("x_home_nm", 200_000_000), ("x_home_slow_um_per_s", 5000)),
+        *(("u_home", 2), ("z_home", 1), ("z_home_nm", -7_000_000)),
+    ):
+        bench.do("set", name, str(value))
+    assert "not homed; in manual: home u" in refusal(bench, 1, "enable")
+    bench.do("manual")
+    assert "set x_low_nm" not in bench.do("home", "x")
+    assert bench.do("home", "u").startswith("home u ")
+    assert bench.do("home", "z") == "home z -7.000000 mm\n"
+    now = places(bench)
+    assert all(homed for _, _, homed in now.values())
+    assert now["x"][0] == pytest.approx(200, abs=0.3)
+    assert "homed             u, x, z" in bench.do("status")
+    bench.do("disable")
+    # The part's numbers are the machine's by now, where the drawing's 46 mm would be 154 mm off.
+    bench.do("set", "x_datum_nm", str(-139_000_000))
+    bench.do("set", "z_datum_nm", str(7_000_000))
+    assert bench.do("home") == "home: ready\n"
+    assert bench.do("start", "--wait") == "start: ready\n"
+
+
+def test_a_home_that_is_not_found_says_why(
+    bench: Bench, refusal: Callable[[Bench, int, str], str]
+) -> None:
+    """Z has no switch; after its travel the axis stands, and is not homed."""
+    bench.do("manual")
+    assert "home axis: refused: home none; set u_home" in refusal(bench, 1, "home z")
+    bench.do("set", "z_home", "2")
+    bench.do("set", "z_home_travel_nm", "2000000")
+    assert "home z: no home switch within the travel" in refusal(bench, 1, "home z")
+    assert not places(bench)["z"][2]
+
+
+def test_zero_and_tools_move_the_part(
+    bench: Bench, refusal: Callable[[Bench, int, str], str]
+) -> None:
+    """The datum follows from a diameter and a height; a tool adds its offsets; nothing moves."""
+    before = places(bench)
+    assert "datum -19.994000 mm" in bench.do("zero", "x", "--diameter", "80.012")
+    assert "datum 12.000000 mm" in bench.do("zero", "z", "--height", "12")
+    now = places(bench)
+    assert [now[a][0] for a in "uxz"] == [before[a][0] for a in "uxz"]
+    assert now["x"][1] == pytest.approx(40.006, abs=1e-6)
+    text = bench.do("tool", "2", "--x", "-0.5", "--z", "1.25")
+    assert "tool 2: x -0.500000 mm, z 1.250000 mm, in use" in text
+    now = places(bench)
+    assert now["x"][1] == pytest.approx(39.506, abs=1e-6)
+    assert now["z"][1] == pytest.approx(13.25, abs=1e-6)
+    assert "diameter 79.012000 mm at U = 0, tool 2" in bench.do("status")
+    assert "no tool is in use" in bench.do("tool", "0")
+    assert "give --diameter" in refusal(bench, 2, "zero x --height 3")
+    assert "give a tool" in refusal(bench, 2, "tool --x 3")
+
+
+def test_limits_of_speed_and_travel_are_told(
+    bench: Bench, refusal: Callable[[Bench, int, str], str]
+) -> None:
+    """In millimetres, as the command; a jog to the limit stands there."""
+    assert "by hand manual" in refusal(bench, 1, "jog x + --speed 1")
+    bench.do("set", "z_low_nm", "-1000000")
+    bench.do("set", "z_high_nm", "1000000")
+    bench.do("manual")
+    assert "this axis moves at most 10 mm/s" in refusal(bench, 1, "jog z + --speed 11")
+    assert "its travel ends at 0.9999" in refusal(bench, 1, "jog z --step 1.5")
+    assert "at the limit of its travel" in bench.do("jog", "z", "+", "--speed", "10")
+    assert "give either + or -" in refusal(bench, 2, "jog z")
+    assert "no --speed" in refusal(bench, 2, "jog z --step 1 --speed 3")
+
+
+def test_an_emergency_stop_ends_a_jog(
+    bench: Bench, refusal: Callable[[Bench, int, str], str]
+) -> None:
+    """The command ends with status 1 and names the fault."""
+    bench.do("manual")
+    threading.Timer(0.3, bench.estop, [True]).start()
+    line = refusal(bench, 1, "jog z + --speed 5 --seconds 5")
+    assert "state" in line
+    assert "state             fault" in bench.do("status")
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        *(["jog"], ["jog", "w", "+"], ["jog", "x", "up"], ["jog", "x", "+", "--speed", "0"]),
+        *(
+            ["home", "y"],
+            ["zero", "u", "--height", "1"],
+            ["tool", "5"],
+            ["jog", "x", "--step", "nan"],
+        ),
+    ],
+)
+def test_wrong_usage_by_hand_is_status_2(
+    words: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    """One line that names the help."""
+    with pytest.raises(SystemExit) as stop:
+        main(words)
+    assert stop.value.code == 2
+    assert "--help" in capsys.readouterr().err
