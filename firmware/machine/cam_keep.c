@@ -2,12 +2,10 @@
 #include "cam_keep.h"
 #include "cam_table.h" // cam_crc32
 #include <stddef.h>    // NULL
-#include <string.h>    // memcmp, memcpy, strlen
+#include <string.h>    // memcpy, memset, strlen, strncmp
 
 _Static_assert((int)cam_keep_most_bytes <= (int)hal_params_most_bytes, "ports keep all of it");
 
-static const char head[] =
-    "# camturn parameters, kept by the controller; tools/camctl params changes them\n";
 static const char version_name[] = "version";
 static const char crc_name[] = "crc32";
 static const char equals[] = " = ";
@@ -30,11 +28,12 @@ static void put(writer_t *w, const char *text)
 
 static void put_number(writer_t *w, int64_t value)
 {
-    char digits[most_digits];
+    static const char digits[] = "0123456789";
+    char backwards[most_digits];
     uint32_t n = 0;
     uint64_t left = (uint64_t)(value < 0 ? -value : value);
     do {
-        digits[n] = (char)('0' + (char)(left % 10u));
+        backwards[n] = digits[left % 10u];
         n++;
         left /= 10u;
     } while (left != 0u);
@@ -42,7 +41,7 @@ static void put_number(writer_t *w, int64_t value)
         put(w, "-");
     }
     for (; n > 0u; n--) {
-        w->text[w->n] = digits[n - 1u];
+        w->text[w->n] = backwards[n - 1u];
         w->n++;
     }
 }
@@ -71,8 +70,7 @@ uint32_t cam_keep_checksum(const cam_params_t *params)
 uint32_t cam_keep_write(char *text, const cam_params_t *params, uint32_t version)
 {
     writer_t w = {.text = text};
-    (void)memcpy(text, head, sizeof head - 1u);
-    w.n = (uint32_t)sizeof head - 1u;
+    put(&w, "# camturn parameters, kept by the controller; tools/camctl params changes them\n");
     put_line(&w, version_name, version);
     for (uint32_t id = 0; id < (uint32_t)cam_n_params; id++) {
         put_line(&w, cam_param_info((cam_param_id_t)id)->name,
@@ -88,13 +86,16 @@ typedef struct {
     uint32_t n;      ///< [bytes] without the end of the line
     uint32_t n_name; ///< [bytes] in front of " = "; 0: the line is none of `name = value`
     int64_t value;
-} line_t;
+} kept_line_t;
 
 /// @return whether n characters are a whole number of at most 32 bits with a sign
 static bool is_number(const char *text, uint32_t n, int64_t *value)
 {
     const bool is_negative = n > 0u && text[0] == '-';
-    const uint32_t from = is_negative ? 1u : 0u;
+    uint32_t from = 0;
+    if (is_negative) {
+        from = 1;
+    }
     bool is_good = n > from && n <= (uint32_t)most_digits;
     int64_t size = 0;
     for (uint32_t i = from; i < n && is_good; i++) {
@@ -106,31 +107,32 @@ static bool is_number(const char *text, uint32_t n, int64_t *value)
 }
 
 /// @return the line at the begin of n bytes
-static line_t line_at(const char *text, uint32_t n)
+static kept_line_t line_at(const char *text, uint32_t n)
 {
-    line_t line = {.text = text};
+    kept_line_t line = {.text = text};
     while (line.n < n && text[line.n] != '\n') {
         line.n++;
     }
     const uint32_t n_equals = (uint32_t)sizeof equals - 1u;
     for (uint32_t i = 1; i + n_equals < line.n && line.n_name == 0u; i++) {
-        const bool is_there = memcmp(&text[i], equals, n_equals) == 0 &&
+        const bool is_there = strncmp(&text[i], equals, n_equals) == 0 &&
                               is_number(&text[i + n_equals], line.n - i - n_equals, &line.value);
         line.n_name = is_there ? i : 0u;
     }
     return line;
 }
 
-static bool is_called(const line_t *line, const char *name)
+static bool is_called(const kept_line_t *line, const char *name)
 {
-    return line->n_name == strlen(name) && memcmp(line->text, name, line->n_name) == 0;
+    return line->n_name == strlen(name) && strncmp(line->text, name, line->n_name) == 0;
 }
 
 /// @return [bytes] in front of the line of the checksum if it is right; else 0
 static uint32_t checked(const char *text, uint32_t n)
 {
-    for (uint32_t at = 0; at < n;) {
-        const line_t line = line_at(&text[at], n - at);
+    uint32_t at = 0;
+    while (at < n) {
+        const kept_line_t line = line_at(&text[at], n - at);
         if (is_called(&line, crc_name)) {
             return cam_crc32(0, text, at) == (uint32_t)(uint64_t)line.value ? at : 0u;
         }
@@ -139,8 +141,10 @@ static uint32_t checked(const char *text, uint32_t n)
     return 0;
 }
 
-/// Take over a line about a parameter, or count why not. @return whether the line is of id
-static void take(cam_keep_found_t *found, const line_t *line, cam_params_t *params, bool *is_told)
+/// Take over a line about a parameter, or count why not.
+/// @param is_told  for each parameter, set when the line is about it
+static void take_line(cam_keep_found_t *found, const kept_line_t *line, cam_params_t *params,
+                      bool *is_told)
 {
     uint32_t id = 0;
     while (id < (uint32_t)cam_n_params &&
@@ -177,20 +181,22 @@ cam_keep_found_t cam_keep_read(const hal_params_t *kept, cam_params_t *params)
 {
     cam_keep_found_t found = {
         .is_torn = kept->is_damaged, .unfit = cam_n_params, .missing = cam_n_params};
-    const char *text = (const char *)kept->bytes;
+    const char *text = kept->bytes;
     const uint32_t n = kept->size > 0u ? checked(text, kept->size) : 0u;
     if (n == 0u) {
         found.err =
             kept->size > 0u || kept->is_damaged ? cam_err_params_damaged : cam_err_params_none;
         return found;
     }
-    bool is_told[cam_n_params] = {false};
-    for (uint32_t at = 0; at < n;) {
-        const line_t line = line_at(&text[at], n - at);
+    bool is_told[cam_n_params];
+    (void)memset(is_told, 0, sizeof is_told);
+    uint32_t at = 0;
+    while (at < n) {
+        const kept_line_t line = line_at(&text[at], n - at);
         if (is_called(&line, version_name)) {
             found.version = (uint32_t)(uint64_t)line.value;
         } else if (line.n_name > 0u) {
-            take(&found, &line, params, is_told);
+            take_line(&found, &line, params, is_told);
         }
         at += line.n + 1u;
     }

@@ -29,6 +29,18 @@ typedef struct {
     cam_param_id_t param;  ///< that may not change or does not fit the tick; cam_n_params: none
 } cam_refusal_t;
 
+/// What get_refusal tells of a refusal, by its number.
+typedef enum {
+    cam_refusal_result,
+    cam_refusal_needed,
+    cam_refusal_limit,
+    cam_refusal_highest_mrpm,
+    cam_refusal_largest_feed_nm,
+    cam_refusal_pass,
+    cam_refusal_parameter,
+    cam_n_refusals
+} cam_refusal_field_t;
+
 /// Where the parameters in force stand.
 typedef enum {
     cam_kept_none,    ///< none are kept
@@ -50,8 +62,7 @@ typedef struct {
     cam_t *core;                ///< the interrupt's side
     cam_params_t params;        ///< as last set
     uint32_t version;           ///< of params: rises with every change
-    uint32_t checksum;          ///< of params, when checksum_version is its version
-    uint32_t checksum_version;  ///< a version, or UINT32_MAX when no checksum was computed
+    uint32_t checksum;          ///< of params (cam_keep_checksum())
     cam_keep_found_t kept;      ///< what the port keeps; .err is also that of handing it over
     uint32_t kept_checksum;     ///< of the kept parameters, when kept.err is cam_ok
     cam_params_t staged;        ///< parameters that are to change at once
@@ -128,7 +139,7 @@ CAM_MUST_USE cam_err_t cam_machine_restore_defaults(cam_machine_t *m);
 CAM_MUST_USE cam_err_t cam_machine_revert_params(cam_machine_t *m);
 
 /// @return version and checksum of the parameters in force, and whether they are kept
-cam_params_status_t cam_machine_params_status(cam_machine_t *m);
+cam_params_status_t cam_machine_params_status(const cam_machine_t *m);
 
 /// Judge a speed for the selected table and the present parameters, the verdict alone: of all
 /// passes, each at its own speed where none is given.

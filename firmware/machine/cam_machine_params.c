@@ -48,7 +48,7 @@ static bool is_touched(const cam_machine_t *m, const cam_params_t *params, cam_p
                                         cam_param_get(params, (cam_param_id_t)id);
 }
 
-static cam_err_t refuse(cam_machine_t *m, cam_err_t err, uint32_t id)
+static cam_err_t refuse_change(cam_machine_t *m, cam_err_t err, uint32_t id)
 {
     m->refusal = (cam_refusal_t){.why.err = err, .param = (cam_param_id_t)id};
     return err;
@@ -63,7 +63,7 @@ static cam_err_t check_state(cam_machine_t *m, const cam_params_t *params, cam_p
             continue;
         }
         if (!may_change((cam_param_id_t)id, status->state)) {
-            return refuse(m, cam_err_param_state, id);
+            return refuse_change(m, cam_err_param_state, id);
         }
         if (needs_rest((cam_param_id_t)id) && status->state != cam_state_off &&
             !status->is_u_at_rest) {
@@ -108,7 +108,10 @@ static void adopt(cam_machine_t *m, const cam_params_t *params, cam_param_id_t n
             cam_machine_unlearn(m, which);
         }
     }
-    m->version += is_changed ? 1u : 0u;
+    if (is_changed) {
+        m->version++;
+        m->checksum = cam_keep_checksum(params);
+    }
 }
 
 /// Bring parameters into force, all of them in the same tick.
@@ -173,7 +176,7 @@ cam_err_t cam_machine_stage_commit(cam_machine_t *m)
     return err;
 }
 
-static void limit(int32_t *value, int32_t most)
+static void limit_to(int32_t *value, int32_t most)
 {
     *value = *value < most ? *value : most;
 }
@@ -187,9 +190,10 @@ cam_params_t cam_machine_defaults(uint32_t tick_hz)
     }
     // The defaults fit every tick rate from 500 Hz on but for the observer's bandwidth, which is
     // limited to a twentieth of the rate, and the speeds of X and Z to what their outputs pass on.
-    limit(&params.observer_bandwidth_mHz, cam_fit_most(cam_param_observer_bandwidth_mHz, tick_hz));
-    limit(&params.x_speed_um_per_s, cam_fit_most(cam_param_x_speed_um_per_s, tick_hz));
-    limit(&params.z_speed_um_per_s, cam_fit_most(cam_param_z_speed_um_per_s, tick_hz));
+    limit_to(&params.observer_bandwidth_mHz,
+             cam_fit_most(cam_param_observer_bandwidth_mHz, tick_hz));
+    limit_to(&params.x_speed_um_per_s, cam_fit_most(cam_param_x_speed_um_per_s, tick_hz));
+    limit_to(&params.z_speed_um_per_s, cam_fit_most(cam_param_z_speed_um_per_s, tick_hz));
     return params;
 }
 
@@ -198,7 +202,7 @@ bool cam_machine_load_params(cam_machine_t *m)
     const hal_params_t kept = hal_params_kept();
     cam_params_t params = m->params;
     m->staged_version = NO_VERSION;
-    m->checksum_version = NO_VERSION;
+    m->checksum = cam_keep_checksum(&params);
     m->kept = cam_keep_read(&kept, &params);
     if (m->kept.err == cam_ok) {
         m->kept.err = cam_machine_hand_over(m, &params, NULL, 0);
@@ -208,7 +212,8 @@ bool cam_machine_load_params(cam_machine_t *m)
     }
     m->params = params;
     m->version = m->kept.version;
-    m->kept_checksum = cam_keep_checksum(&params);
+    m->checksum = cam_keep_checksum(&params);
+    m->kept_checksum = m->checksum;
     return true;
 }
 
@@ -224,7 +229,7 @@ cam_err_t cam_machine_save_params(cam_machine_t *m)
         return cam_err_params_keep;
     }
     m->kept = (cam_keep_found_t){.err = cam_ok, .version = m->version};
-    m->kept_checksum = cam_keep_checksum(&m->params);
+    m->kept_checksum = m->checksum;
     return cam_ok;
 }
 
@@ -251,12 +256,8 @@ static cam_kept_t kept_of(const cam_machine_t *m)
     return m->kept.err == cam_err_params_none ? cam_kept_none : cam_kept_damaged;
 }
 
-cam_params_status_t cam_machine_params_status(cam_machine_t *m)
+cam_params_status_t cam_machine_params_status(const cam_machine_t *m)
 {
-    if (m->checksum_version != m->version) {
-        m->checksum = cam_keep_checksum(&m->params);
-        m->checksum_version = m->version;
-    }
     return (cam_params_status_t){
         .version = m->version, .checksum = m->checksum, .kept = kept_of(m)};
 }

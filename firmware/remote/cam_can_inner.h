@@ -39,17 +39,6 @@ cam_outcome_t cam_can_received(const cam_can_t *r, cam_err_t err);
 /// Queue the smallest and the largest value of a parameter, behind the refusal of one beyond.
 void cam_can_answer_range(cam_can_t *r, cam_param_id_t id);
 
-/// Fields that get_refusal tells of the last refusal, by their numbers, with units as in
-/// cam_feasibility_t: X(name, value).
-#define CAM_CAN_REFUSALS(X)                                                                        \
-    X(result, last->why.err)                                                                       \
-    X(needed, last->why.needed)                                                                    \
-    X(limit, last->why.limit)                                                                      \
-    X(highest_mrpm, last->why.highest_mrpm)                                                        \
-    X(largest_feed_nm, last->why.largest_feed_nm)                                                  \
-    X(pass, last->why.pass)                                                                        \
-    X(parameter, last->param)
-
 /// Topic: all parameters at once, those that are kept, numbers of a refusal.
 bool cam_can_params(cam_can_t *r, const struct camturn_command_t *m);
 

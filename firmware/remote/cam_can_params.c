@@ -1,20 +1,35 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_can_inner.h"
-#include "cam_fix.h" // cam_clamp_i64
+#include "cam_fix.h" // cam_sat_i32
 
-/// A field of the last refusal, saturated.
-static cam_outcome_t refusal(const cam_machine_t *machine, uint32_t field)
+/// @return a field of a refusal, with units as in cam_feasibility_t
+static int64_t field_of(const cam_refusal_t *last, uint32_t field)
 {
-    const cam_refusal_t *last = &machine->refusal;
-    const int64_t values[] = {
-#define CAM_REFUSAL_VALUE(name, value) (int64_t)(value),
-        CAM_CAN_REFUSALS(CAM_REFUSAL_VALUE)
-#undef CAM_REFUSAL_VALUE
-    };
-    if (field >= sizeof values / sizeof values[0]) {
+    switch (field) {
+    case cam_refusal_result:
+        return (int64_t)last->why.err;
+    case cam_refusal_needed:
+        return last->why.needed;
+    case cam_refusal_limit:
+        return last->why.limit;
+    case cam_refusal_highest_mrpm:
+        return (int64_t)last->why.highest_mrpm;
+    case cam_refusal_largest_feed_nm:
+        return (int64_t)last->why.largest_feed_nm;
+    case cam_refusal_pass:
+        return (int64_t)last->why.pass;
+    default:
+        return (int64_t)last->param;
+    }
+}
+
+/// Tell a field of the last refusal, saturated.
+static cam_outcome_t tell_refusal(const cam_machine_t *machine, uint32_t field)
+{
+    if (field >= (uint32_t)cam_n_refusals) {
         return cam_outcome(cam_err_param_id);
     }
-    return (cam_outcome_t){.err = cam_ok, .value = cam_sat_i32(values[field])};
+    return (cam_outcome_t){.err = cam_ok, .value = cam_sat_i32(field_of(&machine->refusal, field))};
 }
 
 /// @return a result with the version of the parameters in force
@@ -61,7 +76,7 @@ bool cam_can_params(cam_can_t *r, const struct camturn_command_t *m)
         outcome = with_version(machine, cam_machine_revert_params(machine));
         break;
     case CAMTURN_COMMAND_COMMAND_GET_REFUSAL_CHOICE:
-        outcome = refusal(machine, m->parameter);
+        outcome = tell_refusal(machine, m->parameter);
         break;
     default:
         return false;

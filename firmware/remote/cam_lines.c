@@ -47,16 +47,17 @@ void cam_lines_start(const hal_start_t *start)
 /// Write a number behind a text.
 static void add_number(line_t *line, uint32_t number)
 {
-    char digits[12];
-    uint32_t at = (uint32_t)sizeof digits - 1u;
+    static const char digits[] = "0123456789";
+    char text[12];
+    uint32_t at = (uint32_t)sizeof text - 1u;
     uint32_t left = number;
-    digits[at] = '\0';
+    text[at] = '\0';
     do {
         at--;
-        digits[at] = (char)('0' + (char)(left % 10u));
+        text[at] = digits[left % 10u];
         left /= 10u;
     } while (left > 0u);
-    add(line, &digits[at]);
+    add(line, &text[at]);
 }
 
 /// Report that of the kept parameters some are not used as they are.

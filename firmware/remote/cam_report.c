@@ -21,12 +21,6 @@ enum {
     page_recorder
 };
 
-/// Those that are sent in turn.
-static const uint8_t turns[] = {
-    page_load, page_rate, page_table, page_crc,      page_name,    6,  7,
-    8,         9,         10,         page_learning, 12,           13, 14,
-    15,        page_hand, 17,         page_params,   page_recorder};
-
 /// Characters of the table's name in a page. Readers see them as one number of 48 bits.
 enum { name_chars = 6 };
 
@@ -153,7 +147,7 @@ static void describe_learning(struct camturn_detail_t *m, const cam_machine_t *m
 }
 
 /// Fill in the signals of the page about the parameters.
-static void describe_params(struct camturn_detail_t *m, cam_machine_t *machine)
+static void describe_params(struct camturn_detail_t *m, const cam_machine_t *machine)
 {
     enum { most = 1 << 20 };
     if (m->page != page_params) {
@@ -239,6 +233,10 @@ static void send_detail(uint32_t page, const cam_store_t *store, const cam_statu
 /// The rate holds on average. Periods during which the main loop did not come here are skipped.
 void cam_report_send(cam_report_t *r, const cam_store_t *store, const cam_status_t *status)
 {
+    static const uint8_t turns[] = {
+        page_load, page_rate, page_table, page_crc,      page_name,    6,  7,
+        8,         9,         10,         page_learning, 12,           13, 14,
+        15,        page_hand, 17,         page_params,   page_recorder};
     const uint32_t period = store->machine->tick_hz / status_hz;
     if (status->tick - r->status_tick < period) {
         return;

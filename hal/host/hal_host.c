@@ -136,7 +136,7 @@ bool hal_table_commit(void)
     return true;
 }
 
-static uint8_t params[hal_params_most_bytes];
+static char params[hal_params_most_bytes];
 
 hal_params_t hal_params_kept(void)
 {

@@ -119,7 +119,7 @@ bool hal_table_commit(void)
     return is_begun;
 }
 
-static uint8_t params[hal_params_most_bytes]; ///< in RAM, too
+static char params[hal_params_most_bytes]; ///< in RAM, too
 static uint32_t n_params;
 
 hal_params_t hal_params_kept(void)

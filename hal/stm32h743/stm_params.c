@@ -80,7 +80,7 @@ static bool take_record(uint32_t sector, uint32_t begin, uint32_t i, const word_
         const uint32_t address = address_of(sector, i - words_of(size));
         store.number = number;
         store.sector = sector;
-        store.kept.bytes = (const void *)(uintptr_t)address;
+        store.kept.bytes = (const char *)(uintptr_t)address;
         store.kept.size = size;
     }
     return true;
@@ -156,6 +156,6 @@ bool hal_params_keep(const void *bytes, uint32_t size)
     store.next = next;
     store.number++;
     store.sector = store.open;
-    store.kept = (hal_params_t){.bytes = (const void *)(uintptr_t)begin, .size = size};
+    store.kept = (hal_params_t){.bytes = (const char *)(uintptr_t)begin, .size = size};
     return true;
 }

@@ -122,7 +122,7 @@ enum { hal_params_most_bytes = 16384 };
 
 /// The parameters that a port keeps over a restart.
 typedef struct {
-    const void *bytes; ///< as given to hal_params_keep()
+    const char *bytes; ///< text, as given to hal_params_keep(); no character ends it
     uint32_t size;     ///< [bytes] that may be read; 0: there are none
     bool is_damaged;   ///< something newer than these is there, but not whole; or there is
                        ///< something, and none of it is whole

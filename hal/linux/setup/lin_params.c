@@ -34,7 +34,7 @@ static void load(int fd, common_error_t *e)
         (void)common_error(e, "%s: more than %d bytes; remove it", params.path,
                            (int)hal_params_most_bytes);
     } else {
-        params.kept.bytes = params.bytes;
+        params.kept.bytes = (const char *)params.bytes;
         params.kept.size = (uint32_t)n;
     }
 }
@@ -78,6 +78,6 @@ bool lin_params_keep(const void *bytes, uint32_t size, common_error_t *e)
         return false;
     }
     (void)memcpy(params.bytes, bytes, size);
-    params.kept = (hal_params_t){.bytes = params.bytes, .size = size};
+    params.kept = (hal_params_t){.bytes = (const char *)params.bytes, .size = size};
     return true;
 }

@@ -131,8 +131,9 @@ def test_recorder_and_learning_are_those_of_the_firmware(database: Database) -> 
         told = [row[0] for row in rows("cam_scope.h", f"CAM_SCOPE_{macro}")]
         assert len(told) > 10
         assert tables[name] == dict(enumerate(told))
-    refusals = [row[0] for row in rows("cam_can_inner.h", "CAM_CAN_REFUSALS")]
-    assert tables["refusal_field"] == dict(enumerate(refusals))
+    refusals = enumerators(header_of("cam_machine.h"), "cam_refusal_field_t", "cam_refusal_")
+    assert refusals.popitem()[1] == "cam_n_refusals"
+    assert tables["refusal_field"] == refusals
     scope, identify = header_of("cam_scope.h"), header_of("cam_identify.h")
     assert tables["scope_phase"] == enumerators(scope, "cam_scope_phase_t", "cam_scope_")
     assert tables["scope_end"] == enumerators(scope, "cam_scope_end_t", "cam_scope_")
