@@ -71,10 +71,10 @@ int32_t cam_fit_approach_nm(const cam_params_t *params, const cam_table_t *table
 }
 
 /// @return [um/s] highest speed of an axis, by its output where the port names one
-static int64_t most_um_per_s(hal_axis_t axis, int64_t most)
+static int64_t output_um_per_s(hal_axis_t axis, int64_t most)
 {
-    const int32_t output_um_per_s = hal_axis_scale(axis).most_um_per_s;
-    return output_um_per_s > 0 ? cam_cut_smaller(most, output_um_per_s) : most;
+    const int32_t fastest_um_per_s = hal_axis_scale(axis).most_um_per_s;
+    return fastest_um_per_s > 0 ? cam_cut_smaller(most, fastest_um_per_s) : most;
 }
 
 int32_t cam_fit_most(cam_param_id_t id, uint32_t tick_hz)
@@ -96,10 +96,10 @@ int32_t cam_fit_most(cam_param_id_t id, uint32_t tick_hz)
         most = cam_cut_smaller(most, INT64_C(32766) * 1000000000000 / (hz * hz));
         break;
     case cam_param_x_speed_um_per_s:
-        most = most_um_per_s(hal_axis_x, most);
+        most = output_um_per_s(hal_axis_x, most);
         break;
     case cam_param_z_speed_um_per_s:
-        most = most_um_per_s(hal_axis_z, most);
+        most = output_um_per_s(hal_axis_z, most);
         break;
     default:
         break;

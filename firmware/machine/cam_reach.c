@@ -7,7 +7,7 @@
 enum { most_slope_ppm = 4000000 };
 
 /// @return [1e-6] steepest change of the radius over the height; lobes are straight along Z
-static uint64_t slope_ppm(const cam_table_t *t)
+static uint64_t part_slope_ppm(const cam_table_t *t)
 {
     if (t == NULL || t->lobes != NULL || t->u.span_nm == 0u) {
         return 0;
@@ -19,7 +19,7 @@ static uint64_t slope_ppm(const cam_table_t *t)
 
 uint32_t cam_reach_form_pm(const cam_table_t *table)
 {
-    const uint64_t z_pm = hal_axis_scale(hal_axis_z).command_pm * slope_ppm(table) / 1000000u;
+    const uint64_t z_pm = hal_axis_scale(hal_axis_z).command_pm * part_slope_ppm(table) / 1000000u;
     const uint64_t ux_pm =
         (uint64_t)hal_axis_scale(hal_axis_u).command_pm + hal_axis_scale(hal_axis_x).command_pm;
     const uint64_t form_pm = (ux_pm + z_pm) / 2u;

@@ -16,8 +16,8 @@
 /// [ns] that the four frames to the AD5754R take at 20 MHz, gaps included, rounded up.
 #define BOARD_SEND_NS 7000u
 
-/// What feeds 8 MHz into OSC_IN. 0: the ST-LINK, or an oscillator of its own. 1: a crystal, fitted as
-/// X3. FIRST_POWER.md says how accurate it must be, and how that is measured.
+/// What feeds 8 MHz into OSC_IN. 0: the ST-LINK, or an oscillator of its own. 1: a crystal, fitted
+/// as X3. FIRST_POWER.md says how accurate it must be, and how that is measured.
 #define BOARD_HSE_IS_CRYSTAL 0
 
 /// Set-points at which the four outputs reach +10 V, in [nm] and for the spindle in [r/min / 1000].
