@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.projections.polar import PolarAxes
+from matplotlib.ticker import MaxNLocator
 
 from camtools.plots.style import (
     BLUE,
@@ -92,6 +93,8 @@ def _draw_over_time(axes: Axes, t_ms: Floats, columns: Columns, names: list[str]
     axes.axvline(0, color=RED, lw=0.8)
     axes.set_ylabel(_label_of(names[0]) if len(names) == 1 else _unit_of(names[0]))
     axes.margins(x=0)
+    if is_number:
+        axes.yaxis.set_major_locator(MaxNLocator(4, integer=True, min_n_ticks=1))
     if len(names) > 1:
         axes.legend(
             loc="lower left",
