@@ -46,8 +46,8 @@ _SETTERS = {
 
 
 @dataclass(frozen=True)
-class Demand:
-    """What a cut demands too much of.
+class Excess:
+    """What a cut demands too much of, and how that is told.
 
     Attributes
     ----------
@@ -79,34 +79,34 @@ class Demand:
 
 
 DEMANDS = {
-    "spindle_speed": Demand("spindle speed", "r/min", 1e-3, "spindle_limit_mrpm", "spindle_limit"),
-    "u_speed": Demand("U speed", "mm/s", 1e-3, "u_speed_um_per_s", "u_speed"),
-    "u_acceleration": Demand(
+    "spindle_speed": Excess("spindle speed", "r/min", 1e-3, "spindle_limit_mrpm", "spindle_limit"),
+    "u_speed": Excess("U speed", "mm/s", 1e-3, "u_speed_um_per_s", "u_speed"),
+    "u_acceleration": Excess(
         "U acceleration", "m/s2", 1e-3, "u_acceleration_mm_per_s2", "u_acceleration"
     ),
-    "u_stroke": Demand("U travel", "mm", 1e-6, "u_stroke_nm", "half of u_stroke", 2),
-    "u_retract": Demand("U retract", "mm", 1e-6, "u_stroke_nm", "half of u_stroke", 2),
-    "z_speed": Demand("Z speed", "mm/s", 1e-3, "z_speed_um_per_s", "z_speed"),
-    "z_acceleration": Demand(
+    "u_stroke": Excess("U travel", "mm", 1e-6, "u_stroke_nm", "half of u_stroke", 2),
+    "u_retract": Excess("U retract", "mm", 1e-6, "u_stroke_nm", "half of u_stroke", 2),
+    "z_speed": Excess("Z speed", "mm/s", 1e-3, "z_speed_um_per_s", "z_speed"),
+    "z_acceleration": Excess(
         "Z acceleration", "m/s2", 1e-3, "z_acceleration_mm_per_s2", "z_acceleration"
     ),
-    "feed": Demand("feed", "mm", 1e-6, "", "the height of the part"),
-    "tick_rate": Demand("spindle speed", "r/min", 1e-3, "", "what the tick can follow,"),
-    "spindle_acceleration": Demand(
+    "feed": Excess("feed", "mm", 1e-6, "", "the height of the part"),
+    "tick_rate": Excess("spindle speed", "r/min", 1e-3, "", "what the tick can follow,"),
+    "spindle_acceleration": Excess(
         *("spindle acceleration", "rad/s2", 1e-3),
         *("spindle_acceleration_mrad_per_s2", "spindle_acceleration"),
     ),
-    "spindle_loop": Demand("fall of the spindle speed", "1/s", 1e-3, "", "1 / spindle_lag"),
-    "spindle_set_point": Demand(
+    "spindle_loop": Excess("fall of the spindle speed", "1/s", 1e-3, "", "1 / spindle_lag"),
+    "spindle_set_point": Excess(
         "spindle set-point", "r/min", 1e-3, "spindle_limit_mrpm", "spindle_limit"
     ),
-    "x_speed": Demand("X speed", "mm/s", 1e-3, "x_speed_um_per_s", "x_speed"),
-    "x_acceleration": Demand(
+    "x_speed": Excess("X speed", "mm/s", 1e-3, "x_speed_um_per_s", "x_speed"),
+    "x_acceleration": Excess(
         "X acceleration", "m/s2", 1e-3, "x_acceleration_mm_per_s2", "x_acceleration"
     ),
-    "swing_range": Demand("swing", "deg", 1e-3, "swing_range_mdeg", "swing_range"),
-    "swing_speed": Demand("swing speed", "deg/s", 1e-3, "swing_speed_mdeg_per_s", "swing_speed"),
-    "swing_acceleration": Demand(
+    "swing_range": Excess("swing", "deg", 1e-3, "swing_range_mdeg", "swing_range"),
+    "swing_speed": Excess("swing speed", "deg/s", 1e-3, "swing_speed_mdeg_per_s", "swing_speed"),
+    "swing_acceleration": Excess(
         "swing acceleration", "deg/s2", 1, "swing_acceleration_deg_per_s2", "swing_acceleration"
     ),
 }
@@ -123,7 +123,7 @@ def _last_refusal(link: Link) -> dict[str, int]:
     return found
 
 
-def _label(link: Link, answer: Answer, demand: Demand, limit: int) -> str:
+def _label(link: Link, answer: Answer, demand: Excess, limit: int) -> str:
     """Return what the limit is: the parameter, or the table where that allows less."""
     if not demand.parameter:
         return demand.label
