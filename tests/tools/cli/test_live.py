@@ -125,7 +125,7 @@ def test_a_session_as_an_operator_has_it(tmp_path: Path) -> None:
     made = make(load(PART), PART)
     table = tmp_path / "a.camtab"
     table.write_bytes(made.files(with_plots=False)["perkins240.camtab"])
-    with living("--speed-up", "3") as live:
+    with living("--speed-up", "1.5") as live:
         assert "state             off" in do("status")
         assert "generation 2" in do("table", "download", table, "--select")
         assert do("home") == "home: ready\n"

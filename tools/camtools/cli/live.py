@@ -187,9 +187,10 @@ class _Session:
 
 def _tell(lathe: LiveLathe, arguments: argparse.Namespace, where: str) -> None:
     """Print how to talk to it."""
-    machine = arguments.machine or "with the limits of the part"
+    own = arguments.machine
+    machine = "a machine with the limits of the part" if own is None else f"the machine {own}"
     pace = "" if arguments.speed_up == 1.0 else f", {arguments.speed_up:g} times as fast"
-    _say(f"{lathe.facts['part']} on a machine {machine}, in the time of the clock{pace}")
+    _say(f"{lathe.facts['part']} on {machine}, in the time of the clock{pace}")
     ids = f"lathe {lathe.facts['lathe_pid']}, controller {lathe.facts['controller_pid']}"
     _say(f"processes: {ids}; bus: {where}")
     others = len(live_lathes()) > 1

@@ -92,7 +92,7 @@ class Bridge:
         self.spoke.set()
         try:
             self._bus.send(frame)
-        except can.CanError as error:
+        except (can.CanError, OSError) as error:
             self.problem = f"a frame cannot be sent: {error}"
 
     def stop(self) -> None:

@@ -41,6 +41,7 @@ DBC_NODE = 64  # the node whose identifiers the DBC has
 ANSWER_S = 1.0
 BUSY_TRIES, BUSY_S = 20, 0.01
 PERIOD_S = 0.01  # of the status
+PATIENCE_S = 10.0  # longest time for which a controller is waited for that lags behind the clock
 SILENT_S = 0.5  # without status: no controller is there
 
 
@@ -180,7 +181,7 @@ class Link:
         """Take one frame; return whether one came."""
         try:
             frame = self.bus.recv(timeout_s)
-        except can.CanError as error:
+        except (can.CanError, OSError) as error:
             raise Refused(f"{self.where}: the bus is gone: {error}") from error
         if frame is None:
             return False
@@ -214,7 +215,7 @@ class Link:
         """Send a frame."""
         try:
             self.bus.send(_frame(identifier + self._shift, data), timeout=ANSWER_S)
-        except can.CanError as error:
+        except (can.CanError, OSError) as error:
             raise Refused(
                 f"{self.where}: the frame cannot be sent: {error}; is the bus up, with somebody "
                 "else on it at the same bit rate?"
@@ -229,6 +230,22 @@ class Link:
                 return False
             self.pump(min(left_s, 0.1))
         return True
+
+    def wait_in_its_time(self, is_done: Callable[[], bool], timeout_s: float) -> bool:
+        """Wait by the controller's own time, as far as its status tells it.
+
+        That of a simulated one may run slower than the clock; for `PATIENCE_S` more at most.
+        """
+        begin_s, rows = time.monotonic(), self.status.n_rows
+        if self.wait(is_done, timeout_s):
+            return True
+        while time.monotonic() - begin_s < timeout_s + PATIENCE_S:
+            is_heard = time.monotonic() - self.status.at_s < SILENT_S
+            if not is_heard or self.status.n_rows - rows >= timeout_s / PERIOD_S:
+                return False
+            if self.wait(is_done, PERIOD_S):
+                return True
+        return False
 
     def next_row(self, timeout_s: float) -> bool:
         """Wait for the next set of status messages; return whether it came in time."""
@@ -258,7 +275,8 @@ class Link:
         """
         end_s = time.monotonic() + timeout_s
         while True:
-            if not self.wait(lambda: bool(self._answers), end_s - time.monotonic()):
+            left_s = end_s - time.monotonic()
+            if not self.wait_in_its_time(lambda: bool(self._answers), left_s):
                 raise self._silence()
             answer = _answer_of(bytes(self._answers.popleft().data))
             if answer.command == command:
@@ -307,7 +325,7 @@ class Link:
             No status comes.
         """
         wanted = {signal.name for message in _STATUS.values() for signal in message.signals}
-        if not self.wait(lambda: wanted <= self.status.signals.keys(), ANSWER_S):
+        if not self.wait_in_its_time(lambda: wanted <= self.status.signals.keys(), ANSWER_S):
             raise self._silence()
         return self.status
 
