@@ -12,6 +12,7 @@ import ctypes
 import subprocess
 import tempfile
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 
 from unicorn import (
@@ -56,8 +57,9 @@ MASKS = (
 EXCEPTION_EXIT = 8  # Unicorn's number of a branch to EXC_RETURN
 
 
+@cache
 def build_hook() -> ctypes.CDLL:
-    """Compile insn_clock.c and load it."""
+    """Compile insn_clock.c and load it, once for all chips."""
     with tempfile.TemporaryDirectory() as folder:
         library = Path(folder) / "insn_clock.so"
         source = HERE / "insn_clock.c"
@@ -163,9 +165,9 @@ class Chip(Devices):
         """Let the next load from a device's register take so long, as a slow bus would."""
         self._stall = (address, cycles)
 
-    def put_instruction(self, address: int, instruction: bytes) -> None:
+    def put_instructions(self, address: int, instructions: bytes) -> None:
         """Change what the core executes, as a debugger would."""
-        self.write_memory(address, instruction)
+        self.write_memory(address, instructions)
         self.uc.ctl_flush_tb()
 
     @property

@@ -84,19 +84,22 @@ class GpioPort(Device):
     def drive(self, pin: int, level: int) -> None:
         """Let the board drive a pin."""
         self.outside[pin] = level
-        self._tell()
+        self._tell_pin(pin)
 
     def drive_alternate(self, pin: int, level: int) -> None:
         """Let the peripheral behind a pin drive it."""
         self.alternate[pin] = level
-        self._tell()
+        self._tell_pin(pin)
 
     def _tell(self) -> None:
         for pin in range(16):
-            level = self.level(pin)
-            if level != self._levels[pin]:
-                self._levels[pin] = level
-                self.on_change(pin, level)
+            self._tell_pin(pin)
+
+    def _tell_pin(self, pin: int) -> None:
+        level = self.level(pin)
+        if level != self._levels[pin]:
+            self._levels[pin] = level
+            self.on_change(pin, level)
 
     def _store(self, name: str) -> Callable[[int, int], None]:
         def write(old: int, new: int) -> None:

@@ -22,7 +22,7 @@ ERR = errors()
 TIM5_CNT = 0x40000C24
 STACK_BYTES = 16 * 1024  # at the bottom of DTCM
 SAFE = (0, 0, 0, 0)
-BRANCH_TO_ITSELF = b"\xfe\xe7"
+HANG = b"\x30\xbf\xfd\xe7"  # sleeps for ever: wfi, and back to it
 
 
 @pytest.fixture(scope="module")
@@ -200,11 +200,11 @@ def test_watchdog_ends_a_hang(table: bytes, victim: str) -> None:
     handler = int.from_bytes(chip.read_memory(vectors + 4 * (16 + 30), 4), "little") & ~1
     assert chip.run_until(lambda: not chip.nvic.active, chip.seconds(1e-3))
     place = handler if victim == "tick" else chip.pc
-    instruction = chip.read_memory(place, 2)
-    chip.put_instruction(place, BRANCH_TO_ITSELF)
+    instructions = chip.read_memory(place, len(HANG))
+    chip.put_instructions(place, HANG)
     at = chip.clock.now
     assert chip.run_until(lambda: chip.resets[-1] == "watchdog", chip.seconds(1.05))
-    chip.put_instruction(place, instruction)  # or it would hang again
+    chip.put_instructions(place, instructions)  # or it would hang again
     assert 0.95 < (chip.clock.now - at) / 480e6 < 1.05
     assert [chip.gpio.level(name) for name in ("PE13", "PE15")] == [0, 0]
     assert remote.started().reset == "watchdog"

@@ -6,6 +6,7 @@ from __future__ import annotations
 import subprocess
 import tempfile
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 from elftools.elf.elffile import ELFFile
@@ -36,8 +37,9 @@ SIGNED = frozenset(name for name in FIELDS if name.endswith("_nm"))
 Record = dict[str, int]
 
 
+@cache
 def compile_layout() -> list[int]:
-    """Compile layout.c as the image is compiled, and return its numbers."""
+    """Compile layout.c as the image is compiled, and return its numbers, the same every time."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "layout.o"
         rooms = sorted((ROOT / "firmware").glob("*/"))
