@@ -26,7 +26,7 @@ static cam_keep_found_t read_text(uint32_t n)
 static cam_keep_found_t read_lines(const char *lines)
 {
     const uint32_t crc = cam_crc32(0, lines, strlen(lines));
-    const int n = snprintf(text, sizeof text, "%scrc32 = %u\n", lines, crc);
+    const int n = snprintf(text, sizeof text, "%scrc32 = %u\n", lines, (unsigned)crc);
     return read_text((uint32_t)n);
 }
 
