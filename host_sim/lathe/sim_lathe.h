@@ -17,6 +17,7 @@
 #include "sim_chip.h"    // sim_chip_config_t
 #include "sim_drive.h"   // sim_drive_t
 #include "sim_encoder.h" // sim_encoder_t
+#include "sim_home.h"    // sim_home_config_t
 #include "sim_mode.h"    // sim_mode_t
 #include "sim_scale.h"   // sim_scale_t
 #include "sim_spindle.h" // sim_spindle_t
@@ -32,15 +33,16 @@ typedef struct {
     sim_spindle_config_t spindle;
     sim_encoder_config_t encoder;
     sim_drive_config_t drive[sim_lathe_n_drives]; ///< swing of speed 0: the machine has none
-    double swing_range_deg;                       ///< travel of the swing to either side
-    sim_mode_config_t mode[sim_mode_n];           ///< of U
-    sim_scale_config_t scale;                     ///< of U
-    sim_chip_config_t chip;                       ///< of a skirt's tool
-    double runout_um, runout_2_um; ///< of the spindle once and twice per turn: amplitudes
-    double u_stroke_mm;            ///< travel of U peak to peak, centred on 0
-    double spindle_limit_rpm;      ///< highest speed of the spindle
-    double x_start_mm;             ///< X at the start, above the blank's radius
-    double z_start_mm;             ///< Z at the start, before the part's first height
+    sim_home_config_t home[hal_n_axes];
+    double swing_range_deg;             ///< travel of the swing to either side
+    sim_mode_config_t mode[sim_mode_n]; ///< of U
+    sim_scale_config_t scale;           ///< of U
+    sim_chip_config_t chip;             ///< of a skirt's tool
+    double runout_um, runout_2_um;      ///< of the spindle once and twice per turn: amplitudes
+    double u_stroke_mm;                 ///< travel of U peak to peak, centred on 0
+    double spindle_limit_rpm;           ///< highest speed of the spindle
+    double x_start_mm;                  ///< X at the start, above the blank's radius
+    double z_start_mm;                  ///< Z at the start, before the part's first height
     double tool_nose_mm;  ///< radius of the nose, 0: a point, below 0: what the table was made for
     double tool_wear_um;  ///< by so much the tip stands back
     double wheel_wear_um; ///< radius that a wheel loses by every lobe

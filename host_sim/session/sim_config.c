@@ -26,6 +26,11 @@ enum { max_bytes = 1 << 20, least_mode_hz = 10 };
         REAL("u", key "_damping", mode[i].damping, 0.001, 2.0),                                    \
         REAL("u", key "_share", mode[i].share, -2.0, 2.0),                                         \
         WHOLE("u", key "_on_scale", mode[i].is_on_scale, 0.0, 1.0)
+#define HOME(section, i)                                                                           \
+    REAL(section, "home_mm", home[i].switch_mm, -2000.0, 2000.0),                                  \
+        REAL(section, "home_side", home[i].side, -1.0, 1.0),                                       \
+        REAL(section, "index_pitch_mm", home[i].pitch_mm, 0.0, 1000.0),                            \
+        REAL(section, "zero_mm", home[i].zero_mm, -1000.0, 1000.0)
 #define DRIVE(section, i)                                                                          \
     REAL(section, "bandwidth_hz", drive[i].bandwidth_hz, 1.0, 10000.0),                            \
         REAL(section, "damping", drive[i].damping, 0.05, 10.0),                                    \
@@ -70,10 +75,13 @@ static const common_setting_t fields[] = {
     REAL("u", "scale_error_nm", scale.error_nm, 0.0, 10000.0),
     REAL("u", "scale_period_um", scale.period_um, 0.1, 10000.0),
     REAL("u", "stroke_mm", u_stroke_mm, 0.001, 30.0),
+    HOME("u", hal_axis_u),
     DRIVE("x", hal_axis_x),
     REAL("x", "start_mm", x_start_mm, 0.0, 1000.0),
+    HOME("x", hal_axis_x),
     DRIVE("z", hal_axis_z),
     REAL("z", "start_mm", z_start_mm, -2000.0, 2000.0),
+    HOME("z", hal_axis_z),
     REAL("swing", "bandwidth_hz", drive[sim_lathe_swing].bandwidth_hz, 1.0, 10000.0),
     REAL("swing", "damping", drive[sim_lathe_swing].damping, 0.05, 10.0),
     REAL("swing", "delay_us", drive[sim_lathe_swing].delay_us, 0.0, 10000.0),

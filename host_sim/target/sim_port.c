@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_port.h"
+#include "cam_plan.h"  // cam_plan_ticks
 #include "hal_host.h"  // hal_host
 #include "sim_units.h" // SIM_TWO_PI
 
@@ -11,6 +12,10 @@ void sim_port_init(sim_port_t *p, const sim_lathe_config_t *config, double x_nm,
     hal_host.tick_hz = (uint32_t)config->tick_hz;
     (void)hal_init(); // the host port cannot fail
     hal_host.slow.has_edge_time = config->encoder.has_time_stamps != 0.0;
+    p->n_shown = (uint32_t)cam_plan_ticks((uint32_t)config->tick_hz);
+    for (int i = 0; i < hal_n_axes; i++) {
+        sim_home_init(&p->home[i], &config->home[i], p->lathe.drive[i].pos_micro / SIM_MICRO);
+    }
 }
 
 void sim_port_measure_u(bool is_measured)
@@ -24,6 +29,23 @@ static uint32_t coming_clock(void)
     return hal_host.clock + hal_host_clock_hz / hal_host.tick_hz + hal_host.late_clocks;
 }
 
+static uint32_t bit_if(bool is_set, uint32_t bit)
+{
+    return is_set ? bit : 0u;
+}
+
+/// Read a slide: its scale from where that counts 0 on, its home switch and its index.
+static void sense_axis(sim_port_t *p, int axis)
+{
+    sim_home_t *h = &p->home[axis];
+    const uint32_t on = (uint32_t)hal_in_home_u << axis;
+    const uint32_t seen = (uint32_t)hal_in_index_u << axis;
+    hal_host.in.axis_nm[axis] = sim_lathe_measured_micro(&p->lathe, axis) - sim_home_zero_nm(h);
+    sim_home_look(h, p->lathe.drive[axis].pos_micro / SIM_MICRO, p->n_shown);
+    hal_host.in.inputs =
+        (hal_host.in.inputs & ~(on | seen)) | bit_if(h->is_on, on) | bit_if(h->is_seen, seen);
+}
+
 void sim_port_sense(sim_port_t *p)
 {
     const sim_drive_t *drive = p->lathe.drive;
@@ -34,7 +56,7 @@ void sim_port_sense(sim_port_t *p)
     hal_host.in.encoder.edge_clock = coming_clock() - whole_clocks; // wraps by design
     hal_host.in.swing_q32 = (int32_t)sim_round(swing_udeg * SIM_Q32_PER_UDEG);
     for (int i = 0; i < hal_n_axes; i++) {
-        hal_host.in.axis_nm[i] = sim_lathe_measured_micro(&p->lathe, i);
+        sense_axis(p, i);
     }
     hal_host.in.axis_nm[hal_axis_z] += p->z_offset_nm;
 }
@@ -53,7 +75,7 @@ static sim_setpoints_t wanted(sim_port_t *p)
     for (int i = 0; i < sim_lathe_n_drives; i++) {
         set.micro[i] = i == sim_lathe_swing
                            ? (int32_t)sim_round(p->swing_set_q32 / SIM_Q32_PER_UDEG)
-                           : hal_host.out.axis[i].pos_nm;
+                           : hal_host.out.axis[i].pos_nm + sim_home_zero_nm(&p->home[i]);
         set.is_enabled[i] = (hal_host.out.outputs & hal_out_enable) != 0u;
     }
     return set;

@@ -10,6 +10,7 @@
 #ifndef SIM_PORT_H
 #define SIM_PORT_H
 
+#include "sim_home.h"   // sim_home_t
 #include "sim_inject.h" // sim_inject_t
 #include "sim_lathe.h"  // sim_lathe_t
 #include <stdbool.h>    // bool
@@ -21,8 +22,10 @@ typedef struct {
     uint32_t n_swing;      ///< set-points of the swing that were taken
     int32_t swing_set_q32; ///< [turn / 2^32] set-point in force
     int32_t z_offset_nm;   ///< added to the measured Z
-    double late_s;         ///< the next tick comes later by this
-    double lost_s;         ///< sum of all delays of late ticks
+    sim_home_t home[hal_n_axes];
+    uint32_t n_shown; ///< [ticks] for which the port shows an index: a plan
+    double late_s;    ///< the next tick comes later by this
+    double lost_s;    ///< sum of all delays of late ticks
 } sim_port_t;
 
 /// Bring the lathe to rest and reset hal/host.

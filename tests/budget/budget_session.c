@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "budget_session.h"
 #include "budget_strike.h"
+#include "cam_machine_hand.h"     // cam_machine_jog
 #include "cam_machine_identify.h" // cam_machine_excite
 #include "cam_table.h"            // cam_crc32
 #include "fixture_newer.h"        // fixture_newer_way
@@ -174,4 +175,44 @@ bool budget_session_identify(fixture_rig_t *rig, void (*isr)(void))
         cam_machine_keep_alive(m);
     }
     return m->identify.excited == cam_excited_done;
+}
+
+/// Home an axis and wait until its home is in force. @return whether it is
+static bool home_axis(fixture_rig_t *rig, hal_axis_t axis)
+{
+    cam_machine_t *m = &rig->machine;
+    if (cam_machine_home_axis(m, axis) != cam_ok) {
+        return false;
+    }
+    fixture_rig_ticks(rig, 10);
+    for (uint32_t i = 0; i < patience && m->hands.n_found <= (uint32_t)axis; i++) {
+        fixture_rig_tick(rig);
+        cam_machine_hand_poll(m);
+        cam_machine_keep_alive(m);
+    }
+    return m->hands.n_found == (uint32_t)axis + 1u;
+}
+
+bool budget_session_hand(fixture_rig_t *rig, void (*isr)(void))
+{
+    const fixture_part_t part = fixture_part_short();
+    cam_machine_t *m = &rig->machine;
+    bool is_good = budget_session_open(rig, isr, &part, false);
+    rig->home[hal_axis_u] = (fixture_home_t){.side = 1, .edge_nm = 50000};
+    rig->home[hal_axis_x] = (fixture_home_t){.side = 1, .edge_nm = 100000, .pitch_nm = 100000};
+    is_good = is_good && set(rig, cam_param_u_home, 2) && set(rig, cam_param_x_home, 3) &&
+              set(rig, cam_param_z_home, 1) && cam_machine_manual(m) == cam_ok;
+    fixture_rig_ticks(rig, 20);
+    for (uint32_t i = 0; i < hal_n_axes; i++) {
+        is_good = is_good && cam_machine_jog(m, (hal_axis_t)i, 1000).err == cam_ok;
+        fixture_rig_ticks(rig, 200);
+    }
+    is_good = is_good && cam_machine_stop(m) == cam_ok;
+    fixture_rig_ticks(rig, 200);
+    for (uint32_t i = 0; i < hal_n_axes; i++) {
+        is_good = is_good && home_axis(rig, (hal_axis_t)i);
+    }
+    is_good = is_good && cam_machine_disable(m) == cam_ok;
+    fixture_rig_ticks(rig, 500);
+    return is_good;
 }

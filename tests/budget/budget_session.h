@@ -55,4 +55,8 @@ bool budget_session_faults(fixture_rig_t *rig, void (*isr)(void));
 /// From off through an excitation of U to ready. @return true when it was played to its end
 bool budget_session_identify(fixture_rig_t *rig, void (*isr)(void));
 
+/// From off to manual: axes are jogged and stepped, U, X and Z homed, then off again. @return true
+/// when all homes were found
+bool budget_session_hand(fixture_rig_t *rig, void (*isr)(void));
+
 #endif

@@ -284,6 +284,15 @@ static void test_excitation(void)
     TEST_ASSERT_LESS_OR_EQUAL_UINT32(budget_plan_tick, plans[cam_state_identifying].max);
 }
 
+/// Jogs and homing of all axes: the plan in which U gets other numbers is the longest.
+static void test_by_hand(void)
+{
+    TEST_ASSERT_TRUE(budget_session_hand(&rig, counted));
+    budget_spread_print("hand", "plan", plans);
+    TEST_ASSERT_LESS_OR_EQUAL_UINT32(budget_tick, ticks[cam_state_manual].max);
+    TEST_ASSERT_LESS_OR_EQUAL_UINT32(budget_plan_tick, plans[cam_state_manual].max);
+}
+
 static void test_rehearsal(void)
 {
     TEST_ASSERT_TRUE(budget_session_rehearse(&rig, counted));
@@ -379,6 +388,7 @@ int main(void)
     RUN_TEST(test_way_with_every_edge_and_fault_in_every_state);
     RUN_TEST(test_measured_z_with_every_edge_and_fault_in_every_state);
     RUN_TEST(test_excitation);
+    RUN_TEST(test_by_hand);
     RUN_TEST(test_rehearsal);
     RUN_TEST(test_swung_cuts);
     RUN_TEST(test_shaft);
