@@ -14,6 +14,7 @@ const char *cam_state_name(cam_state_t state)
         [cam_state_rehearsing] = "rehearsing",
         [cam_state_identifying] = "identifying",
         [cam_state_manual] = "manual",
+        [cam_state_holding] = "holding",
     };
     return (unsigned)state < cam_n_states ? names[state] : "?";
 }

@@ -18,6 +18,7 @@
 ///     homing, ready --disable--> off
 ///     engaging, cutting --stop--> disengaging; while the axes approach: ready
 ///     rehearsing --stop, as soon as U has come to rest--> ready
+///     cutting --hold, once Z rests--> holding --resume--> cutting; holding --stop--> disengaging
 ///     ready --identify--> identifying --end of the wave, stop--> ready
 ///     off --manual--> manual --disable, as soon as the axes rest--> off
 ///     any but off --fault--> fault --reset, after the retract--> off
@@ -33,15 +34,18 @@ typedef enum {
     cam_state_rehearsing,  ///< X stays clear while the section of the first height plays
     cam_state_identifying, ///< as ready, but U plays a downloaded wave about its place
     cam_state_manual,      ///< enabled, the spindle stands, axes are moved and homed by hand
+    cam_state_holding,     ///< as cutting, but Z stands: the feed is held
     cam_n_states
 } cam_state_t;
 
-/// @return true in rehearsing, engaging, cutting and disengaging, where the axes follow the
+/// @return true in rehearsing, engaging, cutting, holding and disengaging, where the axes follow
+/// the
 ///         spindle's angle
 static inline bool cam_state_is_in_work(cam_state_t state)
 {
     return state == cam_state_engaging || state == cam_state_cutting ||
-           state == cam_state_disengaging || state == cam_state_rehearsing;
+           state == cam_state_disengaging || state == cam_state_rehearsing ||
+           state == cam_state_holding;
 }
 
 /// What the slow side requests of the interrupt. The interrupt carries a request out in the next

@@ -2,6 +2,7 @@
 #include "cam_build.h"
 #include "cam_angle.h"      // CAM_TURN_Q32
 #include "cam_build_hand.h" // cam_build_hand
+#include "cam_changes.h"    // cam_changes_build
 #include "cam_demand.h"     // cam_demand_half_stroke_nm
 #include "cam_fit.h"        // cam_fit_jump_counts
 #include "cam_fix.h"        // cam_sat_i32
@@ -357,8 +358,8 @@ cam_err_t cam_build_config(cam_config_t *config, const cam_params_t *params,
     if (table != NULL) {
         config->table = *table;
         config->play.x_clear_q10 =
-            ((int64_t)table->x_max_nm + params->x_offset_nm + config->play.x_clearance_nm) * 1024;
-        config->play.x_offset_q10 = ((int64_t)table->x.value_offset + params->x_offset_nm) * 1024;
+            ((int64_t)table->x_max_nm + params->x_trim_nm + config->play.x_clearance_nm) * 1024;
+        config->play.x_offset_q10 = (int64_t)table->x.value_offset * 1024;
         build_feed(&config->play, params, table, tick_hz);
         // Made for the spindle's limit, not its speed: the scale must not change while it cuts.
         const int32_t limit_q32 =
@@ -369,6 +370,7 @@ cam_err_t cam_build_config(cam_config_t *config, const cam_params_t *params,
     config->switches = cam_windows_build(params, sense, tick_hz);
     build_limits(config, params, tick_hz);
     cam_build_hand(config, params, tick_hz);
+    cam_changes_build(&config->play, params, tick_hz);
     build_guard(&config->guard, params, speed_limit_mrpm, tick_hz);
     config->guard.following_nm = cam_fit_following_nm(params, table);
     config->guard.approach_nm = cam_fit_approach_nm(params, table, tick_hz);

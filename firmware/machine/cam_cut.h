@@ -17,7 +17,8 @@ typedef struct {
     uint32_t tick_hz;   ///< [Hz] rate of the tick
     uint32_t mean_mrpm; ///< [r/min / 1000] mean speed, below 2^26
     uint32_t peak_mrpm; ///< [r/min / 1000] highest speed within a turn, up to four times the mean
-    uint64_t feed_nm;   ///< [nm] feed per turn, below 2^24
+    uint64_t feed_nm;   ///< [nm] feed per turn, override included, below 2^25
+    uint64_t programmed_nm; ///< [nm] without the override: the ramps of the feed are made for it
 } cam_cut_t;
 
 /// @return the smaller of the two

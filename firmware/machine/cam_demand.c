@@ -305,6 +305,7 @@ cam_demand_t cam_demand_first_exceeded(const cam_cut_t *c)
     const cam_params_t *p = c->p;
     const bool is_led = p->z_is_measured != 0; // others move Z: neither geared nor limited here
     const uint32_t whole_ppm = 1000000;
+    const bool is_overridden = p->feed_override_ppm != (int32_t)whole_ppm;
     const cam_demand_t demands[] = {
         // For a skirt the amplitude is a trim; a lobe of less than its whole lift is another lobe.
         {cam_err_cam_amplitude, p->amplitude_ppm, cam_table_is_lobe(t) ? whole_ppm : 0u},
@@ -312,6 +313,8 @@ cam_demand_t cam_demand_first_exceeded(const cam_cut_t *c)
         {cam_err_swing_axis, 0, t->is_swung && p->swing_speed_mdeg_per_s == 0 ? 1u : 0u},
         // Turns are counted by the helix, which a measured Z cannot tell.
         {cam_err_z_stations, 0, t->has_stations && is_led ? 1u : 0u},
+        {cam_err_override_measured, 0, is_led && is_overridden ? 1u : 0u},
+        {cam_err_override_rings, 0, t->is_ring_helix && is_overridden ? 1u : 0u},
         {cam_err_swing_range, p->swing_range_mdeg, at_amplitude(c, t->swing.most_mdeg)},
         swing_speed_demand(c),
         swing_acceleration_demand(c),
@@ -321,7 +324,7 @@ cam_demand_t cam_demand_first_exceeded(const cam_cut_t *c)
         retract_demand(c),
         u_speed_demand(c),
         u_acceleration_demand(c),
-        {cam_err_feed, (int64_t)cam_cut_span_nm(c), is_led ? 0u : c->feed_nm},
+        {cam_err_feed, (int64_t)cam_cut_span_nm(c), is_led ? 0u : c->programmed_nm},
         {cam_err_z_speed, is_led ? INT32_MAX : p->z_speed_um_per_s, cam_drift_z_um_per_s(c)},
         {cam_err_z_acceleration, p->z_acceleration_mm_per_s2,
          is_led ? 0u : cam_drift_z_mm_per_s2(c)},

@@ -51,10 +51,11 @@ static uint64_t ramp_mm_per_s2(const cam_cut_t *c)
 {
     const uint64_t turns = (uint64_t)c->p->feed_ramp_turns;
     const uint64_t rpm = cam_cut_divided_up(c->peak_mrpm, 1000);
-    const uint64_t per = turns * c->feed_nm <= cam_cut_span_nm(c)
+    const uint64_t feed_nm = c->programmed_nm;
+    const uint64_t per = turns * feed_nm <= cam_cut_span_nm(c)
                              ? UINT64_C(3600000000) * turns
-                             : UINT64_C(3600000000) * cam_cut_span_nm(c) / c->feed_nm;
-    return cam_cut_divided_up(c->feed_nm * rpm * rpm, per);
+                             : UINT64_C(3600000000) * cam_cut_span_nm(c) / feed_nm;
+    return cam_cut_divided_up(feed_nm * rpm * rpm, per);
 }
 
 uint64_t cam_drift_z_mm_per_s2(const cam_cut_t *c)

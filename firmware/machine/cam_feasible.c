@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_feasible.h"
-#include "cam_demand.h" // cam_demand_first_exceeded
+#include "cam_demand.h"  // cam_demand_first_exceeded
+#include "cam_changes.h" // cam_changes_feed_ppm
 
 /// Widths of the ranges that are searched: 2^26 / 1000 = 67 109 r/min and 2^24 nm = 16.8 mm.
 enum { speed_bits = 26, feed_bits = 24 };
@@ -19,14 +20,19 @@ static void set_speed(cam_cut_t *c, uint32_t mrpm)
     c->peak_mrpm = cam_feasible_peak_mrpm(c->t, mrpm);
 }
 
+/// Set the programmed feed of a cut, and what the override makes of it.
+static void set_feed(cam_cut_t *c, uint64_t feed_nm)
+{
+    c->programmed_nm = feed_nm;
+    c->feed_nm = cam_cut_divided_up(feed_nm * (uint64_t)cam_changes_feed_ppm(c->p), 1000000);
+}
+
 /// @return the cut that table and parameters describe, at a mean speed
 static cam_cut_t cut_of(const cam_table_t *table, const cam_params_t *params, uint32_t speed_mrpm,
                         uint32_t tick_hz)
 {
-    cam_cut_t c = {.t = table,
-                   .p = params,
-                   .tick_hz = tick_hz,
-                   .feed_nm = params->feed_nm > 0 ? (uint64_t)params->feed_nm : table->feed_nm};
+    cam_cut_t c = {.t = table, .p = params, .tick_hz = tick_hz};
+    set_feed(&c, params->feed_nm > 0 ? (uint64_t)params->feed_nm : table->feed_nm);
     set_speed(&c, speed_mrpm);
     return c;
 }
@@ -58,7 +64,7 @@ uint32_t cam_feasible_largest_feed_nm(const cam_table_t *table, const cam_params
     cam_cut_t c = cut_of(table, params, speed_mrpm, tick_hz);
     uint32_t largest = 0;
     for (uint32_t bit = UINT32_C(1) << (feed_bits - 1); bit != 0u; bit >>= 1) {
-        c.feed_nm = (uint64_t)largest + bit;
+        set_feed(&c, (uint64_t)largest + bit);
         largest += cam_demand_first_exceeded(&c).err == cam_ok ? bit : 0u;
     }
     return largest;

@@ -5,6 +5,7 @@
 #include "cam_machine_hand.h"     // cam_machine_check_places
 #include "cam_machine_identify.h" // cam_machine_identify_poll
 #include "cam_machine_inner.h"    // cam_machine_post
+#include "cam_machine_override.h" // cam_machine_override_poll
 #include "cam_machine_scope.h"    // cam_machine_scope_poll
 #include "cam_pass.h"             // cam_pass_next
 #include "hal/hal.h"              // hal_halt, hal_scope_memory
@@ -175,7 +176,9 @@ static void end_pass(cam_machine_t *m, const cam_status_t *status)
     const bool is_done = status->state == cam_state_ready && !m->is_cut_short;
     const uint32_t next = cam_pass_next(&m->params, &m->table, m->pass);
     const bool is_changed = is_done && m->has_table && next != m->pass;
+    const bool is_last = m->params.pass > 0 || m->pass + 1u >= cam_pass_count(&m->table);
     m->is_in_pass = is_changed && cam_machine_hand_over(m, &m->params, &m->table, next) != cam_ok;
+    m->n_parts += is_done && is_last && !m->is_in_pass ? 1u : 0u;
 }
 
 /// @return whether the spindle is still faster than the pass to come allows, as after one that was
@@ -196,7 +199,7 @@ cam_err_t cam_machine_start(cam_machine_t *m)
     if (err == cam_ok) {
         err = cam_machine_check_places(m, &status);
     }
-    if (err == cam_ok && (m->is_in_pass || is_too_fast(m, &status))) {
+    if (err == cam_ok && (m->is_in_pass || m->is_rate_due || is_too_fast(m, &status))) {
         err = cam_err_busy;
     }
     if (err == cam_ok) {
@@ -213,7 +216,7 @@ cam_err_t cam_machine_start(cam_machine_t *m)
 static bool may_stop(cam_state_t state)
 {
     return state == cam_state_rehearsing || state == cam_state_engaging ||
-           state == cam_state_cutting;
+           state == cam_state_cutting || state == cam_state_holding;
 }
 
 cam_err_t cam_machine_stop(cam_machine_t *m)
@@ -249,6 +252,7 @@ void cam_machine_poll(cam_machine_t *m)
     cam_machine_hand_poll(m);
     const cam_status_t status = cam_machine_status(m);
     end_pass(m, &status);
+    cam_machine_override_poll(m, &status);
     cam_machine_teach_poll(m, status.state);
     if (!m->has_table) {
         return;

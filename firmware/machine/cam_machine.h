@@ -56,7 +56,8 @@ typedef struct {
     cam_kept_t kept;
 } cam_params_status_t;
 
-/// The slow side's state. Only has_table, table, params, pass, tick_hz, refusal and kept are for
+/// The slow side's state. Only has_table, table, params, pass, n_parts, is_held, tick_hz, refusal
+/// and kept are for
 /// others to read.
 typedef struct {
     cam_t *core;                ///< the interrupt's side
@@ -77,6 +78,9 @@ typedef struct {
     uint32_t pass;              ///< the pass that is cut, or that start cuts next; from 0
     bool is_in_pass;            ///< start was accepted, and the end of the pass not yet seen
     bool is_cut_short;          ///< stopped before its end: start cuts the same pass again
+    uint32_t n_parts;           ///< parts that were cut to their end
+    bool is_held;               ///< the feed is to rest, whatever its override
+    bool is_rate_due;           ///< ... and the interrupt does not know it yet
     uint32_t limit_mrpm;        ///< [r/min / 1000] overspeed of the newest configuration
     uint32_t scrub_at;          ///< [bytes] progress of the background check of the table
     uint32_t scrub_crc;         ///< CRC-32 of the bytes up to there
@@ -104,12 +108,12 @@ CAM_MUST_USE cam_err_t cam_machine_select_table(cam_machine_t *m, const void *im
 
 /// Set a parameter. In state off every parameter may change. In ready, where the spindle turns, all
 /// may but those of the encoder and z_is_measured, and the result must be feasible; the
-/// feed-forward of U may as soon as U is at rest, where it adds nothing to the command. In
-/// engaging, cutting and disengaging only phase_udeg and amplitude_ppm may, and they are ramped. In
-/// manual the same may as in ready. In the other states none may. What is refused for its numbers
-/// is in m->refusal.
-/// @return cam_ok, cam_err_param_id, _range, _state, _tick, cam_err_busy, or a feasibility error,
-///         for example for an amplitude that the running speed does not allow
+/// feed-forward of U may as soon as U is at rest, where it adds nothing to the command. In the work
+/// only phase_udeg, amplitude_ppm, x_trim_nm, feed_override_ppm and spindle_override_ppm may, and
+/// they are ramped. In manual the same may as in ready. In the other states none may. What is
+/// refused for its numbers is in m->refusal.
+/// @return cam_ok, cam_err_param_id, _range, _state, _tick, cam_err_trim_limit, cam_err_busy, or a
+///         feasibility error, for example for an amplitude that the running speed does not allow
 CAM_MUST_USE cam_err_t cam_machine_set_param(cam_machine_t *m, cam_param_id_t id, int32_t value);
 
 /// Begin to change several parameters at once: all are staged as they are in force.
@@ -182,8 +186,8 @@ CAM_MUST_USE cam_err_t cam_machine_disable(cam_machine_t *m);
 ///         cam_machine_feasibility() gives
 CAM_MUST_USE cam_err_t cam_machine_start(cam_machine_t *m);
 
-/// End the cut early: engaging, cutting -> disengaging; while the axes still approach -> ready. In
-/// manual brake what moves.
+/// End the cut early: engaging, cutting, holding -> disengaging; while the axes still approach ->
+/// ready. In manual brake what moves.
 /// @return cam_ok, cam_err_state, cam_err_busy
 CAM_MUST_USE cam_err_t cam_machine_stop(cam_machine_t *m);
 

@@ -277,7 +277,7 @@ static bool is_in_travel(const cam_machine_t *m, const cam_status_t *status, hal
 static bool is_part_in_travel(const cam_machine_t *m, const cam_status_t *status)
 {
     const cam_table_t *t = &m->table;
-    const int64_t off_nm = (int64_t)m->params.x_offset_nm + cam_demand_clearance_nm(t, &m->params);
+    const int64_t off_nm = (int64_t)m->params.x_trim_nm + cam_demand_clearance_nm(t, &m->params);
     const bool is_z_ours = m->params.z_is_measured == 0;
     return is_in_travel(m, status, hal_axis_x, (int64_t)t->x_max_nm + off_nm,
                         (int64_t)t->x_max_nm + off_nm) &&

@@ -79,6 +79,10 @@ cam_err_t cam_machine_hand_over(cam_machine_t *m, const cam_params_t *params,
             cam_config_learn(half);
             half->play.hand.order = last->play.hand.order;
         }
+        if (m->is_held) {
+            half->play.feed_rate_q30 = 0;
+        }
+        m->is_rate_due = false;
         m->generation++;
         m->pass = pass;
         m->limit_mrpm = limit_mrpm;

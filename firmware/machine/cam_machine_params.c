@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What parameters may change when, one or all of them at once, and how they are kept.
 #include "cam_fit.h"           // cam_fit_most
+#include "cam_fix.h"           // cam_is_within
 #include "cam_machine_inner.h" // cam_machine_judge, cam_machine_hand_over
 #include "cam_pass.h"          // cam_pass_first
 #include "hal/hal.h"           // hal_params_kept
@@ -24,7 +25,10 @@ static bool may_change(cam_param_id_t id, cam_state_t state)
     case cam_state_cutting:
     case cam_state_disengaging:
     case cam_state_rehearsing:
-        return id == cam_param_phase_udeg || id == cam_param_amplitude_ppm;
+    case cam_state_holding:
+        return id == cam_param_phase_udeg || id == cam_param_amplitude_ppm ||
+               id == cam_param_x_trim_nm || id == cam_param_feed_override_ppm ||
+               id == cam_param_spindle_override_ppm;
     case cam_state_homing:
     case cam_state_fault:
     case cam_state_identifying:
@@ -52,6 +56,18 @@ static cam_err_t refuse_change(cam_machine_t *m, cam_err_t err, uint32_t id)
 {
     m->refusal = (cam_refusal_t){.why.err = err, .param = (cam_param_id_t)id};
     return err;
+}
+
+/// A trim is bounded by a parameter of its own, so that a slip of the hand does not spoil a part.
+static cam_err_t check_trim(cam_machine_t *m, const cam_params_t *params)
+{
+    if (cam_is_within(params->x_trim_nm, params->x_trim_limit_nm)) {
+        return cam_ok;
+    }
+    (void)refuse_change(m, cam_err_trim_limit, (uint32_t)cam_param_x_trim_nm);
+    m->refusal.why.needed = cam_abs_i64(params->x_trim_nm);
+    m->refusal.why.limit = params->x_trim_limit_nm;
+    return cam_err_trim_limit;
 }
 
 /// Check whether the state allows all changes.
@@ -124,6 +140,9 @@ static cam_err_t apply(cam_machine_t *m, const cam_params_t *params, cam_param_i
         return cam_err_busy;
     }
     cam_err_t err = check_state(m, params, named, &status);
+    if (err == cam_ok) {
+        err = check_trim(m, params);
+    }
     // Enabled, the machine takes a changed parameter at once, so what it leads to must be feasible.
     const bool is_judged = status.state != cam_state_off && status.state != cam_state_manual;
     if (err == cam_ok && is_judged && m->has_table) {

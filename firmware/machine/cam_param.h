@@ -65,7 +65,7 @@
     X(swing_range_mdeg,               1,      30000,      90000, "the tool swings by at most this to either side") \
     X(swing_lag_ns,                   0,          0,   20000000, "lag of the swing's drive on a ramp, compensated by reading ahead") \
     X(swing_following_limit_mdeg,     1,       1000,      90000, "accepted following error of the swing") \
-    X(x_offset_nm,             -1000000,          0,    1000000, "offset of X, positive away from the axis, for the wear of the tool; taken at start") \
+    X(x_trim_nm,               -1000000,          0,    1000000, "trim of X on the radius, positive away from the axis, for the wear of the tool; half of that of the diameter; ramped") \
     X(pass,                           0,          0,         16, "0: passes in their order, setting it begins with the first; else every start cuts this one") \
     X(rehearse_turns,                 0,          0,       1000, "turns that the first height is played clear of the work before a cut, to learn; 0: none") \
     X(u_scale_latency_ns,             0,          0,   10000000, "what U's scale tells is older than the encoder's angle by this") \
@@ -120,7 +120,12 @@
     X(tool_3_x_nm,           -500000000,          0,  500000000, "the same of tool 3") \
     X(tool_3_z_nm,           -500000000,          0,  500000000, "the same of tool 3") \
     X(tool_4_x_nm,           -500000000,          0,  500000000, "the same of tool 4") \
-    X(tool_4_z_nm,           -500000000,          0,  500000000, "the same of tool 4")
+    X(tool_4_z_nm,           -500000000,          0,  500000000, "the same of tool 4") \
+    X(x_trim_limit_nm,                0,     200000,    1000000, "largest trim of X to either side") \
+    X(x_trim_rate_nm_per_s,        1000,      20000,     100000, "rate of its ramp") \
+    X(feed_override_ppm,              0,    1000000,    1500000, "feed over its programmed value; below 1 %: Z stands, as in a hold; ramped like the feed") \
+    X(spindle_override_ppm,      500000,    1000000,    1200000, "speed of the spindle over its programmed value; ramped") \
+    X(spindle_override_rate_ppm_per_s, 1000, 100000,    1000000, "rate of that ramp, within spindle_acceleration_mrad_per_s2")
 // clang-format on
 
 /// Index of a parameter, in the order of the list.

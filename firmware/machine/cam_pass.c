@@ -22,7 +22,7 @@ cam_params_t cam_pass_params(const cam_params_t *params, const cam_table_t *tabl
     here.feed_nm = params->feed_nm > 0 ? params->feed_nm : (int32_t)pass->feed_nm;
     here.spindle_mrpm =
         params->spindle_mrpm > 0 ? params->spindle_mrpm : (int32_t)pass->spindle_mrpm;
-    here.x_offset_nm = params->x_offset_nm + pass->allowance_nm;
+    here.x_trim_nm = params->x_trim_nm + pass->allowance_nm;
     return here;
 }
 
@@ -39,10 +39,13 @@ uint32_t cam_pass_next(const cam_params_t *params, const cam_table_t *table, uin
     return params->pass > 0 || is_last ? cam_pass_first(params, table) : i + 1u;
 }
 
-/// @return [r/min / 1000] speed of a pass: that of its parameters, else that of the table
+/// @return [r/min / 1000] speed of a pass: that of its parameters, else that of the table, with the
+/// override, rounded up
 static uint32_t speed_mrpm_of(const cam_params_t *params, const cam_table_t *table)
 {
-    return params->spindle_mrpm > 0 ? (uint32_t)params->spindle_mrpm : table->spindle_mrpm;
+    const uint64_t mrpm =
+        params->spindle_mrpm > 0 ? (uint64_t)params->spindle_mrpm : table->spindle_mrpm;
+    return (uint32_t)((mrpm * (uint64_t)params->spindle_override_ppm + 999999u) / 1000000u);
 }
 
 cam_err_t cam_pass_check(const cam_table_t *table, const cam_params_t *params, uint32_t speed_mrpm,

@@ -2,7 +2,7 @@
 /// cam_pass: which pass of a table is cut, and with which numbers.
 ///
 /// A pass brings its feed, its speed and the stock that it leaves, which X is offset by. Parameters
-/// that are set (feed_nm, spindle_mrpm) overrule those of all passes, and x_offset_nm is added to
+/// that are set (feed_nm, spindle_mrpm) overrule those of all passes, and x_trim_nm is added to
 /// the stock. A table without passes has one, of the numbers in its header. Source: MATHS.md (105).
 /// Context: slow side.
 #ifndef CAM_PASS_H

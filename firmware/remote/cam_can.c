@@ -30,6 +30,10 @@ void cam_can_answer(cam_can_t *r, uint8_t command, uint8_t parameter, cam_outcom
         .feed = outcome.value,
         .amplitude = outcome.value,
         .phase = outcome.value,
+        .feed_override = outcome.value,
+        .spindle_override = outcome.value,
+        .trim = outcome.value,
+        .parts = outcome.value,
         .received = (uint32_t)outcome.value,
         .crc = (uint32_t)outcome.value,
         .jog_speed = outcome.value,
@@ -188,7 +192,8 @@ static void follow(cam_can_t *r, const struct camturn_command_t *m)
         cam_can_set(r, m->command, cam_param_phase_udeg, m->phase);
         break;
     default:
-        if (!cam_can_scope(r, m) && !cam_can_params(r, m) && !cam_can_hand(r, m)) {
+        if (!cam_can_scope(r, m) && !cam_can_params(r, m) && !cam_can_hand(r, m) &&
+            !cam_can_cut(r, m)) {
             cam_can_answer(r, m->command, m->parameter, carry_out(r, m));
         }
         break;

@@ -42,6 +42,13 @@ void cam_can_answer_range(cam_can_t *r, cam_param_id_t id);
 /// Topic: all parameters at once, those that are kept, numbers of a refusal.
 bool cam_can_params(cam_can_t *r, const struct camturn_command_t *m);
 
+/// Set a parameter and answer with the value in force; a value out of its range gets
+/// the range too.
+void cam_can_set(cam_can_t *r, uint8_t command, cam_param_id_t id, int32_t value);
+
+/// Topic: what is changed while a part is cut, and the number of parts.
+bool cam_can_cut(cam_can_t *r, const struct camturn_command_t *m);
+
 /// Topic: recorder, excitation and learning.
 bool cam_can_scope(cam_can_t *r, const struct camturn_command_t *m);
 

@@ -17,6 +17,8 @@ enum {
     page_learning = 11,
     page_hand = 16,
     page_hand_end = 18,
+    page_changes = 18,
+    page_changes_end = 20,
     page_params = 21,
     page_recorder
 };
@@ -194,6 +196,19 @@ static void describe_hand(struct camturn_detail_t *m, const cam_machine_t *machi
     m->tool = (uint8_t)((uint32_t)machine->params.tool & 0xFFu);
 }
 
+/// Fill in the signals of a page that tells what the operator has changed.
+static void describe_changes(struct camturn_detail_t *m, const cam_machine_t *machine)
+{
+    if (m->page < page_changes || m->page >= page_changes_end) {
+        return;
+    }
+    m->override_of_feed = (uint32_t)machine->params.feed_override_ppm;
+    m->override_of_spindle = (uint32_t)machine->params.spindle_override_ppm;
+    m->trim_of_x = machine->params.x_trim_nm;
+    m->is_held = machine->is_held ? 1u : 0u;
+    m->parts_cut = machine->n_parts;
+}
+
 /// @return number of the pass that is cut or that start cuts next; 0 of a table without passes
 static uint8_t pass_of(const cam_machine_t *m)
 {
@@ -226,6 +241,7 @@ static void send_detail(uint32_t page, const cam_store_t *store, const cam_statu
     describe_params(&m, store->machine);
     describe_recorder(&m, &store->machine->scope);
     describe_hand(&m, store->machine, status);
+    describe_changes(&m, store->machine);
     hal_can_frame_t frame;
     send(&frame, CAMTURN_DETAIL_FRAME_ID, camturn_detail_pack(frame.data, &m, sizeof frame.data));
 }
@@ -234,9 +250,9 @@ static void send_detail(uint32_t page, const cam_store_t *store, const cam_statu
 void cam_report_send(cam_report_t *r, const cam_store_t *store, const cam_status_t *status)
 {
     static const uint8_t turns[] = {
-        page_load, page_rate, page_table, page_crc,      page_name,    6,  7,
-        8,         9,         10,         page_learning, 12,           13, 14,
-        15,        page_hand, 17,         page_params,   page_recorder};
+        page_load, page_rate,    page_table,       page_crc,    page_name,    6,  7,  8,
+        9,         10,           page_learning,    12,          13,           14, 15, page_hand,
+        17,        page_changes, page_changes + 1, page_params, page_recorder};
     const uint32_t period = store->machine->tick_hz / status_hz;
     if (status->tick - r->status_tick < period) {
         return;

@@ -32,6 +32,17 @@ typedef struct {
     int32_t mean_q32;   ///< [turn / 2^32 per tick] mean speed, at most 2^26
 } cam_speed_config_t;
 
+/// @param rate_q30  [1] override of the spindle, 1/2 .. 5/4
+/// @return          the configuration with another mean speed
+static inline cam_speed_config_t cam_speed_overridden(const cam_speed_config_t *cfg,
+                                                      int32_t rate_q30)
+{
+    cam_speed_config_t c = *cfg;
+    c.mean_mrpm = cam_mul_shift(cfg->mean_mrpm, rate_q30, 30);
+    c.mean_q32 = cam_mul_shift(cfg->mean_q32, rate_q30, 30);
+    return c;
+}
+
 /// Speed ratio at an angle.
 typedef struct {
     int32_t ratio_q28; ///< [2^-28] speed over mean speed, 1/16 .. 4

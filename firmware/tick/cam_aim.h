@@ -27,16 +27,17 @@ static inline void cam_aim_isr(cam_move_t *m, const cam_play_config_t *cfg, int6
     m->pos_q10 += left_q10 - (int64_t)m->vel_q10 * cfg->plan_ticks;
 }
 
-/// @return [nm / 1024] X over a height with its offset, and off the work by 1 - envelope of the
+/// @param trim_q4  [nm / 16] stock and trim in force
+/// @return [nm / 1024] X over a height with its trim, and off the work by 1 - envelope of the
 /// clearance
 static inline int64_t cam_aim_profile_q10(const cam_play_config_t *cfg, int32_t z_nm,
-                                          int32_t envelope)
+                                          int32_t envelope, int32_t trim_q4)
 {
     const cam_channel_t *x = &cfg->table->x;
     const int64_t clear_q10 =
         ((int64_t)cfg->x_clearance_nm * ((INT32_C(1) << 30) - envelope)) >> 20;
     return ((int64_t)cam_eval_profile(x, z_nm).y * 1024 >> x->frac_bits) + cfg->x_offset_q10 +
-           clear_q10;
+           (int64_t)trim_q4 * 64 + clear_q10;
 }
 
 #endif

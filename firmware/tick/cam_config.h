@@ -116,11 +116,18 @@ typedef struct {
     int64_t x_offset_q10;   ///< [nm / 1024] X where its knots are 0, by the port
     cam_move_limits_t approach[hal_n_axes]; ///< gentle limits outside the cut; X, Z: per plan
     cam_move_limits_t leave[hal_n_axes];    ///< full limits per plan, of X and Z in state fault
-    int32_t spindle_mrpm;                   ///< mean set-point, signed by the table's direction
-    cam_speed_config_t speed;               ///< modulation, of a table with a speed channel
-    cam_swing_config_t swing;               ///< of a table that swings the tool
-    cam_excite_config_t excite;             ///< wave of U in the state identifying
-    cam_hand_config_t hand;                 ///< order of the state manual
+    int32_t spindle_mrpm;       ///< mean set-point, signed by the table's direction, programmed
+    cam_speed_config_t speed;   ///< modulation, of a table with a speed channel
+    cam_swing_config_t swing;   ///< of a table that swings the tool
+    cam_excite_config_t excite; ///< wave of U in the state identifying
+    cam_hand_config_t hand;     ///< order of the state manual
+    // What the operator changes in the cut (cam_changes.h); the plan alone reads it
+    int32_t feed_rate_q30;     ///< [1] override of the feed; 0: it is held, else at least 1/100
+    int32_t per_feed_rate_q24; ///< [1] its reciprocal, 0 where it is held
+    int32_t x_trim_q4;         ///< [nm / 16] stock of the pass and the operator's trim
+    int32_t x_trim_step_q4;    ///< [nm / 16] by which that may change from plan to plan
+    int32_t spindle_rate_q30;  ///< [1] override of the spindle
+    int32_t spindle_step_q30;  ///< [1] by which that may change from plan to plan
 } cam_play_config_t;
 
 /// What the guard needs (cam_guard.h).

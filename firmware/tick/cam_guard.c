@@ -19,9 +19,11 @@
      CAM_FAULT_BIT(table) | CAM_FAULT_BIT(following_error) | CAM_FAULT_BIT(setpoint_speed) |       \
      CAM_FAULT_BIT(setpoint_acceleration) | CAM_FAULT_BIT(setpoint_range))
 
-/// Bit of the states in which nothing is accepted, fault or not.
+/// Bit of the states in which nothing is accepted, fault or not, and of those whose output tells
+/// that the tool cuts.
 #define AT_REST (UINT32_C(1) << 31)
-_Static_assert(cam_n_faults < 32, "a bit is left");
+#define IN_CUT (UINT32_C(1) << 30)
+_Static_assert(cam_n_faults < 31, "two bits are left");
 
 #define ARMED_IN_FAULT (CAM_FAULT_BIT(estop) | CAM_FAULT_BIT(drive) | CAM_FAULT_BIT(bus))
 
@@ -30,17 +32,18 @@ static const uint32_t armed[cam_n_states] = {
     [cam_state_homing] = ARMED_ENABLED | CAM_FAULT_BIT(spindle_stopped),
     [cam_state_ready] = ARMED_SYNCED,
     [cam_state_engaging] = ARMED_IN_WORK,
-    [cam_state_cutting] = ARMED_IN_WORK,
+    [cam_state_cutting] = ARMED_IN_WORK | IN_CUT,
     [cam_state_disengaging] = ARMED_IN_WORK,
     [cam_state_fault] = ARMED_IN_FAULT | AT_REST,
     [cam_state_rehearsing] = ARMED_IN_WORK,
     [cam_state_identifying] = ARMED_SYNCED,
     [cam_state_manual] = ARMED_BY_HAND,
+    [cam_state_holding] = ARMED_IN_WORK | IN_CUT,
 };
 
 uint32_t cam_guard_armed(cam_state_t state)
 {
-    return (uint32_t)state < cam_n_states ? armed[state] & ~AT_REST : 0u;
+    return (uint32_t)state < cam_n_states ? armed[state] & ~(AT_REST | IN_CUT) : 0u;
 }
 
 static uint32_t bit_if(bool is_set, uint32_t bit)
@@ -180,11 +183,12 @@ CAM_STAGE static cam_verdict_t rest(cam_guard_t *g, const cam_guard_config_t *cf
 }
 
 /// There is no fault: the set-point of play is written.
-static cam_verdict_t accept(cam_guard_t *g, const cam_want_t *want, int32_t step_q6)
+static cam_verdict_t accept(cam_guard_t *g, const cam_want_t *want, uint32_t watched,
+                            int32_t step_q6)
 {
     g->u_set_q6 = want->u_set_q6;
     g->u_step_q6 = step_q6;
-    const bool is_in_cut = want->state == cam_state_cutting;
+    const bool is_in_cut = (watched & IN_CUT) != 0u;
     return (cam_verdict_t){
         .outputs = is_in_cut ? hal_out_enable | hal_out_in_cut : hal_out_enable,
     };
@@ -200,5 +204,5 @@ cam_verdict_t cam_guard_step_isr(cam_guard_t *g, const cam_guard_config_t *cfg,
     }
     const int32_t step_q6 = cam_wrap_sub(want->u_set_q6, g->u_set_q6);
     const uint32_t faults = blame(g, cfg, r, m->is_playing, step_q6) & watched;
-    return faults == 0u ? accept(g, want, step_q6) : enter_fault(g, faults);
+    return faults == 0u ? accept(g, want, watched, step_q6) : enter_fault(g, faults);
 }

@@ -41,32 +41,6 @@ static int32_t envelope_q30(const cam_plan_t *p, const cam_play_config_t *cfg, i
     return cam_mul_shift(risen_q30, ONE_Q30 - fallen_q30, 30);
 }
 
-/// @return [turn] fed after `turns` when the feed rises linearly over the ramp r: x^2 / 2r, x - r/2
-static int64_t eased_q32(const cam_play_config_t *cfg, int64_t turns_q32)
-{
-    if (turns_q32 >= cfg->ramp_q32) {
-        return turns_q32 - cfg->ramp_q32 / 2;
-    }
-    const int64_t turns_q24 = turns_q32 >> 8;
-    const int64_t share_q31 = (turns_q24 * cfg->per_ramp_q31) >> 24;
-    return (share_q31 * turns_q24) >> 24;
-}
-
-/// @return [nm] Z above the first height: the feed rises at its start and falls towards its end
-static int32_t fed_nm(const cam_plan_t *p, const cam_play_config_t *cfg, int64_t pos_q32)
-{
-    const int64_t done_q32 = cam_clamp_i64(pos_q32 - p->feed_at_q32, 0, p->feed_turns_q32);
-    if (cfg->rings.is_on) {
-        return cam_feed_height_nm_isr(&cfg->rings, done_q32,
-                                      cam_feed_risen_q30_isr(&cfg->rings, done_q32));
-    }
-    const int64_t left_q32 = p->feed_turns_q32 - done_q32;
-    const int64_t fed_q32 = done_q32 <= left_q32
-                                ? eased_q32(cfg, done_q32)
-                                : p->feed_turns_q32 - cfg->ramp_q32 - eased_q32(cfg, left_q32);
-    return (int32_t)((fed_q32 * cfg->feed_nm + (INT64_C(1) << 31)) >> 32);
-}
-
 /// @return [nm / 1024] a height of the part where the port counts Z, MATHS.md (170)
 static int64_t by_port_q10(const cam_play_config_t *cfg, int32_t z_nm)
 {
@@ -81,7 +55,7 @@ static int32_t height_nm(cam_plan_t *p, const cam_play_config_t *cfg, int32_t ac
     const int32_t moved_nm = cam_wrap_sub(actual_nm, p->measured_nm);
     p->measured_nm = actual_nm;
     return cfg->is_z_measured ? cam_wrap_add(cam_wrap_sub(actual_nm, cfg->z_origin_nm), moved_nm)
-                              : cfg->z_first_nm + fed_nm(p, cfg, pos_q32);
+                              : cfg->z_first_nm + cam_course_fed_nm_isr(&p->course, cfg, pos_q32);
 }
 
 /// @return [slices] of U at a height
@@ -114,7 +88,7 @@ static int32_t u_height_nm(const cam_plan_t *p, const cam_play_config_t *cfg, in
 {
     return cfg->is_z_measured
                ? cam_wrap_add(z_nm, (int32_t)(((int64_t)z_vel_q10 * cfg->lead_q16) >> 26))
-               : cfg->z_first_nm + fed_nm(p, cfg, pos_q32);
+               : cfg->z_first_nm + cam_course_fed_nm_isr(&p->course, cfg, pos_q32);
 }
 
 /// Plan U's amplitude and the distance of its height on the table behind Z's set-point.
@@ -184,15 +158,17 @@ static void aim_speed(cam_plan_t *p, const cam_play_config_t *cfg, const cam_ang
 {
     const cam_channel_t *ch = &cfg->table->speed;
     if (ch->knots == NULL) {
+        m->spindle_mrpm = cam_mul_shift(cfg->spindle_mrpm, p->spindle_rate_q30, 30);
         return;
     }
+    const cam_speed_config_t speed = cam_speed_overridden(&cfg->speed, p->spindle_rate_q30);
     const uint32_t theta_q32 = cam_angle_of_pos(cam_angle_ahead(angle, cfg->ratio_q16));
     const cam_ratio_t ratio = cam_speed_ratio_at(ch, theta_q32 - phase_then_q32(m, cfg),
                                                  cam_shaft_slice(&p->shaft, cfg->table, ch, z_nm));
     const int32_t from_q28 = p->ratio_q28;
     p->ratio_q28 = cam_speed_eased_q28(ratio.ratio_q28, envelope);
-    m->spindle_mrpm = cam_speed_mrpm(&cfg->speed, from_q28, p->ratio_q28);
-    m->alpha_q40 = cam_speed_alpha_q40(&cfg->speed, cam_aim_share(cfg, p->ratio_q28 - from_q28));
+    m->spindle_mrpm = cam_speed_mrpm(&speed, from_q28, p->ratio_q28);
+    m->alpha_q40 = cam_speed_alpha_q40(&speed, cam_aim_share(cfg, p->ratio_q28 - from_q28));
     m->alpha_u = cam_sat_i32(((int64_t)m->alpha_q40 * m->scale_q30) >> cfg->u.alpha_shift);
 }
 
@@ -205,8 +181,14 @@ static void aim_swing(const cam_plan_t *p, const cam_play_config_t *cfg, const c
                       cam_shaft_slice(&p->shaft, cfg->table, &cfg->table->angle, z_nm), scale_q30);
 }
 
-/// Move phase and amplitude towards the operator's values, as far as their rates allow until the
-/// next plan.
+/// @return a value led towards another by at most a step
+static int32_t led(int32_t value, int32_t to, int32_t most)
+{
+    return value + cam_clamp_i32(to - value, -most, most);
+}
+
+/// Move phase, amplitude, trim and override of the spindle towards the operator's values, as far as
+/// their rates allow until the next plan.
 static void ramp(cam_plan_t *p, const cam_play_config_t *cfg, cam_motion_t *m)
 {
     const uint32_t to_q32 = (uint32_t)cfg->phase_q32 + p->shaft.phase_q32;
@@ -217,7 +199,9 @@ static void ramp(cam_plan_t *p, const cam_play_config_t *cfg, cam_motion_t *m)
         m->phase_q32 = (int32_t)to_q32;
     }
     const int32_t most_q30 = cfg->amplitude_step_q30 * cfg->plan_ticks;
-    p->amplitude_q30 += cam_clamp_i32(cfg->amplitude_q30 - p->amplitude_q30, -most_q30, most_q30);
+    p->amplitude_q30 = led(p->amplitude_q30, cfg->amplitude_q30, most_q30);
+    p->x_trim_q4 = led(p->x_trim_q4, cfg->x_trim_q4, cfg->x_trim_step_q4);
+    p->spindle_rate_q30 = led(p->spindle_rate_q30, cfg->spindle_rate_q30, cfg->spindle_step_q30);
 }
 
 /// Compare the measured Z with where it must be: on the table, a geared Z moreover where its
@@ -252,7 +236,9 @@ static cam_state_t state_at(const cam_plan_t *p, const cam_play_config_t *cfg, i
         return pos_q32 < p->disengage_at_q32 + cfg->disengage_q32 ? cam_state_disengaging
                                                                   : cam_state_ready;
     }
-    return pos_q32 < p->feed_at_q32 ? cam_state_engaging : cam_state_cutting;
+    const bool is_resting = p->course.is_held && pos_q32 >= p->course.end_q32;
+    const cam_state_t fed = is_resting ? cam_state_holding : cam_state_cutting;
+    return pos_q32 < p->feed_at_q32 ? cam_state_engaging : fed;
 }
 
 /// @return [turn] the first whole turn that no axis was commanded to
@@ -262,23 +248,29 @@ static int64_t next_turn_q32(const cam_play_config_t *cfg, const cam_angle_t *an
 }
 
 /// Lay the end of the feed, and behind it that of the cut, onto a whole turn that no axis was
-/// commanded to. A feed in motion falls over its ramp, a ring-helix goes on to the end of the next
-/// ring, a feed that has not begun does not begin.
+/// commanded to.
 static void lay_end(cam_plan_t *p, const cam_play_config_t *cfg, const cam_angle_t *angle)
 {
-    const int64_t ramp_q32 = cfg->ramp_q32;
-    int64_t turns_q32 = 0;
-    int64_t end_q32 = next_turn_q32(cfg, angle);
-    const int64_t fed_q32 = end_q32 - p->feed_at_q32;
-    if (fed_q32 > 0 && !cfg->is_z_measured) {
-        turns_q32 = cfg->rings.is_on     ? cam_feed_ring_end_q32(fed_q32)
-                    : fed_q32 > ramp_q32 ? fed_q32 + ramp_q32
-                                         : 2 * ramp_q32;
-        end_q32 = p->feed_at_q32 + turns_q32;
-    }
-    if (end_q32 < p->disengage_at_q32) {
-        p->feed_turns_q32 = turns_q32;
-        p->disengage_at_q32 = end_q32;
+    const int64_t next_q32 = next_turn_q32(cfg, angle);
+    const bool has_feed = !cfg->is_z_measured && !p->is_rehearsal;
+    const int64_t end_q32 = has_feed ? cam_course_stop_isr(&p->course, cfg, next_q32) : next_q32;
+    p->disengage_at_q32 = end_q32 < p->disengage_at_q32 ? end_q32 : p->disengage_at_q32;
+    p->is_stopped = true;
+}
+
+/// @return [turn] where the cut ends that the course of its feed leads to
+static int64_t end_of_course_q32(const cam_plan_t *p)
+{
+    return p->course.is_held ? NEVER_Q32 : p->course.end_q32;
+}
+
+/// Follow the override of the feed, and a hold, as long as the cut has no end of its own.
+static void follow_override(cam_plan_t *p, const cam_play_config_t *cfg, const cam_angle_t *angle)
+{
+    if (cfg->feed_rate_q30 != p->course.asked_q30 && !p->is_rehearsal && !p->is_stopped &&
+        !cfg->is_z_measured) {
+        cam_course_ask_isr(&p->course, cfg, angle->pos_q32, next_turn_q32(cfg, angle));
+        p->disengage_at_q32 = end_of_course_q32(p);
     }
 }
 
@@ -287,7 +279,7 @@ static void lay_rehearsal(cam_plan_t *p, const cam_play_config_t *cfg)
 {
     p->disengage_at_q32 = p->feed_at_q32 + cfg->rehearse_q32;
     p->feed_at_q32 = NEVER_Q32;
-    p->feed_turns_q32 = 0;
+    cam_course_lay_isr(&p->course, cfg, NEVER_Q32);
 }
 
 /// Lay the cut onto whole turns of the master, and set all that changes in it to its first value.
@@ -302,14 +294,16 @@ static void lay(cam_plan_t *p, const cam_play_config_t *cfg, const cam_tick_reco
     p->engage_at_q32 = cam_angle_next_turn(
         cam_angle_ahead(&r->angle, cfg->commanded_q16 + cfg->plan_ticks * 65536));
     p->feed_at_q32 = p->engage_at_q32 + cfg->engage_q32;
-    p->feed_turns_q32 = cfg->feed_q32;
-    p->disengage_at_q32 = cfg->is_z_measured ? NEVER_Q32 : p->feed_at_q32 + cfg->feed_q32;
+    cam_course_lay_isr(&p->course, cfg, p->feed_at_q32);
+    p->disengage_at_q32 = cfg->is_z_measured ? NEVER_Q32 : end_of_course_q32(p);
     p->is_stopped = false;
     p->is_rehearsal = m->state == cam_state_rehearsing;
     if (p->is_rehearsal) {
         lay_rehearsal(p, cfg);
     }
     p->amplitude_q30 = cfg->amplitude_q30;
+    p->x_trim_q4 = cfg->x_trim_q4;
+    p->spindle_rate_q30 = cfg->spindle_rate_q30;
     p->measured_nm = actual_nm;
     p->ratio_q28 = CAM_RATIO_ONE_Q28;
     m->phase_q32 = cfg->phase_q32;
@@ -327,7 +321,7 @@ static void aim_x(const cam_plan_t *p, const cam_play_config_t *cfg, cam_motion_
 {
     const int64_t away_q10 = p->is_rehearsal ? cfg->rehearse_x_q10 : 0;
     cam_aim_isr(&m->axis[hal_axis_x], cfg,
-                cam_aim_profile_q10(cfg, z_nm, envelope) + HALF_NM_Q10 + away_q10);
+                cam_aim_profile_q10(cfg, z_nm, envelope, p->x_trim_q4) + HALF_NM_Q10 + away_q10);
 }
 
 /// Plan all axes for the instant of the next plan.
@@ -370,8 +364,9 @@ static void plan_cut(cam_plan_t *p, const cam_play_config_t *cfg, const cam_tick
     }
     if (m->is_stopping) {
         lay_end(p, cfg, &r->angle);
-        p->is_stopped = true;
         m->is_stopping = false;
+    } else {
+        follow_override(p, cfg, &r->angle);
     }
     if ((m->faults & CAM_FAULT_BIT(z_range)) != 0u) {
         return; // The guard takes over in the next tick; until then nothing aims at a wrong height.

@@ -16,6 +16,7 @@
 #define CAM_PLAN_H
 
 #include "cam_config.h" // cam_play_config_t
+#include "cam_course.h" // cam_course_t
 #include "cam_record.h" // cam_tick_record_t, cam_motion_t
 #include "cam_shaft.h"  // cam_shaft_t
 #include <stdbool.h>    // bool
@@ -29,12 +30,14 @@ typedef struct {
     int64_t engage_at_q32;    ///< [turn] master position where the envelope starts to rise
     int64_t feed_at_q32;      ///< ... where Z starts
     int64_t disengage_at_q32; ///< ... where the envelope starts to fall
-    int64_t feed_turns_q32;   ///< [turn] length of the feed, shorter after a stop
     int32_t measured_nm;      ///< [nm] Z of the last plan
     int32_t amplitude_q30;    ///< [1] ramped
     int32_t ratio_q28;        ///< [1] speed ratio at the end of the last plan
+    int32_t x_trim_q4;        ///< [nm / 16] ramped
+    int32_t spindle_rate_q30; ///< [1] override of the spindle, ramped
     bool is_rehearsal;        ///< what is laid is the rehearsal of a cut
     bool is_stopped;          ///< ... and nothing follows it
+    cam_course_t course;      ///< of the feed
     cam_shaft_t shaft;        ///< lobe that is played
 } cam_plan_t;
 

@@ -5,7 +5,7 @@
 ///     U = amplitude * envelope * u(angle + lead - phase, Z)
 ///     Z = first height + feed * turns since feed start   eased in and out (or measured, or along
 ///         the ring-helix of cam_feed.h)
-///     X = x(Z) + offset + (1 - envelope) * clearance     (offset: parameter x_offset_nm)
+///     X = x(Z) + trim + (1 - envelope) * clearance       (trim: x_trim_nm and the pass's stock)
 ///     spindle = mean speed, or mean * (1 + envelope * (ratio(angle, Z) - 1)) where the table
 ///               modulates it (cam_speed.h)
 /// U is read in every tick, at the angle that the spindle will have when the drive's dead time has

@@ -32,7 +32,7 @@ static bool stay_out(const cam_play_config_t *cfg, cam_motion_t *m)
 static int64_t x_begin_q10(const cam_play_config_t *cfg, const cam_motion_t *m, int32_t z_nm)
 {
     const int64_t away_q10 = m->state == cam_state_rehearsing ? cfg->rehearse_x_q10 : 0;
-    return cam_aim_profile_q10(cfg, z_nm, 0) + away_q10;
+    return cam_aim_profile_q10(cfg, z_nm, 0, cfg->x_trim_q4) + away_q10;
 }
 
 /// Move Z to the start of the cut while X stands, then X: the tool nears the work only where it
@@ -133,7 +133,7 @@ bool cam_rest_isr(const cam_play_config_t *cfg, const cam_tick_record_t *r, cam_
 {
     end_increments(m);
     const bool is_idle = m->state == cam_state_off || m->state == cam_state_fault;
-    m->spindle_mrpm = is_idle ? 0 : cfg->spindle_mrpm;
+    m->spindle_mrpm = is_idle ? 0 : cam_mul_shift(cfg->spindle_mrpm, cfg->spindle_rate_q30, 30);
     m->alpha_q40 = 0;
     m->alpha_u = 0;
     m->faults = 0;

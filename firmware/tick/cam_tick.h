@@ -56,7 +56,6 @@ typedef struct {
     cam_spindle_t spindle;
     cam_motion_t motion; ///< set-points and their increments
     cam_play_t play;
-    cam_plan_t plan;
     cam_guard_t guard;
     cam_switches_t switches;
     cam_hand_t hand;
@@ -64,6 +63,7 @@ typedef struct {
     const cam_tick_record_t *_Atomic newest; ///< NULL before the first tick
     _Atomic uint32_t n_ticks;                ///< ticks that are complete; wraps
     cam_gather_t gather;                     ///< both sides write, cam_learn.h
+    cam_plan_t plan; ///< behind what every tick uses, whose offsets stay short
     // interrupt reads
     _Atomic uint32_t request; ///< serial number << 8 | cam_request_t
     cam_config_bank_t config; ///< slow side writes the half that is not in use

@@ -46,8 +46,8 @@ static const char *form_remedy(const sim_cut_t *cut)
     if (s->nose.nose_mm != s->design.nose_mm && s->design.shape != sim_shape_table) {
         return "the table is made for another nose: set [tool] nose_radius_mm of the part file";
     }
-    if (wear_nm > 0.0 && cut->params.x_offset_nm == 0) {
-        return "the tool is worn: set x_offset_nm";
+    if (wear_nm > 0.0 && cut->params.x_trim_nm == 0) {
+        return "the tool is worn: set x_trim_nm";
     }
     return s->has_target && s->control.max_um <= s->options.tolerance_um
                ? "the table itself is off the drawing: refit or filter less"

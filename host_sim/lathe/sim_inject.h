@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// sim_inject: what goes wrong, and when: KIND@SECONDS[:VALUE].
+/// sim_inject: what goes wrong, or what the operator does, and when: KIND@SECONDS[:VALUE].
 ///
 /// SECONDS count from the first tick of the cutting state, or from the start of time when written
 /// tSECONDS. Each happens once.
@@ -22,6 +22,11 @@
 /// | swing-block | | the swing of the tool stands still |
 /// | table-flip | byte | one bit of that byte of the table image flips in memory |
 /// | stop | | the operator's stop command |
+/// | hold | | ... hold of the feed |
+/// | resume | | ... and its end |
+/// | feed-override | percent | ... override of the feed |
+/// | spindle-override | percent | ... of the spindle |
+/// | trim | um | ... trim of X, on the radius |
 /// | encoder-late | us | one frame of the encoder comes late by this |
 /// | encoder-missing | frames | that many frames of the encoder are not sent |
 /// | encoder-repeated | frames | that many times the last one is sent instead |
@@ -55,6 +60,11 @@ typedef enum {
     sim_inject_swing_block,
     sim_inject_table_flip,
     sim_inject_stop,
+    sim_inject_hold,
+    sim_inject_resume,
+    sim_inject_feed_override,
+    sim_inject_spindle_override,
+    sim_inject_trim,
     sim_inject_encoder_late,
     sim_inject_encoder_missing,
     sim_inject_encoder_repeated,

@@ -2,7 +2,7 @@
 #include "sim_cut.h"
 #include "sim_cut_pass.h" // sim_cut_next_pass
 #include "sim_units.h"    // sim_fraction
-#include <math.h>         // ceil, sqrt
+#include <math.h>         // ceil, lround, sqrt
 #include <stdlib.h>       // free
 
 /// A real main loop does its background work whenever the interrupt leaves time. Here it is done
@@ -121,7 +121,8 @@ static void observe(sim_cut_t *cut)
 {
     sim_session_t *s = &cut->session;
     const cam_status_t *status = sim_cut_status(cut);
-    const bool is_cutting = status->state == cam_state_cutting;
+    const bool is_cutting =
+        status->state == cam_state_cutting || status->state == cam_state_holding;
     const sim_sample_t at = sim_lathe_sample(&cut->port.lathe, cut->port.time_s);
     if (status->state == cam_state_fault && cut->fault_s < 0.0) {
         cut->fault_s = cut->port.time_s;
@@ -143,17 +144,65 @@ static void operator_stop(sim_cut_t *cut)
     cut->is_stopped = sim_firmware_stop(&cut->firmware) == cam_ok || cut->is_stopped;
 }
 
+/// Take the answer to a command. A controller that is busy gets the command again later.
+static void take_answer(sim_cut_t *cut, cam_err_t err)
+{
+    if (err != cam_ok && err != cam_err_busy) {
+        cut->refusal = err;
+        cut->end = sim_cut_refused;
+    }
+}
+
+/// Do what the operator does while the cut goes on. @return cam_err_command when it is something
+/// else
+static cam_err_t operator_changes(sim_firmware_t *f, const sim_inject_t *what)
+{
+    switch (what->kind) {
+    case sim_inject_hold:
+        return sim_firmware_hold(f, true);
+    case sim_inject_resume:
+        return sim_firmware_hold(f, false);
+    case sim_inject_feed_override:
+        return sim_firmware_set_param(f, cam_param_feed_override_ppm,
+                                      (int32_t)lround(what->value * 1e4));
+    case sim_inject_spindle_override:
+        return sim_firmware_set_param(f, cam_param_spindle_override_ppm,
+                                      (int32_t)lround(what->value * 1e4));
+    case sim_inject_trim:
+        return sim_firmware_set_param(f, cam_param_x_trim_nm, (int32_t)lround(what->value * 1e3));
+    default:
+        return cam_err_command;
+    }
+}
+
+/// Do to the machine what is none of the operator's.
+static void inject(sim_cut_t *cut, const sim_inject_t *what)
+{
+    sim_session_t *s = &cut->session;
+    if (what->kind == sim_inject_table_flip) {
+        sim_firmware_flip(&cut->firmware, s->image, (size_t)what->value);
+    } else if (what->kind == sim_inject_stop) {
+        operator_stop(cut);
+    } else {
+        sim_port_inject(&cut->port, what, s->table.direction);
+    }
+}
+
 static void inject_what_is_due(sim_cut_t *cut)
 {
     sim_session_t *s = &cut->session;
-    const sim_inject_t *what;
+    sim_inject_t *what;
     while ((what = sim_session_next_inject(s, cut->port.time_s)) != NULL) {
-        if (what->kind == sim_inject_table_flip) {
-            sim_firmware_flip(&cut->firmware, s->image, (size_t)what->value);
-        } else if (what->kind == sim_inject_stop) {
-            operator_stop(cut);
+        const cam_err_t err = operator_changes(&cut->firmware, what);
+        if (err == cam_err_busy) {
+            what->is_done = false; // again in the next tick
+            s->n_waiting++;
+            return;
+        }
+        if (err == cam_err_command) {
+            inject(cut, what);
         } else {
-            sim_port_inject(&cut->port, what, s->table.direction);
+            take_answer(cut, err);
         }
     }
 }
@@ -170,15 +219,6 @@ static void lead_z(sim_cut_t *cut)
     z->vel_micro_per_s = 0.0;
     if (share >= 1.0 && cut->state == cam_state_cutting) {
         operator_stop(cut);
-    }
-}
-
-/// Take the answer to a command. A controller that is busy gets the command again later.
-static void take_answer(sim_cut_t *cut, cam_err_t err)
-{
-    if (err != cam_ok && err != cam_err_busy) {
-        cut->refusal = err;
-        cut->end = sim_cut_refused;
     }
 }
 

@@ -158,7 +158,7 @@ void sim_session_touch(sim_session_t *s, const sim_sample_t *at, bool is_cutting
     s->n_following++;
 }
 
-const sim_inject_t *sim_session_next_inject(sim_session_t *s, double now_s)
+sim_inject_t *sim_session_next_inject(sim_session_t *s, double now_s)
 {
     for (uint32_t i = 0; s->n_waiting > 0u && i < s->options.n_injects; i++) {
         sim_inject_t *what = &s->options.inject[i];

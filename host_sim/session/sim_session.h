@@ -114,7 +114,7 @@ double sim_session_depth_mm(const sim_session_t *s);
 double sim_session_turn(const sim_session_t *s);
 
 /// Take the next injection that is due; each happens once. @return NULL when there is none
-const sim_inject_t *sim_session_next_inject(sim_session_t *s, double now_s);
+sim_inject_t *sim_session_next_inject(sim_session_t *s, double now_s);
 
 /// @return [um] rms following error, 0 without samples
 double sim_session_following_rms_um(const sim_session_t *s);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_firmware.h"
+#include "cam_machine_override.h" // cam_machine_hold
 
 bool sim_firmware_open(sim_firmware_t *f, const char *target, const char *image, common_error_t *e)
 {
@@ -73,6 +74,14 @@ cam_err_t sim_firmware_stop(sim_firmware_t *f)
 {
     return f->remote != NULL ? sim_remote_call(f->remote, pil_op_stop, 0, 0)
                              : cam_machine_stop(&f->machine);
+}
+
+cam_err_t sim_firmware_hold(sim_firmware_t *f, bool is_held)
+{
+    if (f->remote != NULL) {
+        return sim_remote_call(f->remote, pil_op_hold, is_held ? 1u : 0u, 0);
+    }
+    return is_held ? cam_machine_hold(&f->machine) : cam_machine_resume(&f->machine);
 }
 
 void sim_firmware_poll(sim_firmware_t *f)

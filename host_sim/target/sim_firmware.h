@@ -62,6 +62,8 @@ cam_feasibility_t sim_firmware_feasibility(sim_firmware_t *f);
 CAM_MUST_USE cam_err_t sim_firmware_enable(sim_firmware_t *f);
 CAM_MUST_USE cam_err_t sim_firmware_start(sim_firmware_t *f);
 CAM_MUST_USE cam_err_t sim_firmware_stop(sim_firmware_t *f);
+/// Hold the feed, or let it go on.
+CAM_MUST_USE cam_err_t sim_firmware_hold(sim_firmware_t *f, bool is_held);
 void sim_firmware_poll(sim_firmware_t *f);
 
 /// What was learned as a whole, and of a harmonic: 0 .. cam_teach_harmonics, 0 is the mean.

@@ -31,7 +31,7 @@ ENABLE, START, RESET, SET = 1, 3, 5, 6
 BEGIN_DOWNLOAD = 16
 STATES = (
     *("off", "homing", "ready", "engaging", "cutting", "disengaging", "fault"),
-    *("rehearsing", "identifying"),
+    *("rehearsing", "identifying", "manual", "holding"),
 )
 BUSY = -3
 FRAME = struct.Struct("<IB3x8s")

@@ -2,6 +2,7 @@
 /// pil_main: the firmware on a target, at camsim's command (pil_wire.h). Ends when camsim closes
 /// the wire, with status 0.
 #include "cam_machine.h"
+#include "cam_machine_override.h"
 #include "cam_trace.h"
 #include "hal/hal.h"
 #include "mps2_machine.h"
@@ -103,6 +104,8 @@ static cam_err_t serve(int32_t wire)
         return cam_machine_start(&machine);
     case pil_op_stop:
         return cam_machine_stop(&machine);
+    case pil_op_hold:
+        return request.a != 0u ? cam_machine_hold(&machine) : cam_machine_resume(&machine);
     case pil_op_poll:
         cam_machine_poll(&machine);
         return cam_ok;

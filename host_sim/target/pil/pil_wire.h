@@ -46,6 +46,7 @@ typedef enum {
     pil_op_enable,
     pil_op_start,
     pil_op_stop,
+    pil_op_hold,     ///< a: 1 cam_machine_hold(), 0 cam_machine_resume()
     pil_op_poll,     ///< cam_machine_poll()
     pil_op_learning, ///< a: number of a harmonic; learning and harmonic answer
 } pil_op_t;

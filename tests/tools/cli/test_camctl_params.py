@@ -73,15 +73,15 @@ def test_a_load_that_is_refused_half_way_changes_nothing(
 ) -> None:
     """One parameter of the encoder in ready: the trims in front of it do not change either."""
     file = tmp_path / "mixed.toml"
-    file.write_text("x_offset_nm = 2000\nk1_ns = 30\ncounts_per_turn = 20000\n")
+    file.write_text("x_trim_nm = 2000\nk1_ns = 30\ncounts_per_turn = 20000\n")
     bench.do("home")
     line = refusal(bench, 1, f"params load {file}")
     assert "nothing is changed" in line
     assert "counts_per_turn cannot change in this state" in line
-    assert bench.do("get", "x_offset_nm", "k1_ns") == "x_offset_nm = 0\nk1_ns = 0\n"
-    file.write_text("x_offset_nm = 2000\nk1_ns = 30\n")
+    assert bench.do("get", "x_trim_nm", "k1_ns") == "x_trim_nm = 0\nk1_ns = 0\n"
+    file.write_text("x_trim_nm = 2000\nk1_ns = 30\n")
     assert "2 of 2 parameters changed" in bench.do("params", "load", file)
-    assert bench.do("get", "x_offset_nm", "k1_ns") == "x_offset_nm = 2000\nk1_ns = 30\n"
+    assert bench.do("get", "x_trim_nm", "k1_ns") == "x_trim_nm = 2000\nk1_ns = 30\n"
     assert "parameters are not in the file" in bench.do("params", "diff", file)
 
 
@@ -92,16 +92,16 @@ def test_what_is_kept_is_told_and_brought_back(
     assert "not kept: a restart uses the defaults" in bench.do("status")
     assert "no" in refusal(bench, 1, "params revert")
     file = tmp_path / "trim.toml"
-    file.write_text("x_offset_nm = 3000\n")
+    file.write_text("x_trim_nm = 3000\n")
     assert "keep: done" in bench.do("params", "load", file, "--keep")
     assert ", kept\n" in bench.do("status")
-    bench.do("set", "x_offset_nm", "4000")
+    bench.do("set", "x_trim_nm", "4000")
     assert "a restart uses others" in bench.do("status")
     bench.do("params", "revert")
-    assert bench.do("get", "x_offset_nm") == "x_offset_nm = 3000\n"
+    assert bench.do("get", "x_trim_nm") == "x_trim_nm = 3000\n"
     assert ", kept\n" in bench.do("status")
     bench.do("params", "defaults")
-    assert bench.do("get", "x_offset_nm", "lead_ns") == "x_offset_nm = 0\nlead_ns = 100000\n"
+    assert bench.do("get", "x_trim_nm", "lead_ns") == "x_trim_nm = 0\nlead_ns = 100000\n"
     bench.do("home")
     assert "save parameters: refused: state" in refusal(bench, 1, "params keep")
 

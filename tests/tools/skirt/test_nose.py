@@ -213,12 +213,12 @@ def test_the_machine_file_tells_the_tool_in_use(tmp_path: Path) -> None:
 
 
 def test_a_worn_tool_cuts_well_with_its_offset(tmp_path: Path) -> None:
-    """25 um of wear show in full, and x_offset_nm takes them back; the table is the same."""
-    worn, offset = tmp_path / "worn.toml", ("--set", "x_offset_nm=-25000")
+    """25 um of wear show in full, and x_trim_nm takes them back; the table is the same."""
+    worn, offset = tmp_path / "worn.toml", ("--set", "x_trim_nm=-25000")
     worn.write_text("[tool]\nwear_um = 25\n")
     error_um, status = cut(example_part(), tmp_path, "--machine", str(worn))
     assert (round(error_um), status) == (25, 1)
-    assert "the tool is worn: set x_offset_nm" in (tmp_path / "stderr.txt").read_text()
+    assert "the tool is worn: set x_trim_nm" in (tmp_path / "stderr.txt").read_text()
     error_um, status = cut(example_part(), tmp_path, "--machine", str(worn), *offset)
     assert (error_um < 0.1, status) == (True, 0)
 
@@ -259,5 +259,5 @@ def test_run_tells_of_the_tool_and_sets_its_offset(
     assert told in capsys.readouterr().out
     assert told in (tmp_path / "out" / "report.html").read_text()
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())
-    assert summary["parameters"]["x_offset_nm"] == -12_000
+    assert summary["parameters"]["x_trim_nm"] == -12_000
     assert summary["tool"] == {"nose_mm": 0.8, "made_for_mm": 0.8, "wear_um": 12}

@@ -180,7 +180,9 @@ static void test_only_ramped_parameters_change_in_the_cut(void)
     for (int i = 0; i < cam_n_params; i++) {
         const cam_param_id_t id = (cam_param_id_t)i;
         const int32_t value = cam_param_get(&f.rig.machine.params, id);
-        const bool may = id == cam_param_phase_udeg || id == cam_param_amplitude_ppm;
+        const bool may = id == cam_param_phase_udeg || id == cam_param_amplitude_ppm ||
+                         id == cam_param_x_trim_nm || id == cam_param_feed_override_ppm ||
+                         id == cam_param_spindle_override_ppm;
         expect_answer(&f, may ? cam_ok : cam_err_param_state, value, set, (uint8_t)i, value);
         fixture_can_loop(&f, 2);
     }

@@ -95,8 +95,8 @@ static void test_read_a_text_of_another_image_takes_what_it_knows(void)
                                               "encoder_sign = 0\n"
                                               "phase_udeg = -9999999999\n"
                                               "no value\n"
-                                              "x_offset_nm = \n"
-                                              "x_offset_nm = -5\n");
+                                              "x_trim_nm = \n"
+                                              "x_trim_nm = -5\n");
     TEST_ASSERT_EQUAL_INT(cam_ok, found.err);
     TEST_ASSERT_EQUAL_UINT32(9, found.version);
     TEST_ASSERT_EQUAL_UINT32(2, found.n_unknown);
@@ -106,7 +106,7 @@ static void test_read_a_text_of_another_image_takes_what_it_knows(void)
     TEST_ASSERT_EQUAL_UINT32(cam_n_params - 5u, found.n_missing);
     TEST_ASSERT_EQUAL_INT(cam_param_counts_per_turn, found.missing);
     TEST_ASSERT_EQUAL_INT32(77, params.k1_ns);
-    TEST_ASSERT_EQUAL_INT32(-5, params.x_offset_nm);
+    TEST_ASSERT_EQUAL_INT32(-5, params.x_trim_nm);
     TEST_ASSERT_EQUAL_INT32(cam_param_defaults().lead_ns, params.lead_ns);
     TEST_ASSERT_EQUAL_INT32(1, params.encoder_sign);
 }

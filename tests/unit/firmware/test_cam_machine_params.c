@@ -52,7 +52,7 @@ static void test_commit_that_is_refused_leaves_all_as_they_were(void)
     TEST_ASSERT_TRUE(fixture_rig_bring(&f.rig, cam_state_ready));
     const cam_params_t before = machine()->params;
     cam_machine_stage_begin(machine());
-    stage(cam_param_x_offset_nm, 1000);
+    stage(cam_param_x_trim_nm, 1000);
     stage(cam_param_encoder_sign, -1);
     TEST_ASSERT_EQUAL_INT(cam_err_param_range, cam_machine_stage(machine(), cam_param_lead_ns, -1));
     TEST_ASSERT_EQUAL_INT(cam_err_param_state, cam_machine_stage_commit(machine()));
@@ -82,7 +82,7 @@ static void test_feed_forward_changes_in_ready_while_u_rests(void)
     TEST_ASSERT_LESS_THAN_UINT32(40000, fixture_rig_until(&f.rig, cam_state_ready, 40000));
     TEST_ASSERT_FALSE(fixture_rig_status(&f.rig).is_u_at_rest);
     TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_set_param(machine(), cam_param_k1_ns, 400000));
-    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_set_param(machine(), cam_param_x_offset_nm, 1));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_set_param(machine(), cam_param_x_trim_nm, 1));
     fixture_rig_ticks(&f.rig, 4000);
     const int32_t before_nm = f.rig.last.out[hal_axis_u].pos_nm;
     TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&f.rig, cam_param_k1_ns, 400000));

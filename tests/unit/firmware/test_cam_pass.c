@@ -220,12 +220,12 @@ static void test_parameters_overrule_all_passes(void)
     cam_params_t params = cam_param_defaults();
     params.feed_nm = 77000;
     params.spindle_mrpm = 900000;
-    params.x_offset_nm = -30000;
+    params.x_trim_nm = -30000;
     for (uint32_t i = 0; i < 3; i++) {
         const cam_params_t here = cam_pass_params(&params, &table, i);
         TEST_ASSERT_EQUAL_INT32(77000, here.feed_nm);
         TEST_ASSERT_EQUAL_INT32(900000, here.spindle_mrpm);
-        TEST_ASSERT_EQUAL_INT32(three[i].allowance_nm - 30000, here.x_offset_nm);
+        TEST_ASSERT_EQUAL_INT32(three[i].allowance_nm - 30000, here.x_trim_nm);
     }
     TEST_ASSERT_EQUAL_UINT32(1, cam_pass_count(NULL));
 }

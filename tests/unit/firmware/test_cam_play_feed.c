@@ -181,7 +181,7 @@ static void test_x_offset_moves_every_place_of_x(void)
     const int32_t offset_nm[] = {-1000000, 0, 123457, 1000000};
     for (size_t i = 0; i < sizeof offset_nm / sizeof offset_nm[0]; i++) {
         fixture_play_init(&f, &part);
-        f.params.x_offset_nm = offset_nm[i];
+        f.params.x_trim_nm = offset_nm[i];
         fixture_play_configure(&f);
         engage();
         const double clear_nm = fixture_play_x_nm(&f, part.z_first_nm) + f.params.x_clearance_nm;

@@ -297,7 +297,7 @@ static void test_stop_twice_does_not_lengthen_the_feed(void)
     turn_to(5.5);
     fixture_play_do(&f, cam_request_stop);
     TEST_ASSERT_EQUAL_INT64(end_q32, f.plan.disengage_at_q32);
-    TEST_ASSERT_EQUAL_INT64(7 * CAM_TURN_Q32, f.plan.feed_turns_q32);
+    TEST_ASSERT_EQUAL_INT64(7 * CAM_TURN_Q32, f.plan.course.end_q32 - f.plan.feed_at_q32);
 }
 
 static void test_stop_while_disengaging_is_ignored(void)

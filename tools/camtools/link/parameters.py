@@ -6,8 +6,8 @@ Names, ranges and meanings are those of firmware/machine/cam_param.h.
 >>> values = {name: info.default for name, info in INFOS.items()}
 >>> parse(text_of(values, "defaults").encode(), "all.toml") == values
 True
->>> parse(b"[trims]\nx_offset_nm = 20", "trim.toml")
-{'x_offset_nm': 20}
+>>> parse(b"[trims]\nx_trim_nm = 20", "trim.toml")
+{'x_trim_nm': 20}
 """
 
 from __future__ import annotations

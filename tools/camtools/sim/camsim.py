@@ -69,7 +69,7 @@ _WORN = """\
 [tool]
 wear_um = {!r}
 [controller]
-x_offset_nm = {}
+x_trim_nm = {}
 """
 _NM_PER_UM = 1000
 _PIPE_BYTES = 1 << 20
@@ -87,7 +87,7 @@ def machine_text(limits: MachineLimits, wear_um: float = 0.0) -> str:
     A worn tool stands back, and the controller's offset of X makes up for it.
 
     >>> print(*machine_text(MachineLimits(), 25.0).splitlines()[-4:], sep=" | ")
-    [tool] | wear_um = 25.0 | [controller] | x_offset_nm = -25000
+    [tool] | wear_um = 25.0 | [controller] | x_trim_nm = -25000
     """
     inertia = limits.spindle_inertia_kgm2 or _INERTIA_KGM2
     return _MACHINE.format(

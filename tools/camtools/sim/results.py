@@ -26,7 +26,7 @@ from camtools.table.header import MadeTable
 
 STATES = (
     *("off", "homing", "ready", "engaging", "cutting", "disengaging", "fault"),
-    *("rehearsing", "identifying", "manual"),
+    *("rehearsing", "identifying", "manual", "holding"),
 )
 CUTTING, FAULT = STATES.index("cutting"), STATES.index("fault")
 _TURNS_PER_Q32 = 2.0**-32
