@@ -54,7 +54,7 @@ static void stage(cam_can_t *r, const struct camturn_command_t *m)
 bool cam_can_params(cam_can_t *r, const struct camturn_command_t *m)
 {
     cam_machine_t *machine = r->machine;
-    cam_outcome_t outcome = cam_outcome(cam_ok);
+    cam_outcome_t outcome;
     switch (m->command) {
     case CAMTURN_COMMAND_COMMAND_BEGIN_PARAMETERS_CHOICE:
         cam_machine_stage_begin(machine);

@@ -48,7 +48,7 @@ bool stm_flash_erase(uint32_t address, uint32_t bytes)
 {
     const uint32_t first = word_of(address);
     const bool ends_early = is_cut();
-    const uint32_t n = bytes / stm_flash_word_bytes / (ends_early ? 2u : 1u);
+    const size_t n = bytes / stm_flash_word_bytes / (ends_early ? 2u : 1u);
     memset((void *)(uintptr_t)address, 0xFF, n * stm_flash_word_bytes);
     memset(&flash.is_used[first], 0, n);
     memset(&flash.is_unreadable[first], 0, n);
@@ -59,7 +59,7 @@ bool stm_flash_erase(uint32_t address, uint32_t bytes)
     return true;
 }
 
-static void tear(uint32_t i, const uint8_t *bytes, uint32_t n)
+static void tear(size_t i, const uint8_t *bytes, uint32_t n)
 {
     flash.is_unreadable[i] = torn == torn_unreadable;
     if (torn == torn_as_half) {
@@ -138,8 +138,10 @@ static void cut_everywhere(uint8_t old, int n_ops)
         expect_kept(old, record_bytes);
         keep_until_dark((uint8_t)(old + 1), op);
         expect_kept(old, record_bytes);
-        const bool is_kept = keep((uint8_t)(old + 1), record_bytes) ||
-                             keep((uint8_t)(old + 1), record_bytes); // behind a word that fails
+        bool is_kept = keep((uint8_t)(old + 1), record_bytes);
+        if (!is_kept) { // a word that was torn reads as erased, and fails
+            is_kept = keep((uint8_t)(old + 1), record_bytes);
+        }
         TEST_ASSERT_TRUE(is_kept);
         expect_kept((uint8_t)(old + 1), record_bytes);
         stm_params_init();
@@ -189,21 +191,24 @@ static void test_power_lost_at_any_write_of_an_append_leaves_the_old_record(void
     }
 }
 
+/// Fill a sector but for less than a record, and the one before it whole where it is the second.
+static void fill(uint32_t sector)
+{
+    const size_t end = (size_t)(sector + 1u) * stm_flash_sector_bytes;
+    size_t used = 0;
+    while (used + (size_t)2 * record_ops * stm_flash_word_bytes <= end) {
+        TEST_ASSERT_TRUE(keep(3, record_bytes));
+        used = (size_t)((const uint8_t *)hal_params_kept().bytes - stm_params_start);
+    }
+}
+
 /// The open sector is full, so the other one is erased, which may hold records of before.
 static void test_power_lost_at_any_operation_of_a_compaction_leaves_the_old_record(void)
 {
     for (torn = torn_as_erased; torn < n_torn; torn++) {
-        for (uint32_t n_before = 7; n_before <= 15u; n_before += 8u) {
+        for (uint32_t sector = 0; sector < 2u; sector++) {
             setUp();
-            for (uint32_t i = 0; i < n_before; i++) {
-                TEST_ASSERT_TRUE(keep(9, hal_params_most_bytes));
-            }
-            while (hal_params_kept().size != record_bytes ||
-                   (const uint8_t *)hal_params_kept().bytes - stm_params_start +
-                           2 * (record_ops * 32) <=
-                       (n_before == 7u ? 1 : 2) * stm_flash_sector_bytes) {
-                TEST_ASSERT_TRUE(keep(3, record_bytes));
-            }
+            fill(sector);
             cut_everywhere(3, record_ops + 1);
         }
     }
