@@ -174,7 +174,7 @@ static void test_kept_parameters_of_another_image_are_told(void)
     memcpy(from, "k9", 2); // one is unknown, so another is missing
     char *end = strstr(text, "crc32");
     const uint32_t crc = cam_crc32(0, text, (size_t)(end - text));
-    const int n = snprintf(end, 32, "crc32 = %u\n", crc);
+    const int n = snprintf(end, 32, "crc32 = %u\n", (unsigned)crc);
     hal_host.slow.params = (hal_params_t){
         .bytes = text, .size = (uint32_t)(end - text) + (uint32_t)n, .is_damaged = true};
     fixture_can_start(&f);
