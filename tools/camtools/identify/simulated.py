@@ -27,9 +27,9 @@ class CutShortError(Exception):
 
 
 def parameters_of(text: str) -> dict[str, int]:
-    """Return the parameters that `camsim params` prints."""
+    """Return the tick rate and the parameters that `camsim params` prints, the plan left out."""
     rows = (line.split(",") for line in text.splitlines()[1:])
-    return {name: int(value) for name, value in rows}
+    return {name: int(value) for name, value in rows if not name.startswith("planned_")}
 
 
 class SimulatedU:
