@@ -72,6 +72,14 @@ def test_torn_table_is_refused_and_does_not_stop_the_start(table: bytes, torn_at
     assert status.table < 0
     assert session.remote.command(ENABLE)[0] == status.table
     assert session.chip.resets == ["power_on"]
+
+
+def test_download_follows_a_torn_table(table: bytes) -> None:
+    """The other place takes a table, which is then in use."""
+    session = Session(table)
+    session.chip.flash.tear({TABLE + 64})
+    session.board.power_on()
+    session.remote.started()
     session.remote.use(table)
     session.remote.do(ENABLE)
 
