@@ -184,6 +184,8 @@ def test_two_live_lathes_are_told_apart_by_name(capsys: pytest.CaptureFixture[st
         assert "state             off" in do("--live", "perkins240", "status")
         assert run("--live", "third", "status")[0] == 2
         assert "there is other, perkins240" in capsys.readouterr().err
+        assert run("--live", "other", "-i", "virtual", "status")[0] == 2
+        assert "has its own bus; leave out interface" in capsys.readouterr().err
 
 
 def test_what_a_killed_one_left_behind_is_not_believed(folder: Path) -> None:

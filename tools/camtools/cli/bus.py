@@ -15,6 +15,7 @@ from typing import Any
 
 import can
 
+from camtools.base.errors import CamtoolsError
 from camtools.link.bus import configured, open_bus
 from camtools.link.controller import DBC_NODE
 from camtools.link.live import only_lathe
@@ -84,9 +85,12 @@ def open_controller(arguments: argparse.Namespace) -> tuple[can.BusABC, str, int
     Raises
     ------
     CamtoolsError
-        It cannot be opened, or several live lathes run.
+        It cannot be opened, several live lathes run, or both a bus and a live lathe are named.
     """
     given, node = bus_arguments(arguments), arguments.node
+    if arguments.live is not None and given:
+        first = next(iter(given))
+        raise CamtoolsError([f"--live {arguments.live}: has its own bus; leave out {first}"])
     if arguments.live is not None or "interface" not in configured(given):
         lathe = only_lathe(arguments.live)
         if lathe is not None:

@@ -63,6 +63,8 @@ def drop_all_but(place: Path, n: int) -> list[Kept]:
 def kept_text(place: Path) -> str:
     """Return what lies there in one line."""
     found = runs(place)
+    if not found:
+        return "no runs"
     names = [run.name for run in found]
     more = f" and {len(names) - _MOST_NAMED} more" if len(names) > _MOST_NAMED else ""
     total = size_text(sum(run.n_bytes for run in found))
