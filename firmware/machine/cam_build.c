@@ -334,6 +334,17 @@ static void build_guard(cam_guard_config_t *c, const cam_params_t *p, uint32_t s
     c->u_range_q6 = p->u_stroke_nm * 32;
 }
 
+/// A set-point is held for a tick, so that the drive sees less of the motion than was commanded.
+/// Half of what the hold takes is given back, MATHS.md (189): all of it would be right at the ticks
+/// alone. Where there is no feed-forward, none is added.
+/// @return [ticks^2 / 2^16]
+static int32_t held_k2_q16(int32_t k2_us2, uint32_t tick_hz)
+{
+    const int32_t hold_q16 = 65536 / 48;
+    const int32_t k2_q16 = cam_units_ticks2_of_us2(k2_us2, tick_hz);
+    return k2_q16 > hold_q16 ? k2_q16 - hold_q16 : k2_q16;
+}
+
 cam_err_t cam_build_config(cam_config_t *config, const cam_params_t *params,
                            const cam_table_t *table, uint32_t speed_limit_mrpm, uint32_t tick_hz,
                            uint32_t clock_hz)
@@ -377,7 +388,7 @@ cam_err_t cam_build_config(cam_config_t *config, const cam_params_t *params,
     config->play.u_retract_q10 = retract_q10(params, table, config->guard.u.acceleration_q10);
     config->guard.u_retract_q10 = config->play.u_retract_q10;
     config->k1_q16 = cam_units_ticks_of_ns(params->k1_ns, tick_hz);
-    config->k2_q16 = cam_units_ticks2_of_us2(params->k2_us2, tick_hz);
+    config->k2_q16 = held_k2_q16(params->k2_us2, tick_hz);
     config->trace_room = params->trace_on != 0 ? (uint32_t)cam_trace_capacity : 0u;
     return cam_ok;
 }

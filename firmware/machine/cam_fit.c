@@ -70,6 +70,11 @@ int32_t cam_fit_approach_nm(const cam_params_t *params, const cam_table_t *table
     return cam_sat_i32(cut_nm > way_nm ? cut_nm : way_nm);
 }
 
+int32_t cam_fit_usual_mHz(int32_t wanted_mHz, uint32_t tick_hz)
+{
+    return cam_clamp_i32(wanted_mHz, 0, (int32_t)(tick_hz * 50u));
+}
+
 /// @return [um/s] highest speed of an axis, by its output where the port names one
 static int64_t output_um_per_s(hal_axis_t axis, int64_t most)
 {
@@ -84,7 +89,7 @@ int32_t cam_fit_most(cam_param_id_t id, uint32_t tick_hz)
     int64_t most = info != NULL ? info->max : 0;
     switch (id) {
     case cam_param_observer_bandwidth_mHz:
-        most = cam_cut_smaller(most, hz * 50); // a twentieth
+        most = cam_cut_smaller(most, hz * 80); // MATHS.md (188)
         break;
     case cam_param_lead_ns: // less than the history by 2^-16 tick
         most = cam_cut_smaller(most, ((cam_play_history - 2) * INT64_C(1000000000) - 15259) / hz);

@@ -6,6 +6,9 @@
 enum {
     words_per_bin = sizeof(cam_gather_bin_t) / sizeof(int32_t),
     ticks_per_order = 24,      ///< a harmonic is learned where its period has as many ticks
+    least_ticks_per_order = 9, ///< ... of an oval, whose harmonics are the first two
+    oval_orders = 2,
+    widest_gap = 8,            ///< [bins] from a tick to the next: a turn has at least 16 to 18
     frozen_percent = 2,        ///< a speed further off is another speed
     rough_steps = 16,          ///< counted turns after the feed changed, with the larger gain
     rough_part = 64,           ///< a feed that changes by more than this part
@@ -26,20 +29,65 @@ void cam_lesson_phase(cam_teach_t *t, cam_teach_phase_t phase)
     t->n_steps = 0;
 }
 
-/// Sums become means. @return ticks of the turn, 0 when a bin is empty
-static uint32_t take_means(cam_gather_bin_t *bin)
+/// Lay a straight line through the empty bins between two that have ticks, n bins apart.
+static void bridge(cam_gather_bin_t *bin, uint32_t from, uint32_t n)
+{
+    const cam_gather_bin_t a = bin[from % cam_learn_bins];
+    const cam_gather_bin_t b = bin[(from + n) % cam_learn_bins];
+    for (uint32_t i = 1; i < n; i++) {
+        cam_gather_bin_t *between = &bin[(from + i) % cam_learn_bins];
+        const int64_t error_q6 = ((int64_t)b.error_q6 - a.error_q6) * i / n;
+        const int64_t u_nm = ((int64_t)b.u_nm - a.u_nm) * i / n;
+        between->error_q6 = a.error_q6 + (int32_t)error_q6;
+        between->u_nm = a.u_nm + (int32_t)u_nm;
+    }
+}
+
+/// Fill the bins in which no tick fell, as in a turn of few ticks, MATHS.md (190).
+/// @return whether none of the gaps is too wide
+static bool fill_gaps(cam_gather_bin_t *bin)
+{
+    uint32_t last = 0;
+    while (last < cam_learn_bins && bin[last].n == 0u) {
+        last++;
+    }
+    const uint32_t end = last + cam_learn_bins;
+    bool is_narrow = end < 2u * cam_learn_bins;
+    for (uint32_t i = last + 1u; is_narrow && i <= end; i++) {
+        if (bin[i % cam_learn_bins].n > 0u) {
+            is_narrow = i - last <= widest_gap;
+            bridge(bin, last, i - last);
+            last = i;
+        }
+    }
+    return is_narrow;
+}
+
+/// Sums become means. @return ticks of the turn, 0 when they are too few
+static uint32_t take_means(cam_gather_bin_t *bin, bool *is_full)
 {
     uint32_t n_ticks = 0;
+    *is_full = true;
     for (uint32_t i = 0; i < cam_learn_bins; i++) {
         const int32_t n = (int32_t)bin[i].n;
-        if (n == 0) {
-            return 0;
+        if (n > 0) {
+            bin[i].error_q6 /= n;
+            bin[i].u_nm /= n;
+            n_ticks += bin[i].n;
+        } else {
+            *is_full = false;
         }
-        bin[i].error_q6 /= n;
-        bin[i].u_nm /= n;
-        n_ticks += bin[i].n;
     }
-    return n_ticks;
+    return *is_full || fill_gaps(bin) ? n_ticks : 0u;
+}
+
+/// @return harmonics that a turn of so many ticks tells; those of the oval have few ticks at the
+///         slowest
+static uint32_t orders_of(uint32_t n_ticks)
+{
+    const uint32_t n = n_ticks / ticks_per_order;
+    const uint32_t least = n_ticks / least_ticks_per_order;
+    return n >= oval_orders ? n : least < oval_orders ? least : oval_orders;
 }
 
 /// The operator turned the shape, and the correction turns with it.
@@ -169,10 +217,11 @@ void cam_lesson_open(cam_teach_t *t, const cam_teach_setup_t *s, const cam_turn_
     t->k = 0;
     take_phase(t, (uint32_t)turn->phase_q32);
     freeze(t, turn->speed_q32);
-    const uint32_t n_ticks = is_still ? take_means(t->bin) : 0u;
-    const uint32_t n_orders = n_ticks / ticks_per_order;
+    bool is_full = false;
+    const uint32_t n_ticks = is_still ? take_means(t->bin, &is_full) : 0u;
+    const uint32_t n_orders = orders_of(n_ticks);
     t->n_orders = (uint8_t)(n_orders < s->n_harmonics ? n_orders : s->n_harmonics);
-    t->true_q36 = n_ticks > 0u && s->ripple_turns > 0u ? cam_ripple_deviate(t->bin) : 0;
+    t->true_q36 = is_full && n_ticks > 0u && s->ripple_turns > 0u ? cam_ripple_deviate(t->bin) : 0;
     t->hindrance = (uint8_t)hindrance_of(t, is_still, n_ticks, turn);
     t->is_counted = t->n_orders > 0u && is_even && is_learning(t, s) && has_settled(t);
     if (t->is_counted) {

@@ -209,8 +209,7 @@ cam_params_t cam_machine_defaults(uint32_t tick_hz)
     }
     // The defaults fit every tick rate from 500 Hz on but for the observer's bandwidth, which is
     // limited to a twentieth of the rate, and the speeds of X and Z to what their outputs pass on.
-    limit_to(&params.observer_bandwidth_mHz,
-             cam_fit_most(cam_param_observer_bandwidth_mHz, tick_hz));
+    params.observer_bandwidth_mHz = cam_fit_usual_mHz(params.observer_bandwidth_mHz, tick_hz);
     limit_to(&params.x_speed_um_per_s, cam_fit_most(cam_param_x_speed_um_per_s, tick_hz));
     limit_to(&params.z_speed_um_per_s, cam_fit_most(cam_param_z_speed_um_per_s, tick_hz));
     return params;

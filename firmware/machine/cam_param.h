@@ -27,7 +27,7 @@
     X(index_offset_udeg,     -180000000,          0,  180000000, "drawing's angle before the tool at the index, whatever the sense of cutting") \
     X(index_tolerance_counts,         0,          0,    1000000, "accepted deviation of the index from its place; jitter of the encoder") \
     X(jump_window_counts,             0,          0,    1000000, "accepted deviation of one tick's counts from what the speed predicts; 0: derived from encoder, spindle and observer") \
-    X(observer_bandwidth_mHz,      1000,     200000,    5000000, "bandwidth of the angle observer, at most tick rate / 20") \
+    X(observer_bandwidth_mHz,      1000,     200000,    5000000, "bandwidth of the angle observer, at most tick rate / 12.5") \
     X(lead_ns,                        0,     100000,   20000000, "dead time of the U drive, from tick to motion, half a tick of hold included") \
     X(k1_ns,                          0,          0,  100000000, "velocity feed-forward of U: 2 damping / natural frequency") \
     X(k2_us2,                         0,          0, 1000000000, "acceleration feed-forward of U: 1 / natural frequency squared") \

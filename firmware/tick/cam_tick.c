@@ -31,8 +31,9 @@ static void sense_isr(cam_t *c, cam_sense_t *in)
     cam_fence_acquire_isr();
 }
 
-/// Inverse of a second-order drive, MATHS.md (56): the command that brings the tool to u_q6. It is
-/// limited to the stroke: only a wrong gain demands more, and the following error shows that.
+/// Inverse of a second-order drive, MATHS.md (56) and (189): the command that brings the tool to
+/// u_q6. It is limited to the stroke: only a wrong gain demands more, and the following error shows
+/// that.
 static int32_t command_nm(const cam_config_t *cfg, int32_t u_q6, const cam_move_t *u)
 {
     const int64_t more_q26 = (int64_t)cfg->k1_q16 * u->vel_q10 + (int64_t)cfg->k2_q16 * u->acc_q10;

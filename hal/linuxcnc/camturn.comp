@@ -95,7 +95,7 @@ static int make_params(const char *prefix)
         for (char *c = name; *c != '\0'; c++) {
             *c = *c == '_' ? '-' : *c;
         }
-        values[i] = lcn_slow_param(i);
+        values[i] = lcn_slow_default(i);
         err = hal_param_s32_newf(HAL_RW, &values[i], comp_id, "%s.%s", prefix, name);
     }
     return err;

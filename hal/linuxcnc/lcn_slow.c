@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lcn_slow.h"
+#include "cam_fit.h"     // cam_fit_most
+#include "cam_fix.h"     // cam_clamp_i32
 #include "cam_machine.h" // cam_machine_t
 #include "cam_state.h"   // cam_state_name
 #include "lcn_port.h"    // lcn_port_say
@@ -86,6 +88,28 @@ static void refuse_params(cam_err_t err)
     lcn_port_say(line);
 }
 
+/// @return [mHz] what follows from the speed that is commanded, MATHS.md (188), as much as the tick
+///         allows
+static int32_t derived_observer_mHz(void)
+{
+    const cam_params_t *p = &slow.machine.params;
+    const int64_t mrpm =
+        p->spindle_mrpm > 0 ? p->spindle_mrpm : (int64_t)slow.machine.table.spindle_mrpm;
+    const cam_param_id_t id = cam_param_observer_bandwidth_mHz;
+    return cam_clamp_i32(cam_sat_i32(mrpm * (480000 + mrpm) / 3600000), cam_param_info(id)->min,
+                         cam_fit_most(id, slow.machine.tick_hz));
+}
+
+/// @return what a parameter that HAL shows as `value` is to be
+static int32_t wanted(cam_param_id_t id, int32_t value)
+{
+    if (id != cam_param_observer_bandwidth_mHz || value != 0) {
+        return value;
+    }
+    const bool is_off = cam_machine_status(&slow.machine).state == cam_state_off;
+    return is_off ? derived_observer_mHz() : slow.machine.params.observer_bandwidth_mHz;
+}
+
 /// Stage what HAL shows; a value out of its range is set back. @return whether anything differs
 static bool stage(volatile int32_t *values)
 {
@@ -93,14 +117,14 @@ static bool stage(volatile int32_t *values)
     cam_machine_stage_begin(&slow.machine);
     for (int32_t i = 0; i < (int32_t)cam_n_params; i++) {
         const cam_param_id_t id = (cam_param_id_t)i;
-        const int32_t value = values[i];
+        const int32_t value = wanted(id, values[i]);
         const cam_err_t err = cam_machine_stage(&slow.machine, id, value);
         if (err != cam_ok) {
             slow.err = err;
             refuse_param(cam_param_info(id), value, err);
             values[i] = lcn_slow_param(i);
         }
-        is_changed = is_changed || values[i] != lcn_slow_param(i);
+        is_changed = is_changed || (err == cam_ok && value != lcn_slow_param(i));
     }
     return is_changed;
 }
@@ -113,7 +137,9 @@ static void take_params(volatile int32_t *values)
         slow.err = err;
         refuse_params(err);
         for (int32_t i = 0; i < (int32_t)cam_n_params; i++) {
-            values[i] = lcn_slow_param(i);
+            if (values[i] != 0 || lcn_slow_default(i) != 0) {
+                values[i] = lcn_slow_param(i);
+            }
         }
     }
 }
@@ -235,6 +261,11 @@ int32_t lcn_slow_n_params(void)
 const char *lcn_slow_param_name(int32_t index)
 {
     return cam_param_info((cam_param_id_t)index)->name;
+}
+
+int32_t lcn_slow_default(int32_t index)
+{
+    return index == (int32_t)cam_param_observer_bandwidth_mHz ? 0 : lcn_slow_param(index);
 }
 
 int32_t lcn_slow_param(int32_t index)

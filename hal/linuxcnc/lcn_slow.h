@@ -51,6 +51,10 @@ int32_t lcn_slow_n_params(void);
 /// @return name of a parameter, with the unit as its last word; index as in cam_param.h
 const char *lcn_slow_param_name(int32_t index);
 
+/// @return what HAL shows of a parameter at the start: what is in force, and 0 of the observer's
+///         bandwidth, which is then derived from the speed in state off, MATHS.md (188)
+int32_t lcn_slow_default(int32_t index);
+
 /// @return what is in force of a parameter
 int32_t lcn_slow_param(int32_t index);
 

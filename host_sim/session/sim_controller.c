@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_controller.h"
-#include "cam_fit.h"   // cam_fit_most
+#include "cam_fit.h"   // cam_fit_usual_mHz
 #include "sim_units.h" // SIM_TWO_PI, sim_floor
 #include <math.h>      // ceil, floor
 
@@ -114,13 +114,12 @@ static void derive_encoder(derive_t *d, const sim_lathe_config_t *m)
     const double turn = sim_fraction(c->index_turn + 0.5) - 0.5;
     const double noise_counts = ceil(7.0 * c->jitter_counts); // two readings of +-3.47 rms each
     const uint32_t tick_hz = (uint32_t)m->tick_hz;
-    const int32_t fastest_mHz = cam_fit_most(cam_param_observer_bandwidth_mHz, tick_hz);
-    const int32_t usual_mHz = d->params->observer_bandwidth_mHz;
+    const int32_t observer_mHz = cam_fit_usual_mHz(d->params->observer_bandwidth_mHz, tick_hz);
     put(d, cam_param_counts_per_turn, c->counts_per_turn);
     put(d, cam_param_encoder_sign, c->sign);
     put(d, cam_param_index_offset_udeg, turn * SIM_UDEG_PER_TURN);
     put(d, cam_param_index_tolerance_counts, noise_counts);
-    put(d, cam_param_observer_bandwidth_mHz, usual_mHz < fastest_mHz ? usual_mHz : fastest_mHz);
+    put(d, cam_param_observer_bandwidth_mHz, observer_mHz);
 }
 
 bool sim_controller_params(cam_params_t *params, const sim_lathe_config_t *machine, bool measures_u,

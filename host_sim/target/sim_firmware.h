@@ -33,8 +33,12 @@ void sim_firmware_close(sim_firmware_t *f);
 /// @return true, and *e says why, when the target does not answer any more
 bool sim_firmware_is_lost(const sim_firmware_t *f, common_error_t *e);
 
-/// One tick: hal_host.in -> hal_host.out, and behind it one piece of learning, which is as often as
-/// a main loop of its own calls it. @return false when the target is lost
+/// Rate up to which a main loop learns more than one piece from tick to tick.
+enum { sim_firmware_busy_hz = 10000 };
+
+/// One tick: hal_host.in -> hal_host.out, and behind it one piece of learning, or behind a slow
+/// tick several, which is as often as a main loop of its own calls it.
+/// @return false when the target is lost
 static inline bool sim_firmware_tick(sim_firmware_t *f)
 {
     if (f->remote != NULL) {
@@ -42,7 +46,9 @@ static inline bool sim_firmware_tick(sim_firmware_t *f)
     }
     hal_host_tick();
     f->status = cam_machine_status(&f->machine);
-    cam_machine_teach_poll(&f->machine, f->status.state);
+    for (uint32_t hz = 0; hz < sim_firmware_busy_hz; hz += hal_host.tick_hz) {
+        cam_machine_teach_poll(&f->machine, f->status.state);
+    }
     return true;
 }
 

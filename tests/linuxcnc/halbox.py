@@ -51,31 +51,35 @@ class Halbox:
 
     folder: Path
 
-    def _run(self, *words: str, limit_s: float = LIMIT_S) -> int:
-        """Run a program; what it and the threads say goes to one file, since these live on."""
+    def run(self, *words: str, **more: str) -> int:
+        """Run a program; what it and the threads say goes to one file, since these live on.
+
+        `more` is added to its environment.
+        """
         env = {
             "PATH": os.environ["PATH"],
             "HOME": str(self.folder),
             "LD_LIBRARY_PATH": "lib",
             "RTAPI_FIFO_PATH": str(self.folder / "fifo"),
+            **more,
         }
         user = NOBODY if os.getuid() == 0 else None
         with (self.folder / "said.txt").open("a") as said:
             return subprocess.run(
                 words, cwd=self.folder, env=env, stdin=subprocess.DEVNULL, stdout=said,
                 stderr=said, user=user, group=user, extra_groups=[] if user else None,
-                timeout=limit_s, check=False,
+                timeout=LIMIT_S, check=False,
             ).returncode  # fmt: skip
 
     def load(self, script: str) -> int:
         """Carry out lines of a HAL file; return the exit status."""
         (self.folder / "test.hal").write_text(script)
-        return self._run("./halcmd", "-f", "test.hal")
+        return self.run("./halcmd", "-f", "test.hal")
 
     def get(self, pin: str) -> str:
         """Return the value of a pin or parameter."""
         begin = len(self.said())
-        assert self._run("./halcmd", "getp", pin) == 0, self.said()
+        assert self.run("./halcmd", "getp", pin) == 0, self.said()
         return self.said()[begin:].strip().splitlines()[-1]
 
     def wait(self, pin: str, value: str, limit_s: float = LIMIT_S) -> None:
@@ -93,8 +97,8 @@ class Halbox:
     def stop(self) -> None:
         """End the threads, unload everything."""
         for words in (("./halcmd", "stop"), ("./halcmd", "unload", "all"), ("./rtapi_app", "exit")):
-            self._run(*words)
-        self._run("ipcrm", *(word for key in KEYS for word in ("-M", key)))
+            self.run(*words)
+        self.run("ipcrm", *(word for key in KEYS for word in ("-M", key)))
 
 
 def _fill(folder: Path, root: Path, modules: list[Path]) -> None:

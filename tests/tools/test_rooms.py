@@ -31,6 +31,7 @@ DESIGN = {
     "hal/linux/setup": ("hal/include", "hal/common"),
     "hal/linux/bus": ("hal/linux/setup",),
     "hal/linux/tick": ("hal/include",),
+    "hal/linuxcnc": ("hal/include", "firmware/machine"),
     "firmware/base": ("hal/include",),
     "firmware/table": ("firmware/base",),
     "firmware/tick": ("firmware/table",),

@@ -104,7 +104,7 @@ static void test_set_tells_the_value_in_force(void)
     expect_answer(&f, cam_ok, -5000000, set, cam_param_phase_udeg, -5000000);
     expect_answer(&f, cam_err_param_range, -5000000, set, cam_param_phase_udeg, INT32_MIN);
     expect_answer(&f, cam_ok, -5000000, get, cam_param_phase_udeg, 77);
-    expect_answer(&f, cam_err_param_tick, 200000, set, cam_param_observer_bandwidth_mHz, 1000001);
+    expect_answer(&f, cam_err_param_tick, 200000, set, cam_param_observer_bandwidth_mHz, 1600001);
     expect_answer(&f, cam_err_param_id, 0, set, cam_n_params, 1);
     expect_answer(&f, cam_err_param_id, 0, get, 255, 1);
     expect_answer(&f, cam_ok, 0, enable, 0, 0);

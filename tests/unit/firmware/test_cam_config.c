@@ -59,7 +59,7 @@ static void test_build_times_and_gains_are_ticks(void)
         expect_share(123456e-9 * tick_hz * 65536.0, config.play.lead_q16);
         expect_share(6366198e-9 * tick_hz * 65536.0, config.play.xz_lag_q16);
         expect_share(742723e-9 * tick_hz * 65536.0, config.k1_q16);
-        expect_share(281448e-12 * tick_hz * tick_hz * 65536.0, config.k2_q16);
+        expect_share((281448e-12 * tick_hz * tick_hz - 1.0 / 48.0) * 65536.0, config.k2_q16);
         const double wt = 2.0 * 3.14159265358979 * 0.05;
         expect_share(2.0 * wt * 2147483648.0, config.spindle.kp_q31);
         expect_share(wt * wt * 4294967296.0, config.spindle.ki_q32);
@@ -176,6 +176,17 @@ static void test_build_without_a_table_has_none(void)
     TEST_ASSERT_NULL(config.play.table);
 }
 
+static void test_build_a_hold_is_compensated_where_there_is_feed_forward(void)
+{
+    params.observer_bandwidth_mHz = 50000;
+    params.k2_us2 = 0;
+    build(1000);
+    TEST_ASSERT_EQUAL_INT32(0, config.k2_q16);
+    params.k2_us2 = 20000; // less than the hold of a tick of 1 ms
+    build(1000);
+    TEST_ASSERT_INT32_WITHIN(1, 1311, config.k2_q16);
+}
+
 static cam_err_t build_with(cam_param_id_t id, int32_t value, uint32_t tick_hz)
 {
     cam_params_t changed = params;
@@ -185,9 +196,9 @@ static cam_err_t build_with(cam_param_id_t id, int32_t value, uint32_t tick_hz)
 
 static void test_build_what_does_not_fit_the_tick_rate_is_refused(void)
 {
-    TEST_ASSERT_EQUAL_INT(cam_ok, build_with(cam_param_observer_bandwidth_mHz, 1000000, 20000));
+    TEST_ASSERT_EQUAL_INT(cam_ok, build_with(cam_param_observer_bandwidth_mHz, 1600000, 20000));
     TEST_ASSERT_EQUAL_INT(cam_err_param_tick,
-                          build_with(cam_param_observer_bandwidth_mHz, 1000001, 20000));
+                          build_with(cam_param_observer_bandwidth_mHz, 1600001, 20000));
     TEST_ASSERT_EQUAL_INT(cam_ok, build_with(cam_param_lead_ns, 3090000, 20000));
     TEST_ASSERT_EQUAL_INT(cam_err_param_tick, build_with(cam_param_lead_ns, 3100000, 20000));
     TEST_ASSERT_EQUAL_INT(cam_ok, build_with(cam_param_k1_ns, 100000000, 100000));
@@ -214,6 +225,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_speed_is_turns_per_tick);
+    RUN_TEST(test_build_a_hold_is_compensated_where_there_is_feed_forward);
     RUN_TEST(test_build_times_and_gains_are_ticks);
     RUN_TEST(test_build_limits_are_per_tick);
     RUN_TEST(test_build_limits_too_fast_for_a_slow_tick_are_lowered);

@@ -131,7 +131,7 @@ static void test_most_is_the_largest_value_that_is_built(void)
             TEST_ASSERT_EQUAL_INT(cam_err_param_tick, cam_fit_check(&p, hz));
         }
     }
-    TEST_ASSERT_EQUAL_INT32(50000, cam_fit_most(cam_param_observer_bandwidth_mHz, 1000));
+    TEST_ASSERT_EQUAL_INT32(80000, cam_fit_most(cam_param_observer_bandwidth_mHz, 1000));
     TEST_ASSERT_EQUAL_INT32(30000000, cam_fit_most(cam_param_u_stroke_nm, 1000));
     TEST_ASSERT_EQUAL_INT32(0, cam_fit_most(cam_n_params, 1000));
 }
@@ -151,6 +151,13 @@ static void test_speeds_of_slow_axes_are_those_of_their_outputs(void)
     TEST_ASSERT_EQUAL_INT(cam_err_param_output, cam_fit_check(&p, 20000));
     p.k1_ns = INT32_MAX; // the tick is judged first
     TEST_ASSERT_EQUAL_INT(cam_err_param_tick, cam_fit_check(&p, 20000));
+}
+
+static void test_usual_observer_is_a_twentieth_of_a_slow_tick(void)
+{
+    TEST_ASSERT_EQUAL_INT32(50000, cam_fit_usual_mHz(200000, 1000));
+    TEST_ASSERT_EQUAL_INT32(200000, cam_fit_usual_mHz(200000, 4000));
+    TEST_ASSERT_EQUAL_INT32(200000, cam_fit_usual_mHz(200000, 100000));
 }
 
 /// Braking tick by tick ends up to an eighth of the acceleration beyond the target (cam_move.c).
@@ -182,6 +189,7 @@ int main(void)
     RUN_TEST(test_following_limit_that_was_set_is_taken_and_without_a_table_it_is_the_least);
     RUN_TEST(test_most_is_the_largest_value_that_is_built);
     RUN_TEST(test_speeds_of_slow_axes_are_those_of_their_outputs);
+    RUN_TEST(test_usual_observer_is_a_twentieth_of_a_slow_tick);
     RUN_TEST(test_retract_leaves_room_to_brake_inside_the_stroke);
     return UNITY_END();
 }

@@ -178,7 +178,7 @@ static void test_parameter_errors_leave_everything_as_it_was(void)
                           cam_machine_set_param(&rig.machine, cam_param_lead_ns, -1));
     TEST_ASSERT_EQUAL_INT(
         cam_err_param_tick,
-        cam_machine_set_param(&rig.machine, cam_param_observer_bandwidth_mHz, 1000001));
+        cam_machine_set_param(&rig.machine, cam_param_observer_bandwidth_mHz, 1600001));
     TEST_ASSERT_EQUAL_MEMORY(&before, &rig.machine.params, sizeof before);
     TEST_ASSERT_EQUAL_UINT32(generation, rig.machine.generation);
 }

@@ -151,7 +151,7 @@ static void test_tick_feed_forward_is_the_inverse_of_the_drive(void)
             const hal_setpoint_t *u = &records[i].out[hal_axis_u];
             const double wanted = records[i].want.u_set_q6 / 64.0 +
                                   742723e-9 * 20000.0 * u->vel_q10 / 1024.0 +
-                                  281448e-12 * 4e8 * u->acc_q10 / 1024.0;
+                                  (281448e-12 * 4e8 - 1.0 / 48.0) * u->acc_q10 / 1024.0;
             TEST_ASSERT_DOUBLE_WITHIN(0.6, wanted, u->pos_nm);
         }
     }

@@ -156,6 +156,37 @@ static void test_a_shape_that_grows_from_nothing_is_learned_in_the_cut(void)
     TEST_ASSERT_EQUAL_INT32(cam_teach_all, status().reason);
 }
 
+static void slow_ticks(double rpm)
+{
+    learn_case_t what = p.what;
+    what.tick_hz = 1000;
+    what.rpm = rpm;
+    what.polls_per_tick_q4 = 160;
+    what.truth.friction_mm_s2 = 0.0;
+    learn_plant_init(&p, &what);
+}
+
+/// 30 ticks per turn leave three of four bins empty; the oval's two harmonics are learned all the
+/// same.
+static void test_a_turn_of_few_ticks_teaches_the_oval(void)
+{
+    slow_ticks(2000.0);
+    learn_plant_turns(&p, cam_state_rehearsing, 3);
+    const double before_um = p.rms_um;
+    learn_plant_turns(&p, cam_state_rehearsing, 60);
+    TEST_ASSERT_TRUE(before_um > 10.0);
+    TEST_ASSERT_TRUE(p.rms_um < before_um / 10.0);
+    TEST_ASSERT_EQUAL_INT32(cam_teach_all, status().reason);
+}
+
+static void test_a_turn_of_too_few_ticks_teaches_nothing(void)
+{
+    slow_ticks(4000.0);
+    learn_plant_turns(&p, cam_state_rehearsing, 10);
+    TEST_ASSERT_EQUAL_INT32(cam_teach_fast_turn, status().reason);
+    TEST_ASSERT_EQUAL_INT32(0, p.teach.k1_q16);
+}
+
 static void test_names_are_known(void)
 {
     TEST_ASSERT_EQUAL_STRING("probing", cam_teach_phase_name(cam_teach_probing));
@@ -177,6 +208,8 @@ int main(void)
     RUN_TEST(test_lobes_teach_the_drive_alone);
     RUN_TEST(test_harmonics_without_the_motion_do_not_tell_the_drive);
     RUN_TEST(test_a_shape_that_grows_from_nothing_is_learned_in_the_cut);
+    RUN_TEST(test_a_turn_of_few_ticks_teaches_the_oval);
+    RUN_TEST(test_a_turn_of_too_few_ticks_teaches_nothing);
     RUN_TEST(test_names_are_known);
     return UNITY_END();
 }

@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The sample configuration in the whole of LinuxCNC, without its screen: a program of mkgcode's."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import signal
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from halbox import Halbox
+from part_cases import ROOT
+
+SIM = ROOT / "hal" / "linuxcnc" / "sim"
+PROGRAMS = ("linuxcncsvr", "io", "milltask")
+BLOCKS = (
+    "M3 S500", "G4 P1.5", "M64 P0", "M66 P0 L3 Q10", "G33 Z5 K0.25", "M65 P0", "M66 P0 L4 Q10",
+)  # fmt: skip
+
+
+def _settings(box: Halbox, table: Path) -> None:
+    """Copy the configuration; only places of files are others."""
+    shutil.copy(table, box.folder / "part.camtab")
+    for name in ("lathe.hal", "lathe.tbl"):
+        shutil.copy(SIM / name, box.folder)
+    text = (SIM / "lathe.ini").read_text()
+    nml = f"NML_FILE = {box.folder / 'linuxcnc.nml'}\n[CAMTURN]"
+    for old, new in (
+        ("[CAMTURN]", nml),
+        ("/tmp/perkins240.camtab", "./part.camtab"),
+        ("/tmp/camturn-sim.var", str(box.folder / "sim.var")),
+    ):
+        assert old in text
+        text = text.replace(old, new, 1)
+    (box.folder / "lathe.ini").write_text(text)
+
+
+@pytest.fixture
+def lathe(box: Halbox, linuxcnc_root: Path, table_of: Callable[[str], Path]) -> Iterator[Halbox]:
+    """Start what LinuxCNC's own script starts, in its order."""
+    _settings(box, table_of("perkins240"))
+    shutil.copy(linuxcnc_root / "usr" / "share" / "linuxcnc" / "linuxcnc.nml", box.folder)
+    for name in PROGRAMS:
+        shutil.copy(linuxcnc_root / "usr" / "bin" / name, box.folder)
+    ini = ("-ini", "lathe.ini")
+    try:
+        for words in (
+            ("./linuxcncsvr", *ini),
+            ("./halcmd", "loadusr", "-Wn", "iocontrol", "./io", *ini),
+            ("./halcmd", "loadrt", "tpmod"),
+            ("./halcmd", "loadrt", "homemod"),
+            ("./halcmd", "-i", "lathe.ini", "-f", "lathe.hal"),
+            ("./halcmd", "start"),
+            ("./halcmd", "loadusr", "-Wn", "inihal", "./milltask", *ini),
+        ):
+            assert box.run(*words) == 0, (words, box.said())
+        yield box
+    finally:
+        _end(box)
+
+
+def _end(box: Halbox) -> None:
+    """End the programs that were started in this folder, and nothing else."""
+    for process in Path("/proc").iterdir():
+        try:
+            is_ours = (process / "cwd").readlink() == box.folder
+        except OSError:
+            continue
+        if (
+            is_ours
+            and process.name.isdigit()
+            and (process / "comm").read_text().strip() in PROGRAMS
+        ):
+            os.kill(int(process.name), signal.SIGTERM)
+
+
+def test_a_program_starts_waits_cuts_and_stops(lathe: Halbox, linuxcnc_root: Path) -> None:
+    """M64 starts, M66 sees "in cut", G33 moves Z meanwhile, M65 ends it, M66 sees that."""
+    modules = str(linuxcnc_root / "usr" / "lib" / "python3" / "dist-packages")
+    script = Path(__file__).with_name("mdi.py")
+    shutil.copy(script, lathe.folder)
+    words = ("/usr/bin/python3", script.name, str(lathe.folder / "linuxcnc.nml"), *BLOCKS)
+    assert lathe.run(*words, PYTHONPATH=modules) == 0, lathe.said()
+    said = lathe.said().splitlines()
+    assert "M66 P0 L3 Q10: 1 1 1 0.000" in said
+    assert "G33 Z5 K0.25: 1 1 1 5.000" in said
+    assert "M66 P0 L4 Q10: 1 0 0 5.000" in said
+    assert lathe.get("camturn.error-number") == "0"
+    assert lathe.get("camturn.fault") == "FALSE"
