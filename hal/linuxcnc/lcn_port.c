@@ -110,13 +110,6 @@ hal_axis_scale_t hal_axis_scale(hal_axis_t axis)
     return (hal_axis_scale_t){0};
 }
 
-/// Behind the pins anything may stand.
-hal_axis_scale_t hal_axis_scale(hal_axis_t axis)
-{
-    (void)axis;
-    return (hal_axis_scale_t){0};
-}
-
 /// LinuxCNC has a recorder of its own, halscope.
 hal_memory_t hal_scope_memory(void)
 {

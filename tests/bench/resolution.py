@@ -103,7 +103,7 @@ def _tick(hz: int) -> Row:
         "tick",
         f"{hz} Hz",
         {"machine.tick_hz": hz},
-        lambda shape, omega: shape.u2_um_per_rad2 * (omega / hz) ** 2 / 24,
+        lambda shape, omega: shape.u2_um_per_rad2 * (omega / hz) ** 2 / 48,
     )
 
 
