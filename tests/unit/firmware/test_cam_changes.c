@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the operator changes in the cut: numbers per plan, and what play makes of them.
+#include "cam_changes.h"
+#include "fixture_play.h"
+#include "unity.h"
+#include <math.h>
+
+static fixture_play_t f;
+static fixture_part_t part;
+
+static const double plan_s = (double)FIXTURE_PLAN_TICKS / FIXTURE_PLAY_HZ;
+
+void setUp(void)
+{
+    part = fixture_part_short();
+    part.feed_nm = 20000;
+    fixture_play_init(&f, &part);
+}
+
+void tearDown(void) {}
+
+static void test_feed_below_a_hundredth_is_rest_and_rates_have_reciprocals(void)
+{
+    const int32_t ppm[] = {0, 9999, 10000, 333333, 1000000, 1500000};
+    for (size_t i = 0; i < sizeof ppm / sizeof ppm[0]; i++) {
+        f.params.feed_override_ppm = ppm[i];
+        fixture_play_configure(&f);
+        const double rate = f.config.play.feed_rate_q30 / 1073741824.0;
+        TEST_ASSERT_DOUBLE_WITHIN(1e-9, ppm[i] < 10000 ? 0.0 : ppm[i] * 1e-6, rate);
+        TEST_ASSERT_DOUBLE_WITHIN(6e-6, rate > 0.0 ? 1.0 : 0.0,
+                                  rate * f.config.play.per_feed_rate_q24 / 16777216.0);
+    }
+    f.params.z_is_measured = 1;
+    TEST_ASSERT_EQUAL_INT32(1000000, cam_changes_feed_ppm(&f.params));
+}
+
+static void test_trim_moves_x_at_its_rate_and_leaves_the_rest(void)
+{
+    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_cutting));
+    fixture_play_ticks(&f, 2000);
+    f.params.x_trim_nm = -12345;
+    f.params.x_trim_rate_nm_per_s = 50000;
+    fixture_play_configure(&f);
+    double off_nm = 0.0;
+    for (int i = 0; i < 8000; i++) {
+        fixture_play_tick(&f);
+        const double x_nm = (double)f.axis[hal_axis_x].pos_q10 / 1024.0;
+        const double was_nm = off_nm;
+        off_nm = x_nm - fixture_play_x_nm(&f, (double)f.axis[hal_axis_z].pos_q10 / 1024.0);
+        TEST_ASSERT_TRUE(i == 0 || fabs(off_nm - was_nm) < 50000.0 / FIXTURE_PLAY_HZ + 1.5);
+        TEST_ASSERT_DOUBLE_WITHIN(0.1, fixture_play_u_nm(&f, f.angle.pos_q32, f.want.z_nm),
+                                  (double)f.want.u_set_q6 / 64.0);
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(2.0, -12345.0, off_nm);
+}
+
+static void test_trim_takes_no_more_acceleration_than_the_approach(void)
+{
+    f.params.x_trim_rate_nm_per_s = 100000;
+    f.params.x_acceleration_mm_per_s2 = 10;
+    fixture_play_configure(&f);
+    const double step_nm = f.config.play.x_trim_step_q4 / 16.0;
+    TEST_ASSERT_TRUE(step_nm / plan_s / plan_s <= 10e6 / 4.0 + 1e6); // and rounding of a step
+}
+
+static void test_spindle_is_led_within_rate_and_acceleration(void)
+{
+    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_cutting));
+    TEST_ASSERT_EQUAL_INT32(2500000, f.want.spindle_mrpm);
+    f.params.spindle_override_ppm = 600000;
+    f.params.spindle_override_rate_ppm_per_s = 1000000;
+    f.params.spindle_acceleration_mrad_per_s2 = 100000; // 955 r/min in a second: 0.382 of the speed
+    fixture_play_configure(&f);
+    int32_t before_mrpm = f.want.spindle_mrpm;
+    for (int i = 0; i < 22000; i++) {
+        fixture_play_tick(&f);
+        const double change_mrpm = before_mrpm - f.want.spindle_mrpm;
+        TEST_ASSERT_TRUE(change_mrpm >= 0.0 && change_mrpm <= 954930.0 * plan_s + 2.0);
+        before_mrpm = f.want.spindle_mrpm;
+    }
+    TEST_ASSERT_EQUAL_INT32(1500000, f.want.spindle_mrpm);
+}
+
+/// The modulation keeps its ratio: set-points of the same angles differ by the override.
+static void test_modulated_spindle_keeps_its_ratio(void)
+{
+    part = fixture_part_modulated();
+    part.feed_nm = 20000;
+    fixture_play_init(&f, &part);
+    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_cutting));
+    f.params.spindle_override_ppm = 800000;
+    f.params.spindle_override_rate_ppm_per_s = 1000000;
+    fixture_play_configure(&f);
+    fixture_play_ticks(&f, 6000);
+    const double mean = 0.8 * part.spindle_mrpm;
+    double sum = 0.0;
+    for (int i = 0; i < 480; i++) {
+        fixture_play_tick(&f);
+        sum += f.want.spindle_mrpm;
+    }
+    const double whole = sum / 480.0;
+    f.params.spindle_override_ppm = 1000000;
+    fixture_play_configure(&f);
+    fixture_play_ticks(&f, 6240);
+    sum = 0.0;
+    for (int i = 0; i < 480; i++) {
+        fixture_play_tick(&f);
+        sum += f.want.spindle_mrpm;
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(mean * 2e-3, 0.8 * sum / 480.0, whole);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_feed_below_a_hundredth_is_rest_and_rates_have_reciprocals);
+    RUN_TEST(test_trim_moves_x_at_its_rate_and_leaves_the_rest);
+    RUN_TEST(test_trim_takes_no_more_acceleration_than_the_approach);
+    RUN_TEST(test_spindle_is_led_within_rate_and_acceleration);
+    RUN_TEST(test_modulated_spindle_keeps_its_ratio);
+    return UNITY_END();
+}
