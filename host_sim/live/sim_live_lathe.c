@@ -17,18 +17,29 @@ static void release(void)
     hal_host_fault_bus(false);
 }
 
+/// @return false and *e when a word is no fault of a lathe
+static bool parse(sim_inject_t *what, const char *word, common_error_t *e)
+{
+    char text[2 * sim_live_word_bytes];
+    const char *colon = strchr(word, ':');
+    const int n_kind = (int)(colon != NULL ? colon - word : (long)strlen(word));
+    (void)snprintf(text, sizeof text, "%.*s@t0%s", n_kind, word, colon != NULL ? colon : "");
+    if (!sim_inject_parse(what, text, sim_inject_in_run, e)) {
+        return false;
+    }
+    return (what->kind != sim_inject_stop && what->kind != sim_inject_table_flip) ||
+           common_error(e, "%s: is no fault of the lathe; tools/camctl commands the controller",
+                        word);
+}
+
 /// Let a fault happen that somebody typed: KIND or KIND:VALUE.
 static void carry_out(sim_live_t *l, const char *word)
 {
     common_error_t e;
     sim_inject_t what;
-    char text[2 * sim_live_word_bytes];
-    const char *colon = strchr(word, ':');
-    const int n_kind = (int)(colon != NULL ? colon - word : (long)strlen(word));
-    (void)snprintf(text, sizeof text, "%.*s@t0%s", n_kind, word, colon != NULL ? colon : "");
     if (strcmp(word, "release") == 0) {
         release();
-    } else if (sim_inject_parse(&what, text, sim_inject_in_run, &e)) {
+    } else if (parse(&what, word, &e)) {
         sim_port_inject(&l->port, &what, l->session.table.direction);
     } else {
         (void)fprintf(stderr, "lathe: %s\n", e.text);
