@@ -117,8 +117,8 @@ def test_a_refusal_names_demand_limit_and_what_is_feasible(
     line = refusal(bench, 1, "speed 3200")
     assert "spindle speed 3200 r/min exceeds spindle_limit 3000 r/min" in line
     assert "exceeds the height of the part" in refusal(bench, 1, "feed 9.9")
-    line = refusal(bench, 1, "set observer_bandwidth_mHz 1500000")
+    line = refusal(bench, 1, "set observer_bandwidth_mHz 1700000")
     assert "observer_bandwidth_mHz cannot change in this state" in line
     bench.do("disable")
-    line = refusal(bench, 1, "set observer_bandwidth_mHz 1500000")
-    assert "observer_bandwidth_mHz 1500000 exceeds 1000000, the most at this tick rate" in line
+    line = refusal(bench, 1, "set observer_bandwidth_mHz 1700000")
+    assert "observer_bandwidth_mHz 1700000 exceeds 1600000, the most at this tick rate" in line

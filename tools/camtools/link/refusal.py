@@ -16,7 +16,7 @@ REMEDIES = {
     "hand manual, jog, home, disable",
     "param_state": "only phase_udeg and amplitude_ppm change while cutting, most others in ready, "
     "all in off",
-    "param_tick": "observer_bandwidth_mHz is at most 50 x the tick rate in Hz, lead_ns 61 ticks",
+    "param_tick": "observer_bandwidth_mHz is at most 80 x the tick rate in Hz, lead_ns 61 ticks",
     "estop": "release the emergency stop",
     "drive": "see that all drives are ready",
     "no_table": "download a table and select it",
