@@ -74,7 +74,7 @@ void cam_box_keep(const cam_scope_t *s)
         .end = (uint32_t)s->end,
     };
     int32_t *begin = &s->words[s->at - (uint32_t)head_words];
-    (void)memcpy(begin, &head, sizeof head);
+    (void)memcpy((uint8_t *)begin, (const uint8_t *)&head, sizeof head);
     hal_scope_keep(begin, (uint32_t)head_words + s->most_rows * s->n_signals);
 }
 
@@ -95,7 +95,7 @@ bool cam_box_restore(cam_scope_t *s, uint32_t n_kept)
     if (n_kept <= (uint32_t)head_words || n_kept > s->n_words) {
         return false;
     }
-    (void)memcpy(&head, s->words, sizeof head);
+    (void)memcpy((uint8_t *)&head, (const uint8_t *)s->words, sizeof head);
     if (!is_sound(&head, s, n_kept) || cam_box_begin(s, 0) != cam_ok) {
         return false;
     }
