@@ -179,7 +179,9 @@ static void sense(int64_t now_ns)
     // Drives are ready when lines and bus say so; the bus alone decides on its loss, and the lines
     // alone on the emergency stop.
     const uint32_t lines = lin_lines_read();
-    port.inputs = (lines & hal_in_estop) | (lines & port.bus.inputs & hal_in_drive_ready) |
+    enum { homes = 0x3F * hal_in_home_u };
+    port.inputs = (lines & (hal_in_estop | homes)) |
+                  (lines & port.bus.inputs & hal_in_drive_ready) |
                   (port.bus.inputs & hal_in_bus_lost);
     port.now_ns = now_ns;
 }

@@ -64,15 +64,27 @@ static bool is_good(lin_line_t line)
     return value == 1;
 }
 
+/// @return hal_in_home_u and the five bits above it, of lines that are wired
+static uint32_t read_homes(void)
+{
+    uint32_t bits = 0;
+    for (int i = lin_line_home_u; i <= lin_line_index_z; i++) {
+        const bool is_on = lines[i] != NULL && is_good((lin_line_t)i);
+        bits |= is_on ? (uint32_t)hal_in_home_u << (i - lin_line_home_u) : 0u;
+    }
+    return bits;
+}
+
 uint32_t lin_lines_read(void)
 {
     const bool is_closed = is_good(lin_line_estop);
     const bool is_ready = is_good(lin_line_ready);
+    const uint32_t homes = read_homes();
     if (lin_lines_lost() != lin_n_lines) {
         return hal_in_estop;
     }
     return (is_closed ? 0u : (uint32_t)hal_in_estop) |
-           (is_ready ? (uint32_t)hal_in_drive_ready : 0u);
+           (is_ready ? (uint32_t)hal_in_drive_ready : 0u) | homes;
 }
 
 bool lin_lines_edge(int64_t *ns, bool *is_rising)

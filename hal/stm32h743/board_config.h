@@ -61,6 +61,10 @@
 /// 1: Z has a scale. 0: it has none, and its position is the last set-point, in whole steps.
 #define BOARD_HAS_Z_SCALE 1
 
+/// Axes with a home switch at PD2, PD3, PD4: 1 U, 2 X, 4 Z, summed. The switch opens where it is
+/// reached. What is not wired must not be in the sum: it would read as reached for ever.
+#define BOARD_HOME_SWITCHES 0
+
 /// Codes of a 16-bit converter per unit, in 2^-32, where 2^15 codes stand for the value at +10 V.
 #define BOARD_CODES_Q32(full) ((int32_t)(((INT64_C(1) << 47) + (full) / 2) / (full)))
 

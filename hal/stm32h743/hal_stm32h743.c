@@ -229,6 +229,17 @@ void hal_swing_write_isr(const hal_swing_t *setpoint)
     (void)setpoint;
 }
 
+/// Switches open their contacts, so that a cut wire is one that is reached.
+static uint32_t homes(void)
+{
+    enum { shift = 1, indices = 7u << stm_pin_index_u };
+    const uint32_t wired = (uint32_t)BOARD_HOME_SWITCHES << stm_pin_home_u;
+    const uint32_t pins = GPIOD->IDR;
+    return ((~pins & wired) | (pins & (uint32_t)indices)) << shift;
+}
+_Static_assert(hal_in_home_u == 1u << (stm_pin_home_u + 1), "pins and bits differ by one shift");
+_Static_assert(hal_in_index_u == 1u << (stm_pin_index_u + 1), "likewise");
+
 uint32_t hal_inputs_read_isr(void)
 {
     const uint32_t pins = GPIOE->IDR;
@@ -236,7 +247,7 @@ uint32_t hal_inputs_read_isr(void)
     if ((pins & 1u << stm_pin_ready) != 0u && stm_tick_faults() == 0u) {
         bits |= hal_in_drive_ready;
     }
-    return bits;
+    return bits | homes();
 }
 
 void hal_axis_write_isr(hal_axis_t axis, const hal_setpoint_t *setpoint)

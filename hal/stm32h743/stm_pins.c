@@ -40,6 +40,12 @@ static const pin_t pins[] = {
     {GPIOD, 1, mode_alternate, pull_none, 9},  // FDCAN1 TX
     {GPIOD, 8, mode_alternate, pull_none, 7},  // USART3 TX
     {GPIOD, 9, mode_alternate, pull_up, 7},    // USART3 RX
+    {GPIOD, stm_pin_home_u, mode_input, pull_down, 0},
+    {GPIOD, stm_pin_home_u + 1, mode_input, pull_down, 0},
+    {GPIOD, stm_pin_home_u + 2, mode_input, pull_down, 0},
+    {GPIOD, stm_pin_index_u, mode_input, pull_down, 0},
+    {GPIOD, stm_pin_index_u + 1, mode_input, pull_down, 0},
+    {GPIOD, stm_pin_index_u + 2, mode_input, pull_down, 0},
     {GPIOE, stm_pin_estop, mode_input, pull_down, 0},
     {GPIOE, stm_pin_ready, mode_input, pull_down, 0},
 };

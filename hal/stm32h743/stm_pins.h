@@ -18,6 +18,12 @@ enum {
     stm_pin_in_cut = 15,  ///< PE15 out, 1: in cut
 };
 
+/// Lines on port D.
+enum {
+    stm_pin_home_u = 2,  ///< PD2 .. PD4 in, 0: U, X, Z on its home switch, whose contact is open
+    stm_pin_index_u = 5, ///< PD5 .. PD7 in, 1: U, X, Z at an index mark
+};
+
 /// Lines on port B.
 enum {
     stm_pin_x_direction = 6, ///< PB6 out, 1: X rises

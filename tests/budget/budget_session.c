@@ -181,6 +181,7 @@ bool budget_session_identify(fixture_rig_t *rig, void (*isr)(void))
 static bool home_axis(fixture_rig_t *rig, hal_axis_t axis)
 {
     cam_machine_t *m = &rig->machine;
+    fixture_rig_tick(rig); // takes the configuration of the last home
     if (cam_machine_home_axis(m, axis) != cam_ok) {
         return false;
     }

@@ -60,6 +60,12 @@ static const common_setting_t settings[] = {
     LINE("estop", lin_line_estop),
     LINE("ready", lin_line_ready),
     LINE("index", lin_line_index),
+    LINE("home_u", lin_line_home_u + 0),
+    LINE("home_x", lin_line_home_u + 1),
+    LINE("home_z", lin_line_home_u + 2),
+    LINE("index_u", lin_line_home_u + 3),
+    LINE("index_x", lin_line_home_u + 4),
+    LINE("index_z", lin_line_home_u + 5),
     LINE("enable", lin_line_enable),
     LINE("fault", lin_line_fault),
     LINE("in_cut", lin_line_in_cut),
@@ -94,20 +100,16 @@ lin_config_t lin_config_defaults(void)
         .drive = {[hal_axis_u] = {2, 1, 1}, [hal_axis_x] = {3, 1, 1}, [hal_axis_z] = {4, 1, 1}},
         .spindle_node = 5,
         .chip = "gpiochip0",
-        .line = {[lin_line_estop] = {"ESTOP", false},
-                 [lin_line_ready] = {"READY", false},
-                 [lin_line_index] = {"INDEX", false},
-                 [lin_line_enable] = {"ENABLE", false},
-                 [lin_line_fault] = {"FAULT", false},
-                 [lin_line_in_cut] = {"INCUT", false},
-                 [lin_line_switch_1] = NONE,
-                 [lin_line_switch_1 + 1] = NONE,
-                 [lin_line_switch_1 + 2] = NONE,
-                 [lin_line_switch_1 + 3] = NONE,
-                 [lin_line_switch_1 + 4] = NONE,
-                 [lin_line_switch_1 + 5] = NONE,
-                 [lin_line_switch_1 + 6] = NONE,
-                 [lin_line_switch_1 + 7] = NONE},
+        .line = {[lin_line_estop] = {"ESTOP", false}, [lin_line_ready] = {"READY", false},
+                 [lin_line_index] = {"INDEX", false}, [lin_line_home_u] = NONE,
+                 [lin_line_home_u + 1] = NONE,        [lin_line_home_u + 2] = NONE,
+                 [lin_line_home_u + 3] = NONE,        [lin_line_home_u + 4] = NONE,
+                 [lin_line_home_u + 5] = NONE,        [lin_line_enable] = {"ENABLE", false},
+                 [lin_line_fault] = {"FAULT", false}, [lin_line_in_cut] = {"INCUT", false},
+                 [lin_line_switch_1] = NONE,          [lin_line_switch_1 + 1] = NONE,
+                 [lin_line_switch_1 + 2] = NONE,      [lin_line_switch_1 + 3] = NONE,
+                 [lin_line_switch_1 + 4] = NONE,      [lin_line_switch_1 + 5] = NONE,
+                 [lin_line_switch_1 + 6] = NONE,      [lin_line_switch_1 + 7] = NONE},
         .table_file = "/var/lib/camturn/table.camtab",
         .table_max_bytes = 1048576,
         .params_file = "/var/lib/camturn/parameters.toml",
@@ -117,8 +119,9 @@ lin_config_t lin_config_defaults(void)
 const char *lin_line_name(lin_line_t line)
 {
     static const char *const names[lin_n_lines] = {
-        "estop",    "ready",    "index",    "enable",   "fault",    "in_cut",   "switch_1",
-        "switch_2", "switch_3", "switch_4", "switch_5", "switch_6", "switch_7", "switch_8"};
+        "estop",    "ready",    "index",    "home_u",   "home_x",   "home_z",   "index_u",
+        "index_x",  "index_z",  "enable",   "fault",    "in_cut",   "switch_1", "switch_2",
+        "switch_3", "switch_4", "switch_5", "switch_6", "switch_7", "switch_8"};
     return names[line];
 }
 

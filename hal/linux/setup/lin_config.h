@@ -16,6 +16,8 @@ typedef enum {
     lin_line_estop,
     lin_line_ready,
     lin_line_index,
+    lin_line_home_u, ///< home switches, then axes' indices, in the order of hal_in_home_u
+    lin_line_index_z = lin_line_home_u + 5,
     lin_line_enable,
     lin_line_fault,
     lin_line_in_cut,
