@@ -130,8 +130,14 @@ def test_a_session_as_an_operator_has_it(tmp_path: Path) -> None:
         assert "generation 2" in do("table", "download", table, "--select")
         assert do("home") == "home: ready\n"
         assert do("feed", "0.5") == "feed = 0.5 mm\n"
+        assert do("disable") == "disable: off\n"
+        assert do("manual") == "manual: manual\n"
+        do("home", "x")
+        assert re.search(r"^x .*, homed$", do("where"), re.MULTILINE)
+        assert do("disable") == "disable: off\n"
+        assert do("home") == "home: ready\n"
         assert do("start").startswith("start: ")
-        assert "r/min" in do("watch", "--seconds", "0.2", "--every", "0.1")
+        assert "r/min" in do("watch", "--seconds", "1.5", "--every", "0.5")
         until(lambda: "cutting" in do("status"))
         rows = tmp_path / "rows.csv"
         do("scope", rows, "--signals", "u_set_q6,u_actual_nm", "--every", "10", "--seconds", "0.1")

@@ -28,6 +28,7 @@ import can
 from camtools.base.command import BAD_INPUT, Interrupted, Parser, run_command
 from camtools.base.errors import CamtoolsError
 from camtools.base.places import ROOT
+from camtools.base.quantities import NM_PER_MM
 from camtools.cli.bus import add_interface_options, bus_arguments
 from camtools.link.bridge import Bridge
 from camtools.link.bus import open_bus
@@ -37,7 +38,7 @@ from camtools.pipeline.job import write_files
 from camtools.pipeline.load import load
 from camtools.pipeline.make import Made, make
 from camtools.sim.camsim import camsim_path
-from camtools.sim.live import LivePair, died, refuses
+from camtools.sim.live import LivePair, died, refuses, with_home_switches
 from camtools.sim.machines import machine_bytes, names
 
 DIED = 1
@@ -113,9 +114,10 @@ def _bus_of(given: Mapping[str, Any]) -> dict[str, Any]:
 
 def _files(made: Made, machine: str | None) -> dict[str, bytes]:
     """Return what both processes read."""
-    text = made.kind.machine(made.table.part).encode("ascii")
-    own = {_MACHINE: text if machine is None else machine_bytes(machine)}
-    return made.files(with_plots=False) | own
+    z_last_mm = made.table.table.z_last_nm / NM_PER_MM
+    own = with_home_switches(made.kind.machine(made.table.part), z_last_mm)
+    text = own.encode("ascii") if machine is None else machine_bytes(machine)
+    return made.files(with_plots=False) | {_MACHINE: text}
 
 
 def _environment(bus: Mapping[str, Any]) -> str:

@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Controller and lathe as two processes of the simulator, in the time of the clock.
+r"""Controller and lathe as two processes of the simulator, in the time of the clock.
 
 host_sim/live/sim_live.h tells what they do, and what each does when the other is gone.
 
 >>> died(-9), died(2)
 ('was ended by signal 9', 'ended with status 2')
+>>> read_machine(with_home_switches("[z]\nspeed_mm_per_s = 200.0\n", 62.0), "")["z"]
+{'speed_mm_per_s': 200.0, 'home_mm': 102.0, 'home_side': 1}
 """
 
 from __future__ import annotations
@@ -16,13 +18,41 @@ from contextlib import suppress
 from pathlib import Path
 
 from camtools.base.errors import CamtoolsError
+from camtools.base.quantities import NM_PER_MM
+from camtools.sim.machine_file import emit_machine, read_machine
 
+_X_HOME_MM, _Z_BEYOND_MM = 150.0, 40.0  # clear of any part, and of its end
+_BY_SWITCH = 2  # of x_home and z_home
+_SEARCH_UM_PER_S = 50_000
 _END_S = 2.0  # after which a process that was asked to end is killed
 
 
 def died(status: int) -> str:
     """Return how a process ended, in words."""
     return f"was ended by signal {-status}" if status < 0 else f"ended with status {status}"
+
+
+def with_home_switches(text: str, z_last_mm: float) -> str:
+    """Return a machine file whose X and Z have a switch at the end of their ways, and use it.
+
+    Parameters
+    ----------
+    text : str
+        of a machine without switches
+    z_last_mm : float
+        height of the drawing up to which Z feeds
+    """
+    tree = read_machine(text, "machine file")
+    places_mm = {"x": _X_HOME_MM, "z": z_last_mm + _Z_BEYOND_MM}
+    controller = dict(tree.get("controller", {}))
+    for axis, place_mm in places_mm.items():
+        tree[axis] = {**tree.get(axis, {}), "home_mm": place_mm, "home_side": 1}
+        controller |= {
+            f"{axis}_home": _BY_SWITCH,
+            f"{axis}_home_nm": round(place_mm * NM_PER_MM),
+            f"{axis}_home_um_per_s": _SEARCH_UM_PER_S,
+        }
+    return emit_machine(tree | {"controller": controller})
 
 
 def refuses(program: Path, folder: Path, words: Sequence[str]) -> bool:
