@@ -186,28 +186,37 @@ def expert(run: Run, belief: Belief, filter_s: float) -> Floats:
     speed = lfilter([share], [1, share - 1], speed)
     lead_s = belief.delay_us * 1e-6 + 0.5 / hz
     u, u1, u2 = ellipse(run.counts + speed * lead_s, run.cell.ovality_mm)
-    return np.round((u + belief.k1_s * speed * u1 + belief.k2_s2 * speed**2 * u2) / 10) * 10
+    wanted: Floats = u + belief.k1_s * speed * u1 + belief.k2_s2 * speed**2 * u2
+    return _rounded(wanted, 10)
 
 
 def eoffset(run: Run) -> Floats:
     """Return LinuxCNC's set-points: a sinusoid in steps of 0.1 um, some periods late."""
     u = run.cell.ovality_mm / 4 * (1 - np.cos(2 * run.counts)) * 1e6
-    stepped = np.round(u / 100) * 100
-    return np.r_[np.full(EOFFSET_CYCLES, stepped[0]), stepped[:-EOFFSET_CYCLES]]
+    stepped = _rounded(u, 100)
+    return _later(stepped, EOFFSET_CYCLES)
+
+
+def _rounded(value_nm: Floats, step_nm: float) -> Floats:
+    return np.asarray(np.round(value_nm / step_nm) * step_nm, dtype=np.float64)
+
+
+def _later(value: Floats, n: int) -> Floats:
+    return np.concatenate([np.full(n, value[0]), value[:-n]])
 
 
 def _drive(command_nm: Floats, hz: int) -> Floats:
     """Return U every 12.5 us: held set-points, dead time, second order; exact."""
     held = np.repeat(command_nm, round(1 / hz / STEP_S))
-    dead = round(DEAD_S / STEP_S)
-    late = np.r_[np.full(dead, held[0]), held[:-dead]] - held[0]
+    late = _later(held, round(DEAD_S / STEP_S)) - held[0]
     a = np.zeros((3, 3))
     a[0, 1] = 1
     a[1] = [-(OMEGA**2), -2 * DAMPING * OMEGA, OMEGA**2]
     flow = expm(a * STEP_S)
     up, down = ss2tf(flow[:2, :2], flow[:2, 2:3], np.array([[1.0, 0.0]]), np.zeros((1, 1)))
-    moved: Floats = lfilter(up[0], down, late)
-    return moved + held[0]
+    moved: Floats = np.asarray(lfilter(up[0], down, late), dtype=np.float64)
+    moved += held[0]
+    return moved
 
 
 def errors_um(run: Run, command_nm: Floats) -> tuple[float, float]:

@@ -7,14 +7,15 @@ Behind each block it prints the block, whether it ended in time, and output 0, i
 from __future__ import annotations
 
 import sys
+from importlib import import_module
+from typing import Any
 
 LIMIT_S, DONE = 20, 1  # linuxcnc.RCS_DONE
 
 
 def main(nml_file: str, blocks: list[str]) -> int:
     """Return 0 when all blocks ended well."""
-    import linuxcnc  # type: ignore[import-not-found]  # not in the environment of the tests
-
+    linuxcnc: Any = import_module("linuxcnc")  # LinuxCNC's own, not that of the tests
     linuxcnc.nmlfile = nml_file
     command, status = linuxcnc.command(), linuxcnc.stat()
     for state in (linuxcnc.STATE_ESTOP_RESET, linuxcnc.STATE_ON):

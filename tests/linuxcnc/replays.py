@@ -49,8 +49,8 @@ def cut(table: Path, folder: Path, *words: str | Path) -> Cut:
     columns = {name: np.array([int(row[name]) for row in rows], dtype=np.int64) for name in wanted}
     asked = [word for word in words if word in ("--machine", "--rpm", "--set")]
     told = camsim("params", table, *_pairs(words, asked)).stdout.splitlines()[1:]
-    lines = [line.split(",") for line in told if not line.startswith("planned_")]
-    params = {name: int(value) for name, value in lines}
+    pairs = [line.split(",") for line in told if not line.startswith("planned_")]
+    params = {pair[0]: int(pair[1]) for pair in pairs}
     return Cut(table, params, columns, [row["state"] for row in rows])
 
 
