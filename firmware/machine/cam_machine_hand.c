@@ -9,12 +9,12 @@
 /// [nm / 1024] farther than any axis: an order without a limit.
 #define FAR_Q10 (INT64_C(1) << 46)
 
-static cam_hand_verdict_t verdict(cam_err_t err, int32_t value)
+static cam_hand_verdict_t hand_verdict(cam_err_t err, int32_t value)
 {
     return (cam_hand_verdict_t){.err = err, .value = value};
 }
 
-static const cam_config_t *offered(const cam_machine_t *m)
+static const cam_config_t *newest_config(const cam_machine_t *m)
 {
     return atomic_load_explicit(&m->core->config.offered, memory_order_relaxed);
 }
@@ -22,7 +22,7 @@ static const cam_config_t *offered(const cam_machine_t *m)
 // Orders
 
 /// @return whether an order is on its way or being carried out
-static bool is_moving(const cam_machine_t *m, const cam_status_t *status)
+static bool is_axis_moving(const cam_machine_t *m, const cam_status_t *status)
 {
     return status->hand.serial != m->hands.serial || status->hand.phase != cam_hand_rest;
 }
@@ -34,7 +34,7 @@ static uint32_t patience_end(const cam_machine_t *m, const cam_status_t *status)
 }
 
 /// Give the interrupt an order with the configuration in force.
-static cam_err_t offer(cam_machine_t *m, const cam_hand_order_t *order)
+static cam_err_t offer_order(cam_machine_t *m, const cam_hand_order_t *order)
 {
     cam_config_t *copy = cam_config_copy(&m->core->config);
     if (copy == NULL) {
@@ -46,11 +46,11 @@ static cam_err_t offer(cam_machine_t *m, const cam_hand_order_t *order)
 }
 
 /// Give a new order.
-static cam_err_t give(cam_machine_t *m, const cam_status_t *status, cam_hand_order_t *order)
+static cam_err_t give_order(cam_machine_t *m, const cam_status_t *status, cam_hand_order_t *order)
 {
     order->serial = m->hands.serial + 1u;
     order->until = patience_end(m, status);
-    const cam_err_t err = offer(m, order);
+    const cam_err_t err = offer_order(m, order);
     m->hands.serial += err == cam_ok ? 1u : 0u;
     return err;
 }
@@ -69,17 +69,17 @@ static cam_err_t check_order(const cam_machine_t *m, const cam_status_t *status,
 }
 
 /// @return [nm / 1024 per plan] of a speed, at least 1 and at most that of a limit
-static int32_t speed_q10(const cam_machine_t *m, int32_t um_per_s, int32_t most_q10)
+static int32_t order_speed_q10(const cam_machine_t *m, int32_t um_per_s, int32_t most_q10)
 {
     const int64_t per_plan_q10 =
-        cam_units_scale(um_per_s, INT64_C(1024000) * offered(m)->play.plan_ticks, m->tick_hz);
+        cam_units_scale(um_per_s, INT64_C(1024000) * newest_config(m)->play.plan_ticks, m->tick_hz);
     return (int32_t)cam_clamp_i64(per_plan_q10, 1, most_q10);
 }
 
 /// @return [um/s] the highest speed of an axis by hand
 static int32_t most_um_per_s(const cam_machine_t *m, hal_axis_t axis)
 {
-    const cam_play_config_t *play = &offered(m)->play;
+    const cam_play_config_t *play = &newest_config(m)->play;
     return (int32_t)cam_units_scale(play->hand.limits[axis].speed_q10, m->tick_hz,
                                     INT64_C(1024000) * play->plan_ticks);
 }
@@ -95,14 +95,14 @@ static travel_t travel_of(const cam_machine_t *m, const cam_status_t *status, ha
     const cam_hand_axis_t a = cam_hands_axis(&m->params, axis);
     const int64_t shift_nm = cam_hands_shift_nm(&m->hands, &m->params, axis);
     if (axis == hal_axis_u) {
-        const int64_t end_q10 = offered(m)->play.hand.u_end_q10;
+        const int64_t end_q10 = newest_config(m)->play.hand.u_end_q10;
         return (travel_t){-end_q10, end_q10};
     }
     if (a.low_nm >= a.high_nm || !cam_hands_is_known(&m->params, status, axis)) {
         return (travel_t){-FAR_Q10, FAR_Q10};
     }
     // Braking by steps may lead an eighth of one beyond its target (cam_move.h).
-    const int64_t room_q10 = offered(m)->play.hand.limits[axis].acceleration_q10 / 8 + 1;
+    const int64_t room_q10 = newest_config(m)->play.hand.limits[axis].acceleration_q10 / 8 + 1;
     return (travel_t){(a.low_nm - shift_nm) * 1024 + room_q10,
                       (a.high_nm - shift_nm) * 1024 - room_q10};
 }
@@ -120,39 +120,40 @@ cam_hand_verdict_t cam_machine_jog(cam_machine_t *m, hal_axis_t axis, int32_t um
 {
     const cam_status_t status = cam_machine_status(m);
     cam_err_t err = check_order(m, &status, axis);
-    const cam_hand_phase_t given = offered(m)->play.hand.order.begin;
-    if (err == cam_ok && is_moving(m, &status) && given != cam_hand_jog && given != cam_hand_rest) {
+    const cam_hand_phase_t given = newest_config(m)->play.hand.order.begin;
+    if (err == cam_ok && is_axis_moving(m, &status) && given != cam_hand_jog &&
+        given != cam_hand_rest) {
         err = cam_err_hand_moves;
     }
     if (err != cam_ok) {
-        return verdict(err, 0);
+        return hand_verdict(err, 0);
     }
     const int32_t most = most_um_per_s(m, axis);
     if (!cam_is_between(um_per_s, -most, most)) {
-        return verdict(cam_err_hand_speed, most);
+        return hand_verdict(cam_err_hand_speed, most);
     }
     const travel_t travel = travel_of(m, &status, axis);
     cam_hand_order_t order = {
         .begin = um_per_s == 0 ? cam_hand_rest : cam_hand_jog,
         .axis = axis,
         .sense = um_per_s < 0 ? -1 : 1,
-        .speed_q10 = speed_q10(m, um_per_s < 0 ? -um_per_s : um_per_s,
-                               offered(m)->play.hand.limits[axis].speed_q10),
+        .speed_q10 = order_speed_q10(m, um_per_s < 0 ? -um_per_s : um_per_s,
+                                     newest_config(m)->play.hand.limits[axis].speed_q10),
         .low_q10 = travel.low_q10,
         .high_q10 = travel.high_q10,
     };
-    return verdict(give(m, &status, &order), um_per_s);
+    return hand_verdict(give_order(m, &status, &order), um_per_s);
 }
 
 cam_hand_verdict_t cam_machine_step(cam_machine_t *m, hal_axis_t axis, int32_t nm)
 {
     const cam_status_t status = cam_machine_status(m);
     cam_err_t err = check_order(m, &status, axis);
-    if (err == cam_ok && is_moving(m, &status)) {
+    if (err == cam_ok && is_axis_moving(m, &status)) {
         err = cam_err_hand_moves;
     }
     if (err != cam_ok) {
-        return verdict(err, 0);
+        return hand_verdict(err, 0);
     }
     const travel_t travel = travel_of(m, &status, axis);
     const int32_t port_nm[hal_n_axes] = {status.u_actual_nm, status.x_actual_nm,
@@ -161,25 +162,25 @@ cam_hand_verdict_t cam_machine_step(cam_machine_t *m, hal_axis_t axis, int32_t n
     const int64_t end_q10 = nm < 0 ? travel.low_q10 : travel.high_q10;
     if (nm < 0 ? to_q10 < end_q10 : to_q10 > end_q10) {
         const int32_t shift_nm = cam_hands_shift_nm(&m->hands, &m->params, axis);
-        return verdict(cam_err_travel, cam_sat_i32(end_q10 / 1024 + shift_nm));
+        return hand_verdict(cam_err_travel, cam_sat_i32(end_q10 / 1024 + shift_nm));
     }
     cam_hand_order_t order = {
         .begin = cam_hand_step,
         .axis = axis,
         .sense = nm < 0 ? -1 : 1,
-        .speed_q10 = offered(m)->play.hand.limits[axis].speed_q10,
+        .speed_q10 = newest_config(m)->play.hand.limits[axis].speed_q10,
         .low_q10 = travel.low_q10,
         .high_q10 = travel.high_q10,
         .distance_q10 = (int64_t)nm * 1024,
     };
-    return verdict(give(m, &status, &order), nm);
+    return hand_verdict(give_order(m, &status, &order), nm);
 }
 
 cam_err_t cam_machine_home_axis(cam_machine_t *m, hal_axis_t axis)
 {
     const cam_status_t status = cam_machine_status(m);
     cam_err_t err = check_order(m, &status, axis);
-    if (err == cam_ok && is_moving(m, &status)) {
+    if (err == cam_ok && is_axis_moving(m, &status)) {
         err = cam_err_hand_moves;
     }
     if (err != cam_ok) {
@@ -190,34 +191,35 @@ cam_err_t cam_machine_home_axis(cam_machine_t *m, hal_axis_t axis)
     if (a.method == none) {
         return cam_err_home_none;
     }
-    const int32_t most_q10 = offered(m)->play.hand.limits[axis].speed_q10;
+    const int32_t most_q10 = newest_config(m)->play.hand.limits[axis].speed_q10;
     cam_hand_order_t order = {
         .begin = a.method == here ? cam_hand_here : cam_hand_search,
         .axis = axis,
         .sense = a.sense,
         .has_index = a.method == by_index,
-        .speed_q10 = speed_q10(m, a.search_um_per_s, most_q10),
-        .slow_q10 = speed_q10(m, a.slow_um_per_s, most_q10),
+        .speed_q10 = order_speed_q10(m, a.search_um_per_s, most_q10),
+        .slow_q10 = order_speed_q10(m, a.slow_um_per_s, most_q10),
         .distance_q10 = (int64_t)a.way_nm * 1024,
         .home_nm = a.home_nm,
     };
-    return give(m, &status, &order);
+    return give_order(m, &status, &order);
 }
 
 cam_err_t cam_machine_hand_stop(cam_machine_t *m)
 {
     const cam_status_t status = cam_machine_status(m);
     cam_hand_order_t order = {.begin = cam_hand_rest};
-    return give(m, &status, &order);
+    return give_order(m, &status, &order);
 }
 
 void cam_machine_hand_alive(cam_machine_t *m)
 {
     const cam_status_t status = cam_machine_status(m);
-    cam_hand_order_t order = offered(m)->play.hand.order;
-    if (status.state == cam_state_manual && order.begin != cam_hand_jog && is_moving(m, &status)) {
+    cam_hand_order_t order = newest_config(m)->play.hand.order;
+    if (status.state == cam_state_manual && order.begin != cam_hand_jog &&
+        is_axis_moving(m, &status)) {
         order.until = patience_end(m, &status);
-        (void)offer(m, &order); // else the next sign of life is in time as well
+        (void)offer_order(m, &order); // else the next sign of life is in time as well
     }
 }
 
@@ -237,22 +239,22 @@ cam_hand_verdict_t cam_machine_zero(cam_machine_t *m, hal_axis_t axis, int32_t n
     const cam_status_t status = cam_machine_status(m);
     const bool is_x = axis == hal_axis_x;
     if (!is_x && axis != hal_axis_z) {
-        return verdict(cam_err_hand_axis, 0);
+        return hand_verdict(cam_err_hand_axis, 0);
     }
     const cam_param_id_t id = is_x ? cam_param_x_datum_nm : cam_param_z_datum_nm;
     const int32_t now_nm = cam_param_get(&m->params, id);
-    if (status.state == cam_state_manual && is_moving(m, &status)) {
-        return verdict(cam_err_hand_moves, now_nm);
+    if (status.state == cam_state_manual && is_axis_moving(m, &status)) {
+        return hand_verdict(cam_err_hand_moves, now_nm);
     }
     if (!cam_hands_is_known(&m->params, &status, axis)) {
-        return verdict(cam_err_not_homed, now_nm);
+        return hand_verdict(cam_err_not_homed, now_nm);
     }
     // The tip is U nearer to the axis than X.
     const int64_t part_nm = is_x ? (int64_t)nm / 2 + status.u_actual_nm : nm;
     const int64_t tool_nm = cam_hands_axis(&m->params, axis).tool_nm;
     const int64_t datum_nm = part_nm - tool_nm - cam_machine_place_nm(m, axis);
     const cam_err_t err = cam_machine_set_param(m, id, cam_sat_i32(datum_nm));
-    return verdict(err, cam_param_get(&m->params, id));
+    return hand_verdict(err, cam_param_get(&m->params, id));
 }
 
 /// @return whether an axis lacks a home that is demanded

@@ -3,14 +3,14 @@
 #include "cam_fix.h"  // cam_clamp_i64, cam_wrap_diff
 #include "cam_step.h" // cam_step_to_isr
 
-static void end(cam_hand_t *h, cam_hand_end_t how)
+static void end_order(cam_hand_t *h, cam_hand_end_t how)
 {
     h->phase = cam_hand_rest;
     h->end = how;
 }
 
 /// Drives without power may come back anywhere.
-static void forget(cam_hand_t *h, uint32_t inputs)
+static void forget_homes(cam_hand_t *h, uint32_t inputs)
 {
     if ((inputs & hal_in_drive_ready) == 0u) {
         h->homed = 0;
@@ -34,8 +34,8 @@ static bool is_too_old(const cam_hand_order_t *o, const cam_tick_record_t *r)
 }
 
 /// Begin a phase of homing; U stays within its stroke.
-static void homing(cam_hand_t *h, const cam_hand_config_t *cfg, cam_hand_phase_t phase,
-                   int64_t from_q10)
+static void begin_phase(cam_hand_t *h, const cam_hand_config_t *cfg, cam_hand_phase_t phase,
+                        int64_t from_q10)
 {
     const cam_hand_order_t *o = &cfg->order;
     const int32_t sense = phase == cam_hand_search ? o->sense : -o->sense;
@@ -46,21 +46,21 @@ static void homing(cam_hand_t *h, const cam_hand_config_t *cfg, cam_hand_phase_t
 }
 
 /// The home is found. @return [nm] by which U's number rises
-static int32_t found(cam_hand_t *h, const cam_hand_config_t *cfg, const cam_tick_record_t *r,
-                     const cam_motion_t *m)
+static int32_t take_home(cam_hand_t *h, const cam_hand_config_t *cfg, const cam_tick_record_t *r,
+                         const cam_motion_t *m)
 {
     const hal_axis_t axis = h->axis;
     const int32_t place_nm = r->in.actual_nm[axis];
     const int32_t shift_nm = axis == hal_axis_u ? cfg->order.home_nm - place_nm : 0;
     const int64_t u_q10 = m->axis[hal_axis_u].pos_q10 + (int64_t)shift_nm * 1024;
     if (shift_nm != 0 && cam_abs_i64(u_q10) > cfg->u_end_q10) {
-        end(h, cam_hand_no_stroke);
+        end_order(h, cam_hand_no_stroke);
         return 0;
     }
     h->homed |= UINT32_C(1) << (uint32_t)axis;
     h->n_found++;
     h->found_nm[axis] = place_nm;
-    end(h, cam_hand_done);
+    end_order(h, cam_hand_done);
     return shift_nm;
 }
 
@@ -79,7 +79,7 @@ static int32_t begin_homing(cam_hand_t *h, const cam_hand_config_t *cfg, const c
         shift_nm = (int32_t)((end_q10 - from_q10) / 1024);
         from_q10 += (int64_t)shift_nm * 1024;
     }
-    homing(h, cfg, is_on ? cam_hand_release : cam_hand_search, from_q10);
+    begin_phase(h, cfg, is_on ? cam_hand_release : cam_hand_search, from_q10);
     return shift_nm;
 }
 
@@ -97,25 +97,25 @@ static int64_t travel_q10(const cam_hand_config_t *cfg, int64_t pos_q10)
 }
 
 /// Begin the order of the configuration. @return [nm] by which U's number rises
-static int32_t begin(cam_hand_t *h, const cam_hand_config_t *cfg, const cam_tick_record_t *r,
-                     const cam_motion_t *m)
+static int32_t begin_order(cam_hand_t *h, const cam_hand_config_t *cfg, const cam_tick_record_t *r,
+                           const cam_motion_t *m)
 {
     const cam_hand_order_t *o = &cfg->order;
     const bool was_running = h->phase != cam_hand_rest;
     h->serial = o->serial;
     if (o->begin == cam_hand_rest) {
-        end(h, was_running ? cam_hand_stopped : h->end);
+        end_order(h, was_running ? cam_hand_stopped : h->end);
         return 0;
     }
     h->axis = o->axis;
     h->phase = o->begin;
     h->end = cam_hand_runs;
     if (is_too_old(o, r)) { // before it could find or forget a home
-        end(h, cam_hand_silent);
+        end_order(h, cam_hand_silent);
         return 0;
     }
     if (o->begin == cam_hand_here) {
-        return found(h, cfg, r, m);
+        return take_home(h, cfg, r, m);
     }
     if (o->begin == cam_hand_search) {
         return begin_homing(h, cfg, r, m);
@@ -132,21 +132,21 @@ static bool is_back(const cam_hand_order_t *o, const cam_move_t *axis)
 
 /// Look whether the phase of homing has found what it looks for. @return [nm] by which U's number
 /// rises
-static int32_t look(cam_hand_t *h, const cam_hand_config_t *cfg, const cam_tick_record_t *r,
-                    const cam_motion_t *m)
+static int32_t look_for_home(cam_hand_t *h, const cam_hand_config_t *cfg,
+                             const cam_tick_record_t *r, const cam_motion_t *m)
 {
     const cam_hand_order_t *o = &cfg->order;
     const cam_move_t *axis = &m->axis[h->axis];
     const bool is_on = is_on_switch(r, h->axis);
     if (h->phase == cam_hand_search && is_on) {
-        homing(h, cfg, cam_hand_release, axis->pos_q10);
+        begin_phase(h, cfg, cam_hand_release, axis->pos_q10);
     } else if (h->phase == cam_hand_release && !is_on && is_back(o, axis)) {
         if (!o->has_index) {
-            return found(h, cfg, r, m);
+            return take_home(h, cfg, r, m);
         }
-        homing(h, cfg, cam_hand_index, axis->pos_q10);
+        begin_phase(h, cfg, cam_hand_index, axis->pos_q10);
     } else if (h->phase == cam_hand_index && is_at_index(r, h->axis)) {
-        return found(h, cfg, r, m);
+        return take_home(h, cfg, r, m);
     } else {
         // the phase goes on
     }
@@ -154,18 +154,18 @@ static int32_t look(cam_hand_t *h, const cam_hand_config_t *cfg, const cam_tick_
 }
 
 /// The axis has come to where its phase ends.
-static void arrive(cam_hand_t *h)
+static void end_phase(cam_hand_t *h)
 {
     static const cam_hand_end_t ends[cam_hand_n_phases] = {
         [cam_hand_jog] = cam_hand_limit,        [cam_hand_step] = cam_hand_done,
         [cam_hand_search] = cam_hand_no_switch, [cam_hand_release] = cam_hand_no_release,
         [cam_hand_index] = cam_hand_no_index,
     };
-    end(h, ends[h->phase]);
+    end_order(h, ends[h->phase]);
 }
 
 /// Move the axis of the order, and bring all others to rest. @return whether all rest
-static bool move(cam_hand_t *h, const cam_play_config_t *cfg, cam_motion_t *m)
+static bool move_axes(cam_hand_t *h, const cam_play_config_t *cfg, cam_motion_t *m)
 {
     const cam_hand_order_t *o = &cfg->hand.order;
     bool are_at_rest = true;
@@ -179,7 +179,7 @@ static bool move(cam_hand_t *h, const cam_play_config_t *cfg, cam_motion_t *m)
         limits.speed_q10 = is_slow ? o->slow_q10 : o->speed_q10;
         are_at_rest = false;
         if (cam_step_to_isr(&m->axis[i], cfg, &limits, h->target_q10)) {
-            arrive(h);
+            end_phase(h);
         }
     }
     return are_at_rest;
@@ -193,22 +193,22 @@ int32_t cam_hand_isr(cam_hand_t *h, const cam_play_config_t *cfg, const cam_tick
     m->faults = 0;
     m->spindle_mrpm = 0;
     m->is_clear = false;
-    forget(h, r->in.inputs);
+    forget_homes(h, r->in.inputs);
     if (o->serial != h->serial) {
-        shift_nm = begin(h, &cfg->hand, r, m);
+        shift_nm = begin_order(h, &cfg->hand, r, m);
     } else if (h->phase != cam_hand_rest) {
-        shift_nm = look(h, &cfg->hand, r, m);
+        shift_nm = look_for_home(h, &cfg->hand, r, m);
     } else {
         // nothing is ordered
     }
     if (h->phase != cam_hand_rest && m->is_stopping) {
-        end(h, cam_hand_stopped);
+        end_order(h, cam_hand_stopped);
     }
     if (h->phase != cam_hand_rest && is_too_old(o, r)) {
-        end(h, cam_hand_silent);
+        end_order(h, cam_hand_silent);
     }
     // Where U gets other numbers the target has them already, and the axis does not: it waits.
-    const bool are_at_rest = shift_nm == 0 && move(h, cfg, m);
+    const bool are_at_rest = shift_nm == 0 && move_axes(h, cfg, m);
     if (m->is_stopping && are_at_rest) {
         m->is_stopping = false;
         m->state = cam_state_off;
@@ -218,9 +218,9 @@ int32_t cam_hand_isr(cam_hand_t *h, const cam_play_config_t *cfg, const cam_tick
 
 void cam_hand_idle_isr(cam_hand_t *h, const cam_play_config_t *cfg, const cam_tick_record_t *r)
 {
-    forget(h, r->in.inputs);
+    forget_homes(h, r->in.inputs);
     h->serial = cfg->hand.order.serial;
     if (h->phase != cam_hand_rest) {
-        end(h, cam_hand_stopped);
+        end_order(h, cam_hand_stopped);
     }
 }

@@ -32,7 +32,7 @@ enum {
     hal_in_home_z = 1u << 5,      ///< hal_axis_t; what is not there is always 0
     hal_in_index_u = 1u << 6, ///< 1: an index mark of U's scale or encoder passed within the last
     hal_in_index_x = 1u << 7, ///< 0.4 ms, or since the last reading where that is longer. A port
-    hal_in_index_z = 1u << 8, ///< may hand a longer pulse through as it is
+    hal_in_index_z = 0x100u,  ///< may hand a longer pulse through as it is
 };
 
 /// Bits of hal_outputs_write_isr().
