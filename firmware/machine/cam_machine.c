@@ -53,9 +53,34 @@ static void report_damage(cam_machine_t *m)
     } // else a request is pending, and the next round of the check finds the damage again
 }
 
-cam_err_t cam_machine_select_table(cam_machine_t *m, const void *image, size_t size)
+/// @return whether the state, the sense and the speed of the spindle allow a table that is good
+static cam_err_t check_exchange(cam_machine_t *m, const cam_table_t *table)
 {
     const cam_status_t status = cam_machine_status(m);
+    if (cam_machine_is_pending(m, &status)) {
+        return cam_err_busy;
+    }
+    if (status.state == cam_state_off) {
+        return cam_ok;
+    }
+    if (status.state != cam_state_ready) {
+        return cam_err_state;
+    }
+    // The angle counts in the table's sense of rotation, so the other sense needs a new homing. The
+    // spindle turns, and takes the table's speed at once.
+    const bool is_same_sense = m->has_table && table->direction == m->table.direction;
+    return is_same_sense ? cam_machine_judge(m, &m->params, table) : cam_err_table_sense;
+}
+
+cam_err_t cam_machine_check_table(cam_machine_t *m, const void *image, size_t size)
+{
+    cam_table_t table;
+    const cam_err_t err = cam_table_check(image, size, &table);
+    return err == cam_ok ? check_exchange(m, &table) : err;
+}
+
+cam_err_t cam_machine_select_table(cam_machine_t *m, const void *image, size_t size)
+{
     cam_table_t table;
     cam_err_t err = cam_table_check(image, size, &table);
     if (err != cam_ok) {
@@ -64,21 +89,10 @@ cam_err_t cam_machine_select_table(cam_machine_t *m, const void *image, size_t s
         }
         return err;
     }
-    // The angle counts in the table's sense of rotation, so the other sense needs a new homing.
-    const bool is_same_sense = m->has_table && table.direction == m->table.direction;
-    if (cam_machine_is_pending(m, &status)) {
-        return cam_err_busy;
+    err = check_exchange(m, &table);
+    if (err == cam_ok) {
+        err = cam_machine_hand_over(m, &m->params, &table, cam_pass_first(&m->params, &table));
     }
-    if (status.state != cam_state_off && !(status.state == cam_state_ready && is_same_sense)) {
-        return cam_err_state;
-    }
-    if (status.state == cam_state_ready) { // the spindle turns, and takes the table's speed at once
-        err = cam_machine_judge(m, &m->params, &table);
-        if (err != cam_ok) {
-            return err;
-        }
-    }
-    err = cam_machine_hand_over(m, &m->params, &table, cam_pass_first(&m->params, &table));
     if (err == cam_ok) {
         m->table = table;
         m->has_table = true;
@@ -156,13 +170,26 @@ static void home_again(cam_machine_t *m)
     }
 }
 
-cam_err_t cam_machine_may_exchange(const cam_machine_t *m)
+/// @return whether the interrupt has taken all commands and configurations, and the state is off,
+/// or ready where that will do
+static cam_err_t check_idle(const cam_machine_t *m, bool will_ready_do)
 {
     const cam_status_t status = cam_machine_status(m);
     if (cam_machine_is_pending(m, &status) || status.config != m->generation || m->homes_again) {
         return cam_err_busy;
     }
-    return status.state == cam_state_off ? cam_ok : cam_err_state;
+    const bool is_ready = will_ready_do && status.state == cam_state_ready;
+    return status.state == cam_state_off || is_ready ? cam_ok : cam_err_state;
+}
+
+cam_err_t cam_machine_may_exchange(const cam_machine_t *m)
+{
+    return check_idle(m, true);
+}
+
+cam_err_t cam_machine_may_keep(const cam_machine_t *m)
+{
+    return check_idle(m, false);
 }
 
 /// See whether the pass has ended, and make the next one ready when it was cut to its end. While

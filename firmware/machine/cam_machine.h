@@ -99,10 +99,11 @@ typedef struct {
 void cam_machine_init(cam_machine_t *m, cam_t *core, uint32_t tick_hz, uint32_t clock_hz);
 
 /// Check an image and take it into use.
-/// @return cam_ok; an image error; cam_err_state when neither off nor ready, or when ready and the
-///         table turns in the other sense; a feasibility error when ready; cam_err_busy. On error
-///         the old table stays in force, unless the bad image is the one at the very address of
-///         the old table: that is then treated as damaged, as if cam_machine_poll() had found it.
+/// @return cam_ok; an image error; cam_err_state when neither off nor ready; cam_err_table_sense
+///         when ready and the table turns in the other sense; a feasibility error when ready;
+///         cam_err_busy. On error the old table stays in force, unless the bad image is the one at
+///         the very address of the old table: that is then treated as damaged, as if
+///         cam_machine_poll() had found it.
 /// Context: lasts as long as cam_table_check().
 CAM_MUST_USE cam_err_t cam_machine_select_table(cam_machine_t *m, const void *image, size_t size);
 
@@ -170,9 +171,16 @@ CAM_MUST_USE cam_err_t cam_machine_enable(cam_machine_t *m);
 /// @return as cam_machine_enable() in off, as cam_machine_disable() in ready
 CAM_MUST_USE cam_err_t cam_machine_home(cam_machine_t *m);
 
-/// @return cam_ok when another table may be written and selected: the state is off, and the
-///         interrupt has taken all commands and configurations; else cam_err_state, cam_err_busy
+/// @return cam_ok when another table may be written and selected: the state is off or ready, in
+///         which no tick reads a table, and the interrupt has taken all commands and
+///         configurations; else cam_err_state, cam_err_busy
 CAM_MUST_USE cam_err_t cam_machine_may_exchange(const cam_machine_t *m);
+
+/// @return the same for parameters that are to be kept, but in off alone
+CAM_MUST_USE cam_err_t cam_machine_may_keep(const cam_machine_t *m);
+
+/// Judge an image as cam_machine_select_table() does, without taking it into use.
+CAM_MUST_USE cam_err_t cam_machine_check_table(cam_machine_t *m, const void *image, size_t size);
 
 /// Take the enable away: homing, ready -> off; manual -> off as soon as the axes rest. @return
 /// cam_ok, cam_err_state, cam_err_busy

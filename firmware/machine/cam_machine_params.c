@@ -238,7 +238,7 @@ bool cam_machine_load_params(cam_machine_t *m)
 cam_err_t cam_machine_save_params(cam_machine_t *m)
 {
     static char text[cam_keep_most_bytes];
-    const cam_err_t err = cam_machine_may_exchange(m);
+    const cam_err_t err = cam_machine_may_keep(m);
     if (err != cam_ok) {
         return err;
     }

@@ -30,11 +30,14 @@ static cam_err_t select_in_place(cam_machine_t *m)
     return cam_machine_select_table(m, place.bytes, size);
 }
 
-/// Make the place of the download the one in use. This comes first, because afterwards nothing can
-/// refuse the table: it has been checked.
+/// Make the place of the download the one in use. Before, the table is judged as it will be when it
+/// is taken: behind this step nothing may refuse it.
 static cam_err_t take_downloaded(cam_store_t *s)
 {
-    const cam_err_t err = cam_machine_may_exchange(s->machine);
+    cam_err_t err = cam_machine_may_exchange(s->machine);
+    if (err == cam_ok) {
+        err = cam_machine_check_table(s->machine, hal_table_staged().bytes, s->size);
+    }
     if (err != cam_ok) {
         return err;
     }
@@ -46,15 +49,17 @@ static cam_err_t take_downloaded(cam_store_t *s)
 
 bool cam_store_is_of_moment(cam_err_t err)
 {
-    return err == cam_err_state || err == cam_err_busy || err == cam_err_download_store;
+    return err == cam_err_state || err == cam_err_busy || err == cam_err_download_store ||
+           err == cam_err_table_sense;
 }
 
 cam_err_t cam_store_select(cam_store_t *s)
 {
     cam_err_t err = s->is_checked ? take_downloaded(s) : cam_ok;
-    if (err == cam_ok) {
-        err = select_in_place(s->machine);
+    if (err != cam_ok) {
+        return err; // the table in use stays, and what is known of it
     }
+    err = select_in_place(s->machine);
     if (!cam_store_is_of_moment(err)) {
         s->err = err;
     }

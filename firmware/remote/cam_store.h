@@ -6,8 +6,9 @@
 ///
 /// Only the last step touches the table in use, and only when the new one is complete: its bytes
 /// are the ones that were sent (CRC-32), and cam_table_check() finds it good. Any error before, or
-/// a new begin, leaves the old table in force. All steps need state off. All functions: slow side,
-/// main() only.
+/// a new begin, leaves the old table in force. All steps need the state off or ready, in which no
+/// tick reads a table; in ready the new table must turn in the same sense and be feasible. All
+/// functions: slow side, main() only.
 #ifndef CAM_STORE_H
 #define CAM_STORE_H
 
@@ -43,7 +44,7 @@ typedef struct {
 /// @param machine  initialised; kept
 void cam_store_init(cam_store_t *s, cam_machine_t *machine);
 
-/// Take a table into use: the downloaded one if it is complete, which needs state off; otherwise
+/// Take a table into use: the downloaded one if it is complete; otherwise
 /// the one in the place in use, which is checked anew.
 /// @return as cam_machine_select_table(); cam_err_no_table when the place is empty;
 ///         cam_err_download_store when the port could not keep the downloaded table: the old one

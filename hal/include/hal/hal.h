@@ -209,7 +209,7 @@ hal_start_t hal_start(void);
 hal_image_t hal_table_image(void);
 
 // A second place of the same kind takes a new table while the first is in use. The next four
-// functions are called in state off only, when no tick reads a table. They may block, but cam_isr()
+// functions are called in the states off and ready only, when no tick reads a table. They may block, but cam_isr()
 // and the watchdog's supervision of main() must go on meanwhile.
 
 /// Empty the place that is not in use, for an image. What it held is lost, including the pieces of

@@ -114,27 +114,40 @@ static void test_memory_that_fails_leaves_the_old_table(void)
     TEST_ASSERT_EQUAL_STRING("other skirt", d.can.rig.machine.table.name);
 }
 
-static void test_a_download_goes_on_in_off_only(void)
+/// The next part: its table comes while the machine is ready, and the next start cuts it.
+static void test_a_download_goes_on_in_ready_and_is_selected_there(void)
 {
     expect_begin(&d);
     expect_blocks(&d, 0, 2);
     TEST_ASSERT_TRUE(fixture_rig_bring(&d.can.rig, cam_state_ready));
-    expect_block(&d, cam_err_state, 2 * fixture_block_bytes, fixture_block_bytes,
-                 2 * fixture_block_bytes);
-    TEST_ASSERT_EQUAL_INT32(
-        cam_err_state, fixture_download_send(&d, fixture_begin, (uint32_t)d.other.size).result);
-    TEST_ASSERT_EQUAL_INT32(
-        cam_err_state, fixture_download_send(&d, fixture_end, fixture_download_crc(&d)).result);
-    TEST_ASSERT_EQUAL_INT32(cam_ok, fixture_download_send(&d, disable, 0).result);
     fixture_can_loop(&d.can, 2);
     expect_blocks(&d, 2, fixture_download_blocks(&d));
     TEST_ASSERT_EQUAL_INT32(
         cam_ok, fixture_download_send(&d, fixture_end, fixture_download_crc(&d)).result);
-    TEST_ASSERT_TRUE(fixture_rig_bring(&d.can.rig, cam_state_ready));
-    TEST_ASSERT_EQUAL_INT32(cam_err_state, fixture_download_send(&d, fixture_select, 0).result);
     TEST_ASSERT_EQUAL_STRING("short skirt", d.can.rig.machine.table.name);
-    TEST_ASSERT_EQUAL_INT32(cam_ok, fixture_download_send(&d, disable, 0).result);
+    TEST_ASSERT_EQUAL_INT32(cam_ok, fixture_download_send(&d, fixture_select, 0).result);
+    TEST_ASSERT_EQUAL_STRING("other skirt", d.can.rig.machine.table.name);
     fixture_can_loop(&d.can, 2);
+    TEST_ASSERT_EQUAL_INT(cam_state_ready, fixture_rig_status(&d.can.rig).state);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_start(&d.can.rig.machine));
+}
+
+/// What the running spindle cannot cut is refused before the place in use changes.
+static void test_an_infeasible_table_is_refused_in_ready_and_stays_downloaded(void)
+{
+    expect_begin(&d);
+    expect_blocks(&d, 0, fixture_download_blocks(&d));
+    TEST_ASSERT_EQUAL_INT32(
+        cam_ok, fixture_download_send(&d, fixture_end, fixture_download_crc(&d)).result);
+    TEST_ASSERT_TRUE(fixture_rig_bring(&d.can.rig, cam_state_ready));
+    d.can.rig.machine.params.feed_override_ppm = 1500000;
+    d.can.rig.machine.params.z_is_measured = 1; // both together are refused
+    TEST_ASSERT_EQUAL_INT32(cam_err_override_measured,
+                            fixture_download_send(&d, fixture_select, 0).result);
+    TEST_ASSERT_EQUAL_STRING("short skirt", d.can.rig.machine.table.name);
+    TEST_ASSERT_EQUAL_PTR(d.can.rig.machine.table.image, hal_table_image().bytes);
+    d.can.rig.machine.params.feed_override_ppm = 1000000;
+    d.can.rig.machine.params.z_is_measured = 0;
     TEST_ASSERT_EQUAL_INT32(cam_ok, fixture_download_send(&d, fixture_select, 0).result);
     TEST_ASSERT_EQUAL_STRING("other skirt", d.can.rig.machine.table.name);
 }
@@ -175,8 +188,8 @@ static void test_a_table_in_use_is_not_overwritten_after_a_select_that_failed(vo
     ((uint8_t *)(uintptr_t)hal_table_staged().bytes)[2000] ^= 1u; // the memory loses a bit
     TEST_ASSERT_EQUAL_INT32(cam_err_image_crc, fixture_download_send(&d, fixture_select, 0).result);
     TEST_ASSERT_EQUAL_STRING("short skirt", d.can.rig.machine.table.name);
-    TEST_ASSERT_EQUAL_INT32(
-        cam_err_state, fixture_download_send(&d, fixture_begin, (uint32_t)d.other.size).result);
+    TEST_ASSERT_EQUAL_PTR(d.can.rig.machine.table.image, hal_table_image().bytes);
+    expect_begin(&d);
 }
 
 int main(void)
@@ -187,7 +200,8 @@ int main(void)
     RUN_TEST(test_blocks_beyond_the_end_are_refused);
     RUN_TEST(test_a_block_too_long_for_the_controller_is_told_by_flow_control);
     RUN_TEST(test_memory_that_fails_leaves_the_old_table);
-    RUN_TEST(test_a_download_goes_on_in_off_only);
+    RUN_TEST(test_a_download_goes_on_in_ready_and_is_selected_there);
+    RUN_TEST(test_an_infeasible_table_is_refused_in_ready_and_stays_downloaded);
     RUN_TEST(test_the_cut_refuses_everything);
     RUN_TEST(test_a_command_on_its_way_makes_it_wait);
     RUN_TEST(test_a_table_in_use_is_not_overwritten_after_a_select_that_failed);

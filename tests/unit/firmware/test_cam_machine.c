@@ -246,7 +246,7 @@ static void test_select_table_needs_a_good_one_and_the_right_state(void)
     fixture_part_t reversed = part;
     reversed.direction = -1;
     fixture_image_make(&rig.image, &reversed);
-    TEST_ASSERT_EQUAL_INT(cam_err_state,
+    TEST_ASSERT_EQUAL_INT(cam_err_table_sense,
                           cam_machine_select_table(&rig.machine, rig.image.bytes, rig.image.size));
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_start(&rig.machine));
     fixture_rig_tick(&rig);

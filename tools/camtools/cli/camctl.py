@@ -20,7 +20,7 @@ from typing import TextIO
 from camtools.base.command import Interrupted, run_command
 from camtools.base.errors import CamtoolsError
 from camtools.base.output import growing
-from camtools.cli import camctl_hand
+from camtools.cli import camctl_cut, camctl_hand
 from camtools.cli.bus import open_controller
 from camtools.cli.camctl_excite import excite, learned
 from camtools.cli.camctl_options import PLAIN, QUICK, make_parser
@@ -40,7 +40,7 @@ from camtools.link.watch import COLUMNS, Dashboard, line, report, row, table_rep
 
 REFUSED = 1
 HOME_S, CUT_S = 60.0, 3600.0
-IN_WORK = ("rehearsing", "engaging", "cutting", "disengaging")
+IN_WORK = ("rehearsing", "engaging", "cutting", "holding", "disengaging")
 
 
 class Control:
@@ -218,7 +218,7 @@ class Control:
         if len(image) < 128 or not image.startswith(b"CAMTAB"):
             raise CamtoolsError([f"{arguments.file}: not a cam table; make one by tools/mktables"])
         self._download(image)
-        if arguments.select:
+        if arguments.table == "next" or arguments.select:
             self.select(arguments)
 
     def _download(self, image: bytes) -> None:
@@ -244,6 +244,18 @@ class Control:
         self.link.status.signals.clear()
         for text in table_report(self.link.listen()):
             self.say(text)
+
+    def override(self, arguments: argparse.Namespace) -> None:
+        """Set or print an override."""
+        camctl_cut.override(self.link, arguments, self.say)
+
+    def trim(self, arguments: argparse.Namespace) -> None:
+        """Set or print the trim of X."""
+        camctl_cut.trim(self.link, arguments, self.say)
+
+    def parts(self, arguments: argparse.Namespace) -> None:
+        """Set or print the number of parts."""
+        camctl_cut.parts(self.link, arguments, self.say)
 
     def jog(self, arguments: argparse.Namespace) -> None:
         """Move an axis by hand."""

@@ -13,6 +13,7 @@ from pathlib import Path
 from camtools.base.argument_types import finite, not_negative, positive
 from camtools.base.command import Parser
 from camtools.cli.bus import add_bus_options
+from camtools.cli.camctl_cut import add_cut
 from camtools.cli.camctl_hand import N_TOOLS
 from camtools.cli.camctl_params import FILES, MEMORY
 from camtools.link.controller import NUMBERS
@@ -20,7 +21,7 @@ from camtools.link.hand import AXES
 from camtools.link.scope import DEFAULT_SIGNALS
 from camtools.link.trigger import GRAMMAR
 
-PLAIN = ("enable", "disable", "home", "manual", "start", "stop", "reset")
+PLAIN = ("enable", "disable", "home", "manual", "start", "stop", "hold", "resume", "reset")
 QUICK = {
     "speed": "spindle speed in r/min from the next start on; 0: the table's",
     "feed": "feed in mm per turn from the next start on; 0: the table's",
@@ -33,6 +34,8 @@ _WHAT = {
     "home": "find the index, anew when ready, and wait until ready; of an axis in manual: its home",
     "manual": "enable the drives without the spindle, to move axes by hand",
     "start": "cut a part",
+    "hold": "rest Z on a whole turn while U goes on",
+    "resume": "end the hold",
     "stop": "end the cut: disengage; in manual: brake",
     "reset": "leave the fault state",
 }
@@ -141,6 +144,7 @@ def make_parser() -> argparse.ArgumentParser:
     for name, what in QUICK.items():
         commands.add_parser(name, help=what).add_argument("value", type=finite)
     _add_hand(commands)
+    add_cut(commands)
     commands.add_parser("get", help="print parameters").add_argument("names", nargs="+")
     one = commands.add_parser("set", help="set a parameter")
     one.add_argument("name")
@@ -162,6 +166,8 @@ def make_parser() -> argparse.ArgumentParser:
     table = commands.add_parser("table", help="the table in use, download of another")
     actions = table.add_subparsers(dest="table", required=True, metavar="ACTION")
     actions.add_parser("info", help="name, size, CRC-32, generation")
+    one = actions.add_parser("next", help="download a table and take it into use, also in ready")
+    one.add_argument("file", type=Path)
     one = actions.add_parser("download", help="bring a table beside the one in use, check it there")
     one.add_argument("file", type=Path)
     one.add_argument("--select", action="store_true", help="take it into use at once")

@@ -14,8 +14,11 @@ from camtools.link.controller import NAMES, NUMBERS, REFUSALS, Answer, Link, Ref
 REMEDIES = {
     "state": "see status; the order is enable, start, stop, disable, and reset behind a fault; by "
     "hand manual, jog, home, disable",
-    "param_state": "only phase_udeg and amplitude_ppm change while cutting, most others in ready, "
-    "all in off",
+    "param_state": "only phase, amplitude, trim and the overrides change while cutting, most "
+    "others in ready, all in off",
+    "override_rings": "hold it instead, or set the feed before the cut",
+    "override_measured": "change the feed where it is made",
+    "table_sense": "disable, then select",
     "param_tick": "observer_bandwidth_mHz is at most 80 x the tick rate in Hz, lead_ns 61 ticks",
     "estop": "release the emergency stop",
     "drive": "see that all drives are ready",
@@ -42,6 +45,9 @@ _SETTERS = {
     "set_feed": "feed_nm",
     "set_amplitude": "amplitude_ppm",
     "set_phase": "phase_udeg",
+    "set_feed_override": "feed_override_ppm",
+    "set_spindle_override": "spindle_override_ppm",
+    "set_trim": "x_trim_nm",
 }
 
 
@@ -110,6 +116,7 @@ DEMANDS = {
         "swing acceleration", "deg/s2", 1, "swing_acceleration_deg_per_s2", "swing_acceleration"
     ),
 }
+_TRIM = Excess("trim of the radius", "mm", 1e-6, "x_trim_limit_nm", "x_trim_limit")
 
 
 def _last_refusal(link: Link) -> dict[str, int]:
@@ -152,6 +159,8 @@ def _by_numbers(link: Link, answer: Answer) -> str:
         return f"{name} cannot change in this state; {REMEDIES['param_state']}"
     if answer.result == "param_tick":
         return f"{name} {needed} exceeds {limit}, the most at this tick rate"
+    if answer.result == "trim_limit":
+        return _TRIM.text(needed, limit, _TRIM.label)
     if answer.result in DEMANDS:
         demand = DEMANDS[answer.result]
         label = _label(link, answer, demand, limit)
@@ -177,7 +186,7 @@ def explain(link: Link, answer: Answer) -> str:
         low, high = answer.limits
         name = NAMES["parameter"].get(answer.parameter, str(answer.parameter))
         return f"out of range; {name} is {low:.9g} .. {high:.9g}"
-    is_numbered = answer.result in DEMANDS or answer.result in ("param_state", "param_tick")
+    is_numbered = answer.result in (*DEMANDS, "param_state", "param_tick", "trim_limit")
     remedy = REMEDIES.get(answer.result)
     text = _by_numbers(link, answer) if is_numbered else ""
     return f"refused: {text or what}" + (f"; {remedy}" if remedy and not text else "")

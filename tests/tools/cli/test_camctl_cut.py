@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What changes in the cut, with tools/camctl, against the firmware with an ideal machine."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from camctl_bench import Bench
+
+pytestmark = pytest.mark.alone  # the controller keeps pace with the clock
+
+
+def test_feed_is_overridden_held_and_goes_on(bench: Bench, tmp_path: Path) -> None:
+    """The state tells of the hold; the part ends whole and is counted."""
+    bench.do("home")
+    assert bench.do("parts", "7") == "parts = 7\n"
+    assert bench.do("override", "feed", "20") == "override feed = 20 %\n"
+    bench.do("start")
+    assert bench.do("hold").startswith("hold: ")
+    held = [bench.do("status") for _ in range(20)]
+    assert any("holding" in text for text in held)
+    assert bench.do("resume").startswith("resume: ")
+    assert bench.do("override", "feed", "150") == "override feed = 150 %\n"
+    assert bench.do("override", "spindle", "90") == "override spindle = 90 %\n"
+    assert bench.do("override", "spindle") == "override spindle = 90 %\n"
+    bench.do("record", tmp_path / "cut.csv", "--cut")
+    assert bench.do("parts") == "parts = 8\n"
+
+
+def test_trim_is_of_diameter_or_radius(
+    bench: Bench, refusal: Callable[[Bench, int, str], str]
+) -> None:
+    """A diameter counts twice; beyond the limit the refusal has the numbers."""
+    assert bench.do("trim", "diameter", "-0.012") == "trim: diameter -0.012 mm, radius -0.006 mm\n"
+    assert bench.do("get", "x_trim_nm") == "x_trim_nm = -6000\n"
+    assert bench.do("trim", "radius", "0.2") == "trim: diameter 0.4 mm, radius 0.2 mm\n"
+    assert "0.25 mm exceeds x_trim_limit 0.2 mm" in refusal(bench, 1, "trim radius 0.25")
+    assert bench.do("trim", "radius") == "trim: diameter 0.4 mm, radius 0.2 mm\n"
+
+
+def test_what_is_out_of_place_is_refused(
+    bench: Bench, refusal: Callable[[Bench, int, str], str]
+) -> None:
+    """No hold without a cut, no resume without a hold, no override out of range."""
+    assert "hold: refused: state" in refusal(bench, 1, "hold")
+    assert "resume: refused: state" in refusal(bench, 1, "resume")
+    assert "150" in refusal(bench, 2, "override feed 151")
+    assert "50" in refusal(bench, 2, "override spindle 49")
+    assert "out of range" in refusal(bench, 1, "set feed_override_ppm 1500001")
