@@ -76,7 +76,10 @@ def zero(link: Link, arguments: argparse.Namespace, say: Say) -> None:
     value: float | None = getattr(arguments, given)
     if value is None or getattr(arguments, other) is not None:
         raise CamtoolsError([f"zero {axis}: give --{given} MM, and nothing else"])
-    answer = ask_done(link, f"zero_{axis}", **{given: value})
+    if axis == "x":
+        answer = ask_done(link, "zero_x", diameter=value)
+    else:
+        answer = ask_done(link, "zero_z", height=value)
     say(f"zero {axis}: {given} {value:.9g} mm here, datum {answer.value:.6f} mm")
 
 
