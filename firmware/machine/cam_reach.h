@@ -16,4 +16,10 @@
 /// Source: MATHS.md (183).
 uint32_t cam_reach_form_pm(const cam_table_t *table);
 
+/// @param counts_per_turn  of the spindle's encoder, positive
+/// @return [pm] the most by which a count of the encoder moves U at uniform speed, rounded down,
+///         saturated. Half of it bounds what the counts cost of form where edges have no time.
+/// Source: MATHS.md (185).
+uint32_t cam_reach_count_pm(const cam_table_t *table, int32_t counts_per_turn);
+
 #endif

@@ -322,7 +322,7 @@ void cam_can_init(cam_can_t *r, cam_machine_t *machine)
     cam_lines_start(&r->report.start);
     cam_lines_params(machine);
     (void)select_and_say(r);
-    cam_lines_scales(machine->has_table ? &machine->table : NULL);
+    cam_lines_scales(machine);
 }
 
 void cam_can_poll(cam_can_t *r)

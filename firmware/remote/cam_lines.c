@@ -123,7 +123,26 @@ static void add_axis(line_t *line, const char *name, const hal_axis_scale_t *sca
     }
 }
 
-void cam_lines_scales(const cam_table_t *table)
+/// Say what follows for the form of the part.
+static void say_reach(const cam_machine_t *machine)
+{
+    const cam_table_t *table = machine->has_table ? &machine->table : NULL;
+    line_t line = {.n = 0};
+    add(&line, "form error by the steps of the outputs: ");
+    const uint32_t form_nm = cam_reach_form_pm(table) / 1000u;
+    add_number(&line, form_nm / 1000u);
+    add(&line, form_nm % 1000u < 10u ? ".00" : form_nm % 1000u < 100u ? ".0" : ".");
+    add_number(&line, form_nm % 1000u);
+    add(&line, " um");
+    if (table != NULL) {
+        add(&line, "; a count of the encoder is ");
+        add_nm(&line, cam_reach_count_pm(table, machine->params.counts_per_turn));
+        add(&line, " of U");
+    }
+    hal_text(line.text);
+}
+
+void cam_lines_scales(const cam_machine_t *machine)
 {
     static const char *const names[hal_n_axes] = {
         [hal_axis_u] = "U ", [hal_axis_x] = "X ", [hal_axis_z] = "Z "};
@@ -137,18 +156,10 @@ void cam_lines_scales(const cam_table_t *table)
             before = "; ";
         }
     }
-    if (line.n == 0u) {
-        return;
+    if (line.n > 0u) {
+        hal_text(line.text);
+        say_reach(machine);
     }
-    hal_text(line.text);
-    line.n = 0;
-    const uint32_t form_nm = cam_reach_form_pm(table) / 1000u;
-    add(&line, "form error by the steps of the outputs: ");
-    add_number(&line, form_nm / 1000u);
-    add(&line, form_nm % 1000u < 10u ? ".00" : form_nm % 1000u < 100u ? ".0" : ".");
-    add_number(&line, form_nm % 1000u);
-    add(&line, " um");
-    hal_text(line.text);
 }
 
 void cam_lines_table(cam_lines_t *l, const cam_store_t *store)

@@ -27,9 +27,9 @@ void cam_lines_params(const cam_machine_t *machine);
 
 /// Report what the outputs and scales of the axes resolve, how fast the outputs are, and the form
 /// error that their steps cost, as far as the port names them: for example "scales: U 30.5 nm, read
-/// to 100.0 nm; X 50.0 nm up to 36000 um/s" and "form error by the steps of the outputs: 0.040 um".
-/// @param table  in use; NULL: none
-void cam_lines_scales(const cam_table_t *table);
+/// to 100.0 nm; X 50.0 nm up to 36000 um/s" and "form error by the steps of the outputs: 0.040 um;
+/// a count of the encoder is 94.2 nm of U". The last is for the table in use.
+void cam_lines_scales(const cam_machine_t *machine);
 
 /// Report the result of the last check of the table.
 void cam_lines_table(cam_lines_t *l, const cam_store_t *store);

@@ -4,6 +4,7 @@
 #include "fixture_can.h"
 #include "hal_host.h"
 #include "unity.h"
+#include <math.h>   // floor
 #include <stdio.h>  // snprintf
 #include <string.h> // strlen, memset
 
@@ -344,8 +345,13 @@ static void test_start_tells_the_scales_and_their_form_error(void)
     TEST_ASSERT_EQUAL_STRING(
         "scales: U 30.5 nm, read to 100.0 nm; X 50.0 nm up to 200000 um/s; Z 10.0 nm",
         fixture_can_line(1));
-    TEST_ASSERT_EQUAL_STRING("form error by the steps of the outputs: 0.040 um",
-                             fixture_can_line(0));
+    char expected[128];
+    const double count_nm = f.rig.machine.table.u1_peak_nm_per_rad * 6.283185 / 10000.0;
+    (void)snprintf(expected, sizeof expected,
+                   "form error by the steps of the outputs: 0.040 um; a count of the encoder is "
+                   "%.1f nm of U",
+                   floor(10.0 * count_nm) / 10.0);
+    TEST_ASSERT_EQUAL_STRING(expected, fixture_can_line(0));
     scale[hal_axis_u].command_pm = 0; // the port does not know it
     scale[hal_axis_x].command_pm = 6103515;
     fixture_can_start(&f);

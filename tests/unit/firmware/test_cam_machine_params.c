@@ -211,6 +211,21 @@ static void test_refusal_tells_demand_and_limit(void)
     TEST_ASSERT_EQUAL_INT(cam_n_params, last->param);
 }
 
+/// A port with steps begins with what they pass on, and a higher speed is refused with that number.
+static void test_speed_beyond_an_output_is_refused_with_the_highest(void)
+{
+    hal_host.slow.scale[hal_axis_x].most_um_per_s = 36000;
+    cam_machine_init(machine(), &g_cam, 20000, hal_host_clock_hz);
+    TEST_ASSERT_EQUAL_INT32(36000, machine()->params.x_speed_um_per_s);
+    TEST_ASSERT_EQUAL_INT32(200000, machine()->params.z_speed_um_per_s);
+    TEST_ASSERT_EQUAL_INT(cam_err_param_output,
+                          cam_machine_set_param(machine(), cam_param_x_speed_um_per_s, 36001));
+    TEST_ASSERT_EQUAL_INT(cam_err_param_output, machine()->refusal.why.err);
+    TEST_ASSERT_EQUAL_INT64(36001, machine()->refusal.why.needed);
+    TEST_ASSERT_EQUAL_INT64(36000, machine()->refusal.why.limit);
+    TEST_ASSERT_EQUAL_INT(cam_param_x_speed_um_per_s, machine()->refusal.param);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -224,5 +239,6 @@ int main(void)
     RUN_TEST(test_kept_parameters_that_cannot_be_used_are_told);
     RUN_TEST(test_kept_parameters_of_another_image_are_told);
     RUN_TEST(test_refusal_tells_demand_and_limit);
+    RUN_TEST(test_speed_beyond_an_output_is_refused_with_the_highest);
     return UNITY_END();
 }

@@ -48,6 +48,17 @@ static void test_form_without_a_word_of_the_port_is_nothing(void)
     TEST_ASSERT_EQUAL_UINT32(0, cam_reach_form_pm(&table));
 }
 
+/// u = 0.075 mm (1 - cos 2 a) has the slope 150 um; a count of 10 000 is 0.628 mrad.
+static void test_count_is_the_way_of_u_in_it(void)
+{
+    table.u1_peak_nm_per_rad = 150000;
+    TEST_ASSERT_EQUAL_UINT32(94247, cam_reach_count_pm(&table, 10000));
+    TEST_ASSERT_EQUAL_UINT32(14726214, cam_reach_count_pm(&table, 64));
+    table.u1_peak_nm_per_rad = UINT32_MAX;
+    TEST_ASSERT_EQUAL_UINT32(UINT32_MAX, cam_reach_count_pm(&table, 64));
+    TEST_ASSERT_EQUAL_UINT32(1608495, cam_reach_count_pm(&table, 16777216));
+}
+
 static void test_form_of_extremes_is_saturated(void)
 {
     set_steps(UINT32_MAX, UINT32_MAX, UINT32_MAX);
@@ -63,6 +74,7 @@ int main(void)
     RUN_TEST(test_form_of_a_skirt_is_half_of_each_step_and_of_z_by_the_slope);
     RUN_TEST(test_form_without_a_table_or_of_a_lobe_takes_no_z);
     RUN_TEST(test_form_without_a_word_of_the_port_is_nothing);
+    RUN_TEST(test_count_is_the_way_of_u_in_it);
     RUN_TEST(test_form_of_extremes_is_saturated);
     return UNITY_END();
 }
