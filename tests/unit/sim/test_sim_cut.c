@@ -51,6 +51,33 @@ static void test_matched_machine_cuts_within_a_micrometre(void)
     TEST_ASSERT_TRUE(cut.session.work.max_um < 1.0);
 }
 
+/// Whatever the operator does to feed and spindle, the form is that of the cut left alone.
+static void test_override_hold_and_resume_leave_the_form_as_it_is(void)
+{
+    TEST_ASSERT_EQUAL_INT(sim_cut_done, run());
+    const double alone_um = cut.session.work.max_um;
+    sim_cut_close(&cut);
+    inject("feed-override@0.05:30");
+    inject("hold@0.2");
+    inject("resume@0.6");
+    inject("feed-override@0.8:150");
+    inject("spindle-override@0.3:90");
+    TEST_ASSERT_EQUAL_INT(sim_cut_done, run());
+    TEST_ASSERT_TRUE(cut.session.cut_turns > 25.0);
+    TEST_ASSERT_DOUBLE_WITHIN(0.1, alone_um, cut.session.work.max_um);
+}
+
+/// The trim is what the part becomes too small by.
+static void test_trim_is_on_the_radius_while_it_cuts(void)
+{
+    options.session.config.lathe.encoder.jitter_counts = 0.0;
+    inject("hold@0.08");
+    inject("trim@0.2:-3");
+    inject("resume@0.6");
+    TEST_ASSERT_EQUAL_INT(sim_cut_done, run());
+    TEST_ASSERT_DOUBLE_WITHIN(0.3, 3.0, cut.session.work.max_um);
+}
+
 static void test_without_feed_forward_and_lead_it_is_off_by_tens_of_micrometres(void)
 {
     options.is_without_feed_forward = true;
@@ -230,6 +257,8 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_matched_machine_cuts_within_a_micrometre);
+    RUN_TEST(test_override_hold_and_resume_leave_the_form_as_it_is);
+    RUN_TEST(test_trim_is_on_the_radius_while_it_cuts);
     RUN_TEST(test_without_feed_forward_and_lead_it_is_off_by_tens_of_micrometres);
     RUN_TEST(test_same_seed_repeats_bit_for_bit);
     RUN_TEST(test_reversed_encoder_and_direction_cut_the_same_part);
