@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Changes of all parameters at once, the ones that are kept, and the numbers of a refusal.
+#include "cam_machine_hand.h" // cam_machine_jog
 #include "fixture_can.h"
 #include "hal_host.h"
 #include "unity.h"
@@ -92,6 +93,20 @@ static void test_feed_forward_changes_in_ready_while_u_rests(void)
         TEST_ASSERT_EQUAL_INT32(before_nm, f.rig.last.out[hal_axis_u].pos_nm);
     }
     TEST_ASSERT_EQUAL_INT(cam_state_ready, fixture_rig_status(&f.rig).state);
+}
+
+/// In manual U may be jogged, and its feed-forward then stays as it is.
+static void test_feed_forward_stays_while_u_is_jogged(void)
+{
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_manual(machine()));
+    fixture_rig_ticks(&f.rig, 20);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_jog(machine(), hal_axis_u, 1000).err);
+    fixture_rig_ticks(&f.rig, 200);
+    TEST_ASSERT_FALSE(fixture_rig_status(&f.rig).is_u_at_rest);
+    TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_machine_set_param(machine(), cam_param_k1_ns, 400000));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stop(machine()));
+    fixture_rig_ticks(&f.rig, 400);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_set_param(machine(), cam_param_k1_ns, 400000));
 }
 
 static void expect_kept(cam_kept_t kept)
@@ -233,6 +248,7 @@ int main(void)
     RUN_TEST(test_commit_that_is_refused_leaves_all_as_they_were);
     RUN_TEST(test_commit_behind_a_change_by_another_is_refused);
     RUN_TEST(test_feed_forward_changes_in_ready_while_u_rests);
+    RUN_TEST(test_feed_forward_stays_while_u_is_jogged);
     RUN_TEST(test_saved_parameters_are_there_after_a_restart);
     RUN_TEST(test_save_is_refused_out_of_off_and_when_the_port_fails);
     RUN_TEST(test_defaults_and_kept_parameters_come_back);

@@ -39,6 +39,7 @@ _GROUPS = {
     "spindle": ("spindle", "stopped"),
     "swing": ("swing",),
     "cut": ("phase", "amplitude", "engage", "disengage", "feed", "pass"),
+    "tools": ("tool",),
     "switches": ("switch",),
     "other": ("",),
 }
