@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// This file is the project's own. What halcompile makes of it is linked with LinuxCNC and is then GPL,
-// which the line `license` declares for the module.
+// This file is the project's own. What halcompile makes of it is linked with LinuxCNC, which is why the
+// line `license` declares the module GPL.
 component camturn "turns and grinds non-circular sections from tables of the spindle's angle";
 description """
 Plays a table of camturn on a fast tool axis U: every set-point follows the angle of the spindle, with its dead time and
