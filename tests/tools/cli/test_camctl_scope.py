@@ -78,6 +78,7 @@ def test_u_plays_what_the_file_says(bench: Bench, wave: Path, tmp_path: Path) ->
     assert np.all(played == (tone(HEIGHT_NM) - 300_000) * 64)
     assert np.all(np.diff(np.array(told["tick"], np.int64)) == 1)
     assert "state             ready" in bench.do("status")
+    assert "black box         it records" in bench.do("blackbox")
 
 
 def test_an_excitation_needs_ready_and_room(

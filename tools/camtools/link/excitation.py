@@ -30,6 +30,7 @@ from camtools.link.scope import (
     phase,
     put,
     read,
+    release,
     require,
 )
 
@@ -139,6 +140,7 @@ def excite(
     if excited != "done":
         raise Refused(f"{link.where}: the excitation was cut short: {excited}")
     recording = read(link, progress)
+    release(link)  # the black box has its memory back
     if recording.end != "state_left":
         why = "the memory is full" if recording.end == "full" else "ticks were lost"
         raise Refused(f"{link.where}: the recording is not whole, {why}; fewer signals or periods")
