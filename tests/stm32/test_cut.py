@@ -8,7 +8,7 @@ from itertools import pairwise
 import pytest
 
 from board import COUNTS_PER_TURN, INDEX_AT, Outputs
-from host import internal_word, make_table, positions, replay, steps, words
+from host import MOST_UM_PER_S, internal_word, make_table, positions, replay, steps, words
 from remote import DISABLE, START
 from session import Session
 from tick_trace import Record
@@ -130,6 +130,16 @@ def test_steps_are_the_set_points(cut: Session) -> None:
         off = [seen.steps[i] - steps(axis, record[name]) - offset for record, seen in in_cut]
         assert sum(map(bool, off)) <= 3
         assert off[-1] == 0
+
+
+def test_start_tells_what_the_scales_resolve(cut: Session) -> None:
+    """The lines have the numbers of board_config.h; half a step of U and of X is 0.040 um."""
+    lines = cut.remote.lines()
+    x = f"X 50.0 nm up to {MOST_UM_PER_S['X']} um/s"
+    z = f"Z 500.0 nm up to {MOST_UM_PER_S['Z']} um/s, read to 1000.0 nm"
+    assert f"scales: U 30.5 nm, read to 100.0 nm; {x}; {z}" in lines
+    form = next(line for line in lines if line.startswith("form error by the steps"))
+    assert 0.040 <= float(form.split()[8]) < 0.1
 
 
 def test_steps_keep_the_times_of_a_drive(cut: Session) -> None:
