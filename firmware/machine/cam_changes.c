@@ -17,7 +17,7 @@ int32_t cam_changes_feed_ppm(const cam_params_t *params)
     return asked_ppm < cam_changes_least_feed_ppm ? 0 : asked_ppm;
 }
 
-static void build_feed(cam_play_config_t *c, const cam_params_t *p)
+static void build_feed_rate(cam_play_config_t *c, const cam_params_t *p)
 {
     const int64_t ppm = cam_changes_feed_ppm(p);
     c->feed_rate_q30 = (int32_t)share(ppm, 30);
@@ -35,7 +35,7 @@ static void build_trim(cam_play_config_t *c, const cam_params_t *p, uint32_t tic
 }
 
 /// 1 mrad/s2 is 9.549297 r/min / 1000 in a second.
-static void build_spindle(cam_play_config_t *c, const cam_params_t *p, uint32_t tick_hz)
+static void build_spindle_rate(cam_play_config_t *c, const cam_params_t *p, uint32_t tick_hz)
 {
     const int64_t mrpm = cam_abs_i64(c->spindle_mrpm) + 1;
     const int64_t most_ppm_per_s = p->spindle_acceleration_mrad_per_s2 * INT64_C(9549297) / mrpm;
@@ -47,7 +47,7 @@ static void build_spindle(cam_play_config_t *c, const cam_params_t *p, uint32_t 
 
 void cam_changes_build(cam_play_config_t *c, const cam_params_t *params, uint32_t tick_hz)
 {
-    build_feed(c, params);
+    build_feed_rate(c, params);
     build_trim(c, params, tick_hz);
-    build_spindle(c, params, tick_hz);
+    build_spindle_rate(c, params, tick_hz);
 }

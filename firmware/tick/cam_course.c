@@ -81,24 +81,31 @@ static void lay_brake(cam_course_t *c, const cam_play_config_t *cfg, int64_t lef
     c->is_held = false;
 }
 
-/// Lay a change of the rate that begins at from, where the rate is rate_q30, and behind it the end
-/// of the part. @return whether the change and the brake have room before that end
-static bool lay_change(cam_course_t *c, const cam_play_config_t *cfg, int32_t halvings)
+/// Lay a change to the rate of the configuration, and behind it the end of the part.
+/// @param from_q32  [turn] master position where it begins
+/// @param fed_q32   [turn] fed there
+/// @param rate_q30  [1] rate up to there
+/// @return          false, and nothing is changed, where the part has no room for it and the brake
+static bool lay_change(cam_course_t *c, const cam_play_config_t *cfg, int64_t from_q32,
+                       int64_t fed_q32, int32_t rate_q30, int32_t halvings)
 {
     const int32_t to_rate_q30 = cfg->feed_rate_q30 >> halvings;
-    const bool is_rising = to_rate_q30 > c->rate_q30;
-    const int32_t by_q30 = is_rising ? to_rate_q30 - c->rate_q30 : c->rate_q30 - to_rate_q30;
-    const int32_t slower_q30 = is_rising ? c->rate_q30 : to_rate_q30;
+    const bool is_rising = to_rate_q30 > rate_q30;
+    const int32_t by_q30 = is_rising ? to_rate_q30 - rate_q30 : rate_q30 - to_rate_q30;
+    const int32_t slower_q30 = is_rising ? rate_q30 : to_rate_q30;
     const int64_t turns_q32 = ramp_q32(cfg, by_q30);
-    const int64_t fed_q32 = times(turns_q32, slower_q30, 30) + times(turns_q32, by_q30, 30) / 2;
+    const int64_t more_q32 = times(turns_q32, slower_q30, 30) + times(turns_q32, by_q30, 30) / 2;
     const int64_t braked_q32 = times(ramp_q32(cfg, to_rate_q30), to_rate_q30, 30) / 2;
-    const int64_t left_q32 = cfg->feed_q32 - cfg->ramp_q32 - c->fed_q32 - fed_q32 - braked_q32;
+    const int64_t left_q32 = cfg->feed_q32 - cfg->ramp_q32 - fed_q32 - more_q32 - braked_q32;
     if (left_q32 < 0) {
         return false;
     }
+    c->from_q32 = from_q32;
+    c->fed_q32 = fed_q32;
+    c->rate_q30 = rate_q30;
     c->to_rate_q30 = to_rate_q30;
-    c->to_q32 = c->from_q32 + turns_q32;
-    c->fed_to_q32 = c->fed_q32 + fed_q32;
+    c->to_q32 = from_q32 + turns_q32;
+    c->fed_to_q32 = fed_q32 + more_q32;
     lay_brake(c, cfg, left_q32, halvings);
     return true;
 }
@@ -115,10 +122,7 @@ static void lay_begin(cam_course_t *c, const cam_play_config_t *cfg, int64_t fro
         needed_q32 >>= 2;
         halvings++;
     }
-    c->from_q32 = from_q32;
-    c->fed_q32 = fed_q32;
-    c->rate_q30 = 0;
-    if (!lay_change(c, cfg, halvings)) {
+    if (!lay_change(c, cfg, from_q32, fed_q32, 0, halvings)) {
         c->end_q32 = from_q32; // what is left is below a micrometre
         c->is_held = false;
     }
@@ -134,9 +138,16 @@ static void lay_rest(cam_course_t *c, int64_t at_q32, int64_t fed_q32)
 
 void cam_course_lay_isr(cam_course_t *c, const cam_play_config_t *cfg, int64_t at_q32)
 {
-    *c = (cam_course_t){.from_q32 = at_q32, .to_q32 = at_q32, .asked_q30 = cfg->feed_rate_q30};
+    c->from_q32 = at_q32;
+    c->to_q32 = at_q32;
+    c->fed_q32 = 0;
+    c->fed_to_q32 = 0;
+    c->rate_q30 = 0;
+    c->to_rate_q30 = 0;
+    c->asked_q30 = cfg->feed_rate_q30;
+    c->is_held = false;
+    lay_rest(c, at_q32, 0);
     if (cfg->feed_rate_q30 == 0) {
-        lay_rest(c, at_q32, 0);
         c->is_held = true;
     } else if (cfg->rings.is_on) {
         c->end_q32 = at_q32 + cfg->feed_q32;
@@ -186,7 +197,7 @@ static bool rest_rings(cam_course_t *c, int64_t end_q32)
 }
 
 /// Go on from rest.
-static void go_on(cam_course_t *c, const cam_play_config_t *cfg, int64_t next_q32)
+static void feed_on(cam_course_t *c, const cam_play_config_t *cfg, int64_t next_q32)
 {
     if (cfg->rings.is_on) {
         c->from_q32 = later(c->from_q32, next_q32 - later(c->end_q32 - c->from_q32, 0));
@@ -213,12 +224,9 @@ static bool change_rate(cam_course_t *c, const cam_play_config_t *cfg, int64_t n
         return false;
     }
     if (next_q32 < c->brake_q32) {
-        cam_course_t then = *c;
-        then.fed_q32 = fed_before_brake_q32(c, cfg, next_q32);
-        then.from_q32 = next_q32;
-        then.rate_q30 = c->to_rate_q30;
-        if (lay_change(&then, cfg, 0)) {
-            *c = then;
+        const int64_t fed_q32 = fed_before_brake_q32(c, cfg, next_q32);
+        if (lay_change(c, cfg, next_q32, fed_q32, c->to_rate_q30, 0)) {
+            return true;
         }
     }
     return true; // so near to its end the feed stays as it is
@@ -238,7 +246,7 @@ void cam_course_ask_isr(cam_course_t *c, const cam_play_config_t *cfg, int64_t n
     } else if (c->is_held) {
         is_done = now_q32 >= c->end_q32;
         if (is_done) {
-            go_on(c, cfg, next_q32);
+            feed_on(c, cfg, next_q32);
         }
     } else {
         is_done = change_rate(c, cfg, now_q32, next_q32);
