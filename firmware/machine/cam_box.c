@@ -79,7 +79,7 @@ void cam_box_keep(const cam_scope_t *s)
 }
 
 /// @return whether a head describes rows that can be in the words that were kept
-static bool is_sound(const head_t *h, const cam_scope_t *s, uint32_t n_kept)
+static bool is_head_sound(const head_t *h, const cam_scope_t *s, uint32_t n_kept)
 {
     const uint32_t n_signals = cam_scope_count(CAM_BOX_SIGNALS);
     return h->layout == (uint32_t)layout_1 && h->signals == CAM_BOX_SIGNALS &&
@@ -96,7 +96,7 @@ bool cam_box_restore(cam_scope_t *s, uint32_t n_kept)
         return false;
     }
     (void)memcpy((uint8_t *)&head, (const uint8_t *)s->words, sizeof head);
-    if (!is_sound(&head, s, n_kept) || cam_box_begin(s, 0) != cam_ok) {
+    if (!is_head_sound(&head, s, n_kept) || cam_box_begin(s, 0) != cam_ok) {
         return false;
     }
     s->plan.every = head.every;

@@ -10,11 +10,11 @@
 static cam_move_limits_t by_hand(int32_t jog_um_per_s, int32_t speed_um_per_s,
                                  int64_t acceleration_q10, int32_t plan_ticks, uint32_t tick_hz)
 {
-    const int64_t um_per_s = jog_um_per_s < speed_um_per_s ? jog_um_per_s : speed_um_per_s;
+    const int32_t um_per_s = jog_um_per_s < speed_um_per_s ? jog_um_per_s : speed_um_per_s;
     const int64_t a_q10 = cam_clamp_i64(acceleration_q10, 1, MOST_Q10);
     const int64_t root_q10 = (int64_t)cam_root_u64((uint64_t)a_q10 << 32);
     const int64_t most_q10 = cam_clamp_i64(root_q10 - a_q10, 1, MOST_Q10);
-    const int64_t speed_q10 = um_per_s * 1024000 * plan_ticks / tick_hz;
+    const int64_t speed_q10 = (int64_t)um_per_s * 1024000 * plan_ticks / tick_hz;
     return (cam_move_limits_t){.speed_q10 = (int32_t)cam_clamp_i64(speed_q10, 1, most_q10),
                                .acceleration_q10 = (int32_t)a_q10};
 }

@@ -41,7 +41,8 @@ int32_t cam_fit_following_nm(const cam_params_t *params, const cam_table_t *tabl
 /// Source: MATHS.md (167).
 int32_t cam_fit_approach_nm(const cam_params_t *params, const cam_table_t *table, uint32_t tick_hz);
 
-/// @return [mHz] the bandwidth of the observer where none is set: a twentieth of the tick's rate, at
+/// @return [mHz] the bandwidth of the observer where none is set: a twentieth of the tick's rate,
+/// at
 ///         which a tick moves its angle by two thirds of an error, or the wanted one where that is
 ///         less
 int32_t cam_fit_usual_mHz(int32_t wanted_mHz, uint32_t tick_hz);

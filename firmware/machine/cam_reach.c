@@ -20,7 +20,7 @@ static uint64_t part_slope_ppm(const cam_table_t *t)
     return ppm < most_slope_ppm ? ppm : (uint64_t)most_slope_ppm;
 }
 
-static uint32_t saturated(uint64_t pm)
+static uint32_t pm_saturated(uint64_t pm)
 {
     return pm < UINT32_MAX ? (uint32_t)pm : UINT32_MAX;
 }
@@ -30,11 +30,11 @@ uint32_t cam_reach_form_pm(const cam_table_t *table)
     const uint64_t z_pm = hal_axis_scale(hal_axis_z).command_pm * part_slope_ppm(table) / 1000000u;
     const uint64_t ux_pm =
         (uint64_t)hal_axis_scale(hal_axis_u).command_pm + hal_axis_scale(hal_axis_x).command_pm;
-    return saturated((ux_pm + z_pm) / 2u);
+    return pm_saturated((ux_pm + z_pm) / 2u);
 }
 
 uint32_t cam_reach_count_pm(const cam_table_t *table, int32_t counts_per_turn)
 {
     const uint64_t turn_pm = (uint64_t)table->u1_peak_nm_per_rad * turn_urad / 1000u;
-    return saturated(turn_pm / (uint64_t)counts_per_turn);
+    return pm_saturated(turn_pm / (uint64_t)counts_per_turn);
 }

@@ -87,7 +87,7 @@ cam_err_t cam_scope_set(cam_scope_t *s, uint32_t field, int32_t value)
 }
 
 /// What is set of signals, unless a recording is there that is read with its own.
-static const cam_scope_plan_t *told(const cam_scope_t *s)
+static const cam_scope_plan_t *plan_told(const cam_scope_t *s)
 {
     const bool is_own = s->use == cam_scope_user || s->phase == cam_scope_done;
     return s->phase != cam_scope_idle && is_own ? &s->plan : &s->set;
@@ -96,8 +96,8 @@ static const cam_scope_plan_t *told(const cam_scope_t *s)
 cam_err_t cam_scope_get(const cam_scope_t *s, uint32_t field, int32_t *value)
 {
     const int32_t values[cam_scope_n_fields] = {
-        [cam_scope_field_signals] = (int32_t)told(s)->signals,
-        [cam_scope_field_every] = (int32_t)told(s)->every,
+        [cam_scope_field_signals] = (int32_t)plan_told(s)->signals,
+        [cam_scope_field_every] = (int32_t)plan_told(s)->every,
         [cam_scope_field_rows] = (int32_t)s->set.rows,
         [cam_scope_field_from_state] = s->set.from_state,
         [cam_scope_field_phase] = (int32_t)s->phase,
@@ -148,7 +148,7 @@ static void set_order(cam_scope_t *s)
 }
 
 /// Nothing is recorded: the next tick is the first one.
-static void forget(cam_scope_t *s)
+static void forget_rows(cam_scope_t *s)
 {
     s->oldest = 0;
     s->n_rows = 0;
@@ -184,7 +184,7 @@ cam_err_t cam_scope_begin(cam_scope_t *s, const cam_scope_plan_t *plan, cam_scop
     s->end = cam_scope_open;
     s->phase = cam_scope_armed;
     set_order(s);
-    forget(s);
+    forget_rows(s);
     return cam_ok;
 }
 
@@ -316,7 +316,7 @@ static void take_in_state(cam_scope_t *s, const cam_tick_record_t *r)
         return;
     }
     if (!is_behind) {
-        forget(s);
+        forget_rows(s);
     }
     look_for_trigger(s, r);
     count_row(s, r);
@@ -333,7 +333,7 @@ void cam_scope_take(cam_scope_t *s, const cam_tick_record_t *r)
     } else if (s->phase == cam_scope_recording) {
         end_by(s, cam_scope_state_left);
     } else {
-        forget(s);
+        forget_rows(s);
     }
 }
 

@@ -28,7 +28,7 @@ static cam_outcome_t get_learned(const cam_can_t *r, uint32_t index, cam_err_t e
 }
 
 /// Carry out a command that has exactly one answer, or find that it is of no command of this topic.
-static cam_outcome_t carry_out(cam_can_t *r, const struct camturn_command_t *m)
+static cam_outcome_t carry_out_here(cam_can_t *r, const struct camturn_command_t *m)
 {
     cam_machine_t *machine = r->machine;
     const uint32_t index = m->parameter;
@@ -86,7 +86,7 @@ bool cam_can_scope(cam_can_t *r, const struct camturn_command_t *m)
         read_scope(r, m);
         return true;
     }
-    const cam_outcome_t outcome = carry_out(r, m);
+    const cam_outcome_t outcome = carry_out_here(r, m);
     if (outcome.err == cam_err_command) {
         return false;
     }

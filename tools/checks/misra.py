@@ -21,6 +21,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 from fnmatch import fnmatch
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
 from camtools.base.command import Parser, run_command
@@ -120,7 +121,9 @@ def cppcheck(root: Path) -> list[Finding]:
     folders = [path.relative_to(root) for glob in INCLUDES for path in sorted(root.glob(glob))]
     command += [*(f"-I{folder}" for folder in folders), *sources]
     try:
-        done = subprocess.run(command, cwd=root, capture_output=True, text=True, check=False)
+        with TemporaryDirectory() as folder:  # the addon's dumps would lie beside the sources
+            command.insert(1, f"--cppcheck-build-dir={folder}")
+            done = subprocess.run(command, cwd=root, capture_output=True, text=True, check=False)
     except OSError as error:
         raise CamtoolsError([f"cppcheck: {error.strerror}; install it"]) from error
     if done.returncode or done.stdout:

@@ -37,11 +37,11 @@ enum {
 
 /// Bits of hal_outputs_write_isr().
 enum {
-    hal_out_enable = 1u << 0,   ///< 1: the drives are enabled and hold their axes
-    hal_out_fault = 1u << 1,    ///< 1: a fault is latched
-    hal_out_in_cut = 1u << 2,   ///< 1: the tool cuts at full amplitude
-    hal_out_switch_1 = 1u << 8, ///< 1: the first position switch is on; those of the other seven
-                                ///< follow it. A port without pins for them leaves them out
+    hal_out_enable = 1u << 0,  ///< 1: the drives are enabled and hold their axes
+    hal_out_fault = 1u << 1,   ///< 1: a fault is latched
+    hal_out_in_cut = 1u << 2,  ///< 1: the tool cuts at full amplitude
+    hal_out_switch_1 = 0x100u, ///< 1: the first position switch is on; those of the other seven
+                               ///< follow it. A port without pins for them leaves them out
 };
 
 /// One reading of the spindle encoder. All members are of the same instant. Counts may rise in
@@ -209,8 +209,8 @@ hal_start_t hal_start(void);
 hal_image_t hal_table_image(void);
 
 // A second place of the same kind takes a new table while the first is in use. The next four
-// functions are called in the states off and ready only, when no tick reads a table. They may block, but cam_isr()
-// and the watchdog's supervision of main() must go on meanwhile.
+// functions are called in the states off and ready only, when no tick reads a table. They may
+// block, but cam_isr() and the watchdog's supervision of main() must go on meanwhile.
 
 /// Empty the place that is not in use, for an image. What it held is lost, including the pieces of
 /// an unfinished download. The place in use is not touched.
