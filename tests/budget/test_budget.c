@@ -293,6 +293,13 @@ static void test_by_hand(void)
     TEST_ASSERT_LESS_OR_EQUAL_UINT32(budget_plan_tick, plans[cam_state_manual].max);
 }
 
+static void test_hold(void)
+{
+    TEST_ASSERT_TRUE(budget_session_hold(&rig, counted));
+    TEST_ASSERT_GREATER_THAN_UINT32(500, ticks[cam_state_holding].n);
+    expect_budget("hold");
+}
+
 static void test_rehearsal(void)
 {
     TEST_ASSERT_TRUE(budget_session_rehearse(&rig, counted));
@@ -344,22 +351,9 @@ static void test_random_parameters(void)
     expect_budget("random");
 }
 
-/// Eight outputs whose windows end at the same angles, so that all change in one tick.
 static void test_position_switches(void)
 {
-    const fixture_part_t part = fixture_part_short();
-    TEST_ASSERT_TRUE(budget_session_open(&rig, counted, &part, false));
-    for (int32_t i = 0; i < cam_n_switches; i++) {
-        const int32_t first = (int32_t)cam_param_switch_1_per_turn + 8 * i;
-        set((cam_param_id_t)first, 2);
-        set((cam_param_id_t)(first + 2), 90000000);
-        set((cam_param_id_t)(first + 3), 1000000);
-        set((cam_param_id_t)(first + 4), 5000000);
-        set((cam_param_id_t)(first + 6), 1000000000);
-    }
-    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_cutting));
-    fixture_rig_ticks(&rig, 2000);
-    TEST_ASSERT_NOT_EQUAL_UINT32(0, g_cam.switches.left_q32[7]);
+    TEST_ASSERT_TRUE(budget_session_switches(&rig, counted));
     expect_within("switches", budget_switched);
 }
 
@@ -389,6 +383,7 @@ int main(void)
     RUN_TEST(test_measured_z_with_every_edge_and_fault_in_every_state);
     RUN_TEST(test_excitation);
     RUN_TEST(test_by_hand);
+    RUN_TEST(test_hold);
     RUN_TEST(test_rehearsal);
     RUN_TEST(test_swung_cuts);
     RUN_TEST(test_shaft);

@@ -109,6 +109,12 @@ static void test_rehearsal(void)
     expect_sums("rehearse");
 }
 
+static void test_hold(void)
+{
+    TEST_ASSERT_TRUE(budget_session_hold(&rig, counted));
+    expect_sums("hold");
+}
+
 static void test_by_hand(void)
 {
     TEST_ASSERT_TRUE(budget_session_hand(&rig, counted));
@@ -135,6 +141,7 @@ int main(void)
     RUN_TEST(test_faults_in_the_cut);
     RUN_TEST(test_excitation);
     RUN_TEST(test_rehearsal);
+    RUN_TEST(test_hold);
     RUN_TEST(test_by_hand);
     RUN_TEST(test_enough_ticks_in_all_states);
     return UNITY_END();
