@@ -215,6 +215,13 @@ cam_params_t cam_machine_defaults(uint32_t tick_hz)
     return params;
 }
 
+/// An override belongs to the part that is cut under somebody's eyes: a start has none.
+static void forget_overrides(cam_params_t *params)
+{
+    params->feed_override_ppm = cam_param_info(cam_param_feed_override_ppm)->def;
+    params->spindle_override_ppm = cam_param_info(cam_param_spindle_override_ppm)->def;
+}
+
 bool cam_machine_load_params(cam_machine_t *m)
 {
     const hal_params_t kept = hal_params_kept();
@@ -222,6 +229,7 @@ bool cam_machine_load_params(cam_machine_t *m)
     m->staged_version = NO_VERSION;
     m->checksum = cam_keep_checksum(&params);
     m->kept = cam_keep_read(&kept, &params);
+    forget_overrides(&params);
     if (m->kept.err == cam_ok) {
         m->kept.err = cam_machine_hand_over(m, &params, NULL, 0);
     }
@@ -242,12 +250,14 @@ cam_err_t cam_machine_save_params(cam_machine_t *m)
     if (err != cam_ok) {
         return err;
     }
-    const uint32_t n = cam_keep_write(text, &m->params, m->version);
+    cam_params_t params = m->params;
+    forget_overrides(&params);
+    const uint32_t n = cam_keep_write(text, &params, m->version);
     if (!hal_params_keep(text, n)) {
         return cam_err_params_keep;
     }
     m->kept = (cam_keep_found_t){.err = cam_ok, .version = m->version};
-    m->kept_checksum = m->checksum;
+    m->kept_checksum = cam_keep_checksum(&params);
     return cam_ok;
 }
 
@@ -262,6 +272,7 @@ cam_err_t cam_machine_revert_params(cam_machine_t *m)
     const hal_params_t kept = hal_params_kept();
     cam_params_t params = cam_machine_defaults(m->tick_hz);
     const cam_keep_found_t found = cam_keep_read(&kept, &params);
+    forget_overrides(&params);
     return found.err == cam_ok ? apply(m, &params, cam_n_params) : found.err;
 }
 

@@ -134,6 +134,31 @@ static void test_saved_parameters_are_there_after_a_restart(void)
     TEST_ASSERT_TRUE(fixture_rig_bring(&f.rig, cam_state_ready));
 }
 
+/// A part is never begun at an override that nobody set since the start; the trim is of the
+/// machine.
+static void test_overrides_are_whole_after_a_restart_and_a_revert(void)
+{
+    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&f.rig, cam_param_feed_override_ppm, 800000));
+    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&f.rig, cam_param_spindle_override_ppm, 1100000));
+    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&f.rig, cam_param_x_trim_nm, 2000));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_save_params(machine()));
+    expect_kept(cam_kept_changed);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_revert_params(machine()));
+    TEST_ASSERT_EQUAL_INT32(1000000, machine()->params.feed_override_ppm);
+    expect_kept(cam_kept_same);
+    static char text[cam_keep_most_bytes]; // as an older image or a hand has written it
+    cam_params_t params = machine()->params;
+    params.feed_override_ppm = 700000;
+    params.spindle_override_ppm = 900000;
+    const uint32_t n = cam_keep_write(text, &params, 8);
+    TEST_ASSERT_TRUE(hal_params_keep(text, n));
+    fixture_can_start(&f);
+    TEST_ASSERT_EQUAL_INT32(1000000, machine()->params.feed_override_ppm);
+    TEST_ASSERT_EQUAL_INT32(1000000, machine()->params.spindle_override_ppm);
+    TEST_ASSERT_EQUAL_INT32(2000, machine()->params.x_trim_nm);
+    expect_kept(cam_kept_same);
+}
+
 static void test_save_is_refused_out_of_off_and_when_the_port_fails(void)
 {
     hal_host.slow.n_store = 0;
@@ -250,6 +275,7 @@ int main(void)
     RUN_TEST(test_feed_forward_changes_in_ready_while_u_rests);
     RUN_TEST(test_feed_forward_stays_while_u_is_jogged);
     RUN_TEST(test_saved_parameters_are_there_after_a_restart);
+    RUN_TEST(test_overrides_are_whole_after_a_restart_and_a_revert);
     RUN_TEST(test_save_is_refused_out_of_off_and_when_the_port_fails);
     RUN_TEST(test_defaults_and_kept_parameters_come_back);
     RUN_TEST(test_kept_parameters_that_cannot_be_used_are_told);
