@@ -198,6 +198,26 @@ static void test_step_of_eight_outputs_keeps_them_apart(void)
     TEST_ASSERT_EQUAL_UINT32(0xFF, switches.open);
 }
 
+/// Without its windows an output is off, even where it was the last one and was on.
+static void test_step_of_an_output_that_is_no_longer_in_use_is_off(void)
+{
+    for (uint32_t n = 3; n < 5u; n++) { // whichever output is brought up to date next
+        setUp();
+        set(1, 0.0, 180.0);
+        params.switch_2_per_turn = 1;
+        params.switch_2_off_udeg = 180000000;
+        configure(1);
+        for (uint32_t i = 0; i < n; i++) {
+            (void)at(0.25);
+        }
+        TEST_ASSERT_EQUAL_UINT32(3, at(0.25));
+        params.switch_2_per_turn = 0;
+        configure(1);
+        TEST_ASSERT_EQUAL_UINT32(1, at(0.25));
+        TEST_ASSERT_EQUAL_UINT32(0, at(0.75));
+    }
+}
+
 static void test_build_limits_the_hysteresis_to_a_quarter_of_the_window(void)
 {
     set(4, 0.0, 4.0);
@@ -217,6 +237,7 @@ int main(void)
     RUN_TEST(test_step_with_a_height_is_on_between_its_ends_in_the_work);
     RUN_TEST(test_step_without_an_angle_or_in_fault_is_off);
     RUN_TEST(test_step_of_eight_outputs_keeps_them_apart);
+    RUN_TEST(test_step_of_an_output_that_is_no_longer_in_use_is_off);
     RUN_TEST(test_build_limits_the_hysteresis_to_a_quarter_of_the_window);
     return UNITY_END();
 }
