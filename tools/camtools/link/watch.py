@@ -16,6 +16,7 @@ from camtools.link.controller import FAULT_TEXTS, NAMES, NUMBERS, Status
 from camtools.link.learned import learning_report
 
 _BARS = " ▁▂▃▄▅▆▇█"
+_BESIDE = 27  # columns of words, number and brackets beside a scale, and a free one at the margin
 _HOME, _BELOW, _RIGHT = "\x1b[H", "\x1b[J", "\x1b[K"
 _KEPT = {
     NUMBERS["params_kept"][name]: text
@@ -77,7 +78,7 @@ class Dashboard:
 
     def __init__(self, width: int) -> None:
         self.width = max(width, 40)
-        self._errors: deque[float] = deque(maxlen=self.width - 24)
+        self._errors: deque[float] = deque(maxlen=self.width - _BESIDE)
         self._u_full = 0.05
 
     def add(self, status: Status) -> None:
@@ -92,7 +93,7 @@ class Dashboard:
 
     def lines(self, status: Status) -> list[str]:
         """Return the lines of the page."""
-        s, room = status.signals, self.width - 24
+        s, room = status.signals, self.width - _BESIDE
         full_um = max((abs(e) for e in self._errors), default=0.0) * 1e3
         full_u = f"-{self._u_full:.3f} .. {self._u_full:.3f} mm"
         faults = [f"  {name}: {FAULT_TEXTS[name]}" for name in status.faults]
