@@ -134,12 +134,12 @@ def test_quick_values_have_units_and_ranges(
 def test_what_must_not_change_in_the_cut_is_refused(
     bench: Bench, refusal: Callable[[Bench, int, str], str]
 ) -> None:
-    """Only phase and amplitude follow the operator while cutting."""
+    """Phase follows the operator while cutting, the programmed speed does not."""
     bench.do("home")
     bench.do("set", "engage_turns", "100")
     bench.do("start")
     line = refusal(bench, 1, "speed 1000")
-    assert "spindle_mrpm cannot change in this state; only phase_udeg" in line
+    assert "spindle_mrpm cannot change in this state; only phase, amplitude, trim" in line
     assert bench.do("phase", "5") == "phase = 5 deg\n"
     bench.do("stop")
 

@@ -25,7 +25,9 @@ from camtools.plots.style import (
 )
 from camtools.sim.results import CUTTING, FAULT, STATES, CutTrace
 
-STATE_COLOURS = (PALE, PURPLE, SKY, ORANGE, GREEN, ORANGE, RED, BLUE, GREY)  # as STATES
+STATE_COLOURS = (
+    *(PALE, PURPLE, SKY, ORANGE, GREEN, ORANGE, RED, BLUE, GREY, PURPLE, SKY),  # as STATES
+)
 _N_BINS = 360
 _N_POINTS = 600  # across a picture: more cannot be seen
 _UM_PER_MM, _MM_PER_M, _NM_PER_MM = 1000.0, 1000.0, 1e6
