@@ -19,6 +19,7 @@
 typedef struct {
     uint32_t serial;             ///< of the newest order
     uint32_t n_found;            ///< homes that the configuration in force knows
+    bool has_searched_u;         ///< U's numbers have changed by a search since the start
     uint32_t known;              ///< bit of an axis: its home was found since the start
     int32_t home_nm[hal_n_axes]; ///< [nm] where the port counted it there
 } cam_hands_t;

@@ -3,11 +3,13 @@
 #include "cam_demand.h"        // cam_demand_clearance_nm
 #include "cam_fix.h"           // cam_sat_i32
 #include "cam_machine_inner.h" // cam_machine_post_if
+#include "cam_pass.h"          // cam_pass_count
 #include "cam_units.h"         // cam_units_scale
 #include <stddef.h>            // NULL
 
-/// [nm / 1024] farther than any axis: an order without a limit.
-#define FAR_Q10 (INT64_C(1) << 46)
+/// [nm / 1024] the travel of an axis without limits: 2 m to either side by the port, whose numbers
+/// would wrap beyond 2.1 m.
+#define FAR_Q10 (INT64_C(2000000000) * 1024)
 
 static cam_hand_verdict_t hand_verdict(cam_err_t err, int32_t value)
 {
@@ -103,8 +105,8 @@ static travel_t travel_of(const cam_machine_t *m, const cam_status_t *status, ha
     }
     // Braking by steps may lead an eighth of one beyond its target (cam_move.h).
     const int64_t room_q10 = newest_config(m)->play.hand.limits[axis].acceleration_q10 / 8 + 1;
-    return (travel_t){(a.low_nm - shift_nm) * 1024 + room_q10,
-                      (a.high_nm - shift_nm) * 1024 - room_q10};
+    return (travel_t){cam_clamp_i64((a.low_nm - shift_nm) * 1024 + room_q10, -FAR_Q10, FAR_Q10),
+                      cam_clamp_i64((a.high_nm - shift_nm) * 1024 - room_q10, -FAR_Q10, FAR_Q10)};
 }
 
 cam_err_t cam_machine_manual(cam_machine_t *m)
@@ -191,7 +193,9 @@ cam_err_t cam_machine_home_axis(cam_machine_t *m, hal_axis_t axis)
     if (a.method == none) {
         return cam_err_home_none;
     }
-    const int32_t most_q10 = newest_config(m)->play.hand.limits[axis].speed_q10;
+    const cam_hand_config_t *hand = &newest_config(m)->play.hand;
+    const int32_t most_q10 = hand->limits[axis].speed_q10;
+    const int64_t end_q10 = axis == hal_axis_u ? hand->u_end_q10 : FAR_Q10;
     cam_hand_order_t order = {
         .begin = a.method == here ? cam_hand_here : cam_hand_search,
         .axis = axis,
@@ -199,10 +203,15 @@ cam_err_t cam_machine_home_axis(cam_machine_t *m, hal_axis_t axis)
         .has_index = a.method == by_index,
         .speed_q10 = order_speed_q10(m, a.search_um_per_s, most_q10),
         .slow_q10 = order_speed_q10(m, a.slow_um_per_s, most_q10),
+        .low_q10 = -end_q10,
+        .high_q10 = end_q10,
         .distance_q10 = (int64_t)a.way_nm * 1024,
         .home_nm = a.home_nm,
     };
-    return give_order(m, &status, &order);
+    err = give_order(m, &status, &order);
+    m->hands.has_searched_u = m->hands.has_searched_u || (err == cam_ok && axis == hal_axis_u &&
+                                                          order.begin == cam_hand_search);
+    return err;
 }
 
 cam_err_t cam_machine_hand_stop(cam_machine_t *m)
@@ -257,12 +266,15 @@ cam_hand_verdict_t cam_machine_zero(cam_machine_t *m, hal_axis_t axis, int32_t n
     return hand_verdict(err, cam_param_get(&m->params, id));
 }
 
-/// @return whether an axis lacks a home that is demanded
+/// @return whether an axis lacks a home that is demanded. U has other numbers once a search has
+/// begun, so that without a home nothing is known of its place.
 static bool lacks_home(const cam_machine_t *m, const cam_status_t *status, hal_axis_t axis)
 {
     const bool is_led_by_others = axis == hal_axis_z && m->params.z_is_measured != 0;
-    return m->params.homing_required != 0 && !is_led_by_others &&
-           !cam_hands_is_known(&m->params, status, axis);
+    const bool is_u_lost = axis == hal_axis_u && m->hands.has_searched_u &&
+                           (status->hand.homed >> (uint32_t)axis & 1u) == 0u;
+    return is_u_lost || (m->params.homing_required != 0 && !is_led_by_others &&
+                         !cam_hands_is_known(&m->params, status, axis));
 }
 
 /// @return whether a piece of the part lies within the travel of an axis, as far as that is known
@@ -275,15 +287,37 @@ static bool is_in_travel(const cam_machine_t *m, const cam_status_t *status, hal
            (high_nm + origin_nm) * 1024 <= travel.high_q10;
 }
 
+/// @return [nm] how far X stays off the largest radius at most
+static int64_t most_off_nm(const cam_machine_t *m)
+{
+    const cam_table_t *t = &m->table;
+    const bool is_rehearsed = m->params.rehearse_turns > 0 && t->speed.knots == NULL;
+    const int32_t away_nm = is_rehearsed ? cam_demand_half_stroke_nm(t, &m->params) : 0;
+    return (int64_t)cam_demand_clearance_nm(t, &m->params) + away_nm;
+}
+
+bool cam_machine_is_x_in_travel(const cam_machine_t *m, const cam_status_t *status,
+                                int32_t x_trim_nm)
+{
+    const cam_table_t *t = &m->table;
+    cam_params_t params = m->params;
+    params.x_trim_nm = x_trim_nm;
+    bool is_in = true;
+    for (uint32_t i = 0; i < cam_pass_count(t) && is_in; i++) {
+        const int64_t left_nm = cam_pass_params(&params, t, i).x_trim_nm;
+        is_in = is_in_travel(m, status, hal_axis_x, left_nm + t->x_min_nm,
+                             left_nm + t->x_max_nm + most_off_nm(m));
+    }
+    return is_in;
+}
+
 /// @return whether X and Z can reach what the table asks of them
 static bool is_part_in_travel(const cam_machine_t *m, const cam_status_t *status)
 {
     const cam_table_t *t = &m->table;
-    const int64_t off_nm = (int64_t)m->params.x_trim_nm + cam_demand_clearance_nm(t, &m->params);
-    const bool is_z_ours = m->params.z_is_measured == 0;
-    return is_in_travel(m, status, hal_axis_x, (int64_t)t->x_max_nm + off_nm,
-                        (int64_t)t->x_max_nm + off_nm) &&
-           (!is_z_ours || is_in_travel(m, status, hal_axis_z, t->z_first_nm, t->z_last_nm));
+    return cam_machine_is_x_in_travel(m, status, m->params.x_trim_nm) &&
+           (m->params.z_is_measured != 0 ||
+            is_in_travel(m, status, hal_axis_z, t->z_first_nm, t->z_last_nm));
 }
 
 cam_err_t cam_machine_check_places(const cam_machine_t *m, const cam_status_t *status)

@@ -64,6 +64,12 @@ int32_t cam_machine_place_nm(const cam_machine_t *m, hal_axis_t axis);
 ///         cam_err_travel
 CAM_MUST_USE cam_err_t cam_machine_check_places(const cam_machine_t *m, const cam_status_t *status);
 
+/// @return whether X can reach all that the table asks of it in every pass, as far as its travel is
+///         known: the work, its clearance, and the place of a rehearsal
+/// @param x_trim_nm  [nm] the operator's trim
+bool cam_machine_is_x_in_travel(const cam_machine_t *m, const cam_status_t *status,
+                                int32_t x_trim_nm);
+
 /// The part of cam_machine_poll() that takes homes over which were found.
 void cam_machine_hand_poll(cam_machine_t *m);
 

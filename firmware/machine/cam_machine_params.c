@@ -2,6 +2,7 @@
 // What parameters may change when, one or all of them at once, and how they are kept.
 #include "cam_fit.h"           // cam_fit_most
 #include "cam_fix.h"           // cam_is_within
+#include "cam_machine_hand.h"  // cam_machine_is_x_in_travel
 #include "cam_machine_inner.h" // cam_machine_judge, cam_machine_hand_over
 #include "cam_pass.h"          // cam_pass_first
 #include "hal/hal.h"           // hal_params_kept
@@ -59,10 +60,14 @@ static cam_err_t refuse_change(cam_machine_t *m, cam_err_t err, uint32_t id)
 }
 
 /// A trim is bounded by a parameter of its own, so that a slip of the hand does not spoil a part.
-static cam_err_t check_trim(cam_machine_t *m, const cam_params_t *params)
+/// While X is on its way it takes a trim at once, and must not leave its travel by it.
+static cam_err_t check_trim(cam_machine_t *m, const cam_params_t *params,
+                            const cam_status_t *status)
 {
     if (cam_is_within(params->x_trim_nm, params->x_trim_limit_nm)) {
-        return cam_ok;
+        const bool is_safe = !m->has_table || !cam_state_is_in_work(status->state) ||
+                             cam_machine_is_x_in_travel(m, status, params->x_trim_nm);
+        return is_safe ? cam_ok : cam_err_travel;
     }
     (void)refuse_change(m, cam_err_trim_limit, (uint32_t)cam_param_x_trim_nm);
     m->refusal.why.needed = cam_abs_i64(params->x_trim_nm);
@@ -141,7 +146,7 @@ static cam_err_t apply(cam_machine_t *m, const cam_params_t *params, cam_param_i
     }
     cam_err_t err = check_state(m, params, named, &status);
     if (err == cam_ok) {
-        err = check_trim(m, params);
+        err = check_trim(m, params, &status);
     }
     // Enabled, the machine takes a changed parameter at once, so what it leads to must be feasible.
     const bool is_judged = status.state != cam_state_off && status.state != cam_state_manual;

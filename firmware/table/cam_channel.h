@@ -135,7 +135,7 @@ typedef struct {
     uint32_t spindle_peak_ppm_per_rad; ///< [1e-6 / rad] bound of |r r'|; 0: uniform speed
     uint32_t ratio_max_q20;            ///< [2^-20] bound of the speed ratio r; uniform: 2^20
     cam_pace_t pace;                   ///< what the speed demands of the spindle's loop
-    int32_t x_max_nm;                  ///< [nm] bound of x over the whole table
+    int32_t x_min_nm, x_max_nm;        ///< [nm] bounds of x over the whole table
     uint32_t x_slope_ppm;              ///< [1e-6] largest |dX/dZ|, measured by the check
     uint32_t x_bend_ppm_per_m;         ///< [1e-6 / m] largest |d2X/dZ2|, measured too
     uint32_t way_slope_ppm;            ///< [1e-6] largest feed over its mean; helix: 10^6

@@ -211,6 +211,7 @@ static bool take_channel(const cam_entry_t *e, const uint8_t *image, cam_table_t
         table->has_stations || (e->kind == (uint32_t)cam_kind_way && e->path != 0u);
     if (e->kind == (uint32_t)cam_kind_x) {
         table->is_ring_helix = e->path != 0u;
+        table->x_min_nm = e->value_offset + (e->p_min >> e->frac_bits);
         table->x_max_nm = e->value_offset + (e->p_max >> e->frac_bits) + 1;
     }
     if (e->kind == (uint32_t)cam_kind_speed) {

@@ -33,16 +33,13 @@ static bool is_too_old(const cam_hand_order_t *o, const cam_tick_record_t *r)
     return cam_wrap_diff(o->until, r->tick) <= 0;
 }
 
-/// Begin a phase of homing; U stays within its stroke.
-static void begin_phase(cam_hand_t *h, const cam_hand_config_t *cfg, cam_hand_phase_t phase,
+/// Begin a phase of homing; U stays within its stroke, X and Z within the numbers of the port.
+static void begin_phase(cam_hand_t *h, const cam_hand_order_t *o, cam_hand_phase_t phase,
                         int64_t from_q10)
 {
-    const cam_hand_order_t *o = &cfg->order;
     const int32_t sense = phase == cam_hand_search ? o->sense : -o->sense;
-    const int64_t to_q10 = from_q10 + sense * o->distance_q10;
     h->phase = phase;
-    h->target_q10 =
-        o->axis == hal_axis_u ? cam_clamp_i64(to_q10, -cfg->u_end_q10, cfg->u_end_q10) : to_q10;
+    h->target_q10 = cam_clamp_i64(from_q10 + sense * o->distance_q10, o->low_q10, o->high_q10);
 }
 
 /// The home is found. @return [nm] by which U's number rises
@@ -79,7 +76,7 @@ static int32_t begin_homing(cam_hand_t *h, const cam_hand_config_t *cfg, const c
         shift_nm = (int32_t)((end_q10 - from_q10) / 1024);
         from_q10 += (int64_t)shift_nm * 1024;
     }
-    begin_phase(h, cfg, is_on ? cam_hand_release : cam_hand_search, from_q10);
+    begin_phase(h, o, is_on ? cam_hand_release : cam_hand_search, from_q10);
     return shift_nm;
 }
 
@@ -139,12 +136,12 @@ static int32_t look_for_home(cam_hand_t *h, const cam_hand_config_t *cfg,
     const cam_move_t *axis = &m->axis[h->axis];
     const bool is_on = is_on_switch(r, h->axis);
     if (h->phase == cam_hand_search && is_on) {
-        begin_phase(h, cfg, cam_hand_release, axis->pos_q10);
+        begin_phase(h, o, cam_hand_release, axis->pos_q10);
     } else if (h->phase == cam_hand_release && !is_on && is_back(o, axis)) {
         if (!o->has_index) {
             return take_home(h, cfg, r, m);
         }
-        begin_phase(h, cfg, cam_hand_index, axis->pos_q10);
+        begin_phase(h, o, cam_hand_index, axis->pos_q10);
     } else if (h->phase == cam_hand_index && is_at_index(r, h->axis)) {
         return take_home(h, cfg, r, m);
     } else {

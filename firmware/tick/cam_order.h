@@ -49,7 +49,7 @@ typedef struct {
     bool has_index;            ///< homing goes on to the index
     int32_t speed_q10;         ///< of jog, step and search
     int32_t slow_q10;          ///< off the switch, and to the index
-    int64_t low_q10, high_q10; ///< travel of jog and step
+    int64_t low_q10, high_q10; ///< travel, that of homing is wider
     int64_t distance_q10;      ///< of a step, signed; homing: travel that each phase may take
     int32_t home_nm;           ///< [nm] U at its home
 } cam_hand_order_t;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Commands of the state manual: their order, limits and refusals; replay of a session by hand.
+#include "cam_demand.h"        // cam_demand_clearance_nm
 #include "cam_machine_inner.h" // cam_machine_request
 #include "hand_bench.h"
 #include <string.h>
@@ -151,6 +152,52 @@ static void test_order_outlives_a_new_configuration(void)
     TEST_ASSERT_GREATER_THAN_INT32(0, hal_host.out.axis[hal_axis_x].vel_q10);
 }
 
+/// Without limits of its travel an axis still stays within the numbers of the port.
+static void test_jog_without_limits_ends_where_the_numbers_end(void)
+{
+    hal_host.in.axis_nm[hal_axis_x] = 1999900000;
+    fixture_rig_tick(&rig);
+    to_manual();
+    for (uint32_t i = 0; i < 10u; i++) {
+        TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_jog(machine(), hal_axis_x, 10000).err);
+        fixture_rig_ticks(&rig, 1000);
+    }
+    TEST_ASSERT_EQUAL_INT32(2000 * mm, port_nm(hal_axis_x));
+    TEST_ASSERT_EQUAL_INT(cam_hand_limit, hand().end);
+}
+
+/// The search has changed U's numbers, so U is not cut with before its home is found.
+static void test_u_whose_search_failed_is_not_cut_with(void)
+{
+    set(cam_param_u_home, 2);
+    to_manual();
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_home_axis(machine(), hal_axis_u));
+    TEST_ASSERT_EQUAL_INT(cam_hand_no_switch, until_rest());
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_disable(machine()));
+    fixture_rig_ticks(&rig, 20);
+    TEST_ASSERT_EQUAL_INT(cam_err_not_homed, cam_machine_enable(machine()));
+    set(cam_param_u_home, 0);
+    TEST_ASSERT_EQUAL_INT(cam_err_not_homed, cam_machine_enable(machine()));
+}
+
+/// X needs room for the smallest radius, for its clearance and for a rehearsal, trims included.
+static void test_work_out_of_the_travel_of_x_is_refused(void)
+{
+    const int32_t clear_nm = cam_demand_clearance_nm(&machine()->table, &machine()->params);
+    set(cam_param_x_low_nm, 45995000); // the skirt's smallest radius is 45.9928 mm
+    set(cam_param_x_high_nm, 46 * mm + clear_nm + 50000);
+    TEST_ASSERT_EQUAL_INT(cam_err_travel, cam_machine_enable(machine()));
+    set(cam_param_x_low_nm, 45980000);
+    set(cam_param_rehearse_turns, 3);
+    TEST_ASSERT_EQUAL_INT(cam_err_travel, cam_machine_enable(machine()));
+    set(cam_param_rehearse_turns, 0);
+    hal_host.in.axis_nm[hal_axis_x] = 46500000;
+    bring(cam_state_cutting);
+    TEST_ASSERT_EQUAL_INT(cam_err_travel,
+                          cam_machine_set_param(machine(), cam_param_x_trim_nm, -20000));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_set_param(machine(), cam_param_x_trim_nm, -2000));
+}
+
 /// A session by hand, with homes, a datum, a fault and a cut, replays from its records and
 /// configurations to the bit.
 static void test_session_by_hand_replays_bit_for_bit(void)
@@ -252,6 +299,9 @@ int main(void)
     RUN_TEST(test_one_order_after_the_other);
     RUN_TEST(test_order_is_not_kept_for_the_next_manual);
     RUN_TEST(test_order_outlives_a_new_configuration);
+    RUN_TEST(test_jog_without_limits_ends_where_the_numbers_end);
+    RUN_TEST(test_u_whose_search_failed_is_not_cut_with);
+    RUN_TEST(test_work_out_of_the_travel_of_x_is_refused);
     RUN_TEST(test_session_by_hand_replays_bit_for_bit);
     return UNITY_END();
 }
