@@ -174,3 +174,20 @@ def test_wrong_usage_by_hand_is_status_2(
         main(words)
     assert stop.value.code == 2
     assert "--help" in capsys.readouterr().err
+
+
+def test_a_datum_out_of_range_is_refused_with_its_range(
+    bench: Bench, refusal: Callable[[Bench, int, str], str]
+) -> None:
+    """The controller answers once, and nobody waits for more."""
+    bench.do("manual")
+    bench.do("jog", "z", "--step", f"{-0.5 - places(bench)['z'][0]}")
+    line = refusal(bench, 1, "zero z --height 1000")
+    assert "z_datum would leave -1000 .. 1000 mm" in line
+
+
+def test_an_offset_beyond_the_message_is_refused_with_the_range_of_the_parameter(
+    bench: Bench, refusal: Callable[[Bench, int, str], str]
+) -> None:
+    """In the parameter's words."""
+    assert "tool_2_x_nm is -500000000 .. 500000000" in refusal(bench, 1, "tool 2 --x 1e12")

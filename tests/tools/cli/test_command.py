@@ -3,7 +3,10 @@
 
 from __future__ import annotations
 
+import os
 import signal
+import subprocess
+import sys
 from collections.abc import Iterator
 from io import StringIO
 from typing import NoReturn
@@ -45,3 +48,22 @@ def test_a_defect_is_no_signal() -> None:
     """What is raised without a signal is not hidden."""
     with pytest.raises(ZeroDivisionError):
         run_command("demo", lambda: 1 // 0)
+
+
+def test_a_reader_that_has_enough_is_no_defect() -> None:
+    """As `head` leaves: no trace back, and the status of a broken pipe."""
+    code = (
+        "from camtools.base.command import run_command\n"
+        "def act():\n"
+        "    for i in range(100_000): print(i)\n"
+        "    return 0\n"
+        "raise SystemExit(run_command('demo', act))"
+    )
+    command, pipe = [sys.executable, "-c", code], subprocess.PIPE
+    paths = {"PYTHONPATH": os.pathsep.join(sys.path)}
+    with subprocess.Popen(command, stdout=pipe, stderr=pipe, env=paths) as process:
+        assert process.stdout is not None
+        assert process.stderr is not None
+        process.stdout.close()
+        assert process.stderr.read() == b""
+    assert process.returncode == 128 + signal.SIGPIPE

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Types of numbers on a command line, each with its range in the refusal.
 
->>> positive("2.5"), not_negative("0"), finite("-1e3")
-(2.5, 0.0, -1000.0)
+>>> positive("2.5"), not_negative("0"), finite("-1e3"), whole("-7")
+(2.5, 0.0, -1000.0, -7)
 """
 
 from __future__ import annotations
@@ -33,3 +33,11 @@ def not_negative(text: str) -> float:
     if value < 0:
         raise argparse.ArgumentTypeError(f"{text}: give a number, at least 0")
     return value
+
+
+def whole(text: str) -> int:
+    """Return a whole number."""
+    try:
+        return int(text)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(f"{text}: give a whole number") from error

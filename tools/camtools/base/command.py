@@ -7,6 +7,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import signal
 import sys
 from collections.abc import Callable
@@ -47,7 +48,8 @@ def run_command(name: str, action: Callable[[], int], *, kept: str = "nothing wa
     Returns
     -------
     int
-        That of the action; 2 on bad input, reported line by line; 128 + n on signal n.
+        That of the action; 2 on bad input, reported line by line; 128 + n on signal n, and 141
+        where nobody reads the output any more.
     """
     stopped: list[int] = []  # a library may turn the exception into one of its own
 
@@ -58,11 +60,16 @@ def run_command(name: str, action: Callable[[], int], *, kept: str = "nothing wa
     for number in _SIGNALS:
         signal.signal(number, interrupt)
     try:
-        return action()
+        status = action()
+        sys.stdout.flush()
+        return status
     except CamtoolsError as error:
         for line in error.lines:
             sys.stderr.write(f"{name}: {line}\n")
         return BAD_INPUT
+    except BrokenPipeError:  # who read the output has enough, as `head` does
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 128 + signal.SIGPIPE
     except (Interrupted, Exception):
         if not stopped:
             raise

@@ -132,7 +132,9 @@ class Control:
         """Print parameters with their ranges."""
         names = [n for n in NUMBERS["parameter"] if fnmatch.fnmatch(n, arguments.pattern)]
         if not names:
-            raise CamtoolsError([f"{arguments.pattern}: no parameter is called so"])
+            raise CamtoolsError(
+                [f"{arguments.pattern}: no parameter is called so; tools/camctl list tells them"]
+            )
         for name in names:
             index = NUMBERS["parameter"][name]
             value, low, high = (

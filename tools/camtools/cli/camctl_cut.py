@@ -10,7 +10,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Callable
 
-from camtools.base.argument_types import finite
+from camtools.base.argument_types import finite, whole
 from camtools.base.command import Parser
 from camtools.link.controller import NUMBERS, Link, value_text
 from camtools.link.refusal import ask_done
@@ -34,7 +34,7 @@ def add_cut(commands: argparse._SubParsersAction[Parser]) -> None:
     one.add_argument("measure", choices=MEASURES)
     one.add_argument("value", nargs="?", type=finite, metavar="MM", help="positive: a larger part")
     one = commands.add_parser("parts", help="number of parts that were cut")
-    one.add_argument("number", nargs="?", type=int, metavar="N", help="go on counting from here")
+    one.add_argument("number", nargs="?", type=whole, metavar="N", help="go on counting from here")
 
 
 def _parameter(link: Link, name: str) -> float:

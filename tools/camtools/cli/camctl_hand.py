@@ -44,6 +44,15 @@ def _told(link: Link, axis: str, end: str, what: str) -> str:
     raise Refused(f"{what} {axis}: {END_TEXTS.get(end, end)}; {here}")
 
 
+def _to_its_end(link: Link, command: str, axis: str, **value: float) -> str:
+    """Return what an order came to; interrupted, the axis is at rest."""
+    try:
+        return carry_out(link, command, axis, **value)
+    except Interrupted:
+        rest(link, axis)
+        return "interrupted"
+
+
 def jog_axis(link: Link, arguments: argparse.Namespace, say: Say) -> None:
     """Move an axis while this runs, or by a step."""
     axis: str = arguments.axis
@@ -52,7 +61,7 @@ def jog_axis(link: Link, arguments: argparse.Namespace, say: Say) -> None:
     if arguments.step is not None:
         if arguments.speed is not None or arguments.seconds is not None:
             raise CamtoolsError([f"jog {axis}: a step has no --speed and no --seconds; leave them"])
-        say(_told(link, axis, carry_out(link, "step", axis, step=arguments.step), "jog"))
+        say(_told(link, axis, _to_its_end(link, "step", axis, step=arguments.step), "jog"))
         return
     most = _parameter(link, f"{axis}_jog_um_per_s") / 1000
     speed = min(USUAL_MM_PER_S, most) if arguments.speed is None else arguments.speed
@@ -66,7 +75,7 @@ def jog_axis(link: Link, arguments: argparse.Namespace, say: Say) -> None:
 
 def home_axis(link: Link, axis: str, say: Say) -> None:
     """Find the home of an axis and wait until it is found."""
-    say(f"home {_told(link, axis, carry_out(link, 'home_axis', axis), 'home')}")
+    say(f"home {_told(link, axis, _to_its_end(link, 'home_axis', axis), 'home')}")
 
 
 def zero(link: Link, arguments: argparse.Namespace, say: Say) -> None:
@@ -93,7 +102,8 @@ def tool(link: Link, arguments: argparse.Namespace, say: Say) -> None:
         if not number:
             raise CamtoolsError([f"tool: --{axis} {offset}: give a tool, 1 .. {N_TOOLS}"])
         index = NUMBERS["parameter"][f"tool_{number}_{axis}_nm"]
-        ask_done(link, "set_parameter", index, value=round(offset * 1e6))
+        nm = min(max(round(offset * 1e6), -(2**31)), 2**31 - 1)  # the controller tells its range
+        ask_done(link, "set_parameter", index, value=nm)
     if number is not None:
         ask_done(link, "set_tool", tool=number)
     chosen = round(_parameter(link, "tool"))

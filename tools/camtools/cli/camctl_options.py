@@ -10,7 +10,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from camtools.base.argument_types import finite, not_negative, positive
+from camtools.base.argument_types import finite, not_negative, positive, whole
 from camtools.base.command import Parser
 from camtools.cli.bus import add_bus_options
 from camtools.cli.camctl_cut import add_cut
@@ -48,7 +48,7 @@ Exit status: 0 done, 1 refused by the controller or no answer, 2 wrong usage or 
 
 
 def _count(text: str) -> int:
-    value = int(text)
+    value = whole(text)
     if not 1 <= value <= 1_000_000:
         raise argparse.ArgumentTypeError(f"{text}: give 1 .. 1000000")
     return value
@@ -91,7 +91,7 @@ def _add_excite(one: argparse.ArgumentParser) -> None:
     one.add_argument("file", type=Path, help="CSV of what was recorded")
     one.add_argument("--periods", type=_count, default=5, help="of the wave in full; 5")
     one.add_argument("--fade-ticks", type=_count, default=2000, help="rise and fall; 2000")
-    one.add_argument("--place-nm", type=int, default=0, help="of U, about which it plays; 0")
+    one.add_argument("--place-nm", type=whole, default=0, help="of U, about which it plays; 0")
     one.add_argument("--signals", default=",".join(DEFAULT_SIGNALS), help="to be recorded")
 
 
@@ -107,7 +107,7 @@ def _add_hand(commands: argparse._SubParsersAction[Parser]) -> None:
     one.add_argument("--diameter", type=not_negative, metavar="MM", help="that the tip touches")
     one.add_argument("--height", type=finite, metavar="MM", help="of the drawing")
     one = commands.add_parser("tool", help="print the tools, choose one, set its offsets")
-    one.add_argument("number", nargs="?", type=int, choices=range(N_TOOLS + 1), metavar="N")
+    one.add_argument("number", nargs="?", type=whole, choices=range(N_TOOLS + 1), metavar="N")
     one.add_argument("--x", type=finite, metavar="MM", help="tip farther from the axis by this")
     one.add_argument("--z", type=finite, metavar="MM", help="tip at a greater height by this")
     commands.add_parser("where", help="print where the axes are")
@@ -148,7 +148,7 @@ def make_parser() -> argparse.ArgumentParser:
     commands.add_parser("get", help="print parameters").add_argument("names", nargs="+")
     one = commands.add_parser("set", help="set a parameter")
     one.add_argument("name")
-    one.add_argument("value", type=int)
+    one.add_argument("value", type=whole)
     one = commands.add_parser("list", help="print parameters with their ranges")
     one.add_argument("pattern", nargs="?", default="*", help="with * and ?")
     _add_params(commands.add_parser("params", help="all parameters: files, and what is kept"))

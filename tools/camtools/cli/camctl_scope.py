@@ -117,6 +117,10 @@ def _configure(link: Link, arguments: argparse.Namespace) -> None:
     per_s = tick_hz / arguments.every
     rows = max(1, round(arguments.seconds * per_s)) if arguments.seconds else 0
     before = round(arguments.before * per_s)
+    if max(rows, before) >= 2**31:
+        name = "seconds" if rows > before else "before"
+        value = getattr(arguments, name)
+        raise CamtoolsError([f"--{name} {value:g}: give less than {2**31 / per_s:.0f} s"])
     if rows and before >= rows:
         text = f"--before {arguments.before:g}: give less than --seconds {arguments.seconds:g}"
         raise CamtoolsError([text])

@@ -39,6 +39,7 @@ _PART_BYTES = {PART_ID: 8, FD_PART_ID: 64}
 
 DBC_NODE = 64  # the node whose identifiers the DBC has
 ANSWER_S = 1.0
+_WITHOUT_RANGE = ("zero_x", "zero_z", "set_learned", "set_parts")  # they answer once
 BUSY_TRIES, BUSY_S = 20, 0.01
 PERIOD_S = 0.01  # of the status
 PATIENCE_S = 10.0  # longest time for which a controller is waited for that lags behind the clock
@@ -83,7 +84,7 @@ _VALUE_SIGNALS = {
 def value_text(signal: str, value: float) -> str:
     """Return a value of a command with the unit of its signal."""
     unit = COMMAND.get_signal_by_name(signal).unit
-    return f"{value:.9g}" + (f" {unit}" if unit else "")
+    return f"{value:.10g}" + (f" {unit}" if unit else "")
 
 
 class Refused(Exception):  # noqa: N818 - a controller that says no is no error of the program
@@ -307,7 +308,7 @@ class Link:
             self._answers.clear()
             self.send_frame(COMMAND.frame_id, _command(command, parameter, value))
             answer = self.next_answer(command, timeout_s)
-            if answer.result == "param_range":
+            if answer.result == "param_range" and command not in _WITHOUT_RANGE:
                 low = self.next_answer("get_minimum", ANSWER_S).value
                 high = self.next_answer("get_maximum", ANSWER_S).value
                 return Answer(**(vars(answer) | {"limits": (low, high)}))
@@ -342,7 +343,7 @@ def _check_range(name: str, value: float) -> None:
     low, high = signal.minimum, signal.maximum
     assert low is not None and high is not None
     if not low <= value <= high:
-        span = f"{low:.9g} .. {value_text(name, high)}"
+        span = f"{low:.10g} .. {value_text(name, high)}"
         raise CamtoolsError([f"{name} = {value_text(name, value)}: out of range; give {span}"])
 
 

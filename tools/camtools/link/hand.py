@@ -19,6 +19,7 @@ REPEAT_S = 0.1  # an order holds for 250 ms
 _BEGIN_S, _PAGES_S = 1.0, 1.0
 _LONGEST_S = 3600.0
 END_TEXTS = {
+    "interrupted": "interrupted, the axis stands",
     "stopped": "stopped by another command or a fault",
     "silent": "the controller heard nothing from here for 250 ms; is the bus too busy?",
     "limit": "at the limit of its travel",
@@ -33,13 +34,6 @@ END_TEXTS = {
 def place_mm(link: Link, axis: str) -> float:
     """Return where an axis is, in the machine's numbers."""
     return ask_done(link, "get_place", AXES[axis]).value
-
-
-def state_of(link: Link) -> str:
-    """Return the state of a status message that is yet to come."""
-    link.status.signals.pop("state", None)
-    link.wait(lambda: "state" in link.status.signals, _PAGES_S)
-    return link.status.state
 
 
 def _check_state(link: Link) -> None:

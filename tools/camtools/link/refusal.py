@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from camtools.link.controller import NAMES, NUMBERS, REFUSALS, Answer, Link, Refused
 
 REMEDIES = {
-    "state": "see status; the order is enable, start, stop, disable, and reset behind a fault; by "
+    "state": "the order is enable, start, stop, disable, and reset behind a fault; by "
     "hand manual, jog, home, disable",
     "param_state": "only phase, amplitude, trim and the overrides change while cutting, most "
     "others in ready, all in off",
@@ -49,6 +49,7 @@ _SETTERS = {
     "set_spindle_override": "spindle_override_ppm",
     "set_trim": "x_trim_nm",
 }
+_STATE_S = 1.0
 
 
 @dataclass(frozen=True)
@@ -177,9 +178,29 @@ def _by_hand(answer: Answer) -> str:
     return ""
 
 
+def state_of(link: Link) -> str:
+    """Return the state of a status message that is yet to come."""
+    link.status.signals.pop("state", None)
+    link.wait(lambda: "state" in link.status.signals, _STATE_S)
+    return link.status.state
+
+
+def _datum(link: Link, answer: Answer) -> str:
+    """Return why a datum is out of range: it is what an axis' place makes of a value in range."""
+    axis = answer.command.removeprefix("zero_")
+    index = NUMBERS["parameter"][f"{axis}_datum_nm"]
+    low, high = (link.ask(f"get_{end}", parameter=index).value for end in ("minimum", "maximum"))
+    span = f"{low * 1e-6:.9g} .. {high * 1e-6:.9g} mm"
+    return f"refused: {axis}_datum would leave {span}; move {axis} nearer to its home"
+
+
 def explain(link: Link, answer: Answer) -> str:
     """Return why a command was refused and what to do."""
+    if answer.result == "param_range" and answer.command in ("zero_x", "zero_z"):
+        return _datum(link, answer)
     what = answer.result.replace("_", " ")
+    if answer.result == "state":
+        what += f" {state_of(link)}"
     if by_hand := _by_hand(answer):
         return f"refused: {what}{by_hand}"
     if answer.limits is not None:
