@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // From power-on: every record of a session with changes of parameters and table replays to the bit.
+#include "cam_machine_override.h"
 #include "fixture_rig.h"
 #include "hal_host.h"
 #include "unity.h"
@@ -146,6 +147,44 @@ static void test_session_with_stop_fault_and_reset_replays_bit_for_bit(void)
     expect_replay();
 }
 
+/// Let the feed rest or go on, as the main loop does.
+static void hold(bool is_held)
+{
+    TEST_ASSERT_EQUAL_INT(cam_ok, is_held ? cam_machine_hold(&rig.machine)
+                                          : cam_machine_resume(&rig.machine));
+    keep_config();
+    TEST_ASSERT_LESS_THAN_UINT32(
+        20000, fixture_rig_until(&rig, is_held ? cam_state_holding : cam_state_cutting, 20000));
+}
+
+static void test_session_with_overrides_hold_trim_and_switches_replays_bit_for_bit(void)
+{
+    prepare();
+    set(cam_param_switch_1_per_turn, 2);
+    set(cam_param_switch_1_off_udeg, 90000000);
+    set(cam_param_switch_2_per_turn, 1);
+    set(cam_param_switch_2_off_udeg, 200000000);
+    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_cutting));
+    set(cam_param_feed_override_ppm, 500000);
+    fixture_rig_ticks(&rig, 700);
+    set(cam_param_spindle_override_ppm, 900000);
+    set(cam_param_x_trim_nm, -3000);
+    hold(true);
+    fixture_rig_ticks(&rig, 700);
+    hold(false);
+    set(cam_param_feed_override_ppm, 1000000);
+    TEST_ASSERT_LESS_THAN_UINT32(20000, fixture_rig_until(&rig, cam_state_ready, 20000));
+    set(cam_param_switch_2_per_turn, 0);
+    fixture_rig_ticks(&rig, 700);
+    TEST_ASSERT_EQUAL_HEX32(0, fixture_rig_status(&rig).faults);
+    uint32_t seen = 0;
+    for (uint32_t i = 0; i < rig.n_log; i++) {
+        seen |= rig.log[i].want.outputs;
+    }
+    TEST_ASSERT_EQUAL_HEX32(3u * hal_out_switch_1, seen & 3u * hal_out_switch_1);
+    expect_replay();
+}
+
 /// The speed of the spindle goes twice per turn from 0.7 to 1.4 of 2000 r/min.
 static void test_session_with_a_modulated_spindle_replays_bit_for_bit(void)
 {
@@ -212,6 +251,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_session_with_changes_in_the_cut_replays_bit_for_bit);
     RUN_TEST(test_session_with_stop_fault_and_reset_replays_bit_for_bit);
+    RUN_TEST(test_session_with_overrides_hold_trim_and_switches_replays_bit_for_bit);
     RUN_TEST(test_session_with_a_modulated_spindle_replays_bit_for_bit);
     RUN_TEST(test_session_with_other_senses_does_not_replay_alike);
     RUN_TEST(test_trace_switched_off_and_on_has_a_gap_and_goes_on);
