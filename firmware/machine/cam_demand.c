@@ -306,6 +306,8 @@ cam_demand_t cam_demand_first_exceeded(const cam_cut_t *c)
     const bool is_led = p->z_is_measured != 0; // others move Z: neither geared nor limited here
     const uint32_t whole_ppm = 1000000;
     const bool is_overridden = p->feed_override_ppm != (int32_t)whole_ppm;
+    // The ramps of a ring-helix are made for the programmed feed and speed.
+    const bool is_beyond_rings = is_overridden || p->spindle_override_ppm > (int32_t)whole_ppm;
     const cam_demand_t demands[] = {
         // For a skirt the amplitude is a trim; a lobe of less than its whole lift is another lobe.
         {cam_err_cam_amplitude, p->amplitude_ppm, cam_table_is_lobe(t) ? whole_ppm : 0u},
@@ -314,7 +316,7 @@ cam_demand_t cam_demand_first_exceeded(const cam_cut_t *c)
         // Turns are counted by the helix, which a measured Z cannot tell.
         {cam_err_z_stations, 0, t->has_stations && is_led ? 1u : 0u},
         {cam_err_override_measured, 0, is_led && is_overridden ? 1u : 0u},
-        {cam_err_override_rings, 0, t->is_ring_helix && is_overridden ? 1u : 0u},
+        {cam_err_override_rings, 0, t->is_ring_helix && is_beyond_rings ? 1u : 0u},
         {cam_err_swing_range, p->swing_range_mdeg, at_amplitude(c, t->swing.most_mdeg)},
         swing_speed_demand(c),
         swing_acceleration_demand(c),

@@ -113,6 +113,10 @@ static void test_a_ring_helix_has_its_own_feed_or_none(void)
     TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_cutting));
     TEST_ASSERT_EQUAL_INT(cam_err_override_rings,
                           cam_machine_set_param(&rig.machine, cam_param_feed_override_ppm, 900000));
+    TEST_ASSERT_EQUAL_INT( // Z would exceed its acceleration by the square of that
+        cam_err_override_rings,
+        cam_machine_set_param(&rig.machine, cam_param_spindle_override_ppm, 1100000));
+    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_spindle_override_ppm, 900000));
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_hold(&rig.machine));
     until(cam_state_holding);
 }

@@ -16,7 +16,7 @@ REMEDIES = {
     "hand manual, jog, home, disable",
     "param_state": "only phase, amplitude, trim and the overrides change while cutting, most "
     "others in ready, all in off",
-    "override_rings": "hold it instead, or set the feed before the cut",
+    "override_rings": "hold it instead, or set feed and speed before the cut",
     "override_measured": "change the feed where it is made",
     "table_sense": "disable, then select",
     "param_tick": "observer_bandwidth_mHz is at most 80 x the tick rate in Hz, lead_ns 61 ticks",
