@@ -300,11 +300,10 @@ bool cam_machine_is_x_in_travel(const cam_machine_t *m, const cam_status_t *stat
                                 int32_t x_trim_nm)
 {
     const cam_table_t *t = &m->table;
-    cam_params_t params = m->params;
-    params.x_trim_nm = x_trim_nm;
     bool is_in = true;
     for (uint32_t i = 0; i < cam_pass_count(t) && is_in; i++) {
-        const int64_t left_nm = cam_pass_params(&params, t, i).x_trim_nm;
+        const int64_t left_nm =
+            (int64_t)x_trim_nm + (t->passes != NULL ? t->passes[i].allowance_nm : 0);
         is_in = is_in_travel(m, status, hal_axis_x, left_nm + t->x_min_nm,
                              left_nm + t->x_max_nm + most_off_nm(m));
     }
