@@ -96,7 +96,7 @@ def _add_excite(one: argparse.ArgumentParser) -> None:
 
 
 def _add_hand(commands: argparse._SubParsersAction[Parser]) -> None:
-    one = commands.add_parser("jog", help="in manual: move an axis until Ctrl-C, or by a step")
+    one = commands.add_parser("jog", help="in manual: move an axis until control-C, or by a step")
     one.add_argument("axis", choices=tuple(AXES))
     one.add_argument("sense", nargs="?", choices=("+", "-"))
     one.add_argument("--speed", type=positive, help="mm/s; default: 1, or what the axis may")

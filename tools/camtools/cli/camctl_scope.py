@@ -144,6 +144,20 @@ def _record(link: Link, say: Say) -> bool:
     return True
 
 
+def shorter(asked_s: float, n_rows: int, rows_per_s: float) -> str:
+    """Return the line for a recording that is shorter than was asked for; "" for one that is not.
+
+    >>> shorter(0.5, 9000, 20_000)
+    '--seconds 0.5: the memory held 0.450 s; record fewer signals, or give a larger --every'
+    >>> shorter(0.45, 9000, 20_000)
+    ''
+    """
+    if n_rows >= round(asked_s * rows_per_s):
+        return ""
+    there = f"--seconds {asked_s:g}: the memory held {n_rows / rows_per_s:.3f} s"
+    return f"{there}; record fewer signals, or give a larger --every"
+
+
 def scope_ticks(link: Link, arguments: argparse.Namespace, say: Say) -> None:
     """Record signals of ticks in the controller's memory, and write, draw and tell them.
 
@@ -166,6 +180,10 @@ def scope_ticks(link: Link, arguments: argparse.Namespace, say: Say) -> None:
                 f"{path}: not written: {recording.n_lost} ticks were lost behind row "
                 f"{len(recording.rows)}; record fewer signals"
             )
+        if is_whole and arguments.seconds and not (arguments.again or arguments.from_state):
+            n_rows, per_s = len(recording.rows), recording.tick_hz / recording.every
+            if line := shorter(arguments.seconds, n_rows, per_s):
+                say(line)
         _finish(link, arguments, recording, path, say)
         if not is_whole:
             return
