@@ -54,7 +54,7 @@ static int32_t any_value(cam_param_id_t id)
         return any(0, 1) != 0 ? info->max : info->min;
     }
     const int64_t wide = ((int64_t)info->max - info->min) / 64 + 1;
-    const int64_t span = wide < 2 * mm ? wide : 2 * mm;
+    const int64_t span = wide < INT64_C(2) * mm ? wide : INT64_C(2) * mm;
     const int64_t near = info->def + any(-span, span);
     return (int32_t)(near < info->min ? info->min : near > info->max ? info->max : near);
 }
@@ -144,9 +144,10 @@ static void command(void)
     const uint8_t what = any(0, 2) != 0 ? usual_command(last.state) : (uint8_t)any(1, most_command);
     const cam_param_id_t id = any_param();
     const bool is_param = what == set_parameter || what == stage;
-    const int32_t by_hand = (int32_t)(what == jog ? any(-12000, 12000) : any(-3 * mm, 3 * mm));
+    const int32_t by_hand =
+        (int32_t)(what == jog ? any(-12000, 12000) : any(INT64_C(-3) * mm, INT64_C(3) * mm));
     const int32_t value = is_param          ? any_value(id)
-                          : what == zero_x  ? (int32_t)any(80 * mm, 100 * mm)
+                          : what == zero_x  ? (int32_t)any(INT64_C(80) * mm, INT64_C(100) * mm)
                           : any(0, 15) == 0 ? (int32_t)any(INT32_MIN, INT32_MAX)
                                             : by_hand;
     fixture_can_receive(0x640, 8, what, (uint8_t)(is_param ? (int64_t)id : any(0, 3)), value);
