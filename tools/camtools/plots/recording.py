@@ -159,7 +159,13 @@ def _draw_turns(unrolled: Axes, polar: PolarAxes, columns: Columns, name: str) -
     room = (high - low) or 1.0
     polar.set_rlim(low - 1.2 * room, high + 0.05 * room)
     digits = max(0, 2 - floor(log10(room)))
-    polar.set_rticks([low, high], [f"{low:.{digits}f}", f"{high:.{digits}f}"], fontsize=7)
+    polar.set_rticks([low, high], [])
+    # The disc within the inner ring is empty: numbers at the rings would lie over the curves.
+    low_text, high_text = f"{low:.{digits}f}", f"{high:.{digits}f}"
+    text = high_text if low_text == high_text else f"outer {high_text}\ninner {low_text}"
+    paper = {"facecolor": "white", "lw": 0, "pad": 1}
+    style = {"ha": "center", "va": "center", "bbox": paper}
+    polar.text(0.5, 0.5, text, transform=polar.transAxes, **style)  # type: ignore[arg-type]
     polar.set_xticks(np.radians(range(0, 360, 45)))
     unrolled.set_ylabel(_label_of(name))
     unrolled.set_xlim(0, 360)
