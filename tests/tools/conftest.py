@@ -7,10 +7,12 @@ import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+import can
 import pytest
 from hypothesis import settings
 
 from camctl_bench import Bench
+from camtools.link.controller import Link
 from camtools.skirt.generate import GeneratedSkirt, generate
 from camtools.skirt.geometry import Geometry, make_geometry
 from camtools.skirt.part import SkirtPart
@@ -83,3 +85,11 @@ def linuxcnc() -> Interpreter:
         return interpreter()
     except NotHereError as error:
         pytest.skip(f"LinuxCNC's interpreter: {error}")
+
+
+@pytest.fixture
+def link(bench: Bench) -> Iterator[Link]:
+    """Return a link of the test's own."""
+    bus = can.Bus(interface="virtual", channel=bench.channel)
+    yield Link(bus, bench.channel)
+    bus.shutdown()

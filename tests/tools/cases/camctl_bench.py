@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import csv
 import io
 import os
 import struct
@@ -14,6 +15,7 @@ from pathlib import Path
 import can
 
 from camtools.cli.camctl import main
+from camtools.link.controller import COMMAND, NUMBERS
 
 ROOT = Path(__file__).resolve().parents[3]
 BENCH = ROOT / os.environ.get("CAMTURN_BUILD", "build/host") / "tests" / "camctl" / "can_bench"
@@ -105,3 +107,19 @@ class Bench:
         status, text = self.run(*words)
         assert status == 0, text
         return text
+
+
+def columns(path: Path) -> dict[str, list[str]]:
+    """Read a CSV file."""
+    with path.open(newline="") as file:
+        rows = list(csv.reader(file))
+    return {name: [row[i] for row in rows[1:]] for i, name in enumerate(rows[0])}
+
+
+def order(bench: Bench, command: str) -> None:
+    """Give a command beside the link of the test, without waiting for its answer."""
+    number = NUMBERS["command"][command]
+    data = COMMAND.encode({"command": number, "parameter": 0, "reserved": 0})
+    bus = can.Bus(interface="virtual", channel=bench.channel)
+    bus.send(can.Message(arbitration_id=COMMAND.frame_id, data=data, is_extended_id=False))
+    bus.shutdown()

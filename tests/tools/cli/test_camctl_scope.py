@@ -1,22 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
-"""camctl's recorder, excitation and learned values against the firmware, over a bus."""
+"""camctl's recorder against the firmware, over a bus."""
 
 from __future__ import annotations
 
-import csv
 import json
-import signal
 import threading
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 
 import can
 import numpy as np
-import numpy.typing as npt
 import pytest
 
-from camctl_bench import Bench
+from camctl_bench import Bench, columns, order
 from camtools.base.parquet import parquet_read
 from camtools.cli.camctl_files import ABOUT
 from camtools.link import excitation, scope
@@ -25,163 +21,14 @@ from camtools.link.controller import (
     BLOCK_ID,
     COMMAND,
     FD_PART_ID,
-    NUMBERS,
     PART_ID,
     Link,
     Refused,
 )
-from camtools.link.learned import LAYOUT, N_VALUES
+from camtools.link.learned import N_VALUES
 
 pytestmark = pytest.mark.alone  # the controller keeps pace with the clock
-N, PERIODS, HEIGHT_NM = 400, 2, 40_000.0
 Refusal = Callable[[Bench, int, str], str]
-
-
-def tone(amplitude_nm: float, line: int = 2) -> npt.NDArray[np.int64]:
-    """Return a period of one line."""
-    turn = 2 * np.pi * np.arange(N) / N
-    return np.rint(amplitude_nm * np.sin(line * turn + 1)).astype(np.int64)
-
-
-@pytest.fixture
-def wave(tmp_path: Path) -> Path:
-    """Write a wave."""
-    path = tmp_path / "wave.csv"
-    path.write_text("u_nm\n" + "".join(f"{value}\n" for value in tone(HEIGHT_NM)))
-    return path
-
-
-@pytest.fixture
-def link(bench: Bench) -> Iterator[Link]:
-    """Return a link of the test's own."""
-    bus = can.Bus(interface="virtual", channel=bench.channel)
-    yield Link(bus, bench.channel)
-    bus.shutdown()
-
-
-def columns(path: Path) -> dict[str, list[str]]:
-    """Read a CSV file."""
-    with path.open(newline="") as file:
-        rows = list(csv.reader(file))
-    return {name: [row[i] for row in rows[1:]] for i, name in enumerate(rows[0])}
-
-
-def test_u_plays_what_the_file_says(bench: Bench, wave: Path, tmp_path: Path) -> None:
-    """Every tick of both periods; U is then where it was, and the state ready."""
-    bench.do("home")
-    record = tmp_path / "record.csv"
-    words = ("--periods", str(PERIODS), "--fade-ticks", "200", "--place-nm", "-300000")
-    assert "signals at 20000 Hz" in bench.do("excite", wave, record, *words)
-    told = columns(record)
-    assert list(told) == ["tick", "t_s", *scope.DEFAULT_SIGNALS]
-    played = np.array(told["u_set_q6"][-PERIODS * N :], np.int64).reshape(PERIODS, N)
-    assert np.all(played == (tone(HEIGHT_NM) - 300_000) * 64)
-    assert np.all(np.diff(np.array(told["tick"], np.int64)) == 1)
-    assert "state             ready" in bench.do("status")
-    assert "black box         it records" in bench.do("blackbox")
-
-
-def test_an_excitation_needs_ready_and_room(
-    bench: Bench, wave: Path, tmp_path: Path, refusal: Refusal
-) -> None:
-    """Refused in off; beyond the limits with the numbers; nothing is written."""
-    record = tmp_path / "record.csv"
-    assert "must be ready" in refusal(bench, 1, f"excite {wave} {record}")
-    bench.do("home")
-    line = refusal(bench, 1, f"excite {wave} {record} --place-nm 590000")
-    assert "629999 nm, u_stroke_nm is 1200000" in line
-    line = refusal(bench, 1, f"excite {wave} {record} --fade-ticks 20")
-    assert "u_acceleration_mm_per_s2 is 250000" in line
-    assert "at most 1200000 ticks" in refusal(bench, 1, f"excite {wave} {record} --periods 3001")
-    for words in ("--periods 65536", "--fade-ticks 15", "--place-nm 15000001", "--signals u_set"):
-        assert words.split()[1] in refusal(bench, 2, f"excite {wave} {record} {words}")
-    short = tmp_path / "short.csv"
-    short.write_text("u_nm\n" + "1\n" * 15)
-    assert "wave length" in refusal(bench, 1, f"excite {short} {record}")
-    for text, why in (("", "no u_nm"), ("u_nm\n", "no samples"), ("u_nm\nx\n", "line 2: x")):
-        short.write_text(text)
-        assert why in refusal(bench, 2, f"excite {short} {record}")
-    assert "check the path" in refusal(bench, 2, f"excite {tmp_path / 'none'} {record}")
-    assert not record.exists()
-
-
-def order(bench: Bench, command: str) -> None:
-    """Give a command beside the link of the test, without waiting for its answer."""
-    number = NUMBERS["command"][command]
-    data = COMMAND.encode({"command": number, "parameter": 0, "reserved": 0})
-    bus = can.Bus(interface="virtual", channel=bench.channel)
-    bus.send(can.Message(arbitration_id=COMMAND.frame_id, data=data, is_extended_id=False))
-    bus.shutdown()
-
-
-def excite_until(link: Link, bench: Bench, act: Callable[[], object]) -> str:
-    """Begin a long excitation, act in its middle; return what ended it for the tool."""
-    timer = threading.Timer(0.5, act)
-    timer.start()
-    with pytest.raises(Refused) as refused:
-        excitation.excite(link, tone(HEIGHT_NM), 300, place_nm=-300_000)
-    timer.join()
-    bench.drop = lambda frame: False
-    return str(refused.value)
-
-
-def excited(link: Link) -> str:
-    """Wait for the end of an excitation; return what came of it."""
-    for _ in range(200):
-        what = scope.EXCITED[scope.get(link, "excited")]
-        if what != "runs":
-            break
-        time.sleep(0.01)
-    return what
-
-
-def test_stop_of_somebody_else_ends_it(bench: Bench, link: Link) -> None:
-    """The tool tells that it was cut short; the machine is ready."""
-    bench.do("home")
-    assert "cut short: stopped" in excite_until(link, bench, lambda: order(bench, "stop"))
-    assert "state             ready" in bench.do("status")
-
-
-def test_disable_ends_it_and_then_switches_off(bench: Bench, link: Link) -> None:
-    """U comes to rest before the drives go off."""
-    bench.do("home")
-    assert "cut short: stopped" in excite_until(link, bench, lambda: order(bench, "disable"))
-    time.sleep(0.3)
-    text = bench.do("status")
-    assert "state             off" in text
-    assert "faults            none" in text
-
-
-def test_a_fault_ends_it(bench: Bench, link: Link) -> None:
-    """The emergency stop retracts U as always."""
-    bench.do("home")
-    assert "cut short: fault" in excite_until(link, bench, lambda: bench.estop(True))
-    assert "state             fault" in bench.do("status")
-
-
-@pytest.mark.slow
-def test_a_lost_tool_ends_it(bench: Bench, link: Link) -> None:
-    """Without signs of life U comes to rest within half a second and the fade."""
-    bench.do("home")
-
-    def cut() -> None:
-        bench.drop = lambda frame: frame.arbitration_id == COMMAND.frame_id
-
-    excite_until(link, bench, cut)
-    assert excited(link) == "silent"
-    assert "state             ready" in bench.do("status")
-
-
-def test_an_interrupted_tool_stops_u(bench: Bench, wave: Path, tmp_path: Path) -> None:
-    """Ctrl-C: U comes to rest at once, no file."""
-    bench.do("home")
-    record = tmp_path / "record.csv"
-    threading.Timer(1.0, signal.raise_signal, [signal.SIGINT]).start()
-    status, _ = bench.run("excite", wave, record, "--periods", "1000")
-    assert status != 0
-    assert not record.exists()
-    time.sleep(0.3)
-    assert "state             ready" in bench.do("status")
 
 
 def test_signals_of_ticks_are_recorded(bench: Bench, tmp_path: Path) -> None:
@@ -412,36 +259,6 @@ def test_a_wave_is_brought_over_a_bad_bus(bench: Bench, link: Link) -> None:
     assert link.ask("begin_download", size=64).result == "image_size"
     bench.do("home")
     assert link.ask("excite", periods=1, fade=100).result == "wave_none"
-
-
-def test_learned_values_are_told_and_kept(bench: Bench, tmp_path: Path) -> None:
-    """The report tells why nothing is learned; what is saved can be brought back."""
-    text = bench.do("learned")
-    assert "learning          off, not" in text
-    file = tmp_path / "kept.toml"
-    assert "saved" in bench.do("learned", "save", file)
-    lines = file.read_text().splitlines()
-    assert 'part = "short skirt"' in lines
-    assert [line.split()[0] for line in lines[3:]] == list(LAYOUT)
-    assert "in force" in bench.do("learned", "load", file)
-
-
-def test_bad_learned_values_are_refused(bench: Bench, tmp_path: Path, refusal: Refusal) -> None:
-    """No TOML, a key missing, too few, no integers, foreign; half a command."""
-    file = tmp_path / "kept.toml"
-    bench.do("learned", "save", file)
-    good = file.read_text()
-    for old, new, why in (
-        ("part =", "part", "kept.toml: no learned values"),
-        ("k1_q16 = 0", "", "k1_q16: not a whole number"),
-        ("k1_q16 = 0", "k1_q16 = 3000000000", "k1_q16: not a whole number"),
-        ("gain_q12 = [0, ", "gain_q12 = [", "gain_q12: not 34 whole numbers"),
-        ("k2_q16 = 0", "k2_q16 = 0\nother = 1", "other: no such key"),
-    ):
-        file.write_text(good.replace(old, new))
-        assert why in refusal(bench, 2, f"learned load {file}")
-    assert "save FILE or load FILE" in refusal(bench, 2, "learned save")
-    assert "check the path" in refusal(bench, 2, f"learned load {tmp_path / 'none'}")
 
 
 def test_answers_have_room_for_every_command(bench: Bench, link: Link) -> None:
