@@ -86,9 +86,10 @@ typedef enum {
     cam_err_not_homed = -76,  ///< an axis is not homed
     // Changes while the cut goes on (cam_machine_override.h)
     cam_err_override_measured = -79, ///< others move Z: its feed cannot be overridden or held
-    cam_err_override_rings = -80,    ///< a ring-helix has its programmed feed or none, and no higher speed
-    cam_err_trim_limit = -81,        ///< |x_trim_nm| exceeds x_trim_limit_nm
-    cam_err_table_sense = -82,       ///< ready, and the next table turns in the other sense
+    cam_err_override_rings =
+        -80,                  ///< a ring-helix has its programmed feed or none, and no higher speed
+    cam_err_trim_limit = -81, ///< |x_trim_nm| exceeds x_trim_limit_nm
+    cam_err_table_sense = -82, ///< ready, and the next table turns in the other sense
     // Parameters that are kept (cam_machine_params.c)
     cam_err_params_begin = -87,   ///< no change of several parameters was begun
     cam_err_params_stale = -88,   ///< a parameter was set since that change was begun

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_scope.h"
-#include <stddef.h> // NULL
 
 enum { most_every = 1000000 };
 
@@ -55,34 +54,51 @@ static bool is_good(uint32_t field, int32_t value)
     }
 }
 
+/// Take a value that is good into the plan.
+static void take(cam_scope_plan_t *plan, uint32_t field, int32_t value)
+{
+    switch (field) {
+    case cam_scope_field_signals:
+        plan->signals = (uint32_t)value;
+        break;
+    case cam_scope_field_every:
+        plan->every = (uint32_t)value;
+        break;
+    case cam_scope_field_rows:
+        plan->rows = (uint32_t)value;
+        break;
+    case cam_scope_field_before:
+        plan->before = (uint32_t)value;
+        break;
+    case cam_scope_field_watched:
+        plan->trigger.signal = (uint32_t)value;
+        break;
+    case cam_scope_field_from_state:
+        plan->from_state = value;
+        break;
+    case cam_scope_field_trigger:
+        plan->trigger.kind = (cam_trigger_kind_t)value;
+        break;
+    case cam_scope_field_level:
+        plan->trigger.level = value;
+        break;
+    default: // the edge
+        plan->trigger.falls = value != 0;
+        break;
+    }
+}
+
 cam_err_t cam_scope_set(cam_scope_t *s, uint32_t field, int32_t value)
 {
 #define FIELD_IS_SET(name, is_set, what) is_set,
     static const bool may_set[cam_scope_n_fields] = {CAM_SCOPE_FIELDS(FIELD_IS_SET)};
-    uint32_t *const numbers[cam_scope_n_fields] = {
-        [cam_scope_field_signals] = &s->set.signals,
-        [cam_scope_field_every] = &s->set.every,
-        [cam_scope_field_rows] = &s->set.rows,
-        [cam_scope_field_before] = &s->set.before,
-        [cam_scope_field_watched] = &s->set.trigger.signal,
-    };
     if (field >= cam_scope_n_fields || !may_set[field] || field == cam_scope_field_place_nm) {
         return cam_err_scope_field;
     }
     if (!is_good(field, value)) {
         return cam_err_scope_range;
     }
-    if (numbers[field] != NULL) {
-        *numbers[field] = (uint32_t)value;
-    } else if (field == cam_scope_field_from_state) {
-        s->set.from_state = value;
-    } else if (field == cam_scope_field_trigger) {
-        s->set.trigger.kind = (cam_trigger_kind_t)value;
-    } else if (field == cam_scope_field_level) {
-        s->set.trigger.level = value;
-    } else {
-        s->set.trigger.falls = value != 0;
-    }
+    take(&s->set, field, value);
     return cam_ok;
 }
 
@@ -162,7 +178,8 @@ cam_err_t cam_scope_begin(cam_scope_t *s, const cam_scope_plan_t *plan, cam_scop
 {
     const uint32_t taken = s->n_wave + head;
     const uint32_t room = taken < s->n_words ? s->n_words - taken : 0u;
-    const uint32_t fitting = room / cam_scope_count(plan->signals);
+    const uint32_t n_signals = cam_scope_count(plan->signals);
+    const uint32_t fitting = n_signals > 0u ? room / n_signals : 0u;
     const uint32_t most = plan->rows != 0u && plan->rows < fitting ? plan->rows : fitting;
     if (most == 0u) {
         return cam_err_scope_memory;
