@@ -12,7 +12,7 @@ static cam_outcome_t parts(const cam_can_t *r, cam_err_t err)
 bool cam_can_cut(cam_can_t *r, const struct camturn_command_t *m)
 {
     cam_machine_t *machine = r->machine;
-    cam_outcome_t outcome = cam_outcome(cam_ok);
+    cam_outcome_t outcome;
     switch (m->command) {
     case CAMTURN_COMMAND_COMMAND_SET_FEED_OVERRIDE_CHOICE:
         cam_can_set(r, m->command, cam_param_feed_override_ppm, m->feed_override);
