@@ -55,7 +55,7 @@ static bool is_good(uint32_t field, int32_t value)
 }
 
 /// Take a value that is good into the plan.
-static void take(cam_scope_plan_t *plan, uint32_t field, int32_t value)
+static void take_field(cam_scope_plan_t *plan, uint32_t field, int32_t value)
 {
     switch (field) {
     case cam_scope_field_signals:
@@ -98,7 +98,7 @@ cam_err_t cam_scope_set(cam_scope_t *s, uint32_t field, int32_t value)
     if (!is_good(field, value)) {
         return cam_err_scope_range;
     }
-    take(&s->set, field, value);
+    take_field(&s->set, field, value);
     return cam_ok;
 }
 
