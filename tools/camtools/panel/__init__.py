@@ -1,0 +1,1 @@
+"""The browser panel: a page that shows a controller, and lets one visitor command it."""

@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What all pages of one panel share."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from camtools.base.places import ROOT
+from camtools.panel.command_log import CommandLog
+from camtools.panel.commander import Commander
+from camtools.panel.desk import Desk
+from camtools.panel.token import TokenGuard
+
+
+@dataclass(frozen=True)
+class AppContext:
+    """The one controller of a panel and who may do what with it.
+
+    Attributes
+    ----------
+    desk : Desk
+        owns the link; `desk.snapshot()`, `desk.strobe()`, `await desk.do(order, visitor)`
+    commander : Commander
+        who commands
+    log : CommandLog
+        of commands, also of edits and runs of the design page
+    guard : TokenGuard
+        sets `visitor.has_token`; pages only look at that
+    parts : Path
+        folder of the part files; nothing outside of it is read or written by a page
+    runs : Path
+        folder of the runs that are kept
+    """
+
+    desk: Desk
+    commander: Commander
+    log: CommandLog
+    guard: TokenGuard
+    parts: Path = ROOT / "build" / "panel" / "parts"
+    runs: Path = ROOT / "build" / "panel" / "runs"

@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a page shows: the newest status of the controller, frozen.
+
+>>> SILENT.is_connected, SILENT.state, SILENT.faults
+(False, 'unknown', ())
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+
+import numpy as np
+import numpy.typing as npt
+
+from camtools.link.controller import Status
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """The newest status; every page may read the same one.
+
+    Attributes
+    ----------
+    is_connected : bool
+        whether every message of the status has come, and the newest within half a second
+    where : str
+        how to call bus and controller
+    signals : Mapping
+        signals of the DBC by name, in its units; empty before the first status. A signal that a
+        controller of another version does not send is missing: use `signals.get`
+    state : str
+        name of the state; "unknown" when not connected
+    faults : tuple of str
+        names of latched faults; controller.FAULT_TEXTS has their texts
+    table_name : str
+        of the part whose table is in use; text of strangers, show it as text
+    at_s : float
+        [s] of time.monotonic when the newest message came
+    problem : str
+        why there is no connection and what to do; "" when there is one
+    work : str
+        what the desk is busy with, for example "download, 40 %"; "" when it is free
+    """
+
+    is_connected: bool = False
+    where: str = ""
+    signals: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    state: str = "unknown"
+    faults: tuple[str, ...] = ()
+    table_name: str = ""
+    at_s: float = -1e9
+    problem: str = "no controller yet"
+    work: str = ""
+
+
+SILENT = Snapshot()
+
+
+def snapshot_of(status: Status, where: str, work: str) -> Snapshot:
+    """Return what a whole status shows."""
+    return Snapshot(
+        is_connected=True,
+        where=where,
+        signals=MappingProxyType(dict(status.signals)),
+        state=status.state,
+        faults=tuple(status.faults),
+        table_name=status.table_name,
+        at_s=status.at_s,
+        problem="",
+        work=work,
+    )
+
+
+Floats = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class StrobeView:
+    """Following error of single ticks of the last turns.
+
+    Attributes
+    ----------
+    turn : ndarray, shape (n,)
+        number of the turn, whole
+    angle_turn : ndarray, shape (n,)
+        angle of the drawing, 0 .. 1
+    error_um : ndarray, shape (n,)
+        following error of the same tick
+    """
+
+    turn: Floats
+    angle_turn: Floats
+    error_um: Floats
+
+
+NO_STROBE = StrobeView(*(np.zeros(0) for _ in range(3)))
