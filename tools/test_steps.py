@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import os
 import re
+import shutil
 import sys
 from pathlib import Path
 
@@ -125,9 +126,18 @@ def tools_steps(is_fast: bool) -> list[Step]:
     ]
 
 
+def browser_step() -> Step:
+    """Return the tests of pages in Chromium, whose windows share one process."""
+    return pytest("browser", "tests/browser", needs=("build host",))
+
+
 def fast_steps() -> list[Step]:
-    """Return the steps of tools/test --fast: build, unit tests, tests of the tools, scenarios."""
-    return [build("host"), ctest("host"), *tools_steps(is_fast=True)]
+    """Return the steps of tools/test --fast: build, unit tests, tests of the tools, scenarios.
+
+    Pages are tested where there is a Chromium; only the whole tools/test asks for one.
+    """
+    browser = [browser_step()] if shutil.which("chromium") else []
+    return [build("host"), ctest("host"), *browser, *tools_steps(is_fast=True)]
 
 
 def source_steps() -> list[Step]:
@@ -219,7 +229,7 @@ def all_steps() -> list[Step]:
 
     Builds come first, with checks that need none beside them; then what takes long.
     """
-    steps = [build("host"), ctest("host")]
+    steps = [build("host"), ctest("host"), browser_step()]
     steps += [*source_steps(), *linux_steps(), *host_steps(), *board_steps()]
     return sorted(steps, key=lambda step: not step.name.startswith("build "))
 

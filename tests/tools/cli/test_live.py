@@ -8,8 +8,6 @@ import json
 import os
 import re
 import signal
-import subprocess
-import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -17,6 +15,7 @@ from pathlib import Path
 
 import pytest
 
+from background import PATIENCE_S, Background, python
 from camtools.cli.camctl import main as camctl
 from camtools.cli.live import main as live_main
 from camtools.link.live import LiveLathe, live_lathes, only_lathe
@@ -25,46 +24,19 @@ from camtools.pipeline.make import make
 from part_cases import ROOT
 
 PART = ROOT / "tools" / "parts" / "perkins240.toml"
-PATIENCE_S = 30.0
 
 
-class Live:
+class Live(Background):
     """tools/live as a process."""
 
     def __init__(self, *words: str) -> None:
-        command = [sys.executable, "-m", "camtools.cli.live", str(PART), *words]
-        self.process = subprocess.Popen(
-            command,
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-            bufsize=1,
-            env=os.environ | {"PYTHONPATH": str(ROOT / "tools")},
-        )
-        self.said: list[str] = []
+        super().__init__(python("camtools.cli.live", PART, *words), {})
         self.wait_for("control-C ends")
 
-    def wait_for(self, words: str) -> str:
-        """Read what it says until some words come."""
-        assert self.process.stdout is not None
-        while words not in (line := self.process.stdout.readline()):
-            assert line, f"ended without {words!r}: {''.join(self.said)}"
-            self.said.append(line)
-        self.said.append(line)
-        return line
-
-    def type(self, word: str) -> None:
+    def do(self, word: str) -> None:
         """Type a line, and wait until it has happened."""
-        assert self.process.stdin is not None
-        self.process.stdin.write(f"{word}\n")
+        self.type(word)
         self.wait_for(f"{word}: done")
-
-    def end(self, number: int = signal.SIGTERM) -> int:
-        """Send a signal; return the exit status."""
-        self.process.send_signal(number)
-        self.process.communicate(timeout=PATIENCE_S)
-        return self.process.returncode
 
 
 @contextmanager
@@ -76,7 +48,7 @@ def living(*words: str) -> Iterator[Live]:
         yield live
     finally:
         status = live.end()
-    assert status == 0, "".join(live.said)
+    assert status == 0, live.text()
     for lathe in lathes:
         for role in ("lathe_pid", "controller_pid"):
             assert not Path(f"/proc/{lathe.facts[role]}").exists()
@@ -143,10 +115,10 @@ def test_a_session_as_an_operator_has_it(tmp_path: Path) -> None:
         rows = tmp_path / "rows.csv"
         do("scope", rows, "--signals", "u_set_q6,u_actual_nm", "--every", "10", "--seconds", "0.1")
         assert len(rows.read_text("ascii").splitlines()) > 50
-        live.type("estop")
+        live.do("estop")
         until(lambda: "faults            estop" in do("status"))
         until(lambda: run("blackbox", tmp_path / "box.parquet")[0] == 0)
-        live.type("release")
+        live.do("release")
         until(lambda: run("reset")[0] == 0)
         assert do("home") == "home: ready\n"
         do("start")

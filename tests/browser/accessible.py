@@ -1,0 +1,23 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What axe finds wrong with a page for people who see, hear or move otherwise."""
+
+from __future__ import annotations
+
+from axe_playwright_python.base import AXE_SCRIPT
+from playwright.sync_api import Page
+
+_GRAVE = ("serious", "critical")
+_RUN = "axe.run(document, {resultTypes: ['violations']}).then(found => found.violations)"
+
+
+def grave_findings(page: Page) -> list[str]:
+    """Return the serious and critical findings of every rule, with the elements they are of."""
+    if not page.evaluate("typeof axe === 'object'"):
+        page.evaluate(AXE_SCRIPT)
+    found = page.evaluate(_RUN)
+    return [
+        f"{rule['id']} ({rule['impact']}): {rule['help']}: {node['html'][:200]}"
+        for rule in found
+        if rule["impact"] in _GRAVE
+        for node in rule["nodes"]
+    ]

@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the tests in the browser share: Chromium, a report, and what is kept of a failure.
+
+An error in the console, an exception that nobody caught or a request that would leave this computer
+fails the test in whose window it came.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Iterator
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from camtools.cli.run import main as run
+from gallery import FOLDER, Gallery
+from windows import Chromium, OpenWindow, Window, chromium
+
+_HAS_FAILED = pytest.StashKey[bool]()
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(
+    item: pytest.Item,
+) -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    """Let fixtures know how their test ended."""
+    report = yield
+    item.stash[_HAS_FAILED] = item.stash.get(_HAS_FAILED, False) or report.failed
+    return report
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Chromium]:
+    """Run Chromium; nothing may have wanted to leave this computer."""
+    with chromium() as one:
+        yield one
+        assert not one.trap.caught
+
+
+@pytest.fixture(scope="session")
+def gallery() -> Iterator[Gallery]:
+    """Keep pictures for people to look at."""
+    one = Gallery()
+    yield one
+    one.write_index()
+
+
+def _keep_failure(name: str, windows: list[Window]) -> None:
+    """Write what the windows of a failed test show and said."""
+    folder = FOLDER / "failed"
+    folder.mkdir(parents=True, exist_ok=True)
+    for i, window in enumerate(windows):
+        (folder / f"{name}-{i}.log").write_text("\n".join(window.console), "utf-8")
+        for k, page in enumerate(window.page.context.pages):
+            page.screenshot(path=folder / f"{name}-{i}-{k}.png")
+
+
+@pytest.fixture
+def open_window(
+    request: pytest.FixtureRequest, browser: Chromium, gallery: Gallery
+) -> Iterator[OpenWindow]:
+    """Open windows with Playwright's options of a context; they close with the test."""
+    windows: list[Window] = []
+    with ExitStack() as stack:
+
+        def open_one(**options: Any) -> Window:  # noqa: ANN401 - those of Playwright
+            windows.append(stack.enter_context(browser.window(**options)))
+            return windows[-1]
+
+        yield open_one
+        problems = [problem for window in windows for problem in window.problems()]
+        if problems or request.node.stash.get(_HAS_FAILED, False):
+            _keep_failure(request.node.name, windows)
+    assert not problems
+
+
+@pytest.fixture(scope="session")
+def report_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Cut the Perkins 240 skirt; return the folder of its report."""
+    folder = tmp_path_factory.mktemp("report")
+    assert run(["-o", str(folder), "--csv"]) == 0
+    return folder

@@ -1,0 +1,162 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Chromium, its windows, and what goes wrong in them.
+
+A window is a browser's context of its own with one page: nothing of another visitor is in it. It
+notes what a page says of errors, and every address that is asked for.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import tempfile
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+from urllib.parse import urlsplit
+
+from playwright.sync_api import Browser, ConsoleMessage, Page, Request, sync_playwright
+
+from loopback_trap import Trap
+
+PATIENCE_MS = 60_000.0  # for a condition, on a computer that does much else
+_WITHOUT_NETWORK = ("about", "blob", "data", "file")
+_HERE = ("127.0.0.1", "localhost", "::1")
+_SWITCHES = (
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+)
+DESK = {"width": 1280, "height": 800}
+PHONE = {"width": 390, "height": 844}
+
+
+def chromium_path() -> str:
+    """Return Debian's Chromium.
+
+    Raises
+    ------
+    FileNotFoundError
+        There is none.
+    """
+    path = shutil.which("chromium")
+    if path is None:
+        raise FileNotFoundError("chromium is missing: apt-get install chromium")
+    return path
+
+
+def is_here(url: str) -> bool:
+    """Return whether an address is on this computer.
+
+    >>> is_here("http://127.0.0.1:8080/a"), is_here("data:,a"), is_here("http://127.0.0.1.nip.io/")
+    (True, True, False)
+    """
+    parts = urlsplit(url)
+    return parts.scheme in _WITHOUT_NETWORK or parts.hostname in _HERE
+
+
+@dataclass
+class Window:
+    """A visitor's window.
+
+    Attributes
+    ----------
+    console : list of str
+        all that the page said, for people
+    errors : list of str
+        errors in the console and exceptions that nobody caught
+    outside : list of str
+        addresses on other computers that were asked for
+    expected : list of str
+        regular expressions of errors that belong to the test
+    """
+
+    page: Page
+    console: list[str] = field(default_factory=list)
+    errors: list[str] = field(default_factory=list)
+    outside: list[str] = field(default_factory=list)
+    expected: list[str] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        """Listen to the page, and to those that it opens."""
+        context = self.page.context
+        context.on("console", self._take_console)
+        context.on("weberror", lambda error: self._take_error(f"exception: {error.error}"))
+        context.on("request", self._take_request)
+
+    def _take_console(self, message: ConsoleMessage) -> None:
+        line = f"{message.type}: {message.text} ({message.location.get('url', '')})"
+        self.console.append(line)
+        if message.type == "error":
+            self.errors.append(line)
+
+    def _take_error(self, line: str) -> None:
+        self.console.append(line)
+        self.errors.append(line)
+
+    def _take_request(self, request: Request) -> None:
+        if not is_here(request.url):
+            self.outside.append(request.url)
+
+    def problems(self) -> list[str]:
+        """Return what must not have happened."""
+        bad = [e for e in self.errors if not any(re.search(x, e) for x in self.expected)]
+        return bad + [f"asked for {url}" for url in self.outside]
+
+
+OpenWindow = Callable[..., Window]  # with Playwright's options of a context
+
+
+class Chromium:
+    """The browser; each window is a visitor.
+
+    Attributes
+    ----------
+    trap : Trap
+        what was asked of other computers by whatever way
+    """
+
+    def __init__(self, browser: Browser, trap: Trap) -> None:
+        self._browser, self.trap = browser, trap
+        self.version = browser.version
+
+    @contextmanager
+    def window(self, **options: Any) -> Iterator[Window]:  # noqa: ANN401 - those of Playwright
+        """Open a window; options are those of Playwright's new_context()."""
+        given = {"viewport": DESK, "reduced_motion": "reduce", "service_workers": "block"} | options
+        context = self._browser.new_context(**given)
+        context.set_default_timeout(PATIENCE_MS)
+        try:
+            yield Window(context.new_page())
+        finally:
+            context.close()
+
+
+@contextmanager
+def chromium(more: Sequence[str] = ()) -> Iterator[Chromium]:
+    """Run Chromium with a profile that is gone afterwards.
+
+    Parameters
+    ----------
+    more : list of str
+        switches besides
+    """
+    with ExitStack() as stack:
+        home = stack.enter_context(tempfile.TemporaryDirectory(prefix="camturn-browser."))
+        trap = stack.enter_context(Trap())
+        own = {f"XDG_{kind}_HOME": str(Path(home) / kind) for kind in ("CONFIG", "CACHE")}
+        playwright = stack.enter_context(sync_playwright())
+        browser = playwright.chromium.launch(
+            executable_path=chromium_path(),
+            args=[*_SWITCHES, f"--proxy-server=127.0.0.1:{trap.port}", *more],
+            chromium_sandbox=os.geteuid() != 0,  # root has none
+            env={**os.environ, **own, "HOME": home},
+        )
+        stack.callback(browser.close)
+        yield Chromium(browser, trap)
