@@ -31,6 +31,7 @@ enum {
     camsim_summary,
     camsim_removal,
     camsim_scallop,
+    camsim_sections,
     camsim_n_outs
 };
 

@@ -124,13 +124,13 @@ static bool check_foreign(const camsim_bus_options_t *o, common_error_t *e)
     bool is_clean = cut->rpm == 0.0 && cut->feed_mm == 0.0 && !cut->is_without_feed_forward &&
                     !cut->is_without_lead && cut->max_turns == 0.0 && cut->target == NULL &&
                     cut->slice_s == 0.0 && o->common.out_path[camsim_removal] == NULL &&
-                    !o->common.is_progress_shown;
+                    !cut->has_sections && !o->common.is_progress_shown;
     for (int i = 0; i < cam_n_params; i++) {
         is_clean = is_clean && !cut->wishes.is_given[i];
     }
     return is_clean ||
            common_error(e, "bus: an option of camsim run only (speed, feed, parameters, "
-                           "removal, target); tell the controller itself");
+                           "removal, sections, target); tell the controller itself");
 }
 
 bool camsim_bus_options_read(camsim_bus_options_t *o, int argc, char **argv, common_error_t *e)

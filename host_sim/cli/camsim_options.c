@@ -4,55 +4,9 @@
 #include "common_number.h" // common_number_parse
 #include "sim_target.h"    // sim_target_find
 #include <getopt.h>        // getopt_long
-#include <stdio.h>         // fprintf, puts
+#include <stdio.h>         // fprintf
 #include <string.h>        // strrchr
 #include <unistd.h>        // access
-
-static const char help[] =
-    "camsim run TABLE [options]\n"
-    "\n"
-    "  --rpm N               spindle speed, r/min (default: the table's)\n"
-    "  --feed MM             feed per turn (default: the table's)\n"
-    "  --machine M.toml      machine file (default: built in, see host_sim/machines/default.toml)\n"
-    "  --set PARAM=VALUE     a parameter of the firmware, by its name in cam_param.h; repeatable\n"
-    "  --design F.json       exact geometry for the gauge (default: NAME.json beside TABLE)\n"
-    "  --tolerance-um T      largest form error accepted (default: 5)\n"
-    "  --trace F.csv         every tick: inputs, set-points, outputs, truth\n"
-    "  --trace-every N       of the trace only one tick of N\n"
-    "  --surface F.csv       turn,z_mm,radius_mm,error_nm of the worst sample of each cell, and\n"
-    "                        control_nm where the table plays a refit or a filter\n"
-    "  --summary F.json      results\n"
-    "  --removal F.csv       metal removed, power and forces of every time slice\n"
-    "  --slice-us T          length of those slices (default: a 120th of the mean turn)\n"
-    "  --kc-n-mm2 K          specific cutting force (default: 700)\n"
-    "  --kc-exponent M       its size effect: K h^-M at a chip h mm thick, then K is kc1.1; a "
-    "nose\n"
-    "                        (--nose-mm) cuts thinner chips (default: 0, none)\n"
-    "  --nose-mm R           radius of the tool's nose, which the gauge judges (default: that of\n"
-    "                        the machine file, else of the part file); the surface between tracks\n"
-    "                        is made, too\n"
-    "  --scallop F.csv       turn,z_mm,proud_um of that surface; with --nose-mm\n"
-    "  --scallop-mm A:B      its heights (default: four feeds in the middle)\n"
-    "  --tool-tip-mm R       radius of the tip that turns a cam (default: 0.4)\n"
-    "  --no-feed-forward     k1 = k2 = 0\n"
-    "  --no-lead             no dead-time compensation\n"
-    "  --seed N              of the encoder's noise (default: 1)\n"
-    "  --turns-limit N       operator's stop after N turns of cutting\n"
-    "  --max-seconds S       give up after S of machine time (default: twice the plan and a "
-    "minute)\n"
-    "  --progress            show progress on standard error\n"
-    "  --target T            the firmware runs on an emulated board: mps2-an500 (Cortex-M7) or\n"
-    "                        mps2-an386 (Cortex-M4), one exchange per tick\n"
-    "  --target-image F.elf  image for it (default: that of preset mcu-qemu or mcu-qemu-m4)\n"
-    "  --inject KIND@SECONDS[:VALUE]   repeatable; seconds of cutting, or KIND@tSECONDS since the "
-    "start:\n"
-    "      estop  drive  bus  lost-counts:N  encoder-jump:N  encoder-stuck  index-dead\n"
-    "      late-tick:PERCENT  reverse  spindle-speed:RPM  spindle-stop  z-offset:MM  u-block\n"
-    "      swing-block  table-flip:BYTE  stop\n"
-    "      hold  resume  feed-override:PERCENT  spindle-override:PERCENT  trim:UM, as an operator\n"
-    "\n"
-    "Exit status: 0 done, 1 fault, time-out, out of tolerance or not gauged, 2 wrong usage or bad "
-    "input.";
 
 enum {
     opt_rpm = 256,
@@ -72,6 +26,8 @@ enum {
     opt_nose,
     opt_scallop,
     opt_window,
+    opt_sections,
+    opt_heights,
     opt_tip,
     opt_no_feed_forward,
     opt_no_lead,
@@ -103,6 +59,8 @@ static const struct option options[] = {
     {"nose-mm", required_argument, NULL, opt_nose},
     {"scallop", required_argument, NULL, opt_scallop},
     {"scallop-mm", required_argument, NULL, opt_window},
+    {"sections", required_argument, NULL, opt_sections},
+    {"sections-mm", required_argument, NULL, opt_heights},
     {"tool-tip-mm", required_argument, NULL, opt_tip},
     {"no-feed-forward", no_argument, NULL, opt_no_feed_forward},
     {"no-lead", no_argument, NULL, opt_no_lead},
@@ -116,11 +74,6 @@ static const struct option options[] = {
     {"help", no_argument, NULL, opt_help},
     {NULL, 0, NULL, 0},
 };
-
-void camsim_options_help(void)
-{
-    (void)puts(help);
-}
 
 /// Take a number of an option within its range, both ends included.
 static bool take_number(double *value, const char *option, const char *text, double min, double max,
@@ -152,6 +105,33 @@ static bool take_window(sim_cut_options_t *cut, const char *text, common_error_t
     }
     return cut->has_window ||
            common_error(e, "--scallop-mm %.60s: no two rising heights; give FROM:TO in mm", text);
+}
+
+/// Take the heights of sections, rising; whether the part has them is checked later.
+static bool take_heights(sim_cut_options_t *cut, const char *text, common_error_t *e)
+{
+    const char *rest = text;
+    cut->n_sections = 0;
+    while (rest != NULL && cut->n_sections < sim_sections_most) {
+        char word[40];
+        const char *comma = strchr(rest, ',');
+        const size_t length = comma != NULL ? (size_t)(comma - rest) : strlen(rest);
+        const int n = cut->n_sections;
+        if (length >= sizeof word) {
+            break;
+        }
+        memcpy(word, rest, length);
+        word[length] = '\0';
+        if (!common_number_parse(word, &cut->section_mm[n]) ||
+            (n > 0 && cut->section_mm[n] <= cut->section_mm[n - 1])) {
+            break;
+        }
+        cut->n_sections++;
+        rest = comma != NULL ? comma + 1 : NULL;
+    }
+    return rest == NULL ||
+           common_error(e, "--sections-mm %.60s: no rising heights; give 1 .. %d in mm: A,B,C",
+                        text, sim_sections_most);
 }
 
 static bool take_set(camsim_options_t *o, const char *text, common_error_t *e)
@@ -216,6 +196,8 @@ static const char **path_of(camsim_options_t *o, int option)
         return &o->out_path[camsim_removal];
     case opt_scallop:
         return &o->out_path[camsim_scallop];
+    case opt_sections:
+        return &o->out_path[camsim_sections];
     case opt_design:
         return &o->cut.session.design_path;
     case opt_target:
@@ -261,6 +243,8 @@ static bool take_value(camsim_options_t *o, int option, const char *text, common
         return true;
     case opt_window:
         return take_window(cut, text, e);
+    case opt_heights:
+        return take_heights(cut, text, e);
     case opt_tip:
         return take_number(&cut->tip_mm, "tool-tip-mm", text, 0.05, 1000.0, "mm", e);
     case opt_max_seconds:
@@ -349,8 +333,8 @@ static bool check_outputs(const camsim_options_t *o, common_error_t *e)
 
 bool camsim_open_outs(sim_out_t *outs, const camsim_options_t *o, int n, common_error_t *e)
 {
-    static const char *const option[camsim_n_outs] = {"--trace", "--surface", "--summary",
-                                                      "--removal", "--scallop"};
+    static const char *const option[camsim_n_outs] = {"--trace",   "--surface", "--summary",
+                                                      "--removal", "--scallop", "--sections"};
     return sim_out_open_all(outs, o->out_path, option, n, e);
 }
 
@@ -396,6 +380,10 @@ bool camsim_options_read(camsim_options_t *o, int argc, char **argv, common_erro
     }
     if ((o->out_path[camsim_scallop] != NULL || o->cut.has_window) && o->cut.nose_mm <= 0.0) {
         return common_error(e, "--scallop, --scallop-mm: no tool for it; give --nose-mm, too");
+    }
+    o->cut.has_sections = o->out_path[camsim_sections] != NULL;
+    if (o->cut.n_sections > 0 && !o->cut.has_sections) {
+        return common_error(e, "--sections-mm: no file for them; give --sections F.csv, too");
     }
     return check_outputs(o, e);
 }

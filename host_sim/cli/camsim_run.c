@@ -97,6 +97,9 @@ static bool write_results(run_t *r, common_error_t *e)
     if (r->out[camsim_scallop].name != NULL) {
         sim_map_scallop(&r->out[camsim_scallop], &s->scallop, sim_session_played(s));
     }
+    if (r->out[camsim_sections].name != NULL) {
+        sim_map_sections(&r->out[camsim_sections], s);
+    }
     if (summary->name != NULL &&
         !sim_cut_summary(summary, &r->cut, r->options.table_path, r->wall_s)) {
         return common_error(e, "%s: not enough memory for the summary; free some", summary->name);

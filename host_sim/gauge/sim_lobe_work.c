@@ -94,6 +94,9 @@ static void load_lobe(sim_lobe_work_t *w, uint32_t i_lobe)
     w->i_lobe = i_lobe;
     w->n_before = 0;
     w->first = w->end = 0;
+    if (w->sections != NULL) {
+        sim_sections_break(w->sections);
+    }
     w->circle_mm = w->whole_mm - w->wear_mm * (i_lobe < w->design->n_lobes ? i_lobe : 0u);
     for (int i = 0; i_lobe < w->design->n_lobes && i < sim_lobe_dexels; i++) {
         const sim_lobe_spot_t s = spot_at(w, i / DEXELS_PER_RAD);
@@ -181,6 +184,10 @@ static void finish(sim_lobe_work_t *w, int64_t i, const sim_lobe_tool_t *tool, d
                    is_counted);
     if (!is_counted) {
         return;
+    }
+    if (w->sections != NULL) {
+        const sim_place_t at = {.e_mm = d->left_mm, .turn = d->turn, .drawn_mm = d->radius_mm};
+        sim_sections_pass(w->sections, w->sense > 0.0 ? i : -i, tool->z_mm, &at);
     }
     const double wide = sim_fraction(w->sense * (dexel_at(w, i + 1)->turn - d->turn)) * SIM_TWO_PI;
     const double blank_mm = blank_at(w, d);

@@ -27,6 +27,7 @@
 
 #include "sim_lobe_design.h" // sim_lobe_design_t
 #include "sim_removal.h"     // sim_spread_t
+#include "sim_sections.h"    // sim_sections_t
 #include "sim_work.h"        // sim_work_t
 #include <stdbool.h>         // bool
 #include <stdint.h>          // int64_t, uint64_t
@@ -63,6 +64,7 @@ typedef struct {
 typedef struct {
     sim_lobe_design_t *design;
     sim_work_t *work;          ///< finished dexels go there too
+    sim_sections_t *sections;  ///< ... and there; NULL: no sections
     double circle_mm;          ///< radius of wheel or tip
     double whole_mm;           ///< the same before the first lobe
     double wear_mm;            ///< by which it becomes smaller with every lobe

@@ -37,6 +37,9 @@ typedef struct {
     double nose_mm;     ///< radius of the tool's nose; 0: the surface between tracks is not made
     bool has_window;    ///< heights of that surface are given; else four feeds in the middle
     double window_first_mm, window_last_mm;
+    int n_sections;                       ///< heights of sections that are given
+    double section_mm[sim_sections_most]; ///< ... rising
+    bool has_sections;  ///< sections and lines are made; without heights at five, or in each lobe
     double tip_mm;      ///< radius of the tool that turns lobes; 0: 0.4 mm
     double max_turns;   ///< end the cut (operator's stop) after so many turns of cutting; 0: the
                         ///< whole part

@@ -242,6 +242,34 @@ static bool place_scallop(sim_cut_t *cut, common_error_t *e)
     return true;
 }
 
+/// Place the sections: where they are asked for without heights at a tenth, three, five, seven and
+/// nine tenths of the part, or in the middle of each of the first lobes.
+static bool place_sections(sim_cut_t *cut, common_error_t *e)
+{
+    enum { usual = 5 };
+    const sim_cut_options_t *o = &cut->options;
+    const sim_design_t *d = &cut->session.design;
+    const int n_lobes =
+        d->lobes.n_lobes < sim_sections_most ? (int)d->lobes.n_lobes : (int)sim_sections_most;
+    const bool has_lobes = d->shape == sim_shape_lobes;
+    const int n = o->n_sections > 0 ? o->n_sections : has_lobes ? n_lobes : usual;
+    double z_mm[sim_sections_most];
+    for (int i = 0; i < n; i++) {
+        const sim_lobe_t *lobe = &d->lobes.lobe[i];
+        z_mm[i] = o->n_sections > 0 ? o->section_mm[i]
+                  : has_lobes       ? 0.5 * (lobe->z_first_mm + lobe->z_last_mm)
+                              : d->z_first_mm + (i + 0.5) / n * (d->z_last_mm - d->z_first_mm);
+        if (z_mm[i] < d->z_first_mm || z_mm[i] > d->z_last_mm) {
+            return common_error(e,
+                                "--sections-mm %.12g: beyond the part; give heights %.12g .. %.12g",
+                                z_mm[i], d->z_first_mm, d->z_last_mm);
+        }
+    }
+    sim_sections_init(&cut->session.sections, z_mm, o->has_sections ? n : 0, d->z_first_mm,
+                      d->z_last_mm);
+    return true;
+}
+
 void sim_cut_place_scallop(sim_cut_t *cut)
 {
     common_error_t ignored; // the window has been inside the part before
@@ -266,7 +294,7 @@ static bool place(sim_cut_t *cut, common_error_t *e)
     if (s->design.shape == sim_shape_lobes) {
         sim_lobe_cut_begin(s, cut->options.tip_mm);
     }
-    return place_scallop(cut, e);
+    return place_scallop(cut, e) && place_sections(cut, e);
 }
 
 /// Open the firmware and give it parameters and table; each change is taken by the next tick.

@@ -37,6 +37,7 @@ void sim_lobe_cut_begin(sim_session_t *s, double tip_mm)
     sim_lobe_work_init(&s->lobes, &s->design.lobes, &s->work, s->table.direction,
                        wanted_mm < roller_mm ? wanted_mm : roller_mm,
                        s->options.config.lathe.wheel_wear_um * 1e-3);
+    s->lobes.sections = &s->sections;
 }
 
 double sim_lobe_cut_due_mm_s(const sim_session_t *s)

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim_map.h"
+#include "sim_units.h" // SIM_NM_PER_MM
+#include <math.h>      // isnan
 
 void sim_map_removal_header(sim_out_t *o)
 {
@@ -51,5 +53,54 @@ void sim_map_scallop(sim_out_t *o, const sim_scallop_t *scallop, sim_design_t *d
             sim_out_real_column(o, sim_scallop_proud_um(scallop, design, i, j), 6);
             sim_out_char(o, '\n');
         }
+    }
+}
+
+static void write_place(sim_out_t *o, int section, double turn, double z_mm, double drawn_mm,
+                        double e_mm)
+{
+    sim_out_integer(o, section);
+    sim_out_real_column(o, turn, 8);
+    sim_out_real_column(o, z_mm, 6);
+    sim_out_real_column(o, drawn_mm + e_mm, 9);
+    sim_out_real_column(o, e_mm * SIM_NM_PER_MM, 3);
+    sim_out_char(o, '\n');
+}
+
+static void write_line(sim_out_t *o, sim_session_t *s, int line)
+{
+    const double turn = (double)line / sim_sections_lines;
+    for (int i = 0; i < sim_sections_heights; i++) {
+        const double e_mm = s->sections.line_e_mm[line][i];
+        const double z_mm = sim_sections_height_mm(&s->sections, i);
+        if (!isnan(e_mm)) {
+            write_place(o, 0, turn, z_mm, sim_design_radius_mm(&s->design, turn, z_mm), e_mm);
+        }
+    }
+}
+
+static void write_section(sim_out_t *o, sim_session_t *s, int section)
+{
+    const bool has_lobes = s->design.shape == sim_shape_lobes;
+    const double z_mm = s->sections.z_mm[section];
+    for (int i = 0; i < sim_sections_places; i++) {
+        const sim_place_t *at = &s->sections.section[section][i];
+        const double turn = has_lobes ? at->turn : (double)i / sim_sections_places;
+        if (!isnan(at->e_mm)) {
+            write_place(o, section + 1, turn, z_mm,
+                        has_lobes ? at->drawn_mm : sim_design_radius_mm(&s->design, turn, z_mm),
+                        at->e_mm);
+        }
+    }
+}
+
+void sim_map_sections(sim_out_t *o, sim_session_t *s)
+{
+    sim_out_text(o, "section,turn,z_mm,radius_mm,deviation_nm\n");
+    for (int i = 0; i < s->sections.n; i++) {
+        write_section(o, s, i);
+    }
+    for (int i = 0; i < sim_sections_lines && s->design.shape != sim_shape_lobes; i++) {
+        write_line(o, s, i);
     }
 }

@@ -17,6 +17,12 @@ void sim_map_surface(sim_out_t *o, const sim_session_t *s);
 /// after the other, heights rising.
 void sim_map_scallop(sim_out_t *o, const sim_scallop_t *scallop, sim_design_t *design);
 
+/// Write sections and lines: section (1 .. n; 0: a place of a line), turn, z_mm, radius_mm,
+/// deviation_nm against the drawing; places without a pass are left out. A section has its places
+/// in the order of rising angles; of lobes that is the direction of the roller, and turn is the
+/// polar angle of the profile there.
+void sim_map_sections(sim_out_t *o, sim_session_t *s);
+
 void sim_map_removal_header(sim_out_t *o);
 
 /// Write one slice: t_s, turn (drawing's angle, whole turns counted), z_mm,

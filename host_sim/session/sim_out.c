@@ -9,7 +9,7 @@
 #include <sys/stat.h> // stat
 #include <unistd.h>   // fsync, unlink
 
-enum { max_pending = 5 };
+enum { max_pending = 6 };
 
 /// Temporary files, where the signal handler finds them.
 static const char *volatile pending[max_pending];

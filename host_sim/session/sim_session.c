@@ -97,12 +97,17 @@ static void gauge_skirt(sim_session_t *s)
         sim_work_judge(&s->control, s->part_turn, s->z_mm, s->radius_mm,
                        played_mm + s->allowance_mm, true);
     }
+    sim_sections_touch(&s->sections, sim_session_turn(s), s->z_mm, s->radius_mm - s->exact_mm,
+                       s->is_cutting && is_made);
     sim_scallop_touch(&s->scallop, sim_session_played(s), s->part_turn, s->z_mm, s->radius_mm);
 }
 
 void sim_session_begin_pass(sim_session_t *s)
 {
     init_work(s, s->work.blank_mm);
+    const sim_sections_t *sections = &s->sections;
+    sim_sections_init(&s->sections, sections->z_mm, sections->n, s->design.z_first_mm,
+                      s->design.z_last_mm);
     s->cut_at_s = -1.0;
     s->cut_turns = 0.0;
     s->cut_s = 0.0;

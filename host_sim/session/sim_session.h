@@ -17,6 +17,7 @@
 #include "sim_lobe_work.h" // sim_lobe_work_t
 #include "sim_nose.h"      // sim_nose_t
 #include "sim_scallop.h"   // sim_scallop_t
+#include "sim_sections.h"  // sim_sections_t
 #include "sim_work.h"      // sim_work_t
 #include <stdbool.h>       // bool
 #include <stddef.h>        // size_t
@@ -44,12 +45,13 @@ typedef struct {
     bool has_target;     ///< the table deliberately plays something else than the drawing
     sim_design_t target; ///< ... this surface
     sim_work_t work;
-    sim_work_t control;    ///< errors against the target, when there is one
-    sim_nose_t nose;       ///< of the tool
-    sim_scallop_t scallop; ///< made only when the tool has a nose
-    sim_lobe_work_t lobes; ///< of lobes only
-    double phase_turn;     ///< [turn] rotates the oval on the part
-    double mean_rad_s;     ///< [rad/s] mean speed of the spindle that was commanded; 0: not known
+    sim_work_t control;      ///< errors against the target, when there is one
+    sim_nose_t nose;         ///< of the tool
+    sim_scallop_t scallop;   ///< made only when the tool has a nose
+    sim_lobe_work_t lobes;   ///< of lobes only
+    sim_sections_t sections; ///< made only when they are asked for
+    double phase_turn;       ///< [turn] rotates the oval on the part
+    double mean_rad_s;       ///< [rad/s] mean speed of the spindle that was commanded; 0: not known
     // of several passes
     double allowance_mm; ///< stock on the radius that this pass leaves
     double stock_mm;     ///< ... that the pass before has left, where has_stock
@@ -73,7 +75,7 @@ typedef struct {
 } sim_session_t;
 
 /// Check and copy a table.
-/// @param s      10 MB, zero-initialised; to be closed in any case
+/// @param s      12 MB, zero-initialised; to be closed in any case
 /// @param image  of the table
 /// @param name   of its file, for messages
 /// @return       false and *e when the table is refused

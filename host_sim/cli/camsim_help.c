@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "camsim.h"
+#include <stdio.h> // puts
+
+static const char help[] =
+    "camsim run TABLE [options]\n"
+    "\n"
+    "  --rpm N               spindle speed, r/min (default: the table's)\n"
+    "  --feed MM             feed per turn (default: the table's)\n"
+    "  --machine M.toml      machine file (default: built in, see host_sim/machines/default.toml)\n"
+    "  --set PARAM=VALUE     a parameter of the firmware, by its name in cam_param.h; repeatable\n"
+    "  --design F.json       exact geometry for the gauge (default: NAME.json beside TABLE)\n"
+    "  --tolerance-um T      largest form error accepted (default: 5)\n"
+    "  --trace F.csv         every tick: inputs, set-points, outputs, truth\n"
+    "  --trace-every N       of the trace only one tick of N\n"
+    "  --surface F.csv       turn,z_mm,radius_mm,error_nm of the worst sample of each cell, and\n"
+    "                        control_nm where the table plays a refit or a filter\n"
+    "  --summary F.json      results\n"
+    "  --removal F.csv       metal removed, power and forces of every time slice\n"
+    "  --slice-us T          length of those slices (default: a 120th of the mean turn)\n"
+    "  --kc-n-mm2 K          specific cutting force (default: 700)\n"
+    "  --kc-exponent M       its size effect: K h^-M at a chip h mm thick, then K is kc1.1; a "
+    "nose\n"
+    "                        (--nose-mm) cuts thinner chips (default: 0, none)\n"
+    "  --nose-mm R           radius of the tool's nose, which the gauge judges (default: that of\n"
+    "                        the machine file, else of the part file); the surface between tracks\n"
+    "                        is made, too\n"
+    "  --scallop F.csv       turn,z_mm,proud_um of that surface; with --nose-mm\n"
+    "  --scallop-mm A:B      its heights (default: four feeds in the middle)\n"
+    "  --sections F.csv      section,turn,z_mm,radius_mm,deviation_nm at 3600 angles of each "
+    "section,\n"
+    "                        and of lines along the height at 0, 90, 180, 270 degrees (section 0)\n"
+    "  --sections-mm A,B,..  their heights, at most 16 (default: five, or in the middle of lobes)\n"
+    "  --tool-tip-mm R       radius of the tip that turns a cam (default: 0.4)\n"
+    "  --no-feed-forward     k1 = k2 = 0\n"
+    "  --no-lead             no dead-time compensation\n"
+    "  --seed N              of the encoder's noise (default: 1)\n"
+    "  --turns-limit N       operator's stop after N turns of cutting\n"
+    "  --max-seconds S       give up after S of machine time (default: twice the plan and a "
+    "minute)\n"
+    "  --progress            show progress on standard error\n"
+    "  --target T            the firmware runs on an emulated board: mps2-an500 (Cortex-M7) or\n"
+    "                        mps2-an386 (Cortex-M4), one exchange per tick\n"
+    "  --target-image F.elf  image for it (default: that of preset mcu-qemu or mcu-qemu-m4)\n"
+    "  --inject KIND@SECONDS[:VALUE]   repeatable; seconds of cutting, or KIND@tSECONDS since the "
+    "start:\n"
+    "      estop  drive  bus  lost-counts:N  encoder-jump:N  encoder-stuck  index-dead\n"
+    "      late-tick:PERCENT  reverse  spindle-speed:RPM  spindle-stop  z-offset:MM  u-block\n"
+    "      swing-block  table-flip:BYTE  stop\n"
+    "      hold  resume  feed-override:PERCENT  spindle-override:PERCENT  trim:UM, as an operator\n"
+    "\n"
+    "Exit status: 0 done, 1 fault, time-out, out of tolerance or not gauged, 2 wrong usage or bad "
+    "input.";
+
+void camsim_options_help(void)
+{
+    (void)puts(help);
+}
