@@ -1,0 +1,32 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Each fault of the firmware has a title, a cause and a remedy for people."""
+
+from __future__ import annotations
+
+import re
+
+from camtools.base.places import ROOT
+from camtools.link.controller import FAULT_TEXTS
+from camtools.link.faults import FAULTS
+
+LIST = ROOT / "firmware" / "base" / "cam_state.h"
+
+
+def test_every_fault_of_the_firmware_has_cause_and_remedy() -> None:
+    """The list is that of the C source, not of the DBC from which the tools read it."""
+    text = LIST.read_text("utf-8")
+    body = text[text.index("#define CAM_FAULTS(X)") :].split("\n\n")[0]
+    names = re.findall(r"X\((\w+), \"", body)
+    assert len(names) > 10
+    assert list(FAULTS) == names == list(FAULT_TEXTS)
+    for fault in FAULTS.values():
+        assert fault.title and not fault.title.endswith(".")
+        for text in (fault.cause, fault.remedy):
+            assert len(text) > 15 and text.endswith(".") and text[0].isupper()
+            assert not re.search(r"[`\[\]]", text), "marks of Markdown are gone"
+
+
+def test_a_remedy_says_what_to_do() -> None:
+    """It begins with a verb, not with the name of a part."""
+    verbs = {text.remedy.split()[0] for text in FAULTS.values()}
+    assert verbs <= {"Release", "Clear", "Look", "Find", "Check", "Move", "Download", "Swing"}

@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What is missing to go on: a sentence for everything, in the order in which it must be done."""
+
+from __future__ import annotations
+
+from itertools import product
+
+import pytest
+
+from camtools.link.controller import NAMES
+from camtools.panel.views.availability import RULES, stop_order, why_not
+from camtools.panel.views.missing import way_on
+from camtools.panel.views.state_look import LOOKS, look
+
+STATES = list(NAMES["state"].values())
+INPUTS = {
+    "is_estop": (0.0, 1.0),
+    "is_drive_ready": (0.0, 1.0),
+    "is_bus_lost": (0.0, 1.0),
+    "table_size": (0.0, 3456.0),
+    "is_synced": (0.0, 1.0),
+    "is_retracted": (0.0, 1.0),
+    "speed": (-100.0, 0.0, 2500.0),
+}
+GOOD = {
+    "is_estop": 0.0,
+    "is_drive_ready": 1.0,
+    "table_size": 3456.0,
+    "is_synced": 1.0,
+    "is_retracted": 1.0,
+    "speed": 2500.0,
+}
+
+
+def test_every_state_has_a_look_of_its_own() -> None:
+    """Word and shape of two states are never the same: colour is never needed alone."""
+    assert set(LOOKS) == set(STATES)
+    assert len({one.word for one in LOOKS.values()}) == len(STATES)
+    assert len({one.icon for one in LOOKS.values()}) == len(STATES)
+    assert look("cutting", is_connected=False).word == "NO CONNECTION"
+    assert look("unknown", is_connected=True).word == "WAITING"
+
+
+@pytest.mark.parametrize("state", [*STATES, "unknown"])
+def test_every_state_and_input_gives_sentences(state: str) -> None:
+    """Each ends with a full stop, none stands there twice."""
+    for values in product(*INPUTS.values()):
+        signals = dict(zip(INPUTS, values, strict=True))
+        for is_connected in (True, False):
+            told = way_on(state, signals, {}, is_connected=is_connected).sentences
+            assert told and all(text.endswith(".") for text in told)
+            assert len(set(told)) == len(told)
+
+
+@pytest.mark.parametrize("state", STATES)
+def test_nothing_is_missing_where_all_is_well(state: str) -> None:
+    """The order that leads on is one that makes sense in that state."""
+    signals = GOOD | {"is_held": float(state == "holding")}
+    way = way_on(state, signals, {})
+    assert not way.missing, way
+    if way.order:
+        assert why_not(way.order, state, signals) == ""
+
+
+def test_what_is_missing_is_told_in_the_order_of_doing() -> None:
+    """People and power come first, then the table, then the places of the axes."""
+    values = {"homing_required": 1, "x_home": 2, "z_home": 2, "u_stroke_nm": 1_000_000}
+    bad = {"is_estop": 1.0, "is_drive_ready": 0.0, "is_bus_lost": 1.0, "table_size": 0.0}
+    way = way_on("off", bad | {"u_actual": -0.6}, values)
+    keys = [item.key for item in way.missing]
+    assert keys == ["estop", "drive", "bus", "table", "u_place", "home_x", "home_z"]
+    assert way.order == "enable" and way.sentence == "Release the emergency stop."
+
+
+def test_a_z_that_others_lead_needs_no_home() -> None:
+    """As cam_machine_hand.c has it."""
+    values = {"homing_required": 1, "z_home": 2, "z_is_measured": 1}
+    assert way_on("off", GOOD, values).missing == ()
+
+
+def test_homing_waits_for_the_spindle_and_its_index() -> None:
+    """A spindle that stands, one that turns the other way, one without an index."""
+    for changed, key in (
+        ({"speed": 0.0}, "turn"),
+        ({"speed": -100.0}, "sense"),
+        ({"is_synced": 0.0}, "index"),
+    ):
+        assert [item.key for item in way_on("homing", GOOD | changed, {}).missing] == [key]
+
+
+def test_a_feed_of_nothing_holds_without_a_hold() -> None:
+    """Resume would be refused there: the override is to be raised."""
+    way = way_on("holding", GOOD | {"is_held": 0.0, "override_of_feed": 0.0}, {})
+    assert [item.key for item in way.missing] == ["feed"] and way.order == ""
+
+
+@pytest.mark.parametrize("state", STATES)
+def test_every_order_is_possible_or_says_why_not(state: str) -> None:
+    """A button that is off has a reason; stop always has a meaning."""
+    for order in RULES:
+        reason = why_not(order, state, GOOD)
+        assert reason == reason.strip() and not reason.endswith(".")
+    assert stop_order(state) in ("stop", "disable")
+
+
+def test_reset_waits_for_the_retract() -> None:
+    """The controller refuses it until then."""
+    assert "on its way out" in why_not("reset", "fault", {"is_retracted": 0.0})
+    assert why_not("reset", "fault", {"is_retracted": 1.0}) == ""

@@ -1,0 +1,176 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What is missing before the next order can be given, in the order in which it must be done.
+
+What the controller refuses stands in firmware/machine/cam_machine.c; the list names what can be
+seen from its status and its parameters. A speed that is not feasible is told by the refusal itself.
+
+>>> way = way_on("off", {"is_estop": 1.0, "is_drive_ready": 1.0, "table_size": 3456.0}, {})
+>>> [item.key for item in way.missing], way.order
+(['estop'], 'enable')
+>>> way.sentence
+'Release the emergency stop.'
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+Signals = Mapping[str, float]
+Values = Mapping[str, int]
+_STOPPED_MRPM = 5000  # default of the parameter
+_NM_PER_MM = 1e6
+_M_PER_UNIT = 1000.0
+
+
+@dataclass(frozen=True)
+class Missing:
+    """Something to be done by a person.
+
+    Attributes
+    ----------
+    key : str
+        stable name
+    text : str
+        what to do, a sentence
+    """
+
+    key: str
+    text: str
+
+
+@dataclass(frozen=True)
+class Way:
+    """How it goes on from here.
+
+    Attributes
+    ----------
+    missing : tuple of Missing
+        the first is to be done first; empty: the order will be accepted
+    order : str
+        that leads on; "" where the controller goes on by itself
+    then : str
+        what to do or to wait for when nothing is missing, a sentence
+    """
+
+    missing: tuple[Missing, ...]
+    order: str
+    then: str
+
+    @property
+    def sentence(self) -> str:
+        """What is to be done first."""
+        return self.missing[0].text if self.missing else self.then
+
+    @property
+    def sentences(self) -> list[str]:
+        """Everything, in its order."""
+        return [*(item.text for item in self.missing), self.then]
+
+
+Look = Callable[[Signals, Values], bool]
+
+
+def _is(name: str) -> Look:
+    return lambda s, p: bool(s.get(name, 0.0))
+
+
+def _lacks(name: str) -> Look:
+    """Whether something that was reported is not there; what was never reported is not missed."""
+    return lambda s, p: name in s and not s[name]
+
+
+def _is_u_outside(s: Signals, p: Values) -> bool:
+    """U stands outside of its stroke, by which enable is refused (u_place)."""
+    stroke_nm = p.get("u_stroke_nm")
+    return stroke_nm is not None and abs(s.get("u_actual", 0.0)) * _NM_PER_MM > stroke_nm / 2
+
+
+def _lacks_home(axis: str) -> Look:
+    """Whether a home is demanded that was not found; a Z that others lead needs none."""
+
+    def look(s: Signals, p: Values) -> bool:
+        is_led = axis == "z" and bool(p.get("z_is_measured", 0))
+        is_wanted = bool(p.get("homing_required", 0)) and bool(p.get(f"{axis}_home", 0))
+        return is_wanted and not is_led and not s.get(f"homed_{axis}", 0.0)
+
+    return look
+
+
+def _has_stopped(s: Signals, p: Values) -> bool:
+    return abs(s.get("speed", 0.0)) * _M_PER_UNIT <= p.get("stopped_mrpm", _STOPPED_MRPM)
+
+
+def _is_reversed(s: Signals, p: Values) -> bool:
+    return s.get("speed", 0.0) * _M_PER_UNIT < -p.get("stopped_mrpm", _STOPPED_MRPM)
+
+
+_ESTOP = (_is("is_estop"), Missing("estop", "Release the emergency stop."))
+_DRIVES = (
+    _lacks("is_drive_ready"),
+    Missing("drive", "Get the drives ready: power on, their own faults cleared."),
+)
+_BUS = (_is("is_bus_lost"), Missing("bus", "Bring the silent node of the field bus back."))
+_TABLE = (_lacks("table_size"), Missing("table", "Load a table: below, under Table."))
+_U_PLACE = (_is_u_outside, Missing("u_place", "Move U back into its stroke, by hand."))
+_HOMES = tuple(
+    (
+        _lacks_home(axis),
+        Missing(f"home_{axis}", f"Home {axis.upper()}: press By hand, then Home {axis.upper()}."),
+    )
+    for axis in "uxz"
+)
+_TURN = (_has_stopped, Missing("turn", "Let the spindle turn: its drive must follow."))
+_SENSE = (_is_reversed, Missing("sense", "The spindle turns against the cut: change its sense."))
+_INDEX = (_lacks("is_synced"), Missing("index", "Wait for the spindle's index: none seen yet."))
+_RETRACT = (_lacks("is_retracted"), Missing("retract", "Wait until the tool has left the work."))
+_HELD_BY_FEED = (
+    lambda s, p: not s.get("is_held", 0.0) and s.get("override_of_feed", 100.0) < 1.0,
+    Missing("feed", "Raise the feed override: below 1 % Z stands."),
+)
+# A reset would be accepted while a cause is still there, and the next enable refused.
+_CAUSES = (_ESTOP, _DRIVES, _BUS)
+_ENABLES = (*_CAUSES, _TABLE, _U_PLACE, *_HOMES)
+_STEPS: dict[str, tuple[tuple[tuple[Look, Missing], ...], str, str]] = {
+    "off": (_ENABLES, "enable", "Press Enable: drives on, and the index is searched."),
+    "homing": ((_TURN, _SENSE, _INDEX), "", "Wait: it will be ready in a moment."),
+    "ready": ((_TABLE, *_HOMES), "start", "Press Start to cut the part."),
+    "rehearsing": ((), "", "It plays clear of the work, to learn; the cut follows by itself."),
+    "engaging": ((), "", "The tool enters the work; Stop takes it out."),
+    "cutting": ((), "", "It cuts. Hold rests Z, Stop takes the tool out."),
+    "holding": ((_HELD_BY_FEED,), "resume", "Press Resume to go on, or Stop."),
+    "disengaging": ((), "", "The tool leaves the work; wait until it is ready."),
+    "fault": ((*_CAUSES, _RETRACT), "reset", "Press Reset when the cause is gone."),
+    "identifying": ((), "", "U is being measured; wait for its end, or press Stop."),
+    "manual": ((), "disable", "Move the axes; press Disable when you are done."),
+}
+_SILENT = (
+    Missing("connection", "Get the controller back: its power, the bus, its terminators."),
+    Missing("program", "Of a simulated lathe: start tools/live."),
+)
+
+
+def way_on(state: str, signals: Signals, values: Values, *, is_connected: bool = True) -> Way:
+    """Return what is missing, the order that it is missing for, and what to do then.
+
+    Parameters
+    ----------
+    state : str
+        name of the DBC's value table
+    signals : Mapping
+        of the status, by their names in the DBC, in their units
+    values : Mapping
+        parameters that are known; may be empty
+    is_connected : bool
+        whether the status comes
+    """
+    if not is_connected:
+        return Way(_SILENT, "", "Then everything goes on by itself.")
+    if state not in _STEPS:
+        first = Missing("status", "Wait for the controller's first status.")
+        return Way((first,), "", "Then it is shown here what is missing.")
+    steps, order, then = _STEPS[state]
+    missing = tuple(item for is_so, item in steps if is_so(signals, values))
+    if state == "holding" and missing:
+        order = ""
+    return Way(missing, order, then)
