@@ -32,10 +32,10 @@ from camtools.link.controller import (
     Link,
     Refused,
     Status,
-    value_text,
 )
-from camtools.link.download import CHECK_S, download
-from camtools.link.refusal import ask_done, explain
+from camtools.link.download import check_image, download, select_table
+from camtools.link.refusal import ask_done
+from camtools.link.settings import set_quick
 from camtools.link.watch import COLUMNS, Dashboard, line, report, row, table_report
 
 REFUSED = 1
@@ -53,12 +53,6 @@ class Control:
         """Print a line, at once."""
         self.out.write(f"{text}\n")
         self.out.flush()
-
-    def require(self, command: str, result: str) -> None:
-        """Raise when a step was not accepted."""
-        if result != "done":
-            answer = Answer(command, result, 0, 0)
-            raise Refused(f"{command.replace('_', ' ')}: {explain(self.link, answer)}")
 
     def ask(self, command: str, parameter: int = 0, **value: float) -> Answer:
         """Send a command that must be accepted.
@@ -103,9 +97,7 @@ class Control:
 
     def quick(self, arguments: argparse.Namespace) -> None:
         """Set speed, feed, amplitude or phase."""
-        name: str = arguments.command
-        answer = self.ask(f"set_{name}", **{name: arguments.value})
-        self.say(f"{name} = {value_text(name, answer.value)}")
+        self.say(set_quick(self.link, arguments.command, arguments.value))
 
     def _index(self, name: str) -> int:
         if name not in NUMBERS["parameter"]:
@@ -217,8 +209,7 @@ class Control:
             image = arguments.file.read_bytes()
         except OSError as error:
             raise CamtoolsError([f"{arguments.file}: {error.strerror}; check the path"]) from error
-        if len(image) < 128 or not image.startswith(b"CAMTAB"):
-            raise CamtoolsError([f"{arguments.file}: not a cam table; make one by tools/mktables"])
+        check_image(image, str(arguments.file))
         self._download(image)
         if arguments.table == "next" or arguments.select:
             self.select(arguments)
@@ -236,15 +227,13 @@ class Control:
                 self.out.flush()
             last_percent = percent
 
-        download(self.link, image, self.require, progress)
+        download(self.link, image, progress)
         self.say("downloaded and checked; select takes it into use")
 
     def select(self, _arguments: argparse.Namespace) -> None:
         """Take the downloaded table into use, or check the one in its place anew."""
-        answer = self.link.ask("select_table", timeout_s=CHECK_S)
-        self.require("select_table", answer.result)
-        self.link.status.signals.clear()
-        for text in table_report(self.link.listen()):
+        select_table(self.link)
+        for text in table_report(self.link.status):
             self.say(text)
 
     def override(self, arguments: argparse.Namespace) -> None:

@@ -14,11 +14,12 @@ from camtools.base.argument_types import finite, not_negative, positive, whole
 from camtools.base.command import Parser
 from camtools.cli.bus import add_bus_options
 from camtools.cli.camctl_cut import add_cut
-from camtools.cli.camctl_hand import N_TOOLS
-from camtools.cli.camctl_params import FILES, MEMORY
+from camtools.cli.camctl_params import FILES
 from camtools.link.controller import NUMBERS
 from camtools.link.hand import AXES
+from camtools.link.parameters import MEMORY
 from camtools.link.scope import DEFAULT_SIGNALS
+from camtools.link.settings import N_TOOLS
 from camtools.link.trigger import GRAMMAR
 
 PLAIN = ("enable", "disable", "home", "manual", "start", "stop", "hold", "resume", "reset")

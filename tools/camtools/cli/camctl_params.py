@@ -16,20 +16,22 @@ from camtools.base.errors import CamtoolsError
 from camtools.base.input_file import read_limited
 from camtools.base.output import write_all
 from camtools.link.controller import Link, Refused
-from camtools.link.parameters import INFOS, checksum, get_all, parse, set_all, text_of
-from camtools.link.refusal import ask_done
+from camtools.link.parameters import (
+    INFOS,
+    MEMORY,
+    change_kept,
+    checksum,
+    get_all,
+    parse,
+    set_all,
+    text_of,
+)
 
 _MOST_BYTES = 1024 * 1024
-KEEP_S = 30.0  # flash may have to be erased
 FILES = {
     "save": "write all parameters into a TOML file",
     "load": "bring those of a file into force, all or none",
     "diff": "compare a file with the controller; status 1 where they differ",
-}
-MEMORY = {
-    "keep": ("save_parameters", "the controller keeps those in force over a restart"),
-    "revert": ("revert_parameters", "bring those back into force that it keeps"),
-    "defaults": ("restore_defaults", "bring its defaults into force; what it keeps stays"),
 }
 Say = Callable[[str], None]
 
@@ -88,11 +90,6 @@ def _diff(link: Link, path: Path, say: Say) -> None:
     say(f"{path}: equal; {len(INFOS) - len(values)} parameters are not in the file")
 
 
-def _keep(link: Link, action: str, say: Say) -> None:
-    answer = ask_done(link, MEMORY[action][0], timeout_s=KEEP_S)
-    say(f"{action}: done, version {answer.value:.0f}")
-
-
 def params(link: Link, arguments: argparse.Namespace, say: Say) -> None:
     """Save, load or compare a file, or change what the controller keeps.
 
@@ -103,8 +100,8 @@ def params(link: Link, arguments: argparse.Namespace, say: Say) -> None:
     """
     action: str = arguments.action
     if action in MEMORY:
-        _keep(link, action, say)
+        say(change_kept(link, action))
         return
     {"save": _save, "load": _load, "diff": _diff}[action](link, arguments.file, say)
     if action == "load" and arguments.keep:
-        _keep(link, "keep", say)
+        say(change_kept(link, "keep"))

@@ -162,6 +162,8 @@ class Link:
         newest that came
     on_row : callable
         called with the status whenever a set of its messages is complete
+    on_wait : callable
+        called before each frame is waited for; what it raises ends what runs, as a signal would
     is_fd : bool
         whether the bus was opened for frames of CAN FD
     """
@@ -172,6 +174,7 @@ class Link:
         self._shift = node - DBC_NODE
         self.status = Status()
         self.on_row: Callable[[Status], None] = lambda status: None
+        self.on_wait: Callable[[], None] = lambda: None
         self._answers: deque[can.Message] = deque()
         self.flows: deque[can.Message] = deque()
         self.parts: deque[bytes] = deque(maxlen=256)
@@ -180,6 +183,7 @@ class Link:
 
     def pump(self, timeout_s: float) -> bool:
         """Take one frame; return whether one came."""
+        self.on_wait()
         try:
             frame = self.bus.recv(timeout_s)
         except (can.CanError, OSError) as error:

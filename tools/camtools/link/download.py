@@ -13,13 +13,16 @@ from collections.abc import Callable
 
 import isotp
 
+from camtools.base.errors import CamtoolsError
 from camtools.link.controller import BLOCK_ID, FLOW_ID, Link, Refused
+from camtools.link.refusal import require
 
 BLOCK_BYTES = 4096
 BEGIN_S = 60.0  # erasing flash: up to 4 s for each 128 KiB
 CHECK_S = 10.0
 BLOCK_S = 5.0
 MOST_REPEATS = 5
+_HEADER_BYTES = 128
 
 
 def send_block(link: Link, block: bytes) -> None:
@@ -95,10 +98,21 @@ def bring(link: Link, data: bytes, remedy: str, progress: Callable[[int, float],
         progress(at, time.monotonic() - start_s)
 
 
+def check_image(image: bytes, name: str) -> None:
+    """Raise when bytes are no table image, by their length and first letters.
+
+    Raises
+    ------
+    CamtoolsError
+        They are none; what else is wrong the controller tells behind the download.
+    """
+    if len(image) < _HEADER_BYTES or not image.startswith(b"CAMTAB"):
+        raise CamtoolsError([f"{name}: not a cam table; make one by tools/mktables"])
+
+
 def download(
     link: Link,
     image: bytes,
-    require: Callable[[str, str], None],
     progress: Callable[[int, float], None],
 ) -> None:
     """Bring an image into the place that is not in use, and have it checked there.
@@ -109,8 +123,6 @@ def download(
         to the controller
     image : bytes
         whole table image
-    require : callable
-        called with command and result of each answer; raises when it is not "done"
     progress : callable
         called with [bytes] that are stored and [s] since the begin
 
@@ -120,7 +132,20 @@ def download(
         The controller refuses, or the bus loses too much. The old table stays in force.
     """
     begin = link.ask("begin_download", timeout_s=BEGIN_S, size=len(image))
-    require("begin_download", begin.result)
+    require(link, begin)
     bring(link, image, "the old table stays in force, download again", progress)
     end = link.ask("end_download", timeout_s=CHECK_S, crc=zlib.crc32(image))
-    require("end_download", end.result)
+    require(link, end)
+
+
+def select_table(link: Link) -> None:
+    """Take the downloaded table into use, or check the one in its place anew.
+
+    Raises
+    ------
+    Refused
+        The controller refuses; the old table stays in force.
+    """
+    require(link, link.ask("select_table", timeout_s=CHECK_S))
+    link.status.signals.clear()
+    link.listen()

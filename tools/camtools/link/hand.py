@@ -9,13 +9,15 @@ from __future__ import annotations
 
 import contextlib
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 from camtools.link.controller import NAMES, Link, Refused
 from camtools.link.refusal import ask_done
+from camtools.link.settings import parameter
 
 AXES = {"u": 0, "x": 1, "z": 2}
 REPEAT_S = 0.1  # an order holds for 250 ms
+USUAL_MM_PER_S = 1.0
 _BEGIN_S, _PAGES_S = 1.0, 1.0
 _LONGEST_S = 3600.0
 END_TEXTS = {
@@ -34,6 +36,25 @@ END_TEXTS = {
 def place_mm(link: Link, axis: str) -> float:
     """Return where an axis is, in the machine's numbers."""
     return ask_done(link, "get_place", AXES[axis]).value
+
+
+def usual_mm_per_s(link: Link, axis: str) -> float:
+    """Return how fast an axis jogs where nobody says it: 1 mm/s, or what it may."""
+    return min(USUAL_MM_PER_S, parameter(link, f"{axis}_jog_um_per_s") / 1000)
+
+
+def end_text(link: Link, axis: str, end: str, what: str) -> str:
+    """Return the line of an order that is over.
+
+    Raises
+    ------
+    Refused
+        It did not succeed.
+    """
+    here = f"{axis} {place_mm(link, axis):.6f} mm"
+    if end in ("done", "limit"):
+        return here + (f", {END_TEXTS[end]}" if end == "limit" else "")
+    raise Refused(f"{what} {axis}: {END_TEXTS.get(end, end)}; {here}")
 
 
 def _check_state(link: Link) -> None:
@@ -104,13 +125,24 @@ def _quick_end(link: Link) -> str:
     return "runs" if end is None else NAMES["hand_end"].get(int(end), "unknown")
 
 
-def jog(link: Link, axis: str, mm_per_s: float, seconds: float | None) -> str:
-    """Move an axis by repeating the order, until time is up or it stands at its limit.
+def for_seconds(seconds: float | None) -> Callable[[], bool]:
+    """Return what tells whether a time from now on has not passed; None: an hour."""
+    end_s = time.monotonic() + (_LONGEST_S if seconds is None else seconds)
+    return lambda: time.monotonic() < end_s
+
+
+def jog(link: Link, axis: str, mm_per_s: float, goes_on: Callable[[], bool]) -> str:
+    """Move an axis by repeating the order, until that is wanted no more or it stands at its limit.
+
+    Parameters
+    ----------
+    goes_on : callable
+        whether to move on; asked before each order, and with each frame of the status
 
     Returns
     -------
     str
-        "done" when time was up, "limit" at the end of the travel; the axis is at rest
+        "done" when it was wanted no more, "limit" at the end of the travel; the axis is at rest
 
     Raises
     ------
@@ -118,11 +150,11 @@ def jog(link: Link, axis: str, mm_per_s: float, seconds: float | None) -> str:
         The controller refused it, or left the state manual.
     """
     link.status.signals.pop("hand_end", None)
-    end, end_s = "done", time.monotonic() + (_LONGEST_S if seconds is None else seconds)
+    end = "done"
     with _braked(link):
-        while (left_s := end_s - time.monotonic()) > 0 and end == "done":
+        while goes_on() and end == "done":
             ask_done(link, "jog", AXES[axis], jog_speed=mm_per_s)
-            link.wait(lambda: False, min(REPEAT_S, left_s))
+            link.wait(lambda: not goes_on(), REPEAT_S)
             _check_state(link)
             end = "limit" if _quick_end(link) == "limit" else "done"
     rest(link, axis)

@@ -43,6 +43,12 @@ _GROUPS = {
     "switches": ("switch",),
     "other": ("",),
 }
+KEEP_S = 30.0  # flash may have to be erased
+MEMORY = {
+    "keep": ("save_parameters", "the controller keeps those in force over a restart"),
+    "revert": ("revert_parameters", "bring those back into force that it keeps"),
+    "defaults": ("restore_defaults", "bring its defaults into force; what it keeps stays"),
+}
 # What the text that a controller keeps for itself has besides.
 _KEPT = ("version", "crc32")
 
@@ -185,3 +191,9 @@ def set_all(link: Link, values: Mapping[str, int]) -> dict[str, tuple[int, int]]
     if changes:
         ask_done(link, "commit_parameters")
     return changes
+
+
+def change_kept(link: Link, action: str) -> str:
+    """Keep those in force, or bring others into force, by MEMORY; return what is so now."""
+    answer = ask_done(link, MEMORY[action][0], timeout_s=KEEP_S)
+    return f"{action}: done, version {answer.value:.0f}"

@@ -213,6 +213,24 @@ def explain(link: Link, answer: Answer) -> str:
     return f"refused: {text or what}" + (f"; {remedy}" if remedy and not text else "")
 
 
+def require(link: Link, answer: Answer, values: str = "") -> Answer:
+    """Return an answer that accepts a command.
+
+    Parameters
+    ----------
+    values : str
+        told behind the command, where it was refused
+
+    Raises
+    ------
+    Refused
+        It is refused; the text tells why, with the numbers.
+    """
+    if answer.result != "done":
+        raise Refused(f"{answer.command.replace('_', ' ')}{values}: {explain(link, answer)}")
+    return answer
+
+
 def ask_done(
     link: Link, command: str, parameter: int = 0, timeout_s: float = 1.0, **value: float
 ) -> Answer:
@@ -226,7 +244,4 @@ def ask_done(
         The value is outside the range of its signal.
     """
     answer = link.ask(command, timeout_s=timeout_s, parameter=parameter, **value)
-    if answer.result != "done":
-        values = "".join(f" = {number:.9g}" for number in value.values())
-        raise Refused(f"{command.replace('_', ' ')}{values}: {explain(link, answer)}")
-    return answer
+    return require(link, answer, "".join(f" = {number:.9g}" for number in value.values()))
