@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the tests in the browser share: Chromium, a report, and what is kept of a failure.
+"""What the tests in the browser share: Chromium, a panel, a report, and what is kept of a failure.
 
 An error in the console, an exception that nobody caught or a request that would leave this computer
 fails the test in whose window it came.
@@ -16,6 +16,7 @@ import pytest
 
 from camtools.cli.run import main as run
 from gallery import FOLDER, Gallery
+from panel_session import PanelSession, panel_session
 from windows import Chromium, OpenWindow, Window, chromium
 
 _HAS_FAILED = pytest.StashKey[bool]()
@@ -73,6 +74,9 @@ def open_window(
         problems = [problem for window in windows for problem in window.problems()]
         if problems or request.node.stash.get(_HAS_FAILED, False):
             _keep_failure(request.node.name, windows)
+            if "session" in request.fixturenames:
+                said = request.getfixturevalue("session").text()
+                (FOLDER / "failed" / f"{request.node.name}.log").write_text(said, "utf-8")
     assert not problems
 
 
@@ -82,3 +86,10 @@ def report_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("report")
     assert run(["-o", str(folder), "--csv"]) == 0
     return folder
+
+
+@pytest.fixture(scope="session")
+def session(tmp_path_factory: pytest.TempPathFactory) -> Iterator[PanelSession]:
+    """Run a live lathe and the panel of its controller."""
+    with panel_session(tmp_path_factory.mktemp("panel")) as one:
+        yield one

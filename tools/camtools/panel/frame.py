@@ -16,6 +16,9 @@ from camtools.panel.context import AppContext
 from camtools.panel.visitor import Visitor, new_visitor
 
 PAGES = {"/": "Operate", "/design": "Design", "/runs": "Runs"}
+_PRIMARY = "#1a5a96"  # white on it has a contrast of 7, where 4.5 is needed (WCAG 2.2, 1.4.3)
+# Quasar's bar of a request that runs has no name for those who do not see it.
+_STYLE = ".q-loading-bar { display: none; }"
 
 
 @contextmanager
@@ -35,6 +38,8 @@ def framed(context: AppContext, path: str) -> Iterator[Visitor]:
     client = ui.context.client
     visitor = new_visitor(client.ip)
     client.on_delete(lambda: context.commander.lose(visitor))
+    ui.colors(primary=_PRIMARY)
+    ui.add_css(_STYLE)
     with ui.header().classes("row items-center q-gutter-md"):
         for target, name in PAGES.items():
             ui.link(name, target).classes("text-white" + (" text-bold" if target == path else ""))

@@ -43,6 +43,7 @@ def application(context: AppContext) -> FastAPI:
     ui.run_with(
         app,
         title="camturn",
+        language="en-US",
         dark=None,
         tailwind=False,
         gzip_middleware_factory=None,

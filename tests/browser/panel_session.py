@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A live lathe and the panel of its controller, as two programs, for tests and benchmarks.
+
+    with panel_session(folder) as session, chromium() as browser, browser.window() as window:
+        window.page.goto(session.url)
+        session.lathe.type("estop")
+        session.status().state
+
+The folder must be empty; lathe and panel see no other live lathe of this computer.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from background import PATIENCE_S, Background, background, python
+from camtools.link.bus import open_bus
+from camtools.link.controller import Link, Status
+from camtools.link.live import live_lathes
+
+_ADDRESS = re.compile(r"(http://\S+)/#token=(\S+)")
+
+
+@dataclass
+class PanelSession:
+    """Lathe and panel while both run.
+
+    Attributes
+    ----------
+    lathe, panel : Background
+        tools/live, to which faults are typed, and tools/panel
+    origin, token : str
+        where the panel is served, without a path, and what its commands need
+    witness : Link
+        a link of the test's own, which only listens: what it says the panel has not touched
+    log : Path
+        of the panel's commands
+    """
+
+    lathe: Background
+    panel: Background
+    origin: str
+    token: str
+    witness: Link
+    log: Path
+
+    @property
+    def url(self) -> str:
+        """The address that gives the token to the page."""
+        return f"{self.origin}/#token={self.token}"
+
+    def status(self) -> Status:
+        """Return the controller's status, not older than this call."""
+        while self.witness.pump(0):
+            pass  # what has come meanwhile
+        assert self.witness.next_row(PATIENCE_S), f"no status:\n{self.lathe.text()}"
+        return self.witness.status
+
+    def wait_for(self, is_so: Callable[[Status], bool]) -> Status:
+        """Return the first status of which something is so."""
+        status = self.status()
+        is_done = self.witness.wait(lambda: is_so(status), PATIENCE_S)
+        assert is_done, f"{status.state} {status.faults}\n{self.lathe.text()}"
+        return status
+
+    def wait_for_state(self, *states: str) -> Status:
+        """Return the first status in one of some states."""
+        return self.wait_for(lambda status: status.state in states)
+
+    def logged(self) -> list[dict[str, Any]]:
+        """Return the lines of the panel's log of commands."""
+        lines = self.log.read_text("utf-8").splitlines() if self.log.exists() else []
+        return [json.loads(line) for line in lines]
+
+    def text(self) -> str:
+        """Return all that lathe and panel have said."""
+        return f"--- lathe\n{self.lathe.text()}\n--- panel\n{self.panel.text()}\n"
+
+
+@contextmanager
+def panel_session(
+    folder: Path, live_words: Sequence[str | Path] = (), panel_words: Sequence[str | Path] = ()
+) -> Iterator[PanelSession]:
+    """Run both, on free ports.
+
+    Parameters
+    ----------
+    folder : Path
+        for what they announce and keep
+    live_words, panel_words : list of str or Path
+        options of tools/live and tools/panel
+    """
+    log = folder / "commands.jsonl"
+    live_command = python("camtools.cli.live", *live_words)
+    panel_command = python("camtools.cli.panel", "--port", "0", "--log", log, *panel_words)
+    with ExitStack() as stack:
+        lathe = stack.enter_context(background(*live_command, XDG_RUNTIME_DIR=str(folder)))
+        lathe.wait_for("control-C ends")
+        panel = stack.enter_context(background(*panel_command, XDG_RUNTIME_DIR=str(folder)))
+        address = _ADDRESS.search(panel.wait_for("#token="))
+        assert address is not None, panel.text()
+        (announced,) = live_lathes(folder / "camturn")
+        bus, where = open_bus(announced.bus)
+        stack.callback(bus.shutdown)
+        witness = Link(bus, where, announced.node)
+        witness.listen()
+        yield PanelSession(lathe, panel, address[1], address[2], witness, log)
