@@ -14,6 +14,7 @@ from camtools.base.quantities import NM_PER_MM
 from camtools.cut.demand import (
     Demand,
     JudgedCut,
+    demands_of,
     exceeded,
     highest_mrpm,
     largest_feed_nm,
@@ -57,7 +58,59 @@ _AT_ANY_SPEED = {
     "u_stroke": "no speed would do: less {}, or a longer stroke",
     "swing_range": "no speed would do: less steep a lift",
 }
+_YES_OR_NO = ("swing_axis", "cam_amplitude")
 _NOT_OF_A_PART = ("x_speed", "x_acceleration", "tick_rate", "feed", "cam_amplitude")
+
+
+class RefusedError(CamtoolsError):
+    """The machine cannot follow a table, which is known nevertheless.
+
+    Attributes
+    ----------
+    table : Table
+        What was judged.
+    best : HighestSpeed
+        What would do.
+    """
+
+    def __init__(self, lines: list[str], table: Table, best: HighestSpeed) -> None:
+        super().__init__(lines)
+        self.table = table
+        self.best = best
+
+
+class LimitMargin(NamedTuple):
+    """What a cut needs of a limit, in the unit of the part file."""
+
+    name: str  # the controller's
+    field: str  # of machine.limits, or of the controller where no part file has it
+    needed: float
+    limit: float
+    unit: str
+
+    @property
+    def left_percent(self) -> float:
+        """Return how much of the limit is left [%], below 0 where it is exceeded."""
+        return 100 * (1 - self.needed / self.limit) if self.limit else 0.0
+
+
+def refused_of(error: BaseException | None) -> RefusedError | None:
+    """Return the refusal of a table that led to an error, if one did."""
+    while error is not None and not isinstance(error, RefusedError):
+        error = error.__cause__
+    return error
+
+
+def margins_of(table: Table, limits: MachineLimits) -> list[LimitMargin]:
+    """Return every limit that a cut may come near to, with what the table needs of it."""
+    found = []
+    for one in demands_of(cut_of(table, limits)):
+        named = _NAMES[one.name]
+        if one.name in _YES_OR_NO and one.needed <= one.limit:
+            continue
+        needed, limit = one.needed / named.per_unit, one.limit / named.per_unit
+        found.append(LimitMargin(one.name, named.name, needed, limit, named.unit))
+    return found
 
 
 def cut_of(table: Table, limits: MachineLimits) -> JudgedCut:
@@ -99,7 +152,7 @@ def check_table(
 
     Raises
     ------
-    CamtoolsError
+    RefusedError
         One line for each limit exceeded: needed, limit, highest speed that would do.
     """
     cut = cut_of(table, limits)
@@ -114,6 +167,8 @@ def check_table(
     feed_nm = largest_feed_nm(cut)
     remedy = remedy_text(best, asked_rpm, feed_nm / NM_PER_MM if feed_nm > 0 else None)
     shape = "lift" if isinstance(limits, SwingLimits) else "ovality"
-    raise CamtoolsError(
-        [_line(one, _AT_ANY_SPEED.get(one.name, remedy).format(shape)) for one in found]
+    raise RefusedError(
+        [_line(one, _AT_ANY_SPEED.get(one.name, remedy).format(shape)) for one in found],
+        table,
+        best,
     )

@@ -13,6 +13,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from camtools.base.memory import recall
 from camtools.base.quantities import NM_PER_MM, Floats, omega_rad_s
 from camtools.cut.feasibility import (
     HighestSpeed,
@@ -33,9 +34,10 @@ from camtools.lobe.channels import (
 )
 from camtools.lobe.contact import Follower
 from camtools.lobe.heel import LobeHeel, check_lobe_heel
-from camtools.lobe.motion import ShaftLobe, make_lobes
+from camtools.lobe.motion import ShaftLobe
 from camtools.lobe.part import LobePart
 from camtools.lobe.plunge import Plan, plan_of, stations_of, way_channel, x_channel
+from camtools.lobe.recalled import channels_key, lobes_of
 from camtools.lobe.speed import N_GRID, SpindleLimits, acceleration_of, mean_of, surface_speed
 from camtools.part.common import check_feed
 from camtools.table.channel import ANGLE_TURN, Channel
@@ -107,14 +109,16 @@ def generate_lobes(part: LobePart, tolerance_nm: float | None = None) -> Generat
     """
     tolerance_nm = DEFAULT_TOLERANCE_NM if tolerance_nm is None else tolerance_nm
     check_tolerance(tolerance_nm)
-    lobes = make_lobes(part)
+    lobes = lobes_of(part)
     plunge = plan_of(part, lobes) if part.process.is_plunge else None
     if plunge is None:
         check_feed(part)
     placed = _at_stations(lobes, plunge)
     is_swung = part.process.operation == "turning"
     heel = check_lobe_heel(lobes, part.tool, part.process.direction) if is_swung else None
-    lift, angle = choose_lift(placed, tolerance_nm), choose_angle(placed, is_swung=is_swung)
+    key = channels_key(part, tolerance_nm)
+    lift = recall(("lobe lift", key), lambda: choose_lift(placed, tolerance_nm))
+    angle = recall(("lobe angle", key), lambda: choose_angle(placed, is_swung=is_swung))
     speed, mean_rpm = _modulation(part, lobes)
     bounds = u_bounds(lift.channel, lift.error)
     centre = x_channel(plunge, part, lobes) if plunge else centre_channel(lobes)

@@ -10,11 +10,13 @@ from __future__ import annotations
 from camtools.base.errors import CamtoolsError
 from camtools.base.json_text import Json
 from camtools.base.quantities import NM_PER_MM
+from camtools.lobe.exact import exact_lobes
 from camtools.lobe.generate import GeneratedLobes, generate_lobes
 from camtools.lobe.machine import lobe_machine_text
 from camtools.lobe.part import MAX_RPM, MIN_RPM, LobePart
 from camtools.lobe.report_text import LobeOutcome, lobe_rows
 from camtools.lobe.summary import emit_lobe_text, make_lobe_summary
+from camtools.pipeline.exact import Exact
 from camtools.pipeline.kind import Kind, Rig
 from camtools.report.text import ReportRow
 from camtools.sim.camsim import TRACE
@@ -35,6 +37,10 @@ class LobeKind(Kind[LobePart, GeneratedLobes, LobeOutcome]):
     def make(self, part: LobePart, tolerance_nm: float | None = None) -> GeneratedLobes:
         """See `Kind.make`."""
         return generate_lobes(part, tolerance_nm)
+
+    def exact(self, part: LobePart) -> Exact:
+        """See `Kind.exact`."""
+        return exact_lobes(part)
 
     def summary(self, made: GeneratedLobes) -> Json:
         """See `Kind.summary`."""

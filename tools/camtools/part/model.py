@@ -68,6 +68,26 @@ def no_truth(value: object) -> object:
 
 
 def beside_the_part(value: str | None, info: ValidationInfo) -> str | None:
-    """Return a path that the part file gives relative to the part file's folder."""
-    folder = (info.context or {}).get("folder")
-    return value if value is None or folder is None else str(Path(folder) / value)
+    """Return a path that the part file gives relative to the part file's folder.
+
+    Where the context says `is_confined` a path that leaves the folder is refused, by whatever
+    links: text of somebody else must not read what is no part of his.
+    """
+    context = info.context or {}
+    folder = context.get("folder")
+    if value is None or folder is None:
+        return value
+    if context.get("is_confined"):
+        _refuse_outside(Path(folder), value)
+    return str(Path(folder) / value)
+
+
+def _refuse_outside(folder: Path, value: str) -> None:
+    remedy = "give the name of a file that lies beside the part, without .. and links"
+    try:
+        place = (folder / value).resolve()
+        is_inside = place.is_relative_to(folder.resolve())
+    except (OSError, ValueError, RuntimeError):  # a NUL, a name too long, links in a circle
+        is_inside = False
+    if not is_inside:
+        raise wrong("outside", "leads out of the folder of the part", remedy)

@@ -17,6 +17,7 @@ from camtools.base.json_text import Json
 from camtools.cut.correction import Correction, Drawing
 from camtools.part.common import PartFile
 from camtools.part.model import TomlTable
+from camtools.pipeline.exact import Exact
 from camtools.report.text import ReportRow
 from camtools.sim.camsim import Simulator
 from camtools.sim.results import AnyCut, Measured
@@ -61,6 +62,17 @@ class Kind(ABC, Generic[PartT, MadeT, CutT]):
     @abstractmethod
     def make(self, part: PartT, tolerance_nm: float | None = None) -> MadeT:
         """Return the table of a part, or refuse what cannot be cut."""
+
+    def exact(self, part: PartT) -> Exact:
+        """Return the exact shape of a part and the motion of U along it.
+
+        Raises
+        ------
+        CamtoolsError
+            The numbers make no shape, or this kind has no preview.
+        """
+        problem = f"{self.plural} have no preview"
+        raise CamtoolsError([f"part.kind = '{self.name}': {problem}; make the table by mktables"])
 
     def drawing(self, part: PartT) -> Drawing:
         """Return what a gauged part is compared with.

@@ -29,17 +29,18 @@ class Loaded(NamedTuple):
     part: Any  # of the kind's model
 
 
-def parse(data: bytes, file: str, folder: Path = Path()) -> Loaded:
+def parse(data: bytes, file: str, folder: Path = Path(), *, is_confined: bool = False) -> Loaded:
     """Return the part that the bytes of a TOML file describe.
 
-    Files that the part names are looked for in the folder; `file` names it in messages.
+    Files that the part names are looked for in the folder; `file` names it in messages. A confined
+    part may name no file outside of it.
 
     Raises
     ------
     CamtoolsError
         Not UTF-8, not TOML, or fields wrong: one line each, in the file's order of tables.
     """
-    return _checked(read_tree(data, file), file, folder)
+    return _checked(read_tree(data, file), file, folder, is_confined=is_confined)
 
 
 def parse_for(
@@ -78,9 +79,11 @@ def parse_able(command: str, data: bytes, file: str, folder: Path = Path()) -> P
     return part
 
 
-def _checked(tree: dict[str, Any], file: str, folder: Path) -> Loaded:
+def _checked(tree: dict[str, Any], file: str, folder: Path, *, is_confined: bool = False) -> Loaded:
     kind = kind_of(tree)
-    context = {"folder": folder, "kinds": [one.name for one in kinds()]}
+    context: dict[str, object] = {"folder": folder, "kinds": [one.name for one in kinds()]}
+    if is_confined:
+        context["is_confined"] = True
     return Loaded(kind, validated(kind.model, tree, file, context))
 
 

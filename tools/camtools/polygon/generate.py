@@ -134,7 +134,7 @@ def factors_of(part: PolygonPart, outer_mm: float) -> tuple[float, float]:
     return first, last
 
 
-def _surfaces(part: PolygonPart, drawing: Outline, cut: Outline) -> tuple[Geometry, PolySurface]:
+def surfaces_of(part: PolygonPart, drawing: Outline, cut: Outline) -> tuple[Geometry, PolySurface]:
     """Return what the table holds, and the drawing's surface."""
     least, largest = extremes_of(drawing)
     heights = part.heights_mm
@@ -238,7 +238,7 @@ def generate_polygon(part: PolygonPart, tolerance_nm: float | None = None) -> Ge
     passes = checked_passes(part, part.tool, tolerance_nm)
     drawing = outline_of(part.polygon)
     cut = blended(drawing, part.polygon.blend_um / growth_of(part.polygon, drawing))
-    geometry, design = _surfaces(part, drawing, cut.outline)
+    geometry, design = surfaces_of(part, drawing, cut.outline)
     heel = check_heel(geometry, part.tool, part.process.direction)
     tip = tip_geometry(geometry, part.tool)
     tolerance_nm, u, accuracy_u = _within(tip, tolerance_nm, cut)

@@ -7,7 +7,9 @@
 from __future__ import annotations
 
 from camtools.base.json_text import Json
+from camtools.pipeline.exact import Exact
 from camtools.pipeline.kind import Kind, Rig
+from camtools.polygon.exact import exact_polygon
 from camtools.polygon.generate import GeneratedPolygon, generate_polygon
 from camtools.polygon.part import PolygonPart
 from camtools.polygon.report_text import PolygonCut, polygon_rows
@@ -31,6 +33,10 @@ class PolygonKind(Kind[PolygonPart, GeneratedPolygon, PolygonCut]):
     def make(self, part: PolygonPart, tolerance_nm: float | None = None) -> GeneratedPolygon:
         """See `Kind.make`."""
         return generate_polygon(part, tolerance_nm)
+
+    def exact(self, part: PolygonPart) -> Exact:
+        """See `Kind.exact`."""
+        return exact_polygon(part)
 
     def summary(self, made: GeneratedPolygon) -> Json:
         """See `Kind.summary`."""

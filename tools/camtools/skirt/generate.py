@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 from camtools.base.errors import CamtoolsError, GeometryError
+from camtools.base.memory import recall
 from camtools.base.quantities import NM_PER_MM
 from camtools.cut.correction import Correction
 from camtools.cut.feasibility import (
@@ -28,11 +29,12 @@ from camtools.skirt.accuracy import Accuracy
 from camtools.skirt.corner import refuse_deviation
 from camtools.skirt.corrected import corrected
 from camtools.skirt.feed_law import largest_share, way_channel
-from camtools.skirt.geometry import Geometry, make_geometry
+from camtools.skirt.geometry import Geometry
 from camtools.skirt.heel import Heel, check_heel
 from camtools.skirt.long_scan import refuse_scan
 from camtools.skirt.nose import tip_geometry
 from camtools.skirt.part import SkirtPart
+from camtools.skirt.recalled import geometry_of, law_key, way_key
 from camtools.skirt.run_in import with_run
 from camtools.skirt.search import UnreachableError, choose_u, choose_x
 from camtools.skirt.speed import SpeedTable, make_speed
@@ -140,7 +142,7 @@ def _within(
 def _geometry_of(part: SkirtPart, passes: list[SkirtPart]) -> Geometry:
     """Return the exact geometry of a part, or refuse what Z or U cannot follow at any speed."""
     refuse_steps(part)
-    geometry = make_geometry(part)
+    geometry = geometry_of(part)
     low_mm, high_mm = geometry.skirt_mm
     for one in passes:
         path_of(one, low_mm - part.process.run_in_mm, high_mm + part.process.run_out_mm)
@@ -180,16 +182,22 @@ def generate(
     heel = check_heel(geometry, part.tool, process.direction)
     air = with_run(geometry, process.run_in_mm, process.run_out_mm)
     tip = tip_geometry(air, part.tool)
-    tolerance_u_nm, (u, accuracy_u) = _within(part, geometry, tip, tolerance_nm)
     most_nm = 0.0 if tolerance_nm else process.form_error_um * NM_PER_UM * CORNER_SHARE
-    x, accuracy_x = choose_x(tip, tolerance_nm or DEFAULT_TOLERANCE_NM, most_nm)
+    key = way_key(part, tolerance_nm), correction
+    tolerance_u_nm, (u, accuracy_u) = recall(
+        ("skirt u", key), lambda: _within(part, geometry, tip, tolerance_nm)
+    )
+    x, accuracy_x = recall(
+        ("skirt x", key), lambda: choose_x(tip, tolerance_nm or DEFAULT_TOLERANCE_NM, most_nm)
+    )
     middle = middle_nm(tip, process.u_zero)
     u, x = moved(u, middle), moved(x, middle)
     error_nm = max(accuracy_u.value_nm, accuracy_x.value_nm)
     speed = None
     if process.mode != "uniform":
         uniform = highest_speed(peaks_of(u_bounds(u, error_nm)), part.machine.limits)
-        speed = make_speed(part, air, u, uniform.rpm)
+        law = "skirt law", law_key(part, tolerance_nm), correction
+        speed = recall(law, lambda: make_speed(part, air, u, uniform.rpm))
     table = with_passes(make_table(passes[-1], u, x, error_nm, speed), part, passes)
     best = judge_passes(passes, table, partial(_judge, geometry))
     return GeneratedSkirt(
@@ -201,7 +209,8 @@ def with_passes(table: Table, part: SkirtPart, passes: list[SkirtPart]) -> Table
     """Return a table with the records of its passes and the way of its feed."""
     law = part.process.feed_law
     if law is not None:
-        way = way_channel(law, (table.z_first_nm, table.z_last_nm))
+        ends = table.z_first_nm, table.z_last_nm
+        way = recall(("skirt way", law.model_dump_json(), ends), lambda: way_channel(law, ends))
         table = replace(table, channels=(*table.channels, way))
     return replace(table, passes=records_of(part.process.passes, passes))
 

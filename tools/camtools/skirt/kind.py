@@ -12,12 +12,14 @@ from camtools.base.json_text import Json
 from camtools.base.quantities import NM_PER_MM, Floats
 from camtools.cut.correction import Correction, Drawing
 from camtools.cut.path import ToolPath
+from camtools.pipeline.exact import Exact
 from camtools.pipeline.kind import Kind, Rig
 from camtools.report.text import ReportRow
 from camtools.sim.camsim import SURFACE, machine_text
 from camtools.sim.results import Measured, read_control
 from camtools.skirt.design import drawing_of
 from camtools.skirt.even import compare_removal
+from camtools.skirt.exact import exact_skirt
 from camtools.skirt.generate import GeneratedSkirt, generate
 from camtools.skirt.geometry import make_geometry
 from camtools.skirt.outcome import SkirtOutcome
@@ -39,6 +41,10 @@ class SkirtKind(Kind[SkirtPart, GeneratedSkirt, SkirtOutcome]):
     def make(self, part: SkirtPart, tolerance_nm: float | None = None) -> GeneratedSkirt:
         """See `Kind.make`."""
         return generate(part, tolerance_nm)
+
+    def exact(self, part: SkirtPart) -> Exact:
+        """See `Kind.exact`."""
+        return exact_skirt(part)
 
     def drawing(self, part: SkirtPart) -> Drawing:
         """See `Kind.drawing`."""

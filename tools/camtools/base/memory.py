@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Results that are wanted again while somebody edits: kept where a memory is open, else made anew.
+
+The commands open none, so what they write never depends on it. A preview does: a change of the
+speed leaves the shape as it was, and the search for its table need not be repeated.
+
+>>> with remembering(Memory(most=2)):
+...     [recall(("sum", 2, 3), lambda: 2 + 3), recall(("sum", 2, 3), lambda: -1)]
+[5, 5]
+>>> recall(("sum", 2, 3), lambda: -1)
+-1
+"""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Callable, Hashable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from typing import Any, TypeVar
+
+Result = TypeVar("Result")
+
+
+class Memory:
+    """The newest results by what they were made of; the one not asked for the longest goes first.
+
+    Parameters
+    ----------
+    most : int
+        How many results are kept.
+    """
+
+    def __init__(self, most: int) -> None:
+        self._most = most
+        self._kept: OrderedDict[Hashable, Any] = OrderedDict()
+
+    def recall(self, key: Hashable, make: Callable[[], Result]) -> Result:
+        """Return what was made for this key, or make it; an exception is not kept."""
+        if key not in self._kept:
+            self._kept[key] = make()
+        self._kept.move_to_end(key)
+        found: Result = self._kept[key]
+        while len(self._kept) > self._most:
+            self._kept.popitem(last=False)
+        return found
+
+
+_open: ContextVar[Memory | None] = ContextVar("camtools_memory", default=None)
+
+
+@contextmanager
+def remembering(memory: Memory) -> Iterator[None]:
+    """Let `recall` use a memory within the block."""
+    token = _open.set(memory)
+    try:
+        yield
+    finally:
+        _open.reset(token)
+
+
+def recall(key: Hashable, make: Callable[[], Result]) -> Result:
+    """Return what was made for this key; without an open memory make it.
+
+    Parameters
+    ----------
+    key : hashable
+        Everything that the result follows from, and a word that no other use has.
+    """
+    memory = _open.get()
+    return make() if memory is None else memory.recall(key, make)
