@@ -23,11 +23,15 @@ from camtools.lobe.report_text import LobeOutcome, lobe_rows
 from camtools.report.text import page_text
 from camtools.sim.results import STATES, CutTrace, GaugedSurface
 from part_cases import ROOT, environment
+from report_cases import without_scripts
 
 BUILD = Path(os.environ.get("CAMTURN_BUILD") or ROOT / "build" / "host").resolve()
 PARTS = ROOT / "tools" / "parts"
 SHORT = ("--feed", "4", "--", "--set", "engage_turns=1", "--set", "disengage_turns=1")
-PICTURES = ("cam", "compare", "following", "learning", "motion", "profile", "sequence", "speed")
+PICTURES = (
+    *("cam", "compare", "following", "learning", "motion", "profile", "sequence", "speed"),
+    "stroke",
+)
 
 Run = Callable[..., subprocess.CompletedProcess[str]]
 
@@ -61,7 +65,7 @@ def test_disc_is_ground_and_reported(run: Run, tmp_path: Path) -> None:
     assert summary["table_error"]["u_nm"] <= 10
     assert summary["comparison"][0]["name"] == "complete controller"
     assert summary["comparison"][-1]["max_um"] > 10
-    page = (tmp_path / "out" / "report.html").read_text()
+    page = without_scripts((tmp_path / "out" / "report.html").read_text())
     assert page.count("data:image/png;base64,") == len(PICTURES)
     assert "WITHIN TOLERANCE" in page and "The wheel is a whole cylinder" in page
     assert done.stdout.startswith("cam-disc: within tolerance\n")

@@ -17,6 +17,7 @@ from matplotlib.figure import Figure
 from camtools.base.quantities import Floats, length_unit
 from camtools.lobe.motion import ShaftLobe
 from camtools.lobe.plots import draw_lobes
+from camtools.lobe.report_alive import live_of, motion_of
 from camtools.lobe.report_text import LobeOutcome, lobe_rows
 from camtools.plots.style import (
     BLUE,
@@ -59,6 +60,11 @@ _TEXTS = {
         "Lift, pressure angle, curvature and speeds",
         "Over one turn of the spindle as the table asks for it. Where the flank is flat the "
         "contact runs far within a degree: there a constant surface speed needs a slow spindle.",
+    ),
+    "stroke": (
+        "Motion of U over one turn",
+        "U as the table asks for it and as it was measured, in position and velocity; the peaks of "
+        "velocity and acceleration are what the machine limits above are compared with.",
     ),
     "speed": (
         "Surface speed",
@@ -224,11 +230,13 @@ def _drawers(outcome: LobeOutcome) -> dict[str, Callable[[], Figure]]:
 
 def make_lobe_report(outcome: LobeOutcome) -> dict[str, bytes]:
     """Return the page and its pictures, by file name."""
-    pngs = draw_lobes(outcome.generated)
+    pngs, motion = draw_lobes(outcome.generated), motion_of(outcome)
     with drawing():
         pngs |= {key: png_of(draw()) for key, draw in _drawers(outcome).items()}
+        if motion is not None:
+            pngs["stroke"] = png_of(report_motion.draw_motion(motion))
     tool = "a circle" if outcome.is_turned else "a whole cylinder"
-    shown = [(Caption(*text), pngs[key]) for key, text in _TEXTS.items() if key in pngs]
+    shown = [(Caption(key, *text), pngs[key]) for key, text in _TEXTS.items() if key in pngs]
     page = Page(
         outcome.generated.part.part.source,
         lobe_rows(outcome),
@@ -237,6 +245,7 @@ def make_lobe_report(outcome: LobeOutcome) -> dict[str, bytes]:
         "what it sweeps; forces, wear and bending are not modelled.",
         "what it leaves, along the normals of the profile,",
         "cam",
+        live_of(outcome, motion),
     )
     html = render_page(outcome, page).encode("utf-8")
     return {f"cut_{key}.png": png for key, png in pngs.items()} | {"report.html": html}

@@ -14,6 +14,7 @@ from pathlib import Path
 
 from camtools.base.command import Parser
 from camtools.base.errors import CamtoolsError
+from camtools.base.origin import origin_of
 from camtools.base.places import ROOT
 from camtools.base.stage import cannot_write
 from camtools.part.common import PartFile, is_feed_within
@@ -126,6 +127,7 @@ class RunJob:
 
     def __init__(self, argv: Sequence[str]) -> None:
         words = list(argv)
+        self.origin = origin_of("tools/run", words)
         split = words.index("--") if "--" in words else len(words)
         arguments = _parser().parse_args(words[:split])
         self.part_path: Path = arguments.part or _DEFAULT_PART

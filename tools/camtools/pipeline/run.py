@@ -79,6 +79,7 @@ def _simulate(job: RunJob, made: Made, folder: Path) -> AnyCut | None:
         window is None,
         compare(simulator, plain, window),
         read_trace(folder / OVERVIEW) if window is not None else None,
+        job.origin,
     )
     outcome: AnyCut = kind.outcome(made.table, measured, Rig(simulator, plain, turns))
     return outcome

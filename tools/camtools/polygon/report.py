@@ -12,22 +12,19 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from camtools.base.quantities import NM_PER_MM, omega_rad_s
 from camtools.plots.style import (
-    BLUE,
-    GREY,
     RED,
-    angle_axis,
     drawing,
     new_figure,
     nice_limit,
     png_of,
 )
 from camtools.polygon.plots import hardest_blend, paint_blend, paint_section
+from camtools.polygon.report_alive import live_of, motion_of
 from camtools.polygon.report_text import PolygonCut, name_of, polygon_rows
-from camtools.polygon.summary import angles_of
 from camtools.report import compare as report_compare
 from camtools.report import motion as report_motion
+from camtools.report.cells import map_rows
 from camtools.report.learning import CONVERGENCE_TEXT, convergence
 from camtools.report.page import EDGE_IS_A_POINT, Page, Picture, render_page
 from camtools.report.switches import SWITCHES_TEXT, switches
@@ -35,7 +32,6 @@ from camtools.sim.results import CUTTING, FAULT, GaugedSurface
 from camtools.skirt import report_surface
 
 _MARKS = {"color": RED, "ls": "", "marker": "o", "ms": 3.0, "mfc": "none"}
-_UM_PER_MM, _MM_PER_M = 1000.0, 1000.0
 _MOST_MARKS = 240
 _TEXTS = {
     "fault": (
@@ -94,7 +90,7 @@ def _band(outcome: PolygonCut) -> tuple[GaugedSurface, float]:
     geometry, feed_mm = outcome.generated.geometry, outcome.summary["cut"]["feed_mm"]
     low, high = geometry.z_first_mm, geometry.z_last_mm
     middle = (low + high) / 2
-    rows = report_surface.map_rows(high - low, feed_mm)
+    rows = map_rows(high - low, feed_mm)
     return report_surface.section_at(outcome.surface, middle, 1.5 * (high - low) / rows), middle
 
 
@@ -135,38 +131,6 @@ def draw_cut_blend(outcome: PolygonCut) -> Figure:
     return figure
 
 
-def draw_cut_motion(outcome: PolygonCut) -> Figure:
-    """Return U, its velocity and acceleration over a turn in the middle of the cut."""
-    made, trace = outcome.generated, outcome.trace
-    omega = omega_rad_s(outcome.summary["cut"]["spindle_rpm"])
-    figure = new_figure(10, 6.6)
-    panels: list[Axes] = list(figure.subplots(3, 1, sharex=True))
-    cutting = np.flatnonzero(trace.state == CUTTING)
-    whole = np.floor(trace.turn[cutting])
-    rows = cutting[whole == np.median(whole)] if cutting.size else cutting
-    z_mm = float(trace.z_mm[rows].mean()) if rows.size else made.geometry.z_first_mm
-    phi = angles_of(made)
-    u = made.geometry.delta(phi, z_mm)
-    from_zero_mm = u.delta - made.middle_nm / NM_PER_MM
-    curves = (from_zero_mm, u.d1 * omega, u.d2 * omega**2 / _MM_PER_M)
-    names = ("U towards the axis, mm", "velocity, mm/s", "acceleration, m/s²")
-    for axes, curve, name in zip(panels, curves, names, strict=True):
-        axes.plot(np.degrees(phi), curve, color=BLUE, lw=1.4, label="table")
-        axes.set_ylabel(name)
-        axes.grid(alpha=0.3)
-    if rows.size > 2:
-        turn = trace.pick(rows)
-        u_mm, step = turn.u_act_nm / NM_PER_MM, max(1, rows.size // 180)
-        for axes, values in zip(panels, (u_mm, np.gradient(u_mm, turn.t_s)), strict=False):
-            degrees = 360 * (turn.turn[::step] % 1)
-            axes.plot(degrees, values[::step], label="measured on U", **_MARKS)  # type: ignore[arg-type]
-    panels[0].legend(frameon=False, loc="upper right", bbox_to_anchor=(1, 1.25), ncols=2)
-    panels[0].set_title(f"height {z_mm:.1f} mm", color=GREY)
-    angle_axis(panels[-1])
-    panels[-1].set_xlabel("angle of the drawing, degrees")
-    return figure
-
-
 def _named(figure: Figure) -> Figure:
     """Return a picture of a surface with the words of a shaft."""
     for axes in figure.axes:
@@ -189,7 +153,7 @@ def _drawers(outcome: PolygonCut) -> dict[str, Callable[[], Figure]]:
             drawers["blend"] = lambda: draw_cut_blend(outcome)
         drawers["map"] = lambda: _named(report_surface.draw_map(surface, geometry, feed_mm))
         drawers["height"] = lambda: _named(report_surface.draw_height(surface, geometry))
-    drawers["motion"] = lambda: draw_cut_motion(outcome)
+    drawers["motion"] = lambda: report_motion.draw_motion(motion_of(outcome))
     drawers |= convergence(outcome.summary)
     drawers |= switches(outcome.summary)
     if (trace.state == CUTTING).any():
@@ -215,6 +179,7 @@ def make_polygon_report(outcome: PolygonCut) -> dict[str, bytes]:
         EDGE_IS_A_POINT,
         "the tool's true path",
         "shaft",
+        live_of(outcome),
     )
     files = {f"cut_{picture.key}.png": png for picture, png in shown}
     return files | {"report.html": render_page(outcome, page).encode("utf-8")}

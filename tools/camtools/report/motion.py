@@ -6,6 +6,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -23,11 +25,13 @@ from camtools.plots.style import (
     angle_axis,
     new_figure,
 )
+from camtools.report.charts import Motion
 from camtools.sim.results import CUTTING, FAULT, STATES, CutTrace
 
 STATE_COLOURS = (
     *(PALE, PURPLE, SKY, ORANGE, GREEN, ORANGE, RED, BLUE, GREY, PURPLE, SKY),  # as STATES
 )
+_MARKS: dict[str, Any] = {"color": RED, "ls": "", "marker": "o", "ms": 3.2, "mfc": "none"}
 _N_BINS = 360
 _N_POINTS = 600  # across a picture: more cannot be seen
 _UM_PER_MM, _MM_PER_M, _NM_PER_MM = 1000.0, 1000.0, 1e6
@@ -76,6 +80,24 @@ def draw_following(trace: CutTrace) -> Figure:
     axes.set_ylabel(f"following error of U, {unit}")
     axes.legend(frameon=False, loc="upper left", bbox_to_anchor=(0, 1.16), ncols=2)
     angle_axis(axes)
+    return figure
+
+
+def draw_motion(motion: Motion) -> Figure:
+    """Return U and what follows from it over one turn, a panel each."""
+    n = len(motion.curves)
+    figure = new_figure(10, 0.6 + 2.0 * n)
+    panels: list[Axes] = list(figure.subplots(n, 1, sharex=True))
+    for axes, curve in zip(panels, motion.curves, strict=True):
+        axes.plot(motion.degrees, curve.wanted, color=BLUE, lw=1.6, label=motion.wanted_name)
+        if curve.measured is not None and motion.measured_degrees is not None:
+            axes.plot(motion.measured_degrees, curve.measured, label="measured on U", **_MARKS)
+        axes.set_ylabel(curve.name)
+        axes.grid(alpha=0.3)
+    panels[0].set_title(motion.title)
+    panels[0].legend(frameon=False, loc="upper right", bbox_to_anchor=(1, 1.25), ncols=2)
+    angle_axis(panels[-1])
+    panels[-1].set_xlabel(f"{motion.angle}, degrees")
     return figure
 
 

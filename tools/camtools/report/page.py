@@ -12,9 +12,13 @@ from pathlib import Path
 from typing import NamedTuple
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from markupsafe import Markup
 from matplotlib.figure import Figure
 
-from camtools.report.text import ReportRow, fault_story, margins_of, verdict_of
+from camtools.report.board import Board
+from camtools.report.live import Live, css_text, scripts_of, twin_of
+from camtools.report.sentences import sentences_of
+from camtools.report.text import ReportRow, fault_story, margins_of, origin_rows, verdict_of
 from camtools.sim.results import AnyCut
 
 _TEMPLATE = "page.html.j2"
@@ -49,6 +53,7 @@ def trace_text(outcome: AnyCut) -> str:
 class Caption(NamedTuple):
     """Title of a picture and what to look for."""
 
+    key: str  # names the file: cut_KEY.png
     title: str
     text: str
 
@@ -69,29 +74,112 @@ class Page(NamedTuple):
     modelled: str  # what the simulator leaves out of the tool, a sentence
     compared: str  # what the gauge compares
     what: str  # what was cut
+    live: Live | None = None  # what is alive of it
 
 
-def render_page(outcome: AnyCut, page: Page) -> str:
-    """Return the HTML page of a part of any kind."""
-    environment = Environment(
+class _Shown(NamedTuple):
+    """A picture as the template shows it."""
+
+    key: str
+    title: str
+    text: str
+    image: str
+    sentence: str
+    twin: str  # the chart of the board that shows the same, or nothing
+    is_alive: bool
+
+
+class _Chart(NamedTuple):
+    """A chart of the board as the template shows it."""
+
+    id: str
+    title: str
+    text: str
+    sentence: str
+    is_wide: bool = False
+
+
+def _shown(page: Page, sentences: dict[str, str]) -> list[_Shown]:
+    charts = page.live.charts if page.live else {}
+    return [
+        _Shown(
+            *(one.key, one.title, one.text, data_uri(png)),
+            sentences.get(one.key, one.title),
+            twin_of(one.key, page.live),
+            one.key in charts,
+        )
+        for one, png in page.shown
+    ]
+
+
+def _board_charts(board: Board, shown: list[_Shown]) -> list[_Chart]:
+    """Return the charts of a board with the words of the pictures whose place they take."""
+    texts = {one.twin: one.text for one in shown if one.twin}
+    scale = (
+        f"The shape is enlarged {board.shape} times, each section against its own largest radius; "
+        "errors and tolerance, the green band, as chosen above. "
+        if board.shape > 1
+        else "The shape is as drawn; errors and tolerance, the green band, are enlarged as chosen "
+        "above. "
+    )
+    deviations = f"Deviations from a cylinder are enlarged {board.space} times; drag to turn it. "
+    space = deviations if board.space > 1 else "As drawn; drag to turn it. "
+    dotted = "Dotted: the tolerance, which may lie outside; zoom out to see it. "
+    kept = "Kept sections stay beside the chosen one. "
+    return [
+        _Chart("error-map", "Error map", texts.get("error-map", ""), board.sentence, True),
+        _Chart("section", "Section", scale, f"The chosen section. {scale}{board.sentence}"),
+        _Chart("profile", "Profile", dotted, "Radius and error over the height at the angle."),
+        _Chart("unrolled", "Section unrolled", dotted + kept, "Error of the section.", True),
+        _Chart("space", "In space", space + texts.get("space", ""), board.sentence, True),
+    ]
+
+
+def _environment() -> Environment:
+    return Environment(
         loader=FileSystemLoader(Path(__file__).resolve().parents[1] / "report"),
         undefined=StrictUndefined,
         autoescape=True,
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    return environment.get_template(_TEMPLATE).render(
-        name=outcome.name,
-        source=page.source,
-        summary=outcome.summary,
-        verdict=verdict_of(outcome),
-        rows=page.rows,
-        margins=margins_of(outcome),
-        story=fault_story(outcome) if outcome.has_fault else [],
-        shown=[(picture, data_uri(png)) for picture, png in page.shown],
-        modelled=page.modelled,
-        compared=page.compared,
-        what=page.what,
-        trace=trace_text(outcome),
-        is_trace_complete=outcome.is_trace_complete,
+
+
+def _running(outcome: AnyCut) -> tuple[Markup, Markup]:
+    """Return what the head of each printed page says left and right, as strings of CSS."""
+    date = outcome.origin.date if outcome.origin else ""
+    left = f"{outcome.name}: {verdict_of(outcome).title}"
+    return Markup(css_text(left)), Markup(css_text(date))
+
+
+def render_page(outcome: AnyCut, page: Page) -> str:
+    """Return the HTML page of a part of any kind; the clock of the computer is not in it."""
+    sentences = sentences_of(outcome) | (page.live.sentences if page.live else {})
+    shown, live = _shown(page, sentences), page.live
+    board = live.board if live else None
+    running_title, running_date = _running(outcome)
+    return (
+        _environment()
+        .get_template(_TEMPLATE)
+        .render(
+            name=outcome.name,
+            source=page.source,
+            summary=outcome.summary,
+            verdict=verdict_of(outcome),
+            rows=[row for row in page.rows if row.name != "computing time"],
+            origin=origin_rows(outcome),
+            margins=margins_of(outcome),
+            story=fault_story(outcome) if outcome.has_fault else [],
+            shown=shown,
+            board=board,
+            board_charts=_board_charts(board, shown) if board else [],
+            scripts=scripts_of(live),
+            running_title=running_title,
+            running_date=running_date,
+            modelled=page.modelled,
+            compared=page.compared,
+            what=page.what,
+            trace=trace_text(outcome),
+            is_trace_complete=outcome.is_trace_complete,
+        )
     )

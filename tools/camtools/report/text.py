@@ -143,6 +143,19 @@ def page_text(outcome: AnyCut, about: list[ReportRow], place: str, total_s: floa
     return "\n".join(lines) + "\n"
 
 
+def origin_rows(outcome: AnyCut) -> list[ReportRow]:
+    """Return what a person needs to repeat the cut."""
+    summary, origin = outcome.summary, outcome.origin
+    machine = ReportRow("machine", f"{summary['machine']}, seed {summary['seed']}")
+    if origin is None:
+        return [machine]
+    return [
+        ReportRow("made", f"{origin.date}, version {origin.version}"),
+        ReportRow("command", origin.command),
+        machine,
+    ]
+
+
 def fault_facts(path: Path = _FAULTS) -> dict[str, FaultFacts]:
     """Return the table of faults of the firmware's manual.
 

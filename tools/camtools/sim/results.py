@@ -21,6 +21,7 @@ import numpy.typing as npt
 
 from camtools.base.errors import InputError
 from camtools.base.json_text import Json
+from camtools.base.origin import Origin
 from camtools.base.quantities import Floats
 from camtools.table.header import MadeTable
 
@@ -215,6 +216,7 @@ class Measured(NamedTuple):
     is_trace_complete: bool
     variants: tuple[CutVariant, ...]
     overview: CutTrace | None = None
+    origin: Origin | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -233,6 +235,8 @@ class Cut(Generic[MadeT]):
         Comparison cuts, the matched one first; may be empty.
     overview : CutTrace or None
         One tick of several of the whole cut, where the trace is not complete.
+    origin : Origin or None
+        What repeats the cut, where a command made it.
     """
 
     generated: MadeT
@@ -242,6 +246,7 @@ class Cut(Generic[MadeT]):
     is_trace_complete: bool = True
     variants: tuple[CutVariant, ...] = ()
     overview: CutTrace | None = None
+    origin: Origin | None = None
 
     @property
     def name(self) -> str:

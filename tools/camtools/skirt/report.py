@@ -10,7 +10,6 @@ from collections.abc import Callable
 
 from matplotlib.figure import Figure
 
-from camtools.base.quantities import NM_PER_MM
 from camtools.plots.style import drawing, png_of
 from camtools.report import compare as report_compare
 from camtools.report import motion as report_motion
@@ -20,9 +19,9 @@ from camtools.report.switches import SWITCHES_TEXT, switches
 from camtools.sim.results import CUTTING, FAULT
 from camtools.skirt import report_surface
 from camtools.skirt.outcome import SkirtOutcome
+from camtools.skirt.report_alive import live_of, motion_of
 from camtools.skirt.report_corner import draw_corner
 from camtools.skirt.report_even import draw_even, draw_ripple
-from camtools.skirt.report_motion import draw_motion
 from camtools.skirt.report_shape import draw_skirt
 from camtools.skirt.report_text import rows_of
 
@@ -118,7 +117,6 @@ def _drawers(outcome: SkirtOutcome) -> dict[str, Callable[[], Figure]]:
     magnify = outcome.generated.part.magnify
     factor = magnify.factor if magnify else 1.0
     feed_mm, speed_rpm = cut["feed_mm"], cut["spindle_rpm"]
-    middle_mm = outcome.generated.middle_nm / NM_PER_MM
     drawers: dict[str, Callable[[], Figure]] = {}
     if (trace.state == FAULT).any():
         retract_s = outcome.summary.get("fault", {}).get("retract_s", 0.0)
@@ -137,8 +135,7 @@ def _drawers(outcome: SkirtOutcome) -> dict[str, Callable[[], Figure]]:
     drawers |= convergence(outcome.summary)
     drawers |= switches(outcome.summary)
     even, speed = outcome.even, outcome.generated.speed
-    law = speed.channel if speed is not None else None
-    drawers["motion"] = lambda: draw_motion(trace, geometry, speed_rpm, middle_mm, law)
+    drawers["motion"] = lambda: report_motion.draw_motion(motion_of(outcome))
     if even is not None and speed is not None and even.removal.turn.size:
         drawers["even"] = lambda: draw_even(even, speed, speed_rpm)
         drawers["ripple"] = lambda: draw_ripple(even, speed)
@@ -173,6 +170,7 @@ def render(outcome: SkirtOutcome, pngs: dict[str, bytes]) -> str:
         EDGE_IS_A_POINT,
         "the tool's true path",
         "skirt",
+        live_of(outcome),
     )
     return render_page(outcome, page)
 

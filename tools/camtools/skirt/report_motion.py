@@ -1,4 +1,4 @@
-"""Picture of U over one turn of a skirt: drawing beside measurement.
+"""U over one turn of a skirt: drawing beside measurement.
 
 >>> steady = np.arange(12.0)
 >>> _slope(2 * steady, steady)[5]
@@ -8,16 +8,9 @@ np.float64(2.0)
 from __future__ import annotations
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from camtools.base.quantities import NM_PER_MM, Floats, Ints
-from camtools.plots.style import (
-    BLUE,
-    RED,
-    angle_axis,
-    new_figure,
-)
+from camtools.report.charts import Curve, Motion
 from camtools.sim.results import CUTTING, CutTrace
 from camtools.skirt.geometry import Geometry
 from camtools.skirt.speed import motion_played
@@ -56,13 +49,13 @@ def _slope(values: Floats, t_s: Floats) -> Floats:
     return slope
 
 
-def draw_motion(
+def motion_at(
     trace: CutTrace,
     geometry: Geometry,
     speed_rpm: float,
     middle_mm: float = 0.0,
     speed: Channel | None = None,
-) -> Figure:
+) -> Motion:
     """Return U, its velocity and acceleration over the turn in which U moves most.
 
     Parameters
@@ -74,35 +67,29 @@ def draw_motion(
     speed : Channel, optional
         Ratio of the spindle's speed over the drawing's angle, where it is modulated.
     """
-    figure = new_figure(10, 6.6)
-    panels: list[Axes] = list(figure.subplots(3, 1, sharex=True))
     rows = hardest_turn(trace, geometry)
     z_mm = float(trace.z_mm[rows].mean()) if rows.size else geometry.z_last_mm
     turns = np.linspace(0, 1, _N_ANGLES)
     u_mm, velocity, acceleration = motion_played(geometry, speed_rpm, z_mm, turns, speed)
-    curves = (
-        ((u_mm - middle_mm) * _UM_PER_MM, "U towards the axis, µm"),
-        (trace.sense * velocity, "velocity, mm/s"),
-        (acceleration / _MM_PER_M, "acceleration, m/s²"),
-    )
-    for axes, (curve, name) in zip(panels, curves, strict=True):
-        axes.plot(360 * turns, curve, color=BLUE, lw=1.6, label="drawing")
-        axes.set_ylabel(name)
-        axes.grid(alpha=0.3)
-    if rows.size:
-        _measured(panels, trace.pick(rows))
+    degrees, moved_um, slope = _measured(trace.pick(rows)) if rows.size else (None,) * 3
     mean = "mean " if speed is not None else ""
-    panels[0].set_title(f"height {z_mm:.1f} mm, {mean}{speed_rpm:g} r/min")
-    panels[0].legend(frameon=False, loc="upper right", bbox_to_anchor=(1, 1.25), ncols=2)
-    angle_axis(panels[-1])
-    return figure
+    return Motion(
+        f"height {z_mm:.1f} mm, {mean}{speed_rpm:g} r/min",
+        360 * turns,
+        (
+            Curve("U towards the axis, µm", (u_mm - middle_mm) * _UM_PER_MM, moved_um),
+            Curve("velocity, mm/s", trace.sense * velocity, slope),
+            Curve("acceleration, m/s²", acceleration / _MM_PER_M),
+        ),
+        geometry.played_name,
+        degrees,
+    )
 
 
-def _measured(panels: list[Axes], turn: CutTrace) -> None:
+def _measured(turn: CutTrace) -> tuple[Floats, Floats, Floats]:
+    """Return angle [degrees], place of U [um] and its velocity [mm/s] at some ticks of a turn."""
     u_mm = turn.u_act_nm / NM_PER_MM
-    velocity = _slope(u_mm, turn.t_s)
     step = max(1, u_mm.size // 60)
-    for axes, values in zip(panels, (u_mm * _UM_PER_MM, velocity), strict=False):
-        degrees = 360 * (turn.turn[::step] % 1)
-        style = {"color": RED, "ls": "", "marker": "o", "ms": 3.2, "mfc": "none"}
-        axes.plot(degrees, values[::step], label="measured on U", **style)  # type: ignore[arg-type]
+    columns = 360 * (turn.turn % 1), u_mm * _UM_PER_MM, _slope(u_mm, turn.t_s)
+    degrees, moved_um, slope = (column[::step] for column in columns)
+    return degrees, moved_um, slope

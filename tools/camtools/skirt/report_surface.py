@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from camtools.base.quantities import Floats, Ints, length_text, length_unit
+from camtools.base.quantities import Floats, length_text, length_unit
 from camtools.plots.style import (
     BLUE,
     ERROR_COLOURS,
@@ -24,10 +24,10 @@ from camtools.plots.style import (
     nice_floor,
     nice_limit,
 )
+from camtools.report.cells import cells_of, map_rows, worst_of
 from camtools.sim.results import GaugedSurface
 from camtools.skirt.geometry import Geometry
 
-N_COLUMNS, MAX_ROWS = 360, 256  # of the map
 N_BINS = 180  # of a section
 N_SECTIONS = 3
 _ROOM, _ROOM_FOR_OVAL = 0.3, 0.35  # shares of the radius in which deviations are drawn
@@ -42,26 +42,6 @@ def enlargement(radius_mm: float, deviation_mm: float) -> int:
     return max(1, round(nice_floor(_ROOM_FOR_OVAL * radius_mm / deviation_mm)))
 
 
-def map_rows(span_mm: float, feed_mm: float) -> int:
-    """Return how many rows of the map leave none without a turn: camsim's 256, halved as needed.
-
-    >>> map_rows(62.0, 0.1), map_rows(62.0, 0.5)
-    (256, 64)
-    """
-    n_rows = MAX_ROWS
-    while n_rows > 1 and span_mm / n_rows < feed_mm:
-        n_rows //= 2
-    return n_rows
-
-
-def _worst_of(index: Ints, error_um: Floats, n: int) -> Ints:
-    """Return for each of n cells the point with the largest error, -1 for none."""
-    worst = np.full(n, -1)
-    by_size = np.argsort(np.abs(error_um), kind="stable")
-    worst[index[by_size]] = by_size  # the worst is written last and stays
-    return worst
-
-
 def error_grid(surface: GaugedSurface, z_range_mm: tuple[float, float], n_rows: int) -> Floats:
     """Return the worst error of every cell.
 
@@ -70,12 +50,7 @@ def error_grid(surface: GaugedSurface, z_range_mm: tuple[float, float], n_rows: 
     ndarray, shape (n_rows, N_COLUMNS)
         Error [um], rows by rising height, columns by angle; NaN where nothing was gauged.
     """
-    low, high = z_range_mm
-    row = ((surface.z_mm - low) / (high - low) * n_rows).astype(np.int64).clip(0, n_rows - 1)
-    column = (surface.turn * N_COLUMNS).astype(np.int64).clip(0, N_COLUMNS - 1)
-    worst = _worst_of(row * N_COLUMNS + column, surface.error_um, n_rows * N_COLUMNS)
-    grid = np.append(surface.error_um, np.nan)[worst]  # -1 is the NaN
-    return grid.reshape(n_rows, N_COLUMNS)
+    return cells_of(surface, z_range_mm, n_rows).error_um
 
 
 def heights_range_mm(geometry: Geometry) -> tuple[float, float]:
@@ -125,7 +100,7 @@ def section_at(surface: GaugedSurface, z_mm: float, half_band_mm: float) -> Gaug
     """Return the worst point of every `N_BINS`-th of a turn near a height, by rising angle."""
     near = np.flatnonzero(np.abs(surface.z_mm - z_mm) <= half_band_mm)
     index = (surface.turn[near] * N_BINS).astype(np.int64).clip(0, N_BINS - 1)
-    worst = _worst_of(index, surface.error_um[near], N_BINS)
+    worst = worst_of(index, surface.error_um[near], N_BINS)
     rows = near[worst[worst >= 0]]
     return GaugedSurface(*(column[rows] for column in surface))
 
