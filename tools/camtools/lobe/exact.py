@@ -18,10 +18,10 @@ from camtools.lobe.part import LobePart
 from camtools.lobe.recalled import lobes_of
 from camtools.pipeline.exact import (
     Exact,
+    ExactTurn,
     HeightCurve,
     ProfileOver,
     SpeedRatio,
-    ExactTurn,
     even_angles,
     ratio_of,
 )

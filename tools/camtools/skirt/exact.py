@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from camtools.base.quantities import NM_PER_MM
-from camtools.pipeline.exact import Exact, HeightCurve, ProfileOver, ExactTurn, even_angles
+from camtools.pipeline.exact import Exact, ExactTurn, HeightCurve, ProfileOver, even_angles
 from camtools.skirt.geometry import Geometry
 from camtools.skirt.nose import tip_geometry
 from camtools.skirt.part import SkirtPart
