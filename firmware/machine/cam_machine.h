@@ -17,6 +17,7 @@
 #include "cam_keep.h"     // cam_keep_found_t
 #include "cam_param.h"    // cam_params_t
 #include "cam_scope.h"    // cam_scope_t
+#include "cam_strobe.h"   // cam_strobe_t
 #include "cam_table.h"    // cam_table_t
 #include "cam_teach.h"    // cam_teach_status_t, cam_teach_harmonic_t
 #include "cam_tick.h"     // cam_t, cam_status_t
@@ -85,6 +86,7 @@ typedef struct {
     uint32_t scrub_at;          ///< [bytes] progress of the background check of the table
     uint32_t scrub_crc;         ///< CRC-32 of the bytes up to there
     cam_scope_t scope;          ///< recorder
+    cam_strobe_t strobe;        ///< samples for a live picture
     bool has_box;               ///< the recorder is the black box while nobody else needs it
     bool is_box_kept;           ///< the box that is done was handed to the port
     cam_identify_t identify;    ///< excitation of U

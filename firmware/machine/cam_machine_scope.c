@@ -123,9 +123,50 @@ static void go_on_with_box(cam_machine_t *m)
     }
 }
 
+// The trace ring
+
+cam_err_t cam_machine_strobe(cam_machine_t *m, uint32_t every)
+{
+    const uint32_t tick = cam_machine_status(m).tick;
+    if (every != 0u && (every < cam_strobe_least(m->tick_hz) || every > m->tick_hz)) {
+        return cam_err_param_range;
+    }
+    if (every != 0u && m->params.trace_on == 0) {
+        return cam_err_scope_trace;
+    }
+    cam_strobe_ask(&m->strobe, every, tick);
+    return cam_ok;
+}
+
+void cam_machine_take(cam_machine_t *m, const cam_tick_record_t *r)
+{
+    cam_scope_take(&m->scope, r);
+    cam_strobe_take(&m->strobe, r);
+}
+
+/// @return whether somebody waits for records
+static bool is_read(const cam_machine_t *m)
+{
+    return cam_scope_is_on(&m->scope) || cam_strobe_is_on(&m->strobe);
+}
+
+static void read_ring(cam_machine_t *m)
+{
+    cam_tick_record_t record;
+    for (uint32_t i = 0; i < (uint32_t)cam_trace_capacity && is_read(m); i++) {
+        if (!cam_trace_pop(&m->core->trace, &record)) {
+            return;
+        }
+        cam_machine_take(m, &record);
+    }
+}
+
 void cam_machine_scope_poll(cam_machine_t *m)
 {
-    cam_scope_poll(&m->scope, &m->core->trace);
+    read_ring(m);
+    if (cam_strobe_is_on(&m->strobe)) {
+        cam_strobe_expire(&m->strobe, cam_machine_status(m).tick, m->tick_hz);
+    }
     if (m->has_box) {
         go_on_with_box(m);
     }

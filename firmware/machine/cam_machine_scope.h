@@ -45,8 +45,19 @@ CAM_MUST_USE cam_err_t cam_machine_scope_set(cam_machine_t *m, uint32_t field, i
 CAM_MUST_USE cam_err_t cam_machine_scope_get(const cam_machine_t *m, uint32_t field,
                                              int32_t *value);
 
-/// The part of cam_machine_poll() that records. To be called at least every cam_trace_capacity / 2
-/// ticks while something is recorded.
+/// Ask for a sample of single ticks, message Strobe, or ask again (cam_strobe.h).
+/// @param every  [ticks] between samples; 0: no more
+/// @return       cam_ok; cam_err_param_range, below cam_strobe_least() or above the tick rate;
+///               cam_err_scope_trace
+CAM_MUST_USE cam_err_t cam_machine_strobe(cam_machine_t *m, uint32_t every);
+
+/// Hand a record of the trace ring to all who want it, in the order of the ticks. For a loop that
+/// reads the ring itself.
+void cam_machine_take(cam_machine_t *m, const cam_tick_record_t *r);
+
+/// The part of cam_machine_poll() that reads the trace ring, as long as a recording or a live
+/// picture waits for its records; else they stay there. To be called at least every
+/// cam_trace_capacity / 2 ticks meanwhile.
 void cam_machine_scope_poll(cam_machine_t *m);
 
 #endif

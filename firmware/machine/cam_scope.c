@@ -354,17 +354,6 @@ void cam_scope_take(cam_scope_t *s, const cam_tick_record_t *r)
     }
 }
 
-void cam_scope_poll(cam_scope_t *s, cam_trace_t *trace)
-{
-    cam_tick_record_t record;
-    for (uint32_t i = 0; i < (uint32_t)cam_trace_capacity && cam_scope_is_on(s); i++) {
-        if (!cam_trace_pop(trace, &record)) {
-            return;
-        }
-        cam_scope_take(s, &record);
-    }
-}
-
 cam_scope_span_t cam_scope_span(const cam_scope_t *s, uint32_t offset, uint32_t n)
 {
     const uint32_t row_bytes = s->n_signals * (uint32_t)word_bytes;

@@ -4,8 +4,7 @@
 ///     set signals, every, rows, trigger -> start -> armed -> recording -> done -> read the rows
 ///
 /// The slow side takes the records of the trace ring (cam_trace.h), so that the interrupt pays
-/// nothing. It is the only reader of the ring: whoever wants the records as well takes them
-/// himself and hands them on by cam_scope_take(). A row holds the chosen signals of one tick as
+/// nothing; cam_machine_scope.h is the only reader of the ring. A row holds the chosen signals of one tick as
 /// int32, in the order of the list; rows are `every` ticks apart.
 ///
 /// Armed, the recorder looks at every tick for the trigger (cam_trigger.h) and keeps the last
@@ -22,7 +21,6 @@
 
 #include "cam_err.h"     // CAM_MUST_USE
 #include "cam_record.h"  // cam_tick_record_t
-#include "cam_trace.h"   // cam_trace_t
 #include "cam_trigger.h" // cam_trigger_t
 #include "hal/hal.h"     // hal_memory_t
 #include <stdbool.h>     // bool
@@ -211,10 +209,6 @@ void cam_scope_reserve(cam_scope_t *s, uint32_t n_wave);
 
 /// Take a record, in the order of the ticks.
 void cam_scope_take(cam_scope_t *s, const cam_tick_record_t *r);
-
-/// Take all records of the ring, while a recording waits for them; else they stay.
-/// Context: to be called at least every cam_trace_capacity / 2 ticks.
-void cam_scope_poll(cam_scope_t *s, cam_trace_t *trace);
 
 /// @return whether a recording waits for records
 static inline bool cam_scope_is_on(const cam_scope_t *s)

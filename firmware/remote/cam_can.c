@@ -193,7 +193,7 @@ static void follow(cam_can_t *r, const struct camturn_command_t *m)
         break;
     default:
         if (!cam_can_scope(r, m) && !cam_can_params(r, m) && !cam_can_hand(r, m) &&
-            !cam_can_cut(r, m)) {
+            !cam_can_cut(r, m) && !cam_can_strobe(r, m)) {
             cam_can_answer(r, m->command, m->parameter, carry_out(r, m));
         }
         break;
@@ -261,10 +261,19 @@ static bool send_flow(cam_can_t *r)
 
 // The loop
 
+/// @return whether a frame ends the piece of the recording that is being sent
+static bool ends_reading(const hal_can_frame_t *frame)
+{
+    const bool is_strobe =
+        frame->n > 0u && frame->data[at_command] == CAMTURN_COMMAND_COMMAND_STROBE_CHOICE;
+    return frame->id == CAMTURN_BLOCK_FRAME_ID ||
+           (frame->id == CAMTURN_COMMAND_FRAME_ID && !is_strobe);
+}
+
 /// @return false when something that must be sent found no room
 static bool take_frame(cam_can_t *r, const hal_can_frame_t *frame, uint32_t tick)
 {
-    if (frame->id == CAMTURN_COMMAND_FRAME_ID || frame->id == CAMTURN_BLOCK_FRAME_ID) {
+    if (ends_reading(frame)) {
         r->reading.is_on = false;
     }
     if (frame->id == CAMTURN_COMMAND_FRAME_ID) {
@@ -295,11 +304,12 @@ static void go_on_reading(cam_can_t *r, uint32_t tick)
 }
 
 /// Read frames until one needs an answer: at most one command or block per call.
-static void serve(cam_can_t *r, uint32_t tick)
+/// @return whether nothing waits for room in the transmit queue
+static bool serve(cam_can_t *r, uint32_t tick)
 {
     hal_can_frame_t frame;
     if (!send_answers(r) || !send_flow(r)) {
-        return;
+        return false;
     }
     go_on_reading(r, tick);
     bool goes_on = r->n_answers == 0u;
@@ -310,7 +320,7 @@ static void serve(cam_can_t *r, uint32_t tick)
     if (goes_on) {
         end_block(r, cam_isotp_wait(&r->isotp, tick));
     }
-    (void)send_answers(r);
+    return send_answers(r);
 }
 
 void cam_can_init(cam_can_t *r, cam_machine_t *machine)
@@ -327,8 +337,11 @@ void cam_can_init(cam_can_t *r, cam_machine_t *machine)
 
 void cam_can_poll(cam_can_t *r)
 {
-    serve(r, cam_machine_status(r->machine).tick);
+    const bool is_idle = serve(r, cam_machine_status(r->machine).tick);
     const cam_status_t status = cam_machine_status(r->machine);
     cam_report_send(&r->report, &r->store, &status);
+    if (is_idle) { // a live picture waits for everything else
+        cam_can_send_sample(r, status.tick);
+    }
     cam_lines_change(&r->lines, &r->store, &status);
 }

@@ -52,6 +52,13 @@ bool cam_can_cut(cam_can_t *r, const struct camturn_command_t *m);
 /// Topic: recorder, excitation and learning.
 bool cam_can_scope(cam_can_t *r, const struct camturn_command_t *m);
 
+/// Topic: samples of single ticks for a live picture.
+bool cam_can_strobe(cam_can_t *r, const struct camturn_command_t *m);
+
+/// Send a sample, at most cam_strobe_hz of them a second, fewer while a piece of a recording is
+/// sent. One that finds no room is tried again; the queue behind it drops what has no place.
+void cam_can_send_sample(cam_can_t *r, uint32_t tick);
+
 /// Topic: axes by hand, homes, datum and tools.
 bool cam_can_hand(cam_can_t *r, const struct camturn_command_t *m);
 

@@ -7,12 +7,10 @@ enum { n_memory = 64 };
 
 static int32_t memory[n_memory];
 static cam_scope_t scope;
-static cam_trace_t trace;
 
 void setUp(void)
 {
     memset(memory, 0x55, sizeof memory);
-    memset(&trace, 0, sizeof trace);
     cam_scope_init(&scope, (hal_memory_t){.words = memory, .n_words = n_memory}, 20000);
 }
 
@@ -191,23 +189,6 @@ static void test_fields_are_checked(void)
     TEST_ASSERT_EQUAL_STRING("u_set_q6", cam_scope_signal_name(cam_scope_u_set_q6));
 }
 
-static void test_the_ring_is_left_alone_without_a_recording(void)
-{
-    for (uint32_t tick = 0; tick < 4u; tick++) {
-        *cam_trace_slot_isr(&trace, cam_trace_capacity) = record(tick);
-        cam_trace_commit_isr(&trace);
-    }
-    cam_scope_poll(&scope, &trace);
-    set(cam_scope_field_rows, 2);
-    start(1);
-    cam_scope_poll(&scope, &trace);
-    TEST_ASSERT_EQUAL_INT32(2, field(cam_scope_field_n_rows));
-    TEST_ASSERT_EQUAL_INT32(1, field(cam_scope_field_first_tick));
-    cam_tick_record_t left;
-    TEST_ASSERT_TRUE(cam_trace_pop(&trace, &left)); // behind the last row
-    TEST_ASSERT_EQUAL_UINT32(3, left.tick);
-}
-
 /// Each signal is the member that its name tells.
 static void test_signals_are_those_of_the_record(void)
 {
@@ -248,7 +229,6 @@ int main(void)
     RUN_TEST(test_a_state_begins_and_ends_it);
     RUN_TEST(test_stop_ends_it_and_keeps_the_rows);
     RUN_TEST(test_fields_are_checked);
-    RUN_TEST(test_the_ring_is_left_alone_without_a_recording);
     RUN_TEST(test_signals_are_those_of_the_record);
     return UNITY_END();
 }

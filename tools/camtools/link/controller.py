@@ -31,11 +31,12 @@ _STATUS = {
     DATABASE.get_message_by_name(name).frame_id: DATABASE.get_message_by_name(name)
     for name in ("State", "Spindle", "AxisU", "Detail")
 }
-BLOCK_ID, FLOW_ID, PART_ID, FD_PART_ID = (
+BLOCK_ID, FLOW_ID, PART_ID, FD_PART_ID, STROBE_ID = (
     DATABASE.get_message_by_name(name).frame_id
-    for name in ("Block", "BlockFlow", "Recording", "RecordingFd")
+    for name in ("Block", "BlockFlow", "Recording", "RecordingFd", "Strobe")
 )
 _PART_BYTES = {PART_ID: 8, FD_PART_ID: 64}
+_STROBE_BYTES = 8
 
 DBC_NODE = 64  # the node whose identifiers the DBC has
 ANSWER_S = 1.0
@@ -164,6 +165,8 @@ class Link:
         called with the status whenever a set of its messages is complete
     on_wait : callable
         called before each frame is waited for; what it raises ends what runs, as a signal would
+    on_strobe : callable
+        called with the bytes of every message Strobe (link/strobe.py)
     is_fd : bool
         whether the bus was opened for frames of CAN FD
     """
@@ -175,6 +178,7 @@ class Link:
         self.status = Status()
         self.on_row: Callable[[Status], None] = lambda status: None
         self.on_wait: Callable[[], None] = lambda: None
+        self.on_strobe: Callable[[bytes], None] = lambda data: None
         self._answers: deque[can.Message] = deque()
         self.flows: deque[can.Message] = deque()
         self.parts: deque[bytes] = deque(maxlen=256)
@@ -200,6 +204,8 @@ class Link:
             self._answers.append(frame)
         elif len(frame.data) == _PART_BYTES.get(identifier):
             self.parts.append(bytes(frame.data))
+        elif identifier == STROBE_ID and len(frame.data) == _STROBE_BYTES:
+            self.on_strobe(bytes(frame.data))
         elif identifier == FLOW_ID:
             self.flows.append(_frame(identifier, bytes(frame.data)))
         elif (message := _STATUS.get(identifier)) and len(frame.data) == message.length:
@@ -287,6 +293,10 @@ class Link:
             if answer.command == command:
                 return answer
 
+    def send_command(self, command: str, *, parameter: int = 0, **value: float) -> None:
+        """Send a command without waiting for its answer; arguments and errors as those of ask()."""
+        self.send_frame(COMMAND.frame_id, _command(command, parameter, value))
+
     def ask(
         self, command: str, *, timeout_s: float = ANSWER_S, parameter: int = 0, **value: float
     ) -> Answer:
@@ -310,7 +320,7 @@ class Link:
             while self.pump(0):
                 pass
             self._answers.clear()
-            self.send_frame(COMMAND.frame_id, _command(command, parameter, value))
+            self.send_command(command, parameter=parameter, **value)
             answer = self.next_answer(command, timeout_s)
             if answer.result == "param_range" and command not in _WITHOUT_RANGE:
                 low = self.next_answer("get_minimum", ANSWER_S).value
