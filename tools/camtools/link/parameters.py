@@ -126,7 +126,7 @@ def _flat(table: Mapping[str, object], where: str = "") -> list[tuple[str, str, 
     return found
 
 
-def _problem(name: str, value: object) -> str:
+def problem_of(name: str, value: object) -> str:
     """Return what is wrong with a value, "" when nothing is."""
     if name not in INFOS:
         return f"{name}: no such parameter; tools/camctl list tells them"
@@ -156,7 +156,7 @@ def parse(data: bytes, name: str) -> dict[str, int]:
     for group, key, value in _flat(told):
         if key in _KEPT and not group:
             continue
-        problem = f"{key}: there twice; give it once" if key in values else _problem(key, value)
+        problem = f"{key}: there twice; give it once" if key in values else problem_of(key, value)
         problems += [f"{name}: {problem}"] if problem else []
         values[key] = value
     if problems or not values:

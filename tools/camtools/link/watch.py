@@ -10,7 +10,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 from camtools.link.controller import FAULT_TEXTS, NAMES, NUMBERS, Status
 from camtools.link.learned import learning_report
@@ -150,11 +150,16 @@ def report(status: Status) -> list[str]:
         f"late {s['late_ticks']:.0f}",
         f"last start        {NAMES['reset_reason'].get(int(s['reset_reason']), 'unknown')}",
         f"parameters        version {s['params_version']:.0f}, checksum "
-        f"{int(s['params_checksum']):08x}, {_KEPT.get(int(s['params_kept']), 'unknown')}",
+        f"{int(s['params_checksum']):08x}, {kept_text(s)}",
         *learning_report(status),
         *table_report(status),
         f"table check       {table_err}",
     ]
+
+
+def kept_text(signals: Mapping[str, float]) -> str:
+    """Return whether the controller keeps its parameters over a restart."""
+    return _KEPT.get(int(signals["params_kept"]), "unknown")
 
 
 def hands_report(status: Status) -> list[str]:

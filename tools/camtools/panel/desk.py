@@ -1,39 +1,39 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The desk: it owns the link to the controller, in a thread of its own.
+"""The desk: pages ask it for what the controller does, and give it orders.
 
-Pages ask it for a snapshot, which never waits, and give it orders, which the thread carries out one
-after the other.
+`snapshot()`, `strobe()` and `parameters()` never wait and may be called by every page as often as
+it draws. `do()` judges each order by the visitor who gives it, whatever buttons his page shows: the
+rights are here and nowhere else. Every order and its outcome is logged.
 """
 
 from __future__ import annotations
 
 import asyncio
-import queue
-import threading
 import time
-from collections.abc import Callable
-from concurrent.futures import Future
-from dataclasses import replace
+import zlib
+from collections.abc import Mapping
+from typing import Any
 
-from camtools.base.errors import CamtoolsError
-from camtools.link.controller import SILENT_S, Link, Refused
-from camtools.link.refusal import ask_done
+from camtools.base.errors import CamtoolsError, shown
+from camtools.link.strobe import Samples
 from camtools.panel.command_log import CommandLog
 from camtools.panel.commander import Commander
+from camtools.panel.link_thread import Job, LinkThread, OpenLink
 from camtools.panel.order import Order, Outcome
-from camtools.panel.snapshot import NO_STROBE, SILENT, Snapshot, StrobeView, snapshot_of
+from camtools.panel.parameter_set import ParameterSet
+from camtools.panel.press import Presses
+from camtools.panel.rules import RULES, URGENT, checked
+from camtools.panel.snapshot import Snapshot
 from camtools.panel.visitor import Visitor
 
-_LOOK_S = 0.02
-_SHOW_S = 0.05
-_AGAIN_S = 1.0
-_PLAIN = ("enable", "disable", "home", "manual", "start", "hold", "resume", "stop", "reset")
-
-OpenLink = Callable[[], Link]
+BACK_S = 0.5  # what comes so soon behind a lost connection may have been pressed long ago
+NO_TOKEN = "orders need the token; enter it above"
+NOT_YOU = "you do not command; take the command first"
+BACK = "the connection was lost meanwhile; look, and press again"
 
 
 class Desk:
-    """Owner of the link.
+    """What stands between pages and controller.
 
     Parameters
     ----------
@@ -47,77 +47,118 @@ class Desk:
     """
 
     def __init__(self, open_link: OpenLink, commander: Commander, log: CommandLog) -> None:
-        self._open_link, self._commander, self._log = open_link, commander, log
-        self._snapshot = SILENT
-        self._orders: queue.SimpleQueue[tuple[Order, Future[Outcome]]] = queue.SimpleQueue()
-        self._is_over = threading.Event()
-        self._thread = threading.Thread(target=self._run, name="desk", daemon=True)
-        self._thread.start()
+        self._commander, self._log = commander, log
+        self._presses = Presses()
+        self._thread = LinkThread(open_link)
 
     def snapshot(self) -> Snapshot:
         """Return the newest status; never waits."""
-        return self._snapshot
+        return self._thread.snapshot()
 
-    def strobe(self) -> StrobeView:
-        """Return the following error over angle of the last turns; never waits.
+    def strobe(self) -> Samples:
+        """Return the following error at single ticks of the last turns; never waits.
 
-        The controller sends it only while somebody asks at least every two seconds.
+        The controller sends them only while somebody asks at least every two seconds.
         """
-        return NO_STROBE
+        return self._thread.samples()
+
+    def parameters(self) -> ParameterSet | None:
+        """Return all parameters, None while they are not read; never waits.
+
+        They are read, and again after each change, while somebody asks at least every two seconds.
+        """
+        return self._thread.parameters()
 
     async def do(self, order: Order, visitor: Visitor) -> Outcome:
-        """Carry an order out and return what came of it; what is refused is logged, too."""
+        """Carry an order out and return what came of it; what is refused is logged, too.
+
+        The outcome of `jog_begin` comes when the axis stands again. `jog_hold` and `jog_end` are
+        answered at once and not logged: the outcome of `jog_begin` tells how it ended.
+        """
+        if order.name in ("jog_hold", "jog_end"):
+            return self._held(order, visitor)
+        try:
+            outcome = await self._done(order, visitor)
+        except CamtoolsError as error:
+            outcome = Outcome(False, str(error))
         if not visitor.has_token:
-            outcome = Outcome(False, "commands need the token")
-        elif order.name != "stop" and self._commander.holder is not visitor:
-            outcome = Outcome(False, "you do not command; take the command first")
+            self._log.add_refused(visitor, order.name, outcome)
         else:
-            told: Future[Outcome] = Future()
-            self._orders.put((order, told))
-            outcome = await asyncio.wrap_future(told)
-        self._log.add(visitor, order.name, order.arguments, outcome)
+            self._log.add(visitor, order.name, _told(order.arguments), outcome)
         return outcome
 
+    def page_lost(self, visitor: Visitor) -> None:
+        """End what the visitor holds; to be called when the connection of his page is lost."""
+        visitor.is_here = False
+        self._presses.drop("the page is gone", visitor)
+
+    def page_back(self, visitor: Visitor, sent_ms: float | None = None) -> None:
+        """Take note that a page is connected, and of its clock."""
+        if not visitor.is_here:
+            visitor.is_here, visitor.back_at_s = True, time.monotonic()
+        if sent_ms is not None:
+            self._presses.synchronise(visitor, sent_ms)
+
     def close(self) -> None:
-        """End the thread and close the bus."""
-        self._is_over.set()
-        self._thread.join()
+        """End the thread and close the bus; what is held ends, too."""
+        self._presses.drop("the panel has ended")
+        self._thread.close()
 
-    def _run(self) -> None:
-        while not self._is_over.is_set():
-            try:
-                link = self._open_link()
-            except CamtoolsError as error:
-                self._snapshot = replace(SILENT, problem=str(error))
-                self._is_over.wait(_AGAIN_S)
-                continue
-            try:
-                self._serve(link)
-            except (Refused, CamtoolsError) as error:
-                self._snapshot = replace(SILENT, problem=str(error))
-            finally:
-                link.bus.shutdown()
+    def _refusal(self, name: str, visitor: Visitor) -> str:
+        """Return why a visitor may not give an order, "" when he may."""
+        if not visitor.has_token:
+            return NO_TOKEN
+        if name in URGENT:
+            return ""
+        if self._commander.holder is not visitor:
+            return NOT_YOU
+        is_back = time.monotonic() - visitor.back_at_s < BACK_S
+        return BACK if is_back or not visitor.is_here else ""
 
-    def _serve(self, link: Link) -> None:
-        due_s = 0.0
-        link.listen()
-        while not self._is_over.is_set():
-            link.pump(_LOOK_S)
-            now_s = time.monotonic()
-            if now_s - link.status.at_s > SILENT_S:
-                raise Refused(f"{link.where}: the controller is silent")
-            if now_s > due_s:
-                due_s = now_s + _SHOW_S
-                self._snapshot = snapshot_of(link.status, link.where, "")
-            while not self._orders.empty():
-                order, told = self._orders.get()
-                told.set_result(self._carry_out(link, order))
+    async def _done(self, order: Order, visitor: Visitor) -> Outcome:
+        if refusal := self._refusal(order.name, visitor):
+            return Outcome(False, refusal)
+        arguments = checked(order)
+        if order.name == "jog_begin":
+            press = self._presses.begin(visitor, arguments["press"], arguments.get("sent_ms"))
+            arguments["press"] = press
+        if order.name in URGENT:
+            self._presses.drop(f"{order.name} was ordered")
+        job = Job(
+            order.name,
+            arguments,
+            visitor,
+            order.name in URGENT,
+            lambda: self._refusal(order.name, visitor),
+        )
+        self._thread.give(job)
+        return await asyncio.shield(asyncio.wrap_future(job.told))
 
-    def _carry_out(self, link: Link, order: Order) -> Outcome:
-        if order.name not in _PLAIN:
-            return Outcome(False, f"{order.name}: no such order yet")
+    def _held(self, order: Order, visitor: Visitor) -> Outcome:
         try:
-            ask_done(link, order.name)
-        except (Refused, CamtoolsError) as error:
+            arguments = checked(order)
+        except CamtoolsError as error:
             return Outcome(False, str(error))
-        return Outcome(True, order.name)
+        if order.name == "jog_end":
+            self._presses.end(visitor, arguments["press"])
+            return Outcome(True, "")
+        if refusal := self._refusal(order.name, visitor):
+            self._presses.drop(refusal, visitor)
+            return Outcome(False, refusal)
+        is_held = self._presses.hold(visitor, arguments["press"], arguments.get("sent_ms"))
+        return Outcome(is_held, "" if is_held else "the press is over")
+
+
+def _told(arguments: Mapping[str, Any]) -> dict[str, Any]:
+    """Return arguments for the log: of a file its size and checksum."""
+    return {
+        str(name)[:40]: f"{len(value)} bytes, CRC-32 {zlib.crc32(value):08x}"
+        if isinstance(value, bytes)
+        else value
+        if isinstance(value, int | float)
+        else shown(value)
+        for name, value in list(arguments.items())[:8]
+    }
+
+
+assert set(URGENT) <= set(RULES)

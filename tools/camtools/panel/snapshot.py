@@ -12,9 +12,9 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 
 import numpy as np
-import numpy.typing as npt
 
 from camtools.link.controller import Status
+from camtools.link.strobe import Samples
 
 
 @dataclass(frozen=True)
@@ -56,6 +56,8 @@ class Snapshot:
 
 
 SILENT = Snapshot()
+_NONE = np.zeros(0, np.int64)
+NO_SAMPLES = Samples(_NONE, _NONE, np.zeros(0), np.zeros(0), _NONE, _NONE > 0, _NONE > 0, 0)
 
 
 def snapshot_of(status: Status, where: str, work: str) -> Snapshot:
@@ -71,28 +73,3 @@ def snapshot_of(status: Status, where: str, work: str) -> Snapshot:
         problem="",
         work=work,
     )
-
-
-Floats = npt.NDArray[np.float64]
-
-
-@dataclass(frozen=True, eq=False)
-class StrobeView:
-    """Following error of single ticks of the last turns.
-
-    Attributes
-    ----------
-    turn : ndarray, shape (n,)
-        number of the turn, whole
-    angle_turn : ndarray, shape (n,)
-        angle of the drawing, 0 .. 1
-    error_um : ndarray, shape (n,)
-        following error of the same tick
-    """
-
-    turn: Floats
-    angle_turn: Floats
-    error_um: Floats
-
-
-NO_STROBE = StrobeView(*(np.zeros(0) for _ in range(3)))

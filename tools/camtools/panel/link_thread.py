@@ -1,0 +1,265 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The thread that owns the link: it keeps the status fresh and does one job after the other.
+
+An urgent job breaks off the one that runs, wherever it waits for a frame, and those that wait are
+dropped.
+While no controller is heard the bus is closed and opened again, once a second.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Mapping
+from concurrent.futures import Future
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from camtools.base.errors import CamtoolsError
+from camtools.link.controller import NUMBERS, SILENT_S, Link, Refused, Status
+from camtools.link.parameters import INFOS
+from camtools.link.refusal import ask_done
+from camtools.link.strobe import Samples, Strobe
+from camtools.panel.carry import ACTIONS
+from camtools.panel.order import Outcome
+from camtools.panel.parameter_set import ParameterSet, parameter_set
+from camtools.panel.snapshot import NO_SAMPLES, SILENT, Snapshot, snapshot_of
+from camtools.panel.visitor import Visitor
+
+LOOK_S = 0.02  # longest wait before the next job is looked for
+SHOW_S = 0.05  # between two snapshots
+GONE_S = 2.0  # without status: the bus is opened anew
+AGAIN_S = 1.0
+PATIENCE_S = 2.0  # longest time that a job waits for its turn
+WATCHED_S = 2.0  # how long a page that asked for something is taken to look at it
+FOLLOW_S = 0.1
+PARAMETERS_AT_ONCE = 10
+NOT_HEARD = "no controller is heard; the emergency stop is at the machine"
+OpenLink = Callable[[], Link]
+
+
+class _Overtaken(Exception):  # noqa: N818 - no error: an urgent job ends what runs
+    """An urgent job waits."""
+
+
+@dataclass(eq=False)
+class Job:
+    """An order with checked arguments, on its way through the thread.
+
+    Attributes
+    ----------
+    is_urgent : bool
+        whether it overtakes
+    still_allowed : callable
+        called when its turn comes: why it may not be done any more, "" when it may
+    told : Future
+        gets the outcome
+    """
+
+    name: str
+    arguments: Mapping[str, Any]
+    visitor: Visitor
+    is_urgent: bool = False
+    still_allowed: Callable[[], str] = lambda: ""
+    told: Future[Outcome] = field(default_factory=Future)
+    given_s: float = field(default_factory=time.monotonic)
+
+    def tell(self, is_done: bool, text: str) -> None:
+        """Say what came of it, once."""
+        if not self.told.done():
+            self.told.set_result(Outcome(is_done, text))
+
+
+class LinkThread:
+    """Owner of the link.
+
+    Parameters
+    ----------
+    open_link : callable
+        returns a Link with an open bus, or raises CamtoolsError
+    """
+
+    def __init__(self, open_link: OpenLink) -> None:
+        self._open_link = open_link
+        self._snapshot, self._work = SILENT, ""
+        self._jobs: deque[Job] = deque()
+        self._urgent: deque[Job] = deque()
+        self._is_breaking = False
+        self._shown_s = 0.0
+        self._strobe: Strobe | None = None
+        self._strobe_problem = False
+        self._strobe_asked_s = self._parameters_asked_s = -1e9
+        self._followed_s = 0.0
+        self._parameters: ParameterSet | None = None
+        self._partial: dict[str, int] = {}
+        self._is_over = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="link", daemon=True)
+        self._thread.start()
+
+    # From any thread
+
+    def snapshot(self) -> Snapshot:
+        """Return the newest status; never waits."""
+        newest = self._snapshot
+        if newest.is_connected and time.monotonic() - newest.at_s > SILENT_S + SHOW_S:
+            problem = f"{newest.where}: the controller is silent; check its power and the bus"
+            return replace(newest, is_connected=False, state="unknown", problem=problem)
+        return newest if newest.work == self._work else replace(newest, work=self._work)
+
+    def samples(self) -> Samples:
+        """Return samples of the last turns; the controller sends them while this is called."""
+        self._strobe_asked_s = time.monotonic()
+        strobe = self._strobe
+        return strobe.samples() if strobe is not None else NO_SAMPLES
+
+    def parameters(self) -> ParameterSet | None:
+        """Return all parameters; while this is called they are read, anew when one changes."""
+        self._parameters_asked_s = time.monotonic()
+        return self._parameters
+
+    def give(self, job: Job) -> None:
+        """Hand a job over; its future is told, whatever happens."""
+        if not self.snapshot().is_connected:
+            job.tell(False, f"not sent: {self.snapshot().problem}; {NOT_HEARD}")
+        elif job.is_urgent:
+            self._urgent.append(job)
+        elif self._work:
+            job.tell(False, f"busy with {self._work}; wait, or stop it")
+        else:
+            self._jobs.append(job)
+
+    def close(self) -> None:
+        """End the thread and close the bus."""
+        self._is_over.set()
+        self._thread.join()
+
+    # In the thread
+
+    def _run(self) -> None:
+        while not self._is_over.is_set():
+            try:
+                link = self._open_link()
+            except CamtoolsError as error:
+                self._snapshot = replace(SILENT, problem=str(error))
+            else:
+                try:
+                    self._serve(link)
+                except (Refused, CamtoolsError, OSError) as error:
+                    self._snapshot = replace(SILENT, where=link.where, problem=str(error))
+                finally:
+                    self._end(link)
+            self._is_over.wait(AGAIN_S)
+
+    def _end(self, link: Link) -> None:
+        self._work, self._parameters, self._strobe = "", None, None
+        self._partial.clear()
+        link.on_wait = lambda: None
+        for waiting in (self._urgent, self._jobs):
+            while waiting:
+                waiting.popleft().tell(False, f"not sent: {NOT_HEARD}")
+        with suppress(Exception):  # a driver of strangers raises what it likes
+            link.bus.shutdown()
+
+    def _serve(self, link: Link) -> None:
+        """Work until the controller is silent, or the panel ends."""
+        link.on_row, link.on_wait = (lambda status: self._show(link, status)), self._look
+        link.listen()
+        self._strobe_problem = False
+        while not self._is_over.is_set():
+            with suppress(_Overtaken):
+                if self._urgent:
+                    self._carry_out_urgent(link)
+                elif self._jobs:
+                    self._carry_out(link, self._jobs.popleft())
+                else:
+                    self._look_after(link)
+                    link.pump(LOOK_S)
+            if time.monotonic() - link.status.at_s > GONE_S:
+                problem = "the controller is silent; check its power and the bus"
+                raise Refused(f"{link.where}: {problem}")
+
+    def _look(self) -> None:
+        """End what runs when an urgent job waits, or the panel ends."""
+        if (self._urgent and not self._is_breaking) or self._is_over.is_set():
+            raise _Overtaken
+
+    def _show(self, link: Link, status: Status) -> None:
+        now_s = time.monotonic()
+        if self._strobe is not None and now_s - self._strobe_asked_s < WATCHED_S:
+            self._strobe.renew()
+        if now_s - self._shown_s >= SHOW_S:
+            self._shown_s = now_s
+            self._snapshot = snapshot_of(status, link.where, self._work)
+
+    def _carry_out_urgent(self, link: Link) -> None:
+        """Carry the urgent jobs out; what waited behind them is dropped."""
+        self._is_breaking = True
+        try:
+            while self._urgent:
+                urgent = self._urgent.popleft()
+                while self._jobs:
+                    self._jobs.popleft().tell(False, f"not done: {urgent.name} came first")
+                self._carry_out(link, urgent)
+        finally:
+            self._is_breaking = False
+
+    def _carry_out(self, link: Link, job: Job) -> None:
+        late = time.monotonic() - job.given_s > PATIENCE_S
+        problem = "not done: its turn came too late; try again" if late else job.still_allowed()
+        if problem and not job.is_urgent:
+            job.tell(False, problem)
+            return
+        try:
+            job.tell(True, ACTIONS[job.name](link, job.arguments, self._say))
+        except (Refused, CamtoolsError) as error:
+            job.tell(False, str(error))
+        except _Overtaken:
+            urgent = self._urgent[0].name if self._urgent else "the end of the panel"
+            job.tell(False, f"broken off by {urgent}")
+            raise
+        finally:
+            self._say("")
+            job.tell(False, "failed; the panel's terminal tells why")
+
+    def _say(self, work: str) -> None:
+        self._work = work
+
+    def _look_after(self, link: Link) -> None:
+        """Do what pages that look want to see, a little at a time."""
+        now_s = time.monotonic()
+        self._look_after_strobe(link, now_s)
+        if now_s - self._parameters_asked_s < WATCHED_S:
+            with suppress(Refused):
+                self._read_parameters(link)
+
+    def _look_after_strobe(self, link: Link, now_s: float) -> None:
+        is_wanted = now_s - self._strobe_asked_s < WATCHED_S and not self._strobe_problem
+        if is_wanted and now_s - self._followed_s > FOLLOW_S:
+            self._followed_s = now_s
+            try:
+                if self._strobe is None:
+                    self._strobe = Strobe(link)
+                self._strobe.follow()
+            except Refused:  # a controller without them, or one that has no time for them
+                self._strobe_problem = True
+        elif not is_wanted and self._strobe is not None:
+            strobe, self._strobe = self._strobe, None
+            with suppress(Refused):
+                strobe.end()
+
+    def _read_parameters(self, link: Link) -> None:
+        known = self._parameters
+        signals = link.status.signals
+        if known is not None and known.checksum == int(signals["params_checksum"]):
+            if known.is_of(signals):
+                return
+            self._parameters = parameter_set(known.values, link.status)
+            return
+        for name in [name for name in INFOS if name not in self._partial][:PARAMETERS_AT_ONCE]:
+            number = NUMBERS["parameter"][name]
+            self._partial[name] = int(ask_done(link, "get_parameter", number).value)
+        if len(self._partial) == len(INFOS):
+            self._parameters = parameter_set(self._partial, link.status) or self._parameters
+            self._partial.clear()
