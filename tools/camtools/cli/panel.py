@@ -3,62 +3,166 @@
 
 >>> _parser().parse_args([]).port
 8417
+>>> token_of(Path("nosuch"))
+Traceback (most recent call last):
+camtools.base.errors.CamtoolsError: --token-file nosuch: No such file or directory; check the path
 """
 
 from __future__ import annotations
 
 import argparse
+import ipaddress
 import sys
 from collections.abc import Sequence
+from contextlib import ExitStack
 from pathlib import Path
 
-from camtools.base.command import Parser, run_command
+from camtools.base.command import Interrupted, Parser, run_command
+from camtools.base.errors import CamtoolsError
+from camtools.base.input_file import read_limited
 from camtools.base.places import ROOT
-from camtools.cli.bus import add_bus_options, open_controller
+from camtools.cli.bus import add_bus_options, bus_arguments, open_controller
+from camtools.link.bus import configured
 from camtools.link.controller import Link
+from camtools.link.live import live_lathes, only_lathe
 from camtools.panel.command_log import CommandLog
 from camtools.panel.commander import Commander
 from camtools.panel.context import AppContext
 from camtools.panel.desk import Desk
-from camtools.panel.token import TokenGuard, new_token
+from camtools.panel.token import LEAST_CHARS, MOST_CHARS, TokenGuard, new_token
 
 _PORT = 8417
+_EPILOG = """\
+Who opens the page may look; who has the token may command. The address that is printed has the
+token behind its #, where no server and no log sees it. Without options for the bus it is that of
+the live lathe, where tools/live runs. While there is no controller the page says what to start.
+From another computer: ssh -L 8417:127.0.0.1:8417 THIS, then the address as printed.
+Exit status: 0 ended by control-C or SIGTERM, 2 wrong usage or bad input."""
+
+
+def _port(text: str) -> int:
+    value = int(text)
+    if not 0 <= value < 1 << 16:
+        raise argparse.ArgumentTypeError(f"{text}: give 0 .. 65535")
+    return value
+
+
+def _address(text: str) -> str:
+    try:
+        address = ipaddress.ip_address(text)
+    except ValueError as error:
+        problem = f"{text}: give an IP address of this computer, such as 192.168.1.7"
+        raise argparse.ArgumentTypeError(problem) from error
+    if address.is_unspecified:
+        problem = f"{text}: give the one address by which browsers reach this computer"
+        raise argparse.ArgumentTypeError(problem)
+    return str(address)
 
 
 def _parser() -> argparse.ArgumentParser:
     parser = Parser(
         prog="tools/panel",
         description="Show a controller in the browser, and let one visitor command it.",
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
         allow_abbrev=False,
     )
     add_bus_options(parser)
-    parser.add_argument("--port", type=int, default=_PORT, help=f"of TCP; {_PORT}; 0: a free one")
-    parser.add_argument("--listen", default="127.0.0.1", metavar="ADDRESS", help="127.0.0.1")
-    parser.add_argument("--token-file", type=Path, metavar="FILE", help="its first line")
+    parser.add_argument("--port", type=_port, default=_PORT, help=f"of TCP; {_PORT}; 0: a free one")
     parser.add_argument(
-        "--log", type=Path, default=ROOT / "build" / "panel" / "commands.jsonl", metavar="FILE"
+        "--listen",
+        type=_address,
+        default="127.0.0.1",
+        metavar="ADDRESS",
+        help="other than 127.0.0.1, which only this computer reaches: nothing is encrypted",
+    )
+    parser.add_argument(
+        "--token-file", type=Path, metavar="FILE", help="has the token; default: a new one"
+    )
+    parser.add_argument(
+        "--log",
+        type=Path,
+        default=ROOT / "build" / "panel" / "commands.jsonl",
+        metavar="FILE",
+        help="of commands; default: build/panel/commands.jsonl",
     )
     return parser
 
 
+def token_of(path: Path | None) -> str:
+    """Return the token of a file, or a new one.
+
+    Raises
+    ------
+    CamtoolsError
+        The file cannot be read, others may read it, or it has no fair token.
+    """
+    if path is None:
+        return new_token()
+    try:
+        data = read_limited(path, 1024)
+        is_private = not path.stat().st_mode & 0o077
+        token = data.decode("ascii").strip()
+    except OSError as error:
+        problem = f"{error.strerror}; check the path"
+        raise CamtoolsError([f"--token-file {path}: {problem}"]) from error
+    except UnicodeDecodeError as error:
+        raise CamtoolsError([f"--token-file {path}: not ASCII; give letters and digits"]) from error
+    if not is_private:
+        raise CamtoolsError([f"--token-file {path}: others may read it; chmod 600 {path}"])
+    if not LEAST_CHARS <= len(token) <= MOST_CHARS or not token.isprintable() or " " in token:
+        span = f"{LEAST_CHARS} .. {MOST_CHARS} characters without a space"
+        raise CamtoolsError([f"--token-file {path}: give one line of {span}"])
+    return token
+
+
+def _check_bus(arguments: argparse.Namespace) -> None:
+    """Raise when the bus that is named cannot be opened; a live lathe may still come.
+
+    Raises
+    ------
+    CamtoolsError
+        As open_controller().
+    """
+    given = bus_arguments(arguments)
+    if "interface" in configured(given) or (given and arguments.live is not None):
+        open_controller(arguments)[0].shutdown()
+    elif arguments.live is None:
+        only_lathe(None)
+    elif any(lathe.name == arguments.live for lathe in live_lathes()):
+        open_controller(arguments)[0].shutdown()
+
+
+def _say(text: str) -> None:
+    sys.stdout.write(f"panel: {text}\n")
+    sys.stdout.flush()
+
+
 def _run(arguments: argparse.Namespace) -> int:
-    from camtools.panel.server import application, open_socket, serve
+    from camtools.panel.server import application, hosts_of, open_socket, serve  # 1 s to import
 
     def open_link() -> Link:
         return Link(*open_controller(arguments))
 
-    sock = open_socket(arguments.listen, arguments.port)
-    log, token = CommandLog(arguments.log), new_token()
-    commander = Commander(log)
-    desk = Desk(open_link, commander, log)
-    try:
-        address, port = sock.getsockname()[:2]
-        sys.stdout.write(f"panel: http://{address}:{port}/#token={token}\n")
-        sys.stdout.flush()
-        serve(application(AppContext(desk, commander, log, TokenGuard(token))), sock)
-    finally:
-        desk.close()
-        sock.close()
+    token = token_of(arguments.token_file)
+    _check_bus(arguments)
+    with ExitStack() as stack:
+        sock = stack.enter_context(open_socket(arguments.listen, arguments.port))
+        log = CommandLog(arguments.log)
+        stack.callback(log.close)
+        commander = Commander(log)
+        desk = Desk(open_link, commander, log)
+        stack.callback(desk.close)
+        hosts = hosts_of(sock)
+        app = application(AppContext(desk, commander, log, TokenGuard(token)), hosts)
+        if not ipaddress.ip_address(arguments.listen).is_loopback:
+            _say("warning: nothing is encrypted: who hears the network sees the token; see ssh -L")
+        _say(f"http://{hosts[0]}/#token={token}")
+        _say("control-C ends")
+        try:
+            serve(app, sock)
+        except Interrupted:
+            return 0
     return 0
 
 

@@ -1,24 +1,67 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The frame of every page: navigation, who commands, theme, and the page's visitor.
+"""The frame of every page: navigation, token, who commands, theme, and the page's visitor.
 
-Classes: those of Quasar (row, column, q-pa-md, full-width, ..) and of panel.css; Tailwind is off,
-since it watches every change of the page in the browser.
+A page is a function that NiceGUI calls for each browser that asks; `framed()` makes its frame:
+
+    @ui.page("/runs")
+    def runs() -> None:
+        with framed(context, "/runs") as visitor:
+            ui.label(...)
+
+Classes: those of Quasar (row, column, q-pa-md, full-width, ..) and of static/panel.css; Tailwind is
+off, since it watches every change of the page in the browser. The policy of the pages lets no
+script run that stands in the page itself: what a page adds lies as a file in static/ (ui.add_css
+would be such a script). All text of strangers goes through ui.label or props, never through ui.html
+or ui.markdown.
 """
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 
-from nicegui import ui
+from nicegui import Client, events, ui
 
+from camtools.panel.commander import Commander
 from camtools.panel.context import AppContext
+from camtools.panel.order import Outcome
 from camtools.panel.visitor import Visitor, new_visitor
 
 PAGES = {"/": "Operate", "/design": "Design", "/runs": "Runs"}
+STATIC, STATIC_FOLDER = "/panel", Path(__file__).parent / "static"
 _PRIMARY = "#1a5a96"  # white on it has a contrast of 7, where 4.5 is needed (WCAG 2.2, 1.4.3)
-# Quasar's bar of a request that runs has no name for those who do not see it.
-_STYLE = ".q-loading-bar { display: none; }"
+_HEAD = f'<link rel="stylesheet" href="{STATIC}/panel.css">'
+_BODY = f'<script src="{STATIC}/panel.js"></script>'
+_SHOW_S = 0.25
+_visitors: dict[str, Visitor] = {}  # by the identifier of their page, while it is there
+
+
+def may_upload(client_id: str) -> bool:
+    """Return whether the page with an identifier has shown the token."""
+    visitor = _visitors.get(client_id)
+    return visitor is not None and visitor.has_token
+
+
+def _admit(context: AppContext, client: Client) -> Visitor:
+    """Return the visitor of a page, who is known until the page goes."""
+    visitor = new_visitor(client.ip)
+    _visitors[client.id] = visitor
+
+    def on_connect() -> None:
+        context.desk.page_back(visitor)
+        client.run_javascript("panelHello()")
+
+    def on_delete() -> None:
+        _visitors.pop(client.id, None)
+        context.desk.page_lost(visitor)
+        context.commander.lose(visitor)
+
+    client.on_connect(on_connect)
+    client.on_disconnect(lambda: context.desk.page_lost(visitor))
+    client.on_delete(on_delete)
+    return visitor
 
 
 @contextmanager
@@ -35,16 +78,95 @@ def framed(context: AppContext, path: str) -> Iterator[Visitor]:
     Visitor
         of this page, for desk.do() and the commander
     """
-    client = ui.context.client
-    visitor = new_visitor(client.ip)
-    client.on_delete(lambda: context.commander.lose(visitor))
+    visitor = _admit(context, ui.context.client)
     ui.colors(primary=_PRIMARY)
-    ui.add_css(_STYLE)
+    ui.add_head_html(_HEAD)
+    ui.add_body_html(_BODY)
     with ui.header().classes("row items-center q-gutter-md"):
         for target, name in PAGES.items():
             ui.link(name, target).classes("text-white" + (" text-bold" if target == path else ""))
-        ui.label("").bind_text_from(
-            context.commander, "holder", lambda who: f"{who} commands" if who else "nobody commands"
-        )
+        ui.space()
+        _CommandBar(context, visitor)
     with ui.column().classes("full-width q-pa-md"):
         yield visitor
+
+
+class _CommandBar:
+    """Who commands, and how to: the token's field, take, take over, give back."""
+
+    def __init__(self, context: AppContext, visitor: Visitor) -> None:
+        self._context, self._visitor = context, visitor
+        self._who = ui.label().props('role="status"').mark("commander")
+        self._token = (
+            ui.input("token", password=True, on_change=None)
+            .props('dense dark outlined aria-label="token, which the panel printed at its start"')
+            .on("keydown.enter", self._enter_token)
+            .mark("token")
+        )
+        self._take = ui.button("Take command", on_click=self._on_take).props("color=white outline")
+        self._news = ""
+        ui.on("panel_hello", self._on_hello)
+        ui.timer(_SHOW_S, self.show)
+        self.show()
+
+    def show(self) -> None:
+        """Bring the bar up to date."""
+        commander, visitor = self._context.commander, self._visitor
+        holder = commander.holder
+        self._who.text = _who(commander, visitor)
+        self._token.set_visibility(not visitor.has_token)
+        self._take.set_visibility(visitor.has_token)
+        self._take.text = (
+            "Take command"
+            if holder is None
+            else "Give command back"
+            if holder is visitor
+            else "Take over"
+        )
+        news = commander.news(visitor)
+        if news and news != self._news:
+            ui.notify(news, type="warning", timeout=0, close_button="Close")
+        self._news = news
+
+    def _on_hello(self, event: events.GenericEventArguments) -> None:
+        """Take the token and the clock of a page that has connected."""
+        told = event.args if isinstance(event.args, dict) else {}
+        sent_ms = told.get("sent_ms")
+        clock_ms = float(sent_ms) if isinstance(sent_ms, int | float) else None
+        self._context.desk.page_back(self._visitor, clock_ms)
+        if told.get("token") and not self._visitor.has_token:
+            self._try(told["token"])
+
+    def _enter_token(self) -> None:
+        text = str(self._token.value or "").strip()
+        self._token.value = ""
+        if text and self._try(text):
+            key = json.dumps(text)
+            ui.run_javascript(f'sessionStorage.setItem("camturn.token", {key})')
+
+    def _try(self, token: object) -> bool:
+        problem = self._context.guard.shown(self._visitor, token)
+        if problem:
+            self._context.log.add_refused(self._visitor, "token", Outcome(False, problem))
+            ui.run_javascript('sessionStorage.removeItem("camturn.token")')
+            ui.notify(problem, type="negative")
+        self.show()
+        return not problem
+
+    def _on_take(self) -> None:
+        commander, visitor = self._context.commander, self._visitor
+        if commander.holder is visitor:
+            outcome = commander.release(visitor)
+        elif commander.holder is None:
+            outcome = commander.take(visitor)
+        else:
+            outcome = commander.take_over(visitor)
+        ui.notify(outcome.text, type="positive" if outcome.is_done else "negative")
+        self.show()
+
+
+def _who(commander: Commander, visitor: Visitor) -> str:
+    holder = commander.holder
+    if holder is visitor:
+        return "you command"
+    return f"{holder} commands" if holder is not None else "nobody commands"

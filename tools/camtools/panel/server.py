@@ -4,19 +4,28 @@
 from __future__ import annotations
 
 import socket
+from collections.abc import Collection
 
 import uvicorn
 from fastapi import FastAPI
-from nicegui import ui
+from nicegui import Client, app, ui
 
 from camtools.base.errors import CamtoolsError
+from camtools.panel.connections import MOST_HEADER_BYTES, BoundedProtocol
 from camtools.panel.context import AppContext
 from camtools.panel.doorway import Doorway
+from camtools.panel.frame import STATIC, STATIC_FOLDER, may_upload
+from camtools.panel.nonce_template import use_nonces
 from camtools.panel.pages import design, operate, runs
+from camtools.panel.socket_events import MOST_MESSAGE_BYTES, guard_socket
+
+MOST_PAGES = 48
+_BACKLOG = 64
+_RECONNECT_S = 3.0
 
 
 def open_socket(address: str, port: int) -> socket.socket:
-    """Return a socket that listens.
+    """Return a socket that is bound to an address and port; port 0: a free one.
 
     Raises
     ------
@@ -28,6 +37,7 @@ def open_socket(address: str, port: int) -> socket.socket:
     sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         sock.bind((address, port))
+        sock.listen(_BACKLOG)
     except OSError as error:
         sock.close()
         problem = f"{address} port {port}: {error.strerror}"
@@ -35,27 +45,47 @@ def open_socket(address: str, port: int) -> socket.socket:
     return sock
 
 
-def application(context: AppContext) -> FastAPI:
+def hosts_of(sock: socket.socket) -> list[str]:
+    """Return what a browser may call this server: name and port, that to be told first."""
+    address, port = sock.getsockname()[:2]
+    named = f"[{address}]" if ":" in address else address
+    is_loopback = address in ("127.0.0.1", "::1")
+    return [f"{named}:{port}", *([f"localhost:{port}"] if is_loopback else [])]
+
+
+def application(context: AppContext, hosts: Collection[str]) -> Doorway:
     """Return the whole application; once per process, since NiceGUI has one only."""
-    app = FastAPI(docs_url=None, redoc_url=None, openapi_url=None)
+    outer = FastAPI(docs_url=None, redoc_url=None, openapi_url=None)
+    app.add_static_files(STATIC, STATIC_FOLDER, follow_symlink=False)
     for page in (operate, design, runs):
         page.add(context)
     ui.run_with(
-        app,
+        outer,
         title="camturn",
         language="en-US",
         dark=None,
         tailwind=False,
+        reconnect_timeout=_RECONNECT_S,
         gzip_middleware_factory=None,
         show_welcome_message=False,
     )
-    return app
+    use_nonces()
+    guard_socket([f"http://{host}" for host in hosts])
+    return Doorway(outer, hosts, may_upload, lambda: len(Client.instances) >= MOST_PAGES)
 
 
-def serve(app: FastAPI, sock: socket.socket) -> None:
+def serve(application: Doorway, sock: socket.socket) -> None:
     """Serve until a signal ends it."""
-    address, port = sock.getsockname()[:2]
     config = uvicorn.Config(
-        Doorway(app, {f"{address}:{port}"}), log_level="warning", timeout_graceful_shutdown=1
+        application,
+        http=BoundedProtocol,
+        ws="wsproto",
+        ws_max_size=MOST_MESSAGE_BYTES,
+        h11_max_incomplete_event_size=MOST_HEADER_BYTES,
+        proxy_headers=False,
+        server_header=False,
+        access_log=False,
+        log_level="warning",
+        timeout_graceful_shutdown=1,
     )
     uvicorn.Server(config).run(sockets=[sock])

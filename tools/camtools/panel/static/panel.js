@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+// The token comes in the fragment of the address, which no server and no log ever sees. It is kept
+// for this tab alone, taken out of the address, and shown to the panel whenever the page connects;
+// with it goes the page's clock, by which late messages are known.
+const takeToken = () => {
+  const token = new URLSearchParams(location.hash.slice(1)).get("token");
+  if (!token) return;
+  sessionStorage.setItem("camturn.token", token);
+  history.replaceState(null, "", location.pathname + location.search);
+};
+takeToken();
+window.panelHello = () =>
+  emitEvent("panel_hello", { token: sessionStorage.getItem("camturn.token"), sent_ms: performance.now() });
+window.addEventListener("hashchange", () => {
+  takeToken();
+  window.panelHello();
+});
