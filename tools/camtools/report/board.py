@@ -15,15 +15,16 @@ import numpy as np
 
 from camtools.base.json_text import Json
 from camtools.base.quantities import Floats, length_text, length_unit
-from camtools.plots.style import nice_floor, nice_limit
+from camtools.plots.style import GREEN, ORANGE, PURPLE, SKY, nice_floor, nice_limit
 from camtools.report.cells import Cells, cells_of, map_rows
 from camtools.sim.results import GaugedSurface
 
 _NOT_CUT, _FULL = -32768, 32767  # of the quantised error
-_TURN_STEPS = 256  # in a column
+_TURN_STEPS = 65536  # in a column: where flanks are steep, less would show in the radius
 _SPACE_ROWS, _SPACE_COLUMNS = 64, 180
 _UM_PER_MM = 1000.0
 _ROOM, _ROOM_FOR_SHAPE = 0.15, 0.35  # shares of the radius for errors and for the shape
+_WORTH_ENLARGING = 5  # a shape enlarged by less looks like another part
 # ColorBrewer's RdBu from blue to red, the colours of the static map.
 _COLOURS = (
     *("#053061", "#2166ac", "#4393c3", "#92c5de", "#d1e5f0", "#f7f7f7"),
@@ -95,10 +96,11 @@ class Board(NamedTuple):
 
 
 def _enlargement(radius_mm: float, deviation_mm: float) -> int:
-    """Return the largest round factor by which a deviation fills a third of a radius at most."""
+    """Return by how much to enlarge a shape; 1 for one that can be seen as it is."""
     if deviation_mm <= 0:
         return 1
-    return max(1, round(nice_floor(_ROOM_FOR_SHAPE * radius_mm / deviation_mm)))
+    factor = round(nice_floor(_ROOM_FOR_SHAPE * radius_mm / deviation_mm))
+    return factor if factor >= _WORTH_ENLARGING else 1
 
 
 def board_of(
@@ -146,7 +148,7 @@ def board_data(board: Board) -> Json:
     -------
     dict
         `error` int16 in steps of `error_step_um`, -32768 where nothing was cut; `radius` float32
-        in mm; `turn` uint8, the place of the point within its column in 256th.
+        in mm; `turn` uint16, the place of the point within its column in 65536th.
     """
     cells = board.cells
     n_rows, n_columns = cells.error_um.shape
@@ -160,11 +162,12 @@ def board_data(board: Board) -> Json:
         "error": packed(steps, "<i2"),
         "error_step_um": step_um,
         "radius": packed(cells.radius_mm, "<f4"),
-        "turn": packed(np.floor(inside * _TURN_STEPS).clip(0, _TURN_STEPS - 1), "u1"),
+        "turn": packed(np.floor(inside * _TURN_STEPS).clip(0, _TURN_STEPS - 1), "<u2"),
         "per_um": factor,
         "unit": unit,
         "tolerance_um": board.tolerance_um,
         "shape": board.shape,
+        "colours": [SKY, ORANGE, PURPLE, GREEN],
     }
 
 
@@ -183,8 +186,8 @@ def _space_points(cells: Cells) -> GaugedSurface:
     half_mm = (cells.z_mm[1] - cells.z_mm[0]) / 2 if cells.z_mm.size > 1 else 1.0
     ends = float(cells.z_mm[0] - half_mm), float(cells.z_mm[-1] + half_mm)
     found = cells_of(flat, ends, min(_SPACE_ROWS, cells.z_mm.size), _SPACE_COLUMNS)
-    closed = (np.column_stack([one, one[:, :1]]) for one in found[1:])
-    return GaugedSurface(*closed)
+    level = found._replace(height_mm=np.where(np.isnan(found.turn), np.nan, found.z_mm[:, None]))
+    return GaugedSurface(*(np.column_stack([one, one[:, :1]]) for one in level[1:]))
 
 
 def space_figure(board: Board) -> Json:
@@ -204,6 +207,7 @@ def space_figure(board: Board) -> Json:
         "customdata": array(points.radius_mm),
         "cmin": -limit,
         "cmax": limit,
+        "lighting": {"ambient": 0.85, "diffuse": 0.3, "specular": 0.02},
         "colorscale": colour_scale(),
         "colorbar": {"title": {"text": f"error, {unit}"}, "len": 0.7},
         "hovertemplate": f"height %{{z:.2f}} mm<br>error %{{surfacecolor:.4g}} {unit}"
@@ -214,8 +218,9 @@ def space_figure(board: Board) -> Json:
         for name, text in (("xaxis", "mm"), ("yaxis", "mm"), ("zaxis", "height, mm"))
     }
     scene = axes | {"aspectmode": "manual", "aspectratio": {"x": 1, "y": 1, "z": 0.9}}
-    scene["camera"] = {"eye": {"x": 1.1, "y": -1.4, "z": 0.8}}
-    return {"data": [surface], "layout": layout(height=520, scene=scene)}
+    scene["camera"] = {"eye": {"x": 1.2, "y": -1.6, "z": 0.9}, "center": {"x": 0, "y": 0, "z": -0.1}}
+    margin = {"l": 10, "r": 10, "t": 10, "b": 10}
+    return {"data": [surface], "layout": layout(height=520, scene=scene, margin=margin)}
 
 
 GRID = "rgba(128,128,128,0.35)"

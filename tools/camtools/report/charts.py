@@ -75,7 +75,8 @@ def map_chart(board: Board, angle: str) -> Json:
         "hoverongaps": False,
     }
     axes = {"xaxis": _angle_axis(angle), "yaxis": _axis("height, mm", zeroline=False)}
-    shown = layout(height=400, **axes, shapes=[_mark("y"), _mark("x")])
+    margin = {"l": 70, "r": 20, "t": 15, "b": 55}
+    shown = layout(height=390, margin=margin, **axes, shapes=[_mark("y"), _mark("x")])
     return {"data": [heat], "layout": shown | {"plot_bgcolor": _NOT_CUT}}
 
 
@@ -99,8 +100,9 @@ def section_chart(board: Board) -> Json:
     radial = {"showticklabels": False, "ticks": "", "gridcolor": GRID, "range": [0, 1.3]}
     round_it = {"radialaxis": radial | {"tickvals": [1], "showline": False}}
     round_it["angularaxis"] = {"gridcolor": GRID, "dtick": 45}
+    legend = {"orientation": "h", "y": 1.1, "yanchor": "bottom", "x": 0}
     polar = round_it | {"bgcolor": "rgba(0,0,0,0)"}
-    return {"data": data, "layout": layout(height=480, polar=polar)}
+    return {"data": data, "layout": layout(height=480, polar=polar) | {"legend": legend}}
 
 
 def _limits(tolerance: float, direction: str) -> list[Json]:
@@ -139,8 +141,8 @@ def profile_chart(board: Board) -> Json:
     data[0]["hovertemplate"] = "height %{y:.2f} mm<br>radius %{x:.6f} mm"
     data[1]["hovertemplate"] = f"height %{{y:.2f}} mm<br>error %{{x:.4g}} {unit}"
     axes = {
-        "xaxis": _axis("radius, mm", domain=[0, 0.46], nticks=5),
-        "xaxis2": _axis(f"error, {unit}", domain=[0.54, 1], range=[-limit, limit]),
+        "xaxis": _axis("radius, mm", domain=[0, 0.44], nticks=4, tickangle=0),
+        "xaxis2": _axis(f"error, {unit}", domain=[0.56, 1], range=[-limit, limit]),
         "yaxis": _axis("height, mm", zeroline=False),
     }
     lines = _limits(board.tolerance_um * factor, "x")

@@ -65,6 +65,12 @@ EDGE_IS_A_POINT = (
 )
 
 
+_MAP_TEXT = (
+    "The surface unrolled: red is metal left standing, blue is cut too deep, each cell shows its "
+    "worst point, grey was not cut."
+)
+
+
 class Page(NamedTuple):
     """What a report says of a part of one kind."""
 
@@ -127,7 +133,7 @@ def _board_charts(board: Board, shown: list[_Shown]) -> list[_Chart]:
     dotted = "Dotted: the tolerance, which may lie outside; zoom out to see it. "
     kept = "Kept sections stay beside the chosen one. "
     return [
-        _Chart("error-map", "Error map", texts.get("error-map", ""), board.sentence, True),
+        _Chart("error-map", "Error map", texts.get("error-map", _MAP_TEXT), board.sentence, True),
         _Chart("section", "Section", scale, f"The chosen section. {scale}{board.sentence}"),
         _Chart("profile", "Profile", dotted, "Radius and error over the height at the angle."),
         _Chart("unrolled", "Section unrolled", dotted + kept, "Error of the section.", True),
