@@ -20,6 +20,8 @@ WITHOUT = {
     "camtools.skirt.report_text",
     "checks.elf_isr",
 }
+# They draw in a page of a browser: tests/browser shows what they do. An example is true all the same.
+DRAWING = ("camtools.panel.operate.", "camtools.panel.pages.", "camtools.panel.frame")
 
 
 def modules() -> Iterator[str]:
@@ -35,5 +37,5 @@ def modules() -> Iterator[str]:
 def test_module_example(name: str) -> None:
     """The module's docstring holds an example, and it gives what it says."""
     result = doctest.testmod(importlib.import_module(name))
-    assert result.attempted > 0
+    assert result.attempted > 0 or name.startswith(DRAWING)
     assert result.failed == 0

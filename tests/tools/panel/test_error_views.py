@@ -18,7 +18,7 @@ from camtools.panel.views.error_trail import (
     MOST_POINTS,
     SHOWN_TURNS,
     SLOTS,
-    Samples,
+    Ticks,
     Trail,
     mean_by_angle,
     recent,
@@ -27,11 +27,11 @@ from camtools.panel.views.error_trail import (
 from camtools.panel.views.scale import Scale, step_above
 
 
-def samples(first_turn: int, turns: int, per_turn: int) -> Samples:
+def samples(first_turn: int, turns: int, per_turn: int) -> Ticks:
     """Return an error of two waves a turn."""
     n = turns * per_turn
     at = np.arange(n) / per_turn
-    return Samples(
+    return Ticks(
         first_turn + np.arange(n, dtype=np.int64) // per_turn,
         at % 1.0,
         0.1 * np.cos(4 * math.pi * at),
@@ -77,7 +77,7 @@ def test_turns_that_are_too_old_leave() -> None:
                 drawn[one.slot] = len(one.points)
     assert len(recent(samples(0, 60, 6)).turn) == SHOWN_TURNS * 6
     assert sum(drawn.values()) <= (SHOWN_TURNS + 5) * 6
-    trail.changes(Samples(np.array([]), np.array([]), np.array([])))
+    trail.changes(Ticks(np.array([]), np.array([]), np.array([])))
     assert set(drawn) == set(range(SLOTS))
 
 
@@ -86,13 +86,13 @@ def test_statistics_are_those_of_the_wave() -> None:
     told = statistics(samples(3, 50, 100))
     assert told.max_um == pytest.approx(0.1) and told.turns == 50 and told.samples == 5000
     assert told.rms_um == pytest.approx(0.1 / math.sqrt(2))
-    empty = statistics(Samples(np.array([]), np.array([]), np.array([])))
+    empty = statistics(Ticks(np.array([]), np.array([]), np.array([])))
     assert empty.samples == 0 and math.isnan(empty.max_um)
 
 
 def test_the_mean_has_a_gap_where_nothing_was_seen() -> None:
     """None, not zero: nobody takes what was not measured for good."""
-    told = mean_by_angle(Samples(np.array([1, 1]), np.array([0.0, 0.999999]), np.array([2.0, 4.0])))
+    told = mean_by_angle(Ticks(np.array([1, 1]), np.array([0.0, 0.999999]), np.array([2.0, 4.0])))
     assert told[0] == [2.5, 2.0] and told[-1] == [357.5, 4.0]
     assert [mean for _, mean in told[1:-1]] == [None] * (BINS - 2)
 

@@ -86,7 +86,8 @@ def infos_of(text: str) -> dict[str, Info]:
 INFOS = infos_of(_HEADER.read_text("utf-8"))
 
 
-def _group(name: str) -> str:
+def group_of(name: str) -> str:
+    """Return the group of a parameter in a file."""
     return next(group for group, starts in _GROUPS.items() if name.startswith(starts))
 
 
@@ -105,7 +106,7 @@ def text_of(values: Mapping[str, int], origin: str) -> str:
     """
     lines = [_HEAD.format(origin=origin)]
     for group in _GROUPS:
-        names = [name for name in INFOS if name in values and _group(name) == group]
+        names = [name for name in INFOS if name in values and group_of(name) == group]
         lines += [f"\n[{group}]\n"] if names else []
         for name in names:
             info = INFOS[name]

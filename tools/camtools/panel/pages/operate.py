@@ -1,12 +1,140 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The page / of the panel."""
+"""The operator's page, "/".
+
+Marks for tests are attributes `data-testid`:
+
+- state: `state` (the word), `first` (what to do first), `where`, `missing` (list), `faults` (each
+  with `data-fault`), `black-box`, `problem`, `stop`, `last-order`, `rights` (why orders are off)
+- numbers: `value-` and speed, following, angle, u-set, u-actual, x-radius, x-diameter, z,
+  tick-longest, tick-late, error-max, error-rms, error-turns; `notes`
+- charts: `error-unrolled`, `error-polar`; `getElement(id).chart.on("finished", ..)` counts updates
+- orders: `do-` and enable, start, hold, resume, disable, reset, home, manual; `question-yes`,
+  `question-cancel`
+- the cut: `slider-feed`, `slider-spindle`, `feed-100`, `spindle-100` .., `trim`, `parts-new`
+- by hand: `jog-xplus`, `jog-xminus` .. (held), `step-xplus` .., `home-x` .., `zero-x`, `do-tool`
+- table: `table-part`, `table-make`, `table-file`, `table-next`, `table-now`, `table-chosen`
+- parameters: `params`, `params-search`, `param-value`, `param-set`, `params-file`, `params-load` ..
+- `log`, `help`, `help-close`, `keys-on`; token and command are in the frame
+
+>>> FAST_S, SLOW_S, UNSEEN_S
+(0.1, 0.5, 2.0)
+"""
 
 from __future__ import annotations
 
 from nicegui import ui
+from nicegui.events import GenericEventArguments, KeyEventArguments
 
 from camtools.panel.context import AppContext
-from camtools.panel.frame import framed
+from camtools.panel.frame import STATIC, framed
+from camtools.panel.operate.command_card import AdjustCard, CommandCard
+from camtools.panel.operate.error_card import ErrorCard
+from camtools.panel.operate.figures_card import FiguresCard
+from camtools.panel.operate.guide_card import GuideCard
+from camtools.panel.operate.hand_card import HandCard
+from camtools.panel.operate.help import Help
+from camtools.panel.operate.log_card import LogCard
+from camtools.panel.operate.orders import Orders
+from camtools.panel.operate.params_card import ParamsCard
+from camtools.panel.operate.state_bar import StateBar
+from camtools.panel.operate.table_card import TableCard
+from camtools.panel.views.missing import way_on
+from camtools.panel.visitor import Visitor
+
+FAST_S, SLOW_S = 0.1, 0.5  # between two updates of numbers and charts, and of the rest
+UNSEEN_S = 2.0  # of a page whose tab is hidden
+
+
+class OperatePage:
+    """All pieces of one visitor's page, and the timers that show the newest snapshot in them."""
+
+    def __init__(self, context: AppContext, visitor: Visitor) -> None:
+        self._context = context
+        self._is_seen = True
+        self._beat = False
+        with ui.element("div").classes("op-page op-beat-a") as self._page:
+            self._lost = ui.label("The panel's server is silent: everything here is old.")
+            self._lost.classes("op-lost").props("aria-hidden=true")
+            self._orders = Orders(context, visitor)
+            self._state = StateBar(self._orders)
+            self._draw_first()
+            self._draw_second()
+            self._help = Help()
+        self._listen()
+        self._fast = ui.timer(FAST_S, self._show_fast)
+        self._slow = ui.timer(SLOW_S, self._show_slow)
+
+    def _draw_first(self) -> None:
+        """Draw what is looked at while a part is cut; on a screen of 1920 x 1080 all in sight."""
+        with ui.element("div").classes("op-columns"):
+            with ui.element("div").classes("op-column"):
+                self._guide = GuideCard()
+                self._figures = FiguresCard()
+            with ui.element("div").classes("op-column"):
+                self._error = ErrorCard()
+            with ui.element("div").classes("op-column"):
+                self._commands = CommandCard(self._orders)
+                self._adjust = AdjustCard(self._orders)
+
+    def _draw_second(self) -> None:
+        """Draw what is set up before a part is cut."""
+        with ui.element("div").classes("op-columns op-below"):
+            with ui.element("div").classes("op-column"):
+                self._hand = HandCard(self._orders)
+            with ui.element("div").classes("op-column"):
+                self._params = ParamsCard(self._orders)
+            with ui.element("div").classes("op-column"):
+                self._table = TableCard(self._orders)
+                self._log = LogCard(self._context.log)
+
+    def _listen(self) -> None:
+        # Escape counts everywhere, letters not while somebody types.
+        ui.keyboard(self._stop_key, ignore=[], repeating=False)
+        ui.keyboard(self._key, ignore=["input", "select", "textarea"], repeating=False)
+        ui.on("seen", self._seen)
+
+    async def _stop_key(self, event: KeyEventArguments) -> None:
+        if event.action.keydown and event.key.escape:
+            await self._state.stop()
+
+    async def _key(self, event: KeyEventArguments) -> None:
+        is_plain = not (event.modifiers.ctrl or event.modifiers.alt or event.modifiers.meta)
+        if not event.action.keydown or not is_plain:
+            return
+        if event.key == "?":
+            self._help.toggle()
+        elif self._help.are_keys_on.value:
+            await self._commands.by_key(str(event.key))
+
+    def _seen(self, event: GenericEventArguments) -> None:
+        """Send little to a tab that nobody sees, and everything anew to one that is seen again."""
+        self._is_seen = not isinstance(event.args, dict) or event.args.get("is_seen") is not False
+        self._fast.interval = FAST_S if self._is_seen else UNSEEN_S
+        self._error.forget()
+
+    def _show_fast(self) -> None:
+        snapshot = self._context.desk.snapshot()
+        read = self._context.desk.parameters()
+        values = read.values if read is not None else {}
+        way = way_on(snapshot.state, snapshot.signals, values, is_connected=snapshot.is_connected)
+        self._state.show(snapshot, way)
+        self._guide.show(snapshot, way)
+        self._orders.show(snapshot)
+        if not self._is_seen:
+            return
+        self._figures.show(snapshot)
+        self._error.show(self._context.desk.strobe())
+
+    def _show_slow(self) -> None:
+        snapshot = self._context.desk.snapshot()
+        # A page that gets no beat turns grey by its style sheet (operate.css).
+        self._beat = not self._beat
+        lost = "" if snapshot.is_connected else " op-silent"
+        self._page.classes(replace=f"op-page op-beat-{'a' if self._beat else 'b'}{lost}")
+        for one in (self._commands, self._adjust, self._hand, self._table):
+            one.show(snapshot)
+        self._params.show(self._context.desk.parameters())
+        self._log.show()
 
 
 def add(context: AppContext) -> None:
@@ -14,5 +142,7 @@ def add(context: AppContext) -> None:
 
     @ui.page("/", title="camturn: operate")
     def operate() -> None:
-        with framed(context, "/"):
-            ui.label("Operate")
+        ui.add_head_html(f'<link rel="stylesheet" href="{STATIC}/operate.css">')
+        ui.add_body_html(f'<script defer src="{STATIC}/jog.js"></script>')
+        with framed(context, "/") as visitor:
+            OperatePage(context, visitor)

@@ -2,7 +2,7 @@
 """Which orders make sense in a state, and in words why not; the controller judges once more.
 
 >>> why_not("start", "off", {})
-'only in ready; press Enable first'
+'only in ready'
 >>> why_not("start", "ready", {})
 ''
 """
@@ -47,14 +47,14 @@ class Rule:
 
 
 RULES = {
-    "enable": Rule(("off",), "only in off; the drives are on already, or Reset comes first"),
+    "enable": Rule(("off",), "only in off"),
     "disable": Rule(("homing", "ready", "manual"), "only in homing, ready and by hand"),
-    "start": Rule(("ready",), "only in ready; press Enable first"),
+    "start": Rule(("ready",), "only in ready"),
     "hold": Rule(("rehearsing", "engaging", "cutting"), "only while a part is cut"),
     "resume": Rule(("rehearsing", "engaging", "cutting", "holding"), "only while the feed is held"),
     "reset": Rule(("fault",), "only behind a fault"),
     "home": Rule(("off", "ready"), "only in off and ready"),
-    "manual": Rule(("off",), "only in off; press Disable first"),
+    "manual": Rule(("off",), "only in off"),
     "jog": Rule(("manual",), "only by hand; press By hand first"),
     "step": Rule(("manual",), "only by hand; press By hand first"),
     "home_axis": Rule(("manual",), "only by hand; press By hand first"),
@@ -66,7 +66,7 @@ RULES = {
     "parts": Rule(_ANY, ""),
     "table": Rule(_IDLE, "only in off and ready"),
     "params": Rule(_ANY, ""),
-    "keep": Rule(("off",), "only in off; press Disable first"),
+    "keep": Rule(("off",), "only in off"),
     "revert": Rule(_IDLE, "only in off and ready"),
     "defaults": Rule(_IDLE, "only in off and ready"),
 }

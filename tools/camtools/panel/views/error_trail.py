@@ -4,7 +4,7 @@
 A chart has a series for each few turns. An update tells only the series that got samples since the
 last one, so that what is sent stays small however many samples are shown.
 
->>> turns = Samples(np.array([7, 7]), np.array([0.25, 0.5]), np.array([0.1, -0.3]))
+>>> turns = Ticks(np.array([7, 7]), np.array([0.25, 0.5]), np.array([0.1, -0.3]))
 >>> Trail().changes(turns)[0]
 Series(slot=1, age=0, points=[[90.0, 0.1], [180.0, -0.3]])
 >>> statistics(turns)
@@ -30,7 +30,7 @@ Points = list[list[float]]
 
 
 @dataclass(frozen=True)
-class Samples:
+class Ticks:
     """Single ticks; arrays of the same length, in the order of time.
 
     Attributes
@@ -77,15 +77,15 @@ class Statistics:
     samples: int
 
 
-def recent(samples: Samples) -> Samples:
+def recent(samples: Ticks) -> Ticks:
     """Return the samples of the last SHOWN_TURNS turns."""
     if not len(samples.turn):
         return samples
     is_shown = samples.turn > samples.turn[-1] - SHOWN_TURNS
-    return Samples(samples.turn[is_shown], samples.angle_turn[is_shown], samples.error_um[is_shown])
+    return Ticks(samples.turn[is_shown], samples.angle_turn[is_shown], samples.error_um[is_shown])
 
 
-def statistics(samples: Samples) -> Statistics:
+def statistics(samples: Ticks) -> Statistics:
     """Return the statistics of samples; nan where there are none."""
     if not len(samples.turn):
         return Statistics(float("nan"), float("nan"), 0, 0)
@@ -98,7 +98,7 @@ def statistics(samples: Samples) -> Statistics:
     )
 
 
-def mean_by_angle(samples: Samples) -> list[list[float | None]]:
+def mean_by_angle(samples: Ticks) -> list[list[float | None]]:
     """Return the mean error in each of BINS parts of a turn, closed; None where nothing was seen.
 
     Returns
@@ -113,7 +113,7 @@ def mean_by_angle(samples: Samples) -> list[list[float | None]]:
     return [[(i + 0.5) * _DEG / BINS, mean] for i, mean in enumerate(means)]
 
 
-def _points(samples: Samples, is_in: npt.NDArray[np.bool_]) -> Points:
+def _points(samples: Ticks, is_in: npt.NDArray[np.bool_]) -> Points:
     """Return the points of a series, thinned evenly where there are too many."""
     angle = np.round(samples.angle_turn[is_in] * _DEG, 1)
     error = np.round(samples.error_um[is_in], 3)
@@ -128,7 +128,7 @@ class Trail:
     def __init__(self) -> None:
         self._told: dict[int, tuple[int, tuple[int, float] | None, int]] = {}
 
-    def changes(self, samples: Samples) -> list[Series]:
+    def changes(self, samples: Ticks) -> list[Series]:
         """Return the series that differ from what the chart was told last."""
         shown = recent(samples)
         groups = shown.turn // TURNS_PER_SERIES
@@ -146,7 +146,7 @@ class Trail:
         return changed
 
     def _series(
-        self, shown: Samples, group: int, age: int, is_in: npt.NDArray[np.bool_]
+        self, shown: Ticks, group: int, age: int, is_in: npt.NDArray[np.bool_]
     ) -> Series | None:
         last = int(np.flatnonzero(is_in)[-1])
         mark = (int(shown.turn[last]), float(shown.angle_turn[last]))

@@ -79,8 +79,10 @@ class Field:
     is_signed: bool = False
 
     def text(self, signals: Mapping[str, float]) -> str:
-        """Return the number as it is shown."""
+        """Return the number as it is shown; a longest tick of 0 was not measured."""
         value = signals.get(self.signal)
+        if self.signal == "tick_time_max":
+            value = value or None
         scaled = None if value is None else value * self.factor
         return (signed if self.is_signed else plain)(scaled, self.decimals)
 

@@ -1,0 +1,198 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The orders of every day: enable, start, hold, resume, reset; and overrides, trim, parts."""
+
+from __future__ import annotations
+
+from nicegui import ui
+from nicegui.events import GenericEventArguments
+
+from camtools.panel.operate.card import card
+from camtools.panel.operate.orders import Orders, Press
+from camtools.panel.operate.question import confirmed
+from camtools.panel.snapshot import Snapshot
+from camtools.panel.views.availability import why_not
+
+_FEED_DETENTS = (0, 50, 80, 100, 120, 150)
+_SPINDLE_DETENTS = (50, 80, 90, 100, 110, 120)
+_UM_PER_MM = 1e3
+
+
+class CommandCard:
+    """Buttons of the sequence; their orders are those of the keyboard, too."""
+
+    def __init__(self, orders: Orders) -> None:
+        self._orders = orders
+        self._snapshot = Snapshot()
+        with card("Commands", "commands"):
+            orders.why_all_are_off()
+            with ui.element("div").classes("op-buttons"):
+                orders.button("Enable", "enable", "power_settings_new", self.enable, key="E")
+                orders.button("Start", "start", "play_arrow", self.start, key="S", tone="op-go")
+                orders.button("Hold", "hold", "pause", self.hold, key="H")
+                orders.button("Resume", "resume", "play_circle", self.resume, key="R")
+                orders.button("Disable", "disable", "power_off", self.disable, key="D")
+                orders.button("Reset", "reset", "restart_alt", self.reset, key="T")
+                orders.button("Find index", "home", "my_location", self.home)
+                orders.button("By hand", "manual", "pan_tool", self.manual, key="M")
+            orders.last_order()
+
+    async def by_key(self, key: str) -> None:
+        """Do what a key means, where it makes sense."""
+        named = {
+            "e": self.enable,
+            "s": self.start,
+            "h": self.hold,
+            "r": self.resume,
+            "d": self.disable,
+            "t": self.reset,
+            "m": self.manual,
+        }
+        if (press := named.get(key.lower())) is not None:
+            await press()
+
+    async def enable(self) -> None:
+        """Drives on, and the index is searched."""
+        await self._orders.give("enable")
+
+    async def start(self) -> None:
+        """Cut a part, after a question; where it makes no sense the controller's text is shown."""
+        is_sensible = not (
+            self._orders.why_no_rights
+            or why_not("start", self._snapshot.state, self._snapshot.signals)
+        )
+        name = self._snapshot.table_name
+        text = f"The spindle turns and the axes move: {name} is cut. Is the door shut?"
+        if is_sensible and not await confirmed("Start the cut?", text, "Start"):
+            return
+        await self._orders.give("start")
+
+    async def hold(self) -> None:
+        """Z rests on a whole turn."""
+        await self._orders.give("hold")
+
+    async def resume(self) -> None:
+        """Z goes on."""
+        await self._orders.give("resume")
+
+    async def disable(self) -> None:
+        """Drives off."""
+        await self._orders.give("disable")
+
+    async def reset(self) -> None:
+        """Leave the state fault."""
+        await self._orders.give("reset")
+
+    async def home(self) -> None:
+        """Search the index anew."""
+        await self._orders.give("home", "find the index")
+
+    async def manual(self) -> None:
+        """Drives on without the spindle."""
+        await self._orders.give("manual", "by hand")
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Remember the state for the questions."""
+        self._snapshot = snapshot
+
+
+class Override:
+    """A slider with detents and a button of 100 %; it orders what a person sets, never by itself.
+
+    It follows the controller while nobody moves it.
+    """
+
+    def __init__(
+        self, orders: Orders, label: str, order: str, signal: str, detents: tuple[int, ...]
+    ) -> None:
+        self._orders, self._order, self._signal = orders, order, signal
+        self._label, self._detents = label, detents
+        self._is_moved = False
+        with ui.element("div").classes("op-override"):
+            ui.label(f"{label} override").classes("op-label")
+            self._value = ui.label("").classes("op-number").props(f"data-testid=override-{order}")
+            self._slider = ui.slider(min=detents[0], max=detents[-1], step=1, value=100)
+            self._slider.props(
+                f'label snap markers="{10}" aria-label="{label} override in percent" '
+                f"data-testid=slider-{order}"
+            )
+            self._slider.on("pan", self._pan, ["args"])
+            self._slider.on("change", self._set)
+            with ui.element("div").classes("op-detents"):
+                for percent in detents:
+                    one = ui.button(f"{percent} %", on_click=self._press(percent))
+                    one.props(f"no-caps outline data-testid={order}-{percent}")
+                    one.classes("op-detent op-hundred" if percent == 100 else "op-detent")
+                    orders.guard(one, order)
+        orders.guard(self._slider, order)
+
+    def _press(self, percent: int) -> Press:
+        async def press() -> None:
+            await self._give(percent)
+
+        return press
+
+    def _pan(self, event: GenericEventArguments) -> None:
+        self._is_moved = event.args == "start"
+
+    async def _set(self) -> None:
+        self._is_moved = False
+        value = float(self._slider.value)
+        near = min(self._detents, key=lambda detent: abs(detent - value))
+        await self._give(near if abs(near - value) <= 2 else round(value))
+
+    async def _give(self, percent: float) -> None:
+        words = f"{self._label.lower()} override {percent:.0f} %"
+        await self._orders.give(self._order, words, percent=float(percent))
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Show what the controller has."""
+        percent = snapshot.signals.get(self._signal)
+        if percent is None:
+            return
+        self._value.set_text(f"{percent:.0f} %")
+        if not self._is_moved and self._slider.value != round(percent):
+            self._slider.set_value(round(percent))
+
+
+class AdjustCard:
+    """What may be changed while a part is cut."""
+
+    def __init__(self, orders: Orders) -> None:
+        self._orders = orders
+        with card("Adjust the cut", "adjust"):
+            self._overrides = (
+                Override(orders, "Feed", "feed", "override_of_feed", _FEED_DETENTS),
+                Override(orders, "Spindle", "spindle", "override_of_spindle", _SPINDLE_DETENTS),
+            )
+            with ui.element("div").classes("op-row"):
+                self._trim = ui.number("Trim of the diameter", value=0.0, step=1.0, suffix="µm")
+                self._trim.classes("op-input").props("data-testid=trim")
+                one = ui.button("Set trim", on_click=self._set_trim).props("no-caps outline")
+                orders.guard(one, "trim")
+                self._trim_now = ui.label("").classes("op-note").props("data-testid=trim-now")
+            with ui.element("div").classes("op-row"):
+                self._parts = ui.number("Parts cut", value=0, step=1, min=0, precision=0)
+                self._parts.classes("op-input").props("data-testid=parts-new")
+                one = ui.button("Count from here", on_click=self._set_parts)
+                orders.guard(one.props("no-caps outline"), "parts")
+                self._parts_now = ui.label("").classes("op-note").props("data-testid=parts-now")
+
+    async def _set_trim(self) -> None:
+        um = float(self._trim.value or 0.0)
+        words = f"trim of the diameter {um:g} µm"
+        await self._orders.give("trim", words, measure="diameter", mm=um / _UM_PER_MM)
+
+    async def _set_parts(self) -> None:
+        number = int(self._parts.value or 0)
+        await self._orders.give("parts", f"parts = {number}", number=number)
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Show what the controller has."""
+        for one in self._overrides:
+            one.show(snapshot)
+        s = snapshot.signals
+        trim_um = s.get("trim_of_x", 0.0) * _UM_PER_MM
+        self._trim_now.set_text(
+            f"now {2 * trim_um:+.1f} µm on the diameter, {trim_um:+.1f} µm on the radius"
+        )
+        self._parts_now.set_text(f"now {s.get('parts_cut', 0.0):.0f} parts")

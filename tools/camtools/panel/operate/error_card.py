@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Following error against the angle: unrolled and polar, the last turns over each other, live.
+
+An update sends the series that have changed by ECharts' own setOption; nothing is sent to a page
+that is hidden.
+"""
+
+from __future__ import annotations
+
+from nicegui import ui
+
+from camtools.link import strobe
+from camtools.panel.operate.card import Figure, card
+from camtools.panel.views.error_chart import POLAR, UNROLLED, change, whole
+from camtools.panel.views.error_trail import Ticks, Trail, mean_by_angle, recent, statistics
+from camtools.panel.views.numbers import plain
+from camtools.panel.views.scale import Scale
+
+_LEAST_UM, _LIMIT_UM, _MOST_UM = 0.1, 2.0, 1000.0
+_SAID = "Following error of U over one turn, the last 50 turns over each other, "
+
+
+def _known(seen: strobe.Samples) -> Ticks:
+    """Return the samples whose angle was known."""
+    is_known = seen.is_synced
+    return Ticks(seen.turn[is_known], seen.angle_turn[is_known], seen.error_um[is_known])
+
+
+class ErrorCard:
+    """Both charts with one scale, their statistics, and the tolerance that is drawn."""
+
+    def __init__(self) -> None:
+        self._trail, self._scale = Trail(), Scale(_LEAST_UM)
+        self._full_um = _LEAST_UM
+        self._limit_um, self._limit_told_um = _LIMIT_UM, _LIMIT_UM
+        with card("Following error over the angle", "error", is_live=True):
+            self._draw_statistics()
+            with ui.element("div").classes("op-charts"):
+                self._charts = {kind: self._draw(kind) for kind in (UNROLLED, POLAR)}
+            ui.label(
+                "Dots: single ticks of the last 50 turns, the older the fainter. Solid line: their "
+                "mean. Dashed lines: tolerance. Angle of the drawing, seen from the headstock."
+            ).classes("op-notes")
+
+    def _draw_statistics(self) -> None:
+        with ui.element("div").classes("op-stats"):
+            self._max = Figure("Largest", "µm", "error-max")
+            self._rms = Figure("RMS", "µm", "error-rms")
+            self._turns = Figure("Seen", "turns", "error-turns")
+            self._outside = ui.label("").classes("op-outside").props("role=status")
+            limit = ui.number(
+                "Tolerance ±",
+                value=_LIMIT_UM,
+                min=0.01,
+                max=_MOST_UM,
+                step=0.5,
+                suffix="µm",
+                on_change=lambda event: self._set_limit(event.value),
+            )
+            limit.classes("op-tolerance").props("dense data-testid=tolerance")
+
+    def _draw(self, kind: str) -> ui.echart:
+        chart = ui.echart(whole(kind, _LEAST_UM, _LIMIT_UM)).classes(f"op-chart op-chart-{kind}")
+        chart.props(f'role=img aria-label="{_SAID}{kind}" data-testid=error-{kind}')
+        return chart.mark(f"error-{kind}")
+
+    def _set_limit(self, value: float | None) -> None:
+        if value is not None and 0 < value <= _MOST_UM:
+            self._limit_um = float(value)
+
+    def forget(self) -> None:
+        """Tell everything anew with the next update, as behind a page that was hidden."""
+        self._trail = Trail()
+
+    def show(self, seen: strobe.Samples) -> None:
+        """Show the samples that are there."""
+        shown = recent(_known(seen))
+        told = statistics(shown)
+        self._max.show(plain(told.max_um, 2))
+        self._rms.show(plain(told.rms_um, 3))
+        self._turns.show(plain(told.turns, 0))
+        is_outside = told.max_um > self._limit_um
+        self._outside.set_text("outside of the tolerance" if is_outside else "")
+        changes = self._trail.changes(shown)
+        full_um = self._scale.follow(told.max_um)
+        is_new = full_um != self._full_um
+        is_limit_new = self._limit_um != self._limit_told_um
+        if not (changes or is_new or is_limit_new):
+            return
+        self._full_um, self._limit_told_um = full_um, self._limit_um
+        means = mean_by_angle(shown) if told.samples else []
+        for kind, chart in self._charts.items():
+            limit_um = self._limit_um if is_limit_new else None
+            option = change(kind, changes, means, full_um if is_new else None, limit_um)
+            chart.run_chart_method("setOption", option)

@@ -1,0 +1,133 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Tables: from a file or made of a part file, downloaded with progress, taken into use."""
+
+from __future__ import annotations
+
+import asyncio
+import sys
+import tempfile
+from pathlib import Path
+
+from nicegui import ui
+from nicegui.events import UploadEventArguments
+
+from camtools.base.places import ROOT
+from camtools.panel.operate.card import card
+from camtools.panel.operate.orders import Orders
+from camtools.panel.order import Outcome
+from camtools.panel.snapshot import Snapshot
+from camtools.panel.views.work import share_of
+
+_PARTS = ROOT / "tools" / "parts"
+_MOST_BYTES = 16 << 20
+_BEGIN = b"CAMTAB"
+
+
+async def made(part: Path) -> tuple[bytes, str]:
+    """Return the table of a part file, made by a process of its own; or b"" and why not."""
+    with tempfile.TemporaryDirectory(prefix="camturn-table.") as folder:
+        process = await asyncio.create_subprocess_exec(
+            *(sys.executable, "-m", "camtools.cli.mktables", str(part), "-o", folder),
+            stdout=asyncio.subprocess.DEVNULL,
+            stderr=asyncio.subprocess.PIPE,
+        )
+        _, said = await process.communicate()
+        images = sorted(Path(folder).glob("*.camtab"))
+        if process.returncode or not images:
+            return b"", said.decode("utf-8", "replace").strip()[-300:]
+        return images[0].read_bytes(), images[0].name
+
+
+class TableCard:
+    """The image that was chosen, and what to do with it."""
+
+    def __init__(self, orders: Orders) -> None:
+        self._orders = orders
+        self._image, self._name = b"", ""
+        with card("Table", "table"):
+            self._now = ui.label("").classes("op-note").props("data-testid=table-now")
+            self._draw_sources()
+            self._chosen = ui.label("No table chosen yet.").classes("op-note")
+            self._chosen.props("role=status data-testid=table-chosen")
+            with ui.element("div").classes("op-row"):
+                one = ui.button("Download and use", on_click=self._next)
+                one.props("no-caps unelevated data-testid=table-next").classes("op-button")
+                orders.guard(one, "table")
+                one = ui.button("Download beside", on_click=self._download)
+                orders.guard(one.props("no-caps outline data-testid=table-download"), "table")
+                one = ui.button("Use the downloaded one", on_click=self._select)
+                orders.guard(one.props("no-caps outline data-testid=table-select"), "table")
+            self._bar = ui.linear_progress(0.0, show_value=False).classes("op-progress")
+            self._bar.props('aria-label="Progress of the download" data-testid=table-progress')
+            self._work = ui.label("").classes("op-note").props("role=status")
+
+    def _draw_sources(self) -> None:
+        names = sorted(path.name for path in _PARTS.glob("*.toml"))
+        with ui.element("div").classes("op-row"):
+            self._part = ui.select(names, label="Part of tools/parts", with_input=False)
+            self._part.classes("op-input op-wide").props("data-testid=table-part")
+            make = ui.button("Make its table", on_click=self._make)
+            make.props("no-caps outline data-testid=table-make")
+        upload = ui.upload(
+            label="Table file (.camtab)",
+            auto_upload=True,
+            max_files=1,
+            max_file_size=_MOST_BYTES,
+            on_upload=self._uploaded,
+            on_rejected=lambda: self._orders.refuse("table file", "larger than 16 MB"),
+        )
+        upload.classes("op-upload").props('accept=".camtab" data-testid=table-file flat bordered')
+
+    def _take(self, image: bytes, name: str) -> None:
+        if not image.startswith(_BEGIN):
+            self._orders.refuse(name, "not a table; make one by tools/mktables, or choose a part")
+            return
+        self._image, self._name = image, name
+        self._chosen.set_text(f"Chosen: {name}, {len(image)} bytes")
+
+    async def _uploaded(self, event: UploadEventArguments) -> None:
+        self._take(await event.file.read(), event.file.name)
+
+    async def _make(self) -> None:
+        if not self._part.value:
+            self._orders.refuse("make a table", "choose a part first")
+            return
+        if not self._orders.visitor.has_token:
+            self._orders.refuse("make a table", "viewing only: enter the token first")
+            return
+        self._chosen.set_text(f"Making the table of {self._part.value} ..")
+        image, told = await made(_PARTS / str(self._part.value))
+        if image:
+            self._take(image, told)
+        else:
+            self._chosen.set_text("No table chosen yet.")
+            self._orders.tell("make a table", Outcome(False, told))
+
+    async def _give(self, name: str, words: str) -> None:
+        if not self._image:
+            self._orders.refuse(words, "choose a table first")
+            return
+        told = f"{words} {self._name}"
+        await self._orders.give(name, told, image=self._image, name=self._name)
+
+    async def _next(self) -> None:
+        await self._give("table_next", "download and use")
+
+    async def _download(self) -> None:
+        await self._give("download", "download")
+
+    async def _select(self) -> None:
+        await self._orders.give("select", "use the downloaded table")
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Show the table in use and how far a download is."""
+        s = snapshot.signals
+        size = s.get("table_size", 0.0)
+        crc = int(s.get("table_crc", 0.0))
+        name = snapshot.table_name
+        now = f"In use: {name}, {size:.0f} bytes, CRC-32 {crc:08x}" if size else "No table in use."
+        self._now.set_text(now)
+        self._work.set_text(snapshot.work)
+        share = share_of(snapshot.work)
+        self._bar.set_visibility(bool(snapshot.work))
+        self._bar.set_value(share)
