@@ -218,7 +218,10 @@ def space_figure(board: Board) -> Json:
         for name, text in (("xaxis", "mm"), ("yaxis", "mm"), ("zaxis", "height, mm"))
     }
     scene = axes | {"aspectmode": "manual", "aspectratio": {"x": 1, "y": 1, "z": 0.9}}
-    scene["camera"] = {"eye": {"x": 1.2, "y": -1.6, "z": 0.9}, "center": {"x": 0, "y": 0, "z": -0.1}}
+    scene["camera"] = {
+        "eye": {"x": 1.2, "y": -1.6, "z": 0.9},
+        "center": {"x": 0, "y": 0, "z": -0.1},
+    }
     margin = {"l": 10, "r": 10, "t": 10, "b": 10}
     return {"data": [surface], "layout": layout(height=520, scene=scene, margin=margin)}
 
