@@ -229,6 +229,7 @@ static void send_detail(uint32_t page, const cam_store_t *store, const cam_statu
         .is_retracted = status->is_retracted ? 1u : 0u,
         .is_estop = (status->inputs & hal_in_estop) != 0u ? 1u : 0u,
         .is_drive_ready = (status->inputs & hal_in_drive_ready) != 0u ? 1u : 0u,
+        .is_bus_lost = (status->inputs & hal_in_bus_lost) != 0u ? 1u : 0u,
         .pass = pass_of(store->machine),
         .passes =
             (uint8_t)(store->machine->has_table ? store->machine->table.n_passes & 0xFFu : 0u),

@@ -142,7 +142,8 @@ def report(status: Status) -> list[str]:
         f"U set, actual     {s['u_set']:.6f} mm, {s['u_actual']:.6f} mm, "
         f"retracted: {yes[s['is_retracted']]}",
         f"following error   {s['following_error'] * 1e3:+.3f} um",
-        f"emergency stop    {yes[s['is_estop']]}; drives ready: {yes[s['is_drive_ready']]}",
+        f"emergency stop    {yes[s['is_estop']]}; drives ready: {yes[s['is_drive_ready']]}"
+        + ("; a node of the field bus is silent" if s["is_bus_lost"] else ""),
         *([f"position switches {', '.join(switches)} on"] if switches else []),
         *hands_report(status),
         *([f"pass              {s['pass']:.0f} of {s['passes']:.0f}"] if s["passes"] else []),

@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What is missing, compared with what the firmware of a live lathe really refuses.
+
+For each situation the order that leads on is refused, its first missing item tells why and vanishes
+when it is done; when nothing is missing the order is accepted.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path
+
+import pytest
+
+from background import PATIENCE_S, Background, background, python
+from camtools.link.bus import open_bus
+from camtools.link.controller import NUMBERS, Link, Refused
+from camtools.link.hand import AXES, carry_out
+from camtools.link.live import live_lathes
+from camtools.link.parameters import get_all
+from camtools.link.refusal import ask_done
+from camtools.panel.views.missing import Way, way_on
+
+pytestmark = pytest.mark.alone  # the controller keeps pace with the clock
+
+
+class Bench:
+    """A live lathe, and a link to it."""
+
+    def __init__(self, lathe: Background, link: Link) -> None:
+        self.lathe, self.link = lathe, link
+        self.values = get_all(link)
+
+    def way(self) -> Way:
+        """Return what is missing by a status that is yet to come."""
+        self.link.status.signals.clear()
+        status = self.link.listen()
+        return way_on(status.state, status.signals, self.values)
+
+    def missing(self) -> list[str]:
+        """Return the names of what is missing."""
+        return [item.key for item in self.way().missing]
+
+    def happens(self, word: str) -> None:
+        """Let something happen to the lathe."""
+        self.lathe.type(word)
+        self.lathe.wait_for(f"{word}: done")
+        self.link.wait(lambda: False, 0.1)
+
+    def set(self, **values: int) -> None:
+        """Set parameters."""
+        for name, value in values.items():
+            ask_done(self.link, "set_parameter", NUMBERS["parameter"][name], value=value)
+        self.values = get_all(self.link)
+
+    def until(self, state: str) -> None:
+        """Wait for a state."""
+        status = self.link.status
+        assert self.link.wait(lambda: status.state == state, PATIENCE_S), status.state
+
+    def refused(self, result: str) -> None:
+        """Give the order that leads on; it must be refused for a reason, and something missing."""
+        way = self.way()
+        answer = self.link.ask(way.order)
+        assert way.missing and answer.result == result, (way, answer)
+
+    def goes_on(self, state: str) -> None:
+        """Give the order that leads on, with nothing missing; it must be accepted."""
+        way = self.way()
+        assert not way.missing, way
+        ask_done(self.link, way.order)
+        self.until(state)
+
+    def home(self, axis: str) -> None:
+        """Home an axis by hand; on a computer that is too busy to keep the order alive, again."""
+        ask_done(self.link, "manual")
+        self.until("manual")
+        end_s = time.monotonic() + PATIENCE_S
+        while time.monotonic() < end_s:
+            with suppress(Refused):
+                if carry_out(self.link, "home_axis", axis) == "done":
+                    break
+        ask_done(self.link, "disable", AXES[axis])
+        self.until("off")
+
+
+@pytest.fixture
+def bench(tmp_path: Path) -> Iterator[Bench]:
+    """Run a live lathe of its own."""
+    with background(*python("camtools.cli.live"), XDG_RUNTIME_DIR=str(tmp_path)) as lathe:
+        lathe.wait_for("control-C ends")
+        (announced,) = live_lathes(tmp_path / "camturn")
+        bus, where = open_bus(announced.bus)
+        try:
+            yield Bench(lathe, Link(bus, where, announced.node))
+        finally:
+            bus.shutdown()
+
+
+def test_what_is_missing_is_what_the_firmware_refuses(bench: Bench) -> None:
+    """Inputs, then homes that are demanded, then the whole way to a part, a fault and back."""
+    for word, key in (("estop", "estop"), ("drive", "drive"), ("bus", "bus")):
+        bench.happens(word)
+        assert bench.missing()[0] == key
+        bench.refused(key)
+        bench.happens("release")
+        assert bench.missing() == []
+    bench.set(u_stroke_nm=1000)
+    assert bench.missing() == [] and bench.link.ask("enable").result == "u_stroke"
+    bench.set(u_stroke_nm=1_200_000, homing_required=1)
+    for axis, left in (("x", ["home_x", "home_z"]), ("z", ["home_z"])):
+        assert bench.missing() == left
+        bench.refused("not_homed")
+        bench.home(axis)
+    bench.goes_on("homing")
+    assert bench.missing()[:1] in (["turn"], ["index"], [])
+    bench.until("ready")
+    bench.goes_on("engaging")
+    bench.until("cutting")
+    ask_done(bench.link, "hold")
+    bench.until("holding")
+    bench.goes_on("cutting")
+    bench.happens("estop")
+    bench.until("fault")
+    assert "estop" in bench.missing()
+    bench.happens("release")
+    assert bench.link.wait(lambda: bench.missing() == [], PATIENCE_S)
+    bench.goes_on("off")
+    bench.goes_on("ready")
