@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_report.h"
-#include "cam_fix.h" // cam_sat_i32, cam_clamp_i32
-#include "camturn.h" // camturn_state_pack
+#include "cam_fix.h"      // cam_sat_i32, cam_clamp_i32
+#include "cam_progress.h" // cam_progress
+#include "camturn.h"      // camturn_state_pack
 
 /// [Hz] rate of the status.
 enum { status_hz = 100 };
@@ -20,7 +21,9 @@ enum {
     page_changes = 18,
     page_changes_end = 20,
     page_params = 21,
-    page_recorder
+    page_recorder,
+    page_progress,
+    page_pace
 };
 
 /// Characters of the table's name in a page. Readers see them as one number of 48 bits.
@@ -84,13 +87,44 @@ static void send_motion(const cam_store_t *store, const cam_status_t *status)
     send(&frame, CAMTURN_AXIS_U_FRAME_ID, camturn_axis_u_pack(frame.data, &u, sizeof frame.data));
 }
 
-/// @return [ns] the longest interrupt, saturated; 0: not measured
+/// @return cycles of the interrupt in a unit of time, saturated; 0: not measured
+static uint32_t tick_time(uint32_t cycles, uint32_t units_per_s, uint32_t most)
+{
+    const uint32_t cycles_hz = hal_load().cycles_hz;
+    const uint64_t time = cycles_hz > 0u ? (uint64_t)cycles * units_per_s / cycles_hz : 0u;
+    return time < most ? (uint32_t)time : most;
+}
+
+/// @return [ns] the longest interrupt
 static uint32_t longest_tick_ns(void)
 {
-    const hal_load_t load = hal_load();
-    const uint64_t ns =
-        load.cycles_hz > 0u ? (uint64_t)load.max_cycles * 1000000000u / load.cycles_hz : 0u;
-    return ns < UINT32_MAX ? (uint32_t)ns : UINT32_MAX;
+    return tick_time(hal_load().max_cycles, 1000000000u, UINT32_MAX);
+}
+
+/// Remember how long the newest interrupt took. The main loop comes by behind most of them.
+static void watch_load(cam_report_t *r)
+{
+    r->load_cycles += hal_load().last_cycles;
+    r->n_loads++;
+}
+
+/// Fill in the signals of the pages about the progress of the pass, the mean interrupt, and samples
+/// of the live picture.
+static void describe_progress(struct camturn_detail_t *m, const cam_report_t *r,
+                              const cam_machine_t *machine)
+{
+    enum { most = (1 << 24) - 1, most_turns = (1 << 27) - 1, turn_bits = 25, per_s = 100000000 };
+    if (m->page < page_progress || m->page > page_pace) {
+        return;
+    }
+    const cam_progress_t p = cam_progress(machine);
+    m->has_end = p.has_end ? 1u : 0u;
+    m->turns_left = (uint32_t)cam_clamp_i64(p.left_q32 >> turn_bits, 0, most_turns);
+    m->turns_whole = (uint32_t)cam_clamp_i64(p.whole_q32 >> turn_bits, 0, most_turns);
+    m->pass_speed = p.mrpm / 10u < (uint32_t)most ? p.mrpm / 10u : (uint32_t)most;
+    const uint32_t cycles = r->n_loads > 0u ? (uint32_t)(r->load_cycles / r->n_loads) : 0u;
+    m->tick_time_mean = (uint16_t)tick_time(cycles, (uint32_t)per_s, UINT16_MAX);
+    m->strobe_lost = (uint16_t)(machine->strobe.n_lost & UINT16_MAX);
 }
 
 /// @return characters 6 part .. 6 part + 5 of the name, the first in the lowest byte
@@ -218,7 +252,8 @@ static uint8_t pass_of(const cam_machine_t *m)
 
 /// Send a page of Detail. All its signals are set; the generated pack function takes those of the
 /// page.
-static void send_detail(uint32_t page, const cam_store_t *store, const cam_status_t *status)
+static void send_detail(uint32_t page, const cam_report_t *r, const cam_store_t *store,
+                        const cam_status_t *status)
 {
     enum { most = (1 << 23) - 1 };
     struct camturn_detail_t m = {
@@ -243,6 +278,7 @@ static void send_detail(uint32_t page, const cam_store_t *store, const cam_statu
     describe_recorder(&m, &store->machine->scope);
     describe_hand(&m, store->machine, status);
     describe_changes(&m, store->machine);
+    describe_progress(&m, r, store->machine);
     hal_can_frame_t frame;
     send(&frame, CAMTURN_DETAIL_FRAME_ID, camturn_detail_pack(frame.data, &m, sizeof frame.data));
 }
@@ -250,11 +286,31 @@ static void send_detail(uint32_t page, const cam_store_t *store, const cam_statu
 /// The rate holds on average. Periods during which the main loop did not come here are skipped.
 void cam_report_send(cam_report_t *r, const cam_store_t *store, const cam_status_t *status)
 {
-    static const uint8_t turns[] = {
-        page_load, page_rate,    page_table,       page_crc,    page_name,    6,  7,  8,
-        9,         10,           page_learning,    12,          13,           14, 15, page_hand,
-        17,        page_changes, page_changes + 1, page_params, page_recorder};
+    static const uint8_t turns[] = {page_load,
+                                    page_rate,
+                                    page_table,
+                                    page_crc,
+                                    page_name,
+                                    6,
+                                    7,
+                                    8,
+                                    9,
+                                    10,
+                                    page_learning,
+                                    12,
+                                    13,
+                                    14,
+                                    15,
+                                    page_hand,
+                                    17,
+                                    page_changes,
+                                    page_changes + 1,
+                                    page_params,
+                                    page_recorder,
+                                    page_progress,
+                                    page_pace};
     const uint32_t period = store->machine->tick_hz / status_hz;
+    watch_load(r);
     if (status->tick - r->status_tick < period) {
         return;
     }
@@ -267,6 +323,10 @@ void cam_report_send(cam_report_t *r, const cam_store_t *store, const cam_status
     r->i_page = r->i_page + 1u < sizeof turns ? r->i_page + 1u : 0u;
     send_state(r, store, status);
     send_motion(store, status);
-    send_detail(page_motion, store, status);
-    send_detail(turns[r->i_page], store, status);
+    send_detail(page_motion, r, store, status);
+    send_detail(turns[r->i_page], r, store, status);
+    if (turns[r->i_page] == (uint8_t)page_pace) {
+        r->load_cycles = 0;
+        r->n_loads = 0;
+    }
 }

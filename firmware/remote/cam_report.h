@@ -11,13 +11,15 @@
 #include "cam_store.h" // cam_store_t
 #include "cam_tick.h"  // cam_status_t
 #include "hal/hal.h"   // hal_start_t
-#include <stdint.h>    // uint32_t
+#include <stdint.h>    // uint32_t, uint64_t
 
 /// State; zero-initialised except for start.
 typedef struct {
     hal_start_t start;    ///< why the controller started
     uint32_t status_tick; ///< [ticks] when the last status was due
     uint32_t i_page;      ///< of the pages of Detail, the last one that was sent in turn
+    uint64_t load_cycles; ///< of the interrupts that were looked at since page 24 was sent
+    uint32_t n_loads;     ///< how many these were
 } cam_report_t;
 
 /// Send the status if it is due.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the controller sends unasked: status frames and their period, lines of text.
 #include "cam_can.h"
+#include "cam_progress.h"
 #include "fixture_can.h"
 #include "hal_host.h"
 #include "unity.h"
@@ -199,6 +200,51 @@ static void test_status_tells_the_longest_tick(void)
     expect_longest_tick(0xFEDCBA98u, 400000000, UINT32_MAX); // more than the signal can hold
     expect_longest_tick(1, 480000000, 2);
     expect_longest_tick(77, 0, 0); // not measured
+}
+
+/// @return the bits of a page, the first behind the number of the page
+static uint64_t bits(uint8_t page, uint32_t at, uint32_t n)
+{
+    hal_host.slow.n_sent = 0;
+    memset(hal_host.slow.sent, 0, sizeof hal_host.slow.sent);
+    turn_pages(page);
+    const hal_can_frame_t frame = fixture_can_detail(page);
+    uint64_t all = 0;
+    for (uint32_t i = 8; i > 0u; i--) {
+        all = all << 8 | frame.data[i - 1u];
+    }
+    return all >> at & ((UINT64_C(1) << n) - 1u);
+}
+
+/// The mean is of the ticks since the page was sent last.
+static void test_status_tells_the_mean_tick(void)
+{
+    hal_host.slow.load = (hal_load_t){.last_cycles = 2400, .cycles_hz = 480000000};
+    (void)bits(24, 32, 16);
+    TEST_ASSERT_EQUAL_UINT64(500, bits(24, 32, 16)); // 5 us
+    hal_host.slow.load.last_cycles = 4800;
+    (void)bits(24, 32, 16);
+    TEST_ASSERT_EQUAL_UINT64(1000, bits(24, 32, 16));
+    hal_host.slow.load.last_cycles = UINT32_MAX;
+    (void)bits(24, 32, 16);
+    TEST_ASSERT_EQUAL_UINT64(UINT16_MAX, bits(24, 32, 16));
+    hal_host.slow.load.cycles_hz = 0;
+    TEST_ASSERT_EQUAL_UINT64(0, bits(24, 32, 16)); // not measured
+}
+
+static void test_status_tells_turns_and_speed_of_the_pass(void)
+{
+    fixture_can_loop(&f, 1);
+    const cam_progress_t p = cam_progress(&f.rig.machine);
+    TEST_ASSERT_EQUAL_UINT64(1, bits(23, 8, 1));
+    TEST_ASSERT_EQUAL_UINT64(p.left_q32 >> 25, bits(23, 9, 27));
+    TEST_ASSERT_EQUAL_UINT64(p.whole_q32 >> 25, bits(23, 36, 27));
+    TEST_ASSERT_GREATER_THAN_UINT64(128u * 10u, bits(23, 36, 27)); // ten turns of feed
+    TEST_ASSERT_EQUAL_UINT64(250000, bits(24, 8, 24));
+    f.rig.machine.strobe.n_lost = 0x12345;
+    TEST_ASSERT_EQUAL_HEX64(0x2345, bits(24, 48, 16));
+    f.rig.machine.has_table = false;
+    TEST_ASSERT_EQUAL_UINT64(0, bits(23, 8, 55));
 }
 
 static void test_status_tells_late_ticks(void)
@@ -431,6 +477,8 @@ int main(void)
     RUN_TEST(test_status_tells_speed_and_height);
     RUN_TEST(test_speed_is_rounded_signed_and_saturated);
     RUN_TEST(test_status_tells_the_longest_tick);
+    RUN_TEST(test_status_tells_the_mean_tick);
+    RUN_TEST(test_status_tells_turns_and_speed_of_the_pass);
     RUN_TEST(test_status_tells_late_ticks);
     RUN_TEST(test_status_tells_u);
     RUN_TEST(test_status_tells_the_angle_of_the_drawing);

@@ -7,13 +7,20 @@
 
 enum { set_parameter = 6, set_scope = 19, start_scope = 21, read_scope = 23, strobe = 59 };
 
-enum { tick_hz = 20000, n_log = 8000, strobe_id = 0x240, answer_id = 0x5C0, part_id = 0x440 };
+enum {
+    tick_hz = 20000,
+    n_log = 4100,
+    n_kept = 600,
+    strobe_id = 0x240,
+    answer_id = 0x5C0,
+    part_id = 0x440
+};
 
 static fixture_can_t f;
 static cam_tick_record_t ticks[n_log]; ///< records of the ticks
 static uint32_t n_seen;                ///< frames of the port that were looked at
-static hal_can_frame_t sent[1200];     ///< messages Strobe
-static uint32_t sent_tick[1200];       ///< when each was sent
+static hal_can_frame_t sent[n_kept];   ///< messages Strobe
+static uint32_t sent_tick[n_kept];     ///< when each was sent
 static uint32_t n_sent, n_status, n_parts, n_answers;
 
 void setUp(void)

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import time
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -31,6 +31,7 @@ _STATUS = {
     DATABASE.get_message_by_name(name).frame_id: DATABASE.get_message_by_name(name)
     for name in ("State", "Spindle", "AxisU", "Detail")
 }
+WANTED = {signal.name for message in _STATUS.values() for signal in message.signals}
 BLOCK_ID, FLOW_ID, PART_ID, FD_PART_ID, STROBE_ID = (
     DATABASE.get_message_by_name(name).frame_id
     for name in ("Block", "BlockFlow", "Recording", "RecordingFd", "Strobe")
@@ -45,6 +46,7 @@ BUSY_TRIES, BUSY_S = 20, 0.01
 PERIOD_S = 0.01  # of the status
 PATIENCE_S = 10.0  # longest time for which a controller is waited for that lags behind the clock
 SILENT_S = 0.5  # without status: no controller is there
+OLDER = "the controller is older than this program; give it the firmware of this version"
 
 
 def _choices(message: Message, signal: str) -> dict[int, str]:
@@ -337,12 +339,24 @@ class Link:
         Raises
         ------
         Refused
-            No status comes.
+            No status comes, or one of an older controller, which lacks messages or pages.
         """
-        wanted = {signal.name for message in _STATUS.values() for signal in message.signals}
-        if not self.wait_in_its_time(lambda: wanted <= self.status.signals.keys(), ANSWER_S):
-            raise self._silence()
+        if not self.wait_in_its_time(lambda: self.status.signals.keys() >= WANTED, ANSWER_S):
+            is_heard = time.monotonic() - self.status.at_s < SILENT_S
+            lacks = _lacks(self.status.signals.keys())
+            raise Refused(f"{self.where}: {lacks}: {OLDER}") if is_heard else self._silence()
         return self.status
+
+
+def _lacks(there: Collection[str]) -> str:
+    """Return which messages and pages of the status are not there, or not whole."""
+    parts = {
+        message.name + (f" page {signal.multiplexer_ids[0]}" if signal.multiplexer_ids else "")
+        for message in _STATUS.values()
+        for signal in message.signals
+        if signal.name not in there
+    }
+    return f"the status lacks {', '.join(sorted(parts))}"
 
 
 def _check_range(name: str, value: float) -> None:

@@ -9,9 +9,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from camtools.link.controller import NAMES, NUMBERS, REFUSALS, Answer, Link, Refused
+from camtools.link.controller import NAMES, NUMBERS, OLDER, REFUSALS, Answer, Link, Refused
 
 REMEDIES = {
+    "command": OLDER,
     "state": "the order is enable, start, stop, disable, and reset behind a fault; by "
     "hand manual, jog, home, disable",
     "param_state": "only phase, amplitude, trim and the overrides change while cutting, most "

@@ -24,7 +24,7 @@ import numpy as np
 import numpy.typing as npt
 
 from camtools.base.errors import CamtoolsError
-from camtools.link.controller import DATABASE, NUMBERS, Answer, Link, Refused
+from camtools.link.controller import DATABASE, NUMBERS, OLDER, Answer, Link, Refused
 
 Ints = npt.NDArray[np.int64]
 
@@ -46,7 +46,7 @@ MOST_REPEATS = 5
 ALIVE_S = 0.1  # well within the 500 ms after which the controller takes the tool for lost
 _UNSIGNED = ("first_tick", "n_lost", "signals", "number", "trigger_tick", "faults")
 _REMEDIES = {
-    "command": "the controller is older than this program; give it the firmware of this version",
+    "command": OLDER,
     "scope_memory": "record fewer signals, fewer rows or every n-th tick",
     "scope_on": "stop the recording that runs",
     "scope_unread": "the last fault would be lost; camctl blackbox FILE reads it, --clear drops it",

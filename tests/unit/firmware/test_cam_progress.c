@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: Apache-2.0
+// Turns of a pass that are left, against those that the spindle then really makes.
+#include "cam_progress.h"
+#include "cam_machine_override.h"
+#include "fixture_rig.h"
+#include "unity.h"
+
+static fixture_rig_t rig;
+
+void setUp(void)
+{
+    const fixture_part_t part = fixture_part_short();
+    fixture_rig_init(&rig, &part, 20000);
+}
+
+void tearDown(void) {}
+
+/// @return [turn / 1000] rounded down
+static int32_t turns(int64_t turns_q32)
+{
+    return (int32_t)((turns_q32 >> 8) * 1000 >> 24);
+}
+
+static cam_progress_t now(void)
+{
+    return cam_progress(&rig.machine);
+}
+
+/// @return [turn / 1000] where the spindle is
+static int32_t place(void)
+{
+    return turns(fixture_rig_status(&rig).pos_q32);
+}
+
+static void step(void)
+{
+    fixture_rig_tick(&rig);
+    cam_machine_poll(&rig.machine);
+}
+
+static void until(cam_state_t state)
+{
+    for (int i = 0; i < 400000 && fixture_rig_status(&rig).state != state; i++) {
+        step();
+    }
+    TEST_ASSERT_EQUAL_INT(state, fixture_rig_status(&rig).state);
+}
+
+static void set(cam_param_id_t id, int32_t value)
+{
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_set_param(&rig.machine, id, value));
+    step();
+}
+
+static void start(void)
+{
+    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_ready));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_start(&rig.machine));
+    step();
+}
+
+/// What is told in this tick comes true within a plan, and what is left only falls.
+static void expect_true_end(void)
+{
+    const int32_t from = place();
+    const cam_progress_t told = now();
+    TEST_ASSERT_TRUE(told.has_end);
+    int32_t last_left = turns(told.left_q32) + 1;
+    while (g_cam.motion.state != cam_state_ready) {
+        const cam_progress_t p = now();
+        const int32_t left = turns(p.left_q32);
+        TEST_ASSERT_LESS_OR_EQUAL_INT32(last_left, left);
+        TEST_ASSERT_LESS_OR_EQUAL_INT32(turns(p.whole_q32), left);
+        last_left = left;
+        step();
+    }
+    TEST_ASSERT_INT32_WITHIN(30, turns(told.left_q32), place() - from);
+    TEST_ASSERT_LESS_OR_EQUAL_INT32(50, last_left);
+}
+
+static void test_a_cut_ends_where_it_is_told(void)
+{
+    start();
+    until(cam_state_cutting);
+    expect_true_end();
+}
+
+static void test_before_the_cut_the_whole_of_it_is_told(void)
+{
+    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_ready));
+    const int32_t told = turns(now().left_q32);
+    TEST_ASSERT_EQUAL_INT32(told, turns(now().whole_q32));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_start(&rig.machine));
+    until(cam_state_engaging);
+    TEST_ASSERT_INT32_WITHIN(1, told, turns(now().left_q32)); // while the axes approach
+    while (turns(now().left_q32) > told - 1) {
+        step();
+    }
+    TEST_ASSERT_INT32_WITHIN(1, told, turns(now().whole_q32));
+    expect_true_end();
+}
+
+static void test_an_override_is_in_it(void)
+{
+    static const int32_t ppm[] = {500000, 130000, 1500000, 10000};
+    for (uint32_t i = 0; i < sizeof ppm / sizeof ppm[0]; i++) {
+        setUp();
+        set(cam_param_feed_override_ppm, ppm[i]);
+        start();
+        const int32_t whole = turns(now().whole_q32);
+        until(cam_state_cutting);
+        TEST_ASSERT_INT32_WITHIN(whole / 1000, whole, turns(now().whole_q32));
+        expect_true_end();
+    }
+}
+
+static void test_a_rehearsal_is_in_it(void)
+{
+    set(cam_param_rehearse_turns, 20);
+    start();
+    TEST_ASSERT_EQUAL_INT(cam_state_rehearsing, fixture_rig_status(&rig).state);
+    const int32_t whole = turns(now().whole_q32);
+    TEST_ASSERT_EQUAL_INT32(whole, turns(now().left_q32));
+    until(cam_state_engaging);
+    TEST_ASSERT_INT32_WITHIN(2, whole, turns(now().whole_q32));
+    TEST_ASSERT_LESS_THAN_INT32(whole - 20000, turns(now().left_q32));
+    until(cam_state_cutting);
+    TEST_ASSERT_INT32_WITHIN(2, whole, turns(now().whole_q32));
+    expect_true_end();
+}
+
+/// What is left stands still while Z does, and comes true once it goes on.
+static void test_a_hold_counts_as_if_it_were_resumed_at_once(void)
+{
+    start();
+    until(cam_state_cutting);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_hold(&rig.machine));
+    until(cam_state_holding);
+    for (int i = 0; i < 5000; i++) {
+        step();
+    }
+    const int32_t left = turns(now().left_q32);
+    for (int i = 0; i < 5000; i++) {
+        step();
+    }
+    TEST_ASSERT_INT32_WITHIN(1, left, turns(now().left_q32));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_resume(&rig.machine));
+    const int32_t from = place();
+    until(cam_state_ready);
+    TEST_ASSERT_INT32_WITHIN(1100, left + 1000, place() - from); // it waits for a whole turn
+}
+
+static void test_a_stop_brings_the_end_near(void)
+{
+    start();
+    until(cam_state_cutting);
+    const int32_t before = turns(now().left_q32);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_stop(&rig.machine));
+    step();
+    for (int i = 0; i < 20; i++) {
+        step();
+    }
+    TEST_ASSERT_LESS_THAN_INT32(before - 1000, turns(now().left_q32));
+    expect_true_end();
+}
+
+static void test_rings_end_where_they_are_told(void)
+{
+    fixture_part_t part = fixture_part_short();
+    part.is_ring_helix = true;
+    fixture_rig_init(&rig, &part, 20000);
+    start();
+    until(cam_state_cutting);
+    expect_true_end();
+}
+
+static void test_a_measured_z_has_no_end_before_its_stop(void)
+{
+    set(cam_param_z_is_measured, 1);
+    TEST_ASSERT_FALSE(now().has_end);
+    TEST_ASSERT_EQUAL_INT64(0, now().left_q32);
+}
+
+static void test_the_speed_is_that_of_the_pass_with_its_override(void)
+{
+    TEST_ASSERT_EQUAL_UINT32(2500000, now().mrpm);
+    set(cam_param_spindle_override_ppm, 800000);
+    TEST_ASSERT_UINT32_WITHIN(1, 2000000, now().mrpm);
+}
+
+static void test_without_a_table_nothing_is_told(void)
+{
+    rig.machine.has_table = false;
+    TEST_ASSERT_FALSE(now().has_end);
+    TEST_ASSERT_EQUAL_UINT32(0, now().mrpm);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_a_cut_ends_where_it_is_told);
+    RUN_TEST(test_before_the_cut_the_whole_of_it_is_told);
+    RUN_TEST(test_an_override_is_in_it);
+    RUN_TEST(test_a_rehearsal_is_in_it);
+    RUN_TEST(test_a_hold_counts_as_if_it_were_resumed_at_once);
+    RUN_TEST(test_a_stop_brings_the_end_near);
+    RUN_TEST(test_rings_end_where_they_are_told);
+    RUN_TEST(test_a_measured_z_has_no_end_before_its_stop);
+    RUN_TEST(test_the_speed_is_that_of_the_pass_with_its_override);
+    RUN_TEST(test_without_a_table_nothing_is_told);
+    return UNITY_END();
+}
