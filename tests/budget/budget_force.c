@@ -2,8 +2,17 @@
 #include "budget_force.h"
 #include "cam_tick.h" // g_cam
 #include "hal_host.h" // hal_host
+#include <stddef.h>   // offsetof
+#include <string.h>   // memcpy
 
 enum { patience = 60000 };
+
+/// All that a tick can change: of the rig everything in front of its image.
+typedef struct {
+    cam_t controller;
+    hal_host_t port;
+    uint8_t rig[offsetof(fixture_rig_t, image)];
+} moment_t;
 
 static bool is_combination; ///< the next tick is several rare things at once
 
@@ -12,25 +21,34 @@ bool budget_force_is_combined(void)
     return is_combination;
 }
 
+static void keep(moment_t *moment, const fixture_rig_t *rig)
+{
+    moment->controller = g_cam;
+    moment->port = hal_host;
+    memcpy(moment->rig, rig, sizeof moment->rig);
+}
+
+static void bring_back(const moment_t *moment, fixture_rig_t *rig)
+{
+    memcpy(rig, moment->rig, sizeof moment->rig);
+    hal_host = moment->port;
+    g_cam = moment->controller;
+}
+
 /// One tick from where the session stands, then back: with or without a plan, with an index edge or
 /// without, and a cause of a fault.
 static void try_tick(fixture_rig_t *rig, bool is_planned, bool is_edge, void (*cause)(void),
                      bool is_combined)
 {
-    static cam_t controller;
-    static hal_host_t port;
-    controller = g_cam;
-    port = hal_host;
-    const fixture_rig_t before = *rig;
+    static moment_t before;
+    keep(&before, rig);
     g_cam.until_plan = is_planned ? 1 : 2;
     g_cam.spindle.n_index -= is_edge ? 1u : 0u;
     cause();
     is_combination = is_combined;
     fixture_rig_tick(rig);
     is_combination = false;
-    *rig = before;
-    hal_host = port;
-    g_cam = controller;
+    bring_back(&before, rig);
 }
 
 static void no_fault(void) {}
@@ -132,17 +150,14 @@ static void try_all_causes(fixture_rig_t *rig)
 /// In the first ticks of the fault state, too: the retract begins.
 static void try_retract(fixture_rig_t *rig)
 {
-    const cam_t controller = g_cam;
-    const hal_host_t port = hal_host;
-    const fixture_rig_t before = *rig;
+    static moment_t before;
+    keep(&before, rig);
     hal_host_fault_estop(true);
     for (int i = 0; i < 12; i++) {
         fixture_rig_tick(rig);
         try_all_causes(rig);
     }
-    *rig = before;
-    hal_host = port;
-    g_cam = controller;
+    bring_back(&before, rig);
 }
 
 /// Bring an opened session into a state. @return whether it was reached
