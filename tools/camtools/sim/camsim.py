@@ -34,16 +34,16 @@ _VARIANTS = {
     "without feed-forward": ["--no-feed-forward"],
     "without both": ["--no-lead", "--no-feed-forward"],
 }
-_LEARNS_NOTHING = [
+LEARNS_NOTHING = [
     word
     for name in ("rehearse_turns", "learn_harmonics", "ripple_turns")
     for word in ("--set", f"{name}=0")
 ]
 # Learning makes up for what is missing, so each part is judged without it.
 _UNLEARNED = {
-    "without learning": _LEARNS_NOTHING,
-    "without learning and lead": [*_LEARNS_NOTHING, "--no-lead"],
-    "without learning and feed-forward": [*_LEARNS_NOTHING, "--no-feed-forward"],
+    "without learning": LEARNS_NOTHING,
+    "without learning and lead": [*LEARNS_NOTHING, "--no-lead"],
+    "without learning and feed-forward": [*LEARNS_NOTHING, "--no-feed-forward"],
 }
 
 _MACHINE = """\

@@ -38,8 +38,12 @@ N_ANGLES = 1440
 _UM_PER_MM, _MM_PER_M = 1000.0, 1000.0
 _DIGITS = 7
 _CHANNELS = {
-    **{KIND_U: "U", KIND_X: "X", KIND_SPEED: "speed", KIND_SWING: "swing"},
-    **{KIND_CONTACT: "contact", KIND_WAY: "way of Z"},
+    KIND_U: "U",
+    KIND_X: "X",
+    KIND_SPEED: "speed",
+    KIND_SWING: "swing",
+    KIND_CONTACT: "contact",
+    KIND_WAY: "way of Z",
 }
 
 Shown = dict[str, Any]
@@ -79,9 +83,7 @@ def motion_of(turn: ExactTurn, rpm: float, ratio: SpeedRatio | None = None) -> d
     }
 
 
-def curves_of(
-    exact: Exact, rpm: float, z_mm: float | None, speed: Channel | None = None
-) -> Shown:
+def curves_of(exact: Exact, rpm: float, z_mm: float | None, speed: Channel | None = None) -> Shown:
     """Return section, profile and motion at a height, in the middle where none is given."""
     low, high = exact.heights_mm
     z_mm = (low + high) / 2 if z_mm is None else min(max(z_mm, low), high)
@@ -187,4 +189,3 @@ def verdict_of_table(judged: Judged, limits: MachineLimits) -> Shown:
             for one in margins
         ],
     }
-

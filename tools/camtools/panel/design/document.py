@@ -72,7 +72,7 @@ def _tree(text: str) -> dict[str, Any]:
         return tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError, ValueError) as error:
         problem = f"not TOML: {error}"
-        raise CamtoolsError([f"{problem}; correct the text, then the form can change it"]) from error
+        raise CamtoolsError([f"{problem}; correct it in the text"]) from error
 
 
 def _by_hand(path: Path) -> CamtoolsError:
@@ -120,7 +120,7 @@ def _replace(container: Any, step: str | int, value: Value) -> None:  # noqa: AN
     """Set a value; of a list of the same length only the entries that differ."""
     there = container[step]
     if isinstance(value, list) and isinstance(there, list) and len(there) == len(value):
-        for i, (old, new) in enumerate(zip(there.unwrap(), value, strict=True)):
+        for i, (old, new) in enumerate(zip(list(there), value, strict=True)):
             if repr(old) != repr(new):
                 there[i] = new
         return

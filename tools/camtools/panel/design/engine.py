@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import asyncio
 import json
-import os
 import signal
 import sys
 from collections import deque
@@ -23,6 +22,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from camtools.base.errors import CamtoolsError
+from camtools.panel.children import child_environment
 
 Answer = dict[str, Any]
 OnAnswer = Callable[[Answer], None]
@@ -225,10 +225,7 @@ class Engine:
 
     async def _spawn(self) -> None:
         """Start a process and wait until it is ready."""
-        environment = os.environ | {
-            "OPENBLAS_NUM_THREADS": "1",
-            "PYTHONDONTWRITEBYTECODE": "1",  # it can write no file
-        }
+        environment = child_environment() | {"PYTHONDONTWRITEBYTECODE": "1"}  # it writes no file
         process = await asyncio.create_subprocess_exec(
             *(sys.executable, "-m", "camtools.panel.design.worker", str(self.limits.memory_mb)),
             stdin=asyncio.subprocess.PIPE,
@@ -241,7 +238,7 @@ class Engine:
         self._busy.append(worker)
         try:
             answer = await asyncio.wait_for(_heard(worker), self.limits.start_s)
-        except asyncio.TimeoutError:
+        except TimeoutError:
             answer = None
         self._busy.remove(worker)
         if answer is None or self._is_closed:
@@ -262,7 +259,7 @@ class Engine:
         try:
             _say(worker, job.request | {"id": worker.number})
             is_done = await asyncio.wait_for(self._listen(worker, job), self.limits.time_s)
-        except asyncio.TimeoutError:
+        except TimeoutError:
             is_done = False
             problem = f"takes more than {self.limits.time_s:g} s; give fewer points, lobes or waves"
         except (OSError, ValueError):  # a pipe that is gone, a line too long or no JSON

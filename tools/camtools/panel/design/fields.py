@@ -225,9 +225,7 @@ def _is_flat(node: Schema) -> bool:
     return node.get("type") in ("array", "number", "integer") and inner in ("number", "integer")
 
 
-def form_of(
-    kind: str, model: type[TomlTable], values: dict[str, Any]
-) -> tuple[FormTable, ...]:
+def form_of(kind: str, model: type[TomlTable], values: dict[str, Any]) -> tuple[FormTable, ...]:
     """Return the tables of a form with the values of a text.
 
     Parameters

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The process that computes previews: a request per line of standard input, answers as lines of JSON.
+"""The process that computes previews: a request in a line of JSON, answers in lines of JSON.
 
 It is kept ready with everything imported. SIGUSR1 drops what it computes, for a newer change;
 what was made on the way is remembered. It can write no file, and has a limit of memory.

@@ -1,18 +1,319 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The page /design of the panel."""
+"""The page /design of the panel: a part file as text and as a form, its preview, and its cut.
+
+Marks of elements: source, part, open, save-name, save, download, part-upload, undo, redo, editor,
+tab-text, tab-form, problems; those of the form, the preview and the cut stand in
+camtools.panel.design.form_view, .preview_view and .cut_view.
+"""
 
 from __future__ import annotations
 
-from nicegui import ui
+import asyncio
+import time
+from typing import Any
 
+from nicegui import background_tasks, events, ui
+
+from camtools.base.errors import CamtoolsError
 from camtools.panel.context import AppContext
+from camtools.panel.design.cut_view import CutView
+from camtools.panel.design.draft import Draft
+from camtools.panel.design.fields import FormField
+from camtools.panel.design.form_view import FormView
+from camtools.panel.design.preview_view import PreviewView
+from camtools.panel.design.shelf import EXAMPLE, OWN
 from camtools.panel.frame import framed
+from camtools.panel.pages.reports import add_reports
+from camtools.panel.runs.options import RunOptions
+from camtools.panel.visitor import Visitor
+from camtools.panel.workshop import Workshop, workshop_of
+
+STYLE = '<link rel="stylesheet" href="/panel/design.css">'
+_FIRST = "perkins240"
+_MAX_UPLOAD_BYTES = 20_000_000
+_MOST_PROBLEMS = 20
+_BAD_LINE = "is-bad-line"
+
+
+class DesignPage:
+    """What one visitor works on.
+
+    Parameters
+    ----------
+    workshop : Workshop
+        Of the panel.
+    visitor : Visitor
+        Of this page.
+    """
+
+    def __init__(self, workshop: Workshop, visitor: Visitor) -> None:
+        self._workshop, self._visitor = workshop, visitor
+        self._source = EXAMPLE
+        self._draft = Draft("")
+        self._height_mm: float | None = None
+        self._changes = asyncio.Lock()
+        self._is_showing = False
+        self._seat = workshop.engine.seat(self._take)
+        self._bar()
+        with ui.element("div").classes("design-columns"):
+            with ui.column().classes("design-left"):
+                self._editors()
+            with ui.column().classes("design-right"):
+                self._preview = PreviewView(self._height_chosen)
+        with ui.card().classes("full-width"):
+            self._cut = CutView(workshop, visitor, self._cut_this)
+        self._open(EXAMPLE, _FIRST)
+
+    def close(self) -> None:
+        """Give the seat at the engine back."""
+        self._seat.close()
+
+    def _bar(self) -> None:
+        """Make the row that opens and saves parts."""
+        with ui.row().classes("items-center q-gutter-sm full-width"):
+            sources = {EXAMPLE: "examples", OWN: "my parts"}
+            self._sources = ui.select(
+                sources, value=EXAMPLE, label="from", on_change=self._list_parts
+            ).mark("source")
+            self._parts = ui.select([], label="part", on_change=self._part_chosen).mark("part")
+            self._name = ui.input("save as").mark("save-name")
+            for one in (self._sources, self._parts, self._name):
+                one.props("dense outlined options-dense").classes("bar-field")
+            save = ui.button("Save", icon="save", on_click=self._save).mark("save")
+            undo = ui.button(icon="undo", on_click=lambda: self._step(self._draft.undo))
+            redo = ui.button(icon="redo", on_click=lambda: self._step(self._draft.redo))
+            undo.props('aria-label="undo"').mark("undo")
+            redo.props('aria-label="redo"').mark("redo")
+            ui.button("Download", icon="download", on_click=self._download).props("flat").mark(
+                "download"
+            )
+            upload = ui.upload(
+                label="upload .toml or .csv",
+                auto_upload=True,
+                max_file_size=_MAX_UPLOAD_BYTES,
+                on_upload=self._uploaded,
+            )
+            upload.props('accept=".toml,.csv" flat bordered dense').classes("upload")
+            upload.mark("part-upload").bind_visibility_from(self._visitor, "has_token")
+            for button in (save, undo, redo):
+                button.bind_enabled_from(self._visitor, "has_token")
+            self._name.bind_enabled_from(self._visitor, "has_token")
+        self._list_parts()
+
+    def _editors(self) -> None:
+        with ui.tabs().props("dense align=left") as tabs:
+            text = ui.tab("text").mark("tab-text")
+            form = ui.tab("form").mark("tab-form")
+        with ui.tab_panels(tabs, value=text, animated=False, keep_alive=True).classes("full-width"):
+            with ui.tab_panel(text).classes("q-pa-none"):
+                self._editor = (
+                    ui.codemirror(language="TOML", on_change=self._typed)
+                    .props('aria-label="text of the part file"')
+                    .classes("part-editor")
+                    .mark("editor")
+                )
+                self._editor.bind_enabled_from(self._visitor, "has_token")
+            with ui.tab_panel(form).classes("q-pa-sm"):
+                self._form = FormView(self._form_changed)
+        self._problems = (
+            ui.column().classes("full-width q-gutter-none").props('role="status"').mark("problems")
+        )
+        note = ui.label("you look: changes, saving and cutting need the token").classes("note")
+        note.bind_visibility_from(self._visitor, "has_token", backward=lambda has: not has)
+
+    def _list_parts(self) -> None:
+        shelf, source = self._workshop.shelf, str(self._sources.value)
+        names = shelf.examples() if source == EXAMPLE else shelf.own()
+        self._is_showing = True
+        keeps = self._parts.value if self._parts.value in names else None
+        self._parts.set_options(names, value=keeps)
+        self._is_showing = False
+
+    def _part_chosen(self) -> None:
+        if not self._is_showing and self._parts.value:
+            self._open(str(self._sources.value), str(self._parts.value))
+
+    def _open(self, source: str, name: str) -> None:
+        """Show a part of the shelf."""
+        try:
+            text = self._workshop.shelf.read(source, name)
+        except CamtoolsError as error:
+            ui.notify(str(error), type="negative")
+            return
+        self._source, self._height_mm = source, None
+        self._is_showing = True
+        self._parts.value = name
+        self._name.value = name
+        self._is_showing = False
+        if self._draft.text:
+            self._draft.change(text, time.monotonic(), is_step=True)
+        else:
+            self._draft = Draft(text)
+        self._show_text()
+
+    def _show_text(self) -> None:
+        """Show the draft's text in the editor, and ask for its preview."""
+        self._is_showing = True
+        self._editor.value = self._draft.text
+        self._is_showing = False
+        self._ask()
+
+    def _ask(self) -> None:
+        folder = str(self._workshop.shelf.folder(self._source))
+        self._seat.preview(self._draft.text, folder, self._height_mm)
+
+    def _typed(self, event: events.ValueChangeEventArguments[str]) -> None:
+        if self._is_showing or self._refused("edit"):
+            return
+        self._draft.change(event.value or "", time.monotonic())
+        self._ask()
+
+    def _refused(self, what: str) -> bool:
+        problem = self._workshop.may(self._visitor, what)
+        if problem:
+            ui.notify(problem, type="negative")
+        return bool(problem)
+
+    async def _form_changed_now(self, field: FormField, value: Any) -> None:  # noqa: ANN401
+        async with self._changes:  # each change begins with the text of the one before
+            before = self._draft.text
+            try:
+                text = await self._seat.edit(before, list(field.path), value)
+            except CamtoolsError as error:
+                self._show_problems([{"field": "", "line": None, "text": t} for t in error.lines])
+                return
+            if self._draft.text == before:
+                self._draft.change(text, time.monotonic())
+                self._show_text()
+
+    def _form_changed(self, field: FormField, value: Any) -> None:  # noqa: ANN401 (of TOML)
+        if not self._refused("edit"):
+            background_tasks.create(self._form_changed_now(field, value))
+
+    def _step(self, step: Any) -> None:  # noqa: ANN401 (undo or redo)
+        if not self._refused("edit"):
+            step()
+            self._show_text()
+
+    def _height_chosen(self, height_mm: float) -> None:
+        self._height_mm = height_mm
+        self._ask()
+
+    def _take(self, answer: dict[str, Any]) -> None:
+        """Show an answer of the engine."""
+        stage = answer["stage"]
+        if stage == "form":
+            self._form.show(answer["kind"], answer["values"])
+        if stage in ("problems", "table", "lost"):
+            self._show_problems(answer.get("problems", []))
+        self._preview.take(answer)
+
+    def _show_problems(self, problems: list[dict[str, Any]]) -> None:
+        """Show what is wrong below the text, in its lines, and beside the fields."""
+        self._problems.clear()
+        lines: dict[int, str] = {}
+        with self._problems:
+            for one in problems[:_MOST_PROBLEMS]:
+                where = f"line {one['line']}: " if one["line"] else ""
+                ui.label(where + one["text"]).classes("problem")
+                if one["line"]:
+                    lines.setdefault(int(one["line"]), one["text"])
+        n_lines = self._draft.text.count("\n") + 1
+        marked = [
+            {"kind": "line", "line": line, "class": _BAD_LINE} for line in lines if line <= n_lines
+        ]
+        self._editor.decorations = marked
+        self._editor.line_tooltips = {k: v for k, v in lines.items() if k <= n_lines}
+        self._form.problems(problems)
+
+    async def _save(self) -> None:
+        """Save the text under a name; a part that is there is replaced when that is confirmed."""
+        if self._refused("save"):
+            return
+        shelf, name = self._workshop.shelf, str(self._name.value or "").strip()
+        try:
+            replaces = shelf.has(name)
+            if replaces and not await _confirmed(f"Replace the part {name}?", "Replace"):
+                return
+            self._check_files()
+            shelf.save(name, self._draft.text, replaces=replaces)
+        except CamtoolsError as error:
+            ui.notify(str(error), type="negative")
+            return
+        self._workshop.note(self._visitor, "save", {"name": name}, "saved")
+        self._source = OWN
+        self._is_showing = True
+        self._sources.value = OWN
+        self._is_showing = False
+        self._list_parts()
+        self._is_showing = True
+        self._parts.value = name
+        self._is_showing = False
+        ui.notify(f"{name} is saved among my parts", type="positive")
+        self._ask()
+
+    def _check_files(self) -> None:
+        """Bring the files along that an example names, so that the copy finds them too."""
+        if self._source == EXAMPLE:
+            self._workshop.bring_files(self._draft.text)
+
+    def _download(self) -> None:
+        name = str(self._name.value or "part")
+        ui.download.content(self._draft.text.encode("utf-8"), f"{name}.toml")
+
+    async def _uploaded(self, event: events.UploadEventArguments) -> None:
+        if self._refused("upload"):
+            return
+        shelf, file = self._workshop.shelf, event.file.name
+        data = await event.file.read()
+        try:
+            if file.endswith(".csv"):
+                is_there = (shelf.folder(OWN) / file).exists()
+                if is_there and not await _confirmed(f"Replace the file {file[:60]}?", "Replace"):
+                    return
+                shelf.save_csv(file, data, replaces=is_there)
+            else:
+                name = file.removesuffix(".toml")
+                is_there = shelf.has(name)
+                if is_there and not await _confirmed(f"Replace the part {name}?", "Replace"):
+                    return
+                shelf.save(name, data.decode("utf-8"), replaces=is_there)
+        except (CamtoolsError, UnicodeDecodeError) as error:
+            ui.notify(str(error), type="negative")
+            return
+        self._workshop.note(self._visitor, "upload", {"file": file}, "kept")
+        if not file.endswith(".csv"):
+            self._sources.value = OWN
+            self._list_parts()
+            self._open(OWN, file.removesuffix(".toml"))
+        else:
+            ui.notify(f"{file} is kept; a part names it by csv = {file!r}", type="positive")
+            self._ask()
+
+    async def _cut_this(self, options: RunOptions) -> str:
+        return await self._workshop.cut(self._draft.text, self._source, options)
+
+
+async def _confirmed(question: str, yes: str) -> bool:
+    """Return whether somebody agrees."""
+    with ui.dialog() as dialog, ui.card():
+        ui.label(question)
+        with ui.row():
+            ui.button(yes, on_click=lambda: dialog.submit(True)).mark("confirm")
+            ui.button("Cancel", on_click=lambda: dialog.submit(False)).props("flat").mark("cancel")
+    answer = await dialog
+    dialog.delete()
+    return bool(answer)
 
 
 def add(context: AppContext) -> None:
     """Register the page."""
+    workshop = workshop_of(context)
+    add_reports(workshop)
 
     @ui.page("/design", title="camturn: design")
     def design() -> None:
-        with framed(context, "/design"):
-            ui.label("Design")
+        with framed(context, "/design") as visitor:
+            ui.add_head_html(STYLE)
+            page = DesignPage(workshop, visitor)
+        ui.context.client.on_delete(page.close)

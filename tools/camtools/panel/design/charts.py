@@ -1,0 +1,236 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Charts of the design page as options of ECharts: section, profile, motion of U.
+
+They are drawn for a light page; a style sheet inverts them on a dark one.
+
+>>> options = section({"nominal_mm": 46.0, "deviation_um": [0.0, -100.0, 0.0, -100.0]}, None)
+>>> [one["name"] for one in options["series"]]
+['nominal circle', 'drawing']
+"""
+
+from __future__ import annotations
+
+from math import floor, log10
+from typing import Any
+
+INK, FAINT, BLUE, ORANGE, RED, GREEN = (
+    *("#37474f", "#cfd8dc", "#0d5a9c", "#b34700", "#b00020", "#2e6b34"),
+)
+_COLOURS = (BLUE, ORANGE, GREEN, "#6a3d9a")
+_SHARE = 0.3  # of the radius that the largest deviation takes
+_UM_PER_MM = 1000.0
+_STEPS = (1.0, 2.0, 5.0, 10.0)
+_EVERY = 2  # of the angles of a section one of so many is drawn
+MOTION = (
+    ("u_um", "U", "µm"),
+    ("velocity_mm_s", "velocity", "mm/s"),
+    ("acceleration_m_s2", "acceleration", "m/s²"),
+    ("jerk_km_s3", "jerk", "km/s³"),
+)
+
+Options = dict[str, Any]
+
+
+def magnification_of(nominal_mm: float, deviation_um: list[float]) -> float:
+    """Return how many times deviations are enlarged so that they are seen: 1, 2, 5, 10 ...
+
+    >>> magnification_of(46.0, [0.0, -150.0])
+    50.0
+    """
+    largest_mm = max((abs(one) for one in deviation_um), default=0.0) / _UM_PER_MM
+    wanted = _SHARE * nominal_mm / largest_mm if largest_mm > 0 else 1.0
+    if wanted <= 1:
+        return 1.0
+    decade = 10.0 ** floor(log10(wanted))
+    return max(step * decade for step in _STEPS if step * decade <= wanted)
+
+
+def _axis(name: str, **more: Any) -> Options:  # noqa: ANN401 (options of ECharts)
+    return {
+        "type": "value",
+        "scale": True,
+        "name": name,
+        "nameLocation": "middle",
+        "nameTextStyle": {"color": INK, "fontSize": 13},
+        "axisLabel": {"color": INK, "fontSize": 12, "hideOverlap": True},
+        "axisLine": {"lineStyle": {"color": INK}},
+        "splitLine": {"lineStyle": {"color": FAINT}},
+        **more,
+    }
+
+
+def _line(name: str, data: list[Any], colour: str, **more: Any) -> Options:  # noqa: ANN401
+    return {
+        "name": name,
+        "type": "line",
+        "showSymbol": False,
+        "data": data,
+        "itemStyle": {"color": colour},
+        "lineStyle": {"color": colour, "width": 2},
+        **more,
+    }
+
+
+def _dashed(colour: str) -> Options:
+    return {"lineStyle": {"color": colour, "width": 1.5, "type": "dashed"}}
+
+
+def section(curves: Options, magnification: float | None) -> Options:
+    """Return the section with its nominal circle, deviations magnified.
+
+    Parameters
+    ----------
+    curves : dict
+        As `compute.curves_of`.
+    magnification : float or None
+        None: as many times as shows them well.
+    """
+    nominal_mm, off_um = curves["nominal_mm"], curves["deviation_um"]
+    factor = magnification or magnification_of(nominal_mm, off_um)
+    radius_um = nominal_mm * _UM_PER_MM / factor  # of the nominal circle on the scale
+    most = max(0.0, max(off_um))
+    shown = off_um[::_EVERY]
+    step = 360 / len(shown)
+    # Less than 0 on a radius axis is drawn mirrored: what lies beyond the centre is cut off.
+    around = [[max(off + radius_um, 0.0), i * step] for i, off in enumerate([*shown, shown[0]])]
+    circle = [[radius_um, angle] for angle in range(0, 361, 3)]
+    polar = {"coordinateSystem": "polar", "silent": True}
+    return {
+        "animation": False,
+        "title": {
+            "text": f"section at {curves.get('height_mm', 0.0):.6g} mm",
+            "subtext": f"deviations {factor:g} times, nominal radius {nominal_mm:.7g} mm",
+            "left": "center",
+            "textStyle": {"color": INK, "fontSize": 15},
+            "subtextStyle": {"color": INK, "fontSize": 13},
+        },
+        "legend": {"bottom": 0, "textStyle": {"color": INK}},
+        "polar": {"radius": "62%", "center": ["50%", "52%"]},
+        "angleAxis": {
+            "type": "value",
+            "min": 0,
+            "max": 360,
+            "interval": 30,
+            "startAngle": 0,
+            "clockwise": False,
+            "axisLabel": {"color": INK, "formatter": "{value}°"},
+            "splitLine": {"lineStyle": {"color": FAINT}},
+        },
+        "radiusAxis": {
+            "type": "value",
+            "min": 0,
+            "max": radius_um + 1.15 * most if most > 0 else 1.05 * radius_um,
+            "axisLabel": {"show": False},
+            "axisTick": {"show": False},
+            "axisLine": {"show": False},
+            "splitLine": {"show": False},
+        },
+        "series": [
+            _line("nominal circle", circle, INK, **polar) | _dashed(INK),
+            _line("drawing", around, BLUE, **polar),
+        ],
+    }
+
+
+def profile(curves: Options) -> Options:
+    """Return diameters over the height, the height of the section marked."""
+    over = curves["profile"]
+    series = [
+        _line(name, [list(point) for point in zip(values, over["z_mm"], strict=True)], colour)
+        for (name, values), colour in zip(over["curves"].items(), _COLOURS * 2, strict=False)
+    ]
+    if series:
+        series[0]["markLine"] = {
+            "silent": True,
+            "symbol": "none",
+            "data": [{"yAxis": curves["height_mm"]}],
+            "label": {"formatter": "section", "position": "insideEndTop", "color": ORANGE},
+            "lineStyle": {"color": ORANGE, "type": "dashed"},
+        }
+    return {
+        "animation": False,
+        "title": _title("profile"),
+        "legend": {"bottom": 0, "textStyle": {"color": INK}},
+        "tooltip": {"trigger": "item"},
+        "grid": {"left": 62, "right": 24, "top": 40, "bottom": 76},
+        "xAxis": _axis("diameter / mm", nameGap=28),
+        "yAxis": _axis("height / mm", nameGap=44),
+        "series": series,
+    }
+
+
+def _title(text: str) -> Options:
+    return {"text": text, "left": "center", "textStyle": {"color": INK, "fontSize": 15}}
+
+
+def motion(curves: Options, limits: dict[str, float]) -> Options:
+    """Return U, velocity, acceleration and jerk over a turn, one above the other.
+
+    Parameters
+    ----------
+    limits : dict
+        Of the machine, by the name of the curve; each is drawn where the scale reaches it.
+    """
+    n = len(MOTION)
+    part = 100 / n
+    grids, x_axes, y_axes, series, peaks = [], [], [], [], []
+    for i, (key, name, unit) in enumerate(MOTION):
+        values = curves["motion"][key]
+        step = 360 / len(values)
+        points = [[i_angle * step, value] for i_angle, value in enumerate([*values, values[0]])]
+        grids.append(
+            {"left": 84, "right": 20, "top": f"{i * part + 6:.1f}%", "height": f"{part - 8.5:.1f}%"}
+        )
+        is_last = i == n - 1
+        x_axes.append(
+            _axis("drawing's angle / °" if is_last else "", gridIndex=i, nameGap=24)
+            | {"min": 0, "max": 360, "interval": 45, "scale": False}
+            | {"axisLabel": {"color": INK, "show": is_last}}
+        )
+        y_axes.append(_axis(f"{name} / {unit}", gridIndex=i, nameGap=62, splitNumber=3))
+        peaks.append(_peak(curves, key, name, unit, limits.get(key), i * part))
+        line = _line(name, points, _COLOURS[0], xAxisIndex=i, yAxisIndex=i)
+        if (limit := limits.get(key)) is not None:
+            line["markLine"] = _limit_lines(limit, unit)
+        series.append(line)
+    speed = f"{curves['rpm']:.6g} r/min"
+    kind = "mean " if curves["is_modulated"] else ""
+    return {
+        "animation": False,
+        "title": [_title(f"U over one turn at {kind}{speed}"), *peaks],
+        "tooltip": {"trigger": "axis"},
+        "axisPointer": {"link": [{"xAxisIndex": "all"}]},
+        "grid": grids,
+        "xAxis": x_axes,
+        "yAxis": y_axes,
+        "series": series,
+    }
+
+
+def _peak(
+    curves: Options, key: str, name: str, unit: str, limit: float | None, top_percent: float
+) -> Options:
+    """Return a line above a panel: the largest value, and how much of the limit that is."""
+    if key == "u_um":
+        text = f"stroke at this height {curves['stroke_um']:.5g} {unit}"
+    else:
+        text = f"largest {name} at this height {curves['peaks'][key]:.5g} {unit}"
+        if limit is not None:
+            text += f", {100 * curves['peaks'][key] / limit:.3g} % of the limit {limit:.6g}"
+    return {
+        "text": text,
+        "right": 20,
+        "top": f"{top_percent + 2.6:.1f}%",
+        "textStyle": {"color": INK, "fontSize": 12, "fontWeight": "normal"},
+    }
+
+
+def _limit_lines(limit: float, unit: str) -> Options:
+    return {
+        "silent": True,
+        "symbol": "none",
+        "data": [{"yAxis": limit}, {"yAxis": -limit}],
+        "label": {"formatter": f"limit {limit:.6g} {unit}", "position": "insideStartBottom"}
+        | {"color": RED},
+        "lineStyle": {"color": RED, "type": "dashed"},
+    }

@@ -1,0 +1,205 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Cut it: machine, speed, feed, learning and seed; progress, time left, and the report beside.
+
+Marks of elements: cut-machine, cut-rpm, cut-feed, cut-learns, cut-seed, cut, cut-stop,
+cut-progress, cut-state, cut-report (the frame), cut-machine-upload.
+
+>>> time_left_text(12.3, 30.0)
+'12 s so far, about 18 s left'
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Awaitable, Callable
+
+from nicegui import events, ui
+
+from camtools.base.errors import CamtoolsError
+from camtools.base.words import duration_text
+from camtools.panel.design.shelf import checked_name
+from camtools.panel.runs.options import OF_THE_PART, RunOptions
+from camtools.panel.runs.store import DONE, OWN, Run
+from camtools.panel.visitor import Visitor
+from camtools.panel.workshop import Workshop
+
+_SHOW_S = 0.25
+_MAX_MACHINE_BYTES = 100_000
+
+
+def time_left_text(gone_s: float, whole_s: float | None) -> str:
+    """Return how long a run goes on and how long it will, where that is known."""
+    gone = f"{gone_s:.0f} s so far"
+    if whole_s is None:
+        return gone
+    return f"{gone}, about {duration_text(max(1.0, round(whole_s - gone_s)))} left"
+
+
+def report_url(run: Run) -> str:
+    """Return where the report of a run is served."""
+    return f"/reports/{run.place}/{run.name}/report.html"
+
+
+class CutView:
+    """The card that cuts the part of the editor.
+
+    Parameters
+    ----------
+    workshop : Workshop
+        Of the panel.
+    visitor : Visitor
+        Who asks.
+    cut : callable
+        Starts a run with options; returns its name, or raises CamtoolsError.
+    """
+
+    def __init__(
+        self,
+        workshop: Workshop,
+        visitor: Visitor,
+        cut: Callable[[RunOptions], Awaitable[str]],
+    ) -> None:
+        self._workshop, self._visitor, self._cut = workshop, visitor, cut
+        self._mine = ""
+        self._shown_report = ""
+        with ui.row().classes("items-center q-gutter-sm"):
+            self._choices()
+            self._button = ui.button("Cut it", icon="play_arrow", on_click=self._start).mark("cut")
+            self._stop = ui.button("Stop", icon="stop", on_click=self._stop_run).mark("cut-stop")
+            for one in (self._button, self._stop):
+                one.bind_enabled_from(visitor, "has_token")
+        self._bar = (
+            ui.linear_progress(value=0, show_value=False)
+            .props('aria-label="progress of the cut"')
+            .mark("cut-progress")
+        )
+        self._state = ui.label("").props('role="status"').mark("cut-state")
+        self._frame = (
+            ui.element("iframe")
+            .props('sandbox="allow-scripts" title="report of the cut" loading="lazy"')
+            .classes("report-frame")
+            .mark("cut-report")
+        )
+        self._frame.set_visibility(False)
+        ui.timer(_SHOW_S, self.show)
+        self.show()
+
+    def _choices(self) -> None:
+        self._machine = (
+            ui.select(self._machines(), value=OF_THE_PART, label="machine")
+            .props("dense outlined options-dense")
+            .classes("cut-field")
+            .mark("cut-machine")
+        )
+        self._rpm = ui.number("speed / r/min", min=0, placeholder="of the part").mark("cut-rpm")
+        self._feed = ui.number("feed / mm/turn", min=0, placeholder="of the part").mark("cut-feed")
+        self._seed = ui.number("seed", value=1, min=0, precision=0).mark("cut-seed")
+        for one in (self._rpm, self._feed, self._seed):
+            one.props("dense outlined stack-label").classes("cut-field")
+        self._learns = ui.switch("learning", value=True).mark("cut-learns")
+        with self._learns:
+            ui.tooltip("off: the controller learns nothing, also where it measures U")
+        upload = ui.upload(
+            label="machine file",
+            auto_upload=True,
+            max_file_size=_MAX_MACHINE_BYTES,
+            on_upload=self._take_machine,
+        )
+        upload.props('accept=".toml" flat bordered dense').classes("upload")
+        upload.mark("cut-machine-upload").bind_visibility_from(self._visitor, "has_token")
+
+    def _machines(self) -> dict[str, str]:
+        names = self._workshop.machine_names()
+        return {OF_THE_PART: "limits of the part"} | {name: name for name in names}
+
+    async def _take_machine(self, event: events.UploadEventArguments) -> None:
+        """Keep a machine file of one's own."""
+        if problem := self._workshop.may(self._visitor, "machine upload"):
+            ui.notify(problem, type="negative")
+            return
+        try:
+            name = checked_name(event.file.name.removesuffix(".toml"))
+            self._workshop.keep_machine(name, await event.file.read())
+        except CamtoolsError as error:
+            ui.notify(str(error), type="negative")
+            return
+        self._machine.set_options(self._machines(), value=name)
+        self._workshop.note(self._visitor, "machine upload", {"name": name}, "kept")
+
+    def _options(self) -> RunOptions:
+        rpm, feed = self._rpm.value, self._feed.value
+        return RunOptions(
+            machine=str(self._machine.value),
+            rpm=None if rpm is None else float(rpm),
+            feed_mm=None if feed is None else float(feed),
+            learns=bool(self._learns.value),
+            seed=int(self._seed.value or 0),
+        )
+
+    async def _start(self) -> None:
+        if problem := self._workshop.may(self._visitor, "cut"):
+            ui.notify(problem, type="negative")
+            return
+        try:
+            options = self._options()
+            self._mine = await self._cut(options)
+        except CamtoolsError as error:
+            for line in error.lines[:5]:
+                ui.notify(line, type="negative", timeout=10_000)
+            return
+        self._workshop.note(self._visitor, "cut", options.told() | {"run": self._mine}, "queued")
+        self.show()
+
+    def _stop_run(self) -> None:
+        if problem := self._workshop.may(self._visitor, "stop a run"):
+            ui.notify(problem, type="negative")
+            return
+        queue = self._workshop.queue
+        running = queue.running.name if queue.running else ""
+        name = self._mine if self._mine in (running, *queue.waiting) else running
+        if name:
+            queue.stop(name)
+            self._workshop.note(self._visitor, "stop a run", {"run": name}, "asked to stop")
+
+    def show(self) -> None:
+        """Bring progress and report up to date."""
+        queue = self._workshop.queue
+        self._stop.set_visibility(queue.running is not None)
+        if queue.running is not None:
+            self._show_progress()
+            return
+        self._bar.value = 0
+        self._show_end()
+
+    def _show_progress(self) -> None:
+        queue = self._workshop.queue
+        assert queue.running is not None
+        progress, gone_s = queue.progress, time.time() - queue.begun_s
+        whole_s = self._workshop.last_took_s(queue.running)
+        if progress.left_s is not None:
+            whole_s = gone_s + progress.left_s
+        share = progress.share
+        if share is None and whole_s:
+            share = min(0.99, gone_s / whole_s)
+        self._bar.value = share or 0.0
+        waits = f"; {len(queue.waiting)} wait" if queue.waiting else ""
+        left = time_left_text(gone_s, whole_s)
+        self._state.text = f"{queue.running.name}: {progress.text}; {left}{waits}"
+
+    def _show_end(self) -> None:
+        if not self._mine or self._mine == self._shown_report:
+            return
+        try:
+            run = self._workshop.store.run(f"{OWN}/{self._mine}")
+        except CamtoolsError as error:
+            self._state.text = str(error)
+            self._shown_report = self._mine
+            return
+        if run.status == DONE:
+            self._state.text = f"{run.name}: {run.verdict}, {run.options.text()}"
+            self._frame.props["src"] = report_url(run)
+            self._frame.update()
+            self._frame.set_visibility(run.has_report)
+        else:
+            self._state.text = f"{run.name}: {run.status}; {run.told}"
+        self._shown_report = self._mine

@@ -1,0 +1,146 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The preview beside the editor: charts, verdict, margins, size; the last good one stays visible.
+
+Marks of elements: preview-state, section-chart, profile-chart, motion-chart, height, magnify,
+verdict, speed, table-size, margins.
+
+>>> PreviewView.__name__
+'PreviewView'
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from nicegui import ui
+
+from camtools.panel.design import charts
+from camtools.panel.design.told import margin_rows, table_words, verdict_words
+
+Answer = dict[str, Any]
+_MAGNIFY = {0: "as seen well", 1: "true to scale"} | {n: f"{n} times" for n in (10, 100, 1000)}
+_COLUMNS = (("limit", "limit"), ("needed", "needed"), ("of", "of"), ("left", "left"))
+
+
+class PreviewView:
+    """Charts and numbers of a part.
+
+    Parameters
+    ----------
+    on_height : callable
+        Called with a height [mm] when another one is chosen.
+    """
+
+    def __init__(self, on_height: Callable[[float], None]) -> None:
+        self._on_height = on_height
+        self._curves: Answer = {}
+        self._is_showing = False
+        with ui.column().classes("full-width q-gutter-xs"):
+            with ui.row().classes("items-baseline q-gutter-md"):
+                self._verdict = ui.label("").classes("verdict").mark("verdict")
+                self._speed = ui.label("").mark("speed")
+            self._size = ui.column().classes("q-gutter-none").mark("table-size")
+        with ui.row().classes("items-center full-width q-gutter-md"):
+            self._state = ui.label("").props('role="status"').mark("preview-state")
+            ui.space()
+            self._magnify = (
+                ui.select(_MAGNIFY, value=0, label="deviations", on_change=self._draw_section)
+                .props("dense outlined options-dense")
+                .classes("magnify")
+                .mark("magnify")
+            )
+        with ui.row().classes("items-center full-width no-wrap"):
+            self._height_label = ui.label("height")
+            self._height = (
+                ui.slider(min=0, max=1, step=0.001, value=0.5, on_change=self._height_moved)
+                .props('aria-label="height of the section"')
+                .mark("height")
+            )
+        with ui.element("div").classes("preview-charts full-width"):
+            self._section = _chart("section", "Section at the chosen height")
+            self._profile = _chart("profile", "Diameters over the height")
+            self._motion = _chart("motion", "U, velocity, acceleration and jerk over a turn")
+        columns = [
+            {"name": key, "field": key, "label": label, "align": "left"} for key, label in _COLUMNS
+        ]
+        self._margins = (
+            ui.table(columns=columns, rows=[], row_key="limit")
+            .props("dense flat hide-pagination :rows-per-page-options='[0]'")
+            .classes("full-width margins")
+            .mark("margins")
+        )
+
+    def take(self, answer: Answer) -> None:
+        """Show an answer of the engine."""
+        stage = answer["stage"]
+        if stage == "curves":
+            self._take_curves(answer)
+        elif stage == "table":
+            self._take_table(answer)
+        elif stage in ("problems", "lost"):
+            self._mark_old()
+
+    def _take_curves(self, answer: Answer) -> None:
+        self._curves = answer
+        low, high = answer["heights_mm"]
+        self._is_showing = True
+        self._height.props(f"min={low!r} max={high!r} step={(high - low) / 500!r}")
+        self._height.value = answer["height_mm"]
+        self._is_showing = False
+        self._height_label.text = f"height {answer['height_mm']:.6g} mm"
+        self._draw_section()
+        _set(self._profile, charts.profile(answer))
+        _set(self._motion, charts.motion(answer, answer["limits"]))
+        self._state.text = "the table is being made"
+        self._state.classes(remove="is-old")
+        self._old(self._verdict, self._speed, self._size, self._margins)
+
+    def _take_table(self, answer: Answer) -> None:
+        word, speed = verdict_words(answer)
+        self._verdict.text, self._speed.text = word, speed
+        self._verdict.classes(
+            add="is-good" if answer["is_feasible"] else "is-bad",
+            remove="is-bad" if answer["is_feasible"] else "is-good",
+        )
+        self._size.clear()
+        with self._size:
+            for line in table_words(answer):
+                ui.label(line)
+        self._margins.rows = margin_rows(answer)
+        self._state.text = "preview of this text"
+        for one in (self._verdict, self._speed, self._size, self._margins):
+            one.classes(remove="is-old")
+
+    def _mark_old(self) -> None:
+        self._state.text = "the text has problems: this is the last good preview"
+        self._state.classes(add="is-old")
+        self._old(self._verdict, self._speed, self._size, self._margins)
+        for one in (self._section, self._profile, self._motion):
+            one.classes(add="is-old")
+
+    def _old(self, *elements: ui.element) -> None:
+        for one in elements:
+            one.classes(add="is-old")
+
+    def _draw_section(self) -> None:
+        if not self._curves:
+            return
+        _set(self._section, charts.section(self._curves, float(self._magnify.value) or None))
+
+    def _height_moved(self) -> None:
+        if not self._is_showing and self._curves:
+            self._on_height(float(self._height.value))
+
+
+def _chart(key: str, name: str) -> ui.echart:
+    chart = ui.echart({"animation": False}).classes(f"camturn-chart {key}-chart")
+    return chart.props(f'role="img" aria-label="{name}"').mark(f"{key}-chart")
+
+
+def _set(chart: ui.echart, options: Answer) -> None:
+    """Give a chart other options; one that showed an old preview does no more."""
+    chart.options.clear()
+    chart.options.update(options)
+    chart.classes(remove="is-old")
+    chart.update()

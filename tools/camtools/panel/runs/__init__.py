@@ -1,0 +1,1 @@
+"""Runs of parts on the simulator: kept in folders, cut one after the other, compared."""

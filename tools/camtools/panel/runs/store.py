@@ -1,0 +1,278 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Runs that are kept: a folder each, with the part file, what it was cut with, and the results.
+
+Of the panel's own runs the newest 40 are kept, and 4 GB of them at most; what goes first is the
+oldest. Runs of tools/run in build/run are shown too, and never changed.
+
+>>> import tempfile
+>>> store = RunStore(Path(tempfile.mkdtemp()), Path(tempfile.mkdtemp()))
+>>> folder = store.new("skirt", "[part]", RunOptions(), at_s=0.0)
+>>> folder.name, [run.status for run in store.runs()]
+('skirt-001', ['waiting'])
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from camtools.base.errors import CamtoolsError
+from camtools.base.json_text import Json
+from camtools.base.output import write_all
+from camtools.panel.runs.options import RunOptions
+from camtools.sim.camsim import SUMMARY
+
+PART = "part.toml"
+ABOUT = "run.panel.json"  # no name of a part has a point, so none of its files is called that
+REPORT = "report.html"
+MOST_RUNS, MOST_BYTES = 40, 4 << 30
+WAITING, RUNNING, DONE, FAILED, STOPPED = "waiting", "running", "done", "failed", "stopped"
+OWN, OTHER = "own", "tools-run"
+_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,60}\Z")
+_NUMBERED = re.compile(r"(.+)-(\d{3,})\Z")
+_MOST_SUMMARY_BYTES = 50_000_000
+
+
+@dataclass(frozen=True)
+class Run:
+    """What is known about a run.
+
+    Attributes
+    ----------
+    place : str
+        OWN, or OTHER for those of tools/run.
+    name : str
+        Of its folder.
+    at_s : float
+        When it was asked for [s of time.time].
+    status : str
+        waiting, running, done, failed or stopped.
+    told : str
+        Last line of the command, where it failed.
+    took_s : float or None
+        How long it took.
+    """
+
+    place: str
+    name: str
+    folder: Path
+    part: str
+    at_s: float
+    options: RunOptions
+    status: str
+    told: str = ""
+    took_s: float | None = None
+    verdict: str = ""
+    form_um: float | None = None
+    tolerance_um: float | None = None
+    following_um: float | None = None
+    machine: str = ""
+    has_report: bool = False
+
+    @property
+    def key(self) -> str:
+        """Return what no other run has."""
+        return f"{self.place}/{self.name}"
+
+
+class RunStore:
+    """The folders of runs.
+
+    Parameters
+    ----------
+    folder : Path
+        Of the panel's runs.
+    others : Path
+        Of those of tools/run.
+    """
+
+    def __init__(self, folder: Path, others: Path) -> None:
+        self._folders = {OWN: folder, OTHER: others}
+
+    def new(
+        self,
+        name: str,
+        text: str,
+        options: RunOptions,
+        *,
+        at_s: float,
+        files: dict[str, bytes] | None = None,
+    ) -> Path:
+        """Return a new folder NAME-NNN with a part file and what it will be cut with.
+
+        Parameters
+        ----------
+        files : dict, optional
+            What else lies in it: files that the part names, by their place seen from it.
+        """
+        if not _NAME.match(name):
+            raise CamtoolsError([f"name {name[:40]!r}: not usable; give letters and digits"])
+        place = self._folders[OWN]
+        place.mkdir(parents=True, exist_ok=True)
+        taken = [_NUMBERED.match(path.name) for path in place.iterdir()]
+        last = max((int(one[2]) for one in taken if one and one[1] == name), default=0)
+        folder = place / f"{name}-{last + 1:03d}"
+        folder.mkdir()
+        for file, data in (files or {}).items():
+            (folder / file).parent.mkdir(parents=True, exist_ok=True)
+            (folder / file).write_bytes(data)
+        (folder / PART).write_bytes(text.encode("utf-8"))
+        self.note(
+            folder, {"part": name, "at_s": at_s, "options": options.told(), "status": WAITING}
+        )
+        return folder
+
+    def note(self, folder: Path, about: Json) -> None:
+        """Write what is known about a run, over what was known before."""
+        known = _about(folder) | about
+        write_all(folder, {ABOUT: json.dumps(known, indent=1).encode("ascii")})
+
+    def runs(self) -> list[Run]:
+        """Return all runs, the newest first."""
+        found = [
+            run
+            for place, folder in self._folders.items()
+            if folder.is_dir()
+            for path in folder.iterdir()
+            if _NAME.match(path.name) and path.is_dir() and not path.is_symlink()
+            if (run := _read(place, path)) is not None
+        ]
+        return sorted(found, key=lambda run: (-run.at_s, run.name))
+
+    def run(self, key: str) -> Run:
+        """Return a run by its key.
+
+        Raises
+        ------
+        CamtoolsError
+            There is none.
+        """
+        place, _, name = key.partition("/")
+        folder = self._folders.get(place)
+        if folder is not None and _NAME.match(name):
+            path = folder / name
+            if path.is_dir() and not path.is_symlink():
+                found = _read(place, path)
+                if found is not None:
+                    return found
+        raise CamtoolsError([f"run {key[:80]!r}: there is none; it may have been removed"])
+
+    def remove(self, key: str) -> None:
+        """Remove a run of the panel.
+
+        Raises
+        ------
+        CamtoolsError
+            It is going on, or it is one of tools/run.
+        """
+        run = self.run(key)
+        if run.place != OWN:
+            raise CamtoolsError([f"{run.name}: is of tools/run; remove it by tools/run --keep"])
+        if run.status in (WAITING, RUNNING):
+            raise CamtoolsError([f"{run.name}: is {run.status}; stop it first"])
+        shutil.rmtree(run.folder)
+
+    def tidy(self, most_runs: int = MOST_RUNS, most_bytes: int = MOST_BYTES) -> list[str]:
+        """Remove the oldest finished runs beyond what is kept; return their names."""
+        ended = [
+            run for run in self.runs() if run.place == OWN and run.status not in (WAITING, RUNNING)
+        ]
+        n_bytes, removed = 0, []
+        for i, run in enumerate(ended):
+            n_bytes += sum(f.lstat().st_size for f in run.folder.rglob("*") if f.is_file())
+            if i >= most_runs or (n_bytes > most_bytes and i > 0):
+                shutil.rmtree(run.folder, ignore_errors=True)
+                removed.append(run.name)
+        return removed
+
+    def end_lost(self) -> None:
+        """Mark runs as stopped that an earlier panel did not end."""
+        for run in self.runs():
+            if run.place == OWN and run.status in (WAITING, RUNNING):
+                self.note(run.folder, {"status": STOPPED, "told": "the panel ended before it did"})
+
+
+def _about(folder: Path) -> Json:
+    try:
+        found: Any = json.loads((folder / ABOUT).read_bytes())
+    except (OSError, ValueError):
+        return {}
+    return found if isinstance(found, dict) else {}
+
+
+def _stamp(path: Path) -> tuple[int, int]:
+    state = path.stat()
+    return state.st_mtime_ns, state.st_size
+
+
+@lru_cache(maxsize=256)
+def _summary(path: Path, _stamped: tuple[int, int]) -> Json:
+    found: Json = json.loads(path.read_bytes())
+    return found
+
+
+def summary_of(folder: Path) -> Json | None:
+    """Return the summary of a cut, nothing where there is none."""
+    path = folder / SUMMARY
+    try:
+        stamp = _stamp(path)
+        if stamp[1] > _MOST_SUMMARY_BYTES:
+            return None
+        return _summary(path, stamp)
+    except (OSError, ValueError):
+        return None
+
+
+def verdict_word(summary: Json) -> str:
+    """Return the verdict of a cut in a few words."""
+    if "fault" in summary:
+        return "fault: " + ", ".join(summary.get("first_faults", []))
+    form = summary["form_error_um"]
+    if form["max"] is None:
+        return "nothing cut"
+    if form["max"] > form["tolerance"]:
+        return "out of tolerance"
+    if summary["end"] != "done":
+        return f"incomplete: {summary['end']}"
+    return "within tolerance" if summary["is_good"] else "not gauged"
+
+
+def _read(place: str, folder: Path) -> Run | None:
+    """Return a run, nothing where a folder is none."""
+    about, summary = _about(folder), summary_of(folder)
+    if place == OTHER and (summary is None or "run_wall_time_s" not in summary):
+        return None
+    if place == OWN and "part" not in about:
+        return None
+    at_s = about.get("at_s")
+    if at_s is None:
+        at_s = (folder / SUMMARY).stat().st_mtime
+    run = Run(
+        place,
+        folder.name,
+        folder,
+        str(about.get("part", (summary or {}).get("part", folder.name))),
+        float(at_s),
+        RunOptions.of(about.get("options", {})),
+        str(about.get("status", DONE)),
+        str(about.get("told", "")),
+        about.get("took_s"),
+        has_report=(folder / REPORT).is_file(),
+    )
+    if summary is None:
+        return run
+    form, following = summary["form_error_um"], summary["following_error_um"]
+    return replace(
+        run,
+        verdict=verdict_word(summary),
+        form_um=form["max"],
+        tolerance_um=form["tolerance"],
+        following_um=following["max"],
+        machine=str(summary.get("machine", "")),
+        took_s=run.took_s or summary.get("run_wall_time_s"),
+    )
