@@ -15,6 +15,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from camtools.base.errors import CamtoolsError, shown
+from camtools.link.convergence import Lessons
 from camtools.link.strobe import Samples
 from camtools.panel.command_log import CommandLog
 from camtools.panel.commander import Commander
@@ -61,6 +62,10 @@ class Desk:
         The controller sends them only while somebody asks at least every two seconds.
         """
         return self._thread.samples()
+
+    def lessons(self) -> Lessons:
+        """Return how the error fell while the controller learned; never waits."""
+        return self._thread.lessons()
 
     def parameters(self) -> ParameterSet | None:
         """Return all parameters, None while they are not read; never waits.

@@ -19,6 +19,7 @@ from typing import Any
 
 from camtools.base.errors import CamtoolsError
 from camtools.link.controller import NUMBERS, SILENT_S, Link, Refused, Status
+from camtools.link.convergence import Convergence, Lessons
 from camtools.link.parameters import INFOS
 from camtools.link.refusal import ask_done
 from camtools.link.strobe import Samples, Strobe
@@ -89,6 +90,7 @@ class LinkThread:
         self._is_breaking = False
         self._shown_s = 0.0
         self._strobe: Strobe | None = None
+        self._convergence = Convergence()
         self._strobe_problem = False
         self._strobe_asked_s = self._parameters_asked_s = -1e9
         self._followed_s = 0.0
@@ -113,6 +115,10 @@ class LinkThread:
         self._strobe_asked_s = time.monotonic()
         strobe = self._strobe
         return strobe.samples() if strobe is not None else NO_SAMPLES
+
+    def lessons(self) -> Lessons:
+        """Return how the error fell while the controller learned, as far as the status told."""
+        return self._convergence.lessons()
 
     def parameters(self) -> ParameterSet | None:
         """Return all parameters; while this is called they are read, anew when one changes."""
@@ -192,6 +198,7 @@ class LinkThread:
         if now_s - self._shown_s >= SHOW_S:
             self._shown_s = now_s
             self._snapshot = snapshot_of(status, link.where, self._work)
+            self._convergence.add(status.signals)
 
     def _carry_out_urgent(self, link: Link) -> None:
         """Carry the urgent jobs out; what waited behind them is dropped."""

@@ -37,9 +37,11 @@ class ErrorCard:
             self._draw_statistics()
             with ui.element("div").classes("op-charts"):
                 self._charts = {kind: self._draw(kind) for kind in (UNROLLED, POLAR)}
+            self._beyond = ui.label("").classes("op-note")
             ui.label(
                 "Dots: single ticks of the last 50 turns, the older the fainter. Solid line: their "
-                "mean. Dashed lines: tolerance. Angle of the drawing, seen from the headstock."
+                "mean. Dashed lines: tolerance. "
+                "Angle in the sense of cutting, seen from the headstock: with M3 the drawing's."
             ).classes("op-notes")
 
     def _draw_statistics(self) -> None:
@@ -80,7 +82,10 @@ class ErrorCard:
         self._rms.show(plain(told.rms_um, 3))
         self._turns.show(plain(told.turns, 0))
         is_outside = told.max_um > self._limit_um
+        is_beyond = self._limit_um > self._full_um
+        beyond = f"The tolerance of ±{self._limit_um:g} µm lies beyond the scale."
         self._outside.set_text("outside of the tolerance" if is_outside else "")
+        self._beyond.set_text(beyond if is_beyond else "")
         changes = self._trail.changes(shown)
         full_um = self._scale.follow(told.max_um)
         is_new = full_um != self._full_um

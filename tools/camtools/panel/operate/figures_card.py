@@ -11,7 +11,7 @@ from camtools.panel.views import numbers
 from camtools.panel.views.numbers import Field
 
 _BIG = (numbers.SPEED, numbers.FOLLOWING)
-_ROWS = (*numbers.AXES, numbers.LONGEST_TICK, numbers.LATE_TICKS)
+_ROWS = numbers.AXES
 
 
 class Dial:

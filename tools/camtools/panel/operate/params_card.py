@@ -18,7 +18,15 @@ from camtools.panel.views.parameter_rows import judged, rows
 
 _MOST_BYTES = 1 << 20
 _COLUMNS = [
-    {"name": name, "label": label, "field": name, "align": align, "sortable": True, "classes": kind}
+    {
+        "name": name,
+        "label": label,
+        "field": name,
+        "align": align,
+        "sortable": True,
+        "classes": kind,
+        "headerClasses": kind,
+    }
     for name, label, align, kind in (
         ("name", "Parameter", "left", "op-param-name"),
         ("value", "Value", "right", "op-number"),
@@ -64,7 +72,9 @@ class ParamsCard:
             max_file_size=_MOST_BYTES,
             on_upload=self._uploaded,
         )
-        upload.classes("op-upload").props('accept=".toml" flat bordered data-testid=params-file')
+        upload.classes("op-upload").props(
+            'accept=".toml" color=blue-grey-9 flat bordered data-testid=params-file'
+        )
         self._differs = ui.element("ul").classes("op-log").props("data-testid=params-differences")
         self._differs.set_visibility(False)
 
@@ -106,8 +116,8 @@ class ParamsCard:
             field.on_value_change(look)
             with ui.row().classes("op-dialog-buttons"):
                 cancel_button(dialog, "param")
-                agree = ui.button("Set", on_click=lambda: dialog.submit(field.value))
-                agree.props("no-caps unelevated data-testid=param-set")
+                agree = ui.button("Set", on_click=lambda: dialog.submit(field.value), color=None)
+                agree.classes("op-do").props("no-caps unelevated data-testid=param-set")
         answer = await dialog
         dialog.delete()
         return None if answer is None else str(answer)

@@ -50,8 +50,8 @@ async def confirmed(title: str, text: str, yes: str) -> bool:
         ui.label(text)
         with ui.row().classes("op-dialog-buttons"):
             cancel_button(dialog, "question")
-            agree = ui.button(yes, on_click=lambda: dialog.submit(True))
-            agree.props("no-caps unelevated data-testid=question-yes")
+            agree = ui.button(yes, on_click=lambda: dialog.submit(True), color=None)
+            agree.classes("op-do").props("no-caps unelevated data-testid=question-yes")
     answer = await dialog
     dialog.delete()
     return bool(answer)

@@ -50,8 +50,8 @@ class TableCard:
             self._chosen = ui.label("No table chosen yet.").classes("op-note")
             self._chosen.props("role=status data-testid=table-chosen")
             with ui.element("div").classes("op-row"):
-                one = ui.button("Download and use", on_click=self._next)
-                one.props("no-caps unelevated data-testid=table-next").classes("op-button")
+                one = ui.button("Download and use", on_click=self._next, color=None)
+                one.props("no-caps unelevated data-testid=table-next").classes("op-button op-do")
                 orders.guard(one, "table")
                 one = ui.button("Download beside", on_click=self._download)
                 orders.guard(one.props("no-caps outline data-testid=table-download"), "table")
@@ -76,7 +76,9 @@ class TableCard:
             on_upload=self._uploaded,
             on_rejected=lambda: self._orders.refuse("table file", "larger than 16 MB"),
         )
-        upload.classes("op-upload").props('accept=".camtab" data-testid=table-file flat bordered')
+        upload.classes("op-upload").props(
+            'accept=".camtab" color=blue-grey-9 data-testid=table-file flat bordered'
+        )
 
     def _take(self, image: bytes, name: str) -> None:
         if not image.startswith(_BEGIN):

@@ -6,7 +6,8 @@ Marks for tests are attributes `data-testid`:
 - state: `state` (the word), `first` (what to do first), `where`, `missing` (list), `faults` (each
   with `data-fault`), `black-box`, `problem`, `stop`, `last-order`, `rights` (why orders are off)
 - numbers: `value-` and speed, following, angle, u-set, u-actual, x-radius, x-diameter, z,
-  tick-longest, tick-late, error-max, error-rms, error-turns; `notes`
+  progress, time-left, parts, error-max, error-rms, error-turns; `notes`, `progress-bar`,
+  `progress-text`, `load`, `learning`
 - charts: `error-unrolled`, `error-polar`; `getElement(id).chart.on("finished", ..)` counts updates
 - orders: `do-` and enable, start, hold, resume, disable, reset, home, manual; `question-yes`,
   `question-cancel`
@@ -17,7 +18,7 @@ Marks for tests are attributes `data-testid`:
 - `log`, `help`, `help-close`, `keys-on`; token and command are in the frame
 
 >>> FAST_S, SLOW_S, UNSEEN_S
-(0.1, 0.5, 2.0)
+(0.08, 0.5, 2.0)
 """
 
 from __future__ import annotations
@@ -33,15 +34,17 @@ from camtools.panel.operate.figures_card import FiguresCard
 from camtools.panel.operate.guide_card import GuideCard
 from camtools.panel.operate.hand_card import HandCard
 from camtools.panel.operate.help import Help
+from camtools.panel.operate.learning_card import LearningCard
 from camtools.panel.operate.log_card import LogCard
 from camtools.panel.operate.orders import Orders
 from camtools.panel.operate.params_card import ParamsCard
+from camtools.panel.operate.progress_card import ProgressCard
 from camtools.panel.operate.state_bar import StateBar
 from camtools.panel.operate.table_card import TableCard
 from camtools.panel.views.missing import way_on
 from camtools.panel.visitor import Visitor
 
-FAST_S, SLOW_S = 0.1, 0.5  # between two updates of numbers and charts, and of the rest
+FAST_S, SLOW_S = 0.08, 0.5  # between two updates of numbers and charts, and of the rest
 UNSEEN_S = 2.0  # of a page whose tab is hidden
 
 
@@ -70,8 +73,10 @@ class OperatePage:
             with ui.element("div").classes("op-column"):
                 self._guide = GuideCard()
                 self._figures = FiguresCard()
+                self._progress = ProgressCard()
             with ui.element("div").classes("op-column"):
                 self._error = ErrorCard()
+                self._learning = LearningCard()
             with ui.element("div").classes("op-column"):
                 self._commands = CommandCard(self._orders)
                 self._adjust = AdjustCard(self._orders)
@@ -123,6 +128,7 @@ class OperatePage:
         if not self._is_seen:
             return
         self._figures.show(snapshot)
+        self._progress.show(snapshot)
         self._error.show(self._context.desk.strobe())
 
     def _show_slow(self) -> None:
@@ -133,6 +139,7 @@ class OperatePage:
         self._page.classes(replace=f"op-page op-beat-{'a' if self._beat else 'b'}{lost}")
         for one in (self._commands, self._adjust, self._hand, self._table):
             one.show(snapshot)
+        self._learning.show(snapshot, self._context.desk.lessons())
         self._params.show(self._context.desk.parameters())
         self._log.show()
 

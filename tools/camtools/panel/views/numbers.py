@@ -79,10 +79,8 @@ class Field:
     is_signed: bool = False
 
     def text(self, signals: Mapping[str, float]) -> str:
-        """Return the number as it is shown; a longest tick of 0 was not measured."""
+        """Return the number as it is shown."""
         value = signals.get(self.signal)
-        if self.signal == "tick_time_max":
-            value = value or None
         scaled = None if value is None else value * self.factor
         return (signed if self.is_signed else plain)(scaled, self.decimals)
 
@@ -101,7 +99,6 @@ FEED_OVERRIDE = Field("feed-override", "Feed", "%", "override_of_feed", 0)
 SPINDLE_OVERRIDE = Field("spindle-override", "Spindle", "%", "override_of_spindle", 0)
 TRIM = Field("trim", "Trim of the diameter", "µm", "trim_of_x", 1, 2 * _UM_PER_MM, is_signed=True)
 PARTS = Field("parts", "Parts cut", "parts", "parts_cut", 0)
-LONGEST_TICK = Field("tick-longest", "Longest tick", "µs", "tick_time_max", 1)
 LATE_TICKS = Field("tick-late", "Late ticks", "ticks", "late_ticks", 0)
 AXES = (U_SET, U_ACTUAL, X_RADIUS, X_DIAMETER, Z_HEIGHT)
 

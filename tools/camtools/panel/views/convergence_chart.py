@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Error of U over the lessons of learning, as options of ECharts and as words.
+
+>>> points_of([1, 2, 4], [8.0, 0.0, 0.5])
+[[1, 8.0], [4, 0.5]]
+>>> words({"learn_phase": 3.0, "learn_reason": 0.0, "learn_error": 0.5, "learn_begin_error": 8.0,
+...        "learn_turns": 4.0})
+'drive; 0.500 µm rms now, 8.000 µm at first, after 4 turns'
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from camtools.link.controller import NAMES
+
+MOST_POINTS = 300
+_INK, _FAINT, _LINE = "#37474f", "#c4ccd0", "#0d47a1"
+
+
+def points_of(turns: Sequence[int], errors_um: Sequence[float]) -> list[list[float]]:
+    """Return the points of a logarithmic scale, which has no zero, thinned evenly to the newest."""
+    pairs = [[t, round(e, 4)] for t, e in zip(turns, errors_um, strict=True) if e > 0]
+    stride = -(-len(pairs) // MOST_POINTS) or 1
+    return pairs[::-1][::stride][::-1]
+
+
+def words(signals: Mapping[str, float]) -> str:
+    """Return what learning does, a clause; why not everything is learned in brackets."""
+    phase = NAMES["learn_phase"].get(int(signals.get("learn_phase", -1)), "unknown")
+    reason = NAMES["learn_reason"].get(int(signals.get("learn_reason", 0)), "unknown")
+    why = "" if reason == "all" else f" ({reason.replace('_', ' ')})"
+    turns = signals.get("learn_turns", 0.0)
+    if not turns:
+        return f"{phase}{why}; nothing learned yet"
+    now, first = signals.get("learn_error", 0.0), signals.get("learn_begin_error", 0.0)
+    told = f"{now:.3f} µm rms now, {first:.3f} µm at first"
+    return f"{phase}{why}; {told}, after {turns:.0f} turns"
+
+
+def options() -> dict[str, Any]:
+    """Return the options of an empty chart."""
+    label = {"color": _INK, "fontSize": 13}
+    axis = {"axisLabel": label, "splitLine": {"lineStyle": {"color": _FAINT}}}
+    named = {"nameTextStyle": label, "nameLocation": "middle"}
+    return {
+        "animation": False,
+        "grid": [{"left": 64, "right": 18, "top": 12, "bottom": 46}],
+        "xAxis": [{"type": "value", "name": "turns learned", "nameGap": 28, **axis, **named}],
+        "yAxis": [{"type": "log", "name": "rms / µm", "nameGap": 46, **axis, **named}],
+        "series": [
+            {
+                "id": "lessons",
+                "type": "line",
+                "symbolSize": 5,
+                "silent": True,
+                "lineStyle": {"color": _LINE, "width": 2},
+                "itemStyle": {"color": _LINE},
+                "data": [],
+            }
+        ],
+    }
