@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A live lathe beside a test, with a link to its controller."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from background import PATIENCE_S, Background, background, python
+from camtools.link.bus import open_bus
+from camtools.link.controller import NUMBERS, PERIOD_S, Link
+from camtools.link.live import live_lathes
+from camtools.link.refusal import ask_done
+
+
+class LiveCase:
+    """A live lathe, and a link to it.
+
+    Attributes
+    ----------
+    lathe : Background
+        tools/live, to which faults are typed
+    link : Link
+        to its controller
+    """
+
+    def __init__(self, lathe: Background, link: Link) -> None:
+        self.lathe, self.link = lathe, link
+
+    def until(self, *states: str) -> None:
+        """Wait for one of some states."""
+        status = self.link.status
+        is_there = self.link.wait(lambda: status.state in states, PATIENCE_S)
+        assert is_there, f"{status.state} {status.faults}\n{self.lathe.text()}"
+
+    def order(self, command: str, *states: str) -> None:
+        """Give an order and wait for a state that it leads to."""
+        ask_done(self.link, command)
+        self.until(*states)
+
+    def set(self, **values: int) -> None:
+        """Set parameters."""
+        for name, value in values.items():
+            ask_done(self.link, "set_parameter", NUMBERS["parameter"][name], value=value)
+
+    @property
+    def now_s(self) -> float:
+        """Time [s] of the controller's own clock, by the rows of its status."""
+        return self.link.status.n_rows * PERIOD_S
+
+
+@contextmanager
+def live_case(folder: Path, *words: str | Path) -> Iterator[LiveCase]:
+    """Run tools/live with some words.
+
+    Parameters
+    ----------
+    folder : Path
+        empty; this lathe and no other announces itself there
+    """
+    with background(*python("camtools.cli.live", *words), XDG_RUNTIME_DIR=str(folder)) as lathe:
+        lathe.wait_for("control-C ends")
+        (announced,) = live_lathes(folder / "camturn")
+        bus, where = open_bus(announced.bus)
+        try:
+            link = Link(bus, where, announced.node)
+            link.listen()
+            yield LiveCase(lathe, link)
+        finally:
+            bus.shutdown()
