@@ -75,9 +75,17 @@ def _followers(axes: Axes, lobe: ShaftLobe, *, is_turned: bool) -> None:
         _segment(axes, contact, centre, _NORMAL, 1.6 if is_turned else 0.7)
         if is_turned:
             _segment(axes, 0j, centre, _PATH, 0.5)
-            out = centre + 3 * centre / abs(centre)
+            out = centre + 3.6 * centre / abs(centre)
             label = f"{round(float(np.degrees(path.angle[i])), 1) + 0.0:.1f}°"
-            axes.text(out.real, out.imag, label, fontsize=8, ha="center", va="center")
+            paper = {"facecolor": "white", "lw": 0, "pad": 0.6}
+            axes.text(
+                *(out.real, out.imag, label),
+                fontsize=8,
+                ha="center",
+                va="center",
+                bbox=paper,
+                zorder=6,
+            )
         axes.plot([contact.real], [contact.imag], "o", color=_NORMAL, ms=3.5, zorder=5)
 
 

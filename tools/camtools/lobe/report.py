@@ -125,14 +125,15 @@ def draw_profile(outcome: LobeOutcome) -> Figure:
         largest_um = float(np.abs(np.concatenate([least, most])).max(initial=0.0))
         factor, unit = length_unit(largest_um)
         axes.fill_between(degrees, least * factor, most * factor, color=ORANGE, alpha=0.4, lw=0)
-        axes.plot(degrees, most * factor, color=ORANGE, lw=1)
-        axes.plot(degrees, least * factor, color=BLUE, lw=1)
+        axes.plot(degrees, most * factor, color=ORANGE, lw=1, label="largest of all turns")
+        axes.plot(degrees, least * factor, color=BLUE, lw=1, label="smallest of all turns")
         axes.axhline(0, color=GREY, lw=0.8)
         axes.axvline(np.degrees(lobe.phase_rad) % 360, color=GREEN, lw=1, ls="--")
         name = f"lobe {i}, {lobe.z_mm[0]:g} .. {lobe.z_mm[1]:g} mm; dashed: zero of its law"
         axes.set_title(name, loc="left")
-        axes.set_ylabel(f"error, {unit}")
+        axes.set_ylabel(f"error, {unit}\n(above 0: metal left)")
         axes.grid(alpha=0.3)
+    panels[0].legend(frameon=False, loc="lower right", bbox_to_anchor=(1, 0.97), ncols=2)
     angle_axis(panels[-1])
     panels[-1].set_xlabel("polar angle on the shaft, degrees")
     return figure
@@ -196,9 +197,10 @@ def draw_rake(outcome: LobeOutcome, swing_deg: Floats) -> Figure:
     degrees, least, most = band(turn, -off_deg)
     above.plot(degrees, (least + most) / 2, color=BLUE, lw=1.6, label="with the swing")
     below.fill_between(degrees, least, most, color=BLUE, alpha=0.5, lw=0.8)
-    for axes in (above, below):
+    names = "off the ground rake,\ndegrees", "the same with the\nswing, degrees"
+    for axes, name in zip((above, below), names, strict=True):
         axes.axhline(0, color=GREY, lw=0.8)
-        axes.set_ylabel("degrees")
+        axes.set_ylabel(name)
         axes.grid(alpha=0.3)
     _over_the_angle(below, above, 1.22)
     return figure

@@ -35,8 +35,16 @@ def paint_section(axes: Axes, made: GeneratedPolygon) -> None:
     measures, phi = measures_of(made.drawing), angles_of(made)
     turn = np.linspace(0, 2 * np.pi, 361)
     circles = (
-        (measures.inner_circle_mm, f"inner circle {measures.inner_circle_mm:.6g} mm", ":"),
-        (measures.outer_circle_mm, f"outer circle {measures.outer_circle_mm:.6g} mm", "--"),
+        (
+            measures.inner_circle_mm,
+            f"inner circle, diameter {measures.inner_circle_mm:.6g} mm",
+            ":",
+        ),
+        (
+            measures.outer_circle_mm,
+            f"outer circle, diameter {measures.outer_circle_mm:.6g} mm",
+            "--",
+        ),
     )
     for diameter, label, style in circles:
         x, y = diameter / 2 * np.cos(turn), diameter / 2 * np.sin(turn)
@@ -46,15 +54,17 @@ def paint_section(axes: Axes, made: GeneratedPolygon) -> None:
     joints = np.array([blend.joint_rad for blend in made.blended.blends])
     if joints.size:
         r = made.drawing.polar(joints).r
-        axes.plot(r * np.cos(joints), r * np.sin(joints), "o", color=RED, ms=4, label="joints")
-    room = 1.2 * measures.outer_circle_mm / 2
+        axes.plot(r * np.cos(joints), r * np.sin(joints), "s", color="black", ms=4, label="joints")
+    room = 1.3 * measures.outer_circle_mm / 2
     axes.set(xlim=(-room, room), ylim=(-room, room))
     for degrees in (0, 90, 180, 270):
-        where = 1.1 * measures.outer_circle_mm / 2
+        where = 1.08 * measures.outer_circle_mm / 2
         x, y = where * np.cos(np.radians(degrees)), where * np.sin(np.radians(degrees))
-        axes.text(x, y, f"{degrees}°", ha="center", va="center", color=GREY, fontsize=9)
+        side = {0: "left", 180: "right"}.get(degrees, "center")
+        axes.text(x, y, f"{degrees}°", ha=side, va="center", color=GREY, fontsize=9)
     axes.set_aspect("equal")
     axes.set_xlabel("mm, seen along Z from the headstock")
+    axes.set_ylabel("mm")
     axes.grid(alpha=0.2)
 
 

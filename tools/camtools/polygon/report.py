@@ -98,10 +98,11 @@ def draw_cut_section(outcome: PolygonCut) -> Figure:
     """Return the section with cut points, and their error enlarged."""
     made = outcome.generated
     near, z_mm = _band(outcome)
-    figure = new_figure(11, 6.0)
-    figure.suptitle(name_of(made.part.polygon))
+    figure = new_figure(11, 6.2)
+    figure.set_layout_engine("constrained", h_pad=0.12)  # between the axis and what is named below
     left, right = figure.subplots(1, 2)
     paint_section(left, made)
+    left.set_title(name_of(made.part.polygon), fontsize=9.5)
     factor = float(
         made.geometry.radius_mm(z_mm) / made.geometry.radius_mm(made.geometry.z_first_mm)
     )
@@ -110,7 +111,7 @@ def draw_cut_section(outcome: PolygonCut) -> Figure:
     left.plot((r * np.cos(phi))[::step], (r * np.sin(phi))[::step], label="cut", **_MARKS)
     limit_um = nice_limit(float(np.abs(near.error_um).max(initial=0.0)))
     report_surface.draw_roundness(right, near, float(made.geometry.radius_mm(z_mm)), limit_um)
-    figure.legend(loc="outside lower center", ncols=5, frameon=False)
+    figure.legend(loc="outside lower center", ncols=3, frameon=False)
     return figure
 
 

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from matplotlib.figure import Figure
 
 from camtools.base.quantities import length_text
-from camtools.plots.style import BLUE, GREEN, RED, new_figure
+from camtools.plots.style import BLUE, GREEN, RED, log_axis, new_figure
 from camtools.sim.results import CutVariant
 
 _WHITE = {"facecolor": "white", "edgecolor": "none", "pad": 1.0}
@@ -23,26 +23,31 @@ def worth_text(variants: Sequence[CutVariant]) -> list[str]:
     texts = [""]
     for variant in variants[1:]:
         ratio = variant.max_um / best_um if best_um > 0 else 0.0
-        texts.append(f"{ratio:.3g} times worse" if ratio > 1 else "no worse")
+        times = f"{float(f'{ratio:.3g}'):g}"  # without a power of ten
+        texts.append(f"{times} times worse" if ratio > 1 else "no worse")
     return texts[: len(variants)]
 
 
 def draw_variants(variants: Sequence[CutVariant], tolerance_um: float) -> Figure:
-    """Return bars of the largest control error on a logarithmic scale, beside the tolerance."""
-    figure = new_figure(10, 0.9 + 0.5 * len(variants))
+    """Return the largest control errors on a logarithmic scale, beside the tolerance."""
+    figure = new_figure(10, 1.1 + 0.5 * len(variants))
     axes = figure.add_subplot()
-    for i, (variant, worth) in enumerate(zip(variants, worth_text(variants), strict=True)):
-        axes.barh(i, variant.max_um, color=BLUE if i == 0 else RED, height=0.6)
-        text = f"  {length_text(variant.max_um)}" + (f", {worth}" if worth else "")
-        axes.text(variant.max_um, i, text, va="center", bbox=_WHITE, zorder=3)
-    axes.axvline(tolerance_um, color=GREEN, lw=1.6, ls="--")
-    axes.set_title(f"dashed line: tolerance {length_text(tolerance_um)}")
-    axes.set_yticks(range(len(variants)), [variant.name for variant in variants])
-    axes.invert_yaxis()
-    axes.set_xscale("log")
     values = [tolerance_um, *(variant.max_um for variant in variants)]
     above_zero = [value for value in values if value > 0] or [1.0]
-    axes.set_xlim(min(above_zero) / 5, max(above_zero) * 15)
-    axes.xaxis.set_major_formatter("{x:g}")
+    low, high = min(above_zero) / 2, max(above_zero) * 40  # with room for words
+    axes.axvspan(low, tolerance_um, color=GREEN, alpha=0.12, lw=0)
+    axes.axvline(tolerance_um, color=GREEN, lw=1.6, ls="--", zorder=1)
+    for i, (variant, worth) in enumerate(zip(variants, worth_text(variants), strict=True)):
+        at_um = max(variant.max_um, low)  # 0 has no place on a logarithmic scale
+        style = {"marker": "o", "color": BLUE} if i == 0 else {"marker": "D", "color": RED}
+        axes.plot([at_um], [i], ms=9, ls="", **style)  # type: ignore[arg-type]
+        text = f"{length_text(variant.max_um)}" + (f", {worth}" if worth else "")
+        offset = {"xytext": (10, 0), "textcoords": "offset points", "va": "center"}
+        axes.annotate(text, (at_um, i), bbox=_WHITE, zorder=1.5, **offset)  # type: ignore[arg-type]
+    axes.set_title(f"shaded: within the tolerance of {length_text(tolerance_um)}", loc="left")
+    axes.set_yticks(range(len(variants)), [variant.name for variant in variants])
+    axes.set_ylim(len(variants) - 0.5, -0.5)
+    log_axis(axes, "x", low, high)
+    axes.grid(axis="x", alpha=0.3)
     axes.set_xlabel("largest error of the controller, µm")
     return figure

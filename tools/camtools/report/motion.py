@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patches import Patch
 
 from camtools.base.quantities import Floats, length_unit
 from camtools.plots.style import (
@@ -33,6 +34,7 @@ STATE_COLOURS = (
 )
 _MARKS: dict[str, Any] = {"color": RED, "ls": "", "marker": "o", "ms": 3.2, "mfc": "none"}
 _N_BINS = 360
+_AXES = ("Z, mm", "X (radius),\nmm", "U towards\nthe axis, µm")
 _N_POINTS = 600  # across a picture: more cannot be seen
 _UM_PER_MM, _MM_PER_M, _NM_PER_MM = 1000.0, 1000.0, 1e6
 _MS_PER_S = 1000.0
@@ -128,12 +130,22 @@ def _strip(axes: Axes, spans: list[tuple[float, float, int]], begin_s: float, en
     for low, high, state in spans:
         axes.axvspan(low, high, color=STATE_COLOURS[state], lw=0, alpha=0.75)
         middle = (max(low, begin_s) + min(high, end_s)) / 2
-        room = 0.023 * len(STATES[state]) * (end_s - begin_s)
+        room = 0.03 * len(STATES[state]) * (end_s - begin_s)
         if min(high, end_s) - max(low, begin_s) > room:
             axes.text(middle, 0.5, STATES[state], ha="center", va="center", fontsize=8.5)
     axes.set_yticks([])
     axes.set_ylim(0, 1)
     axes.spines["left"].set_visible(False)
+
+
+def _state_handles(spans: list[tuple[float, float, int]]) -> list[Patch]:
+    """Return what explains the colours of the strip; states that share one share a line."""
+    names: dict[str, list[str]] = {}
+    for _, _, state in spans:
+        of_colour = names.setdefault(STATE_COLOURS[state], [])
+        if STATES[state] not in of_colour:
+            of_colour.append(STATES[state])
+    return [Patch(color=one, alpha=0.75, label=", ".join(those)) for one, those in names.items()]
 
 
 def _envelope(axes: Axes, t_s: Floats, values: Floats, colour: str) -> None:
@@ -156,7 +168,7 @@ def draw_sequence(trace: CutTrace, overview: CutTrace | None = None) -> Figure:
     """
     whole = trace if overview is None else overview
     windows = windows_s(trace, whole)
-    figure = new_figure(10, 6.6)
+    figure = new_figure(10, 7.0)
     ratios = {"height_ratios": [0.28, 1, 1, 1]}
     panels = figure.subplots(4, len(windows), sharex="col", squeeze=False, gridspec_kw=ratios)
     spans = state_spans(whole)
@@ -171,9 +183,10 @@ def draw_sequence(trace: CutTrace, overview: CutTrace | None = None) -> Figure:
         u.set_xlim(begin_s, end_s)
         u.set_xlabel("time, s")
     panels[0, 0].set_ylabel("state", rotation=0, ha="right", va="center")
-    for row, name in enumerate(("Z, mm", "X, mm", "U, µm"), start=1):
+    for row, name in enumerate(_AXES, start=1):
         panels[row, 0].set_ylabel(name)
     figure.align_ylabels(panels[1:, 0])
+    figure.legend(handles=_state_handles(spans), loc="outside lower center", ncols=6, frameon=False)
     return figure
 
 
@@ -206,7 +219,7 @@ def draw_fault(trace: CutTrace, retract_s: float) -> Figure:
     panels[1].plot(ms, part.x_nm / _NM_PER_MM, color=BLUE, lw=1.4)
     panels[2].plot(ms, part.error_nm / _NM_PER_MM, color=GREEN, lw=1.4)
     panels[3].plot(ms, part.speed_rpm, color=PURPLE, lw=1.4)
-    names = ("U, µm", "X, mm", "tool tip off\nthe drawing, mm", "spindle, r/min")
+    names = (*_AXES[:0:-1], "tool tip off\nthe drawing, mm", "spindle, r/min")
     for axes, name in zip(panels, names, strict=True):
         axes.set_ylabel(name)
         axes.axvline(0, color=GREY, lw=1.2, ls="--")

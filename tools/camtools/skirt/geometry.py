@@ -154,9 +154,9 @@ class Geometry:
         """Return the ovality of a section, and with its trim where it has one, for pictures."""
         g_um = float(self.ovality_mm(z_mm)) * _UM_PER_MM
         if self.corner is None:
-            return f"ovality {g_um:.0f} µm"
+            return f"ovality {g_um:.0f} µm (diameter)"
         with_trim_um = g_um + 2 * float(self.corner.trim(z_mm)) * _UM_PER_MM
-        return f"ovality {g_um:.0f} µm, with trim {with_trim_um:.0f} µm"
+        return f"ovality {g_um:.0f} µm (diameter), with trim {with_trim_um:.0f} µm"
 
     def delta(self, phi_rad: FloatsLike, z_mm: FloatsLike) -> SectionValues:
         """Return radius reduction and angle derivatives at fixed height [mm, mm/rad^n].

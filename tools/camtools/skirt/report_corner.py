@@ -14,7 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from camtools.base.quantities import Floats, omega_rad_s
-from camtools.plots.style import BLUE, GREEN, GREY, RED, new_figure
+from camtools.plots.style import BLUE, GREY, ORANGE, RED, new_figure
 from camtools.sim.results import CUTTING, CutTrace, GaugedSurface
 from camtools.skirt.composite import fold
 from camtools.skirt.corner import Corner
@@ -109,10 +109,13 @@ def draw_corner(
     deg, off_um = _cut_points(geometry, corner, cut, z_mm)
     drawn_um = np.interp(deg, lines.deg, lines.drawn_um)
     _contour(panels, lines, deg, drawn_um + off_um)
-    panels[2].plot(lines.deg, trace.sense * lines.velocity_mm_s, color=BLUE, lw=1.6)
+    panels[2].plot(lines.deg, trace.sense * lines.velocity_mm_s, color=ORANGE, lw=1.6, ls="--")
     panels[2].plot(*_measured(trace, corner, z_mm), **_DOTS, label="measured on U")
-    panels[3].plot(lines.deg, lines.acceleration_m_s2, color=BLUE, lw=1.6)
-    names = ("reduction, µm", "off the\ndrawing, µm", "U velocity,\nmm/s", "U acceleration,\nm/s²")
+    panels[3].plot(lines.deg, lines.acceleration_m_s2, color=ORANGE, lw=1.6, ls="--")
+    names = (
+        *("reduction of\nthe radius, µm", "error, µm\n(above 0: metal left)"),
+        *("U velocity,\nmm/s", "U acceleration,\nm/s²"),
+    )
     for axes, name in zip(panels, names, strict=True):
         axes.set_ylabel(name)
         axes.grid(alpha=0.3)
@@ -127,11 +130,10 @@ def draw_corner(
 
 def _contour(panels: list[Axes], lines: Lines, deg: Floats, cut_um: Floats) -> None:
     """Draw the contour itself and, below, what it is off the drawing."""
-    panels[0].plot(lines.deg, lines.drawn_um, color=GREEN, lw=1.4, ls="--", label="drawing")
-    panels[0].plot(lines.deg, lines.refit_um, color=BLUE, lw=1.6, label="refit")
+    panels[0].plot(lines.deg, lines.drawn_um, color=BLUE, lw=1.4, label="drawing")
+    panels[0].plot(lines.deg, lines.refit_um, color=ORANGE, lw=1.6, ls="--", label="refit")
     panels[0].plot(deg, cut_um, **_DOTS, label="cut")
     panels[0].invert_yaxis()
-    panels[1].axhline(0, color=GREEN, lw=1.4, ls="--")
-    panels[1].plot(lines.deg, lines.refit_um - lines.drawn_um, color=BLUE, lw=1.6)
-    panels[1].plot(deg, cut_um - np.interp(deg, lines.deg, lines.drawn_um), **_DOTS)
-    panels[1].invert_yaxis()
+    panels[1].axhline(0, color=BLUE, lw=1.4)
+    panels[1].plot(lines.deg, lines.drawn_um - lines.refit_um, color=ORANGE, lw=1.6, ls="--")
+    panels[1].plot(deg, np.interp(deg, lines.deg, lines.drawn_um) - cut_um, **_DOTS)

@@ -55,12 +55,12 @@ def draw_even(even: Even, speed: SpeedTable, spindle_rpm: float) -> Figure:
     panels: list[Axes] = list(figure.subplots(5, 1, sharex=True))
     ours, theirs = turn_near(even.removal, z_mm), turn_near(even.uniform_removal, z_mm)
     deg = np.linspace(0, 360, 721)
-    panels[0].plot(deg, spindle_rpm * law.ratio(np.radians(deg)), color=BLUE, label="law")
+    panels[0].plot(deg, spindle_rpm * law.ratio(np.radians(deg)), color=BLUE, label="equal volume")
     # between the middles of the slices; with M4 the drawing's angle falls
     measured_rpm = 60 * np.abs(np.gradient(ours.turn, ours.t_s))
     style: dict[str, Any] = {"color": RED, "ls": "", "marker": "o", "ms": 3.2, "mfc": "none"}
-    panels[0].plot(360 * (ours.turn % 1), measured_rpm, **style)
-    panels[0].axhline(spindle_rpm, color=GREY, ls="--")
+    panels[0].plot(360 * (ours.turn % 1), measured_rpm, label="spindle, measured", **style)
+    panels[0].axhline(spindle_rpm, color=GREY, ls="--", label="uniform turning")
     _pair(panels[1], theirs, ours, "rate_mm3_s")
     _pair(panels[2], theirs, ours, "power_w")
     _pair(panels[3], theirs, ours, "rate_force_n")
@@ -77,7 +77,8 @@ def draw_even(even: Even, speed: SpeedTable, spindle_rpm: float) -> Figure:
         axes.grid(alpha=0.3)
     for axes in panels[1:]:
         axes.set_ylim(bottom=0)
-    panels[0].set_title(f"height {z_mm:.1f} mm, mean {spindle_rpm:g} r/min; dashed: uniform")
+    panels[0].set_title(f"height {z_mm:.1f} mm, mean {spindle_rpm:g} r/min", loc="left")
+    panels[0].legend(frameon=False, loc="lower right", bbox_to_anchor=(1, 0.97), ncols=3)
     figure.align_ylabels(panels)
     angle_axis(panels[-1])
     return figure

@@ -123,14 +123,15 @@ def _ring(axes: Axes, turn: Floats, radius: Floats | float, **style: object) -> 
 def _clock(axes: Axes, title: str, middle: str, names_at: float) -> None:
     """Dress a round picture: angles and a text in the middle instead of a frame."""
     axes.set_aspect("equal")
-    axes.set_xlim(-1.5, 1.5)
-    axes.set_ylim(-1.5, 1.5)
+    axes.set_xlim(-1.72, 1.72)
+    axes.set_ylim(-1.55, 1.55)
     axes.axis("off")
-    axes.set_title(title)
+    axes.set_title(title, fontsize=9.5)
     for quarter, name in enumerate(("0°", "90°", "180°", "270°")):
         x, y = np.cos(quarter * np.pi / 2), np.sin(quarter * np.pi / 2)
-        where = (names_at * float(x), names_at * float(y))
-        axes.text(*where, name, ha="center", va="center", color=GREY, fontsize=9)
+        where = (names_at * float(x), (names_at + 0.05) * float(y))
+        side = ("left", "center", "right", "center")[quarter]
+        axes.text(*where, name, ha=side, va="center", color=GREY, fontsize=9)
     axes.text(0, 0, middle, ha="center", va="center", color=GREY)
 
 
@@ -151,7 +152,7 @@ def draw_shape(
     step = max(1, cut.size // 60)
     _ring(axes, near.turn[::step], cut[::step], color=RED, ls="", marker="o", ms=3.2, mfc="none")
     words = geometry.oval_words(z_mm).replace(", with", ",\nwith")
-    _clock(axes, f"height {z_mm:.1f} mm: {words}", f"oval enlarged\n{factor}-fold", 1.17)
+    _clock(axes, f"height {z_mm:.1f} mm: {words}", f"oval enlarged\n{factor}-fold", 1.08)
 
 
 def draw_roundness(axes: Axes, near: GaugedSurface, a_mm: float, limit_um: float) -> None:
@@ -169,7 +170,7 @@ def draw_roundness(axes: Axes, near: GaugedSurface, a_mm: float, limit_um: float
     )
     enlarged = f"{factor:,}".replace(",", "\u2009")
     middle = f"error enlarged\n{enlarged}-fold\ndotted: ±{length_text(limit_um)}"
-    _clock(axes, title, middle, 1.44)
+    _clock(axes, title, middle, 1.36)
 
 
 def round_to_two_digits(value: float) -> int:
