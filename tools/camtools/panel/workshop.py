@@ -22,7 +22,7 @@ from camtools.panel.design.shelf import EXAMPLE, Shelf
 from camtools.panel.design.shelf import OWN as OWN_PARTS
 from camtools.panel.order import Outcome
 from camtools.panel.runs.options import RunOptions
-from camtools.panel.runs.queue import RunQueue
+from camtools.panel.runs.queued import RunQueue
 from camtools.panel.runs.store import DONE, OWN, RunStore
 from camtools.panel.visitor import Visitor
 from camtools.part.file import read_tree
@@ -47,12 +47,8 @@ class Workshop:
         self.shelf = Shelf(context.parts)
         self.machines = context.parts.parent / "machines"
         self.store = RunStore(context.runs, RUNS)
-        self.version = 0  # rises with every change of the runs, so that pages know
-        self.queue = RunQueue(self.store, self._changed)
+        self.queue = RunQueue(self.store)
         self._log = context.log
-
-    def _changed(self) -> None:
-        self.version += 1
 
     def start(self) -> None:
         """Start the processes of the previews, and end what an earlier panel left."""

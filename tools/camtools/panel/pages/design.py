@@ -233,7 +233,7 @@ class DesignPage:
         shelf, name = self._workshop.shelf, str(self._name.value or "").strip()
         try:
             replaces = shelf.has(name)
-            if replaces and not await _confirmed(f"Replace the part {name}?", "Replace"):
+            if replaces and not await confirmed(f"Replace the part {name}?", "Replace"):
                 return
             self._check_files()
             shelf.save(name, self._draft.text, replaces=replaces)
@@ -269,13 +269,13 @@ class DesignPage:
         try:
             if file.endswith(".csv"):
                 is_there = (shelf.folder(OWN) / file).exists()
-                if is_there and not await _confirmed(f"Replace the file {file[:60]}?", "Replace"):
+                if is_there and not await confirmed(f"Replace the file {file[:60]}?", "Replace"):
                     return
                 shelf.save_csv(file, data, replaces=is_there)
             else:
                 name = file.removesuffix(".toml")
                 is_there = shelf.has(name)
-                if is_there and not await _confirmed(f"Replace the part {name}?", "Replace"):
+                if is_there and not await confirmed(f"Replace the part {name}?", "Replace"):
                     return
                 shelf.save(name, data.decode("utf-8"), replaces=is_there)
         except (CamtoolsError, UnicodeDecodeError) as error:
@@ -294,7 +294,7 @@ class DesignPage:
         return await self._workshop.cut(self._draft.text, self._source, options)
 
 
-async def _confirmed(question: str, yes: str) -> bool:
+async def confirmed(question: str, yes: str) -> bool:
     """Return whether somebody agrees."""
     with ui.dialog() as dialog, ui.card():
         ui.label(question)

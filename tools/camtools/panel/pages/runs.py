@@ -1,18 +1,167 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The page /runs of the panel."""
+"""The page /runs of the panel: all runs in a table, and what differs between those that are picked.
+
+Marks of elements: runs-table, remove-runs, stop-run, compare, comparison, settings, figures,
+diff-part, diff-machine, over-height, over-angle, section-error, section-height, error-map-N,
+report-N (frames).
+"""
 
 from __future__ import annotations
 
+import asyncio
+from datetime import UTC, datetime
+from typing import Any
+
 from nicegui import ui
 
+from camtools.base.errors import CamtoolsError
 from camtools.panel.context import AppContext
 from camtools.panel.frame import framed
+from camtools.panel.pages.design import STYLE, confirmed
+from camtools.panel.runs.comparison_view import MOST_COMPARED, ComparisonView
+from camtools.panel.runs.store import Run
+from camtools.panel.visitor import Visitor
+from camtools.panel.workshop import Workshop, workshop_of
+
+_SHOW_S = 0.5
+_COLUMNS = (
+    *(("at", "date (UTC)"), ("name", "run"), ("part", "part"), ("machine", "machine")),
+    *(("settings", "settings"), ("status", "status"), ("verdict", "verdict")),
+    *(("form", "form error / µm"), ("following", "following error / µm"), ("took", "time / s")),
+)
+_NUMBERS = ("form", "following", "took")
+
+
+def row_of(run: Run) -> dict[str, Any]:
+    """Return a run as a row of the table; numbers stay numbers, so that they sort."""
+    at = datetime.fromtimestamp(run.at_s, UTC).strftime("%Y-%m-%d %H:%M:%S")
+    place = "" if run.place == "own" else " (tools/run)"
+    return {
+        "key": run.key,
+        "at": at,
+        "name": run.name + place,
+        "part": run.part,
+        "machine": run.machine or run.options.machine,
+        "settings": run.options.text() if run.place == "own" else "",
+        "status": run.status + (f": {run.told[:120]}" if run.told else ""),
+        "verdict": run.verdict,
+        "form": None if run.form_um is None else round(run.form_um, 4),
+        "following": None if run.following_um is None else round(run.following_um, 4),
+        "took": None if run.took_s is None else round(run.took_s, 1),
+    }
+
+
+class RunsPage:
+    """What one visitor looks at.
+
+    Parameters
+    ----------
+    workshop : Workshop
+        Of the panel.
+    visitor : Visitor
+        Of this page.
+    """
+
+    def __init__(self, workshop: Workshop, visitor: Visitor) -> None:
+        self._workshop, self._visitor = workshop, visitor
+        self._version: tuple[int, int] | None = None
+        columns = [
+            {"name": key, "field": key, "label": label, "sortable": True}
+            | {"align": "right" if key in _NUMBERS else "left"}
+            for key, label in _COLUMNS
+        ]
+        with ui.row().classes("items-center q-gutter-sm"):
+            ui.button("Compare", icon="compare_arrows", on_click=self._compare).mark("compare")
+            stop = ui.button("Stop", icon="stop", on_click=self._stop).mark("stop-run")
+            remove = ui.button("Remove", icon="delete", on_click=self._remove).mark("remove-runs")
+            for one in (stop, remove):
+                one.bind_enabled_from(visitor, "has_token")
+            self._state = ui.label("").props('role="status"')
+        self._table = (
+            ui.table(columns=columns, rows=[], row_key="key", selection="multiple", pagination=12)
+            .props('dense flat aria-label="runs"')
+            .classes("full-width")
+            .mark("runs-table")
+        )
+        self._comparison = ui.column().classes("full-width").mark("comparison")
+        ui.timer(_SHOW_S, self._show)
+        self._show()
+
+    def _show(self) -> None:
+        queue = self._workshop.queue
+        running = queue.running
+        self._state.text = "" if running is None else f"{running.name}: {queue.progress.text}"
+        version = self._workshop.store.version()
+        if version == self._version:
+            return
+        self._version = version
+        rows = [row_of(run) for run in self._workshop.store.runs()]
+        keys = {row["key"] for row in rows}
+        self._table.rows = rows
+        self._table.selected = [row for row in self._table.selected if row["key"] in keys]
+        self._table.update()
+
+    def _picked(self) -> list[str]:
+        return [str(row["key"]) for row in self._table.selected]
+
+    async def _compare(self) -> None:
+        """Show the runs that are picked beside each other, the oldest first."""
+        try:
+            runs = [self._workshop.store.run(key) for key in self._picked()]
+        except CamtoolsError as error:
+            ui.notify(str(error), type="negative")
+            return
+        if not 1 <= len(runs) <= MOST_COMPARED:
+            ui.notify(f"pick 1 to {MOST_COMPARED} runs in the table", type="warning")
+            return
+        runs.sort(key=lambda run: run.at_s)
+        self._comparison.clear()
+        with self._comparison:
+            waits = ui.spinner(size="lg")
+        view = ComparisonView(runs)
+        await asyncio.to_thread(view.read)
+        waits.delete()
+        with self._comparison:
+            view.show()
+
+    def _stop(self) -> None:
+        if problem := self._workshop.may(self._visitor, "stop a run"):
+            ui.notify(problem, type="negative")
+            return
+        queue = self._workshop.queue
+        running = [] if queue.running is None else [queue.running.name]
+        picked = [key.removeprefix("own/") for key in self._picked()]
+        names = [name for name in picked if name in (*running, *queue.waiting)] or running
+        for name in names:
+            queue.stop(name)
+            self._workshop.note(self._visitor, "stop a run", {"run": name}, "asked to stop")
+
+    async def _remove(self) -> None:
+        if problem := self._workshop.may(self._visitor, "remove runs"):
+            ui.notify(problem, type="negative")
+            return
+        keys = self._picked()
+        if not keys:
+            ui.notify("pick the runs in the table", type="warning")
+            return
+        runs = "this run" if len(keys) == 1 else f"these {len(keys)} runs"
+        if not await confirmed(f"Remove {runs} with all files?", "Remove"):
+            return
+        for key in keys:
+            try:
+                self._workshop.store.remove(key)
+                self._workshop.note(self._visitor, "remove runs", {"run": key}, "removed")
+            except CamtoolsError as error:
+                ui.notify(str(error), type="negative")
+        self._table.selected = []
 
 
 def add(context: AppContext) -> None:
     """Register the page."""
+    workshop = workshop_of(context)
 
     @ui.page("/runs", title="camturn: runs")
     def runs() -> None:
-        with framed(context, "/runs"):
-            ui.label("Runs")
+        with framed(context, "/runs") as visitor:
+            ui.add_head_html(STYLE)
+            RunsPage(workshop, visitor)

@@ -93,6 +93,12 @@ class RunStore:
 
     def __init__(self, folder: Path, others: Path) -> None:
         self._folders = {OWN: folder, OTHER: others}
+        self._n_changes = 0
+
+    def version(self) -> tuple[int, int]:
+        """Return what changes when the list of runs does."""
+        others = self._folders[OTHER]
+        return self._n_changes, others.stat().st_mtime_ns if others.is_dir() else 0
 
     def new(
         self,
@@ -129,6 +135,7 @@ class RunStore:
 
     def note(self, folder: Path, about: Json) -> None:
         """Write what is known about a run, over what was known before."""
+        self._n_changes += 1
         known = _about(folder) | about
         write_all(folder, {ABOUT: json.dumps(known, indent=1).encode("ascii")})
 
@@ -175,6 +182,7 @@ class RunStore:
             raise CamtoolsError([f"{run.name}: is of tools/run; remove it by tools/run --keep"])
         if run.status in (WAITING, RUNNING):
             raise CamtoolsError([f"{run.name}: is {run.status}; stop it first"])
+        self._n_changes += 1
         shutil.rmtree(run.folder)
 
     def tidy(self, most_runs: int = MOST_RUNS, most_bytes: int = MOST_BYTES) -> list[str]:
@@ -188,6 +196,7 @@ class RunStore:
             if i >= most_runs or (n_bytes > most_bytes and i > 0):
                 shutil.rmtree(run.folder, ignore_errors=True)
                 removed.append(run.name)
+        self._n_changes += len(removed)
         return removed
 
     def end_lost(self) -> None:

@@ -1,0 +1,233 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What differs between runs: part files, what they were cut with, figures, errors as curves.
+
+>>> same = Figure("form error", "um", (0.25, 0.5))
+>>> same.difference(1), same.text(0)
+('+0.25', '0.25')
+"""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from camtools.base.json_text import Json
+from camtools.base.quantities import Floats
+from camtools.panel.runs.store import PART, Run, summary_of
+from camtools.sim.camsim import SURFACE, TRACE
+from camtools.sim.results import CUTTING, GaugedSurface, read_surface, read_trace
+
+_DIFF_CONTEXT = 2
+_MAX_PART_BYTES = 1_000_000
+N_HEIGHTS, N_ANGLES = 60, 120  # cells of a map, points of a curve
+_DEG = 360.0
+
+
+class Figure(NamedTuple):
+    """A number of each run."""
+
+    name: str
+    unit: str
+    values: tuple[float | None, ...]
+
+    def text(self, i: int) -> str:
+        """Return the number of a run."""
+        value = self.values[i]
+        return "none" if value is None else f"{value:.5g}"
+
+    def difference(self, i: int) -> str:
+        """Return by how much a run differs from the first one."""
+        first, value = self.values[0], self.values[i]
+        if first is None or value is None:
+            return ""
+        return f"{value - first:+.4g}"
+
+
+class DiffLine(NamedTuple):
+    """A line of what differs between two texts."""
+
+    kind: str  # " ", "-", "+" or "@"
+    text: str
+
+
+def part_text(run: Run) -> str | None:
+    """Return the part file of a run, nothing where it is not kept."""
+    path = run.folder / PART
+    if path.is_symlink() or not path.is_file() or path.stat().st_size > _MAX_PART_BYTES:
+        return None
+    return path.read_text(encoding="utf-8", errors="replace")
+
+
+def machine_text_of(run: Run) -> str | None:
+    """Return the machine file that a run was cut on."""
+    for path in sorted(run.folder.glob("*_machine.toml")):
+        if not path.is_symlink() and path.stat().st_size <= _MAX_PART_BYTES:
+            return path.read_text(encoding="utf-8", errors="replace")
+    return None
+
+
+def differing(one: str | None, other: str | None) -> list[DiffLine]:
+    """Return the lines that differ between two texts, with their neighbours; nothing: alike."""
+    if one is None or other is None:
+        missing = "the first" if one is None else "the other"
+        return [] if one == other else [DiffLine("@", f"{missing} run does not keep it")]
+    lines = difflib.unified_diff(one.splitlines(), other.splitlines(), n=_DIFF_CONTEXT, lineterm="")
+    found = []
+    for line in list(lines)[2:]:
+        found.append(DiffLine("@", line) if line[0] == "@" else DiffLine(line[0], line[1:]))
+    return found
+
+
+def settings_rows(runs: Sequence[Run]) -> list[tuple[str, list[str]]]:
+    """Return what runs were cut with: a row for each setting, a text for each run."""
+    summaries = [summary_of(run.folder) or {} for run in runs]
+    return [
+        ("part", [run.part for run in runs]),
+        ("machine", [run.machine or run.options.machine or "of the part" for run in runs]),
+        ("speed / r/min", [_text(one.get("cut", {}).get("spindle_rpm")) for one in summaries]),
+        ("feed / mm", [_text(one.get("cut", {}).get("feed_mm")) for one in summaries]),
+        ("learning", [_learning(one) for one in summaries]),
+        ("seed", [_text(one.get("seed")) for one in summaries]),
+        ("table", [_text(one.get("table_bytes")) + " bytes" for one in summaries]),
+        ("CRC of the table", [_hex(one.get("table_crc32")) for one in summaries]),
+        ("verdict", [run.verdict or run.status for run in runs]),
+    ]
+
+
+def _text(value: object) -> str:
+    return f"{value:g}" if isinstance(value, int | float) else "?"
+
+
+def _hex(value: object) -> str:
+    return f"{value:08x}" if isinstance(value, int) else "?"
+
+
+def _learning(summary: Json) -> str:
+    about = summary.get("learning", {})
+    if not about:
+        return "?"
+    return f"on, {about.get('turns', 0):g} turns" if about.get("is_on") else "off"
+
+
+_FIGURES: tuple[tuple[str, str, tuple[str, ...]], ...] = (
+    ("form error, largest", "um", ("form_error_um", "max")),
+    ("form error, rms", "um", ("form_error_um", "rms")),
+    ("roundness error", "um", ("form_error_um", "roundness")),
+    ("tolerance", "um", ("form_error_um", "tolerance")),
+    ("following error, largest", "um", ("following_error_um", "max")),
+    ("following error, rms", "um", ("following_error_um", "rms")),
+    ("height of the largest form error", "mm", ("form_error_um", "max_at_z_mm")),
+    ("U speed needed", "mm/s", ("feasibility", "u_speed_mm_s", "needed")),
+    ("U acceleration needed", "mm/s2", ("feasibility", "u_acceleration_mm_s2", "needed")),
+    ("highest feasible speed", "r/min", ("feasibility", "highest_rpm")),
+    ("turns", "", ("cut", "turns")),
+    ("machine time", "s", ("machine_time_s",)),
+    ("computing time of the cut", "s", ("wall_time_s",)),
+)
+
+
+def figures_of(runs: Sequence[Run]) -> list[Figure]:
+    """Return the figures of runs, from their summaries."""
+    summaries = [summary_of(run.folder) or {} for run in runs]
+    found = []
+    for name, unit, path in _FIGURES:
+        values = tuple(_number(summary, path) for summary in summaries)
+        if any(value is not None for value in values):
+            found.append(Figure(name, unit, values))
+    return found
+
+
+def _number(summary: Json, path: tuple[str, ...]) -> float | None:
+    value: Any = summary
+    for step in path:
+        value = value.get(step) if isinstance(value, dict) else None
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    return float(value) if is_number else None
+
+
+class ErrorCurves(NamedTuple):
+    """Errors of a run, ready to be drawn."""
+
+    z_mm: Floats  # shape (N_HEIGHTS,): middles of bands of the height
+    worst_um: Floats  # largest magnitude of the form error in each band
+    map_um: Floats  # shape (N_HEIGHTS, N_ANGLES): of each cell the error of largest magnitude
+    angle_deg: Floats  # shape (N_ANGLES,): middles
+    following_um: Floats | None  # shape (N_ANGLES,): mean of the following error while cutting
+    spread_um: Floats | None  # its largest distance from that mean
+
+
+def cells_of(surface: GaugedSurface, heights_mm: tuple[float, float]) -> Floats:
+    """Return the form error of largest magnitude in each cell of a map, NaN where nothing is.
+
+    Parameters
+    ----------
+    heights_mm : tuple of float
+        Ends of the map.
+    """
+    low, high = heights_mm
+    row = np.floor((surface.z_mm - low) / max(high - low, 1e-9) * N_HEIGHTS).astype(np.int64)
+    column = np.floor(np.mod(surface.turn, 1.0) * N_ANGLES).astype(np.int64)
+    inside = (row >= 0) & (row <= N_HEIGHTS)
+    cell = np.minimum(row, N_HEIGHTS - 1) * N_ANGLES + np.minimum(column, N_ANGLES - 1)
+    found = np.full(N_HEIGHTS * N_ANGLES, np.nan)
+    order = np.argsort(np.abs(surface.error_um[inside]), kind="stable")  # the largest comes last
+    found[cell[inside][order]] = surface.error_um[inside][order]
+    return found.reshape(N_HEIGHTS, N_ANGLES)
+
+
+def error_curves(folder: Path, heights_mm: tuple[float, float] | None = None) -> ErrorCurves | None:
+    """Return the errors of a run as curves, nothing where it cut nothing."""
+    path = folder / SURFACE
+    if path.is_symlink() or not path.is_file():
+        return None
+    surface = read_surface(path)
+    if surface.turn.size == 0:
+        return None
+    ends = heights_mm or (float(surface.z_mm.min()), float(surface.z_mm.max()))
+    cells = cells_of(surface, ends)
+    with np.errstate(all="ignore"):
+        worst = np.nanmax(np.where(np.isnan(cells), -np.inf, np.abs(cells)), axis=1)
+    worst = np.where(np.isfinite(worst), worst, np.nan)
+    middles = ends[0] + (ends[1] - ends[0]) * (np.arange(N_HEIGHTS) + 0.5) / N_HEIGHTS
+    mean, spread = following_over_angle(folder)
+    return ErrorCurves(middles, worst, cells, _angles(), mean, spread)
+
+
+def _angles() -> Floats:
+    return (np.arange(N_ANGLES, dtype=np.float64) + 0.5) * (_DEG / N_ANGLES)
+
+
+def following_over_angle(folder: Path) -> tuple[Floats | None, Floats | None]:
+    """Return mean and spread of the following error over the drawing's angle while cutting."""
+    path = folder / TRACE
+    if path.is_symlink() or not path.is_file():
+        return None, None
+    trace = read_trace(path)
+    cut = trace.pick(np.asarray(trace.state == CUTTING))
+    if cut.turn.size == 0:
+        return None, None
+    column = np.floor(np.mod(cut.turn, 1.0) * N_ANGLES).astype(np.int64) % N_ANGLES
+    count = np.bincount(column, minlength=N_ANGLES)
+    with np.errstate(all="ignore"):
+        mean = np.bincount(column, weights=cut.following_um, minlength=N_ANGLES) / count
+    spread = np.zeros(N_ANGLES)
+    np.maximum.at(spread, column, np.abs(cut.following_um - mean[column]))
+    return mean, np.where(count > 0, spread, np.nan)
+
+
+def section_error(folder: Path, z_mm: float, band_mm: float) -> tuple[Floats, Floats] | None:
+    """Return angles [degrees] and form errors [um] of a band of the height, by angle."""
+    path = folder / SURFACE
+    if path.is_symlink() or not path.is_file():
+        return None
+    surface = read_surface(path)
+    near = np.abs(surface.z_mm - z_mm) <= band_mm / 2
+    if not near.any():
+        return None
+    angle, error = np.mod(surface.turn[near], 1.0) * _DEG, surface.error_um[near]
+    order = np.argsort(angle)
+    return angle[order], error[order]

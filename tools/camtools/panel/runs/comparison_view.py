@@ -1,0 +1,181 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Runs side by side: what differs, figures, errors as curves and maps, reports.
+
+>>> MOST_COMPARED
+4
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from nicegui import run as background
+from nicegui import ui
+
+from camtools.base.quantities import Floats
+from camtools.panel.runs import compare_charts as charts
+from camtools.panel.runs.compare import (
+    DiffLine,
+    ErrorCurves,
+    differing,
+    error_curves,
+    figures_of,
+    machine_text_of,
+    part_text,
+    section_error,
+    settings_rows,
+)
+from camtools.panel.runs.store import Run
+
+MOST_COMPARED = 4
+_BANDS = 60  # of the height, for a section
+_DIFF_CLASS = {"+": "diff-add", "-": "diff-del", "@": "text-italic"}
+
+
+class ComparisonView:
+    """Runs that were picked.
+
+    Parameters
+    ----------
+    runs : sequence of Run
+        The first one is what the others are compared with.
+    """
+
+    def __init__(self, runs: Sequence[Run]) -> None:
+        self._runs = list(runs)
+        self._names = [run.name for run in runs]
+        self._curves: list[ErrorCurves | None] = []
+        self._ends_mm = (0.0, 1.0)
+        self._sections: list[tuple[Floats, Floats] | None] = []
+
+    def read(self) -> None:
+        """Read what the runs left; it takes a second or so, and touches no element."""
+        alone = [error_curves(run.folder) for run in self._runs]
+        there = [one for one in alone if one is not None]
+        if there:
+            self._ends_mm = (
+                min(_end(one, 0) for one in there),
+                max(_end(one, -1) for one in there),
+            )
+        self._curves = [error_curves(run.folder, self._ends_mm) for run in self._runs]
+        self._read_sections(sum(self._ends_mm) / 2)
+
+    def _read_sections(self, z_mm: float) -> None:
+        band_mm = (self._ends_mm[1] - self._ends_mm[0]) / _BANDS
+        self._sections = [section_error(run.folder, z_mm, band_mm) for run in self._runs]
+
+    def show(self) -> None:
+        """Make the elements."""
+        ui.label(" and ".join(self._names)).classes("text-h6")
+        self._show_rows()
+        if len(self._runs) > 1:
+            self._show_differences()
+        self._show_curves()
+        self._show_maps()
+        self._show_reports()
+
+    def _show_rows(self) -> None:
+        with ui.element("div").classes("compare-pair"):
+            rows = [
+                {"what": name} | {f"r{i}": text for i, text in enumerate(texts)}
+                for name, texts in settings_rows(self._runs)
+            ]
+            _table("what they were cut with", self._names, rows, []).mark("settings")
+            figures = figures_of(self._runs)
+            several = range(1, len(self._runs))
+            numbers = [
+                {"what": f"{one.name} / {one.unit}" if one.unit else one.name}
+                | {f"r{i}": one.text(i) for i in range(len(self._runs))}
+                | {f"d{i}": one.difference(i) for i in several}
+                for one in figures
+            ]
+            more = [(f"d{i}", "difference" if i == 1 else f"difference {i + 1}") for i in several]
+            _table("figures", self._names, numbers, more).mark("figures")
+
+    def _show_differences(self) -> None:
+        first = self._runs[0]
+        for other in self._runs[1:]:
+            _diff(
+                f"part file: {first.name} to {other.name}",
+                differing(part_text(first), part_text(other)),
+            ).mark("diff-part")
+            _diff(
+                f"machine: {first.name} to {other.name}",
+                differing(machine_text_of(first), machine_text_of(other)),
+                is_open=False,  # two machines may differ in every line
+            ).mark("diff-machine")
+
+    def _show_curves(self) -> None:
+        with ui.element("div").classes("compare-pair"):
+            _chart(charts.over_height(self._names, self._curves), "over-height")
+            _chart(charts.over_angle(self._names, self._curves), "over-angle")
+        low, high = self._ends_mm
+        middle = (low + high) / 2
+        slider = ui.slider(min=low, max=high, step=(high - low) / _BANDS, value=middle)
+        slider.props('aria-label="height of the section" label').mark("section-height")
+        chart = _chart(charts.sections(self._names, self._sections, middle), "section-error")
+
+        async def moved() -> None:
+            z_mm = float(slider.value)
+            await background.io_bound(self._read_sections, z_mm)
+            chart.options.clear()
+            chart.options.update(charts.sections(self._names, self._sections, z_mm))
+            chart.update()
+
+        slider.on("change", moved, args=[])
+
+    def _show_maps(self) -> None:
+        there = [one.map_um for one in self._curves if one is not None]
+        if not there:
+            return
+        scale_um = charts.scale_of(there)
+        with ui.element("div").classes("compare-pair"):
+            for i, (name, one) in enumerate(zip(self._names, self._curves, strict=True)):
+                if one is None:
+                    ui.label(f"{name}: nothing was gauged")
+                else:
+                    _chart(charts.error_map(name, one, scale_um), f"error-map-{i}")
+
+    def _show_reports(self) -> None:
+        with ui.element("div").classes("compare-pair"):
+            for i, run in enumerate(self._runs):
+                if not run.has_report:
+                    ui.label(f"{run.name}: no report; {run.told}")
+                    continue
+                frame = ui.element("iframe").classes("report-frame").mark(f"report-{i}")
+                frame.props('sandbox="allow-scripts" loading="lazy"')
+                frame.props["title"] = f"report of {run.name}"
+                frame.props["src"] = f"/reports/{run.place}/{run.name}/report.html"
+
+
+def _end(curves: ErrorCurves, i: int) -> float:
+    """Return where the first or the last band of a run ends [mm]."""
+    half = float(curves.z_mm[1] - curves.z_mm[0]) / 2
+    return float(curves.z_mm[i]) + (half if i else -half)
+
+
+def _table(
+    title: str, names: Sequence[str], rows: list[dict[str, str]], more: list[tuple[str, str]]
+) -> ui.table:
+    labels = [("what", ""), *((f"r{i}", name) for i, name in enumerate(names)), *more]
+    columns = [
+        {"name": key, "field": key, "label": label, "align": "left"} for key, label in labels
+    ]
+    table = ui.table(columns=columns, rows=rows, row_key="what", title=title)
+    return table.props("dense flat wrap-cells hide-pagination :rows-per-page-options='[0]'")
+
+
+def _diff(title: str, lines: list[DiffLine], *, is_open: bool = True) -> ui.expansion:
+    """Show lines that differ; their text is data."""
+    told = f"{title}: {len(lines)} lines" if lines else f"{title}: alike"
+    box = ui.expansion(told, value=bool(lines) and is_open).classes("full-width")
+    with box, ui.column().classes("q-gutter-none diff-lines"):
+        for kind, text in lines:
+            shown = ui.label(f"{kind} {text}" if kind != "@" else text).classes("diff")
+            shown.classes(_DIFF_CLASS.get(kind, ""))
+    return box
+
+
+def _chart(options: charts.Options, key: str) -> ui.echart:
+    chart = ui.echart(options).classes("camturn-chart compare-chart")
+    return chart.props(f'role="img" aria-label="{key.replace("-", " ")}"').mark(key)
