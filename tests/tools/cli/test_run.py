@@ -41,14 +41,16 @@ RESULTS = [
     *(f"cut_{key}.png" for key in ("compare", "following", "height", "learning", "map", "motion")),
     "cut_overview.png",
     *(
+        "cut_profiles.png",
         "cut_sections.png",
         "cut_sequence.png",
+        *(f"cut_sheet{number}.png" for number in range(1, 6)),
         "cut_skirt.png",
         "perkins240.camtab",
         "perkins240.json",
     ),
     *("perkins240_machine.toml", "perkins240_table.c", "perkins240_table.h", "report.html"),
-    *("summary.json", "surface.csv", "trace.parquet"),
+    *("sections.csv", "sheets.json", "summary.json", "surface.csv", "trace.parquet"),
 ]
 
 

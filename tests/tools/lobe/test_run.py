@@ -58,7 +58,8 @@ def test_disc_is_ground_and_reported(run: Run, tmp_path: Path) -> None:
     names = sorted(path.name for path in (tmp_path / "out").iterdir())
     tables = [f"cam-disc{end}" for end in (".camtab", ".json", "_machine.toml", "_table.c")]
     results = ["report.html", "summary.json", "surface.csv", "trace.parquet", "cam-disc_table.h"]
-    assert names == sorted([*(f"cut_{key}.png" for key in PICTURES), *tables, *results])
+    sheets = ["cut_sheet1.png", "sections.csv", "sheets.json"]
+    assert names == sorted([*(f"cut_{key}.png" for key in PICTURES), *tables, *results, *sheets])
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())
     assert summary["is_good"] and summary["form_error_um"]["tolerance"] == 1.0
     assert summary["form_error_um"]["max"] <= 0.05

@@ -34,6 +34,8 @@ from camtools.report import compare as report_compare
 from camtools.report import motion as report_motion
 from camtools.report.learning import CONVERGENCE_TEXT, convergence
 from camtools.report.page import Caption, Page, render_page
+from camtools.report.sheet import Subject
+from camtools.report.sheet_page import sheet_pages
 from camtools.report.switches import SWITCHES_TEXT, switches
 from camtools.sim.results import CUTTING, FAULT, CutTrace
 
@@ -230,6 +232,21 @@ def _drawers(outcome: LobeOutcome) -> dict[str, Callable[[], Figure]]:
     return drawers
 
 
+def _subject(outcome: LobeOutcome) -> Subject:
+    """Return what of a sheet applies: the middle of each lobe, along its normals."""
+    return Subject(
+        is_oval=False,
+        has_radius=False,
+        left_out="long and short axis, ovality, phase, roundness of the section as it is: a lobe "
+        "is no oval, so each is told by the deviation along the normals of its profile, over the "
+        "direction of the roller; profiles along the axis: a lobe is gauged as one section",
+        names=tuple(
+            f"lobe {i}, {lobe['z_first_mm']:g} .. {lobe['z_last_mm']:g} mm"
+            for i, lobe in enumerate(outcome.summary["cam"]["lobes"])
+        ),
+    )
+
+
 def make_lobe_report(outcome: LobeOutcome) -> dict[str, bytes]:
     """Return the page and its pictures, by file name."""
     pngs, motion = draw_lobes(outcome.generated), motion_of(outcome)
@@ -237,6 +254,7 @@ def make_lobe_report(outcome: LobeOutcome) -> dict[str, bytes]:
         pngs |= {key: png_of(draw()) for key, draw in _drawers(outcome).items()}
         if motion is not None:
             pngs["stroke"] = png_of(report_motion.draw_motion(motion))
+        sheets = sheet_pages(outcome, _subject(outcome))
     tool = "a circle" if outcome.is_turned else "a whole cylinder"
     shown = [(Caption(key, *text), pngs[key]) for key, text in _TEXTS.items() if key in pngs]
     page = Page(
@@ -248,6 +266,8 @@ def make_lobe_report(outcome: LobeOutcome) -> dict[str, bytes]:
         "what it leaves, along the normals of the profile,",
         "cam",
         live_of(outcome, motion),
+        sheets,
     )
     html = render_page(outcome, page).encode("utf-8")
-    return {f"cut_{key}.png": png for key, png in pngs.items()} | {"report.html": html}
+    files = {f"cut_{key}.png": png for key, png in pngs.items()} | {"report.html": html}
+    return files | (sheets.files if sheets is not None else {})

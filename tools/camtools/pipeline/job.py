@@ -26,7 +26,18 @@ from camtools.table.header import check_tolerance
 RUNS = ROOT / "build" / "run"
 _MAX_FEED_MM = 10.0  # range of the firmware's parameter
 _DEFAULT_PART = ROOT / "tools" / "parts" / "perkins240.toml"
-_OURS = ("--rpm", "--feed", "--trace", "--surface", "--summary", "--design", "--progress", "--help")
+_OURS = (
+    "--rpm",
+    "--feed",
+    "--trace",
+    "--surface",
+    "--summary",
+    "--sections",
+    "--sections-mm",
+    "--design",
+    "--progress",
+    "--help",
+)
 _EPILOG = """\
 What follows -- goes to `camsim run`, for example to see how a fault is met:
   tools/run -o build/run/estop -- --inject estop@5

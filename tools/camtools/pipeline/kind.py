@@ -120,6 +120,10 @@ class Kind(ABC, Generic[PartT, MadeT, CutT]):
     def turns(self, made: MadeT, feed_mm: float) -> float:
         """Return how many turns the cut takes, about."""
 
+    def sections_mm(self, made: MadeT, feed_mm: float) -> list[float]:
+        """Return the heights of the sections that are gauged, rising; none: as camsim does."""
+        return []
+
     @abstractmethod
     def form_error_um(self, part: PartT) -> float:
         """Return the largest form error that a good part may have [um]."""

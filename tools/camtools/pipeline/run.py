@@ -29,6 +29,7 @@ from camtools.pipeline.make import Made, make
 from camtools.report.text import ReportRow, page_text
 from camtools.sim.camsim import (
     OVERVIEW,
+    SECTIONS,
     SUMMARY,
     SURFACE,
     TRACE,
@@ -41,7 +42,14 @@ from camtools.sim.camsim import (
 )
 from camtools.sim.cut_plan import plan_of
 from camtools.sim.mismatch import SHARE, Mismatch, mismatch
-from camtools.sim.results import AnyCut, Measured, read_summary, read_surface, read_trace
+from camtools.sim.results import (
+    AnyCut,
+    Measured,
+    read_summary,
+    read_surface,
+    read_trace,
+)
+from camtools.sim.sections import read_sections
 
 
 def turns_of(job: RunJob, made: Made) -> float:
@@ -66,8 +74,12 @@ def _simulate(job: RunJob, made: Made, folder: Path) -> AnyCut | None:
     plan = plan_of(simulator, words)
     say(f"cutting {plan.text() if plan else f'about {turns:.0f} turns'} on the host simulator")
     is_long = plan is not None and plan.is_long
+    feed_mm = job.feed_mm or made.table.part.process.feed_mm
     status = cut(
-        *(simulator, words, window, every), keeps_text=job.keeps_text, shows_progress=is_long
+        *(simulator, words, window, every),
+        sections_mm=kind.sections_mm(made.table, feed_mm),
+        keeps_text=job.keeps_text,
+        shows_progress=is_long,
     )
     if status == BAD_INPUT:
         return None
@@ -80,6 +92,7 @@ def _simulate(job: RunJob, made: Made, folder: Path) -> AnyCut | None:
         compare(simulator, plain, window),
         read_trace(folder / OVERVIEW) if window is not None else None,
         job.origin,
+        read_sections(folder / SECTIONS),
     )
     outcome: AnyCut = kind.outcome(made.table, measured, Rig(simulator, plain, turns))
     return outcome

@@ -27,6 +27,8 @@ from camtools.report import motion as report_motion
 from camtools.report.cells import map_rows
 from camtools.report.learning import CONVERGENCE_TEXT, convergence
 from camtools.report.page import EDGE_IS_A_POINT, Page, Picture, render_page
+from camtools.report.sheet import Subject
+from camtools.report.sheet_page import sheet_pages
 from camtools.report.switches import SWITCHES_TEXT, switches
 from camtools.sim.results import CUTTING, FAULT, GaugedSurface
 from camtools.skirt import report_surface
@@ -168,11 +170,20 @@ def _drawers(outcome: PolygonCut) -> dict[str, Callable[[], Figure]]:
     return drawers
 
 
+SUBJECT = Subject(
+    is_oval=False,
+    has_radius=True,
+    left_out="long and short axis, ovality, phase and the roundness of the section as it is: a "
+    "polygon is no oval, so each section is told by its deviation from the drawing",
+)
+
+
 def make_polygon_report(outcome: PolygonCut) -> dict[str, bytes]:
     """Return the page and its pictures by file name."""
     with drawing():
         pictures = [Picture(key, *_TEXTS[key], draw) for key, draw in _drawers(outcome).items()]
         shown = [(picture, png_of(picture.draw())) for picture in pictures]
+        sheets = sheet_pages(outcome, SUBJECT)
     page = Page(
         outcome.generated.part.part.source,
         polygon_rows(outcome),
@@ -181,6 +192,8 @@ def make_polygon_report(outcome: PolygonCut) -> dict[str, bytes]:
         "the tool's true path",
         "shaft",
         live_of(outcome),
+        sheets,
     )
     files = {f"cut_{picture.key}.png": png for picture, png in shown}
+    files |= sheets.files if sheets is not None else {}
     return files | {"report.html": render_page(outcome, page).encode("utf-8")}

@@ -18,6 +18,7 @@ from matplotlib.figure import Figure
 from camtools.report.board import Board
 from camtools.report.live import Live, css_text, scripts_of, twin_of
 from camtools.report.sentences import sentences_of
+from camtools.report.sheet_page import SheetPages
 from camtools.report.text import ReportRow, fault_story, margins_of, origin_rows, verdict_of
 from camtools.sim.results import AnyCut
 
@@ -81,6 +82,7 @@ class Page(NamedTuple):
     compared: str  # what the gauge compares
     what: str  # what was cut
     live: Live | None = None  # what is alive of it
+    sheets: SheetPages | None = None  # what a roundness instrument would print
 
 
 class _Shown(NamedTuple):
@@ -142,13 +144,15 @@ def _board_charts(board: Board, shown: list[_Shown]) -> list[_Chart]:
 
 
 def _environment() -> Environment:
-    return Environment(
+    environment = Environment(
         loader=FileSystemLoader(Path(__file__).resolve().parents[1] / "report"),
         undefined=StrictUndefined,
         autoescape=True,
         trim_blocks=True,
         lstrip_blocks=True,
     )
+    environment.filters["data_uri"] = data_uri
+    return environment
 
 
 def _running(outcome: AnyCut) -> tuple[Markup, Markup]:
@@ -177,6 +181,7 @@ def render_page(outcome: AnyCut, page: Page) -> str:
             margins=margins_of(outcome),
             story=fault_story(outcome) if outcome.has_fault else [],
             shown=shown,
+            sheets=page.sheets,
             board=board,
             board_charts=_board_charts(board, shown) if board else [],
             scripts=scripts_of(live),

@@ -22,6 +22,7 @@ from camtools.part.common import MachineLimits
 from camtools.sim.results import CutVariant, read_summary
 
 TRACE, SURFACE, SUMMARY = "trace.parquet", "surface.csv", "summary.json"
+SECTIONS = "sections.csv"
 OVERVIEW = "overview.parquet"  # one tick of several of a cut too long to trace
 _OVERVIEW_TICKS = 50_000
 MAX_TRACED_TICKS = 500_000  # about 13 MB of trace, which came as 150 MB of text
@@ -236,6 +237,7 @@ def cut(
     window_turns: float | None,
     every: int = 1,
     *,
+    sections_mm: Sequence[float] = (),
     keeps_text: bool = False,
     shows_progress: bool = False,
 ) -> int:
@@ -249,12 +251,15 @@ def cut(
         The trace is of a second run that ends after so many turns; None: of the cut itself.
     every : int
         The overview of a longer cut holds one tick of so many.
+    sections_mm : list of float
+        Heights of sections, rising; none: those that camsim chooses.
     keeps_text : bool
         The traces are kept as CSV, too.
     shows_progress : bool
         Camsim tells on standard error how far it is.
     """
-    results = ["--surface", SURFACE, "--summary", SUMMARY]
+    results = ["--surface", SURFACE, "--summary", SUMMARY, "--sections", SECTIONS]
+    results += ["--sections-mm", ",".join(map(repr, sections_mm))] if len(sections_mm) else []
     results += ["--progress"] if shows_progress else []
     if window_turns is None:
         return simulator.run_traced([*words, *results], TRACE, keeps_text=keeps_text)

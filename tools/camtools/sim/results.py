@@ -77,6 +77,43 @@ class CutTrace(NamedTuple):
         return CutTrace(*(column[rows] for column in self))
 
 
+PLACES = 3600  # of a whole section
+
+
+class GaugedSection(NamedTuple):
+    """A section; arrays of shape (n,), in the order of rising angles."""
+
+    number: int  # as asked for, from 1 on
+    z_mm: float
+    turn: Floats  # drawing's angle, 0 .. 1; of a lobe the polar angle of its profile
+    radius_mm: Floats
+    deviation_mm: Floats  # from the drawing, above 0: metal left; of a lobe along the normal
+
+    @property
+    def is_whole(self) -> bool:
+        """Return whether it was cut all round."""
+        return self.turn.size == PLACES
+
+
+class GaugedLine(NamedTuple):
+    """A profile along the height; arrays of shape (n,), heights rising."""
+
+    angle_deg: float  # drawing's
+    z_mm: Floats
+    radius_mm: Floats
+    deviation_mm: Floats
+
+
+class GaugedSections(NamedTuple):
+    """Sections and lines of a part."""
+
+    sections: tuple[GaugedSection, ...] = ()
+    lines: tuple[GaugedLine, ...] = ()
+
+
+NO_SECTIONS = GaugedSections()
+
+
 class Removal(NamedTuple):
     """Metal removed in time slices, each of shape (n,)."""
 
@@ -105,7 +142,7 @@ _TRACE_COLUMNS = (
 )
 
 
-def _columns(path: Path, names: tuple[str, ...]) -> Floats:
+def read_named(path: Path, names: tuple[str, ...]) -> Floats:
     """Return the named columns of a CSV file, shape (len(names), n); states as numbers."""
     with path.open(encoding="ascii") as stream:
         header = stream.readline().strip().split(",")
@@ -139,7 +176,7 @@ def _rows(path: Path, places: list[int], header: list[str]) -> Floats:
 
 def read_surface(path: Path) -> GaugedSurface:
     """Return the surface of a CSV file of camsim; without a point when nothing was cut."""
-    turn, z_mm, radius_mm, error_nm = _columns(path, _SURFACE_COLUMNS)
+    turn, z_mm, radius_mm, error_nm = read_named(path, _SURFACE_COLUMNS)
     return GaugedSurface(turn, z_mm, radius_mm, error_nm * 1e-3)
 
 
@@ -149,14 +186,14 @@ def read_control(path: Path) -> GaugedSurface | None:
         names = stream.readline().strip().split(",")
     if "control_nm" not in names:
         return None
-    turn, z_mm, radius_mm, error_nm = _columns(path, (*_SURFACE_COLUMNS[:3], "control_nm"))
+    turn, z_mm, radius_mm, error_nm = read_named(path, (*_SURFACE_COLUMNS[:3], "control_nm"))
     return GaugedSurface(turn, z_mm, radius_mm, error_nm * 1e-3)
 
 
 def _trace_columns(path: Path, names: tuple[str, ...]) -> Floats:
     """Return named columns of a trace, shape (len(names), n); states as numbers."""
     if path.suffix == ".csv":
-        return _columns(path, names)
+        return read_named(path, names)
     from camtools.sim.trace_file import read_columns  # pyarrow, which making a table never needs
 
     found = read_columns(path, names)
@@ -190,7 +227,7 @@ def read_swing(path: Path) -> Floats | None:
 
 def read_removal(path: Path) -> Removal:
     """Return the slices of a CSV file of camsim."""
-    return Removal(*_columns(path, Removal._fields))
+    return Removal(*read_named(path, Removal._fields))
 
 
 def read_summary(path: Path) -> Json:
@@ -217,6 +254,7 @@ class Measured(NamedTuple):
     variants: tuple[CutVariant, ...]
     overview: CutTrace | None = None
     origin: Origin | None = None
+    sections: GaugedSections = NO_SECTIONS
 
 
 @dataclass(frozen=True, eq=False)
@@ -237,6 +275,8 @@ class Cut(Generic[MadeT]):
         One tick of several of the whole cut, where the trace is not complete.
     origin : Origin or None
         What repeats the cut, where a command made it.
+    sections : GaugedSections
+        The true radius at evenly spaced places.
     """
 
     generated: MadeT
@@ -247,6 +287,7 @@ class Cut(Generic[MadeT]):
     variants: tuple[CutVariant, ...] = ()
     overview: CutTrace | None = None
     origin: Origin | None = None
+    sections: GaugedSections = NO_SECTIONS
 
     @property
     def name(self) -> str:

@@ -17,6 +17,7 @@ from camtools.pipeline.kind import Kind, Rig
 from camtools.report.text import ReportRow
 from camtools.sim.camsim import SURFACE, machine_text
 from camtools.sim.results import Measured, read_control
+from camtools.skirt.control_heights import margin_mm, spread
 from camtools.skirt.design import drawing_of
 from camtools.skirt.even import compare_removal
 from camtools.skirt.exact import exact_skirt
@@ -96,6 +97,11 @@ class SkirtKind(Kind[SkirtPart, GeneratedSkirt, SkirtOutcome]):
         """See `Kind.turns`."""
         ends = made.table.z_first_nm / NM_PER_MM, made.table.z_last_nm / NM_PER_MM
         return ToolPath(made.part.process.path, *ends, feed_mm).turns
+
+    def sections_mm(self, made: GeneratedSkirt, feed_mm: float) -> list[float]:
+        """See `Kind.sections_mm`: at heights that profile and ovality name."""
+        named_mm = {float(z) for z in made.geometry.breaks_mm()}
+        return spread(sorted(named_mm), made.geometry.skirt_mm, margin_mm(feed_mm))
 
     def form_error_um(self, part: SkirtPart) -> float:
         """See `Kind.form_error_um`."""

@@ -15,6 +15,8 @@ from camtools.report import compare as report_compare
 from camtools.report import motion as report_motion
 from camtools.report.learning import CONVERGENCE_TEXT, convergence
 from camtools.report.page import EDGE_IS_A_POINT, Page, Picture, render_page
+from camtools.report.sheet import Subject
+from camtools.report.sheet_page import SheetPages, sheet_pages
 from camtools.report.switches import SWITCHES_TEXT, switches
 from camtools.sim.results import CUTTING, FAULT
 from camtools.skirt import report_surface
@@ -150,18 +152,23 @@ def _drawers(outcome: SkirtOutcome) -> dict[str, Callable[[], Figure]]:
     return drawers
 
 
+SUBJECT = Subject(is_oval=True, has_radius=True)
+
+
 def pictures_of(outcome: SkirtOutcome) -> list[Picture]:
     """Return the pictures of a cut, not drawn yet."""
     return [Picture(key, *_TEXTS[key], draw) for key, draw in _drawers(outcome).items()]
 
 
-def render(outcome: SkirtOutcome, pngs: dict[str, bytes]) -> str:
+def render(outcome: SkirtOutcome, pngs: dict[str, bytes], sheets: SheetPages | None = None) -> str:
     """Return the HTML page.
 
     Parameters
     ----------
     pngs : dict
         Pictures by key, drawn.
+    sheets : SheetPages or None
+        Sheets of the gauged sections, drawn.
     """
     page = Page(
         outcome.generated.part.part.source,
@@ -171,6 +178,7 @@ def render(outcome: SkirtOutcome, pngs: dict[str, bytes]) -> str:
         "the tool's true path",
         "skirt",
         live_of(outcome),
+        sheets,
     )
     return render_page(outcome, page)
 
@@ -187,4 +195,6 @@ def make_report(outcome: SkirtOutcome) -> dict[str, bytes]:
                 outcome.surface, geometry, cut["feed_mm"], title
             )
             files["cut_overview.png"] = png_of(overview)
-    return files | {"report.html": render(outcome, pngs).encode("utf-8")}
+        sheets = sheet_pages(outcome, SUBJECT)
+    files |= sheets.files if sheets is not None else {}
+    return files | {"report.html": render(outcome, pngs, sheets).encode("utf-8")}

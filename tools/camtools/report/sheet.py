@@ -1,0 +1,261 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Sheets of a gauged part: what a roundness instrument would print, from the gauged sections.
+
+>>> verdict_of(0.1, 0.2), verdict_of(-0.3, 0.2), verdict_of(0.1, None)
+('good', 'out of tolerance', 'no tolerance given')
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from camtools.base.quantities import Floats
+from camtools.report.text import ReportRow, origin_rows
+from camtools.roundness.lines import Straightness, straightness
+from camtools.roundness.section import Section, section_of
+from camtools.roundness.waves import DEFAULT_UPR, POINTS_PER_WAVE
+from camtools.sim.results import PLACES, AnyCut, GaugedLine
+
+GOOD, OUT, NO_TOLERANCE = "good", "out of tolerance", "no tolerance given"
+_UM_PER_MM = 1000.0
+_LEAST_POINTS = 3  # of a line
+_OVAL_UM = 1.0  # ovality below which a long axis has no direction
+
+
+class Subject(NamedTuple):
+    """What of a sheet applies to a kind of part."""
+
+    is_oval: bool  # it has a long and a short axis
+    has_radius: bool  # the deviation is along the radius, else along the normal of the profile
+    left_out: str = ""  # what does not apply and why
+    names: tuple[str, ...] = ()  # of the sections by number, else they are named by height
+
+
+class Feature(NamedTuple):
+    """A line of the table of a sheet; lengths in mm or um as `unit` says."""
+
+    name: str
+    quantity: str  # diameter, radius, angle
+    unit: str
+    nominal: float | None
+    actual: float
+    deviation: float | None
+    tolerance: float | None  # the largest size of the deviation that is good
+    verdict: str
+
+
+class SectionSheet(NamedTuple):
+    """A section: its name, its figures, its table."""
+
+    name: str
+    z_mm: float
+    turn: Floats  # of its places
+    section: Section
+    features: list[Feature]
+
+
+class LineSheet(NamedTuple):
+    """A profile along the axis: the deviation from the drawing, and the radius as it is."""
+
+    angle_deg: float
+    z_mm: Floats
+    radius_mm: Floats
+    deviation_mm: Floats
+    off: Straightness  # of the deviation
+    whole: Straightness  # of the radius
+    features: list[Feature]
+
+
+class Sheets(NamedTuple):
+    """All sheets of a part."""
+
+    head: list[ReportRow]
+    subject: Subject
+    upr: int
+    sections: list[SectionSheet]
+    lines: list[LineSheet]
+    tapers: list[Feature]
+    missing: list[str]  # sections that were not cut all round
+
+
+def verdict_of(deviation: float, tolerance: float | None) -> str:
+    """Return whether a deviation is within a tolerance, where there is one."""
+    if tolerance is None:
+        return NO_TOLERANCE
+    return GOOD if abs(deviation) <= tolerance else OUT
+
+
+def feature(
+    name: str,
+    kind: tuple[str, str],
+    actual: float,
+    nominal: float | None = None,
+    tolerance: float | None = None,
+) -> Feature:
+    """Return a line of a table; what has no nominal value is a deviation itself.
+
+    Parameters
+    ----------
+    kind : tuple of str
+        Quantity (diameter, radius, angle) and unit.
+    """
+    deviation = None if nominal is None else actual - nominal
+    judged = actual if deviation is None else deviation
+    return Feature(
+        name, *kind, nominal, actual, deviation, tolerance, verdict_of(judged, tolerance)
+    )
+
+
+def _axes_features(section: Section) -> list[Feature]:
+    """Return size, ovality and phase of an oval."""
+    drawn, cut = section.drawn_axes, section.cut_axes
+    size = ("diameter", "mm")
+    found = [
+        feature("long axis", size, cut.long_mm, drawn.long_mm),
+        feature("short axis", size, cut.short_mm, drawn.short_mm),
+        feature("mean of all diameters", size, cut.mean_mm, drawn.mean_mm),
+    ]
+    if drawn.ovality_mm * _UM_PER_MM < _OVAL_UM:
+        return found
+    turned_deg = (cut.phase_deg - drawn.phase_deg + 90) % 180 - 90
+    phase = feature("phase of the long axis", ("angle", "°"), cut.phase_deg, drawn.phase_deg)
+    return [
+        *found,
+        feature("ovality: long less short axis", size, cut.ovality_mm, drawn.ovality_mm),
+        phase._replace(deviation=turned_deg),
+    ]
+
+
+def _form_features(section: Section, subject: Subject, tolerance_um: float) -> list[Feature]:
+    """Return the form of a section: its deviation from the drawing."""
+    um = ("radius" if subject.has_radius else "along the normal", "µm")
+    off, zone = section.off, section.off_zone
+    largest_um = section.largest_mm * _UM_PER_MM
+    return [
+        feature("form: largest deviation, unfiltered", um, largest_um, None, tolerance_um),
+        feature("roundness of the deviation RONt, LS", um, off.total_mm * _UM_PER_MM),
+        feature("RONp, LS", um, off.peak_mm * _UM_PER_MM),
+        feature("RONv, LS", um, off.valley_mm * _UM_PER_MM),
+        feature("RONq, LS", um, off.q_mm * _UM_PER_MM),
+        feature("roundness of the deviation RONt, MZ", um, zone.width_mm * _UM_PER_MM),
+    ]
+
+
+def _whole_features(section: Section) -> list[Feature]:
+    """Return the roundness of a section as it is, its oval included."""
+    um, size = ("radius", "µm"), ("diameter", "mm")
+    return [
+        feature("RONt of the section as it is, LS", um, section.whole.total_mm * _UM_PER_MM),
+        feature("RONt of the section as it is, MZ", um, section.whole_zone.width_mm * _UM_PER_MM),
+        feature("least-squares circle", size, 2 * section.whole.circle.radius_mm),
+        feature("smallest circle around it", size, 2 * section.circumscribed.radius_mm),
+        feature("largest circle within it", size, 2 * section.inscribed.radius_mm),
+        feature("centre of the LS circle, towards 0°", um, section.whole.circle.x_mm * _UM_PER_MM),
+        feature("centre of the LS circle, towards 90°", um, section.whole.circle.y_mm * _UM_PER_MM),
+    ]
+
+
+def _line_sheet(line: GaugedLine, tolerance_um: float) -> LineSheet:
+    off, whole = (straightness(line.z_mm, one) for one in (line.deviation_mm, line.radius_mm))
+    um = ("radius", "µm")
+    worst_um = float(line.deviation_mm[np.abs(line.deviation_mm).argmax()]) * _UM_PER_MM
+    features = [
+        feature("profile: largest deviation", um, worst_um, None, tolerance_um),
+        feature("straightness of the deviation STRt, LS", um, off.total_mm * _UM_PER_MM),
+        feature("straightness of the deviation STRt, MZ", um, off.zone_mm * _UM_PER_MM),
+        feature("STRq, LS", um, off.q_mm * _UM_PER_MM),
+        feature("straightness as it is STRt, LS", um, whole.total_mm * _UM_PER_MM),
+    ]
+    return LineSheet(
+        line.angle_deg, line.z_mm, line.radius_mm, line.deviation_mm, off, whole, features
+    )
+
+
+def _taper(one: LineSheet, other: LineSheet) -> Feature:
+    """Return how the diameter through two lines grows off the drawing, MATHS.md (206)."""
+    span_mm = min(float(np.ptp(line.z_mm)) for line in (one, other))
+    grown_um = (one.off.slope + other.off.slope) * span_mm * _UM_PER_MM
+    name = f"taper {one.angle_deg:g}°/{other.angle_deg:g}° over {span_mm:.4g} mm, off the drawing"
+    return feature(name, ("diameter", "µm"), grown_um)
+
+
+def _tapers(lines: list[LineSheet]) -> list[Feature]:
+    by_angle = {line.angle_deg: line for line in lines}
+    pairs = [(by_angle.get(deg), by_angle.get(deg + 180.0)) for deg in (0.0, 90.0)]
+    return [_taper(one, other) for one, other in pairs if one is not None and other is not None]
+
+
+def _head(outcome: AnyCut, upr: int) -> list[ReportRow]:
+    """Return when, by what and how the sheets were made."""
+    summary = outcome.summary
+    per_turn = summary["tick_hz"] * 60 / summary["cut"]["spindle_rpm"]
+    enough = (
+        ""
+        if per_turn >= POINTS_PER_WAVE * upr
+        else (
+            f"; fewer than {POINTS_PER_WAVE} for each of {upr} waves, so waves above "
+            f"{per_turn / POINTS_PER_WAVE:.0f} per turn are smoothed"
+        )
+    )
+    return [
+        *origin_rows(outcome),
+        ReportRow(
+            "instrument",
+            "simulated: a roundness instrument with a rotary table and a point stylus without "
+            "force or radius, its axis the drawing's; true surface, no noise of its own",
+        ),
+        ReportRow(
+            "filter",
+            f"Gauss, ISO 16610-21, 1\N{EN DASH}{upr} UPR (50 % at {upr}), on the "
+            "deviation from the drawing; form and harmonics unfiltered",
+        ),
+        ReportRow("points", f"{PLACES} per turn from {per_turn:.0f} ticks per turn{enough}"),
+        ReportRow("references", "LS: least squares, MZ: minimum zone (ISO 12181-1, ISO 12780-1)"),
+    ]
+
+
+def make_sheets(outcome: AnyCut, subject: Subject, upr: int = DEFAULT_UPR) -> Sheets | None:
+    """Return the sheets of a cut; nothing when no section was asked for.
+
+    Parameters
+    ----------
+    upr : int
+        Cut-off of the filter, waves per turn.
+    """
+    gauged = outcome.sections
+    if not gauged.sections and not gauged.lines:
+        return None
+    tolerance_um = float(outcome.summary["form_error_um"]["tolerance"])
+    sections, missing = [], []
+    for one in gauged.sections:
+        named = one.number <= len(subject.names)
+        name = subject.names[one.number - 1] if named else f"height {one.z_mm:g} mm"
+        if not one.is_whole:
+            missing.append(name)
+            continue
+        section = section_of(one.radius_mm - one.deviation_mm, one.deviation_mm, upr)
+        features = _form_features(section, subject, tolerance_um)
+        if subject.is_oval:
+            features = [*_axes_features(section), *features, *_whole_features(section)]
+        sections.append(SectionSheet(name, one.z_mm, one.turn, section, features))
+    lines = [
+        _line_sheet(one, tolerance_um) for one in gauged.lines if one.z_mm.size >= _LEAST_POINTS
+    ]
+    head = _head(outcome, upr)
+    return Sheets(head, subject, upr, sections, lines, _tapers(lines), missing)
+
+
+def shown_number(value: float | None, unit: str) -> str:
+    """Return a number with the decimals that its unit deserves: nanometres, a thousandth degree.
+
+    >>> shown_number(92.00001234, "mm"), shown_number(-0.01234, "µm"), shown_number(None, "mm")
+    ('92.000 012', '-0.0123', '')
+    """
+    if value is None:
+        return ""
+    if unit == "mm":
+        digits = f"{value:.6f}"
+        return f"{digits[:-3]} {digits[-3:]}"
+    return f"{value:.4f}"

@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Sheets as the page shows them, and as files beside it.
+
+>>> one = Feature("long axis", "diameter", "mm", 92.0, 91.9999, -1e-4, None, "no tolerance given")
+>>> _row(one)[3:6]
+('91.999 900', '-0.1000 µm', '')
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from camtools.plots.style import png_of
+from camtools.report.sheet import (
+    GOOD,
+    OUT,
+    Feature,
+    SectionSheet,
+    Sheets,
+    Subject,
+    make_sheets,
+    shown_number,
+)
+from camtools.report.sheet_json import sheets_json
+from camtools.report.sheet_plots import draw_lines, draw_section
+from camtools.report.text import ReportRow
+from camtools.sim.results import AnyCut
+
+SHEETS = "sheets.json"
+_COLUMNS = 5  # of the table of harmonics
+_UM_PER_MM = 1000.0
+_CLASSES = {GOOD: "good", OUT: "poor"}
+
+Row = tuple[str, str, str, str, str, str, str, str]  # the last one is the class of the verdict
+
+
+class SheetView(NamedTuple):
+    """A sheet: picture and tables, all text."""
+
+    title: str
+    png: bytes
+    rows: list[Row]
+    waves: list[list[tuple[str, str, str]]]  # rows of order, amplitude and phase
+    wave_title: str
+
+
+class SheetPages(NamedTuple):
+    """All sheets of a page, and their files by name."""
+
+    head: list[ReportRow]
+    left_out: str
+    missing: list[str]
+    views: list[SheetView]
+    files: dict[str, bytes]
+
+
+def _in_um(value_mm: float) -> str:
+    return f"{value_mm * _UM_PER_MM:.4f} µm"
+
+
+def _row(one: Feature) -> Row:
+    """Return a line of a table: deviations of millimetres in micrometres."""
+    unit = "" if one.unit == "°" else f" {one.unit}"
+    deviation = shown_number(one.deviation, one.unit)
+    if one.unit == "mm" and one.deviation is not None:
+        deviation = _in_um(one.deviation)
+    elif deviation:
+        deviation += f"{unit}" if unit else "°"
+    tolerance = "" if one.tolerance is None else f"±{one.tolerance:g} {one.unit}"
+    return (
+        one.name,
+        f"{one.quantity}, {one.unit}",
+        shown_number(one.nominal, one.unit),
+        shown_number(one.actual, one.unit),
+        deviation,
+        tolerance,
+        one.verdict,
+        _CLASSES.get(one.verdict, "none"),
+    )
+
+
+def _wave_rows(one: SectionSheet) -> list[list[tuple[str, str, str]]]:
+    """Return the harmonics of the deviation, running down the columns."""
+    cells = [
+        (f"{wave.order}", f"{wave.amplitude * _UM_PER_MM * 1000:.3f}", f"{wave.phase_deg:.1f}°")
+        for wave in one.section.off_waves
+    ]
+    n_rows = -(-len(cells) // _COLUMNS)
+    return [cells[i::n_rows] for i in range(n_rows)]
+
+
+def _views(sheets: Sheets) -> tuple[list[SheetView], dict[str, bytes]]:
+    views, files = [], {}
+    along = "radius" if sheets.subject.has_radius else "along the normal"
+    wave_title = f"Harmonics of the deviation: amplitude in nm ({along}), angle of the first crest"
+    for number, one in enumerate(sheets.sections, 1):
+        png = png_of(draw_section(one, sheets))
+        files[f"cut_sheet{number}.png"] = png
+        rows = [_row(line) for line in one.features]
+        title = f"Section {number}: {one.name}"
+        views.append(SheetView(title, png, rows, _wave_rows(one), wave_title))
+    if sheets.lines:
+        png = png_of(draw_lines(sheets))
+        files["cut_profiles.png"] = png
+        rows = []
+        for line in sheets.lines:
+            named = [
+                part._replace(name=f"{line.angle_deg:g}°: {part.name}") for part in line.features
+            ]
+            rows += [_row(part) for part in named]
+        rows += [_row(part) for part in sheets.tapers]
+        views.append(SheetView("Profiles along the axis", png, rows, [], ""))
+    return views, files
+
+
+def sheet_pages(outcome: AnyCut, subject: Subject) -> SheetPages | None:
+    """Return the sheets of a cut, drawn; nothing when no section was gauged."""
+    sheets = make_sheets(outcome, subject)
+    if sheets is None:
+        return None
+    views, files = _views(sheets)
+    files[SHEETS] = sheets_json(sheets)
+    return SheetPages(sheets.head, subject.left_out, sheets.missing, views, files)

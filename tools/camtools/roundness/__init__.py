@@ -1,0 +1,1 @@
+"""Roundness, straightness and harmonics of measured profiles, as the standards define them."""
