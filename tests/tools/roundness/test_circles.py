@@ -15,7 +15,7 @@ from scipy.optimize import linprog, minimize
 from camtools.base.quantities import Floats
 from camtools.roundness.circles import (
     Circle,
-    Profile,
+    RoundProfile,
     about,
     distances_mm,
     least_squares,
@@ -28,17 +28,17 @@ from camtools.roundness.circles import (
 PHI = 2 * np.pi * np.arange(720) / 720
 
 
-def made_up(seed: int, n: int = 720, radius_mm: float = 46.0) -> Profile:
+def made_up(seed: int, n: int = 720, radius_mm: float = 46.0) -> RoundProfile:
     """Return a rough, lobed, eccentric profile."""
     draw = np.random.default_rng(seed)
     phi = 2 * np.pi * np.arange(n) / n
     off_mm = 1e-3 * draw.normal(size=n)
     for order in (1, 2, 3, 5, 9):
         off_mm += 1e-2 / order * draw.normal() * np.cos(order * phi + draw.uniform(0, 6))
-    return Profile(phi, radius_mm + off_mm)
+    return RoundProfile(phi, radius_mm + off_mm)
 
 
-def points(profile: Profile) -> Floats:
+def points(profile: RoundProfile) -> Floats:
     """Return the points of a profile, shape (n, 2)."""
     direction = np.stack([np.cos(profile.phi_rad), np.sin(profile.phi_rad)], axis=1)
     return np.asarray(profile.radius_mm[:, None] * direction, dtype=np.float64)
@@ -109,7 +109,8 @@ def test_minimum_zone_alternates_and_no_search_finds_a_smaller_one(seed: int) ->
 def circle_through(three: Floats) -> Floats:
     """Return the centre of the circle through three points."""
     rows = 2 * (three[1:] - three[0])
-    return np.linalg.solve(rows, (three[1:] ** 2).sum(axis=1) - (three[0] ** 2).sum())
+    right = (three[1:] ** 2).sum(axis=1) - (three[0] ** 2).sum()
+    return np.asarray(np.linalg.solve(rows, right), dtype=np.float64)
 
 
 def test_smallest_circle_is_that_of_all_pairs_and_triples() -> None:
@@ -136,10 +137,18 @@ def test_largest_circle_within_is_that_of_all_triples() -> None:
 def test_ellipse_has_its_known_circles() -> None:
     """Half axes 46 and 45.9 mm: zone 0.1, circles around and within are those of the axes."""
     a, b = 46.0, 45.9
-    profile = Profile(PHI, a * b / np.hypot(b * np.cos(PHI), a * np.sin(PHI)))
+    profile = RoundProfile(PHI, a * b / np.hypot(b * np.cos(PHI), a * np.sin(PHI)))
     assert minimum_zone(profile).width_mm == pytest.approx(a - b, abs=1e-12)
     assert minimum_circumscribed(profile).radius_mm == pytest.approx(a, abs=1e-7)
     assert maximum_inscribed(profile).radius_mm == pytest.approx(b, abs=1e-7)
+
+
+def figures(profile: RoundProfile) -> list[float]:
+    """Return what is told of a profile by each circle [mm]."""
+    about_ls = roundness(profile, least_squares(profile))
+    zone = minimum_zone(profile)
+    around, within = minimum_circumscribed(profile), maximum_inscribed(profile)
+    return [about_ls.total_mm, about_ls.q_mm, zone.width_mm, around.radius_mm, within.radius_mm]
 
 
 @settings(max_examples=40, deadline=None)
@@ -155,16 +164,10 @@ def test_form_does_not_depend_on_place_angle_and_scale(
 ) -> None:
     """A part that is turned, moved on the table or of another size has the same form, scaled."""
     profile = made_up(seed, 90)
-    moved = about(Profile(profile.phi_rad + turned_rad, profile.radius_mm), x_mm, y_mm)
-    other = Profile(moved.phi_rad, scale * moved.radius_mm)
-    for figure in (
-        lambda one: roundness(one, least_squares(one)).total_mm,
-        lambda one: roundness(one, least_squares(one)).q_mm,
-        lambda one: minimum_zone(one).width_mm,
-        lambda one: minimum_circumscribed(one).radius_mm,
-        lambda one: maximum_inscribed(one).radius_mm,
-    ):
-        assert figure(other) == pytest.approx(scale * figure(profile), abs=1e-8)
+    moved = about(RoundProfile(profile.phi_rad + turned_rad, profile.radius_mm), x_mm, y_mm)
+    other = RoundProfile(moved.phi_rad, scale * moved.radius_mm)
+    for one, two in zip(figures(profile), figures(other), strict=True):
+        assert two == pytest.approx(scale * one, abs=1e-8)
 
 
 @settings(max_examples=40, deadline=None)

@@ -14,7 +14,7 @@ import numpy as np
 from camtools.base.quantities import Floats
 from camtools.report.text import ReportRow, origin_rows
 from camtools.roundness.lines import Straightness, straightness
-from camtools.roundness.section import Section, section_of
+from camtools.roundness.section import SectionFigures, section_of
 from camtools.roundness.waves import DEFAULT_UPR, POINTS_PER_WAVE
 from camtools.sim.results import PLACES, AnyCut, GaugedLine
 
@@ -52,7 +52,7 @@ class SectionSheet(NamedTuple):
     name: str
     z_mm: float
     turn: Floats  # of its places
-    section: Section
+    section: SectionFigures
     features: list[Feature]
 
 
@@ -108,7 +108,7 @@ def feature(
     )
 
 
-def _axes_features(section: Section) -> list[Feature]:
+def _axes_features(section: SectionFigures) -> list[Feature]:
     """Return size, ovality and phase of an oval."""
     drawn, cut = section.drawn_axes, section.cut_axes
     size = ("diameter", "mm")
@@ -128,7 +128,7 @@ def _axes_features(section: Section) -> list[Feature]:
     ]
 
 
-def _form_features(section: Section, subject: Subject, tolerance_um: float) -> list[Feature]:
+def _form_features(section: SectionFigures, subject: Subject, tolerance_um: float) -> list[Feature]:
     """Return the form of a section: its deviation from the drawing."""
     um = ("radius" if subject.has_radius else "along the normal", "µm")
     off, zone = section.off, section.off_zone
@@ -143,7 +143,7 @@ def _form_features(section: Section, subject: Subject, tolerance_um: float) -> l
     ]
 
 
-def _whole_features(section: Section) -> list[Feature]:
+def _whole_features(section: SectionFigures) -> list[Feature]:
     """Return the roundness of a section as it is, its oval included."""
     um, size = ("radius", "µm"), ("diameter", "mm")
     return [

@@ -10,7 +10,7 @@ from __future__ import annotations
 from camtools.base.json_text import Json, emit_json
 from camtools.report.sheet import Feature, LineSheet, SectionSheet, Sheets
 from camtools.roundness.circles import Circle, Roundness
-from camtools.roundness.waves import Harmonic
+from camtools.roundness.waves import RoundWave
 
 _UM_PER_MM = 1000.0
 
@@ -33,7 +33,7 @@ def _roundness(one: Roundness, zone_mm: float) -> Json:
     }
 
 
-def _waves(waves: list[Harmonic]) -> list[Json]:
+def _waves(waves: list[RoundWave]) -> list[Json]:
     return [
         {
             "order": one.order,

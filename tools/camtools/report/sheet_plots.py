@@ -28,7 +28,7 @@ from camtools.plots.style import (
     nice_limit,
 )
 from camtools.report.sheet import LineSheet, SectionSheet, Sheets
-from camtools.roundness.waves import Harmonic
+from camtools.roundness.waves import RoundWave
 
 _ROOM = 0.3  # share of the radius in which deviations are drawn, to both sides
 _UM_PER_MM = 1000.0
@@ -141,10 +141,10 @@ def _draw_off(axes: Axes, one: SectionSheet, upr: int, along: str) -> None:
         _circle_line(axes, off_mm, centre, limit_mm, **_ZONE_STYLE)
 
 
-def floor_um(waves: list[Harmonic]) -> float:
+def floor_um(waves: list[RoundWave]) -> float:
     """Return where the axis of the amplitudes begins [um]: three decades below the largest.
 
-    >>> floor_um([Harmonic(1, 2e-5, 0.0), Harmonic(2, 5e-7, 0.0)])
+    >>> floor_um([RoundWave(1, 2e-5, 0.0), RoundWave(2, 5e-7, 0.0)])
     1e-05
     """
     largest_um = max(one.amplitude for one in waves) * _UM_PER_MM
@@ -152,7 +152,7 @@ def floor_um(waves: list[Harmonic]) -> float:
     return max(_LEAST_FLOOR_UM, float(f"1e{power}"))
 
 
-def _amplitudes_um(waves: list[Harmonic]) -> Floats:
+def _amplitudes_um(waves: list[RoundWave]) -> Floats:
     return np.array([wave.amplitude for wave in waves]) * _UM_PER_MM
 
 

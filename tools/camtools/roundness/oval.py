@@ -16,7 +16,7 @@ from camtools.base.quantities import Floats
 from camtools.roundness.waves import harmonics
 
 
-class Axes(NamedTuple):
+class OvalAxes(NamedTuple):
     """Two-point DIAMETERS [mm] of a section."""
 
     long_mm: float  # the largest
@@ -30,7 +30,7 @@ class Axes(NamedTuple):
         return self.long_mm - self.short_mm
 
 
-def axes_of(radius_mm: Floats) -> Axes:
+def axes_of(radius_mm: Floats) -> OvalAxes:
     """Return the axes of a section.
 
     Parameters
@@ -41,7 +41,7 @@ def axes_of(radius_mm: Floats) -> Axes:
     half = radius_mm.size // 2
     diameter_mm = radius_mm[:half] + radius_mm[half:]
     phase_deg = harmonics(radius_mm, 2)[1].phase_deg
-    return Axes(
+    return OvalAxes(
         float(diameter_mm.max()),
         float(diameter_mm.min()),
         phase_deg - 180 if phase_deg > 90 else phase_deg,

@@ -17,8 +17,8 @@ import numpy as np
 from camtools.base.quantities import Floats
 from camtools.roundness.circles import (
     Circle,
-    Profile,
     Roundness,
+    RoundProfile,
     Zone,
     least_squares,
     maximum_inscribed,
@@ -26,11 +26,11 @@ from camtools.roundness.circles import (
     minimum_zone,
     roundness,
 )
-from camtools.roundness.oval import Axes, axes_of
-from camtools.roundness.waves import Harmonic, harmonics, low_pass
+from camtools.roundness.oval import OvalAxes, axes_of
+from camtools.roundness.waves import RoundWave, harmonics, low_pass
 
 
-class Section(NamedTuple):
+class SectionFigures(NamedTuple):
     """Figures of a section of n even angles; every length is along the radius [mm].
 
     Attributes
@@ -44,9 +44,9 @@ class Section(NamedTuple):
         least-squares circle, and the minimum zone.
     whole, whole_zone, circumscribed, inscribed
         The same of the section as it is, drawing and filtered deviation.
-    drawn_axes, cut_axes : Axes
+    drawn_axes, cut_axes : OvalAxes
         DIAMETERS of the drawing and of the section as it is.
-    off_waves, whole_waves : list of Harmonic
+    off_waves, whole_waves : list of RoundWave
         Of the deviation and of the section, unfiltered.
     """
 
@@ -61,10 +61,10 @@ class Section(NamedTuple):
     whole_zone: Zone
     circumscribed: Circle
     inscribed: Circle
-    drawn_axes: Axes
-    cut_axes: Axes
-    off_waves: list[Harmonic]
-    whole_waves: list[Harmonic]
+    drawn_axes: OvalAxes
+    cut_axes: OvalAxes
+    off_waves: list[RoundWave]
+    whole_waves: list[RoundWave]
 
     @property
     def cut_mm(self) -> Floats:
@@ -72,7 +72,7 @@ class Section(NamedTuple):
         return self.drawn_mm + self.filtered_mm
 
 
-def section_of(drawn_mm: Floats, deviation_mm: Floats, cutoff_upr: float) -> Section:
+def section_of(drawn_mm: Floats, deviation_mm: Floats, cutoff_upr: float) -> SectionFigures:
     """Return the figures of a section.
 
     Parameters
@@ -85,10 +85,10 @@ def section_of(drawn_mm: Floats, deviation_mm: Floats, cutoff_upr: float) -> Sec
     """
     phi = 2 * np.pi * np.arange(drawn_mm.size) / drawn_mm.size
     filtered_mm = low_pass(deviation_mm, cutoff_upr)
-    off = Profile(phi, float(drawn_mm.mean()) + filtered_mm)
-    whole = Profile(phi, drawn_mm + filtered_mm)
+    off = RoundProfile(phi, float(drawn_mm.mean()) + filtered_mm)
+    whole = RoundProfile(phi, drawn_mm + filtered_mm)
     worst = int(np.abs(deviation_mm).argmax())
-    return Section(
+    return SectionFigures(
         drawn_mm,
         deviation_mm,
         filtered_mm,

@@ -24,7 +24,7 @@ MOST_HARMONICS = 50
 POINTS_PER_WAVE = 7  # ISO 12181-2
 
 
-class Harmonic(NamedTuple):
+class RoundWave(NamedTuple):
     """A wave of a profile: amplitude cos(order (phi - phase))."""
 
     order: int
@@ -56,12 +56,12 @@ def low_pass(profile: Floats, cutoff_upr: float) -> Floats:
     return np.asarray(np.fft.irfft(passed, profile.size), dtype=np.float64)
 
 
-def harmonics(profile: Floats, most: int = MOST_HARMONICS) -> list[Harmonic]:
+def harmonics(profile: Floats, most: int = MOST_HARMONICS) -> list[RoundWave]:
     """Return the waves 1 .. most of a closed profile of evenly spaced points."""
     spectrum = np.fft.rfft(profile) / profile.size
     found = []
     for order in range(1, most + 1):
         wave = 2 * spectrum[order]
         phase_deg = float(np.mod(-np.degrees(np.angle(wave)) / order, 360 / order))
-        found.append(Harmonic(order, float(np.abs(wave)), phase_deg))
+        found.append(RoundWave(order, float(np.abs(wave)), phase_deg))
     return found

@@ -1,0 +1,250 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A sheet whose every answer is known in closed form, and what is said where there is none."""
+
+from __future__ import annotations
+
+import json
+from typing import Any, cast
+
+import numpy as np
+import pytest
+
+from camtools.base.quantities import Floats
+from camtools.plots.style import drawing
+from camtools.report.sheet import NO_TOLERANCE, Feature, Sheets, Subject, make_sheets
+from camtools.report.sheet_json import sheets_json
+from camtools.report.sheet_page import sheet_pages
+from camtools.report.sheet_plots import draw_lines, draw_section
+from camtools.roundness.waves import transmission
+from camtools.sim.results import (
+    PLACES,
+    AnyCut,
+    Cut,
+    CutTrace,
+    GaugedLine,
+    GaugedSection,
+    GaugedSections,
+    GaugedSurface,
+)
+from report_cases import made_up_summary
+
+A_MM, G_MM, PHASE_DEG = 46.0, 0.2, 12.0  # long half axis, ovality, direction of the long axis
+MEAN_MM, C_MM, C_RAD = 3e-3, 1e-3, 0.9  # too large by 6 um of diameter, off centre by 1 um
+FIVE_MM, FIFTY_MM = 2e-3, 1e-4  # waves on the section
+OVAL_MM, OVAL_RAD = 4e-4, 0.5  # second harmonic of the deviation
+PHI = 2 * np.pi * np.arange(PLACES) / PLACES
+T = {order: float(transmission(order, 50)) for order in (1, 2, 5, 50)}
+OVAL = Subject(is_oval=True, has_radius=True)
+
+
+def deviation_mm(phi: Floats) -> Floats:
+    """Return the deviation of the made-up part from its drawing."""
+    return np.asarray(
+        MEAN_MM
+        + C_MM * np.cos(phi - C_RAD)
+        + OVAL_MM * np.cos(2 * phi - OVAL_RAD)
+        + FIVE_MM * np.cos(5 * phi)
+        + FIFTY_MM * np.cos(50 * phi),
+        dtype=np.float64,
+    )
+
+
+def drawn_mm(phi: Floats) -> Floats:
+    """Return the drawing: an oval of one harmonic, turned."""
+    wave = np.cos(2 * (phi - np.radians(PHASE_DEG)))
+    return np.asarray(A_MM - G_MM / 4 + G_MM / 4 * wave, dtype=np.float64)
+
+
+def section(number: int = 1, n: int = PLACES) -> GaugedSection:
+    """Return the made-up section, or a part of it."""
+    radius_mm = drawn_mm(PHI) + deviation_mm(PHI)
+    turn = PHI / (2 * np.pi)
+    return GaugedSection(number, 20.0, turn[:n], radius_mm[:n], deviation_mm(PHI)[:n])
+
+
+def line(angle_deg: float, slope: float) -> GaugedLine:
+    """Return a barrel with a leaning parabola of 1 um on it."""
+    z_mm = np.linspace(0, 60, 1025)
+    off_mm = slope * (z_mm - 30) + 1e-3 * ((z_mm - 30) / 30) ** 2
+    return GaugedLine(angle_deg, z_mm, A_MM - 1e-4 * (z_mm - 20) ** 2 + off_mm, off_mm)
+
+
+def cut_of(sections: GaugedSections, tolerance_um: float = 5.0) -> AnyCut:
+    """Return a cut of which nothing but the sections is known."""
+    form = {"max": 6.0, "rms": 2.0, "tolerance": tolerance_um}
+    nothing = np.empty(0)
+    return Cut(
+        cast(Any, None),
+        made_up_summary(form_error_um=form),
+        GaugedSurface(*[nothing] * 4),
+        CutTrace(*[nothing] * 10),
+        sections=sections,
+    )
+
+
+LINES = tuple(line(deg, slope) for deg, slope in ((0, 1e-5), (90, 0), (180, 3e-5), (270, -1e-5)))
+GAUGED = GaugedSections((section(),), LINES)
+
+
+@pytest.fixture(scope="module")
+def sheets() -> Sheets:
+    """Make the sheets of the made-up part."""
+    found = make_sheets(cut_of(GAUGED), OVAL)
+    assert found is not None
+    return found
+
+
+def by_name(features: list[Feature]) -> dict[str, Feature]:
+    """Return features by their names."""
+    return {one.name: one for one in features}
+
+
+def test_size_ovality_and_phase_are_the_known_ones(sheets: Sheets) -> None:
+    """The second harmonics of drawing and deviation add as arrows; odd waves leave diameters be."""
+    found = by_name(sheets.sections[0].features)
+    arrow = G_MM / 4 * np.exp(2j * np.radians(PHASE_DEG))
+    arrow += T[2] * OVAL_MM * np.exp(1j * OVAL_RAD)
+    mean_mm = 2 * (A_MM - G_MM / 4 + MEAN_MM)
+    fifty = 2 * FIFTY_MM * T[50]  # on top of the crest or the valley, somewhere
+    sizes = (
+        ("long axis", 2 * A_MM, mean_mm + 2 * abs(arrow), fifty),
+        ("short axis", 2 * (A_MM - G_MM / 2), mean_mm - 2 * abs(arrow), fifty),
+        ("mean of all diameters", 2 * A_MM - G_MM / 2, mean_mm, 1e-12),
+        ("ovality: long less short axis", G_MM, 4 * abs(arrow), 2 * fifty),
+        ("phase of the long axis", PHASE_DEG, np.degrees(np.angle(arrow)) / 2, 1e-9),
+    )
+    for name, nominal, actual, margin in sizes:
+        assert found[name].nominal == pytest.approx(nominal, abs=1e-6), name
+        assert found[name].actual == pytest.approx(actual, abs=margin), name
+        assert found[name].deviation == pytest.approx(actual - nominal, abs=margin + 1e-6), name
+    phi = np.linspace(0, np.pi, 200_001)  # a dense search; 3600 places miss a crest by 0.1 nm
+    diameter = mean_mm + 2 * np.real(arrow * np.exp(-2j * phi)) + fifty * np.cos(50 * phi)
+    assert found["long axis"].actual == pytest.approx(diameter.max(), abs=1e-7)
+    assert found["short axis"].actual == pytest.approx(diameter.min(), abs=1e-7)
+
+
+def test_roundness_of_the_deviation_is_the_known_one() -> None:
+    """Five lobes alone, off centre: RONt is twice the amplitude behind the filter, LS and MZ."""
+    off_mm = MEAN_MM + C_MM * np.cos(PHI - C_RAD) + FIVE_MM * np.cos(5 * PHI)
+    one = GaugedSection(1, 20.0, PHI / (2 * np.pi), drawn_mm(PHI) + off_mm, off_mm)
+    sheets = make_sheets(cut_of(GaugedSections((one,), ())), OVAL)
+    assert sheets is not None
+    found = by_name(sheets.sections[0].features)
+    five_um = 1e3 * FIVE_MM * T[5]
+    for name, um in (
+        ("roundness of the deviation RONt, LS", 2 * five_um),
+        ("roundness of the deviation RONt, MZ", 2 * five_um),
+        ("RONp, LS", five_um),
+        ("RONv, LS", five_um),
+        ("RONq, LS", five_um / np.sqrt(2)),
+    ):
+        assert found[name].actual == pytest.approx(um, abs=1e-4), name
+    centre = sheets.sections[0].section.off.circle
+    assert np.hypot(centre.x_mm, centre.y_mm) == pytest.approx(C_MM * T[1], abs=1e-9)
+    assert centre.radius_mm == pytest.approx(A_MM - G_MM / 4 + MEAN_MM, abs=1e-7)
+
+
+def test_harmonics_are_the_known_ones(sheets: Sheets) -> None:
+    """Each wave has its amplitude and crest, unfiltered, all others nothing."""
+    known = {1: (C_MM, C_RAD), 2: (OVAL_MM, OVAL_RAD), 5: (FIVE_MM, 0), 50: (FIFTY_MM, 0)}
+    for wave in sheets.sections[0].section.off_waves:
+        amplitude_mm, crest_rad = known.get(wave.order, (0.0, None))
+        assert wave.amplitude == pytest.approx(amplitude_mm, abs=1e-12)
+        if crest_rad is not None:
+            turned = np.exp(1j * (np.radians(wave.phase_deg) * wave.order - crest_rad))
+            assert turned == pytest.approx(1, abs=1e-6)
+
+
+def test_form_is_judged_unfiltered_and_nothing_else_without_a_tolerance(sheets: Sheets) -> None:
+    """The verdict on the form turns at the tolerance; features without one say so."""
+    name = "form: largest deviation, unfiltered"
+    worst_um = 1e3 * float(np.abs(deviation_mm(PHI)).max())
+    for tolerance_um, verdict in ((worst_um + 1e-3, "good"), (worst_um - 1e-3, "out of tolerance")):
+        found = make_sheets(cut_of(GAUGED, tolerance_um), OVAL)
+        assert found is not None
+        form = by_name(found.sections[0].features)[name]
+        assert form.actual == pytest.approx(worst_um, abs=1e-9)
+        assert form.verdict == verdict
+    features = [*sheets.sections[0].features, *sheets.tapers]
+    features += [one for each in sheets.lines for one in each.features]
+    for one in features:
+        assert (one.verdict == NO_TOLERANCE) == (one.tolerance is None), one.name
+    judged = {one.name for one in features if one.tolerance is not None}
+    assert judged == {name, "profile: largest deviation"}
+
+
+def test_straightness_and_taper_are_the_known_ones(sheets: Sheets) -> None:
+    """A parabola of 1 um has STRt 1 um by LS and MZ; slopes of opposite lines add to the taper."""
+    for one in sheets.lines:
+        found = by_name(one.features)
+        assert found["straightness of the deviation STRt, LS"].actual == pytest.approx(1, abs=1e-5)
+        assert found["straightness of the deviation STRt, MZ"].actual == pytest.approx(1, abs=1e-5)
+        assert found["STRq, LS"].actual == pytest.approx(2 / np.sqrt(45), rel=3e-3)
+    assert [one.actual for one in sheets.tapers] == pytest.approx([2.4, -0.6], abs=1e-9)
+    assert sheets.tapers[0].name == "taper 0°/180° over 60 mm, off the drawing"
+
+
+def test_sections_that_are_not_whole_are_named_not_judged() -> None:
+    """A part of a turn makes no roundness; without sections there are no sheets."""
+    found = make_sheets(cut_of(GaugedSections((section(), section(2, 3000)), ())), OVAL)
+    assert found is not None
+    assert ([one.name for one in found.sections], found.missing) == (
+        ["height 20 mm"],
+        ["height 20 mm"],
+    )
+    assert make_sheets(cut_of(GaugedSections()), OVAL) is None
+
+
+def test_what_does_not_apply_is_left_out_and_said() -> None:
+    """A lobe has neither axes nor a roundness as it is; its deviation is along the normal."""
+    lobe = Subject(False, False, "long and short axis: a lobe is no oval", ("lobe 0",))
+    found = make_sheets(cut_of(GaugedSections((section(),), ())), lobe)
+    assert found is not None
+    assert found.sections[0].name == "lobe 0"
+    names = by_name(found.sections[0].features)
+    assert not any("axis" in name or "as it is" in name for name in names)
+    assert {one.quantity for one in names.values()} == {"along the normal"}
+    pages = sheet_pages(cut_of(GaugedSections((section(),), ())), lobe)
+    assert pages is not None
+    assert pages.left_out == lobe.left_out
+
+
+def test_few_ticks_per_turn_are_told() -> None:
+    """At 20 kHz and 6000 r/min 200 ticks are too few for 50 waves per turn."""
+    cut = cut_of(GAUGED)
+    cut.summary["cut"]["spindle_rpm"] = 6000.0
+    found = make_sheets(cut, OVAL)
+    assert found is not None
+    points = {row.name: row.value for row in found.head}["points"]
+    assert "from 200 ticks per turn; fewer than 7 for each of 50 waves" in points
+
+
+def test_data_and_page_have_the_same_numbers(sheets: Sheets) -> None:
+    """sheets.json has each feature in full, the page its digits; both name radius or diameter."""
+    document = json.loads(sheets_json(sheets))
+    pages = sheet_pages(cut_of(GAUGED), OVAL)
+    assert pages is not None
+    assert pages.files["sheets.json"] == sheets_json(sheets)
+    told = document["sections"][0]["features"]
+    assert [one["actual"] for one in told] == [one.actual for one in sheets.sections[0].features]
+    for one, row in zip(told, pages.views[0].rows, strict=True):
+        assert one["quantity"] in ("radius", "diameter", "angle")
+        assert row[:2] == (one["name"], f"{one['quantity']}, {one['unit']}")
+        assert float(row[3].replace(" ", "")) == pytest.approx(one["actual"], abs=5.1e-5)
+    waves = [cell for row in pages.views[0].waves for cell in row]
+    assert sorted(int(cell[0]) for cell in waves) == list(range(1, 51))
+
+
+def test_bars_begin_at_the_floor_that_is_named(sheets: Sheets) -> None:
+    """No bar reaches below the axis, small waves have none, and the label tells the floor."""
+    with drawing():
+        figure = draw_section(sheets.sections[0], sheets)
+        axes = figure.axes[-1]
+        low = axes.get_ylim()[0]
+        bars = axes.patches
+        assert len(bars) == 50
+        assert all(bar.get_y() == pytest.approx(low) for bar in bars)  # type: ignore[attr-defined]
+        tall = [i + 1 for i, bar in enumerate(bars) if bar.get_height() > 0]  # type: ignore[attr-defined]
+        assert tall == [1, 2, 5, 50]
+        assert f"floor of {low:g} µm" in axes.get_xlabel()
+        assert len(draw_lines(sheets).axes) == 5
