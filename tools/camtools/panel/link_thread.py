@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import threading
 import time
+import traceback
 from collections import deque
 from collections.abc import Callable, Mapping
 from concurrent.futures import Future
@@ -152,8 +153,10 @@ class LinkThread:
             else:
                 try:
                     self._serve(link)
-                except (Refused, CamtoolsError, OSError) as error:
+                except Exception as error:  # whatever it is: stop must be possible again at once
                     self._snapshot = replace(SILENT, where=link.where, problem=str(error))
+                    if not isinstance(error, Refused | CamtoolsError | OSError):
+                        traceback.print_exc()
                 finally:
                     self._end(link)
             self._is_over.wait(AGAIN_S)

@@ -1,0 +1,337 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The desk before the firmware with an ideal machine: orders, rights, stop, hands, parameters."""
+
+from __future__ import annotations
+
+import asyncio
+import random
+import struct
+import time
+import zlib
+
+import pytest
+
+from camctl_bench import Bench
+from camtools.link.parameters import INFOS
+from desk_cases import Seat, until
+
+pytestmark = pytest.mark.alone  # the controller keeps pace with the clock
+
+
+def last(seat: Seat) -> tuple[str, str, bool]:
+    """Return visitor, order and result of the newest line of the log."""
+    newest = seat.log.newest(1)[0]
+    return newest["visitor"], newest["order"], newest["is_done"]
+
+
+def test_a_part_is_cut_with_overrides(seat: Seat) -> None:
+    """Each order comes back with what is so now, and the status shows it."""
+    assert seat.do("speed", rpm=1500) == "speed = 1500 r/min"
+    assert seat.do("feed_per_turn", mm=0.1) == "feed = 0.1 mm"
+    assert seat.do("parts", number=41) == "parts = 41"
+    assert seat.do("home").startswith("home: ")
+    seat.wait_for("ready")
+    assert seat.do("start").startswith("start: ")
+    seat.wait_for("cutting")
+    assert seat.do("feed", percent=90) == "override feed = 90 %"
+    assert seat.do("spindle", percent=95) == "override spindle = 95 %"
+    assert seat.do("amplitude", percent=101) == "amplitude = 101 %"
+    assert seat.do("phase", deg=-2.5) == "phase = -2.5 deg"
+    trim = seat.do("trim", measure="diameter", mm=0.002)
+    assert trim == "trim: diameter 0.002 mm, radius 0.001 mm"
+    seat.do("hold")
+    until(lambda: bool(seat.desk.snapshot().signals["is_held"]))
+    seat.do("resume")
+    until(lambda: not seat.desk.snapshot().signals["is_held"])
+    seat.do("stop")
+    seat.wait_for("ready")
+    signals = seat.desk.snapshot().signals
+    assert signals["override_of_feed"] == pytest.approx(90)
+    assert signals["trim_of_x"] == pytest.approx(0.001)
+    assert seat.desk.snapshot().table_name == "short skirt"
+    for name, value in (("feed", 100), ("spindle", 100), ("amplitude", 100)):
+        seat.do(name, percent=value)
+    seat.do("phase", deg=0)
+    seat.do("trim", measure="radius", mm=0)
+
+
+def test_rights_are_checked_by_the_desk(seat: Seat) -> None:
+    """Without token nothing, with token stop and drives off, the rest for the commander alone."""
+    assert "need the token" in seat.refused("enable", seat.guest)
+    assert "need the token" in seat.refused("stop", seat.guest)
+    assert "do not command" in seat.refused("enable", seat.other)
+    assert last(seat) == ("other", "enable", False)
+    assert seat.state == "off"
+    seat.do("home")
+    seat.wait_for("ready")
+    assert seat.ask("disable", seat.other).is_done
+    seat.wait_for("off")
+    assert last(seat) == ("other", "disable", True)
+
+
+def test_everything_tried_is_in_the_log(seat: Seat) -> None:
+    """Done and refused, by whom, with arguments; of a file its size and checksum."""
+    seat.refused("download", image=b"no table" * 30, name="<img src=x onerror=alert(1)>")
+    newest = seat.log.newest(1)[0]
+    told = newest["arguments"]
+    assert told["image"] == f"240 bytes, CRC-32 {zlib.crc32(b'no table' * 30):08x}"
+    assert "not a cam table" in newest["outcome"] and newest["time"].endswith(" UTC")
+    seat.commander.take_over(seat.other)
+    assert last(seat) == ("other", "take_over", True)
+    assert seat.commander.news(seat.boss).startswith("other at 127.0.0.1 took the command over at")
+    assert "do not command" in seat.refused("enable")
+    seat.commander.lose(seat.other)
+    assert last(seat) == ("other", "lose", True) and seat.commander.holder is None
+
+
+@pytest.mark.parametrize(
+    ("name", "words", "why"),
+    [
+        ("fly", {}, "no such order"),
+        ("start", {"x": 1}, "start: give nothing"),
+        ("step", {"axis": "x"}, "step: give axis, mm"),
+        ("step", {"axis": "y", "mm": 1.0}, "give one of u, x, z"),
+        ("step", {"axis": "x", "mm": float("nan")}, "give a finite number"),
+        ("step", {"axis": "x", "mm": True}, "give a value of type float"),
+        ("step", {"axis": ["x"], "mm": 1.0}, "give a value of type str"),
+        ("zero", {"axis": "u", "mm": 1.0}, "give one of x, z"),
+        ("tool", {"number": 9}, "give one of 0, 1, 2, 3, 4"),
+        ("trim", {"measure": "area", "mm": 1.0}, "give one of diameter, radius"),
+        ("trim", {"measure": "radius", "mm": 2.0}, "out of range; give -1 .. 1 mm"),
+        ("feed", {"percent": 151}, "out of range; give 0 .. 150 %"),
+        ("set", {"name": "nosuch", "value": 1}, "no such parameter"),
+        ("set", {"name": "lead_ns", "value": -1}, "out of range; give "),
+        ("set", {"name": "x" * 201, "value": 1}, "longer than 200 characters"),
+        ("params_load", {"text": b"\xff", "name": "a.toml"}, "a.toml: no parameters"),
+        ("start", {}, "refused: state off"),
+    ],
+)
+def test_what_is_wrong_is_one_line(
+    seat: Seat, name: str, words: dict[str, object], why: str
+) -> None:
+    """The desk or the controller refuses, and nothing has changed."""
+    text = seat.refused(name, **words)
+    assert why in text and "\n" not in text
+    assert seat.state == "off"
+
+
+async def hold(seat: Seat, press: int, seconds: float, visitor: object = None) -> None:
+    """Send heartbeats for a time."""
+    end_s = time.monotonic() + seconds
+    while time.monotonic() < end_s:
+        await seat.order("jog_hold", press=press)
+        await asyncio.sleep(0.05)
+
+
+def test_an_axis_moves_while_the_button_is_held(seat: Seat) -> None:
+    """It stands when it is let go; meanwhile another order is refused with the reason."""
+    seat.do("manual")
+    before = seat.place()
+
+    async def press() -> tuple[str, str]:
+        jog = asyncio.create_task(seat.order("jog_begin", press=1, axis="x", mm_per_s=5.0))
+        await hold(seat, 1, 0.4)
+        busy = (await seat.order("zero", axis="x", mm=1.0)).text
+        await seat.order("jog_end", press=1)
+        return (await jog).text, busy
+
+    text, busy = asyncio.run(press())
+    assert text.endswith("; let go") and text.startswith("x ")
+    assert busy == "busy with jog x; wait, or stop it"
+    after = seat.place()
+    assert 0.5 < after - before < 10
+    assert seat.place() == after
+
+
+def test_a_press_that_was_silent_stays_dead(seat: Seat) -> None:
+    """Late heartbeats move nothing, the same number begins nothing, a new one does."""
+    seat.do("manual")
+
+    async def press() -> str:
+        return (await seat.order("jog_begin", press=10, axis="x", mm_per_s=2.0)).text
+
+    assert "nothing was heard from the page for 250 ms" in asyncio.run(press())
+    there = seat.place()
+    for _ in range(20):
+        assert seat.ask("jog_hold", press=10).text == "the press is over"
+    assert "press 10 is over" in seat.refused("jog_begin", press=10, axis="x", mm_per_s=2.0)
+    assert "press 9 is over" in seat.refused("jog_begin", press=9, axis="x", mm_per_s=2.0)
+    assert seat.place() == there
+
+
+@pytest.mark.parametrize("what", ["page lost", "taken over", "stop by another"])
+def test_a_held_button_dies_with_its_right(seat: Seat, what: str) -> None:
+    """Heartbeats go on, but the page is gone, commands no more, or somebody stops."""
+    seat.do("manual")
+    number = {"page lost": 20, "taken over": 21, "stop by another": 22}[what]
+
+    async def press() -> str:
+        jog = asyncio.create_task(seat.order("jog_begin", press=number, axis="x", mm_per_s=1.0))
+        await hold(seat, number, 0.3)
+        if what == "page lost":
+            seat.desk.page_lost(seat.boss)
+        elif what == "taken over":
+            seat.commander.take_over(seat.other)
+        else:
+            stop = await seat.order("stop", seat.other)
+            assert stop.is_done, stop.text
+        await hold(seat, number, 0.3)
+        return (await jog).text
+
+    text = asyncio.run(press())
+    wanted = {
+        "page lost": "the page is gone",
+        "taken over": "you do not command",
+        "stop by another": "broken off by stop",
+    }
+    assert wanted[what] in text
+    there = seat.place()
+    assert seat.place() == there
+
+
+def test_what_comes_with_a_connection_that_was_lost_is_refused(seat: Seat) -> None:
+    """A browser keeps back what is pressed meanwhile; only stop is wanted still."""
+    seat.desk.page_lost(seat.boss)
+    assert "connection was lost" in seat.refused("enable")
+    seat.desk.page_back(seat.boss)
+    assert "connection was lost" in seat.refused("home")
+    assert seat.ask("stop").text.startswith("stop: refused: state")  # it reached the controller
+    seat.boss.back_at_s -= 1.0
+    seat.do("home")
+    seat.wait_for("ready")
+
+
+def test_steps_homes_tools_and_zero(seat: Seat) -> None:
+    """By hand, to the places that were wanted."""
+    seat.do("manual")
+    before = seat.place()
+    assert seat.do("step", axis="x", mm=0.25).startswith("x ")
+    assert seat.place() - before == pytest.approx(0.25, abs=1e-6)
+    seat.do("set", name="z_home", value=1)
+    assert seat.do("home", axis="z").startswith("home z ")
+    assert seat.do("tool_offset", number=2, axis="x", mm=0.5) == "tool 2: x 0.500000 mm"
+    assert seat.do("tool", number=2) == "tool 2 is in use"
+    until(lambda: seat.desk.snapshot().signals["tool"] == 2)
+    assert seat.do("tool", number=0) == "no tool is in use"
+    assert seat.do("zero", axis="x", mm=120.0).startswith("zero x: diameter 120 mm here, datum ")
+    assert 2 * seat.place() == pytest.approx(120.0, abs=1e-5)
+
+
+def large_image() -> bytes:
+    """Return what looks like a table and takes long to download."""
+    return b"CAMTAB" + random.Random(1).randbytes(60_000)
+
+
+def test_stop_overtakes_a_download_and_what_waits(seat: Seat) -> None:
+    """The download breaks off, the cut ends, the old table is in use."""
+    seat.do("home")
+    seat.wait_for("ready")
+    seat.do("start")
+    seat.wait_for("cutting")
+
+    async def session() -> tuple[str, str, str]:
+        image = large_image()
+        download = asyncio.create_task(seat.order("download", image=image, name="big"))
+        while "download of big" not in seat.desk.snapshot().work:
+            await asyncio.sleep(0.01)
+        busy = (await seat.order("trim", measure="radius", mm=0.0)).text
+        stop = (await seat.order("stop", seat.other)).text
+        return (await download).text, busy, stop
+
+    download, busy, stop = asyncio.run(session())
+    assert download == "broken off by stop"
+    assert busy.startswith("busy with download of big")
+    assert stop.startswith("stop: ")
+    seat.wait_for("ready")
+    assert seat.desk.snapshot().table_name == "short skirt"
+    assert seat.desk.snapshot().work == ""
+
+
+def test_a_table_is_downloaded_and_taken_into_use(seat: Seat, bench_table: bytes) -> None:
+    """Its progress is shown; a damaged one is refused and the old one stays."""
+    shown = set()
+
+    async def session(image: bytes) -> tuple[bool, str]:
+        download = asyncio.create_task(seat.order("table_next", image=image, name="other"))
+        while not download.done():
+            shown.add(seat.desk.snapshot().work)
+            await asyncio.sleep(0.005)
+        outcome = await download
+        return outcome.is_done, outcome.text
+
+    damaged = bench_table[:-1] + bytes([bench_table[-1] ^ 1])
+    assert not asyncio.run(session(damaged))[0]
+    assert seat.desk.snapshot().table_name == "short skirt"
+    is_done, text = asyncio.run(session(bench_table))
+    assert is_done and text.startswith("table other part; ")
+    until(lambda: seat.desk.snapshot().table_name == "other part")
+    assert any(work.startswith("download of other, ") for work in shown)
+
+
+def test_parameters_are_read_set_saved_loaded_and_kept(seat: Seat) -> None:
+    """The page has them all, with the checksum of the controller; a change is seen."""
+    seat.do("defaults")
+    until(lambda: seat.desk.parameters() is not None, "they are read while somebody asks")
+    read = seat.desk.parameters()
+    assert read is not None
+    assert set(read.values) == set(INFOS)
+    saved = read.text().encode()
+    value = read.values["lead_ns"] + 1000
+    assert seat.do("set", name="lead_ns", value=value) == f"lead_ns = {value}"
+
+    def is_seen() -> bool:
+        now = seat.desk.parameters()
+        return now is not None and now.values["lead_ns"] == value
+
+    until(is_seen)
+    now = seat.desk.parameters()
+    assert now is not None
+    assert now.differences(saved, "a.toml") == {"lead_ns": (value - 1000, value)}
+    seat.do("keep")
+    text = seat.do("params_load", text=saved, name="a.toml")
+    assert text == f"a.toml: 1 of {len(INFOS)} parameters changed: lead_ns {value} -> {value - 1000}"
+    assert seat.do("revert").startswith("revert: done")
+    until(is_seen)
+    assert seat.do("defaults").startswith("defaults: done")
+
+
+def test_the_strobe_is_asked_for_while_a_page_looks(seat: Seat) -> None:
+    """Samples come after the first look, and the subscription ends when nobody looks any more."""
+    seat.do("home")
+    seat.wait_for("ready")
+    until(lambda: len(seat.desk.strobe().tick) > 50)
+
+
+@pytest.fixture(scope="module")
+def bench_table() -> bytes:
+    """Return a table with another name: TABLE_FORMAT.md."""
+    from camtools.pipeline.load import load
+    from camtools.pipeline.make import make
+    from part_cases import PERKINS
+
+    image = make(load(PERKINS), PERKINS).files(with_plots=False)["perkins240.camtab"]
+    body = bytearray(image)
+    body[32:64] = b"other part".ljust(32, b"\0")
+    struct.pack_into("<I", body, 20, zlib.crc32(body[24:]))
+    return bytes(body)
+
+
+def test_a_controller_that_falls_silent_is_seen_and_comes_back(request: pytest.FixtureRequest) -> None:
+    """Orders are refused with the reason meanwhile; there is no order left over when it is back."""
+    channel = request.node.name
+    seat = Seat(channel)
+    try:
+        until(lambda: "no answer" in seat.desk.snapshot().problem)
+        assert "emergency stop is at the machine" in seat.refused("stop")
+        for _ in range(2):
+            bench = Bench(channel)
+            seat.connect()
+            assert seat.do("home").startswith("home: ")
+            bench.close()
+            until(lambda: not seat.desk.snapshot().is_connected)
+            assert "silent" in seat.desk.snapshot().problem
+            assert seat.refused("start").startswith("not sent: ")
+        seat.is_bus_there = False
+        until(lambda: seat.desk.snapshot().problem == "no bus: start tools/live")
+    finally:
+        seat.desk.close()
