@@ -222,29 +222,45 @@ def large_image() -> bytes:
     return b"CAMTAB" + random.Random(1).randbytes(60_000)
 
 
-def test_stop_overtakes_a_download_and_what_waits(seat: Seat) -> None:
-    """The download breaks off, the cut ends, the old table is in use."""
+@pytest.mark.parametrize("urgent", ["disable", "stop"])
+def test_what_is_urgent_overtakes_a_download(seat: Seat, urgent: str) -> None:
+    """By anybody with the token; the download breaks off, the old table is in use."""
     seat.do("home")
     seat.wait_for("ready")
-    seat.do("start")
-    seat.wait_for("cutting")
 
     async def session() -> tuple[str, str, str]:
         image = large_image()
         download = asyncio.create_task(seat.order("download", image=image, name="big"))
-        while "download of big" not in seat.desk.snapshot().work:
+        while not download.done() and "download of big" not in seat.desk.snapshot().work:
             await asyncio.sleep(0.01)
         busy = (await seat.order("trim", measure="radius", mm=0.0)).text
-        stop = (await seat.order("stop", seat.other)).text
-        return (await download).text, busy, stop
+        told = (await seat.order(urgent, seat.other)).text
+        return (await download).text, busy, told
 
-    download, busy, stop = asyncio.run(session())
-    assert download == "broken off by stop"
+    download, busy, told = asyncio.run(session())
+    assert download == f"broken off by {urgent}"
     assert busy.startswith("busy with download of big")
-    assert stop.startswith("stop: ")
-    seat.wait_for("ready")
+    assert told == "disable: off" if urgent == "disable" else "stop: refused: state ready" in told
+    until(lambda: seat.desk.snapshot().work == "")
     assert seat.desk.snapshot().table_name == "short skirt"
-    assert seat.desk.snapshot().work == ""
+
+
+def test_stop_brakes_a_step_at_once(seat: Seat) -> None:
+    """By anybody with the token; the axis is not where the step would have ended."""
+    seat.do("manual")
+    before = seat.place()
+
+    async def session() -> tuple[str, str]:
+        step = asyncio.create_task(seat.order("step", axis="x", mm=50.0))
+        while not step.done() and "step" not in seat.desk.snapshot().work:
+            await asyncio.sleep(0.01)
+        stop = await seat.order("stop", seat.other)
+        return (await step).text, stop.text
+
+    step, stop = asyncio.run(session())
+    assert step == "broken off by stop" and stop == "stop: manual"
+    there = seat.place()
+    assert there < before + 49 and seat.place() == there
 
 
 def test_a_table_is_downloaded_and_taken_into_use(seat: Seat, bench_table: bytes) -> None:

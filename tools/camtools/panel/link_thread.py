@@ -221,17 +221,18 @@ class LinkThread:
         if problem and not job.is_urgent:
             job.tell(False, problem)
             return
+        outcome = Outcome(False, "failed; the panel's terminal tells why")
         try:
-            job.tell(True, ACTIONS[job.name](link, job.arguments, self._say))
+            outcome = Outcome(True, ACTIONS[job.name](link, job.arguments, self._say))
         except (Refused, CamtoolsError) as error:
-            job.tell(False, str(error))
+            outcome = Outcome(False, str(error))
         except _Overtaken:
             urgent = self._urgent[0].name if self._urgent else "the end of the panel"
-            job.tell(False, f"broken off by {urgent}")
+            outcome = Outcome(False, f"broken off by {urgent}")
             raise
         finally:
             self._say("")
-            job.tell(False, "failed; the panel's terminal tells why")
+            job.tell(outcome.is_done, outcome.text)
 
     def _say(self, work: str) -> None:
         self._work = work
