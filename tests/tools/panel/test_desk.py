@@ -213,6 +213,7 @@ def test_steps_homes_tools_and_zero(seat: Seat) -> None:
     assert seat.do("tool", number=2) == "tool 2 is in use"
     until(lambda: seat.desk.snapshot().signals["tool"] == 2)
     assert seat.do("tool", number=0) == "no tool is in use"
+    until(lambda: seat.desk.snapshot().signals["tool"] == 0)
     assert seat.do("zero", axis="x", mm=120.0).startswith("zero x: diameter 120 mm here, datum ")
     assert 2 * seat.place() == pytest.approx(120.0, abs=1e-5)
 
@@ -305,7 +306,9 @@ def test_parameters_are_read_set_saved_loaded_and_kept(seat: Seat) -> None:
     assert now.differences(saved, "a.toml") == {"lead_ns": (value - 1000, value)}
     seat.do("keep")
     text = seat.do("params_load", text=saved, name="a.toml")
-    assert text == f"a.toml: 1 of {len(INFOS)} parameters changed: lead_ns {value} -> {value - 1000}"
+    assert (
+        text == f"a.toml: 1 of {len(INFOS)} parameters changed: lead_ns {value} -> {value - 1000}"
+    )
     assert seat.do("revert").startswith("revert: done")
     until(is_seen)
     assert seat.do("defaults").startswith("defaults: done")
@@ -332,7 +335,9 @@ def bench_table() -> bytes:
     return bytes(body)
 
 
-def test_a_controller_that_falls_silent_is_seen_and_comes_back(request: pytest.FixtureRequest) -> None:
+def test_a_controller_that_falls_silent_is_seen_and_comes_back(
+    request: pytest.FixtureRequest,
+) -> None:
     """Orders are refused with the reason meanwhile; there is no order left over when it is back."""
     channel = request.node.name
     seat = Seat(channel)
