@@ -223,7 +223,7 @@ def _drawers(outcome: LobeOutcome) -> dict[str, Callable[[], Figure]]:
         drawers["speed"] = lambda: draw_speed(outcome)
         if swing_deg is not None:
             drawers["rake"] = lambda: draw_rake(outcome, swing_deg)
-        drawers["following"] = lambda: report_motion.draw_following(trace)
+        drawers["following"] = lambda: report_motion.draw_following(trace, "spindle angle")
     if trace.t_s.size > 1:
         drawers["sequence"] = lambda: report_motion.draw_sequence(trace, outcome.overview)
     if len(outcome.variants) > 1:

@@ -34,6 +34,7 @@ STATE_COLOURS = (
 )
 _MARKS: dict[str, Any] = {"color": RED, "ls": "", "marker": "o", "ms": 3.2, "mfc": "none"}
 _N_BINS = 360
+FROM_LONG_AXIS = "spindle angle from the long axis"
 _AXES = ("Z, mm", "X (radius),\nmm", "U towards\nthe axis, µm")
 _N_POINTS = 600  # across a picture: more cannot be seen
 _UM_PER_MM, _MM_PER_M, _NM_PER_MM = 1000.0, 1000.0, 1e6
@@ -68,7 +69,7 @@ def following_by_angle(trace: CutTrace) -> Floats:
     return np.stack([degrees[some], least[some], most[some], mean[some]])
 
 
-def draw_following(trace: CutTrace) -> Figure:
+def draw_following(trace: CutTrace, angle: str = FROM_LONG_AXIS) -> Figure:
     """Return the following error of U against the spindle angle, over all turns of cutting."""
     figure = new_figure(10, 3.6)
     axes = figure.add_subplot()
@@ -82,6 +83,7 @@ def draw_following(trace: CutTrace) -> Figure:
     axes.set_ylabel(f"following error of U, {unit}")
     axes.legend(frameon=False, loc="upper left", bbox_to_anchor=(0, 1.16), ncols=2)
     angle_axis(axes)
+    axes.set_xlabel(f"{angle}, degrees")
     return figure
 
 

@@ -53,8 +53,9 @@ async function startBoard() {
     const [at_mm, at_deg] = [`${z_mm[i].toFixed(2)} mm`, (360 * (j + 0.5)) / n];
     const line = (k) => ({ ...flat, x: row(k, degrees), y: row(k, scaled) });
     const again = kept.map((k, at) => ({ name: `${z_mm[k].toFixed(2)} mm`, line: { color: part.colours[at % part.colours.length], width: 1.2 } }));
-    figures.section.data = [...ring(i), ...kept.map((k, at) => ({ ...ring(k)[3], ...again[at] }))];
-    figures.unrolled.data = [line(i), ...kept.map((k, at) => ({ ...line(k), ...again[at] }))];
+    const [band, rim, drawing, cut] = ring(i); // the chosen section lies over the kept ones
+    figures.section.data = [band, rim, drawing, ...kept.map((k, at) => ({ ...ring(k)[3], ...again[at] })), cut];
+    figures.unrolled.data = [...kept.map((k, at) => ({ ...line(k), ...again[at] })), line(i)];
     const profiles = [z_mm.map((_, k) => drawn(k, j)), z_mm.map((_, k) => scaled(k * n + j))];
     const ends = profiles[0].filter(Number.isFinite).sort((a, b) => a - b);
     const room = Math.max(0.005, 0.55 * (ends[ends.length - 1] - ends[0])); // 10 um at least: no noise fills it
