@@ -34,7 +34,7 @@ def seat(shared_seat: Seat) -> Seat:
     seat = shared_seat
     seat.commander.take_over(seat.boss)
     for visitor in (seat.boss, seat.other, seat.guest):
-        visitor.is_here, visitor.back_at_s = True, -1e9
+        visitor.is_here, visitor.was_connected, visitor.back_at_s = True, False, -1e9
     if seat.state not in ("off", "ready"):
         seat.ask("stop")
     if seat.state != "off":

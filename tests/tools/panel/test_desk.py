@@ -191,9 +191,10 @@ def test_a_held_button_dies_with_its_right(seat: Seat, what: str) -> None:
 
 def test_what_comes_with_a_connection_that_was_lost_is_refused(seat: Seat) -> None:
     """A browser keeps back what is pressed meanwhile; only stop is wanted still."""
+    seat.desk.page_connected(seat.boss)
     seat.desk.page_lost(seat.boss)
     assert "connection was lost" in seat.refused("enable")
-    seat.desk.page_back(seat.boss)
+    seat.desk.page_connected(seat.boss)
     assert "connection was lost" in seat.refused("home")
     assert seat.ask("stop").text.startswith("stop: refused: state")  # it reached the controller
     seat.boss.back_at_s -= 1.0
@@ -315,7 +316,7 @@ def test_parameters_are_read_set_saved_loaded_and_kept(seat: Seat) -> None:
 
 
 def test_the_strobe_is_asked_for_while_a_page_looks(seat: Seat) -> None:
-    """Samples come after the first look, and the subscription ends when nobody looks any more."""
+    """Samples come after the first look."""
     seat.do("home")
     seat.wait_for("ready")
     until(lambda: len(seat.desk.strobe().tick) > 50)

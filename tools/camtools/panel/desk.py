@@ -92,17 +92,21 @@ class Desk:
             self._log.add(visitor, order.name, _told(order.arguments), outcome)
         return outcome
 
+    def page_connected(self, visitor: Visitor) -> None:
+        """Take note that the connection of a page stands; what was held before it is over."""
+        if visitor.was_connected:
+            visitor.back_at_s = time.monotonic()
+            self._presses.drop("the connection was lost", visitor)
+        visitor.is_here = visitor.was_connected = True
+
+    def page_clock(self, visitor: Visitor, sent_ms: float) -> None:
+        """Take note of a page's clock: when it sent the message that told it, performance.now()."""
+        self._presses.synchronise(visitor, sent_ms)
+
     def page_lost(self, visitor: Visitor) -> None:
         """End what the visitor holds; to be called when the connection of his page is lost."""
         visitor.is_here = False
         self._presses.drop("the page is gone", visitor)
-
-    def page_back(self, visitor: Visitor, sent_ms: float | None = None) -> None:
-        """Take note that a page is connected, and of its clock."""
-        if not visitor.is_here:
-            visitor.is_here, visitor.back_at_s = True, time.monotonic()
-        if sent_ms is not None:
-            self._presses.synchronise(visitor, sent_ms)
 
     def close(self) -> None:
         """End the thread and close the bus; what is held ends, too."""

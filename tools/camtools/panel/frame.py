@@ -50,8 +50,12 @@ def _admit(context: AppContext, client: Client) -> Visitor:
     _visitors[client.id] = visitor
 
     def on_connect() -> None:
-        context.desk.page_back(visitor)
+        context.desk.page_connected(visitor)
         client.run_javascript("panelHello()")
+
+    def on_disconnect() -> None:
+        if not client.has_socket_connection:  # a new one may stand before the old one is given up
+            context.desk.page_lost(visitor)
 
     def on_delete() -> None:
         _visitors.pop(client.id, None)
@@ -59,7 +63,7 @@ def _admit(context: AppContext, client: Client) -> Visitor:
         context.commander.lose(visitor)
 
     client.on_connect(on_connect)
-    client.on_disconnect(lambda: context.desk.page_lost(visitor))
+    client.on_disconnect(on_disconnect)
     client.on_delete(on_delete)
     return visitor
 
@@ -132,8 +136,8 @@ class _CommandBar:
         """Take the token and the clock of a page that has connected."""
         told = event.args if isinstance(event.args, dict) else {}
         sent_ms = told.get("sent_ms")
-        clock_ms = float(sent_ms) if isinstance(sent_ms, int | float) else None
-        self._context.desk.page_back(self._visitor, clock_ms)
+        if isinstance(sent_ms, int | float):
+            self._context.desk.page_clock(self._visitor, float(sent_ms))
         if told.get("token") and not self._visitor.has_token:
             self._try(told["token"])
 

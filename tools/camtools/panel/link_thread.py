@@ -92,7 +92,7 @@ class LinkThread:
         self._shown_s = 0.0
         self._strobe: Strobe | None = None
         self._convergence = Convergence()
-        self._strobe_problem = False
+        self._strobe_again_s = 0.0
         self._strobe_asked_s = self._parameters_asked_s = -1e9
         self._followed_s = 0.0
         self._parameters: ParameterSet | None = None
@@ -175,8 +175,9 @@ class LinkThread:
         """Work until the controller is silent, or the panel ends."""
         link.on_row, link.on_wait = (lambda status: self._show(link, status)), self._look
         link.listen()
-        self._strobe_problem = False
+        self._strobe_again_s = 0.0
         while not self._is_over.is_set():
+            self._is_breaking = bool(self._urgent)
             with suppress(_Overtaken):
                 if self._urgent:
                     self._carry_out_urgent(link)
@@ -191,7 +192,8 @@ class LinkThread:
 
     def _look(self) -> None:
         """End what runs when an urgent job waits, or the panel ends."""
-        if (self._urgent and not self._is_breaking) or self._is_over.is_set():
+        if (self._urgent or self._is_over.is_set()) and not self._is_breaking:
+            self._is_breaking = True  # once: what brakes on its way out gets through
             raise _Overtaken
 
     def _show(self, link: Link, status: Status) -> None:
@@ -205,15 +207,11 @@ class LinkThread:
 
     def _carry_out_urgent(self, link: Link) -> None:
         """Carry the urgent jobs out; what waited behind them is dropped."""
-        self._is_breaking = True
-        try:
-            while self._urgent:
-                urgent = self._urgent.popleft()
-                while self._jobs:
-                    self._jobs.popleft().tell(False, f"not done: {urgent.name} came first")
-                self._carry_out(link, urgent)
-        finally:
-            self._is_breaking = False
+        while self._urgent:
+            urgent = self._urgent.popleft()
+            while self._jobs:
+                self._jobs.popleft().tell(False, f"not done: {urgent.name} came first")
+            self._carry_out(link, urgent)
 
     def _carry_out(self, link: Link, job: Job) -> None:
         late = time.monotonic() - job.given_s > PATIENCE_S
@@ -246,7 +244,7 @@ class LinkThread:
                 self._read_parameters(link)
 
     def _look_after_strobe(self, link: Link, now_s: float) -> None:
-        is_wanted = now_s - self._strobe_asked_s < WATCHED_S and not self._strobe_problem
+        is_wanted = now_s - self._strobe_asked_s < WATCHED_S and now_s > self._strobe_again_s
         if is_wanted and now_s - self._followed_s > FOLLOW_S:
             self._followed_s = now_s
             try:
@@ -254,7 +252,7 @@ class LinkThread:
                     self._strobe = Strobe(link)
                 self._strobe.follow()
             except Refused:  # a controller without them, or one that has no time for them
-                self._strobe_problem = True
+                self._strobe_again_s = now_s + GONE_S
         elif not is_wanted and self._strobe is not None:
             strobe, self._strobe = self._strobe, None
             with suppress(Refused):

@@ -28,6 +28,8 @@ class Visitor:
         whether the page has shown the token of this start
     is_here : bool
         whether the page's connection stands
+    was_connected : bool
+        whether it has stood before
     back_at_s : float
         [s] of time.monotonic: when it stood again after it was lost; what a browser had kept back
         meanwhile comes just behind that
@@ -37,6 +39,7 @@ class Visitor:
     address: str
     has_token: bool = False
     is_here: bool = True
+    was_connected: bool = False
     back_at_s: float = -1e9
 
     def __str__(self) -> str:
