@@ -3,10 +3,14 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
-from camtools.plots.recording import angle_picture, time_picture, turns_of
+from camtools.link.signals import INPUTS, OUTPUTS
+from camtools.plots.recording import angle_picture, set_spans, time_picture, turns_of
+from part_cases import ROOT
 
 N = 400
 ANGLE = np.linspace(100.0, 100.0 + 5 * 360.0, N) % 360
@@ -37,6 +41,33 @@ def test_the_same_recording_gives_the_same_picture() -> None:
     assert picture == time_picture(t_s, COLUMNS, {4: "cutting"}, "estop")
     assert picture != time_picture(t_s, COLUMNS, {4: "cutting"})
     assert angle_picture(COLUMNS) == angle_picture(COLUMNS)
+
+
+def test_bits_have_names() -> None:
+    """What is a sum of bits is drawn as a row for each that is ever set; other sums as before."""
+    t_s, sums = np.arange(6) / 1000, {"inputs": np.array([2.0, 2, 3, 1, 0, 2])}
+    named = time_picture(t_s, sums, {}, bits={"inputs": {0: "estop", 1: "drive_ready"}})
+    assert named != time_picture(t_s, sums, {})
+    assert named == time_picture(
+        t_s, sums, {}, bits={"inputs": {0: "estop", 1: "drive_ready", 9: ""}}
+    )
+    assert set_spans(sums["inputs"], 1) == [(0, 2), (5, 5)]
+    assert set_spans(sums["inputs"], 0) == [(2, 3)]
+    nothing = time_picture(t_s, {"faults": np.zeros(6)}, {}, bits={"faults": {0: "estop"}})
+    assert nothing[1:4] == b"PNG"
+
+
+def test_bits_are_those_of_the_controller() -> None:
+    """The names are those of hal.h, at their places."""
+    header = (ROOT / "hal" / "include" / "hal" / "hal.h").read_text()
+    for names, prefix in ((INPUTS, "in"), (OUTPUTS, "out")):
+        found = re.findall(rf"hal_{prefix}_(\w+) = (?:1u << (\d+)|(0x\d+)u),", header)
+        places = {
+            name: int(bit) if bit else int(sum_, 16).bit_length() - 1 for name, bit, sum_ in found
+        }
+        assert len(places) >= 4
+        assert all(names[bit] == name for name, bit in places.items())
+        assert set(names.values()) - set(places) <= {f"switch_{i}" for i in range(2, 9)}
 
 
 def test_recordings_of_one_row_or_one_signal_are_drawn() -> None:

@@ -18,7 +18,7 @@ from camtools.base.errors import CamtoolsError
 from camtools.cli.camctl_files import Say, check_name, names_of, write
 from camtools.link import scope
 from camtools.link.controller import FAULT_TEXTS, NUMBERS, Link, Refused
-from camtools.link.signals import faults_in, physical, state_name
+from camtools.link.signals import BITS, faults_in, physical, state_name
 from camtools.link.trigger import arm, trigger_of
 from camtools.link.watch import sparkline
 
@@ -49,7 +49,7 @@ def _pictures(arguments: argparse.Namespace, recording: scope.Recording) -> dict
     if arguments.plot:
         states = {int(n): state_name(int(n)) for n in np.unique(columns.get("state", []))}
         names = faults_in(recording.faults)
-        made["plot"] = time_picture(recording.t_s, columns, states, ", ".join(names))
+        made["plot"] = time_picture(recording.t_s, columns, states, ", ".join(names), BITS)
     if arguments.over_angle:
         if _OF_ANGLE not in recording.signals:
             raise CamtoolsError(

@@ -33,10 +33,11 @@ from camtools.plots.style import (
 Floats = npt.NDArray[np.float64]
 Columns = Mapping[str, Floats]
 ANGLE = "angle_deg"
-_UNITS = {"um": "um", "mm": "mm", "deg": "degrees", "rpm": "r/min"}
-_RATES = {"mm_per_s": "mm/s", "m_per_s2": "m/s2"}
+_UNITS = {"um": "µm", "mm": "mm", "deg": "degrees", "rpm": "r/min"}
+_RATES = {"mm_per_s": "mm/s", "m_per_s2": "m/s²"}
 _COLOURS = (BLUE, ORANGE, GREEN, PURPLE, SKY, RED)
 _NOT_DRAWN = ("tick", "config")
+_LONG_AXES, _UM_PER_MM = ("x_", "z_"), 1000.0  # they travel millimetres, U micrometres
 _WIDTH_IN, _PANEL_IN, _MOST_POLAR = 11.0, 1.5, 4
 _DUE, _ACTUAL, _ERROR = "u_due_um", "u_actual_um", "following error_um"
 
@@ -80,6 +81,45 @@ def _with_error(columns: Columns) -> dict[str, Floats]:
     return dict([*items[:ahead], (_ERROR, columns[_ACTUAL] - columns[_DUE]), *items[ahead:]])
 
 
+def _in_mm(columns: Columns) -> dict[str, Floats]:
+    """Return the columns with those of the long axes in mm."""
+
+    def is_long(name: str) -> bool:
+        return name.startswith(_LONG_AXES) and name.endswith("_um")
+
+    return {
+        f"{name.removesuffix('_um')}_mm" if is_long(name) else name: (
+            values / _UM_PER_MM if is_long(name) else values
+        )
+        for name, values in columns.items()
+    }
+
+
+def set_spans(values: Floats, bit: int) -> list[tuple[int, int]]:
+    """Return first and last row of each stretch in which a bit is set.
+
+    >>> set_spans(np.array([0.0, 2.0, 3.0, 1.0, 2.0]), 1)
+    [(1, 2), (4, 4)]
+    """
+    is_set = np.concatenate([[0], values.astype(np.int64) >> bit & 1, [0]])
+    edges = np.flatnonzero(np.diff(is_set))
+    return [(int(a), int(b) - 1) for a, b in edges.reshape(-1, 2)]
+
+
+def _draw_bits(axes: Axes, t_ms: Floats, values: Floats, names: Mapping[int, str]) -> None:
+    """Draw a bar for every stretch in which a bit is set, a row for every bit that ever is."""
+    spans = {bit: set_spans(values, bit) for bit in names}
+    rows = [bit for bit in names if spans[bit]]
+    step_ms = float(np.diff(t_ms).min()) if t_ms.size > 1 else 1.0
+    for row, bit in enumerate(rows):
+        bars = [(t_ms[first], t_ms[last] - t_ms[first] + step_ms) for first, last in spans[bit]]
+        axes.broken_barh(bars, (row - 0.35, 0.7), color=_COLOURS[row % len(_COLOURS)], lw=0)
+    axes.set_yticks(range(max(1, len(rows))), [names[bit] for bit in rows] or ["none"])
+    axes.set_ylim(max(1, len(rows)) - 0.5, -0.5)
+    axes.axvline(0, color=RED, lw=0.8)
+    axes.margins(x=0)
+
+
 def _states_axis(axes: Axes, states: Mapping[int, str]) -> None:
     axes.set_yticks(sorted(states), [states[number] for number in sorted(states)])
     axes.set_ylim(min(states) - 0.5, max(states) + 0.5)
@@ -107,7 +147,11 @@ def _draw_over_time(axes: Axes, t_ms: Floats, columns: Columns, names: list[str]
 
 
 def time_picture(
-    t_s: Floats, columns: Columns, states: Mapping[int, str], trigger: str = ""
+    t_s: Floats,
+    columns: Columns,
+    states: Mapping[int, str],
+    trigger: str = "",
+    bits: Mapping[str, Mapping[int, str]] | None = None,
 ) -> bytes:
     """Return signals over time as PNG.
 
@@ -121,16 +165,23 @@ def time_picture(
         names of the numbers in the column state
     trigger : str
         written at the trigger
+    bits : mapping, optional
+        names of the bits of columns that are sums of bits, by column
     """
-    all_of = _with_error(columns)
+    all_of, named = _in_mm(_with_error(columns)), bits or {}
     panels = _panels(all_of)
     with drawing():
         figure = new_figure(_WIDTH_IN, max(3.0, _PANEL_IN * len(panels) + 0.6))
         grid = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
         for axes, names in zip(grid, panels, strict=True):
+            if names[0] in named:
+                _draw_bits(axes, t_s * 1e3, all_of[names[0]], named[names[0]])
+                axes.set_ylabel(names[0])
+                continue
             _draw_over_time(axes, t_s * 1e3, all_of, names)
             if names == ["state"] and states:
                 _states_axis(axes, states)
+        figure.align_ylabels(grid)
         if trigger:
             grid[0].set_title(trigger.replace("_", " "), color=RED, loc="right")
         grid[-1].set_xlabel("time from the trigger, ms")
@@ -180,17 +231,18 @@ def angle_picture(columns: Columns) -> bytes:
     columns : mapping
         by names whose last word is the unit, with the angle
     """
-    all_of = _with_error(columns)
+    all_of = _in_mm(_with_error(columns))
     left_out = {ANGLE, _DUE} if _ERROR in all_of else {ANGLE}  # the error tells more
     names = [n for n in all_of if _unit_of(n) and n not in left_out][:_MOST_POLAR]
     n_turns = int(turns_of(all_of[ANGLE]).max()) + 1
     with drawing():
         title = f"{n_turns} turns, from dark to light"
-        figure = titled_figure(_WIDTH_IN, 2.8 * len(names) + 0.7, title)
-        parts = figure.subfigures(len(names), 2, width_ratios=(2.6, 1), squeeze=False)
-        for row, name in zip(parts, names, strict=True):
-            polar = row[1].subplots(subplot_kw={"projection": "polar"})
-            unrolled = row[0].subplots()
+        figure = titled_figure(_WIDTH_IN, 3.0 * len(names) + 0.7, title)
+        places = figure.add_gridspec(len(names), 2, width_ratios=(2.6, 1))
+        for row, name in enumerate(names):
+            unrolled = figure.add_subplot(places[row, 0])
+            polar = figure.add_subplot(places[row, 1], projection="polar")
+            assert isinstance(polar, PolarAxes)
             _draw_turns(unrolled, polar, all_of, name)
         unrolled.set_xlabel("spindle angle in the sense of cutting, degrees")
         return png_of(figure)
