@@ -93,5 +93,5 @@ class Seat:
         """Return where an axis is, by a status that is yet to come."""
         name = {"u": "u_actual"}.get(axis, axis)
         seen_s = time.monotonic()
-        until(lambda: self.desk.snapshot().at_s > seen_s + 0.2)
+        until(lambda: self.desk.snapshot().at_s > seen_s + 0.35)  # its page comes all 0.25 s
         return self.desk.snapshot().signals[name]
