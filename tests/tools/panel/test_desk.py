@@ -216,7 +216,7 @@ def test_steps_homes_tools_and_zero(seat: Seat) -> None:
     assert seat.do("tool", number=0) == "no tool is in use"
     until(lambda: seat.desk.snapshot().signals["tool"] == 0)
     assert seat.do("zero", axis="x", mm=120.0).startswith("zero x: diameter 120 mm here, datum ")
-    assert 2 * (seat.place() + seat.place("u")) == pytest.approx(120.0, abs=1e-5)
+    assert 2 * (seat.place() - seat.place("u")) == pytest.approx(120.0, abs=1e-5)
 
 
 def large_image() -> bytes:
