@@ -27,6 +27,7 @@ from nicegui import Client, events, ui
 from camtools.panel.commander import Commander
 from camtools.panel.context import AppContext
 from camtools.panel.order import Outcome
+from camtools.panel.question import confirmed
 from camtools.panel.visitor import Visitor, new_visitor
 
 PAGES = {"/": "Operate", "/design": "Design", "/runs": "Runs"}
@@ -157,16 +158,22 @@ class _CommandBar:
         self.show()
         return not problem
 
-    def _on_take(self) -> None:
+    async def _on_take(self) -> None:
         commander, visitor = self._context.commander, self._visitor
         if commander.holder is visitor:
             outcome = commander.release(visitor)
         elif commander.holder is None:
             outcome = commander.take(visitor)
-        else:
+        elif await confirmed("Take the command over?", _warning(commander.holder), "Take over"):
             outcome = commander.take_over(visitor)
+        else:
+            return
         ui.notify(outcome.text, type="positive" if outcome.is_done else "negative")
         self.show()
+
+
+def _warning(holder: Visitor) -> str:
+    return f"{holder} commands now, and is told that you took over. What runs goes on."
 
 
 def _who(commander: Commander, visitor: Visitor) -> str:

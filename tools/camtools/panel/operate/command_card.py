@@ -8,7 +8,7 @@ from nicegui.events import GenericEventArguments
 
 from camtools.panel.operate.card import card
 from camtools.panel.operate.orders import Orders, Press
-from camtools.panel.operate.question import confirmed
+from camtools.panel.question import confirmed
 from camtools.panel.snapshot import Snapshot
 from camtools.panel.views.availability import why_not
 

@@ -16,7 +16,7 @@ from camtools.panel.views.error_trail import Ticks, Trail, mean_by_angle, recent
 from camtools.panel.views.numbers import plain
 from camtools.panel.views.scale import Scale
 
-_LEAST_UM, _LIMIT_UM, _MOST_UM = 0.1, 2.0, 1000.0
+_LEAST_UM, _LIMIT_UM, _MOST_UM = 0.02, 2.0, 1000.0
 _SAID = "Following error of U over one turn, the last 50 turns over each other, "
 
 
@@ -78,7 +78,7 @@ class ErrorCard:
         """Show the samples that are there."""
         shown = recent(_known(seen))
         told = statistics(shown)
-        self._max.show(plain(told.max_um, 2))
+        self._max.show(plain(told.max_um, 3))
         self._rms.show(plain(told.rms_um, 3))
         self._turns.show(plain(told.turns, 0))
         is_outside = told.max_um > self._limit_um

@@ -11,7 +11,7 @@ from camtools.panel.views import numbers
 from camtools.panel.views.numbers import Field
 
 _BIG = (numbers.SPEED, numbers.FOLLOWING)
-_ROWS = numbers.AXES
+_ROWS = (numbers.ANGLE, *numbers.AXES)
 
 
 class Dial:
@@ -44,9 +44,7 @@ class FiguresCard:
             with ui.element("div").classes("op-big-row"):
                 for one in _BIG:
                     self._add(one, "big")
-            with ui.element("div").classes("op-dial-box"):
                 self._dial = Dial()
-                self._add(numbers.ANGLE, "small")
             with ui.element("div").classes("op-figures"):
                 for one in _ROWS:
                     self._add(one, "middle")

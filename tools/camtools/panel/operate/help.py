@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from nicegui import ui
 
-from camtools.panel.operate.question import titled_dialog
+from camtools.panel.question import titled_dialog
 
 KEYS = {
     "Esc": "STOP: ends what moves, in every place of the page",

@@ -6,14 +6,15 @@ from __future__ import annotations
 from typing import Any
 
 from nicegui import ui
-from nicegui.events import GenericEventArguments, UploadEventArguments
+from nicegui.events import GenericEventArguments
 
 from camtools.base.errors import CamtoolsError
 from camtools.panel.operate.card import card
+from camtools.panel.operate.file_button import file_button
 from camtools.panel.operate.orders import Orders
-from camtools.panel.operate.question import cancel_button, confirmed, titled_dialog
 from camtools.panel.order import Outcome
 from camtools.panel.parameter_set import ParameterSet
+from camtools.panel.question import cancel_button, confirmed, titled_dialog
 from camtools.panel.views.parameter_rows import judged, rows
 
 _MOST_BYTES = 1 << 20
@@ -59,22 +60,13 @@ class ParamsCard:
 
     def _draw_file(self) -> None:
         with ui.element("div").classes("op-row"):
+            file_button("Choose a file", ".toml", _MOST_BYTES, "params-file", self._take)
             save = ui.button("Save as file", on_click=self._save)
             save.props("no-caps outline data-testid=params-save")
             one = ui.button("Load the chosen file", on_click=self._load)
             self._orders.guard(one.props("no-caps outline data-testid=params-load"), "params")
             diff = ui.button("Compare with it", on_click=self._compare)
             diff.props("no-caps outline data-testid=params-diff")
-        upload = ui.upload(
-            label="Parameter file (.toml)",
-            auto_upload=True,
-            max_files=1,
-            max_file_size=_MOST_BYTES,
-            on_upload=self._uploaded,
-        )
-        upload.classes("op-upload").props(
-            'accept=".toml" color=blue-grey-9 flat bordered data-testid=params-file'
-        )
         self._differs = ui.element("ul").classes("op-log").props("data-testid=params-differences")
         self._differs.set_visibility(False)
 
@@ -129,8 +121,8 @@ class ParamsCard:
         ui.download.content(self._read.text(), "parameters.toml")
         self._orders.tell("save the parameters", Outcome(True, "the browser has the file"))
 
-    async def _uploaded(self, event: UploadEventArguments) -> None:
-        self._text, self._name = await event.file.read(), event.file.name
+    def _take(self, text: bytes, name: str) -> None:
+        self._text, self._name = text, name
         self._compare()
 
     def _compare(self) -> None:

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from math import floor
+
 from nicegui import ui
 
 from camtools.link.progress import cut_progress, tick_load
@@ -18,8 +20,8 @@ class ProgressCard:
         with card("Progress", "progress", is_live=True):
             with ui.element("div").classes("op-big-row"):
                 self._percent = Figure("Done", "%", "progress", size="big")
-                self._left = Figure("Time left", "min", "time-left", size="big")
-                self._parts = Figure("Parts cut", "parts", "parts", size="middle")
+                self._left = Figure("Time left", "min:s", "time-left", size="big")
+                self._parts = Figure("Parts cut", "parts", "parts", size="big")
             self._bar = ui.linear_progress(0.0, show_value=False).classes("op-progress")
             self._bar.props('aria-label="Share of the pass that is done" data-testid=progress-bar')
             self._text = ui.label("").classes("op-note").props("data-testid=progress-text")
@@ -33,7 +35,7 @@ class ProgressCard:
         s = snapshot.signals
         told = cut_progress(snapshot.state, s)
         share = told.fraction if snapshot.state != "ready" else None
-        self._percent.show(numbers.plain(None if share is None else 100 * share, 0))
+        self._percent.show(numbers.plain(None if share is None else floor(100 * share), 0))
         self._left.show(numbers.clock(told.left_s))
         self._parts.show(numbers.PARTS.text(s))
         self._bar.set_value(round(share or 0.0, 3))

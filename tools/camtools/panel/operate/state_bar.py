@@ -6,6 +6,7 @@ from __future__ import annotations
 from nicegui import ui
 
 from camtools.panel.operate.orders import Orders
+from camtools.panel.question import withdraw
 from camtools.panel.snapshot import Snapshot
 from camtools.panel.views.availability import stop_order
 from camtools.panel.views.missing import Way
@@ -42,6 +43,7 @@ class StateBar:
 
     async def stop(self) -> None:
         """End what moves, without a question."""
+        withdraw(self._box.client)
         name = stop_order(self._state)
         await self._orders.give(name, "STOP" if name == "stop" else "STOP: drives off")
 

@@ -9,10 +9,10 @@ import tempfile
 from pathlib import Path
 
 from nicegui import ui
-from nicegui.events import UploadEventArguments
 
 from camtools.base.places import ROOT
 from camtools.panel.operate.card import card
+from camtools.panel.operate.file_button import file_button
 from camtools.panel.operate.orders import Orders
 from camtools.panel.order import Outcome
 from camtools.panel.snapshot import Snapshot
@@ -68,17 +68,8 @@ class TableCard:
             self._part.classes("op-input op-wide").props("data-testid=table-part")
             make = ui.button("Make its table", on_click=self._make)
             make.props("no-caps outline data-testid=table-make")
-        upload = ui.upload(
-            label="Table file (.camtab)",
-            auto_upload=True,
-            max_files=1,
-            max_file_size=_MOST_BYTES,
-            on_upload=self._uploaded,
-            on_rejected=lambda: self._orders.refuse("table file", "larger than 16 MB"),
-        )
-        upload.classes("op-upload").props(
-            'accept=".camtab" color=blue-grey-9 data-testid=table-file flat bordered'
-        )
+        with ui.element("div").classes("op-row"):
+            file_button("Choose a table file", ".camtab", _MOST_BYTES, "table-file", self._take)
 
     def _take(self, image: bytes, name: str) -> None:
         if not image.startswith(_BEGIN):
@@ -86,9 +77,6 @@ class TableCard:
             return
         self._image, self._name = image, name
         self._chosen.set_text(f"Chosen: {name}, {len(image)} bytes")
-
-    async def _uploaded(self, event: UploadEventArguments) -> None:
-        self._take(await event.file.read(), event.file.name)
 
     async def _make(self) -> None:
         if not self._part.value:

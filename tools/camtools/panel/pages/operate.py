@@ -87,10 +87,11 @@ class OperatePage:
             with ui.element("div").classes("op-column"):
                 self._hand = HandCard(self._orders)
             with ui.element("div").classes("op-column"):
-                self._params = ParamsCard(self._orders)
-            with ui.element("div").classes("op-column"):
                 self._table = TableCard(self._orders)
+            with ui.element("div").classes("op-column"):
                 self._log = LogCard(self._context.log)
+        with ui.element("div").classes("op-below"):
+            self._params = ParamsCard(self._orders)
 
     def _listen(self) -> None:
         # Escape counts everywhere, letters not while somebody types.

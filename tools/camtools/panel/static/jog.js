@@ -24,9 +24,10 @@
     beat = setInterval(() => (button.isConnected && !button.disabled ? tell("hold") : end()), 100);
   };
   const isSpace = (event) => event.key === " " || event.key === "Enter";
+  // On the way down (true), because the button itself stops keys on their way up.
   document.addEventListener("pointerdown", (e) => e.isPrimary && e.button === 0 && begin(e.target, true));
-  document.addEventListener("keydown", (e) => isSpace(e) && !e.repeat && begin(e.target, false));
-  document.addEventListener("keyup", (e) => isSpace(e) && end());
+  document.addEventListener("keydown", (e) => isSpace(e) && !e.repeat && begin(e.target, false), true);
+  document.addEventListener("keyup", (e) => isSpace(e) && end(), true);
   document.addEventListener("pointermove", (e) => {
     if (button && isByPointer && !button.contains(document.elementFromPoint(e.clientX, e.clientY))) end();
   });

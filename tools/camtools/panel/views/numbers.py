@@ -100,7 +100,7 @@ SPINDLE_OVERRIDE = Field("spindle-override", "Spindle", "%", "override_of_spindl
 TRIM = Field("trim", "Trim of the diameter", "µm", "trim_of_x", 1, 2 * _UM_PER_MM, is_signed=True)
 PARTS = Field("parts", "Parts cut", "parts", "parts_cut", 0)
 LATE_TICKS = Field("tick-late", "Late ticks", "ticks", "late_ticks", 0)
-AXES = (U_SET, U_ACTUAL, X_RADIUS, X_DIAMETER, Z_HEIGHT)
+AXES = (U_SET, U_ACTUAL, Z_HEIGHT, X_RADIUS, X_DIAMETER)
 
 
 def homed_text(signals: Mapping[str, float]) -> str:

@@ -1,15 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Dialogs: they take no notice of Escape, which is the key of STOP in every place of the page.
+"""Dialogs that never bar STOP.
 
-Who presses it in need shall not have closed a dialog only.
+They take no notice of Escape, which is the key of STOP in every place of the operator's page: who
+presses it in need shall not have closed a dialog only. They leave the page beside them in use, so
+that the button can be pressed as well. What was asked is withdrawn then.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from weakref import WeakKeyDictionary, WeakSet
 
-from nicegui import ui
+from nicegui import Client, ui
+
+_open: WeakKeyDictionary[Client, WeakSet[ui.dialog]] = WeakKeyDictionary()
 
 
 @contextmanager
@@ -23,11 +28,19 @@ def titled_dialog(title: str, name: str) -> Iterator[ui.dialog]:
     name : str
         of its mark
     """
-    dialog = ui.dialog().props(f"persistent no-esc-dismiss aria-labelledby=op-title-{name}")
+    dialog = ui.dialog().props(f"seamless no-esc-dismiss aria-labelledby=op-title-{name}")
+    _open.setdefault(dialog.client, WeakSet()).add(dialog)
     with dialog, ui.card().classes("op-dialog").props(f"data-testid={name}"):
         heading = ui.label(title).classes("op-dialog-title")
         heading.props(f"id=op-title-{name} role=heading aria-level=2")
         yield dialog
+
+
+def withdraw(client: Client) -> None:
+    """Close what a page asks; nothing was agreed to."""
+    for dialog in list(_open.get(client, ())):
+        if dialog.value:
+            dialog.submit(None)
 
 
 def cancel_button(dialog: ui.dialog, name: str) -> None:
