@@ -20,6 +20,7 @@ from camtools.base.stage import cannot_write
 from camtools.part.common import PartFile, is_feed_within
 from camtools.part.tool import Tool, check_tracks
 from camtools.pipeline.correct import add_measured, request_of
+from camtools.roundness.waves import DEFAULT_UPR, UPR_CHOICES
 from camtools.sim.machines import machine_bytes, names
 from camtools.table.header import check_tolerance
 
@@ -56,7 +57,7 @@ def _parser() -> argparse.ArgumentParser:
     parser = Parser(
         prog="tools/run",
         usage="tools/run [PART.toml] [--rpm N] [--feed MM] [--machine M] [--tolerance-nm T] "
-        "[--measured SURFACE.csv ..] [--csv] [--keep N] [-o DIR] [-- CAMSIM-OPTIONS]",
+        "[--measured SURFACE.csv ..] [--upr N] [--csv] [--keep N] [-o DIR] [-- CAMSIM-OPTIONS]",
         description="Make the table of a part, cut it on the host simulator, write a report.",
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
@@ -77,6 +78,13 @@ def _parser() -> argparse.ArgumentParser:
         "--tolerance-nm", metavar="T", help="error of the table, nm; default: as tools/mktables"
     )
     add_measured(parser)
+    parser.add_argument(
+        "--upr",
+        type=int,
+        choices=UPR_CHOICES,
+        default=DEFAULT_UPR,
+        help=f"cut-off of the Gaussian filter of the sheets, waves per turn; default {DEFAULT_UPR}",
+    )
     parser.add_argument("--csv", action="store_true", help="keep the trace as trace.csv, too")
     parser.add_argument(
         "--keep",
@@ -158,6 +166,7 @@ class RunJob:
         if arguments.keep is not None and arguments.output:
             raise CamtoolsError(["--keep: is about build/run; leave out -o or --keep"])
         self.keep: int | None = arguments.keep
+        self.cutoff_upr: int = arguments.upr
         self.keeps_text: bool = arguments.csv
         self.output: Path | None = Path(arguments.output) if arguments.output else None
 

@@ -93,6 +93,7 @@ def _simulate(job: RunJob, made: Made, folder: Path) -> AnyCut | None:
         read_trace(folder / OVERVIEW) if window is not None else None,
         job.origin,
         read_sections(folder / SECTIONS),
+        job.cutoff_upr,
     )
     outcome: AnyCut = kind.outcome(made.table, measured, Rig(simulator, plain, turns))
     return outcome

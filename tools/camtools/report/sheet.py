@@ -15,7 +15,7 @@ from camtools.base.quantities import Floats
 from camtools.report.text import ReportRow, origin_rows
 from camtools.roundness.lines import Straightness, straightness
 from camtools.roundness.section import SectionFigures, section_of
-from camtools.roundness.waves import DEFAULT_UPR, POINTS_PER_WAVE
+from camtools.roundness.waves import POINTS_PER_WAVE
 from camtools.sim.results import PLACES, AnyCut, GaugedLine
 
 GOOD, OUT, NO_TOLERANCE = "good", "out of tolerance", "no tolerance given"
@@ -216,15 +216,9 @@ def _head(outcome: AnyCut, upr: int) -> list[ReportRow]:
     ]
 
 
-def make_sheets(outcome: AnyCut, subject: Subject, upr: int = DEFAULT_UPR) -> Sheets | None:
-    """Return the sheets of a cut; nothing when no section was asked for.
-
-    Parameters
-    ----------
-    upr : int
-        Cut-off of the filter, waves per turn.
-    """
-    gauged = outcome.sections
+def make_sheets(outcome: AnyCut, subject: Subject) -> Sheets | None:
+    """Return the sheets of a cut; nothing when no section was gauged."""
+    gauged, upr = outcome.sections, outcome.cutoff_upr
     if not gauged.sections and not gauged.lines:
         return None
     tolerance_um = float(outcome.summary["form_error_um"]["tolerance"])

@@ -18,11 +18,12 @@ from matplotlib.patches import Circle as Disc
 from camtools.base.quantities import Floats, length_text, length_unit
 from camtools.plots.style import (
     BLUE,
-    GREEN,
     GREY,
     ORANGE,
     PALE,
+    PURPLE,
     RED,
+    SKY,
     log_axis,
     new_figure,
     nice_limit,
@@ -38,8 +39,9 @@ _LEAST_FLOOR_UM = 1e-5
 _DECADES = 3.0
 _LIMITS_DEG = 67.5
 _CENTRED = {"ha": "center", "va": "center", "color": GREY}
-_CIRCLE_STYLE = {"color": GREEN, "lw": 1.0, "ls": "--"}
+_CIRCLE_STYLE = {"color": PURPLE, "lw": 1.2, "ls": "--"}
 _ZONE_STYLE = {"color": GREY, "lw": 0.9, "ls": ":"}
+_RAW_STYLE = {"color": RED, "lw": 0.6, "alpha": 0.6}
 _DRAWN_STYLE = {"color": BLUE, "lw": 2.4, "alpha": 0.45}
 
 
@@ -131,7 +133,7 @@ def _draw_off(axes: Axes, one: SectionSheet, upr: int, along: str) -> None:
     )
     _polar(axes, f"deviation from the drawing, {along}", limit_mm, middle)
     _ring(axes, _TURN, 1.0, **(_DRAWN_STYLE | {"lw": 1.6}))
-    _profile(axes, found.raw_mm, limit_mm, color=ORANGE, lw=0.7, alpha=0.7)
+    _profile(axes, found.raw_mm, limit_mm, **_RAW_STYLE)
     _profile(axes, found.filtered_mm, limit_mm, color=RED, lw=1.2)
     centre = (circle.x_mm, circle.y_mm)
     _circle_line(axes, circle.radius_mm - mean_mm, centre, limit_mm, **_CIRCLE_STYLE)
@@ -174,9 +176,8 @@ def _draw_waves(axes: Axes, one: SectionSheet, *, is_oval: bool) -> None:
     axes.set_xlim(0.2, orders[-1] + 0.8)
     axes.set_xticks([1, *range(5, int(orders[-1]) + 1, 5)])
     axes.set_xlabel(f"waves per turn (UPR), unfiltered; no bar: below the floor of {low:g} {unit}")
-    axes.set_ylabel(
-        f"amplitude{' of' if is_oval else ','}\n{'the radius, ' if is_oval else ''}{unit}"
-    )
+    of_what = "amplitude of\nthe radius, " if is_oval else "amplitude, "
+    axes.set_ylabel(of_what + unit)
     axes.legend(frameon=False, loc="lower right", bbox_to_anchor=(1, 1.0), ncols=2)
 
 
@@ -187,7 +188,11 @@ def _handle(label: str, **style: object) -> Line2D:
 def draw_section(one: SectionSheet, sheets: Sheets) -> Figure:
     """Return the pictures of a section: polar ones above, harmonics below."""
     is_oval = sheets.subject.is_oval
-    along = "radially" if sheets.subject.has_radius else "along the normal"
+    along = (
+        "radially"
+        if sheets.subject.has_radius
+        else "along the normal,\nover the direction of the roller"
+    )
     layout = [["whole", "off"], ["waves", "waves"]] if is_oval else [["off"], ["waves"]]
     figure = new_figure(10, 7.6)
     panels = figure.subplot_mosaic(layout, height_ratios=[2.5, 1])  # type: ignore[arg-type]
@@ -198,7 +203,7 @@ def draw_section(one: SectionSheet, sheets: Sheets) -> Figure:
     handles = [
         _handle("drawing", **_DRAWN_STYLE),
         _handle("cut, filtered", color=RED),
-        _handle("cut, unfiltered", color=ORANGE),
+        _handle("cut, unfiltered", **_RAW_STYLE),
         _handle("LS circle", **_CIRCLE_STYLE),
         _handle("MZ circles", **_ZONE_STYLE),
     ]
@@ -225,7 +230,7 @@ def draw_lines(sheets: Sheets) -> Figure:
     figure = new_figure(10, 5.6)
     widths = [1.4] + [1.0] * len(lines)
     panels = figure.subplots(1, len(widths), sharey=True, width_ratios=widths)
-    looks = zip(lines, (BLUE, ORANGE, GREEN, RED), ("-", "-", "--", "--"), strict=False)
+    looks = zip(lines, (RED, GREY, SKY, ORANGE), ("-", "-", "--", "--"), strict=False)
     for one, colour, dashes in looks:
         name = f"{one.angle_deg:g}°"
         panels[0].plot(2 * one.radius_mm, one.z_mm, color=colour, lw=1.4, ls=dashes, label=name)

@@ -23,6 +23,7 @@ from camtools.base.errors import InputError
 from camtools.base.json_text import Json
 from camtools.base.origin import Origin
 from camtools.base.quantities import Floats
+from camtools.roundness.waves import DEFAULT_UPR
 from camtools.table.header import MadeTable
 
 STATES = (
@@ -255,6 +256,7 @@ class Measured(NamedTuple):
     overview: CutTrace | None = None
     origin: Origin | None = None
     sections: GaugedSections = NO_SECTIONS
+    cutoff_upr: int = DEFAULT_UPR
 
 
 @dataclass(frozen=True, eq=False)
@@ -277,6 +279,8 @@ class Cut(Generic[MadeT]):
         What repeats the cut, where a command made it.
     sections : GaugedSections
         The true radius at evenly spaced places.
+    cutoff_upr : int
+        Of the filter of the sheets, waves per turn.
     """
 
     generated: MadeT
@@ -288,6 +292,7 @@ class Cut(Generic[MadeT]):
     overview: CutTrace | None = None
     origin: Origin | None = None
     sections: GaugedSections = NO_SECTIONS
+    cutoff_upr: int = DEFAULT_UPR
 
     @property
     def name(self) -> str:
