@@ -67,7 +67,7 @@ def test_disc_is_ground_and_reported(run: Run, tmp_path: Path) -> None:
     assert summary["comparison"][0]["name"] == "complete controller"
     assert summary["comparison"][-1]["max_um"] > 10
     page = without_scripts((tmp_path / "out" / "report.html").read_text())
-    assert page.count("data:image/png;base64,") == len(PICTURES)
+    assert page.count("data:image/png;base64,") == len(PICTURES) + 1  # and the sheet
     assert "WITHIN TOLERANCE" in page and "The wheel is a whole cylinder" in page
     assert done.stdout.startswith("cam-disc: within tolerance\n")
     assert "base circle 125.7 mm/s" in done.stdout and "µ" not in done.stdout

@@ -244,12 +244,12 @@ def make_sheets(outcome: AnyCut, subject: Subject) -> Sheets | None:
 def shown_number(value: float | None, unit: str) -> str:
     """Return a number with the decimals that its unit deserves: nanometres, a thousandth degree.
 
-    >>> shown_number(92.00001234, "mm"), shown_number(-0.01234, "µm"), shown_number(None, "mm")
-    ('92.000 012', '-0.0123', '')
+    >>> shown_number(92.00001234, "mm"), shown_number(-0.01234, "µm"), shown_number(-1e-9, "°")
+    ('92.000 012', '-0.0123', '0.0000')
     """
     if value is None:
         return ""
     if unit == "mm":
         digits = f"{value:.6f}"
         return f"{digits[:-3]} {digits[-3:]}"
-    return f"{value:.4f}"
+    return f"{round(value, 4) + 0.0:.4f}"  # no minus before a zero
