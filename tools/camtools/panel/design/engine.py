@@ -180,15 +180,13 @@ class Engine:
     async def close(self) -> None:
         """End all processes."""
         self._is_closed = True
-        for worker in (*self._idle, *self._busy):
+        for worker in self._busy:  # their tasks hear that they are gone
             with suppress(ProcessLookupError):
                 worker.process.kill()
-        tasks = list(self._tasks)
-        for task in tasks:
-            task.cancel()
-        await asyncio.gather(*tasks, return_exceptions=True)
-        for worker in (*self._idle, *self._busy):
-            await worker.process.wait()
+        while self._tasks:
+            await asyncio.gather(*self._tasks, return_exceptions=True)
+        for worker in self._idle:
+            await _killed(worker.process)
 
     def _overtake(self, seat: Seat) -> None:
         """Drop what is computed for a seat, where it may be dropped."""
@@ -236,6 +234,8 @@ class Engine:
         )
         worker = _Worker(process)
         self._busy.append(worker)
+        if self._is_closed:
+            process.kill()
         try:
             answer = await asyncio.wait_for(_heard(worker), self.limits.start_s)
         except TimeoutError:
@@ -311,6 +311,7 @@ async def _heard(worker: _Worker) -> Answer | None:
 
 
 async def _killed(process: asyncio.subprocess.Process) -> None:
+    """End a process, and close its pipes."""
     with suppress(ProcessLookupError):
         process.kill()
-    await process.wait()
+    await process.communicate()

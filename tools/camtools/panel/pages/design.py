@@ -3,7 +3,7 @@
 
 Marks of elements: source, part, open, save-name, save, download, part-upload, undo, redo, editor,
 tab-text, tab-form, problems; those of the form, the preview and the cut stand in
-camtools.panel.design.form_view, .preview_view and .cut_view.
+camtools.panel.pages.design_form, .design_preview and .design_cut.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ from nicegui import background_tasks, events, ui
 
 from camtools.base.errors import CamtoolsError
 from camtools.panel.context import AppContext
-from camtools.panel.design.cut_view import CutView
 from camtools.panel.design.draft import Draft
 from camtools.panel.design.fields import FormField
-from camtools.panel.design.form_view import FormView
-from camtools.panel.design.preview_view import PreviewView
 from camtools.panel.design.shelf import EXAMPLE, OWN
 from camtools.panel.frame import framed
+from camtools.panel.pages.design_cut import CutView
+from camtools.panel.pages.design_form import FormView
+from camtools.panel.pages.design_preview import PreviewView
 from camtools.panel.pages.reports import add_reports
 from camtools.panel.runs.options import RunOptions
 from camtools.panel.visitor import Visitor

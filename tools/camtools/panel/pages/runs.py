@@ -18,7 +18,7 @@ from camtools.base.errors import CamtoolsError
 from camtools.panel.context import AppContext
 from camtools.panel.frame import framed
 from camtools.panel.pages.design import STYLE, confirmed
-from camtools.panel.runs.comparison_view import MOST_COMPARED, ComparisonView
+from camtools.panel.pages.runs_comparison import MOST_COMPARED, ComparisonView
 from camtools.panel.runs.store import Run
 from camtools.panel.visitor import Visitor
 from camtools.panel.workshop import Workshop, workshop_of

@@ -5,9 +5,6 @@ The field that was touched last has the dial on top: a slider around its value a
 
 Marks of elements: form, form-all, dial, dial-down, dial-up, and field-NAME of each field, where
 NAME is its dotted name.
-
->>> FormView.__name__
-'FormView'
 """
 
 from __future__ import annotations

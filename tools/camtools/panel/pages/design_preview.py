@@ -3,9 +3,6 @@
 
 Marks of elements: preview-state, section-chart, profile-chart, motion-chart, height, magnify,
 verdict, speed, table-size, margins.
-
->>> PreviewView.__name__
-'PreviewView'
 """
 
 from __future__ import annotations

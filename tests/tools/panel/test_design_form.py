@@ -1,0 +1,172 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The form and the text are one: a change of a field changes that value and nothing else."""
+
+from __future__ import annotations
+
+import tomllib
+from typing import Any
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from camtools.base.errors import CamtoolsError
+from camtools.panel.design.document import edited
+from camtools.panel.design.draft import Draft
+from camtools.panel.design.fields import FormField, form_of, typed
+from camtools.panel.design.places import line_of, lines_of, path_of
+from camtools.panel.design.values import values_of
+from camtools.panel.pages.design_form import shown_text
+from camtools.pipeline.registry import kind_of
+from preview_cases import PARTS, text_of
+
+NAMES = sorted(path.stem for path in PARTS.glob("*.toml"))
+
+
+def fields_of(text: str) -> list[FormField]:
+    """Return all fields of the form of a text."""
+    tree = tomllib.loads(text)
+    kind = kind_of(tree)
+    return [
+        field for table in form_of(kind.name, kind.model, values_of(tree)) for field in table.fields
+    ]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_form_has_every_value_of_the_text(name: str) -> None:
+    """No key of an example is missing in its form, and each has the text's value."""
+    text = text_of(name)
+    values = values_of(tomllib.loads(text))
+    shown = {field.dotted: field.value for field in fields_of(text) if field.value is not None}
+    assert shown == values
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_what_is_shown_is_what_it_means(name: str) -> None:
+    """The text of a field, typed again, is its value."""
+    for field in fields_of(text_of(name)):
+        if field.value is not None and field.sort != "other":
+            assert typed(field, shown_text(field.value)) == field.value, field.dotted
+
+
+@st.composite
+def changes(draw: st.DrawFn) -> tuple[str, FormField, Any]:
+    """Draw an example, one of its fields, and a value for it."""
+    text = text_of(draw(st.sampled_from(NAMES)))
+    field = draw(st.sampled_from([one for one in fields_of(text) if one.sort != "other"]))
+    number = st.one_of(
+        st.integers(-10_000, 10_000),
+        st.floats(-1e6, 1e6, allow_nan=False).map(lambda one: float(f"{one:.6g}")),
+    )
+    values = {
+        "number": number,
+        "whole": st.integers(0, 1000),
+        "choice": st.sampled_from(field.choices or ("a",)),
+        "switch": st.booleans(),
+        "text": st.text(min_size=1, max_size=20),
+        "numbers": st.one_of(number, st.lists(number, min_size=1, max_size=5)),
+    }
+    return text, field, draw(values[field.sort])
+
+
+def without_line(text: str, field: FormField) -> tuple[str, str]:
+    """Return the text before the line of a key, and behind its value's last line."""
+    lines = text.splitlines(keepends=True)
+    begin = lines_of(text)[field.path] - 1
+    for end in range(begin + 1, len(lines) + 1):
+        try:
+            tomllib.loads("".join(lines[begin:end]))
+        except tomllib.TOMLDecodeError:
+            continue
+        break
+    return "".join(lines[:begin]), "".join(lines[end:])
+
+
+def same(one: object, other: object) -> bool:
+    """Return whether values are equal and of one type: 1, 1.0 and true are not."""
+    return repr(one) == repr(other)
+
+
+@settings(max_examples=120, suppress_health_check=[HealthCheck.too_slow])
+@given(changes())
+def test_a_change_keeps_the_rest_byte_for_byte(change: tuple[str, FormField, Any]) -> None:
+    """Lines before and behind the key are as they were; of its own line the comment stays."""
+    text, field, value = change
+    changed = edited(text, field.path, value)
+    values = values_of(tomllib.loads(changed))
+    assert same(values[field.dotted], value)
+    if field.value is None:  # a key, or a table with it, is added
+        assert edited(changed, field.path, None).rstrip("\n").startswith(text.rstrip("\n")[:200])
+        rest = {name: one for name, one in values.items() if name != field.dotted}
+        assert same(rest, values_of(tomllib.loads(text)))
+        assert [line for line in text.splitlines() if line not in changed.splitlines()] == []
+        return
+    assert without_line(changed, field) == without_line(text, field)
+    line = text.splitlines()[lines_of(text)[field.path] - 1]
+    if "  #" in line and "[" not in line:
+        comment = line[line.index("  #") :].strip()
+        assert comment in changed.splitlines()[lines_of(changed)[field.path] - 1]
+
+
+@settings(max_examples=60, suppress_health_check=[HealthCheck.too_slow])
+@given(changes())
+def test_there_and_back_is_the_same_text(change: tuple[str, FormField, Any]) -> None:
+    """The old value, set again, gives a text of the same values; a key that was added goes."""
+    text, field, value = change
+    back = edited(edited(text, field.path, value), field.path, field.value)
+    before, behind = (values_of(tomllib.loads(one)) for one in (text, back))
+    assert same(behind, before)
+
+
+def test_entries_of_a_list_that_stay_keep_their_digits() -> None:
+    """91.940 does not become 91.94 because its neighbour changes."""
+    text = "[piston.profile]\ndiameter_mm = [91.940, 92.0,\n  91.985] # measured\n"
+    path = ("piston", "profile", "diameter_mm")
+    wanted = text.replace("92.0,", "92.5,")
+    assert edited(text, path, [91.94, 92.5, 91.985]) == wanted
+
+
+def test_a_text_that_is_no_toml_is_left_alone() -> None:
+    """The form says what is wrong instead of guessing."""
+    with pytest.raises(CamtoolsError, match="not TOML"):
+        edited("[process\n", ("process", "feed_mm"), 1.0)
+    with pytest.raises(CamtoolsError, match="change it in the text"):
+        edited("a = 1\n", ("a", "b"), 1.0)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_lines_are_those_of_the_keys(name: str) -> None:
+    """Each line that is told for a key begins with its name."""
+    text = text_of(name)
+    places = lines_of(text)
+    lines = text.splitlines()
+    for dotted in values_of(tomllib.loads(text)):
+        path = path_of(dotted)
+        line = line_of(places, path)
+        assert line is not None
+        assert lines[line - 1].lstrip().startswith(str(path[-1])), dotted
+
+
+def test_strings_and_comments_hold_no_keys() -> None:
+    """What looks like a table inside a string or a comment is none."""
+    text = 'a = """\n[process]\nfeed_mm = 1\n"""\n# [tool]\nb = "[x]" # c = 1\n'
+    text += "[process]\nfeed_mm = 2\n"
+    places = lines_of(text)
+    assert places[("process", "feed_mm")] == 8
+    assert ("tool",) not in places
+    assert ("c",) not in places
+
+
+@given(st.lists(st.text(max_size=3), max_size=20))
+def test_undo_leads_back_step_by_step(texts: list[str]) -> None:
+    """All steps undone give the first text, redone the last one."""
+    draft = Draft("start")
+    for i, text in enumerate(texts):
+        draft.change(text, float(i), is_step=True)
+    last = draft.text
+    while draft.can_undo:
+        draft.undo()
+    assert draft.text == "start"
+    while draft.can_redo:
+        draft.redo()
+    assert draft.text == last

@@ -1,0 +1,168 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The numbers of a preview are those of the table, of the controller, and of its set-points."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from camsim_cases import camsim
+from camtools.base.memory import Memory
+from camtools.cut.feasibility import tenth_below
+from camtools.panel.design.compute import N_ANGLES, motion_of
+from camtools.pipeline.exact import ExactTurn, SpeedRatio
+from camtools.pipeline.load import parse
+from camtools.pipeline.make import make
+from camtools.sim.camsim import LEARNS_NOTHING
+from preview_cases import PARTS, answers, problems, stage, text_of
+
+KINDS = ("perkins240", "camshaft", "p4c-35", "thrust90", "cam-345")
+Tables = Callable[[str], Path]
+
+
+@pytest.fixture(scope="module")
+def tables(tmp_path_factory: pytest.TempPathFactory) -> Tables:
+    """Return the folder with the files of a table, as mktables writes them."""
+    folder = tmp_path_factory.mktemp("tables")
+
+    def made(name: str) -> Path:
+        place = folder / name
+        if not place.exists():
+            place.mkdir()
+            loaded = parse(text_of(name).encode(), f"{name}.toml", PARTS)
+            for file, data in make(loaded, name).files(with_plots=False).items():
+                (place / file).write_bytes(data)
+            (place / "machine.toml").write_text(loaded.kind.machine(loaded.part))
+        return place
+
+    return made
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_size_is_that_of_the_file(name: str, tables: Tables) -> None:
+    """Bytes, slices and knots are those of the image that mktables writes, and of its summary."""
+    told = stage(answers(text_of(name)), "table")["table"]
+    image = (tables(name) / f"{name}.camtab").read_bytes()
+    summary = json.loads((tables(name) / f"{name}.json").read_bytes())
+    assert told["bytes"] == len(image) == summary["table_bytes"]
+    u = summary["channels"]["u"]
+    shown = told["channels"][0]
+    keys = ("bytes", "n_slices", "knots_per_pattern", "patterns_per_turn")
+    assert [shown[key] for key in keys] == [u[key] for key in keys]
+
+
+@pytest.mark.parametrize("name", ["perkins240", "p4c-35"])
+def test_limits_and_highest_speed_are_the_controllers(name: str, tables: Tables) -> None:
+    """What camsim's controller needs of each limit, and the highest speed that it takes."""
+    told = stage(answers(text_of(name)), "table")
+    folder = tables(name)
+    words: list[str | Path] = ["--machine", folder / "machine.toml", "--turns-limit", "1", *LEARNS_NOTHING]
+    camsim("run", folder / f"{name}.camtab", *words, "--summary", folder / "s.json")
+    theirs = json.loads((folder / "s.json").read_bytes())["feasibility"]
+    # 0.1 r/min: the search in the simulator ends there
+    assert told["highest_rpm"] == pytest.approx(theirs["highest_rpm"], abs=0.1)
+    ours = {one["field"]: one for one in told["margins"] if one["name"].startswith("u_")}
+    for field in ("u_speed_mm_s", "u_acceleration_mm_s2"):
+        assert ours[field]["limit"] == theirs[field]["limit"]
+        # the controller rounds what it needs up to whole units
+        assert ours[field]["needed"] == pytest.approx(theirs[field]["needed"], rel=2e-3)
+
+
+def evaluated(folder: Path, name: str, turn: np.ndarray, z_mm: float) -> np.ndarray:
+    """Return u [um] of the table at angles, by camsim eval."""
+    points = "turn,z_mm\n" + "".join(f"{one:.12f},{z_mm}\n" for one in turn)
+    done = camsim("eval", folder / f"{name}.camtab", stdin=points)
+    assert done.returncode == 0, done.stderr
+    rows = [line.split(",") for line in done.stdout.splitlines()[1:]]
+    return np.array([float(row[2]) for row in rows]) * 1e-3
+
+
+@pytest.mark.parametrize(
+    ("name", "z_mm"), [("perkins240", 47.0), ("thrust90", 20.0), ("camshaft", 11.0)]
+)
+def test_motion_is_the_difference_of_set_points(name: str, z_mm: float, tables: Tables) -> None:
+    """Velocity, acceleration and jerk are the finite differences of what camsim eval tells of U."""
+    shown = stage(answers(text_of(name), height_mm=z_mm), "curves")
+    assert shown["height_mm"] == z_mm
+    turn = np.arange(N_ANGLES) / N_ANGLES
+    u_um = evaluated(tables(name), name, turn, z_mm)
+    if name == "camshaft":
+        u_um = -u_um  # eval tells the lift, away from the axis
+    motion = {key: np.array(values) for key, values in shown["motion"].items()}
+    assert np.abs(motion["u_um"] - u_um).max() < 0.011  # the tables are within 10 nm
+    step_s = 60 / shown["rpm"] / N_ANGLES
+    chain = (("u_um", "velocity_mm_s", 1e-3), ("velocity_mm_s", "acceleration_m_s2", 1e-3))
+    for below, above, unit in (*chain, ("acceleration_m_s2", "jerk_km_s3", 1e-3)):
+        values = u_um if below == "u_um" else motion[below]
+        slope = (np.roll(values, -1) - np.roll(values, 1)) / (2 * step_s) * unit
+        # where a law of lift has a corner a difference over two steps rounds it off
+        off = np.abs(slope - motion[above])
+        assert np.quantile(off, 0.95) < 3e-3 * np.abs(motion[above]).max(), above
+
+
+def test_a_modulated_spindle_moves_u_as_the_chain_rule_says() -> None:
+    """Over the time itself, as the angle is integrated from the speed, the derivatives agree."""
+    phi = 2 * np.pi * np.arange(4096) / 4096
+    ratio = 1 + 0.2 * np.sin(2 * phi)
+    law = SpeedRatio(ratio, 0.4 * np.cos(2 * phi), -0.8 * np.sin(2 * phi))
+    u = (0.1 * (1 - np.cos(2 * phi)), 0.2 * np.sin(2 * phi), 0.4 * np.cos(2 * phi))
+    turn = ExactTurn(phi, 46 + 0 * phi, 46.0, *u, -0.8 * np.sin(2 * phi))
+    motion = motion_of(turn, 600.0, law)
+    omega = 600 * 2 * np.pi / 60
+    for below, above in (
+        ("u_um", "velocity_mm_s"),
+        ("velocity_mm_s", "acceleration_m_s2"),
+        ("acceleration_m_s2", "jerk_km_s3"),
+    ):
+        by_angle = np.gradient(motion[below], phi)[2:-2]
+        by_time = by_angle * (ratio * omega)[2:-2] * 1e-3
+        wanted = motion[above][2:-2]
+        assert np.abs(by_time - wanted).max() < 1e-4 * np.abs(wanted).max()
+
+
+def test_an_infeasible_part_keeps_its_numbers() -> None:
+    """What is too fast is refused with the generator's own line, and the table is known still."""
+    text = text_of("perkins240").replace("u_speed_mm_s = 400", "u_speed_mm_s = 20")
+    found = answers(text)
+    told = stage(found, "table")
+    assert not told["is_feasible"]
+    assert told["table"]["bytes"] == 3456
+    speed = next(one for one in told["margins"] if one["name"] == "u_speed")
+    assert speed["left_percent"] < 0
+    [line] = problems(found)
+    with pytest.raises(Exception, match="u_speed_mm_s") as refused:
+        make(parse(text.encode(), "part.toml", PARTS), "part.toml")
+    assert str(refused.value) == f"part.toml: {line}"
+    assert f"{tenth_below(told['highest_rpm'])} r/min" in line
+    assert told["problems"][0]["line"] == text.splitlines().index("u_speed_mm_s = 20") + 1
+
+
+def test_what_is_remembered_changes_no_number() -> None:
+    """A preview with a memory that saw other changes is that of a memory that saw none."""
+    memory = Memory(64)
+    text = text_of("perkins240")
+    other = text.replace("spindle_rpm = 2500", "spindle_rpm = 900").replace("0.15,", "0.16,")
+    last: list[dict[str, Any]] = []
+    for one in (text, other, text):
+        last = answers(one, memory=memory)
+    assert last == answers(text)
+
+
+def test_a_file_beside_the_part_that_changes_is_read_anew(tmp_path: Path) -> None:
+    """The same text shows another section when its points are other ones."""
+    csv = (PARTS / "scan90.csv").read_text()
+    (tmp_path / "scan90.csv").write_text(csv)
+    memory = Memory(64)
+    before = stage(answers(text_of("scan90"), tmp_path, memory=memory), "curves")
+    head, *rows = csv.splitlines()
+    doubled = [",".join([*row.split(",")[:2], str(2 * float(row.split(",")[2]))]) for row in rows]
+    (tmp_path / "scan90.csv").write_text("\n".join([head, *doubled]) + "\n")
+    os.utime(tmp_path / "scan90.csv", (1, 1))
+    behind = stage(answers(text_of("scan90"), tmp_path, memory=memory), "curves")
+    assert behind["stroke_um"] == pytest.approx(2 * before["stroke_um"], rel=1e-3)

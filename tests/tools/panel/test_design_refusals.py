@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a part file may not do on the page: read other files, have hostile names, hide faults."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from camtools.base.errors import CamtoolsError
+from camtools.panel.design.shelf import EXAMPLE, OWN, Shelf
+from camtools.panel.workshop import files_named, is_confined_tree
+from preview_cases import PARTS, answers, problems, text_of
+
+LEAVING = ("/etc/passwd", "../secret.csv", "sub/../../secret.csv", "link.csv", "dir/secret.csv")
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """Return a folder of parts with a secret beside it, and links to that."""
+    place = tmp_path / "parts"
+    place.mkdir()
+    (tmp_path / "secret.csv").write_text("angle_deg,z_mm,reduction_um\n0,0,4711\n")
+    (place / "link.csv").symlink_to(tmp_path / "secret.csv")
+    (place / "dir").symlink_to(tmp_path)
+    (place / "scan90.csv").write_bytes((PARTS / "scan90.csv").read_bytes())
+    return place
+
+
+@pytest.mark.parametrize("path", LEAVING)
+def test_a_path_that_leaves_the_folder_is_refused(path: str, folder: Path) -> None:
+    """By whatever way; the line names the field and the remedy, and nothing of the file."""
+    text = text_of("scan90").replace('"scan90.csv"', f'"{path}"')
+    found = answers(text, folder)
+    [line] = problems(found)
+    assert line.startswith("piston.section.csv")
+    assert "leads out of the folder" in line
+    assert "4711" not in str(found)
+    assert not is_confined_tree({"piston": {"section": {"csv": path}}}, folder)
+
+
+def test_a_nul_in_a_path_is_refused(folder: Path) -> None:
+    """And no exception comes of it."""
+    text = text_of("scan90").replace('"scan90.csv"', '"a\\u0000b.csv"')
+    [line] = problems(answers(text, folder))
+    assert "leads out of the folder" in line
+
+
+def test_cams_and_lists_of_files_are_confined_too(folder: Path) -> None:
+    """Every place where a part file names a file."""
+    lobe = text_of("cam-345").replace('law = "poly345"', 'law = "list"\ncsv = "../secret.csv"')
+    assert any("leads out of the folder" in line for line in problems(answers(lobe, folder)))
+    points = text_of("scan90").replace('shape = "table"', 'shape = "points"')
+    points = points.replace('csv = "scan90.csv"', "").replace("harmonics = 15", "")
+    points += '[[piston.section.files]]\nz_mm = 0\ncsv = "link.csv"\n'
+    points += '[[piston.section.files]]\nz_mm = 60\ncsv = "scan90.csv"\n'
+    assert any("leads out of the folder" in line for line in problems(answers(points, folder)))
+
+
+def test_a_file_beside_the_part_is_read(folder: Path) -> None:
+    """What lies in the folder is no foreign file, and goes along with a run."""
+    assert problems(answers(text_of("scan90"), folder)) == []
+    tree = {"piston": {"section": {"csv": "scan90.csv"}}}
+    assert is_confined_tree(tree, folder)
+    assert list(files_named(tree, folder)) == ["scan90.csv"]
+
+
+@pytest.mark.parametrize(
+    ("change", "field", "told"),
+    [
+        (("feed_mm = 0.1 ", "feed_mm = 0 "), "process.feed_mm", "give at least"),
+        (("spindle_rpm = 2500", "spindel_rpm = 2500"), "process.spindel_rpm", "spelling"),
+        (('shape = "ellipse"', 'shape = "elipse"'), "piston.section.shape", "use one of"),
+        (("0.15, 0.20, 0.30", "0.15, 0.20"), "piston.ovality.ovality_mm", "one value for each"),
+    ],
+)
+def test_a_wrong_field_is_told_with_its_line(
+    change: tuple[str, str], field: str, told: str
+) -> None:
+    """Place, value and remedy; the line is that of the key."""
+    text = text_of("perkins240").replace(*change)
+    wrong = [one for answer in answers(text) for one in answer.get("problems", [])]
+    one = next(problem for problem in wrong if problem["field"] == field)
+    assert told in one["text"]
+    assert text.splitlines()[one["line"] - 1].lstrip().startswith(field.rsplit(".", 1)[1])
+
+
+def test_broken_toml_is_told_with_its_line() -> None:
+    """Where the parser stopped."""
+    text = text_of("perkins240").replace("feed_mm = 0.1 ", "feed_mm = = 0.1 ")
+    [answer] = answers(text)
+    assert (
+        answer["problems"][0]["line"]
+        == text.splitlines().index(next(line for line in text.splitlines() if "= =" in line)) + 1
+    )
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["", ".", "..", "../a", "a/b", "a\\b", "-a", "a b", "a\n", "ä", "a" * 32, "a.toml", "\x00"],
+)
+def test_hostile_names_are_refused(name: str, tmp_path: Path) -> None:
+    """Nothing is written or read under them, inside the folder or outside."""
+    shelf = Shelf(tmp_path / "parts")
+    with pytest.raises(CamtoolsError, match="not usable"):
+        shelf.save(name, "x", replaces=True)
+    with pytest.raises(CamtoolsError, match="not usable"):
+        shelf.read(OWN, name)
+    assert list(tmp_path.rglob("*")) == []
+
+
+def test_nothing_is_overwritten_unasked(tmp_path: Path) -> None:
+    """A second part of a name needs a yes, and a link is never followed."""
+    shelf = Shelf(tmp_path / "parts")
+    shelf.save("a", "one", replaces=False)
+    with pytest.raises(CamtoolsError, match="there is such a part"):
+        shelf.save("a", "two", replaces=False)
+    assert shelf.read(OWN, "a") == "one"
+    shelf.save("a", "two", replaces=True)
+    assert shelf.read(OWN, "a") == "two"
+    (tmp_path / "target").write_text("mine")
+    (tmp_path / "parts" / "b.toml").symlink_to(tmp_path / "target")
+    with pytest.raises(CamtoolsError, match="link"):
+        shelf.save("b", "theirs", replaces=True)
+    with pytest.raises(CamtoolsError, match="link"):
+        shelf.read(OWN, "b")
+    assert (tmp_path / "target").read_text() == "mine"
+    assert shelf.own() == ["a"]
+
+
+def test_examples_are_read_only(tmp_path: Path) -> None:
+    """They are read where they lie, and saved among one's own."""
+    shelf = Shelf(tmp_path)
+    assert "perkins240" in shelf.examples()
+    assert shelf.read(EXAMPLE, "perkins240") == text_of("perkins240")
+    shelf.save("perkins240", "mine", replaces=False)
+    assert text_of("perkins240") != "mine"
