@@ -62,7 +62,13 @@ def test_limits_and_highest_speed_are_the_controllers(name: str, tables: Tables)
     """What camsim's controller needs of each limit, and the highest speed that it takes."""
     told = stage(answers(text_of(name)), "table")
     folder = tables(name)
-    words: list[str | Path] = ["--machine", folder / "machine.toml", "--turns-limit", "1", *LEARNS_NOTHING]
+    words: list[str | Path] = [
+        "--machine",
+        folder / "machine.toml",
+        "--turns-limit",
+        "1",
+        *LEARNS_NOTHING,
+    ]
     camsim("run", folder / f"{name}.camtab", *words, "--summary", folder / "s.json")
     theirs = json.loads((folder / "s.json").read_bytes())["feasibility"]
     # 0.1 r/min: the search in the simulator ends there
