@@ -53,6 +53,11 @@ class ExactLobes(Exact):
 
         return min(self._lobes, key=off_mm)
 
+    def nearest_mm(self, z_mm: float) -> float:
+        """See `Exact.nearest_mm`: between two lobes there is no section."""
+        low, high = self.lobe_at(z_mm).z_mm
+        return min(max(z_mm, low), high)
+
     def turn_at(self, z_mm: float, n: int) -> ExactTurn:
         """See `Exact.turn_at`; the third derivative is a central difference of the second."""
         lobe, phi = self.lobe_at(z_mm), even_angles(n)

@@ -65,6 +65,11 @@ class Exact(ABC):
 
     heights_mm: tuple[float, float]
 
+    def nearest_mm(self, z_mm: float) -> float:
+        """Return the height of the part that is nearest to a height."""
+        low, high = self.heights_mm
+        return min(max(z_mm, low), high)
+
     @abstractmethod
     def turn_at(self, z_mm: float, n: int) -> ExactTurn:
         """Return the section at a height and U along it at n angles, evenly from 0 on."""

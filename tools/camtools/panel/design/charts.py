@@ -59,6 +59,14 @@ def _axis(name: str, **more: Any) -> Options:  # noqa: ANN401 (options of EChart
     }
 
 
+_LEGEND: Options = {
+    "bottom": 0,
+    "icon": "rect",
+    "itemHeight": 4,
+    "textStyle": {"color": INK, "fontSize": 12},
+}
+
+
 def _line(name: str, data: list[Any], colour: str, **more: Any) -> Options:  # noqa: ANN401
     return {
         "name": name,
@@ -94,17 +102,18 @@ def section(curves: Options, magnification: float | None) -> Options:
     # Less than 0 on a radius axis is drawn mirrored: what lies beyond the centre is cut off.
     around = [[max(off + radius_um, 0.0), i * step] for i, off in enumerate([*shown, shown[0]])]
     circle = [[radius_um, angle] for angle in range(0, 361, 3)]
+    scale = "true to scale" if factor == 1 else f"deviations {factor:g} times as large"
     polar = {"coordinateSystem": "polar", "silent": True}
     return {
         "animation": False,
         "title": {
             "text": f"section at {curves.get('height_mm', 0.0):.6g} mm",
-            "subtext": f"deviations {factor:g} times, nominal radius {nominal_mm:.7g} mm",
+            "subtext": f"{scale}, nominal radius {nominal_mm:.7g} mm",
             "left": "center",
             "textStyle": {"color": INK, "fontSize": 15},
             "subtextStyle": {"color": INK, "fontSize": 13},
         },
-        "legend": {"bottom": 0, "textStyle": {"color": INK}},
+        "legend": _LEGEND,
         "polar": {"radius": "62%", "center": ["50%", "52%"]},
         "angleAxis": {
             "type": "value",
@@ -113,6 +122,8 @@ def section(curves: Options, magnification: float | None) -> Options:
             "interval": 30,
             "startAngle": 0,
             "clockwise": False,
+            "axisLine": {"show": False},
+            "axisTick": {"show": False},
             "axisLabel": {"color": INK, "formatter": "{value}°"},
             "splitLine": {"lineStyle": {"color": FAINT}},
         },
@@ -150,10 +161,10 @@ def profile(curves: Options) -> Options:
     return {
         "animation": False,
         "title": _title("profile"),
-        "legend": {"bottom": 0, "textStyle": {"color": INK}},
+        "legend": _LEGEND,
         "tooltip": {"trigger": "item"},
         "grid": {"left": 62, "right": 24, "top": 40, "bottom": 76},
-        "xAxis": _axis("diameter / mm", nameGap=28),
+        "xAxis": _axis("diameter / mm", nameGap=28, boundaryGap=["4%", "4%"]),
         "yAxis": _axis("height / mm", nameGap=44),
         "series": series,
     }

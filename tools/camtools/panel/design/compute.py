@@ -86,7 +86,7 @@ def motion_of(turn: ExactTurn, rpm: float, ratio: SpeedRatio | None = None) -> d
 def curves_of(exact: Exact, rpm: float, z_mm: float | None, speed: Channel | None = None) -> Shown:
     """Return section, profile and motion at a height, in the middle where none is given."""
     low, high = exact.heights_mm
-    z_mm = (low + high) / 2 if z_mm is None else min(max(z_mm, low), high)
+    z_mm = exact.nearest_mm((low + high) / 2 if z_mm is None else z_mm)
     turn, profile = exact.turn_at(z_mm, N_ANGLES), exact.profile()
     ratio = None if speed is None else exact.ratio_at(speed, turn.phi_rad, z_mm)
     motion = motion_of(turn, rpm, ratio)

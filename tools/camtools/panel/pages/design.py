@@ -211,19 +211,22 @@ class DesignPage:
     def _show_problems(self, problems: list[dict[str, Any]]) -> None:
         """Show what is wrong below the text, in its lines, and beside the fields."""
         self._problems.clear()
-        lines: dict[int, str] = {}
+        lines: set[int] = set()
         with self._problems:
             for one in problems[:_MOST_PROBLEMS]:
                 where = f"line {one['line']}: " if one["line"] else ""
                 ui.label(where + one["text"]).classes("problem")
                 if one["line"]:
-                    lines.setdefault(int(one["line"]), one["text"])
+                    lines.add(int(one["line"]))
         n_lines = self._draft.text.count("\n") + 1
         marked = [
-            {"kind": "line", "line": line, "class": _BAD_LINE} for line in lines if line <= n_lines
+            {"kind": "line", "line": line, "class": _BAD_LINE}
+            for line in sorted(lines)
+            if line <= n_lines
         ]
-        self._editor.decorations = marked
-        self._editor.line_tooltips = {k: v for k, v in lines.items() if k <= n_lines}
+        # As a call: an update of the element would bring the server's text along, which is older
+        # than what is being typed.
+        self._editor.run_method("setDecorations", marked)
         self._form.problems(problems)
 
     async def _save(self) -> None:

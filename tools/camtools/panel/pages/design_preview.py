@@ -37,7 +37,7 @@ class PreviewView:
             with ui.row().classes("items-baseline q-gutter-md"):
                 self._verdict = ui.label("").classes("verdict").mark("verdict")
                 self._speed = ui.label("").mark("speed")
-            self._size = ui.column().classes("q-gutter-none").mark("table-size")
+            self._size = ui.column().classes("tight").mark("table-size")
         with ui.row().classes("items-center full-width q-gutter-md"):
             self._state = ui.label("").props('role="status"').mark("preview-state")
             ui.space()
@@ -48,7 +48,7 @@ class PreviewView:
                 .mark("magnify")
             )
         with ui.row().classes("items-center full-width no-wrap"):
-            self._height_label = ui.label("height")
+            self._height_label = ui.label("height").classes("height-label")
             self._height = (
                 ui.slider(min=0, max=1, step=0.001, value=0.5, on_change=self._height_moved)
                 .props('aria-label="height of the section"')
