@@ -21,7 +21,10 @@ WITHOUT = {
     "checks.elf_isr",
 }
 # They draw in a page of a browser: tests/browser shows what they do. An example is true all the same.
-DRAWING = ("camtools.panel.operate.", "camtools.panel.pages.", "camtools.panel.frame")
+DRAWING = (
+    *("camtools.panel.operate.", "camtools.panel.pages."),
+    *("camtools.panel.frame", "camtools.panel.question"),
+)
 
 
 def modules() -> Iterator[str]:

@@ -93,8 +93,22 @@ def test_statistics_are_those_of_the_wave() -> None:
 def test_the_mean_has_a_gap_where_nothing_was_seen() -> None:
     """None, not zero: nobody takes what was not measured for good."""
     told = mean_by_angle(Ticks(np.array([1, 1]), np.array([0.0, 0.999999]), np.array([2.0, 4.0])))
-    assert told[0] == [2.5, 2.0] and told[-1] == [357.5, 4.0]
-    assert [mean for _, mean in told[1:-1]] == [None] * (BINS - 2)
+    assert told == [[2.5, 2.0], [355.0, None], [357.5, 4.0]]
+
+
+def test_the_mean_is_joined_where_samples_are_close() -> None:
+    """Single ticks of a steady spindle meet few angles; every third part has one."""
+    at = np.arange(0, BINS, 3) / BINS
+    told = mean_by_angle(Ticks(np.ones(len(at), dtype=np.int64), at, np.full(len(at), 0.5)))
+    assert [mean for _, mean in told] == [0.5] * (BINS // 3)
+
+
+@pytest.mark.parametrize("kind", [UNROLLED, POLAR])
+def test_a_tolerance_beyond_the_scale_is_not_drawn(kind: str) -> None:
+    """On the polar axis it would come out on the other side of the centre."""
+    for full_um, is_drawn in ((1.0, False), (5.0, True)):
+        lines = {one["id"]: one["data"] for one in change(kind, [], [], (full_um, 2.0))["series"]}
+        assert [bool(lines[name]) for name in ("limit-high", "limit-low")] == [is_drawn] * 2
 
 
 @pytest.mark.parametrize("kind", [UNROLLED, POLAR])
@@ -104,9 +118,9 @@ def test_an_update_stays_small(kind: str) -> None:
     flood = samples(0, 50, 2000)
     first = trail.changes(flood)
     assert all(len(one.points or []) <= MOST_POINTS for one in first)
-    option = change(kind, first, mean_by_angle(flood), 0.2, 5.0)
+    option = change(kind, first, mean_by_angle(flood), (0.2, 5.0))
     assert len(json.dumps(option)) < 250_000
-    steady = change(kind, trail.changes(samples(0, 50, 2000)), mean_by_angle(flood), None, None)
+    steady = change(kind, trail.changes(samples(0, 50, 2000)), mean_by_angle(flood))
     assert len(json.dumps(steady)) < 5_000
 
 
@@ -115,5 +129,5 @@ def test_an_update_speaks_of_series_that_the_chart_has(kind: str) -> None:
     """Otherwise ECharts would add series without a look."""
     ids = {one["id"] for one in whole(kind, 0.1, 5.0)["series"]}
     turns = samples(0, 50, 8)
-    option: dict[str, Any] = change(kind, Trail().changes(turns), mean_by_angle(turns), 0.1, 2.0)
+    option: dict[str, Any] = change(kind, Trail().changes(turns), mean_by_angle(turns), (0.1, 2.0))
     assert {one["id"] for one in option["series"]} <= ids

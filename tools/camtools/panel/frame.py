@@ -104,7 +104,8 @@ class _CommandBar:
         self._who = ui.label().props('role="status"').mark("commander")
         self._token = (
             ui.input("token", password=True, on_change=None)
-            .props('dense dark outlined aria-label="token, which the panel printed at its start"')
+            .props("dense dark outlined label-color=white")
+            .props('aria-label="token, which the panel printed at its start"')
             .on("keydown.enter", self._enter_token)
             .mark("token")
         )

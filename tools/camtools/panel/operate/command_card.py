@@ -159,7 +159,7 @@ class AdjustCard:
 
     def __init__(self, orders: Orders) -> None:
         self._orders = orders
-        with card("Adjust the cut", "adjust"):
+        with card("Adjust the cut", "adjust", is_live=True):
             self._overrides = (
                 Override(orders, "Feed", "feed", "override_of_feed", _FEED_DETENTS),
                 Override(orders, "Spindle", "spindle", "override_of_spindle", _SPINDLE_DETENTS),

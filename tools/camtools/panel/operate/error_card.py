@@ -94,7 +94,6 @@ class ErrorCard:
             return
         self._full_um, self._limit_told_um = full_um, self._limit_um
         means = mean_by_angle(shown) if told.samples else []
+        scale_um = (full_um, self._limit_um) if is_new or is_limit_new else None
         for kind, chart in self._charts.items():
-            limit_um = self._limit_um if is_limit_new else None
-            option = change(kind, changes, means, full_um if is_new else None, limit_um)
-            chart.run_chart_method("setOption", option)
+            chart.run_chart_method("setOption", change(kind, changes, means, scale_um))

@@ -18,7 +18,7 @@ class GuideCard:
 
     def __init__(self) -> None:
         self._shown: tuple[object, ...] = ()
-        with card("What to do", "guide"):
+        with card("What to do", "guide", is_live=True):
             self._meaning = ui.label("").classes("op-meaning")
             self._faults = ui.element("div").props("role=alert data-testid=faults").mark("faults")
             with ui.element("div").classes("op-box") as self._box:

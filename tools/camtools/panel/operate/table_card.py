@@ -44,7 +44,7 @@ class TableCard:
     def __init__(self, orders: Orders) -> None:
         self._orders = orders
         self._image, self._name = b"", ""
-        with card("Table", "table"):
+        with card("Table", "table", is_live=True):
             self._now = ui.label("").classes("op-note").props("data-testid=table-now")
             self._draw_sources()
             self._chosen = ui.label("No table chosen yet.").classes("op-note")

@@ -72,14 +72,14 @@ class OperatePage:
         with ui.element("div").classes("op-columns"):
             with ui.element("div").classes("op-column"):
                 self._guide = GuideCard()
-                self._figures = FiguresCard()
-                self._progress = ProgressCard()
-            with ui.element("div").classes("op-column"):
-                self._error = ErrorCard()
-                self._learning = LearningCard()
-            with ui.element("div").classes("op-column"):
                 self._commands = CommandCard(self._orders)
                 self._adjust = AdjustCard(self._orders)
+            with ui.element("div").classes("op-column op-right"):
+                self._figures = FiguresCard()
+                self._progress = ProgressCard()
+                self._learning = LearningCard()
+            with ui.element("div").classes("op-column op-middle"):
+                self._error = ErrorCard()
 
     def _draw_second(self) -> None:
         """Draw what is set up before a part is cut."""

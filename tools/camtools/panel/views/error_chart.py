@@ -5,7 +5,7 @@ The charts are drawn for a light page; a style sheet inverts them on a dark one.
 
 >>> [axis["max"] for axis in whole(POLAR, 0.2, 5.0)["radiusAxis"]]
 [0.2]
->>> change(POLAR, [Series(0, 1, [[90.0, 0.1]])], [], None, 5.0)["series"][0]["data"]
+>>> change(POLAR, [Series(0, 1, [[90.0, 0.1]])], [])["series"][0]["data"]
 [[0.1, 90.0]]
 """
 
@@ -113,10 +113,14 @@ def _system(kind: str, full_um: float) -> Option:
     }
 
 
-def _limits(kind: str, limit_um: float) -> list[Option]:
-    """Return the lines of the tolerance, above and below."""
+def _limits(kind: str, limit_um: float, full_um: float) -> list[Option]:
+    """Return the lines of the tolerance, above and below; none where they are beyond the scale.
+
+    A polar axis would show what is below its least value on the other side of the centre.
+    """
+    angles = _ANGLES if limit_um <= full_um else []
     return [
-        {"id": name, "data": _placed(kind, [[angle, sign * limit_um] for angle in _ANGLES])}
+        {"id": name, "data": _placed(kind, [[angle, sign * limit_um] for angle in angles])}
         for name, sign in zip(_LIMITS, (1, -1), strict=True)
     ]
 
@@ -135,7 +139,7 @@ def whole(kind: str, full_um: float, limit_um: float) -> Option:
     """
     limits = [
         _line(kind, name, _LIMIT, 1.5, "dashed") | data
-        for name, data in zip(_LIMITS, _limits(kind, limit_um), strict=True)
+        for name, data in zip(_LIMITS, _limits(kind, limit_um, full_um), strict=True)
     ]
     mean = _line(kind, _MEAN_ID, _MEAN, 2.5, "solid")
     series = [*(_slot(kind, slot) for slot in range(SLOTS)), *limits, mean]
@@ -143,16 +147,16 @@ def whole(kind: str, full_um: float, limit_um: float) -> Option:
 
 
 def change(
-    kind: str, series: Sequence[Series], means: Means, full_um: float | None, limit_um: float | None
+    kind: str, series: Sequence[Series], means: Means, scale_um: tuple[float, float] | None = None
 ) -> Option:
-    """Return what an update sets: the data that are new, and scale or limit where they changed.
+    """Return what an update sets: the data that are new, and the scale where it has changed.
 
     Parameters
     ----------
     means : sequence
         of angle and mean error, empty: that of before stays
-    full_um, limit_um : float or None
-        None: as before
+    scale_um : tuple of float or None
+        full scale and tolerance; None: as before
     """
     told: list[Option] = [
         {
@@ -165,8 +169,9 @@ def change(
     if means:
         closed = [*means, [means[0][0], means[0][1]]] if kind == POLAR else means
         told.append({"id": _MEAN_ID, "data": _placed(kind, closed)})
-    if limit_um is not None:
-        told += _limits(kind, limit_um)
+    if scale_um is None:
+        return {"series": told}
+    full_um, limit_um = scale_um
     axis = "radiusAxis" if kind == POLAR else "yAxis"
-    scale = {"min": -full_um, "max": full_um, "interval": full_um / 2} if full_um else {}
-    return {"series": told, **({axis: [scale]} if scale else {})}
+    scale = {"min": -full_um, "max": full_um, "interval": full_um / 2}
+    return {"series": [*told, *_limits(kind, limit_um, full_um)], axis: [scale]}

@@ -25,6 +25,7 @@ TURNS_PER_SERIES = 5
 SLOTS = SHOWN_TURNS // TURNS_PER_SERIES + 1  # the oldest and the newest of them are not whole
 MOST_POINTS = 600  # of a series
 BINS = 72  # of the mean over the angle: 5 degrees each
+_WIDE_BINS = 6  # a gap that no line may cross
 _DEG = 360.0
 Points = list[list[float]]
 
@@ -99,7 +100,9 @@ def statistics(samples: Ticks) -> Statistics:
 
 
 def mean_by_angle(samples: Ticks) -> list[list[float | None]]:
-    """Return the mean error in each of BINS parts of a turn, closed; None where nothing was seen.
+    """Return the mean error in each of BINS parts of a turn; None where a wide part was not seen.
+
+    A line may join the parts over narrow ones in which there is no sample.
 
     Returns
     -------
@@ -109,8 +112,16 @@ def mean_by_angle(samples: Ticks) -> list[list[float | None]]:
     which = np.minimum((samples.angle_turn * BINS).astype(np.int64), BINS - 1)
     n = np.bincount(which, minlength=BINS)
     total = np.bincount(which, weights=samples.error_um, minlength=BINS)
+    width_deg = _DEG / BINS
     means = [round(float(t / k), 4) if k else None for t, k in zip(total, n, strict=True)]
-    return [[(i + 0.5) * _DEG / BINS, mean] for i, mean in enumerate(means)]
+    told: list[list[float | None]] = []
+    last = -1
+    for i, mean in enumerate(means):
+        if mean is not None:
+            told += [[i * width_deg, None]] if i - last > _WIDE_BINS else []
+            told.append([(i + 0.5) * width_deg, mean])
+            last = i
+    return told
 
 
 def _points(samples: Ticks, is_in: npt.NDArray[np.bool_]) -> Points:
