@@ -29,6 +29,7 @@ from camtools.panel.command_log import CommandLog
 from camtools.panel.commander import Commander
 from camtools.panel.context import AppContext
 from camtools.panel.desk import Desk
+from camtools.panel.listening import hosts_of, open_socket
 from camtools.panel.token import LEAST_CHARS, MOST_CHARS, TokenGuard, new_token
 
 _PORT = 8417
@@ -139,8 +140,6 @@ def _say(text: str) -> None:
 
 
 def _run(arguments: argparse.Namespace) -> int:
-    from camtools.panel.server import application, hosts_of, open_socket, serve  # 1 s to import
-
     def open_link() -> Link:
         return Link(*open_controller(arguments))
 
@@ -150,6 +149,8 @@ def _run(arguments: argparse.Namespace) -> int:
         sock = stack.enter_context(open_socket(arguments.listen, arguments.port))
         log = CommandLog(arguments.log)
         stack.callback(log.close)
+        from camtools.panel.server import application, serve  # it takes a second
+
         commander = Commander(log)
         desk = Desk(open_link, commander, log)
         stack.callback(desk.close)

@@ -26,6 +26,7 @@ REPORTS = "/reports/"  # reports are served below; they run scripts, but in a ro
 NONCE = "camturn.nonce"  # key in the scope of a request
 MOST_UPLOAD_BYTES = 17 << 20
 _UPLOAD = re.compile(r"/_nicegui/client/([0-9a-f-]{36})/upload/\d+")
+_LENGTH = re.compile(r"[0-9]{1,9}")
 _SOCKET = "/_nicegui_ws/"
 _NONCE_BYTES = 16
 _REPORT_POLICY = (
@@ -141,7 +142,7 @@ class Doorway:
             if upload is None or origin is None or not self._may_upload(upload[1]):
                 return 403, "files are taken from open pages with the token only"
             length = headers.get("content-length", "")
-            is_fair = length.isascii() and length.isdigit() and int(length) <= MOST_UPLOAD_BYTES
+            is_fair = _LENGTH.fullmatch(length) and int(length) <= MOST_UPLOAD_BYTES
             return None if is_fair else (413, f"at most {MOST_UPLOAD_BYTES} bytes")
         if scope["method"] not in ("GET", "HEAD"):
             return 405, "this method does not exist here"

@@ -10,7 +10,6 @@ import uvicorn
 from fastapi import FastAPI
 from nicegui import Client, app, ui
 
-from camtools.base.errors import CamtoolsError
 from camtools.panel.connections import MOST_HEADER_BYTES, BoundedProtocol
 from camtools.panel.context import AppContext
 from camtools.panel.doorway import Doorway
@@ -20,37 +19,7 @@ from camtools.panel.pages import design, operate, runs
 from camtools.panel.socket_events import MOST_MESSAGE_BYTES, guard_socket
 
 MOST_PAGES = 48
-_BACKLOG = 64
 _RECONNECT_S = 3.0
-
-
-def open_socket(address: str, port: int) -> socket.socket:
-    """Return a socket that is bound to an address and port; port 0: a free one.
-
-    Raises
-    ------
-    CamtoolsError
-        The address is none of this computer, or the port is in use.
-    """
-    family = socket.AF_INET6 if ":" in address else socket.AF_INET
-    sock = socket.socket(family, socket.SOCK_STREAM)
-    sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-    try:
-        sock.bind((address, port))
-        sock.listen(_BACKLOG)
-    except OSError as error:
-        sock.close()
-        problem = f"{address} port {port}: {error.strerror}"
-        raise CamtoolsError([f"{problem}; give another --port or --listen"]) from error
-    return sock
-
-
-def hosts_of(sock: socket.socket) -> list[str]:
-    """Return what a browser may call this server: name and port, that to be told first."""
-    address, port = sock.getsockname()[:2]
-    named = f"[{address}]" if ":" in address else address
-    is_loopback = address in ("127.0.0.1", "::1")
-    return [f"{named}:{port}", *([f"localhost:{port}"] if is_loopback else [])]
 
 
 def application(context: AppContext, hosts: Collection[str]) -> Doorway:

@@ -1,0 +1,184 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Token, presses of a jog button and the log, by themselves."""
+
+from __future__ import annotations
+
+import json
+import threading
+from pathlib import Path
+
+import pytest
+
+from camtools.base.errors import CamtoolsError
+from camtools.panel.command_log import CommandLog
+from camtools.panel.commander import Commander
+from camtools.panel.order import Outcome
+from camtools.panel.press import LATE_S, SILENT_S, Presses
+from camtools.panel.token import MOST_TRIES, TRIES_S, TokenGuard, new_token
+from camtools.panel.visitor import Visitor
+
+DONE = Outcome(True, "done")
+
+
+class Clock:
+    """A clock that a test turns."""
+
+    def __init__(self) -> None:
+        self.now_s = 1000.0
+
+    def __call__(self) -> float:
+        """Return the time [s]."""
+        return self.now_s
+
+
+def test_tries_of_the_token_are_limited_by_address() -> None:
+    """The right one is not heard either, until the oldest wrong one is a minute old."""
+    clock = Clock()
+    guard = TokenGuard("right-right-right", clock)
+    visitor, other = Visitor("v1", "10.0.0.1"), Visitor("v2", "10.0.0.2")
+    for text in ("", "right", None, 7, ["right-right-right"], "x" * 10_000, "\ud800", "Right"):
+        assert guard.shown(visitor, text) == "the token is wrong"
+    for _ in range(MOST_TRIES - 8):
+        guard.shown(visitor, "wrong")
+    assert "too many" in guard.shown(visitor, "right-right-right")
+    assert not visitor.has_token
+    assert guard.shown(other, "right-right-right") == "" and other.has_token
+    clock.now_s += TRIES_S
+    assert guard.shown(visitor, "right-right-right") == "" and visitor.has_token
+
+
+def test_tokens_are_not_to_be_guessed() -> None:
+    """192 bits each."""
+    assert len({new_token() for _ in range(1000)}) == 1000
+    assert min(len(new_token()) for _ in range(100)) == 32
+
+
+def test_a_press_lives_by_its_heartbeats() -> None:
+    """Silence ends it for good, whatever comes then."""
+    clock = Clock()
+    presses, visitor = Presses(clock), Visitor("v1", "a", True)
+    press = presses.begin(visitor, 1)
+    for _ in range(20):
+        clock.now_s += SILENT_S - 0.01
+        assert presses.hold(visitor, 1) and press.is_alive()
+    clock.now_s += SILENT_S + 0.001
+    assert not press.is_alive()
+    for number in (1, 1, 1, 0, 2):
+        assert not presses.hold(visitor, number)
+    assert not press.is_alive()
+
+
+def test_a_heap_of_heartbeats_that_were_kept_back_moves_nothing() -> None:
+    """They all tell when they were sent: the connection stood still for two seconds."""
+    clock = Clock()
+    presses, visitor = Presses(clock), Visitor("v1", "a", True)
+    presses.synchronise(visitor, 0.0)
+    begun_s = clock.now_s
+    press = presses.begin(visitor, 1, 10.0)
+    clock.now_s += 2.0
+    assert not press.is_alive()
+    for i in range(1, 20):
+        assert not presses.hold(visitor, 1, 1e2 * i)
+    with pytest.raises(CamtoolsError, match="under way for too long"):
+        presses.begin(visitor, 2, 500.0)
+    clock.now_s = begun_s + 3.0
+    assert presses.begin(visitor, 3, 3000.0).is_alive()
+
+
+def test_late_heartbeats_do_not_keep_a_press_alive() -> None:
+    """Each comes 100 ms behind the other, but all of them half a second late."""
+    clock = Clock()
+    presses, visitor = Presses(clock), Visitor("v1", "a", True)
+    start_s = clock.now_s
+    presses.synchronise(visitor, 0.0)
+    press = presses.begin(visitor, 1, 0.0)
+    for i in range(1, 6):
+        clock.now_s = start_s + 0.1 * i
+        assert presses.hold(visitor, 1, 1e3 * (0.1 * i - LATE_S - 0.05)) is False
+    assert not press.is_alive()
+
+
+def test_a_browser_whose_clock_goes_slowly_is_heard_all_day() -> None:
+    """By 1e-4 slower than ours, for ten hours."""
+    clock = Clock()
+    presses, visitor = Presses(clock), Visitor("v1", "a", True)
+    start_s = clock.now_s
+    for number in range(600):
+        clock.now_s += 60.0
+        sent_ms = 1e3 * (clock.now_s - start_s) * (1 - 1e-4)
+        assert presses.begin(visitor, number, sent_ms).is_alive()
+        presses.end(visitor, number)
+
+
+def test_numbers_of_presses_rise() -> None:
+    """What is duplicated on the way begins nothing; another's press is not held or ended."""
+    presses, one, other = Presses(Clock()), Visitor("v1", "a", True), Visitor("v2", "a", True)
+    press = presses.begin(one, 5)
+    with pytest.raises(CamtoolsError, match="another button is held"):
+        presses.begin(other, 1)
+    presses.end(other, 5)
+    assert press.is_alive() and not presses.hold(other, 5)
+    presses.end(one, 5)
+    for number in (5, 4, -1):
+        with pytest.raises(CamtoolsError, match="is over"):
+            presses.begin(one, number)
+    assert not press.is_alive() and press.ending == "let go"
+
+
+def test_of_many_who_take_the_command_at_once_one_has_it() -> None:
+    """Each from a thread of its own."""
+    commander = Commander(CommandLog(None))
+    visitors = [Visitor(f"v{i}", "a", True) for i in range(32)]
+    results: list[bool] = []
+    threads = [
+        threading.Thread(target=lambda v=v: results.append(commander.take(v).is_done))
+        for v in visitors
+    ]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert sum(results) == 1
+    guest = Visitor("g", "a")
+    assert not commander.take(guest).is_done and not commander.take_over(guest).is_done
+    assert not commander.release(guest).is_done and commander.holder in visitors
+
+
+def test_the_log_is_its_owners_alone_and_bounded(tmp_path: Path) -> None:
+    """JSON lines; a second panel is refused; a full file gets another name."""
+    path = tmp_path / "deep" / "commands.jsonl"
+    log, visitor = CommandLog(path, 4000), Visitor("v1", "127.0.0.1", True)
+    assert path.stat().st_mode & 0o777 == 0o600
+    with pytest.raises(CamtoolsError, match="another panel writes it; give another --log"):
+        CommandLog(path)
+    for i in range(100):
+        log.add(visitor, "feed", {"percent": i, "name": "a\nb\u2028<c>"}, DONE)
+    log.close()
+    files = sorted(path.parent.iterdir())
+    assert [one.name for one in files] == [f"commands.jsonl{end}" for end in ("", ".1", ".2")]
+    for one in files:
+        assert one.stat().st_size <= 4000 and one.stat().st_mode & 0o777 == 0o600
+    rows = [json.loads(line) for line in path.read_text("ascii").splitlines()]
+    assert rows[-1]["arguments"] == {"percent": 99, "name": "a\nb\u2028<c>"}
+    assert set(rows[-1]) == {
+        *("time", "visitor", "address", "order", "arguments", "is_done", "outcome"),
+    }
+    CommandLog(path).close()
+
+
+def test_who_may_do_nothing_cannot_fill_the_log(tmp_path: Path) -> None:
+    """A line a second of one address, which tells how many were left out."""
+    path = tmp_path / "a.jsonl"
+    log = CommandLog(path)
+    for i in range(1000):
+        log.add_refused(Visitor(f"v{i}", "10.0.0.1"), "stop", Outcome(False, "no"))
+    assert len(path.read_text("ascii").splitlines()) < 20
+    log.close()
+
+
+@pytest.mark.parametrize("make", ["folder", "unwritable"])
+def test_a_log_that_cannot_be_written_is_one_line(tmp_path: Path, make: str) -> None:
+    """Before the panel begins."""
+    path = tmp_path if make == "folder" else Path("/proc/nosuch/a.jsonl")
+    with pytest.raises(CamtoolsError, match="give another --log"):
+        CommandLog(path)
