@@ -16,7 +16,7 @@ from websockets.exceptions import ConnectionClosed, InvalidHandshake
 from websockets.sync.client import ClientConnection, connect
 
 _ELEMENTS = re.compile(r"parseElements\(String\.raw`(.*?)`\)", re.DOTALL)
-_CLIENT = re.compile(r'"client_id": ?"([0-9a-f-]{36})"')
+_CLIENT = re.compile(r"'client_id': '([0-9a-f-]{36})'")
 _ESCAPES = {"&#36;": "$", "&#96;": "`", "&gt;": ">", "&lt;": "<", "&amp;": "&"}
 PATIENCE_S = 20.0
 

@@ -5,9 +5,11 @@ from __future__ import annotations
 
 import socket
 from collections.abc import Collection
+from http import HTTPStatus
 
 import uvicorn
-from fastapi import FastAPI
+from fastapi import FastAPI, Request
+from fastapi.responses import PlainTextResponse
 from nicegui import Client, app, ui
 
 from camtools.panel.connections import MOST_HEADER_BYTES, BoundedProtocol
@@ -20,6 +22,11 @@ from camtools.panel.socket_events import MOST_MESSAGE_BYTES, guard_socket
 
 MOST_PAGES = 48
 _RECONNECT_S = 3.0
+
+
+async def _not_found(_request: Request, _error: Exception) -> PlainTextResponse:
+    """Answer in a line; NiceGUI would make a page of it, which stays in memory for a minute."""
+    return PlainTextResponse("there is no such page; / is the operator's\n", HTTPStatus.NOT_FOUND)
 
 
 def application(context: AppContext, hosts: Collection[str]) -> Doorway:
@@ -38,6 +45,7 @@ def application(context: AppContext, hosts: Collection[str]) -> Doorway:
         gzip_middleware_factory=None,
         show_welcome_message=False,
     )
+    app.add_exception_handler(HTTPStatus.NOT_FOUND, _not_found)
     use_nonces()
     guard_socket([f"http://{host}" for host in hosts])
     return Doorway(outer, hosts, may_upload, lambda: len(Client.instances) >= MOST_PAGES)

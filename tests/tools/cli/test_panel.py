@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: Apache-2.0
+"""tools/panel as a program: what is wrong is one line, and its end leaves nothing behind."""
+
+from __future__ import annotations
+
+import os
+import signal
+import socket
+from collections.abc import Iterator
+from contextlib import ExitStack
+from pathlib import Path
+
+import pytest
+
+from background import background, python
+from camtools.cli.panel import main
+from camtools.link.live import announced
+from raw_page import RawPage, get
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """Give each test a runtime folder of its own, and no bus."""
+    runtime = tmp_path / "run"
+    runtime.mkdir()
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(runtime))
+    for name in [name for name in os.environ if name.startswith("CAN_")]:
+        monkeypatch.delenv(name)
+    yield tmp_path
+    assert not list(runtime.glob("camturn/*"))
+
+
+def complaint(capsys: pytest.CaptureFixture[str], folder: Path, *words: str | Path) -> str:
+    """Run what must end with status 2 and one line, which is returned."""
+    log = folder / "a.jsonl"
+    try:
+        status = main(["--port", "0", "--log", str(log), *map(str, words)])
+    except SystemExit as end:
+        status = int(end.code or 0)
+    (line,) = capsys.readouterr().err.splitlines()
+    assert status == 2 and line.startswith("panel: "), line
+    return line.removeprefix("panel: ")
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--listen", "nosuch"], "nosuch: give an IP address of this computer"),
+        (["--listen", "0.0.0.0"], "0.0.0.0: give the one address by which browsers"),
+        (["--listen", "192.0.2.1"], "192.0.2.1 port 0: Cannot assign requested address; give "),
+        (["--port", "70000"], "70000: give 0 .. 65535"),
+        (["-i", "slcn"], "interface slcn: python-can has no such; did you mean slcan?"),
+        (["-i", "socketcand"], "socketcand: needs channel, host, port"),
+        (["--live", "a", "-i", "virtual"], "--live a: has its own bus; leave out interface"),
+        (["--log", "/proc/nosuch/a"], "/proc/nosuch/a: No such file or directory; give another"),
+        (["--token-file", "/nosuch"], "--token-file /nosuch: No such file or directory"),
+        (["--token-file", "/"], "--token-file /: Is a directory"),
+    ],
+)
+def test_what_is_wrong_is_one_line(
+    folder: Path, words: list[str], said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """It names the option and the remedy; nothing was started."""
+    assert said in complaint(capsys, folder, *words)
+
+
+@pytest.mark.parametrize(
+    ("mode", "text", "said"),
+    [
+        (0o644, "a" * 20, "others may read it; chmod 600"),
+        (0o600, "short", "give one line of 16 .. 200 characters without a space"),
+        (0o600, "two words, both too long", "without a space"),
+        (0o600, "\u00e4" * 20, "not ASCII"),
+    ],
+)
+def test_a_token_file_that_protects_nothing_is_refused(
+    folder: Path, mode: int, text: str, said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The token itself is not printed."""
+    path = folder / "token"
+    path.write_text(text, "utf-8")
+    path.chmod(mode)
+    line = complaint(capsys, folder, "--token-file", path)
+    assert said in line and text not in line
+
+
+def test_a_port_in_use_is_told(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """With the remedy."""
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        line = complaint(capsys, folder, "--port", str(port))
+    assert line == f"127.0.0.1 port {port}: Address already in use; give another --port or --listen"
+
+
+def test_of_two_live_lathes_one_must_be_named(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """As for camctl."""
+    runtime = folder / "run" / "camturn"
+    runtime.mkdir(mode=0o700)
+    facts = {"bus": {"interface": "virtual", "channel": "x"}, "node": 64}
+    with ExitStack() as stack:
+        for name in ("one", "two"):
+            stack.enter_context(announced(runtime, name, facts))
+        assert "2 live lathes: one, two; give --live NAME" in complaint(capsys, folder)
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_its_end_leaves_nothing_behind(folder: Path, number: int) -> None:
+    """Without a controller it serves, says what to start, and ends at once with a page open."""
+    token = folder / "token"
+    token.write_text("sixteen-letters-or-more\n", "ascii")
+    token.chmod(0o600)
+    log = folder / "log" / "a.jsonl"
+    words = python("camtools.cli.panel", "--port", "0", "--log", log, "--token-file", token)
+    with background(*words, XDG_RUNTIME_DIR=str(folder / "run")) as panel:
+        line = panel.wait_for("#token=sixteen-letters-or-more")
+        origin = line.split()[1].split("/#")[0]
+        page = RawPage(origin)
+        with page.connected() as own:
+            own.hear_until("start tools/live")
+            assert panel.end(number) == 0, panel.text()
+        assert "Traceback" not in panel.text()
+    assert [path.name for path in log.parent.iterdir()] == ["a.jsonl"]
+    with pytest.raises(OSError, match="refused"):
+        get(origin, "/")
