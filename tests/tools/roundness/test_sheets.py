@@ -8,8 +8,10 @@ from typing import Any, cast
 
 import numpy as np
 import pytest
+from pydantic import ValidationError
 
 from camtools.base.quantities import Floats
+from camtools.part.tolerances import FormTolerances, Tolerances
 from camtools.plots.style import drawing
 from camtools.report.sheet import NO_TOLERANCE, Feature, Sheets, Subject, make_sheets
 from camtools.report.sheet_json import sheets_json
@@ -26,6 +28,7 @@ from camtools.sim.results import (
     GaugedSections,
     GaugedSurface,
 )
+from camtools.skirt.part import SkirtPart
 from report_cases import made_up_summary
 
 A_MM, G_MM, PHASE_DEG = 46.0, 0.2, 12.0  # long half axis, ovality, direction of the long axis
@@ -171,6 +174,48 @@ def test_form_is_judged_unfiltered_and_nothing_else_without_a_tolerance(sheets: 
         assert (one.verdict == NO_TOLERANCE) == (one.tolerance is None), one.name
     judged = {one.name for one in features if one.tolerance is not None}
     assert judged == {name, "profile: largest deviation"}
+
+
+STATED = {
+    "diameter_um": ("long axis", 1),
+    "ovality_um": ("ovality: long less short axis", 1),
+    "phase_deg": ("phase of the long axis", 1),
+    "roundness_um": ("roundness of the deviation RONt, MZ", 0),
+    "straightness_um": ("straightness of the deviation STRt, MZ", 0),
+    "taper_um": ("taper 0°/180° over 60 mm, off the drawing", 0),
+}
+
+
+@pytest.mark.parametrize("key", STATED)
+def test_stated_tolerance_decides_at_its_value(sheets: Sheets, key: str) -> None:
+    """A tolerance just above what was cut is good, one just below is not; no other is judged."""
+    name, has_nominal = STATED[key]
+
+    def features(found: Sheets) -> dict[str, Feature]:
+        lines = [one for each in found.lines for one in each.features]
+        return by_name([*found.sections[0].features, *lines, *found.tapers])
+
+    plain = features(sheets)
+    one = plain[name]
+    off = one.deviation if has_nominal else one.actual
+    assert off is not None
+    size = abs(off) * (1e3 if one.unit == "mm" else 1)
+    for share, verdict in ((1.001, "good"), (0.999, "out of tolerance")):
+        stated = Tolerances.model_validate({key: share * size})
+        found = make_sheets(cut_of(GAUGED), OVAL._replace(tolerances=stated))
+        assert found is not None
+        judged = features(found)
+        assert judged[name].verdict == verdict
+        changed = {each for each in judged if judged[each].verdict != plain[each].verdict}
+        assert changed <= {name, "short axis", "taper 90°/270° over 60 mm, off the drawing"}
+
+
+def test_tolerances_of_a_part_file(perkins: SkirtPart) -> None:
+    """[tolerances] is taken as it is written; of polygons axes have none."""
+    part = perkins.model_dump(exclude_none=True) | {"tolerances": {"ovality_um": 2.0}}
+    assert SkirtPart.model_validate(part).tolerances == Tolerances(ovality_um=2.0)
+    with pytest.raises(ValidationError, match="ovality_um"):
+        FormTolerances.model_validate({"ovality_um": 2.0})
 
 
 def test_straightness_and_taper_are_the_known_ones(sheets: Sheets) -> None:

@@ -19,6 +19,7 @@ from pydantic import (
 from camtools.part.common import MachineLimits, PartInfo
 from camtools.part.model import LIST_OR_ONE, HeightMm, TomlTable, no_truth, rising, wrong
 from camtools.part.passes import Pass, Passes, check_passes
+from camtools.part.tolerances import FormTolerances
 from camtools.part.tool import Tool
 from camtools.polygon.sizes import P3G, P4C
 
@@ -178,6 +179,7 @@ class PolygonPart(TomlTable):
     process: PolygonProcess
     machine: PolygonMachine = Field(default_factory=PolygonMachine)
     tool: Tool = Field(default_factory=Tool)
+    tolerances: FormTolerances = Field(default_factory=FormTolerances)
 
     @property
     def heights_mm(self) -> tuple[float, float]:

@@ -12,6 +12,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from camtools.part.tolerances import Tolerances
 from camtools.plots.style import (
     RED,
     drawing,
@@ -170,11 +171,9 @@ def _drawers(outcome: PolygonCut) -> dict[str, Callable[[], Figure]]:
     return drawers
 
 
-SUBJECT = Subject(
-    is_oval=False,
-    has_radius=True,
-    left_out="long and short axis, ovality, phase and the roundness of the section as it is: a "
-    "polygon is no oval, so each section is told by its deviation from the drawing",
+_LEFT_OUT = (
+    "long and short axis, ovality, phase and the roundness of the section as it is: a polygon is "
+    "no oval, so each section is told by its deviation from the drawing"
 )
 
 
@@ -183,7 +182,8 @@ def make_polygon_report(outcome: PolygonCut) -> dict[str, bytes]:
     with drawing():
         pictures = [Picture(key, *_TEXTS[key], draw) for key, draw in _drawers(outcome).items()]
         shown = [(picture, png_of(picture.draw())) for picture in pictures]
-        sheets = sheet_pages(outcome, SUBJECT)
+        stated = Tolerances(**outcome.generated.part.tolerances.model_dump())
+        sheets = sheet_pages(outcome, Subject(False, True, _LEFT_OUT, tolerances=stated))
     page = Page(
         outcome.generated.part.part.source,
         polygon_rows(outcome),

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from camtools.base.quantities import Floats
+from camtools.part.tolerances import Tolerances
 from camtools.report.text import ReportRow, origin_rows
 from camtools.roundness.lines import Straightness, straightness
 from camtools.roundness.section import SectionFigures, section_of
@@ -21,6 +22,9 @@ from camtools.sim.results import PLACES, AnyCut, GaugedLine
 GOOD, OUT, NO_TOLERANCE = "good", "out of tolerance", "no tolerance given"
 _UM_PER_MM = 1000.0
 _LEAST_POINTS = 3  # of a line
+_OVALITY = "ovality: long less short axis"
+_ROUNDNESS_MZ = "roundness of the deviation RONt, MZ"
+_STRAIGHTNESS_MZ = "straightness of the deviation STRt, MZ"
 _OVAL_UM = 1.0  # ovality below which a long axis has no direction
 
 
@@ -31,6 +35,7 @@ class Subject(NamedTuple):
     has_radius: bool  # the deviation is along the radius, else along the normal of the profile
     left_out: str = ""  # what does not apply and why
     names: tuple[str, ...] = ()  # of the sections by number, else they are named by height
+    tolerances: Tolerances = Tolerances()  # that the drawing states beside the form error
 
 
 class Feature(NamedTuple):
@@ -42,8 +47,9 @@ class Feature(NamedTuple):
     nominal: float | None
     actual: float
     deviation: float | None
-    tolerance: float | None  # the largest size of the deviation that is good
+    tolerance: float | None  # the largest size of the deviation that is good; of mm in um
     verdict: str
+    is_width: bool = False  # of a zone: never below 0
 
 
 class SectionSheet(NamedTuple):
@@ -100,38 +106,41 @@ def feature(
     ----------
     kind : tuple of str
         Quantity (diameter, radius, angle) and unit.
+    tolerance : float or None
+        In um where the unit is a length, else in the unit.
     """
     deviation = None if nominal is None else actual - nominal
     judged = actual if deviation is None else deviation
-    return Feature(
-        name, *kind, nominal, actual, deviation, tolerance, verdict_of(judged, tolerance)
-    )
+    verdict = verdict_of(judged * (_UM_PER_MM if kind[1] == "mm" else 1), tolerance)
+    return Feature(name, *kind, nominal, actual, deviation, tolerance, verdict)
 
 
-def _axes_features(section: SectionFigures) -> list[Feature]:
+def _axes_features(section: SectionFigures, stated: Tolerances) -> list[Feature]:
     """Return size, ovality and phase of an oval."""
     drawn, cut = section.drawn_axes, section.cut_axes
     size = ("diameter", "mm")
     found = [
-        feature("long axis", size, cut.long_mm, drawn.long_mm),
-        feature("short axis", size, cut.short_mm, drawn.short_mm),
+        feature("long axis", size, cut.long_mm, drawn.long_mm, stated.diameter_um),
+        feature("short axis", size, cut.short_mm, drawn.short_mm, stated.diameter_um),
         feature("mean of all diameters", size, cut.mean_mm, drawn.mean_mm),
     ]
     if drawn.ovality_mm * _UM_PER_MM < _OVAL_UM:
         return found
     turned_deg = (cut.phase_deg - drawn.phase_deg + 90) % 180 - 90
-    phase = feature("phase of the long axis", ("angle", "°"), cut.phase_deg, drawn.phase_deg)
+    nearest_deg = drawn.phase_deg + turned_deg
+    degrees, most_deg = ("angle", "°"), stated.phase_deg
     return [
         *found,
-        feature("ovality: long less short axis", size, cut.ovality_mm, drawn.ovality_mm),
-        phase._replace(deviation=turned_deg),
+        feature(_OVALITY, size, cut.ovality_mm, drawn.ovality_mm, stated.ovality_um),
+        feature("phase of the long axis", degrees, nearest_deg, drawn.phase_deg, most_deg),
     ]
 
 
 def _form_features(section: SectionFigures, subject: Subject, tolerance_um: float) -> list[Feature]:
     """Return the form of a section: its deviation from the drawing."""
     um = ("radius" if subject.has_radius else "along the normal", "µm")
-    off, zone = section.off, section.off_zone
+    off, zone_um = section.off, section.off_zone.width_mm * _UM_PER_MM
+    roundness_um = subject.tolerances.roundness_um
     largest_um = section.largest_mm * _UM_PER_MM
     return [
         feature("form: largest deviation, unfiltered", um, largest_um, None, tolerance_um),
@@ -139,7 +148,7 @@ def _form_features(section: SectionFigures, subject: Subject, tolerance_um: floa
         feature("RONp, LS", um, off.peak_mm * _UM_PER_MM),
         feature("RONv, LS", um, off.valley_mm * _UM_PER_MM),
         feature("RONq, LS", um, off.q_mm * _UM_PER_MM),
-        feature("roundness of the deviation RONt, MZ", um, zone.width_mm * _UM_PER_MM),
+        feature(_ROUNDNESS_MZ, um, zone_um, None, roundness_um)._replace(is_width=True),
     ]
 
 
@@ -157,14 +166,15 @@ def _whole_features(section: SectionFigures) -> list[Feature]:
     ]
 
 
-def _line_sheet(line: GaugedLine, tolerance_um: float) -> LineSheet:
+def _line_sheet(line: GaugedLine, tolerance_um: float, stated: Tolerances) -> LineSheet:
     off, whole = (straightness(line.z_mm, one) for one in (line.deviation_mm, line.radius_mm))
-    um = ("radius", "µm")
+    um, zone_um = ("radius", "µm"), off.zone_mm * _UM_PER_MM
+    straight_um = stated.straightness_um
     worst_um = float(line.deviation_mm[np.abs(line.deviation_mm).argmax()]) * _UM_PER_MM
     features = [
         feature("profile: largest deviation", um, worst_um, None, tolerance_um),
         feature("straightness of the deviation STRt, LS", um, off.total_mm * _UM_PER_MM),
-        feature("straightness of the deviation STRt, MZ", um, off.zone_mm * _UM_PER_MM),
+        feature(_STRAIGHTNESS_MZ, um, zone_um, None, straight_um)._replace(is_width=True),
         feature("STRq, LS", um, off.q_mm * _UM_PER_MM),
         feature("straightness as it is STRt, LS", um, whole.total_mm * _UM_PER_MM),
     ]
@@ -173,18 +183,22 @@ def _line_sheet(line: GaugedLine, tolerance_um: float) -> LineSheet:
     )
 
 
-def _taper(one: LineSheet, other: LineSheet) -> Feature:
+def _taper(one: LineSheet, other: LineSheet, tolerance_um: float | None) -> Feature:
     """Return how the diameter through two lines grows off the drawing, MATHS.md (206)."""
     span_mm = min(float(np.ptp(line.z_mm)) for line in (one, other))
     grown_um = (one.off.slope + other.off.slope) * span_mm * _UM_PER_MM
     name = f"taper {one.angle_deg:g}°/{other.angle_deg:g}° over {span_mm:.4g} mm, off the drawing"
-    return feature(name, ("diameter", "µm"), grown_um)
+    return feature(name, ("diameter", "µm"), grown_um, None, tolerance_um)
 
 
-def _tapers(lines: list[LineSheet]) -> list[Feature]:
+def _tapers(lines: list[LineSheet], tolerance_um: float | None) -> list[Feature]:
     by_angle = {line.angle_deg: line for line in lines}
-    pairs = [(by_angle.get(deg), by_angle.get(deg + 180.0)) for deg in (0.0, 90.0)]
-    return [_taper(one, other) for one, other in pairs if one is not None and other is not None]
+    pairs = [
+        (by_angle[deg], by_angle[deg + 180.0])
+        for deg in (0.0, 90.0)
+        if deg in by_angle and deg + 180.0 in by_angle
+    ]
+    return [_taper(*pair, tolerance_um) for pair in pairs]
 
 
 def _head(outcome: AnyCut, upr: int) -> list[ReportRow]:
@@ -218,7 +232,7 @@ def _head(outcome: AnyCut, upr: int) -> list[ReportRow]:
 
 def make_sheets(outcome: AnyCut, subject: Subject) -> Sheets | None:
     """Return the sheets of a cut; nothing when no section was gauged."""
-    gauged, upr = outcome.sections, outcome.cutoff_upr
+    gauged, upr, stated = outcome.sections, outcome.cutoff_upr, subject.tolerances
     if not gauged.sections and not gauged.lines:
         return None
     tolerance_um = float(outcome.summary["form_error_um"]["tolerance"])
@@ -232,13 +246,17 @@ def make_sheets(outcome: AnyCut, subject: Subject) -> Sheets | None:
         section = section_of(one.radius_mm - one.deviation_mm, one.deviation_mm, upr)
         features = _form_features(section, subject, tolerance_um)
         if subject.is_oval:
-            features = [*_axes_features(section), *features, *_whole_features(section)]
+            features = [*_axes_features(section, stated), *features, *_whole_features(section)]
         sections.append(SectionSheet(name, one.z_mm, one.turn, section, features))
     lines = [
-        _line_sheet(one, tolerance_um) for one in gauged.lines if one.z_mm.size >= _LEAST_POINTS
+        _line_sheet(one, tolerance_um, stated)
+        for one in gauged.lines
+        if one.z_mm.size >= _LEAST_POINTS
     ]
     head = _head(outcome, upr)
-    return Sheets(head, subject, upr, sections, lines, _tapers(lines), missing)
+    return Sheets(
+        head, subject, upr, sections, lines, _tapers(lines, subject.tolerances.taper_um), missing
+    )
 
 
 def shown_number(value: float | None, unit: str) -> str:

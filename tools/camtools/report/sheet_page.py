@@ -66,7 +66,10 @@ def _row(one: Feature) -> Row:
         deviation = _in_um(one.deviation)
     elif deviation:
         deviation += f"{unit}" if unit else "°"
-    tolerance = "" if one.tolerance is None else f"±{one.tolerance:g} {one.unit}"
+    tolerance = ""
+    if one.tolerance is not None:
+        sign = "" if one.is_width else "±"
+        tolerance = f"{sign}{one.tolerance:g}{'°' if one.unit == '°' else ' µm'}"
     return (
         one.name,
         f"{one.quantity}, {one.unit}",

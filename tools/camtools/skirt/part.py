@@ -20,6 +20,7 @@ from pydantic import (
 from camtools.part.common import MachineLimits, PartInfo
 from camtools.part.model import TomlTable, no_truth, wrong
 from camtools.part.passes import FeedLaw, Pass, Passes, check_passes
+from camtools.part.tolerances import Tolerances
 from camtools.part.tool import Tool
 from camtools.skirt.part_profile import Ovality, Profile
 from camtools.skirt.part_section import GIVEN_BY_POINTS, SectionShape
@@ -192,6 +193,7 @@ class SkirtPart(TomlTable):
     machine: SkirtMachine = Field(default_factory=SkirtMachine)
     tool: Tool = Field(default_factory=Tool)
     magnify: Magnify | None = None
+    tolerances: Tolerances = Field(default_factory=Tolerances)
 
     @model_validator(mode="after")
     def _take_mean_feed(self) -> Self:

@@ -152,9 +152,6 @@ def _drawers(outcome: SkirtOutcome) -> dict[str, Callable[[], Figure]]:
     return drawers
 
 
-SUBJECT = Subject(is_oval=True, has_radius=True)
-
-
 def pictures_of(outcome: SkirtOutcome) -> list[Picture]:
     """Return the pictures of a cut, not drawn yet."""
     return [Picture(key, *_TEXTS[key], draw) for key, draw in _drawers(outcome).items()]
@@ -185,6 +182,7 @@ def render(outcome: SkirtOutcome, pngs: dict[str, bytes], sheets: SheetPages | N
 
 def make_report(outcome: SkirtOutcome) -> dict[str, bytes]:
     """Return the page, its pictures and an overview picture, by file name."""
+    stated = outcome.generated.part.tolerances
     with drawing():
         pngs = {picture.key: png_of(picture.draw()) for picture in pictures_of(outcome)}
         files = {f"cut_{key}.png": png for key, png in pngs.items()}
@@ -195,6 +193,6 @@ def make_report(outcome: SkirtOutcome) -> dict[str, bytes]:
                 outcome.surface, geometry, cut["feed_mm"], title
             )
             files["cut_overview.png"] = png_of(overview)
-        sheets = sheet_pages(outcome, SUBJECT)
+        sheets = sheet_pages(outcome, Subject(True, True, tolerances=stated))
     files |= sheets.files if sheets is not None else {}
     return files | {"report.html": render(outcome, pngs, sheets).encode("utf-8")}
