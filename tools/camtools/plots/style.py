@@ -72,8 +72,8 @@ def png_of(figure: Figure) -> bytes:
     """Return a figure as PNG; the same figure gives the same bytes."""
     plain_numbers(figure)
     stream = BytesIO()
-    FigureCanvasAgg(figure)
-    figure.savefig(stream, format="png", metadata={"Software": None})
+    # Figure.savefig would arrange the figure twice, with the same result.
+    FigureCanvasAgg(figure).print_png(stream, metadata={"Software": None})
     return stream.getvalue()
 
 
