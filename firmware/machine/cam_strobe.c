@@ -21,7 +21,7 @@ void cam_strobe_ask(cam_strobe_t *s, uint32_t every, uint32_t tick)
     s->renewed_tick = tick;
 }
 
-static void keep(cam_strobe_t *s, const cam_tick_record_t *r)
+static void enqueue(cam_strobe_t *s, const cam_tick_record_t *r)
 {
     if (s->n_in - s->n_out == (uint32_t)cam_strobe_capacity) {
         s->n_lost++;
@@ -38,7 +38,7 @@ static void keep(cam_strobe_t *s, const cam_tick_record_t *r)
 }
 
 /// Pass over samples.
-static void go_on(cam_strobe_t *s, uint32_t n)
+static void pass_over(cam_strobe_t *s, uint32_t n)
 {
     s->number += n;
     s->next_tick += n * s->every;
@@ -52,10 +52,10 @@ void cam_strobe_take(cam_strobe_t *s, const cam_tick_record_t *r)
     }
     const uint32_t n_missed = behind / s->every + (behind % s->every != 0u ? 1u : 0u);
     s->n_lost += n_missed; // their records were lost
-    go_on(s, n_missed);
+    pass_over(s, n_missed);
     if (r->tick == s->next_tick) {
-        keep(s, r);
-        go_on(s, 1);
+        enqueue(s, r);
+        pass_over(s, 1);
     }
 }
 

@@ -54,7 +54,7 @@ WATCH = """(name) => {
   };
   chart.on("rendered", () => { window.drawn.push([now(), newest]); newest = null; });
 }"""
-TAKE = "() => [window.told.splice(0), window.drawn.splice(0)]"
+TAKE = "() => window.told ? [window.told.splice(0), window.drawn.splice(0)] : null"
 
 Update = tuple[float, list[float] | None]
 
@@ -181,13 +181,33 @@ def resident_mb(pids: Sequence[int]) -> float:
 # What is measured
 
 
+def watch(window: Window) -> None:
+    """Begin to note the updates of the chart, in a page that is new."""
+    window.page.wait_for_selector(f"[data-testid={CHART}] canvas")
+    window.page.evaluate(WATCH, CHART)
+
+
+def take(window: Window) -> list[list[Update]]:
+    """Return the updates since the last call, told and drawn; a page that was loaded anew says so.
+
+    A panel or a browser that had no processor for some seconds lets the page be loaded anew.
+    """
+    noted: list[list[Update]] | None = window.page.evaluate(TAKE)
+    if noted is None:
+        why = [line for line in window.console if "reloading" in line]
+        print(f"the page was loaded anew; it said {why[-1:]}", flush=True)
+        watch(window)
+        return [[], []]
+    return noted
+
+
 def rates(window: Window, witness: Witness, seconds: float) -> None:
     """Print how often the chart is updated, and how old its newest sample is."""
-    window.page.evaluate(TAKE)
+    take(window)
     witness.heard_s.clear()
     begin = time.monotonic()
     window.page.wait_for_timeout(seconds * 1e3)
-    told, drawn = window.page.evaluate(TAKE)
+    told, drawn = take(window)
     took_s = time.monotonic() - begin
     for name, updates in (("told to the chart", told), ("drawn", drawn)):
         at_s = [update[0] / 1e3 for update in updates]
@@ -251,16 +271,18 @@ def memory(session: PanelSession, window: Window, witness: Witness, minutes: flo
     cdp.send("Performance.enable")
     panel = [session.panel.process.pid]
     first = last = (resident_mb(panel), js_heap_mb(cdp))
-    print("minute  panel RSS MB  page JS heap MB  browser RSS MB  parts")
+    updates: list[Update] = []
+    print("minute  panel RSS MB  page JS heap MB  browser RSS MB  parts  drawn /s")
     for minute in range(round(minutes) + 1):
         if minute:
             window.page.wait_for_timeout(MINUTE_S * 1e3)
-            window.page.evaluate(TAKE)
+            updates = take(window)[1]
             witness.heard_s.clear()
             last = (resident_mb(panel), js_heap_mb(cdp))
         browser = resident_mb(browser_pids())
         print(
-            f"{minute:6d} {last[0]:13.1f} {last[1]:16.1f} {browser:15.1f} {witness.parts:6d}",
+            f"{minute:6d} {last[0]:13.1f} {last[1]:16.1f} {browser:15.1f} {witness.parts:6d}"
+            f" {len(updates) / MINUTE_S:9.1f}",
             flush=True,
         )
     growth = [now - then for now, then in zip(last, first, strict=True)]
@@ -288,15 +310,14 @@ def main(words: Sequence[str] | None = None) -> int:
         ask_done(session.witness, "home")
         session.wait_for_state("ready")
         window.page.goto(session.url)
-        window.page.wait_for_selector(f"[data-testid={CHART}] canvas")
-        window.page.evaluate(WATCH, CHART)
+        watch(window)
         with witnessed(session.witness) as witness:
             window.page.wait_for_timeout(5e3)
             print(f"Chromium {browser.version}, machine {given.machine}", flush=True)
             rates(window, witness, given.seconds)
             loads(session, given.seconds, window)
             is_good = given.minutes <= 0 or memory(session, window, witness, given.minutes)
-        for problem in window.problems():
+        for problem in window.problems()[:20]:
             print(f"page: {problem}")
     return 0 if is_good else 1
 

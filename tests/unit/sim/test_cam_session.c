@@ -109,7 +109,7 @@ enum {
     hold = 40,
     resume,
     stage = 51,
-    most_command = 58,
+    most_command = 59,
 };
 
 /// @return the command that a good operator gives most often in a state
