@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Sheets as data: sheets.json, which has the numbers of the sheets in full.
 
->>> sorted(_feature(Feature("RONq", "radius", "µm", None, 0.5, None, None, "good")))[:3]
-['actual', 'deviation', 'name']
+>>> sorted(_feature(Feature("RONq", "radius", "µm", None, 0.5, None, None, "good")))[:2]
+['actual', 'deviation']
 """
 
 from __future__ import annotations
