@@ -102,13 +102,13 @@ def section(curves: Options, magnification: float | None) -> Options:
     # Less than 0 on a radius axis is drawn mirrored: what lies beyond the centre is cut off.
     around = [[max(off + radius_um, 0.0), i * step] for i, off in enumerate([*shown, shown[0]])]
     circle = [[radius_um, angle] for angle in range(0, 361, 3)]
-    scale = "true to scale" if factor == 1 else f"deviations {factor:g} times as large"
+    scale = "true to scale" if factor == 1 else f"deviations {factor:g} times"
     polar = {"coordinateSystem": "polar", "silent": True}
     return {
         "animation": False,
         "title": {
             "text": f"section at {curves.get('height_mm', 0.0):.6g} mm",
-            "subtext": f"{scale}, nominal radius {nominal_mm:.7g} mm",
+            "subtext": f"{scale}, radius {nominal_mm:.6g} mm",
             "left": "center",
             "textStyle": {"color": INK, "fontSize": 15},
             "subtextStyle": {"color": INK, "fontSize": 13},

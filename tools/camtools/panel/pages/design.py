@@ -20,6 +20,7 @@ from camtools.panel.design.draft import Draft
 from camtools.panel.design.fields import FormField
 from camtools.panel.design.shelf import EXAMPLE, OWN
 from camtools.panel.frame import framed
+from camtools.panel.operate.file_button import file_button
 from camtools.panel.pages.design_cut import CutView
 from camtools.panel.pages.design_form import FormView
 from camtools.panel.pages.design_preview import PreviewView
@@ -54,6 +55,13 @@ class DesignPage:
         self._changes = asyncio.Lock()
         self._is_showing = False
         self._seat = workshop.engine.seat(self._take)
+        self._body = ui.column().classes("full-width")
+        with self._body:
+            self._fill()
+        self._open(EXAMPLE, _FIRST)
+
+    def _fill(self) -> None:
+        """Make the elements of the page."""
         self._bar()
         with ui.element("div").classes("design-columns"):
             with ui.column().classes("design-left"):
@@ -61,8 +69,7 @@ class DesignPage:
             with ui.column().classes("design-right"):
                 self._preview = PreviewView(self._height_chosen)
         with ui.card().classes("full-width"):
-            self._cut = CutView(workshop, visitor, self._cut_this)
-        self._open(EXAMPLE, _FIRST)
+            self._cut = CutView(self._workshop, self._visitor, self._cut_this)
 
     def close(self) -> None:
         """Give the seat at the engine back."""
@@ -74,27 +81,25 @@ class DesignPage:
             sources = {EXAMPLE: "examples", OWN: "my parts"}
             self._sources = ui.select(
                 sources, value=EXAMPLE, label="from", on_change=self._list_parts
-            ).mark("source")
-            self._parts = ui.select([], label="part", on_change=self._part_chosen).mark("part")
-            self._name = ui.input("save as").mark("save-name")
+            ).props("data-testid=source")
+            self._parts = ui.select([], label="part", on_change=self._part_chosen).props(
+                'data-testid="part"'
+            )
+            self._name = ui.input("save as").props("data-testid=save-name")
             for one in (self._sources, self._parts, self._name):
                 one.props("dense outlined options-dense").classes("bar-field")
-            save = ui.button("Save", icon="save", on_click=self._save).mark("save")
+            save = ui.button("Save", icon="save", on_click=self._save).props("data-testid=save")
             undo = ui.button(icon="undo", on_click=lambda: self._step(self._draft.undo))
             redo = ui.button(icon="redo", on_click=lambda: self._step(self._draft.redo))
-            undo.props('aria-label="undo"').mark("undo")
-            redo.props('aria-label="redo"').mark("redo")
-            ui.button("Download", icon="download", on_click=self._download).props("flat").mark(
-                "download"
-            )
-            upload = ui.upload(
-                label="upload .toml or .csv",
-                auto_upload=True,
-                max_file_size=_MAX_UPLOAD_BYTES,
-                on_upload=self._uploaded,
-            )
-            upload.props('accept=".toml,.csv" flat bordered dense').classes("upload")
-            upload.mark("part-upload").bind_visibility_from(self._visitor, "has_token")
+            undo.props('aria-label="undo" data-testid=undo')
+            redo.props('aria-label="redo" data-testid=redo')
+            download = ui.button("Download", icon="download", on_click=self._download)
+            download.props("flat data-testid=download")
+            with ui.row() as upload:
+                file_button(
+                    "Upload", ".toml,.csv", _MAX_UPLOAD_BYTES, "part-upload", self._upload_later
+                )
+            upload.bind_visibility_from(self._visitor, "has_token")
             for button in (save, undo, redo):
                 button.bind_enabled_from(self._visitor, "has_token")
             self._name.bind_enabled_from(self._visitor, "has_token")
@@ -102,21 +107,24 @@ class DesignPage:
 
     def _editors(self) -> None:
         with ui.tabs().props("dense align=left") as tabs:
-            text = ui.tab("text").mark("tab-text")
-            form = ui.tab("form").mark("tab-form")
+            text = ui.tab("text").props("data-testid=tab-text")
+            form = ui.tab("form").props("data-testid=tab-form")
         with ui.tab_panels(tabs, value=text, animated=False, keep_alive=True).classes("full-width"):
             with ui.tab_panel(text).classes("q-pa-none"):
                 self._editor = (
-                    ui.codemirror(language="TOML", on_change=self._typed)
+                    ui.codemirror(language="TOML", theme="githubLight", on_change=self._typed)
                     .props('aria-label="text of the part file"')
                     .classes("part-editor")
-                    .mark("editor")
+                    .props("data-testid=editor")
                 )
                 self._editor.bind_enabled_from(self._visitor, "has_token")
             with ui.tab_panel(form).classes("q-pa-sm"):
                 self._form = FormView(self._form_changed)
         self._problems = (
-            ui.column().classes("full-width q-gutter-none").props('role="status"').mark("problems")
+            ui.column()
+            .classes("full-width q-gutter-none")
+            .props('role="status"')
+            .props("data-testid=problems")
         )
         note = ui.label("you look: changes, saving and cutting need the token").classes("note")
         note.bind_visibility_from(self._visitor, "has_token", backward=lambda has: not has)
@@ -219,11 +227,8 @@ class DesignPage:
                 if one["line"]:
                     lines.add(int(one["line"]))
         n_lines = self._draft.text.count("\n") + 1
-        marked = [
-            {"kind": "line", "line": line, "class": _BAD_LINE}
-            for line in sorted(lines)
-            if line <= n_lines
-        ]
+        there = [line for line in sorted(lines) if line <= n_lines]
+        marked = [{"kind": "line", "line": line, "class": _BAD_LINE} for line in there]
         # As a call: an update of the element would bring the server's text along, which is older
         # than what is being typed.
         self._editor.run_method("setDecorations", marked)
@@ -264,11 +269,17 @@ class DesignPage:
         name = str(self._name.value or "part")
         ui.download.content(self._draft.text.encode("utf-8"), f"{name}.toml")
 
-    async def _uploaded(self, event: events.UploadEventArguments) -> None:
-        if self._refused("upload"):
-            return
-        shelf, file = self._workshop.shelf, event.file.name
-        data = await event.file.read()
+    def _upload_later(self, data: bytes, file: str) -> None:
+        if not self._refused("upload"):
+            background_tasks.create(self._uploaded(data, file))
+
+    async def _uploaded(self, data: bytes, file: str) -> None:
+        """Keep a file that somebody brings, and open it when it is a part."""
+        with self._body:
+            await self._keep(data, file)
+
+    async def _keep(self, data: bytes, file: str) -> None:
+        shelf = self._workshop.shelf
         try:
             if file.endswith(".csv"):
                 is_there = (shelf.folder(OWN) / file).exists()
@@ -302,8 +313,10 @@ async def confirmed(question: str, yes: str) -> bool:
     with ui.dialog() as dialog, ui.card():
         ui.label(question)
         with ui.row():
-            ui.button(yes, on_click=lambda: dialog.submit(True)).mark("confirm")
-            ui.button("Cancel", on_click=lambda: dialog.submit(False)).props("flat").mark("cancel")
+            ui.button(yes, on_click=lambda: dialog.submit(True)).props("data-testid=confirm")
+            ui.button("Cancel", on_click=lambda: dialog.submit(False)).props("flat").props(
+                'data-testid="cancel"'
+            )
     answer = await dialog
     dialog.delete()
     return bool(answer)

@@ -13,11 +13,12 @@ from __future__ import annotations
 import time
 from collections.abc import Awaitable, Callable
 
-from nicegui import events, ui
+from nicegui import ui
 
 from camtools.base.errors import CamtoolsError
 from camtools.base.words import duration_text
 from camtools.panel.design.shelf import checked_name
+from camtools.panel.operate.file_button import file_button
 from camtools.panel.runs.options import OF_THE_PART, RunOptions
 from camtools.panel.runs.store import DONE, OWN, Run
 from camtools.panel.visitor import Visitor
@@ -64,21 +65,25 @@ class CutView:
         self._shown_report = ""
         with ui.row().classes("items-center q-gutter-sm"):
             self._choices()
-            self._button = ui.button("Cut it", icon="play_arrow", on_click=self._start).mark("cut")
-            self._stop = ui.button("Stop", icon="stop", on_click=self._stop_run).mark("cut-stop")
+            self._button = ui.button("Cut it", icon="play_arrow", on_click=self._start).props(
+                'data-testid="cut"'
+            )
+            self._stop = ui.button("Stop", icon="stop", on_click=self._stop_run).props(
+                'data-testid="cut-stop"'
+            )
             for one in (self._button, self._stop):
                 one.bind_enabled_from(visitor, "has_token")
         self._bar = (
             ui.linear_progress(value=0, show_value=False)
             .props('aria-label="progress of the cut"')
-            .mark("cut-progress")
+            .props("data-testid=cut-progress")
         )
-        self._state = ui.label("").props('role="status"').mark("cut-state")
+        self._state = ui.label("").props('role="status" data-testid=cut-state')
         self._frame = (
             ui.element("iframe")
             .props('sandbox="allow-scripts" title="report of the cut" loading="lazy"')
             .classes("report-frame")
-            .mark("cut-report")
+            .props("data-testid=cut-report")
         )
         self._frame.set_visibility(False)
         ui.timer(_SHOW_S, self.show)
@@ -89,37 +94,42 @@ class CutView:
             ui.select(self._machines(), value=OF_THE_PART, label="machine")
             .props("dense outlined options-dense")
             .classes("cut-field")
-            .mark("cut-machine")
+            .props("data-testid=cut-machine")
         )
-        self._rpm = ui.number("speed / r/min", min=0, placeholder="of the part").mark("cut-rpm")
-        self._feed = ui.number("feed / mm/turn", min=0, placeholder="of the part").mark("cut-feed")
-        self._seed = ui.number("seed", value=1, min=0, precision=0).mark("cut-seed")
+        self._rpm = ui.number("speed / r/min", min=0, placeholder="of the part").props(
+            'data-testid="cut-rpm"'
+        )
+        self._feed = ui.number("feed / mm/turn", min=0, placeholder="of the part").props(
+            'data-testid="cut-feed"'
+        )
+        self._seed = ui.number("seed", value=1, min=0, precision=0).props("data-testid=cut-seed")
         for one in (self._rpm, self._feed, self._seed):
             one.props("dense outlined stack-label").classes("cut-field")
-        self._learns = ui.switch("learning", value=True).mark("cut-learns")
+        self._learns = ui.switch("learning", value=True).props("data-testid=cut-learns")
         with self._learns:
             ui.tooltip("off: the controller learns nothing, also where it measures U")
-        upload = ui.upload(
-            label="machine file",
-            auto_upload=True,
-            max_file_size=_MAX_MACHINE_BYTES,
-            on_upload=self._take_machine,
-        )
-        upload.props('accept=".toml" flat bordered dense').classes("upload")
-        upload.mark("cut-machine-upload").bind_visibility_from(self._visitor, "has_token")
+        with ui.row() as upload:
+            file_button(
+                "Machine file",
+                ".toml",
+                _MAX_MACHINE_BYTES,
+                "cut-machine-upload",
+                self._take_machine,
+            )
+        upload.bind_visibility_from(self._visitor, "has_token")
 
     def _machines(self) -> dict[str, str]:
         names = self._workshop.machine_names()
         return {OF_THE_PART: "limits of the part"} | {name: name for name in names}
 
-    async def _take_machine(self, event: events.UploadEventArguments) -> None:
+    def _take_machine(self, data: bytes, file: str) -> None:
         """Keep a machine file of one's own."""
         if problem := self._workshop.may(self._visitor, "machine upload"):
             ui.notify(problem, type="negative")
             return
         try:
-            name = checked_name(event.file.name.removesuffix(".toml"))
-            self._workshop.keep_machine(name, await event.file.read())
+            name = checked_name(file.removesuffix(".toml"))
+            self._workshop.keep_machine(name, data)
         except CamtoolsError as error:
             ui.notify(str(error), type="negative")
             return

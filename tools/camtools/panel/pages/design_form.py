@@ -56,18 +56,20 @@ class FormView:
             self._dial_name = ui.label("touch a number: it can be turned here")
             ui.button(icon="remove", on_click=lambda: self._step(-1)).props(
                 'flat round dense aria-label="a step down"'
-            ).mark("dial-down")
+            ).props("data-testid=dial-down")
             self._dial = (
                 ui.slider(min=0, max=1, step=0.01, value=0, on_change=self._turned)
                 .props('aria-label="value of the field that was touched last"')
-                .mark("dial")
+                .props("data-testid=dial")
             )
             ui.button(icon="add", on_click=lambda: self._step(1)).props(
                 'flat round dense aria-label="a step up"'
-            ).mark("dial-up")
-        self._all = ui.switch("all keys, also those that the text leaves out").mark("form-all")
+            ).props("data-testid=dial-up")
+        self._all = ui.switch("all keys, also those that the text leaves out").props(
+            'data-testid="form-all"'
+        )
         self._all.on_value_change(lambda: self._build(force=True))
-        self._body = ui.column().classes("full-width q-gutter-sm").mark("form")
+        self._body = ui.column().classes("full-width q-gutter-sm").props("data-testid=form")
         self._dial.disable()
 
     def show(self, kind_name: str, values: dict[str, Any]) -> None:
@@ -151,7 +153,7 @@ class FormView:
         element.props("dense outlined stack-label hide-bottom-space bottom-slots")
         element.on_value_change(lambda event, name=name: self._typed(name, event.value))
         element.on("focus", lambda _, name=name: self._touch(name), args=[])
-        return element.mark(f"field-{name}").classes("full-width")
+        return element.props(f"data-testid=field-{name}").classes("full-width")
 
     def _set(self, element: Any, field: FormField) -> None:  # noqa: ANN401 (as above)
         text = shown_text(field.value)

@@ -35,24 +35,24 @@ class PreviewView:
         self._is_showing = False
         with ui.column().classes("full-width q-gutter-xs"):
             with ui.row().classes("items-baseline q-gutter-md"):
-                self._verdict = ui.label("").classes("verdict").mark("verdict")
-                self._speed = ui.label("").mark("speed")
-            self._size = ui.column().classes("tight").mark("table-size")
+                self._verdict = ui.label("").classes("verdict").props("data-testid=verdict")
+                self._speed = ui.label("").props("data-testid=speed")
+            self._size = ui.column().classes("tight").props("data-testid=table-size")
         with ui.row().classes("items-center full-width q-gutter-md"):
-            self._state = ui.label("").props('role="status"').mark("preview-state")
+            self._state = ui.label("").props('role="status" data-testid=preview-state')
             ui.space()
             self._magnify = (
                 ui.select(_MAGNIFY, value=0, label="deviations", on_change=self._draw_section)
                 .props("dense outlined options-dense")
                 .classes("magnify")
-                .mark("magnify")
+                .props("data-testid=magnify")
             )
         with ui.row().classes("items-center full-width no-wrap"):
             self._height_label = ui.label("height").classes("height-label")
             self._height = (
                 ui.slider(min=0, max=1, step=0.001, value=0.5, on_change=self._height_moved)
                 .props('aria-label="height of the section"')
-                .mark("height")
+                .props("data-testid=height")
             )
         with ui.element("div").classes("preview-charts full-width"):
             self._section = _chart("section", "Section at the chosen height")
@@ -65,7 +65,7 @@ class PreviewView:
             ui.table(columns=columns, rows=[], row_key="limit")
             .props("dense flat hide-pagination :rows-per-page-options='[0]'")
             .classes("full-width margins")
-            .mark("margins")
+            .props("data-testid=margins")
         )
 
     def take(self, answer: Answer) -> None:
@@ -132,7 +132,7 @@ class PreviewView:
 
 def _chart(key: str, name: str) -> ui.echart:
     chart = ui.echart({"animation": False}).classes(f"camturn-chart {key}-chart")
-    return chart.props(f'role="img" aria-label="{name}"').mark(f"{key}-chart")
+    return chart.props(f'role="img" aria-label="{name}"').props(f"data-testid={key}-chart")
 
 
 def _set(chart: ui.echart, options: Answer) -> None:

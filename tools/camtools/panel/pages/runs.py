@@ -71,9 +71,15 @@ class RunsPage:
             for key, label in _COLUMNS
         ]
         with ui.row().classes("items-center q-gutter-sm"):
-            ui.button("Compare", icon="compare_arrows", on_click=self._compare).mark("compare")
-            stop = ui.button("Stop", icon="stop", on_click=self._stop).mark("stop-run")
-            remove = ui.button("Remove", icon="delete", on_click=self._remove).mark("remove-runs")
+            ui.button("Compare", icon="compare_arrows", on_click=self._compare).props(
+                'data-testid="compare"'
+            )
+            stop = ui.button("Stop", icon="stop", on_click=self._stop).props(
+                'data-testid="stop-run"'
+            )
+            remove = ui.button("Remove", icon="delete", on_click=self._remove).props(
+                'data-testid="remove-runs"'
+            )
             for one in (stop, remove):
                 one.bind_enabled_from(visitor, "has_token")
             self._state = ui.label("").props('role="status"')
@@ -81,9 +87,9 @@ class RunsPage:
             ui.table(columns=columns, rows=[], row_key="key", selection="multiple", pagination=12)
             .props('dense flat aria-label="runs"')
             .classes("full-width")
-            .mark("runs-table")
+            .props("data-testid=runs-table")
         )
-        self._comparison = ui.column().classes("full-width").mark("comparison")
+        self._comparison = ui.column().classes("full-width").props("data-testid=comparison")
         ui.timer(_SHOW_S, self._show)
         self._show()
 

@@ -80,7 +80,7 @@ class ComparisonView:
                 {"what": name} | {f"r{i}": text for i, text in enumerate(texts)}
                 for name, texts in settings_rows(self._runs)
             ]
-            _table("what they were cut with", self._names, rows, []).mark("settings")
+            _table("what they were cut with", self._names, rows, []).props("data-testid=settings")
             figures = figures_of(self._runs)
             several = range(1, len(self._runs))
             numbers = [
@@ -90,7 +90,7 @@ class ComparisonView:
                 for one in figures
             ]
             more = [(f"d{i}", "difference" if i == 1 else f"difference {i + 1}") for i in several]
-            _table("figures", self._names, numbers, more).mark("figures")
+            _table("figures", self._names, numbers, more).props("data-testid=figures")
 
     def _show_differences(self) -> None:
         first = self._runs[0]
@@ -98,12 +98,12 @@ class ComparisonView:
             _diff(
                 f"part file: {first.name} to {other.name}",
                 differing(part_text(first), part_text(other)),
-            ).mark("diff-part")
+            ).props("data-testid=diff-part")
             _diff(
                 f"machine: {first.name} to {other.name}",
                 differing(machine_text_of(first), machine_text_of(other)),
                 is_open=False,  # two machines may differ in every line
-            ).mark("diff-machine")
+            ).props("data-testid=diff-machine")
 
     def _show_curves(self) -> None:
         with ui.element("div").classes("compare-pair"):
@@ -112,7 +112,9 @@ class ComparisonView:
         low, high = self._ends_mm
         middle = (low + high) / 2
         slider = ui.slider(min=low, max=high, step=(high - low) / _BANDS, value=middle)
-        slider.props('aria-label="height of the section" label').mark("section-height")
+        slider.props('aria-label="height of the section" label').props(
+            'data-testid="section-height"'
+        )
         chart = _chart(charts.sections(self._names, self._sections, middle), "section-error")
 
         async def moved() -> None:
@@ -142,7 +144,9 @@ class ComparisonView:
                 if not run.has_report:
                     ui.label(f"{run.name}: no report; {run.told}")
                     continue
-                frame = ui.element("iframe").classes("report-frame").mark(f"report-{i}")
+                frame = (
+                    ui.element("iframe").classes("report-frame").props(f"data-testid=report-{i}")
+                )
                 frame.props('sandbox="allow-scripts" loading="lazy"')
                 frame.props["title"] = f"report of {run.name}"
                 frame.props["src"] = f"/reports/{run.place}/{run.name}/report.html"
@@ -178,4 +182,5 @@ def _diff(title: str, lines: list[DiffLine], *, is_open: bool = True) -> ui.expa
 
 def _chart(options: charts.Options, key: str) -> ui.echart:
     chart = ui.echart(options).classes("camturn-chart compare-chart")
-    return chart.props(f'role="img" aria-label="{key.replace("-", " ")}"').mark(key)
+    name = key.replace("-", " ")
+    return chart.props(f'role="img" aria-label="{name}" data-testid={key}')
