@@ -130,7 +130,7 @@ def test_a_message_that_is_too_long_ends_its_own_connection(session: PanelSessio
     """Memory is bounded; a page of the panel says little."""
     page = RawPage(session.origin)
     with page.connected() as own, pytest.raises(ConnectionClosed):
-        own.socket.send("42" + "x" * 100_000)
+        own.socket.send("42" + "x" * 300_000)
         while True:
             own.hear()
     assert RawPage(session.origin).is_let_in()

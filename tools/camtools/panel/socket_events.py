@@ -15,7 +15,7 @@ from typing import Any
 from nicegui import Client, core
 
 _MALFORMED = (ValueError, KeyError, TypeError, AttributeError)
-MOST_MESSAGE_BYTES = 1 << 16
+MOST_MESSAGE_BYTES = 1 << 18
 
 
 def _page_of(sid: str, message: object) -> Client | None:
