@@ -18,7 +18,7 @@ import dask
 from distributed import Client, LocalCluster, as_completed
 
 from camtools.base.errors import CamtoolsError
-from camtools.forecast.work import Outcome, Task, cut_batch
+from camtools.forecast.work import CutOutcome, Task, cut_batch
 
 _BATCH = 8  # cuts: what is lost of a worker that dies, a second or two
 _CONNECT_S = 10.0
@@ -82,7 +82,7 @@ def _client(scheduler: str | None, n_workers: int) -> Iterator[Client]:
 def cut_all(
     task: Task,
     machines: Sequence[str],
-    take: Callable[[list[Outcome]], None],
+    take: Callable[[list[CutOutcome]], None],
     *,
     scheduler: str | None = None,
     n_workers: int | None = None,
@@ -123,7 +123,7 @@ def cut_all(
             future.release()
 
 
-def _checked(answer: list[Outcome] | str) -> list[Outcome]:
+def _checked(answer: list[CutOutcome] | str) -> list[CutOutcome]:
     """Return the outcomes of a batch.
 
     Raises

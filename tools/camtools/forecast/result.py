@@ -27,7 +27,7 @@ from camtools.forecast.statistics import (
     share_within,
 )
 from camtools.forecast.store import SCHEMA
-from camtools.forecast.work import Outcome
+from camtools.forecast.work import CutOutcome
 
 PERCENTS = (50.0, 90.0, 95.0, 99.0)
 _NOTHING_UM = float("inf")  # a cut without a result is worse than any error
@@ -55,7 +55,7 @@ class Forecast(NamedTuple):
     effects: list[Effect]
 
 
-def evaluate(plan: ForecastPlan, outcomes: Sequence[Outcome], seed: int) -> Forecast:
+def evaluate(plan: ForecastPlan, outcomes: Sequence[CutOutcome], seed: int) -> Forecast:
     """Return what the cuts of a plan say.
 
     Raises
@@ -117,7 +117,7 @@ def forecast_summary(question: Question, plan: ForecastPlan, forecast: Forecast)
     }
 
 
-def runs_parquet(plan: ForecastPlan, outcomes: Sequence[Outcome], about: Json) -> bytes:
+def runs_parquet(plan: ForecastPlan, outcomes: Sequence[CutOutcome], about: Json) -> bytes:
     """Return a row for every cut: the machine's true numbers, and what came of it."""
     fields: list[Any] = [("run", pa.int32()), *((key, pa.float64()) for key in plan.names)]
     names = [name for name in SCHEMA.names if name != "wall_s"]

@@ -6,7 +6,7 @@ stopped finds what is there and goes on.
 >>> import tempfile
 >>> with tempfile.TemporaryDirectory() as name:
 ...     store = Store(Path(name))
-...     store.add([Outcome("a", "done", 0, "", "", 0.1, 0.05, 0.1, 0.1, 1000, 0.2)])
+...     store.add([CutOutcome("a", "done", 0, "", "", 0.1, 0.05, 0.1, 0.1, 1000, 0.2)])
 ...     Store(Path(name)).found["a"].form_max_um
 0.1
 """
@@ -25,7 +25,7 @@ import pyarrow.parquet as pq
 from camtools.base.errors import InputError
 from camtools.base.output import write_all
 from camtools.base.parquet import parquet_bytes
-from camtools.forecast.work import Outcome
+from camtools.forecast.work import CutOutcome
 
 _FIELDS = {
     "key": pa.string(),
@@ -43,7 +43,7 @@ _FIELDS = {
 SCHEMA = pa.schema(list(_FIELDS.items()))
 
 
-def _columns(outcomes: Sequence[Outcome]) -> dict[str, list[Any]]:
+def _columns(outcomes: Sequence[CutOutcome]) -> dict[str, list[Any]]:
     return {name: [getattr(one, name) for one in outcomes] for name in _FIELDS}
 
 
@@ -68,20 +68,20 @@ class Store:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        self.found: dict[str, Outcome] = {}
+        self.found: dict[str, CutOutcome] = {}
         self._paths = sorted(folder.glob("*.parquet"))
         for path in self._paths:
             for outcome in _read(path):
                 self.found[outcome.key] = outcome
 
-    def add(self, outcomes: Sequence[Outcome]) -> None:
+    def add(self, outcomes: Sequence[CutOutcome]) -> None:
         """Keep outcomes; they are on the disk on return."""
         name = f"{uuid.uuid4().hex}.parquet"
         write_all(self.folder, {name: parquet_bytes(_columns(outcomes), SCHEMA, {})})
         self._paths.append(self.folder / name)
         self.found |= {outcome.key: outcome for outcome in outcomes}
 
-    def pick(self, keys: Iterable[str]) -> list[Outcome]:
+    def pick(self, keys: Iterable[str]) -> list[CutOutcome]:
         """Return the outcomes of these keys that are there."""
         return [self.found[key] for key in keys if key in self.found]
 
@@ -97,11 +97,11 @@ class Store:
                         path.unlink()
 
 
-def _read(path: Path) -> list[Outcome]:
+def _read(path: Path) -> list[CutOutcome]:
     try:
         rows = pq.read_table(path, schema=SCHEMA).to_pylist()
     except (OSError, pa.ArrowException) as error:
         reason = str(error).splitlines()[0]
         remedy = "remove it: its cuts are made again"
         raise InputError(str(path), "", None, f"is no result of ours: {reason}", remedy) from error
-    return [Outcome(**row) for row in rows]
+    return [CutOutcome(**row) for row in rows]

@@ -2,7 +2,7 @@
 
 A worker gets bytes, not paths: it keeps the table in a folder of its own, which ends with it.
 
->>> Outcome("", "done", 0, "", "", 0.1, 0.05, 0.1, 0.1, 1000, 0.2).is_gauged
+>>> CutOutcome("", "done", 0, "", "", 0.1, 0.05, 0.1, 0.1, 1000, 0.2).is_gauged
 True
 """
 
@@ -53,7 +53,7 @@ class Task(NamedTuple):
         return digest.hexdigest()
 
 
-class Outcome(NamedTuple):
+class CutOutcome(NamedTuple):
     """What one cut came to.
 
     Attributes
@@ -126,10 +126,10 @@ def _number(value: float | None) -> float:
     return float("nan") if value is None else float(value)
 
 
-def _outcome(key: str, result: Result) -> Outcome:
+def _outcome(key: str, result: Result) -> CutOutcome:
     summary = result.summary
     form, following = summary["form_error_um"], summary["following_error_um"]
-    return Outcome(
+    return CutOutcome(
         key,
         summary["end"],
         result.status,
@@ -144,18 +144,18 @@ def _outcome(key: str, result: Result) -> Outcome:
     )
 
 
-def cut_one(task: Task, machine: str) -> Outcome:
+def cut_one(task: Task, machine: str) -> CutOutcome:
     """Cut on one machine; what the simulator refuses is an outcome, too."""
     key, nan = task.key(machine), float("nan")
     table = folder_of(task.table, task.design) / TABLE
     try:
         result = simulate(table, Machine("machine", machine), options=task.words)
     except CamtoolsError as error:
-        return Outcome(key, "refused", 2, "", str(error), nan, nan, nan, nan, 0, 0.0)
+        return CutOutcome(key, "refused", 2, "", str(error), nan, nan, nan, nan, 0, 0.0)
     return _outcome(key, result)
 
 
-def cut_batch(task: Task, machines: Sequence[str]) -> list[Outcome] | str:
+def cut_batch(task: Task, machines: Sequence[str]) -> list[CutOutcome] | str:
     """Cut on some machines, one after the other; return why it cannot be done here, if so."""
     try:
         here = build_of(library_path())
