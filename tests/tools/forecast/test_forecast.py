@@ -22,7 +22,7 @@ from camtools.forecast import compute
 from camtools.forecast.compute import cut_all
 from camtools.forecast.job import ForecastPlan, Question, plan_of
 from camtools.forecast.store import Store
-from camtools.forecast.work import Outcome, cut_batch
+from camtools.forecast.work import CutOutcome, cut_batch
 from camtools.sim.simulate import simulate
 from part_cases import PERKINS, environment
 
@@ -230,13 +230,13 @@ def test_scheduler_without_a_worker_is_refused() -> None:
 def test_cluster_cuts_the_same(tmp_path: Path, scheduler: str) -> None:
     """Outcomes of a scheduler's workers, of several threads each, are those of this process."""
     asked = plan(24)
-    there: list[Outcome] = []
+    there: list[CutOutcome] = []
     cut_all(asked.task, asked.texts, there.extend, scheduler=scheduler)
     here = cut_batch(asked.task, asked.texts[:8])
     assert len(there) == 24
     by_key = {one.key: one for one in there}
     for one in here:
-        assert isinstance(one, Outcome)
+        assert isinstance(one, CutOutcome)
         assert by_key[one.key]._replace(wall_s=0) == one._replace(wall_s=0)
 
 
