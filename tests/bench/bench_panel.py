@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import signal
 import sys
 import tempfile
 import threading
@@ -301,6 +302,7 @@ def _arguments(words: Sequence[str] | None) -> argparse.Namespace:
 def main(words: Sequence[str] | None = None) -> int:
     """Run the benchmark; return 1 where the memory grows beyond its bound."""
     given = _arguments(words)
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))  # lathe and panel must not outlive it
     with (
         tempfile.TemporaryDirectory(prefix="camturn-bench.") as folder,
         panel_session(Path(folder), ["--machine", given.machine]) as session,

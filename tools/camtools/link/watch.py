@@ -14,6 +14,7 @@ from collections.abc import Iterable, Mapping
 
 from camtools.link.controller import FAULT_TEXTS, NAMES, NUMBERS, Status
 from camtools.link.learned import learning_report
+from camtools.link.progress import IN_CUT, cut_progress, tick_load
 
 _BARS = " ▁▂▃▄▅▆▇█"
 _BESIDE = 27  # columns of words, number and brackets beside a scale, and a free one at the margin
@@ -130,6 +131,7 @@ def report(status: Status) -> list[str]:
     s = status.signals
     table_err = NAMES["result"].get(int(s["table_result"]), str(int(s["table_result"])))
     yes = {0.0: "no", 1.0: "yes"}
+    cut = cut_progress(status.state, s)
     switches = [str(n + 1) for n in range(8) if int(s["switches"]) >> n & 1]
     return [
         f"state             {status.state}",
@@ -147,8 +149,9 @@ def report(status: Status) -> list[str]:
         *([f"position switches {', '.join(switches)} on"] if switches else []),
         *hands_report(status),
         *([f"pass              {s['pass']:.0f} of {s['passes']:.0f}"] if s["passes"] else []),
-        f"tick              {s['tick_rate']:.0f} Hz, longest {s['tick_time_max']:.3f} us, "
-        f"late {s['late_ticks']:.0f}",
+        *([f"cut               {cut.text}"] if status.state in (*IN_CUT, "ready") else []),
+        f"tick              {s['tick_rate']:.0f} Hz, late {s['late_ticks']:.0f}; "
+        f"interrupt: {tick_load(s).text}",
         f"last start        {NAMES['reset_reason'].get(int(s['reset_reason']), 'unknown')}",
         f"parameters        version {s['params_version']:.0f}, checksum "
         f"{int(s['params_checksum']):08x}, {kept_text(s)}",
