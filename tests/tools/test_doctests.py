@@ -20,7 +20,7 @@ WITHOUT = {
     "camtools.skirt.report_text",
     "checks.elf_isr",
 }
-# They draw in a page of a browser: tests/browser shows what they do. An example is true all the same.
+# They draw in a page of a browser: tests/browser shows what they do. Their examples are true, too.
 DRAWING = (
     *("camtools.panel.operate.", "camtools.panel.pages."),
     *("camtools.panel.frame", "camtools.panel.question"),

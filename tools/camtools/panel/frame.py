@@ -92,8 +92,22 @@ def framed(context: AppContext, path: str) -> Iterator[Visitor]:
             ui.link(name, target).classes("text-white" + (" text-bold" if target == path else ""))
         ui.space()
         _CommandBar(context, visitor)
+        _theme_button()
     with ui.column().classes("full-width q-pa-md"):
         yield visitor
+
+
+def _theme_button() -> None:
+    """Draw a button that goes from the system's colours to dark, light and back."""
+    mode, order = ui.dark_mode(None), {None: True, True: False, False: None}
+    names = {None: "as the system", True: "dark", False: "light"}
+
+    def press() -> None:
+        mode.set_value(order[mode.value])
+        button.props(f'aria-label="Colours: {names[mode.value]}"')
+
+    button = ui.button(icon="contrast", on_click=press).props("flat color=white data-testid=theme")
+    button.props(f'aria-label="Colours: {names[None]}"')
 
 
 class _CommandBar:

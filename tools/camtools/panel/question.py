@@ -66,5 +66,6 @@ async def confirmed(title: str, text: str, yes: str) -> bool:
             agree = ui.button(yes, on_click=lambda: dialog.submit(True), color=None)
             agree.classes("op-do").props("no-caps unelevated data-testid=question-yes")
     answer = await dialog
-    dialog.delete()
+    if not dialog.is_deleted:  # as with its page
+        dialog.delete()
     return bool(answer)

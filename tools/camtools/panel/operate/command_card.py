@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from nicegui import ui
 from nicegui.events import GenericEventArguments
 
@@ -18,11 +20,18 @@ _UM_PER_MM = 1e3
 
 
 class CommandCard:
-    """Buttons of the sequence; their orders are those of the keyboard, too."""
+    """Buttons of the sequence; their orders are those of the keyboard, too.
+
+    Attributes
+    ----------
+    on_keys : callable
+        shows the keys
+    """
 
     def __init__(self, orders: Orders) -> None:
         self._orders = orders
         self._snapshot = Snapshot()
+        self.on_keys: Callable[[], None] = lambda: None
         with card("Commands", "commands"):
             orders.why_all_are_off()
             with ui.element("div").classes("op-buttons"):
@@ -35,6 +44,8 @@ class CommandCard:
                 orders.button("Find index", "home", "my_location", self.home)
                 orders.button("By hand", "manual", "pan_tool", self.manual, key="M")
             orders.last_order()
+            keys = ui.button("Keys", icon="keyboard", on_click=lambda: self.on_keys())
+            keys.props("no-caps outline data-testid=help-open")
 
     async def by_key(self, key: str) -> None:
         """Do what a key means, where it makes sense."""

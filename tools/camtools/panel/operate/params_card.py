@@ -111,7 +111,8 @@ class ParamsCard:
                 agree = ui.button("Set", on_click=lambda: dialog.submit(field.value), color=None)
                 agree.classes("op-do").props("no-caps unelevated data-testid=param-set")
         answer = await dialog
-        dialog.delete()
+        if not dialog.is_deleted:  # as with its page
+            dialog.delete()
         return None if answer is None else str(answer)
 
     def _save(self) -> None:

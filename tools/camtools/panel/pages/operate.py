@@ -15,7 +15,7 @@ Marks for tests are attributes `data-testid`:
 - by hand: `jog-xplus`, `jog-xminus` .. (held), `step-xplus` .., `home-x` .., `zero-x`, `do-tool`
 - table: `table-part`, `table-make`, `table-file`, `table-next`, `table-now`, `table-chosen`
 - parameters: `params`, `params-search`, `param-value`, `param-set`, `params-file`, `params-load` ..
-- `log`, `help`, `help-close`, `keys-on`; token and command are in the frame
+- `log`, `help`, `help-open`, `help-close`, `keys-on`; token and command are in the frame
 
 >>> FAST_S, SLOW_S, UNSEEN_S
 (0.08, 0.5, 2.0)
@@ -63,6 +63,7 @@ class OperatePage:
             self._draw_first()
             self._draw_second()
             self._help = Help()
+            self._commands.on_keys = self._help.toggle
         self._listen()
         self._fast = ui.timer(FAST_S, self._show_fast)
         self._slow = ui.timer(SLOW_S, self._show_slow)

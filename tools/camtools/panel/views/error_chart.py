@@ -84,7 +84,7 @@ def _angle_axis() -> Option:
         "min": 0,
         "max": 360,
         "interval": _QUARTER_DEG // 2,
-        "axisLabel": {"color": _INK, "fontSize": 13, "formatter": "{value}°"},
+        "axisLabel": {"color": _INK, "fontSize": 13, "formatter": "{value}°", "hideOverlap": True},
         "splitLine": {"lineStyle": {"color": _FAINT}},
         "axisLine": {"lineStyle": {"color": _INK}},
     }
