@@ -21,3 +21,15 @@ def test_report_has_no_grave_finding(
     page.goto((report_folder / "report.html").as_uri())
     gallery.keep(page, f"Report, {scheme}", is_whole=True)
     assert not grave_findings(page)
+
+
+def test_report_fits_paper(report_folder: Path, open_window: OpenWindow) -> None:
+    """On A4 less its margins nothing is wider than the page, and pictures stand for the charts."""
+    page = open_window().page
+    page.set_viewport_size({"width": 688, "height": 1000})  # 182 mm of 1/96 inch
+    page.goto((report_folder / "report.html").as_uri())
+    page.wait_for_selector(".has-board", state="attached")
+    page.emulate_media(media="print")
+    assert page.evaluate("document.documentElement.scrollWidth") <= 688
+    assert not page.locator("#board").is_visible()
+    assert page.locator("#picture-map img").is_visible()
