@@ -10,6 +10,7 @@
 from __future__ import annotations
 
 from math import ceil
+from typing import NamedTuple
 
 import numpy as np
 
@@ -33,11 +34,33 @@ _DENSE = 4001
 _GROWTH = 1.15
 
 
-def height_at_mm(law: FeedLaw, ends_mm: tuple[float, float], helix_mm: Floats) -> Floats:
-    """Return Z where the plain helix with the mean feed is at some heights, MATHS.md (103)."""
+class _Turned(NamedTuple):
+    """Turns over dense heights."""
+
+    z_mm: Floats
+    turns: Floats
+
+
+def _turned(law: FeedLaw, ends_mm: tuple[float, float]) -> _Turned:
+    dense = np.linspace(*ends_mm, _DENSE)
+    return _Turned(dense, law.turns(ends_mm[0], dense))
+
+
+def height_at_mm(
+    law: FeedLaw,
+    ends_mm: tuple[float, float],
+    helix_mm: Floats,
+    turned: _Turned | None = None,
+) -> Floats:
+    """Return Z where the plain helix with the mean feed is at some heights, MATHS.md (103).
+
+    Parameters
+    ----------
+    turned : _Turned, optional
+        Of the same law and ends, where it is known already.
+    """
     first, last = ends_mm
-    dense = np.linspace(first, last, _DENSE)
-    turns = law.turns(first, dense)
+    dense, turns = _turned(law, ends_mm) if turned is None else turned
     mean = (last - first) / turns[-1]
     wanted = (np.asarray(helix_mm) - first) / mean
     z = np.interp(wanted, turns, dense)
@@ -49,22 +72,37 @@ def height_at_mm(law: FeedLaw, ends_mm: tuple[float, float], helix_mm: Floats) -
     return np.asarray(np.where(helix_mm <= first, first, np.where(helix_mm >= last, last, z)))
 
 
-def _channel(law: FeedLaw, range_nm: tuple[int, int], n_knots: int) -> Channel:
+class _Known:
+    """The turns of one law; the search for a size asks for the same ends again and again."""
+
+    def __init__(self, law: FeedLaw) -> None:
+        self.law = law
+        self._by_ends: dict[tuple[float, float], _Turned] = {}
+
+    def height_at_mm(self, ends_mm: tuple[float, float], helix_mm: Floats) -> Floats:
+        """Return `height_at_mm` of the law."""
+        if ends_mm not in self._by_ends:
+            self._by_ends[ends_mm] = _turned(self.law, ends_mm)
+        return height_at_mm(self.law, ends_mm, helix_mm, self._by_ends[ends_mm])
+
+
+def _channel(known: _Known, range_nm: tuple[int, int], n_knots: int) -> Channel:
+    law = known.law
     z = slice_heights_mm(range_nm, n_knots)
     ends = float(z[0]), float(z[-1])
     h_mm = (ends[1] - ends[0]) / (n_knots - 1)
-    at = height_at_mm(law, ends, z)
+    at = known.height_at_mm(ends, z)
     mean = law.mean_mm(*ends)
     feed, slope = law.at_mm(at), law.at_mm(at, 1)
     triple = [at - z, h_mm * (feed / mean - 1), h_mm**2 / 2 * slope * feed / mean**2]
     return quantise(KIND_WAY, np.stack(triple, axis=-1)[:, None] * NM_PER_MM, 0, range_nm)
 
 
-def _error_nm(law: FeedLaw, channel: Channel) -> float:
+def _error_nm(known: _Known, channel: Channel) -> float:
     range_nm = channel.z_first_nm, channel.z_last_nm
     z_nm = np.linspace(*range_nm, 16 * channel.n_slices + 1)
     ends = range_nm[0] / NM_PER_MM, range_nm[1] / NM_PER_MM
-    exact = height_at_mm(law, ends, z_nm / NM_PER_MM) * NM_PER_MM - z_nm
+    exact = known.height_at_mm(ends, z_nm / NM_PER_MM) * NM_PER_MM - z_nm
     return float(np.abs(evaluate_x(channel, z_nm).value - exact).max())
 
 
@@ -82,14 +120,15 @@ def way_channel(law: FeedLaw, range_nm: tuple[int, int]) -> Channel:
     if least < 2 * LEAST_FEED * mean:
         problem = f"feed_mm = {least:g} is less than {2 * LEAST_FEED:.0%} of the mean, {mean:.6g}"
         raise CamtoolsError([f"process.feed_law.feed_mm: {problem}; give feeds nearer together"])
+    known = _Known(law)
     n, most = max(2, ceil(span_nm / MAX_SPACING_NM) + 1), span_nm // MIN_SPACING_NM + 1
     while n <= min(most, MAX_SLICES):
         try:
-            found = _channel(law, range_nm, n)
+            found = _channel(known, range_nm, n)
         except TooLargeError:
             n = max(n + 1, int(n * _GROWTH))
             continue
-        if _error_nm(law, found) <= TOLERANCE_NM:
+        if _error_nm(known, found) <= TOLERANCE_NM:
             return with_bounds(found)
         n = max(n + 1, int(n * _GROWTH))
     problem = "Z would run too far ahead of a plain helix, or change its feed too suddenly"

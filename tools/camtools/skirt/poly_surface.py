@@ -90,8 +90,7 @@ class PolySurface:
         phi, z = np.asarray(phi_rad, dtype=np.float64), np.asarray(z_mm, dtype=np.float64)
         shape = np.broadcast_shapes(phi.shape, z.shape)
         if phi.ndim <= 1 and (z.ndim == 0 or z.shape[-1] == 1):
-            rows = [self._row(np.atleast_1d(phi), float(one)) for one in z.ravel()]
-            return SectionValues(*np.stack(rows, axis=1).reshape(4, *shape))
+            return SectionValues(*self._rows(np.atleast_1d(phi), z.ravel()).reshape(4, *shape))
         flat_phi, flat_z = (np.broadcast_to(one, shape).ravel() for one in (phi, z))
         parts = [
             self._points(flat_phi[i : i + _CHUNK], flat_z[i : i + _CHUNK])
@@ -102,7 +101,9 @@ class PolySurface:
     def _place(self, phi: Floats, z: FloatsLike) -> tuple[Ints, Floats, Floats]:
         """Return piece, place in it and its slope dt/dphi [1/rad] for angles."""
         if self.joint_turn is None:
-            s, slope = np.mod(phi / TURN_RAD, 1.0), np.full(phi.shape, 1 / TURN_RAD)
+            shape = np.broadcast_shapes(phi.shape, np.shape(z))
+            s = np.broadcast_to(np.mod(phi / TURN_RAD, 1.0), shape)
+            slope = np.full(shape, 1 / TURN_RAD)
         else:
             folded, sign = fold(phi)
             q, th = folded / TURN_RAD, self.joint_turn(z)
@@ -120,17 +121,26 @@ class PolySurface:
         j = np.clip(np.searchsorted(self.breaks_mm, clamped, side="right") - 1, 0, last)
         return j, (clamped - self.breaks_mm[j]) / np.diff(self.breaks_mm)[j]
 
-    def _row(self, phi: Floats, z: float) -> Floats:
-        j, w = self._height(z)
-        at_z = self.coefficients[j] @ w ** np.arange(N_HEIGHT)
-        i, t, slope = self._place(phi, z)
-        return _horner(at_z[i], t, slope)
+    def _rows(self, phi: Floats, z: Floats) -> Floats:
+        """Return value and derivatives, shape (4, z.size, phi.size), some heights at a time."""
+        found = np.empty((4, z.size, phi.size))
+        n = max(1, _CHUNK // phi.size)
+        for first in range(0, z.size, n):
+            some = slice(first, first + n)
+            j, w = self._height(z[some])
+            powers = w[:, None] ** np.arange(N_HEIGHT)
+            i, t, slope = self._place(phi, z[some, None])
+            c = np.empty((N_ANGLE, *t.shape))
+            for row in range(j.size):
+                c[:, row] = (self.coefficients[j[row]] @ powers[row]).T[:, i[row]]
+            found[:, some] = _horner(c, t, slope)
+        return found
 
     def _points(self, phi: Floats, z: Floats) -> Floats:
         j, w = self._height(z)
         i, t, slope = self._place(phi, z)
         powers = w[:, None] ** np.arange(N_HEIGHT)
-        return _horner(np.einsum("pkl,pl->pk", self.coefficients[j, i], powers), t, slope)
+        return _horner(np.einsum("pkl,pl->pk", self.coefficients[j, i], powers).T, t, slope)
 
     def document(self) -> dict[str, Any]:
         """Return what a gauge needs as JSON values (layout: host_sim/part/sim_design.h)."""
@@ -156,12 +166,12 @@ def _rounded(knots: Floats, breaks: Floats) -> list[float]:
 
 
 def _horner(c: Floats, t: Floats, slope: Floats) -> Floats:
-    """Return value and three derivatives by angle, shape (4, n), of rows of coefficients."""
-    found = np.empty((4, t.size))
+    """Return value and three derivatives by angle, shape (4, ..), of coefficients (6, ..)."""
+    found = np.empty((4, *t.shape))
     for n in range(4):
-        value = np.zeros(t.size)
+        value = np.zeros(t.shape)
         for k in range(N_ANGLE - 1, n - 1, -1):
-            value = value * t + _FACTORS[n, k] * c[:, k]
+            value = value * t + _FACTORS[n, k] * c[k]
         found[n] = value * slope**n
     return found
 
