@@ -20,7 +20,7 @@ from camtools.base.words import duration_text
 from camtools.panel.design.shelf import checked_name
 from camtools.panel.operate.file_button import file_button
 from camtools.panel.runs.options import OF_THE_PART, RunOptions
-from camtools.panel.runs.store import DONE, OWN, Run
+from camtools.panel.runs.store import DONE, OWN, RUNNING, WAITING, Run
 from camtools.panel.visitor import Visitor
 from camtools.panel.workshop import Workshop
 
@@ -204,6 +204,8 @@ class CutView:
         except CamtoolsError as error:
             self._state.text = str(error)
             self._shown_report = self._mine
+            return
+        if run.status in (WAITING, RUNNING):
             return
         if run.status == DONE:
             self._state.text = f"{run.name}: {run.verdict}, {run.options.text()}"
