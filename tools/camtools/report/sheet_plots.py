@@ -21,7 +21,6 @@ from camtools.plots.style import (
     GREY,
     ORANGE,
     PALE,
-    PURPLE,
     RED,
     SKY,
     log_axis,
@@ -39,7 +38,7 @@ _LEAST_FLOOR_UM = 1e-5
 _DECADES = 3.0
 _LIMITS_DEG = 67.5
 _CENTRED = {"ha": "center", "va": "center", "color": GREY}
-_CIRCLE_STYLE = {"color": PURPLE, "lw": 1.2, "ls": "--"}
+_CIRCLE_STYLE = {"color": "black", "lw": 1.2, "ls": "--", "zorder": 5}
 _ZONE_STYLE = {"color": GREY, "lw": 0.9, "ls": ":"}
 _RAW_STYLE = {"color": RED, "lw": 0.6, "alpha": 0.6}
 _DRAWN_STYLE = {"color": BLUE, "lw": 2.4, "alpha": 0.45}
@@ -215,7 +214,7 @@ def _draw_line(axes: Axes, one: LineSheet, limit_um: float) -> None:
     factor, unit = length_unit(limit_um)
     fit_mm = one.off.middle_mm + one.off.slope * (one.z_mm - one.z_mm.mean())
     axes.axvline(0, **_DRAWN_STYLE)  # type: ignore[arg-type]
-    axes.plot(one.deviation_mm * _UM_PER_MM * factor, one.z_mm, color=RED, lw=1.0)
+    axes.plot(one.deviation_mm * _UM_PER_MM * factor, one.z_mm, color=RED, lw=0.8)
     axes.plot(fit_mm * _UM_PER_MM * factor, one.z_mm, **_CIRCLE_STYLE)  # type: ignore[arg-type]
     axes.set_xlim(-limit_um * factor, limit_um * factor)
     found = f"STRt {_text(one.off.total_mm)} LS\n{_text(one.off.zone_mm)} MZ"
@@ -228,6 +227,7 @@ def draw_lines(sheets: Sheets) -> Figure:
     """Return the profiles: the cut as it is on the left, deviations from the drawing beside."""
     lines = sheets.lines
     figure = new_figure(10, 5.6)
+    figure.set_layout_engine("constrained", w_pad=0.12)  # numbers of neighbours keep apart
     widths = [1.4] + [1.0] * len(lines)
     panels = figure.subplots(1, len(widths), sharey=True, width_ratios=widths)
     looks = zip(lines, (RED, GREY, SKY, ORANGE), ("-", "-", "--", "--"), strict=False)
