@@ -21,7 +21,9 @@ from camtools.panel.pages import design, operate, runs
 from camtools.panel.socket_events import MOST_MESSAGE_BYTES, guard_socket
 
 MOST_PAGES = 48
-_RECONNECT_S = 3.0
+# A page that is away for longer begins anew, without its command. A jog does not wait for that: it
+# ends when its heartbeats do (press.py).
+_RECONNECT_S = 10.0
 
 
 async def _not_found(_request: Request, _error: Exception) -> PlainTextResponse:
