@@ -24,7 +24,7 @@ from camtools.forecast.progress import Progress
 from camtools.forecast.result import evaluate, forecast_summary, runs_parquet
 from camtools.forecast.store import Store
 from camtools.forecast.text import forecast_text
-from camtools.forecast.work import Outcome
+from camtools.forecast.work import CutOutcome
 
 _RUNS = 256
 _MOST_RUNS = 1_000_000
@@ -107,7 +107,7 @@ def _run(given: argparse.Namespace) -> int:
     missing = [text for key, text in texts.items() if key not in store.found]
     progress = Progress(len(texts), len(texts) - len(missing), sys.stderr, time.monotonic)
 
-    def take(outcomes: list[Outcome]) -> None:
+    def take(outcomes: list[CutOutcome]) -> None:
         store.add(outcomes)
         progress.add(len(outcomes), sum(not one.is_gauged for one in outcomes))
 
