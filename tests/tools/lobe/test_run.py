@@ -163,7 +163,7 @@ def test_rake_is_told_beside_that_without_swing(turned: GeneratedLobes) -> None:
     """The larger of both sides is the bound; the rest of the summary is that of a turned cam."""
     rows = dict(lobe_rows(made_up(turned, TURNED)))
     assert rows["effective rake"] == "constant within 0.002°; without the swing -19.97 .. 19.96°"
-    assert rows["cut"].startswith("cam turned, tip of 0.4 mm, at 60 r/min, feed 0.1 mm")
+    assert rows["cut"].startswith("cam turned, tip of radius 0.4 mm, at 60 r/min, feed 0.1 mm")
     assert "surface speed" not in rows
     outcome = made_up(turned, TURNED)
     text = page_text(outcome, lobe_rows(outcome), "out", 2.0)

@@ -17,7 +17,7 @@ from camtools.lobe.channels import patterns_of
 from camtools.lobe.contact import Contact, Follower
 from camtools.lobe.generate import GeneratedLobes
 from camtools.lobe.motion import ShaftLobe, profiles_of
-from camtools.plots.style import png_of, titled_figure
+from camtools.plots.style import log_axis, nice_floor, nice_limit, png_of, stroke_of, titled_figure
 from camtools.table.channel import RATIO_ONE
 from camtools.table.evaluate import evaluate_at
 
@@ -40,13 +40,15 @@ def name_of(result: GeneratedLobes, profile: int) -> str:
     return f"lobe{'s' if len(numbers) > 1 else ''} {shown}: {law}"
 
 
-def _outline(axes: Axes, lobe: ShaftLobe, *, turned_rad: float = 0.0, colour: str = "") -> None:
+def _outline(
+    axes: Axes, lobe: ShaftLobe, *, turned_rad: float = 0.0, number: int | None = None
+) -> None:
     """Draw the lobe and the path of the follower's centre, nose upwards."""
     phi = np.linspace(0, 2 * np.pi, _N_ANGLES) + lobe.phase_rad
     touch, path = lobe.contacts(phi)
     up = np.pi / 2 + turned_rad
-    if colour:
-        axes.plot(*_turned(touch.radius, touch.alpha + up), color=colour, lw=1.3)
+    if number is not None:
+        axes.plot(*_turned(touch.radius, touch.alpha + up), **stroke_of(number), lw=1.3)
         return
     axes.fill(*_turned(touch.radius, touch.alpha + up), fc=_CAM, ec=_LINE, lw=1.5, zorder=2)
     axes.plot(*_turned(path.centre, path.phi + up), color=_PATH, lw=0.8, ls="--")
@@ -108,9 +110,11 @@ def _shaft(axes: Axes, result: GeneratedLobes) -> None:
     """Draw all lobes at their angles, as the tool runs round them; the angle 0 is upwards."""
     reach = 1.35 * _reach(profiles_of(result.lobes))
     for i, lobe in enumerate(result.lobes):
-        _outline(axes, lobe, turned_rad=lobe.phase_rad, colour=f"C{i}")
+        _outline(axes, lobe, turned_rad=lobe.phase_rad, number=i)
         nose = np.exp(1j * (lobe.phase_rad + np.pi / 2)) * reach * (0.86 + 0.09 * (i % 2))
-        axes.text(nose.real, nose.imag, str(i), color=f"C{i}", ha="center", va="center")
+        axes.text(
+            nose.real, nose.imag, str(i), color=stroke_of(i)["color"], ha="center", va="center"
+        )
     axes.plot([0], [0], marker="+", color=_LINE)
     _square(axes, reach, "all lobes, seen from the headstock, 0° upwards")
 
@@ -120,7 +124,7 @@ def draw_positions(result: GeneratedLobes) -> bytes:
     profiles, is_turned = profiles_of(result.lobes), result.part.process.operation == "turning"
     what = "tool (red) about the roller's centre, with its swing"
     if not is_turned:
-        what = f"wheel of {profiles[0].follower_mm:g} mm; contacts and normals red"
+        what = f"wheel of radius {profiles[0].follower_mm:g} mm (grey); contacts and normals red"
     n = len(profiles) + (len(result.lobes) > 1)
     columns = 2 if n == 4 else min(n, 3)
     rows = -(-n // columns)
@@ -160,6 +164,12 @@ def _omega(result: GeneratedLobes, phi: Floats, pattern: int) -> Floats:
     return np.asarray(ratio / RATIO_ONE * result.mean_rpm, dtype=np.float64)
 
 
+def _ends(axes: Axes) -> tuple[float, float]:
+    """Return round ends of a logarithmic axis for the lines that are drawn."""
+    values = np.concatenate([np.asarray(line.get_ydata(), dtype=float) for line in axes.lines])
+    return nice_floor(float(np.nanmin(values))), nice_limit(float(np.nanmax(values)))
+
+
 def draw_motion(result: GeneratedLobes) -> bytes:
     """Return lift, pressure angle, radius of curvature, spindle and surface speed over a turn."""
     what = "turned" if result.part.process.operation == "turning" else "ground"
@@ -167,11 +177,8 @@ def draw_motion(result: GeneratedLobes) -> bytes:
         8.5, 10, f"{result.table.part_name}, {what}: over one turn of the spindle"
     )
     angle = "pressure" if what == "turned" else "contact"
-    panels = _panels(
-        figure,
-        ["lift, mm", f"{angle} angle, °", "radius, mm", "spindle, r/min", "surface, mm/s"],
-    )
-    panels[2].set_yscale("log")
+    names = ["lift, mm", f"{angle} angle, °", "radius of\ncurvature, mm"]
+    panels = _panels(figure, [*names, "spindle, r/min", "surface speed,\nmm/s"])
     degrees = np.linspace(-180, 180, _N_ANGLES)
     for pattern, lobe in enumerate(patterns_of(result.lobes)):
         phi = np.radians(degrees)
@@ -182,10 +189,13 @@ def draw_motion(result: GeneratedLobes) -> bytes:
         curves = (path.lift, np.degrees(path.angle), radius, rpm, surface)
         for axes, values in zip(panels, curves, strict=True):
             name = name_of(result, lobe.profile)
-            axes.plot(degrees, values, color=f"C{pattern}", label=name, lw=1.4)
+            axes.plot(degrees, values, **stroke_of(pattern), label=name, lw=1.4)
     if len(result.lobes) > 1:
         panels[0].legend(frameon=False)
         panels[-1].set_xlabel("angle from the zero of the law, degrees")
+    log_axis(panels[2], "y", *_ends(panels[2]))
+    panels[3].set_ylim(bottom=0)
+    figure.align_ylabels(panels)
     return png_of(figure)
 
 

@@ -29,6 +29,7 @@ from camtools.plots.style import (
     drawing,
     new_figure,
     png_of,
+    stroke_of,
 )
 from camtools.report import compare as report_compare
 from camtools.report import motion as report_motion
@@ -173,8 +174,8 @@ def draw_speed(outcome: LobeOutcome) -> Figure:
             continue
         phi = 2 * np.pi * np.mod(trace.turn[rows], 1)
         degrees, least, most = band(phi / (2 * np.pi), speed_of_contact(lobe, phi, omega[rows]))
-        axes.fill_between(degrees, least, most, color=f"C{i}", alpha=0.4, lw=0)
-        axes.plot(degrees, most, color=f"C{i}", lw=1.2, label=f"lobe {i}")
+        axes.fill_between(degrees, least, most, color=stroke_of(i)["color"], alpha=0.4, lw=0)
+        axes.plot(degrees, most, **stroke_of(i), lw=1.2, label=f"lobe {i}")
     speed = outcome.summary["cam"].get("surface_speed_mm_s")
     if speed is not None:
         axes.axhline(speed["base_circle"], color=RED, lw=1.2, ls="--", label="base circle")

@@ -105,7 +105,9 @@ def lobe_rows(outcome: LobeOutcome) -> list[ReportRow]:
     summary, made, found = outcome.summary, outcome.generated, outcome.summary["cam"]
     cut, form = summary["cut"], summary["form_error_um"]
     how = (
-        f"tip of {found['tip_mm']:g} mm" if outcome.is_turned else f"wheel {found['wheel_mm']:g} mm"
+        f"tip of radius {found['tip_mm']:g} mm"
+        if outcome.is_turned
+        else f"wheel of radius {found['wheel_mm']:g} mm"
     )
     mean = "mean " if outcome.is_modulated else ""
     what = (

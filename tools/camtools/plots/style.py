@@ -35,6 +35,7 @@ BLUE, ORANGE, GREEN, RED, SKY, PURPLE = (
     "#CC79A7",
 )
 GREY, PALE = "#666666", "#dddddd"
+_SERIES, _STROKES = (BLUE, ORANGE, GREEN, RED, SKY, PURPLE), ("-", "--", ":", "-.")
 ERROR_COLOURS = "RdBu_r"  # red: metal left, blue: cut too deep; safe for red-green blindness
 
 _DPI, _TITLED_DPI = 100, 120
@@ -46,6 +47,16 @@ _FONT: dict[Any, Any] = {
     "axes.spines.right": False,
     "path.simplify_threshold": 0.5,
 }
+
+
+def stroke_of(i: int) -> dict[str, Any]:
+    """Return colour and stroke of the ith of many lines; those of one colour differ in stroke.
+
+    >>> stroke_of(6) == {"color": BLUE, "ls": "--"}
+    True
+    """
+    rounds, place = divmod(i, len(_SERIES))
+    return {"color": _SERIES[place], "ls": _STROKES[rounds % len(_STROKES)]}
 
 
 def new_figure(width_in: float, height_in: float) -> Figure:
