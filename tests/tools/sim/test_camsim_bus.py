@@ -19,6 +19,7 @@ from camsim_cases import camsim, only_error
         (("--can", "nocan7"), "nocan7: no such interface"),
         (("--can", "lo", "--rpm", "300"), "tell the controller itself"),
         (("--can", "lo", "--set", "k1_ns=1"), "tell the controller itself"),
+        (("--can", "lo", "--sections", "s.csv"), "an option of camsim run only"),
         (("--can", "lo", "--tick-hz", "20"), "100 .. 4000"),
         (("--can", "lo", "--encoder-modulus", "100.5"), "not whole"),
         (("--can", "lo", "--without", "w"), "encoder, u, x, z or spindle"),
