@@ -20,8 +20,11 @@ from contextlib import suppress
 from typing import Self
 
 _REQUEST_BYTES = 2000
-# Chromium itself asks these, about accounts and updates, whatever switches it is given.
-_OF_THE_BROWSER = re.compile(r"\w+ (https?://)?(accounts\.google|update\.googleapis)\.com[:/]")
+# Chromium itself asks these, about accounts, updates and fields that are typed into, whatever
+# switches it is given.
+_OF_THE_BROWSER = re.compile(
+    r"\w+ (https?://)?(accounts\.google|(update|content-autofill)\.googleapis)\.com[:/]"
+)
 
 
 class Trap:

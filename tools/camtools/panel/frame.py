@@ -117,9 +117,11 @@ class _CommandBar:
         self._context, self._visitor = context, visitor
         self._who = ui.label().props('role="status"').mark("commander")
         self._token = (
-            ui.input("token", password=True, on_change=None)
+            ui.input("token")
             .props("dense dark outlined label-color=white")
             .props('aria-label="token, which the panel printed at its start"')
+            .props("autocomplete=off spellcheck=false")
+            .classes("panel-token")
             .on("keydown.enter", self._enter_token)
             .mark("token")
         )
