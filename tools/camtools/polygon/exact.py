@@ -16,8 +16,7 @@ import numpy as np
 
 from camtools.base.quantities import NM_PER_MM
 from camtools.pipeline.exact import HeightCurve, ProfileOver
-from camtools.polygon.blend import blended
-from camtools.polygon.generate import growth_of, outline_of, surfaces_of
+from camtools.polygon.generate import shapes_of
 from camtools.polygon.part import PolygonPart
 from camtools.skirt.exact import ExactGeometry
 from camtools.skirt.geometry import Geometry
@@ -55,9 +54,7 @@ def exact_polygon(part: PolygonPart) -> ExactPolygon:
     CamtoolsError
         The numbers make no polygon.
     """
-    drawing = outline_of(part.polygon)
-    cut = blended(drawing, part.polygon.blend_um / growth_of(part.polygon, drawing))
-    geometry, design = surfaces_of(part, drawing, cut.outline)
+    _, _, geometry, design = shapes_of(part)
     tip = tip_geometry(geometry, part.tool)
     middle_mm = middle_nm(tip, part.process.u_zero) / NM_PER_MM
     return ExactPolygon(replace(geometry, drawn=design), tip, middle_mm)

@@ -8,6 +8,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
@@ -16,6 +17,7 @@ import numpy as np
 from scipy.interpolate import PPoly
 
 from camtools.base.errors import CamtoolsError
+from camtools.base.memory import recall
 from camtools.base.quantities import NM_PER_MM, omega_rad_s
 from camtools.cut.feasibility import HighestSpeed, Peaks, drift_of, peaks_of
 from camtools.cut.passes import checked_passes, judge_passes, records_of
@@ -148,6 +150,26 @@ def surfaces_of(part: PolygonPart, drawing: Outline, cut: Outline) -> tuple[Geom
     return Geometry(radius, ovality, target, *heights, gauge_mm=ends), design
 
 
+def shapes_key(part: PolygonPart) -> Hashable:
+    """Return what the shapes of a part follow from."""
+    runs = part.process.run_in_mm, part.process.run_out_mm
+    return part.polygon.model_dump_json(), runs
+
+
+def shapes_of(part: PolygonPart) -> tuple[Outline, Blended, Geometry, PolySurface]:
+    """Return drawing, blended section, what the table holds, and the drawing's surface.
+
+    They are recalled where a memory is open.
+    """
+
+    def made() -> tuple[Outline, Blended, Geometry, PolySurface]:
+        drawing = outline_of(part.polygon)
+        cut = blended(drawing, part.polygon.blend_um / growth_of(part.polygon, drawing))
+        return drawing, cut, *surfaces_of(part, drawing, cut.outline)
+
+    return recall(("polygon shapes", shapes_key(part)), made)
+
+
 def _over_height(slope: float, first: float, heights_mm: tuple[float, float]) -> PPoly:
     return PPoly(np.array([[0.0], [0.0], [slope], [first]]), np.array(heights_mm))
 
@@ -236,12 +258,11 @@ def generate_polygon(part: PolygonPart, tolerance_nm: float | None = None) -> Ge
         The numbers make no polygon, the tolerance is out of reach, or the machine is too weak.
     """
     passes = checked_passes(part, part.tool, tolerance_nm)
-    drawing = outline_of(part.polygon)
-    cut = blended(drawing, part.polygon.blend_um / growth_of(part.polygon, drawing))
-    geometry, design = surfaces_of(part, drawing, cut.outline)
+    drawing, cut, geometry, design = shapes_of(part)
     heel = check_heel(geometry, part.tool, part.process.direction)
     tip = tip_geometry(geometry, part.tool)
-    tolerance_nm, u, accuracy_u = _within(tip, tolerance_nm, cut)
+    key = "polygon u", shapes_key(part), part.tool.nose_radius_mm, tolerance_nm
+    tolerance_nm, u, accuracy_u = recall(key, partial(_within, tip, tolerance_nm, cut))
     x = x_channel(tip, int(slice_counts(tip)[0]))
     accuracy_x = measure_x(tip, x)
     middle = middle_nm(tip, part.process.u_zero)

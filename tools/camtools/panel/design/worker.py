@@ -155,7 +155,8 @@ def _carry_out(request: Shown, memory: Memory) -> None:
             _Switch.is_on = False
             if answer is None:
                 break
-            _tell({"id": request["id"]} | answer)
+            spent_s = time.process_time() - begin_s
+            _tell({"id": request["id"], "cpu_s": spent_s} | answer)
     except SupersededError:
         is_dropped = True
     except MemoryError:
