@@ -11,7 +11,7 @@ import numpy as np
 from camtools.base.quantities import NM_PER_MM, Floats, Ints
 from camtools.lobe.report_text import LobeOutcome
 from camtools.report.board import board_of
-from camtools.report.charts import Curve, Motion, motion_sentence
+from camtools.report.charts import ChartPanel, TurnOfU, motion_sentence
 from camtools.report.live import Live, charts_of
 from camtools.sim.results import CUTTING, CutTrace
 
@@ -41,7 +41,7 @@ def whole_turn(trace: CutTrace) -> Ints:
     return np.asarray(cutting[turns == inner[inner.size // 2]], dtype=np.int64)
 
 
-def motion_of(outcome: LobeOutcome) -> Motion | None:
+def motion_of(outcome: LobeOutcome) -> TurnOfU | None:
     """Return U over a turn in the middle of the cut; nothing where no whole turn was cut."""
     rows = whole_turn(outcome.trace)
     if rows.size <= 4 * _TICKS:
@@ -56,11 +56,11 @@ def motion_of(outcome: LobeOutcome) -> Motion | None:
         ("acceleration, m/s²", _slope(velocity, turn.t_s) / _MM_PER_M, None),
     )
     fine, coarse = (slice(None, None, max(1, rows.size // n)) for n in (1440, _MARKS))
-    return Motion(
+    return TurnOfU(
         f"height {turn.z_mm.mean():.1f} mm",
         degrees[fine],
         [
-            Curve(name, wanted[fine], None if found is None else found[coarse])
+            ChartPanel(name, wanted[fine], None if found is None else found[coarse])
             for name, wanted, found in curves
         ],
         "table",
@@ -69,7 +69,7 @@ def motion_of(outcome: LobeOutcome) -> Motion | None:
     )
 
 
-def live_of(outcome: LobeOutcome, motion: Motion | None) -> Live:
+def live_of(outcome: LobeOutcome, motion: TurnOfU | None) -> Live:
     """Return what of a report is alive."""
     lobes = outcome.generated.lobes
     z_mm = min(lobe.z_mm[0] for lobe in lobes), max(lobe.z_mm[1] for lobe in lobes)

@@ -12,7 +12,7 @@ from camtools.base.quantities import NM_PER_MM, Floats, omega_rad_s
 from camtools.polygon.report_text import PolygonCut
 from camtools.polygon.summary import angles_of
 from camtools.report.board import board_of
-from camtools.report.charts import Curve, Motion, motion_sentence
+from camtools.report.charts import ChartPanel, TurnOfU, motion_sentence
 from camtools.report.live import Live, charts_of
 from camtools.sim.results import CUTTING, CutTrace
 
@@ -29,7 +29,7 @@ def _measured(turn: CutTrace) -> tuple[Floats, Floats, Floats]:
     return degrees, moved_mm, slope
 
 
-def motion_of(outcome: PolygonCut) -> Motion:
+def motion_of(outcome: PolygonCut) -> TurnOfU:
     """Return U, its velocity and acceleration over a turn in the middle of the cut."""
     made, trace = outcome.generated, outcome.trace
     omega = omega_rad_s(outcome.summary["cut"]["spindle_rpm"])
@@ -40,13 +40,13 @@ def motion_of(outcome: PolygonCut) -> Motion:
     phi = angles_of(made)
     u = made.geometry.delta(phi, z_mm)
     degrees, moved_mm, slope = _measured(trace.pick(rows)) if rows.size > 2 else (None,) * 3
-    return Motion(
+    return TurnOfU(
         f"height {z_mm:.1f} mm",
         np.degrees(phi),
         (
-            Curve("U towards the axis, mm", u.delta - made.middle_nm / NM_PER_MM, moved_mm),
-            Curve("velocity, mm/s", trace.sense * u.d1 * omega, slope),
-            Curve("acceleration, m/s²", u.d2 * omega**2 / _MM_PER_M),
+            ChartPanel("U towards the axis, mm", u.delta - made.middle_nm / NM_PER_MM, moved_mm),
+            ChartPanel("velocity, mm/s", trace.sense * u.d1 * omega, slope),
+            ChartPanel("acceleration, m/s²", u.d2 * omega**2 / _MM_PER_M),
         ),
         "table",
         degrees,

@@ -21,7 +21,7 @@ _BAND = "rgba(0,158,115,0.25)"  # green, the colour of what is allowed
 _NOT_CUT = "rgba(128,128,128,0.3)"
 
 
-class Curve(NamedTuple):
+class ChartPanel(NamedTuple):
     """One panel of a chart over the angle: what shall be and, where measured, what was."""
 
     name: str  # with its unit
@@ -29,12 +29,12 @@ class Curve(NamedTuple):
     measured: Floats | None = None  # at the measured angles
 
 
-class Motion(NamedTuple):
+class TurnOfU(NamedTuple):
     """U over one turn."""
 
     title: str
     degrees: Floats
-    curves: Sequence[Curve]
+    curves: Sequence[ChartPanel]
     wanted_name: str = "drawing"
     measured_degrees: Floats | None = None
     angle: str = "spindle angle from the long axis"
@@ -187,7 +187,7 @@ def following_chart(by_angle: Floats) -> Json:
     return {"data": data, "layout": layout(height=360, **axes)}
 
 
-def motion_chart(motion: Motion) -> Json:
+def motion_chart(motion: TurnOfU) -> Json:
     """Return U and what follows from it over one turn, a panel each."""
     n = len(motion.curves)
     data: list[Json] = []
@@ -223,7 +223,7 @@ def following_sentence(by_angle: Floats) -> str:
     )
 
 
-def motion_sentence(motion: Motion) -> str:
+def motion_sentence(motion: TurnOfU) -> str:
     """Return the motion of U in words."""
     peaks = (f"{name}: at most {np.abs(curve).max():.4g}" for name, curve, _ in motion.curves)
     return f"U over one turn, {motion.title}. " + "; ".join(peaks) + "."

@@ -19,7 +19,7 @@ from markupsafe import Markup
 
 from camtools.base.json_text import Json
 from camtools.report.board import Board, board_data
-from camtools.report.charts import Motion, board_charts, following_chart, motion_chart
+from camtools.report.charts import TurnOfU, board_charts, following_chart, motion_chart
 from camtools.report.motion import following_by_angle
 from camtools.sim.results import CUTTING, CutTrace
 
@@ -118,7 +118,7 @@ def scripts_of(live: Live | None) -> Scripts:
     return Scripts(about, plotly, ours, json_script(charts), json_script(data), style)
 
 
-def charts_of(trace: CutTrace, motion: Motion | None, key: str = "motion") -> dict[str, Json]:
+def charts_of(trace: CutTrace, motion: TurnOfU | None, key: str = "motion") -> dict[str, Json]:
     """Return the charts of U by the key of the picture whose place they take."""
     charts = {} if motion is None else {key: motion_chart(motion)}
     if (trace.state == CUTTING).any():

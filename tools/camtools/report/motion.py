@@ -26,7 +26,7 @@ from camtools.plots.style import (
     angle_axis,
     new_figure,
 )
-from camtools.report.charts import Motion
+from camtools.report.charts import TurnOfU
 from camtools.sim.results import CUTTING, FAULT, STATES, CutTrace
 
 STATE_COLOURS = (
@@ -87,7 +87,7 @@ def draw_following(trace: CutTrace, angle: str = FROM_LONG_AXIS) -> Figure:
     return figure
 
 
-def draw_motion(motion: Motion) -> Figure:
+def draw_motion(motion: TurnOfU) -> Figure:
     """Return U and what follows from it over one turn, a panel each."""
     n = len(motion.curves)
     figure = new_figure(10, 0.6 + 2.0 * n)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from camtools.base.quantities import NM_PER_MM
 from camtools.report.board import board_of
-from camtools.report.charts import Motion, motion_sentence
+from camtools.report.charts import TurnOfU, motion_sentence
 from camtools.report.live import Live, charts_of
 from camtools.skirt.outcome import SkirtOutcome
 from camtools.skirt.report_motion import motion_at
@@ -17,7 +17,7 @@ from camtools.skirt.report_shape import enlargement_of
 ANGLE = "spindle angle from the long axis"
 
 
-def motion_of(outcome: SkirtOutcome) -> Motion:
+def motion_of(outcome: SkirtOutcome) -> TurnOfU:
     """Return U over the turn in which it moves most."""
     generated = outcome.generated
     speed, middle_mm = generated.speed, generated.middle_nm / NM_PER_MM

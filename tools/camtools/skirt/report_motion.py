@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from camtools.base.quantities import NM_PER_MM, Floats, Ints
-from camtools.report.charts import Curve, Motion
+from camtools.report.charts import ChartPanel, TurnOfU
 from camtools.sim.results import CUTTING, CutTrace
 from camtools.skirt.geometry import Geometry
 from camtools.skirt.speed import motion_played
@@ -55,7 +55,7 @@ def motion_at(
     speed_rpm: float,
     middle_mm: float = 0.0,
     speed: Channel | None = None,
-) -> Motion:
+) -> TurnOfU:
     """Return U, its velocity and acceleration over the turn in which U moves most.
 
     Parameters
@@ -73,13 +73,13 @@ def motion_at(
     u_mm, velocity, acceleration = motion_played(geometry, speed_rpm, z_mm, turns, speed)
     degrees, moved_um, slope = _measured(trace.pick(rows)) if rows.size else (None,) * 3
     mean = "mean " if speed is not None else ""
-    return Motion(
+    return TurnOfU(
         f"height {z_mm:.1f} mm, {mean}{speed_rpm:g} r/min",
         360 * turns,
         (
-            Curve("U towards the axis, µm", (u_mm - middle_mm) * _UM_PER_MM, moved_um),
-            Curve("velocity, mm/s", trace.sense * velocity, slope),
-            Curve("acceleration, m/s²", acceleration / _MM_PER_M),
+            ChartPanel("U towards the axis, µm", (u_mm - middle_mm) * _UM_PER_MM, moved_um),
+            ChartPanel("velocity, mm/s", trace.sense * velocity, slope),
+            ChartPanel("acceleration, m/s²", acceleration / _MM_PER_M),
         ),
         geometry.played_name,
         degrees,
