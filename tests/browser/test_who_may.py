@@ -41,7 +41,7 @@ def test_the_token_leaves_the_address_and_stays_in_its_tab(
     expect(other.get_by_label("token")).to_be_visible()
     other.get_by_label("token").fill("wrong")
     other.get_by_label("token").press("Enter")
-    expect(other.get_by_text("the token is wrong")).to_be_visible()
+    expect(other.get_by_text("the token is wrong", exact=True)).to_be_visible()
     other.get_by_label("token").fill(session.token)
     other.get_by_label("token").press("Enter")
     expect(other.get_by_role("button", name="Take command")).to_be_visible()

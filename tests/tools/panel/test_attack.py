@@ -16,8 +16,6 @@ from camtools.panel.connections import MOST_CONNECTIONS
 from panel_session import PanelSession, panel_session
 from raw_page import RawPage, get
 
-pytestmark = pytest.mark.alone
-
 
 @pytest.fixture(scope="module")
 def session(tmp_path_factory: pytest.TempPathFactory) -> Iterator[PanelSession]:

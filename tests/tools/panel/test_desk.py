@@ -9,13 +9,16 @@ import struct
 import time
 import zlib
 
+import can
 import pytest
 
 from camctl_bench import Bench
+from camtools.link.controller import COMMAND, Answer, Link, Refused
 from camtools.link.parameters import INFOS
+from camtools.link.refusal import ask_done
 from desk_cases import Seat, until
 
-pytestmark = pytest.mark.alone  # the controller keeps pace with the clock
+by_the_clock = pytest.mark.alone  # an axis brakes when the computer is late
 
 
 def last(seat: Seat) -> tuple[str, str, bool]:
@@ -123,6 +126,7 @@ async def hold(seat: Seat, press: int, seconds: float, visitor: object = None) -
         await asyncio.sleep(0.05)
 
 
+@by_the_clock
 def test_an_axis_moves_while_the_button_is_held(seat: Seat) -> None:
     """It stands when it is let go; meanwhile another order is refused with the reason."""
     seat.do("manual")
@@ -143,6 +147,7 @@ def test_an_axis_moves_while_the_button_is_held(seat: Seat) -> None:
     assert seat.place() == after
 
 
+@by_the_clock
 def test_a_press_that_was_silent_stays_dead(seat: Seat) -> None:
     """Late heartbeats move nothing, the same number begins nothing, a new one does."""
     seat.do("manual")
@@ -159,6 +164,7 @@ def test_a_press_that_was_silent_stays_dead(seat: Seat) -> None:
     assert seat.place() == there
 
 
+@by_the_clock
 @pytest.mark.parametrize("what", ["page lost", "taken over", "stop by another"])
 def test_a_held_button_dies_with_its_right(seat: Seat, what: str) -> None:
     """Heartbeats go on, but the page is gone, commands no more, or somebody stops."""
@@ -202,6 +208,7 @@ def test_what_comes_with_a_connection_that_was_lost_is_refused(seat: Seat) -> No
     seat.wait_for("ready")
 
 
+@by_the_clock
 def test_steps_homes_tools_and_zero(seat: Seat) -> None:
     """By hand, to the places that were wanted."""
     seat.do("manual")
@@ -217,6 +224,39 @@ def test_steps_homes_tools_and_zero(seat: Seat) -> None:
     until(lambda: seat.desk.snapshot().signals["tool"] == 0)
     assert seat.do("zero", axis="x", mm=120.0).startswith("zero x: diameter 120 mm here, datum ")
     assert 2 * (seat.place() - seat.place("u")) == pytest.approx(120.0, abs=1e-5)
+
+
+def test_commands_that_get_lost_are_told_and_leave_nothing_behind(
+    seat: Seat, shared_bench: Bench
+) -> None:
+    """The status comes, but no command arrives: each order says so, and none comes later."""
+    seat.do("manual")
+    before = seat.place()
+    shared_bench.drop = lambda frame: frame.arbitration_id == COMMAND.frame_id
+    try:
+        assert "no answer, though status comes" in seat.refused("step", axis="x", mm=1.0)
+        assert "no answer, though status comes" in seat.refused("stop", seat.other)
+        press = seat.refused("jog_begin", press=30, axis="x", mm_per_s=1.0)
+        assert "no answer, though status comes" in press
+    finally:
+        shared_bench.drop = lambda frame: False
+    assert seat.state == "manual" and seat.place() == before
+    assert seat.desk.snapshot().work == ""
+
+
+def test_a_busy_controller_is_asked_again_and_then_told() -> None:
+    """Two hundred milliseconds long; the line says what to do."""
+    answers = [
+        Answer("get_parts", "busy", 0.0, 0),
+        Answer("get_parts", "done", 7.0, 0),
+    ]
+    link = Link(can.Bus(interface="virtual", channel="nobody"), "nobody")
+    link.next_answer = lambda command, timeout_s: answers.pop(0)  # type: ignore[method-assign]
+    assert link.ask("get_parts").value == 7.0
+    answers += [Answer("enable", "busy", 0.0, 0)] * 30
+    with pytest.raises(Refused, match="busy; try again"):
+        ask_done(link, "enable")
+    link.bus.shutdown()
 
 
 def large_image() -> bytes:
@@ -247,6 +287,7 @@ def test_what_is_urgent_overtakes_a_download(seat: Seat, urgent: str) -> None:
     assert seat.desk.snapshot().table_name == "short skirt"
 
 
+@by_the_clock
 def test_stop_brakes_a_step_at_once(seat: Seat) -> None:
     """By anybody with the token; the axis is not where the step would have ended."""
     seat.do("manual")
