@@ -208,7 +208,7 @@ def motion(curves: Options, limits: dict[str, float]) -> Options:
     kind = "mean " if curves["is_modulated"] else ""
     return {
         "animation": False,
-        "title": [_title(f"U over one turn at {kind}{speed}"), *peaks],
+        "title": [_title(f"U at {kind}{speed}") | {"left": 20}, *peaks],
         "tooltip": {"trigger": "axis"},
         "axisPointer": {"link": [{"xAxisIndex": "all"}]},
         "grid": grids,
@@ -223,11 +223,11 @@ def _peak(
 ) -> Options:
     """Return a line above a panel: the largest value, and how much of the limit that is."""
     if key == "u_um":
-        text = f"stroke at this height {curves['stroke_um']:.5g} {unit}"
+        text = f"stroke {curves['stroke_um']:.5g} {unit}"
     else:
-        text = f"largest {name} at this height {curves['peaks'][key]:.5g} {unit}"
+        text = f"{name} up to {curves['peaks'][key]:.5g}"
         if limit is not None:
-            text += f", {100 * curves['peaks'][key] / limit:.3g} % of the limit {limit:.6g}"
+            text += f", {100 * curves['peaks'][key] / limit:.3g} % of {limit:.6g}"
     return {
         "text": text,
         "right": 20,

@@ -118,7 +118,7 @@ class DesignPage:
                     .props("data-testid=editor")
                 )
                 self._editor.bind_enabled_from(self._visitor, "has_token")
-            with ui.tab_panel(form).classes("q-pa-sm"):
+            with ui.tab_panel(form).classes("q-pa-sm form-panel"):
                 self._form = FormView(self._form_changed)
         self._problems = (
             ui.column()
