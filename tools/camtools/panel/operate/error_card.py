@@ -7,6 +7,8 @@ that is hidden.
 
 from __future__ import annotations
 
+from contextlib import suppress
+
 from nicegui import ui
 
 from camtools.link import strobe
@@ -17,6 +19,7 @@ from camtools.panel.views.numbers import plain
 from camtools.panel.views.scale import Scale
 
 _LEAST_UM, _LIMIT_UM, _MOST_UM = 0.02, 2.0, 1000.0
+_TAKEN_S = 5.0  # longest time for which a page is waited for that does not say it has an update
 _SAID = "Following error of U over one turn, the last 50 turns over each other, "
 
 
@@ -74,8 +77,12 @@ class ErrorCard:
         """Tell everything anew with the next update, as behind a page that was hidden."""
         self._trail = Trail()
 
-    def show(self, seen: strobe.Samples) -> None:
-        """Show the samples that are there."""
+    async def show(self, seen: strobe.Samples) -> None:
+        """Show the samples that are there, and wait until the page has taken them.
+
+        A browser that cannot keep up thus gets fewer updates and not older ones: what is sent
+        without waiting would queue up before it, by seconds.
+        """
         shown = recent(_known(seen))
         told = statistics(shown)
         self._max.show(plain(told.max_um, 3))
@@ -95,5 +102,8 @@ class ErrorCard:
         self._full_um, self._limit_told_um = full_um, self._limit_um
         means = mean_by_angle(shown) if told.samples else []
         scale_um = (full_um, self._limit_um) if is_new or is_limit_new else None
-        for kind, chart in self._charts.items():
-            chart.run_chart_method("setOption", change(kind, changes, means, scale_um))
+        options = {kind: change(kind, changes, means, scale_um) for kind in self._charts}
+        self._charts[UNROLLED].run_chart_method("setOption", options[UNROLLED])
+        with suppress(TimeoutError):  # the page takes them in order: the last stands for both
+            last = self._charts[POLAR]
+            await last.run_chart_method("setOption", options[POLAR], timeout=_TAKEN_S)

@@ -119,7 +119,7 @@ class OperatePage:
         self._fast.interval = FAST_S if self._is_seen else UNSEEN_S
         self._error.forget()
 
-    def _show_fast(self) -> None:
+    async def _show_fast(self) -> None:
         snapshot = self._context.desk.snapshot()
         read = self._context.desk.parameters()
         values = read.values if read is not None else {}
@@ -131,7 +131,7 @@ class OperatePage:
             return
         self._figures.show(snapshot)
         self._progress.show(snapshot)
-        self._error.show(self._context.desk.strobe())
+        await self._error.show(self._context.desk.strobe())
 
     def _show_slow(self) -> None:
         snapshot = self._context.desk.snapshot()
