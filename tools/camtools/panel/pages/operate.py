@@ -95,14 +95,10 @@ class OperatePage:
             self._params = ParamsCard(self._orders)
 
     def _listen(self) -> None:
-        # Escape counts everywhere, letters not while somebody types.
-        ui.keyboard(self._stop_key, ignore=[], repeating=False)
+        # Escape counts everywhere (jog.js), letters not while somebody types.
+        ui.on("stop", self._state.stop)
         ui.keyboard(self._key, ignore=["input", "select", "textarea"], repeating=False)
         ui.on("seen", self._seen)
-
-    async def _stop_key(self, event: KeyEventArguments) -> None:
-        if event.action.keydown and event.key.escape:
-            await self._state.stop()
 
     async def _key(self, event: KeyEventArguments) -> None:
         is_plain = not (event.modifiers.ctrl or event.modifiers.alt or event.modifiers.meta)
