@@ -51,6 +51,7 @@ def cut(page: Page, machine: str, *, learns: bool) -> None:
 
 def compared(page: Page, url: str, rows: tuple[int, int], file: str) -> None:
     """Take the picture of two runs side by side; the newest run is row 0."""
+    page.goto("about:blank")  # else a page that is open stays, with what was picked
     page.goto(url.replace("/#", "/runs#"))
     boxes = page.locator("[data-testid=runs-table] tbody .q-checkbox")
     boxes.nth(max(rows)).wait_for(timeout=30_000)

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from camtools.base.errors import CamtoolsError
-from camtools.panel.design.engine import Engine, Limits, Seat
+from camtools.panel.design.engine import Engine, PreviewLimits, Seat
 from preview_cases import PARTS, text_of
 
 LONG_S = 30.0  # until a test gives up
@@ -50,7 +50,7 @@ class Page:
         return await self.until(lambda one: one["stage"] in ("done", "lost"))
 
 
-def acted(limits: Limits, act: Callable[[Engine], Awaitable[None]]) -> None:
+def acted(limits: PreviewLimits, act: Callable[[Engine], Awaitable[None]]) -> None:
     """Act with an engine that is closed behind it."""
 
     async def whole() -> None:
@@ -89,7 +89,7 @@ def test_the_newest_change_wins() -> None:
         assert not last["is_dropped"]
         assert page.heard == []  # what was overtaken said nothing more
 
-    acted(Limits(workers=1), act)
+    acted(PreviewLimits(workers=1), act)
 
 
 def test_a_page_that_waits_is_served_between_those_of_another() -> None:
@@ -103,7 +103,7 @@ def test_a_page_that_waits_is_served_between_those_of_another() -> None:
         assert (await other.until(lambda one: one["stage"] == "curves"))["kind"] == "polygon"
         await greedy.until(lambda one: one["stage"] == "table")
 
-    acted(Limits(workers=1), act)
+    acted(PreviewLimits(workers=1), act)
 
 
 def test_a_process_that_dies_is_replaced() -> None:
@@ -127,7 +127,7 @@ def test_a_process_that_dies_is_replaced() -> None:
         page.ask(text_of("perkins240"), 4.0)
         assert (await page.done())["stage"] == "done"
 
-    acted(Limits(workers=1), act)
+    acted(PreviewLimits(workers=1), act)
 
 
 def test_what_takes_too_long_is_given_up() -> None:
@@ -140,7 +140,7 @@ def test_what_takes_too_long_is_given_up() -> None:
         assert lost["stage"] == "lost"
         assert "takes more than 0.4 s" in lost["problems"][0]["text"]
 
-    acted(Limits(workers=1, time_s=0.4), act)
+    acted(PreviewLimits(workers=1, time_s=0.4), act)
 
 
 def test_memory_is_limited_and_nothing_is_written() -> None:
@@ -158,7 +158,7 @@ def test_memory_is_limited_and_nothing_is_written() -> None:
         page.ask(text_of("perkins240"))
         await page.until(lambda one: one["stage"] == "table")
 
-    acted(Limits(workers=1, memory_mb=1024), act)
+    acted(PreviewLimits(workers=1, memory_mb=1024), act)
 
 
 def test_edits_are_done_one_after_the_other() -> None:
@@ -173,7 +173,7 @@ def test_edits_are_done_one_after_the_other() -> None:
         with pytest.raises(CamtoolsError, match="change it in the text"):
             await page.seat.edit("a = 1\n", ["a", "b"], 1)
 
-    acted(Limits(workers=1), act)
+    acted(PreviewLimits(workers=1), act)
 
 
 def test_a_process_can_write_no_file(tmp_path: Path) -> None:
@@ -188,4 +188,4 @@ def test_a_process_can_write_no_file(tmp_path: Path) -> None:
         [line] = [one for one in limits.splitlines() if one.startswith("Max file size")]
         assert line.split()[3:5] == ["0", "0"]
 
-    acted(Limits(workers=1), act)
+    acted(PreviewLimits(workers=1), act)

@@ -5,7 +5,7 @@ Every page has a `Seat`. Its newest request is given to a process that is free, 
 the seat last if it can be; a request that a newer one overtakes is dropped, also while it is
 computed. A process that takes too long, too much memory, or dies is replaced, and its page is told.
 
->>> Limits().time_s
+>>> PreviewLimits().time_s
 20.0
 """
 
@@ -32,7 +32,7 @@ _MOST_WAITING = 20  # edits of one page
 
 
 @dataclass(frozen=True)
-class Limits:
+class PreviewLimits:
     """What computing a preview may take.
 
     Attributes
@@ -127,12 +127,12 @@ class Engine:
 
     Parameters
     ----------
-    limits : Limits
+    limits : PreviewLimits
         What they may take.
     """
 
-    def __init__(self, limits: Limits | None = None) -> None:
-        self.limits = limits or Limits()
+    def __init__(self, limits: PreviewLimits | None = None) -> None:
+        self.limits = limits or PreviewLimits()
         self._seats: list[Seat] = []
         self._idle: list[_Worker] = []
         self._busy: list[_Worker] = []

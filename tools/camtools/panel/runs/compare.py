@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What differs between runs: part files, what they were cut with, figures, errors as curves.
 
->>> same = Figure("form error", "um", (0.25, 0.5))
+>>> same = ComparedFigure("form error", "um", (0.25, 0.5))
 >>> same.difference(1), same.text(0)
 ('+0.25', '0.25')
 """
@@ -27,7 +27,7 @@ N_HEIGHTS, N_ANGLES = 60, 120  # cells of a map, points of a curve
 _DEG = 360.0
 
 
-class Figure(NamedTuple):
+class ComparedFigure(NamedTuple):
     """A number of each run."""
 
     name: str
@@ -130,14 +130,14 @@ _FIGURES: tuple[tuple[str, str, tuple[str, ...]], ...] = (
 )
 
 
-def figures_of(runs: Sequence[Run]) -> list[Figure]:
+def figures_of(runs: Sequence[Run]) -> list[ComparedFigure]:
     """Return the figures of runs, from their summaries."""
     summaries = [summary_of(run.folder) or {} for run in runs]
     found = []
     for name, unit, path in _FIGURES:
         values = tuple(_number(summary, path) for summary in summaries)
         if any(value is not None for value in values):
-            found.append(Figure(name, unit, values))
+            found.append(ComparedFigure(name, unit, values))
     return found
 
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """How far a run is, from the lines that tools/run prints.
 
->>> seen = Progress()
+>>> seen = RunProgress()
 >>> seen = seen.after("run: cutting 622 turns, 15 s of machine time on the host simulator")
 >>> seen = seen.after("camsim:  42.5 %, 6.4 s of machine time, about 3 s left")
 >>> seen.share, seen.left_s, seen.text
@@ -18,7 +18,7 @@ _MOST_CHARS = 300
 
 
 @dataclass(frozen=True)
-class Progress:
+class RunProgress:
     """How far a run is.
 
     Attributes
@@ -38,12 +38,12 @@ class Progress:
     left_s: float | None = None
     last: str = ""
 
-    def after(self, line: str) -> Progress:
+    def after(self, line: str) -> RunProgress:
         """Return the progress after another line."""
         line = line.strip()[:_MOST_CHARS]
         if found := _CAMSIM.match(line):
             left = None if found[2] is None else float(found[2])
             return replace(self, share=float(found[1]) / 100, left_s=left)
         if line.startswith("run: ") and "; " not in line:
-            return Progress(line.removeprefix("run: "), last=self.last)
+            return RunProgress(line.removeprefix("run: "), last=self.last)
         return replace(self, last=line) if line else self

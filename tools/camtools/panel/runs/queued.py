@@ -21,7 +21,7 @@ from pathlib import Path
 from camtools.base.errors import CamtoolsError
 from camtools.panel.children import child_environment
 from camtools.panel.runs.options import RunOptions
-from camtools.panel.runs.progress import Progress
+from camtools.panel.runs.progress import RunProgress
 from camtools.panel.runs.store import (
     DONE,
     FAILED,
@@ -65,7 +65,7 @@ class RunQueue:
         self._process: asyncio.subprocess.Process | None = None
         self._is_stopped = False
         self.running: Path | None = None
-        self.progress = Progress()
+        self.progress = RunProgress()
         self.begun_s = 0.0
 
     def add(self, folder: Path, options: RunOptions, machine: str | None = None) -> None:
@@ -138,7 +138,7 @@ class RunQueue:
         while self._waiting:
             folder, words = self._waiting.pop(0)
             self.running, self.begun_s, self._is_stopped = folder, time.time(), False
-            self.progress = Progress()
+            self.progress = RunProgress()
             self._store.note(folder, {"status": RUNNING})
             self._on_change()
             try:
