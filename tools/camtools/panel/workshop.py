@@ -51,8 +51,7 @@ class Workshop:
         self._log = context.log
 
     def start(self) -> None:
-        """Start the processes of the previews, and end what an earlier panel left."""
-        self.engine.start()
+        """Mark what an earlier panel left; the first page that asks starts the previews."""
         self.store.end_lost()
 
     async def close(self) -> None:

@@ -109,6 +109,7 @@ class DesignPage:
         with ui.tabs().props("dense align=left") as tabs:
             text = ui.tab("text").props("data-testid=tab-text")
             form = ui.tab("form").props("data-testid=tab-form")
+            form.bind_visibility_from(self._visitor, "has_token")  # who looks reads the text
         with ui.tab_panels(tabs, value=text, animated=False, keep_alive=True).classes("full-width"):
             with ui.tab_panel(text).classes("q-pa-none"):
                 self._editor = (
