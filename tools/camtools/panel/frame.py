@@ -26,6 +26,7 @@ from nicegui import Client, events, ui
 
 from camtools.panel.commander import Commander
 from camtools.panel.context import AppContext
+from camtools.panel.freed import forget_routes
 from camtools.panel.order import Outcome
 from camtools.panel.question import confirmed
 from camtools.panel.visitor import Visitor, new_visitor
@@ -62,6 +63,7 @@ def _admit(context: AppContext, client: Client) -> Visitor:
         _visitors.pop(client.id, None)
         context.desk.page_lost(visitor)
         context.commander.lose(visitor)
+        forget_routes()
 
     client.on_connect(on_connect)
     client.on_disconnect(on_disconnect)
