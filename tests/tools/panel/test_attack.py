@@ -100,6 +100,7 @@ def test_a_viewer_who_sends_every_event_of_his_page_does_nothing(
                 own.event(number, event["listener_id"], *args)
         for name in ("enable", "jog", "stop"):
             own.say(name, {"press": 1, "axis": "x"})
+        time.sleep(1.1)  # of one address a line a second is written
         own.say("panel_hello", hello(page, "wrong"))
         until_logged(session, "token")
     assert done(session)[before:] == []
@@ -184,6 +185,7 @@ def test_what_a_proxy_would_say_is_not_believed(session: PanelSession) -> None:
     assert status == 200 and b"evil" not in content
     page = RawPage(session.origin)
     with page.connected() as own:
+        time.sleep(1.1)
         own.say("panel_hello", hello(page, "wrong"))
         until_logged(session, "token")
     assert {line["address"] for line in session.logged()} == {"127.0.0.1"}
