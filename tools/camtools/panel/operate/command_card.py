@@ -30,7 +30,6 @@ class CommandCard:
 
     def __init__(self, orders: Orders) -> None:
         self._orders = orders
-        self._snapshot = Snapshot()
         self.on_keys: Callable[[], None] = lambda: None
         with card("Commands", "commands"):
             orders.why_all_are_off()
@@ -66,16 +65,15 @@ class CommandCard:
         await self._orders.give("enable")
 
     async def start(self) -> None:
-        """Cut a part, after a question; where it makes no sense the controller's text is shown."""
-        is_sensible = not (
-            self._orders.why_no_rights
-            or why_not("start", self._snapshot.state, self._snapshot.signals)
-        )
-        name = self._snapshot.table_name
-        text = f"The spindle turns and the axes move: {name} is cut. Is the door shut?"
-        if is_sensible and not await confirmed("Start the cut?", text, "Start"):
+        """Cut a part, after a question; nothing starts unasked, however new the state is."""
+        newest = self._orders.context.desk.snapshot()
+        why = self._orders.why_no_rights or why_not("start", newest.state, newest.signals)
+        if why:
+            self._orders.refuse("start", why)
             return
-        await self._orders.give("start")
+        text = f"The spindle turns and the axes move: {newest.table_name} is cut. Is the door shut?"
+        if await confirmed("Start the cut?", text, "Start"):
+            await self._orders.give("start")
 
     async def hold(self) -> None:
         """Z rests on a whole turn."""
@@ -100,10 +98,6 @@ class CommandCard:
     async def manual(self) -> None:
         """Drives on without the spindle."""
         await self._orders.give("manual", "by hand")
-
-    def show(self, snapshot: Snapshot) -> None:
-        """Remember the state for the questions."""
-        self._snapshot = snapshot
 
 
 class Override:

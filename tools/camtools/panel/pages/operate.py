@@ -135,7 +135,7 @@ class OperatePage:
         self._beat = not self._beat
         lost = "" if snapshot.is_connected else " op-silent"
         self._page.classes(replace=f"op-page op-beat-{'a' if self._beat else 'b'}{lost}")
-        for one in (self._commands, self._adjust, self._hand, self._table):
+        for one in (self._adjust, self._hand, self._table):
             one.show(snapshot)
         self._learning.show(snapshot, self._context.desk.lessons())
         self._params.show(self._context.desk.parameters())
