@@ -7,18 +7,24 @@ fails the test in whose window it came.
 
 from __future__ import annotations
 
+import signal
 from collections.abc import Generator, Iterator
 from contextlib import ExitStack
 from pathlib import Path
+from types import FrameType
 from typing import Any
 
 import pytest
 
 from camtools.cli.run import main as run
+from camtools.link.bus import open_bus
 from gallery import FOLDER, Gallery
+from overheard import Overheard
 from panel_session import PanelSession, panel_session
 from windows import Chromium, OpenWindow, Window, chromium
 
+# No cut ends by itself while a slow computer looks at it: 3000 turns, 75 s of the lathe's time.
+LONG_CUT = ("--", "--set", "feed_nm=20000")
 _HAS_FAILED = pytest.StashKey[bool]()
 
 
@@ -37,7 +43,7 @@ def browser() -> Iterator[Chromium]:
     """Run Chromium; nothing may have wanted to leave this computer."""
     with chromium() as one:
         yield one
-        assert not one.trap.caught
+        assert one.trap.caught == []
 
 
 @pytest.fixture(scope="session")
@@ -91,5 +97,22 @@ def report_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="session")
 def session(tmp_path_factory: pytest.TempPathFactory) -> Iterator[PanelSession]:
     """Run a live lathe and the panel of its controller."""
-    with panel_session(tmp_path_factory.mktemp("panel")) as one:
+    before = signal.signal(signal.SIGTERM, _end)
+    with panel_session(tmp_path_factory.mktemp("panel"), LONG_CUT) as one:
         yield one
+    signal.signal(signal.SIGTERM, before)
+
+
+@pytest.fixture
+def overheard(session: PanelSession) -> Iterator[Overheard]:
+    """Hear the controller on its bus; the test begins and ends in off."""
+    session.calm()
+    one = Overheard(*open_bus(session.live.bus), session.live.node)
+    yield one
+    one.close()
+    session.calm()
+
+
+def _end(number: int, _frame: FrameType | None) -> None:
+    """End by a signal as by control-C, so that no process is left behind."""
+    raise KeyboardInterrupt(signal.Signals(number).name)

@@ -4,7 +4,7 @@
     with panel_session(folder) as session, chromium() as browser, browser.window() as window:
         window.page.goto(session.url)
         session.lathe.type("estop")
-        session.status().state
+        session.wait_for_state("fault")
 
 The folder must be empty; lathe and panel see no other live lathe of this computer.
 """
@@ -22,8 +22,10 @@ from typing import Any
 from background import PATIENCE_S, Background, background, python
 from camtools.link.bus import open_bus
 from camtools.link.controller import Link, Status
-from camtools.link.live import live_lathes
+from camtools.link.live import LiveLathe, live_lathes
 
+_ENDS = {"fault": "reset", "homing": "disable", "ready": "disable", "manual": "disable"}
+_CALM_S = 0.1
 _ADDRESS = re.compile(r"(http://\S+)/#token=(\S+)")
 
 
@@ -38,7 +40,9 @@ class PanelSession:
     origin, token : str
         where the panel is served, without a path, and what its commands need
     witness : Link
-        a link of the test's own, which only listens: what it says the panel has not touched
+        a link of the test's own: what it hears the panel has not touched
+    live : LiveLathe
+        by which others of this user find the controller
     log : Path
         of the panel's commands
     """
@@ -48,6 +52,7 @@ class PanelSession:
     origin: str
     token: str
     witness: Link
+    live: LiveLathe
     log: Path
 
     @property
@@ -72,6 +77,14 @@ class PanelSession:
     def wait_for_state(self, *states: str) -> Status:
         """Return the first status in one of some states."""
         return self.wait_for(lambda status: status.state in states)
+
+    def calm(self) -> None:
+        """Bring the lathe into off without a fault, past the panel."""
+        while (state := self.status().state) != "off" or self.witness.status.faults:
+            if state == "fault":
+                self.lathe.type("release")
+            self.witness.ask(_ENDS.get(state, "stop"))
+            self.witness.wait(lambda: False, _CALM_S)
 
     def logged(self) -> list[dict[str, Any]]:
         """Return the lines of the panel's log of commands."""
@@ -110,4 +123,4 @@ def panel_session(
         stack.callback(bus.shutdown)
         witness = Link(bus, where, announced.node)
         witness.listen()
-        yield PanelSession(lathe, panel, address[1], address[2], witness, log)
+        yield PanelSession(lathe, panel, address[1], address[2], witness, announced, log)

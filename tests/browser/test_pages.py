@@ -22,7 +22,7 @@ def test_page_has_no_grave_finding(
     page = open_window(color_scheme=scheme).page
     page.goto(session.origin + PAGES[name], wait_until="networkidle")
     for place, size in {"desk": DESK, "phone": PHONE}.items():
-        page.set_viewport_size(size)  # type: ignore[arg-type]
+        page.set_viewport_size(size)
         gallery.keep(page, f"{name}, {place}, {scheme}", is_whole=True)
         assert not grave_findings(page)
         assert page.evaluate("document.documentElement.scrollWidth") <= size["width"]

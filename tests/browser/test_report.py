@@ -1,51 +1,170 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The report of a cut in a browser."""
+"""The report of a cut in a browser: its linked charts against the gauged surface, print, words."""
 
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
+import numpy as np
 import pytest
+from playwright.sync_api import Page, expect
 
 from accessible import grave_findings
-from gallery import Gallery
-from windows import OpenWindow
+from camtools.base.quantities import Floats
+from gallery import FOLDER, Gallery
+from windows import PHONE, OpenWindow
+
+A4_WIDTH_PX, A4_MARGIN_MM = 794, 15.0
+MOST_PAGES = 20
+_DATA = "id => document.getElementById(id).data.map(one => ({x: one.x, y: one.y, name: one.name}))"
+
+
+def open_report(page: Page, folder: Path) -> None:
+    """Open the report and wait until its charts are alive."""
+    page.goto((folder / "report.html").as_uri())
+    expect(page.locator("#section-text")).to_contain_text("the error runs from")
+    expect(page.locator("#profile .main-svg").first).to_be_visible()
+
+
+def surface(folder: Path) -> dict[str, Floats]:
+    """Read the gauged surface as a spreadsheet does."""
+    path = folder / "surface.csv"
+    names = path.read_text("ascii").split("\n", 1)[0].split(",")
+    return dict(zip(names, np.loadtxt(path, delimiter=",", skiprows=1).T, strict=True))
+
+
+def test_slider_moves_section_and_map(report_folder: Path, open_window: OpenWindow) -> None:
+    """What the section shows at the chosen height is what stands in surface.csv there."""
+    page = open_window().page
+    open_report(page, report_folder)
+    page.locator("#height").focus()
+    before = page.locator("#height-value").inner_text()
+    for _ in range(5):
+        page.keyboard.press("ArrowRight")
+    expect(page.locator("#height-value")).not_to_have_text(before)
+    text = page.locator("#height-value").inner_text()
+    z_mm = page.evaluate("part.z_mm[Number(document.getElementById('height').value)]")
+    assert text == f"{z_mm:.2f} mm"
+    y0 = page.evaluate("document.getElementById('error-map').layout.shapes[0].y0")
+    assert y0 == pytest.approx(z_mm)
+    line = page.evaluate(_DATA, "unrolled")[-1]
+    cells = surface(report_folder)
+    pitch_mm = page.evaluate("part.z_mm[1] - part.z_mm[0]")
+    is_here = np.abs(cells["z_mm"] - z_mm) < 0.6 * pitch_mm
+    angle_deg, error_um = 360 * cells["turn"][is_here], cells["error_nm"][is_here] / 1e3
+    shown = np.array(line["x"], float), np.array(line["y"], float)
+    per_um = page.evaluate("part.per_um")
+    step = page.evaluate("part.error_step_um")
+    nearest = np.array([np.argmin(np.abs(angle_deg - x)) for x in shown[0]])
+    assert len(shown[0]) == page.evaluate("part.columns")
+    assert np.max(np.abs(angle_deg[nearest] - shown[0])) < 0.01
+    assert np.max(np.abs(error_um[nearest] * per_um - shown[1])) <= step * per_um
+
+
+def test_pointer_reads_the_map_and_chooses(report_folder: Path, open_window: OpenWindow) -> None:
+    """What is told at the pointer stands in surface.csv, and a click brings the section there."""
+    page = open_window().page
+    open_report(page, report_folder)
+    area = page.locator("#error-map .nsewdrag").first
+    area.scroll_into_view_if_needed()
+    box = area.bounding_box()
+    assert box is not None
+    page.mouse.move(box["x"] + 0.3 * box["width"], box["y"] + 0.2 * box["height"])
+    hover = page.locator("#error-map .hoverlayer .hovertext")
+    expect(hover).to_be_visible()
+    told = hover.text_content() or ""
+    numbers = [
+        float(n) for n in re.findall(r"-?\d+(?:\.\d+)?", told.replace("\N{MINUS SIGN}", "-"))
+    ]
+    assert len(numbers) == 4, told
+    cells = surface(report_folder)
+    off = np.hypot(360 * cells["turn"] - numbers[0], 10 * (cells["z_mm"] - numbers[1]))
+    there = int(np.argmin(off))
+    per_um = page.evaluate("part.per_um")
+    assert numbers[3] == pytest.approx(cells["error_nm"][there] / 1e3 * per_um, rel=0.02, abs=0.6)
+    page.mouse.click(box["x"] + 0.3 * box["width"], box["y"] + 0.2 * box["height"])
+    expect(page.locator("#height-value")).to_have_text(f"{numbers[1]:.2f} mm")
+
+
+def test_numbers_of_the_page_are_those_of_the_summary(
+    report_folder: Path, open_window: OpenWindow
+) -> None:
+    """Form error and verdict, as a person reads them."""
+    page = open_window().page
+    open_report(page, report_folder)
+    summary = json.loads((report_folder / "summary.json").read_text("utf-8"))
+    assert summary["is_good"] == (page.locator("#verdict").get_attribute("data-kind") == "good")
+    text = page.locator("#summary").inner_text()
+    found = re.search(r"max ([\d.]+) (nm|um|\N{MICRO SIGN}m)", text)
+    assert found is not None, text
+    told_um = float(found[1]) * (1e-3 if found[2] == "nm" else 1.0)
+    assert told_um == pytest.approx(summary["form_error_um"]["max"], rel=0.01)
+
+
+def test_part_in_space_is_drawn(
+    report_folder: Path, open_window: OpenWindow, gallery: Gallery
+) -> None:
+    """By WebGL, whose picture is not empty and turns under the pointer."""
+    page = open_window().page
+    open_report(page, report_folder)
+    space = page.locator("#space")
+    space.scroll_into_view_if_needed()
+    expect(space.locator("canvas").first).to_be_visible()
+    first = space.screenshot()
+    box = space.bounding_box()
+    assert box is not None
+    page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    page.mouse.down()
+    page.mouse.move(box["x"] + box["width"] / 4, box["y"] + box["height"] / 2, steps=4)
+    page.mouse.up()
+    gallery.keep(page, "Report, part in space")
+    assert space.screenshot() != first
+
+
+def test_report_without_scripts_has_its_pictures(
+    report_folder: Path, open_window: OpenWindow, gallery: Gallery
+) -> None:
+    """A reader without JavaScript sees the pictures that print."""
+    page = open_window(java_script_enabled=False).page
+    page.goto((report_folder / "report.html").as_uri())
+    gallery.keep(page, "Report, without scripts", is_whole=True)
+    assert page.locator("#board").is_hidden()
+    pictures = page.locator("img:visible")
+    assert pictures.count() >= 5
+    assert page.locator("#summary").is_visible()
+
+
+def test_report_prints_to_a4(
+    report_folder: Path, open_window: OpenWindow, gallery: Gallery
+) -> None:
+    """Nothing is wider than the paper, and there are as many pages as a person will turn."""
+    page = open_window().page
+    open_report(page, report_folder)
+    pdf = page.pdf(format="A4", print_background=True, prefer_css_page_size=True)
+    (FOLDER / "report.pdf").write_bytes(pdf)
+    n_pages = len(re.findall(rb"/Type\s*/Page\b(?!s)", pdf))
+    assert 2 <= n_pages <= MOST_PAGES
+    page.emulate_media(media="print")
+    paper_px = A4_WIDTH_PX - round(2 * A4_MARGIN_MM / 25.4 * 96)
+    page.set_viewport_size({"width": paper_px, "height": 1000})
+    widest = page.evaluate(
+        """Math.max(...[...document.querySelectorAll("body *")].filter(e => e.checkVisibility())
+        .map(e => e.getBoundingClientRect().right - document.documentElement.clientWidth))"""
+    )
+    assert widest <= 1.0
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_report_has_no_grave_finding(
     report_folder: Path, open_window: OpenWindow, gallery: Gallery, scheme: str
 ) -> None:
-    """Axe finds nothing serious."""
+    """Axe finds nothing serious, and on a phone nothing is beyond the edge."""
     page = open_window(color_scheme=scheme).page
-    page.goto((report_folder / "report.html").as_uri())
+    open_report(page, report_folder)
     gallery.keep(page, f"Report, {scheme}", is_whole=True)
     assert not grave_findings(page)
-
-
-def test_report_fits_paper(report_folder: Path, open_window: OpenWindow) -> None:
-    """On A4 less its margins nothing is wider than the page, and pictures stand for the charts."""
-    page = open_window().page
-    page.set_viewport_size({"width": 688, "height": 1000})  # 182 mm of 1/96 inch
-    page.goto((report_folder / "report.html").as_uri())
-    page.wait_for_selector(".has-board", state="attached")
-    page.emulate_media(media="print")
-    assert page.evaluate("document.documentElement.scrollWidth") <= 688
-    assert not page.locator("#board").is_visible()
-    assert page.locator("#picture-map img").is_visible()
-
-
-def test_sheet_reads_as_its_data(report_folder: Path, open_window: OpenWindow) -> None:
-    """Every feature of every sheet stands on the page with the digits of sheets.json."""
-    data = json.loads((report_folder / "sheets.json").read_text())
-    page = open_window().page
-    page.goto((report_folder / "report.html").as_uri())
-    assert len(data["sections"]) > 2
-    for number, section in enumerate(data["sections"], 1):
-        rows = page.locator(f"#sheet-{number} table").first.locator("tr").all_inner_texts()[1:]
-        cells = [row.split("\t") for row in rows]
-        assert [row[0] for row in cells] == [one["name"] for one in section["features"]]
-        assert [row[6] for row in cells] == [one["verdict"] for one in section["features"]]
-        for row, one in zip(cells, section["features"], strict=True):
-            assert float(row[3].replace(" ", "")) == pytest.approx(one["actual"], abs=5.1e-5)
+    page.set_viewport_size(PHONE)
+    gallery.keep(page, f"Report, phone, {scheme}", is_whole=True)
+    assert page.evaluate("document.documentElement.scrollWidth") <= PHONE["width"]

@@ -18,11 +18,20 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
 
-from playwright.sync_api import Browser, ConsoleMessage, Page, Request, sync_playwright
+from playwright.sync_api import (
+    Browser,
+    ConsoleMessage,
+    Page,
+    Request,
+    ViewportSize,
+    expect,
+    sync_playwright,
+)
 
 from loopback_trap import Trap
 
-PATIENCE_MS = 60_000.0  # for a condition, on a computer that does much else
+PATIENCE_MS = 150_000.0  # for a condition, on a computer that does much else
+expect.set_options(timeout=PATIENCE_MS)
 _WITHOUT_NETWORK = ("about", "blob", "data", "file")
 _HERE = ("127.0.0.1", "localhost", "::1")
 _SWITCHES = (
@@ -33,8 +42,8 @@ _SWITCHES = (
     "--disable-component-update",
     "--disable-sync",
 )
-DESK = {"width": 1280, "height": 800}
-PHONE = {"width": 390, "height": 844}
+DESK: ViewportSize = {"width": 1280, "height": 800}
+PHONE: ViewportSize = {"width": 390, "height": 844}
 
 
 def chromium_path() -> str:

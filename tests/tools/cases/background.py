@@ -22,7 +22,7 @@ from pathlib import Path
 
 from part_cases import environment
 
-PATIENCE_S = 60.0
+PATIENCE_S = 150.0
 
 
 class Background:

@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A lathe is operated from the browser; what is so is asked of the controller, past the panel."""
+
+from __future__ import annotations
+
+import pytest
+from playwright.sync_api import Page, expect
+
+from accessible import grave_findings
+from gallery import Gallery
+from overheard import Overheard
+from panel_page import command, expect_state, look, order, points, start, take_command
+from panel_session import PanelSession
+from windows import OpenWindow
+
+JOG_TIMEOUT_ROWS = 25  # 250 ms of the controller's own time: a status comes every 10 ms
+NEW_POINTS = 100
+# No heartbeat comes meanwhile, then the button is still held.
+FREEZE = "() => { const since = performance.now(); while (performance.now() - since < 1500); }"
+
+
+def expect_curve_of_the_controller(overheard: Overheard, page: Page) -> None:
+    """Wait until the chart has new points, all of which the controller said on the bus."""
+    overheard.forget_points()
+    before = points(page)
+    while len(new := points(page) - before) < NEW_POINTS:
+        overheard.status()
+    heard, n_lost = overheard.points()
+    strange = {point for point in new if point not in heard}
+    assert len(strange) <= n_lost, (sorted(strange)[:5], n_lost)
+    assert len({angle for angle, _ in new}) > NEW_POINTS / 2, "from all around"
+
+
+def test_viewer_commands_nothing(
+    session: PanelSession, overheard: Overheard, open_window: OpenWindow
+) -> None:
+    """Without the token all buttons are off, keys do nothing, and taking is not offered."""
+    page = open_window().page
+    look(page, session)
+    expect_state(page, "off")
+    n_logged = len(session.logged())
+    for name in ("enable", "start", "hold", "resume", "disable", "reset", "home", "manual"):
+        expect(order(page, name)).to_be_disabled()
+    expect(page.get_by_test_id("rights")).to_contain_text("token")
+    expect(page.get_by_role("button", name="Take command")).to_be_hidden()
+    for key in "esm":
+        page.keyboard.press(key)
+    expect(page.get_by_test_id("last-order")).to_contain_text("token")
+    assert overheard.status().state == "off"
+    assert not any(line["is_done"] for line in session.logged()[n_logged:])
+
+
+def test_a_part_is_cut_and_a_fault_is_got_over(
+    session: PanelSession, overheard: Overheard, open_window: OpenWindow, gallery: Gallery
+) -> None:
+    """The whole story of an operator, from the token to the second cut."""
+    page = open_window().page
+    look(page, session)
+    gallery.keep(page, "Operate, viewing")
+    take_command(page, session)
+    order(page, "enable").click()
+    overheard.wait_for_state("ready")
+    expect_state(page, "ready")
+    start(page)
+    overheard.wait_for_state("cutting")
+    expect_state(page, "cutting")
+    expect_curve_of_the_controller(overheard, page)
+    gallery.keep(page, "Operate, cutting")
+    order(page, "hold").click()
+    z_mm = overheard.wait_for_state("holding").signals["z"]
+    gallery.keep(page, "Operate, holding")
+    assert overheard.status().signals["z"] == pytest.approx(z_mm, abs=0.01)
+    order(page, "resume").click()
+    overheard.wait_for(lambda status: status.signals["z"] > z_mm + 0.1)
+    session.lathe.type("estop")
+    overheard.wait_for_state("fault")
+    fault = page.locator("[data-fault=estop]")
+    expect(fault).to_contain_text("Cause: The emergency-stop chain is open.")
+    expect(fault).to_contain_text("Remedy: Release the emergency stop")
+    expect(page.get_by_test_id("missing")).to_contain_text("Release the emergency stop")
+    gallery.keep(page, "Operate, fault")
+    assert not grave_findings(page)
+    session.lathe.type("release")
+    overheard.wait_for(lambda status: not status.signals["is_estop"])
+    expect(order(page, "reset")).to_be_enabled()
+    order(page, "reset").click()
+    overheard.wait_for_state("off")
+    order(page, "enable").click()
+    overheard.wait_for_state("ready")
+    expect(order(page, "start")).to_be_enabled()
+    start(page)
+    overheard.wait_for_state("cutting")
+    page.get_by_test_id("stop").click()
+    overheard.wait_for_state("disengaging", "ready")
+    done = [line["order"] for line in session.logged() if line["is_done"]]
+    assert [name for name in done if name in ("enable", "start", "hold", "resume", "reset")] == [
+        *("enable", "start", "hold", "resume", "reset", "enable", "start"),
+    ]
+
+
+@pytest.mark.parametrize("way", ["frozen", "let go"])
+def test_jog_ends_with_its_heartbeats(
+    session: PanelSession, overheard: Overheard, open_window: OpenWindow, way: str
+) -> None:
+    """An axis moves while its button is held; 250 ms behind the last order it stands."""
+    window = open_window()
+    page = window.page
+    command(page, session)
+    order(page, "manual").click()
+    overheard.wait_for_state("manual")
+    button = page.get_by_test_id("jog-xplus")
+    expect(button).to_be_enabled()
+    button.hover()
+    page.mouse.down()
+    x_mm = overheard.status().signals["x"]
+    overheard.wait_for(lambda status: status.signals["x"] > x_mm + 0.02)
+    if way == "frozen":
+        page.evaluate(FREEZE)
+    else:
+        page.mouse.up()
+    status = overheard.wait_for(lambda status: status.signals["hand_phase"] == 0)
+    assert 0 <= overheard.rest_row - overheard.jog_row <= JOG_TIMEOUT_ROWS + 1
+    stands_mm, jog_row = status.signals["x"], overheard.jog_row
+    until_row = status.n_rows + 2 * JOG_TIMEOUT_ROWS
+    later = overheard.wait_for(lambda status: status.n_rows > until_row)
+    assert later.signals["x"] == stands_mm and overheard.jog_row == jog_row
+    page.mouse.up()
