@@ -12,6 +12,8 @@ import pytest
 from halbox import Halbox
 from replays import COMMANDED, Cut, Whole, cut, replay
 
+pytest_plugins = ["halrun_fixtures"]
+
 TableOf = Callable[[str], Path]
 LOAD = "loadrt camturn table={} tick_hz=1000\n"
 THREAD = "loadrt threads name1=servo period1=1000000\naddf camturn.update servo\n"

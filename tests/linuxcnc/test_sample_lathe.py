@@ -14,6 +14,8 @@ import pytest
 from halbox import Halbox
 from part_cases import ROOT
 
+pytest_plugins = ["halrun_fixtures"]
+
 SIM = ROOT / "hal" / "linuxcnc" / "sim"
 PROGRAMS = ("linuxcncsvr", "io", "milltask")
 BLOCKS = (
