@@ -31,6 +31,13 @@ from camtools.panel.workshop import Workshop, workshop_of
 
 STYLE = '<link rel="stylesheet" href="/panel/design.css">'
 _FIRST = "perkins240"
+# CodeMirror's own elements have no name and take no focus of those who only look.
+_NAME_EDITOR = """(async () => {
+    const frame = getElement(%d);
+    await frame.editorPromise;
+    frame.editor.contentDOM.setAttribute("aria-label", "text of the part file");
+    frame.editor.scrollDOM.tabIndex = 0;
+})()"""
 _MAX_UPLOAD_BYTES = 20_000_000
 _MOST_PROBLEMS = 20
 _BAD_LINE = "is-bad-line"
@@ -113,12 +120,14 @@ class DesignPage:
         with ui.tab_panels(tabs, value=text, animated=False, keep_alive=True).classes("full-width"):
             with ui.tab_panel(text).classes("q-pa-none"):
                 self._editor = (
-                    ui.codemirror(language="TOML", theme="githubLight", on_change=self._typed)
+                    ui.codemirror(language="TOML", theme="vscodeLight", on_change=self._typed)
                     .props('aria-label="text of the part file"')
                     .classes("part-editor")
                     .props("data-testid=editor")
                 )
                 self._editor.bind_enabled_from(self._visitor, "has_token")
+                name = _NAME_EDITOR % self._editor.id
+                ui.context.client.on_connect(lambda client: client.run_javascript(name))
             with ui.tab_panel(form).classes("q-pa-sm form-panel"):
                 self._form = FormView(self._form_changed)
         self._problems = (

@@ -23,6 +23,7 @@ from camtools.panel.runs.store import Run
 from camtools.panel.visitor import Visitor
 from camtools.panel.workshop import Workshop, workshop_of
 
+_BOX = '<q-checkbox dense v-model="props.selected" {name} />'
 _SHOW_S = 0.5
 _COLUMNS = (
     *(("at", "date (UTC)"), ("name", "run"), ("part", "part"), ("machine", "machine")),
@@ -89,6 +90,9 @@ class RunsPage:
             .classes("full-width")
             .props("data-testid=runs-table")
         )
+        # Quasar's own boxes have no names for those who do not see them.
+        self._table.add_slot("header-selection", _BOX.format(name='aria-label="all runs"'))
+        self._table.add_slot("body-selection", _BOX.format(name=':aria-label="props.key"'))
         self._comparison = ui.column().classes("full-width").props("data-testid=comparison")
         ui.timer(_SHOW_S, self._show)
         self._show()
