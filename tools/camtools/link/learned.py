@@ -8,10 +8,10 @@ True
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Sequence
 
 from camtools.base.errors import CamtoolsError
+from camtools.base.toml_text import toml_tree
 from camtools.link.controller import NAMES, Answer, Link, Refused, Status
 
 # Values of firmware/machine/cam_teach.h, in their order. The last word of a name is the unit:
@@ -59,8 +59,8 @@ def learned_values(data: bytes, name: str) -> list[int]:
         It is none: the line names the file, the key and the remedy.
     """
     try:
-        told = tomllib.loads(data.decode("utf-8"))
-    except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        told = toml_tree(data.decode("utf-8"))
+    except ValueError as error:
         text = f"{name}: no learned values: {error}; save them by camctl learned save"
         raise CamtoolsError([text]) from error
     values: list[int] = []

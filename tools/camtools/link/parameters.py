@@ -13,13 +13,13 @@ True
 from __future__ import annotations
 
 import re
-import tomllib
 import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 from camtools.base.errors import CamtoolsError
+from camtools.base.toml_text import toml_tree
 from camtools.link.controller import NUMBERS, Link
 from camtools.link.refusal import ask_done
 
@@ -149,8 +149,8 @@ def parse(data: bytes, name: str) -> dict[str, int]:
         line for each.
     """
     try:
-        told = tomllib.loads(data.decode("utf-8"))
-    except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        told = toml_tree(data.decode("utf-8"))
+    except ValueError as error:
         text = f"{name}: no parameters: {error}; save them by camctl params save"
         raise CamtoolsError([text]) from error
     problems, values = [], {}

@@ -15,6 +15,7 @@ from nicegui import Client, app, ui
 from camtools.panel.connections import MOST_HEADER_BYTES, BoundedProtocol
 from camtools.panel.context import AppContext
 from camtools.panel.doorway import Doorway
+from camtools.panel.few_traces import keep_traces_few
 from camtools.panel.frame import STATIC, STATIC_FOLDER, may_upload
 from camtools.panel.nonce_template import use_nonces
 from camtools.panel.pages import design, operate, runs
@@ -49,6 +50,7 @@ def application(context: AppContext, hosts: Collection[str]) -> Doorway:
     )
     app.add_exception_handler(HTTPStatus.NOT_FOUND, _not_found)
     use_nonces()
+    keep_traces_few()
     guard_socket([f"http://{host}" for host in hosts])
     return Doorway(outer, hosts, may_upload, lambda: len(Client.instances) >= MOST_PAGES)
 

@@ -7,7 +7,6 @@ r"""A part file as it lies on the disk: read within bounds, parsed once, checked
 from __future__ import annotations
 
 from pathlib import Path
-from tomllib import TOMLDecodeError, loads
 from typing import Any, TypeVar
 
 from pydantic import (
@@ -16,6 +15,7 @@ from pydantic import (
 
 from camtools.base.errors import CamtoolsError, InputError
 from camtools.base.input_file import read_limited
+from camtools.base.toml_text import toml_tree
 from camtools.part.findings import describe_all
 from camtools.part.model import TomlTable
 
@@ -39,11 +39,11 @@ def read_tree(data: bytes, file: str) -> dict[str, Any]:
         Not UTF-8 or not TOML.
     """
     try:
-        return loads(data.decode("utf-8"))
+        return toml_tree(data.decode("utf-8"))
     except UnicodeDecodeError as error:
         problem = f"not UTF-8 text (byte {error.start} is 0x{data[error.start]:02x})"
         raise InputError(file, "", None, problem, "save the file as UTF-8") from error
-    except (TOMLDecodeError, RecursionError, ValueError) as error:
+    except ValueError as error:
         problem = f"not TOML: {error}"
         raise InputError(file, "", None, problem, "correct it; see tools/README.md") from error
 

@@ -17,7 +17,6 @@ from __future__ import annotations
 import copy
 import json
 import math
-import tomllib
 from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
@@ -25,6 +24,7 @@ from typing import Any, NamedTuple
 
 from camtools.base.errors import InputError
 from camtools.base.input_file import read_text
+from camtools.base.toml_text import toml_tree
 from camtools.sim.machines import MACHINES, machine_path
 
 Tree = dict[str, Any]
@@ -68,8 +68,8 @@ def read_machine(text: str, name: str) -> Tree:
         It is no TOML.
     """
     try:
-        return tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
+        return toml_tree(text)
+    except ValueError as error:
         raise InputError(name, "", None, f"is no TOML: {error}", "correct it") from error
 
 

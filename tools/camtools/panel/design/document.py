@@ -9,13 +9,13 @@ r"""A change of one field in the text of a part file: comments and layout of the
 
 from __future__ import annotations
 
-import tomllib
 from typing import Any
 
 import tomlkit
 from tomlkit.exceptions import TOMLKitError
 
 from camtools.base.errors import CamtoolsError
+from camtools.base.toml_text import toml_tree
 from camtools.panel.design.places import Path
 
 Value = float | str | list[Any] | None
@@ -69,8 +69,8 @@ def _at(tree: Any, path: Path) -> Any:  # noqa: ANN401 (values of TOML)
 
 def _tree(text: str) -> dict[str, Any]:
     try:
-        return tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError, ValueError) as error:
+        return toml_tree(text)
+    except ValueError as error:
         problem = f"not TOML: {error}"
         raise CamtoolsError([f"{problem}; correct it in the text"]) from error
 

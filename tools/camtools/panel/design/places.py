@@ -13,21 +13,15 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
+from camtools.base.toml_text import STRINGS
+
 Path = tuple[str | int, ...]
 
-_HEADER = re.compile(r"\s*(\[\[?)\s*([^\[\]]+?)\s*\]\]?\s*(?:#.*)?$")
+_HEADER = re.compile(r"\s*+(\[\[?)([^\[\]]++)\]\]?\s*+(?:#.*)?$")
 _KEY = re.compile(
     r"""\s*((?:[A-Za-z0-9_-]+|"[^"\n]*"|'[^'\n]*')(?:\s*\.\s*[A-Za-z0-9_"'-]+)*)\s*="""
 )
 _PART = re.compile(r"""[A-Za-z0-9_-]+|"[^"]*"|'[^']*'""")
-_STRINGS = re.compile(
-    r'"""(?:\\.|[^\\])*?"""'  # a basic string of several lines, then a literal one
-    r"|'''.*?'''"
-    r'|"(?:\\.|[^"\\\n])*"'
-    r"|'[^'\n]*'"
-    r"|#[^\n]*",
-    re.DOTALL,
-)
 
 
 def _blanked(text: str) -> str:
@@ -39,7 +33,7 @@ def _blanked(text: str) -> str:
             return word  # a quoted key
         return "".join("\n" if one == "\n" else " " for one in word)
 
-    return _STRINGS.sub(hide, text)
+    return STRINGS.sub(hide, text)
 
 
 def _names(dotted: str) -> tuple[str, ...]:

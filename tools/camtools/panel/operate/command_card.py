@@ -17,6 +17,7 @@ from camtools.panel.views.availability import why_not
 _FEED_DETENTS = (0, 50, 80, 100, 120, 150)
 _SPINDLE_DETENTS = (50, 80, 90, 100, 110, 120)
 _UM_PER_MM = 1e3
+_CHANGED = "table, state or commander have changed since the question; look, and start again"
 
 
 class CommandCard:
@@ -72,8 +73,19 @@ class CommandCard:
             self._orders.refuse("start", why)
             return
         text = f"The spindle turns and the axes move: {newest.table_name} is cut. Is the door shut?"
-        if await confirmed("Start the cut?", text, "Start"):
-            await self._orders.give("start")
+        asked = self._what_starts(newest)
+        if not await confirmed("Start the cut?", text, "Start"):
+            return
+        if self._what_starts(self._orders.context.desk.snapshot()) != asked:
+            self._orders.refuse("start", _CHANGED)
+            return
+        await self._orders.give("start")
+
+    def _what_starts(self, now: Snapshot) -> tuple[object, ...]:
+        """Return what an answer to the question holds for: table, state, and who commands."""
+        commander = self._orders.context.commander
+        is_mine = commander.holder is self._orders.visitor
+        return now.table_name, now.signals.get("table_crc"), now.state, is_mine, commander.since_s
 
     async def hold(self) -> None:
         """Z rests on a whole turn."""
