@@ -13,6 +13,8 @@ from camtools.panel.workshop import files_named, is_confined_tree
 from preview_cases import PARTS, answers, problems, text_of
 
 LEAVING = ("/etc/passwd", "../secret.csv", "sub/../../secret.csv", "link.csv", "dir/secret.csv")
+# They lead back into the folder, but not from the folder of a run, to which the part is copied.
+ROUND = ("../parts/scan90.csv", "sub/../scan90.csv")
 
 
 @pytest.fixture
@@ -27,7 +29,7 @@ def folder(tmp_path: Path) -> Path:
     return place
 
 
-@pytest.mark.parametrize("path", LEAVING)
+@pytest.mark.parametrize("path", [*LEAVING, *ROUND])
 def test_a_path_that_leaves_the_folder_is_refused(path: str, folder: Path) -> None:
     """By whatever way; the line names the field and the remedy, and nothing of the file."""
     text = text_of("scan90").replace('"scan90.csv"', f'"{path}"')
@@ -37,6 +39,14 @@ def test_a_path_that_leaves_the_folder_is_refused(path: str, folder: Path) -> No
     assert "leads out of the folder" in line
     assert "4711" not in str(found)
     assert not is_confined_tree({"piston": {"section": {"csv": path}}}, folder)
+
+
+def test_a_whole_path_into_the_folder_is_refused(folder: Path) -> None:
+    """A run of it would write its copy of the file over the file itself."""
+    path = str(folder / "scan90.csv")
+    [line] = problems(answers(text_of("scan90").replace('"scan90.csv"', f'"{path}"'), folder))
+    assert "leads out of the folder" in line
+    assert not is_confined_tree({"csv": path}, folder)
 
 
 def test_a_nul_in_a_path_is_refused(folder: Path) -> None:

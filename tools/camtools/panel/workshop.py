@@ -166,7 +166,8 @@ def is_confined_tree(tree: object, folder: Path) -> bool:
                     place = (folder / value).resolve()
                 except (OSError, ValueError, RuntimeError):
                     return False
-                if not place.is_relative_to(folder.resolve()):
+                is_plain = not Path(value).is_absolute() and ".." not in Path(value).parts
+                if not is_plain or not place.is_relative_to(folder.resolve()):
                     return False
             elif not is_confined_tree(value, folder):
                 return False

@@ -86,7 +86,9 @@ def _refuse_outside(folder: Path, value: str) -> None:
     remedy = "give the name of a file that lies beside the part, without .. and links"
     try:
         place = (folder / value).resolve()
-        is_inside = place.is_relative_to(folder.resolve())
+        # A copy of the part elsewhere must find the file at the same place, and nothing else there.
+        is_plain = not Path(value).is_absolute() and ".." not in Path(value).parts
+        is_inside = is_plain and place.is_relative_to(folder.resolve())
     except (OSError, ValueError, RuntimeError):  # a NUL, a name too long, links in a circle
         is_inside = False
     if not is_inside:
