@@ -3,13 +3,19 @@
 
 from __future__ import annotations
 
+import errno
 import json
+import resource
 import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from io import FileIO
 from pathlib import Path
 
 import pytest
 
 from camtools.base.errors import CamtoolsError
+from camtools.panel import command_log
 from camtools.panel.command_log import CommandLog
 from camtools.panel.commander import Commander
 from camtools.panel.order import Outcome
@@ -164,6 +170,58 @@ def test_the_log_is_its_owners_alone_and_bounded(tmp_path: Path) -> None:
         *("time", "visitor", "address", "order", "arguments", "is_done", "outcome"),
     }
     CommandLog(path).close()
+
+
+@contextmanager
+def files_end_at(n_bytes: int) -> Iterator[None]:
+    """Let no file of this process grow beyond a size, as a full disc does."""
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (n_bytes, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
+def test_a_full_disc_is_told_and_spoils_no_line_but_its_own(tmp_path: Path) -> None:
+    """The half of a line that found room stands alone when there is room again."""
+    path = tmp_path / "a.jsonl"
+    log, visitor = CommandLog(path), Visitor("v1", "127.0.0.1", True)
+    log.add(visitor, "first", {}, DONE)
+    with files_end_at(path.stat().st_size + 20):
+        log.add(visitor, "second", {}, DONE)
+        assert "commands are not logged" in log.problem
+        log.add(visitor, "third", {}, DONE)
+        assert "commands are not logged" in log.problem
+    log.add(visitor, "fourth", {}, DONE)
+    assert log.problem == ""
+    log.close()
+    first, half, fourth = path.read_text("ascii").splitlines()
+    assert [json.loads(line)["order"] for line in (first, fourth)] == ["first", "fourth"]
+    assert len(half) == 20
+
+
+def test_a_log_that_could_not_begin_anew_goes_on_when_it_can(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The old one has its new name already, and is not lost."""
+    path = tmp_path / "a.jsonl"
+    log, visitor = CommandLog(path, 300), Visitor("v1", "127.0.0.1", True)
+    log.add(visitor, "first", {}, DONE)
+
+    def no_room(_path: Path) -> FileIO:
+        raise OSError(errno.ENOSPC, "no space left")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(command_log, "_open", no_room)
+        for _ in range(3):
+            log.add(visitor, "lost", {"what": "x" * 200}, DONE)
+            assert "no space left" in log.problem
+    log.add(visitor, "last", {"what": "x" * 200}, DONE)
+    assert log.problem == ""
+    log.close()
+    assert json.loads(path.read_text("ascii"))["order"] == "last"
+    assert json.loads(path.with_name("a.jsonl.1").read_text("ascii"))["order"] == "first"
 
 
 def test_who_may_do_nothing_cannot_fill_the_log(tmp_path: Path) -> None:

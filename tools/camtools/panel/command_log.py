@@ -13,6 +13,7 @@ is gone. The token is never in it.
 
 from __future__ import annotations
 
+import errno
 import fcntl
 import json
 import os
@@ -74,7 +75,7 @@ class CommandLog:
         self._newest: deque[dict[str, Any]] = deque(maxlen=KEPT)
         self._refused: OrderedDict[str, tuple[float, int]] = OrderedDict()
         self._stream: FileIO | None = None
-        self.problem = ""
+        self.problem, self._is_broken = "", False
         if path is not None:
             try:
                 self._stream = _open(path)
@@ -136,16 +137,23 @@ class CommandLog:
         try:
             if self._stream.tell() + len(line) > self._most_bytes:
                 self._rotate(self._path)
-            self._stream.write(line)
+            if self._is_broken:  # the half of a line stands alone
+                line = b"\n" + line
+            n_written = self._stream.write(line)
+            self._is_broken = n_written != len(line) and (self._is_broken or n_written > 0)
+            if n_written != len(line):
+                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
             self.problem = ""
         except OSError as error:
             self.problem = f"{self._path}: {error.strerror}: commands are not logged"
 
     def _rotate(self, path: Path) -> None:
         first, second = (path.with_name(f"{path.name}.{i}") for i in (1, 2))
-        if first.exists():
-            first.replace(second)
-        path.replace(first)
+        if path.exists():  # not when it was moved before, and a new one could not be opened
+            if first.exists():
+                first.replace(second)
+            path.replace(first)
         old, self._stream = self._stream, _open(path)
+        self._is_broken = False
         if old is not None:
             old.close()
