@@ -165,16 +165,21 @@ class LinkThread:
         self._work, self._parameters, self._strobe = "", None, None
         self._partial.clear()
         link.on_wait = lambda: None
-        for waiting in (self._urgent, self._jobs):
-            while waiting:
-                waiting.popleft().tell(False, f"not sent: {NOT_HEARD}")
+        self._drop_all()
         with suppress(Exception):  # a driver of strangers raises what it likes
             link.bus.shutdown()
 
+    def _drop_all(self) -> None:
+        for waiting in (self._urgent, self._jobs):
+            while waiting:
+                waiting.popleft().tell(False, f"not sent: {NOT_HEARD}")
+
     def _serve(self, link: Link) -> None:
         """Work until the controller is silent, or the panel ends."""
+        self._drop_all()  # given to the last connection in the moment in which it broke
         link.on_row, link.on_wait = (lambda status: self._show(link, status)), self._look
-        link.listen()
+        with suppress(_Overtaken):
+            link.listen()
         self._strobe_again_s = 0.0
         while not self._is_over.is_set():
             self._is_breaking = bool(self._urgent)

@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The link's thread between two connections."""
+
+from __future__ import annotations
+
+import can
+import pytest
+
+from camctl_bench import Bench
+from camtools.base.errors import CamtoolsError
+from camtools.link.controller import Link
+from camtools.panel.link_thread import Job, LinkThread
+from camtools.panel.snapshot import Snapshot
+from camtools.panel.visitor import Visitor
+from desk_cases import until
+
+
+@pytest.mark.parametrize("is_urgent", [False, True])
+def test_what_was_given_as_a_connection_broke_is_not_carried_out_on_the_next(
+    request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch, is_urgent: bool
+) -> None:
+    """The status was fresh still when the order was judged, the bus was closed when it waited."""
+    is_there = False
+
+    def open_link() -> Link:
+        if not is_there:
+            raise CamtoolsError(["no bus"])
+        return Link(can.Bus(interface="virtual", channel=request.node.name), "the bench")
+
+    bench, thread = Bench(request.node.name), LinkThread(open_link)
+    try:
+        until(lambda: thread.snapshot().problem == "no bus")
+        job = Job("enable", {}, Visitor("v1", "a", True), is_urgent)
+        with monkeypatch.context() as patch:
+            patch.setattr(thread, "snapshot", lambda: Snapshot(is_connected=True))
+            thread.give(job)
+        is_there = True
+        told = job.told.result(30)
+        assert not told.is_done and told.text.startswith("not sent: ")
+        until(lambda: thread.snapshot().is_connected)
+        assert thread.snapshot().state == "off"
+    finally:
+        thread.close()
+        bench.close()
+
+
+def test_the_end_of_the_panel_while_nobody_answers_is_no_mistake(
+    request: pytest.FixtureRequest, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The bus is there, a controller is not: nothing is printed when the panel ends."""
+    is_opened: list[bool] = []
+
+    def open_link() -> Link:
+        is_opened.append(True)
+        return Link(can.Bus(interface="virtual", channel=request.node.name), "nobody")
+
+    thread = LinkThread(open_link)
+    until(lambda: bool(is_opened))
+    thread.close()
+    assert capsys.readouterr().err == ""
