@@ -4,8 +4,8 @@
 ///     set signals, every, rows, trigger -> start -> armed -> recording -> done -> read the rows
 ///
 /// The slow side takes the records of the trace ring (cam_trace.h), so that the interrupt pays
-/// nothing; cam_machine_scope.h is the only reader of the ring. A row holds the chosen signals of one tick as
-/// int32, in the order of the list; rows are `every` ticks apart.
+/// nothing; cam_machine_scope.h is the only reader of the ring. A row holds the chosen signals of
+/// one tick as int32, in the order of the list; rows are `every` ticks apart.
 ///
 /// Armed, the recorder looks at every tick for the trigger (cam_trigger.h) and keeps the last
 /// `before` rows in a ring. A trigger that comes sooner finds fewer; `n_before` tells how many.
