@@ -1,5 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Subcommands of camctl about what changes while a part is cut: overrides, trim, parts."""
+"""Subcommands of camctl about what changes while a part is cut: overrides, trim, parts.
+
+>>> parser = Parser(prog="tools/camctl")
+>>> add_cut(parser.add_subparsers())
+>>> parser.parse_args(["override", "feed", "90"]).what
+'feed'
+"""
 
 from __future__ import annotations
 

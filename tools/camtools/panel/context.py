@@ -1,5 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What all pages of one panel share."""
+"""What all pages of one panel share.
+
+>>> AppContext.runs.relative_to(AppContext.parts.parent).as_posix()
+'runs'
+"""
 
 from __future__ import annotations
 

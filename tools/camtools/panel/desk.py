@@ -4,6 +4,9 @@
 `snapshot()`, `strobe()` and `parameters()` never wait and may be called by every page as often as
 it draws. `do()` judges each order by the visitor who gives it, whatever buttons his page shows: the
 rights are here and nowhere else. Every order and its outcome is logged.
+
+>>> _told({"image": b"123456789", "name": "a part"})
+{'image': '9 bytes, CRC-32 cbf43926', 'name': "'a part'"}
 """
 
 from __future__ import annotations

@@ -4,6 +4,12 @@
 An urgent job breaks off the one that runs, wherever it waits for a frame, and those that wait are
 dropped.
 While no controller is heard the bus is closed and opened again, once a second.
+
+>>> job = Job("start", {}, Visitor("v1", "127.0.0.1"))
+>>> job.tell(False, "busy")
+>>> job.tell(True, "start: engaging")
+>>> job.told.result()
+Outcome(is_done=False, text='busy')
 """
 
 from __future__ import annotations

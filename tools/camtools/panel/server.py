@@ -1,5 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The server of the panel: NiceGUI behind the doorway, run by uvicorn on a socket that is open."""
+"""The server of the panel: NiceGUI behind the doorway, run by uvicorn on a socket that is open.
+
+>>> MOST_PAGES
+48
+"""
 
 from __future__ import annotations
 

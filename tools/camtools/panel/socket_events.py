@@ -4,6 +4,9 @@
 NiceGUI takes an event for the page whose identifier it names, from whatever socket it comes. Here
 the socket must have been accepted for that page. A message that is none is dropped in silence, and
 nothing that a browser wants logged is.
+
+>>> [_page_of("a socket", message) for message in (None, "x", {}, {"client_id": 7})]
+[None, None, None, None]
 """
 
 from __future__ import annotations
