@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import json
+from types import SimpleNamespace
 from typing import Any, cast
 
 import numpy as np
@@ -14,9 +15,10 @@ from camtools.base.quantities import Floats
 from camtools.part.tolerances import FormTolerances, Tolerances
 from camtools.plots.style import drawing
 from camtools.report.sheet import NO_TOLERANCE, Feature, Sheets, Subject, make_sheets
-from camtools.report.sheet_json import sheets_json
+from camtools.report.sheet_json import out_of_tolerance, sheets_json
 from camtools.report.sheet_page import sheet_pages
 from camtools.report.sheet_plots import draw_lines, draw_section
+from camtools.report.text import verdict_of
 from camtools.roundness.waves import transmission
 from camtools.sim.results import (
     PLACES,
@@ -37,6 +39,7 @@ FIVE_MM, FIFTY_MM = 2e-3, 1e-4  # waves on the section
 OVAL_MM, OVAL_RAD = 4e-4, 0.5  # second harmonic of the deviation
 PHI = 2 * np.pi * np.arange(PLACES) / PLACES
 T = {order: float(transmission(order, 50)) for order in (1, 2, 5, 50)}
+MADE_UP = SimpleNamespace(part=SimpleNamespace(part=SimpleNamespace(name="made-up")))
 OVAL = Subject(is_oval=True, has_radius=True)
 
 
@@ -77,7 +80,7 @@ def cut_of(sections: GaugedSections, tolerance_um: float = 5.0) -> AnyCut:
     form = {"max": 6.0, "rms": 2.0, "tolerance": tolerance_um}
     nothing = np.empty(0)
     return Cut(
-        cast(Any, None),
+        cast(Any, MADE_UP),
         made_up_summary(form_error_um=form),
         GaugedSurface(*[nothing] * 4),
         CutTrace(*[nothing] * 10),
@@ -264,6 +267,38 @@ def test_few_ticks_per_turn_are_told() -> None:
     assert "from 200 ticks per turn; fewer than 7 for each of 50 waves" in points
 
 
+@pytest.mark.parametrize("is_fastest_told", [False, True])
+def test_too_few_ticks_call_no_roundness_good(is_fastest_told: bool) -> None:
+    """The fastest turn counts; waves between its ticks are missing, so only what is out is sure."""
+    name = "roundness of the deviation RONt, MZ"
+    for tolerance_um, verdict in ((900.0, "not judged: too few points"), (0.1, "out of tolerance")):
+        cut = cut_of(GAUGED)
+        if is_fastest_told:
+            cut.summary["feasibility"]["spindle_rpm"] = {"needed": 6000.0}
+        else:
+            cut.summary["cut"]["spindle_rpm"] = 6000.0
+        found = make_sheets(cut, OVAL._replace(tolerances=Tolerances(roundness_um=tolerance_um)))
+        assert found is not None
+        assert by_name(found.sections[0].features)[name].verdict == verdict
+
+
+def test_what_is_out_is_told_by_the_verdict_of_the_part() -> None:
+    """The form error is good, a stated tolerance is not: the part is out, and its data say why."""
+    cut = cut_of(GAUGED, 9.0)
+    oval = OVAL._replace(tolerances=Tolerances(ovality_um=0.1))
+    sheets, pages = make_sheets(cut, oval), sheet_pages(cut, oval)
+    assert sheets is not None and pages is not None
+    assert pages.out == ["height 20 mm: ovality: long less short axis"]
+    assert out_of_tolerance(pages.files["sheets.json"]) == pages.out
+    assert out_of_tolerance(None) == []
+    verdict = verdict_of(cut, pages.out)
+    assert (verdict_of(cut).kind, verdict.kind, verdict.title) == (
+        *("good", "poor"),
+        "out of tolerance",
+    )
+    assert pages.out[0] in verdict.sentence
+
+
 def test_data_and_page_have_the_same_numbers(sheets: Sheets) -> None:
     """sheets.json has each feature in full, the page its digits; both name radius or diameter."""
     document = json.loads(sheets_json(sheets))
@@ -274,7 +309,7 @@ def test_data_and_page_have_the_same_numbers(sheets: Sheets) -> None:
     told = document["sections"][0]["features"]
     assert [one["actual"] for one in told] == [one.actual for one in sheets.sections[0].features]
     for one, row in zip(told, pages.views[0].rows, strict=True):
-        assert one["quantity"] in ("radius", "diameter", "angle")
+        assert one["quantity"] in ("radius", "diameter", "distance", "angle")
         assert row[:2] == (one["name"], f"{one['quantity']}, {one['unit']}")
         assert float(row[3].replace(" ", "")) == pytest.approx(one["actual"], abs=5.1e-5)
     waves = [cell for row in pages.views[0].waves for cell in row]

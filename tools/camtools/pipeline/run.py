@@ -26,6 +26,8 @@ from camtools.pipeline.kept import drop_all_but, kept_text
 from camtools.pipeline.kind import Rig
 from camtools.pipeline.load import load
 from camtools.pipeline.make import Made, make
+from camtools.report.sheet_json import out_of_tolerance
+from camtools.report.sheet_page import SHEETS
 from camtools.report.text import ReportRow, page_text
 from camtools.sim.camsim import (
     OVERVIEW,
@@ -169,15 +171,18 @@ def run(argv: Sequence[str]) -> int:
             return BAD_INPUT
         off = _mismatch(job, made, stage.folder)
         say("drawing the report")
-        write_files(stage.folder, made.kind.report(outcome))
+        files = made.kind.report(outcome)
+        out = out_of_tolerance(files.get(SHEETS))
+        write_files(stage.folder, files)
         summary = complete_summary(made, outcome, off, time.monotonic() - begin_s)
+        summary |= {"is_good": outcome.is_good and not out, "sheets_out_of_tolerance": out}
         text = json.dumps(summary, indent=1, allow_nan=False) + "\n"
         write_files(stage.folder, {SUMMARY: text.encode("ascii")})
         stage.publish()
     rows, total_s = made.kind.rows(outcome), time.monotonic() - begin_s
     if off is not None:
         rows.append(ReportRow(f"drive of U {100 * SHARE:.0f} % worse", off.text()))
-    sys.stdout.write(page_text(outcome, rows, shown(folder), total_s))
+    sys.stdout.write(page_text(outcome, rows, shown(folder), total_s, out))
     if job.output is None:
         _tell_what_is_kept(job)
-    return 0 if outcome.is_good else 1
+    return 0 if outcome.is_good and not out else 1

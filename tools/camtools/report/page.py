@@ -19,7 +19,14 @@ from camtools.report.board import Board
 from camtools.report.live import Live, css_text, scripts_of, twin_of
 from camtools.report.sentences import sentences_of
 from camtools.report.sheet_page import SheetPages
-from camtools.report.text import ReportRow, fault_story, margins_of, origin_rows, verdict_of
+from camtools.report.text import (
+    ReportRow,
+    Verdict,
+    fault_story,
+    margins_of,
+    origin_rows,
+    verdict_of,
+)
 from camtools.sim.results import AnyCut
 
 _TEMPLATE = "page.html.j2"
@@ -155,10 +162,10 @@ def _environment() -> Environment:
     return environment
 
 
-def _running(outcome: AnyCut) -> tuple[Markup, Markup]:
+def _running(outcome: AnyCut, verdict: Verdict) -> tuple[Markup, Markup]:
     """Return what the head of each printed page says left and right, as strings of CSS."""
     date = outcome.origin.date if outcome.origin else ""
-    left = f"{outcome.name}: {verdict_of(outcome).title}"
+    left = f"{outcome.name}: {verdict.title}"
     return Markup(css_text(left)), Markup(css_text(date))
 
 
@@ -167,7 +174,8 @@ def render_page(outcome: AnyCut, page: Page) -> str:
     sentences = sentences_of(outcome) | (page.live.sentences if page.live else {})
     shown, live = _shown(page, sentences), page.live
     board = live.board if live else None
-    running_title, running_date = _running(outcome)
+    verdict = verdict_of(outcome, page.sheets.out if page.sheets else ())
+    running_title, running_date = _running(outcome, verdict)
     return (
         _environment()
         .get_template(_TEMPLATE)
@@ -175,7 +183,7 @@ def render_page(outcome: AnyCut, page: Page) -> str:
             name=outcome.name,
             source=page.source,
             summary=outcome.summary,
-            verdict=verdict_of(outcome),
+            verdict=verdict,
             rows=[row for row in page.rows if row.name != "computing time"],
             origin=origin_rows(outcome),
             margins=margins_of(outcome),

@@ -20,6 +20,7 @@ from camtools.roundness.waves import POINTS_PER_WAVE
 from camtools.sim.results import PLACES, AnyCut, GaugedLine
 
 GOOD, OUT, NO_TOLERANCE = "good", "out of tolerance", "no tolerance given"
+TOO_COARSE = "not judged: too few points"
 _UM_PER_MM = 1000.0
 _LEAST_POINTS = 3  # of a line
 _OVALITY = "ovality: long less short axis"
@@ -42,7 +43,7 @@ class Feature(NamedTuple):
     """A line of the table of a sheet; lengths in mm or um as `unit` says."""
 
     name: str
-    quantity: str  # diameter, radius, angle
+    quantity: str  # diameter, radius, distance, angle
     unit: str
     nominal: float | None
     actual: float
@@ -84,6 +85,16 @@ class Sheets(NamedTuple):
     lines: list[LineSheet]
     tapers: list[Feature]
     missing: list[str]  # sections that were not cut all round
+
+    @property
+    def out(self) -> list[str]:
+        """Return what is out of tolerance, by sheet and feature."""
+        named = [(sheet.name, one) for sheet in self.sections for one in sheet.features]
+        named += [
+            (f"profile {line.angle_deg:g}°", one) for line in self.lines for one in line.features
+        ]
+        found = [f"{name}: {one.name}" for name, one in named if one.verdict == OUT]
+        return found + [one.name for one in self.tapers if one.verdict == OUT]
 
 
 def verdict_of(deviation: float, tolerance: float | None) -> str:
@@ -154,15 +165,16 @@ def _form_features(section: SectionFigures, subject: Subject, tolerance_um: floa
 
 def _whole_features(section: SectionFigures) -> list[Feature]:
     """Return the roundness of a section as it is, its oval included."""
-    um, size = ("radius", "µm"), ("diameter", "mm")
+    um, size, apart = ("radius", "µm"), ("diameter", "mm"), ("distance", "µm")
+    centre = section.whole.circle
     return [
         feature("RONt of the section as it is, LS", um, section.whole.total_mm * _UM_PER_MM),
         feature("RONt of the section as it is, MZ", um, section.whole_zone.width_mm * _UM_PER_MM),
         feature("least-squares circle", size, 2 * section.whole.circle.radius_mm),
         feature("smallest circle around it", size, 2 * section.circumscribed.radius_mm),
         feature("largest circle within it", size, 2 * section.inscribed.radius_mm),
-        feature("centre of the LS circle, towards 0°", um, section.whole.circle.x_mm * _UM_PER_MM),
-        feature("centre of the LS circle, towards 90°", um, section.whole.circle.y_mm * _UM_PER_MM),
+        feature("centre of the LS circle, towards 0°", apart, centre.x_mm * _UM_PER_MM),
+        feature("centre of the LS circle, towards 90°", apart, centre.y_mm * _UM_PER_MM),
     ]
 
 
@@ -201,19 +213,38 @@ def _tapers(lines: list[LineSheet], tolerance_um: float | None) -> list[Feature]
     return [_taper(*pair, tolerance_um) for pair in pairs]
 
 
-def _head(outcome: AnyCut, upr: int) -> list[ReportRow]:
-    """Return when, by what and how the sheets were made."""
+def ticks_per_turn(outcome: AnyCut) -> float:
+    """Return how many ticks a turn has at the highest speed that the cut needs."""
     summary = outcome.summary
-    per_turn = summary["tick_hz"] * 60 / summary["cut"]["spindle_rpm"]
+    needed_rpm = summary["feasibility"]["spindle_rpm"]["needed"]
+    fastest_rpm = max(summary["cut"]["spindle_rpm"], needed_rpm)
+    return float(summary["tick_hz"] * 60 / fastest_rpm)
+
+
+def _not_too_coarse(features: list[Feature]) -> list[Feature]:
+    """Return features without a good roundness: the waves between ticks are missing."""
+    return [
+        one._replace(verdict=TOO_COARSE)
+        if one.name == _ROUNDNESS_MZ and one.verdict == GOOD
+        else one
+        for one in features
+    ]
+
+
+def _head(outcome: AnyCut, upr: int) -> list[ReportRow]:
+    """Return what was gauged, when, by what and how."""
+    per_turn = ticks_per_turn(outcome)
     enough = (
         ""
         if per_turn >= POINTS_PER_WAVE * upr
         else (
             f"; fewer than {POINTS_PER_WAVE} for each of {upr} waves, so waves above "
-            f"{per_turn / POINTS_PER_WAVE:.0f} per turn are smoothed"
+            f"{per_turn / POINTS_PER_WAVE:.0f} per turn are smoothed and "
+            "no roundness is called good"
         )
     )
     return [
+        ReportRow("part", outcome.name),
         *origin_rows(outcome),
         ReportRow(
             "instrument",
@@ -227,6 +258,11 @@ def _head(outcome: AnyCut, upr: int) -> list[ReportRow]:
         ),
         ReportRow("points", f"{PLACES} per turn from {per_turn:.0f} ticks per turn{enough}"),
         ReportRow("references", "LS: least squares, MZ: minimum zone (ISO 12181-1, ISO 12780-1)"),
+        ReportRow(
+            "conformity",
+            "good: the number in full, before rounding, is at the tolerance or below; no guard "
+            "band, since the simulated instrument has no uncertainty; a dash: no tolerance stated",
+        ),
     ]
 
 
@@ -236,6 +272,7 @@ def make_sheets(outcome: AnyCut, subject: Subject) -> Sheets | None:
     if not gauged.sections and not gauged.lines:
         return None
     tolerance_um = float(outcome.summary["form_error_um"]["tolerance"])
+    is_coarse = ticks_per_turn(outcome) < POINTS_PER_WAVE * upr
     sections, missing = [], []
     for one in gauged.sections:
         named = one.number <= len(subject.names)
@@ -247,6 +284,7 @@ def make_sheets(outcome: AnyCut, subject: Subject) -> Sheets | None:
         features = _form_features(section, subject, tolerance_um)
         if subject.is_oval:
             features = [*_axes_features(section, stated), *features, *_whole_features(section)]
+        features = _not_too_coarse(features) if is_coarse else features
         sections.append(SectionSheet(name, one.z_mm, one.turn, section, features))
     lines = [
         _line_sheet(one, tolerance_um, stated)

@@ -7,6 +7,8 @@
 
 from __future__ import annotations
 
+import json
+
 from camtools.base.json_text import Json, emit_json
 from camtools.report.sheet import Feature, LineSheet, SectionSheet, Sheets
 from camtools.roundness.circles import Circle, Roundness
@@ -75,6 +77,11 @@ def _line(one: LineSheet) -> Json:
     }
 
 
+def out_of_tolerance(document: bytes | None) -> list[str]:
+    """Return what the sheets found out of tolerance, from sheets.json; nothing without sheets."""
+    return [] if document is None else list(json.loads(document)["out_of_tolerance"])
+
+
 def sheets_json(sheets: Sheets) -> bytes:
     """Return all sheets as JSON text; lengths of harmonics and RON are along the radius."""
     document = {
@@ -82,6 +89,7 @@ def sheets_json(sheets: Sheets) -> bytes:
         "cutoff_upr": sheets.upr,
         "left_out": sheets.subject.left_out,
         "not_cut": sheets.missing,
+        "out_of_tolerance": sheets.out,
         "sections": [_section(one, is_oval=sheets.subject.is_oval) for one in sheets.sections],
         "profiles": [_line(one) for one in sheets.lines],
         "tapers": [_feature(one) for one in sheets.tapers],

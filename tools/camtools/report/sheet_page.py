@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Sheets as the page shows them, and as files beside it.
+r"""Sheets as the page shows them, and as files beside it.
 
 >>> one = Feature("long axis", "diameter", "mm", 92.0, 91.9999, -1e-4, None, "no tolerance given")
 >>> _row(one)[3:6]
 ('91.999 900', '-0.1000 µm', '')
+>>> _row(one)[6] == "\N{EN DASH}"
+True
 """
 
 from __future__ import annotations
@@ -13,6 +15,7 @@ from typing import NamedTuple
 from camtools.plots.style import png_of
 from camtools.report.sheet import (
     GOOD,
+    NO_TOLERANCE,
     OUT,
     Feature,
     SectionSheet,
@@ -52,6 +55,7 @@ class SheetPages(NamedTuple):
     missing: list[str]
     views: list[SheetView]
     files: dict[str, bytes]
+    out: list[str]  # what is out of tolerance
 
 
 def _in_um(value_mm: float) -> str:
@@ -77,7 +81,7 @@ def _row(one: Feature) -> Row:
         shown_number(one.actual, one.unit),
         deviation,
         tolerance,
-        one.verdict,
+        "\N{EN DASH}" if one.verdict == NO_TOLERANCE else one.verdict,
         _CLASSES.get(one.verdict, "none"),
     )
 
@@ -123,4 +127,4 @@ def sheet_pages(outcome: AnyCut, subject: Subject) -> SheetPages | None:
         return None
     views, files = _views(sheets)
     files[SHEETS] = sheets_json(sheets)
-    return SheetPages(sheets.head, subject.left_out, sheets.missing, views, files)
+    return SheetPages(sheets.head, subject.left_out, sheets.missing, views, files, sheets.out)

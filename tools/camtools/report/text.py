@@ -9,6 +9,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -21,6 +22,7 @@ from camtools.sim.results import FAULT, AnyCut
 
 _FAULTS = Path(__file__).resolve().parents[3] / "firmware" / "FAULTS.md"
 _FAULT_ROW = re.compile(r"^\| `(\w+)` \|(.*)\|$", re.MULTILINE)
+_MOST_NAMES = 3
 _CLEAR_MM = 0.2  # the tool counts as out of the work: twice the usual depth of cut
 _MARGINS = {
     "spindle_rpm": ("spindle speed", "r/min", 1.0),
@@ -76,8 +78,20 @@ def plain(text: str) -> str:
     return text
 
 
-def verdict_of(outcome: AnyCut) -> Verdict:
-    """Return whether the part is good, and why not."""
+def _named(names: Sequence[str]) -> str:
+    """Return the first few names, and how many more there are."""
+    more = len(names) - _MOST_NAMES
+    return "; ".join(names[:_MOST_NAMES]) + (f"; and {more} more" if more > 0 else "")
+
+
+def verdict_of(outcome: AnyCut, out: Sequence[str] = ()) -> Verdict:
+    """Return whether the part is good, and why not.
+
+    Parameters
+    ----------
+    out : sequence of str
+        What the sheets of the part found out of tolerance.
+    """
     summary = outcome.summary
     form = summary["form_error_um"]
     if outcome.has_fault:
@@ -95,7 +109,10 @@ def verdict_of(outcome: AnyCut) -> Verdict:
         return Verdict("poor", f"incomplete: {summary['end']}", "The cut did not reach the end.")
     if not outcome.is_good:  # a lobe of a camshaft
         return Verdict("poor", "not gauged", f"The {found}, but the gauge has not seen all of it.")
-    return Verdict("good", "within tolerance", f"The {found} is within the {allowed}.")
+    within = f"The {found} is within the {allowed}"
+    if out:
+        return Verdict("poor", "out of tolerance", f"{within}, but the sheets have: {_named(out)}.")
+    return Verdict("good", "within tolerance", f"{within}.")
 
 
 def error_pair(error: Json) -> str:
@@ -118,7 +135,9 @@ def margins_of(outcome: AnyCut) -> list[Margin]:
     return found
 
 
-def page_text(outcome: AnyCut, about: list[ReportRow], place: str, total_s: float) -> str:
+def page_text(
+    outcome: AnyCut, about: list[ReportRow], place: str, total_s: float, out: Sequence[str] = ()
+) -> str:
     """Return the summary table for the terminal.
 
     Parameters
@@ -129,6 +148,8 @@ def page_text(outcome: AnyCut, about: list[ReportRow], place: str, total_s: floa
         Folder of the results, as the user may type it.
     total_s : float
         Computing time of everything [s].
+    out : sequence of str
+        What the sheets of the part found out of tolerance.
     """
     rows = [row for row in about if row.name != "computing time"]
     for margin in margins_of(outcome):
@@ -137,8 +158,10 @@ def page_text(outcome: AnyCut, about: list[ReportRow], place: str, total_s: floa
     cut_s = outcome.summary["wall_time_s"]
     rows.append(ReportRow("computing time", f"{total_s:.1f} s in all, {cut_s:.2f} s for the cut"))
     rows.append(ReportRow("results", f"{place}/report.html and the files beside it"))
+    if out:
+        rows.insert(0, ReportRow("out of tolerance", _named(out)))
     width = max(len(row.name) for row in rows)
-    lines = [f"{outcome.name}: {verdict_of(outcome).title}"]
+    lines = [f"{outcome.name}: {verdict_of(outcome, out).title}"]
     lines += [f"  {row.name:<{width}}  {plain(row.value)}" for row in rows]
     return "\n".join(lines) + "\n"
 

@@ -248,6 +248,8 @@ def verdict_word(summary: Json) -> str:
         return "out of tolerance"
     if summary["end"] != "done":
         return f"incomplete: {summary['end']}"
+    if summary.get("sheets_out_of_tolerance"):
+        return "out of tolerance"
     return "within tolerance" if summary["is_good"] else "not gauged"
 
 
