@@ -3,19 +3,26 @@
 
 from __future__ import annotations
 
+import re
+
 from playwright.sync_api import Locator, Page, expect
 
+from camtools.link.controller import Status
+from overheard import Overheard
 from panel_session import PanelSession
 
 _POINTS = """element => getElement(Number(element.id.slice(1))).chart.getOption().series
     .filter(series => series.id.startsWith("turns-")).flatMap(series => series.data)"""
 Point = tuple[float, float]
+_PRESSES = 5
+_WORDS = {"manual": "by hand"}
 
 
-def look(page: Page, session: PanelSession, path: str = "/") -> None:
-    """Open a page without the token, and wait until it is alive."""
-    page.goto(session.origin + path)
-    expect(page.get_by_text("commands", exact=False).first).to_be_visible()
+def look(page: Page, session: PanelSession) -> None:
+    """Open the operator's page without the token, and wait until it is alive."""
+    page.goto(session.origin)
+    expect(page.get_by_test_id("state")).not_to_have_text("no connection", ignore_case=True)
+    expect(page.get_by_test_id("rights")).to_contain_text("viewing only")
 
 
 def take_command(page: Page, session: PanelSession) -> None:
@@ -37,10 +44,22 @@ def order(page: Page, name: str) -> Locator:
     return page.get_by_test_id(f"do-{name}")
 
 
-def start(page: Page) -> None:
-    """Start a cut, and agree to it."""
-    order(page, "start").click()
-    page.get_by_test_id("question-yes").click()
+def give(page: Page, overheard: Overheard, name: str, *states: str) -> Status:
+    """Press the button of an order, and wait until the controller is in one of some states.
+
+    Where the page says that its connection was lost meanwhile, it is pressed again, as a person
+    would do it.
+    """
+    last = page.get_by_test_id("last-order")
+    said = re.compile(f"^{_WORDS.get(name, name)}: (not )?done")
+    for _ in range(_PRESSES):
+        order(page, name).click()
+        if name == "start":
+            page.get_by_test_id("question-yes").click()
+        expect(last).to_have_text(said)
+        if "press again" not in last.inner_text():
+            break
+    return overheard.wait_for_state(*states)
 
 
 def expect_state(page: Page, state: str) -> None:

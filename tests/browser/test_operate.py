@@ -9,7 +9,7 @@ from playwright.sync_api import Page, expect
 from accessible import grave_findings
 from gallery import Gallery
 from overheard import Overheard
-from panel_page import command, expect_state, look, order, points, start, take_command
+from panel_page import command, expect_state, give, look, order, points, take_command
 from panel_session import PanelSession
 from windows import OpenWindow
 
@@ -58,19 +58,16 @@ def test_a_part_is_cut_and_a_fault_is_got_over(
     look(page, session)
     gallery.keep(page, "Operate, viewing")
     take_command(page, session)
-    order(page, "enable").click()
-    overheard.wait_for_state("ready")
+    give(page, overheard, "enable", "ready")
     expect_state(page, "ready")
-    start(page)
-    overheard.wait_for_state("cutting")
+    give(page, overheard, "start", "cutting")
     expect_state(page, "cutting")
     expect_curve_of_the_controller(overheard, page)
     gallery.keep(page, "Operate, cutting")
-    order(page, "hold").click()
-    z_mm = overheard.wait_for_state("holding").signals["z"]
+    z_mm = give(page, overheard, "hold", "holding").signals["z"]
     gallery.keep(page, "Operate, holding")
     assert overheard.status().signals["z"] == pytest.approx(z_mm, abs=0.01)
-    order(page, "resume").click()
+    give(page, overheard, "resume", "cutting")
     overheard.wait_for(lambda status: status.signals["z"] > z_mm + 0.1)
     session.lathe.type("estop")
     overheard.wait_for_state("fault")
@@ -83,13 +80,10 @@ def test_a_part_is_cut_and_a_fault_is_got_over(
     session.lathe.type("release")
     overheard.wait_for(lambda status: not status.signals["is_estop"])
     expect(order(page, "reset")).to_be_enabled()
-    order(page, "reset").click()
-    overheard.wait_for_state("off")
-    order(page, "enable").click()
-    overheard.wait_for_state("ready")
+    give(page, overheard, "reset", "off")
+    give(page, overheard, "enable", "ready")
     expect(order(page, "start")).to_be_enabled()
-    start(page)
-    overheard.wait_for_state("cutting")
+    give(page, overheard, "start", "cutting")
     page.get_by_test_id("stop").click()
     overheard.wait_for_state("disengaging", "ready")
     done = [line["order"] for line in session.logged() if line["is_done"]]
@@ -106,8 +100,7 @@ def test_jog_ends_with_its_heartbeats(
     window = open_window()
     page = window.page
     command(page, session)
-    order(page, "manual").click()
-    overheard.wait_for_state("manual")
+    give(page, overheard, "manual", "manual")
     button = page.get_by_test_id("jog-xplus")
     expect(button).to_be_enabled()
     button.hover()
