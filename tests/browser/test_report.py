@@ -17,7 +17,7 @@ from gallery import FOLDER, Gallery
 from windows import PHONE, OpenWindow
 
 A4_WIDTH_PX, A4_MARGIN_MM = 794, 15.0
-MOST_PAGES = 20
+MOST_PAGES = 13  # a page for each of five sections and one for the profiles
 _DATA = "id => document.getElementById(id).data.map(one => ({x: one.x, y: one.y, name: one.name}))"
 
 
