@@ -42,6 +42,17 @@ def until_logged(session: PanelSession, order: str, n: int = 1) -> None:
         time.sleep(0.02)
 
 
+def until_quiet(session: PanelSession) -> None:
+    """Wait until nothing was logged for a second and a half, however slow the computer is."""
+    end_s = time.monotonic() + 60
+    n, since_s = len(session.logged()), time.monotonic()
+    while time.monotonic() - since_s < 1.5:
+        assert time.monotonic() < end_s, session.text()
+        time.sleep(0.05)
+        if n != (n := len(session.logged())):
+            since_s = time.monotonic()
+
+
 def button(page: RawPage, label: str) -> tuple[int, str]:
     """Return number and click listener of a button."""
     for number, event in page.listeners():
@@ -100,7 +111,7 @@ def test_a_viewer_who_sends_every_event_of_his_page_does_nothing(
                 own.event(number, event["listener_id"], *args)
         for name in ("enable", "jog", "stop"):
             own.say(name, {"press": 1, "axis": "x"})
-        time.sleep(1.1)  # of one address a line a second is written
+        until_quiet(session)  # of one address a line a second is written
         own.say("panel_hello", hello(page, "wrong"))
         until_logged(session, "token")
     assert done(session)[before:] == []
