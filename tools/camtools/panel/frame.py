@@ -29,9 +29,11 @@ from camtools.panel.context import AppContext
 from camtools.panel.freed import forget_routes
 from camtools.panel.order import Outcome
 from camtools.panel.question import confirmed
+from camtools.panel.stop import FrameStop
 from camtools.panel.visitor import Visitor, new_visitor
 
-PAGES = {"/": "Operate", "/design": "Design", "/runs": "Runs"}
+OPERATE = "/"
+PAGES = {OPERATE: "Operate", "/design": "Design", "/runs": "Runs"}
 STATIC, STATIC_FOLDER = "/panel", Path(__file__).parent / "static"
 _PRIMARY = "#1a5a96"  # white on it has a contrast of 7, where 4.5 is needed (WCAG 2.2, 1.4.3)
 _HEAD = f'<link rel="stylesheet" href="{STATIC}/panel.css">'
@@ -94,6 +96,9 @@ def framed(context: AppContext, path: str) -> Iterator[Visitor]:
             ui.link(name, target).classes("text-white" + (" text-bold" if target == path else ""))
         ui.space()
         _CommandBar(context, visitor)
+        if path != OPERATE:  # that page has a larger one, beside the state
+            stop = FrameStop(context, visitor)
+            ui.timer(_SHOW_S, stop.show)
         _theme_button()
     with ui.column().classes("full-width q-pa-md"):
         yield visitor

@@ -68,9 +68,9 @@ class CutView:
             self._button = ui.button("Cut it", icon="play_arrow", on_click=self._start).props(
                 'data-testid="cut"'
             )
-            self._stop = ui.button("Stop", icon="stop", on_click=self._stop_run).props(
-                'data-testid="cut-stop"'
-            )
+            self._stop = ui.button(
+                "End the simulation", icon="cancel", on_click=self._stop_run
+            ).props('data-testid="cut-stop"')
             for one in (self._button, self._stop):
                 one.bind_enabled_from(visitor, "has_token")
         self._bar = (

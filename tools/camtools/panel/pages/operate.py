@@ -95,7 +95,7 @@ class OperatePage:
             self._params = ParamsCard(self._orders)
 
     def _listen(self) -> None:
-        # Escape counts everywhere (jog.js), letters not while somebody types.
+        # Escape counts everywhere (panel.js), letters not while somebody types.
         ui.on("stop", self._state.stop)
         ui.keyboard(self._key, ignore=["input", "select", "textarea"], repeating=False)
         ui.on("seen", self._seen)

@@ -30,6 +30,7 @@ _COLUMNS = (
     *(("settings", "settings"), ("status", "status"), ("verdict", "verdict")),
     *(("form", "form error / µm"), ("following", "following error / µm"), ("took", "time / s")),
 )
+_NOTHING = "No runs yet: open Design, choose a part and press Cut it; its run then stands here."
 _NUMBERS = ("form", "following", "took")
 
 
@@ -75,7 +76,7 @@ class RunsPage:
             ui.button("Compare", icon="compare_arrows", on_click=self._compare).props(
                 'data-testid="compare"'
             )
-            stop = ui.button("Stop", icon="stop", on_click=self._stop).props(
+            stop = ui.button("End the simulation", icon="cancel", on_click=self._stop).props(
                 'data-testid="stop-run"'
             )
             remove = ui.button("Remove", icon="delete", on_click=self._remove).props(
@@ -87,6 +88,7 @@ class RunsPage:
         self._table = (
             ui.table(columns=columns, rows=[], row_key="key", selection="multiple", pagination=12)
             .props('dense flat aria-label="runs"')
+            .props(f'no-data-label="{_NOTHING}"')
             .classes("full-width")
             .props("data-testid=runs-table")
         )

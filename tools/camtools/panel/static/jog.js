@@ -37,9 +37,6 @@
   for (const name of ["pointerup", "pointercancel"]) document.addEventListener(name, end);
   window.addEventListener("blur", end);
   window.addEventListener("pagehide", end);
-  // STOP: caught on the way down, before an open menu or a field keeps it for itself.
-  const isStop = (event) => event.key === "Escape" && !event.repeat;
-  document.addEventListener("keydown", (e) => isStop(e) && emitEvent("stop", {}), true);
   document.addEventListener("visibilitychange", () => {
     if (document.hidden) end();
     emitEvent("seen", { is_seen: !document.hidden });

@@ -15,3 +15,6 @@ window.addEventListener("hashchange", () => {
   takeToken();
   window.panelHello();
 });
+// STOP, on every page: caught on the way down, before an open menu or a field keeps it for itself.
+const isStop = (event) => event.key === "Escape" && !event.repeat;
+document.addEventListener("keydown", (e) => isStop(e) && emitEvent("stop", {}), true);

@@ -5,6 +5,8 @@ The charts are drawn for a light page; a style sheet inverts them on a dark one.
 
 >>> [axis["max"] for axis in whole(POLAR, 0.2, 5.0)["radiusAxis"]]
 [0.2]
+>>> whole(POLAR, 0.2, 5.0)["radiusAxis"][0]["axisLabel"]["showMaxLabel"]
+False
 >>> change(POLAR, [Series(0, 1, [[90.0, 0.1]])], [])["series"][0]["data"]
 [[0.1, 90.0]]
 """
@@ -94,11 +96,14 @@ def _system(kind: str, full_um: float) -> Option:
     """Return the axes; the drawing's angle counts counter-clockwise, seen from the headstock."""
     if kind == POLAR:
         round_axis = _angle_axis() | {"startAngle": 0, "clockwise": False}
+        # Its largest label would touch that of 0 degrees; the unrolled chart has the same scale.
+        scale = _value_axis(full_um)
+        scale["axisLabel"] |= {"showMaxLabel": False}
         zero = {"axisLine": {"show": False}, "axisTick": {"show": False}}
         return {
             "polar": [{"radius": "76%", "center": ["50%", "51%"]}],
             "angleAxis": [round_axis],
-            "radiusAxis": [_value_axis(full_um) | zero],
+            "radiusAxis": [scale | zero],
         }
     name = {
         "name": "following error / µm",

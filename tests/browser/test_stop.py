@@ -1,0 +1,35 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The machine's STOP is at hand on the pages that are not the operator's."""
+
+from __future__ import annotations
+
+import pytest
+from playwright.sync_api import expect
+
+from panel_session import PanelSession
+from windows import OpenWindow
+
+
+@pytest.mark.parametrize("path", ["/design", "/runs"])
+def test_stop_is_on_every_page(session: PanelSession, open_window: OpenWindow, path: str) -> None:
+    """By its button and by Escape, also from within a field; the page tells what came of it."""
+    page = open_window().page
+    page.goto(f"{session.origin}{path}#token={session.token}")
+    expect(page.get_by_role("button", name="Take command")).to_be_visible()
+    expect(page.get_by_test_id("machine")).to_have_text("machine: off")
+    n_before = len(session.logged())
+    page.get_by_test_id("stop").click()
+    expect(page.get_by_text("STOP of the machine").first).to_be_visible()
+    page.keyboard.press("Escape")
+    expect(page.locator(".q-notification__badge")).to_have_text("2")  # the same words once more
+    assert [line["order"] for line in session.logged()[n_before:]] == ["stop", "stop"]
+
+
+def test_runs_say_what_to_do_and_end_no_machine(
+    session: PanelSession, open_window: OpenWindow
+) -> None:
+    """What ends a simulation is not called as the machine's STOP."""
+    page = open_window().page
+    page.goto(f"{session.origin}/runs#token={session.token}")
+    expect(page.get_by_test_id("stop-run")).to_contain_text("End the simulation")
+    expect(page.get_by_role("button", name="stop")).to_have_count(1)
