@@ -122,11 +122,6 @@ class Overheard:
             assert is_done, f"{self._heard.status.state} {self._heard.status.faults}"
             return self._heard.status
 
-    def forget_points(self) -> None:
-        """Forget the samples that were heard up to now."""
-        with self._news:
-            self._heard.points, self._heard.n_lost = set(), 0
-
     def points(self) -> tuple[set[Point], int]:
         """Return angle [degrees] and error [um] of all samples, and how many were lost."""
         with self._news:

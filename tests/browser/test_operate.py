@@ -21,13 +21,12 @@ FREEZE = "() => { const since = performance.now(); while (performance.now() - si
 
 def expect_curve_of_the_controller(overheard: Overheard, page: Page) -> None:
     """Wait until the chart has new points, all of which the controller said on the bus."""
-    overheard.forget_points()
     before = points(page)
     while len(new := points(page) - before) < NEW_POINTS:
         overheard.status()
     heard, n_lost = overheard.points()
     strange = {point for point in new if point not in heard}
-    assert len(strange) <= n_lost, (sorted(strange)[:5], n_lost)
+    assert len(strange) <= min(n_lost, NEW_POINTS / 10), (sorted(strange)[:5], n_lost)
     assert len({angle for angle, _ in new}) > NEW_POINTS / 2, "from all around"
 
 

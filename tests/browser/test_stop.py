@@ -12,7 +12,7 @@ from windows import OpenWindow
 
 @pytest.mark.parametrize("path", ["/design", "/runs"])
 def test_stop_is_on_every_page(session: PanelSession, open_window: OpenWindow, path: str) -> None:
-    """By its button and by Escape, also from within a field; the page tells what came of it."""
+    """By its button, and for who commands by Escape; the page tells what came of it."""
     page = open_window().page
     page.goto(f"{session.origin}{path}#token={session.token}")
     expect(page.get_by_role("button", name="Take command")).to_be_visible()
@@ -20,9 +20,13 @@ def test_stop_is_on_every_page(session: PanelSession, open_window: OpenWindow, p
     n_before = len(session.logged())
     page.get_by_test_id("stop").click()
     expect(page.get_by_text("STOP of the machine").first).to_be_visible()
+    page.keyboard.press("Escape")  # he does not command, and may only have closed a menu
+    page.get_by_role("button", name="Take command").click()
+    expect(page.get_by_role("button", name="Give command back")).to_be_visible()
+    assert [line["order"] for line in session.logged()[n_before:]] == ["stop", "take"]
     page.keyboard.press("Escape")
     expect(page.locator(".q-notification__badge")).to_have_text("2")  # the same words once more
-    assert [line["order"] for line in session.logged()[n_before:]] == ["stop", "stop"]
+    assert [line["order"] for line in session.logged()[n_before:]] == ["stop", "take", "stop"]
 
 
 def test_runs_say_what_to_do_and_end_no_machine(

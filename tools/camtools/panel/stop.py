@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """STOP of the machine in the frame of the pages that are not the operator's.
 
-The operator's page has a larger one beside the state. Escape does the same on every page
-(static/panel.js), since who sees that something is wrong may look at any of them.
+The operator's page has a larger one beside the state. Escape does the same (static/panel.js) for
+who commands, since he may look at any page when something goes wrong. For others it does not: who
+closes a menu while he draws a part must not end somebody else's cut.
 
 >>> machine_text("cutting", is_connected=True), machine_text("unknown", is_connected=False)
 ('machine: cutting', 'machine: no connection')
@@ -39,9 +40,14 @@ class FrameStop:
         self._context, self._visitor = context, visitor
         self._machine = ui.label().props("data-testid=machine")
         self._button = ui.button("STOP", on_click=self.stop, color=None).classes("panel-stop")
-        self._button.props('no-caps unelevated aria-label="STOP: ends what moves. Key: Escape"')
-        self._button.props("data-testid=stop aria-keyshortcuts=Escape")
-        ui.on("stop", self.stop)
+        self._button.props('no-caps unelevated aria-label="STOP: ends what moves"')
+        self._button.props("data-testid=stop")
+        ui.on("stop", self._stop_by_key)
+
+    async def _stop_by_key(self) -> None:
+        """Stop, where the visitor commands."""
+        if self._context.commander.holder is self._visitor:
+            await self.stop()
 
     async def stop(self) -> None:
         """End what moves, without a question, and tell what came of it."""
