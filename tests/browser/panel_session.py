@@ -44,7 +44,7 @@ class PanelSession:
     live : LiveLathe
         by which others of this user find the controller
     log : Path
-        of the panel's commands
+        of the panel's commands; beside it are the folders parts and runs
     """
 
     lathe: Background
@@ -111,7 +111,9 @@ def panel_session(
     """
     log = folder / "commands.jsonl"
     live_command = python("camtools.cli.live", *live_words)
-    panel_command = python("camtools.cli.panel", "--port", "0", "--log", log, *panel_words)
+    panel_command = python(
+        "camtools.cli.panel", "--port", "0", "--log", log, "--keep", folder, *panel_words
+    )
     with ExitStack() as stack:
         lathe = stack.enter_context(background(*live_command, XDG_RUNTIME_DIR=str(folder)))
         lathe.wait_for("control-C ends")

@@ -30,7 +30,7 @@ from playwright.sync_api import (
 
 from loopback_trap import Trap
 
-PATIENCE_MS = 150_000.0  # for a condition, on a computer that does much else
+PATIENCE_MS = 120_000.0  # for a condition, on a computer that does much else
 expect.set_options(timeout=PATIENCE_MS)
 _WITHOUT_NETWORK = ("about", "blob", "data", "file")
 _HERE = ("127.0.0.1", "localhost", "::1")

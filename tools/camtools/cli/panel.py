@@ -41,6 +41,9 @@ From another computer: ssh -L 8417:127.0.0.1:8417 THIS, then the address as prin
 Exit status: 0 ended by control-C or SIGTERM, 2 wrong usage or bad input."""
 
 
+_KEPT = ROOT / "build" / "panel"
+
+
 def _port(text: str) -> int:
     value = int(text)
     if not 0 <= value < 1 << 16:
@@ -83,9 +86,12 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--log",
         type=Path,
-        default=ROOT / "build" / "panel" / "commands.jsonl",
+        default=_KEPT / "commands.jsonl",
         metavar="FILE",
         help="of commands; default: build/panel/commands.jsonl",
+    )
+    parser.add_argument(
+        "--keep", type=Path, default=_KEPT, metavar="DIR", help="parts and runs; build/panel"
     )
     return parser
 
@@ -155,7 +161,8 @@ def _run(arguments: argparse.Namespace) -> int:
         desk = Desk(open_link, commander, log)
         stack.callback(desk.close)
         hosts = hosts_of(sock)
-        app = application(AppContext(desk, commander, log, TokenGuard(token)), hosts)
+        own = arguments.keep / "parts", arguments.keep / "runs"
+        app = application(AppContext(desk, commander, log, TokenGuard(token), *own), hosts)
         if not ipaddress.ip_address(arguments.listen).is_loopback:
             _say("warning: nothing is encrypted: who hears the network sees the token; see ssh -L")
         _say(f"http://{hosts[0]}/#token={token}")

@@ -82,7 +82,8 @@ class PreviewView:
         self._curves = answer
         low, high = answer["heights_mm"]
         self._is_showing = True
-        self._height.props(f"min={low!r} max={high!r} step={(high - low) / 500!r}")
+        # With the colon they are numbers; the slider fails at the text of one.
+        self._height.props(f":min={low!r} :max={high!r} :step={(high - low) / 500!r}")
         self._height.value = answer["height_mm"]
         self._is_showing = False
         self._height_label.text = f"height {answer['height_mm']:.6g} mm"
