@@ -46,6 +46,8 @@ class Gallery:
         """Take a picture of what is seen, or of the whole page, and give it a caption."""
         path = self.folder / f"{name_of(text)}.png"
         assert not path.exists(), f"two pictures are called {text!r}"
+        if is_whole:
+            page.evaluate("scrollTo(0, 0)")  # else what stays in sight lies over the middle
         page.screenshot(path=path, full_page=is_whole, animations="disabled")
         self._captions.append(text)
 

@@ -88,7 +88,7 @@ def test_part_is_edited_cut_and_compared(
     line = report.locator("#summary tr", has_text="form error").inner_text()
     assert told_um(line) == pytest.approx(summary["form_error_um"]["max"], rel=0.01)
     assert summary["cut"]["feed_mm"] == FEED_MM
-    gallery.keep(page, "Design, cut", is_whole=True)
+    gallery.keep(page, "Design, the report below the cut")
     page.get_by_test_id("cut-machine").click()
     page.locator(".q-menu .q-item").get_by_text("real", exact=True).click()
     other = cut(page, session.log.parent, 2)

@@ -4,17 +4,18 @@
 from __future__ import annotations
 
 import pytest
-from playwright.sync_api import Page, expect
+from playwright.sync_api import Locator, Page, expect
 
 from accessible import grave_findings
 from gallery import Gallery
 from overheard import Overheard
 from panel_page import command, expect_state, give, look, order, points, take_command
 from panel_session import PanelSession
-from windows import OpenWindow
+from windows import PHONE, OpenWindow
 
 JOG_TIMEOUT_ROWS = 25  # 250 ms of the controller's own time: a status comes every 10 ms
 NEW_POINTS = 100
+MOST_TABS = 60
 # No heartbeat comes meanwhile, then the button is still held.
 FREEZE = "() => { const since = performance.now(); while (performance.now() - since < 1500); }"
 
@@ -117,3 +118,69 @@ def test_jog_ends_with_its_heartbeats(
     later = overheard.wait_for(lambda status: status.n_rows > until_row)
     assert later.signals["x"] == stands_mm and overheard.jog_row == jog_row
     page.mouse.up()
+
+
+def test_a_cut_by_the_keyboard_alone(
+    session: PanelSession, overheard: Overheard, open_window: OpenWindow
+) -> None:
+    """Tab, Enter and the keys that stand on the buttons; Escape stops, whatever has the focus."""
+    page = open_window().page
+    look(page, session)
+    expect(page.get_by_label("token")).to_be_visible()
+    tab_to(page, page.get_by_label("token"))
+    page.keyboard.type(session.token)
+    page.keyboard.press("Enter")
+    take = page.get_by_role("button", name="Take command")
+    expect(take).to_be_visible()
+    tab_to(page, take)
+    page.keyboard.press("Enter")
+    expect(order(page, "enable")).to_be_enabled()
+    page.keyboard.press("e")
+    overheard.wait_for_state("ready")
+    expect(order(page, "start")).to_be_enabled()
+    page.keyboard.press("s")
+    tab_to(page, page.get_by_test_id("question-yes"))
+    page.keyboard.press("Enter")
+    overheard.wait_for_state("cutting")
+    expect(order(page, "hold")).to_be_enabled()
+    page.keyboard.press("h")
+    overheard.wait_for_state("holding")
+    page.keyboard.press("Escape")
+    overheard.wait_for_state("ready")
+    expect(order(page, "disable")).to_be_enabled()
+    page.keyboard.press("d")
+    overheard.wait_for_state("off")
+
+
+def tab_to(page: Page, wanted: Locator) -> None:
+    """Press Tab until something has the focus, as far as the page goes round once."""
+    expect(wanted).to_be_visible()
+    for _ in range(MOST_TABS):
+        if wanted.evaluate("element => element.contains(document.activeElement)"):
+            return
+        page.keyboard.press("Tab")
+    raise AssertionError("Tab does not lead there")
+
+
+def test_jog_by_a_finger_on_a_phone(
+    session: PanelSession, overheard: Overheard, open_window: OpenWindow
+) -> None:
+    """An axis moves while a finger lies on its button; STOP is in sight all the time."""
+    page = open_window(viewport=PHONE, has_touch=True, is_mobile=True).page
+    command(page, session)
+    give(page, overheard, "manual", "manual")
+    button = page.get_by_test_id("jog-zplus")
+    expect(button).to_be_enabled()
+    button.scroll_into_view_if_needed()
+    expect(page.get_by_test_id("stop")).to_be_in_viewport()
+    box = button.bounding_box()
+    assert box is not None and box["width"] >= 48 and box["height"] >= 48
+    finger = page.context.new_cdp_session(page)
+    place = {"x": box["x"] + box["width"] / 2, "y": box["y"] + box["height"] / 2}
+    z_mm = overheard.status().signals["z"]
+    finger.send("Input.dispatchTouchEvent", {"type": "touchStart", "touchPoints": [place]})
+    overheard.wait_for(lambda status: status.signals["z"] > z_mm + 0.02)
+    finger.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+    overheard.wait_for(lambda status: status.signals["hand_phase"] == 0)
+    page.get_by_test_id("stop").tap()
+    give(page, overheard, "disable", "off")
