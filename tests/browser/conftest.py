@@ -15,6 +15,7 @@ from types import FrameType
 from typing import Any
 
 import pytest
+from playwright.sync_api import Page
 
 from camtools.cli.run import main as run
 from camtools.link.bus import open_bus
@@ -64,6 +65,14 @@ def _keep_failure(name: str, windows: list[Window]) -> None:
             page.screenshot(path=folder / f"{name}-{i}-{k}.png")
 
 
+def _give_back(page: Page) -> None:
+    """Give the command back, which else is lost some seconds behind the page only."""
+    if not page.is_closed():
+        button = page.get_by_role("button", name="Give command back")
+        if button.is_visible():
+            button.click(force=True)
+
+
 @pytest.fixture
 def open_window(
     request: pytest.FixtureRequest, browser: Chromium, gallery: Gallery
@@ -77,6 +86,8 @@ def open_window(
             return windows[-1]
 
         yield open_one
+        for window in windows:
+            _give_back(window.page)
         problems = [problem for window in windows for problem in window.problems()]
         if problems or request.node.stash.get(_HAS_FAILED, False):
             _keep_failure(request.node.name, windows)

@@ -26,11 +26,16 @@ def look(page: Page, session: PanelSession) -> None:
 
 
 def take_command(page: Page, session: PanelSession) -> None:
-    """Type the token, and take the command, when nobody has it any more."""
+    """Type the token, and take the command, over from a page that is not given up yet."""
     page.get_by_label("token").fill(session.token)
     page.get_by_label("token").press("Enter")
-    page.get_by_role("button", name="Take command").click()
-    expect(page.get_by_text("you command").first).to_be_visible()
+    page.get_by_role("button", name=re.compile("^Take (command|over)$")).click()
+    has_it = page.get_by_role("button", name="Give command back")
+    question = page.get_by_test_id("question-yes")
+    expect(has_it.or_(question).first).to_be_visible()
+    if question.is_visible():
+        question.click()
+    expect(has_it).to_be_visible()
 
 
 def command(page: Page, session: PanelSession) -> None:

@@ -45,7 +45,7 @@ def type_field(page: Page, name: str, text: str) -> None:
 def cut(page: Page, folder: Path, n_runs: int) -> dict[str, Any]:
     """Cut the part; return the summary of the run, which is the n-th."""
     page.get_by_test_id("cut").click()
-    expect(page.get_by_test_id("cut-state")).to_contain_text("tolerance")
+    expect(page.get_by_test_id("cut-state")).to_have_text(re.compile(f"-{n_runs:03}: .*tolerance"))
     runs = sorted((folder / "runs").glob("*/summary.json"))
     assert len(runs) == n_runs
     summary: dict[str, Any] = json.loads(runs[-1].read_text("utf-8"))

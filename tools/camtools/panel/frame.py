@@ -36,6 +36,7 @@ OPERATE = "/"
 PAGES = {OPERATE: "Operate", "/design": "Design", "/runs": "Runs"}
 STATIC, STATIC_FOLDER = "/panel", Path(__file__).parent / "static"
 _PRIMARY = "#1a5a96"  # white on it has a contrast of 7, where 4.5 is needed (WCAG 2.2, 1.4.3)
+_POSITIVE = "#1b7a37"  # 5.4
 _HEAD = f'<link rel="stylesheet" href="{STATIC}/panel.css">'
 _BODY = f'<script src="{STATIC}/panel.js"></script>'
 _SHOW_S = 0.25
@@ -88,7 +89,7 @@ def framed(context: AppContext, path: str) -> Iterator[Visitor]:
         of this page, for desk.do() and the commander
     """
     visitor = _admit(context, ui.context.client)
-    ui.colors(primary=_PRIMARY)
+    ui.colors(primary=_PRIMARY, positive=_POSITIVE)
     ui.add_head_html(_HEAD)
     ui.add_body_html(_BODY)
     with ui.header().classes("row items-center q-gutter-md"):
