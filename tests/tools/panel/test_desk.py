@@ -30,7 +30,7 @@ def last(seat: Seat) -> tuple[str, str, bool]:
 def test_a_part_is_cut_with_overrides(seat: Seat) -> None:
     """Each order comes back with what is so now, and the status shows it."""
     assert seat.do("speed", rpm=1500) == "speed = 1500 r/min"
-    assert seat.do("feed_per_turn", mm=0.1) == "feed = 0.1 mm"
+    assert seat.do("feed_per_turn", mm=0.01) == "feed = 0.01 mm"  # a cut that outlasts the orders
     assert seat.do("parts", number=41) == "parts = 41"
     assert seat.do("home").startswith("home: ")
     seat.wait_for("ready")
