@@ -17,6 +17,7 @@ from collections import OrderedDict
 from collections.abc import Callable, Hashable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
+from pathlib import Path
 from typing import Any, TypeVar
 
 Result = TypeVar("Result")
@@ -69,3 +70,12 @@ def recall(key: Hashable, make: Callable[[], Result]) -> Result:
     """
     memory = _open.get()
     return make() if memory is None else memory.recall(key, make)
+
+
+def file_state(name: str) -> Hashable:
+    """Return what changes when a file does, for a key; its name where it cannot be read."""
+    try:
+        state = Path(name).stat()
+    except (OSError, ValueError):
+        return name
+    return name, state.st_mtime_ns, state.st_size, state.st_ino

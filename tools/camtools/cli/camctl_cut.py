@@ -14,11 +14,11 @@ from collections.abc import Callable
 
 from camtools.base.argument_types import finite, whole
 from camtools.base.command import Parser
+from camtools.base.quantities import NM_PER_MM
 from camtools.link.controller import Link, value_text
 from camtools.link.refusal import ask_done
 from camtools.link.settings import (
     MEASURES,
-    NM_PER_MM,
     OVERRIDES,
     parameter,
     set_override,

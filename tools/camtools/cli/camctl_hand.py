@@ -12,6 +12,7 @@ from collections.abc import Callable
 
 from camtools.base.command import Interrupted
 from camtools.base.errors import CamtoolsError
+from camtools.base.quantities import NM_PER_MM
 from camtools.link.controller import Link
 from camtools.link.hand import (
     AXES,
@@ -25,7 +26,6 @@ from camtools.link.hand import (
 )
 from camtools.link.settings import (
     N_TOOLS,
-    NM_PER_MM,
     parameter,
     set_tool,
     set_tool_offset,

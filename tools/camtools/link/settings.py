@@ -9,6 +9,7 @@
 
 from __future__ import annotations
 
+from camtools.base.quantities import NM_PER_MM
 from camtools.link.controller import NUMBERS, Link, value_text
 from camtools.link.refusal import ask_done
 
@@ -16,7 +17,6 @@ OVERRIDES = ("feed", "spindle")
 MEASURES = ("diameter", "radius")
 QUICK = ("speed", "feed", "amplitude", "phase")
 N_TOOLS = 4
-NM_PER_MM = 1e6
 
 
 def parameter(link: Link, name: str) -> float:

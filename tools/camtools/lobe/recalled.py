@@ -11,25 +11,15 @@ True
 from __future__ import annotations
 
 from collections.abc import Hashable
-from pathlib import Path
 
-from camtools.base.memory import recall
+from camtools.base.memory import file_state, recall
 from camtools.lobe.motion import ShaftLobe, make_lobes
 from camtools.lobe.part import LobePart
 
 
-def _state_of(name: str) -> Hashable:
-    """Return what changes when a file does."""
-    try:
-        state = Path(name).stat()
-    except (OSError, ValueError):
-        return name
-    return name, state.st_mtime_ns, state.st_size, state.st_ino
-
-
 def lobes_key(part: LobePart) -> Hashable:
     """Return what the lobes of a part follow from."""
-    files = tuple(_state_of(lobe.csv) for lobe in part.cam.lobe if lobe.csv is not None)
+    files = tuple(file_state(lobe.csv) for lobe in part.cam.lobe if lobe.csv is not None)
     return part.cam.model_dump_json(), part.process.operation, part.follower_radius_mm, files
 
 

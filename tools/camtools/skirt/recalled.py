@@ -11,9 +11,8 @@ True
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterator
-from pathlib import Path
 
-from camtools.base.memory import recall
+from camtools.base.memory import file_state, recall
 from camtools.skirt.geometry import Geometry, make_geometry
 from camtools.skirt.part import SkirtPart
 
@@ -26,19 +25,10 @@ def _files_of(part: SkirtPart) -> Iterator[str]:
         yield one.csv
 
 
-def _state_of(name: str) -> Hashable:
-    """Return what changes when a file does."""
-    try:
-        state = Path(name).stat()
-    except (OSError, ValueError):
-        return name
-    return name, state.st_mtime_ns, state.st_size, state.st_ino
-
-
 def shape_key(part: SkirtPart) -> Hashable:
     """Return what the geometry of a part follows from; of a refit the speed is part of it."""
     magnify = None if part.magnify is None else part.magnify.model_dump_json()
-    files = tuple(_state_of(name) for name in _files_of(part))
+    files = tuple(file_state(name) for name in _files_of(part))
     refit = ""
     if part.piston.section.shape == "ellipse-arc":
         refit = f"{part.process.spindle_rpm!r} {part.process.form_error_um!r}"
