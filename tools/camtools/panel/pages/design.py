@@ -25,6 +25,7 @@ from camtools.panel.pages.design_cut import CutView
 from camtools.panel.pages.design_form import FormView
 from camtools.panel.pages.design_preview import PreviewView
 from camtools.panel.pages.reports import add_reports
+from camtools.panel.question import confirmed
 from camtools.panel.runs.options import RunOptions
 from camtools.panel.visitor import Visitor
 from camtools.panel.workshop import Workshop, workshop_of
@@ -41,6 +42,7 @@ _NAME_EDITOR = """(async () => {
 _MAX_UPLOAD_BYTES = 20_000_000
 _MOST_PROBLEMS = 20
 _BAD_LINE = "is-bad-line"
+_REPLACED = "What is there now is gone then."
 
 
 class DesignPage:
@@ -251,7 +253,7 @@ class DesignPage:
         shelf, name = self._workshop.shelf, str(self._name.value or "").strip()
         try:
             replaces = shelf.has(name)
-            if replaces and not await confirmed(f"Replace the part {name}?", "Replace"):
+            if replaces and not await confirmed(f"Replace the part {name}?", _REPLACED, "Replace"):
                 return
             self._check_files()
             shelf.save(name, self._draft.text, replaces=replaces)
@@ -293,13 +295,17 @@ class DesignPage:
         try:
             if file.endswith(".csv"):
                 is_there = (shelf.folder(OWN) / file).exists()
-                if is_there and not await confirmed(f"Replace the file {file[:60]}?", "Replace"):
+                if is_there and not await confirmed(
+                    f"Replace the file {file[:60]}?", _REPLACED, "Replace"
+                ):
                     return
                 shelf.save_csv(file, data, replaces=is_there)
             else:
                 name = file.removesuffix(".toml")
                 is_there = shelf.has(name)
-                if is_there and not await confirmed(f"Replace the part {name}?", "Replace"):
+                if is_there and not await confirmed(
+                    f"Replace the part {name}?", _REPLACED, "Replace"
+                ):
                     return
                 shelf.save(name, data.decode("utf-8"), replaces=is_there)
         except (CamtoolsError, UnicodeDecodeError) as error:
@@ -316,20 +322,6 @@ class DesignPage:
 
     async def _cut_this(self, options: RunOptions) -> str:
         return await self._workshop.cut(self._draft.text, self._source, options)
-
-
-async def confirmed(question: str, yes: str) -> bool:
-    """Return whether somebody agrees."""
-    with ui.dialog() as dialog, ui.card():
-        ui.label(question)
-        with ui.row():
-            ui.button(yes, on_click=lambda: dialog.submit(True)).props("data-testid=confirm")
-            ui.button("Cancel", on_click=lambda: dialog.submit(False)).props("flat").props(
-                'data-testid="cancel"'
-            )
-    answer = await dialog
-    dialog.delete()
-    return bool(answer)
 
 
 def add(context: AppContext) -> None:

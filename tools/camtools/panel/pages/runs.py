@@ -17,8 +17,9 @@ from nicegui import ui
 from camtools.base.errors import CamtoolsError
 from camtools.panel.context import AppContext
 from camtools.panel.frame import framed
-from camtools.panel.pages.design import STYLE, confirmed
+from camtools.panel.pages.design import STYLE
 from camtools.panel.pages.runs_comparison import MOST_COMPARED, ComparisonView
+from camtools.panel.question import confirmed
 from camtools.panel.runs.store import Run
 from camtools.panel.visitor import Visitor
 from camtools.panel.workshop import Workshop, workshop_of
@@ -157,7 +158,7 @@ class RunsPage:
             ui.notify("pick the runs in the table", type="warning")
             return
         runs = "this run" if len(keys) == 1 else f"these {len(keys)} runs"
-        if not await confirmed(f"Remove {runs} with all files?", "Remove"):
+        if not await confirmed(f"Remove {runs}?", "All files of it are gone then.", "Remove"):
             return
         for key in keys:
             try:
