@@ -4,13 +4,30 @@
 # All of it lands in build/, progress goes to stderr, and what is there already costs nothing.
 
 camturn_root=$(cd -P "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.." && pwd)
-mkdir -p "$camturn_root/build"
 
 # The matrices here are small: threads of the linear algebra would only wait for each other, and how
 # many there are would show in last digits.
 export OPENBLAS_NUM_THREADS=1
 
 camturn_say() { printf 'camturn: %s\n' "$*" >&2; }
+
+# A tree of somebody else, or one in which another user has built before, cannot be built in.
+camturn_writable() {
+    local place
+    for place in "$camturn_root/build" "$camturn_root"/build/{venv,host}{,.lock}; do
+        [[ -e $place || -L $place ]] || continue
+        [[ -w $place ]] && continue
+        camturn_say "$place cannot be written by $(id -un), it belongs to $(stat -c %U "$place" 2>/dev/null):" \
+            "use a clone of your own, or let the owner give it to you (chown -R)"
+        exit 2
+    done
+    if ! mkdir -p "$camturn_root/build" 2>/dev/null; then
+        camturn_say "$camturn_root cannot be written by $(id -un), it belongs to $(stat -c %U "$camturn_root"):" \
+            "use a clone of your own, in a folder that you may write to"
+        exit 2
+    fi
+}
+camturn_writable
 
 # What proves that a Debian package is not needed: its command or library, wherever it came from.
 camturn_has() {

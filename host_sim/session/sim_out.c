@@ -95,11 +95,26 @@ static bool find_target(sim_out_t *o, bool *is_regular)
     return (size_t)snprintf(o->final, sizeof o->final, "%s", o->name) < sizeof o->final;
 }
 
+/// In a folder that others can write to, a link under the name of a result could let this program
+/// overwrite any file of whoever starts it; that of the administrator or one's own is followed.
+static bool is_planted(const char *name)
+{
+    struct stat about;
+    return lstat(name, &about) == 0 && S_ISLNK(about.st_mode) && about.st_uid != geteuid() &&
+           about.st_uid != 0u;
+}
+
 bool sim_out_open(sim_out_t *o, const char *name, const char *option, common_error_t *e)
 {
     sim_out_open_stream(o, name, NULL);
     if (name == NULL) {
         return true;
+    }
+    if (is_planted(name)) {
+        return common_error(e,
+                            "%s %s: is a link of another user, which is not followed; remove it, "
+                            "or give another path",
+                            option, name);
     }
     bool is_regular;
     errno = 0;

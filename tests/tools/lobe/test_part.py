@@ -261,11 +261,11 @@ def test_points_come_from_a_file_too(tmp_path: Path) -> None:
     law = make_lift(part.cam, part.cam.lobe[0], LOBE)
     assert float(law.evaluate(np.array(np.pi / 6)).lift) == pytest.approx(1 - np.sqrt(0.75))
     for text, problem in (
-        ("angle,lift\n", "line 1 = 'angle,lift': no points follow"),
-        ("angle,hub\n0,1\n", "line 1 = 'angle,hub': unknown column 'hub'"),
+        ("angle,lift\n", "line 1: no points follow"),
+        ("angle,hub\n0,1\n", "line 1: column 2 of 2 has an unknown name"),
         ("".join(f"{45 * i} {i % 8 - 1}\n" for i in range(9)), "Y_mm: lifts of -1 .. 6 mm"),
         ("angle_deg,lift_mm\n0,1\n0,2\n", "line 3 = '0,2': angles must rise"),
-        ("angle_deg,lift_mm\n0,x\n", "line 2 = '0,x': not two numbers"),
+        ("angle_deg,lift_mm\n0,x\n", "line 2: not two numbers"),
         ("angle_deg,lift_mm\n0,nan\n", "line 2 = '0,nan': angle not"),
         ("angle_deg,lift_mm\n0,1\n", "has 1 points"),
     ):

@@ -37,14 +37,14 @@ def test_whole_turn_is_none() -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("", "a.csv: line 1 = '': wants one column of the angle: turn, angle_turn, angle_deg"),
+        ("", "a.csv: line 1: wants one column of the angle: turn, angle_turn, angle_deg"),
         ("angle,height_mm,deviation_um\n", "wants one column of the angle"),
         ("angle_deg,turn,height_mm,deviation_um\n", "wants one column of the angle"),
         ("angle_deg,height,deviation_um\n", "wants one column of the height: z_mm, height_mm"),
         ("angle_deg,height_mm,roundness\n", "wants one column of the deviation: deviation_um"),
         ("angle_deg,height_mm,deviation_um\n", "a.csv: has no point; gauge the part"),
         ("angle_deg,z_mm,error_nm\n1,2\n", "a.csv: line 2 = '1,2': no numbers"),
-        ("angle_deg,z_mm,error_nm\n1,2,x\n", "a.csv: line 2 = '1,2,x': no numbers"),
+        ("angle_deg,z_mm,error_nm\n1,2,x\n", "a.csv: line 2: no numbers"),
         ("angle_deg,z_mm,error_nm\n\n400,2,3\n", "a.csv: line 3 = '400,2,3': beyond one turn"),
         ("turn,z_mm,error_nm\n90,2,3\n", "line 2 = '90,2,3': beyond one turn"),
         ("turn,z_mm,error_nm\n0,2,nan\n", "line 2 = '0,2,nan': no finite numbers"),

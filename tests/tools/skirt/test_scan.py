@@ -98,9 +98,9 @@ def test_ovality_is_a_difference_of_diameters() -> None:
 
 GOOD = csv_of((0.0, 60.0))
 BAD = {
-    "header": (csv_of(first="angle,z,r"), "line 1 = 'angle,z,r': wrong header"),
-    "empty": ("", "line 1 = '': wrong header"),
-    "words": (GOOD + "a,b,c\n", "line 74 = 'a,b,c': not three numbers"),
+    "header": (csv_of(first="angle,z,r"), "line 1: wrong header"),
+    "empty": ("", "line 1: wrong header"),
+    "words": (GOOD + "a,b,c\n", "line 74: not three numbers"),
     "columns": (GOOD + "1,2\n", "line 74 = '1,2': not three numbers"),
     "nan": (GOOD + "1,2,nan\n", "line 74 = '1,2,nan'"),
     "angle": (GOOD + "361,0,1\n", "no angle of 0 .. 360"),

@@ -244,7 +244,7 @@ def accelerated(line: str) -> str:
 WRONG = [
     (["X_deg;Y_mm;V_mm_per_deg", *MOVING], "line 1", "no column of A"),
     (["Y_mm", "1", "2"], "line 1", "no column of X"),
-    (["X_deg;Y_mm;W", *MOVING], "line 1", "unknown column 'W'"),
+    (["X_deg;Y_mm;W", *MOVING], "line 1", "column 3 of 3 has an unknown name"),
     (["1;2;3", "2;3;4"], "line 1", "has 3 columns and no header"),
     (["X_deg;X_deg", *GOOD], "line 1", "no column of Y"),
     ([HEAD, *MOVING[:3], "1;2;3", *MOVING[3:]], "line 5", "not 4 numbers"),

@@ -10,6 +10,7 @@ import re
 
 _MAX_VALUE_CHARS = 60
 _NOT_SHOWABLE = re.compile(r"[^\x20-\x7e]")
+_ONLY_NUMBERS = re.compile(r"(?:[-+0-9.eE,; \t]|nan|inf)*")
 
 
 def shown(value: object) -> str:
@@ -19,6 +20,18 @@ def shown(value: object) -> str:
     except (ValueError, RecursionError):  # integers of more than 4300 digits have no decimal form
         text = f"<{type(value).__name__}>"
     return text if len(text) <= _MAX_VALUE_CHARS else text[: _MAX_VALUE_CHARS - 3] + "..."
+
+
+def numbers_shown(line: str) -> str | None:
+    """Return a line of a data file if nothing but numbers and separators stands in it.
+
+    A part file from somebody else may name any file of the reader's, a list of passwords for
+    one; an error about such a file must not show what is in it.
+
+    >>> numbers_shown("1.5;-2e3"), numbers_shown("root:x:0:0")
+    ('1.5;-2e3', None)
+    """
+    return line if _ONLY_NUMBERS.fullmatch(line) else None
 
 
 def one_line(text: str) -> str:

@@ -14,11 +14,13 @@ import signal
 import stat
 import tempfile
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import TextIO
 
 from camtools.base.errors import CamtoolsError
+from camtools.base.leftovers import SUFFIX, held, sweep
+from camtools.base.links import followed
 
 _SIGNALS = {signal.SIGINT, signal.SIGTERM, signal.SIGHUP}
 
@@ -29,10 +31,12 @@ def file_target(path: Path) -> Path:
     Raises
     ------
     CamtoolsError
-        There is something that is no regular file: a name put in its place would destroy it.
+        There is something that is no regular file: a name put in its place would destroy it; or a
+        link of somebody else (camtools.base.links).
     OSError
-        The links lead round in a circle, or may not be followed.
+        A folder on the way cannot be read.
     """
+    path = followed(path)
     with suppress(FileNotFoundError):
         mode = path.stat().st_mode
         if not stat.S_ISREG(mode):
@@ -41,10 +45,14 @@ def file_target(path: Path) -> Path:
     return Path(os.path.realpath(path))
 
 
-def _write_temporary(target: Path, chunks: Iterable[bytes], made: list[Path]) -> Path:
+def _write_temporary(
+    target: Path, chunks: Iterable[bytes], made: list[Path], alive: ExitStack
+) -> Path:
     prefix = f".{target.name}."
-    handle, path = tempfile.mkstemp(prefix=prefix, suffix=".tmp", dir=target.parent)
+    sweep(target.parent, prefix)
+    handle, path = tempfile.mkstemp(prefix=prefix, suffix=SUFFIX, dir=target.parent)
     made.append(Path(path))
+    alive.enter_context(held(Path(path)))
     with os.fdopen(handle, "wb") as stream:
         os.fchmod(handle, 0o666 & ~_umask())
         stream.writelines(chunks)
@@ -89,16 +97,17 @@ def write_all(folder: Path, files: Mapping[str, bytes | Iterable[bytes]]) -> Non
         behind, older files are as they were.
     """
     made: list[Path] = []
+    alive = ExitStack()
     folders: list[Path] = []
     done = False
     try:
         missing = [path for path in (folder, *folder.parents) if not path.exists()]
-        folder.mkdir(parents=True, exist_ok=True)
+        followed(folder).mkdir(parents=True, exist_ok=True)
         folders = missing  # innermost first
         targets = {name: file_target(folder / name) for name in files}
         finals = {
             targets[name]: _write_temporary(
-                targets[name], [data] if isinstance(data, bytes) else data, made
+                targets[name], [data] if isinstance(data, bytes) else data, made, alive
             )
             for name, data in files.items()
         }
@@ -113,6 +122,7 @@ def write_all(folder: Path, files: Mapping[str, bytes | Iterable[bytes]]) -> Non
         reason = error.strerror or str(error)
         raise CamtoolsError([f"{folder}: cannot write: {reason}; {remedy}"]) from error
     finally:
+        alive.close()
         if not done:
             for path in made:
                 with suppress(OSError):
@@ -138,10 +148,11 @@ def growing(path: Path) -> Iterator[TextIO]:
         with path.open("w", newline="", encoding="utf-8") as stream:
             yield stream
         return
-    path = Path(os.path.realpath(path))
-    handle, name = tempfile.mkstemp(prefix=f".{path.name}.", suffix=".tmp", dir=path.parent)
+    path = Path(os.path.realpath(followed(path)))
+    sweep(path.parent, f".{path.name}.")
+    handle, name = tempfile.mkstemp(prefix=f".{path.name}.", suffix=SUFFIX, dir=path.parent)
     try:
-        with os.fdopen(handle, "w", newline="", encoding="utf-8") as stream:
+        with held(Path(name)), os.fdopen(handle, "w", newline="", encoding="utf-8") as stream:
             os.fchmod(handle, 0o666 & ~_umask())
             yield stream
     finally:

@@ -15,13 +15,17 @@ import errno
 import os
 import shutil
 import tempfile
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from types import TracebackType
 from typing import Self
 
 from camtools.base.errors import CamtoolsError
+from camtools.base.leftovers import SUFFIX, held, sweep
+from camtools.base.links import followed
 from camtools.base.output import file_target, signals_held
+
+_PREFIX = ".run."
 
 
 def cannot_write(place: Path, error: OSError) -> CamtoolsError:
@@ -33,6 +37,8 @@ def cannot_write(place: Path, error: OSError) -> CamtoolsError:
 
 class Stage:
     """A hidden folder inside the output folder, gone at the end.
+
+    A run that was killed leaves its folder behind; the next one into the same output removes it.
 
     Parameters
     ----------
@@ -54,15 +60,18 @@ class Stage:
         self.output = output
         self.folder = Path()
         self._made: list[Path] = []
+        self._alive = ExitStack()
 
     def __enter__(self) -> Self:
         try:
             with signals_held():
                 paths = (self.output, *self.output.parents)
                 self._made = [path for path in paths if not path.exists()]  # innermost first
-                self.output.mkdir(parents=True, exist_ok=True)
-                name = tempfile.mkdtemp(prefix=".run.", suffix=".tmp", dir=self.output)
+                followed(self.output).mkdir(parents=True, exist_ok=True)
+                sweep(self.output, _PREFIX)
+                name = tempfile.mkdtemp(prefix=_PREFIX, suffix=SUFFIX, dir=self.output)
                 self.folder = Path(name).resolve()
+                self._alive.enter_context(held(self.folder))
         except OSError as error:
             self._remove_empty()
             raise cannot_write(self.output, error) from error
@@ -97,6 +106,7 @@ class Stage:
     ) -> None:
         with signals_held():
             shutil.rmtree(self.folder, ignore_errors=True)
+            self._alive.close()
             self._remove_empty()
 
     def _remove_empty(self) -> None:

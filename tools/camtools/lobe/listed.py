@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from camtools.base.errors import GeometryError, InputError
+from camtools.base.errors import GeometryError, InputError, numbers_shown
 from camtools.base.input_file import read_text
 from camtools.base.quantities import Floats
 from camtools.lobe.part import MAX_LIFT_MM, MIN_POINTS, MIN_STEP_DEG, Lobe, fits_turn, is_step
@@ -36,8 +36,7 @@ def parse_points(text: str, file: str) -> tuple[Floats, Floats]:
     """
     lines = text.splitlines()
     if not lines or lines[0].strip() != CSV_HEADER:
-        found = lines[0][:60] if lines else ""
-        raise InputError(file, "line 1", found, "wrong header", f'write "{CSV_HEADER}"')
+        raise InputError(file, "line 1", None, "wrong header", f'write "{CSV_HEADER}"')
     rows: list[tuple[float, float]] = []
     for number, line in enumerate(lines[1 : _MAX_ROWS + 1], start=2):
         if line.strip():
@@ -58,7 +57,8 @@ def _row(
         angle, lift_mm = (float(cell) for cell in line.split(","))
     except ValueError as error:
         problem = "not two numbers"
-        raise InputError(file, place, line, problem, f"write {CSV_HEADER}") from error
+        shown = numbers_shown(line)
+        raise InputError(file, place, shown, problem, f"write {CSV_HEADER}") from error
     if not (-360 <= angle <= 720 and 0 <= lift_mm <= MAX_LIFT_MM):
         problem = f"angle not -360 .. 720 or lift not 0 .. {MAX_LIFT_MM:g}"
         raise InputError(file, place, line, problem, "give degrees and mm above the base circle")

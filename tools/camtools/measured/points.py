@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from camtools.base.columns import Columns
-from camtools.base.errors import InputError, one_line
+from camtools.base.errors import InputError, numbers_shown
 from camtools.base.quantities import Floats
 
 ANGLES = {"turn": 1.0, "angle_turn": 1.0, "angle_deg": 1 / 360}  # turns per unit
@@ -57,7 +57,7 @@ def _find(columns: Columns, units: dict[str, float]) -> _Place | None:
     return _Place(names.index(found[0]), units[found[0]]) if len(found) == 1 else None
 
 
-def _places(columns: Columns, line: str, file: str) -> list[_Place]:
+def _places(columns: Columns, file: str) -> list[_Place]:
     """Return where angle, height and deviation stand, and the radius where there is one."""
     kinds = {"angle": ANGLES, "height": HEIGHTS, "deviation": DEVIATIONS}
     places = []
@@ -66,7 +66,7 @@ def _places(columns: Columns, line: str, file: str) -> list[_Place]:
         if place is None:
             problem = f"wants one column of the {what}: {', '.join(units)}"
             remedy = f'write a header as "{HEADER}", with , or ; or blanks between'
-            raise InputError(file, "line 1", one_line(line[:60]), problem, remedy)
+            raise InputError(file, "line 1", None, problem, remedy)
         places.append(place)
     radius = _find(columns, {RADIUS: 1.0})
     return places if radius is None else [*places, radius]
@@ -83,7 +83,7 @@ def parse_points(text: str, file: str) -> GaugedPoints:
     lines = text.splitlines()
     header = lines[0].strip() if lines else ""
     columns = Columns(header)
-    places = _places(columns, header, file)
+    places = _places(columns, file)
     if len(lines) > MAX_POINTS:
         problem = f"has {len(lines)} lines, at most {MAX_POINTS} are read"
         raise InputError(file, "", None, problem, "leave out points or heights")
@@ -95,7 +95,8 @@ def parse_points(text: str, file: str) -> GaugedPoints:
             rows.append(columns.numbers(line, order))
         except (ValueError, IndexError) as error:
             problem, remedy = "no numbers", "write the line as the header says"
-            raise InputError(file, f"line {number}", line[:60], problem, remedy) from error
+            shown = numbers_shown(line[:60])
+            raise InputError(file, f"line {number}", shown, problem, remedy) from error
         numbers.append(number)
     if not rows:
         raise InputError(file, "", None, "has no point", "gauge the part")

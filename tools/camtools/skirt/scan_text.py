@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from camtools.base.columns import Columns
-from camtools.base.errors import CamtoolsError, InputError
+from camtools.base.errors import CamtoolsError, InputError, numbers_shown
 from camtools.base.input_file import read_text
 from camtools.base.quantities import Floats
 
@@ -57,7 +57,7 @@ class _Format(NamedTuple):
     is_radius: bool
 
 
-def _wrong(file: str, line: int, value: str, problem: str, remedy: str) -> InputError:
+def _wrong(file: str, line: int, value: str | None, problem: str, remedy: str) -> InputError:
     return InputError(file, f"line {line}", value, problem, remedy)
 
 
@@ -67,7 +67,7 @@ def _format_of(file: str, line: str) -> _Format:
     if len(names) != 3 or names[:2] != ["angle_deg", "z_mm"] or names[2] not in _MM_PER_UNIT:
         others = ", ".join(list(_MM_PER_UNIT)[1:])
         remedy = f'write "{HEADER}", or {others} as the third name, with , or ; or blanks between'
-        raise _wrong(file, 1, line[:60], "wrong header", remedy)
+        raise _wrong(file, 1, None, "wrong header", remedy)
     return _Format(columns, _MM_PER_UNIT[names[2]], names[2] == "radius_mm")
 
 
@@ -76,7 +76,10 @@ def _row(file: str, number: int, line: str, form: _Format) -> tuple[float, float
     try:
         angle, z_mm, value = form.columns.numbers(line)
     except ValueError as error:
-        raise _wrong(file, number, line, "not three numbers", "write as the header says") from error
+        shown = numbers_shown(line)
+        raise _wrong(
+            file, number, shown, "not three numbers", "write as the header says"
+        ) from error
     if not np.isfinite([angle, z_mm, value]).all() or not 0 <= angle <= 360:
         raise _wrong(file, number, line, "no angle of 0 .. 360", "give degrees from the long axis")
     value_mm = value * form.per_unit
@@ -101,7 +104,7 @@ def parse_sections(text: str, file: str) -> Sections:
     form = _format_of(file, lines[0].strip() if lines else "")
     if len(lines) > MAX_POINTS:
         problem = f"more than {MAX_POINTS} points"
-        raise _wrong(file, MAX_POINTS, lines[-1], problem, "leave out points or heights")
+        raise _wrong(file, MAX_POINTS, None, problem, "leave out points or heights")
     points: dict[float, dict[float, float]] = {}
     for number, line in enumerate(lines[1:], start=2):
         if not line.strip():

@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from camtools.base.errors import InputError
+from camtools.base.errors import InputError, numbers_shown
 from camtools.base.input_file import read_text
 from camtools.base.quantities import Floats
 from camtools.table.quintics import segment_coefficients
@@ -101,19 +101,19 @@ def _header_of(line: str, file: str, number: int) -> list[_Column] | None:
     if all(_number(cell) is not None for cell in cells):
         if len(cells) not in _WITHOUT_HEADER:
             problem = f"has {len(cells)} columns and no header"
-            raise InputError(file, f"line {number}", line, problem, _USE)
+            raise InputError(file, f"line {number}", None, problem, _USE)
         return None
     columns = [_column(cell) for cell in cells]
-    for cell, column in zip(cells, columns, strict=True):
-        if column is None:
-            raise InputError(file, f"line {number}", line, f"unknown column {cell!r}", _USE)
+    if None in columns:
+        problem = f"column {columns.index(None) + 1} of {len(columns)} has an unknown name"
+        raise InputError(file, f"line {number}", None, problem, _USE)
     keys = [column.key for column in columns if column is not None]
     missing = [key for key in ("x", "y") if key not in keys]
     if ("v" in keys) != ("a" in keys):
         missing.append("a" if "v" in keys else "v")
     if missing or len(set(keys)) != len(keys):
         what = f"no column of {missing[0].upper()}" if missing else "a column is there twice"
-        raise InputError(file, f"line {number}", line, what, _USE)
+        raise InputError(file, f"line {number}", None, what, _USE)
     return [column for column in columns if column is not None]
 
 
@@ -132,7 +132,7 @@ def _rows(lines: list[tuple[int, str]], columns: list[_Column], file: str) -> Fl
         if len(values) != len(columns) or None in values:
             problem = f"not {len(columns)} numbers"
             remedy = "give as many in every line, decimals with a point"
-            raise InputError(file, f"line {number}", line, problem, remedy)
+            raise InputError(file, f"line {number}", numbers_shown(line), problem, remedy)
         found[i] = values
     return found * [column.scale for column in columns]
 
@@ -162,7 +162,7 @@ def parse_points(text: str, file: str) -> PointFile:
     else:
         lines = lines[1:]
     if not lines:
-        raise InputError(file, f"line {first}", line, "no points follow", "give those of one turn")
+        raise InputError(file, f"line {first}", None, "no points follow", "give those of one turn")
     rows = dict(zip((one.key for one in columns), _rows(lines, columns, file).T, strict=True))
     numbers = np.array([number for number, _ in lines])
     return _sections(rows, numbers, file)
