@@ -22,6 +22,7 @@ from camtools.base.errors import CamtoolsError
 
 FAILED = 1
 ROOT = Path(__file__).resolve().parents[2]
+MONOCYPHER = ROOT / "build" / "_monocypher"
 VENV = ROOT / "build" / "venv"
 
 
@@ -47,13 +48,15 @@ def other_folder(temporary: Path, root: Path = ROOT) -> Path:
 
 
 def _copy(unity: Path, folder: Path) -> None:
-    """Copy the sources, Unity and the Python packages to where a build of them looks for these."""
+    """Copy the sources, Unity, Monocypher and the Python packages to where a build looks for them."""
 
     def not_sources(_folder: str, names: list[str]) -> set[str]:
         return {name for name in names if name == "build" or name.startswith(".git")}
 
     shutil.copytree(ROOT, folder, ignore=not_sources, symlinks=True)
     shutil.copytree(unity, folder / "build" / "_unity")
+    if MONOCYPHER.is_dir():
+        shutil.copytree(MONOCYPHER, folder / "build" / "_monocypher")
     if VENV.is_dir():
         (folder / "build" / "venv").symlink_to(VENV)
 
