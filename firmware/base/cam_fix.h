@@ -15,7 +15,7 @@
 _Static_assert((-3 >> 1) == -2, "arithmetic right shift");
 
 /// Multiply by a fraction of 2^-32 and add, with rounding: one instruction on Cortex-M4/M7.
-/// @return c + floor(a * b / 2^32 + 1/2), any arguments whose result fits int32
+/// @return c + floor(a * b / 2^32 + 1/2) modulo 2^32, any arguments
 /// Source: ARMv7-M Architecture Reference Manual, A7.7.147 (SMMLAR).
 static inline int32_t cam_mulhi_add(int32_t c, int32_t a, int32_t b)
 {
@@ -24,7 +24,8 @@ static inline int32_t cam_mulhi_add(int32_t c, int32_t a, int32_t b)
     __asm("smmlar %0, %1, %2, %3" : "=r"(sum) : "r"(a), "r"(b), "r"(c));
     return sum;
 #else
-    return c + (int32_t)(((int64_t)a * b + (INT64_C(1) << 31)) >> 32);
+    const int64_t product = ((int64_t)a * b + (INT64_C(1) << 31)) >> 32;
+    return (int32_t)((uint32_t)c + (uint32_t)(int32_t)product);
 #endif
 }
 
@@ -39,6 +40,21 @@ static inline int32_t cam_mulhi(int32_t a, int32_t b)
     return product;
 #else
     return cam_mulhi_add(0, a, b);
+#endif
+}
+
+/// Add and saturate: one instruction on Cortex-M4/M7.
+/// @return a + b limited to the range of int32
+/// Source: ARMv7-M Architecture Reference Manual (QADD).
+static inline int32_t cam_sat_add(int32_t a, int32_t b)
+{
+#if defined(__ARM_FEATURE_DSP) && __ARM_FEATURE_DSP
+    int32_t sum;
+    __asm("qadd %0, %1, %2" : "=r"(sum) : "r"(a), "r"(b));
+    return sum;
+#else
+    const int64_t sum = (int64_t)a + b;
+    return sum < INT32_MIN ? INT32_MIN : sum > INT32_MAX ? INT32_MAX : (int32_t)sum;
 #endif
 }
 

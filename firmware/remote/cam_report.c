@@ -78,7 +78,7 @@ static void send_motion(const cam_store_t *store, const cam_status_t *status)
         .angle = status->is_synced ? drawing_angle_q32(store->machine, status) : 0u,
     };
     const struct camturn_axis_u_t u = {
-        .u_set = (status->u_set_q6 + 32) >> 6,
+        .u_set = cam_sat_add(status->u_set_q6, 32) >> 6,
         .u_actual = status->u_actual_nm,
     };
     hal_can_frame_t frame;

@@ -11,6 +11,8 @@
 #include "cam_move.h"   // cam_move_t
 #include <stdint.h>     // int32_t, int64_t
 
+enum { cam_aim_most_nm = 2147000000 }; ///< [nm] farthest place of an axis; the word ends beyond it
+
 /// @return the share of one tick in what is left until the next plan
 static inline int32_t cam_aim_share(const cam_play_config_t *cfg, int32_t left)
 {
@@ -19,9 +21,12 @@ static inline int32_t cam_aim_share(const cam_play_config_t *cfg, int32_t left)
 
 /// Plan equal increments to a target; the remainder of the division is added at once. The distance
 /// saturates at two millimetres per plan: a Z that others move faster is followed later.
+/// No target leads an axis to the end of the word that tells the drive its place.
 static inline void cam_aim_isr(cam_move_t *m, const cam_play_config_t *cfg, int64_t target_q10)
 {
-    const int32_t left_q10 = cam_sat_i32(target_q10 - m->pos_q10);
+    const int64_t most_q10 = (int64_t)cam_aim_most_nm * 1024;
+    const int64_t held_q10 = cam_clamp_i64(target_q10, -most_q10, most_q10);
+    const int32_t left_q10 = cam_sat_i32(held_q10 - m->pos_q10);
     m->vel_q10 = cam_aim_share(cfg, left_q10);
     m->acc_q10 = 0;
     m->pos_q10 += left_q10 - (int64_t)m->vel_q10 * cfg->plan_ticks;

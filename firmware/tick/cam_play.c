@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_play.h"
+#include "cam_aim.h"   // cam_aim_most_nm
 #include "cam_angle.h" // cam_angle_of_pos
 #include "cam_eval.h"  // cam_eval_segment
 #include "cam_fix.h"   // cam_mulhi
@@ -66,11 +67,12 @@ static int32_t play_table(cam_play_t *p, const cam_play_config_t *cfg, const cam
     return surface(m, cfg, angle->speed_q32, angle_q32 - (uint32_t)m->phase_q32);
 }
 
-/// Without enable all set-points are where the axes are.
+/// Without enable all set-points are where the axes are, up to the farthest place of an axis.
 static void follow_axes(cam_motion_t *m, const cam_sense_t *in)
 {
     for (uint32_t i = 0; i < hal_n_axes; i++) {
-        m->axis[i] = (cam_move_t){.pos_q10 = (int64_t)in->actual_nm[i] * 1024};
+        const int32_t nm = cam_clamp_i32(in->actual_nm[i], -cam_aim_most_nm, cam_aim_most_nm);
+        m->axis[i] = (cam_move_t){.pos_q10 = (int64_t)nm * 1024};
     }
     m->spindle_mrpm = 0;
     m->faults = 0;

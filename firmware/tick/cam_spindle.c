@@ -165,7 +165,9 @@ void cam_spindle_step_isr(cam_spindle_t *s, const cam_spindle_config_t *cfg, con
     angle->is_synced = s->is_synced;
 }
 
-/// Take an index edge. The first one makes the angle known. The distance of two is 0 (the spindle
+/// Take an index edge. The first one makes the angle known, unless its latch tells a place that the
+/// spindle cannot have left since: then the edge is overdue as before, or soon. The distance of two
+/// is 0 (the spindle
 /// turned back) or a turn; what is left is lost counts. Their sum wraps only after it has long been
 /// a fault.
 /// @return fault lost_counts or none
@@ -174,7 +176,9 @@ static uint32_t take_edge(cam_spindle_t *s, const cam_spindle_config_t *cfg, uin
     const int32_t distance = cam_wrap_diff(edge, s->index_counts);
     s->index_counts = edge;
     if (!s->is_synced) {
-        sync(s, cfg);
+        if (cam_is_within(cam_wrap_diff(s->counts, edge), cfg->counts_per_turn)) {
+            sync(s, cfg);
+        }
         return 0;
     }
     const int32_t turn = distance < 0 ? -cfg->counts_per_turn : cfg->counts_per_turn;

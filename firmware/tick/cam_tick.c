@@ -33,7 +33,7 @@ static void sense_isr(cam_t *c, cam_sense_t *in)
 
 /// Inverse of a second-order drive, MATHS.md (56) and (189): the command that brings the tool to
 /// u_q6. It is limited to the stroke: only a wrong gain demands more, and the following error shows
-/// that.
+/// that. In off U may stand anywhere, and is told the end of the stroke that is nearer to it.
 static int32_t command_nm(const cam_config_t *cfg, int32_t u_q6, const cam_move_t *u)
 {
     const int64_t more_q26 = (int64_t)cfg->k1_q16 * u->vel_q10 + (int64_t)cfg->k2_q16 * u->acc_q10;
@@ -42,7 +42,7 @@ static int32_t command_nm(const cam_config_t *cfg, int32_t u_q6, const cam_move_
     const uint32_t low = (uint32_t)(uint64_t)more_q26;
     const int32_t more_q6 = (int32_t)((uint32_t)high << 12 | low >> 20);
     const int32_t most_q6 = cfg->guard.u_range_q6;
-    return cam_clamp_i32(u_q6 + more_q6 + 32, -most_q6, most_q6) >> 6;
+    return cam_clamp_i32(cam_sat_add(u_q6, more_q6 + 32), -most_q6, most_q6) >> 6;
 }
 
 /// Round a position down; the plan has added half a nanometre to X, which is thus rounded to

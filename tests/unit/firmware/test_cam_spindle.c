@@ -324,6 +324,25 @@ static void test_step_first_reading_anywhere_is_no_jump(void)
     TEST_ASSERT_FALSE(angle.is_synced);
 }
 
+/// A latch that tells a place where the spindle cannot have been is no edge: the angle stays
+/// unknown, and the index is missed.
+static void test_step_first_edge_far_away_is_no_angle(void)
+{
+    for (uint32_t far = 1u << 31; far > 10000u; far /= 2u) {
+        start(10000, 1, 1000u);
+        in.encoder.n_index++;
+        in.encoder.index_counts = in.encoder.counts + far;
+        faults = 0;
+        for (int i = 0; i < 16; i++) {
+            in.clock += clock_hz / tick_hz;
+            observe(0);
+        }
+        TEST_ASSERT_FALSE(angle.is_synced);
+        TEST_ASSERT_TRUE(spindle.in_turn >= 0 && spindle.in_turn < 10000);
+        TEST_ASSERT_EQUAL_HEX32(far > 11250u ? CAM_FAULT_BIT(index_missing) : 0u, faults);
+    }
+}
+
 static void test_forget_keeps_the_speed_and_needs_a_new_edge(void)
 {
     start(10000, 1, 0);
@@ -359,6 +378,7 @@ int main(void)
     RUN_TEST(test_step_late_tick_with_its_time_stamp_costs_no_angle);
     RUN_TEST(test_step_known_acceleration_causes_no_lag);
     RUN_TEST(test_step_first_reading_anywhere_is_no_jump);
+    RUN_TEST(test_step_first_edge_far_away_is_no_angle);
     RUN_TEST(test_forget_keeps_the_speed_and_needs_a_new_edge);
     return UNITY_END();
 }

@@ -48,6 +48,20 @@ static void test_tick_writes_outputs_and_what_it_records(void)
     TEST_ASSERT_EQUAL_MEMORY(&rig.last.out, &hal_host.out.axis, sizeof rig.last.out);
 }
 
+/// In off U may stand anywhere, and is told the end of its stroke that is nearer.
+static void test_tick_off_tells_u_beyond_its_stroke_the_nearer_end(void)
+{
+    static const int32_t places_nm[] = {600001, 33554431, 33554432, 40000000, INT32_MAX};
+    for (uint32_t i = 0; i < sizeof places_nm / sizeof places_nm[0]; i++) {
+        hal_host.in.axis_nm[hal_axis_u] = places_nm[i];
+        fixture_rig_tick(&rig);
+        TEST_ASSERT_EQUAL_INT32(600000, hal_host.out.axis[hal_axis_u].pos_nm);
+        hal_host.in.axis_nm[hal_axis_u] = -places_nm[i];
+        fixture_rig_tick(&rig);
+        TEST_ASSERT_EQUAL_INT32(-600000, hal_host.out.axis[hal_axis_u].pos_nm);
+    }
+}
+
 static void test_tick_status_tells_what_the_record_tells(void)
 {
     TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_cutting));
@@ -206,6 +220,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_tick_writes_outputs_and_what_it_records);
+    RUN_TEST(test_tick_off_tells_u_beyond_its_stroke_the_nearer_end);
     RUN_TEST(test_tick_status_tells_what_the_record_tells);
     RUN_TEST(test_tick_without_trace_records_nothing);
     RUN_TEST(test_tick_whole_cut_never_steps_a_setpoint);
