@@ -90,6 +90,16 @@ static const err_text_t entries[] = {
     {cam_err_params_damaged, "the kept parameters are damaged"},
     {cam_err_params_keep, "the parameters could not be kept"},
     {cam_err_param_output, "the axis would be faster than the port's output passes on"},
+    {cam_err_acknowledge, "acknowledge at the machine: since power-on, the emergency stop or a "
+                          "fault nobody has pressed its button"},
+    {cam_err_acknowledge_none,
+     "the port has no input acknowledge, and its builder has not waived it in the port's settings"},
+    {cam_err_not_commander, "the sender does not command: take_command first"},
+    {cam_err_locked, "locked: turn the key switch, or answer a challenge"},
+    {cam_err_lock_none, "locked for good: the port has neither a key switch nor a secret"},
+    {cam_err_unlock, "the answer does not belong to the last challenge, which is used up"},
+    {cam_err_hard_limit,
+     "the value is beyond the limits that the port's builder fixed when its image was built"},
 };
 
 const char *cam_err_text(cam_err_t err)

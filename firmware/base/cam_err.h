@@ -100,6 +100,14 @@ typedef enum {
     cam_err_scope_before = -96,   ///< no row is left behind the trigger
     // Outputs of the port (cam_fit.h)
     cam_err_param_output = -110, ///< the axis would be faster than the port's output passes on
+    // Who may command (cam_rights.h, cam_acknowledge.h)
+    cam_err_acknowledge = -120,      ///< nobody has acknowledged at the machine
+    cam_err_acknowledge_none = -121, ///< the port has no input to acknowledge
+    cam_err_not_commander = -122,    ///< another node has command, or nobody
+    cam_err_locked = -123,           ///< it needs the unlocked level
+    cam_err_lock_none = -124,        ///< it needs the unlocked level, which this port never has
+    cam_err_unlock = -125,           ///< the challenge was answered wrong, or none was asked for
+    cam_err_hard_limit = -126, ///< the value is beyond the limits that the port's builder fixed
 } cam_err_t;
 
 /// The compiler refuses a call that ignores the result of such a function.

@@ -25,6 +25,8 @@ void cam_machine_init(cam_machine_t *m, cam_t *core, uint32_t tick_hz, uint32_t 
                          .params = cam_machine_defaults(tick_hz),
                          .tick_hz = tick_hz,
                          .clock_hz = clock_hz};
+    const hal_operator_t people = hal_operator();
+    cam_rights_init(&m->rights, &people, tick_hz);
     cam_scope_init(&m->scope, hal_scope_memory(), tick_hz);
     cam_teach_init(&m->teach);
     // The tick does not run yet, so both halves may be written.
@@ -134,6 +136,9 @@ cam_err_t cam_machine_enable(cam_machine_t *m)
     }
     if (err == cam_ok) {
         err = cam_machine_check_places(m, &status);
+    }
+    if (err == cam_ok) {
+        err = cam_machine_check_acknowledge(m, &status);
     }
     return err == cam_ok ? cam_machine_post(m, &status, cam_request_enable) : err;
 }
@@ -278,6 +283,7 @@ void cam_machine_poll(cam_machine_t *m)
     cam_machine_identify_poll(m);
     cam_machine_hand_poll(m);
     const cam_status_t status = cam_machine_status(m);
+    cam_machine_rights_poll(m, &status);
     end_pass(m, &status);
     cam_machine_override_poll(m, &status);
     cam_machine_teach_poll(m, status.state);

@@ -16,6 +16,7 @@
 #include "cam_identify.h" // cam_identify_t
 #include "cam_keep.h"     // cam_keep_found_t
 #include "cam_param.h"    // cam_params_t
+#include "cam_rights.h"   // cam_rights_t
 #include "cam_scope.h"    // cam_scope_t
 #include "cam_strobe.h"   // cam_strobe_t
 #include "cam_table.h"    // cam_table_t
@@ -92,6 +93,8 @@ typedef struct {
     cam_identify_t identify;    ///< excitation of U
     cam_teach_t teach;          ///< what was learned
     cam_hands_t hands;          ///< orders by hand, homes
+    cam_rights_t rights;        ///< who may command, and change limits
+    bool is_stop_due;           ///< command was lost: what moves by it is to stop
 } cam_machine_t;
 
 /// Bring interrupt and slow side into state off. To be called before the tick starts.
@@ -115,8 +118,9 @@ CAM_MUST_USE cam_err_t cam_machine_select_table(cam_machine_t *m, const void *im
 /// only phase_udeg, amplitude_ppm, x_trim_nm, feed_override_ppm and spindle_override_ppm may, and
 /// they are ramped. In manual the same may as in ready. In the other states none may. What is
 /// refused for its numbers is in m->refusal.
-/// @return cam_ok, cam_err_param_id, _range, _state, _tick, cam_err_trim_limit, cam_err_busy, or a
-///         feasibility error, for example for an amplitude that the running speed does not allow
+/// @return cam_ok, cam_err_param_id, _range, _state, _tick, cam_err_trim_limit, cam_err_busy,
+///         cam_err_locked, cam_err_lock_none (cam_rights.h), or a feasibility error, for example
+///         for an amplitude that the running speed does not allow
 CAM_MUST_USE cam_err_t cam_machine_set_param(cam_machine_t *m, cam_param_id_t id, int32_t value);
 
 /// Begin to change several parameters at once: all are staged as they are in force.
@@ -133,7 +137,9 @@ CAM_MUST_USE cam_err_t cam_machine_stage(cam_machine_t *m, cam_param_id_t id, in
 CAM_MUST_USE cam_err_t cam_machine_stage_commit(cam_machine_t *m);
 
 /// Have the port keep the parameters in force.
-/// @return cam_ok, cam_err_state when not off, cam_err_busy, cam_err_params_keep
+/// @return cam_ok, cam_err_state when not off, cam_err_busy, cam_err_params_keep; cam_err_locked
+/// and
+///         cam_err_lock_none where limits or constants differ from those that are kept
 /// Context: lasts as long as hal_params_keep().
 CAM_MUST_USE cam_err_t cam_machine_save_params(cam_machine_t *m);
 
@@ -165,7 +171,8 @@ cam_feasibility_t cam_machine_feasibility(const cam_machine_t *m, uint32_t speed
 
 /// Enable the drives and search the index: off -> homing.
 /// @return cam_ok, cam_err_state, _busy, _no_table, _estop, _drive, _bus, _u_place, _not_homed,
-///         _travel (cam_machine_hand.h) or a feasibility error
+///         _travel (cam_machine_hand.h), cam_err_acknowledge, cam_err_acknowledge_none, or a
+///         feasibility error
 CAM_MUST_USE cam_err_t cam_machine_enable(cam_machine_t *m);
 
 /// Search the index anew: in off as cam_machine_enable(); in ready -> off -> homing, where

@@ -112,9 +112,11 @@ static travel_t travel_of(const cam_machine_t *m, const cam_status_t *status, ha
 cam_err_t cam_machine_manual(cam_machine_t *m)
 {
     const cam_status_t status = cam_machine_status(m);
-    const cam_err_t err = status.state == cam_state_off
-                              ? cam_machine_check_drives(&m->params, &status)
-                              : cam_err_state;
+    cam_err_t err = status.state == cam_state_off ? cam_machine_check_drives(&m->params, &status)
+                                                  : cam_err_state;
+    if (err == cam_ok) {
+        err = cam_machine_check_acknowledge(m, &status);
+    }
     return err == cam_ok ? cam_machine_post(m, &status, cam_request_manual) : err;
 }
 

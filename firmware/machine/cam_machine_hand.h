@@ -23,7 +23,8 @@ typedef struct {
 } cam_hand_verdict_t;
 
 /// Enable the drives for hands: off -> manual. No table is needed.
-/// @return cam_ok, cam_err_state, _busy, _estop, _drive, _bus, _u_place
+/// @return cam_ok, cam_err_state, _busy, _estop, _drive, _bus, _u_place, _acknowledge,
+///         _acknowledge_none
 CAM_MUST_USE cam_err_t cam_machine_manual(cam_machine_t *m);
 
 /// Move an axis until the order grows old, or to the limit of its travel.

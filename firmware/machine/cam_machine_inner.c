@@ -79,6 +79,7 @@ cam_err_t cam_machine_hand_over(cam_machine_t *m, const cam_params_t *params,
             cam_config_learn(half);
             half->play.hand.order = last->play.hand.order;
         }
+        half->play.acknowledge = cam_machine_acknowledge_config(m);
         if (m->is_held) {
             half->play.feed_rate_q30 = 0;
         }

@@ -37,6 +37,18 @@ CAM_MUST_USE cam_err_t cam_machine_post_if(cam_machine_t *m, const cam_status_t 
 CAM_MUST_USE cam_err_t cam_machine_check_drives(const cam_params_t *params,
                                                 const cam_status_t *status);
 
+/// @return cam_ok when somebody at the machine has said that it may move, or this port needs nobody
+///         to; else cam_err_acknowledge, or cam_err_acknowledge_none when it has no button
+CAM_MUST_USE cam_err_t cam_machine_check_acknowledge(const cam_machine_t *m,
+                                                     const cam_status_t *status);
+
+/// Carry out what follows when the commander is lost: the cut ends as by stop, axes that are moved
+/// by hand brake. Context: cam_machine_poll().
+void cam_machine_rights_poll(cam_machine_t *m, const cam_status_t *status);
+
+/// @return what the configuration demands of the button at the machine
+cam_acknowledge_config_t cam_machine_acknowledge_config(const cam_machine_t *m);
+
 /// Judge the speeds that start would use with these parameters and this table. What is infeasible
 /// is kept with its numbers, for cam_machine_refusal().
 /// @return cam_ok or why not (cam_feasible.h)

@@ -114,6 +114,18 @@ static void explain_fit(cam_machine_t *m, const cam_params_t *params, cam_err_t 
     };
 }
 
+/// Check whether the level allows all changes.
+static cam_err_t check_level(cam_machine_t *m, const cam_params_t *params, cam_param_id_t named)
+{
+    const cam_err_t err = cam_rights_check_level(&m->rights);
+    for (uint32_t id = 0; id < (uint32_t)cam_n_params && err != cam_ok; id++) {
+        if (cam_param_is_locked((cam_param_id_t)id) && is_touched(m, params, named, id)) {
+            return refuse_change(m, err, id);
+        }
+    }
+    return cam_ok;
+}
+
 /// Take over parameters that have been handed to the interrupt.
 static void adopt(cam_machine_t *m, const cam_params_t *params, cam_param_id_t named)
 {
@@ -144,7 +156,10 @@ static cam_err_t apply(cam_machine_t *m, const cam_params_t *params, cam_param_i
     if (cam_machine_is_pending(m, &status)) {
         return cam_err_busy;
     }
-    cam_err_t err = check_state(m, params, named, &status);
+    cam_err_t err = check_level(m, params, named);
+    if (err == cam_ok) {
+        err = check_state(m, params, named, &status);
+    }
     if (err == cam_ok) {
         err = check_trim(m, params, &status);
     }
@@ -248,15 +263,35 @@ bool cam_machine_load_params(cam_machine_t *m)
     return true;
 }
 
+/// Check whether the level allows the next start to begin with other limits and constants than
+/// those that are kept.
+static cam_err_t check_keep(cam_machine_t *m, const cam_params_t *params)
+{
+    const hal_params_t kept = hal_params_kept();
+    cam_params_t next = cam_machine_defaults(m->tick_hz);
+    (void)cam_keep_read(&kept, &next);
+    const cam_err_t err = cam_rights_check_level(&m->rights);
+    for (uint32_t i = 0; i < (uint32_t)cam_n_params && err != cam_ok; i++) {
+        const cam_param_id_t id = (cam_param_id_t)i;
+        if (cam_param_is_locked(id) && cam_param_get(&next, id) != cam_param_get(params, id)) {
+            return refuse_change(m, err, i);
+        }
+    }
+    return cam_ok;
+}
+
 cam_err_t cam_machine_save_params(cam_machine_t *m)
 {
     static char text[cam_keep_most_bytes];
-    const cam_err_t err = cam_machine_may_keep(m);
+    cam_params_t params = m->params;
+    forget_overrides(&params);
+    cam_err_t err = cam_machine_may_keep(m);
+    if (err == cam_ok) {
+        err = check_keep(m, &params);
+    }
     if (err != cam_ok) {
         return err;
     }
-    cam_params_t params = m->params;
-    forget_overrides(&params);
     const uint32_t n = cam_keep_write(text, &params, m->version);
     if (!hal_params_keep(text, n)) {
         return cam_err_params_keep;

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_param.h"
-#include <stdbool.h> // bool
-#include <stddef.h>  // NULL, offsetof
-#include <string.h>  // strcmp, memcpy
+#include <stddef.h> // NULL, offsetof
+#include <string.h> // strcmp, memcpy
 
 #define PARAM_INFO(name, min, def, max, what) {#name, what, min, def, max},
 static const cam_param_info_t infos[cam_n_params] = {CAM_PARAMS(PARAM_INFO)};
@@ -13,6 +12,14 @@ static const size_t offsets[cam_n_params] = {CAM_PARAMS(PARAM_OFFSET)};
 const cam_param_info_t *cam_param_info(cam_param_id_t id)
 {
     return (unsigned)id < cam_n_params ? &infos[id] : NULL;
+}
+
+#define OPERATOR_PARAM(name) [cam_param_##name] = true,
+static const bool is_operators[cam_n_params] = {CAM_OPERATOR_PARAMS(OPERATOR_PARAM)};
+
+bool cam_param_is_locked(cam_param_id_t id)
+{
+    return (unsigned)id < cam_n_params && !is_operators[id];
 }
 
 cam_param_id_t cam_param_find(const char *name)

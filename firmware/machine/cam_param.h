@@ -7,6 +7,7 @@
 #define CAM_PARAM_H
 
 #include "cam_err.h" // cam_err_t
+#include <stdbool.h> // bool
 #include <stdint.h>  // int32_t
 
 // clang-format off
@@ -126,6 +127,15 @@
     X(feed_override_ppm,              0,    1000000,    1500000, "feed over its programmed value; below 1 %: Z stands, as in a hold; ramped like the feed") \
     X(spindle_override_ppm,      500000,    1000000,    1200000, "speed of the spindle over its programmed value; ramped") \
     X(spindle_override_rate_ppm_per_s, 1000, 100000,    1000000, "rate of that ramp, within spindle_acceleration_mrad_per_s2")
+
+/// Parameters that an operator sets for a part. All others are limits and constants of the machine,
+/// which change in the unlocked level only (cam_rights.h), and so does one that is new.
+#define CAM_OPERATOR_PARAMS(X) \
+    X(phase_udeg) X(amplitude_ppm) X(engage_turns) X(disengage_turns) X(feed_ramp_turns) \
+    X(spindle_mrpm) X(feed_nm) X(pass) X(rehearse_turns) X(trace_on) \
+    X(x_trim_nm) X(feed_override_ppm) X(spindle_override_ppm) X(x_datum_nm) X(z_datum_nm) X(tool) \
+    X(tool_1_x_nm) X(tool_1_z_nm) X(tool_2_x_nm) X(tool_2_z_nm) \
+    X(tool_3_x_nm) X(tool_3_z_nm) X(tool_4_x_nm) X(tool_4_z_nm)
 // clang-format on
 
 /// Index of a parameter, in the order of the list.
@@ -152,6 +162,9 @@ typedef struct {
 
 /// @return description of a parameter, NULL when id is not one. Context: slow side.
 const cam_param_info_t *cam_param_info(cam_param_id_t id);
+
+/// @return whether a parameter changes in the unlocked level only (cam_rights.h)
+bool cam_param_is_locked(cam_param_id_t id);
 
 /// @return id of the parameter with that name, cam_n_params when there is none. Context: slow side.
 cam_param_id_t cam_param_find(const char *name);

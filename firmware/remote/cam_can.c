@@ -40,6 +40,7 @@ void cam_can_answer(cam_can_t *r, uint8_t command, uint8_t parameter, cam_outcom
         .place = outcome.value,
         .datum = outcome.value,
         .tool = outcome.value,
+        .challenge = (uint32_t)outcome.value,
     };
     hal_can_frame_t *frame = &r->answers[r->n_answers];
     frame->id = CAMTURN_ANSWER_FRAME_ID;
@@ -134,6 +135,7 @@ cam_outcome_t cam_can_received(const cam_can_t *r, cam_err_t err)
 cam_outcome_t cam_can_begin_download(cam_can_t *r, uint32_t size, bool is_wave)
 {
     r->is_wave = is_wave;
+    r->download_session = r->machine->rights.session;
     return cam_can_received(r, is_wave ? cam_machine_wave_begin(r->machine, size)
                                        : cam_store_begin(&r->store, size));
 }
@@ -193,11 +195,28 @@ static void follow(cam_can_t *r, const struct camturn_command_t *m)
         break;
     default:
         if (!cam_can_scope(r, m) && !cam_can_params(r, m) && !cam_can_hand(r, m) &&
-            !cam_can_cut(r, m) && !cam_can_strobe(r, m)) {
+            !cam_can_cut(r, m) && !cam_can_strobe(r, m) && !cam_can_rights(r, m)) {
             cam_can_answer(r, m->command, m->parameter, carry_out(r, m));
         }
         break;
     }
+}
+
+/// Carry out a command whose sender may give it. What takes long keeps its commander as well: its
+/// next frame waits.
+static void give(cam_can_t *r, const struct camturn_command_t *m)
+{
+    cam_rights_t *rights = &r->machine->rights;
+    rights->is_bus_calling = m->sender != 0u || m->session != 0u; // others are still trusted
+    cam_can_hear(r, m);
+    const cam_outcome_t refused = cam_can_admit(r, m);
+    if (refused.err == cam_ok) {
+        follow(r, m);
+    } else {
+        cam_can_answer(r, m->command, m->parameter, refused);
+    }
+    cam_can_hear(r, m);
+    rights->is_bus_calling = false;
 }
 
 /// Check the form of a command frame, then carry it out.
@@ -206,8 +225,8 @@ static void take_command(cam_can_t *r, const hal_can_frame_t *frame)
     struct camturn_command_t m = {.command = 0};
     const bool is_whole = frame->n == CAMTURN_COMMAND_LENGTH &&
                           camturn_command_unpack(&m, frame->data, frame->n) == 0;
-    if (is_whole && m.reserved == 0u) {
-        follow(r, &m);
+    if (is_whole) {
+        give(r, &m);
         return;
     }
     // The frame is malformed: echo what has come, so that the sender can assign the answer.
@@ -224,6 +243,9 @@ static void take_command(cam_can_t *r, const hal_can_frame_t *frame)
 static cam_err_t store_block(cam_can_t *r, uint32_t n)
 {
     const uint8_t *b = r->block;
+    if (!cam_can_is_own_download(r)) {
+        return cam_err_not_commander;
+    }
     if (!r->is_wave) {
         return cam_store_block(&r->store, b, n);
     }

@@ -6,12 +6,12 @@
 /// generates from it; can/README.md describes their interplay. What this module adds:
 ///
 /// Every frame with the id of commands is answered. `done` means that the command was accepted; the
-/// status shows the outcome. A frame whose length is not 8, or which has reserved bytes set, is
-/// answered with cam_err_frame (missing bytes are echoed as 0), an unknown command with
-/// cam_err_command. A value out of its range is answered three times: refusal, minimum, maximum.
-/// Frames with other ids are ignored. read_scope is answered behind the piece that it asks for
-/// (cam_reading.h); a command or a block that comes before ends the piece, without an answer;
-/// strobe alone, which is renewed all the time, does not.
+/// status shows the outcome. A frame whose length is not 8 is answered with cam_err_frame (missing
+/// bytes are echoed as 0), one whose sender does not command with cam_err_not_commander
+/// (cam_rights.h), an unknown command with cam_err_command. A value out of its range is answered
+/// three times: refusal, minimum, maximum. Frames with other ids are ignored. read_scope is
+/// answered behind the piece that it asks for (cam_reading.h); a command or a block that comes
+/// before ends the piece, without an answer; strobe alone, which is renewed all the time, does not.
 /// Answers that find no room in the transmit queue are kept, and
 /// nothing is read before they have been sent. A silent bus stops nothing.
 ///
@@ -46,9 +46,10 @@ typedef struct {
     hal_can_frame_t answers[cam_can_max_answers];                  ///< to the last command
     uint32_t n_answers;                                            ///< how many there are
     uint32_t n_answered;                                           ///< how many have been sent
-    bool is_wave;          ///< blocks are of a wave, not of a table
-    cam_reading_t reading; ///< piece of the recording that is being sent
-    uint32_t strobe_tick;  ///< when the last message Strobe was sent
+    bool is_wave;             ///< blocks are of a wave, not of a table
+    uint8_t download_session; ///< that has begun the last download, of either kind
+    cam_reading_t reading;    ///< piece of the recording that is being sent
+    uint32_t strobe_tick;     ///< when the last message Strobe was sent
 } cam_can_t;
 
 /// Take the table of hal_table_image() into use if it is good, and report in lines of text why the

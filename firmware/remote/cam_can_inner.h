@@ -59,6 +59,19 @@ bool cam_can_strobe(cam_can_t *r, const struct camturn_command_t *m);
 /// sent. One that finds no room is tried again; the queue behind it drops what has no place.
 void cam_can_send_sample(cam_can_t *r, uint32_t tick);
 
+/// @return cam_ok when its sender may give a command; else why not, with who may
+cam_outcome_t cam_can_admit(const cam_can_t *r, const struct camturn_command_t *m);
+
+/// A frame came, or what it asked for is done: if it is of the session in force, its commander was
+/// heard.
+void cam_can_hear(cam_can_t *r, const struct camturn_command_t *m);
+
+/// Topic: who has command, and the level.
+bool cam_can_rights(cam_can_t *r, const struct camturn_command_t *m);
+
+/// @return whether the download that was begun last is of the session in force
+bool cam_can_is_own_download(const cam_can_t *r);
+
 /// Topic: axes by hand, homes, datum and tools.
 bool cam_can_hand(cam_can_t *r, const struct camturn_command_t *m);
 

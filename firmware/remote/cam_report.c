@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_report.h"
-#include "cam_fix.h"      // cam_sat_i32, cam_clamp_i32
-#include "cam_progress.h" // cam_progress
-#include "camturn.h"      // camturn_state_pack
+#include "cam_fix.h"            // cam_sat_i32, cam_clamp_i32
+#include "cam_machine_rights.h" // cam_machine_rights
+#include "cam_progress.h"       // cam_progress
+#include "camturn.h"            // camturn_state_pack
 
 /// [Hz] rate of the status.
 enum { status_hz = 100 };
@@ -23,7 +24,8 @@ enum {
     page_params = 21,
     page_recorder,
     page_progress,
-    page_pace
+    page_pace,
+    page_rights
 };
 
 /// Characters of the table's name in a page. Readers see them as one number of 48 bits.
@@ -206,6 +208,23 @@ static void describe_recorder(struct camturn_detail_t *m, const cam_scope_t *sco
     m->recorder_faults = scope->faults;
 }
 
+/// Fill in the signals of the page about who may command.
+static void describe_rights(struct camturn_detail_t *m, const cam_machine_t *machine,
+                            const cam_status_t *status)
+{
+    if (m->page != page_rights) {
+        return;
+    }
+    const cam_rights_status_t s = cam_machine_rights(machine, status);
+    m->commander = (uint8_t)(s.commander & 0xFFu);
+    m->take_overs = (uint8_t)(s.n_take_overs & 0xFFu);
+    m->command_losses = (uint8_t)(s.n_losses & 0xFFu);
+    m->level = (uint8_t)s.level;
+    m->level_left = (uint16_t)(s.level_left_s & 0xFFFFu);
+    m->acknowledge = (uint8_t)s.button;
+    m->acknowledge_left = (uint8_t)(s.button_left_s & 0xFFu);
+}
+
 /// Fill in the signals of a page that describes what is done by hand.
 static void describe_hand(struct camturn_detail_t *m, const cam_machine_t *machine,
                           const cam_status_t *status)
@@ -279,6 +298,7 @@ static void send_detail(uint32_t page, const cam_report_t *r, const cam_store_t 
     describe_hand(&m, store->machine, status);
     describe_changes(&m, store->machine);
     describe_progress(&m, r, store->machine);
+    describe_rights(&m, store->machine, status);
     hal_can_frame_t frame;
     send(&frame, CAMTURN_DETAIL_FRAME_ID, camturn_detail_pack(frame.data, &m, sizeof frame.data));
 }
@@ -308,7 +328,8 @@ void cam_report_send(cam_report_t *r, const cam_store_t *store, const cam_status
                                     page_params,
                                     page_recorder,
                                     page_progress,
-                                    page_pace};
+                                    page_pace,
+                                    page_rights};
     const uint32_t period = store->machine->tick_hz / status_hz;
     watch_load(r);
     if (status->tick - r->status_tick < period) {

@@ -76,6 +76,15 @@ typedef struct {
     cam_swing_limits_t full;   ///< ... in state fault: all of them
 } cam_swing_config_t;
 
+/// What is demanded of the button at the machine (cam_acknowledge.h).
+typedef struct {
+    bool is_demanded;      ///< false: the drives are enabled without it
+    uint32_t settle_plans; ///< [plans] for which a level of the input is stable before it counts
+    uint32_t least_plans;  ///< [plans] it is released, and then pressed, at least
+    uint32_t most_plans;   ///< [plans] it is pressed at most
+    uint32_t good_plans;   ///< [plans] in which enable must come
+} cam_acknowledge_config_t;
+
 /// What play and plan need (cam_play.h, cam_plan.h).
 typedef struct {
     const cam_table_t *table; ///< NULL: none, enable is refused
@@ -121,6 +130,7 @@ typedef struct {
     cam_swing_config_t swing;   ///< of a table that swings the tool
     cam_excite_config_t excite; ///< wave of U in the state identifying
     cam_hand_config_t hand;     ///< order of the state manual
+    cam_acknowledge_config_t acknowledge;
     // What the operator changes in the cut (cam_changes.h); the plan alone reads it
     int32_t feed_rate_q30;     ///< [1] override of the feed; 0: it is held, else at least 1/100
     int32_t per_feed_rate_q24; ///< [1] its reciprocal, 0 where it is held

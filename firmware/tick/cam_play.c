@@ -77,6 +77,7 @@ static void follow_axes(cam_motion_t *m, const cam_sense_t *in)
     m->spindle_mrpm = 0;
     m->faults = 0;
     m->was_off = true;
+    m->was_open = m->was_open || (in->inputs & (uint32_t)hal_in_estop) != 0u;
     m->is_by_hand = false;
 }
 
@@ -152,10 +153,17 @@ static void begin_excitation(cam_play_t *p, const cam_play_config_t *cfg, cam_mo
     }
 }
 
-/// Hold the axes where they stand; the plan moves them by hand.
-static void begin_by_hand(cam_motion_t *m)
+/// @return whether the drives may be enabled: somebody at the machine has said so
+static bool may_enable(const cam_play_config_t *cfg, const cam_motion_t *m)
 {
-    if (m->state == cam_state_off) {
+    const bool is_acknowledged = m->is_acknowledged && !m->was_open;
+    return m->state == cam_state_off && (is_acknowledged || !cfg->acknowledge.is_demanded);
+}
+
+/// Hold the axes where they stand; the plan moves them by hand.
+static void begin_by_hand(const cam_play_config_t *cfg, cam_motion_t *m)
+{
+    if (may_enable(cfg, m)) {
         m->state = cam_state_manual;
         m->is_by_hand = true;
         m->is_stopping = false;
@@ -175,7 +183,7 @@ static uint32_t obey(cam_play_t *p, const cam_play_config_t *cfg, uint32_t reque
     p->request = request >> 8;
     switch ((cam_request_t)(request & 0xFFu)) {
     case cam_request_enable:
-        if (m->state == cam_state_off && cfg->table != NULL) {
+        if (may_enable(cfg, m) && cfg->table != NULL) {
             m->state = cam_state_homing;
             m->u_target_q10 = cfg->u_retract_q10;
         }
@@ -202,7 +210,7 @@ static uint32_t obey(cam_play_t *p, const cam_play_config_t *cfg, uint32_t reque
         begin_excitation(p, cfg, m);
         break;
     case cam_request_manual:
-        begin_by_hand(m);
+        begin_by_hand(cfg, m);
         break;
     case cam_request_none:
         break;

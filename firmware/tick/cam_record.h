@@ -73,6 +73,8 @@ typedef struct {
     bool was_off;         ///< off since the last plan: the angle must be found anew
     bool is_clear;        ///< state fault: X has moved off, Z and the swing have come to rest
     bool is_retracted;    ///< state fault: the guard's retract has ended
+    bool was_open;        ///< off, and the emergency-stop chain was open since the last plan
+    bool is_acknowledged; ///< somebody has pressed the button at the machine (cam_acknowledge.h)
     bool is_by_hand;      ///< manual, and a fault behind it: all axes brake where they are
     int32_t u_home_nm;    ///< [nm] U of the controller less U of the port, found by homing
     uint32_t faults;      ///< seen by the plan, for the ticks up to the next one

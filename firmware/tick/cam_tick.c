@@ -157,6 +157,7 @@ CAM_STAGE static void plan_isr(cam_t *c, const cam_config_t *cfg, const cam_tick
     c->until_plan = cfg->play.plan_ticks;
     plan_axes(c, cfg, r);
     cam_gather_plan_isr(&c->gather, r, &c->motion);
+    cam_acknowledge_isr(&c->acknowledge, &cfg->play.acknowledge, r, &c->motion);
     c->motion.faults |= watch_index(c, cfg, r) | cam_guard_plan_isr(&c->guard, &cfg->guard, r);
 }
 
@@ -226,6 +227,7 @@ cam_status_t cam_tick_status(const cam_t *c)
     cam_guard_t guard;
     cam_spindle_t spindle;
     cam_hand_t hand;
+    cam_acknowledge_t acknowledge;
     uint32_t before = 0;
     uint32_t after = atomic_load_explicit(&c->n_ticks, memory_order_acquire);
     do { // when a tick has ended meanwhile, all is read again
@@ -235,6 +237,7 @@ cam_status_t cam_tick_status(const cam_t *c)
         guard = c->guard;
         spindle = c->spindle;
         hand = c->hand;
+        acknowledge = c->acknowledge;
         atomic_thread_fence(memory_order_acquire);
         after = atomic_load_explicit(&c->n_ticks, memory_order_relaxed);
     } while (after != before);
@@ -251,6 +254,7 @@ cam_status_t cam_tick_status(const cam_t *c)
         .inputs = r.in.inputs,
         .outputs = r.want.outputs,
         .hand = hand,
+        .acknowledge = acknowledge,
         .pos_q32 = r.angle.pos_q32,
         .speed_q32 = r.angle.speed_q32,
         .z_nm = r.want.z_nm,

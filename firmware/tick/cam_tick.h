@@ -10,18 +10,19 @@
 #ifndef CAM_TICK_H
 #define CAM_TICK_H
 
-#include "cam_config.h"  // cam_config_bank_t
-#include "cam_guard.h"   // cam_guard_t
-#include "cam_hand.h"    // cam_hand_t
-#include "cam_learn.h"   // cam_gather_t
-#include "cam_plan.h"    // cam_plan_t
-#include "cam_play.h"    // cam_play_t
-#include "cam_record.h"  // cam_motion_t, cam_tick_record_t
-#include "cam_spindle.h" // cam_spindle_t
-#include "cam_switch.h"  // cam_switches_t
-#include "cam_trace.h"   // cam_trace_t
-#include <stdatomic.h>   // request, status sequence
-#include <stdint.h>      // int32_t, int64_t, uint32_t
+#include "cam_acknowledge.h" // cam_acknowledge_t
+#include "cam_config.h"      // cam_config_bank_t
+#include "cam_guard.h"       // cam_guard_t
+#include "cam_hand.h"        // cam_hand_t
+#include "cam_learn.h"       // cam_gather_t
+#include "cam_plan.h"        // cam_plan_t
+#include "cam_play.h"        // cam_play_t
+#include "cam_record.h"      // cam_motion_t, cam_tick_record_t
+#include "cam_spindle.h"     // cam_spindle_t
+#include "cam_switch.h"      // cam_switches_t
+#include "cam_trace.h"       // cam_trace_t
+#include <stdatomic.h>       // request, status sequence
+#include <stdint.h>          // int32_t, int64_t, uint32_t
 
 /// What the slow side may know of the last tick.
 typedef struct {
@@ -29,24 +30,25 @@ typedef struct {
     uint32_t config;  ///< generation of the configuration in force
     uint32_t request; ///< serial number of the last request carried out
     cam_state_t state;
-    uint32_t faults;      ///< latched, CAM_FAULT_BIT()
-    uint32_t first_fault; ///< the mask of the tick in which the fault state was entered
-    bool is_synced;       ///< angle known
-    bool is_retracted;    ///< tool at rest out of the work
-    bool is_u_at_rest;    ///< the set-point of U stands
-    uint32_t inputs;      ///< hal_in_*
-    uint32_t outputs;     ///< hal_out_*
-    cam_hand_t hand;      ///< what is moved by hand, and what is homed
-    int64_t pos_q32;      ///< [turn, Q32.32] master position
-    int32_t speed_q32;    ///< [turn / 2^32 per tick]
-    int32_t z_nm;         ///< [nm] height played
-    int32_t u_set_q6;     ///< [nm / 64] set-point of U at the tool
-    int32_t u_actual_nm;  ///< [nm] measured
-    int32_t x_actual_nm;  ///< [nm] measured, by the port
-    int32_t z_actual_nm;  ///< [nm] measured, by the port
-    int32_t following_nm; ///< [nm] following error: measured minus due
-    uint32_t n_late;      ///< late ticks since start
-    uint32_t max_period;  ///< [1 / clock_hz] longest distance of two ticks since start
+    uint32_t faults;               ///< latched, CAM_FAULT_BIT()
+    uint32_t first_fault;          ///< the mask of the tick in which the fault state was entered
+    bool is_synced;                ///< angle known
+    bool is_retracted;             ///< tool at rest out of the work
+    bool is_u_at_rest;             ///< the set-point of U stands
+    uint32_t inputs;               ///< hal_in_*
+    uint32_t outputs;              ///< hal_out_*
+    cam_hand_t hand;               ///< what is moved by hand, and what is homed
+    cam_acknowledge_t acknowledge; ///< what is known of the button at the machine
+    int64_t pos_q32;               ///< [turn, Q32.32] master position
+    int32_t speed_q32;             ///< [turn / 2^32 per tick]
+    int32_t z_nm;                  ///< [nm] height played
+    int32_t u_set_q6;              ///< [nm / 64] set-point of U at the tool
+    int32_t u_actual_nm;           ///< [nm] measured
+    int32_t x_actual_nm;           ///< [nm] measured, by the port
+    int32_t z_actual_nm;           ///< [nm] measured, by the port
+    int32_t following_nm;          ///< [nm] following error: measured minus due
+    uint32_t n_late;               ///< late ticks since start
+    uint32_t max_period;           ///< [1 / clock_hz] longest distance of two ticks since start
     uint32_t fault_count[cam_n_faults]; ///< times that each fault was latched
 } cam_status_t;
 
@@ -59,6 +61,7 @@ typedef struct {
     cam_guard_t guard;
     cam_switches_t switches;
     cam_hand_t hand;
+    cam_acknowledge_t acknowledge;
     int32_t until_plan;                      ///< [ticks] to the next plan, that tick included
     const cam_tick_record_t *_Atomic newest; ///< NULL before the first tick
     _Atomic uint32_t n_ticks;                ///< ticks that are complete; wraps

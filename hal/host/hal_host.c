@@ -12,7 +12,9 @@ void hal_host_reset(uint32_t tick_hz)
 {
     hal_host = (hal_host_t){.tick_hz = tick_hz,
                             .in.inputs = hal_in_drive_ready,
-                            .slow = {.n_room = UINT32_MAX, .n_store = UINT32_MAX}};
+                            .slow = {.n_room = UINT32_MAX,
+                                     .n_store = UINT32_MAX,
+                                     .people = {.is_acknowledge_waived = true, .has_key = true}}};
 }
 
 int hal_init(void)
@@ -49,6 +51,11 @@ bool hal_measures_u(void)
 hal_axis_scale_t hal_axis_scale(hal_axis_t axis)
 {
     return hal_host.slow.scale[axis];
+}
+
+hal_operator_t hal_operator(void)
+{
+    return hal_host.slow.people;
 }
 
 hal_memory_t hal_scope_memory(void)
@@ -313,4 +320,14 @@ void hal_host_fault_drive(bool is_failed)
 void hal_host_fault_bus(bool is_lost)
 {
     set_input(hal_in_bus_lost, is_lost);
+}
+
+void hal_host_press(bool is_pressed)
+{
+    set_input(hal_in_acknowledge, is_pressed);
+}
+
+void hal_host_turn_key(bool is_on)
+{
+    set_input(hal_in_key, is_on);
 }

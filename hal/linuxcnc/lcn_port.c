@@ -104,6 +104,11 @@ bool hal_measures_u(void)
 
 /// Set-points are numbers of the type double; the step generators and drives behind the pins have
 /// the scales.
+hal_operator_t hal_operator(void)
+{
+    return (hal_operator_t){.is_acknowledge_waived = true, .has_key = true};
+}
+
 hal_axis_scale_t hal_axis_scale(hal_axis_t axis)
 {
     (void)axis;

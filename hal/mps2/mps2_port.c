@@ -39,6 +39,11 @@ bool hal_measures_u(void)
 }
 
 /// The machine behind the emulator rounds nothing that it has not told.
+hal_operator_t hal_operator(void)
+{
+    return (hal_operator_t){.is_acknowledge_waived = true, .has_key = true};
+}
+
 hal_axis_scale_t hal_axis_scale(hal_axis_t axis)
 {
     (void)axis;

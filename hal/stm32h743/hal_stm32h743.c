@@ -182,6 +182,11 @@ static hal_axis_scale_t scale_of(int32_t full_nm, int32_t step_pm, uint32_t meas
     return scale;
 }
 
+hal_operator_t hal_operator(void)
+{
+    return (hal_operator_t){.is_acknowledge_waived = true, .has_key = true};
+}
+
 hal_axis_scale_t hal_axis_scale(hal_axis_t axis)
 {
     switch (axis) {

@@ -47,6 +47,15 @@ hal_axis_scale_t hal_axis_scale(hal_axis_t axis)
     return (hal_axis_scale_t){0};
 }
 
+/// Return what the machine has for the people at it: a button by which somebody lets it move again
+/// (hal_in_acknowledge), a key switch (hal_in_key), a secret for the challenge of remote tools.
+/// All zero is the safe answer: then nothing is ever enabled. Waive the button only where the
+/// machine has one of its own, which switches the drives.
+hal_operator_t hal_operator(void)
+{
+    return (hal_operator_t){0};
+}
+
 /// Return RAM that nothing else uses, 32-bit words that only the main loop touches, as much as
 /// there is: 64 KiB record a fifth of a second. Memory with error correction is filled by
 /// hal_init() first.

@@ -14,6 +14,9 @@ static const char help[] =
     "  --role ROLE           controller: CAN frames on stdin and stdout; lathe: faults on stdin\n"
     "  --wire FD             socket (SOCK_SEQPACKET) whose other end the other process has\n"
     "  --speed-up F          times faster than the clock, 0.01 .. 100 (default: 1)\n"
+    "  --operator WHO        at the machine: present (presses acknowledge when it is needed; key\n"
+    "                        switch on), absent (never; off), waived (no button is needed)\n"
+    "                        (default: waived)\n"
     "\n"
     "as in camsim run: --machine --set --rpm --feed --design --seed --inject "
     "KIND@tSECONDS[:VALUE]\n"
@@ -33,6 +36,19 @@ static bool take_number(double *value, const char *option, const char *text, dou
            common_error(e, "%s %.60s: give a number %.12g .. %.12g", option, text, min, max);
 }
 
+static bool take_people(options_t *o, const char *text, common_error_t *e)
+{
+    static const char *const words[] = {
+        [sim_live_waived] = "waived", [sim_live_present] = "present", [sim_live_absent] = "absent"};
+    for (uint32_t i = 0; i < sizeof words / sizeof words[0]; i++) {
+        if (strcmp(text, words[i]) == 0) {
+            o->live.people = (sim_live_operator_t)i;
+            return true;
+        }
+    }
+    return common_error(e, "--operator %.40s: give present, absent or waived", text);
+}
+
 /// Take an option of this command with its value; others stay for those of a run.
 /// @return words taken; 0: it is an option of a run; below 0 and *e: it is wrong
 static int take_own(options_t *o, int n_left, char **words, common_error_t *e)
@@ -40,7 +56,8 @@ static int take_own(options_t *o, int n_left, char **words, common_error_t *e)
     double fd = 0.0;
     const bool is_role = strcmp(words[0], "--role") == 0;
     const bool is_wire = strcmp(words[0], "--wire") == 0;
-    if (!is_role && !is_wire && strcmp(words[0], "--speed-up") != 0) {
+    const bool is_people = strcmp(words[0], "--operator") == 0;
+    if (!is_role && !is_wire && !is_people && strcmp(words[0], "--speed-up") != 0) {
         return 0;
     }
     if (n_left < 2) {
@@ -49,6 +66,8 @@ static int take_own(options_t *o, int n_left, char **words, common_error_t *e)
     }
     if (is_role) {
         o->role = words[1];
+    } else if (is_people) {
+        return take_people(o, words[1], e) ? 2 : -1;
     } else if (!is_wire) {
         return take_number(&o->live.speed_up, words[0], words[1], 0.01, 100.0, e) ? 2 : -1;
     } else if (!take_number(&fd, words[0], words[1], 0.0, INT_MAX, e)) {

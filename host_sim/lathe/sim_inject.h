@@ -27,6 +27,8 @@
 /// | feed-override | percent | ... override of the feed |
 /// | spindle-override | percent | ... of the spindle |
 /// | trim | um | ... trim of X, on the radius |
+/// | acknowledge | seconds | somebody presses the button at the machine for so long |
+/// | key | 0 or 1 | ... turns the key switch |
 /// | encoder-late | us | one frame of the encoder comes late by this |
 /// | encoder-missing | frames | that many frames of the encoder are not sent |
 /// | encoder-repeated | frames | that many times the last one is sent instead |
@@ -65,6 +67,8 @@ typedef enum {
     sim_inject_feed_override,
     sim_inject_spindle_override,
     sim_inject_trim,
+    sim_inject_acknowledge,
+    sim_inject_key,
     sim_inject_encoder_late,
     sim_inject_encoder_missing,
     sim_inject_encoder_repeated,

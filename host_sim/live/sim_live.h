@@ -22,6 +22,7 @@
 
 #include "common_error.h" // common_error_t
 #include "sim_cut.h"      // sim_cut_options_t
+#include "sim_operator.h" // sim_operator_t
 #include "sim_pace.h"     // sim_pace_t
 #include "sim_port.h"     // sim_port_t
 #include "sim_session.h"  // sim_session_t
@@ -31,10 +32,18 @@
 
 enum { sim_live_word_bytes = 80 }; ///< longest line on the lathe's stdin
 
+/// Who stands at the machine.
+typedef enum {
+    sim_live_waived,  ///< nobody, and the controller needs no button
+    sim_live_present, ///< somebody presses the button when it is needed; the key switch is on
+    sim_live_absent,  ///< nobody; the key switch is off
+} sim_live_operator_t;
+
 typedef struct {
     sim_cut_options_t cut; ///< session, wishes, rpm and feed are used
     int wire;              ///< descriptor of the socket to the partner
     double speed_up;       ///< how many times faster than the clock
+    sim_live_operator_t people;
 } sim_live_options_t;
 
 typedef struct {
@@ -51,6 +60,7 @@ typedef struct {
     bool was_in_cut;
     char word[sim_live_word_bytes];
     size_t n_word;
+    sim_operator_t people; ///< of the lathe
 } sim_live_t;
 
 /// Read table and design, place the blank and greet the partner.
@@ -62,7 +72,8 @@ bool sim_live_open(sim_live_t *l, const sim_live_options_t *options, const void 
                    const char *name, common_error_t *e);
 
 /// Be the lathe until stdin ends. A line on stdin is a kind of sim_inject.h with its value, which
-/// happens at once, or `release`, which takes back estop, drive and bus.
+/// happens at once, or `release`, which takes back estop, drive and bus. `acknowledge:SECONDS`
+/// presses the button for so long, `key:1` and `key:0` turn the key switch.
 void sim_live_lathe(sim_live_t *l);
 
 /// Gauge what the last tick has done to the part. A part of lobes or of several passes is not

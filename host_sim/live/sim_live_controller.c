@@ -2,7 +2,7 @@
 #define _POSIX_C_SOURCE 200809L // NOLINT(bugprone-reserved-identifier): poll
 #include "cam_can.h"            // cam_can_init
 #include "cam_machine.h"        // cam_machine_init
-#include "cam_machine_scope.h"  // cam_machine_box
+#include "cam_machine_rights.h" // cam_machine_rights
 #include "cam_machine_scope.h"  // cam_machine_box
 #include "sim_live.h"
 #include <errno.h>  // errno
@@ -81,6 +81,13 @@ static void warn_of_pace(sim_live_t *l)
     }
 }
 
+/// @return whether nothing is enabled before somebody presses the button
+static bool is_waiting(const cam_machine_t *m)
+{
+    const cam_status_t status = cam_machine_status(m);
+    return cam_machine_rights(m, &status).button == cam_button_needed;
+}
+
 static void tick(sim_live_t *l)
 {
     if (!sim_wire_take_sensed(&l->wire)) {
@@ -91,6 +98,7 @@ static void tick(sim_live_t *l)
     const sim_wire_played_t played = {
         .table_crc32 = m->has_table ? m->table.crc32 : 0u,
         .phase_udeg = m->params.phase_udeg,
+        .is_waiting = is_waiting(m) ? 1u : 0u,
     };
     (void)sim_wire_tell_written(&l->wire, &played);
 }
@@ -129,6 +137,9 @@ static bool start(sim_live_t *l, common_error_t *e)
     cam_params_t params;
     if (!sim_controller_params(&params, sim_config_believed(&o->config), true, &wishes, e)) {
         return false;
+    }
+    if (l->options.people != sim_live_waived) {
+        hal_host.slow.people = (hal_operator_t){.has_acknowledge = true, .has_key = true};
     }
     cam_machine_init(&controller.machine, &g_cam, hal_tick_hz(), hal_clock_hz());
     cam_machine_box(&controller.machine);

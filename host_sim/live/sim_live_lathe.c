@@ -40,6 +40,9 @@ static void carry_out(sim_live_t *l, const char *word)
     if (strcmp(word, "release") == 0) {
         release();
     } else if (parse(&what, word, &e)) {
+        if (what.kind == sim_inject_acknowledge) {
+            sim_operator_press(&l->people, l->port.time_s, what.value);
+        }
         sim_port_inject(&l->port, &what, l->session.table.direction);
     } else {
         (void)fprintf(stderr, "lathe: %s\n", e.text);
@@ -109,10 +112,21 @@ static void stand_alone(sim_live_t *l)
     (void)fflush(stdout);
 }
 
+/// Let somebody at the machine press the button.
+static void attend(sim_live_t *l)
+{
+    const bool is_closed = (hal_host.in.inputs & (uint32_t)hal_in_estop) == 0u;
+    const uint32_t busy = (uint32_t)hal_out_enable | (uint32_t)hal_out_fault;
+    const bool is_needed =
+        l->wire.played.is_waiting != 0u && is_closed && (hal_host.out.outputs & busy) == 0u;
+    hal_host_press(sim_operator_step(&l->people, is_needed, l->port.time_s));
+}
+
 static void tick(sim_live_t *l)
 {
     const sim_inject_t *what;
     sim_port_sense(&l->port);
+    attend(l);
     hal_host_advance();
     if (!sim_wire_tell_sensed(&l->wire) || !sim_wire_take_written(&l->wire)) {
         stand_alone(l);
@@ -127,6 +141,8 @@ static void tick(sim_live_t *l)
 
 void sim_live_lathe(sim_live_t *l)
 {
+    l->people.is_present = l->options.people == sim_live_present;
+    hal_host_turn_key(l->options.people != sim_live_absent);
     for (uint32_t i = 0; i % look_ticks != 0u || listen_to_words(l); i++) {
         tick(l);
     }

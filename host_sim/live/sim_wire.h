@@ -26,6 +26,7 @@ typedef struct {
 typedef struct {
     uint32_t table_crc32; ///< of the table in use, 0: none
     int32_t phase_udeg;   ///< by which the part is turned
+    uint32_t is_waiting;  ///< 1: nothing is enabled before somebody presses the button
 } sim_wire_played_t;
 
 typedef struct {

@@ -63,6 +63,7 @@ typedef struct {
         bool measures_u;     ///< `in.axis_nm[hal_axis_u]` is a measurement
         uint32_t n_kept;     ///< [words] of hal_scope_keep(), which a start finds again
         hal_axis_scale_t scale[hal_n_axes]; ///< what hal_axis_scale() says
+        hal_operator_t people;              ///< what hal_operator() says
     } slow;
     uint32_t tick_hz;     ///< [Hz] set before hal_init(), 20 000 when 0
     uint32_t clock;       ///< [1 / hal_host_clock_hz] virtual time stamp, wraps
@@ -106,6 +107,12 @@ void hal_host_fault_drive(bool is_failed);
 
 /// A node on the field bus is silent, or heard again.
 void hal_host_fault_bus(bool is_lost);
+
+/// The button acknowledge is pressed, or released.
+void hal_host_press(bool is_pressed);
+
+/// The key switch is turned on, or off.
+void hal_host_turn_key(bool is_on);
 
 /// A CAN frame arrives. @return false when the queue is full and the frame is dropped
 bool hal_host_can_receive(const hal_can_frame_t *frame);

@@ -33,6 +33,10 @@ enum {
     hal_in_index_u = 1u << 6, ///< 1: an index mark of U's scale or encoder passed within the last
     hal_in_index_x = 1u << 7, ///< 0.4 ms, or since the last reading where that is longer. A port
     hal_in_index_z = 0x100u,  ///< may hand a longer pulse through as it is
+    hal_in_acknowledge = 0x200u, ///< 1: the button is pressed by which somebody at the machine lets
+                                 ///< it move again (cam_acknowledge.h)
+    hal_in_key = 0x400u, ///< 1: the key switch allows changes of limits, constants and tables
+                         ///< (cam_rights.h)
 };
 
 /// Bits of hal_outputs_write_isr().
@@ -108,6 +112,16 @@ typedef struct {
     const char *why; ///< text of the hal_halt() that led to this start, else ""; static
 } hal_start_t;
 
+/// What the machine has for the people at it. A port whose builder has said nothing returns
+/// all zero: then nothing may move, and nothing that is locked may change.
+typedef struct {
+    bool has_acknowledge;       ///< hal_in_acknowledge is wired
+    bool is_acknowledge_waived; ///< the builder answers for a machine that moves without
+    bool has_key;               ///< hal_in_key is wired
+    const uint8_t *secret;      ///< of the challenge that unlocks instead of the key; static
+    uint32_t n_secret;          ///< [bytes] of it, 16 .. 64; 0: there is none
+} hal_operator_t;
+
 /// A place in which a table image is kept.
 typedef struct {
     const void *bytes; ///< aligned to 4 bytes
@@ -174,6 +188,10 @@ bool hal_measures_u(void);
 /// controller says at its start what form error follows, and refuses speeds that the output does
 /// not pass on. Simulator: as the test says, else 0.
 hal_axis_scale_t hal_axis_scale(hal_axis_t axis);
+
+/// @return what the machine has for the people at it, constant after hal_init(). Simulator: as the
+/// test says, else the button is waived and there is a key switch.
+hal_operator_t hal_operator(void);
 
 /// @return the memory for the recorder and the excitation, constant after hal_init(). The firmware
 /// runs without it, but records nothing and excites nothing. Simulator: 1 MiB.

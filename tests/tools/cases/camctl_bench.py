@@ -119,7 +119,7 @@ def columns(path: Path) -> dict[str, list[str]]:
 def order(bench: Bench, command: str) -> None:
     """Give a command beside the link of the test, without waiting for its answer."""
     number = NUMBERS["command"][command]
-    data = COMMAND.encode({"command": number, "parameter": 0, "reserved": 0})
+    data = COMMAND.encode({"command": number, "parameter": 0, "sender": 0, "session": 0})
     bus = can.Bus(interface="virtual", channel=bench.channel)
     bus.send(can.Message(arbitration_id=COMMAND.frame_id, data=data, is_extended_id=False))
     bus.shutdown()

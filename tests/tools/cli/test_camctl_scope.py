@@ -231,7 +231,7 @@ def test_a_command_ends_a_piece(bench: Bench, link: Link) -> None:
     record_some(link)
     link.parts.clear()
     link.send_frame(COMMAND.frame_id, COMMAND.encode({"command": 23, "parameter": 0,
-                    "reserved": 0, "offset": 0, "count": 255}))  # fmt: skip
+                    "sender": 0, "session": 0, "offset": 0, "count": 255}))  # fmt: skip
     assert link.wait(lambda: len(link.parts) > 10, 1)
     assert link.ask("get_parameter", parameter=0).value == 10000
     link.wait(lambda: False, 0.1)

@@ -49,7 +49,7 @@ static void test_malformed_frames_are_answered_and_do_nothing(void)
     for (uint32_t at = 2; at < 4u; at++) {
         hal_can_frame_t frame = {.id = 0x640, .n = 8, .data = {enable}};
         frame.data[at] = 0x80;
-        TEST_ASSERT_EQUAL_INT32(cam_err_frame, answer_to(&frame).result);
+        TEST_ASSERT_EQUAL_INT32(cam_err_not_commander, answer_to(&frame).result);
     }
     fixture_can_loop(&f, 2);
     TEST_ASSERT_EQUAL_INT(cam_state_off, fixture_can_state(&f));

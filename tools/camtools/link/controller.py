@@ -377,7 +377,8 @@ def _check_range(name: str, value: float) -> None:
 
 def _command(command: str, parameter: int, value: dict[str, float]) -> bytes:
     number = NUMBERS["command"][command]
-    signals: dict[str, float] = {"command": number, "parameter": parameter, "reserved": 0}
+    signals: dict[str, float] = {"command": number, "parameter": parameter}
+    signals |= {"sender": 0, "session": 0}
     needed = {s.name for s in COMMAND.signals if number in (s.multiplexer_ids or [])}
     for name, wanted in value.items():
         _check_range(name, wanted)

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cam_machine_rights.h"
+#include "cam_machine_inner.h" // cam_machine_is_pending
+#include "cam_plan.h"          // cam_plan_ticks
+
+/// [ms], [s] of cam_acknowledge.h.
+enum { settle_ms = 20, least_ms = 50, most_ms = 2000, good_s = 60 };
+
+/// @return [plans] of a time, rounded up
+static uint32_t plans_of_ms(uint32_t ms, uint32_t tick_hz)
+{
+    const uint64_t per_plan = (uint64_t)cam_plan_ticks(tick_hz) * 1000u;
+    return (uint32_t)(((uint64_t)ms * tick_hz + per_plan - 1u) / per_plan);
+}
+
+cam_acknowledge_config_t cam_machine_acknowledge_config(const cam_machine_t *m)
+{
+    return (cam_acknowledge_config_t){
+        .is_demanded = !m->rights.port.is_acknowledge_waived,
+        .settle_plans = plans_of_ms(settle_ms, m->tick_hz),
+        .least_plans = plans_of_ms(least_ms, m->tick_hz),
+        .most_plans = plans_of_ms(most_ms, m->tick_hz),
+        .good_plans = plans_of_ms(good_s * 1000u, m->tick_hz),
+    };
+}
+
+static cam_button_t button_of(const cam_machine_t *m, const cam_status_t *status)
+{
+    const hal_operator_t *port = &m->rights.port;
+    if (port->is_acknowledge_waived) {
+        return cam_button_waived;
+    }
+    if (!port->has_acknowledge) {
+        return cam_button_none;
+    }
+    return status->acknowledge.phase >= cam_acknowledge_given ? cam_button_given
+                                                              : cam_button_needed;
+}
+
+cam_err_t cam_machine_check_acknowledge(const cam_machine_t *m, const cam_status_t *status)
+{
+    switch (button_of(m, status)) {
+    case cam_button_needed:
+        return cam_err_acknowledge;
+    case cam_button_none:
+        return cam_err_acknowledge_none;
+    case cam_button_given:
+    case cam_button_waived:
+        break;
+    }
+    return cam_ok;
+}
+
+cam_err_t cam_machine_take_command(cam_machine_t *m, uint8_t sender, bool is_over)
+{
+    return cam_rights_take(&m->rights, sender, is_over, cam_machine_status(m).tick);
+}
+
+void cam_machine_release_command(cam_machine_t *m)
+{
+    cam_rights_release(&m->rights);
+    m->is_stop_due = true;
+}
+
+/// Stop what moves, as soon as the interrupt has taken the last request: it may be a start.
+static void stop_when_taken(cam_machine_t *m, const cam_status_t *status)
+{
+    m->homes_again = false;
+    m->is_stop_due = cam_machine_is_pending(m, status) || cam_machine_stop(m) == cam_err_busy;
+}
+
+void cam_machine_rights_poll(cam_machine_t *m, const cam_status_t *status)
+{
+    if (cam_rights_poll(&m->rights, status->inputs, status->tick)) {
+        m->is_stop_due = true;
+    }
+    if (m->is_stop_due) {
+        stop_when_taken(m, status);
+    }
+}
+
+cam_rights_status_t cam_machine_rights(const cam_machine_t *m, const cam_status_t *status)
+{
+    const cam_acknowledge_config_t cfg = cam_machine_acknowledge_config(m);
+    const uint32_t left = cam_acknowledge_left(&status->acknowledge, &cfg);
+    const uint32_t per_s = plans_of_ms(1000, m->tick_hz);
+    return (cam_rights_status_t){
+        .commander = m->rights.commander,
+        .n_take_overs = m->rights.n_take_overs,
+        .n_losses = m->rights.n_losses,
+        .level = m->rights.level,
+        .level_left_s = cam_rights_level_left_s(&m->rights, status->tick),
+        .button = button_of(m, status),
+        .button_left_s = (left + per_s - 1u) / per_s,
+    };
+}

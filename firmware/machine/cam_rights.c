@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cam_rights.h"
+
+void cam_rights_init(cam_rights_t *r, const hal_operator_t *port, uint32_t tick_hz)
+{
+    *r = (cam_rights_t){.port = *port, .tick_hz = tick_hz};
+}
+
+// Command
+
+static void unlock(cam_rights_t *r, cam_level_t level, uint32_t tick)
+{
+    r->level = level;
+    r->level_tick = tick;
+}
+
+/// A new session never has the number of the last one, nor 0.
+static void begin_session(cam_rights_t *r, uint8_t sender, uint32_t tick)
+{
+    r->commander = sender;
+    r->session = (uint8_t)(r->session % UINT8_MAX + 1u);
+    r->heard_tick = tick;
+    cam_rights_lock(r);
+    if (r->is_key_on) {
+        unlock(r, cam_level_key, tick);
+    }
+}
+
+cam_err_t cam_rights_take(cam_rights_t *r, uint8_t sender, bool is_over, uint32_t tick)
+{
+    if (sender == 0u || sender > (uint8_t)cam_rights_most_sender) {
+        return cam_err_frame;
+    }
+    if (r->commander != 0u && !is_over) {
+        return cam_err_not_commander;
+    }
+    r->n_take_overs += r->commander != 0u ? 1u : 0u;
+    begin_session(r, sender, tick);
+    return cam_ok;
+}
+
+void cam_rights_release(cam_rights_t *r)
+{
+    r->commander = 0;
+    cam_rights_lock(r);
+}
+
+bool cam_rights_is_commander(const cam_rights_t *r, uint8_t sender, uint8_t session)
+{
+    return r->commander != 0u && sender == r->commander && session == r->session;
+}
+
+void cam_rights_hear(cam_rights_t *r, uint32_t tick)
+{
+    r->heard_tick = tick;
+}
+
+/// @return whether a time of some seconds is over
+static bool is_over(const cam_rights_t *r, uint32_t from, uint32_t tick, uint32_t seconds)
+{
+    return tick - from > seconds * r->tick_hz;
+}
+
+static bool lose_command(cam_rights_t *r, uint32_t tick)
+{
+    const bool is_lost =
+        r->commander != 0u && is_over(r, r->heard_tick, tick, (uint32_t)cam_rights_patience_s);
+    if (is_lost) {
+        r->n_losses++;
+        cam_rights_release(r);
+    }
+    return is_lost;
+}
+
+// Level
+
+void cam_rights_lock(cam_rights_t *r)
+{
+    r->level = cam_level_locked;
+}
+
+/// The key unlocks when it is turned on, for whoever has command then, and locks when it is turned
+/// off.
+static void watch_key(cam_rights_t *r, uint32_t inputs, uint32_t tick)
+{
+    const bool was_on = r->is_key_on;
+    r->is_key_on = r->port.has_key && (inputs & (uint32_t)hal_in_key) != 0u;
+    if (r->is_key_on && !was_on && r->commander != 0u && r->level == cam_level_locked) {
+        unlock(r, cam_level_key, tick);
+    }
+    if (!r->is_key_on && r->level == cam_level_key) {
+        cam_rights_lock(r);
+    }
+}
+
+bool cam_rights_poll(cam_rights_t *r, uint32_t inputs, uint32_t tick)
+{
+    const bool is_lost = lose_command(r, tick);
+    watch_key(r, inputs, tick);
+    if (r->level != cam_level_locked &&
+        is_over(r, r->level_tick, tick, (uint32_t)cam_rights_level_s)) {
+        cam_rights_lock(r);
+    }
+    return is_lost;
+}
+
+cam_err_t cam_rights_check_level(const cam_rights_t *r)
+{
+    if (!r->is_bus_calling || r->level != cam_level_locked) {
+        return cam_ok;
+    }
+    return r->port.has_key || r->port.n_secret > 0u ? cam_err_locked : cam_err_lock_none;
+}
+
+uint32_t cam_rights_level_left_s(const cam_rights_t *r, uint32_t tick)
+{
+    const uint32_t whole = (uint32_t)cam_rights_level_s * r->tick_hz;
+    const uint32_t passed = tick - r->level_tick;
+    const bool is_left = r->level != cam_level_locked && passed < whole;
+    return is_left ? (whole - passed + r->tick_hz - 1u) / r->tick_hz : 0u;
+}

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cam_can_inner.h"
+#include "cam_machine_rights.h" // cam_machine_take_command
+
+/// What a command asks of its sender.
+typedef enum {
+    right_none,     ///< it reads, or stops what moves
+    right_command,  ///< the session in force
+    right_unlocked, ///< ... and the unlocked level
+} right_t;
+
+/// A command that is not in this list needs command.
+static right_t right_of(uint8_t command)
+{
+    switch (command) {
+    case CAMTURN_COMMAND_COMMAND_STOP_CHOICE:
+    case CAMTURN_COMMAND_COMMAND_GET_PARAMETER_CHOICE:
+    case CAMTURN_COMMAND_COMMAND_GET_MINIMUM_CHOICE:
+    case CAMTURN_COMMAND_COMMAND_GET_MAXIMUM_CHOICE:
+    case CAMTURN_COMMAND_COMMAND_GET_SCOPE_CHOICE:
+    case CAMTURN_COMMAND_COMMAND_READ_SCOPE_CHOICE:
+    case CAMTURN_COMMAND_COMMAND_READ_SCOPE_FD_CHOICE:
+    case CAMTURN_COMMAND_COMMAND_GET_LEARNED_CHOICE:
+    case CAMTURN_COMMAND_COMMAND_GET_PLACE_CHOICE:
+    case CAMTURN_COMMAND_COMMAND_GET_PARTS_CHOICE:
+    case CAMTURN_COMMAND_COMMAND_GET_REFUSAL_CHOICE:
+    case CAMTURN_COMMAND_COMMAND_STROBE_CHOICE:
+    case CAMTURN_COMMAND_COMMAND_TAKE_COMMAND_CHOICE:
+        return right_none;
+    case CAMTURN_COMMAND_COMMAND_SELECT_TABLE_CHOICE:
+    case CAMTURN_COMMAND_COMMAND_BEGIN_DOWNLOAD_CHOICE:
+    case CAMTURN_COMMAND_COMMAND_END_DOWNLOAD_CHOICE:
+    case CAMTURN_COMMAND_COMMAND_SET_LEARNED_CHOICE:
+        return right_unlocked;
+    default:
+        return right_command;
+    }
+}
+
+static cam_outcome_t not_commander(const cam_machine_t *machine)
+{
+    return (cam_outcome_t){.err = cam_err_not_commander,
+                           .value = (int32_t)machine->rights.commander};
+}
+
+cam_outcome_t cam_can_admit(const cam_can_t *r, const struct camturn_command_t *m)
+{
+    const cam_rights_t *rights = &r->machine->rights;
+    const right_t right = right_of(m->command);
+    if (right == right_none || !rights->is_bus_calling) {
+        return cam_outcome(cam_ok);
+    }
+    if (!cam_rights_is_commander(rights, m->sender, m->session)) {
+        return not_commander(r->machine);
+    }
+    return cam_outcome(right == right_unlocked ? cam_rights_check_level(rights) : cam_ok);
+}
+
+void cam_can_hear(cam_can_t *r, const struct camturn_command_t *m)
+{
+    cam_rights_t *rights = &r->machine->rights;
+    if (cam_rights_is_commander(rights, m->sender, m->session)) {
+        cam_rights_hear(rights, cam_machine_status(r->machine).tick);
+    }
+}
+
+static cam_outcome_t take(cam_can_t *r, const struct camturn_command_t *m)
+{
+    cam_machine_t *machine = r->machine;
+    const cam_err_t err = cam_machine_take_command(machine, m->sender, m->is_take_over != 0u);
+    if (err == cam_err_not_commander) {
+        return not_commander(machine);
+    }
+    const int32_t session = err == cam_ok ? (int32_t)machine->rights.session : 0;
+    return (cam_outcome_t){.err = err, .value = session};
+}
+
+bool cam_can_rights(cam_can_t *r, const struct camturn_command_t *m)
+{
+    cam_outcome_t outcome = cam_outcome(cam_ok);
+    switch (m->command) {
+    case CAMTURN_COMMAND_COMMAND_TAKE_COMMAND_CHOICE:
+        outcome = take(r, m);
+        break;
+    case CAMTURN_COMMAND_COMMAND_RELEASE_COMMAND_CHOICE:
+        cam_machine_release_command(r->machine);
+        break;
+    case CAMTURN_COMMAND_COMMAND_HEARTBEAT_CHOICE: // to be heard is all that it is for
+        break;
+    case CAMTURN_COMMAND_COMMAND_LOCK_CHOICE:
+        cam_rights_lock(&r->machine->rights);
+        break;
+    default:
+        return false;
+    }
+    cam_can_answer(r, m->command, m->parameter, outcome);
+    return true;
+}
+
+bool cam_can_is_own_download(const cam_can_t *r)
+{
+    const cam_rights_t *rights = &r->machine->rights;
+    return r->download_session == rights->session;
+}

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+/// sim_operator: somebody at the simulated machine, who presses the button acknowledge when it is
+/// needed, or stays away.
+///
+/// He needs a moment to see that the machine may move again: 0.3 s after the emergency-stop chain
+/// is closed and the fault is reset he presses for 0.2 s, and again when that did not do.
+#ifndef SIM_OPERATOR_H
+#define SIM_OPERATOR_H
+
+#include <stdbool.h> // bool
+
+typedef struct {
+    bool is_present;
+    bool is_waiting; ///< the button is needed since since_s
+    double since_s;
+    double until_s; ///< a press that was typed ends then
+} sim_operator_t;
+
+/// Let somebody press the button at once.
+/// @param press_s  [s] for so long
+void sim_operator_press(sim_operator_t *o, double time_s, double press_s);
+
+/// @param is_needed  the controller wants the button, the chain is closed, and no fault is latched
+/// @param time_s     [s] rises from call to call
+/// @return           whether the button is pressed
+bool sim_operator_step(sim_operator_t *o, bool is_needed, double time_s);
+
+#endif
