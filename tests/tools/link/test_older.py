@@ -43,7 +43,7 @@ def test_pages_that_an_older_controller_lacks_are_named(link: Link) -> None:
         link.listen()
     assert str(told.value).endswith(
         "the status lacks Detail page 23, Detail page 24, "
-            "Detail page 25: the controller is older than this "
+        "Detail page 25: the controller is older than this "
         "program; give it the firmware of this version"
     )
 
