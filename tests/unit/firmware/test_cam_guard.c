@@ -135,6 +135,22 @@ static void test_guard_reverse_and_stop_in_the_cut_are_faults(void)
     expect_within(cam_fault_spindle_stopped, 2000 + 400);
 }
 
+/// In ready the spindle may stand: its time counts from the start of the work on.
+static void test_guard_time_of_standing_counts_in_the_work_only(void)
+{
+    bring(cam_state_ready);
+    rig.is_spindle_held = true;
+    for (; rig.rpm > 0.0; rig.rpm -= 2.5) {
+        fixture_rig_tick(&rig);
+    }
+    rig.rpm = 0.0;
+    expect_none(4000);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_start(&rig.machine));
+    fixture_rig_ticks(&rig, 1980);
+    TEST_ASSERT_EQUAL_INT(cam_state_engaging, fixture_rig_status(&rig).state);
+    expect_within(cam_fault_spindle_stopped, 60);
+}
+
 static void test_guard_homing_without_rotation_gives_up(void)
 {
     bring(cam_state_homing);
@@ -269,6 +285,7 @@ int main(void)
     RUN_TEST(test_guard_lost_counts_are_a_fault_within_a_turn);
     RUN_TEST(test_guard_index_missing_is_a_fault_within_an_eighth_turn_more);
     RUN_TEST(test_guard_reverse_and_stop_in_the_cut_are_faults);
+    RUN_TEST(test_guard_time_of_standing_counts_in_the_work_only);
     RUN_TEST(test_guard_homing_without_rotation_gives_up);
     RUN_TEST(test_guard_overspeed_is_a_fault_above_one_percent);
     RUN_TEST(test_guard_following_error_is_a_fault_beyond_its_limit);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The slow side: what it refuses in which state, and that a refusal changes nothing.
 #include "cam_machine.h"
+#include "cam_machine_hand.h"
 #include "rig_bench.h"
 
 static fixture_image_t other;
@@ -169,6 +170,34 @@ static void test_parameters_change_only_where_they_may(void)
                           cam_machine_set_param(&rig.machine, cam_param_k1_ns, 1));
 }
 
+/// The angle would be another one at once: what it is made of stays as long as it is in force.
+static void test_what_makes_the_angle_changes_in_off_only(void)
+{
+    static const cam_state_t states[] = {cam_state_ready, cam_state_manual};
+    for (uint32_t k = 0; k < sizeof states / sizeof states[0]; k++) {
+        setUp();
+        if (states[k] == cam_state_manual) {
+            TEST_ASSERT_EQUAL_INT(cam_ok, cam_machine_manual(&rig.machine));
+            fixture_rig_ticks(&rig, 20);
+            TEST_ASSERT_EQUAL_INT(states[k], fixture_rig_status(&rig).state);
+        } else {
+            bring(states[k]);
+        }
+        for (uint32_t id = 0; id < (uint32_t)cam_n_params; id++) {
+            const int32_t old = cam_param_get(&rig.machine.params, (cam_param_id_t)id);
+            const cam_err_t err = cam_machine_set_param(&rig.machine, (cam_param_id_t)id, old);
+            const bool is_of_angle = id == (uint32_t)cam_param_counts_per_turn ||
+                                     id == (uint32_t)cam_param_encoder_sign ||
+                                     id == (uint32_t)cam_param_index_offset_udeg ||
+                                     id == (uint32_t)cam_param_observer_bandwidth_mHz ||
+                                     id == (uint32_t)cam_param_z_is_measured;
+            TEST_ASSERT_EQUAL_INT_MESSAGE(is_of_angle ? cam_err_param_state : cam_ok, err,
+                                          cam_param_info((cam_param_id_t)id)->name);
+            fixture_rig_tick(&rig);
+        }
+    }
+}
+
 static void test_parameter_errors_leave_everything_as_it_was(void)
 {
     const cam_params_t before = rig.machine.params;
@@ -330,6 +359,7 @@ int main(void)
     RUN_TEST(test_request_serial_wraps_without_losing_a_command);
     RUN_TEST(test_second_change_before_the_first_was_taken_is_busy);
     RUN_TEST(test_parameters_change_only_where_they_may);
+    RUN_TEST(test_what_makes_the_angle_changes_in_off_only);
     RUN_TEST(test_parameter_errors_leave_everything_as_it_was);
     RUN_TEST(test_changes_wait_for_a_pending_command);
     RUN_TEST(test_without_a_table_nothing_starts);

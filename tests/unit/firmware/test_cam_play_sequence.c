@@ -217,6 +217,24 @@ static void test_start_approaches_zero_clearance_and_first_height(void)
                               (double)f.axis[hal_axis_x].pos_q10 / 1024.0);
 }
 
+/// While Z only passes its place X stands: it nears the work when Z rests there.
+static void test_x_waits_until_z_rests(void)
+{
+    TEST_ASSERT_TRUE(fixture_play_bring(&f, cam_state_ready));
+    fixture_play_do(&f, cam_request_start);
+    cam_move_t *x = &f.motion.axis[hal_axis_x];
+    cam_move_t *z = &f.motion.axis[hal_axis_z];
+    const int64_t place_q10 = (int64_t)f.config.play.z_first_nm * 1024;
+    for (int32_t vel_q10 = -4096; vel_q10 <= 4096; vel_q10 += 2048) {
+        *x = (cam_move_t){.pos_q10 = f.config.play.x_clear_q10};
+        *z = (cam_move_t){.pos_q10 = place_q10 - vel_q10, .vel_q10 = vel_q10};
+        f.until_plan = 1;
+        fixture_play_tick(&f);
+        TEST_ASSERT_EQUAL_INT(cam_state_engaging, f.want.state);
+        TEST_ASSERT_EQUAL(vel_q10 == 0, x->vel_q10 != 0);
+    }
+}
+
 static void test_stop_while_approaching_goes_back_to_ready(void)
 {
     bring(cam_state_ready);
@@ -349,6 +367,7 @@ int main(void)
     RUN_TEST(test_request_that_stands_is_carried_out_once);
     RUN_TEST(test_engage_begins_at_a_whole_turn_that_no_axis_was_told_of);
     RUN_TEST(test_start_approaches_zero_clearance_and_first_height);
+    RUN_TEST(test_x_waits_until_z_rests);
     RUN_TEST(test_stop_while_approaching_goes_back_to_ready);
     RUN_TEST(test_stop_before_the_feed_disengages_at_the_next_turn_without_feed);
     RUN_TEST(test_stop_in_the_rising_feed_lets_it_rise_and_fall);

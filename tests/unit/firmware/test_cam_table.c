@@ -142,6 +142,36 @@ static void test_check_header_fields_out_of_range_are_refused(void)
     }
 }
 
+/// The ends of the ranges themselves are good: U from one end of its range to the other is a stroke
+/// of 2^25 nm.
+static void test_check_header_fields_at_the_ends_of_their_ranges_are_accepted(void)
+{
+    static const word_t good[] = {
+        {fixture_at_spindle, 1u},
+        {fixture_at_spindle, 60000000u},
+        {fixture_at_feed, 1u},
+        {fixture_at_feed, 10000000u},
+        {fixture_at_depth, 0u},
+        {fixture_at_depth, 0x7FFFFFFFu},
+        {fixture_at_limit_stroke, 1u},
+        {fixture_at_limit_stroke, 16777217u},
+        {fixture_at_limit_speed, 1u},
+        {fixture_at_limit_stroke, 33554432u},
+        {fixture_at_limit_spindle, 1u},
+        {fixture_at_limit_speed, 0x7FFFFFFFu},
+        {fixture_at_u_min, 0xFF000000u},
+        {fixture_at_limit_spindle, 60000000u},
+        {fixture_at_u_max, 16777216u},
+        {fixture_at_limit_acceleration, 1u},
+        {fixture_at_u1_peak, 0x7FFFFFFF},
+        {fixture_at_limit_acceleration, 0x7FFFFFFFu},
+        {fixture_at_u2_peak, 0x7FFFFFFF},
+    };
+    for (size_t i = 0; i < sizeof good / sizeof good[0]; i++) {
+        TEST_ASSERT_EQUAL_INT_MESSAGE(cam_ok, with_word(good[i].at, good[i].value), "header field");
+    }
+}
+
 static void test_check_name_must_be_printable_and_padded(void)
 {
     static const char *const bad[] = {"", "new\nline", "0123456789abcdef0123456789abcdef", "\x80"};
@@ -389,6 +419,7 @@ int main(void)
     RUN_TEST(test_check_address_is_refused_when_null_or_misaligned);
     RUN_TEST(test_check_frame_fields_have_their_own_codes);
     RUN_TEST(test_check_header_fields_out_of_range_are_refused);
+    RUN_TEST(test_check_header_fields_at_the_ends_of_their_ranges_are_accepted);
     RUN_TEST(test_check_name_must_be_printable_and_padded);
     RUN_TEST(test_check_channel_fields_out_of_range_are_refused);
     RUN_TEST(test_check_path_is_a_helix_or_a_ring_helix);
