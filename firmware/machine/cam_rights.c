@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_rights.h"
+#include "monocypher.h" // crypto_blake2b_keyed
 
 void cam_rights_init(cam_rights_t *r, const hal_operator_t *port, uint32_t tick_hz)
 {
-    *r = (cam_rights_t){.port = *port, .tick_hz = tick_hz};
+    *r = (cam_rights_t){.port = *port,
+                        .tick_hz = tick_hz,
+                        .session = (uint8_t)(port->nonce & 0xFFu),
+                        .challenge_tick = 0u - tick_hz,
+                        .noise = port->nonce};
 }
 
 // Command
@@ -20,6 +25,7 @@ static void begin_session(cam_rights_t *r, uint8_t sender, uint32_t tick)
     r->commander = sender;
     r->session = (uint8_t)(r->session % UINT8_MAX + 1u);
     r->heard_tick = tick;
+    r->is_challenged = false;
     cam_rights_lock(r);
     if (r->is_key_on) {
         unlock(r, cam_level_key, tick);
@@ -42,6 +48,7 @@ cam_err_t cam_rights_take(cam_rights_t *r, uint8_t sender, bool is_over, uint32_
 void cam_rights_release(cam_rights_t *r)
 {
     r->commander = 0;
+    r->is_challenged = false;
     cam_rights_lock(r);
 }
 
@@ -53,6 +60,7 @@ bool cam_rights_is_commander(const cam_rights_t *r, uint8_t sender, uint8_t sess
 void cam_rights_hear(cam_rights_t *r, uint32_t tick)
 {
     r->heard_tick = tick;
+    r->noise = (r->noise ^ tick) * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
 }
 
 /// @return whether a time of some seconds is over
@@ -77,6 +85,49 @@ static bool lose_command(cam_rights_t *r, uint32_t tick)
 void cam_rights_lock(cam_rights_t *r)
 {
     r->level = cam_level_locked;
+}
+
+/// @param n_words  1 .. 3. Hashes of different lengths have nothing in common
+/// @return         first four bytes of the keyed BLAKE2b of some words, the lowest first
+static uint32_t keyed(const cam_rights_t *r, const uint32_t *words, uint32_t n_words)
+{
+    enum { most_words = 3, word_bytes = 4, hash_bytes = 64 };
+    uint8_t bytes[most_words * word_bytes];
+    uint8_t hash[hash_bytes];
+    for (uint32_t i = 0; i < n_words * word_bytes; i++) {
+        bytes[i] = (uint8_t)(words[i / word_bytes] >> (8u * (i % word_bytes)) & 0xFFu);
+    }
+    crypto_blake2b_keyed(hash, sizeof hash, r->port.secret, r->port.n_secret, bytes,
+                         n_words * word_bytes);
+    return (uint32_t)hash[0] | (uint32_t)hash[1] << 8 | (uint32_t)hash[2] << 16 |
+           (uint32_t)hash[3] << 24;
+}
+
+cam_err_t cam_rights_challenge(cam_rights_t *r, uint32_t tick, uint32_t *challenge)
+{
+    if (r->port.n_secret == 0u) {
+        return r->port.has_key ? cam_err_locked : cam_err_lock_none;
+    }
+    if (tick - r->challenge_tick < r->tick_hz) {
+        return cam_err_busy;
+    }
+    const uint32_t words[] = {(uint32_t)(r->noise & UINT32_MAX), (uint32_t)(r->noise >> 32), tick};
+    r->challenge = keyed(r, words, 3);
+    r->challenge_tick = tick;
+    r->is_challenged = true;
+    *challenge = r->challenge;
+    return cam_ok;
+}
+
+cam_err_t cam_rights_unlock(cam_rights_t *r, uint32_t answer, uint32_t tick)
+{
+    const bool is_right = r->is_challenged && answer == keyed(r, &r->challenge, 1);
+    r->is_challenged = false;
+    if (!is_right) {
+        return cam_err_unlock;
+    }
+    unlock(r, cam_level_challenge, tick);
+    return cam_ok;
 }
 
 /// The key unlocks when it is turned on, for whoever has command then, and locks when it is turned

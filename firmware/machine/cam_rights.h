@@ -43,8 +43,12 @@ typedef struct {
     uint32_t n_take_overs; ///< times that command was taken over from another
     uint32_t n_losses;     ///< times that command was lost
     cam_level_t level;
-    uint32_t level_tick; ///< [ticks] when it was unlocked
-    bool is_key_on;      ///< key switch at the last look
+    uint32_t level_tick;     ///< [ticks] when it was unlocked
+    bool is_key_on;          ///< key switch at the last look
+    bool is_challenged;      ///< the challenge waits for its answer
+    uint32_t challenge;      ///< the last one
+    uint32_t challenge_tick; ///< [ticks] when it was given
+    uint64_t noise;          ///< of the moments in which the commander was heard
 } cam_rights_t;
 
 /// Begin: nobody has command, and the level is locked.
@@ -65,6 +69,20 @@ bool cam_rights_is_commander(const cam_rights_t *r, uint8_t sender, uint8_t sess
 
 /// The commander was heard.
 void cam_rights_hear(cam_rights_t *r, uint32_t tick);
+
+/// Ask for a challenge. The answer is made of it by whoever knows the secret of the port, so that
+/// what was overheard on the bus is worth nothing.
+/// @param challenge  result
+/// @return cam_ok; cam_err_busy within a second of the last one; cam_err_locked or
+/// cam_err_lock_none
+///         when the port has no secret
+CAM_MUST_USE cam_err_t cam_rights_challenge(cam_rights_t *r, uint32_t tick, uint32_t *challenge);
+
+/// Answer the last challenge, which is used up by it: it unlocks the level.
+/// @param answer  first four bytes, the lowest first, of BLAKE2b-512 keyed with the secret, of the
+///                challenge as four bytes, the lowest first
+/// @return cam_ok, cam_err_unlock
+CAM_MUST_USE cam_err_t cam_rights_unlock(cam_rights_t *r, uint32_t answer, uint32_t tick);
 
 /// Lock the level; the key switch unlocks it again when it is turned anew or with the next session.
 void cam_rights_lock(cam_rights_t *r);

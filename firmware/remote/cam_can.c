@@ -214,6 +214,8 @@ static void give(cam_can_t *r, const struct camturn_command_t *m)
         follow(r, m);
     } else {
         cam_can_answer(r, m->command, m->parameter, refused);
+        cam_lines_refused(&r->lines, m->sender, m->command, refused.err,
+                          cam_machine_status(r->machine).tick);
     }
     cam_can_hear(r, m);
     rights->is_bus_calling = false;
@@ -350,6 +352,7 @@ void cam_can_init(cam_can_t *r, cam_machine_t *machine)
     *r = (cam_can_t){.machine = machine, .report.start = hal_start()};
     r->isotp = (cam_isotp_t){
         .bytes = r->block, .capacity = sizeof r->block, .timeout_ticks = machine->tick_hz};
+    r->lines.refused_ticks = machine->tick_hz;
     cam_store_init(&r->store, machine);
     cam_lines_start(&r->report.start);
     cam_lines_params(machine);

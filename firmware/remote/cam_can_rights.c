@@ -75,6 +75,14 @@ static cam_outcome_t take(cam_can_t *r, const struct camturn_command_t *m)
     return (cam_outcome_t){.err = err, .value = session};
 }
 
+static cam_outcome_t challenge(cam_can_t *r)
+{
+    uint32_t number = 0;
+    const uint32_t tick = cam_machine_status(r->machine).tick;
+    const cam_err_t err = cam_rights_challenge(&r->machine->rights, tick, &number);
+    return (cam_outcome_t){.err = err, .value = (int32_t)number};
+}
+
 bool cam_can_rights(cam_can_t *r, const struct camturn_command_t *m)
 {
     cam_outcome_t outcome = cam_outcome(cam_ok);
@@ -86,6 +94,13 @@ bool cam_can_rights(cam_can_t *r, const struct camturn_command_t *m)
         cam_machine_release_command(r->machine);
         break;
     case CAMTURN_COMMAND_COMMAND_HEARTBEAT_CHOICE: // to be heard is all that it is for
+        break;
+    case CAMTURN_COMMAND_COMMAND_GET_CHALLENGE_CHOICE:
+        outcome = challenge(r);
+        break;
+    case CAMTURN_COMMAND_COMMAND_UNLOCK_CHOICE:
+        outcome = cam_outcome(cam_rights_unlock(&r->machine->rights, m->unlock_answer,
+                                                cam_machine_status(r->machine).tick));
         break;
     case CAMTURN_COMMAND_COMMAND_LOCK_CHOICE:
         cam_rights_lock(&r->machine->rights);

@@ -184,6 +184,72 @@ static void say_fault(cam_lines_t *l, uint32_t unreported)
     l->faults |= UINT32_C(1) << i;
 }
 
+/// Report a change of command: the first of a take-over, a loss and another commander.
+static void say_command(cam_lines_t *l, const cam_rights_t *now)
+{
+    line_t line = {.n = 0};
+    const bool is_lost = now->n_losses != l->n_losses;
+    const bool is_taken_over = now->n_take_overs != l->n_take_overs;
+    add(&line, "command: ");
+    if (is_lost) {
+        add(&line, "lost, nothing was heard of ");
+        add_number(&line, l->commander);
+    } else if (now->commander == 0u) {
+        add(&line, "given up by ");
+        add_number(&line, l->commander);
+    } else {
+        add(&line, "taken by ");
+        add_number(&line, now->commander);
+    }
+    if (is_taken_over) {
+        add(&line, " over from ");
+        add_number(&line, l->commander);
+    }
+    hal_text(line.text);
+    // Who took it after a loss is told next.
+    l->commander = is_lost ? 0u : now->commander;
+    l->n_losses = now->n_losses;
+    l->n_take_overs = now->n_take_overs;
+}
+
+/// Report a change of who commands, or of the level. @return whether there was one
+static bool say_rights(cam_lines_t *l, const cam_rights_t *now)
+{
+    static const char *const levels[] = {[cam_level_locked] = "locked",
+                                         [cam_level_key] = "unlocked by the key switch",
+                                         [cam_level_challenge] = "unlocked by the secret"};
+    if (l->commander != now->commander || l->n_losses != now->n_losses ||
+        l->n_take_overs != now->n_take_overs) {
+        say_command(l, now);
+        return true;
+    }
+    if (l->level != now->level) {
+        l->level = now->level;
+        say("level: ", levels[now->level], "", "");
+        return true;
+    }
+    return false;
+}
+
+void cam_lines_refused(cam_lines_t *l, uint32_t sender, uint32_t command, cam_err_t err,
+                       uint32_t tick)
+{
+    line_t line = {.n = 0};
+    const bool is_due = l->n_refused == 0u || tick - l->refused_tick >= l->refused_ticks;
+    l->n_refused++;
+    if (!is_due) {
+        return;
+    }
+    l->refused_tick = tick;
+    add(&line, "refused: command ");
+    add_number(&line, command);
+    add(&line, " of ");
+    add_number(&line, sender);
+    add(&line, ": ");
+    add(&line, cam_err_text(err));
+    hal_text(line.text);
+}
+
 void cam_lines_change(cam_lines_t *l, cam_store_t *store, const cam_status_t *status)
 {
     l->faults &= status->faults;
@@ -196,5 +262,7 @@ void cam_lines_change(cam_lines_t *l, cam_store_t *store, const cam_status_t *st
         say("state ", cam_state_name(status->state), "", "");
     } else if (unreported != 0u) {
         say_fault(l, unreported);
+    } else {
+        (void)say_rights(l, &store->machine->rights);
     }
 }

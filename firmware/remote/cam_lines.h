@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// cam_lines: lines of text for people: why the controller started, whether the table is in use,
-/// what the scales resolve, every change of state, every fault. They go to hal_text(). All
-/// functions: slow side, main() only.
+/// what the scales resolve, every change of state, every fault, who commands, who was refused. They
+/// go to hal_text(). All functions: slow side, main() only.
 #ifndef CAM_LINES_H
 #define CAM_LINES_H
 
@@ -16,6 +16,11 @@ typedef struct {
     bool has_table;    ///< whether the last line about the table said that there is one
     cam_state_t state; ///< state of the last line about a state
     uint32_t faults;   ///< mask of the reported faults that still last
+    uint32_t commander, n_take_overs, n_losses; ///< of the last line about command
+    cam_level_t level;                          ///< of the last line about it
+    uint32_t n_refused;     ///< senders without the right to it, not all of them reported
+    uint32_t refused_tick;  ///< [ticks] of the last line about one
+    uint32_t refused_ticks; ///< [ticks] between two of these lines at least
 } cam_lines_t;
 
 /// Report why the controller started, for example "start: watchdog reset".
@@ -34,9 +39,13 @@ void cam_lines_scales(const cam_machine_t *machine);
 /// Report the result of the last check of the table.
 void cam_lines_table(cam_lines_t *l, const cam_store_t *store);
 
-/// Report at most one change of state, fault or table, so that a slow serial line does not hold up
-/// the main loop. When the background check has found the table damaged, the store's error is set
-/// as well.
+/// Report that a command was refused since its sender may not give it, at most once a second.
+void cam_lines_refused(cam_lines_t *l, uint32_t sender, uint32_t command, cam_err_t err,
+                       uint32_t tick);
+
+/// Report at most one change of state, fault, table, commander or level, so that a slow serial line
+/// does not hold up the main loop. When the background check has found the table damaged, the
+/// store's error is set as well.
 void cam_lines_change(cam_lines_t *l, cam_store_t *store, const cam_status_t *status);
 
 #endif

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "camsim.h"
 #include "common_number.h" // common_number_parse
+#include "sim_file.h"      // sim_file_read
 #include "sim_live.h"      // sim_live_open
 #include <limits.h>        // INT_MAX
 #include <signal.h>        // signal
@@ -17,6 +18,8 @@ static const char help[] =
     "  --operator WHO        at the machine: present (presses acknowledge when it is needed; key\n"
     "                        switch on), absent (never; off), waived (no button is needed)\n"
     "                        (default: waived)\n"
+    "  --secret FILE         of the challenge that unlocks limits and tables, 16 .. 64 bytes\n"
+    "                        (default: none)\n"
     "\n"
     "as in camsim run: --machine --set --rpm --feed --design --seed --inject "
     "KIND@tSECONDS[:VALUE]\n"
@@ -49,6 +52,26 @@ static bool take_people(options_t *o, const char *text, common_error_t *e)
     return common_error(e, "--operator %.40s: give present, absent or waived", text);
 }
 
+/// Read the secret; line ends behind it are not part of it.
+static bool take_secret(options_t *o, const char *path, common_error_t *e)
+{
+    sim_file_t file;
+    if (!sim_file_read(&file, path, 1024, e)) {
+        return false;
+    }
+    size_t n = file.size;
+    while (n > 0u && (file.bytes[n - 1u] == '\n' || file.bytes[n - 1u] == '\r')) {
+        n--;
+    }
+    const bool is_good = n >= 16u && n <= sizeof o->live.secret;
+    if (is_good) {
+        memcpy(o->live.secret, file.bytes, n);
+        o->live.n_secret = (uint32_t)n;
+    }
+    sim_file_free(&file);
+    return is_good || common_error(e, "--secret %.80s: %zu bytes; give 16 .. 64", path, n);
+}
+
 /// Take an option of this command with its value; others stay for those of a run.
 /// @return words taken; 0: it is an option of a run; below 0 and *e: it is wrong
 static int take_own(options_t *o, int n_left, char **words, common_error_t *e)
@@ -57,7 +80,8 @@ static int take_own(options_t *o, int n_left, char **words, common_error_t *e)
     const bool is_role = strcmp(words[0], "--role") == 0;
     const bool is_wire = strcmp(words[0], "--wire") == 0;
     const bool is_people = strcmp(words[0], "--operator") == 0;
-    if (!is_role && !is_wire && !is_people && strcmp(words[0], "--speed-up") != 0) {
+    const bool is_secret = strcmp(words[0], "--secret") == 0;
+    if (!is_role && !is_wire && !is_people && !is_secret && strcmp(words[0], "--speed-up") != 0) {
         return 0;
     }
     if (n_left < 2) {
@@ -66,6 +90,8 @@ static int take_own(options_t *o, int n_left, char **words, common_error_t *e)
     }
     if (is_role) {
         o->role = words[1];
+    } else if (is_secret) {
+        return take_secret(o, words[1], e) ? 2 : -1;
     } else if (is_people) {
         return take_people(o, words[1], e) ? 2 : -1;
     } else if (!is_wire) {

@@ -44,6 +44,8 @@ typedef struct {
     int wire;              ///< descriptor of the socket to the partner
     double speed_up;       ///< how many times faster than the clock
     sim_live_operator_t people;
+    uint8_t secret[64]; ///< of the challenge that unlocks
+    uint32_t n_secret;  ///< [bytes] of it, 0: none
 } sim_live_options_t;
 
 typedef struct {

@@ -120,6 +120,7 @@ typedef struct {
     bool has_key;               ///< hal_in_key is wired
     const uint8_t *secret;      ///< of the challenge that unlocks instead of the key; static
     uint32_t n_secret;          ///< [bytes] of it, 16 .. 64; 0: there is none
+    uint32_t nonce;             ///< another number at each start, 0 where the port has no noise
 } hal_operator_t;
 
 /// A place in which a table image is kept.

@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: Apache-2.0
+// Who commands, and the level: pure, in ticks of 1 kHz.
+#include "cam_rights.h"
+#include "monocypher.h"
+#include "unity.h"
+
+enum { hz = 1000 };
+
+static const uint8_t secret[16] = "a secret of 16 b";
+static cam_rights_t r;
+
+static void begin(bool has_key, bool has_secret)
+{
+    const hal_operator_t port = {
+        .has_key = has_key, .secret = secret, .n_secret = has_secret ? sizeof secret : 0u};
+    cam_rights_init(&r, &port, hz);
+    r.is_bus_calling = true;
+}
+
+void setUp(void)
+{
+    begin(true, true);
+}
+
+void tearDown(void) {}
+
+static void take(uint8_t sender, uint32_t tick)
+{
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_rights_take(&r, sender, false, tick));
+}
+
+/// @return what a tool makes of a challenge
+static uint32_t answer_to(uint32_t challenge)
+{
+    const uint8_t bytes[4] = {(uint8_t)challenge, (uint8_t)(challenge >> 8),
+                              (uint8_t)(challenge >> 16), (uint8_t)(challenge >> 24)};
+    uint8_t hash[64];
+    crypto_blake2b_keyed(hash, sizeof hash, secret, sizeof secret, bytes, sizeof bytes);
+    return (uint32_t)hash[0] | (uint32_t)hash[1] << 8 | (uint32_t)hash[2] << 16 |
+           (uint32_t)hash[3] << 24;
+}
+
+static uint32_t ask(uint32_t tick)
+{
+    uint32_t challenge = 0;
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_rights_challenge(&r, tick, &challenge));
+    return challenge;
+}
+
+static void test_the_first_to_take_has_command_and_another_is_told_no(void)
+{
+    TEST_ASSERT_FALSE(cam_rights_is_commander(&r, 0, 0));
+    take(12, 0);
+    TEST_ASSERT_TRUE(cam_rights_is_commander(&r, 12, 1));
+    TEST_ASSERT_EQUAL_INT(cam_err_not_commander, cam_rights_take(&r, 9, false, 0));
+    TEST_ASSERT_EQUAL_INT(cam_err_not_commander, cam_rights_take(&r, 12, false, 0));
+    TEST_ASSERT_FALSE(cam_rights_is_commander(&r, 9, 1));
+    TEST_ASSERT_FALSE(cam_rights_is_commander(&r, 12, 2));
+    TEST_ASSERT_FALSE(cam_rights_is_commander(&r, 12, 0));
+    TEST_ASSERT_EQUAL_UINT32(0, r.n_take_overs);
+}
+
+static void test_a_sender_has_a_number_of_its_own(void)
+{
+    TEST_ASSERT_EQUAL_INT(cam_err_frame, cam_rights_take(&r, 0, true, 0));
+    TEST_ASSERT_EQUAL_INT(cam_err_frame, cam_rights_take(&r, 255, true, 0));
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_rights_take(&r, 254, true, 0));
+}
+
+static void test_a_take_over_counts_and_ends_the_old_session(void)
+{
+    take(12, 0);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_rights_take(&r, 9, true, 0));
+    TEST_ASSERT_EQUAL_UINT32(1, r.n_take_overs);
+    TEST_ASSERT_FALSE(cam_rights_is_commander(&r, 12, 1));
+    TEST_ASSERT_TRUE(cam_rights_is_commander(&r, 9, 2));
+}
+
+static void test_a_session_is_never_0_and_not_the_last_one(void)
+{
+    uint8_t last = 0;
+    for (int i = 0; i < 600; i++) {
+        take(1, 0);
+        TEST_ASSERT_NOT_EQUAL(0, r.session);
+        TEST_ASSERT_NOT_EQUAL(last, r.session);
+        last = r.session;
+        cam_rights_release(&r);
+    }
+}
+
+static void test_command_is_lost_after_a_second_of_silence(void)
+{
+    take(12, 0xFFFFFF00u);
+    TEST_ASSERT_FALSE(cam_rights_poll(&r, 0, 0xFFFFFF00u + hz));
+    cam_rights_hear(&r, 0xFFFFFF00u + hz);
+    TEST_ASSERT_FALSE(cam_rights_poll(&r, 0, 0xFFFFFF00u + 2u * hz));
+    TEST_ASSERT_TRUE(cam_rights_poll(&r, 0, 0xFFFFFF00u + 2u * hz + 1u));
+    TEST_ASSERT_FALSE(cam_rights_poll(&r, 0, 0xFFFFFF00u + 4u * hz));
+    TEST_ASSERT_FALSE(cam_rights_is_commander(&r, 12, 1));
+    TEST_ASSERT_EQUAL_UINT32(1, r.n_losses);
+    take(9, 0); // anybody may take it
+    TEST_ASSERT_EQUAL_UINT32(0, r.n_take_overs);
+}
+
+static void test_nobody_cannot_be_lost(void)
+{
+    TEST_ASSERT_FALSE(cam_rights_poll(&r, 0, 100u * hz));
+    take(12, 100u * hz);
+    cam_rights_release(&r);
+    TEST_ASSERT_FALSE(cam_rights_poll(&r, 0, 200u * hz));
+    TEST_ASSERT_EQUAL_UINT32(0, r.n_losses);
+}
+
+static void test_a_key_unlocks_for_who_has_command_when_it_is_turned_on(void)
+{
+    (void)cam_rights_poll(&r, hal_in_key, 0);
+    TEST_ASSERT_EQUAL_INT(cam_level_locked, r.level); // nobody commands
+    (void)cam_rights_poll(&r, 0, 1);
+    take(12, 1);
+    TEST_ASSERT_EQUAL_INT(cam_err_locked, cam_rights_check_level(&r));
+    (void)cam_rights_poll(&r, hal_in_key, 2);
+    TEST_ASSERT_EQUAL_INT(cam_level_key, r.level);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_rights_check_level(&r));
+    (void)cam_rights_poll(&r, 0, 3);
+    TEST_ASSERT_EQUAL_INT(cam_err_locked, cam_rights_check_level(&r));
+}
+
+static void test_a_key_that_is_on_unlocks_the_next_session(void)
+{
+    (void)cam_rights_poll(&r, hal_in_key, 0);
+    take(12, 0);
+    TEST_ASSERT_EQUAL_INT(cam_level_key, r.level);
+    cam_rights_lock(&r);
+    (void)cam_rights_poll(&r, hal_in_key, 1);
+    TEST_ASSERT_EQUAL_INT(cam_level_locked, r.level); // lock holds until the key is turned anew
+    cam_rights_release(&r);
+    take(9, 2);
+    TEST_ASSERT_EQUAL_INT(cam_level_key, r.level);
+}
+
+static void test_a_key_input_without_a_key_switch_is_nothing(void)
+{
+    begin(false, true);
+    take(12, 0);
+    (void)cam_rights_poll(&r, hal_in_key, 1);
+    TEST_ASSERT_EQUAL_INT(cam_err_locked, cam_rights_check_level(&r));
+}
+
+static void test_the_level_ends_with_command(void)
+{
+    (void)cam_rights_poll(&r, hal_in_key, 0);
+    take(12, 0);
+    TEST_ASSERT_TRUE(cam_rights_poll(&r, hal_in_key, hz + 1u)); // lost
+    TEST_ASSERT_EQUAL_INT(cam_level_locked, r.level);
+    take(12, hz + 1u);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_rights_unlock(&r, answer_to(ask(hz + 1u)), hz + 1u));
+    (void)cam_rights_poll(&r, 0, hz + 2u); // the key is turned off, the answer still holds
+    TEST_ASSERT_EQUAL_INT(cam_level_challenge, r.level);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_rights_take(&r, 9, true, hz + 2u));
+    TEST_ASSERT_EQUAL_INT(cam_level_locked, r.level);
+}
+
+static void test_the_level_ends_after_ten_minutes(void)
+{
+    take(12, 0);
+    (void)cam_rights_poll(&r, hal_in_key, 5);
+    TEST_ASSERT_EQUAL_UINT32(600, cam_rights_level_left_s(&r, 5));
+    cam_rights_hear(&r, 600u * hz);
+    TEST_ASSERT_EQUAL_UINT32(1, cam_rights_level_left_s(&r, 600u * hz));
+    (void)cam_rights_poll(&r, hal_in_key, 5u + 600u * hz);
+    TEST_ASSERT_EQUAL_INT(cam_level_key, r.level);
+    (void)cam_rights_poll(&r, hal_in_key, 6u + 600u * hz);
+    TEST_ASSERT_EQUAL_INT(cam_level_locked, r.level);
+    TEST_ASSERT_EQUAL_UINT32(0, cam_rights_level_left_s(&r, 6u + 600u * hz));
+}
+
+static void test_a_challenge_is_answered_once(void)
+{
+    take(12, 0);
+    const uint32_t challenge = ask(0);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_rights_unlock(&r, answer_to(challenge), 1));
+    TEST_ASSERT_EQUAL_INT(cam_level_challenge, r.level);
+    cam_rights_lock(&r);
+    TEST_ASSERT_EQUAL_INT(cam_err_unlock, cam_rights_unlock(&r, answer_to(challenge), 2));
+    TEST_ASSERT_EQUAL_INT(cam_level_locked, r.level);
+}
+
+static void test_a_wrong_answer_uses_the_challenge_up(void)
+{
+    take(12, 0);
+    const uint32_t challenge = ask(0);
+    TEST_ASSERT_EQUAL_INT(cam_err_unlock, cam_rights_unlock(&r, answer_to(challenge) ^ 1u, 1));
+    TEST_ASSERT_EQUAL_INT(cam_err_unlock, cam_rights_unlock(&r, answer_to(challenge), 1));
+    uint32_t next = 0;
+    TEST_ASSERT_EQUAL_INT(cam_err_busy, cam_rights_challenge(&r, hz - 1u, &next));
+    TEST_ASSERT_NOT_EQUAL(challenge, ask(hz)); // one a second, another each time
+}
+
+static void test_a_challenge_belongs_to_its_session(void)
+{
+    take(12, 0);
+    const uint32_t challenge = ask(0);
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_rights_take(&r, 9, true, 1));
+    TEST_ASSERT_EQUAL_INT(cam_err_unlock, cam_rights_unlock(&r, answer_to(challenge), 1));
+}
+
+static void test_challenges_depend_on_when_the_commander_was_heard(void)
+{
+    take(12, 0);
+    cam_rights_hear(&r, 17);
+    const uint32_t first = ask(500);
+    begin(true, true);
+    take(12, 0);
+    cam_rights_hear(&r, 18);
+    TEST_ASSERT_NOT_EQUAL(first, ask(500));
+}
+
+static void test_a_port_with_neither_key_nor_secret_is_never_unlocked(void)
+{
+    uint32_t challenge = 0;
+    begin(false, false);
+    take(12, 0);
+    (void)cam_rights_poll(&r, hal_in_key, 1);
+    TEST_ASSERT_EQUAL_INT(cam_err_lock_none, cam_rights_check_level(&r));
+    TEST_ASSERT_EQUAL_INT(cam_err_lock_none, cam_rights_challenge(&r, 1, &challenge));
+    begin(true, false);
+    TEST_ASSERT_EQUAL_INT(cam_err_locked, cam_rights_challenge(&r, 1, &challenge));
+}
+
+static void test_a_program_that_calls_the_machine_itself_is_unlocked(void)
+{
+    r.is_bus_calling = false;
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_rights_check_level(&r));
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_the_first_to_take_has_command_and_another_is_told_no);
+    RUN_TEST(test_a_sender_has_a_number_of_its_own);
+    RUN_TEST(test_a_take_over_counts_and_ends_the_old_session);
+    RUN_TEST(test_a_session_is_never_0_and_not_the_last_one);
+    RUN_TEST(test_command_is_lost_after_a_second_of_silence);
+    RUN_TEST(test_nobody_cannot_be_lost);
+    RUN_TEST(test_a_key_unlocks_for_who_has_command_when_it_is_turned_on);
+    RUN_TEST(test_a_key_that_is_on_unlocks_the_next_session);
+    RUN_TEST(test_a_key_input_without_a_key_switch_is_nothing);
+    RUN_TEST(test_the_level_ends_with_command);
+    RUN_TEST(test_the_level_ends_after_ten_minutes);
+    RUN_TEST(test_a_challenge_is_answered_once);
+    RUN_TEST(test_a_wrong_answer_uses_the_challenge_up);
+    RUN_TEST(test_a_challenge_belongs_to_its_session);
+    RUN_TEST(test_challenges_depend_on_when_the_commander_was_heard);
+    RUN_TEST(test_a_port_with_neither_key_nor_secret_is_never_unlocked);
+    RUN_TEST(test_a_program_that_calls_the_machine_itself_is_unlocked);
+    return UNITY_END();
+}
