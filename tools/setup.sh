@@ -88,6 +88,7 @@ camturn_python() {
 }
 
 # camturn_venv LIST...: build/venv with the packages of tools/LIST.lock; exports CAMTURN_PYTHON.
+# A lock names all that is needed, so pip need not look for more.
 camturn_venv() {
     export CAMTURN_PYTHON=$camturn_root/build/venv/bin/python
     (
@@ -124,7 +125,7 @@ camturn_venv_list() {
     camturn_say "installing the Python packages of tools/$1.lock"
     touch "$unfinished"
     if ! "$CAMTURN_PYTHON" -m pip install -q --disable-pip-version-check --no-input \
-        --require-hashes --only-binary :all: -r "$lock" </dev/null >&2; then
+        --require-hashes --no-deps --only-binary :all: -r "$lock" </dev/null >&2; then
         camturn_say "pip could not install tools/$1.lock; when the network is back, just start again"
         exit 2
     fi

@@ -1,0 +1,87 @@
+"""Small changes of the firmware's sources, drawn at random from all that the rules make.
+
+The rules are those of universalmutator for languages like C: an operator becomes another one, a
+number another number, a condition its opposite, true or false, a statement goes.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import random
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+from universalmutator import mutator
+
+_RULES = ["universal.rules", "c_like.rules", "c.rules"]
+_LEFT_OUT = [
+    r"^\s*(#|_Static_assert|///|return \"|\")",  # texts for people, and what the compiler judges
+    r"static const char|static inline.*\($|__asm|^\s*case [a-z_]+:$",
+]
+
+
+class Mutant(NamedTuple):
+    """One changed line of one file."""
+
+    file: str  # from the root of the tree
+    line: int  # from 1
+    was: str  # the line without its end
+    becomes: str
+
+    def applied(self, text: str) -> str:
+        """Return the text of the file with the change in it."""
+        lines = text.splitlines(keepends=True)
+        assert lines[self.line - 1] == self.was + "\n"
+        lines[self.line - 1] = self.becomes + "\n"
+        return "".join(lines)
+
+    def told(self) -> str:
+        """Return place and change in one line, for people."""
+        return f"{self.file}:{self.line}: {self.was.strip()} -> {self.becomes.strip()}"
+
+
+def _squeezed(line: str) -> str:
+    """Return what the compiler sees of a line, nearly."""
+    return re.sub(r"\s+", " ", re.sub(r"//.*|/\*.*?\*/", "", line)).strip()
+
+
+def mutants_of(root: Path, file: str) -> list[Mutant]:
+    """Return all mutants of a file, in the order of its lines."""
+    lines = (root / file).read_text(encoding="utf-8").splitlines(keepends=True)
+    with contextlib.redirect_stdout(io.StringIO()):
+        found = mutator.mutants_regexp(lines, list(_RULES), ignorePatterns=list(_LEFT_OUT))
+    made = []
+    for number, text, *_ in found:
+        was, becomes = lines[number - 1].rstrip("\n"), text.rstrip("\n")
+        if "\n" not in becomes and _squeezed(was) != _squeezed(becomes):
+            made.append(Mutant(file, number, was, becomes))
+    return made
+
+
+def sources(root: Path) -> list[str]:
+    """Return the files of the firmware that hold code; main() never returns."""
+    files = sorted(p.relative_to(root).as_posix() for p in (root / "firmware").rglob("*.[ch]"))
+    return [file for file in files if not file.endswith("/main.c")]
+
+
+def drawn(root: Path, seed: int, files: list[str]) -> Iterator[Mutant]:
+    """Yield mutants without end of order but without repetition, the same ones for a seed.
+
+    A file is drawn by the number of its lines that can be changed, a line of it at random, and one
+    of the changes of the line: a line with many operators does not outweigh the others.
+    """
+    by_line: dict[tuple[str, int], list[Mutant]] = {}
+    for file in files:
+        for one in mutants_of(root, file):
+            by_line.setdefault((one.file, one.line), []).append(one)
+    chance = random.Random(seed)
+    places = sorted(by_line)
+    while places:
+        place = chance.choice(places)
+        choices = by_line[place]
+        yield choices.pop(chance.randrange(len(choices)))
+        if not choices:
+            places.remove(place)
