@@ -1,0 +1,185 @@
+"""Make firmware/SAFETY.md of firmware/safety.toml, or tell what that file names and is not there.
+
+>>> named_function("void test_a(void)", "test_a"), named_function("def test_ab():", "test_a")
+(True, False)
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import re
+import sys
+import tomllib
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+from camtools.base.command import Parser, run_command
+from camtools.base.errors import CamtoolsError
+from camtools.base.output import write_all
+
+ROOT = Path(__file__).resolve().parents[2]
+SOURCE, PAGE = ROOT / "firmware" / "safety.toml", ROOT / "firmware" / "SAFETY.md"
+_ALL = "*"
+_STATES = ROOT / "firmware" / "base" / "cam_state.h"
+FAULTS = re.findall(r"^    X\((\w+), ", _STATES.read_text(encoding="utf-8"), re.MULTILINE)
+
+_HEAD = """# Safety case
+
+What may hurt somebody at a lathe with a driven tool, what this controller does against it, what the
+machine around it must do, and which test shows what. It is made from [safety.toml](safety.toml) by
+`build/venv/bin/python -m checks.safety --write` (in tools/), and a test compares the two.
+
+**The controller is no safety component, and nothing here is a certificate.** The frame is that of
+ISO 12100 (a machine builder's assessment of risks) and ISO 23125 (safety of turning machines): the
+builder assesses the whole machine; protective functions with a performance level (ISO 13849-1) are
+those of the cabinet below, which work without any program. What the controller does reduces how
+often they are needed. Faults with their reaction and time stand in [FAULTS.md](FAULTS.md), who may
+command and what is not protected in [THREATS.md](THREATS.md).
+"""
+
+
+def named_function(text: str, name: str) -> bool:
+    """Return whether a source in C or Python defines a function of that name."""
+    return re.search(rf"\b(?:void|def) {re.escape(name)}\(", text) is not None
+
+
+def read_case(path: Path = SOURCE) -> dict[str, Any]:
+    """Return the safety case.
+
+    Raises
+    ------
+    CamtoolsError
+        It cannot be read.
+    """
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except (OSError, tomllib.TOMLDecodeError) as error:
+        raise CamtoolsError([f"{path}: {error}; mend the file"]) from error
+
+
+def _missing_test(place: str) -> str | None:
+    file, _, function = place.partition("::")
+    path = ROOT / file
+    if not path.is_file():
+        return f"{place}: there is no such file"
+    is_there = not function or named_function(path.read_text(encoding="utf-8"), function)
+    return None if is_there else f"{place}: there is no such test"
+
+
+def figure(place: str) -> str:
+    """Return a figure with its unit.
+
+    Raises
+    ------
+    CamtoolsError
+        Nobody recorded it.
+    """
+    file, _, rest = place.partition(":")
+    key, _, unit = rest.partition(" ")
+    try:
+        value = json.loads((ROOT / file).read_text(encoding="utf-8"))[key]
+    except (OSError, ValueError, KeyError) as error:
+        raise CamtoolsError([f"{place}: no such figure; run its campaign with --record"]) from error
+    shown = f"{value:,}".replace(",", " ") if isinstance(value, int) else f"{value:.4g}"
+    return f"{shown} {unit}".strip()
+
+
+def _faults_of(requirement: dict[str, Any]) -> list[str]:
+    named = requirement.get("faults", [])
+    return sorted(FAULTS) if named == [_ALL] else list(named)
+
+
+def problems(case: dict[str, Any]) -> list[str]:
+    """Return what the safety case names and is not there, and what it leaves open."""
+    hazards = {one["id"] for one in case["hazard"]}
+    found = []
+    for one in case["requirement"]:
+        if not one["tests"]:
+            found.append(f"{one['id']}: no test shows it")
+        found += [f"{one['id']}: {bad}" for bad in map(_missing_test, one["tests"]) if bad]
+        found += [f"{one['id']}: no hazard {h}" for h in one["against"] if h not in hazards]
+        found += [f"{one['id']}: no fault {f}" for f in _faults_of(one) if f not in FAULTS]
+    numbers = [one["id"] for one in case["requirement"]]
+    found += [f"{n}: twice" for n in sorted({n for n in numbers if numbers.count(n) > 1})]
+    single = [one for one in case["requirement"] if one.get("faults") != [_ALL]]
+    told = {fault for one in single for fault in _faults_of(one)}
+    found += [f"fault {one}: no requirement" for one in sorted(set(FAULTS) - told)]
+    met = {hazard for one in case["requirement"] for hazard in one["against"]}
+    found += [f"{hazard}: no requirement" for hazard in sorted(hazards - met)]
+    return found
+
+
+def _rows(cells: Iterable[Iterable[str]], *head: str) -> str:
+    lines = [head, ["---"] * len(head), *cells]
+    return "".join(f"| {' | '.join(line)} |\n" for line in lines)
+
+
+def _tests(names: list[str]) -> str:
+    shown = []
+    for name in names:
+        file, _, function = name.partition("::")
+        shown.append(f"[{function or Path(file).name}](../{file})")
+    return ", ".join(shown)
+
+
+def _faults_cell(requirement: dict[str, Any]) -> str:
+    is_all = requirement.get("faults") == [_ALL]
+    return "all" if is_all else ", ".join(f"`{one}`" for one in _faults_of(requirement))
+
+
+def page(case: dict[str, Any]) -> str:
+    """Return the text of SAFETY.md."""
+    hazards = _rows(
+        ([one["id"], one["what"], one["when"]] for one in case["hazard"]), "", "hazard", "how"
+    )
+    cabinet = _rows(
+        ([one["what"], ", ".join(one["against"])] for one in case["cabinet"]), "what", "against"
+    )
+    requirements = _rows(
+        (
+            [
+                one["id"],
+                one["text"],
+                ", ".join(one["against"]),
+                "all"
+                if one.get("faults") == [_ALL]
+                else ", ".join(f"`{f}`" for f in _faults_of(one)),
+                _tests(one["tests"]),
+                "; ".join(f"{f['text']}: {figure(f['from'])}" for f in one.get("figures", [])),
+            ]
+            for one in case["requirement"]
+        ),
+        *("", "the controller", "against", "faults", "shown by", "figures"),
+    )
+    limits = "".join(f"- {one}\n" for one in case["not_shown"])
+    return (
+        f"{_HEAD}\n## Hazards\n\n{hazards}\n## What the cabinet must do\n\n{cabinet}"
+        f"\n## What the controller does\n\n{requirements}\n## What is not shown\n\n{limits}"
+    )
+
+
+def _act(options: argparse.Namespace) -> int:
+    case = read_case()
+    found = problems(case)
+    if found:
+        raise CamtoolsError([f"{SOURCE.name}: {one}" for one in found])
+    text = page(case)
+    if options.write:
+        write_all(PAGE.parent, {PAGE.name: text.encode("utf-8")})
+    elif PAGE.read_text(encoding="utf-8") != text:
+        raise CamtoolsError([f"{PAGE.name}: is not what {SOURCE.name} gives; use --write"])
+    return 0
+
+
+def main(words: list[str] | None = None) -> int:
+    """Check SAFETY.md, or write it anew."""
+    parser = Parser(prog="checks.safety", description=__doc__)
+    parser.add_argument("--write", action="store_true", help="write firmware/SAFETY.md")
+    options = parser.parse_args(words)
+    return run_command("safety", lambda: _act(options))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
