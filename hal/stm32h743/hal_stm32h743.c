@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// hal_stm32h743: the port for the NUCLEO-H743ZI2: start, halt, axes, lines, watchdog, text.
+/// hal_stm32h743: the port for the NUCLEO-H743ZI2: start, halt, axes, lines, text.
 #include "board_config.h"
 #include "hal/hal.h"
 #include "stm_can.h"
@@ -15,6 +15,7 @@
 #include "stm_table.h"
 #include "stm_tick.h"
 #include "stm_timers.h"
+#include "stm_watch.h"
 
 /// Results of hal_init() when the machine cannot be used.
 enum { no_revision = -1, no_clock = -2, no_dac = -3, no_can = -4 };
@@ -70,17 +71,10 @@ int hal_init(void)
     return stm_can_init() ? 0 : refuse(no_can, "port: FDCAN1 does not work");
 }
 
-/// The watchdog's second is longer than the slow side needs for the check of the largest table. The
-/// watchdog stands still while a debugger holds the core. RM0433 45.3, 60.5.
 void hal_tick_start(void)
 {
-    DBGMCU_APB4FZ1 |= DBGMCU_APB4FZ1_WDGLSD1;
-    IWDG_KR = IWDG_KR_START;
-    IWDG_KR = IWDG_KR_UNLOCK;
-    IWDG_PR = IWDG_PR_DIV8; // 32 kHz / 8
-    IWDG_RLR = 4000;
-    IWDG_KR = IWDG_KR_RELOAD;
     stm_timers_start_tick();
+    stm_watch_start();
 }
 
 /// Write a line of text for each of the port's own faults that is new.
@@ -111,7 +105,7 @@ void hal_idle(void)
     report_new_faults();
     const uint32_t count = stm_tick_count();
     if (count != last_count) {
-        IWDG_KR = IWDG_KR_RELOAD;
+        stm_watch_feed();
     }
     last_count = count;
     __asm volatile("wfi");

@@ -91,6 +91,8 @@
 #define RCC_CICR_HSECSSC (1u << 10)
 #define RCC_CIFR STM_REG(0x58024464u)
 #define RCC_CIFR_HSECSSF (1u << 10)
+#define RCC_GCR STM_REG(0x580244A0u)
+#define RCC_GCR_WW1RSC (1u << 0)
 #define RCC_RSR STM_REG(0x580244D0u)
 #define RCC_RSR_RMVF (1u << 16)
 #define RCC_RSR_BORRSTF (1u << 21)
@@ -103,6 +105,8 @@
 #define RCC_AHB4ENR_GPIOA_TO_E (0x1Fu << 0)
 #define RCC_AHB4ENR_GPIOB (1u << 1)
 #define RCC_AHB4ENR_GPIOE (1u << 4)
+#define RCC_APB3ENR STM_REG(0x580244E4u)
+#define RCC_APB3ENR_WWDG1 (1u << 6)
 #define RCC_APB1LENR STM_REG(0x580244E8u)
 #define RCC_APB1LENR_TIM2 (1u << 0)
 #define RCC_APB1LENR_TIM3 (1u << 1)
@@ -197,6 +201,12 @@ _Static_assert(offsetof(stm_tim_t, CCR4) == 0x40, "as in the manual");
 
 enum { stm_irq_tim4 = 30, stm_n_irqs = 150 }; // chapter 19, vector table
 
+// Chapter 44, window watchdog
+
+#define WWDG_CR STM_REG(0x50003000u)
+#define WWDG_CR_WDGA (1u << 7)
+#define WWDG_CFR STM_REG(0x50003004u)
+
 // Chapter 45, independent watchdog
 
 #define IWDG_KR STM_REG(0x58004800u)
@@ -284,6 +294,8 @@ enum { stm_irq_tim4 = 30, stm_n_irqs = 150 }; // chapter 19, vector table
 // Chapter 60, debug infrastructure
 
 #define DBGMCU_IDC STM_REG(0x5C001000u)
+#define DBGMCU_APB3FZ1 STM_REG(0x5C001034u)
+#define DBGMCU_APB3FZ1_WWDG1 (1u << 6)
 #define DBGMCU_APB4FZ1 STM_REG(0x5C001054u)
 #define DBGMCU_APB4FZ1_WDGLSD1 (1u << 18)
 

@@ -6,12 +6,14 @@
 #include "stm_dac.h"    // stm_dac_send_isr
 #include "stm_steps.h"  // stm_steps_send_isr
 #include "stm_timers.h" // tick timer
+#include "stm_watch.h"  // stm_watch_tick_isr
 
 /// Written by the interrupt, read by the slow side, one word at a time.
 static volatile struct {
     uint32_t n_ticks;
     uint32_t faults;
     uint32_t last_cycles, max_cycles;
+    bool is_behind; ///< interrupt only: the last tick ended when the next one was due
 } tick;
 
 /// Faults are latched last: an overrun during the measurement counts as well.
@@ -19,6 +21,7 @@ void stm_tick_isr(void)
 {
     const uint32_t begin = DWT_CYCCNT;
     stm_timers_tick_begin_isr();
+    stm_watch_tick_isr(tick.is_behind);
     cam_isr();
     uint32_t faults = stm_timers_is_late_isr() ? stm_fault_late : 0u;
     faults |= stm_dac_send_isr() ? 0u : stm_fault_dac;
@@ -29,7 +32,8 @@ void stm_tick_isr(void)
     if (cycles > tick.max_cycles) {
         tick.max_cycles = cycles;
     }
-    faults |= stm_timers_is_overrun_isr() ? stm_fault_overrun : 0u;
+    tick.is_behind = stm_timers_is_overrun_isr();
+    faults |= tick.is_behind ? stm_fault_overrun : 0u;
     tick.faults |= faults;
 }
 

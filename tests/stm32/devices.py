@@ -5,6 +5,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from wwdg import Wwdg
+
 from bus import Bus, Device, InsnClock
 from core import NMI, Dwt, Nvic
 from fdcan import Ccu, Fdcan, MessageRam
@@ -32,6 +34,7 @@ GATES: dict[str, tuple[str, int]] = {
     "fdcan ccu": ("apb1henr", 8),
     "tim1": ("apb2enr", 0),
     **{f"tim{i}": ("apb2enr", i + 1) for i in (16, 17)},
+    "wwdg1": ("apb3enr", 6),
     "syscfg": ("apb4enr", 1),
     **{f"gpio{chr(ord('a') + i)}": ("ahb4enr", i) for i in range(11)},
 }
@@ -71,6 +74,7 @@ class Devices:
         self.fdcan1 = Fdcan(clock, self.rcc, self.can_ram, self.ccu)
         self.usart3 = Usart(clock, self.rcc)
         self.iwdg1 = Iwdg(clock, self.rcc, lambda: self.on_request("watchdog"))
+        self.wwdg1 = Wwdg(clock, self.rcc, lambda: self.on_request("window"))
         self.nvic, self.dwt = Nvic(clock), Dwt(clock)
         self._wire()
         self._place()
@@ -97,6 +101,7 @@ class Devices:
             self.fdcan1,
             self.usart3,
             self.iwdg1,
+            self.wwdg1,
             self.nvic,
             self.dwt,
         ]

@@ -260,7 +260,13 @@ class Dbgmcu(Device):
 
     def __init__(self, clock: InsnClock, revision: int) -> None:
         super().__init__("dbgmcu", 0x5C001000, clock)
-        self.define({0x00: Reg("idc", revision << 16 | 0x450, 0), 0x54: Reg("apb4fz1", 0, 1 << 18)})
+        self.define(
+            {
+                0x00: Reg("idc", revision << 16 | 0x450, 0),
+                0x34: Reg("apb3fz1", 0, 1 << 6),
+                0x54: Reg("apb4fz1", 0, 1 << 18),
+            }
+        )
 
 
 class Pwr(Device):

@@ -34,17 +34,27 @@ HSECSSF = 1 << 10
 RMVF = 1 << 16
 
 # Reset flags in RCC_RSR by the reason of a reset (table "Reset source identification").
-CPU, D1, D2, BOR, PIN, POR, SFT, IWDG1 = (1 << bit for bit in (17, 19, 20, 21, 22, 23, 24, 26))
+CPU, D1, D2, BOR, PIN, POR, SFT, IWDG1, WWDG1 = (
+    1 << bit for bit in (17, 19, 20, 21, 22, 23, 24, 26, 28)
+)
 RESET_FLAGS = {
     "power_on": CPU | D1 | D2 | BOR | PIN | POR,
     "pin": CPU | PIN,
     "brown_out": CPU | PIN | BOR,
     "software": CPU | PIN | SFT,
     "watchdog": CPU | PIN | IWDG1,
+    "window": CPU | PIN | WWDG1,
 }
 
 SW_HSI, SW_CSI, SW_HSE, SW_PLL1 = 0, 1, 2, 3
-GATES = {"ahb4enr": 0xE0, "apb1lenr": 0xE8, "apb1henr": 0xEC, "apb2enr": 0xF0, "apb4enr": 0xF4}
+GATES = {
+    "ahb4enr": 0xE0,
+    "apb3enr": 0xE4,
+    "apb1lenr": 0xE8,
+    "apb1henr": 0xEC,
+    "apb2enr": 0xF0,
+    "apb4enr": 0xF4,
+}
 
 
 def ahb_divisor(code: int) -> int:
@@ -99,6 +109,7 @@ class Rcc(Device):
                 0x64: Reg("cifr", 0, 0),
                 0x68: Reg("cicr", 0, 0x7FF, write=self._write_cicr),
                 0x74: Reg("csr", 0, 1, write=self._write_csr),
+                0xA0: Reg("gcr", 0, 1),
                 0xD0: Reg("rsr", 0, RMVF, write=self._write_rsr),
             }
             | {offset: Reg(name) for name, offset in GATES.items()}
@@ -162,6 +173,10 @@ class Rcc(Device):
     def apb1_hz(self) -> int:
         """Return the frequency of APB1."""
         return self.ahb_hz() // apb_divisor(self.v["d2cfgr"] >> 4 & 7)
+
+    def apb3_hz(self) -> int:
+        """Return the frequency of APB3."""
+        return self.ahb_hz() // apb_divisor(self.v["d1cfgr"] >> 4 & 7)
 
     def timer_hz(self) -> int:
         """Return the frequency of the timers on APB1 and APB2, which must be equal here."""

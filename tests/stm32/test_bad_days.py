@@ -186,9 +186,14 @@ def test_reset_in_the_cut_is_safe_and_told(table: bytes, reason: str, text: str)
     assert "enable 1" not in outputs_since(session, at)
 
 
-@pytest.mark.parametrize("victim", ["tick", "main loop"])
-def test_watchdog_ends_a_hang(table: bytes, victim: str) -> None:
-    """Whoever hangs, after a second at the latest the outputs let go, and the reason is told."""
+@pytest.mark.parametrize(
+    ("victim", "dog", "least_s", "most_s"),
+    [("tick", "window", 100e-6, 206e-6), ("main loop", "watchdog", 0.95, 1.05)],
+)
+def test_watchdog_ends_a_hang(
+    table: bytes, victim: str, dog: str, least_s: float, most_s: float
+) -> None:
+    """Whoever hangs, the outputs let go in the time of its watchdog, and the reason is told."""
     session = Session(table)
     session.board.power_on()
     remote, chip, board = session.remote, session.chip, session.board
@@ -203,13 +208,24 @@ def test_watchdog_ends_a_hang(table: bytes, victim: str) -> None:
     instructions = chip.read_memory(place, len(HANG))
     chip.put_instructions(place, HANG)
     at = chip.clock.now
-    assert chip.run_until(lambda: chip.resets[-1] == "watchdog", chip.seconds(1.05))
+    assert chip.run_until(lambda: chip.resets[-1] == dog, chip.seconds(most_s))
     chip.put_instructions(place, instructions)  # or it would hang again
-    assert 0.95 < (chip.clock.now - at) / 480e6 < 1.05
+    assert least_s < (chip.clock.now - at) / 480e6 < most_s
     assert [chip.gpio.level(name) for name in ("PE13", "PE15")] == [0, 0]
     assert remote.started().reset == "watchdog"
     assert remote.lines()[0] == "start: watchdog reset"
     assert board.ticks[-1].words == SAFE
+
+
+def test_window_watchdog_ends_ticks_that_come_too_fast(table: bytes) -> None:
+    """One bit of the tick timer's period flips: 12 000 clocks become 3807, 16 us."""
+    session = Session(table)
+    session.make_ready()
+    chip = session.chip
+    tim4 = chip.tim[4]
+    tim4.write(0x2C, 4, tim4.read(0x2C, 4) & ~(1 << 13))
+    assert chip.run_until(lambda: chip.resets[-1] == "window", chip.seconds(200e-6))
+    assert chip.gpio.level("PE13") == 0
 
 
 def test_missing_clock_at_start(table: bytes) -> None:

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import pytest
+from wwdg import Wwdg
 
 from bus import InsnClock, UnmodelledError
 from fdcan import Ccu, Fdcan, Frame, MessageRam
@@ -202,6 +203,35 @@ def test_watchdog_bites_once_nobody_comes(clock: InsnClock, rcc: Rcc) -> None:
     clock.now = iwdg.next_event()
     iwdg.advance()
     assert bites == [64_000_000 * 4001 // 4000]
+
+
+def test_window_watchdog_bites_late_and_early(clock: InsnClock, rcc: Rcc) -> None:
+    """Six steps of 4096 clocks of APB3; fed within the first of them, at once."""
+    bites: list[int] = []
+    wwdg = Wwdg(clock, rcc, lambda: bites.append(clock.now))
+    with pytest.raises(UnmodelledError, match="without its clock"):
+        wwdg.write(0, 4, 0xC5)
+    rcc.write(0xE4, 4, 1 << 6)
+    with pytest.raises(UnmodelledError, match="WW1RSC"):
+        wwdg.write(0, 4, 0xC5)
+    rcc.write(0xA0, 4, 1)
+    wwdg.write(4, 4, 0x44)
+    wwdg.write(0, 4, 0xC5)
+    assert wwdg.next_event() == 6 * 4096
+    clock.now = 4096
+    assert wwdg.read(0, 4) == 0xC4
+    wwdg.write(0, 4, 0xC5)
+    assert wwdg.next_event() == 7 * 4096
+    clock.now = wwdg.next_event()
+    wwdg.advance()
+    assert bites == [7 * 4096]
+    clock.now += 1
+    wwdg.reset()
+    wwdg.write(4, 4, 0x44)
+    wwdg.write(0, 4, 0xC5)
+    clock.now += 4095
+    wwdg.write(0, 4, 0xC5)
+    assert bites[1:] == [clock.now]
 
 
 def test_pins_follow_mode_and_resistors(clock: InsnClock) -> None:
