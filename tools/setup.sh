@@ -44,6 +44,7 @@ camturn_has() {
     llvm-19) command -v llvm-cov-19 ;;
     libclang-rt-19-dev) test -e /usr/lib/llvm-19/lib/clang/19/lib/linux/libclang_rt.profile-"$(uname -m)".a ;;
     frama-c-base) command -v frama-c ;;
+    libclang-rt-14-dev) clang -fsanitize=fuzzer -x c -o /dev/null - <<<'int LLVMFuzzerTestOneInput(void) { return 0; }' ;;
     libcjson-dev) pkg-config --exists libcjson ;;
     libinih-dev) pkg-config --exists inih ;;
     libgpiod-dev) pkg-config --exists libgpiod ;;

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+/// fuzz_judge: what must hold after every tick, whatever came in.
+///
+/// Limits are worked out here from the parameters alone, by arithmetic of its own, because the
+/// judge must not be the accused: no function of the firmware that derives a limit is asked.
+#ifndef FUZZ_JUDGE_H
+#define FUZZ_JUDGE_H
+
+#include "cam_param.h"  // cam_params_t
+#include "cam_record.h" // cam_tick_record_t
+#include <stdbool.h>    // bool
+#include <stdint.h>     // int32_t, int64_t
+
+/// The loosest limits since the machine was off last; a limit that is narrowed meanwhile binds from
+/// the next off on.
+typedef struct {
+    int64_t speed_nm[hal_n_axes];        ///< [nm per tick]
+    int64_t acceleration_nm[hal_n_axes]; ///< [nm per tick^2]
+    int64_t stroke_nm;                   ///< [nm] of U to either side
+    int64_t clearance_nm;                ///< [nm] of X in a fault
+    int64_t spindle_mrpm;
+    int64_t swing_q32; ///< [turn / 2^32] to either side
+} fuzz_limits_t;
+
+typedef struct {
+    uint32_t tick_hz;
+    uint32_t plan_ticks; ///< from plan to plan
+    uint32_t version;    ///< of the parameters that the limits are of
+    fuzz_limits_t limits;
+    int32_t rise_nm;   ///< [nm] by which U and X may leave further in a fault
+    cam_state_t state; ///< of the last tick
+    bool was_enabled;
+    bool is_z_led;               ///< Z is measured and not led by this controller
+    bool was_by_hand;            ///< the fault came in manual
+    uint32_t n_moved;            ///< [ticks] since the enable
+    uint32_t n_fault;            ///< [ticks] in state fault
+    uint32_t patience;           ///< [ticks] within which the retract has to end
+    uint32_t n_off_time;         ///< [ticks] for which a step may be that of a late tick
+    uint32_t faults;             ///< latched
+    uint32_t request;            ///< the last one
+    int32_t told_nm[hal_n_axes]; ///< [nm] what the axes were told last, by the port
+    int32_t step_nm[hal_n_axes]; ///< ... by how much that differed from the one before
+    int32_t fault_x_nm;          ///< [nm] X told in the tick of the fault
+    uint64_t n_visits[cam_n_states];
+} fuzz_judge_t;
+
+/// Begin in state off.
+/// @param rise_nm  [nm] by which the table's U goes below 0
+void fuzz_judge_begin(fuzz_judge_t *j, uint32_t tick_hz, int32_t rise_nm);
+
+/// Judge the newest tick; ends the program where an invariant is broken.
+/// @param p        parameters as last set
+/// @param version  of them: with the same, the limits are the same
+/// @param r        record of the tick
+void fuzz_judge_tick(fuzz_judge_t *j, const cam_params_t *p, uint32_t version,
+                     const cam_tick_record_t *r);
+
+#endif

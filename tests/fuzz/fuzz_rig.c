@@ -1,0 +1,264 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "fuzz_rig.h"
+#include "cam_machine_hand.h" // cam_machine_manual
+#include "fixture_image.h"    // fixture_image_make
+#include "fixture_part.h"     // fixture_part_short
+#include "fuzz_expect.h"      // FUZZ_EXPECT
+#include "hal_host.h"         // hal_host
+#include <stdio.h>            // stderr
+#include <string.h>           // memcpy, memset
+
+enum { skirt, modulated, camshaft };
+enum { n_rates = 4, n_states = 4, mm = 1000000, counts_per_turn = 10000 };
+
+fuzz_rig_t fuzz_rig;
+
+/// Everything that a tick or a command changes.
+typedef struct {
+    bool is_made;
+    cam_t core;
+    hal_host_t host;
+    fuzz_rig_t rig;
+} copy_t;
+
+static copy_t copies[n_rates][fuzz_rig_n_parts][n_states];
+static fixture_image_t images[fuzz_rig_n_parts];
+
+/// Rates, with the spindle's speed at which a turn has 50 ticks or more.
+static const struct {
+    uint32_t tick_hz;
+    int32_t spindle_mrpm;
+} rates[n_rates] = {{1000, 1200000}, {2000, 1500000}, {5000, 2000000}, {20000, 2500000}};
+
+static const cam_state_t states[n_states] = {cam_state_off, cam_state_ready, cam_state_cutting,
+                                             cam_state_manual};
+
+const void *fuzz_rig_image(uint32_t part, size_t *size)
+{
+    if (images[part].size == 0u) {
+        const fixture_part_t parts[fuzz_rig_n_parts] = {
+            fixture_part_short(), fixture_part_modulated(), fixture_part_swung()};
+        fixture_image_make(&images[part], &parts[part]);
+    }
+    *size = images[part].size;
+    return images[part].bytes;
+}
+
+const cam_tick_record_t *fuzz_rig_record(void)
+{
+    return atomic_load_explicit(&g_cam.newest, memory_order_relaxed);
+}
+
+cam_state_t fuzz_rig_state(void)
+{
+    return fuzz_rig.judge.state;
+}
+
+/// The spindle follows its set-point on a ramp. An index edge lies on every whole turn.
+static void turn_spindle(void)
+{
+    const int64_t told =
+        hal_host.out.spindle_mrpm * INT64_C(4294967296) / 60000 / (int64_t)hal_host.tick_hz;
+    const int64_t left = told - fuzz_rig.speed_q32;
+    const int64_t most = fuzz_rig.ramp_q32;
+    if (!fuzz_rig.is_spindle_held) {
+        fuzz_rig.speed_q32 += left > most ? most : left < -most ? -most : left;
+    }
+    const int64_t period = (int64_t)(hal_host_clock_hz / hal_host.tick_hz);
+    const int64_t late = hal_host.late_clocks;
+    const int64_t before = fuzz_rig.pos_q32;
+    fuzz_rig.pos_q32 += fuzz_rig.speed_q32 + fuzz_rig.speed_q32 * late / period;
+    hal_encoder_t *e = &hal_host.in.encoder;
+    const int64_t turn = fuzz_rig.pos_q32 >> 32;
+    const uint64_t part = (uint64_t)(uint32_t)fuzz_rig.pos_q32 * (uint64_t)fuzz_rig.counts_per_turn;
+    const uint32_t first = 1234u + (uint32_t)turn * (uint32_t)fuzz_rig.counts_per_turn;
+    e->counts = first + (uint32_t)(part >> 32);
+    if (turn != before >> 32) {
+        e->n_index++;
+        e->index_counts = turn > before >> 32 ? first : first + (uint32_t)fuzz_rig.counts_per_turn;
+    }
+}
+
+static void set_input(uint32_t bit, bool is_set)
+{
+    hal_host.in.inputs = is_set ? hal_host.in.inputs | bit : hal_host.in.inputs & ~bit;
+}
+
+static int32_t pitches(int32_t at_nm, int32_t pitch_nm)
+{
+    return at_nm >= 0 ? at_nm / pitch_nm : -1 - (-1 - at_nm) / pitch_nm;
+}
+
+static void feel_home(uint32_t i, int32_t from_nm)
+{
+    fuzz_home_t *h = &fuzz_rig.home[i];
+    const int32_t now_nm = hal_host.in.axis_nm[i];
+    const int64_t beyond_nm = h->side * ((int64_t)now_nm - h->edge_nm);
+    const bool is_passed =
+        h->pitch_nm != 0 && pitches(from_nm, h->pitch_nm) != pitches(now_nm, h->pitch_nm);
+    h->n_seen = is_passed ? fuzz_rig.judge.plan_ticks : h->n_seen - (h->n_seen > 0u ? 1u : 0u);
+    set_input((uint32_t)hal_in_home_u << i, h->side != 0 && beyond_nm >= 0);
+    set_input((uint32_t)hal_in_index_u << i, h->n_seen > 0u);
+}
+
+/// Axes with power are where they were told to be, one tick later.
+static void move_axes(void)
+{
+    const bool has_power = (hal_host.out.outputs & hal_out_enable) != 0u;
+    for (uint32_t i = 0; i < hal_n_axes; i++) {
+        const int32_t from_nm = hal_host.in.axis_nm[i];
+        if (has_power && !fuzz_rig.is_held[i]) {
+            hal_host.in.axis_nm[i] =
+                (int32_t)((uint32_t)hal_host.out.axis[i].pos_nm + (uint32_t)fuzz_rig.error_nm[i]);
+        }
+        feel_home(i, from_nm);
+    }
+    const hal_swing_t *set = &hal_host.out.swing;
+    const bool is_new = fuzz_rig.n_swing != hal_host.out.n_swing;
+    const int32_t from_q32 = is_new ? set->pos_q32 : hal_host.in.swing_q32;
+    fuzz_rig.n_swing = hal_host.out.n_swing;
+    if (has_power && !fuzz_rig.is_swing_held) {
+        hal_host.in.swing_q32 = (int32_t)((uint32_t)from_q32 + (uint32_t)set->vel_q32);
+    }
+}
+
+void fuzz_rig_tick(void)
+{
+    turn_spindle();
+    move_axes();
+    hal_host_tick();
+    fuzz_judge_tick(&fuzz_rig.judge, &fuzz_rig.machine.params, fuzz_rig.machine.version,
+                    fuzz_rig_record());
+}
+
+void fuzz_rig_loop(uint32_t n)
+{
+    for (uint32_t i = 0; i < n; i++) {
+        cam_machine_poll(&fuzz_rig.machine);
+        cam_can_poll(&fuzz_rig.can);
+        fuzz_rig_tick();
+    }
+}
+
+static void set(cam_param_id_t id, int32_t value)
+{
+    const cam_err_t err = cam_machine_set_param(&fuzz_rig.machine, id, value);
+    FUZZ_EXPECT(err == cam_ok, "start: parameter %s: %d", cam_param_info(id)->name, (int)err);
+    fuzz_rig_tick();
+}
+
+static void begin(uint32_t rate, uint32_t part)
+{
+    const uint32_t hz = rates[rate].tick_hz;
+    memset(&fuzz_rig, 0, sizeof fuzz_rig);
+    hal_host_reset(hz);
+    hal_host.in.axis_nm[hal_axis_x] = 47 * mm;
+    size_t size;
+    const void *image = fuzz_rig_image(part, &size);
+    hal_host.slow.table = (hal_image_t){.bytes = image, .size = (uint32_t)size};
+    fuzz_rig.counts_per_turn = counts_per_turn;
+    fuzz_rig.ramp_q32 = INT64_C(25000) * 4294967296 / 60 / hz / hz; // 25 000 r/min a second
+    cam_machine_init(&fuzz_rig.machine, &g_cam, hal_tick_hz(), hal_clock_hz());
+    cam_can_init(&fuzz_rig.can, &fuzz_rig.machine);
+    FUZZ_EXPECT(fuzz_rig.machine.has_table, "start: no table");
+    fuzz_judge_begin(&fuzz_rig.judge, hz, cam_table_rise_nm(&fuzz_rig.machine.table));
+    fuzz_rig_tick();
+    set(cam_param_trace_on, 0);
+    set(cam_param_lead_ns, (int32_t)(1000000000u / hz));
+    const int32_t mrpm = rates[rate].spindle_mrpm;
+    // The ratio of a modulated speed reaches 1.4 of its mean.
+    set(cam_param_spindle_mrpm, part == modulated && mrpm > 1500000 ? 1500000 : mrpm);
+    if (fuzz_rig.machine.table.is_swung) {
+        set(cam_param_swing_speed_mdeg_per_s, 100000000);
+        set(cam_param_swing_acceleration_deg_per_s2, 100000000);
+    }
+    if (part == modulated) {
+        set(cam_param_spindle_acceleration_mrad_per_s2, 2000000000);
+    }
+}
+
+static void until(cam_state_t state)
+{
+    for (uint32_t n = 0; n < 60000u && fuzz_rig_state() != state; n++) {
+        fuzz_rig_loop(1);
+    }
+    FUZZ_EXPECT(fuzz_rig_state() == state, "start: %s is not reached", cam_state_name(state));
+}
+
+static void bring(cam_state_t state)
+{
+    cam_machine_t *m = &fuzz_rig.machine;
+    if (state == cam_state_off) {
+        return;
+    }
+    if (state == cam_state_manual) {
+        const cam_err_t by_hand = cam_machine_manual(m);
+        FUZZ_EXPECT(by_hand == cam_ok, "start: manual: %d", (int)by_hand);
+        until(cam_state_manual);
+        return;
+    }
+    const cam_err_t enabled = cam_machine_enable(m);
+    FUZZ_EXPECT(enabled == cam_ok, "start: enable: %d", (int)enabled);
+    until(cam_state_ready);
+    fuzz_rig_loop(fuzz_rig.judge.tick_hz / 8u); // the spindle runs up
+    if (state == cam_state_cutting) {
+        const cam_err_t started = cam_machine_start(m);
+        FUZZ_EXPECT(started == cam_ok, "start: start: %d", (int)started);
+        until(cam_state_cutting);
+    }
+}
+
+static uint32_t rate_of(uint32_t tick_hz)
+{
+    uint32_t i = 0;
+    while (i + 1u < (uint32_t)n_rates && rates[i].tick_hz != tick_hz) {
+        i++;
+    }
+    return i;
+}
+
+static uint32_t place_of(cam_state_t state)
+{
+    uint32_t i = 0;
+    while (i + 1u < (uint32_t)n_states && states[i] != state) {
+        i++;
+    }
+    return i;
+}
+
+/// The firmware's lines of text would be most of what a campaign says.
+static void be_quiet(void)
+{
+    static FILE *nowhere;
+    if (nowhere == NULL) {
+        nowhere = fopen("/dev/null", "w");
+        stderr = nowhere != NULL ? nowhere : stderr;
+    }
+}
+
+void fuzz_rig_start(fuzz_start_t start)
+{
+    be_quiet();
+    const uint32_t rate = rate_of(start.tick_hz);
+    copy_t *c = &copies[rate][start.part][place_of(start.state)];
+    if (!c->is_made) {
+        begin(rate, start.part);
+        bring(start.state);
+        c->core = g_cam;
+        c->host = hal_host;
+        c->rig = fuzz_rig;
+        c->is_made = true;
+    }
+    memcpy(&g_cam, &c->core, sizeof g_cam);
+    memcpy(&hal_host, &c->host, sizeof hal_host);
+    memcpy(&fuzz_rig, &c->rig, sizeof fuzz_rig);
+}
+
+cam_err_t fuzz_rig_select(const void *image, size_t size)
+{
+    const cam_err_t err = cam_machine_select_table(&fuzz_rig.machine, image, size);
+    if (err == cam_ok) {
+        fuzz_rig.judge.rise_nm = cam_table_rise_nm(&fuzz_rig.machine.table);
+    }
+    return err;
+}

@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: Apache-2.0
+// Writes the inputs that a campaign begins with: real tables, sessions and messages, made by code
+// so that they follow the formats.
+#include "cam_box.h"
+#include "cam_keep.h"
+#include "fixture_image.h"
+#include "fixture_newer.h"
+#include "fixture_part.h"
+#include "fixture_shaft.h"
+#include "fuzz_expect.h"
+#include "fuzz_rig.h"
+#include "fuzz_mutate.h"
+#include <string.h>
+#include <sys/stat.h> // mkdir
+
+enum { most_path = 512, cut_head = 16, session_order = 4, can_order = 12 };
+
+static const char *folder;
+
+size_t LLVMFuzzerMutate(uint8_t *data, size_t size, size_t max_size)
+{
+    (void)data;
+    (void)max_size;
+    return size;
+}
+
+static void put(const char *target, const char *name, const void *bytes, size_t n)
+{
+    char path[most_path];
+    (void)snprintf(path, sizeof path, "%s/%s", folder, target);
+    (void)mkdir(path, 0777);
+    (void)snprintf(path, sizeof path, "%s/%s/%s", folder, target, name);
+    FILE *file = fopen(path, "wb");
+    FUZZ_EXPECT(file != NULL && fwrite(bytes, 1, n, file) == n && fclose(file) == 0, "%s", path);
+}
+
+/// An image for its check, and the same to be cut at each rate.
+static void put_image(const char *name, const fixture_image_t *image)
+{
+    static uint8_t cut[cut_head + 8192];
+    put("table", name, image->bytes, image->size);
+    for (uint32_t rate = 0; rate < 3u && image->size <= 8192u; rate++) {
+        char rated[64];
+        const uint8_t head[cut_head] = {(uint8_t)rate, 120, 0, 0, 2, 100, 0, 0, 4, 100, 0, 0};
+        memcpy(cut, head, sizeof head);
+        memcpy(cut + cut_head, image->bytes, image->size);
+        (void)snprintf(rated, sizeof rated, "%s_%u", name, (unsigned)rate);
+        put("cut", rated, cut, cut_head + image->size);
+    }
+}
+
+static void way_of(double z_nm, double y[3])
+{
+    y[0] = z_nm * 1e-3;
+    y[1] = 1e-3;
+    y[2] = 0.0;
+}
+
+static void put_images(void)
+{
+    static fixture_image_t image;
+    fixture_part_t few = fixture_part_short();
+    few.n_slices = 3;
+    few.log2_knots = 4;
+    const fixture_part_t parts[] = {fixture_part_smallest(), few, fixture_part_modulated(),
+                                    fixture_part_swung()};
+    static const char *const names[] = {"smallest", "few", "modulated", "swung"};
+    for (size_t i = 0; i < sizeof parts / sizeof parts[0]; i++) {
+        fixture_image_make(&image, &parts[i]);
+        put_image(names[i], &image);
+    }
+    fixture_image_make(&image, &few);
+    const fixture_pass_t passes[] = {{100000, 100000, 1000000, 0}, {0, 50000, 1200000, 0}};
+    fixture_newer_passes(&image, passes, 2);
+    put_image("passes", &image);
+    fixture_image_make(&image, &few);
+    fixture_newer_way(&image, way_of, 8, 4);
+    put_image("way", &image);
+    const fixture_shaft_t shaft = fixture_shaft_three();
+    fixture_shaft_make(&image, &shaft);
+    put_image("shaft", &image);
+}
+
+/// A session: what the operator does from a start on, with pauses.
+static void put_session(const char *name, uint8_t start, const uint8_t (*orders)[session_order],
+                        size_t n)
+{
+    uint8_t bytes[256] = {start};
+    memcpy(bytes + 4, orders, n * session_order);
+    put("session", name, bytes, 4 + n * session_order);
+}
+
+#define ALL(orders) orders, sizeof(orders) / sizeof((orders)[0])
+
+static void put_sessions(void)
+{
+    // Order, its kind, a number of two bytes: 0 wait, 2 command, 3 parameter, 4 fault, 5 sense.
+    static const uint8_t whole_cut[][4] = {{10, 0, 0, 0}, {0, 0, 250, 0}, {10, 2, 0, 0},
+                                           {0, 0, 80, 2}, {0, 0, 80, 2},  {0, 0, 80, 2},
+                                           {0, 0, 80, 2}};
+    static const uint8_t held[][4] = {{0, 0, 20, 0}, {10, 11, 0, 0}, {0, 0, 200, 0},
+                                      {11, 0, 0, 4}, {10, 12, 0, 0}, {0, 0, 200, 0}};
+    static const uint8_t stopped[][4] = {{0, 0, 20, 0}, {4, 0, 0, 255}, {0, 0, 200, 1},
+                                         {4, 11, 0, 0}, {10, 4, 0, 0},  {0, 0, 20, 0},
+                                         {10, 0, 0, 0}, {0, 0, 200, 1}};
+    static const uint8_t by_hand[][4] = {{10, 23, 0, 16}, {7, 0, 100, 0}, {10, 24, 0, 8},
+                                         {7, 0, 100, 0},  {5, 7, 10, 0},  {10, 25, 0, 0},
+                                         {7, 0, 199, 0},  {10, 1, 0, 0},  {0, 0, 100, 0}};
+    static const uint8_t weak[][4] = {{4, 8, 0, 2}, {0, 0, 200, 0}, {4, 2, 0, 255}, {0, 0, 0, 2}};
+    static const char *const names[] = {"1k", "2k", "5k", "20k"};
+    for (uint8_t rate = 0; rate < 4u; rate++) {
+        for (uint8_t part = 0; part < fuzz_rig_n_parts; part++) {
+            char name[64];
+            const uint8_t how = (uint8_t)(rate + 16u * part);
+            (void)snprintf(name, sizeof name, "cut_%s_%u", names[rate], (unsigned)part);
+            put_session(name, how, ALL(whole_cut));
+            (void)snprintf(name, sizeof name, "held_%s_%u", names[rate], (unsigned)part);
+            put_session(name, (uint8_t)(how + 8u), ALL(held));
+            (void)snprintf(name, sizeof name, "stopped_%s_%u", names[rate], (unsigned)part);
+            put_session(name, (uint8_t)(how + 8u), ALL(stopped));
+            (void)snprintf(name, sizeof name, "by_hand_%s_%u", names[rate], (unsigned)part);
+            put_session(name, (uint8_t)(how + 12u), ALL(by_hand));
+            (void)snprintf(name, sizeof name, "weak_%s_%u", names[rate], (unsigned)part);
+            put_session(name, (uint8_t)(how + 8u), ALL(weak));
+        }
+    }
+}
+
+/// Every command in every start, some of them in one input.
+static void put_frames(void)
+{
+    enum { n_commands = 72, n_together = 12 };
+    for (uint8_t start = 0; start < 16u; start++) {
+        for (uint8_t first = 0; first < n_commands; first = (uint8_t)(first + n_together)) {
+            uint8_t bytes[4 + can_order * n_together] = {start,
+                                                         (uint8_t)(start % fuzz_rig_n_parts)};
+            for (uint8_t i = 0; i < n_together; i++) {
+                const uint8_t order[can_order] = {
+                    15, 0, 3, 0, (uint8_t)(first + i), (uint8_t)(i % 3u), 0, 0, (uint8_t)(i * 16u)};
+                memcpy(bytes + 4 + i * can_order, order, sizeof order);
+            }
+            char name[64];
+            (void)snprintf(name, sizeof name, "command_%u_%u", (unsigned)start, (unsigned)first);
+            put("can", name, bytes, sizeof bytes);
+        }
+    }
+    // A download of 32 bytes: begin, two frames of a block, the end.
+    static const uint8_t download[][can_order] = {
+        {15, 0, 3, 0, 16, 0, 0, 0, 32},
+        {15, 1, 3, 0, 0x10, 36, 0, 0, 0, 0, 1, 2},
+        {15, 1, 3, 0, 0x21, 1, 2, 3, 4, 5, 6, 7},
+        {15, 1, 3, 0, 0x22, 1, 2, 3, 4, 5, 6, 7},
+        {15, 1, 3, 0, 0x23, 1, 2, 3, 4, 5, 6, 7},
+        {15, 1, 3, 0, 0x24, 1, 2, 3, 4, 5, 6, 7},
+        {15, 1, 3, 0, 0x25, 1, 2, 0, 0, 0, 0, 0},
+        {15, 0, 3, 0, 17, 0, 0, 0, 1, 2, 3, 4},
+        {15, 0, 3, 0, 8},
+    };
+    uint8_t bytes[4 + sizeof download] = {0};
+    memcpy(bytes + 4, download, sizeof download);
+    put("can", "download", bytes, sizeof bytes);
+}
+
+static void put_messages(void)
+{
+    static const uint8_t isotp[][10] = {
+        {1, 8, 0x03, 1, 2, 3},          {1, 8, 0x10, 20, 1, 2, 3, 4, 5, 6},
+        {1, 8, 0x21, 1, 2, 3, 4, 5, 6}, {1, 8, 0x22, 1, 2, 3, 4, 5, 6, 7},
+        {1, 8, 0x10, 0, 0, 0, 16, 1},   {127, 8, 0x10, 64, 1, 2, 3},
+    };
+    put("isotp", "all", isotp, sizeof isotp);
+    for (uint8_t i = 0; i < 11u; i++) {
+        uint8_t bytes[65] = {i, 0xFF, 0x7F, 1};
+        char name[16];
+        (void)snprintf(name, sizeof name, "%u", (unsigned)i);
+        put("dbc", name, bytes, sizeof bytes);
+    }
+}
+
+static void put_kept(void)
+{
+    static char text[cam_keep_most_bytes];
+    cam_params_t params = cam_param_defaults();
+    put("kept", "defaults", text, cam_keep_write(text, &params, 7));
+    static const char brief[] = "# a comment\nversion = 3\nlead_ns = 5000\nu_stroke_nm = 900000\n";
+    char closed[128];
+    const int n = snprintf(closed, sizeof closed, "%scrc32 = %lu\n", brief,
+                           (unsigned long)cam_crc32(0, brief, sizeof brief - 1u));
+    put("kept", "brief", closed, (size_t)n);
+    const uint32_t head[] = {0x31584243, CAM_BOX_SIGNALS, 20000, 1, 10, 20, 3, 15, 7, 1, 11, 1, 0,
+                             0};
+    uint8_t box[1 + sizeof head + 20 * 9 * 4 + 4] = {'B'};
+    memcpy(box + 1, head, sizeof head);
+    const uint32_t n_kept = 14 + 20 * 9;
+    box[sizeof box - 4] = (uint8_t)n_kept;
+    put("kept", "box", box, sizeof box);
+    static const uint8_t learned[] = {'L', 0, 1, 0, 0, 0, 3, 100, 0, 0, 0, 20, 7, 0, 0, 0};
+    put("kept", "learned", learned, sizeof learned);
+}
+
+/// A file of people behind the byte that says which reader takes it.
+static void put_text(const char *target, const char *name, char reader, const char *path)
+{
+    static char text[4096];
+    FILE *file = fopen(path, "rb");
+    FUZZ_EXPECT(file != NULL, "%s cannot be opened", path);
+    text[0] = reader;
+    const size_t n = fread(text + 1, 1, sizeof text - 1u, file);
+    (void)fclose(file);
+    put(target, name, text, n + 1u);
+}
+
+static void put_texts(void)
+{
+    static const char *const machines[] = {"cam", "default", "piezo", "real", "rough"};
+    static const char *const words[] = {
+        "Iestop@2",     "Icounts@t1.5:-7",
+        "Ilate@0.1:50", "N1.5e3",
+        "N-.5",         "O--rpm\n2500\n--feed\n0.1\n--inject\nestop@2\nt.camtab",
+    };
+    static const char *const designs[] = {
+        "{\"table_crc32\": @, \"design\": {\"shape\": \"cosine\", \"beta\": 1.0, \"radius_mm\": "
+        "{\"breaks_mm\": [0, 10, 20], \"coefficients\": [[0, 0, 0.1, 45], [0, -0.01, 0.1, 46]]}, "
+        "\"ovality_mm\": {\"breaks_mm\": [0, 20], \"coefficients\": [[0, 0, 0, 0.2]]}}}",
+        "{\"table_crc32\": @, \"design\": {\"shape\": \"double-ellipse\", \"beta\": -0.5}, "
+        "\"target\": {\"shape\": \"ellipse\"}}",
+    };
+    char path[most_path], name[64];
+    for (size_t i = 0; i < sizeof machines / sizeof machines[0]; i++) {
+        (void)snprintf(path, sizeof path, "%s/%s.toml", MACHINES, machines[i]);
+        put_text("settings", machines[i], 'M', path);
+    }
+    put_text("settings", "linux", 'L', HAL_LINUX "/camturn.toml");
+    put_text("settings", "desk", 'L', HAL_LINUX "/desk.toml");
+    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++) {
+        (void)snprintf(name, sizeof name, "words_%zu", i);
+        put("settings", name, words[i], strlen(words[i]));
+    }
+    for (size_t i = 0; i < sizeof designs / sizeof designs[0]; i++) {
+        (void)snprintf(name, sizeof name, "design_%zu", i);
+        put("design", name, designs[i], strlen(designs[i]));
+    }
+}
+
+int main(int argc, char **argv)
+{
+    FUZZ_EXPECT(argc == 2, "usage: fuzz_seeds FOLDER");
+    folder = argv[1];
+    (void)mkdir(folder, 0777);
+    put_images();
+    put_sessions();
+    put_frames();
+    put_messages();
+    put_kept();
+    put_texts();
+    return 0;
+}

@@ -1,0 +1,336 @@
+// SPDX-License-Identifier: Apache-2.0
+// A session: commands, parameters, senses and faults in any order, as the operator, the machine and
+// bad luck would give them. The input is a start and orders of four bytes each, so that what the
+// mutator adds or takes away leaves the others what they were.
+#include "cam_machine_hand.h"     // cam_machine_jog
+#include "cam_machine_override.h" // cam_machine_hold
+#include "fuzz_bytes.h"
+#include "fuzz_expect.h"
+#include "fuzz_rig.h"
+#include "fuzz_mutate.h"
+#include "hal_host.h"
+#include <string.h> // memcpy
+
+enum { head_bytes = 4, order_bytes = 4, most_ticks = 4000 };
+/// The background check of the table costs as much as ten ticks.
+enum { poll_ticks = 16 };
+
+static uint32_t n_left; // [ticks] that this input may still take
+
+static void let_pass(uint32_t n)
+{
+    const uint32_t now = n < n_left ? n : n_left;
+    for (uint32_t i = 0; i < now; i++) {
+        if (i % (uint32_t)poll_ticks == 0u) {
+            cam_machine_poll(&fuzz_rig.machine);
+        }
+        fuzz_rig_tick();
+    }
+    n_left -= now;
+}
+
+/// Parameters that an operator changes. Gains of the feed-forward and what is learned are not
+/// among them: only where they are 0 is what U is told the set-point that is judged.
+static const cam_param_id_t ids[] = {
+    cam_param_x_trim_nm,
+    cam_param_feed_override_ppm,
+    cam_param_spindle_override_ppm,
+    cam_param_phase_udeg,
+    cam_param_amplitude_ppm,
+    cam_param_x_datum_nm,
+    cam_param_z_datum_nm,
+    cam_param_tool,
+    cam_param_tool_1_x_nm,
+    cam_param_tool_2_z_nm,
+    cam_param_spindle_mrpm,
+    cam_param_feed_nm,
+    cam_param_rehearse_turns,
+    cam_param_homing_required,
+    cam_param_u_home,
+    cam_param_x_home,
+    cam_param_z_home,
+    cam_param_x_jog_um_per_s,
+    cam_param_u_home_nm,
+    cam_param_switch_1_per_turn,
+    cam_param_switch_3_per_turn,
+    cam_param_x_home_nm,
+    cam_param_x_home_travel_nm,
+    cam_param_x_low_nm,
+    cam_param_x_high_nm,
+    cam_param_z_low_nm,
+    cam_param_z_high_nm,
+    cam_param_u_jog_um_per_s,
+    cam_param_z_jog_um_per_s,
+    cam_param_u_home_um_per_s,
+    cam_param_u_home_sense,
+    cam_param_x_home_sense,
+    cam_param_z_home_sense,
+    cam_param_x_home_um_per_s,
+    cam_param_z_home_um_per_s,
+    cam_param_u_retract_nm,
+    cam_param_x_clearance_nm,
+    cam_param_engage_turns,
+    cam_param_disengage_turns,
+    cam_param_feed_ramp_turns,
+    cam_param_z_is_measured,
+    cam_param_lead_ns,
+    cam_param_xz_lag_ns,
+    cam_param_phase_rate_udeg_per_s,
+    cam_param_pass,
+    cam_param_amplitude_rate_ppm_per_s,
+    cam_param_x_trim_rate_nm_per_s,
+    cam_param_x_trim_limit_nm,
+    cam_param_spindle_override_rate_ppm_per_s,
+    cam_param_index_offset_udeg,
+    cam_param_index_tolerance_counts,
+    cam_param_jump_window_counts,
+    cam_param_stopped_mrpm,
+    cam_param_stopped_ms,
+    cam_param_following_limit_nm,
+    cam_param_late_percent,
+    cam_param_z_margin_nm,
+    cam_param_observer_bandwidth_mHz,
+    cam_param_swing_lag_ns,
+    cam_param_swing_range_mdeg,
+    cam_param_spindle_lag_us,
+};
+enum { n_ids = sizeof ids / sizeof ids[0] };
+
+/// @return a value that people, or a hand that slips, give a parameter
+static int32_t value_of(cam_param_id_t id, uint16_t code)
+{
+    const cam_param_info_t *info = cam_param_info(id);
+    const int64_t range = (int64_t)info->max - info->min;
+    const int64_t fine = (int16_t)(uint16_t)(code << 2);
+    switch (code >> 14) {
+    case 0: // near what it was at the start
+        return (int32_t)(info->def + fine * (range / 64 < 2000000 ? range / 64 : 2000000) / 32768);
+    case 1: // anywhere in its range
+        return (int32_t)(info->min + (range * (code & 0x3FFFu)) / 0x3FFF);
+    case 2: // at an end of it, or a little beyond
+        return (int32_t)((code & 1u) != 0u ? info->max - (fine >> 10) : info->min + (fine >> 10));
+    default: // a small number
+        return (int32_t)(fine / 4);
+    }
+}
+
+static void set_parameter(uint8_t which, uint16_t code)
+{
+    const cam_param_id_t id = ids[which % n_ids];
+    (void)cam_machine_set_param(&fuzz_rig.machine, id, value_of(id, code));
+}
+
+static void stage(uint8_t which, uint16_t code)
+{
+    const cam_param_id_t id = ids[which % n_ids];
+    (void)cam_machine_stage(&fuzz_rig.machine, id, value_of(id, code));
+}
+
+/// What is sensed of an axis, of its switch and of its index.
+static void sense(uint8_t what, int16_t value)
+{
+    const uint32_t axis = what % hal_n_axes;
+    switch (what / hal_n_axes % 4u) {
+    case 0:
+        fuzz_rig.is_held[axis] = value < 0;
+        break;
+    case 1:
+        fuzz_rig.error_nm[axis] = value * 16;
+        break;
+    case 2:
+        fuzz_rig.home[axis].side = value > 0 ? 1 : -1;
+        fuzz_rig.home[axis].edge_nm = hal_host.in.axis_nm[axis] / 1000 * 1000 + value * 64;
+        fuzz_rig.home[axis].pitch_nm = (what & 0x80u) != 0u ? 200000 : 0;
+        break;
+    default:
+        fuzz_rig.is_swing_held = value < 0;
+        break;
+    }
+}
+
+static void disturb(uint8_t what, int16_t value)
+{
+    switch (what % 12u) {
+    case 0:
+        hal_host_fault_estop(value < 0);
+        break;
+    case 1:
+        hal_host_fault_drive(value < 0);
+        break;
+    case 2:
+        hal_host_fault_bus(value < 0);
+        break;
+    case 3:
+        hal_host_fault_late((uint32_t)(uint16_t)value % 400u);
+        break;
+    case 4:
+        hal_host_fault_counts(value);
+        break;
+    case 5:
+        hal_host_fault_encoder_stuck(value < 0);
+        break;
+    case 6:
+        hal_host_fault_index_dead(value < 0);
+        break;
+    case 7:
+        fuzz_rig.is_spindle_held = value < 0;
+        break;
+    case 8:
+        fuzz_rig.is_spindle_held = true;
+        fuzz_rig.speed_q32 = value * INT64_C(8192) * 20000 / fuzz_rig.judge.tick_hz;
+        break;
+    case 9:
+        hal_host.in.encoder.n_index += (uint8_t)value;
+        break;
+    case 10:
+        hal_host.in.encoder.index_counts += (uint32_t)(int32_t)value;
+        break;
+    default: // all is mended
+        hal_host_fault_estop(false);
+        hal_host_fault_drive(false);
+        hal_host_fault_bus(false);
+        hal_host_fault_encoder_stuck(false);
+        hal_host_fault_index_dead(false);
+        fuzz_rig.is_spindle_held = false;
+        memset(fuzz_rig.is_held, 0, sizeof fuzz_rig.is_held);
+        memset(fuzz_rig.error_nm, 0, sizeof fuzz_rig.error_nm);
+        fuzz_rig.is_swing_held = false;
+        break;
+    }
+}
+
+static void command(uint8_t what, int16_t value)
+{
+    cam_machine_t *m = &fuzz_rig.machine;
+    const hal_axis_t axis = (hal_axis_t)(what / 16u % hal_n_axes);
+    switch (what % 16u) {
+    case 0:
+        (void)cam_machine_enable(m);
+        break;
+    case 1:
+        (void)cam_machine_disable(m);
+        break;
+    case 2:
+        (void)cam_machine_start(m);
+        break;
+    case 3:
+        (void)cam_machine_stop(m);
+        break;
+    case 4:
+        (void)cam_machine_reset(m);
+        break;
+    case 5:
+        (void)cam_machine_home(m);
+        break;
+    case 6:
+        (void)cam_machine_manual(m);
+        break;
+    case 7:
+        (void)cam_machine_jog(m, axis, value);
+        break;
+    case 8:
+        (void)cam_machine_step(m, axis, value * 128);
+        break;
+    case 9:
+        (void)cam_machine_home_axis(m, axis);
+        break;
+    case 10:
+        (void)cam_machine_zero(m, axis, axis == hal_axis_x ? 92000000 + value * 256 : value * 256);
+        break;
+    case 11:
+        (void)cam_machine_hold(m);
+        break;
+    case 12:
+        (void)cam_machine_resume(m);
+        break;
+    case 13:
+        cam_machine_hand_alive(m);
+        break;
+    case 14:
+        cam_machine_stage_begin(m);
+        break;
+    default:
+        (void)cam_machine_stage_commit(m);
+        break;
+    }
+}
+
+/// The command that a good operator gives most often in a state.
+static void usual(int16_t value)
+{
+    static const uint8_t commands[cam_n_states] = {
+        [cam_state_off] = 0,         [cam_state_ready] = 2,       [cam_state_fault] = 4,
+        [cam_state_manual] = 7,      [cam_state_cutting] = 11,    [cam_state_holding] = 12,
+        [cam_state_engaging] = 3,    [cam_state_homing] = 13,     [cam_state_disengaging] = 13,
+        [cam_state_rehearsing] = 13, [cam_state_identifying] = 3,
+    };
+    command(commands[fuzz_rig_state()], value);
+}
+
+static void carry_out(fuzz_bytes_t *b)
+{
+    const uint8_t what = fuzz_u8(b);
+    const uint8_t which = fuzz_u8(b);
+    const uint16_t code = fuzz_u16(b);
+    const int16_t value = (int16_t)code;
+    switch (what % 8u) {
+    case 0:
+        let_pass(code % 600u + 1u);
+        break;
+    case 1:
+        usual(value);
+        break;
+    case 2:
+        command(which, value);
+        break;
+    case 3:
+        set_parameter(which, code);
+        break;
+    case 4:
+        disturb(which, value);
+        break;
+    case 5:
+        sense(which, value);
+        break;
+    case 6:
+        stage(which, code);
+        break;
+    default: // by hand somebody lives
+        cam_machine_hand_alive(&fuzz_rig.machine);
+        let_pass(code % 200u + 1u);
+        break;
+    }
+    let_pass((what >> 3) % 4u); // a command is posted for the next tick
+}
+
+static void start(uint8_t how)
+{
+    static const uint32_t rates[] = {1000, 2000, 5000, 20000};
+    static const cam_state_t states[] = {cam_state_off, cam_state_ready, cam_state_cutting,
+                                         cam_state_manual};
+    fuzz_rig_start((fuzz_start_t){.tick_hz = rates[how % 4u],
+                                  .part = how / 16u % fuzz_rig_n_parts,
+                                  .state = states[how / 4u % 4u]});
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    fuzz_bytes_t b = {.at = data, .n = size};
+    if (size < (size_t)head_bytes) {
+        return -1;
+    }
+    start(fuzz_u8(&b));
+    (void)fuzz_u8(&b);
+    (void)fuzz_u16(&b);
+    n_left = most_ticks;
+    while (b.n > 0u && n_left > 0u) {
+        carry_out(&b);
+    }
+    let_pass(8);
+    return 0;
+}
+
+size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t size, size_t max_size, unsigned seed)
+{
+    return fuzz_mutate_orders(data, size, max_size, seed, head_bytes, order_bytes);
+}
