@@ -192,14 +192,15 @@ static void judge_axes(fuzz_judge_t *j, const cam_tick_record_t *r)
         const int32_t told_nm = hal_host.out.axis[i].pos_nm;
         const int64_t step_nm = (int64_t)told_nm - j->told_nm[i];
         const int64_t change_nm = step_nm - j->step_nm[i];
-        const bool is_z_led = i == (uint32_t)hal_axis_z && j->is_z_led;
-        if (j->n_moved > 0u && !is_z_led) {
+        const bool is_led = (i == (uint32_t)hal_axis_z && j->is_z_led) ||
+                            (i != (uint32_t)hal_axis_u && j->is_angle_doubtful);
+        if (j->n_moved > 0u && !is_led) {
             FUZZ_EXPECT(size_of(step_nm) <=
                             j->limits.speed_nm[i] * (tolerance + 1) / tolerance + counts_nm,
                         "axis %u steps by %lld nm of %lld in %s", (unsigned)i, (long long)step_nm,
                         (long long)j->limits.speed_nm[i], cam_state_name(r->want.state));
         }
-        if (j->n_moved > 1u && !is_z_led) {
+        if (j->n_moved > 1u && !is_led) {
             FUZZ_EXPECT(size_of(change_nm) <= most_change_nm(j, i),
                         "axis %u changes its step by %lld nm of %lld in %s", (unsigned)i,
                         (long long)change_nm, (long long)most_change_nm(j, i),
@@ -227,6 +228,7 @@ void fuzz_judge_tick(fuzz_judge_t *j, const cam_params_t *p, uint32_t version,
         j->is_z_led = p->z_is_measured != 0;
         if (j->state == cam_state_off) {
             j->limits = now;
+            j->is_angle_doubtful = false;
         } else {
             loosen(&j->limits, &now);
         }

@@ -30,6 +30,8 @@ typedef struct {
     int32_t rise_nm;   ///< [nm] by which U and X may leave further in a fault
     cam_state_t state; ///< of the last tick
     bool was_enabled;
+    bool is_angle_doubtful; ///< by the target: the spindle moved as no spindle can, and X and Z,
+                            ///< which are geared to it, are not judged until the next off
     bool is_z_led;               ///< Z is measured and not led by this controller
     bool was_by_hand;            ///< the fault came in manual
     uint32_t n_moved;            ///< [ticks] since the enable

@@ -43,9 +43,11 @@ static void disturb(fuzz_bytes_t *b)
     switch (what % 8u) {
     case 0:
         hal_host_fault_counts(value);
+        fuzz_rig.judge.is_angle_doubtful = true;
         break;
     case 1:
         fuzz_rig.is_spindle_held = true;
+        fuzz_rig.judge.is_angle_doubtful = true;
         fuzz_rig.speed_q32 = value * INT64_C(8192) * 20000 / fuzz_rig.judge.tick_hz;
         break;
     case 2:

@@ -165,9 +165,11 @@ static void disturb(uint8_t what, int16_t value)
         break;
     case 4:
         hal_host_fault_counts(value);
+        fuzz_rig.judge.is_angle_doubtful = true;
         break;
     case 5:
         hal_host_fault_encoder_stuck(value < 0);
+        fuzz_rig.judge.is_angle_doubtful = true;
         break;
     case 6:
         hal_host_fault_index_dead(value < 0);
@@ -177,6 +179,7 @@ static void disturb(uint8_t what, int16_t value)
         break;
     case 8:
         fuzz_rig.is_spindle_held = true;
+        fuzz_rig.judge.is_angle_doubtful = true;
         fuzz_rig.speed_q32 = value * INT64_C(8192) * 20000 / fuzz_rig.judge.tick_hz;
         break;
     case 9:
