@@ -187,6 +187,16 @@ def host_steps() -> list[Step]:
     ]
 
 
+def fuzz_steps() -> list[Step]:
+    """Return the short form of the fuzzing: ten seconds for each target, two of them at a time."""
+    run = (ROOT / "tests" / "fuzz" / "run", "--short", "--jobs", str(min(N_CORES, 2)))
+    needs = ("build host-fuzz",)
+    return [
+        build("host-fuzz", "fuzz"),
+        gate("fuzz", *run, needs=needs, closing="executions", wide=True),
+    ]
+
+
 def linux_steps() -> list[Step]:
     """Return the port for Linux, with both versions of libgpiod and on a kernel, and LinuxCNC's."""
     # The compile commands are gcc's: clang does not know all of its optimisations.
@@ -230,7 +240,7 @@ def all_steps() -> list[Step]:
     Builds come first, with checks that need none beside them; then what takes long.
     """
     steps = [build("host"), ctest("host"), browser_step()]
-    steps += [*source_steps(), *linux_steps(), *host_steps(), *board_steps()]
+    steps += [*source_steps(), *linux_steps(), *host_steps(), *fuzz_steps(), *board_steps()]
     return sorted(steps, key=lambda step: not step.name.startswith("build "))
 
 

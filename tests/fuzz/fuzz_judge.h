@@ -32,14 +32,14 @@ typedef struct {
     bool was_enabled;
     bool is_angle_doubtful; ///< by the target: the spindle moved as no spindle can, and X and Z,
                             ///< which are geared to it, are not judged until the next off
-    bool is_z_led;               ///< Z is measured and not led by this controller
-    bool was_by_hand;            ///< the fault came in manual
-    uint32_t n_moved;            ///< [ticks] since the enable
-    uint32_t n_fault;            ///< [ticks] in state fault
-    uint32_t patience;           ///< [ticks] within which the retract has to end
-    uint32_t n_off_time;         ///< [ticks] for which a step may be that of a late tick
-    uint32_t faults;             ///< latched
-    uint32_t request;            ///< the last one
+    bool is_z_led;          ///< Z is measured and not led by this controller
+    bool was_by_hand;       ///< the fault came in manual
+    uint32_t n_moved;       ///< [ticks] since the enable
+    uint32_t n_fault;       ///< [ticks] in state fault
+    uint32_t patience;      ///< [ticks] within which the retract has to end
+    uint32_t n_off_time;    ///< [ticks] for which a step may be that of a late tick
+    uint32_t faults;        ///< latched
+    uint32_t request;       ///< the last one
     int32_t told_nm[hal_n_axes]; ///< [nm] what the axes were told last, by the port
     int32_t step_nm[hal_n_axes]; ///< ... by how much that differed from the one before
     int32_t fault_x_nm;          ///< [nm] X told in the tick of the fault

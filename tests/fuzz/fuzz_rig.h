@@ -45,6 +45,12 @@ typedef struct {
 
 extern fuzz_rig_t fuzz_rig;
 
+/// A command may be refused: what the judge finds is all that counts.
+static inline void fuzz_try(cam_err_t err)
+{
+    (void)err;
+}
+
 /// Bring the rig to a start, from a copy when it was there before.
 void fuzz_rig_start(fuzz_start_t start);
 

@@ -57,16 +57,16 @@ static void disturb(fuzz_bytes_t *b)
         hal_host_fault_late((uint32_t)(uint16_t)value % 200u);
         break;
     case 4:
-        (void)cam_machine_set_param(&fuzz_rig.machine, cam_param_amplitude_ppm, value * 40);
+        fuzz_try(cam_machine_set_param(&fuzz_rig.machine, cam_param_amplitude_ppm, value * 40));
         break;
     case 5:
-        (void)cam_machine_set_param(&fuzz_rig.machine, cam_param_phase_udeg, value * 4000);
+        fuzz_try(cam_machine_set_param(&fuzz_rig.machine, cam_param_phase_udeg, value * 4000));
         break;
     case 6:
-        (void)cam_machine_stop(&fuzz_rig.machine);
+        fuzz_try(cam_machine_stop(&fuzz_rig.machine));
         break;
     default:
-        (void)cam_machine_start(&fuzz_rig.machine);
+        fuzz_try(cam_machine_start(&fuzz_rig.machine));
         break;
     }
 }
@@ -88,7 +88,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     }
     let_pass(1);
     const int32_t mrpm = fuzz_u8(&b) * 10000;
-    (void)cam_machine_set_param(m, cam_param_spindle_mrpm, mrpm);
+    fuzz_try(cam_machine_set_param(m, cam_param_spindle_mrpm, mrpm));
     let_pass(1);
     (void)fuzz_u16(&b);
     if (cam_machine_enable(m) != cam_ok) {
@@ -96,7 +96,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     }
     let_pass(8);
     until_ready();
-    (void)cam_machine_start(m);
+    fuzz_try(cam_machine_start(m));
     for (uint32_t i = 0; i < (uint32_t)n_events; i++) {
         disturb(&b);
     }

@@ -117,13 +117,13 @@ static int32_t value_of(cam_param_id_t id, uint16_t code)
 static void set_parameter(uint8_t which, uint16_t code)
 {
     const cam_param_id_t id = ids[which % n_ids];
-    (void)cam_machine_set_param(&fuzz_rig.machine, id, value_of(id, code));
+    fuzz_try(cam_machine_set_param(&fuzz_rig.machine, id, value_of(id, code)));
 }
 
 static void stage(uint8_t which, uint16_t code)
 {
     const cam_param_id_t id = ids[which % n_ids];
-    (void)cam_machine_stage(&fuzz_rig.machine, id, value_of(id, code));
+    fuzz_try(cam_machine_stage(&fuzz_rig.machine, id, value_of(id, code)));
 }
 
 /// What is sensed of an axis, of its switch and of its index.
@@ -148,8 +148,9 @@ static void sense(uint8_t what, int16_t value)
     }
 }
 
-static void disturb(uint8_t what, int16_t value)
+static void disturb(uint8_t what, uint16_t code)
 {
+    const int16_t value = (int16_t)code;
     switch (what % 12u) {
     case 0:
         hal_host_fault_estop(value < 0);
@@ -183,10 +184,10 @@ static void disturb(uint8_t what, int16_t value)
         fuzz_rig.speed_q32 = value * INT64_C(8192) * 20000 / fuzz_rig.judge.tick_hz;
         break;
     case 9:
-        hal_host.in.encoder.n_index += (uint8_t)value;
+        hal_host.in.encoder.n_index += (uint32_t)(int32_t)value & 0xFFu;
         break;
     case 10:
-        hal_host.in.encoder.index_counts += (uint32_t)(int32_t)value;
+        hal_host.in.encoder.index_counts = hal_host.in.encoder.index_counts + code - 0x8000u;
         break;
     default: // all is mended
         hal_host_fault_estop(false);
@@ -208,25 +209,25 @@ static void command(uint8_t what, int16_t value)
     const hal_axis_t axis = (hal_axis_t)(what / 16u % hal_n_axes);
     switch (what % 16u) {
     case 0:
-        (void)cam_machine_enable(m);
+        fuzz_try(cam_machine_enable(m));
         break;
     case 1:
-        (void)cam_machine_disable(m);
+        fuzz_try(cam_machine_disable(m));
         break;
     case 2:
-        (void)cam_machine_start(m);
+        fuzz_try(cam_machine_start(m));
         break;
     case 3:
-        (void)cam_machine_stop(m);
+        fuzz_try(cam_machine_stop(m));
         break;
     case 4:
-        (void)cam_machine_reset(m);
+        fuzz_try(cam_machine_reset(m));
         break;
     case 5:
-        (void)cam_machine_home(m);
+        fuzz_try(cam_machine_home(m));
         break;
     case 6:
-        (void)cam_machine_manual(m);
+        fuzz_try(cam_machine_manual(m));
         break;
     case 7:
         (void)cam_machine_jog(m, axis, value);
@@ -235,16 +236,16 @@ static void command(uint8_t what, int16_t value)
         (void)cam_machine_step(m, axis, value * 128);
         break;
     case 9:
-        (void)cam_machine_home_axis(m, axis);
+        fuzz_try(cam_machine_home_axis(m, axis));
         break;
     case 10:
         (void)cam_machine_zero(m, axis, axis == hal_axis_x ? 92000000 + value * 256 : value * 256);
         break;
     case 11:
-        (void)cam_machine_hold(m);
+        fuzz_try(cam_machine_hold(m));
         break;
     case 12:
-        (void)cam_machine_resume(m);
+        fuzz_try(cam_machine_resume(m));
         break;
     case 13:
         cam_machine_hand_alive(m);
@@ -253,7 +254,7 @@ static void command(uint8_t what, int16_t value)
         cam_machine_stage_begin(m);
         break;
     default:
-        (void)cam_machine_stage_commit(m);
+        fuzz_try(cam_machine_stage_commit(m));
         break;
     }
 }
@@ -290,7 +291,7 @@ static void carry_out(fuzz_bytes_t *b)
         set_parameter(which, code);
         break;
     case 4:
-        disturb(which, value);
+        disturb(which, code);
         break;
     case 5:
         sense(which, value);
