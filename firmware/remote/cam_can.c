@@ -245,7 +245,7 @@ static void take_command(cam_can_t *r, const hal_can_frame_t *frame)
 static cam_err_t store_block(cam_can_t *r, uint32_t n)
 {
     const uint8_t *b = r->block;
-    if (!cam_can_is_own_download(r)) {
+    if (cam_can_is_foreign_download(r)) {
         return cam_err_not_commander;
     }
     if (!r->is_wave) {

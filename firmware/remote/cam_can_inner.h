@@ -69,8 +69,8 @@ void cam_can_hear(cam_can_t *r, const struct camturn_command_t *m);
 /// Topic: who has command, and the level.
 bool cam_can_rights(cam_can_t *r, const struct camturn_command_t *m);
 
-/// @return whether the download that was begun last is of the session in force
-bool cam_can_is_own_download(const cam_can_t *r);
+/// @return whether the download that was begun last is of another session than the one in force
+bool cam_can_is_foreign_download(const cam_can_t *r);
 
 /// Topic: axes by hand, homes, datum and tools.
 bool cam_can_hand(cam_can_t *r, const struct camturn_command_t *m);

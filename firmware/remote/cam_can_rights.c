@@ -112,8 +112,9 @@ bool cam_can_rights(cam_can_t *r, const struct camturn_command_t *m)
     return true;
 }
 
-bool cam_can_is_own_download(const cam_can_t *r)
+bool cam_can_is_foreign_download(const cam_can_t *r)
 {
     const cam_rights_t *rights = &r->machine->rights;
-    return r->download_session == rights->session;
+    const bool is_own = rights->commander != 0u && r->download_session == rights->session;
+    return r->download_session != 0u && !is_own;
 }
