@@ -17,7 +17,7 @@ static int64_t change_nm(const cam_lobe_t *lobe)
 static int32_t takes_over_nm(const cam_lobe_t *lobe)
 {
     const uint32_t gap_nm = (uint32_t)lobe->z_first_nm - (uint32_t)lobe[-1].z_last_nm;
-    return lobe[-1].z_last_nm + (int32_t)(gap_nm / 2u);
+    return (int32_t)((uint32_t)lobe[-1].z_last_nm + gap_nm / 2u);
 }
 
 /// Check the gap above a lobe, and the reciprocal that is stored of it.

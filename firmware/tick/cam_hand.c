@@ -42,15 +42,19 @@ static void begin_phase(cam_hand_t *h, const cam_hand_order_t *o, cam_hand_phase
     h->target_q10 = cam_clamp_i64(from_q10 + sense * o->distance_q10, o->low_q10, o->high_q10);
 }
 
+/// [nm] U's number rises by less than this at once: set-points in nm / 64 end here.
+enum { most_shift_nm = 1 << 25 };
+
 /// The home is found. @return [nm] by which U's number rises
 static int32_t take_home(cam_hand_t *h, const cam_hand_config_t *cfg, const cam_tick_record_t *r,
                          const cam_motion_t *m)
 {
     const hal_axis_t axis = h->axis;
     const int32_t place_nm = r->in.actual_nm[axis];
-    const int32_t shift_nm = axis == hal_axis_u ? cfg->order.home_nm - place_nm : 0;
-    const int64_t u_q10 = m->axis[hal_axis_u].pos_q10 + (int64_t)shift_nm * 1024;
-    if (shift_nm != 0 && cam_abs_i64(u_q10) > cfg->u_end_q10) {
+    const int64_t shift_nm = axis == hal_axis_u ? (int64_t)cfg->order.home_nm - place_nm : 0;
+    const int64_t u_q10 = m->axis[hal_axis_u].pos_q10 + shift_nm * 1024;
+    const bool is_far = cam_abs_i64(shift_nm) >= most_shift_nm;
+    if (shift_nm != 0 && (is_far || cam_abs_i64(u_q10) > cfg->u_end_q10)) {
         end_order(h, cam_hand_no_stroke);
         return 0;
     }
@@ -58,26 +62,31 @@ static int32_t take_home(cam_hand_t *h, const cam_hand_config_t *cfg, const cam_
     h->n_found++;
     h->found_nm[axis] = place_nm;
     end_order(h, cam_hand_done);
-    return shift_nm;
+    return (int32_t)shift_nm;
 }
 
-/// The search begins, or on the switch the way off it. @return [nm] by which U's number rises, so
-/// that it has its whole stroke before it
+/// The search begins, or on the switch the way off it; not for a U that is called by a number
+/// beyond its set-points. @return [nm] by which U's number rises, so that it has its whole stroke
+/// before it
 static int32_t begin_homing(cam_hand_t *h, const cam_hand_config_t *cfg, const cam_tick_record_t *r,
                             const cam_motion_t *m)
 {
     const cam_hand_order_t *o = &cfg->order;
     const bool is_on = is_on_switch(r, o->axis);
     int64_t from_q10 = m->axis[o->axis].pos_q10;
-    int32_t shift_nm = 0;
+    int64_t shift_nm = 0;
     h->homed &= ~(UINT32_C(1) << (uint32_t)o->axis);
     if (o->axis == hal_axis_u) {
         const int64_t end_q10 = (is_on ? o->sense : -o->sense) * cfg->u_end_q10;
-        shift_nm = (int32_t)((end_q10 - from_q10) / 1024);
-        from_q10 += (int64_t)shift_nm * 1024;
+        shift_nm = (end_q10 - from_q10) / 1024;
+        from_q10 += shift_nm * 1024;
+        if (cam_abs_i64(shift_nm) >= most_shift_nm) {
+            end_order(h, cam_hand_no_stroke);
+            return 0;
+        }
     }
     begin_phase(h, o, is_on ? cam_hand_release : cam_hand_search, from_q10);
-    return shift_nm;
+    return (int32_t)shift_nm;
 }
 
 /// Where a jog or a step ends: within the travel, or outside of it not farther out than now. A set

@@ -54,8 +54,9 @@ static int32_t height_nm(cam_plan_t *p, const cam_play_config_t *cfg, int32_t ac
 {
     const int32_t moved_nm = cam_wrap_sub(actual_nm, p->measured_nm);
     p->measured_nm = actual_nm;
-    return cfg->is_z_measured ? cam_wrap_add(cam_wrap_sub(actual_nm, cfg->z_origin_nm), moved_nm)
-                              : cfg->z_first_nm + cam_course_fed_nm_isr(&p->course, cfg, pos_q32);
+    return cfg->is_z_measured
+               ? cam_wrap_add(cam_wrap_sub(actual_nm, cfg->z_origin_nm), moved_nm)
+               : cam_wrap_add(cfg->z_first_nm, cam_course_fed_nm_isr(&p->course, cfg, pos_q32));
 }
 
 /// @return [slices] of U at a height
@@ -88,7 +89,7 @@ static int32_t u_height_nm(const cam_plan_t *p, const cam_play_config_t *cfg, in
 {
     return cfg->is_z_measured
                ? cam_wrap_add(z_nm, (int32_t)(((int64_t)z_vel_q10 * cfg->lead_q16) >> 26))
-               : cfg->z_first_nm + cam_course_fed_nm_isr(&p->course, cfg, pos_q32);
+               : cam_wrap_add(cfg->z_first_nm, cam_course_fed_nm_isr(&p->course, cfg, pos_q32));
 }
 
 /// Plan U's amplitude and the distance of its height on the table behind Z's set-point.
@@ -120,7 +121,7 @@ static height_t aim_skirt(const cam_plan_t *p, const cam_play_config_t *cfg, cam
     cam_aim_isr(&m->axis[hal_axis_z], cfg, by_port_q10(cfg, way.z_nm));
     const int32_t u_nm = u_height_nm(p, cfg, u_q32, helix_nm, m->axis[hal_axis_z].vel_q10);
     const int64_t behind_q16 = (int64_t)cam_wrap_sub(u_nm, helix_nm) * way.slope_q16;
-    const int32_t u_z_nm = has_way ? way.z_nm + (int32_t)(behind_q16 >> 16) : u_nm;
+    const int32_t u_z_nm = has_way ? cam_wrap_add(way.z_nm, (int32_t)(behind_q16 >> 16)) : u_nm;
     aim_height(m, cfg, slice_q32(cfg, u_z_nm));
     return (height_t){way.z_nm, u_z_nm, {ONE_Q30, ONE_Q30}};
 }

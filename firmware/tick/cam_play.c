@@ -254,7 +254,7 @@ void cam_play_step_isr(cam_play_t *p, const cam_play_config_t *cfg, const cam_se
             obey_in_cut(p, in->request, m, want);
         }
         const int32_t z_nm = (int32_t)(m->axis[hal_axis_z].pos_q10 >> 10);
-        want->z_nm = cam_wrap_sub(z_nm, cfg->z_origin_nm) - (m->behind_q4 >> 4);
+        want->z_nm = cam_wrap_sub(cam_wrap_sub(z_nm, cfg->z_origin_nm), m->behind_q4 >> 4);
         want->u_set_q6 = play_table(p, cfg, angle, m, want->faults);
     } else {
         if (is_new) {

@@ -21,7 +21,7 @@ static uint32_t sensed_edge(const cam_spindle_config_t *cfg, uint32_t counts)
 static void move_in_turn(cam_spindle_t *s, const cam_spindle_config_t *cfg, int32_t moved)
 {
     const int32_t turn = cfg->counts_per_turn;
-    int32_t in_turn = s->in_turn + moved;
+    int32_t in_turn = cam_wrap_add(s->in_turn, moved);
     if ((uint32_t)in_turn >= (uint32_t)turn) {
         in_turn += in_turn < 0 ? turn : -turn;
     }
@@ -97,7 +97,8 @@ static int64_t wrap_add_i64(int64_t a, int64_t b)
 
 /// The angle that is measured. Where the last edge has a time stamp, it is the place of that edge
 /// plus what the spindle has travelled since, at most a count, MATHS.md (138); else, and while
-/// edges are rare, the middle of the count.
+/// edges are rare, the middle of the count. A speed that is half a turn within the age of the edge
+/// contradicts that edge; what it makes of it may wrap and stays within a count and a half.
 static uint32_t observed_q32(const cam_spindle_t *s, const cam_spindle_config_t *cfg,
                              const cam_sense_t *in)
 {
@@ -112,8 +113,9 @@ static uint32_t observed_q32(const cam_spindle_t *s, const cam_spindle_config_t 
     const int32_t speed_q32 = (int32_t)(s->speed_q64 >> 32);
     const int32_t half_q32 = (int32_t)(cfg->turn_per_count_q32 >> 1);
     const int32_t age_q27 = (int32_t)(age * cfg->ticks_per_clock_q27);
-    const int32_t since_q32 = cam_mulhi(speed_q32, age_q27) * 32;
-    const int32_t behind_q32 = speed_q32 < 0 ? since_q32 + half_q32 : since_q32 - half_q32;
+    const int32_t since_q32 = (int32_t)((uint32_t)cam_mulhi(speed_q32, age_q27) << 5);
+    const int32_t behind_q32 =
+        speed_q32 < 0 ? cam_wrap_add(since_q32, half_q32) : cam_wrap_sub(since_q32, half_q32);
     return centred_q32 + (uint32_t)cam_clamp_i32(behind_q32, -3 * half_q32, 3 * half_q32);
 }
 

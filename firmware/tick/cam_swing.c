@@ -56,9 +56,10 @@ void cam_swing_rest_isr(cam_swing_t *s, const cam_play_config_t *cfg,
     // A speed in proportion to the distance needs no square root, and falls within the limit of the
     // acceleration as the swing nears 0 (cam_build.c chooses the gain so).
     const int32_t home_q32 = cam_mulhi(pos_q32, -limits->gain_q32);
-    const int32_t change_q32 = cam_clamp_i32(home_q32, -most_q32, most_q32) - s->set.vel_q32;
+    const int32_t wanted_q32 = cam_clamp_i32(home_q32, -most_q32, most_q32);
+    const int32_t change_q32 = cam_wrap_sub(wanted_q32, s->set.vel_q32);
     const int32_t step_q32 = cam_clamp_i32(change_q32, -limits->step_q32, limits->step_q32);
-    const int32_t vel_q32 = s->set.vel_q32 + step_q32;
+    const int32_t vel_q32 = cam_wrap_add(s->set.vel_q32, step_q32);
     write_down(s, pos_q32, vel_q32);
     s->is_there = vel_q32 == 0 && home_q32 == 0;
 }

@@ -130,10 +130,10 @@ static uint32_t watch_index(cam_t *c, const cam_config_t *cfg, const cam_tick_re
 /// with the next tick's reading moves along, so that the drive gets the set-point of before.
 static void shift_u(cam_t *c, int32_t nm)
 {
-    const int32_t by_q6 = nm * 64;
-    c->motion.u_home_nm += nm;
+    const int32_t by_q6 = (int32_t)((uint32_t)nm * 64u);
+    c->motion.u_home_nm = cam_wrap_add(c->motion.u_home_nm, nm);
     c->motion.axis[hal_axis_u].pos_q10 += (int64_t)nm * 1024;
-    c->guard.u_set_q6 += by_q6;
+    c->guard.u_set_q6 = cam_wrap_add(c->guard.u_set_q6, by_q6);
     cam_play_shift_isr(&c->play, by_q6);
 }
 

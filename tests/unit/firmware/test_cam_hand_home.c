@@ -143,6 +143,32 @@ static void test_home_without_an_index_ends_and_is_none(void)
     TEST_ASSERT_EQUAL_HEX32(0, hand().homed);
 }
 
+/// A U that the port counts beyond the words of its set-points: neither its search nor its home
+/// would be told to the drive as it is.
+static void test_home_of_u_from_far_away_is_refused(void)
+{
+    static const cam_hand_phase_t begins[] = {cam_hand_search, cam_hand_here};
+    for (int i = 0; i < 4; i++) {
+        const int32_t far_nm = i % 2 == 0 ? 35 * mm : -35 * mm;
+        cam_hand_t h = {0};
+        cam_motion_t m = {.state = cam_state_manual};
+        cam_tick_record_t r = {.in.inputs = hal_in_drive_ready};
+        cam_play_config_t cfg = {.plan_ticks = 8, .per_plan_q30 = 1 << 27};
+        cfg.hand.u_end_q10 = 500000 * INT64_C(1024);
+        cfg.hand.order = (cam_hand_order_t){.serial = 1u,
+                                            .until = 100u,
+                                            .begin = begins[i / 2],
+                                            .axis = hal_axis_u,
+                                            .sense = 1,
+                                            .distance_q10 = mm * INT64_C(1024)};
+        r.in.actual_nm[hal_axis_u] = far_nm;
+        m.axis[hal_axis_u].pos_q10 = far_nm * INT64_C(1024);
+        TEST_ASSERT_EQUAL_INT32(0, cam_hand_isr(&h, &cfg, &r, &m));
+        TEST_ASSERT_EQUAL_INT(cam_hand_no_stroke, h.end);
+        TEST_ASSERT_EQUAL_HEX32(0, h.homed);
+    }
+}
+
 /// The number at the switch would put U outside of its stroke where it stands.
 static void test_home_of_u_beyond_its_stroke_is_refused(void)
 {
@@ -187,6 +213,7 @@ int main(void)
     RUN_TEST(test_cut_with_a_homed_u_is_offset_by_its_home);
     RUN_TEST(test_home_that_is_not_found_ends_after_its_travel_and_is_none);
     RUN_TEST(test_home_without_an_index_ends_and_is_none);
+    RUN_TEST(test_home_of_u_from_far_away_is_refused);
     RUN_TEST(test_home_of_u_beyond_its_stroke_is_refused);
     RUN_TEST(test_homing_without_a_sign_of_life_stops);
     RUN_TEST(test_homes_are_forgotten_when_the_drives_lose_power);

@@ -147,6 +147,25 @@ static void test_a_wrong_stamp_is_limited(void)
     }
 }
 
+/// At half a turn per tick an edge that is three ticks old contradicts the speed: what the speed
+/// makes of the age is beyond a turn, and counts for a count and a half still.
+static void test_an_edge_that_contradicts_the_speed_is_limited(void)
+{
+    for (int sense = -1; sense <= 1; sense += 2) {
+        build();
+        turn(0.2, 49.7, 0.0);
+        cam_sense_t wrong = in;
+        spindle.speed_q64 = sense * INT64_C(0x7FFFFFF000000000);
+        wrong.clock += clock_hz / tick_hz;
+        wrong.encoder.edge_clock = wrong.clock - 3u * (clock_hz / tick_hz);
+        cam_spindle_step_isr(&spindle, &config.spindle, &wrong, 0, &angle);
+        TEST_ASSERT_EQUAL_HEX32(CAM_FAULT_BIT(encoder_jump), angle.faults);
+        const double counts = (double)spindle.in_turn + 0.5;
+        TEST_ASSERT_TRUE(fabs(off_turns(angle.measured_q32, counts / counts_per_turn)) <
+                         1.51 / counts_per_turn);
+    }
+}
+
 /// With the deviation learned the observer turns evenly: a ripple of 0.2 % twice a turn, of which
 /// it misses a fifth, is followed to what the knots of the table leave.
 static void test_a_learned_ripple_leaves_the_observer_even(void)
@@ -174,6 +193,7 @@ int main(void)
     RUN_TEST(test_without_stamps_half_a_count_is_left);
     RUN_TEST(test_a_slow_or_standing_spindle_is_in_the_middle_of_its_count);
     RUN_TEST(test_a_wrong_stamp_is_limited);
+    RUN_TEST(test_an_edge_that_contradicts_the_speed_is_limited);
     RUN_TEST(test_a_learned_ripple_leaves_the_observer_even);
     return UNITY_END();
 }
