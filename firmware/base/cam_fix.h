@@ -14,9 +14,19 @@
 
 _Static_assert((-3 >> 1) == -2, "arithmetic right shift");
 
+/// The product that the next two functions round to nearest; a signed fraction is at most a half.
+/*@ logic integer cam_part(integer a, integer b) = (a * b + 0x80000000) >> 32;
+    lemma cam_half: \forall integer a, b;
+      \abs(b) <= 0x80000000 ==> 2 * \abs(cam_part(a, b)) <= \abs(a) + 1;
+*/
+
 /// Multiply by a fraction of 2^-32 and add, with rounding: one instruction on Cortex-M4/M7.
 /// @return c + floor(a * b / 2^32 + 1/2) modulo 2^32, any arguments
 /// Source: ARMv7-M Architecture Reference Manual, A7.7.147 (SMMLAR).
+/*@ assigns \result \from a, b, c;
+    ensures exact: INT32_MIN <= c + cam_part(a, b) <= INT32_MAX ==>
+      \result == c + cam_part(a, b);
+*/
 static inline int32_t cam_mulhi_add(int32_t c, int32_t a, int32_t b)
 {
 #if defined(__ARM_FEATURE_DSP) && __ARM_FEATURE_DSP
@@ -32,6 +42,9 @@ static inline int32_t cam_mulhi_add(int32_t c, int32_t a, int32_t b)
 /// Multiply by a fraction of 2^-32, rounded to nearest: one instruction on Cortex-M4/M7.
 /// @return floor(a * b / 2^32 + 1/2), any arguments
 /// Source: ARMv7-M Architecture Reference Manual, A7.7.149 (SMMULR).
+/*@ assigns \result \from a, b;
+    ensures exact: \result == cam_part(a, b);
+*/
 static inline int32_t cam_mulhi(int32_t a, int32_t b)
 {
 #if defined(__ARM_FEATURE_DSP) && __ARM_FEATURE_DSP
@@ -46,6 +59,11 @@ static inline int32_t cam_mulhi(int32_t a, int32_t b)
 /// Add and saturate: one instruction on Cortex-M4/M7.
 /// @return a + b limited to the range of int32
 /// Source: ARMv7-M Architecture Reference Manual (QADD).
+/*@ assigns \result \from a, b;
+    ensures inside: INT32_MIN <= a + b <= INT32_MAX ==> \result == a + b;
+    ensures low: a + b < INT32_MIN ==> \result == INT32_MIN;
+    ensures high: a + b > INT32_MAX ==> \result == INT32_MAX;
+*/
 static inline int32_t cam_sat_add(int32_t a, int32_t b)
 {
 #if defined(__ARM_FEATURE_DSP) && __ARM_FEATURE_DSP
@@ -62,6 +80,7 @@ static inline int32_t cam_sat_add(int32_t a, int32_t b)
 /// @param a, b  two int16 each, the first one in the lower half
 /// @return      sum of a's halves times b's, modulo 2^32
 /// Source: ARMv7-M Architecture Reference Manual, A7.7.157 (SMUAD).
+//@ assigns \result \from a, b;
 static inline int32_t cam_dot_i16(uint32_t a, uint32_t b)
 {
 #if defined(__ARM_FEATURE_DSP) && __ARM_FEATURE_DSP
@@ -79,6 +98,9 @@ static inline int32_t cam_dot_i16(uint32_t a, uint32_t b)
 
 /// Replace bits of a word: one instruction on Cortex-M4/M7. `from` and `n` are constants.
 /// @return v with its bits from .. from + n - 1 replaced by the lowest n bits of `bits`
+/*@ requires 1 <= n <= 31 && from <= 31;
+    assigns \result \from v, bits, from, n;
+*/
 static inline __attribute__((always_inline)) uint32_t cam_insert_bits(uint32_t v, uint32_t bits,
                                                                       uint32_t from, uint32_t n)
 {
@@ -93,12 +115,20 @@ static inline __attribute__((always_inline)) uint32_t cam_insert_bits(uint32_t v
 
 /// Multiply unsigned numbers and keep the upper half of the product.
 /// @return floor(a * b / 2^32), any arguments
+/*@ assigns \result \from a, b;
+    ensures floor: \result * 0x100000000 <= a * b < (\result + 1) * 0x100000000;
+*/
 static inline uint32_t cam_mulhi_u32(uint32_t a, uint32_t b)
 {
     return (uint32_t)(((uint64_t)a * b) >> 32);
 }
 
 /// @return a * b / 2^n rounded to nearest, half up; 1 <= n <= 62; the product must fit int32
+/*@ requires 1 <= n <= 62;
+    requires fits: a * b + (1 << (n - 1)) <= INT64_MAX;
+    assigns \result \from a, b, n;
+    ensures exact: \result == (int32_t)((a * b + (1 << (n - 1))) >> n);
+*/
 static inline int32_t cam_mul_shift(int32_t a, int32_t b, uint32_t n)
 {
     return (int32_t)(((int64_t)a * b + ((int64_t)1 << (n - 1u))) >> n);
@@ -108,6 +138,9 @@ static inline int32_t cam_mul_shift(int32_t a, int32_t b, uint32_t n)
 /// counts up to 63 and takes twice as many instructions on a Cortex-M.
 /// @param n  1 .. 31
 /// @return   the low 32 bits of floor(v / 2^n), which are its value when that fits int32
+/*@ requires 1 <= n <= 31;
+    assigns \result \from v, n;
+*/
 static inline int32_t cam_shift_right(int64_t v, uint32_t n)
 {
     const uint32_t low = (uint32_t)(uint64_t)v >> n;
@@ -116,18 +149,33 @@ static inline int32_t cam_shift_right(int64_t v, uint32_t n)
 }
 
 /// @return v limited to [lo, hi]
+/*@ assigns \result \from v, lo, hi;
+    ensures inside: lo <= v <= hi ==> \result == v;
+    ensures low: v < lo ==> \result == lo;
+    ensures high: v > hi && v >= lo ==> \result == hi;
+*/
 static inline int32_t cam_clamp_i32(int32_t v, int32_t lo, int32_t hi)
 {
     return v < lo ? lo : v > hi ? hi : v;
 }
 
 /// @return v limited to [lo, hi]
+/*@ assigns \result \from v, lo, hi;
+    ensures inside: lo <= v <= hi ==> \result == v;
+    ensures low: v < lo ==> \result == lo;
+    ensures high: v > hi && v >= lo ==> \result == hi;
+*/
 static inline int64_t cam_clamp_i64(int64_t v, int64_t lo, int64_t hi)
 {
     return v < lo ? lo : v > hi ? hi : v;
 }
 
 /// @return v limited to the range of int32
+/*@ assigns \result \from v;
+    ensures inside: INT32_MIN <= v <= INT32_MAX ==> \result == v;
+    ensures low: v < INT32_MIN ==> \result == INT32_MIN;
+    ensures high: v > INT32_MAX ==> \result == INT32_MAX;
+*/
 static inline int32_t cam_sat_i32(int64_t v)
 {
     const int32_t low = (int32_t)v; // v fits when sign extension of its low word gives v again
@@ -135,6 +183,10 @@ static inline int32_t cam_sat_i32(int64_t v)
 }
 
 /// @return |v|; any v but INT64_MIN
+/*@ requires v > INT64_MIN;
+    assigns \result \from v;
+    ensures \result == \abs(v);
+*/
 static inline int64_t cam_abs_i64(int64_t v)
 {
     return v < 0 ? -v : v;
@@ -142,9 +194,11 @@ static inline int64_t cam_abs_i64(int64_t v)
 
 /// Integer square root, bit by bit. Context: slow side.
 /// @return floor of the root of v, any v
+//@ assigns \result \from v;
 static inline uint64_t cam_root_u64(uint64_t v)
 {
     uint64_t r = 0;
+    //@ loop assigns bit, r;
     for (uint64_t bit = UINT64_C(1) << 31; bit != 0u; bit >>= 1) {
         r = (r + bit) * (r + bit) <= v ? r + bit : r;
     }
@@ -153,18 +207,30 @@ static inline uint64_t cam_root_u64(uint64_t v)
 
 /// Difference a - b of two readings of a counter that wraps at 2^32.
 /// @return [counts] signed distance, correct while the true distance is within +-2^31
+/*@ assigns \result \from a, b;
+    ensures plain: INT32_MIN <= a - b <= INT32_MAX ==> \result == a - b;
+    ensures wrapped: \result == a - b || \abs(\result - (a - b)) == 0x100000000;
+*/
 static inline int32_t cam_wrap_diff(uint32_t a, uint32_t b)
 {
     return (int32_t)(a - b);
 }
 
 /// @return a + b modulo 2^32
+/*@ assigns \result \from a, b;
+    ensures plain: INT32_MIN <= a + b <= INT32_MAX ==> \result == a + b;
+    ensures wrapped: \result == a + b || \abs(\result - (a + b)) == 0x100000000;
+*/
 static inline int32_t cam_wrap_add(int32_t a, int32_t b)
 {
     return (int32_t)((uint32_t)a + (uint32_t)b);
 }
 
 /// @return a - b modulo 2^32
+/*@ assigns \result \from a, b;
+    ensures plain: INT32_MIN <= a - b <= INT32_MAX ==> \result == a - b;
+    ensures wrapped: \result == a - b || \abs(\result - (a - b)) == 0x100000000;
+*/
 static inline int32_t cam_wrap_sub(int32_t a, int32_t b)
 {
     return (int32_t)((uint32_t)a - (uint32_t)b);
@@ -173,6 +239,12 @@ static inline int32_t cam_wrap_sub(int32_t a, int32_t b)
 /// Test a symmetric range with one comparison instead of two.
 /// @param limit  0 .. 2^31 - 1
 /// @return       whether -limit <= v <= limit
+/*@ requires limit >= 0;
+    assigns \result \from v, limit;
+    ensures inside: 0 <= v <= limit ==> \result;
+    ensures below: -limit <= v < 0 ==> \result;
+    ensures outside: \result ==> -limit <= v <= limit;
+*/
 static inline bool cam_is_within(int32_t v, int32_t limit)
 {
     return (uint32_t)v + (uint32_t)limit <= 2u * (uint32_t)limit;
@@ -181,12 +253,19 @@ static inline bool cam_is_within(int32_t v, int32_t limit)
 /// Convert a derivative over the angle from per turn to per radian: x / 2 pi.
 /// @param x  0 .. 2^41, per turn
 /// @return   the same per rad, rounded down by less than 4e-7 of it and 1
+/*@ requires 0 <= x <= 0x20000000000;
+    assigns \result \from x;
+    ensures \result * 0x1000000 <= x * 2670176 < (\result + 1) * 0x1000000;
+*/
 static inline int64_t cam_per_rad(int64_t x)
 {
     return (x * 2670176) >> 24; // 2^24 / 2 pi
 }
 
 /// @return whether low <= v <= high
+/*@ assigns \result \from v, low, high;
+    ensures \result <==> low <= v <= high;
+*/
 static inline bool cam_is_between(int64_t v, int64_t low, int64_t high)
 {
     return v >= low && v <= high;

@@ -78,6 +78,13 @@ typedef struct {
 /// @param ch    passed cam_table_check()
 /// @param z_nm  [nm] any value
 /// Context: ISR or slow side, constant time.
+/*@ requires slices: \valid_read(ch) && 2 <= ch->n_slices <= 4096;
+    assigns \result \from indirect: *ch, indirect: z_nm;
+    ensures slice: \result.i <= ch->n_slices - 2;
+    ensures most: \result.i <= 4094;
+    ensures weight: 0 <= \result.w_q31;
+    ensures flag: \result.is_clamped == 0 || \result.is_clamped == 1;
+*/
 CAM_EVAL_INLINE cam_height_t cam_eval_height(const cam_channel_t *ch, int32_t z_nm)
 {
     const bool is_below = z_nm < ch->z_first_nm;
@@ -86,10 +93,10 @@ CAM_EVAL_INLINE cam_height_t cam_eval_height(const cam_channel_t *ch, int32_t z_
     const uint32_t rel_nm = is_below ? 0u : is_above ? ch->span_nm : above_nm;
     const uint64_t slice_q48 = (uint64_t)rel_nm * ch->slices_per_nm_q48;
     const uint32_t i = (uint32_t)(slice_q48 >> 48);
-    const bool is_last = i >= ch->n_slices - 1u; // the rounded reciprocal may reach it at the end
+    const uint32_t last = ch->n_slices - 1u; // the rounded reciprocal may reach it at the end
     return (cam_height_t){
-        .i = is_last ? ch->n_slices - 2u : i,
-        .w_q31 = is_last ? INT32_MAX : (int32_t)((slice_q48 >> 17) & 0x7FFFFFFFu),
+        .i = i < last ? i : last - 1u,
+        .w_q31 = i < last ? (int32_t)((slice_q48 >> 17) & 0x7FFFFFFFu) : INT32_MAX,
         .is_clamped = is_below || is_above,
     };
 }
@@ -98,50 +105,90 @@ CAM_EVAL_INLINE cam_height_t cam_eval_height(const cam_channel_t *ch, int32_t z_
 /// @param a, b   [LSB] magnitudes up to CAM_TABLE_SUM_MAX
 /// @param w_q31  weight of b, 0 .. 2^31 - 1
 /// @return       [LSB / 16] a + (b - a) w
+/*@ requires \abs(a) < 0x2000000 && \abs(b) < 0x2000000 && w_q31 >= 0;
+    assigns \result \from a, b, w_q31;
+    ensures blend: \result == 16 * a + cam_part(32 * (b - a), w_q31);
+*/
 static inline int32_t cam_eval_blend(int32_t a, int32_t b, int32_t w_q31)
 {
     return cam_mulhi_add(a * CAM_EVAL_GUARD, (b - a) * (2 * CAM_EVAL_GUARD), w_q31);
 }
 
 /// @return r rounded from LSB / 16 to whole LSB, half up
+/*@ requires r <= INT32_MAX - 8;
+    assigns \result \from r;
+    ensures nearest: 16 * \result - 8 <= r < 16 * \result + 8;
+*/
 static inline int32_t cam_eval_round(int32_t r)
 {
     return (r + CAM_EVAL_GUARD / 2) >> cam_eval_guard_bits;
 }
 
+/// Coefficients of a quintic over s, the signed fraction from the middle of its interval.
+typedef struct {
+    int32_t e0, o1, e2, o3, e4, o5; ///< [LSB / 16]
+} cam_powers_t;
+
 /// The quintic through two knots, q(s) = e0 + o1 s + e2 s^2 + o3 s^3 + e4 s^4 + o5 s^5.
 /// With w = v0 + v1 - 2 (p1 - p0): o5 = (a1 - a0) - 3 w, o3 = w - o5 / 2,
 /// o1 = (p1 - p0) - o3 / 4 - o5 / 16; and with dv = v1 - v0: e4 = (a0 + a1 - dv) / 2,
 /// e2 = (dv - e4) / 2, e0 = (p0 + p1) / 2 - e2 / 4 - e4 / 16.
-/// @param at  knots within the bounds of cam_table_check(), any s_q32
-/// Source: MATHS.md (46), (47).
-CAM_EVAL_INLINE cam_fine_t cam_eval_quintic(cam_segment_t at)
+/// @param k0, k1  [LSB / 16] knots within the bounds of cam_table_check()
+/// Source: MATHS.md (46).
+/*@ requires safe: cam_is_segment(k0, k1, 0x20000400);
+    assigns \result \from k0, k1;
+    ensures fifth: 20 * \abs(\result.o5) <= 0x20000400;
+    ensures fourth: 8 * \abs(\result.e4) <= 0x20000440;
+    ensures third: 6 * \abs(\result.o3) <= 0x20000440;
+    ensures second: 2 * \abs(\result.e2) <= 0x20000440;
+    ensures first: \abs(\result.o1) <= 0x20000440;
+    ensures zeroth: \abs(\result.e0) <= 0x20000440;
+*/
+CAM_EVAL_INLINE cam_powers_t cam_eval_powers(cam_knot_t k0, cam_knot_t k1)
 {
-    const cam_knot_t k0 = at.k0;
-    const cam_knot_t k1 = at.k1;
-    const int32_t s_q32 = at.s_q32;
     const int32_t dp = k1.p - k0.p;
     const int32_t dv = k1.v - k0.v;
     const int32_t w = k0.v + k1.v - 2 * dp;
     const int32_t o5 = k1.a - k0.a - 3 * w;
     const int32_t o3 = w - (o5 >> 1);
-    const int32_t o1 = dp - (o3 >> 2) - (o5 >> 4);
     const int32_t e4 = (k0.a + k1.a - dv) >> 1;
     const int32_t e2 = (dv - e4) >> 1;
-    const int32_t e0 = ((k0.p + k1.p) >> 1) - (e2 >> 2) - (e4 >> 4);
-    // Three Horner schemes at once: each takes the running value of the one before.
-    int32_t y = cam_mulhi_add(e4, o5, s_q32);
-    int32_t d1 = cam_mulhi_add(y, o5, s_q32);
-    int32_t d2 = cam_mulhi_add(d1, o5, s_q32);
-    y = cam_mulhi_add(o3, y, s_q32);
+    return (cam_powers_t){
+        .e0 = ((k0.p + k1.p) >> 1) - (e2 >> 2) - (e4 >> 4),
+        .o1 = dp - (o3 >> 2) - (o5 >> 4),
+        .e2 = e2,
+        .o3 = o3,
+        .e4 = e4,
+        .o5 = o5,
+    };
+}
+
+/// Evaluate the quintic through two knots by three Horner schemes at once: each takes the running
+/// value of the one before.
+/// @param at  knots within the bounds of cam_table_check(), any s_q32
+/// Source: MATHS.md (47).
+/*@ requires safe: cam_is_segment(at.k0, at.k1, 0x20000400);
+    assigns \result \from indirect: at;
+    ensures value: -0x40000000 < \result.y < 0x40000000;
+    ensures first: -0x40000000 < \result.d1 < 0x40000000;
+    ensures second: -0x40001000 <= \result.d2 <= 0x40001000;
+*/
+CAM_EVAL_INLINE cam_fine_t cam_eval_quintic(cam_segment_t at)
+{
+    const cam_powers_t c = cam_eval_powers(at.k0, at.k1);
+    const int32_t s_q32 = at.s_q32;
+    int32_t y = cam_mulhi_add(c.e4, c.o5, s_q32);
+    int32_t d1 = cam_mulhi_add(y, c.o5, s_q32);
+    int32_t d2 = cam_mulhi_add(d1, c.o5, s_q32);
+    y = cam_mulhi_add(c.o3, y, s_q32);
     d1 = cam_mulhi_add(y, d1, s_q32);
     d2 = cam_mulhi_add(d1, d2, s_q32);
-    y = cam_mulhi_add(e2, y, s_q32);
+    y = cam_mulhi_add(c.e2, y, s_q32);
     d1 = cam_mulhi_add(y, d1, s_q32);
     d2 = cam_mulhi_add(d1, d2, s_q32);
-    y = cam_mulhi_add(o1, y, s_q32);
+    y = cam_mulhi_add(c.o1, y, s_q32);
     d1 = cam_mulhi_add(y, d1, s_q32);
-    y = cam_mulhi_add(e0, y, s_q32);
+    y = cam_mulhi_add(c.e0, y, s_q32);
     return (cam_fine_t){.y = y, .d1 = d1, .d2 = 2 * d2};
 }
 

@@ -5,6 +5,10 @@
 /// [1] in the unit of envelopes.
 #define ONE_Q30 (INT32_C(1) << 30)
 
+/*@ requires share: s_q31 >= 0;
+    assigns \result \from s_q31;
+    ensures step: 0 <= \result <= 0x40000000;
+*/
 int32_t cam_envelope_smooth_q30(int32_t s_q31)
 {
     const int32_t s2_q31 = 2 * cam_mulhi(s_q31, s_q31);
@@ -22,6 +26,11 @@ int32_t cam_envelope_smooth_q30(int32_t s_q31)
 /// @param s_q31  [1 / 2^31] 0 .. 2^31 - 1
 /// @param d_q31  [1 / 2^31] 0 .. 2^31 / 16
 /// @return       [1 / 2^30]
+/*@ requires share: s_q31 >= 0;
+    requires lag: 0 <= d_q31 <= 0x8000000;
+    assigns \result \from s_q31, d_q31;
+    ensures most: -0x4000000 <= \result <= 0x4000000;
+*/
 static int32_t inverse_q30(int32_t s_q31, int32_t d_q31)
 {
     const int32_t q_q31 = 2 * cam_mulhi(s_q31, INT32_MAX - s_q31);
