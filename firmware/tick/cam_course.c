@@ -265,5 +265,5 @@ int64_t cam_course_stop_isr(cam_course_t *c, const cam_play_config_t *cfg, int64
     } else {
         (void)brake_early(c, cfg, next_q32);
     }
-    return c->end_q32;
+    return later(c->end_q32, next_q32); // a second stop behind a hold finds Z at rest long since
 }

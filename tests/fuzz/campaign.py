@@ -108,7 +108,7 @@ def attack(target: Target, seconds: int, seed: int) -> Outcome:
     began = time.monotonic()
     done = subprocess.run(
         [
-            PROGRAMS / f"fuzz_{target.name}",
+            str(PROGRAMS / f"fuzz_{target.name}"),
             f"-max_total_time={seconds}",
             f"-max_len={target.max_bytes}",
             f"-seed={seed}",
@@ -118,7 +118,7 @@ def attack(target: Target, seconds: int, seed: int) -> Outcome:
             f"-dict={dictionary(target)}",
             "-print_final_stats=1",
             "-reduce_inputs=1",
-            *(folder for folder in folders if folder.is_dir()),
+            *(str(folder) for folder in folders if folder.is_dir()),
         ],
         cwd=WORK,
         capture_output=True,
@@ -158,7 +158,8 @@ def prepare() -> None:
 
 def coverage() -> dict[str, float]:
     """Return what share of the firmware the collected inputs reach, in a build with counters."""
-    build = ["bash", "-c", 'source "$1/tools/setup.sh"; camturn_build host-cov fuzz', "bash", ROOT]
+    script = 'source "$1/tools/setup.sh"; camturn_build host-cov fuzz'
+    build = ["bash", "-c", script, "bash", str(ROOT)]
     subprocess.run(build, check=True)
     for counts in COVERED.rglob("*.gcda"):
         counts.unlink()

@@ -6,6 +6,7 @@
 #include "fuzz_expect.h"      // FUZZ_EXPECT
 #include "hal_host.h"         // hal_host
 #include <stdio.h>            // stderr
+#include <stdlib.h>           // getenv
 #include <string.h>           // memcpy, memset
 
 enum { skirt, modulated, camshaft };
@@ -122,11 +123,28 @@ static void move_axes(void)
     }
 }
 
+/// To understand what was found, CAM_FUZZ_TRACE=1 has every tick told.
+static void trace(void)
+{
+    static int is_on = -1;
+    is_on = is_on < 0 ? getenv("CAM_FUZZ_TRACE") != NULL : is_on;
+    if (is_on > 0) {
+        const cam_tick_record_t *r = fuzz_rig_record();
+        (void)printf("%u %s faults %x turn %.4f u %d x %d z %d outputs %x\n", (unsigned)r->tick,
+                     cam_state_name(r->want.state), (unsigned)r->want.faults,
+                     (double)r->angle.pos_q32 / 4294967296.0,
+                     (int)hal_host.out.axis[hal_axis_u].pos_nm,
+                     (int)hal_host.out.axis[hal_axis_x].pos_nm,
+                     (int)hal_host.out.axis[hal_axis_z].pos_nm, (unsigned)hal_host.out.outputs);
+    }
+}
+
 void fuzz_rig_tick(void)
 {
     turn_spindle();
     move_axes();
     hal_host_tick();
+    trace();
     fuzz_judge_tick(&fuzz_rig.judge, &fuzz_rig.machine.params, fuzz_rig.machine.version,
                     fuzz_rig_record());
 }

@@ -22,6 +22,7 @@ static bool is_judged(const hal_can_frame_t *f)
     static const cam_param_id_t others[] = {
         cam_param_k1_ns,
         cam_param_k2_us2,
+        cam_param_xz_lag_ns,
         cam_param_learn_harmonics,
         cam_param_u_speed_um_per_s,
         cam_param_u_acceleration_mm_per_s2,

@@ -74,7 +74,6 @@ static const cam_param_id_t ids[] = {
     cam_param_feed_ramp_turns,
     cam_param_z_is_measured,
     cam_param_lead_ns,
-    cam_param_xz_lag_ns,
     cam_param_phase_rate_udeg_per_s,
     cam_param_pass,
     cam_param_amplitude_rate_ppm_per_s,

@@ -195,6 +195,28 @@ static void test_stop_while_held_disengages(void)
     TEST_ASSERT_EQUAL_DOUBLE(rest_nm, z_nm);
 }
 
+/// Who presses stop once more does not move the end of the cut to where Z came to rest, which lies
+/// behind: the tool would be told to be off the work in one tick.
+static void test_second_stop_while_held_leaves_the_end_ahead(void)
+{
+    begin();
+    until(cam_state_cutting);
+    turns(9.0);
+    hold(true);
+    until(cam_state_holding);
+    turns(3.3);
+    fixture_play_ask(&f, cam_request_stop);
+    turns(0.1);
+    const int64_t end_q32 = f.plan.disengage_at_q32;
+    TEST_ASSERT_TRUE(end_q32 > f.angle.pos_q32);
+    fixture_play_ask(&f, cam_request_stop);
+    turns(0.1);
+    TEST_ASSERT_EQUAL_INT64(end_q32, f.plan.disengage_at_q32);
+    until(cam_state_disengaging);
+    TEST_ASSERT_TRUE(f.angle.pos_q32 - end_q32 < CAM_TURN_Q32 / 8);
+    until(cam_state_ready);
+}
+
 static void test_hold_within_the_last_ramp_is_overtaken_by_the_end(void)
 {
     begin();
@@ -275,6 +297,7 @@ int main(void)
     RUN_TEST(test_hold_while_engaging_keeps_the_feed_from_beginning);
     RUN_TEST(test_override_of_nothing_is_a_hold);
     RUN_TEST(test_stop_while_held_disengages);
+    RUN_TEST(test_second_stop_while_held_leaves_the_end_ahead);
     RUN_TEST(test_hold_within_the_last_ramp_is_overtaken_by_the_end);
     RUN_TEST(test_resume_near_the_end_creeps_there);
     RUN_TEST(test_random_changes_always_end_at_the_last_height);
