@@ -178,6 +178,8 @@ def host_steps() -> list[Step]:
         build("host-asan"),
         ctest("host-asan"),
         pytest("host-asan", *simulator, needs=("build host-asan",), preset="host-asan", wide=True),
+        build("host-tsan"),
+        ctest("host-tsan", "-R", r"^unit\.test_cam_status$"),
         build("host-clang"),
         ctest("host-clang"),
         clang_tidy("host-clang", rf"^{re.escape(str(ROOT))}/(firmware|hal|host_sim)/.*\.c$"),

@@ -12,23 +12,16 @@ typedef struct {
     int64_t pos_q32;
 } moment_t;
 
-/// When a tick has ended meanwhile, all is read again.
 static moment_t moment(const cam_t *c)
 {
-    moment_t now = {.state = cam_state_off};
-    uint32_t before = 0;
-    uint32_t after = atomic_load_explicit(&c->n_ticks, memory_order_acquire);
-    do {
-        before = after;
-        const cam_tick_record_t *newest = atomic_load_explicit(&c->newest, memory_order_acquire);
-        now.plan = c->plan;
-        now.is_playing = c->motion.is_playing;
-        now.state = c->motion.state; // as planned, like is_playing; the record has that of before
-        now.pos_q32 = newest != NULL ? newest->angle.pos_q32 : 0;
-        atomic_thread_fence(memory_order_acquire);
-        after = atomic_load_explicit(&c->n_ticks, memory_order_relaxed);
-    } while (after != before);
-    return now;
+    cam_moment_t now;
+    (void)cam_tick_moment(c, &now);
+    return (moment_t){
+        .plan = now.plan,
+        .is_playing = now.motion.is_playing,
+        .state = now.motion.state, // as planned, like is_playing; the record has that of before
+        .pos_q32 = now.record.angle.pos_q32,
+    };
 }
 
 static int64_t at_least_0(int64_t turns_q32)

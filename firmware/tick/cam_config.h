@@ -221,10 +221,10 @@ void cam_config_offer(cam_config_bank_t *bank);
 static inline __attribute__((always_inline)) const cam_config_t *
 cam_config_take_isr(cam_config_bank_t *bank)
 {
-    const cam_config_t *offered = atomic_load_explicit(&bank->offered, memory_order_relaxed);
+    const cam_config_t *offered = atomic_load_explicit(&bank->offered, CAM_ORDER_ACQUIRE);
     cam_fence_acquire_isr();
     cam_fence_release_isr(); // what the last tick read of the other half was read before this
-    atomic_store_explicit(&bank->in_use, offered, memory_order_relaxed);
+    atomic_store_explicit(&bank->in_use, offered, CAM_ORDER_RELEASE);
     return offered;
 }
 

@@ -27,7 +27,7 @@ static bool is_still(const cam_motion_t *m)
 static void open_turn(cam_gather_t *g, uint32_t turn, const cam_tick_record_t *r,
                       const cam_motion_t *m)
 {
-    const uint32_t cleared = atomic_load_explicit(&g->cleared[turn & 1u], memory_order_relaxed);
+    const uint32_t cleared = atomic_load_explicit(&g->cleared[turn & 1u], CAM_ORDER_ACQUIRE);
     g->is_clean = cleared == numbered(turn);
     cam_turn_t *now = &g->now;
     now->turn = turn;
@@ -47,7 +47,7 @@ static void close_turn(cam_gather_t *g, uint32_t next)
     g->closed[bank] = *now;
     cam_fence_release_isr();
     atomic_store_explicit(&g->closed_turn[bank], is_good ? numbered(now->turn) : 0u,
-                          memory_order_relaxed);
+                          CAM_ORDER_RELEASE);
 }
 
 void cam_gather_plan_isr(cam_gather_t *g, const cam_tick_record_t *r, const cam_motion_t *m)
@@ -68,7 +68,7 @@ void cam_gather_plan_isr(cam_gather_t *g, const cam_tick_record_t *r, const cam_
     now->height_end_q32 = m->height_q32;
     now->n_plans++;
     cam_fence_release_isr(); // what was closed is complete before the turn is seen to be over
-    atomic_store_explicit(&g->at_q8, at_q8, memory_order_relaxed);
+    atomic_store_explicit(&g->at_q8, at_q8, CAM_ORDER_RELEASE);
 }
 
 /// @return the first bin of bank 0 or 1

@@ -65,6 +65,7 @@ typedef struct {
     int32_t until_plan;                      ///< [ticks] to the next plan, that tick included
     const cam_tick_record_t *_Atomic newest; ///< NULL before the first tick
     _Atomic uint32_t n_ticks;                ///< ticks that are complete; wraps
+    _Atomic uint32_t n_begun;                ///< number of the tick that has begun last
     cam_gather_t gather;                     ///< both sides write, cam_learn.h
     cam_plan_t plan; ///< behind what every tick uses, whose offsets stay short
     // interrupt reads
@@ -74,8 +75,25 @@ typedef struct {
     cam_trace_t trace;
 } cam_t;
 
+/// What the interrupt leaves behind a tick, all of the same tick.
+typedef struct {
+    cam_tick_record_t record;
+    cam_spindle_t spindle;
+    cam_motion_t motion;
+    cam_guard_t guard;
+    cam_hand_t hand;
+    cam_acknowledge_t acknowledge;
+    cam_plan_t plan;
+} cam_moment_t;
+
 /// The controller that cam_isr() ticks.
 extern cam_t g_cam;
+
+/// Read the newest tick. Where the interrupt runs on another core, or was itself interrupted, it
+/// reads until no tick is in progress.
+/// @return false before the first tick; *now is that of state off then
+/// Context: slow side, which the interrupt may interrupt but not the other way round.
+bool cam_tick_moment(const cam_t *c, cam_moment_t *now);
 
 /// @return the status of the newest tick; all fields belong to the same tick
 /// Context: slow side.

@@ -15,7 +15,7 @@ static cam_tick_record_t *spare(cam_trace_t *trace, uint32_t room)
 cam_tick_record_t *cam_trace_slot_isr(cam_trace_t *trace, uint32_t room)
 {
     const uint32_t written = atomic_load_explicit(&trace->n_written, memory_order_relaxed);
-    const uint32_t read = atomic_load_explicit(&trace->n_read, memory_order_relaxed);
+    const uint32_t read = atomic_load_explicit(&trace->n_read, CAM_ORDER_ACQUIRE);
     cam_fence_acquire_isr();
     if (written - read >= room) {
         trace->n_next = written;
@@ -27,7 +27,7 @@ cam_tick_record_t *cam_trace_slot_isr(cam_trace_t *trace, uint32_t room)
 
 void cam_trace_commit_isr(cam_trace_t *trace)
 {
-    atomic_store_explicit(&trace->n_written, trace->n_next, memory_order_relaxed);
+    atomic_store_explicit(&trace->n_written, trace->n_next, CAM_ORDER_RELEASE);
 }
 
 bool cam_trace_pop(cam_trace_t *trace, cam_tick_record_t *record)

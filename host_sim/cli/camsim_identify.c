@@ -49,7 +49,7 @@ static bool take_value(identify_options_t *o, const char *name, const char *text
     double value = 0.0;
     if (strcmp(name, "periods") == 0) {
         const bool is_good = take_whole(name, text, 1.0, 65535.0, &value, e);
-        o->identify.n_periods = (uint32_t)value;
+        o->identify.n_periods = is_good ? (uint32_t)value : 0u;
         return is_good;
     }
     if (strcmp(name, "fade-ticks") == 0) {

@@ -66,6 +66,7 @@ static void test_status_comes_every_ten_milliseconds(void)
 static void test_status_keeps_its_period_across_the_wrap_of_the_tick(void)
 {
     g_cam.n_ticks = UINT32_MAX - 449u; // ticks of the interrupt
+    g_cam.n_begun = UINT32_MAX - 450u;
     f.can.report.status_tick = UINT32_MAX - 449u;
     fixture_rig_tick(&f.rig);
     const uint32_t n_sent = hal_host.slow.n_sent;

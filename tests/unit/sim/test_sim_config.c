@@ -182,6 +182,9 @@ static void test_load_refuses_what_is_wrong(void)
     refused("[u]\ndamping = -1\n", "line 2: u.damping = -1: out of range");
     refused("[u]\ndamping = 1\ndamping = 1\n", "given twice");
     refused("[machine]\ntick_hz = 20000.5\n", "whole");
+    refused("[machine]\ntick_hz = 1e30\n", "out of range; give a whole number");
+    refused("[encoder]\nstart_counts = -9.3e18\n", "out of range; give a whole number");
+    refused("[encoder]\nsign = 1e300\n", "out of range; give a whole number");
     refused("[encoder]\nsign = 0\n", "not 0");
     refused("[encoder]\nsign = 0.5\n", "whole");
     refused("[machine]\nname = default\n", "machine.name");
