@@ -100,6 +100,11 @@ static const err_text_t entries[] = {
     {cam_err_unlock, "the answer does not belong to the last challenge, which is used up"},
     {cam_err_hard_limit,
      "the value is beyond the limits that the port's builder fixed when its image was built"},
+    {cam_err_sign_none, "the table is not signed, and must be here: sign it by tools/keys"},
+    {cam_err_sign_block, "the table's signature has another format: sign it anew by tools/keys"},
+    {cam_err_sign_key, "the table is signed by a key that is not trusted here"},
+    {cam_err_sign_wrong, "the table's signature is wrong: it was changed after it was signed"},
+    {cam_err_sign_no_keys, "signed tables are required here, but the port names no public key"},
 };
 
 const char *cam_err_text(cam_err_t err)

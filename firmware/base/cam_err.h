@@ -108,6 +108,12 @@ typedef enum {
     cam_err_lock_none = -124,        ///< it needs the unlocked level, which this port never has
     cam_err_unlock = -125,           ///< the challenge was answered wrong, or none was asked for
     cam_err_hard_limit = -126, ///< the value is beyond the limits that the port's builder fixed
+    // Signature of a table (cam_trust.h)
+    cam_err_sign_none = -130,    ///< it has none, and the port requires one
+    cam_err_sign_block = -131,   ///< its block is not one that this firmware knows
+    cam_err_sign_key = -132,     ///< it is of a key that the port does not trust
+    cam_err_sign_wrong = -133,   ///< it is not of these bytes
+    cam_err_sign_no_keys = -134, ///< the port requires one, but names no key
 } cam_err_t;
 
 /// The compiler refuses a call that ignores the result of such a function.

@@ -77,14 +77,16 @@ static cam_err_t check_exchange(cam_machine_t *m, const cam_table_t *table)
 cam_err_t cam_machine_check_table(cam_machine_t *m, const void *image, size_t size)
 {
     cam_table_t table;
-    const cam_err_t err = cam_table_check(image, size, &table);
+    cam_trust_t trust;
+    const cam_err_t err = cam_trust_check_table(image, size, &table, &trust);
     return err == cam_ok ? check_exchange(m, &table) : err;
 }
 
 cam_err_t cam_machine_select_table(cam_machine_t *m, const void *image, size_t size)
 {
     cam_table_t table;
-    cam_err_t err = cam_table_check(image, size, &table);
+    cam_trust_t trust;
+    cam_err_t err = cam_trust_check_table(image, size, &table, &trust);
     if (err != cam_ok) {
         if (m->has_table && image == m->table.image) { // the table in use was overwritten
             report_damage(m);
@@ -97,6 +99,7 @@ cam_err_t cam_machine_select_table(cam_machine_t *m, const void *image, size_t s
     }
     if (err == cam_ok) {
         m->table = table;
+        m->trust = trust;
         m->has_table = true;
         m->is_in_pass = false; // what the old table has cut does not count
         m->scrub_at = 0;

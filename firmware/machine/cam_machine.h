@@ -21,6 +21,7 @@
 #include "cam_strobe.h"   // cam_strobe_t
 #include "cam_table.h"    // cam_table_t
 #include "cam_teach.h"    // cam_teach_status_t, cam_teach_harmonic_t
+#include "cam_trust.h"    // cam_trust_t
 #include "cam_tick.h"     // cam_t, cam_status_t
 #include <stdbool.h>      // bool
 
@@ -58,9 +59,8 @@ typedef struct {
     cam_kept_t kept;
 } cam_params_status_t;
 
-/// The slow side's state. Only has_table, table, params, pass, n_parts, is_held, tick_hz, refusal
-/// and kept are for
-/// others to read.
+/// The slow side's state. Only has_table, table, trust, params, pass, n_parts, is_held, tick_hz,
+/// refusal and kept are for others to read.
 typedef struct {
     cam_t *core;                ///< the interrupt's side
     cam_params_t params;        ///< as last set
@@ -72,6 +72,7 @@ typedef struct {
     uint32_t staged_version;    ///< version on which those rest, UINT32_MAX when there are none
     cam_refusal_t refusal;      ///< why the last change or command was infeasible
     cam_table_t table;          ///< valid when has_table
+    cam_trust_t trust;          ///< verdict about its signature, valid when has_table
     bool has_table;             ///< a good table is in use
     uint32_t tick_hz, clock_hz; ///< from the port
     uint32_t generation;        ///< number of the newest configuration
@@ -104,12 +105,14 @@ typedef struct {
 void cam_machine_init(cam_machine_t *m, cam_t *core, uint32_t tick_hz, uint32_t clock_hz);
 
 /// Check an image and take it into use.
-/// @return cam_ok; an image error; cam_err_state when neither off nor ready; cam_err_table_sense
+/// @param size  [bytes] of the image and of the signature behind it
+/// @return cam_ok; an image error; one of its signature; cam_err_state when neither off nor ready;
+/// cam_err_table_sense
 ///         when ready and the table turns in the other sense; a feasibility error when ready;
 ///         cam_err_busy. On error the old table stays in force, unless the bad image is the one at
 ///         the very address of the old table: that is then treated as damaged, as if
 ///         cam_machine_poll() had found it.
-/// Context: lasts as long as cam_table_check().
+/// Context: lasts as long as cam_trust_check_table().
 CAM_MUST_USE cam_err_t cam_machine_select_table(cam_machine_t *m, const void *image, size_t size);
 
 /// Set a parameter. In state off every parameter may change. In ready, where the spindle turns, all

@@ -162,11 +162,35 @@ void cam_lines_scales(const cam_machine_t *machine)
     }
 }
 
+/// Append whose table it is. That nobody signed it is news only where somebody could have.
+static void add_trust(line_t *line, const cam_trust_t *trust)
+{
+    static const char digits[] = "0123456789abcdef";
+    static const char *const kinds[cam_trust_signed + 1] = {
+        [cam_trust_unsigned] = "",
+        [cam_trust_unchecked] = ", signature not checked, it names key ",
+        [cam_trust_signed] = ", signed by key ",
+    };
+    add(line, kinds[trust->kind]);
+    if (trust->kind == cam_trust_unsigned && hal_trust().n_keys > 0u) {
+        add(line, ", not signed");
+    }
+    for (uint32_t i = 0; trust->kind != cam_trust_unsigned && i < sizeof trust->key_id; i++) {
+        const char text[3] = {digits[trust->key_id[i] >> 4], digits[trust->key_id[i] & 15u], '\0'};
+        add(line, text);
+    }
+}
+
 void cam_lines_table(cam_lines_t *l, const cam_store_t *store)
 {
     l->has_table = store->machine->has_table;
     if (store->err == cam_ok) {
-        say("table: ", store->machine->table.name, " in use", "");
+        line_t line = {.n = 0};
+        add(&line, "table: ");
+        add(&line, store->machine->table.name);
+        add(&line, " in use");
+        add_trust(&line, &store->machine->trust);
+        hal_text(line.text);
     } else {
         say("table: ", cam_err_text(store->err),
             l->has_table ? "" : " - home refused until a table is written", "");

@@ -36,7 +36,9 @@ void cam_lines_params(const cam_machine_t *machine);
 /// a count of the encoder is 94.2 nm of U". The last is for the table in use.
 void cam_lines_scales(const cam_machine_t *machine);
 
-/// Report the result of the last check of the table.
+/// Report the result of the last check of the table, for example "table: perkins240 in use, signed
+/// by key 0123456789abcdef", or ".. in
+/// use, not signed" where there are keys.
 void cam_lines_table(cam_lines_t *l, const cam_store_t *store);
 
 /// Report that a command was refused since its sender may not give it, at most once a second.

@@ -5,10 +5,10 @@
 ///     begin(size) -> block, block, .. -> end(crc) -> select
 ///
 /// Only the last step touches the table in use, and only when the new one is complete: its bytes
-/// are the ones that were sent (CRC-32), and cam_table_check() finds it good. Any error before, or
-/// a new begin, leaves the old table in force. All steps need the state off or ready, in which no
-/// tick reads a table; in ready the new table must turn in the same sense and be feasible. All
-/// functions: slow side, main() only.
+/// are the ones that were sent (CRC-32), and cam_trust_check_table() finds it good. Any error
+/// before, or a new begin, leaves the old table in force. All steps need the state off or ready, in
+/// which no tick reads a table; in ready the new table must turn in the same sense and be feasible.
+/// All functions: slow side, main() only.
 #ifndef CAM_STORE_H
 #define CAM_STORE_H
 
@@ -50,8 +50,8 @@ void cam_store_init(cam_store_t *s, cam_machine_t *machine);
 ///         cam_err_download_store when the port could not keep the downloaded table: the old one
 ///         then stays in force, and every further select tries again until one succeeds or a new
 ///         download begins
-/// Context: lasts as long as cam_table_check() takes for the image, and for a download also as long
-/// as hal_table_commit().
+/// Context: lasts as long as cam_trust_check_table() takes for the image, and for a download also
+/// as long as hal_table_commit().
 CAM_MUST_USE cam_err_t cam_store_select(cam_store_t *s);
 
 /// @return whether an error of cam_store_select() is due to the moment (state, busy, store), so
@@ -78,9 +78,9 @@ CAM_MUST_USE cam_err_t cam_store_block(cam_store_t *s, const uint8_t *block, uin
 /// End a download: check what has been stored.
 /// @param crc  CRC-32 of all bytes of the image, as sent
 /// @return cam_ok: the next select takes the table; cam_err_state, _busy, cam_err_download_order,
-///         _short: the download may go on; cam_err_download_crc or an error of cam_table_check():
-///         the download has to begin anew
-/// Context: lasts as long as cam_table_check().
+///         _short: the download may go on; cam_err_download_crc or an error of
+///         cam_trust_check_table(): the download has to begin anew
+/// Context: lasts as long as cam_trust_check_table().
 CAM_MUST_USE cam_err_t cam_store_end(cam_store_t *s, uint32_t crc);
 
 #endif

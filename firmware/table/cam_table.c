@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_table.h"
-#include "cam_barrel.h"  // cam_barrel_measure
-#include "cam_entry.h"   // cam_entry_check
-#include "cam_fix.h"     // cam_is_between
-#include "cam_lobes.h"   // cam_lobes_check
-#include "cam_pace.h"    // cam_pace_of
-#include "cam_peaks.h"   // cam_peaks_of_swing
-#include "cam_passes.h"  // cam_passes_check
-#include "cam_promise.h" // cam_promise_check
-#include "cam_way.h"     // cam_way_check
-#include <stdbool.h>     // bool
-#include <string.h>      // memcpy, memcmp
+#include "cam_barrel.h"    // cam_barrel_measure
+#include "cam_entry.h"     // cam_entry_check
+#include "cam_fix.h"       // cam_is_between
+#include "cam_lobes.h"     // cam_lobes_check
+#include "cam_pace.h"      // cam_pace_of
+#include "cam_peaks.h"     // cam_peaks_of_swing
+#include "cam_passes.h"    // cam_passes_check
+#include "cam_promise.h"   // cam_promise_check
+#include "cam_signature.h" // cam_signature_follows
+#include "cam_way.h"       // cam_way_check
+#include <stdbool.h>       // bool
+#include <string.h>        // memcpy, memcmp
 
 _Static_assert(sizeof(cam_knot_t) == 12, "a knot is three words of the image");
 
@@ -74,13 +75,24 @@ static uint32_t word_at(const uint8_t *image, size_t at)
     return word;
 }
 
+/// @return what remains of `size` bytes without the signature that ends them, if one does
+static size_t without_signature(const uint8_t *image, size_t size)
+{
+    const size_t stored = word_at(image, at_image_size);
+    const bool is_signed = stored >= (size_t)cam_table_header_size && stored < size &&
+                           size - stored == (size_t)cam_signature_block_size &&
+                           cam_signature_follows(image, stored, size);
+    return is_signed ? stored : size;
+}
+
 /// Check what must hold before any field may be trusted: marks, version, size and CRC.
-static cam_err_t check_frame(const uint8_t *image, size_t size)
+static cam_err_t check_frame(const uint8_t *image, size_t offered)
 {
     static const uint8_t magic[8] = {0x43, 0x41, 0x4D, 0x54, 0x41, 0x42, 0x1A, 0x0A};
-    if (size < cam_table_header_size) {
+    if (offered < cam_table_header_size) {
         return cam_err_image_size;
     }
+    const size_t size = without_signature(image, offered);
     if (memcmp(image, magic, sizeof magic) != 0) {
         return cam_err_image_magic;
     }

@@ -41,6 +41,10 @@ function update nofp "one tick: the fast thread, behind the encoder's function";
 function poll fp "the main loop: a thread of 1 ms or slower, or behind update in the same thread";
 modparam dummy table """
 \\fBtable=\\fRabsolute path of a .camtab file. Without a good one the component does not load.""";
+modparam dummy trust_keys """
+\\fBtrust_keys=\\fRpublic keys whose tables are taken, 64 digits each, with commas between.""";
+modparam dummy trust_required """
+\\fBtrust_required=1\\fR: a table without a signature of one of these keys is refused.""";
 modparam dummy tick_hz """\\fBtick_hz=\\fRrate of the thread of \\fBcamturn.update\\fR [Hz], 500 .. 100 000.""";
 modparam dummy measures_u """\\fBmeasures_u=1\\fR: u-fb is a measurement; then what the drive does wrong can be learned.""";
 modparam dummy measures_x """\\fBmeasures_x=1\\fR: x-fb is a measurement.""";
@@ -57,6 +61,10 @@ include "lcn_slow.h";
 
 static char *table = "";
 RTAPI_MP_STRING(table, "absolute path of a .camtab file");
+static char *trust_keys = "";
+RTAPI_MP_STRING(trust_keys, "public keys whose tables are taken");
+static int trust_required = 0;
+RTAPI_MP_INT(trust_required, "1: tables without a signature of one of them are refused");
 static int tick_hz = 1000;
 RTAPI_MP_INT(tick_hz, "rate of the thread of camturn.update [Hz]");
 static int measures_u = 0;
@@ -110,9 +118,17 @@ EXTRA_SETUP()
                         tick_hz);
         return -EINVAL;
     }
+    common_keys_t trust = {.n = 0};
+    if (!common_keys_add(&trust, trust_keys) || (trust_required != 0 && trust.n == 0)) {
+        rtapi_print_msg(RTAPI_MSG_ERR, "camturn: trust_keys=%.80s: %s\n", trust_keys,
+                        COMMON_KEYS_REMEDY ", or leave trust_required out");
+        return -EINVAL;
+    }
     const lcn_setup_t setup = {
         .tick_hz = (uint32_t)tick_hz,
         .is_measured = {measures_u != 0, measures_x != 0, measures_z != 0},
+        .trust = trust,
+        .is_trust_required = trust_required != 0,
         .is_nominal = nominal_time != 0,
     };
     lcn_port_init(&setup);

@@ -7,9 +7,10 @@
 #ifndef LCN_PORT_H
 #define LCN_PORT_H
 
-#include "lcn_index.h" // lcn_counters_t
-#include <stdbool.h>   // bool
-#include <stdint.h>    // int32_t, int64_t, uint32_t
+#include "common_keys.h" // common_keys_t
+#include "lcn_index.h"   // lcn_counters_t
+#include <stdbool.h>     // bool
+#include <stdint.h>      // int32_t, int64_t, uint32_t
 
 /// Axes, as in hal/hal.h.
 enum { lcn_u, lcn_x, lcn_z, lcn_n_axes };
@@ -21,6 +22,8 @@ enum { lcn_n_switches = 8 };
 typedef struct {
     uint32_t tick_hz;             ///< [Hz] rate of the thread, 500 .. 100 000
     bool is_measured[lcn_n_axes]; ///< the axis has a feedback; false: it is where it was commanded
+    common_keys_t trust;          ///< public keys whose tables are taken
+    bool is_trust_required;       ///< a table without a signature of one of them is refused
     bool is_nominal;              ///< time is counted in ticks, not read from a clock: simulation
 } lcn_setup_t;
 

@@ -65,6 +65,19 @@
 /// reached. What is not wired must not be in the sum: it would read as reached for ever.
 #define BOARD_HOME_SWITCHES 0
 
+/// Public keys whose tables are taken, as `tools/keys show --c` prints them, and how many: at
+/// most 4. TABLE_FORMAT.md, "Signature", tells who holds the private ones.
+#define BOARD_TRUST_N_KEYS 0
+#define BOARD_TRUST_KEYS                                                                           \
+    {                                                                                              \
+        0                                                                                          \
+    }
+
+/// 1: a table without a signature of one of these keys is refused. 0: it is taken, but a wrong
+/// signature is refused all the same. What UPDATE.md says of read-out protection belongs to it: who
+/// can write the flash can write this, too.
+#define BOARD_TRUST_REQUIRED 0
+
 /// Codes of a 16-bit converter per unit, in 2^-32, where 2^15 codes stand for the value at +10 V.
 #define BOARD_CODES_Q32(full) ((int32_t)(((INT64_C(1) << 47) + (full) / 2) / (full)))
 

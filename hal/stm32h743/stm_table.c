@@ -111,7 +111,9 @@ bool hal_table_begin(uint32_t size)
     if (size == 0u || size > (uint32_t)stm_other_bytes || !make_room_in_log()) {
         return false;
     }
-    is_begun = stm_flash_erase((uint32_t)place(1u - in_use).bytes, size);
+    const uint32_t behind = (uint32_t)stm_other_bytes - size;
+    is_begun = stm_flash_erase((uint32_t)place(1u - in_use).bytes,
+                               size + (behind < hal_table_behind ? behind : hal_table_behind));
     return is_begun;
 }
 

@@ -39,6 +39,13 @@ bool hal_measures_u(void)
     return false;
 }
 
+/// Return the public keys whose tables this machine takes, and whether a signature is required.
+/// They are for its builder to set, beyond the reach of every command.
+hal_trust_t hal_trust(void)
+{
+    return (hal_trust_t){.keys = NULL, .n_keys = 0, .is_required = false};
+}
+
 /// Return what the outputs and the scales of an axis resolve, and how fast its output is: a code of
 /// the converter or a step in picometres, a count of the scale, the highest rate of steps.
 hal_axis_scale_t hal_axis_scale(hal_axis_t axis)

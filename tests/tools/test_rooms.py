@@ -31,7 +31,7 @@ DESIGN = {
     "hal/linux/setup": ("hal/include", "hal/common"),
     "hal/linux/bus": ("hal/linux/setup",),
     "hal/linux/tick": ("hal/include",),
-    "hal/linuxcnc": ("hal/include", "firmware/machine"),
+    "hal/linuxcnc": ("hal/include", "hal/common", "firmware/machine"),
     "firmware/base": ("hal/include",),
     "firmware/table": ("firmware/base",),
     "firmware/tick": ("firmware/table",),

@@ -48,7 +48,7 @@ def other_folder(temporary: Path, root: Path = ROOT) -> Path:
 
 
 def _copy(unity: Path, folder: Path) -> None:
-    """Copy the sources, Unity, Monocypher and the Python packages to where a build looks for them."""
+    """Copy sources, Unity, Monocypher and Python packages to where a build looks for them."""
 
     def not_sources(_folder: str, names: list[str]) -> set[str]:
         return {name for name in names if name == "build" or name.startswith(".git")}

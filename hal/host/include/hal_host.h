@@ -64,6 +64,7 @@ typedef struct {
         uint32_t n_kept;     ///< [words] of hal_scope_keep(), which a start finds again
         hal_axis_scale_t scale[hal_n_axes]; ///< what hal_axis_scale() says
         hal_operator_t people;              ///< what hal_operator() says
+        hal_trust_t trust;                  ///< what hal_trust() says
     } slow;
     uint32_t tick_hz;     ///< [Hz] set before hal_init(), 20 000 when 0
     uint32_t clock;       ///< [1 / hal_host_clock_hz] virtual time stamp, wraps

@@ -132,6 +132,18 @@ typedef struct {
 /// [bytes] that a flash memory programs at once; pieces of a download are multiples of it.
 enum { hal_table_grain = 32 };
 
+/// [bytes] behind an image that a port empties with it, as far as the place reaches: a signature of
+/// the image that lay there before would otherwise follow an image of the same size without one.
+enum { hal_table_behind = 128 };
+
+/// Whose tables the port takes. The keys are public, and yet what protects them is all that
+/// protects the machine from tables of others: who can change them can change this.
+typedef struct {
+    const uint8_t *keys; ///< n_keys times the 32 bytes of a public key of Ed25519 (RFC 8032)
+    uint32_t n_keys;     ///< 0: signatures are not checked
+    bool is_required;    ///< a table without a signature of one of the keys is refused
+} hal_trust_t;
+
 /// [bytes] of parameters that a port keeps at most.
 enum { hal_params_most_bytes = 16384 };
 
@@ -227,12 +239,16 @@ hal_start_t hal_start(void);
 /// Simulator: none unless the test sets it.
 hal_image_t hal_table_image(void);
 
+/// @return whose tables are taken, constant after hal_init(). What a builder sets, not a commander:
+/// no command changes it. Simulator: as the test or the options say, else no keys and not required.
+hal_trust_t hal_trust(void);
+
 // A second place of the same kind takes a new table while the first is in use. The next four
 // functions are called in the states off and ready only, when no tick reads a table. They may
 // block, but cam_isr() and the watchdog's supervision of main() must go on meanwhile.
 
-/// Empty the place that is not in use, for an image. What it held is lost, including the pieces of
-/// an unfinished download. The place in use is not touched.
+/// Empty the place that is not in use, for an image and hal_table_behind. What it held is lost,
+/// including the pieces of an unfinished download. The place in use is not touched.
 /// @param size  [bytes] of the image
 /// @return      false when the image is larger than the place, or the place cannot be emptied
 /// Context: main(); with flash up to some seconds.

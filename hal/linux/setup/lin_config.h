@@ -6,6 +6,7 @@
 
 #include "hal/hal.h"      // hal_n_axes
 #include "common_error.h" // common_error_t
+#include "common_keys.h"  // common_keys_t
 #include <stdbool.h>      // bool
 #include <stdint.h>       // int64_t, uint32_t
 
@@ -74,6 +75,9 @@ typedef struct {
     lin_line_config_t line[lin_n_lines];
     char table_file[lin_path_max + 1];
     int64_t table_max_bytes;
+    char trust_key[common_keys_most][common_keys_digits + 1]; ///< "": none
+    common_keys_t trust;                                      ///< all of them, after loading
+    bool is_trust_required;
     char params_file[lin_path_max + 1]; ///< "": parameters are not kept
 } lin_config_t;
 

@@ -71,6 +71,11 @@ bool hal_has_edge_time(void)
     return false;
 }
 
+hal_trust_t hal_trust(void)
+{
+    return (hal_trust_t){0};
+}
+
 bool hal_measures_u(void)
 {
     return false;

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cam_trust.h"
+#include "cam_sha512.h"
+#include "hal/hal.h"    // hal_trust
+#include "monocypher.h" // crypto_eddsa_check_equation
+#include <string.h>     // memcmp, memcpy
+
+/// @return the trusted key that has this id, NULL: none. Two keys with one id cannot be made, as
+/// long as SHA-512 holds; the first of them would count.
+static const uint8_t *key_of(const hal_trust_t *trust, const uint8_t *id)
+{
+    for (uint32_t i = 0; i < trust->n_keys; i++) {
+        const uint8_t *key = &trust->keys[i * (uint32_t)cam_trust_key_size];
+        uint8_t hash[cam_sha512_bytes];
+        cam_sha512_t s;
+        cam_sha512_begin(&s);
+        cam_sha512_add(&s, key, cam_trust_key_size);
+        cam_sha512_end(&s, hash);
+        if (memcmp(hash, id, cam_signature_id_size) == 0) {
+            return key;
+        }
+    }
+    return NULL;
+}
+
+bool cam_trust_is_signed_by(const uint8_t *key, const void *bytes, size_t n,
+                            const uint8_t *signature)
+{
+    enum { r_bytes = 32 };
+    uint8_t hash[cam_sha512_bytes];
+    uint8_t h_ram[32]; // the hash of R, the key and the message
+    cam_sha512_t s;
+    cam_sha512_begin(&s);
+    cam_sha512_add(&s, signature, r_bytes);
+    cam_sha512_add(&s, key, cam_trust_key_size);
+    cam_sha512_add(&s, bytes, n);
+    cam_sha512_end(&s, hash);
+    crypto_eddsa_reduce(h_ram, hash);
+    return crypto_eddsa_check_equation(signature, key, h_ram) == 0;
+}
+
+/// Judge the block behind an image.
+static cam_err_t judge(const hal_trust_t *trust, const uint8_t *image, size_t image_size)
+{
+    const uint8_t *block = &image[image_size];
+    if (!cam_signature_is_sound(block, image_size)) {
+        return cam_err_sign_block;
+    }
+    if (trust->n_keys == 0u) {
+        return cam_ok;
+    }
+    const uint8_t *key = key_of(trust, &block[cam_signature_at_id]);
+    if (key == NULL) {
+        return cam_err_sign_key;
+    }
+    return cam_trust_is_signed_by(key, image, image_size + (size_t)cam_signature_signed_size,
+                                  &block[cam_signature_at_signature])
+               ? cam_ok
+               : cam_err_sign_wrong;
+}
+
+cam_err_t cam_trust_check_table(const void *image, size_t size, cam_table_t *table,
+                                cam_trust_t *verdict)
+{
+    const hal_trust_t trust = hal_trust();
+    *verdict = (cam_trust_t){.kind = cam_trust_unsigned};
+    cam_err_t err = cam_table_check(image, size, table);
+    if (err != cam_ok) {
+        return err;
+    }
+    const bool has_block = size > table->image_size;
+    if (trust.is_required && (!has_block || trust.n_keys == 0u)) {
+        err = trust.n_keys == 0u ? cam_err_sign_no_keys : cam_err_sign_none;
+    } else if (has_block) {
+        err = judge(&trust, image, table->image_size);
+    } else {
+        return cam_ok;
+    }
+    if (err != cam_ok) {
+        *table = (cam_table_t){0};
+        return err;
+    }
+    const uint8_t *bytes = image;
+    verdict->kind = trust.n_keys == 0u ? cam_trust_unchecked : cam_trust_signed;
+    (void)memcpy(verdict->key_id, &bytes[table->image_size + (uint32_t)cam_signature_at_id],
+                 sizeof verdict->key_id);
+    return cam_ok;
+}
