@@ -180,11 +180,11 @@ def coverage() -> dict[str, float]:
         "-m",
         "gcovr",
         "--root",
-        ROOT,
+        str(ROOT),
         *files,
         "--json-summary",
-        report,
-        COVERED,
+        str(report),
+        str(COVERED),
     ]
     subprocess.run(gcovr, check=True, stdout=subprocess.DEVNULL)
     summary = json.loads(report.read_text("utf-8"))

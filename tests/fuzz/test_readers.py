@@ -27,12 +27,12 @@ from camtools.pipeline.load import parse as parse_part
 from camtools.sim.machine_file import read_machine
 from camtools.skirt.scan import parse_scan
 from camtools.skirt.scan_text import parse_sections
-from camtools.table.image import ImageError, unpack
+from camtools.table.channel import ImageError
+from camtools.table.image import unpack
 from camtools.table.points import parse_points as parse_gauged
 from part_cases import ROOT
 
 Reader = Callable[[bytes], object]
-PARTS = ROOT / "tools" / "parts"
 MACHINES = ROOT / "host_sim" / "machines"
 N_EXAMPLES = int(os.environ.get("CAMTURN_EXAMPLES", "60"))
 MOST_BYTES = 6000
@@ -94,9 +94,32 @@ READERS: dict[str, tuple[Reader, tuple[bytes, ...]]] = {
     "measured": (text_of(parse_measured), (HEIGHTS, POINTS)),
     "gauged": (text_of(parse_gauged), (HEIGHTS, POINTS)),
 }
-WORDS = (b"nan", b"-inf", b"1e308", b"1e-320", b"99999999999999999999", b"\x00", b"\xff\xfe",
-         b"[[", b"]]", b'"""', b"=", b"true", b"\r", b",", b";", b"\xef\xbb\xbf", b"-0", b"1_0",
-         b"1979-05-27T07:32:00Z", b"inf", b"0x7fffffffffffffff", b"\n\n", b"[a.b.c]", b"{}")
+WORDS = (
+    b"nan",
+    b"-inf",
+    b"1e308",
+    b"1e-320",
+    b"99999999999999999999",
+    b"\x00",
+    b"\xff\xfe",
+    b"[[",
+    b"]]",
+    b'"""',
+    b"=",
+    b"true",
+    b"\r",
+    b",",
+    b";",
+    b"\xef\xbb\xbf",
+    b"-0",
+    b"1_0",
+    b"1979-05-27T07:32:00Z",
+    b"inf",
+    b"0x7fffffffffffffff",
+    b"\n\n",
+    b"[a.b.c]",
+    b"{}",
+)
 
 
 @st.composite
