@@ -216,6 +216,17 @@ static inline int32_t cam_wrap_diff(uint32_t a, uint32_t b)
     return (int32_t)(a - b);
 }
 
+/// @param by  0 .. 2^31 - 1
+/// @return    v * by modulo 2^32
+/*@ requires by <= INT32_MAX;
+    assigns \result \from v, by;
+    ensures plain: INT32_MIN <= v * by <= INT32_MAX ==> \result == v * by;
+*/
+static inline int32_t cam_wrap_times(int32_t v, uint32_t by)
+{
+    return (int32_t)((uint32_t)v * by);
+}
+
 /// @return a + b modulo 2^32
 /*@ assigns \result \from a, b;
     ensures plain: INT32_MIN <= a + b <= INT32_MAX ==> \result == a + b;

@@ -10,6 +10,12 @@
 /// (CAM_TABLE_SUM_MAX) keep every intermediate result below 2^31, so no segment, slice or angle can
 /// overflow.
 ///
+/// Knots that were changed in memory behind the check keep none of these bounds. The sums wrap
+/// then, which costs nothing, and no look-up leaves the table, because places come from angle,
+/// height and the sizes that the check has taken over. What comes out is some number: the guard
+/// judges it in the tick that would write it, and the background check finds the change
+/// (FAULTS.md).
+///
 /// Error against exact arithmetic on the same knots, MATHS.md (49): below 1 LSB for the value, 2
 /// LSB per knot interval for the first and 8 LSB per interval^2 for the second derivative. Blending
 /// contributes less than 1/16 LSB per knot member, each Horner step less than 1/32, the final
@@ -111,7 +117,8 @@ CAM_EVAL_INLINE cam_height_t cam_eval_height(const cam_channel_t *ch, int32_t z_
 */
 static inline int32_t cam_eval_blend(int32_t a, int32_t b, int32_t w_q31)
 {
-    return cam_mulhi_add(a * CAM_EVAL_GUARD, (b - a) * (2 * CAM_EVAL_GUARD), w_q31);
+    return cam_mulhi_add(cam_wrap_times(a, CAM_EVAL_GUARD),
+                         cam_wrap_times(cam_wrap_sub(b, a), 2 * CAM_EVAL_GUARD), w_q31);
 }
 
 /// @return r rounded from LSB / 16 to whole LSB, half up
@@ -121,7 +128,7 @@ static inline int32_t cam_eval_blend(int32_t a, int32_t b, int32_t w_q31)
 */
 static inline int32_t cam_eval_round(int32_t r)
 {
-    return (r + CAM_EVAL_GUARD / 2) >> cam_eval_guard_bits;
+    return cam_wrap_add(r, CAM_EVAL_GUARD / 2) >> cam_eval_guard_bits;
 }
 
 /// Coefficients of a quintic over s, the signed fraction from the middle of its interval.
@@ -146,16 +153,16 @@ typedef struct {
 */
 CAM_EVAL_INLINE cam_powers_t cam_eval_powers(cam_knot_t k0, cam_knot_t k1)
 {
-    const int32_t dp = k1.p - k0.p;
-    const int32_t dv = k1.v - k0.v;
-    const int32_t w = k0.v + k1.v - 2 * dp;
-    const int32_t o5 = k1.a - k0.a - 3 * w;
-    const int32_t o3 = w - (o5 >> 1);
-    const int32_t e4 = (k0.a + k1.a - dv) >> 1;
-    const int32_t e2 = (dv - e4) >> 1;
+    const int32_t dp = cam_wrap_sub(k1.p, k0.p);
+    const int32_t dv = cam_wrap_sub(k1.v, k0.v);
+    const int32_t w = cam_wrap_sub(cam_wrap_add(k0.v, k1.v), cam_wrap_times(dp, 2));
+    const int32_t o5 = cam_wrap_sub(cam_wrap_sub(k1.a, k0.a), cam_wrap_times(w, 3));
+    const int32_t o3 = cam_wrap_sub(w, o5 >> 1);
+    const int32_t e4 = cam_wrap_sub(cam_wrap_add(k0.a, k1.a), dv) >> 1;
+    const int32_t e2 = cam_wrap_sub(dv, e4) >> 1;
     return (cam_powers_t){
-        .e0 = ((k0.p + k1.p) >> 1) - (e2 >> 2) - (e4 >> 4),
-        .o1 = dp - (o3 >> 2) - (o5 >> 4),
+        .e0 = cam_wrap_sub(cam_wrap_add(k0.p, k1.p) >> 1, (e2 >> 2) + (e4 >> 4)),
+        .o1 = cam_wrap_sub(dp, (o3 >> 2) + (o5 >> 4)),
         .e2 = e2,
         .o3 = o3,
         .e4 = e4,
@@ -189,7 +196,7 @@ CAM_EVAL_INLINE cam_fine_t cam_eval_quintic(cam_segment_t at)
     y = cam_mulhi_add(c.o1, y, s_q32);
     d1 = cam_mulhi_add(y, d1, s_q32);
     y = cam_mulhi_add(c.e0, y, s_q32);
-    return (cam_fine_t){.y = y, .d1 = d1, .d2 = 2 * d2};
+    return (cam_fine_t){.y = y, .d1 = d1, .d2 = cam_wrap_times(d2, 2)};
 }
 
 /// @return value and derivatives rounded to whole LSB
@@ -217,8 +224,9 @@ CAM_EVAL_INLINE cam_knot_t cam_eval_knot_at(const cam_place_t *place, uint32_t e
 /// @return [LSB / 16] a stored knot with guard bits
 static inline cam_knot_t cam_eval_guarded(const cam_knot_t *k)
 {
-    return (cam_knot_t){
-        .p = k->p * CAM_EVAL_GUARD, .v = k->v * CAM_EVAL_GUARD, .a = k->a * CAM_EVAL_GUARD};
+    return (cam_knot_t){.p = cam_wrap_times(k->p, CAM_EVAL_GUARD),
+                        .v = cam_wrap_times(k->v, CAM_EVAL_GUARD),
+                        .a = cam_wrap_times(k->a, CAM_EVAL_GUARD)};
 }
 
 /// Find a place on a channel over angle, at a height that was found before.

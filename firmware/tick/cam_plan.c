@@ -167,7 +167,9 @@ static void aim_speed(cam_plan_t *p, const cam_play_config_t *cfg, const cam_ang
     const cam_ratio_t ratio = cam_speed_ratio_at(ch, theta_q32 - phase_then_q32(m, cfg),
                                                  cam_shaft_slice(&p->shaft, cfg->table, ch, z_nm));
     const int32_t from_q28 = p->ratio_q28;
-    p->ratio_q28 = cam_speed_eased_q28(ratio.ratio_q28, envelope);
+    const int32_t held_q28 = // beyond every ratio of a table that was not changed in memory
+        cam_clamp_i32(ratio.ratio_q28, CAM_RATIO_ONE_Q28 / 32, CAM_RATIO_ONE_Q28 * 5);
+    p->ratio_q28 = cam_speed_eased_q28(held_q28, envelope);
     m->spindle_mrpm = cam_speed_mrpm(&speed, from_q28, p->ratio_q28);
     m->alpha_q40 = cam_speed_alpha_q40(&speed, cam_aim_share(cfg, p->ratio_q28 - from_q28));
     m->alpha_u = cam_sat_i32(((int64_t)m->alpha_q40 * m->scale_q30) >> cfg->u.alpha_shift);
