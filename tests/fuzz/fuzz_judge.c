@@ -148,6 +148,31 @@ static void judge_state(fuzz_judge_t *j, const cam_tick_record_t *r)
                 cam_state_name(want->state));
 }
 
+/// The drives come on only behind a press of the button that lasted neither too short nor too long
+/// and came behind the last fault and emergency stop. A contact that bounces makes a press up to
+/// 20 ms shorter or longer.
+static void judge_button(fuzz_judge_t *j, const cam_tick_record_t *r)
+{
+    const bool is_on = r->want.state != cam_state_off && r->want.state != cam_state_fault;
+    const bool comes_on = j->state == cam_state_off && is_on;
+    FUZZ_EXPECT(!j->has_button || !comes_on || j->is_pressed_right, "enabled without a press");
+    const bool is_needed = r->want.state == cam_state_fault || (r->in.inputs & hal_in_estop) != 0u;
+    const bool is_pressed = (r->in.inputs & hal_in_acknowledge) != 0u;
+    const uint32_t ms = (uint32_t)((uint64_t)j->n_pressed * 1000u / j->tick_hz);
+    if (is_needed) {
+        j->is_pressed_right = false;
+    } else if (!is_pressed && ms >= 25u && ms <= 2100u) {
+        j->is_pressed_right = true;
+    } else {
+        // it stays what it was
+    }
+    // A press that was there before all was well is none.
+    const bool is_counted = is_pressed && !is_needed && r->want.state == cam_state_off;
+    const bool is_first = !j->was_pressed;
+    j->n_pressed = is_counted && (is_first || j->n_pressed > 0u) ? j->n_pressed + 1u : 0u;
+    j->was_pressed = is_pressed;
+}
+
 /// In a fault the tool leaves the work within the stated time, and rests then.
 static void judge_fault(fuzz_judge_t *j, const cam_tick_record_t *r)
 {
@@ -238,6 +263,7 @@ void fuzz_judge_tick(fuzz_judge_t *j, const cam_params_t *p, uint32_t version,
         }
     }
     judge_state(j, r);
+    judge_button(j, r);
     judge_fault(j, r);
     const cam_state_t before = j->state;
     j->state = r->want.state;

@@ -27,8 +27,12 @@ typedef struct {
     uint32_t plan_ticks; ///< from plan to plan
     uint32_t version;    ///< of the parameters that the limits are of
     fuzz_limits_t limits;
-    int32_t rise_nm;   ///< [nm] by which U and X may leave further in a fault
-    cam_state_t state; ///< of the last tick
+    int32_t rise_nm;       ///< [nm] by which U and X may leave further in a fault
+    cam_state_t state;     ///< of the last tick
+    bool has_button;       ///< set by the rig: nothing moves again before a press
+    bool is_pressed_right; ///< since the last fault and emergency stop there was one
+    bool was_pressed;
+    uint32_t n_pressed; ///< [ticks] that the button has been pressed in off, so far
     bool was_enabled;
     bool is_angle_doubtful; ///< by the target: the spindle moved as no spindle can, and X and Z,
                             ///< which are geared to it, are not judged until the next off

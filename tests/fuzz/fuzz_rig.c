@@ -22,7 +22,7 @@ typedef struct {
     fuzz_rig_t rig;
 } copy_t;
 
-static copy_t copies[n_rates][fuzz_rig_n_parts][n_states];
+static copy_t copies[n_rates][fuzz_rig_n_parts][n_states][2];
 static fixture_image_t images[fuzz_rig_n_parts];
 
 /// Rates, with the spindle's speed at which a turn has 50 ticks or more.
@@ -165,11 +165,13 @@ static void set(cam_param_id_t id, int32_t value)
     fuzz_rig_tick();
 }
 
-static void begin(uint32_t rate, uint32_t part)
+static void begin(uint32_t rate, uint32_t part, bool has_button)
 {
     const uint32_t hz = rates[rate].tick_hz;
     memset(&fuzz_rig, 0, sizeof fuzz_rig);
     hal_host_reset(hz);
+    hal_host.slow.people.has_acknowledge = has_button;
+    hal_host.slow.people.is_acknowledge_waived = !has_button;
     hal_host.in.axis_nm[hal_axis_x] = 47 * mm;
     size_t size;
     const void *image = fuzz_rig_image(part, &size);
@@ -180,6 +182,7 @@ static void begin(uint32_t rate, uint32_t part)
     cam_can_init(&fuzz_rig.can, &fuzz_rig.machine);
     FUZZ_EXPECT(fuzz_rig.machine.has_table, "start: no table");
     fuzz_judge_begin(&fuzz_rig.judge, hz, cam_table_rise_nm(&fuzz_rig.machine.table));
+    fuzz_rig.judge.has_button = has_button;
     fuzz_rig_tick();
     set(cam_param_trace_on, 0);
     set(cam_param_lead_ns, (int32_t)(1000000000u / hz));
@@ -226,6 +229,15 @@ static void bring(cam_state_t state)
     }
 }
 
+void fuzz_rig_press(uint32_t n)
+{
+    fuzz_rig_loop(fuzz_rig.judge.tick_hz / 8u);
+    hal_host_press(true);
+    fuzz_rig_loop(n);
+    hal_host_press(false);
+    fuzz_rig_loop(fuzz_rig.judge.tick_hz / 8u);
+}
+
 static uint32_t rate_of(uint32_t tick_hz)
 {
     uint32_t i = 0;
@@ -258,9 +270,12 @@ void fuzz_rig_start(fuzz_start_t start)
 {
     be_quiet();
     const uint32_t rate = rate_of(start.tick_hz);
-    copy_t *c = &copies[rate][start.part][place_of(start.state)];
+    copy_t *c = &copies[rate][start.part][place_of(start.state)][start.has_button ? 1 : 0];
     if (!c->is_made) {
-        begin(rate, start.part);
+        begin(rate, start.part, start.has_button);
+        if (start.has_button && start.state != cam_state_off) {
+            fuzz_rig_press(start.tick_hz / 5u);
+        }
         bring(start.state);
         c->core = g_cam;
         c->host = hal_host;

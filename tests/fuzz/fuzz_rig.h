@@ -15,6 +15,7 @@ typedef struct {
     uint32_t tick_hz;
     uint32_t part;     ///< below fuzz_rig_n_parts
     cam_state_t state; ///< off, ready, cutting or manual
+    bool has_button;   ///< the button acknowledge is wired, and was pressed for a state but off
 } fuzz_start_t;
 
 enum { fuzz_rig_n_parts = 3 }; ///< the short skirt, the modulated skirt, the camshaft
@@ -59,6 +60,9 @@ void fuzz_rig_tick(void);
 
 /// n times what main() does in its loop.
 void fuzz_rig_loop(uint32_t n);
+
+/// Press the button acknowledge for n ticks, with an eighth of a second before and behind it.
+void fuzz_rig_press(uint32_t n);
 
 /// @return the record of the newest tick
 const cam_tick_record_t *fuzz_rig_record(void);

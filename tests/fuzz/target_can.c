@@ -2,6 +2,7 @@
 // Frames arrive, in any order and of any content, while the tick runs: commands, parameters, blocks
 // of a download. Every frame of the controller's own is a message of the DBC; every tick is judged.
 #include "cam_can.h"
+#include "cam_rights.h"
 #include "fuzz_bytes.h"
 #include "fuzz_expect.h"
 #include "fuzz_mutate.h"
@@ -84,6 +85,9 @@ static void happen(uint8_t what)
     case 3:
         hal_host_fault_drive(what >= 128u);
         break;
+    case 5:
+        hal_host_turn_key(what >= 128u);
+        break;
     case 4:
         hal_host.slow.n_store = what / 32u;
         break;
@@ -91,6 +95,30 @@ static void happen(uint8_t what)
         hal_host.slow.n_room = UINT32_MAX;
         hal_host.slow.n_store = UINT32_MAX;
         break;
+    }
+}
+
+/// What a frame of somebody who has no command may not change.
+static void expect_ignored(const hal_can_frame_t *f)
+{
+    enum { stop = 4, take_command = 60 };
+    const cam_machine_t *m = &fuzz_rig.machine;
+    const bool has_sender = f->data[2] != 0u || f->data[3] != 0u;
+    const bool is_own = cam_rights_is_commander(&m->rights, f->data[2], f->data[3]);
+    const bool is_next = hal_host.slow.n_received - hal_host.slow.n_read == 1u;
+    if (f->id != command_id || f->n != 8u || !has_sender || is_own || !is_next ||
+        f->data[0] == stop || f->data[0] == take_command) {
+        return;
+    }
+    const uint32_t version = m->version;
+    const uint32_t n_requests = m->n_requests;
+    const uint32_t n_losses = m->rights.n_losses;
+    cam_can_poll(&fuzz_rig.can);
+    if (m->rights.n_losses == n_losses) { // a loss of command ends the cut by itself
+        FUZZ_EXPECT(m->version == version, "command %u of a stranger changes a parameter",
+                    (unsigned)f->data[0]);
+        FUZZ_EXPECT(m->n_requests == n_requests, "command %u of a stranger is carried out",
+                    (unsigned)f->data[0]);
     }
 }
 
@@ -109,12 +137,17 @@ static void carry_out(fuzz_bytes_t *b)
         f.id = (uint32_t)pause & 0x7FFu;
         f.n = kind / 16u % 9u;
     } else {
-        f.data[2] = kind % 16u == 3u ? f.data[2] : 0;
-        f.data[3] = kind % 16u == 3u ? f.data[3] : 0;
+        // Nobody, anybody, or the one who has command.
+        const cam_rights_t *rights = &fuzz_rig.machine.rights;
+        const bool is_any = kind % 16u == 3u;
+        const bool is_commander = kind % 16u >= 8u;
+        f.data[2] = is_any ? f.data[2] : is_commander ? rights->commander : 0u;
+        f.data[3] = is_any ? f.data[3] : is_commander ? rights->session : 0u;
     }
     happen(what);
     if (is_judged(&f)) {
         (void)hal_host_can_receive(&f);
+        expect_ignored(&f);
     }
     let_pass(pause % (kind >= 240u ? 300u : (uint32_t)gap_ticks) + 1u);
 }
@@ -132,6 +165,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     const uint8_t part = fuzz_u8(&b);
     (void)fuzz_u16(&b);
     fuzz_rig_start((fuzz_start_t){.tick_hz = rates[how % 4u],
+                                  .has_button = part >= 128u,
                                   .part = part % fuzz_rig_n_parts,
                                   .state = states[how / 4u % 4u]});
     n_heard = hal_host.slow.n_sent;

@@ -150,7 +150,7 @@ static void sense(uint8_t what, int16_t value)
 static void disturb(uint8_t what, uint16_t code)
 {
     const int16_t value = (int16_t)code;
-    switch (what % 12u) {
+    switch (what % 15u) {
     case 0:
         hal_host_fault_estop(value < 0);
         break;
@@ -187,6 +187,19 @@ static void disturb(uint8_t what, uint16_t code)
         break;
     case 10:
         hal_host.in.encoder.index_counts = hal_host.in.encoder.index_counts + code - 0x8000u;
+        break;
+    case 11:
+        hal_host_press(value < 0);
+        break;
+    case 12: // as it is meant
+        let_pass(fuzz_rig.judge.tick_hz / 16u);
+        hal_host_press(true);
+        let_pass(fuzz_rig.judge.tick_hz / 10u);
+        hal_host_press(false);
+        let_pass(fuzz_rig.judge.tick_hz / 16u);
+        break;
+    case 13:
+        hal_host_turn_key(value < 0);
         break;
     default: // all is mended
         hal_host_fault_estop(false);
@@ -306,13 +319,14 @@ static void carry_out(fuzz_bytes_t *b)
     let_pass((what >> 3) % 4u); // a command is posted for the next tick
 }
 
-static void start(uint8_t how)
+static void start(uint8_t how, bool has_button)
 {
     static const uint32_t rates[] = {1000, 2000, 5000, 20000};
     static const cam_state_t states[] = {cam_state_off, cam_state_ready, cam_state_cutting,
                                          cam_state_manual};
     fuzz_rig_start((fuzz_start_t){.tick_hz = rates[how % 4u],
                                   .part = how / 16u % fuzz_rig_n_parts,
+                                  .has_button = has_button,
                                   .state = states[how / 4u % 4u]});
 }
 
@@ -322,8 +336,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     if (size < (size_t)head_bytes) {
         return -1;
     }
-    start(fuzz_u8(&b));
-    (void)fuzz_u8(&b);
+    const uint8_t how = fuzz_u8(&b);
+    start(how, fuzz_u8(&b) == 1u);
     (void)fuzz_u16(&b);
     n_left = most_ticks;
     while (b.n > 0u && n_left > 0u) {
