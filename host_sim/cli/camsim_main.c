@@ -8,6 +8,7 @@ static const char help[] =
     "camsim: the camturn controller on a simulated lathe\n"
     "\n"
     "  camsim eval TABLE < points.csv > values.csv   the firmware's own evaluation of a table\n"
+    "  camsim verify TABLE [KEY.pub ...]             whose signature it has, judged likewise\n"
     "  camsim run TABLE [options]                    a whole cut in virtual time\n"
     "  camsim bus TABLE --can IFACE [options]        the machine as nodes of a CAN bus\n"
     "  camsim identify TABLE --wave F --record F     U plays a wave and is recorded\n"
@@ -40,6 +41,9 @@ static int after_print(void)
 int main(int argc, char **argv)
 {
     const char *command = argc > 1 ? argv[1] : "";
+    if (strcmp(command, "verify") == 0) {
+        return camsim_verify(argc - 1, argv + 1);
+    }
     if (strcmp(command, "eval") == 0) {
         return camsim_eval(argc - 1, argv + 1);
     }
@@ -67,10 +71,10 @@ int main(int argc, char **argv)
         return after_print();
     }
     common_error_t e;
-    (void)common_error(
-        &e,
-        "%.40s: no such command; use eval, run, bus, identify, live or params, camsim --help tells "
-        "more",
-        argc > 1 ? command : "(nothing)");
+    (void)common_error(&e,
+                       "%.40s: no such command; use eval, verify, run, bus, identify, live or "
+                       "params, camsim --help tells "
+                       "more",
+                       argc > 1 ? command : "(nothing)");
     return camsim_complain(&e);
 }

@@ -55,6 +55,9 @@ def _arguments(argv: list[str] | None) -> argparse.Namespace:
         metavar="N",
         help=f"points per turn, {MIN_POINTS} .. {MAX_POINTS}; default: knots of xyva, 360 of text",
     )
+    parser.add_argument(
+        "--sign", type=Path, metavar="KEY.pem", help="sign the table by a private key of tools/keys"
+    )
     return parser.parse_args(argv)
 
 
@@ -79,6 +82,15 @@ def _exported(arguments: argparse.Namespace, table: Table) -> dict[str, bytes]:
     return export_files(table, Export(arguments.export, heights_mm, n_points))
 
 
+def _signed(files: dict[str, bytes], key_file: Path) -> dict[str, bytes]:
+    """Return the images of all tables among the files, with a signature behind each."""
+    # Only those who sign need the package cryptography.
+    from camtools.table.signature import read_private, sign
+
+    key = read_private(key_file)
+    return {name: sign(data, key) for name, data in files.items() if name.endswith(".camtab")}
+
+
 def _run(arguments: argparse.Namespace) -> int:
     if arguments.tolerance_nm is not None:
         check_tolerance(arguments.tolerance_nm)
@@ -86,7 +98,10 @@ def _run(arguments: argparse.Namespace) -> int:
     correction = correction_for(arguments, loaded, arguments.output)
     made = make(loaded, arguments.part, tolerance_nm=arguments.tolerance_nm, correction=correction)
     exported = _exported(arguments, made.table.table)
-    write_all(arguments.output, made.files(with_plots=arguments.plot) | exported)
+    files = made.files(with_plots=arguments.plot) | exported
+    if arguments.sign is not None:
+        files |= _signed(files, arguments.sign)
+    write_all(arguments.output, files)
     sys.stdout.write(made.text())
     return 0
 
