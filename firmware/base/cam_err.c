@@ -105,6 +105,8 @@ static const err_text_t entries[] = {
     {cam_err_sign_key, "the table is signed by a key that is not trusted here"},
     {cam_err_sign_wrong, "the table's signature is wrong: it was changed after it was signed"},
     {cam_err_sign_no_keys, "signed tables are required here, but the port names no public key"},
+    {cam_err_gain, "the feed-forward would tell U more than its limits allow"},
+    {cam_err_jerk, "the jerk is so small that its window does not fit"},
 };
 
 const char *cam_err_text(cam_err_t err)

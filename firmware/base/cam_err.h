@@ -114,6 +114,9 @@ typedef enum {
     cam_err_sign_key = -132,     ///< it is of a key that the port does not trust
     cam_err_sign_wrong = -133,   ///< it is not of these bytes
     cam_err_sign_no_keys = -134, ///< the port requires one, but names no key
+    // Motions by time and what the feed-forward adds to them (cam_gains.h)
+    cam_err_gain = -135, ///< the feed-forward would tell U more than its limits allow
+    cam_err_jerk = -136, ///< a jerk that small takes a longer window than there is
 } cam_err_t;
 
 /// The compiler refuses a call that ignores the result of such a function.

@@ -81,7 +81,8 @@ typedef enum {
     X(setpoint_range, "U set-point leaves the stroke")                                             \
     X(z_range, "Z left the table")                                                                 \
     X(table, "table damaged")                                                                      \
-    X(swing, "the tool's swing does not follow")
+    X(swing, "the tool's swing does not follow")                                                   \
+    X(command, "what an axis would be told is beyond its limits")
 
 /// A fault: its bit number in a fault mask.
 typedef enum {

@@ -1,25 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_build.h"
-#include "cam_angle.h"      // CAM_TURN_Q32
-#include "cam_build_hand.h" // cam_build_hand
-#include "cam_changes.h"    // cam_changes_build
-#include "cam_demand.h"     // cam_demand_half_stroke_nm
-#include "cam_fit.h"        // cam_fit_jump_counts
-#include "cam_fix.h"        // cam_sat_i32
-#include "cam_plan.h"       // cam_plan_ticks
-#include "cam_play.h"       // cam_play_history
-#include "cam_trace.h"      // cam_trace_capacity
-#include "cam_units.h"      // cam_units_ticks_of_ns
-#include "cam_way.h"        // cam_way_z_last_nm
-#include "cam_windows.h"    // cam_windows_build
-#include "hal/hal.h"        // hal_has_edge_time
-#include <stddef.h>         // NULL
+#include "cam_angle.h"        // CAM_TURN_Q32
+#include "cam_build_hand.h"   // cam_build_hand
+#include "cam_build_motion.h" // cam_build_motion
+#include "cam_changes.h"      // cam_changes_build
+#include "cam_demand.h"       // cam_demand_half_stroke_nm
+#include "cam_fit.h"          // cam_fit_jump_counts
+#include "cam_fix.h"          // cam_sat_i32
+#include "cam_plan.h"         // cam_plan_ticks
+#include "cam_play.h"         // cam_play_history
+#include "cam_trace.h"        // cam_trace_capacity
+#include "cam_units.h"        // cam_units_ticks_of_ns
+#include "cam_way.h"          // cam_way_z_last_nm
+#include "cam_windows.h"      // cam_windows_build
+#include "hal/hal.h"          // hal_has_edge_time
+#include <stddef.h>           // NULL
 
 /// 2 pi * 2^24, for gains of the observer.
 #define TWO_PI_Q24 INT64_C(105414357)
-
-/// Set-point checks allow 1/16 over the limits for encoder noise, and three nanometres of rounding.
-#define CHECK_MARGIN_Q10 (3 * 1024)
 
 /// [slices / 2^32] that U's height stays below the last slice, rounding of its increments included.
 enum { height_end = 64 };
@@ -38,29 +36,13 @@ int32_t cam_build_speed_q32(uint32_t speed_mrpm, uint32_t tick_hz)
     return cam_sat_i32(cam_units_scale(speed_mrpm, CAM_TURN_Q32 / 4, (int64_t)tick_hz * 15000));
 }
 
-/// Speeds and accelerations beyond 2^29 per tick are limited: slower than allowed is safe.
-static cam_move_limits_t limits(int32_t speed_um_per_s, int32_t acceleration_mm_per_s2,
-                                uint32_t tick_hz)
-{
-    const int64_t most = INT64_C(1) << 29; // a speed and an acceleration fit a word together
-    const int64_t vel = cam_units_scale(speed_um_per_s, 1024000, tick_hz);
-    const int64_t acc =
-        cam_units_scale(acceleration_mm_per_s2, 1024000000, (int64_t)tick_hz * tick_hz);
-    return (cam_move_limits_t){
-        .speed_q10 = (int32_t)cam_clamp_i64(vel, 1, most),
-        .acceleration_q10 = (int32_t)cam_clamp_i64(acc, 1, most),
-    };
-}
-
-/// @param acceleration_q10  [nm / 1024 per tick^2] at which U retracts from a fault; braking by it,
-///                          tick by tick, may take U an eighth of it beyond its target (cam_move.c)
+/// @param room_q10  [nm / 1024] which the end of the retract may take
 /// @return [nm / 1024] place of U out of the work, beyond the outermost place of the cut, so far
-/// inside the stroke that U never leaves it, whatever was set
-static int64_t retract_q10(const cam_params_t *p, const cam_table_t *table,
-                           int32_t acceleration_q10)
+/// inside the stroke that U is never told to leave it, whatever was set
+static int64_t retract_q10(const cam_params_t *p, const cam_table_t *table, int64_t room_q10)
 {
     const int32_t rise_nm = table != NULL ? cam_table_rise_nm(table) : 0;
-    const int32_t room_nm = acceleration_q10 / (8 * 1024) + 1;
+    const int32_t room_nm = cam_sat_i32(room_q10 / 1024 + 1);
     const int32_t half_nm = cam_demand_half_stroke_nm(table, p);
     const int32_t most_nm = half_nm > room_nm ? half_nm - room_nm : 0;
     return (int64_t)cam_clamp_i32(p->u_retract_nm - rise_nm, -most_nm, most_nm) * 1024;
@@ -287,38 +269,6 @@ static void build_play(cam_play_config_t *c, const cam_params_t *p, int32_t sens
     build_plan(c, tick_hz);
 }
 
-/// @return limits per plan instead of per tick
-static cam_move_limits_t per_plan(cam_move_limits_t limits, int32_t plan_ticks)
-{
-    const int64_t most = INT64_C(1) << 29;
-    const int64_t speed = (int64_t)limits.speed_q10 * plan_ticks;
-    const int64_t acceleration = (int64_t)limits.acceleration_q10 * plan_ticks * plan_ticks;
-    return (cam_move_limits_t){
-        .speed_q10 = (int32_t)cam_clamp_i64(speed, 1, most),
-        .acceleration_q10 = (int32_t)cam_clamp_i64(acceleration, 1, most),
-    };
-}
-
-/// U moves tick by tick, X and Z plan by plan.
-static void build_limits(cam_config_t *c, const cam_params_t *p, uint32_t tick_hz)
-{
-    const cam_move_limits_t full[hal_n_axes] = {
-        [hal_axis_u] = limits(p->u_speed_um_per_s, p->u_acceleration_mm_per_s2, tick_hz),
-        [hal_axis_x] = limits(p->x_speed_um_per_s, p->x_acceleration_mm_per_s2, tick_hz),
-        [hal_axis_z] = limits(p->z_speed_um_per_s, p->z_acceleration_mm_per_s2, tick_hz),
-    };
-    c->guard.u = full[hal_axis_u];
-    for (uint32_t i = 0; i < hal_n_axes; i++) {
-        const int32_t ticks = i == (uint32_t)hal_axis_u ? 1 : c->play.plan_ticks;
-        const cam_move_limits_t gentle = {
-            .speed_q10 = full[i].speed_q10 / cam_fit_approach_share + 1,
-            .acceleration_q10 = full[i].acceleration_q10 / cam_fit_approach_share + 1,
-        };
-        c->play.approach[i] = per_plan(gentle, ticks);
-        c->play.leave[i] = per_plan(full[i], ticks);
-    }
-}
-
 static void build_guard(cam_guard_config_t *c, const cam_params_t *p, uint32_t speed_limit_mrpm,
                         uint32_t tick_hz)
 {
@@ -328,10 +278,11 @@ static void build_guard(cam_guard_config_t *c, const cam_params_t *p, uint32_t s
     c->plan_ticks = (uint32_t)cam_plan_ticks(tick_hz);
     c->stopped_ticks = (uint32_t)cam_units_scale(p->stopped_ms, tick_hz, 1000);
     c->homing_ticks = c->stopped_ticks * homing_patience;
-    c->u_vel_q6 = (u->speed_q10 + u->speed_q10 / 16 + CHECK_MARGIN_Q10) / 16;
-    c->u_acc_q6 = (u->acceleration_q10 + u->acceleration_q10 / 16 + CHECK_MARGIN_Q10) / 16;
+    c->u_vel_q6 = (u->speed_q10 + u->speed_q10 / 16 + CAM_BUILD_MARGIN_Q10) / 16;
+    c->u_acc_q6 = (u->acceleration_q10 + u->acceleration_q10 / 16 + CAM_BUILD_MARGIN_Q10) / 16;
     c->u_acc_off_q6 = c->u_acc_q6 + c->u_vel_q6;
     c->u_range_q6 = p->u_stroke_nm * 32;
+    c->told_range_nm = p->u_stroke_nm / 2;
 }
 
 /// A set-point is held for a tick, so that the drive sees less of the motion than was commanded.
@@ -379,16 +330,17 @@ cam_err_t cam_build_config(cam_config_t *config, const cam_params_t *params,
         build_u_scale(&config->play.u, &table->u, cam_sat_i32(INT64_C(5) * limit_q32 / 4));
     }
     config->switches = cam_windows_build(params, sense, tick_hz);
-    build_limits(config, params, tick_hz);
+    config->k1_q16 = cam_units_ticks_of_ns(params->k1_ns, tick_hz);
+    config->k2_q16 = held_k2_q16(params->k2_us2, tick_hz);
+    cam_build_motion(config, params, tick_hz);
     cam_build_hand(config, params, tick_hz);
     cam_changes_build(&config->play, params, tick_hz);
     build_guard(&config->guard, params, speed_limit_mrpm, tick_hz);
     config->guard.following_nm = cam_fit_following_nm(params, table);
     config->guard.approach_nm = cam_fit_approach_nm(params, table, tick_hz);
-    config->play.u_retract_q10 = retract_q10(params, table, config->guard.u.acceleration_q10);
+    config->play.u_retract_q10 = retract_q10(params, table, cam_build_room_q10(config));
     config->guard.u_retract_q10 = config->play.u_retract_q10;
-    config->k1_q16 = cam_units_ticks_of_ns(params->k1_ns, tick_hz);
-    config->k2_q16 = held_k2_q16(params->k2_us2, tick_hz);
+    cam_config_tell(config);
     config->trace_room = params->trace_on != 0 ? (uint32_t)cam_trace_capacity : 0u;
     return cam_ok;
 }

@@ -25,14 +25,17 @@ void cam_build_hand(cam_config_t *config, const cam_params_t *params, uint32_t t
     const cam_move_limits_t *gentle = config->play.approach;
     const int32_t n = config->play.plan_ticks;
     cam_hand_config_t *hand = &config->play.hand;
-    // By hand the speed of U changes once per plan, in one tick, so that of a plan may change by a
-    // plan's ticks times as much as that of a tick.
-    const int64_t u_q10 = (int64_t)gentle[hal_axis_u].acceleration_q10 * n;
+    // U moves from tick to tick, and its speeds are told per plan as those of the others.
+    const int64_t u_q10 = (int64_t)gentle[hal_axis_u].acceleration_q10 * n * n;
     hand->limits[hal_axis_u] = by_hand(p->u_jog_um_per_s, p->u_speed_um_per_s, u_q10, n, tick_hz);
+    hand->limits[hal_axis_u].acceleration_q10 = gentle[hal_axis_u].acceleration_q10;
     hand->limits[hal_axis_x] = by_hand(p->x_jog_um_per_s, p->x_speed_um_per_s,
                                        gentle[hal_axis_x].acceleration_q10, n, tick_hz);
     hand->limits[hal_axis_z] = by_hand(p->z_jog_um_per_s, p->z_speed_um_per_s,
                                        gentle[hal_axis_z].acceleration_q10, n, tick_hz);
+    for (uint32_t i = 0; i < hal_n_axes; i++) {
+        hand->limits[i].log2_window = gentle[i].log2_window;
+    }
     // Braking by steps may lead an eighth of one beyond the target (cam_move.h).
     const int64_t room_q10 = hand->limits[hal_axis_u].acceleration_q10 / 8 + 1024;
     const int64_t end_q10 = (int64_t)p->u_stroke_nm * 512 - room_q10;

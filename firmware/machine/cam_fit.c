@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_fit.h"
-#include "cam_cut.h"  // cam_cut_divided_up
-#include "cam_fix.h"  // cam_clamp_i64
-#include "cam_play.h" // cam_play_history
-#include "hal/hal.h"  // hal_axis_scale
-#include <stdbool.h>  // bool
-#include <stddef.h>   // NULL, size_t
+#include "cam_cut.h"   // cam_cut_divided_up
+#include "cam_fix.h"   // cam_clamp_i64
+#include "cam_gains.h" // cam_gains_check
+#include "cam_play.h"  // cam_play_history
+#include "hal/hal.h"   // hal_axis_scale
+#include <stdbool.h>   // bool
+#include <stddef.h>    // NULL, size_t
 
 enum { least_jump_counts = 8, quantisation_counts = 4, most_jump_counts = 1 << 30 };
 enum { least_following_nm = 10000, most_following_nm = 200000, unknown_following_nm = 100000 };
@@ -135,5 +136,9 @@ cam_err_t cam_fit_check(const cam_params_t *params, uint32_t tick_hz)
         return cam_err_param_tick;
     }
     const size_t n_outputs = sizeof by_output / sizeof by_output[0];
-    return are_within(params, by_output, n_outputs, tick_hz) ? cam_ok : cam_err_param_output;
+    if (!are_within(params, by_output, n_outputs, tick_hz)) {
+        return cam_err_param_output;
+    }
+    cam_param_id_t which = cam_n_params;
+    return cam_gains_check(params, tick_hz, &which);
 }

@@ -55,7 +55,8 @@ int32_t cam_fit_most(cam_param_id_t id, uint32_t tick_hz);
 /// Check what the interrupt relies on: the history reaches back over the lead and the latency of
 /// U's scale, the observer is slower than the tick, feed-forward gains fit 15 integer bits.
 /// The speeds of X and Z are such that their outputs pass them on.
-/// @return cam_ok, cam_err_param_tick or cam_err_param_output
+/// The feed-forward tells U no more than its limits allow, and jerks have a window (cam_gains.h).
+/// @return cam_ok, cam_err_param_tick, cam_err_param_output, cam_err_jerk or cam_err_gain
 CAM_MUST_USE cam_err_t cam_fit_check(const cam_params_t *params, uint32_t tick_hz);
 
 #endif

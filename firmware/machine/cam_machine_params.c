@@ -2,6 +2,7 @@
 // What parameters may change when, one or all of them at once, and how they are kept.
 #include "cam_fit.h"           // cam_fit_most
 #include "cam_fix.h"           // cam_is_within
+#include "cam_gains.h"         // cam_gains_check
 #include "cam_machine_hand.h"  // cam_machine_is_x_in_travel
 #include "cam_machine_inner.h" // cam_machine_judge, cam_machine_hand_over
 #include "cam_pass.h"          // cam_pass_first
@@ -126,6 +127,15 @@ static cam_err_t check_level(cam_machine_t *m, const cam_params_t *params, cam_p
     return cam_ok;
 }
 
+/// Keep which gain or jerk is refused, with the largest gain or the least jerk that is not.
+static void explain_gains(cam_machine_t *m, const cam_params_t *params)
+{
+    m->refusal = (cam_refusal_t){0};
+    m->refusal.why.err = cam_gains_check(params, m->tick_hz, &m->refusal.param);
+    m->refusal.why.needed = cam_param_get(params, m->refusal.param);
+    m->refusal.why.limit = cam_gains_bound(params, m->refusal.param, m->tick_hz);
+}
+
 /// Take over parameters that have been handed to the interrupt.
 static void adopt(cam_machine_t *m, const cam_params_t *params, cam_param_id_t named)
 {
@@ -176,6 +186,9 @@ static cam_err_t apply(cam_machine_t *m, const cam_params_t *params, cam_param_i
     }
     if (err == cam_err_param_tick || err == cam_err_param_output) {
         explain_fit(m, params, err);
+    }
+    if (err == cam_err_gain || err == cam_err_jerk) {
+        explain_gains(m, params);
     }
     if (err == cam_ok) {
         adopt(m, params, named);

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_config.h"
-#include <stddef.h> // NULL
+#include "cam_fix.h" // cam_abs_i64, cam_sat_i32
+#include <stddef.h>  // NULL
+
+/// [nm] what is learned moves the command of U by this at once, at most.
+#define LEARNED_STEP_NM 1000
 
 /// @return the half that is not offered
 static cam_config_t *other_half(cam_config_bank_t *bank, const cam_config_t *offered)
@@ -40,6 +44,29 @@ void cam_config_learn(cam_config_t *config)
 {
     config->k1_q16 += config->learned.k1_q16;
     config->k2_q16 += config->learned.k2_q16;
+    cam_config_tell(config);
+}
+
+/// @return [nm] of nm / 1024, rounded up, and what is learned more; below 2^30, so that two of them
+/// fit a word
+static int32_t limit_nm(int64_t q10)
+{
+    return (int32_t)cam_clamp_i64(q10 / 1024 + 1 + LEARNED_STEP_NM, 0, INT64_C(1) << 29);
+}
+
+void cam_config_tell(cam_config_t *config)
+{
+    cam_guard_config_t *g = &config->guard;
+    const int64_t k1_q16 = cam_abs_i64(config->k1_q16);
+    const int64_t k2_q16 = cam_abs_i64(config->k2_q16);
+    const int64_t v_q10 = (int64_t)g->u_vel_q6 * 16;
+    const int64_t a_q10 = (int64_t)g->u_acc_q6 * 16;
+    const int64_t j_q10 = 2 * a_q10 / (INT64_C(1) << g->leave.log2_window) + 1;
+    const int64_t step_q10 = v_q10 + k1_q16 * a_q10 / 65536 + k2_q16 * j_q10 / 65536;
+    const int64_t change_q10 = a_q10 + k1_q16 * j_q10 / 65536 + 2 * (k2_q16 * j_q10 / 65536);
+    g->told_step_nm = limit_nm(step_q10);
+    g->told_change_nm = limit_nm(change_q10);
+    g->told_change_off_nm = limit_nm(change_q10 + step_q10);
 }
 
 void cam_config_offer(cam_config_bank_t *bank)

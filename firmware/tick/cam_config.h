@@ -152,8 +152,16 @@ typedef struct {
     int32_t u_vel_q6, u_acc_q6; ///< [nm / 64 per tick, per tick^2] of the set-point
     int32_t u_acc_off_q6;       ///< [nm / 64 per tick^2] of a tick off its time, whose step differs
     int32_t u_range_q6;         ///< [nm / 64] half the stroke
-    cam_move_limits_t u;        ///< for the retract
-    int64_t u_retract_q10;      ///< [nm / 1024] place of U out of the work
+    cam_move_limits_t u;        ///< all that U can
+    cam_move_limits_t leave;    ///< for the retract: its speed leaves room for the feed-forward
+    int32_t told_range_nm;      ///< [nm] half the stroke, for the command of U
+    int32_t told_step_nm;       ///< [nm per tick] speed of the command of U, feed-forward included
+    int32_t told_change_nm;     ///< [nm per tick^2] its acceleration
+    int32_t told_change_off_nm; ///< ... in a tick off its time
+    int32_t told_vel_q10[hal_n_axes];    ///< [nm / 1024 per tick] X and Z
+    int32_t told_change_q10[hal_n_axes]; ///< [nm / 1024 per tick] by which a plan changes it
+    int32_t told_jump_q10[hal_n_axes];   ///< [nm / 1024] by which a plan moves the place at once
+    int64_t u_retract_q10;               ///< [nm / 1024] place of U out of the work
 } cam_guard_config_t;
 
 enum { cam_n_switches = 8 }; ///< position switches
@@ -213,6 +221,11 @@ void cam_config_tie(cam_config_t *config, bool has_table);
 /// Add what a configuration has learned of the drive to its gains.
 /// Context: slow side, once before it is offered.
 void cam_config_learn(cam_config_t *config);
+
+/// Derive the limits of what U is told from its own and from the gains of the feed-forward: of the
+/// command's speed v + k1 a + k2 j and of its acceleration a + k1 j + k2 j / tick, with the largest
+/// of each at once, MATHS.md (213). Context: slow side, behind every change of the gains.
+void cam_config_tell(cam_config_t *config);
 
 /// Hand the free half over; it is in force from the next tick on. Context: slow side.
 void cam_config_offer(cam_config_bank_t *bank);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_guard.h"
-#include "cam_fix.h" // cam_is_within, cam_wrap_sub
+#include "cam_fix.h" // cam_clamp_i32, cam_sat_i32
 
 #define ARMED_ENABLED                                                                              \
     (CAM_FAULT_BIT(estop) | CAM_FAULT_BIT(drive) | CAM_FAULT_BIT(bus) | CAM_FAULT_BIT(late_tick) | \
-     CAM_FAULT_BIT(index_missing) | CAM_FAULT_BIT(table))
+     CAM_FAULT_BIT(index_missing) | CAM_FAULT_BIT(table) | CAM_FAULT_BIT(command))
 #define ARMED_SYNCED                                                                               \
     (ARMED_ENABLED | CAM_FAULT_BIT(encoder_jump) | CAM_FAULT_BIT(lost_counts) |                    \
      CAM_FAULT_BIT(following_error) | CAM_FAULT_BIT(setpoint_speed) |                              \
@@ -17,7 +17,8 @@
 #define ARMED_BY_HAND                                                                              \
     (CAM_FAULT_BIT(estop) | CAM_FAULT_BIT(drive) | CAM_FAULT_BIT(bus) | CAM_FAULT_BIT(late_tick) | \
      CAM_FAULT_BIT(table) | CAM_FAULT_BIT(following_error) | CAM_FAULT_BIT(setpoint_speed) |       \
-     CAM_FAULT_BIT(setpoint_acceleration) | CAM_FAULT_BIT(setpoint_range))
+     CAM_FAULT_BIT(setpoint_acceleration) | CAM_FAULT_BIT(setpoint_range) |                        \
+     CAM_FAULT_BIT(command))
 
 /// Bit of the states in which nothing is accepted, fault or not, and of those whose output tells
 /// that the tool cuts.
@@ -25,7 +26,8 @@
 #define IN_CUT (UINT32_C(1) << 30)
 _Static_assert(cam_n_faults < 31, "two bits are left");
 
-#define ARMED_IN_FAULT (CAM_FAULT_BIT(estop) | CAM_FAULT_BIT(drive) | CAM_FAULT_BIT(bus))
+#define ARMED_IN_FAULT                                                                             \
+    (CAM_FAULT_BIT(estop) | CAM_FAULT_BIT(drive) | CAM_FAULT_BIT(bus) | CAM_FAULT_BIT(command))
 
 static const uint32_t armed[cam_n_states] = {
     [cam_state_off] = AT_REST,
@@ -129,13 +131,20 @@ uint32_t cam_guard_count(const cam_guard_t *g, cam_fault_t fault)
     return (counted + n) % (1u << cam_guard_count_bits);
 }
 
-/// In the tick of the fault U continues from its last set-point at the speed of its last step.
-static cam_verdict_t enter_fault(cam_guard_t *g, uint32_t faults)
+cam_verdict_t cam_guard_enter_isr(cam_guard_t *g, const cam_guard_config_t *cfg, cam_state_t state,
+                                  uint32_t faults)
 {
-    g->faults = faults;
-    g->first_faults = faults;
-    g->u_set_q6 += g->u_step_q6;
-    g->u = (cam_move_t){.pos_q10 = (int64_t)g->u_set_q6 * 16, .vel_q10 = g->u_step_q6 * 16};
+    const int32_t most_q10 = cfg->leave.acceleration_q10;
+    // A wave is added to the set-point without its acceleration.
+    const int32_t acc_q10 =
+        state == cam_state_identifying ? 0 : cam_clamp_i32(g->u.acc_q10, -most_q10, most_q10);
+    const int32_t vel_q10 = g->u_step_q6 * 16 + acc_q10;
+    g->faults |= faults;
+    g->first_faults = g->faults;
+    g->u = (cam_move_t){
+        .pos_q10 = (int64_t)g->u_set_q6 * 16 + vel_q10, .vel_q10 = vel_q10, .acc_q10 = acc_q10};
+    g->u_set_q6 = cam_sat_i32(g->u.pos_q10 >> 4);
+    cam_glide_begin_isr(&g->glide, &g->u, cfg->leave.log2_window);
     const uint32_t is_held = (~faults >> (uint32_t)cam_fault_drive) & 1u;
     return (cam_verdict_t){
         .faults = faults,
@@ -150,8 +159,9 @@ static cam_verdict_t leave_work(cam_guard_t *g, const cam_guard_config_t *cfg, u
                                 const cam_motion_t *m)
 {
     g->faults |= faults;
-    const bool is_u_out = m->is_by_hand ? cam_move_stop_isr(&g->u, &cfg->u)
-                                        : cam_move_to_isr(&g->u, &cfg->u, cfg->u_retract_q10);
+    const bool is_u_out = m->is_by_hand
+                              ? cam_glide_stop_isr(&g->glide, &g->u, &cfg->leave)
+                              : cam_glide_to_isr(&g->glide, &g->u, &cfg->leave, cfg->u_retract_q10);
     g->u_set_q6 = cam_sat_i32(g->u.pos_q10 >> 4);
     g->is_retracted = g->is_retracted || (is_u_out && m->is_clear);
     const bool is_held = !g->is_retracted && (g->faults & CAM_FAULT_BIT(drive)) == 0u;
@@ -168,6 +178,8 @@ static cam_verdict_t forget(cam_guard_t *g, int32_t u_set_q6)
 {
     g->u_set_q6 = u_set_q6;
     g->u_step_q6 = 0;
+    g->told_nm = u_set_q6 >> 6;
+    g->told_step_nm = 0;
     g->faults = 0;
     g->counted = 0;
     g->n_stopped = 0;
@@ -184,10 +196,11 @@ CAM_STAGE static cam_verdict_t rest(cam_guard_t *g, const cam_guard_config_t *cf
 
 /// There is no fault: the set-point of play is written.
 static cam_verdict_t accept(cam_guard_t *g, const cam_want_t *want, uint32_t watched,
-                            int32_t step_q6)
+                            int32_t step_q6, int32_t acc_q10)
 {
     g->u_set_q6 = want->u_set_q6;
     g->u_step_q6 = step_q6;
+    g->u.acc_q10 = acc_q10;
     const bool is_in_cut = (watched & IN_CUT) != 0u;
     return (cam_verdict_t){
         .outputs = is_in_cut ? hal_out_enable | hal_out_in_cut : hal_out_enable,
@@ -204,5 +217,43 @@ cam_verdict_t cam_guard_step_isr(cam_guard_t *g, const cam_guard_config_t *cfg,
     }
     const int32_t step_q6 = cam_wrap_sub(want->u_set_q6, g->u_set_q6);
     const uint32_t faults = blame(g, cfg, r, m->is_playing, step_q6) & watched;
-    return faults == 0u ? accept(g, want, watched, step_q6) : enter_fault(g, faults);
+    return faults == 0u ? accept(g, want, watched, step_q6, m->axis[hal_axis_u].acc_q10)
+                        : cam_guard_enter_isr(g, cfg, want->state, faults);
+}
+
+int32_t cam_guard_nearest_isr(const cam_guard_t *g, const cam_guard_config_t *cfg, int32_t u_nm)
+{
+    const int32_t change_nm = cfg->told_change_nm;
+    const int32_t wanted_nm = cam_wrap_sub(cam_wrap_sub(u_nm, g->told_nm), g->told_step_nm);
+    const int32_t step_nm = g->told_step_nm + cam_clamp_i32(wanted_nm, -change_nm, change_nm);
+    const int32_t within_nm = cam_clamp_i32(step_nm, -cfg->told_step_nm, cfg->told_step_nm);
+    return cam_clamp_i32(cam_wrap_add(g->told_nm, within_nm), -cfg->told_range_nm,
+                         cfg->told_range_nm);
+}
+
+/// @return whether a plan may tell an axis what it wants to
+static bool is_allowed(const cam_guard_t *g, const cam_guard_config_t *cfg, uint32_t axis,
+                       const cam_move_t *now, const cam_move_t *before)
+{
+    const int32_t jump_q10 = cam_sat_i32(now->pos_q10 - before->pos_q10);
+    const int32_t change_q10 = cam_wrap_sub(now->vel_q10, g->told_vel_q10[axis]);
+    return cam_is_within(now->vel_q10, cfg->told_vel_q10[axis]) &&
+           cam_is_within(change_q10, cfg->told_change_q10[axis]) &&
+           cam_is_within(jump_q10, cfg->told_jump_q10[axis]);
+}
+
+uint32_t cam_guard_increments_isr(cam_guard_t *g, const cam_guard_config_t *cfg, cam_motion_t *m,
+                                  const cam_move_t before[hal_n_axes])
+{
+    uint32_t faults = 0;
+    for (uint32_t i = (uint32_t)hal_axis_x; i <= (uint32_t)hal_axis_z; i++) {
+        if (m->state != cam_state_off && !is_allowed(g, cfg, i, &m->axis[i], &before[i])) {
+            m->axis[i] = before[i];
+            m->is_gliding = false;
+            faults = CAM_FAULT_BIT(command);
+        }
+        m->change_q10[i] = cam_wrap_sub(m->axis[i].vel_q10, g->told_vel_q10[i]);
+        g->told_vel_q10[i] = m->axis[i].vel_q10;
+    }
+    return faults;
 }

@@ -14,7 +14,8 @@
 #define CAM_GUARD_H
 
 #include "cam_config.h" // cam_guard_config_t
-#include "cam_move.h"   // cam_move_t
+#include "cam_fix.h"    // cam_is_within, cam_wrap_sub
+#include "cam_glide.h"  // cam_glide_t, cam_move_t
 #include "cam_record.h" // cam_tick_record_t, cam_motion_t, cam_verdict_t
 #include "cam_state.h"  // cam_fault_t
 #include <stdbool.h>    // bool
@@ -29,10 +30,15 @@ typedef struct {
     uint32_t first_faults;                ///< those that entered the fault state last
     uint32_t count[cam_guard_count_bits]; ///< times latched, cam_guard_count()
     bool is_retracted;
-    uint32_t n_stopped; ///< [ticks] without rotation
-    int32_t u_set_q6;   ///< [nm / 64] U written last
-    int32_t u_step_q6;  ///< [nm / 64 per tick] its last step
-    cam_move_t u;       ///< set-point in the fault state
+    uint32_t n_stopped;   ///< [ticks] without rotation
+    int32_t u_set_q6;     ///< [nm / 64] U written last
+    int32_t u_step_q6;    ///< [nm / 64 per tick] its last step
+    cam_move_t u;         ///< set-point in the fault state; before it speed and acceleration of the
+                          ///< last tick
+    int32_t told_nm;      ///< [nm] command of U, feed-forward included, of the last tick
+    int32_t told_step_nm; ///< [nm per tick] its last step
+    int32_t told_vel_q10[hal_n_axes]; ///< [nm / 1024 per tick] X and Z of the last plan
+    cam_glide_t glide;                ///< of U in the fault state
 } cam_guard_t;
 
 /// Judge one tick.
@@ -43,6 +49,45 @@ typedef struct {
 /// Constant time.
 cam_verdict_t cam_guard_step_isr(cam_guard_t *g, const cam_guard_config_t *cfg,
                                  const cam_tick_record_t *r, const cam_motion_t *m);
+
+/// Enter the fault state. In this tick U continues from its last set-point with the speed and the
+/// acceleration of its last step.
+/// @param cfg     limits of the retract
+/// @param faults  at least one
+/// @return        the verdict of the tick
+cam_verdict_t cam_guard_enter_isr(cam_guard_t *g, const cam_guard_config_t *cfg, cam_state_t state,
+                                  uint32_t faults);
+
+/// Judge the command of U, feed-forward included, in the tick that writes it.
+/// @return whether place, step and change of step are within their limits
+static inline bool cam_guard_allows_isr(const cam_guard_t *g, const cam_guard_config_t *cfg,
+                                        int32_t u_nm, bool is_off_time)
+{
+    const int32_t step_nm = cam_wrap_sub(u_nm, g->told_nm);
+    const int32_t change_nm = cam_wrap_sub(step_nm, g->told_step_nm);
+    const int32_t most_nm = is_off_time ? cfg->told_change_off_nm : cfg->told_change_nm;
+    return cam_is_within(u_nm, cfg->told_range_nm) && cam_is_within(step_nm, cfg->told_step_nm) &&
+           cam_is_within(change_nm, most_nm);
+}
+
+/// @return [nm] the nearest command of U to a wanted one that cam_guard_allows_isr() accepts. Where
+/// step and place contradict one another the place holds
+int32_t cam_guard_nearest_isr(const cam_guard_t *g, const cam_guard_config_t *cfg, int32_t u_nm);
+
+/// Keep what was told. Context: ISR.
+static inline void cam_guard_told_isr(cam_guard_t *g, int32_t u_nm)
+{
+    g->told_step_nm = cam_wrap_sub(u_nm, g->told_nm);
+    g->told_nm = u_nm;
+}
+
+/// Judge what a plan would tell X and Z until the next one: speed, change of speed, and no step
+/// of the place. The increments are exact for every tick, so that this is judged before the first
+/// of these ticks. What is not accepted goes on as before the plan.
+/// @param before  both axes before the plan
+/// @return        fault command or none
+uint32_t cam_guard_increments_isr(cam_guard_t *g, const cam_guard_config_t *cfg, cam_motion_t *m,
+                                  const cam_move_t before[hal_n_axes]);
 
 /// The part of the guard that runs once per plan: it judges the speed of the spindle and counts the
 /// new faults, which would make the tick of a fault longer.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cam_hand.h"
+#include "cam_aim.h"  // cam_aim_share
 #include "cam_fix.h"  // cam_clamp_i64, cam_wrap_diff
 #include "cam_step.h" // cam_step_to_isr
 
@@ -170,24 +171,54 @@ static void end_phase(cam_hand_t *h)
     end_order(h, ends[h->phase]);
 }
 
+/// U moves from tick to tick; the plan tells where to, and how fast. @return whether it rests
+static bool is_u_at_rest(const cam_motion_t *m)
+{
+    const cam_move_t *u = &m->axis[hal_axis_u];
+    return u->vel_q10 == 0 && u->acc_q10 == 0;
+}
+
+/// Move the axis of the order. @return whether it has come to where the phase ends
+static bool move_axis(const cam_hand_t *h, const cam_play_config_t *cfg, cam_motion_t *m)
+{
+    const cam_hand_order_t *o = &cfg->hand.order;
+    const bool is_slow = h->phase == cam_hand_release || h->phase == cam_hand_index;
+    cam_move_limits_t limits = cfg->hand.limits[h->axis];
+    limits.speed_q10 = is_slow ? o->slow_q10 : o->speed_q10;
+    if (h->axis != hal_axis_u) {
+        return cam_step_to_isr(m, h->axis, cfg, &limits, h->target_q10);
+    }
+    const int32_t speed_q10 = cam_aim_share(cfg, limits.speed_q10);
+    m->u_speed_q10 = speed_q10 > 0 ? speed_q10 : 1;
+    m->u_target_q10 = h->target_q10;
+    return m->axis[hal_axis_u].pos_q10 == h->target_q10 && is_u_at_rest(m);
+}
+
+/// Bring an axis to rest. @return whether it rests
+static bool brake_axis(hal_axis_t axis, const cam_play_config_t *cfg, cam_motion_t *m)
+{
+    if (axis != hal_axis_u) {
+        return cam_step_brake_isr(m, axis, cfg, &cfg->hand.limits[axis]);
+    }
+    m->u_speed_q10 = 0;
+    return is_u_at_rest(m);
+}
+
 /// Move the axis of the order, and bring all others to rest. @return whether all rest
 static bool move_axes(cam_hand_t *h, const cam_play_config_t *cfg, cam_motion_t *m)
 {
-    const cam_hand_order_t *o = &cfg->hand.order;
     bool are_at_rest = true;
     for (uint32_t i = 0; i < hal_n_axes; i++) {
-        cam_move_limits_t limits = cfg->hand.limits[i];
         if (h->phase == cam_hand_rest || i != (uint32_t)h->axis) {
-            are_at_rest = cam_step_brake_isr(&m->axis[i], cfg, &limits) && are_at_rest;
-            continue;
-        }
-        const bool is_slow = h->phase == cam_hand_release || h->phase == cam_hand_index;
-        limits.speed_q10 = is_slow ? o->slow_q10 : o->speed_q10;
-        are_at_rest = false;
-        if (cam_step_to_isr(&m->axis[i], cfg, &limits, h->target_q10)) {
-            end_phase(h);
+            are_at_rest = brake_axis((hal_axis_t)i, cfg, m) && are_at_rest;
+        } else {
+            are_at_rest = false;
+            if (move_axis(h, cfg, m)) {
+                end_phase(h);
+            }
         }
     }
+    m->is_gliding = true;
     return are_at_rest;
 }
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /// cam_move: bring an axis to a place within speed and acceleration limits, tick by tick.
 ///
-/// Used wherever an axis does not follow the spindle: approach, retract, stop after a fault. No
+/// What cam_glide.h rounds off, wherever an axis does not follow the spindle: approach, retract,
+/// stop after a fault; and by itself the gain of a wave (cam_excite.h). No
 /// square root, no division: a step is accepted when the axis could still brake to the target,
 /// MATHS.md (60).
 /// Unit of positions: nm / 1024 (q10); of speeds: nm / 1024 per tick.
@@ -15,6 +16,8 @@
 typedef struct {
     int32_t speed_q10;        ///< [nm / 1024 per tick] > 0
     int32_t acceleration_q10; ///< [nm / 1024 per tick^2] > 0
+    uint32_t log2_window;     ///< 0 .. cam_glide_most_log2, for cam_glide.h: 2^this ticks share a
+                              ///< change of acceleration
 } cam_move_limits_t;
 
 /// A set-point in motion.

@@ -56,7 +56,8 @@ typedef struct {
 
 /// What the plan needs in the state manual.
 typedef struct {
-    cam_move_limits_t limits[hal_n_axes]; ///< per plan: speed of jogs, gentle acceleration
+    cam_move_limits_t limits[hal_n_axes]; ///< per plan: speed of jogs, gentle acceleration; that
+                                          ///< of U is per tick
     int64_t u_end_q10;                    ///< [nm / 1024] end of U's stroke
     cam_hand_order_t order;
 } cam_hand_config_t;

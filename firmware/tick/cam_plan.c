@@ -378,6 +378,8 @@ static void plan_cut(cam_plan_t *p, const cam_play_config_t *cfg, const cam_tick
     m->state = state_at(p, cfg, r->angle.pos_q32);
     if (is_over(p, m->state)) { // scale 0: U has come to rest at 0
         m->axis[hal_axis_u] = (cam_move_t){0};
+        cam_glide_begin_isr(&m->glide[hal_axis_u], &m->axis[hal_axis_u],
+                            cfg->approach[hal_axis_u].log2_window);
         m->u_target_q10 = m->state == cam_state_ready ? cfg->u_retract_q10 : 0;
         m->is_playing = false;
     }
@@ -387,6 +389,7 @@ void cam_plan_isr(cam_plan_t *p, const cam_play_config_t *cfg, const cam_tick_re
                   cam_motion_t *m)
 {
     if (m->is_playing) {
+        m->is_gliding = false;
         plan_cut(p, cfg, r, m);
     } else if (cam_rest_isr(cfg, r, m)) {
         lay(p, cfg, r, m);

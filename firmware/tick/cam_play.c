@@ -79,6 +79,7 @@ static void follow_axes(cam_motion_t *m, const cam_sense_t *in)
     m->was_off = true;
     m->was_open = m->was_open || (in->inputs & (uint32_t)hal_in_estop) != 0u;
     m->is_by_hand = false;
+    m->is_gliding = false;
 }
 
 /// Move U to its place and play the wave there, whose end ends the state. While U rests at the
@@ -90,15 +91,28 @@ static int32_t play_wave(cam_play_t *p, const cam_play_config_t *cfg, cam_motion
     const cam_excite_config_t *excite = &cfg->excite;
     int32_t wave_q6 = 0;
     bool is_over = false;
-    if (u->pos_q10 == excite->place_q10 && u->vel_q10 == 0) {
-        u->acc_q10 = 0;
+    if (u->pos_q10 == excite->place_q10 && u->vel_q10 == 0 && u->acc_q10 == 0) {
         is_over = cam_excite_step_isr(&p->excite, excite, &wave_q6);
     } else {
-        (void)cam_move_to_isr(u, &cfg->approach[hal_axis_u], excite->place_q10);
+        (void)cam_glide_to_isr(&m->glide[hal_axis_u], u, &cfg->approach[hal_axis_u],
+                               excite->place_q10);
         is_over = p->excite.n_left == 0u;
     }
     m->state = is_over ? cam_state_ready : m->state;
     return wave_q6;
+}
+
+/// By hand U goes to its target at the speed that the plan allows, or brakes.
+static void move_by_hand(const cam_play_config_t *cfg, cam_motion_t *m)
+{
+    cam_move_limits_t limits = cfg->hand.limits[hal_axis_u];
+    cam_glide_t *glide = &m->glide[hal_axis_u];
+    if (m->u_speed_q10 > 0) {
+        limits.speed_q10 = m->u_speed_q10;
+        (void)cam_glide_to_isr(glide, &m->axis[hal_axis_u], &limits, m->u_target_q10);
+    } else {
+        (void)cam_glide_stop_isr(glide, &m->axis[hal_axis_u], &limits);
+    }
 }
 
 /// Out of the cut U moves by time, in state fault the guard moves it. @return [nm / 64] U
@@ -107,15 +121,16 @@ CAM_STAGE static int32_t move_u(cam_play_t *p, const cam_play_config_t *cfg, con
 {
     cam_move_t *u = &m->axis[hal_axis_u];
     int32_t wave_q6 = 0;
-    m->c_q6 = 0;
+    m->c_q6 = m->state == cam_state_fault ? m->c_q6 : 0; // there it fades (cam_tick.c)
     if (m->state == cam_state_off) {
         follow_axes(m, in);
     } else if (m->state == cam_state_identifying) {
         wave_q6 = play_wave(p, cfg, m);
     } else if (m->state == cam_state_manual) {
-        advance(u);
+        move_by_hand(cfg, m);
     } else if (m->state != cam_state_fault) {
-        (void)cam_move_to_isr(u, &cfg->approach[hal_axis_u], m->u_target_q10);
+        (void)cam_glide_to_isr(&m->glide[hal_axis_u], u, &cfg->approach[hal_axis_u],
+                               m->u_target_q10);
     } else { // U is where the guard has led it
         m->spindle_mrpm = 0;
     }
@@ -160,11 +175,20 @@ static bool may_enable(const cam_play_config_t *cfg, const cam_motion_t *m)
     return m->state == cam_state_off && (is_acknowledged || !cfg->acknowledge.is_demanded);
 }
 
+/// The drives go on where the axes are, and U moves by time from there.
+static void switch_on(cam_motion_t *m, const cam_play_config_t *cfg, cam_state_t state)
+{
+    m->state = state;
+    cam_glide_begin_isr(&m->glide[hal_axis_u], &m->axis[hal_axis_u],
+                        cfg->approach[hal_axis_u].log2_window);
+}
+
 /// Hold the axes where they stand; the plan moves them by hand.
 static void begin_by_hand(const cam_play_config_t *cfg, cam_motion_t *m)
 {
     if (may_enable(cfg, m)) {
-        m->state = cam_state_manual;
+        switch_on(m, cfg, cam_state_manual);
+        m->u_speed_q10 = 0;
         m->is_by_hand = true;
         m->is_stopping = false;
     }
@@ -184,7 +208,7 @@ static uint32_t obey(cam_play_t *p, const cam_play_config_t *cfg, uint32_t reque
     switch ((cam_request_t)(request & 0xFFu)) {
     case cam_request_enable:
         if (may_enable(cfg, m) && cfg->table != NULL) {
-            m->state = cam_state_homing;
+            switch_on(m, cfg, cam_state_homing);
             m->u_target_q10 = cfg->u_retract_q10;
         }
         break;

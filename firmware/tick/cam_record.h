@@ -9,7 +9,7 @@
 #ifndef CAM_RECORD_H
 #define CAM_RECORD_H
 
-#include "cam_move.h"  // cam_move_t
+#include "cam_glide.h" // cam_glide_t, cam_move_t
 #include "cam_state.h" // cam_state_t
 #include "hal/hal.h"   // hal_encoder_t, hal_n_axes
 #include <stdbool.h>   // bool
@@ -81,6 +81,7 @@ typedef struct {
     cam_move_t axis[hal_n_axes];       ///< while playing, U's position is in cam_want_t
     int32_t c_q6;                      ///< [nm / 64] correction of U's command that was learned
     int64_t u_target_q10;              ///< [nm / 1024] where U goes while it does not play
+    int32_t u_speed_q10;               ///< [nm / 1024 per tick] manual: highest of U, 0: it brakes
     int64_t x_left_q10;                ///< [nm / 1024] X in the tick of the fault
     int64_t height_q32;                ///< [slices] U's height on the table
     int32_t height_step_q32;           ///< per tick
@@ -90,6 +91,11 @@ typedef struct {
     int32_t alpha_q40; ///< [turn / 2^40 per tick^2] acceleration that the set-point demands
     int32_t alpha_u;   ///< the same in the unit of U's
     cam_swing_t swing;
+    int32_t change_q10[hal_n_axes]; ///< [nm / 1024 per tick] of X and Z: by which the last plan
+                                    ///< changed the speed of the one before
+    bool is_gliding;               ///< the glides of X and Z are in motion, or rest, since the last
+                                   ///< plan; else they begin where the axes are
+    cam_glide_t glide[hal_n_axes]; ///< motions by time: of U per tick, of X and Z per plan
 } cam_motion_t;
 
 /// What play wants of the machine besides the axes; the guard replaces what it does not accept.

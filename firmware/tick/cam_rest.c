@@ -15,10 +15,8 @@ static bool is_at(const cam_move_t *m, int64_t place_q10)
 static bool stay_out(const cam_play_config_t *cfg, cam_motion_t *m)
 {
     m->u_target_q10 = cfg->u_retract_q10;
-    const bool is_x_at_rest =
-        cam_step_brake_isr(&m->axis[hal_axis_x], cfg, &cfg->approach[hal_axis_x]);
-    const bool is_z_at_rest =
-        cam_step_brake_isr(&m->axis[hal_axis_z], cfg, &cfg->approach[hal_axis_z]);
+    const bool is_x_at_rest = cam_step_brake_isr(m, hal_axis_x, cfg, &cfg->approach[hal_axis_x]);
+    const bool is_z_at_rest = cam_step_brake_isr(m, hal_axis_z, cfg, &cfg->approach[hal_axis_z]);
     if (cfg->swing.is_swung) {
         cam_swing_rest_isr(&m->swing, cfg, &cfg->swing.gentle);
     }
@@ -41,19 +39,19 @@ static int64_t x_begin_q10(const cam_play_config_t *cfg, const cam_motion_t *m, 
 /// @return true when both are there
 static bool approach_xz(const cam_play_config_t *cfg, cam_motion_t *m)
 {
-    cam_move_t *x = &m->axis[hal_axis_x];
+    const cam_move_t *x = &m->axis[hal_axis_x];
     const int64_t z_q10 = ((int64_t)cfg->z_first_nm + cfg->z_origin_nm) * 1024;
     if (x->pos_q10 < cfg->x_clear_q10 && !is_at(&m->axis[hal_axis_z], z_q10)) {
-        (void)cam_step_to_isr(x, cfg, &cfg->approach[hal_axis_x], cfg->x_clear_q10);
-        (void)cam_step_brake_isr(&m->axis[hal_axis_z], cfg, &cfg->approach[hal_axis_z]);
+        (void)cam_step_to_isr(m, hal_axis_x, cfg, &cfg->approach[hal_axis_x], cfg->x_clear_q10);
+        (void)cam_step_brake_isr(m, hal_axis_z, cfg, &cfg->approach[hal_axis_z]);
         return false;
     }
     if (is_at(&m->axis[hal_axis_z], z_q10)) {
-        return cam_step_to_isr(x, cfg, &cfg->approach[hal_axis_x],
+        return cam_step_to_isr(m, hal_axis_x, cfg, &cfg->approach[hal_axis_x],
                                x_begin_q10(cfg, m, cfg->z_first_nm));
     }
-    (void)cam_step_to_isr(&m->axis[hal_axis_z], cfg, &cfg->approach[hal_axis_z], z_q10);
-    (void)cam_step_brake_isr(x, cfg, &cfg->approach[hal_axis_x]);
+    (void)cam_step_to_isr(m, hal_axis_z, cfg, &cfg->approach[hal_axis_z], z_q10);
+    (void)cam_step_brake_isr(m, hal_axis_x, cfg, &cfg->approach[hal_axis_x]);
     return false;
 }
 
@@ -63,13 +61,12 @@ static bool approach_xz(const cam_play_config_t *cfg, cam_motion_t *m)
 /// @return      true when X is there
 static bool approach_x(const cam_play_config_t *cfg, int32_t z_nm, bool is_u_there, cam_motion_t *m)
 {
-    cam_move_t *x = &m->axis[hal_axis_x];
     m->axis[hal_axis_z] = (cam_move_t){.pos_q10 = (int64_t)z_nm * 1024};
     if (!is_u_there) {
-        (void)cam_step_brake_isr(x, cfg, &cfg->approach[hal_axis_x]);
+        (void)cam_step_brake_isr(m, hal_axis_x, cfg, &cfg->approach[hal_axis_x]);
         return false;
     }
-    return cam_step_to_isr(x, cfg, &cfg->approach[hal_axis_x],
+    return cam_step_to_isr(m, hal_axis_x, cfg, &cfg->approach[hal_axis_x],
                            x_begin_q10(cfg, m, cam_wrap_sub(z_nm, cfg->z_origin_nm)));
 }
 
@@ -95,17 +92,16 @@ static void move_off(const cam_play_config_t *cfg, int32_t z_nm, cam_motion_t *m
 {
     const int64_t off_q10 = m->x_left_q10 + (int64_t)cfg->x_clearance_nm * 1024;
     const cam_move_limits_t *x_limits = &cfg->leave[hal_axis_x];
-    cam_move_t *x = &m->axis[hal_axis_x];
     if (cfg->swing.is_swung) {
         cam_swing_rest_isr(&m->swing, cfg, &cfg->swing.full);
     }
-    const bool is_x_off = m->is_by_hand ? cam_step_brake_isr(x, cfg, x_limits)
-                                        : cam_step_to_isr(x, cfg, x_limits, off_q10);
+    const bool is_x_off = m->is_by_hand ? cam_step_brake_isr(m, hal_axis_x, cfg, x_limits)
+                                        : cam_step_to_isr(m, hal_axis_x, cfg, x_limits, off_q10);
     bool is_z_at_rest = true;
     if (cfg->is_z_measured) {
         m->axis[hal_axis_z] = (cam_move_t){.pos_q10 = (int64_t)z_nm * 1024};
     } else {
-        is_z_at_rest = cam_step_brake_isr(&m->axis[hal_axis_z], cfg, &cfg->leave[hal_axis_z]);
+        is_z_at_rest = cam_step_brake_isr(m, hal_axis_z, cfg, &cfg->leave[hal_axis_z]);
     }
     m->is_clear = is_x_off && is_z_at_rest && (!cfg->swing.is_swung || m->swing.is_there);
 }
@@ -129,14 +125,9 @@ static void end_increments(cam_motion_t *m)
     m->height_step_q32 = 0;
 }
 
-bool cam_rest_isr(const cam_play_config_t *cfg, const cam_tick_record_t *r, cam_motion_t *m)
+/// Plan the axes by the state. @return as cam_rest_isr()
+static bool plan_rest(const cam_play_config_t *cfg, const cam_tick_record_t *r, cam_motion_t *m)
 {
-    end_increments(m);
-    const bool is_idle = m->state == cam_state_off || m->state == cam_state_fault;
-    m->spindle_mrpm = is_idle ? 0 : cam_mul_shift(cfg->spindle_mrpm, cfg->spindle_rate_q30, 30);
-    m->alpha_q40 = 0;
-    m->alpha_u = 0;
-    m->faults = 0;
     if (m->state == cam_state_fault) {
         move_off(cfg, r->in.actual_nm[hal_axis_z], m);
         return false;
@@ -153,4 +144,17 @@ bool cam_rest_isr(const cam_play_config_t *cfg, const cam_tick_record_t *r, cam_
         (void)stay_out(cfg, m);
     }
     return false;
+}
+
+bool cam_rest_isr(const cam_play_config_t *cfg, const cam_tick_record_t *r, cam_motion_t *m)
+{
+    end_increments(m);
+    const bool is_idle = m->state == cam_state_off || m->state == cam_state_fault;
+    m->spindle_mrpm = is_idle ? 0 : cam_mul_shift(cfg->spindle_mrpm, cfg->spindle_rate_q30, 30);
+    m->alpha_q40 = 0;
+    m->alpha_u = 0;
+    m->faults = 0;
+    const bool is_there = plan_rest(cfg, r, m);
+    m->is_gliding = m->state != cam_state_off;
+    return is_there;
 }

@@ -3,27 +3,37 @@
 #include "cam_aim.h" // cam_aim_isr
 #include "cam_fix.h" // cam_sat_i32
 
-/// @return an axis as it moves from plan to plan; a speed that no limit per plan holds is saturated
-static cam_move_t plan_by_plan(const cam_move_t *m, const cam_play_config_t *cfg)
+/// @return an axis as it moves from plan to plan; a speed that no limit per plan holds is
+/// saturated. Its glide goes on, or begins where something else has moved the axis meanwhile
+static cam_move_t plan_by_plan(cam_motion_t *m, hal_axis_t axis, const cam_play_config_t *cfg,
+                               const cam_move_limits_t *limits)
 {
-    return (cam_move_t){.pos_q10 = m->pos_q10,
-                        .vel_q10 = cam_sat_i32((int64_t)m->vel_q10 * cfg->plan_ticks)};
+    cam_glide_t *glide = &m->glide[axis];
+    const cam_move_t *now = &m->axis[axis];
+    const int64_t ticks = cfg->plan_ticks;
+    const cam_move_t next = {.pos_q10 = now->pos_q10,
+                             .vel_q10 = cam_sat_i32(now->vel_q10 * ticks),
+                             .acc_q10 = cam_sat_i32(m->change_q10[axis] * ticks)};
+    if (!m->is_gliding || now->pos_q10 != glide->sum_pos_q10 >> glide->log2_window) {
+        cam_glide_begin_isr(glide, &next, limits->log2_window);
+    }
+    return next;
 }
 
-bool cam_step_to_isr(cam_move_t *m, const cam_play_config_t *cfg, const cam_move_limits_t *limits,
-                     int64_t place_q10)
+bool cam_step_to_isr(cam_motion_t *m, hal_axis_t axis, const cam_play_config_t *cfg,
+                     const cam_move_limits_t *limits, int64_t place_q10)
 {
-    cam_move_t next = plan_by_plan(m, cfg);
-    const bool is_there = cam_move_to_isr(&next, limits, place_q10);
-    cam_aim_isr(m, cfg, next.pos_q10);
+    cam_move_t next = plan_by_plan(m, axis, cfg, limits);
+    const bool is_there = cam_glide_to_isr(&m->glide[axis], &next, limits, place_q10);
+    cam_aim_isr(&m->axis[axis], cfg, next.pos_q10);
     return is_there;
 }
 
-bool cam_step_brake_isr(cam_move_t *m, const cam_play_config_t *cfg,
+bool cam_step_brake_isr(cam_motion_t *m, hal_axis_t axis, const cam_play_config_t *cfg,
                         const cam_move_limits_t *limits)
 {
-    cam_move_t next = plan_by_plan(m, cfg);
-    const bool is_at_rest = cam_move_stop_isr(&next, limits);
-    cam_aim_isr(m, cfg, next.pos_q10);
+    cam_move_t next = plan_by_plan(m, axis, cfg, limits);
+    const bool is_at_rest = cam_glide_stop_isr(&m->glide[axis], &next, limits);
+    cam_aim_isr(&m->axis[axis], cfg, next.pos_q10);
     return is_at_rest;
 }

@@ -31,18 +31,17 @@ static void sense_isr(cam_t *c, cam_sense_t *in)
     cam_fence_acquire_isr();
 }
 
-/// Inverse of a second-order drive, MATHS.md (56) and (189): the command that brings the tool to
-/// u_q6. It is limited to the stroke: only a wrong gain demands more, and the following error shows
-/// that. In off U may stand anywhere, and is told the end of the stroke that is nearer to it.
-static int32_t command_nm(const cam_config_t *cfg, int32_t u_q6, const cam_move_t *u)
+/// Inverse of a second-order drive, MATHS.md (56) and (189): what is added to U so that the tool is
+/// there. It is limited to what fits a word together with U, far beyond every stroke: a command
+/// that large is refused.
+/// @return [nm / 64]
+static int32_t feed_forward_q6(const cam_config_t *cfg, const cam_move_t *u)
 {
     const int64_t more_q26 = (int64_t)cfg->k1_q16 * u->vel_q10 + (int64_t)cfg->k2_q16 * u->acc_q10;
     const int32_t most_high = 1 << 18; // of the high word: 2^50 / 2^32, beyond every stroke
     const int32_t high = cam_clamp_i32((int32_t)(more_q26 >> 32), -most_high, most_high - 1);
     const uint32_t low = (uint32_t)(uint64_t)more_q26;
-    const int32_t more_q6 = (int32_t)((uint32_t)high << 12 | low >> 20);
-    const int32_t most_q6 = cfg->guard.u_range_q6;
-    return cam_clamp_i32(cam_sat_add(u_q6, more_q6 + 32), -most_q6, most_q6) >> 6;
+    return (int32_t)((uint32_t)high << 12 | low >> 20);
 }
 
 /// Round a position down; the plan has added half a nanometre to X, which is thus rounded to
@@ -57,17 +56,6 @@ static hal_setpoint_t setpoint(const cam_move_t *m, int32_t pos_nm)
     return (hal_setpoint_t){.pos_nm = pos_nm, .vel_q10 = m->vel_q10, .acc_q10 = m->acc_q10};
 }
 
-/// Write the set-points into the record, in the form that the drives take.
-static void command(const cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
-{
-    const cam_move_t *axis = c->motion.axis;
-    const int32_t u_q6 = cam_wrap_add(r->want.u_set_q6, c->motion.c_q6);
-    const int32_t u_nm = command_nm(cfg, u_q6, &axis[hal_axis_u]);
-    r->out[hal_axis_u] = setpoint(&axis[hal_axis_u], cam_wrap_sub(u_nm, c->motion.u_home_nm));
-    r->out[hal_axis_x] = setpoint(&axis[hal_axis_x], plain_nm(&axis[hal_axis_x]));
-    r->out[hal_axis_z] = setpoint(&axis[hal_axis_z], plain_nm(&axis[hal_axis_z]));
-}
-
 /// The guard is in charge: its set-point of U is written, and the cut has ended.
 static void take_over(cam_t *c, cam_want_t *want)
 {
@@ -75,7 +63,6 @@ static void take_over(cam_t *c, cam_want_t *want)
         c->motion.x_left_q10 = c->motion.axis[hal_axis_x].pos_q10;
     }
     c->motion.axis[hal_axis_u] = c->guard.u;
-    c->motion.c_q6 = 0;
     c->motion.state = cam_state_fault;
     c->motion.is_playing = false;
     c->motion.is_retracted = want->is_retracted;
@@ -84,18 +71,93 @@ static void take_over(cam_t *c, cam_want_t *want)
     want->u_set_q6 = c->guard.u_set_q6;
 }
 
-static void guard_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
+static void obey_guard(cam_t *c, cam_tick_record_t *r, cam_verdict_t verdict)
 {
-    const cam_verdict_t verdict = cam_guard_step_isr(&c->guard, &cfg->guard, r, &c->motion);
     r->want.faults = verdict.faults;
     r->want.outputs = verdict.outputs;
     r->want.is_retracted = verdict.is_retracted;
     if (verdict.is_in_charge) {
         take_over(c, &r->want);
-    } else { // what U does in a fault is not to be learned
+    }
+}
+
+static void guard_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
+{
+    const cam_verdict_t verdict = cam_guard_step_isr(&c->guard, &cfg->guard, r, &c->motion);
+    obey_guard(c, r, verdict);
+    if (!verdict.is_in_charge) { // what U does in a fault is not to be learned
         cam_gather_isr(&c->gather, r->angle.pos_q32, r->angle.measured_q32, r->want.u_due_q6,
                        r->in.actual_nm[hal_axis_u]);
     }
+}
+
+/// @return [nm / 64] the command of U without what was learned of it
+static int32_t plain_command_q6(const cam_t *c, const cam_config_t *cfg, const cam_tick_record_t *r)
+{
+    return cam_wrap_add(r->want.u_set_q6, feed_forward_q6(cfg, &c->motion.axis[hal_axis_u]));
+}
+
+/// In the tick of a fault the command of U goes on with its last step. What that differs from the
+/// command of the retract, a correction that was learned or a wave, fades away over the next ticks:
+/// by a sixteenth each, towards 0 and to it.
+/// @return [nm / 64] the difference
+static int32_t faded_q6(const cam_t *c, int32_t plain_q6, bool is_new)
+{
+    const int32_t next_nm = cam_wrap_add(c->guard.told_nm, c->guard.told_step_nm);
+    return is_new
+               ? cam_wrap_sub((int32_t)((uint32_t)next_nm * 64u), plain_q6)
+               : c->motion.c_q6 - c->motion.c_q6 / 16 - (c->motion.c_q6 > 0) + (c->motion.c_q6 < 0);
+}
+
+/// The command of U is beyond its limits: it is not written, but a fault. The nearest one that is
+/// within them is written in its place, and the retract begins with the next tick. In off U may
+/// stand anywhere, and is told the end of the stroke that is nearer to it.
+/// @return [nm] command of U
+CAM_STAGE static int32_t refuse(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r,
+                                int32_t u_nm)
+{
+    if (r->want.state == cam_state_off) {
+        return cam_clamp_i32(u_nm, -cfg->guard.told_range_nm, cfg->guard.told_range_nm);
+    }
+    int32_t nearest_nm = u_nm;
+    if (r->want.state == cam_state_fault) {
+        c->guard.faults |= CAM_FAULT_BIT(command);
+        r->want.faults = c->guard.faults;
+    } else {
+        obey_guard(
+            c, r,
+            cam_guard_enter_isr(&c->guard, &cfg->guard, r->want.state, CAM_FAULT_BIT(command)));
+        nearest_nm = cam_wrap_add(c->guard.told_nm, c->guard.told_step_nm);
+    }
+    nearest_nm = cam_guard_nearest_isr(&c->guard, &cfg->guard, nearest_nm);
+    c->motion.c_q6 =
+        cam_wrap_sub((int32_t)((uint32_t)nearest_nm * 64u), plain_command_q6(c, cfg, r));
+    return nearest_nm;
+}
+
+/// @return [nm] command of U, judged
+static int32_t command_u_nm(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r, bool was_fault)
+{
+    const int32_t plain_q6 = plain_command_q6(c, cfg, r);
+    if (r->want.state == cam_state_fault) {
+        c->motion.c_q6 = faded_q6(c, plain_q6, !was_fault);
+    }
+    const int32_t wanted_nm = cam_sat_add(cam_wrap_add(plain_q6, c->motion.c_q6), 32) >> 6;
+    const bool is_allowed =
+        cam_guard_allows_isr(&c->guard, &cfg->guard, wanted_nm, r->angle.is_off_time);
+    const int32_t u_nm = is_allowed ? wanted_nm : refuse(c, cfg, r, wanted_nm);
+    cam_guard_told_isr(&c->guard, u_nm);
+    return u_nm;
+}
+
+/// Write the set-points into the record, in the form that the drives take.
+static void command(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r, bool was_fault)
+{
+    const cam_move_t *axis = c->motion.axis;
+    const int32_t u_nm = command_u_nm(c, cfg, r, was_fault);
+    r->out[hal_axis_u] = setpoint(&axis[hal_axis_u], cam_wrap_sub(u_nm, c->motion.u_home_nm));
+    r->out[hal_axis_x] = setpoint(&axis[hal_axis_x], plain_nm(&axis[hal_axis_x]));
+    r->out[hal_axis_z] = setpoint(&axis[hal_axis_z], plain_nm(&axis[hal_axis_z]));
 }
 
 static inline void steps_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_t *r)
@@ -106,9 +168,10 @@ static inline void steps_isr(cam_t *c, const cam_config_t *cfg, cam_tick_record_
     r->want.faults = c->motion.faults | r->angle.faults | cam_sense_faults(&r->in);
     cam_play_step_isr(&c->play, &cfg->play, &r->in, &r->angle, &c->motion, &r->want);
     CAM_TICK_MARK(play);
+    const bool was_fault = c->motion.state == cam_state_fault;
     guard_isr(c, cfg, r);
     CAM_TICK_MARK(guard);
-    command(c, cfg, r);
+    command(c, cfg, r, was_fault);
     if (cfg->switches.n > 0u) {
         r->want.outputs |= cam_switches_step_isr(&c->switches, &cfg->switches, r);
     }
@@ -133,7 +196,10 @@ static void shift_u(cam_t *c, int32_t nm)
     const int32_t by_q6 = (int32_t)((uint32_t)nm * 64u);
     c->motion.u_home_nm = cam_wrap_add(c->motion.u_home_nm, nm);
     c->motion.axis[hal_axis_u].pos_q10 += (int64_t)nm * 1024;
+    cam_glide_shift_isr(&c->motion.glide[hal_axis_u], (int64_t)nm * 1024);
+    c->motion.u_target_q10 += (int64_t)nm * 1024;
     c->guard.u_set_q6 = cam_wrap_add(c->guard.u_set_q6, by_q6);
+    c->guard.told_nm = cam_wrap_add(c->guard.told_nm, nm);
     cam_play_shift_isr(&c->play, by_q6);
 }
 
@@ -154,11 +220,15 @@ static void plan_axes(cam_t *c, const cam_config_t *cfg, const cam_tick_record_t
 /// Do what belongs to every n-th tick only.
 CAM_STAGE static void plan_isr(cam_t *c, const cam_config_t *cfg, const cam_tick_record_t *r)
 {
+    const cam_move_t before[hal_n_axes] = {
+        [hal_axis_x] = c->motion.axis[hal_axis_x], [hal_axis_z] = c->motion.axis[hal_axis_z]};
     c->until_plan = cfg->play.plan_ticks;
     plan_axes(c, cfg, r);
+    const uint32_t refused = cam_guard_increments_isr(&c->guard, &cfg->guard, &c->motion, before);
     cam_gather_plan_isr(&c->gather, r, &c->motion);
     cam_acknowledge_isr(&c->acknowledge, &cfg->play.acknowledge, r, &c->motion);
-    c->motion.faults |= watch_index(c, cfg, r) | cam_guard_plan_isr(&c->guard, &cfg->guard, r);
+    c->motion.faults |=
+        refused | watch_index(c, cfg, r) | cam_guard_plan_isr(&c->guard, &cfg->guard, r);
 }
 
 static bool is_plan_due(cam_t *c)

@@ -201,6 +201,8 @@ static void test_build_what_does_not_fit_the_tick_rate_is_refused(void)
                           build_with(cam_param_observer_bandwidth_mHz, 1600001, 20000));
     TEST_ASSERT_EQUAL_INT(cam_ok, build_with(cam_param_lead_ns, 3090000, 20000));
     TEST_ASSERT_EQUAL_INT(cam_err_param_tick, build_with(cam_param_lead_ns, 3100000, 20000));
+    params.u_speed_um_per_s = 10000000; // no gain is too large for such limits (cam_gains.h)
+    params.u_acceleration_mm_per_s2 = 100;
     TEST_ASSERT_EQUAL_INT(cam_ok, build_with(cam_param_k1_ns, 100000000, 100000));
     TEST_ASSERT_EQUAL_INT(cam_ok, build_with(cam_param_k2_us2, 81000000, 20000));
     TEST_ASSERT_EQUAL_INT(cam_err_param_tick, build_with(cam_param_k2_us2, 82000000, 20000));

@@ -125,6 +125,8 @@ static void test_most_is_the_largest_value_that_is_built(void)
         const int32_t most = cam_fit_most(ids[i % 4], hz);
         cam_params_t p = cam_param_defaults();
         p.observer_bandwidth_mHz = 1000;
+        p.u_speed_um_per_s = 10000000; // no gain is too large for such limits (cam_gains.h)
+        p.u_acceleration_mm_per_s2 = 100;
         TEST_ASSERT_EQUAL_INT(cam_ok, cam_param_set(&p, ids[i % 4], most));
         TEST_ASSERT_EQUAL_INT(cam_ok, cam_fit_check(&p, hz));
         if (cam_param_set(&p, ids[i % 4], most + 1) == cam_ok) {
@@ -166,6 +168,7 @@ static void test_retract_leaves_room_to_brake_inside_the_stroke(void)
     cam_config_t config = {0};
     params.u_stroke_nm = 800000;
     params.observer_bandwidth_mHz = 50000;
+    params.k1_ns = 0;
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_build_config(&config, &params, NULL, 0, 1000, 200000000));
     TEST_ASSERT_EQUAL_INT64(-(400000 - 31251) * INT64_C(1024), config.play.u_retract_q10);
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_build_config(&config, &params, NULL, 0, 20000, 200000000));
@@ -173,6 +176,15 @@ static void test_retract_leaves_room_to_brake_inside_the_stroke(void)
     params.u_stroke_nm = 1000; // shorter than the room: U stays where it is
     TEST_ASSERT_EQUAL_INT(cam_ok, cam_build_config(&config, &params, NULL, 0, 1000, 200000000));
     TEST_ASSERT_EQUAL_INT64(0, config.play.u_retract_q10);
+    params.u_stroke_nm =
+        800000; // the feed-forward runs ahead where k1 is longer than half the window
+    params.k1_ns = 742723;
+    TEST_ASSERT_EQUAL_INT(cam_ok, cam_build_config(&config, &params, NULL, 0, 20000, 200000000));
+    const double a = config.guard.leave.acceleration_q10 / 1024.0; // [nm / tick^2]
+    const double over = 742723e-9 * 20000.0 - 8.0;
+    const double room_nm = 625.0 / 8.0 + a * (over * over / 2.0 + 256.0 / 12.0);
+    TEST_ASSERT_DOUBLE_WITHIN(60.0, -(400000.0 - room_nm),
+                              (double)config.guard.u_retract_q10 / 1024.0);
 }
 
 int main(void)

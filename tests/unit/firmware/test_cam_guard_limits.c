@@ -77,6 +77,7 @@ static void cause(cam_fault_t fault, int32_t beyond)
     case cam_fault_z_range:
     case cam_fault_table:
     case cam_fault_swing:
+    case cam_fault_command:
         want.faults = mask;
         break;
     case cam_fault_reverse:
@@ -130,6 +131,7 @@ static bool is_armed(cam_fault_t fault, cam_state_t state)
         [cam_fault_z_range] = "w",
         [cam_fault_table] = "hrwm",
         [cam_fault_swing] = "w",
+        [cam_fault_command] = "hrwfm",
     };
     static const char letter[cam_n_states] = "ohrwwwfwrm";
     return strchr(armed[fault], letter[state]) != NULL;
@@ -238,9 +240,9 @@ static void test_fault_with_a_set_point_far_off_writes_from_the_last_good_place(
     }
 }
 
-/// At the limit of acceleration the retract starts at the speed that was written, not half a tick
-/// further; the tick of the fault itself coasts.
-static void test_retract_goes_on_at_the_speed_of_the_last_step(void)
+/// At the limit of acceleration the tick of the fault goes on with the speed of the last step and
+/// the acceleration that was told; behind it the acceleration falls within the jerk of the window.
+static void test_retract_goes_on_with_speed_and_acceleration_of_the_last_step(void)
 {
     begin(cam_state_cutting);
     const int32_t a_q6 = cfg->u.acceleration_q10 / 16;
@@ -248,17 +250,31 @@ static void test_retract_goes_on_at_the_speed_of_the_last_step(void)
     for (int32_t n = 1; n <= 5; n++) { // constant acceleration: the end of a step is a/2 faster
         at_q6 += n * a_q6;
         want.u_set_q6 = at_q6;
-        motion.axis[hal_axis_u] =
-            (cam_move_t){.pos_q10 = (int64_t)at_q6 * 16, .vel_q10 = (n * a_q6 + a_q6 / 2) * 16};
+        motion.axis[hal_axis_u] = (cam_move_t){.pos_q10 = (int64_t)at_q6 * 16,
+                                               .vel_q10 = (n * a_q6 + a_q6 / 2) * 16,
+                                               .acc_q10 = a_q6 * 16};
         (void)tick();
         TEST_ASSERT_EQUAL_HEX32(0, guard.faults);
     }
     want.u_set_q6 = at_q6 + 6 * a_q6;
     in.inputs |= hal_in_estop;
-    TEST_ASSERT_EQUAL_INT32(at_q6 + 5 * a_q6, tick().u_set_q6);
+    TEST_ASSERT_EQUAL_INT32(at_q6 + 6 * a_q6, tick().u_set_q6);
+    TEST_ASSERT_EQUAL_INT32(a_q6 * 16, guard.u.acc_q10);
     want.state = cam_state_fault;
-    TEST_ASSERT_INT32_WITHIN(1, at_q6 + 9 * a_q6, tick().u_set_q6);
-    TEST_ASSERT_INT32_WITHIN(1, at_q6 + 12 * a_q6, tick().u_set_q6);
+    int32_t last_q6 = guard.u_set_q6;
+    int32_t step_q6 = 6 * a_q6;
+    int32_t acc_q6 = a_q6;
+    const int32_t jerk_q6 = 2 * a_q6 >> cfg->leave.log2_window;
+    for (int i = 0; i < 40; i++) {
+        const int32_t now_q6 = tick().u_set_q6;
+        const int32_t now_acc_q6 = now_q6 - last_q6 - step_q6;
+        TEST_ASSERT_INT32_WITHIN(jerk_q6 + 4, acc_q6, now_acc_q6);
+        TEST_ASSERT_INT32_WITHIN(2, now_acc_q6, guard.u.acc_q10 / 16);
+        step_q6 = now_q6 - last_q6;
+        last_q6 = now_q6;
+        acc_q6 = now_acc_q6;
+    }
+    TEST_ASSERT_LESS_THAN_INT32(0, step_q6);
 }
 
 int main(void)
@@ -271,6 +287,6 @@ int main(void)
     RUN_TEST(test_limits_of_the_other_sign_are_the_same);
     RUN_TEST(test_limits_are_those_of_the_parameters);
     RUN_TEST(test_fault_with_a_set_point_far_off_writes_from_the_last_good_place);
-    RUN_TEST(test_retract_goes_on_at_the_speed_of_the_last_step);
+    RUN_TEST(test_retract_goes_on_with_speed_and_acceleration_of_the_last_step);
     return UNITY_END();
 }

@@ -86,23 +86,6 @@ static void test_command_of_x_and_z_is_their_setpoint(void)
     }
 }
 
-/// Whatever the gains are, U is not commanded to leave its stroke.
-static void test_command_of_a_wrong_gain_stays_inside_the_stroke(void)
-{
-    fixture_rig_init(&rig, &part, tick_hz);
-    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_k1_ns, 100000000));
-    TEST_ASSERT_EQUAL_INT(cam_ok, fixture_rig_set(&rig, cam_param_following_limit_nm, 10000000));
-    TEST_ASSERT_TRUE(fixture_rig_bring(&rig, cam_state_cutting));
-    int32_t most_nm = 0;
-    for (int i = 0; i < 2000; i++) {
-        fixture_rig_tick(&rig);
-        const int32_t nm = hal_host.out.axis[hal_axis_u].pos_nm;
-        most_nm = nm > most_nm ? nm : most_nm;
-        TEST_ASSERT_INT32_WITHIN(600000, 0, nm);
-    }
-    TEST_ASSERT_EQUAL_INT32(600000, most_nm);
-}
-
 /// At rest in ready nothing is added: command and set-point agree.
 static void test_command_at_rest_is_the_place_itself(void)
 {
@@ -130,7 +113,6 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_command_in_the_cut_is_the_control_law);
     RUN_TEST(test_command_of_x_and_z_is_their_setpoint);
-    RUN_TEST(test_command_of_a_wrong_gain_stays_inside_the_stroke);
     RUN_TEST(test_command_at_rest_is_the_place_itself);
     RUN_TEST(test_due_in_the_record_is_the_setpoint_of_lead_ago);
     return UNITY_END();

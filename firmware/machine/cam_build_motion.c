@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cam_build_motion.h"
+#include "cam_cut.h"   // cam_cut_smaller
+#include "cam_fit.h"   // cam_fit_approach_share
+#include "cam_fix.h"   // cam_clamp_i64, cam_sat_i32
+#include "cam_gains.h" // cam_gains_log2_window
+#include "cam_glide.h" // cam_glide_most_q10
+#include "cam_units.h" // cam_units_scale
+
+/// Speeds and accelerations beyond 2^29 per tick are limited: slower than allowed is safe.
+static cam_move_limits_t limits(int32_t speed_um_per_s, int32_t acceleration_mm_per_s2,
+                                uint32_t tick_hz)
+{
+    const int64_t most = INT64_C(1) << 29; // a speed and an acceleration fit a word together
+    const int64_t vel = cam_units_scale(speed_um_per_s, 1024000, tick_hz);
+    const int64_t acc =
+        cam_units_scale(acceleration_mm_per_s2, 1024000000, (int64_t)tick_hz * tick_hz);
+    return (cam_move_limits_t){
+        .speed_q10 = (int32_t)cam_clamp_i64(vel, 1, most),
+        .acceleration_q10 = (int32_t)cam_clamp_i64(acc, 1, most),
+    };
+}
+
+/// @return limits per plan instead of per tick
+static cam_move_limits_t per_plan(cam_move_limits_t limits, int32_t plan_ticks)
+{
+    const int64_t most = INT64_C(1) << 29;
+    const int64_t speed = (int64_t)limits.speed_q10 * plan_ticks;
+    const int64_t acceleration = (int64_t)limits.acceleration_q10 * plan_ticks * plan_ticks;
+    return (cam_move_limits_t){
+        .speed_q10 = (int32_t)cam_clamp_i64(speed, 1, most),
+        .acceleration_q10 = (int32_t)cam_clamp_i64(acceleration, 1, most),
+    };
+}
+
+/// @return limits with their window, which carries no acceleration beyond 2^30 / n
+static cam_move_limits_t windowed(cam_move_limits_t limits, uint32_t log2_window)
+{
+    const int32_t most_q10 = cam_glide_most_q10(log2_window);
+    limits.acceleration_q10 =
+        limits.acceleration_q10 < most_q10 ? limits.acceleration_q10 : most_q10;
+    limits.log2_window = log2_window;
+    return limits;
+}
+
+/// U moves tick by tick, X and Z plan by plan.
+static void build_limits(cam_config_t *c, const cam_params_t *p, uint32_t tick_hz)
+{
+    const cam_move_limits_t full[hal_n_axes] = {
+        [hal_axis_u] = limits(p->u_speed_um_per_s, p->u_acceleration_mm_per_s2, tick_hz),
+        [hal_axis_x] = limits(p->x_speed_um_per_s, p->x_acceleration_mm_per_s2, tick_hz),
+        [hal_axis_z] = limits(p->z_speed_um_per_s, p->z_acceleration_mm_per_s2, tick_hz),
+    };
+    c->guard.u = full[hal_axis_u];
+    for (uint32_t i = 0; i < hal_n_axes; i++) {
+        const int32_t ticks = i == (uint32_t)hal_axis_u ? 1 : c->play.plan_ticks;
+        const cam_move_limits_t gentle = {
+            .speed_q10 = full[i].speed_q10 / cam_fit_approach_share + 1,
+            .acceleration_q10 = full[i].acceleration_q10 / cam_fit_approach_share + 1,
+        };
+        const uint32_t log2 = cam_gains_log2_window(p, (hal_axis_t)i, tick_hz);
+        c->play.approach[i] = windowed(per_plan(gentle, ticks), log2);
+        c->play.leave[i] = windowed(per_plan(full[i], ticks), log2);
+    }
+}
+
+/// What X and Z are told changes from plan to plan by their acceleration, and by what the encoder
+/// makes of it: they follow the spindle's angle, whose steps of up to the jump window move Z by
+/// their share of the feed. Twice of both is no fault. A Z that others move is told where it is,
+/// and an X over it follows its measurement from plan to plan.
+static void build_told(cam_config_t *c)
+{
+    const int32_t ticks = c->play.plan_ticks;
+    cam_guard_config_t *g = &c->guard;
+    const int64_t jump_nm =
+        (int64_t)c->play.feed_nm * c->spindle.jump_window / c->spindle.counts_per_turn;
+    for (uint32_t i = (uint32_t)hal_axis_x; i <= (uint32_t)hal_axis_z; i++) {
+        const cam_move_limits_t *full = &c->play.leave[i]; // per plan
+        const int64_t vel_q10 = full->speed_q10 / ticks;
+        const int64_t change_q10 = full->acceleration_q10 / ticks;
+        const int64_t most_q10 = vel_q10 + vel_q10 / 16 + CAM_BUILD_MARGIN_Q10;
+        const bool is_led = c->play.is_z_measured && i == (uint32_t)hal_axis_z;
+        const int64_t told_q10 = 2 * (change_q10 + jump_nm * 1024 / ticks) + CAM_BUILD_MARGIN_Q10;
+        g->told_vel_q10[i] = is_led ? INT32_MAX : (int32_t)most_q10;
+        g->told_change_q10[i] =
+            is_led ? INT32_MAX : cam_sat_i32(c->play.is_z_measured ? 2 * most_q10 : told_q10);
+        g->told_jump_q10[i] = is_led ? INT32_MAX : 4 * ticks; // what equal increments leave
+    }
+}
+
+/// @return [nm / 1024 per tick^2] the largest acceleration of a retract that tells U no more than
+/// three quarters of its speed while it begins: a (n / 2 + k1 + k2 / n) ticks, MATHS.md (212)
+static int64_t most_acceleration_q10(const cam_config_t *c, uint32_t log2_window)
+{
+    const int64_t n_q16 = INT64_C(65536) << log2_window;
+    const int64_t ticks_q16 = n_q16 / 2 + c->k1_q16 + (c->k2_q16 >> log2_window);
+    return (int64_t)c->guard.u.speed_q10 * 49152 / ticks_q16 + 1;
+}
+
+/// The command of U runs ahead of U by the feed-forward. So the retract begins with less than the
+/// acceleration of U where that told too much, and in a window shorter than twice k1 it is so much
+/// slower as the command runs ahead at its speed, and a sixteenth for what fades meanwhile; but not
+/// slower than a quarter. MATHS.md (212).
+static cam_move_limits_t leaving(const cam_config_t *c, uint32_t log2_window)
+{
+    const cam_move_limits_t *u = &c->guard.u;
+    const int64_t a_q10 =
+        cam_cut_smaller(u->acceleration_q10, most_acceleration_q10(c, log2_window));
+    const int64_t over_q16 = c->k1_q16 - (INT64_C(32768) << log2_window);
+    const int64_t ahead_q10 = over_q16 > 0 ? over_q16 * a_q10 / 65536 : 0;
+    const int64_t least_q10 = u->speed_q10 / 4 + 1;
+    const int64_t most_q10 = u->speed_q10 - u->speed_q10 / 16 - ahead_q10;
+    const cam_move_limits_t limits = {
+        .speed_q10 = (int32_t)cam_clamp_i64(most_q10, least_q10, u->speed_q10),
+        .acceleration_q10 = (int32_t)a_q10,
+    };
+    return windowed(limits, log2_window);
+}
+
+int64_t cam_build_room_q10(const cam_config_t *config)
+{
+    const cam_move_limits_t *leave = &config->guard.leave;
+    const int64_t n = INT64_C(1) << leave->log2_window;
+    const int64_t over_q8 = (config->k1_q16 - n * 32768) / 256;
+    const int64_t squares_q16 = (over_q8 > 0 ? over_q8 * over_q8 / 2 : 0) + n * n * 65536 / 12;
+    const int64_t ahead_q10 = over_q8 > 0 ? leave->acceleration_q10 * (squares_q16 / 256) / 256 : 0;
+    return config->guard.u.acceleration_q10 / 8 + ahead_q10;
+}
+
+void cam_build_motion(cam_config_t *config, const cam_params_t *params, uint32_t tick_hz)
+{
+    build_limits(config, params, tick_hz);
+    config->guard.leave = leaving(config, cam_gains_log2_window(params, hal_axis_u, tick_hz));
+    build_told(config);
+}
