@@ -16,7 +16,8 @@ from typing import Any
 import can
 
 from background import PATIENCE_S
-from camtools.link.controller import COMMAND, DATABASE, NUMBERS, Link, Status
+from camtools.link.controller import Link, Status
+from camtools.link.messages import COMMAND, DATABASE, NUMBERS
 
 Point = tuple[float, float]
 _JOG = NUMBERS["command"]["jog"]

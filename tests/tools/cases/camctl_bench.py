@@ -3,19 +3,26 @@
 
 from __future__ import annotations
 
+import argparse
 import csv
 import io
 import os
 import struct
 import subprocess
 import threading
-from collections.abc import Callable
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import can
 
 from camtools.cli.camctl import main
-from camtools.link.controller import COMMAND, NUMBERS
+from camtools.cli.camctl_cut import follow_cut
+from camtools.cli.camctl_rights import commanding
+from camtools.link.controller import Link
+from camtools.link.messages import COMMAND, Refused, command_bytes
+from camtools.link.refusal import ask_done
 
 ROOT = Path(__file__).resolve().parents[3]
 BENCH = ROOT / os.environ.get("CAMTURN_BUILD", "build/host") / "tests" / "camctl" / "can_bench"
@@ -102,6 +109,48 @@ class Bench:
         bus = ["--interface", "virtual", "--channel", self.channel, "--node", str(self.node)]
         return main([*bus, *map(str, words)], out), out.getvalue()
 
+    @contextmanager
+    def cutting(self, state: str = "") -> Iterator[Link]:
+        """Cut a part beside the block, as camctl start does in another terminal.
+
+        Parameters
+        ----------
+        state : str
+            waited for before the block begins
+        """
+        bus = can.Bus(interface="virtual", channel=self.channel)
+        link = Link(bus, f"virtual {self.channel}", self.node)
+        words = argparse.Namespace(sender=None, take_over=False, secret=None)
+        ended: list[Refused] = []
+
+        def follow() -> None:
+            try:
+                with commanding(link, self.node, words):
+                    ask_done(link, "start")
+                    link.wait(lambda: False, 0.05)
+                    link.status.signals.pop("state", None)
+                    begun.set()
+                    follow_cut(link, io.StringIO())
+            except Refused as refused:
+                ended.append(refused)
+            finally:
+                begun.set()
+
+        begun, thread = threading.Event(), threading.Thread(target=follow)
+        thread.start()
+        begun.wait(10)
+        try:
+            end_s = time.monotonic() + 10
+            while state and link.status.state != state and time.monotonic() < end_s:
+                time.sleep(0.01)
+            assert link.status.state == state or not state, link.status.state
+            yield link
+            if thread.is_alive():
+                self.run("stop")
+        finally:
+            thread.join()
+            bus.shutdown()
+
     def do(self, *words: str | Path) -> str:
         """Run camctl, which must succeed."""
         status, text = self.run(*words)
@@ -118,8 +167,7 @@ def columns(path: Path) -> dict[str, list[str]]:
 
 def order(bench: Bench, command: str) -> None:
     """Give a command beside the link of the test, without waiting for its answer."""
-    number = NUMBERS["command"][command]
-    data = COMMAND.encode({"command": number, "parameter": 0, "sender": 0, "session": 0})
+    data = command_bytes(command, 0, {})
     bus = can.Bus(interface="virtual", channel=bench.channel)
     bus.send(can.Message(arbitration_id=COMMAND.frame_id, data=data, is_extended_id=False))
     bus.shutdown()

@@ -6,6 +6,7 @@ from __future__ import annotations
 import csv
 import io
 import os
+import re
 import signal
 import threading
 from collections.abc import Callable
@@ -15,7 +16,7 @@ import pytest
 
 from camctl_bench import Bench
 from camtools.cli.camctl import main
-from camtools.link.controller import COMMAND, NAMES
+from camtools.link.messages import COMMAND, NAMES
 from camtools.link.watch import COLUMNS
 
 pytestmark = pytest.mark.alone  # the controller keeps pace with the clock
@@ -26,9 +27,9 @@ def test_a_part_is_cut_and_recorded(bench: Bench, tmp_path: Path) -> None:
     assert "off" in bench.do("status")
     assert bench.do("home") == "home: ready\n"
     assert bench.do("speed", "1500.5") == "speed = 1500.5 r/min\n"
-    assert "start: engaging" in bench.do("start")
     file = tmp_path / "cut.csv"
-    assert "rows" in bench.do("record", file, "--cut")
+    with bench.cutting("engaging"):
+        assert "rows" in bench.do("record", file, "--cut")
     with file.open(newline="") as text:
         rows = list(csv.DictReader(text))
     assert tuple(rows[0]) == COLUMNS
@@ -46,21 +47,35 @@ def test_a_part_is_cut_and_recorded(bench: Bench, tmp_path: Path) -> None:
 def test_a_record_of_a_cut_that_fails_says_so(bench: Bench, tmp_path: Path) -> None:
     """The emergency stop in the cut ends the record with status 1, the rows are there."""
     bench.do("home")
-    bench.do("start")
-    stop = threading.Timer(0.3, bench.estop, [True])
-    stop.start()
     file = tmp_path / "cut.csv"
-    status, text = bench.run("record", file, "--cut")
+    with bench.cutting("cutting"):
+        stop = threading.Timer(0.3, bench.estop, [True])
+        stop.start()
+        status, text = bench.run("record", file, "--cut")
     assert status == 1
     assert "rows" in text
     assert file.read_text().splitlines()[-1].split(",")[1:3] == ["fault", "estop"]
 
 
 def test_start_waits_for_the_part(bench: Bench) -> None:
-    """With --wait the command ends when the part is cut."""
+    """The command shows how far it is, and ends when the part is cut."""
     bench.do("home")
-    assert bench.do("start", "--wait") == "start: ready\n"
+    lines = bench.do("start").splitlines()
+    assert lines[-1] == "start: ready"
+    assert lines[0].startswith("engaging: 0 %, ")
+    assert any(re.match(r"cutting: \d+ %, 0:\d\d left", line) for line in lines)
     assert bench.do("home") == "home: ready\n"
+
+
+def test_control_c_stops_the_cut_and_waits_for_its_end(
+    bench: Bench, refusal: Callable[[Bench, int, str], str]
+) -> None:
+    """The status tells that the part is not whole."""
+    bench.do("home")
+    bench.do("set", "engage_turns", "100")
+    threading.Timer(0.3, signal.raise_signal, [signal.SIGINT]).start()
+    assert refusal(bench, 1, "start") == "camctl: start: stopped by control-C before its end"
+    assert "state             ready" in bench.do("status")
 
 
 def test_a_fault_is_told_and_left(bench: Bench, refusal: Callable[[Bench, int, str], str]) -> None:
@@ -137,11 +152,10 @@ def test_what_must_not_change_in_the_cut_is_refused(
     """Phase follows the operator while cutting, the programmed speed does not."""
     bench.do("home")
     bench.do("set", "engage_turns", "100")
-    bench.do("start")
-    line = refusal(bench, 1, "speed 1000")
-    assert "spindle_mrpm cannot change in this state; only phase, amplitude, trim" in line
-    assert bench.do("phase", "5") == "phase = 5 deg\n"
-    bench.do("stop")
+    with bench.cutting():
+        line = refusal(bench, 1, "speed 1000")
+        assert "spindle_mrpm cannot change in this state; only phase, amplitude, trim" in line
+        assert bench.do("phase", "5") == "phase = 5 deg\n"
 
 
 def test_an_interrupt_ends_a_record_whole(bench: Bench, tmp_path: Path) -> None:

@@ -18,15 +18,15 @@ def test_feed_is_overridden_held_and_goes_on(bench: Bench, tmp_path: Path) -> No
     bench.do("home")
     assert bench.do("parts", "7") == "parts = 7\n"
     assert bench.do("override", "feed", "20") == "override feed = 20 %\n"
-    bench.do("start")
-    assert bench.do("hold").startswith("hold: ")
-    held = [bench.do("status") for _ in range(20)]
-    assert any("holding" in text for text in held)
-    assert bench.do("resume").startswith("resume: ")
-    assert bench.do("override", "feed", "150") == "override feed = 150 %\n"
-    assert bench.do("override", "spindle", "90") == "override spindle = 90 %\n"
-    assert bench.do("override", "spindle") == "override spindle = 90 %\n"
-    bench.do("record", tmp_path / "cut.csv", "--cut")
+    with bench.cutting():
+        assert bench.do("hold").startswith("hold: ")
+        held = [bench.do("status") for _ in range(20)]
+        assert any("holding" in text for text in held)
+        assert bench.do("resume").startswith("resume: ")
+        assert bench.do("override", "feed", "150") == "override feed = 150 %\n"
+        assert bench.do("override", "spindle", "90") == "override spindle = 90 %\n"
+        assert bench.do("override", "spindle") == "override spindle = 90 %\n"
+        bench.do("record", tmp_path / "cut.csv", "--cut")
     assert bench.do("parts") == "parts = 8\n"
 
 

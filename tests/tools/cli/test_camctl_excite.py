@@ -15,12 +15,9 @@ import pytest
 
 from camctl_bench import Bench, columns, order
 from camtools.link import excitation, scope
-from camtools.link.controller import (
-    COMMAND,
-    Link,
-    Refused,
-)
+from camtools.link.controller import Link
 from camtools.link.learned import LAYOUT
+from camtools.link.messages import COMMAND, Refused
 
 pytestmark = pytest.mark.alone  # the controller keeps pace with the clock
 N, PERIODS, HEIGHT_NM = 400, 2, 40_000.0

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from camctl_bench import Bench
-from camtools.link.controller import NAMES
+from camtools.link.messages import NAMES
 from camtools.link.parameters import INFOS
 
 pytestmark = pytest.mark.alone  # the controller keeps pace with the clock

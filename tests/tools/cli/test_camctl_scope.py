@@ -16,16 +16,9 @@ from camctl_bench import Bench, columns, order
 from camtools.base.parquet import parquet_read
 from camtools.cli.camctl_files import ABOUT
 from camtools.link import excitation, scope
-from camtools.link.controller import (
-    ANSWER,
-    BLOCK_ID,
-    COMMAND,
-    FD_PART_ID,
-    PART_ID,
-    Link,
-    Refused,
-)
+from camtools.link.controller import BLOCK_ID, FD_PART_ID, PART_ID, Link
 from camtools.link.learned import N_VALUES
+from camtools.link.messages import ANSWER, COMMAND, Refused, command_bytes
 
 pytestmark = pytest.mark.alone  # the controller keeps pace with the clock
 Refusal = Callable[[Bench, int, str], str]
@@ -230,8 +223,8 @@ def test_a_command_ends_a_piece(bench: Bench, link: Link) -> None:
     """An operator's stop does not wait for a reader; the reader gets its piece the next time."""
     record_some(link)
     link.parts.clear()
-    link.send_frame(COMMAND.frame_id, COMMAND.encode({"command": 23, "parameter": 0,
-                    "sender": 0, "session": 0, "offset": 0, "count": 255}))  # fmt: skip
+    read = command_bytes("read_scope", 0, {"offset": 0, "count": 255})
+    link.send_frame(COMMAND.frame_id, read)
     assert link.wait(lambda: len(link.parts) > 10, 1)
     assert link.ask("get_parameter", parameter=0).value == 10000
     link.wait(lambda: False, 0.1)

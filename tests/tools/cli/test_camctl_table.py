@@ -107,9 +107,8 @@ def test_a_download_that_cannot_go_on_leaves_the_old_table(
     assert "short skirt" in bench.do("select")
     bench.do("home")
     bench.do("set", "engage_turns", "100")
-    bench.do("start")
-    assert "begin download: refused: state" in refusal(bench, 1, f"table download {other}")
-    bench.do("stop")
+    with bench.cutting():
+        assert "begin download: refused: state" in refusal(bench, 1, f"table download {other}")
 
 
 def test_files_that_are_no_tables_are_bad_input(

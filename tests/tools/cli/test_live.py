@@ -10,12 +10,12 @@ import re
 import signal
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 
 import pytest
 
-from background import PATIENCE_S, Background, python
+from background import PATIENCE_S, Background, background, python
 from camtools.cli.camctl import main as camctl
 from camtools.cli.live import main as live_main
 from camtools.link.live import LiveLathe, live_lathes, only_lathe
@@ -92,6 +92,18 @@ def the_lathe() -> LiveLathe:
     return lathe
 
 
+def cutting() -> AbstractContextManager[Background]:
+    """Start a cut, as an operator does in a terminal of its own."""
+    return background(*python("camtools.cli.camctl", "start"))
+
+
+def look_at_ticks(folder: Path) -> None:
+    """Record ticks of the cut that another camctl of the same user has started."""
+    rows = folder / "rows.csv"
+    do("scope", rows, "--signals", "u_set_q6,u_actual_nm", "--every", "10", "--seconds", "0.1")
+    assert len(rows.read_text("ascii").splitlines()) > 50
+
+
 def test_a_session_as_an_operator_has_it(tmp_path: Path) -> None:
     """From the download to a fault and its reset, all by camctl without an option."""
     made = make(load(PART), PART)
@@ -109,21 +121,21 @@ def test_a_session_as_an_operator_has_it(tmp_path: Path) -> None:
         assert re.search(r"^x .*, homed$", do("where"), re.MULTILINE)
         assert do("disable") == "disable: off\n"
         assert do("home") == "home: ready\n"
-        assert do("start").startswith("start: ")
-        assert "r/min" in do("watch", "--seconds", "1.5", "--every", "0.5")
-        until(lambda: "cutting" in do("status"))
-        rows = tmp_path / "rows.csv"
-        do("scope", rows, "--signals", "u_set_q6,u_actual_nm", "--every", "10", "--seconds", "0.1")
-        assert len(rows.read_text("ascii").splitlines()) > 50
-        live.do("estop")
-        until(lambda: "faults            estop" in do("status"))
+        with cutting() as cut:
+            assert "r/min" in do("watch", "--seconds", "1.5", "--every", "0.5")
+            until(lambda: "cutting" in do("status"))
+            look_at_ticks(tmp_path)
+            live.do("estop")
+            until(lambda: "faults            estop" in do("status"))
+            cut.wait_for("camctl: fault: estop")
         until(lambda: run("blackbox", tmp_path / "box.parquet")[0] == 0)
         live.do("release")
         until(lambda: run("reset")[0] == 0)
         assert do("home") == "home: ready\n"
-        do("start")
-        until(lambda: "cutting" in do("status"))
-        do("stop")
+        with cutting() as cut:
+            cut.wait_for("cutting: ")
+            do("stop")
+            cut.wait_for("start: ready")
         gauged = re.search(r"form error max ([\d.]+) um", live.wait_for("part 2: "))
         assert gauged is not None and float(gauged[1]) < 1.0
         until(lambda: "state             ready" in do("status"))

@@ -9,7 +9,8 @@ import can
 import pytest
 
 from camtools.link import scope
-from camtools.link.controller import ANSWER, DATABASE, NUMBERS, Link, Refused
+from camtools.link.controller import Link
+from camtools.link.messages import ANSWER, DATABASE, NUMBERS, Refused
 from camtools.link.refusal import ask_done
 from camtools.link.strobe import Strobe
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 
 import pytest
 
-from camtools.link.controller import NUMBERS, Link
+from camtools.link.controller import Link
 from camtools.link.convergence import Convergence
+from camtools.link.messages import NUMBERS
 from camtools.link.progress import cut_progress, tick_load
 
 CUT = {"has_end": 1.0, "turns_left": 300.0, "turns_whole": 400.0, "pass_speed": 600.0}

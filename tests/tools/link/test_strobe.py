@@ -14,7 +14,8 @@ import pytest
 
 from camctl_bench import Bench
 from camtools.link import scope
-from camtools.link.controller import DATABASE, Link, Refused
+from camtools.link.controller import Link
+from camtools.link.messages import DATABASE, Refused
 from camtools.link.strobe import Samples, Strobe, best_every
 
 MESSAGE = DATABASE.get_message_by_name("Strobe")

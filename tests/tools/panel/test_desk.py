@@ -13,7 +13,8 @@ import can
 import pytest
 
 from camctl_bench import Bench
-from camtools.link.controller import COMMAND, Answer, Link, Refused
+from camtools.link.controller import Link
+from camtools.link.messages import COMMAND, Answer, Refused
 from camtools.link.parameters import INFOS
 from camtools.link.refusal import ask_done
 from desk_cases import Seat, until

@@ -6,8 +6,8 @@ from __future__ import annotations
 import re
 
 from camtools.base.places import ROOT
-from camtools.link.controller import FAULT_TEXTS
 from camtools.link.faults import FAULTS
+from camtools.link.messages import FAULT_TEXTS
 
 LIST = ROOT / "firmware" / "base" / "cam_state.h"
 

@@ -7,7 +7,7 @@ from itertools import product
 
 import pytest
 
-from camtools.link.controller import NAMES
+from camtools.link.messages import NAMES
 from camtools.panel.views.availability import RULES, stop_order, why_not
 from camtools.panel.views.missing import way_on
 from camtools.panel.views.state_look import LOOKS, look

@@ -16,9 +16,10 @@ import pytest
 
 from background import PATIENCE_S, Background, background, python
 from camtools.link.bus import open_bus
-from camtools.link.controller import NUMBERS, Link, Refused
+from camtools.link.controller import Link
 from camtools.link.hand import AXES, carry_out
 from camtools.link.live import live_lathes
+from camtools.link.messages import NUMBERS, Refused
 from camtools.link.parameters import get_all
 from camtools.link.refusal import ask_done
 from camtools.panel.views.missing import Way, way_on

@@ -8,7 +8,7 @@ import re
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camtools.link.controller import DATABASE, NAMES
+from camtools.link.messages import DATABASE, NAMES
 from camtools.link.parameters import INFOS
 from camtools.panel.views import numbers
 from camtools.panel.views.convergence_chart import MOST_POINTS, points_of, words

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from camsim_cases import camsim, only_error
-from camtools.link.controller import NUMBERS
+from camtools.link.messages import NUMBERS
 from camtools.skirt.generate import GeneratedSkirt
 from camtools.table.image import pack
 

@@ -14,7 +14,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from camsim_cases import camsim
-from camtools.link.controller import NAMES
+from camtools.link.messages import NAMES
 from camtools.sim import trace_file
 from camtools.sim.results import STATES, read_swing, read_trace
 from camtools.sim.trace_file import TOLD_TWICE, column_names, pack_trace, read_columns

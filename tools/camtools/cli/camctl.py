@@ -20,26 +20,21 @@ from typing import TextIO
 from camtools.base.command import Interrupted, run_command
 from camtools.base.errors import CamtoolsError
 from camtools.base.output import growing
-from camtools.cli import camctl_cut, camctl_hand
+from camtools.cli import camctl_cut, camctl_hand, camctl_rights
 from camtools.cli.bus import open_controller
 from camtools.cli.camctl_excite import excite, learned
 from camtools.cli.camctl_options import PLAIN, QUICK, make_parser
 from camtools.cli.camctl_params import params
 from camtools.cli.camctl_scope import blackbox, scope_ticks
-from camtools.link.controller import (
-    NUMBERS,
-    Answer,
-    Link,
-    Refused,
-    Status,
-)
+from camtools.link.controller import Link, Status
 from camtools.link.download import check_image, download, select_table
+from camtools.link.messages import NUMBERS, Answer, Refused
 from camtools.link.refusal import ask_done
 from camtools.link.settings import set_quick
 from camtools.link.watch import COLUMNS, Dashboard, line, report, row, table_report
 
 REFUSED = 1
-HOME_S, CUT_S = 60.0, 3600.0
+HOME_S = 60.0
 IN_WORK = ("rehearsing", "engaging", "cutting", "holding", "disengaging")
 
 
@@ -91,8 +86,8 @@ class Control:
         self.link.status.signals.pop("state", None)
         if command == "home":
             self.wait_state(["ready"], HOME_S)
-        elif command == "start" and arguments.wait:
-            self.wait_state(["ready", "off"], CUT_S)
+        elif command == "start":
+            camctl_cut.follow_cut(self.link, self.out)
         self.say(f"{command}: {self.link.listen().state}")
 
     def quick(self, arguments: argparse.Namespace) -> None:
@@ -280,6 +275,18 @@ class Control:
         """Save, load or compare all parameters, or change what the controller keeps."""
         params(self.link, arguments, self.say)
 
+    def who(self, _arguments: argparse.Namespace) -> None:
+        """Print who commands."""
+        camctl_rights.who(self.link, self.say)
+
+    def unlock(self, _arguments: argparse.Namespace) -> None:
+        """Unlock the controller, and stay."""
+        camctl_rights.unlock(self.link, self.say)
+
+    def lock(self, _arguments: argparse.Namespace) -> None:
+        """Lock the controller."""
+        camctl_rights.lock(self.link, self.say)
+
     def learned(self, arguments: argparse.Namespace) -> None:
         """Print, save or bring back what the controller has learned."""
         learned(self.link, arguments, self.say)
@@ -291,7 +298,8 @@ def _run(arguments: argparse.Namespace, out: TextIO) -> int:
         control = Control(Link(bus, where, node), out)
         command: str = arguments.command
         group = "plain" if command in PLAIN else "quick" if command in QUICK else command
-        getattr(control, group)(arguments)
+        with camctl_rights.commanding(control.link, node, arguments):
+            getattr(control, group)(arguments)
     except Refused as refused:
         sys.stderr.write(f"camctl: {refused}\n")
         return REFUSED

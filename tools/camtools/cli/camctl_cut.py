@@ -11,11 +11,14 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable
+from typing import TextIO
 
 from camtools.base.argument_types import finite, whole
-from camtools.base.command import Parser
+from camtools.base.command import Interrupted, Parser
 from camtools.base.quantities import NM_PER_MM
-from camtools.link.controller import Link, value_text
+from camtools.link.controller import Link, Status
+from camtools.link.messages import Refused, value_text
+from camtools.link.progress import IN_CUT, cut_progress
 from camtools.link.refusal import ask_done
 from camtools.link.settings import (
     MEASURES,
@@ -28,6 +31,9 @@ from camtools.link.settings import (
 )
 
 Say = Callable[[str], None]
+_OVER = ("ready", "off", "fault")
+_ROW_S = 2.0
+_SAME_LINE = "\x1b[K\r"
 
 
 def add_cut(commands: argparse._SubParsersAction[Parser]) -> None:
@@ -40,6 +46,57 @@ def add_cut(commands: argparse._SubParsersAction[Parser]) -> None:
     one.add_argument("value", nargs="?", type=finite, metavar="MM", help="positive: a larger part")
     one = commands.add_parser("parts", help="number of parts that were cut")
     one.add_argument("number", nargs="?", type=whole, metavar="N", help="go on counting from here")
+
+
+def _until_over(link: Link) -> None:
+    """Wait until a cut is over.
+
+    Raises
+    ------
+    Refused
+        It ends in a fault, or the status stops.
+    """
+    status = link.status
+    while status.state not in _OVER:
+        if not link.next_row(_ROW_S):
+            raise Refused(f"{link.where}: the status stopped; is the controller on?")
+    if status.state == "fault":
+        link.wait(lambda: bool(status.faults), 0.1)
+        raise Refused(f"fault: {', '.join(status.faults)}; see status, then reset")
+
+
+def follow_cut(link: Link, out: TextIO) -> None:
+    """Show how far a cut is until it is over; control-C stops it, and waits for its end.
+
+    It has to stay: without its heartbeats command would be lost, and the cut would end by that.
+
+    Raises
+    ------
+    Refused
+        It was stopped by control-C, ended in a fault, or command was lost.
+    """
+    is_drawn, told = out.isatty(), ""
+
+    def show(status: Status) -> None:
+        nonlocal told
+        progress = cut_progress(status.state, status.signals)
+        tens = "" if progress.fraction is None else f"{progress.fraction * 10:.0f}"
+        key = progress.text if is_drawn else status.state + tens
+        if status.state in IN_CUT and key != told:
+            told = key
+            out.write(f"{status.state}: {progress.text}" + (_SAME_LINE if is_drawn else "\n"))
+            out.flush()
+
+    try:
+        link.listen()
+        link.on_row = show
+        _until_over(link)
+    except Interrupted:
+        link.ask("stop")
+        _until_over(link)
+        raise Refused("start: stopped by control-C before its end") from None
+    finally:
+        link.on_row = lambda status: None
 
 
 def override(link: Link, arguments: argparse.Namespace, say: Say) -> None:

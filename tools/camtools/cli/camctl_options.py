@@ -15,8 +15,9 @@ from camtools.base.command import Parser
 from camtools.cli.bus import add_bus_options
 from camtools.cli.camctl_cut import add_cut
 from camtools.cli.camctl_params import FILES
-from camtools.link.controller import NUMBERS
+from camtools.cli.camctl_rights import add_rights, add_rights_options
 from camtools.link.hand import AXES
+from camtools.link.messages import NUMBERS
 from camtools.link.parameters import MEMORY
 from camtools.link.scope import DEFAULT_SIGNALS
 from camtools.link.settings import N_TOOLS
@@ -34,7 +35,7 @@ _WHAT = {
     "disable": "drives off",
     "home": "find the index, anew when ready, and wait until ready; of an axis in manual: its home",
     "manual": "enable the drives without the spindle, to move axes by hand",
-    "start": "cut a part",
+    "start": "cut a part: stays until it is cut, control-C stops it",
     "hold": "rest Z on a whole turn while U goes on",
     "resume": "end the hold",
     "stop": "end the cut: disengage; in manual: brake",
@@ -45,6 +46,8 @@ The bus: --interface, --channel and --bitrate of python-can, for example
   tools/camctl --interface socketcan --channel can0 status
 or the environment: CAN_INTERFACE, CAN_CHANNEL, CAN_BITRATE. Without either it is that of the live
 lathe, where tools/live runs.
+Orders take command while they run, and give it back; reading and stop need none. Who has it is told
+by `who`; --take-over takes it from him.
 Exit status: 0 done, 1 refused by the controller or no answer, 2 wrong usage or bad input."""
 
 
@@ -135,13 +138,14 @@ def make_parser() -> argparse.ArgumentParser:
         allow_abbrev=False,
     )
     add_bus_options(parser)
+    add_rights_options(parser)
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for name in PLAIN:
         one = commands.add_parser(name, help=_WHAT[name])
         if name == "home":
             one.add_argument("axis", nargs="?", choices=tuple(AXES))
         if name == "start":
-            one.add_argument("--wait", action="store_true", help="until the part is cut")
+            one.add_argument("--wait", action="store_true", help=argparse.SUPPRESS)  # as without
     for name, what in QUICK.items():
         commands.add_parser(name, help=what).add_argument("value", type=finite)
     _add_hand(commands)
@@ -153,6 +157,7 @@ def make_parser() -> argparse.ArgumentParser:
     one = commands.add_parser("list", help="print parameters with their ranges")
     one.add_argument("pattern", nargs="?", default="*", help="with * and ?")
     _add_params(commands.add_parser("params", help="all parameters: files, and what is kept"))
+    add_rights(commands)
     commands.add_parser("status", help="print the status once")
     one = commands.add_parser("watch", help="live view: angle, U, following error, faults")
     one.add_argument("--seconds", type=positive, help="how long; default: until interrupted")

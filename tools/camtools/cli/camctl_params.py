@@ -15,7 +15,8 @@ from pathlib import Path
 from camtools.base.errors import CamtoolsError
 from camtools.base.input_file import read_limited
 from camtools.base.output import write_all
-from camtools.link.controller import Link, Refused
+from camtools.link.controller import Link
+from camtools.link.messages import Refused
 from camtools.link.parameters import (
     INFOS,
     MEMORY,

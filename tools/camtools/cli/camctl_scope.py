@@ -17,7 +17,8 @@ from camtools.base.command import Interrupted
 from camtools.base.errors import CamtoolsError
 from camtools.cli.camctl_files import Say, check_name, names_of, write
 from camtools.link import scope
-from camtools.link.controller import FAULT_TEXTS, NUMBERS, Link, Refused
+from camtools.link.controller import Link
+from camtools.link.messages import FAULT_TEXTS, NUMBERS, Refused
 from camtools.link.signals import BITS, faults_in, physical, state_name
 from camtools.link.trigger import arm, trigger_of
 from camtools.link.watch import sparkline

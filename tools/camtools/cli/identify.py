@@ -30,7 +30,8 @@ from camtools.identify.plan import Excitation, Wishes, plan
 from camtools.identify.recording import SettledRecord
 from camtools.identify.report import chosen, form_left, numbers, report
 from camtools.identify.simulated import CutShortError, SimulatedU
-from camtools.link.controller import Link, Refused
+from camtools.link.controller import Link
+from camtools.link.messages import Refused
 from camtools.pipeline.load import load
 from camtools.pipeline.make import Made, make
 from camtools.report.text import plain

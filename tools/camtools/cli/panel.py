@@ -25,6 +25,7 @@ from camtools.cli.bus import add_bus_options, bus_arguments, open_controller
 from camtools.link.bus import configured
 from camtools.link.controller import Link
 from camtools.link.live import live_lathes, only_lathe
+from camtools.link.rights import secret_of
 from camtools.panel.command_log import CommandLog
 from camtools.panel.commander import Commander
 from camtools.panel.context import AppContext
@@ -82,6 +83,9 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument(
         "--token-file", type=Path, metavar="FILE", help="has the token; default: a new one"
+    )
+    parser.add_argument(
+        "--secret", type=Path, metavar="FILE", help="lets who commands unlock the controller"
     )
     parser.add_argument(
         "--log",
@@ -150,6 +154,7 @@ def _run(arguments: argparse.Namespace) -> int:
         return Link(*open_controller(arguments))
 
     token = token_of(arguments.token_file)
+    secret = secret_of(arguments.secret) if arguments.secret is not None else None
     _check_bus(arguments)
     with ExitStack() as stack:
         sock = stack.enter_context(open_socket(arguments.listen, arguments.port))
@@ -158,7 +163,7 @@ def _run(arguments: argparse.Namespace) -> int:
         from camtools.panel.server import application, serve  # it takes a second
 
         commander = Commander(log)
-        desk = Desk(open_link, commander, log)
+        desk = Desk(open_link, commander, log, secret)
         stack.callback(desk.close)
         hosts = hosts_of(sock)
         own = arguments.keep / "parts", arguments.keep / "runs"

@@ -15,8 +15,9 @@ from camtools.base.output import signals_held
 from camtools.identify.believed import PARAMETERS, Believed
 from camtools.identify.plan import Excitation
 from camtools.identify.recording import SettledRecord, record_of
-from camtools.link.controller import NUMBERS, Link, Refused
+from camtools.link.controller import Link
 from camtools.link.excitation import excite
+from camtools.link.messages import NUMBERS, Refused
 
 _OFF_S = 10.0
 _ORDERS = {

@@ -3,10 +3,8 @@
 
 The messages are those of firmware/remote/can/camturn.dbc, whose identifiers are those of node 64.
 
->>> NAMES["state"][4]
+>>> Status({"state": 4}).state
 'cutting'
->>> value_text("speed", 2500.0)
-'2500 r/min'
 """
 
 from __future__ import annotations
@@ -15,18 +13,26 @@ import time
 from collections import deque
 from collections.abc import Callable, Collection
 from dataclasses import dataclass, field
-from pathlib import Path
 
 import can
 from cantools.database import DecodeError
-from cantools.database.can import Database, Message
+from cantools.database.can import Message
 
-from camtools.base.errors import CamtoolsError
+from camtools.link.messages import (
+    ANSWER,
+    COMMAND,
+    DATABASE,
+    FAULT_TEXTS,
+    NAMES,
+    NUMBERS,
+    OLDER,
+    Answer,
+    Refused,
+    answer_of,
+    command_bytes,
+)
+from camtools.link.rights import Rights, sender_of
 
-DBC = Path(__file__).resolve().parents[3] / "firmware" / "remote" / "can" / "camturn.dbc"
-DATABASE = Database()
-DATABASE.add_dbc_file(DBC)
-COMMAND, ANSWER = (DATABASE.get_message_by_name(name) for name in ("Command", "Answer"))
 _STATUS = {
     DATABASE.get_message_by_name(name).frame_id: DATABASE.get_message_by_name(name)
     for name in ("State", "Spindle", "AxisU", "Detail")
@@ -42,79 +48,12 @@ _STROBE_BYTES = 8
 DBC_NODE = 64  # the node whose identifiers the DBC has
 ANSWER_S = 1.0
 _WITHOUT_RANGE = ("zero_x", "zero_z", "set_learned", "set_parts")  # they answer once
+HEARTBEAT = NUMBERS["command"]["heartbeat"]
 BUSY_TRIES, BUSY_S = 20, 0.01
+MOST_MENDS = 4  # a session that was joined and is over, command, the level; and the order itself
 PERIOD_S = 0.01  # of the status
 PATIENCE_S = 10.0  # longest time for which a controller is waited for that lags behind the clock
 SILENT_S = 0.5  # without status: no controller is there
-OLDER = "the controller is older than this program; give it the firmware of this version"
-
-
-def _choices(message: Message, signal: str) -> dict[int, str]:
-    table = message.get_signal_by_name(signal).choices
-    assert table is not None
-    return {number: str(name) for number, name in table.items()}
-
-
-_STATE = DATABASE.get_message_by_name("State")
-_DETAIL = DATABASE.get_message_by_name("Detail")
-NAMES = {
-    "command": _choices(COMMAND, "command"),
-    "parameter": _choices(COMMAND, "parameter"),
-    "result": _choices(ANSWER, "result"),
-    "state": _choices(_STATE, "state"),
-    "reset_reason": _choices(_STATE, "reset_reason"),
-    "learn_phase": _choices(_DETAIL, "learn_phase"),
-    "recorder_use": _choices(_DETAIL, "recorder_use"),
-    "recorder_phase": _choices(_DETAIL, "recorder_phase"),
-    "learn_reason": _choices(_DETAIL, "learn_reason"),
-    "params_kept": _choices(_DETAIL, "params_kept"),
-    "hand_phase": _choices(_DETAIL, "hand_phase"),
-    "hand_end": _choices(_DETAIL, "hand_end"),
-}
-NUMBERS = {table: {name: i for i, name in names.items()} for table, names in NAMES.items()}
-assert DATABASE.dbc is not None
-REFUSALS = [str(name) for name in DATABASE.dbc.value_tables["refusal_field"].values()]
-FAULT_TEXTS = {
-    signal.name.removeprefix("fault_"): str(signal.comment)
-    for signal in _STATE.signals
-    if signal.name.startswith("fault_")
-}
-_VALUE_SIGNALS = {
-    number: signal for signal in ANSWER.signals for number in signal.multiplexer_ids or []
-}
-
-
-def value_text(signal: str, value: float) -> str:
-    """Return a value of a command with the unit of its signal."""
-    unit = COMMAND.get_signal_by_name(signal).unit
-    return f"{value:.10g}" + (f" {unit}" if unit else "")
-
-
-class Refused(Exception):  # noqa: N818 - a controller that says no is no error of the program
-    """The controller said no, or nothing; the text is one line for people."""
-
-
-@dataclass(frozen=True)
-class Answer:
-    """What a controller answered.
-
-    Attributes
-    ----------
-    result : str
-        name of a cam_err_t, "done" when accepted
-    value : float
-        of the signal that the command's answer has, scaled; 0 without one
-    parameter : int
-        index, as reported
-    limits : tuple of float or None
-        lowest and highest value, when the value was out of its range
-    """
-
-    command: str
-    result: str
-    value: float
-    parameter: int
-    limits: tuple[float, float] | None = None
 
 
 @dataclass
@@ -171,10 +110,13 @@ class Link:
         called with the bytes of every message Strobe (link/strobe.py)
     is_fd : bool
         whether the bus was opened for frames of CAN FD
+    rights : Rights
+        whether this link commands; its heartbeats are sent while frames are waited for
     """
 
     def __init__(self, bus: can.BusABC, where: str, node: int = DBC_NODE) -> None:
         self.bus, self.where = bus, where
+        self.rights = Rights(self, sender_of("camctl"))
         self.is_fd = bus.protocol in (can.CanProtocol.CAN_FD, can.CanProtocol.CAN_FD_NON_ISO)
         self._shift = node - DBC_NODE
         self.status = Status()
@@ -190,6 +132,7 @@ class Link:
     def pump(self, timeout_s: float) -> bool:
         """Take one frame; return whether one came."""
         self.on_wait()
+        self.rights.beat()
         try:
             frame = self.bus.recv(timeout_s)
         except (can.CanError, OSError) as error:
@@ -203,7 +146,10 @@ class Link:
     def _take(self, frame: can.Message) -> None:
         identifier = frame.arbitration_id - self._shift
         if identifier == ANSWER.frame_id and len(frame.data) == ANSWER.length:
-            self._answers.append(frame)
+            if frame.data[0] == HEARTBEAT:
+                self.rights.heard(answer_of(bytes(frame.data)))
+            else:
+                self._answers.append(frame)
         elif len(frame.data) == _PART_BYTES.get(identifier):
             self.parts.append(bytes(frame.data))
         elif identifier == STROBE_ID and len(frame.data) == _STROBE_BYTES:
@@ -291,18 +237,21 @@ class Link:
             left_s = end_s - time.monotonic()
             if not self.wait_in_its_time(lambda: bool(self._answers), left_s):
                 raise self._silence()
-            answer = _answer_of(bytes(self._answers.popleft().data))
+            answer = answer_of(bytes(self._answers.popleft().data))
             if answer.command == command:
                 return answer
 
     def send_command(self, command: str, *, parameter: int = 0, **value: float) -> None:
         """Send a command without waiting for its answer; arguments and errors as those of ask()."""
-        self.send_frame(COMMAND.frame_id, _command(command, parameter, value))
+        stamp = self.rights.stamp(command)
+        self.send_frame(COMMAND.frame_id, command_bytes(command, parameter, value, **stamp))
 
     def ask(
         self, command: str, *, timeout_s: float = ANSWER_S, parameter: int = 0, **value: float
     ) -> Answer:
         """Send a command, again while the controller is busy, and return its answer.
+
+        Where it needs command or the unlocked level, `rights` takes them first, if it may.
 
         Parameters
         ----------
@@ -316,8 +265,18 @@ class Link:
         CamtoolsError
             The value is outside the range of its signal.
         Refused
-            No answer comes.
+            No answer comes, another has command, or it was lost.
         """
+        for _ in range(MOST_MENDS):
+            answer = self.ask_once(command, timeout_s=timeout_s, parameter=parameter, **value)
+            if not self.rights.mend(answer):
+                break
+        return answer
+
+    def ask_once(
+        self, command: str, *, timeout_s: float = ANSWER_S, parameter: int = 0, **value: float
+    ) -> Answer:
+        """Do as ask(), but leave the rights as they are."""
         for _ in range(BUSY_TRIES):
             while self.pump(0):
                 pass
@@ -357,43 +316,3 @@ def _lacks(there: Collection[str]) -> str:
         if signal.name not in there
     }
     return f"the status lacks {', '.join(sorted(parts))}"
-
-
-def _check_range(name: str, value: float) -> None:
-    """Refuse a value that has no place in the message Command.
-
-    Raises
-    ------
-    CamtoolsError
-        It is outside the range that the DBC gives its signal.
-    """
-    signal = COMMAND.get_signal_by_name(name)
-    low, high = signal.minimum, signal.maximum
-    assert low is not None and high is not None
-    if not low <= value <= high:
-        span = f"{low:.10g} .. {value_text(name, high)}"
-        raise CamtoolsError([f"{name} = {value_text(name, value)}: out of range; give {span}"])
-
-
-def _command(command: str, parameter: int, value: dict[str, float]) -> bytes:
-    number = NUMBERS["command"][command]
-    signals: dict[str, float] = {"command": number, "parameter": parameter}
-    signals |= {"sender": 0, "session": 0}
-    needed = {s.name for s in COMMAND.signals if number in (s.multiplexer_ids or [])}
-    for name, wanted in value.items():
-        _check_range(name, wanted)
-    return COMMAND.encode(signals | dict.fromkeys(needed, 0.0) | value, strict=True)
-
-
-def _answer_of(data: bytes) -> Answer:
-    """Values that depend on the command are scaled by its signal."""
-    said = {name: int(str(raw)) for name, raw in ANSWER.decode_simple(
-        data, decode_choices=False, scaling=False).items()}  # fmt: skip
-    signal = _VALUE_SIGNALS.get(said["command"])
-    value = said[signal.name] * signal.scale if signal else 0
-    return Answer(
-        command=NAMES["command"].get(said["command"], str(said["command"])),
-        result=NAMES["result"].get(said["result"], f"error {said['result']}"),
-        value=value,
-        parameter=said["parameter"],
-    )

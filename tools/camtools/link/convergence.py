@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from camtools.link.controller import NAMES
+from camtools.link.messages import NAMES
 
 MOST_LESSONS = 2000
 

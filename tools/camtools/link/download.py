@@ -14,7 +14,8 @@ from collections.abc import Callable
 import isotp
 
 from camtools.base.errors import CamtoolsError
-from camtools.link.controller import BLOCK_ID, FLOW_ID, Link, Refused
+from camtools.link.controller import BLOCK_ID, FLOW_ID, Link
+from camtools.link.messages import Refused
 from camtools.link.refusal import require
 
 BLOCK_BYTES = 4096

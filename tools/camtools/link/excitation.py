@@ -17,8 +17,9 @@ import numpy as np
 import numpy.typing as npt
 
 from camtools.base.errors import CamtoolsError
-from camtools.link.controller import Link, Refused
+from camtools.link.controller import Link
 from camtools.link.download import bring
+from camtools.link.messages import Refused
 from camtools.link.scope import (
     ALIVE_S,
     DEFAULT_SIGNALS,

@@ -14,7 +14,7 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
-from camtools.link.controller import FAULT_TEXTS
+from camtools.link.messages import FAULT_TEXTS
 
 FAULTS_MD = Path(__file__).resolve().parents[3] / "firmware" / "FAULTS.md"
 _ROW = re.compile(r"\| `(\w+)` \| ([^|]+) \| [^|]+ \| [^|]+ \| ([^|]+) \|")

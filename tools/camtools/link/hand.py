@@ -11,7 +11,8 @@ import contextlib
 import time
 from collections.abc import Callable, Iterator
 
-from camtools.link.controller import NAMES, Link, Refused
+from camtools.link.controller import Link
+from camtools.link.messages import NAMES, Refused
 from camtools.link.refusal import ask_done
 from camtools.link.settings import parameter
 

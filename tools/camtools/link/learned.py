@@ -12,7 +12,8 @@ from collections.abc import Sequence
 
 from camtools.base.errors import CamtoolsError
 from camtools.base.toml_text import toml_tree
-from camtools.link.controller import NAMES, Answer, Link, Refused, Status
+from camtools.link.controller import Link, Status
+from camtools.link.messages import NAMES, Answer, Refused
 
 # Values of firmware/machine/cam_teach.h, in their order. The last word of a name is the unit:
 # turn / 2^32 per tick, ticks / 2^16, ticks^2 / 2^16, turn / 2^32, nm / 64, 1 / 4096, turn / 2^23.

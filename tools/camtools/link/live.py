@@ -75,7 +75,7 @@ def runtime_folder() -> Path:
     return folder
 
 
-def _start_of(pid: int) -> str:
+def start_of(pid: int) -> str:
     """Return when a process was started, in the kernel's time; nothing when there is none."""
     try:
         text = Path(f"/proc/{pid}/stat").read_text("utf-8")
@@ -88,7 +88,7 @@ def _read(path: Path) -> LiveLathe | None:
     """Return an announcement whose process lives; one that is stale is removed."""
     try:
         facts = json.loads(path.read_text("utf-8"))
-        is_alive = _start_of(int(facts["pid"])) == facts["start"]
+        is_alive = start_of(int(facts["pid"])) == facts["start"]
         lathe = LiveLathe(path.stem, dict(facts["bus"]), int(facts["node"]), facts)
     except FileNotFoundError:
         return None
@@ -143,7 +143,7 @@ def announced(folder: Path, name: str, facts: Mapping[str, Any]) -> Iterator[Liv
     CamtoolsError
         The folder cannot be written.
     """
-    whole = dict(facts) | {"pid": os.getpid(), "start": _start_of(os.getpid())}
+    whole = dict(facts) | {"pid": os.getpid(), "start": start_of(os.getpid())}
     taken = {lathe.name for lathe in live_lathes(folder)}
     names = (name, *(f"{name}-{i}" for i in range(2, len(taken) + 3)))
     path = None

@@ -20,7 +20,8 @@ from pathlib import Path
 
 from camtools.base.errors import CamtoolsError
 from camtools.base.toml_text import toml_tree
-from camtools.link.controller import NUMBERS, Link
+from camtools.link.controller import Link
+from camtools.link.messages import NUMBERS
 from camtools.link.refusal import ask_done
 
 _HEADER = Path(__file__).resolve().parents[3] / "firmware" / "machine" / "cam_param.h"

@@ -9,7 +9,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from camtools.link.controller import NAMES, NUMBERS, OLDER, REFUSALS, Answer, Link, Refused
+from camtools.link.controller import Link
+from camtools.link.messages import NAMES, NOT_COMMANDER, NUMBERS, OLDER, REFUSALS, Answer, Refused
+from camtools.link.rights import sender_text
 
 REMEDIES = {
     "command": OLDER,
@@ -22,6 +24,14 @@ REMEDIES = {
     "table_sense": "disable, then select",
     "param_tick": "observer_bandwidth_mHz is at most 80 x the tick rate in Hz, lead_ns 61 ticks",
     "estop": "release the emergency stop",
+    "acknowledge": "press acknowledge at the machine for half a second, with the emergency stop "
+    "released and faults reset; give the order again within 60 s",
+    "acknowledge_none": "the port has no such button; wire one and name it in the port's settings, "
+    "or waive it there",
+    "locked": "turn the key switch at the machine, or unlock by the secret: camctl unlock --secret "
+    "FILE",
+    "lock_none": "this port is never unlocked; its settings name a key switch or a secret",
+    "hard_limit": "the image was built with limits that nobody changes over the bus",
     "drive": "see that all drives are ready",
     "no_table": "download a table and select it",
     "u_place": "move U into its stroke",
@@ -195,10 +205,19 @@ def _datum(link: Link, answer: Answer) -> str:
     return f"refused: {axis}_datum would leave {span}; move {axis} nearer to its home"
 
 
+def _not_commander(holder: int) -> str:
+    """Return why somebody who does not command was refused, and what to do."""
+    if not holder:
+        return "nobody commands; take command first"
+    return f"{sender_text(holder)} commands; wait until he gives it back, or take over"
+
+
 def explain(link: Link, answer: Answer) -> str:
     """Return why a command was refused and what to do."""
     if answer.result == "param_range" and answer.command in ("zero_x", "zero_z"):
         return _datum(link, answer)
+    if answer.result == NOT_COMMANDER:
+        return f"refused: {_not_commander(int(answer.value))}"
     what = answer.result.replace("_", " ")
     if answer.result == "state":
         what += f" {state_of(link)}"

@@ -24,7 +24,8 @@ import numpy as np
 import numpy.typing as npt
 
 from camtools.base.errors import CamtoolsError
-from camtools.link.controller import DATABASE, NUMBERS, OLDER, Answer, Link, Refused
+from camtools.link.controller import Link
+from camtools.link.messages import DATABASE, NUMBERS, OLDER, Answer, Refused
 
 Ints = npt.NDArray[np.int64]
 

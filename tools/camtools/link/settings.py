@@ -10,7 +10,8 @@
 from __future__ import annotations
 
 from camtools.base.quantities import NM_PER_MM
-from camtools.link.controller import NUMBERS, Link, value_text
+from camtools.link.controller import Link
+from camtools.link.messages import NUMBERS, value_text
 from camtools.link.refusal import ask_done
 
 OVERRIDES = ("feed", "spindle")

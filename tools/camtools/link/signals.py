@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from camtools.link.controller import FAULT_TEXTS, NAMES
+from camtools.link.messages import FAULT_TEXTS, NAMES
 from camtools.link.scope import Recording
 
 Floats = npt.NDArray[np.float64]

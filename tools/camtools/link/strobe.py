@@ -25,7 +25,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from camtools.link.controller import ANSWER_S, Link, Refused
+from camtools.link.controller import ANSWER_S, Link
+from camtools.link.messages import Refused
 from camtools.link.scope import require
 
 Ints = npt.NDArray[np.int64]

@@ -16,7 +16,8 @@ from dataclasses import dataclass
 
 from camtools.base.errors import CamtoolsError
 from camtools.link import scope
-from camtools.link.controller import NUMBERS, Link
+from camtools.link.controller import Link
+from camtools.link.messages import NUMBERS
 from camtools.link.signals import FAULTS
 
 GRAMMAR = (

@@ -12,9 +12,11 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Iterable, Mapping
 
-from camtools.link.controller import FAULT_TEXTS, NAMES, NUMBERS, Status
+from camtools.link.controller import Status
 from camtools.link.learned import learning_report
+from camtools.link.messages import FAULT_TEXTS, NAMES, NUMBERS
 from camtools.link.progress import IN_CUT, cut_progress, tick_load
+from camtools.link.rights_report import rights_report
 
 _BARS = " ▁▂▃▄▅▆▇█"
 _BESIDE = 27  # columns of words, number and brackets beside a scale, and a free one at the margin
@@ -138,6 +140,7 @@ def report(status: Status) -> list[str]:
         f"faults            {', '.join(status.faults) or 'none'}",
         *(f"  {name}: {FAULT_TEXTS[name]}" for name in status.faults),
         *_box_report(status),
+        *rights_report(s),
         f"angle             {s['angle']:.3f} deg, known: {yes[s['is_synced']]}",
         f"speed             {s['speed']:.3f} r/min",
         f"Z                 {s['z']:.6f} mm",

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """How each order is carried out, in the link's thread.
 
->>> sorted(ACTIONS) == sorted(name for name in RULES if name not in ("jog_hold", "jog_end"))
-True
+>>> sorted(set(ACTIONS) ^ set(RULES))
+['jog_end', 'jog_hold', 'take_over']
 """
 
 from __future__ import annotations
@@ -11,11 +11,13 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from camtools.base.errors import one_line
-from camtools.link.controller import NUMBERS, Link
+from camtools.link.controller import Link
 from camtools.link.download import check_image, download, select_table
 from camtools.link.hand import carry_out, end_text, jog
+from camtools.link.messages import NUMBERS, Refused
 from camtools.link.parameters import change_kept, parse, set_all
 from camtools.link.refusal import ask_done
+from camtools.link.rights_report import level_text
 from camtools.link.settings import (
     set_override,
     set_parts,
@@ -29,6 +31,7 @@ from camtools.link.watch import table_report
 from camtools.panel.press import Press
 from camtools.panel.rules import RULES, check_parameter
 
+_PAGES_S = 1.0  # within which every page of the status comes
 _SETTLE_S = 0.05  # the state of before is in the status until the next tick's
 _MOST_NAME = 60
 Arguments = Mapping[str, Any]
@@ -146,6 +149,31 @@ def _memory(action: str) -> Action:
     return carry
 
 
+def _level(link: Link) -> str:
+    """Return the level as the status tells it from now on."""
+    link.status.signals.pop("level", None)
+    link.wait(lambda: "level" in link.status.signals, _PAGES_S)
+    return level_text(link.status.signals)
+
+
+def _unlock(link: Link, arguments: Arguments, _say: Say) -> str:
+    secret: bytes | None = arguments["secret"]
+    if secret is None:
+        raise Refused("the panel has no secret; turn the key switch, or start it with --secret")
+    link.rights.unlock(secret)
+    return _level(link)
+
+
+def _lock(link: Link, _arguments: Arguments, _say: Say) -> str:
+    ask_done(link, "lock")
+    return _level(link)
+
+
+def _take_over(link: Link, _arguments: Arguments, _say: Say) -> str:
+    link.rights.take(over=True)
+    return "you command; who did before is told"
+
+
 _PLAIN = ("stop", "disable", "enable", "manual", "start", "hold", "resume", "reset")
 ACTIONS: Mapping[str, Action] = {
     **{name: _plain(name) for name in _PLAIN},
@@ -168,5 +196,8 @@ ACTIONS: Mapping[str, Action] = {
     "select": _select,
     "set": _set,
     "params_load": _params_load,
+    "unlock": _unlock,
+    "lock": _lock,
+    "take_over": _take_over,  # of the desk alone: no page orders it by its name
 }
-assert set(ACTIONS) | {"jog_hold", "jog_end"} == set(RULES)
+assert set(ACTIONS) - {"take_over"} == set(RULES) - {"jog_hold", "jog_end"}

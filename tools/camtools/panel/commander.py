@@ -26,8 +26,8 @@ from camtools.panel.visitor import Visitor
 class Commander:
     """The right to command, which one visitor has or none; every change is logged.
 
-    When the page of the commander goes, it is free again: what runs on the controller goes on, as
-    it does when camctl ends, and the page shows that nobody commands.
+    When the page of the commander goes, it is free again, and the page shows that nobody commands.
+    The panel then gives command over the controller back, by which a cut ends (link_thread.py).
     """
 
     def __init__(self, log: CommandLog) -> None:
@@ -95,6 +95,15 @@ class Commander:
                 return
             self._holder = None
         self._told("lose", visitor, Outcome(True, "the page is gone: nobody commands"))
+
+    def lose_on_bus(self, why: str) -> None:
+        """Take note that the panel commands the controller no more; who commanded here is told."""
+        with self._lock:
+            loser, self._holder = self._holder, None
+            if loser is None:
+                return
+            self._news[loser] = f"{why}; since {utc(time.time())} you do not command"
+        self._told("lose", loser, Outcome(True, why))
 
     def _told(self, what: str, visitor: Visitor, outcome: Outcome) -> Outcome:
         self._log.add(visitor, what, {}, outcome)

@@ -48,12 +48,22 @@ class Desk:
         who may give orders
     log : CommandLog
         of orders
+    secret : bytes, optional
+        unlocks the controller
     """
 
-    def __init__(self, open_link: OpenLink, commander: Commander, log: CommandLog) -> None:
-        self._commander, self._log = commander, log
+    def __init__(
+        self,
+        open_link: OpenLink,
+        commander: Commander,
+        log: CommandLog,
+        secret: bytes | None = None,
+    ) -> None:
+        self._commander, self._log, self._secret = commander, log, secret
         self._presses = Presses()
-        self._thread = LinkThread(open_link)
+        self._thread = LinkThread(
+            open_link, lambda: commander.holder is not None, commander.lose_on_bus
+        )
 
     def snapshot(self) -> Snapshot:
         """Return the newest status; never waits."""
@@ -94,6 +104,15 @@ class Desk:
         else:
             self._log.add(visitor, order.name, _told(order.arguments), outcome)
         return outcome
+
+    async def take_over(self, visitor: Visitor) -> Outcome:
+        """Let a visitor command, here and over the controller, whoever has that now."""
+        outcome = self._commander.take_over(visitor)
+        if not outcome.is_done or self.snapshot().has_command:
+            return outcome
+        taken = await self._give(Order("take_over"), {}, visitor)
+        self._log.add(visitor, "take_over", {}, taken)
+        return taken
 
     def page_connected(self, visitor: Visitor) -> None:
         """Take note that the connection of a page stands; what was held before it is over."""
@@ -136,6 +155,11 @@ class Desk:
             arguments["press"] = press
         if order.name in URGENT:
             self._presses.drop(f"{order.name} was ordered")
+        if order.name == "unlock":
+            arguments["secret"] = self._secret
+        return await self._give(order, arguments, visitor)
+
+    async def _give(self, order: Order, arguments: dict[str, Any], visitor: Visitor) -> Outcome:
         job = Job(
             order.name,
             arguments,

@@ -24,12 +24,15 @@ from pathlib import Path
 
 from nicegui import Client, events, ui
 
+from camtools.link.rights import sender_text
 from camtools.panel.commander import Commander
 from camtools.panel.context import AppContext
 from camtools.panel.freed import forget_routes
 from camtools.panel.order import Outcome
 from camtools.panel.question import confirmed
 from camtools.panel.stop import FrameStop
+from camtools.panel.views.bus_commander import other_sender
+from camtools.panel.views.state_look import IN_WORK
 from camtools.panel.visitor import Visitor, new_visitor
 
 OPERATE = "/"
@@ -40,6 +43,7 @@ _POSITIVE = "#1b7a37"  # 5.4
 _HEAD = f'<link rel="stylesheet" href="{STATIC}/panel.css">'
 _BODY = f'<script src="{STATIC}/panel.js"></script>'
 _SHOW_S = 0.25
+_ENDS = "Nobody commands then: the cut ends, as by Stop."
 _visitors: dict[str, Visitor] = {}  # by the identifier of their page, while it is there
 
 
@@ -142,17 +146,14 @@ class _CommandBar:
     def show(self) -> None:
         """Bring the bar up to date."""
         commander, visitor = self._context.commander, self._visitor
-        holder = commander.holder
-        self._who.text = _who(commander, visitor)
+        holder, other = commander.holder, other_sender(self._context.desk.snapshot())
+        self._who.text = _who(commander, visitor, other)
         self._token.set_visibility(not visitor.has_token)
         self._take.set_visibility(visitor.has_token)
-        self._take.text = (
-            "Take command"
-            if holder is None
-            else "Give command back"
-            if holder is visitor
-            else "Take over"
-        )
+        is_free = holder is None and not other
+        is_mine = holder is visitor and not other
+        mine = "Give command back" if is_mine else "Take over"
+        self._take.text = "Take command" if is_free else mine
         news = commander.news(visitor)
         if news and news != self._news:
             ui.notify(news, type="warning", timeout=0, close_button="Close")
@@ -184,24 +185,31 @@ class _CommandBar:
         return not problem
 
     async def _on_take(self) -> None:
-        commander, visitor = self._context.commander, self._visitor
-        if commander.holder is visitor:
+        commander, visitor, desk = self._context.commander, self._visitor, self._context.desk
+        newest = desk.snapshot()
+        holder, other = commander.holder, other_sender(newest)
+        if holder is visitor and not other:
+            if newest.state in IN_WORK and not await confirmed("Give back?", _ENDS, "Give back"):
+                return
             outcome = commander.release(visitor)
-        elif commander.holder is None:
+        elif holder is None and not other:
             outcome = commander.take(visitor)
-        elif await confirmed("Take the command over?", _warning(commander.holder), "Take over"):
-            outcome = commander.take_over(visitor)
+        elif await confirmed("Take the command over?", _warning(holder, other), "Take over"):
+            outcome = await desk.take_over(visitor)
         else:
             return
         ui.notify(outcome.text, type="positive" if outcome.is_done else "negative")
         self.show()
 
 
-def _warning(holder: Visitor) -> str:
-    return f"{holder} commands now, and is told that you took over. What runs goes on."
+def _warning(holder: Visitor | None, other: int) -> str:
+    who = sender_text(other) if other else str(holder)
+    return f"{who} commands now, and is told that you took over. What runs goes on."
 
 
-def _who(commander: Commander, visitor: Visitor) -> str:
+def _who(commander: Commander, visitor: Visitor, other: int) -> str:
+    if other:
+        return f"{sender_text(other)} commands the controller"
     holder = commander.holder
     if holder is visitor:
         return "you command"

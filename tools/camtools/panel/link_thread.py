@@ -25,10 +25,12 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from camtools.base.errors import CamtoolsError
-from camtools.link.controller import NUMBERS, SILENT_S, Link, Refused, Status
+from camtools.link.controller import SILENT_S, Link, Status
 from camtools.link.convergence import Convergence, Lessons
+from camtools.link.messages import NUMBERS, Refused
 from camtools.link.parameters import INFOS
 from camtools.link.refusal import ask_done
+from camtools.link.rights import CommandHeld, May, sender_of
 from camtools.link.strobe import Samples, Strobe
 from camtools.panel.carry import ACTIONS
 from camtools.panel.order import Outcome
@@ -40,6 +42,7 @@ LOOK_S = 0.02  # longest wait before the next job is looked for
 SHOW_S = 0.05  # between two snapshots
 GONE_S = 2.0  # without status: the bus is opened anew
 AGAIN_S = 1.0
+TAKE_S = 0.5  # between two tries to take command that another has
 PATIENCE_S = 2.0  # longest time that a job waits for its turn
 WATCHED_S = 2.0  # how long a page that asked for something is taken to look at it
 FOLLOW_S = 0.1
@@ -87,10 +90,22 @@ class LinkThread:
     ----------
     open_link : callable
         returns a Link with an open bus, or raises CamtoolsError
+    wants_command : callable
+        whether somebody at the panel commands; while that is so, the thread takes command over the
+        controller when nobody has it, and keeps it by its heartbeats
+    on_lost : callable
+        told why command over the controller was lost
     """
 
-    def __init__(self, open_link: OpenLink) -> None:
+    def __init__(
+        self,
+        open_link: OpenLink,
+        wants_command: Callable[[], bool] = lambda: False,
+        on_lost: Callable[[str], None] = lambda text: None,
+    ) -> None:
         self._open_link = open_link
+        self._wants_command, self._on_lost = wants_command, on_lost
+        self._has_command, self._take_again_s = False, 0.0
         self._snapshot, self._work = SILENT, ""
         self._jobs: deque[Job] = deque()
         self._urgent: deque[Job] = deque()
@@ -115,7 +130,9 @@ class LinkThread:
         if newest.is_connected and time.monotonic() - newest.at_s > SILENT_S + SHOW_S:
             problem = f"{newest.where}: the controller is silent; check its power and the bus"
             return replace(newest, is_connected=False, state="unknown", problem=problem)
-        return newest if newest.work == self._work else replace(newest, work=self._work)
+        is_new = (newest.work, newest.has_command) == (self._work, self._has_command)
+        own = {"work": self._work, "has_command": self._has_command}
+        return newest if is_new else replace(newest, **own)  # type: ignore[arg-type]
 
     def samples(self) -> Samples:
         """Return samples of the last turns; the controller sends them while this is called."""
@@ -168,6 +185,7 @@ class LinkThread:
             self._is_over.wait(AGAIN_S)
 
     def _end(self, link: Link) -> None:
+        self._give_back(link)
         self._work, self._parameters, self._strobe = "", None, None
         self._partial.clear()
         link.on_wait = lambda: None
@@ -184,6 +202,7 @@ class LinkThread:
         """Work until the controller is silent, or the panel ends."""
         self._drop_all()  # given to the last connection in the moment in which it broke
         link.on_row, link.on_wait = (lambda status: self._show(link, status)), self._look
+        self._begin_rights(link)
         with suppress(_Overtaken):
             link.listen()
         self._strobe_again_s = 0.0
@@ -213,7 +232,8 @@ class LinkThread:
             self._strobe.renew()
         if now_s - self._shown_s >= SHOW_S:
             self._shown_s = now_s
-            self._snapshot = snapshot_of(status, link.where, self._work)
+            own = {"has_command": self._has_command}
+            self._snapshot = snapshot_of(status, link.where, self._work, **own)
             self._convergence.add(status.signals)
 
     def _carry_out_urgent(self, link: Link) -> None:
@@ -232,6 +252,10 @@ class LinkThread:
             return
         outcome = Outcome(False, "failed; the panel's terminal tells why")
         try:
+            if job.is_urgent:
+                link.rights.may = May.TAKE_OVER  # who stops asks nobody
+            else:
+                self._look_after_command(link)
             outcome = Outcome(True, ACTIONS[job.name](link, job.arguments, self._say))
         except (Refused, CamtoolsError) as error:
             outcome = Outcome(False, str(error))
@@ -240,15 +264,48 @@ class LinkThread:
             outcome = Outcome(False, f"broken off by {urgent}")
             raise
         finally:
+            link.rights.may = May.NEVER
             self._say("")
             job.tell(outcome.is_done, outcome.text)
 
     def _say(self, work: str) -> None:
         self._work = work
 
+    def _begin_rights(self, link: Link) -> None:
+        """Command is taken where somebody at the panel wants it, and by nothing else."""
+        rights = link.rights
+        rights.may, rights.sender = May.NEVER, sender_of("panel")
+
+        def has_changed() -> None:
+            self._has_command = rights.session != 0
+
+        rights.on_change, rights.on_lost = has_changed, self._on_lost
+        self._take_again_s = 0.0
+
+    def _look_after_command(self, link: Link) -> None:
+        """Take command for who commands at the panel, and give it back when nobody does."""
+        now_s, wants = time.monotonic(), self._wants_command()
+        if self._has_command and not wants:
+            link.rights.release()
+        elif wants and not self._has_command and now_s >= self._take_again_s:
+            self._take_again_s = now_s + TAKE_S
+            with suppress(CommandHeld):
+                link.rights.take()
+
+    def _give_back(self, link: Link) -> None:
+        """Give command back at the end of a connection, as far as that is heard."""
+        link.rights.on_lost = lambda text: None
+        if time.monotonic() - link.status.at_s < SILENT_S:
+            link.on_wait = lambda: None
+            with suppress(Exception):  # the bus may be gone
+                link.rights.release()
+        self._has_command = False
+
     def _look_after(self, link: Link) -> None:
         """Do what pages that look want to see, a little at a time."""
         now_s = time.monotonic()
+        with suppress(Refused):
+            self._look_after_command(link)
         self._look_after_strobe(link, now_s)
         if now_s - self._parameters_asked_s < WATCHED_S:
             with suppress(Refused):

@@ -102,6 +102,9 @@ RULES = {
     "keep": _rule(),
     "revert": _rule(),
     "defaults": _rule(),
+    # The level of the controller: limits, constants and tables change in the unlocked one only.
+    "unlock": _rule(),
+    "lock": _rule(),
 }
 
 

@@ -42,6 +42,8 @@ class Snapshot:
         why there is no connection and what to do; "" when there is one
     work : str
         what the desk is busy with, for example "download, 40 %"; "" when it is free
+    has_command : bool
+        whether the panel commands the controller; signals["commander"] tells who else does
     """
 
     is_connected: bool = False
@@ -53,6 +55,7 @@ class Snapshot:
     at_s: float = -1e9
     problem: str = "no controller yet"
     work: str = ""
+    has_command: bool = False
 
 
 SILENT = Snapshot()
@@ -60,7 +63,7 @@ _NONE = np.zeros(0, np.int64)
 NO_SAMPLES = Samples(_NONE, _NONE, np.zeros(0), np.zeros(0), _NONE, _NONE > 0, _NONE > 0, 0)
 
 
-def snapshot_of(status: Status, where: str, work: str) -> Snapshot:
+def snapshot_of(status: Status, where: str, work: str, *, has_command: bool) -> Snapshot:
     """Return what a whole status shows."""
     return Snapshot(
         is_connected=True,
@@ -72,4 +75,5 @@ def snapshot_of(status: Status, where: str, work: str) -> Snapshot:
         at_s=status.at_s,
         problem="",
         work=work,
+        has_command=has_command,
     )

@@ -19,6 +19,7 @@ from camtools.panel.context import AppContext
 from camtools.panel.order import Order, Outcome
 from camtools.panel.snapshot import Snapshot
 from camtools.panel.views.availability import why_not
+from camtools.panel.views.bus_commander import held_text
 from camtools.panel.visitor import Visitor
 
 Press = Callable[[], Awaitable[object]]
@@ -141,7 +142,7 @@ class Orders:
         What holds for all of them is told once, not below every button.
         """
         lost = "" if snapshot.is_connected else "no connection to the controller"
-        of_all = lost or self.why_no_rights
+        of_all = lost or self.why_no_rights or held_text(snapshot)
         if self._of_all is not None:
             self._of_all.set_text(f"Orders are off: {of_all}." if of_all else "")
         for one in self._guarded:

@@ -3,12 +3,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from nicegui import ui
 from nicegui.events import GenericEventArguments
 
 from camtools.base.errors import CamtoolsError
+from camtools.link.rights_report import level_text
 from camtools.panel.operate.card import card
 from camtools.panel.operate.file_button import file_button
 from camtools.panel.operate.orders import Orders
@@ -55,6 +57,7 @@ class ParamsCard:
             self._table.bind_filter_from(search, "value", lambda text: text or "")
             self._table.on("rowClick", self._edit)
             ui.label("Choose a row to change its value.").classes("op-notes")
+            self._draw_level()
             self._draw_file()
             self._draw_memory()
 
@@ -78,6 +81,26 @@ class ParamsCard:
             self._orders.guard(one.props("no-caps outline data-testid=params-revert"), "revert")
             one = ui.button("Defaults", on_click=self._defaults)
             self._orders.guard(one.props("no-caps outline data-testid=params-defaults"), "defaults")
+
+    def _draw_level(self) -> None:
+        with ui.element("div").classes("op-row"):
+            self._level = ui.label("").classes("op-note").props("data-testid=level")
+            one = ui.button("Unlock", on_click=self._unlock)
+            self._orders.guard(one.props("no-caps outline data-testid=do-unlock"), "unlock")
+            one = ui.button("Lock", on_click=self._lock)
+            self._orders.guard(one.props("no-caps outline data-testid=do-lock"), "lock")
+
+    async def _unlock(self) -> None:
+        await self._orders.give("unlock")
+
+    async def _lock(self) -> None:
+        await self._orders.give("lock")
+
+    def show_level(self, signals: Mapping[str, float]) -> None:
+        """Show whether limits and constants may be changed, and how they can be."""
+        text = f"The controller is {level_text(signals)}." if "level" in signals else ""
+        if self._level.text != text:
+            self._level.set_text(text)
 
     async def _edit(self, event: GenericEventArguments) -> None:
         row: dict[str, Any] = event.args[1]

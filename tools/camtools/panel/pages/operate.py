@@ -14,6 +14,7 @@ Marks for tests are attributes `data-testid`:
 - the cut: `slider-feed`, `slider-spindle`, `feed-100`, `spindle-100` .., `trim`, `parts-new`
 - by hand: `jog-xplus`, `jog-xminus` .. (held), `step-xplus` .., `home-x` .., `zero-x`, `do-tool`
 - table: `table-part`, `table-make`, `table-file`, `table-next`, `table-now`, `table-chosen`
+- rights: `level`, `do-unlock`, `do-lock`
 - parameters: `params`, `params-search`, `param-value`, `param-set`, `params-file`, `params-load` ..
 - `log`, `help`, `help-open`, `help-close`, `keys-on`; token and command are in the frame
 
@@ -139,6 +140,7 @@ class OperatePage:
             one.show(snapshot)
         self._learning.show(snapshot, self._context.desk.lessons())
         self._params.show(self._context.desk.parameters())
+        self._params.show_level(snapshot.signals)
         self._log.show()
 
 

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 _IDLE = ("off", "ready")
 _BY_HAND = ("off", "manual", "ready")
+_AT_REST = ("off", "ready", "manual", "fault", "homing")
 _RAMPED = ("off", "ready", "rehearsing", "engaging", "cutting", "disengaging", "holding")
 _ANY = (
     *("off", "homing", "ready", "engaging", "cutting", "disengaging", "fault", "rehearsing"),
@@ -69,6 +70,8 @@ RULES = {
     "keep": Rule(("off",), "only in off"),
     "revert": Rule(_IDLE, "only in off and ready"),
     "defaults": Rule(_IDLE, "only in off and ready"),
+    "unlock": Rule(_AT_REST, "not while it works"),
+    "lock": Rule(_ANY, ""),
 }
 
 
@@ -82,6 +85,11 @@ def why_not(order: str, state: str, signals: Mapping[str, float]) -> str:
         return "the feed is held already"
     if order == "resume" and not is_held:
         return "only while the feed is held"
+    is_unlocked = bool(signals.get("level", 0.0))
+    if order == "unlock" and is_unlocked:
+        return "it is unlocked"
+    if order == "lock" and not is_unlocked:
+        return "it is locked"
     if order == "reset" and not signals.get("is_retracted", 1.0):
         return "the tool is on its way out of the work; wait a moment"
     return ""

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from camtools.link.controller import NUMBERS
+from camtools.link.messages import NUMBERS
 from camtools.link.signals import faults_in
 
 READ_IT = "tools/camctl blackbox fault.csv --plot fault.png"

@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from camtools.link.controller import NAMES
+from camtools.link.messages import NAMES
 
 MOST_POINTS = 300
 _INK, _FAINT, _LINE = "#37474f", "#c4ccd0", "#0d47a1"

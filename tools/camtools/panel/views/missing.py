@@ -16,6 +16,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
+from camtools.link.rights_report import name_of
+
 Signals = Mapping[str, float]
 Values = Mapping[str, int]
 _STOPPED_MRPM = 5000  # default of the parameter
@@ -80,6 +82,11 @@ def _lacks(name: str) -> Look:
     return lambda s, p: name in s and not s[name]
 
 
+def _says(signal: str, word: str) -> Look:
+    """Whether a signal with words has one of them."""
+    return lambda s, p: name_of(s, signal) == word
+
+
 def _is_u_outside(s: Signals, p: Values) -> bool:
     """U stands outside of its stroke, by which enable is refused (u_place)."""
     stroke_nm = p.get("u_stroke_nm")
@@ -111,6 +118,21 @@ _DRIVES = (
     Missing("drive", "Get the drives ready: power on, their own faults cleared."),
 )
 _BUS = (_is("is_bus_lost"), Missing("bus", "Bring the silent node of the field bus back."))
+_BUTTON = (
+    _says("acknowledge", "needed"),
+    Missing(
+        "acknowledge",
+        "Press acknowledge at the machine for half a second, then Enable within 60 s.",
+    ),
+)
+_NO_BUTTON = (
+    _says("acknowledge", "none"),
+    Missing(
+        "no_button",
+        "This controller has no button acknowledge, so its drives stay off: wire one, or waive it "
+        "in the port's settings.",
+    ),
+)
 _TABLE = (_lacks("table_size"), Missing("table", "Load a table: below, under Table."))
 _U_PLACE = (_is_u_outside, Missing("u_place", "Move U back into its stroke, by hand."))
 _HOMES = tuple(
@@ -130,7 +152,7 @@ _HELD_BY_FEED = (
 )
 # A reset would be accepted while a cause is still there, and the next enable refused.
 _CAUSES = (_ESTOP, _DRIVES, _BUS)
-_ENABLES = (*_CAUSES, _TABLE, _U_PLACE, *_HOMES)
+_ENABLES = (*_CAUSES, _TABLE, _U_PLACE, *_HOMES, _NO_BUTTON, _BUTTON)
 _STEPS: dict[str, tuple[tuple[tuple[Look, Missing], ...], str, str]] = {
     "off": (_ENABLES, "enable", "Press Enable: drives on, and the index is searched."),
     "homing": ((_TURN, _SENSE, _INDEX), "", "Wait: it will be ready in a moment."),

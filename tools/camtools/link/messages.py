@@ -1,0 +1,155 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The messages of a controller: their words, a command as bytes, an answer from bytes.
+
+The messages are those of firmware/remote/can/camturn.dbc, whose identifiers are those of node 64.
+
+>>> NAMES["state"][4]
+'cutting'
+>>> value_text("speed", 2500.0)
+'2500 r/min'
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from cantools.database.can import Database, Message
+
+from camtools.base.errors import CamtoolsError
+
+DBC = Path(__file__).resolve().parents[3] / "firmware" / "remote" / "can" / "camturn.dbc"
+DATABASE = Database()
+DATABASE.add_dbc_file(DBC)
+COMMAND, ANSWER = (DATABASE.get_message_by_name(name) for name in ("Command", "Answer"))
+
+
+def _choices(message: Message, signal: str) -> dict[int, str]:
+    table = message.get_signal_by_name(signal).choices
+    assert table is not None
+    return {number: str(name) for number, name in table.items()}
+
+
+_STATE = DATABASE.get_message_by_name("State")
+_DETAIL = DATABASE.get_message_by_name("Detail")
+NAMES = {
+    "command": _choices(COMMAND, "command"),
+    "parameter": _choices(COMMAND, "parameter"),
+    "result": _choices(ANSWER, "result"),
+    "state": _choices(_STATE, "state"),
+    "reset_reason": _choices(_STATE, "reset_reason"),
+    "learn_phase": _choices(_DETAIL, "learn_phase"),
+    "recorder_use": _choices(_DETAIL, "recorder_use"),
+    "recorder_phase": _choices(_DETAIL, "recorder_phase"),
+    "learn_reason": _choices(_DETAIL, "learn_reason"),
+    "params_kept": _choices(_DETAIL, "params_kept"),
+    "hand_phase": _choices(_DETAIL, "hand_phase"),
+    "hand_end": _choices(_DETAIL, "hand_end"),
+    "level": _choices(_DETAIL, "level"),
+    "acknowledge": _choices(_DETAIL, "acknowledge"),
+}
+NUMBERS = {table: {name: i for i, name in names.items()} for table, names in NAMES.items()}
+assert DATABASE.dbc is not None
+REFUSALS = [str(name) for name in DATABASE.dbc.value_tables["refusal_field"].values()]
+FAULT_TEXTS = {
+    signal.name.removeprefix("fault_"): str(signal.comment)
+    for signal in _STATE.signals
+    if signal.name.startswith("fault_")
+}
+NOT_COMMANDER = "not_commander"  # result of what only the commander may order
+OLDER = "the controller is older than this program; give it the firmware of this version"
+_VALUE_SIGNALS = {
+    number: signal for signal in ANSWER.signals for number in signal.multiplexer_ids or []
+}
+
+
+class Refused(Exception):  # noqa: N818 - a controller that says no is no error of the program
+    """The controller said no, or nothing; the text is one line for people."""
+
+
+def value_text(signal: str, value: float) -> str:
+    """Return a value of a command with the unit of its signal."""
+    unit = COMMAND.get_signal_by_name(signal).unit
+    return f"{value:.10g}" + (f" {unit}" if unit else "")
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What a controller answered.
+
+    Attributes
+    ----------
+    result : str
+        name of a cam_err_t, "done" when accepted
+    value : float
+        of the signal that the command's answer has, scaled; 0 without one
+    parameter : int
+        index, as reported
+    limits : tuple of float or None
+        lowest and highest value, when the value was out of its range
+    """
+
+    command: str
+    result: str
+    value: float
+    parameter: int
+    limits: tuple[float, float] | None = None
+
+
+def _check_range(name: str, value: float) -> None:
+    """Refuse a value that has no place in the message Command.
+
+    Raises
+    ------
+    CamtoolsError
+        It is outside the range that the DBC gives its signal.
+    """
+    signal = COMMAND.get_signal_by_name(name)
+    low, high = signal.minimum, signal.maximum
+    assert low is not None and high is not None
+    if not low <= value <= high:
+        span = f"{low:.10g} .. {value_text(name, high)}"
+        raise CamtoolsError([f"{name} = {value_text(name, value)}: out of range; give {span}"])
+
+
+def command_bytes(
+    command: str, parameter: int, value: dict[str, float], *, sender: int = 0, session: int = 0
+) -> bytes:
+    """Return a command as its frame has it.
+
+    Parameters
+    ----------
+    value : dict
+        at most one signal of the message Command, in its unit
+    sender, session : int
+        who sends it, and the session in which he commands; 0, 0: nobody who commands
+
+    Raises
+    ------
+    CamtoolsError
+        The value is outside the range of its signal.
+    """
+    number = NUMBERS["command"][command]
+    signals: dict[str, float] = {"command": number, "parameter": parameter}
+    signals |= {"sender": sender, "session": session}
+    needed = {s.name for s in COMMAND.signals if number in (s.multiplexer_ids or [])}
+    for name, wanted in value.items():
+        _check_range(name, wanted)
+    return COMMAND.encode(signals | dict.fromkeys(needed, 0.0) | value, strict=True)
+
+
+def answer_of(data: bytes) -> Answer:
+    """Return an answer; values that depend on the command are scaled by its signal."""
+    said = {name: int(str(raw)) for name, raw in ANSWER.decode_simple(
+        data, decode_choices=False, scaling=False).items()}  # fmt: skip
+    signal = _VALUE_SIGNALS.get(said["command"])
+    value = said[signal.name] * signal.scale if signal else 0
+    result = NAMES["result"].get(said["result"], f"error {said['result']}")
+    if result == NOT_COMMANDER:  # it tells who has command, whatever the command's own value is
+        value = int.from_bytes(data[4:], "little")
+    return Answer(
+        command=NAMES["command"].get(said["command"], str(said["command"])),
+        result=result,
+        value=value,
+        parameter=said["parameter"],
+    )

@@ -1,0 +1,286 @@
+# SPDX-License-Identifier: Apache-2.0
+r"""Command over a controller: one sender has it, his heartbeat keeps it, the others read.
+
+What the controller demands stands in firmware/machine/cam_rights.h. A link reads without command;
+the first order that needs it takes it, if it is allowed to, and what needs the unlocked level
+unlocks the controller where a secret is at hand.
+
+>>> sender_of("camctl") in range(1, 255), sender_of("camctl") != sender_of("panel")
+(True, True)
+>>> proof_of(b"a secret of the machine", 0x12345678).bit_length() <= 32
+True
+"""
+
+from __future__ import annotations
+
+import contextlib
+import getpass
+import hashlib
+import socket
+import time
+import zlib
+from collections.abc import Callable
+from enum import Enum
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from camtools.base.errors import CamtoolsError
+from camtools.base.input_file import read_limited
+from camtools.link.messages import NOT_COMMANDER, Answer, Refused
+
+if TYPE_CHECKING:
+    from camtools.link.controller import Link
+
+BEAT_S, BEAT_ROWS = 0.25, 25  # between heartbeats, by the clock and by the controller's status
+LOSS_S = 1.0  # after so long without one command is lost
+_PROGRAMS = ("camctl", "panel", "identify")
+_PROOF_BYTES = 4
+_LEAST_SECRET, _MOST_SECRET = 16, 64
+_CHALLENGE_S = 1.2  # a controller gives one a second
+
+
+class CommandLost(Refused):
+    """Command was taken over, or lost for want of heartbeats."""
+
+
+class CommandHeld(Refused):
+    """Another has command.
+
+    Attributes
+    ----------
+    holder : int
+        his number
+    """
+
+    def __init__(self, text: str, holder: int) -> None:
+        super().__init__(text)
+        self.holder = holder
+
+
+class May(Enum):
+    """Whether command may be taken by the first order that needs it."""
+
+    NEVER = "never"
+    IF_FREE = "if nobody has it"
+    TAKE_OVER = "also from another"
+
+
+def sender_of(program: str) -> int:
+    """Return the number by which a program of this user on this computer is known, 1 .. 254."""
+    try:
+        user = getpass.getuser()
+    except (KeyError, OSError):  # a user without a name
+        user = ""
+    return zlib.crc32(f"{program} {user} {socket.gethostname()}".encode()) % 254 + 1
+
+
+def sender_text(sender: int) -> str:
+    """Return a sender for people; those of this user on this computer have a name."""
+    own = {sender_of(program): program for program in _PROGRAMS}
+    return f"sender {sender}" + (f" ({own[sender]} of this user)" if sender in own else "")
+
+
+def proof_of(secret: bytes, challenge: int) -> int:
+    """Return the answer to a challenge: it shows that one has the secret, without telling it."""
+    digest = hashlib.blake2b(challenge.to_bytes(4, "little"), key=secret).digest()
+    return int.from_bytes(digest[:_PROOF_BYTES], "little")
+
+
+def secret_of(path: Path) -> bytes:
+    """Return the secret of a file.
+
+    Raises
+    ------
+    CamtoolsError
+        It cannot be read, others may read it, or it is too short or too long.
+    """
+    try:
+        data = read_limited(path, 1024)
+        is_private = not path.stat().st_mode & 0o077
+    except OSError as error:
+        raise CamtoolsError([f"--secret {path}: {error.strerror}; check the path"]) from error
+    if not is_private:
+        raise CamtoolsError([f"--secret {path}: others may read it; chmod 600 {path}"])
+    if not _LEAST_SECRET <= len(data) <= _MOST_SECRET:
+        span = f"{_LEAST_SECRET} .. {_MOST_SECRET} bytes, the same as in the port"
+        raise CamtoolsError([f"--secret {path}: {len(data)} bytes; give {span}"])
+    return data
+
+
+class Rights:
+    """Whether this link commands, and how it keeps that.
+
+    Parameters
+    ----------
+    link : Link
+        whose orders it stamps
+    sender : int
+        by which others know it, 1 .. 254
+
+    Attributes
+    ----------
+    may : May
+        whether the first order that needs command takes it
+    secret : bytes or None
+        unlocks what is locked
+    session : int
+        that of the controller in which this link commands; 0: it does not
+    is_joined : bool
+        whether that is the session of another process of this sender
+    on_lost : callable
+        told why command was lost; by default CommandLost is raised from whatever waits
+    on_change : callable
+        called whenever `session` has changed
+    joined : callable
+        returns the session of another process of this sender; 0: there is none
+    """
+
+    def __init__(self, link: Link, sender: int) -> None:
+        self._link, self.sender = link, sender
+        self.may = May.IF_FREE
+        self.secret: bytes | None = None
+        self.session = 0
+        self.on_lost: Callable[[str], None] = _raise_lost
+        self.on_change: Callable[[], None] = lambda: None
+        self.joined: Callable[[], int] = lambda: 0
+        self.is_joined = self._was_joined = False
+        self._sent_s, self._sent_rows = 0.0, 0
+
+    # Frames
+
+    def stamp(self, command: str) -> dict[str, int]:
+        """Return sender and session of a command that is about to be sent."""
+        if not self.session:
+            return {"sender": self.sender} if command == "take_command" else {}
+        self._sent_s, self._sent_rows = time.monotonic(), self._link.status.n_rows
+        return {"sender": self.sender, "session": self.session}
+
+    def beat(self) -> None:
+        """Send a heartbeat when one is due, by the clock or by the controller's own time."""
+        if not self.session:
+            return
+        n_rows = self._link.status.n_rows - self._sent_rows
+        if n_rows >= BEAT_ROWS or time.monotonic() - self._sent_s >= BEAT_S:
+            self._link.send_command("heartbeat")
+
+    def heard(self, answer: Answer) -> None:
+        """Take note of the answer to a heartbeat."""
+        if answer.result == NOT_COMMANDER and self.session:
+            self._lose(int(answer.value))
+
+    # Orders
+
+    def mend(self, answer: Answer) -> bool:
+        """Take command or unlock where an order was refused for want of it.
+
+        Returns
+        -------
+        bool
+            whether to give the order again
+
+        Raises
+        ------
+        CommandHeld
+            Another has command.
+        CommandLost
+            This link had it.
+        """
+        if answer.result == NOT_COMMANDER:
+            return self._mend_command(int(answer.value))
+        if answer.result == "locked" and self.secret is not None:
+            self.unlock()
+            return True
+        return False
+
+    def _mend_command(self, holder: int) -> bool:
+        if self.session and not self.is_joined:
+            self._lose(holder)
+            return False
+        self.is_joined = False
+        if not self.session and not self._was_joined and (session := self.joined()):
+            self.session, self.is_joined, self._was_joined = session, True, True
+            return True
+        self.session = 0
+        if self.may is May.NEVER:
+            return False
+        self.take(over=self.may is May.TAKE_OVER)
+        return True
+
+    def take(self, *, over: bool = False) -> None:
+        """Take command, or take it over from whoever has it.
+
+        Raises
+        ------
+        CommandHeld
+            Another has it.
+        Refused
+            The controller refuses, or is older than this program.
+        """
+        self.session = 0
+        answer = self._link.ask_once("take_command", is_take_over=int(over))
+        if answer.result == NOT_COMMANDER:
+            holder = int(answer.value)
+            raise CommandHeld(f"{self._link.where}: {sender_text(holder)} commands", holder)
+        if answer.result != "done":
+            raise Refused(f"take command: refused: {answer.result.replace('_', ' ')}")
+        self.session, self.is_joined = int(answer.value), False
+        self._sent_s, self._sent_rows = time.monotonic(), self._link.status.n_rows
+        self._change()
+
+    def release(self) -> None:
+        """Give command back, where this link has taken it; what went wrong with that is no harm."""
+        if self.session and not self.is_joined:
+            with contextlib.suppress(Refused):
+                self._link.ask_once("release_command")
+        if self.session:
+            self.session, self.is_joined = 0, False
+            self._change()
+
+    def _change(self) -> None:
+        self._link.status.signals.pop("commander", None)  # the page of before
+        self.on_change()
+
+    def _lose(self, holder: int) -> None:
+        self.session, self.is_joined = 0, False
+        self._change()
+        by = f"{sender_text(holder)} has taken it over; what ran goes on under it"
+        silent = "nothing was heard from here in time, and nobody has it now; a cut ends by that"
+        self.on_lost(f"{self._link.where}: command is lost: {by if holder else silent}")
+
+    # Level
+
+    def unlock(self, secret: bytes | None = None) -> None:
+        """Unlock the controller by the secret.
+
+        Raises
+        ------
+        Refused
+            It is not the right one, the port has none, or the controller refuses otherwise.
+        """
+        key = self.secret if secret is None else secret
+        if key is None:
+            raise Refused("unlock: no secret; give --secret FILE, or turn the key switch")
+        end_s = time.monotonic() + _CHALLENGE_S
+        challenge = self._link.ask_once("get_challenge")
+        while challenge.result == "busy" and time.monotonic() < end_s:
+            self._link.wait(lambda: False, 0.1)
+            challenge = self._link.ask_once("get_challenge")
+        if challenge.result == NOT_COMMANDER and self._mend_command(int(challenge.value)):
+            challenge = self._link.ask_once("get_challenge")
+        if challenge.result == "done":
+            proof = proof_of(key, int(challenge.value))
+            challenge = self._link.ask_once("unlock", unlock_answer=proof)
+        if challenge.result != "done":
+            words = _UNLOCK_TEXTS.get(challenge.result, challenge.result.replace("_", " "))
+            raise Refused(f"unlock: refused: {words}")
+
+
+_UNLOCK_TEXTS = {
+    "unlock": "the secret is not the controller's; give the right file",
+    "lock_none": "the port has no secret; its settings name one",
+    "command": "the controller knows no levels",
+}
+
+
+def _raise_lost(text: str) -> None:
+    raise CommandLost(text)
