@@ -48,10 +48,12 @@ _MOST_SPEED_UP, _LEAST_SPEED_UP = 100.0, 0.01
 _MACHINE = "machine.toml"
 _START_S = 30.0
 _LOOK_S = 0.1
+_PEOPLE = ("waived", "present", "absent")
 _EPILOG = """\
 What follows -- goes to both processes, as it would go to `camsim run`: --set, --rpm, --seed, ...
 While it runs, a line that is typed happens to the lathe: estop, drive, bus, lost-counts:5 and the
-other kinds of camsim run --inject, and release, which takes back the first three.
+other kinds of camsim run --inject, and release, which takes back the first three. acknowledge:0.5
+presses the button at the machine for half a second, key:1 turns the key switch.
 Exit status: 0 ended by control-C or SIGTERM, 1 both processes died, 2 wrong usage or bad input."""
 
 
@@ -72,7 +74,7 @@ def _name(text: str) -> str:
 def _parser() -> argparse.ArgumentParser:
     parser = Parser(
         prog="tools/live",
-        usage="tools/live [PART.toml] [--machine M] [--speed-up F] [--name NAME] "
+        usage="tools/live [PART.toml] [--machine M] [--speed-up F] [--operator WHO] [--name NAME] "
         "[-i INTERFACE -c CHANNEL] [-- CAMSIM-OPTIONS]",
         description="Run a controller on a simulated lathe until control-C; tools/camctl finds it.",
         epilog=_EPILOG,
@@ -86,6 +88,12 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--machine", metavar="M", help=f"a machine file, or one of {machines}")
     parser.add_argument(
         "--speed-up", type=_speed_up, default=1.0, metavar="F", help="times faster than the clock"
+    )
+    parser.add_argument(
+        "--operator",
+        choices=_PEOPLE,
+        help="at the machine: waived needs no button acknowledge; present presses it, and has "
+        "turned the key; absent does neither",
     )
     parser.add_argument("--name", type=_name, help="for camctl --live; default: the part's")
     add_interface_options(parser)
@@ -222,7 +230,9 @@ def _begin(
         write_files(folder, _files(made, arguments.machine))
         if refuses(camsim_path(), folder, words):
             return None
-        pair = LivePair(camsim_path(), folder, [*words, "--speed-up", repr(arguments.speed_up)])
+        people = [] if arguments.operator is None else ["--operator", arguments.operator]
+        pace = ["--speed-up", repr(arguments.speed_up)]
+        pair = LivePair(camsim_path(), folder, [*words, *pace, *people])
         stack.callback(pair.close)
         assert pair.controller.stdin is not None and pair.controller.stdout is not None
         bridge = Bridge(bus, pair.controller.stdin.fileno(), pair.controller.stdout.fileno())
