@@ -2,8 +2,10 @@
 #define _POSIX_C_SOURCE 200809L // clock_nanosleep
 // The firmware with main()'s loop around an ideal machine. CAN frames come on standard input and
 // leave on standard output, 72 bytes each: id, bytes, data. A frame with the id `bench_estop`
-// presses the emergency stop (data 1) or releases it. Virtual time keeps pace with the clock, so
-// that time-outs mean what they say. Ends with its input.
+// presses the emergency stop (data 1) or releases it, bench_button likewise the button acknowledge,
+// and bench_key turns the key switch, which is on at the start. Virtual time keeps pace with the
+// clock, so that time-outs mean what they say. Ends with its input. With a word the controller
+// demands the button, and the word is the secret that unlocks it.
 #include "cam_machine_scope.h" // cam_machine_box
 #include "fixture_can.h"
 #include "hal_host.h"
@@ -15,7 +17,7 @@
 
 enum { tick_hz = 20000, ticks_per_turn = 20, frame_bytes = 8 + hal_can_max_bytes };
 
-enum { bench_estop = 0x10000 };
+enum { bench_estop = 0x10000, bench_button, bench_key };
 
 static fixture_can_t f;
 static uint32_t n_told; // frames of the port's ring
@@ -37,10 +39,20 @@ static void take(const uint8_t *bytes)
     hal_can_frame_t frame = {.n = bytes[4]};
     memcpy(&frame.id, bytes, sizeof frame.id);
     memcpy(frame.data, bytes + 8, sizeof frame.data);
-    if (frame.id == bench_estop) {
-        hal_host_fault_estop(frame.data[0] != 0u);
-    } else {
+    const bool is_on = frame.data[0] != 0u;
+    switch (frame.id) {
+    case bench_estop:
+        hal_host_fault_estop(is_on);
+        break;
+    case bench_button:
+        hal_host_press(is_on);
+        break;
+    case bench_key:
+        hal_host_turn_key(is_on);
+        break;
+    default:
         (void)hal_host_can_receive(&frame);
+        break;
     }
 }
 
@@ -82,10 +94,23 @@ static void wait_until(struct timespec *due)
     (void)clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, due, NULL);
 }
 
-int main(void)
+/// There is a button, a key switch, and a secret.
+static void demand(const char *secret)
+{
+    hal_host.slow.people = (hal_operator_t){.has_acknowledge = true,
+                                            .has_key = true,
+                                            .secret = (const uint8_t *)secret,
+                                            .n_secret = (uint32_t)strlen(secret)};
+}
+
+int main(int n_words, char **words)
 {
     const fixture_part_t part = fixture_part_short();
     fixture_can_init(&f, &part, tick_hz);
+    hal_host_turn_key(true);
+    if (n_words > 1) {
+        demand(words[1]);
+    }
     fixture_can_start(&f);
     cam_machine_box(&f.rig.machine);
     hal_host.in.axis_nm[hal_axis_x] = 60000000; // clear of the part

@@ -23,12 +23,14 @@ from camtools.cli.camctl_rights import commanding
 from camtools.link.controller import Link
 from camtools.link.messages import COMMAND, Refused, command_bytes
 from camtools.link.refusal import ask_done
+from camtools.link.rights import sender_of
+from camtools.link.shared_session import SharedSession
 
 ROOT = Path(__file__).resolve().parents[3]
 BENCH = ROOT / os.environ.get("CAMTURN_BUILD", "build/host") / "tests" / "camctl" / "can_bench"
 FRAME = struct.Struct("<IB3x64s")
 CLASSIC_BYTES = 8
-ESTOP_ID = 0x10000
+ESTOP_ID, BUTTON_ID, KEY_ID = range(0x10000, 0x10003)
 
 
 class Bench:
@@ -44,15 +46,20 @@ class Bench:
         number of the controller; the firmware knows itself as 64
     is_fd : bool
         whether the bus carries frames of CAN FD
+    secret : str
+        of a controller that demands the button acknowledge; "": it is waived, there is no secret
     """
 
-    def __init__(self, channel: str, node: int = 64) -> None:
+    def __init__(self, channel: str, node: int = 64, secret: str = "") -> None:
         assert BENCH.exists(), f"{BENCH} is missing: build the preset host, or let tools/test do it"
         self.channel, self.node, self.is_fd = channel, node, False
         self.drop: Callable[[can.Message], bool] = lambda frame: False
         self._bus = can.Bus(interface="virtual", channel=channel)
         self._process = subprocess.Popen(
-            [str(BENCH)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL
+            [str(BENCH), *([secret] if secret else [])],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
         )
         self._stopping = False
         self._threads = [threading.Thread(target=loop) for loop in (self._forth, self._back)]
@@ -91,6 +98,16 @@ class Bench:
     def estop(self, is_pressed: bool) -> None:
         """Press or release the emergency stop."""
         self._write(ESTOP_ID, bytes([is_pressed]))
+
+    def press(self) -> None:
+        """Press the button acknowledge, as somebody at the machine does."""
+        for is_pressed in (True, False):
+            self._write(BUTTON_ID, bytes([is_pressed]))
+            time.sleep(0.2)
+
+    def turn_key(self, is_on: bool) -> None:
+        """Turn the key switch, which is on at the start."""
+        self._write(KEY_ID, bytes([is_on]))
 
     def close(self) -> None:
         """End the process and the threads."""
@@ -165,9 +182,19 @@ def columns(path: Path) -> dict[str, list[str]]:
     return {name: [row[i] for row in rows[1:]] for i, name in enumerate(rows[0])}
 
 
-def order(bench: Bench, command: str) -> None:
-    """Give a command beside the link of the test, without waiting for its answer."""
-    data = command_bytes(command, 0, {})
+def order(bench: Bench, command: str, session_of: Link | None = None) -> None:
+    """Give a command beside the link of the test, without waiting for its answer.
+
+    In the session of a link, or in that which camctl shares with a second one of the same user.
+    """
+    sender = sender_of("camctl")
+    if session_of is not None:
+        stamp = session_of.rights.stamp(command)
+    elif session := SharedSession(f"virtual {bench.channel}", bench.node, sender).read():
+        stamp = {"sender": sender, "session": session}
+    else:
+        stamp = {}
+    data = command_bytes(command, 0, {}, **stamp)
     bus = can.Bus(interface="virtual", channel=bench.channel)
     bus.send(can.Message(arbitration_id=COMMAND.frame_id, data=data, is_extended_id=False))
     bus.shutdown()

@@ -48,8 +48,9 @@ def test_a_record_of_a_cut_that_fails_says_so(bench: Bench, tmp_path: Path) -> N
     """The emergency stop in the cut ends the record with status 1, the rows are there."""
     bench.do("home")
     file = tmp_path / "cut.csv"
-    with bench.cutting("cutting"):
-        stop = threading.Timer(0.3, bench.estop, [True])
+    bench.do("set", "engage_turns", "100")
+    with bench.cutting("engaging"):
+        stop = threading.Timer(1.0, bench.estop, [True])
         stop.start()
         status, text = bench.run("record", file, "--cut")
     assert status == 1

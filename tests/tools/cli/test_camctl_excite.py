@@ -108,7 +108,8 @@ def test_stop_of_somebody_else_ends_it(bench: Bench, link: Link) -> None:
 def test_disable_ends_it_and_then_switches_off(bench: Bench, link: Link) -> None:
     """U comes to rest before the drives go off."""
     bench.do("home")
-    assert "cut short: stopped" in excite_until(link, bench, lambda: order(bench, "disable"))
+    ended = excite_until(link, bench, lambda: order(bench, "disable", link))
+    assert "cut short: stopped" in ended
     time.sleep(0.3)
     text = bench.do("status")
     assert "state             off" in text

@@ -32,6 +32,8 @@ class Bench:
 
     def __init__(self, lathe: Background, link: Link) -> None:
         self.lathe, self.link = lathe, link
+        # Who waits for the lathe's words sends no heartbeats; the next order takes command anew.
+        self.link.rights.on_lost = lambda text, holder: None
         self.values = get_all(link)
 
     def way(self) -> Way:

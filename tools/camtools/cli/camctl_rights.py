@@ -81,7 +81,7 @@ def commanding(link: Link, node: int, arguments: argparse.Namespace) -> Iterator
         rights.secret = secret_of(Path(given))
     shared = SharedSession(link.where, node, rights.sender)
     rights.joined = shared.read
-    rights.on_change = lambda: shared.tell(0 if rights.is_joined else rights.session)
+    rights.on_change = lambda: shared.tell(rights.session)
     try:
         yield
     except CommandHeld as held:

@@ -128,7 +128,8 @@ class Rights:
     is_joined : bool
         whether that is the session of another process of this sender
     on_lost : callable
-        told why command was lost; by default CommandLost is raised from whatever waits
+        told why command was lost, and who has it now, 0: nobody; by default CommandLost is raised
+        from whatever waits
     on_change : callable
         called whenever `session` has changed
     joined : callable
@@ -140,7 +141,7 @@ class Rights:
         self.may = May.IF_FREE
         self.secret: bytes | None = None
         self.session = 0
-        self.on_lost: Callable[[str], None] = _raise_lost
+        self.on_lost: Callable[[str, int], None] = _raise_lost
         self.on_change: Callable[[], None] = lambda: None
         self.joined: Callable[[], int] = lambda: 0
         self.is_joined = self._was_joined = False
@@ -232,20 +233,24 @@ class Rights:
         if self.session and not self.is_joined:
             with contextlib.suppress(Refused):
                 self._link.ask_once("release_command")
-        if self.session:
-            self.session, self.is_joined = 0, False
-            self._change()
+        self._end()
 
     def _change(self) -> None:
         self._link.status.signals.pop("commander", None)  # the page of before
         self.on_change()
 
-    def _lose(self, holder: int) -> None:
+    def _end(self) -> None:
+        """Forget the session; one that was joined is its owner's to tell of."""
+        is_own = self.session != 0 and not self.is_joined
         self.session, self.is_joined = 0, False
-        self._change()
+        if is_own:
+            self._change()
+
+    def _lose(self, holder: int) -> None:
+        self._end()
         by = f"{sender_text(holder)} has taken it over; what ran goes on under it"
         silent = "nothing was heard from here in time, and nobody has it now; a cut ends by that"
-        self.on_lost(f"{self._link.where}: command is lost: {by if holder else silent}")
+        self.on_lost(f"{self._link.where}: command is lost: {by if holder else silent}", holder)
 
     # Level
 
@@ -277,10 +282,11 @@ class Rights:
 
 _UNLOCK_TEXTS = {
     "unlock": "the secret is not the controller's; give the right file",
-    "lock_none": "the port has no secret; its settings name one",
+    "locked": "the port has no secret; turn the key switch at the machine",
+    "lock_none": "the port has neither a secret nor a key switch; its settings name them",
     "command": "the controller knows no levels",
 }
 
 
-def _raise_lost(text: str) -> None:
+def _raise_lost(text: str, _holder: int) -> None:
     raise CommandLost(text)

@@ -96,13 +96,17 @@ class Commander:
             self._holder = None
         self._told("lose", visitor, Outcome(True, "the page is gone: nobody commands"))
 
-    def lose_on_bus(self, why: str) -> None:
-        """Take note that the panel commands the controller no more; who commanded here is told."""
+    def lose_on_bus(self, why: str, sender: int) -> None:
+        """Take note that the panel has lost command over the controller; who commanded is told.
+
+        Where nobody else has it, as when the panel was stopped for a second, he commands on.
+        """
         with self._lock:
-            loser, self._holder = self._holder, None
+            loser = self._holder
             if loser is None:
                 return
-            self._news[loser] = f"{why}; since {utc(time.time())} you do not command"
+            self._holder = None if sender else loser
+            self._news[loser] = f"{why} ({utc(time.time())})"
         self._told("lose", loser, Outcome(True, why))
 
     def _told(self, what: str, visitor: Visitor, outcome: Outcome) -> Outcome:

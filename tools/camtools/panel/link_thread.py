@@ -94,14 +94,14 @@ class LinkThread:
         whether somebody at the panel commands; while that is so, the thread takes command over the
         controller when nobody has it, and keeps it by its heartbeats
     on_lost : callable
-        told why command over the controller was lost
+        told why command over the controller was lost, and who has it now; 0: nobody
     """
 
     def __init__(
         self,
         open_link: OpenLink,
         wants_command: Callable[[], bool] = lambda: False,
-        on_lost: Callable[[str], None] = lambda text: None,
+        on_lost: Callable[[str, int], None] = lambda text, holder: None,
     ) -> None:
         self._open_link = open_link
         self._wants_command, self._on_lost = wants_command, on_lost
@@ -294,7 +294,7 @@ class LinkThread:
 
     def _give_back(self, link: Link) -> None:
         """Give command back at the end of a connection, as far as that is heard."""
-        link.rights.on_lost = lambda text: None
+        link.rights.on_lost = lambda text, holder: None
         if time.monotonic() - link.status.at_s < SILENT_S:
             link.on_wait = lambda: None
             with suppress(Exception):  # the bus may be gone
